@@ -1,0 +1,154 @@
+# feeler: everything there is to run. `make help` lists it; CI calls the same targets.
+#
+# Each target does the set-up it needs, once: a virtual environment in .venv from requirements.lock, the extension
+# module built in release mode. Works with GNU make 3.81 and any POSIX shell.
+
+VENV := .venv
+ifeq ($(OS),Windows_NT)
+BIN := $(VENV)/Scripts
+else
+BIN := $(VENV)/bin
+endif
+PY := $(BIN)/python
+
+# make PYTHON=python3.12 ...: the Python that .venv is made from. PROFILE=dev: an extension module for debugging.
+PYTHON ?=
+PROFILE ?= release
+# make QUICK=1 bench | test: the short form. DEMO_ARGS, BENCH_ARGS, PYTEST_ARGS, CARGO_ARGS are passed on.
+QUICK ?=
+DEMO_ARGS ?=
+BENCH_ARGS ?=
+PYTEST_ARGS ?=
+CARGO_ARGS ?=
+
+# Where rustup puts cargo, for shells that were not told.
+export PATH := $(PATH):$(HOME)/.cargo/bin
+export VIRTUAL_ENV := $(CURDIR)/$(VENV)
+# The Python that PyO3's build script asks; one and the same for all cargo commands, so that none rebuilds for another.
+export PYO3_PYTHON := $(CURDIR)/$(PY)
+unexport CONDA_PREFIX PYTHONHOME
+
+# In CI the lock file is law; at home cargo may bring it up to date with an edited Cargo.toml.
+LOCKED := $(if $(CI),--locked)
+
+# A stamp for each PYTHON, so that naming another one takes effect.
+INSTALLED := $(VENV)/.installed$(subst /,-,$(PYTHON))
+BUILT := $(VENV)/.built-$(PROFILE)
+RUST_SOURCES := Cargo.toml $(wildcard Cargo.lock) \
+	$(shell find crates -name Cargo.toml -o -name build.rs -o -name '*.rs' -path '*/src/*' 2>/dev/null)
+EXTENSION := $(wildcard python/feeler/_core*.so python/feeler/_core*.pyd)
+
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+.SUFFIXES:
+
+##@ Use
+
+.PHONY: help
+help: ## list the targets
+	@awk 'BEGIN { FS = ":.*## " } \
+		/^##@ / { printf "\n%s\n", substr($$0, 5) } \
+		/^[a-z][a-z-]*:.*## / { printf "  make %-14s %s\n", $$1, $$2 }' Makefile
+	@printf '\nVariables: PYTHON=python3.12 (the Python to use)  QUICK=1 (bench, test: the short form)\n'
+	@printf '           DEMO_ARGS= BENCH_ARGS= PYTEST_ARGS= CARGO_ARGS= (passed on)  PROFILE=dev (unoptimised extension)\n'
+
+.PHONY: demo
+demo: build ## index an engine of 1.6M triangles, drive a wrench through it, say what it hits
+	@$(BIN)/feeler demo $(DEMO_ARGS)
+
+.PHONY: bench
+bench: build ## measure feeler and its peers on the same poses, write a dated record
+	@$(PY) bench/run.py $(if $(QUICK),--quick) $(BENCH_ARGS)
+
+##@ Set up
+
+.PHONY: setup
+setup: $(INSTALLED) ## make .venv with everything of requirements.lock
+
+.PHONY: build
+build: $(BUILT) ## compile the extension module into python/feeler
+
+.PHONY: wheel
+wheel: $(INSTALLED) ## build the wheel into dist/ (one for all Pythons from 3.10 on)
+	@$(PY) -m maturin build --release $(LOCKED) --out dist
+
+# An environment does not survive a move of the clone, nor the loss of its interpreter.
+ifneq ($(shell $(PY) -c "" 2>/dev/null && cat $(VENV)/.made-in 2>/dev/null),$(CURDIR))
+.PHONY: $(INSTALLED)
+endif
+$(INSTALLED): requirements.lock tools/make_venv.sh
+	@PYTHON="$(PYTHON)" sh tools/make_venv.sh $(VENV) requirements.lock "$(CURDIR)"
+	@touch $@
+
+# The editable install leaves the extension beside its sources; make it again if somebody removed it.
+ifeq ($(EXTENSION),)
+.PHONY: $(BUILT)
+endif
+$(BUILT): $(INSTALLED) pyproject.toml $(RUST_SOURCES)
+	@command -v cargo >/dev/null || { echo "make build: cargo not found. Install Rust (stable), or put cargo on the PATH." >&2; exit 1; }
+	@PIP_QUIET=1 $(PY) -m maturin develop --profile $(PROFILE) $(LOCKED)
+	@rm -f $(VENV)/.built-*
+	@touch $@
+
+##@ Check
+
+.PHONY: test
+test: test-rust test-python ## all tests
+	@echo "make test: cargo test and pytest passed"
+
+# feeler-py is a module for Python to load: it has no tests of its own, and would need libpython to link one.
+.PHONY: test-rust
+test-rust: ## cargo test of all crates but the Python binding
+	@command -v cargo >/dev/null || { echo "make test: cargo not found. Install Rust (stable), or put cargo on the PATH." >&2; exit 1; }
+	@cargo test --workspace --exclude feeler-py $(LOCKED) $(CARGO_ARGS)
+
+.PHONY: test-python
+test-python: build ## pytest: warnings are errors, every test has a time-out
+	@$(PY) -m pytest $(if $(QUICK),-m "not slow") $(PYTEST_ARGS)
+
+.PHONY: lint
+lint: lint-rust lint-python lint-rules ## everything below
+	@echo "make lint: all clean"
+
+.PHONY: lint-rust
+lint-rust: $(INSTALLED) ## rustfmt and clippy (the lints are listed in Cargo.toml)
+	@cargo fmt --version >/dev/null 2>&1 || { echo "make lint: rustfmt not found (rustup component add rustfmt)" >&2; exit 1; }
+	@cargo clippy --version >/dev/null 2>&1 || { echo "make lint: clippy not found (rustup component add clippy)" >&2; exit 1; }
+	cargo fmt --all --check
+	cargo clippy --workspace --all-targets $(LOCKED) --quiet -- --deny warnings
+
+.PHONY: lint-python
+lint-python: build ## ruff, mypy (strict), and the type stubs against the compiled module
+	$(BIN)/ruff check --quiet .
+	$(BIN)/ruff format --check --quiet .
+	$(PY) -m mypy
+	MYPYPATH=python $(PY) -m mypy.stubtest feeler._core --mypy-config-file pyproject.toml
+
+.PHONY: lint-rules
+lint-rules: $(INSTALLED) ## who may import whom; file sizes, SAFETY comments, left-overs
+	$(PY) tools/check_layers.py
+	$(PY) tools/check_files.py
+
+##@ Care
+
+.PHONY: format
+format: $(INSTALLED) ## format Rust and Python, apply ruff's safe fixes
+	@cargo fmt --all
+	@$(BIN)/ruff check --fix --quiet . || true
+	@$(BIN)/ruff format .
+
+.PHONY: lock
+lock: $(INSTALLED) ## make requirements.lock anew from pyproject.toml (newest versions)
+	@$(PY) -m pip install --quiet uv
+	@{ echo '# Everything `make setup` installs, exactly, for Python 3.10 and later on Linux, macOS and Windows.'; \
+	   echo '# Made from pyproject.toml by `make lock`; not edited by hand.'; \
+	   $(BIN)/uv pip compile --quiet --universal --python-version 3.10 --generate-hashes --no-header --no-annotate \
+		--no-emit-index-url --no-emit-find-links --extra study --extra bench \
+		--group build --group test --group lint pyproject.toml; } >requirements.lock.new
+	@mv requirements.lock.new requirements.lock
+
+.PHONY: clean
+clean: ## remove everything that make made
+	@rm -rf $(VENV) target build dist feeler-demo .hypothesis .mypy_cache .pytest_cache .ruff_cache
+	@rm -f python/feeler/_core*.so python/feeler/_core*.pyd
+	@find . -name __pycache__ -type d -not -path './node_modules/*' -prune -exec rm -rf {} +

@@ -1,0 +1,40 @@
+//! Every limit and rounding constant, with its unit, its reason, and what moves when it changes.
+
+/// Half the distance from 1 to the next float64: the largest relative error of one rounded operation.
+pub const UNIT_ROUNDOFF: f64 = f64::EPSILON / 2.0;
+
+/// Largest coordinate (metres) of a triangle that is queried, and of a pose's translation.
+///
+/// Cubes of sums of such numbers stay below the largest float64, so no predicate can overflow. A triangle beyond it is
+/// counted in the report as `too_large` and not queried.
+pub const LARGEST_COORDINATE: f64 = 1e100;
+
+/// How far `R * transpose(R)` may be from the identity, entry by entry, for a pose to count as rigid (no unit).
+pub const POSE_TOLERANCE: f64 = 1e-6;
+
+/// Most voxels along one axis: keeps a voxel's key `(i*Nj + j)*Nk + k` below 2^63.
+pub const MAX_VOXELS_PER_AXIS: u32 = 1 << 21;
+
+/// Deepest bisection of a triangle into pieces. Forty halvings shrink a kilometre to a nanometre.
+pub const MAX_CUT_DEPTH: u32 = 40;
+
+/// Cutting rounds each midpoint once per level, so a piece may lie off its exact place by this many unit roundoffs of
+/// the largest coordinate: one a level for the midpoint's sum, with a factor of two to spare.
+pub const CUT_ROUNDOFFS: f64 = 2.0 * MAX_CUT_DEPTH as f64;
+
+/// Share of extra pieces that cutting may add under the default piece-size rule of the mock-up (no unit).
+/// More tightens boxes around long triangles and costs memory.
+pub const MOCKUP_CUT_ALLOWANCE: f64 = 0.25;
+
+/// The same for a tool. Fine tools have short triangles already, and pay for each piece at every pose.
+pub const TOOL_CUT_ALLOWANCE: f64 = 0.5;
+
+/// Extra pieces any tool may have on top: the long triangles of a coarse tool are worth many pieces each.
+pub const TOOL_CUT_PIECES: f64 = 2500.0;
+
+/// Ids kept per kind of defect in a report.
+pub const DEFECT_IDS_KEPT: usize = 100;
+
+/// Roundings, in unit roundoffs of the largest number involved, by which a placed piece or box may be off the triangle at
+/// the pose: 4 for the triangle's corners, 4 for the piece's, 16 for a box's centre and reach, and a factor of two to spare.
+pub const TRANSFORM_ROUNDOFFS: f64 = 48.0;

@@ -1,0 +1,124 @@
+//! What can be wrong with what a caller passes in. Every message says what, where and what to do.
+
+/// An error of the core. `feeler-py` maps each variant to one Python exception class.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Error {
+    /// A mesh without a single triangle.
+    #[error("the {what} has no triangles: give at least one face")]
+    EmptyMesh {
+        /// "mock-up" or "tool".
+        what: &'static str,
+    },
+    /// A mesh whose triangles are all defective.
+    #[error("the {what} has {triangles} triangles but none can be queried ({defects}): repair the mesh")]
+    NothingToQuery {
+        /// "mock-up" or "tool".
+        what: &'static str,
+        /// Triangles given.
+        triangles: usize,
+        /// Defect counts in words.
+        defects: String,
+    },
+    /// More triangles, vertices or parts than 32-bit ids can name.
+    #[error("{count} {what} is more than the {limit} that 32-bit ids can name: split the mesh")]
+    TooMany {
+        /// What was counted.
+        what: &'static str,
+        /// How many there were.
+        count: u64,
+        /// The limit.
+        limit: u64,
+    },
+    /// An array whose length does not match another.
+    #[error("{what} has {got} entries where {expected} are needed")]
+    Length {
+        /// Which array.
+        what: &'static str,
+        /// Its length.
+        got: usize,
+        /// The length needed.
+        expected: usize,
+    },
+    /// A part index past the last part.
+    #[error("part_of_face[{face}] is {part}, but there are {parts} parts (0 to {last})", last = .parts - 1)]
+    PartOutOfRange {
+        /// The triangle.
+        face: usize,
+        /// Its part index.
+        part: u32,
+        /// Number of parts.
+        parts: usize,
+    },
+    /// A pose with NaN, an infinity, or a translation beyond the coordinate limit.
+    #[error("pose[{row}, {column}] is {value}: every entry must be finite and at most 1e100 in size")]
+    PoseNotFinite {
+        /// Row of the entry.
+        row: usize,
+        /// Column of the entry.
+        column: usize,
+        /// The entry.
+        value: f64,
+    },
+    /// A pose whose matrix is not a rigid motion.
+    #[error("the pose is not rigid: {why} (allowed deviation 1e-6); give a rotation without scale, shear or mirror")]
+    PoseNotRigid {
+        /// Which condition failed, and by how much.
+        why: String,
+    },
+    /// A voxel size that is not a positive finite number.
+    #[error("voxel_size is {value}: it must be a positive, finite length in metres")]
+    VoxelSize {
+        /// The size given.
+        value: f64,
+    },
+    /// A hashing level outside [0, 0.99].
+    #[error("hashing is {value}: it must be between 0 (no memory saved) and 0.99")]
+    Hashing {
+        /// The level given.
+        value: f64,
+    },
+    /// A hashing level with a store that does not hash.
+    #[error("hashing is {value} but the storage is not 'hashed': leave hashing at 0 or choose storage='hashed'")]
+    HashingUnused {
+        /// The level given.
+        value: f64,
+    },
+    /// A grid with more voxels along an axis than addresses allow.
+    #[error(
+        "a voxel size of {voxel_size} m cuts the mock-up into {cells:.3e} voxels along one axis; at most {limit} are \
+         allowed: choose at least {least:.3e} m"
+    )]
+    GridTooFine {
+        /// The size given, metres.
+        voxel_size: f64,
+        /// Voxels along the longest axis.
+        cells: f64,
+        /// The limit.
+        limit: u32,
+        /// The smallest size within the limit, metres.
+        least: f64,
+    },
+    /// A structure that would need more memory than allowed.
+    #[error("{what} would need at least {needed} bytes but {allowed} are allowed: {advice}")]
+    Memory {
+        /// What would be allocated.
+        what: &'static str,
+        /// Bytes it needs.
+        needed: u64,
+        /// Bytes allowed.
+        allowed: u64,
+        /// What to do.
+        advice: &'static str,
+    },
+    /// A list structure with more entries than 32-bit offsets can address.
+    #[error("a voxel size of {voxel_size} m gives {entries} list entries, more than 32-bit offsets hold: choose a larger one")]
+    TooManyEntries {
+        /// The size, metres.
+        voxel_size: f64,
+        /// Entries needed.
+        entries: u64,
+    },
+}
+
+/// The core's result type.
+pub type Result<T> = std::result::Result<T, Error>;

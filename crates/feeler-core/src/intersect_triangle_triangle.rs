@@ -1,0 +1,280 @@
+//! Whether two triangles meet, and how: decided by exact signs alone.
+//!
+//! Follows T. Möller, *A fast triangle-triangle intersection test* (1997), in the form of P. Guigue and O. Devillers,
+//! *Fast and robust triangle-triangle overlap test using orientation predicates* (2003): instead of computing the two
+//! intervals on the planes' common line, their order is read from two orientation signs. Deviation: the signs are exact,
+//! triangles are closed, and the kind of meeting is found as well.
+//!
+//! Both triangles must have a non-zero area.
+
+use crate::bounds::{Point, Triangle};
+use crate::constants::UNIT_ROUNDOFF;
+use crate::predicates::{orient2d, orient3d, Sign};
+
+/// How two triangles meet.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[repr(u8)]
+pub enum PairKind {
+    /// They lie in one plane.
+    Coplanar = 0,
+    /// Two planes, each triangle has vertices strictly on both sides of the other's, and they share more than a point.
+    Crossing = 1,
+    /// Every other way to meet: a vertex or edge on a face, edge on edge, a shared point.
+    Touching = 2,
+}
+
+/// The plane of a triangle, for telling quickly that another lies on one side of it.
+#[derive(Debug, Clone, Copy)]
+pub struct Plane {
+    corner: Point,
+    normal: Point,
+    bound: f64,
+}
+
+impl Plane {
+    /// The plane through the corners of a triangle.
+    #[inline]
+    pub fn of_triangle(t: &Triangle) -> Plane {
+        let a = difference(&t[1], &t[0]);
+        let b = difference(&t[2], &t[0]);
+        let normal = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+        // With A, B, C the largest entries of a, b and of a corner minus `corner`: each difference has one rounding, so an
+        // entry of the normal, at most 2 A B, is off by at most 2 A B (2 + 1 + 1) u, and the dot product, at most 6 A B C, by
+        // 6 A B C (4 + 1 + 1 + 2) u to first order. 64 leaves a quarter for higher orders and this bound's own rounding.
+        Plane { corner: t[0], normal, bound: 64.0 * UNIT_ROUNDOFF * largest(&a) * largest(&b) }
+    }
+
+    /// True only when all corners of `t` are certainly on one side. Errs towards false.
+    #[inline]
+    pub fn is_surely_beside(&self, t: &Triangle) -> bool {
+        let v = [difference(&t[0], &self.corner), difference(&t[1], &self.corner), difference(&t[2], &self.corner)];
+        let reach = max(max(largest(&v[0]), largest(&v[1])), largest(&v[2]));
+        let n = &self.normal;
+        let distance = |v: &Point| n[0] * v[0] + n[1] * v[1] + n[2] * v[2];
+        let d = [distance(&v[0]), distance(&v[1]), distance(&v[2])];
+        // Products that underflow are off by far less than the second term.
+        let bound = self.bound * reach + 1e-200;
+        (d[0] > bound && d[1] > bound && d[2] > bound) || (d[0] < -bound && d[1] < -bound && d[2] < -bound)
+    }
+}
+
+#[inline]
+fn difference(p: &Point, q: &Point) -> Point {
+    [p[0] - q[0], p[1] - q[1], p[2] - q[2]]
+}
+
+#[inline]
+fn largest(v: &Point) -> f64 {
+    max(max(v[0].abs(), v[1].abs()), v[2].abs())
+}
+
+/// One instruction; `f64::max` takes several to treat NaN, which does not occur here.
+#[inline]
+fn max(x: f64, y: f64) -> f64 {
+    if x > y {
+        x
+    } else {
+        y
+    }
+}
+
+/// The kind of meeting of two closed triangles, `None` when they share no point. Exact.
+#[inline]
+pub fn intersect_triangle_triangle(p: &Triangle, q: &Triangle) -> Option<PairKind> {
+    // The side of each corner of q with respect to the plane of p, and the other way round.
+    let side_q = q.map(|corner| orient3d(&p[0], &p[1], &p[2], &corner));
+    if is_one_sided(side_q) {
+        return None;
+    }
+    let side_p = p.map(|corner| orient3d(&q[0], &q[1], &q[2], &corner));
+    if is_one_sided(side_p) {
+        return None;
+    }
+    if side_q == [0; 3] {
+        return is_overlapping_coplanar(p, q).then_some(PairKind::Coplanar);
+    }
+
+    // Turn each triangle so that its first corner is alone on the positive side of the other's plane (the other two at
+    // or below it), flipping the other triangle where the lone corner is on the negative side.
+    let (p, flip_q) = turn(p, side_p);
+    let (q, flip_p) = turn(q, side_q);
+    let q = if flip_q { [q[0], q[2], q[1]] } else { q };
+    let p = if flip_p { [p[0], p[2], p[1]] } else { p };
+
+    // The common line enters and leaves p through its edges 0-1 and 0-2, and q likewise. Two signs compare the ends of
+    // the two intervals crosswise; they overlap when neither ends before the other begins.
+    let first = orient3d(&p[0], &p[1], &q[0], &q[1]);
+    if first > 0 {
+        return None;
+    }
+    let second = orient3d(&p[0], &p[2], &q[2], &q[0]);
+    if second > 0 {
+        return None;
+    }
+    let crossing = first < 0 && second < 0 && is_two_sided(side_p) && is_two_sided(side_q);
+    Some(if crossing { PairKind::Crossing } else { PairKind::Touching })
+}
+
+#[inline]
+fn is_one_sided(side: [Sign; 3]) -> bool {
+    side == [1; 3] || side == [-1; 3]
+}
+
+fn is_two_sided(side: [Sign; 3]) -> bool {
+    side.contains(&1) && side.contains(&-1)
+}
+
+/// Rotates the corners so that the one alone on its side comes first. True when that side is the negative one, so that
+/// the other triangle must be flipped.
+///
+/// With corner 0 alone on the positive side both others are at or below the plane; where corner 0 lies in the plane both
+/// others are strictly below. So the edges 0-1 and 0-2 both pass through the plane, which the interval signs rely on.
+fn turn(t: &Triangle, side: [Sign; 3]) -> (Triangle, bool) {
+    let [a, b, c] = *t;
+    let lone = |i: usize| match i {
+        0 => [a, b, c],
+        1 => [b, c, a],
+        _ => [c, a, b],
+    };
+    for i in 0..3 {
+        let (s, r) = (side[i], [side[(i + 1) % 3], side[(i + 2) % 3]]);
+        // Strictly on one side, the others not on it.
+        if s != 0 && r.iter().all(|x| *x != s) {
+            // Where one other corner lies in the plane and one is opposite, two corners qualify; either will do.
+            return (lone(i), s < 0);
+        }
+    }
+    for i in 0..3 {
+        // In the plane, the others strictly on one common side: the flip makes them negative.
+        let r = [side[(i + 1) % 3], side[(i + 2) % 3]];
+        if side[i] == 0 && r[0] == r[1] {
+            return (lone(i), r[0] > 0);
+        }
+    }
+    unreachable!("sides {side:?} are one-sided or all zero")
+}
+
+/// Two closed triangles in one plane: they are apart exactly when all corners of one lie strictly outside an edge of the
+/// other.
+#[cold]
+fn is_overlapping_coplanar(p: &Triangle, q: &Triangle) -> bool {
+    // Dropping one axis maps the plane one to one where the projection of p keeps an area. Coordinates are taken as they
+    // are, so nothing is rounded.
+    for (u, v) in [(0, 1), (1, 2), (2, 0)] {
+        let flat = |t: &Triangle| t.map(|c| [c[u], c[v]]);
+        let (mut p, mut q) = (flat(p), flat(q));
+        match orient2d(p[0], p[1], p[2]) {
+            0 => continue,
+            s if s < 0 => p.swap(1, 2),
+            _ => {}
+        }
+        if orient2d(q[0], q[1], q[2]) < 0 {
+            q.swap(1, 2);
+        }
+        let is_outside_an_edge = |s: &[[f64; 2]; 3], t: &[[f64; 2]; 3]| {
+            (0..3).any(|i| t.iter().all(|c| orient2d(s[i], s[(i + 1) % 3], *c) < 0))
+        };
+        return !is_outside_an_edge(&p, &q) && !is_outside_an_edge(&q, &p);
+    }
+    unreachable!("a triangle with an area keeps one in at least one projection")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// The plain twin: triangles meet when an edge of one meets the other, or when one lies in the other.
+    fn is_meeting_plain(p: &Triangle, q: &Triangle) -> bool {
+        let edges = |t: &Triangle| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
+        edges(p).iter().any(|e| is_meeting_segment(e, q)) || edges(q).iter().any(|e| is_meeting_segment(e, p))
+    }
+
+    fn is_meeting_segment(e: &[Point; 2], t: &Triangle) -> bool {
+        let side = e.map(|x| orient3d(&t[0], &t[1], &t[2], &x));
+        if side == [0, 0] {
+            // In the plane: clip the projected segment by the projected triangle's edges.
+            return [(0, 1), (1, 2), (2, 0)].iter().any(|&(u, v)| {
+                let mut f = t.map(|c| [c[u], c[v]]);
+                let s = orient2d(f[0], f[1], f[2]);
+                if s == 0 {
+                    return false;
+                }
+                if s < 0 {
+                    f.swap(1, 2);
+                }
+                let e = e.map(|x| [x[u], x[v]]);
+                let inside = |x: [f64; 2]| (0..3).all(|i| orient2d(f[i], f[(i + 1) % 3], x) >= 0);
+                let crosses = |i: usize| {
+                    let (a, b) = (f[i], f[(i + 1) % 3]);
+                    orient2d(a, b, e[0]) * orient2d(a, b, e[1]) < 0
+                        && orient2d(e[0], e[1], a) * orient2d(e[0], e[1], b) <= 0
+                };
+                inside(e[0]) || inside(e[1]) || (0..3).any(crosses)
+            });
+        }
+        if side[0] * side[1] > 0 {
+            return false;
+        }
+        let around: Vec<Sign> = (0..3).map(|i| orient3d(&e[0], &e[1], &t[i], &t[(i + 1) % 3])).collect();
+        around.iter().all(|s| *s >= 0) || around.iter().all(|s| *s <= 0)
+    }
+
+    fn lattice_triangle() -> impl Strategy<Value = Triangle> {
+        prop::array::uniform3(prop::array::uniform3((-2i32..3).prop_map(f64::from)))
+            .prop_filter("area", |t| !crate::predicates::is_collinear(&t[0], &t[1], &t[2]))
+    }
+
+    fn orders(t: &Triangle) -> Vec<Triangle> {
+        let [a, b, c] = *t;
+        vec![[a, b, c], [b, c, a], [c, a, b], [a, c, b], [c, b, a], [b, a, c]]
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(100_000))]
+        #[test]
+        fn agrees_with_the_plain_twin_on_a_lattice(p in lattice_triangle(), q in lattice_triangle()) {
+            let meeting = is_meeting_plain(&p, &q);
+            prop_assert_eq!(intersect_triangle_triangle(&p, &q).is_some(), meeting);
+            let beside = Plane::of_triangle(&p).is_surely_beside(&q) || Plane::of_triangle(&q).is_surely_beside(&p);
+            prop_assert!(!(beside && meeting));
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(5_000))]
+        #[test]
+        fn kind_is_the_same_in_all_72_orderings(p in lattice_triangle(), q in lattice_triangle()) {
+            let expected = intersect_triangle_triangle(&p, &q);
+            for p in orders(&p) {
+                for q in orders(&q) {
+                    prop_assert_eq!(intersect_triangle_triangle(&p, &q), expected);
+                    prop_assert_eq!(intersect_triangle_triangle(&q, &p), expected);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn kinds_of_named_cases() {
+        let base: Triangle = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
+        let kind = |q: Triangle| intersect_triangle_triangle(&base, &q);
+        // Crossing: pierces the face; and face cut right across.
+        assert_eq!(kind([[1.0, 1.0, -1.0], [1.0, 1.0, 1.0], [2.0, 1.0, 1.0]]), Some(PairKind::Crossing));
+        // Touching: vertex on face, edge on face, shared edge, shared vertex, one point on a common line.
+        assert_eq!(kind([[1.0, 1.0, 0.0], [1.0, 1.0, 1.0], [2.0, 1.0, 1.0]]), Some(PairKind::Touching));
+        assert_eq!(kind([[1.0, 1.0, 0.0], [2.0, 1.0, 0.0], [2.0, 1.0, 1.0]]), Some(PairKind::Touching));
+        assert_eq!(kind([[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 0.0, 1.0]]), Some(PairKind::Touching));
+        assert_eq!(kind([[0.0, 0.0, 0.0], [-1.0, 0.0, 1.0], [-1.0, 0.0, -1.0]]), Some(PairKind::Touching));
+        assert_eq!(kind([[4.0, 0.0, -1.0], [4.0, 0.0, 1.0], [9.0, 0.0, 0.0]]), Some(PairKind::Touching));
+        // Coplanar: overlap, containment, shared edge, shared vertex.
+        assert_eq!(kind([[1.0, 1.0, 0.0], [9.0, 1.0, 0.0], [1.0, 9.0, 0.0]]), Some(PairKind::Coplanar));
+        assert_eq!(kind([[1.0, 1.0, 0.0], [1.5, 1.0, 0.0], [1.0, 1.5, 0.0]]), Some(PairKind::Coplanar));
+        assert_eq!(kind([[4.0, 0.0, 0.0], [0.0, 4.0, 0.0], [4.0, 4.0, 0.0]]), Some(PairKind::Coplanar));
+        assert_eq!(kind([[4.0, 0.0, 0.0], [5.0, 0.0, 0.0], [5.0, 1.0, 0.0]]), Some(PairKind::Coplanar));
+        // Apart: parallel, coplanar beside, crossing planes but intervals apart.
+        assert_eq!(kind([[0.0, 0.0, 1.0], [4.0, 0.0, 1.0], [0.0, 4.0, 1.0]]), None);
+        assert_eq!(kind([[5.0, 0.0, 0.0], [6.0, 0.0, 0.0], [5.0, 1.0, 0.0]]), None);
+        assert_eq!(kind([[5.0, 0.0, -1.0], [5.0, 0.0, 1.0], [6.0, 1.0, 0.0]]), None);
+    }
+}

@@ -1,0 +1,37 @@
+//! Exact collision detection of a moving tool against a large static mock-up.
+//!
+//! The flow: a [`Mockup`] and a [`Tool`] are checked meshes; a [`Scene`] is a mock-up with an index; a query takes a tool
+//! and a [`Pose`] and finds every pair of triangles that meets, exactly. The core knows no files, clocks or Python.
+
+pub mod bounds;
+pub mod brute;
+pub mod constants;
+pub mod cost;
+pub mod defects;
+pub mod error;
+pub mod grid;
+pub mod intersect_triangle_triangle;
+pub mod mesh;
+mod morton;
+mod narrow;
+pub mod pieces;
+pub mod pose;
+pub mod predicates;
+pub mod scene;
+mod store;
+pub mod tool;
+pub mod weld;
+
+pub use bounds::{Aabb, Point, Triangle};
+pub use brute::collide_all_pairs;
+pub use cost::Estimator;
+pub use defects::{Defect, DefectKind, Defects};
+pub use error::{Error, Result};
+pub use intersect_triangle_triangle::{intersect_triangle_triangle, PairKind};
+pub use mesh::{Mesh, Mockup};
+pub use narrow::{Filters, Stats};
+pub use pose::Pose;
+pub use scene::{default_voxel_size, optimal_voxel_size, Batch, Collision, Scene, SceneOptions, Scratch};
+pub use store::{Progress, Storage};
+pub use tool::Tool;
+pub use weld::weld_vertices;

@@ -1,0 +1,122 @@
+//! Rigid poses and the one way a tool vertex is computed at a pose.
+
+use crate::bounds::{Aabb, Point, Triangle};
+use crate::constants::{LARGEST_COORDINATE, POSE_TOLERANCE};
+use crate::error::{Error, Result};
+
+/// A rigid motion `world_from_tool`. The numbers are used as given: nothing is re-orthonormalised.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pose {
+    rotation: [[f64; 3]; 3],
+    translation: Point,
+}
+
+impl Pose {
+    /// The tool where its own coordinates put it.
+    pub const IDENTITY: Pose =
+        Pose { rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], translation: [0.0; 3] };
+
+    /// Checks a row-major 4x4 matrix. Errors when an entry is not finite, the translation is beyond the coordinate limit,
+    /// or the matrix deviates by more than 1e-6 from a rotation and a last row of 0, 0, 0, 1.
+    pub fn new(m: &[[f64; 4]; 4]) -> Result<Pose> {
+        for (row, entries) in m.iter().enumerate() {
+            for (column, &value) in entries.iter().enumerate() {
+                if !value.is_finite() || value.abs() > LARGEST_COORDINATE {
+                    return Err(Error::PoseNotFinite { row, column, value });
+                }
+            }
+        }
+        let last = (0..4).map(|c| (m[3][c] - if c == 3 { 1.0 } else { 0.0 }).abs()).fold(0.0, f64::max);
+        if last > POSE_TOLERANCE {
+            return Err(Error::PoseNotRigid { why: format!("the last row is {:?}, not [0, 0, 0, 1]", m[3]) });
+        }
+        let r: [[f64; 3]; 3] = std::array::from_fn(|i| [m[i][0], m[i][1], m[i][2]]);
+        let dot = |i: usize, j: usize| r[i][0] * r[j][0] + r[i][1] * r[j][1] + r[i][2] * r[j][2];
+        for i in 0..3 {
+            for j in 0..=i {
+                let deviation = (dot(i, j) - if i == j { 1.0 } else { 0.0 }).abs();
+                if deviation > POSE_TOLERANCE {
+                    let what = if i == j { "length 1" } else { "right angles" };
+                    return Err(Error::PoseNotRigid {
+                        why: format!("rows {j} and {i} of the rotation miss {what} by {deviation:.3e}"),
+                    });
+                }
+            }
+        }
+        let determinant = r[0][0] * (r[1][1] * r[2][2] - r[1][2] * r[2][1])
+            - r[0][1] * (r[1][0] * r[2][2] - r[1][2] * r[2][0])
+            + r[0][2] * (r[1][0] * r[2][1] - r[1][1] * r[2][0]);
+        if determinant < 0.0 {
+            return Err(Error::PoseNotRigid { why: "it mirrors (determinant -1)".into() });
+        }
+        Ok(Pose { rotation: r, translation: [m[0][3], m[1][3], m[2][3]] })
+    }
+
+    /// A tool vertex in the world: `((r00*x + r01*y) + r02*z) + tx` and so on, each operation rounded once, no fused
+    /// multiply-add. This is the definition the exactness contract refers to.
+    #[inline]
+    pub fn apply(&self, p: &Point) -> Point {
+        let r = &self.rotation;
+        let t = &self.translation;
+        [
+            ((r[0][0] * p[0] + r[0][1] * p[1]) + r[0][2] * p[2]) + t[0],
+            ((r[1][0] * p[0] + r[1][1] * p[1]) + r[1][2] * p[2]) + t[1],
+            ((r[2][0] * p[0] + r[2][1] * p[1]) + r[2][2] * p[2]) + t[2],
+        ]
+    }
+
+    /// Three corners in the world.
+    #[inline]
+    pub fn apply_triangle(&self, t: &Triangle) -> Triangle {
+        [self.apply(&t[0]), self.apply(&t[1]), self.apply(&t[2])]
+    }
+
+    /// A box in the world around a box of the tool, grown by `margin` (metres) on every side.
+    pub fn apply_box(&self, b: &Aabb, margin: f64) -> Aabb {
+        let centre: Point = std::array::from_fn(|a| 0.5 * b.lower[a] + 0.5 * b.upper[a]);
+        let half: Point = std::array::from_fn(|a| (b.upper[a] - centre[a]).max(centre[a] - b.lower[a]));
+        let c = self.apply(&centre);
+        let reach: Point = std::array::from_fn(|i| {
+            let r = &self.rotation[i];
+            r[0].abs() * half[0] + r[1].abs() * half[1] + r[2].abs() * half[2] + margin
+        });
+        Aabb { lower: std::array::from_fn(|a| c[a] - reach[a]), upper: std::array::from_fn(|a| c[a] + reach[a]) }
+    }
+
+    /// The largest absolute entry of the translation, metres.
+    pub fn largest_translation(&self) -> f64 {
+        self.translation.iter().fold(0.0, |m, x| m.max(x.abs()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn identity() -> [[f64; 4]; 4] {
+        std::array::from_fn(|i| std::array::from_fn(|j| if i == j { 1.0 } else { 0.0 }))
+    }
+
+    #[test]
+    fn rejects_what_is_not_rigid() {
+        assert!(Pose::new(&identity()).is_ok());
+        for (row, column, value) in [(0, 0, f64::NAN), (1, 3, f64::INFINITY), (2, 3, 1e101)] {
+            let mut m = identity();
+            m[row][column] = value;
+            assert!(matches!(Pose::new(&m), Err(Error::PoseNotFinite { .. })), "{row} {column} {value}");
+        }
+        for (row, column, value) in [(0, 0, 1.001), (0, 1, 0.01), (0, 0, -1.0), (3, 0, 0.1), (3, 3, 2.0), (1, 1, 0.0)] {
+            let mut m = identity();
+            m[row][column] = value;
+            assert!(matches!(Pose::new(&m), Err(Error::PoseNotRigid { .. })), "{row} {column} {value}");
+        }
+    }
+
+    #[test]
+    fn accepts_within_tolerance_and_keeps_the_numbers() {
+        let mut m = identity();
+        m[0][0] = 1.0 + 4e-7;
+        let pose = Pose::new(&m).unwrap();
+        assert_eq!(pose.apply(&[1.0, 0.0, 0.0])[0], 1.0 + 4e-7);
+    }
+}

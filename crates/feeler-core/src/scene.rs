@@ -1,0 +1,263 @@
+//! A mock-up with its index, and the queries on it.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use rayon::prelude::*;
+
+use crate::constants::MOCKUP_CUT_ALLOWANCE;
+use crate::cost::{mean_longest_edge, static_means, CostFunction, Estimator};
+use crate::error::{Error, Result};
+use crate::intersect_triangle_triangle::PairKind;
+use crate::mesh::{Mesh, Mockup};
+use crate::narrow::{Filters, Narrow, PairSet, PlacedTool, Stats};
+use crate::pieces::default_piece_size;
+use crate::pose::Pose;
+use crate::store::{BlocksScratch, Progress, Storage, Store};
+use crate::tool::Tool;
+
+/// How to build a scene.
+#[derive(Debug, Clone, Copy)]
+pub struct SceneOptions<'a> {
+    /// Voxel edge (blocks: piece size), metres; `None` chooses, see [`default_voxel_size`].
+    pub voxel_size: Option<f64>,
+    /// The store.
+    pub storage: Storage,
+    /// The tool the voxel size is chosen for; any tool can be used with the scene.
+    pub tool: Option<&'a Tool>,
+    /// Most bytes that building the index, or a batch's result, may take.
+    pub memory_limit: u64,
+}
+
+impl Default for SceneOptions<'_> {
+    fn default() -> Self {
+        SceneOptions { voxel_size: None, storage: Storage::Blocks, tool: None, memory_limit: u64::MAX }
+    }
+}
+
+/// The pairs of triangles that meet at one pose.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Collision {
+    /// `[tool triangle, mock-up triangle]`, unique, sorted.
+    pub pairs: Vec<[u32; 2]>,
+    /// How each pair meets.
+    pub kinds: Vec<PairKind>,
+    /// What the query did.
+    pub stats: Stats,
+}
+
+/// The pairs of many poses, one after the other.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Batch {
+    /// Pose `i` has pairs `offsets[i]..offsets[i + 1]`.
+    pub offsets: Vec<u64>,
+    /// As in [`Collision`].
+    pub pairs: Vec<[u32; 2]>,
+    /// As in [`Collision`].
+    pub kinds: Vec<PairKind>,
+}
+
+/// The working memory of one query at a time; queries allocate nothing once it has grown to their needs.
+#[derive(Debug, Default)]
+pub struct Scratch {
+    placed: PlacedTool,
+    seen: PairSet,
+    blocks: BlocksScratch,
+    hits: Vec<(u64, PairKind)>,
+    stats: Stats,
+}
+
+/// What a few poses of a batch found.
+struct Task {
+    hits: Vec<(u64, PairKind)>,
+    counts: Vec<usize>,
+}
+
+/// A mock-up with its index. Immutable: any number of threads may query it at once.
+#[derive(Debug)]
+pub struct Scene {
+    mockup: Arc<Mockup>,
+    voxel_size: f64,
+    storage: Storage,
+    memory_limit: u64,
+    store: Store,
+    /// Working memory of past queries, for the next ones.
+    spare: Mutex<Vec<Scratch>>,
+}
+
+impl Scene {
+    /// Builds the index, in parallel on the current rayon pool.
+    ///
+    /// Errors: a voxel size or hashing level out of range, or one that needs more memory than allowed; the latter before
+    /// anything is allocated.
+    pub fn build(mockup: Arc<Mockup>, options: &SceneOptions<'_>, progress: Progress<'_>) -> Result<Scene> {
+        let mesh = mockup.mesh();
+        let voxel_size = match options.voxel_size {
+            Some(size) if size.is_finite() && size > 0.0 => size,
+            Some(value) => return Err(Error::VoxelSize { value }),
+            None => default_voxel_size(mesh, options.tool, options.storage),
+        };
+        let store = Store::build(mesh, options.storage, voxel_size, options.memory_limit, progress)?;
+        Ok(Scene {
+            voxel_size,
+            storage: options.storage,
+            memory_limit: options.memory_limit,
+            store,
+            spare: Mutex::new(Vec::new()),
+            mockup,
+        })
+    }
+
+    /// The mock-up.
+    pub fn mockup(&self) -> &Arc<Mockup> {
+        &self.mockup
+    }
+
+    /// Voxel edge, or the piece size of blocks, metres.
+    pub fn voxel_size(&self) -> f64 {
+        self.voxel_size
+    }
+
+    /// The store.
+    pub fn storage(&self) -> Storage {
+        self.storage
+    }
+
+    /// Bytes by structure; "triangles" and "parts" are the mock-up's own arrays, which the index reads.
+    pub fn memory(&self) -> Vec<(&'static str, usize)> {
+        let mut structures = self.store.memory();
+        structures.push(("triangles", self.mockup.mesh().memory()));
+        structures.push(("parts", self.mockup.parts_memory()));
+        structures
+    }
+
+    /// Checks every invariant that queries rely on; for tests.
+    pub fn validate(&self) -> std::result::Result<(), String> {
+        self.store.validate(self.mockup.mesh())
+    }
+
+    /// Every pair of triangles that meets, sorted by tool triangle, then mock-up triangle. Exact.
+    pub fn collide(&self, tool: &Tool, pose: &Pose, filters: Filters) -> Collision {
+        let mut collision = Collision::default();
+        self.collide_into(tool, pose, filters, &mut collision);
+        collision
+    }
+
+    /// As [`collide`](Self::collide), into an existing result whose memory is used again.
+    pub fn collide_into(&self, tool: &Tool, pose: &Pose, filters: Filters, out: &mut Collision) {
+        let mut scratch = self.take_scratch();
+        self.run(tool, pose, filters, false, &mut scratch);
+        out.pairs.clear();
+        out.kinds.clear();
+        for (key, kind) in &scratch.hits {
+            out.pairs.push([(key >> 32) as u32, *key as u32]);
+            out.kinds.push(*kind);
+        }
+        out.stats = scratch.stats;
+        self.put_scratch(scratch);
+    }
+
+    /// Whether any two triangles meet; stops at the first pair.
+    pub fn is_colliding(&self, tool: &Tool, pose: &Pose) -> bool {
+        let mut scratch = self.take_scratch();
+        self.run(tool, pose, Filters::default(), true, &mut scratch);
+        let found = !scratch.hits.is_empty();
+        self.put_scratch(scratch);
+        found
+    }
+
+    /// [`collide`](Self::collide) at many poses, in parallel on the current rayon pool.
+    ///
+    /// Poses are worked on in waves, so that beside the result only one wave's pairs are held. `progress` is told after each
+    /// wave. Errors when the result would outgrow the memory limit of the scene.
+    pub fn collide_batch(&self, tool: &Tool, poses: &[Pose], progress: Progress<'_>) -> Result<Batch> {
+        const WAVE: usize = 4096;
+        const TASK: usize = 16;
+        let mut batch = Batch { offsets: Vec::with_capacity(poses.len() + 1), ..Batch::default() };
+        batch.offsets.push(0);
+        for (n, wave) in poses.chunks(WAVE).enumerate() {
+            progress((n * WAVE) as f64 / poses.len() as f64, "colliding");
+            let found: Vec<Task> = wave
+                .par_chunks(TASK)
+                .map(|task| {
+                    let mut scratch = self.take_scratch();
+                    let (mut hits, mut counts) = (Vec::new(), Vec::with_capacity(task.len()));
+                    for pose in task {
+                        self.run(tool, pose, Filters::default(), false, &mut scratch);
+                        hits.extend_from_slice(&scratch.hits);
+                        counts.push(scratch.hits.len());
+                    }
+                    self.put_scratch(scratch);
+                    Task { hits, counts }
+                })
+                .collect();
+            let new: usize = found.iter().map(|task| task.hits.len()).sum();
+            // A growing vector holds its old and new memory for a moment.
+            let needed = 3 * 9 * (batch.pairs.len() + new) as u64 + 8 * poses.len() as u64;
+            if needed > self.memory_limit {
+                return Err(Error::Memory {
+                    what: "the pairs of this batch",
+                    needed,
+                    allowed: self.memory_limit,
+                    advice: "pass fewer poses at a time, or allow more memory",
+                });
+            }
+            for Task { hits, counts } in &found {
+                let mut sum = batch.offsets[batch.offsets.len() - 1];
+                batch.offsets.extend(counts.iter().map(|n| {
+                    sum += *n as u64;
+                    sum
+                }));
+                batch.pairs.extend(hits.iter().map(|(key, _)| [(key >> 32) as u32, *key as u32]));
+                batch.kinds.extend(hits.iter().map(|(_, kind)| *kind));
+            }
+        }
+        progress(1.0, "done");
+        Ok(batch)
+    }
+
+    /// One query: `scratch.hits` afterwards holds the sorted, unique pairs.
+    fn run(&self, tool: &Tool, pose: &Pose, filters: Filters, first_only: bool, scratch: &mut Scratch) {
+        let Scratch { placed, seen, blocks, hits, stats } = scratch;
+        placed.begin(tool);
+        seen.clear();
+        hits.clear();
+        *stats = Stats::default();
+        let mesh = self.mockup.mesh();
+        let mut narrow = Narrow { mesh, tool, pose, filters, first_only, placed, seen, hits, stats };
+        self.store.offer_candidates(tool, blocks, &mut narrow);
+        hits.sort_unstable();
+        hits.dedup();
+        stats.pairs = hits.len() as u64;
+    }
+
+    fn take_scratch(&self) -> Scratch {
+        self.spare.lock().unwrap_or_else(PoisonError::into_inner).pop().unwrap_or_default()
+    }
+
+    fn put_scratch(&self, scratch: Scratch) {
+        self.spare.lock().unwrap_or_else(PoisonError::into_inner).push(scratch);
+    }
+}
+
+/// The voxel size a scene uses when none is given, metres.
+///
+/// For `dense` and `hashed` the minimum of the paper's cost function with the area estimator; without a tool, one whose
+/// triangles are as long as the mock-up's own (mean longest edge) stands in. For `blocks` the piece size that spends a fixed
+/// share of extra pieces on the longest triangles ([`default_piece_size`]); it needs no tool.
+pub fn default_voxel_size(mesh: &Mesh, tool: Option<&Tool>, storage: Storage) -> f64 {
+    if storage == Storage::Blocks {
+        let excluded = mesh.defects().excluded.is_empty();
+        let ids: Vec<u32> = if excluded { Vec::new() } else { mesh.queried().collect() };
+        let triangle = |i: usize| mesh.triangle(if excluded { i as u32 } else { ids[i] });
+        return default_piece_size(mesh.queried_count(), triangle, MOCKUP_CUT_ALLOWANCE);
+    }
+    match tool {
+        Some(tool) => optimal_voxel_size(mesh, tool, Estimator::Area),
+        None => CostFunction::new(static_means(mesh), mean_longest_edge(mesh), Estimator::Area).optimal_size(),
+    }
+}
+
+/// The voxel size (metres) that minimises the paper's cost function for a mock-up and a tool.
+pub fn optimal_voxel_size(mesh: &Mesh, tool: &Tool, estimator: Estimator) -> f64 {
+    CostFunction::new(static_means(mesh), mean_longest_edge(tool.mesh()), estimator).optimal_size()
+}

@@ -1,0 +1,36 @@
+//! The paper's voxel array: 4 bytes a voxel.
+
+use super::lists::VoxelLists;
+use super::Progress;
+use crate::error::Result;
+use crate::grid::VoxelGrid;
+use crate::mesh::Mesh;
+use crate::narrow::Narrow;
+
+/// One slot per voxel.
+#[derive(Debug)]
+pub struct Dense(VoxelLists);
+
+impl Dense {
+    /// Voxels of `size` metres over the mock-up's box.
+    pub fn build(mesh: &Mesh, size: f64, limit: u64, progress: Progress<'_>) -> Result<Dense> {
+        let grid = VoxelGrid::new(&mesh.bounds(), size)?;
+        let slots = grid.voxel_count();
+        Ok(Dense(VoxelLists::build(mesh, grid, slots, limit, progress)?))
+    }
+
+    /// See [`VoxelLists::offer_candidates`].
+    pub fn offer_candidates(&self, narrow: &mut Narrow<'_>) {
+        self.0.offer_candidates(narrow);
+    }
+
+    /// Bytes by structure.
+    pub fn memory(&self) -> Vec<(&'static str, usize)> {
+        self.0.memory()
+    }
+
+    /// Checks the lists.
+    pub fn validate(&self, mesh: &Mesh) -> std::result::Result<(), String> {
+        self.0.validate(mesh)
+    }
+}

@@ -1,0 +1,184 @@
+//! Lists of triangles by slot, where a slot is a voxel (dense) or a hash of voxels (hashed).
+
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering::Relaxed};
+
+use rayon::prelude::*;
+
+use super::{check_memory, Progress};
+use crate::bounds::Aabb;
+use crate::error::{Error, Result};
+use crate::grid::VoxelGrid;
+use crate::mesh::Mesh;
+use crate::narrow::Narrow;
+
+/// For each slot the triangles of its voxels, ascending, each once.
+#[derive(Debug)]
+pub struct VoxelLists {
+    grid: VoxelGrid,
+    bounds: Aabb,
+    slots: u64,
+    /// Slot `s` has entries `starts[s]..starts[s + 1]`.
+    starts: Vec<u32>,
+    entries: Vec<u32>,
+}
+
+impl VoxelLists {
+    /// Puts every triangle into the slot `key % slots` of every voxel it meets.
+    ///
+    /// Two parallel passes over the triangles: count, then fill. The order in which threads fill a slot does not matter, as
+    /// each list is sorted afterwards.
+    pub fn build(mesh: &Mesh, grid: VoxelGrid, slots: u64, limit: u64, progress: Progress<'_>) -> Result<VoxelLists> {
+        check_memory("the voxel array", 4.0 * (slots as f64 + 1.0), limit)?;
+        // Before anything is allocated: the lists need at least this much.
+        let least: f64 = mesh.par_queried().map(|id| grid.least_voxels(&mesh.triangle(id))).sum();
+        check_memory("the voxel array and its lists", 4.0 * (slots as f64 + least), limit)?;
+        // Counting stops where the lists would outgrow the limit, or the 32 bits of a position.
+        let most = u64::from(u32::MAX).min((limit - 4 * slots) / 4);
+
+        progress(0.0, "counting voxels");
+        let starts: Vec<AtomicU32> = (0..slots + 1).into_par_iter().map(|_| AtomicU32::new(0)).collect();
+        let total = AtomicU64::new(0);
+        mesh.par_queried().for_each(|id| {
+            if total.load(Relaxed) > most {
+                return;
+            }
+            let mut count = 0;
+            grid.for_each_voxel(&mesh.triangle(id), |voxel| {
+                starts[(grid.key(voxel) % slots) as usize].fetch_add(1, Relaxed);
+                count += 1;
+            });
+            total.fetch_add(count, Relaxed);
+        });
+        let total = total.into_inner();
+        if total > u64::from(u32::MAX) {
+            return Err(Error::TooManyEntries { voxel_size: grid.size(), entries: total });
+        }
+        check_memory("the voxel array and its lists", 4.0 * (slots as f64 + total as f64), limit)?;
+
+        // Each slot's end; filling from the end moves it to the slot's start.
+        let mut sum = 0;
+        for slot in &starts {
+            sum += slot.load(Relaxed);
+            slot.store(sum, Relaxed);
+        }
+        progress(0.4, "filling voxels");
+        let entries: Vec<AtomicU32> = (0..total).into_par_iter().map(|_| AtomicU32::new(0)).collect();
+        mesh.par_queried().for_each(|id| {
+            grid.for_each_voxel(&mesh.triangle(id), |voxel| {
+                let at = starts[(grid.key(voxel) % slots) as usize].fetch_sub(1, Relaxed) - 1;
+                entries[at as usize].store(id, Relaxed);
+            });
+        });
+        // Same layout: these reuse the allocations.
+        let starts: Vec<u32> = starts.into_iter().map(AtomicU32::into_inner).collect();
+        let entries: Vec<u32> = entries.into_iter().map(AtomicU32::into_inner).collect();
+        progress(0.8, "sorting lists");
+        let mut lists = VoxelLists { grid, bounds: mesh.bounds(), slots, starts, entries };
+        lists.sort();
+        if lists.grid.voxel_count() > slots {
+            lists.remove_repeats();
+        }
+        progress(1.0, "done");
+        Ok(lists)
+    }
+
+    fn sort(&mut self) {
+        const RUN: usize = 1 << 14; // slots a task
+        let mut rest = self.entries.as_mut_slice();
+        let mut tasks = Vec::new();
+        let mut from = 0;
+        for run in self.starts.chunks(RUN) {
+            // A run of slots ends where the next one starts.
+            let next = self.starts[(from + run.len()).min(self.slots as usize)];
+            let (head, tail) = rest.split_at_mut((next - run[0]) as usize);
+            tasks.push((from, head));
+            rest = tail;
+            from += run.len();
+        }
+        tasks.into_par_iter().for_each(|(first, entries)| {
+            let base = self.starts[first];
+            let last = (first + RUN).min(self.slots as usize);
+            for slot in first..last {
+                entries[(self.starts[slot] - base) as usize..(self.starts[slot + 1] - base) as usize].sort_unstable();
+            }
+        });
+    }
+
+    /// A triangle may meet several voxels of one slot; it is listed once.
+    fn remove_repeats(&mut self) {
+        let mut kept = 0u32;
+        for slot in 0..self.slots as usize {
+            let (from, to) = (self.starts[slot], self.starts[slot + 1]);
+            self.starts[slot] = kept;
+            let mut last = None;
+            for i in from..to {
+                let id = self.entries[i as usize];
+                if last != Some(id) {
+                    self.entries[kept as usize] = id;
+                    kept += 1;
+                    last = Some(id);
+                }
+            }
+        }
+        self.starts[self.slots as usize] = kept;
+        self.entries.truncate(kept as usize);
+        self.entries.shrink_to_fit();
+    }
+
+    /// Offers, for each tool triangle, the entries of every voxel its box meets.
+    pub fn offer_candidates(&self, narrow: &mut Narrow<'_>) {
+        let tool = narrow.tool;
+        for id in tool.mesh().queried() {
+            let bounds = narrow.placed_bounds(id);
+            if !bounds.is_overlapping(&self.bounds) {
+                continue;
+            }
+            let range = self.grid.range(&bounds);
+            let may_repeat = range.first != range.last;
+            for i in range.first[0]..=range.last[0] {
+                for j in range.first[1]..=range.last[1] {
+                    let row = self.grid.key([i, j, 0]);
+                    for k in range.first[2]..=range.last[2] {
+                        narrow.stats.voxels_visited += 1;
+                        for &entry in self.slot(((row + u64::from(k)) % self.slots) as usize) {
+                            if narrow.offer(id, entry, may_repeat) {
+                                return;
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    #[inline]
+    fn slot(&self, slot: usize) -> &[u32] {
+        &self.entries[self.starts[slot] as usize..self.starts[slot + 1] as usize]
+    }
+
+    /// Bytes by structure.
+    pub fn memory(&self) -> Vec<(&'static str, usize)> {
+        vec![("voxels", self.starts.capacity() * 4), ("lists", self.entries.capacity() * 4)]
+    }
+
+    /// Every triangle is in the slot of every voxel it meets; lists ascend.
+    pub fn validate(&self, mesh: &Mesh) -> std::result::Result<(), String> {
+        for slot in 0..self.slots as usize {
+            if !self.slot(slot).windows(2).all(|w| w[0] < w[1]) {
+                return Err(format!("slot {slot} is not ascending"));
+            }
+        }
+        for id in mesh.queried() {
+            let mut missing = None;
+            self.grid.for_each_voxel(&mesh.triangle(id), |voxel| {
+                if self.slot((self.grid.key(voxel) % self.slots) as usize).binary_search(&id).is_err() {
+                    missing = Some(voxel);
+                }
+            });
+            if let Some(voxel) = missing {
+                return Err(format!("triangle {id} is missing from voxel {voxel:?}"));
+            }
+        }
+        Ok(())
+    }
+}

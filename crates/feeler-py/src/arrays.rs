@@ -1,0 +1,49 @@
+//! NumPy arrays in and out.
+
+use numpy::ndarray::{ArrayView1, ArrayView2};
+use numpy::{Element, PyArray1, PyArray2, PyReadonlyArray2, PyUntypedArrayMethods};
+use pyo3::prelude::*;
+
+use crate::errors::raise;
+
+/// Rows of three as a vector; an error of class `MeshError` for any other shape.
+pub fn rows<T: Element + Copy>(what: &str, array: &PyReadonlyArray2<'_, T>) -> PyResult<Vec<[T; 3]>> {
+    let view = array.as_array();
+    if view.ncols() != 3 {
+        return Err(raise("MeshError", format!("{what} has shape {:?}: (n, 3) is needed", array.shape())));
+    }
+    Ok(view.rows().into_iter().map(|r| [r[0], r[1], r[2]]).collect())
+}
+
+/// A read-only `(n, N)` array over memory that `owner` keeps alive and never changes.
+///
+/// # Safety
+/// `data` must stay valid and unchanged as long as `owner` lives.
+pub unsafe fn view_rows<'py, T: Element, const N: usize>(
+    owner: &Bound<'py, PyAny>,
+    data: &[[T; N]],
+) -> PyResult<Bound<'py, PyArray2<T>>> {
+    let flat = data.as_flattened();
+    // SAFETY: the slice is contiguous and holds N * len elements.
+    let view = unsafe { ArrayView2::from_shape_ptr((data.len(), N), flat.as_ptr()) };
+    // SAFETY: the caller promises that `owner` keeps the data alive.
+    let array = unsafe { PyArray2::borrow_from_array(&view, owner.clone()) };
+    set_read_only(array.as_any())?;
+    Ok(array)
+}
+
+/// The same for one dimension.
+///
+/// # Safety
+/// `data` must stay valid and unchanged as long as `owner` lives.
+pub unsafe fn view<'py, T: Element>(owner: &Bound<'py, PyAny>, data: &[T]) -> PyResult<Bound<'py, PyArray1<T>>> {
+    let view = ArrayView1::from(data);
+    // SAFETY: the caller promises that `owner` keeps the data alive.
+    let array = unsafe { PyArray1::borrow_from_array(&view, owner.clone()) };
+    set_read_only(array.as_any())?;
+    Ok(array)
+}
+
+fn set_read_only(array: &Bound<'_, PyAny>) -> PyResult<()> {
+    array.getattr("flags")?.setattr("writeable", false)
+}

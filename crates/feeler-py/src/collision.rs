@@ -1,0 +1,143 @@
+//! Results of queries.
+
+use std::sync::Arc;
+
+use feeler_core as core;
+use numpy::ndarray::Array2;
+use numpy::{IntoPyArray, PyArray1, PyArray2};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::arrays::{view, view_rows};
+
+/// The pairs of triangles that meet at one pose.
+#[pyclass(frozen, module = "feeler._core")]
+pub struct Collision {
+    core: core::Collision,
+    kinds: Vec<u8>,
+    mockup: Arc<core::Mockup>,
+}
+
+impl Collision {
+    pub fn new(core: core::Collision, mockup: Arc<core::Mockup>) -> Collision {
+        let kinds = core.kinds.iter().map(|k| *k as u8).collect();
+        Collision { core, kinds, mockup }
+    }
+
+    fn column(&self, column: usize) -> Vec<u32> {
+        let mut ids: Vec<u32> = self.core.pairs.iter().map(|p| p[column]).collect();
+        ids.sort_unstable();
+        ids.dedup();
+        ids
+    }
+}
+
+#[pymethods]
+impl Collision {
+    #[getter]
+    fn pairs<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray2<u32>>> {
+        // SAFETY: the result is frozen and owns its pairs; the array keeps it alive.
+        unsafe { view_rows(slf.as_any(), &slf.get().core.pairs) }
+    }
+
+    #[getter]
+    fn kinds<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray1<u8>>> {
+        // SAFETY: as for the pairs.
+        unsafe { view(slf.as_any(), &slf.get().kinds) }
+    }
+
+    #[getter]
+    fn tool_triangles<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
+        self.column(0).into_pyarray(py)
+    }
+
+    #[getter]
+    fn mockup_triangles<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
+        self.column(1).into_pyarray(py)
+    }
+
+    #[getter]
+    fn parts<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
+        let mut parts: Vec<u32> = self.core.pairs.iter().map(|p| self.mockup.part_of_face(p[1])).collect();
+        parts.sort_unstable();
+        parts.dedup();
+        parts.into_pyarray(py)
+    }
+
+    #[getter]
+    fn stats<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let dict = PyDict::new(py);
+        for (name, count) in self.core.stats.entries() {
+            dict.set_item(name, count)?;
+        }
+        Ok(dict)
+    }
+
+    fn __len__(&self) -> usize {
+        self.core.pairs.len()
+    }
+
+    fn __bool__(&self) -> bool {
+        !self.core.pairs.is_empty()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Collision({} pairs)", self.core.pairs.len())
+    }
+}
+
+/// The pairs of many poses.
+#[pyclass(frozen, module = "feeler._core")]
+pub struct Batch {
+    core: core::Batch,
+    kinds: Vec<u8>,
+}
+
+impl Batch {
+    pub fn new(mut core: core::Batch) -> Batch {
+        let kinds = std::mem::take(&mut core.kinds).into_iter().map(|k| k as u8).collect();
+        Batch { core, kinds }
+    }
+}
+
+#[pymethods]
+impl Batch {
+    #[getter]
+    fn offsets<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray1<u64>>> {
+        // SAFETY: the result is frozen and owns its offsets; the array keeps it alive.
+        unsafe { view(slf.as_any(), &slf.get().core.offsets) }
+    }
+
+    #[getter]
+    fn pairs<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray2<u32>>> {
+        // SAFETY: as for the offsets.
+        unsafe { view_rows(slf.as_any(), &slf.get().core.pairs) }
+    }
+
+    #[getter]
+    fn kinds<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray1<u8>>> {
+        // SAFETY: as for the offsets.
+        unsafe { view(slf.as_any(), &slf.get().kinds) }
+    }
+
+    fn __len__(&self) -> usize {
+        self.core.offsets.len() - 1
+    }
+
+    /// The pairs of one pose, `(k, 2)`.
+    fn __getitem__<'py>(&self, py: Python<'py>, index: isize) -> PyResult<Bound<'py, PyArray2<u32>>> {
+        let n = self.__len__() as isize;
+        let i = if index < 0 { index + n } else { index };
+        if !(0..n).contains(&i) {
+            return Err(pyo3::exceptions::PyIndexError::new_err(format!("pose {index} of {n}")));
+        }
+        let range = self.core.offsets[i as usize] as usize..self.core.offsets[i as usize + 1] as usize;
+        let rows = &self.core.pairs[range];
+        let array = Array2::from_shape_fn((rows.len(), 2), |(r, c)| rows[r][c]);
+        Ok(array.into_pyarray(py))
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Batch({} poses, {} pairs)", self.__len__(), self.core.pairs.len())
+    }
+}

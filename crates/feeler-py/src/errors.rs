@@ -1,0 +1,33 @@
+//! Core errors become the exceptions of `feeler.errors`, here and nowhere else.
+
+use feeler_core::Error;
+use pyo3::prelude::*;
+use pyo3::types::PyType;
+
+/// The Python exception for a core error.
+pub fn to_py(error: Error) -> PyErr {
+    let class = match &error {
+        Error::EmptyMesh { .. }
+        | Error::NothingToQuery { .. }
+        | Error::Length { .. }
+        | Error::PartOutOfRange { .. } => "MeshError",
+        Error::PoseNotFinite { .. } | Error::PoseNotRigid { .. } => "PoseError",
+        Error::VoxelSize { .. } | Error::Hashing { .. } | Error::HashingUnused { .. } => "OptionError",
+        Error::TooMany { .. } | Error::GridTooFine { .. } | Error::Memory { .. } | Error::TooManyEntries { .. } => {
+            "LimitError"
+        }
+    };
+    raise(class, error.to_string())
+}
+
+/// An exception of `feeler.errors` by its name.
+pub fn raise(class: &str, message: String) -> PyErr {
+    Python::attach(|py| {
+        let found =
+            py.import("feeler.errors").and_then(|m| m.getattr(class)).and_then(|c| Ok(c.cast_into::<PyType>()?));
+        match found {
+            Ok(class) => PyErr::from_type(class, message),
+            Err(error) => error,
+        }
+    })
+}

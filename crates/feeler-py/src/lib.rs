@@ -1,0 +1,44 @@
+//! The Python module `feeler._core`: classes that convert arrays and map errors, and decide nothing.
+
+mod arrays;
+mod collision;
+mod errors;
+mod mockup;
+mod scene;
+mod tool;
+
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray2};
+use pyo3::prelude::*;
+
+/// Vertices and indices into them.
+type Welded<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<u32>>);
+
+/// Distinct vertices in order of first appearance `(k, 3) float64`, and each given vertex's index among them `(n,) uint32`.
+/// Equal means equal coordinates, with 0.0 equal to -0.0.
+#[pyfunction]
+fn weld_vertices<'py>(py: Python<'py>, vertices: PyReadonlyArray2<'py, f64>) -> PyResult<Welded<'py>> {
+    let rows = arrays::rows("vertices", &vertices)?;
+    if rows.len() as u64 > u64::from(u32::MAX) {
+        return Err(errors::raise("LimitError", format!("{} vertices are more than 32-bit ids can name", rows.len())));
+    }
+    let (unique, index) = py.detach(|| feeler_core::weld_vertices(&rows));
+    let count = unique.len();
+    let flat: Vec<f64> = unique.into_flattened();
+    let unique = numpy::ndarray::Array2::from_shape_vec((count, 3), flat)
+        .map_err(|e| errors::raise("FeelerError", e.to_string()))?;
+    Ok((unique.into_pyarray(py), index.into_pyarray(py)))
+}
+
+#[pymodule]
+mod _core {
+    #[pymodule_export]
+    use super::collision::{Batch, Collision};
+    #[pymodule_export]
+    use super::mockup::Mockup;
+    #[pymodule_export]
+    use super::scene::{optimal_voxel_size, Scene};
+    #[pymodule_export]
+    use super::tool::Tool;
+    #[pymodule_export]
+    use super::weld_vertices;
+}

@@ -1,0 +1,102 @@
+//! `feeler._core.Mockup`: the arrays of a mock-up, checked.
+
+use std::sync::Arc;
+
+use feeler_core as core;
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::arrays::{rows, view_rows};
+use crate::errors::to_py;
+
+/// A static mock-up. `feeler.Mockup` adds names and reports.
+#[pyclass(subclass, frozen, module = "feeler._core")]
+pub struct Mockup {
+    pub(crate) core: Arc<core::Mockup>,
+}
+
+#[pymethods]
+impl Mockup {
+    #[new]
+    #[pyo3(signature = (vertices, faces, part_of_face, part_count))]
+    fn new(
+        py: Python<'_>,
+        vertices: PyReadonlyArray2<'_, f64>,
+        faces: PyReadonlyArray2<'_, u32>,
+        part_of_face: Option<PyReadonlyArray1<'_, u32>>,
+        part_count: usize,
+    ) -> PyResult<Mockup> {
+        let vertices = rows("vertices", &vertices)?;
+        let faces = rows("faces", &faces)?;
+        let part_of_face = part_of_face.map_or_else(Vec::new, |p| p.as_array().to_vec());
+        let mockup = py.detach(|| core::Mockup::new(vertices, faces, part_of_face, part_count)).map_err(to_py)?;
+        Ok(Mockup { core: Arc::new(mockup) })
+    }
+
+    #[getter]
+    fn vertices<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        // SAFETY: the mock-up is frozen and owns its vertices; the array keeps it alive.
+        unsafe { view_rows(slf.as_any(), slf.get().core.mesh().vertices()) }
+    }
+
+    #[getter]
+    fn faces<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray2<u32>>> {
+        // SAFETY: as for the vertices.
+        unsafe { view_rows(slf.as_any(), slf.get().core.mesh().faces()) }
+    }
+
+    #[getter]
+    fn part_of_face<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
+        let faces = self.core.mesh().faces().len() as u32;
+        (0..faces).map(|f| self.core.part_of_face(f)).collect::<Vec<u32>>().into_pyarray(py)
+    }
+
+    #[getter]
+    fn part_triangles<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
+        self.core.part_triangles().to_vec().into_pyarray(py)
+    }
+
+    /// `(2 * parts, 3)`: lower and upper corner of each part's box.
+    #[getter]
+    fn part_bounds<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let corners: Vec<Vec<f64>> =
+            self.core.part_bounds().iter().flat_map(|b| [b.lower.to_vec(), b.upper.to_vec()]).collect();
+        Ok(PyArray2::from_vec2(py, &corners)?)
+    }
+
+    #[getter]
+    fn bounds<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        bounds(py, self.core.mesh())
+    }
+
+    #[getter]
+    fn triangle_count(&self) -> usize {
+        self.core.mesh().faces().len()
+    }
+
+    #[getter]
+    fn part_count(&self) -> usize {
+        self.core.part_bounds().len()
+    }
+
+    /// Kind of defect -> (count, first ids).
+    #[getter]
+    fn defects<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        defects(py, self.core.mesh())
+    }
+}
+
+pub(crate) fn bounds<'py>(py: Python<'py>, mesh: &core::Mesh) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let b = mesh.bounds();
+    Ok(PyArray2::from_vec2(py, &[b.lower.to_vec(), b.upper.to_vec()])?)
+}
+
+pub(crate) fn defects<'py>(py: Python<'py>, mesh: &core::Mesh) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    for kind in core::DefectKind::ALL {
+        let defect = &mesh.defects().by_kind[kind as usize];
+        dict.set_item(kind.name(), (defect.count, defect.first.clone()))?;
+    }
+    Ok(dict)
+}

@@ -1,0 +1,234 @@
+//! `feeler._core.Scene` and the voxel-size function.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use feeler_core as core;
+use numpy::{PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+
+use crate::collision::{Batch, Collision};
+use crate::errors::{raise, to_py};
+use crate::mockup::Mockup;
+use crate::tool::Tool;
+
+/// A mock-up with its index. `feeler.Scene` adds defaults.
+#[pyclass(subclass, frozen, module = "feeler._core")]
+pub struct Scene {
+    core: core::Scene,
+    mockup: Py<Mockup>,
+    /// `None`: the process-wide pool.
+    pool: Option<ThreadPool>,
+}
+
+#[pymethods]
+impl Scene {
+    #[new]
+    #[pyo3(signature = (mockup, voxel_size, storage, hashing, tool, threads, progress, memory_limit))]
+    #[allow(clippy::too_many_arguments, reason = "the Python signature")]
+    fn new(
+        py: Python<'_>,
+        mockup: Py<Mockup>,
+        voxel_size: Option<f64>,
+        storage: &str,
+        hashing: f64,
+        tool: Option<Py<Tool>>,
+        threads: Option<usize>,
+        progress: Option<Py<PyAny>>,
+        memory_limit: u64,
+    ) -> PyResult<Scene> {
+        let storage = match storage {
+            "hashed" => core::Storage::Hashed { level: hashing },
+            "dense" => core::Storage::Dense,
+            "blocks" => core::Storage::Blocks,
+            other => {
+                return Err(raise("OptionError", format!("storage is {other:?}: choose 'blocks', 'dense' or 'hashed'")))
+            }
+        };
+        if hashing != 0.0 && !matches!(storage, core::Storage::Hashed { .. }) {
+            return Err(to_py(core::Error::HashingUnused { value: hashing }));
+        }
+        let pool = match threads {
+            None => None,
+            Some(n) => {
+                let built = ThreadPoolBuilder::new().num_threads(n).build();
+                Some(built.map_err(|e| raise("OptionError", format!("cannot start {n} threads: {e}")))?)
+            }
+        };
+        let core_mockup = Arc::clone(&mockup.get().core);
+        let core_tool = tool.as_ref().map(|t| Arc::clone(&t.get().core));
+        let options = core::SceneOptions { voxel_size, storage, tool: core_tool.as_deref(), memory_limit };
+        let reporter = Reporter::new(progress);
+        let built = py.detach(|| {
+            on_pool(pool.as_ref(), || {
+                core::Scene::build(core_mockup, &options, &|done, stage| reporter.tell(done, stage))
+            })
+        });
+        reporter.finish()?;
+        Ok(Scene { core: built.map_err(to_py)?, mockup, pool })
+    }
+
+    #[getter]
+    fn mockup(&self, py: Python<'_>) -> Py<Mockup> {
+        self.mockup.clone_ref(py)
+    }
+
+    #[getter]
+    fn voxel_size(&self) -> f64 {
+        self.core.voxel_size()
+    }
+
+    #[getter]
+    fn storage(&self) -> &'static str {
+        match self.core.storage() {
+            core::Storage::Dense => "dense",
+            core::Storage::Hashed { .. } => "hashed",
+            core::Storage::Blocks => "blocks",
+        }
+    }
+
+    #[getter]
+    fn hashing(&self) -> f64 {
+        match self.core.storage() {
+            core::Storage::Hashed { level } => level,
+            _ => 0.0,
+        }
+    }
+
+    fn memory<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let dict = PyDict::new(py);
+        let mut total = 0;
+        for (name, bytes) in self.core.memory() {
+            dict.set_item(name, bytes)?;
+            total += bytes;
+        }
+        dict.set_item("total", total)?;
+        Ok(dict)
+    }
+
+    /// Raises `FeelerError` if an invariant of the index does not hold; for tests.
+    fn validate(&self, py: Python<'_>) -> PyResult<()> {
+        py.detach(|| self.core.validate()).map_err(|why| raise("FeelerError", why))
+    }
+
+    #[pyo3(signature = (tool, world_from_tool, *, repeat_filter, box_filter))]
+    fn collide(
+        &self,
+        py: Python<'_>,
+        tool: &Bound<'_, Tool>,
+        world_from_tool: PyReadonlyArray2<'_, f64>,
+        repeat_filter: bool,
+        box_filter: bool,
+    ) -> PyResult<Collision> {
+        let pose = pose_of(&world_from_tool)?;
+        let filters = core::Filters { repeats: repeat_filter, boxes: box_filter };
+        let tool = &tool.get().core;
+        let collision = py.detach(|| self.core.collide(tool, &pose, filters));
+        Ok(Collision::new(collision, Arc::clone(self.core.mockup())))
+    }
+
+    fn is_colliding(
+        &self,
+        py: Python<'_>,
+        tool: &Bound<'_, Tool>,
+        world_from_tool: PyReadonlyArray2<'_, f64>,
+    ) -> PyResult<bool> {
+        let pose = pose_of(&world_from_tool)?;
+        let tool = &tool.get().core;
+        Ok(py.detach(|| self.core.is_colliding(tool, &pose)))
+    }
+
+    #[pyo3(signature = (tool, poses, progress))]
+    fn collide_batch(
+        &self,
+        py: Python<'_>,
+        tool: &Bound<'_, Tool>,
+        poses: PyReadonlyArray3<'_, f64>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Batch> {
+        let poses = poses_of(&poses)?;
+        let tool = &tool.get().core;
+        let reporter = Reporter::new(progress);
+        let batch = py.detach(|| {
+            on_pool(self.pool.as_ref(), || {
+                self.core.collide_batch(tool, &poses, &|done, stage| reporter.tell(done, stage))
+            })
+        });
+        reporter.finish()?;
+        Ok(Batch::new(batch.map_err(to_py)?))
+    }
+}
+
+/// Metres; estimator "area", "diagonal" or "side".
+#[pyfunction]
+pub fn optimal_voxel_size(
+    py: Python<'_>,
+    mockup: &Bound<'_, Mockup>,
+    tool: &Bound<'_, Tool>,
+    estimator: &str,
+) -> PyResult<f64> {
+    let estimator = match estimator {
+        "area" => core::Estimator::Area,
+        "diagonal" => core::Estimator::Diagonal,
+        "side" => core::Estimator::Side,
+        other => {
+            return Err(raise("OptionError", format!("estimator is {other:?}: choose 'area', 'diagonal' or 'side'")))
+        }
+    };
+    let (mockup, tool) = (&mockup.get().core, &tool.get().core);
+    Ok(py.detach(|| core::optimal_voxel_size(mockup.mesh(), tool, estimator)))
+}
+
+fn on_pool<R: Send>(pool: Option<&ThreadPool>, work: impl FnOnce() -> R + Send) -> R {
+    match pool {
+        Some(pool) => pool.install(work),
+        None => work(),
+    }
+}
+
+fn pose_of(array: &PyReadonlyArray2<'_, f64>) -> PyResult<core::Pose> {
+    let view = array.as_array();
+    if view.dim() != (4, 4) {
+        return Err(raise("PoseError", format!("a pose has shape {:?}: (4, 4) is needed", array.shape())));
+    }
+    core::Pose::new(&std::array::from_fn(|i| std::array::from_fn(|j| view[[i, j]]))).map_err(to_py)
+}
+
+fn poses_of(array: &PyReadonlyArray3<'_, f64>) -> PyResult<Vec<core::Pose>> {
+    let view = array.as_array();
+    let (n, rows, columns) = view.dim();
+    if (rows, columns) != (4, 4) {
+        return Err(raise("PoseError", format!("poses have shape {:?}: (n, 4, 4) is needed", array.shape())));
+    }
+    (0..n)
+        .map(|p| {
+            core::Pose::new(&std::array::from_fn(|i| std::array::from_fn(|j| view[[p, i, j]])))
+                .map_err(|e| raise("PoseError", format!("poses[{p}]: {e}")))
+        })
+        .collect()
+}
+
+/// Calls a Python progress function from the building thread, and keeps the first exception it raises.
+struct Reporter {
+    callback: Option<Py<PyAny>>,
+    raised: Mutex<Option<PyErr>>,
+}
+
+impl Reporter {
+    fn new(callback: Option<Py<PyAny>>) -> Reporter {
+        Reporter { callback, raised: Mutex::new(None) }
+    }
+
+    fn tell(&self, done: f64, stage: &str) {
+        let Some(callback) = &self.callback else { return };
+        let mut raised = self.raised.lock().unwrap_or_else(PoisonError::into_inner);
+        if raised.is_none() {
+            *raised = Python::attach(|py| callback.call1(py, (done, stage))).err();
+        }
+    }
+
+    fn finish(self) -> PyResult<()> {
+        self.raised.into_inner().unwrap_or_else(PoisonError::into_inner).map_or(Ok(()), Err)
+    }
+}

@@ -1,0 +1,162 @@
+"""The compiled core. Use `feeler.Mockup`, `feeler.Tool` and `feeler.Scene`, which check what they pass on to it."""
+
+from collections.abc import Callable
+from typing import final
+
+import numpy as np
+import numpy.typing as npt
+from typing_extensions import Self, disjoint_base
+
+_Progress = Callable[[float, str], object]
+
+__all__ = ["Batch", "Collision", "Mockup", "Scene", "Tool", "optimal_voxel_size", "weld_vertices"]
+
+@disjoint_base
+class Mockup:
+    def __new__(
+        cls,
+        vertices: npt.NDArray[np.float64],
+        faces: npt.NDArray[np.uint32],
+        part_of_face: npt.NDArray[np.uint32] | None,
+        part_count: int,
+    ) -> Self: ...
+    @property
+    def vertices(self) -> npt.NDArray[np.float64]:
+        """`(n, 3)`, metres, read-only."""
+    @property
+    def faces(self) -> npt.NDArray[np.uint32]:
+        """`(m, 3)`, read-only."""
+    @property
+    def part_of_face(self) -> npt.NDArray[np.uint32]:
+        """`(m,)`: the part of each triangle."""
+    @property
+    def part_triangles(self) -> npt.NDArray[np.uint32]:
+        """`(parts,)`: triangles of each part, defective ones included."""
+    @property
+    def part_bounds(self) -> npt.NDArray[np.float64]:
+        """`(2 * parts, 3)`: lower and upper corner of each part's box, metres; crossed if the part is empty."""
+    @property
+    def bounds(self) -> npt.NDArray[np.float64]:
+        """`(2, 3)`: lower and upper corner of the box around all queried triangles, metres."""
+    @property
+    def triangle_count(self) -> int:
+        """Triangles given, defective ones included."""
+    @property
+    def part_count(self) -> int:
+        """Parts, including those without triangles."""
+    @property
+    def defects(self) -> dict[str, tuple[int, list[int]]]:
+        """Kind of defect -> count and first ids."""
+
+@disjoint_base
+class Tool:
+    def __new__(cls, vertices: npt.NDArray[np.float64], faces: npt.NDArray[np.uint32]) -> Self: ...
+    @property
+    def vertices(self) -> npt.NDArray[np.float64]:
+        """`(n, 3)`, metres, read-only."""
+    @property
+    def faces(self) -> npt.NDArray[np.uint32]:
+        """`(m, 3)`, read-only."""
+    @property
+    def bounds(self) -> npt.NDArray[np.float64]:
+        """`(2, 3)`: lower and upper corner of the box around all queried triangles, tool frame, metres."""
+    @property
+    def triangle_count(self) -> int:
+        """Triangles given, defective ones included."""
+    @property
+    def defects(self) -> dict[str, tuple[int, list[int]]]:
+        """Kind of defect -> count and first ids."""
+
+@disjoint_base
+class Scene:
+    def __new__(
+        cls,
+        mockup: Mockup,
+        voxel_size: float | None,
+        storage: str,
+        hashing: float,
+        tool: Tool | None,
+        threads: int | None,
+        progress: _Progress | None,
+        memory_limit: int,
+    ) -> Self: ...
+    @property
+    def mockup(self) -> Mockup:
+        """The mock-up."""
+    @property
+    def voxel_size(self) -> float:
+        """Edge of the voxels, or the piece size of blocks, metres."""
+    @property
+    def storage(self) -> str:
+        """`"blocks"`, `"dense"` or `"hashed"`."""
+    @property
+    def hashing(self) -> float:
+        """The hashing level; 0 unless hashed."""
+    def memory(self) -> dict[str, int]:
+        """Bytes by structure, and their `"total"`: all that stays in memory for the index.
+
+        `"triangles"` and `"parts"` are the mock-up's own arrays, which the index reads and does not copy.
+        """
+    def validate(self) -> None:
+        """Raises `FeelerError` if an invariant of the index does not hold; for tests."""
+    def collide(
+        self, tool: Tool, world_from_tool: npt.NDArray[np.float64], *, repeat_filter: bool, box_filter: bool
+    ) -> Collision: ...
+    def is_colliding(self, tool: Tool, world_from_tool: npt.NDArray[np.float64]) -> bool: ...
+    def collide_batch(self, tool: Tool, poses: npt.NDArray[np.float64], progress: _Progress | None) -> Batch: ...
+
+@final
+class Collision:
+    """The pairs of triangles that meet at one pose; false when there are none."""
+
+    @property
+    def pairs(self) -> npt.NDArray[np.uint32]:
+        """`(k, 2)`: tool triangle and mock-up triangle; unique, sorted by row, read-only."""
+    @property
+    def kinds(self) -> npt.NDArray[np.uint8]:
+        """`(k,)`: a `feeler.PairKind` for each pair, read-only."""
+    @property
+    def tool_triangles(self) -> npt.NDArray[np.uint32]:
+        """Triangles of the tool that meet something; unique, sorted."""
+    @property
+    def mockup_triangles(self) -> npt.NDArray[np.uint32]:
+        """Triangles of the mock-up that meet something; unique, sorted."""
+    @property
+    def parts(self) -> npt.NDArray[np.uint32]:
+        """Indices into `mockup.parts` of the parts that are met; unique, sorted."""
+    @property
+    def stats(self) -> dict[str, int]:
+        """What the query did, stage by stage.
+
+        - `voxels_visited`: voxels looked up; with blocks, nodes whose 32 children were tested against a box.
+        - `entries_scanned`: pairs of tool triangle and list entry; with blocks, pairs of pieces whose boxes meet.
+        - `repeats_skipped`: pairs skipped because they had been seen.
+        - `box_survivors`: pairs whose triangles' boxes meet.
+        - `triangle_tests`: triangle tests.
+        - `pairs`: distinct pairs that meet.
+        """
+    def __len__(self) -> int: ...
+    def __bool__(self) -> bool: ...
+
+@final
+class Batch:
+    """The pairs of many poses; `batch[i]` are those of pose `i`, `(k, 2)`."""
+
+    @property
+    def offsets(self) -> npt.NDArray[np.uint64]:
+        """`(n + 1,)`: pose `i` has the pairs `offsets[i]:offsets[i + 1]`; read-only."""
+    @property
+    def pairs(self) -> npt.NDArray[np.uint32]:
+        """`(K, 2)`: tool triangle and mock-up triangle, sorted within each pose; read-only."""
+    @property
+    def kinds(self) -> npt.NDArray[np.uint8]:
+        """`(K,)`: a `feeler.PairKind` for each pair, read-only."""
+    def __len__(self) -> int: ...
+    def __getitem__(self, index: int, /) -> npt.NDArray[np.uint32]: ...
+
+def optimal_voxel_size(mockup: Mockup, tool: Tool, estimator: str) -> float: ...
+def weld_vertices(vertices: npt.NDArray[np.float64]) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]]:
+    """Distinct vertices in order of first appearance, `(k, 3)`, and each given vertex's index among them, `(n,)`.
+
+    Equal means equal coordinates, with 0.0 equal to -0.0.
+    """

@@ -1,0 +1,36 @@
+"""The exceptions feeler raises.
+
+Every one is a `FeelerError`. Each also derives from the built-in a caller would expect (`ValueError`,
+`FileNotFoundError`, `MemoryError`), so existing handlers keep working. A message says what was wrong, where, and what
+to do.
+"""
+
+from __future__ import annotations
+
+
+class FeelerError(Exception):
+    """Base of all errors feeler raises on purpose."""
+
+
+class MeshError(FeelerError, ValueError):
+    """Vertices, faces or parts of a mesh cannot be used (shape, dtype, nothing left to query)."""
+
+
+class PoseError(FeelerError, ValueError):
+    """A pose has the wrong shape or is not a rigid motion."""
+
+
+class OptionError(FeelerError, ValueError):
+    """An option is out of its range: voxel size, hashing level, thread count, a name that does not exist."""
+
+
+class LimitError(FeelerError, MemoryError):
+    """What was asked for would need more memory, or more voxels, than allowed. Raised before anything is allocated."""
+
+
+class LoadError(FeelerError, ValueError):
+    """A file cannot be read as the mesh it claims to be."""
+
+
+class MissingFileError(LoadError, FileNotFoundError):
+    """A file or folder does not exist, or holds no mesh file."""

@@ -1,0 +1,324 @@
+"""Mock-ups and tools: checked triangle meshes with names and a report of their defects."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, overload
+
+import numpy as np
+import numpy.typing as npt
+
+from feeler import _core
+from feeler.errors import MeshError
+
+_OUT_OF_RANGE = np.iinfo(np.uint32).max
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where a mesh came from, as its loader saw it."""
+
+    files: tuple[str, ...] = ()
+    format: str = "arrays"
+    unit: str = "m"
+    unit_source: str = "arrays are metres"
+    seconds: float = 0.0
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Part:
+    """One part of a mock-up. `lower` and `upper` bound its queried triangles (metres); NaN where it has none."""
+
+    index: int
+    name: str
+    path: str
+    triangles: int
+    lower: tuple[float, float, float]
+    upper: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Defect:
+    """How many triangles have a kind of defect, and the first ids."""
+
+    count: int
+    first: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class LoadReport:
+    """What was loaded and what is wrong with it. `str()` is for people, `to_dict()` for machines.
+
+    `defects` maps each kind to its count and first ids. Triangles counted under `index_out_of_range`, `non_finite`,
+    `too_large` (beyond 1e100 m) or `zero_area` are kept but not queried; `duplicate` ones (the same corners as an
+    earlier triangle) are queried like any other.
+    """
+
+    source: Source
+    triangles: int
+    vertices: int
+    parts: int
+    lower: tuple[float, float, float]
+    upper: tuple[float, float, float]
+    defects: dict[str, Defect]
+
+    @property
+    def extent(self) -> tuple[float, float, float]:
+        """Side lengths of the box around all queried triangles, metres."""
+        x, y, z = (u - w for w, u in zip(self.lower, self.upper, strict=True))
+        return (x, y, z)
+
+    @property
+    def not_queried(self) -> int:
+        """Number of triangles that queries leave out because of a defect."""
+        return sum(defect.count for kind, defect in self.defects.items() if kind != "duplicate")
+
+    def to_dict(self) -> dict[str, Any]:
+        """All figures as plain Python values."""
+        return {
+            "files": list(self.source.files),
+            "format": self.source.format,
+            "unit": self.source.unit,
+            "unit_source": self.source.unit_source,
+            "seconds": self.source.seconds,
+            "notes": list(self.source.notes),
+            "triangles": self.triangles,
+            "vertices": self.vertices,
+            "parts": self.parts,
+            "lower": list(self.lower),
+            "upper": list(self.upper),
+            "extent": list(self.extent),
+            "not_queried": self.not_queried,
+            "defects": {kind: {"count": d.count, "first": list(d.first)} for kind, d in self.defects.items()},
+        }
+
+    def __str__(self) -> str:
+        x, y, z = self.extent
+        lines = [
+            f"{self.triangles:,} triangles in {self.parts:,} parts, {x:.4g} x {y:.4g} x {z:.4g} m",
+            f"unit {self.source.unit} ({self.source.unit_source})",
+        ]
+        if self.source.files:
+            lines.insert(0, ", ".join(self.source.files[:3]) + (" ..." if len(self.source.files) > 3 else ""))
+        for kind, defect in self.defects.items():
+            if defect.count:
+                ids = ", ".join(str(i) for i in defect.first[:5]) + (", ..." if defect.count > 5 else "")
+                fate = "queried" if kind == "duplicate" else "not queried"
+                lines.append(f"{defect.count:,} {kind.replace('_', ' ')} triangles, {fate}: {ids}")
+        if not any(defect.count for defect in self.defects.values()):
+            lines.append("no defects")
+        lines.extend(self.source.notes)
+        return "\n".join(lines)
+
+
+class Parts(Sequence[Part]):
+    """The parts of a mock-up, by index; `find` looks one up by path or name."""
+
+    def __init__(self, mockup: Mockup) -> None:
+        """Reads the parts of `mockup`."""
+        self._names = mockup.part_names
+        self._paths = mockup.part_paths
+        self._triangles = mockup.part_triangles
+        self._bounds = mockup.part_bounds.reshape(-1, 2, 3)
+
+    def __len__(self) -> int:
+        return len(self._names)
+
+    @overload
+    def __getitem__(self, index: int) -> Part: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[Part]: ...
+    def __getitem__(self, index: int | slice) -> Part | list[Part]:
+        if isinstance(index, slice):
+            return [self[i] for i in range(*index.indices(len(self)))]
+        i = range(len(self))[index]
+        lower, upper = self._bounds[i]
+        if lower[0] > upper[0]:
+            lower = upper = np.full(3, np.nan)
+        return Part(i, self._names[i], self._paths[i], int(self._triangles[i]), _xyz(lower), _xyz(upper))
+
+    def __iter__(self) -> Iterator[Part]:
+        return (self[i] for i in range(len(self)))
+
+    def find(self, path: str) -> list[Part]:
+        """Parts whose path or name equals `path`, or whose path lies below it."""
+        below = path.rstrip("/") + "/"
+        return [
+            self[i]
+            for i, (name, full) in enumerate(zip(self._names, self._paths, strict=True))
+            if path in (name, full) or full.startswith(below)
+        ]
+
+
+class Mockup(_core.Mockup):
+    """A static mock-up: triangles in named parts, metres, right-handed.
+
+    `vertices` is `(n, 3)`, any real dtype and memory order; `faces` `(m, 3)`, any integer dtype. `part_of_face` is
+    `(m,)` with the part of each triangle, indexing `part_names`; `part_paths` are places in the assembly such as
+    `"engine/fan/blade_03"` (default: the names). Triangle `i` of every result is `faces[i]`. An index outside the
+    vertices reads back as 4294967295 in `.faces`.
+
+    Raises `MeshError` for wrong shapes or dtypes, or when no triangle can be queried, and `LimitError` past 2^32 - 1.
+    """
+
+    part_names: list[str]
+    part_paths: list[str]
+    source: Source
+
+    def __new__(
+        cls,
+        vertices: npt.ArrayLike,
+        faces: npt.ArrayLike,
+        part_of_face: npt.ArrayLike | None = None,
+        part_names: Sequence[str] | None = None,
+        *,
+        part_paths: Sequence[str] | None = None,
+        source: Source | None = None,
+    ) -> Mockup:
+        """See the class."""
+        points = _points(vertices)
+        indices = _indices(faces, len(points))
+        parts = None
+        count = 1
+        if part_of_face is not None:
+            parts = _part_ids(part_of_face)
+            count = int(parts.max(initial=0)) + 1
+        names = _names("part_names", part_names)
+        paths = _names("part_paths", part_paths)
+        if names is None:
+            names = paths
+        if names is None:
+            names = ["part"] if parts is None else [f"part_{i}" for i in range(count)]
+        if not names:
+            raise MeshError("part_names is empty: give at least one name")
+        paths = names if paths is None else paths
+        if len(paths) != len(names):
+            raise MeshError(f"part_paths has {len(paths)} entries but part_names has {len(names)}: give as many")
+        self = super().__new__(cls, points, indices, parts, len(names))
+        self.part_names = list(names)
+        self.part_paths = list(paths)
+        self.source = source or Source()
+        return self
+
+    @property
+    def parts(self) -> Parts:
+        """The parts, a sequence of `Part`."""
+        return Parts(self)
+
+    @property
+    def report(self) -> LoadReport:
+        """What was loaded and what is wrong with it."""
+        return _report(self, self.source, self.part_count)
+
+    def __repr__(self) -> str:
+        return f"Mockup({self.triangle_count:,} triangles, {self.part_count:,} parts)"
+
+
+class Tool(_core.Tool):
+    """A moving tool in its own frame, metres; prepared once, usable with any number of scenes and threads.
+
+    `vertices` is `(n, 3)`, any real dtype and memory order; `faces` `(m, 3)`, any integer dtype.
+
+    Raises `MeshError` for wrong shapes or dtypes, or when no triangle can be queried.
+    """
+
+    name: str
+    source: Source
+
+    def __new__(
+        cls,
+        vertices: npt.ArrayLike,
+        faces: npt.ArrayLike,
+        name: str = "tool",
+        *,
+        source: Source | None = None,
+    ) -> Tool:
+        """See the class."""
+        points = _points(vertices)
+        self = super().__new__(cls, points, _indices(faces, len(points)))
+        self.name = str(name)
+        self.source = source or Source()
+        return self
+
+    @property
+    def report(self) -> LoadReport:
+        """What was loaded and what is wrong with it."""
+        return _report(self, self.source, 1)
+
+    def __repr__(self) -> str:
+        return f"Tool({self.name!r}, {self.triangle_count:,} triangles)"
+
+
+def _report(mesh: _core.Mockup | _core.Tool, source: Source, parts: int) -> LoadReport:
+    lower, upper = mesh.bounds
+    defects = {kind: Defect(count, tuple(first)) for kind, (count, first) in mesh.defects.items()}
+    return LoadReport(source, mesh.triangle_count, len(mesh.vertices), parts, _xyz(lower), _xyz(upper), defects)
+
+
+def _xyz(v: npt.NDArray[np.float64]) -> tuple[float, float, float]:
+    return (float(v[0]), float(v[1]), float(v[2]))
+
+
+def _points(vertices: npt.ArrayLike) -> npt.NDArray[np.float64]:
+    array = _array("vertices", vertices)
+    if array.ndim != 2 or array.shape[1] != 3:
+        raise MeshError(f"vertices has shape {array.shape}: (n, 3) is needed")
+    if array.dtype.kind not in "fiu":
+        raise MeshError(f"vertices has dtype {array.dtype}: real numbers are needed")
+    with np.errstate(over="ignore"):  # a long double beyond float64 becomes an infinity, and is reported as such
+        return np.ascontiguousarray(array, dtype=np.float64)
+
+
+def _indices(faces: npt.ArrayLike, vertices: int) -> npt.NDArray[np.uint32]:
+    array = _array("faces", faces)
+    if array.size == 0 and array.ndim <= 2:
+        raise MeshError("faces is empty: a mesh needs at least one triangle")
+    if array.ndim != 2 or array.shape[1] != 3:
+        raise MeshError(f"faces has shape {array.shape}: (m, 3) is needed; triangulate polygons first")
+    whole = _whole("faces", array)
+    if whole.dtype == np.uint32:
+        return np.ascontiguousarray(whole)
+    # An index out of range is a defect of that triangle, not of the call: map it where it stays out of range.
+    limit = min(vertices, int(_OUT_OF_RANGE))
+    if (whole.dtype.kind == "i" and whole.min() < 0) or int(whole.max()) >= limit:
+        outside = (whole < 0) | (whole >= limit) if whole.dtype.kind == "i" else whole >= limit
+        whole = np.where(outside, _OUT_OF_RANGE, whole)
+    return np.ascontiguousarray(whole, dtype=np.uint32)
+
+
+def _part_ids(part_of_face: npt.ArrayLike) -> npt.NDArray[np.uint32]:
+    array = _array("part_of_face", part_of_face)
+    if array.ndim != 1:
+        raise MeshError(f"part_of_face has shape {array.shape}: (m,) is needed, one part index per triangle")
+    whole = _whole("part_of_face", array)
+    if whole.size and (int(whole.min()) < 0 or int(whole.max()) >= _OUT_OF_RANGE):
+        raise MeshError(f"part_of_face has values from {whole.min()} to {whole.max()}: indices of parts are needed")
+    return np.ascontiguousarray(whole, dtype=np.uint32)
+
+
+def _whole(what: str, array: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    if array.dtype.kind in "iu":
+        return array
+    if array.dtype.kind == "f" and bool(np.isfinite(array).all()) and bool((array == np.rint(array)).all()):
+        if array.size and float(np.abs(array).max()) < 2.0**53:
+            return array.astype(np.int64)
+        if not array.size:
+            return array.astype(np.int64)
+    raise MeshError(f"{what} has dtype {array.dtype}: whole numbers are needed")
+
+
+def _array(what: str, values: npt.ArrayLike) -> npt.NDArray[Any]:
+    try:
+        return np.asarray(values)
+    except (ValueError, TypeError) as error:
+        raise MeshError(f"{what} cannot be read as an array: {error}") from error
+
+
+def _names(what: str, names: Sequence[str] | None) -> list[str] | None:
+    if names is None:
+        return None
+    if isinstance(names, str) or not all(isinstance(name, str) for name in names):
+        raise MeshError(f"{what} must be a sequence of strings")
+    return list(names)

@@ -1,0 +1,194 @@
+"""Scenes: a mock-up with its index, and the queries on it."""
+
+from __future__ import annotations
+
+import math
+import os
+import time
+from collections.abc import Callable
+from enum import IntEnum
+
+import numpy as np
+import numpy.typing as npt
+
+from feeler import _core
+from feeler._core import Batch, Collision
+from feeler.errors import MeshError, OptionError, PoseError
+from feeler.mockup import Mockup, Tool
+
+Progress = Callable[[float, str], None]
+
+STORAGES = ("blocks", "dense", "hashed")
+ESTIMATORS = ("area", "diagonal", "side")
+
+
+class PairKind(IntEnum):
+    """How two triangles meet."""
+
+    COPLANAR = 0
+    """They lie in one plane."""
+    CROSSING = 1
+    """Two planes, each triangle has vertices strictly on both sides of the other's, and more than a point is shared."""
+    TOUCHING = 2
+    """Every other way to meet: a vertex or an edge on a face, edge on edge, a shared point."""
+
+
+class Scene(_core.Scene):
+    """A mock-up with its index; immutable, usable from any number of threads, with any number of tools.
+
+    - `voxel_size`: edge of the voxels, metres; for `blocks` the piece size. Default: for `dense` and `hashed` the
+      paper's cost function with the area estimator, for `tool` (without one, for a tool whose triangles are as long as
+      the mock-up's own); for `blocks` the size at which cutting long triangles adds a quarter of pieces.
+    - `storage`: `"blocks"` (ours, the default), `"dense"` (the paper's array) or `"hashed"` (its equation 1).
+    - `hashing`: for `hashed`, the share of the voxel array's memory saved, 0 to 0.99.
+    - `threads`: for building and batches; default: all.
+    - `progress`: called with the share done (0 to 1) and the stage.
+    - `memory_limit`: most bytes that building may take, or a batch's result; default: 80 % of what is free.
+
+    Raises `OptionError` for values out of range and `LimitError` for a voxel size that would need more memory, or more
+    voxels, than allowed; that before anything is allocated.
+    """
+
+    build_seconds: float
+
+    def __new__(
+        cls,
+        mockup: Mockup,
+        voxel_size: float | None = None,
+        storage: str = "blocks",
+        hashing: float = 0.0,
+        tool: Tool | None = None,
+        threads: int | None = None,
+        progress: Progress | None = None,
+        memory_limit: int | None = None,
+    ) -> Scene:
+        """See the class."""
+        if not isinstance(mockup, Mockup):
+            raise MeshError(f"a scene needs a feeler.Mockup, not {type(mockup).__name__}")
+        if tool is not None:
+            _check_tool(tool)
+        if threads is not None and not 1 <= _integer("threads", threads) <= 1024:
+            raise OptionError(f"threads is {threads}: choose 1 to 1024, or None for all")
+        if memory_limit is None:
+            memory_limit = _free_memory() * 4 // 5
+        elif not 0 <= _integer("memory_limit", memory_limit) < 2**64:
+            raise OptionError(f"memory_limit is {memory_limit}: a number of bytes is needed")
+        start = time.perf_counter()
+        self = super().__new__(
+            cls,
+            mockup,
+            None if voxel_size is None else _real("voxel_size", voxel_size),
+            str(storage),
+            _real("hashing", hashing),
+            tool,
+            threads,
+            progress,
+            memory_limit,
+        )
+        self.build_seconds = time.perf_counter() - start
+        return self
+
+    @property
+    def mockup(self) -> Mockup:
+        """The mock-up."""
+        mockup = super().mockup
+        assert isinstance(mockup, Mockup)
+        return mockup
+
+    def collide(
+        self,
+        tool: _core.Tool,
+        world_from_tool: npt.ArrayLike,
+        *,
+        repeat_filter: bool = True,
+        box_filter: bool = True,
+    ) -> Collision:
+        """Every pair of triangles that meets, with the tool at a pose `(4, 4)`; exact.
+
+        The filters (skip pairs met before; compare boxes first) never change the answer: switch one off to measure what
+        it brings. Raises `PoseError` for a pose that is not rigid.
+        """
+        _check_tool(tool)
+        return super().collide(
+            tool, _poses(world_from_tool, 2), repeat_filter=bool(repeat_filter), box_filter=bool(box_filter)
+        )
+
+    def is_colliding(self, tool: _core.Tool, world_from_tool: npt.ArrayLike) -> bool:
+        """Whether any two triangles meet, with the tool at a pose `(4, 4)`; stops at the first pair."""
+        _check_tool(tool)
+        return super().is_colliding(tool, _poses(world_from_tool, 2))
+
+    def collide_batch(self, tool: _core.Tool, poses: npt.ArrayLike, progress: Progress | None = None) -> Batch:
+        """`collide` at each of `(n, 4, 4)` poses, on all threads of the scene.
+
+        Pose `i` has the pairs `batch.pairs[batch.offsets[i]:batch.offsets[i + 1]]`, also `batch[i]`. Raises `PoseError`
+        naming the first pose that is not rigid, and `LimitError` when the pairs outgrow the scene's `memory_limit`.
+        """
+        _check_tool(tool)
+        return super().collide_batch(tool, _poses(poses, 3), progress)
+
+    def __repr__(self) -> str:
+        return f"Scene({self.mockup!r}, voxel_size={self.voxel_size:.4g}, storage={self.storage!r})"
+
+
+def optimal_voxel_size(mockup: Mockup, tool: Tool, estimator: str = "area") -> float:
+    """The voxel size (metres) that minimises the paper's cost function for a mock-up and a tool.
+
+    `estimator` says how static triangles per voxel are estimated: `"area"`, `"diagonal"` or `"side"` (equations 3 to 10
+    of Borro, García-Alonso and Matey 2004). Meant for the stores `dense` and `hashed`.
+    """
+    if not isinstance(mockup, Mockup):
+        raise MeshError(f"optimal_voxel_size needs a feeler.Mockup, not {type(mockup).__name__}")
+    _check_tool(tool)
+    return _core.optimal_voxel_size(mockup, tool, estimator)
+
+
+def _check_tool(tool: object) -> None:
+    if not isinstance(tool, _core.Tool):
+        raise MeshError(f"a feeler.Tool is needed, not {type(tool).__name__}")
+
+
+def _poses(poses: npt.ArrayLike, dimensions: int) -> npt.NDArray[np.float64]:
+    if isinstance(poses, np.ndarray) and poses.dtype == np.float64 and poses.ndim == dimensions:
+        return poses
+    shape = "(4, 4)" if dimensions == 2 else "(n, 4, 4)"
+    try:
+        array = np.asarray(poses)
+        if array.dtype.kind not in "fiu":
+            raise PoseError(f"poses have dtype {array.dtype}: {shape} real numbers are needed")
+        array = array.astype(np.float64)
+    except (ValueError, TypeError) as error:
+        if isinstance(error, PoseError):
+            raise
+        raise PoseError(f"poses cannot be read as {shape} numbers: {error}") from error
+    if array.ndim != dimensions:
+        raise PoseError(f"poses have shape {array.shape}: {shape} is needed")
+    return array
+
+
+def _real(what: str, value: float) -> float:
+    try:
+        return float(value)
+    except (TypeError, ValueError) as error:
+        raise OptionError(f"{what} is {value!r}: a number is needed") from error
+
+
+def _integer(what: str, value: int) -> int:
+    if isinstance(value, bool) or not isinstance(value, (int, np.integer)):
+        raise OptionError(f"{what} is {value!r}: a whole number is needed")
+    return int(value)
+
+
+def _free_memory() -> int:
+    """Bytes that can be had without swapping, as far as the system tells; else without a limit."""
+    try:
+        with open("/proc/meminfo", encoding="ascii") as lines:
+            for line in lines:
+                if line.startswith("MemAvailable:"):
+                    return int(line.split()[1]) * 1024
+    except (OSError, ValueError):
+        pass
+    try:
+        return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") // 2
+    except (AttributeError, OSError, ValueError):
+        return math.floor(2**63)
