@@ -110,6 +110,9 @@ pub enum Error {
         /// What to do.
         advice: &'static str,
     },
+    /// The progress function asked to stop.
+    #[error("stopped on request")]
+    Cancelled,
     /// A list structure with more entries than 32-bit offsets can address.
     #[error("a voxel size of {voxel_size} m gives {entries} list entries, more than 32-bit offsets hold: choose a larger one")]
     TooManyEntries {

@@ -5,11 +5,13 @@
 //! intervals on the planes' common line, their order is read from two orientation signs. Deviation: the signs are exact,
 //! triangles are closed, and the kind of meeting is found as well.
 //!
-//! Both triangles must have a non-zero area.
+//! One of the two may have lost its area: a tool triangle's corners are rounded at each pose and can end up on one line. As a
+//! closed set it is then a segment or a point. It has no plane to cross, so it meets another triangle `coplanar` where it lies
+//! in that triangle's plane and `touching` otherwise.
 
 use crate::bounds::{Point, Triangle};
 use crate::constants::UNIT_ROUNDOFF;
-use crate::predicates::{orient2d, orient3d, Sign};
+use crate::predicates::{is_collinear, orient2d, orient3d, Sign};
 
 /// How two triangles meet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -90,8 +92,12 @@ pub fn intersect_triangle_triangle(p: &Triangle, q: &Triangle) -> Option<PairKin
     if is_one_sided(side_p) {
         return None;
     }
-    if side_q == [0; 3] {
-        return is_overlapping_coplanar(p, q).then_some(PairKind::Coplanar);
+    match (side_p == [0; 3], side_q == [0; 3]) {
+        (true, true) => return is_overlapping_coplanar(p, q).then_some(PairKind::Coplanar),
+        // All corners of q on the plane of p, but not the other way round: p has no plane.
+        (false, true) => return is_segment_meeting(p, side_p, q).then_some(PairKind::Touching),
+        (true, false) => return is_segment_meeting(q, side_q, p).then_some(PairKind::Touching),
+        (false, false) => {}
     }
 
     // Turn each triangle so that its first corner is alone on the positive side of the other's plane (the other two at
@@ -154,10 +160,22 @@ fn turn(t: &Triangle, side: [Sign; 3]) -> (Triangle, bool) {
     unreachable!("sides {side:?} are one-sided or all zero")
 }
 
-/// Two closed triangles in one plane: they are apart exactly when all corners of one lie strictly outside an edge of the
-/// other.
+/// A triangle without area (corners on one line, not all in the plane of `t`) against one with: whether the line's passage
+/// through the plane lies in `t`. The sides are not all strictly on one side, so the passage belongs to the segment.
+#[cold]
+fn is_segment_meeting(segment: &Triangle, side: [Sign; 3], t: &Triangle) -> bool {
+    // Any two corners on different sides (one may lie in the plane) span the passage.
+    let a = side.iter().position(|s| *s != 0).unwrap_or(0);
+    let b = side.iter().position(|s| *s != side[a]).unwrap_or(0);
+    let around = [0, 1, 2].map(|i| orient3d(&segment[a], &segment[b], &t[i], &t[(i + 1) % 3]));
+    !(around.contains(&1) && around.contains(&-1))
+}
+
+/// Two closed triangles in one plane, one of them perhaps without area: they are apart exactly when all corners of one lie
+/// strictly outside an edge of the other.
 #[cold]
 fn is_overlapping_coplanar(p: &Triangle, q: &Triangle) -> bool {
+    let (p, q) = if is_collinear(&p[0], &p[1], &p[2]) { (q, p) } else { (p, q) };
     // Dropping one axis maps the plane one to one where the projection of p keeps an area. Coordinates are taken as they
     // are, so nothing is rounded.
     for (u, v) in [(0, 1), (1, 2), (2, 0)] {
@@ -168,15 +186,20 @@ fn is_overlapping_coplanar(p: &Triangle, q: &Triangle) -> bool {
             s if s < 0 => p.swap(1, 2),
             _ => {}
         }
-        if orient2d(q[0], q[1], q[2]) < 0 {
+        let turn = orient2d(q[0], q[1], q[2]);
+        if turn < 0 {
             q.swap(1, 2);
         }
-        let is_outside_an_edge = |s: &[[f64; 2]; 3], t: &[[f64; 2]; 3]| {
-            (0..3).any(|i| t.iter().all(|c| orient2d(s[i], s[(i + 1) % 3], *c) < 0))
+        let is_outside_an_edge = |s: &[[f64; 2]; 3], t: &[[f64; 2]; 3], outside: Sign| {
+            (0..3).any(|i| t.iter().all(|c| orient2d(s[i], s[(i + 1) % 3], *c) == outside))
         };
-        return !is_outside_an_edge(&p, &q) && !is_outside_an_edge(&q, &p);
+        // A segment has two outsides.
+        return ![(&p, &q, -1), (&q, &p, -1), (&q, &p, if turn == 0 { 1 } else { -1 })]
+            .iter()
+            .any(|(s, t, outside)| is_outside_an_edge(s, t, *outside));
     }
-    unreachable!("a triangle with an area keeps one in at least one projection")
+    // Neither has an area: the mock-up's triangles always do, so this is not a pair of a tool and a mock-up.
+    false
 }
 
 #[cfg(test)]
@@ -272,6 +295,16 @@ mod tests {
         assert_eq!(kind([[1.0, 1.0, 0.0], [1.5, 1.0, 0.0], [1.0, 1.5, 0.0]]), Some(PairKind::Coplanar));
         assert_eq!(kind([[4.0, 0.0, 0.0], [0.0, 4.0, 0.0], [4.0, 4.0, 0.0]]), Some(PairKind::Coplanar));
         assert_eq!(kind([[4.0, 0.0, 0.0], [5.0, 0.0, 0.0], [5.0, 1.0, 0.0]]), Some(PairKind::Coplanar));
+        // Without area: piercing, ending on the face, beside it; in the plane: across, inside, a point, beside, in line.
+        assert_eq!(kind([[1.0, 1.0, -1.0], [1.0, 1.0, 0.5], [1.0, 1.0, 1.0]]), Some(PairKind::Touching));
+        assert_eq!(kind([[1.0, 1.0, 0.0], [1.0, 1.0, 1.0], [1.0, 1.0, 2.0]]), Some(PairKind::Touching));
+        assert_eq!(kind([[5.0, 1.0, -1.0], [5.0, 1.0, 0.5], [5.0, 1.0, 1.0]]), None);
+        assert_eq!(kind([[-1.0, 1.0, 0.0], [5.0, 1.0, 0.0], [6.0, 1.0, 0.0]]), Some(PairKind::Coplanar));
+        assert_eq!(kind([[1.0, 1.0, 0.0], [1.5, 1.0, 0.0], [2.0, 1.0, 0.0]]), Some(PairKind::Coplanar));
+        assert_eq!(kind([[1.0, 1.0, 0.0]; 3]), Some(PairKind::Coplanar));
+        assert_eq!(kind([[3.0, 3.0, 0.0], [4.0, 2.0, 0.0], [2.0, 4.0, 0.0]]), None);
+        assert_eq!(kind([[5.0, 0.0, 0.0], [6.0, 0.0, 0.0], [7.0, 0.0, 0.0]]), None);
+        assert_eq!(kind([[3.0, 3.0, 0.0]; 3]), None);
         // Apart: parallel, coplanar beside, crossing planes but intervals apart.
         assert_eq!(kind([[0.0, 0.0, 1.0], [4.0, 0.0, 1.0], [0.0, 4.0, 1.0]]), None);
         assert_eq!(kind([[5.0, 0.0, 0.0], [6.0, 0.0, 0.0], [5.0, 1.0, 0.0]]), None);

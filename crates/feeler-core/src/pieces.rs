@@ -148,7 +148,9 @@ pub fn twice_area(t: &Triangle) -> f64 {
     let u: Point = std::array::from_fn(|i| t[1][i] - t[0][i]);
     let v: Point = std::array::from_fn(|i| t[2][i] - t[0][i]);
     let n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
-    (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt()
+    // Squares of the largest normals would overflow.
+    let m = n.iter().fold(f64::MIN_POSITIVE, |m, x| m.max(x.abs()));
+    m * ((n[0] / m) * (n[0] / m) + (n[1] / m) * (n[1] / m) + (n[2] / m) * (n[2] / m)).sqrt()
 }
 
 /// Lengths of the three edges, metres.

@@ -1,5 +1,6 @@
 //! A mock-up with its index, and the queries on it.
 
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::prelude::*;
@@ -12,7 +13,7 @@ use crate::mesh::{Mesh, Mockup};
 use crate::narrow::{Filters, Narrow, PairSet, PlacedTool, Stats};
 use crate::pieces::default_piece_size;
 use crate::pose::Pose;
-use crate::store::{BlocksScratch, Progress, Storage, Store};
+use crate::store::{report, BlocksScratch, Progress, Storage, Store};
 use crate::tool::Tool;
 
 /// How to build a scene.
@@ -174,29 +175,34 @@ impl Scene {
         const TASK: usize = 16;
         let mut batch = Batch { offsets: Vec::with_capacity(poses.len() + 1), ..Batch::default() };
         batch.offsets.push(0);
+        // A pair takes 9 bytes in the result and 16 in its wave; growing vectors hold up to three times their content.
+        let needed = |pairs: u64| 3 * 16 * pairs + 8 * poses.len() as u64;
         for (n, wave) in poses.chunks(WAVE).enumerate() {
-            progress((n * WAVE) as f64 / poses.len() as f64, "colliding");
+            report(progress, (n * WAVE) as f64 / poses.len() as f64, "colliding")?;
+            let fits = |new: u64| needed(batch.pairs.len() as u64 + new) <= self.memory_limit;
+            let new = AtomicU64::new(0);
             let found: Vec<Task> = wave
                 .par_chunks(TASK)
                 .map(|task| {
                     let mut scratch = self.take_scratch();
                     let (mut hits, mut counts) = (Vec::new(), Vec::with_capacity(task.len()));
                     for pose in task {
+                        if !fits(new.load(Relaxed)) {
+                            break;
+                        }
                         self.run(tool, pose, Filters::default(), false, &mut scratch);
                         hits.extend_from_slice(&scratch.hits);
                         counts.push(scratch.hits.len());
+                        new.fetch_add(scratch.hits.len() as u64, Relaxed);
                     }
                     self.put_scratch(scratch);
                     Task { hits, counts }
                 })
                 .collect();
-            let new: usize = found.iter().map(|task| task.hits.len()).sum();
-            // A growing vector holds its old and new memory for a moment.
-            let needed = 3 * 9 * (batch.pairs.len() + new) as u64 + 8 * poses.len() as u64;
-            if needed > self.memory_limit {
+            if !fits(new.load(Relaxed)) {
                 return Err(Error::Memory {
                     what: "the pairs of this batch",
-                    needed,
+                    needed: needed(batch.pairs.len() as u64 + new.into_inner()),
                     allowed: self.memory_limit,
                     advice: "pass fewer poses at a time, or allow more memory",
                 });
@@ -211,7 +217,7 @@ impl Scene {
                 batch.kinds.extend(hits.iter().map(|(_, kind)| *kind));
             }
         }
-        progress(1.0, "done");
+        report(progress, 1.0, "done")?;
         Ok(batch)
     }
 
@@ -251,9 +257,15 @@ pub fn default_voxel_size(mesh: &Mesh, tool: Option<&Tool>, storage: Storage) ->
         let triangle = |i: usize| mesh.triangle(if excluded { i as u32 } else { ids[i] });
         return default_piece_size(mesh.queried_count(), triangle, MOCKUP_CUT_ALLOWANCE);
     }
-    match tool {
+    let size = match tool {
         Some(tool) => optimal_voxel_size(mesh, tool, Estimator::Area),
         None => CostFunction::new(static_means(mesh), mean_longest_edge(mesh), Estimator::Area).optimal_size(),
+    };
+    // Areas of a mesh near the smallest float64 underflow; any coarse grid is right, so take one.
+    if size.is_normal() && size > f64::MIN_POSITIVE * 4.0 {
+        size
+    } else {
+        mesh.bounds().extent().iter().fold(1e-300, |m, x| f64::max(m, 0.01 * x))
     }
 }
 

@@ -7,6 +7,8 @@ use pyo3::types::PyType;
 /// The Python exception for a core error.
 pub fn to_py(error: Error) -> PyErr {
     let class = match &error {
+        // The progress function raised; its own exception is what the caller gets (`scene::Reporter`).
+        Error::Cancelled => "FeelerError",
         Error::EmptyMesh { .. }
         | Error::NothingToQuery { .. }
         | Error::Length { .. }

@@ -209,7 +209,8 @@ fn poses_of(array: &PyReadonlyArray3<'_, f64>) -> PyResult<Vec<core::Pose>> {
         .collect()
 }
 
-/// Calls a Python progress function from the building thread, and keeps the first exception it raises.
+/// Calls a Python progress function and looks for signals (Ctrl-C); keeps the exception that either raises, and stops the
+/// work then.
 struct Reporter {
     callback: Option<Py<PyAny>>,
     raised: Mutex<Option<PyErr>>,
@@ -220,12 +221,17 @@ impl Reporter {
         Reporter { callback, raised: Mutex::new(None) }
     }
 
-    fn tell(&self, done: f64, stage: &str) {
-        let Some(callback) = &self.callback else { return };
-        let mut raised = self.raised.lock().unwrap_or_else(PoisonError::into_inner);
-        if raised.is_none() {
-            *raised = Python::attach(|py| callback.call1(py, (done, stage))).err();
+    /// Whether to go on.
+    fn tell(&self, done: f64, stage: &str) -> bool {
+        let told = Python::attach(|py| {
+            py.check_signals()?;
+            self.callback.as_ref().map_or(Ok(()), |callback| callback.call1(py, (done, stage)).map(drop))
+        });
+        let go_on = told.is_ok();
+        if let Err(error) = told {
+            *self.raised.lock().unwrap_or_else(PoisonError::into_inner) = Some(error);
         }
+        go_on
     }
 
     fn finish(self) -> PyResult<()> {

@@ -11,7 +11,7 @@ use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 use rayon::prelude::*;
 
-use super::{check_memory, Progress};
+use super::{check_memory, report, Progress};
 use crate::bounds::Aabb;
 use crate::error::{Error, Result};
 use crate::mesh::Mesh;
@@ -26,8 +26,11 @@ const FANOUT: usize = 32;
 /// Triangles a build task handles at a time.
 const CHUNK: usize = 4096;
 
-/// Bytes per piece while building: the piece, its Morton key, its place in the blocks.
-const BUILD_BYTES_PER_PIECE: f64 = (size_of::<BuildPiece>() + size_of::<(u64, u32)>() + 13) as f64;
+/// Bytes per piece at the height of building: the piece, its Morton key, its place in a block and that block's box.
+const BUILD_BYTES_PER_PIECE: f64 = (size_of::<BuildPiece>()
+    + size_of::<(u64, u32)>()
+    + size_of::<u32>()
+    + (size_of::<Node>() + size_of::<Box32>()).div_ceil(FANOUT)) as f64;
 
 /// See the module.
 #[derive(Debug)]
@@ -177,15 +180,15 @@ impl Blocks {
         if !(size.is_finite() && size > 0.0) {
             return Err(Error::VoxelSize { value: size });
         }
-        progress(0.0, "cutting triangles");
+        report(progress, 0.0, "cutting triangles")?;
         let ids: Vec<u32> = mesh.queried().collect();
         let offsets = count_pieces(mesh, &ids, size, limit)?;
         let total = offsets[offsets.len() - 1] as usize;
         let frame = Frame::new(&mesh.bounds());
-        let mut pieces = cut_all(mesh, &ids, size, &offsets, &frame);
+        let pieces = cut_all(mesh, &ids, size, &offsets, &frame);
         drop((ids, offsets));
 
-        progress(0.3, "sorting pieces");
+        report(progress, 0.3, "sorting pieces")?;
         let morton = morton::Frame::new(&Aabb { lower: [0.0; 3], upper: [1.0; 3] });
         let mut order: Vec<(u64, u32)> = pieces
             .par_iter()
@@ -196,26 +199,26 @@ impl Blocks {
             })
             .collect();
         order.par_sort_unstable();
-        pieces = order.par_iter().map(|(_, i)| pieces[*i as usize]).collect();
-        drop(order);
 
-        progress(0.7, "building blocks");
+        report(progress, 0.7, "building blocks")?;
         let mut triangles = Vec::with_capacity(total);
-        pieces.par_iter().map(|p| p.triangle).collect_into_vec(&mut triangles);
-        let (blocks, mut boxes): (Vec<Node>, Vec<Box32>) = pieces
+        order.par_iter().map(|(_, i)| pieces[*i as usize].triangle).collect_into_vec(&mut triangles);
+        let (mut blocks, mut boxes) = (Vec::new(), Vec::new());
+        order
             .par_chunks(FANOUT)
             .map(|chunk| {
                 let mut bounds = [Box32::EMPTY; FANOUT];
                 let mut cut = 0;
-                for (i, p) in chunk.iter().enumerate() {
+                for (i, (_, piece)) in chunk.iter().enumerate() {
+                    let p = &pieces[*piece as usize];
                     bounds[i] = p.bounds;
                     cut |= u32::from(p.is_cut) << i;
                 }
                 let own = bounds.iter().fold(Box32::EMPTY, |b, c| b.union(c));
                 (Node::new(&bounds[..chunk.len()], cut), own)
             })
-            .unzip();
-        drop(pieces);
+            .unzip_into_vecs(&mut blocks, &mut boxes);
+        drop((order, pieces));
         let mut levels = vec![blocks];
         while boxes.len() > 1 {
             levels.push(boxes.par_chunks(FANOUT).map(|children| Node::new(children, 0)).collect());
@@ -224,7 +227,7 @@ impl Blocks {
         for level in &mut levels {
             level.shrink_to_fit();
         }
-        progress(1.0, "done");
+        report(progress, 1.0, "done")?;
         Ok(Blocks { frame, levels, triangles })
     }
 

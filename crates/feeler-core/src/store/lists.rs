@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicU32, AtomicU64, Ordering::Relaxed};
 
 use rayon::prelude::*;
 
-use super::{check_memory, Progress};
+use super::{check_memory, report, Progress};
 use crate::bounds::Aabb;
 use crate::error::{Error, Result};
 use crate::grid::VoxelGrid;
@@ -35,7 +35,7 @@ impl VoxelLists {
         // Counting stops where the lists would outgrow the limit, or the 32 bits of a position.
         let most = u64::from(u32::MAX).min((limit - 4 * slots) / 4);
 
-        progress(0.0, "counting voxels");
+        report(progress, 0.0, "counting voxels")?;
         let starts: Vec<AtomicU32> = (0..slots + 1).into_par_iter().map(|_| AtomicU32::new(0)).collect();
         let total = AtomicU64::new(0);
         mesh.par_queried().for_each(|id| {
@@ -61,7 +61,7 @@ impl VoxelLists {
             sum += slot.load(Relaxed);
             slot.store(sum, Relaxed);
         }
-        progress(0.4, "filling voxels");
+        report(progress, 0.4, "filling voxels")?;
         let entries: Vec<AtomicU32> = (0..total).into_par_iter().map(|_| AtomicU32::new(0)).collect();
         mesh.par_queried().for_each(|id| {
             grid.for_each_voxel(&mesh.triangle(id), |voxel| {
@@ -72,13 +72,13 @@ impl VoxelLists {
         // Same layout: these reuse the allocations.
         let starts: Vec<u32> = starts.into_iter().map(AtomicU32::into_inner).collect();
         let entries: Vec<u32> = entries.into_iter().map(AtomicU32::into_inner).collect();
-        progress(0.8, "sorting lists");
+        report(progress, 0.8, "sorting lists")?;
         let mut lists = VoxelLists { grid, bounds: mesh.bounds(), slots, starts, entries };
         lists.sort();
         if lists.grid.voxel_count() > slots {
             lists.remove_repeats();
         }
-        progress(1.0, "done");
+        report(progress, 1.0, "done")?;
         Ok(lists)
     }
 

@@ -74,8 +74,17 @@ impl Store {
     }
 }
 
-/// Told the share done (0 to 1) and the stage, now and then, from the building thread.
-pub type Progress<'a> = &'a (dyn Fn(f64, &str) + Sync);
+/// Told the share done (0 to 1) and the stage, now and then, from the calling thread; answers whether to go on.
+pub type Progress<'a> = &'a (dyn Fn(f64, &str) -> bool + Sync);
+
+/// Tells the progress function; an error when it asks to stop.
+pub(crate) fn report(progress: Progress<'_>, done: f64, stage: &str) -> Result<()> {
+    if progress(done, stage) {
+        Ok(())
+    } else {
+        Err(Error::Cancelled)
+    }
+}
 
 /// Refuses what would need more than `limit` bytes.
 fn check_memory(what: &'static str, needed: f64, limit: u64) -> Result<()> {
