@@ -46,7 +46,7 @@ ROOMS: dict[str, set[str]] = {
     "samples": BASE,
     "show": BASE,
     "cli": {*BASE, "load", "samples", "show", "feeler"},
-    "__init__": {*BASE, "load", "samples", "show"},
+    "__init__": {"_core", *BASE, "load", "samples", "show"},
     "__main__": {"cli"},
 }
 # Beside the package, and never imported by it.

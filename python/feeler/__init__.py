@@ -2,6 +2,7 @@
 
 from importlib.metadata import version as _version
 
+from feeler._core import Batch, Collision
 from feeler.errors import (
     FeelerError,
     LimitError,
@@ -11,8 +12,9 @@ from feeler.errors import (
     OptionError,
     PoseError,
 )
+from feeler.load import load_mockup, load_tool
 from feeler.mockup import Mockup, Tool
-from feeler.scene import Batch, Collision, PairKind, Scene, optimal_voxel_size
+from feeler.scene import PairKind, Scene, optimal_voxel_size
 
 __version__ = _version("feeler")
 
@@ -30,5 +32,7 @@ __all__ = [
     "PoseError",
     "Scene",
     "Tool",
+    "load_mockup",
+    "load_tool",
     "optimal_voxel_size",
 ]

@@ -183,13 +183,15 @@ class Mockup(_core.Mockup):
         parts = None
         count = 1
         if part_of_face is not None:
-            parts = _part_ids(part_of_face)
+            parts = _part_ids(part_of_face, len(indices))
             count = int(parts.max(initial=0)) + 1
         names = _names("part_names", part_names)
         paths = _names("part_paths", part_paths)
         if names is None:
             names = paths
         if names is None:
+            if count > max(len(indices), 1_000_000):
+                raise MeshError(f"part_of_face goes up to {count - 1}: give part_names, or number the parts from 0 on")
             names = ["part"] if parts is None else [f"part_{i}" for i in range(count)]
         if not names:
             raise MeshError("part_names is empty: give at least one name")
@@ -288,10 +290,12 @@ def _indices(faces: npt.ArrayLike, vertices: int) -> npt.NDArray[np.uint32]:
     return np.ascontiguousarray(whole, dtype=np.uint32)
 
 
-def _part_ids(part_of_face: npt.ArrayLike) -> npt.NDArray[np.uint32]:
+def _part_ids(part_of_face: npt.ArrayLike, triangles: int) -> npt.NDArray[np.uint32]:
     array = _array("part_of_face", part_of_face)
     if array.ndim != 1:
         raise MeshError(f"part_of_face has shape {array.shape}: (m,) is needed, one part index per triangle")
+    if len(array) != triangles:
+        raise MeshError(f"part_of_face has {len(array)} entries but there are {triangles} triangles: give as many")
     whole = _whole("part_of_face", array)
     if whole.size and (int(whole.min()) < 0 or int(whole.max()) >= _OUT_OF_RANGE):
         raise MeshError(f"part_of_face has values from {whole.min()} to {whole.max()}: indices of parts are needed")
@@ -301,12 +305,16 @@ def _part_ids(part_of_face: npt.ArrayLike) -> npt.NDArray[np.uint32]:
 def _whole(what: str, array: npt.NDArray[Any]) -> npt.NDArray[Any]:
     if array.dtype.kind in "iu":
         return array
-    if array.dtype.kind == "f" and bool(np.isfinite(array).all()) and bool((array == np.rint(array)).all()):
-        if array.size and float(np.abs(array).max()) < 2.0**53:
-            return array.astype(np.int64)
-        if not array.size:
-            return array.astype(np.int64)
-    raise MeshError(f"{what} has dtype {array.dtype}: whole numbers are needed")
+    if array.dtype.kind != "f":
+        raise MeshError(f"{what} has dtype {array.dtype}: whole numbers are needed")
+    # Beyond 2^53 a float64 no longer tells whole numbers apart.
+    with np.errstate(over="ignore"):
+        size = np.abs(array.astype(np.float64))
+    bad = ~((array == np.rint(array)) & (size < 2.0**53))
+    if bad.any():
+        at = tuple(int(i) for i in np.argwhere(bad)[0])
+        raise MeshError(f"{what}{list(at)} is {array[at]}: whole numbers below 2^53 are needed")
+    return array.astype(np.int64)
 
 
 def _array(what: str, values: npt.ArrayLike) -> npt.NDArray[Any]:
@@ -319,6 +327,10 @@ def _array(what: str, values: npt.ArrayLike) -> npt.NDArray[Any]:
 def _names(what: str, names: Sequence[str] | None) -> list[str] | None:
     if names is None:
         return None
-    if isinstance(names, str) or not all(isinstance(name, str) for name in names):
-        raise MeshError(f"{what} must be a sequence of strings")
-    return list(names)
+    if isinstance(names, (str, bytes)) or not hasattr(names, "__iter__"):
+        raise MeshError(f"{what} is {names!r}: a sequence of strings is needed")
+    found = list(names)
+    for i, name in enumerate(found):
+        if not isinstance(name, str):
+            raise MeshError(f"{what}[{i}] is {name!r}: a string is needed")
+    return found

@@ -16,7 +16,7 @@ from feeler._core import Batch, Collision
 from feeler.errors import MeshError, OptionError, PoseError
 from feeler.mockup import Mockup, Tool
 
-Progress = Callable[[float, str], None]
+Progress = Callable[[float, str], object]
 
 STORAGES = ("blocks", "dense", "hashed")
 ESTIMATORS = ("area", "diagonal", "side")
@@ -73,6 +73,7 @@ class Scene(_core.Scene):
             memory_limit = _free_memory() * 4 // 5
         elif not 0 <= _integer("memory_limit", memory_limit) < 2**64:
             raise OptionError(f"memory_limit is {memory_limit}: a number of bytes is needed")
+        _check_progress(progress)
         start = time.perf_counter()
         self = super().__new__(
             cls,
@@ -125,6 +126,7 @@ class Scene(_core.Scene):
         naming the first pose that is not rigid, and `LimitError` when the pairs outgrow the scene's `memory_limit`.
         """
         _check_tool(tool)
+        _check_progress(progress)
         return super().collide_batch(tool, _poses(poses, 3), progress)
 
     def __repr__(self) -> str:
@@ -140,7 +142,12 @@ def optimal_voxel_size(mockup: Mockup, tool: Tool, estimator: str = "area") -> f
     if not isinstance(mockup, Mockup):
         raise MeshError(f"optimal_voxel_size needs a feeler.Mockup, not {type(mockup).__name__}")
     _check_tool(tool)
-    return _core.optimal_voxel_size(mockup, tool, estimator)
+    return _core.optimal_voxel_size(mockup, tool, str(estimator))
+
+
+def _check_progress(progress: object) -> None:
+    if progress is not None and not callable(progress):
+        raise OptionError(f"progress is {progress!r}: a function (share done, stage) or None is needed")
 
 
 def _check_tool(tool: object) -> None:
@@ -167,10 +174,14 @@ def _poses(poses: npt.ArrayLike, dimensions: int) -> npt.NDArray[np.float64]:
 
 
 def _real(what: str, value: float) -> float:
+    if isinstance(value, (bool, str, bytes)):
+        raise OptionError(f"{what} is {value!r}: a number is needed")
     try:
         return float(value)
     except (TypeError, ValueError) as error:
         raise OptionError(f"{what} is {value!r}: a number is needed") from error
+    except OverflowError as error:
+        raise OptionError(f"{what} is beyond what a float64 can hold: a smaller number is needed") from error
 
 
 def _integer(what: str, value: int) -> int:

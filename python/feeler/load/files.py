@@ -1,0 +1,86 @@
+"""From what the caller names to the files to read: one file, several, or folders."""
+
+from __future__ import annotations
+
+import os
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TypeAlias
+
+from feeler.errors import LoadError, MissingFileError, OptionError
+from feeler.load.sniff import COMPANIONS, EXTENSIONS, known_formats
+
+PathLike: TypeAlias = "str | os.PathLike[str]"
+
+_NAMES_SHOWN = 5
+
+
+@dataclass
+class FileList:
+    """The files of one load, each with the label that heads the paths of its parts."""
+
+    files: list[tuple[Path, str]] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+
+
+def collect(paths: PathLike | Iterable[PathLike]) -> FileList:
+    """Return the files named, in the order given; those of a folder sorted by path, subfolders included.
+
+    In a folder, hidden files and links to folders are passed over, and files of other kinds are named in a note.
+    """
+    if isinstance(paths, (str, os.PathLike)):
+        given = [_path(paths)]
+    else:
+        try:
+            given = [_path(path) for path in paths]
+        except TypeError:
+            raise OptionError(f"a path, or several, are needed, and not {type(paths).__name__}") from None
+    if not given:
+        raise MissingFileError("no file was given; name at least one file or folder")
+    found = FileList()
+    for path in given:
+        try:
+            is_folder = path.is_dir()
+        except (OSError, ValueError) as error:
+            raise LoadError(f"{str(path)!r}: cannot be opened ({error})") from error
+        if is_folder:
+            _add_folder(path, found)
+        else:
+            found.files.append((path, path.stem or path.name))
+    return found
+
+
+def _path(path: object) -> Path:
+    if isinstance(path, (str, os.PathLike)):
+        plain = os.fspath(path)
+        if isinstance(plain, str) and plain and "\0" not in plain:
+            return Path(plain)
+    raise OptionError(f"{path!r} is no path; give text or a pathlib.Path")
+
+
+def _add_folder(folder: Path, found: FileList) -> None:
+    meshes: list[Path] = []
+    others: Counter[str] = Counter()
+    for at, subfolders, names in os.walk(folder, onerror=_raise):
+        subfolders[:] = sorted(name for name in subfolders if not name.startswith("."))
+        for name in names:
+            path = Path(at, name)
+            if name.startswith("."):
+                continue
+            if path.suffix.lower() in EXTENSIONS:
+                meshes.append(path)
+            elif path.suffix.lower() not in COMPANIONS:
+                others[path.relative_to(folder).as_posix()] += 1
+    if others:
+        shown = ", ".join(sorted(others)[:_NAMES_SHOWN]) + (", ..." if len(others) > _NAMES_SHOWN else "")
+        found.notes.append(f"{len(others):,} files of other kinds in {folder} were skipped: {shown}")
+    if not meshes:
+        raise MissingFileError(f"{folder}: the folder holds no mesh file ({known_formats()})")
+    for path in sorted(meshes):
+        found.files.append((path, path.relative_to(folder).with_suffix("").as_posix()))
+
+
+def _raise(error: OSError) -> None:
+    raise LoadError(f"{error.filename}: cannot be listed ({error.strerror}); check its permissions") from error

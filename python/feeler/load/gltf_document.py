@@ -1,0 +1,271 @@
+"""The container side of glTF 2.0: JSON, buffers and accessors, every offset checked against the bytes there are."""
+
+from __future__ import annotations
+
+import base64
+import binascii
+import json
+import re
+from pathlib import Path
+from typing import Any
+from urllib.parse import unquote
+
+import numpy as np
+from numpy.typing import NDArray
+
+from feeler.errors import LoadError
+from feeler.load.limits import check_memory
+
+_GLB_MAGIC, _JSON_CHUNK, _BIN_CHUNK = b"glTF", 0x4E4F534A, 0x004E4942
+_COMPONENTS: dict[int, np.dtype[Any]] = {
+    5120: np.dtype("<i1"),
+    5121: np.dtype("<u1"),
+    5122: np.dtype("<i2"),
+    5123: np.dtype("<u2"),
+    5125: np.dtype("<u4"),
+    5126: np.dtype("<f4"),
+}
+_WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
+_SCHEME = re.compile(r"^[A-Za-z][A-Za-z0-9+.-]*:")
+_COMPRESSED = ("EXT_meshopt_compression", "KHR_meshopt_compression")
+UNDERSTOOD = {
+    "EXT_mesh_gpu_instancing",
+    "KHR_mesh_quantization",
+    # Looks only: they do not move a vertex.
+    "KHR_lights_punctual", "KHR_texture_transform", "KHR_texture_basisu", "EXT_texture_webp", "EXT_texture_avif",
+    "KHR_xmp_json_ld", "KHR_animation_pointer", "MSFT_texture_dds",
+}  # fmt: skip
+
+
+class Document:
+    """One glTF file: its JSON, and accessors as arrays. `array` reads one; nothing is read before it is asked for."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        data = path.read_bytes()
+        self._binary: memoryview | None = None
+        text = self._split_glb(data) if data[:4] == _GLB_MAGIC else data
+        # What Python objects of it may take: a list or object about 100 bytes, any other value about 64.
+        values = 100 * (text.count(b"[") + text.count(b"{")) + 64 * text.count(b",")
+        check_memory(2 * len(text) + values, f"{path}: its JSON")
+        try:
+            root = json.loads(text)
+        except RecursionError:
+            raise self.fail("the JSON is nested too deeply to be a glTF file") from None
+        except ValueError as error:
+            raise self.fail(f"the JSON is damaged ({error})") from error
+        if not isinstance(root, dict) or not isinstance(root.get("asset"), dict):
+            raise self.fail("the JSON has no 'asset': this is no glTF file")
+        self.root: dict[str, Any] = root
+        version = str(root["asset"].get("version"))
+        if not version.startswith("2"):
+            raise self.fail(f"this is glTF {version[:10]}, and only glTF 2 is read; convert it", damaged=False)
+        self._check_extensions()
+        self._buffers: dict[int, memoryview] = {}
+
+    def fail(self, what: str, damaged: bool = True) -> LoadError:
+        """Return the error for this file."""
+        return LoadError(f"{self.path}: {what}" + ("; export the file again" if damaged else ""))
+
+    def item(self, collection: str, index: object) -> dict[str, Any]:
+        """Return `root[collection][index]`, or raise if there is no such thing."""
+        items = self.root.get(collection, [])
+        if (
+            not isinstance(index, int)
+            or isinstance(index, bool)
+            or not isinstance(items, list)
+            or not 0 <= index < len(items)
+        ):
+            count = len(items) if isinstance(items, list) else 0
+            raise self.fail(f"{collection}[{str(index)[:20]}] is asked for, and there are {count}")
+        found = items[index]
+        if not isinstance(found, dict):
+            raise self.fail(f"{collection}[{index}] is no object")
+        return found
+
+    def count(self, index: object) -> int:
+        """Return the number of elements of an accessor; its buffer view has at least as many bytes."""
+        accessor = self.item("accessors", index)
+        count = self._natural(accessor, "count", f"accessors[{index}]")
+        if "bufferView" in accessor:
+            length = self._natural(self.item("bufferViews", accessor["bufferView"]), "byteLength", "a buffer view")
+            if count > length:
+                raise self.fail(f"accessors[{index}] has {count:,} elements and its buffer view {length:,} bytes")
+        return count
+
+    def array(self, index: object, width: int) -> NDArray[Any]:
+        """Return accessor `index` as (count, width), or (count,) for width 1; its own type, normalised ones float32."""
+        accessor = self.item("accessors", index)
+        where = f"accessors[{index}]"
+        dtype = _COMPONENTS.get(accessor.get("componentType", -1))
+        if dtype is None or _WIDTHS.get(str(accessor.get("type"))) != width:
+            raise self.fail(
+                f"{where} has componentType {str(accessor.get('componentType'))[:20]} and type "
+                f"{str(accessor.get('type'))[:20]}, which does not fit its use"
+            )
+        count = self._natural(accessor, "count", where)
+        if "bufferView" in accessor:
+            view, stride = self._view(accessor["bufferView"])
+            values = self._strided(view, stride, accessor, where, dtype, count, width)
+        elif "sparse" in accessor:
+            check_memory(count * dtype.itemsize * width, f"{self.path}: {where}")
+            values = np.zeros((count, width), dtype=dtype)
+        else:
+            raise self.fail(
+                f"{where} has no data (no bufferView): the geometry is missing or in a compressed extension"
+            )
+        if "sparse" in accessor:
+            values = self._with_sparse(values, accessor["sparse"], where)
+        if accessor.get("normalized") is True and dtype.kind in "iu":
+            values = np.maximum(values / np.float32(np.iinfo(dtype).max), np.float32(-1.0)).astype(np.float32)
+        return values[:, 0] if width == 1 else values
+
+    # --- the pieces ------------------------------------------------------------------------------------------------
+
+    def _split_glb(self, data: bytes) -> bytes:
+        if len(data) < 20:
+            raise self.fail("the file ends inside its header: it is truncated")
+        version, length = (int.from_bytes(data[at : at + 4], "little") for at in (4, 8))
+        if version != 2:
+            raise self.fail(f"this is GLB version {version}, and only version 2 is read; convert it", damaged=False)
+        if length > len(data):
+            raise self.fail(f"the header promises {length:,} bytes, the file has {len(data):,}: it is truncated")
+        text: bytes | None = None
+        at = 12
+        while at + 8 <= length:
+            size, kind = int.from_bytes(data[at : at + 4], "little"), int.from_bytes(data[at + 4 : at + 8], "little")
+            if at + 8 + size > length:
+                raise self.fail(f"a chunk at byte {at:,} runs over the end of the file: it is truncated")
+            if kind == _JSON_CHUNK and text is None:
+                text = data[at + 8 : at + 8 + size]
+            elif kind == _BIN_CHUNK and self._binary is None:
+                self._binary = memoryview(data)[at + 8 : at + 8 + size]
+            at += 8 + size
+        if text is None:
+            raise self.fail("there is no JSON chunk")
+        return text
+
+    def _check_extensions(self) -> None:
+        required = self.root.get("extensionsRequired", [])
+        for name in required if isinstance(required, list) else []:
+            if name == "KHR_draco_mesh_compression":
+                raise self.compressed("Draco")
+            if name in _COMPRESSED:
+                raise self.compressed("meshopt")
+            if name not in UNDERSTOOD and not str(name).startswith(("KHR_materials_", "ADOBE_materials_")):
+                raise self.fail(
+                    f"it requires the extension {str(name)[:60]!r}, which is not read; export without it", False
+                )
+
+    def compressed(self, how: str) -> LoadError:
+        """Return the error for geometry packed by an extension that is not read."""
+        return self.fail(
+            f"the geometry is compressed with {how}, which is not read; export it uncompressed "
+            "(for example: gltf-transform copy in.glb out.glb)",
+            damaged=False,
+        )
+
+    def _natural(self, item: dict[str, Any], key: str, where: str, default: int | None = None) -> int:
+        value = item.get(key, default)
+        if not isinstance(value, int) or isinstance(value, bool) or value < 0:
+            raise self.fail(f"{where}.{key} is {str(value)[:40]}, and should be a whole number")
+        return value
+
+    def _view(self, index: object) -> tuple[memoryview, int]:
+        """Return (bytes, stride or 0) of a buffer view."""
+        view = self.item("bufferViews", index)
+        where = f"bufferViews[{index}]"
+        extensions = view.get("extensions")
+        if isinstance(extensions, dict) and any(name in extensions for name in _COMPRESSED):
+            raise self.compressed("meshopt")
+        buffer = self._buffer(self._natural(view, "buffer", where))
+        offset, length = self._natural(view, "byteOffset", where, 0), self._natural(view, "byteLength", where)
+        if offset + length > len(buffer):
+            raise self.fail(f"{where} ends at byte {offset + length:,} of a buffer of {len(buffer):,}")
+        return buffer[offset : offset + length], self._natural(view, "byteStride", where, 0)
+
+    def _strided(
+        self,
+        view: memoryview,
+        stride: int,
+        item: dict[str, Any],
+        where: str,
+        dtype: np.dtype[Any],
+        count: int,
+        width: int,
+    ) -> NDArray[Any]:
+        offset = self._natural(item, "byteOffset", where, 0)
+        element = dtype.itemsize * width
+        stride = stride or element
+        if stride < element:
+            raise self.fail(f"{where} has elements of {element} bytes in a stride of {stride}")
+        if count and offset + stride * (count - 1) + element > len(view):
+            raise self.fail(
+                f"{where} needs {offset + stride * (count - 1) + element:,} bytes and its buffer view has {len(view):,}"
+            )
+        if not count:
+            return np.empty((0, width), dtype=dtype)
+        values: NDArray[Any] = np.ndarray((count, width), dtype, view, offset, (stride, dtype.itemsize))
+        return values
+
+    def _with_sparse(self, values: NDArray[Any], sparse: Any, where: str) -> NDArray[Any]:
+        where += ".sparse"
+        if not isinstance(sparse, dict) or not all(isinstance(sparse.get(key), dict) for key in ("indices", "values")):
+            raise self.fail(f"{where} has no indices or no values")
+        count = self._natural(sparse, "count", where)
+        index_type = _COMPONENTS.get(sparse["indices"].get("componentType", -1))
+        if index_type is None or index_type.kind != "u":
+            raise self.fail(f"{where}.indices has no unsigned componentType")
+        view, stride = self._view(sparse["indices"].get("bufferView"))
+        at = self._strided(view, stride, sparse["indices"], where + ".indices", index_type, count, 1)[:, 0]
+        view, stride = self._view(sparse["values"].get("bufferView"))
+        new = self._strided(view, stride, sparse["values"], where + ".values", values.dtype, count, values.shape[1])
+        if count and int(at.max()) >= len(values):
+            raise self.fail(f"{where}.indices names element {int(at.max()):,} of {len(values):,}")
+        values = values.copy()
+        values[at] = new
+        return values
+
+    def _buffer(self, index: int) -> memoryview:
+        if index not in self._buffers:
+            buffer = self.item("buffers", index)
+            length = self._natural(buffer, "byteLength", f"buffers[{index}]")
+            data = self._buffer_bytes(index, buffer)
+            if len(data) < length:
+                raise self.fail(f"buffers[{index}] should have {length:,} bytes and has {len(data):,}: it is truncated")
+            self._buffers[index] = data[:length]
+        return self._buffers[index]
+
+    def _buffer_bytes(self, index: int, buffer: dict[str, Any]) -> memoryview:
+        uri = buffer.get("uri")
+        if uri is None:
+            if index or self._binary is None:
+                raise self.fail(f"buffers[{index}] has no uri and no binary chunk")
+            return self._binary
+        if not isinstance(uri, str):
+            raise self.fail(f"buffers[{index}].uri is no text")
+        if uri.startswith("data:"):
+            head, comma, payload = uri.partition(",")
+            if not comma or not head.endswith(";base64"):
+                raise self.fail(f"buffers[{index}] is a data URI that is not base64")
+            try:
+                return memoryview(base64.b64decode(payload, validate=True))
+            except (binascii.Error, ValueError) as error:
+                raise self.fail(f"buffers[{index}] is damaged base64 ({error})") from error
+        return memoryview(self._beside(uri).read_bytes())
+
+    def _beside(self, uri: str) -> Path:
+        """Return the file a relative URI names; refuse one outside the folder of the glTF file, and the network."""
+        name = unquote(uri)
+        if _SCHEME.match(uri) or name.startswith(("/", "\\")) or "\0" in name:
+            raise self.fail(
+                f"the buffer {uri[:80]!r} is not a file beside it, and nothing else is opened", damaged=False
+            )
+        folder = self.path.parent.resolve()
+        target = (folder / name).resolve()
+        if folder not in target.parents:
+            raise self.fail(f"the buffer {uri[:80]!r} lies outside its folder, and is not opened", damaged=False)
+        if not target.is_file():
+            raise self.fail(f"the buffer {uri[:80]!r} is missing; put the file beside it", damaged=False)
+        check_memory(target.stat().st_size, str(target))
+        return target

@@ -1,0 +1,112 @@
+"""Which format a file is: by its first bytes where they are telling, else by its extension."""
+
+from __future__ import annotations
+
+import re
+import stat
+from pathlib import Path
+
+from feeler.errors import LoadError, MissingFileError
+
+HEAD_BYTES = 4096
+
+EXTENSIONS: dict[str, str] = {
+    ".stl": "STL",
+    ".obj": "OBJ",
+    ".ply": "PLY",
+    ".off": "OFF",
+    ".glb": "glTF",
+    ".gltf": "glTF",
+    ".3mf": "3MF",
+    ".step": "STEP",
+    ".stp": "STEP",
+    ".p21": "STEP",
+    ".dae": "COLLADA",
+}
+
+COMPANIONS = frozenset({".bin", ".mtl", ".png", ".jpg", ".jpeg", ".ktx2", ".webp"})
+"""Files that lie beside meshes and belong to them: not worth a note when a folder is loaded."""
+
+_PACKED = {
+    b"\x1f\x8b": "gzip",
+    b"\xfd7zXZ\0": "xz",
+    b"BZh": "bzip2",
+    b"(\xb5/\xfd": "zstd",
+    b"7z\xbc\xaf\x27\x1c": "7-Zip",
+    b"Rar!": "RAR",
+    b"Draco": "Draco",
+}
+_OFF = re.compile(rb"\s*(#[^\n]*\s+)*(ST)?C?N?4?n?OFF\s")
+_OBJ = re.compile(rb"^[ \t]*(v[ \t]+[-+.\d]|f[ \t]+-?\d|(mtllib|usemtl|o|g|vn|vt)[ \t]+\S)", re.MULTILINE)
+
+
+def known_formats() -> str:
+    """Return the formats and extensions, for messages."""
+    return ", ".join(EXTENSIONS)
+
+
+def identify(path: Path) -> tuple[str, list[str]]:
+    """Return (format, notes) of a regular file that is not empty; raise `LoadError` for anything else."""
+    try:
+        status = path.stat()
+    except (FileNotFoundError, NotADirectoryError):
+        raise MissingFileError(f"{path}: there is no such file or folder; check the path") from None
+    except (OSError, ValueError) as error:
+        raise LoadError(f"{str(path)!r}: cannot be opened ({error})") from error
+    if not stat.S_ISREG(status.st_mode):
+        raise LoadError(f"{path}: this is no regular file (a device or pipe); copy it to a file first")
+    if not status.st_size:
+        raise LoadError(f"{path}: the file is empty (0 bytes); export it again")
+    try:
+        with path.open("rb") as file:
+            head = file.read(HEAD_BYTES)
+    except OSError as error:
+        raise LoadError(f"{path}: cannot be read ({error.strerror}); check its permissions") from error
+    for magic, name in _PACKED.items():
+        if head.startswith(magic):
+            raise LoadError(f"{path}: the file is compressed ({name}); unpack it first")
+    named = EXTENSIONS.get(path.suffix.lower())
+    found = _by_content(head, status.st_size) or (None if named else _weak(head))
+    if found and found != named:
+        kind = f"named {path.suffix}" if path.suffix else "has no extension"
+        return found, [f"{path.name} is {kind}, but its content is {found}: read as {found}"]
+    if named is None:
+        raise LoadError(f"{path}: neither the extension nor the content is a format feeler reads ({known_formats()})")
+    if named == "STL" and head[:5].lower() != b"solid" and _is_text(head) and _OBJ.search(head):
+        return "OBJ", [f"{path.name} is named {path.suffix}, but its content is OBJ: read as OBJ"]
+    return named, []
+
+
+def _by_content(head: bytes, size: int) -> str | None:
+    """Return the format that the first bytes prove, or None."""
+    text = head.removeprefix(b"\xef\xbb\xbf").lstrip()
+    if head.startswith(b"glTF"):
+        return "glTF"
+    if head.startswith((b"ply\n", b"ply\r")):
+        return "PLY"
+    if head.startswith(b"PK\x03\x04"):
+        return "3MF"
+    if text.startswith(b"ISO-10303-21"):
+        return "STEP"
+    if _OFF.match(head):
+        return "OFF"
+    if text.startswith(b"{") and b'"' in text:
+        return "glTF"
+    if text.startswith(b"<") and b"<COLLADA" in head:
+        return "COLLADA"
+    if size >= 84 and 84 + 50 * int.from_bytes(head[80:84], "little") == size:
+        return "STL"
+    if text[:6].lower() in (b"solid ", b"solid\n", b"solid\r", b"solid\t") and re.search(
+        rb"facet\s+normal|endsolid", head, re.I
+    ):
+        return "STL"
+    return None
+
+
+def _weak(head: bytes) -> str | None:
+    """Return a guess for a file whose extension says nothing."""
+    return "OBJ" if _is_text(head) and _OBJ.search(head) else None
+
+
+def _is_text(head: bytes) -> bool:
+    return b"\0" not in head
