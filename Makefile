@@ -20,6 +20,8 @@ DEMO_ARGS ?=
 BENCH_ARGS ?=
 PYTEST_ARGS ?=
 CARGO_ARGS ?=
+FUZZ_SECONDS ?= 1200
+FUZZ ?= collide mesh $(shell $(PY) fuzz/loaders.py --list 2>/dev/null)
 
 # Where rustup puts cargo, for shells that were not told.
 export PATH := $(PATH):$(HOME)/.cargo/bin
@@ -105,6 +107,16 @@ test-rust: ## cargo test of all crates but the Python binding
 .PHONY: test-python
 test-python: build ## pytest: warnings are errors, every test has a time-out
 	@$(PY) -m pytest $(if $(QUICK),-m "not slow") $(PYTEST_ARGS)
+
+.PHONY: fuzz
+fuzz: build ## fuzz collide against its twin, and every loader (FUZZ_SECONDS= each, FUZZ="collide stl")
+	@sh tools/fuzz.sh $(PY) $(FUZZ_SECONDS) $(FUZZ)
+
+.PHONY: sanitize
+sanitize: ## the core's tests under AddressSanitizer (needs a nightly Rust)
+	@cargo +nightly --version >/dev/null 2>&1 || { echo "make sanitize: needs a nightly Rust (rustup toolchain install nightly)" >&2; exit 1; }
+	@RUSTFLAGS=-Zsanitizer=address cargo +nightly test -p feeler-core --target $$(rustc -vV | sed -n 's/^host: //p') \
+		--target-dir target/sanitize $(CARGO_ARGS)
 
 .PHONY: lint
 lint: lint-rust lint-python lint-rules ## everything below

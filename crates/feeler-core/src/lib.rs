@@ -3,6 +3,8 @@
 //! The flow: a [`Mockup`] and a [`Tool`] are checked meshes; a [`Scene`] is a mock-up with an index; a query takes a tool
 //! and a [`Pose`] and finds every pair of triangles that meets, exactly. The core knows no files, clocks or Python.
 
+#![forbid(unsafe_code)]
+
 pub mod bounds;
 pub mod brute;
 pub mod constants;
