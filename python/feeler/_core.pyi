@@ -133,6 +133,7 @@ class Collision:
         - `repeats_skipped`: pairs skipped because they had been seen.
         - `box_survivors`: pairs whose triangles' boxes meet.
         - `triangle_tests`: triangle tests.
+        - `exact_tests`: triangle tests that float64 arithmetic could not decide, so that exact arithmetic did.
         - `pairs`: distinct pairs that meet.
         """
     def __len__(self) -> int: ...

@@ -11,7 +11,7 @@
 
 use crate::bounds::{Point, Triangle};
 use crate::constants::UNIT_ROUNDOFF;
-use crate::predicates::{is_collinear, orient2d, orient3d, Sign};
+use crate::predicates::{is_collinear, Sign, Signs};
 
 /// How two triangles meet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -83,20 +83,26 @@ fn max(x: f64, y: f64) -> f64 {
 /// The kind of meeting of two closed triangles, `None` when they share no point. Exact.
 #[inline]
 pub fn intersect_triangle_triangle(p: &Triangle, q: &Triangle) -> Option<PairKind> {
+    intersect_with(&mut Signs::default(), p, q)
+}
+
+/// The same, counting in `signs` how often float64 arithmetic could not tell.
+#[inline]
+pub fn intersect_with(signs: &mut Signs, p: &Triangle, q: &Triangle) -> Option<PairKind> {
     // The side of each corner of q with respect to the plane of p, and the other way round.
-    let side_q = q.map(|corner| orient3d(&p[0], &p[1], &p[2], &corner));
+    let side_q = q.map(|corner| signs.orient3d(&p[0], &p[1], &p[2], &corner));
     if is_one_sided(side_q) {
         return None;
     }
-    let side_p = p.map(|corner| orient3d(&q[0], &q[1], &q[2], &corner));
+    let side_p = p.map(|corner| signs.orient3d(&q[0], &q[1], &q[2], &corner));
     if is_one_sided(side_p) {
         return None;
     }
     match (side_p == [0; 3], side_q == [0; 3]) {
-        (true, true) => return is_overlapping_coplanar(p, q).then_some(PairKind::Coplanar),
+        (true, true) => return is_overlapping_coplanar(signs, p, q).then_some(PairKind::Coplanar),
         // All corners of q on the plane of p, but not the other way round: p has no plane.
-        (false, true) => return is_segment_meeting(p, side_p, q).then_some(PairKind::Touching),
-        (true, false) => return is_segment_meeting(q, side_q, p).then_some(PairKind::Touching),
+        (false, true) => return is_segment_meeting(signs, p, side_p, q).then_some(PairKind::Touching),
+        (true, false) => return is_segment_meeting(signs, q, side_q, p).then_some(PairKind::Touching),
         (false, false) => {}
     }
 
@@ -109,11 +115,11 @@ pub fn intersect_triangle_triangle(p: &Triangle, q: &Triangle) -> Option<PairKin
 
     // The common line enters and leaves p through its edges 0-1 and 0-2, and q likewise. Two signs compare the ends of
     // the two intervals crosswise; they overlap when neither ends before the other begins.
-    let first = orient3d(&p[0], &p[1], &q[0], &q[1]);
+    let first = signs.orient3d(&p[0], &p[1], &q[0], &q[1]);
     if first > 0 {
         return None;
     }
-    let second = orient3d(&p[0], &p[2], &q[2], &q[0]);
+    let second = signs.orient3d(&p[0], &p[2], &q[2], &q[0]);
     if second > 0 {
         return None;
     }
@@ -163,35 +169,35 @@ fn turn(t: &Triangle, side: [Sign; 3]) -> (Triangle, bool) {
 /// A triangle without area (corners on one line, not all in the plane of `t`) against one with: whether the line's passage
 /// through the plane lies in `t`. The sides are not all strictly on one side, so the passage belongs to the segment.
 #[cold]
-fn is_segment_meeting(segment: &Triangle, side: [Sign; 3], t: &Triangle) -> bool {
+fn is_segment_meeting(signs: &mut Signs, segment: &Triangle, side: [Sign; 3], t: &Triangle) -> bool {
     // Any two corners on different sides (one may lie in the plane) span the passage.
     let a = side.iter().position(|s| *s != 0).unwrap_or(0);
     let b = side.iter().position(|s| *s != side[a]).unwrap_or(0);
-    let around = [0, 1, 2].map(|i| orient3d(&segment[a], &segment[b], &t[i], &t[(i + 1) % 3]));
+    let around = [0, 1, 2].map(|i| signs.orient3d(&segment[a], &segment[b], &t[i], &t[(i + 1) % 3]));
     !(around.contains(&1) && around.contains(&-1))
 }
 
 /// Two closed triangles in one plane, one of them perhaps without area: they are apart exactly when all corners of one lie
 /// strictly outside an edge of the other.
 #[cold]
-fn is_overlapping_coplanar(p: &Triangle, q: &Triangle) -> bool {
+fn is_overlapping_coplanar(signs: &mut Signs, p: &Triangle, q: &Triangle) -> bool {
     let (p, q) = if is_collinear(&p[0], &p[1], &p[2]) { (q, p) } else { (p, q) };
     // Dropping one axis maps the plane one to one where the projection of p keeps an area. Coordinates are taken as they
     // are, so nothing is rounded.
     for (u, v) in [(0, 1), (1, 2), (2, 0)] {
         let flat = |t: &Triangle| t.map(|c| [c[u], c[v]]);
         let (mut p, mut q) = (flat(p), flat(q));
-        match orient2d(p[0], p[1], p[2]) {
+        match signs.orient2d(p[0], p[1], p[2]) {
             0 => continue,
             s if s < 0 => p.swap(1, 2),
             _ => {}
         }
-        let turn = orient2d(q[0], q[1], q[2]);
+        let turn = signs.orient2d(q[0], q[1], q[2]);
         if turn < 0 {
             q.swap(1, 2);
         }
-        let is_outside_an_edge = |s: &[[f64; 2]; 3], t: &[[f64; 2]; 3], outside: Sign| {
-            (0..3).any(|i| t.iter().all(|c| orient2d(s[i], s[(i + 1) % 3], *c) == outside))
+        let mut is_outside_an_edge = |s: &[[f64; 2]; 3], t: &[[f64; 2]; 3], outside: Sign| {
+            (0..3).any(|i| t.iter().all(|c| signs.orient2d(s[i], s[(i + 1) % 3], *c) == outside))
         };
         // A segment has two outsides.
         return ![(&p, &q, -1), (&q, &p, -1), (&q, &p, if turn == 0 { 1 } else { -1 })]
@@ -205,6 +211,7 @@ fn is_overlapping_coplanar(p: &Triangle, q: &Triangle) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::predicates::{orient2d, orient3d};
     use proptest::prelude::*;
 
     /// The plain twin: triangles meet when an edge of one meets the other, or when one lies in the other.

@@ -1,9 +1,10 @@
 //! The narrow phase: candidate pairs go through two filters to the triangle test.
 
 use crate::bounds::{Aabb, Triangle};
-use crate::intersect_triangle_triangle::{intersect_triangle_triangle, PairKind, Plane};
+use crate::intersect_triangle_triangle::{intersect_with, PairKind, Plane};
 use crate::mesh::Mesh;
 use crate::pose::Pose;
+use crate::predicates::Signs;
 use crate::tool::Tool;
 
 /// Which filters stand before the triangle test. Neither changes the answer; they can be switched off to measure what they
@@ -33,21 +34,24 @@ pub struct Stats {
     pub repeats_skipped: u64,
     /// Pairs whose triangles' boxes meet (all of them when that filter is off).
     pub box_survivors: u64,
-    /// Exact triangle tests.
+    /// Triangle tests.
     pub triangle_tests: u64,
+    /// Triangle tests in which float64 arithmetic could not decide and exact arithmetic did.
+    pub exact_tests: u64,
     /// Distinct pairs that meet.
     pub pairs: u64,
 }
 
 impl Stats {
     /// Names and values, in order of the stages.
-    pub fn entries(&self) -> [(&'static str, u64); 6] {
+    pub fn entries(&self) -> [(&'static str, u64); 7] {
         [
             ("voxels_visited", self.voxels_visited),
             ("entries_scanned", self.entries_scanned),
             ("repeats_skipped", self.repeats_skipped),
             ("box_survivors", self.box_survivors),
             ("triangle_tests", self.triangle_tests),
+            ("exact_tests", self.exact_tests),
             ("pairs", self.pairs),
         ]
     }
@@ -197,7 +201,10 @@ impl Narrow<'_> {
         if p.plane.is_surely_beside(&q) || Plane::of_triangle(&q).is_surely_beside(&p.corners) {
             return false;
         }
-        let Some(kind) = intersect_triangle_triangle(&p.corners, &q) else { return false };
+        let mut signs = Signs::default();
+        let meeting = intersect_with(&mut signs, &p.corners, &q);
+        self.stats.exact_tests += u64::from(signs.exact > 0);
+        let Some(kind) = meeting else { return false };
         self.hits.push((key, kind));
         self.first_only
     }

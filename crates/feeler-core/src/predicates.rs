@@ -14,6 +14,33 @@ use crate::constants::UNIT_ROUNDOFF;
 /// A sign: -1, 0 or 1.
 pub type Sign = i8;
 
+/// Orientation signs, with a count of those that float64 arithmetic could not decide.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Signs {
+    /// Signs that took exact arithmetic.
+    pub exact: u64,
+}
+
+impl Signs {
+    /// See [`orient3d`].
+    #[inline]
+    pub fn orient3d(&mut self, a: &Point, b: &Point, c: &Point, d: &Point) -> Sign {
+        orient3d_filter(a, b, c, d).unwrap_or_else(|| {
+            self.exact += 1;
+            orient3d_exact(a, b, c, d)
+        })
+    }
+
+    /// See [`orient2d`].
+    #[inline]
+    pub fn orient2d(&mut self, a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> Sign {
+        orient2d_filter(a, b, c).unwrap_or_else(|| {
+            self.exact += 1;
+            orient2d_exact(a, b, c)
+        })
+    }
+}
+
 /// Error bound of the float64 evaluation of `orient3d`, relative to its permanent (the same sum with absolute values).
 ///
 /// Shewchuk's stage-A bound: differences carry one rounding each, products and sums up to six more on any path, which
@@ -40,7 +67,7 @@ const SAFE_LARGEST: f64 = 3.2e60; // just below 2^201
 /// Positive when `a`, `b`, `c` turn clockwise seen from `d`.
 #[inline]
 pub fn orient3d(a: &Point, b: &Point, c: &Point, d: &Point) -> Sign {
-    orient3d_filter(a, b, c, d).unwrap_or_else(|| orient3d_exact(a, b, c, d))
+    Signs::default().orient3d(a, b, c, d)
 }
 
 /// The sign where float64 arithmetic can prove it, else `None`.
@@ -62,10 +89,16 @@ pub fn orient3d_filter(a: &Point, b: &Point, c: &Point, d: &Point) -> Option<Sig
 /// Which side of the directed line `a -> b` the point `c` lies on, in the plane: positive on the left.
 #[inline]
 pub fn orient2d(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> Sign {
+    Signs::default().orient2d(a, b, c)
+}
+
+/// The sign where float64 arithmetic can prove it, else `None`.
+#[inline]
+pub fn orient2d_filter(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> Option<Sign> {
     let left = (a[0] - c[0]) * (b[1] - c[1]);
     let right = (a[1] - c[1]) * (b[0] - c[0]);
     let permanent = left.abs() + right.abs();
-    certain_sign(left - right, ORIENT2D_BOUND * permanent, permanent).unwrap_or_else(|| orient2d_exact(a, b, c))
+    certain_sign(left - right, ORIENT2D_BOUND * permanent, permanent)
 }
 
 /// True when the three corners lie on one line: the triangle has exactly zero area.
