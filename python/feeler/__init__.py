@@ -14,6 +14,7 @@ from feeler.errors import (
 )
 from feeler.load import load_mockup, load_tool
 from feeler.mockup import Mockup, Tool
+from feeler.samples import sample, sample_path, sample_poses, sample_tool
 from feeler.scene import PairKind, Scene, optimal_voxel_size
 
 __version__ = _version("feeler")
@@ -35,4 +36,8 @@ __all__ = [
     "load_mockup",
     "load_tool",
     "optimal_voxel_size",
+    "sample",
+    "sample_path",
+    "sample_poses",
+    "sample_tool",
 ]

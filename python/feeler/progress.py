@@ -76,7 +76,7 @@ class _Bar:
     def _open(self) -> None:
         # Imported here: work that is quick does not pay for it.
         from rich.console import Console
-        from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+        from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn
 
         with self._lock:
             if self._closed:
@@ -84,7 +84,7 @@ class _Bar:
             self._live = Progress(
                 TextColumn("{task.description}"),
                 BarColumn(bar_width=32),
-                TextColumn("{task.percentage:>3.0f} %"),
+                TaskProgressColumn("{task.percentage:>3.0f} %"),
                 TimeElapsedColumn(),
                 TextColumn("[dim]{task.fields[stage]}"),
                 console=Console(stderr=True),

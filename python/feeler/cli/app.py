@@ -1,0 +1,98 @@
+"""The program: its commands, `--version`, and how it ends.
+
+Exit status: 0 fine, 1 a finding (`feeler collide` found a collision), 2 bad input, 130 interrupted.
+"""
+
+from __future__ import annotations
+
+import functools
+import os
+import sys
+from collections.abc import Callable
+from typing import Annotated, Any, TypeVar
+
+import typer
+
+from feeler.errors import FeelerError
+
+Command = TypeVar("Command", bound=Callable[..., Any])
+
+FOUND, BAD_INPUT, INTERRUPTED = 1, 2, 130
+
+app = typer.Typer(
+    name="feeler",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode="rich",
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+def command(*, examples: str) -> Callable[[Command], Command]:
+    """Registers a function as a command; its errors become one line and an exit status. examples: shown by --help."""
+
+    def register(function: Command) -> Command:
+        @functools.wraps(function)
+        def run(*args: Any, **kwargs: Any) -> Any:
+            try:
+                return function(*args, **kwargs)
+            except BrokenPipeError:
+                raise  # some errors of ours are OSErrors too; this one is not
+            except FeelerError as error:
+                fail(str(error))
+                raise typer.Exit(BAD_INPUT) from None
+            except MemoryError:
+                fail("not enough memory: use a smaller mock-up, or a larger --voxel-size")
+                raise typer.Exit(BAD_INPUT) from None
+            except KeyboardInterrupt:
+                fail("interrupted")
+                raise typer.Exit(INTERRUPTED) from None
+
+        epilog = "[bold]Examples[/bold]\n\n" + "\n\n".join(examples.strip().splitlines())
+        app.command(name=function.__name__.rstrip("_"), epilog=epilog)(run)
+        return function
+
+    return register
+
+
+def fail(message: str) -> None:
+    """Writes one line to stderr."""
+    print(f"feeler: {' '.join(message.split())}", file=sys.stderr)
+
+
+def main() -> None:
+    """Runs the program and exits."""
+    try:
+        app(prog_name="feeler")
+    except KeyboardInterrupt:
+        fail("interrupted")
+        sys.exit(INTERRUPTED)
+    except BrokenPipeError:
+        # The reader (head, less) has seen enough. Python would complain once more when it flushes stdout at exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(0)
+
+
+def _show_version(value: bool) -> None:
+    if value:
+        from importlib.metadata import version
+
+        print(f"feeler {version('feeler')}")
+        raise typer.Exit()
+
+
+@app.callback()
+def feeler(
+    _version: Annotated[
+        bool, typer.Option("--version", callback=_show_version, is_eager=True, help="Show the version and exit.")
+    ] = False,
+) -> None:
+    """Finds every pair of triangles that meets, of a moving tool and a massive digital mock-up, exactly.
+
+    Exit status: 0 fine, 1 a collision was found, 2 bad input.
+    """
+
+
+# Each registers itself with `app`, in the order in which --help lists them.
+from feeler.cli import demo, info, collide, sample, bench  # noqa: E402, F401, I001

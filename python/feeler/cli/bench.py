@@ -1,0 +1,135 @@
+"""`feeler bench`: how fast is it here, with these files?"""
+
+from __future__ import annotations
+
+import time
+from typing import Annotated, Any
+
+import numpy as np
+import typer
+
+import feeler
+from feeler.cli.app import command
+from feeler.cli.findings import mesh_facts, scene_facts
+from feeler.cli.inputs import read_mockup, read_tool
+from feeler.errors import OptionError
+from feeler.progress import bar
+
+_KINDS = ("nominal", "near", "deep")
+
+
+@command(
+    examples="""
+feeler bench
+feeler bench engine.step --tool wrench.stl
+feeler bench sample:engine:1600000 --tool sample:hand --poses 500 --json
+"""
+)
+def bench(
+    mockup: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="MOCKUP",
+            help="Files or folders (several are one mock-up), or sample:NAME[:TRIANGLES[:SEED]].",
+            show_default="sample:engine:100000",
+        ),
+    ] = None,
+    tool: Annotated[str, typer.Option(help="A file, or sample:NAME or sample:NAME:fine.")] = "sample:wrench",
+    poses: Annotated[int, typer.Option(help="Poses of each kind.")] = 200,
+    kinds: Annotated[str, typer.Option(help="Which poses, split by commas: nominal, near, deep.")] = "nominal,near",
+    unit: Annotated[str | None, typer.Option(help="Unit of mock-up files that do not say it.")] = None,
+    tool_unit: Annotated[str | None, typer.Option(help="Unit of the tool's file, likewise.")] = None,
+    voxel_size: Annotated[float | None, typer.Option(help="Metres; default: predicted.")] = None,
+    storage: Annotated[str, typer.Option(help="blocks, dense or hashed.")] = "blocks",
+    hashing: Annotated[float, typer.Option(help="Hashing level of hashed, 0 to 0.99.")] = 0.0,
+    threads: Annotated[int | None, typer.Option(help="For the build; default: all cores.")] = None,
+    seed: Annotated[int, typer.Option(help="Another seed, other poses.")] = 0,
+    as_json: Annotated[bool, typer.Option("--json", help="One JSON document on stdout.")] = False,
+) -> None:
+    """Measures build time, memory and query times.
+
+    Poses: nominal (1 to 5 % of the tool's triangles collide), near (inside the mock-up, nothing collides), deep.
+    """
+    from feeler.cli import outputs
+
+    chosen = [kind.strip() for kind in kinds.split(",") if kind.strip()]
+    if not chosen or any(kind not in _KINDS for kind in chosen):
+        raise OptionError(f"--kinds is {kinds!r}: choose from {', '.join(_KINDS)}, split by commas")
+    if poses < 1:
+        raise OptionError(f"--poses is {poses}: give 1 or more")
+    world = read_mockup(mockup or ["sample:engine:100000"], unit)
+    probe = read_tool(tool, tool_unit)
+    with bar("indexing") as progress:
+        scene = feeler.Scene(
+            world,
+            voxel_size=voxel_size,
+            storage=storage,
+            hashing=hashing,
+            tool=probe,
+            threads=threads,
+            progress=progress,
+        )
+    rows = [_measure(scene, probe, kind, poses, seed) for kind in chosen]
+    if as_json:
+        outputs.print_json(
+            {"mockup": mesh_facts(world), "tool": mesh_facts(probe), "scene": scene_facts(scene), "runs": rows}
+        )
+        return
+    _print(scene, probe, rows)
+
+
+def _measure(scene: feeler.Scene, tool: feeler.Tool, kind: str, count: int, seed: int) -> dict[str, Any]:
+    """One row: query times one by one, and the rate of the whole batch on all threads."""
+    from feeler.cli.measure import collide_each, warm_up
+    from feeler.cli.outputs import times
+
+    with bar(f"looking for {kind} poses") as progress:
+        poses = np.asarray(feeler.sample_poses(scene, tool, kind, count, seed=seed, progress=progress))
+    with bar(f"measuring {kind}") as progress:
+        warm_up(scene, tool, poses)
+        seconds, hits = collide_each(scene, tool, poses, progress)
+        start = time.perf_counter()
+        scene.collide_batch(tool, poses)
+        batch = time.perf_counter() - start
+    pairs = np.array([len(hit.pairs) for hit in hits])
+    return {
+        "kind": kind,
+        **times(seconds),
+        "batch_queries_per_s": len(poses) / batch,
+        "median_pairs": float(np.median(pairs)),
+    }
+
+
+def _print(scene: feeler.Scene, tool: feeler.Tool, rows: list[dict[str, Any]]) -> None:
+    from feeler.cli import outputs
+
+    out, facts = outputs.console(), scene_facts(scene)
+    memory = facts["memory_bytes"]["total"]
+    cell = "piece size" if scene.storage == "blocks" else "voxel size"
+    outputs.print_facts(
+        out,
+        [
+            ("mock-up", f"{scene.mockup.triangle_count:,} triangles, {scene.mockup.part_count:,} parts"),
+            ("tool", f"{tool.name}, {tool.triangle_count:,} triangles"),
+            ("storage", f"{scene.storage}, {cell} {outputs.length(scene.voxel_size)}"),
+            ("build", outputs.duration(scene.build_seconds)),
+            ("memory", f"{outputs.size(memory)}, {facts['bytes_per_triangle']:.0f} bytes a triangle"),
+        ],
+    )
+    out.print()
+    microseconds = [(heading, "right") for heading in ("median", "p95", "p99", "worst")]
+    outputs.print_table(
+        out,
+        "Queries: all pairs, one thread; the batch on all threads",
+        [("poses", "left"), ("pairs", "right"), *microseconds, ("per second", "right"), ("batch", "right")],
+        [
+            (
+                row["kind"],
+                f"{row['median_pairs']:,.0f}",
+                *(outputs.duration(row[f"{name}_us"] * 1e-6) for name in ("median", "p95", "p99", "worst")),
+                f"{row['queries_per_s']:,.0f}",
+                f"{row['batch_queries_per_s']:,.0f}",
+            )
+            for row in rows
+        ],
+    )

@@ -1,0 +1,63 @@
+"""What a collision says about parts: counts by name."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+import feeler
+
+
+def kind_counts(kinds: Any) -> dict[str, int]:
+    """How many pairs there are of each kind."""
+    values = np.asarray(kinds)
+    return {kind.name.lower(): int(np.count_nonzero(values == int(kind))) for kind in feeler.PairKind}
+
+
+def part_findings(mockup: feeler.Mockup, pairs: Any, kinds: Any) -> list[dict[str, Any]]:
+    """One entry per part that is hit, most pairs first.
+
+    pairs: (k, 2) (tool triangle, mock-up triangle); kinds: (k,).
+    """
+    pairs, kinds = np.asarray(pairs).reshape(-1, 2).astype(np.int64), np.asarray(kinds)
+    part = np.asarray(mockup.part_of_face)[pairs[:, 1]].astype(np.int64)
+    order = np.argsort(part, kind="stable")
+    pairs, kinds, part = pairs[order], kinds[order], part[order]
+    begins = np.flatnonzero(np.diff(part, prepend=-1))
+    found = []
+    for begin, end in zip(begins, [*begins[1:], len(part)], strict=True):
+        index = int(part[begin])
+        here = pairs[begin:end]
+        found.append(
+            {
+                "part": index,
+                "path": mockup.part_paths[index],
+                "name": mockup.part_names[index],
+                "pairs": int(end - begin),
+                "mockup_triangles": len(np.unique(here[:, 1])),
+                "tool_triangles": len(np.unique(here[:, 0])),
+                "kinds": kind_counts(kinds[begin:end]),
+            }
+        )
+    return sorted(found, key=lambda entry: (-entry["pairs"], entry["part"]))
+
+
+def mesh_facts(mesh: feeler.Mockup | feeler.Tool) -> dict[str, Any]:
+    """The load report as JSON says it."""
+    facts: dict[str, Any] = mesh.report.to_dict()
+    if isinstance(mesh, feeler.Tool):
+        facts["name"] = mesh.name
+    return facts
+
+
+def scene_facts(scene: feeler.Scene) -> dict[str, Any]:
+    """What was built: cell size, time, memory."""
+    memory = dict(scene.memory())
+    return {
+        "storage": scene.storage,
+        "voxel_size_m": scene.voxel_size,
+        "build_s": scene.build_seconds,
+        "memory_bytes": memory,
+        "bytes_per_triangle": memory["total"] / max(scene.mockup.triangle_count, 1),
+    }

@@ -1,0 +1,153 @@
+"""What the commands read: mock-ups, tools, poses, from files, from the samples, from options."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+import feeler
+from feeler.errors import MissingFileError, OptionError, PoseError
+from feeler.progress import bar
+
+Poses = npt.NDArray[np.float64]
+
+_SAMPLE = "sample:"
+_DEFAULT_TRIANGLES = 100_000
+
+
+def read_mockup(sources: list[str], unit: str | None = None) -> feeler.Mockup:
+    """A mock-up from files or folders (several are one mock-up), or from `sample:NAME[:TRIANGLES[:SEED]]`."""
+    if any(source.startswith(_SAMPLE) for source in sources):
+        if len(sources) > 1:
+            raise OptionError(f"{', '.join(sources)}: a sample cannot be combined with other input")
+        name, triangles, seed = _sample_words(sources[0], ("", str(_DEFAULT_TRIANGLES), "0"))
+        count, arrangement = _whole(triangles, "triangles", sources[0]), _whole(seed, "seed", sources[0])
+        with bar(f"making {name}") as progress:
+            return feeler.sample(name, count, seed=arrangement, progress=progress)
+    with bar("loading mock-up") as progress:
+        return feeler.load_mockup(sources if len(sources) > 1 else sources[0], unit, progress=progress)
+
+
+def read_tool(source: str, unit: str | None = None) -> feeler.Tool:
+    """A tool from a file, or from `sample:NAME` or `sample:NAME:fine`."""
+    if source.startswith(_SAMPLE):
+        name, fine = _sample_words(source, ("", ""))
+        if fine not in ("", "fine"):
+            raise OptionError(f"{source}: expected sample:NAME or sample:NAME:fine")
+        return feeler.sample_tool(name, fine=fine == "fine")
+    with bar("loading tool") as progress:
+        return feeler.load_tool(source, unit, progress=progress)
+
+
+def poses_of_options(pose: Path | None, at: str | None, rotate: str | None) -> Poses:
+    """The poses, (n, 4, 4), that --pose, or --at and --rotate, ask for."""
+    if pose is not None:
+        if at is not None or rotate is not None:
+            raise OptionError("--pose and --at/--rotate exclude each other: give one of them")
+        return read_poses(pose)
+    if at is None and rotate is None:
+        raise OptionError("where is the tool? Give --pose FILE, or --at X,Y,Z (and --rotate RX,RY,RZ)")
+    matrix = np.eye(4)
+    matrix[:3, 3] = _triple(at, "--at") if at is not None else 0.0
+    if rotate is not None:
+        matrix[:3, :3] = rotation_xyz(*_triple(rotate, "--rotate"))
+    return matrix[None]
+
+
+def rotation_xyz(rx_deg: float, ry_deg: float, rz_deg: float) -> npt.NDArray[np.float64]:
+    """Rotation about the world's x, then y, then z axis: Rz @ Ry @ Rx, (3, 3). Quarter turns are exact."""
+    (cx, sx), (cy, sy), (cz, sz) = (_cos_sin(angle) for angle in (rx_deg, ry_deg, rz_deg))
+    rx = np.array([[1, 0, 0], [0, cx, -sx], [0, sx, cx]])
+    ry = np.array([[cy, 0, sy], [0, 1, 0], [-sy, 0, cy]])
+    rz = np.array([[cz, -sz, 0], [sz, cz, 0], [0, 0, 1]])
+    result: npt.NDArray[np.float64] = rz @ ry @ rx + 0.0  # no negative zeros
+    return result
+
+
+def read_poses(path: Path) -> Poses:
+    """Poses world_from_tool, metres, (n, 4, 4), from a file.
+
+    `.npy`: (4, 4) or (n, 4, 4). `.json`: such an array as lists, alone or under "world_from_tool", "pose" or "poses".
+    Anything else: 16 numbers a pose, row by row, split by blanks, commas or lines; `#` begins a comment.
+    Raises `MissingFileError`, `PoseError`.
+    """
+    if not path.is_file():
+        what = "is a folder" if path.is_dir() else "does not exist"
+        raise MissingFileError(f"pose file {path} {what}: give a .json, .npy or text file")
+    try:
+        if path.suffix.lower() == ".npy":
+            values = np.load(path, allow_pickle=False)
+        elif path.suffix.lower() == ".json":
+            values = _from_json(json.loads(path.read_text(encoding="utf-8")))
+        else:
+            values = _from_text(path.read_text(encoding="utf-8"))
+        poses = np.asarray(values, dtype=np.float64)
+    except (ValueError, TypeError, EOFError, RecursionError) as error:
+        raise PoseError(f"pose file {path} cannot be read: {error}; {_EXPECTED}") from None
+    except OSError as error:
+        raise PoseError(f"pose file {path} cannot be read: {error.strerror or error}") from None
+    if poses.shape == (4, 4):
+        poses = poses[None]
+    if poses.ndim != 3 or poses.shape[1:] != (4, 4):
+        raise PoseError(f"pose file {path} holds an array of shape {poses.shape}; {_EXPECTED}")
+    if len(poses) == 0:
+        raise PoseError(f"pose file {path} holds no pose; {_EXPECTED}")
+    return poses
+
+
+_EXPECTED = "a pose is 4 by 4 numbers, world_from_tool, metres, row by row; several are (n, 4, 4)"
+
+
+def _from_json(document: Any) -> Any:
+    if isinstance(document, dict):
+        for key in ("world_from_tool", "pose", "poses"):
+            if key in document:
+                return document[key]
+        raise ValueError('no "world_from_tool", "pose" or "poses" in it')
+    return document
+
+
+def _from_text(text: str) -> npt.NDArray[np.float64]:
+    words = " ".join(line.partition("#")[0] for line in text.splitlines()).replace(",", " ").split()
+    values = np.array([float(word) for word in words])
+    if len(values) % 16:
+        raise ValueError(f"{len(values)} numbers are no whole number of poses")
+    return values.reshape(-1, 4, 4)
+
+
+def _cos_sin(angle_deg: float) -> tuple[float, float]:
+    turn = math.fmod(angle_deg, 360.0)
+    if turn % 90.0 == 0:
+        return ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))[int(turn // 90) % 4]
+    return math.cos(math.radians(turn)), math.sin(math.radians(turn))
+
+
+def _triple(text: str, option: str) -> list[float]:
+    try:
+        values = [float(word) for word in text.replace(",", " ").split()]
+    except ValueError:
+        values = []
+    if len(values) != 3 or not all(math.isfinite(value) for value in values):
+        raise OptionError(f"{option} is {text!r}: give three numbers, such as 0.5,-0.1,0")
+    return values
+
+
+def _sample_words(source: str, defaults: tuple[str, ...]) -> list[str]:
+    words = source[len(_SAMPLE) :].split(":")
+    if not words[0] or len(words) > len(defaults):
+        raise OptionError(
+            f"{source}: expected sample:NAME[:TRIANGLES[:SEED]] for a mock-up, sample:NAME[:fine] for a tool"
+        )
+    return words + list(defaults[len(words) :])
+
+
+def _whole(text: str, what: str, source: str) -> int:
+    try:
+        return int(text.replace("_", ""))
+    except ValueError:
+        raise OptionError(f"{source}: {what} is {text!r}; give a whole number") from None

@@ -1,0 +1,38 @@
+"""Timing queries, one by one."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+import feeler
+
+_WARM_UP = 20
+
+
+def warm_up(scene: feeler.Scene, tool: feeler.Tool, poses: npt.NDArray[np.float64]) -> None:
+    """Runs a few queries, spread over the poses: buffers grow to size, the index comes into the cache."""
+    for pose in poses[:: max(len(poses) // _WARM_UP, 1)]:
+        scene.collide(tool, pose)
+
+
+def collide_each(
+    scene: feeler.Scene,
+    tool: feeler.Tool,
+    poses: npt.NDArray[np.float64],
+    progress: Callable[[float, str], None] | None = None,
+) -> tuple[npt.NDArray[np.float64], list[Any]]:
+    """Seconds of each `scene.collide`, (n,), on one thread, and the collisions."""
+    seconds, hits = np.empty(len(poses)), []
+    for number, pose in enumerate(poses):
+        start = time.perf_counter()
+        hit = scene.collide(tool, pose)
+        seconds[number] = time.perf_counter() - start
+        hits.append(hit)
+        if progress is not None and number % 50 == 0:
+            progress(number / len(poses), f"{number:,} of {len(poses):,} poses")
+    return seconds, hits

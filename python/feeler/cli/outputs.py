@@ -1,0 +1,125 @@
+"""How the commands speak: tables for people, JSON for machines."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+_PIPE_WIDTH = 140  # columns, where no terminal says how many there are
+
+
+def console() -> Console:
+    """The console for results, on stdout."""
+    from rich.console import Console
+
+    return Console(width=None if sys.stdout.isatty() else _PIPE_WIDTH, highlight=False)
+
+
+def print_json(document: dict[str, Any]) -> None:
+    """One JSON document on stdout; a number that JSON lacks (NaN, infinity) becomes null."""
+    print(json.dumps(_plain(document), indent=2, allow_nan=False))
+
+
+def print_table(
+    out: Console, title: str, columns: Sequence[tuple[str, str]], rows: Iterable[Sequence[str]], *, more: int = 0
+) -> None:
+    """A table. columns: (heading, "left" or "right"); more: how many rows were left out, said below."""
+    from rich.box import SIMPLE_HEAD
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(title=title, title_justify="left", title_style="bold", box=SIMPLE_HEAD, pad_edge=False)
+    for heading, justify in columns:
+        table.add_column(heading, justify="right" if justify == "right" else "left", overflow="fold")
+    for row in rows:
+        table.add_row(*(Text(cell) for cell in row))  # Text: a name such as "[1]" is no markup
+    out.print(table)
+    if more > 0:
+        out.print(f"... and {more:,} more (--json lists all)")
+
+
+def print_facts(out: Console, facts: Iterable[tuple[str, str]]) -> None:
+    """Name and value, line by line."""
+    from rich.table import Table
+    from rich.text import Text
+
+    grid = Table.grid(padding=(0, 2))
+    grid.add_column(style="cyan", no_wrap=True)
+    grid.add_column(overflow="fold")
+    for name, value in facts:
+        grid.add_row(Text(name), Text(value))
+    out.print(grid)
+
+
+def say(out: Console, text: str) -> None:
+    """A line as it is, never wrapped: it may be copied into a shell."""
+    out.print(text, soft_wrap=True, markup=False, highlight=False)
+
+
+def length(metres: float) -> str:
+    """Metres in the unit that reads best."""
+    if not np.isfinite(metres):
+        return str(metres)
+    for factor, unit in ((1.0, "m"), (1e3, "mm"), (1e6, "µm")):
+        if abs(metres) * factor >= 1 or unit == "µm":
+            return f"{metres * factor:.4g} {unit}"
+    return f"{metres:.4g} m"
+
+
+def duration(seconds: float) -> str:
+    """Seconds in the unit that reads best."""
+    if seconds >= 1:
+        return f"{seconds:.2f} s"
+    if seconds >= 1e-3:
+        return f"{seconds * 1e3:.3g} ms"
+    return f"{seconds * 1e6:.3g} µs"
+
+
+def size(count: float) -> str:
+    """Bytes in the unit that reads best."""
+    for factor, unit in ((1e9, "GB"), (1e6, "MB"), (1e3, "kB")):
+        if count >= factor:
+            return f"{count / factor:.3g} {unit}"
+    return f"{count:.0f} bytes"
+
+
+def extent(lower: Sequence[float], upper: Sequence[float]) -> str:
+    """The sides of a box."""
+    return " × ".join(length(high - low) for low, high in zip(lower, upper, strict=True))
+
+
+def times(seconds: npt.NDArray[np.float64]) -> dict[str, float]:
+    """What JSON says about a row of query times."""
+    if not len(seconds):
+        return {"queries": 0}
+    p50, p95, p99 = np.percentile(seconds, [50, 95, 99])
+    return {
+        "queries": len(seconds),
+        "queries_per_s": len(seconds) / float(seconds.sum()),
+        "median_us": float(p50) * 1e6,
+        "p95_us": float(p95) * 1e6,
+        "p99_us": float(p99) * 1e6,
+        "worst_us": float(seconds.max()) * 1e6,
+    }
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if isinstance(value, np.ndarray):
+        return _plain(value.tolist())
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, float) and not np.isfinite(value):
+        return None
+    return value

@@ -1,0 +1,88 @@
+"""`feeler sample`: built-in mock-ups and tools, to try things on."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+import feeler
+from feeler.cli.app import command
+from feeler.errors import OptionError
+from feeler.progress import bar
+
+
+@command(
+    examples="""
+feeler sample
+feeler sample engine --triangles 1600000 --out engine.glb
+feeler sample wrench --fine --out wrench.stl
+"""
+)
+def sample(
+    name: Annotated[str | None, typer.Argument(help="Mock-up or tool; without it all names are listed.")] = None,
+    triangles: Annotated[int, typer.Option(help="Size of a mock-up.")] = 100_000,
+    seed: Annotated[int, typer.Option(help="Another seed, another arrangement of the same mock-up.")] = 0,
+    fine: Annotated[bool, typer.Option("--fine", help="A tool of about 50 thousand triangles.")] = False,
+    out: Annotated[
+        Path | None, typer.Option(help="Write it: .glb keeps parts and colours, .stl is one mesh in millimetres.")
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="One JSON document on stdout.")] = False,
+) -> None:
+    """Makes a built-in mock-up or tool, the same on every machine."""
+    from feeler.cli import outputs
+    from feeler.samples import sample_names, sample_tool_names
+
+    mockups, tools = sample_names(), sample_tool_names()
+    if name is None:
+        if as_json:
+            outputs.print_json({"mockups": list(mockups), "tools": list(tools)})
+        else:
+            outputs.print_facts(outputs.console(), [("mock-ups", ", ".join(mockups)), ("tools", ", ".join(tools))])
+        return
+    if name not in mockups and name not in tools:
+        raise OptionError(f"no sample is called {name!r}; mock-ups: {', '.join(mockups)}; tools: {', '.join(tools)}")
+    if out is not None:
+        _check_out(out)
+    mesh: Any
+    if name in tools:
+        mesh = feeler.sample_tool(name, fine=fine)
+    else:
+        if fine:
+            raise OptionError("--fine is for tools; a mock-up takes --triangles")
+        with bar(f"making {name}") as progress:
+            mesh = feeler.sample(name, triangles, seed=seed, progress=progress)
+    size = None
+    if out is not None:
+        with bar(f"writing {out}"):
+            size = _write(out, mesh)
+    report = mesh.report
+    if as_json:
+        outputs.print_json(
+            {"sample": name, "out": None if out is None else str(out), "bytes": size, **report.to_dict()}
+        )
+        return
+    facts = [
+        ("sample", name),
+        ("triangles", f"{report.triangles:,}"),
+        ("parts", f"{report.parts:,}"),
+        ("extent", outputs.extent(report.lower, report.upper)),
+    ]
+    if out is not None and size is not None:
+        facts.append(("written", f"{out} ({outputs.size(size)})"))
+    outputs.print_facts(outputs.console(), facts)
+
+
+def _check_out(out: Path) -> None:
+    from feeler.show import check_target
+
+    if out.suffix.lower() not in (".glb", ".stl"):
+        raise OptionError(f"--out {out}: the name must end in .glb or .stl")
+    check_target(out)
+
+
+def _write(out: Path, mesh: Any) -> int:
+    from feeler.show import write_glb, write_stl
+
+    return write_glb(out, mesh) if out.suffix.lower() == ".glb" else write_stl(out, mesh)

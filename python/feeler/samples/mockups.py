@@ -1,0 +1,150 @@
+"""The six sample mock-ups, in the roles of the paper's Table 1, and `sample` that builds one to a size."""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Callable
+
+import numpy as np
+
+from ..errors import OptionError
+from ..mockup import Mockup, Source
+from . import core_engine as core
+from .carcass import add_carcass
+from .core_engine import Amount
+from .externals import Dresser
+from .gearbox import add_differential
+from .layout import Surface
+from .mesh import MeshParts
+from .nacelle import add_fan, add_nacelle
+from .plan import Plan, Progress
+
+LEAST_TRIANGLES = 10_000
+MOST_TRIANGLES = 100_000_000
+MOST_BY_NAME = {"differential": 20_000_000}  # so few parts would be cut finer than the vertex grid bears
+
+
+def sample(name: str, triangles: int = 1_600_000, seed: int = 0, *, progress: Progress | None = None) -> Mockup:
+    """A built-in mock-up: CAD-like, made of hundreds to thousands of named parts.
+
+    `name`, after the paper's Table 1: "carcass" (nested engine casings, flanges, bolts, panels), "differential" (bevel
+    and spur gears, bearings, housing; 0.8 m), "turbine" (bladed disks, shafts, casings), "externals" (pipes, clamps,
+    harness, boxes, gearbox), "engine" (an aero-engine's core, dressed; 3 m) or "tay" (a turbofan in its nacelle; 4 m).
+    `triangles`: the size, from 10 thousand to 100 million ("differential", which has few parts: 20 million); the result
+    has within 10 % (mostly 1 %) of it, never more. The part count grows with its square root. `seed`: another
+    arrangement of pipes, cables, boxes. `progress(fraction, stage)` is called now and then.
+
+    Metres, right-handed, the engine's axis along z, front at z = 0, gearbox towards -y. Parts are closed shells facing
+    outwards; a part may be several shells, and parts may overlap a little where real ones are welded or pressed
+    together. The same arguments give the same bytes. Every coordinate is exact in single precision, so STL and GLB keep
+    it. Time is about linear: 1.6 million triangles take a second or two, 10 million a few.
+
+    Raises OptionError for an unknown name, a size out of range or a negative seed, LimitError for a size that the named
+    mock-up cannot be tessellated to.
+    """
+    parts = sample_parts(name, triangles, seed, progress=progress)
+    return Mockup(
+        parts.vertices,
+        parts.faces,
+        parts.part_of_face,
+        parts.part_names,
+        part_paths=parts.part_paths,
+        source=Source(format="sample", unit_source="samples are metres", notes=(f"{name}, seed {seed}",)),
+    )
+
+
+def sample_names() -> tuple[str, ...]:
+    """The names that `sample` knows."""
+    return tuple(_MAKERS)
+
+
+def sample_parts(
+    name: str, triangles: int = 1_600_000, seed: int = 0, *, progress: Progress | None = None
+) -> MeshParts:
+    """What `sample` makes, as plain arrays; see there."""
+    if name not in _MAKERS:
+        raise OptionError(f"no sample mock-up is called {name!r}; choose one of {', '.join(_MAKERS)}")
+    wanted = _whole(triangles, "triangles")
+    most = MOST_BY_NAME.get(name, MOST_TRIANGLES)
+    if not LEAST_TRIANGLES <= wanted <= most:
+        raise OptionError(f"triangles is {triangles}; the sample {name!r} has from {LEAST_TRIANGLES} to {most}")
+    number = _whole(seed, "seed")
+    if number < 0:
+        raise OptionError(f"seed is {seed}; give a whole number from 0")
+    make, reference = _MAKERS[name]
+    richness = (wanted / reference) ** 0.5
+    for _ in range(24):
+        words = [number & 0xFFFFFFFF, number >> 32, zlib.crc32(name.encode())]
+        plan = Plan(name, np.random.Generator(np.random.PCG64(np.random.SeedSequence(words))))
+        make(plan, Amount(richness))
+        if plan.least_count() <= 0.97 * wanted:
+            return plan.build(wanted, progress)
+        richness *= 0.85  # too many parts for so few triangles
+    raise OptionError(f"{name} cannot be made of only {wanted} triangles; ask for more")
+
+
+def _whole(value: object, name: str) -> int:
+    if isinstance(value, (float, np.floating)) and np.isfinite(value) and value == np.floor(value):
+        return int(value)
+    if isinstance(value, bool) or not isinstance(value, (int, np.integer)):
+        raise OptionError(f"{name} is {value!r}; give a whole number")
+    return int(value)
+
+
+def _carcass(plan: Plan, amount: Amount) -> None:
+    core.add_casings(plan, amount)
+    core.add_frames(plan, amount)
+    add_carcass(plan, amount)
+
+
+def _turbine(plan: Plan, amount: Amount) -> None:
+    core.add_turbines(plan, amount, extra_stages=2)
+    core.add_shafts(plan, amount)
+    core.add_exhaust(plan, amount)
+    for row in core.OUTER[6:]:
+        core.add_outer(plan, amount, row)
+
+
+def _dress(plan: Plan, amount: Amount, surface: Surface, z_range: tuple[float, float], gearbox_z: float) -> None:
+    dresser = Dresser(plan, surface, "externals", z_range, amount.rich, not amount.tiny)
+    dresser.gearbox(gearbox_z, amount.many(9, 2, 14, 0.4))
+    dresser.boxes(amount.many(9, 1, 24, 0.6))
+    dresser.valves(amount.many(10, 1, 40))
+    dresser.pipes(amount.many(110, 3, 500, 0.85))
+    dresser.harness(amount.many(32, 1, 160))
+    dresser.bosses(amount.many(70, 3, 400))
+    dresser.rails(amount.many(6, 2, 10, 0.3))
+    dresser.rivets(amount.many(1200, 240, 6000))
+
+
+def _externals(plan: Plan, amount: Amount) -> None:
+    _dress(plan, amount, core.outer_surface(), (0.1, 2.8), 0.9)
+
+
+def _engine(plan: Plan, amount: Amount) -> None:
+    core.add_casings(plan, amount)
+    core.add_frames(plan, amount)
+    core.add_compressors(plan, amount)
+    core.add_combustor(plan, amount)
+    core.add_turbines(plan, amount)
+    core.add_shafts(plan, amount)
+    core.add_exhaust(plan, amount)
+    _dress(plan, amount, core.outer_surface(), (0.1, 2.8), 0.9)
+
+
+def _tay(plan: Plan, amount: Amount) -> None:
+    _engine(plan, amount)
+    add_fan(plan, amount)
+    add_nacelle(plan, amount)
+
+
+# how each is made, and the triangle count at which its richness is 1: the engine then has about 4,300 parts at 1.6
+# million triangles
+_MAKERS: dict[str, tuple[Callable[[Plan, Amount], None], float]] = {
+    "carcass": (_carcass, 0.5e6),
+    "differential": (add_differential, 0.3e6),
+    "turbine": (_turbine, 0.8e6),
+    "externals": (_externals, 0.7e6),
+    "engine": (_engine, 5.2e6),
+    "tay": (_tay, 6.5e6),
+}

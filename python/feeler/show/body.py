@@ -1,0 +1,173 @@
+"""What is shown: triangles with parts and colours, the common input of the writers and the renderer."""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from feeler.errors import MeshError, OptionError
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
+Colour = tuple[float, float, float]
+
+# sRGB, 0 to 1.
+LIGHT_GREY: Colour = (0.80, 0.81, 0.82)
+TINT: Colour = (0.93, 0.72, 0.66)
+RED: Colour = (0.87, 0.06, 0.08)
+ORANGE: Colour = (1.00, 0.52, 0.05)
+STEEL_BLUE: Colour = (0.27, 0.50, 0.80)
+
+_LARGEST_M = 1e15  # farther vertices would not survive float32 arithmetic
+
+# Muted colours of machine parts: steel, titanium, alloys, paint. Distinct in lightness as well as in hue.
+_MATERIALS: tuple[Colour, ...] = (
+    (0.72, 0.74, 0.77),
+    (0.55, 0.62, 0.69),
+    (0.80, 0.75, 0.66),
+    (0.60, 0.58, 0.56),
+    (0.67, 0.72, 0.64),
+    (0.84, 0.84, 0.82),
+    (0.48, 0.54, 0.58),
+    (0.75, 0.66, 0.55),
+)
+
+
+@dataclass(frozen=True)
+class Body:
+    """Triangles to show, in world coordinates.
+
+    vertices: (n, 3) float64, metres. faces: (m, 3) integers. part_of_face: (m,) integers into `paths`.
+    paths: "assembly/sub/part" of each part. palette: (k, 3) sRGB colours, 0 to 1.
+    colour_of_face: (m,) integers into `palette`. cut: whether a section plane cuts it. xray: (k,) how strongly each
+    colour shines through what hides it, 0 to 1 (pictures only); None: not at all.
+    """
+
+    vertices: FloatArray
+    faces: npt.NDArray[Any]
+    part_of_face: npt.NDArray[Any]
+    paths: tuple[str, ...]
+    palette: FloatArray
+    colour_of_face: npt.NDArray[Any]
+    cut: bool = True
+    xray: npt.NDArray[Any] | None = None
+
+    @property
+    def points(self) -> FloatArray:
+        """The vertices that triangles use, (k, 3) metres, world."""
+        mark = np.zeros(len(self.vertices), dtype=bool)
+        mark[self.faces] = True
+        return self.vertices[mark]
+
+    @property
+    def bounds(self) -> FloatArray:
+        """Lower and upper corner, (2, 3) metres, over the vertices that triangles use."""
+        used = self.points
+        return np.stack([used.min(axis=0), used.max(axis=0)])
+
+
+def body_of(
+    mesh: Any,
+    *,
+    colours: Any = None,
+    pose: npt.ArrayLike | None = None,
+    cut: bool = True,
+) -> Body:
+    """The `Body` of a mock-up, a tool, or anything with `.vertices` and `.faces`.
+
+    colours: None (one colour per assembly), one (3,) sRGB colour, or (parts, 3), one per part.
+    pose: world_from_mesh, (4, 4), metres; None leaves the mesh where it is.
+    Raises `MeshError` where a face names a vertex that does not exist.
+    """
+    if isinstance(mesh, Body):
+        return mesh
+    vertices = np.asarray(mesh.vertices, dtype=np.float64)
+    faces = np.asarray(mesh.faces)
+    if vertices.ndim != 2 or vertices.shape[1] != 3 or faces.ndim != 2 or faces.shape[1] != 3:
+        raise MeshError(
+            f"expected vertices (n, 3) and faces (m, 3), got {vertices.shape} and {faces.shape}: "
+            "pass a mock-up, a tool, or an object with such arrays"
+        )
+    parts = getattr(mesh, "part_of_face", None)
+    part_of_face = np.zeros(len(faces), dtype=np.int64) if parts is None else np.asarray(parts)
+    names = getattr(mesh, "part_paths", None)
+    paths = (str(getattr(mesh, "name", "part")),) if names is None else tuple(names)
+    faces, part_of_face = _drawable(vertices, faces, part_of_face)
+    if pose is not None:
+        matrix = np.asarray(pose, dtype=np.float64)
+        vertices = vertices @ matrix[:3, :3].T + matrix[:3, 3]
+    palette, colour_of_part = _palette(colours, paths)
+    return Body(vertices, faces, part_of_face, paths, palette, colour_of_part[part_of_face], cut=cut)
+
+
+@dataclass(frozen=True)
+class Mark:
+    """Triangles (face indices) to show in a colour of their own; xray: how strongly they shine through, 0 to 1."""
+
+    faces: npt.NDArray[Any]
+    colour: Colour
+    xray: float = 0.0
+
+
+def with_marks(body: Body, marks: Sequence[Mark], *, xray: float = 0.0) -> Body:
+    """`body` with marked triangles; where marks overlap the last one counts. xray: for what is not marked."""
+    colour_of_face = np.array(body.colour_of_face, dtype=np.int64)
+    for number, mark in enumerate(marks):
+        colour_of_face[mark.faces] = len(body.palette) + number
+    return replace(
+        body,
+        palette=np.array([*body.palette, *(mark.colour for mark in marks)], dtype=np.float64).reshape(-1, 3),
+        colour_of_face=colour_of_face,
+        xray=np.array([xray] * len(body.palette) + [mark.xray for mark in marks]),
+    )
+
+
+def only_faces(body: Body, keep: npt.NDArray[np.bool_]) -> Body:
+    """`body` reduced to the triangles where `keep` (m,) is true, and to the parts that still have one."""
+    parts, index = np.unique(body.part_of_face[keep], return_inverse=True)
+    return replace(
+        body,
+        faces=body.faces[keep],
+        part_of_face=np.asarray(index, dtype=np.int64).reshape(-1),
+        paths=tuple(body.paths[part] for part in parts),
+        colour_of_face=body.colour_of_face[keep],
+    )
+
+
+def _drawable(
+    vertices: FloatArray, faces: npt.NDArray[Any], part_of_face: npt.NDArray[Any]
+) -> tuple[npt.NDArray[Any], npt.NDArray[Any]]:
+    """Triangles that queries leave out for a bad corner collapse to a point: they keep their number."""
+    if len(faces) == 0:
+        return faces, part_of_face
+    bad = np.zeros(len(faces), dtype=bool)
+    if faces.max() >= len(vertices) or (faces.dtype.kind == "i" and faces.min() < 0):
+        bad |= np.logical_or(faces >= len(vertices), faces < 0).any(axis=1)
+    finite = np.all(np.abs(vertices) < _LARGEST_M, axis=1)
+    if not finite.all():
+        bad |= ~finite[np.where(bad[:, None], 0, faces)].all(axis=1)
+    if bad.any():
+        good = np.flatnonzero(finite)
+        if len(good) == 0:
+            raise MeshError(f"no vertex is finite and below {_LARGEST_M:g} m: there is nothing to show")
+        faces = np.where(bad[:, None], good[0], faces)
+    return faces, part_of_face
+
+
+def _palette(colours: Any, paths: tuple[str, ...]) -> tuple[FloatArray, IntArray]:
+    if colours is None:
+        # A colour per assembly (all but the last name of the path); crc32, because hash() changes between runs.
+        groups = [zlib.crc32(path.rpartition("/")[0].encode() or path.encode()) for path in paths]
+        return np.array(_MATERIALS), np.array(groups, dtype=np.int64) % len(_MATERIALS)
+    table = np.asarray(colours, dtype=np.float64)
+    if table.shape == (3,):
+        return table[None, :], np.zeros(len(paths), dtype=np.int64)
+    if table.shape == (len(paths), 3):
+        palette, index = np.unique(table, axis=0, return_inverse=True)
+        return palette, np.asarray(index, dtype=np.int64).reshape(-1)
+    raise OptionError(f"colours has shape {table.shape}: pass (3,) or one row per part, ({len(paths)}, 3)")

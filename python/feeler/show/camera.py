@@ -1,0 +1,129 @@
+"""Where a picture is taken from, and where it is cut."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from feeler.errors import OptionError
+
+FloatArray = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Camera:
+    """A perspective camera.
+
+    eye, target: (3,) metres, world. up: (3,), which way is up in the picture. fov_deg: vertical field of view.
+    """
+
+    eye: tuple[float, float, float]
+    target: tuple[float, float, float]
+    up: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    fov_deg: float = 26.0
+
+    @classmethod
+    def framing(
+        cls,
+        points: npt.ArrayLike,
+        direction: npt.ArrayLike = (-0.55, 0.75, -0.42),
+        up: npt.ArrayLike = (0.0, 0.0, 1.0),
+        *,
+        size: tuple[int, int] = (1600, 1000),
+        fov_deg: float = 26.0,
+        box: tuple[float, float, float, float] = (0.04, 0.04, 0.92, 0.92),
+    ) -> Camera:
+        """The camera that looks along `direction` and sees all of `points` (n, 3) inside a box of the picture.
+
+        size: of the picture, pixels. box: left, top, width, height as shares of the picture, 0 to 1.
+        """
+        cloud = np.atleast_2d(np.asarray(points, dtype=np.float64))
+        forward = _unit(direction, "direction")
+        right, true_up = _right_up(forward, np.asarray(up, dtype=np.float64))
+        half = np.tan(np.radians(fov_deg) / 2)
+        centre = (cloud.min(axis=0) + cloud.max(axis=0)) / 2
+        z = (cloud - centre) @ forward
+        # A point at z is inside where low (z + d) <= x - e <= high (z + d), with d the distance and e the sideways
+        # place of the eye: each side bounds e, and the two bounds meet at the least distance.
+        bounds = []
+        distance = max(float(-z.min()) * 1.01, 1e-6)
+        for axis, begin, share, reach in (
+            (right, box[0], box[2], half * size[0] / size[1]),
+            (-true_up, box[1], box[3], half),
+        ):
+            along = (cloud - centre) @ axis
+            low, high = (2 * begin - 1) * reach, (2 * (begin + share) - 1) * reach
+            least, most = float(np.max(along - high * z)), float(np.min(along - low * z))
+            distance = max(distance, (least - most) / (high - low))
+            bounds.append((axis, low, high, least, most))
+        eye = centre - forward * distance
+        for axis, low, high, least, most in bounds:
+            eye = eye + axis * ((least - high * distance) + (most - low * distance)) / 2
+        return cls(_triple(eye), _triple(eye + forward * distance), _triple(up), fov_deg)
+
+    def shares(self, points: npt.ArrayLike, size: tuple[int, int]) -> FloatArray:
+        """Where points (n, 3) are seen, (n, 2): shares of width and height from the left and from the top."""
+        right, up, forward = self.axes()
+        away = np.asarray(points, dtype=np.float64) - np.asarray(self.eye)
+        half = np.tan(np.radians(self.fov_deg) / 2) * np.maximum(away @ forward, 1e-12)
+        x = away @ right / half * size[1] / size[0]
+        return np.stack([(1 + x) / 2, (1 - away @ up / half) / 2], axis=1)
+
+    def axes(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Unit vectors right, up, forward, in the world. Raises `OptionError` where eye and target coincide."""
+        forward = _unit(np.subtract(self.target, self.eye), "camera target minus eye")
+        right, up = _right_up(forward, np.asarray(self.up, dtype=np.float64))
+        return right, up, forward
+
+
+def usual_view(bounds: npt.ArrayLike) -> tuple[FloatArray, FloatArray]:
+    """Direction and up for a box (2, 3) of which nothing else is known: from above, the longest side across.
+
+    Up is z, or y where the box is longest along z (an engine along its axis, a tower lying down).
+    """
+    sides = np.diff(np.asarray(bounds, dtype=np.float64), axis=0)[0]
+    long = int(np.argmax(sides))
+    up = 1 if long == 2 else 2
+    direction = np.zeros(3)
+    direction[long], direction[up], direction[3 - long - up] = 0.55, -0.42, 0.75
+    return direction, np.eye(3)[up]
+
+
+@dataclass(frozen=True)
+class Section:
+    """A cutting plane: what lies on the side the normal points to is taken away.
+
+    point: (3,) metres, on the plane. normal: (3,), need not have length 1. cap: close the solids that are cut.
+    """
+
+    point: tuple[float, float, float]
+    normal: tuple[float, float, float]
+    cap: bool = True
+
+    def plane(self) -> tuple[FloatArray, float]:
+        """Unit normal n and offset d; what has n.x > d is taken away."""
+        normal = _unit(self.normal, "section normal")
+        return normal, float(normal @ np.asarray(self.point, dtype=np.float64))
+
+
+def _unit(vector: npt.ArrayLike, what: str) -> FloatArray:
+    array = np.asarray(vector, dtype=np.float64)
+    length = float(np.sqrt(np.sum(array * array)))
+    if array.shape != (3,) or not np.isfinite(length) or length == 0:
+        raise OptionError(f"{what} is {array.tolist()}: give three finite numbers, not all zero")
+    return array / length
+
+
+def _right_up(forward: FloatArray, up: FloatArray) -> tuple[FloatArray, FloatArray]:
+    right = np.cross(forward, up)
+    if np.sqrt(right @ right) < 1e-9 * max(float(np.sqrt(up @ up)), 1e-300):
+        right = np.cross(forward, np.eye(3)[int(np.argmin(np.abs(forward)))])
+    right /= np.sqrt(right @ right)
+    return right, np.cross(right, forward)
+
+
+def _triple(vector: npt.ArrayLike) -> tuple[float, float, float]:
+    x, y, z = (float(c) for c in np.asarray(vector, dtype=np.float64))
+    return x, y, z

@@ -1,0 +1,78 @@
+"""One collision as coloured bodies: what was hit in red, what hits in orange."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from feeler.errors import OptionError
+from feeler.show.body import LIGHT_GREY, ORANGE, RED, STEEL_BLUE, TINT, Body, Mark, body_of, only_faces, with_marks
+from feeler.show.export import write_glb
+
+
+def collision_bodies(
+    mockup: Any,
+    tool: Any,
+    world_from_tool: npt.ArrayLike,
+    collision: Any,
+    *,
+    context: float | None = None,
+    grey: bool = True,
+) -> tuple[Body, Body]:
+    """The mock-up and the tool at its pose, coloured: colliding triangles red (mock-up) and orange (tool).
+
+    The parts that are hit are tinted, the tool is blue, the rest is light grey, or, where `grey` is false, coloured
+    by assembly. context: None keeps every part; a distance in metres keeps only the parts whose box comes that near
+    to the tool's box (and all parts that are hit).
+    """
+    tool_body = body_of(tool, colours=STEEL_BLUE, pose=world_from_tool, cut=False)
+    tool_hit = np.asarray(collision.tool_triangles, dtype=np.int64)
+    tool_body = with_marks(tool_body, [Mark(tool_hit, ORANGE, xray=0.6)], xray=0.3)
+    body = body_of(mockup, colours=LIGHT_GREY if grey else None)
+    hit_parts = np.asarray(collision.parts, dtype=np.int64)
+    hit_part = np.zeros(max(len(body.paths), 1), dtype=bool)
+    hit_part[hit_parts] = True
+    tinted = np.flatnonzero(hit_part[body.part_of_face])
+    hit_triangles = np.asarray(collision.mockup_triangles, dtype=np.int64)
+    body = with_marks(body, [Mark(tinted, TINT), Mark(hit_triangles, RED, xray=0.4)])
+    if context is not None:
+        if not context >= 0:
+            raise OptionError(f"context is {context}: give a distance in metres, 0 or more")
+        body = only_faces(body, _near_parts(body, tool_body.bounds, context, hit_part)[body.part_of_face])
+    return body, tool_body
+
+
+def write_collision_glb(
+    path: str | os.PathLike[str],
+    mockup: Any,
+    tool: Any,
+    world_from_tool: npt.ArrayLike,
+    collision: Any,
+    *,
+    context: float | None = None,
+) -> int:
+    """Writes `collision_bodies` as GLB; returns its size in bytes. Raises `WriteError`, `OptionError`."""
+    body, tool_body = collision_bodies(mockup, tool, world_from_tool, collision, context=context)
+    return write_glb(path, body, tool_body)
+
+
+def _near_parts(
+    body: Body, box: npt.NDArray[np.float64], distance: float, always: npt.NDArray[np.bool_]
+) -> npt.NDArray[np.bool_]:
+    """Which parts have a box nearer than `distance` to `box`, or are in `always`."""
+    count = max(len(body.paths), 1)
+    lower = np.full((count, 3), np.inf)
+    upper = np.full((count, 3), -np.inf)
+    order = np.argsort(body.part_of_face, kind="stable")
+    parts = body.part_of_face[order].astype(np.int64)
+    starts = np.flatnonzero(np.diff(parts, prepend=-1)) if len(parts) else np.zeros(0, dtype=np.int64)
+    corners = body.vertices[body.faces[order]]
+    if len(starts):
+        lower[parts[starts]] = np.minimum.reduceat(corners.min(axis=1), starts, axis=0)
+        upper[parts[starts]] = np.maximum.reduceat(corners.max(axis=1), starts, axis=0)
+    gap = np.maximum(np.maximum(lower - box[1], box[0] - upper), 0.0)
+    near: npt.NDArray[np.bool_] = (np.square(gap).sum(axis=1) <= distance * distance) | always
+    return near

@@ -1,0 +1,282 @@
+"""GLB and binary STL writers, and the GLB of one collision.
+
+Our own, because a mock-up of 4,000 parts has to be written in about a second: no object is made per part but its JSON.
+
+Precision: GLB and STL store float32. Positions within 8 m of the origin are rounded by at most 0.24 micrometres; a GLB
+part that reaches farther is stored around its own centre, so that the rounding depends on the size of the part and not
+on where it stands. Axes are kept as they are (glTF calls y "up"; a mock-up has no such convention), the unit is metres.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import struct
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from feeler.errors import MeshError, OptionError
+from feeler.show.body import Body, Colour, FloatArray, body_of
+from feeler.show.files import atomic_file
+
+# Beyond this distance from the origin a part gets an origin of its own; float32 is spaced 0.5 micrometres below 8 m.
+OWN_ORIGIN_BEYOND_M = 8.0
+_UINT16_VERTICES = 65_535  # 65535 itself is reserved by glTF as the strip restart
+_STL_PER_METRE = {"m": 1.0, "cm": 100.0, "mm": 1000.0, "in": 1.0 / 0.0254, "inch": 1.0 / 0.0254}
+
+
+def write_glb(path: str | os.PathLike[str], *meshes: Any, colours: Any = None) -> int:
+    """Writes mock-ups, tools or bodies as one binary glTF 2.0 file; returns its size in bytes.
+
+    One node and one mesh per part, named after the part, nested as in the part paths ("a/b/c"); a part with several
+    colours has one primitive per colour. A part without triangles keeps its node, without a mesh. colours: as for
+    `body_of`, used for meshes that are not a `Body`. Raises `WriteError`, `MeshError`, `OptionError`.
+    """
+    bodies = [body_of(mesh, colours=colours) for mesh in meshes]
+    if not bodies:
+        raise MeshError("nothing to write: pass at least one mock-up, tool or body")
+    document = _Document()
+    for body in bodies:
+        document.add(body)
+    chunks = document.chunks()
+    size = sum(len(chunk) for chunk in chunks)
+    if size >= 2**32:
+        raise MeshError(f"{path}: the file would have {size} bytes; GLB ends at 4 GiB. Write fewer parts")
+    with atomic_file(path) as file:
+        for chunk in chunks:
+            file.write(chunk)
+    return size
+
+
+def write_stl(path: str | os.PathLike[str], mesh: Any, *, unit: str = "mm") -> int:
+    """Writes a binary STL, all parts in one; returns its size in bytes.
+
+    STL carries no unit; `unit` says in which the numbers are written. Millimetres are what other programs, and
+    `feeler.load_mockup`, expect. Raises `WriteError`, `OptionError`.
+    """
+    if unit not in _STL_PER_METRE:
+        raise OptionError(f"unit {unit!r} is not known: use one of {', '.join(_STL_PER_METRE)}")
+    body = body_of(mesh)
+    record = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+    triangles = np.zeros(len(body.faces), dtype=record)
+    corners = body.vertices[body.faces]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    lengths = np.sqrt(np.einsum("ij,ij->i", normals, normals))
+    triangles["normal"] = normals / np.where(lengths > 0, lengths, 1.0)[:, None]
+    triangles["corners"] = corners * _STL_PER_METRE[unit]
+    header = f"feeler binary STL, unit {unit}".encode().ljust(80)
+    with atomic_file(path) as file:
+        file.write(header + struct.pack("<I", len(triangles)))
+        file.write(_bytes(triangles))
+    return 84 + triangles.nbytes
+
+
+class _Document:
+    """A glTF document under construction: JSON lists and the three blocks of the binary chunk."""
+
+    def __init__(self) -> None:
+        self.nodes: list[dict[str, Any]] = []
+        self.roots: list[int] = []
+        self.meshes: list[dict[str, Any]] = []
+        self.accessors: list[dict[str, Any]] = []
+        self.materials: dict[tuple[float, ...], int] = {}
+        # Buffer views: positions, 32-bit indices, 16-bit indices, in this order so that each start is aligned.
+        self.blocks: list[list[bytes | memoryview]] = [[], [], []]
+        self.sizes = [0, 0, 0]
+
+    def add(self, body: Body) -> None:
+        """Adds the parts of a body under nodes that follow their paths."""
+        order, starts = _group(body.part_of_face, body.colour_of_face, len(body.paths), len(body.palette))
+        positions, first_vertex, local = _split_vertices(body, order)
+        materials = [self._material(colour) for colour in body.palette]
+        local16 = local.astype(np.uint16)
+        # Runs of equal (part, colour) along the ordered triangles.
+        runs: list[list[tuple[int, int, int]]] = [[] for _ in body.paths]
+        for part, colour, begin, end in starts:
+            runs[part].append((colour, begin, end))
+
+        lower, upper = _bounds_of_parts(positions, first_vertex)
+        origins = np.zeros_like(lower)
+        far = np.maximum(np.abs(lower), np.abs(upper)).max(axis=1, initial=0.0) > OWN_ORIGIN_BEYOND_M
+        origins[far] = (lower[far] + upper[far]) / 2
+        if far.any():
+            positions = positions - np.repeat(origins, np.diff(first_vertex), axis=0)
+        single = positions.astype(np.float32)
+        # The bounds that glTF asks for are those of the stored, rounded numbers; rounding keeps order.
+        low32 = (lower - origins).astype(np.float32).tolist()
+        high32 = (upper - origins).astype(np.float32).tolist()
+        position_base = self._append(0, _bytes(single))
+        folders: dict[str, int] = {}
+        for part, path in enumerate(body.paths):
+            node: dict[str, Any] = {"name": path.rpartition("/")[2]}
+            self._attach(node, path.rpartition("/")[0], folders)
+            if not runs[part]:
+                continue
+            begin, end = int(first_vertex[part]), int(first_vertex[part + 1])
+            position = self._accessor(0, position_base + 12 * begin, 5126, end - begin, "VEC3")
+            self.accessors[position].update(min=low32[part], max=high32[part])
+            if far[part]:
+                node["translation"] = origins[part].tolist()
+            wide = end - begin > _UINT16_VERTICES
+            primitives = []
+            for colour, start, stop in runs[part]:
+                block, kind, source = (1, 5125, local) if wide else (2, 5123, local16)
+                offset = self._append(block, _bytes(source[start:stop]))
+                indices = self._accessor(block, offset, kind, 3 * (stop - start), "SCALAR")
+                primitives.append(
+                    {"attributes": {"POSITION": position}, "indices": indices, "material": materials[colour]}
+                )
+            node["mesh"] = len(self.meshes)
+            self.meshes.append({"name": node["name"], "primitives": primitives})
+
+    def chunks(self) -> list[bytes | memoryview]:
+        """The file, in pieces to be written one after the other."""
+        views: list[dict[str, int]] = []
+        binary: list[bytes | memoryview] = []
+        view_of_block: dict[int, int] = {}
+        offset = 0
+        for block, target in ((0, 34962), (1, 34963), (2, 34963)):
+            if not self.sizes[block]:
+                continue
+            view_of_block[block] = len(views)
+            views.append({"buffer": 0, "byteOffset": offset, "byteLength": self.sizes[block], "target": target})
+            binary += self.blocks[block]
+            offset += self.sizes[block]
+        for accessor in self.accessors:
+            accessor["bufferView"] = view_of_block[accessor["bufferView"]]
+        document: dict[str, Any] = {
+            "asset": {"version": "2.0", "generator": "feeler"},
+            "scene": 0,
+            "scenes": [{"nodes": self.roots}],
+            "nodes": self.nodes,
+        }
+        if self.meshes:
+            document.update(
+                meshes=self.meshes,
+                accessors=self.accessors,
+                bufferViews=views,
+                buffers=[{"byteLength": offset}],
+                materials=[_material_json(colour) for colour in self.materials],
+            )
+        text = json.dumps(document, separators=(",", ":")).encode()
+        text += b" " * (-len(text) % 4)
+        padding = b"\0" * (-offset % 4)
+        total = 12 + 8 + len(text) + ((8 + offset + len(padding)) if offset else 0)
+        head = struct.pack("<4sII", b"glTF", 2, min(total, 2**32 - 1)) + struct.pack("<I4s", len(text), b"JSON") + text
+        if not offset:
+            return [head]
+        return [head, struct.pack("<I4s", min(offset + len(padding), 2**32 - 1), b"BIN\0"), *binary, padding]
+
+    def _append(self, block: int, data: memoryview) -> int:
+        offset = self.sizes[block]
+        if len(data):
+            self.blocks[block].append(data)
+            self.sizes[block] += len(data)
+        return offset
+
+    def _accessor(self, block: int, offset: int, component: int, count: int, kind: str) -> int:
+        entry = {"bufferView": block, "byteOffset": offset, "componentType": component, "count": count, "type": kind}
+        self.accessors.append(entry)
+        return len(self.accessors) - 1
+
+    def _material(self, colour: npt.ArrayLike) -> int:
+        return self.materials.setdefault(tuple(float(c) for c in np.asarray(colour)), len(self.materials))
+
+    def _attach(self, node: dict[str, Any], folder: str, folders: dict[str, int]) -> None:
+        """Hangs a node under the node of its folder, which is made where it does not exist."""
+        index = len(self.nodes)
+        self.nodes.append(node)
+        while folder:
+            known = folders.get(folder)
+            if known is not None:
+                self.nodes[known]["children"].append(index)
+                return
+            parent = len(self.nodes)
+            self.nodes.append({"name": folder.rpartition("/")[2], "children": [index]})
+            folders[folder] = parent
+            index, folder = parent, folder.rpartition("/")[0]
+        self.roots.append(index)
+
+
+def _group(
+    part_of_face: npt.NDArray[Any], colour_of_face: npt.NDArray[Any], parts: int, colours: int
+) -> tuple[npt.NDArray[np.int64], list[tuple[int, int, int, int]]]:
+    """Triangle order by (part, colour), stable, and its runs (part, colour, begin, end)."""
+    key = part_of_face.astype(np.int64) * colours + colour_of_face
+    if parts * colours < 2**16:  # NumPy sorts 16-bit integers by radix, many times faster
+        order = np.argsort(key.astype(np.uint16), kind="stable")
+    else:
+        order = np.argsort(key, kind="stable")
+    ordered = key[order]
+    edges = np.flatnonzero(np.diff(ordered)) + 1
+    begins = np.concatenate([[0], edges]).astype(np.int64) if len(key) else np.zeros(0, dtype=np.int64)
+    ends = np.append(edges, len(key)) if len(key) else begins
+    runs = [
+        (int(k) // colours, int(k) % colours, int(b), int(e))
+        for k, b, e in zip(ordered[begins], begins, ends, strict=True)
+    ]
+    return order, runs
+
+
+def _split_vertices(
+    body: Body, order: npt.NDArray[np.int64]
+) -> tuple[FloatArray, npt.NDArray[np.int64], npt.NDArray[np.uint32]]:
+    """Vertices part by part, the first vertex of each part, and the ordered triangles' indices within their part."""
+    faces = body.faces[order].astype(np.int64)
+    part = body.part_of_face[order].astype(np.int64)
+    count = len(body.paths)
+    owner = np.full(len(body.vertices), -1, dtype=np.int64)
+    owner[faces] = part[:, None]
+    if np.array_equal(owner[faces], np.broadcast_to(part[:, None], faces.shape)):
+        # Usual: no vertex is shared between parts.
+        used = np.flatnonzero(owner >= 0)
+        owner_used = owner[used]
+        rank = np.argsort(owner_used.astype(np.uint16) if count < 2**16 else owner_used, kind="stable")
+        vertex = used[rank]
+        sizes = np.bincount(owner_used, minlength=count)
+        new_index = np.zeros(len(body.vertices), dtype=np.int64)
+        new_index[vertex] = np.arange(len(vertex))
+        flat = new_index[faces]
+    else:
+        keys, inverse = np.unique(part[:, None] * len(body.vertices) + faces, return_inverse=True)
+        vertex = keys % len(body.vertices)
+        sizes = np.bincount(keys // len(body.vertices), minlength=count)
+        flat = np.asarray(inverse).reshape(faces.shape)
+    first = np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64)
+    local = np.ascontiguousarray((flat - first[part][:, None]).astype(np.uint32))
+    return body.vertices[vertex], first, local
+
+
+def _bounds_of_parts(positions: FloatArray, first: npt.NDArray[np.int64]) -> tuple[FloatArray, FloatArray]:
+    """Lower and upper corner of each part, (parts, 3); zeros for a part without vertices."""
+    lower = np.zeros((len(first) - 1, 3))
+    upper = np.zeros((len(first) - 1, 3))
+    filled = np.flatnonzero(np.diff(first) > 0)
+    if len(filled):
+        lower[filled] = np.minimum.reduceat(positions, first[:-1][filled], axis=0)
+        upper[filled] = np.maximum.reduceat(positions, first[:-1][filled], axis=0)
+    return lower, upper
+
+
+def _bytes(array: npt.NDArray[Any]) -> memoryview:
+    """The bytes of an array, without a copy where it is contiguous."""
+    return memoryview(np.ascontiguousarray(array).reshape(-1).view(np.uint8).data)
+
+
+def _material_json(colour: Sequence[float]) -> dict[str, Any]:
+    # glTF wants linear light; colours are given as sRGB, as people read them.
+    linear = [round(c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4, 6) for c in colour]
+    return {
+        "pbrMetallicRoughness": {
+            "baseColorFactor": [*linear, 1.0],
+            "metallicFactor": 0.1,
+            "roughnessFactor": 0.6,
+        },
+        "doubleSided": True,
+    }
+
+
+__all__ = ["Body", "Colour", "write_glb", "write_stl"]

@@ -1,0 +1,338 @@
+"""The commands, for people and for machines: what they say, what they write, how they end."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import feeler
+from feeler.cli import app
+from feeler.show import write_glb, write_stl
+
+PROGRAM = [sys.executable, "-c", "from feeler.cli import main; main()"]
+COMMANDS = ["demo", "info", "collide", "sample", "bench"]
+
+
+def run(*words: str | Path, code: int = 0) -> Any:
+    """Runs the program in this process and checks its exit status."""
+    result = CliRunner().invoke(app, [str(word) for word in words])
+    assert result.exit_code == code, f"{result.output}\n{result.exception!r}"
+    return result
+
+
+def run_json(*words: str | Path, code: int = 0) -> Any:
+    """What `--json` says; everything on stdout is that one document."""
+    return json.loads(run(*words, "--json", code=code).stdout)
+
+
+def error_of(*words: str | Path) -> str:
+    """The one line on stderr of a run that ends with 2 and says nothing else."""
+    result = run(*words, code=2)
+    assert result.stdout == ""
+    assert result.stderr.count("\n") == 1 and result.stderr.startswith("feeler: "), result.stderr
+    return str(result.stderr)
+
+
+def box(lower: tuple[float, ...], upper: tuple[float, ...]) -> tuple[np.ndarray, np.ndarray]:
+    corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
+    quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+    faces = np.array([[q[0], q[i], q[i + 1]] for q in quads for i in (1, 2)])
+    return np.array(lower) + corners * (np.array(upper) - np.array(lower)), faces
+
+
+@pytest.fixture(scope="module")
+def stand(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A GLB of a plate and two posts, 0.25 m apart."""
+    shapes = {
+        "stand/plate": box((0, 0, 0), (0.5, 0.25, 0.015625)),
+        "stand/posts/left": box((0.0625, 0.0625, 0.015625), (0.125, 0.1875, 0.25)),
+        "stand/posts/[1] right": box((0.375, 0.0625, 0.015625), (0.4375, 0.1875, 0.25)),
+    }
+    mockup = feeler.Mockup(
+        np.concatenate([points for points, _ in shapes.values()]),
+        np.concatenate([faces + 8 * i for i, (_, faces) in enumerate(shapes.values())]),
+        np.repeat(np.arange(3), 12),
+        [path.split("/")[-1] for path in shapes],
+        part_paths=list(shapes),
+    )
+    path = tmp_path_factory.mktemp("stand") / "stand.glb"
+    write_glb(path, mockup)
+    return path
+
+
+@pytest.fixture(scope="module")
+def slider(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """An STL, in millimetres, of a box that fits exactly between the posts."""
+    path = tmp_path_factory.mktemp("slider") / "slider.stl"
+    write_stl(path, feeler.Tool(*box((0, 0, 0), (0.25, 0.0625, 0.0625)), name="slider"))
+    return path
+
+
+def test_version() -> None:
+    assert re.fullmatch(r"feeler \d+\.\d+\.\d+\S*\n", run("--version").stdout)
+
+
+def test_help_lists_the_commands_and_each_has_examples() -> None:
+    text = run("--help").stdout
+    assert all(command in text for command in COMMANDS)
+    for command in COMMANDS:
+        text = run(command, "--help").stdout
+        assert f"feeler {command}" in text.partition("Examples")[2]
+        assert "--json" in text
+
+
+def test_help_is_quick_to_come() -> None:
+    start = time.perf_counter()
+    subprocess.run([*PROGRAM, "--help"], check=True, capture_output=True)
+    assert time.perf_counter() - start < 3.0  # 0.3 s on an idle machine
+    code = "import sys, feeler.cli; print([m for m in ('trimesh', 'matplotlib', 'rich.table') if m in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
+    assert done.stdout == "[]\n"
+
+
+def test_info_for_people(stand: Path) -> None:
+    text = run("info", stand).stdout
+    assert "36" in text and "stand/posts/[1] right" in text and "defects" in text and "none" in text
+
+
+def test_info_for_machines(stand: Path, slider: Path) -> None:
+    files = run_json("info", stand, slider)["files"]
+    assert [entry["triangles"] for entry in files] == [36, 12]
+    paths = [part["path"] for part in files[0]["part_list"]]
+    assert [path.partition("stand/")[2].split("/")[-1] for path in paths] == ["plate", "left", "[1] right"]
+    assert files[1]["unit"] == "mm"
+    np.testing.assert_allclose(files[1]["extent"], [0.25, 0.0625, 0.0625])
+    assert run_json("info", slider, "--unit", "m")["files"][0]["extent"][0] == pytest.approx(250)
+
+
+def test_collide_names_the_parts(stand: Path, slider: Path) -> None:
+    result = run("collide", stand, "--tool", slider, "--at", "0.15,0.09375,0.125", code=1)
+    assert "Collision: 10 pairs (10 crossing) with 1 part" in result.stdout
+    assert "stand/posts/[1] right" in result.stdout
+    assert "left" not in result.stdout.partition("Collision")[2]
+
+
+def test_collide_without_a_collision_ends_with_0(stand: Path, slider: Path) -> None:
+    assert "No collision" in run("collide", stand, "--tool", slider, "--at", "0.125,1,0").stdout
+    document = run_json("collide", stand, "--tool", slider, "--at", "0.125,1,0")
+    assert document["colliding"] is False and document["poses"][0]["parts"] == []
+
+
+@pytest.mark.parametrize("storage", ["blocks", "dense", "hashed"])
+def test_collide_for_machines(stand: Path, slider: Path, storage: str) -> None:
+    words = ["--at", "0.15,0.09375,0.125", "--storage", storage, "--pairs"]
+    if storage != "blocks":
+        words += ["--voxel-size", "0.05", "--threads", "1"]
+    if storage == "hashed":
+        words += ["--hashing", "0.5"]
+    document = run_json("collide", stand, "--tool", slider, *words, code=1)
+    assert document["colliding"] is True
+    assert document["mockup"]["triangles"] == 36 and document["tool"]["name"] == "slider"
+    assert document["scene"]["storage"] == storage and document["scene"]["memory_bytes"]["total"] > 0
+    (pose,) = document["poses"]
+    assert pose["pairs"] == len(pose["pair_list"]) == 10 and set(pose["pair_kinds"]) == {"crossing"}
+    (part,) = pose["parts"]
+    assert part["path"].endswith("stand/posts/[1] right") and part["pairs"] == 10 and part["kinds"]["crossing"] == 10
+    assert {pair[1] for pair in pose["pair_list"]} <= set(range(24, 36))
+    assert part["mockup_triangles"] == len({pair[1] for pair in pose["pair_list"]})
+
+
+def test_rotation_is_about_fixed_axes_and_quarter_turns_are_exact(stand: Path, slider: Path) -> None:
+    def matrix(*words: str) -> np.ndarray:
+        result = CliRunner().invoke(app, ["collide", str(stand), "--tool", str(slider), *words, "--json"])
+        return np.array(json.loads(result.stdout)["poses"][0]["world_from_tool"])
+
+    quarter = matrix("--at", "-1,2,3", "--rotate", "90,0,-90")
+    # x stays x under the turn about x, then goes to -y; y goes to z; z goes to -y and on to -x.
+    np.testing.assert_array_equal(quarter, [[0, 0, -1, -1], [-1, 0, 0, 2], [0, 1, 0, 3], [0, 0, 0, 1]])
+    assert matrix("--rotate=10,20,30")[:3, :3] @ matrix("--rotate=10,20,30")[:3, :3].T == pytest.approx(np.eye(3))
+
+
+def test_pose_files(tmp_path: Path, stand: Path, slider: Path) -> None:
+    pose = np.eye(4)
+    pose[:3, 3] = [0.15, 0.09375, 0.125]
+    (tmp_path / "a.json").write_text(json.dumps(pose.tolist()))
+    (tmp_path / "b.json").write_text(json.dumps({"world_from_tool": pose.tolist()}))
+    (tmp_path / "c.txt").write_text("# the right post\n" + "\n".join(", ".join(map(str, row)) for row in pose))
+    np.save(tmp_path / "d.npy", pose)
+    np.save(tmp_path / "e.npy", pose[None])
+    for name in ("a.json", "b.json", "c.txt", "d.npy", "e.npy"):
+        document = run_json("collide", stand, "--tool", slider, "--pose", tmp_path / name, code=1)
+        assert [entry["pairs"] for entry in document["poses"]] == [10]
+
+
+def test_several_poses_give_a_line_each(tmp_path: Path, stand: Path, slider: Path) -> None:
+    poses = np.tile(np.eye(4), (30, 1, 1))
+    poses[:, :3, 3] = [0.125, 1, 0.125]
+    poses[7, :3, 3] = [0.15, 0.09375, 0.125]
+    poses[9, :3, 3] = [0.125, 0.09375, 0.015625]
+    (tmp_path / "path.json").write_text(json.dumps({"poses": poses.tolist()}))
+    words = ["collide", stand, "--tool", slider, "--pose", tmp_path / "path.json"]
+    text = run(*words, "--glb", tmp_path / "worst.glb", code=1).stdout
+    assert "2 of 30 poses collide" in text and "at pose 9" in text and "10 more" in text
+    assert (tmp_path / "worst.glb").is_file()
+    document = run_json(*words, code=1)
+    assert [entry["pose"] for entry in document["poses"] if entry["colliding"]] == [7, 9]
+    assert document["poses"][9]["kinds"]["coplanar"] > 0
+
+
+def test_collide_writes_picture_and_glb(tmp_path: Path, stand: Path, slider: Path) -> None:
+    glb, picture = tmp_path / "hit.glb", tmp_path / "hit.png"
+    words = ["collide", stand, "--tool", slider, "--at", "0.15,0.09375,0.125", "--glb", glb, "--picture", picture]
+    words += ["--picture-size", "320x200"]
+    assert run_json(*words, code=1)["written"] == {"glb": str(glb), "picture": str(picture)}
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    assert run_json("info", glb)["files"][0]["triangles"] == 36 + 12
+    all_parts = glb.stat().st_size
+    run(*words, "--context", "0.05", code=1)
+    assert glb.stat().st_size < all_parts
+
+
+def test_sample_lists_makes_and_writes(tmp_path: Path) -> None:
+    assert "engine" in run("sample").stdout and "wrench" in run("sample").stdout
+    names = run_json("sample")
+    assert "engine" in names["mockups"] and "wrench" in names["tools"]
+    assert "differential" in run("sample", "differential", "--triangles", "10000").stdout
+    made = run_json("sample", "differential", "--triangles", "10000", "--out", tmp_path / "a.glb")
+    assert made["bytes"] == (tmp_path / "a.glb").stat().st_size
+    read = run_json("info", tmp_path / "a.glb")["files"][0]
+    assert (read["triangles"], read["parts"]) == (made["triangles"], made["parts"])
+    np.testing.assert_array_equal(read["extent"], made["extent"])
+    tool = run_json("sample", "wrench", "--out", tmp_path / "wrench.stl")
+    np.testing.assert_allclose(
+        run_json("info", tmp_path / "wrench.stl")["files"][0]["extent"], tool["extent"], rtol=1e-6
+    )
+    assert run_json("sample", "wrench", "--fine")["triangles"] > 10_000
+    assert run_json("sample", "differential", "--triangles", "10000", "--seed", "1")["triangles"] >= 9000
+
+
+def test_bench_measures() -> None:
+    words = ["bench", "sample:differential:10000", "--tool", "sample:torque", "--poses", "5"]
+    text = run(*words).stdout
+    assert "nominal" in text and "near" in text and "bytes a triangle" in text
+    document = run_json(*words, "--kinds", "near")
+    (row,) = document["runs"]
+    assert row["queries"] == 5 and row["median_pairs"] == 0
+    assert 0 < row["median_us"] <= row["p95_us"] <= row["p99_us"] <= row["worst_us"]
+
+
+def test_demo_goes_the_whole_way(tmp_path: Path) -> None:
+    folder = tmp_path / "out"
+    result = run("demo", "--triangles", "20000", "--out", folder)
+    assert {path.name for path in folder.iterdir()} == {"deepest.png", "deepest.glb", "pose.json"}
+    for word in ("triangles", "parts", "predicted", "build", "memory", "queries a second", "median", "p99", "worst"):
+        assert word in result.stdout
+    # The last line is a command that works, once the file names are replaced.
+    command = result.stdout.splitlines()[-1].partition("your own files: ")[2]
+    words = command.replace("YOUR_MOCKUP.step", "sample:engine:20000").replace("YOUR_TOOL.stl", "sample:wrench").split()
+    assert words[:2] == ["feeler", "collide"]
+    words = [str(tmp_path / word) if word.startswith("hit.") else word for word in words[1:]]
+    run(*words, "--picture-size", "160x100", code=1)
+    assert (tmp_path / "hit.png").is_file()
+    document = run_json("demo", "--triangles", "20000", "--out", folder)
+    assert document["next"] == command
+    assert document["path"]["colliding"] > 0 and document["parts"][0]["poses"] > 0
+    assert document["deepest_pairs"] == run_json(*words[: words.index("--glb")], code=1)["poses"][0]["pairs"]
+
+
+def test_bad_files_and_options(tmp_path: Path, stand: Path, slider: Path) -> None:
+    assert "nowhere.stl" in error_of("info", tmp_path / "nowhere.stl")
+    (tmp_path / "empty.stl").touch()
+    assert "empty.stl" in error_of("info", tmp_path / "empty.stl")
+    tool = ["--tool", slider]
+    assert "where is the tool" in error_of("collide", stand, *tool)
+    assert "exclude" in error_of("collide", stand, *tool, "--at", "0,0,0", "--pose", tmp_path / "p.json")
+    assert "p.json does not exist" in error_of("collide", stand, *tool, "--pose", tmp_path / "p.json")
+    assert "three numbers" in error_of("collide", stand, *tool, "--at", "0,zero,0")
+    assert "three numbers" in error_of("collide", stand, *tool, "--at", "0,0")
+    assert "three numbers" in error_of("collide", stand, *tool, "--rotate", "nan,0,0")
+    at = ["--at", "0,0,0"]
+    assert "storage" in error_of("collide", stand, *tool, *at, "--storage", "shoebox")
+    assert "voxel" in error_of("collide", stand, *tool, *at, "--voxel-size", "-1")
+    assert "hashing" in error_of("collide", stand, *tool, *at, "--storage", "hashed", "--hashing", "1.5")
+    assert "threads" in error_of("collide", stand, *tool, *at, "--threads", "0")
+    assert "context" in error_of("collide", stand, *tool, *at, "--glb", tmp_path / "a.glb", "--context", "-1")
+    assert "end in .glb" in error_of("collide", stand, *tool, *at, "--glb", tmp_path / "a.obj")
+    assert "--picture-size" in error_of("collide", stand, *tool, *at, "--picture-size", "big")
+    assert "does not exist" in error_of("collide", stand, *tool, *at, "--picture", tmp_path / "no" / "a.png")
+    assert "sample" in error_of("collide", stand, "sample:engine", *tool, *at)
+    assert "sample:NAME" in error_of("collide", "sample:", *tool, *at)
+    assert "whole number" in error_of("collide", "sample:engine:many", *tool, *at)
+    assert "fine" in error_of("collide", stand, "--tool", "sample:wrench:coarse", *at)
+    assert "spoon" in error_of("collide", stand, "--tool", "sample:spoon", *at)
+    assert "spaceship" in error_of("sample", "spaceship")
+    assert "--fine is for tools" in error_of("sample", "engine", "--fine")
+    assert "end in .glb or .stl" in error_of("sample", "wrench", "--out", tmp_path / "a.obj")
+    assert "does not exist" in error_of("sample", "wrench", "--out", tmp_path / "no" / "a.glb")
+    assert "--kinds" in error_of("bench", "--kinds", "shallow")
+    assert "--poses" in error_of("bench", "--poses", "0")
+    (tmp_path / "file").touch()
+    assert "cannot make the folder" in error_of("demo", "--out", tmp_path / "file")
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("a.json", "[[1, 0, 0"),
+        ("b.json", '{"matrix": 1}'),
+        ("c.json", "[[1, 2], [3]]"),
+        ("d.json", "[]"),
+        ("e.json", '"pose"'),
+        ("f.txt", "1 0 0 0 0 1"),
+        ("g.txt", "1 0 0 zero"),
+        ("h.txt", ""),
+        ("i.npy", "no array"),
+        ("j.txt", "\xff\xfe"),
+        ("k.json", "[" * 100_000),
+        ("l.txt", " ".join(["1"] * 16)),  # not rigid
+        ("m.txt", " ".join(["nan"] * 16)),
+    ],
+)
+def test_bad_pose_files(tmp_path: Path, stand: Path, slider: Path, name: str, content: str) -> None:
+    (tmp_path / name).write_bytes(content.encode("latin-1"))
+    message = error_of("collide", stand, "--tool", slider, "--pose", tmp_path / name)
+    assert "pose" in message
+
+
+def test_wrong_usage_ends_with_2() -> None:
+    assert run("collide", code=2).stdout == ""
+    assert run("nonsense", code=2).stdout == ""
+    assert run("info", "--nonsense", code=2).stdout == ""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals and pipes of POSIX")
+def test_a_closed_pipe_is_no_error(stand: Path) -> None:
+    with subprocess.Popen([*PROGRAM, "info", str(stand)], stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        assert process.stdout is not None and process.stderr is not None
+        process.stdout.close()
+        assert process.stderr.read() == b""
+    assert process.returncode in (0, 1)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals and pipes of POSIX")
+def test_ctrl_c_ends_with_130(tmp_path: Path) -> None:
+    code = (
+        "import feeler, time\n"
+        "def slow(*a, **k):\n    print('ready', flush=True); time.sleep(30)\n"
+        "feeler.sample = slow\n"
+        "from feeler.cli import main; main()"
+    )
+    words = [sys.executable, "-c", code, "sample", "engine"]
+    with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "ready\n"
+        process.send_signal(signal.SIGINT)
+        _, stderr = process.communicate(timeout=30)
+    assert process.returncode == 130
+    assert stderr.strip() == "feeler: interrupted"

@@ -1,0 +1,226 @@
+"""The writers: what they write is read back by an independent reader (trimesh)."""
+
+from __future__ import annotations
+
+import json
+import struct
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+import trimesh
+
+import feeler
+from feeler.show import Mark, WriteError, body_of, with_marks, write_collision_glb, write_glb, write_stl
+
+CUBE_VERTICES = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
+CUBE_FACES = np.array(
+    [
+        [0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1],
+        [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3],
+    ]
+)  # fmt: skip
+
+
+def cubes(paths: list[str], *, shift: float = 0.0) -> feeler.Mockup:
+    """One unit cube per path, side by side along x, from `shift` on."""
+    n = len(paths)
+    vertices = np.concatenate([CUBE_VERTICES + np.array([shift + 2 * i, 0, 0]) for i in range(n)])
+    faces = np.concatenate([CUBE_FACES + 8 * i for i in range(n)])
+    names = [path.rpartition("/")[2] for path in paths]
+    return feeler.Mockup(vertices, faces, np.repeat(np.arange(n), 12), names, part_paths=paths)
+
+
+def read_json(path: Path) -> Any:
+    data = path.read_bytes()
+    magic, version, total = struct.unpack_from("<4sII", data)
+    assert (magic, version, total) == (b"glTF", 2, len(data))
+    length, kind = struct.unpack_from("<I4s", data, 12)
+    assert kind == b"JSON"
+    return json.loads(data[20 : 20 + length])
+
+
+def world_triangles(path: Path) -> np.ndarray:
+    """All corners of a file in the world, sorted by row."""
+    scene = trimesh.load(path, process=False)
+    meshes = scene.dump() if isinstance(scene, trimesh.Scene) else [scene]
+    corners = np.concatenate([mesh.triangles.reshape(-1, 9) for mesh in meshes])
+    return corners[np.lexsort(corners.T[::-1])]
+
+
+def expected_triangles(*bodies: Any) -> np.ndarray:
+    corners = np.concatenate([body.vertices[body.faces].reshape(-1, 9) for body in bodies])
+    return corners[np.lexsort(corners.T[::-1])]
+
+
+def test_glb_comes_back_with_names_and_assembly(tmp_path: Path) -> None:
+    mockup = cubes(["plant/pump/casing", "plant/pump/rotor", "plant/frame", "lid"])
+    size = write_glb(tmp_path / "a.glb", mockup)
+    assert size == (tmp_path / "a.glb").stat().st_size
+    document = read_json(tmp_path / "a.glb")
+    nodes = document["nodes"]
+    children = {nodes[i]["name"]: {nodes[c]["name"] for c in nodes[i].get("children", [])} for i in range(len(nodes))}
+    assert children["plant"] == {"pump", "frame"}
+    assert children["pump"] == {"casing", "rotor"}
+    assert {nodes[i]["name"] for i in document["scenes"][0]["nodes"]} == {"plant", "lid"}
+    assert len(document["meshes"]) == 4
+    np.testing.assert_array_equal(world_triangles(tmp_path / "a.glb"), expected_triangles(mockup))
+
+
+def test_glb_orientation_survives(tmp_path: Path) -> None:
+    write_glb(tmp_path / "a.glb", cubes(["one"]))
+    mesh = trimesh.load(tmp_path / "a.glb", force="mesh")
+    assert mesh.is_watertight
+    assert mesh.volume == pytest.approx(1.0)
+
+
+def test_glb_keeps_precision_far_from_the_origin(tmp_path: Path) -> None:
+    mockup = cubes(["far/a", "far/b"], shift=123_456.125)
+    write_glb(tmp_path / "a.glb", mockup)
+    np.testing.assert_allclose(world_triangles(tmp_path / "a.glb"), expected_triangles(mockup), rtol=0, atol=1e-7)
+
+
+def test_glb_bounds_are_those_of_the_stored_numbers(tmp_path: Path) -> None:
+    rng = np.random.default_rng(3)
+    mockup = feeler.Mockup(rng.normal(size=(30, 3)), np.arange(30).reshape(10, 3), np.arange(10) // 5, ["a", "b"])
+    write_glb(tmp_path / "a.glb", mockup)
+    document = read_json(tmp_path / "a.glb")
+    data = (tmp_path / "a.glb").read_bytes()
+    binary = data[20 + struct.unpack_from("<I", data, 12)[0] + 8 :]
+    for accessor in document["accessors"]:
+        view = document["bufferViews"][accessor["bufferView"]]
+        if accessor["type"] == "VEC3":
+            start = view.get("byteOffset", 0) + accessor["byteOffset"]
+            values = np.frombuffer(binary, "<f4", 3 * accessor["count"], start).reshape(-1, 3)
+            np.testing.assert_array_equal(np.float32(accessor["min"]), values.min(axis=0))
+            np.testing.assert_array_equal(np.float32(accessor["max"]), values.max(axis=0))
+        width = {5126: 4, 5125: 4, 5123: 2}[accessor["componentType"]]
+        assert (view.get("byteOffset", 0) + accessor["byteOffset"]) % width == 0
+
+
+def test_glb_with_vertices_shared_between_parts(tmp_path: Path) -> None:
+    mockup = feeler.Mockup(CUBE_VERTICES, CUBE_FACES, np.arange(12) % 3, ["a", "b", "c"])
+    write_glb(tmp_path / "a.glb", mockup)
+    np.testing.assert_array_equal(world_triangles(tmp_path / "a.glb"), expected_triangles(mockup))
+
+
+def test_glb_with_a_part_of_more_than_65535_vertices(tmp_path: Path) -> None:
+    rng = np.random.default_rng(0)
+    vertices = rng.integers(0, 1024, (70_000, 3)) / 1024.0
+    faces = rng.permutation(70_000)[: 3 * 23_000].reshape(-1, 3)
+    mockup = feeler.Mockup(np.concatenate([vertices, CUBE_VERTICES]), np.concatenate([faces, CUBE_FACES + 70_000]),
+                           np.repeat([0, 1], [len(faces), 12]), ["big", "small"])  # fmt: skip
+    write_glb(tmp_path / "a.glb", mockup)
+    kinds = [entry["componentType"] for entry in read_json(tmp_path / "a.glb")["accessors"]]
+    assert 5125 in kinds and 5123 in kinds
+    np.testing.assert_array_equal(world_triangles(tmp_path / "a.glb"), expected_triangles(mockup))
+
+
+def test_glb_colours_are_linear_and_one_primitive_each(tmp_path: Path) -> None:
+    body = with_marks(body_of(cubes(["a", "b"]), colours=(1.0, 1.0, 1.0)), [Mark(np.array([0, 1]), (0.5, 0.0, 1.0))])
+    write_glb(tmp_path / "a.glb", body)
+    document = read_json(tmp_path / "a.glb")
+    assert [len(mesh["primitives"]) for mesh in document["meshes"]] == [2, 1]
+    factors = [material["pbrMetallicRoughness"]["baseColorFactor"] for material in document["materials"]]
+    assert factors == [[1, 1, 1, 1], [pytest.approx(0.214041, abs=1e-6), 0, 1, 1]]
+    marked = document["meshes"][0]["primitives"][1]
+    assert document["accessors"][marked["indices"]]["count"] == 6
+
+
+def test_glb_of_many_parts_is_fast_enough(tmp_path: Path) -> None:
+    mockup = cubes([f"shelf{i // 50}/box{i}" for i in range(4000)])
+    write_glb(tmp_path / "a.glb", mockup)
+    assert len(read_json(tmp_path / "a.glb")["meshes"]) == 4000
+
+
+def test_glb_with_defects_is_still_written(tmp_path: Path) -> None:
+    vertices = np.concatenate([CUBE_VERTICES, [[np.nan, 0, 0], [np.inf, 0, 0], [1e300, 0, 0]]])
+    faces = np.concatenate([CUBE_FACES, [[0, 1, 8], [0, 1, 9], [0, 1, 10], [0, 1, 4_000_000]]])
+    write_glb(tmp_path / "a.glb", feeler.Mockup(vertices, faces))
+    document = read_json(tmp_path / "a.glb")
+    bounds = next(entry for entry in document["accessors"] if entry["type"] == "VEC3")
+    assert (bounds["min"], bounds["max"]) == ([0, 0, 0], [1, 1, 1])
+
+
+def test_stl_is_binary_and_in_millimetres(tmp_path: Path) -> None:
+    mockup = cubes(["a", "b"])
+    assert write_stl(tmp_path / "a.stl", mockup) == (tmp_path / "a.stl").stat().st_size == 84 + 24 * 50
+    assert not (tmp_path / "a.stl").read_bytes().startswith(b"solid")
+    np.testing.assert_array_equal(world_triangles(tmp_path / "a.stl"), 1000 * expected_triangles(mockup))
+    write_stl(tmp_path / "m.stl", mockup, unit="m")
+    np.testing.assert_array_equal(world_triangles(tmp_path / "m.stl"), expected_triangles(mockup))
+    with pytest.raises(feeler.OptionError, match="furlong"):
+        write_stl(tmp_path / "b.stl", mockup, unit="furlong")
+
+
+def hit(mockup_triangles: list[int], tool_triangles: list[int], parts: list[int]) -> SimpleNamespace:
+    return SimpleNamespace(
+        mockup_triangles=np.array(mockup_triangles, dtype=np.uint32),
+        tool_triangles=np.array(tool_triangles, dtype=np.uint32),
+        parts=np.array(parts, dtype=np.uint32),
+    )
+
+
+def test_collision_glb_shows_tool_at_its_pose(tmp_path: Path) -> None:
+    mockup, tool = cubes(["x/a", "x/b", "x/c", "y/d"]), feeler.Tool(CUBE_VERTICES, CUBE_FACES, "probe")
+    pose = np.eye(4)
+    pose[:3, 3] = [0.5, 0.5, 0.5]
+    write_collision_glb(tmp_path / "hit.glb", mockup, tool, pose, hit([2, 3], [0, 1, 4], [0]))
+    document = read_json(tmp_path / "hit.glb")
+    assert {"x", "y", "a", "b", "c", "d", "probe"} == {node["name"] for node in document["nodes"]}
+    placed = SimpleNamespace(vertices=CUBE_VERTICES + 0.5, faces=CUBE_FACES)
+    np.testing.assert_array_equal(world_triangles(tmp_path / "hit.glb"), expected_triangles(mockup, placed))
+    by_name = {mesh["name"]: mesh["primitives"] for mesh in document["meshes"]}
+    counts = {
+        name: sorted(document["accessors"][entry["indices"]]["count"] // 3 for entry in primitives)
+        for name, primitives in by_name.items()
+    }
+    assert counts == {"a": [2, 10], "b": [12], "c": [12], "d": [12], "probe": [3, 9]}
+
+
+def test_collision_glb_with_context_leaves_far_parts_out(tmp_path: Path) -> None:
+    mockup, tool = cubes(["x/a", "x/b", "x/c", "y/d"]), feeler.Tool(CUBE_VERTICES, CUBE_FACES, "probe")
+    pose = np.eye(4)
+    pose[0, 3] = 0.5  # reaches to 1.5; b begins at 2, c at 4, d (said to be hit) at 6
+    write_collision_glb(tmp_path / "hit.glb", mockup, tool, pose, hit([36], [0], [3]), context=0.6)
+    names = {mesh["name"] for mesh in read_json(tmp_path / "hit.glb")["meshes"]}
+    assert names == {"a", "b", "d", "probe"}
+
+
+@pytest.mark.parametrize("write", [write_glb, write_stl])
+def test_errors_say_what_to_do_and_leave_nothing_behind(tmp_path: Path, write: Any) -> None:
+    mockup = cubes(["a"])
+    with pytest.raises(WriteError, match="does not exist"):
+        write(tmp_path / "nowhere" / "a.out", mockup)
+    with pytest.raises(WriteError, match="it is a folder"):
+        write(tmp_path, mockup)
+    (tmp_path / "file").write_text("old")
+    with pytest.raises(WriteError, match="is not a folder"):
+        write(tmp_path / "file" / "a.out", mockup)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["file"]
+    assert issubclass(WriteError, feeler.FeelerError) and issubclass(WriteError, OSError)
+
+
+def test_a_failed_write_keeps_the_old_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    target = tmp_path / "a.stl"
+    target.write_text("old")
+
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("feeler.show.files.os.replace", full)
+    with pytest.raises(WriteError, match="No space left"):
+        write_stl(target, cubes(["a"]))
+    assert target.read_text() == "old"
+    assert [path.name for path in tmp_path.iterdir()] == ["a.stl"]
+
+
+def test_nothing_to_write_is_an_error(tmp_path: Path) -> None:
+    with pytest.raises(feeler.MeshError, match="nothing to write"):
+        write_glb(tmp_path / "a.glb")
+    with pytest.raises(feeler.OptionError, match="colours"):
+        write_glb(tmp_path / "a.glb", cubes(["a", "b"]), colours=np.zeros((3, 3)))
+    with pytest.raises(feeler.MeshError, match=r"\(n, 3\)"):
+        write_glb(tmp_path / "a.glb", SimpleNamespace(vertices=np.zeros(3), faces=np.zeros((1, 3), dtype=int)))
