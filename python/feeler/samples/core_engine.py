@@ -17,7 +17,7 @@ from .tessellation import Tolerance
 
 
 class Amount:
-    """How many of each thing: grows with the square root of the mock-up's size; 1 for an engine of 5.2 million triangles."""
+    """How many of each thing: grows with the root of the mock-up's size; 1 for an engine of 5.2 million triangles."""
 
     def __init__(self, richness: float) -> None:
         self.richness = richness
