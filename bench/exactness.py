@@ -3,9 +3,9 @@
     python bench/exactness.py                     print the table
     python bench/exactness.py --write             and put it into docs/exactness.md, between its markers
 
-Each case is a scene of CAD's everyday kind: a pin in a hole without clearance, a box standing on a plate, a part and its
-own copy. The truth is `judge.meets` (whole-number arithmetic, no code shared with any engine) over all pairs of triangles
-whose boxes meet; "missed" are true pairs not reported, "extra" reported pairs that do not meet.
+Each case is a scene of CAD's everyday kind: a pin in a hole without clearance, a box standing on a plate, a part and
+its own copy. The truth is `judge.meets` (whole-number arithmetic, no code shared with any engine) over all pairs of
+triangles whose boxes meet; "missed" are true pairs not reported, "extra" reported pairs that do not meet.
 """
 
 from __future__ import annotations
@@ -92,10 +92,10 @@ def plate(size: float, cells: int, height: float = 0.0) -> Mesh:
 def box(size: float, cells: int) -> Mesh:
     """A closed box standing on z = 0, each side cut into cells."""
     top, faces = plate(size, cells, size)
-    x, y, z = top.T - np.array([[0.0], [0.0], [size / 2]])
+    x, y, z = (top - [0, 0, size / 2]).T
     sides = [(x, y, z), (x, -y, -z), (z, x, y), (-z, x, -y), (y, z, x), (-y, -z, x)]
     vertices = np.concatenate([np.stack(side, 1) for side in sides]) + [0, 0, size / 2]
-    return vertices, np.concatenate([faces + i * len(top) for i in range(6)])
+    return vertices, np.vstack([faces + i * len(top) for i in range(6)])
 
 
 def placed(mesh: Mesh, pose: Floats) -> Mesh:
@@ -116,7 +116,7 @@ def pin_in_hole(clearance: float, translation: float, count: int = 8) -> Iterato
 def box_on_plate(turned: bool) -> Iterator[Scene]:
     """A box flush on a plate, its cells shifted against the plate's."""
     for pose in poses(8) if turned else [np.eye(4)]:
-        shifted = pose @ np.array([[1, 0, 0, 0.003], [0, 1, 0, 0.002], [0, 0, 1, 0], [0, 0, 0, 1.0]])
+        shifted = pose @ np.array([[1, 0, 0, 0.003], [0, 1, 0, 0.002], [0, 0, 1, 0], [0, 0, 0, 1]])
         yield Scene(placed(plate(0.1, 10), pose), box(0.04, 6), shifted)
 
 
@@ -232,7 +232,7 @@ def markdown(table: list[tuple[str, int, dict[str, tuple[int, int, int]]]]) -> s
     engines = list(table[0][2])
     lines = [
         "| case | pairs that meet | " + " | ".join(f"{e}: reported | missed | extra" for e in engines) + " |",
-        "|---|" + "---:|" * (1 + 3 * len(engines)),
+        f"|---|{'---:|' * (1 + 3 * len(engines))}",
     ]
     for name, true, counts in table:
         cells = [f"{n:,}" for engine in engines for n in counts[engine]]

@@ -158,7 +158,7 @@ class Mockup(_core.Mockup):
     `vertices` is `(n, 3)`, any real dtype and memory order; `faces` `(m, 3)`, any integer dtype. `part_of_face` is
     `(m,)` with the part of each triangle, indexing `part_names`; `part_paths` are places in the assembly such as
     `"engine/fan/blade_03"` (default: the names). Triangle `i` of every result is `faces[i]`. An index outside the
-    vertices reads back as 4294967295 in `.faces`.
+    vertices may read back as 4294967295 in `.faces`.
 
     Raises `MeshError` for wrong shapes or dtypes, or when no triangle can be queried, and `LimitError` past 2^32 - 1.
     """

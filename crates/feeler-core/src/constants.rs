@@ -32,6 +32,9 @@ pub const TOOL_CUT_ALLOWANCE: f64 = 0.5;
 /// Extra pieces any tool may have on top: the long triangles of a coarse tool are worth many pieces each.
 pub const TOOL_CUT_PIECES: f64 = 2500.0;
 
+/// But at most this many for each of its triangles.
+pub const TOOL_CUT_PIECES_EACH: f64 = 10.0;
+
 /// Ids kept per kind of defect in a report.
 pub const DEFECT_IDS_KEPT: usize = 100;
 

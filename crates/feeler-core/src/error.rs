@@ -50,7 +50,7 @@ pub enum Error {
         parts: usize,
     },
     /// A pose with NaN, an infinity, or a translation beyond the coordinate limit.
-    #[error("pose[{row}, {column}] is {value}: every entry must be finite and at most 1e100 in size")]
+    #[error("pose[{row}, {column}] is {value:?}: every entry must be finite and at most 1e100 in size")]
     PoseNotFinite {
         /// Row of the entry.
         row: usize,
@@ -66,7 +66,7 @@ pub enum Error {
         why: String,
     },
     /// A voxel size that is not a positive finite number.
-    #[error("voxel_size is {value}: it must be a positive, finite length in metres")]
+    #[error("voxel_size is {value:?}: it must be a positive, finite length in metres")]
     VoxelSize {
         /// The size given.
         value: f64,
@@ -85,7 +85,7 @@ pub enum Error {
     },
     /// A grid with more voxels along an axis than addresses allow.
     #[error(
-        "a voxel size of {voxel_size} m cuts the mock-up into {cells:.3e} voxels along one axis; at most {limit} are \
+        "a voxel size of {voxel_size:?} m cuts the mock-up into {cells:.3e} voxels along one axis; at most {limit} are \
          allowed: choose at least {least:.3e} m"
     )]
     GridTooFine {
@@ -114,7 +114,7 @@ pub enum Error {
     #[error("stopped on request")]
     Cancelled,
     /// A list structure with more entries than 32-bit offsets can address.
-    #[error("a voxel size of {voxel_size} m gives {entries} list entries, more than 32-bit offsets hold: choose a larger one")]
+    #[error("a voxel size of {voxel_size:?} m gives at least {entries} entries, more than 32-bit offsets hold: choose a larger one")]
     TooManyEntries {
         /// The size, metres.
         voxel_size: f64,

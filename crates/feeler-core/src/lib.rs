@@ -13,6 +13,7 @@ pub mod defects;
 pub mod error;
 pub mod grid;
 pub mod intersect_triangle_triangle;
+mod lanes;
 pub mod mesh;
 mod morton;
 mod narrow;

@@ -83,6 +83,11 @@ impl Pose {
         Aabb { lower: std::array::from_fn(|a| c[a] - reach[a]), upper: std::array::from_fn(|a| c[a] + reach[a]) }
     }
 
+    /// The rotation, row by row.
+    pub fn rotation(&self) -> &[[f64; 3]; 3] {
+        &self.rotation
+    }
+
     /// The largest absolute entry of the translation, metres.
     pub fn largest_translation(&self) -> f64 {
         self.translation.iter().fold(0.0, |m, x| m.max(x.abs()))

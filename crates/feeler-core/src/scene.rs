@@ -265,7 +265,7 @@ pub fn default_voxel_size(mesh: &Mesh, tool: Option<&Tool>, storage: Storage) ->
     if size.is_normal() && size > f64::MIN_POSITIVE * 4.0 {
         size
     } else {
-        mesh.bounds().extent().iter().fold(1e-300, |m, x| f64::max(m, 0.01 * x))
+        mesh.bounds().extent().iter().fold(1e-300, |m, x| f64::max(m, 0.125 * x))
     }
 }
 

@@ -4,9 +4,9 @@ use std::sync::atomic::{AtomicU32, AtomicU64, Ordering::Relaxed};
 
 use rayon::prelude::*;
 
-use super::{check_memory, report, Progress};
+use super::{check_entries, check_memory, filled, report, Progress};
 use crate::bounds::Aabb;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::grid::VoxelGrid;
 use crate::mesh::Mesh;
 use crate::narrow::Narrow;
@@ -32,11 +32,12 @@ impl VoxelLists {
         // Before anything is allocated: the lists need at least this much.
         let least: f64 = mesh.par_queried().map(|id| grid.least_voxels(&mesh.triangle(id))).sum();
         check_memory("the voxel array and its lists", 4.0 * (slots as f64 + least), limit)?;
+        check_entries(grid.size(), least)?;
         // Counting stops where the lists would outgrow the limit, or the 32 bits of a position.
         let most = u64::from(u32::MAX).min((limit - 4 * slots) / 4);
 
         report(progress, 0.0, "counting voxels")?;
-        let starts: Vec<AtomicU32> = (0..slots + 1).into_par_iter().map(|_| AtomicU32::new(0)).collect();
+        let starts: Vec<AtomicU32> = filled("the voxel array", slots + 1, limit)?;
         let total = AtomicU64::new(0);
         mesh.par_queried().for_each(|id| {
             if total.load(Relaxed) > most {
@@ -50,10 +51,8 @@ impl VoxelLists {
             total.fetch_add(count, Relaxed);
         });
         let total = total.into_inner();
-        if total > u64::from(u32::MAX) {
-            return Err(Error::TooManyEntries { voxel_size: grid.size(), entries: total });
-        }
         check_memory("the voxel array and its lists", 4.0 * (slots as f64 + total as f64), limit)?;
+        check_entries(grid.size(), total as f64)?;
 
         // Each slot's end; filling from the end moves it to the slot's start.
         let mut sum = 0;
@@ -62,7 +61,7 @@ impl VoxelLists {
             slot.store(sum, Relaxed);
         }
         report(progress, 0.4, "filling voxels")?;
-        let entries: Vec<AtomicU32> = (0..total).into_par_iter().map(|_| AtomicU32::new(0)).collect();
+        let entries: Vec<AtomicU32> = filled("the voxel lists", total, limit)?;
         mesh.par_queried().for_each(|id| {
             grid.for_each_voxel(&mesh.triangle(id), |voxel| {
                 let at = starts[(grid.key(voxel) % slots) as usize].fetch_sub(1, Relaxed) - 1;
