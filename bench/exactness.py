@@ -92,9 +92,9 @@ def plate(size: float, cells: int, height: float = 0.0) -> Mesh:
 def box(size: float, cells: int) -> Mesh:
     """A closed box standing on z = 0, each side cut into cells."""
     top, faces = plate(size, cells, size)
-    x, y, z = (top - [0, 0, size / 2]).T
+    x, y, z = (top - np.array([0, 0, size / 2])).T
     sides = [(x, y, z), (x, -y, -z), (z, x, y), (-z, x, -y), (y, z, x), (-y, -z, x)]
-    vertices = np.concatenate([np.stack(side, 1) for side in sides]) + [0, 0, size / 2]
+    vertices = np.concatenate([np.stack(side, 1) for side in sides]) + np.array([0, 0, size / 2])
     return vertices, np.vstack([faces + i * len(top) for i in range(6)])
 
 

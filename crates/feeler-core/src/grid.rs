@@ -92,7 +92,9 @@ impl VoxelGrid {
         if range.first == range.last {
             return visit(range.first);
         }
-        self.for_each_voxel_in(t, range, &mut visit);
+        // In voxels from the origin: numbers of moderate size, whatever the size of the mock-up.
+        let t = t.map(|p| std::array::from_fn(|a| (p[a] - self.origin[a]) * self.per_metre));
+        self.for_each_voxel_in(&t, range, &mut visit);
     }
 
     fn for_each_voxel_in(&self, t: &Triangle, range: VoxelRange, visit: &mut impl FnMut([u32; 3])) {
@@ -135,12 +137,11 @@ impl VoxelGrid {
 
     fn is_range_overlapping(&self, t: &Triangle, range: &VoxelRange) -> bool {
         // Voxels at the rim also stand for what is clamped to them; nothing of the mock-up lies outside, so their own
-        // box suffices. The slack covers the rounding of addresses and of the centre.
-        let centre: Point = std::array::from_fn(|a| {
-            self.origin[a] + 0.5 * (f64::from(range.first[a]) + f64::from(range.last[a]) + 1.0) * self.size
-        });
-        let half: Point =
-            std::array::from_fn(|a| 0.5 * f64::from(range.last[a] - range.first[a] + 1) * self.size + self.slack);
+        // box suffices. The slack covers the rounding of addresses and of the scaled corners.
+        let centre: Point =
+            std::array::from_fn(|a| 0.5 * (f64::from(range.first[a]) + f64::from(range.last[a]) + 1.0));
+        let slack = self.slack * self.per_metre;
+        let half: Point = std::array::from_fn(|a| 0.5 * f64::from(range.last[a] - range.first[a] + 1) + slack);
         overlap_triangle_box(t, &centre, &half)
     }
 }
