@@ -36,8 +36,8 @@ def figures(record: dict[str, Any], name: str) -> str:
     builds = {build["engine"]: build for build in size["builds"]}
     peer = "coal" if "coal" in builds else None
     lines = [
-        f"The sample `engine` with {size['triangles']:,} triangles in {size['parts']:,} parts; all colliding pairs of a",
-        "pose, one core, microseconds,",
+        f"The sample `engine` with {size['triangles']:,} triangles in {size['parts']:,} parts; all colliding pairs",
+        "of a pose, one core, microseconds,",
         "median (p95) over 100 poses, each the best of five rounds:",
         "",
         f"| tool | triangles | pose | pairs | feeler |{' Coal |' if peer else ''}",

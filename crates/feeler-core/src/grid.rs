@@ -138,8 +138,7 @@ impl VoxelGrid {
     fn is_range_overlapping(&self, t: &Triangle, range: &VoxelRange) -> bool {
         // Voxels at the rim also stand for what is clamped to them; nothing of the mock-up lies outside, so their own
         // box suffices. The slack covers the rounding of addresses and of the scaled corners.
-        let centre: Point =
-            std::array::from_fn(|a| 0.5 * (f64::from(range.first[a]) + f64::from(range.last[a]) + 1.0));
+        let centre: Point = std::array::from_fn(|a| 0.5 * (f64::from(range.first[a]) + f64::from(range.last[a]) + 1.0));
         let slack = self.slack * self.per_metre;
         let half: Point = std::array::from_fn(|a| 0.5 * f64::from(range.last[a] - range.first[a] + 1) + slack);
         overlap_triangle_box(t, &centre, &half)
