@@ -10,6 +10,7 @@ use crate::tool::Tool;
 #[derive(Debug, Default)]
 pub struct BlocksScratch {
     nodes: Vec<u32>,
+    masks: Vec<u16>,
 }
 
 impl Blocks {
@@ -25,7 +26,8 @@ impl Blocks {
         scratch.nodes.clear();
         scratch.nodes.push(0);
         let root = self.frame.to_box32(&whole);
-        let mut descent = Descent { blocks: self, tool, placement, nodes: &mut scratch.nodes };
+        let mut descent =
+            Descent { blocks: self, tool, placement, nodes: &mut scratch.nodes, masks: &mut scratch.masks };
         descent.descend(tool.height(), 0, &root, self.levels.len() - 1, 0, narrow);
     }
 }
@@ -36,6 +38,8 @@ struct Descent<'a> {
     placement: Placement,
     /// A stack of node lists; each step of the descent reads the top one and pushes its own.
     nodes: &'a mut Vec<u32>,
+    /// The same for the children of tool entries: which of the 16 meet each node of the list.
+    masks: &'a mut Vec<u16>,
 }
 
 impl Descent<'_> {
@@ -64,13 +68,40 @@ impl Descent<'_> {
         } else if tool_level == 0 {
             self.offer_cluster(entry, bounds, from, narrow)
         } else {
-            let children = self.placement.place_boxes(&self.tool.children(tool_level)[entry]);
-            (0..children.count).any(|i| {
-                let bounds = Box32::of_lane(&children, i);
-                self.descend(tool_level - 1, LANES * entry + i, &bounds, level, from, narrow)
-            })
+            self.descend_children(tool_level, entry, level, from, narrow)
         };
         self.nodes.truncate(to);
+        over
+    }
+
+    /// Goes on with each child of a tool entry, and the nodes of `nodes[from..]` whose own box meets the child's.
+    fn descend_children(
+        &mut self,
+        tool_level: usize,
+        entry: usize,
+        level: usize,
+        from: usize,
+        narrow: &mut Narrow<'_>,
+    ) -> bool {
+        let children = self.placement.place_boxes(&self.tool.children(tool_level)[entry]);
+        let (to, first_mask) = (self.nodes.len(), self.masks.len());
+        narrow.stats.voxels_visited += (to - from) as u64;
+        let nodes = &self.blocks.levels[level];
+        self.masks.extend(self.nodes[from..].iter().map(|node| nodes[*node as usize].overlapping_lanes(&children)));
+        let over = (0..children.count).any(|i| {
+            for at in from..to {
+                if self.masks[first_mask + at - from] >> i & 1 == 1 {
+                    self.nodes.push(self.nodes[at]);
+                }
+            }
+            let over = self.nodes.len() > to && {
+                let bounds = Box32::of_lane(&children, i);
+                self.descend(tool_level - 1, LANES * entry + i, &bounds, level, to, narrow)
+            };
+            self.nodes.truncate(to);
+            over
+        });
+        self.masks.truncate(first_mask);
         over
     }
 

@@ -158,6 +158,19 @@ impl Node {
         !bits(&apart) & self.valid
     }
 
+    /// Which lanes' boxes meet the node's own.
+    #[inline]
+    pub fn overlapping_lanes(&self, boxes: &LaneBoxes) -> u16 {
+        let mut apart = [0u8; FANOUT];
+        for a in 0..3 {
+            let (lower, upper) = (self.bounds.lower[a], self.bounds.upper[a]);
+            for i in 0..LANES {
+                apart[i] |= u8::from(boxes.lower[a][i] > upper) | u8::from(boxes.upper[a][i] < lower);
+            }
+        }
+        (!bits(&apart) & ((1 << boxes.count) - 1)) as u16
+    }
+
     /// The bytes of one child's box.
     #[inline]
     pub fn child(&self, i: usize) -> ByteBox {
@@ -244,6 +257,7 @@ mod tests {
                 lanes.upper[a][0] = query.upper[a];
             }
             let bytes = LaneBytes::new(&node, &lanes);
+            prop_assert_eq!(node.overlapping_lanes(&lanes) == 1, is_meeting(&node.bounds, &query));
             for (i, child) in children.iter().enumerate() {
                 if is_meeting(child, &query) {
                     prop_assert!(found >> i & 1 == 1 && bytes.overlapping(&node.child(i)) == 1);
