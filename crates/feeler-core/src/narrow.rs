@@ -1,6 +1,7 @@
 //! The narrow phase: candidate pairs go through two filters to the triangle test.
 
 use crate::bounds::{Aabb, Triangle};
+use crate::defects::corners;
 use crate::intersect_triangle_triangle::{intersect_with, PairKind, Plane};
 use crate::mesh::Mesh;
 use crate::pose::Pose;
@@ -160,6 +161,27 @@ impl PairSet {
     }
 }
 
+/// Pairs tested at a time: enough for their cache misses to overlap, few enough for the corners to stay in the first cache.
+const BATCH: usize = 128;
+
+/// The same where the first pair found ends the query.
+const FIRST_BATCH: usize = 16;
+
+/// Candidate pairs that wait for their test, and room for their indices and corners.
+#[derive(Debug, Default)]
+pub(crate) struct Pending {
+    pairs: Vec<(u32, u32)>,
+    faces: Vec<[u32; 3]>,
+    triangles: Vec<Triangle>,
+}
+
+impl Pending {
+    /// Forgets what a query that was over early left.
+    pub fn clear(&mut self) {
+        self.pairs.clear();
+    }
+}
+
 /// One query's narrow phase. Stores offer candidate pairs to it.
 pub(crate) struct Narrow<'a> {
     pub mesh: &'a Mesh,
@@ -170,6 +192,7 @@ pub(crate) struct Narrow<'a> {
     pub first_only: bool,
     pub placed: &'a mut PlacedTool,
     pub seen: &'a mut PairSet,
+    pub pending: &'a mut Pending,
     /// Found pairs: tool triangle in the upper half, mock-up triangle in the lower.
     pub hits: &'a mut Vec<(u64, PairKind)>,
     pub stats: &'a mut Stats,
@@ -183,31 +206,56 @@ impl Narrow<'_> {
     }
 
     /// Takes a candidate pair; true when the query is over. `may_repeat` says whether the pair could be offered again.
+    ///
+    /// Pairs are kept until there are enough for a batch; the last ones wait for [`finish`](Self::finish).
     #[inline]
     pub fn offer(&mut self, tool_triangle: u32, mockup_triangle: u32, may_repeat: bool) -> bool {
         self.stats.entries_scanned += 1;
-        let key = u64::from(tool_triangle) << 32 | u64::from(mockup_triangle);
+        let key = pair_key(tool_triangle, mockup_triangle);
         if may_repeat && self.filters.repeats && !self.seen.insert(key) {
             self.stats.repeats_skipped += 1;
             return false;
         }
-        let q = self.mesh.triangle(mockup_triangle);
-        let p = self.placed.triangle(self.tool, self.pose, tool_triangle);
-        if self.filters.boxes && !p.bounds.is_overlapping(&Aabb::of_triangle(&q)) {
-            return false;
-        }
-        self.stats.box_survivors += 1;
-        self.stats.triangle_tests += 1;
-        if p.plane.is_surely_beside(&q) || Plane::of_triangle(&q).is_surely_beside(&p.corners) {
-            return false;
-        }
-        let mut signs = Signs::default();
-        let meeting = intersect_with(&mut signs, &p.corners, &q);
-        self.stats.exact_tests += u64::from(signs.exact > 0);
-        let Some(kind) = meeting else { return false };
-        self.hits.push((key, kind));
-        self.first_only
+        self.pending.pairs.push((tool_triangle, mockup_triangle));
+        let batch = if self.first_only { FIRST_BATCH } else { BATCH };
+        self.pending.pairs.len() >= batch && self.finish()
     }
+
+    /// Tests the pairs kept so far; true when the query is over.
+    pub fn finish(&mut self) -> bool {
+        let Pending { pairs, faces, triangles } = self.pending;
+        // All indices, then all corners: loads that do not wait for each other, so that their cache misses overlap.
+        faces.clear();
+        faces.extend(pairs.iter().map(|(_, m)| self.mesh.faces()[*m as usize]));
+        triangles.clear();
+        triangles.extend(faces.iter().map(|face| corners(self.mesh.vertices(), face)));
+        for (&(tool_triangle, mockup_triangle), q) in pairs.iter().zip(triangles.iter()) {
+            let p = self.placed.triangle(self.tool, self.pose, tool_triangle);
+            if self.filters.boxes && !p.bounds.is_overlapping(&Aabb::of_triangle(q)) {
+                continue;
+            }
+            self.stats.box_survivors += 1;
+            self.stats.triangle_tests += 1;
+            if p.plane.is_surely_beside(q) || Plane::of_triangle(q).is_surely_beside(&p.corners) {
+                continue;
+            }
+            let mut signs = Signs::default();
+            let meeting = intersect_with(&mut signs, &p.corners, q);
+            self.stats.exact_tests += u64::from(signs.exact > 0);
+            if let Some(kind) = meeting {
+                self.hits.push((pair_key(tool_triangle, mockup_triangle), kind));
+                if self.first_only {
+                    break;
+                }
+            }
+        }
+        pairs.clear();
+        self.first_only && !self.hits.is_empty()
+    }
+}
+
+fn pair_key(tool_triangle: u32, mockup_triangle: u32) -> u64 {
+    u64::from(tool_triangle) << 32 | u64::from(mockup_triangle)
 }
 
 #[cfg(test)]

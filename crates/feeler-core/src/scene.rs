@@ -10,7 +10,7 @@ use crate::cost::{mean_longest_edge, static_means, CostFunction, Estimator};
 use crate::error::{Error, Result};
 use crate::intersect_triangle_triangle::PairKind;
 use crate::mesh::{Mesh, Mockup};
-use crate::narrow::{Filters, Narrow, PairSet, PlacedTool, Stats};
+use crate::narrow::{Filters, Narrow, PairSet, Pending, PlacedTool, Stats};
 use crate::pieces::default_piece_size;
 use crate::pose::Pose;
 use crate::store::{report, BlocksScratch, Progress, Storage, Store};
@@ -62,6 +62,7 @@ pub struct Batch {
 pub struct Scratch {
     placed: PlacedTool,
     seen: PairSet,
+    pending: Pending,
     blocks: BlocksScratch,
     hits: Vec<(u64, PairKind)>,
     stats: Stats,
@@ -223,14 +224,16 @@ impl Scene {
 
     /// One query: `scratch.hits` afterwards holds the sorted, unique pairs.
     fn run(&self, tool: &Tool, pose: &Pose, filters: Filters, first_only: bool, scratch: &mut Scratch) {
-        let Scratch { placed, seen, blocks, hits, stats } = scratch;
+        let Scratch { placed, seen, pending, blocks, hits, stats } = scratch;
         placed.begin(tool);
         seen.clear();
+        pending.clear();
         hits.clear();
         *stats = Stats::default();
         let mesh = self.mockup.mesh();
-        let mut narrow = Narrow { mesh, tool, pose, filters, first_only, placed, seen, hits, stats };
+        let mut narrow = Narrow { mesh, tool, pose, filters, first_only, placed, seen, pending, hits, stats };
         self.store.offer_candidates(tool, blocks, &mut narrow);
+        narrow.finish();
         hits.sort_unstable();
         hits.dedup();
         stats.pairs = hits.len() as u64;
