@@ -20,6 +20,7 @@ DEMO_ARGS ?=
 BENCH_ARGS ?=
 PYTEST_ARGS ?=
 CARGO_ARGS ?=
+PAIRS ?= 10000000
 FUZZ_SECONDS ?= 1200
 FUZZ ?= collide mesh $(shell $(PY) fuzz/loaders.py --list 2>/dev/null)
 
@@ -107,6 +108,10 @@ test-rust: ## cargo test of all crates but the Python binding
 .PHONY: test-python
 test-python: build ## pytest: warnings are errors, every test has a time-out
 	@$(PY) -m pytest $(if $(QUICK),-m "not slow") $(PYTEST_ARGS)
+
+.PHONY: exact
+exact: ## ten million hard pairs, and thousands of scenes, against exact rational arithmetic (PAIRS=)
+	@cargo run --release $(LOCKED) -p feeler-exact -- mass --pairs $(PAIRS)
 
 .PHONY: fuzz
 fuzz: build ## fuzz collide against its twin, and every loader (FUZZ_SECONDS= each, FUZZ="collide stl")

@@ -22,6 +22,10 @@ pub const MAX_CUT_DEPTH: u32 = 40;
 /// the largest coordinate: one a level for the midpoint's sum, with a factor of two to spare.
 pub const CUT_ROUNDOFFS: f64 = 2.0 * MAX_CUT_DEPTH as f64;
 
+/// Smallest piece size, in unit roundoffs of the triangle's largest coordinate: boxes of pieces grow by [`CUT_ROUNDOFFS`] of
+/// them anyway, so smaller pieces would bring nothing.
+pub const LEAST_PIECE_ROUNDOFFS: f64 = 8.0 * CUT_ROUNDOFFS;
+
 /// Share of extra pieces that cutting may add under the default piece-size rule of the mock-up (no unit).
 /// More tightens boxes around long triangles and costs memory.
 pub const MOCKUP_CUT_ALLOWANCE: f64 = 0.25;

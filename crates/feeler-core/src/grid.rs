@@ -37,9 +37,10 @@ impl VoxelGrid {
         let extent = bounds.extent();
         let longest = extent.iter().fold(0.0f64, |m, x| m.max(*x));
         let per_metre = 1.0 / size;
-        let cells = longest * per_metre + 1.0;
+        let cells = longest / size + 1.0;
         if !(per_metre.is_finite() && cells <= f64::from(MAX_VOXELS_PER_AXIS)) {
-            let least = longest / f64::from(MAX_VOXELS_PER_AXIS - 2);
+            // The size must have a reciprocal, too.
+            let least = f64::max(longest / f64::from(MAX_VOXELS_PER_AXIS - 2), 1e-307);
             return Err(Error::GridTooFine { voxel_size: size, cells, limit: MAX_VOXELS_PER_AXIS, least });
         }
         let counts = extent.map(|x| (x * per_metre) as u32 + 1);

@@ -4,7 +4,7 @@
 //! given triangle, so pieces need only cover it.
 
 use crate::bounds::{Aabb, Point, Triangle};
-use crate::constants::{CUT_ROUNDOFFS, MAX_CUT_DEPTH, UNIT_ROUNDOFF};
+use crate::constants::{CUT_ROUNDOFFS, LEAST_PIECE_ROUNDOFFS, MAX_CUT_DEPTH, UNIT_ROUNDOFF};
 
 /// A convex quadrilateral in the triangle's plane, metres; where two corners coincide, a triangle.
 pub type Piece = [Point; 4];
@@ -18,6 +18,7 @@ pub type Piece = [Point; 4];
 /// Corners of pieces are rounded, so a piece may lie off its exact place by [`cut_margin`]: boxes of pieces must grow by
 /// that much to cover the triangle.
 pub fn cut_triangle(t: &Triangle, size: f64, emit: &mut impl FnMut(&Piece)) {
+    let size = size.max(least_piece_size(t));
     let [shortest, middle, apex] = shortest_side_first(t);
     let (base, height) = base_and_height(t);
     if base <= size || height >= 0.5 * distance(&shortest, &middle) {
@@ -91,6 +92,7 @@ pub fn default_piece_size(triangles: usize, triangle: impl Fn(usize) -> Triangle
 /// A bound from above on the pieces of a triangle, cheap to compute: halvings of one pair of sides times halvings of the
 /// other.
 pub fn piece_bound(t: &Triangle, size: f64) -> f64 {
+    let size = size.max(least_piece_size(t));
     let (base, height) = base_and_height(t);
     if base <= size {
         return 1.0;
@@ -103,6 +105,11 @@ pub fn piece_bound(t: &Triangle, size: f64) -> f64 {
     } else {
         2.0 * halvings(base) * halvings(height)
     }
+}
+
+/// Below this size (metres) midpoints hardly move for rounding, and halving would not shorten the sides.
+fn least_piece_size(t: &Triangle) -> f64 {
+    LEAST_PIECE_ROUNDOFFS * UNIT_ROUNDOFF * t.iter().flatten().fold(0.0, |m: f64, x| m.max(x.abs()))
 }
 
 fn shortest_side_first(t: &Triangle) -> Triangle {
@@ -216,6 +223,17 @@ mod tests {
         assert_eq!(pieces(&needle, f64::MAX).len(), 1);
         let cap = [[0.0; 3], [1000.0, 0.0, 0.0], [500.0, 1e-6, 0.0]];
         assert_eq!(pieces(&cap, 1.0).len(), 1024);
+    }
+
+    #[test]
+    fn features_of_a_few_ulps_are_not_cut_to_dust() {
+        let e = 1024.0 * f64::EPSILON;
+        let t = [[2.0, 2.0, 0.0], [5.0, 3.0, 0.0], [3.0, 5.0, 0.0]].map(|p| p.map(|x| 1024.0 + x * e));
+        assert_eq!(pieces(&t, 0.3 * e).len(), 1);
+        assert!(
+            pieces(&t.map(|p| p.map(|x| 1024.0 + (x - 1024.0) * 4096.0)), e).len() as f64
+                <= piece_bound(&t, e).max(65536.0)
+        );
     }
 
     #[test]

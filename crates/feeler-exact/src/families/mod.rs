@@ -1,0 +1,104 @@
+//! The cases of the corpus, designed family by family.
+//!
+//! Most answers follow from the design and are written beside the case. Where rounding decides (a neighbour of a number,
+//! a decimal fraction), the oracle gives the answer. Making the corpus checks every designed answer with the oracle.
+
+mod coplanar;
+mod crossing;
+mod numbers;
+
+use feeler_core::{PairKind, Point, Triangle};
+
+use crate::corpus::{word, Case};
+use crate::oracle;
+
+/// The triangle that most cases are set against: legs of 4 along x and y, in the plane z = 0.
+const BASE: Triangle = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
+
+/// The smallest number above zero.
+const TINY: f64 = 5e-324;
+
+const APART: Option<PairKind> = None;
+const COPLANAR: Option<PairKind> = Some(PairKind::Coplanar);
+const CROSSING: Option<PairKind> = Some(PairKind::Crossing);
+const TOUCHING: Option<PairKind> = Some(PairKind::Touching);
+
+const HEAD: &str = "\
+# Pairs of triangles that make trouble, and how they meet.
+#
+# One a line:  name | first triangle | second triangle | apart, coplanar, crossing or touching
+#
+# A triangle is nine numbers, x y z of each corner, metres; each is the shortest decimal that reads back as the float64
+# meant. Triangles are closed: sharing one point is meeting. The second always has an area; the first may have lost it, as
+# a tool's triangle can at a pose. `coplanar`: one plane. `crossing`: two planes, each triangle strictly on both sides of
+# the other's, more than a point shared. `touching`: every other way to meet.
+#
+# Tests run each pair in all 72 orderings, mirrored, turned and scaled, through the triangle test and through scenes.
+# Made by `cargo run -p feeler-exact -- corpus`, which checks each answer in exact arithmetic.
+# Cases found by accident go to the end, under their own heading; they are kept.
+";
+
+/// The heading under which found cases are kept when the corpus is made anew.
+pub const FOUND: &str = "# Found by accident.";
+
+/// All designed cases, in order. Panics when a designed answer is not what exact arithmetic says, or a name is used twice.
+pub fn cases() -> Vec<Case> {
+    let mut book = Book { cases: Vec::new(), names: std::collections::HashSet::new() };
+    crossing::add(&mut book);
+    coplanar::add(&mut book);
+    numbers::add(&mut book);
+    book.cases
+}
+
+/// The corpus file: head, designed cases, and the found ones of the file before.
+pub fn corpus(before: &str) -> String {
+    let mut text = String::from(HEAD);
+    let mut family = String::new();
+    for case in cases() {
+        let of_case = case.name.split([' ', ':', ',']).next().unwrap_or_default();
+        if of_case != family {
+            text += "\n";
+            family = of_case.into();
+        }
+        text += &case.line();
+        text += "\n";
+    }
+    text += "\n";
+    text += before.find(FOUND).map_or(FOUND, |at| &before[at..]);
+    text.truncate(text.trim_end().len());
+    text + "\n"
+}
+
+/// Collects cases and refuses wrong ones.
+struct Book {
+    cases: Vec<Case>,
+    names: std::collections::HashSet<String>,
+}
+
+impl Book {
+    /// A case whose answer follows from the design.
+    fn add(&mut self, name: impl Into<String>, p: Triangle, q: Triangle, answer: Option<PairKind>) {
+        let name = name.into();
+        let truth = oracle::kind_of_pair(&p, &q);
+        assert_eq!(word(truth), word(answer), "{name}: {p:?} {q:?}");
+        self.add_decided(name, p, q);
+    }
+
+    /// A case that only exact arithmetic can decide.
+    fn add_decided(&mut self, name: impl Into<String>, p: Triangle, q: Triangle) {
+        let name = name.into();
+        assert!(oracle::has_area(&q), "{name}: the second triangle has no area");
+        assert!(self.names.insert(name.clone()), "{name} is taken");
+        self.cases.push(Case { name, p, q, answer: oracle::kind_of_pair(&p, &q) });
+    }
+}
+
+/// Each corner changed by `f`.
+fn mapped(t: Triangle, f: impl Fn(Point) -> Point) -> Triangle {
+    t.map(f)
+}
+
+/// In the plane z = 0.
+fn flat(t: [[f64; 2]; 3]) -> Triangle {
+    t.map(|[x, y]| [x, y, 0.0])
+}

@@ -1,0 +1,196 @@
+//! The command line: the mass of pairs, the corpus, one pair.
+
+use std::io::{IsTerminal, Write};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+use feeler_core::intersect_triangle_triangle;
+use feeler_exact::corpus::{self, word};
+use feeler_exact::{families, mass, oracle};
+
+/// Holds feeler's triangle test and stores to exact rational arithmetic.
+#[derive(Parser)]
+#[command(
+    version,
+    after_help = "\
+Examples:
+  feeler-exact mass                               ten million pairs from all generators
+  feeler-exact mass --pairs 100000 --seed 7       a short run with other pairs
+  feeler-exact mass --only gears --only lattice   two generators only
+  feeler-exact mass --json > figures.json         figures for a program
+  feeler-exact corpus                             make testdata/triangle_pairs.txt anew; found cases stay
+  feeler-exact pair 'x | 0 0 0 4 0 0 0 4 0 | 1 1 0 2 1 3 0 3 3 | touching'"
+)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Judge millions of pairs and thousands of scenes; exit code 1 when the core is wrong about one.
+    Mass {
+        /// How many pairs, at least.
+        #[arg(long, default_value_t = 10_000_000)]
+        pairs: u64,
+        /// Another seed makes other pairs; the same seed the same ones on every machine.
+        #[arg(long, default_value_t = 1)]
+        seed: u64,
+        /// Only this generator (may be repeated).
+        #[arg(long, value_name = "NAME")]
+        only: Vec<String>,
+        /// Print the figures as JSON.
+        #[arg(long)]
+        json: bool,
+    },
+    /// Write the corpus of hard pairs, every answer checked; exit code 1 when `--check` finds the file out of date.
+    Corpus {
+        /// Where it is kept.
+        #[arg(long, default_value = "testdata/triangle_pairs.txt")]
+        file: PathBuf,
+        /// Only compare, write nothing.
+        #[arg(long)]
+        check: bool,
+    },
+    /// What exact arithmetic and the core say about one line of the corpus; exit code 1 when they differ.
+    Pair {
+        /// `name | 9 numbers | 9 numbers | answer`
+        line: String,
+    },
+}
+
+fn main() -> ExitCode {
+    let done = match Arguments::parse().command {
+        Command::Mass { pairs, seed, only, json } => run_mass(pairs, seed, &only, json),
+        Command::Corpus { file, check } => make_corpus(&file, check),
+        Command::Pair { line } => judge_line(&line),
+    };
+    match done {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(why) => {
+            eprintln!("feeler-exact: {why}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn run_mass(pairs: u64, seed: u64, only: &[String], json: bool) -> Result<bool, String> {
+    let is_live = std::io::stderr().is_terminal();
+    let progress = |name: &str, done: f64| {
+        if is_live {
+            eprint!("\r{name:<16}{:>4.0} %", 100.0 * done);
+        } else if done >= 1.0 {
+            eprintln!("{name} done");
+        }
+        std::io::stderr().flush().ok();
+    };
+    let rows = mass::run(pairs, seed, only, &progress)?;
+    if is_live {
+        eprint!("\r{:<24}\r", "");
+    }
+    let total = mass::total(&rows);
+    if json {
+        print_json(&rows, &total, seed);
+    } else {
+        print_table(&rows, &total, seed);
+    }
+    Ok(total.tally.mismatch_count == 0)
+}
+
+fn print_table(rows: &[mass::Row], total: &mass::Row, seed: u64) {
+    let [a, b, c, d] = mass::answers();
+    println!(
+        "{:<14}{:>11}{a:>11}{b:>11}{c:>11}{d:>11}{:>11}{:>9}{:>9}{:>7}{:>6}  what",
+        "generator", "pairs", "tested", "exact %", "scenes", "s", "wrong"
+    );
+    for row in rows.iter().chain([total]) {
+        let t = &row.tally;
+        let [a, b, c, d] = t.by_answer;
+        println!(
+            "{:<14}{:>11}{a:>11}{b:>11}{c:>11}{d:>11}{:>11}{:>9.3}{:>9}{:>7.1}{:>6}  {}",
+            row.name,
+            t.pairs,
+            t.reached,
+            percent(t),
+            t.scene_queries,
+            row.seconds,
+            t.mismatch_count,
+            row.about
+        );
+    }
+    println!("\nseed {seed}; tested: reach the triangle test; exact: of these, floats could not decide");
+    if total.tally.skipped > 0 {
+        println!("{} stores not built: too many voxels for a test", total.tally.skipped);
+    }
+    for row in rows.iter().filter(|row| row.tally.mismatch_count > 0) {
+        println!("\n{}: {} wrong. The first, shrunk:", row.name, row.tally.mismatch_count);
+        row.tally.mismatches.iter().for_each(|text| println!("{text}"));
+    }
+}
+
+fn percent(t: &mass::Tally) -> f64 {
+    100.0 * t.exact as f64 / t.reached.max(1) as f64
+}
+
+fn print_json(rows: &[mass::Row], total: &mass::Row, seed: u64) {
+    let object = |row: &mass::Row| {
+        let t = &row.tally;
+        let answers: Vec<String> =
+            mass::answers().iter().zip(t.by_answer).map(|(word, n)| format!("\"{word}\": {n}")).collect();
+        // Rust's quoting of these plain ASCII texts is JSON's.
+        format!(
+            "{{\"name\": {:?}, \"pairs\": {}, {}, \"tested\": {}, \"exact\": {}, \"exact_percent\": {:.4}, \
+             \"scene_queries\": {}, \"skipped_stores\": {}, \"wrong\": {}, \"wrong_lines\": {:?}, \"seconds\": {:.1}}}",
+            row.name,
+            t.pairs,
+            answers.join(", "),
+            t.reached,
+            t.exact,
+            percent(t),
+            t.scene_queries,
+            t.skipped,
+            t.mismatch_count,
+            t.mismatches,
+            row.seconds
+        )
+    };
+    let rows: Vec<String> = rows.iter().map(object).collect();
+    println!("{{\"seed\": {seed},\n \"generators\": [\n  {}],\n \"total\": {}}}", rows.join(",\n  "), object(total));
+}
+
+fn make_corpus(file: &Path, check: bool) -> Result<bool, String> {
+    let before = std::fs::read_to_string(file).unwrap_or_default();
+    let text = families::corpus(&before);
+    let cases = corpus::parse(&text)?;
+    for case in &cases {
+        let truth = oracle::kind_of_pair(&case.p, &case.q);
+        if truth != case.answer {
+            return Err(format!("{}: the file says {}, in truth {}", case.name, word(case.answer), word(truth)));
+        }
+    }
+    if check {
+        println!(
+            "{}: {} cases, {}",
+            file.display(),
+            cases.len(),
+            if text == before { "up to date" } else { "out of date" }
+        );
+        return Ok(text == before);
+    }
+    std::fs::write(file, &text).map_err(|why| format!("{}: {why}", file.display()))?;
+    println!("{}: {} cases", file.display(), cases.len());
+    Ok(true)
+}
+
+fn judge_line(line: &str) -> Result<bool, String> {
+    let cases = corpus::parse(line)?;
+    let mut is_right = true;
+    for case in &cases {
+        let (truth, core) = (oracle::kind_of_pair(&case.p, &case.q), intersect_triangle_triangle(&case.p, &case.q));
+        println!("{}: in truth {}, core {}, line {}", case.name, word(truth), word(core), word(case.answer));
+        is_right &= truth == core && truth == case.answer;
+    }
+    Ok(is_right)
+}
