@@ -107,6 +107,13 @@ pub fn piece_bound(t: &Triangle, size: f64) -> f64 {
     }
 }
 
+/// A bound from below on the pieces of a triangle: one has sides up to `size`, so its area is at most the square of that, and
+/// its length at most twice it.
+pub fn least_pieces(t: &Triangle, size: f64) -> f64 {
+    let size = size.max(least_piece_size(t));
+    (0.5 * twice_area(t) / size / size).max(0.5 * longest_edge(t) / size).max(1.0)
+}
+
 /// Below this size (metres) midpoints hardly move for rounding, and halving would not shorten the sides.
 fn least_piece_size(t: &Triangle) -> f64 {
     LEAST_PIECE_ROUNDOFFS * UNIT_ROUNDOFF * t.iter().flatten().fold(0.0, |m: f64, x| m.max(x.abs()))

@@ -16,7 +16,7 @@ use crate::bounds::Aabb;
 use crate::error::{Error, Result};
 use crate::mesh::Mesh;
 use crate::morton;
-use crate::pieces::{cut_margin, cut_triangle, grown_box, longest_edge, twice_area, Piece};
+use crate::pieces::{cut_margin, cut_triangle, grown_box, least_pieces, Piece};
 
 mod descent;
 mod node;
@@ -161,14 +161,7 @@ impl Blocks {
 
 /// Offsets of each chunk's pieces; the last entry is their number. Refuses what memory or 32-bit ids cannot hold.
 fn count_pieces(mesh: &Mesh, ids: &[u32], size: f64, limit: u64) -> Result<Vec<u64>> {
-    // A piece has sides up to `size`, so its area is at most the square of that, and its length at most twice it.
-    let least: f64 = ids
-        .par_iter()
-        .map(|id| {
-            let t = mesh.triangle(*id);
-            (0.5 * twice_area(&t) / (size * size)).max(0.5 * longest_edge(&t) / size).max(1.0)
-        })
-        .sum();
+    let least: f64 = ids.par_iter().map(|id| least_pieces(&mesh.triangle(*id), size)).sum();
     check_memory("the blocks", least * BUILD_BYTES_PER_PIECE, limit)?;
     check_entries(size, least)?;
     let most = (limit as f64 / BUILD_BYTES_PER_PIECE).min(f64::from(u32::MAX)) as u64;
