@@ -160,3 +160,22 @@ fn a_million_metres_out_with_features_of_a_micrometre() {
     assert!(scene.is_colliding(&tool, &pose(at)));
     assert!(!scene.is_colliding(&tool, &pose(at + step)));
 }
+
+#[test]
+fn a_mesh_of_1e_160_metres_does_not_fill_every_voxel() {
+    // Found by fuzzing: products of such coordinates underflow, no axis seemed to separate, and every triangle was listed in
+    // every voxel of its box, for seconds.
+    let unit = 1e-160;
+    let t: Triangle = [[0.0; 3], [-3.0 * unit, 2.0 * unit, -unit], [-4.0 * unit, -4.0 * unit, -4.0 * unit]];
+    let (vertices, faces) = soup(&[t]);
+    let mockup = Arc::new(Mockup::new(vertices, faces, Vec::new(), 1).unwrap());
+    for storage in [Storage::Dense, Storage::Hashed { level: 0.0 }] {
+        let options =
+            SceneOptions { voxel_size: Some(0.05 * unit), storage, memory_limit: 1 << 28, ..SceneOptions::default() };
+        let scene = Scene::build(Arc::clone(&mockup), &options, &|_, _| true).unwrap();
+        let memory = scene.memory();
+        let bytes = |name: &str| memory.iter().find(|(n, _)| *n == name).unwrap().1;
+        // 80 voxels a side: the triangle's surface, not the box's volume.
+        assert!(bytes("lists") < bytes("voxels") / 20, "{storage:?}: {memory:?}");
+    }
+}
