@@ -323,7 +323,9 @@ def test_a_closed_pipe_is_no_error(stand: Path) -> None:
 @pytest.mark.skipif(os.name == "nt", reason="signals and pipes of POSIX")
 def test_ctrl_c_ends_with_130(tmp_path: Path) -> None:
     code = (
-        "import feeler, time\n"
+        # Whoever runs the tests in the background may have told all children to ignore the signal.
+        "import feeler, signal, time\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
         "def slow(*a, **k):\n    print('ready', flush=True); time.sleep(30)\n"
         "feeler.sample = slow\n"
         "from feeler.cli import main; main()"
