@@ -229,14 +229,21 @@ impl Narrow<'_> {
         faces.extend(pairs.iter().map(|(_, m)| self.mesh.faces()[*m as usize]));
         triangles.clear();
         triangles.extend(faces.iter().map(|face| corners(self.mesh.vertices(), face)));
+        // Pairs come in runs of one mock-up triangle: its box and plane are made once a run.
+        let mut run = None;
         for (&(tool_triangle, mockup_triangle), q) in pairs.iter().zip(triangles.iter()) {
+            let (bounds, plane) = match run {
+                Some((triangle, bounds, plane)) if triangle == mockup_triangle => (bounds, plane),
+                _ => (Aabb::of_triangle(q), Plane::of_triangle(q)),
+            };
+            run = Some((mockup_triangle, bounds, plane));
             let p = self.placed.triangle(self.tool, self.pose, tool_triangle);
-            if self.filters.boxes && !p.bounds.is_overlapping(&Aabb::of_triangle(q)) {
+            if self.filters.boxes && !p.bounds.is_overlapping(&bounds) {
                 continue;
             }
             self.stats.box_survivors += 1;
             self.stats.triangle_tests += 1;
-            if p.plane.is_surely_beside(q) || Plane::of_triangle(q).is_surely_beside(&p.corners) {
+            if plane.is_surely_beside(&p.corners) || p.plane.is_surely_beside(q) {
                 continue;
             }
             let mut signs = Signs::default();
