@@ -112,6 +112,7 @@ test-python: build ## pytest: warnings are errors, every test has a time-out
 .PHONY: exact
 exact: ## ten million hard pairs, and thousands of scenes, against exact rational arithmetic (PAIRS=)
 	@cargo run --release $(LOCKED) -p feeler-exact -- mass --pairs $(PAIRS)
+	@cargo test --release $(LOCKED) -p feeler-core --test determinism
 
 .PHONY: fuzz
 fuzz: build ## fuzz collide against its twin, and every loader (FUZZ_SECONDS= each, FUZZ="collide stl")

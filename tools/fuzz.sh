@@ -21,7 +21,7 @@ for target; do
         cargo fuzz --version >/dev/null 2>&1 || cargo install --quiet --root build/tools cargo-fuzz
         mkdir -p "build/fuzz/$target"
         cargo +nightly fuzz run "$target" "build/fuzz/$target" "fuzz/seeds/$target" -- \
-            -max_total_time="$seconds" -rss_limit_mb=4000 -print_final_stats=1 -verbosity=0
+            -max_total_time="$seconds" -artifact_prefix="$PWD/build/fuzz/crash-$target-" -rss_limit_mb=4000 -print_final_stats=1 -verbosity=0
         ;;
     *)
         "$python" -c 'import atheris' 2>/dev/null || "$python" -m pip install --quiet 'atheris==3.0.0' || {
