@@ -1,7 +1,7 @@
 """Coal (formerly hpp-fcl) as its documentation advises for speed, through its own Python binding.
 
-The model is a `BVHModelOBBRSS`; the pair of objects is bound once in a `ComputeCollision`; all contacts are asked for,
-none computed; no security margin; request and result objects are re-used, and emptied outside the clock.
+The model is a `BVHModelOBBRSS`; the pair of objects is bound once in a `ComputeCollision`; all contacts (or
+one) are asked for, none computed; no security margin; requests and result are re-used, emptied outside the clock.
 """
 
 from __future__ import annotations
@@ -26,15 +26,12 @@ class CoalEngine:
     name = "coal"
     version = coal.__version__
     settings = (
-        "BVHModelOBBRSS, ComputeCollision bound once per tool, num_max_contacts 2^31 - 1, enable_contact False, "
-        "security_margin 0, request and result re-used, the pose's Transform3s made outside the clock"
+        "BVHModelOBBRSS, ComputeCollision bound once per tool, num_max_contacts 2^31 - 1 (is_colliding: 1), "
+        "enable_contact False, security_margin 0, requests and result re-used, Transform3s made outside the clock"
     )
 
     def __init__(self) -> None:
-        self._request = coal.CollisionRequest()
-        self._request.num_max_contacts = ALL_CONTACTS
-        self._request.enable_contact = False
-        self._request.security_margin = 0.0
+        self._requests = {"collide": _request(ALL_CONTACTS), "is_colliding": _request(1)}
         self._result = coal.CollisionResult()
         self._world = coal.Transform3s.Identity()
         self._mockup: Any = None
@@ -49,8 +46,10 @@ class CoalEngine:
             self._mockup = None
             self._mockup = _model(vertices, faces)
 
-        seconds, growth = build_times(build, runs)
-        return Build(self.name, runs, seconds, None, int(self._mockup.memUsage(False)), growth)
+        seconds, growth, peak = build_times(build, runs)
+        # memUsage is a C int, which overflows at some four million triangles.
+        size = int(self._mockup.memUsage(False)) % 2**32
+        return Build(self.name, runs, seconds, None, size, growth, peak)
 
     def prepare(self, tool: feeler.Tool) -> float:
         vertices, faces = np.asfortranarray(tool.vertices), tool.faces.astype(np.int64)
@@ -59,10 +58,10 @@ class CoalEngine:
         self._compute = coal.ComputeCollision(self._tool, self._mockup)
         return time.perf_counter() - start
 
-    def aim(self, world_from_tool: Floats) -> Callable[[], Any]:
+    def aim(self, query: str, world_from_tool: Floats) -> Callable[[], Any]:
         self._result.clear()
         placed = coal.Transform3s(world_from_tool[:3, :3], world_from_tool[:3, 3])
-        return functools.partial(self._compute, placed, self._world, self._request, self._result)
+        return functools.partial(self._compute, placed, self._world, self._requests[query], self._result)
 
     def pairs(self, result: Any) -> Pairs:
         found = [(contact.b1, contact.b2) for contact in self._result.getContacts()]
@@ -70,8 +69,19 @@ class CoalEngine:
             return np.empty((0, 2), dtype=np.uint32)
         return np.unique(np.array(found, dtype=np.uint32), axis=0)
 
+    def answer(self, result: Any) -> bool:
+        return bool(result)
+
     def stats(self, result: Any) -> dict[str, int]:
         return {}
+
+
+def _request(contacts: int) -> Any:
+    request = coal.CollisionRequest()
+    request.num_max_contacts = contacts
+    request.enable_contact = False
+    request.security_margin = 0.0
+    return request
 
 
 def _model(vertices: Floats, faces: Any) -> Any:

@@ -24,6 +24,9 @@ import feeler
 Floats = npt.NDArray[np.float64]
 Pairs = npt.NDArray[np.uint32]
 
+QUERIES = ("collide", "is_colliding")
+LONG = 5.0  # seconds; such a build is done once
+
 
 @dataclass
 class Build:
@@ -33,16 +36,16 @@ class Build:
     runs: int
     one_core_s: float
     all_cores_s: float | None  # None: the engine builds on one core only
-    bytes: int  # as the engine itself counts
-    rss_growth_bytes: int | None  # growth of the process while the index was built, None where it cannot be told
+    bytes: int | None  # as the engine itself counts; None: it does not
+    rss_growth_bytes: int | None  # growth of the process by the index, None where it cannot be told
+    peak_growth_bytes: int | None  # the most it had grown while the index was built
 
     def row(self, triangles: int) -> dict[str, Any]:
         """The figures, also per triangle."""
-        rss = self.rss_growth_bytes
-        return asdict(self) | {
-            "bytes_per_triangle": self.bytes / triangles,
-            "rss_growth_bytes_per_triangle": None if rss is None else rss / triangles,
-        }
+        row = asdict(self)
+        for name in ("bytes", "rss_growth_bytes", "peak_growth_bytes"):
+            row[f"{name}_per_triangle"] = None if row[name] is None else row[name] / triangles
+        return row
 
 
 class Engine(Protocol):
@@ -58,14 +61,17 @@ class Engine(Protocol):
     def prepare(self, tool: feeler.Tool) -> float:
         """Take a tool; return the seconds it took."""
 
-    def aim(self, world_from_tool: Floats) -> Callable[[], Any]:
-        """Make ready for a pose, unclocked; what is returned finds all pairs when called."""
+    def aim(self, query: str, world_from_tool: Floats) -> Callable[[], Any]:
+        """Make ready for a pose, unclocked; what is returned does the query when called: one of `QUERIES`."""
 
     def pairs(self, result: Any) -> Pairs:
-        """`(k, 2)`: tool and mock-up triangles of the last call, sorted and unique."""
+        """`(k, 2)`: tool and mock-up triangles of the last `collide`, sorted and unique."""
+
+    def answer(self, result: Any) -> bool:
+        """What the last `is_colliding` said."""
 
     def stats(self, result: Any) -> dict[str, int]:
-        """What the last call did, stage by stage; empty if the engine does not tell."""
+        """What the last `collide` did, stage by stage; empty if the engine does not tell."""
 
 
 class FeelerEngine:
@@ -73,18 +79,20 @@ class FeelerEngine:
 
     name = "feeler"
     version = feeler.__version__
-    settings = "Scene(mockup), defaults; scene.collide(tool, pose), checks of the pose included"
-    scene: feeler.Scene
+    settings = "Scene(mockup), defaults; scene.collide(tool, pose), scene.is_colliding(tool, pose), checks included"
+    scene: feeler.Scene = None  # type: ignore[assignment]
     tool: feeler.Tool
 
     def build(self, mockup: feeler.Mockup, runs: int) -> Build:
         self.scene = None  # type: ignore[assignment]
-        one, _ = build_times(lambda: feeler.Scene(mockup, threads=1), runs)
-        every, growth = build_times(lambda: self._keep(feeler.Scene(mockup)), runs)
-        return Build(self.name, runs, one, every, self.scene.memory()["total"], growth)
+        # Memory is measured on one core: with more threads more of it is taken while building.
+        one, growth, peak = build_times(lambda: self._build(mockup, 1), runs)
+        every, _, _ = build_times(lambda: self._build(mockup, None), runs)
+        return Build(self.name, runs, one, every, self.scene.memory()["total"], growth, peak)
 
-    def _keep(self, scene: feeler.Scene) -> None:
-        self.scene = scene
+    def _build(self, mockup: feeler.Mockup, threads: int | None) -> None:
+        self.scene = None  # type: ignore[assignment]
+        self.scene = feeler.Scene(mockup, threads=threads)
 
     def prepare(self, tool: feeler.Tool) -> float:
         start = time.perf_counter()
@@ -92,34 +100,43 @@ class FeelerEngine:
         self.tool = feeler.Tool(tool.vertices, tool.faces, tool.name)
         return time.perf_counter() - start
 
-    def aim(self, world_from_tool: Floats) -> Callable[[], Any]:
-        return functools.partial(self.scene.collide, self.tool, world_from_tool)
+    def aim(self, query: str, world_from_tool: Floats) -> Callable[[], Any]:
+        return functools.partial(getattr(self.scene, query), self.tool, world_from_tool)
 
     def pairs(self, result: Any) -> Pairs:
         return np.asarray(result.pairs)
+
+    def answer(self, result: Any) -> bool:
+        return bool(result)
 
     def stats(self, result: Any) -> dict[str, int]:
         return dict(result.stats)
 
 
-def build_times(build: Callable[[], None], runs: int) -> tuple[float, int | None]:
-    """Best wall seconds of `runs` builds, and how much the process grew in the first of them.
+def build_times(build: Callable[[], None], runs: int) -> tuple[float, int | None, int | None]:
+    """Best wall seconds of `runs` builds; how much the process grew in the first of them, and at most meanwhile.
 
-    The growth is what the operating system saw, allocator's leftovers included: a check of what an engine says of
-    itself, no more. It is known where /proc is.
+    `build` first drops what it built before. A build that takes longer than `LONG` is not repeated. The growth is what
+    the operating system saw, allocator's leftovers included: a check of what an engine says of itself, no more. It is
+    known where /proc is.
     """
-    best, growth = float("inf"), None
+    best, growth, peak = float("inf"), None, None
     for run in range(runs):
         _trim()
-        before = _resident()
+        before = _resident("VmRSS")
+        _forget_peak()
         start = time.perf_counter()
         build()
         best = min(best, time.perf_counter() - start)
         if run == 0:
+            highest = _resident("VmHWM")
             _trim()
-            after = _resident()
-            growth = None if before is None or after is None else after - before
-    return best, growth
+            after = _resident("VmRSS")
+            if before is not None and after is not None and highest is not None:
+                growth, peak = after - before, highest - before
+        if best > LONG:
+            break
+    return best, growth, peak
 
 
 def _trim() -> None:
@@ -129,13 +146,16 @@ def _trim() -> None:
         ctypes.CDLL(None).malloc_trim(0)
 
 
-def _resident() -> int | None:
+def _resident(field: str) -> int | None:
+    """Bytes of the process in memory: now (VmRSS), or at most (VmHWM)."""
     with contextlib.suppress(OSError, ValueError, IndexError):
-        return int(Path("/proc/self/statm").read_text().split()[1]) * _page_size()
+        for line in Path("/proc/self/status").read_text().splitlines():
+            if line.startswith(f"{field}:"):
+                return int(line.split()[1]) * 1024
     return None
 
 
-def _page_size() -> int:
-    import resource
-
-    return resource.getpagesize()
+def _forget_peak() -> None:
+    """Let VmHWM start from what is in memory now."""
+    with contextlib.suppress(OSError):
+        Path("/proc/self/clear_refs").write_text("5")

@@ -1,8 +1,8 @@
-"""The clock: the same poses for every engine, interleaved, and what the figures are made of.
+"""The clock: the same poses for every engine, pass by pass, and what the figures are made of.
 
-Rounds of all poses; at each pose every engine is called once, and who comes first changes from pose to pose and from
-round to round, so that a busy moment of the machine, a slow clock or a cold cache hits all of them alike. Of each pose
-the least time over the rounds is kept: the machine can only add to it. Median, p95 and worst are over poses.
+In each round each engine runs one whole pass over the poses of the cell, and which comes first changes from round to
+round: as in a user's loop, an engine's own index is what the caches hold. Of each pose the least time over the rounds
+is kept: the machine can only add to it. Median, p95 and worst are over poses.
 """
 
 from __future__ import annotations
@@ -15,9 +15,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from engines import Engine, Floats, Pairs
-from judge import judge
 
 import feeler
 from feeler.progress import bar
@@ -44,9 +42,10 @@ class Times:
 
 @dataclass
 class Findings:
-    """What an engine found at each pose, and what it did for it, from a pass outside the clock."""
+    """What an engine said at each pose, and what it did for it, from a pass outside the clock."""
 
-    pairs: list[Pairs] = field(default_factory=list)
+    pairs: list[Pairs] = field(default_factory=list)  # of collide
+    answers: list[bool] = field(default_factory=list)  # of is_colliding
     stats: list[dict[str, int]] = field(default_factory=list)
 
 
@@ -74,19 +73,23 @@ def find_poses(scene: feeler.Scene, tool: feeler.Tool, kind: str, count: int, se
                 count = max(1, count // 4)
 
 
-def look(engines: Sequence[Engine], poses: Floats) -> dict[str, Findings]:
-    """Every pose once, unclocked: what each engine finds. It also warms all of them up."""
+def look(engines: Sequence[Engine], poses: Floats, query: str = "collide") -> dict[str, Findings]:
+    """Every pose once, unclocked: what each engine says. It also warms all of them up."""
     found = {engine.name: Findings() for engine in engines}
-    for pose in poses:
-        for engine in engines:
-            result = engine.aim(pose)()
-            found[engine.name].pairs.append(engine.pairs(result))
-            found[engine.name].stats.append(engine.stats(result))
+    for engine in engines:
+        own = found[engine.name]
+        for pose in poses:
+            result = engine.aim(query, pose)()
+            if query == "collide":
+                own.pairs.append(engine.pairs(result))
+                own.stats.append(engine.stats(result))
+            else:
+                own.answers.append(engine.answer(result))
     return found
 
 
-def clock(engines: Sequence[Engine], poses: Floats, rounds: int) -> dict[str, Times]:
-    """Every pose `rounds` times, engines interleaved."""
+def clock(engines: Sequence[Engine], poses: Floats, rounds: int, query: str = "collide") -> dict[str, Times]:
+    """Every pose `rounds` times; in each round one engine after the other."""
     shape = (rounds, len(poses))
     times = {engine.name: Times(np.zeros(shape), np.zeros(shape)) for engine in engines}
     collecting = gc.isenabled()
@@ -94,12 +97,11 @@ def clock(engines: Sequence[Engine], poses: Floats, rounds: int) -> dict[str, Ti
     gc.disable()
     try:
         for turn in range(rounds):
-            for i, pose in enumerate(poses):
-                first = (turn + i) % len(engines)
-                for engine in (*engines[first:], *engines[:first]):
-                    wall, cpu = clock_once(engine.aim(pose))
-                    times[engine.name].wall[turn, i] = wall
-                    times[engine.name].cpu[turn, i] = cpu
+            first = turn % len(engines)
+            for engine in (*engines[first:], *engines[:first]):
+                own = times[engine.name]
+                for i, pose in enumerate(poses):
+                    own.wall[turn, i], own.cpu[turn, i] = clock_once(engine.aim(query, pose))
     finally:
         if collecting:
             gc.enable()
@@ -117,14 +119,20 @@ def clock_once(call: Callable[[], Any]) -> tuple[float, float]:
     return (end - start) * US_PER_NS, cpu * US_PER_NS
 
 
-def overheads(engines: Sequence[Engine], mockup: feeler.Mockup, tool: feeler.Tool, calls: int = 500) -> dict[str, Any]:
-    """Microseconds of a call that has nothing to do, the tool far outside: what binding and clock cost. Medians."""
+def far_away(mockup: feeler.Mockup, tool: feeler.Tool) -> Floats:
+    """A pose far outside the mock-up, where a query has nothing to do."""
     away = np.eye(4)
     away[:3, 3] = mockup.bounds[1] + 10.0 * (np.ptp(mockup.bounds, axis=0) + np.ptp(tool.bounds, axis=0))
+    return away
+
+
+def overheads(engines: Sequence[Engine], mockup: feeler.Mockup, tool: feeler.Tool, calls: int = 500) -> dict[str, Any]:
+    """Microseconds of a `collide` with nothing to do, the tool far outside: what binding and clock cost. Medians."""
+    away = far_away(mockup, tool)
     rows: dict[str, Any] = {"clock_alone": _median_call(lambda: functools.partial(int), calls)}
     for engine in engines:
         engine.prepare(tool)
-        rows[engine.name] = _median_call(functools.partial(engine.aim, away), calls)
+        rows[engine.name] = _median_call(functools.partial(engine.aim, "collide", away), calls)
     return rows
 
 
@@ -147,55 +155,3 @@ def ratios(ours: Times, theirs: Times) -> dict[str, dict[str, float]]:
             "median_per_pose": float(np.median(b / a)),
         }
     return table
-
-
-EXAMPLES_KEPT = 5
-
-
-@dataclass
-class Agreement:
-    """Pairs two engines agree on, and where they differ, who is right by exact arithmetic."""
-
-    agreed: int = 0
-    feeler_only_true: int = 0  # the peer missed it
-    peer_only_false: int = 0  # the peer made it up
-    feeler_only_false: int = 0  # feeler made it up
-    peer_only_true: int = 0  # feeler missed it
-    not_queried: int = 0  # a triangle without area: feeler leaves it out and says so in the load report
-    examples: dict[str, list[list[int]]] = field(default_factory=dict)  # [pose, tool triangle, mock-up triangle]
-
-    @property
-    def feeler_wrong(self) -> int:
-        """Pairs on which feeler breaks its contract; anything but 0 is a bug."""
-        return self.feeler_only_false + self.peer_only_true
-
-    def row(self) -> dict[str, Any]:
-        """For the record."""
-        counts = {name: value for name, value in vars(self).items() if name != "examples"}
-        return counts | {"feeler_wrong": self.feeler_wrong, "examples": self.examples}
-
-    def _add(self, what: str, pose: int, pair: npt.NDArray[np.uint32]) -> None:
-        setattr(self, what, getattr(self, what) + 1)
-        kept = self.examples.setdefault(what, [])
-        if len(kept) < EXAMPLES_KEPT:
-            kept.append([pose, *(int(i) for i in pair)])
-
-
-def compare(mockup: feeler.Mockup, tool: feeler.Tool, poses: Floats, ours: Findings, theirs: Findings) -> Agreement:
-    """Hold the pairs of all poses side by side, and have the differences judged."""
-    agreement = Agreement()
-    for number, (pose, mine, other) in enumerate(zip(poses, ours.pairs, theirs.pairs, strict=True)):
-        mine_keys, other_keys = _keys(mine), _keys(other)
-        agreement.agreed += len(np.intersect1d(mine_keys, other_keys, assume_unique=True))
-        for pairs, keys, rest, if_true, if_false in (
-            (mine, mine_keys, other_keys, "feeler_only_true", "feeler_only_false"),
-            (other, other_keys, mine_keys, "peer_only_true", "peer_only_false"),
-        ):
-            extra = pairs[~np.isin(keys, rest)]
-            for pair, true in zip(extra, judge(mockup, tool, pose, extra), strict=True):
-                agreement._add("not_queried" if true is None else if_true if true else if_false, number, pair)
-    return agreement
-
-
-def _keys(pairs: Pairs) -> npt.NDArray[np.uint64]:
-    return pairs[:, 0].astype(np.uint64) << np.uint64(32) | pairs[:, 1].astype(np.uint64)

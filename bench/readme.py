@@ -12,6 +12,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from goals import MEASURES, geometric_mean
+
 ROOT = Path(__file__).resolve().parents[1]
 README = ROOT / "README.md"
 MARKERS = ("<!-- figures: bench/readme.py -->", "<!-- end of figures -->")
@@ -30,45 +32,81 @@ def newest() -> Path:
     return records[-1]
 
 
+NAMES = {"coal": "Coal", "fcl": "FCL", "embree": "Embree", "parry": "parry3d"}
+SHOWN = 1_600_000  # triangles asked; without such a mock-up, the largest
+
+
 def figures(record: dict[str, Any], name: str) -> str:
-    """The table of the largest mock-up, and what it was measured with."""
-    size = record["sizes"][-1]
-    builds = {build["engine"]: build for build in size["builds"]}
-    peer = "coal" if "coal" in builds else None
+    """The table of one mock-up, and what it was measured with."""
+    size = next((size for size in record["sizes"] if size["triangles_asked"] == SHOWN), record["sizes"][-1])
+    cells = [c for c in record["cells"] if c["triangles_asked"] == size["triangles_asked"] and "engines" in c]
+    peers = [peer for peer in record["engines"] if peer != "feeler"]
+    rounds, poses = max(cell["rounds"] for cell in cells), max(cell["poses"] for cell in cells)
     lines = [
         f"The sample `engine` with {size['triangles']:,} triangles in {size['parts']:,} parts; all colliding pairs",
-        "of a pose, one core, microseconds,",
-        "median (p95) over 100 poses, each the best of five rounds:",
+        f"of a pose, one core, microseconds, median (p95) over {poses} poses, each the best of {rounds} rounds:",
         "",
-        f"| tool | triangles | pose | pairs | feeler |{' Coal |' if peer else ''}",
-        f"|---|---:|---|---:|---:|{'---:|' if peer else ''}",
+        f"| tool | triangles | pose | pairs | feeler |{' best of the others | times faster |' if peers else ''}",
+        f"|---|---:|---|---:|---:|{'---:|---:|' if peers else ''}",
     ]
-    for cell in record["cells"]:
-        if cell["triangles"] != size["triangles"]:
+    for cell in cells:
+        if cell["query"] != "collide":
             continue
-        times = {engine: data["wall_us"] for engine, data in cell["engines"].items()}
         row = [cell["tool"], f"{cell['tool_triangles']:,}", cell["kind"], f"{cell['pairs']['median']:,.0f}"]
-        row += [f"{times[e]['median']:,.0f} ({times[e]['p95']:,.0f})" for e in ("feeler", peer) if e]
+        row.append(_times(cell["engines"]["feeler"]))
+        if cell["best"]:
+            best = [cell["best"][measure] for measure in MEASURES]
+            row.append(f"{NAMES[best[0]['peer']]} {_times(cell['engines'][best[0]['peer']])}")
+            row.append(f"{best[0]['times_faster']:.1f} ({best[1]['times_faster']:.1f})")
         lines.append("| " + " | ".join(row) + " |")
-    ours = builds["feeler"]
-    text = (
-        f"Index built in {ours['all_cores_s']:.2f} s on {record['machine']['cores']} cores ({ours['one_core_s']:.2f} s "
-        f"on one), {ours['bytes_per_triangle']:.0f} bytes a triangle with the triangles themselves"
-    )
-    if peer:
-        theirs = builds[peer]
-        text += (
-            f"; Coal {theirs['one_core_s']:.1f} s and {theirs['bytes_per_triangle']:.0f} bytes.\nNominal: 1 to 5 % of "
-            "the tool's triangles collide; near: among the parts, nothing collides. Coal: `BVHModelOBBRSS`,\n"
-            "contact computation off, same poses, same run, interleaved"
+    return "\n".join([*lines, "", *_notes(record, size, cells, peers, name)])
+
+
+def _notes(
+    record: dict[str, Any], size: dict[str, Any], cells: list[dict[str, Any]], peers: list[str], name: str
+) -> list[str]:
+    """What follows the table."""
+    builds = {build["engine"]: build for build in size["builds"]}
+    ours, cores = builds["feeler"], record["machine"]["cores"]
+    built = [
+        f"Index built in {ours['all_cores_s']:.2f} s on {cores} cores ({ours['one_core_s']:.2f} s on one), "
+        f"{ours['bytes_per_triangle']:.0f} bytes a triangle with the triangles themselves"
+    ]
+    for peer in peers:
+        each = builds[peer]["bytes_per_triangle"]
+        each = f" and {each:.0f} bytes" if each else ""
+        built.append(f"{NAMES[peer]} {builds[peer]['one_core_s']:.1f} s{each}")
+    lines = ["; ".join(built) + "."]
+    any_contact = [cell["best"] for cell in cells if cell["query"] == "is_colliding" and cell["best"]]
+    if any_contact:
+        means = [geometric_mean(best[measure]["times_faster"] for best in any_contact) for measure in MEASURES]
+        lines.append(
+            f"`is_colliding`: {means[0]:.1f} ({means[1]:.1f}) times faster than the best of the others, geometric mean."
         )
-    lines += ["", f"{text}. {record['machine']['cpu']}, `make bench`, [{name}](bench/records/{name})."]
-    return "\n".join(lines)
+    lines.append(
+        "Nominal: 1 to 5 % of the tool's triangles collide; near: among the parts, nothing collides; deep: more."
+    )
+    if peers:
+        versions = ", ".join(f"{NAMES[peer]} {record['versions'][peer]}" for peer in peers)
+        lines.append(
+            f"The others: {versions}, each set up for speed, same poses, same run, the best in each row by its median "
+            "(p95 ratio: the best by p95)."
+        )
+    lines.append(f"{record['machine']['cpu']}, `make bench`, [{name}](bench/records/{name}).")
+    return lines
+
+
+def _times(figures: dict[str, Any]) -> str:
+    wall = figures["wall_us"]
+    return f"{wall['median']:,.0f} ({wall['p95']:,.0f})"
 
 
 def main() -> int:
     path = Path(sys.argv[1]) if len(sys.argv) > 1 else newest()
-    text = figures(json.loads(path.read_text(encoding="utf-8")), path.name)
+    record = json.loads(path.read_text(encoding="utf-8"))
+    if record["schema"] < 2:
+        sys.exit(f"{path.name} is of an older layout: run `make bench` again")
+    text = figures(record, path.name)
     page = README.read_text(encoding="utf-8")
     before, rest = page.split(MARKERS[0])
     after = rest.split(MARKERS[1])[1]

@@ -22,6 +22,7 @@ import time
 from pathlib import Path
 from typing import Any
 
+import agreement
 import engines
 import measure
 import numpy as np
@@ -211,7 +212,7 @@ class Run:
             "engines": {name: own.figures() for name, own in times.items()},
         }
         if "coal" in found:
-            judged = measure.compare(scene.mockup, tool, poses, found["feeler"], found["coal"])
+            judged = agreement.compare(scene.mockup, tool, poses, found["feeler"], found["coal"])
             cell["agreement"] = judged.row()
 
     def _say(self, what: str) -> None:

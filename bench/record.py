@@ -15,8 +15,10 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
+from goals import MEASURES
+
 ROOT = Path(__file__).resolve().parent.parent
-SCHEMA = 1
+SCHEMA = 2
 
 # Instruction sets that decide how fast such code can run; the rest of the flags says nothing here.
 _LANES = re.compile(r"^(sse2|sse4_2|avx|avx2|fma|bmi2|avx512\w+|asimd|sve2?|neon)$")
@@ -108,6 +110,7 @@ def rows(record: dict[str, Any]) -> Iterator[dict[str, Any]]:
     for cell in record["cells"]:
         for engine, figures in cell.get("engines", {}).items():
             build = builds[cell["triangles_asked"], engine]
+            funnel = cell.get("funnel", {}) if engine == "feeler" else {}
             yield {
                 **common,
                 "engine": engine,
@@ -120,11 +123,24 @@ def rows(record: dict[str, Any]) -> Iterator[dict[str, Any]]:
                 "worst_single_call_us": figures["worst_single_call_us"],
                 **_flat("times_faster_wall", cell["ratios"].get(engine, {}).get("wall", {})),
                 **_flat("times_faster_cpu", cell["ratios"].get(engine, {}).get("cpu", {})),
+                **_best(cell, engine),
                 "build_one_core_s": build["one_core_s"],
                 "build_all_cores_s": build["all_cores_s"],
                 "bytes_per_triangle": build["bytes_per_triangle"],
-                **(_flat("mean", cell["funnel"]) if engine == "feeler" else {}),
+                **_flat("mean", funnel),
             }
+
+
+def _best(cell: dict[str, Any], engine: str) -> dict[str, Any]:
+    """In feeler's row: the best peer; in a peer's: whether it is the best."""
+    best = cell["best"]
+    if engine != "feeler":
+        return {f"best_{measure}": best[measure]["peer"] == engine for measure in MEASURES}
+    row = {} if best is None else {"wanted": best["wanted"], "met": best["met"]}
+    for measure in MEASURES if best else ():
+        row |= {f"best_{measure}_peer": best[measure]["peer"]}
+        row |= {f"times_faster_best_{measure}": best[measure]["times_faster"]}
+    return row
 
 
 def _flat(head: str, figures: dict[str, float], unit: str = "") -> dict[str, float]:

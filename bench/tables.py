@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
+from goals import MEASURES, geometric_mean
 from rich.console import Console
 from rich.table import Table
 
-LEAST_WIDTH = 150  # in a narrower terminal lines fold, but no figure is cut off
+LEAST_WIDTH = 200  # in a narrower terminal lines fold, but no figure is cut off
 
 
 def console() -> Console:
@@ -17,81 +17,84 @@ def console() -> Console:
 
 
 def show(record: dict[str, Any], out: Console) -> None:
-    """Query times, builds, the funnel, whether the engines agree, and a summary."""
+    """Query times against the best peer, builds, the funnel, what feeler was asked alone, the goals, a summary."""
     peers = [name for name in record["engines"] if name != "feeler"]
     for size in record["sizes"]:
         cells = [cell for cell in record["cells"] if cell["triangles_asked"] == size["triangles_asked"]]
         out.print(_queries(size, cells, peers))
         out.print()
-    out.print(_builds(record["sizes"]))
-    out.print()
-    out.print(_funnel(record["cells"]))
-    out.print()
+    tables = [_builds(record["sizes"]), _funnel(record["cells"])]
+    tables += [_agreement(record["cells"], peers)] if peers else []
+    tables += [_growth(record["growth"])] if record["growth"] else []
+    tables += [_alone(record)] if record["worst"] or record["batch"] else []
+    for table in (*tables, _goals(record["goals"])):
+        out.print(table)
+        out.print()
     for line in summary(record, peers):
         out.print(line, highlight=False, soft_wrap=True)
 
 
 def _queries(size: dict[str, Any], cells: list[dict[str, Any]], peers: list[str]) -> Table:
-    title = f"engine, {size['triangles']:,} triangles, {size['parts']:,} parts: µs a pose, wall, median / p95 / worst"
-    table = _table(title, "tool", "triangles", "poses", "pairs")
-    right = {"justify": "right", "no_wrap": True}
+    title = f"engine, {size['triangles']:,} triangles, {size['parts']:,} parts: µs a pose, wall, median / p95"
+    table = _table(title, "tool", "triangles", "query", "poses", "pairs")
+    right: dict[str, Any] = {"justify": "right", "no_wrap": True}
     table.add_column("feeler", **right)
+    table.add_column("worst", **right)
     for peer in peers:
         table.add_column(peer, **right)
-        table.add_column("times faster\nmedians / p95s", **right)
-        table.add_column("per pose", **right)
-        table.add_column("pairs in one only", **right)
+    if peers:
+        table.add_column("times faster than\nthe best, median", **right)
+        table.add_column("\np95", **right)
+        table.add_column("goal", no_wrap=True)
     for cell in cells:
-        head = (cell["tool"], f"{cell['tool_triangles']:,}", cell["kind"])
-        if cell.get("poses", 0) < cell.get("poses_asked", 0):
-            head = (*head[:2], f"{cell['kind']} ({cell['poses']} found)")
+        head = (cell["tool"], f"{cell['tool_triangles']:,}", cell["query"], cell["kind"])
         if "problem" in cell:
             table.add_row(*head, "-", f"[yellow]{cell['problem'][:60]}")
             continue
-        row = [*head, f"{cell['pairs']['median']:,.0f}", _times(cell["engines"]["feeler"])]
-        for peer in peers:
-            ratio = cell["ratios"][peer]["wall"]
-            colour = "green" if ratio["of_medians"] >= 1 else "red"
-            row += [
-                _times(cell["engines"][peer]),
-                f"[{colour}]{ratio['of_medians']:.2f} / {ratio['of_p95s']:.2f}",
-                f"{ratio['median_per_pose']:.2f}",
-                _agreement(cell["agreement"][peer]),
-            ]
+        if cell["poses"] < cell["poses_asked"]:
+            head = (*head[:3], f"{cell['kind']} ({cell['poses']} found)")
+        feeler = cell["engines"]["feeler"]
+        row = [*head, f"{cell['pairs']['median']:,.0f}", _times(feeler), _us(feeler["wall_us"]["worst"])]
+        row += [_times(cell["engines"][peer]) for peer in peers]
+        best = cell["best"]
+        if best:
+            row += [f"{best[measure]['times_faster']:.2f} {best[measure]['peer']}" for measure in MEASURES]
+            wanted = "" if best["wanted"] is None else f"{best['wanted']:g}"
+            row.append("[green]met" if best["met"] else f"[red]{wanted} missed" if wanted else "")
         table.add_row(*row)
     return table
 
 
 def _times(figures: dict[str, Any]) -> str:
     wall = figures["wall_us"]
-    return f"{_us(wall['median'])} / {_us(wall['p95'])} / {_us(wall['worst'])}"
+    return f"{_us(wall['median'])} / {_us(wall['p95'])}"
 
 
 def _us(value: float) -> str:
     return f"{value:,.1f}" if value < 100 else f"{value:,.0f}"
 
 
-def _agreement(found: dict[str, Any]) -> str:
-    if found["feeler_wrong"]:
-        return f"[bold red]{found['feeler_wrong']} WRONG IN FEELER"
-    missed, invented = found["feeler_only_true"], found["peer_only_false"]
-    return f"{missed:,} missed, {invented:,} made up" if missed or invented else "none"
-
-
 def _builds(sizes: list[dict[str, Any]]) -> Table:
     table = _table("Build and memory", "mock-up", "engine")
-    for heading in ("one core, s", "all cores, s", "bytes / triangle", "process growth / triangle"):
+    headings = (
+        "one core, s",
+        "all cores, s",
+        "bytes / triangle",
+        "process growth / triangle",
+        "peak growth / triangle",
+    )
+    for heading in headings:
         table.add_column(heading, justify="right")
     for size in sizes:
         for row in size["builds"]:
-            growth = row["rss_growth_bytes_per_triangle"]
+            names = ("bytes", "rss_growth_bytes", "peak_growth_bytes")
+            each = [row[f"{name}_per_triangle"] for name in names]
             table.add_row(
                 f"{size['triangles']:,}",
                 row["engine"],
                 f"{row['one_core_s']:.3f}",
                 "one core only" if row["all_cores_s"] is None else f"{row['all_cores_s']:.3f}",
-                f"{row['bytes_per_triangle']:.1f}",
-                "-" if growth is None else f"{growth:.1f}",
+                *("-" if value is None else f"{value:.1f}" for value in each),
             )
     return table
 
@@ -108,36 +111,96 @@ def _funnel(cells: list[dict[str, Any]]) -> Table:
     return table
 
 
-MEMORY_NOTE = (
-    "Bytes are as each engine counts its own: feeler with the mock-up's arrays, Coal (memUsage) with its copy of them. "
-    "Process growth is what the system saw during a build; feeler's mock-up was there before."
+def _agreement(cells: list[dict[str, Any]], peers: list[str]) -> Table:
+    """One row a peer: all cells together."""
+    table = _table("Pairs in feeler and in each peer, all cells; differences judged in exact arithmetic", "peer")
+    shown = {
+        "agreed": "agreed",
+        "differing": "differ",
+        "unjudged": "unjudged",
+        "feeler_only_true": "missed by the peer",
+        "peer_only_false": "made up by the peer",
+        "not_queried": "zero area",
+        "feeler_wrong": "feeler wrong",
+    }
+    for heading in (*shown.values(), "is_colliding: agreed", "peer wrong", "feeler wrong"):
+        table.add_column(heading, justify="right")
+    for peer in peers:
+        counts = []
+        for query, names in (("collide", shown), ("is_colliding", ("agreed", "peer_wrong", "feeler_wrong"))):
+            own = [cell["agreement"][peer] for cell in cells if cell["query"] == query and "agreement" in cell]
+            for name in names:
+                total = sum(found[name] for found in own)
+                counts.append(f"[bold red]{total:,}" if name == "feeler_wrong" and total else f"{total:,}")
+        table.add_row(peer, *counts)
+    return table
+
+
+def _growth(rows: list[dict[str, Any]]) -> Table:
+    title = f"Growth of the nominal median, {rows[0]['from']:,} to {rows[0]['to']:,}"
+    table = _table(title, "tool", "pairs")
+    engines = list(rows[0]["median"])
+    for engine in engines:
+        table.add_column(engine, justify="right")
+    for row in rows:
+        table.add_row(row["tool"], f"{row['pairs']:.2f}", *(f"{row['median'][engine]:.2f}" for engine in engines))
+    return table
+
+
+def _alone(record: dict[str, Any]) -> Table:
+    table = _table("feeler alone", "tool", "what", "figures")
+    for row in record["worst"]:
+        wall = row["wall_us"]
+        table.add_row(
+            row["tool"],
+            f"{row['poses']:,} nominal poses, µs",
+            f"median {_us(wall['median'])}, p95 {_us(wall['p95'])}, p99.9 {_us(wall['p99_9'])}, "
+            f"worst {_us(wall['worst'])}, worst single call {_us(row['worst_single_call_us'])}; "
+            f"{row['over_1_ms']} above 1 ms",
+        )
+    for row in record["batch"]:
+        rates = ", ".join(
+            f"{name.removesuffix('_per_s').replace('_', ' on ')} {rate:,.0f}"
+            for name, rate in row.items()
+            if name.endswith("_per_s")
+        )
+        table.add_row(row["tool"], f"{row['poses']:,} poses, a second", rates)
+    return table
+
+
+def _goals(rows: list[dict[str, Any]]) -> Table:
+    table = _table("Goals", "goal", "wanted", "found", "")
+    for row in rows:
+        said = {True: "[green]met", False: "[red]missed", None: "[yellow]not known"}[row["met"]]
+        table.add_row(row["goal"], row["wanted"], row["found"], said)
+    return table
+
+
+NOTE = (
+    "Bytes are as each engine counts its own: feeler with the mock-up's arrays, Coal, Embree and parry with their copy "
+    "of them; FCL does not tell. Growth is what the system saw during a build on one core; feeler's mock-up was there "
+    "before. Times of all engines are of calls from Python."
 )
 
 
 def summary(record: dict[str, Any], peers: list[str]) -> list[str]:
-    """A few lines: what calls cost, how much faster overall, where not, and whether all pairs are right."""
-    lines = [MEMORY_NOTE]
+    """A few lines: what calls cost, how much faster overall than each peer and than the best, and who was absent."""
+    lines = [NOTE]
     costs = ", ".join(f"{name.replace('_', ' ')} {cost['wall_us']:.2f}" for name, cost in record["overheads"].items())
     lines.append(f"A call with nothing to do, µs (not subtracted): {costs}.")
-    for peer in peers:
-        cells = [cell for cell in record["cells"] if peer in cell.get("ratios", {})]
-        for kind in dict.fromkeys(cell["kind"] for cell in cells):
-            own = [cell["ratios"][peer]["wall"] for cell in cells if cell["kind"] == kind]
-            medians, p95s = [r["of_medians"] for r in own], [r["of_p95s"] for r in own]
-            lines.append(
-                f"{kind}: feeler is {_geometric_mean(medians):.2f} times as fast as {peer} in median (least "
-                f"{min(medians):.2f}), {_geometric_mean(p95s):.2f} in p95 (least {min(p95s):.2f}), "
-                f"geometric means of {len(own)} cells."
-            )
-        found = [cell["agreement"][peer] for cell in cells]
-        total = {key: sum(f[key] for f in found) for key in found[0] if key != "examples"} if found else {}
-        if total:
-            wrong = total["feeler_wrong"]
-            lines.append(
-                f"Pairs: feeler and {peer} agree on {total['agreed']:,}; of the others, judged in exact arithmetic, "
-                f"{peer} missed {total['feeler_only_true']:,} and made up {total['peer_only_false']:,}; "
-                + (f"[bold red]feeler is wrong on {wrong:,}[/]." if wrong else "feeler is wrong on none.")
-            )
+    cells = [cell for cell in record["cells"] if cell.get("best")]
+    for query, kind in dict.fromkeys((cell["query"], cell["kind"]) for cell in cells):
+        own = [cell for cell in cells if (cell["query"], cell["kind"]) == (query, kind)]
+        best = [geometric_mean(cell["best"][measure]["times_faster"] for cell in own) for measure in MEASURES]
+        each = [
+            f"{peer} {geometric_mean(cell['ratios'][peer]['wall']['of_medians'] for cell in own):.2f}" for peer in peers
+        ]
+        lines.append(
+            f"{query}, {kind}: feeler is {best[0]:.2f} times as fast as the best peer in median, {best[1]:.2f} in p95, "
+            f"geometric means of {len(own)} cells. In median against {', '.join(each)}."
+        )
+    for peer, reason in record["absent"].items():
+        lines.append(f"[yellow]{peer} is absent: {reason}[/]")
     load = record["load_average"]
     if load["before"] and max(load["before"][0], load["after"][0]) > 1.5:
         lines.append(
@@ -147,13 +210,8 @@ def summary(record: dict[str, Any], peers: list[str]) -> list[str]:
     return lines
 
 
-def _geometric_mean(values: list[float]) -> float:
-    return math.exp(sum(math.log(value) for value in values) / len(values))
-
-
 def _table(title: str, *columns: str) -> Table:
     table = Table(title=title, title_justify="left", title_style="bold", header_style="dim", box=None, pad_edge=False)
     for column in columns:
-        justify = "right" if column in ("triangles", "pairs") else "left"
-        table.add_column(column, justify=justify, no_wrap=True)
+        table.add_column(column, justify="right" if column in ("triangles", "pairs") else "left", no_wrap=True)
     return table

@@ -6,6 +6,7 @@ import importlib.util
 import itertools
 import json
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -16,8 +17,13 @@ import numpy as np
 import oracle
 import pytest
 
-HAS_COAL = importlib.util.find_spec("coal") is not None
+import feeler
+
+PEERS = [name for name in ("coal", "fcl") if importlib.util.find_spec(name) is not None]
+HAS_EMBREE = shutil.which("g++") is not None and Path("/usr/include/embree3/rtcore.h").exists()
 TINY = ["--sizes", "10000", "--tools", "torque,wrench", "--poses", "3", "--rounds", "1", "--builds", "1"]
+ALONE = ["--worst", "20", "--batch", "10"]
+SKIP = ["--worst", "0", "--batch", "0"]
 
 
 def run(root: Path, script: str, *arguments: str, **environment: str) -> subprocess.CompletedProcess[str]:
@@ -38,9 +44,9 @@ def run(root: Path, script: str, *arguments: str, **environment: str) -> subproc
 def record_folder(root: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with the record of one small run."""
     folder = tmp_path_factory.mktemp("records")
-    done = run(root, "run.py", *TINY, "--out", str(folder))
+    done = run(root, "run.py", *TINY, *ALONE, "--peers", "coal,fcl", "--out", str(folder))
     assert done.returncode == 0, done.stdout + done.stderr
-    assert "Written:" in done.stdout
+    assert "Written:" in done.stdout and "Goals" in done.stdout
     return folder
 
 
@@ -52,42 +58,73 @@ def read(folder: Path) -> dict[str, Any]:
     return record
 
 
-def test_record_has_what_the_readme_of_records_promises(record_folder: Path) -> None:
+def test_record_has_what_the_readme_of_records_promises(root: Path, record_folder: Path) -> None:
     record = read(record_folder)
     documented = {
         *("schema", "when", "commit", "dirty", "args", "machine", "load_average", "versions", "cargo_profile"),
-        *("engines", "absent", "method", "overheads", "sizes", "cells", "seconds"),
+        *("engines", "absent", "method", "overheads", "python_call", "sizes", "cells", "seconds"),
+        *("growth", "fine", "worst", "batch", "goals"),
     }
     assert documented == set(record)
+    page = (root / "bench" / "README.md").read_text(encoding="utf-8")
+    assert all(f"`{key}`" in page for key in documented)
     assert {"cpu", "cores", "flags", "architecture", "memory_gib", "system"} == set(record["machine"])
     assert "--out" not in record["args"]
     cells = record["cells"]
-    assert [(cell["tool"], cell["kind"]) for cell in cells] == [
-        (tool, kind) for tool in ("torque", "wrench") for kind in ("nominal", "near")
+    asked = [
+        *(("nominal", "collide"), ("nominal", "is_colliding"), ("near", "collide"), ("near", "is_colliding")),
+        ("deep", "collide"),
     ]
+    expected = [(tool, *of) for tool in ("torque", "wrench") for of in asked]
+    assert [(cell["tool"], cell["kind"], cell["query"]) for cell in cells] == expected
     for cell in cells:
         assert cell["poses"] == 3 and cell["rounds"] == 1
-        assert (cell["pairs"]["median"] > 0) == (cell["kind"] == "nominal")
+        assert (cell["pairs"]["median"] > 0) == (cell["kind"] != "near")
         for figures in cell["engines"].values():
             wall = figures["wall_us"]
             assert 0 < wall["median"] <= wall["p95"] <= wall["p99"] <= wall["worst"]
-        assert cell["funnel"]["pairs"] == pytest.approx(cell["pairs"]["mean"])
+        if cell["query"] == "collide":
+            assert cell["funnel"]["pairs"] == pytest.approx(cell["pairs"]["mean"])
     (size,) = record["sizes"]
     assert 9_000 <= size["triangles"] <= 10_000
     for build in size["builds"]:
-        assert build["one_core_s"] > 0 and build["bytes_per_triangle"] > 0
+        assert build["one_core_s"] > 0
+        assert build["bytes"] is None or build["bytes_per_triangle"] > 0
 
 
-@pytest.mark.skipif(not HAS_COAL, reason="Coal is not installed")
+def test_feeler_alone_and_goals(record_folder: Path) -> None:
+    record = read(record_folder)
+    assert [row["tool"] for row in record["worst"]] == ["torque", "wrench"]
+    for row in record["worst"]:
+        assert row["poses"] == 20 and row["poses_found_alone"] == 2 and row["pairs_at_slowest"] > 0
+        assert row["wall_us"]["worst"] <= row["worst_single_call_us"]
+    (batch,) = record["batch"]
+    assert batch["tool"] == "torque" and batch["pairs_equal"] and batch["batch_1_per_s"] > 0
+    for goal in record["goals"]:
+        assert set(goal) == {"goal", "wanted", "found", "met"} and goal["met"] in (True, False, None)
+    assert any("Python call" in goal["goal"] for goal in record["goals"])
+    assert record["growth"] == record["fine"] == []
+
+
+@pytest.mark.skipif(not PEERS, reason="neither Coal nor python-fcl is installed")
 def test_engines_agree_but_for_differences_that_are_judged(record_folder: Path) -> None:
     record = read(record_folder)
-    assert set(record["engines"]) == {"feeler", "coal"}
+    assert set(record["engines"]) == {"feeler", *PEERS}
     for cell in record["cells"]:
-        found = cell["agreement"]["coal"]
-        assert found["feeler_wrong"] == found["feeler_only_false"] == found["peer_only_true"] == 0
-        # What feeler found is what both found, and what the peer missed.
-        assert found["agreed"] + found["feeler_only_true"] == round(3 * cell["pairs"]["mean"])
-        assert all(ratio > 0 for ratio in cell["ratios"]["coal"]["wall"].values())
+        for peer in PEERS:
+            found = cell["agreement"][peer]
+            assert found["feeler_wrong"] == 0
+            if cell["query"] == "collide":
+                assert found["feeler_only_false"] == found["peer_only_true"] == found["unjudged"] == 0
+                # What feeler found is what both found, and what the peer missed.
+                assert found["agreed"] + found["feeler_only_true"] == round(3 * cell["pairs"]["mean"])
+            else:
+                assert found["agreed"] + found["peer_wrong"] == 3
+            assert all(ratio > 0 for ratio in cell["ratios"][peer]["wall"].values())
+        for measure, ratio in (("median", "of_medians"), ("p95", "of_p95s")):
+            best = cell["best"][measure]
+            assert best["times_faster"] == min(cell["ratios"][peer]["wall"][ratio] for peer in PEERS)
+            assert best["times_faster"] == cell["ratios"][best["peer"]]["wall"][ratio]
 
 
 def test_rows_are_flat_and_complete(record_folder: Path) -> None:
@@ -99,22 +136,58 @@ def test_rows_are_flat_and_complete(record_folder: Path) -> None:
         assert not any(isinstance(value, (dict, list)) for value in row.values())
         assert {"when", "commit", "cpu", "cores", "flags", "args", "engine", "version", "tool", "kind"} <= set(row)
         assert {"wall_median_us", "wall_p95_us", "wall_worst_us", "cpu_median_us", "bytes_per_triangle"} <= set(row)
-        assert ("mean_triangle_tests" in row) == (row["engine"] == "feeler")
-        assert ("times_faster_wall_of_medians" in row) == (row["engine"] != "feeler")
+        feeler = row["engine"] == "feeler"
+        assert ("mean_pairs" in row) == (feeler and row["query"] == "collide")
+        assert ("times_faster_wall_of_medians" in row) != feeler
+        assert ("times_faster_best_median" in row) == (feeler and bool(PEERS))
 
 
-def test_a_second_record_of_the_day_keeps_the_first_and_coal_may_be_absent(root: Path, tmp_path: Path) -> None:
+def test_plot_is_beside_the_record(record_folder: Path) -> None:
+    if importlib.util.find_spec("matplotlib") is None:
+        assert not list(record_folder.glob("*.png"))
+    else:
+        (path,) = record_folder.glob("*.png")
+        assert path.read_bytes().startswith(b"\x89PNG")
+
+
+def test_figures_of_a_record_for_the_readme(root: Path, record_folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(root / "bench"))
+    text = importlib.import_module("readme").figures(read(record_folder), "a-record.json")
+    rows = [line for line in text.splitlines() if line.startswith("|")]
+    assert len(rows) == 2 + 2 * 3 and len({row.count("|") for row in rows}) == 1
+    assert "Index built in" in text and "(bench/records/a-record.json)" in text
+
+
+def test_a_second_record_of_the_day_keeps_the_first_and_peers_may_be_absent(root: Path, tmp_path: Path) -> None:
     (tmp_path / "absent").mkdir()
-    (tmp_path / "absent" / "coal.py").write_text("raise ImportError('not here')\n")
-    arguments = [*TINY, "--kinds", "nominal", "--out", str(tmp_path / "records")]
-    without = run(root, "run.py", *arguments, PYTHONPATH=str(tmp_path / "absent"))
-    assert without.returncode == 0 and "Coal is not installed" in without.stderr
-    alone = run(root, "run.py", *arguments, "--no-peers")
-    assert alone.returncode == 0 and "Coal" not in alone.stderr
+    for name in ("coal", "fcl"):
+        (tmp_path / "absent" / f"{name}.py").write_text("raise ImportError('not here')\n")
+    arguments = [*TINY, *SKIP, "--kinds", "nominal", "--out", str(tmp_path / "records")]
+    # No compiler and no cargo on the path, and nothing built before.
+    nothing = {"PATH": str(tmp_path), "CARGO_TARGET_DIR": str(tmp_path / "target"), "CXX": ""}
+    without = run(root, "run.py", *arguments, PYTHONPATH=str(tmp_path / "absent"), **nothing)
+    assert without.returncode == 0 and "coal is absent: not here" in without.stderr
+    alone = run(root, "run.py", *arguments, "--no-peers", "--queries", "collide")
+    assert alone.returncode == 0 and "absent" not in alone.stderr
     first, second = sorted((tmp_path / "records").glob("*.json"))
     assert first.stem.endswith("-1") and second.stem.endswith("-2")
-    assert json.loads(first.read_text())["absent"] == {"coal": "not here"}
-    assert set(json.loads(second.read_text())["engines"]) == {"feeler"}
+    absent = json.loads(first.read_text())["absent"]
+    assert absent["coal"] == absent["fcl"] == "not here"
+    assert "compiler" in absent["embree"] and "cargo" in absent["parry"]
+    record = json.loads(second.read_text())
+    assert set(record["engines"]) == {"feeler"} and record["absent"] == {}
+    assert {cell["query"] for cell in record["cells"]} == {"collide"} and record["worst"] == record["batch"] == []
+
+
+@pytest.mark.skipif(not HAS_EMBREE, reason="no g++, or no Embree 3 to build against")
+def test_embree_agrees(root: Path, tmp_path: Path) -> None:
+    done = run(root, "run.py", *TINY, *SKIP, "--peers", "embree", "--kinds", "nominal", "--out", str(tmp_path))
+    assert done.returncode == 0, done.stdout + done.stderr
+    record = read(tmp_path)
+    assert set(record["engines"]) == {"feeler", "embree"} and record["versions"]["embree"].startswith("3.")
+    for cell in record["cells"]:
+        assert cell["agreement"]["embree"]["agreed"] > 0 and cell["agreement"]["embree"]["feeler_wrong"] == 0
+        assert cell["best"]["median"]["peer"] == "embree"
 
 
 @pytest.mark.parametrize(
@@ -124,6 +197,9 @@ def test_a_second_record_of_the_day_keeps_the_first_and_coal_may_be_absent(root:
         (["--sizes", "many"], "no size"),
         (["--tools", "spoon"], "spoon"),
         (["--kinds", "far"], "no kind"),
+        (["--queries", "distance"], "no query"),
+        (["--peers", "spoon"], "no peer"),
+        (["--worst", "-1"], "from 1"),
         (["--poses", "0"], "from 1"),
     ],
 )
@@ -172,6 +248,24 @@ def test_judge_tells_one_unit_in_the_last_place(judge: ModuleType) -> None:
     assert not judge.meets(tip, floor)
 
 
+def test_judging_is_bounded_and_says_what_was_left(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(root / "bench"))
+    agreement, measure = importlib.import_module("agreement"), importlib.import_module("measure")
+    tool = feeler.sample_tool("torque")
+    mockup = feeler.sample("engine", 10_000)
+    scene, pose = feeler.Scene(mockup), np.eye(4)
+    pose = feeler.sample_poses(scene, tool, "nominal", 1)[0]
+    true = np.asarray(scene.collide(tool, pose).pairs)
+    made_up = np.array([[i, j] for i in range(10) for j in range(10)], dtype=np.uint32)
+    ours, theirs = measure.Findings(pairs=[true[1:]]), measure.Findings(pairs=[np.unique([*true, *made_up], axis=0)])
+    whole = agreement.compare(mockup, tool, pose[None], ours, theirs)
+    assert whole.differing >= 1 + 90 and whole.unjudged == 0
+    assert whole.agreed == len(true) - 1 and whole.feeler_wrong == 1
+    some = agreement.compare(mockup, tool, pose[None], ours, theirs, most=10)
+    judged = some.peer_only_true + some.peer_only_false + some.not_queried
+    assert judged == 10 and some.unjudged == some.differing - 10
+
+
 # --- real data -----------------------------------------------------------------------------------------------------
 
 
@@ -186,7 +280,7 @@ def test_real_data_on_a_small_folder(root: Path, tmp_path: Path) -> None:
     (models / "machine" / "notes.md").write_text("no mesh")
     out, figures = tmp_path / "docs" / "table.md", tmp_path / "figures.json"
     arguments = ["--tools", "probe.stl,missing.stl", "--least", "1000", "--poses", "3", "--rounds", "1"]
-    if HAS_COAL:
+    if "coal" in PEERS:
         arguments.append("--peers")
     done = run(root, "real_data.py", str(models), *arguments, "--out", str(out), "--json", str(figures))
     assert done.returncode == 0, done.stdout + done.stderr

@@ -1,0 +1,103 @@
+"""The command line of run.py."""
+
+from __future__ import annotations
+
+import argparse
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import peers
+import record
+from engines import QUERIES
+
+import feeler
+from feeler.samples.poses import KINDS
+from feeler.samples.tools import sample_tool
+
+SIZES, QUICK_SIZES = "100k,400k,1.6M,6.4M", "100k,400k"
+TOOLS = "torque,wrench,square,hand,hand-fine"
+
+
+def parse(arguments: list[str], said: str) -> argparse.Namespace:
+    """Options, with the quick form's where none are given."""
+    head, examples, tail = said.split("\n\n")
+    parser = argparse.ArgumentParser(
+        description=f"{head}\n\n{tail}",
+        epilog="examples:\n" + examples,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--quick", action="store_true", help=f"sizes {QUICK_SIZES}; 40 poses, 3 rounds, one build")
+    parser.add_argument("--sizes", type=_listed(_size), help=f"triangles of the mock-up ({SIZES})")
+    parser.add_argument("--tools", type=_listed(str), default=TOOLS, help=f"sample tools; -fine: about 50k ({TOOLS})")
+    parser.add_argument("--kinds", type=_listed(_one_of("kind of poses", KINDS)), default=",".join(KINDS), help="(all)")
+    parser.add_argument(
+        "--queries", type=_listed(_one_of("query", QUERIES)), default=",".join(QUERIES), help="(collide,is_colliding)"
+    )
+    parser.add_argument("--poses", type=_count, help="in each cell (100)")
+    parser.add_argument("--rounds", type=_count, help="of all poses; the least time of each pose counts (5)")
+    parser.add_argument("--builds", type=_count, help="of each index; the fastest counts (2)")
+    parser.add_argument(
+        "--worst", type=_count_or_none, metavar="N", help="nominal poses, for the worst (10000); 0: skip"
+    )
+    parser.add_argument("--batch", type=_count_or_none, metavar="N", help="poses in a batch (2000); 0: skip")
+    parser.add_argument("--seed", type=int, default=0, help="of mock-ups and poses (0)")
+    names = list(peers.PEERS)
+    parser.add_argument("--peers", type=_listed(_one_of("peer", names)), default=",".join(names), help="(all)")
+    parser.add_argument("--no-peers", dest="peers", action="store_const", const=[], help="feeler alone")
+    parser.add_argument("--out", type=Path, default=record.ROOT / "bench" / "records", help="folder of the record")
+    options = parser.parse_args(arguments)
+    options.sizes = options.sizes or _listed(_size)(QUICK_SIZES if options.quick else SIZES)
+    for name, quick, full in (
+        ("poses", 40, 100),
+        ("rounds", 3, 5),
+        ("builds", 1, 2),
+        ("worst", 1000, 10_000),
+        ("batch", 500, 2000),
+    ):
+        if getattr(options, name) is None:
+            setattr(options, name, quick if options.quick else full)
+    try:
+        options.tools = {
+            name: sample_tool(name.removesuffix("-fine"), name.endswith("-fine")) for name in options.tools
+        }
+    except feeler.OptionError as error:
+        parser.error(str(error))
+    return options
+
+
+def _listed(kind: Callable[[str], Any]) -> Callable[[str], list[Any]]:
+    def values(text: str) -> list[Any]:
+        return [kind(word.strip()) for word in text.split(",") if word.strip()]
+
+    return values
+
+
+def _one_of(what: str, known: Any) -> Callable[[str], str]:
+    def check(text: str) -> str:
+        if text not in known:
+            raise argparse.ArgumentTypeError(f"{text!r} is no {what}: choose of {', '.join(known)}")
+        return text
+
+    return check
+
+
+def _size(text: str) -> int:
+    found = re.fullmatch(r"(\d+(?:\.\d+)?)([kM]?)", text.replace("_", ""))
+    if not found:
+        raise argparse.ArgumentTypeError(f"{text!r} is no size: write 100000, 100k or 1.6M")
+    size = round(float(found[1]) * {"": 1, "k": 1_000, "M": 1_000_000}[found[2]])
+    if size < 10_000:
+        raise argparse.ArgumentTypeError(f"{text!r}: a sample has at least 10,000 triangles")
+    return size
+
+
+def _count(text: str) -> int:
+    if not text.isdigit() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text!r}: a whole number from 1 is needed")
+    return int(text)
+
+
+def _count_or_none(text: str) -> int:
+    return 0 if text == "0" else _count(text)
