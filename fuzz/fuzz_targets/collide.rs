@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use arbitrary::{Arbitrary, Result, Unstructured};
-use feeler_core::{collide_all_pairs, Filters, Mockup, Point, Pose, Scene, SceneOptions, Storage, Tool};
+use feeler_core::{collide_all_pairs, Filters, Level, Mockup, Point, Pose, Scene, SceneOptions, Storage, Tool};
 use libfuzzer_sys::fuzz_target;
 
 #[derive(Debug)]
@@ -74,12 +74,15 @@ fuzz_target!(|case: Case| {
         for voxel_size in [None, Some(case.voxel_size)] {
             let options = SceneOptions { voxel_size, storage, tool: Some(&tool), memory_limit: 64 << 20 };
             // Refusing a size is allowed; a wrong answer is not.
-            let Ok(scene) = Scene::build(Arc::clone(&mockup), &options, &|_, _| true) else { continue };
+            let Ok(mut scene) = Scene::build(Arc::clone(&mockup), &options, &|_, _| true) else { continue };
             scene.validate().unwrap();
-            for filters in [Filters::default(), Filters { repeats: false, boxes: false }] {
+            let mut ways = vec![(Level::best(), Filters { repeats: false, boxes: false })];
+            ways.extend(Level::available().into_iter().map(|lanes| (lanes, Filters::default())));
+            for (lanes, filters) in ways {
+                scene.set_lanes(lanes);
                 let found = scene.collide(&tool, &pose, filters);
                 let found: Vec<_> = found.pairs.into_iter().zip(found.kinds).collect();
-                assert_eq!(found, expected, "{storage:?} at {voxel_size:?}");
+                assert_eq!(found, expected, "{storage:?} at {voxel_size:?}, {}", lanes.name());
             }
             assert_eq!(scene.is_colliding(&tool, &pose), !expected.is_empty());
         }

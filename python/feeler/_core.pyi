@@ -79,6 +79,7 @@ class Scene:
         threads: int | None,
         progress: _Progress | None,
         memory_limit: int,
+        simd: str | None,
     ) -> Self: ...
     @property
     def mockup(self) -> Mockup:
@@ -92,6 +93,9 @@ class Scene:
     @property
     def hashing(self) -> float:
         """The hashing level; 0 unless hashed."""
+    @property
+    def simd(self) -> str:
+        """The instruction set of its queries: `"avx512"`, `"avx2"` or `"portable"`."""
     def memory(self) -> dict[str, int]:
         """Bytes by structure, and their `"total"`: all that stays in memory for the index.
 

@@ -44,6 +44,8 @@ class Scene(_core.Scene):
     - `threads`: for building and batches; default: all.
     - `progress`: called with the share done (0 to 1) and the stage.
     - `memory_limit`: most bytes that building may take, or a batch's result; default: 80 % of what is free.
+    - `simd`: the instruction set of its queries, `"avx512"`, `"avx2"` or `"portable"`; default: the best this CPU
+      has. All give the same answers.
 
     Raises `OptionError` for values out of range and `LimitError` for a voxel size that would need more memory, or more
     voxels, than allowed; that before anything is allocated.
@@ -61,6 +63,7 @@ class Scene(_core.Scene):
         threads: int | None = None,
         progress: Progress | None = None,
         memory_limit: int | None = None,
+        simd: str | None = None,
     ) -> Scene:
         """See the class."""
         if not isinstance(mockup, Mockup):
@@ -85,6 +88,7 @@ class Scene(_core.Scene):
             threads,
             progress,
             memory_limit,
+            None if simd is None else str(simd),
         )
         self.build_seconds = time.perf_counter() - start
         return self

@@ -12,6 +12,9 @@ pub const LARGEST_COORDINATE: f64 = 1e100;
 /// How far `R * transpose(R)` may be from the identity, entry by entry, for a pose to count as rigid (no unit).
 pub const POSE_TOLERANCE: f64 = 1e-6;
 
+/// Most triangles of a tool: a found pair and its kind share 64 bits, two of them for the kind.
+pub const MAX_TOOL_TRIANGLES: usize = 1 << 30;
+
 /// Most voxels along one axis: keeps a voxel's key `(i*Nj + j)*Nk + k` below 2^63.
 pub const MAX_VOXELS_PER_AXIS: u32 = 1 << 21;
 
@@ -30,14 +33,12 @@ pub const LEAST_PIECE_ROUNDOFFS: f64 = 8.0 * CUT_ROUNDOFFS;
 /// More tightens boxes around long triangles and costs memory.
 pub const MOCKUP_CUT_ALLOWANCE: f64 = 0.25;
 
-/// The same for a tool. Fine tools have short triangles already, and pay for each piece at every pose.
-pub const TOOL_CUT_ALLOWANCE: f64 = 0.5;
-
-/// Extra pieces any tool may have on top: the long triangles of a coarse tool are worth many pieces each.
-pub const TOOL_CUT_PIECES: f64 = 2500.0;
+/// Extra pieces a tool may have: the long triangles of a coarse tool are worth several pieces each. A fine tool has short ones
+/// already, and pays for each piece at every pose.
+pub const TOOL_CUT_PIECES: f64 = 1000.0;
 
 /// But at most this many for each of its triangles.
-pub const TOOL_CUT_PIECES_EACH: f64 = 10.0;
+pub const TOOL_CUT_PIECES_EACH: f64 = 4.0;
 
 /// Ids kept per kind of defect in a report.
 pub const DEFECT_IDS_KEPT: usize = 100;

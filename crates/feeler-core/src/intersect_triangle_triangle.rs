@@ -9,8 +9,7 @@
 //! closed set it is then a segment or a point. It has no plane to cross, so it meets another triangle `coplanar` where it lies
 //! in that triangle's plane and `touching` otherwise.
 
-use crate::bounds::{Point, Triangle};
-use crate::constants::UNIT_ROUNDOFF;
+use crate::bounds::Triangle;
 use crate::predicates::{is_collinear, Sign, Signs};
 
 /// How two triangles meet.
@@ -23,61 +22,6 @@ pub enum PairKind {
     Crossing = 1,
     /// Every other way to meet: a vertex or edge on a face, edge on edge, a shared point.
     Touching = 2,
-}
-
-/// The plane of a triangle, for telling quickly that another lies on one side of it.
-#[derive(Debug, Clone, Copy)]
-pub struct Plane {
-    corner: Point,
-    normal: Point,
-    bound: f64,
-}
-
-impl Plane {
-    /// The plane through the corners of a triangle.
-    #[inline]
-    pub fn of_triangle(t: &Triangle) -> Plane {
-        let a = difference(&t[1], &t[0]);
-        let b = difference(&t[2], &t[0]);
-        let normal = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-        // With A, B, C the largest entries of a, b and of a corner minus `corner`: each difference has one rounding, so an
-        // entry of the normal, at most 2 A B, is off by at most 2 A B (2 + 1 + 1) u, and the dot product, at most 6 A B C, by
-        // 6 A B C (4 + 1 + 1 + 2) u to first order. 64 leaves a quarter for higher orders and this bound's own rounding.
-        Plane { corner: t[0], normal, bound: 64.0 * UNIT_ROUNDOFF * largest(&a) * largest(&b) }
-    }
-
-    /// True only when all corners of `t` are certainly on one side. Errs towards false.
-    #[inline]
-    pub fn is_surely_beside(&self, t: &Triangle) -> bool {
-        let v = [difference(&t[0], &self.corner), difference(&t[1], &self.corner), difference(&t[2], &self.corner)];
-        let reach = max(max(largest(&v[0]), largest(&v[1])), largest(&v[2]));
-        let n = &self.normal;
-        let distance = |v: &Point| n[0] * v[0] + n[1] * v[1] + n[2] * v[2];
-        let d = [distance(&v[0]), distance(&v[1]), distance(&v[2])];
-        // Products that underflow are off by far less than the second term.
-        let bound = self.bound * reach + 1e-200;
-        (d[0] > bound && d[1] > bound && d[2] > bound) || (d[0] < -bound && d[1] < -bound && d[2] < -bound)
-    }
-}
-
-#[inline]
-fn difference(p: &Point, q: &Point) -> Point {
-    [p[0] - q[0], p[1] - q[1], p[2] - q[2]]
-}
-
-#[inline]
-fn largest(v: &Point) -> f64 {
-    max(max(v[0].abs(), v[1].abs()), v[2].abs())
-}
-
-/// One instruction; `f64::max` takes several to treat NaN, which does not occur here.
-#[inline]
-fn max(x: f64, y: f64) -> f64 {
-    if x > y {
-        x
-    } else {
-        y
-    }
 }
 
 /// The kind of meeting of two closed triangles, `None` when they share no point. Exact.
@@ -211,6 +155,7 @@ fn is_overlapping_coplanar(signs: &mut Signs, p: &Triangle, q: &Triangle) -> boo
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bounds::Point;
     use crate::predicates::{orient2d, orient3d};
     use proptest::prelude::*;
 
@@ -266,8 +211,6 @@ mod tests {
         fn agrees_with_the_plain_twin_on_a_lattice(p in lattice_triangle(), q in lattice_triangle()) {
             let meeting = is_meeting_plain(&p, &q);
             prop_assert_eq!(intersect_triangle_triangle(&p, &q).is_some(), meeting);
-            let beside = Plane::of_triangle(&p).is_surely_beside(&q) || Plane::of_triangle(&q).is_surely_beside(&p);
-            prop_assert!(!(beside && meeting));
         }
     }
 

@@ -1,29 +1,55 @@
-//! Sixteen boxes or pieces side by side, and their places at a pose, in float32.
+//! Sixteen boxes or pieces of a tool side by side, and their places at a pose, in float32.
 //!
-//! Lane `i` of each array belongs to entry `i`. The loops over lanes are written so that compilers turn them into vector
-//! instructions.
+//! Lane `i` of each array belongs to entry `i`. Lanes that are not used repeat the last entry, so that no step needs to leave
+//! them out before the end.
 
 use crate::bounds::Aabb;
 use crate::pieces::Piece;
 use crate::pose::Pose;
+use crate::simd::Simd;
 
-/// Lanes of an array.
-pub const LANES: usize = 16;
+pub use crate::simd::LANES;
 
-/// Axis-aligned boxes, by axis and lane. Lanes from `count` on are not used.
-#[derive(Debug, Clone)]
-pub struct LaneBoxes {
+/// One number a lane.
+pub type Lane32 = [f32; LANES];
+
+/// A box in a frame, padded to four axes; the fourth is zero.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(C, align(16))]
+pub struct Box4 {
     /// Smallest coordinates.
-    pub lower: [[f32; LANES]; 3],
+    pub lower: [f32; 4],
     /// Largest coordinates.
-    pub upper: [[f32; LANES]; 3],
-    /// Lanes used.
-    pub count: usize,
+    pub upper: [f32; 4],
 }
 
-impl LaneBoxes {
-    /// No lane used.
-    pub const EMPTY: LaneBoxes = LaneBoxes { lower: [[0.0; LANES]; 3], upper: [[0.0; LANES]; 3], count: 0 };
+/// Axis-aligned boxes, by axis and lane.
+#[derive(Debug, Clone)]
+#[repr(C, align(64))]
+pub struct LaneBoxes {
+    /// Smallest coordinates.
+    pub lower: [Lane32; 3],
+    /// Largest coordinates.
+    pub upper: [Lane32; 3],
+}
+
+/// Pieces of a tool at a pose, in a frame.
+#[derive(Debug, Clone)]
+#[repr(C, align(64))]
+pub struct PlacedPieces {
+    /// Their boxes, margin included.
+    pub boxes: LaneBoxes,
+    /// The box around all of them.
+    pub bounds: Box4,
+    /// Their corners, by corner, axis and lane.
+    pub corners: [[Lane32; 3]; 4],
+    /// An axis across each piece's plane, of any length, and the piece's interval along it; made when first needed.
+    pub normals: [Lane32; 3],
+    /// See `normals`.
+    pub near: Lane32,
+    /// See `normals`.
+    pub far: Lane32,
+    has_normals: bool,
 }
 
 /// The unit in which a tool's float32 coordinates are kept: from the middle of its box, at most 1 in size.
@@ -37,18 +63,148 @@ pub struct ToolUnit {
 /// Boxes of tool entries (clusters, groups) in tool units, as centre and half sides.
 #[derive(Debug, Clone)]
 pub struct BoxLanes {
-    centre: [[f32; LANES]; 3],
-    half: [[f32; LANES]; 3],
-    count: usize,
+    centre: [Lane32; 3],
+    half: [Lane32; 3],
+    /// One bit a lane in use.
+    pub used: u16,
 }
 
 /// Corners of up to 16 pieces in tool units.
 #[derive(Debug, Clone)]
 pub struct PieceLanes {
     /// By corner, axis and lane.
-    corners: [[[f32; LANES]; 3]; 4],
-    count: usize,
+    corners: [[Lane32; 3]; 4],
+    /// One bit a lane in use.
+    pub used: u16,
 }
+
+/// Which lanes a number of entries uses.
+fn used(count: usize) -> u16 {
+    ((1u32 << count) - 1) as u16
+}
+
+impl Box4 {
+    /// The box that contains nothing.
+    pub const EMPTY: Box4 = Box4 {
+        lower: [f32::INFINITY, f32::INFINITY, f32::INFINITY, 0.0],
+        upper: [f32::NEG_INFINITY, f32::NEG_INFINITY, f32::NEG_INFINITY, 0.0],
+    };
+
+    /// The smallest box that contains both.
+    #[inline]
+    pub fn union(&self, other: &Box4) -> Box4 {
+        Box4 {
+            lower: std::array::from_fn(|a| self.lower[a].min(other.lower[a])),
+            upper: std::array::from_fn(|a| self.upper[a].max(other.upper[a])),
+        }
+    }
+}
+
+impl LaneBoxes {
+    /// Boxes to be filled in.
+    pub const ZERO: LaneBoxes = LaneBoxes { lower: [[0.0; LANES]; 3], upper: [[0.0; LANES]; 3] };
+
+    /// One of the lanes.
+    #[inline]
+    pub fn lane(&self, i: usize) -> Box4 {
+        let mut b = Box4 { lower: [0.0; 4], upper: [0.0; 4] };
+        for a in 0..3 {
+            b.lower[a] = self.lower[a][i];
+            b.upper[a] = self.upper[a][i];
+        }
+        b
+    }
+
+    /// Puts a box into a lane.
+    #[inline(always)]
+    pub fn set(&mut self, i: usize, b: &Box4) {
+        for a in 0..3 {
+            self.lower[a][i] = b.lower[a];
+            self.upper[a][i] = b.upper[a];
+        }
+    }
+
+    /// Which lanes share a point with a box.
+    #[inline(always)]
+    pub fn meeting<S: Simd>(&self, s: S, lower: &[f32; 3], upper: &[f32; 3]) -> u16 {
+        let mut apart = 0;
+        for a in 0..3 {
+            apart |= s.above(s.load(&self.lower[a]), s.splat(upper[a]));
+            apart |= s.above(s.splat(lower[a]), s.load(&self.upper[a]));
+        }
+        !apart
+    }
+}
+
+impl PlacedPieces {
+    /// Pieces to be filled in.
+    pub const ZERO: PlacedPieces = PlacedPieces {
+        boxes: LaneBoxes::ZERO,
+        bounds: Box4::EMPTY,
+        corners: [[[0.0; LANES]; 3]; 4],
+        normals: [[0.0; LANES]; 3],
+        near: [0.0; LANES],
+        far: [0.0; LANES],
+        has_normals: false,
+    };
+
+    /// Makes the normals where that was not done since the pieces were placed.
+    #[inline(always)]
+    pub fn need_normals<S: Simd>(&mut self, s: S) {
+        if !self.has_normals {
+            self.make_normals(s);
+        }
+    }
+
+    #[inline(always)]
+    fn make_normals<S: Simd>(&mut self, s: S) {
+        let c = [
+            load3(s, &self.corners[0]),
+            load3(s, &self.corners[1]),
+            load3(s, &self.corners[2]),
+            load3(s, &self.corners[3]),
+        ];
+        let u = [c[2][0] - c[0][0], c[2][1] - c[0][1], c[2][2] - c[0][2]];
+        let v = [c[3][0] - c[1][0], c[3][1] - c[1][1], c[3][2] - c[1][2]];
+        let n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+        let mut d = [s.splat(0.0); 4];
+        for i in 0..4 {
+            d[i] = s.mul_add(n[0], c[i][0], s.mul_add(n[1], c[i][1], n[2] * c[i][2]));
+        }
+        for a in 0..3 {
+            s.store(n[a], &mut self.normals[a]);
+        }
+        s.store(least4(s, &d), &mut self.near);
+        s.store(greatest4(s, &d), &mut self.far);
+        self.has_normals = true;
+    }
+}
+
+// In kernels there are loops and functions instead of closures: a closure is a function of its own, compiled for the baseline
+// CPU unless it is inlined.
+
+#[inline(always)]
+pub fn load3<S: Simd>(s: S, x: &[Lane32; 3]) -> [S::F32; 3] {
+    [s.load(&x[0]), s.load(&x[1]), s.load(&x[2])]
+}
+
+#[inline(always)]
+fn splat3<S: Simd>(s: S, x: &[f32; 3]) -> [S::F32; 3] {
+    [s.splat(x[0]), s.splat(x[1]), s.splat(x[2])]
+}
+
+#[inline(always)]
+pub fn least4<S: Simd>(s: S, x: &[S::F32; 4]) -> S::F32 {
+    s.min(s.min(x[0], x[1]), s.min(x[2], x[3]))
+}
+
+#[inline(always)]
+pub fn greatest4<S: Simd>(s: S, x: &[S::F32; 4]) -> S::F32 {
+    s.max(s.max(x[0], x[1]), s.max(x[2], x[3]))
+}
+
+/// Added to every slack: covers products that underflow, and makes axes of next to no length prove nothing.
+pub const TINY: f32 = 1e-36;
 
 impl ToolUnit {
     /// The unit for a tool with this box.
@@ -65,10 +221,11 @@ impl ToolUnit {
 }
 
 impl BoxLanes {
-    /// At most 16 boxes.
+    /// One to 16 boxes.
     pub fn new(boxes: &[Aabb], unit: &ToolUnit) -> BoxLanes {
-        let mut lanes = BoxLanes { centre: [[0.0; LANES]; 3], half: [[0.0; LANES]; 3], count: boxes.len() };
-        for (i, b) in boxes.iter().enumerate() {
+        let mut lanes = BoxLanes { centre: [[0.0; LANES]; 3], half: [[0.0; LANES]; 3], used: used(boxes.len()) };
+        for i in 0..LANES {
+            let b = &boxes[i.min(boxes.len() - 1)];
             for a in 0..3 {
                 let centre = unit.to_unit(0.5 * b.lower[a] + 0.5 * b.upper[a], a);
                 // Half sides from the rounded centre, and a little more: the margin of a placement need not know of them.
@@ -82,11 +239,11 @@ impl BoxLanes {
 }
 
 impl PieceLanes {
-    /// At most 16 pieces.
-    pub fn new<'a>(pieces: impl ExactSizeIterator<Item = &'a Piece>, unit: &ToolUnit) -> PieceLanes {
-        let mut lanes = PieceLanes { corners: [[[0.0; LANES]; 3]; 4], count: pieces.len() };
-        for (i, piece) in pieces.enumerate() {
-            for (c, corner) in piece.iter().enumerate() {
+    /// One to 16 pieces.
+    pub fn new(pieces: &[Piece], unit: &ToolUnit) -> PieceLanes {
+        let mut lanes = PieceLanes { corners: [[[0.0; LANES]; 3]; 4], used: used(pieces.len()) };
+        for i in 0..LANES {
+            for (c, corner) in pieces[i.min(pieces.len() - 1)].iter().enumerate() {
                 for a in 0..3 {
                     lanes.corners[c][a][i] = unit.to_unit(corner[a], a);
                 }
@@ -101,10 +258,11 @@ impl PieceLanes {
 pub struct Placement {
     matrix: [[f32; 3]; 3],
     translation: [f32; 3],
-    /// By how much every box grows, in frame units.
+    /// By how much every box grows, in frame units; endless where float32 cannot hold the numbers.
     margin: f32,
-    /// False where float32 cannot hold the numbers; boxes are then endless.
-    is_finite: bool,
+    /// How far, per axis, a corner may be off, and how much rounding may add to a projection on an axis (per unit of the sum
+    /// of its entries), of tool and mock-up together.
+    pub slack: f32,
 }
 
 impl Placement {
@@ -114,6 +272,9 @@ impl Placement {
     /// `sum of three products + t`, at most m + t as tool units are at most 1: one rounding each of entry, coordinate, product
     /// and sums makes six roundings of 2^-24 of m + t, and converting the frame's own float64 coordinates (of the same size)
     /// two more. 2^-20 of m + t is twice that. The last term covers products that underflow.
+    ///
+    /// A projection of such coordinates (the mock-up's are at most 1) on an axis has four roundings more of the sum of the
+    /// axis's entries times m + t + 1, on each side: 2^-20 of it again.
     pub fn new(unit: &ToolUnit, pose: &Pose, margin: f64, origin: &[f64; 3], scale: f64) -> Placement {
         let ratio = unit.metres * scale;
         let centre = pose.apply(&unit.centre);
@@ -121,59 +282,59 @@ impl Placement {
         let matrix = pose.rotation().map(|row| row.map(|x| x * ratio));
         let size = 3.1 * ratio + translation.iter().fold(0.0f64, |m, x| m.max(x.abs()));
         let margin = 1.001 * (margin * scale + size * 2f64.powi(-20) + 1e-30);
-        Placement {
-            matrix: matrix.map(|row| row.map(|x| x as f32)),
-            translation: translation.map(|x| x as f32),
-            margin: margin as f32,
-            is_finite: size < 1e30 && margin < 1e30,
+        let slack = 1.001 * (margin + (size + 1.0) * 2f64.powi(-20));
+        if size < 1e30 && slack < 1e30 {
+            Placement {
+                matrix: matrix.map(|row| row.map(|x| x as f32)),
+                translation: translation.map(|x| x as f32),
+                margin: margin as f32,
+                slack: slack as f32,
+            }
+        } else {
+            // Boxes are endless, and nothing is ever beside a plane.
+            let (matrix, translation) = ([[0.0; 3]; 3], [0.0; 3]);
+            Placement { matrix, translation, margin: f32::INFINITY, slack: f32::INFINITY }
         }
     }
 
     /// Boxes around rotated boxes: quick and loose.
-    #[inline]
-    pub fn place_boxes(&self, boxes: &BoxLanes) -> LaneBoxes {
-        let mut out = LaneBoxes { count: boxes.count, ..LaneBoxes::EMPTY };
+    #[inline(always)]
+    pub fn place_boxes<S: Simd>(&self, s: S, boxes: &BoxLanes) -> LaneBoxes {
+        let mut out = LaneBoxes::ZERO;
+        let margin = s.splat(self.margin);
+        let (centre, half) = (load3(s, &boxes.centre), load3(s, &boxes.half));
         for a in 0..3 {
-            let [x, y, z] = self.matrix[a];
-            let t = self.translation[a];
-            for i in 0..LANES {
-                let centre = x * boxes.centre[0][i] + y * boxes.centre[1][i] + z * boxes.centre[2][i] + t;
-                let reach = x.abs() * boxes.half[0][i] + y.abs() * boxes.half[1][i] + z.abs() * boxes.half[2][i];
-                out.lower[a][i] = centre - (reach + self.margin);
-                out.upper[a][i] = centre + (reach + self.margin);
-            }
+            let row = splat3(s, &self.matrix[a]);
+            let t = s.splat(self.translation[a]);
+            let c = s.mul_add(row[0], centre[0], s.mul_add(row[1], centre[1], s.mul_add(row[2], centre[2], t)));
+            let reach = s.mul_add(s.abs(row[2]), half[2], margin);
+            let reach = s.mul_add(s.abs(row[0]), half[0], s.mul_add(s.abs(row[1]), half[1], reach));
+            s.store(c - reach, &mut out.lower[a]);
+            s.store(c + reach, &mut out.upper[a]);
         }
-        self.bound(out)
+        out
     }
 
-    /// Boxes around pieces.
-    #[inline]
-    pub fn place_pieces(&self, pieces: &PieceLanes) -> LaneBoxes {
-        let mut out = LaneBoxes { count: pieces.count, ..LaneBoxes::EMPTY };
+    /// Pieces at the pose.
+    #[inline(always)]
+    pub fn place_pieces<S: Simd>(&self, s: S, pieces: &PieceLanes, out: &mut PlacedPieces) {
+        let margin = s.splat(self.margin);
+        out.has_normals = false;
         for a in 0..3 {
-            let [x, y, z] = self.matrix[a];
-            let (mut lower, mut upper) = ([f32::INFINITY; LANES], [f32::NEG_INFINITY; LANES]);
-            for corner in &pieces.corners {
-                for i in 0..LANES {
-                    let at = x * corner[0][i] + y * corner[1][i] + z * corner[2][i];
-                    lower[i] = if at < lower[i] { at } else { lower[i] };
-                    upper[i] = if at > upper[i] { at } else { upper[i] };
-                }
+            let row = splat3(s, &self.matrix[a]);
+            let t = s.splat(self.translation[a]);
+            let mut at = [t; 4];
+            for c in 0..4 {
+                let p = load3(s, &pieces.corners[c]);
+                at[c] = s.mul_add(row[0], p[0], s.mul_add(row[1], p[1], s.mul_add(row[2], p[2], t)));
+                s.store(at[c], &mut out.corners[c][a]);
             }
-            for i in 0..LANES {
-                out.lower[a][i] = lower[i] + (self.translation[a] - self.margin);
-                out.upper[a][i] = upper[i] + (self.translation[a] + self.margin);
-            }
+            let lower = least4(s, &at) - margin;
+            let upper = greatest4(s, &at) + margin;
+            s.store(lower, &mut out.boxes.lower[a]);
+            s.store(upper, &mut out.boxes.upper[a]);
+            out.bounds.lower[a] = s.smallest(lower);
+            out.bounds.upper[a] = s.largest(upper);
         }
-        self.bound(out)
-    }
-
-    #[inline]
-    fn bound(&self, mut boxes: LaneBoxes) -> LaneBoxes {
-        if !self.is_finite {
-            boxes.lower = [[f32::NEG_INFINITY; LANES]; 3];
-            boxes.upper = [[f32::INFINITY; LANES]; 3];
-        }
-        boxes
     }
 }

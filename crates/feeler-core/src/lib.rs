@@ -3,7 +3,7 @@
 //! The flow: a [`Mockup`] and a [`Tool`] are checked meshes; a [`Scene`] is a mock-up with an index; a query takes a tool
 //! and a [`Pose`] and finds every pair of triangles that meets, exactly. The core knows no files, clocks or Python.
 
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 
 pub mod bounds;
 pub mod brute;
@@ -12,15 +12,17 @@ pub mod cost;
 pub mod defects;
 pub mod error;
 pub mod grid;
+pub mod intersect_lanes;
 pub mod intersect_triangle_triangle;
 mod lanes;
+mod median;
 pub mod mesh;
-mod morton;
 mod narrow;
 pub mod pieces;
 pub mod pose;
 pub mod predicates;
 pub mod scene;
+mod simd;
 mod store;
 pub mod tool;
 pub mod weld;
@@ -35,6 +37,7 @@ pub use mesh::{Mesh, Mockup};
 pub use narrow::{Filters, Stats};
 pub use pose::Pose;
 pub use scene::{default_voxel_size, optimal_voxel_size, Batch, Collision, Scene, SceneOptions, Scratch};
+pub use simd::Level;
 pub use store::{Progress, Storage};
 pub use tool::Tool;
 pub use weld::weld_vertices;

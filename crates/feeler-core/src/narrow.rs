@@ -1,11 +1,13 @@
 //! The narrow phase: candidate pairs go through two filters to the triangle test.
 
-use crate::bounds::{Aabb, Triangle};
+use crate::bounds::Aabb;
 use crate::defects::corners;
-use crate::intersect_triangle_triangle::{intersect_with, PairKind, Plane};
+use crate::intersect_lanes::{intersect, loaded, moved, put, TriangleLanes, Verdict};
+use crate::intersect_triangle_triangle::{intersect_with, PairKind};
 use crate::mesh::Mesh;
 use crate::pose::Pose;
 use crate::predicates::Signs;
+use crate::simd::{prefetch, Checked, Kernel, Simd, LANES, WIDE_LANES};
 use crate::tool::Tool;
 
 /// Which filters stand before the triangle test. Neither changes the answer; they can be switched off to measure what they
@@ -27,14 +29,18 @@ impl Default for Filters {
 /// What a query did, stage by stage.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Stats {
-    /// Voxels looked up; with blocks, nodes whose 32 children were tested against a box.
+    /// Voxels looked up; with blocks, nodes tested: against one box their 32 children, against 16 their own box.
     pub voxels_visited: u64,
+    /// With blocks: clusters of 16 tool pieces that were placed.
+    pub clusters_placed: u64,
+    /// With blocks: mock-up pieces whose boxes were compared with those of a cluster's 16 pieces.
+    pub pieces_scanned: u64,
     /// Pairs of tool triangle and list entry; with blocks, pairs of pieces whose boxes meet.
     pub entries_scanned: u64,
+    /// Pairs that the boxes of their triangles do not hold apart; with blocks, pairs of pieces that neither boxes nor planes do.
+    pub box_survivors: u64,
     /// Pairs skipped because they had been seen.
     pub repeats_skipped: u64,
-    /// Pairs whose triangles' boxes meet (all of them when that filter is off).
-    pub box_survivors: u64,
     /// Triangle tests.
     pub triangle_tests: u64,
     /// Triangle tests in which float64 arithmetic could not decide and exact arithmetic did.
@@ -45,12 +51,14 @@ pub struct Stats {
 
 impl Stats {
     /// Names and values, in order of the stages.
-    pub fn entries(&self) -> [(&'static str, u64); 7] {
+    pub fn entries(&self) -> [(&'static str, u64); 9] {
         [
             ("voxels_visited", self.voxels_visited),
+            ("clusters_placed", self.clusters_placed),
+            ("pieces_scanned", self.pieces_scanned),
             ("entries_scanned", self.entries_scanned),
-            ("repeats_skipped", self.repeats_skipped),
             ("box_survivors", self.box_survivors),
+            ("repeats_skipped", self.repeats_skipped),
             ("triangle_tests", self.triangle_tests),
             ("exact_tests", self.exact_tests),
             ("pairs", self.pairs),
@@ -58,37 +66,18 @@ impl Stats {
     }
 }
 
-/// A tool triangle at the pose.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct PlacedTriangle {
-    pub corners: Triangle,
-    pub bounds: Aabb,
-    pub plane: Plane,
-}
-
-/// The tool at a pose. Triangles are placed when first needed, so that a large tool in empty space costs little.
+/// The boxes of a tool's triangles at a pose, each made when first needed.
 #[derive(Debug, Default)]
-pub(crate) struct PlacedTool {
-    triangles: Vec<PlacedTriangle>,
+pub(crate) struct PlacedBounds {
+    bounds: Vec<Aabb>,
     /// `placed[t] == query` where triangle `t` is up to date.
     placed: Vec<u32>,
     query: u32,
 }
 
-impl PlacedTriangle {
-    fn new(corners: Triangle) -> PlacedTriangle {
-        PlacedTriangle { corners, bounds: Aabb::of_triangle(&corners), plane: Plane::of_triangle(&corners) }
-    }
-}
-
-impl PlacedTool {
-    /// Forgets the last query and makes room for `tool`.
-    pub fn begin(&mut self, tool: &Tool) {
-        let count = tool.mesh().faces().len();
-        if self.placed.len() < count {
-            self.triangles.resize(count, PlacedTriangle::new([[0.0; 3]; 3]));
-            self.placed.resize(count, 0);
-        }
+impl PlacedBounds {
+    /// Forgets the last query.
+    pub fn begin(&mut self) {
         if self.query == u32::MAX {
             self.placed.fill(0);
             self.query = 0;
@@ -96,15 +85,19 @@ impl PlacedTool {
         self.query += 1;
     }
 
-    /// A triangle at the pose.
+    /// The box of a triangle at the pose.
     #[inline]
-    pub fn triangle(&mut self, tool: &Tool, pose: &Pose, id: u32) -> &PlacedTriangle {
-        let i = id as usize;
+    pub fn of(&mut self, tool: &Tool, pose: &Pose, slot: u32) -> Aabb {
+        let i = slot as usize;
+        if self.placed.len() <= i {
+            self.bounds.resize(tool.ids().len(), Aabb::EMPTY);
+            self.placed.resize(tool.ids().len(), 0);
+        }
         if self.placed[i] != self.query {
             self.placed[i] = self.query;
-            self.triangles[i] = PlacedTriangle::new(pose.apply_triangle(&tool.mesh().triangle(id)));
+            self.bounds[i] = Aabb::of_triangle(&pose.apply_triangle(&tool.placeable()[i]));
         }
-        &self.triangles[i]
+        self.bounds[i]
     }
 }
 
@@ -167,18 +160,86 @@ const BATCH: usize = 128;
 /// The same where the first pair found ends the query.
 const FIRST_BATCH: usize = 16;
 
-/// Candidate pairs that wait for their test, and room for their indices and corners.
-#[derive(Debug, Default)]
+/// Places for candidate pairs: a batch, and what one more step may add.
+const PLACES: usize = BATCH + 2 * LANES;
+
+/// Candidate pairs that wait for their test, and room for their corners.
+#[derive(Debug)]
 pub(crate) struct Pending {
-    pairs: Vec<(u32, u32)>,
-    faces: Vec<[u32; 3]>,
-    triangles: Vec<Triangle>,
+    slots: [u32; PLACES],
+    mockup_triangles: [u32; PLACES],
+    count: usize,
+    faces: [[u32; 3]; PLACES],
+    corners: [(TriangleLanes, TriangleLanes); PLACES / WIDE_LANES],
+    /// Pairs met lately, each at the place its hash gives.
+    recent: [u64; RECENT],
+}
+
+/// A power of two.
+const RECENT: usize = 1024;
+
+impl Default for Pending {
+    fn default() -> Pending {
+        Pending {
+            slots: [0; PLACES],
+            mockup_triangles: [0; PLACES],
+            count: 0,
+            faces: [[0; 3]; PLACES],
+            corners: [([[[0.0; WIDE_LANES]; 3]; 3], [[[0.0; WIDE_LANES]; 3]; 3]); PLACES / WIDE_LANES],
+            recent: [u64::MAX; RECENT],
+        }
+    }
 }
 
 impl Pending {
-    /// Forgets what a query that was over early left.
+    /// Forgets the last query.
     pub fn clear(&mut self) {
-        self.pairs.clear();
+        self.count = 0;
+        self.recent.fill(u64::MAX);
+    }
+
+    /// Leaves out pairs met lately; returns how many.
+    ///
+    /// No more than a few repeats slip through, and those are found twice and counted once in the end.
+    fn skip_repeats(&mut self) -> usize {
+        let mut kept = 0;
+        for i in 0..self.count {
+            let (t, m) = (self.slots[i], self.mockup_triangles[i]);
+            let key = pair_key(t, m);
+            let place = (key.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 54) as usize;
+            // No branch: which pairs repeat is not to be foreseen.
+            self.slots[kept] = t;
+            self.mockup_triangles[kept] = m;
+            kept += usize::from(self.recent[place] != key);
+            self.recent[place] = key;
+        }
+        let skipped = self.count - kept;
+        self.count = kept;
+        skipped
+    }
+}
+
+/// A found pair and how it meets in one number, in the order of results.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Hit(u64);
+
+impl Hit {
+    fn new(tool_triangle: u32, mockup_triangle: u32, kind: PairKind) -> Hit {
+        Hit(pair_key(tool_triangle, mockup_triangle) << 2 | kind as u64)
+    }
+
+    /// `[tool triangle, mock-up triangle]`.
+    pub fn pair(self) -> [u32; 2] {
+        [(self.0 >> 34) as u32, (self.0 >> 2) as u32]
+    }
+
+    /// How they meet.
+    pub fn kind(self) -> PairKind {
+        match self.0 & 3 {
+            0 => PairKind::Coplanar,
+            1 => PairKind::Crossing,
+            _ => PairKind::Touching,
+        }
     }
 }
 
@@ -187,77 +248,132 @@ pub(crate) struct Narrow<'a> {
     pub mesh: &'a Mesh,
     pub tool: &'a Tool,
     pub pose: &'a Pose,
+    pub lanes: Checked,
     pub filters: Filters,
     /// Stop at the first pair found.
     pub first_only: bool,
-    pub placed: &'a mut PlacedTool,
+    pub placed: &'a mut PlacedBounds,
     pub seen: &'a mut PairSet,
     pub pending: &'a mut Pending,
-    /// Found pairs: tool triangle in the upper half, mock-up triangle in the lower.
-    pub hits: &'a mut Vec<(u64, PairKind)>,
+    pub hits: &'a mut Vec<Hit>,
     pub stats: &'a mut Stats,
 }
 
 impl Narrow<'_> {
     /// The box of a tool triangle at the pose.
     #[inline]
-    pub fn placed_bounds(&mut self, tool_triangle: u32) -> Aabb {
-        self.placed.triangle(self.tool, self.pose, tool_triangle).bounds
+    pub fn placed_bounds(&mut self, slot: u32) -> Aabb {
+        self.placed.of(self.tool, self.pose, slot)
+    }
+
+    /// Takes candidate pairs of one mock-up triangle with the tool triangles in the lanes chosen; true when the query is over.
+    ///
+    /// Pairs are kept until there are enough for a batch; the last ones wait for [`finish`](Self::finish).
+    #[inline(always)]
+    pub fn offer_lanes<S: Simd>(&mut self, s: S, chosen: u16, slots: &[u32; LANES], mockup_triangle: u32) -> bool {
+        let from = self.pending.count;
+        self.pending.mockup_triangles[from..from + LANES].fill(mockup_triangle);
+        self.pending.count = s.append(chosen, slots, &mut self.pending.slots, from);
+        prefetch(&self.mesh.faces()[mockup_triangle as usize]);
+        self.is_batch_over()
+    }
+
+    #[inline(always)]
+    fn is_batch_over(&mut self) -> bool {
+        let batch = if self.first_only { FIRST_BATCH } else { BATCH };
+        self.pending.count >= batch && self.finish()
     }
 
     /// Takes a candidate pair; true when the query is over. `may_repeat` says whether the pair could be offered again.
-    ///
-    /// Pairs are kept until there are enough for a batch; the last ones wait for [`finish`](Self::finish).
     #[inline]
-    pub fn offer(&mut self, tool_triangle: u32, mockup_triangle: u32, may_repeat: bool) -> bool {
+    pub fn offer(&mut self, slot: u32, mockup_triangle: u32, may_repeat: bool) -> bool {
         self.stats.entries_scanned += 1;
-        let key = pair_key(tool_triangle, mockup_triangle);
-        if may_repeat && self.filters.repeats && !self.seen.insert(key) {
+        if may_repeat && self.filters.repeats && !self.seen.insert(pair_key(slot, mockup_triangle)) {
             self.stats.repeats_skipped += 1;
             return false;
         }
-        self.pending.pairs.push((tool_triangle, mockup_triangle));
-        let batch = if self.first_only { FIRST_BATCH } else { BATCH };
-        self.pending.pairs.len() >= batch && self.finish()
+        if self.filters.boxes {
+            let bounds = Aabb::of_triangle(&self.mesh.triangle(mockup_triangle));
+            if !self.placed_bounds(slot).is_overlapping(&bounds) {
+                return false;
+            }
+        }
+        self.stats.box_survivors += 1;
+        let at = self.pending.count;
+        self.pending.slots[at] = slot;
+        self.pending.mockup_triangles[at] = mockup_triangle;
+        self.pending.count += 1;
+        self.is_batch_over()
     }
 
     /// Tests the pairs kept so far; true when the query is over.
+    #[inline(never)]
     pub fn finish(&mut self) -> bool {
-        let Pending { pairs, faces, triangles } = self.pending;
+        if self.filters.repeats {
+            self.stats.repeats_skipped += self.pending.skip_repeats() as u64;
+        }
+        let Pending { slots, mockup_triangles, count, faces, corners: lanes, .. } = &mut *self.pending;
+        let count = std::mem::take(count);
+        self.stats.triangle_tests += count as u64;
         // All indices, then all corners: loads that do not wait for each other, so that their cache misses overlap.
-        faces.clear();
-        faces.extend(pairs.iter().map(|(_, m)| self.mesh.faces()[*m as usize]));
-        triangles.clear();
-        triangles.extend(faces.iter().map(|face| corners(self.mesh.vertices(), face)));
-        // Pairs come in runs of one mock-up triangle: its box and plane are made once a run.
-        let mut run = None;
-        for (&(tool_triangle, mockup_triangle), q) in pairs.iter().zip(triangles.iter()) {
-            let (bounds, plane) = match run {
-                Some((triangle, bounds, plane)) if triangle == mockup_triangle => (bounds, plane),
-                _ => (Aabb::of_triangle(q), Plane::of_triangle(q)),
-            };
-            run = Some((mockup_triangle, bounds, plane));
-            let p = self.placed.triangle(self.tool, self.pose, tool_triangle);
-            if self.filters.boxes && !p.bounds.is_overlapping(&bounds) {
-                continue;
+        for (face, m) in faces[..count].iter_mut().zip(mockup_triangles.iter()) {
+            *face = self.mesh.faces()[*m as usize];
+            face.iter().for_each(|v| prefetch(&self.mesh.vertices()[*v as usize]));
+        }
+        for i in 0..count {
+            let (p, q) = &mut lanes[i / WIDE_LANES];
+            put(p, i % WIDE_LANES, &self.tool.placeable()[slots[i] as usize]);
+            put(q, i % WIDE_LANES, &corners(self.mesh.vertices(), &faces[i]));
+        }
+        for from in (0..count).step_by(WIDE_LANES) {
+            let (p, q) = &lanes[from / WIDE_LANES];
+            let verdict = self.lanes.run(Test { pose: self.pose, p, q });
+            let all = if count - from < WIDE_LANES { u8::MAX >> (WIDE_LANES - (count - from)) } else { u8::MAX };
+            let mut crossing = verdict.crossing & all;
+            while crossing != 0 {
+                let i = from + crossing.trailing_zeros() as usize;
+                crossing &= crossing - 1;
+                self.hits.push(Hit::new(self.tool.ids()[slots[i] as usize], mockup_triangles[i], PairKind::Crossing));
             }
-            self.stats.box_survivors += 1;
-            self.stats.triangle_tests += 1;
-            if plane.is_surely_beside(&p.corners) || p.plane.is_surely_beside(q) {
-                continue;
-            }
-            let mut signs = Signs::default();
-            let meeting = intersect_with(&mut signs, &p.corners, q);
-            self.stats.exact_tests += u64::from(signs.exact > 0);
-            if let Some(kind) = meeting {
-                self.hits.push((pair_key(tool_triangle, mockup_triangle), kind));
-                if self.first_only {
-                    break;
+            let mut doubt = all & !(verdict.apart | verdict.crossing);
+            while doubt != 0 {
+                let i = from + doubt.trailing_zeros() as usize;
+                doubt &= doubt - 1;
+                // Exact arithmetic is dear: never twice for one pair. The mark keeps these apart from the pairs offered.
+                const DECIDED: u64 = 1 << 63;
+                if self.filters.repeats && !self.seen.insert(DECIDED | pair_key(slots[i], mockup_triangles[i])) {
+                    continue;
+                }
+                let p = self.pose.apply_triangle(&self.tool.placeable()[slots[i] as usize]);
+                let mut signs = Signs::default();
+                let meeting = intersect_with(&mut signs, &p, &self.mesh.triangle(mockup_triangles[i]));
+                self.stats.exact_tests += u64::from(signs.exact > 0);
+                if let Some(kind) = meeting {
+                    self.hits.push(Hit::new(self.tool.ids()[slots[i] as usize], mockup_triangles[i], kind));
                 }
             }
+            if self.first_only && !self.hits.is_empty() {
+                return true;
+            }
         }
-        pairs.clear();
-        self.first_only && !self.hits.is_empty()
+        false
+    }
+}
+
+/// Eight pairs, the first of each in the tool's frame.
+struct Test<'a> {
+    pose: &'a Pose,
+    p: &'a TriangleLanes,
+    q: &'a TriangleLanes,
+}
+
+impl Kernel for Test<'_> {
+    type Output = Verdict;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) -> Verdict {
+        let p = moved(s, self.pose.rotation(), self.pose.translation(), self.p);
+        intersect(s, &p, &loaded(s, self.q))
     }
 }
 

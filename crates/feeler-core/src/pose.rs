@@ -88,6 +88,11 @@ impl Pose {
         &self.rotation
     }
 
+    /// The translation, metres.
+    pub fn translation(&self) -> &Point {
+        &self.translation
+    }
+
     /// The largest absolute entry of the translation, metres.
     pub fn largest_translation(&self) -> f64 {
         self.translation.iter().fold(0.0, |m, x| m.max(x.abs()))

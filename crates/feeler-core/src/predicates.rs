@@ -46,7 +46,7 @@ impl Signs {
 /// Shewchuk's stage-A bound: differences carry one rounding each, products and sums up to six more on any path, which
 /// gives (7 + 56 u) u with u the unit roundoff; the second term covers the higher orders and the rounding of the
 /// permanent itself.
-const ORIENT3D_BOUND: f64 = (7.0 + 56.0 * UNIT_ROUNDOFF) * UNIT_ROUNDOFF;
+pub(crate) const ORIENT3D_BOUND: f64 = (7.0 + 56.0 * UNIT_ROUNDOFF) * UNIT_ROUNDOFF;
 
 /// The same for `orient2d`: (3 + 16 u) u.
 const ORIENT2D_BOUND: f64 = (3.0 + 16.0 * UNIT_ROUNDOFF) * UNIT_ROUNDOFF;
@@ -54,7 +54,7 @@ const ORIENT2D_BOUND: f64 = (3.0 + 16.0 * UNIT_ROUNDOFF) * UNIT_ROUNDOFF;
 /// Below this permanent the bounds above could be spoilt by underflow: a product that underflows loses at most 2^-1074,
 /// which a further factor of at most 2e100 and the sum of six terms bring to less than 1e-221; the bound itself is then
 /// 7e-216 or more.
-const SAFE_PERMANENT: f64 = 1e-200;
+pub(crate) const SAFE_PERMANENT: f64 = 1e-200;
 
 /// Adaptive expansions are exact while every nonzero input has a binary exponent in this range (Shewchuk, section 5:
 /// [-142, 201] for `orient3d`).

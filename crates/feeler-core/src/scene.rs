@@ -10,9 +10,10 @@ use crate::cost::{mean_longest_edge, static_means, CostFunction, Estimator};
 use crate::error::{Error, Result};
 use crate::intersect_triangle_triangle::PairKind;
 use crate::mesh::{Mesh, Mockup};
-use crate::narrow::{Filters, Narrow, PairSet, Pending, PlacedTool, Stats};
+use crate::narrow::{Filters, Hit, Narrow, PairSet, Pending, PlacedBounds, Stats};
 use crate::pieces::default_piece_size;
 use crate::pose::Pose;
+use crate::simd::{Checked, Level};
 use crate::store::{report, BlocksScratch, Progress, Storage, Store};
 use crate::tool::Tool;
 
@@ -60,17 +61,17 @@ pub struct Batch {
 /// The working memory of one query at a time; queries allocate nothing once it has grown to their needs.
 #[derive(Debug, Default)]
 pub struct Scratch {
-    placed: PlacedTool,
+    placed: PlacedBounds,
     seen: PairSet,
     pending: Pending,
     blocks: BlocksScratch,
-    hits: Vec<(u64, PairKind)>,
+    hits: Vec<Hit>,
     stats: Stats,
 }
 
 /// What a few poses of a batch found.
 struct Task {
-    hits: Vec<(u64, PairKind)>,
+    hits: Vec<Hit>,
     counts: Vec<usize>,
 }
 
@@ -82,6 +83,7 @@ pub struct Scene {
     storage: Storage,
     memory_limit: u64,
     store: Store,
+    lanes: Checked,
     /// Working memory of past queries, for the next ones.
     spare: Mutex<Vec<Scratch>>,
 }
@@ -104,6 +106,7 @@ impl Scene {
             storage: options.storage,
             memory_limit: options.memory_limit,
             store,
+            lanes: Level::best().checked(),
             spare: Mutex::new(Vec::new()),
             mockup,
         })
@@ -122,6 +125,16 @@ impl Scene {
     /// The store.
     pub fn storage(&self) -> Storage {
         self.storage
+    }
+
+    /// The instruction set that queries use.
+    pub fn lanes(&self) -> Level {
+        self.lanes.level()
+    }
+
+    /// Has queries use another instruction set than the best; where the CPU lacks it, the best. The answers are the same.
+    pub fn set_lanes(&mut self, lanes: Level) {
+        self.lanes = lanes.checked();
     }
 
     /// Bytes by structure; "triangles" and "parts" are the mock-up's own arrays, which the index reads.
@@ -150,10 +163,8 @@ impl Scene {
         self.run(tool, pose, filters, false, &mut scratch);
         out.pairs.clear();
         out.kinds.clear();
-        for (key, kind) in &scratch.hits {
-            out.pairs.push([(key >> 32) as u32, *key as u32]);
-            out.kinds.push(*kind);
-        }
+        out.pairs.extend(scratch.hits.iter().map(|hit| hit.pair()));
+        out.kinds.extend(scratch.hits.iter().map(|hit| hit.kind()));
         out.stats = scratch.stats;
         self.put_scratch(scratch);
     }
@@ -214,8 +225,8 @@ impl Scene {
                     sum += *n as u64;
                     sum
                 }));
-                batch.pairs.extend(hits.iter().map(|(key, _)| [(key >> 32) as u32, *key as u32]));
-                batch.kinds.extend(hits.iter().map(|(_, kind)| *kind));
+                batch.pairs.extend(hits.iter().map(|hit| hit.pair()));
+                batch.kinds.extend(hits.iter().map(|hit| hit.kind()));
             }
         }
         report(progress, 1.0, "done")?;
@@ -225,13 +236,14 @@ impl Scene {
     /// One query: `scratch.hits` afterwards holds the sorted, unique pairs.
     fn run(&self, tool: &Tool, pose: &Pose, filters: Filters, first_only: bool, scratch: &mut Scratch) {
         let Scratch { placed, seen, pending, blocks, hits, stats } = scratch;
-        placed.begin(tool);
+        placed.begin();
         seen.clear();
         pending.clear();
         hits.clear();
         *stats = Stats::default();
         let mesh = self.mockup.mesh();
-        let mut narrow = Narrow { mesh, tool, pose, filters, first_only, placed, seen, pending, hits, stats };
+        let mut narrow =
+            Narrow { mesh, tool, pose, lanes: self.lanes, filters, first_only, placed, seen, pending, hits, stats };
         self.store.offer_candidates(tool, blocks, &mut narrow);
         narrow.finish();
         hits.sort_unstable();

@@ -1,11 +1,11 @@
 //! A moving tool, prepared once for every scene it is used with.
 
-use crate::bounds::{Aabb, Point};
-use crate::constants::{TOOL_CUT_ALLOWANCE, TOOL_CUT_PIECES, TOOL_CUT_PIECES_EACH, TRANSFORM_ROUNDOFFS, UNIT_ROUNDOFF};
-use crate::error::Result;
+use crate::bounds::{Aabb, Point, Triangle};
+use crate::constants::{MAX_TOOL_TRIANGLES, TOOL_CUT_PIECES, TOOL_CUT_PIECES_EACH, TRANSFORM_ROUNDOFFS, UNIT_ROUNDOFF};
+use crate::error::{Error, Result};
 use crate::lanes::{BoxLanes, PieceLanes, ToolUnit, LANES};
+use crate::median::{self, Cells};
 use crate::mesh::Mesh;
-use crate::morton;
 use crate::pieces::{cut_margin, cut_triangle, default_piece_size, grown_box, Piece};
 use crate::pose::Pose;
 
@@ -13,6 +13,10 @@ use crate::pose::Pose;
 #[derive(Debug)]
 pub struct Tool {
     mesh: Mesh,
+    /// The corners of the queried triangles, in the order of the clusters: neighbours in space are neighbours in memory.
+    placeable: Vec<Triangle>,
+    /// The triangle of each of them.
+    ids: Vec<u32>,
     unit: ToolUnit,
     clusters: Vec<Cluster>,
     /// `groups[0][g]` holds the boxes of clusters `16 g` to `16 g + 15`, `groups[1][g]` those of groups, ...; the last level
@@ -26,38 +30,65 @@ pub struct Tool {
 pub struct Cluster {
     /// Their corners.
     pub(crate) corners: PieceLanes,
-    /// The triangle each was cut from.
-    pub triangles: [u32; LANES],
-    /// One bit a piece: whether its triangle has others.
-    pub cut: u16,
+    /// The slot of the triangle each was cut from.
+    pub slots: [u32; LANES],
 }
 
 struct CutPiece {
     corners: Piece,
     triangle: u32,
-    is_cut: bool,
 }
 
 impl Tool {
     /// Checks the arrays and builds the tree of boxes.
+    ///
+    /// Errors: as [`Mesh::new`], and more than 2^30 triangles.
     pub fn new(vertices: Vec<Point>, faces: Vec<[u32; 3]>) -> Result<Tool> {
+        if faces.len() > MAX_TOOL_TRIANGLES {
+            let count = faces.len() as u64;
+            return Err(Error::TooMany { what: "tool triangles", count, limit: MAX_TOOL_TRIANGLES as u64 });
+        }
         let mesh = Mesh::new("tool", vertices, faces)?;
-        let mut pieces = cut(&mesh);
-        let frame = morton::Frame::new(&mesh.bounds());
-        pieces.sort_by_cached_key(|p| frame.code_of_box(&grown_box(&p.corners, 0.0)));
+        let pieces = cut(&mesh);
+        let cells = Cells::new(&mesh.bounds());
+        let middle = |p: &CutPiece| {
+            let b = grown_box(&p.corners, 0.0);
+            cells.middle(&b.lower, &b.upper)
+        };
+        let mut order: Vec<(u64, u32)> = pieces.iter().zip(0..).map(|(p, i)| (middle(p), i)).collect();
+        median::order(&mut order, LANES);
+        let pieces: Vec<&CutPiece> = order.iter().map(|(_, i)| &pieces[*i as usize]).collect();
         let unit = ToolUnit::new(&mesh.bounds());
-        let clusters: Vec<Cluster> = pieces.chunks(LANES).map(|c| Cluster::new(c, &unit)).collect();
+        // Slots in the order in which clusters first name a triangle.
+        let mut ids = Vec::new();
+        let mut slots = vec![u32::MAX; mesh.faces().len()];
+        for piece in &pieces {
+            let slot = &mut slots[piece.triangle as usize];
+            if *slot == u32::MAX {
+                *slot = ids.len() as u32;
+                ids.push(piece.triangle);
+            }
+        }
+        let clusters: Vec<Cluster> = pieces.chunks(LANES).map(|c| Cluster::new(c, &slots, &unit)).collect();
         let mut boxes: Vec<Aabb> = pieces
             .chunks(LANES)
             .map(|c| c.iter().fold(Aabb::EMPTY, |b, p| b.union(&grown_box(&p.corners, 0.0))))
             .collect();
         let mut groups = Vec::new();
-        while boxes.len() > 1 {
+        while boxes.len() > 1 || groups.is_empty() {
             groups.push(boxes.chunks(LANES).map(|c| BoxLanes::new(c, &unit)).collect());
             boxes = boxes.chunks(LANES).map(|c| c.iter().fold(Aabb::EMPTY, |b, x| b.union(x))).collect();
         }
         let largest = mesh.bounds().largest_coordinate();
-        Ok(Tool { mesh, unit, clusters, groups, largest })
+        Ok(Tool {
+            placeable: ids.iter().map(|id| mesh.triangle(*id)).collect(),
+            mesh,
+            ids,
+            unit,
+            clusters,
+            groups,
+            largest,
+        })
     }
 
     /// The triangles, in the tool's frame.
@@ -65,12 +96,22 @@ impl Tool {
         &self.mesh
     }
 
+    /// The corners of the queried triangles. Their places here are their slots.
+    pub(crate) fn placeable(&self) -> &[Triangle] {
+        &self.placeable
+    }
+
+    /// The triangle of each slot.
+    pub(crate) fn ids(&self) -> &[u32] {
+        &self.ids
+    }
+
     /// All pieces, 16 to a cluster; the last may be short.
     pub(crate) fn clusters(&self) -> &[Cluster] {
         &self.clusters
     }
 
-    /// Levels of groups above the clusters: 0 where there is one cluster.
+    /// Levels of groups above the clusters, at least one.
     pub(crate) fn height(&self) -> usize {
         self.groups.len()
     }
@@ -99,15 +140,13 @@ impl Tool {
 }
 
 impl Cluster {
-    fn new(pieces: &[CutPiece], unit: &ToolUnit) -> Cluster {
+    fn new(pieces: &[&CutPiece], slots: &[u32], unit: &ToolUnit) -> Cluster {
         let mut cluster = Cluster {
-            corners: PieceLanes::new(pieces.iter().map(|p| &p.corners), unit),
-            triangles: [0; LANES],
-            cut: 0,
+            corners: PieceLanes::new(&pieces.iter().map(|p| p.corners).collect::<Vec<_>>(), unit),
+            slots: [0; LANES],
         };
         for (i, p) in pieces.iter().enumerate() {
-            cluster.triangles[i] = p.triangle;
-            cluster.cut |= u16::from(p.is_cut) << i;
+            cluster.slots[i] = slots[p.triangle as usize];
         }
         cluster
     }
@@ -118,16 +157,13 @@ impl Cluster {
 fn cut(mesh: &Mesh) -> Vec<CutPiece> {
     let ids: Vec<u32> = mesh.queried().collect();
     let n = ids.len() as f64;
-    let allowance = TOOL_CUT_ALLOWANCE + f64::min(TOOL_CUT_PIECES / n, TOOL_CUT_PIECES_EACH);
+    let allowance = f64::min(TOOL_CUT_PIECES / n, TOOL_CUT_PIECES_EACH);
     let size = default_piece_size(ids.len(), |i| mesh.triangle(ids[i]), allowance);
     let mut pieces = Vec::new();
     for id in ids {
-        let from = pieces.len();
         cut_triangle(&mesh.triangle(id), size, &mut |corners| {
-            pieces.push(CutPiece { corners: *corners, triangle: id, is_cut: false });
+            pieces.push(CutPiece { corners: *corners, triangle: id });
         });
-        let is_cut = pieces.len() - from > 1;
-        pieces[from..].iter_mut().for_each(|p| p.is_cut = is_cut);
     }
     pieces
 }
@@ -136,7 +172,8 @@ fn cut(mesh: &Mesh) -> Vec<CutPiece> {
 mod tests {
     use super::*;
     use crate::bounds::Triangle;
-    use crate::lanes::{LaneBoxes, Placement};
+    use crate::lanes::{LaneBoxes, PlacedPieces, Placement};
+    use crate::simd::{Kernel, Level, Simd};
 
     fn tool() -> Tool {
         // A long triangle, cut many times, among short ones.
@@ -155,15 +192,41 @@ mod tests {
         (0..3).all(|a| f64::from(boxes.lower[a][lane]) <= p[a] && p[a] <= f64::from(boxes.upper[a][lane]))
     }
 
+    /// The boxes of all pieces, and of all clusters by group.
+    struct Place<'a>(&'a Tool, &'a Placement);
+
+    impl Kernel for Place<'_> {
+        type Output = (Vec<LaneBoxes>, Vec<LaneBoxes>);
+
+        #[inline(always)]
+        fn run<S: Simd>(self, s: S) -> Self::Output {
+            let Place(tool, placement) = self;
+            let mut pieces = Vec::new();
+            for cluster in tool.clusters() {
+                let mut placed = PlacedPieces::ZERO;
+                placement.place_pieces(s, &cluster.corners, &mut placed);
+                pieces.push(placed.boxes);
+            }
+            let mut groups = Vec::new();
+            for group in tool.children(1) {
+                groups.push(placement.place_boxes(s, group));
+            }
+            (pieces, groups)
+        }
+    }
+
     #[test]
     fn pieces_and_boxes_at_a_pose_cover_the_triangle_at_that_pose() {
         let tool = tool();
-        let pieces_of_long = || {
-            let all = tool.clusters().iter().enumerate();
-            all.flat_map(|(c, cluster)| (0..LANES).map(move |i| (c, i, cluster)))
-                .filter(|(_, i, c)| c.triangles[*i] == 0 && c.cut >> i & 1 == 1)
-        };
-        assert!(pieces_of_long().count() > 4 && tool.height() == 2);
+        let slot = tool.ids().iter().position(|id| *id == 0).unwrap() as u32;
+        let pieces_of_long: Vec<(usize, usize)> = (0..tool.clusters().len())
+            .flat_map(|c| (0..LANES).map(move |i| (c, i)))
+            .filter(|(c, i)| {
+                let cluster = &tool.clusters()[*c];
+                cluster.slots[*i] == slot && cluster.corners.used >> i & 1 == 1
+            })
+            .collect();
+        assert!(pieces_of_long.len() > 4 && tool.height() == 2);
         let (s, c) = 0.3f64.sin_cos();
         for (x, y, z) in [(0.0, 0.0, 0.0), (12.0, -9.0, 3.3), (12345.678, -9.1e5, 3.3)] {
             let pose = Pose::new(&[[c, -s, 0.0, x], [s, c, 0.0, y], [0.0, 0.0, 1.0, z], [0.0, 0.0, 0.0, 1.0]]).unwrap();
@@ -171,25 +234,26 @@ mod tests {
             // A frame as a mock-up around the tool would have it.
             let (origin, scale) = ([x - 1.0, y - 2.0, z - 0.5], 0.25);
             let placement = Placement::new(tool.unit(), &pose, margin, &origin, scale);
-            let placed: Vec<LaneBoxes> = tool.clusters().iter().map(|c| placement.place_pieces(&c.corners)).collect();
-            let groups: Vec<LaneBoxes> = tool.children(1).iter().map(|g| placement.place_boxes(g)).collect();
-            let moved: Triangle = pose.apply_triangle(&tool.mesh().triangle(0));
-            for i in 0..=20 {
-                for j in 0..=20 - i {
-                    let (u, v) = (f64::from(i) / 20.0, f64::from(j) / 20.0);
-                    let p: Point = std::array::from_fn(|a| {
-                        let p = moved[0][a] * (1.0 - u - v) + moved[1][a] * u + moved[2][a] * v;
-                        (p - origin[a]) * scale
-                    });
-                    let mut found = pieces_of_long().filter(|(c, i, _)| holds(&placed[*c], *i, &p)).peekable();
-                    assert!(found.peek().is_some(), "{u} {v} at {x}");
-                    for (cluster, _, _) in found {
-                        assert!(holds(&groups[cluster / LANES], cluster % LANES, &p), "{u} {v} at {x}");
+            for level in Level::available() {
+                let (placed, groups) = level.checked().run(Place(&tool, &placement));
+                let moved: Triangle = pose.apply_triangle(&tool.mesh().triangle(0));
+                for i in 0..=20 {
+                    for j in 0..=20 - i {
+                        let (u, v) = (f64::from(i) / 20.0, f64::from(j) / 20.0);
+                        let p: Point = std::array::from_fn(|a| {
+                            let p = moved[0][a] * (1.0 - u - v) + moved[1][a] * u + moved[2][a] * v;
+                            (p - origin[a]) * scale
+                        });
+                        let mut found = pieces_of_long.iter().filter(|(c, i)| holds(&placed[*c], *i, &p)).peekable();
+                        assert!(found.peek().is_some(), "{u} {v} at {x}");
+                        for (cluster, _) in found {
+                            assert!(holds(&groups[cluster / LANES], cluster % LANES, &p), "{u} {v} at {x}");
+                        }
+                        assert!(pose.apply_box(&tool.mesh().bounds(), margin).is_overlapping(&Aabb {
+                            lower: std::array::from_fn(|a| p[a] / scale + origin[a] - 1e-9),
+                            upper: std::array::from_fn(|a| p[a] / scale + origin[a] + 1e-9),
+                        }));
                     }
-                    assert!(pose.apply_box(&tool.mesh().bounds(), margin).is_overlapping(&Aabb {
-                        lower: std::array::from_fn(|a| p[a] / scale + origin[a] - 1e-9),
-                        upper: std::array::from_fn(|a| p[a] / scale + origin[a] + 1e-9),
-                    }));
                 }
             }
         }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use common::*;
 use feeler_core::{
-    collide_all_pairs, Collision, Error, Filters, Mockup, PairKind, Pose, Scene, SceneOptions, Storage, Tool,
+    collide_all_pairs, Collision, Error, Filters, Level, Mockup, PairKind, Pose, Scene, SceneOptions, Storage, Tool,
 };
 use proptest::prelude::*;
 
@@ -64,8 +64,11 @@ fn check(name: &str, mockup: &Arc<Mockup>, tool: &Tool, poses: &[Pose], thread_c
             for storage in STORAGES {
                 for size in sizes {
                     let what = format!("{name}, {storage:?}, voxel size {size:?}, {threads} threads");
-                    let scene = build(mockup, storage, size).unwrap_or_else(|e| panic!("{what}: {e}"));
-                    check_scene(&what, &scene, tool, poses, &expected);
+                    let mut scene = build(mockup, storage, size).unwrap_or_else(|e| panic!("{what}: {e}"));
+                    for lanes in Level::available() {
+                        scene.set_lanes(lanes);
+                        check_scene(&format!("{what}, {}", lanes.name()), &scene, tool, poses, &expected);
+                    }
                 }
             }
         });

@@ -1,5 +1,5 @@
-//! One golden hash: the same scenes give the same pairs and kinds whatever the number of threads, the store, the voxel size,
-//! the state of the working memory, one pose or many at a time; and in debug and release and on every machine, since all
+//! One golden hash: the same scenes give the same pairs and kinds whatever the number of threads, the instruction set, the store,
+//! the voxel size, the state of the working memory, one pose or many at a time; and in debug and release and on every machine, since all
 //! compare with the number in `testdata/golden.txt`.
 //!
 //! The scenes are made with whole numbers, rotations by 3-4-5 triangles and correctly rounded operations only: sine and
@@ -10,7 +10,7 @@ mod common;
 use std::sync::Arc;
 
 use common::*;
-use feeler_core::{Filters, Mockup, PairKind, Point, Pose, Scene, SceneOptions, Storage, Tool, Triangle};
+use feeler_core::{Filters, Level, Mockup, PairKind, Point, Pose, Scene, SceneOptions, Storage, Tool, Triangle};
 
 const GOLDEN: &str = include_str!("../../../testdata/golden.txt");
 
@@ -209,12 +209,15 @@ fn hash_of_case(case: &Case) -> u64 {
                 for size in [None, Some(extent / 2.0), Some(extent / 9.7), Some(extent / 40.0)] {
                     let what = |how: &str| format!("{storage:?}, voxel size {size:?}, {threads} threads, {how}");
                     let options = SceneOptions { voxel_size: size, storage, ..SceneOptions::default() };
-                    let scene = Scene::build(Arc::clone(&case.mockup), &options, &|_, _| true).unwrap();
-                    for (how, filters) in [
-                        ("cold", Filters::default()),
-                        ("warm", Filters::default()),
-                        ("no filters", Filters { repeats: false, boxes: false }),
-                    ] {
+                    let mut scene = Scene::build(Arc::clone(&case.mockup), &options, &|_, _| true).unwrap();
+                    let mut ways = vec![
+                        ("cold", Level::best(), Filters::default()),
+                        ("warm", Level::best(), Filters::default()),
+                        ("no filters", Level::best(), Filters { repeats: false, boxes: false }),
+                    ];
+                    ways.extend(Level::available().into_iter().map(|l| (l.name(), l, Filters::default())));
+                    for (how, lanes, filters) in ways {
+                        scene.set_lanes(lanes);
                         let found: Vec<_> = case.poses.iter().map(|p| scene.collide(&case.tool, p, filters)).collect();
                         let single = hash(found.iter().map(|c| (&c.pairs[..], &c.kinds[..])));
                         agree(single, &|| what(how));

@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use feeler_core::intersect_triangle_triangle::Plane;
+use feeler_core::intersect_lanes::prove;
 use feeler_core::predicates::is_collinear;
 use feeler_core::{
-    intersect_triangle_triangle, Error, Filters, Mockup, PairKind, Point, Pose, Scene, SceneOptions, Storage, Tool,
-    Triangle,
+    intersect_triangle_triangle, Error, Filters, Level, Mockup, PairKind, Point, Pose, Scene, SceneOptions, Storage,
+    Tool, Triangle,
 };
 
 use crate::corpus::word;
@@ -26,8 +26,11 @@ pub fn fault_of_pair(p: &Triangle, q: &Triangle, truth: Option<PairKind>) -> Opt
         if answer != truth {
             return Some(format!("{what}: {}, in truth {}", word(answer), word(truth)));
         }
-        if truth.is_some() && Plane::of_triangle(a).is_surely_beside(b) {
-            return Some(format!("{what}: taken to be beside the plane, in truth {}", word(truth)));
+        for lanes in Level::available() {
+            let verdict = prove(lanes, &[(*a, *b)]);
+            if verdict.apart == 1 && truth.is_some() || verdict.crossing == 1 && truth != Some(PairKind::Crossing) {
+                return Some(format!("{what}: {} proves {verdict:?}, in truth {}", lanes.name(), word(truth)));
+            }
         }
     }
     for (what, t) in [("first", p), ("second", q)] {
@@ -92,17 +95,24 @@ impl Checked {
     /// Errors when the scene would need more memory than a test should take.
     pub fn fault(&self, storage: Storage, voxel_size: Option<f64>) -> Result<Option<(Pose, String)>, Error> {
         let options = SceneOptions { storage, voxel_size, memory_limit: 1 << 26, ..SceneOptions::default() };
-        let scene = Scene::build(Arc::clone(&self.mockup), &options, &|_, _| true)?;
+        let mut scene = Scene::build(Arc::clone(&self.mockup), &options, &|_, _| true)?;
         let batch = scene.collide_batch(&self.tool, &self.poses, &|_, _| true)?;
         for (i, (pose, truth)) in self.poses.iter().zip(&self.truth).enumerate() {
             let fault = |what: &str, found: &Found| -> Result<Option<(Pose, String)>, Error> {
                 Ok(Some((*pose, format!("{what}: {} pairs found, in truth {}", found.len(), truth.len()))))
             };
-            for filters in [Filters::default(), Filters { repeats: false, boxes: false }] {
+            let bare = Filters { repeats: false, boxes: false };
+            let mut ways = vec![(Level::best(), bare)];
+            ways.extend(Level::available().into_iter().map(|lanes| (lanes, Filters::default())));
+            for (lanes, filters) in ways {
+                scene.set_lanes(lanes);
                 let collision = scene.collide(&self.tool, pose, filters);
                 let found: Found = collision.pairs.into_iter().zip(collision.kinds).collect();
                 if found != *truth {
-                    return fault(&format!("{storage:?}, voxel size {voxel_size:?}, {filters:?}"), &found);
+                    return fault(
+                        &format!("{storage:?}, voxel size {voxel_size:?}, {}, {filters:?}", lanes.name()),
+                        &found,
+                    );
                 }
             }
             let range = batch.offsets[i] as usize..batch.offsets[i + 1] as usize;

@@ -25,7 +25,7 @@ pub struct Scene {
 #[pymethods]
 impl Scene {
     #[new]
-    #[pyo3(signature = (mockup, voxel_size, storage, hashing, tool, threads, progress, memory_limit))]
+    #[pyo3(signature = (mockup, voxel_size, storage, hashing, tool, threads, progress, memory_limit, simd))]
     #[allow(clippy::too_many_arguments, reason = "the Python signature")]
     fn new(
         py: Python<'_>,
@@ -37,7 +37,19 @@ impl Scene {
         threads: Option<usize>,
         progress: Option<Py<PyAny>>,
         memory_limit: u64,
+        simd: Option<&str>,
     ) -> PyResult<Scene> {
+        let lanes = match simd {
+            None => core::Level::best(),
+            Some(name) => {
+                let levels = core::Level::available();
+                let named = levels.iter().find(|level| level.name() == name);
+                *named.ok_or_else(|| {
+                    let names: Vec<&str> = levels.iter().map(|level| level.name()).collect();
+                    raise("OptionError", format!("simd is {name:?}: this CPU has {}", names.join(", ")))
+                })?
+            }
+        };
         let storage = match storage {
             "hashed" => core::Storage::Hashed { level: hashing },
             "dense" => core::Storage::Dense,
@@ -66,7 +78,9 @@ impl Scene {
             })
         });
         reporter.finish()?;
-        Ok(Scene { core: built.map_err(to_py)?, mockup, pool })
+        let mut core = built.map_err(to_py)?;
+        core.set_lanes(lanes);
+        Ok(Scene { core, mockup, pool })
     }
 
     #[getter]
@@ -94,6 +108,11 @@ impl Scene {
             core::Storage::Hashed { level } => level,
             _ => 0.0,
         }
+    }
+
+    #[getter]
+    fn simd(&self) -> &'static str {
+        self.core.lanes().name()
     }
 
     fn memory<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {

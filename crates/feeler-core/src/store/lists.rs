@@ -127,8 +127,8 @@ impl VoxelLists {
     /// Offers, for each tool triangle, the entries of every voxel its box meets.
     pub fn offer_candidates(&self, narrow: &mut Narrow<'_>) {
         let tool = narrow.tool;
-        for id in tool.mesh().queried() {
-            let bounds = narrow.placed_bounds(id);
+        for slot in 0..tool.ids().len() as u32 {
+            let bounds = narrow.placed_bounds(slot);
             if !bounds.is_overlapping(&self.bounds) {
                 continue;
             }
@@ -140,7 +140,7 @@ impl VoxelLists {
                     for k in range.first[2]..=range.last[2] {
                         narrow.stats.voxels_visited += 1;
                         for &entry in self.slot(((row + u64::from(k)) % self.slots) as usize) {
-                            if narrow.offer(id, entry, may_repeat) {
+                            if narrow.offer(slot, entry, may_repeat) {
                                 return;
                             }
                         }

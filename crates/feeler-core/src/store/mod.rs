@@ -24,7 +24,7 @@ pub enum Storage {
         /// Share of the voxel array's memory saved.
         level: f64,
     },
-    /// Blocks of 32 boxes in Morton order, under a shallow tree.
+    /// Blocks of 32 boxes close together, under a shallow tree.
     Blocks,
 }
 

@@ -1,0 +1,130 @@
+//! An order in which neighbours in space are neighbours in memory, for trees whose nodes take a fixed number of entries.
+//!
+//! Entries are halved by the median of their middles along the longest side of the middles' box, again and again, always
+//! between whole nodes. Compared with an order along a Morton curve the nodes' boxes overlap far less.
+
+use crate::bounds::{Aabb, Point};
+
+/// An entry to be ordered. Its order (`Ord`) breaks ties, so that which entries share a leaf does not depend on the order given.
+pub trait Entry: Copy + Ord + Send {
+    /// The middle of its box: see [`Cells`].
+    fn middle(&self) -> u64;
+}
+
+impl Entry for (u64, u32) {
+    fn middle(&self) -> u64 {
+        self.0
+    }
+}
+
+/// Bits per axis of a middle; x is highest.
+const BITS: u32 = 21;
+const MASK: u64 = (1 << BITS) - 1;
+
+/// A box divided into 2^21 cells along its longest side.
+#[derive(Debug, Clone)]
+pub struct Cells {
+    origin: Point,
+    per_unit: f64,
+}
+
+impl Cells {
+    /// Cubic cells over `bounds`.
+    pub fn new(bounds: &Aabb) -> Cells {
+        let longest = bounds.extent().iter().fold(0.0f64, |m, x| m.max(*x));
+        let per_unit = (1u64 << BITS) as f64 / longest;
+        Cells { origin: bounds.lower, per_unit: if per_unit.is_finite() { per_unit } else { 0.0 } }
+    }
+
+    /// The cell of a box's middle.
+    pub fn middle(&self, lower: &Point, upper: &Point) -> u64 {
+        let cell = |a: usize| {
+            let x = (0.5 * (lower[a] + upper[a]) - self.origin[a]) * self.per_unit;
+            x.clamp(0.0, MASK as f64) as u64
+        };
+        cell(0) << (2 * BITS) | cell(1) << BITS | cell(2)
+    }
+}
+
+/// Orders entries for a tree whose leaves take `fan_out` entries and whose nodes take `fan_out` children. All leaves but the
+/// last are full, and so on upwards.
+pub fn order<E: Entry>(entries: &mut [E], fan_out: usize) {
+    if entries.len() <= fan_out {
+        return;
+    }
+    let (mut low, mut high) = ([u64::MAX; 3], [0; 3]);
+    for entry in entries.iter() {
+        for a in 0..3 {
+            let x = along(entry, a);
+            low[a] = low[a].min(x);
+            high[a] = high[a].max(x);
+        }
+    }
+    let axis = (0..3).max_by_key(|a| high[*a] - low[*a]).unwrap_or(0);
+    // The largest node that is smaller than all entries together.
+    let mut node = fan_out;
+    while node.saturating_mul(fan_out) < entries.len() {
+        node *= fan_out;
+    }
+    let middle = entries.len().div_ceil(node) / 2 * node;
+    entries.select_nth_unstable_by(middle, |p, q| (along(p, axis), p).cmp(&(along(q, axis), q)));
+    let (left, right) = entries.split_at_mut(middle);
+    rayon::join(|| order(left, fan_out), || order(right, fan_out));
+}
+
+#[inline]
+fn along<E: Entry>(entry: &E, axis: usize) -> u64 {
+    entry.middle() >> (BITS * (2 - axis as u32)) & MASK
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn random_entries(count: u32) -> Vec<(u64, u32)> {
+        let mut state = 7u64;
+        (0..count)
+            .map(|i| {
+                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                (state >> 1, i)
+            })
+            .collect()
+    }
+
+    #[test]
+    fn the_order_given_does_not_matter_and_nothing_is_lost() {
+        let mut entries = random_entries(5000);
+        let mut reversed: Vec<_> = entries.iter().rev().copied().collect();
+        order(&mut entries, 8);
+        order(&mut reversed, 8);
+        for leaves in [&mut entries, &mut reversed] {
+            leaves.chunks_mut(8).for_each(<[_]>::sort_unstable);
+        }
+        assert_eq!(entries, reversed);
+        entries.sort_unstable_by_key(|e| e.1);
+        assert_eq!(entries, random_entries(5000));
+    }
+
+    #[test]
+    fn leaves_and_nodes_are_small_boxes() {
+        // A lattice of 16^3 cells: 512 leaves of 8, each a cube of 2 cells, and 64 nodes of 8 leaves, each a cube of 4.
+        let mut entries: Vec<(u64, u32)> =
+            (0..4096u64).map(|i| ((i >> 8) << 42 | (i >> 4 & 15) << 21 | (i & 15), i as u32)).collect();
+        order(&mut entries, 8);
+        for (count, side) in [(8, 2), (64, 4), (512, 8)] {
+            for node in entries.chunks(count) {
+                for a in 0..3 {
+                    let (low, high) =
+                        node.iter().fold((u64::MAX, 0), |(l, h), e| (l.min(along(e, a)), h.max(along(e, a))));
+                    assert_eq!(high - low, side - 1);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_point_has_a_middle_too() {
+        let point = Aabb { lower: [7.0; 3], upper: [7.0; 3] };
+        assert_eq!(Cells::new(&point).middle(&point.lower, &point.upper), 0);
+    }
+}

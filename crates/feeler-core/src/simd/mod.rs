@@ -1,0 +1,222 @@
+//! Lanes: sixteen float32 or eight float64 at once, with the widest instructions the CPU has.
+//!
+//! Kernels are written once, generic over [`Simd`], as a type that implements [`Kernel`]. [`Checked::run`] compiles them for
+//! each instruction set and calls the one asked for; [`Level::best`] asks the CPU. All `unsafe` code of the core is here: each
+//! wrapper around an instruction relies on a token ([`Simd`]) that only [`Checked::run`] makes, for a level the CPU has.
+//!
+//! No level fuses a multiplication with an addition unless the kernel says so ([`Simd::mul_add`]), so float64 kernels give the
+//! same numbers on each.
+
+#![allow(unsafe_code, reason = "instructions a CPU may lack: the rest of the core is free of unsafe code")]
+
+mod portable;
+#[cfg(target_arch = "x86_64")]
+mod x86;
+
+use std::fmt::Debug;
+use std::ops::{Add, Mul, Sub};
+use std::sync::OnceLock;
+
+pub(crate) use portable::Portable;
+
+/// Lanes of float32.
+pub const LANES: usize = 16;
+/// Lanes of float64.
+pub const WIDE_LANES: usize = 8;
+
+/// An instruction set the kernels are compiled for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Level {
+    /// Plain code, as good as the compiler's own vectors for the baseline CPU.
+    Portable,
+    /// AVX2 and FMA (x86-64-v3).
+    Avx2,
+    /// AVX-512 F, BW, DQ, VL (x86-64-v4).
+    Avx512,
+}
+
+impl Level {
+    /// All levels this CPU has, the best last.
+    pub fn available() -> Vec<Level> {
+        let all = [Level::Portable, Level::Avx2, Level::Avx512];
+        all.into_iter().filter(|level| level.is_available()).collect()
+    }
+
+    /// The best level this CPU has.
+    #[inline]
+    pub fn best() -> Level {
+        static BEST: OnceLock<Level> = OnceLock::new();
+        *BEST.get_or_init(|| Level::available().pop().unwrap_or(Level::Portable))
+    }
+
+    /// Its name, in lower case.
+    pub fn name(self) -> &'static str {
+        match self {
+            Level::Portable => "portable",
+            Level::Avx2 => "avx2",
+            Level::Avx512 => "avx512",
+        }
+    }
+
+    /// Whether this CPU has it.
+    pub fn is_available(self) -> bool {
+        #[cfg(target_arch = "x86_64")]
+        {
+            match self {
+                Level::Portable => true,
+                Level::Avx2 => x86::has_avx2(),
+                Level::Avx512 => x86::has_avx512(),
+            }
+        }
+        #[cfg(not(target_arch = "x86_64"))]
+        {
+            self == Level::Portable
+        }
+    }
+
+    /// This level, or the best one where the CPU lacks it.
+    pub(crate) fn checked(self) -> Checked {
+        Checked(if self.is_available() { self } else { Level::best() })
+    }
+}
+
+/// A level this CPU has.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Checked(Level);
+
+impl Checked {
+    /// Which one.
+    pub fn level(self) -> Level {
+        self.0
+    }
+
+    /// Runs a kernel compiled for this level.
+    #[inline]
+    pub fn run<K: Kernel>(self, kernel: K) -> K::Output {
+        match self.0 {
+            // SAFETY: only `Level::checked` makes such a value, and it asked the CPU.
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx512 => unsafe { x86::run_avx512(kernel) },
+            // SAFETY: the same.
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx2 => unsafe { x86::run_avx2(kernel) },
+            _ => kernel.run(Portable),
+        }
+    }
+}
+
+/// A piece of work in lanes. `run` must be `#[inline(always)]`, as must be all it calls that takes lanes: only what is inlined
+/// into the entry of a level is compiled for that level.
+pub(crate) trait Kernel {
+    /// What it gives.
+    type Output;
+    /// Does the work.
+    fn run<S: Simd>(self, s: S) -> Self::Output;
+}
+
+/// The boxes of 32 children in bytes.
+#[derive(Debug, Clone)]
+#[repr(C)]
+pub(crate) struct ByteBoxes {
+    /// For each axis 32 lower sides, then 32 times 255 minus the upper side.
+    pub sides: [[u8; 64]; 3],
+    /// Where byte 0 lies, and how many bytes a unit of length has. The fourth axis is not used.
+    pub origin: [f32; 4],
+    /// See `origin`.
+    pub per_unit: [f32; 4],
+}
+
+impl ByteBoxes {
+    /// A byte that grows with `x`, clamped at both ends. NaN (infinity where a unit has no bytes) gives 0.
+    ///
+    /// Each level rounds as this function does.
+    #[inline(always)]
+    pub fn to_byte(&self, x: f32, axis: usize) -> u8 {
+        let t = (x - self.origin[axis]) * self.per_unit[axis];
+        let t = if t > 0.0 { t } else { 0.0 };
+        let t = if t < 255.0 { t } else { 255.0 };
+        // Adding 2^23 rounds to a whole number, halves to even, which then stands in the lowest bits.
+        (t + 8_388_608.0).to_bits() as u8
+    }
+}
+
+/// The operations of one level. Comparisons with NaN are false.
+pub(crate) trait Simd: Copy {
+    /// Sixteen float32.
+    type F32: Copy + Add<Output = Self::F32> + Sub<Output = Self::F32> + Mul<Output = Self::F32>;
+    /// Eight float64.
+    type F64: Copy + Add<Output = Self::F64> + Sub<Output = Self::F64> + Mul<Output = Self::F64>;
+    /// A choice per float64 lane.
+    type M64: Copy;
+
+    /// One number in all lanes.
+    fn splat(self, x: f32) -> Self::F32;
+    /// Lane `i` is `x[i]`.
+    fn load(self, x: &[f32; LANES]) -> Self::F32;
+    /// The lanes.
+    fn store(self, x: Self::F32, to: &mut [f32; LANES]);
+    /// Bytes as numbers.
+    fn widen_bytes(self, x: &[u8; LANES]) -> Self::F32;
+    /// Ten bits of each number, from bit `10 * field` up, as numbers.
+    fn widen_field(self, x: &[u32; LANES], field: u32) -> Self::F32;
+    /// `a * b + c`, rounded once where the CPU can, twice elsewhere: only for what has a margin.
+    fn mul_add(self, a: Self::F32, b: Self::F32, c: Self::F32) -> Self::F32;
+    /// The smaller; of no use with NaN.
+    fn min(self, a: Self::F32, b: Self::F32) -> Self::F32;
+    /// The larger; of no use with NaN.
+    fn max(self, a: Self::F32, b: Self::F32) -> Self::F32;
+    /// Absolute value.
+    fn abs(self, a: Self::F32) -> Self::F32;
+    /// One bit a lane: `a > b`.
+    fn above(self, a: Self::F32, b: Self::F32) -> u16;
+    /// The smallest lane.
+    fn smallest(self, a: Self::F32) -> f32;
+    /// The largest lane.
+    fn largest(self, a: Self::F32) -> f32;
+
+    /// Whether on some axis one of two boxes, given by lower and upper sides, ends before the other begins.
+    fn is_apart(self, a: [&[f32; 4]; 2], b: [&[f32; 4]; 2]) -> bool;
+    /// One bit for each of 32 children whose box meets the box `b` (lower and upper sides): see [`ByteBoxes`].
+    fn children_meeting(self, boxes: &ByteBoxes, b: [&[f32; 4]; 2]) -> u32;
+
+    /// Writes the chosen numbers one after the other to `to[at..]`, and anything to what follows, up to 16 in all; returns the
+    /// place after the last one chosen. `to` must have 16 places from `at`.
+    fn append(self, chosen: u16, from: &[u32; LANES], to: &mut [u32], at: usize) -> usize;
+
+    /// One number in all lanes.
+    fn wide_splat(self, x: f64) -> Self::F64;
+    /// Lane `i` is `x[i]`.
+    fn wide_load(self, x: &[f64; WIDE_LANES]) -> Self::F64;
+    /// Absolute value.
+    fn wide_abs(self, a: Self::F64) -> Self::F64;
+    /// The larger; of no use with NaN.
+    fn wide_max(self, a: Self::F64, b: Self::F64) -> Self::F64;
+    /// `a > b`.
+    fn wide_above(self, a: Self::F64, b: Self::F64) -> Self::M64;
+    /// `a` where chosen, else `b`.
+    fn choose(self, mask: Self::M64, a: Self::F64, b: Self::F64) -> Self::F64;
+    /// The one or the other, not both.
+    fn differing(self, a: Self::M64, b: Self::M64) -> Self::M64;
+    /// Both.
+    fn both(self, a: Self::M64, b: Self::M64) -> Self::M64;
+    /// Either or both.
+    fn either(self, a: Self::M64, b: Self::M64) -> Self::M64;
+    /// One bit a lane.
+    fn bits(self, mask: Self::M64) -> u8;
+}
+
+/// Asks for the cache lines of a value that will be read soon.
+#[inline(always)]
+pub(crate) fn prefetch<T>(value: &T) {
+    #[cfg(target_arch = "x86_64")]
+    {
+        use std::arch::x86_64::{_mm_prefetch, _MM_HINT_T0};
+        let start = std::ptr::from_ref(value).cast::<i8>();
+        for line in 0..size_of::<T>().div_ceil(64) {
+            // SAFETY: prefetching is a hint on any address and every x86-64 CPU has it; the addresses lie within the value.
+            unsafe { _mm_prefetch(start.add(64 * line), _MM_HINT_T0) };
+        }
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = value;
+}

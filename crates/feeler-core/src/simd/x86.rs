@@ -1,0 +1,446 @@
+//! AVX2 and AVX-512 for x86-64.
+
+use std::arch::x86_64::*;
+use std::ops::{Add, Mul, Sub};
+
+use super::portable::append;
+use super::{ByteBoxes, Kernel, Simd, LANES, WIDE_LANES};
+
+/// Whether the CPU has what [`Avx2`] uses.
+pub fn has_avx2() -> bool {
+    is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") && is_x86_feature_detected!("bmi2")
+}
+
+/// Whether the CPU has what [`Avx512`] uses.
+pub fn has_avx512() -> bool {
+    has_avx2()
+        && is_x86_feature_detected!("avx512f")
+        && is_x86_feature_detected!("avx512bw")
+        && is_x86_feature_detected!("avx512dq")
+        && is_x86_feature_detected!("avx512vl")
+}
+
+/// Runs a kernel with AVX2.
+///
+/// # Safety
+/// The CPU must have what [`has_avx2`] asks for; the other features came before AVX2.
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+pub unsafe fn run_avx2<K: Kernel>(kernel: K) -> K::Output {
+    kernel.run(Avx2(()))
+}
+
+/// Runs a kernel with AVX-512.
+///
+/// # Safety
+/// The CPU must have what [`has_avx512`] asks for; the other features came before AVX2.
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+pub unsafe fn run_avx512<K: Kernel>(kernel: K) -> K::Output {
+    kernel.run(Avx512(()))
+}
+
+/// The token of AVX2: only [`run_avx2`] makes one.
+#[derive(Debug, Clone, Copy)]
+pub struct Avx2(());
+
+/// The token of AVX-512: only [`run_avx512`] makes one.
+#[derive(Debug, Clone, Copy)]
+pub struct Avx512(());
+
+/// Two registers as one value.
+#[derive(Debug, Clone, Copy)]
+pub struct Two<T>(T, T);
+
+/// One register.
+#[derive(Debug, Clone, Copy)]
+pub struct One<T>(T);
+
+macro_rules! operators {
+    ($trait:ident, $name:ident, $two_f32:ident, $two_f64:ident, $one_f32:ident, $one_f64:ident) => {
+        operators!(two $trait, $name, __m256, $two_f32);
+        operators!(two $trait, $name, __m256d, $two_f64);
+        operators!(one $trait, $name, __m512, $one_f32);
+        operators!(one $trait, $name, __m512d, $one_f64);
+    };
+    (two $trait:ident, $name:ident, $register:ident, $instruction:ident) => {
+        impl $trait for Two<$register> {
+            type Output = Self;
+            #[inline(always)]
+            fn $name(self, other: Self) -> Self {
+                // SAFETY: such values are made with an `Avx2` token only.
+                unsafe { Two($instruction(self.0, other.0), $instruction(self.1, other.1)) }
+            }
+        }
+    };
+    (one $trait:ident, $name:ident, $register:ident, $instruction:ident) => {
+        impl $trait for One<$register> {
+            type Output = Self;
+            #[inline(always)]
+            fn $name(self, other: Self) -> Self {
+                // SAFETY: such values are made with an `Avx512` token only.
+                unsafe { One($instruction(self.0, other.0)) }
+            }
+        }
+    };
+}
+
+operators!(Add, add, _mm256_add_ps, _mm256_add_pd, _mm512_add_ps, _mm512_add_pd);
+operators!(Sub, sub, _mm256_sub_ps, _mm256_sub_pd, _mm512_sub_ps, _mm512_sub_pd);
+operators!(Mul, mul, _mm256_mul_ps, _mm256_mul_pd, _mm512_mul_ps, _mm512_mul_pd);
+
+// SAFETY of all blocks below: the token says that the CPU has the instructions; loads and stores go to arrays of the
+// register's size and ask for no alignment.
+
+#[inline(always)]
+fn is_apart(a: [&[f32; 4]; 2], b: [&[f32; 4]; 2]) -> bool {
+    // SAFETY: see above; every x86-64 CPU has these.
+    unsafe {
+        let (a_lower, a_upper) = (_mm_loadu_ps(a[0].as_ptr()), _mm_loadu_ps(a[1].as_ptr()));
+        let (b_lower, b_upper) = (_mm_loadu_ps(b[0].as_ptr()), _mm_loadu_ps(b[1].as_ptr()));
+        let apart = _mm_or_ps(_mm_cmpgt_ps(a_lower, b_upper), _mm_cmpgt_ps(b_lower, a_upper));
+        _mm_movemask_ps(apart) & 7 != 0
+    }
+}
+
+/// For each axis, in the lowest byte of a 32-bit lane: the largest lower side, and the largest 255 minus the upper side, that a
+/// child may have to meet the box.
+#[inline(always)]
+fn limits(boxes: &ByteBoxes, b: [&[f32; 4]; 2]) -> (__m128i, __m128i) {
+    // SAFETY: see above; every x86-64 CPU has these.
+    unsafe {
+        let (origin, per_unit) = (_mm_loadu_ps(boxes.origin.as_ptr()), _mm_loadu_ps(boxes.per_unit.as_ptr()));
+        let (zero, most) = (_mm_setzero_ps(), _mm_set1_ps(255.0));
+        let t = _mm_mul_ps(_mm_sub_ps(_mm_loadu_ps(b[1].as_ptr()), origin), per_unit);
+        // `max` gives its second argument where the first is NaN; the conversion rounds halves to even.
+        let before = _mm_cvtps_epi32(_mm_min_ps(_mm_max_ps(t, zero), most));
+        let t = _mm_mul_ps(_mm_sub_ps(_mm_loadu_ps(b[0].as_ptr()), origin), per_unit);
+        let after = _mm_cvtps_epi32(_mm_min_ps(_mm_max_ps(t, zero), most));
+        // 255 minus a byte is the byte with all bits turned.
+        (before, _mm_xor_si128(after, _mm_set1_epi32(255)))
+    }
+}
+
+impl Simd for Avx512 {
+    type F32 = One<__m512>;
+    type F64 = One<__m512d>;
+    type M64 = u8;
+
+    #[inline(always)]
+    fn splat(self, x: f32) -> Self::F32 {
+        // SAFETY: see above.
+        unsafe { One(_mm512_set1_ps(x)) }
+    }
+    #[inline(always)]
+    fn load(self, x: &[f32; LANES]) -> Self::F32 {
+        // SAFETY: see above.
+        unsafe { One(_mm512_loadu_ps(x.as_ptr())) }
+    }
+    #[inline(always)]
+    fn store(self, x: Self::F32, to: &mut [f32; LANES]) {
+        // SAFETY: see above.
+        unsafe { _mm512_storeu_ps(to.as_mut_ptr(), x.0) }
+    }
+    #[inline(always)]
+    fn widen_bytes(self, x: &[u8; LANES]) -> Self::F32 {
+        // SAFETY: see above.
+        unsafe { One(_mm512_cvtepi32_ps(_mm512_cvtepu8_epi32(_mm_loadu_si128(x.as_ptr().cast())))) }
+    }
+    #[inline(always)]
+    fn widen_field(self, x: &[u32; LANES], field: u32) -> Self::F32 {
+        // SAFETY: see above.
+        unsafe {
+            let bits = _mm512_srlv_epi32(_mm512_loadu_si512(x.as_ptr().cast()), _mm512_set1_epi32(10 * field as i32));
+            One(_mm512_cvtepi32_ps(_mm512_and_si512(bits, _mm512_set1_epi32(1023))))
+        }
+    }
+    #[inline(always)]
+    fn mul_add(self, a: Self::F32, b: Self::F32, c: Self::F32) -> Self::F32 {
+        // SAFETY: see above.
+        unsafe { One(_mm512_fmadd_ps(a.0, b.0, c.0)) }
+    }
+    #[inline(always)]
+    fn min(self, a: Self::F32, b: Self::F32) -> Self::F32 {
+        // SAFETY: see above.
+        unsafe { One(_mm512_min_ps(a.0, b.0)) }
+    }
+    #[inline(always)]
+    fn max(self, a: Self::F32, b: Self::F32) -> Self::F32 {
+        // SAFETY: see above.
+        unsafe { One(_mm512_max_ps(a.0, b.0)) }
+    }
+    #[inline(always)]
+    fn abs(self, a: Self::F32) -> Self::F32 {
+        // SAFETY: see above.
+        unsafe { One(_mm512_abs_ps(a.0)) }
+    }
+    #[inline(always)]
+    fn above(self, a: Self::F32, b: Self::F32) -> u16 {
+        // SAFETY: see above.
+        unsafe { _mm512_cmp_ps_mask::<_CMP_GT_OQ>(a.0, b.0) }
+    }
+    #[inline(always)]
+    fn smallest(self, a: Self::F32) -> f32 {
+        // SAFETY: see above.
+        unsafe { _mm512_reduce_min_ps(a.0) }
+    }
+    #[inline(always)]
+    fn largest(self, a: Self::F32) -> f32 {
+        // SAFETY: see above.
+        unsafe { _mm512_reduce_max_ps(a.0) }
+    }
+    #[inline(always)]
+    fn is_apart(self, a: [&[f32; 4]; 2], b: [&[f32; 4]; 2]) -> bool {
+        is_apart(a, b)
+    }
+    #[inline(always)]
+    fn children_meeting(self, boxes: &ByteBoxes, b: [&[f32; 4]; 2]) -> u32 {
+        // SAFETY: see above; 64 bytes of each axis are loaded, which is all there are.
+        unsafe {
+            let (before, after) = limits(boxes, b);
+            let both = _mm512_inserti64x4::<1>(
+                _mm512_castsi256_si512(_mm256_broadcastsi128_si256(before)),
+                _mm256_broadcastsi128_si256(after),
+            );
+            let mut above = 0;
+            for a in 0..3 {
+                let limit = _mm512_shuffle_epi8(both, _mm512_set1_epi8(4 * a as i8));
+                above |= _mm512_cmpgt_epu8_mask(_mm512_loadu_si512(boxes.sides[a].as_ptr().cast()), limit);
+            }
+            !(above as u32 | (above >> 32) as u32)
+        }
+    }
+
+    #[inline(always)]
+    fn append(self, chosen: u16, from: &[u32; LANES], to: &mut [u32], at: usize) -> usize {
+        let to = &mut to[at..at + LANES];
+        // SAFETY: see above; `to` has 16 numbers.
+        unsafe {
+            let packed = _mm512_maskz_compress_epi32(chosen, _mm512_loadu_si512(from.as_ptr().cast()));
+            _mm512_storeu_si512(to.as_mut_ptr().cast(), packed);
+        }
+        at + chosen.count_ones() as usize
+    }
+
+    #[inline(always)]
+    fn wide_splat(self, x: f64) -> Self::F64 {
+        // SAFETY: see above.
+        unsafe { One(_mm512_set1_pd(x)) }
+    }
+    #[inline(always)]
+    fn wide_load(self, x: &[f64; WIDE_LANES]) -> Self::F64 {
+        // SAFETY: see above.
+        unsafe { One(_mm512_loadu_pd(x.as_ptr())) }
+    }
+    #[inline(always)]
+    fn wide_abs(self, a: Self::F64) -> Self::F64 {
+        // SAFETY: see above.
+        unsafe { One(_mm512_abs_pd(a.0)) }
+    }
+    #[inline(always)]
+    fn wide_max(self, a: Self::F64, b: Self::F64) -> Self::F64 {
+        // SAFETY: see above.
+        unsafe { One(_mm512_max_pd(a.0, b.0)) }
+    }
+    #[inline(always)]
+    fn wide_above(self, a: Self::F64, b: Self::F64) -> Self::M64 {
+        // SAFETY: see above.
+        unsafe { _mm512_cmp_pd_mask::<_CMP_GT_OQ>(a.0, b.0) }
+    }
+    #[inline(always)]
+    fn choose(self, mask: Self::M64, a: Self::F64, b: Self::F64) -> Self::F64 {
+        // SAFETY: see above.
+        unsafe { One(_mm512_mask_blend_pd(mask, b.0, a.0)) }
+    }
+    #[inline(always)]
+    fn differing(self, a: Self::M64, b: Self::M64) -> Self::M64 {
+        a ^ b
+    }
+    #[inline(always)]
+    fn both(self, a: Self::M64, b: Self::M64) -> Self::M64 {
+        a & b
+    }
+    #[inline(always)]
+    fn either(self, a: Self::M64, b: Self::M64) -> Self::M64 {
+        a | b
+    }
+    #[inline(always)]
+    fn bits(self, mask: Self::M64) -> u8 {
+        mask
+    }
+}
+
+impl Simd for Avx2 {
+    type F32 = Two<__m256>;
+    type F64 = Two<__m256d>;
+    type M64 = Two<__m256d>;
+
+    #[inline(always)]
+    fn splat(self, x: f32) -> Self::F32 {
+        // SAFETY: see above.
+        unsafe { Two(_mm256_set1_ps(x), _mm256_set1_ps(x)) }
+    }
+    #[inline(always)]
+    fn load(self, x: &[f32; LANES]) -> Self::F32 {
+        // SAFETY: see above.
+        unsafe { Two(_mm256_loadu_ps(x.as_ptr()), _mm256_loadu_ps(x[8..].as_ptr())) }
+    }
+    #[inline(always)]
+    fn store(self, x: Self::F32, to: &mut [f32; LANES]) {
+        // SAFETY: see above.
+        unsafe {
+            _mm256_storeu_ps(to.as_mut_ptr(), x.0);
+            _mm256_storeu_ps(to[8..].as_mut_ptr(), x.1);
+        }
+    }
+    #[inline(always)]
+    fn widen_bytes(self, x: &[u8; LANES]) -> Self::F32 {
+        // SAFETY: see above.
+        unsafe {
+            let bytes = _mm_loadu_si128(x.as_ptr().cast());
+            let eight = |b: __m128i| _mm256_cvtepi32_ps(_mm256_cvtepu8_epi32(b));
+            Two(eight(bytes), eight(_mm_srli_si128::<8>(bytes)))
+        }
+    }
+    #[inline(always)]
+    fn widen_field(self, x: &[u32; LANES], field: u32) -> Self::F32 {
+        // SAFETY: see above.
+        unsafe {
+            let (shift, mask) = (_mm256_set1_epi32(10 * field as i32), _mm256_set1_epi32(1023));
+            let low = _mm256_srlv_epi32(_mm256_loadu_si256(x.as_ptr().cast()), shift);
+            let high = _mm256_srlv_epi32(_mm256_loadu_si256(x[8..].as_ptr().cast()), shift);
+            Two(_mm256_cvtepi32_ps(_mm256_and_si256(low, mask)), _mm256_cvtepi32_ps(_mm256_and_si256(high, mask)))
+        }
+    }
+    #[inline(always)]
+    fn mul_add(self, a: Self::F32, b: Self::F32, c: Self::F32) -> Self::F32 {
+        // SAFETY: see above.
+        unsafe { Two(_mm256_fmadd_ps(a.0, b.0, c.0), _mm256_fmadd_ps(a.1, b.1, c.1)) }
+    }
+    #[inline(always)]
+    fn min(self, a: Self::F32, b: Self::F32) -> Self::F32 {
+        // SAFETY: see above.
+        unsafe { Two(_mm256_min_ps(a.0, b.0), _mm256_min_ps(a.1, b.1)) }
+    }
+    #[inline(always)]
+    fn max(self, a: Self::F32, b: Self::F32) -> Self::F32 {
+        // SAFETY: see above.
+        unsafe { Two(_mm256_max_ps(a.0, b.0), _mm256_max_ps(a.1, b.1)) }
+    }
+    #[inline(always)]
+    fn abs(self, a: Self::F32) -> Self::F32 {
+        // SAFETY: see above.
+        unsafe {
+            let sign = _mm256_set1_ps(-0.0);
+            Two(_mm256_andnot_ps(sign, a.0), _mm256_andnot_ps(sign, a.1))
+        }
+    }
+    #[inline(always)]
+    fn above(self, a: Self::F32, b: Self::F32) -> u16 {
+        // SAFETY: see above.
+        unsafe {
+            let low = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_GT_OQ>(a.0, b.0));
+            let high = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_GT_OQ>(a.1, b.1));
+            (low | high << 8) as u16
+        }
+    }
+    #[inline(always)]
+    fn smallest(self, a: Self::F32) -> f32 {
+        // SAFETY: see above.
+        unsafe {
+            let m = _mm256_min_ps(a.0, a.1);
+            let m = _mm_min_ps(_mm256_castps256_ps128(m), _mm256_extractf128_ps::<1>(m));
+            let m = _mm_min_ps(m, _mm_movehl_ps(m, m));
+            _mm_cvtss_f32(_mm_min_ss(m, _mm_movehdup_ps(m)))
+        }
+    }
+    #[inline(always)]
+    fn largest(self, a: Self::F32) -> f32 {
+        // SAFETY: see above.
+        unsafe {
+            let m = _mm256_max_ps(a.0, a.1);
+            let m = _mm_max_ps(_mm256_castps256_ps128(m), _mm256_extractf128_ps::<1>(m));
+            let m = _mm_max_ps(m, _mm_movehl_ps(m, m));
+            _mm_cvtss_f32(_mm_max_ss(m, _mm_movehdup_ps(m)))
+        }
+    }
+    #[inline(always)]
+    fn is_apart(self, a: [&[f32; 4]; 2], b: [&[f32; 4]; 2]) -> bool {
+        is_apart(a, b)
+    }
+    #[inline(always)]
+    fn children_meeting(self, boxes: &ByteBoxes, b: [&[f32; 4]; 2]) -> u32 {
+        // SAFETY: see above.
+        unsafe {
+            let (before, after) = limits(boxes, b);
+            let halves = [_mm256_broadcastsi128_si256(before), _mm256_broadcastsi128_si256(after)];
+            // What is left after subtracting the limit with saturation is not zero where the byte is above it.
+            let mut above = _mm256_setzero_si256();
+            for a in 0..3 {
+                for half in 0..2 {
+                    let limit = _mm256_shuffle_epi8(halves[half], _mm256_set1_epi8(4 * a as i8));
+                    let side = _mm256_loadu_si256(boxes.sides[a].as_ptr().add(32 * half).cast());
+                    above = _mm256_or_si256(above, _mm256_subs_epu8(side, limit));
+                }
+            }
+            _mm256_movemask_epi8(_mm256_cmpeq_epi8(above, _mm256_setzero_si256())) as u32
+        }
+    }
+
+    #[inline(always)]
+    fn append(self, chosen: u16, from: &[u32; LANES], to: &mut [u32], at: usize) -> usize {
+        append(chosen, from, to, at)
+    }
+
+    #[inline(always)]
+    fn wide_splat(self, x: f64) -> Self::F64 {
+        // SAFETY: see above.
+        unsafe { Two(_mm256_set1_pd(x), _mm256_set1_pd(x)) }
+    }
+    #[inline(always)]
+    fn wide_load(self, x: &[f64; WIDE_LANES]) -> Self::F64 {
+        // SAFETY: see above.
+        unsafe { Two(_mm256_loadu_pd(x.as_ptr()), _mm256_loadu_pd(x[4..].as_ptr())) }
+    }
+    #[inline(always)]
+    fn wide_abs(self, a: Self::F64) -> Self::F64 {
+        // SAFETY: see above.
+        unsafe {
+            let sign = _mm256_set1_pd(-0.0);
+            Two(_mm256_andnot_pd(sign, a.0), _mm256_andnot_pd(sign, a.1))
+        }
+    }
+    #[inline(always)]
+    fn wide_max(self, a: Self::F64, b: Self::F64) -> Self::F64 {
+        // SAFETY: see above.
+        unsafe { Two(_mm256_max_pd(a.0, b.0), _mm256_max_pd(a.1, b.1)) }
+    }
+    #[inline(always)]
+    fn wide_above(self, a: Self::F64, b: Self::F64) -> Self::M64 {
+        // SAFETY: see above.
+        unsafe { Two(_mm256_cmp_pd::<_CMP_GT_OQ>(a.0, b.0), _mm256_cmp_pd::<_CMP_GT_OQ>(a.1, b.1)) }
+    }
+    #[inline(always)]
+    fn choose(self, mask: Self::M64, a: Self::F64, b: Self::F64) -> Self::F64 {
+        // SAFETY: see above.
+        unsafe { Two(_mm256_blendv_pd(b.0, a.0, mask.0), _mm256_blendv_pd(b.1, a.1, mask.1)) }
+    }
+    #[inline(always)]
+    fn differing(self, a: Self::M64, b: Self::M64) -> Self::M64 {
+        // SAFETY: see above.
+        unsafe { Two(_mm256_xor_pd(a.0, b.0), _mm256_xor_pd(a.1, b.1)) }
+    }
+    #[inline(always)]
+    fn both(self, a: Self::M64, b: Self::M64) -> Self::M64 {
+        // SAFETY: see above.
+        unsafe { Two(_mm256_and_pd(a.0, b.0), _mm256_and_pd(a.1, b.1)) }
+    }
+    #[inline(always)]
+    fn either(self, a: Self::M64, b: Self::M64) -> Self::M64 {
+        // SAFETY: see above.
+        unsafe { Two(_mm256_or_pd(a.0, b.0), _mm256_or_pd(a.1, b.1)) }
+    }
+    #[inline(always)]
+    fn bits(self, mask: Self::M64) -> u8 {
+        // SAFETY: see above.
+        unsafe { (_mm256_movemask_pd(mask.0) | _mm256_movemask_pd(mask.1) << 4) as u8 }
+    }
+}

@@ -1,0 +1,227 @@
+//! Building the blocks.
+
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+
+use rayon::prelude::*;
+
+use super::node::{Frame, Node, FANOUT};
+use super::pieces::{HalfBlock, PackedPieces};
+use super::Blocks;
+use crate::bounds::Aabb;
+use crate::error::{Error, Result};
+use crate::lanes::{Box4, LANES};
+use crate::median::{self, Cells};
+use crate::mesh::Mesh;
+use crate::pieces::{cut_margin, cut_triangle, least_pieces};
+use crate::simd::{Kernel, Level, Simd};
+use crate::store::{check_entries, check_memory, report, Progress};
+
+/// Triangles a build task handles at a time.
+const CHUNK: usize = 4096;
+
+/// Bytes per piece at the height of building: the piece, its corners while it is cut, its place in a block and that block.
+const BUILD_BYTES_PER_PIECE: f64 = (size_of::<BuildPiece>()
+    + size_of::<Corners>()
+    + size_of::<u32>()
+    + (size_of::<Node>() + size_of::<PackedPieces>() + size_of::<Box4>()).div_ceil(FANOUT))
+    as f64;
+
+/// A piece's corners in the frame.
+type Corners = [[f32; 3]; 4];
+
+/// A piece on its way to a block, in the order of blocks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct BuildPiece {
+    middle: u64,
+    triangle: u32,
+    /// Where its corners are kept; `WHOLE` for a triangle that was not cut.
+    cut: u32,
+}
+
+impl median::Entry for BuildPiece {
+    #[inline]
+    fn middle(&self) -> u64 {
+        self.middle
+    }
+}
+
+const WHOLE: u32 = u32::MAX;
+
+/// How many pieces, and how many of them are of triangles that were cut.
+#[derive(Debug, Clone, Copy, Default)]
+struct Count {
+    pieces: u64,
+    cut: u64,
+}
+
+impl Blocks {
+    /// Cuts triangles to pieces of `size` metres and builds the blocks.
+    pub fn build(mesh: &Mesh, size: f64, limit: u64, progress: Progress<'_>) -> Result<Blocks> {
+        if !(size.is_finite() && size > 0.0) {
+            return Err(Error::VoxelSize { value: size });
+        }
+        report(progress, 0.0, "cutting triangles")?;
+        let ids: Vec<u32> = mesh.queried().collect();
+        let counts = count_pieces(mesh, &ids, size, limit)?;
+        let frame = Frame::new(&mesh.bounds());
+        let (mut pieces, cuts) = cut_all(mesh, &ids, size, &counts, &frame);
+        drop((ids, counts));
+
+        report(progress, 0.3, "sorting pieces")?;
+        median::order(&mut pieces, FANOUT);
+
+        report(progress, 0.7, "building blocks")?;
+        // Cutting rounds, and so does growing by what cutting rounds: coordinates are at most 1.
+        let slack = (1.01 * cut_margin(mesh.bounds().largest_coordinate()) * frame.scale) as f32;
+        let margin = slack + 2.0 * f32::EPSILON;
+        let lanes = Level::best().checked();
+        let mut triangles = vec![0; pieces.len()];
+        let mut packed: Vec<PackedPieces> = vec![[[[0; LANES]; 2]; 4]; pieces.len().div_ceil(FANOUT)];
+        let mut blocks = Vec::new();
+        let places = triangles.par_chunks_mut(FANOUT).zip(packed.par_iter_mut());
+        pieces
+            .par_chunks(FANOUT)
+            .zip(places)
+            .map(|(chunk, (triangles, packed))| {
+                let mut bounds = [Box4::EMPTY; FANOUT];
+                let mut corners: [Corners; FANOUT] = [[[0.0; 3]; 4]; FANOUT];
+                let mut cut = 0;
+                for (i, piece) in chunk.iter().enumerate() {
+                    triangles[i] = piece.triangle;
+                    if piece.cut == WHOLE {
+                        let [a, b, c] = mesh.triangle(piece.triangle).map(|p| frame.point(&p));
+                        corners[i] = [a, b, c, c];
+                        bounds[i] = box_of(&corners[i], 0.0);
+                    } else {
+                        corners[i] = cuts[piece.cut as usize];
+                        bounds[i] = box_of(&corners[i], margin);
+                        cut |= 1 << i;
+                    }
+                }
+                let node = Node::new(&bounds[..chunk.len()], cut);
+                let halves = lanes.run(Unpack(&node));
+                for i in 0..chunk.len() {
+                    let (half, lane) = (i / LANES, i % LANES);
+                    let corners = halves[half].pack(lane, &corners[i]);
+                    for c in 0..4 {
+                        packed[c][half][lane] = corners[c];
+                    }
+                }
+                node
+            })
+            .collect_into_vec(&mut blocks);
+        drop((pieces, cuts));
+        let mut levels = vec![blocks];
+        while levels[levels.len() - 1].len() > 1 {
+            let below = &levels[levels.len() - 1];
+            let above = below
+                .par_chunks(FANOUT)
+                .map(|nodes| {
+                    let mut bounds = [Box4::EMPTY; FANOUT];
+                    nodes.iter().zip(&mut bounds).for_each(|(node, b)| *b = node.bounds());
+                    Node::new(&bounds[..nodes.len()], 0)
+                })
+                .collect();
+            levels.push(above);
+        }
+        levels.iter_mut().for_each(Vec::shrink_to_fit);
+        report(progress, 1.0, "done")?;
+        Ok(Blocks { frame, levels, triangles, packed, slack })
+    }
+}
+
+struct Unpack<'a>(&'a Node);
+
+impl Kernel for Unpack<'_> {
+    type Output = [HalfBlock; 2];
+
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) -> [HalfBlock; 2] {
+        let mut halves = [HalfBlock::ZERO; 2];
+        halves[0].unpack_boxes(s, self.0, 0);
+        halves[1].unpack_boxes(s, self.0, 1);
+        halves
+    }
+}
+
+fn box_of(corners: &Corners, margin: f32) -> Box4 {
+    let mut b = Box4::EMPTY;
+    for c in corners {
+        for a in 0..3 {
+            b.lower[a] = b.lower[a].min(c[a] - margin);
+            b.upper[a] = b.upper[a].max(c[a] + margin);
+        }
+    }
+    b
+}
+
+/// What each chunk of triangles becomes. Refuses what memory or 32-bit ids cannot hold.
+fn count_pieces(mesh: &Mesh, ids: &[u32], size: f64, limit: u64) -> Result<Vec<Count>> {
+    let least: f64 = ids.par_iter().map(|id| least_pieces(&mesh.triangle(*id), size)).sum();
+    check_memory("the blocks", least * BUILD_BYTES_PER_PIECE, limit)?;
+    check_entries(size, least)?;
+    let most = (limit as f64 / BUILD_BYTES_PER_PIECE).min(f64::from(u32::MAX)) as u64;
+    let total = AtomicU64::new(0);
+    let counts: Vec<Count> = ids
+        .par_chunks(CHUNK)
+        .map(|chunk| {
+            let mut count = Count::default();
+            for id in chunk {
+                // Each chunk stops on its own, and all stop once the sum is too much.
+                if count.pieces <= most && total.load(Relaxed) <= most {
+                    let mut pieces = 0;
+                    cut_triangle(&mesh.triangle(*id), size, &mut |_| pieces += 1);
+                    count.pieces += pieces;
+                    count.cut += if pieces > 1 { pieces } else { 0 };
+                }
+            }
+            total.fetch_add(count.pieces, Relaxed);
+            count
+        })
+        .collect();
+    let total = total.into_inner();
+    check_memory("the blocks", total as f64 * BUILD_BYTES_PER_PIECE, limit)?;
+    check_entries(size, total as f64)?;
+    Ok(counts)
+}
+
+/// All pieces, and the corners of those that are not whole triangles.
+fn cut_all(mesh: &Mesh, ids: &[u32], size: f64, counts: &[Count], frame: &Frame) -> (Vec<BuildPiece>, Vec<Corners>) {
+    let sum = |f: fn(&Count) -> u64| counts.iter().map(f).sum::<u64>() as usize;
+    let mut pieces = vec![BuildPiece { middle: 0, triangle: 0, cut: WHOLE }; sum(|c| c.pieces)];
+    let mut cuts: Vec<Corners> = vec![[[0.0; 3]; 4]; sum(|c| c.cut)];
+    let (mut rest, mut rest_of_cuts, mut first_cut) = (pieces.as_mut_slice(), cuts.as_mut_slice(), 0);
+    let mut tasks = Vec::new();
+    for (chunk, count) in ids.chunks(CHUNK).zip(counts) {
+        let (head, tail) = rest.split_at_mut(count.pieces as usize);
+        let (cut_head, cut_tail) = rest_of_cuts.split_at_mut(count.cut as usize);
+        tasks.push((chunk, head, cut_head, first_cut));
+        first_cut += count.cut as u32;
+        (rest, rest_of_cuts) = (tail, cut_tail);
+    }
+    let cells = Cells::new(&Aabb { lower: [0.0; 3], upper: [1.0; 3] });
+    tasks.into_par_iter().for_each(|(chunk, out, cut_out, first_cut)| {
+        let (mut at, mut cut_at) = (0, 0);
+        let mut cut: Vec<Corners> = Vec::new();
+        for &triangle in chunk {
+            cut.clear();
+            cut_triangle(&mesh.triangle(triangle), size, &mut |piece| cut.push(piece.map(|p| frame.point(&p))));
+            for corners in &cut {
+                let place = if cut.len() > 1 { first_cut + cut_at as u32 } else { WHOLE };
+                out[at] = BuildPiece { middle: middle_of(&cells, corners), triangle, cut: place };
+                at += 1;
+                if cut.len() > 1 {
+                    cut_out[cut_at] = *corners;
+                    cut_at += 1;
+                }
+            }
+        }
+    });
+    (pieces, cuts)
+}
+
+fn middle_of(cells: &Cells, corners: &Corners) -> u64 {
+    let b = box_of(corners, 0.0);
+    let wide = |x: &[f32; 4]| [f64::from(x[0]), f64::from(x[1]), f64::from(x[2])];
+    cells.middle(&wide(&b.lower), &wide(&b.upper))
+}

@@ -1,0 +1,185 @@
+//! The pieces of a block: packed in ten bits a coordinate, and unpacked in lanes.
+
+use super::node::{Node, FANOUT};
+use crate::lanes::{greatest4, least4, Lane32, LANES, TINY};
+use crate::simd::Simd;
+
+/// Corners of a block's pieces, by corner, half of the block and lane: ten bits per axis (x lowest), as steps between the
+/// sides of what the piece's box in bytes may stand for.
+pub type PackedPieces = [[[u32; LANES]; 2]; 4];
+
+/// Steps between the sides of a piece's box.
+const STEPS: f32 = 1023.0;
+
+/// What unpacked coordinates may be off by rounding, frame units; coordinates are at most 1.
+const UNPACK_ROUNDING: f32 = 1.0 / (1u32 << 21) as f32;
+
+/// Half a byte, or half a step, and a little for the roundings on the way there.
+const HALF: f32 = 0.51;
+
+/// Sixteen pieces of a block, in the frame.
+#[derive(Debug, Clone)]
+#[repr(C, align(64))]
+pub struct HalfBlock {
+    /// Sides of what their boxes in bytes may stand for.
+    pub lower: [Lane32; 3],
+    /// See `lower`.
+    pub upper: [Lane32; 3],
+    /// Their corners, by corner and axis.
+    pub corners: [[Lane32; 3]; 4],
+    /// How far the corners may be off, per axis, with the slack of the tool's placement.
+    pub slack: [Lane32; 3],
+    /// An axis across each piece's plane, of any length.
+    pub normals: [Lane32; 3],
+    /// The piece's interval along that axis, grown by all slack.
+    pub near: Lane32,
+    /// See `near`.
+    pub far: Lane32,
+}
+
+impl HalfBlock {
+    /// To be filled in.
+    pub const ZERO: HalfBlock = HalfBlock {
+        lower: [[0.0; LANES]; 3],
+        upper: [[0.0; LANES]; 3],
+        corners: [[[0.0; LANES]; 3]; 4],
+        slack: [[0.0; LANES]; 3],
+        normals: [[0.0; LANES]; 3],
+        near: [0.0; LANES],
+        far: [0.0; LANES],
+    };
+
+    /// Unpacks the boxes of half a block.
+    #[inline(always)]
+    pub fn unpack_boxes<S: Simd>(&mut self, s: S, node: &Node, half: usize) {
+        let (boxes, node_upper) = node.byte_boxes();
+        for a in 0..3 {
+            let origin = boxes.origin[a];
+            let unit = s.splat((node_upper[a] - origin) * (1.0 / 255.0));
+            let (from, to) = (s.splat(origin - UNPACK_ROUNDING), s.splat(origin + UNPACK_ROUNDING));
+            let low = s.widen_bytes(sixteen(&boxes.sides[a], LANES * half));
+            let high = s.widen_bytes(sixteen(&boxes.sides[a], FANOUT + LANES * half));
+            s.store(s.mul_add(low - s.splat(HALF), unit, from), &mut self.lower[a]);
+            s.store(s.mul_add(s.splat(255.0 + HALF) - high, unit, to), &mut self.upper[a]);
+        }
+    }
+
+    /// Unpacks the corners, after the boxes. `slack` is what coordinates may be off beside what packing does.
+    #[inline(always)]
+    pub fn unpack_corners<S: Simd>(&mut self, s: S, packed: &PackedPieces, half: usize, slack: f32) {
+        let rounding = s.splat(UNPACK_ROUNDING + slack);
+        let mut at = [[rounding; 3]; 4];
+        let mut off = [rounding; 3];
+        for a in 0..3 {
+            let lower = s.load(&self.lower[a]);
+            let step = (s.load(&self.upper[a]) - lower) * s.splat(1.0 / STEPS);
+            for c in 0..4 {
+                at[c][a] = s.mul_add(s.widen_field(&packed[c][half], a as u32), step, lower);
+                s.store(at[c][a], &mut self.corners[c][a]);
+            }
+            off[a] = s.mul_add(step, s.splat(HALF), rounding);
+            s.store(off[a], &mut self.slack[a]);
+        }
+        // Across the diagonals.
+        let u = [at[2][0] - at[0][0], at[2][1] - at[0][1], at[2][2] - at[0][2]];
+        let v = [at[3][0] - at[1][0], at[3][1] - at[1][1], at[3][2] - at[1][2]];
+        let n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+        let mut d = [rounding; 4];
+        for c in 0..4 {
+            d[c] = s.mul_add(n[0], at[c][0], s.mul_add(n[1], at[c][1], n[2] * at[c][2]));
+        }
+        let slack = s.mul_add(s.abs(n[2]), off[2], s.splat(TINY));
+        let slack = s.mul_add(s.abs(n[0]), off[0], s.mul_add(s.abs(n[1]), off[1], slack));
+        for a in 0..3 {
+            s.store(n[a], &mut self.normals[a]);
+        }
+        s.store(least4(s, &d) - slack, &mut self.near);
+        s.store(greatest4(s, &d) + slack, &mut self.far);
+    }
+
+    /// A piece's corners as steps between the sides of its box.
+    pub fn pack(&self, lane: usize, corners: &[[f32; 3]; 4]) -> [u32; 4] {
+        corners.map(|corner| {
+            let step = |a: usize| {
+                let (lower, upper) = (self.lower[a][lane], self.upper[a][lane]);
+                ((corner[a] - lower) / (upper - lower) * STEPS + 0.5).clamp(0.0, STEPS) as u32
+            };
+            step(0) | step(1) << 10 | step(2) << 20
+        })
+    }
+}
+
+/// Sixteen of a node's bytes.
+#[inline(always)]
+fn sixteen(bytes: &[u8; 2 * FANOUT], from: usize) -> &[u8; LANES] {
+    bytes[from..].first_chunk().expect("a multiple of 16 below 64")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lanes::Box4;
+    use crate::simd::{Kernel, Level};
+    use proptest::prelude::*;
+
+    /// Unpacks a block of whole triangles: boxes, then corners from `packed` or none.
+    struct Unpack<'a>(&'a Node, Option<&'a PackedPieces>, f32);
+
+    impl Kernel for Unpack<'_> {
+        type Output = [HalfBlock; 2];
+
+        #[inline(always)]
+        fn run<S: Simd>(self, s: S) -> [HalfBlock; 2] {
+            let Unpack(node, packed, slack) = self;
+            let mut halves = [HalfBlock::ZERO; 2];
+            for half in 0..2 {
+                halves[half].unpack_boxes(s, node, half);
+                if let Some(packed) = packed {
+                    halves[half].unpack_corners(s, packed, half, slack);
+                }
+            }
+            halves
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(500))]
+        #[test]
+        fn unpacked_corners_and_intervals_are_within_their_slack(
+            pieces in prop::collection::vec(prop::array::uniform4(prop::array::uniform3(0.0f32..1.0)), 1..=32),
+            size in prop_oneof![Just(1.0f32), Just(1e-2), Just(1e-5), Just(0.0)],
+        ) {
+            let pieces: Vec<_> = pieces.iter().map(|p| p.map(|c| c.map(|x| 0.4 + size * x * 0.5))).collect();
+            let boxes: Vec<Box4> = pieces.iter().map(|p| {
+                let mut b = Box4::EMPTY;
+                for c in p {
+                    b = b.union(&Box4 { lower: [c[0], c[1], c[2], 0.0], upper: [c[0], c[1], c[2], 0.0] });
+                }
+                b
+            }).collect();
+            let node = Node::new(&boxes, 0);
+            for level in Level::available() {
+                let halves = level.checked().run(Unpack(&node, None, 0.0));
+                let mut packed: PackedPieces = [[[0; LANES]; 2]; 4];
+                for (i, piece) in pieces.iter().enumerate() {
+                    let corners = halves[i / LANES].pack(i % LANES, piece);
+                    (0..4).for_each(|c| packed[c][i / LANES][i % LANES] = corners[c]);
+                }
+                let halves = level.checked().run(Unpack(&node, Some(&packed), 1e-6));
+                for (i, piece) in pieces.iter().enumerate() {
+                    let (half, lane) = (&halves[i / LANES], i % LANES);
+                    for (c, corner) in piece.iter().enumerate() {
+                        let mut along = 0.0;
+                        for a in 0..3 {
+                            let (x, slack) = (half.corners[c][a][lane], half.slack[a][lane]);
+                            prop_assert!((x - corner[a]).abs() <= slack, "{x} for {}, slack {slack}", corner[a]);
+                            prop_assert!(half.lower[a][lane] <= corner[a] && corner[a] <= half.upper[a][lane]);
+                            along += f64::from(half.normals[a][lane]) * f64::from(corner[a]);
+                        }
+                        prop_assert!(f64::from(half.near[lane]) <= along && along <= f64::from(half.far[lane]));
+                    }
+                }
+            }
+        }
+    }
+}
