@@ -18,6 +18,7 @@ mod build;
 mod descent;
 mod node;
 mod pieces;
+mod scan;
 
 pub use descent::BlocksScratch;
 use node::{Frame, Node, FANOUT};
