@@ -85,7 +85,7 @@ pub struct Scene {
     store: Store,
     lanes: Checked,
     /// Working memory of past queries, for the next ones.
-    spare: Mutex<Vec<Scratch>>,
+    spare: Mutex<Vec<Box<Scratch>>>,
 }
 
 impl Scene {
@@ -251,11 +251,11 @@ impl Scene {
         stats.pairs = hits.len() as u64;
     }
 
-    fn take_scratch(&self) -> Scratch {
+    fn take_scratch(&self) -> Box<Scratch> {
         self.spare.lock().unwrap_or_else(PoisonError::into_inner).pop().unwrap_or_default()
     }
 
-    fn put_scratch(&self, scratch: Scratch) {
+    fn put_scratch(&self, scratch: Box<Scratch>) {
         self.spare.lock().unwrap_or_else(PoisonError::into_inner).push(scratch);
     }
 }
