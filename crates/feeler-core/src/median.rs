@@ -1,6 +1,6 @@
 //! An order in which neighbours in space are neighbours in memory, for trees whose nodes take a fixed number of entries.
 //!
-//! Entries are halved by the median of their middles along the longest side of the middles' box, again and again, always
+//! Entries are halved by the median of their middles along the axis that leaves the least surface, again and again, always
 //! between whole nodes. Compared with an order along a Morton curve the nodes' boxes overlap far less.
 
 use crate::bounds::{Aabb, Point};
@@ -52,24 +52,55 @@ pub fn order<E: Entry>(entries: &mut [E], fan_out: usize) {
     if entries.len() <= fan_out {
         return;
     }
-    let (mut low, mut high) = ([u64::MAX; 3], [0; 3]);
-    for entry in entries.iter() {
-        for a in 0..3 {
-            let x = along(entry, a);
-            low[a] = low[a].min(x);
-            high[a] = high[a].max(x);
-        }
-    }
-    let axis = (0..3).max_by_key(|a| high[*a] - low[*a]).unwrap_or(0);
     // The largest node that is smaller than all entries together.
     let mut node = fan_out;
     while node.saturating_mul(fan_out) < entries.len() {
         node *= fan_out;
     }
     let middle = entries.len().div_ceil(node) / 2 * node;
+    let axis = best_axis(entries, middle);
     entries.select_nth_unstable_by(middle, |p, q| (along(p, axis), p).cmp(&(along(q, axis), q)));
     let (left, right) = entries.split_at_mut(middle);
     rayon::join(|| order(left, fan_out), || order(right, fan_out));
+}
+
+/// Entries that are looked at for choosing an axis.
+const SAMPLE: usize = 512;
+
+/// The axis along which halving at `middle` gives the two boxes (of the entries' middles) the least surface, each weighted by
+/// its number of entries: a box is met by others about as often as it has surface. Looks at an even sample.
+fn best_axis<E: Entry>(entries: &[E], middle: usize) -> usize {
+    let count = entries.len().min(SAMPLE);
+    let mut sample = [[0u32; 3]; SAMPLE];
+    for (i, place) in sample[..count].iter_mut().enumerate() {
+        let entry = &entries[i * entries.len() / count];
+        *place = [along(entry, 0) as u32, along(entry, 1) as u32, along(entry, 2) as u32];
+    }
+    let sample = &mut sample[..count];
+    let middle = (middle * count / entries.len()).clamp(1, count - 1);
+    let mut best = (f64::INFINITY, 0);
+    for axis in 0..3 {
+        sample.select_nth_unstable_by_key(middle, |place| place[axis]);
+        let (left, right) = sample.split_at(middle);
+        let cost = surface(left) * left.len() as f64 + surface(right) * right.len() as f64;
+        if cost < best.0 {
+            best = (cost, axis);
+        }
+    }
+    best.1
+}
+
+/// Half the surface of the box around some places, in cells.
+fn surface(places: &[[u32; 3]]) -> f64 {
+    let (mut low, mut high) = ([u32::MAX; 3], [0; 3]);
+    for place in places {
+        for a in 0..3 {
+            low[a] = low[a].min(place[a]);
+            high[a] = high[a].max(place[a]);
+        }
+    }
+    let [x, y, z] = [0, 1, 2].map(|a| f64::from(high[a] - low[a]));
+    x * y + y * z + z * x
 }
 
 #[inline]
