@@ -33,6 +33,25 @@ pub struct LaneBoxes {
     pub upper: [Lane32; 3],
 }
 
+/// Sixteen boxes one after the other.
+#[derive(Debug, Clone)]
+#[repr(C, align(64))]
+pub struct SpreadBoxes {
+    lower: [[f32; 4]; LANES],
+    upper: [[f32; 4]; LANES],
+}
+
+impl SpreadBoxes {
+    /// Boxes to be filled in.
+    pub const ZERO: SpreadBoxes = SpreadBoxes { lower: [[0.0; 4]; LANES], upper: [[0.0; 4]; LANES] };
+
+    /// One of them.
+    #[inline(always)]
+    pub fn lane(&self, i: usize) -> Box4 {
+        Box4 { lower: self.lower[i], upper: self.upper[i] }
+    }
+}
+
 /// Pieces of a tool at a pose, in a frame.
 #[derive(Debug, Clone)]
 #[repr(C, align(64))]
@@ -103,6 +122,13 @@ impl Box4 {
 impl LaneBoxes {
     /// Boxes to be filled in.
     pub const ZERO: LaneBoxes = LaneBoxes { lower: [[0.0; LANES]; 3], upper: [[0.0; LANES]; 3] };
+
+    /// The boxes one after the other.
+    #[inline(always)]
+    pub fn spread<S: Simd>(&self, s: S, to: &mut SpreadBoxes) {
+        s.transposed(&load3(s, &self.lower), &mut to.lower);
+        s.transposed(&load3(s, &self.upper), &mut to.upper);
+    }
 
     /// One of the lanes.
     #[inline]
@@ -320,6 +346,7 @@ impl Placement {
     pub fn place_pieces<S: Simd>(&self, s: S, pieces: &PieceLanes, out: &mut PlacedPieces) {
         let margin = s.splat(self.margin);
         out.has_normals = false;
+        let (mut lower, mut upper) = ([margin; 3], [margin; 3]);
         for a in 0..3 {
             let row = splat3(s, &self.matrix[a]);
             let t = s.splat(self.translation[a]);
@@ -329,12 +356,12 @@ impl Placement {
                 at[c] = s.mul_add(row[0], p[0], s.mul_add(row[1], p[1], s.mul_add(row[2], p[2], t)));
                 s.store(at[c], &mut out.corners[c][a]);
             }
-            let lower = least4(s, &at) - margin;
-            let upper = greatest4(s, &at) + margin;
-            s.store(lower, &mut out.boxes.lower[a]);
-            s.store(upper, &mut out.boxes.upper[a]);
-            out.bounds.lower[a] = s.smallest(lower);
-            out.bounds.upper[a] = s.largest(upper);
+            let low = least4(s, &at) - margin;
+            let high = greatest4(s, &at) + margin;
+            s.store(low, &mut out.boxes.lower[a]);
+            s.store(high, &mut out.boxes.upper[a]);
+            (lower[a], upper[a]) = (low, high);
         }
+        out.bounds = Box4 { lower: s.smallest3(&lower), upper: s.largest3(&upper) };
     }
 }

@@ -169,11 +169,13 @@ pub(crate) trait Simd: Copy {
     fn abs(self, a: Self::F32) -> Self::F32;
     /// One bit a lane: `a > b`.
     fn above(self, a: Self::F32, b: Self::F32) -> u16;
-    /// The smallest lane.
-    fn smallest(self, a: Self::F32) -> f32;
-    /// The largest lane.
-    fn largest(self, a: Self::F32) -> f32;
 
+    /// The least of all lanes of each of three values; the fourth is zero.
+    fn smallest3(self, x: &[Self::F32; 3]) -> [f32; 4];
+    /// The greatest of all lanes of each of three values; the fourth is zero.
+    fn largest3(self, x: &[Self::F32; 3]) -> [f32; 4];
+    /// Lane by lane, three values and zero.
+    fn transposed(self, x: &[Self::F32; 3], to: &mut [[f32; 4]; LANES]);
     /// Whether on some axis one of two boxes, given by lower and upper sides, ends before the other begins.
     fn is_apart(self, a: [&[f32; 4]; 2], b: [&[f32; 4]; 2]) -> bool;
     /// One bit for each of 32 children whose box meets the box `b` (lower and upper sides): see [`ByteBoxes`].

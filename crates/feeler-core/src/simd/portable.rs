@@ -100,24 +100,30 @@ impl Simd for Portable {
         low | high << 8
     }
     #[inline(always)]
-    fn smallest(self, a: Self::F32) -> f32 {
-        let mut lanes = a.0;
-        for half in [8, 4, 2, 1] {
-            for i in 0..half {
-                lanes[i] = if lanes[i + half] < lanes[i] { lanes[i + half] } else { lanes[i] };
+    fn smallest3(self, x: &[Self::F32; 3]) -> [f32; 4] {
+        let mut least = [f32::INFINITY, f32::INFINITY, f32::INFINITY, 0.0];
+        for a in 0..3 {
+            for i in 0..LANES {
+                least[a] = if x[a].0[i] < least[a] { x[a].0[i] } else { least[a] };
             }
         }
-        lanes[0]
+        least
     }
     #[inline(always)]
-    fn largest(self, a: Self::F32) -> f32 {
-        let mut lanes = a.0;
-        for half in [8, 4, 2, 1] {
-            for i in 0..half {
-                lanes[i] = if lanes[i + half] > lanes[i] { lanes[i + half] } else { lanes[i] };
+    fn largest3(self, x: &[Self::F32; 3]) -> [f32; 4] {
+        let mut greatest = [f32::NEG_INFINITY, f32::NEG_INFINITY, f32::NEG_INFINITY, 0.0];
+        for a in 0..3 {
+            for i in 0..LANES {
+                greatest[a] = if x[a].0[i] > greatest[a] { x[a].0[i] } else { greatest[a] };
             }
         }
-        lanes[0]
+        greatest
+    }
+    #[inline(always)]
+    fn transposed(self, x: &[Self::F32; 3], to: &mut [[f32; 4]; LANES]) {
+        for i in 0..LANES {
+            to[i] = [x[0].0[i], x[1].0[i], x[2].0[i], 0.0];
+        }
     }
     #[inline(always)]
     fn is_apart(self, a: [&[f32; 4]; 2], b: [&[f32; 4]; 2]) -> bool {

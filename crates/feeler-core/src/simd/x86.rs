@@ -90,6 +90,15 @@ operators!(Mul, mul, _mm256_mul_ps, _mm256_mul_pd, _mm512_mul_ps, _mm512_mul_pd)
 // SAFETY of all blocks below: the token says that the CPU has the instructions; loads and stores go to arrays of the
 // register's size and ask for no alignment.
 
+/// A register's four numbers.
+#[inline(always)]
+fn numbers(x: __m128) -> [f32; 4] {
+    let mut to = [0.0; 4];
+    // SAFETY: every x86-64 CPU has this, and the array has its size.
+    unsafe { _mm_storeu_ps(to.as_mut_ptr(), x) };
+    to
+}
+
 #[inline(always)]
 fn is_apart(a: [&[f32; 4]; 2], b: [&[f32; 4]; 2]) -> bool {
     // SAFETY: see above; every x86-64 CPU has these.
@@ -178,14 +187,49 @@ impl Simd for Avx512 {
         unsafe { _mm512_cmp_ps_mask::<_CMP_GT_OQ>(a.0, b.0) }
     }
     #[inline(always)]
-    fn smallest(self, a: Self::F32) -> f32 {
+    fn smallest3(self, x: &[Self::F32; 3]) -> [f32; 4] {
         // SAFETY: see above.
-        unsafe { _mm512_reduce_min_ps(a.0) }
+        unsafe {
+            let (x, y, z, o) = (x[0].0, x[1].0, x[2].0, _mm512_setzero_ps());
+            let xy = _mm512_min_ps(_mm512_unpacklo_ps(x, y), _mm512_unpackhi_ps(x, y));
+            let zo = _mm512_min_ps(_mm512_unpacklo_ps(z, o), _mm512_unpackhi_ps(z, o));
+            let m = _mm512_min_ps(_mm512_shuffle_ps::<0x44>(xy, zo), _mm512_shuffle_ps::<0xee>(xy, zo));
+            let m = _mm256_min_ps(_mm512_castps512_ps256(m), _mm512_extractf32x8_ps::<1>(m));
+            numbers(_mm_min_ps(_mm256_castps256_ps128(m), _mm256_extractf128_ps::<1>(m)))
+        }
     }
     #[inline(always)]
-    fn largest(self, a: Self::F32) -> f32 {
+    fn largest3(self, x: &[Self::F32; 3]) -> [f32; 4] {
         // SAFETY: see above.
-        unsafe { _mm512_reduce_max_ps(a.0) }
+        unsafe {
+            let (x, y, z, o) = (x[0].0, x[1].0, x[2].0, _mm512_setzero_ps());
+            let xy = _mm512_max_ps(_mm512_unpacklo_ps(x, y), _mm512_unpackhi_ps(x, y));
+            let zo = _mm512_max_ps(_mm512_unpacklo_ps(z, o), _mm512_unpackhi_ps(z, o));
+            let m = _mm512_max_ps(_mm512_shuffle_ps::<0x44>(xy, zo), _mm512_shuffle_ps::<0xee>(xy, zo));
+            let m = _mm256_max_ps(_mm512_castps512_ps256(m), _mm512_extractf32x8_ps::<1>(m));
+            numbers(_mm_max_ps(_mm256_castps256_ps128(m), _mm256_extractf128_ps::<1>(m)))
+        }
+    }
+    #[inline(always)]
+    fn transposed(self, x: &[Self::F32; 3], to: &mut [[f32; 4]; LANES]) {
+        // SAFETY: see above; lane `4 i + k` of the four transposed registers is part `i` of register `k`.
+        unsafe {
+            let (x, y, z, o) = (x[0].0, x[1].0, x[2].0, _mm512_setzero_ps());
+            let (xy, xy_high) = (_mm512_unpacklo_ps(x, y), _mm512_unpackhi_ps(x, y));
+            let (zo, zo_high) = (_mm512_unpacklo_ps(z, o), _mm512_unpackhi_ps(z, o));
+            let of = [
+                _mm512_shuffle_ps::<0x44>(xy, zo),
+                _mm512_shuffle_ps::<0xee>(xy, zo),
+                _mm512_shuffle_ps::<0x44>(xy_high, zo_high),
+                _mm512_shuffle_ps::<0xee>(xy_high, zo_high),
+            ];
+            for k in 0..4 {
+                to[k] = numbers(_mm512_castps512_ps128(of[k]));
+                to[4 + k] = numbers(_mm512_extractf32x4_ps::<1>(of[k]));
+                to[8 + k] = numbers(_mm512_extractf32x4_ps::<2>(of[k]));
+                to[12 + k] = numbers(_mm512_extractf32x4_ps::<3>(of[k]));
+            }
+        }
     }
     #[inline(always)]
     fn is_apart(self, a: [&[f32; 4]; 2], b: [&[f32; 4]; 2]) -> bool {
@@ -343,23 +387,49 @@ impl Simd for Avx2 {
         }
     }
     #[inline(always)]
-    fn smallest(self, a: Self::F32) -> f32 {
+    fn smallest3(self, x: &[Self::F32; 3]) -> [f32; 4] {
         // SAFETY: see above.
         unsafe {
-            let m = _mm256_min_ps(a.0, a.1);
-            let m = _mm_min_ps(_mm256_castps256_ps128(m), _mm256_extractf128_ps::<1>(m));
-            let m = _mm_min_ps(m, _mm_movehl_ps(m, m));
-            _mm_cvtss_f32(_mm_min_ss(m, _mm_movehdup_ps(m)))
+            let least = [_mm256_min_ps(x[0].0, x[0].1), _mm256_min_ps(x[1].0, x[1].1), _mm256_min_ps(x[2].0, x[2].1)];
+            let (x, y, z, o) = (least[0], least[1], least[2], _mm256_setzero_ps());
+            let xy = _mm256_min_ps(_mm256_unpacklo_ps(x, y), _mm256_unpackhi_ps(x, y));
+            let zo = _mm256_min_ps(_mm256_unpacklo_ps(z, o), _mm256_unpackhi_ps(z, o));
+            let m = _mm256_min_ps(_mm256_shuffle_ps::<0x44>(xy, zo), _mm256_shuffle_ps::<0xee>(xy, zo));
+            numbers(_mm_min_ps(_mm256_castps256_ps128(m), _mm256_extractf128_ps::<1>(m)))
         }
     }
     #[inline(always)]
-    fn largest(self, a: Self::F32) -> f32 {
+    fn largest3(self, x: &[Self::F32; 3]) -> [f32; 4] {
         // SAFETY: see above.
         unsafe {
-            let m = _mm256_max_ps(a.0, a.1);
-            let m = _mm_max_ps(_mm256_castps256_ps128(m), _mm256_extractf128_ps::<1>(m));
-            let m = _mm_max_ps(m, _mm_movehl_ps(m, m));
-            _mm_cvtss_f32(_mm_max_ss(m, _mm_movehdup_ps(m)))
+            let most = [_mm256_max_ps(x[0].0, x[0].1), _mm256_max_ps(x[1].0, x[1].1), _mm256_max_ps(x[2].0, x[2].1)];
+            let (x, y, z, o) = (most[0], most[1], most[2], _mm256_setzero_ps());
+            let xy = _mm256_max_ps(_mm256_unpacklo_ps(x, y), _mm256_unpackhi_ps(x, y));
+            let zo = _mm256_max_ps(_mm256_unpacklo_ps(z, o), _mm256_unpackhi_ps(z, o));
+            let m = _mm256_max_ps(_mm256_shuffle_ps::<0x44>(xy, zo), _mm256_shuffle_ps::<0xee>(xy, zo));
+            numbers(_mm_max_ps(_mm256_castps256_ps128(m), _mm256_extractf128_ps::<1>(m)))
+        }
+    }
+    #[inline(always)]
+    fn transposed(self, x: &[Self::F32; 3], to: &mut [[f32; 4]; LANES]) {
+        // SAFETY: see above; within a half, lane `4 i + k` of the four transposed registers is part `i` of register `k`.
+        unsafe {
+            let o = _mm256_setzero_ps();
+            let halves = [[x[0].0, x[1].0, x[2].0], [x[0].1, x[1].1, x[2].1]];
+            for (half, [x, y, z]) in halves.into_iter().enumerate() {
+                let (xy, xy_high) = (_mm256_unpacklo_ps(x, y), _mm256_unpackhi_ps(x, y));
+                let (zo, zo_high) = (_mm256_unpacklo_ps(z, o), _mm256_unpackhi_ps(z, o));
+                let of = [
+                    _mm256_shuffle_ps::<0x44>(xy, zo),
+                    _mm256_shuffle_ps::<0xee>(xy, zo),
+                    _mm256_shuffle_ps::<0x44>(xy_high, zo_high),
+                    _mm256_shuffle_ps::<0xee>(xy_high, zo_high),
+                ];
+                for k in 0..4 {
+                    to[8 * half + k] = numbers(_mm256_castps256_ps128(of[k]));
+                    to[8 * half + 4 + k] = numbers(_mm256_extractf128_ps::<1>(of[k]));
+                }
+            }
         }
     }
     #[inline(always)]

@@ -6,7 +6,7 @@
 use super::descent::BlocksScratch;
 use super::pieces::HalfBlock;
 use super::{Blocks, FANOUT};
-use crate::lanes::{greatest4, least4, load3, LaneBoxes, PlacedPieces, Placement, LANES, TINY};
+use crate::lanes::{greatest4, least4, load3, LaneBoxes, PlacedPieces, Placement, SpreadBoxes, LANES, TINY};
 use crate::narrow::Narrow;
 use crate::simd::{prefetch, Kernel, Simd};
 use crate::tool::Tool;
@@ -45,13 +45,15 @@ impl Kernel for Scan<'_, '_> {
         // Of those only the ones that meet a piece are worth placing.
         let mut needed = 0;
         if any != 0 {
+            let mut spread = SpreadBoxes::ZERO;
+            loose.spread(s, &mut spread);
             for (&block, mask) in nodes.iter().zip(&masks[first_mask..]) {
                 let mut mask = mask & !needed;
                 while mask != 0 {
                     let c = mask.trailing_zeros() as usize;
                     mask &= mask - 1;
                     narrow.stats.voxels_visited += 1;
-                    if level[block as usize].overlapping_inside(s, &loose.lane(c)) != 0 {
+                    if level[block as usize].overlapping_inside(s, &spread.lane(c)) != 0 {
                         needed |= 1 << c;
                         prefetch(&tool.clusters()[LANES * group + c]);
                     }
