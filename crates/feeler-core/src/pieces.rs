@@ -17,7 +17,27 @@ pub type Piece = [Point; 4];
 ///
 /// Corners of pieces are rounded, so a piece may lie off its exact place by [`cut_margin`]: boxes of pieces must grow by
 /// that much to cover the triangle.
+#[inline]
 pub fn cut_triangle(t: &Triangle, size: f64, emit: &mut impl FnMut(&Piece)) {
+    if is_short(t, size) {
+        let [a, b, c] = *t;
+        return emit(&[a, b, c, c]);
+    }
+    cut_long_triangle(t, size, emit);
+}
+
+/// Whether no edge is longer than `size`: the common case, for which nothing else needs to be known of the triangle.
+#[inline]
+fn is_short(t: &Triangle, size: f64) -> bool {
+    let squared = |p: &Point, q: &Point| {
+        let d = [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
+        d[0] * d[0] + d[1] * d[1] + d[2] * d[2]
+    };
+    let most = size * size;
+    squared(&t[0], &t[1]) <= most && squared(&t[1], &t[2]) <= most && squared(&t[2], &t[0]) <= most
+}
+
+fn cut_long_triangle(t: &Triangle, size: f64, emit: &mut impl FnMut(&Piece)) {
     let size = size.max(least_piece_size(t));
     let [shortest, middle, apex] = shortest_side_first(t);
     let (base, height) = base_and_height(t);
@@ -110,6 +130,9 @@ pub fn piece_bound(t: &Triangle, size: f64) -> f64 {
 /// A bound from below on the pieces of a triangle: one has sides up to `size`, so its area is at most the square of that, and
 /// its length at most twice it.
 pub fn least_pieces(t: &Triangle, size: f64) -> f64 {
+    if is_short(t, size) {
+        return 1.0;
+    }
     let size = size.max(least_piece_size(t));
     (0.5 * twice_area(t) / size / size).max(0.5 * longest_edge(t) / size).max(1.0)
 }

@@ -99,13 +99,18 @@ impl HalfBlock {
 
     /// A piece's corners as steps between the sides of its box.
     pub fn pack(&self, lane: usize, corners: &[[f32; 3]; 4]) -> [u32; 4] {
-        corners.map(|corner| {
-            let step = |a: usize| {
-                let (lower, upper) = (self.lower[a][lane], self.upper[a][lane]);
-                ((corner[a] - lower) / (upper - lower) * STEPS + 0.5).clamp(0.0, STEPS) as u32
-            };
-            step(0) | step(1) << 10 | step(2) << 20
-        })
+        let mut per_step = [0.0; 3];
+        for a in 0..3 {
+            per_step[a] = STEPS / (self.upper[a][lane] - self.lower[a][lane]);
+        }
+        let mut packed = [0; 4];
+        for c in 0..4 {
+            for a in 0..3 {
+                let step = (corners[c][a] - self.lower[a][lane]) * per_step[a] + 0.5;
+                packed[c] |= (step.clamp(0.0, STEPS) as u32) << (10 * a);
+            }
+        }
+        packed
     }
 }
 
