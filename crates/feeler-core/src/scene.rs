@@ -69,10 +69,14 @@ pub struct Scratch {
     stats: Stats,
 }
 
-/// What a few poses of a batch found.
+/// Poses of a batch that one thread works on at a time.
+const TASK: usize = 16;
+
+/// What they found.
 struct Task {
     hits: Vec<Hit>,
-    counts: Vec<usize>,
+    /// Of each pose; the last task of a batch may have fewer poses.
+    counts: [usize; TASK],
 }
 
 /// A mock-up with its index. Immutable: any number of threads may query it at once.
@@ -184,31 +188,34 @@ impl Scene {
     /// wave. Errors when the result would outgrow the memory limit of the scene.
     pub fn collide_batch(&self, tool: &Tool, poses: &[Pose], progress: Progress<'_>) -> Result<Batch> {
         const WAVE: usize = 4096;
-        const TASK: usize = 16;
         let mut batch = Batch { offsets: Vec::with_capacity(poses.len() + 1), ..Batch::default() };
         batch.offsets.push(0);
-        // A pair takes 9 bytes in the result and 16 in its wave; growing vectors hold up to three times their content.
+        // A pair takes 9 bytes in the result and 8 in its wave; growing vectors hold up to three times their content.
         let needed = |pairs: u64| 3 * 16 * pairs + 8 * poses.len() as u64;
         for (n, wave) in poses.chunks(WAVE).enumerate() {
             report(progress, (n * WAVE) as f64 / poses.len() as f64, "colliding")?;
             let fits = |new: u64| needed(batch.pairs.len() as u64 + new) <= self.memory_limit;
-            let new = AtomicU64::new(0);
+            let (new, done) = (AtomicU64::new(0), AtomicU64::new(0));
             let found: Vec<Task> = wave
                 .par_chunks(TASK)
                 .map(|task| {
                     let mut scratch = self.take_scratch();
-                    let (mut hits, mut counts) = (Vec::new(), Vec::with_capacity(task.len()));
-                    for pose in task {
+                    // Room for a little more than tasks before found in the mean: an allocation or two a task, none a pose.
+                    let mean = new.load(Relaxed) / (done.load(Relaxed) + 1);
+                    let room = if fits(new.load(Relaxed)) { mean + mean / 4 } else { 0 };
+                    let mut found = Task { hits: Vec::with_capacity(room as usize), counts: [0; TASK] };
+                    for (pose, count) in task.iter().zip(&mut found.counts) {
                         if !fits(new.load(Relaxed)) {
                             break;
                         }
                         self.run(tool, pose, Filters::default(), false, &mut scratch);
-                        hits.extend_from_slice(&scratch.hits);
-                        counts.push(scratch.hits.len());
+                        found.hits.extend_from_slice(&scratch.hits);
+                        *count = scratch.hits.len();
                         new.fetch_add(scratch.hits.len() as u64, Relaxed);
                     }
+                    done.fetch_add(1, Relaxed);
                     self.put_scratch(scratch);
-                    Task { hits, counts }
+                    found
                 })
                 .collect();
             if !fits(new.load(Relaxed)) {
@@ -219,9 +226,9 @@ impl Scene {
                     advice: "pass fewer poses at a time, or allow more memory",
                 });
             }
-            for Task { hits, counts } in &found {
+            for (Task { hits, counts }, task) in found.iter().zip(wave.chunks(TASK)) {
                 let mut sum = batch.offsets[batch.offsets.len() - 1];
-                batch.offsets.extend(counts.iter().map(|n| {
+                batch.offsets.extend(counts[..task.len()].iter().map(|n| {
                     sum += *n as u64;
                     sum
                 }));

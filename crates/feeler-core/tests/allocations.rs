@@ -244,3 +244,33 @@ fn a_batch_stays_within_the_limit() {
         assert!(left < 1 << 19, "{left} bytes left behind");
     }
 }
+
+#[test]
+fn a_batch_allocates_for_some_poses_together_and_for_none_alone() {
+    let _alone = alone();
+    let mockup = mockup_of(soup(3, 2000, 0.1));
+    let tool = tool_of(placed(soup(4, 200, 0.1), 0.5, 0.25));
+    let scene = build(&mockup, Storage::Blocks, None, u64::MAX).unwrap();
+    let mut r = Random::new(5);
+    let poses: Vec<Pose> = (0..4000).map(|_| r.pose(0.4)).collect();
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let allocations = |count: usize| {
+        pool.install(|| {
+            let before = ALLOCATIONS.get();
+            let batch = scene.collide_batch(&tool, &poses[..count], &|_, _| true).unwrap();
+            assert!(batch.pairs.len() > 10 * count, "{} pairs make no test", batch.pairs.len());
+            ALLOCATIONS.get() - before
+        })
+    };
+    allocations(1000);
+    let (few, many) = (allocations(1000), allocations(4000));
+    assert!(many - few < 3000 / 4, "{few} allocations for 1000 poses, {many} for 4000");
+}
+
+#[test]
+fn building_takes_at_most_twice_what_stays() {
+    let _alone = alone();
+    let (peak, _, scene) = growth(|| build(&mockup_of(large()), Storage::Blocks, None, u64::MAX).unwrap());
+    let stays: usize = scene.memory().iter().map(|(_, bytes)| bytes).sum();
+    assert!(peak <= 2 * stays, "{peak} bytes at the most for {stays}");
+}
