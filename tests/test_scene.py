@@ -503,3 +503,23 @@ def test_subclassing(mockup: feeler.Mockup, tool: feeler.Tool) -> None:
     bay = Bay(mockup, storage="dense")
     assert len(bay.collide(tool, touching_pose())) > 0
     assert bay.count == 1
+
+
+def test_every_instruction_set_of_this_cpu_gives_the_same_answers(
+    mockup: feeler.Mockup, tool: feeler.Tool, poses: Floats
+) -> None:
+    best = feeler.Scene(mockup)
+    assert best.simd in ("avx512", "avx2", "portable")
+    for simd in ("portable", "avx2", "avx512"):
+        try:
+            scene = feeler.Scene(mockup, simd=simd)
+        except feeler.OptionError as error:
+            assert simd != "portable" and "this CPU has portable" in str(error)
+            continue
+        assert scene.simd == simd
+        for pose in poses[:10]:
+            expected, found = best.collide(tool, pose), scene.collide(tool, pose)
+            assert np.array_equal(found.pairs, expected.pairs) and np.array_equal(found.kinds, expected.kinds)
+            assert scene.is_colliding(tool, pose) == best.is_colliding(tool, pose)
+    with pytest.raises(feeler.OptionError, match="simd is 'mmx'"):
+        feeler.Scene(mockup, simd="mmx")
