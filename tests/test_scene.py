@@ -521,5 +521,5 @@ def test_every_instruction_set_of_this_cpu_gives_the_same_answers(
             expected, found = best.collide(tool, pose), scene.collide(tool, pose)
             assert np.array_equal(found.pairs, expected.pairs) and np.array_equal(found.kinds, expected.kinds)
             assert scene.is_colliding(tool, pose) == best.is_colliding(tool, pose)
-    with pytest.raises(feeler.OptionError, match="simd is 'mmx'"):
+    with pytest.raises(feeler.OptionError, match='simd is "mmx"'):
         feeler.Scene(mockup, simd="mmx")
