@@ -5,14 +5,12 @@
 
 use crate::bounds::{Point, Triangle};
 use crate::constants::UNIT_ROUNDOFF;
+use crate::pose::Pose;
 use crate::predicates::{ORIENT3D_BOUND, SAFE_PERMANENT};
 use crate::simd::{Kernel, Level, Simd, WIDE_LANES};
 
-/// Corners of eight triangles, by corner, axis and lane.
-pub(crate) type TriangleLanes = [[[f64; WIDE_LANES]; 3]; 3];
-
 /// What was proven of eight pairs, one bit each; in neither: in doubt.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Verdict {
     /// They share no point.
     pub apart: u8,
@@ -23,67 +21,52 @@ pub struct Verdict {
 /// What can be proven of up to eight pairs with an instruction set (the best, where the CPU lacks it). Bits beyond the pairs
 /// given are zero.
 pub fn prove(lanes: Level, pairs: &[(Triangle, Triangle)]) -> Verdict {
-    let (mut p, mut q) = ([[[0.0; WIDE_LANES]; 3]; 3], [[[0.0; WIDE_LANES]; 3]; 3]);
-    for (i, (a, b)) in pairs.iter().take(WIDE_LANES).enumerate() {
-        put(&mut p, i, a);
-        put(&mut q, i, b);
-    }
+    let Some(last) = pairs.last() else {
+        return Verdict { apart: 0, crossing: 0 };
+    };
     let given = ((1u32 << pairs.len().min(WIDE_LANES)) - 1) as u8;
-    let Verdict { apart, crossing } = lanes.checked().run(Prove(&p, &q));
+    let pairs: [&(Triangle, Triangle); WIDE_LANES] = std::array::from_fn(|i| pairs.get(i).unwrap_or(last));
+    let Verdict { apart, crossing } = lanes.checked().run(Prove(&pairs));
     Verdict { apart: apart & given, crossing: crossing & given }
 }
 
-struct Prove<'a>(&'a TriangleLanes, &'a TriangleLanes);
+struct Prove<'a>(&'a [&'a (Triangle, Triangle); WIDE_LANES]);
 
 impl Kernel for Prove<'_> {
     type Output = Verdict;
     #[inline(always)]
     fn run<S: Simd>(self, s: S) -> Verdict {
-        intersect(s, &loaded(s, self.0), &loaded(s, self.1))
+        let (mut p, mut q) = ([[&[0.0; 3]; WIDE_LANES]; 3], [[&[0.0; 3]; WIDE_LANES]; 3]);
+        for (i, pair) in self.0.iter().enumerate() {
+            for c in 0..3 {
+                p[c][i] = &pair.0[c];
+                q[c][i] = &pair.1[c];
+            }
+        }
+        intersect(s, &gathered(s, p), &gathered(s, q))
     }
 }
 
 /// A point in lanes.
-type Vector<F> = [F; 3];
+pub(crate) type Vector<F> = [F; 3];
 
-/// Puts a triangle into a lane.
+/// Eight triangles in lanes.
 #[inline(always)]
-pub(crate) fn put(lanes: &mut TriangleLanes, lane: usize, t: &Triangle) {
-    for c in 0..3 {
-        for a in 0..3 {
-            lanes[c][a][lane] = t[c][a];
-        }
-    }
+pub(crate) fn gathered<S: Simd>(s: S, t: [[&Point; WIDE_LANES]; 3]) -> [Vector<S::F64>; 3] {
+    [s.wide_points(t[0]), s.wide_points(t[1]), s.wide_points(t[2])]
 }
 
 /// Triangles in lanes moved by a pose, in the one order of operations that
 /// [`Pose::apply`](crate::Pose::apply) defines.
 #[inline(always)]
-pub(crate) fn moved<S: Simd>(
-    s: S,
-    rotation: &[[f64; 3]; 3],
-    translation: &Point,
-    t: &TriangleLanes,
-) -> [Vector<S::F64>; 3] {
-    let t = loaded(s, t);
-    let mut out = t;
+pub(crate) fn moved<S: Simd>(s: S, pose: &Pose, t: &[Vector<S::F64>; 3]) -> [Vector<S::F64>; 3] {
+    let (rotation, translation) = (pose.rotation(), pose.translation());
+    let mut out = *t;
     for a in 0..3 {
         let row = [s.wide_splat(rotation[a][0]), s.wide_splat(rotation[a][1]), s.wide_splat(rotation[a][2])];
         let o = s.wide_splat(translation[a]);
         for c in 0..3 {
             out[c][a] = ((row[0] * t[c][0] + row[1] * t[c][1]) + row[2] * t[c][2]) + o;
-        }
-    }
-    out
-}
-
-/// Triangles in lanes, loaded.
-#[inline(always)]
-pub(crate) fn loaded<S: Simd>(s: S, t: &TriangleLanes) -> [Vector<S::F64>; 3] {
-    let mut out = [[s.wide_splat(0.0); 3]; 3];
-    for c in 0..3 {
-        for a in 0..3 {
-            out[c][a] = s.wide_load(&t[c][a]);
         }
     }
     out

@@ -1,8 +1,7 @@
 //! The narrow phase: candidate pairs go through two filters to the triangle test.
 
 use crate::bounds::Aabb;
-use crate::defects::corners;
-use crate::intersect_lanes::{intersect, loaded, moved, put, TriangleLanes, Verdict};
+use crate::intersect_lanes::{gathered, intersect, moved, Verdict};
 use crate::intersect_triangle_triangle::{intersect_with, PairKind};
 use crate::mesh::Mesh;
 use crate::pose::Pose;
@@ -163,14 +162,14 @@ const FIRST_BATCH: usize = 16;
 /// Places for candidate pairs: a batch, and what one more step may add.
 const PLACES: usize = BATCH + 2 * LANES;
 
-/// Candidate pairs that wait for their test, and room for their corners.
+/// Candidate pairs that wait for their test.
 #[derive(Debug)]
 pub(crate) struct Pending {
     slots: [u32; PLACES],
     mockup_triangles: [u32; PLACES],
     count: usize,
     faces: [[u32; 3]; PLACES],
-    corners: [(TriangleLanes, TriangleLanes); PLACES / WIDE_LANES],
+    verdicts: [Verdict; PLACES / WIDE_LANES],
     /// Pairs met lately, each at the place its hash gives.
     recent: [u64; RECENT],
 }
@@ -185,7 +184,7 @@ impl Default for Pending {
             mockup_triangles: [0; PLACES],
             count: 0,
             faces: [[0; 3]; PLACES],
-            corners: [([[[0.0; WIDE_LANES]; 3]; 3], [[[0.0; WIDE_LANES]; 3]; 3]); PLACES / WIDE_LANES],
+            verdicts: [Verdict::default(); PLACES / WIDE_LANES],
             recent: [u64::MAX; RECENT],
         }
     }
@@ -312,23 +311,27 @@ impl Narrow<'_> {
         if self.filters.repeats {
             self.stats.repeats_skipped += self.pending.skip_repeats() as u64;
         }
-        let Pending { slots, mockup_triangles, count, faces, corners: lanes, .. } = &mut *self.pending;
+        let Pending { slots, mockup_triangles, count, faces, verdicts, .. } = &mut *self.pending;
         let count = std::mem::take(count);
         self.stats.triangle_tests += count as u64;
         // All indices, then all corners: loads that do not wait for each other, so that their cache misses overlap.
-        for (face, m) in faces[..count].iter_mut().zip(mockup_triangles.iter()) {
+        for ((face, m), slot) in faces[..count].iter_mut().zip(mockup_triangles.iter()).zip(slots.iter()) {
+            prefetch(&self.tool.placeable()[*slot as usize]);
             *face = self.mesh.faces()[*m as usize];
             face.iter().for_each(|v| prefetch(&self.mesh.vertices()[*v as usize]));
         }
-        for i in 0..count {
-            let (p, q) = &mut lanes[i / WIDE_LANES];
-            put(p, i % WIDE_LANES, &self.tool.placeable()[slots[i] as usize]);
-            put(q, i % WIDE_LANES, &corners(self.mesh.vertices(), &faces[i]));
+        let eights = count.div_ceil(WIDE_LANES);
+        if count > 0 {
+            // The last eight are filled up with the last pair.
+            for i in count..eights * WIDE_LANES {
+                (slots[i], faces[i]) = (slots[count - 1], faces[count - 1]);
+            }
+            let (slots, faces) = (&slots[..eights * WIDE_LANES], &faces[..eights * WIDE_LANES]);
+            self.lanes.run(Test { pose: self.pose, tool: self.tool, mesh: self.mesh, slots, faces, verdicts });
         }
-        for from in (0..count).step_by(WIDE_LANES) {
-            let (p, q) = &lanes[from / WIDE_LANES];
-            let verdict = self.lanes.run(Test { pose: self.pose, p, q });
-            let all = if count - from < WIDE_LANES { u8::MAX >> (WIDE_LANES - (count - from)) } else { u8::MAX };
+        for (eight, verdict) in verdicts[..eights].iter().enumerate() {
+            let from = eight * WIDE_LANES;
+            let all = u8::MAX >> (WIDE_LANES - (count - from).min(WIDE_LANES));
             let mut crossing = verdict.crossing & all;
             while crossing != 0 {
                 let i = from + crossing.trailing_zeros() as usize;
@@ -360,20 +363,36 @@ impl Narrow<'_> {
     }
 }
 
-/// Eight pairs, the first of each in the tool's frame.
+/// What can be proven of pairs, eight by eight.
 struct Test<'a> {
     pose: &'a Pose,
-    p: &'a TriangleLanes,
-    q: &'a TriangleLanes,
+    tool: &'a Tool,
+    mesh: &'a Mesh,
+    slots: &'a [u32],
+    faces: &'a [[u32; 3]],
+    verdicts: &'a mut [Verdict],
 }
 
 impl Kernel for Test<'_> {
-    type Output = Verdict;
+    type Output = ();
 
     #[inline(always)]
-    fn run<S: Simd>(self, s: S) -> Verdict {
-        let p = moved(s, self.pose.rotation(), self.pose.translation(), self.p);
-        intersect(s, &p, &loaded(s, self.q))
+    fn run<S: Simd>(self, s: S) {
+        let Test { pose, tool, mesh, slots, faces, verdicts } = self;
+        let (triangles, vertices) = (tool.placeable(), mesh.vertices());
+        for (i, verdict) in verdicts[..slots.len() / WIDE_LANES].iter_mut().enumerate() {
+            let (mut p, mut q) = ([[&[0.0; 3]; WIDE_LANES]; 3], [[&[0.0; 3]; WIDE_LANES]; 3]);
+            for lane in 0..WIDE_LANES {
+                let triangle = &triangles[slots[WIDE_LANES * i + lane] as usize];
+                let face = &faces[WIDE_LANES * i + lane];
+                for c in 0..3 {
+                    p[c][lane] = &triangle[c];
+                    q[c][lane] = &vertices[face[c] as usize];
+                }
+            }
+            let p = moved(s, pose, &gathered(s, p));
+            *verdict = intersect(s, &p, &gathered(s, q));
+        }
     }
 }
 

@@ -187,8 +187,8 @@ pub(crate) trait Simd: Copy {
 
     /// One number in all lanes.
     fn wide_splat(self, x: f64) -> Self::F64;
-    /// Lane `i` is `x[i]`.
-    fn wide_load(self, x: &[f64; WIDE_LANES]) -> Self::F64;
+    /// Eight points by axis: lane `i` of each is of `x[i]`.
+    fn wide_points(self, x: [&[f64; 3]; WIDE_LANES]) -> [Self::F64; 3];
     /// Absolute value.
     fn wide_abs(self, a: Self::F64) -> Self::F64;
     /// The larger; of no use with NaN.

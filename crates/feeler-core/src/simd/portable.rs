@@ -157,8 +157,14 @@ impl Simd for Portable {
         Array([x; WIDE_LANES])
     }
     #[inline(always)]
-    fn wide_load(self, x: &[f64; WIDE_LANES]) -> Self::F64 {
-        Array(*x)
+    fn wide_points(self, x: [&[f64; 3]; WIDE_LANES]) -> [Self::F64; 3] {
+        let mut points = [Array([0.0; WIDE_LANES]); 3];
+        for i in 0..WIDE_LANES {
+            for a in 0..3 {
+                points[a].0[i] = x[i][a];
+            }
+        }
+        points
     }
     #[inline(always)]
     fn wide_abs(self, a: Self::F64) -> Self::F64 {

@@ -270,9 +270,24 @@ impl Simd for Avx512 {
         unsafe { One(_mm512_set1_pd(x)) }
     }
     #[inline(always)]
-    fn wide_load(self, x: &[f64; WIDE_LANES]) -> Self::F64 {
-        // SAFETY: see above.
-        unsafe { One(_mm512_loadu_pd(x.as_ptr())) }
+    fn wide_points(self, x: [&[f64; 3]; WIDE_LANES]) -> [Self::F64; 3] {
+        // SAFETY: see above; three numbers of each point are read.
+        unsafe {
+            let mut rows = [_mm512_setzero_pd(); 4];
+            for i in 0..4 {
+                let low = _mm512_castpd256_pd512(_mm256_maskz_loadu_pd(7, x[i].as_ptr()));
+                rows[i] = _mm512_insertf64x4::<1>(low, _mm256_maskz_loadu_pd(7, x[4 + i].as_ptr()));
+            }
+            let (xz, xz_next) = (_mm512_unpacklo_pd(rows[0], rows[1]), _mm512_unpacklo_pd(rows[2], rows[3]));
+            let (y, y_next) = (_mm512_unpackhi_pd(rows[0], rows[1]), _mm512_unpackhi_pd(rows[2], rows[3]));
+            let first = _mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13);
+            let second = _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15);
+            [
+                One(_mm512_permutex2var_pd(xz, first, xz_next)),
+                One(_mm512_permutex2var_pd(y, first, y_next)),
+                One(_mm512_permutex2var_pd(xz, second, xz_next)),
+            ]
+        }
     }
     #[inline(always)]
     fn wide_abs(self, a: Self::F64) -> Self::F64 {
@@ -466,9 +481,26 @@ impl Simd for Avx2 {
         unsafe { Two(_mm256_set1_pd(x), _mm256_set1_pd(x)) }
     }
     #[inline(always)]
-    fn wide_load(self, x: &[f64; WIDE_LANES]) -> Self::F64 {
-        // SAFETY: see above.
-        unsafe { Two(_mm256_loadu_pd(x.as_ptr()), _mm256_loadu_pd(x[4..].as_ptr())) }
+    fn wide_points(self, x: [&[f64; 3]; WIDE_LANES]) -> [Self::F64; 3] {
+        // SAFETY: see above; three numbers of each point are read.
+        unsafe {
+            let three = _mm256_setr_epi64x(-1, -1, -1, 0);
+            let mut halves = [[_mm256_setzero_pd(); 3]; 2];
+            for half in 0..2 {
+                let mut rows = [_mm256_setzero_pd(); 4];
+                for i in 0..4 {
+                    rows[i] = _mm256_maskload_pd(x[4 * half + i].as_ptr(), three);
+                }
+                let (xz, xz_next) = (_mm256_unpacklo_pd(rows[0], rows[1]), _mm256_unpacklo_pd(rows[2], rows[3]));
+                let (y, y_next) = (_mm256_unpackhi_pd(rows[0], rows[1]), _mm256_unpackhi_pd(rows[2], rows[3]));
+                halves[half] = [
+                    _mm256_permute2f128_pd::<0x20>(xz, xz_next),
+                    _mm256_permute2f128_pd::<0x20>(y, y_next),
+                    _mm256_permute2f128_pd::<0x31>(xz, xz_next),
+                ];
+            }
+            [Two(halves[0][0], halves[1][0]), Two(halves[0][1], halves[1][1]), Two(halves[0][2], halves[1][2])]
+        }
     }
     #[inline(always)]
     fn wide_abs(self, a: Self::F64) -> Self::F64 {
