@@ -28,7 +28,7 @@ import native
 import numpy as np
 from options import TOOLS, triangles
 from page import PERFORMANCE, fill
-from record import machine
+from record import load_average, machine
 
 import feeler
 from feeler.samples.poses import KINDS
@@ -77,6 +77,7 @@ HEADS = (
 SIZES = (MIB // 2, 2 * MIB, 8 * MIB, 16 * MIB, 32 * MIB, 64 * MIB)
 RANDOM, CHAINED, STEPS = 1_000_000, 100_000, 1_000_000
 REPEATS = 8
+BUSY = 1.5  # more than this many on the machine, this one included
 
 
 @dataclass
@@ -284,7 +285,11 @@ def main(arguments: list[str] | None = None) -> int:
         f"({index_bytes / MIB:.0f} MiB), medians over {options.poses} poses, best of "
         f"{options.rounds} rounds; what a Python call costs is taken off."
     )
-    text = markdown(core, list(cells(scene, tools, core, index_bytes, options)), about)
+    load = load_average()
+    rows = list(cells(scene, tools, core, index_bytes, options))
+    if load and load[0] > BUSY:
+        about += f" The machine was busy (load {load[0]:.1f}): what was measured is too much rather than too little."
+    text = markdown(core, rows, about)
     print(text)
     if options.write:
         fill(PERFORMANCE, "limit: bench/limit.py", text)
