@@ -29,7 +29,7 @@ def parse(arguments: list[str], said: str) -> argparse.Namespace:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--quick", action="store_true", help=f"sizes {QUICK_SIZES}; 40 poses, 3 rounds, one build")
-    parser.add_argument("--sizes", type=_listed(_size), help=f"triangles of the mock-up ({SIZES})")
+    parser.add_argument("--sizes", type=_listed(triangles), help=f"triangles of the mock-up ({SIZES})")
     parser.add_argument("--tools", type=_listed(str), default=TOOLS, help=f"sample tools; -fine: about 50k ({TOOLS})")
     parser.add_argument("--kinds", type=_listed(_one_of("kind of poses", KINDS)), default=",".join(KINDS), help="(all)")
     parser.add_argument(
@@ -48,7 +48,7 @@ def parse(arguments: list[str], said: str) -> argparse.Namespace:
     parser.add_argument("--no-peers", dest="peers", action="store_const", const=[], help="feeler alone")
     parser.add_argument("--out", type=Path, default=record.ROOT / "bench" / "records", help="folder of the record")
     options = parser.parse_args(arguments)
-    options.sizes = options.sizes or _listed(_size)(QUICK_SIZES if options.quick else SIZES)
+    options.sizes = options.sizes or _listed(triangles)(QUICK_SIZES if options.quick else SIZES)
     for name, quick, full in (
         ("poses", 40, 100),
         ("rounds", 3, 5),
@@ -83,7 +83,7 @@ def _one_of(what: str, known: Any) -> Callable[[str], str]:
     return check
 
 
-def _size(text: str) -> int:
+def triangles(text: str) -> int:
     found = re.fullmatch(r"(\d+(?:\.\d+)?)([kM]?)", text.replace("_", ""))
     if not found:
         raise argparse.ArgumentTypeError(f"{text!r} is no size: write 100000, 100k or 1.6M")

@@ -158,6 +158,60 @@ def test_figures_of_a_record_for_the_readme(root: Path, record_folder: Path, mon
     assert "Index built in" in text and "(bench/records/a-record.json)" in text
 
 
+def test_cells_of_a_record_for_the_page_on_performance(
+    root: Path, record_folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.syspath_prepend(str(root / "bench"))
+    cells, page = importlib.import_module("cells"), importlib.import_module("page")
+    record = read(record_folder)
+    text = cells.figures(record, "a-record.json")
+    assert "(../bench/records/a-record.json)" in text and text.count("\n### ") == 2
+    assert text.count("| torque | collide, ") == 3 and text.count("| wrench | is_colliding, ") == 2
+    record["cells"][0] = {**{key: record["cells"][0][key] for key in ("tool", "query", "kind")}, "problem": "none"}
+    record["cells"][0]["triangles_asked"] = 10_000
+    for table in (text, cells.figures(record, "a-record.json")):
+        for above, line in itertools.pairwise(table.splitlines()):
+            if above.startswith("|") and line.startswith("|"):
+                assert above.count("|") == line.count("|")
+    # Every stage has its column, and the page has the place for it all.
+    assert set(record["cells"][1 + 1]["funnel"]) == set(cells.STAGES)
+    written = tmp_path / "page.md"
+    written.write_bytes(page.PERFORMANCE.read_bytes())
+    page.fill(written, "cells: bench/cells.py", text)
+    page.fill(written, "limit: bench/limit.py", "here")
+    assert text in written.read_text(encoding="utf-8")
+    assert "-->\nhere\n<!--" in written.read_text(encoding="utf-8")
+
+
+def test_what_a_query_needs_at_least(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(root / "bench"))
+    limit = importlib.import_module("limit")
+    faces = np.array([[0, 1, 2], [2, 1, 3], [100, 101, 102]] * 100)
+    stats = dict.fromkeys(("voxels_visited", "clusters_placed", "pieces_scanned", "entries_scanned"), 16)
+    nothing = limit.needed(faces, np.zeros((0, 2), dtype=np.uint32), {**stats, "triangle_tests": 0})
+    assert (nothing.scattered, nothing.in_row, nothing.answer) == (0, 16 * 836 // 64, 0)
+    pairs = np.array([[0, 0], [0, 1], [1, 1], [1, 2]])
+    some = limit.needed(faces, pairs, {**stats, "triangle_tests": 12})
+    # Faces 0 to 2 lie in one line, corners 0 to 3 in two, 100 to 102 in two more.
+    assert some.scattered == 1 + 2 + 2
+    assert some.answer == 4 * (limit.TEST + limit.MEET) / 8
+    assert some.instructions == nothing.instructions + some.answer + limit.TEST
+    core = limit.Machine([64, 6400], [1.0, 3.0], [1.0, 1.0], [1.0, 1.0], 1.0, 1.0)
+    assert [core.price("random", size) for size in (1, 640, 10**9)] == pytest.approx([1.0, 2.0, 3.0])
+
+
+@pytest.mark.skipif(shutil.which("g++") is None, reason="no g++")
+def test_the_limit_at_toy_size(root: Path, tmp_path: Path) -> None:
+    arguments = ["--size", "10000", "--tools", "torque", "--poses", "2", "--rounds", "1"]
+    done = run(root, "limit.py", *arguments, CARGO_TARGET_DIR=str(tmp_path))
+    assert done.returncode == 0, done.stdout + done.stderr
+    rows = [line.split(" | ") for line in done.stdout.splitlines() if line.startswith("| torque")]
+    assert [row[1] for row in rows] == ["nominal", "near", "deep"]
+    for row in rows:
+        memory, lanes, limit = (float(row[i]) for i in (3, 5, 7))
+        assert limit > 0 and limit >= max(memory, lanes) - 0.02
+
+
 def test_a_second_record_of_the_day_keeps_the_first_and_peers_may_be_absent(root: Path, tmp_path: Path) -> None:
     (tmp_path / "absent").mkdir()
     for name in ("coal", "fcl"):

@@ -1,0 +1,300 @@
+"""How far feeler is from what this machine can do: lines of memory read, operations in lanes done, one core.
+
+python bench/limit.py                    at 1.6M triangles
+python bench/limit.py --write            and put it into docs/performance.md, between its markers
+python bench/limit.py --size 100k --tools hand --poses 20
+
+First the machine: limit_kernels.cpp reads lines of buffers of many sizes and does lane operations, and nothing else.
+Then, for each tool and kind of poses, what must at least be done is counted, and priced with that. Everything counted
+is a lower bound, and memory and lanes are taken to overlap fully, so no program of this design can be faster on this
+machine than the limit; how near one could come is not said.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ctypes
+import functools
+import sys
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import engines
+import extras
+import measure
+import native
+import numpy as np
+from options import TOOLS, triangles
+from page import PERFORMANCE, fill
+from record import load_average, machine
+
+import feeler
+from feeler.samples.poses import KINDS
+from feeler.samples.tools import sample_tool
+
+LINE = 64  # bytes of a cache line
+MIB = 1 << 20
+
+# Bytes of the structures, as in crates/feeler-core.
+CLUSTER = 836  # a cluster of 16 tool pieces
+PIECE = 28  # a mock-up piece in its block: sides in bytes, packed corners, triangle
+TOOL_TRIANGLE = 72
+FACE = 12
+VERTEX = 24
+
+# Vector instructions of 512 bits that the code of each stage cannot do without; loads, broadcasts, list handling and
+# addresses are not among them. float32 in 16 lanes, float64 in 8.
+NODE = 6  # a node test: 3 x (shuffle, comparison of 64 bytes), or 6 comparisons of 16 boxes with a node's own
+PLACE = 60  # placing a cluster: 36 multiply-adds, 18 least and greatest, 6 margins
+SCAN = 6  # a piece against 16 boxes: 6 comparisons
+PLANES = 48  # both planes against 4 corners each, in 16 lanes: 30 multiply-adds, 12 least and greatest, ...
+TEST = 131  # eight triangle pairs, as far as most come: 54 to move the tool's, 77 for one plane
+MEET = 209  # and from there on where they meet: the other plane 77, turning 48, two orientations 84
+
+POINTER, SIZE, COUNT = ctypes.c_void_p, ctypes.c_size_t, ctypes.c_uint64
+FUNCTIONS: dict[str, tuple[Any, tuple[Any, ...]]] = {
+    "limit_buffer": (POINTER, (SIZE, ctypes.c_int)),
+    "limit_free": (None, (POINTER,)),
+    "limit_random": (COUNT, (POINTER, COUNT, COUNT, COUNT)),
+    "limit_chained": (COUNT, (POINTER, COUNT, COUNT, COUNT)),
+    "limit_sequential": (COUNT, (POINTER, COUNT, COUNT, COUNT)),
+    "limit_multiply_adds": (ctypes.c_double, (COUNT,)),
+    "limit_mixed": (ctypes.c_double, (COUNT,)),
+}
+HEADS = (
+    "lines, at least",
+    "lines in a loop, µs",
+    "lines from cold, µs",
+    "lanes, µs",
+    "of that, pairs found, µs",
+    "limit, µs",
+    "measured, µs",
+    "asked again, µs",
+    "times the limit",
+)
+SIZES = (MIB // 2, 2 * MIB, 8 * MIB, 16 * MIB, 32 * MIB, 64 * MIB)
+RANDOM, CHAINED, STEPS = 1_000_000, 100_000, 1_000_000
+REPEATS = 8
+BUSY = 1.5  # more than this many on the machine, this one included
+
+
+@dataclass
+class Machine:
+    """Nanoseconds a line by size of the buffer, the cheaper of ordinary and huge pages; lane instructions a ns."""
+
+    bytes: list[int]
+    random: list[float]
+    chained: list[float]
+    sequential: list[float]
+    multiply_adds: float
+    mixed: float
+
+    def price(self, of: str, size: float) -> float:
+        """Nanoseconds a line in a buffer of any size; between those measured, along a line in the logarithm."""
+        return float(np.interp(np.log(max(size, 1.0)), np.log(self.bytes), getattr(self, of)))
+
+
+@dataclass
+class Needed:
+    """What one query has to do at least."""
+
+    scattered: int  # lines here and there: corners of the mock-up's triangles that were found
+    in_row: int  # lines in one go: clusters placed, and what is packed side by side
+    instructions: float
+    answer: float  # of these, what every pair found needs in any design
+
+
+def measured(index_bytes: int) -> Machine:
+    """What this core can do. Each figure is the best of a few; a busy machine can only take away."""
+    library = native.compile_cpp(native.HERE / "limit_kernels.cpp", [])
+    native.declare(library, FUNCTIONS)
+    sizes = sorted({*SIZES, index_bytes})
+    rows = []
+    for size in sizes:
+        both = [_lines(library, size, huge) for huge in (0, 1)]
+        rows.append([min(values) for values in zip(*both, strict=True)])
+    random, chained, sequential = (list(column) for column in zip(*rows, strict=True))
+    # A larger buffer is no cheaper than a smaller one: what says so is noise.
+    for column in (random, chained, sequential):
+        column[:] = np.minimum.accumulate(column[::-1])[::-1].tolist()
+    rates = [
+        each * STEPS / _best(functools.partial(function, STEPS))
+        for each, function in ((8, library.limit_multiply_adds), (16, library.limit_mixed))
+    ]
+    return Machine(sizes, random, chained, sequential, rates[0], max(rates))
+
+
+def _lines(library: ctypes.CDLL, size: int, huge: int) -> tuple[float, float, float]:
+    """Nanoseconds a line: at random, at random one after the other, in order."""
+    buffer = library.limit_buffer(size, huge)
+    if not buffer:
+        raise MemoryError(f"no {size:,} bytes for a buffer")
+    lines = size // LINE
+    counts = (RANDOM, CHAINED, max(lines, RANDOM))
+    functions = (library.limit_random, library.limit_chained, library.limit_sequential)
+    try:
+        # The same places again and again: they are what the caches may hold.
+        random, chained, sequential = (
+            _best(functools.partial(function, buffer, lines, count, 0)) / count
+            for function, count in zip(functions, counts, strict=True)
+        )
+    finally:
+        library.limit_free(buffer)
+    return random, chained, sequential
+
+
+def _best(call: Callable[[], Any]) -> int:
+    """Nanoseconds."""
+    best = sys.maxsize
+    for _ in range(REPEATS):
+        start = time.perf_counter_ns()
+        call()
+        best = min(best, time.perf_counter_ns() - start)
+    return best
+
+
+def needed(faces: Any, pairs: Any, stats: dict[str, int]) -> Needed:
+    """What must be done for these pairs, by a query with this funnel. `faces` are the mock-up's."""
+    tool_triangles, found = np.unique(pairs[:, 0]), np.unique(pairs[:, 1])
+    scattered = _distinct_lines(found, FACE) + _distinct_lines(np.unique(faces[found]), VERTEX)
+    in_row = CLUSTER * stats["clusters_placed"] + TOOL_TRIANGLE * len(tool_triangles) + PIECE * len(found)
+    answer = (TEST + MEET) * len(pairs) / 8
+    rest = stats["triangle_tests"] - len(pairs)  # a few pairs are offered twice: then it is too little, not too much
+    instructions = (
+        NODE * stats["voxels_visited"]
+        + PLACE * stats["clusters_placed"]
+        + SCAN * stats["pieces_scanned"]
+        + PLANES * stats["entries_scanned"] / 16
+        + TEST * max(rest, 0) / 8
+        + answer
+    )
+    return Needed(scattered, in_row // LINE, instructions, answer)
+
+
+def _distinct_lines(rows: Any, size: int) -> int:
+    """Lines of an array that hold the first byte of these rows."""
+    return len(np.unique(rows.astype(np.int64) * size // LINE))
+
+
+def cells(
+    scene: feeler.Scene, tools: dict[str, feeler.Tool], core: Machine, index_bytes: int, options: argparse.Namespace
+) -> Iterator[dict[str, Any]]:
+    """A row a tool and kind: medians over poses, microseconds."""
+    engine = engines.FeelerEngine()
+    engine.scene = scene
+    faces = np.asarray(scene.mockup.faces)
+    for name, tool in tools.items():
+        engine.prepare(tool)
+        cost = extras.python_call(scene.mockup, tool)
+        tool_lines = tool.triangle_count * (CLUSTER // 16 + TOOL_TRIANGLE) // LINE
+        call = cost["over_core_us"] + cost["clock_us"]
+        for kind in KINDS:
+            poses = measure.find_poses(scene, engine.tool, kind, options.poses)
+            found = measure.look([engine], poses)["feeler"]
+            least = [needed(faces, pairs, stats) for pairs, stats in zip(found.pairs, found.stats, strict=True)]
+            # What a loop over these poses finds in the caches in its next round; all poses share the tool.
+            loop = LINE * (sum(one.scattered for one in least) + min(sum(one.in_row for one in least), tool_lines))
+            loop = min(max(loop, core.bytes[0]), index_bytes)
+            own = measure.clock([engine], poses, options.rounds)["feeler"].wall.min(axis=0) - call
+            again = np.min([[_again(engine, pose) for pose in poses] for _ in range(options.rounds)], axis=0) - call
+            warm, cold = ([_memory(core, one, size) for one in least] for size in (loop, index_bytes))
+            lanes = [one.instructions / core.mixed / 1e3 for one in least]
+            limit = np.maximum(warm, lanes)
+            yield {
+                "tool": name,
+                "kind": kind,
+                "lines": float(np.median([one.scattered + one.in_row for one in least])),
+                "warm": float(np.median(warm)),
+                "cold": float(np.median(cold)),
+                "lanes": float(np.median(lanes)),
+                "answer": float(np.median([one.answer / core.mixed / 1e3 for one in least])),
+                "limit": float(np.median(limit)),
+                "own": float(np.median(own)),
+                "again": float(np.median(again)),
+            }
+
+
+def _memory(core: Machine, one: Needed, size: int) -> float:
+    """Microseconds for the lines, in a buffer of this size."""
+    return (one.scattered * core.price("random", size) + one.in_row * core.price("sequential", size)) / 1e3
+
+
+def _again(engine: engines.FeelerEngine, pose: engines.Floats) -> float:
+    """Microseconds of a query asked just before: the caches hold what it needs."""
+    call = engine.aim("collide", pose)
+    call()
+    return measure.clock_once(call)[0]
+
+
+def markdown(core: Machine, rows: list[dict[str, Any]], about: str) -> str:
+    """Both tables."""
+    lines = [
+        f"| buffer, MiB | {' | '.join(f'{size / MIB:,.3g}' for size in core.bytes)} |",
+        f"|---|{'---:|' * len(core.bytes)}",
+    ]
+    for of, said in (
+        ("random", "lines at random, many in flight, ns"),
+        ("chained", "lines at random, each after the other, ns"),
+        ("sequential", "lines in order, ns"),
+    ):
+        lines.append(f"| {said} | {' | '.join(f'{value:.2f}' for value in getattr(core, of))} |")
+    lines += [
+        "",
+        f"Vector instructions of 16 float32 lanes (or 8 of float64), a nanosecond: multiply-adds alone "
+        f"{core.multiply_adds:.1f} ({16 * core.multiply_adds:.0f} in single lanes), half of them sums "
+        f"{core.mixed:.1f}.",
+        "",
+        f"| tool | pose | {' | '.join(HEADS)} |",
+        f"|---|---|{'---:|' * len(HEADS)}",
+    ]
+    for row in rows:
+        times = [f"{row[key]:.2f}" for key in ("warm", "cold", "lanes", "answer", "limit")]
+        took = [f"{row[key]:,.1f}" for key in ("own", "again")]
+        fields = [row["tool"], row["kind"], f"{row['lines']:,.0f}", *times, *took, f"{row['own'] / row['limit']:.1f}"]
+        lines.append(f"| {' | '.join(fields)} |")
+    return "\n".join([*lines, "", about])
+
+
+def main(arguments: list[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--size", type=triangles, default=1_600_000, help="triangles of the mock-up (1.6M)")
+    parser.add_argument("--tools", default=TOOLS, help=f"sample tools; -fine: about 50k ({TOOLS})")
+    parser.add_argument("--poses", type=int, default=100, help="in each cell (100)")
+    parser.add_argument("--rounds", type=int, default=5, help="of all poses; the least time of each counts (5)")
+    parser.add_argument("--write", action="store_true", help="put the tables into docs/performance.md")
+    options = parser.parse_args(arguments)
+    if min(options.poses, options.rounds) < 1:
+        parser.error("--poses and --rounds are at least 1")
+    try:
+        tools = {
+            name: sample_tool(name.removesuffix("-fine"), name.endswith("-fine")) for name in options.tools.split(",")
+        }
+    except feeler.OptionError as error:
+        parser.error(str(error))
+    scene = feeler.Scene(feeler.sample("engine", options.size), threads=1)
+    index_bytes = scene.memory()["total"]
+    try:
+        core = measured(index_bytes)
+    except native.AbsentError as error:
+        sys.exit(f"the machine cannot be measured: {error}")
+    count = scene.mockup.triangle_count
+    about = (
+        f"`python bench/limit.py --write`: {machine()['cpu']}, one core, {count:,} triangles "
+        f"({index_bytes / MIB:.0f} MiB), medians over {options.poses} poses, best of "
+        f"{options.rounds} rounds; what a Python call costs is taken off."
+    )
+    load = load_average()
+    rows = list(cells(scene, tools, core, index_bytes, options))
+    if load and load[0] > BUSY:
+        about += f" The machine was busy (load {load[0]:.1f}): what was measured is too much rather than too little."
+    text = markdown(core, rows, about)
+    print(text)
+    if options.write:
+        fill(PERFORMANCE, "limit: bench/limit.py", text)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
