@@ -17,8 +17,10 @@ pub struct BlocksScratch {
     pub(super) children: Vec<LaneBoxes>,
     pub(super) pieces: Box<[PlacedPieces; LANES]>,
     pub(super) halves: Box<[HalfBlock; 2]>,
+    /// Blocks with something in `codes`, and from where.
+    pub(super) runs: Vec<(u32, u32)>,
     /// Pairs of a cluster and a piece, and which of the cluster's lanes are left.
-    pub(super) codes: Box<[u32; CODES]>,
+    pub(super) codes: Vec<u32>,
     pub(super) chosen: Box<[u16; CODES]>,
 }
 
@@ -30,7 +32,8 @@ impl Default for BlocksScratch {
             children: Vec::new(),
             pieces: Box::new([PlacedPieces::ZERO; LANES]),
             halves: Box::new([HalfBlock::ZERO; 2]),
-            codes: Box::new([0; CODES]),
+            runs: Vec::new(),
+            codes: Vec::new(),
             chosen: Box::new([0; CODES]),
         }
     }

@@ -28,7 +28,7 @@ impl Kernel for Scan<'_, '_> {
     #[inline(always)]
     fn run<S: Simd>(self, s: S) -> bool {
         let Scan { blocks, tool, placement, scratch, group, from, narrow } = self;
-        let BlocksScratch { nodes, masks, pieces, halves, codes, chosen, .. } = scratch;
+        let BlocksScratch { nodes, masks, pieces, halves, runs, codes, chosen, .. } = scratch;
         let nodes = &nodes[from..];
         let level = &blocks.levels[0];
         narrow.stats.voxels_visited += nodes.len() as u64;
@@ -74,79 +74,91 @@ impl Kernel for Scan<'_, '_> {
             placement.place_pieces(s, &clusters[c].corners, &mut pieces[c]);
             tight.set(c, &pieces[c].bounds);
         }
-        let slack = placement.slack + blocks.slack;
+        // Pieces of each block that a cluster's box meets. What the next stages need of a block is asked for already.
+        let mut count = 0;
+        runs.clear();
         for (&block, mask) in nodes.iter().zip(group_masks) {
-            let node = &level[block as usize];
             let mut mask = mask & needed;
-            if mask != 0 {
-                mask &= node.overlapping_lanes(s, &tight);
+            if mask == 0 {
+                continue;
             }
-            let mut count = 0;
-            let mut either_half = 0;
+            let node = &level[block as usize];
+            mask &= node.overlapping_lanes(s, &tight);
+            let from = count;
+            if codes.len() < from + CODES {
+                codes.resize(from + 2 * CODES, 0);
+            }
             while mask != 0 {
                 let c = mask.trailing_zeros() as usize;
                 mask &= mask - 1;
                 narrow.stats.voxels_visited += 1;
                 let hit = node.overlapping_inside(s, &pieces[c].bounds);
-                either_half |= hit;
-                count = s.append(hit as u16, &PAIR_CODES[c][0], &mut codes[..], count);
-                count = s.append((hit >> LANES) as u16, &PAIR_CODES[c][1], &mut codes[..], count);
+                count = s.append(hit as u16, &PAIR_CODES[c][0], codes, count);
+                count = s.append((hit >> LANES) as u16, &PAIR_CODES[c][1], codes, count);
             }
-            if count == 0 {
-                continue;
+            if count > from {
+                prefetch(&blocks.packed[block as usize]);
+                prefetch(&blocks.triangles[FANOUT * block as usize]);
+                prefetch(&blocks.triangles[(FANOUT * block as usize + LANES).min(blocks.triangles.len() - 1)]);
+                runs.push((block, from as u32));
             }
-            narrow.stats.pieces_scanned += count as u64;
+        }
+        narrow.stats.pieces_scanned += count as u64;
+        let slack = placement.slack + blocks.slack;
+        for run in 0..runs.len() {
+            let (block, from) = runs[run];
+            let to = runs.get(run + 1).map_or(count, |next| next.1 as usize);
+            let codes = &mut codes[from as usize..to];
+            let node = &level[block as usize];
+            let triangles = &blocks.triangles[FANOUT * block as usize..];
             for half in 0..2 {
-                if either_half >> (LANES * half) & 0xffff != 0 {
-                    halves[half].unpack_boxes(s, node, half);
-                }
+                halves[half].unpack_boxes(s, node, half);
             }
             let mut kept = 0;
-            let mut either_half = 0;
-            for i in 0..count {
-                let code = codes[i] as usize;
-                let (c, piece) = (code / FANOUT, code % FANOUT);
+            let mut kept_pieces = 0;
+            for i in 0..codes.len() {
+                let (c, piece) = parts_of(codes[i]);
                 let lanes =
                     boxes_meeting(s, &pieces[c], &halves[piece / LANES], piece % LANES) & clusters[c].corners.used;
-                codes[kept] = code as u32;
+                codes[kept] = codes[i];
                 chosen[kept] = lanes;
                 kept += usize::from(lanes != 0);
-                either_half |= u32::from(lanes != 0) << piece;
+                kept_pieces |= u32::from(lanes != 0) << piece;
                 narrow.stats.entries_scanned += u64::from(lanes.count_ones());
-            }
-            if kept == 0 {
-                continue;
             }
             if narrow.filters.boxes {
                 for half in 0..2 {
-                    if either_half >> (LANES * half) & 0xffff != 0 {
+                    if kept_pieces >> (LANES * half) & 0xffff != 0 {
                         halves[half].unpack_corners(s, &blocks.packed[block as usize], half, slack);
                     }
                 }
                 let mut last = 0;
                 for i in 0..kept {
-                    let code = codes[i] as usize;
-                    let (c, piece) = (code / FANOUT, code % FANOUT);
+                    let (c, piece) = parts_of(codes[i]);
                     pieces[c].need_normals(s);
                     let lanes = chosen[i] & planes_meeting(s, &pieces[c], &halves[piece / LANES], piece % LANES);
-                    codes[last] = code as u32;
+                    codes[last] = codes[i];
                     chosen[last] = lanes;
                     last += usize::from(lanes != 0);
                 }
                 kept = last;
             }
             for i in 0..kept {
-                let code = codes[i] as usize;
-                let (c, piece) = (code / FANOUT, code % FANOUT);
+                let (c, piece) = parts_of(codes[i]);
                 narrow.stats.box_survivors += u64::from(chosen[i].count_ones());
-                let triangle = blocks.triangles[FANOUT * block as usize + piece];
-                if narrow.offer_lanes(s, chosen[i], &clusters[c].slots, triangle) {
+                if narrow.offer_lanes(s, chosen[i], &clusters[c].slots, triangles[piece]) {
                     return true;
                 }
             }
         }
         false
     }
+}
+
+/// A cluster of a group and a piece of a block.
+#[inline(always)]
+fn parts_of(code: u32) -> (usize, usize) {
+    (code as usize / FANOUT % LANES, code as usize % FANOUT)
 }
 
 /// For each cluster of a group, and each half of a block: `32 cluster + piece`.
