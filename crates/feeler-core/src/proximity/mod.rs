@@ -9,6 +9,7 @@ mod queries;
 mod search;
 mod wanted;
 
+pub(crate) use crate::narrow::PairSet;
 pub use batch::GapBatch;
 pub use brute::gaps_of_all_pairs;
 pub(crate) use queries::ProximityScratch;

@@ -4,6 +4,7 @@ use super::{Gap, Goal, SearchScratch, Wanted};
 use crate::error::{Error, Result};
 use crate::pose::Pose;
 use crate::scene::Scene;
+use crate::store::NearScratch;
 use crate::tool::Tool;
 
 /// Working memory of one query at a time.
@@ -14,6 +15,7 @@ pub struct ProximityScratch {
     places: Vec<u32>,
     sorted: Vec<f64>,
     search: SearchScratch,
+    near: NearScratch,
 }
 
 impl Scene {
@@ -82,11 +84,11 @@ impl Scene {
         within: f64,
         scratch: &mut ProximityScratch,
     ) -> bool {
-        let ProximityScratch { gaps, places, sorted, search } = scratch;
+        let ProximityScratch { gaps, places, sorted, search, near } = scratch;
         let most = self.most_gaps();
         let mut wanted =
             Wanted::new(self.mockup(), tool, pose, self.checked_lanes(), goal, within, most, (gaps, places, sorted));
-        self.store().search(search, &mut wanted);
+        self.store().search(search, near, &mut wanted);
         wanted.finish()
     }
 
