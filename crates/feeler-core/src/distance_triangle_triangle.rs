@@ -34,8 +34,14 @@ pub fn closest_triangle_triangle(p: &Triangle, q: &Triangle) -> Closest {
 
 /// The same where the distance is at most `within` (metres), else `None`; much quicker for triangles that are farther apart.
 pub fn closest_within(p: &Triangle, q: &Triangle, within: f64) -> Option<Closest> {
-    let pair = Pair::new(p, q);
-    let limit = within * pair.per_metre + ALLOWED;
+    // Most pairs end here, before anything is divided.
+    let placed = Placed::new(p, q);
+    let limit = within * placed.per_metre + ALLOWED;
+    let (b, c) = (Aabb::of_triangle(&placed.p), Aabb::of_triangle(&placed.q));
+    if distance_bound(&b, &c) > limit {
+        return None;
+    }
+    let pair = Pair { p: Side::new(placed.p), q: Side::new(placed.q), origin: p[0], per_metre: placed.per_metre };
     if pair.is_beyond(limit) {
         return None;
     }
@@ -168,9 +174,16 @@ struct Pair {
     per_metre: f64,
 }
 
-impl Pair {
+/// Corners in units of the pair.
+struct Placed {
+    p: Triangle,
+    q: Triangle,
+    per_metre: f64,
+}
+
+impl Placed {
     #[inline(always)]
-    fn new(p: &Triangle, q: &Triangle) -> Pair {
+    fn new(p: &Triangle, q: &Triangle) -> Placed {
         let origin = p[0];
         let mut largest = 0.0f64;
         for corner in [&p[1], &p[2], &q[0], &q[1], &q[2]] {
@@ -180,20 +193,20 @@ impl Pair {
         }
         let per_metre = power_of_two_below_inverse(largest);
         let moved = |corner: &Point| -> Point { std::array::from_fn(|a| (corner[a] - origin[a]) * per_metre) };
-        Pair { p: Side::new(p.map(|c| moved(&c))), q: Side::new(q.map(|c| moved(&c))), origin, per_metre }
+        let [a, b, c] = p;
+        let [d, e, f] = q;
+        Placed { p: [moved(a), moved(b), moved(c)], q: [moved(d), moved(e), moved(f)], per_metre }
     }
+}
 
+impl Pair {
     fn to_metres(&self, point: &Point) -> Point {
         std::array::from_fn(|a| point[a] / self.per_metre + self.origin[a])
     }
 
-    /// Whether the triangles are certainly farther apart than a limit.
+    /// Whether the plane of either certainly holds the triangles farther apart than a limit.
     #[inline(always)]
     fn is_beyond(&self, limit: f64) -> bool {
-        let (b, c) = (Aabb::of_triangle(&self.p.corners), Aabb::of_triangle(&self.q.corners));
-        if distance_bound(&b, &c) > limit {
-            return true;
-        }
         for n in [&self.p.normal, &self.q.normal] {
             let (gap, error) = self.gap_along(n);
             if gap - error > limit * dot(n, n).sqrt() * (1.0 + 1e-13) {

@@ -3,6 +3,7 @@
 //! Bounds are squares of distances in frame units, from boxes in float32 that cover what they stand for; they are compared with
 //! [`Search::limit`], which is rounded up, so nothing of interest is dropped.
 
+use super::leaf::Candidate;
 use super::node::Node;
 use super::pieces::HalfBlock;
 use super::{Blocks, FANOUT};
@@ -17,6 +18,7 @@ pub struct NearScratch {
     pub(super) clusters: PlacedClusters,
     pub(super) block: UnpackedBlock,
     pub(super) seen: PairSet,
+    pub(super) candidates: Vec<Candidate>,
 }
 
 /// A tool entry and a node, not yet looked into.
@@ -105,7 +107,7 @@ impl Blocks {
         let grown = |x: [f32; 4], by: f32| x.map(|x| x + by);
         let bounds =
             Box4 { lower: grown(bounds.lower, -placement.margin()), upper: grown(bounds.upper, placement.margin()) };
-        let mut run = Search { blocks: self, placement, limit: 0.0, wanted };
+        let mut run = Search { blocks: self, placement, limit: 0.0, direction: [0.0; 3], wanted };
         run.update_limit();
         lanes.run(Descend { run: &mut run, scratch, bounds });
     }
@@ -120,6 +122,8 @@ pub struct Search<'a, 'w> {
     pub placement: Placement,
     /// The square of the largest distance of interest, frame units, rounded up.
     pub limit: f32,
+    /// From tool to mock-up where they were found closest so far: along it, most pairs farther apart show it.
+    pub direction: [f32; 3],
     pub wanted: &'a mut Wanted<'w>,
 }
 
@@ -127,6 +131,7 @@ impl Search<'_, '_> {
     /// After a pair was taken.
     #[inline(always)]
     pub fn update_limit(&mut self) {
+        self.direction = self.wanted.direction();
         let bound = self.wanted.bound() * self.blocks.frame.scale;
         // Bounds have a few roundings of 2^-24 each; the last term covers squares that underflow.
         self.limit = if bound < 1e15 { (bound * bound * (1.0 + 1e-5) + 1e-36) as f32 } else { f32::INFINITY };
