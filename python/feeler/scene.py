@@ -160,10 +160,10 @@ class Scene(_core.Scene):
     ) -> Distance | list[Distance]:
         """The distance of tool and mock-up with the tool at a pose `(4, 4)`, with the two closest points.
 
-        With `k` above 1, a list: the distance of each of the `k` closest parts, nearest first. What is farther than `max`
-        (metres) is left out: the value is infinite then, all else None, and the list shorter. Exact as `clearance`; when
-        they meet, the value is 0, and the triangles are some pair that meets. Raises `OptionError` where `max` is negative
-        or NaN, or `k` below 1.
+        With `k` above 1, a list: the distance of each of the `k` closest parts, nearest first. What is farther than
+        `max` (metres) is left out: the value is infinite then, all else None, and the list shorter. Exact as
+        `clearance`; when they meet, the value is 0, and the triangles are some pair that meets. Raises `OptionError`
+        where `max` is negative or NaN, or `k` below 1.
         """
         _check_tool(tool)
         if not 1 <= _integer("k", k) < 2**32:
