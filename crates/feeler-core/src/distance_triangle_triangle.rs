@@ -297,7 +297,7 @@ impl Pair {
                 let t = -dot(&rn, u) * inverse;
                 let is_narrow = nn * self.p.inverse[i] * self.q.inverse[j] < NARROW;
                 let inside = -1e-6..=1.0 + 1e-6;
-                if !is_narrow && !(inside.contains(&s) && inside.contains(&t)) {
+                if !(is_narrow || inside.contains(&s) && inside.contains(&t)) {
                     continue;
                 }
                 let on_p = along(a, s.clamp(0.0, 1.0), u);
