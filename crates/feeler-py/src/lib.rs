@@ -4,6 +4,7 @@ mod arrays;
 mod collision;
 mod errors;
 mod mockup;
+mod predict;
 mod scene;
 mod tool;
 
@@ -35,6 +36,8 @@ mod _core {
     use super::collision::{Batch, Collision};
     #[pymodule_export]
     use super::mockup::Mockup;
+    #[pymodule_export]
+    use super::predict::Predictor;
     #[pymodule_export]
     use super::scene::{optimal_voxel_size, Scene};
     #[pymodule_export]
