@@ -30,7 +30,7 @@ class Plan:
     mockups: list[Subject[Mockup]]
     tools: list[Subject[Tool]]
     poses: int = 10
-    rounds: int = 9
+    rounds: int = 15
     sizes: int = 13
     seed: int = 0
     resume: bool = True

@@ -177,7 +177,11 @@ impl Predictor {
             let d = size(step);
             let fits = self.bytes(d) <= limit as f64;
             let time = self.work(d).seconds(constants);
-            if fits && time.is_finite() { time } else { f64::INFINITY }
+            if fits && time.is_finite() {
+                time
+            } else {
+                f64::INFINITY
+            }
         };
         let most = (REACH.log2() * 3.0) as i32;
         let least = (DEPTH.log2() * 3.0) as i32;
@@ -206,7 +210,11 @@ impl Predictor {
         }
         let shift = (0.5 * (before - after) / bend).clamp(-0.5, 0.5);
         let d = size(best) * ratio.powf(shift);
-        if self.bytes(d) <= limit as f64 { d } else { size(best) }
+        if self.bytes(d) <= limit as f64 {
+            d
+        } else {
+            size(best)
+        }
     }
 }
 

@@ -8,20 +8,26 @@ use crate::bounds::{Aabb, Point, Triangle};
 use crate::mesh::Mesh;
 use crate::pieces::twice_area;
 
-/// Places of the tool.
-const PLACES: u64 = 24;
+/// Places of the tool that are looked at.
+const PLACES: u64 = 32;
+
+/// And kept: those where it meets least. In the others it is stuck deep in parts, not at work.
+const KEPT: usize = 22;
 
 /// Tool triangles at each place whose voxels are counted.
 const VISITORS: usize = 128;
 
 /// Of these, the ones whose neighbours are looked at.
-const MEETERS: usize = 32;
+const MEETERS: usize = 24;
 
 /// Mock-up triangles looked at, evenly spread over the mesh.
-const STATICS: usize = 100_000;
+const STATICS: usize = 60_000;
 
 /// Mock-up triangles around one place that are paired with the tool's.
-const NEIGHBOURS: usize = 1500;
+const NEIGHBOURS: usize = 1000;
+
+/// Triangles of which one is chosen by area.
+const SPOTS: usize = 24;
 
 /// Tool triangles looked at for how far the tool reaches into the surface.
 const DEPTH_PROBES: usize = 64;
@@ -105,7 +111,7 @@ impl Sample {
         for (place, id) in near.into_iter().flatten() {
             by_place[place].push(id);
         }
-        let found: Vec<(Vec<Visitor>, Vec<Meeting>)> = places
+        let mut found: Vec<(Vec<Visitor>, Vec<Meeting>)> = places
             .par_iter()
             .zip(&by_place)
             .enumerate()
@@ -115,19 +121,24 @@ impl Sample {
                     .map(|(id, weight)| (Aabb::of_triangle(&place.apply(&tool.triangle(*id))), *weight))
                     .collect();
                 let visitors = boxes.iter().filter(|(b, _)| b.is_overlapping(&bounds)).map(|(b, weight)| {
-                    let extent = std::array::from_fn(|a| b.upper[a].min(bounds.upper[a]) - b.lower[a].max(bounds.lower[a]));
+                    let extent =
+                        std::array::from_fn(|a| b.upper[a].min(bounds.upper[a]) - b.lower[a].max(bounds.lower[a]));
                     Visitor { extent, weight: *weight }
                 });
                 let meetings = meetings(mesh, &boxes, near, static_weight, reach, &mut Random::new(!(seed as u64)));
                 (visitors.collect(), meetings)
             })
             .collect();
+        let contact = |m: &Vec<Meeting>| m.iter().filter(|m| m.gap == 0.0).map(|m| m.weight).sum::<f64>();
+        found.sort_by(|(_, p), (_, q)| contact(p).total_cmp(&contact(q)));
+        found.truncate(KEPT);
+        let kept = found.len() as f64;
         let mut meetings: Vec<Meeting> = found.iter().flat_map(|(_, m)| m.iter().copied()).collect();
         meetings.sort_by(|p, q| p.gap.total_cmp(&q.gap));
         let few = ids.len().div_ceil(2000);
         let statics: Vec<Shape> = ids.iter().step_by(few).map(|id| Shape::of(&mesh.triangle(*id))).collect();
         Sample {
-            places: PLACES as f64,
+            places: kept,
             visitors: found.into_iter().flat_map(|(v, _)| v).collect(),
             meetings,
             static_weight: mesh.queried_count() as f64 / statics.len() as f64,
@@ -257,11 +268,10 @@ impl Place {
     }
 }
 
-/// A point of the surface: of any triangle, or of one of a few in proportion to their areas, every other time. So both where
-/// triangles crowd and where the surface is wide. And the normal there, of length 1, or 0 where it cannot be told.
+/// A point of the surface, anywhere (of a few triangles one is chosen in proportion to their areas), and the normal there, of
+/// length 1, or 0 where it cannot be told.
 fn spot(mesh: &Mesh, ids: &[u32], random: &mut Random) -> (Point, Point) {
-    let tries = if random.unit() < 0.5 { 1 } else { 24 };
-    let picked: Vec<Triangle> = (0..tries).map(|_| mesh.triangle(ids[random.below(ids.len())])).collect();
+    let picked: Vec<Triangle> = (0..SPOTS).map(|_| mesh.triangle(ids[random.below(ids.len())])).collect();
     let areas: Vec<f64> = picked.iter().map(twice_area).collect();
     let mut left = random.unit() * areas.iter().sum::<f64>();
     let mut chosen = 0;
