@@ -14,6 +14,8 @@
 
 mod random;
 mod sample;
+#[cfg(test)]
+mod tests;
 
 use crate::cost::{mean_longest_edge, static_means, CostFunction, Estimator};
 use crate::mesh::Mesh;

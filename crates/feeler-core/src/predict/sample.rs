@@ -62,7 +62,8 @@ pub struct Shape {
 }
 
 impl Shape {
-    fn of(t: &Triangle) -> Shape {
+    /// Of a triangle.
+    pub fn of(t: &Triangle) -> Shape {
         let shadow = |u: usize, v: usize| {
             0.5 * ((t[1][u] - t[0][u]) * (t[2][v] - t[0][v]) - (t[1][v] - t[0][v]) * (t[2][u] - t[0][u])).abs()
         };
@@ -193,7 +194,7 @@ fn meetings(
         return Vec::new();
     }
     // Another part of the tool's triangles at each place.
-    let every = boxes.len().div_ceil(MEETERS);
+    let every = boxes.len().div_ceil(MEETERS).max(1);
     let first = random.below(every);
     let some = boxes.iter().skip(first).step_by(every);
     let every_near = near.len().div_ceil(NEIGHBOURS);
