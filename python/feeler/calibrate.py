@@ -41,8 +41,9 @@ _known: Constants | None = None
 
 
 def query_clock() -> Callable[[], float]:
-    """The clock that queries are timed with, in seconds: the thread's processor time, which other programs do not lengthen,
-    where the system tells it finely enough, else the time of day.
+    """The clock that queries are timed with, seconds.
+
+    The thread's processor time, which other programs do not lengthen, where the system tells it finely enough.
     """
     try:
         return time.thread_time if time.get_clock_info("thread_time").resolution <= 1e-6 else time.perf_counter

@@ -20,7 +20,7 @@ from feeler.study import Plan, Subject, study_filters, study_hashing, study_scal
 study = typer.Typer(
     no_args_is_help=True,
     rich_markup_mode="rich",
-    help="Repeats the paper's experiments: voxel size, hashing, scaling, filters. Each writes tables, plots and a page.",
+    help="Repeats the paper's experiments: voxel size, hashing, scaling, filters. Each writes tables, plots, a page.",
 )
 app.add_typer(study, name="study")
 

@@ -26,7 +26,8 @@ STORES = ("dense", "blocks")
 
 def study_filters(plan: Plan) -> dict[str, Any]:
     """Measures, writes the study's files, returns the results."""
-    cells, workshop, rows = Cells(plan.folder, plan.resume), Workshop(), []
+    cells, workshop = Cells(plan.folder, plan.resume), Workshop()
+    rows: list[Cell] = []
     for number, (mockup, tool) in enumerate(plan.pairs()):
         plan.progress(number / len(plan.pairs()), f"{mockup.name} and {tool.name}")
         settings = {
@@ -47,7 +48,7 @@ def study_filters(plan: Plan) -> dict[str, Any]:
             "saved_least": min(saved),
             "saved_most": max(saved),
         }
-    results = plain({"study": "filters", "machine": machine(), "rows": rows, "summary": summary})
+    results: dict[str, Any] = plain({"study": "filters", "machine": machine(), "rows": rows, "summary": summary})
     write_study(plan.folder, results, _samples(rows), draw_lines(plan.folder, "filters", _panels(rows), columns=2))
     plan.progress(1.0, "done")
     return results

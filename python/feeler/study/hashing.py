@@ -25,7 +25,8 @@ _FILTERS = {"repeat_filter": True, "box_filter": True}
 
 def study_hashing(plan: Plan) -> dict[str, Any]:
     """Measures, writes the study's files, returns the results."""
-    cells, workshop, rows = Cells(plan.folder, plan.resume), Workshop(), []
+    cells, workshop = Cells(plan.folder, plan.resume), Workshop()
+    rows: list[Cell] = []
     for number, (mockup, tool) in enumerate(plan.pairs()):
         plan.progress(number / len(plan.pairs()), f"{mockup.name} and {tool.name}")
         settings = {
@@ -40,7 +41,7 @@ def study_hashing(plan: Plan) -> dict[str, Any]:
         rows.append({"mockup": mockup.name, "tool": tool.name} | cell)
     free = [at["free_level"] for row in rows for at in row["sizes"]]
     summary = {"free_level_median": float(np.median(free)), "free_level_least": min(free)}
-    results = plain({"study": "hashing", "machine": machine(), "rows": rows, "summary": summary})
+    results: dict[str, Any] = plain({"study": "hashing", "machine": machine(), "rows": rows, "summary": summary})
     plots = draw_lines(plan.folder, "hashing", [panel for row in rows for panel in _panels(row)], columns=2)
     write_study(plan.folder, results, _samples(rows), plots)
     plan.progress(1.0, "done")

@@ -7,7 +7,6 @@ import csv
 import html
 import io
 import json
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -15,9 +14,10 @@ from .cells import write_text
 from .plots import MISSING
 from .tables import Section, sections_of
 
-_STYLE = """body { font: 15px/1.5 system-ui, sans-serif; max-width: 72em; margin: 2em auto; padding: 0 1em; color: #222 }
-table { border-collapse: collapse; font-size: 13px } th, td { padding: .2em .6em; border-bottom: 1px solid #ddd; text-align: right }
-th:first-child, td:first-child, th:nth-child(2), td:nth-child(2) { text-align: left } img { max-width: 100% }"""
+_STYLE = """body { color: #222; font: 15px/1.5 sans-serif; max-width: 72em; margin: 2em auto; padding: 0 1em; }
+table { border-collapse: collapse; font-size: 13px }
+th, td { padding: .2em .6em; border-bottom: 1px solid #ddd; text-align: right }
+th.word, td.word { text-align: left } img { max-width: 100% }"""
 
 
 def write_study(
@@ -55,10 +55,7 @@ def _page(results: dict[str, Any], pictures: list[Path]) -> str:
     """One HTML file with everything in it."""
     sections = sections_of(results)
     parts = [f"<h1>feeler study {html.escape(results['study'])}</h1>"]
-    embedded = [
-        f'<p><img alt="{html.escape(path.stem)}" src="data:image/png;base64,{base64.b64encode(path.read_bytes()).decode()}"></p>'
-        for path in pictures
-    ]
+    embedded = [_picture(path) for path in pictures]
     for number, section in enumerate(sections):
         parts.append(f"<h2>{html.escape(section.title)}</h2>" if section.title else "")
         parts += [f"<p>{html.escape(paragraph)}</p>" for paragraph in section.text]
@@ -73,11 +70,20 @@ def _page(results: dict[str, Any], pictures: list[Path]) -> str:
         f"{html.escape(machine['system'])}. Measured cost of a {constants}. Every measured time is in "
         '<a href="samples.csv">samples.csv</a>, every figure in <a href="results.json">results.json</a>.</p>'
     )
-    title = f"<title>feeler study {html.escape(results['study'])}</title>"
-    return f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8">{title}<style>{_STYLE}</style></head>\n<body>{"".join(parts)}</body></html>\n'
+    head = f'<meta charset="utf-8"><title>feeler study {html.escape(results["study"])}</title><style>{_STYLE}</style>'
+    body = "".join(parts)
+    return f'<!doctype html>\n<html lang="en"><head>{head}</head>\n<body>{body}</body></html>\n'
+
+
+def _picture(path: Path) -> str:
+    data = base64.b64encode(path.read_bytes()).decode()
+    return f'<p><img alt="{html.escape(path.stem)}" src="data:image/png;base64,{data}"></p>'
 
 
 def _table(section: Section) -> str:
-    cells: Callable[[str, list[str]], str] = lambda tag, row: "".join(f"<{tag}>{html.escape(x)}</{tag}>" for x in row)  # noqa: E731
+    def cells(tag: str, row: list[str]) -> str:
+        words = [' class="word"' if i < section.words else "" for i in range(len(row))]
+        return "".join(f"<{tag}{kind}>{html.escape(x)}</{tag}>" for x, kind in zip(row, words, strict=True))
+
     body = "".join(f"<tr>{cells('td', row)}</tr>" for row in section.rows)
     return f"<table><tr>{cells('th', section.heading)}</tr>{body}</table>"

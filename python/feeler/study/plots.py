@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -108,8 +108,9 @@ def draw_lines(folder: Path, name: str, panels: Sequence[dict[str, Any]], column
             axes.axis("off")
         for axes, panel in zip(grid.flat, panels, strict=False):
             for line in panel["lines"]:
-                axes.plot(line["x"], line["y"], line.get("dash", "o-"), color=COLOURS.get(line["colour"], line["colour"]),
-                          label=line["label"], linewidth=1.3, markersize=3)  # fmt: skip
+                colour = COLOURS.get(line["colour"], line["colour"])
+                axes.plot(line["x"], line["y"], line.get("dash", "o-"), color=colour, label=line["label"],
+                          linewidth=1.3, markersize=3)  # fmt: skip
             if "x" in panel["log"]:
                 axes.set_xscale("log")
             if "y" in panel["log"]:
@@ -117,6 +118,3 @@ def draw_lines(folder: Path, name: str, panels: Sequence[dict[str, Any]], column
             _plain_axes(axes, panel["title"], panel["x"], panel["y"])
             axes.legend(fontsize=6, frameon=False)
     return [name]
-
-
-Drawer = Callable[[Path, list[dict[str, Any]]], list[str]]

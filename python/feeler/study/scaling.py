@@ -67,7 +67,9 @@ def study_scaling(plan: Plan, by_mockup: list[Pair], by_tool: list[Pair]) -> dic
                     {"title": name, "x": f"triangles of the {of}", "y": "µs a query", "log": "xy", "lines": lines}
                 )
     rows = list(done.values())
-    results = plain({"study": "scaling", "machine": machine(), "rows": rows, "summary": {"trends": trends}})
+    results: dict[str, Any] = plain(
+        {"study": "scaling", "machine": machine(), "rows": rows, "summary": {"trends": trends}}
+    )
     write_study(plan.folder, results, _samples(rows), draw_lines(plan.folder, "scaling", panels) if panels else [])
     plan.progress(1.0, "done")
     return results

@@ -50,7 +50,8 @@ def time_in_turns(
     """Queries every setting at every pose, round after round, each round in another order.
 
     Before its poses are timed, a setting runs them once untimed: what is measured is a tool that moves in one scene,
-    with warm caches. The clock is `query_clock`. When the budget is used up no new round begins; three rounds are run in any case.
+    with warm caches. The clock is `query_clock`. When the budget is used up no new round begins; three rounds are run
+    in any case.
     """
     rng = np.random.default_rng(seed)
     samples = np.empty((len(settings), rounds, len(poses)))

@@ -45,8 +45,8 @@ def study_voxel_size(plan: Plan, storage: str = "dense", hashing: float = 0.0) -
             return _measure(workshop.mockup(mockup), tool.make(), plan, storage, hashing)
 
         rows.append({"mockup": mockup.name, "tool": tool.name} | judged(cells.get(name, settings, measure)))
-    results = {"study": "voxel-size", "machine": machine(), "storage": storage, "hashing": hashing, "rows": rows}
-    results = plain({**results, "summary": summary(rows)})
+    found = {"study": "voxel-size", "machine": machine(), "storage": storage, "hashing": hashing, "rows": rows}
+    results: dict[str, Any] = plain({**found, "summary": summary(rows)})
     plots = draw_voxel_size(plan.folder, rows)
     write_study(plan.folder, results, samples(rows), plots)
     plan.progress(1.0, "done")
@@ -153,11 +153,17 @@ def summary(rows: list[Cell]) -> dict[str, Any]:
     table = {}
     for name in ALL:
         over = [row["estimators"][name]["over_best"] for row in rows]
-        inside = [row["estimators"][name]["epsilon"]["relative"] <= 1.0 for row in rows]
+        inside = {
+            which: sum(row["estimators"][name]["epsilon"][which] <= 1.0 for row in rows)
+            for which in ("relative", "absolute")
+        }
         table[name] = {
             "over_best_median": float(np.median(over)),
             "over_best_worst": float(max(over)),
-            "in_relative_zone": sum(inside),
+            "over_fit_median": float(np.median([row["estimators"][name]["over_fit"] for row in rows])),
+            "over_fit_worst": float(max(row["estimators"][name]["over_fit"] for row in rows)),
+            "in_relative_zone": inside["relative"],
+            "in_absolute_zone": inside["absolute"],
         }
     ranks = [row["rank_correlation"] for row in rows]
     shares = [row["choosing_share"] for row in rows]
