@@ -15,7 +15,7 @@ from feeler.errors import MissingFileError, OptionError
 from feeler.mockup import Mockup, Tool
 from feeler.progress import bar
 from feeler.samples import sample_names, sample_tool_names
-from feeler.study import Plan, Subject, study_filters, study_hashing, study_scaling, study_voxel_size
+from feeler.study import Plan, Subject, study_filters, study_hashing, study_piece_size, study_scaling, study_voxel_size
 
 study = typer.Typer(
     no_args_is_help=True,
@@ -154,6 +154,29 @@ def filters(
     """What each filter before the triangle test brings; the paper says half the time, together."""
     plan = _plan("filters", mockups, tools, triangles, poses, rounds, seed, out, resume, unit, memory, quick)
     _run("filters", plan, as_json, lambda: study_filters(plan))
+
+
+@command(parent=study, name="piece-size", examples="feeler study piece-size --mockups engine --tools wrench")
+def piece_size(
+    mockups: Mockups = "all",
+    tools: Tools = "all",
+    triangles: Triangles = 200_000,
+    poses: Poses = 10,
+    rounds: Rounds = 15,
+    sizes: Annotated[int, typer.Option(help="Piece sizes to measure for each pair.")] = 11,
+    seed: Seed = 0,
+    out: Out = _OUT,
+    resume: Resume = True,
+    unit: Unit = None,
+    quick: Quick = False,
+    as_json: Json = False,
+) -> None:
+    """Not in the paper: what the piece size of blocks, the counterpart of the voxel size, is worth."""
+    if sizes < 2:
+        raise OptionError(f"--sizes is {sizes}: give 2 or more")
+    plan = _plan("piece-size", mockups, tools, triangles, poses, rounds, seed, out, resume, unit, 2.0, quick)
+    plan.sizes = 3 if quick else sizes
+    _run("piece-size", plan, as_json, lambda: study_piece_size(plan))
 
 
 def _plan(

@@ -19,9 +19,14 @@ class Section:
 
 def sections_of(results: dict[str, Any]) -> list[Section]:
     """The sections of a study's results."""
-    return {"voxel-size": _voxel_size, "hashing": _hashing, "scaling": _scaling, "filters": _filters}[results["study"]](
-        results
-    )
+    makers = {
+        "voxel-size": _voxel_size,
+        "hashing": _hashing,
+        "scaling": _scaling,
+        "filters": _filters,
+        "piece-size": _piece_size,
+    }
+    return makers[results["study"]](results)
 
 
 def _voxel_size(results: dict[str, Any]) -> list[Section]:
@@ -30,9 +35,9 @@ def _voxel_size(results: dict[str, Any]) -> list[Section]:
     store = results["storage"] + (f" at hashing level {results['hashing']:.0%}" if results["hashing"] else "")
     about = [
         f"How long a query takes by voxel size (store: {store}), for {found['pairs']} pairs of a mock-up and a tool, "
-        "and what four estimators, which measure nothing on the pair, say is the best size. Poses are nominal: 1 to 5 % "
-        "of the tool's triangles meet the mock-up. A time is the mean over the poses of the median over the rounds; in every "
-        "round all sizes take their turn in random order.",
+        "and what four estimators, which measure nothing on the pair, say is the best size. Poses are nominal: 1 to "
+        "5 % of the tool's triangles meet the mock-up. A time is the mean over the poses of the median over the "
+        "rounds; in every round all sizes take their turn in random order.",
         "Black: measured, with quartiles over the rounds and a polynomial of the 5th degree. Red, dashed: predicted. "
         "Upright lines: the estimators' sizes.",
     ]
@@ -41,18 +46,31 @@ def _voxel_size(results: dict[str, Any]) -> list[Section]:
         [
             "Slower: time at an estimator's size over the best time of the sweep; and the same on the fit, which noise "
             "favours less. The sizes of area and calibrated were built and measured; the others are read from the fit, "
-            "or from its end where they lie beyond the sweep.",
+            "or from its end where they lie beyond the sweep. Quiet: from the lower quartile over the rounds "
+            "instead of the median, which other programs on the machine disturb less.",
             f"Rank correlation of predicted and measured time over the sizes of a pair: median "
             f"{found['rank_correlation_median']:.3f}, worst {found['rank_correlation_worst']:.3f}. Choosing the "
             f"calibrated size takes {found['choosing_share_median']:.1%} of the build in the median, "
             f"{found['choosing_share_worst']:.1%} at worst.",
         ],
-        ["estimator", "slower, median", "worst", "on the fit, median", "worst", "in the zone of +10 %", "of +1 ms"],
+        [
+            "estimator",
+            "slower, median",
+            "worst",
+            "quiet, median",
+            "worst",
+            "on the fit, median",
+            "worst",
+            "in the zone of +10 %",
+            "of +1 ms",
+        ],
         [
             [
                 name,
                 f"{each['over_best_median']:+.1%}",
                 f"{each['over_best_worst']:+.1%}",
+                f"{each['over_quiet_median']:+.1%}" if each["over_quiet_median"] is not None else "–",
+                f"{each['over_quiet_worst']:+.1%}" if each["over_quiet_worst"] is not None else "–",
                 f"{each['over_fit_median']:+.1%}",
                 f"{each['over_fit_worst']:+.1%}",
                 f"{each['in_relative_zone']} of {found['pairs']}",
@@ -191,4 +209,40 @@ def _filters(results: dict[str, Any]) -> list[Section]:
         Section(
             "Times, µs", [], ["mock-up", "tool", "store", "neither", "repeats", "boxes", "both", "saved"], rows, words=3
         ),
+    ]
+
+
+def _piece_size(results: dict[str, Any]) -> list[Section]:
+    found = results["summary"]
+    about = [
+        "The piece size is the blocks' counterpart of the voxel size: triangles longer than it are cut for the index. "
+        "The default cuts until a quarter of pieces is added, for any tool.",
+        f"Over {found['pairs']} pairs the default's time is {found['default_over_best_median']:+.1%} over the best of "
+        f"the sweep in the median, {found['default_over_best_worst']:+.1%} at worst.",
+    ]
+    by_size = [
+        [f"{factor:.2f}", f"{time:.2f}", f"{memory:.2f}"]
+        for factor, time, memory in zip(
+            found["over_default"], found["median_time"], found["median_memory"], strict=True
+        )
+    ]
+    rows = [
+        [
+            row["mockup"], row["tool"], _mm(row["default"]["size_m"]), f"{1e6 * row['default']['seconds']:.1f}",
+            _mm(row["best"]["size_m"]), f"{1e6 * row['best']['seconds']:.1f}", f"{row['default_over_best']:+.1%}",
+            f"{row['best']['bytes'] / row['default']['bytes']:.2f}",
+        ]
+        for row in results["rows"]
+    ]  # fmt: skip
+    heading = ["mock-up", "tool", "default, mm", "µs", "best, mm", "µs", "default slower", "best's memory"]
+    return [
+        Section("", about),
+        Section(
+            "By piece size",
+            ["All over the default's, medians over the pairs."],
+            ["piece size", "time", "memory"],
+            by_size,
+            words=0,
+        ),
+        Section("Pairs", [], heading, rows),
     ]

@@ -117,6 +117,8 @@ def judged(cell: Cell) -> Cell:
     fit = Fit.of([p["size_m"] for p in points], [p["seconds"] for p in points])
     optimum = fit.optimum()
     best = fit.seconds(optimum)
+    quiet = {p["size_m"]: float(np.percentile(p["samples_s"], 25, axis=0).mean()) for p in points}
+    quiet_best = min(quiet[p["size_m"]] for p in ladder)
     measured_best = min(ladder, key=lambda point: point["seconds"])
     zones = {"absolute": fit.zone(best + ZONE_ABSOLUTE_S), "relative": fit.zone(best * (1.0 + ZONE_RELATIVE))}
     estimators = {}
@@ -129,6 +131,7 @@ def judged(cell: Cell) -> Cell:
             "seconds": at,
             "is_measured": bool(exact),
             "over_best": at / measured_best["seconds"] - 1.0,
+            "over_quiet_best": quiet[size] / quiet_best - 1.0 if exact else None,
             "over_fit": fit.seconds(size) / best - 1.0,
             "epsilon": {which: epsilon(size, optimum, zone) for which, zone in zones.items()},
         }
@@ -153,6 +156,8 @@ def summary(rows: list[Cell]) -> dict[str, Any]:
     table = {}
     for name in ALL:
         over = [row["estimators"][name]["over_best"] for row in rows]
+        quiet = [row["estimators"][name]["over_quiet_best"] for row in rows]
+        is_measured = None not in quiet
         inside = {
             which: sum(row["estimators"][name]["epsilon"][which] <= 1.0 for row in rows)
             for which in ("relative", "absolute")
@@ -160,6 +165,8 @@ def summary(rows: list[Cell]) -> dict[str, Any]:
         table[name] = {
             "over_best_median": float(np.median(over)),
             "over_best_worst": float(max(over)),
+            "over_quiet_median": float(np.median(quiet)) if is_measured else None,
+            "over_quiet_worst": max(quiet) if is_measured else None,
             "over_fit_median": float(np.median([row["estimators"][name]["over_fit"] for row in rows])),
             "over_fit_worst": float(max(row["estimators"][name]["over_fit"] for row in rows)),
             "in_relative_zone": inside["relative"],
