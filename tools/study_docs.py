@@ -1,6 +1,6 @@
 """Puts the figures of the studies into docs/voxel-size.md, between its markers, and the plots into docs/voxel-size/.
 
-    python tools/study_docs.py [STUDY_FOLDER]     feeler-study, as `make study` leaves it
+python tools/study_docs.py [STUDY_FOLDER]     feeler-study, as `make study` leaves it
 """
 
 from __future__ import annotations
@@ -17,10 +17,18 @@ from feeler.study.page import markdown  # noqa: E402
 from feeler.study.tables import sections_of  # noqa: E402
 
 PAGE, PICTURES = ROOT / "docs" / "voxel-size.md", ROOT / "docs" / "voxel-size"
-STUDIES = ("voxel-size", "hashing", "scaling", "filters", "piece-size")
+# Marker in the page: folder of the study.
+STUDIES = {
+    "voxel-size": "voxel-size",
+    "real-models": "real/voxel-size",  # feeler study voxel-size --mockups FILES --out feeler-study/real
+    "hashing": "hashing",
+    "scaling": "scaling",
+    "filters": "filters",
+    "piece-size": "piece-size",
+}
 
 
-def fragment(folder: Path) -> str:
+def fragment(folder: Path, name: str) -> str:
     """The tables and the plot of one study."""
     results = json.loads((folder / "results.json").read_text(encoding="utf-8"))
     parts = []
@@ -31,23 +39,25 @@ def fragment(folder: Path) -> str:
         picture = folder / f"{folder.name}.png"
         if number == 0 and picture.is_file():
             PICTURES.mkdir(exist_ok=True)
-            shutil.copyfile(picture, PICTURES / picture.name)
-            parts.append(f"![{folder.name}](voxel-size/{picture.name})")
+            shutil.copyfile(picture, PICTURES / f"{name}.png")
+            parts.append(f"![{name}](voxel-size/{name}.png)")
     machine = results["machine"]
-    parts.append(f"{machine['cpu']}, {machine['cores']} cores, feeler {machine['feeler']}; `feeler study {folder.name}`.")
+    parts.append(
+        f"{machine['cpu']}, {machine['cores']} cores, feeler {machine['feeler']}; `feeler study {folder.name}`."
+    )
     return "\n\n".join(parts)
 
 
 def main() -> int:
     source = Path(sys.argv[1] if len(sys.argv) > 1 else ROOT / "feeler-study")
     page = PAGE.read_text(encoding="utf-8")
-    for name in STUDIES:
+    for name, where in STUDIES.items():
         begin, end = f"<!-- {name}: tools/study_docs.py -->", f"<!-- end of {name} -->"
-        if not (source / name / "results.json").is_file():
-            print(f"{source / name} holds no results: left as it is")
+        if not (source / where / "results.json").is_file():
+            print(f"{source / where} holds no results: left as it is")
             continue
         before, rest = page.split(begin)
-        page = f"{before}{begin}\n\n{fragment(source / name)}\n\n{end}{rest.split(end)[1]}"
+        page = f"{before}{begin}\n\n{fragment(source / where, name)}\n\n{end}{rest.split(end)[1]}"
     PAGE.write_text(page, encoding="utf-8")
     return 0
 

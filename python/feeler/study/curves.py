@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -69,10 +70,15 @@ class Fit:
 
 
 def epsilon(predicted: float, optimum: float, zone: Zone) -> float:
-    """Equation 11: the error of a predicted size over the half of the zone it errs to; at most 1 is inside the zone."""
-    if predicted < optimum:
-        return (optimum - predicted) / max(optimum - zone.least, 1e-12 * optimum)
-    return (predicted - optimum) / max(zone.most - optimum, 1e-12 * optimum)
+    """Equation 11: the error of a predicted size over the half of the zone it errs to; at most 1 is inside the zone.
+
+    Infinite where that half is empty: the optimum lies at the end of what was measured.
+    """
+    error = abs(predicted - optimum)
+    half = optimum - zone.least if predicted < optimum else zone.most - optimum
+    if error == 0.0:
+        return 0.0
+    return error / half if half > 0.0 else math.inf
 
 
 def rank_correlation(one: Sequence[float], other: Sequence[float]) -> float:

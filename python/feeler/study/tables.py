@@ -95,7 +95,7 @@ def _voxel_size(results: dict[str, Any]) -> list[Section]:
                 _mm(row["fit"]["optimum_m"]),
                 f"{1e6 * row['fit']['seconds']:.0f}",
                 f"{_zone(row['zones']['relative'])} ({_zone(row['zones']['absolute'])})",
-                *(f"{_mm(e['size_m'])} ({e['epsilon']['relative']:.2f})" for e in row["estimators"].values()),
+                *(f"{_mm(e['size_m'])} ({_eps(e['epsilon']['relative'])})" for e in row["estimators"].values()),
                 f"{row['estimators']['calibrated']['over_best']:+.1%}",
             ]
             for row in rows
@@ -106,6 +106,11 @@ def _voxel_size(results: dict[str, Any]) -> list[Section]:
 
 def _mm(metres: float) -> str:
     return f"{1e3 * metres:.1f}" if metres < 0.1 else f"{1e3 * metres:.0f}"
+
+
+def _eps(value: float | None) -> str:
+    """None: infinite, see `curves.epsilon`."""
+    return "–" if value is None else f"{value:.2f}"
 
 
 def _zone(zone: dict[str, Any]) -> str:
