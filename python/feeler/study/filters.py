@@ -84,7 +84,7 @@ def _panels(rows: list[Cell]) -> list[dict[str, Any]]:
     names = [f"{row['mockup'][:4]} {row['tool'][:3]}" for row in rows]
     return [
         {
-            "title": f"{storage}, times over those with both filters", "x": "pair", "y": "times", "log": "y",
+            "title": f"{storage}, times over those with both filters", "x": "pair", "y": "times", "log": "",
             "lines": [
                 {"label": case, "colour": colours[case], "dash": "o", "x": names,
                  "y": [row["seconds"][storage][case] / row["seconds"][storage]["both"] for row in rows]}

@@ -100,9 +100,9 @@ def _panels(row: Cell) -> list[dict[str, Any]]:
             for at, shade in zip(row["sizes"], shades, strict=False)
         ]  # fmt: skip
         lines += [
-            {"label": f"dense, {1e3 * at['size_m']:.1f} mm", "colour": "dense", "dash": ":", "x": [0, 95],
+            {"label": "_" if i else "dense, the same sizes", "colour": "dense", "dash": ":", "x": [0, 95],
              "y": [factor * at["dense"][what]] * 2}
-            for at in row["sizes"]
+            for i, at in enumerate(row["sizes"])
         ]  # fmt: skip
         lines.append(
             {"label": "blocks", "colour": "blocks", "dash": "--", "x": [0, 95], "y": [factor * row["blocks"][what]] * 2}

@@ -116,5 +116,7 @@ def draw_lines(folder: Path, name: str, panels: Sequence[dict[str, Any]], column
             if "y" in panel["log"]:
                 axes.set_yscale("log")
             _plain_axes(axes, panel["title"], panel["x"], panel["y"])
+            if isinstance(panel["lines"][0]["x"][0], str):
+                axes.tick_params(axis="x", labelrotation=70)
             axes.legend(fontsize=6, frameon=False)
     return [name]
