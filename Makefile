@@ -14,10 +14,12 @@ PY := $(BIN)/python
 # make PYTHON=python3.12 ...: the Python that .venv is made from. PROFILE=dev: an extension module for debugging.
 PYTHON ?=
 PROFILE ?= release
-# make QUICK=1 bench | test: the short form. DEMO_ARGS, BENCH_ARGS, PYTEST_ARGS, CARGO_ARGS are passed on.
+# make QUICK=1 bench | test: the short form. DEMO_ARGS, BENCH_ARGS, STUDY_ARGS, PYTEST_ARGS, CARGO_ARGS are passed on.
 QUICK ?=
 DEMO_ARGS ?=
 BENCH_ARGS ?=
+STUDY_ARGS ?=
+STUDY_OUT ?= feeler-study
 PYTEST_ARGS ?=
 CARGO_ARGS ?=
 PAIRS ?= 10000000
@@ -62,6 +64,12 @@ demo: build ## index an engine of 1.6M triangles, drive a wrench through it, say
 .PHONY: bench
 bench: build ## measure feeler and its peers on the same poses, write a dated record
 	@$(PY) bench/run.py $(if $(QUICK),--quick) $(BENCH_ARGS)
+
+.PHONY: study
+study: build ## repeat the paper's experiments (about half an hour), write tables, plots and pages to STUDY_OUT
+	@for name in voxel-size hashing scaling filters piece-size; do \
+		$(BIN)/feeler study $$name --out "$(STUDY_OUT)" $(if $(QUICK),--quick) $(STUDY_ARGS) || exit $$?; \
+	done
 
 ##@ Set up
 
@@ -167,6 +175,6 @@ lock: $(INSTALLED) ## make requirements.lock anew from pyproject.toml (newest ve
 
 .PHONY: clean
 clean: ## remove everything that make made
-	@rm -rf $(VENV) target build dist feeler-demo .hypothesis .mypy_cache .pytest_cache .ruff_cache
+	@rm -rf $(VENV) target build dist feeler-demo feeler-study .hypothesis .mypy_cache .pytest_cache .ruff_cache
 	@rm -f python/feeler/_core*.so python/feeler/_core*.pyd
 	@find . -name __pycache__ -type d -not -path './node_modules/*' -prune -exec rm -rf {} +

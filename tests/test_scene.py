@@ -255,13 +255,11 @@ def test_hashing_saves_what_it_says(mockup: feeler.Mockup) -> None:
         assert abs(size / dense - (1 - level)) < 1e-3
 
 
-def test_the_default_voxel_size_is_the_papers(mockup: feeler.Mockup, tool: feeler.Tool) -> None:
-    for storage in ("dense", "hashed"):
-        scene = feeler.Scene(mockup, storage=storage, tool=tool)
-        assert (
-            scene.voxel_size
-            == feeler.optimal_voxel_size(mockup, tool)
-            == feeler.optimal_voxel_size(mockup, tool, "area")
+def test_the_default_voxel_size_is_the_calibrated_one(mockup: feeler.Mockup, tool: feeler.Tool) -> None:
+    for storage, hashing in (("dense", 0.0), ("hashed", 0.0), ("hashed", 0.9)):
+        scene = feeler.Scene(mockup, storage=storage, hashing=hashing, tool=tool)
+        assert scene.voxel_size == feeler.optimal_voxel_size(
+            mockup, tool, "calibrated", storage=storage, hashing=hashing
         )
         assert 0.001 < feeler.Scene(mockup, storage=storage).voxel_size < 1.0
 

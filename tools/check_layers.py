@@ -35,18 +35,20 @@ CORE_MAY_NOT_MENTION = {
 }
 
 # What each room of python/feeler may import from the package. `feeler` alone is the public face.
-BASE = {"_core", "errors", "mockup", "progress", "scene"}
+BASE = {"_core", "calibrate", "errors", "mockup", "progress", "scene"}
 ROOMS: dict[str, set[str]] = {
     "_core": set(),
     "errors": set(),
     "progress": {"errors"},
     "mockup": {"_core", "errors"},
-    "scene": {"_core", "errors", "mockup"},
+    "calibrate": {"_core", "errors"},
+    "scene": {"_core", "calibrate", "errors", "mockup"},
     "load": BASE,
     "samples": BASE,
     "show": BASE,
-    "cli": {*BASE, "load", "samples", "show", "feeler"},
-    "__init__": {"_core", *BASE, "load", "samples", "show"},
+    "study": {*BASE, "samples"},
+    "cli": {*BASE, "load", "samples", "show", "study", "feeler"},
+    "__init__": {"_core", *BASE, "load", "samples", "show", "study"},
     "__main__": {"cli"},
 }
 # Beside the package, and never imported by it.

@@ -1,6 +1,6 @@
 """The compiled core. Use `feeler.Mockup`, `feeler.Tool` and `feeler.Scene`, which check what they pass on to it."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import final
 
 import numpy as np
@@ -9,6 +9,7 @@ from typing_extensions import Self, disjoint_base
 
 _Progress = Callable[[float, str], object]
 
+<<<<<<< HEAD
 __all__ = [
     "Batch",
     "Clearance",
@@ -22,6 +23,9 @@ __all__ = [
     "optimal_voxel_size",
     "weld_vertices",
 ]
+=======
+__all__ = ["Batch", "Collision", "Mockup", "Predictor", "Scene", "Tool", "optimal_voxel_size", "weld_vertices"]
+>>>>>>> issue5
 
 @disjoint_base
 class Mockup:
@@ -183,6 +187,7 @@ class Batch:
     def __getitem__(self, index: int, /) -> npt.NDArray[np.uint32]: ...
 
 @final
+<<<<<<< HEAD
 class Distance:
     """The distance of tool and mock-up, or of the tool and one part; 0 when they meet.
 
@@ -287,6 +292,23 @@ class ClearanceBatch:
         """`(K,)`: triangles of the mock-up."""
     def __len__(self) -> int: ...
     def __getitem__(self, index: int, /) -> Clearance: ...
+=======
+class Predictor:
+    """The predicted work and time of queries, on average over places of the tool on the mock-up's surface.
+
+    `constants`: what a query, a tool triangle, a voxel, a list entry, a pair and a triangle test cost, seconds each.
+    """
+
+    def __new__(cls, mockup: Mockup, tool: Tool, storage: str, hashing: float) -> Self: ...
+    def work(self, voxel_size: float) -> tuple[float, float, float, float, float]:
+        """Tool triangles placed, voxels visited, list entries read, distinct pairs, triangle tests of a query."""
+    def seconds(self, voxel_size: float, constants: Sequence[float]) -> float:
+        """The time of a query."""
+    def bytes(self, voxel_size: float) -> float:
+        """What the store will take."""
+    def optimal_size(self, constants: Sequence[float], memory_limit: int) -> float:
+        """The voxel size (metres) with the least time whose store takes at most `memory_limit` bytes."""
+>>>>>>> issue5
 
 def optimal_voxel_size(mockup: Mockup, tool: Tool, estimator: str) -> float: ...
 def weld_vertices(vertices: npt.NDArray[np.float64]) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]]:

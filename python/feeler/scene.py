@@ -14,13 +14,14 @@ import numpy.typing as npt
 
 from feeler import _core
 from feeler._core import Batch, Clearance, ClearanceBatch, Collision, Distance, DistanceBatch
-from feeler.errors import MeshError, OptionError, PoseError
+from feeler.calibrate import machine_constants
+from feeler.errors import LimitError, MeshError, OptionError, PoseError
 from feeler.mockup import Mockup, Tool
 
 Progress = Callable[[float, str], object]
 
 STORAGES = ("blocks", "dense", "hashed")
-ESTIMATORS = ("area", "diagonal", "side")
+ESTIMATORS = ("calibrated", "area", "diagonal", "side")
 
 
 class PairKind(IntEnum):
@@ -37,9 +38,10 @@ class PairKind(IntEnum):
 class Scene(_core.Scene):
     """A mock-up with its index; immutable, usable from any number of threads, with any number of tools.
 
-    - `voxel_size`: edge of the voxels, metres; for `blocks` the piece size. Default: for `dense` and `hashed` the
-      paper's cost function with the area estimator, for `tool` (without one, for a tool whose triangles are as long as
-      the mock-up's own); for `blocks` the size at which cutting long triangles adds a quarter of pieces.
+    - `voxel_size`: edge of the voxels, metres; for `blocks` the piece size. Default: for `dense` and `hashed` what
+      `optimal_voxel_size` says for `tool` (without one, the paper's cost function with the area estimator, for a tool
+      whose triangles are as long as the mock-up's own); for `blocks` the size at which cutting long triangles adds a
+      quarter of pieces.
     - `storage`: `"blocks"` (ours, the default), `"dense"` (the paper's array) or `"hashed"` (its equation 1).
     - `hashing`: for `hashed`, the share of the voxel array's memory saved, 0 to 0.99.
     - `threads`: for building and batches; default: all.
@@ -73,11 +75,14 @@ class Scene(_core.Scene):
             _check_tool(tool)
         if threads is not None and not 1 <= _integer("threads", threads) <= 1024:
             raise OptionError(f"threads is {threads}: choose 1 to 1024, or None for all")
-        if memory_limit is None:
-            memory_limit = _free_memory() * 4 // 5
-        elif not 0 <= _integer("memory_limit", memory_limit) < 2**64:
-            raise OptionError(f"memory_limit is {memory_limit}: a number of bytes is needed")
+        memory_limit = _memory_limit(memory_limit)
         _check_progress(progress)
+        if voxel_size is None and tool is not None and storage in ("dense", "hashed"):
+            level = _real("hashing", hashing)
+            if 0.0 <= level <= 0.99 and (
+                storage == "hashed" or level == 0.0
+            ):  # the core says what is wrong with others
+                voxel_size = _calibrated_size(mockup, tool, storage, level, memory_limit)
         start = time.perf_counter()
         self = super().__new__(
             cls,
@@ -200,16 +205,54 @@ class Scene(_core.Scene):
         return f"Scene({self.mockup!r}, voxel_size={self.voxel_size:.4g}, storage={self.storage!r})"
 
 
-def optimal_voxel_size(mockup: Mockup, tool: Tool, estimator: str = "area") -> float:
-    """The voxel size (metres) that minimises the paper's cost function for a mock-up and a tool.
+def optimal_voxel_size(
+    mockup: Mockup,
+    tool: Tool,
+    estimator: str = "calibrated",
+    *,
+    storage: str = "dense",
+    hashing: float = 0.0,
+    memory_limit: int | None = None,
+) -> float:
+    """The voxel size (metres) with which queries of a tool in a mock-up are fastest, for the stores dense and hashed.
 
-    `estimator` says how static triangles per voxel are estimated: `"area"`, `"diagonal"` or `"side"` (equations 3 to 10
-    of Borro, García-Alonso and Matey 2004). Meant for the stores `dense` and `hashed`.
+    - `estimator="calibrated"`: the least time predicted from samples of both meshes and from what each step of a query
+      costs on this machine, which is measured at the first use (less than a second) and kept in the user's cache.
+      `storage`, `hashing` and `memory_limit` are as for `Scene`: a size whose store needs more memory is not chosen.
+    - `"area"`, `"diagonal"`, `"side"`: the least cost of the paper's cost function, by how it estimates the static
+      triangles per voxel (equations 3 to 10 of Borro, García-Alonso and Matey 2004); they know no storage.
     """
     if not isinstance(mockup, Mockup):
         raise MeshError(f"optimal_voxel_size needs a feeler.Mockup, not {type(mockup).__name__}")
     _check_tool(tool)
-    return _core.optimal_voxel_size(mockup, tool, str(estimator))
+    if estimator != "calibrated":
+        return _core.optimal_voxel_size(mockup, tool, str(estimator))
+    if storage not in ("dense", "hashed"):
+        raise OptionError(f"storage is {storage!r}: a voxel size is for 'dense' or 'hashed'; 'blocks' has its own rule")
+    level = _real("hashing", hashing)
+    if storage == "dense" and level != 0.0:
+        raise OptionError(f"hashing is {level}, but the storage is not 'hashed': leave hashing at 0")
+    limit = _memory_limit(memory_limit)
+    size = _calibrated_size(mockup, tool, storage, level, limit)
+    return _core.optimal_voxel_size(mockup, tool, "area") if size is None else size
+
+
+def _calibrated_size(mockup: Mockup, tool: _core.Tool, storage: str, hashing: float, limit: int) -> float | None:
+    """None for coordinates near the limits of float64, where nothing can be predicted."""
+    constants = machine_constants()
+    try:
+        predictor = _core.Predictor(mockup, tool, storage, hashing)
+    except LimitError:
+        return None
+    return predictor.optimal_size(constants, limit)
+
+
+def _memory_limit(memory_limit: int | None) -> int:
+    if memory_limit is None:
+        return _free_memory() * 4 // 5
+    if not 0 <= _integer("memory_limit", memory_limit) < 2**64:
+        raise OptionError(f"memory_limit is {memory_limit}: a number of bytes is needed")
+    return memory_limit
 
 
 def _check_progress(progress: object) -> None:

@@ -6,9 +6,10 @@ use rayon::prelude::*;
 
 use crate::mesh::Mesh;
 use crate::pieces::{edge_lengths, longest_edge, twice_area};
+use crate::predict::CostConstants;
 
 /// How the static triangles per voxel are estimated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Estimator {
     /// From the mean area `As` of a static triangle: `fs = sqrt(3) d^2 / (2 As)`.
     Area,
@@ -16,6 +17,9 @@ pub enum Estimator {
     Diagonal,
     /// From the voxel's sides: `fs = (dx + dy + dz) / (3 Es) = d / Es`.
     Side,
+    /// Not the paper's: predicted from samples of both meshes and what each step costs ([`crate::predict`]). A
+    /// [`CostFunction`] of it is that of `Area`, where its search begins.
+    Calibrated(CostConstants),
 }
 
 /// Probability that a pair of tool triangle and voxel does not collide (the paper's `pnc`).
@@ -72,7 +76,7 @@ impl CostFunction {
     /// The cost function for a mock-up with the given means and a tool with the given mean longest edge.
     pub fn new(statics: StaticMeans, tool_edge: f64, estimator: Estimator) -> CostFunction {
         let (density, power) = match estimator {
-            Estimator::Area => (3f64.sqrt() / (2.0 * statics.area), 2),
+            Estimator::Area | Estimator::Calibrated(_) => (3f64.sqrt() / (2.0 * statics.area), 2),
             Estimator::Diagonal => (3f64.sqrt() / statics.edge, 1),
             Estimator::Side => (1.0 / statics.edge, 1),
         };

@@ -22,7 +22,11 @@ mod narrow;
 pub mod pieces;
 pub mod pose;
 pub mod predicates;
+<<<<<<< HEAD
 mod proximity;
+=======
+pub mod predict;
+>>>>>>> issue5
 pub mod scene;
 mod simd;
 mod store;
@@ -39,7 +43,11 @@ pub use intersect_triangle_triangle::{intersect_triangle_triangle, PairKind};
 pub use mesh::{Mesh, Mockup};
 pub use narrow::{Filters, Stats};
 pub use pose::Pose;
+<<<<<<< HEAD
 pub use proximity::{gaps_of_all_pairs, Gap, GapBatch};
+=======
+pub use predict::{CostConstants, Predictor};
+>>>>>>> issue5
 pub use scene::{default_voxel_size, optimal_voxel_size, Batch, Collision, Scene, SceneOptions, Scratch};
 pub use simd::Level;
 pub use store::{Progress, Storage};

@@ -13,7 +13,11 @@ use crate::mesh::{Mesh, Mockup};
 use crate::narrow::{Filters, Hit, Narrow, PairSet, Pending, PlacedBounds, Stats};
 use crate::pieces::default_piece_size;
 use crate::pose::Pose;
+<<<<<<< HEAD
 use crate::proximity::ProximityScratch;
+=======
+use crate::predict::Predictor;
+>>>>>>> issue5
 use crate::simd::{Checked, Level};
 use crate::store::{report, BlocksScratch, Progress, Storage, Store};
 use crate::tool::Tool;
@@ -308,7 +312,13 @@ pub fn default_voxel_size(mesh: &Mesh, tool: Option<&Tool>, storage: Storage) ->
     }
 }
 
-/// The voxel size (metres) that minimises the paper's cost function for a mock-up and a tool.
+/// The voxel size (metres) that is best for a mock-up and a tool, by the paper's cost function or by prediction (for the store
+/// `dense` without a memory limit; a [`Predictor`] knows more).
 pub fn optimal_voxel_size(mesh: &Mesh, tool: &Tool, estimator: Estimator) -> f64 {
+    if let Estimator::Calibrated(constants) = estimator {
+        if let Some(predictor) = Predictor::new(mesh, tool.mesh(), Storage::Dense) {
+            return predictor.optimal_size(&constants, u64::MAX);
+        }
+    }
     CostFunction::new(static_means(mesh), mean_longest_edge(tool.mesh()), estimator).optimal_size()
 }

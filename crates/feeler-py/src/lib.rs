@@ -4,7 +4,11 @@ mod arrays;
 mod collision;
 mod errors;
 mod mockup;
+<<<<<<< HEAD
 mod proximity;
+=======
+mod predict;
+>>>>>>> issue5
 mod scene;
 mod tool;
 
@@ -37,7 +41,11 @@ mod _core {
     #[pymodule_export]
     use super::mockup::Mockup;
     #[pymodule_export]
+<<<<<<< HEAD
     use super::proximity::{Clearance, ClearanceBatch, Distance, DistanceBatch};
+=======
+    use super::predict::Predictor;
+>>>>>>> issue5
     #[pymodule_export]
     use super::scene::{optimal_voxel_size, Scene};
     #[pymodule_export]

@@ -285,7 +285,10 @@ pub fn optimal_voxel_size(
         "diagonal" => core::Estimator::Diagonal,
         "side" => core::Estimator::Side,
         other => {
-            return Err(raise("OptionError", format!("estimator is {other:?}: choose 'area', 'diagonal' or 'side'")))
+            return Err(raise(
+                "OptionError",
+                format!("estimator is {other:?}: choose 'calibrated', 'area', 'diagonal' or 'side'"),
+            ))
         }
     };
     let (mockup, tool) = (&mockup.get().core, &tool.get().core);

@@ -29,8 +29,13 @@ app = typer.Typer(
 )
 
 
-def command(*, examples: str) -> Callable[[Command], Command]:
-    """Registers a function as a command; its errors become one line and an exit status. examples: shown by --help."""
+def command(
+    *, examples: str, parent: typer.Typer | None = None, name: str | None = None
+) -> Callable[[Command], Command]:
+    """Registers a function as a command; its errors become one line and an exit status. examples: shown by --help.
+
+    parent: the group of commands that it belongs to; name: where the function's name will not do.
+    """
 
     def register(function: Command) -> Command:
         @functools.wraps(function)
@@ -50,7 +55,7 @@ def command(*, examples: str) -> Callable[[Command], Command]:
                 raise typer.Exit(INTERRUPTED) from None
 
         epilog = "[bold]Examples[/bold]\n\n" + "\n\n".join(examples.strip().splitlines())
-        app.command(name=function.__name__.rstrip("_"), epilog=epilog)(run)
+        (parent or app).command(name=name or function.__name__.rstrip("_"), epilog=epilog)(run)
         return function
 
     return register
@@ -95,4 +100,4 @@ def feeler(
 
 
 # Each registers itself with `app`, in the order in which --help lists them.
-from feeler.cli import demo, info, collide, clearance, sample, bench  # noqa: E402, F401, I001
+from feeler.cli import demo, info, collide, clearance, sample, bench, study  # noqa: E402, F401, I001

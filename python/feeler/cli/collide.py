@@ -57,7 +57,7 @@ def collide(
     tool_unit: Annotated[str | None, typer.Option(help="Unit of the tool's file, likewise.")] = None,
     voxel_size: Annotated[
         float | None,
-        typer.Option(help="Metres; default: predicted by the cost function. With blocks it is the piece size."),
+        typer.Option(help="Metres; default: predicted. With blocks it is the piece size."),
     ] = None,
     storage: Annotated[str, typer.Option(help="blocks, dense or hashed.")] = "blocks",
     hashing: Annotated[float, typer.Option(help="Hashing level of hashed, 0 to 0.99: memory saved.")] = 0.0,

@@ -149,7 +149,7 @@ def _print(
             ("tool", f"{tool.name}, {tool.triangle_count:,} triangles"),
             (
                 "voxel size",
-                f"{outputs.length(predicted)} predicted by the cost function; "
+                f"{outputs.length(predicted)} predicted for voxels; "
                 f"piece size of the blocks {outputs.length(scene.voxel_size)}",
             ),
             ("build", outputs.duration(facts["build_s"])),

@@ -1,0 +1,163 @@
+//! The closed forms against counting, and the search against looking everywhere.
+
+use std::sync::Arc;
+
+use super::random::Random;
+use super::sample::Shape;
+use super::*;
+use crate::bounds::{Aabb, Point, Triangle};
+use crate::grid::VoxelGrid;
+use crate::mesh::Mockup;
+use crate::scene::{Scene, SceneOptions};
+use crate::tool::Tool;
+
+/// Wavy sheets here and there, `n` cells along each side, in a box of a metre.
+fn sheets(n: u32, scale: f64) -> (Vec<Point>, Vec<[u32; 3]>) {
+    let mut random = Random::new(11);
+    let (mut vertices, mut faces) = (Vec::new(), Vec::new());
+    for _ in 0..12 {
+        let (turn, side) = (random.rotation(), 0.2 + 0.3 * random.unit());
+        let at: Point = std::array::from_fn(|_| random.unit());
+        let first = vertices.len() as u32;
+        for i in 0..=n {
+            for j in 0..=n {
+                let (u, v) = (f64::from(i) / f64::from(n) - 0.5, f64::from(j) / f64::from(n) - 0.5);
+                let p = [side * u, side * v, 0.03 * (7.0 * u).sin()];
+                vertices.push(std::array::from_fn(|a| {
+                    scale * (at[a] + turn[a][0] * p[0] + turn[a][1] * p[1] + turn[a][2] * p[2])
+                }));
+            }
+        }
+        for i in 0..n {
+            for j in 0..n {
+                let corner = first + i * (n + 1) + j;
+                faces.push([corner, corner + 1, corner + n + 2]);
+                faces.push([corner, corner + n + 2, corner + n + 1]);
+            }
+        }
+    }
+    (vertices, faces)
+}
+
+fn mockup(n: u32, scale: f64) -> Mockup {
+    let (vertices, faces) = sheets(n, scale);
+    Mockup::new(vertices, faces, Vec::new(), 1).unwrap()
+}
+
+fn tool(scale: f64) -> Tool {
+    // A bar of long and short triangles.
+    let (mut vertices, mut faces) = (Vec::new(), Vec::new());
+    for i in 0..40u32 {
+        let x = f64::from(i) * 0.005;
+        let n = vertices.len() as u32;
+        let long = if i % 8 == 0 { 0.2 } else { x + 0.006 };
+        for p in [[x, 0.0, 0.0], [long, 0.004, 0.0], [x, 0.008, 0.003]] {
+            vertices.push(p.map(|c| c * scale));
+        }
+        faces.push([n, n + 1, n + 2]);
+    }
+    Tool::new(vertices, faces).unwrap()
+}
+
+#[test]
+fn a_triangle_is_listed_as_often_as_the_formula_says() {
+    let mut random = Random::new(3);
+    for _ in 0..20 {
+        let t: Triangle = std::array::from_fn(|_| std::array::from_fn(|_| 1.0 + random.unit()));
+        let d = 0.1 + 0.4 * random.unit();
+        let mut sum = 0;
+        for _ in 0..400 {
+            let origin: Point = std::array::from_fn(|_| -d * random.unit());
+            let grid = VoxelGrid::new(&Aabb { lower: origin, upper: [3.0; 3] }, d).unwrap();
+            grid.for_each_voxel(&t, |_| sum += 1);
+        }
+        let (mean, expected) = (f64::from(sum) / 400.0, listed(&Shape::of(&t), 1.0 / d));
+        assert!((mean / expected - 1.0).abs() < 0.03, "{mean} {expected}");
+    }
+}
+
+#[test]
+fn memory_is_predicted() {
+    let (mockup, tool) = (Arc::new(mockup(40, 1.0)), tool(1.0));
+    let predictor = Predictor::new(mockup.mesh(), tool.mesh(), Storage::Dense).unwrap();
+    for size in [0.01, 0.02, 0.05] {
+        let options = SceneOptions { voxel_size: Some(size), storage: Storage::Dense, ..SceneOptions::default() };
+        let scene = Scene::build(Arc::clone(&mockup), &options, &|_, _| true).unwrap();
+        let bytes: usize =
+            scene.memory().iter().filter(|(name, _)| ["voxels", "lists"].contains(name)).map(|m| m.1).sum();
+        assert!((predictor.bytes(size) / bytes as f64 - 1.0).abs() < 0.05, "{size}: {bytes}");
+    }
+}
+
+#[test]
+fn the_chosen_size_is_the_best_of_many() {
+    let (mockup, tool) = (mockup(40, 1.0), tool(1.0));
+    let constants = CostConstants::default();
+    for storage in [Storage::Dense, Storage::Hashed { level: 0.9 }] {
+        let predictor = Predictor::new(mockup.mesh(), tool.mesh(), storage).unwrap();
+        let chosen = predictor.optimal_size(&constants, u64::MAX);
+        let least = predictor.work(chosen).seconds(&constants);
+        for i in -12..=12 {
+            let size = chosen * 2f64.powf(f64::from(i) / 6.0);
+            assert!(least <= 1.002 * predictor.work(size).seconds(&constants), "{chosen} {size}");
+        }
+    }
+}
+
+#[test]
+fn hashing_makes_larger_voxels_of_strangers_and_dearer_queries() {
+    let (mockup, tool) = (mockup(40, 1.0), tool(1.0));
+    let at = |storage| Predictor::new(mockup.mesh(), tool.mesh(), storage).unwrap();
+    let (dense, hashed) = (at(Storage::Dense), at(Storage::Hashed { level: 0.95 }));
+    assert!(hashed.bytes(0.01) < dense.bytes(0.01));
+    assert!(hashed.work(0.01).entries > dense.work(0.01).entries);
+    assert_eq!(hashed.work(0.01).tests, dense.work(0.01).tests);
+}
+
+#[test]
+fn a_memory_limit_is_kept() {
+    let (mockup, tool) = (mockup(40, 1.0), tool(1.0));
+    let predictor = Predictor::new(mockup.mesh(), tool.mesh(), Storage::Dense).unwrap();
+    let constants = CostConstants::default();
+    let free = predictor.bytes(predictor.optimal_size(&constants, u64::MAX));
+    let limit = (0.4 * free) as u64;
+    let size = predictor.optimal_size(&constants, limit);
+    assert!(predictor.bytes(size) <= limit as f64, "{size}");
+    // Nothing fits: still a size, and the store says what is wrong with it.
+    assert!(predictor.optimal_size(&constants, 0).is_finite());
+}
+
+#[test]
+fn it_scales_with_the_meshes_and_not_with_threads() {
+    let constants = CostConstants::default();
+    let at = |scale: f64| {
+        let (mockup, tool) = (mockup(30, scale), tool(scale));
+        Predictor::new(mockup.mesh(), tool.mesh(), Storage::Dense).unwrap().optimal_size(&constants, u64::MAX)
+    };
+    let one = at(1.0);
+    assert!((at(1024.0) / one - 1024.0).abs() < 1e-3);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
+    assert_eq!(pool.install(|| at(1.0)).to_bits(), one.to_bits());
+}
+
+#[test]
+fn odd_meshes_have_sizes_or_none() {
+    let constants = CostConstants::default();
+    let one = |t: Triangle| (t.to_vec(), vec![[0, 1, 2]]);
+    let triangles = [
+        [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+        [[0.0; 3], [1e-160, 0.0, 0.0], [0.0, 1e-160, 0.0]],
+        [[0.0; 3], [1e90, 0.0, 0.0], [0.0, 1e90, 1e-90]],
+        [[0.0; 3], [1e9, 0.0, 0.0], [0.0, 1e-9, 0.0]],
+    ];
+    for a in triangles {
+        for b in triangles {
+            let ((v, f), (w, g)) = (one(a), one(b));
+            let (Ok(mockup), Ok(tool)) = (Mockup::new(v, f, Vec::new(), 1), Tool::new(w, g)) else { continue };
+            if let Some(predictor) = Predictor::new(mockup.mesh(), tool.mesh(), Storage::Dense) {
+                let size = predictor.optimal_size(&constants, u64::MAX);
+                assert!(size.is_finite() && size > 0.0, "{a:?} {b:?}: {size}");
+            }
+        }
+    }
+}

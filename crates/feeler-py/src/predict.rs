@@ -1,0 +1,75 @@
+//! `feeler._core.Predictor`: the predicted work and time of queries, by voxel size.
+
+use feeler_core as core;
+use pyo3::prelude::*;
+
+use crate::errors::{raise, to_py};
+use crate::mockup::Mockup;
+use crate::tool::Tool;
+
+/// Predicts queries of a tool in a mock-up.
+#[pyclass(frozen, module = "feeler._core")]
+pub struct Predictor {
+    core: core::Predictor,
+}
+
+/// Seconds: a query, a tool triangle, a voxel, a list entry, a pair, a triangle test.
+type Constants = [f64; 6];
+
+fn constants_of(c: Constants) -> core::CostConstants {
+    core::CostConstants { query: c[0], tool_triangle: c[1], voxel: c[2], entry: c[3], pair: c[4], test: c[5] }
+}
+
+#[pymethods]
+impl Predictor {
+    #[new]
+    fn new(
+        py: Python<'_>,
+        mockup: &Bound<'_, Mockup>,
+        tool: &Bound<'_, Tool>,
+        storage: &str,
+        hashing: f64,
+    ) -> PyResult<Predictor> {
+        if !(0.0..=0.99).contains(&hashing) {
+            return Err(to_py(core::Error::Hashing { value: hashing }));
+        }
+        let storage = match storage {
+            "hashed" => core::Storage::Hashed { level: hashing },
+            "dense" => core::Storage::Dense,
+            other => return Err(raise("OptionError", format!("storage is {other:?}: choose 'dense' or 'hashed'"))),
+        };
+        let (mockup, tool) = (&mockup.get().core, &tool.get().core);
+        let made = py.detach(|| core::Predictor::new(mockup.mesh(), tool.mesh(), storage));
+        let core = made.ok_or_else(|| {
+            raise("LimitError", "the triangles are too large or too small to predict: give a voxel size".to_string())
+        })?;
+        Ok(Predictor { core })
+    }
+
+    fn work(&self, voxel_size: f64) -> PyResult<(f64, f64, f64, f64, f64)> {
+        check(voxel_size)?;
+        let work = self.core.work(voxel_size);
+        Ok((work.tool_triangles, work.voxels, work.entries, work.pairs, work.tests))
+    }
+
+    fn seconds(&self, voxel_size: f64, constants: Constants) -> PyResult<f64> {
+        check(voxel_size)?;
+        Ok(self.core.work(voxel_size).seconds(&constants_of(constants)))
+    }
+
+    fn bytes(&self, voxel_size: f64) -> PyResult<f64> {
+        check(voxel_size)?;
+        Ok(self.core.bytes(voxel_size))
+    }
+
+    fn optimal_size(&self, py: Python<'_>, constants: Constants, memory_limit: u64) -> f64 {
+        py.detach(|| self.core.optimal_size(&constants_of(constants), memory_limit))
+    }
+}
+
+fn check(value: f64) -> PyResult<()> {
+    if value.is_finite() && value > 0.0 {
+        return Ok(());
+    }
+    Err(to_py(core::Error::VoxelSize { value }))
+}
