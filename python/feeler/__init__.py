@@ -2,7 +2,7 @@
 
 from importlib.metadata import version as _version
 
-from feeler._core import Batch, Collision
+from feeler._core import Batch, Cast, Collision, PathCheck
 from feeler.errors import (
     FeelerError,
     LimitError,
@@ -21,6 +21,7 @@ __version__ = _version("feeler")
 
 __all__ = [
     "Batch",
+    "Cast",
     "Collision",
     "FeelerError",
     "LimitError",
@@ -30,6 +31,7 @@ __all__ = [
     "Mockup",
     "OptionError",
     "PairKind",
+    "PathCheck",
     "PoseError",
     "Scene",
     "Tool",

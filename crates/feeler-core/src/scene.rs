@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::prelude::*;
 
+use crate::cast::CastScratch;
 use crate::constants::MOCKUP_CUT_ALLOWANCE;
 use crate::cost::{mean_longest_edge, static_means, CostFunction, Estimator};
 use crate::error::{Error, Result};
@@ -66,6 +67,7 @@ pub struct Scratch {
     seen: PairSet,
     pending: Pending,
     blocks: BlocksScratch,
+    pub(crate) cast: CastScratch,
     hits: Vec<Hit>,
     stats: Stats,
     pub(crate) proximity: ProximityScratch,

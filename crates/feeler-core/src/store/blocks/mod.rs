@@ -20,10 +20,13 @@ mod descent;
 mod node;
 mod pieces;
 mod scan;
+mod sweep;
+mod swept;
 
 pub use descent::BlocksScratch;
 use node::{Frame, Node, FANOUT};
 use pieces::PackedPieces;
+pub use sweep::SweepScratch;
 
 /// See the module.
 #[derive(Debug)]
