@@ -175,9 +175,14 @@ impl Scene {
 
     /// Whether any two triangles meet; stops at the first pair.
     pub fn is_colliding(&self, tool: &Tool, pose: &Pose) -> bool {
+        self.any_pair(tool, pose).is_some()
+    }
+
+    /// Any pair that meets, `[tool triangle, mock-up triangle]`.
+    pub(crate) fn any_pair(&self, tool: &Tool, pose: &Pose) -> Option<[u32; 2]> {
         let mut scratch = self.take_scratch();
         self.run(tool, pose, Filters::default(), true, &mut scratch);
-        let found = !scratch.hits.is_empty();
+        let found = scratch.hits.first().map(|hit| hit.pair());
         self.put_scratch(scratch);
         found
     }

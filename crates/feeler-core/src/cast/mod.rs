@@ -68,12 +68,7 @@ impl Scene {
         let motion = Motion::new(tool, pose0, pose1);
         let mesh = self.mockup().mesh();
         let impact = if motion.is_still() {
-            let pairs = if self.is_colliding(tool, pose0) {
-                self.collide(tool, pose0, Default::default()).pairs
-            } else {
-                Vec::new()
-            };
-            pairs.first().map(|&[tool_triangle, mockup_triangle]| Impact { time: 0.0, tool_triangle, mockup_triangle })
+            impact_at_start(self, tool, &motion)
         } else {
             sweep::first_impact(self, tool, &motion, tolerance, scratch)
         };
@@ -87,6 +82,12 @@ struct Impact {
     time: f64,
     tool_triangle: u32,
     mockup_triangle: u32,
+}
+
+/// A pair that meets at the beginning, exactly.
+fn impact_at_start(scene: &Scene, tool: &Tool, motion: &Motion) -> Option<Impact> {
+    let [tool_triangle, mockup_triangle] = scene.any_pair(tool, &motion.at(0.0))?;
+    Some(Impact { time: 0.0, tool_triangle, mockup_triangle })
 }
 
 fn contact(tool: &Tool, mesh: &Mesh, motion: &Motion, impact: &Impact) -> Cast {

@@ -5,20 +5,30 @@
 
 use super::motion::Motion;
 use super::pair::Moving;
-use super::Impact;
+use super::{impact_at_start, Impact};
 use crate::scene::Scene;
 use crate::store::{Sweep, SweepScratch};
 use crate::tool::Tool;
+use crate::vectors::length;
 
 /// Pairs that a window may offer before it is cut, for a small tool; a large one's descents cost more, and bring more.
 const FEW_PAIRS: usize = 96;
 
-/// Each cut allows twice as many pairs and makes the window four times shorter: where everything is near everything cutting
-/// does not help, and is soon given up.
+/// What a cut leaves of a window.
 const CUT: f64 = 0.25;
 
-/// Cuts at most; then pairs are followed as they come, however many there are.
+/// Up to this share of its own size in a window a tool is not near what it sweeps. Cuts beyond allow twice as many pairs each:
+/// where everything is near everything they do not help, and are soon given up.
+const STRIDE: f64 = 0.125;
+
+/// Most of those cuts; then pairs are followed as they come, however many there are.
 const MOST_CUTS: u32 = 10;
+
+/// Most cuts before them: a window is a share of the way that float64 can tell.
+const MOST_COARSE_CUTS: u32 = 20;
+
+/// Cuts after which it pays to ask whether the tool begins in contact, which no cut would bring out.
+const CUTS_IN_CONTACT: u32 = 2;
 
 /// Voxels that may be looked up for each pair allowed.
 const VOXELS_PER_PAIR: u64 = 64;
@@ -42,12 +52,15 @@ pub(super) fn first_impact(
     let few = FEW_PAIRS.max(tool.clusters().len());
     // Shorter than this a window is no use: all it holds is within the tolerance.
     let shortest = tolerance / motion.longest_way().max(tolerance);
-    let (mut from, mut cuts) = (0.0, 0);
+    let coarse = coarse_cuts(tool, motion);
+    let mut from = 0.0;
+    let mut cuts = coarse.saturating_sub(1);
     while from < 1.0 {
-        let length = CUT.powi(cuts as i32);
-        let to = if from + length < 1.0 { from + length } else { 1.0 };
-        let limit = few << cuts;
-        let may_cut = cuts < MOST_CUTS && length > shortest;
+        let share = CUT.powi(cuts as i32);
+        let to = if from + share < 1.0 { from + share } else { 1.0 };
+        let fine = cuts.saturating_sub(coarse);
+        let limit = few << fine;
+        let may_cut = fine < MOST_CUTS && share > shortest;
         let mut chase = Chase { scene, tool, motion, tolerance, from, best: None, until: to };
         let sweep = Sweep {
             mesh: scene.mockup().mesh(),
@@ -74,6 +87,11 @@ pub(super) fn first_impact(
         });
         if is_full || !all_seen {
             cuts += 1;
+            if from == 0.0 && cuts == coarse + CUTS_IN_CONTACT {
+                if let Some(impact) = impact_at_start(scene, tool, motion) {
+                    return Some(impact);
+                }
+            }
             continue;
         }
         let offered = pairs.len();
@@ -85,6 +103,15 @@ pub(super) fn first_impact(
         cuts = cuts.saturating_sub(u32::from(offered < limit / 4));
     }
     None
+}
+
+/// Cuts that make a window no longer than a stride.
+fn coarse_cuts(tool: &Tool, motion: &Motion) -> u32 {
+    let size = length(&tool.mesh().bounds().extent());
+    let strides = motion.longest_way() / (STRIDE * size).max(f64::MIN_POSITIVE);
+    let cuts = strides.max(1.0).log(1.0 / CUT).ceil();
+    // A cast from float saturates, and NaN gives 0.
+    (cuts as u32).min(MOST_COARSE_CUTS)
 }
 
 /// Follows pairs through a window.
