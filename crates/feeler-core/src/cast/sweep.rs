@@ -6,6 +6,7 @@
 use super::motion::Motion;
 use super::pair::Moving;
 use super::{impact_at_start, Impact};
+use crate::narrow::pair_key;
 use crate::scene::Scene;
 use crate::store::{Sweep, SweepScratch};
 use crate::tool::Tool;
@@ -17,21 +18,21 @@ const FEW_PAIRS: usize = 96;
 /// What a cut leaves of a window.
 const CUT: f64 = 0.25;
 
-/// Up to this share of its own size in a window a tool is not near what it sweeps. Cuts beyond allow twice as many pairs each:
-/// where everything is near everything they do not help, and are soon given up.
+/// Up to this share of its own size in a window a tool is not near what it sweeps: the first cuts make windows so short. Each cut
+/// beyond allows twice as many pairs.
 const STRIDE: f64 = 0.125;
 
-/// Most of those cuts; then pairs are followed as they come, however many there are.
-const MOST_CUTS: u32 = 10;
+/// A window that offers so many times the pairs that the tool standing still does would not get much better by a cut.
+const TIMES_STILL: usize = 4;
 
-/// Most cuts before them: a window is a share of the way that float64 can tell.
-const MOST_COARSE_CUTS: u32 = 20;
+/// Most cuts of either kind, so that float64 can tell the ends of a window apart. After the last one pairs are followed as they
+/// come, however many there are.
+const MOST_COARSE_CUTS: u32 = 16;
+/// See above.
+const MOST_CUTS: u32 = 8;
 
 /// Cuts after which it pays to ask whether the tool begins in contact, which no cut would bring out.
 const CUTS_IN_CONTACT: u32 = 2;
-
-/// Voxels that may be looked up for each pair allowed.
-const VOXELS_PER_PAIR: u64 = 64;
 
 /// Working memory of a cast.
 #[derive(Debug, Default)]
@@ -55,25 +56,28 @@ pub(super) fn first_impact(
     let coarse = coarse_cuts(tool, motion);
     let mut from = 0.0;
     let mut cuts = coarse.saturating_sub(1);
+    // Pairs offered with the tool standing still, and when.
+    let (mut still, mut still_at) = (0, -1.0);
     while from < 1.0 {
         let share = CUT.powi(cuts as i32);
         let to = if from + share < 1.0 { from + share } else { 1.0 };
         let fine = cuts.saturating_sub(coarse);
-        let limit = few << fine;
+        let limit = (few << fine).max(TIMES_STILL * still);
         let may_cut = fine < MOST_CUTS && share > shortest;
         let mut chase = Chase { scene, tool, motion, tolerance, from, best: None, until: to };
-        let sweep = Sweep {
+        let sweep = |to: f64| Sweep {
             mesh: scene.mockup().mesh(),
             tool,
             window: motion.window(tool, from, to),
             lanes: scene.checked_lanes(),
-            effort: if may_cut { VOXELS_PER_PAIR * limit as u64 } else { u64::MAX },
+            may_give_up: may_cut && to > from,
         };
         let CastScratch { store, pairs } = &mut *scratch;
         pairs.clear();
         let mut is_full = false;
-        let all_seen = scene.store().offer_swept(&sweep, store, &mut |slot, triangle| {
-            pairs.push(u64::from(slot) << 32 | u64::from(triangle));
+        let whole = sweep(to);
+        let all_seen = scene.store().offer_swept(&whole, store, &mut |slot, triangle| {
+            pairs.push(pair_key(slot, triangle));
             if pairs.len() < limit {
                 return false;
             }
@@ -81,7 +85,7 @@ pub(super) fn first_impact(
                 is_full = true;
                 return true;
             }
-            chase.follow(pairs, &sweep.window.poses[0]);
+            chase.follow(pairs, &whole.window.poses[0]);
             // Nothing is earlier than the beginning.
             chase.until <= from
         });
@@ -92,10 +96,17 @@ pub(super) fn first_impact(
                     return Some(impact);
                 }
             }
+            if is_full && cuts > coarse + CUTS_IN_CONTACT && still_at < from {
+                (still, still_at) = (0, from);
+                scene.store().offer_swept(&sweep(from), store, &mut |_, _| {
+                    still += 1;
+                    false
+                });
+            }
             continue;
         }
         let offered = pairs.len();
-        chase.follow(pairs, &sweep.window.poses[0]);
+        chase.follow(pairs, &whole.window.poses[0]);
         if chase.best.is_some() {
             return chase.best;
         }

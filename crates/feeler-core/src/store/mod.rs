@@ -72,13 +72,13 @@ impl Store {
     }
 
     /// Offers every pair that may meet while the tool is on its way through a window, by slot and triangle, some more than
-    /// once, until `offer` says stop or the work outgrows `effort`; false when it did.
+    /// once, until `offer` says stop; false where it gave up.
     ///
     /// A pair that is not offered surely does not meet at any time in the window.
     pub fn offer_swept(&self, sweep: &Sweep<'_>, scratch: &mut SweepScratch, offer: Offer<'_>) -> bool {
         match self {
-            Store::Dense(store) => store.with(sweep.mesh).offer_swept(sweep, offer),
-            Store::Hashed(store) => store.with(sweep.mesh).offer_swept(sweep, offer),
+            Store::Dense(store) => store.with(sweep.mesh).offer_swept(sweep, &mut scratch.seen, offer),
+            Store::Hashed(store) => store.with(sweep.mesh).offer_swept(sweep, &mut scratch.seen, offer),
             Store::Blocks(store) => store.offer_swept(sweep, scratch, offer),
         }
     }
@@ -108,8 +108,8 @@ pub(crate) struct Sweep<'a> {
     pub tool: &'a Tool,
     pub window: Window,
     pub lanes: Checked,
-    /// Most voxels looked up before the store gives up; `u64::MAX` for never.
-    pub effort: u64,
+    /// Whether the store may give up where a shorter window would do better.
+    pub may_give_up: bool,
 }
 
 /// Takes a slot of the tool and a triangle of the mock-up; true to stop.

@@ -6,11 +6,14 @@ use super::pieces::HalfBlock;
 use super::swept::{SweptPieces, SweptPlacement};
 use super::{Blocks, FANOUT};
 use crate::lanes::{Box4, LaneBoxes, LANES};
+use crate::narrow::PairSet;
 use crate::simd::{Kernel, Simd};
 use crate::store::{Offer, Sweep};
 
 /// Working memory of a query.
 pub struct SweepScratch {
+    /// For stores that offer pairs more than once.
+    pub(in crate::store) seen: PairSet,
     nodes: Vec<u32>,
     masks: Vec<u16>,
     children: Vec<LaneBoxes>,
@@ -27,6 +30,7 @@ impl std::fmt::Debug for SweepScratch {
 impl Default for SweepScratch {
     fn default() -> SweepScratch {
         SweepScratch {
+            seen: PairSet::default(),
             nodes: Vec::new(),
             masks: Vec::new(),
             children: Vec::new(),
