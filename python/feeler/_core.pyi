@@ -15,7 +15,7 @@ __all__ = [
     "Collision",
     "Mockup",
     "PathCheck",
-    "Scene", 
+    "Scene",
     "Tool",
     "optimal_voxel_size",
     "weld_vertices",

@@ -99,7 +99,8 @@ fn contact(tool: &Tool, mesh: &Mesh, motion: &Motion, impact: &Impact) -> Cast {
         fraction: time,
         pose,
         point: closest.on_q,
-        normal: Moving::new(motion, p).normal(&q, time),
+        // No negative zeros.
+        normal: Moving::new(motion, p).normal(&q, time).map(|x| x + 0.0),
         distance: closest.distance,
         tool_triangle,
         mockup_triangle,
