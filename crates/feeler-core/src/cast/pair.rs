@@ -215,8 +215,7 @@ impl<'a> View<'a> {
 /// The least positive time at which `height + rate t - acceleration t^2 / 2` is zero, rounded anyhow; infinity if there is
 /// none, 0 where the height is not positive.
 fn time_to_reach_zero(height: f64, rate: f64, acceleration: f64) -> f64 {
-    // Not `height <= 0.0`: NaN is no height.
-    if !(height > 0.0) {
+    if height.is_nan() || height <= 0.0 {
         return 0.0;
     }
     let root = (rate * rate + 2.0 * acceleration * height).sqrt();
