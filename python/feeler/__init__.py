@@ -2,7 +2,7 @@
 
 from importlib.metadata import version as _version
 
-from feeler._core import Batch, Cast, Collision, PathCheck
+from feeler._core import Batch, Cast, Clearance, ClearanceBatch, Collision, Distance, DistanceBatch, PathCheck
 from feeler.errors import (
     FeelerError,
     LimitError,
@@ -22,7 +22,11 @@ __version__ = _version("feeler")
 __all__ = [
     "Batch",
     "Cast",
+    "Clearance",
+    "ClearanceBatch",
     "Collision",
+    "Distance",
+    "DistanceBatch",
     "FeelerError",
     "LimitError",
     "LoadError",

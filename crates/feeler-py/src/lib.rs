@@ -5,6 +5,7 @@ mod cast;
 mod collision;
 mod errors;
 mod mockup;
+mod proximity;
 mod scene;
 mod tool;
 
@@ -38,6 +39,8 @@ mod _core {
     use super::collision::{Batch, Collision};
     #[pymodule_export]
     use super::mockup::Mockup;
+    #[pymodule_export]
+    use super::proximity::{Clearance, ClearanceBatch, Distance, DistanceBatch};
     #[pymodule_export]
     use super::scene::{optimal_voxel_size, Scene};
     #[pymodule_export]

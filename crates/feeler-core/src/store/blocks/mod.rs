@@ -17,6 +17,8 @@ use crate::simd::{Kernel, Level, Simd};
 mod build;
 mod cells;
 mod descent;
+mod leaf;
+mod near;
 mod node;
 mod pieces;
 mod scan;
@@ -24,6 +26,7 @@ mod sweep;
 mod swept;
 
 pub use descent::BlocksScratch;
+pub use near::NearScratch;
 use node::{Frame, Node, FANOUT};
 use pieces::PackedPieces;
 pub use sweep::SweepScratch;
