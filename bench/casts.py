@@ -3,8 +3,8 @@
     python bench/casts.py                                    1.6M triangles, 100 poses, 20 mm, 0 and 10 degrees
     python bench/casts.py --triangles 400000 --poses 40 --no-parry
 
-From each near pose (among the parts, nothing collides) the tool's middle moves 20 mm in a random direction, and the tool
-turns about it. Per motion the least time of a few rounds counts, one core. parry is asked for its linear cast where
+From each near pose (among the parts, nothing collides) the tool's middle moves 20 mm in a random direction, and the
+tool turns about it. Per motion the least time of a few rounds counts, one core. parry is asked for its linear cast where
 nothing turns, else for its nonlinear one; a cast of it that takes longer than a second is done once.
 """
 

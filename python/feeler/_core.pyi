@@ -134,10 +134,10 @@ class Scene:
         self, tool: Tool, poses: npt.NDArray[np.float64], within: float, triangles: bool, progress: _Progress | None
     ) -> ClearanceBatch: ...
     def cast(
-        self, tool: Tool, pose0: npt.NDArray[np.float64], pose1: npt.NDArray[np.float64], tolerance: float
+        self, tool: Tool, pose0: npt.NDArray[np.float64], pose1: npt.NDArray[np.float64], *, tolerance: float
     ) -> Cast | None: ...
     def check_path(
-        self, tool: Tool, poses: npt.NDArray[np.float64], tolerance: float, progress: _Progress | None
+        self, tool: Tool, poses: npt.NDArray[np.float64], *, tolerance: float, progress: _Progress | None
     ) -> PathCheck: ...
 
 @final

@@ -211,7 +211,7 @@ class Scene(_core.Scene):
         positive and finite.
         """
         _check_tool(tool)
-        return super().cast(tool, _poses(pose0, 2), _poses(pose1, 2), _real("tolerance", tolerance))
+        return super().cast(tool, _poses(pose0, 2), _poses(pose1, 2), tolerance=_real("tolerance", tolerance))
 
     def check_path(
         self,
@@ -229,7 +229,7 @@ class Scene(_core.Scene):
         """
         _check_tool(tool)
         _check_progress(progress)
-        return super().check_path(tool, _poses(poses, 3), _real("tolerance", tolerance), progress)
+        return super().check_path(tool, _poses(poses, 3), tolerance=_real("tolerance", tolerance), progress=progress)
 
     def __repr__(self) -> str:
         return f"Scene({self.mockup!r}, voxel_size={self.voxel_size:.4g}, storage={self.storage!r})"

@@ -179,7 +179,7 @@ fn inside(r: &mut Random, t: &Triangle) -> Point {
 /// A sheet or a wire.
 fn obstacle(r: &mut Random, i: usize) -> Triangle {
     let a = r.point(-1.0, 1.0);
-    if i % 2 == 0 {
+    if i.is_multiple_of(2) {
         let size = r.pick(&[0.01, 0.3, 2.0]);
         return [a, plus(&a, &r.point(-size, size)), plus(&a, &r.point(-size, size))];
     }

@@ -272,6 +272,7 @@ impl Scene {
         Ok(ClearanceBatch::new(batch.map_err(to_py)?))
     }
 
+    #[pyo3(signature = (tool, pose0, pose1, *, tolerance))]
     fn cast(
         &self,
         py: Python<'_>,
@@ -286,7 +287,7 @@ impl Scene {
         Ok(found.map(|cast| Cast::new(cast, self.core.mockup())))
     }
 
-    #[pyo3(signature = (tool, poses, tolerance, progress))]
+    #[pyo3(signature = (tool, poses, *, tolerance, progress))]
     fn check_path(
         &self,
         py: Python<'_>,
