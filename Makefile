@@ -23,6 +23,7 @@ STUDY_OUT ?= feeler-study
 PYTEST_ARGS ?=
 CARGO_ARGS ?=
 PAIRS ?= 10000000
+CASTS ?= 1000000
 FUZZ_SECONDS ?= 1200
 FUZZ ?= collide mesh $(shell $(PY) fuzz/loaders.py --list 2>/dev/null)
 
@@ -118,8 +119,9 @@ test-python: build ## pytest: warnings are errors, every test has a time-out
 	@$(PY) -m pytest $(if $(QUICK),-m "not slow") $(PYTEST_ARGS)
 
 .PHONY: exact
-exact: ## ten million hard pairs, and thousands of scenes, against exact rational arithmetic (PAIRS=)
+exact: ## ten million hard pairs, thousands of scenes, a million casts, against exact arithmetic (PAIRS=, CASTS=)
 	@cargo run --release $(LOCKED) -p feeler-exact -- mass --pairs $(PAIRS)
+	@cargo run --release $(LOCKED) -p feeler-exact -- casts --casts $(CASTS)
 	@cargo test --release $(LOCKED) -p feeler-core --test determinism
 
 .PHONY: fuzz

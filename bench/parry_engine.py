@@ -28,6 +28,7 @@ FUNCTIONS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "parry_tool": (ctypes.c_int, (POINTER, POINTER, SIZE, POINTER, SIZE)),
     "parry_collide": (SIZE, (POINTER, POINTER)),
     "parry_is_colliding": (ctypes.c_int, (POINTER, POINTER)),
+    "parry_cast": (ctypes.c_double, (POINTER, POINTER, POINTER, POINTER, POINTER)),
     "parry_pairs": (ctypes.POINTER(ctypes.c_uint32), (POINTER,)),
     "parry_bytes": (SIZE, (POINTER,)),
 }
@@ -79,6 +80,15 @@ class ParryEngine:
         self._pose[:3, 3] *= MILLIMETRES
         call = self._library.parry_collide if query == "collide" else self._library.parry_is_colliding
         return functools.partial(call, self._engine, self._pose.ctypes.data)
+
+    def aim_cast(self, world_from_tool: Floats, centre: Floats, way: Floats, turn: Floats) -> Callable[[], float]:
+        """A cast, as `aim`: the point `centre` of the tool moves by `way` metres; it turns about it by `turn`."""
+        self._pose = np.array(world_from_tool)
+        self._pose[:3, 3] *= MILLIMETRES
+        self._cast = [np.array(centre) * MILLIMETRES, np.array(way) * MILLIMETRES, np.array(turn, dtype=np.float64)]
+        places = [array.ctypes.data for array in (self._pose, *self._cast)]
+        call: Callable[[], float] = functools.partial(self._library.parry_cast, self._engine, *places)
+        return call
 
     def pairs(self, result: Any) -> Pairs:
         return copied(self._library.parry_pairs(self._engine), result)

@@ -2,7 +2,7 @@
 
 from importlib.metadata import version as _version
 
-from feeler._core import Batch, Clearance, ClearanceBatch, Collision, Distance, DistanceBatch
+from feeler._core import Batch, Cast, Clearance, ClearanceBatch, Collision, Distance, DistanceBatch, PathCheck
 from feeler.errors import (
     FeelerError,
     LimitError,
@@ -21,6 +21,7 @@ __version__ = _version("feeler")
 
 __all__ = [
     "Batch",
+    "Cast",
     "Clearance",
     "ClearanceBatch",
     "Collision",
@@ -34,6 +35,7 @@ __all__ = [
     "Mockup",
     "OptionError",
     "PairKind",
+    "PathCheck",
     "PoseError",
     "Scene",
     "Tool",

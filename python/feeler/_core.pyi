@@ -12,12 +12,14 @@ _Progress = Callable[[float, str], object]
 <<<<<<< HEAD
 __all__ = [
     "Batch",
+    "Cast",
     "Clearance",
     "ClearanceBatch",
     "Collision",
     "Distance",
     "DistanceBatch",
     "Mockup",
+    "PathCheck",
     "Scene",
     "Tool",
     "optimal_voxel_size",
@@ -135,6 +137,12 @@ class Scene:
     def clearance_batch(
         self, tool: Tool, poses: npt.NDArray[np.float64], within: float, triangles: bool, progress: _Progress | None
     ) -> ClearanceBatch: ...
+    def cast(
+        self, tool: Tool, pose0: npt.NDArray[np.float64], pose1: npt.NDArray[np.float64], *, tolerance: float
+    ) -> Cast | None: ...
+    def check_path(
+        self, tool: Tool, poses: npt.NDArray[np.float64], *, tolerance: float, progress: _Progress | None
+    ) -> PathCheck: ...
 
 @final
 class Collision:
@@ -309,6 +317,74 @@ class Predictor:
     def optimal_size(self, constants: Sequence[float], memory_limit: int) -> float:
         """The voxel size (metres) with the least time whose store takes at most `memory_limit` bytes."""
 >>>>>>> issue5
+
+@final
+class Cast:
+    """The first impact of a tool on its way between two poses."""
+
+    @property
+    def fraction(self) -> float:
+        """When, as a share of the way, 0 to 1; never late."""
+    @property
+    def pose(self) -> npt.NDArray[np.float64]:
+        """`(4, 4)`: world_from_tool then."""
+    @property
+    def point(self) -> npt.NDArray[np.float64]:
+        """`(3,)`: where the mock-up is met, metres, world."""
+    @property
+    def normal(self) -> npt.NDArray[np.float64]:
+        """`(3,)`: unit normal of the contact, from mock-up to tool, world."""
+    @property
+    def distance(self) -> float:
+        """How far apart the two triangles still are at the pose, metres: at most the tolerance; 0 where they meet."""
+    @property
+    def tool_triangle(self) -> int:
+        """The tool's triangle."""
+    @property
+    def mockup_triangle(self) -> int:
+        """The mock-up's triangle."""
+    @property
+    def part(self) -> int:
+        """Index into `mockup.parts` of the part that is met."""
+
+@final
+class PathCheck:
+    """What a tool meets on a path: the first impact of each segment, from one pose to the next.
+
+    Its length is the number of segments, one less than poses; a path of one pose has one segment that stands still.
+    """
+
+    @property
+    def free(self) -> bool:
+        """Whether no segment meets anything."""
+    @property
+    def fraction(self) -> npt.NDArray[np.float64]:
+        """`(segments,)`: when each segment's first impact is, as a share of the segment; NaN where it is free."""
+    @property
+    def segments(self) -> npt.NDArray[np.uint64]:
+        """`(k,)`: the segments with an impact, ascending. The rows of what follows belong to them."""
+    @property
+    def poses(self) -> npt.NDArray[np.float64]:
+        """`(k, 4, 4)`: world_from_tool at the impact."""
+    @property
+    def points(self) -> npt.NDArray[np.float64]:
+        """`(k, 3)`: as `Cast.point`."""
+    @property
+    def normals(self) -> npt.NDArray[np.float64]:
+        """`(k, 3)`: as `Cast.normal`."""
+    @property
+    def tool_triangles(self) -> npt.NDArray[np.uint32]:
+        """`(k,)`: as `Cast.tool_triangle`."""
+    @property
+    def mockup_triangles(self) -> npt.NDArray[np.uint32]:
+        """`(k,)`: as `Cast.mockup_triangle`."""
+    @property
+    def parts(self) -> npt.NDArray[np.uint32]:
+        """`(k,)`: as `Cast.part`."""
+    @property
+    def first(self) -> Cast | None:
+        """The impact of the first segment that has one: `segments[0]`."""
+    def __len__(self) -> int: ...
 
 def optimal_voxel_size(mockup: Mockup, tool: Tool, estimator: str) -> float: ...
 def weld_vertices(vertices: npt.NDArray[np.float64]) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]]:

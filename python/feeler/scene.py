@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler import _core
-from feeler._core import Batch, Clearance, ClearanceBatch, Collision, Distance, DistanceBatch
+from feeler._core import Batch, Cast, Clearance, ClearanceBatch, Collision, Distance, DistanceBatch, PathCheck
 from feeler.calibrate import machine_constants
 from feeler.errors import LimitError, MeshError, OptionError, PoseError
 from feeler.mockup import Mockup, Tool
@@ -22,6 +22,8 @@ Progress = Callable[[float, str], object]
 
 STORAGES = ("blocks", "dense", "hashed")
 ESTIMATORS = ("calibrated", "area", "diagonal", "side")
+CAST_TOLERANCE = 1e-6
+"""Metres by which an impact may be given too early."""
 
 
 class PairKind(IntEnum):
@@ -200,6 +202,39 @@ class Scene(_core.Scene):
         _check_tool(tool)
         _check_progress(progress)
         return super().clearance_batch(tool, _poses(poses, 3), _real("within", within), bool(triangles), progress)
+
+    def cast(
+        self, tool: _core.Tool, pose0: npt.ArrayLike, pose1: npt.ArrayLike, *, tolerance: float = CAST_TOLERANCE
+    ) -> Cast | None:
+        """The first impact on the way from one pose `(4, 4)` to another; None if the way is free.
+
+        The middle of the tool's box moves straight, the tool turns about it, the shorter way round, both at constant
+        speed. The impact is never late: at no earlier time does anything meet. It is early by at most `tolerance`
+        metres, the distance at which the two triangles may still be; a tool that passes by nearer than that may count
+        as one that hits. A tool that meets something at `pose0` hits at 0; where both poses are equal the answer is
+        that of `collide`. Raises `PoseError` for a pose that is not rigid, `OptionError` for a tolerance that is not
+        positive and finite.
+        """
+        _check_tool(tool)
+        return super().cast(tool, _poses(pose0, 2), _poses(pose1, 2), tolerance=_real("tolerance", tolerance))
+
+    def check_path(
+        self,
+        tool: _core.Tool,
+        poses: npt.ArrayLike,
+        *,
+        tolerance: float = CAST_TOLERANCE,
+        progress: Progress | None = None,
+    ) -> PathCheck:
+        """`cast` from each of `(n, 4, 4)` poses to the next, on all threads of the scene.
+
+        Each segment is looked at on its own, also those after an impact; a path of one pose is one segment that stands
+        still. Raises `PoseError` naming the first pose that is not rigid, and for a path without a pose; `OptionError`
+        as `cast`.
+        """
+        _check_tool(tool)
+        _check_progress(progress)
+        return super().check_path(tool, _poses(poses, 3), tolerance=_real("tolerance", tolerance), progress=progress)
 
     def __repr__(self) -> str:
         return f"Scene({self.mockup!r}, voxel_size={self.voxel_size:.4g}, storage={self.storage!r})"

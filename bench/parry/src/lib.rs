@@ -9,7 +9,10 @@ use std::slice;
 use parry3d::bounding_volume::BoundingVolume;
 use parry3d::math::{Mat3, Pose, Rot3, Vec3};
 use parry3d::partitioning::BvhNode;
-use parry3d::query::{details, gjk::VoronoiSimplex, intersection_test};
+use parry3d::query::{
+    cast_shapes, cast_shapes_nonlinear, details, gjk::VoronoiSimplex, intersection_test, NonlinearRigidMotion,
+    ShapeCastOptions,
+};
 use parry3d::shape::TriMesh;
 
 /// A mock-up, a tool, and what the last query found.
@@ -126,6 +129,43 @@ pub unsafe extern "C" fn parry_is_colliding(engine: &mut Engine, world_from_tool
     // The tool first: parry then asks the mock-up's tree for each of the tool's triangles. The other way round is slower.
     let found = intersection_test(&placed, tool, &Pose::IDENTITY, &engine.mockup);
     i32::from(found.is_ok_and(|found| found.intersecting))
+}
+
+/// When the tool first meets the mock-up while its point `centre` (its own frame) moves by `way` and it turns about it by
+/// `turn` (an axis, as long as the angle); 2 if it does not. Without a turn parry's linear cast is asked, else the nonlinear.
+///
+/// # Safety
+/// See [`pose`]; `centre`, `way` and `turn` hold three numbers each; `engine` comes from [`parry_new`].
+#[no_mangle]
+pub unsafe extern "C" fn parry_cast(
+    engine: &mut Engine,
+    world_from_tool: *const f64,
+    centre: *const f64,
+    way: *const f64,
+    turn: *const f64,
+) -> f64 {
+    let vector = |numbers: *const f64| {
+        // SAFETY: the length is the caller's promise.
+        let v = unsafe { slice::from_raw_parts(numbers, 3) };
+        Vec3::new(v[0] as f32, v[1] as f32, v[2] as f32)
+    };
+    let (centre, way, turn) = (vector(centre), vector(way), vector(turn));
+    // SAFETY: passed on.
+    let placed = unsafe { pose(world_from_tool) };
+    let (Some(tool), mockup) = (&engine.tool, &engine.mockup) else { return 2.0 };
+    // The mock-up first: parry then looks for the tool's whole way in its tree.
+    let found = if turn == Vec3::ZERO {
+        let options = ShapeCastOptions { compute_impact_geometry_on_penetration: false, ..with_end() };
+        cast_shapes(&Pose::IDENTITY, Vec3::ZERO, mockup, &placed, way, tool, options)
+    } else {
+        let moving = NonlinearRigidMotion::new(placed, centre, way, turn);
+        cast_shapes_nonlinear(&NonlinearRigidMotion::identity(), mockup, &moving, tool, 0.0, 1.0, true)
+    };
+    found.ok().flatten().map_or(2.0, |hit| f64::from(hit.time_of_impact))
+}
+
+fn with_end() -> ShapeCastOptions {
+    ShapeCastOptions::with_max_time_of_impact(1.0)
 }
 
 /// The pairs of the last [`parry_collide`].

@@ -65,6 +65,15 @@ pub enum Error {
         /// Which condition failed, and by how much.
         why: String,
     },
+    /// A tolerance of a cast that is not a positive finite number.
+    #[error("tolerance is {value:?}: it must be a positive, finite length in metres")]
+    Tolerance {
+        /// The tolerance given.
+        value: f64,
+    },
+    /// A path without a pose.
+    #[error("the path has no pose: give at least one")]
+    EmptyPath,
     /// A voxel size that is not a positive finite number.
     #[error("voxel_size is {value:?}: it must be a positive, finite length in metres")]
     VoxelSize {

@@ -7,6 +7,7 @@
 
 pub mod bounds;
 pub mod brute;
+pub mod cast;
 pub mod constants;
 pub mod cost;
 pub mod defects;
@@ -31,10 +32,12 @@ pub mod scene;
 mod simd;
 mod store;
 pub mod tool;
+mod vectors;
 pub mod weld;
 
 pub use bounds::{Aabb, Point, Triangle};
 pub use brute::collide_all_pairs;
+pub use cast::{cast_all_pairs, Cast, Motion, PathCheck};
 pub use cost::Estimator;
 pub use defects::{Defect, DefectKind, Defects};
 pub use distance_triangle_triangle::{closest_triangle_triangle, Closest};

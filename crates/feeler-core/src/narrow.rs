@@ -396,7 +396,8 @@ impl Kernel for Test<'_> {
     }
 }
 
-fn pair_key(tool_triangle: u32, mockup_triangle: u32) -> u64 {
+/// A pair in one number, in order.
+pub(crate) fn pair_key(tool_triangle: u32, mockup_triangle: u32) -> u64 {
     u64::from(tool_triangle) << 32 | u64::from(mockup_triangle)
 }
 

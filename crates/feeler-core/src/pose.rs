@@ -52,6 +52,11 @@ impl Pose {
         Ok(Pose { rotation: r, translation: [m[0][3], m[1][3], m[2][3]] })
     }
 
+    /// A pose known to be rigid.
+    pub(crate) fn unchecked(rotation: [[f64; 3]; 3], translation: Point) -> Pose {
+        Pose { rotation, translation }
+    }
+
     /// A tool vertex in the world: `((r00*x + r01*y) + r02*z) + tx` and so on, each operation rounded once, no fused
     /// multiply-add. This is the definition the exactness contract refers to.
     #[inline]
@@ -91,6 +96,15 @@ impl Pose {
     /// The translation, metres.
     pub fn translation(&self) -> &Point {
         &self.translation
+    }
+
+    /// The matrix `(4, 4)`, row by row.
+    pub fn matrix(&self) -> [[f64; 4]; 4] {
+        let row = |i: usize| {
+            let [x, y, z] = self.rotation[i];
+            [x, y, z, self.translation[i]]
+        };
+        [row(0), row(1), row(2), [0.0, 0.0, 0.0, 1.0]]
     }
 
     /// The largest absolute entry of the translation, metres.

@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::prelude::*;
 
+use crate::cast::CastScratch;
 use crate::constants::MOCKUP_CUT_ALLOWANCE;
 use crate::cost::{mean_longest_edge, static_means, CostFunction, Estimator};
 use crate::error::{Error, Result};
@@ -70,6 +71,7 @@ pub struct Scratch {
     seen: PairSet,
     pending: Pending,
     blocks: BlocksScratch,
+    pub(crate) cast: CastScratch,
     hits: Vec<Hit>,
     stats: Stats,
     pub(crate) proximity: ProximityScratch,
@@ -181,9 +183,14 @@ impl Scene {
 
     /// Whether any two triangles meet; stops at the first pair.
     pub fn is_colliding(&self, tool: &Tool, pose: &Pose) -> bool {
+        self.any_pair(tool, pose).is_some()
+    }
+
+    /// Any pair that meets, `[tool triangle, mock-up triangle]`.
+    pub(crate) fn any_pair(&self, tool: &Tool, pose: &Pose) -> Option<[u32; 2]> {
         let mut scratch = self.take_scratch();
         self.run(tool, pose, Filters::default(), true, &mut scratch);
-        let found = !scratch.hits.is_empty();
+        let found = scratch.hits.first().map(|hit| hit.pair());
         self.put_scratch(scratch);
         found
     }

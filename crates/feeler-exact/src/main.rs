@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 use feeler_core::intersect_triangle_triangle;
 use feeler_exact::corpus::{self, word};
-use feeler_exact::{families, mass, oracle};
+use feeler_exact::{casts, families, mass, oracle};
 
 /// Holds feeler's triangle test and stores to exact rational arithmetic.
 #[derive(Parser)]
@@ -19,6 +19,7 @@ Examples:
   feeler-exact mass --pairs 100000 --seed 7       a short run with other pairs
   feeler-exact mass --only gears --only lattice   two generators only
   feeler-exact mass --json > figures.json         figures for a program
+  feeler-exact casts --casts 100000               casts that must hit: none may tunnel or be late
   feeler-exact corpus                             make testdata/triangle_pairs.txt anew; found cases stay
   feeler-exact pair 'x | 0 0 0 4 0 0 0 4 0 | 1 1 0 2 1 3 0 3 3 | touching'"
 )]
@@ -44,6 +45,15 @@ enum Command {
         #[arg(long)]
         json: bool,
     },
+    /// Judge casts that are known to hit; exit code 1 when one tunnels, is late, or too early.
+    Casts {
+        /// How many, about.
+        #[arg(long, default_value_t = 1_000_000)]
+        casts: u64,
+        /// Another seed makes other casts; the same seed the same ones.
+        #[arg(long, default_value_t = 1)]
+        seed: u64,
+    },
     /// Write the corpus of hard pairs, every answer checked; exit code 1 when `--check` finds the file out of date.
     Corpus {
         /// Where it is kept.
@@ -63,6 +73,7 @@ enum Command {
 fn main() -> ExitCode {
     let done = match Arguments::parse().command {
         Command::Mass { pairs, seed, only, json } => run_mass(pairs, seed, &only, json),
+        Command::Casts { casts, seed } => Ok(run_casts(casts, seed)),
         Command::Corpus { file, check } => make_corpus(&file, check),
         Command::Pair { line } => judge_line(&line),
     };
@@ -97,6 +108,17 @@ fn run_mass(pairs: u64, seed: u64, only: &[String], json: bool) -> Result<bool, 
         print_table(&rows, &total, seed);
     }
     Ok(total.tally.mismatch_count == 0)
+}
+
+fn run_casts(count: u64, seed: u64) -> bool {
+    let tally = casts::run(count, seed);
+    println!(
+        "casts (seed {seed}): {} that hit, {} of them turning by more than a quarter; {} tunnelled, {} late, {} too early \
+         ({} not judged: apart by rounding)",
+        tally.casts, tally.spinning, tally.tunnelled, tally.late, tally.early, tally.not_judged
+    );
+    tally.faults.iter().for_each(|fault| println!("  {fault}"));
+    tally.is_right()
 }
 
 fn print_table(rows: &[mass::Row], total: &mass::Row, seed: u64) {

@@ -13,10 +13,11 @@ pub fn to_py(error: Error) -> PyErr {
         | Error::NothingToQuery { .. }
         | Error::Length { .. }
         | Error::PartOutOfRange { .. } => "MeshError",
-        Error::PoseNotFinite { .. } | Error::PoseNotRigid { .. } => "PoseError",
+        Error::EmptyPath | Error::PoseNotFinite { .. } | Error::PoseNotRigid { .. } => "PoseError",
         Error::VoxelSize { .. }
         | Error::Hashing { .. }
         | Error::HashingUnused { .. }
+        | Error::Tolerance { .. }
         | Error::Distance { .. }
         | Error::NoneAsked { .. } => "OptionError",
         Error::TooMany { .. } | Error::GridTooFine { .. } | Error::Memory { .. } | Error::TooManyEntries { .. } => {

@@ -1,6 +1,7 @@
 //! The Python module `feeler._core`: classes that convert arrays and map errors, and decide nothing.
 
 mod arrays;
+mod cast;
 mod collision;
 mod errors;
 mod mockup;
@@ -36,6 +37,8 @@ fn weld_vertices<'py>(py: Python<'py>, vertices: PyReadonlyArray2<'py, f64>) -> 
 
 #[pymodule]
 mod _core {
+    #[pymodule_export]
+    use super::cast::{Cast, PathCheck};
     #[pymodule_export]
     use super::collision::{Batch, Collision};
     #[pymodule_export]

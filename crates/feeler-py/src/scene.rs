@@ -8,6 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
+use crate::cast::{Cast, PathCheck};
 use crate::collision::{Batch, Collision};
 use crate::errors::{raise, to_py};
 use crate::mockup::Mockup;
@@ -269,6 +270,42 @@ impl Scene {
         });
         reporter.finish()?;
         Ok(ClearanceBatch::new(batch.map_err(to_py)?))
+    }
+
+    #[pyo3(signature = (tool, pose0, pose1, *, tolerance))]
+    fn cast(
+        &self,
+        py: Python<'_>,
+        tool: &Bound<'_, Tool>,
+        pose0: PyReadonlyArray2<'_, f64>,
+        pose1: PyReadonlyArray2<'_, f64>,
+        tolerance: f64,
+    ) -> PyResult<Option<Cast>> {
+        let (pose0, pose1) = (pose_of(&pose0)?, pose_of(&pose1)?);
+        let tool = &tool.get().core;
+        let found = py.detach(|| self.core.cast(tool, &pose0, &pose1, tolerance)).map_err(to_py)?;
+        Ok(found.map(|cast| Cast::new(cast, self.core.mockup())))
+    }
+
+    #[pyo3(signature = (tool, poses, *, tolerance, progress))]
+    fn check_path(
+        &self,
+        py: Python<'_>,
+        tool: &Bound<'_, Tool>,
+        poses: PyReadonlyArray3<'_, f64>,
+        tolerance: f64,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<PathCheck> {
+        let poses = poses_of(&poses)?;
+        let tool = &tool.get().core;
+        let reporter = Reporter::new(progress);
+        let check = py.detach(|| {
+            on_pool(self.pool.as_ref(), || {
+                self.core.check_path(tool, &poses, tolerance, &|done, stage| reporter.tell(done, stage))
+            })
+        });
+        reporter.finish()?;
+        Ok(PathCheck::new(check.map_err(to_py)?, Arc::clone(self.core.mockup())))
     }
 }
 

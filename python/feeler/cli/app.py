@@ -1,6 +1,6 @@
 """The program: its commands, `--version`, and how it ends.
 
-Exit status: 0 fine, 1 a finding (a collision; less room than required), 2 bad input, 130 interrupted.
+Exit status: 0 fine, 1 a finding (a collision; less room than required; a path not free), 2 bad input, 130 interrupted.
 """
 
 from __future__ import annotations
@@ -95,9 +95,9 @@ def feeler(
 ) -> None:
     """Finds every pair of triangles that meets, of a moving tool and a massive digital mock-up, exactly.
 
-    Exit status: 0 fine, 1 a collision was found or room is missing, 2 bad input.
+    Exit status: 0 fine, 1 a collision was found, room is missing or a path is not free, 2 bad input.
     """
 
 
 # Each registers itself with `app`, in the order in which --help lists them.
-from feeler.cli import demo, info, collide, clearance, sample, bench, study  # noqa: E402, F401, I001
+from feeler.cli import demo, info, collide, clearance, path, sample, bench, study  # noqa: E402, F401, I001

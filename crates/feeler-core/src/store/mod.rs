@@ -5,15 +5,18 @@ mod dense;
 mod hashed;
 mod lists;
 mod lists_cells;
+mod lists_sweep;
 mod occupancy;
 
+use crate::cast::Window;
 use crate::error::{Error, Result};
 use crate::mesh::Mesh;
 use crate::narrow::Narrow;
 use crate::proximity::{search, SearchScratch, Wanted};
+use crate::simd::Checked;
 use crate::tool::Tool;
 
-pub(crate) use blocks::{Blocks, BlocksScratch, NearScratch};
+pub(crate) use blocks::{Blocks, BlocksScratch, NearScratch, SweepScratch};
 pub(crate) use dense::Dense;
 pub(crate) use hashed::Hashed;
 
@@ -68,6 +71,18 @@ impl Store {
         }
     }
 
+    /// Offers every pair that may meet while the tool is on its way through a window, by slot and triangle, some more than
+    /// once, until `offer` says stop; false where it gave up.
+    ///
+    /// A pair that is not offered surely does not meet at any time in the window.
+    pub fn offer_swept(&self, sweep: &Sweep<'_>, scratch: &mut SweepScratch, offer: Offer<'_>) -> bool {
+        match self {
+            Store::Dense(store) => store.with(sweep.mesh).offer_swept(sweep, &mut scratch.seen, offer),
+            Store::Hashed(store) => store.with(sweep.mesh).offer_swept(sweep, &mut scratch.seen, offer),
+            Store::Blocks(store) => store.offer_swept(sweep, scratch, offer),
+        }
+    }
+
     /// Bytes by structure.
     pub fn memory(&self) -> Vec<(&'static str, usize)> {
         match self {
@@ -86,6 +101,19 @@ impl Store {
         }
     }
 }
+
+/// A tool on its way through a window of time.
+pub(crate) struct Sweep<'a> {
+    pub mesh: &'a Mesh,
+    pub tool: &'a Tool,
+    pub window: Window,
+    pub lanes: Checked,
+    /// Whether the store may give up where a shorter window would do better.
+    pub may_give_up: bool,
+}
+
+/// Takes a slot of the tool and a triangle of the mock-up; true to stop.
+pub(crate) type Offer<'a> = &'a mut dyn FnMut(u32, u32) -> bool;
 
 /// Told the share done (0 to 1) and the stage, now and then, from the calling thread; answers whether to go on.
 pub type Progress<'a> = &'a (dyn Fn(f64, &str) -> bool + Sync);

@@ -147,12 +147,12 @@ impl Descent<'_> {
 }
 
 /// Pushes the children, of the nodes `nodes[from..]`, that meet a box; returns where they begin.
-struct Expand<'a> {
-    level: &'a [Node],
-    below: &'a [Node],
-    bounds: &'a Box4,
-    nodes: &'a mut Vec<u32>,
-    from: usize,
+pub(super) struct Expand<'a> {
+    pub level: &'a [Node],
+    pub below: &'a [Node],
+    pub bounds: &'a Box4,
+    pub nodes: &'a mut Vec<u32>,
+    pub from: usize,
 }
 
 impl Kernel for Expand<'_> {

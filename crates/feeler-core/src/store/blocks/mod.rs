@@ -22,11 +22,14 @@ mod near;
 mod node;
 mod pieces;
 mod scan;
+mod sweep;
+mod swept;
 
 pub use descent::BlocksScratch;
 pub use near::NearScratch;
 use node::{Frame, Node, FANOUT};
 use pieces::PackedPieces;
+pub use sweep::SweepScratch;
 
 /// See the module.
 #[derive(Debug)]

@@ -1,0 +1,26 @@
+//! The plain twin of the cast: every pair, over the whole way.
+
+use super::pair::Moving;
+use super::{check_tolerance, contact, Cast, Impact, Motion};
+use crate::error::Result;
+use crate::mesh::Mesh;
+use crate::pose::Pose;
+use crate::tool::Tool;
+
+/// As [`Scene::cast`](crate::Scene::cast), by looking at every pair of triangles.
+pub fn cast_all_pairs(mesh: &Mesh, tool: &Tool, pose0: &Pose, pose1: &Pose, tolerance: f64) -> Result<Option<Cast>> {
+    check_tolerance(tolerance)?;
+    let motion = Motion::new(tool, pose0, pose1);
+    let mut best: Option<Impact> = None;
+    for tool_triangle in tool.mesh().queried() {
+        let moving = Moving::new(&motion, tool.mesh().triangle(tool_triangle));
+        for mockup_triangle in mesh.queried() {
+            let q = mesh.triangle(mockup_triangle);
+            let until = best.map_or(1.0, |b| b.time);
+            if let Some(time) = moving.first_impact(&q, 0.0, until, pose0, tolerance) {
+                best = Some(Impact { time, tool_triangle, mockup_triangle });
+            }
+        }
+    }
+    Ok(best.map(|impact| contact(tool, mesh, &motion, &impact)))
+}

@@ -1,0 +1,161 @@
+//! The cast in windows of time: the store offers the pairs that may meet in a window, and each of these is followed through it.
+//!
+//! A long window is a loose one: boxes around the tool's whole way meet much that the tool passes by. A short one costs a
+//! descent for little progress. So a window that offers too many pairs is cut, and the next one after few pairs is longer.
+
+use super::motion::Motion;
+use super::pair::Moving;
+use super::{impact_at_start, Impact};
+use crate::narrow::pair_key;
+use crate::scene::Scene;
+use crate::store::{Sweep, SweepScratch};
+use crate::tool::Tool;
+use crate::vectors::length;
+
+/// Pairs that a window may offer before it is cut, for a small tool; a large one's descents cost more, and bring more.
+const FEW_PAIRS: usize = 96;
+
+/// What a cut leaves of a window.
+const CUT: f64 = 0.25;
+
+/// Up to this share of its own size in a window a tool is not near what it sweeps: the first cuts make windows so short. Each cut
+/// beyond allows twice as many pairs.
+const STRIDE: f64 = 0.125;
+
+/// A window that offers so many times the pairs that the tool standing still does would not get much better by a cut.
+const TIMES_STILL: usize = 4;
+
+/// Most cuts of either kind, so that float64 can tell the ends of a window apart. After the last one pairs are followed as they
+/// come, however many there are.
+const MOST_COARSE_CUTS: u32 = 16;
+/// See above.
+const MOST_CUTS: u32 = 8;
+
+/// Cuts after which it pays to ask whether the tool begins in contact, which no cut would bring out.
+const CUTS_IN_CONTACT: u32 = 2;
+
+/// Working memory of a cast.
+#[derive(Debug, Default)]
+pub(crate) struct CastScratch {
+    store: SweepScratch,
+    /// Slot of the tool, and triangle of the mock-up, in one number.
+    pairs: Vec<u64>,
+}
+
+/// The first impact of a tool on its way.
+pub(super) fn first_impact(
+    scene: &Scene,
+    tool: &Tool,
+    motion: &Motion,
+    tolerance: f64,
+    scratch: &mut CastScratch,
+) -> Option<Impact> {
+    let few = FEW_PAIRS.max(tool.clusters().len());
+    // Shorter than this a window is no use: all it holds is within the tolerance.
+    let shortest = tolerance / motion.longest_way().max(tolerance);
+    let coarse = coarse_cuts(tool, motion);
+    let mut from = 0.0;
+    let mut cuts = coarse.saturating_sub(1);
+    // Pairs offered with the tool standing still, and when.
+    let (mut still, mut still_at) = (0, -1.0);
+    while from < 1.0 {
+        let share = CUT.powi(cuts as i32);
+        let to = if from + share < 1.0 { from + share } else { 1.0 };
+        let fine = cuts.saturating_sub(coarse);
+        let limit = (few << fine).max(TIMES_STILL * still);
+        let may_cut = fine < MOST_CUTS && share > shortest;
+        let mut chase = Chase { scene, tool, motion, tolerance, from, best: None, until: to };
+        let sweep = |to: f64| Sweep {
+            mesh: scene.mockup().mesh(),
+            tool,
+            window: motion.window(tool, from, to),
+            lanes: scene.checked_lanes(),
+            may_give_up: may_cut && to > from,
+        };
+        let CastScratch { store, pairs } = &mut *scratch;
+        pairs.clear();
+        let mut is_full = false;
+        let whole = sweep(to);
+        let all_seen = scene.store().offer_swept(&whole, store, &mut |slot, triangle| {
+            pairs.push(pair_key(slot, triangle));
+            if pairs.len() < limit {
+                return false;
+            }
+            if may_cut {
+                is_full = true;
+                return true;
+            }
+            chase.follow(pairs, &whole.window.poses[0]);
+            // Nothing is earlier than the beginning.
+            chase.until <= from
+        });
+        if is_full || !all_seen {
+            cuts += 1;
+            if from == 0.0 && cuts == coarse + CUTS_IN_CONTACT {
+                if let Some(impact) = impact_at_start(scene, tool, motion) {
+                    return Some(impact);
+                }
+            }
+            if is_full && cuts > coarse + CUTS_IN_CONTACT && still_at < from {
+                (still, still_at) = (0, from);
+                scene.store().offer_swept(&sweep(from), store, &mut |_, _| {
+                    still += 1;
+                    false
+                });
+            }
+            continue;
+        }
+        let offered = pairs.len();
+        chase.follow(pairs, &whole.window.poses[0]);
+        if chase.best.is_some() {
+            return chase.best;
+        }
+        from = to;
+        cuts = cuts.saturating_sub(u32::from(offered < limit / 4));
+    }
+    None
+}
+
+/// Cuts that make a window no longer than a stride.
+fn coarse_cuts(tool: &Tool, motion: &Motion) -> u32 {
+    let size = length(&tool.mesh().bounds().extent());
+    let strides = motion.longest_way() / (STRIDE * size).max(f64::MIN_POSITIVE);
+    let cuts = strides.max(1.0).log(1.0 / CUT).ceil();
+    // A cast from float saturates, and NaN gives 0.
+    (cuts as u32).min(MOST_COARSE_CUTS)
+}
+
+/// Follows pairs through a window.
+struct Chase<'a> {
+    scene: &'a Scene,
+    tool: &'a Tool,
+    motion: &'a Motion,
+    tolerance: f64,
+    from: f64,
+    until: f64,
+    best: Option<Impact>,
+}
+
+impl Chase<'_> {
+    /// Follows each pair once, and empties the list.
+    fn follow(&mut self, pairs: &mut Vec<u64>, pose: &crate::pose::Pose) {
+        pairs.sort_unstable();
+        pairs.dedup();
+        let mesh = self.scene.mockup().mesh();
+        let mut moving: Option<(u32, Moving<'_>)> = None;
+        for &pair in pairs.iter() {
+            let (slot, triangle) = ((pair >> 32) as u32, pair as u32);
+            if moving.as_ref().is_none_or(|(s, _)| *s != slot) {
+                moving = Some((slot, Moving::new(self.motion, self.tool.placeable()[slot as usize])));
+            }
+            let Some((_, moving)) = &moving else { continue };
+            let q = mesh.triangle(triangle);
+            if let Some(time) = moving.first_impact(&q, self.from, self.until, pose, self.tolerance) {
+                self.until = time;
+                let tool_triangle = self.tool.ids()[slot as usize];
+                self.best = Some(Impact { time, tool_triangle, mockup_triangle: triangle });
+            }
+        }
+        pairs.clear();
+    }
+}

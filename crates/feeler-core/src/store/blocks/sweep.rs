@@ -1,0 +1,226 @@
+//! The query of a cast: the tool's tree of boxes, swept through a window of time, is descended together with the blocks.
+
+use super::descent::Expand;
+use super::node::Node;
+use super::pieces::HalfBlock;
+use super::swept::{SweptPieces, SweptPlacement};
+use super::{Blocks, FANOUT};
+use crate::lanes::{Box4, LaneBoxes, LANES};
+use crate::narrow::PairSet;
+use crate::simd::{Kernel, Simd};
+use crate::store::{Offer, Sweep};
+
+/// Working memory of a query.
+pub struct SweepScratch {
+    /// For stores that offer pairs more than once.
+    pub(in crate::store) seen: PairSet,
+    nodes: Vec<u32>,
+    masks: Vec<u16>,
+    children: Vec<LaneBoxes>,
+    pieces: Box<[SweptPieces; LANES]>,
+    halves: Box<[HalfBlock; 2]>,
+}
+
+impl std::fmt::Debug for SweepScratch {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("SweepScratch")
+    }
+}
+
+impl Default for SweepScratch {
+    fn default() -> SweepScratch {
+        SweepScratch {
+            seen: PairSet::default(),
+            nodes: Vec::new(),
+            masks: Vec::new(),
+            children: Vec::new(),
+            pieces: Box::new([SweptPieces::ZERO; LANES]),
+            halves: Box::new([HalfBlock::ZERO; 2]),
+        }
+    }
+}
+
+impl Blocks {
+    /// Offers the pairs of pieces that swept boxes and planes do not hold apart. See
+    /// [`Store::offer_swept`](crate::store::Store::offer_swept).
+    pub fn offer_swept(&self, sweep: &Sweep<'_>, scratch: &mut SweepScratch, offer: Offer<'_>) -> bool {
+        let Sweep { mesh, tool, window, .. } = sweep;
+        // In float64 first: a tool far away is done with.
+        let whole = window.bounds_of_box(&tool.mesh().bounds());
+        if !whole.is_overlapping(&mesh.bounds()) {
+            return true;
+        }
+        scratch.nodes.clear();
+        scratch.nodes.push(0);
+        scratch.masks.clear();
+        scratch.children.resize(tool.height() + 1, LaneBoxes::ZERO);
+        let root = self.frame.to_box4(&whole);
+        let placement = SweptPlacement::new(tool, window, &self.frame);
+        let mut descent = Descent { blocks: self, sweep, placement, scratch, offer };
+        descent.descend(tool.height(), 0, &root, self.levels.len() - 1, 0);
+        true
+    }
+}
+
+/// As the descent of `collide`, on swept boxes.
+struct Descent<'a, 'o> {
+    blocks: &'a Blocks,
+    sweep: &'a Sweep<'a>,
+    placement: SweptPlacement,
+    scratch: &'a mut SweepScratch,
+    offer: Offer<'o>,
+}
+
+impl Descent<'_, '_> {
+    /// Tests tool entry `entry` of `tool_level` (1: a group of clusters), inside `bounds`, against the nodes `nodes[from..]`
+    /// of `level`. True when the query is over.
+    fn descend(&mut self, tool_level: usize, entry: usize, bounds: &Box4, level: usize, from: usize) -> bool {
+        let to = self.scratch.nodes.len();
+        let (mut level, mut from) = (level, from);
+        while level >= tool_level {
+            let nodes = &mut self.scratch.nodes;
+            let [below, nodes_of_level] = [level - 1, level].map(|l| &self.blocks.levels[l]);
+            from = self.sweep.lanes.run(Expand { level: nodes_of_level, below, bounds, nodes, from });
+            level -= 1;
+        }
+        let over = self.scratch.nodes.len() > from && self.descend_children(tool_level, entry, level, from);
+        self.scratch.nodes.truncate(to);
+        over
+    }
+
+    /// Goes on with each child of a tool entry, and the nodes of `nodes[from..]` whose own box meets the child's.
+    fn descend_children(&mut self, tool_level: usize, entry: usize, level: usize, from: usize) -> bool {
+        let (to, first_mask) = (self.scratch.nodes.len(), self.scratch.masks.len());
+        let any = self.sweep.lanes.run(Children {
+            placement: &self.placement,
+            boxes: &self.sweep.tool.children(tool_level)[entry],
+            level: &self.blocks.levels[level],
+            from,
+            scratch: self.scratch,
+            tool_level,
+        });
+        let over = if tool_level == 1 {
+            any != 0 && self.scan(entry, from, first_mask, any)
+        } else {
+            (0..LANES).any(|i| {
+                if any >> i & 1 == 0 {
+                    return false;
+                }
+                let SweepScratch { nodes, masks, children, .. } = &mut *self.scratch;
+                for at in from..to {
+                    if masks[first_mask + at - from] >> i & 1 == 1 {
+                        let node = nodes[at];
+                        nodes.push(node);
+                    }
+                }
+                let bounds = children[tool_level].lane(i);
+                let over = self.descend(tool_level - 1, LANES * entry + i, &bounds, level, to);
+                self.scratch.nodes.truncate(to);
+                over
+            })
+        };
+        self.scratch.masks.truncate(first_mask);
+        over
+    }
+
+    fn scan(&mut self, group: usize, from: usize, first_mask: usize, needed: u16) -> bool {
+        let Descent { blocks, sweep, placement, scratch, offer } = self;
+        sweep.lanes.run(Scan { blocks, sweep, placement, scratch, offer: *offer, group, from, first_mask, needed })
+    }
+}
+
+/// Places the children of a tool entry, and appends which of them meet the own box of each node; returns which meet any.
+struct Children<'a> {
+    placement: &'a SweptPlacement,
+    boxes: &'a crate::lanes::BoxLanes,
+    level: &'a [Node],
+    from: usize,
+    scratch: &'a mut SweepScratch,
+    tool_level: usize,
+}
+
+impl Kernel for Children<'_> {
+    type Output = u16;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) -> u16 {
+        let Children { placement, boxes, level, from, scratch, tool_level } = self;
+        let SweepScratch { nodes, masks, children, .. } = scratch;
+        children[tool_level] = placement.place_boxes(s, boxes);
+        let mut any = 0;
+        for &node in &nodes[from..] {
+            let mask = level[node as usize].overlapping_lanes(s, &children[tool_level]) & boxes.used;
+            any |= mask;
+            masks.push(mask);
+        }
+        any
+    }
+}
+
+/// The clusters of a group against the blocks `nodes[from..]` that their loose boxes reach.
+struct Scan<'a, 'o> {
+    blocks: &'a Blocks,
+    sweep: &'a Sweep<'a>,
+    placement: &'a SweptPlacement,
+    scratch: &'a mut SweepScratch,
+    offer: &'a mut (dyn FnMut(u32, u32) -> bool + 'o),
+    group: usize,
+    from: usize,
+    first_mask: usize,
+    needed: u16,
+}
+
+impl Kernel for Scan<'_, '_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) -> bool {
+        let Scan { blocks, sweep, placement, scratch, offer, group, from, first_mask, needed } = self;
+        let SweepScratch { nodes, masks, pieces, halves, .. } = scratch;
+        let clusters = &sweep.tool.clusters()[LANES * group..];
+        let mut rest = needed;
+        while rest != 0 {
+            let c = rest.trailing_zeros() as usize;
+            rest &= rest - 1;
+            placement.place_pieces(s, &clusters[c].corners, &mut pieces[c]);
+        }
+        let slack = placement.slack + blocks.slack;
+        for (&block, mask) in nodes[from..].iter().zip(&masks[first_mask..]) {
+            let node = &blocks.levels[0][block as usize];
+            let mut mask = *mask;
+            let mut unpacked = 0u32;
+            while mask != 0 {
+                let c = mask.trailing_zeros() as usize;
+                mask &= mask - 1;
+                let mut hit = node.overlapping(s, &pieces[c].bounds);
+                while hit != 0 {
+                    let at = hit.trailing_zeros() as usize;
+                    hit &= hit - 1;
+                    let (half, piece) = (at / LANES, at % LANES);
+                    if unpacked >> half & 1 == 0 {
+                        halves[half].unpack_boxes(s, node, half);
+                        unpacked |= 1 << half;
+                    }
+                    let mut lanes = pieces[c].boxes_meeting(s, &halves[half], piece) & clusters[c].corners.used;
+                    if lanes == 0 {
+                        continue;
+                    }
+                    if unpacked >> (2 + half) & 1 == 0 {
+                        halves[half].unpack_corners(s, &blocks.packed[block as usize], half, slack);
+                        unpacked |= 1 << (2 + half);
+                    }
+                    lanes &= pieces[c].planes_meeting(s, &halves[half], piece);
+                    let triangle = blocks.triangles[FANOUT * block as usize + at];
+                    while lanes != 0 {
+                        let lane = lanes.trailing_zeros() as usize;
+                        lanes &= lanes - 1;
+                        if offer(clusters[c].slots[lane], triangle) {
+                            return true;
+                        }
+                    }
+                }
+            }
+        }
+        false
+    }
+}

@@ -1,0 +1,124 @@
+//! Sixteen boxes or pieces of a tool side by side, and what they sweep through a window of time, in a frame, in float32.
+//!
+//! A point of the tool stays within the window's margin of the straight line between its places at both ends, so the box around
+//! both places, grown by the margin, holds all of its way, and so does its interval along any axis.
+
+use super::node::Frame;
+use super::pieces::HalfBlock;
+use crate::cast::Window;
+use crate::lanes::{greatest4, least4, load3, Box4, BoxLanes, LaneBoxes, PieceLanes, PlacedPieces, Placement, TINY};
+use crate::simd::Simd;
+use crate::tool::Tool;
+
+/// The placements at both ends of a window.
+pub struct SweptPlacement {
+    ends: [Placement; 2],
+    /// See [`Placement::slack`]: it covers the window's margin, too.
+    pub slack: f32,
+}
+
+/// What up to 16 pieces sweep.
+pub struct SweptPieces {
+    ends: [PlacedPieces; 2],
+    /// Boxes around the ways of the pieces.
+    pub boxes: LaneBoxes,
+    /// The box around all of them.
+    pub bounds: Box4,
+}
+
+impl SweptPlacement {
+    /// For boxes and pieces of `tool`.
+    pub fn new(tool: &Tool, window: &Window, frame: &Frame) -> SweptPlacement {
+        let place = |i: usize| Placement::new(tool.unit(), &window.poses[i], window.margin, &frame.origin, frame.scale);
+        let ends = [place(0), place(1)];
+        let slack = ends[0].slack.max(ends[1].slack);
+        SweptPlacement { ends, slack }
+    }
+
+    /// Boxes around what boxes sweep: quick and loose.
+    #[inline(always)]
+    pub fn place_boxes<S: Simd>(&self, s: S, boxes: &BoxLanes) -> LaneBoxes {
+        let (mut out, other) = (self.ends[0].place_boxes(s, boxes), self.ends[1].place_boxes(s, boxes));
+        union(s, &mut out, &other);
+        out
+    }
+
+    /// What pieces sweep.
+    #[inline(always)]
+    pub fn place_pieces<S: Simd>(&self, s: S, pieces: &PieceLanes, out: &mut SweptPieces) {
+        self.ends[0].place_pieces(s, pieces, &mut out.ends[0]);
+        self.ends[1].place_pieces(s, pieces, &mut out.ends[1]);
+        for a in 0..3 {
+            out.boxes.lower[a] = out.ends[0].boxes.lower[a];
+            out.boxes.upper[a] = out.ends[0].boxes.upper[a];
+        }
+        union(s, &mut out.boxes, &out.ends[1].boxes);
+        out.bounds = out.ends[0].bounds.union(&out.ends[1].bounds);
+    }
+}
+
+impl SweptPieces {
+    /// To be filled in.
+    pub const ZERO: SweptPieces =
+        SweptPieces { ends: [PlacedPieces::ZERO; 2], boxes: LaneBoxes::ZERO, bounds: Box4::EMPTY };
+
+    /// Which of the swept boxes meet the box of one piece of a block.
+    #[inline(always)]
+    pub fn boxes_meeting<S: Simd>(&self, s: S, half: &HalfBlock, piece: usize) -> u16 {
+        let mut apart = 0;
+        for a in 0..3 {
+            apart |= s.above(s.load(&self.boxes.lower[a]), s.splat(half.upper[a][piece]));
+            apart |= s.above(s.splat(half.lower[a][piece]), s.load(&self.boxes.upper[a]));
+        }
+        !apart
+    }
+
+    /// Which of the pieces are not held apart from one piece of a block, all the way, by an axis across the plane of the
+    /// block's piece, or of the tool's at either end.
+    #[inline(always)]
+    pub fn planes_meeting<S: Simd>(&mut self, s: S, half: &HalfBlock, piece: usize) -> u16 {
+        let m = [s.splat(half.normals[0][piece]), s.splat(half.normals[1][piece]), s.splat(half.normals[2][piece])];
+        let [(a, b), (c, d)] = [interval(s, &m, &self.ends[0]), interval(s, &m, &self.ends[1])];
+        let (near, far) = (s.min(a, c), s.max(b, d));
+        let mut apart = s.above(near, s.splat(half.far[piece])) | s.above(s.splat(half.near[piece]), far);
+        for end in 0..2 {
+            self.ends[end].need_normals(s);
+            let n = load3(s, &self.ends[end].normals);
+            let (a, b) = interval(s, &n, &self.ends[1 - end]);
+            let near = s.min(a, s.load(&self.ends[end].near));
+            let far = s.max(b, s.load(&self.ends[end].far));
+            let mut e = [s.splat(0.0); 4];
+            for corner in 0..4 {
+                let at = [&half.corners[corner][0], &half.corners[corner][1], &half.corners[corner][2]];
+                let last = n[2] * s.splat(at[2][piece]);
+                e[corner] = s.mul_add(n[0], s.splat(at[0][piece]), s.mul_add(n[1], s.splat(at[1][piece]), last));
+            }
+            let slack = s.mul_add(s.abs(n[2]), s.splat(half.slack[2][piece]), s.splat(TINY));
+            let slack = s.mul_add(s.abs(n[1]), s.splat(half.slack[1][piece]), slack);
+            let slack = s.mul_add(s.abs(n[0]), s.splat(half.slack[0][piece]), slack);
+            apart |= s.above(least4(s, &e) - slack, far) | s.above(near, greatest4(s, &e) + slack);
+        }
+        !apart
+    }
+}
+
+/// The intervals of placed pieces along an axis in each lane.
+#[inline(always)]
+fn interval<S: Simd>(s: S, n: &[S::F32; 3], placed: &PlacedPieces) -> (S::F32, S::F32) {
+    let mut d = [s.splat(0.0); 4];
+    for c in 0..4 {
+        let at = load3(s, &placed.corners[c]);
+        d[c] = s.mul_add(n[0], at[0], s.mul_add(n[1], at[1], n[2] * at[2]));
+    }
+    (least4(s, &d), greatest4(s, &d))
+}
+
+#[inline(always)]
+fn union<S: Simd>(s: S, boxes: &mut LaneBoxes, other: &LaneBoxes) {
+    for a in 0..3 {
+        let lower = s.min(s.load(&boxes.lower[a]), s.load(&other.lower[a]));
+        let upper = s.max(s.load(&boxes.upper[a]), s.load(&other.upper[a]));
+        s.store(lower, &mut boxes.lower[a]);
+        s.store(upper, &mut boxes.upper[a]);
+    }
+}

@@ -1,0 +1,316 @@
+//! Casts: never late, never through anything, early by at most the tolerance; all stores against all pairs.
+
+mod common;
+
+use std::sync::Arc;
+
+use common::*;
+use feeler_core::distance_triangle_triangle::closest_triangle_triangle;
+use feeler_core::{
+    cast_all_pairs, collide_all_pairs, Cast, Error, Mockup, Motion, Point, Pose, Scene, SceneOptions, Storage, Tool,
+};
+
+const TOLERANCE: f64 = 1e-6;
+
+fn scene_of(mockup: &Arc<Mockup>, storage: Storage) -> Scene {
+    let options = SceneOptions { storage, ..SceneOptions::default() };
+    Scene::build(mockup.clone(), &options, &|_, _| true).unwrap()
+}
+
+fn sheet(side: f64) -> Arrays {
+    let s = 0.5 * side;
+    (vec![[-s, -s, 0.0], [s, -s, 0.0], [s, s, 0.0], [-s, s, 0.0]], vec![[0, 1, 2], [0, 2, 3]])
+}
+
+/// A box.
+fn bar([x, y, z]: Point) -> Arrays {
+    let vertices =
+        (0..8).map(|i| [x * f64::from(i & 1), y * f64::from(i >> 1 & 1), z * f64::from(i >> 2 & 1)]).collect();
+    let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    (vertices, quads.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect())
+}
+
+fn turned(axis: usize, angle: f64, at: Point) -> Pose {
+    let (s, c) = angle.sin_cos();
+    let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+    let mut m = [[0.0; 4]; 4];
+    (m[axis][axis], m[i][i], m[j][j], m[i][j], m[j][i], m[3][3]) = (1.0, c, c, -s, s, 1.0);
+    (0..3).for_each(|a| m[a][3] = at[a]);
+    Pose::new(&m).unwrap()
+}
+
+/// What must hold of any answer: nothing meets before, and at the impact the pair is near.
+fn check(mockup: &Mockup, tool: &Tool, way: (&Pose, &Pose), found: Option<&Cast>, samples: usize, what: &str) {
+    let motion = Motion::new(tool, way.0, way.1);
+    let until = found.map_or(1.0, |cast| cast.fraction);
+    for i in 0..=samples {
+        let time = until * i as f64 / samples as f64;
+        if found.is_none() || time < until {
+            let pairs = collide_all_pairs(mockup.mesh(), tool, &motion.at(time));
+            assert!(pairs.is_empty(), "{what}: {pairs:?} at {time}, before {until}");
+        }
+    }
+    if let Some(cast) = found {
+        assert_eq!(cast.pose, motion.at(cast.fraction), "{what}");
+        assert!((0.0..=1.0).contains(&cast.fraction), "{what}");
+        assert!(cast.distance <= TOLERANCE, "{what}: {} apart", cast.distance);
+        let p = cast.pose.apply_triangle(&tool.mesh().triangle(cast.tool_triangle));
+        let q = mockup.mesh().triangle(cast.mockup_triangle);
+        assert_eq!(closest_triangle_triangle(&p, &q).distance, cast.distance, "{what}");
+        let size = cast.normal.iter().map(|x| x * x).sum::<f64>().sqrt();
+        assert!((size - 1.0).abs() < 1e-9, "{what}: {:?}", cast.normal);
+    }
+}
+
+#[test]
+fn a_cast_of_any_store_is_that_of_all_pairs() {
+    let mut r = Random::new(7);
+    let (mut free, mut hits) = (0, 0);
+    for (name, arrays, size) in [
+        ("soup", soup(1, 400, 0.05), 1.0),
+        ("needles", needles(2, 80, 0.01), 1.0),
+        ("lattice", lattice(3, 150, 12), 12.0),
+        ("defects", with_defects(soup(5, 200, 0.05)), 1.0),
+        ("far", placed(soup(4, 300, 0.05), 1.0, 3000.0), 1.0),
+    ] {
+        let offset = if name == "far" { 3000.0 } else { 0.0 };
+        let mockup = mockup_of(arrays);
+        let scenes = STORAGES.map(|storage| scene_of(&mockup, storage));
+        let tool = tool_of(placed(soup(9, 12, 0.05), 0.15 * size, 0.3));
+        for i in 0..40 {
+            let (a, mut b) = (r.pose(0.0), r.pose(0.0));
+            if i % 3 == 0 {
+                b = a;
+            }
+            let mut place = |pose: &Pose, spread: f64| {
+                let mut m = pose.matrix();
+                let centre = pose.apply(&[0.3 + 0.075 * size; 3]);
+                (0..3).for_each(|k| m[k][3] = offset + r.real(0.5 - spread, 0.5 + spread) * size - centre[k]);
+                Pose::new(&m).unwrap()
+            };
+            let spread = [1.2, 0.7, 0.3][i % 3];
+            let (a, b) = (place(&a, spread), place(&b, spread));
+            let plain = cast_all_pairs(mockup.mesh(), &tool, &a, &b, TOLERANCE).unwrap();
+            check(&mockup, &tool, (&a, &b), plain.as_ref(), 60, &format!("{name} {i}"));
+            let way = Motion::new(&tool, &a, &b).longest_way();
+            for scene in &scenes {
+                let what = format!("{name} {i} {:?}", scene.storage());
+                let found = scene.cast(&tool, &a, &b, TOLERANCE).unwrap();
+                check(&mockup, &tool, (&a, &b), found.as_ref(), 10, &what);
+                assert_eq!(found.is_some(), plain.is_some(), "{what}");
+                if let (Some(found), Some(plain)) = (found, plain) {
+                    let apart = (found.fraction - plain.fraction).abs();
+                    assert!(apart * way < 1e-3, "{what}: {} and {}", found.fraction, plain.fraction);
+                }
+            }
+            free += usize::from(plain.is_none());
+            hits += usize::from(plain.is_some());
+        }
+    }
+    assert!(free > 20 && hits > 60, "{free} free, {hits} hits");
+}
+
+#[test]
+fn a_drop_on_a_sheet_stops_at_the_sheet() {
+    let mockup = mockup_of(sheet(1.0));
+    let tool = tool_of(bar([0.1, 0.1, 0.1]));
+    for storage in STORAGES {
+        let scene = scene_of(&mockup, storage);
+        for speed in [1.0, 1e3, 1e9] {
+            let (a, b) = (moved([0.0, 0.0, 0.25]), moved([0.0, 0.0, 0.25 - speed]));
+            let cast = scene.cast(&tool, &a, &b, TOLERANCE).unwrap().expect("a hit");
+            let height = cast.pose.translation()[2];
+            let ulp = speed * 1e-12;
+            assert!((-ulp..=TOLERANCE + ulp).contains(&height), "{height} at {speed}");
+            assert!((cast.fraction * speed - 0.25).abs() <= TOLERANCE + ulp);
+            assert!(cast.normal[2] > 0.999_999, "{:?}", cast.normal);
+            assert!(cast.point[2].abs() < 1e-9);
+            // Upwards is free, and so is sliding along at a small height.
+            assert_eq!(scene.cast(&tool, &a, &moved([0.0, 0.0, speed]), TOLERANCE).unwrap(), None);
+            let (a, b) = (moved([-9.0, 0.0, 1e-7]), moved([9.0, 0.0, 1e-7]));
+            assert_eq!(scene.cast(&tool, &a, &b, TOLERANCE).unwrap(), None);
+        }
+    }
+}
+
+#[test]
+fn beginning_in_contact_is_an_impact_at_once() {
+    let mockup = mockup_of(ball(12, 0.5));
+    let tool = tool_of(ball(10, 0.2));
+    for storage in STORAGES {
+        let scene = scene_of(&mockup, storage);
+        let cast = scene.cast(&tool, &moved([0.4, 0.0, 0.0]), &moved([2.0, 0.0, 0.0]), TOLERANCE).unwrap().unwrap();
+        assert_eq!((cast.fraction, cast.distance), (0.0, 0.0));
+        assert_eq!(cast.pose, moved([0.4, 0.0, 0.0]));
+        // Inside, without touching the surface: free until it is reached.
+        let cast = scene.cast(&tool, &moved([0.0; 3]), &moved([2.0, 0.0, 0.0]), TOLERANCE).unwrap().unwrap();
+        assert!(cast.fraction > 0.14 && cast.fraction < 0.151, "{}", cast.fraction);
+    }
+}
+
+#[test]
+fn standing_still_is_a_collision_query() {
+    let mockup = mockup_of(sheet(1.0));
+    let scene = scene_of(&mockup, Storage::Blocks);
+    let tool = tool_of(bar([0.1, 0.1, 0.1]));
+    let still = |z: f64| scene.cast(&tool, &moved([0.0, 0.0, z]), &moved([0.0, 0.0, z]), TOLERANCE).unwrap();
+    assert_eq!(still(1e-300), None);
+    assert_eq!(still(0.0).map(|cast| cast.fraction), Some(0.0));
+    assert_eq!(still(-0.05).map(|cast| cast.distance), Some(0.0));
+    let check = scene.check_path(&tool, &[moved([0.0; 3])], TOLERANCE, &|_, _| true).unwrap();
+    assert_eq!((check.segments, check.hits.len()), (1, 1));
+}
+
+#[test]
+fn half_a_turn_of_a_long_bar_meets_a_thin_post() {
+    // The bar lies along x; the post stands on its way, at 80 degrees, where neither end of the turn is near it.
+    let (s, c) = 80f64.to_radians().sin_cos();
+    let post: Arrays = {
+        let (x, y) = (0.8 * c, 0.8 * s);
+        (vec![[x, y, -1.0], [x + 1e-5, y, 1.0], [x, y + 1e-5, 1.0]], vec![[0, 1, 2]])
+    };
+    let mockup = mockup_of(post);
+    // Centred on its box, which is what it turns about.
+    let tool = tool_of(placed(bar([2.0, 0.01, 0.01]), 1.0, 0.0));
+    for storage in STORAGES {
+        let scene = scene_of(&mockup, storage);
+        for turn in [std::f64::consts::PI, 3.0, 2.0] {
+            let pose = |angle: f64| {
+                let m = turned(2, angle, [0.0; 3]);
+                let middle = m.apply(&[1.0, 0.005, 0.005]);
+                turned(2, angle, [-middle[0], -middle[1], -middle[2]])
+            };
+            // Half a turn goes either way round: the post is met by one end or by the other.
+            let (a, b) = (pose(0.0), pose(turn));
+            let cast = scene.cast(&tool, &a, &b, TOLERANCE).unwrap().expect("a hit");
+            check(&mockup, &tool, (&a, &b), Some(&cast), 400, "half a turn");
+            let met = cast.fraction * turn;
+            assert!((1.2..1.5).contains(&met) || (1.6..2.0).contains(&met), "{met}");
+        }
+    }
+}
+
+#[test]
+fn nothing_tunnels() {
+    let runs = std::env::var("FEELER_CASTS").ok().and_then(|n| n.parse().ok()).unwrap_or(4_000);
+    let sheet_and_wire = |r: &mut Random| {
+        let a = r.point(-0.3, 0.3);
+        let width = 10f64.powf(r.real(-9.0, -3.0));
+        let wire = [a, [a[0] + r.real(-1.0, 1.0), a[1] + r.real(-1.0, 1.0), a[2] + 1.0], [a[0] + width, a[1], a[2]]];
+        arrays_of([wire, std::array::from_fn(|_| r.point(-0.5, 0.5))])
+    };
+    let tool = tool_of(placed(bar([0.5, 0.04, 0.02]), 1.0, 0.0));
+    let mut hits = 0;
+    for seed in 0..runs {
+        let mut r = Random::new(seed);
+        let mockup = mockup_of(sheet_and_wire(&mut r));
+        let scene = scene_of(&mockup, STORAGES[(seed % 5) as usize]);
+        // From one side to the other, so that most ways pass right through, spinning.
+        let (mut a, mut b) = (r.pose(2.0).matrix(), r.pose(2.0).matrix());
+        let middle = r.point(-0.3, 0.3);
+        let speed = [0.2, 1.0, 30.0][(seed % 3) as usize];
+        for k in 0..3 {
+            a[k][3] = middle[k] + speed * r.real(-1.0, 1.0);
+            b[k][3] = middle[k] - (a[k][3] - middle[k]);
+        }
+        let (a, b) = (Pose::new(&a).unwrap(), Pose::new(&b).unwrap());
+        let found = scene.cast(&tool, &a, &b, TOLERANCE).unwrap();
+        check(&mockup, &tool, (&a, &b), found.as_ref(), 40, &format!("seed {seed}"));
+        hits += u64::from(found.is_some());
+    }
+    assert!(hits > runs / 4, "{hits} of {runs}");
+}
+
+#[test]
+fn bad_tolerances_and_paths() {
+    let mockup = mockup_of(sheet(1.0));
+    let scene = scene_of(&mockup, Storage::Blocks);
+    let tool = tool_of(bar([0.1, 0.1, 0.1]));
+    let (a, b) = (moved([0.0, 0.0, 1.0]), moved([0.0, 0.0, -1.0]));
+    for tolerance in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        assert!(matches!(scene.cast(&tool, &a, &b, tolerance), Err(Error::Tolerance { .. })), "{tolerance}");
+        assert!(scene.check_path(&tool, &[a, b], tolerance, &|_, _| true).is_err());
+    }
+    for tolerance in [5e-324, 1e-30, 1.0, 1e300] {
+        let cast = scene.cast(&tool, &a, &b, tolerance).unwrap().expect("a hit");
+        assert!(cast.fraction <= 0.5 && cast.pose.translation()[2] >= 0.0, "{tolerance}: {}", cast.fraction);
+    }
+    assert_eq!(scene.check_path(&tool, &[], 1e-6, &|_, _| true), Err(Error::EmptyPath));
+    assert_eq!(scene.check_path(&tool, &[a, b], 1e-6, &|_, _| false), Err(Error::Cancelled));
+}
+
+#[test]
+fn a_path_is_its_segments() {
+    let mockup = mockup_of(ball(12, 0.5));
+    let scene = scene_of(&mockup, Storage::Blocks);
+    let tool = tool_of(ball(6, 0.1));
+    let mut r = Random::new(3);
+    let poses: Vec<Pose> = (0..5000).map(|_| r.pose(0.9)).collect();
+    let check = scene.check_path(&tool, &poses, TOLERANCE, &|_, _| true).unwrap();
+    let mut hits = check.hits.iter().peekable();
+    for i in 0..poses.len() - 1 {
+        let alone = scene.cast(&tool, &poses[i], &poses[i + 1], TOLERANCE).unwrap();
+        let found = hits.next_if(|(segment, _)| *segment == i).map(|(_, cast)| *cast);
+        assert_eq!(alone, found, "segment {i}");
+    }
+    assert!(hits.next().is_none() && check.segments == 4999);
+}
+
+#[test]
+fn the_way_begins_and_ends_at_the_poses_given_and_stays_rigid() {
+    let mut r = Random::new(11);
+    let tool = tool_of(bar([0.3, 0.2, 0.1]));
+    for i in 0..2000 {
+        let [a, b] = [0, 1].map(|k| {
+            let mut m = r.pose(3.0).matrix();
+            if i % 2 == 1 {
+                // As rigid as a pose must be, no more.
+                m.iter_mut().take(3).for_each(|row| (0..3).for_each(|c| row[c] += r.real(-1.6e-7, 1.6e-7)));
+            }
+            if i % 5 == 0 && k == 1 {
+                m = turned(i % 3, std::f64::consts::PI, r.point(-1.0, 1.0)).matrix();
+            }
+            Pose::new(&m).unwrap()
+        });
+        let motion = Motion::new(&tool, &a, &b);
+        assert_eq!((motion.at(0.0), motion.at(1.0)), (a, b));
+        let step = |x: &Pose, y: &Pose, p: &Point| {
+            let (x, y) = (x.apply(p), y.apply(p));
+            (0..3).map(|k| (x[k] - y[k]) * (x[k] - y[k])).sum::<f64>().sqrt()
+        };
+        let mut last = a;
+        for k in 1..=64 {
+            let pose = motion.at(f64::from(k) / 64.0);
+            assert!(Pose::new(&pose.matrix()).is_ok(), "{i} {k}");
+            let way = step(&pose, &last, &[0.3, 0.2, 0.1]);
+            assert!(way <= motion.longest_way() / 64.0 * (1.0 + 1e-4) + 1e-5, "{i} {k}: {way}");
+            last = pose;
+        }
+        // The ends are limits, but for rounding.
+        for (time, end) in [(1e-13, a), (1.0 - 1e-13, b)] {
+            assert!(step(&motion.at(time), &end, &[0.3, 0.2, 0.1]) < 1e-11, "{i}");
+        }
+    }
+}
+
+#[test]
+fn huge_and_tiny_coordinates_are_never_late() {
+    for (scale, offset) in [(1e-9, 0.0), (1e6, 0.0), (1.0, 1e6), (1e-3, -1e9), (1e50, 0.0), (1e-120, 0.0), (1e90, 0.0)]
+    {
+        let mockup = mockup_of(placed(sheet(1.0), scale, offset));
+        let tool = tool_of(placed(bar([0.1, 0.1, 0.1]), scale, 0.0));
+        for storage in STORAGES {
+            let scene = scene_of(&mockup, storage);
+            let place = |z: f64| {
+                let m = turned(2, z, [offset, offset, offset + z * scale]);
+                Pose::new(&m.matrix()).unwrap()
+            };
+            let (a, b) = (place(0.4), place(-0.5));
+            if let Some(cast) = scene.cast(&tool, &a, &b, scale * 1e-6).unwrap() {
+                assert!(cast.fraction <= 0.445, "{scale} {offset}: {}", cast.fraction);
+            } else {
+                panic!("through the sheet at {scale} {offset}");
+            }
+        }
+    }
+}
