@@ -46,3 +46,7 @@ pub const DEFECT_IDS_KEPT: usize = 100;
 /// Roundings, in unit roundoffs of the largest number involved, by which a placed piece or box may be off the triangle at
 /// the pose: 4 for the triangle's corners, 4 for the piece's, 16 for a box's centre and reach, and a factor of two to spare.
 pub const TRANSFORM_ROUNDOFFS: f64 = 48.0;
+
+/// What a distance of two triangles may be off by, in unit roundoffs of the largest difference of their coordinates: about a
+/// dozen roundings on the way to each witness point, as many for the other, and a factor of four to spare.
+pub const DISTANCE_ROUNDOFFS: f64 = 128.0;

@@ -110,6 +110,20 @@ pub enum Error {
         /// What to do.
         advice: &'static str,
     },
+    /// A distance that is negative or not a number.
+    #[error("{what} is {value:?}: it must be a distance of 0 metres or more (infinity is allowed)")]
+    Distance {
+        /// Which argument.
+        what: &'static str,
+        /// The value given.
+        value: f64,
+    },
+    /// A number of results of zero.
+    #[error("{what} is 0: ask for at least one")]
+    NoneAsked {
+        /// Which argument.
+        what: &'static str,
+    },
     /// The progress function asked to stop.
     #[error("stopped on request")]
     Cancelled,

@@ -69,6 +69,16 @@ impl VoxelGrid {
         VoxelRange { first: self.address(&b.lower), last: self.address(&b.upper) }
     }
 
+    /// A box (metres) around a range of voxels and all they hold.
+    pub fn bounds_of(&self, range: &VoxelRange) -> Aabb {
+        // A point's address is off by rounding, which the slack covers.
+        let side = |a: usize, x: u32| self.origin[a] + f64::from(x) * self.size;
+        Aabb {
+            lower: std::array::from_fn(|a| side(a, range.first[a]) - 2.0 * self.slack),
+            upper: std::array::from_fn(|a| side(a, range.last[a].saturating_add(1)) + 2.0 * self.slack),
+        }
+    }
+
     /// The key of a voxel: `(i*Nj + j)*Nk + k`.
     #[inline]
     pub fn key(&self, [i, j, k]: [u32; 3]) -> u64 {

@@ -218,6 +218,19 @@ impl ToolUnit {
     fn to_unit(self, x: f64, axis: usize) -> f32 {
         ((x - self.centre[axis]) / self.metres) as f32
     }
+
+    /// A box in the tool's frame, metres, around what was rounded to these sides: tool units are at most 1, so a rounding is at
+    /// most 2^-24 of them.
+    fn to_metres(self, sides: impl Fn(usize) -> (f32, f32)) -> Aabb {
+        let rounding = 2f64.powi(-22);
+        let mut b = Aabb::EMPTY;
+        for a in 0..3 {
+            let (lower, upper) = sides(a);
+            b.lower[a] = (f64::from(lower) - rounding) * self.metres + self.centre[a];
+            b.upper[a] = (f64::from(upper) + rounding) * self.metres + self.centre[a];
+        }
+        b
+    }
 }
 
 impl BoxLanes {
@@ -238,7 +251,22 @@ impl BoxLanes {
     }
 }
 
+impl BoxLanes {
+    /// One of them, in the tool's frame, metres.
+    pub fn bounds(&self, i: usize, unit: &ToolUnit) -> Aabb {
+        unit.to_metres(|a| (self.centre[a][i] - self.half[a][i], self.centre[a][i] + self.half[a][i]))
+    }
+}
+
 impl PieceLanes {
+    /// The box of one of them, in the tool's frame, metres.
+    pub fn bounds(&self, i: usize, unit: &ToolUnit) -> Aabb {
+        let side = |a: usize, f: fn(f32, f32) -> f32| {
+            self.corners[1..].iter().fold(self.corners[0][a][i], |x, c| f(x, c[a][i]))
+        };
+        unit.to_metres(|a| (side(a, f32::min), side(a, f32::max)))
+    }
+
     /// One to 16 pieces.
     pub fn new(pieces: &[Piece], unit: &ToolUnit) -> PieceLanes {
         let mut lanes = PieceLanes { corners: [[[0.0; LANES]; 3]; 4], used: used(pieces.len()) };

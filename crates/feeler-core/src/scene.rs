@@ -13,6 +13,7 @@ use crate::mesh::{Mesh, Mockup};
 use crate::narrow::{Filters, Hit, Narrow, PairSet, Pending, PlacedBounds, Stats};
 use crate::pieces::default_piece_size;
 use crate::pose::Pose;
+use crate::proximity::ProximityScratch;
 use crate::simd::{Checked, Level};
 use crate::store::{report, BlocksScratch, Progress, Storage, Store};
 use crate::tool::Tool;
@@ -67,6 +68,7 @@ pub struct Scratch {
     blocks: BlocksScratch,
     hits: Vec<Hit>,
     stats: Stats,
+    pub(crate) proximity: ProximityScratch,
 }
 
 /// What a few poses of a batch found.
@@ -235,7 +237,7 @@ impl Scene {
 
     /// One query: `scratch.hits` afterwards holds the sorted, unique pairs.
     fn run(&self, tool: &Tool, pose: &Pose, filters: Filters, first_only: bool, scratch: &mut Scratch) {
-        let Scratch { placed, seen, pending, blocks, hits, stats } = scratch;
+        let Scratch { placed, seen, pending, blocks, hits, stats, .. } = scratch;
         placed.begin();
         seen.clear();
         pending.clear();
@@ -251,11 +253,26 @@ impl Scene {
         stats.pairs = hits.len() as u64;
     }
 
-    fn take_scratch(&self) -> Scratch {
+    /// The index.
+    pub(crate) fn store(&self) -> &Store {
+        &self.store
+    }
+
+    /// The instruction set, for kernels.
+    pub(crate) fn checked_lanes(&self) -> Checked {
+        self.lanes
+    }
+
+    /// Most bytes a result may take.
+    pub(crate) fn memory_limit(&self) -> u64 {
+        self.memory_limit
+    }
+
+    pub(crate) fn take_scratch(&self) -> Scratch {
         self.spare.lock().unwrap_or_else(PoisonError::into_inner).pop().unwrap_or_default()
     }
 
-    fn put_scratch(&self, scratch: Scratch) {
+    pub(crate) fn put_scratch(&self, scratch: Scratch) {
         self.spare.lock().unwrap_or_else(PoisonError::into_inner).push(scratch);
     }
 }

@@ -14,7 +14,11 @@ pub fn to_py(error: Error) -> PyErr {
         | Error::Length { .. }
         | Error::PartOutOfRange { .. } => "MeshError",
         Error::PoseNotFinite { .. } | Error::PoseNotRigid { .. } => "PoseError",
-        Error::VoxelSize { .. } | Error::Hashing { .. } | Error::HashingUnused { .. } => "OptionError",
+        Error::VoxelSize { .. }
+        | Error::Hashing { .. }
+        | Error::HashingUnused { .. }
+        | Error::Distance { .. }
+        | Error::NoneAsked { .. } => "OptionError",
         Error::TooMany { .. } | Error::GridTooFine { .. } | Error::Memory { .. } | Error::TooManyEntries { .. } => {
             "LimitError"
         }

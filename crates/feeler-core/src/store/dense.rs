@@ -1,6 +1,6 @@
 //! The paper's voxel array: 4 bytes a voxel.
 
-use super::lists::VoxelLists;
+use super::lists::{ListedMesh, VoxelLists};
 use super::Progress;
 use crate::error::Result;
 use crate::grid::VoxelGrid;
@@ -22,6 +22,11 @@ impl Dense {
     /// See [`VoxelLists::offer_candidates`].
     pub fn offer_candidates(&self, narrow: &mut Narrow<'_>) {
         self.0.offer_candidates(narrow);
+    }
+
+    /// The lists with their mesh.
+    pub fn with<'a>(&'a self, mesh: &'a Mesh) -> ListedMesh<'a> {
+        ListedMesh { lists: &self.0, mesh }
     }
 
     /// Bytes by structure.

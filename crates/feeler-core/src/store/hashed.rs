@@ -4,7 +4,7 @@
 //! of these voxels is offered the others' triangles too. They lie elsewhere, so the box filter or the triangle test
 //! discards them: a hash collision costs time and never changes the answer.
 
-use super::lists::VoxelLists;
+use super::lists::{ListedMesh, VoxelLists};
 use super::Progress;
 use crate::error::{Error, Result};
 use crate::grid::VoxelGrid;
@@ -29,6 +29,11 @@ impl Hashed {
     /// See [`VoxelLists::offer_candidates`].
     pub fn offer_candidates(&self, narrow: &mut Narrow<'_>) {
         self.0.offer_candidates(narrow);
+    }
+
+    /// The lists with their mesh.
+    pub fn with<'a>(&'a self, mesh: &'a Mesh) -> ListedMesh<'a> {
+        ListedMesh { lists: &self.0, mesh }
     }
 
     /// Bytes by structure.

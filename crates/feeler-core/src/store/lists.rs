@@ -4,6 +4,7 @@ use std::sync::atomic::{AtomicU32, AtomicU64, Ordering::Relaxed};
 
 use rayon::prelude::*;
 
+use super::occupancy::Occupancy;
 use super::{check_entries, check_memory, filled, report, Progress};
 use crate::bounds::Aabb;
 use crate::error::Result;
@@ -20,6 +21,13 @@ pub struct VoxelLists {
     /// Slot `s` has entries `starts[s]..starts[s + 1]`.
     starts: Vec<u32>,
     entries: Vec<u32>,
+    occupancy: Occupancy,
+}
+
+/// Voxel lists with the mesh whose triangles they name.
+pub struct ListedMesh<'a> {
+    pub lists: &'a VoxelLists,
+    pub mesh: &'a Mesh,
 }
 
 impl VoxelLists {
@@ -28,16 +36,18 @@ impl VoxelLists {
     /// Two parallel passes over the triangles: count, then fill. The order in which threads fill a slot does not matter, as
     /// each list is sorted afterwards.
     pub fn build(mesh: &Mesh, grid: VoxelGrid, slots: u64, limit: u64, progress: Progress<'_>) -> Result<VoxelLists> {
-        check_memory("the voxel array", 4.0 * (slots as f64 + 1.0), limit)?;
+        let fixed = 4.0 * (slots as f64 + 1.0) + Occupancy::bytes(&grid);
+        check_memory("the voxel array", fixed, limit)?;
         // Before anything is allocated: the lists need at least this much.
         let least: f64 = mesh.par_queried().map(|id| grid.least_voxels(&mesh.triangle(id))).sum();
-        check_memory("the voxel array and its lists", 4.0 * (slots as f64 + least), limit)?;
+        check_memory("the voxel array and its lists", fixed + 4.0 * least, limit)?;
         check_entries(grid.size(), least)?;
         // Counting stops where the lists would outgrow the limit, or the 32 bits of a position.
-        let most = u64::from(u32::MAX).min((limit - 4 * slots) / 4);
+        let most = u64::from(u32::MAX).min((limit - fixed as u64) / 4);
 
         report(progress, 0.0, "counting voxels")?;
         let starts: Vec<AtomicU32> = filled("the voxel array", slots + 1, limit)?;
+        let occupancy = Occupancy::new(&grid, limit)?;
         let total = AtomicU64::new(0);
         mesh.par_queried().for_each(|id| {
             if total.load(Relaxed) > most {
@@ -46,12 +56,13 @@ impl VoxelLists {
             let mut count = 0;
             grid.for_each_voxel(&mesh.triangle(id), |voxel| {
                 starts[(grid.key(voxel) % slots) as usize].fetch_add(1, Relaxed);
+                occupancy.mark(voxel);
                 count += 1;
             });
             total.fetch_add(count, Relaxed);
         });
         let total = total.into_inner();
-        check_memory("the voxel array and its lists", 4.0 * (slots as f64 + total as f64), limit)?;
+        check_memory("the voxel array and its lists", fixed + 4.0 * total as f64, limit)?;
         check_entries(grid.size(), total as f64)?;
 
         // Each slot's end; filling from the end moves it to the slot's start.
@@ -72,7 +83,7 @@ impl VoxelLists {
         let starts: Vec<u32> = starts.into_iter().map(AtomicU32::into_inner).collect();
         let entries: Vec<u32> = entries.into_iter().map(AtomicU32::into_inner).collect();
         report(progress, 0.8, "sorting lists")?;
-        let mut lists = VoxelLists { grid, bounds: mesh.bounds(), slots, starts, entries };
+        let mut lists = VoxelLists { grid, bounds: mesh.bounds(), slots, starts, entries, occupancy };
         lists.sort();
         if lists.grid.voxel_count() > slots {
             lists.remove_repeats();
@@ -150,6 +161,26 @@ impl VoxelLists {
         }
     }
 
+    /// The grid.
+    pub fn grid(&self) -> &VoxelGrid {
+        &self.grid
+    }
+
+    /// The mock-up's box.
+    pub fn bounds(&self) -> &Aabb {
+        &self.bounds
+    }
+
+    /// Which regions hold triangles.
+    pub fn occupancy(&self) -> &Occupancy {
+        &self.occupancy
+    }
+
+    /// The triangles listed for a voxel: its own, and perhaps others.
+    pub fn of_voxel(&self, voxel: [u32; 3]) -> &[u32] {
+        self.slot((self.grid.key(voxel) % self.slots) as usize)
+    }
+
     #[inline]
     fn slot(&self, slot: usize) -> &[u32] {
         &self.entries[self.starts[slot] as usize..self.starts[slot + 1] as usize]
@@ -157,7 +188,11 @@ impl VoxelLists {
 
     /// Bytes by structure.
     pub fn memory(&self) -> Vec<(&'static str, usize)> {
-        vec![("voxels", self.starts.capacity() * 4), ("lists", self.entries.capacity() * 4)]
+        vec![
+            ("voxels", self.starts.capacity() * 4),
+            ("lists", self.entries.capacity() * 4),
+            ("occupancy", self.occupancy.memory()),
+        ]
     }
 
     /// Every triangle is in the slot of every voxel it meets; lists ascend.

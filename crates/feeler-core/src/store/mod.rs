@@ -4,10 +4,13 @@ mod blocks;
 mod dense;
 mod hashed;
 mod lists;
+mod lists_cells;
+mod occupancy;
 
 use crate::error::{Error, Result};
 use crate::mesh::Mesh;
 use crate::narrow::Narrow;
+use crate::proximity::{search, SearchScratch, Wanted};
 use crate::tool::Tool;
 
 pub(crate) use blocks::{Blocks, BlocksScratch};
@@ -52,6 +55,16 @@ impl Store {
             Store::Dense(store) => store.offer_candidates(narrow),
             Store::Hashed(store) => store.offer_candidates(narrow),
             Store::Blocks(store) => store.offer_candidates(tool, scratch, narrow),
+        }
+    }
+
+    /// Offers pairs of triangles that may be within the bound, nearest boxes first, until that says stop.
+    pub fn search(&self, scratch: &mut SearchScratch, wanted: &mut Wanted<'_>) {
+        let mesh = wanted.mockup.mesh();
+        match self {
+            Store::Dense(store) => search(&store.with(mesh), scratch, wanted),
+            Store::Hashed(store) => search(&store.with(mesh), scratch, wanted),
+            Store::Blocks(store) => search(store, scratch, wanted),
         }
     }
 

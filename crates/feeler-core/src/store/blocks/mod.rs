@@ -15,6 +15,7 @@ use crate::mesh::Mesh;
 use crate::simd::{Kernel, Level, Simd};
 
 mod build;
+mod cells;
 mod descent;
 mod node;
 mod pieces;

@@ -1,0 +1,154 @@
+//! What a search is for: which gaps it keeps, and how far it still has to look.
+
+use super::Gap;
+use crate::constants::{DISTANCE_ROUNDOFFS, UNIT_ROUNDOFF};
+use crate::distance_triangle_triangle::closest_within;
+use crate::mesh::Mockup;
+use crate::pose::Pose;
+use crate::simd::Checked;
+use crate::tool::Tool;
+
+/// Which gaps are asked for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Goal {
+    /// Every pair up to a distance.
+    Pairs,
+    /// The closest pair of each part up to a distance.
+    Parts,
+    /// The closest pair of each of the closest parts, so many.
+    Nearest(usize),
+}
+
+/// The state of one search.
+pub struct Wanted<'a> {
+    pub mockup: &'a Mockup,
+    pub tool: &'a Tool,
+    pub pose: &'a Pose,
+    pub lanes: Checked,
+    goal: Goal,
+    /// No more than this many gaps; beyond it the search stops.
+    most: usize,
+    bound: f64,
+    gaps: &'a mut Vec<Gap>,
+    /// For each part its place in `gaps` plus one, or 0.
+    places: &'a mut Vec<u32>,
+    /// Distances, for finding the k-th.
+    sorted: &'a mut Vec<f64>,
+    /// Parts that came closer since the bound was last found.
+    changes: usize,
+}
+
+impl<'a> Wanted<'a> {
+    /// A new search; `gaps` is emptied.
+    #[allow(clippy::too_many_arguments, reason = "called in one place")]
+    pub fn new(
+        mockup: &'a Mockup,
+        tool: &'a Tool,
+        pose: &'a Pose,
+        lanes: Checked,
+        goal: Goal,
+        within: f64,
+        most: usize,
+        (gaps, places, sorted): (&'a mut Vec<Gap>, &'a mut Vec<u32>, &'a mut Vec<f64>),
+    ) -> Wanted<'a> {
+        gaps.clear();
+        let parts = mockup.part_bounds().len();
+        // As many as there are parts: the k-th closest bounds nothing.
+        let goal = if matches!(goal, Goal::Nearest(k) if k >= parts && k > 1) { Goal::Parts } else { goal };
+        if goal != Goal::Pairs && places.len() < parts {
+            places.resize(parts, 0);
+        }
+        Wanted { mockup, tool, pose, lanes, goal, most, bound: within, gaps, places, sorted, changes: 0 }
+    }
+
+    /// The largest distance (metres) still of interest; falls as the search goes on.
+    #[inline(always)]
+    pub fn bound(&self) -> f64 {
+        self.bound
+    }
+
+    /// By how much (metres, per axis) the tool's boxes must grow, so that no bound from boxes is above the distance that the
+    /// triangle test computes: what is uncertain about the tool's place, and what that test may be off by.
+    pub fn margin(&self) -> f64 {
+        let mockup = self.mockup.mesh().bounds().largest_coordinate();
+        let tool = 2.0 * self.tool.mesh().bounds().largest_coordinate() + self.pose.largest_translation();
+        self.tool.margin_at(self.pose) + 2.0 * DISTANCE_ROUNDOFFS * UNIT_ROUNDOFF * (mockup + tool)
+    }
+
+    /// Whether a nearer pair would change how far the search has to look.
+    pub fn is_bound_falling(&self) -> bool {
+        matches!(self.goal, Goal::Nearest(_))
+    }
+
+    /// Takes the pair of a tool triangle (by slot) and a mock-up triangle; true when the search is over.
+    pub fn take(&mut self, slot: u32, mockup_triangle: u32) -> bool {
+        let part = self.mockup.part_of_face(mockup_triangle);
+        let within = match self.goal {
+            Goal::Pairs => self.bound,
+            _ => match self.places[part as usize] {
+                0 => self.bound,
+                place => self.bound.min(self.gaps[place as usize - 1].distance),
+            },
+        };
+        if within == 0.0 && self.goal != Goal::Pairs && self.places[part as usize] != 0 {
+            return false;
+        }
+        let p = self.pose.apply_triangle(&self.tool.placeable()[slot as usize]);
+        let Some(closest) = closest_within(&p, &self.mockup.mesh().triangle(mockup_triangle), within) else {
+            return false;
+        };
+        self.keep(Gap {
+            tool_triangle: self.tool.ids()[slot as usize],
+            mockup_triangle,
+            part,
+            distance: closest.distance,
+            on_tool: closest.on_p,
+            on_mockup: closest.on_q,
+        })
+    }
+
+    fn keep(&mut self, gap: Gap) -> bool {
+        if self.goal == Goal::Pairs {
+            self.gaps.push(gap);
+            return self.gaps.len() > self.most;
+        }
+        let place = &mut self.places[gap.part as usize];
+        if *place == 0 {
+            self.gaps.push(gap);
+            *place = self.gaps.len() as u32;
+        } else {
+            let old = &mut self.gaps[*place as usize - 1];
+            if gap.order(old).is_ge() {
+                return false;
+            }
+            *old = gap;
+        }
+        if let Goal::Nearest(k) = self.goal {
+            self.changes += 1;
+            if k == 1 {
+                self.bound = gap.distance;
+            } else if self.gaps.len() >= k && self.changes > k / 16 {
+                self.changes = 0;
+                self.sorted.clear();
+                self.sorted.extend(self.gaps.iter().map(|gap| gap.distance));
+                self.bound = *self.sorted.select_nth_unstable_by(k - 1, f64::total_cmp).1;
+            }
+            return self.bound == 0.0 && self.gaps.len() >= k;
+        }
+        false
+    }
+
+    /// Sorts what was found; true when there was room for all of it.
+    pub fn finish(self) -> bool {
+        if self.goal != Goal::Pairs {
+            for gap in self.gaps.iter() {
+                self.places[gap.part as usize] = 0;
+            }
+        }
+        self.gaps.sort_unstable_by(Gap::order);
+        if let Goal::Nearest(k) = self.goal {
+            self.gaps.truncate(k);
+        }
+        self.gaps.len() <= self.most
+    }
+}
