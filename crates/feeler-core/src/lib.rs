@@ -8,6 +8,7 @@
 pub mod bounds;
 pub mod brute;
 pub mod constants;
+pub mod contacts;
 pub mod cost;
 pub mod defects;
 pub mod distance_triangle_triangle;
@@ -31,6 +32,7 @@ pub mod weld;
 
 pub use bounds::{Aabb, Point, Triangle};
 pub use brute::collide_all_pairs;
+pub use contacts::{ContactPlane, ContactTracker, Contacts, Penetration, PenetrationKind};
 pub use cost::Estimator;
 pub use defects::{Defect, DefectKind, Defects};
 pub use distance_triangle_triangle::{closest_triangle_triangle, Closest};

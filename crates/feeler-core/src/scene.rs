@@ -1,11 +1,12 @@
 //! A mock-up with its index, and the queries on it.
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use rayon::prelude::*;
 
 use crate::constants::MOCKUP_CUT_ALLOWANCE;
+use crate::contacts::Adjacency;
 use crate::cost::{mean_longest_edge, static_means, CostFunction, Estimator};
 use crate::error::{Error, Result};
 use crate::intersect_triangle_triangle::PairKind;
@@ -88,6 +89,8 @@ pub struct Scene {
     lanes: Checked,
     /// Working memory of past queries, for the next ones.
     spare: Mutex<Vec<Scratch>>,
+    /// Made when contacts are first asked for.
+    adjacency: OnceLock<Adjacency>,
 }
 
 impl Scene {
@@ -110,6 +113,7 @@ impl Scene {
             store,
             lanes: Level::best().checked(),
             spare: Mutex::new(Vec::new()),
+            adjacency: OnceLock::new(),
             mockup,
         })
     }
@@ -144,7 +148,16 @@ impl Scene {
         let mut structures = self.store.memory();
         structures.push(("triangles", self.mockup.mesh().memory()));
         structures.push(("parts", self.mockup.parts_memory()));
+        // From the first call of contacts on.
+        structures.extend(self.adjacency.get().map(|adjacency| ("adjacency", adjacency.memory())));
         structures
+    }
+
+    /// Which triangles of the mock-up share edges.
+    pub(crate) fn adjacency(&self) -> &Adjacency {
+        let parts = self.mockup.part_bounds().len();
+        let part = |face| self.mockup.part_of_face(face);
+        self.adjacency.get_or_init(|| Adjacency::new(self.mockup.mesh(), part, parts))
     }
 
     /// Checks every invariant that queries rely on; for tests.

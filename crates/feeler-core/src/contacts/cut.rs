@@ -39,7 +39,7 @@ pub(crate) fn push_shared(p: &Triangle, n: &Point, q: &Triangle, m: &Point, out:
 fn ends(t: &Triangle, other: &Triangle, m: &Point, direction: &Point) -> [(f64, Point); 2] {
     let height = t.map(|p| dot(&sub(&p, &other[0]), m));
     let mut found = [(f64::INFINITY, t[0]), (f64::NEG_INFINITY, t[0])];
-    let mut take = |p: Point| {
+    let take = |found: &mut [(f64, Point); 2], p: Point| {
         let s = dot(&sub(&p, &other[0]), direction);
         if s < found[0].0 {
             found[0] = (s, p);
@@ -51,17 +51,17 @@ fn ends(t: &Triangle, other: &Triangle, m: &Point, direction: &Point) -> [(f64, 
     for i in 0..3 {
         let j = (i + 1) % 3;
         if height[i] == 0.0 {
-            take(t[i]);
+            take(&mut found, t[i]);
         }
         if (height[i] < 0.0) != (height[j] < 0.0) && height[i] != height[j] {
             let share = height[i] / (height[i] - height[j]);
-            take(along(&t[i], share, &sub(&t[j], &t[i])));
+            take(&mut found, along(&t[i], share, &sub(&t[j], &t[i])));
         }
     }
     if found[0].0 > found[1].0 {
         // Rounding took the plane off the triangle: the corner nearest to it.
         let nearest = (0..3).min_by(|a, b| height[*a].abs().total_cmp(&height[*b].abs())).unwrap_or(0);
-        take(t[nearest]);
+        take(&mut found, t[nearest]);
     }
     found
 }

@@ -34,6 +34,13 @@ impl<'a> Body<'a> {
         Body { points, mean: unit(&sum).unwrap_or([0.0; 3]), size, patches }
     }
 
+    /// The cuts its patches have a part in, sorted.
+    pub fn cuts(&self) -> Vec<u32> {
+        let mut cuts: Vec<u32> = self.patches.iter().flat_map(|p| p.cuts.iter().copied()).collect();
+        cuts.sort_unstable();
+        cuts
+    }
+
     fn is_flat(&self) -> bool {
         self.patches.iter().all(|p| p.flat)
     }

@@ -66,15 +66,14 @@ impl Scene {
             let length = norm(&way);
             let off = OFF * length + least;
             // Every plane that holds the way is left by `off`.
-            let leaning: Point = held.iter().fold([0.0; 3], |s, i| add(&s, &planes[*i].0));
             let outward = if length > 0.0 { scaled(&way, 1.0 / length) } else { first_normal(&contacts) };
             let lean = held.iter().map(|i| dot(&outward, &planes[*i].0)).fold(1.0, f64::min).max(0.01);
-            let _ = leaning;
             translation = add(&way, &scaled(&outward, off / lean));
             let moved = pose.translated(&translation)?;
             if !self.is_colliding(tool, &moved) {
                 let single = round == 0 && held.len() == 1 && certain[held[0]];
-                let tight = single && self.is_colliding(tool, &pose.translated(&scaled(&way, 0.999))?);
+                // Where nothing is deep, a touch is all there is.
+                let tight = round == 0 && held.is_empty() || single && self.is_colliding(tool, &pose.translated(&scaled(&way, 0.999))?);
                 kind = if tight { PenetrationKind::Exact } else { PenetrationKind::Bound };
                 break;
             }
