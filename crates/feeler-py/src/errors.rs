@@ -17,7 +17,8 @@ pub fn to_py(error: Error) -> PyErr {
         Error::VoxelSize { .. }
         | Error::Hashing { .. }
         | Error::HashingUnused { .. }
-        | Error::Margin { .. } | Error::Distance { .. }
+        | Error::Margin { .. }
+        | Error::Distance { .. }
         | Error::NoneAsked { .. } => "OptionError",
         Error::TooMany { .. } | Error::GridTooFine { .. } | Error::Memory { .. } | Error::TooManyEntries { .. } => {
             "LimitError"

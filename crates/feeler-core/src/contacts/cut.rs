@@ -22,7 +22,7 @@ pub(crate) fn push_shared(p: &Triangle, n: &Point, q: &Triangle, m: &Point, out:
         }
         return;
     };
-    let (first, second) = (ends(p, q, m, &direction), ends(q, p, n, &direction));
+    let (first, second) = (ends(p, &q[0], m, &direction), ends(q, &p[0], n, &direction));
     // The later of the two beginnings, the earlier of the two ends.
     let from = if first[0].0 >= second[0].0 { first[0] } else { second[0] };
     let to = if first[1].0 <= second[1].0 { first[1] } else { second[1] };
@@ -35,12 +35,12 @@ pub(crate) fn push_shared(p: &Triangle, n: &Point, q: &Triangle, m: &Point, out:
     }
 }
 
-/// Where the border of `t` passes through the plane of `other` (unit normal `m`): first and last along `direction`.
-fn ends(t: &Triangle, other: &Triangle, m: &Point, direction: &Point) -> [(f64, Point); 2] {
-    let height = t.map(|p| dot(&sub(&p, &other[0]), m));
+/// Where the border of `t` passes through the plane with normal `m` through `other`: first and last along `direction`.
+fn ends(t: &Triangle, other: &Point, m: &Point, direction: &Point) -> [(f64, Point); 2] {
+    let height = t.map(|p| dot(&sub(&p, other), m));
     let mut found = [(f64::INFINITY, t[0]), (f64::NEG_INFINITY, t[0])];
     let take = |found: &mut [(f64, Point); 2], p: Point| {
-        let s = dot(&sub(&p, &other[0]), direction);
+        let s = dot(&p, direction);
         if s < found[0].0 {
             found[0] = (s, p);
         }

@@ -26,9 +26,15 @@ pub(crate) struct Body<'a> {
 }
 
 impl<'a> Body<'a> {
-    pub fn new(patches: &'a [Patch], cluster: &Cluster) -> Body<'a> {
-        let patches: Vec<&Patch> = cluster.patches.iter().map(|i| &patches[*i]).collect();
-        let points: Vec<Point> = patches.iter().flat_map(|p| p.points.iter().copied()).collect();
+    pub fn new(all: &'a [Patch], cluster: &Cluster) -> Body<'a> {
+        let patches: Vec<&Patch> = cluster.patches.iter().map(|i| &all[*i]).collect();
+        let mut points: Vec<Point> = patches.iter().flat_map(|p| p.points.iter().copied()).collect();
+        let belongs = |x: &&Point| !patches.iter().any(|p| p.is_below(x));
+        for i in &cluster.lent {
+            points.extend(all[*i].points.iter().filter(belongs));
+        }
+        let mut patches = patches;
+        patches.extend(cluster.lent.iter().map(|i| &all[*i]));
         let sum = patches.iter().fold([0.0; 3], |s, p| along(&s, p.size * p.size, &p.normal));
         let size = patches.iter().fold(0.0f64, |m, p| m.max(p.size));
         Body { points, mean: unit(&sum).unwrap_or([0.0; 3]), size, patches }

@@ -176,8 +176,7 @@ fn push_zone(ground: &Ground<'_>, zones: &Zones, zone: &Zone, part: u32, out: &m
     let mut found: Vec<(ContactPlane, f64)> = Vec::new();
     for (a, tool_cuts) in bodies[TOOL].iter().zip(&cuts[TOOL]) {
         for (b, mockup_cuts) in bodies[MOCKUP].iter().zip(&cuts[MOCKUP]) {
-            let shared: Vec<u32> =
-                tool_cuts.iter().filter(|c| mockup_cuts.binary_search(c).is_ok()).copied().collect();
+            let shared: Vec<u32> = tool_cuts.iter().filter(|c| mockup_cuts.binary_search(c).is_ok()).copied().collect();
             // A body that no curve touches is walled in by others of its surface: it meets what they meet.
             if shared.is_empty() && !tool_cuts.is_empty() && !mockup_cuts.is_empty() {
                 continue;

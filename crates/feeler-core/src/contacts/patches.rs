@@ -3,7 +3,7 @@
 
 use crate::bounds::{Aabb, Point};
 use crate::contacts::vector::{add, dot, norm, scaled, sub};
-use crate::contacts::zones::{Zone, Zones};
+use crate::contacts::zones::{IdMap, Zone, Zones};
 use crate::contacts::Ground;
 
 /// Triangles whose normals are within this angle of the first one's (cosine of 2.5 degrees) may share a patch: on a curved
@@ -20,6 +20,17 @@ const MOST_PATCHES: usize = 96;
 /// turn between neighbouring patches of a hollow surface, above the noise of rounded corners.
 const HOLLOW: f64 = 0.02;
 
+/// Directions along which the outermost points of a patch stand for all of them: axes and diagonals of a cube.
+const OUTERMOST: [Point; 7] = [
+    [1.0, 0.0, 0.0],
+    [0.0, 1.0, 0.0],
+    [0.0, 0.0, 1.0],
+    [1.0, 1.0, 1.0],
+    [-1.0, 1.0, 1.0],
+    [1.0, -1.0, 1.0],
+    [1.0, 1.0, -1.0],
+];
+
 /// Neighbouring triangles of one direction, as far as they are beyond the other surface.
 #[derive(Debug)]
 pub(crate) struct Patch {
@@ -29,6 +40,8 @@ pub(crate) struct Patch {
     at: Point,
     /// Corners of what lies beyond the other surface, the curve's points included.
     pub points: Vec<Point>,
+    /// The outermost of them along a few directions.
+    corners: Vec<Point>,
     /// Their mean.
     middle: Point,
     /// Diagonal of the box around them, metres: the patch's size, whatever its triangles'.
@@ -39,10 +52,61 @@ pub(crate) struct Patch {
     pub cuts: Vec<u32>,
 }
 
+impl Patch {
+    /// Whether a point stands out over the patch's plane.
+    pub fn is_under(&self, x: &Point) -> bool {
+        self.side_of(x) > 0.0
+    }
+
+    /// Whether a point is strictly over the plane of a flat patch, or stands out over one that is not.
+    pub fn is_below(&self, x: &Point) -> bool {
+        let way = sub(x, &self.middle);
+        dot(&way, &self.normal) > if self.flat { 1e-6 } else { HOLLOW } * norm(&way)
+    }
+
+    /// 1 over the plane, -1 below, 0 about on it.
+    fn side_of(&self, x: &Point) -> f64 {
+        let way = sub(x, &self.middle);
+        let height = dot(&way, &self.normal);
+        if height.abs() <= HOLLOW * norm(&way) {
+            0.0
+        } else {
+            height.signum()
+        }
+    }
+
+    /// Sets what follows from the points.
+    fn finish(&mut self) {
+        let mut bounds = Aabb::EMPTY;
+        self.points.iter().for_each(|p| bounds.grow(p));
+        self.size = norm(&bounds.extent());
+        let sum = self.points.iter().fold([0.0; 3], |s, p| add(&s, p));
+        self.middle = scaled(&sum, 1.0 / self.points.len().max(1) as f64);
+        for d in &OUTERMOST {
+            for sense in [1.0, -1.0] {
+                let height = |p: &&Point| sense * dot(p, d);
+                self.corners.extend(self.points.iter().max_by(|p, q| height(p).total_cmp(&height(q))));
+            }
+        }
+    }
+}
+
 /// Patches of which none stands out over the plane of another: together, part of a convex body.
 #[derive(Debug, Default)]
 pub(crate) struct Cluster {
     pub patches: Vec<usize>,
+    /// Patches of which a part belongs to it.
+    pub lent: Vec<usize>,
+}
+
+/// A triangle, or the part of it that is beyond the other surface.
+struct Piece {
+    id: u32,
+    patch: usize,
+    /// Its points among all, and its cuts among the zone's sorted ones.
+    points: (usize, usize),
+    cuts: (usize, usize),
+    closed: bool,
 }
 
 /// The patches of one surface (`w`: the tool's or the mock-up's) in a zone, largest first.
@@ -50,40 +114,92 @@ pub(crate) fn patches(ground: &Ground<'_>, zones: &Zones, zone: &Zone, w: usize)
     let mut cuts: Vec<(u32, u32)> = zone.cuts.iter().map(|c| (zones.cuts[*c as usize].faces[w], *c)).collect();
     cuts.sort_unstable();
     let mut found: Vec<Patch> = Vec::new();
+    let mut points: Vec<Point> = Vec::new();
+    let mut pieces: Vec<Piece> = Vec::new();
+    let mut at = 0;
     for same in cuts.chunk_by(|x, y| x.0 == y.0) {
         let face = &zones.faces[w][same[0].0 as usize];
-        let patch = place(&mut found, &face.normal, &face.corners[0], &face.corners);
+        let from = points.len();
         for (_, c) in same {
-            let points = zones.cuts[*c as usize].points;
-            patch.points.extend_from_slice(&zones.points[points.0 as usize..points.1 as usize]);
-            patch.cuts.push(*c);
+            let shared = zones.cuts[*c as usize].points;
+            points.extend_from_slice(&zones.points[shared.0 as usize..shared.1 as usize]);
         }
         for (k, side) in face.side.iter().enumerate() {
             if *side < 0 && face.is_corner_of(k, |c| zone.cuts.binary_search(&c).is_ok()) {
-                patch.points.push(face.corners[k]);
+                points.push(face.corners[k]);
             }
         }
+        let patch = place(&mut found, &face.normal, &face.corners[0]);
+        let (id, closed) = (face.id, face.closed);
+        pieces.push(Piece { id, patch, points: (from, points.len()), cuts: (at, at + same.len()), closed });
+        at += same.len();
     }
     for [t, cut] in &zone.inside[w] {
         let corners = ground.triangle(w, *t);
         let near = &zones.faces[w][zones.cuts[*cut as usize].faces[w] as usize];
         let Some(normal) = ground.outward(w, *t, &corners, near) else { continue };
-        place(&mut found, &normal, &corners[0], &corners).points.extend_from_slice(&corners);
+        let patch = place(&mut found, &normal, &corners[0]);
+        let from = points.len();
+        points.extend_from_slice(&corners);
+        pieces.push(Piece { id: *t, patch, points: (from, from + 3), cuts: (0, 0), closed: near.closed });
     }
-    for patch in &mut found {
-        let mut bounds = Aabb::EMPTY;
-        patch.points.iter().for_each(|p| bounds.grow(p));
-        patch.size = norm(&bounds.extent());
-        let sum = patch.points.iter().fold([0.0; 3], |s, p| add(&s, p));
-        patch.middle = scaled(&sum, 1.0 / patch.points.len().max(1) as f64);
+    split(ground, w, &mut found, &mut pieces);
+    for piece in &pieces {
+        let patch = &mut found[piece.patch];
+        patch.points.extend_from_slice(&points[piece.points.0..piece.points.1]);
+        patch.cuts.extend(cuts[piece.cuts.0..piece.cuts.1].iter().map(|c| c.1));
     }
     found.retain(|p| !p.points.is_empty());
+    found.iter_mut().for_each(Patch::finish);
     found.sort_by(|p, q| q.size.total_cmp(&p.size));
     found
 }
 
+/// Gives each connected piece of a patch a patch of its own: two faces left and right of a slot have one plane, and yet each
+/// belongs to its own side. Only where the surface is closed and so its edges are known.
+fn split(ground: &Ground<'_>, w: usize, found: &mut Vec<Patch>, pieces: &mut [Piece]) {
+    if found.len() == pieces.len() {
+        return;
+    }
+    let mut open = vec![false; found.len()];
+    pieces.iter().for_each(|p| open[p.patch] |= !p.closed);
+    let mut place_of: IdMap<u32> = IdMap::default();
+    for (i, piece) in pieces.iter().enumerate() {
+        place_of.insert(piece.id, i as u32);
+    }
+    let mut seen = vec![false; pieces.len()];
+    let mut taken = vec![false; found.len()];
+    let mut stack = Vec::new();
+    for i in 0..pieces.len() {
+        let patch = pieces[i].patch;
+        if seen[i] || open[patch] {
+            continue;
+        }
+        // The first connected piece keeps the patch.
+        let target = if taken[patch] {
+            found.push(Patch { points: Vec::new(), corners: Vec::new(), cuts: Vec::new(), ..found[patch] });
+            found.len() - 1
+        } else {
+            patch
+        };
+        taken[patch] = true;
+        seen[i] = true;
+        stack.push(i);
+        while let Some(j) = stack.pop() {
+            for n in ground.adjacency[w].neighbours[pieces[j].id as usize] {
+                let Some(k) = place_of.get(&n).map(|k| *k as usize) else { continue };
+                if !seen[k] && pieces[k].patch == patch {
+                    seen[k] = true;
+                    stack.push(k);
+                }
+            }
+            pieces[j].patch = target;
+        }
+    }
+}
+
 /// The patch that a triangle belongs to.
-fn place<'a>(found: &'a mut Vec<Patch>, normal: &Point, at: &Point, corners: &[Point; 3]) -> &'a mut Patch {
+fn place(found: &mut Vec<Patch>, normal: &Point, at: &Point) -> usize {
     let fits = |p: &Patch| {
         let turn = 1.0 - dot(&p.normal, normal);
         if turn > 1.0 - ONE_PATCH {
@@ -105,7 +221,8 @@ fn place<'a>(found: &'a mut Vec<Patch>, normal: &Point, at: &Point, corners: &[P
             normal: *normal,
             at: *at,
             points: Vec::new(),
-            middle: corners[0],
+            corners: Vec::new(),
+            middle: *at,
             size: 0.0,
             flat: true,
             cuts: Vec::new(),
@@ -113,23 +230,46 @@ fn place<'a>(found: &'a mut Vec<Patch>, normal: &Point, at: &Point, corners: &[P
         found.len() - 1
     });
     found[i].flat &= 1.0 - dot(&found[i].normal, normal) <= ONE_PLANE;
-    &mut found[i]
+    i
 }
 
 /// Patches that bulge the same way together, the largest first.
+///
+/// A patch that reaches from behind another's plane to before it, as the end of an L does with both its legs, makes no body of
+/// its own if it can help: it lends its nearer part to each.
 pub(crate) fn clusters(patches: &[Patch]) -> Vec<Cluster> {
-    let stands_out = |p: &Patch, q: &Patch| {
-        let way = sub(&q.middle, &p.middle);
-        dot(&way, &p.normal) > HOLLOW * norm(&way)
+    let straddles = |i: usize| {
+        patches.iter().any(|p| {
+            let any = |side: f64| patches[i].corners.iter().any(|x| p.side_of(x) == side);
+            any(1.0) && any(-1.0)
+        })
     };
+    let (last, first): (Vec<usize>, Vec<usize>) = (0..patches.len()).partition(|i| straddles(*i));
     let mut found: Vec<Cluster> = Vec::new();
-    for i in 0..patches.len() {
-        let fits = |c: &Cluster| {
-            c.patches.iter().all(|j| !stands_out(&patches[i], &patches[*j]) && !stands_out(&patches[*j], &patches[i]))
-        };
-        match found.iter().position(fits) {
+    let apart = |i: usize, j: usize| patches[i].is_under(&patches[j].middle) || patches[j].is_under(&patches[i].middle);
+    for i in first {
+        match found.iter().position(|c| c.patches.iter().all(|j| !apart(i, *j))) {
             Some(c) => found[c].patches.push(i),
-            None => found.push(Cluster { patches: vec![i] }),
+            None => found.push(Cluster { patches: vec![i], ..Cluster::default() }),
+        }
+    }
+    let bodies = found.len();
+    for i in last {
+        let mut lent = false;
+        for c in &mut found[..bodies] {
+            let within = |x: &Point| c.patches.iter().all(|j| !patches[*j].is_under(x));
+            if patches[i].corners.iter().any(within)
+                && c.patches.iter().all(|j| !patches[i].is_under(&patches[*j].middle))
+            {
+                lent = true;
+                c.lent.push(i);
+            }
+        }
+        if !lent {
+            match found[bodies..].iter().position(|c| c.patches.iter().all(|j| !apart(i, *j))) {
+                Some(c) => found[bodies + c].patches.push(i),
+                None => found.push(Cluster { patches: vec![i], ..Cluster::default() }),
+            }
         }
     }
     found

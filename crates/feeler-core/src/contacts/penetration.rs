@@ -73,7 +73,8 @@ impl Scene {
             if !self.is_colliding(tool, &moved) {
                 let single = round == 0 && held.len() == 1 && certain[held[0]];
                 // Where nothing is deep, a touch is all there is.
-                let tight = round == 0 && held.is_empty() || single && self.is_colliding(tool, &pose.translated(&scaled(&way, 0.999))?);
+                let tight = round == 0 && held.is_empty()
+                    || single && self.is_colliding(tool, &pose.translated(&scaled(&way, 0.999))?);
                 kind = if tight { PenetrationKind::Exact } else { PenetrationKind::Bound };
                 break;
             }

@@ -89,3 +89,38 @@ pub(crate) fn cylinder(r: f64, l: f64, n: usize, m: usize) -> Arrays {
     };
     joined([wall, cap(0.5 * l), cap(-0.5 * l)])
 }
+
+/// A closed body between a polyline `(x, z)` and the height `far`, along y from -`half` to `half`: every piece of the line cut
+/// into `n`, the length into `m`. With `far` below the line its top is the line, else its bottom.
+pub(crate) fn ridge(line: &[[f64; 2]], far: f64, half: f64, n: usize, m: usize) -> Arrays {
+    let pieces = line.len() - 1;
+    let on_line = move |s: f64| {
+        let u = s * pieces as f64;
+        let i = (u as usize).min(pieces - 1);
+        let (p, q, f) = (line[i], line[i + 1], u - i as f64);
+        match f {
+            0.0 => p,
+            1.0 => q,
+            _ => [p[0] + f * (q[0] - p[0]), p[1] + f * (q[1] - p[1])],
+        }
+    };
+    let y = move |t: f64| (2.0 * t - 1.0) * half;
+    let height = move |z: f64, t: f64| match t {
+        0.0 => far,
+        1.0 => z,
+        _ => far + t * (z - far),
+    };
+    let count = pieces * n;
+    let mut all = joined([
+        sheet(count, m, |s, t| [on_line(s)[0], y(t), on_line(s)[1]]),
+        sheet(m, count, |t, s| [on_line(s)[0], y(t), far]),
+        sheet(count, n, |s, t| [on_line(s)[0], -half, height(on_line(s)[1], t)]),
+        sheet(n, count, |t, s| [on_line(s)[0], half, height(on_line(s)[1], t)]),
+        sheet(m, n, |s, t| [line[pieces][0], y(s), height(line[pieces][1], t)]),
+        sheet(n, m, |t, s| [line[0][0], y(s), height(line[0][1], t)]),
+    ]);
+    if line[0][1] < far {
+        all.1.iter_mut().for_each(|f| f.swap(1, 2));
+    }
+    all
+}

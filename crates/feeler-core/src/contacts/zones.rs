@@ -119,7 +119,11 @@ pub(crate) fn find(ground: &Ground<'_>, pairs: &[[u32; 2]]) -> Zones {
         for w in [TOOL, MOCKUP] {
             let list = &mut zones.faces[w];
             faces[w] = *places[w].entry(pair[w]).or_insert_with(|| {
-                list.push(Face::new(pair[w], ground.triangle(w, pair[w]), ground.adjacency[w].outward[pair[w] as usize]));
+                list.push(Face::new(
+                    pair[w],
+                    ground.triangle(w, pair[w]),
+                    ground.adjacency[w].outward[pair[w] as usize],
+                ));
                 list.len() as u32 - 1
             });
         }
@@ -287,10 +291,6 @@ fn walk(ground: &Ground<'_>, w: usize, zones: &Zones, places: &IdMap<u32>, roots
             if a + b < 0 {
                 let cut = face.nearest[if a < 0 { k } else { l }];
                 reach(adjacency.neighbours[face.id as usize][k], cut, &mut found, roots);
-                if a < 0 && b < 0 {
-                    // Both ends beyond: what lies between is one zone, or the edge would be cut twice.
-                    roots.join(face.nearest[k], face.nearest[l]);
-                }
             }
         }
     }
