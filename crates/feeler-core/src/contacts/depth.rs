@@ -5,14 +5,19 @@
 //! or at a direction across an edge of each, as for any two polytopes; for curved surfaces a short descent follows.
 
 use crate::bounds::{Aabb, Point};
+use crate::contacts::adjacency::NONE;
 use crate::contacts::patches::{Cluster, Patch};
 use crate::contacts::vector::{add, along, cross, dot, norm, scaled, sub, unit};
+use crate::contacts::zones::{Zones, MOCKUP, TOOL};
 
 /// Most directions tried of each kind.
 const MOST_NORMALS: usize = 24;
 
 /// Most pairs of edges whose common perpendiculars are tried.
 const MOST_EDGE_PAIRS: usize = 100;
+
+/// Sine from which on a surface goes on along a direction.
+const GOES_ON: f64 = 0.05;
 
 /// A later direction must be shallower by this share to be preferred, so that ties fall to normals of the mock-up always.
 const CLEARLY: f64 = 1e-6;
@@ -21,6 +26,7 @@ const CLEARLY: f64 = 1e-6;
 pub(crate) struct Body<'a> {
     pub patches: Vec<&'a Patch>,
     pub points: Vec<Point>,
+    sources: Vec<u32>,
     mean: Point,
     size: f64,
 }
@@ -28,16 +34,24 @@ pub(crate) struct Body<'a> {
 impl<'a> Body<'a> {
     pub fn new(all: &'a [Patch], cluster: &Cluster) -> Body<'a> {
         let patches: Vec<&Patch> = cluster.patches.iter().map(|i| &all[*i]).collect();
-        let mut points: Vec<Point> = patches.iter().flat_map(|p| p.points.iter().copied()).collect();
-        let belongs = |x: &&Point| !patches.iter().any(|p| p.is_below(x));
+        let (mut points, mut sources): (Vec<Point>, Vec<u32>) = Default::default();
+        for patch in &patches {
+            points.extend_from_slice(&patch.points);
+            sources.extend_from_slice(&patch.sources);
+        }
         for i in &cluster.lent {
-            points.extend(all[*i].points.iter().filter(belongs));
+            for (x, source) in all[*i].points.iter().zip(&all[*i].sources) {
+                if !patches.iter().any(|p| p.is_below(x)) {
+                    points.push(*x);
+                    sources.push(*source);
+                }
+            }
         }
         let mut patches = patches;
         patches.extend(cluster.lent.iter().map(|i| &all[*i]));
         let sum = patches.iter().fold([0.0; 3], |s, p| along(&s, p.size * p.size, &p.normal));
         let size = patches.iter().fold(0.0f64, |m, p| m.max(p.size));
-        Body { points, mean: unit(&sum).unwrap_or([0.0; 3]), size, patches }
+        Body { points, sources, mean: unit(&sum).unwrap_or([0.0; 3]), size, patches }
     }
 
     /// The cuts its patches have a part in, sorted.
@@ -66,10 +80,10 @@ pub(crate) struct Depth {
 }
 
 /// See the module. `None` where no direction leads out.
-pub(crate) fn least_depth(tool: &Body<'_>, mockup: &Body<'_>) -> Option<Depth> {
+pub(crate) fn least_depth(zones: &Zones, tool: &Body<'_>, mockup: &Body<'_>) -> Option<Depth> {
     let size = tool.size.max(mockup.size);
     let noise = 1e-12 * tool.points.iter().flatten().fold(size, |m, x| m.max(x.abs()));
-    let mut best = Best { tool, mockup, noise, found: None };
+    let mut best = Best { zones, tool, mockup, noise, found: None };
     let mut certain = tool.is_flat() && mockup.is_flat();
     certain &= tool.patches.len() <= MOST_NORMALS && mockup.patches.len() <= MOST_NORMALS;
     for patch in mockup.patches.iter().take(MOST_NORMALS) {
@@ -109,6 +123,7 @@ fn edge_directions(body: &Body<'_>) -> Vec<Point> {
 }
 
 struct Best<'a> {
+    zones: &'a Zones,
     tool: &'a Body<'a>,
     mockup: &'a Body<'a>,
     /// Metres below which depths are the same.
@@ -136,9 +151,23 @@ impl Best<'_> {
         (high.0, low.0)
     }
 
-    fn depth(&self, d: &Point) -> f64 {
-        let (p, q) = self.support(d);
-        dot(&sub(&self.mockup.points[p], &self.tool.points[q]), d)
+    /// Whether one of the surfaces goes on beyond the curve just where, along `d`, it would have to end: a rod in a plate is not
+    /// freed sideways by its own width, for there is more plate.
+    fn goes_on(&self, d: &Point, high: f64, low: f64) -> bool {
+        let tolerance = self.noise + 1e-6 * (high - low).abs();
+        let goes_on = |w: usize, source: u32| {
+            let cut = &self.zones.cuts[source as usize];
+            let [t, m] = [TOOL, MOCKUP].map(|w| self.zones.faces[w][cut.faces[w] as usize].normal);
+            // Own and other normal, and the way in the sense in which the other advances over this one.
+            let (n, other, way) = if w == MOCKUP { (m, t, *d) } else { (t, m, scaled(d, -1.0)) };
+            let advances = dot(&other, &way);
+            let leaves = advances - dot(&other, &n) * dot(&n, &way);
+            !cut.flat && advances > GOES_ON && leaves > GOES_ON
+        };
+        let any = |w: usize, body: &Body<'_>, is_last: &dyn Fn(f64) -> bool| {
+            body.points.iter().zip(&body.sources).any(|(x, s)| *s != NONE && is_last(dot(x, d)) && goes_on(w, *s))
+        };
+        any(MOCKUP, self.mockup, &|h| h >= high - tolerance) || any(TOOL, self.tool, &|h| h <= low + tolerance)
     }
 
     /// Whether going along `d` leads out: not into what the surfaces face.
@@ -158,7 +187,11 @@ impl Best<'_> {
         if d == &[0.0; 3] || !self.leads_out(d) {
             return;
         }
-        let depth = self.depth(d);
+        let (p, q) = self.support(d);
+        let depth = dot(&sub(&self.mockup.points[p], &self.tool.points[q]), d);
+        if self.goes_on(d, dot(&self.mockup.points[p], d), dot(&self.tool.points[q], d)) {
+            return;
+        }
         let Some((_, least, least_lean)) = self.found else {
             self.found = Some((*d, depth, self.lean(d)));
             return;

@@ -5,8 +5,9 @@
 //! triangles they have.
 
 use crate::bounds::{Aabb, Point};
-use crate::contacts::vector::{add, along, dot, norm, normal, scaled, sub, unit};
-use crate::contacts::{ContactPlane, Ground};
+use crate::contacts::vector::{add, along, dot, norm, normal, scaled, square_to_segment, sub, unit};
+use crate::contacts::zones::{IdMap, MOCKUP, TOOL};
+use crate::contacts::{ContactPlane, Ground, MOST_PLANES};
 use crate::proximity::Gap;
 
 /// Share of the margin by which a pair may miss a plane and still count as explained.
@@ -18,44 +19,102 @@ pub(crate) const SAME_DIRECTION: f64 = 0.978;
 /// Sine of the same.
 const SAME_TURN: f64 = 0.208;
 
+/// A step down to a neighbouring pair counts from this slope on: along a hollow surface around the tool the distance changes
+/// slowly, and each direction is to have its plane.
+const SLOPE: f64 = 0.2;
+
+/// Most pairs looked at around a corner.
+const MOST_BESIDE: usize = 256;
+
 /// A plane that a triangle's own differs from by less (1 - cosine) is that triangle's: normals then do not depend on rounding.
 const SNAP: f64 = 1e-10;
 
-/// Adds planes for `near`, the pairs of one part that do not meet, beside the planes the part has from `from` on in `out`.
+/// Adds planes for `near`, the pairs of one part that do not meet (nearest first), beside the planes the part has from `from`
+/// on in `out`. `all` are the part's pairs, those that meet included.
 pub(crate) fn push_planes(
     ground: &Ground<'_>,
-    near: &mut Vec<Gap>,
+    all: &[Gap],
+    mut near: Vec<Gap>,
     margin: f64,
     from: usize,
-    limit: usize,
     out: &mut Vec<ContactPlane>,
 ) {
     let tolerance = TOLERANCE * margin;
-    near.retain(|gap| is_in_front(ground, gap));
-    for plane in &out[from..] {
-        near.retain(|gap| !is_explained(plane, gap, tolerance));
-    }
-    while let Some(first) = near.iter().min_by(|a, b| a.order(b)).copied() {
-        if out.len() - from >= limit {
-            return;
+    near.retain(|gap| is_in_front(ground, gap) && !out[from..].iter().any(|p| is_explained(p, gap, tolerance)));
+    let mut slopes = Slopes { ground, all, places: IdMap::default() };
+    let mut next = 0;
+    while next < near.len() && out.len() - from < MOST_PLANES {
+        let first = near[next];
+        next += 1;
+        if out.len() > from && slopes.lead_down(&first) {
+            continue;
         }
         let mut plane = plane_of(ground, &first);
         let mut place = Aabb::EMPTY;
-        for gap in near.iter() {
-            let as_near = gap.distance <= first.distance + 1e-6 * margin;
+        for gap in near[next - 1..].iter().take_while(|g| g.distance <= first.distance + 1e-6 * margin) {
             let way = sub(&gap.on_tool, &gap.on_mockup);
-            if as_near && dot(&way, &plane.normal) >= gap.distance * (1.0 - 1e-9) {
+            if dot(&way, &plane.normal) >= gap.distance * (1.0 - 1e-9) {
                 place.grow(&gap.on_mockup);
                 plane.tool_triangles.push(gap.tool_triangle);
                 plane.mockup_triangles.push(gap.mockup_triangle);
             }
         }
-        let middle = scaled(&add(&place.lower, &place.upper), 0.5);
-        plane.point = along(&middle, dot(&sub(&plane.point, &middle), &plane.normal), &plane.normal);
+        if !place.is_empty() {
+            let middle = scaled(&add(&place.lower, &place.upper), 0.5);
+            plane.point = along(&middle, dot(&sub(&plane.point, &middle), &plane.normal), &plane.normal);
+        }
+        near.drain(..next);
+        next = 0;
         near.retain(|gap| !is_explained(&plane, gap, tolerance));
-        // Rounding must not keep the pair that made the plane.
-        near.retain(|gap| (gap.tool_triangle, gap.mockup_triangle) != (first.tool_triangle, first.mockup_triangle));
         out.push(plane);
+    }
+}
+
+/// Slopes of the distance from one pair to the pairs beside it.
+struct Slopes<'a> {
+    ground: &'a Ground<'a>,
+    all: &'a [Gap],
+    /// Where each pair is among `all`; made when first needed.
+    places: IdMap<(u32, u32)>,
+}
+
+impl Slopes<'_> {
+    /// Whether a step to a neighbouring triangle, on either side, leads clearly down: then the pair is on the slope of another
+    /// place, which has its plane or will.
+    fn lead_down(&mut self, gap: &Gap) -> bool {
+        if self.places.is_empty() {
+            let key = |g: &Gap| (g.tool_triangle, g.mockup_triangle);
+            self.places = self.all.iter().zip(0..).map(|(g, i)| (key(g), i)).collect();
+        }
+        let start = (gap.tool_triangle, gap.mockup_triangle);
+        let mut seen = vec![start];
+        let mut next = 0;
+        while next < seen.len() && seen.len() <= MOST_BESIDE {
+            let (t, m) = seen[next];
+            next += 1;
+            let beside_t = self.ground.adjacency[TOOL].neighbours[t as usize].map(|n| (n, m));
+            let beside_m = self.ground.adjacency[MOCKUP].neighbours[m as usize].map(|n| (t, n));
+            for key in beside_t.into_iter().chain(beside_m) {
+                let Some(i) = self.places.get(&key).filter(|_| !seen.contains(&key)) else { continue };
+                let other = &self.all[*i as usize];
+                let step = norm(&sub(&other.on_tool, &gap.on_tool)).max(norm(&sub(&other.on_mockup, &gap.on_mockup)));
+                if gap.distance - other.distance > SLOPE * step + 1e-9 * gap.distance {
+                    return true;
+                }
+                let noise = (1e-9 * gap.distance).powi(2);
+                let passes = |w: usize, id: u32, p: &Point| {
+                    let t = self.ground.triangle(w, id);
+                    (0..3).any(|k| square_to_segment(p, &t[k], &t[(k + 1) % 3]) <= noise)
+                };
+                if (key.0 == t || passes(TOOL, key.0, &gap.on_tool))
+                    && (key.1 == m || passes(MOCKUP, key.1, &gap.on_mockup))
+                {
+                    // It has the same corner or edge: look around that.
+                    seen.push(key);
+                }
+            }
+        }
+        false
     }
 }
 

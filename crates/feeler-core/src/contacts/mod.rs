@@ -135,7 +135,8 @@ impl Scene {
             return Err(Error::Margin { value: margin });
         }
         let mut near = self.near_pairs(tool, pose, margin)?;
-        near.sort_unstable_by_key(|g| (g.part, g.tool_triangle, g.mockup_triangle));
+        // By part, and within it by distance as they come.
+        near.sort_by_key(|g| g.part);
         let mut ground = Ground {
             mockup: self.mockup(),
             tool,
@@ -152,14 +153,15 @@ impl Scene {
             let from = contacts.planes.len();
             if !meeting.is_empty() {
                 contacts.is_meeting = true;
-                let pairs: Vec<[u32; 2]> = meeting.iter().map(|g| [g.tool_triangle, g.mockup_triangle]).collect();
+                let mut pairs: Vec<[u32; 2]> = meeting.iter().map(|g| [g.tool_triangle, g.mockup_triangle]).collect();
+                pairs.sort_unstable();
                 let zones = zones::find(&ground, &pairs);
                 for zone in &zones.zones {
                     push_zone(&ground, &zones, zone, of_part[0].part, &mut contacts.planes);
                     apart.retain(|g| !zone.inside[TOOL].iter().any(|t| t[0] == g.tool_triangle));
                 }
             }
-            gaps::push_planes(&ground, &mut apart, margin, from, MOST_PLANES, &mut contacts.planes);
+            gaps::push_planes(&ground, of_part, apart, margin, from, &mut contacts.planes);
         }
         contacts.finish();
         Ok(contacts)
@@ -181,7 +183,7 @@ fn push_zone(ground: &Ground<'_>, zones: &Zones, zone: &Zone, part: u32, out: &m
             if shared.is_empty() && !tool_cuts.is_empty() && !mockup_cuts.is_empty() {
                 continue;
             }
-            let Some(depth) = least_depth(a, b) else { continue };
+            let Some(depth) = least_depth(zones, a, b) else { continue };
             let ids = |w: usize| {
                 let of = |c: &u32| zones.faces[w][zones.cuts[*c as usize].faces[w] as usize].id;
                 let all = if shared.is_empty() { &zone.cuts } else { &shared };

@@ -2,6 +2,7 @@
 //! are; and patches that bulge the same way together.
 
 use crate::bounds::{Aabb, Point};
+use crate::contacts::adjacency::NONE;
 use crate::contacts::vector::{add, dot, norm, scaled, sub};
 use crate::contacts::zones::{IdMap, Zone, Zones};
 use crate::contacts::Ground;
@@ -40,6 +41,8 @@ pub(crate) struct Patch {
     at: Point,
     /// Corners of what lies beyond the other surface, the curve's points included.
     pub points: Vec<Point>,
+    /// For each point of the curve its cut; [`NONE`] for a corner.
+    pub sources: Vec<u32>,
     /// The outermost of them along a few directions.
     corners: Vec<Point>,
     /// Their mean.
@@ -114,7 +117,7 @@ pub(crate) fn patches(ground: &Ground<'_>, zones: &Zones, zone: &Zone, w: usize)
     let mut cuts: Vec<(u32, u32)> = zone.cuts.iter().map(|c| (zones.cuts[*c as usize].faces[w], *c)).collect();
     cuts.sort_unstable();
     let mut found: Vec<Patch> = Vec::new();
-    let mut points: Vec<Point> = Vec::new();
+    let (mut points, mut sources): (Vec<Point>, Vec<u32>) = Default::default();
     let mut pieces: Vec<Piece> = Vec::new();
     let mut at = 0;
     for same in cuts.chunk_by(|x, y| x.0 == y.0) {
@@ -123,10 +126,12 @@ pub(crate) fn patches(ground: &Ground<'_>, zones: &Zones, zone: &Zone, w: usize)
         for (_, c) in same {
             let shared = zones.cuts[*c as usize].points;
             points.extend_from_slice(&zones.points[shared.0 as usize..shared.1 as usize]);
+            sources.resize(points.len(), *c);
         }
         for (k, side) in face.side.iter().enumerate() {
             if *side < 0 && face.is_corner_of(k, |c| zone.cuts.binary_search(&c).is_ok()) {
                 points.push(face.corners[k]);
+                sources.push(NONE);
             }
         }
         let patch = place(&mut found, &face.normal, &face.corners[0]);
@@ -141,12 +146,14 @@ pub(crate) fn patches(ground: &Ground<'_>, zones: &Zones, zone: &Zone, w: usize)
         let patch = place(&mut found, &normal, &corners[0]);
         let from = points.len();
         points.extend_from_slice(&corners);
+        sources.extend([NONE; 3]);
         pieces.push(Piece { id: *t, patch, points: (from, from + 3), cuts: (0, 0), closed: near.closed });
     }
     split(ground, w, &mut found, &mut pieces);
     for piece in &pieces {
         let patch = &mut found[piece.patch];
         patch.points.extend_from_slice(&points[piece.points.0..piece.points.1]);
+        patch.sources.extend_from_slice(&sources[piece.points.0..piece.points.1]);
         patch.cuts.extend(cuts[piece.cuts.0..piece.cuts.1].iter().map(|c| c.1));
     }
     found.retain(|p| !p.points.is_empty());
@@ -177,7 +184,13 @@ fn split(ground: &Ground<'_>, w: usize, found: &mut Vec<Patch>, pieces: &mut [Pi
         }
         // The first connected piece keeps the patch.
         let target = if taken[patch] {
-            found.push(Patch { points: Vec::new(), corners: Vec::new(), cuts: Vec::new(), ..found[patch] });
+            found.push(Patch {
+                points: Vec::new(),
+                sources: Vec::new(),
+                corners: Vec::new(),
+                cuts: Vec::new(),
+                ..found[patch]
+            });
             found.len() - 1
         } else {
             patch
@@ -221,6 +234,7 @@ fn place(found: &mut Vec<Patch>, normal: &Point, at: &Point) -> usize {
             normal: *normal,
             at: *at,
             points: Vec::new(),
+            sources: Vec::new(),
             corners: Vec::new(),
             middle: *at,
             size: 0.0,

@@ -9,7 +9,7 @@ use std::hash::{BuildHasherDefault, Hasher};
 use crate::bounds::{Point, Triangle};
 use crate::contacts::adjacency::{Adjacency, NONE};
 use crate::contacts::cut::push_shared;
-use crate::contacts::vector::{dot, normal, scaled, square_to_segment, sub};
+use crate::contacts::vector::{add, dot, normal, scaled, square_to_segment, sub};
 use crate::contacts::Ground;
 
 /// Most triangles that are walked over beyond the curve, of each surface and in one part. What lies further counts for depth
@@ -136,9 +136,10 @@ pub(crate) fn find(ground: &Ground<'_>, pairs: &[[u32; 2]]) -> Zones {
     }
     let mut roots = Roots((0..zones.cuts.len() as u32).collect());
     join_along_the_curve(ground, &zones, &cut_of, &mut roots);
-    orient(ground, &mut zones, &mut roots);
+    orient(ground, &mut zones);
     for w in [TOOL, MOCKUP] {
         classify(w, &mut zones);
+        join_across_faces(w, &zones, &mut roots);
     }
     let walked = [TOOL, MOCKUP].map(|w| walk(ground, w, &zones, &places[w], &mut roots));
     zones.complete = walked.iter().all(|w| w.len() < MOST_WALKED);
@@ -177,9 +178,60 @@ fn join_along_the_curve(ground: &Ground<'_>, zones: &Zones, cut_of: &IdMap<(u32,
     }
 }
 
+/// Most cuts of a face that [`join_across_faces`] compares with each other.
+const MOST_COMPARED: usize = 256;
+
+/// Two curves on one large triangle are of one zone where what lies between them is beyond the other surface: a finer mesh has
+/// triangles there, and the walk would find them.
+fn join_across_faces(w: usize, zones: &Zones, roots: &mut Roots) {
+    let mut cuts: Vec<(u32, u32)> = zones.cuts.iter().zip(0..).map(|(c, i)| (c.faces[w], i)).collect();
+    cuts.sort_unstable();
+    for same in cuts.chunk_by(|x, y| x.0 == y.0) {
+        let first = roots.of(same[0].1);
+        if same.iter().all(|c| roots.of(c.1) == first) {
+            continue;
+        }
+        let stride = same.len().div_ceil(MOST_COMPARED);
+        let spots: Vec<(u32, Point, Point)> = same
+            .iter()
+            .step_by(stride)
+            .map(|(_, i)| {
+                let cut = &zones.cuts[*i as usize];
+                let (a, b) = (zones.points[cut.points.0 as usize], zones.points[cut.points.0 as usize + 1]);
+                (*i, scaled(&add(&a, &b), 0.5), zones.faces[1 - w][cut.faces[1 - w] as usize].normal)
+            })
+            .collect();
+        // The nearest cuts of each two zones.
+        let mut nearest: Vec<(u32, u32, f64, usize, usize)> = Vec::new();
+        for i in 0..spots.len() {
+            for j in 0..i {
+                let (a, b) = (roots.of(spots[i].0), roots.of(spots[j].0));
+                if a == b {
+                    continue;
+                }
+                let key = (a.min(b), a.max(b));
+                let way = sub(&spots[i].1, &spots[j].1);
+                let square = dot(&way, &way);
+                match nearest.iter_mut().find(|n| (n.0, n.1) == key) {
+                    Some(n) if n.2 <= square => {}
+                    Some(n) => *n = (key.0, key.1, square, i, j),
+                    None => nearest.push((key.0, key.1, square, i, j)),
+                }
+            }
+        }
+        for (_, _, square, i, j) in nearest {
+            let way = sub(&spots[j].1, &spots[i].1);
+            let behind = -0.1 * square.sqrt();
+            if dot(&way, &spots[i].2) < behind || -dot(&way, &spots[j].2) < behind {
+                roots.join(spots[i].0, spots[j].0);
+            }
+        }
+    }
+}
+
 /// Turns the normals of open surfaces to the side that counts as outside, and those of thin closed ones that the tool went
 /// right through since the reference.
-fn orient(ground: &Ground<'_>, zones: &mut Zones, roots: &mut Roots) {
+fn orient(ground: &Ground<'_>, zones: &mut Zones) {
     // How far each face's part of the curve has come from where the tool was free, along its normal.
     let mut back = [TOOL, MOCKUP].map(|w| vec![(0.0, 0.0); zones.faces[w].len()]);
     if ground.reference.is_some() {
@@ -195,22 +247,12 @@ fn orient(ground: &Ground<'_>, zones: &mut Zones, roots: &mut Roots) {
             }
         }
     }
-    // Zones where the way back leads out of one face; where it leads into another closed one, the tool went through.
-    let mut root_of_face = vec![0; zones.faces[MOCKUP].len()];
-    for (i, cut) in zones.cuts.iter().enumerate() {
-        root_of_face[cut.faces[MOCKUP] as usize] = roots.of(i as u32);
-    }
-    let mut out: IdMap<u32> = IdMap::default();
-    for (root, (sum, length)) in root_of_face.iter().zip(&back[MOCKUP]) {
-        if *sum > 0.5 * length {
-            out.insert(*root, 1);
-        }
-    }
     for w in [TOOL, MOCKUP] {
         for (i, face) in zones.faces[w].iter_mut().enumerate() {
             let (sum, length) = back[w][i];
             let flip = if face.closed {
-                w == MOCKUP && sum < -0.5 * length && out.contains_key(&root_of_face[i])
+                // It came out of the solid, and yet was free before: it went in on the other side.
+                w == MOCKUP && sum < -0.5 * length
             } else if sum.abs() > 1e-3 * length {
                 sum < 0.0
             } else {
@@ -265,32 +307,43 @@ fn walk(ground: &Ground<'_>, w: usize, zones: &Zones, places: &IdMap<u32>, roots
     // Triangle, a cut of its zone, the cut whose plane it is held against.
     let mut found: Vec<(u32, u32, u32)> = Vec::new();
     let mut seen: IdMap<u32> = IdMap::default();
-    let mut reach = |triangle: u32, cut: u32, found: &mut Vec<(u32, u32, u32)>, roots: &mut Roots| {
-        if triangle == NONE || places.contains_key(&triangle) || found.len() >= MOST_WALKED {
-            return;
-        }
-        if let Some(before) = seen.get(&triangle) {
-            roots.join(*before, cut);
-            return;
-        }
-        let (plane, at) = plane_of(cut);
-        if !plane.closed {
-            // An open surface ends somewhere, and round its border the walk would come to the free side.
-            let t = ground.triangle(w, triangle);
-            if t.iter().any(|p| dot(&sub(p, &at), &plane.normal) > 0.0) {
+    let mut reach =
+        |triangle: u32, from: Option<u32>, cut: u32, found: &mut Vec<(u32, u32, u32)>, roots: &mut Roots| {
+            if triangle == NONE || found.len() >= MOST_WALKED {
                 return;
             }
-        }
-        seen.insert(triangle, cut);
-        found.push((triangle, cut, cut));
-    };
+            if let Some(place) = places.get(&triangle) {
+                // Another curve: what was walked over lies between the two.
+                if let Some(from) = from {
+                    let face = &zones.faces[w][*place as usize];
+                    let corners = ground.triangle(w, from);
+                    let shared = (0..3).find(|k| face.nearest[*k] != NONE && corners.contains(&face.corners[*k]));
+                    shared.iter().for_each(|k| roots.join(face.nearest[*k], cut));
+                }
+                return;
+            }
+            if let Some(before) = seen.get(&triangle) {
+                roots.join(*before, cut);
+                return;
+            }
+            let (plane, at) = plane_of(cut);
+            if !plane.closed {
+                // An open surface ends somewhere, and round its border the walk would come to the free side.
+                let t = ground.triangle(w, triangle);
+                if t.iter().any(|p| dot(&sub(p, &at), &plane.normal) > 0.0) {
+                    return;
+                }
+            }
+            seen.insert(triangle, cut);
+            found.push((triangle, cut, cut));
+        };
     for face in &zones.faces[w] {
         for k in 0..3 {
             let l = (k + 1) % 3;
             let (a, b) = (face.side[k], face.side[l]);
             if a + b < 0 {
                 let cut = face.nearest[if a < 0 { k } else { l }];
-                reach(adjacency.neighbours[face.id as usize][k], cut, &mut found, roots);
+                reach(adjacency.neighbours[face.id as usize][k], None, cut, &mut found, roots);
             }
         }
     }
@@ -299,7 +352,7 @@ fn walk(ground: &Ground<'_>, w: usize, zones: &Zones, places: &IdMap<u32>, roots
         let (triangle, cut, _) = found[next];
         next += 1;
         for k in 0..3 {
-            reach(adjacency.neighbours[triangle as usize][k], cut, &mut found, roots);
+            reach(adjacency.neighbours[triangle as usize][k], Some(triangle), cut, &mut found, roots);
         }
     }
     found
