@@ -16,6 +16,9 @@ const MOST_NORMALS: usize = 24;
 /// Most pairs of edges whose common perpendiculars are tried.
 const MOST_EDGE_PAIRS: usize = 100;
 
+/// Most patches of a body, the largest, between whose normals directions are sought.
+const MOST_TURNED: usize = 3;
+
 /// Sine from which on a surface goes on along a direction.
 const GOES_ON: f64 = 0.05;
 
@@ -107,7 +110,9 @@ pub(crate) fn least_depth(zones: &Zones, tool: &Body<'_>, mockup: &Body<'_>) -> 
     } else {
         certain = false;
     }
-    if !(tool.is_flat() && mockup.is_flat()) {
+    if !certain {
+        best.turn_around_edges(&mockup.patches, 1.0);
+        best.turn_around_edges(&tool.patches, -1.0);
         best.descend();
     }
     let (normal, depth, _) = best.found?;
@@ -206,41 +211,84 @@ impl Best<'_> {
         }
     }
 
-    /// From the best direction down to the nearest valley: the gradient of the depth is the difference of the two extreme
-    /// points, across the direction.
-    fn descend(&mut self) {
-        let mut step = 0.5;
-        for _ in 0..12 {
-            let Some((d, depth, _)) = self.found else { return };
-            if depth <= self.noise {
-                return;
-            }
-            let (p, q) = self.support(&d);
-            let way = sub(&self.mockup.points[p], &self.tool.points[q]);
-            let across = along(&way, -dot(&way, &d), &d);
-            let Some(next) = unit(&along(&d, -step / norm(&way).max(f64::MIN_POSITIVE), &across)) else { return };
-            self.try_direction(&next);
-            if self.found.is_some_and(|f| f.0 == d) {
-                step *= 0.5;
+    /// The valley between the normals of two patches: where an edge holds, the least depth lies on the arc around it, in a
+    /// valley too narrow for the descent when the edge is long.
+    fn turn_around_edges(&mut self, patches: &[&Patch], sense: f64) {
+        let between = |p: &Patch, q: &Patch, s: f64| {
+            unit(&along(&scaled(&p.normal, sense * (1.0 - s)), sense * s, &q.normal))
+        };
+        for (i, p) in patches.iter().enumerate().take(MOST_TURNED) {
+            for q in patches.iter().take(MOST_TURNED).skip(i + 1) {
+                // Opposite faces have no edge, and nearly equal ones no arc to speak of.
+                if !(-0.5..0.95).contains(&dot(&p.normal, &q.normal)) {
+                    continue;
+                }
+                let (mut from, mut to) = (0.0, 1.0);
+                for _ in 0..10 {
+                    let thirds = [from + (to - from) / 3.0, to - (to - from) / 3.0];
+                    let [a, b] = thirds.map(|s| between(p, q, s).map_or(f64::INFINITY, |d| self.depth(&d)));
+                    if a <= b {
+                        to = thirds[1];
+                    } else {
+                        from = thirds[0];
+                    }
+                }
+                if let Some(d) = between(p, q, 0.5 * (from + to)) {
+                    self.try_direction(&d);
+                }
             }
         }
     }
 
-    /// The middle of the highest part of the mock-up or of the lowest of the tool, whichever is smaller, raised to the height
-    /// of the mock-up. The middle of a box around them, which does not know how many triangles make them up.
-    fn place(&self, d: &Point) -> Point {
+    fn depth(&self, d: &Point) -> f64 {
+        let (p, q) = self.support(d);
+        dot(&sub(&self.mockup.points[p], &self.tool.points[q]), d)
+    }
+
+    /// From the best direction down to the nearest valley: the gradient of the depth is the way between the two extreme places,
+    /// across the direction. Places, not points: along an edge or a face many are extreme, and their middle counts.
+    fn descend(&mut self) {
+        let mut step = 1.0;
+        for _ in 0..24 {
+            let Some((d, depth, _)) = self.found else { return };
+            if depth <= self.noise || step < 0.01 {
+                return;
+            }
+            let (above, below) = self.extremes(&d, 0.02);
+            let way = sub(&middle(&above), &middle(&below));
+            let across = along(&way, -dot(&way, &d), &d);
+            let Some(next) = unit(&along(&d, -step / norm(&way).max(f64::MIN_POSITIVE), &across)) else { return };
+            self.try_direction(&next);
+            if self.found.is_some_and(|f| f.0 == d) {
+                step *= 0.6;
+            }
+        }
+    }
+
+    /// Boxes around the highest of the mock-up's points and the lowest of the tool's, within a share of the depth.
+    fn extremes(&self, d: &Point, share: f64) -> (Aabb, Aabb) {
         let (p, q) = self.support(d);
         let (high, low) = (dot(&self.mockup.points[p], d), dot(&self.tool.points[q], d));
-        let tolerance = 1e-3 * (high - low).abs() + self.noise;
+        let tolerance = share * (high - low).abs() + self.noise;
         let extent = |points: &[Point], keep: &dyn Fn(f64) -> bool| {
             let mut bounds = Aabb::EMPTY;
             points.iter().filter(|x| keep(dot(x, d))).for_each(|x| bounds.grow(x));
             bounds
         };
         let above = extent(&self.mockup.points, &|h| h >= high - tolerance);
-        let below = extent(&self.tool.points, &|h| h <= low + tolerance);
-        let chosen = if norm(&below.extent()) <= norm(&above.extent()) { below } else { above };
-        let middle = scaled(&add(&chosen.lower, &chosen.upper), 0.5);
-        along(&middle, high - dot(&middle, d), d)
+        (above, extent(&self.tool.points, &|h| h <= low + tolerance))
     }
+
+    /// The middle of the highest part of the mock-up or of the lowest of the tool, whichever is smaller, raised to the height
+    /// of the mock-up. The middle of a box around them, which does not know how many triangles make them up.
+    fn place(&self, d: &Point) -> Point {
+        let (above, below) = self.extremes(d, 1e-3);
+        let chosen = middle(if norm(&below.extent()) <= norm(&above.extent()) { &below } else { &above });
+        let high = dot(&self.mockup.points[self.support(d).0], d);
+        along(&chosen, high - dot(&chosen, d), d)
+    }
+}
+
+fn middle(b: &Aabb) -> Point {
+    scaled(&add(&b.lower, &b.upper), 0.5)
 }

@@ -64,13 +64,14 @@ impl Patch {
     /// Whether a point is strictly over the plane of a flat patch, or stands out over one that is not.
     pub fn is_below(&self, x: &Point) -> bool {
         let way = sub(x, &self.middle);
-        dot(&way, &self.normal) > if self.flat { 1e-6 } else { HOLLOW } * norm(&way)
+        dot(&sub(x, &self.at), &self.normal) > if self.flat { 1e-6 } else { HOLLOW } * norm(&way)
     }
 
     /// 1 over the plane, -1 below, 0 about on it.
     fn side_of(&self, x: &Point) -> f64 {
         let way = sub(x, &self.middle);
-        let height = dot(&way, &self.normal);
+        // The plane of its first triangle: on a bulging surface all others are behind it, as behind no plane through a mean.
+        let height = dot(&sub(x, &self.at), &self.normal);
         if height.abs() <= HOLLOW * norm(&way) {
             0.0
         } else {

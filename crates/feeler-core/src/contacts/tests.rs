@@ -296,16 +296,10 @@ fn normals_turn_continuously_around_an_edge() {
                 assert_eq!(contacts.planes.len(), 1, "{n} {gap} {step}: {contacts:?}");
                 let plane = &contacts.planes[0];
                 let expected = [-s, 0.0, c];
-                assert!(
-                    dot(&plane.normal, &expected) > two_facets,
-                    "{n} {gap} {step}: {plane:?} {expected:?}"
-                );
+                assert!(dot(&plane.normal, &expected) > two_facets, "{n} {gap} {step}: {plane:?} {expected:?}");
                 assert!(close(plane.gap, gap, 0.0001), "{n} {gap} {step}: {plane:?}");
                 if let Some(before) = before {
-                    assert!(
-                        dot(&plane.normal, &before) > two_facets,
-                        "{n} {gap} {step}: {plane:?} {before:?}"
-                    );
+                    assert!(dot(&plane.normal, &before) > two_facets, "{n} {gap} {step}: {plane:?} {before:?}");
                 }
                 before = Some(plane.normal);
             }
