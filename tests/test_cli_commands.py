@@ -21,7 +21,7 @@ from feeler.cli import app
 from feeler.show import write_glb, write_stl
 
 PROGRAM = [sys.executable, "-c", "from feeler.cli import main; main()"]
-COMMANDS = ["demo", "info", "collide", "sample", "bench"]
+COMMANDS = ["demo", "info", "collide", "clearance", "sample", "bench"]
 
 
 def run(*words: str | Path, code: int = 0) -> Any:

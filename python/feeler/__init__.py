@@ -2,7 +2,7 @@
 
 from importlib.metadata import version as _version
 
-from feeler._core import Batch, Collision
+from feeler._core import Batch, Clearance, ClearanceBatch, Collision, Distance, DistanceBatch
 from feeler.errors import (
     FeelerError,
     LimitError,
@@ -21,7 +21,11 @@ __version__ = _version("feeler")
 
 __all__ = [
     "Batch",
+    "Clearance",
+    "ClearanceBatch",
     "Collision",
+    "Distance",
+    "DistanceBatch",
     "FeelerError",
     "LimitError",
     "LoadError",

@@ -9,7 +9,19 @@ from typing_extensions import Self, disjoint_base
 
 _Progress = Callable[[float, str], object]
 
-__all__ = ["Batch", "Collision", "Mockup", "Scene", "Tool", "optimal_voxel_size", "weld_vertices"]
+__all__ = [
+    "Batch",
+    "Clearance",
+    "ClearanceBatch",
+    "Collision",
+    "Distance",
+    "DistanceBatch",
+    "Mockup",
+    "Scene",
+    "Tool",
+    "optimal_voxel_size",
+    "weld_vertices",
+]
 
 @disjoint_base
 class Mockup:
@@ -108,6 +120,17 @@ class Scene:
     ) -> Collision: ...
     def is_colliding(self, tool: Tool, world_from_tool: npt.NDArray[np.float64]) -> bool: ...
     def collide_batch(self, tool: Tool, poses: npt.NDArray[np.float64], progress: _Progress | None) -> Batch: ...
+    def clearance(
+        self, tool: Tool, world_from_tool: npt.NDArray[np.float64], within: float, triangles: bool
+    ) -> Clearance: ...
+    def distance(self, tool: Tool, world_from_tool: npt.NDArray[np.float64], max: float) -> Distance: ...
+    def distances(self, tool: Tool, world_from_tool: npt.NDArray[np.float64], max: float, k: int) -> list[Distance]: ...
+    def distance_batch(
+        self, tool: Tool, poses: npt.NDArray[np.float64], max: float, progress: _Progress | None
+    ) -> DistanceBatch: ...
+    def clearance_batch(
+        self, tool: Tool, poses: npt.NDArray[np.float64], within: float, triangles: bool, progress: _Progress | None
+    ) -> ClearanceBatch: ...
 
 @final
 class Collision:
@@ -158,6 +181,112 @@ class Batch:
         """`(K,)`: a `feeler.PairKind` for each pair, read-only."""
     def __len__(self) -> int: ...
     def __getitem__(self, index: int, /) -> npt.NDArray[np.uint32]: ...
+
+@final
+class Distance:
+    """The distance of tool and mock-up, or of the tool and one part; 0 when they meet.
+
+    When nothing lies within `max`, `value` is infinite and all else is None.
+    """
+
+    @property
+    def value(self) -> float:
+        """Metres; 0 if and only if triangles meet, infinite when nothing lies within `max`."""
+    @property
+    def point_on_tool(self) -> npt.NDArray[np.float64] | None:
+        """`(3,)`: the point of the tool that is closest, world, metres."""
+    @property
+    def point_on_mockup(self) -> npt.NDArray[np.float64] | None:
+        """`(3,)`: the point of the mock-up that is closest, world, metres; where they meet, the same point."""
+    @property
+    def tool_triangle(self) -> int | None:
+        """The tool's triangle that the point lies on."""
+    @property
+    def mockup_triangle(self) -> int | None:
+        """The mock-up's triangle that the point lies on."""
+    @property
+    def part(self) -> int | None:
+        """The index into `mockup.parts` of that triangle's part."""
+
+@final
+class DistanceBatch:
+    """The distance at many poses; `batch[i]` is the `Distance` of pose `i`.
+
+    Where nothing lies within `max`, the value is infinite, points are NaN and ids -1.
+    """
+
+    @property
+    def values(self) -> npt.NDArray[np.float64]:
+        """`(n,)`: metres; 0 where they meet."""
+    @property
+    def points_on_tool(self) -> npt.NDArray[np.float64]:
+        """`(n, 3)`: world, metres."""
+    @property
+    def points_on_mockup(self) -> npt.NDArray[np.float64]:
+        """`(n, 3)`: world, metres."""
+    @property
+    def tool_triangles(self) -> npt.NDArray[np.int64]:
+        """`(n,)`: the tool's triangle that the point lies on."""
+    @property
+    def mockup_triangles(self) -> npt.NDArray[np.int64]:
+        """`(n,)`: the mock-up's triangle that the point lies on."""
+    @property
+    def parts(self) -> npt.NDArray[np.int64]:
+        """`(n,)`: indices into `mockup.parts`."""
+    def __len__(self) -> int: ...
+    def __getitem__(self, index: int, /) -> Distance: ...
+
+@final
+class Clearance:
+    """What is near at one pose: a row for each part, or for each pair of triangles; by distance, then by triangles."""
+
+    @property
+    def parts(self) -> npt.NDArray[np.uint32]:
+        """`(k,)`: indices into `mockup.parts`."""
+    @property
+    def distances(self) -> npt.NDArray[np.float64]:
+        """`(k,)`: metres, ascending; 0 where they meet."""
+    @property
+    def points_on_tool(self) -> npt.NDArray[np.float64]:
+        """`(k, 3)`: the closest point of the tool, world, metres."""
+    @property
+    def points_on_mockup(self) -> npt.NDArray[np.float64]:
+        """`(k, 3)`: the closest point of the part or triangle, world, metres."""
+    @property
+    def tool_triangles(self) -> npt.NDArray[np.uint32]:
+        """`(k,)`: the tool's triangle that the point lies on."""
+    @property
+    def mockup_triangles(self) -> npt.NDArray[np.uint32]:
+        """`(k,)`: the mock-up's triangle that the point lies on."""
+    def __len__(self) -> int: ...
+
+@final
+class ClearanceBatch:
+    """What is near at many poses; `batch[i]` is the `Clearance` of pose `i`, its rows `offsets[i]:offsets[i + 1]`."""
+
+    @property
+    def offsets(self) -> npt.NDArray[np.uint64]:
+        """`(n + 1,)`: where the rows of each pose begin."""
+    @property
+    def parts(self) -> npt.NDArray[np.uint32]:
+        """`(K,)`: as of `Clearance`, and so are the others."""
+    @property
+    def distances(self) -> npt.NDArray[np.float64]:
+        """`(K,)`: metres."""
+    @property
+    def points_on_tool(self) -> npt.NDArray[np.float64]:
+        """`(K, 3)`: world, metres."""
+    @property
+    def points_on_mockup(self) -> npt.NDArray[np.float64]:
+        """`(K, 3)`: world, metres."""
+    @property
+    def tool_triangles(self) -> npt.NDArray[np.uint32]:
+        """`(K,)`: triangles of the tool."""
+    @property
+    def mockup_triangles(self) -> npt.NDArray[np.uint32]:
+        """`(K,)`: triangles of the mock-up."""
+    def __len__(self) -> int: ...
+    def __getitem__(self, index: int, /) -> Clearance: ...
 
 def optimal_voxel_size(mockup: Mockup, tool: Tool, estimator: str) -> float: ...
 def weld_vertices(vertices: npt.NDArray[np.float64]) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]]:

@@ -7,12 +7,13 @@ import os
 import time
 from collections.abc import Callable
 from enum import IntEnum
+from typing import Literal, overload
 
 import numpy as np
 import numpy.typing as npt
 
 from feeler import _core
-from feeler._core import Batch, Collision
+from feeler._core import Batch, Clearance, ClearanceBatch, Collision, Distance, DistanceBatch
 from feeler.errors import MeshError, OptionError, PoseError
 from feeler.mockup import Mockup, Tool
 
@@ -132,6 +133,68 @@ class Scene(_core.Scene):
         _check_tool(tool)
         _check_progress(progress)
         return super().collide_batch(tool, _poses(poses, 3), progress)
+
+    def clearance(
+        self, tool: _core.Tool, world_from_tool: npt.ArrayLike, within: float = 0.005, triangles: bool = False
+    ) -> Clearance:
+        """What is nearer than `within` (metres) with the tool at a pose `(4, 4)`: a row for each part, nearest first.
+
+        With `triangles`, a row for each pair of triangles. A distance is 0 if and only if they meet, and else right
+        within 1.4e-14 of the largest difference of coordinates of the two triangles. Of several pairs at the same
+        distance, a part's row has the one with the least ids; of several that meet, any. Raises `OptionError` where
+        `within` is negative or NaN (it may be infinite), `LimitError` when the rows outgrow the scene's `memory_limit`.
+        """
+        _check_tool(tool)
+        return super().clearance(tool, _poses(world_from_tool, 2), _real("within", within), bool(triangles))
+
+    @overload  # type: ignore[override]
+    def distance(
+        self, tool: _core.Tool, world_from_tool: npt.ArrayLike, max: float = math.inf, k: Literal[1] = 1
+    ) -> Distance: ...
+    @overload
+    def distance(
+        self, tool: _core.Tool, world_from_tool: npt.ArrayLike, max: float = math.inf, *, k: int
+    ) -> Distance | list[Distance]: ...
+    def distance(
+        self, tool: _core.Tool, world_from_tool: npt.ArrayLike, max: float = math.inf, k: int = 1
+    ) -> Distance | list[Distance]:
+        """The distance of tool and mock-up with the tool at a pose `(4, 4)`, with the two closest points.
+
+        With `k` above 1, a list: the distance of each of the `k` closest parts, nearest first. What is farther than
+        `max` (metres) is left out: the value is infinite then, all else None, and the list shorter. Exact as
+        `clearance`; when they meet, the value is 0, and the triangles are some pair that meets. Raises `OptionError`
+        where `max` is negative or NaN, or `k` below 1.
+        """
+        _check_tool(tool)
+        if not 1 <= _integer("k", k) < 2**32:
+            raise OptionError(f"k is {k}: ask for one part at least")
+        if k == 1:
+            return super().distance(tool, _poses(world_from_tool, 2), _real("max", max))
+        return super().distances(tool, _poses(world_from_tool, 2), _real("max", max), int(k))
+
+    def distance_batch(
+        self, tool: _core.Tool, poses: npt.ArrayLike, max: float = math.inf, progress: Progress | None = None
+    ) -> DistanceBatch:
+        """`distance` at each of `(n, 4, 4)` poses, on all threads of the scene."""
+        _check_tool(tool)
+        _check_progress(progress)
+        return super().distance_batch(tool, _poses(poses, 3), _real("max", max), progress)
+
+    def clearance_batch(
+        self,
+        tool: _core.Tool,
+        poses: npt.ArrayLike,
+        within: float = 0.005,
+        triangles: bool = False,
+        progress: Progress | None = None,
+    ) -> ClearanceBatch:
+        """`clearance` at each of `(n, 4, 4)` poses, on all threads of the scene.
+
+        Raises `LimitError` when the rows outgrow the scene's `memory_limit`.
+        """
+        _check_tool(tool)
+        _check_progress(progress)
+        return super().clearance_batch(tool, _poses(poses, 3), _real("within", within), bool(triangles), progress)
 
     def __repr__(self) -> str:
         return f"Scene({self.mockup!r}, voxel_size={self.voxel_size:.4g}, storage={self.storage!r})"

@@ -50,3 +50,7 @@ pub const TRANSFORM_ROUNDOFFS: f64 = 48.0;
 /// What a distance of two triangles may be off by, in unit roundoffs of the largest difference of their coordinates: about a
 /// dozen roundings on the way to each witness point, as many for the other, and a factor of four to spare.
 pub const DISTANCE_ROUNDOFFS: f64 = 128.0;
+
+/// What the common point of two triangles that meet may be off both, likewise. Worst where slivers that are nearly in one plane
+/// cross: how far float64 can tell where.
+pub const MEETING_ROUNDOFFS: f64 = 8_388_608.0;

@@ -26,16 +26,28 @@ pub struct Closest {
 ///
 /// With L the largest difference of two of the corners' coordinates along one axis, the distance is right within
 /// [`DISTANCE_ROUNDOFFS`] roundings of L (about 1.4e-14 L), and so is each point's distance from its triangle, beside rounding
-/// its coordinates to float64. The distance is 0 if and only if the triangles meet, which is decided exactly. For triangles
-/// without area (a segment, a point) the same holds.
+/// its coordinates to float64; where they meet, the common point is within [`MEETING_ROUNDOFFS`](crate::constants::MEETING_ROUNDOFFS) (1e-9 L) of both. The distance is 0 if and only if the triangles meet, which is decided exactly. One of the two may
+/// have lost its area (a segment, a point), as a tool's triangle can at a pose.
 pub fn closest_triangle_triangle(p: &Triangle, q: &Triangle) -> Closest {
     closest_within(p, q, f64::INFINITY).unwrap_or(Closest { distance: f64::INFINITY, on_p: p[0], on_q: q[0] })
 }
 
 /// The same where the distance is at most `within` (metres), else `None`; much quicker for triangles that are farther apart.
 pub fn closest_within(p: &Triangle, q: &Triangle, within: f64) -> Option<Closest> {
-    let pair = Pair::new(p, q);
-    let limit = within * pair.per_metre + ALLOWED;
+    // Most pairs end here, before anything is divided.
+    let placed = Placed::new(p, q);
+    let limit = within * placed.per_metre + ALLOWED;
+    let (b, c) = (Aabb::of_triangle(&placed.p), Aabb::of_triangle(&placed.q));
+    if distance_bound(&b, &c) > limit {
+        return None;
+    }
+    let pair = Pair {
+        p: Side::new(placed.p),
+        q: Side::new(placed.q),
+        origin: p[0],
+        per_metre: placed.per_metre,
+        size: placed.size,
+    };
     if pair.is_beyond(limit) {
         return None;
     }
@@ -50,7 +62,7 @@ pub fn closest_within(p: &Triangle, q: &Triangle, within: f64) -> Option<Closest
         return Some(Closest { distance: 0.0, on_p: at, on_q: at });
     }
     // Apart, however little of it float64 can tell.
-    let distance = (best.squared.sqrt() / pair.per_metre).max(f64::MIN_POSITIVE);
+    let distance = (best.squared.sqrt() / pair.per_metre).max(SMALLEST);
     if distance > within {
         return None;
     }
@@ -79,6 +91,12 @@ const ALLOWED: f64 = DISTANCE_ROUNDOFFS * UNIT_ROUNDOFF;
 
 /// Square of the sine below which two directions count as near parallel, or a face as a sliver.
 const NARROW: f64 = 1e-6;
+
+/// Square of a gap, over that of the size, that rounding alone leaves where triangles meet.
+const CLOSE_ENOUGH: f64 = 64.0 * UNIT_ROUNDOFF * UNIT_ROUNDOFF;
+
+/// The smallest number above 0.
+const SMALLEST: f64 = f64::from_bits(1);
 
 struct Best {
     squared: f64,
@@ -166,11 +184,33 @@ struct Pair {
     q: Side,
     origin: Point,
     per_metre: f64,
+    size: f64,
 }
 
-impl Pair {
+impl Side {
+    /// The closest point of the triangle.
+    fn closest_to(&self, point: &Point) -> Point {
+        self.on_face(point).unwrap_or_else(|| {
+            let feet = [self.on_edge(0, point), self.on_edge(1, point), self.on_edge(2, point)];
+            let squared = feet.map(|foot| dot(&sub(point, &foot), &sub(point, &foot)));
+            let nearer = usize::from(squared[1] < squared[0]);
+            feet[if squared[2] < squared[nearer] { 2 } else { nearer }]
+        })
+    }
+}
+
+/// Corners in units of the pair.
+struct Placed {
+    p: Triangle,
+    q: Triangle,
+    per_metre: f64,
+    /// The largest coordinate: from 1 to 2, or less for numbers next to 0.
+    size: f64,
+}
+
+impl Placed {
     #[inline(always)]
-    fn new(p: &Triangle, q: &Triangle) -> Pair {
+    fn new(p: &Triangle, q: &Triangle) -> Placed {
         let origin = p[0];
         let mut largest = 0.0f64;
         for corner in [&p[1], &p[2], &q[0], &q[1], &q[2]] {
@@ -180,20 +220,25 @@ impl Pair {
         }
         let per_metre = power_of_two_below_inverse(largest);
         let moved = |corner: &Point| -> Point { std::array::from_fn(|a| (corner[a] - origin[a]) * per_metre) };
-        Pair { p: Side::new(p.map(|c| moved(&c))), q: Side::new(q.map(|c| moved(&c))), origin, per_metre }
+        let [a, b, c] = p;
+        let [d, e, f] = q;
+        Placed {
+            p: [moved(a), moved(b), moved(c)],
+            q: [moved(d), moved(e), moved(f)],
+            per_metre,
+            size: largest * per_metre,
+        }
     }
+}
 
+impl Pair {
     fn to_metres(&self, point: &Point) -> Point {
         std::array::from_fn(|a| point[a] / self.per_metre + self.origin[a])
     }
 
-    /// Whether the triangles are certainly farther apart than a limit.
+    /// Whether the plane of either certainly holds the triangles farther apart than a limit.
     #[inline(always)]
     fn is_beyond(&self, limit: f64) -> bool {
-        let (b, c) = (Aabb::of_triangle(&self.p.corners), Aabb::of_triangle(&self.q.corners));
-        if distance_bound(&b, &c) > limit {
-            return true;
-        }
         for n in [&self.p.normal, &self.q.normal] {
             let (gap, error) = self.gap_along(n);
             if gap - error > limit * dot(n, n).sqrt() * (1.0 + 1e-13) {
@@ -284,14 +329,21 @@ impl Pair {
                 if (from > 0.0) == (to > 0.0) || from == to {
                     continue;
                 }
-                let at = along(&line.corners[i], from / (from - to), &line.edges[i]);
-                let inside = face.on_face(&at);
-                for foot in inside.into_iter().chain((0..3).map(|e| face.on_edge(e, &at))) {
+                let slope = to - from;
+                let mut t = -from / slope;
+                // The plane of a sliver is not known well: go on from the point found on it.
+                for _ in 0..16 {
+                    let at = along(&line.corners[i], t.clamp(0.0, 1.0), &line.edges[i]);
+                    let foot = face.closest_to(&at);
                     if is_p {
                         best.offer(&at, &foot);
                     } else {
                         best.offer(&foot, &at);
                     }
+                    if best.squared <= CLOSE_ENOUGH * self.size * self.size {
+                        return;
+                    }
+                    t = t.clamp(0.0, 1.0) + dot(&face.normal, &sub(&foot, &at)) / slope;
                 }
             }
         }

@@ -325,6 +325,11 @@ impl Placement {
         }
     }
 
+    /// By how much boxes grow, frame units.
+    pub fn margin(&self) -> f32 {
+        self.margin
+    }
+
     /// Boxes around rotated boxes: quick and loose.
     #[inline(always)]
     pub fn place_boxes<S: Simd>(&self, s: S, boxes: &BoxLanes) -> LaneBoxes {

@@ -11,7 +11,7 @@
 use feeler_core::{PairKind, Triangle};
 use num_bigint::{BigInt, Sign};
 
-type Vector = [BigInt; 3];
+pub(crate) type Vector = [BigInt; 3];
 
 /// The point `(x/w, y/w, z/w)`.
 #[derive(Debug, Clone)]
@@ -147,7 +147,7 @@ fn is_same(x: &Rational, y: &Rational) -> bool {
 
 /// All coordinates, times one power of two that makes them whole, seen from the first corner of `p`. Neither a scale nor a
 /// shift changes how two sets meet.
-fn integers(p: &Triangle, q: &Triangle) -> [[Vector; 3]; 2] {
+pub(crate) fn integers(p: &Triangle, q: &Triangle) -> [[Vector; 3]; 2] {
     let unit = p.iter().chain(q).flatten().map(|x| exponent_of_last_bit(*x)).min().unwrap_or(0).min(MANY);
     let whole = |x: f64| -> BigInt {
         if x == 0.0 {
@@ -186,23 +186,23 @@ fn exponent_of_last_bit(x: f64) -> i32 {
     }
 }
 
-fn normal(t: &[Vector; 3]) -> Vector {
+pub(crate) fn normal(t: &[Vector; 3]) -> Vector {
     cross(&difference(&t[1], &t[0]), &difference(&t[2], &t[0]))
 }
 
-fn difference(a: &Vector, b: &Vector) -> Vector {
+pub(crate) fn difference(a: &Vector, b: &Vector) -> Vector {
     [&a[0] - &b[0], &a[1] - &b[1], &a[2] - &b[2]]
 }
 
-fn cross(a: &Vector, b: &Vector) -> Vector {
+pub(crate) fn cross(a: &Vector, b: &Vector) -> Vector {
     [&a[1] * &b[2] - &a[2] * &b[1], &a[2] * &b[0] - &a[0] * &b[2], &a[0] * &b[1] - &a[1] * &b[0]]
 }
 
-fn dot(a: &Vector, b: &Vector) -> BigInt {
+pub(crate) fn dot(a: &Vector, b: &Vector) -> BigInt {
     &a[0] * &b[0] + &a[1] * &b[1] + &a[2] * &b[2]
 }
 
-fn is_zero(v: &Vector) -> bool {
+pub(crate) fn is_zero(v: &Vector) -> bool {
     v.iter().all(|x| x.sign() == Sign::NoSign)
 }
 

@@ -4,6 +4,7 @@ mod arrays;
 mod collision;
 mod errors;
 mod mockup;
+mod proximity;
 mod scene;
 mod tool;
 
@@ -35,6 +36,8 @@ mod _core {
     use super::collision::{Batch, Collision};
     #[pymodule_export]
     use super::mockup::Mockup;
+    #[pymodule_export]
+    use super::proximity::{Clearance, ClearanceBatch, Distance, DistanceBatch};
     #[pymodule_export]
     use super::scene::{optimal_voxel_size, Scene};
     #[pymodule_export]

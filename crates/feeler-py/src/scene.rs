@@ -11,6 +11,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use crate::collision::{Batch, Collision};
 use crate::errors::{raise, to_py};
 use crate::mockup::Mockup;
+use crate::proximity::{Clearance, ClearanceBatch, Distance, DistanceBatch};
 use crate::tool::Tool;
 
 /// A mock-up with its index. `feeler.Scene` adds defaults.
@@ -176,6 +177,98 @@ impl Scene {
         });
         reporter.finish()?;
         Ok(Batch::new(batch.map_err(to_py)?))
+    }
+
+    #[pyo3(signature = (tool, world_from_tool, within, triangles))]
+    fn clearance(
+        &self,
+        py: Python<'_>,
+        tool: &Bound<'_, Tool>,
+        world_from_tool: PyReadonlyArray2<'_, f64>,
+        within: f64,
+        triangles: bool,
+    ) -> PyResult<Clearance> {
+        let pose = pose_of(&world_from_tool)?;
+        let tool = &tool.get().core;
+        let gaps = py.detach(|| {
+            if triangles {
+                self.core.near_pairs(tool, &pose, within)
+            } else {
+                self.core.clearance(tool, &pose, within)
+            }
+        });
+        Ok(Clearance::new(gaps.map_err(to_py)?))
+    }
+
+    #[pyo3(signature = (tool, world_from_tool, max))]
+    fn distance(
+        &self,
+        py: Python<'_>,
+        tool: &Bound<'_, Tool>,
+        world_from_tool: PyReadonlyArray2<'_, f64>,
+        max: f64,
+    ) -> PyResult<Distance> {
+        let pose = pose_of(&world_from_tool)?;
+        let tool = &tool.get().core;
+        Ok(Distance::new(py.detach(|| self.core.closest(tool, &pose, max)).map_err(to_py)?))
+    }
+
+    #[pyo3(signature = (tool, world_from_tool, max, k))]
+    fn distances(
+        &self,
+        py: Python<'_>,
+        tool: &Bound<'_, Tool>,
+        world_from_tool: PyReadonlyArray2<'_, f64>,
+        max: f64,
+        k: usize,
+    ) -> PyResult<Vec<Distance>> {
+        let pose = pose_of(&world_from_tool)?;
+        let tool = &tool.get().core;
+        let gaps = py.detach(|| self.core.distance(tool, &pose, max, k)).map_err(to_py)?;
+        Ok(gaps.into_iter().map(|gap| Distance::new(Some(gap))).collect())
+    }
+
+    #[pyo3(signature = (tool, poses, max, progress))]
+    fn distance_batch(
+        &self,
+        py: Python<'_>,
+        tool: &Bound<'_, Tool>,
+        poses: PyReadonlyArray3<'_, f64>,
+        max: f64,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<DistanceBatch> {
+        let poses = poses_of(&poses)?;
+        let tool = &tool.get().core;
+        let reporter = Reporter::new(progress);
+        let gaps = py.detach(|| {
+            on_pool(self.pool.as_ref(), || {
+                self.core.distance_batch(tool, &poses, max, &|done, stage| reporter.tell(done, stage))
+            })
+        });
+        reporter.finish()?;
+        Ok(DistanceBatch::new(gaps.map_err(to_py)?))
+    }
+
+    #[pyo3(signature = (tool, poses, within, triangles, progress))]
+    fn clearance_batch(
+        &self,
+        py: Python<'_>,
+        tool: &Bound<'_, Tool>,
+        poses: PyReadonlyArray3<'_, f64>,
+        within: f64,
+        triangles: bool,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<ClearanceBatch> {
+        let poses = poses_of(&poses)?;
+        let tool = &tool.get().core;
+        let reporter = Reporter::new(progress);
+        let batch = py.detach(|| {
+            on_pool(self.pool.as_ref(), || {
+                self.core.clearance_batch(tool, &poses, within, triangles, &|done, stage| reporter.tell(done, stage))
+            })
+        });
+        reporter.finish()?;
+        Ok(ClearanceBatch::new(batch.map_err(to_py)?))
     }
 }
 

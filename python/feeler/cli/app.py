@@ -1,6 +1,6 @@
 """The program: its commands, `--version`, and how it ends.
 
-Exit status: 0 fine, 1 a finding (`feeler collide` found a collision), 2 bad input, 130 interrupted.
+Exit status: 0 fine, 1 a finding (a collision; less room than required), 2 bad input, 130 interrupted.
 """
 
 from __future__ import annotations
@@ -90,9 +90,9 @@ def feeler(
 ) -> None:
     """Finds every pair of triangles that meets, of a moving tool and a massive digital mock-up, exactly.
 
-    Exit status: 0 fine, 1 a collision was found, 2 bad input.
+    Exit status: 0 fine, 1 a collision was found or room is missing, 2 bad input.
     """
 
 
 # Each registers itself with `app`, in the order in which --help lists them.
-from feeler.cli import demo, info, collide, sample, bench  # noqa: E402, F401, I001
+from feeler.cli import demo, info, collide, clearance, sample, bench  # noqa: E402, F401, I001

@@ -41,7 +41,7 @@ def collision_bodies(
     if context is not None:
         if not context >= 0:
             raise OptionError(f"context is {context}: give a distance in metres, 0 or more")
-        body = only_faces(body, _near_parts(body, tool_body.bounds, context, hit_part)[body.part_of_face])
+        body = only_faces(body, near_parts(body, tool_body.bounds, context, hit_part)[body.part_of_face])
     return body, tool_body
 
 
@@ -59,7 +59,7 @@ def write_collision_glb(
     return write_glb(path, body, tool_body)
 
 
-def _near_parts(
+def near_parts(
     body: Body, box: npt.NDArray[np.float64], distance: float, always: npt.NDArray[np.bool_]
 ) -> npt.NDArray[np.bool_]:
     """Which parts have a box nearer than `distance` to `box`, or are in `always`."""

@@ -3,11 +3,14 @@
 //! One search serves all: tool tree and mock-up tree are descended together, nearest pairs of boxes first, and a pair of
 //! boxes farther apart than what is still of interest ([`Wanted::bound`]) is dropped.
 
+mod batch;
 mod brute;
 mod queries;
 mod search;
 mod wanted;
 
+pub(crate) use crate::narrow::PairSet;
+pub use batch::GapBatch;
 pub use brute::gaps_of_all_pairs;
 pub(crate) use queries::ProximityScratch;
 pub(crate) use search::{search, Cells, Item, SearchScratch};

@@ -29,6 +29,7 @@ pub struct Wanted<'a> {
     /// No more than this many gaps; beyond it the search stops.
     most: usize,
     bound: f64,
+    direction: [f32; 3],
     gaps: &'a mut Vec<Gap>,
     /// For each part its place in `gaps` plus one, or 0.
     places: &'a mut Vec<u32>,
@@ -58,7 +59,20 @@ impl<'a> Wanted<'a> {
         if goal != Goal::Pairs && places.len() < parts {
             places.resize(parts, 0);
         }
-        Wanted { mockup, tool, pose, lanes, goal, most, bound: within, gaps, places, sorted, changes: 0 }
+        Wanted {
+            mockup,
+            tool,
+            pose,
+            lanes,
+            goal,
+            most,
+            bound: within,
+            direction: [0.0; 3],
+            gaps,
+            places,
+            sorted,
+            changes: 0,
+        }
     }
 
     /// The largest distance (metres) still of interest; falls as the search goes on.
@@ -75,9 +89,10 @@ impl<'a> Wanted<'a> {
         self.tool.margin_at(self.pose) + 2.0 * DISTANCE_ROUNDOFFS * UNIT_ROUNDOFF * (mockup + tool)
     }
 
-    /// Whether a nearer pair would change how far the search has to look.
-    pub fn is_bound_falling(&self) -> bool {
-        matches!(self.goal, Goal::Nearest(_))
+    /// From tool to mock-up at the closest pair found last, of length 1; zero where there is none, or they meet.
+    #[inline(always)]
+    pub fn direction(&self) -> [f32; 3] {
+        self.direction
     }
 
     /// Takes the pair of a tool triangle (by slot) and a mock-up triangle; true when the search is over.
@@ -108,6 +123,10 @@ impl<'a> Wanted<'a> {
     }
 
     fn keep(&mut self, gap: Gap) -> bool {
+        if gap.distance > 0.0 {
+            let d = |a: usize| ((gap.on_mockup[a] - gap.on_tool[a]) / gap.distance) as f32;
+            self.direction = [d(0), d(1), d(2)];
+        }
         if self.goal == Goal::Pairs {
             self.gaps.push(gap);
             return self.gaps.len() > self.most;

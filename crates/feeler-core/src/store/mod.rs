@@ -13,7 +13,7 @@ use crate::narrow::Narrow;
 use crate::proximity::{search, SearchScratch, Wanted};
 use crate::tool::Tool;
 
-pub(crate) use blocks::{Blocks, BlocksScratch};
+pub(crate) use blocks::{Blocks, BlocksScratch, NearScratch};
 pub(crate) use dense::Dense;
 pub(crate) use hashed::Hashed;
 
@@ -59,12 +59,12 @@ impl Store {
     }
 
     /// Offers pairs of triangles that may be within the bound, nearest boxes first, until that says stop.
-    pub fn search(&self, scratch: &mut SearchScratch, wanted: &mut Wanted<'_>) {
+    pub fn search(&self, scratch: &mut SearchScratch, near: &mut NearScratch, wanted: &mut Wanted<'_>) {
         let mesh = wanted.mockup.mesh();
         match self {
             Store::Dense(store) => search(&store.with(mesh), scratch, wanted),
             Store::Hashed(store) => search(&store.with(mesh), scratch, wanted),
-            Store::Blocks(store) => search(store, scratch, wanted),
+            Store::Blocks(store) => store.search(scratch, near, wanted),
         }
     }
 

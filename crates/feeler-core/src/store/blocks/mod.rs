@@ -17,11 +17,14 @@ use crate::simd::{Kernel, Level, Simd};
 mod build;
 mod cells;
 mod descent;
+mod leaf;
+mod near;
 mod node;
 mod pieces;
 mod scan;
 
 pub use descent::BlocksScratch;
+pub use near::NearScratch;
 use node::{Frame, Node, FANOUT};
 use pieces::PackedPieces;
 

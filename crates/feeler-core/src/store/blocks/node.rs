@@ -1,11 +1,17 @@
 //! Nodes that hold 32 boxes in bytes.
 
 use crate::bounds::{Aabb, Point};
-use crate::lanes::{Box4, LaneBoxes};
+use crate::lanes::{Box4, Lane32, LaneBoxes, LANES};
 use crate::simd::{ByteBoxes, Simd};
 
 /// Children of a node.
 pub const FANOUT: usize = 32;
+
+/// What unpacked coordinates may be off by rounding, frame units; coordinates are at most 1.
+pub const UNPACK_ROUNDING: f32 = 1.0 / (1u32 << 21) as f32;
+
+/// Half a byte, or half a step, and a little for the roundings on the way there.
+pub const HALF: f32 = 0.51;
 
 /// World to float32: the box of the mock-up scaled by a power of two to lengths of at most 1.
 #[derive(Debug, Clone, Copy)]
@@ -104,11 +110,31 @@ impl Node {
         boxes.meeting(s, &[lx, ly, lz], &[ux, uy, uz])
     }
 
+    /// Unpacks half of the children's boxes: the sides of what their bytes may stand for.
+    #[inline(always)]
+    pub fn unpack<S: Simd>(&self, s: S, half: usize, lower: &mut [Lane32; 3], upper: &mut [Lane32; 3]) {
+        for a in 0..3 {
+            let origin = self.boxes.origin[a];
+            let unit = s.splat((self.upper[a] - origin) * (1.0 / 255.0));
+            let (from, to) = (s.splat(origin - UNPACK_ROUNDING), s.splat(origin + UNPACK_ROUNDING));
+            let low = s.widen_bytes(sixteen(&self.boxes.sides[a], LANES * half));
+            let high = s.widen_bytes(sixteen(&self.boxes.sides[a], FANOUT + LANES * half));
+            s.store(s.mul_add(low - s.splat(HALF), unit, from), &mut lower[a]);
+            s.store(s.mul_add(s.splat(255.0 + HALF) - high, unit, to), &mut upper[a]);
+        }
+    }
+
     /// The boxes, for unpacking.
     #[inline(always)]
     pub fn byte_boxes(&self) -> (&ByteBoxes, &[f32; 4]) {
         (&self.boxes, &self.upper)
     }
+}
+
+/// Sixteen of a node's bytes.
+#[inline(always)]
+fn sixteen(bytes: &[u8; 2 * FANOUT], from: usize) -> &[u8; LANES] {
+    bytes[from..].first_chunk().expect("a multiple of 16 below 64")
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! The pieces of a block: packed in ten bits a coordinate, and unpacked in lanes.
 
-use super::node::{Node, FANOUT};
-use crate::lanes::{greatest4, least4, Lane32, LANES, TINY};
+use super::node::{Node, HALF, UNPACK_ROUNDING};
+use crate::lanes::{greatest4, least4, Box4, Lane32, LANES, TINY};
 use crate::simd::Simd;
 
 /// Corners of a block's pieces, by corner, half of the block and lane: ten bits per axis (x lowest), as steps between the
@@ -10,12 +10,6 @@ pub type PackedPieces = [[[u32; LANES]; 2]; 4];
 
 /// Steps between the sides of a piece's box.
 const STEPS: f32 = 1023.0;
-
-/// What unpacked coordinates may be off by rounding, frame units; coordinates are at most 1.
-const UNPACK_ROUNDING: f32 = 1.0 / (1u32 << 21) as f32;
-
-/// Half a byte, or half a step, and a little for the roundings on the way there.
-const HALF: f32 = 0.51;
 
 /// Sixteen pieces of a block, in the frame.
 #[derive(Debug, Clone)]
@@ -52,16 +46,18 @@ impl HalfBlock {
     /// Unpacks the boxes of half a block.
     #[inline(always)]
     pub fn unpack_boxes<S: Simd>(&mut self, s: S, node: &Node, half: usize) {
-        let (boxes, node_upper) = node.byte_boxes();
+        node.unpack(s, half, &mut self.lower, &mut self.upper);
+    }
+
+    /// One of the boxes.
+    #[inline(always)]
+    pub fn boxes_lane(&self, lane: usize) -> Box4 {
+        let mut b = Box4 { lower: [0.0; 4], upper: [0.0; 4] };
         for a in 0..3 {
-            let origin = boxes.origin[a];
-            let unit = s.splat((node_upper[a] - origin) * (1.0 / 255.0));
-            let (from, to) = (s.splat(origin - UNPACK_ROUNDING), s.splat(origin + UNPACK_ROUNDING));
-            let low = s.widen_bytes(sixteen(&boxes.sides[a], LANES * half));
-            let high = s.widen_bytes(sixteen(&boxes.sides[a], FANOUT + LANES * half));
-            s.store(s.mul_add(low - s.splat(HALF), unit, from), &mut self.lower[a]);
-            s.store(s.mul_add(s.splat(255.0 + HALF) - high, unit, to), &mut self.upper[a]);
+            b.lower[a] = self.lower[a][lane];
+            b.upper[a] = self.upper[a][lane];
         }
+        b
     }
 
     /// Unpacks the corners, after the boxes. `slack` is what coordinates may be off beside what packing does.
@@ -109,16 +105,9 @@ impl HalfBlock {
     }
 }
 
-/// Sixteen of a node's bytes.
-#[inline(always)]
-fn sixteen(bytes: &[u8; 2 * FANOUT], from: usize) -> &[u8; LANES] {
-    bytes[from..].first_chunk().expect("a multiple of 16 below 64")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lanes::Box4;
     use crate::simd::{Kernel, Level};
     use proptest::prelude::*;
 

@@ -1,0 +1,185 @@
+//! The last steps of the search for what is near: a cluster of the tool against a block.
+
+use super::near::{Near, NearScratch, Search};
+use super::pieces::HalfBlock;
+use super::FANOUT;
+use crate::lanes::{greatest4, least4, load3, PlacedPieces, LANES, TINY};
+use crate::simd::{prefetch, Simd};
+
+/// Hands on the pairs of triangles of a cluster and a block that boxes and planes do not hold farther apart than the limit,
+/// nearest first. True when the search is over.
+#[inline(always)]
+pub fn scan<S: Simd>(s: S, run: &mut Search<'_, '_>, scratch: &mut NearScratch, cluster: usize, block: u32) -> bool {
+    let NearScratch { clusters, block: unpacked, seen, candidates, .. } = scratch;
+    let node = &run.blocks.levels[0][block as usize];
+    let placed = clusters.get(s, run, cluster);
+    let mut near = Near::ZERO;
+    let halves = &mut unpacked.halves;
+    if unpacked.block != block {
+        unpacked.block = block;
+        unpacked.has_corners = false;
+        halves[0].unpack_boxes(s, node, 0);
+        halves[1].unpack_boxes(s, node, 1);
+    }
+    let mut found = 0;
+    for h in 0..2 {
+        let half = &halves[h];
+        found |= near.of(s, &half.lower, &half.upper, &placed.bounds, run.limit, LANES * h) << (LANES * h);
+    }
+    found &= node.valid;
+    if found == 0 {
+        return false;
+    }
+    let slack = run.placement.slack + run.blocks.slack;
+    let slots = &run.wanted.tool.clusters()[cluster];
+    let triangles = &run.blocks.triangles[FANOUT * block as usize..];
+    let mesh = run.wanted.mockup.mesh();
+    let mut pairs = Near::ZERO;
+    candidates.clear();
+    while found != 0 {
+        let piece = found.trailing_zeros() as usize;
+        found &= found - 1;
+        let (h, lane) = (piece / LANES, piece % LANES);
+        let bounds = halves[h].boxes_lane(lane);
+        let mut lanes = pairs.of_lanes(s, &placed.boxes, &bounds, run.limit) & u32::from(slots.corners.used);
+        if lanes == 0 {
+            continue;
+        }
+        if !unpacked.has_corners {
+            unpacked.has_corners = true;
+            for h in 0..2 {
+                halves[h].unpack_corners(s, &run.blocks.packed[block as usize], h, slack);
+            }
+        }
+        placed.need_normals(s);
+        let mut planes = Planes::ZERO;
+        lanes &= u32::from(planes.of(s, placed, &halves[h], lane, &run.direction, run.limit));
+        let triangle = triangles[piece];
+        if lanes != 0 {
+            prefetch(&mesh.faces()[triangle as usize]);
+        }
+        while lanes != 0 {
+            let i = lanes.trailing_zeros() as usize;
+            lanes &= lanes - 1;
+            let bound = planes.bound(i).max(pairs.bounds[i]);
+            candidates.push(Candidate { bound, slot: slots.slots[i], triangle });
+        }
+    }
+    candidates.sort_unstable_by(|a, b| a.bound.total_cmp(&b.bound));
+    for candidate in candidates.iter() {
+        mesh.faces()[candidate.triangle as usize].iter().for_each(|v| prefetch(&mesh.vertices()[*v as usize]));
+    }
+    for candidate in candidates.iter() {
+        if candidate.bound > run.limit {
+            break;
+        }
+        // A bound only falls, so a pair needs no second look.
+        if seen.insert(u64::from(candidate.slot) << 32 | u64::from(candidate.triangle)) {
+            if run.wanted.take(candidate.slot, candidate.triangle) {
+                return true;
+            }
+            run.update_limit();
+        }
+    }
+    false
+}
+
+/// A pair of triangles to be tested.
+#[derive(Debug, Clone, Copy)]
+pub struct Candidate {
+    bound: f32,
+    slot: u32,
+    triangle: u32,
+}
+
+/// Gaps between a cluster's pieces and one piece of a block, along the normals of both and one direction more.
+///
+/// As for collisions: whatever the axis is, intervals along it that are apart by more than their uncertainty are proof, and the
+/// gap over the axis's length is a bound. Lengths near what float32 can square prove nothing.
+struct Planes {
+    /// By axis and lane: squares of gaps and of lengths.
+    gaps: [[f32; LANES]; 3],
+    lengths: [[f32; LANES]; 3],
+}
+
+impl Planes {
+    const ZERO: Planes = Planes { gaps: [[0.0; LANES]; 3], lengths: [[1.0; LANES]; 3] };
+
+    /// Fills them in; returns which lanes are not held farther apart than the limit (a square).
+    #[inline(always)]
+    fn of<S: Simd>(
+        &mut self,
+        s: S,
+        placed: &PlacedPieces,
+        half: &HalfBlock,
+        piece: usize,
+        direction: &[f32; 3],
+        limit: f32,
+    ) -> u16 {
+        let zero = s.splat(0.0);
+        let limit = s.splat(limit * (1.0 + 1e-4));
+        let mut d = [zero; 4];
+        // The plane of the block's piece.
+        let m = [s.splat(half.normals[0][piece]), s.splat(half.normals[1][piece]), s.splat(half.normals[2][piece])];
+        for c in 0..4 {
+            let at = load3(s, &placed.corners[c]);
+            d[c] = s.mul_add(m[0], at[0], s.mul_add(m[1], at[1], m[2] * at[2]));
+        }
+        let gap = s.max(least4(s, &d) - s.splat(half.far[piece]), s.splat(half.near[piece]) - greatest4(s, &d));
+        let mut beyond = self.keep(s, 0, s.max(gap, zero), &m, limit);
+        // The planes of the tool's pieces.
+        let n = load3(s, &placed.normals);
+        let (near, far) = along_axis(s, half, piece, &n);
+        let gap = s.max(near - s.load(&placed.far), s.load(&placed.near) - far);
+        beyond |= self.keep(s, 1, s.max(gap, zero), &n, limit);
+        // The direction.
+        let m = [s.splat(direction[0]), s.splat(direction[1]), s.splat(direction[2])];
+        let (near, far) = along_axis(s, half, piece, &m);
+        for c in 0..4 {
+            let at = load3(s, &placed.corners[c]);
+            d[c] = s.mul_add(m[0], at[0], s.mul_add(m[1], at[1], m[2] * at[2]));
+        }
+        let gap = s.max(near - greatest4(s, &d), least4(s, &d) - far);
+        beyond |= self.keep(s, 2, s.max(gap, zero), &m, limit);
+        !beyond
+    }
+
+    #[inline(always)]
+    fn keep<S: Simd>(&mut self, s: S, axis: usize, gap: S::F32, n: &[S::F32; 3], limit: S::F32) -> u16 {
+        let length = s.mul_add(n[0], n[0], s.mul_add(n[1], n[1], n[2] * n[2]));
+        let gap = gap * gap;
+        s.store(gap, &mut self.gaps[axis]);
+        s.store(length, &mut self.lengths[axis]);
+        s.above(gap, limit * length) & s.above(length, s.splat(SHORTEST))
+    }
+
+    /// The largest bound for a lane (a square), rounded down.
+    fn bound(&self, lane: usize) -> f32 {
+        let mut bound = 0.0f32;
+        for axis in 0..3 {
+            let (gap, length) = (self.gaps[axis][lane], self.lengths[axis][lane]);
+            if length > SHORTEST {
+                bound = bound.max(gap / length);
+            }
+        }
+        bound * (1.0 - 1e-4)
+    }
+}
+
+/// Squares of axes shorter than that have lost too much to rounding towards 0.
+const SHORTEST: f32 = 1e-28;
+
+/// The interval of one piece of a block along an axis in each lane, grown by all slack.
+#[inline(always)]
+fn along_axis<S: Simd>(s: S, half: &HalfBlock, piece: usize, n: &[S::F32; 3]) -> (S::F32, S::F32) {
+    let mut d = [n[0]; 4];
+    for c in 0..4 {
+        let at = [&half.corners[c][0], &half.corners[c][1], &half.corners[c][2]];
+        let last = n[2] * s.splat(at[2][piece]);
+        d[c] = s.mul_add(n[0], s.splat(at[0][piece]), s.mul_add(n[1], s.splat(at[1][piece]), last));
+    }
+    let slack = s.mul_add(s.abs(n[2]), s.splat(half.slack[2][piece]), s.splat(TINY));
+    let slack = s.mul_add(s.abs(n[1]), s.splat(half.slack[1][piece]), slack);
+    let slack = s.mul_add(s.abs(n[0]), s.splat(half.slack[0][piece]), slack);
+    (least4(s, &d) - slack, greatest4(s, &d) + slack)
+}

@@ -1,0 +1,291 @@
+//! The search for what is near, in lanes: pairs of a tool entry and a node go down together, nearest first.
+//!
+//! Bounds are squares of distances in frame units, from boxes in float32 that cover what they stand for; they are compared with
+//! [`Search::limit`], which is rounded up, so nothing of interest is dropped.
+
+use super::leaf::Candidate;
+use super::node::Node;
+use super::pieces::HalfBlock;
+use super::{Blocks, FANOUT};
+use crate::lanes::{Box4, LaneBoxes, PlacedPieces, Placement, LANES};
+use crate::proximity::{search, PairSet, SearchScratch, Wanted};
+use crate::simd::{prefetch, Kernel, Simd};
+
+/// Working memory of a search.
+#[derive(Debug, Default)]
+pub struct NearScratch {
+    stack: Vec<Pair>,
+    pub(super) clusters: PlacedClusters,
+    pub(super) block: UnpackedBlock,
+    pub(super) seen: PairSet,
+    pub(super) candidates: Vec<Candidate>,
+}
+
+/// A tool entry and a node, not yet looked into.
+#[derive(Debug, Clone, Copy)]
+struct Pair {
+    bound: f32,
+    /// 0 for clusters and blocks.
+    tool_level: u8,
+    level: u8,
+    entry: u32,
+    node: u32,
+    /// The entry's box.
+    bounds: Box4,
+}
+
+/// The clusters a search has placed so far.
+#[derive(Debug, Default)]
+pub struct PlacedClusters {
+    /// For each cluster the search that placed it, and where.
+    places: Vec<(u32, u32)>,
+    placed: Vec<PlacedPieces>,
+    count: usize,
+    search: u32,
+}
+
+/// The block looked into last.
+#[derive(Debug)]
+pub struct UnpackedBlock {
+    pub halves: Box<[HalfBlock; 2]>,
+    pub block: u32,
+    pub has_corners: bool,
+}
+
+impl Default for UnpackedBlock {
+    fn default() -> UnpackedBlock {
+        UnpackedBlock { halves: Box::new([HalfBlock::ZERO; 2]), block: u32::MAX, has_corners: false }
+    }
+}
+
+impl PlacedClusters {
+    fn begin(&mut self, clusters: usize) {
+        if self.search == u32::MAX {
+            self.places.fill((0, 0));
+            self.search = 0;
+        }
+        self.search += 1;
+        self.count = 0;
+        if self.places.len() < clusters {
+            self.places.resize(clusters, (0, 0));
+        }
+    }
+
+    /// A cluster at the pose.
+    #[inline(always)]
+    pub fn get<S: Simd>(&mut self, s: S, run: &Search<'_, '_>, cluster: usize) -> &mut PlacedPieces {
+        let (search, at) = self.places[cluster];
+        if search == self.search {
+            return &mut self.placed[at as usize];
+        }
+        let at = self.count;
+        self.count += 1;
+        self.places[cluster] = (self.search, at as u32);
+        if self.placed.len() <= at {
+            self.placed.push(PlacedPieces::ZERO);
+        }
+        let placed = &mut self.placed[at];
+        run.placement.place_pieces(s, &run.wanted.tool.clusters()[cluster].corners, placed);
+        placed
+    }
+}
+
+impl Blocks {
+    /// Hands `wanted` every pair of triangles that may be within its bound, nearest boxes first, until it says stop.
+    pub fn search(&self, plain: &mut SearchScratch, scratch: &mut NearScratch, wanted: &mut Wanted<'_>) {
+        let margin = wanted.margin();
+        let (tool, lanes) = (wanted.tool, wanted.lanes);
+        let placement = Placement::new(tool.unit(), wanted.pose, margin, &self.frame.origin, self.frame.scale);
+        if placement.margin() > FAR {
+            return search(self, plain, wanted);
+        }
+        scratch.clusters.begin(tool.clusters().len());
+        scratch.block.block = u32::MAX;
+        scratch.seen.clear();
+        let bounds = self.frame.to_box4(&wanted.pose.apply_box(&tool.mesh().bounds(), margin));
+        // The conversion rounds; the placement's margin is far more.
+        let grown = |x: [f32; 4], by: f32| x.map(|x| x + by);
+        let bounds =
+            Box4 { lower: grown(bounds.lower, -placement.margin()), upper: grown(bounds.upper, placement.margin()) };
+        let mut run = Search { blocks: self, placement, limit: 0.0, direction: [0.0; 3], wanted };
+        run.update_limit();
+        lanes.run(Descend { run: &mut run, scratch, bounds });
+    }
+}
+
+/// Margin of a placement (frame units) beyond which float32 tells too little: at some 64 times the mock-up's size.
+const FAR: f32 = 1.0 / 16384.0;
+
+/// What stays the same during a search, and the limit.
+pub struct Search<'a, 'w> {
+    pub blocks: &'a Blocks,
+    pub placement: Placement,
+    /// The square of the largest distance of interest, frame units, rounded up.
+    pub limit: f32,
+    /// From tool to mock-up where they were found closest so far: along it, most pairs farther apart show it.
+    pub direction: [f32; 3],
+    pub wanted: &'a mut Wanted<'w>,
+}
+
+impl Search<'_, '_> {
+    /// After a pair was taken.
+    #[inline(always)]
+    pub fn update_limit(&mut self) {
+        self.direction = self.wanted.direction();
+        let bound = self.wanted.bound() * self.blocks.frame.scale;
+        // Bounds have a few roundings of 2^-24 each; the last term covers squares that underflow.
+        self.limit = if bound < 1e15 { (bound * bound * (1.0 + 1e-5) + 1e-36) as f32 } else { f32::INFINITY };
+    }
+}
+
+struct Descend<'a, 'b, 'w> {
+    run: &'a mut Search<'b, 'w>,
+    scratch: &'a mut NearScratch,
+    bounds: Box4,
+}
+
+impl Kernel for Descend<'_, '_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) {
+        let Descend { run, scratch, bounds } = self;
+        let tool = run.wanted.tool;
+        let levels = &run.blocks.levels;
+        scratch.stack.clear();
+        scratch.stack.push(Pair {
+            bound: 0.0,
+            tool_level: tool.height() as u8,
+            level: levels.len() as u8 - 1,
+            entry: 0,
+            node: 0,
+            bounds,
+        });
+        let mut near = Near::ZERO;
+        while let Some(pair) = scratch.stack.pop() {
+            if pair.bound > run.limit {
+                continue;
+            }
+            let node = &levels[pair.level as usize][pair.node as usize];
+            if pair.level == 0 && pair.tool_level == 0 {
+                if super::leaf::scan(s, run, scratch, pair.entry as usize, pair.node) {
+                    return;
+                }
+                continue;
+            }
+            let open_tool = pair.level == 0 || pair.tool_level > 0 && size(&pair.bounds) >= size(&node.bounds());
+            if open_tool {
+                let boxes = &tool.children(pair.tool_level as usize)[pair.entry as usize];
+                let placed = run.placement.place_boxes(s, boxes);
+                let mut found = near.of_lanes(s, &placed, &node.bounds(), run.limit) & u32::from(boxes.used);
+                let count = near.sort(&mut found);
+                for at in (0..count).rev() {
+                    let i = near.order[at] as u32 as usize;
+                    let entry = LANES as u32 * pair.entry + i as u32;
+                    if pair.tool_level == 1 {
+                        prefetch(&tool.clusters()[entry as usize]);
+                    }
+                    scratch.stack.push(Pair {
+                        bound: near.bounds[i],
+                        tool_level: pair.tool_level - 1,
+                        entry,
+                        bounds: placed.lane(i),
+                        ..pair
+                    });
+                }
+            } else {
+                let mut found = near.of_children(s, node, &pair.bounds, run.limit);
+                let count = near.sort(&mut found);
+                for at in (0..count).rev() {
+                    let i = near.order[at] as u32 as usize;
+                    let child = FANOUT as u32 * pair.node + i as u32;
+                    prefetch(&levels[pair.level as usize - 1][child as usize]);
+                    scratch.stack.push(Pair { bound: near.bounds[i], level: pair.level - 1, node: child, ..pair });
+                }
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn size(b: &Box4) -> f32 {
+    let side = |a: usize| b.upper[a] - b.lower[a];
+    side(0).max(side(1)).max(side(2))
+}
+
+/// Bounds of up to 32 boxes from one, and their order.
+pub struct Near {
+    pub bounds: [f32; FANOUT],
+    /// Squares of distances between the middles.
+    middles: [f32; FANOUT],
+    /// Key in the upper half, place in the lower; see [`sort`](Self::sort).
+    pub order: [u64; FANOUT],
+}
+
+impl Near {
+    pub const ZERO: Near = Near { bounds: [0.0; FANOUT], middles: [0.0; FANOUT], order: [0; FANOUT] };
+
+    /// The children of a node from a box; returns which are within the limit.
+    #[inline(always)]
+    pub fn of_children<S: Simd>(&mut self, s: S, node: &Node, b: &Box4, limit: f32) -> u32 {
+        let mut half = LaneBoxes::ZERO;
+        let mut found = 0;
+        for h in 0..2 {
+            node.unpack(s, h, &mut half.lower, &mut half.upper);
+            found |= self.of(s, &half.lower, &half.upper, b, limit, LANES * h) << (LANES * h);
+        }
+        found & node.valid
+    }
+
+    /// Sixteen boxes from a box; returns which are within the limit.
+    #[inline(always)]
+    pub fn of_lanes<S: Simd>(&mut self, s: S, boxes: &LaneBoxes, b: &Box4, limit: f32) -> u32 {
+        self.of(s, &boxes.lower, &boxes.upper, b, limit, 0)
+    }
+
+    #[inline(always)]
+    pub fn of<S: Simd>(
+        &mut self,
+        s: S,
+        lower: &[[f32; LANES]; 3],
+        upper: &[[f32; LANES]; 3],
+        b: &Box4,
+        limit: f32,
+        from: usize,
+    ) -> u32 {
+        let zero = s.splat(0.0);
+        let (mut squared, mut middles) = (zero, zero);
+        for a in 0..3 {
+            let (l, u) = (s.load(&lower[a]), s.load(&upper[a]));
+            let gap = s.max(s.max(l - s.splat(b.upper[a]), s.splat(b.lower[a]) - u), zero);
+            squared = s.mul_add(gap, gap, squared);
+            let middle = l + u - s.splat(b.lower[a] + b.upper[a]);
+            middles = s.mul_add(middle, middle, middles);
+        }
+        s.store(squared, (&mut self.bounds[from..from + LANES]).try_into().expect("16 of 32"));
+        s.store(middles, (&mut self.middles[from..from + LANES]).try_into().expect("16 of 32"));
+        u32::from(!s.above(squared, s.splat(limit)))
+    }
+
+    /// Puts the places chosen into `order`, nearest first; of boxes that overlap, those whose middles are closer. Returns how
+    /// many.
+    #[inline(always)]
+    pub fn sort(&mut self, chosen: &mut u32) -> usize {
+        let mut count = 0;
+        while *chosen != 0 {
+            let i = chosen.trailing_zeros() as usize;
+            *chosen &= *chosen - 1;
+            // Positive numbers are ordered as their bits are.
+            let key = self.bounds[i] + 1e-3 * self.middles[i];
+            let key = u64::from(key.to_bits()) << 32 | i as u64;
+            let mut at = count;
+            while at > 0 && self.order[at - 1] > key {
+                self.order[at] = self.order[at - 1];
+                at -= 1;
+            }
+            self.order[at] = key;
+            count += 1;
+        }
+        count
+    }
+}
