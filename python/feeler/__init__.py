@@ -2,7 +2,7 @@
 
 from importlib.metadata import version as _version
 
-from feeler._core import Batch, Clearance, ClearanceBatch, Collision, Distance, DistanceBatch
+from feeler._core import Batch, Clearance, ClearanceBatch, Collision, Contacts, Distance, DistanceBatch, Penetration
 from feeler.errors import (
     FeelerError,
     LimitError,
@@ -15,7 +15,7 @@ from feeler.errors import (
 from feeler.load import load_mockup, load_tool
 from feeler.mockup import Mockup, Tool
 from feeler.samples import sample, sample_path, sample_poses, sample_tool
-from feeler.scene import PairKind, Scene, optimal_voxel_size
+from feeler.scene import ContactTracker, PairKind, Scene, optimal_voxel_size
 
 __version__ = _version("feeler")
 
@@ -24,6 +24,8 @@ __all__ = [
     "Clearance",
     "ClearanceBatch",
     "Collision",
+    "ContactTracker",
+    "Contacts",
     "Distance",
     "DistanceBatch",
     "FeelerError",
@@ -34,6 +36,7 @@ __all__ = [
     "Mockup",
     "OptionError",
     "PairKind",
+    "Penetration",
     "PoseError",
     "Scene",
     "Tool",

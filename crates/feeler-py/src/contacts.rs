@@ -188,12 +188,7 @@ impl ContactTracker {
         ContactTracker { scene, tool: Arc::clone(&tool.get().core), core: Mutex::default() }
     }
 
-    fn contacts(
-        &self,
-        py: Python<'_>,
-        world_from_tool: PyReadonlyArray2<'_, f64>,
-        margin: f64,
-    ) -> PyResult<Contacts> {
+    fn contacts(&self, py: Python<'_>, world_from_tool: PyReadonlyArray2<'_, f64>, margin: f64) -> PyResult<Contacts> {
         let pose = pose_of(&world_from_tool)?;
         let scene = self.scene.get();
         let found = py.detach(|| {

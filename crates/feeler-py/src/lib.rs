@@ -2,6 +2,7 @@
 
 mod arrays;
 mod collision;
+mod contacts;
 mod errors;
 mod mockup;
 mod proximity;
@@ -34,6 +35,8 @@ fn weld_vertices<'py>(py: Python<'py>, vertices: PyReadonlyArray2<'py, f64>) -> 
 mod _core {
     #[pymodule_export]
     use super::collision::{Batch, Collision};
+    #[pymodule_export]
+    use super::contacts::{ContactTracker, Contacts, Penetration};
     #[pymodule_export]
     use super::mockup::Mockup;
     #[pymodule_export]

@@ -214,9 +214,8 @@ impl Best<'_> {
     /// The valley between the normals of two patches: where an edge holds, the least depth lies on the arc around it, in a
     /// valley too narrow for the descent when the edge is long.
     fn turn_around_edges(&mut self, patches: &[&Patch], sense: f64) {
-        let between = |p: &Patch, q: &Patch, s: f64| {
-            unit(&along(&scaled(&p.normal, sense * (1.0 - s)), sense * s, &q.normal))
-        };
+        let between =
+            |p: &Patch, q: &Patch, s: f64| unit(&along(&scaled(&p.normal, sense * (1.0 - s)), sense * s, &q.normal));
         for (i, p) in patches.iter().enumerate().take(MOST_TURNED) {
             for q in patches.iter().take(MOST_TURNED).skip(i + 1) {
                 // Opposite faces have no edge, and nearly equal ones no arc to speak of.
