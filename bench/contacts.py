@@ -106,7 +106,7 @@ def rod(radius: float, length: float, sides: int, rings: int) -> Mesh:
 
     wall = sheet(sides, rings, lambda s, t: ((t - 0.5) * length, *around(s)))
     caps = [
-        sheet(sides, 1, lambda s, t, x=x: (np.full(s.shape, x), *(c * (t if x > 0 else 1 - t) for c in around(s))))  # type: ignore[misc]
+        sheet(sides, 1, lambda s, t, x=x: (np.full(s.shape, x), *(c * (1 - t if x > 0 else t) for c in around(s))))  # type: ignore[misc]
         for x in (0.5 * length, -0.5 * length)
     ]
     return joined(wall, *caps)

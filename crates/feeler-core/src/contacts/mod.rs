@@ -27,7 +27,7 @@ pub use tracker::ContactTracker;
 use crate::bounds::{Point, Triangle};
 use crate::contacts::depth::{least_depth, Body};
 use crate::contacts::gaps::SAME_DIRECTION;
-use crate::contacts::vector::{add, dot, normal, scaled, sub};
+use crate::contacts::vector::{dot, normal, scaled, sub};
 use crate::contacts::zones::{Face, Zone, Zones, MOCKUP, TOOL};
 use crate::error::{Error, Result};
 use crate::mesh::Mockup;
@@ -80,8 +80,8 @@ pub(crate) struct Ground<'a> {
     reference: Option<&'a Pose>,
     /// Of the tool, and of the mock-up.
     adjacency: [&'a Adjacency; 2],
-    /// The centre of the tool, and of the part at hand, world.
-    bulk: [Point; 2],
+    /// The tool's centre of area, world.
+    centre: Point,
 }
 
 impl Ground<'_> {
@@ -137,18 +137,16 @@ impl Scene {
         let mut near = self.near_pairs(tool, pose, margin)?;
         // By part, and within it by distance as they come.
         near.sort_by_key(|g| g.part);
-        let mut ground = Ground {
+        let ground = Ground {
             mockup: self.mockup(),
             tool,
             pose,
             reference,
             adjacency: [tool.adjacency(), self.adjacency()],
-            bulk: [pose.apply(&tool.adjacency().centre), [0.0; 3]],
+            centre: pose.apply(&tool.adjacency().centre),
         };
         let mut contacts = Contacts::default();
         for of_part in near.chunk_by(|a, b| a.part == b.part) {
-            let bounds = &self.mockup().part_bounds()[of_part[0].part as usize];
-            ground.bulk[1] = scaled(&add(&bounds.lower, &bounds.upper), 0.5);
             let (meeting, mut apart): (Vec<Gap>, Vec<Gap>) = of_part.iter().partition(|g| g.distance == 0.0);
             let from = contacts.planes.len();
             if !meeting.is_empty() {
@@ -156,10 +154,13 @@ impl Scene {
                 let mut pairs: Vec<[u32; 2]> = meeting.iter().map(|g| [g.tool_triangle, g.mockup_triangle]).collect();
                 pairs.sort_unstable();
                 let zones = zones::find(&ground, &pairs);
+                let mut inside: Vec<u32> = Vec::new();
                 for zone in &zones.zones {
                     push_zone(&ground, &zones, zone, of_part[0].part, &mut contacts.planes);
-                    apart.retain(|g| !zone.inside[TOOL].iter().any(|t| t[0] == g.tool_triangle));
+                    inside.extend(zone.inside[TOOL].iter().map(|t| t[0]));
                 }
+                inside.sort_unstable();
+                apart.retain(|g| inside.binary_search(&g.tool_triangle).is_err());
             }
             gaps::push_planes(&ground, of_part, apart, margin, from, &mut contacts.planes);
         }

@@ -256,9 +256,9 @@ fn orient(ground: &Ground<'_>, zones: &mut Zones) {
             } else if sum.abs() > 1e-3 * length {
                 sum < 0.0
             } else {
-                let towards = sub(&ground.bulk[1 - w], &face.corners[0]);
-                // The tool's bulk is where the mock-up's surface faces; the part's where the tool's does.
-                dot(&towards, &face.normal) < 0.0
+                // The mock-up's surface faces the tool's bulk, and the tool's faces away from it.
+                let towards = sub(&ground.centre, &face.corners[0]);
+                (dot(&towards, &face.normal) < 0.0) == (w == MOCKUP)
             };
             if flip {
                 face.normal = scaled(&face.normal, -1.0);
