@@ -29,29 +29,33 @@ const MOST_BESIDE: usize = 256;
 /// A plane that a triangle's own differs from by less (1 - cosine) is that triangle's: normals then do not depend on rounding.
 const SNAP: f64 = 1e-10;
 
-/// Adds planes for `near`, the pairs of one part that do not meet (nearest first), beside the planes the part has from `from`
-/// on in `out`. `all` are the part's pairs, those that meet included.
+/// Adds planes for the pairs `all[meeting..]` of one part (nearest first), beside the planes the part has from `from` on in
+/// `out`; those before `meeting` meet. `is_behind` tells pairs of a tool triangle that is wholly inside.
 pub(crate) fn push_planes(
     ground: &Ground<'_>,
     all: &[Gap],
-    mut near: Vec<Gap>,
+    meeting: usize,
+    is_behind: &dyn Fn(&Gap) -> bool,
     margin: f64,
     from: usize,
     out: &mut Vec<ContactPlane>,
 ) {
     let tolerance = TOLERANCE * margin;
-    near.retain(|gap| is_in_front(ground, gap) && !out[from..].iter().any(|p| is_explained(p, gap, tolerance)));
+    let is_open = |gap: &Gap, planes: &[ContactPlane]| !planes.iter().any(|p| is_explained(p, gap, tolerance));
+    let mut near: Vec<u32> = (meeting..all.len()).map(|i| i as u32).collect();
+    near.retain(|i| is_open(&all[*i as usize], &out[from..]));
     let mut slopes = Slopes { ground, all, places: IdMap::default() };
     let mut next = 0;
     while next < near.len() && out.len() - from < MOST_PLANES {
-        let first = near[next];
+        let first = all[near[next] as usize];
         next += 1;
-        if out.len() > from && slopes.lead_down(&first) {
+        if is_behind(&first) || !is_in_front(ground, &first) || out.len() > from && slopes.lead_down(&first) {
             continue;
         }
         let mut plane = plane_of(ground, &first);
         let mut place = Aabb::EMPTY;
-        for gap in near[next - 1..].iter().take_while(|g| g.distance <= first.distance + 1e-6 * margin) {
+        let beside = near[next - 1..].iter().map(|i| &all[*i as usize]);
+        for gap in beside.take_while(|g| g.distance <= first.distance + 1e-6 * margin) {
             let way = sub(&gap.on_tool, &gap.on_mockup);
             if dot(&way, &plane.normal) >= gap.distance * (1.0 - 1e-9) {
                 place.grow(&gap.on_mockup);
@@ -65,7 +69,7 @@ pub(crate) fn push_planes(
         }
         near.drain(..next);
         next = 0;
-        near.retain(|gap| !is_explained(&plane, gap, tolerance));
+        near.retain(|i| is_open(&all[*i as usize], std::slice::from_ref(&plane)));
         out.push(plane);
     }
 }

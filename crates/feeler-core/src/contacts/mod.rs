@@ -134,9 +134,10 @@ impl Scene {
         if !(margin.is_finite() && margin >= 0.0) {
             return Err(Error::Margin { value: margin });
         }
-        let mut near = self.near_pairs(tool, pose, margin)?;
+        let near = self.near_pairs(tool, pose, margin)?;
         // By part, and within it by distance as they come.
-        near.sort_by_key(|g| g.part);
+        let mut order: Vec<(u32, u32)> = near.iter().zip(0..).map(|(g, i)| (g.part, i)).collect();
+        order.sort_unstable();
         let ground = Ground {
             mockup: self.mockup(),
             tool,
@@ -146,23 +147,27 @@ impl Scene {
             centre: pose.apply(&tool.adjacency().centre),
         };
         let mut contacts = Contacts::default();
-        for of_part in near.chunk_by(|a, b| a.part == b.part) {
-            let (meeting, mut apart): (Vec<Gap>, Vec<Gap>) = of_part.iter().partition(|g| g.distance == 0.0);
+        let mut of_part: Vec<Gap> = Vec::new();
+        for same in order.chunk_by(|a, b| a.0 == b.0) {
+            of_part.clear();
+            of_part.extend(same.iter().map(|(_, i)| near[*i as usize]));
             let from = contacts.planes.len();
-            if !meeting.is_empty() {
+            let meeting = of_part.iter().take_while(|g| g.distance == 0.0).count();
+            let mut inside: Vec<u32> = Vec::new();
+            if meeting > 0 {
                 contacts.is_meeting = true;
-                let mut pairs: Vec<[u32; 2]> = meeting.iter().map(|g| [g.tool_triangle, g.mockup_triangle]).collect();
+                let mut pairs: Vec<[u32; 2]> =
+                    of_part[..meeting].iter().map(|g| [g.tool_triangle, g.mockup_triangle]).collect();
                 pairs.sort_unstable();
                 let zones = zones::find(&ground, &pairs);
-                let mut inside: Vec<u32> = Vec::new();
                 for zone in &zones.zones {
-                    push_zone(&ground, &zones, zone, of_part[0].part, &mut contacts.planes);
+                    push_zone(&ground, &zones, zone, same[0].0, &mut contacts.planes);
                     inside.extend(zone.inside[TOOL].iter().map(|t| t[0]));
                 }
                 inside.sort_unstable();
-                apart.retain(|g| inside.binary_search(&g.tool_triangle).is_err());
             }
-            gaps::push_planes(&ground, of_part, apart, margin, from, &mut contacts.planes);
+            let is_behind = |g: &Gap| inside.binary_search(&g.tool_triangle).is_ok();
+            gaps::push_planes(&ground, &of_part, meeting, &is_behind, margin, from, &mut contacts.planes);
         }
         contacts.finish();
         Ok(contacts)
