@@ -147,7 +147,7 @@ class Scene(_core.Scene):
         _check_tool(tool)
         return super().clearance(tool, _poses(world_from_tool, 2), _real("within", within), bool(triangles))
 
-    @overload  # type: ignore[override]
+    @overload
     def distance(
         self, tool: _core.Tool, world_from_tool: npt.ArrayLike, max: float = math.inf, k: Literal[1] = 1
     ) -> Distance: ...
