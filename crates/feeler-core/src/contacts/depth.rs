@@ -28,8 +28,10 @@ const CLEARLY: f64 = 1e-6;
 /// Patches that belong together, seen as one body.
 pub(crate) struct Body<'a> {
     pub patches: Vec<&'a Patch>,
-    pub points: Vec<Point>,
-    sources: Vec<u32>,
+    /// Each once, sorted.
+    points: Vec<Point>,
+    /// Points of the curve with their cuts; a point has several.
+    curve: Vec<(Point, u32)>,
     mean: Point,
     size: f64,
 }
@@ -53,8 +55,13 @@ impl<'a> Body<'a> {
         let mut patches = patches;
         patches.extend(cluster.lent.iter().map(|i| &all[*i]));
         let sum = patches.iter().fold([0.0; 3], |s, p| along(&s, p.size * p.size, &p.normal));
+        let is_less =
+            |a: &Point, b: &Point| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])).then(a[2].total_cmp(&b[2]));
+        let curve = points.iter().copied().zip(sources).filter(|(_, s)| *s != NONE).collect();
+        points.sort_unstable_by(is_less);
+        points.dedup();
         let size = patches.iter().fold(0.0f64, |m, p| m.max(p.size));
-        Body { points, sources, mean: unit(&sum).unwrap_or([0.0; 3]), size, patches }
+        Body { points, curve, mean: unit(&sum).unwrap_or([0.0; 3]), size, patches }
     }
 
     /// The cuts its patches have a part in, sorted.
@@ -170,7 +177,7 @@ impl Best<'_> {
             !cut.flat && advances > GOES_ON && leaves > GOES_ON
         };
         let any = |w: usize, body: &Body<'_>, is_last: &dyn Fn(f64) -> bool| {
-            body.points.iter().zip(&body.sources).any(|(x, s)| *s != NONE && is_last(dot(x, d)) && goes_on(w, *s))
+            body.curve.iter().any(|(x, source)| is_last(dot(x, d)) && goes_on(w, *source))
         };
         any(MOCKUP, self.mockup, &|h| h >= high - tolerance) || any(TOOL, self.tool, &|h| h <= low + tolerance)
     }
@@ -193,21 +200,22 @@ impl Best<'_> {
             return;
         }
         let (p, q) = self.support(d);
-        let depth = dot(&sub(&self.mockup.points[p], &self.tool.points[q]), d);
-        if self.goes_on(d, dot(&self.mockup.points[p], d), dot(&self.tool.points[q], d)) {
-            return;
-        }
-        let Some((_, least, least_lean)) = self.found else {
-            self.found = Some((*d, depth, self.lean(d)));
-            return;
-        };
-        if depth < least - CLEARLY * least.abs() - self.noise {
-            self.found = Some((*d, depth, self.lean(d)));
-        } else if depth <= self.noise && least <= self.noise {
-            let lean = self.lean(d);
-            if lean < least_lean - 1e-6 {
-                self.found = Some((*d, depth, lean));
+        let (high, low) = (dot(&self.mockup.points[p], d), dot(&self.tool.points[q], d));
+        let depth = high - low;
+        let lean = match self.found {
+            None => self.lean(d),
+            Some((_, least, _)) if depth < least - CLEARLY * least.abs() - self.noise => self.lean(d),
+            Some((_, least, least_lean)) if depth <= self.noise && least <= self.noise => {
+                let lean = self.lean(d);
+                if lean >= least_lean - 1e-6 {
+                    return;
+                }
+                lean
             }
+            Some(_) => return,
+        };
+        if !self.goes_on(d, high, low) {
+            self.found = Some((*d, depth, lean));
         }
     }
 
@@ -222,14 +230,21 @@ impl Best<'_> {
                 if !(-0.5..0.95).contains(&dot(&p.normal, &q.normal)) {
                     continue;
                 }
+                // The golden section: each step needs one depth.
+                const RATIO: f64 = 0.618_033_988_749_894_9;
+                let at = |s: f64| between(p, q, s).map_or(f64::INFINITY, |d| self.depth(&d));
                 let (mut from, mut to) = (0.0, 1.0);
-                for _ in 0..10 {
-                    let thirds = [from + (to - from) / 3.0, to - (to - from) / 3.0];
-                    let [a, b] = thirds.map(|s| between(p, q, s).map_or(f64::INFINITY, |d| self.depth(&d)));
+                let (mut s, mut t) = (1.0 - RATIO, RATIO);
+                let (mut a, mut b) = (at(s), at(t));
+                for _ in 0..9 {
                     if a <= b {
-                        to = thirds[1];
+                        (to, t, b) = (t, s, a);
+                        s = to - RATIO * (to - from);
+                        a = at(s);
                     } else {
-                        from = thirds[0];
+                        (from, s, a) = (s, t, b);
+                        t = from + RATIO * (to - from);
+                        b = at(t);
                     }
                 }
                 if let Some(d) = between(p, q, 0.5 * (from + to)) {
