@@ -2,7 +2,18 @@
 
 from importlib.metadata import version as _version
 
-from feeler._core import Batch, Cast, Clearance, ClearanceBatch, Collision, Distance, DistanceBatch, PathCheck
+from feeler._core import (
+    Batch,
+    Cast,
+    Clearance,
+    ClearanceBatch,
+    Collision,
+    Contacts,
+    Distance,
+    DistanceBatch,
+    PathCheck,
+    Penetration,
+)
 from feeler.errors import (
     FeelerError,
     LimitError,
@@ -15,7 +26,7 @@ from feeler.errors import (
 from feeler.load import load_mockup, load_tool
 from feeler.mockup import Mockup, Tool
 from feeler.samples import sample, sample_path, sample_poses, sample_tool
-from feeler.scene import PairKind, Scene, optimal_voxel_size
+from feeler.scene import ContactTracker, PairKind, Scene, optimal_voxel_size
 
 __version__ = _version("feeler")
 
@@ -25,6 +36,8 @@ __all__ = [
     "Clearance",
     "ClearanceBatch",
     "Collision",
+    "ContactTracker",
+    "Contacts",
     "Distance",
     "DistanceBatch",
     "FeelerError",
@@ -36,6 +49,7 @@ __all__ = [
     "OptionError",
     "PairKind",
     "PathCheck",
+    "Penetration",
     "PoseError",
     "Scene",
     "Tool",

@@ -144,6 +144,85 @@ class Scene:
         self, tool: Tool, poses: npt.NDArray[np.float64], *, tolerance: float, progress: _Progress | None
     ) -> PathCheck: ...
 
+    def contacts(
+        self,
+        tool: Tool,
+        world_from_tool: npt.NDArray[np.float64],
+        margin: float,
+        reference: npt.NDArray[np.float64] | None,
+    ) -> Contacts: ...
+    def penetration(
+        self,
+        tool: Tool,
+        world_from_tool: npt.NDArray[np.float64],
+        margin: float,
+        reference: npt.NDArray[np.float64] | None,
+    ) -> Penetration: ...
+
+@final
+class Contacts:
+    """Contact planes, deepest first; false when there are none. All arrays are read-only."""
+
+    @property
+    def points(self) -> npt.NDArray[np.float64]:
+        """`(k, 3)`: a point of each plane on the mock-up's surface, world, metres."""
+    @property
+    def normals(self) -> npt.NDArray[np.float64]:
+        """`(k, 3)`: unit, from the mock-up to the tool, world."""
+    @property
+    def gaps(self) -> npt.NDArray[np.float64]:
+        """`(k,)`: metres, ascending; negative: the tool is that deep behind the plane."""
+    @property
+    def parts(self) -> npt.NDArray[np.uint32]:
+        """`(k,)`: indices into `mockup.parts`."""
+    @property
+    def tool_triangles(self) -> npt.NDArray[np.uint32]:
+        """Triangles of the tool behind the planes; plane `i` has those from `tool_offsets[i]` to `tool_offsets[i + 1]`."""
+    @property
+    def tool_offsets(self) -> npt.NDArray[np.uint64]:
+        """`(k + 1,)`: into `tool_triangles`."""
+    @property
+    def mockup_triangles(self) -> npt.NDArray[np.uint32]:
+        """Triangles of the mock-up behind the planes, as `tool_triangles`."""
+    @property
+    def mockup_offsets(self) -> npt.NDArray[np.uint64]:
+        """`(k + 1,)`: into `mockup_triangles`."""
+    @property
+    def omitted(self) -> int:
+        """Planes beyond 32, the least deep or farthest, that were left out."""
+    @property
+    def is_meeting(self) -> bool:
+        """Whether any triangles meet."""
+    def __len__(self) -> int: ...
+    def __bool__(self) -> bool: ...
+
+@final
+class Penetration:
+    """A translation that frees the tool."""
+
+    @property
+    def translation(self) -> npt.NDArray[np.float64]:
+        """`(3,)`: metres, world; to be added to the pose's."""
+    @property
+    def depth(self) -> float:
+        """Its length, metres."""
+    @property
+    def kind(self) -> str:
+        """`"exact"`, `"bound"` (it frees the tool, a shorter one may exist) or `"estimate"` (the tool still meets something)."""
+    @property
+    def contacts(self) -> Contacts:
+        """The contact planes at the pose."""
+
+@disjoint_base
+class ContactTracker:
+    def __new__(cls, scene: Scene, tool: Tool) -> Self: ...
+    def contacts(self, world_from_tool: npt.NDArray[np.float64], margin: float) -> Contacts: ...
+    @property
+    def last_free(self) -> npt.NDArray[np.float64] | None:
+        """The last pose at which nothing met, `(4, 4)`."""
+    def set_last_free(self, world_from_tool: npt.NDArray[np.float64] | None) -> None:
+        """Takes a pose for free, or forgets it."""
+
 @final
 class Collision:
     """The pairs of triangles that meet at one pose; false when there are none."""

@@ -13,7 +13,18 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler import _core
-from feeler._core import Batch, Cast, Clearance, ClearanceBatch, Collision, Distance, DistanceBatch, PathCheck
+from feeler._core import (
+    Batch,
+    Cast,
+    Clearance,
+    ClearanceBatch,
+    Collision,
+    Contacts,
+    Distance,
+    DistanceBatch,
+    PathCheck,
+    Penetration,
+)
 from feeler.calibrate import machine_constants
 from feeler.errors import LimitError, MeshError, OptionError, PoseError
 from feeler.mockup import Mockup, Tool
@@ -236,8 +247,66 @@ class Scene(_core.Scene):
         _check_progress(progress)
         return super().check_path(tool, _poses(poses, 3), tolerance=_real("tolerance", tolerance), progress=progress)
 
+    def contacts(
+        self,
+        tool: _core.Tool,
+        world_from_tool: npt.ArrayLike,
+        margin: float = 0.002,
+        reference: npt.ArrayLike | None = None,
+    ) -> Contacts:
+        """At most 32 contact planes, deepest first, with the tool at a pose `(4, 4)`.
+
+        They stand for all that meets and all that is nearer than `margin` (metres), and do not depend on how finely the
+        surfaces are cut into triangles. `reference`: a pose `(4, 4)` at which the tool was free just before; it tells on
+        which side of open surfaces the tool belongs (see `ContactTracker`, and docs/contacts.md). Raises `OptionError`
+        where `margin` is negative, NaN or infinite.
+        """
+        _check_tool(tool)
+        return super().contacts(tool, _poses(world_from_tool, 2), _real("margin", margin), _optional_pose(reference))
+
+    def penetration(
+        self,
+        tool: _core.Tool,
+        world_from_tool: npt.ArrayLike,
+        margin: float = 0.002,
+        reference: npt.ArrayLike | None = None,
+    ) -> Penetration:
+        """The translation of least length that frees the tool where it is, over its contact planes.
+
+        Arguments and errors as `contacts`. `kind` says whether it is exact, a bound or an estimate.
+        """
+        _check_tool(tool)
+        return super().penetration(tool, _poses(world_from_tool, 2), _real("margin", margin), _optional_pose(reference))
+
     def __repr__(self) -> str:
         return f"Scene({self.mockup!r}, voxel_size={self.voxel_size:.4g}, storage={self.storage!r})"
+
+
+class ContactTracker(_core.ContactTracker):
+    """A tool that moves in a scene: its contacts go by the last pose at which it met nothing.
+
+    Without such a pose, on the first call for a tool that starts inside, by the side on which the tool's bulk lies.
+    """
+
+    def __new__(cls, scene: Scene, tool: _core.Tool) -> ContactTracker:
+        """See the class."""
+        if not isinstance(scene, Scene):
+            raise MeshError(f"a tracker needs a feeler.Scene, not {type(scene).__name__}")
+        _check_tool(tool)
+        return super().__new__(cls, scene, tool)
+
+    def contacts(self, world_from_tool: npt.ArrayLike, margin: float = 0.002) -> Contacts:
+        """`Scene.contacts` with the last free pose as reference; a pose at which nothing meets becomes the next."""
+        return super().contacts(_poses(world_from_tool, 2), _real("margin", margin))
+
+    @property
+    def last_free(self) -> npt.NDArray[np.float64] | None:
+        """The last pose at which nothing met, `(4, 4)`. Set it to start from a pose known to be free, or None to forget."""
+        return super().last_free
+
+    @last_free.setter
+    def last_free(self, world_from_tool: npt.ArrayLike | None) -> None:
+        super().set_last_free(_optional_pose(world_from_tool))
 
 
 def optimal_voxel_size(
@@ -316,6 +385,10 @@ def _poses(poses: npt.ArrayLike, dimensions: int) -> npt.NDArray[np.float64]:
     if array.ndim != dimensions:
         raise PoseError(f"poses have shape {array.shape}: {shape} is needed")
     return array
+
+
+def _optional_pose(pose: npt.ArrayLike | None) -> npt.NDArray[np.float64] | None:
+    return None if pose is None else _poses(pose, 2)
 
 
 def _real(what: str, value: float) -> float:

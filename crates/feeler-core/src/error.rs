@@ -127,6 +127,12 @@ pub enum Error {
         /// The value given.
         value: f64,
     },
+    /// A margin of contacts that is negative, infinite or not a number.
+    #[error("margin is {value:?}: it must be a finite distance of 0 metres or more")]
+    Margin {
+        /// The value given.
+        value: f64,
+    },
     /// A number of results of zero.
     #[error("{what} is 0: ask for at least one")]
     NoneAsked {

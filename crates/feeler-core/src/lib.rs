@@ -9,6 +9,7 @@ pub mod bounds;
 pub mod brute;
 pub mod cast;
 pub mod constants;
+pub mod contacts;
 pub mod cost;
 pub mod defects;
 pub mod distance_triangle_triangle;
@@ -23,11 +24,8 @@ mod narrow;
 pub mod pieces;
 pub mod pose;
 pub mod predicates;
-<<<<<<< HEAD
 mod proximity;
-=======
 pub mod predict;
->>>>>>> issue5
 pub mod scene;
 mod simd;
 mod store;
@@ -38,6 +36,7 @@ pub mod weld;
 pub use bounds::{Aabb, Point, Triangle};
 pub use brute::collide_all_pairs;
 pub use cast::{cast_all_pairs, Cast, Motion, PathCheck};
+pub use contacts::{ContactPlane, ContactTracker, Contacts, Penetration, PenetrationKind};
 pub use cost::Estimator;
 pub use defects::{Defect, DefectKind, Defects};
 pub use distance_triangle_triangle::{closest_triangle_triangle, Closest};
@@ -46,11 +45,8 @@ pub use intersect_triangle_triangle::{intersect_triangle_triangle, PairKind};
 pub use mesh::{Mesh, Mockup};
 pub use narrow::{Filters, Stats};
 pub use pose::Pose;
-<<<<<<< HEAD
 pub use proximity::{gaps_of_all_pairs, Gap, GapBatch};
-=======
 pub use predict::{CostConstants, Predictor};
->>>>>>> issue5
 pub use scene::{default_voxel_size, optimal_voxel_size, Batch, Collision, Scene, SceneOptions, Scratch};
 pub use simd::Level;
 pub use store::{Progress, Storage};

@@ -57,6 +57,15 @@ impl Pose {
         Pose { rotation, translation }
     }
 
+    /// The pose after a further translation in the world, metres. Errors as [`new`](Self::new).
+    pub fn translated(&self, by: &Point) -> Result<Pose> {
+        let translation: Point = std::array::from_fn(|a| self.translation[a] + by[a]);
+        match (0..3).find(|a| !translation[*a].is_finite() || translation[*a].abs() > LARGEST_COORDINATE) {
+            Some(row) => Err(Error::PoseNotFinite { row, column: 3, value: translation[row] }),
+            None => Ok(Pose { translation, ..*self }),
+        }
+    }
+
     /// A tool vertex in the world: `((r00*x + r01*y) + r02*z) + tx` and so on, each operation rounded once, no fused
     /// multiply-add. This is the definition the exactness contract refers to.
     #[inline]

@@ -1,12 +1,13 @@
 //! A mock-up with its index, and the queries on it.
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use rayon::prelude::*;
 
 use crate::cast::CastScratch;
 use crate::constants::MOCKUP_CUT_ALLOWANCE;
+use crate::contacts::Adjacency;
 use crate::cost::{mean_longest_edge, static_means, CostFunction, Estimator};
 use crate::error::{Error, Result};
 use crate::intersect_triangle_triangle::PairKind;
@@ -14,11 +15,8 @@ use crate::mesh::{Mesh, Mockup};
 use crate::narrow::{Filters, Hit, Narrow, PairSet, Pending, PlacedBounds, Stats};
 use crate::pieces::default_piece_size;
 use crate::pose::Pose;
-<<<<<<< HEAD
-use crate::proximity::ProximityScratch;
-=======
 use crate::predict::Predictor;
->>>>>>> issue5
+use crate::proximity::ProximityScratch;
 use crate::simd::{Checked, Level};
 use crate::store::{report, BlocksScratch, Progress, Storage, Store};
 use crate::tool::Tool;
@@ -98,6 +96,8 @@ pub struct Scene {
     lanes: Checked,
     /// Working memory of past queries, for the next ones.
     spare: Mutex<Vec<Box<Scratch>>>,
+    /// Made when contacts are first asked for.
+    adjacency: OnceLock<Adjacency>,
 }
 
 impl Scene {
@@ -120,6 +120,7 @@ impl Scene {
             store,
             lanes: Level::best().checked(),
             spare: Mutex::new(Vec::new()),
+            adjacency: OnceLock::new(),
             mockup,
         })
     }
@@ -154,7 +155,16 @@ impl Scene {
         let mut structures = self.store.memory();
         structures.push(("triangles", self.mockup.mesh().memory()));
         structures.push(("parts", self.mockup.parts_memory()));
+        // From the first call of contacts on.
+        structures.extend(self.adjacency.get().map(|adjacency| ("adjacency", adjacency.memory())));
         structures
+    }
+
+    /// Which triangles of the mock-up share edges.
+    pub(crate) fn adjacency(&self) -> &Adjacency {
+        let parts = self.mockup.part_bounds().len();
+        let part = |face| self.mockup.part_of_face(face);
+        self.adjacency.get_or_init(|| Adjacency::new(self.mockup.mesh(), part, parts))
     }
 
     /// Checks every invariant that queries rely on; for tests.

@@ -1,7 +1,10 @@
 //! A moving tool, prepared once for every scene it is used with.
 
+use std::sync::OnceLock;
+
 use crate::bounds::{Aabb, Point, Triangle};
 use crate::constants::{MAX_TOOL_TRIANGLES, TOOL_CUT_PIECES, TOOL_CUT_PIECES_EACH, TRANSFORM_ROUNDOFFS, UNIT_ROUNDOFF};
+use crate::contacts::Adjacency;
 use crate::error::{Error, Result};
 use crate::lanes::{BoxLanes, PieceLanes, ToolUnit, LANES};
 use crate::median::{self, Cells};
@@ -23,6 +26,8 @@ pub struct Tool {
     /// has one entry.
     groups: Vec<Vec<BoxLanes>>,
     largest: f64,
+    /// Made when contacts are first asked for.
+    adjacency: OnceLock<Adjacency>,
 }
 
 /// Sixteen pieces that lie close together.
@@ -88,12 +93,18 @@ impl Tool {
             clusters,
             groups,
             largest,
+            adjacency: OnceLock::new(),
         })
     }
 
     /// The triangles, in the tool's frame.
     pub fn mesh(&self) -> &Mesh {
         &self.mesh
+    }
+
+    /// Which triangles share edges.
+    pub(crate) fn adjacency(&self) -> &Adjacency {
+        self.adjacency.get_or_init(|| Adjacency::new(&self.mesh, |_| 0, 1))
     }
 
     /// The corners of the queried triangles. Their places here are their slots.

@@ -18,6 +18,7 @@ pub fn to_py(error: Error) -> PyErr {
         | Error::Hashing { .. }
         | Error::HashingUnused { .. }
         | Error::Tolerance { .. }
+        | Error::Margin { .. }
         | Error::Distance { .. }
         | Error::NoneAsked { .. } => "OptionError",
         Error::TooMany { .. } | Error::GridTooFine { .. } | Error::Memory { .. } | Error::TooManyEntries { .. } => {

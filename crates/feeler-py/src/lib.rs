@@ -3,13 +3,11 @@
 mod arrays;
 mod cast;
 mod collision;
+mod contacts;
 mod errors;
 mod mockup;
-<<<<<<< HEAD
 mod proximity;
-=======
 mod predict;
->>>>>>> issue5
 mod scene;
 mod tool;
 
@@ -42,13 +40,13 @@ mod _core {
     #[pymodule_export]
     use super::collision::{Batch, Collision};
     #[pymodule_export]
+    use super::contacts::{ContactTracker, Contacts, Penetration};
+    #[pymodule_export]
     use super::mockup::Mockup;
     #[pymodule_export]
-<<<<<<< HEAD
-    use super::proximity::{Clearance, ClearanceBatch, Distance, DistanceBatch};
-=======
     use super::predict::Predictor;
->>>>>>> issue5
+    #[pymodule_export]
+    use super::proximity::{Clearance, ClearanceBatch, Distance, DistanceBatch};
     #[pymodule_export]
     use super::scene::{optimal_voxel_size, Scene};
     #[pymodule_export]

@@ -3,13 +3,15 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use feeler_core as core;
-use numpy::{PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods};
+use numpy::ndarray::Array2;
+use numpy::{IntoPyArray, PyArray2, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::cast::{Cast, PathCheck};
 use crate::collision::{Batch, Collision};
+use crate::contacts::{Contacts, Penetration};
 use crate::errors::{raise, to_py};
 use crate::mockup::Mockup;
 use crate::proximity::{Clearance, ClearanceBatch, Distance, DistanceBatch};
@@ -22,6 +24,12 @@ pub struct Scene {
     mockup: Py<Mockup>,
     /// `None`: the process-wide pool.
     pool: Option<ThreadPool>,
+}
+
+impl Scene {
+    pub(crate) fn core(&self) -> &core::Scene {
+        &self.core
+    }
 }
 
 #[pymethods]
@@ -201,6 +209,36 @@ impl Scene {
         Ok(Clearance::new(gaps.map_err(to_py)?))
     }
 
+    #[pyo3(signature = (tool, world_from_tool, margin, reference))]
+    fn contacts(
+        &self,
+        py: Python<'_>,
+        tool: &Bound<'_, Tool>,
+        world_from_tool: PyReadonlyArray2<'_, f64>,
+        margin: f64,
+        reference: Option<PyReadonlyArray2<'_, f64>>,
+    ) -> PyResult<Contacts> {
+        let (pose, reference) = (pose_of(&world_from_tool)?, reference.as_ref().map(pose_of).transpose()?);
+        let tool = &tool.get().core;
+        let found = py.detach(|| self.core.contacts(tool, &pose, margin, reference.as_ref()));
+        Ok(Contacts::new(&found.map_err(to_py)?))
+    }
+
+    #[pyo3(signature = (tool, world_from_tool, margin, reference))]
+    fn penetration(
+        &self,
+        py: Python<'_>,
+        tool: &Bound<'_, Tool>,
+        world_from_tool: PyReadonlyArray2<'_, f64>,
+        margin: f64,
+        reference: Option<PyReadonlyArray2<'_, f64>>,
+    ) -> PyResult<Penetration> {
+        let (pose, reference) = (pose_of(&world_from_tool)?, reference.as_ref().map(pose_of).transpose()?);
+        let tool = &tool.get().core;
+        let found = py.detach(|| self.core.penetration(tool, &pose, margin, reference.as_ref()));
+        Penetration::new(py, found.map_err(to_py)?)
+    }
+
     #[pyo3(signature = (tool, world_from_tool, max))]
     fn distance(
         &self,
@@ -339,12 +377,23 @@ fn on_pool<R: Send>(pool: Option<&ThreadPool>, work: impl FnOnce() -> R + Send) 
     }
 }
 
-fn pose_of(array: &PyReadonlyArray2<'_, f64>) -> PyResult<core::Pose> {
+pub(crate) fn pose_of(array: &PyReadonlyArray2<'_, f64>) -> PyResult<core::Pose> {
     let view = array.as_array();
     if view.dim() != (4, 4) {
         return Err(raise("PoseError", format!("a pose has shape {:?}: (4, 4) is needed", array.shape())));
     }
     core::Pose::new(&std::array::from_fn(|i| std::array::from_fn(|j| view[[i, j]]))).map_err(to_py)
+}
+
+/// A pose as `(4, 4) float64`.
+pub(crate) fn pose_array<'py>(py: Python<'py>, pose: &core::Pose) -> Bound<'py, PyArray2<f64>> {
+    let entry = |i: usize, j: usize| match (i, j) {
+        (3, 3) => 1.0,
+        (3, _) => 0.0,
+        (_, 3) => pose.translation()[i],
+        _ => pose.rotation()[i][j],
+    };
+    Array2::from_shape_fn((4, 4), |(i, j)| entry(i, j)).into_pyarray(py)
 }
 
 fn poses_of(array: &PyReadonlyArray3<'_, f64>) -> PyResult<Vec<core::Pose>> {

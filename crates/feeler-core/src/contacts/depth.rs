@@ -1,0 +1,308 @@
+//! How deep two bulging surfaces are in each other, and along which direction least.
+//!
+//! Along a unit direction d the depth is the highest of the mock-up's points less the lowest of the tool's: the way the tool
+//! has to go along d until a plane across d holds the two apart. The least of it over all d is at a normal of one of the two,
+//! or at a direction across an edge of each, as for any two polytopes; for curved surfaces a short descent follows.
+
+use crate::bounds::{Aabb, Point};
+use crate::contacts::adjacency::NONE;
+use crate::contacts::patches::{Cluster, Patch};
+use crate::contacts::vector::{add, along, cross, dot, norm, scaled, sub, unit};
+use crate::contacts::zones::{Zones, MOCKUP, TOOL};
+
+/// Most directions tried of each kind.
+const MOST_NORMALS: usize = 24;
+
+/// Most pairs of edges whose common perpendiculars are tried.
+const MOST_EDGE_PAIRS: usize = 100;
+
+/// Most patches of a body, the largest, between whose normals directions are sought.
+const MOST_TURNED: usize = 3;
+
+/// Sine from which on a surface goes on along a direction.
+const GOES_ON: f64 = 0.05;
+
+/// A later direction must be shallower by this share to be preferred, so that ties fall to normals of the mock-up always.
+const CLEARLY: f64 = 1e-6;
+
+/// Patches that belong together, seen as one body.
+pub(crate) struct Body<'a> {
+    pub patches: Vec<&'a Patch>,
+    /// Each once, sorted.
+    points: Vec<Point>,
+    /// Points of the curve with their cuts; a point has several.
+    curve: Vec<(Point, u32)>,
+    mean: Point,
+    size: f64,
+}
+
+impl<'a> Body<'a> {
+    pub fn new(all: &'a [Patch], cluster: &Cluster) -> Body<'a> {
+        let patches: Vec<&Patch> = cluster.patches.iter().map(|i| &all[*i]).collect();
+        let (mut points, mut sources): (Vec<Point>, Vec<u32>) = Default::default();
+        for patch in &patches {
+            points.extend_from_slice(&patch.points);
+            sources.extend_from_slice(&patch.sources);
+        }
+        for i in &cluster.lent {
+            for (x, source) in all[*i].points.iter().zip(&all[*i].sources) {
+                if !patches.iter().any(|p| p.is_below(x)) {
+                    points.push(*x);
+                    sources.push(*source);
+                }
+            }
+        }
+        let mut patches = patches;
+        patches.extend(cluster.lent.iter().map(|i| &all[*i]));
+        let sum = patches.iter().fold([0.0; 3], |s, p| along(&s, p.size * p.size, &p.normal));
+        let is_less =
+            |a: &Point, b: &Point| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])).then(a[2].total_cmp(&b[2]));
+        let curve = points.iter().copied().zip(sources).filter(|(_, s)| *s != NONE).collect();
+        points.sort_unstable_by(is_less);
+        points.dedup();
+        let size = patches.iter().fold(0.0f64, |m, p| m.max(p.size));
+        Body { points, curve, mean: unit(&sum).unwrap_or([0.0; 3]), size, patches }
+    }
+
+    /// The cuts its patches have a part in, sorted.
+    pub fn cuts(&self) -> Vec<u32> {
+        let mut cuts: Vec<u32> = self.patches.iter().flat_map(|p| p.cuts.iter().copied()).collect();
+        cuts.sort_unstable();
+        cuts
+    }
+
+    fn is_flat(&self) -> bool {
+        self.patches.iter().all(|p| p.flat)
+    }
+}
+
+/// The least depth of a tool body in a mock-up body.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Depth {
+    /// Unit, from the mock-up to the tool.
+    pub normal: Point,
+    /// Metres.
+    pub depth: f64,
+    /// On the mock-up's side of the overlap, above the tool's lowest place.
+    pub point: Point,
+    /// Whether no direction can be shallower: both surfaces flat, and all candidates tried.
+    pub certain: bool,
+}
+
+/// See the module. `None` where no direction leads out.
+pub(crate) fn least_depth(zones: &Zones, tool: &Body<'_>, mockup: &Body<'_>) -> Option<Depth> {
+    let size = tool.size.max(mockup.size);
+    let noise = 1e-12 * tool.points.iter().flatten().fold(size, |m, x| m.max(x.abs()));
+    let mut best = Best { zones, tool, mockup, noise, found: None };
+    let mut certain = tool.is_flat() && mockup.is_flat();
+    certain &= tool.patches.len() <= MOST_NORMALS && mockup.patches.len() <= MOST_NORMALS;
+    for patch in mockup.patches.iter().take(MOST_NORMALS) {
+        best.try_direction(&patch.normal);
+    }
+    for patch in tool.patches.iter().take(MOST_NORMALS) {
+        best.try_direction(&scaled(&patch.normal, -1.0));
+    }
+    best.try_direction(&mockup.mean);
+    best.try_direction(&scaled(&tool.mean, -1.0));
+    let edges = |n: usize| n * n.saturating_sub(1) / 2;
+    if edges(mockup.patches.len()) * edges(tool.patches.len()) <= MOST_EDGE_PAIRS {
+        for e in edge_directions(mockup) {
+            for f in edge_directions(tool) {
+                if let Some(d) = unit(&cross(&e, &f)) {
+                    best.try_direction(&d);
+                    best.try_direction(&scaled(&d, -1.0));
+                }
+            }
+        }
+    } else {
+        certain = false;
+    }
+    if !certain {
+        best.turn_around_edges(&mockup.patches, 1.0);
+        best.turn_around_edges(&tool.patches, -1.0);
+        best.descend();
+    }
+    let (normal, depth, _) = best.found?;
+    Some(Depth { normal, depth, point: best.place(&normal), certain })
+}
+
+fn edge_directions(body: &Body<'_>) -> Vec<Point> {
+    let mut found = Vec::new();
+    for (i, p) in body.patches.iter().enumerate() {
+        found.extend(body.patches[i + 1..].iter().filter_map(|q| unit(&cross(&p.normal, &q.normal))));
+    }
+    found
+}
+
+struct Best<'a> {
+    zones: &'a Zones,
+    tool: &'a Body<'a>,
+    mockup: &'a Body<'a>,
+    /// Metres below which depths are the same.
+    noise: f64,
+    /// Direction, depth, and how far the two bodies lean over the plane between them.
+    found: Option<(Point, f64, f64)>,
+}
+
+impl Best<'_> {
+    fn support(&self, d: &Point) -> (usize, usize) {
+        let mut high = (0, f64::NEG_INFINITY);
+        for (i, p) in self.mockup.points.iter().enumerate() {
+            let h = dot(p, d);
+            if h > high.1 {
+                high = (i, h);
+            }
+        }
+        let mut low = (0, f64::INFINITY);
+        for (i, q) in self.tool.points.iter().enumerate() {
+            let h = dot(q, d);
+            if h < low.1 {
+                low = (i, h);
+            }
+        }
+        (high.0, low.0)
+    }
+
+    /// Whether one of the surfaces goes on beyond the curve just where, along `d`, it would have to end: a rod in a plate is not
+    /// freed sideways by its own width, for there is more plate.
+    fn goes_on(&self, d: &Point, high: f64, low: f64) -> bool {
+        let tolerance = self.noise + 1e-6 * (high - low).abs();
+        let goes_on = |w: usize, source: u32| {
+            let cut = &self.zones.cuts[source as usize];
+            let [t, m] = [TOOL, MOCKUP].map(|w| self.zones.faces[w][cut.faces[w] as usize].normal);
+            // Own and other normal, and the way in the sense in which the other advances over this one.
+            let (n, other, way) = if w == MOCKUP { (m, t, *d) } else { (t, m, scaled(d, -1.0)) };
+            let advances = dot(&other, &way);
+            let leaves = advances - dot(&other, &n) * dot(&n, &way);
+            !cut.flat && advances > GOES_ON && leaves > GOES_ON
+        };
+        let any = |w: usize, body: &Body<'_>, is_last: &dyn Fn(f64) -> bool| {
+            body.curve.iter().any(|(x, source)| is_last(dot(x, d)) && goes_on(w, *source))
+        };
+        any(MOCKUP, self.mockup, &|h| h >= high - tolerance) || any(TOOL, self.tool, &|h| h <= low + tolerance)
+    }
+
+    /// Whether going along `d` leads out: not into what the surfaces face.
+    fn leads_out(&self, d: &Point) -> bool {
+        dot(d, &self.mockup.mean) > -0.01 && dot(d, &self.tool.mean) < 0.01
+    }
+
+    /// How far the two surfaces face into the plane across `d`, as the sum of cosines: tells directions apart where the two
+    /// only touch, and every direction is as deep.
+    fn lean(&self, d: &Point) -> f64 {
+        let under = |n: &Point, s: f64| (-s * dot(n, d)).max(0.0);
+        let of = |body: &Body<'_>, s: f64| body.patches.iter().map(|p| under(&p.normal, s)).sum::<f64>();
+        of(self.mockup, 1.0) + of(self.tool, -1.0)
+    }
+
+    fn try_direction(&mut self, d: &Point) {
+        if d == &[0.0; 3] || !self.leads_out(d) {
+            return;
+        }
+        let (p, q) = self.support(d);
+        let (high, low) = (dot(&self.mockup.points[p], d), dot(&self.tool.points[q], d));
+        let depth = high - low;
+        let lean = match self.found {
+            None => self.lean(d),
+            Some((_, least, _)) if depth < least - CLEARLY * least.abs() - self.noise => self.lean(d),
+            Some((_, least, least_lean)) if depth <= self.noise && least <= self.noise => {
+                let lean = self.lean(d);
+                if lean >= least_lean - 1e-6 {
+                    return;
+                }
+                lean
+            }
+            Some(_) => return,
+        };
+        if !self.goes_on(d, high, low) {
+            self.found = Some((*d, depth, lean));
+        }
+    }
+
+    /// The valley between the normals of two patches: where an edge holds, the least depth lies on the arc around it, in a
+    /// valley too narrow for the descent when the edge is long.
+    fn turn_around_edges(&mut self, patches: &[&Patch], sense: f64) {
+        let between =
+            |p: &Patch, q: &Patch, s: f64| unit(&along(&scaled(&p.normal, sense * (1.0 - s)), sense * s, &q.normal));
+        for (i, p) in patches.iter().enumerate().take(MOST_TURNED) {
+            for q in patches.iter().take(MOST_TURNED).skip(i + 1) {
+                // Opposite faces have no edge, and nearly equal ones no arc to speak of.
+                if !(-0.5..0.95).contains(&dot(&p.normal, &q.normal)) {
+                    continue;
+                }
+                // The golden section: each step needs one depth.
+                const RATIO: f64 = 0.618_033_988_749_894_9;
+                let at = |s: f64| between(p, q, s).map_or(f64::INFINITY, |d| self.depth(&d));
+                let (mut from, mut to) = (0.0, 1.0);
+                let (mut s, mut t) = (1.0 - RATIO, RATIO);
+                let (mut a, mut b) = (at(s), at(t));
+                for _ in 0..9 {
+                    if a <= b {
+                        (to, t, b) = (t, s, a);
+                        s = to - RATIO * (to - from);
+                        a = at(s);
+                    } else {
+                        (from, s, a) = (s, t, b);
+                        t = from + RATIO * (to - from);
+                        b = at(t);
+                    }
+                }
+                if let Some(d) = between(p, q, 0.5 * (from + to)) {
+                    self.try_direction(&d);
+                }
+            }
+        }
+    }
+
+    fn depth(&self, d: &Point) -> f64 {
+        let (p, q) = self.support(d);
+        dot(&sub(&self.mockup.points[p], &self.tool.points[q]), d)
+    }
+
+    /// From the best direction down to the nearest valley: the gradient of the depth is the way between the two extreme places,
+    /// across the direction. Places, not points: along an edge or a face many are extreme, and their middle counts.
+    fn descend(&mut self) {
+        let mut step = 1.0;
+        for _ in 0..24 {
+            let Some((d, depth, _)) = self.found else { return };
+            if depth <= self.noise || step < 0.01 {
+                return;
+            }
+            let (above, below) = self.extremes(&d, 0.02);
+            let way = sub(&middle(&above), &middle(&below));
+            let across = along(&way, -dot(&way, &d), &d);
+            let Some(next) = unit(&along(&d, -step / norm(&way).max(f64::MIN_POSITIVE), &across)) else { return };
+            self.try_direction(&next);
+            if self.found.is_some_and(|f| f.0 == d) {
+                step *= 0.6;
+            }
+        }
+    }
+
+    /// Boxes around the highest of the mock-up's points and the lowest of the tool's, within a share of the depth.
+    fn extremes(&self, d: &Point, share: f64) -> (Aabb, Aabb) {
+        let (p, q) = self.support(d);
+        let (high, low) = (dot(&self.mockup.points[p], d), dot(&self.tool.points[q], d));
+        let tolerance = share * (high - low).abs() + self.noise;
+        let extent = |points: &[Point], keep: &dyn Fn(f64) -> bool| {
+            let mut bounds = Aabb::EMPTY;
+            points.iter().filter(|x| keep(dot(x, d))).for_each(|x| bounds.grow(x));
+            bounds
+        };
+        let above = extent(&self.mockup.points, &|h| h >= high - tolerance);
+        (above, extent(&self.tool.points, &|h| h <= low + tolerance))
+    }
+
+    /// The middle of the highest part of the mock-up or of the lowest of the tool, whichever is smaller, raised to the height
+    /// of the mock-up. The middle of a box around them, which does not know how many triangles make them up.
+    fn place(&self, d: &Point) -> Point {
+        let (above, below) = self.extremes(d, 1e-3);
+        let chosen = middle(if norm(&below.extent()) <= norm(&above.extent()) { &below } else { &above });
+        let high = dot(&self.mockup.points[self.support(d).0], d);
+        along(&chosen, high - dot(&chosen, d), d)
+    }
+}
+
+fn middle(b: &Aabb) -> Point {
+    scaled(&add(&b.lower, &b.upper), 0.5)
+}

@@ -1,0 +1,251 @@
+//! Contact planes: what holds the tool off the mock-up, or how deep it is in, as a few planes that do not depend on how
+//! finely the surfaces are cut into triangles.
+//!
+//! Where triangles meet, the curve along which they do and what it encloses make a zone ([`zones`]); each of its two surfaces
+//! becomes patches and bulging bodies ([`patches`]); two bodies have one least depth ([`depth`]). What is near and does not meet
+//! gives planes by distance ([`gaps`]). `docs/contacts.md` says what that means and where it ends.
+
+mod adjacency;
+mod cut;
+mod depth;
+mod gaps;
+mod least_norm;
+mod patches;
+mod penetration;
+#[cfg(test)]
+mod shapes;
+#[cfg(test)]
+mod tests;
+mod tracker;
+mod vector;
+mod zones;
+
+pub(crate) use adjacency::Adjacency;
+pub use penetration::{Penetration, PenetrationKind};
+pub use tracker::ContactTracker;
+
+use crate::bounds::{Point, Triangle};
+use crate::contacts::depth::{least_depth, Body};
+use crate::contacts::gaps::SAME_DIRECTION;
+use crate::contacts::vector::{dot, normal, scaled, sub};
+use crate::contacts::zones::{Face, Zone, Zones, MOCKUP, TOOL};
+use crate::error::{Error, Result};
+use crate::mesh::Mockup;
+use crate::pose::Pose;
+use crate::proximity::Gap;
+use crate::scene::Scene;
+use crate::tool::Tool;
+
+/// Most planes of an answer.
+pub const MOST_PLANES: usize = 32;
+
+/// Cosine of the angle within which planes of two flat surfaces in one zone are one: half a degree.
+const SAME_PLANE: f64 = 0.999_96;
+
+/// A plane between the mock-up and the tool.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ContactPlane {
+    /// On the mock-up's surface, metres, world.
+    pub point: Point,
+    /// Unit, from the mock-up to the tool.
+    pub normal: Point,
+    /// Distance of the tool from the plane along the normal, metres; negative: it is that deep behind.
+    pub gap: f64,
+    /// The part of the mock-up.
+    pub part: u32,
+    /// Triangles of the tool behind it, sorted.
+    pub tool_triangles: Vec<u32>,
+    /// Triangles of the mock-up behind it, sorted.
+    pub mockup_triangles: Vec<u32>,
+    /// Whether the surfaces there are flat-faced and every direction was tried.
+    pub(crate) certain: bool,
+}
+
+/// The contact planes at one pose.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Contacts {
+    /// Deepest first, at most [`MOST_PLANES`].
+    pub planes: Vec<ContactPlane>,
+    /// Planes beyond [`MOST_PLANES`], the least deep or farthest, that were left out.
+    pub omitted: usize,
+    /// Whether any triangles meet.
+    pub is_meeting: bool,
+}
+
+/// What one query knows.
+pub(crate) struct Ground<'a> {
+    mockup: &'a Mockup,
+    tool: &'a Tool,
+    pose: &'a Pose,
+    reference: Option<&'a Pose>,
+    /// Of the tool, and of the mock-up.
+    adjacency: [&'a Adjacency; 2],
+    /// The tool's centre of area, world.
+    centre: Point,
+}
+
+impl Ground<'_> {
+    fn tool_triangle(&self, t: u32) -> Triangle {
+        self.pose.apply_triangle(&self.tool.mesh().triangle(t))
+    }
+
+    fn mockup_triangle(&self, m: u32) -> Triangle {
+        self.mockup.mesh().triangle(m)
+    }
+
+    fn triangle(&self, w: usize, id: u32) -> Triangle {
+        if w == TOOL {
+            self.tool_triangle(id)
+        } else {
+            self.mockup_triangle(id)
+        }
+    }
+
+    /// The normal of a triangle beside `near`, to the side that counts as outside there.
+    fn outward(&self, w: usize, id: u32, corners: &Triangle, near: &Face) -> Option<Point> {
+        let n = normal(corners)?;
+        let flip = match self.adjacency[w].outward[id as usize] {
+            side if near.closed && side != 0 => side < 0,
+            _ => dot(&n, &near.normal) < 0.0,
+        };
+        Some(if flip { scaled(&n, -1.0) } else { n })
+    }
+
+    /// From a point of the tool at the pose to where it was at the reference.
+    fn way_back(&self, p: &Point) -> Option<Point> {
+        let reference = self.reference?;
+        let (r, t) = (self.pose.rotation(), self.pose.translation());
+        let d = sub(p, t);
+        let in_tool: Point = std::array::from_fn(|a| r[0][a] * d[0] + r[1][a] * d[1] + r[2][a] * d[2]);
+        Some(sub(&reference.apply(&in_tool), p))
+    }
+}
+
+impl Scene {
+    /// The contact planes of a tool at a pose: at most [`MOST_PLANES`], deepest first, for what meets and for what is nearer
+    /// than `margin` (metres).
+    ///
+    /// `reference` is a pose where the tool was free, the last one before this: it tells on which side of open surfaces the
+    /// tool belongs. Without it the side of the tool's centre of area counts. Closed surfaces have an inside and need it only
+    /// where the tool went right through.
+    ///
+    /// Errors: a margin that is negative, NaN or infinite, and more near pairs than the memory limit of the scene allows.
+    pub fn contacts(&self, tool: &Tool, pose: &Pose, margin: f64, reference: Option<&Pose>) -> Result<Contacts> {
+        if !(margin.is_finite() && margin >= 0.0) {
+            return Err(Error::Margin { value: margin });
+        }
+        let near = self.near_pairs(tool, pose, margin)?;
+        // By part, and within it by distance as they come.
+        let mut order: Vec<(u32, u32)> = near.iter().zip(0..).map(|(g, i)| (g.part, i)).collect();
+        order.sort_unstable();
+        let ground = Ground {
+            mockup: self.mockup(),
+            tool,
+            pose,
+            reference,
+            adjacency: [tool.adjacency(), self.adjacency()],
+            centre: pose.apply(&tool.adjacency().centre),
+        };
+        let mut contacts = Contacts::default();
+        let mut of_part: Vec<Gap> = Vec::new();
+        for same in order.chunk_by(|a, b| a.0 == b.0) {
+            of_part.clear();
+            of_part.extend(same.iter().map(|(_, i)| near[*i as usize]));
+            let from = contacts.planes.len();
+            let meeting = of_part.iter().take_while(|g| g.distance == 0.0).count();
+            let mut inside: Vec<u32> = Vec::new();
+            if meeting > 0 {
+                contacts.is_meeting = true;
+                let mut pairs: Vec<[u32; 2]> =
+                    of_part[..meeting].iter().map(|g| [g.tool_triangle, g.mockup_triangle]).collect();
+                pairs.sort_unstable();
+                let zones = zones::find(&ground, &pairs);
+                for zone in &zones.zones {
+                    push_zone(&ground, &zones, zone, same[0].0, &mut contacts.planes);
+                    inside.extend(zone.inside[TOOL].iter().map(|t| t[0]));
+                }
+                inside.sort_unstable();
+            }
+            let is_behind = |g: &Gap| inside.binary_search(&g.tool_triangle).is_ok();
+            gaps::push_planes(&ground, &of_part, meeting, &is_behind, margin, from, &mut contacts.planes);
+        }
+        contacts.finish();
+        Ok(contacts)
+    }
+}
+
+/// The planes of one zone: one for each two bodies that cut each other, without those that a deeper one stands for.
+fn push_zone(ground: &Ground<'_>, zones: &Zones, zone: &Zone, part: u32, out: &mut Vec<ContactPlane>) {
+    let patches = [TOOL, MOCKUP].map(|w| patches::patches(ground, zones, zone, w));
+    let clusters = [TOOL, MOCKUP].map(|w| patches::clusters(&patches[w]));
+    let bodies: [Vec<Body<'_>>; 2] =
+        std::array::from_fn(|w| clusters[w].iter().map(|c| Body::new(&patches[w], c)).collect());
+    let cuts: [Vec<Vec<u32>>; 2] = std::array::from_fn(|w| bodies[w].iter().map(Body::cuts).collect());
+    let mut found: Vec<(ContactPlane, f64)> = Vec::new();
+    for (a, tool_cuts) in bodies[TOOL].iter().zip(&cuts[TOOL]) {
+        for (b, mockup_cuts) in bodies[MOCKUP].iter().zip(&cuts[MOCKUP]) {
+            let shared: Vec<u32> = tool_cuts.iter().filter(|c| mockup_cuts.binary_search(c).is_ok()).copied().collect();
+            // A body that no curve touches is walled in by others of its surface: it meets what they meet.
+            if shared.is_empty() && !tool_cuts.is_empty() && !mockup_cuts.is_empty() {
+                continue;
+            }
+            let Some(depth) = least_depth(zones, a, b) else { continue };
+            let ids = |w: usize| {
+                let of = |c: &u32| zones.faces[w][zones.cuts[*c as usize].faces[w] as usize].id;
+                let all = if shared.is_empty() { &zone.cuts } else { &shared };
+                let mut ids: Vec<u32> = all.iter().map(of).collect();
+                ids.sort_unstable();
+                ids.dedup();
+                ids
+            };
+            let plane = ContactPlane {
+                point: depth.point,
+                normal: depth.normal,
+                gap: -depth.depth.max(0.0),
+                part,
+                tool_triangles: ids(TOOL),
+                mockup_triangles: ids(MOCKUP),
+                certain: depth.certain && zones.complete,
+            };
+            found.push((plane, if depth.certain { SAME_PLANE } else { SAME_DIRECTION }));
+        }
+    }
+    found.sort_by(|p, q| p.0.order(&q.0));
+    let from = out.len();
+    for (plane, same) in found {
+        if !out[from..].iter().any(|p| dot(&p.normal, &plane.normal) >= same) {
+            out.push(plane);
+        }
+    }
+}
+
+impl ContactPlane {
+    fn order(&self, other: &ContactPlane) -> std::cmp::Ordering {
+        let place = |p: &ContactPlane| (p.normal, p.point);
+        let by = |a: &Point, b: &Point| (0..3).map(|i| a[i].total_cmp(&b[i])).find(|o| o.is_ne());
+        let (a, b) = (place(self), place(other));
+        self.gap
+            .total_cmp(&other.gap)
+            .then(self.part.cmp(&other.part))
+            .then_with(|| by(&a.0, &b.0).or_else(|| by(&a.1, &b.1)).unwrap_or(std::cmp::Ordering::Equal))
+    }
+}
+
+impl Contacts {
+    fn finish(&mut self) {
+        for plane in &mut self.planes {
+            for ids in [&mut plane.tool_triangles, &mut plane.mockup_triangles] {
+                ids.sort_unstable();
+                ids.dedup();
+            }
+        }
+        self.planes.sort_by(ContactPlane::order);
+        self.omitted = self.planes.len().saturating_sub(MOST_PLANES);
+        self.planes.truncate(MOST_PLANES);
+    }
+
+    /// The largest penetration, metres; 0 where nothing is deep.
+    pub fn depth(&self) -> f64 {
+        self.planes.first().map_or(0.0, |p| (-p.gap).max(0.0))
+    }
+}

@@ -1,0 +1,112 @@
+//! The shortest way out.
+
+use crate::bounds::Point;
+use crate::contacts::least_norm::{compromise, shortest};
+use crate::contacts::vector::{add, dot, norm, scaled};
+use crate::contacts::{ContactPlane, Contacts};
+use crate::error::Result;
+use crate::pose::Pose;
+use crate::scene::Scene;
+use crate::tool::Tool;
+
+/// Times that planes met on the way are added, and the way is sought anew.
+const MOST_ROUNDS: usize = 8;
+
+/// Share by which the way is lengthened, so that the tool ends off the surface and not on it.
+const OFF: f64 = 1e-6;
+
+/// How much a penetration may be trusted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PenetrationKind {
+    /// The moved tool is free (checked exactly), and no shorter translation separates the two surfaces that meet: one place of
+    /// contact, both sides of it flat-faced and bulging, every direction that could be least was tried.
+    Exact,
+    /// The moved tool is free (checked exactly); a shorter translation may exist.
+    Bound,
+    /// The moved tool still meets the mock-up: nothing near that frees it was found.
+    Estimate,
+}
+
+/// A translation that frees a tool.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Penetration {
+    /// Metres, world: add it to the pose's.
+    pub translation: Point,
+    /// Its length, metres.
+    pub depth: f64,
+    /// What it is.
+    pub kind: PenetrationKind,
+    /// The contact planes at the pose.
+    pub contacts: Contacts,
+}
+
+impl Scene {
+    /// The translation of least length that frees the tool where it is: shortest over the contact planes of the pose, checked
+    /// at the moved pose, and sought anew with the planes met there.
+    ///
+    /// `margin` (metres): surfaces nearer than that keep the way out from running into them. `reference` as in
+    /// [`contacts`](Self::contacts), and so the errors.
+    pub fn penetration(&self, tool: &Tool, pose: &Pose, margin: f64, reference: Option<&Pose>) -> Result<Penetration> {
+        let contacts = self.contacts(tool, pose, margin, reference)?;
+        if !contacts.is_meeting {
+            return Ok(Penetration { translation: [0.0; 3], depth: 0.0, kind: PenetrationKind::Exact, contacts });
+        }
+        let mut planes: Vec<(Point, f64)> = contacts.planes.iter().map(|p| (p.normal, -p.gap)).collect();
+        let mut certain: Vec<bool> = contacts.planes.iter().map(|p| p.certain).collect();
+        // Off the surface by the rounding of a placed corner at least.
+        let coordinates = self.mockup().mesh().bounds().largest_coordinate();
+        let least = 1e-14 * (coordinates + pose.largest_translation()) + tool.margin_at(pose);
+        let mut kind = PenetrationKind::Estimate;
+        let mut translation = [0.0; 3];
+        for round in 0..MOST_ROUNDS {
+            let Some((way, held)) = shortest(&planes) else {
+                translation = compromise(&planes);
+                break;
+            };
+            let length = norm(&way);
+            let off = OFF * length + least;
+            // Every plane that holds the way is left by `off`.
+            let outward = if length > 0.0 { scaled(&way, 1.0 / length) } else { first_normal(&contacts) };
+            let lean = held.iter().map(|i| dot(&outward, &planes[*i].0)).fold(1.0, f64::min).max(0.01);
+            translation = add(&way, &scaled(&outward, off / lean));
+            let moved = pose.translated(&translation)?;
+            if !self.is_colliding(tool, &moved) {
+                let single = round == 0 && held.len() == 1 && certain[held[0]];
+                // Where nothing is deep, a touch is all there is.
+                let tight = round == 0 && held.is_empty()
+                    || single && self.is_colliding(tool, &pose.translated(&scaled(&way, 0.999))?);
+                kind = if tight { PenetrationKind::Exact } else { PenetrationKind::Bound };
+                break;
+            }
+            let there = self.contacts(tool, &moved, margin, reference)?;
+            let before = planes.len();
+            for plane in there.planes.iter().filter(|p| p.gap <= 0.0) {
+                planes.push((plane.normal, dot(&plane.normal, &translation) - plane.gap));
+                certain.push(false);
+            }
+            if planes.len() == before {
+                break;
+            }
+            keep_the_tightest(&mut planes, &mut certain);
+        }
+        Ok(Penetration { depth: norm(&translation), translation, kind, contacts })
+    }
+}
+
+fn first_normal(contacts: &Contacts) -> Point {
+    contacts.planes.first().map_or([0.0, 0.0, 1.0], |p: &ContactPlane| p.normal)
+}
+
+/// Of planes with one direction the one that asks most; and of all no more than the search for the shortest way can take.
+fn keep_the_tightest(planes: &mut Vec<(Point, f64)>, certain: &mut Vec<bool>) {
+    let mut order: Vec<usize> = (0..planes.len()).collect();
+    order.sort_by(|i, j| planes[*j].1.total_cmp(&planes[*i].1).then(i.cmp(j)));
+    let mut kept: Vec<usize> = Vec::new();
+    for i in order {
+        if kept.len() < 48 && !kept.iter().any(|k| dot(&planes[*k].0, &planes[i].0) > 1.0 - 1e-9) {
+            kept.push(i);
+        }
+    }
+    *certain = kept.iter().map(|i| certain[*i]).collect();
+    *planes = kept.iter().map(|i| planes[*i]).collect();
+}

@@ -1,0 +1,378 @@
+//! Contact zones: the curves along which the tool cuts one part, and what each has beyond the other's surface.
+//!
+//! A curve does not know how finely the surfaces are cut into triangles, and neither does what it encloses: tool triangles
+//! behind the part's surface and the part's triangles inside the tool, found by walking from the curve over shared edges.
+
+use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, Hasher};
+
+use crate::bounds::{Point, Triangle};
+use crate::contacts::adjacency::{Adjacency, NONE};
+use crate::contacts::cut::push_shared;
+use crate::contacts::vector::{add, dot, normal, scaled, square_to_segment, sub};
+use crate::contacts::Ground;
+
+/// Most triangles that are walked over beyond the curve, of each surface and in one part. What lies further counts for depth
+/// only by its nearer part; a result that stopped here is not called exact.
+const MOST_WALKED: usize = 1 << 16;
+
+/// Ids hashed by one multiplication: they are spread already.
+#[derive(Default)]
+pub(crate) struct IdHasher(u64);
+
+impl Hasher for IdHasher {
+    fn write(&mut self, bytes: &[u8]) {
+        bytes.iter().for_each(|b| self.write_u32(u32::from(*b)));
+    }
+
+    fn write_u32(&mut self, x: u32) {
+        self.0 = (self.0.rotate_left(5) ^ u64::from(x)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    }
+
+    fn finish(&self) -> u64 {
+        self.0 ^ self.0 >> 32
+    }
+}
+
+pub(crate) type IdMap<K> = HashMap<K, u32, BuildHasherDefault<IdHasher>>;
+
+/// A triangle that is cut.
+#[derive(Debug, Clone)]
+pub(crate) struct Face {
+    pub id: u32,
+    pub corners: Triangle,
+    /// Unit, away from the solid or from the side it counts as.
+    pub normal: Point,
+    /// Whether the surface is closed, so that it has an inside of its own.
+    pub closed: bool,
+    /// For each corner: 1 outside the other solid, -1 inside, 0 on its surface or not known.
+    pub side: [i8; 3],
+    /// The cut nearest to each corner, which says so.
+    nearest: [u32; 3],
+    square: [f64; 3],
+    steepness: [f64; 3],
+}
+
+impl Face {
+    fn new(id: u32, corners: Triangle, outward: i8) -> Face {
+        let n = normal(&corners).unwrap_or([0.0; 3]);
+        Face {
+            id,
+            corners,
+            normal: if outward < 0 { scaled(&n, -1.0) } else { n },
+            closed: outward != 0,
+            side: [0; 3],
+            nearest: [NONE; 3],
+            square: [f64::INFINITY; 3],
+            steepness: [0.0; 3],
+        }
+    }
+
+    /// Whether corner `k` was judged by a cut of which `is_of` is true.
+    pub fn is_corner_of(&self, k: usize, is_of: impl Fn(u32) -> bool) -> bool {
+        self.nearest[k] != NONE && is_of(self.nearest[k])
+    }
+}
+
+/// A pair of triangles that meet.
+#[derive(Debug, Clone)]
+pub(crate) struct Cut {
+    /// Places among the faces.
+    pub faces: [u32; 2],
+    /// The points shared, in [`Zones::points`].
+    pub points: (u32, u32),
+    /// Whether the two lie in one plane.
+    pub flat: bool,
+}
+
+/// Everything between the tool and one part.
+#[derive(Debug)]
+pub(crate) struct Zones {
+    /// Cut triangles of the tool, and of the mock-up.
+    pub faces: [Vec<Face>; 2],
+    pub cuts: Vec<Cut>,
+    pub points: Vec<Point>,
+    pub zones: Vec<Zone>,
+    /// Whether all was walked over.
+    pub complete: bool,
+}
+
+/// One connected place of contact.
+#[derive(Debug, Default)]
+pub(crate) struct Zone {
+    pub cuts: Vec<u32>,
+    /// Whole triangles of the tool behind the part's surface, and of the part inside the tool, each with a cut near by.
+    pub inside: [Vec<[u32; 2]>; 2],
+}
+
+pub(crate) const TOOL: usize = 0;
+pub(crate) const MOCKUP: usize = 1;
+
+/// Sorts the pairs of one part (sorted by tool triangle, then mock-up triangle) into zones.
+pub(crate) fn find(ground: &Ground<'_>, pairs: &[[u32; 2]]) -> Zones {
+    let mut places: [IdMap<u32>; 2] = Default::default();
+    let mut zones =
+        Zones { faces: Default::default(), cuts: Vec::new(), points: Vec::new(), zones: Vec::new(), complete: true };
+    let mut cut_of: IdMap<(u32, u32)> = IdMap::default();
+    for pair in pairs {
+        let mut faces = [0; 2];
+        for w in [TOOL, MOCKUP] {
+            let list = &mut zones.faces[w];
+            faces[w] = *places[w].entry(pair[w]).or_insert_with(|| {
+                list.push(Face::new(
+                    pair[w],
+                    ground.triangle(w, pair[w]),
+                    ground.adjacency[w].outward[pair[w] as usize],
+                ));
+                list.len() as u32 - 1
+            });
+        }
+        let [p, q] = [TOOL, MOCKUP].map(|w| &zones.faces[w][faces[w] as usize]);
+        let from = zones.points.len() as u32;
+        push_shared(&p.corners, &p.normal, &q.corners, &q.normal, &mut zones.points);
+        let flat = dot(&p.normal, &q.normal).abs() > 1.0 - 1e-12;
+        cut_of.insert((pair[0], pair[1]), zones.cuts.len() as u32);
+        zones.cuts.push(Cut { faces, points: (from, zones.points.len() as u32), flat });
+    }
+    let mut roots = Roots((0..zones.cuts.len() as u32).collect());
+    join_along_the_curve(ground, &zones, &cut_of, &mut roots);
+    orient(ground, &mut zones);
+    for w in [TOOL, MOCKUP] {
+        classify(w, &mut zones);
+        join_across_faces(w, &zones, &mut roots);
+    }
+    let walked = [TOOL, MOCKUP].map(|w| walk(ground, w, &zones, &places[w], &mut roots));
+    zones.complete = walked.iter().all(|w| w.len() < MOST_WALKED);
+    let mut zone_of_root: IdMap<u32> = IdMap::default();
+    for i in 0..zones.cuts.len() as u32 {
+        let list = &mut zones.zones;
+        let z = *zone_of_root.entry(roots.of(i)).or_insert_with(|| {
+            list.push(Zone::default());
+            list.len() as u32 - 1
+        });
+        zones.zones[z as usize].cuts.push(i);
+    }
+    for (w, walked) in walked.into_iter().enumerate() {
+        for (triangle, cut, _) in walked {
+            let z = zone_of_root[&roots.of(cut)];
+            zones.zones[z as usize].inside[w].push([triangle, cut]);
+        }
+    }
+    zones
+}
+
+/// The curve goes on in the neighbour of either triangle.
+fn join_along_the_curve(ground: &Ground<'_>, zones: &Zones, cut_of: &IdMap<(u32, u32)>, roots: &mut Roots) {
+    for (i, cut) in zones.cuts.iter().enumerate() {
+        let [t, m] = [TOOL, MOCKUP].map(|w| zones.faces[w][cut.faces[w] as usize].id);
+        let beside_t = ground.adjacency[TOOL].neighbours[t as usize].map(|n| (n, m));
+        let beside_m = ground.adjacency[MOCKUP].neighbours[m as usize].map(|n| (t, n));
+        for key in beside_t.iter().chain(&beside_m) {
+            // Each pair of neighbours is met from both sides: once is enough.
+            if key.0 != NONE && key.1 != NONE && *key < (t, m) {
+                if let Some(j) = cut_of.get(key) {
+                    roots.join(i as u32, *j);
+                }
+            }
+        }
+    }
+}
+
+/// Most cuts of a face that [`join_across_faces`] compares with each other.
+const MOST_COMPARED: usize = 256;
+
+/// Two curves on one large triangle are of one zone where what lies between them is beyond the other surface: a finer mesh has
+/// triangles there, and the walk would find them.
+fn join_across_faces(w: usize, zones: &Zones, roots: &mut Roots) {
+    let mut cuts: Vec<(u32, u32)> = zones.cuts.iter().zip(0..).map(|(c, i)| (c.faces[w], i)).collect();
+    cuts.sort_unstable();
+    for same in cuts.chunk_by(|x, y| x.0 == y.0) {
+        let first = roots.of(same[0].1);
+        if same.iter().all(|c| roots.of(c.1) == first) {
+            continue;
+        }
+        let stride = same.len().div_ceil(MOST_COMPARED);
+        let spots: Vec<(u32, Point, Point)> = same
+            .iter()
+            .step_by(stride)
+            .map(|(_, i)| {
+                let cut = &zones.cuts[*i as usize];
+                let (a, b) = (zones.points[cut.points.0 as usize], zones.points[cut.points.0 as usize + 1]);
+                (*i, scaled(&add(&a, &b), 0.5), zones.faces[1 - w][cut.faces[1 - w] as usize].normal)
+            })
+            .collect();
+        // The nearest cuts of each two zones.
+        let mut nearest: Vec<(u32, u32, f64, usize, usize)> = Vec::new();
+        for i in 0..spots.len() {
+            for j in 0..i {
+                let (a, b) = (roots.of(spots[i].0), roots.of(spots[j].0));
+                if a == b {
+                    continue;
+                }
+                let key = (a.min(b), a.max(b));
+                let way = sub(&spots[i].1, &spots[j].1);
+                let square = dot(&way, &way);
+                match nearest.iter_mut().find(|n| (n.0, n.1) == key) {
+                    Some(n) if n.2 <= square => {}
+                    Some(n) => *n = (key.0, key.1, square, i, j),
+                    None => nearest.push((key.0, key.1, square, i, j)),
+                }
+            }
+        }
+        for (_, _, square, i, j) in nearest {
+            let way = sub(&spots[j].1, &spots[i].1);
+            let behind = -0.1 * square.sqrt();
+            if dot(&way, &spots[i].2) < behind || -dot(&way, &spots[j].2) < behind {
+                roots.join(spots[i].0, spots[j].0);
+            }
+        }
+    }
+}
+
+/// Turns the normals of open surfaces to the side that counts as outside, and those of thin closed ones that the tool went
+/// right through since the reference.
+fn orient(ground: &Ground<'_>, zones: &mut Zones) {
+    // How far each face's part of the curve has come from where the tool was free, along its normal.
+    let mut back = [TOOL, MOCKUP].map(|w| vec![(0.0, 0.0); zones.faces[w].len()]);
+    if ground.reference.is_some() {
+        for cut in &zones.cuts {
+            let middle = zones.points[cut.points.0 as usize];
+            let Some(way) = ground.way_back(&middle) else { continue };
+            for w in [TOOL, MOCKUP] {
+                let (sum, length) = &mut back[w][cut.faces[w] as usize];
+                // Seen from the tool it is the mock-up that came.
+                let sense = if w == MOCKUP { 1.0 } else { -1.0 };
+                *sum += sense * dot(&way, &zones.faces[w][cut.faces[w] as usize].normal);
+                *length += dot(&way, &way).sqrt();
+            }
+        }
+    }
+    for w in [TOOL, MOCKUP] {
+        for (i, face) in zones.faces[w].iter_mut().enumerate() {
+            let (sum, length) = back[w][i];
+            let flip = if face.closed {
+                // It came out of the solid, and yet was free before: it went in on the other side.
+                w == MOCKUP && sum < -0.5 * length
+            } else if sum.abs() > 1e-3 * length {
+                sum < 0.0
+            } else {
+                // The mock-up's surface faces the tool's bulk, and the tool's faces away from it.
+                let towards = sub(&ground.centre, &face.corners[0]);
+                (dot(&towards, &face.normal) < 0.0) == (w == MOCKUP)
+            };
+            if flip {
+                face.normal = scaled(&face.normal, -1.0);
+                face.closed = false;
+            }
+        }
+    }
+}
+
+/// On which side of the other surface the corners of cut triangles are: the nearest cut tells. Where two are equally near,
+/// at an edge of the other surface, the one whose plane the corner stands off most steeply.
+fn classify(w: usize, zones: &mut Zones) {
+    let other = 1 - w;
+    for (i, cut) in zones.cuts.iter().enumerate().filter(|(_, c)| !c.flat) {
+        let n = zones.faces[other][cut.faces[other] as usize].normal;
+        let face = &mut zones.faces[w][cut.faces[w] as usize];
+        let (a, b) = (zones.points[cut.points.0 as usize], zones.points[cut.points.0 as usize + 1]);
+        for k in 0..3 {
+            let square = square_to_segment(&face.corners[k], &a, &b);
+            let height = dot(&sub(&face.corners[k], &a), &n);
+            let steepness = if square > 0.0 { height * height / square } else { 0.0 };
+            let tie = square <= face.square[k] * (1.0 + 1e-9) && square >= face.square[k] * (1.0 - 1e-9);
+            if if tie { steepness > face.steepness[k] } else { square < face.square[k] } {
+                face.square[k] = square;
+                face.steepness[k] = steepness;
+                face.nearest[k] = i as u32;
+                face.side[k] = if steepness < 1e-18 {
+                    0
+                } else if height < 0.0 {
+                    -1
+                } else {
+                    1
+                };
+            }
+        }
+    }
+}
+
+/// The uncut triangles of one surface beyond the other, each with a cut of its zone, found over shared edges.
+fn walk(ground: &Ground<'_>, w: usize, zones: &Zones, places: &IdMap<u32>, roots: &mut Roots) -> Vec<(u32, u32, u32)> {
+    let adjacency: &Adjacency = ground.adjacency[w];
+    let plane_of = |cut: u32| {
+        let c = &zones.cuts[cut as usize];
+        (&zones.faces[1 - w][c.faces[1 - w] as usize], zones.points[c.points.0 as usize])
+    };
+    // Triangle, a cut of its zone, the cut whose plane it is held against.
+    let mut found: Vec<(u32, u32, u32)> = Vec::new();
+    let mut seen: IdMap<u32> = IdMap::default();
+    let mut reach =
+        |triangle: u32, from: Option<u32>, cut: u32, found: &mut Vec<(u32, u32, u32)>, roots: &mut Roots| {
+            if triangle == NONE || found.len() >= MOST_WALKED {
+                return;
+            }
+            if let Some(place) = places.get(&triangle) {
+                // Another curve: what was walked over lies between the two.
+                if let Some(from) = from {
+                    let face = &zones.faces[w][*place as usize];
+                    let corners = ground.triangle(w, from);
+                    let shared = (0..3).find(|k| face.nearest[*k] != NONE && corners.contains(&face.corners[*k]));
+                    shared.iter().for_each(|k| roots.join(face.nearest[*k], cut));
+                }
+                return;
+            }
+            if let Some(before) = seen.get(&triangle) {
+                roots.join(*before, cut);
+                return;
+            }
+            let (plane, at) = plane_of(cut);
+            if !plane.closed {
+                // An open surface ends somewhere, and round its border the walk would come to the free side.
+                let t = ground.triangle(w, triangle);
+                if t.iter().any(|p| dot(&sub(p, &at), &plane.normal) > 0.0) {
+                    return;
+                }
+            }
+            seen.insert(triangle, cut);
+            found.push((triangle, cut, cut));
+        };
+    for face in &zones.faces[w] {
+        for k in 0..3 {
+            let l = (k + 1) % 3;
+            let (a, b) = (face.side[k], face.side[l]);
+            if a + b < 0 {
+                let cut = face.nearest[if a < 0 { k } else { l }];
+                reach(adjacency.neighbours[face.id as usize][k], None, cut, &mut found, roots);
+            }
+        }
+    }
+    let mut next = 0;
+    while next < found.len() {
+        let (triangle, cut, _) = found[next];
+        next += 1;
+        for k in 0..3 {
+            reach(adjacency.neighbours[triangle as usize][k], Some(triangle), cut, &mut found, roots);
+        }
+    }
+    found
+}
+
+/// Disjoint sets of cuts.
+struct Roots(Vec<u32>);
+
+impl Roots {
+    fn of(&mut self, mut i: u32) -> u32 {
+        while self.0[i as usize] != i {
+            self.0[i as usize] = self.0[self.0[i as usize] as usize];
+            i = self.0[i as usize];
+        }
+        i
+    }
+
+    fn join(&mut self, i: u32, j: u32) {
+        let (a, b) = (self.of(i), self.of(j));
+        // The smaller number is the root, so that the order of joins does not show.
+        self.0[a.max(b) as usize] = a.min(b);
+    }
+}

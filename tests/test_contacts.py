@@ -1,0 +1,159 @@
+"""Contact planes, the tracker and penetration through the public face."""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pytest
+
+import feeler
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+@pytest.fixture(scope="module")
+def bench() -> ModuleType:
+    """The script that makes the table of docs/contacts.md: its contacts have known depths."""
+    spec = importlib.util.spec_from_file_location("bench_contacts", ROOT / "bench" / "contacts.py")
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.mark.parametrize("place", ["flush", "turned"])
+@pytest.mark.parametrize("name", ["box in a plate", "ball in a plate", "rod in a plate", "tooth in its slot"])
+def test_depths_do_not_depend_on_the_triangles(bench: ModuleType, name: str, place: str) -> None:
+    for cells in (1, 3, 12, 24):
+        contact = bench.CASES[name](cells)
+        if place == "turned":
+            contact = bench.turned(contact)
+        found = bench.by_feeler(contact)
+        assert len(found) == len(contact.depths), (cells, found)
+        assert np.allclose(found, contact.depths, rtol=0.01, atol=0), (cells, found)
+
+
+def test_planes_say_what_they_are(bench: ModuleType) -> None:
+    contact = bench.CASES["box in a plate"](5)
+    scene, tool = feeler.Scene(feeler.Mockup(*contact.mockup)), feeler.Tool(*contact.tool)
+    found = scene.contacts(tool, contact.pose)
+    assert len(found) == 1 and found and found.is_meeting and found.omitted == 0
+    assert found.points.shape == found.normals.shape == (1, 3)
+    assert np.allclose(found.normals, [[0, 0, 1]]) and np.allclose(found.gaps, [-0.0015])
+    assert abs(found.points[0, 2]) < 1e-12
+    assert found.parts.tolist() == [0]
+    hit = scene.collide(tool, contact.pose)
+    assert found.tool_offsets.tolist() == [0, len(found.tool_triangles)]
+    assert found.mockup_offsets.tolist() == [0, len(found.mockup_triangles)]
+    assert set(found.tool_triangles.tolist()) <= set(hit.tool_triangles.tolist())
+    assert set(found.mockup_triangles.tolist()) <= set(hit.mockup_triangles.tolist())
+    assert "1 planes" in repr(found)
+    for array in (found.points, found.normals, found.gaps, found.parts, found.tool_triangles, found.mockup_offsets):
+        assert not array.flags.writeable
+    assert scene.memory()["adjacency"] > 0
+
+
+def test_penetration_frees_the_tool(bench: ModuleType) -> None:
+    for name, kinds in (("box in a plate", {"exact"}), ("tooth in its slot", {"bound"}), ("ball in a plate", {"bound", "exact"})):
+        contact = bench.turned(bench.CASES[name](6))
+        scene, tool = feeler.Scene(feeler.Mockup(*contact.mockup)), feeler.Tool(*contact.tool)
+        out = scene.penetration(tool, contact.pose)
+        assert out.kind in kinds, (name, out)
+        assert out.depth == pytest.approx(np.linalg.norm(out.translation))
+        assert len(out.contacts) >= len(contact.depths)
+        moved = contact.pose.copy()
+        moved[:3, 3] += out.translation
+        assert not scene.is_colliding(tool, moved)
+        if len(contact.depths) == 1:
+            assert out.depth == pytest.approx(contact.depths[0], rel=0.01)
+            moved[:3, 3] -= 0.02 * out.translation
+            assert scene.is_colliding(tool, moved)
+
+
+def test_a_tool_that_is_free_needs_no_way_out(bench: ModuleType) -> None:
+    contact = bench.CASES["box in a plate"](2)
+    scene, tool = feeler.Scene(feeler.Mockup(*contact.mockup)), feeler.Tool(*contact.tool)
+    out = scene.penetration(tool, bench.shifted(0, 0, 1.0))
+    assert (out.depth, out.kind, len(out.contacts)) == (0.0, "exact", 0)
+    assert out.translation.tolist() == [0, 0, 0]
+
+
+def test_the_tracker_remembers_the_side(bench: ModuleType) -> None:
+    vertices, faces = bench.sheet(9, 9, lambda s, t: (0.1 * (s - 0.5), 0.1 * (t - 0.5), 0 * s))
+    scene, tool = feeler.Scene(feeler.Mockup(vertices, faces)), feeler.Tool(*bench.box((0.02,) * 3, (0, 0, 0), 4))
+    for side in (1, -1):
+        tracker = feeler.ContactTracker(scene, tool)
+        assert tracker.last_free is None
+        for step in range(30):
+            height = side * (0.0203 - 0.0005 * step)
+            found = tracker.contacts(bench.shifted(0.001, 0, height))
+            depth = 0.01 - side * height
+            assert np.allclose(found.normals[:, 2], side) if len(found) else depth < -0.002
+            assert not len(found) or found.gaps[0] == pytest.approx(-depth, abs=1e-12)
+        assert tracker.last_free is not None and side * tracker.last_free[2, 3] > 0.01
+        again = scene.contacts(tool, bench.shifted(0.001, 0, side * 0.004), reference=tracker.last_free)
+        assert np.allclose(again.normals[0], [0, 0, side]) and again.gaps[0] == pytest.approx(-0.006)
+        tracker.last_free = None
+        assert tracker.last_free is None
+
+
+def test_the_same_answer_every_time_and_from_every_store(bench: ModuleType) -> None:
+    mockup = feeler.sample("differential", triangles=20_000)
+    tool = feeler.sample_tool("wrench")
+    scenes = [feeler.Scene(mockup, storage=storage) for storage in ("blocks", "dense", "hashed")]
+    for pose in feeler.sample_poses(scenes[0], tool, "nominal", 12):
+        first, *others = [scene.contacts(tool, pose) for scene in (*scenes, scenes[0])]
+        assert len(first) <= 32
+        assert np.allclose(np.linalg.norm(first.normals, axis=1), 1)
+        assert np.isfinite(first.points).all() and (np.diff(first.gaps) >= 0).all()
+        assert first.is_meeting == scenes[0].is_colliding(tool, pose)
+        for other in others:
+            assert np.array_equal(first.gaps, other.gaps) and np.array_equal(first.normals, other.normals)
+            assert np.array_equal(first.points, other.points) and np.array_equal(first.parts, other.parts)
+        out = scenes[0].penetration(tool, pose)
+        if out.kind != "estimate":
+            moved = pose.copy()
+            moved[:3, 3] += out.translation
+            assert not scenes[0].is_colliding(tool, moved)
+
+
+@pytest.mark.parametrize("margin", [-0.001, float("nan"), float("inf"), "near", None, True])
+def test_bad_margins(bench: ModuleType, margin: object) -> None:
+    contact = bench.CASES["box in a plate"](1)
+    scene, tool = feeler.Scene(feeler.Mockup(*contact.mockup)), feeler.Tool(*contact.tool)
+    tracker = feeler.ContactTracker(scene, tool)
+    for ask in (
+        lambda: scene.contacts(tool, contact.pose, margin),  # type: ignore[arg-type]
+        lambda: scene.penetration(tool, contact.pose, margin),  # type: ignore[arg-type]
+        lambda: tracker.contacts(contact.pose, margin),  # type: ignore[arg-type]
+    ):
+        with pytest.raises(feeler.OptionError, match="margin"):
+            ask()
+
+
+def test_bad_arguments(bench: ModuleType) -> None:
+    contact = bench.CASES["box in a plate"](1)
+    scene, tool = feeler.Scene(feeler.Mockup(*contact.mockup)), feeler.Tool(*contact.tool)
+    with pytest.raises(feeler.PoseError):
+        scene.contacts(tool, np.ones((4, 4)))
+    with pytest.raises(feeler.PoseError):
+        scene.contacts(tool, contact.pose, reference=np.ones((4, 4)))
+    with pytest.raises(feeler.MeshError):
+        scene.contacts("wrench", contact.pose)  # type: ignore[arg-type]
+    with pytest.raises(feeler.MeshError):
+        feeler.ContactTracker(scene, scene)  # type: ignore[arg-type]
+    with pytest.raises(feeler.MeshError):
+        feeler.ContactTracker(tool, tool)  # type: ignore[arg-type]
+    with pytest.raises(feeler.PoseError):
+        feeler.ContactTracker(scene, tool).contacts(np.zeros((3, 3)))
+
+
+def test_the_quick_tables(bench: ModuleType, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setattr(bench, "PEERS", {})
+    assert bench.main(["--quick", "--only", "depths"]) == 0
+    assert "tooth in its slot, turned" in capsys.readouterr().out
