@@ -9,25 +9,25 @@ from typing_extensions import Self, disjoint_base
 
 _Progress = Callable[[float, str], object]
 
-<<<<<<< HEAD
 __all__ = [
     "Batch",
     "Cast",
     "Clearance",
     "ClearanceBatch",
     "Collision",
+    "ContactTracker",
+    "Contacts",
     "Distance",
     "DistanceBatch",
     "Mockup",
     "PathCheck",
+    "Penetration",
+    "Predictor",
     "Scene",
     "Tool",
     "optimal_voxel_size",
     "weld_vertices",
 ]
-=======
-__all__ = ["Batch", "Collision", "Mockup", "Predictor", "Scene", "Tool", "optimal_voxel_size", "weld_vertices"]
->>>>>>> issue5
 
 @disjoint_base
 class Mockup:
@@ -274,7 +274,6 @@ class Batch:
     def __getitem__(self, index: int, /) -> npt.NDArray[np.uint32]: ...
 
 @final
-<<<<<<< HEAD
 class Distance:
     """The distance of tool and mock-up, or of the tool and one part; 0 when they meet.
 
@@ -379,7 +378,8 @@ class ClearanceBatch:
         """`(K,)`: triangles of the mock-up."""
     def __len__(self) -> int: ...
     def __getitem__(self, index: int, /) -> Clearance: ...
-=======
+
+@final
 class Predictor:
     """The predicted work and time of queries, on average over places of the tool on the mock-up's surface.
 
@@ -395,7 +395,6 @@ class Predictor:
         """What the store will take."""
     def optimal_size(self, constants: Sequence[float], memory_limit: int) -> float:
         """The voxel size (metres) with the least time whose store takes at most `memory_limit` bytes."""
->>>>>>> issue5
 
 @final
 class Cast:
