@@ -34,6 +34,11 @@ def figures(record: dict[str, Any], name: str) -> str:
     return "\n\n".join([*parts, *_funnel(record), *_goals(record), _about(record, name)])
 
 
+def _asked(cell: dict[str, Any], engine: str) -> str:
+    """The times of an engine in a cell, where it can answer such a query."""
+    return _times(cell["engines"][engine]) if engine in cell["engines"] else "–"
+
+
 def _size(record: dict[str, Any], size: dict[str, Any]) -> list[str]:
     """Heading and table of one mock-up."""
     peers = [peer for peer in record["engines"] if peer != "feeler"]
@@ -48,7 +53,7 @@ def _size(record: dict[str, Any], size: dict[str, Any]) -> list[str]:
         if "problem" in cell:
             lines.append(f"{head} no such pose found |{' |' * (len(heads) + bool(peers))}")
             continue
-        row = [f"{cell['pairs']['median']:,.0f}", *(_times(cell["engines"][peer]) for peer in ("feeler", *peers))]
+        row = [f"{cell['pairs']['median']:,.0f}", *(_asked(cell, engine) for engine in ("feeler", *peers))]
         if best := cell["best"]:
             median, p95 = (f"{best[measure]['times_faster']:.1f}" for measure in MEASURES)
             row.append(f"{median} ({p95}){' missed' if best['met'] is False else ''}")
