@@ -177,7 +177,9 @@ def tooth_in_slot(cells: int) -> Contact:
     down, aside = 0.0006, 0.0001
     depths = (down * sine + aside * cosine, down * sine - aside * cosine)
     n = max(1, cells // 2)
-    return Contact(ridge(slot, -0.02, 0.03, n, 2 * n), ridge(tooth, 0.02, 0.01, n, 2 * n), shifted(aside, 0, -down), depths)
+    return Contact(
+        ridge(slot, -0.02, 0.03, n, 2 * n), ridge(tooth, 0.02, 0.01, n, 2 * n), shifted(aside, 0, -down), depths
+    )
 
 
 CASES: dict[str, Callable[[int], Contact]] = {

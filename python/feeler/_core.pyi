@@ -131,7 +131,6 @@ class Scene:
     def clearance_batch(
         self, tool: Tool, poses: npt.NDArray[np.float64], within: float, triangles: bool, progress: _Progress | None
     ) -> ClearanceBatch: ...
-
     def contacts(
         self,
         tool: Tool,

@@ -250,7 +250,7 @@ class ContactTracker(_core.ContactTracker):
 
     @property
     def last_free(self) -> npt.NDArray[np.float64] | None:
-        """The last pose at which nothing met, `(4, 4)`. Set it to start from a pose known to be free, or None to forget."""
+        """The last pose at which nothing met, `(4, 4)`. May be set to a pose known to be free, or to None to forget."""
         return super().last_free
 
     @last_free.setter
