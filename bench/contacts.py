@@ -113,7 +113,7 @@ def rod(radius: float, length: float, sides: int, rings: int) -> Mesh:
 
 
 def ridge(line: list[tuple[float, float]], far: float, half: float, n: int, m: int) -> Mesh:
-    """A closed body between a polyline (x, z) and the height `far`: its pieces cut into `n` each, the length into `m`."""
+    """A closed body between a polyline (x, z) and the height `far`: its pieces cut into `n`, the length into `m`."""
     xs, zs = np.array(line, dtype=float).T
     pieces = len(line) - 1
     stations = np.arange(pieces * n + 1) / n
