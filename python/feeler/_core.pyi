@@ -167,7 +167,7 @@ class Contacts:
         """`(k,)`: indices into `mockup.parts`."""
     @property
     def tool_triangles(self) -> npt.NDArray[np.uint32]:
-        """Triangles of the tool behind the planes; plane `i` has those from `tool_offsets[i]` to `tool_offsets[i + 1]`."""
+        """Tool triangles behind the planes; plane `i` has those from `tool_offsets[i]` to `tool_offsets[i + 1]`."""
     @property
     def tool_offsets(self) -> npt.NDArray[np.uint64]:
         """`(k + 1,)`: into `tool_triangles`."""
@@ -198,7 +198,7 @@ class Penetration:
         """Its length, metres."""
     @property
     def kind(self) -> str:
-        """`"exact"`, `"bound"` (it frees the tool, a shorter one may exist) or `"estimate"` (the tool still meets something)."""
+        """`"exact"`, `"bound"` (it frees the tool, a shorter one may exist) or `"estimate"` (it does not free it)."""
     @property
     def contacts(self) -> Contacts:
         """The contact planes at the pose."""
