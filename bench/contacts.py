@@ -4,10 +4,10 @@
     python bench/contacts.py --write              and put them into docs/contacts.md, between its markers
     python bench/contacts.py --quick              small meshes, a small engine
 
-Four contacts whose depth is known: a box, a ball and a rod pressed into a plate, and a gear tooth wedged in its slot. Both
-sides are cut into more and more triangles; the surfaces stay the same (the ball and the rod touch with a corner that every
-mesh of them has). feeler: the planes of `scene.contacts`. Coal and FCL: all contacts of the two meshes, with the
-`penetration_depth` that each reports; the largest of them is shown.
+Four contacts whose depth is known: a box, a ball and a rod pressed into a plate, and a gear tooth wedged in its slot.
+Both sides are cut into more and more triangles; the surfaces stay the same (the ball and the rod touch with a corner
+that every mesh of them has). feeler: the planes of `scene.contacts`. Coal and FCL: all contacts of the two meshes, with
+the `penetration_depth` that each reports; the largest of them is shown.
 """
 
 from __future__ import annotations
@@ -113,7 +113,7 @@ def rod(radius: float, length: float, sides: int, rings: int) -> Mesh:
 
 
 def ridge(line: list[tuple[float, float]], far: float, half: float, n: int, m: int) -> Mesh:
-    """A closed body between a polyline (x, z) and the height `far`: each piece of the line cut into `n`, the length into `m`."""
+    """A closed body between a polyline (x, z) and the height `far`: its pieces cut into `n`, the length into `m`."""
     xs, zs = np.array(line, dtype=float).T
     pieces = len(line) - 1
     stations = np.arange(pieces * n + 1) / n
@@ -177,7 +177,9 @@ def tooth_in_slot(cells: int) -> Contact:
     down, aside = 0.0006, 0.0001
     depths = (down * sine + aside * cosine, down * sine - aside * cosine)
     n = max(1, cells // 2)
-    return Contact(ridge(slot, -0.02, 0.03, n, 2 * n), ridge(tooth, 0.02, 0.01, n, 2 * n), shifted(aside, 0, -down), depths)
+    return Contact(
+        ridge(slot, -0.02, 0.03, n, 2 * n), ridge(tooth, 0.02, 0.01, n, 2 * n), shifted(aside, 0, -down), depths
+    )
 
 
 CASES: dict[str, Callable[[int], Contact]] = {
@@ -310,7 +312,8 @@ def time_table(triangles: int, count: int) -> str:
     memory = scene.memory()
     lines += [
         "",
-        f"Microseconds over {count} nominal poses of `engine` with {mockup.triangle_count:,} triangles, best of three rounds, one core; "
+        f"Microseconds over {count} nominal poses of `engine` with {mockup.triangle_count:,} triangles, best of three "
+        "rounds, one core; "
         f"neighbours of the mock-up's triangles: {memory['adjacency'] / mockup.triangle_count:.0f} bytes a triangle.",
     ]
     return "\n".join(lines)

@@ -252,7 +252,7 @@ def test_embree_agrees(root: Path, tmp_path: Path) -> None:
         (["--sizes", "many"], "no size"),
         (["--tools", "spoon"], "spoon"),
         (["--kinds", "far"], "no kind"),
-        (["--queries", "distance"], "no query"),
+        (["--queries", "weigh"], "no query"),
         (["--peers", "spoon"], "no peer"),
         (["--worst", "-1"], "from 1"),
         (["--poses", "0"], "from 1"),

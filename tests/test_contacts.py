@@ -59,7 +59,8 @@ def test_planes_say_what_they_are(bench: ModuleType) -> None:
 
 
 def test_penetration_frees_the_tool(bench: ModuleType) -> None:
-    for name, kinds in (("box in a plate", {"exact"}), ("tooth in its slot", {"bound"}), ("ball in a plate", {"bound", "exact"})):
+    expected = {"box in a plate": {"exact"}, "tooth in its slot": {"bound"}, "ball in a plate": {"bound", "exact"}}
+    for name, kinds in expected.items():
         contact = bench.turned(bench.CASES[name](6))
         scene, tool = feeler.Scene(feeler.Mockup(*contact.mockup)), feeler.Tool(*contact.tool)
         out = scene.penetration(tool, contact.pose)
@@ -153,7 +154,9 @@ def test_bad_arguments(bench: ModuleType) -> None:
         feeler.ContactTracker(scene, tool).contacts(np.zeros((3, 3)))
 
 
-def test_the_quick_tables(bench: ModuleType, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_quick_tables(
+    bench: ModuleType, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     monkeypatch.setattr(bench, "PEERS", {})
     assert bench.main(["--quick", "--only", "depths"]) == 0
     assert "tooth in its slot, turned" in capsys.readouterr().out

@@ -137,6 +137,7 @@ class Scene:
     def clearance_batch(
         self, tool: Tool, poses: npt.NDArray[np.float64], within: float, triangles: bool, progress: _Progress | None
     ) -> ClearanceBatch: ...
+<<<<<<< HEAD
     def cast(
         self, tool: Tool, pose0: npt.NDArray[np.float64], pose1: npt.NDArray[np.float64], *, tolerance: float
     ) -> Cast | None: ...
@@ -144,6 +145,8 @@ class Scene:
         self, tool: Tool, poses: npt.NDArray[np.float64], *, tolerance: float, progress: _Progress | None
     ) -> PathCheck: ...
 
+=======
+>>>>>>> issue6b
     def contacts(
         self,
         tool: Tool,
@@ -177,7 +180,7 @@ class Contacts:
         """`(k,)`: indices into `mockup.parts`."""
     @property
     def tool_triangles(self) -> npt.NDArray[np.uint32]:
-        """Triangles of the tool behind the planes; plane `i` has those from `tool_offsets[i]` to `tool_offsets[i + 1]`."""
+        """Tool triangles behind the planes; plane `i` has those from `tool_offsets[i]` to `tool_offsets[i + 1]`."""
     @property
     def tool_offsets(self) -> npt.NDArray[np.uint64]:
         """`(k + 1,)`: into `tool_triangles`."""
@@ -208,7 +211,7 @@ class Penetration:
         """Its length, metres."""
     @property
     def kind(self) -> str:
-        """`"exact"`, `"bound"` (it frees the tool, a shorter one may exist) or `"estimate"` (the tool still meets something)."""
+        """`"exact"`, `"bound"` (it frees the tool, a shorter one may exist) or `"estimate"` (it does not free it)."""
     @property
     def contacts(self) -> Contacts:
         """The contact planes at the pose."""

@@ -256,8 +256,8 @@ class Scene(_core.Scene):
     ) -> Contacts:
         """At most 32 contact planes, deepest first, with the tool at a pose `(4, 4)`.
 
-        They stand for all that meets and all that is nearer than `margin` (metres), and do not depend on how finely the
-        surfaces are cut into triangles. `reference`: a pose `(4, 4)` at which the tool was free just before; it tells on
+        They stand for all that meets and all that is nearer than `margin` (metres), and do not depend on how finely
+        the surfaces are cut into triangles. `reference`: a pose `(4, 4)` at which the tool was free before: it tells on
         which side of open surfaces the tool belongs (see `ContactTracker`, and docs/contacts.md). Raises `OptionError`
         where `margin` is negative, NaN or infinite.
         """
@@ -301,7 +301,7 @@ class ContactTracker(_core.ContactTracker):
 
     @property
     def last_free(self) -> npt.NDArray[np.float64] | None:
-        """The last pose at which nothing met, `(4, 4)`. Set it to start from a pose known to be free, or None to forget."""
+        """The last pose at which nothing met, `(4, 4)`. May be set to a pose known to be free, or to None to forget."""
         return super().last_free
 
     @last_free.setter

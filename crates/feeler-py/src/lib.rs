@@ -6,8 +6,8 @@ mod collision;
 mod contacts;
 mod errors;
 mod mockup;
-mod proximity;
 mod predict;
+mod proximity;
 mod scene;
 mod tool;
 
