@@ -137,7 +137,6 @@ class Scene:
     def clearance_batch(
         self, tool: Tool, poses: npt.NDArray[np.float64], within: float, triangles: bool, progress: _Progress | None
     ) -> ClearanceBatch: ...
-<<<<<<< HEAD
     def cast(
         self, tool: Tool, pose0: npt.NDArray[np.float64], pose1: npt.NDArray[np.float64], *, tolerance: float
     ) -> Cast | None: ...
@@ -145,8 +144,6 @@ class Scene:
         self, tool: Tool, poses: npt.NDArray[np.float64], *, tolerance: float, progress: _Progress | None
     ) -> PathCheck: ...
 
-=======
->>>>>>> issue6b
     def contacts(
         self,
         tool: Tool,
