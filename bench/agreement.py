@@ -19,6 +19,7 @@ import feeler
 
 MOST_JUDGED = 20_000
 EXAMPLES_KEPT = 5
+SAME_M = 1e-9  # metres
 
 Verdicts = dict[tuple[int, int, int], bool | None]  # of [pose, tool triangle, mock-up triangle]
 
@@ -113,6 +114,16 @@ def compare_answers(
             proof = any(judge(mockup, tool, pose, pair[None])[0] for pair in named[:MOST_JUDGED])
             counts["feeler_wrong" if proof != mine else "peer_wrong"] += 1
     return counts
+
+
+def compare_distances(ours: Findings, theirs: Findings) -> dict[str, int]:
+    """Poses at which both say the same distance within `SAME_M`; of the others, who found no nearer pair."""
+    mine, other = np.array(ours.values), np.maximum(np.array(theirs.values), 0.0)  # below 0: they meet
+    return {
+        "agreed": int((np.abs(mine - other) <= SAME_M).sum()),
+        "peer_wrong": int((other > mine + SAME_M).sum()),
+        "feeler_wrong": int((mine > other + SAME_M).sum()),
+    }
 
 
 def _keys(pairs: Pairs) -> npt.NDArray[np.uint64]:

@@ -13,7 +13,7 @@ from typing import Any
 
 import coal
 import numpy as np
-from engines import Build, Floats, Pairs, build_times
+from engines import QUERIES, Build, Floats, Pairs, build_times
 
 import feeler
 
@@ -24,22 +24,26 @@ class CoalEngine:
     """BVHModelOBBRSS against BVHModelOBBRSS."""
 
     name = "coal"
+    queries = QUERIES
     version = coal.__version__
     settings = (
         "BVHModelOBBRSS, ComputeCollision bound once per tool, num_max_contacts 2^31 - 1 (is_colliding: 1), "
-        "enable_contact False, security_margin 0, requests and result re-used, Transform3s made outside the clock"
+        "enable_contact False, security_margin 0, distance: ComputeDistance; "
+        "requests and result re-used, Transform3s made outside the clock"
     )
 
     def __init__(self) -> None:
         self._requests = {"collide": _request(ALL_CONTACTS), "is_colliding": _request(1)}
         self._result = coal.CollisionResult()
+        self._distance_request, self._distance_result = coal.DistanceRequest(), coal.DistanceResult()
+        self._distance: Any = None
         self._world = coal.Transform3s.Identity()
         self._mockup: Any = None
         self._tool: Any = None
         self._compute: Any = None
 
     def build(self, mockup: feeler.Mockup, runs: int) -> Build:
-        self._compute = self._mockup = None
+        self._compute = self._distance = self._mockup = None
         vertices, faces = np.asfortranarray(mockup.vertices), mockup.faces.astype(np.int64)
 
         def build() -> None:
@@ -56,11 +60,16 @@ class CoalEngine:
         start = time.perf_counter()
         self._tool = _model(vertices, faces)
         self._compute = coal.ComputeCollision(self._tool, self._mockup)
+        self._distance = coal.ComputeDistance(self._tool, self._mockup)
         return time.perf_counter() - start
 
     def aim(self, query: str, world_from_tool: Floats) -> Callable[[], Any]:
         self._result.clear()
         placed = coal.Transform3s(world_from_tool[:3, :3], world_from_tool[:3, 3])
+        if query == "distance":
+            self._distance_result.clear()
+            request, result = self._distance_request, self._distance_result
+            return functools.partial(self._distance, placed, self._world, request, result)
         return functools.partial(self._compute, placed, self._world, self._requests[query], self._result)
 
     def pairs(self, result: Any) -> Pairs:
@@ -74,6 +83,9 @@ class CoalEngine:
 
     def stats(self, result: Any) -> dict[str, int]:
         return {}
+
+    def value(self, result: Any) -> float:
+        return float(result)
 
 
 def _request(contacts: int) -> Any:

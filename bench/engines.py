@@ -11,7 +11,7 @@ import ctypes
 import functools
 import gc
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Protocol
@@ -24,7 +24,8 @@ import feeler
 Floats = npt.NDArray[np.float64]
 Pairs = npt.NDArray[np.uint32]
 
-QUERIES = ("collide", "is_colliding")
+QUERIES = ("collide", "is_colliding", "distance")
+ANY = ("collide", "is_colliding")  # of an engine that does not say
 LONG = 5.0  # seconds; such a build is done once
 
 
@@ -73,13 +74,21 @@ class Engine(Protocol):
     def stats(self, result: Any) -> dict[str, int]:
         """What the last `collide` did, stage by stage; empty if the engine does not tell."""
 
+    # One that can tell distances has `queries` with "distance" in it, and `value(result)`: what the last one said, m.
+
+
+def able(among: Sequence[Engine], query: str) -> list[Engine]:
+    """The engines that can answer a query."""
+    return [engine for engine in among if query in getattr(engine, "queries", ANY)]
+
 
 class FeelerEngine:
     """feeler through its public Python face, with all defaults."""
 
     name = "feeler"
+    queries = QUERIES
     version = feeler.__version__
-    settings = "Scene(mockup), defaults; scene.collide(tool, pose), scene.is_colliding(tool, pose), checks included"
+    settings = "Scene(mockup), defaults; scene.collide(tool, pose), scene.is_colliding, scene.distance, checks included"
     scene: feeler.Scene = None  # type: ignore[assignment]
     tool: feeler.Tool
 
@@ -111,6 +120,9 @@ class FeelerEngine:
 
     def stats(self, result: Any) -> dict[str, int]:
         return dict(result.stats)
+
+    def value(self, result: Any) -> float:
+        return float(result.value)
 
 
 def build_times(build: Callable[[], None], runs: int) -> tuple[float, int | None, int | None]:

@@ -14,7 +14,7 @@ from typing import Any
 
 import fcl
 import numpy as np
-from engines import Build, Floats, Pairs, build_times
+from engines import QUERIES, Build, Floats, Pairs, build_times
 
 import feeler
 
@@ -25,10 +25,12 @@ class FclEngine:
     """BVHModel against BVHModel."""
 
     name = "fcl"
+    queries = QUERIES
     version = version("python-fcl")
     settings = (
         "python-fcl, BVHModel (OBBRSS), fcl.collide, enable_contact False, num_max_contacts 2^31 - 1 "
-        "(is_colliding: 1), CollisionObjects made once per tool, pose and result object set outside the clock"
+        "(is_colliding: 1), fcl.distance, "
+        "CollisionObjects made once per tool, pose and result object set outside the clock"
     )
 
     def __init__(self) -> None:
@@ -59,6 +61,9 @@ class FclEngine:
 
     def aim(self, query: str, world_from_tool: Floats) -> Callable[[], Any]:
         self._tool.setTransform(fcl.Transform(world_from_tool[:3, :3], world_from_tool[:3, 3]))
+        if query == "distance":
+            request, result = fcl.DistanceRequest(), fcl.DistanceResult()
+            return functools.partial(fcl.distance, self._tool, self._mockup, request, result)
         self._result = fcl.CollisionResult()
         return functools.partial(fcl.collide, self._tool, self._mockup, self._requests[query], self._result)
 
@@ -73,6 +78,9 @@ class FclEngine:
 
     def stats(self, result: Any) -> dict[str, int]:
         return {}
+
+    def value(self, result: Any) -> float:
+        return float(result)
 
 
 def _object(vertices: Floats, faces: Any) -> Any:

@@ -12,6 +12,7 @@ TIMES_FASTER = {
     ("collide", "near"): 3.0,
     ("is_colliding", "nominal"): 3.0,
     ("is_colliding", "near"): 3.0,
+    ("distance", "near"): 1.0,
 }
 GEOMETRIC_MEAN = 8.0  # of collide, nominal and deep
 FINE_COST = 5.0  # a tool ten times finer, at the same place

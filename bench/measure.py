@@ -46,6 +46,7 @@ class Findings:
 
     pairs: list[Pairs] = field(default_factory=list)  # of collide
     answers: list[bool] = field(default_factory=list)  # of is_colliding
+    values: list[float] = field(default_factory=list)  # of distance, metres
     stats: list[dict[str, int]] = field(default_factory=list)
 
 
@@ -83,6 +84,8 @@ def look(engines: Sequence[Engine], poses: Floats, query: str = "collide") -> di
             if query == "collide":
                 own.pairs.append(engine.pairs(result))
                 own.stats.append(engine.stats(result))
+            elif query == "distance":
+                own.values.append(engine.value(result))  # type: ignore[attr-defined]
             else:
                 own.answers.append(engine.answer(result))
     return found

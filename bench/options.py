@@ -33,7 +33,7 @@ def parse(arguments: list[str], said: str) -> argparse.Namespace:
     parser.add_argument("--tools", type=_listed(str), default=TOOLS, help=f"sample tools; -fine: about 50k ({TOOLS})")
     parser.add_argument("--kinds", type=_listed(_one_of("kind of poses", KINDS)), default=",".join(KINDS), help="(all)")
     parser.add_argument(
-        "--queries", type=_listed(_one_of("query", QUERIES)), default=",".join(QUERIES), help="(collide,is_colliding)"
+        "--queries", type=_listed(_one_of("query", QUERIES)), default=",".join(QUERIES), help=f"({','.join(QUERIES)})"
     )
     parser.add_argument("--poses", type=_count, help="in each cell (100)")
     parser.add_argument("--rounds", type=_count, help="of all poses; the least time of each pose counts (5)")

@@ -142,9 +142,10 @@ class Bench:
             self._alone(about, scene, nominal)
 
     def _cells(self, about: dict[str, Any], scene: feeler.Scene, tool: feeler.Tool, kind: str) -> engines.Floats | None:
-        """The cells of one kind of poses: one for each query. Deep poses are no question for is_colliding."""
+        """The cells of one kind of poses: one for each query. Deep poses are for collide, near ones for distance."""
         head = f"{about['triangles']:,} triangles, {about['tool']}, {kind}"
-        queries = [query for query in self.options.queries if query == "collide" or kind != "deep"]
+        kinds = {"is_colliding": ("nominal", "near"), "distance": ("near",)}
+        queries = [query for query in self.options.queries if kind in kinds.get(query, (kind,))]
         self._say(f"{head}: finding poses")
         try:
             poses = measure.find_poses(scene, tool, kind, self.options.poses, self.options.seed)
@@ -154,7 +155,7 @@ class Bench:
         pairs = measure.look(self.engines, poses)
         for query in queries:
             self._say(f"{head}: {query}")
-            found = pairs if query == "collide" else measure.look(self.engines, poses, query)
+            found = pairs if query == "collide" else measure.look(engines.able(self.engines, query), poses, query)
             cell = {"query": query, **about}
             self._cell(cell, scene.mockup, tool, poses, pairs["feeler"], found)
             self.cells.append(cell)
@@ -169,8 +170,9 @@ class Bench:
         ours: measure.Findings,
         found: dict[str, measure.Findings],
     ) -> None:
-        times = measure.clock(self.engines, poses, self.options.rounds, cell["query"])
-        others = self.engines[1:]
+        able = engines.able(self.engines, cell["query"])
+        times = measure.clock(able, poses, self.options.rounds, cell["query"])
+        others = able[1:]
         counts = np.array([len(pairs) for pairs in ours.pairs])
         cell |= {
             "poses": len(poses),
@@ -188,6 +190,10 @@ class Bench:
                 for peer in others
             }
             cell["funnel"] = {stage: float(np.mean([one[stage] for one in ours.stats])) for stage in ours.stats[0]}
+        elif cell["query"] == "distance":
+            cell["agreement"] = {
+                peer.name: agreement.compare_distances(found["feeler"], found[peer.name]) for peer in others
+            }
         else:
             answers = measure.Findings(pairs=ours.pairs, answers=found["feeler"].answers)
             cell["agreement"] = {

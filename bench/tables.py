@@ -55,7 +55,7 @@ def _queries(size: dict[str, Any], cells: list[dict[str, Any]], peers: list[str]
             head = (*head[:3], f"{cell['kind']} ({cell['poses']} found)")
         feeler = cell["engines"]["feeler"]
         row = [*head, f"{cell['pairs']['median']:,.0f}", _times(feeler), _us(feeler["wall_us"]["worst"])]
-        row += [_times(cell["engines"][peer]) for peer in peers]
+        row += [_times(cell["engines"][peer]) if peer in cell["engines"] else "-" for peer in peers]
         best = cell["best"]
         if best:
             row += [f"{best[measure]['times_faster']:.2f} {best[measure]['peer']}" for measure in MEASURES]
@@ -123,12 +123,16 @@ def _agreement(cells: list[dict[str, Any]], peers: list[str]) -> Table:
         "not_queried": "zero area",
         "feeler_wrong": "feeler wrong",
     }
-    for heading in (*shown.values(), "is_colliding: agreed", "peer wrong", "feeler wrong"):
+    for heading in (
+        *shown.values(),
+        *(f"{query}: {name}" for query in ANSWERED for name in ("agreed", "peer wrong", "feeler wrong")),
+    ):
         table.add_column(heading, justify="right")
     for peer in peers:
         counts = []
-        for query, names in (("collide", shown), ("is_colliding", ("agreed", "peer_wrong", "feeler_wrong"))):
-            own = [cell["agreement"][peer] for cell in cells if cell["query"] == query and "agreement" in cell]
+        answers = ("agreed", "peer_wrong", "feeler_wrong")
+        for query, names in (("collide", shown), *((query, answers) for query in ANSWERED)):
+            own = [c["agreement"][peer] for c in cells if c["query"] == query and peer in c.get("agreement", ())]
             for name in names:
                 total = sum(found[name] for found in own)
                 counts.append(f"[bold red]{total:,}" if name == "feeler_wrong" and total else f"{total:,}")
@@ -176,6 +180,8 @@ def _goals(rows: list[dict[str, Any]]) -> Table:
     return table
 
 
+ANSWERED = ("is_colliding", "distance")
+
 NOTE = (
     "Bytes are as each engine counts its own: feeler with the mock-up's arrays, Coal, Embree and parry with their copy "
     "of them; FCL does not tell. Growth is what the system saw during a build on one core; feeler's mock-up was there "
@@ -193,7 +199,9 @@ def summary(record: dict[str, Any], peers: list[str]) -> list[str]:
         own = [cell for cell in cells if (cell["query"], cell["kind"]) == (query, kind)]
         best = [geometric_mean(cell["best"][measure]["times_faster"] for cell in own) for measure in MEASURES]
         each = [
-            f"{peer} {geometric_mean(cell['ratios'][peer]['wall']['of_medians'] for cell in own):.2f}" for peer in peers
+            f"{peer} {geometric_mean(cell['ratios'][peer]['wall']['of_medians'] for cell in own):.2f}"
+            for peer in peers
+            if peer in own[0]["ratios"]
         ]
         lines.append(
             f"{query}, {kind}: feeler is {best[0]:.2f} times as fast as the best peer in median, {best[1]:.2f} in p95, "

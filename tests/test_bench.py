@@ -73,6 +73,7 @@ def test_record_has_what_the_readme_of_records_promises(root: Path, record_folde
     cells = record["cells"]
     asked = [
         *(("nominal", "collide"), ("nominal", "is_colliding"), ("near", "collide"), ("near", "is_colliding")),
+        ("near", "distance"),
         ("deep", "collide"),
     ]
     expected = [(tool, *of) for tool in ("torque", "wrench") for of in asked]

@@ -34,7 +34,7 @@ def at(x: float, y: float = 0.0, z: float = 0.0) -> Floats:
 @pytest.fixture(scope="module")
 def mockup() -> feeler.Mockup:
     """Three unit cubes along x, 2 m from one to the next; the second part is empty."""
-    vertices = np.vstack([CUBE + [3.0 * i, 0, 0] for i in range(3)])
+    vertices = np.vstack([CUBE + np.array([3.0 * i, 0, 0]) for i in range(3)])
     faces = np.vstack([SIDES + 8 * i for i in range(3)])
     part = np.repeat([0, 2, 3], len(SIDES))
     return feeler.Mockup(vertices, faces, part, ["first", "ghost", "second", "third"])

@@ -149,7 +149,7 @@ class Scene(_core.Scene):
         _check_tool(tool)
         return super().clearance(tool, _poses(world_from_tool, 2), _real("within", within), bool(triangles))
 
-    @overload  # type: ignore[override]
+    @overload
     def distance(
         self, tool: _core.Tool, world_from_tool: npt.ArrayLike, max: float = math.inf, k: Literal[1] = 1
     ) -> Distance: ...
@@ -162,10 +162,10 @@ class Scene(_core.Scene):
     ) -> Distance | list[Distance]:
         """The distance of tool and mock-up with the tool at a pose `(4, 4)`, with the two closest points.
 
-        With `k` above 1, a list: the distance of each of the `k` closest parts, nearest first. What is farther than `max`
-        (metres) is left out: the value is infinite then, all else None, and the list shorter. Exact as `clearance`; when
-        they meet, the value is 0, and the triangles are some pair that meets. Raises `OptionError` where `max` is negative
-        or NaN, or `k` below 1.
+        With `k` above 1, a list: the distance of each of the `k` closest parts, nearest first. What is farther than
+        `max` (metres) is left out: the value is infinite then, all else None, and the list shorter. Exact as
+        `clearance`; when they meet, the value is 0, and the triangles are some pair that meets. Raises `OptionError`
+        where `max` is negative or NaN, or `k` below 1.
         """
         _check_tool(tool)
         if not 1 <= _integer("k", k) < 2**32:

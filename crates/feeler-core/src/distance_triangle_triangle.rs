@@ -296,7 +296,8 @@ impl Pair {
                 let s = -dot(&rn, v) * inverse;
                 let t = -dot(&rn, u) * inverse;
                 let is_narrow = nn * self.p.inverse[i] * self.q.inverse[j] < NARROW;
-                if !is_narrow && (s < -1e-6 || s > 1.0 + 1e-6 || t < -1e-6 || t > 1.0 + 1e-6) {
+                let inside = -1e-6..=1.0 + 1e-6;
+                if !(is_narrow || inside.contains(&s) && inside.contains(&t)) {
                     continue;
                 }
                 let on_p = along(a, s.clamp(0.0, 1.0), u);

@@ -22,9 +22,10 @@ from feeler.progress import bar
 _SHOWN_PARTS = 40
 _SHOWN_POSES = 20
 _COLUMNS = (
-    "pose,part,path,distance_m,tool_x_m,tool_y_m,tool_z_m,mockup_x_m,mockup_y_m,mockup_z_m,tool_triangle,"
-    "mockup_triangle"
-).split(",")
+    *("pose", "part", "path", "distance_m"),
+    *("tool_x_m", "tool_y_m", "tool_z_m", "mockup_x_m", "mockup_y_m", "mockup_z_m"),
+    *("tool_triangle", "mockup_triangle"),
+)
 
 
 @command(
