@@ -4,8 +4,8 @@
     python bench/casts.py --triangles 400000 --poses 40 --no-parry
 
 From each near pose (among the parts, nothing collides) the tool's middle moves 20 mm in a random direction, and the
-tool turns about it. Per motion the least time of a few rounds counts, one core. parry is asked for its linear cast where
-nothing turns, else for its nonlinear one; a cast of it that takes longer than a second is done once.
+tool turns about it. Per motion the least time of a few rounds counts, one core. parry is asked for its linear cast
+where nothing turns, else for its nonlinear one; a cast of it that takes longer than a second is done once.
 """
 
 from __future__ import annotations
