@@ -143,7 +143,6 @@ class Scene:
     def check_path(
         self, tool: Tool, poses: npt.NDArray[np.float64], *, tolerance: float, progress: _Progress | None
     ) -> PathCheck: ...
-
     def contacts(
         self,
         tool: Tool,
