@@ -38,7 +38,7 @@ pub const MOCKUP_CUT_ALLOWANCE: f64 = 0.25;
 pub const TOOL_CUT_PIECES: f64 = 1000.0;
 
 /// But at most this many for each of its triangles.
-pub const TOOL_CUT_PIECES_EACH: f64 = 4.0;
+pub const TOOL_CUT_PIECES_EACH: f64 = 2.5;
 
 /// Ids kept per kind of defect in a report.
 pub const DEFECT_IDS_KEPT: usize = 100;
