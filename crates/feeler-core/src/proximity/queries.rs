@@ -1,6 +1,6 @@
 //! The queries on a scene, one pose at a time.
 
-use super::{Gap, Goal, SearchScratch, Wanted};
+use super::{Candidate, Gap, Goal, SearchScratch, Wanted};
 use crate::error::{Error, Result};
 use crate::pose::Pose;
 use crate::scene::Scene;
@@ -60,6 +60,24 @@ impl Scene {
         let found = scratch.proximity.gaps.first().copied();
         self.put_scratch(scratch);
         Ok(found)
+    }
+
+    /// Pairs that may be within a distance (metres, not checked), in no order but always the same.
+    ///
+    /// Errors: more of them than the memory limit of the scene allows.
+    pub(crate) fn near_candidates(&self, tool: &Tool, pose: &Pose, within: f64) -> Result<Vec<Candidate>> {
+        let mut scratch = self.take_scratch();
+        let ProximityScratch { gaps, places, sorted, search, near } = &mut scratch.proximity;
+        let (most, lanes) = (self.most_gaps(), self.checked_lanes());
+        let lists = (gaps, places, sorted);
+        let mut wanted = Wanted::new(self.mockup(), tool, pose, lanes, Goal::Candidates, within, most, lists);
+        self.store().search(search, near, &mut wanted);
+        let found = wanted.collect_into(Vec::new());
+        self.put_scratch(scratch);
+        match found.len() <= most {
+            true => Ok(found),
+            false => Err(self.too_many_gaps(found.len())),
+        }
     }
 
     fn gaps(&self, tool: &Tool, pose: &Pose, goal: Goal, within: f64) -> Result<Vec<Gap>> {
