@@ -101,6 +101,24 @@ impl Ground<'_> {
         }
     }
 
+    /// Whether a point (world) is in the box of the tool, or of a part of the mock-up, with what rounding may add: outside it
+    /// is outside the solid.
+    fn may_enclose(&self, w: usize, part: u32, p: &Point) -> bool {
+        let (b, q, slack) = match w {
+            TOOL => (self.tool.mesh().bounds(), self.in_tool(p), self.tool.margin_at(self.pose)),
+            _ => (self.mockup.part_bounds()[part as usize], *p, 0.0),
+        };
+        let slack = slack + 1e-9 * (0..3).map(|a| b.upper[a] - b.lower[a]).fold(0.0, f64::max);
+        (0..3).all(|a| b.lower[a] - slack <= q[a] && q[a] <= b.upper[a] + slack)
+    }
+
+    /// A point of the world in the tool's own frame.
+    fn in_tool(&self, p: &Point) -> Point {
+        let (r, t) = (self.pose.rotation(), self.pose.translation());
+        let d = sub(p, t);
+        std::array::from_fn(|a| r[0][a] * d[0] + r[1][a] * d[1] + r[2][a] * d[2])
+    }
+
     /// The normal of a triangle beside `near`, to the side that counts as outside there.
     fn outward(&self, w: usize, id: u32, corners: &Triangle, near: &Face) -> Option<Point> {
         let n = normal(corners)?;
@@ -114,10 +132,7 @@ impl Ground<'_> {
     /// From a point of the tool at the pose to where it was at the reference.
     fn way_back(&self, p: &Point) -> Option<Point> {
         let reference = self.reference?;
-        let (r, t) = (self.pose.rotation(), self.pose.translation());
-        let d = sub(p, t);
-        let in_tool: Point = std::array::from_fn(|a| r[0][a] * d[0] + r[1][a] * d[1] + r[2][a] * d[2]);
-        Some(sub(&reference.apply(&in_tool), p))
+        Some(sub(&reference.apply(&self.in_tool(p)), p))
     }
 }
 

@@ -114,6 +114,7 @@ pub(crate) fn find(ground: &Ground<'_>, pairs: &[[u32; 2]]) -> Zones {
     let mut zones =
         Zones { faces: Default::default(), cuts: Vec::new(), points: Vec::new(), zones: Vec::new(), complete: true };
     let mut cut_of: IdMap<(u32, u32)> = IdMap::default();
+    let part = pairs.first().map_or(0, |p| ground.mockup.part_of_face(p[1]));
     for pair in pairs {
         let mut faces = [0; 2];
         for w in [TOOL, MOCKUP] {
@@ -138,11 +139,12 @@ pub(crate) fn find(ground: &Ground<'_>, pairs: &[[u32; 2]]) -> Zones {
     join_along_the_curve(ground, &zones, &cut_of, &mut roots);
     orient(ground, &mut zones);
     for w in [TOOL, MOCKUP] {
-        classify(w, &mut zones);
+        classify(ground, w, part, &mut zones);
         join_across_faces(w, &zones, &mut roots);
     }
-    let walked = [TOOL, MOCKUP].map(|w| walk(ground, w, &zones, &places[w], &mut roots));
-    zones.complete = walked.iter().all(|w| w.len() < MOST_WALKED);
+    let (walked, complete): (Vec<_>, Vec<_>) =
+        [TOOL, MOCKUP].iter().map(|w| walk(ground, *w, part, &zones, &places[*w], &mut roots)).unzip();
+    zones.complete = complete.iter().all(|c| *c);
     let mut zone_of_root: IdMap<u32> = IdMap::default();
     for i in 0..zones.cuts.len() as u32 {
         let list = &mut zones.zones;
@@ -153,7 +155,7 @@ pub(crate) fn find(ground: &Ground<'_>, pairs: &[[u32; 2]]) -> Zones {
         zones.zones[z as usize].cuts.push(i);
     }
     for (w, walked) in walked.into_iter().enumerate() {
-        for (triangle, cut, _) in walked {
+        for (triangle, cut) in walked {
             let z = zone_of_root[&roots.of(cut)];
             zones.zones[z as usize].inside[w].push([triangle, cut]);
         }
@@ -269,8 +271,9 @@ fn orient(ground: &Ground<'_>, zones: &mut Zones) {
 }
 
 /// On which side of the other surface the corners of cut triangles are: the nearest cut tells. Where two are equally near,
-/// at an edge of the other surface, the one whose plane the corner stands off most steeply.
-fn classify(w: usize, zones: &mut Zones) {
+/// at an edge of the other surface, the one whose plane the corner stands off most steeply. Where a surface turns away within a
+/// triangle's length the nearest cut may be wrong about a far corner: outside the other solid's box it is outside.
+fn classify(ground: &Ground<'_>, w: usize, part: u32, zones: &mut Zones) {
     let other = 1 - w;
     for (i, cut) in zones.cuts.iter().enumerate().filter(|(_, c)| !c.flat) {
         let n = zones.faces[other][cut.faces[other] as usize].normal;
@@ -295,67 +298,111 @@ fn classify(w: usize, zones: &mut Zones) {
             }
         }
     }
+    let (faces, others) = match w {
+        TOOL => zones.faces.split_at_mut(1),
+        _ => {
+            let (others, faces) = zones.faces.split_at_mut(1);
+            (faces, others)
+        }
+    };
+    for face in &mut faces[0] {
+        for k in 0..3 {
+            if face.side[k] < 0 {
+                let cut = &zones.cuts[face.nearest[k] as usize];
+                let is_closed = others[0][cut.faces[other] as usize].closed;
+                if is_closed && !ground.may_enclose(other, part, &face.corners[k]) {
+                    face.side[k] = 1;
+                }
+            }
+        }
+    }
 }
 
-/// The uncut triangles of one surface beyond the other, each with a cut of its zone, found over shared edges.
-fn walk(ground: &Ground<'_>, w: usize, zones: &Zones, places: &IdMap<u32>, roots: &mut Roots) -> Vec<(u32, u32, u32)> {
+/// The uncut triangles of one surface beyond the other, each with a cut of its zone, found over shared edges; and whether they
+/// are all.
+///
+/// What lies inside a solid lies inside its box. A walk that comes out of there went through a gap in the curve, or started on
+/// the wrong side of it: what it found is dropped, and it joins nothing.
+fn walk(
+    ground: &Ground<'_>,
+    w: usize,
+    part: u32,
+    zones: &Zones,
+    places: &IdMap<u32>,
+    roots: &mut Roots,
+) -> (Vec<(u32, u32)>, bool) {
     let adjacency: &Adjacency = ground.adjacency[w];
-    let plane_of = |cut: u32| {
-        let c = &zones.cuts[cut as usize];
-        (&zones.faces[1 - w][c.faces[1 - w] as usize], zones.points[c.points.0 as usize])
-    };
-    // Triangle, a cut of its zone, the cut whose plane it is held against.
-    let mut found: Vec<(u32, u32, u32)> = Vec::new();
+    // Each triangle with a cut of its zone, whose plane it is held against.
+    let mut found: Vec<(u32, u32)> = Vec::new();
     let mut seen: IdMap<u32> = IdMap::default();
-    let mut reach =
-        |triangle: u32, from: Option<u32>, cut: u32, found: &mut Vec<(u32, u32, u32)>, roots: &mut Roots| {
-            if triangle == NONE || found.len() >= MOST_WALKED {
-                return;
+    // Walks that met, walks that came to another curve, and walks that leak, all by their cuts.
+    let (mut met, mut bridged, mut leaks): (Vec<(u32, u32)>, Vec<(u32, u32)>, Vec<u32>) = Default::default();
+    let mut is_refused = false;
+    let mut reach = |triangle: u32, from: Option<u32>, cut: u32, found: &mut Vec<(u32, u32)>| {
+        if triangle == NONE || found.len() >= MOST_WALKED {
+            return;
+        }
+        if let Some(place) = places.get(&triangle) {
+            // Another curve: what was walked over lies between the two.
+            if let Some(from) = from {
+                let face = &zones.faces[w][*place as usize];
+                let corners = ground.triangle(w, from);
+                let shared = (0..3).find(|k| face.nearest[*k] != NONE && corners.contains(&face.corners[*k]));
+                bridged.extend(shared.map(|k| (cut, face.nearest[k])));
             }
-            if let Some(place) = places.get(&triangle) {
-                // Another curve: what was walked over lies between the two.
-                if let Some(from) = from {
-                    let face = &zones.faces[w][*place as usize];
-                    let corners = ground.triangle(w, from);
-                    let shared = (0..3).find(|k| face.nearest[*k] != NONE && corners.contains(&face.corners[*k]));
-                    shared.iter().for_each(|k| roots.join(face.nearest[*k], cut));
-                }
-                return;
+            return;
+        }
+        if let Some(before) = seen.get(&triangle) {
+            met.push((cut, *before));
+            return;
+        }
+        let c = &zones.cuts[cut as usize];
+        let (plane, at) = (&zones.faces[1 - w][c.faces[1 - w] as usize], &zones.points[c.points.0 as usize]);
+        let t = ground.triangle(w, triangle);
+        // An open surface ends somewhere, and round its border the walk would come to the free side.
+        if !plane.closed && t.iter().any(|p| dot(&sub(p, at), &plane.normal) > 0.0) {
+            return;
+        }
+        if (plane.closed || w == MOCKUP) && !t.iter().all(|p| ground.may_enclose(1 - w, part, p)) {
+            if plane.closed && from.is_some() {
+                leaks.push(cut);
             }
-            if let Some(before) = seen.get(&triangle) {
-                roots.join(*before, cut);
-                return;
-            }
-            let (plane, at) = plane_of(cut);
-            if !plane.closed {
-                // An open surface ends somewhere, and round its border the walk would come to the free side.
-                let t = ground.triangle(w, triangle);
-                if t.iter().any(|p| dot(&sub(p, &at), &plane.normal) > 0.0) {
-                    return;
-                }
-            }
-            seen.insert(triangle, cut);
-            found.push((triangle, cut, cut));
-        };
+            is_refused = true;
+            return;
+        }
+        seen.insert(triangle, cut);
+        found.push((triangle, cut));
+    };
     for face in &zones.faces[w] {
         for k in 0..3 {
             let l = (k + 1) % 3;
             let (a, b) = (face.side[k], face.side[l]);
             if a + b < 0 {
                 let cut = face.nearest[if a < 0 { k } else { l }];
-                reach(adjacency.neighbours[face.id as usize][k], None, cut, &mut found, roots);
+                reach(adjacency.neighbours[face.id as usize][k], None, cut, &mut found);
             }
         }
     }
     let mut next = 0;
     while next < found.len() {
-        let (triangle, cut, _) = found[next];
+        let (triangle, cut) = found[next];
         next += 1;
-        for k in 0..3 {
-            reach(adjacency.neighbours[triangle as usize][k], Some(triangle), cut, &mut found, roots);
+        for n in adjacency.neighbours[triangle as usize] {
+            reach(n, Some(triangle), cut, &mut found);
         }
     }
-    found
+    let is_complete = found.len() < MOST_WALKED && !is_refused;
+    if !leaks.is_empty() {
+        let mut walks = Roots((0..zones.cuts.len() as u32).collect());
+        met.iter().for_each(|(a, b)| walks.join(*a, *b));
+        let mut leaky = vec![false; zones.cuts.len()];
+        leaks.iter().for_each(|c| leaky[walks.of(*c) as usize] = true);
+        found.retain(|f| !leaky[walks.of(f.1) as usize]);
+        met.retain(|m| !leaky[walks.of(m.0) as usize]);
+        bridged.retain(|b| !leaky[walks.of(b.0) as usize]);
+    }
+    met.iter().chain(&bridged).for_each(|(a, b)| roots.join(*a, *b));
+    (found, is_complete)
 }
 
 /// Disjoint sets of cuts.
