@@ -19,6 +19,9 @@ const MOST_EDGE_PAIRS: usize = 100;
 /// Most patches of a body, the largest, between whose normals directions are sought.
 const MOST_TURNED: usize = 3;
 
+/// Most ways between extreme places that are kept to reject directions by.
+const MOST_WAYS: usize = 24;
+
 /// Sine from which on a surface goes on along a direction.
 const GOES_ON: f64 = 0.05;
 
@@ -93,7 +96,7 @@ pub(crate) struct Depth {
 pub(crate) fn least_depth(zones: &Zones, tool: &Body<'_>, mockup: &Body<'_>) -> Option<Depth> {
     let size = tool.size.max(mockup.size);
     let noise = 1e-12 * tool.points.iter().flatten().fold(size, |m, x| m.max(x.abs()));
-    let mut best = Best { zones, tool, mockup, noise, found: None };
+    let mut best = Best { zones, tool, mockup, noise, found: None, ways: Vec::with_capacity(MOST_WAYS) };
     let mut certain = tool.is_flat() && mockup.is_flat();
     certain &= tool.patches.len() <= MOST_NORMALS && mockup.patches.len() <= MOST_NORMALS;
     for patch in mockup.patches.iter().take(MOST_NORMALS) {
@@ -142,9 +145,28 @@ struct Best<'a> {
     noise: f64,
     /// Direction, depth, and how far the two bodies lean over the plane between them.
     found: Option<(Point, f64, f64)>,
+    /// From a low place of the tool to a high one of the mock-up, along directions tried: no direction is less deep than any
+    /// of them along it.
+    ways: Vec<Point>,
 }
 
 impl Best<'_> {
+    /// The depth from which on a direction is of no use; infinite where any is.
+    fn limit(&self) -> f64 {
+        match self.found {
+            // Above the noise, where a depth of nothing is judged by the lean.
+            Some((_, least, _)) => (least - CLEARLY * least.abs() - self.noise).max(2.0 * self.noise) + self.noise,
+            None => f64::INFINITY,
+        }
+    }
+
+    fn keep_way(&mut self, p: usize, q: usize) {
+        if self.ways.len() == MOST_WAYS {
+            self.ways.remove(0);
+        }
+        self.ways.push(sub(&self.mockup.points[p], &self.tool.points[q]));
+    }
+
     fn support(&self, d: &Point) -> (usize, usize) {
         let mut high = (0, f64::NEG_INFINITY);
         for (i, p) in self.mockup.points.iter().enumerate() {
@@ -199,7 +221,12 @@ impl Best<'_> {
         if d == &[0.0; 3] || !self.leads_out(d) {
             return;
         }
+        let limit = self.limit();
+        if self.ways.iter().any(|w| dot(w, d) >= limit) {
+            return;
+        }
         let (p, q) = self.support(d);
+        self.keep_way(p, q);
         let (high, low) = (dot(&self.mockup.points[p], d), dot(&self.tool.points[q], d));
         let depth = high - low;
         let lean = match self.found {
@@ -228,6 +255,11 @@ impl Best<'_> {
             for q in patches.iter().take(MOST_TURNED).skip(i + 1) {
                 // Opposite faces have no edge, and nearly equal ones no arc to speak of.
                 if !(-0.5..0.95).contains(&dot(&p.normal, &q.normal)) {
+                    continue;
+                }
+                // No direction between is less deep than a way is along both ends.
+                let (limit, ends) = (self.limit(), [scaled(&p.normal, sense), scaled(&q.normal, sense)]);
+                if self.ways.iter().any(|w| ends.iter().all(|d| dot(w, d) >= limit)) {
                     continue;
                 }
                 // The golden section: each step needs one depth.
@@ -263,13 +295,20 @@ impl Best<'_> {
     /// across the direction. Places, not points: along an edge or a face many are extreme, and their middle counts.
     fn descend(&mut self) {
         let mut step = 1.0;
+        let mut last: Option<(Point, Point)> = None;
         for _ in 0..24 {
             let Some((d, depth, _)) = self.found else { return };
             if depth <= self.noise || step < 0.01 {
                 return;
             }
-            let (above, below) = self.extremes(&d, 0.02);
-            let way = sub(&middle(&above), &middle(&below));
+            let way = match last {
+                Some((of, way)) if of == d => way,
+                _ => {
+                    let (above, below) = self.extremes(&d, 0.02);
+                    sub(&middle(&above), &middle(&below))
+                }
+            };
+            last = Some((d, way));
             let across = along(&way, -dot(&way, &d), &d);
             let Some(next) = unit(&along(&d, -step / norm(&way).max(f64::MIN_POSITIVE), &across)) else { return };
             self.try_direction(&next);

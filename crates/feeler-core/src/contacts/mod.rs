@@ -150,6 +150,7 @@ impl Scene {
             return Err(Error::Margin { value: margin });
         }
         let mut near = self.near_candidates(tool, pose, margin)?;
+        // The order within a part stays, in which triangles come in runs.
         near.sort_by_key(|c| c.part);
         let mut meeting: Vec<(u32, [u32; 2])> = Vec::new();
         let hits = self.collide(tool, pose, Filters::default()).pairs;
@@ -165,9 +166,9 @@ impl Scene {
         };
         let mut contacts = Contacts { is_meeting: !meeting.is_empty(), ..Contacts::default() };
         let mut gaps = NearPairs::new(&ground, margin);
-        let (mut near, mut meeting) = (&near[..], &meeting[..]);
-        while let Some(part) = near.iter().map(|c| c.part).take(1).chain(meeting.iter().map(|p| p.0).take(1)).min() {
-            let candidates = take_while(&mut near, |c| c.part == part);
+        let (mut rest, mut meeting) = (&near[..], &meeting[..]);
+        while let Some(part) = rest.iter().map(|c| c.part).take(1).chain(meeting.iter().map(|p| p.0).take(1)).min() {
+            let candidates = take_while(&mut rest, |c| c.part == part);
             let pairs: Vec<[u32; 2]> = take_while(&mut meeting, |p| p.0 == part).iter().map(|p| p.1).collect();
             let from = contacts.planes.len();
             let mut inside: Vec<u32> = Vec::new();
@@ -181,6 +182,7 @@ impl Scene {
             }
             gaps.push_planes(candidates, &pairs, &inside, from, &mut contacts.planes);
         }
+        self.put_candidates(near);
         contacts.finish();
         Ok(contacts)
     }
