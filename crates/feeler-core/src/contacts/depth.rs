@@ -31,8 +31,10 @@ const CLEARLY: f64 = 1e-6;
 /// Patches that belong together, seen as one body.
 pub(crate) struct Body<'a> {
     pub patches: Vec<&'a Patch>,
-    /// Each once, sorted.
+    /// Each about once.
     points: Vec<Point>,
+    /// The same in fours, by axis; the last four are filled up.
+    fours: Vec<[[f64; 4]; 3]>,
     /// Points of the curve with their cuts; a point has several.
     curve: Vec<(Point, u32)>,
     mean: Point,
@@ -58,13 +60,17 @@ impl<'a> Body<'a> {
         let mut patches = patches;
         patches.extend(cluster.lent.iter().map(|i| &all[*i]));
         let sum = patches.iter().fold([0.0; 3], |s, p| along(&s, p.size * p.size, &p.normal));
-        let is_less =
-            |a: &Point, b: &Point| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])).then(a[2].total_cmp(&b[2]));
         let curve = points.iter().copied().zip(sources).filter(|(_, s)| *s != NONE).collect();
-        points.sort_unstable_by(is_less);
+        // By their heights along some direction: equal points come together, and few others with them.
+        let height = |p: &Point| p[0] + 0.618_033_98 * p[1] + 0.414_213_56 * p[2];
+        points.sort_unstable_by(|a, b| height(a).total_cmp(&height(b)));
         points.dedup();
+        let four = |four: &[Point]| {
+            std::array::from_fn(|a| std::array::from_fn(|i| four.get(i).unwrap_or(&four[0])[a]))
+        };
+        let fours = points.chunks(4).map(four).collect();
         let size = patches.iter().fold(0.0f64, |m, p| m.max(p.size));
-        Body { points, curve, mean: unit(&sum).unwrap_or([0.0; 3]), size, patches }
+        Body { points, fours, curve, mean: unit(&sum).unwrap_or([0.0; 3]), size, patches }
     }
 
     /// The cuts its patches have a part in, sorted.
@@ -72,6 +78,23 @@ impl<'a> Body<'a> {
         let mut cuts: Vec<u32> = self.patches.iter().flat_map(|p| p.cuts.iter().copied()).collect();
         cuts.sort_unstable();
         cuts
+    }
+
+    /// The greatest height of a point along `d`, as [`dot`] has it.
+    fn highest(&self, d: &Point) -> f64 {
+        let mut best = [f64::NEG_INFINITY; 4];
+        for [x, y, z] in &self.fours {
+            for i in 0..4 {
+                let h = x[i] * d[0] + y[i] * d[1] + z[i] * d[2];
+                best[i] = if h > best[i] { h } else { best[i] };
+            }
+        }
+        best.into_iter().fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// The least.
+    fn lowest(&self, d: &Point) -> f64 {
+        -self.highest(&scaled(d, -1.0))
     }
 
     fn is_flat(&self) -> bool {
@@ -160,29 +183,19 @@ impl Best<'_> {
         }
     }
 
-    fn keep_way(&mut self, p: usize, q: usize) {
+    fn keep_way(&mut self, d: &Point, high: f64, low: f64) {
         if self.ways.len() == MOST_WAYS {
             self.ways.remove(0);
         }
-        self.ways.push(sub(&self.mockup.points[p], &self.tool.points[q]));
+        let at = |body: &Body<'_>, height: f64| body.points.iter().find(|p| dot(p, d) == height).copied();
+        if let (Some(p), Some(q)) = (at(self.mockup, high), at(self.tool, low)) {
+            self.ways.push(sub(&p, &q));
+        }
     }
 
-    fn support(&self, d: &Point) -> (usize, usize) {
-        let mut high = (0, f64::NEG_INFINITY);
-        for (i, p) in self.mockup.points.iter().enumerate() {
-            let h = dot(p, d);
-            if h > high.1 {
-                high = (i, h);
-            }
-        }
-        let mut low = (0, f64::INFINITY);
-        for (i, q) in self.tool.points.iter().enumerate() {
-            let h = dot(q, d);
-            if h < low.1 {
-                low = (i, h);
-            }
-        }
-        (high.0, low.0)
+    /// The highest of the mock-up and the lowest of the tool.
+    fn support(&self, d: &Point) -> (f64, f64) {
+        (self.mockup.highest(d), self.tool.lowest(d))
     }
 
     /// Whether one of the surfaces goes on beyond the curve just where, along `d`, it would have to end: a rod in a plate is not
@@ -198,10 +211,9 @@ impl Best<'_> {
             let leaves = advances - dot(&other, &n) * dot(&n, &way);
             !cut.flat && advances > GOES_ON && leaves > GOES_ON
         };
-        let any = |w: usize, body: &Body<'_>, is_last: &dyn Fn(f64) -> bool| {
-            body.curve.iter().any(|(x, source)| is_last(dot(x, d)) && goes_on(w, *source))
-        };
-        any(MOCKUP, self.mockup, &|h| h >= high - tolerance) || any(TOOL, self.tool, &|h| h <= low + tolerance)
+        let (top, bottom) = (high - tolerance, low + tolerance);
+        self.mockup.curve.iter().any(|(x, source)| dot(x, d) >= top && goes_on(MOCKUP, *source))
+            || self.tool.curve.iter().any(|(x, source)| dot(x, d) <= bottom && goes_on(TOOL, *source))
     }
 
     /// Whether going along `d` leads out: not into what the surfaces face.
@@ -225,9 +237,8 @@ impl Best<'_> {
         if self.ways.iter().any(|w| dot(w, d) >= limit) {
             return;
         }
-        let (p, q) = self.support(d);
-        self.keep_way(p, q);
-        let (high, low) = (dot(&self.mockup.points[p], d), dot(&self.tool.points[q], d));
+        let (high, low) = self.support(d);
+        self.keep_way(d, high, low);
         let depth = high - low;
         let lean = match self.found {
             None => self.lean(d),
@@ -287,8 +298,8 @@ impl Best<'_> {
     }
 
     fn depth(&self, d: &Point) -> f64 {
-        let (p, q) = self.support(d);
-        dot(&sub(&self.mockup.points[p], &self.tool.points[q]), d)
+        let (high, low) = self.support(d);
+        high - low
     }
 
     /// From the best direction down to the nearest valley: the gradient of the depth is the way between the two extreme places,
@@ -320,16 +331,13 @@ impl Best<'_> {
 
     /// Boxes around the highest of the mock-up's points and the lowest of the tool's, within a share of the depth.
     fn extremes(&self, d: &Point, share: f64) -> (Aabb, Aabb) {
-        let (p, q) = self.support(d);
-        let (high, low) = (dot(&self.mockup.points[p], d), dot(&self.tool.points[q], d));
+        let (high, low) = self.support(d);
         let tolerance = share * (high - low).abs() + self.noise;
-        let extent = |points: &[Point], keep: &dyn Fn(f64) -> bool| {
-            let mut bounds = Aabb::EMPTY;
-            points.iter().filter(|x| keep(dot(x, d))).for_each(|x| bounds.grow(x));
-            bounds
-        };
-        let above = extent(&self.mockup.points, &|h| h >= high - tolerance);
-        (above, extent(&self.tool.points, &|h| h <= low + tolerance))
+        let (top, bottom) = (high - tolerance, low + tolerance);
+        let (mut above, mut below) = (Aabb::EMPTY, Aabb::EMPTY);
+        self.mockup.points.iter().filter(|x| dot(x, d) >= top).for_each(|x| above.grow(x));
+        self.tool.points.iter().filter(|x| dot(x, d) <= bottom).for_each(|x| below.grow(x));
+        (above, below)
     }
 
     /// The middle of the highest part of the mock-up or of the lowest of the tool, whichever is smaller, raised to the height
@@ -337,7 +345,7 @@ impl Best<'_> {
     fn place(&self, d: &Point) -> Point {
         let (above, below) = self.extremes(d, 1e-3);
         let chosen = middle(if norm(&below.extent()) <= norm(&above.extent()) { &below } else { &above });
-        let high = dot(&self.mockup.points[self.support(d).0], d);
+        let high = self.mockup.highest(d);
         along(&chosen, high - dot(&chosen, d), d)
     }
 }

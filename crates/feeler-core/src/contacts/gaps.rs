@@ -28,6 +28,9 @@ const SAME_TURN: f64 = 0.208;
 /// slowly, and each direction is to have its plane.
 const SLOPE: f64 = 0.2;
 
+/// Sine by which the way to the tool may point into the mock-up's side.
+const BEHIND: f64 = 1e-3;
+
 /// Most pairs looked at around a corner.
 const MOST_BESIDE: usize = 256;
 
@@ -38,10 +41,21 @@ const SNAP: f64 = 1e-10;
 pub(crate) struct NearPairs<'a> {
     ground: &'a Ground<'a>,
     margin: f64,
+    lists: &'a mut NearLists,
+}
+
+/// Working memory.
+#[derive(Debug, Default)]
+pub(crate) struct NearLists {
     /// Placed corners; entries name them by their places here.
     corners: [Vec<Triangle>; 2],
+    /// Of the mock-up's: the outward normal, zero where that is not known.
+    outward: Vec<Point>,
     /// The place of each tool triangle in `corners`.
     places: Vec<u32>,
+    entries: Vec<Entry>,
+    /// For each of the corners its least (tool) or greatest (mock-up) height over a plane.
+    heights: [Vec<f64>; 2],
     /// What was measured, and `None` where that is farther than the margin.
     measured: IdMap<(u32, u32)>,
     gaps: Vec<Option<Gap>>,
@@ -79,15 +93,11 @@ impl PartialEq for Entry {
 impl Eq for Entry {}
 
 impl<'a> NearPairs<'a> {
-    pub fn new(ground: &'a Ground<'a>, margin: f64) -> NearPairs<'a> {
-        NearPairs {
-            ground,
-            margin,
-            corners: Default::default(),
-            places: vec![NONE; ground.tool.mesh().faces().len()],
-            measured: IdMap::default(),
-            gaps: Vec::new(),
-        }
+    pub fn new(ground: &'a Ground<'a>, margin: f64, lists: &'a mut NearLists) -> NearPairs<'a> {
+        lists.corners[TOOL].clear();
+        lists.places.clear();
+        lists.places.resize(ground.tool.mesh().faces().len(), NONE);
+        NearPairs { ground, margin, lists }
     }
 
     /// Adds planes for the candidates of one part, beside the planes the part has from `from` on in `out`. The pairs in
@@ -104,26 +114,38 @@ impl<'a> NearPairs<'a> {
     ) {
         let part = candidates.first().map_or(0, |c| c.part);
         let tolerance = TOLERANCE * self.margin;
-        self.corners[MOCKUP].clear();
-        self.measured.clear();
-        self.gaps.clear();
-        let mut entries: Vec<Entry> = Vec::with_capacity(candidates.len());
+        let lists = &mut *self.lists;
+        lists.corners[MOCKUP].clear();
+        lists.outward.clear();
+        lists.measured.clear();
+        lists.gaps.clear();
+        let mut entries = std::mem::take(&mut lists.entries);
+        entries.clear();
         let mut last = NONE;
         for c in candidates {
             if c.mockup_triangle != last {
                 last = c.mockup_triangle;
-                self.corners[MOCKUP].push(self.ground.mockup_triangle(last));
+                let corners = self.ground.mockup_triangle(last);
+                let outward = f64::from(self.ground.adjacency[MOCKUP].outward[last as usize]);
+                lists.outward.push(normal(&corners).map_or([0.0; 3], |n| scaled(&n, outward)));
+                lists.corners[MOCKUP].push(corners);
             }
             let pair = [c.tool_triangle, c.mockup_triangle];
             if c.bound == 0.0 && meeting.binary_search(&pair).is_ok() || inside.binary_search(&pair[0]).is_ok() {
                 continue;
             }
-            let place = &mut self.places[c.tool_triangle as usize];
+            let place = &mut lists.places[c.tool_triangle as usize];
             if *place == NONE {
-                *place = self.corners[TOOL].len() as u32;
-                self.corners[TOOL].push(self.ground.tool_triangle(c.tool_triangle));
+                *place = lists.corners[TOOL].len() as u32;
+                lists.corners[TOOL].push(self.ground.tool_triangle(c.tool_triangle));
             }
-            let corners = [*place, self.corners[MOCKUP].len() as u32 - 1];
+            let corners = [*place, lists.corners[MOCKUP].len() as u32 - 1];
+            let [p, q] = [TOOL, MOCKUP].map(|w| &lists.corners[w][corners[w] as usize]);
+            let n = &lists.outward[corners[MOCKUP] as usize];
+            if p.iter().all(|x| dot(&sub(x, &q[0]), n) < -BEHIND * self.margin) {
+                // Whatever its nearest points: wholly behind, see `is_in_front`.
+                continue;
+            }
             entries.push(Entry { distance: c.bound, pair: (pair[0], pair[1]), corners, is_measured: false });
         }
         for plane in &out[from..] {
@@ -157,19 +179,21 @@ impl<'a> NearPairs<'a> {
             heap = BinaryHeap::from(entries);
             out.push(plane);
             if out.len() - from >= MOST_PLANES {
-                return;
+                break;
             }
         }
+        self.lists.entries = heap.into_vec();
     }
 
     /// Drops the pairs that a plane holds apart whatever their nearest points.
-    fn drop_held_apart(&self, entries: &mut Vec<Entry>, plane: &ContactPlane, tolerance: f64) {
+    fn drop_held_apart(&mut self, entries: &mut Vec<Entry>, plane: &ContactPlane, tolerance: f64) {
         let offset = dot(&plane.point, &plane.normal);
-        let heights = |w: usize, of: fn(f64, f64) -> f64| -> Vec<f64> {
-            let height = |t: &Triangle| t.iter().map(|p| dot(p, &plane.normal) - offset).reduce(of);
-            self.corners[w].iter().filter_map(height).collect()
-        };
-        let (low, high) = (heights(TOOL, f64::min), heights(MOCKUP, f64::max));
+        let NearLists { corners, heights, .. } = &mut *self.lists;
+        let of = |t: &Triangle| t.map(|p| dot(&p, &plane.normal) - offset);
+        heights.iter_mut().for_each(Vec::clear);
+        heights[TOOL].extend(corners[TOOL].iter().map(of).map(|h| h[0].min(h[1]).min(h[2])));
+        heights[MOCKUP].extend(corners[MOCKUP].iter().map(of).map(|h| h[0].max(h[1]).max(h[2])));
+        let [low, high] = &*heights;
         entries.retain(|e| {
             !(high[e.corners[MOCKUP] as usize] <= tolerance && low[e.corners[TOOL] as usize] >= plane.gap - tolerance)
         });
@@ -177,8 +201,8 @@ impl<'a> NearPairs<'a> {
 
     /// The gap of a pair, where it is within the margin.
     fn measure(&mut self, pair: (u32, u32), part: u32) -> Option<Gap> {
-        if let Some(i) = self.measured.get(&pair) {
-            return self.gaps[*i as usize];
+        if let Some(i) = self.lists.measured.get(&pair) {
+            return self.lists.gaps[*i as usize];
         }
         let (p, q) = (self.ground.tool_triangle(pair.0), self.ground.mockup_triangle(pair.1));
         let gap = closest_within(&p, &q, self.margin).map(|c| Gap {
@@ -189,8 +213,8 @@ impl<'a> NearPairs<'a> {
             on_tool: c.on_p,
             on_mockup: c.on_q,
         });
-        self.measured.insert(pair, self.gaps.len() as u32);
-        self.gaps.push(gap);
+        self.lists.measured.insert(pair, self.lists.gaps.len() as u32);
+        self.lists.gaps.push(gap);
         gap
     }
 
@@ -266,7 +290,7 @@ fn is_in_front(ground: &Ground<'_>, gap: &Gap) -> bool {
     let corners = ground.mockup_triangle(gap.mockup_triangle);
     let outward = f64::from(ground.adjacency[1].outward[gap.mockup_triangle as usize]);
     let way = sub(&gap.on_tool, &gap.on_mockup);
-    normal(&corners).is_none_or(|n| outward * dot(&n, &way) >= -1e-3 * gap.distance)
+    normal(&corners).is_none_or(|n| outward * dot(&n, &way) >= -BEHIND * gap.distance)
 }
 
 /// Whether the plane holds the pair apart by no less than it claims.

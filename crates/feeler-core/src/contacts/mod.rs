@@ -21,6 +21,7 @@ mod vector;
 mod zones;
 
 pub(crate) use adjacency::Adjacency;
+pub(crate) use gaps::NearLists;
 pub use penetration::{Penetration, PenetrationKind};
 pub use tracker::ContactTracker;
 
@@ -165,7 +166,8 @@ impl Scene {
             centre: pose.apply(&tool.adjacency().centre),
         };
         let mut contacts = Contacts { is_meeting: !meeting.is_empty(), ..Contacts::default() };
-        let mut gaps = NearPairs::new(&ground, margin);
+        let mut scratch = self.take_scratch();
+        let mut gaps = NearPairs::new(&ground, margin, &mut scratch.contacts);
         let (mut rest, mut meeting) = (&near[..], &meeting[..]);
         while let Some(part) = rest.iter().map(|c| c.part).take(1).chain(meeting.iter().map(|p| p.0).take(1)).min() {
             let candidates = take_while(&mut rest, |c| c.part == part);
@@ -182,6 +184,7 @@ impl Scene {
             }
             gaps.push_planes(candidates, &pairs, &inside, from, &mut contacts.planes);
         }
+        self.put_scratch(scratch);
         self.put_candidates(near);
         contacts.finish();
         Ok(contacts)
