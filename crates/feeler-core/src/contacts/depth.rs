@@ -39,6 +39,8 @@ pub(crate) struct Body<'a> {
     curve: Vec<(Point, u32)>,
     mean: Point,
     size: f64,
+    /// The largest coordinate.
+    largest: f64,
 }
 
 impl<'a> Body<'a> {
@@ -68,9 +70,10 @@ impl<'a> Body<'a> {
         let four = |four: &[Point]| {
             std::array::from_fn(|a| std::array::from_fn(|i| four.get(i).unwrap_or(&four[0])[a]))
         };
+        let largest = points.iter().flatten().fold(0.0, |m, x| if x.abs() > m { x.abs() } else { m });
         let fours = points.chunks(4).map(four).collect();
         let size = patches.iter().fold(0.0f64, |m, p| m.max(p.size));
-        Body { points, fours, curve, mean: unit(&sum).unwrap_or([0.0; 3]), size, patches }
+        Body { points, fours, curve, mean: unit(&sum).unwrap_or([0.0; 3]), size, largest, patches }
     }
 
     /// The cuts its patches have a part in, sorted.
@@ -118,7 +121,7 @@ pub(crate) struct Depth {
 /// See the module. `None` where no direction leads out.
 pub(crate) fn least_depth(zones: &Zones, tool: &Body<'_>, mockup: &Body<'_>) -> Option<Depth> {
     let size = tool.size.max(mockup.size);
-    let noise = 1e-12 * tool.points.iter().flatten().fold(size, |m, x| m.max(x.abs()));
+    let noise = 1e-12 * size.max(tool.largest);
     let mut best = Best { zones, tool, mockup, noise, found: None, ways: Vec::with_capacity(MOST_WAYS) };
     let mut certain = tool.is_flat() && mockup.is_flat();
     certain &= tool.patches.len() <= MOST_NORMALS && mockup.patches.len() <= MOST_NORMALS;

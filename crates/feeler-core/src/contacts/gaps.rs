@@ -204,18 +204,37 @@ impl<'a> NearPairs<'a> {
         if let Some(i) = self.lists.measured.get(&pair) {
             return self.lists.gaps[*i as usize];
         }
+        let gap = self.gap_within(pair, part, self.margin);
+        self.note(pair, gap);
+        gap
+    }
+
+    /// The gap of a pair, where it is within a distance of at most the margin; sooner said where it is not.
+    fn measure_within(&mut self, pair: (u32, u32), part: u32, limit: f64) -> Option<Gap> {
+        if let Some(i) = self.lists.measured.get(&pair) {
+            return self.lists.gaps[*i as usize];
+        }
+        let gap = self.gap_within(pair, part, limit)?;
+        self.note(pair, Some(gap));
+        Some(gap)
+    }
+
+    fn gap_within(&self, pair: (u32, u32), part: u32, limit: f64) -> Option<Gap> {
         let (p, q) = (self.ground.tool_triangle(pair.0), self.ground.mockup_triangle(pair.1));
-        let gap = closest_within(&p, &q, self.margin).map(|c| Gap {
+        let closest = closest_within(&p, &q, limit)?;
+        Some(Gap {
             tool_triangle: pair.0,
             mockup_triangle: pair.1,
             part,
-            distance: c.distance,
-            on_tool: c.on_p,
-            on_mockup: c.on_q,
-        });
+            distance: closest.distance,
+            on_tool: closest.on_p,
+            on_mockup: closest.on_q,
+        })
+    }
+
+    fn note(&mut self, pair: (u32, u32), gap: Option<Gap>) {
         self.lists.measured.insert(pair, self.lists.gaps.len() as u32);
         self.lists.gaps.push(gap);
-        gap
     }
 
     /// The plane of the nearest pair, in the middle of all that are as near.
@@ -257,6 +276,19 @@ impl<'a> NearPairs<'a> {
             let t = ground.triangle(w, id);
             (0..3).any(|k| square_to_segment(p, &t[k], &t[(k + 1) % 3]) <= noise)
         };
+        // What is farther does not lead down, and has not the same corner or edge.
+        let limit = (gap.distance * (1.0 + 1e-6)).min(self.margin);
+        let is_down = |other: &Gap| {
+            let step = norm(&sub(&other.on_tool, &gap.on_tool)).max(norm(&sub(&other.on_mockup, &gap.on_mockup)));
+            gap.distance - other.distance > SLOPE * step + 1e-9 * gap.distance
+        };
+        // Nearer pairs came first: mostly the one that tells is measured.
+        let known = |key: &(u32, u32)| self.lists.measured.get(key).and_then(|i| self.lists.gaps[*i as usize]);
+        let beside_start = ground.adjacency[TOOL].neighbours[start.0 as usize].map(|n| (n, start.1));
+        let and_these = ground.adjacency[MOCKUP].neighbours[start.1 as usize].map(|n| (start.0, n));
+        if beside_start.iter().chain(&and_these).any(|key| known(key).is_some_and(|other| is_down(&other))) {
+            return true;
+        }
         let mut seen = vec![start];
         let mut next = 0;
         while next < seen.len() && seen.len() <= MOST_BESIDE {
@@ -268,9 +300,8 @@ impl<'a> NearPairs<'a> {
                 if key.0 == NONE || key.1 == NONE || seen.contains(&key) {
                     continue;
                 }
-                let Some(other) = self.measure(key, part) else { continue };
-                let step = norm(&sub(&other.on_tool, &gap.on_tool)).max(norm(&sub(&other.on_mockup, &gap.on_mockup)));
-                if gap.distance - other.distance > SLOPE * step + 1e-9 * gap.distance {
+                let Some(other) = self.measure_within(key, part, limit) else { continue };
+                if is_down(&other) {
                     return true;
                 }
                 if (key.0 == t || passes(TOOL, key.0, &gap.on_tool))

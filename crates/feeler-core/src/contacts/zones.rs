@@ -113,7 +113,7 @@ pub(crate) fn find(ground: &Ground<'_>, pairs: &[[u32; 2]]) -> Zones {
     let mut places: [IdMap<u32>; 2] = Default::default();
     let mut zones =
         Zones { faces: Default::default(), cuts: Vec::new(), points: Vec::new(), zones: Vec::new(), complete: true };
-    let mut cut_of: IdMap<(u32, u32)> = IdMap::default();
+    let mut cut_of: IdMap<(u32, u32)> = IdMap::with_capacity_and_hasher(pairs.len(), Default::default());
     let part = pairs.first().map_or(0, |p| ground.mockup.part_of_face(p[1]));
     for pair in pairs {
         let mut faces = [0; 2];
