@@ -67,9 +67,8 @@ impl<'a> Body<'a> {
         let height = |p: &Point| p[0] + 0.618_033_98 * p[1] + 0.414_213_56 * p[2];
         points.sort_unstable_by(|a, b| height(a).total_cmp(&height(b)));
         points.dedup();
-        let four = |four: &[Point]| {
-            std::array::from_fn(|a| std::array::from_fn(|i| four.get(i).unwrap_or(&four[0])[a]))
-        };
+        let four =
+            |four: &[Point]| std::array::from_fn(|a| std::array::from_fn(|i| four.get(i).unwrap_or(&four[0])[a]));
         let largest = points.iter().flatten().fold(0.0, |m, x| if x.abs() > m { x.abs() } else { m });
         let fours = points.chunks(4).map(four).collect();
         let size = patches.iter().fold(0.0f64, |m, p| m.max(p.size));

@@ -49,8 +49,8 @@ pub(crate) struct NearPairs<'a> {
 pub(crate) struct NearLists {
     /// Placed corners; entries name them by their places here.
     corners: [Vec<Triangle>; 2],
-    /// Of the mock-up's: the outward normal, zero where that is not known.
-    outward: Vec<Point>,
+    /// Their outward normals, zero where that is not known.
+    outward: [Vec<Point>; 2],
     /// The place of each tool triangle in `corners`.
     places: Vec<u32>,
     entries: Vec<Entry>,
@@ -59,6 +59,16 @@ pub(crate) struct NearLists {
     /// What was measured, and `None` where that is farther than the margin.
     measured: IdMap<(u32, u32)>,
     gaps: Vec<Option<Gap>>,
+}
+
+impl NearLists {
+    /// Adds a triangle's corners and normal.
+    fn push(&mut self, ground: &Ground<'_>, w: usize, id: u32) {
+        let corners = ground.triangle(w, id);
+        let outward = f64::from(ground.adjacency[w].outward[id as usize]);
+        self.outward[w].push(normal(&corners).map_or([0.0; 3], |n| scaled(&n, outward)));
+        self.corners[w].push(corners);
+    }
 }
 
 /// A pair to be looked at: first by its bound, then, once measured, by its distance.
@@ -95,20 +105,22 @@ impl Eq for Entry {}
 impl<'a> NearPairs<'a> {
     pub fn new(ground: &'a Ground<'a>, margin: f64, lists: &'a mut NearLists) -> NearPairs<'a> {
         lists.corners[TOOL].clear();
+        lists.outward[TOOL].clear();
         lists.places.clear();
         lists.places.resize(ground.tool.mesh().faces().len(), NONE);
         NearPairs { ground, margin, lists }
     }
 
     /// Adds planes for the candidates of one part, beside the planes the part has from `from` on in `out`. The pairs in
-    /// `meeting` (sorted) meet, the tool triangles in `inside` (sorted) are wholly behind.
+    /// `meeting` (sorted) meet, the triangles in `inside` (of tool and mock-up, sorted) are wholly
+    /// inside the other.
     ///
     /// Few pairs are ever measured: most are far from where planes are, or held apart by one as whole triangles.
     pub fn push_planes(
         &mut self,
         candidates: &[Candidate],
         meeting: &[[u32; 2]],
-        inside: &[u32],
+        inside: &[Vec<u32>; 2],
         from: usize,
         out: &mut Vec<ContactPlane>,
     ) {
@@ -116,7 +128,7 @@ impl<'a> NearPairs<'a> {
         let tolerance = TOLERANCE * self.margin;
         let lists = &mut *self.lists;
         lists.corners[MOCKUP].clear();
-        lists.outward.clear();
+        lists.outward[MOCKUP].clear();
         lists.measured.clear();
         lists.gaps.clear();
         let mut entries = std::mem::take(&mut lists.entries);
@@ -125,24 +137,22 @@ impl<'a> NearPairs<'a> {
         for c in candidates {
             if c.mockup_triangle != last {
                 last = c.mockup_triangle;
-                let corners = self.ground.mockup_triangle(last);
-                let outward = f64::from(self.ground.adjacency[MOCKUP].outward[last as usize]);
-                lists.outward.push(normal(&corners).map_or([0.0; 3], |n| scaled(&n, outward)));
-                lists.corners[MOCKUP].push(corners);
+                lists.push(self.ground, MOCKUP, last);
             }
             let pair = [c.tool_triangle, c.mockup_triangle];
-            if c.bound == 0.0 && meeting.binary_search(&pair).is_ok() || inside.binary_search(&pair[0]).is_ok() {
+            let is_inside = (0..2).any(|w| inside[w].binary_search(&pair[w]).is_ok());
+            if is_inside || c.bound == 0.0 && meeting.binary_search(&pair).is_ok() {
                 continue;
             }
-            let place = &mut lists.places[c.tool_triangle as usize];
-            if *place == NONE {
-                *place = lists.corners[TOOL].len() as u32;
-                lists.corners[TOOL].push(self.ground.tool_triangle(c.tool_triangle));
+            if lists.places[c.tool_triangle as usize] == NONE {
+                lists.places[c.tool_triangle as usize] = lists.corners[TOOL].len() as u32;
+                lists.push(self.ground, TOOL, c.tool_triangle);
             }
-            let corners = [*place, lists.corners[MOCKUP].len() as u32 - 1];
+            let corners = [lists.places[c.tool_triangle as usize], lists.corners[MOCKUP].len() as u32 - 1];
             let [p, q] = [TOOL, MOCKUP].map(|w| &lists.corners[w][corners[w] as usize]);
-            let n = &lists.outward[corners[MOCKUP] as usize];
-            if p.iter().all(|x| dot(&sub(x, &q[0]), n) < -BEHIND * self.margin) {
+            let [n, m] = [TOOL, MOCKUP].map(|w| &lists.outward[w][corners[w] as usize]);
+            let is_behind = |x: &Point, on: &Point, normal: &Point| dot(&sub(x, on), normal) < -BEHIND * self.margin;
+            if p.iter().all(|x| is_behind(x, &q[0], m)) || q.iter().all(|x| is_behind(x, &p[0], n)) {
                 // Whatever its nearest points: wholly behind, see `is_in_front`.
                 continue;
             }
@@ -316,12 +326,15 @@ impl<'a> NearPairs<'a> {
     }
 }
 
-/// Whether the tool's point is on the outer side of the mock-up's triangle, as far as that is known.
+/// Whether each of the two nearest points is on the outer side of the other's triangle, as far as that is known: what is inside
+/// the other solid is near its surface, but not held off by it.
 fn is_in_front(ground: &Ground<'_>, gap: &Gap) -> bool {
-    let corners = ground.mockup_triangle(gap.mockup_triangle);
-    let outward = f64::from(ground.adjacency[1].outward[gap.mockup_triangle as usize]);
     let way = sub(&gap.on_tool, &gap.on_mockup);
-    normal(&corners).is_none_or(|n| outward * dot(&n, &way) >= -BEHIND * gap.distance)
+    let is_outside = |w: usize, id: u32, sense: f64| {
+        let outward = sense * f64::from(ground.adjacency[w].outward[id as usize]);
+        normal(&ground.triangle(w, id)).is_none_or(|n| outward * dot(&n, &way) >= -BEHIND * gap.distance)
+    };
+    is_outside(MOCKUP, gap.mockup_triangle, 1.0) && is_outside(TOOL, gap.tool_triangle, -1.0)
 }
 
 /// Whether the plane holds the pair apart by no less than it claims.

@@ -32,8 +32,8 @@ use crate::contacts::vector::{dot, normal, scaled, sub};
 use crate::contacts::zones::{Face, Zone, Zones, MOCKUP, TOOL};
 use crate::error::{Error, Result};
 use crate::mesh::Mockup;
-use crate::pose::Pose;
 use crate::narrow::Filters;
+use crate::pose::Pose;
 use crate::scene::Scene;
 use crate::tool::Tool;
 
@@ -173,14 +173,14 @@ impl Scene {
             let candidates = take_while(&mut rest, |c| c.part == part);
             let pairs: Vec<[u32; 2]> = take_while(&mut meeting, |p| p.0 == part).iter().map(|p| p.1).collect();
             let from = contacts.planes.len();
-            let mut inside: Vec<u32> = Vec::new();
+            let mut inside: [Vec<u32>; 2] = Default::default();
             if !pairs.is_empty() {
                 let zones = zones::find(&ground, &pairs);
                 for zone in &zones.zones {
                     push_zone(&ground, &zones, zone, part, &mut contacts.planes);
-                    inside.extend(zone.inside[TOOL].iter().map(|t| t[0]));
+                    (0..2).for_each(|w| inside[w].extend(zone.inside[w].iter().map(|t| t[0])));
                 }
-                inside.sort_unstable();
+                inside.iter_mut().for_each(|ids| ids.sort_unstable());
             }
             gaps.push_planes(candidates, &pairs, &inside, from, &mut contacts.planes);
         }
