@@ -18,6 +18,7 @@ mod shapes;
 mod tests;
 mod tracker;
 mod vector;
+mod walk;
 mod zones;
 
 pub(crate) use adjacency::Adjacency;
