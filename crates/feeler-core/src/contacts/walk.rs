@@ -27,7 +27,9 @@ pub(crate) fn walk(
     let mut found: Vec<(u32, u32)> = Vec::new();
     let mut seen: IdMap<u32> = IdMap::default();
     // Walks that met, walks that came to another curve, and walks that leak, all by their cuts.
-    let (mut met, mut bridged, mut leaks): (Vec<(u32, u32)>, Vec<(u32, u32)>, Vec<u32>) = Default::default();
+    let mut met: Vec<(u32, u32)> = Vec::new();
+    let mut bridged: Vec<(u32, u32)> = Vec::new();
+    let mut leaks: Vec<u32> = Vec::new();
     let mut is_refused = false;
     let mut reach = |triangle: u32, from: Option<u32>, cut: u32, found: &mut Vec<(u32, u32)>| {
         if triangle == NONE || found.len() >= MOST_WALKED {
