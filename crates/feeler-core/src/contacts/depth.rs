@@ -19,6 +19,9 @@ const MOST_EDGE_PAIRS: usize = 100;
 /// Most patches of a body, the largest, between whose normals directions are sought.
 const MOST_TURNED: usize = 3;
 
+/// Most ways between extreme places that are kept to reject directions by.
+const MOST_WAYS: usize = 24;
+
 /// Sine from which on a surface goes on along a direction.
 const GOES_ON: f64 = 0.05;
 
@@ -28,12 +31,16 @@ const CLEARLY: f64 = 1e-6;
 /// Patches that belong together, seen as one body.
 pub(crate) struct Body<'a> {
     pub patches: Vec<&'a Patch>,
-    /// Each once, sorted.
+    /// Each about once.
     points: Vec<Point>,
+    /// The same in fours, by axis; the last four are filled up.
+    fours: Vec<[[f64; 4]; 3]>,
     /// Points of the curve with their cuts; a point has several.
     curve: Vec<(Point, u32)>,
     mean: Point,
     size: f64,
+    /// The largest coordinate.
+    largest: f64,
 }
 
 impl<'a> Body<'a> {
@@ -55,13 +62,17 @@ impl<'a> Body<'a> {
         let mut patches = patches;
         patches.extend(cluster.lent.iter().map(|i| &all[*i]));
         let sum = patches.iter().fold([0.0; 3], |s, p| along(&s, p.size * p.size, &p.normal));
-        let is_less =
-            |a: &Point, b: &Point| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])).then(a[2].total_cmp(&b[2]));
         let curve = points.iter().copied().zip(sources).filter(|(_, s)| *s != NONE).collect();
-        points.sort_unstable_by(is_less);
+        // By their heights along some direction: equal points come together, and few others with them.
+        let height = |p: &Point| p[0] + 0.618_033_98 * p[1] + 0.414_213_56 * p[2];
+        points.sort_unstable_by(|a, b| height(a).total_cmp(&height(b)));
         points.dedup();
+        let four =
+            |four: &[Point]| std::array::from_fn(|a| std::array::from_fn(|i| four.get(i).unwrap_or(&four[0])[a]));
+        let largest = points.iter().flatten().fold(0.0, |m, x| if x.abs() > m { x.abs() } else { m });
+        let fours = points.chunks(4).map(four).collect();
         let size = patches.iter().fold(0.0f64, |m, p| m.max(p.size));
-        Body { points, curve, mean: unit(&sum).unwrap_or([0.0; 3]), size, patches }
+        Body { points, fours, curve, mean: unit(&sum).unwrap_or([0.0; 3]), size, largest, patches }
     }
 
     /// The cuts its patches have a part in, sorted.
@@ -69,6 +80,23 @@ impl<'a> Body<'a> {
         let mut cuts: Vec<u32> = self.patches.iter().flat_map(|p| p.cuts.iter().copied()).collect();
         cuts.sort_unstable();
         cuts
+    }
+
+    /// The greatest height of a point along `d`, as [`dot`] has it.
+    fn highest(&self, d: &Point) -> f64 {
+        let mut best = [f64::NEG_INFINITY; 4];
+        for [x, y, z] in &self.fours {
+            for i in 0..4 {
+                let h = x[i] * d[0] + y[i] * d[1] + z[i] * d[2];
+                best[i] = if h > best[i] { h } else { best[i] };
+            }
+        }
+        best.into_iter().fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// The least.
+    fn lowest(&self, d: &Point) -> f64 {
+        -self.highest(&scaled(d, -1.0))
     }
 
     fn is_flat(&self) -> bool {
@@ -92,8 +120,8 @@ pub(crate) struct Depth {
 /// See the module. `None` where no direction leads out.
 pub(crate) fn least_depth(zones: &Zones, tool: &Body<'_>, mockup: &Body<'_>) -> Option<Depth> {
     let size = tool.size.max(mockup.size);
-    let noise = 1e-12 * tool.points.iter().flatten().fold(size, |m, x| m.max(x.abs()));
-    let mut best = Best { zones, tool, mockup, noise, found: None };
+    let noise = 1e-12 * size.max(tool.largest);
+    let mut best = Best { zones, tool, mockup, noise, found: None, ways: Vec::with_capacity(MOST_WAYS) };
     let mut certain = tool.is_flat() && mockup.is_flat();
     certain &= tool.patches.len() <= MOST_NORMALS && mockup.patches.len() <= MOST_NORMALS;
     for patch in mockup.patches.iter().take(MOST_NORMALS) {
@@ -142,25 +170,34 @@ struct Best<'a> {
     noise: f64,
     /// Direction, depth, and how far the two bodies lean over the plane between them.
     found: Option<(Point, f64, f64)>,
+    /// From a low place of the tool to a high one of the mock-up, along directions tried: no direction is less deep than any
+    /// of them along it.
+    ways: Vec<Point>,
 }
 
 impl Best<'_> {
-    fn support(&self, d: &Point) -> (usize, usize) {
-        let mut high = (0, f64::NEG_INFINITY);
-        for (i, p) in self.mockup.points.iter().enumerate() {
-            let h = dot(p, d);
-            if h > high.1 {
-                high = (i, h);
-            }
+    /// The depth from which on a direction is of no use; infinite where any is.
+    fn limit(&self) -> f64 {
+        match self.found {
+            // Above the noise, where a depth of nothing is judged by the lean.
+            Some((_, least, _)) => (least - CLEARLY * least.abs() - self.noise).max(2.0 * self.noise) + self.noise,
+            None => f64::INFINITY,
         }
-        let mut low = (0, f64::INFINITY);
-        for (i, q) in self.tool.points.iter().enumerate() {
-            let h = dot(q, d);
-            if h < low.1 {
-                low = (i, h);
-            }
+    }
+
+    fn keep_way(&mut self, d: &Point, high: f64, low: f64) {
+        if self.ways.len() == MOST_WAYS {
+            self.ways.remove(0);
         }
-        (high.0, low.0)
+        let at = |body: &Body<'_>, height: f64| body.points.iter().find(|p| dot(p, d) == height).copied();
+        if let (Some(p), Some(q)) = (at(self.mockup, high), at(self.tool, low)) {
+            self.ways.push(sub(&p, &q));
+        }
+    }
+
+    /// The highest of the mock-up and the lowest of the tool.
+    fn support(&self, d: &Point) -> (f64, f64) {
+        (self.mockup.highest(d), self.tool.lowest(d))
     }
 
     /// Whether one of the surfaces goes on beyond the curve just where, along `d`, it would have to end: a rod in a plate is not
@@ -176,10 +213,9 @@ impl Best<'_> {
             let leaves = advances - dot(&other, &n) * dot(&n, &way);
             !cut.flat && advances > GOES_ON && leaves > GOES_ON
         };
-        let any = |w: usize, body: &Body<'_>, is_last: &dyn Fn(f64) -> bool| {
-            body.curve.iter().any(|(x, source)| is_last(dot(x, d)) && goes_on(w, *source))
-        };
-        any(MOCKUP, self.mockup, &|h| h >= high - tolerance) || any(TOOL, self.tool, &|h| h <= low + tolerance)
+        let (top, bottom) = (high - tolerance, low + tolerance);
+        self.mockup.curve.iter().any(|(x, source)| dot(x, d) >= top && goes_on(MOCKUP, *source))
+            || self.tool.curve.iter().any(|(x, source)| dot(x, d) <= bottom && goes_on(TOOL, *source))
     }
 
     /// Whether going along `d` leads out: not into what the surfaces face.
@@ -199,8 +235,12 @@ impl Best<'_> {
         if d == &[0.0; 3] || !self.leads_out(d) {
             return;
         }
-        let (p, q) = self.support(d);
-        let (high, low) = (dot(&self.mockup.points[p], d), dot(&self.tool.points[q], d));
+        let limit = self.limit();
+        if self.ways.iter().any(|w| dot(w, d) >= limit) {
+            return;
+        }
+        let (high, low) = self.support(d);
+        self.keep_way(d, high, low);
         let depth = high - low;
         let lean = match self.found {
             None => self.lean(d),
@@ -230,6 +270,11 @@ impl Best<'_> {
                 if !(-0.5..0.95).contains(&dot(&p.normal, &q.normal)) {
                     continue;
                 }
+                // No direction between is less deep than a way is along both ends.
+                let (limit, ends) = (self.limit(), [scaled(&p.normal, sense), scaled(&q.normal, sense)]);
+                if self.ways.iter().any(|w| ends.iter().all(|d| dot(w, d) >= limit)) {
+                    continue;
+                }
                 // The golden section: each step needs one depth.
                 const RATIO: f64 = 0.618_033_988_749_894_9;
                 let at = |s: f64| between(p, q, s).map_or(f64::INFINITY, |d| self.depth(&d));
@@ -255,21 +300,28 @@ impl Best<'_> {
     }
 
     fn depth(&self, d: &Point) -> f64 {
-        let (p, q) = self.support(d);
-        dot(&sub(&self.mockup.points[p], &self.tool.points[q]), d)
+        let (high, low) = self.support(d);
+        high - low
     }
 
     /// From the best direction down to the nearest valley: the gradient of the depth is the way between the two extreme places,
     /// across the direction. Places, not points: along an edge or a face many are extreme, and their middle counts.
     fn descend(&mut self) {
         let mut step = 1.0;
+        let mut last: Option<(Point, Point)> = None;
         for _ in 0..24 {
             let Some((d, depth, _)) = self.found else { return };
             if depth <= self.noise || step < 0.01 {
                 return;
             }
-            let (above, below) = self.extremes(&d, 0.02);
-            let way = sub(&middle(&above), &middle(&below));
+            let way = match last {
+                Some((of, way)) if of == d => way,
+                _ => {
+                    let (above, below) = self.extremes(&d, 0.02);
+                    sub(&middle(&above), &middle(&below))
+                }
+            };
+            last = Some((d, way));
             let across = along(&way, -dot(&way, &d), &d);
             let Some(next) = unit(&along(&d, -step / norm(&way).max(f64::MIN_POSITIVE), &across)) else { return };
             self.try_direction(&next);
@@ -281,16 +333,13 @@ impl Best<'_> {
 
     /// Boxes around the highest of the mock-up's points and the lowest of the tool's, within a share of the depth.
     fn extremes(&self, d: &Point, share: f64) -> (Aabb, Aabb) {
-        let (p, q) = self.support(d);
-        let (high, low) = (dot(&self.mockup.points[p], d), dot(&self.tool.points[q], d));
+        let (high, low) = self.support(d);
         let tolerance = share * (high - low).abs() + self.noise;
-        let extent = |points: &[Point], keep: &dyn Fn(f64) -> bool| {
-            let mut bounds = Aabb::EMPTY;
-            points.iter().filter(|x| keep(dot(x, d))).for_each(|x| bounds.grow(x));
-            bounds
-        };
-        let above = extent(&self.mockup.points, &|h| h >= high - tolerance);
-        (above, extent(&self.tool.points, &|h| h <= low + tolerance))
+        let (top, bottom) = (high - tolerance, low + tolerance);
+        let (mut above, mut below) = (Aabb::EMPTY, Aabb::EMPTY);
+        self.mockup.points.iter().filter(|x| dot(x, d) >= top).for_each(|x| above.grow(x));
+        self.tool.points.iter().filter(|x| dot(x, d) <= bottom).for_each(|x| below.grow(x));
+        (above, below)
     }
 
     /// The middle of the highest part of the mock-up or of the lowest of the tool, whichever is smaller, raised to the height
@@ -298,7 +347,7 @@ impl Best<'_> {
     fn place(&self, d: &Point) -> Point {
         let (above, below) = self.extremes(d, 1e-3);
         let chosen = middle(if norm(&below.extent()) <= norm(&above.extent()) { &below } else { &above });
-        let high = dot(&self.mockup.points[self.support(d).0], d);
+        let high = self.mockup.highest(d);
         along(&chosen, high - dot(&chosen, d), d)
     }
 }

@@ -18,21 +18,23 @@ mod shapes;
 mod tests;
 mod tracker;
 mod vector;
+mod walk;
 mod zones;
 
 pub(crate) use adjacency::Adjacency;
+pub(crate) use gaps::NearLists;
 pub use penetration::{Penetration, PenetrationKind};
 pub use tracker::ContactTracker;
 
 use crate::bounds::{Point, Triangle};
 use crate::contacts::depth::{least_depth, Body};
-use crate::contacts::gaps::SAME_DIRECTION;
+use crate::contacts::gaps::{NearPairs, SAME_DIRECTION};
 use crate::contacts::vector::{dot, normal, scaled, sub};
 use crate::contacts::zones::{Face, Zone, Zones, MOCKUP, TOOL};
 use crate::error::{Error, Result};
 use crate::mesh::Mockup;
+use crate::narrow::Filters;
 use crate::pose::Pose;
-use crate::proximity::Gap;
 use crate::scene::Scene;
 use crate::tool::Tool;
 
@@ -101,6 +103,24 @@ impl Ground<'_> {
         }
     }
 
+    /// Whether a point (world) is in the box of the tool, or of a part of the mock-up, with what rounding may add: outside it
+    /// is outside the solid.
+    fn may_enclose(&self, w: usize, part: u32, p: &Point) -> bool {
+        let (b, q, slack) = match w {
+            TOOL => (self.tool.mesh().bounds(), self.in_tool(p), self.tool.margin_at(self.pose)),
+            _ => (self.mockup.part_bounds()[part as usize], *p, 0.0),
+        };
+        let slack = slack + 1e-9 * (0..3).map(|a| b.upper[a] - b.lower[a]).fold(0.0, f64::max);
+        (0..3).all(|a| b.lower[a] - slack <= q[a] && q[a] <= b.upper[a] + slack)
+    }
+
+    /// A point of the world in the tool's own frame.
+    fn in_tool(&self, p: &Point) -> Point {
+        let (r, t) = (self.pose.rotation(), self.pose.translation());
+        let d = sub(p, t);
+        std::array::from_fn(|a| r[0][a] * d[0] + r[1][a] * d[1] + r[2][a] * d[2])
+    }
+
     /// The normal of a triangle beside `near`, to the side that counts as outside there.
     fn outward(&self, w: usize, id: u32, corners: &Triangle, near: &Face) -> Option<Point> {
         let n = normal(corners)?;
@@ -114,10 +134,7 @@ impl Ground<'_> {
     /// From a point of the tool at the pose to where it was at the reference.
     fn way_back(&self, p: &Point) -> Option<Point> {
         let reference = self.reference?;
-        let (r, t) = (self.pose.rotation(), self.pose.translation());
-        let d = sub(p, t);
-        let in_tool: Point = std::array::from_fn(|a| r[0][a] * d[0] + r[1][a] * d[1] + r[2][a] * d[2]);
-        Some(sub(&reference.apply(&in_tool), p))
+        Some(sub(&reference.apply(&self.in_tool(p)), p))
     }
 }
 
@@ -134,10 +151,13 @@ impl Scene {
         if !(margin.is_finite() && margin >= 0.0) {
             return Err(Error::Margin { value: margin });
         }
-        let near = self.near_pairs(tool, pose, margin)?;
-        // By part, and within it by distance as they come.
-        let mut order: Vec<(u32, u32)> = near.iter().zip(0..).map(|(g, i)| (g.part, i)).collect();
-        order.sort_unstable();
+        let mut near = self.near_candidates(tool, pose, margin)?;
+        // The order within a part stays, in which triangles come in runs.
+        near.sort_by_key(|c| c.part);
+        let mut meeting: Vec<(u32, [u32; 2])> = Vec::new();
+        let hits = self.collide(tool, pose, Filters::default()).pairs;
+        meeting.extend(hits.iter().map(|pair| (self.mockup().part_of_face(pair[1]), *pair)));
+        meeting.sort_unstable();
         let ground = Ground {
             mockup: self.mockup(),
             tool,
@@ -146,32 +166,37 @@ impl Scene {
             adjacency: [tool.adjacency(), self.adjacency()],
             centre: pose.apply(&tool.adjacency().centre),
         };
-        let mut contacts = Contacts::default();
-        let mut of_part: Vec<Gap> = Vec::new();
-        for same in order.chunk_by(|a, b| a.0 == b.0) {
-            of_part.clear();
-            of_part.extend(same.iter().map(|(_, i)| near[*i as usize]));
+        let mut contacts = Contacts { is_meeting: !meeting.is_empty(), ..Contacts::default() };
+        let mut scratch = self.take_scratch();
+        let mut gaps = NearPairs::new(&ground, margin, &mut scratch.contacts);
+        let (mut rest, mut meeting) = (&near[..], &meeting[..]);
+        while let Some(part) = rest.iter().map(|c| c.part).take(1).chain(meeting.iter().map(|p| p.0).take(1)).min() {
+            let candidates = take_while(&mut rest, |c| c.part == part);
+            let pairs: Vec<[u32; 2]> = take_while(&mut meeting, |p| p.0 == part).iter().map(|p| p.1).collect();
             let from = contacts.planes.len();
-            let meeting = of_part.iter().take_while(|g| g.distance == 0.0).count();
-            let mut inside: Vec<u32> = Vec::new();
-            if meeting > 0 {
-                contacts.is_meeting = true;
-                let mut pairs: Vec<[u32; 2]> =
-                    of_part[..meeting].iter().map(|g| [g.tool_triangle, g.mockup_triangle]).collect();
-                pairs.sort_unstable();
+            let mut inside: [Vec<u32>; 2] = Default::default();
+            if !pairs.is_empty() {
                 let zones = zones::find(&ground, &pairs);
                 for zone in &zones.zones {
-                    push_zone(&ground, &zones, zone, same[0].0, &mut contacts.planes);
-                    inside.extend(zone.inside[TOOL].iter().map(|t| t[0]));
+                    push_zone(&ground, &zones, zone, part, &mut contacts.planes);
+                    (0..2).for_each(|w| inside[w].extend(zone.inside[w].iter().map(|t| t[0])));
                 }
-                inside.sort_unstable();
+                inside.iter_mut().for_each(|ids| ids.sort_unstable());
             }
-            let is_behind = |g: &Gap| inside.binary_search(&g.tool_triangle).is_ok();
-            gaps::push_planes(&ground, &of_part, meeting, &is_behind, margin, from, &mut contacts.planes);
+            gaps.push_planes(candidates, &pairs, &inside, from, &mut contacts.planes);
         }
+        self.put_scratch(scratch);
+        self.put_candidates(near);
         contacts.finish();
         Ok(contacts)
     }
+}
+
+/// Takes what comes first in a list, as long as it fits.
+fn take_while<'a, T>(list: &mut &'a [T], fits: impl Fn(&T) -> bool) -> &'a [T] {
+    let (head, tail) = list.split_at(list.iter().take_while(|x| fits(x)).count());
+    *list = tail;
+    head
 }
 
 /// The planes of one zone: one for each two bodies that cut each other, without those that a deeper one stands for.

@@ -72,7 +72,7 @@ impl Patch {
         let way = sub(x, &self.middle);
         // The plane of its first triangle: on a bulging surface all others are behind it, as behind no plane through a mean.
         let height = dot(&sub(x, &self.at), &self.normal);
-        if height.abs() <= HOLLOW * norm(&way) {
+        if height * height <= HOLLOW * HOLLOW * dot(&way, &way) {
             0.0
         } else {
             height.signum()
@@ -87,9 +87,21 @@ impl Patch {
         let sum = self.points.iter().fold([0.0; 3], |s, p| add(&s, p));
         self.middle = scaled(&sum, 1.0 / self.points.len().max(1) as f64);
         for d in &OUTERMOST {
-            for sense in [1.0, -1.0] {
-                let height = |p: &&Point| sense * dot(p, d);
-                self.corners.extend(self.points.iter().max_by(|p, q| height(p).total_cmp(&height(q))));
+            let mut ends = [(f64::INFINITY, 0), (f64::NEG_INFINITY, 0)];
+            for (i, p) in self.points.iter().enumerate() {
+                let height = dot(p, d);
+                if height <= ends[0].0 {
+                    ends[0] = (height, i);
+                }
+                if height >= ends[1].0 {
+                    ends[1] = (height, i);
+                }
+            }
+            for (_, i) in ends {
+                // Most patches have few corners, each outermost along several.
+                if !self.corners.contains(&self.points[i]) {
+                    self.corners.push(self.points[i]);
+                }
             }
         }
     }
@@ -255,8 +267,13 @@ fn place(found: &mut Vec<Patch>, normal: &Point, at: &Point) -> usize {
 pub(crate) fn clusters(patches: &[Patch]) -> Vec<Cluster> {
     let straddles = |i: usize| {
         patches.iter().any(|p| {
-            let any = |side: f64| patches[i].corners.iter().any(|x| p.side_of(x) == side);
-            any(1.0) && any(-1.0)
+            let (mut above, mut below) = (false, false);
+            patches[i].corners.iter().any(|x| {
+                let side = p.side_of(x);
+                above |= side > 0.0;
+                below |= side < 0.0;
+                above && below
+            })
         })
     };
     let (last, first): (Vec<usize>, Vec<usize>) = (0..patches.len()).partition(|i| straddles(*i));

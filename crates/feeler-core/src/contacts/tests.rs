@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::shapes::*;
 use super::*;
+use crate::proximity::Candidate;
 use crate::scene::SceneOptions;
 
 fn scene(mesh: Arrays) -> Scene {
@@ -345,4 +346,35 @@ fn bad_margins_are_errors_and_nothing_near_is_nothing() {
     assert_eq!(plate.contacts(&cube, &at(0.0, 0.0, 1.0), 0.002, None).unwrap(), Contacts::default());
     let out = plate.penetration(&cube, &at(0.0, 0.0, 1.0), 0.002, None).unwrap();
     assert_eq!((out.depth, out.kind), (0.0, PenetrationKind::Exact));
+}
+
+#[test]
+fn candidates_are_all_that_is_near_and_their_bounds_hold() {
+    let near = scene(box_mesh([0.0; 3], [0.1, 0.1, 0.02], 6));
+    let held = tool(box_mesh([0.0; 3], [0.03, 0.02, 0.02], 5));
+    for (angle, z) in [(0.0, 0.0205), (0.3, 0.0215), (0.7, 0.018), (1.1, 0.03)] {
+        let pose = turned(angle, [0.011, -0.007, z]);
+        let candidates = near.near_candidates(&held, &pose, 0.002).unwrap();
+        for gap in near.near_pairs(&held, &pose, 0.002).unwrap() {
+            let same =
+                |c: &&Candidate| (c.tool_triangle, c.mockup_triangle) == (gap.tool_triangle, gap.mockup_triangle);
+            let least = candidates.iter().filter(same).map(|c| c.bound).fold(f64::INFINITY, f64::min);
+            assert!(least <= gap.distance, "{least} for {gap:?}");
+        }
+    }
+}
+
+#[test]
+fn no_plane_is_deeper_than_the_tool_or_the_part_is_large() {
+    // Edges that graze edges, where the side of a corner is hard to tell.
+    let plate = scene(box_mesh([0.0; 3], [0.1, 0.1, 0.02], 7));
+    let small = tool(box_mesh([0.0; 3], [0.01, 0.01, 0.01], 3));
+    for i in 0..200 {
+        let angle = 0.031 * f64::from(i);
+        let pose =
+            turned(angle, [0.05 + 0.005 * angle.sin(), 0.05 + 0.005 * angle.cos(), 0.01 + 0.006 * (3.0 * angle).sin()]);
+        for plane in plate.contacts(&small, &pose, 0.002, None).unwrap().planes {
+            assert!(plane.gap > -0.02, "{i}: {plane:?}");
+        }
+    }
 }

@@ -7,14 +7,11 @@ use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
 
 use crate::bounds::{Point, Triangle};
-use crate::contacts::adjacency::{Adjacency, NONE};
+use crate::contacts::adjacency::NONE;
 use crate::contacts::cut::push_shared;
 use crate::contacts::vector::{add, dot, normal, scaled, square_to_segment, sub};
+use crate::contacts::walk::walk;
 use crate::contacts::Ground;
-
-/// Most triangles that are walked over beyond the curve, of each surface and in one part. What lies further counts for depth
-/// only by its nearer part; a result that stopped here is not called exact.
-const MOST_WALKED: usize = 1 << 16;
 
 /// Ids hashed by one multiplication: they are spread already.
 #[derive(Default)]
@@ -48,7 +45,7 @@ pub(crate) struct Face {
     /// For each corner: 1 outside the other solid, -1 inside, 0 on its surface or not known.
     pub side: [i8; 3],
     /// The cut nearest to each corner, which says so.
-    nearest: [u32; 3],
+    pub nearest: [u32; 3],
     square: [f64; 3],
     steepness: [f64; 3],
 }
@@ -113,7 +110,8 @@ pub(crate) fn find(ground: &Ground<'_>, pairs: &[[u32; 2]]) -> Zones {
     let mut places: [IdMap<u32>; 2] = Default::default();
     let mut zones =
         Zones { faces: Default::default(), cuts: Vec::new(), points: Vec::new(), zones: Vec::new(), complete: true };
-    let mut cut_of: IdMap<(u32, u32)> = IdMap::default();
+    let mut cut_of: IdMap<(u32, u32)> = IdMap::with_capacity_and_hasher(pairs.len(), Default::default());
+    let part = pairs.first().map_or(0, |p| ground.mockup.part_of_face(p[1]));
     for pair in pairs {
         let mut faces = [0; 2];
         for w in [TOOL, MOCKUP] {
@@ -138,11 +136,12 @@ pub(crate) fn find(ground: &Ground<'_>, pairs: &[[u32; 2]]) -> Zones {
     join_along_the_curve(ground, &zones, &cut_of, &mut roots);
     orient(ground, &mut zones);
     for w in [TOOL, MOCKUP] {
-        classify(w, &mut zones);
+        classify(ground, w, part, &mut zones);
         join_across_faces(w, &zones, &mut roots);
     }
-    let walked = [TOOL, MOCKUP].map(|w| walk(ground, w, &zones, &places[w], &mut roots));
-    zones.complete = walked.iter().all(|w| w.len() < MOST_WALKED);
+    let (walked, complete): (Vec<_>, Vec<_>) =
+        [TOOL, MOCKUP].iter().map(|w| walk(ground, *w, part, &zones, &places[*w], &mut roots)).unzip();
+    zones.complete = complete.iter().all(|c| *c);
     let mut zone_of_root: IdMap<u32> = IdMap::default();
     for i in 0..zones.cuts.len() as u32 {
         let list = &mut zones.zones;
@@ -153,7 +152,7 @@ pub(crate) fn find(ground: &Ground<'_>, pairs: &[[u32; 2]]) -> Zones {
         zones.zones[z as usize].cuts.push(i);
     }
     for (w, walked) in walked.into_iter().enumerate() {
-        for (triangle, cut, _) in walked {
+        for (triangle, cut) in walked {
             let z = zone_of_root[&roots.of(cut)];
             zones.zones[z as usize].inside[w].push([triangle, cut]);
         }
@@ -269,8 +268,9 @@ fn orient(ground: &Ground<'_>, zones: &mut Zones) {
 }
 
 /// On which side of the other surface the corners of cut triangles are: the nearest cut tells. Where two are equally near,
-/// at an edge of the other surface, the one whose plane the corner stands off most steeply.
-fn classify(w: usize, zones: &mut Zones) {
+/// at an edge of the other surface, the one whose plane the corner stands off most steeply. Where a surface turns away within a
+/// triangle's length the nearest cut may be wrong about a far corner: outside the other solid's box it is outside.
+fn classify(ground: &Ground<'_>, w: usize, part: u32, zones: &mut Zones) {
     let other = 1 - w;
     for (i, cut) in zones.cuts.iter().enumerate().filter(|(_, c)| !c.flat) {
         let n = zones.faces[other][cut.faces[other] as usize].normal;
@@ -295,74 +295,31 @@ fn classify(w: usize, zones: &mut Zones) {
             }
         }
     }
-}
-
-/// The uncut triangles of one surface beyond the other, each with a cut of its zone, found over shared edges.
-fn walk(ground: &Ground<'_>, w: usize, zones: &Zones, places: &IdMap<u32>, roots: &mut Roots) -> Vec<(u32, u32, u32)> {
-    let adjacency: &Adjacency = ground.adjacency[w];
-    let plane_of = |cut: u32| {
-        let c = &zones.cuts[cut as usize];
-        (&zones.faces[1 - w][c.faces[1 - w] as usize], zones.points[c.points.0 as usize])
+    let (faces, others) = match w {
+        TOOL => zones.faces.split_at_mut(1),
+        _ => {
+            let (others, faces) = zones.faces.split_at_mut(1);
+            (faces, others)
+        }
     };
-    // Triangle, a cut of its zone, the cut whose plane it is held against.
-    let mut found: Vec<(u32, u32, u32)> = Vec::new();
-    let mut seen: IdMap<u32> = IdMap::default();
-    let mut reach =
-        |triangle: u32, from: Option<u32>, cut: u32, found: &mut Vec<(u32, u32, u32)>, roots: &mut Roots| {
-            if triangle == NONE || found.len() >= MOST_WALKED {
-                return;
-            }
-            if let Some(place) = places.get(&triangle) {
-                // Another curve: what was walked over lies between the two.
-                if let Some(from) = from {
-                    let face = &zones.faces[w][*place as usize];
-                    let corners = ground.triangle(w, from);
-                    let shared = (0..3).find(|k| face.nearest[*k] != NONE && corners.contains(&face.corners[*k]));
-                    shared.iter().for_each(|k| roots.join(face.nearest[*k], cut));
-                }
-                return;
-            }
-            if let Some(before) = seen.get(&triangle) {
-                roots.join(*before, cut);
-                return;
-            }
-            let (plane, at) = plane_of(cut);
-            if !plane.closed {
-                // An open surface ends somewhere, and round its border the walk would come to the free side.
-                let t = ground.triangle(w, triangle);
-                if t.iter().any(|p| dot(&sub(p, &at), &plane.normal) > 0.0) {
-                    return;
-                }
-            }
-            seen.insert(triangle, cut);
-            found.push((triangle, cut, cut));
-        };
-    for face in &zones.faces[w] {
+    for face in &mut faces[0] {
         for k in 0..3 {
-            let l = (k + 1) % 3;
-            let (a, b) = (face.side[k], face.side[l]);
-            if a + b < 0 {
-                let cut = face.nearest[if a < 0 { k } else { l }];
-                reach(adjacency.neighbours[face.id as usize][k], None, cut, &mut found, roots);
+            if face.side[k] < 0 {
+                let cut = &zones.cuts[face.nearest[k] as usize];
+                let is_closed = others[0][cut.faces[other] as usize].closed;
+                if is_closed && !ground.may_enclose(other, part, &face.corners[k]) {
+                    face.side[k] = 1;
+                }
             }
         }
     }
-    let mut next = 0;
-    while next < found.len() {
-        let (triangle, cut, _) = found[next];
-        next += 1;
-        for k in 0..3 {
-            reach(adjacency.neighbours[triangle as usize][k], Some(triangle), cut, &mut found, roots);
-        }
-    }
-    found
 }
 
 /// Disjoint sets of cuts.
-struct Roots(Vec<u32>);
+pub(crate) struct Roots(pub Vec<u32>);
 
 impl Roots {
-    fn of(&mut self, mut i: u32) -> u32 {
+    pub fn of(&mut self, mut i: u32) -> u32 {
         while self.0[i as usize] != i {
             self.0[i as usize] = self.0[self.0[i as usize] as usize];
             i = self.0[i as usize];
@@ -370,7 +327,7 @@ impl Roots {
         i
     }
 
-    fn join(&mut self, i: u32, j: u32) {
+    pub fn join(&mut self, i: u32, j: u32) {
         let (a, b) = (self.of(i), self.of(j));
         // The smaller number is the root, so that the order of joins does not show.
         self.0[a.max(b) as usize] = a.min(b);

@@ -1,6 +1,6 @@
 //! The queries on a scene, one pose at a time.
 
-use super::{Gap, Goal, SearchScratch, Wanted};
+use super::{Candidate, Gap, Goal, SearchScratch, Wanted};
 use crate::error::{Error, Result};
 use crate::pose::Pose;
 use crate::scene::Scene;
@@ -16,6 +16,8 @@ pub struct ProximityScratch {
     sorted: Vec<f64>,
     search: SearchScratch,
     near: NearScratch,
+    /// Of [`Scene::near_candidates`], to be used again.
+    candidates: Vec<Candidate>,
 }
 
 impl Scene {
@@ -62,6 +64,35 @@ impl Scene {
         Ok(found)
     }
 
+    /// Pairs that may be within a distance (metres, not checked), in no order but always the same.
+    ///
+    /// Errors: more of them than the memory limit of the scene allows.
+    pub(crate) fn near_candidates(&self, tool: &Tool, pose: &Pose, within: f64) -> Result<Vec<Candidate>> {
+        let mut scratch = self.take_scratch();
+        let ProximityScratch { gaps, places, sorted, search, near, candidates } = &mut scratch.proximity;
+        let (most, lanes) = (self.most_gaps(), self.checked_lanes());
+        let lists = (gaps, places, sorted);
+        let mut wanted = Wanted::new(self.mockup(), tool, pose, lanes, Goal::Candidates, within, most, lists);
+        wanted.collect_into(std::mem::take(candidates));
+        self.store().search(search, near, &mut wanted);
+        let found = wanted.collect_into(Vec::new());
+        self.put_scratch(scratch);
+        match found.len() <= most {
+            true => Ok(found),
+            false => Err(self.too_many_gaps(found.len())),
+        }
+    }
+
+    /// Gives the list back, for the next query to use its memory. A long list is not held for ever.
+    pub(crate) fn put_candidates(&self, mut list: Vec<Candidate>) {
+        if list.capacity() <= 1 << 16 {
+            list.clear();
+            let mut scratch = self.take_scratch();
+            scratch.proximity.candidates = list;
+            self.put_scratch(scratch);
+        }
+    }
+
     fn gaps(&self, tool: &Tool, pose: &Pose, goal: Goal, within: f64) -> Result<Vec<Gap>> {
         let mut scratch = self.take_scratch();
         let fits = self.find_gaps(tool, pose, goal, within, &mut scratch.proximity);
@@ -84,7 +115,7 @@ impl Scene {
         within: f64,
         scratch: &mut ProximityScratch,
     ) -> bool {
-        let ProximityScratch { gaps, places, sorted, search, near } = scratch;
+        let ProximityScratch { gaps, places, sorted, search, near, .. } = scratch;
         let most = self.most_gaps();
         let mut wanted =
             Wanted::new(self.mockup(), tool, pose, self.checked_lanes(), goal, within, most, (gaps, places, sorted));

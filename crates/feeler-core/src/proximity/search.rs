@@ -73,6 +73,12 @@ pub fn search<C: Cells>(cells: &C, scratch: &mut SearchScratch, wanted: &mut Wan
         let from = stack.len();
         match (member.0, item.0) {
             (Member::Piece(slot), Item::Triangle(triangle)) => {
+                if wanted.is_collecting() {
+                    if wanted.collect(slot, triangle, bound) {
+                        return;
+                    }
+                    continue;
+                }
                 // A bound only falls, so a pair needs no second look.
                 if scratch.seen.insert(u64::from(slot) << 32 | u64::from(triangle)) && wanted.take(slot, triangle) {
                     return;

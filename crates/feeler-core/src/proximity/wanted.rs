@@ -17,6 +17,19 @@ pub enum Goal {
     Parts,
     /// The closest pair of each of the closest parts, so many.
     Nearest(usize),
+    /// Pairs that may be within a distance, unmeasured: see [`Candidate`].
+    Candidates,
+}
+
+/// A pair of triangles that boxes and planes do not hold farther apart than the distance asked for. A pair may come several
+/// times, once for each two pieces of its triangles; the least of its bounds is below its distance.
+#[derive(Debug, Clone, Copy)]
+pub struct Candidate {
+    /// Metres: no more than the distance of the two pieces.
+    pub bound: f64,
+    pub part: u32,
+    pub tool_triangle: u32,
+    pub mockup_triangle: u32,
 }
 
 /// The state of one search.
@@ -31,6 +44,7 @@ pub struct Wanted<'a> {
     bound: f64,
     direction: [f32; 3],
     gaps: &'a mut Vec<Gap>,
+    candidates: Vec<Candidate>,
     /// For each part its place in `gaps` plus one, or 0.
     places: &'a mut Vec<u32>,
     /// Distances, for finding the k-th.
@@ -56,7 +70,7 @@ impl<'a> Wanted<'a> {
         let parts = mockup.part_bounds().len();
         // As many as there are parts: the k-th closest bounds nothing.
         let goal = if matches!(goal, Goal::Nearest(k) if k >= parts && k > 1) { Goal::Parts } else { goal };
-        if goal != Goal::Pairs && places.len() < parts {
+        if !matches!(goal, Goal::Pairs | Goal::Candidates) && places.len() < parts {
             places.resize(parts, 0);
         }
         Wanted {
@@ -69,6 +83,7 @@ impl<'a> Wanted<'a> {
             bound: within,
             direction: [0.0; 3],
             gaps,
+            candidates: Vec::new(),
             places,
             sorted,
             changes: 0,
@@ -93,6 +108,29 @@ impl<'a> Wanted<'a> {
     #[inline(always)]
     pub fn direction(&self) -> [f32; 3] {
         self.direction
+    }
+
+    /// Whether pairs are to be offered to [`collect`](Self::collect), every time they come, and not to [`take`](Self::take).
+    #[inline(always)]
+    pub fn is_collecting(&self) -> bool {
+        self.goal == Goal::Candidates
+    }
+
+    /// Notes a pair (the tool's triangle by slot) and a bound on the distance of the pieces found, metres; true when there are
+    /// too many.
+    pub fn collect(&mut self, slot: u32, mockup_triangle: u32, bound: f64) -> bool {
+        self.candidates.push(Candidate {
+            bound,
+            part: self.mockup.part_of_face(mockup_triangle),
+            tool_triangle: self.tool.ids()[slot as usize],
+            mockup_triangle,
+        });
+        self.candidates.len() > self.most
+    }
+
+    /// Into an empty list, whose memory is used, goes what was collected; back it comes.
+    pub fn collect_into(&mut self, list: Vec<Candidate>) -> Vec<Candidate> {
+        std::mem::replace(&mut self.candidates, list)
     }
 
     /// Takes the pair of a tool triangle (by slot) and a mock-up triangle; true when the search is over.

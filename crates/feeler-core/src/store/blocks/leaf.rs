@@ -65,6 +65,12 @@ pub fn scan<S: Simd>(s: S, run: &mut Search<'_, '_>, scratch: &mut NearScratch, 
             candidates.push(Candidate { bound, slot: slots.slots[i], triangle });
         }
     }
+    if run.wanted.is_collecting() {
+        // Rounded down: the scale and the root are.
+        let per_unit = (1.0 - 1e-4) / run.blocks.frame.scale;
+        let mut collect = |c: &Candidate| run.wanted.collect(c.slot, c.triangle, f64::from(c.bound).sqrt() * per_unit);
+        return candidates.iter().any(&mut collect);
+    }
     candidates.sort_unstable_by(|a, b| a.bound.total_cmp(&b.bound));
     for candidate in candidates.iter() {
         mesh.faces()[candidate.triangle as usize].iter().for_each(|v| prefetch(&mesh.vertices()[*v as usize]));

@@ -1,0 +1,99 @@
+//! The walk over what a curve encloses.
+
+use crate::contacts::adjacency::{Adjacency, NONE};
+use crate::contacts::vector::{dot, sub};
+use crate::contacts::zones::{IdMap, Roots, Zones, MOCKUP};
+use crate::contacts::Ground;
+
+/// Most triangles that are walked over beyond the curve, of each surface and in one part. What lies further counts for depth
+/// only by its nearer part; a result that stopped here is not called exact.
+const MOST_WALKED: usize = 1 << 16;
+
+/// The uncut triangles of one surface beyond the other, each with a cut of its zone, found over shared edges; and whether they
+/// are all.
+///
+/// What lies inside a solid lies inside its box. A walk that comes out of there went through a gap in the curve, or started on
+/// the wrong side of it: what it found is dropped, and it joins nothing.
+pub(crate) fn walk(
+    ground: &Ground<'_>,
+    w: usize,
+    part: u32,
+    zones: &Zones,
+    places: &IdMap<u32>,
+    roots: &mut Roots,
+) -> (Vec<(u32, u32)>, bool) {
+    let adjacency: &Adjacency = ground.adjacency[w];
+    // Each triangle with a cut of its zone, whose plane it is held against.
+    let mut found: Vec<(u32, u32)> = Vec::new();
+    let mut seen: IdMap<u32> = IdMap::default();
+    // Walks that met, walks that came to another curve, and walks that leak, all by their cuts.
+    let mut met: Vec<(u32, u32)> = Vec::new();
+    let mut bridged: Vec<(u32, u32)> = Vec::new();
+    let mut leaks: Vec<u32> = Vec::new();
+    let mut is_refused = false;
+    let mut reach = |triangle: u32, from: Option<u32>, cut: u32, found: &mut Vec<(u32, u32)>| {
+        if triangle == NONE || found.len() >= MOST_WALKED {
+            return;
+        }
+        if let Some(place) = places.get(&triangle) {
+            // Another curve: what was walked over lies between the two.
+            if let Some(from) = from {
+                let face = &zones.faces[w][*place as usize];
+                let corners = ground.triangle(w, from);
+                let shared = (0..3).find(|k| face.nearest[*k] != NONE && corners.contains(&face.corners[*k]));
+                bridged.extend(shared.map(|k| (cut, face.nearest[k])));
+            }
+            return;
+        }
+        if let Some(before) = seen.get(&triangle) {
+            met.push((cut, *before));
+            return;
+        }
+        let c = &zones.cuts[cut as usize];
+        let (plane, at) = (&zones.faces[1 - w][c.faces[1 - w] as usize], &zones.points[c.points.0 as usize]);
+        let t = ground.triangle(w, triangle);
+        // An open surface ends somewhere, and round its border the walk would come to the free side.
+        if !plane.closed && t.iter().any(|p| dot(&sub(p, at), &plane.normal) > 0.0) {
+            return;
+        }
+        if (plane.closed || w == MOCKUP) && !t.iter().all(|p| ground.may_enclose(1 - w, part, p)) {
+            if plane.closed && from.is_some() {
+                leaks.push(cut);
+            }
+            is_refused = true;
+            return;
+        }
+        seen.insert(triangle, cut);
+        found.push((triangle, cut));
+    };
+    for face in &zones.faces[w] {
+        for k in 0..3 {
+            let l = (k + 1) % 3;
+            let (a, b) = (face.side[k], face.side[l]);
+            if a + b < 0 {
+                let cut = face.nearest[if a < 0 { k } else { l }];
+                reach(adjacency.neighbours[face.id as usize][k], None, cut, &mut found);
+            }
+        }
+    }
+    let mut next = 0;
+    while next < found.len() {
+        let (triangle, cut) = found[next];
+        next += 1;
+        for n in adjacency.neighbours[triangle as usize] {
+            reach(n, Some(triangle), cut, &mut found);
+        }
+    }
+    let is_complete = found.len() < MOST_WALKED && !is_refused;
+    if !leaks.is_empty() {
+        let mut walks = Roots((0..zones.cuts.len() as u32).collect());
+        met.iter().for_each(|(a, b)| walks.join(*a, *b));
+        let mut leaky = vec![false; zones.cuts.len()];
+        leaks.iter().for_each(|c| leaky[walks.of(*c) as usize] = true);
+        found.retain(|f| !leaky[walks.of(f.1) as usize]);
+        met.retain(|m| !leaky[walks.of(m.0) as usize]);
+        bridged.retain(|b| !leaky[walks.of(b.0) as usize]);
+    }
+    met.iter().chain(&bridged).for_each(|(a, b)| roots.join(*a, *b));
+    (found, is_complete)
+}
