@@ -48,7 +48,7 @@ class CoalEngine:
 
         def build() -> None:
             self._mockup = None
-            self._mockup = _model(vertices, faces)
+            self._mockup = model(vertices, faces)
 
         seconds, growth, peak = build_times(build, runs)
         # memUsage is a C int, which overflows at some four million triangles.
@@ -58,7 +58,7 @@ class CoalEngine:
     def prepare(self, tool: feeler.Tool) -> float:
         vertices, faces = np.asfortranarray(tool.vertices), tool.faces.astype(np.int64)
         start = time.perf_counter()
-        self._tool = _model(vertices, faces)
+        self._tool = model(vertices, faces)
         self._compute = coal.ComputeCollision(self._tool, self._mockup)
         self._distance = coal.ComputeDistance(self._tool, self._mockup)
         return time.perf_counter() - start
@@ -96,10 +96,11 @@ def _request(contacts: int) -> Any:
     return request
 
 
-def _model(vertices: Floats, faces: Any) -> Any:
-    model = coal.BVHModelOBBRSS()
-    model.beginModel(len(faces), len(vertices))
-    model.addVertices(vertices)
-    model.addTriangles(faces)
-    model.endModel()
-    return model
+def model(vertices: Floats, faces: Any) -> Any:
+    """A `BVHModelOBBRSS` of the triangles."""
+    made = coal.BVHModelOBBRSS()
+    made.beginModel(len(faces), len(vertices))
+    made.addVertices(np.asfortranarray(vertices))
+    made.addTriangles(faces)
+    made.endModel()
+    return made

@@ -215,19 +215,12 @@ def by_feeler(contact: Contact) -> list[float]:
 def by_coal(contact: Contact) -> list[float]:
     """The depths of all contacts, deepest first."""
     import coal
-
-    def model(mesh: Mesh) -> Any:
-        made = coal.BVHModelOBBRSS()
-        made.beginModel(len(mesh[1]), len(mesh[0]))
-        made.addVertices(np.asfortranarray(mesh[0]))
-        made.addTriangles(mesh[1])
-        made.endModel()
-        return made
+    from coal_engine import model
 
     request, result = coal.CollisionRequest(), coal.CollisionResult()
     request.num_max_contacts, request.enable_contact = MOST_CONTACTS, True
     place = coal.Transform3s(contact.pose[:3, :3], contact.pose[:3, 3])
-    coal.collide(model(contact.tool), place, model(contact.mockup), coal.Transform3s.Identity(), request, result)
+    coal.collide(model(*contact.tool), place, model(*contact.mockup), coal.Transform3s.Identity(), request, result)
     return sorted((abs(float(c.penetration_depth)) for c in result.getContacts()), reverse=True)
 
 

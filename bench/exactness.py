@@ -160,20 +160,13 @@ def by_feeler(scene: Scene) -> Pairs:
 
 def by_coal(scene: Scene) -> Pairs:
     import coal
-
-    def model(mesh: Mesh) -> Any:
-        made = coal.BVHModelOBBRSS()
-        made.beginModel(len(mesh[1]), len(mesh[0]))
-        made.addVertices(np.asfortranarray(mesh[0]))
-        made.addTriangles(mesh[1])
-        made.endModel()
-        return made
+    from coal_engine import model
 
     request, result = coal.CollisionRequest(), coal.CollisionResult()
     request.num_max_contacts = 10_000_000
     request.enable_contact = False
     place = coal.Transform3s(scene.pose[:3, :3], scene.pose[:3, 3])
-    coal.collide(model(scene.tool), place, model(scene.mockup), coal.Transform3s.Identity(), request, result)
+    coal.collide(model(*scene.tool), place, model(*scene.mockup), coal.Transform3s.Identity(), request, result)
     return {(int(c.b1), int(c.b2)) for c in result.getContacts()}
 
 

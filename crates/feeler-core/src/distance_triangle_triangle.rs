@@ -10,6 +10,7 @@
 use crate::bounds::{Aabb, Point, Triangle};
 use crate::constants::{DISTANCE_ROUNDOFFS, UNIT_ROUNDOFF};
 use crate::intersect_triangle_triangle::intersect_triangle_triangle;
+use crate::vectors::{along, cross, dot, sub};
 
 /// Where two triangles are closest.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -369,24 +370,4 @@ fn inverse_of(x: f64) -> f64 {
     } else {
         0.0
     }
-}
-
-#[inline(always)]
-fn sub(p: &Point, q: &Point) -> Point {
-    [p[0] - q[0], p[1] - q[1], p[2] - q[2]]
-}
-
-#[inline(always)]
-fn dot(p: &Point, q: &Point) -> f64 {
-    p[0] * q[0] + p[1] * q[1] + p[2] * q[2]
-}
-
-#[inline(always)]
-fn cross(p: &Point, q: &Point) -> Point {
-    [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]]
-}
-
-#[inline(always)]
-fn along(from: &Point, t: f64, direction: &Point) -> Point {
-    [from[0] + t * direction[0], from[1] + t * direction[1], from[2] + t * direction[2]]
 }

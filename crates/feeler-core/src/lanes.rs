@@ -182,6 +182,17 @@ impl PlacedPieces {
         }
     }
 
+    /// The interval of each piece along an axis.
+    #[inline(always)]
+    pub fn along<S: Simd>(&self, s: S, n: &[S::F32; 3]) -> (S::F32, S::F32) {
+        let mut d = [n[0]; 4];
+        for c in 0..4 {
+            let at = load3(s, &self.corners[c]);
+            d[c] = s.mul_add(n[0], at[0], s.mul_add(n[1], at[1], n[2] * at[2]));
+        }
+        (least4(s, &d), greatest4(s, &d))
+    }
+
     #[inline(always)]
     fn make_normals<S: Simd>(&mut self, s: S) {
         let c = [
@@ -319,6 +330,31 @@ pub struct Placement {
     pub slack: f32,
 }
 
+/// Something that places boxes of tool entries in a frame: at a pose, or along a way.
+pub trait PlaceBoxes {
+    /// Boxes around boxes: quick and loose.
+    fn place_boxes<S: Simd>(&self, s: S, boxes: &BoxLanes) -> LaneBoxes;
+}
+
+impl PlaceBoxes for Placement {
+    #[inline(always)]
+    fn place_boxes<S: Simd>(&self, s: S, boxes: &BoxLanes) -> LaneBoxes {
+        let mut out = LaneBoxes::ZERO;
+        let margin = s.splat(self.margin);
+        let (centre, half) = (load3(s, &boxes.centre), load3(s, &boxes.half));
+        for a in 0..3 {
+            let row = splat3(s, &self.matrix[a]);
+            let t = s.splat(self.translation[a]);
+            let c = s.mul_add(row[0], centre[0], s.mul_add(row[1], centre[1], s.mul_add(row[2], centre[2], t)));
+            let reach = s.mul_add(s.abs(row[2]), half[2], margin);
+            let reach = s.mul_add(s.abs(row[0]), half[0], s.mul_add(s.abs(row[1]), half[1], reach));
+            s.store(c - reach, &mut out.lower[a]);
+            s.store(c + reach, &mut out.upper[a]);
+        }
+        out
+    }
+}
+
 impl Placement {
     /// `margin` (metres) covers what is uncertain about the tool's coordinates at the pose in float64.
     ///
@@ -354,24 +390,6 @@ impl Placement {
     /// By how much boxes grow, frame units.
     pub fn margin(&self) -> f32 {
         self.margin
-    }
-
-    /// Boxes around rotated boxes: quick and loose.
-    #[inline(always)]
-    pub fn place_boxes<S: Simd>(&self, s: S, boxes: &BoxLanes) -> LaneBoxes {
-        let mut out = LaneBoxes::ZERO;
-        let margin = s.splat(self.margin);
-        let (centre, half) = (load3(s, &boxes.centre), load3(s, &boxes.half));
-        for a in 0..3 {
-            let row = splat3(s, &self.matrix[a]);
-            let t = s.splat(self.translation[a]);
-            let c = s.mul_add(row[0], centre[0], s.mul_add(row[1], centre[1], s.mul_add(row[2], centre[2], t)));
-            let reach = s.mul_add(s.abs(row[2]), half[2], margin);
-            let reach = s.mul_add(s.abs(row[0]), half[0], s.mul_add(s.abs(row[1]), half[1], reach));
-            s.store(c - reach, &mut out.lower[a]);
-            s.store(c + reach, &mut out.upper[a]);
-        }
-        out
     }
 
     /// Pieces at the pose.

@@ -183,7 +183,7 @@ fn cut(mesh: &Mesh) -> Vec<CutPiece> {
 mod tests {
     use super::*;
     use crate::bounds::Triangle;
-    use crate::lanes::{LaneBoxes, PlacedPieces, Placement};
+    use crate::lanes::{LaneBoxes, PlaceBoxes, PlacedPieces, Placement};
     use crate::simd::{Kernel, Level, Simd};
 
     fn tool() -> Tool {

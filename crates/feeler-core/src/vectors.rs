@@ -1,6 +1,6 @@
-//! The few operations on vectors that distances and motions need.
+//! Arithmetic on points and vectors.
 
-use crate::bounds::Point;
+use crate::bounds::{Point, Triangle};
 
 /// `a + b`.
 #[inline(always)]
@@ -18,6 +18,12 @@ pub fn sub(a: &Point, b: &Point) -> Point {
 #[inline(always)]
 pub fn scaled(a: &Point, by: f64) -> Point {
     [a[0] * by, a[1] * by, a[2] * by]
+}
+
+/// `a + t * b`.
+#[inline(always)]
+pub fn along(a: &Point, t: f64, b: &Point) -> Point {
+    [a[0] + t * b[0], a[1] + t * b[1], a[2] + t * b[2]]
 }
 
 /// The scalar product.
@@ -54,4 +60,21 @@ pub fn unit(a: &Point) -> Option<Point> {
     // Squares of very large and very small numbers are not to be had.
     let b = [a[0] / m, a[1] / m, a[2] / m];
     Some(scaled(&b, 1.0 / length(&b)))
+}
+
+/// The unit normal of a triangle by its winding; `None` where it has no area.
+pub fn normal(t: &Triangle) -> Option<Point> {
+    let (e, f) = (sub(&t[1], &t[0]), sub(&t[2], &t[0]));
+    let (s, r) = (largest(&e), largest(&f));
+    // Edges are brought to the same size, so that their product neither vanishes nor overflows.
+    unit(&cross(&e.map(|x| x / s), &f.map(|x| x / r)))
+}
+
+/// Square of the distance from `p` to the segment `a` - `b`.
+pub fn square_to_segment(p: &Point, a: &Point, b: &Point) -> f64 {
+    let (ab, ap) = (sub(b, a), sub(p, a));
+    let length = dot(&ab, &ab);
+    let s = if length > 0.0 { (dot(&ap, &ab) / length).clamp(0.0, 1.0) } else { 0.0 };
+    let d = along(&ap, -s, &ab);
+    dot(&d, &d)
 }

@@ -11,7 +11,7 @@ import typer
 import feeler
 from feeler.cli.app import command
 from feeler.cli.findings import mesh_facts, scene_facts
-from feeler.cli.inputs import read_mockup, read_tool
+from feeler.cli.inputs import AsJson, ToolUnit, read_mockup, read_tool
 from feeler.errors import OptionError
 from feeler.progress import bar
 
@@ -38,13 +38,13 @@ def bench(
     poses: Annotated[int, typer.Option(help="Poses of each kind.")] = 200,
     kinds: Annotated[str, typer.Option(help="Which poses, split by commas: nominal, near, deep.")] = "nominal,near",
     unit: Annotated[str | None, typer.Option(help="Unit of mock-up files that do not say it.")] = None,
-    tool_unit: Annotated[str | None, typer.Option(help="Unit of the tool's file, likewise.")] = None,
+    tool_unit: ToolUnit = None,
     voxel_size: Annotated[float | None, typer.Option(help="Metres; default: predicted.")] = None,
     storage: Annotated[str, typer.Option(help="blocks, dense or hashed.")] = "blocks",
     hashing: Annotated[float, typer.Option(help="Hashing level of hashed, 0 to 0.99.")] = 0.0,
     threads: Annotated[int | None, typer.Option(help="For the build; default: all cores.")] = None,
     seed: Annotated[int, typer.Option(help="Another seed, other poses.")] = 0,
-    as_json: Annotated[bool, typer.Option("--json", help="One JSON document on stdout.")] = False,
+    as_json: AsJson = False,
 ) -> None:
     """Measures build time, memory and query times.
 

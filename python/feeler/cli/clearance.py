@@ -15,7 +15,19 @@ import typer
 import feeler
 from feeler.cli.app import FOUND, command
 from feeler.cli.findings import mesh_facts, scene_facts
-from feeler.cli.inputs import poses_of_options, read_mockup, read_tool
+from feeler.cli.inputs import (
+    AsJson,
+    At,
+    MockupFiles,
+    MockupUnit,
+    PoseFile,
+    Rotate,
+    ToolFile,
+    ToolUnit,
+    poses_of_options,
+    read_mockup,
+    read_tool,
+)
 from feeler.errors import OptionError
 from feeler.progress import bar
 
@@ -37,31 +49,17 @@ feeler clearance sample:engine:200000 --tool sample:wrench --at 0,0,0 --json
 """
 )
 def clearance(
-    mockup: Annotated[
-        list[str],
-        typer.Argument(
-            metavar="MOCKUP",
-            help="Files or folders (several are one mock-up), or sample:NAME[:TRIANGLES[:SEED]].",
-        ),
-    ],
-    tool: Annotated[str, typer.Option(help="A file, or sample:NAME or sample:NAME:fine.")],
-    pose: Annotated[
-        Path | None,
-        typer.Option(help="world_from_tool, metres, as for collide: (4, 4), or several, (n, 4, 4)."),
-    ] = None,
-    at: Annotated[str | None, typer.Option(metavar="X,Y,Z", help="Where the tool's origin is, metres.")] = None,
-    rotate: Annotated[
-        str | None,
-        typer.Option(metavar="RX,RY,RZ", help="Degrees about the mock-up's x, then y, then z axis (fixed axes)."),
-    ] = None,
+    mockup: MockupFiles,
+    tool: ToolFile,
+    pose: PoseFile = None,
+    at: At = None,
+    rotate: Rotate = None,
     within: Annotated[float, typer.Option(help="List parts up to so many metres away.")] = 0.005,
     require: Annotated[
         float | None, typer.Option(help="Metres of room that there must be: with less, the exit status is 1.")
     ] = None,
-    unit: Annotated[
-        str | None, typer.Option(help="Unit of mock-up files that do not say it: mm (default), cm, m, in, ...")
-    ] = None,
-    tool_unit: Annotated[str | None, typer.Option(help="Unit of the tool's file, likewise.")] = None,
+    unit: MockupUnit = None,
+    tool_unit: ToolUnit = None,
     threads: Annotated[
         int | None, typer.Option(help="For the build and for several poses; default: all cores.")
     ] = None,
@@ -73,7 +71,7 @@ def clearance(
         float | None, typer.Option(help="In --glb, only parts within so many metres of the tool, and all listed.")
     ] = None,
     csv_: Annotated[Path | None, typer.Option("--csv", help="Write a row for each pose and part listed.")] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="One JSON document on stdout.")] = False,
+    as_json: AsJson = False,
 ) -> None:
     """Measures the distance of the tool to each part that is near, with the closest points.
 

@@ -14,7 +14,19 @@ import typer
 import feeler
 from feeler.cli.app import FOUND, command
 from feeler.cli.findings import kind_counts, mesh_facts, part_findings, scene_facts
-from feeler.cli.inputs import poses_of_options, read_mockup, read_tool
+from feeler.cli.inputs import (
+    AsJson,
+    At,
+    MockupFiles,
+    MockupUnit,
+    PoseFile,
+    Rotate,
+    ToolFile,
+    ToolUnit,
+    poses_of_options,
+    read_mockup,
+    read_tool,
+)
 from feeler.errors import OptionError
 from feeler.progress import bar
 
@@ -31,30 +43,13 @@ feeler collide sample:engine:200000 --tool sample:wrench --at 0,0,0 --json
 """
 )
 def collide(
-    mockup: Annotated[
-        list[str],
-        typer.Argument(
-            metavar="MOCKUP",
-            help="Files or folders (several are one mock-up), or sample:NAME[:TRIANGLES[:SEED]].",
-        ),
-    ],
-    tool: Annotated[str, typer.Option(help="A file, or sample:NAME or sample:NAME:fine.")],
-    pose: Annotated[
-        Path | None,
-        typer.Option(
-            help="world_from_tool, metres: a 4 by 4 matrix row by row as JSON, text or .npy. Several, (n, 4, 4), "
-            "give a line per pose.",
-        ),
-    ] = None,
-    at: Annotated[str | None, typer.Option(metavar="X,Y,Z", help="Where the tool's origin is, metres.")] = None,
-    rotate: Annotated[
-        str | None,
-        typer.Option(metavar="RX,RY,RZ", help="Degrees about the mock-up's x, then y, then z axis (fixed axes)."),
-    ] = None,
-    unit: Annotated[
-        str | None, typer.Option(help="Unit of mock-up files that do not say it: mm (default), cm, m, in, ...")
-    ] = None,
-    tool_unit: Annotated[str | None, typer.Option(help="Unit of the tool's file, likewise.")] = None,
+    mockup: MockupFiles,
+    tool: ToolFile,
+    pose: PoseFile = None,
+    at: At = None,
+    rotate: Rotate = None,
+    unit: MockupUnit = None,
+    tool_unit: ToolUnit = None,
     voxel_size: Annotated[
         float | None,
         typer.Option(help="Metres; default: predicted. With blocks it is the piece size."),
@@ -73,7 +68,7 @@ def collide(
     list_pairs: Annotated[
         bool, typer.Option("--pairs", help="With --json: list every pair (tool triangle, mock-up triangle).")
     ] = False,
-    as_json: Annotated[bool, typer.Option("--json", help="One JSON document on stdout.")] = False,
+    as_json: AsJson = False,
 ) -> None:
     """Finds every pair of triangles of tool and mock-up that meets, and names the parts.
 

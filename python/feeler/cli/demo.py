@@ -14,6 +14,7 @@ import typer
 import feeler
 from feeler.cli.app import command
 from feeler.cli.findings import mesh_facts, scene_facts
+from feeler.cli.inputs import AsJson
 from feeler.progress import bar
 
 _POSES = 1000
@@ -31,7 +32,7 @@ def demo(
     triangles: Annotated[int, typer.Option(help="Size of the engine.")] = 1_600_000,
     tool: Annotated[str, typer.Option(help="Built-in tool to move: torque, wrench, square, hand.")] = "wrench",
     out: Annotated[Path, typer.Option(help="Folder for the picture, the GLB and the pose.")] = Path("feeler-demo"),
-    as_json: Annotated[bool, typer.Option("--json", help="One JSON document on stdout.")] = False,
+    as_json: AsJson = False,
 ) -> None:
     """Moves a wrench in and out of an engine of 1.6 million triangles and says what it hits."""
     from feeler.cli import outputs

@@ -8,7 +8,7 @@ import typer
 
 import feeler
 from feeler.cli.app import command
-from feeler.cli.inputs import read_mockup
+from feeler.cli.inputs import AsJson, read_mockup
 
 _SHOWN = 12
 
@@ -28,7 +28,7 @@ def info(
         str | None, typer.Option(help="Unit of the numbers in files that do not say it: mm (default), cm, m, in, ...")
     ] = None,
     all_parts: Annotated[bool, typer.Option("--parts", help="List every part, not only the largest.")] = False,
-    as_json: Annotated[bool, typer.Option("--json", help="One JSON document on stdout.")] = False,
+    as_json: AsJson = False,
 ) -> None:
     """Says what is in mesh files: triangles, parts, extents, unit, defects."""
     from feeler.cli import outputs

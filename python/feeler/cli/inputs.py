@@ -5,16 +5,43 @@ from __future__ import annotations
 import json
 import math
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 import numpy.typing as npt
+import typer
 
 import feeler
 from feeler.errors import MissingFileError, OptionError, PoseError
 from feeler.progress import bar
 
 Poses = npt.NDArray[np.float64]
+
+# What several commands take, with one help text each.
+MockupFiles = Annotated[
+    list[str],
+    typer.Argument(
+        metavar="MOCKUP", help="Files or folders (several are one mock-up), or sample:NAME[:TRIANGLES[:SEED]]."
+    ),
+]
+ToolFile = Annotated[str, typer.Option(help="A file, or sample:NAME or sample:NAME:fine.")]
+PoseFile = Annotated[
+    Path | None,
+    typer.Option(
+        help="world_from_tool, metres: a 4 by 4 matrix row by row as JSON, text or .npy. Several, (n, 4, 4), "
+        "are answered one by one.",
+    ),
+]
+At = Annotated[str | None, typer.Option(metavar="X,Y,Z", help="Where the tool's origin is, metres.")]
+Rotate = Annotated[
+    str | None,
+    typer.Option(metavar="RX,RY,RZ", help="Degrees about the mock-up's x, then y, then z axis (fixed axes)."),
+]
+MockupUnit = Annotated[
+    str | None, typer.Option(help="Unit of mock-up files that do not say it: mm (default), cm, m, in, ...")
+]
+ToolUnit = Annotated[str | None, typer.Option(help="Unit of the tool's file, likewise.")]
+AsJson = Annotated[bool, typer.Option("--json", help="One JSON document on stdout.")]
 
 _SAMPLE = "sample:"
 _DEFAULT_TRIANGLES = 100_000

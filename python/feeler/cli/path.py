@@ -14,7 +14,16 @@ import typer
 import feeler
 from feeler.cli.app import FOUND, command
 from feeler.cli.findings import mesh_facts, scene_facts
-from feeler.cli.inputs import read_mockup, read_poses, read_tool
+from feeler.cli.inputs import (
+    AsJson,
+    MockupFiles,
+    MockupUnit,
+    ToolFile,
+    ToolUnit,
+    read_mockup,
+    read_poses,
+    read_tool,
+)
 from feeler.errors import OptionError
 from feeler.progress import bar
 from feeler.scene import CAST_TOLERANCE
@@ -30,14 +39,8 @@ feeler path sample:engine:200000 --tool sample:wrench --poses way_out.csv --tole
 """
 )
 def path(
-    mockup: Annotated[
-        list[str],
-        typer.Argument(
-            metavar="MOCKUP",
-            help="Files or folders (several are one mock-up), or sample:NAME[:TRIANGLES[:SEED]].",
-        ),
-    ],
-    tool: Annotated[str, typer.Option(help="A file, or sample:NAME or sample:NAME:fine.")],
+    mockup: MockupFiles,
+    tool: ToolFile,
     poses: Annotated[
         Path,
         typer.Option(
@@ -48,10 +51,8 @@ def path(
     tolerance: Annotated[
         float, typer.Option(help="Metres by which an impact may be given too early; never too late.")
     ] = CAST_TOLERANCE,
-    unit: Annotated[
-        str | None, typer.Option(help="Unit of mock-up files that do not say it: mm (default), cm, m, in, ...")
-    ] = None,
-    tool_unit: Annotated[str | None, typer.Option(help="Unit of the tool's file, likewise.")] = None,
+    unit: MockupUnit = None,
+    tool_unit: ToolUnit = None,
     storage: Annotated[str, typer.Option(help="blocks, dense or hashed.")] = "blocks",
     threads: Annotated[int | None, typer.Option(help="Default: all cores.")] = None,
     csv: Annotated[Path | None, typer.Option(help="Write a line per segment that is hit (CSV).")] = None,
@@ -61,7 +62,7 @@ def path(
     context: Annotated[
         float | None, typer.Option(help="In --glb, only parts within so many metres of the tool, and the one hit.")
     ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="One JSON document on stdout.")] = False,
+    as_json: AsJson = False,
 ) -> None:
     """Moves the tool from pose to pose, and finds the first impact of each segment: nothing is passed through.
 

@@ -9,6 +9,7 @@ import typer
 
 import feeler
 from feeler.cli.app import command
+from feeler.cli.inputs import AsJson
 from feeler.errors import OptionError
 from feeler.progress import bar
 
@@ -28,7 +29,7 @@ def sample(
     out: Annotated[
         Path | None, typer.Option(help="Write it: .glb keeps parts and colours, .stl is one mesh in millimetres.")
     ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="One JSON document on stdout.")] = False,
+    as_json: AsJson = False,
 ) -> None:
     """Makes a built-in mock-up or tool, the same on every machine."""
     from feeler.cli import outputs

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -10,10 +11,11 @@ from ..errors import LimitError
 from ..mockup import Mockup, Tool
 from ..samples import sample_poses
 from ..scene import Scene, optimal_voxel_size
-from .cells import Cell, Cells, plain
+from .cells import Cell, plain
 from .page import write_study
 from .plots import draw_lines
-from .subjects import Plan, Workshop
+from .runs import measure_pairs
+from .subjects import Plan
 from .timing import Setting, machine, time_in_turns
 
 LEVELS = (0.0, 0.3, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95)
@@ -25,20 +27,9 @@ _FILTERS = {"repeat_filter": True, "box_filter": True}
 
 def study_hashing(plan: Plan) -> dict[str, Any]:
     """Measures, writes the study's files, returns the results."""
-    cells, workshop = Cells(plan.folder, plan.resume), Workshop()
-    rows: list[Cell] = []
-    for number, (mockup, tool) in enumerate(plan.pairs()):
-        plan.progress(number / len(plan.pairs()), f"{mockup.name} and {tool.name}")
-        settings = {
-            "mockup": mockup.key, "tool": tool.key, "poses": plan.poses, "rounds": plan.rounds, "seed": plan.seed,
-            "memory_limit": plan.memory_limit,
-        }  # fmt: skip
-
-        def measure(mockup: Any = mockup, tool: Any = tool) -> Cell:
-            return _measure(workshop.mockup(mockup), tool.make(), plan)
-
-        cell = cells.get(f"hashing-{mockup.name}-{tool.name}", settings, measure)
-        rows.append({"mockup": mockup.name, "tool": tool.name} | cell)
+    pairs, limit = plan.pairs(), plan.memory_limit
+    measure = partial(_measure, plan=plan)
+    rows = list(measure_pairs("hashing", plan, pairs, measure, memory_limit=limit))
     free = [at["free_level"] for row in rows for at in row["sizes"]]
     summary = {"free_level_median": float(np.median(free)), "free_level_least": min(free)}
     results: dict[str, Any] = plain({"study": "hashing", "machine": machine(), "rows": rows, "summary": summary})

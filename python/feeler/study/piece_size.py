@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -9,10 +10,11 @@ import numpy as np
 from ..mockup import Mockup, Tool
 from ..samples import sample_poses
 from ..scene import Scene
-from .cells import Cell, Cells, plain
+from .cells import Cell, plain
 from .page import write_study
 from .plots import draw_lines
-from .subjects import Plan, Workshop
+from .runs import measure_pairs
+from .subjects import Plan
 from .timing import Setting, machine, time_in_turns
 
 _RANGE = (0.25, 8.0)  # of the default
@@ -21,20 +23,8 @@ _FILTERS = {"repeat_filter": True, "box_filter": True}
 
 def study_piece_size(plan: Plan) -> dict[str, Any]:
     """Measures, writes the study's files, returns the results."""
-    cells, workshop = Cells(plan.folder, plan.resume), Workshop()
-    rows: list[Cell] = []
-    for number, (mockup, tool) in enumerate(plan.pairs()):
-        plan.progress(number / len(plan.pairs()), f"{mockup.name} and {tool.name}")
-        settings = {
-            "mockup": mockup.key, "tool": tool.key, "poses": plan.poses, "rounds": plan.rounds, "sizes": plan.sizes,
-            "seed": plan.seed,
-        }  # fmt: skip
-
-        def measure(mockup: Any = mockup, tool: Any = tool) -> Cell:
-            return _measure(workshop.mockup(mockup), tool.make(), plan)
-
-        cell = cells.get(f"piece-size-{mockup.name}-{tool.name}", settings, measure)
-        rows.append({"mockup": mockup.name, "tool": tool.name} | _judged(cell))
+    measure = partial(_measure, plan=plan)
+    rows = [_judged(cell) for cell in measure_pairs("piece-size", plan, plan.pairs(), measure, sizes=plan.sizes)]
     results: dict[str, Any] = plain(
         {"study": "piece-size", "machine": machine(), "rows": rows, "summary": _summary(rows)}
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -10,17 +11,16 @@ from ..errors import LimitError
 from ..mockup import Mockup, Tool
 from ..samples import sample_poses
 from ..scene import Scene, optimal_voxel_size
-from .cells import Cell, Cells, plain
+from .cells import Cell, plain
 from .curves import power_law
 from .page import write_study
 from .plots import draw_lines
-from .subjects import Plan, Subject, Workshop
+from .runs import Pair, measure_pairs
+from .subjects import Plan
 from .timing import Setting, machine, time_in_turns
 
 _FILTERS = {"repeat_filter": True, "box_filter": True}
 STORES = ("dense", "blocks")
-
-Pair = tuple[Subject[Mockup], Subject[Tool]]
 
 
 def study_scaling(plan: Plan, by_mockup: list[Pair], by_tool: list[Pair]) -> dict[str, Any]:
@@ -28,21 +28,10 @@ def study_scaling(plan: Plan, by_mockup: list[Pair], by_tool: list[Pair]) -> dic
 
     by_mockup: pairs with one or more tools and growing mock-ups; by_tool: one mock-up and growing tools.
     """
-    cells, workshop = Cells(plan.folder, plan.resume), Workshop()
     pairs = {(m.key, t.key): (m, t) for m, t in sorted([*by_mockup, *by_tool], key=lambda pair: pair[0].key)}
-    done: dict[tuple[str, str], Cell] = {}
-    for number, (mockup, tool) in enumerate(pairs.values()):
-        plan.progress(number / len(pairs), f"{mockup.key} and {tool.name}")
-        settings = {
-            "mockup": mockup.key, "tool": tool.key, "poses": plan.poses, "rounds": plan.rounds, "seed": plan.seed,
-            "memory_limit": plan.memory_limit,
-        }  # fmt: skip
-
-        def measure(mockup: Any = mockup, tool: Any = tool) -> Cell:
-            return _measure(workshop.mockup(mockup), tool.make(), plan)
-
-        cell = cells.get(f"scaling-{mockup.name}-{tool.name}", settings, measure)
-        done[mockup.key, tool.key] = {"mockup": mockup.name, "tool": tool.name} | cell
+    measure = partial(_measure, plan=plan)
+    cells = measure_pairs("scaling", plan, list(pairs.values()), measure, memory_limit=plan.memory_limit)
+    done = dict(zip(pairs, cells, strict=True))
     trends, panels = [], []
     for of, chosen, fixed, count in (
         ("mock-up", by_mockup, "tool", "mockup_triangles"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,11 +14,12 @@ from ..errors import LimitError, OptionError
 from ..mockup import Mockup, Tool
 from ..samples import sample_poses
 from ..scene import Scene, optimal_voxel_size
-from .cells import Cell, Cells, plain
+from .cells import Cell, plain
 from .curves import ZONE_ABSOLUTE_S, ZONE_RELATIVE, Fit, epsilon, rank_correlation
 from .page import write_study
 from .plots import draw_voxel_size
-from .subjects import Plan, Workshop
+from .runs import measure_pairs
+from .subjects import Plan
 from .timing import Setting, machine, mean_work, time_in_turns
 
 PAPERS = ("area", "diagonal", "side")
@@ -31,20 +33,10 @@ def study_voxel_size(plan: Plan, storage: str = "dense", hashing: float = 0.0) -
     """Measures, writes the study's files, returns the results (as in `results.json`)."""
     if storage not in ("dense", "hashed"):
         raise OptionError(f"storage is {storage!r}: the study of voxel sizes is about 'dense' and 'hashed'")
-    cells, workshop, rows = Cells(plan.folder, plan.resume), Workshop(), []
     machine_constants()
-    for number, (mockup, tool) in enumerate(plan.pairs()):
-        plan.progress(number / len(plan.pairs()), f"{mockup.name} and {tool.name}")
-        settings = {
-            "mockup": mockup.key, "tool": tool.key, "poses": plan.poses, "rounds": plan.rounds, "sizes": plan.sizes,
-            "seed": plan.seed, "storage": storage, "hashing": hashing, "memory_limit": plan.memory_limit,
-        }  # fmt: skip
-        name = f"voxel-size-{mockup.name}-{tool.name}"
-
-        def measure(mockup: Any = mockup, tool: Any = tool) -> Cell:
-            return _measure(workshop.mockup(mockup), tool.make(), plan, storage, hashing)
-
-        rows.append({"mockup": mockup.name, "tool": tool.name} | judged(cells.get(name, settings, measure)))
+    measure = partial(_measure, plan=plan, storage=storage, hashing=hashing)
+    settings = {"sizes": plan.sizes, "storage": storage, "hashing": hashing, "memory_limit": plan.memory_limit}
+    rows = [judged(cell) for cell in measure_pairs("voxel-size", plan, plan.pairs(), measure, **settings)]
     found = {"study": "voxel-size", "machine": machine(), "storage": storage, "hashing": hashing, "rows": rows}
     results: dict[str, Any] = plain({**found, "summary": summary(rows)})
     plots = draw_voxel_size(plan.folder, rows)

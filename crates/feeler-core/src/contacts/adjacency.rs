@@ -3,8 +3,8 @@
 use rayon::prelude::*;
 
 use crate::bounds::Point;
-use crate::contacts::vector::{add, cross, dot, norm, scaled, sub};
 use crate::mesh::Mesh;
+use crate::vectors::{add, cross, dot, length, scaled, sub};
 use crate::weld::weld_vertices;
 
 /// No neighbour.
@@ -67,7 +67,7 @@ impl Adjacency {
             if closed[t as usize] {
                 volume[part_of_face(t) as usize] += dot(&a, &normal);
             }
-            let weight = norm(&normal);
+            let weight = length(&normal);
             area += weight;
             centre = add(&centre, &scaled(&add(&add(&a, &b), &c), weight / 3.0));
         }

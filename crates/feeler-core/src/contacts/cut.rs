@@ -1,7 +1,7 @@
 //! Where two triangles that meet do so: the segment, point or polygon that they share, in float64.
 
 use crate::bounds::{Point, Triangle};
-use crate::contacts::vector::{along, cross, dot, sub, unit};
+use crate::vectors::{along, cross, dot, sub, unit};
 
 /// Planes within this angle (radians) count as one: the line they share says nothing any more.
 const COPLANAR: f64 = 1e-9;
@@ -99,7 +99,7 @@ fn nearest_corner(t: &Triangle, to: &Point) -> Point {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contacts::vector::{norm, normal};
+    use crate::vectors::{length, normal};
 
     fn shared(p: &Triangle, q: &Triangle) -> Vec<Point> {
         let mut out = Vec::new();
@@ -113,10 +113,10 @@ mod tests {
         let q = [[1.0, 1.0, -1.0], [1.0, 1.0, 1.0], [1.0, -3.0, 0.0]];
         let ends = shared(&p, &q);
         assert_eq!(ends.len(), 2);
-        assert!((norm(&sub(&ends[0], &ends[1])) - 1.0).abs() < 1e-12, "{ends:?}");
+        assert!((length(&sub(&ends[0], &ends[1])) - 1.0).abs() < 1e-12, "{ends:?}");
         let flat = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 3.0, 0.0]];
         assert!(shared(&p, &flat).len() >= 3);
         let corner = [[0.0, 0.0, 0.0], [0.0, 0.0, 1.0], [-1.0, -1.0, 1.0]];
-        assert!(shared(&p, &corner).iter().all(|x| norm(x) < 1e-12));
+        assert!(shared(&p, &corner).iter().all(|x| length(x) < 1e-12));
     }
 }

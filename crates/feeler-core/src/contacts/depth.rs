@@ -7,8 +7,8 @@
 use crate::bounds::{Aabb, Point};
 use crate::contacts::adjacency::NONE;
 use crate::contacts::patches::{Cluster, Patch};
-use crate::contacts::vector::{add, along, cross, dot, norm, scaled, sub, unit};
 use crate::contacts::zones::{Zones, MOCKUP, TOOL};
+use crate::vectors::{add, along, cross, dot, length, scaled, sub, unit};
 
 /// Most directions tried of each kind.
 const MOST_NORMALS: usize = 24;
@@ -323,7 +323,7 @@ impl Best<'_> {
             };
             last = Some((d, way));
             let across = along(&way, -dot(&way, &d), &d);
-            let Some(next) = unit(&along(&d, -step / norm(&way).max(f64::MIN_POSITIVE), &across)) else { return };
+            let Some(next) = unit(&along(&d, -step / length(&way).max(f64::MIN_POSITIVE), &across)) else { return };
             self.try_direction(&next);
             if self.found.is_some_and(|f| f.0 == d) {
                 step *= 0.6;
@@ -346,7 +346,7 @@ impl Best<'_> {
     /// of the mock-up. The middle of a box around them, which does not know how many triangles make them up.
     fn place(&self, d: &Point) -> Point {
         let (above, below) = self.extremes(d, 1e-3);
-        let chosen = middle(if norm(&below.extent()) <= norm(&above.extent()) { &below } else { &above });
+        let chosen = middle(if length(&below.extent()) <= length(&above.extent()) { &below } else { &above });
         let high = self.mockup.highest(d);
         along(&chosen, high - dot(&chosen, d), d)
     }

@@ -9,11 +9,11 @@ use std::collections::BinaryHeap;
 
 use crate::bounds::{Aabb, Point, Triangle};
 use crate::contacts::adjacency::NONE;
-use crate::contacts::vector::{add, along, dot, norm, normal, scaled, square_to_segment, sub, unit};
 use crate::contacts::zones::{IdMap, MOCKUP, TOOL};
 use crate::contacts::{ContactPlane, Ground, MOST_PLANES};
 use crate::distance_triangle_triangle::closest_within;
 use crate::proximity::{Candidate, Gap};
+use crate::vectors::{add, along, dot, length, normal, scaled, square_to_segment, sub, unit};
 
 /// Share of the margin by which a pair may miss a plane and still count as explained.
 const TOLERANCE: f64 = 0.01;
@@ -289,7 +289,7 @@ impl<'a> NearPairs<'a> {
         // What is farther does not lead down, and has not the same corner or edge.
         let limit = (gap.distance * (1.0 + 1e-6)).min(self.margin);
         let is_down = |other: &Gap| {
-            let step = norm(&sub(&other.on_tool, &gap.on_tool)).max(norm(&sub(&other.on_mockup, &gap.on_mockup)));
+            let step = length(&sub(&other.on_tool, &gap.on_tool)).max(length(&sub(&other.on_mockup, &gap.on_mockup)));
             gap.distance - other.distance > SLOPE * step + 1e-9 * gap.distance
         };
         // Nearer pairs came first: mostly the one that tells is measured.
@@ -348,7 +348,7 @@ fn is_explained(plane: &ContactPlane, gap: &Gap, tolerance: f64) -> bool {
     let way = sub(&gap.on_tool, &gap.on_mockup);
     dot(&way, &plane.normal) >= SAME_DIRECTION * gap.distance
         && gap.distance >= plane.gap
-        && height.abs() <= SAME_TURN * norm(&from) + tolerance
+        && height.abs() <= SAME_TURN * length(&from) + tolerance
 }
 
 fn plane_of(ground: &Ground<'_>, gap: &Gap) -> ContactPlane {

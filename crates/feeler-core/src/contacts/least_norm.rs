@@ -1,7 +1,7 @@
 //! The shortest vector that satisfies a few linear inequalities in space.
 
 use crate::bounds::Point;
-use crate::contacts::vector::{add, along, cross, dot, norm, scaled};
+use crate::vectors::{add, along, cross, dot, length, scaled};
 
 /// The shortest `x` with `n . x >= b` for all `(n, b)`, the `n` unit; and the places of those that hold it, at most three.
 /// `None` where none satisfies all.
@@ -17,9 +17,9 @@ pub(crate) fn shortest(planes: &[(Point, f64)]) -> Option<(Point, Vec<usize>)> {
     }
     let mut best: Option<(Point, Vec<usize>)> = None;
     let mut offer = |x: Point, held: &[usize]| {
-        let length = norm(&x);
-        let shorter = best.as_ref().is_none_or(|(y, _)| length < norm(y) * (1.0 - 1e-12));
-        if length.is_finite() && shorter && holds(&x) {
+        let size = length(&x);
+        let shorter = best.as_ref().is_none_or(|(y, _)| size < length(y) * (1.0 - 1e-12));
+        if size.is_finite() && shorter && holds(&x) {
             best = Some((x, held.to_vec()));
         }
     };
@@ -89,14 +89,14 @@ mod tests {
         ) {
             let planes: Vec<(Point, f64)> = normals
                 .iter()
-                .filter(|(n, _)| norm(n) > 0.1)
-                .map(|(n, b)| (scaled(n, 1.0 / norm(n)), *b))
+                .filter(|(n, _)| length(n) > 0.1)
+                .map(|(n, b)| (scaled(n, 1.0 / length(n)), *b))
                 .collect();
             let found = shortest(&planes);
-            let length = found.as_ref().map_or(f64::INFINITY, |f| norm(&f.0));
+            let least = found.as_ref().map_or(f64::INFINITY, |f| length(&f.0));
             for x in &trials {
                 if planes.iter().all(|(n, b)| dot(n, x) >= *b) {
-                    prop_assert!(norm(x) >= length - 1e-6, "{x:?} beats {found:?}");
+                    prop_assert!(length(x) >= least - 1e-6, "{x:?} beats {found:?}");
                 }
             }
             if let Some((x, held)) = found {

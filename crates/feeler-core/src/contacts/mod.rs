@@ -17,7 +17,6 @@ mod shapes;
 #[cfg(test)]
 mod tests;
 mod tracker;
-mod vector;
 mod walk;
 mod zones;
 
@@ -29,7 +28,6 @@ pub use tracker::ContactTracker;
 use crate::bounds::{Point, Triangle};
 use crate::contacts::depth::{least_depth, Body};
 use crate::contacts::gaps::{NearPairs, SAME_DIRECTION};
-use crate::contacts::vector::{dot, normal, scaled, sub};
 use crate::contacts::zones::{Face, Zone, Zones, MOCKUP, TOOL};
 use crate::error::{Error, Result};
 use crate::mesh::Mockup;
@@ -37,6 +35,7 @@ use crate::narrow::Filters;
 use crate::pose::Pose;
 use crate::scene::Scene;
 use crate::tool::Tool;
+use crate::vectors::{dot, normal, scaled, sub};
 
 /// Most planes of an answer.
 pub const MOST_PLANES: usize = 32;

@@ -3,9 +3,9 @@
 
 use crate::bounds::{Aabb, Point};
 use crate::contacts::adjacency::NONE;
-use crate::contacts::vector::{add, dot, norm, scaled, sub};
 use crate::contacts::zones::{IdMap, Zone, Zones};
 use crate::contacts::Ground;
+use crate::vectors::{add, dot, length, scaled, sub};
 
 /// Triangles whose normals are within this angle of the first one's (cosine of 2.5 degrees) may share a patch: on a curved
 /// surface of radius r that is off by r/1000.
@@ -64,7 +64,7 @@ impl Patch {
     /// Whether a point is strictly over the plane of a flat patch, or stands out over one that is not.
     pub fn is_below(&self, x: &Point) -> bool {
         let way = sub(x, &self.middle);
-        dot(&sub(x, &self.at), &self.normal) > if self.flat { 1e-6 } else { HOLLOW } * norm(&way)
+        dot(&sub(x, &self.at), &self.normal) > if self.flat { 1e-6 } else { HOLLOW } * length(&way)
     }
 
     /// 1 over the plane, -1 below, 0 about on it.
@@ -83,7 +83,7 @@ impl Patch {
     fn finish(&mut self) {
         let mut bounds = Aabb::EMPTY;
         self.points.iter().for_each(|p| bounds.grow(p));
-        self.size = norm(&bounds.extent());
+        self.size = length(&bounds.extent());
         let sum = self.points.iter().fold([0.0; 3], |s, p| add(&s, p));
         self.middle = scaled(&sum, 1.0 / self.points.len().max(1) as f64);
         for d in &OUTERMOST {
@@ -233,7 +233,7 @@ fn place(found: &mut Vec<Patch>, normal: &Point, at: &Point) -> usize {
         }
         // The plane of one must pass the other as near as a surface that turns so much would.
         let way = sub(at, &p.at);
-        let far = norm(&way);
+        let far = length(&way);
         let off = dot(&way, &p.normal).abs();
         let noise = 1e-6 * far + 1e-12 * at.iter().fold(0.0f64, |m, x| m.max(x.abs()));
         off <= noise + far * (2.0 * turn.max(0.0)).sqrt()

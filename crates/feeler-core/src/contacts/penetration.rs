@@ -2,12 +2,12 @@
 
 use crate::bounds::Point;
 use crate::contacts::least_norm::{compromise, shortest};
-use crate::contacts::vector::{add, dot, norm, scaled};
 use crate::contacts::{ContactPlane, Contacts};
 use crate::error::Result;
 use crate::pose::Pose;
 use crate::scene::Scene;
 use crate::tool::Tool;
+use crate::vectors::{add, dot, length, scaled};
 
 /// Times that planes met on the way are added, and the way is sought anew.
 const MOST_ROUNDS: usize = 8;
@@ -63,7 +63,7 @@ impl Scene {
                 translation = compromise(&planes);
                 break;
             };
-            let length = norm(&way);
+            let length = length(&way);
             let off = OFF * length + least;
             // Every plane that holds the way is left by `off`.
             let outward = if length > 0.0 { scaled(&way, 1.0 / length) } else { first_normal(&contacts) };
@@ -89,7 +89,7 @@ impl Scene {
             }
             keep_the_tightest(&mut planes, &mut certain);
         }
-        Ok(Penetration { depth: norm(&translation), translation, kind, contacts })
+        Ok(Penetration { depth: length(&translation), translation, kind, contacts })
     }
 }
 

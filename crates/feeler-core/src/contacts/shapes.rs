@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::bounds::Point;
-use crate::contacts::vector::{add, scaled};
+use crate::vectors::{add, scaled};
 
 pub(crate) type Arrays = (Vec<Point>, Vec<[u32; 3]>);
 

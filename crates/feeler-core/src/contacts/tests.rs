@@ -97,7 +97,7 @@ fn expect(found: &[(Point, f64)], expected: &[(Point, f64)], tolerance: f64, wha
     let deep: Vec<_> = found.iter().filter(|f| f.1 > -1e-9).collect();
     assert_eq!(deep.len(), expected.len(), "{what}: {found:?}");
     for (n, depth) in expected {
-        let n = scaled(n, 1.0 / vector::norm(n));
+        let n = scaled(n, 1.0 / crate::vectors::length(n));
         let near =
             |f: &&&(Point, f64)| dot(&f.0, &n) > 1.0 - tolerance && close(f.1, *depth, tolerance * depth.abs() + 1e-12);
         assert!(deep.iter().any(|f| near(&f)), "{what}: {found:?} has not {n:?} {depth}");

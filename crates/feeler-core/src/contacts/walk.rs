@@ -1,9 +1,9 @@
 //! The walk over what a curve encloses.
 
 use crate::contacts::adjacency::{Adjacency, NONE};
-use crate::contacts::vector::{dot, sub};
 use crate::contacts::zones::{IdMap, Roots, Zones, MOCKUP};
 use crate::contacts::Ground;
+use crate::vectors::{dot, sub};
 
 /// Most triangles that are walked over beyond the curve, of each surface and in one part. What lies further counts for depth
 /// only by its nearer part; a result that stopped here is not called exact.

@@ -9,9 +9,9 @@ use std::hash::{BuildHasherDefault, Hasher};
 use crate::bounds::{Point, Triangle};
 use crate::contacts::adjacency::NONE;
 use crate::contacts::cut::push_shared;
-use crate::contacts::vector::{add, dot, normal, scaled, square_to_segment, sub};
 use crate::contacts::walk::walk;
 use crate::contacts::Ground;
+use crate::vectors::{add, dot, normal, scaled, square_to_segment, sub};
 
 /// Ids hashed by one multiplication: they are spread already.
 #[derive(Default)]

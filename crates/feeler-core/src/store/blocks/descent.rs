@@ -4,7 +4,7 @@ use super::node::Node;
 use super::pieces::HalfBlock;
 use super::scan::{Scan, CODES};
 use super::{Blocks, FANOUT};
-use crate::lanes::{Box4, BoxLanes, LaneBoxes, PlacedPieces, Placement, LANES};
+use crate::lanes::{Box4, BoxLanes, LaneBoxes, PlaceBoxes, PlacedPieces, Placement, LANES};
 use crate::narrow::Narrow;
 use crate::simd::{prefetch, Kernel, Simd};
 use crate::tool::Tool;
@@ -177,16 +177,16 @@ impl Kernel for Expand<'_> {
 }
 
 /// Places the children of a tool entry, and appends which of them meet the own box of each node; returns which meet any.
-struct Children<'a> {
-    placement: &'a Placement,
-    boxes: &'a BoxLanes,
-    level: &'a [Node],
-    nodes: &'a [u32],
-    masks: &'a mut Vec<u16>,
-    placed: &'a mut LaneBoxes,
+pub struct Children<'a, P> {
+    pub placement: &'a P,
+    pub boxes: &'a BoxLanes,
+    pub level: &'a [Node],
+    pub nodes: &'a [u32],
+    pub masks: &'a mut Vec<u16>,
+    pub placed: &'a mut LaneBoxes,
 }
 
-impl Kernel for Children<'_> {
+impl<P: PlaceBoxes> Kernel for Children<'_, P> {
     type Output = u16;
 
     #[inline(always)]

@@ -3,7 +3,7 @@
 use super::near::{Near, NearScratch, Search};
 use super::pieces::HalfBlock;
 use super::FANOUT;
-use crate::lanes::{greatest4, least4, load3, PlacedPieces, LANES, TINY};
+use crate::lanes::{load3, PlacedPieces, LANES};
 use crate::simd::{prefetch, Simd};
 
 /// Hands on the pairs of triangles of a cluster and a block that boxes and planes do not hold farther apart than the limit,
@@ -124,28 +124,20 @@ impl Planes {
     ) -> u16 {
         let zero = s.splat(0.0);
         let limit = s.splat(limit * (1.0 + 1e-4));
-        let mut d = [zero; 4];
         // The plane of the block's piece.
-        let m = [s.splat(half.normals[0][piece]), s.splat(half.normals[1][piece]), s.splat(half.normals[2][piece])];
-        for c in 0..4 {
-            let at = load3(s, &placed.corners[c]);
-            d[c] = s.mul_add(m[0], at[0], s.mul_add(m[1], at[1], m[2] * at[2]));
-        }
-        let gap = s.max(least4(s, &d) - s.splat(half.far[piece]), s.splat(half.near[piece]) - greatest4(s, &d));
+        let m = half.normal(s, piece);
+        let (near, far) = placed.along(s, &m);
+        let gap = s.max(near - s.splat(half.far[piece]), s.splat(half.near[piece]) - far);
         let mut beyond = self.keep(s, 0, s.max(gap, zero), &m, limit);
         // The planes of the tool's pieces.
         let n = load3(s, &placed.normals);
-        let (near, far) = along_axis(s, half, piece, &n);
+        let (near, far) = half.along(s, piece, &n);
         let gap = s.max(near - s.load(&placed.far), s.load(&placed.near) - far);
         beyond |= self.keep(s, 1, s.max(gap, zero), &n, limit);
         // The direction.
         let m = [s.splat(direction[0]), s.splat(direction[1]), s.splat(direction[2])];
-        let (near, far) = along_axis(s, half, piece, &m);
-        for c in 0..4 {
-            let at = load3(s, &placed.corners[c]);
-            d[c] = s.mul_add(m[0], at[0], s.mul_add(m[1], at[1], m[2] * at[2]));
-        }
-        let gap = s.max(near - greatest4(s, &d), least4(s, &d) - far);
+        let ((near, far), (least, greatest)) = (half.along(s, piece, &m), placed.along(s, &m));
+        let gap = s.max(near - greatest, least - far);
         beyond |= self.keep(s, 2, s.max(gap, zero), &m, limit);
         !beyond
     }
@@ -174,18 +166,3 @@ impl Planes {
 
 /// Squares of axes shorter than that have lost too much to rounding towards 0.
 const SHORTEST: f32 = 1e-28;
-
-/// The interval of one piece of a block along an axis in each lane, grown by all slack.
-#[inline(always)]
-fn along_axis<S: Simd>(s: S, half: &HalfBlock, piece: usize, n: &[S::F32; 3]) -> (S::F32, S::F32) {
-    let mut d = [n[0]; 4];
-    for c in 0..4 {
-        let at = [&half.corners[c][0], &half.corners[c][1], &half.corners[c][2]];
-        let last = n[2] * s.splat(at[2][piece]);
-        d[c] = s.mul_add(n[0], s.splat(at[0][piece]), s.mul_add(n[1], s.splat(at[1][piece]), last));
-    }
-    let slack = s.mul_add(s.abs(n[2]), s.splat(half.slack[2][piece]), s.splat(TINY));
-    let slack = s.mul_add(s.abs(n[1]), s.splat(half.slack[1][piece]), slack);
-    let slack = s.mul_add(s.abs(n[0]), s.splat(half.slack[0][piece]), slack);
-    (least4(s, &d) - slack, greatest4(s, &d) + slack)
-}

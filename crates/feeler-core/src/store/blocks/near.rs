@@ -7,7 +7,7 @@ use super::leaf::Candidate;
 use super::node::Node;
 use super::pieces::HalfBlock;
 use super::{Blocks, FANOUT};
-use crate::lanes::{Box4, LaneBoxes, PlacedPieces, Placement, LANES};
+use crate::lanes::{Box4, LaneBoxes, PlaceBoxes, PlacedPieces, Placement, LANES};
 use crate::proximity::{search, PairSet, SearchScratch, Wanted};
 use crate::simd::{prefetch, Kernel, Simd};
 

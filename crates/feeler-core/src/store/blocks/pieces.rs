@@ -1,7 +1,7 @@
 //! The pieces of a block: packed in ten bits a coordinate, and unpacked in lanes.
 
 use super::node::{Node, HALF, UNPACK_ROUNDING};
-use crate::lanes::{greatest4, least4, Box4, Lane32, LANES, TINY};
+use crate::lanes::{greatest4, least4, Box4, Lane32, LaneBoxes, LANES, TINY};
 use crate::simd::Simd;
 
 /// Corners of a block's pieces, by corner, half of the block and lane: ten bits per axis (x lowest), as steps between the
@@ -91,6 +91,38 @@ impl HalfBlock {
         }
         s.store(least4(s, &d) - slack, &mut self.near);
         s.store(greatest4(s, &d) + slack, &mut self.far);
+    }
+
+    /// The interval of one piece along an axis in each lane, grown by all slack.
+    ///
+    /// An axis that keeps two intervals apart by more than their uncertainty is proof whatever the axis is, so its own
+    /// rounding does not matter. A coordinate's error counts with the axis's entry in absolute value.
+    #[inline(always)]
+    pub fn along<S: Simd>(&self, s: S, piece: usize, n: &[S::F32; 3]) -> (S::F32, S::F32) {
+        let mut d = [n[0]; 4];
+        for c in 0..4 {
+            let at = [&self.corners[c][0], &self.corners[c][1], &self.corners[c][2]];
+            let last = n[2] * s.splat(at[2][piece]);
+            d[c] = s.mul_add(n[0], s.splat(at[0][piece]), s.mul_add(n[1], s.splat(at[1][piece]), last));
+        }
+        let slack = s.mul_add(s.abs(n[2]), s.splat(self.slack[2][piece]), s.splat(TINY));
+        let slack = s.mul_add(s.abs(n[1]), s.splat(self.slack[1][piece]), slack);
+        let slack = s.mul_add(s.abs(n[0]), s.splat(self.slack[0][piece]), slack);
+        (least4(s, &d) - slack, greatest4(s, &d) + slack)
+    }
+
+    /// The axis across a piece's plane, in all lanes.
+    #[inline(always)]
+    pub fn normal<S: Simd>(&self, s: S, piece: usize) -> [S::F32; 3] {
+        [s.splat(self.normals[0][piece]), s.splat(self.normals[1][piece]), s.splat(self.normals[2][piece])]
+    }
+
+    /// Which of sixteen boxes meet the box of one piece.
+    #[inline(always)]
+    pub fn boxes_meeting<S: Simd>(&self, s: S, boxes: &LaneBoxes, piece: usize) -> u16 {
+        let (l, u) = (&self.lower, &self.upper);
+        let (lower, upper) = ([l[0][piece], l[1][piece], l[2][piece]], [u[0][piece], u[1][piece], u[2][piece]]);
+        boxes.meeting(s, &lower, &upper)
     }
 
     /// A piece's corners as steps between the sides of its box.

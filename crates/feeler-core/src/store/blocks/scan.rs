@@ -6,7 +6,7 @@
 use super::descent::BlocksScratch;
 use super::pieces::HalfBlock;
 use super::{Blocks, FANOUT};
-use crate::lanes::{greatest4, least4, load3, LaneBoxes, PlacedPieces, Placement, SpreadBoxes, LANES, TINY};
+use crate::lanes::{load3, LaneBoxes, PlaceBoxes, PlacedPieces, Placement, SpreadBoxes, LANES};
 use crate::narrow::Narrow;
 use crate::simd::{prefetch, Kernel, Simd};
 use crate::tool::Tool;
@@ -119,7 +119,7 @@ impl Kernel for Scan<'_, '_> {
             for i in 0..codes.len() {
                 let (c, piece) = parts_of(codes[i]);
                 let lanes =
-                    boxes_meeting(s, &pieces[c], &halves[piece / LANES], piece % LANES) & clusters[c].corners.used;
+                    halves[piece / LANES].boxes_meeting(s, &pieces[c].boxes, piece % LANES) & clusters[c].corners.used;
                 codes[kept] = codes[i];
                 chosen[kept] = lanes;
                 kept += usize::from(lanes != 0);
@@ -177,41 +177,13 @@ const fn pair_codes() -> [[[u32; LANES]; 2]; LANES] {
 /// Room for all pairs of a group's clusters and a block's pieces, and for what appending may write beyond.
 pub const CODES: usize = LANES * FANOUT + LANES;
 
-/// Which of a cluster's boxes meet the box of one piece of a block.
-#[inline(always)]
-fn boxes_meeting<S: Simd>(s: S, placed: &PlacedPieces, half: &HalfBlock, piece: usize) -> u16 {
-    let mut apart = 0;
-    for a in 0..3 {
-        apart |= s.above(s.load(&placed.boxes.lower[a]), s.splat(half.upper[a][piece]));
-        apart |= s.above(s.splat(half.lower[a][piece]), s.load(&placed.boxes.upper[a]));
-    }
-    !apart
-}
-
 /// Which of a cluster's pieces are not held apart from one piece of a block by the plane of either.
-///
-/// An axis that keeps two intervals apart by more than their uncertainty is proof whatever the axis is, so its own rounding
-/// does not matter. A coordinate's error counts with the axis's entry in absolute value.
 #[inline(always)]
 fn planes_meeting<S: Simd>(s: S, placed: &PlacedPieces, half: &HalfBlock, piece: usize) -> u16 {
-    let mut d = [s.splat(0.0); 4];
-    // The plane of the block's piece.
-    let m = [s.splat(half.normals[0][piece]), s.splat(half.normals[1][piece]), s.splat(half.normals[2][piece])];
-    for c in 0..4 {
-        let at = load3(s, &placed.corners[c]);
-        d[c] = s.mul_add(m[0], at[0], s.mul_add(m[1], at[1], m[2] * at[2]));
-    }
-    let apart = s.above(least4(s, &d), s.splat(half.far[piece])) | s.above(s.splat(half.near[piece]), greatest4(s, &d));
+    // The plane of the block's piece; its own interval along its axis is known.
+    let (near, far) = placed.along(s, &half.normal(s, piece));
+    let apart = s.above(near, s.splat(half.far[piece])) | s.above(s.splat(half.near[piece]), far);
     // The planes of the tool's pieces.
-    let n = load3(s, &placed.normals);
-    for c in 0..4 {
-        let at = [&half.corners[c][0], &half.corners[c][1], &half.corners[c][2]];
-        let last = n[2] * s.splat(at[2][piece]);
-        d[c] = s.mul_add(n[0], s.splat(at[0][piece]), s.mul_add(n[1], s.splat(at[1][piece]), last));
-    }
-    let slack = s.mul_add(s.abs(n[2]), s.splat(half.slack[2][piece]), s.splat(TINY));
-    let slack = s.mul_add(s.abs(n[1]), s.splat(half.slack[1][piece]), slack);
-    let slack = s.mul_add(s.abs(n[0]), s.splat(half.slack[0][piece]), slack);
-    let (near, far) = (least4(s, &d) - slack, greatest4(s, &d) + slack);
+    let (near, far) = half.along(s, piece, &load3(s, &placed.normals));
     !(apart | s.above(near, s.load(&placed.far)) | s.above(s.load(&placed.near), far))
 }

@@ -1,7 +1,6 @@
 //! The query of a cast: the tool's tree of boxes, swept through a window of time, is descended together with the blocks.
 
-use super::descent::Expand;
-use super::node::Node;
+use super::descent::{Children, Expand};
 use super::pieces::HalfBlock;
 use super::swept::{SweptPieces, SweptPlacement};
 use super::{Blocks, FANOUT};
@@ -91,13 +90,14 @@ impl Descent<'_, '_> {
     /// Goes on with each child of a tool entry, and the nodes of `nodes[from..]` whose own box meets the child's.
     fn descend_children(&mut self, tool_level: usize, entry: usize, level: usize, from: usize) -> bool {
         let (to, first_mask) = (self.scratch.nodes.len(), self.scratch.masks.len());
+        let SweepScratch { nodes, masks, children, .. } = &mut *self.scratch;
         let any = self.sweep.lanes.run(Children {
             placement: &self.placement,
             boxes: &self.sweep.tool.children(tool_level)[entry],
             level: &self.blocks.levels[level],
-            from,
-            scratch: self.scratch,
-            tool_level,
+            nodes: &nodes[from..],
+            masks,
+            placed: &mut children[tool_level],
         });
         let over = if tool_level == 1 {
             any != 0 && self.scan(entry, from, first_mask, any)
@@ -126,34 +126,6 @@ impl Descent<'_, '_> {
     fn scan(&mut self, group: usize, from: usize, first_mask: usize, needed: u16) -> bool {
         let Descent { blocks, sweep, placement, scratch, offer } = self;
         sweep.lanes.run(Scan { blocks, sweep, placement, scratch, offer: *offer, group, from, first_mask, needed })
-    }
-}
-
-/// Places the children of a tool entry, and appends which of them meet the own box of each node; returns which meet any.
-struct Children<'a> {
-    placement: &'a SweptPlacement,
-    boxes: &'a crate::lanes::BoxLanes,
-    level: &'a [Node],
-    from: usize,
-    scratch: &'a mut SweepScratch,
-    tool_level: usize,
-}
-
-impl Kernel for Children<'_> {
-    type Output = u16;
-
-    #[inline(always)]
-    fn run<S: Simd>(self, s: S) -> u16 {
-        let Children { placement, boxes, level, from, scratch, tool_level } = self;
-        let SweepScratch { nodes, masks, children, .. } = scratch;
-        children[tool_level] = placement.place_boxes(s, boxes);
-        let mut any = 0;
-        for &node in &nodes[from..] {
-            let mask = level[node as usize].overlapping_lanes(s, &children[tool_level]) & boxes.used;
-            any |= mask;
-            masks.push(mask);
-        }
-        any
     }
 }
 
@@ -201,7 +173,7 @@ impl Kernel for Scan<'_, '_> {
                         halves[half].unpack_boxes(s, node, half);
                         unpacked |= 1 << half;
                     }
-                    let mut lanes = pieces[c].boxes_meeting(s, &halves[half], piece) & clusters[c].corners.used;
+                    let mut lanes = halves[half].boxes_meeting(s, &pieces[c].boxes, piece) & clusters[c].corners.used;
                     if lanes == 0 {
                         continue;
                     }

@@ -6,7 +6,7 @@
 use super::node::Frame;
 use super::pieces::HalfBlock;
 use crate::cast::Window;
-use crate::lanes::{greatest4, least4, load3, Box4, BoxLanes, LaneBoxes, PieceLanes, PlacedPieces, Placement, TINY};
+use crate::lanes::{load3, Box4, BoxLanes, LaneBoxes, PieceLanes, PlaceBoxes, PlacedPieces, Placement};
 use crate::simd::Simd;
 use crate::tool::Tool;
 
@@ -35,14 +35,6 @@ impl SweptPlacement {
         SweptPlacement { ends, slack }
     }
 
-    /// Boxes around what boxes sweep: quick and loose.
-    #[inline(always)]
-    pub fn place_boxes<S: Simd>(&self, s: S, boxes: &BoxLanes) -> LaneBoxes {
-        let (mut out, other) = (self.ends[0].place_boxes(s, boxes), self.ends[1].place_boxes(s, boxes));
-        union(s, &mut out, &other);
-        out
-    }
-
     /// What pieces sweep.
     #[inline(always)]
     pub fn place_pieces<S: Simd>(&self, s: S, pieces: &PieceLanes, out: &mut SweptPieces) {
@@ -57,60 +49,40 @@ impl SweptPlacement {
     }
 }
 
+impl PlaceBoxes for SweptPlacement {
+    /// Boxes around what boxes sweep.
+    #[inline(always)]
+    fn place_boxes<S: Simd>(&self, s: S, boxes: &BoxLanes) -> LaneBoxes {
+        let (mut out, other) = (self.ends[0].place_boxes(s, boxes), self.ends[1].place_boxes(s, boxes));
+        union(s, &mut out, &other);
+        out
+    }
+}
+
 impl SweptPieces {
     /// To be filled in.
     pub const ZERO: SweptPieces =
         SweptPieces { ends: [PlacedPieces::ZERO; 2], boxes: LaneBoxes::ZERO, bounds: Box4::EMPTY };
 
-    /// Which of the swept boxes meet the box of one piece of a block.
-    #[inline(always)]
-    pub fn boxes_meeting<S: Simd>(&self, s: S, half: &HalfBlock, piece: usize) -> u16 {
-        let mut apart = 0;
-        for a in 0..3 {
-            apart |= s.above(s.load(&self.boxes.lower[a]), s.splat(half.upper[a][piece]));
-            apart |= s.above(s.splat(half.lower[a][piece]), s.load(&self.boxes.upper[a]));
-        }
-        !apart
-    }
-
     /// Which of the pieces are not held apart from one piece of a block, all the way, by an axis across the plane of the
     /// block's piece, or of the tool's at either end.
     #[inline(always)]
     pub fn planes_meeting<S: Simd>(&mut self, s: S, half: &HalfBlock, piece: usize) -> u16 {
-        let m = [s.splat(half.normals[0][piece]), s.splat(half.normals[1][piece]), s.splat(half.normals[2][piece])];
-        let [(a, b), (c, d)] = [interval(s, &m, &self.ends[0]), interval(s, &m, &self.ends[1])];
+        let m = half.normal(s, piece);
+        let [(a, b), (c, d)] = [self.ends[0].along(s, &m), self.ends[1].along(s, &m)];
         let (near, far) = (s.min(a, c), s.max(b, d));
         let mut apart = s.above(near, s.splat(half.far[piece])) | s.above(s.splat(half.near[piece]), far);
         for end in 0..2 {
             self.ends[end].need_normals(s);
             let n = load3(s, &self.ends[end].normals);
-            let (a, b) = interval(s, &n, &self.ends[1 - end]);
+            let (a, b) = self.ends[1 - end].along(s, &n);
             let near = s.min(a, s.load(&self.ends[end].near));
             let far = s.max(b, s.load(&self.ends[end].far));
-            let mut e = [s.splat(0.0); 4];
-            for corner in 0..4 {
-                let at = [&half.corners[corner][0], &half.corners[corner][1], &half.corners[corner][2]];
-                let last = n[2] * s.splat(at[2][piece]);
-                e[corner] = s.mul_add(n[0], s.splat(at[0][piece]), s.mul_add(n[1], s.splat(at[1][piece]), last));
-            }
-            let slack = s.mul_add(s.abs(n[2]), s.splat(half.slack[2][piece]), s.splat(TINY));
-            let slack = s.mul_add(s.abs(n[1]), s.splat(half.slack[1][piece]), slack);
-            let slack = s.mul_add(s.abs(n[0]), s.splat(half.slack[0][piece]), slack);
-            apart |= s.above(least4(s, &e) - slack, far) | s.above(near, greatest4(s, &e) + slack);
+            let (least, greatest) = half.along(s, piece, &n);
+            apart |= s.above(least, far) | s.above(near, greatest);
         }
         !apart
     }
-}
-
-/// The intervals of placed pieces along an axis in each lane.
-#[inline(always)]
-fn interval<S: Simd>(s: S, n: &[S::F32; 3], placed: &PlacedPieces) -> (S::F32, S::F32) {
-    let mut d = [s.splat(0.0); 4];
-    for c in 0..4 {
-        let at = load3(s, &placed.corners[c]);
-        d[c] = s.mul_add(n[0], at[0], s.mul_add(n[1], at[1], n[2] * at[2]));
-    }
-    (least4(s, &d), greatest4(s, &d))
 }
 
 #[inline(always)]

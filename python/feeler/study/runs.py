@@ -1,0 +1,31 @@
+"""The loop that all studies share: every pair of a mock-up and a tool, measured now or found on disk."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
+
+from ..mockup import Mockup, Tool
+from .cells import Cell, Cells
+from .subjects import Plan, Subject, Workshop
+
+Pair = tuple[Subject[Mockup], Subject[Tool]]
+
+
+def measure_pairs(
+    study: str, plan: Plan, pairs: Sequence[Pair], measure: Callable[[Mockup, Tool], Cell], **settings: Any
+) -> Iterator[Cell]:
+    """The cell of each pair, with the names of both, in order; what was measured with the same settings is kept.
+
+    What is measured depends on the pair, on poses, rounds and seed of the plan, and on `settings`.
+    """
+    cells, workshop = Cells(plan.folder, plan.resume), Workshop()
+    for number, (mockup, tool) in enumerate(pairs):
+        plan.progress(number / len(pairs), f"{mockup.name} and {tool.name}")
+        asked = {"mockup": mockup.key, "tool": tool.key, "poses": plan.poses, "rounds": plan.rounds, "seed": plan.seed}
+
+        def now(mockup: Subject[Mockup] = mockup, tool: Subject[Tool] = tool) -> Cell:
+            return measure(workshop.mockup(mockup), tool.make())
+
+        cell = cells.get(f"{study}-{mockup.name}-{tool.name}", asked | settings, now)
+        yield {"mockup": mockup.name, "tool": tool.name} | cell
