@@ -120,9 +120,12 @@ impl HalfBlock {
     /// Which of sixteen boxes meet the box of one piece.
     #[inline(always)]
     pub fn boxes_meeting<S: Simd>(&self, s: S, boxes: &LaneBoxes, piece: usize) -> u16 {
-        let (l, u) = (&self.lower, &self.upper);
-        let (lower, upper) = ([l[0][piece], l[1][piece], l[2][piece]], [u[0][piece], u[1][piece], u[2][piece]]);
-        boxes.meeting(s, &lower, &upper)
+        let mut apart = 0;
+        for a in 0..3 {
+            apart |= s.above(s.load(&boxes.lower[a]), s.splat(self.upper[a][piece]));
+            apart |= s.above(s.splat(self.lower[a][piece]), s.load(&boxes.upper[a]));
+        }
+        !apart
     }
 
     /// A piece's corners as steps between the sides of its box.
