@@ -200,21 +200,21 @@ impl Pending {
     /// Leaves out pairs met lately; returns how many.
     ///
     /// No more than a few repeats slip through, and those are found twice and counted once in the end.
+    #[inline(never)]
     fn skip_repeats(&mut self) -> usize {
+        let Pending { slots, mockup_triangles, count, recent, .. } = self;
         let mut kept = 0;
-        for i in 0..self.count {
-            let (t, m) = (self.slots[i], self.mockup_triangles[i]);
+        for i in 0..(*count).min(PLACES) {
+            let (t, m) = (slots[i], mockup_triangles[i]);
             let key = pair_key(t, m);
             let place = (key.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 54) as usize;
             // No branch: which pairs repeat is not to be foreseen.
-            self.slots[kept] = t;
-            self.mockup_triangles[kept] = m;
-            kept += usize::from(self.recent[place] != key);
-            self.recent[place] = key;
+            slots[kept] = t;
+            mockup_triangles[kept] = m;
+            kept += usize::from(recent[place] != key);
+            recent[place] = key;
         }
-        let skipped = self.count - kept;
-        self.count = kept;
-        skipped
+        std::mem::replace(count, kept) - kept
     }
 }
 
@@ -315,10 +315,11 @@ impl Narrow<'_> {
         let count = std::mem::take(count);
         self.stats.triangle_tests += count as u64;
         // All indices, then all corners: loads that do not wait for each other, so that their cache misses overlap.
+        let (corners, all_faces, vertices) = (self.tool.placeable(), self.mesh.faces(), self.mesh.vertices());
         for ((face, m), slot) in faces[..count].iter_mut().zip(mockup_triangles.iter()).zip(slots.iter()) {
-            prefetch(&self.tool.placeable()[*slot as usize]);
-            *face = self.mesh.faces()[*m as usize];
-            face.iter().for_each(|v| prefetch(&self.mesh.vertices()[*v as usize]));
+            prefetch(&corners[*slot as usize]);
+            *face = all_faces[*m as usize];
+            face.iter().for_each(|v| prefetch(&vertices[*v as usize]));
         }
         let eights = count.div_ceil(WIDE_LANES);
         if count > 0 {

@@ -189,6 +189,10 @@ pub(crate) trait Simd: Copy {
     fn wide_splat(self, x: f64) -> Self::F64;
     /// Eight points by axis: lane `i` of each is of `x[i]`.
     fn wide_points(self, x: [&[f64; 3]; WIDE_LANES]) -> [Self::F64; 3];
+    /// `a * b + c`, rounded once where the CPU can, twice elsewhere: only for what has a margin.
+    fn wide_mul_add(self, a: Self::F64, b: Self::F64, c: Self::F64) -> Self::F64;
+    /// `a * b - c`, rounded likewise.
+    fn wide_mul_sub(self, a: Self::F64, b: Self::F64, c: Self::F64) -> Self::F64;
     /// Absolute value.
     fn wide_abs(self, a: Self::F64) -> Self::F64;
     /// The larger; of no use with NaN.

@@ -167,6 +167,14 @@ impl Simd for Portable {
         points
     }
     #[inline(always)]
+    fn wide_mul_add(self, a: Self::F64, b: Self::F64, c: Self::F64) -> Self::F64 {
+        a * b + c
+    }
+    #[inline(always)]
+    fn wide_mul_sub(self, a: Self::F64, b: Self::F64, c: Self::F64) -> Self::F64 {
+        a * b - c
+    }
+    #[inline(always)]
     fn wide_abs(self, a: Self::F64) -> Self::F64 {
         a.map(f64::abs)
     }

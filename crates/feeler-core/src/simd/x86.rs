@@ -290,6 +290,16 @@ impl Simd for Avx512 {
         }
     }
     #[inline(always)]
+    fn wide_mul_add(self, a: Self::F64, b: Self::F64, c: Self::F64) -> Self::F64 {
+        // SAFETY: see above.
+        unsafe { One(_mm512_fmadd_pd(a.0, b.0, c.0)) }
+    }
+    #[inline(always)]
+    fn wide_mul_sub(self, a: Self::F64, b: Self::F64, c: Self::F64) -> Self::F64 {
+        // SAFETY: see above.
+        unsafe { One(_mm512_fmsub_pd(a.0, b.0, c.0)) }
+    }
+    #[inline(always)]
     fn wide_abs(self, a: Self::F64) -> Self::F64 {
         // SAFETY: see above.
         unsafe { One(_mm512_abs_pd(a.0)) }
@@ -501,6 +511,16 @@ impl Simd for Avx2 {
             }
             [Two(halves[0][0], halves[1][0]), Two(halves[0][1], halves[1][1]), Two(halves[0][2], halves[1][2])]
         }
+    }
+    #[inline(always)]
+    fn wide_mul_add(self, a: Self::F64, b: Self::F64, c: Self::F64) -> Self::F64 {
+        // SAFETY: see above.
+        unsafe { Two(_mm256_fmadd_pd(a.0, b.0, c.0), _mm256_fmadd_pd(a.1, b.1, c.1)) }
+    }
+    #[inline(always)]
+    fn wide_mul_sub(self, a: Self::F64, b: Self::F64, c: Self::F64) -> Self::F64 {
+        // SAFETY: see above.
+        unsafe { Two(_mm256_fmsub_pd(a.0, b.0, c.0), _mm256_fmsub_pd(a.1, b.1, c.1)) }
     }
     #[inline(always)]
     fn wide_abs(self, a: Self::F64) -> Self::F64 {
