@@ -122,40 +122,42 @@ class Scene:
     def validate(self) -> None:
         """Raises `FeelerError` if an invariant of the index does not hold; for tests."""
     def collide(
-        self, tool: Tool, world_from_tool: npt.NDArray[np.float64], *, repeat_filter: bool, box_filter: bool
-    ) -> Collision: ...
-    def is_colliding(self, tool: Tool, world_from_tool: npt.NDArray[np.float64]) -> bool: ...
-    def collide_batch(self, tool: Tool, poses: npt.NDArray[np.float64], progress: _Progress | None) -> Batch: ...
-    def clearance(
-        self, tool: Tool, world_from_tool: npt.NDArray[np.float64], within: float, triangles: bool
-    ) -> Clearance: ...
-    def distance(self, tool: Tool, world_from_tool: npt.NDArray[np.float64], max: float) -> Distance: ...
-    def distances(self, tool: Tool, world_from_tool: npt.NDArray[np.float64], max: float, k: int) -> list[Distance]: ...
+        self, tool: Tool, world_from_tool: npt.ArrayLike, *, repeat_filter: bool = True, box_filter: bool = True
+    ) -> Collision:
+        """Every pair of triangles that meets, with the tool at a pose `(4, 4)`; exact.
+
+        The filters (skip pairs met before; compare boxes first) never change the answer: switch one off to measure what
+        it brings. Raises `PoseError` for a pose that is not rigid.
+        """
+    def is_colliding(self, tool: Tool, world_from_tool: npt.ArrayLike) -> bool:
+        """Whether any two triangles meet, with the tool at a pose `(4, 4)`; stops at the first pair."""
+    def collide_batch(self, tool: Tool, poses: npt.ArrayLike, progress: _Progress | None) -> Batch: ...
+    def clearance(self, tool: Tool, world_from_tool: npt.ArrayLike, within: float, triangles: bool) -> Clearance: ...
+    def distance(self, tool: Tool, world_from_tool: npt.ArrayLike, max: float) -> Distance: ...
+    def distances(self, tool: Tool, world_from_tool: npt.ArrayLike, max: float, k: int) -> list[Distance]: ...
     def distance_batch(
-        self, tool: Tool, poses: npt.NDArray[np.float64], max: float, progress: _Progress | None
+        self, tool: Tool, poses: npt.ArrayLike, max: float, progress: _Progress | None
     ) -> DistanceBatch: ...
     def clearance_batch(
-        self, tool: Tool, poses: npt.NDArray[np.float64], within: float, triangles: bool, progress: _Progress | None
+        self, tool: Tool, poses: npt.ArrayLike, within: float, triangles: bool, progress: _Progress | None
     ) -> ClearanceBatch: ...
-    def cast(
-        self, tool: Tool, pose0: npt.NDArray[np.float64], pose1: npt.NDArray[np.float64], *, tolerance: float
-    ) -> Cast | None: ...
+    def cast(self, tool: Tool, pose0: npt.ArrayLike, pose1: npt.ArrayLike, *, tolerance: float) -> Cast | None: ...
     def check_path(
-        self, tool: Tool, poses: npt.NDArray[np.float64], *, tolerance: float, progress: _Progress | None
+        self, tool: Tool, poses: npt.ArrayLike, *, tolerance: float, progress: _Progress | None
     ) -> PathCheck: ...
     def contacts(
         self,
         tool: Tool,
-        world_from_tool: npt.NDArray[np.float64],
+        world_from_tool: npt.ArrayLike,
         margin: float,
-        reference: npt.NDArray[np.float64] | None,
+        reference: npt.ArrayLike | None,
     ) -> Contacts: ...
     def penetration(
         self,
         tool: Tool,
-        world_from_tool: npt.NDArray[np.float64],
+        world_from_tool: npt.ArrayLike,
         margin: float,
-        reference: npt.NDArray[np.float64] | None,
+        reference: npt.ArrayLike | None,
     ) -> Penetration: ...
 
 @final
@@ -215,11 +217,11 @@ class Penetration:
 @disjoint_base
 class ContactTracker:
     def __new__(cls, scene: Scene, tool: Tool) -> Self: ...
-    def contacts(self, world_from_tool: npt.NDArray[np.float64], margin: float) -> Contacts: ...
+    def contacts(self, world_from_tool: npt.ArrayLike, margin: float) -> Contacts: ...
     @property
     def last_free(self) -> npt.NDArray[np.float64] | None:
         """The last pose at which nothing met, `(4, 4)`."""
-    def set_last_free(self, world_from_tool: npt.NDArray[np.float64] | None) -> None:
+    def set_last_free(self, world_from_tool: npt.ArrayLike | None) -> None:
         """Takes a pose for free, or forgets it."""
 
 @final

@@ -18,7 +18,6 @@ from feeler._core import (
     Cast,
     Clearance,
     ClearanceBatch,
-    Collision,
     Contacts,
     Distance,
     DistanceBatch,
@@ -26,7 +25,7 @@ from feeler._core import (
     Penetration,
 )
 from feeler.calibrate import machine_constants
-from feeler.errors import LimitError, MeshError, OptionError, PoseError
+from feeler.errors import LimitError, MeshError, OptionError
 from feeler.mockup import Mockup, Tool
 
 Progress = Callable[[float, str], object]
@@ -119,38 +118,14 @@ class Scene(_core.Scene):
         assert isinstance(mockup, Mockup)
         return mockup
 
-    def collide(
-        self,
-        tool: _core.Tool,
-        world_from_tool: npt.ArrayLike,
-        *,
-        repeat_filter: bool = True,
-        box_filter: bool = True,
-    ) -> Collision:
-        """Every pair of triangles that meets, with the tool at a pose `(4, 4)`; exact.
-
-        The filters (skip pairs met before; compare boxes first) never change the answer: switch one off to measure what
-        it brings. Raises `PoseError` for a pose that is not rigid.
-        """
-        _check_tool(tool)
-        return super().collide(
-            tool, _poses(world_from_tool, 2), repeat_filter=bool(repeat_filter), box_filter=bool(box_filter)
-        )
-
-    def is_colliding(self, tool: _core.Tool, world_from_tool: npt.ArrayLike) -> bool:
-        """Whether any two triangles meet, with the tool at a pose `(4, 4)`; stops at the first pair."""
-        _check_tool(tool)
-        return super().is_colliding(tool, _poses(world_from_tool, 2))
-
     def collide_batch(self, tool: _core.Tool, poses: npt.ArrayLike, progress: Progress | None = None) -> Batch:
         """`collide` at each of `(n, 4, 4)` poses, on all threads of the scene.
 
         Pose `i` has the pairs `batch.pairs[batch.offsets[i]:batch.offsets[i + 1]]`, also `batch[i]`. Raises `PoseError`
         naming the first pose that is not rigid, and `LimitError` when the pairs outgrow the scene's `memory_limit`.
         """
-        _check_tool(tool)
         _check_progress(progress)
-        return super().collide_batch(tool, _poses(poses, 3), progress)
+        return super().collide_batch(tool, poses, progress)
 
     def clearance(
         self, tool: _core.Tool, world_from_tool: npt.ArrayLike, within: float = 0.005, triangles: bool = False
@@ -162,8 +137,7 @@ class Scene(_core.Scene):
         distance, a part's row has the one with the least ids; of several that meet, any. Raises `OptionError` where
         `within` is negative or NaN (it may be infinite), `LimitError` when the rows outgrow the scene's `memory_limit`.
         """
-        _check_tool(tool)
-        return super().clearance(tool, _poses(world_from_tool, 2), _real("within", within), bool(triangles))
+        return super().clearance(tool, world_from_tool, _real("within", within), bool(triangles))
 
     @overload
     def distance(
@@ -183,20 +157,18 @@ class Scene(_core.Scene):
         `clearance`; when they meet, the value is 0, and the triangles are some pair that meets. Raises `OptionError`
         where `max` is negative or NaN, or `k` below 1.
         """
-        _check_tool(tool)
         if not 1 <= _integer("k", k) < 2**32:
             raise OptionError(f"k is {k}: ask for one part at least")
         if k == 1:
-            return super().distance(tool, _poses(world_from_tool, 2), _real("max", max))
-        return super().distances(tool, _poses(world_from_tool, 2), _real("max", max), int(k))
+            return super().distance(tool, world_from_tool, _real("max", max))
+        return super().distances(tool, world_from_tool, _real("max", max), int(k))
 
     def distance_batch(
         self, tool: _core.Tool, poses: npt.ArrayLike, max: float = math.inf, progress: Progress | None = None
     ) -> DistanceBatch:
         """`distance` at each of `(n, 4, 4)` poses, on all threads of the scene."""
-        _check_tool(tool)
         _check_progress(progress)
-        return super().distance_batch(tool, _poses(poses, 3), _real("max", max), progress)
+        return super().distance_batch(tool, poses, _real("max", max), progress)
 
     def clearance_batch(
         self,
@@ -210,9 +182,8 @@ class Scene(_core.Scene):
 
         Raises `LimitError` when the rows outgrow the scene's `memory_limit`.
         """
-        _check_tool(tool)
         _check_progress(progress)
-        return super().clearance_batch(tool, _poses(poses, 3), _real("within", within), bool(triangles), progress)
+        return super().clearance_batch(tool, poses, _real("within", within), bool(triangles), progress)
 
     def cast(
         self, tool: _core.Tool, pose0: npt.ArrayLike, pose1: npt.ArrayLike, *, tolerance: float = CAST_TOLERANCE
@@ -226,8 +197,7 @@ class Scene(_core.Scene):
         that of `collide`. Raises `PoseError` for a pose that is not rigid, `OptionError` for a tolerance that is not
         positive and finite.
         """
-        _check_tool(tool)
-        return super().cast(tool, _poses(pose0, 2), _poses(pose1, 2), tolerance=_real("tolerance", tolerance))
+        return super().cast(tool, pose0, pose1, tolerance=_real("tolerance", tolerance))
 
     def check_path(
         self,
@@ -243,9 +213,8 @@ class Scene(_core.Scene):
         still. Raises `PoseError` naming the first pose that is not rigid, and for a path without a pose; `OptionError`
         as `cast`.
         """
-        _check_tool(tool)
         _check_progress(progress)
-        return super().check_path(tool, _poses(poses, 3), tolerance=_real("tolerance", tolerance), progress=progress)
+        return super().check_path(tool, poses, tolerance=_real("tolerance", tolerance), progress=progress)
 
     def contacts(
         self,
@@ -261,8 +230,7 @@ class Scene(_core.Scene):
         which side of open surfaces the tool belongs (see `ContactTracker`, and docs/contacts.md). Raises `OptionError`
         where `margin` is negative, NaN or infinite.
         """
-        _check_tool(tool)
-        return super().contacts(tool, _poses(world_from_tool, 2), _real("margin", margin), _optional_pose(reference))
+        return super().contacts(tool, world_from_tool, _real("margin", margin), reference)
 
     def penetration(
         self,
@@ -275,8 +243,7 @@ class Scene(_core.Scene):
 
         Arguments and errors as `contacts`. `kind` says whether it is exact, a bound or an estimate.
         """
-        _check_tool(tool)
-        return super().penetration(tool, _poses(world_from_tool, 2), _real("margin", margin), _optional_pose(reference))
+        return super().penetration(tool, world_from_tool, _real("margin", margin), reference)
 
     def __repr__(self) -> str:
         return f"Scene({self.mockup!r}, voxel_size={self.voxel_size:.4g}, storage={self.storage!r})"
@@ -292,12 +259,11 @@ class ContactTracker(_core.ContactTracker):
         """See the class."""
         if not isinstance(scene, Scene):
             raise MeshError(f"a tracker needs a feeler.Scene, not {type(scene).__name__}")
-        _check_tool(tool)
         return super().__new__(cls, scene, tool)
 
     def contacts(self, world_from_tool: npt.ArrayLike, margin: float = 0.002) -> Contacts:
         """`Scene.contacts` with the last free pose as reference; a pose at which nothing meets becomes the next."""
-        return super().contacts(_poses(world_from_tool, 2), _real("margin", margin))
+        return super().contacts(world_from_tool, _real("margin", margin))
 
     @property
     def last_free(self) -> npt.NDArray[np.float64] | None:
@@ -306,7 +272,7 @@ class ContactTracker(_core.ContactTracker):
 
     @last_free.setter
     def last_free(self, world_from_tool: npt.ArrayLike | None) -> None:
-        super().set_last_free(_optional_pose(world_from_tool))
+        super().set_last_free(world_from_tool)
 
 
 def optimal_voxel_size(
@@ -367,28 +333,6 @@ def _check_progress(progress: object) -> None:
 def _check_tool(tool: object) -> None:
     if not isinstance(tool, _core.Tool):
         raise MeshError(f"a feeler.Tool is needed, not {type(tool).__name__}")
-
-
-def _poses(poses: npt.ArrayLike, dimensions: int) -> npt.NDArray[np.float64]:
-    if isinstance(poses, np.ndarray) and poses.dtype == np.float64 and poses.ndim == dimensions:
-        return poses
-    shape = "(4, 4)" if dimensions == 2 else "(n, 4, 4)"
-    try:
-        array = np.asarray(poses)
-        if array.dtype.kind not in "fiu":
-            raise PoseError(f"poses have dtype {array.dtype}: {shape} real numbers are needed")
-        array = array.astype(np.float64)
-    except (ValueError, TypeError) as error:
-        if isinstance(error, PoseError):
-            raise
-        raise PoseError(f"poses cannot be read as {shape} numbers: {error}") from error
-    if array.ndim != dimensions:
-        raise PoseError(f"poses have shape {array.shape}: {shape} is needed")
-    return array
-
-
-def _optional_pose(pose: npt.ArrayLike | None) -> npt.NDArray[np.float64] | None:
-    return None if pose is None else _poses(pose, 2)
 
 
 def _real(what: str, value: float) -> float:

@@ -3,13 +3,13 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use feeler_core as core;
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray2};
+use numpy::{IntoPyArray, PyArray1, PyArray2};
 use pyo3::prelude::*;
 
+use crate::arguments::{PoseArgument, ToolArgument};
 use crate::arrays::{view, view_rows};
 use crate::errors::to_py;
-use crate::scene::{pose_array, pose_of, Scene};
-use crate::tool::Tool;
+use crate::scene::{pose_array, Scene};
 
 /// The contact planes of a tool at a pose.
 #[pyclass(frozen, module = "feeler._core")]
@@ -184,17 +184,16 @@ pub struct ContactTracker {
 #[pymethods]
 impl ContactTracker {
     #[new]
-    fn new(scene: Py<Scene>, tool: &Bound<'_, Tool>) -> ContactTracker {
-        ContactTracker { scene, tool: Arc::clone(&tool.get().core), core: Mutex::default() }
+    fn new(scene: Py<Scene>, tool: ToolArgument<'_, '_>) -> ContactTracker {
+        ContactTracker { scene, tool: Arc::clone(tool.core()), core: Mutex::default() }
     }
 
-    fn contacts(&self, py: Python<'_>, world_from_tool: PyReadonlyArray2<'_, f64>, margin: f64) -> PyResult<Contacts> {
-        let pose = pose_of(&world_from_tool)?;
+    fn contacts(&self, py: Python<'_>, world_from_tool: PoseArgument, margin: f64) -> PyResult<Contacts> {
         let scene = self.scene.get();
         let found = py.detach(|| {
             // The lock is not held meanwhile: a second thread asks with what was known, and does not wait.
             let mut tracker = *self.core.lock().unwrap_or_else(PoisonError::into_inner);
-            let found = tracker.contacts(scene.core(), &self.tool, &pose, margin)?;
+            let found = tracker.contacts(scene.core(), &self.tool, &world_from_tool.0, margin)?;
             if !found.is_meeting {
                 *self.core.lock().unwrap_or_else(PoisonError::into_inner) = tracker;
             }
@@ -209,9 +208,8 @@ impl ContactTracker {
         tracker.last_free().map(|pose| pose_array(py, pose))
     }
 
-    fn set_last_free(&self, world_from_tool: Option<PyReadonlyArray2<'_, f64>>) -> PyResult<()> {
-        let pose = world_from_tool.as_ref().map(pose_of).transpose()?;
+    fn set_last_free(&self, world_from_tool: Option<PoseArgument>) {
+        let pose = world_from_tool.map(|pose| pose.0);
         self.core.lock().unwrap_or_else(PoisonError::into_inner).set_last_free(pose);
-        Ok(())
     }
 }

@@ -1,5 +1,6 @@
 //! The Python module `feeler._core`: classes that convert arrays and map errors, and decide nothing.
 
+mod arguments;
 mod arrays;
 mod cast;
 mod collision;

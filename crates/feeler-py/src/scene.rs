@@ -4,11 +4,12 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use feeler_core as core;
 use numpy::ndarray::Array2;
-use numpy::{IntoPyArray, PyArray2, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods};
+use numpy::{IntoPyArray, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
+use crate::arguments::{PoseArgument, PosesArgument, Switch, ToolArgument};
 use crate::cast::{Cast, PathCheck};
 use crate::collision::{Batch, Collision};
 use crate::contacts::{Contacts, Penetration};
@@ -141,47 +142,45 @@ impl Scene {
         py.detach(|| self.core.validate()).map_err(|why| raise("FeelerError", why))
     }
 
-    #[pyo3(signature = (tool, world_from_tool, *, repeat_filter, box_filter))]
+    /// Every pair of triangles that meets, with the tool at a pose `(4, 4)`; exact.
+    ///
+    /// The filters (skip pairs met before; compare boxes first) never change the answer: switch one off to measure what
+    /// it brings. Raises `PoseError` for a pose that is not rigid.
+    #[pyo3(signature = (tool, world_from_tool, *, repeat_filter = Switch(true), box_filter = Switch(true)),
+           text_signature = "($self, tool, world_from_tool, *, repeat_filter=True, box_filter=True)")]
     fn collide(
         &self,
         py: Python<'_>,
-        tool: &Bound<'_, Tool>,
-        world_from_tool: PyReadonlyArray2<'_, f64>,
-        repeat_filter: bool,
-        box_filter: bool,
-    ) -> PyResult<Collision> {
-        let pose = pose_of(&world_from_tool)?;
-        let filters = core::Filters { repeats: repeat_filter, boxes: box_filter };
-        let tool = &tool.get().core;
-        let collision = py.detach(|| self.core.collide(tool, &pose, filters));
-        Ok(Collision::new(collision, Arc::clone(self.core.mockup())))
+        tool: ToolArgument<'_, '_>,
+        world_from_tool: PoseArgument,
+        repeat_filter: Switch,
+        box_filter: Switch,
+    ) -> Collision {
+        let filters = core::Filters { repeats: repeat_filter.0, boxes: box_filter.0 };
+        let tool = tool.core();
+        let collision = py.detach(|| self.core.collide(tool, &world_from_tool.0, filters));
+        Collision::new(collision, Arc::clone(self.core.mockup()))
     }
 
-    fn is_colliding(
-        &self,
-        py: Python<'_>,
-        tool: &Bound<'_, Tool>,
-        world_from_tool: PyReadonlyArray2<'_, f64>,
-    ) -> PyResult<bool> {
-        let pose = pose_of(&world_from_tool)?;
-        let tool = &tool.get().core;
-        Ok(py.detach(|| self.core.is_colliding(tool, &pose)))
+    /// Whether any two triangles meet, with the tool at a pose `(4, 4)`; stops at the first pair.
+    fn is_colliding(&self, py: Python<'_>, tool: ToolArgument<'_, '_>, world_from_tool: PoseArgument) -> bool {
+        let tool = tool.core();
+        py.detach(|| self.core.is_colliding(tool, &world_from_tool.0))
     }
 
     #[pyo3(signature = (tool, poses, progress))]
     fn collide_batch(
         &self,
         py: Python<'_>,
-        tool: &Bound<'_, Tool>,
-        poses: PyReadonlyArray3<'_, f64>,
+        tool: ToolArgument<'_, '_>,
+        poses: PosesArgument,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Batch> {
-        let poses = poses_of(&poses)?;
-        let tool = &tool.get().core;
+        let tool = tool.core();
         let reporter = Reporter::new(progress);
         let batch = py.detach(|| {
             on_pool(self.pool.as_ref(), || {
-                self.core.collide_batch(tool, &poses, &|done, stage| reporter.tell(done, stage))
+                self.core.collide_batch(tool, &poses.0, &|done, stage| reporter.tell(done, stage))
             })
         });
         reporter.finish()?;
@@ -192,18 +191,17 @@ impl Scene {
     fn clearance(
         &self,
         py: Python<'_>,
-        tool: &Bound<'_, Tool>,
-        world_from_tool: PyReadonlyArray2<'_, f64>,
+        tool: ToolArgument<'_, '_>,
+        world_from_tool: PoseArgument,
         within: f64,
         triangles: bool,
     ) -> PyResult<Clearance> {
-        let pose = pose_of(&world_from_tool)?;
-        let tool = &tool.get().core;
+        let tool = tool.core();
         let gaps = py.detach(|| {
             if triangles {
-                self.core.near_pairs(tool, &pose, within)
+                self.core.near_pairs(tool, &world_from_tool.0, within)
             } else {
-                self.core.clearance(tool, &pose, within)
+                self.core.clearance(tool, &world_from_tool.0, within)
             }
         });
         Ok(Clearance::new(gaps.map_err(to_py)?))
@@ -213,14 +211,14 @@ impl Scene {
     fn contacts(
         &self,
         py: Python<'_>,
-        tool: &Bound<'_, Tool>,
-        world_from_tool: PyReadonlyArray2<'_, f64>,
+        tool: ToolArgument<'_, '_>,
+        world_from_tool: PoseArgument,
         margin: f64,
-        reference: Option<PyReadonlyArray2<'_, f64>>,
+        reference: Option<PoseArgument>,
     ) -> PyResult<Contacts> {
-        let (pose, reference) = (pose_of(&world_from_tool)?, reference.as_ref().map(pose_of).transpose()?);
-        let tool = &tool.get().core;
-        let found = py.detach(|| self.core.contacts(tool, &pose, margin, reference.as_ref()));
+        let reference = reference.map(|pose| pose.0);
+        let tool = tool.core();
+        let found = py.detach(|| self.core.contacts(tool, &world_from_tool.0, margin, reference.as_ref()));
         Ok(Contacts::new(&found.map_err(to_py)?))
     }
 
@@ -228,14 +226,14 @@ impl Scene {
     fn penetration(
         &self,
         py: Python<'_>,
-        tool: &Bound<'_, Tool>,
-        world_from_tool: PyReadonlyArray2<'_, f64>,
+        tool: ToolArgument<'_, '_>,
+        world_from_tool: PoseArgument,
         margin: f64,
-        reference: Option<PyReadonlyArray2<'_, f64>>,
+        reference: Option<PoseArgument>,
     ) -> PyResult<Penetration> {
-        let (pose, reference) = (pose_of(&world_from_tool)?, reference.as_ref().map(pose_of).transpose()?);
-        let tool = &tool.get().core;
-        let found = py.detach(|| self.core.penetration(tool, &pose, margin, reference.as_ref()));
+        let reference = reference.map(|pose| pose.0);
+        let tool = tool.core();
+        let found = py.detach(|| self.core.penetration(tool, &world_from_tool.0, margin, reference.as_ref()));
         Penetration::new(py, found.map_err(to_py)?)
     }
 
@@ -243,27 +241,25 @@ impl Scene {
     fn distance(
         &self,
         py: Python<'_>,
-        tool: &Bound<'_, Tool>,
-        world_from_tool: PyReadonlyArray2<'_, f64>,
+        tool: ToolArgument<'_, '_>,
+        world_from_tool: PoseArgument,
         max: f64,
     ) -> PyResult<Distance> {
-        let pose = pose_of(&world_from_tool)?;
-        let tool = &tool.get().core;
-        Ok(Distance::new(py.detach(|| self.core.closest(tool, &pose, max)).map_err(to_py)?))
+        let tool = tool.core();
+        Ok(Distance::new(py.detach(|| self.core.closest(tool, &world_from_tool.0, max)).map_err(to_py)?))
     }
 
     #[pyo3(signature = (tool, world_from_tool, max, k))]
     fn distances(
         &self,
         py: Python<'_>,
-        tool: &Bound<'_, Tool>,
-        world_from_tool: PyReadonlyArray2<'_, f64>,
+        tool: ToolArgument<'_, '_>,
+        world_from_tool: PoseArgument,
         max: f64,
         k: usize,
     ) -> PyResult<Vec<Distance>> {
-        let pose = pose_of(&world_from_tool)?;
-        let tool = &tool.get().core;
-        let gaps = py.detach(|| self.core.distance(tool, &pose, max, k)).map_err(to_py)?;
+        let tool = tool.core();
+        let gaps = py.detach(|| self.core.distance(tool, &world_from_tool.0, max, k)).map_err(to_py)?;
         Ok(gaps.into_iter().map(|gap| Distance::new(Some(gap))).collect())
     }
 
@@ -271,17 +267,16 @@ impl Scene {
     fn distance_batch(
         &self,
         py: Python<'_>,
-        tool: &Bound<'_, Tool>,
-        poses: PyReadonlyArray3<'_, f64>,
+        tool: ToolArgument<'_, '_>,
+        poses: PosesArgument,
         max: f64,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<DistanceBatch> {
-        let poses = poses_of(&poses)?;
-        let tool = &tool.get().core;
+        let tool = tool.core();
         let reporter = Reporter::new(progress);
         let gaps = py.detach(|| {
             on_pool(self.pool.as_ref(), || {
-                self.core.distance_batch(tool, &poses, max, &|done, stage| reporter.tell(done, stage))
+                self.core.distance_batch(tool, &poses.0, max, &|done, stage| reporter.tell(done, stage))
             })
         });
         reporter.finish()?;
@@ -292,18 +287,17 @@ impl Scene {
     fn clearance_batch(
         &self,
         py: Python<'_>,
-        tool: &Bound<'_, Tool>,
-        poses: PyReadonlyArray3<'_, f64>,
+        tool: ToolArgument<'_, '_>,
+        poses: PosesArgument,
         within: f64,
         triangles: bool,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<ClearanceBatch> {
-        let poses = poses_of(&poses)?;
-        let tool = &tool.get().core;
+        let tool = tool.core();
         let reporter = Reporter::new(progress);
         let batch = py.detach(|| {
             on_pool(self.pool.as_ref(), || {
-                self.core.clearance_batch(tool, &poses, within, triangles, &|done, stage| reporter.tell(done, stage))
+                self.core.clearance_batch(tool, &poses.0, within, triangles, &|done, stage| reporter.tell(done, stage))
             })
         });
         reporter.finish()?;
@@ -314,14 +308,13 @@ impl Scene {
     fn cast(
         &self,
         py: Python<'_>,
-        tool: &Bound<'_, Tool>,
-        pose0: PyReadonlyArray2<'_, f64>,
-        pose1: PyReadonlyArray2<'_, f64>,
+        tool: ToolArgument<'_, '_>,
+        pose0: PoseArgument,
+        pose1: PoseArgument,
         tolerance: f64,
     ) -> PyResult<Option<Cast>> {
-        let (pose0, pose1) = (pose_of(&pose0)?, pose_of(&pose1)?);
-        let tool = &tool.get().core;
-        let found = py.detach(|| self.core.cast(tool, &pose0, &pose1, tolerance)).map_err(to_py)?;
+        let tool = tool.core();
+        let found = py.detach(|| self.core.cast(tool, &pose0.0, &pose1.0, tolerance)).map_err(to_py)?;
         Ok(found.map(|cast| Cast::new(cast, self.core.mockup())))
     }
 
@@ -329,17 +322,16 @@ impl Scene {
     fn check_path(
         &self,
         py: Python<'_>,
-        tool: &Bound<'_, Tool>,
-        poses: PyReadonlyArray3<'_, f64>,
+        tool: ToolArgument<'_, '_>,
+        poses: PosesArgument,
         tolerance: f64,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<PathCheck> {
-        let poses = poses_of(&poses)?;
-        let tool = &tool.get().core;
+        let tool = tool.core();
         let reporter = Reporter::new(progress);
         let check = py.detach(|| {
             on_pool(self.pool.as_ref(), || {
-                self.core.check_path(tool, &poses, tolerance, &|done, stage| reporter.tell(done, stage))
+                self.core.check_path(tool, &poses.0, tolerance, &|done, stage| reporter.tell(done, stage))
             })
         });
         reporter.finish()?;
@@ -377,14 +369,6 @@ fn on_pool<R: Send>(pool: Option<&ThreadPool>, work: impl FnOnce() -> R + Send) 
     }
 }
 
-pub(crate) fn pose_of(array: &PyReadonlyArray2<'_, f64>) -> PyResult<core::Pose> {
-    let view = array.as_array();
-    if view.dim() != (4, 4) {
-        return Err(raise("PoseError", format!("a pose has shape {:?}: (4, 4) is needed", array.shape())));
-    }
-    core::Pose::new(&std::array::from_fn(|i| std::array::from_fn(|j| view[[i, j]]))).map_err(to_py)
-}
-
 /// A pose as `(4, 4) float64`.
 pub(crate) fn pose_array<'py>(py: Python<'py>, pose: &core::Pose) -> Bound<'py, PyArray2<f64>> {
     let entry = |i: usize, j: usize| match (i, j) {
@@ -394,20 +378,6 @@ pub(crate) fn pose_array<'py>(py: Python<'py>, pose: &core::Pose) -> Bound<'py, 
         _ => pose.rotation()[i][j],
     };
     Array2::from_shape_fn((4, 4), |(i, j)| entry(i, j)).into_pyarray(py)
-}
-
-fn poses_of(array: &PyReadonlyArray3<'_, f64>) -> PyResult<Vec<core::Pose>> {
-    let view = array.as_array();
-    let (n, rows, columns) = view.dim();
-    if (rows, columns) != (4, 4) {
-        return Err(raise("PoseError", format!("poses have shape {:?}: (n, 4, 4) is needed", array.shape())));
-    }
-    (0..n)
-        .map(|p| {
-            core::Pose::new(&std::array::from_fn(|i| std::array::from_fn(|j| view[[p, i, j]])))
-                .map_err(|e| raise("PoseError", format!("poses[{p}]: {e}")))
-        })
-        .collect()
 }
 
 /// Calls a Python progress function and looks for signals (Ctrl-C); keeps the exception that either raises, and stops the

@@ -1,0 +1,111 @@
+//! Arguments as Python gives them: a tool, poses, switches. What cannot be used is an exception of `feeler.errors` that says
+//! what it is.
+
+use feeler_core as core;
+use numpy::ndarray::{ArrayView2, Ix2, Ix3};
+use numpy::{PyArray, PyArrayMethods, PyReadonlyArray, PyUntypedArrayMethods};
+use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::prelude::*;
+
+use crate::errors::{raise, to_py};
+use crate::tool::Tool;
+
+/// A `feeler.Tool`.
+pub struct ToolArgument<'a, 'py>(Borrowed<'a, 'py, Tool>);
+
+impl ToolArgument<'_, '_> {
+    pub fn core(&self) -> &std::sync::Arc<core::Tool> {
+        &self.0.get().core
+    }
+}
+
+impl<'a, 'py> FromPyObject<'a, 'py> for ToolArgument<'a, 'py> {
+    type Error = PyErr;
+
+    fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        match object.cast::<Tool>() {
+            Ok(tool) => Ok(ToolArgument(tool)),
+            Err(_) => Err(raise("MeshError", format!("a feeler.Tool is needed, not {}", object.get_type().name()?))),
+        }
+    }
+}
+
+/// A pose: anything that NumPy reads as `(4, 4)` real numbers, rigid.
+pub struct PoseArgument(pub core::Pose);
+
+impl<'a, 'py> FromPyObject<'a, 'py> for PoseArgument {
+    type Error = PyErr;
+
+    fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        let array = real_numbers::<Ix2>(object, "(4, 4)")?;
+        if array.shape() != [4, 4] {
+            return Err(raise("PoseError", format!("a pose has shape {:?}: (4, 4) is needed", array.shape())));
+        }
+        pose_of(&array.as_array()).map(PoseArgument).map_err(to_py)
+    }
+}
+
+/// Poses: anything that NumPy reads as `(n, 4, 4)` real numbers, each rigid.
+pub struct PosesArgument(pub Vec<core::Pose>);
+
+impl<'a, 'py> FromPyObject<'a, 'py> for PosesArgument {
+    type Error = PyErr;
+
+    fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        let array = real_numbers::<Ix3>(object, "(n, 4, 4)")?;
+        if array.shape()[1..] != [4, 4] {
+            return Err(raise("PoseError", format!("poses have shape {:?}: (n, 4, 4) is needed", array.shape())));
+        }
+        let named = |(p, pose)| pose_of(&pose).map_err(|e| raise("PoseError", format!("poses[{p}]: {e}")));
+        array.as_array().outer_iter().enumerate().map(named).collect::<PyResult<_>>().map(PosesArgument)
+    }
+}
+
+/// Anything that is true or false in Python.
+pub struct Switch(pub bool);
+
+impl<'a, 'py> FromPyObject<'a, 'py> for Switch {
+    type Error = PyErr;
+
+    fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        object.is_truthy().map(Switch)
+    }
+}
+
+fn pose_of(matrix: &ArrayView2<'_, f64>) -> core::Result<core::Pose> {
+    core::Pose::new(&std::array::from_fn(|i| std::array::from_fn(|j| matrix[[i, j]])))
+}
+
+/// An array of float64 as it is, anything else as NumPy converts it.
+fn real_numbers<'py, D: numpy::ndarray::Dimension>(
+    object: Borrowed<'_, 'py, PyAny>,
+    shape: &str,
+) -> PyResult<PyReadonlyArray<'py, f64, D>> {
+    if let Ok(array) = object.cast::<PyArray<f64, D>>() {
+        if let Ok(array) = array.try_readonly() {
+            return Ok(array);
+        }
+    }
+    let py = object.py();
+    let unreadable = |error: PyErr| {
+        if error.is_instance_of::<PyValueError>(py) || error.is_instance_of::<PyTypeError>(py) {
+            let message = format!("poses cannot be read as {shape} numbers: {}", error.value(py));
+            let raised = raise("PoseError", message);
+            raised.set_cause(py, Some(error));
+            raised
+        } else {
+            error
+        }
+    };
+    let numpy = py.import("numpy")?;
+    let array = numpy.call_method1("asarray", (object,)).map_err(unreadable)?;
+    let dtype = array.getattr("dtype")?;
+    if !["f", "i", "u"].contains(&dtype.getattr("kind")?.extract::<String>()?.as_str()) {
+        return Err(raise("PoseError", format!("poses have dtype {dtype}: {shape} real numbers are needed")));
+    }
+    let array = array.call_method1("astype", (numpy.getattr("float64")?,)).map_err(unreadable)?;
+    match array.cast::<PyArray<f64, D>>() {
+        Ok(array) => Ok(array.readonly()),
+        Err(_) => Err(raise("PoseError", format!("poses have shape {}: {shape} is needed", array.getattr("shape")?))),
+    }
+}
