@@ -237,7 +237,6 @@ mod tests {
             scale in prop_oneof![Just(1.0), Just(1e-60), Just(1e60), Just(1e-120)],
         ) {
             let pairs = pairs.map(|(a, b)| (a.map(|c| c.map(|x| x * scale)), b.map(|c| c.map(|x| x * scale))));
-            let plain = prove(Level::Portable, &pairs);
             let kinds: Vec<_> = pairs.iter().map(|(a, b)| intersect_triangle_triangle(a, b)).collect();
             for level in Level::available() {
                 let verdict = prove(level, &pairs);

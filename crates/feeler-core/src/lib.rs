@@ -15,6 +15,7 @@ pub mod defects;
 pub mod distance_triangle_triangle;
 pub mod error;
 pub mod grid;
+mod hits;
 pub mod intersect_lanes;
 pub mod intersect_triangle_triangle;
 mod lanes;

@@ -1,6 +1,7 @@
 //! The narrow phase: candidate pairs go through two filters to the triangle test.
 
 use crate::bounds::Aabb;
+use crate::hits::{pair_key, Hit, Hits};
 use crate::intersect_lanes::{gathered, intersect, moved, Verdict};
 use crate::intersect_triangle_triangle::{intersect_with, PairKind};
 use crate::mesh::Mesh;
@@ -218,30 +219,6 @@ impl Pending {
     }
 }
 
-/// A found pair and how it meets in one number, in the order of results.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) struct Hit(u64);
-
-impl Hit {
-    fn new(tool_triangle: u32, mockup_triangle: u32, kind: PairKind) -> Hit {
-        Hit(pair_key(tool_triangle, mockup_triangle) << 2 | kind as u64)
-    }
-
-    /// `[tool triangle, mock-up triangle]`.
-    pub fn pair(self) -> [u32; 2] {
-        [(self.0 >> 34) as u32, (self.0 >> 2) as u32]
-    }
-
-    /// How they meet.
-    pub fn kind(self) -> PairKind {
-        match self.0 & 3 {
-            0 => PairKind::Coplanar,
-            1 => PairKind::Crossing,
-            _ => PairKind::Touching,
-        }
-    }
-}
-
 /// One query's narrow phase. Stores offer candidate pairs to it.
 pub(crate) struct Narrow<'a> {
     pub mesh: &'a Mesh,
@@ -254,7 +231,7 @@ pub(crate) struct Narrow<'a> {
     pub placed: &'a mut PlacedBounds,
     pub seen: &'a mut PairSet,
     pub pending: &'a mut Pending,
-    pub hits: &'a mut Vec<Hit>,
+    pub hits: &'a mut Hits,
     pub stats: &'a mut Stats,
 }
 
@@ -356,7 +333,7 @@ impl Narrow<'_> {
                     self.hits.push(Hit::new(self.tool.ids()[slots[i] as usize], mockup_triangles[i], kind));
                 }
             }
-            if self.first_only && !self.hits.is_empty() {
+            if self.first_only && self.hits.len() > 0 {
                 return true;
             }
         }
@@ -395,11 +372,6 @@ impl Kernel for Test<'_> {
             *verdict = intersect(s, &p, &gathered(s, q));
         }
     }
-}
-
-/// A pair in one number, in order.
-pub(crate) fn pair_key(tool_triangle: u32, mockup_triangle: u32) -> u64 {
-    u64::from(tool_triangle) << 32 | u64::from(mockup_triangle)
 }
 
 #[cfg(test)]

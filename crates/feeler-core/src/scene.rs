@@ -10,9 +10,10 @@ use crate::constants::MOCKUP_CUT_ALLOWANCE;
 use crate::contacts::{Adjacency, NearLists};
 use crate::cost::{mean_longest_edge, static_means, CostFunction, Estimator};
 use crate::error::{Error, Result};
+use crate::hits::{Hit, Hits};
 use crate::intersect_triangle_triangle::PairKind;
 use crate::mesh::{Mesh, Mockup};
-use crate::narrow::{Filters, Hit, Narrow, PairSet, Pending, PlacedBounds, Stats};
+use crate::narrow::{Filters, Narrow, PairSet, Pending, PlacedBounds, Stats};
 use crate::pieces::default_piece_size;
 use crate::pose::Pose;
 use crate::predict::Predictor;
@@ -70,7 +71,7 @@ pub struct Scratch {
     pending: Pending,
     blocks: BlocksScratch,
     pub(crate) cast: CastScratch,
-    hits: Vec<Hit>,
+    hits: Hits,
     stats: Stats,
     pub(crate) proximity: ProximityScratch,
     pub(crate) contacts: NearLists,
@@ -201,7 +202,7 @@ impl Scene {
     pub(crate) fn any_pair(&self, tool: &Tool, pose: &Pose) -> Option<[u32; 2]> {
         let mut scratch = self.take_scratch();
         self.run(tool, pose, Filters::default(), true, &mut scratch);
-        let found = scratch.hits.first().map(|hit| hit.pair());
+        let found = scratch.hits.iter().next().map(Hit::pair);
         self.put_scratch(scratch);
         found
     }
@@ -233,7 +234,7 @@ impl Scene {
                             break;
                         }
                         self.run(tool, pose, Filters::default(), false, &mut scratch);
-                        found.hits.extend_from_slice(&scratch.hits);
+                        found.hits.extend(scratch.hits.iter());
                         *count = scratch.hits.len();
                         new.fetch_add(scratch.hits.len() as u64, Relaxed);
                     }
@@ -277,8 +278,7 @@ impl Scene {
             Narrow { mesh, tool, pose, lanes: self.lanes, filters, first_only, placed, seen, pending, hits, stats };
         self.store.offer_candidates(tool, blocks, &mut narrow);
         narrow.finish();
-        hits.sort_unstable();
-        hits.dedup();
+        hits.sort(self.lanes);
         stats.pairs = hits.len() as u64;
     }
 

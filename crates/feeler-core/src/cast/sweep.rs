@@ -6,7 +6,7 @@
 use super::motion::Motion;
 use super::pair::Moving;
 use super::{impact_at_start, Impact};
-use crate::narrow::pair_key;
+use crate::hits::pair_key;
 use crate::scene::Scene;
 use crate::store::{Sweep, SweepScratch};
 use crate::tool::Tool;

@@ -185,6 +185,30 @@ pub(crate) trait Simd: Copy {
     /// place after the last one chosen. `to` must have 16 places from `at`.
     fn append(self, chosen: u16, from: &[u32; LANES], to: &mut [u32], at: usize) -> usize;
 
+    /// Whether [`append_wide`](Self::append_wide) is done at once.
+    const PACKS_WIDE: bool = false;
+    /// As [`append`](Self::append), for eight numbers.
+    #[inline(always)]
+    fn append_wide(self, chosen: u8, from: &[u64; WIDE_LANES], to: &mut [u64], at: usize) -> usize {
+        let to = &mut to[at..at + WIDE_LANES];
+        let mut count = 0;
+        for i in 0..WIDE_LANES {
+            to[count] = from[i];
+            count += usize::from(chosen >> i & 1);
+        }
+        at + count
+    }
+    /// One bit a number: `x <= y`.
+    #[inline(always)]
+    fn not_above(self, x: &[u64; WIDE_LANES], y: u64) -> u8 {
+        (0..WIDE_LANES).fold(0, |bits, i| bits | u8::from(x[i] <= y) << i)
+    }
+    /// How many of some numbers are smaller than each of eight.
+    #[inline(always)]
+    fn count_below(self, x: &[u64; WIDE_LANES], of: &[u64]) -> [u64; WIDE_LANES] {
+        x.map(|x| of.iter().map(|y| u64::from(*y < x)).sum())
+    }
+
     /// One number in all lanes.
     fn wide_splat(self, x: f64) -> Self::F64;
     /// Eight points by axis: lane `i` of each is of `x[i]`.

@@ -264,6 +264,38 @@ impl Simd for Avx512 {
         at + chosen.count_ones() as usize
     }
 
+    const PACKS_WIDE: bool = true;
+    #[inline(always)]
+    fn append_wide(self, chosen: u8, from: &[u64; WIDE_LANES], to: &mut [u64], at: usize) -> usize {
+        let to = &mut to[at..at + WIDE_LANES];
+        // SAFETY: see above; `to` has 8 numbers.
+        unsafe {
+            let packed = _mm512_maskz_compress_epi64(chosen, _mm512_loadu_si512(from.as_ptr().cast()));
+            _mm512_storeu_si512(to.as_mut_ptr().cast(), packed);
+        }
+        at + chosen.count_ones() as usize
+    }
+    #[inline(always)]
+    fn not_above(self, x: &[u64; WIDE_LANES], y: u64) -> u8 {
+        // SAFETY: see above.
+        unsafe { _mm512_cmple_epu64_mask(_mm512_loadu_si512(x.as_ptr().cast()), _mm512_set1_epi64(y as i64)) }
+    }
+    #[inline(always)]
+    fn count_below(self, x: &[u64; WIDE_LANES], of: &[u64]) -> [u64; WIDE_LANES] {
+        let mut counts = [0; WIDE_LANES];
+        // SAFETY: see above.
+        unsafe {
+            let x = _mm512_loadu_si512(x.as_ptr().cast());
+            let (mut count, one) = (_mm512_setzero_si512(), _mm512_set1_epi64(1));
+            for y in of {
+                let smaller = _mm512_cmplt_epu64_mask(_mm512_set1_epi64(*y as i64), x);
+                count = _mm512_mask_add_epi64(count, smaller, count, one);
+            }
+            _mm512_storeu_si512(counts.as_mut_ptr().cast(), count);
+        }
+        counts
+    }
+
     #[inline(always)]
     fn wide_splat(self, x: f64) -> Self::F64 {
         // SAFETY: see above.

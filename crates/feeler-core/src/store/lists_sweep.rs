@@ -4,7 +4,8 @@ use super::lists::ListedMesh;
 use super::{Offer, Sweep};
 use crate::bounds::{Aabb, Triangle};
 use crate::grid::VoxelRange;
-use crate::narrow::{pair_key, PairSet};
+use crate::hits::pair_key;
+use crate::narrow::PairSet;
 
 /// A window costs too much when it looks up so many times the voxels that the tool meets standing still.
 const VOXELS_TOO_MANY: f64 = 8.0;

@@ -1,0 +1,235 @@
+//! The pairs that a query found, and their order.
+
+use crate::intersect_triangle_triangle::PairKind;
+use crate::simd::{Checked, Kernel, Simd, WIDE_LANES};
+
+/// A found pair and how it meets in one number, in the order of results.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Hit(u64);
+
+impl Hit {
+    pub fn new(tool_triangle: u32, mockup_triangle: u32, kind: PairKind) -> Hit {
+        Hit(pair_key(tool_triangle, mockup_triangle) << 2 | kind as u64)
+    }
+
+    /// `[tool triangle, mock-up triangle]`.
+    pub fn pair(self) -> [u32; 2] {
+        [(self.0 >> 34) as u32, (self.0 >> 2) as u32]
+    }
+
+    /// How they meet.
+    pub fn kind(self) -> PairKind {
+        match self.0 & 3 {
+            0 => PairKind::Coplanar,
+            1 => PairKind::Crossing,
+            _ => PairKind::Touching,
+        }
+    }
+}
+
+/// A pair in one number, in order.
+pub(crate) fn pair_key(tool_triangle: u32, mockup_triangle: u32) -> u64 {
+    u64::from(tool_triangle) << 32 | u64::from(mockup_triangle)
+}
+
+/// What a query found so far; some pairs more than once.
+#[derive(Debug, Default)]
+pub(crate) struct Hits {
+    keys: Vec<u64>,
+    room: Vec<u64>,
+}
+
+impl Hits {
+    pub fn clear(&mut self) {
+        self.keys.clear();
+    }
+
+    #[inline]
+    pub fn push(&mut self, hit: Hit) {
+        self.keys.push(hit.0);
+    }
+
+    pub fn len(&self) -> usize {
+        self.keys.len()
+    }
+
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = Hit> + '_ {
+        self.keys.iter().map(|key| Hit(*key))
+    }
+
+    /// In order, each once.
+    pub fn sort(&mut self, lanes: Checked) {
+        lanes.run(SortUnique { keys: &mut self.keys, room: &mut self.room });
+    }
+}
+
+/// Sorts numbers below `u64::MAX`, and leaves each once.
+///
+/// Quicksort without branches on what is compared: eight numbers at a time go to the one side or the other, and a few are put
+/// where they belong by counting, for each, how many are smaller. Only for CPUs that can pack chosen lanes at once.
+struct SortUnique<'a> {
+    keys: &'a mut Vec<u64>,
+    room: &'a mut Vec<u64>,
+}
+
+/// Few enough to be put in order by counting.
+const FEW: usize = 32;
+
+impl Kernel for SortUnique<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) {
+        let SortUnique { keys, room } = self;
+        if !S::PACKS_WIDE {
+            keys.sort_unstable();
+            keys.dedup();
+            return;
+        }
+        if room.len() < keys.len() + WIDE_LANES {
+            room.resize(2 * keys.len() + WIDE_LANES, 0);
+        }
+        // Where the ranges end that are still to be sorted, the first one last; few, unless pivots are bad.
+        let mut ends = [0; 64];
+        let (mut waiting, mut from, mut done) = (0, 0, 0);
+        ends[0] = keys.len();
+        loop {
+            let to = ends[waiting];
+            if to - from <= FEW {
+                done = put_few(s, keys, from, to, done);
+            } else {
+                let middle = from + partition(s, &mut keys[from..to], room);
+                if middle < to && waiting + 1 < ends.len() {
+                    waiting += 1;
+                    ends[waiting] = middle;
+                    continue;
+                }
+                // No pivot splits this one well.
+                keys[from..to].sort_unstable();
+                for i in from..to {
+                    if done == 0 || keys[done - 1] != keys[i] {
+                        keys[done] = keys[i];
+                        done += 1;
+                    }
+                }
+            }
+            from = to;
+            if waiting == 0 {
+                break;
+            }
+            waiting -= 1;
+        }
+        keys.truncate(done);
+    }
+}
+
+/// Moves what is not above a pivot to the front; returns where the rest begins.
+#[inline(always)]
+fn partition<S: Simd>(s: S, keys: &mut [u64], room: &mut [u64]) -> usize {
+    let n = keys.len();
+    let mut of = [keys[n / 4], keys[n / 2], keys[n - 1 - n / 4]];
+    of.sort_unstable();
+    let pivot = of[1];
+    let (mut low, mut high) = (0, 0);
+    let mut at = 0;
+    while at + WIDE_LANES <= n {
+        let eight: [u64; WIDE_LANES] = *keys[at..].first_chunk().expect("eight are left");
+        let below = s.not_above(&eight, pivot);
+        // What is written beyond the places taken was read already.
+        low = s.append_wide(below, &eight, keys, low);
+        high = s.append_wide(!below, &eight, room, high);
+        at += WIDE_LANES;
+    }
+    for i in at..n {
+        let key = keys[i];
+        let is_low = key <= pivot;
+        keys[low] = key;
+        room[high] = key;
+        low += usize::from(is_low);
+        high += usize::from(!is_low);
+    }
+    keys[low..].copy_from_slice(&room[..high]);
+    low
+}
+
+/// Sorts a few numbers, and writes each once to `keys[done..]`; returns where they end there.
+#[inline(always)]
+fn put_few<S: Simd>(s: S, keys: &mut [u64], from: usize, to: usize, done: usize) -> usize {
+    let n = to - from;
+    let (mut few, mut sorted) = ([u64::MAX; FEW], [u64::MAX; 2 * FEW]);
+    few[..n].copy_from_slice(&keys[from..to]);
+    let eights = n.div_ceil(WIDE_LANES);
+    for eight in few.chunks_exact(WIDE_LANES).take(eights) {
+        let eight: &[u64; WIDE_LANES] = eight.try_into().expect("eight");
+        let places = s.count_below(eight, &few[..n]);
+        for i in 0..WIDE_LANES {
+            // Equal ones have one place, and leave some empty.
+            sorted[places[i] as usize % (2 * FEW)] = eight[i];
+        }
+    }
+    let mut done = done;
+    for key in &sorted[..n] {
+        keys[done] = *key;
+        done += usize::from(*key != u64::MAX);
+    }
+    done
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simd::Level;
+    use proptest::prelude::*;
+
+    fn sorted(level: Level, keys: &[u64]) -> Vec<u64> {
+        let mut hits = Hits { keys: keys.to_vec(), room: Vec::new() };
+        hits.sort(level.checked());
+        hits.keys
+    }
+
+    fn keys() -> impl Strategy<Value = Vec<u64>> {
+        let number = prop_oneof![0..20u64, 0..1000u64, 0..u64::MAX, (u64::MAX - 20)..u64::MAX];
+        prop_oneof![
+            prop::collection::vec(number.clone(), 0..100),
+            prop::collection::vec(number, 0..3000),
+            // In order, or nearly.
+            (0..3000u64, 1..50u64).prop_map(|(n, step)| (0..n).map(|i| i / step).collect()),
+            (0..3000u64, 1..50u64).prop_map(|(n, step)| (0..n).map(|i| (n - i) * step).collect()),
+        ]
+    }
+
+    proptest! {
+        #[test]
+        fn sorts_and_leaves_each_once(keys in keys()) {
+            let mut expected = keys.clone();
+            expected.sort_unstable();
+            expected.dedup();
+            for level in Level::available() {
+                prop_assert_eq!(&sorted(level, &keys), &expected, "{}", level.name());
+            }
+        }
+    }
+
+    #[test]
+    fn bad_pivots_are_survived() {
+        // Every partition splits off a few of the least only: at the places where pivots are looked for stand small ones.
+        for n in [33, 100, 1000, 5000] {
+            let mut keys: Vec<u64> = (0..n).map(|i| 1_000_000 + i).collect();
+            let mut next = 0;
+            let mut to = keys.len();
+            while to > FEW {
+                for i in [to / 4, to / 2, to - 1 - to / 4] {
+                    keys[i] = next;
+                    next += 1;
+                }
+                to -= 3;
+            }
+            let mut expected = keys.clone();
+            expected.sort_unstable();
+            expected.dedup();
+            for level in Level::available() {
+                assert_eq!(sorted(level, &keys), expected, "{n} {}", level.name());
+            }
+        }
+    }
+}
