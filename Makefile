@@ -65,10 +65,6 @@ demo: build ## index an engine of 1.6M triangles, drive a wrench through it, say
 .PHONY: bench
 bench: build ## measure feeler and its peers on the same poses, write a dated record
 	@$(PY) bench/run.py $(if $(QUICK),--quick) $(BENCH_ARGS)
-ifeq ($(BENCH_ARGS),)
-	@$(PY) bench/casts.py $(if $(QUICK),--triangles 100000 --poses 20 --turns 0,--poses 40)
-	@$(PY) bench/contacts.py --only times $(if $(QUICK),--quick)
-endif
 
 .PHONY: study
 study: build ## repeat the paper's experiments (about half an hour), write tables, plots and pages to STUDY_OUT

@@ -20,6 +20,7 @@ import feeler
 MOST_JUDGED = 20_000
 EXAMPLES_KEPT = 5
 SAME_M = 1e-9  # metres
+SAME_WAY = 0.01  # of the way
 
 Verdicts = dict[tuple[int, int, int], bool | None]  # of [pose, tool triangle, mock-up triangle]
 
@@ -123,6 +124,16 @@ def compare_distances(ours: Findings, theirs: Findings) -> dict[str, int]:
         "agreed": int((np.abs(mine - other) <= SAME_M).sum()),
         "peer_wrong": int((other > mine + SAME_M).sum()),
         "feeler_wrong": int((mine > other + SAME_M).sum()),
+    }
+
+
+def compare_casts(ours: Findings, theirs: Findings) -> dict[str, int]:
+    """Motions for which both say the same time of impact within `SAME_WAY`, and those where the peer's is another."""
+    mine, other = np.array(ours.values), np.array(theirs.values)
+    return {
+        "agreed": int((np.abs(mine - other) <= SAME_WAY).sum()),
+        "peer_earlier": int((other < mine - SAME_WAY).sum()),
+        "peer_later": int((other > mine + SAME_WAY).sum()),
     }
 
 

@@ -57,6 +57,8 @@ def _size(record: dict[str, Any], size: dict[str, Any]) -> list[str]:
         if best := cell["best"]:
             median, p95 = (f"{best[measure]['times_faster']:.1f}" for measure in MEASURES)
             row.append(f"{median} ({p95}){' missed' if best['met'] is False else ''}")
+        elif peers:
+            row.append("")
         lines.append(f"{head} {' | '.join(row)} |")
     return [f"### {size['triangles']:,} triangles in {size['parts']:,} parts", "\n".join(lines)]
 

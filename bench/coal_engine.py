@@ -13,7 +13,7 @@ from typing import Any
 
 import coal
 import numpy as np
-from engines import QUERIES, Build, Floats, Pairs, build_times
+from engines import Build, Floats, Pairs, build_times
 
 import feeler
 
@@ -24,7 +24,7 @@ class CoalEngine:
     """BVHModelOBBRSS against BVHModelOBBRSS."""
 
     name = "coal"
-    queries = QUERIES
+    queries = ("collide", "is_colliding", "distance")
     version = coal.__version__
     settings = (
         "BVHModelOBBRSS, ComputeCollision bound once per tool, num_max_contacts 2^31 - 1 (is_colliding: 1), "

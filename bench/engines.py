@@ -24,8 +24,18 @@ import feeler
 Floats = npt.NDArray[np.float64]
 Pairs = npt.NDArray[np.uint32]
 
-QUERIES = ("collide", "is_colliding", "distance")
+KINDS_OF = {
+    "collide": ("nominal", "near", "deep"),
+    "is_colliding": ("nominal", "near"),
+    "distance": ("near",),
+    "contacts": ("nominal",),
+    "cast": ("near",),
+}
+"""The queries, and the kinds of poses each is asked at."""
+AT_ONE_SIZE = ("contacts", "cast")
+QUERIES = tuple(KINDS_OF)
 ANY = ("collide", "is_colliding")  # of an engine that does not say
+NOTHING_HIT = 2.0  # beyond the end of the way
 LONG = 5.0  # seconds; such a build is done once
 
 
@@ -63,7 +73,10 @@ class Engine(Protocol):
         """Take a tool; return the seconds it took."""
 
     def aim(self, query: str, world_from_tool: Floats) -> Callable[[], Any]:
-        """Make ready for a pose, unclocked; what is returned does the query when called: one of `QUERIES`."""
+        """Make ready for a pose, unclocked; what is returned does the query when called: one of `QUERIES`.
+
+        For `cast` it is two poses, `(2, 4, 4)`: where the motion begins and ends.
+        """
 
     def pairs(self, result: Any) -> Pairs:
         """`(k, 2)`: tool and mock-up triangles of the last `collide`, sorted and unique."""
@@ -74,7 +87,8 @@ class Engine(Protocol):
     def stats(self, result: Any) -> dict[str, int]:
         """What the last `collide` did, stage by stage; empty if the engine does not tell."""
 
-    # One that can tell distances has `queries` with "distance" in it, and `value(result)`: what the last one said, m.
+    # One that can do more than collide has `queries`, and `value(result)`: what it said in one number, metres for
+    # `distance`, the share of the way that is free for `cast` (2 where nothing is hit), planes for `contacts`.
 
 
 def able(among: Sequence[Engine], query: str) -> list[Engine]:
@@ -88,7 +102,10 @@ class FeelerEngine:
     name = "feeler"
     queries = QUERIES
     version = feeler.__version__
-    settings = "Scene(mockup), defaults; scene.collide(tool, pose), scene.is_colliding, scene.distance, checks included"
+    settings = (
+        "Scene(mockup), defaults; scene.collide(tool, pose), scene.is_colliding, scene.distance, scene.contacts with "
+        "its margin of 2 mm, scene.cast with its tolerance of 1 um; checks included"
+    )
     scene: feeler.Scene = None  # type: ignore[assignment]
     tool: feeler.Tool
 
@@ -110,7 +127,8 @@ class FeelerEngine:
         return time.perf_counter() - start
 
     def aim(self, query: str, world_from_tool: Floats) -> Callable[[], Any]:
-        return functools.partial(getattr(self.scene, query), self.tool, world_from_tool)
+        poses = world_from_tool if query == "cast" else (world_from_tool,)
+        return functools.partial(getattr(self.scene, query), self.tool, *poses)
 
     def pairs(self, result: Any) -> Pairs:
         return np.asarray(result.pairs)
@@ -122,7 +140,11 @@ class FeelerEngine:
         return dict(result.stats)
 
     def value(self, result: Any) -> float:
-        return float(result.value)
+        if isinstance(result, feeler.Distance):
+            return float(result.value)
+        if isinstance(result, feeler.Contacts):
+            return float(len(result))
+        return NOTHING_HIT if result is None else float(result.fraction)
 
 
 def build_times(build: Callable[[], None], runs: int) -> tuple[float, int | None, int | None]:

@@ -14,7 +14,7 @@ from typing import Any
 
 import fcl
 import numpy as np
-from engines import QUERIES, Build, Floats, Pairs, build_times
+from engines import Build, Floats, Pairs, build_times
 
 import feeler
 
@@ -25,7 +25,7 @@ class FclEngine:
     """BVHModel against BVHModel."""
 
     name = "fcl"
-    queries = QUERIES
+    queries = ("collide", "is_colliding", "distance")
     version = version("python-fcl")
     settings = (
         "python-fcl, BVHModel (OBBRSS), fcl.collide, enable_contact False, num_max_contacts 2^31 - 1 "

@@ -13,10 +13,12 @@ TIMES_FASTER = {
     ("is_colliding", "nominal"): 3.0,
     ("is_colliding", "near"): 3.0,
     ("distance", "near"): 1.0,
+    ("cast", "near"): 1.0,
 }
 GEOMETRIC_MEAN = 8.0  # of collide, nominal and deep
 FINE_COST = 5.0  # a tool ten times finer, at the same place
-WORST_US = 1000.0
+WORST_US = 1000.0  # of a nominal pose; p99 of contacts
+SMALL_TOOL = 5000  # triangles, for which those hold
 BUILD_S = {1_600_000: 0.6, 6_400_000: 2.5}  # one core
 BYTES_PER_TRIANGLE = 64.0
 PEAK_OVER_RESULT = 2.0
@@ -50,7 +52,7 @@ def scorecard(record: dict[str, Any]) -> list[dict[str, Any]]:
 
     None: the machine was too busy to tell.
     """
-    rows = [*_cells(record), *_growth(record), *_alone(record), *_builds(record)]
+    rows = [*_cells(record), *_contacts(record), *_growth(record), *_alone(record), *_builds(record)]
     return [{"goal": goal, "wanted": wanted, "found": found, "met": met} for goal, wanted, found, met in rows]
 
 
@@ -79,6 +81,14 @@ def _cells(record: dict[str, Any]) -> Iterable[Row]:
         mean = geometric_mean(one[measure]["times_faster"] for one in hard)
         what = f"collide, nominal and deep: {measure}, geometric mean of {len(hard)} cells"
         yield what, f"{GEOMETRIC_MEAN:g}", f"{mean:.2f}", mean >= GEOMETRIC_MEAN
+
+
+def _contacts(record: dict[str, Any]) -> Iterable[Row]:
+    for cell in record["cells"]:
+        if cell["query"] == "contacts" and "engines" in cell and cell["tool_triangles"] <= SMALL_TOOL:
+            slow = cell["engines"]["feeler"]["wall_us"]["p99"]
+            what = f"contacts, {cell['kind']}, {cell['tool']}, {cell['triangles']:,} triangles: p99, µs"
+            yield what, f"under {WORST_US:,.0f}", f"{slow:,.0f}", slow < WORST_US
 
 
 def growth(record: dict[str, Any]) -> list[dict[str, Any]]:

@@ -22,6 +22,7 @@ from feeler.progress import bar
 from feeler.samples.poses import sample_poses
 
 US_PER_NS = 1e-3
+WAY_M = 0.02  # of a cast
 
 
 @dataclass
@@ -46,7 +47,7 @@ class Findings:
 
     pairs: list[Pairs] = field(default_factory=list)  # of collide
     answers: list[bool] = field(default_factory=list)  # of is_colliding
-    values: list[float] = field(default_factory=list)  # of distance, metres
+    values: list[float] = field(default_factory=list)  # of the others, what they said in one number
     stats: list[dict[str, int]] = field(default_factory=list)
 
 
@@ -74,6 +75,14 @@ def find_poses(scene: feeler.Scene, tool: feeler.Tool, kind: str, count: int, se
                 count = max(1, count // 4)
 
 
+def ways(poses: Floats, seed: int = 0) -> Floats:
+    """Straight motions from the poses, `(n, 2, 4, 4)`: each `WAY_M` long, in a random direction."""
+    both = np.stack([poses, poses], axis=1)
+    directions = np.random.default_rng(seed).normal(size=(len(poses), 3))
+    both[:, 1, :3, 3] += WAY_M * directions / np.linalg.norm(directions, axis=1, keepdims=True)
+    return both
+
+
 def look(engines: Sequence[Engine], poses: Floats, query: str = "collide") -> dict[str, Findings]:
     """Every pose once, unclocked: what each engine says. It also warms all of them up."""
     found = {engine.name: Findings() for engine in engines}
@@ -84,10 +93,10 @@ def look(engines: Sequence[Engine], poses: Floats, query: str = "collide") -> di
             if query == "collide":
                 own.pairs.append(engine.pairs(result))
                 own.stats.append(engine.stats(result))
-            elif query == "distance":
-                own.values.append(engine.value(result))  # type: ignore[attr-defined]
-            else:
+            elif query == "is_colliding":
                 own.answers.append(engine.answer(result))
+            else:
+                own.values.append(engine.value(result))  # type: ignore[attr-defined]
     return found
 
 

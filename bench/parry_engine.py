@@ -39,10 +39,12 @@ class ParryEngine:
     """TriMesh against TriMesh."""
 
     name = "parry"
+    queries = ("collide", "is_colliding", "cast")
     settings = (
         "parry3d, f32, millimetres; collide: both meshes' Bvh walked at once by leaf_pairs, then GJK on the two "
         "Triangles (its triangle-triangle test is not public); is_colliding: query::intersection_test of the two "
-        "TriMeshes, tool first, which is the faster order; release, lto fat, target-cpu=native, called through ctypes"
+        "TriMeshes, tool first, which is the faster order; cast: its linear cast of "
+        "shapes; release, lto fat, target-cpu=native, called through ctypes"
     )
 
     def __init__(self) -> None:
@@ -76,6 +78,9 @@ class ParryEngine:
         return time.perf_counter() - start
 
     def aim(self, query: str, world_from_tool: Floats) -> Callable[[], Any]:
+        if query == "cast":
+            start, end = world_from_tool
+            return self.aim_cast(start, np.zeros(3), end[:3, 3] - start[:3, 3], np.zeros(3))
         self._pose = np.array(world_from_tool)  # kept alive until the next
         self._pose[:3, 3] *= MILLIMETRES
         call = self._library.parry_collide if query == "collide" else self._library.parry_is_colliding
@@ -92,6 +97,9 @@ class ParryEngine:
 
     def pairs(self, result: Any) -> Pairs:
         return copied(self._library.parry_pairs(self._engine), result)
+
+    def value(self, result: Any) -> float:
+        return float(result)
 
     def answer(self, result: Any) -> bool:
         return bool(result)

@@ -35,7 +35,7 @@ import feeler
 from feeler.progress import bar
 from feeler.samples.mockups import sample
 
-WORST_AT = 1_600_000  # triangles; without such a mock-up, the largest
+ONE_SIZE = 1_600_000  # triangles, where a thing is measured at one size; without such a mock-up, the largest
 METHOD = (
     "Per cell: one unclocked pass of each engine over all poses, then `rounds` rounds, in each of which each engine"
     " runs one whole pass over the poses, as a user's loop does, so that the caches hold what it left there itself;"
@@ -88,7 +88,7 @@ def main(arguments: list[str] | None = None) -> int:
     problem = plot.draw(result, document.with_suffix(".png"))
     for said in (document, lines, problem or document.with_suffix(".png")):
         out.print(said if said is problem else f"Written: {said}", highlight=False, soft_wrap=True)
-    wrong = sum(found["feeler_wrong"] for cell in bench.cells for found in cell.get("agreement", {}).values())
+    wrong = sum(found.get("feeler_wrong", 0) for cell in bench.cells for found in cell.get("agreement", {}).values())
     return 1 if wrong else 0
 
 
@@ -98,6 +98,7 @@ class Bench:
     def __init__(self, options: argparse.Namespace) -> None:
         self.options = options
         self._started = time.perf_counter()
+        self._one_size = ONE_SIZE if ONE_SIZE in options.sizes else options.sizes[-1]
         there, self.absent = peers.find(options.peers)
         for name, reason in self.absent.items():
             self._say(f"{name} is absent: {reason}")
@@ -138,14 +139,15 @@ class Bench:
                 if kind == "nominal" and poses is not None:
                     nominal[name] = poses
         self._fine(about, scene, nominal)
-        if size == (WORST_AT if WORST_AT in self.options.sizes else self.options.sizes[-1]):
+        if size == self._one_size:
             self._alone(about, scene, nominal)
 
     def _cells(self, about: dict[str, Any], scene: feeler.Scene, tool: feeler.Tool, kind: str) -> engines.Floats | None:
-        """The cells of one kind of poses: one for each query. Deep poses are for collide, near ones for distance."""
+        """The cells of one kind of poses: one for each query that is asked there."""
         head = f"{about['triangles']:,} triangles, {about['tool']}, {kind}"
-        kinds = {"is_colliding": ("nominal", "near"), "distance": ("near",)}
-        queries = [query for query in self.options.queries if kind in kinds.get(query, (kind,))]
+        queries = [query for query in self.options.queries if kind in engines.KINDS_OF[query]]
+        if about["triangles_asked"] != self._one_size:
+            queries = [query for query in queries if query not in engines.AT_ONE_SIZE]
         self._say(f"{head}: finding poses")
         try:
             poses = measure.find_poses(scene, tool, kind, self.options.poses, self.options.seed)
@@ -155,9 +157,10 @@ class Bench:
         pairs = measure.look(self.engines, poses)
         for query in queries:
             self._say(f"{head}: {query}")
-            found = pairs if query == "collide" else measure.look(engines.able(self.engines, query), poses, query)
+            asked = measure.ways(poses, self.options.seed) if query == "cast" else poses
+            found = pairs if query == "collide" else measure.look(engines.able(self.engines, query), asked, query)
             cell = {"query": query, **about}
-            self._cell(cell, scene.mockup, tool, poses, pairs["feeler"], found)
+            self._cell(cell, scene.mockup, tool, asked, pairs["feeler"], found)
             self.cells.append(cell)
         return poses
 
@@ -190,16 +193,20 @@ class Bench:
                 for peer in others
             }
             cell["funnel"] = {stage: float(np.mean([one[stage] for one in ours.stats])) for stage in ours.stats[0]}
-        elif cell["query"] == "distance":
-            cell["agreement"] = {
-                peer.name: agreement.compare_distances(found["feeler"], found[peer.name]) for peer in others
-            }
-        else:
+        elif cell["query"] == "is_colliding":
             answers = measure.Findings(pairs=ours.pairs, answers=found["feeler"].answers)
             cell["agreement"] = {
                 peer.name: agreement.compare_answers(mockup, tool, poses, answers, peer, found[peer.name])
                 for peer in others
             }
+        elif cell["query"] == "contacts":
+            cell["agreement"], cell["planes"] = {}, float(np.mean(found["feeler"].values))
+        else:
+            casts = cell["query"] == "cast"
+            compare = agreement.compare_casts if casts else agreement.compare_distances
+            cell["agreement"] = {peer.name: compare(found["feeler"], found[peer.name]) for peer in others}
+            if casts:
+                cell["hits"] = int((np.array(found["feeler"].values) <= 1.0).sum())
 
     def _fine(self, about: dict[str, Any], scene: feeler.Scene, nominal: dict[str, engines.Floats]) -> None:
         for name, poses in nominal.items():
@@ -217,7 +224,7 @@ class Bench:
                 self._say(f"{about['triangles']:,} triangles, {name}: batches of {self.options.batch:,} poses")
                 row = extras.batch(scene.mockup, tool, poses, self.options.batch)
                 self.batch.append({**about, "tool": name, **row})
-            if self.options.worst and tool.triangle_count <= worst.MOST_TRIANGLES:
+            if self.options.worst and tool.triangle_count <= goals.SMALL_TOOL:
                 self._say(
                     f"{about['triangles']:,} triangles, {name}: the worst of {self.options.worst:,} nominal poses"
                 )

@@ -23,7 +23,8 @@ def show(record: dict[str, Any], out: Console) -> None:
         cells = [cell for cell in record["cells"] if cell["triangles_asked"] == size["triangles_asked"]]
         out.print(_queries(size, cells, peers))
         out.print()
-    tables = [_builds(record["sizes"]), _funnel(record["cells"])]
+    tables = [_builds(record["sizes"])]
+    tables += [_funnel(record["cells"])] if any("funnel" in cell for cell in record["cells"]) else []
     tables += [_agreement(record["cells"], peers)] if peers else []
     tables += [_growth(record["growth"])] if record["growth"] else []
     tables += [_alone(record)] if record["worst"] or record["batch"] else []

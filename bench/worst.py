@@ -17,7 +17,6 @@ import feeler
 from feeler.samples import rigid
 from feeler.samples.poses import Searcher
 
-MOST_TRIANGLES = 5_000
 ROUNDS = 3
 CHUNK = 500
 
