@@ -1,7 +1,7 @@
 //! The pairs that a query found, and their order.
 
 use crate::intersect_triangle_triangle::PairKind;
-use crate::simd::{Checked, Kernel, Simd, WIDE_LANES};
+use crate::simd::{Checked, Kernel, Simd, FEW, WIDE_LANES};
 
 /// A found pair and how it meets in one number, in the order of results.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -72,16 +72,13 @@ struct SortUnique<'a> {
     room: &'a mut Vec<u64>,
 }
 
-/// Few enough to be put in order by counting.
-const FEW: usize = 32;
-
 impl Kernel for SortUnique<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) {
         let SortUnique { keys, room } = self;
-        if !S::PACKS_WIDE {
+        if !S::SORTS {
             keys.sort_unstable();
             keys.dedup();
             return;
@@ -92,13 +89,18 @@ impl Kernel for SortUnique<'_> {
         // Where the ranges end that are still to be sorted, the first one last; few, unless pivots are bad.
         let mut ends = [0; 64];
         let (mut waiting, mut from, mut done) = (0, 0, 0);
+        let mut few = [0; FEW + WIDE_LANES];
         ends[0] = keys.len();
         loop {
             let to = ends[waiting];
             if to - from <= FEW {
-                done = put_few(s, keys, from, to, done);
+                let count = s.sort_few(&keys[from..to], &mut few);
+                keys[done..done + count].copy_from_slice(&few[..count]);
+                done += count;
             } else {
-                let middle = from + partition(s, &mut keys[from..to], room);
+                let range = &mut keys[from..to];
+                let pivot = middle_of(range);
+                let middle = from + s.partition(range, room, pivot);
                 if middle < to && waiting + 1 < ends.len() {
                     waiting += 1;
                     ends[waiting] = middle;
@@ -123,56 +125,11 @@ impl Kernel for SortUnique<'_> {
     }
 }
 
-/// Moves what is not above a pivot to the front; returns where the rest begins.
-#[inline(always)]
-fn partition<S: Simd>(s: S, keys: &mut [u64], room: &mut [u64]) -> usize {
+/// Of three numbers of a range, the one in the middle.
+fn middle_of(keys: &[u64]) -> u64 {
     let n = keys.len();
-    let mut of = [keys[n / 4], keys[n / 2], keys[n - 1 - n / 4]];
-    of.sort_unstable();
-    let pivot = of[1];
-    let (mut low, mut high) = (0, 0);
-    let mut at = 0;
-    while at + WIDE_LANES <= n {
-        let eight: [u64; WIDE_LANES] = *keys[at..].first_chunk().expect("eight are left");
-        let below = s.not_above(&eight, pivot);
-        // What is written beyond the places taken was read already.
-        low = s.append_wide(below, &eight, keys, low);
-        high = s.append_wide(!below, &eight, room, high);
-        at += WIDE_LANES;
-    }
-    for i in at..n {
-        let key = keys[i];
-        let is_low = key <= pivot;
-        keys[low] = key;
-        room[high] = key;
-        low += usize::from(is_low);
-        high += usize::from(!is_low);
-    }
-    keys[low..].copy_from_slice(&room[..high]);
-    low
-}
-
-/// Sorts a few numbers, and writes each once to `keys[done..]`; returns where they end there.
-#[inline(always)]
-fn put_few<S: Simd>(s: S, keys: &mut [u64], from: usize, to: usize, done: usize) -> usize {
-    let n = to - from;
-    let (mut few, mut sorted) = ([u64::MAX; FEW], [u64::MAX; 2 * FEW]);
-    few[..n].copy_from_slice(&keys[from..to]);
-    let eights = n.div_ceil(WIDE_LANES);
-    for eight in few.chunks_exact(WIDE_LANES).take(eights) {
-        let eight: &[u64; WIDE_LANES] = eight.try_into().expect("eight");
-        let places = s.count_below(eight, &few[..n]);
-        for i in 0..WIDE_LANES {
-            // Equal ones have one place, and leave some empty.
-            sorted[places[i] as usize % (2 * FEW)] = eight[i];
-        }
-    }
-    let mut done = done;
-    for key in &sorted[..n] {
-        keys[done] = *key;
-        done += usize::from(*key != u64::MAX);
-    }
-    done
+    let [a, b, c] = [keys[n / 4], keys[n / 2], keys[n - 1 - n / 4]];
+    a.max(b).min(a.min(b).max(c))
 }
 
 #[cfg(test)]
@@ -206,6 +163,38 @@ mod tests {
             expected.dedup();
             for level in Level::available() {
                 prop_assert_eq!(&sorted(level, &keys), &expected, "{}", level.name());
+            }
+        }
+    }
+
+    /// What a level makes of numbers: those not above a pivot, the rest, and the first few in order.
+    struct Steps<'a>(&'a [u64], u64);
+
+    impl Kernel for Steps<'_> {
+        type Output = (Vec<u64>, Vec<u64>, Vec<u64>);
+
+        fn run<S: Simd>(self, s: S) -> Self::Output {
+            let (mut keys, mut few) = (self.0.to_vec(), [0; FEW + WIDE_LANES]);
+            let count = s.sort_few(&self.0[..self.0.len().min(FEW)], &mut few);
+            let low = s.partition(&mut keys, &mut vec![0; self.0.len() + WIDE_LANES], self.1);
+            let high = keys.split_off(low);
+            (keys, high, few[..count].to_vec())
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn each_step_is_the_same_at_every_level(
+            keys in prop::collection::vec(prop_oneof![0..9u64, 0..u64::MAX], 0..70),
+            pivot in prop_oneof![0..9u64, 0..u64::MAX],
+        ) {
+            let (low, high) = keys.iter().partition(|key| **key <= pivot);
+            let mut few = keys[..keys.len().min(FEW)].to_vec();
+            few.sort_unstable();
+            few.dedup();
+            let expected = (low, high, few);
+            for level in Level::available() {
+                prop_assert_eq!(&level.checked().run(Steps(&keys, pivot)), &expected, "{}", level.name());
             }
         }
     }

@@ -140,6 +140,9 @@ impl ByteBoxes {
     }
 }
 
+/// Numbers that [`Simd::sort_few`] sorts at most.
+pub(crate) const FEW: usize = 4 * WIDE_LANES;
+
 /// The operations of one level. Comparisons with NaN are false.
 pub(crate) trait Simd: Copy {
     /// Sixteen float32.
@@ -185,28 +188,36 @@ pub(crate) trait Simd: Copy {
     /// place after the last one chosen. `to` must have 16 places from `at`.
     fn append(self, chosen: u16, from: &[u32; LANES], to: &mut [u32], at: usize) -> usize;
 
-    /// Whether [`append_wide`](Self::append_wide) is done at once.
-    const PACKS_WIDE: bool = false;
-    /// As [`append`](Self::append), for eight numbers.
+    /// Whether the next two are done without branches.
+    const SORTS: bool = false;
+    /// Moves the numbers that are not above a pivot to the front, in order; returns how many they are. `room` is overwritten:
+    /// it needs as many places as `keys`, and [`WIDE_LANES`] more.
     #[inline(always)]
-    fn append_wide(self, chosen: u8, from: &[u64; WIDE_LANES], to: &mut [u64], at: usize) -> usize {
-        let to = &mut to[at..at + WIDE_LANES];
-        let mut count = 0;
-        for i in 0..WIDE_LANES {
-            to[count] = from[i];
-            count += usize::from(chosen >> i & 1);
+    fn partition(self, keys: &mut [u64], room: &mut [u64], pivot: u64) -> usize {
+        let (mut low, mut high) = (0, 0);
+        for i in 0..keys.len() {
+            let key = keys[i];
+            (keys[low], room[high]) = (key, key);
+            low += usize::from(key <= pivot);
+            high += usize::from(key > pivot);
         }
-        at + count
+        keys[low..].copy_from_slice(&room[..high]);
+        low
     }
-    /// One bit a number: `x <= y`.
+    /// Up to [`FEW`] numbers below `u64::MAX` in order, each once; returns how many these are. What follows them is of no use.
     #[inline(always)]
-    fn not_above(self, x: &[u64; WIDE_LANES], y: u64) -> u8 {
-        (0..WIDE_LANES).fold(0, |bits, i| bits | u8::from(x[i] <= y) << i)
-    }
-    /// How many of some numbers are smaller than each of eight.
-    #[inline(always)]
-    fn count_below(self, x: &[u64; WIDE_LANES], of: &[u64]) -> [u64; WIDE_LANES] {
-        x.map(|x| of.iter().map(|y| u64::from(*y < x)).sum())
+    fn sort_few(self, keys: &[u64], to: &mut [u64; FEW + WIDE_LANES]) -> usize {
+        let to = &mut to[..keys.len()];
+        to.copy_from_slice(keys);
+        to.sort_unstable();
+        let mut count = 0;
+        for i in 0..to.len() {
+            if i == 0 || to[i] != to[count - 1] {
+                to[count] = to[i];
+                count += 1;
+            }
+        }
+        count
     }
 
     /// One number in all lanes.

@@ -4,7 +4,7 @@ use std::arch::x86_64::*;
 use std::ops::{Add, Mul, Sub};
 
 use super::portable::append;
-use super::{ByteBoxes, Kernel, Simd, LANES, WIDE_LANES};
+use super::{ByteBoxes, Kernel, Simd, FEW, LANES, WIDE_LANES};
 
 /// Whether the CPU has what [`Avx2`] uses.
 pub fn has_avx2() -> bool {
@@ -126,6 +126,12 @@ fn limits(boxes: &ByteBoxes, b: [&[f32; 4]; 2]) -> (__m128i, __m128i) {
         // 255 minus a byte is the byte with all bits turned.
         (before, _mm_xor_si128(after, _mm_set1_epi32(255)))
     }
+}
+
+/// The first of eight lanes.
+#[inline(always)]
+fn first_lanes(count: usize) -> u8 {
+    ((1u32 << count) - 1) as u8
 }
 
 impl Simd for Avx512 {
@@ -264,36 +270,66 @@ impl Simd for Avx512 {
         at + chosen.count_ones() as usize
     }
 
-    const PACKS_WIDE: bool = true;
+    const SORTS: bool = true;
     #[inline(always)]
-    fn append_wide(self, chosen: u8, from: &[u64; WIDE_LANES], to: &mut [u64], at: usize) -> usize {
-        let to = &mut to[at..at + WIDE_LANES];
-        // SAFETY: see above; `to` has 8 numbers.
+    fn partition(self, keys: &mut [u64], room: &mut [u64], pivot: u64) -> usize {
+        let n = keys.len();
+        assert!(room.len() >= n + WIDE_LANES);
+        let (mut low, mut at) = (0, 0);
+        // SAFETY: see above. Eight numbers are read at `at`, where they are, before eight are written at `low`, which is at
+        // most `at`, and at `at - low` of `room`; of the last ones, fewer than eight, only as many are read and written there.
         unsafe {
-            let packed = _mm512_maskz_compress_epi64(chosen, _mm512_loadu_si512(from.as_ptr().cast()));
-            _mm512_storeu_si512(to.as_mut_ptr().cast(), packed);
-        }
-        at + chosen.count_ones() as usize
-    }
-    #[inline(always)]
-    fn not_above(self, x: &[u64; WIDE_LANES], y: u64) -> u8 {
-        // SAFETY: see above.
-        unsafe { _mm512_cmple_epu64_mask(_mm512_loadu_si512(x.as_ptr().cast()), _mm512_set1_epi64(y as i64)) }
-    }
-    #[inline(always)]
-    fn count_below(self, x: &[u64; WIDE_LANES], of: &[u64]) -> [u64; WIDE_LANES] {
-        let mut counts = [0; WIDE_LANES];
-        // SAFETY: see above.
-        unsafe {
-            let x = _mm512_loadu_si512(x.as_ptr().cast());
-            let (mut count, one) = (_mm512_setzero_si512(), _mm512_set1_epi64(1));
-            for y in of {
-                let smaller = _mm512_cmplt_epu64_mask(_mm512_set1_epi64(*y as i64), x);
-                count = _mm512_mask_add_epi64(count, smaller, count, one);
+            let (keys, room) = (keys.as_mut_ptr(), room.as_mut_ptr());
+            let pivot = _mm512_set1_epi64(pivot as i64);
+            while at + WIDE_LANES <= n {
+                let eight = _mm512_loadu_si512(keys.add(at).cast());
+                let below = _mm512_cmple_epu64_mask(eight, pivot);
+                _mm512_storeu_si512(keys.add(low).cast(), _mm512_maskz_compress_epi64(below, eight));
+                _mm512_storeu_si512(room.add(at - low).cast(), _mm512_maskz_compress_epi64(!below, eight));
+                at += WIDE_LANES;
+                low += below.count_ones() as usize;
             }
-            _mm512_storeu_si512(counts.as_mut_ptr().cast(), count);
+            let rest = first_lanes(n - at);
+            let last = _mm512_maskz_loadu_epi64(rest, keys.add(at).cast());
+            let below = _mm512_cmple_epu64_mask(last, pivot) & rest;
+            let count = below.count_ones() as usize;
+            let (lows, highs) =
+                (_mm512_maskz_compress_epi64(below, last), _mm512_maskz_compress_epi64(rest & !below, last));
+            _mm512_mask_storeu_epi64(keys.add(low).cast(), first_lanes(count), lows);
+            _mm512_storeu_si512(room.add(at - low).cast(), highs);
+            low += count;
         }
-        counts
+        keys[low..].copy_from_slice(&room[..n - low]);
+        low
+    }
+    #[inline(always)]
+    fn sort_few(self, keys: &[u64], to: &mut [u64; FEW + WIDE_LANES]) -> usize {
+        assert!(keys.len() <= FEW);
+        let mut places = [u64::MAX; FEW];
+        let mut count = 0;
+        // SAFETY: see above. Of each eight numbers as many are read as there are; what is not stands for more than any number.
+        // Writing at `count` takes eight places, and `count` is at most `FEW`.
+        unsafe {
+            let none = _mm512_set1_epi64(-1);
+            let mut eights = [none; FEW / WIDE_LANES];
+            for (i, eight) in eights.iter_mut().enumerate() {
+                let there = first_lanes(keys.len().saturating_sub(WIDE_LANES * i).min(WIDE_LANES));
+                *eight = _mm512_mask_loadu_epi64(none, there, keys.as_ptr().wrapping_add(WIDE_LANES * i).cast());
+            }
+            for key in keys {
+                // The place of a number is how many are smaller. Equal ones have one place, and leave some as they were.
+                let all = _mm512_set1_epi64(*key as i64);
+                let [a, b, c, d] = eights.map(|eight| u32::from(_mm512_cmplt_epu64_mask(eight, all)));
+                places[(a | b << 8 | c << 16 | d << 24).count_ones() as usize % FEW] = *key;
+            }
+            for eight in places.chunks_exact(WIDE_LANES) {
+                let eight = _mm512_loadu_si512(eight.as_ptr().cast());
+                let taken = _mm512_cmpneq_epu64_mask(eight, none);
+                _mm512_storeu_si512(to.as_mut_ptr().add(count).cast(), _mm512_maskz_compress_epi64(taken, eight));
+                count += taken.count_ones() as usize;
+            }
+        }
+        count
     }
 
     #[inline(always)]
