@@ -169,7 +169,6 @@ pub(crate) struct Pending {
     slots: [u32; PLACES],
     mockup_triangles: [u32; PLACES],
     count: usize,
-    faces: [[u32; 3]; PLACES],
     verdicts: [Verdict; PLACES / WIDE_LANES],
     /// Pairs met lately, each at the place its hash gives.
     recent: [u64; RECENT],
@@ -184,7 +183,6 @@ impl Default for Pending {
             slots: [0; PLACES],
             mockup_triangles: [0; PLACES],
             count: 0,
-            faces: [[0; 3]; PLACES],
             verdicts: [Verdict::default(); PLACES / WIDE_LANES],
             recent: [u64::MAX; RECENT],
         }
@@ -288,24 +286,23 @@ impl Narrow<'_> {
         if self.filters.repeats {
             self.stats.repeats_skipped += self.pending.skip_repeats() as u64;
         }
-        let Pending { slots, mockup_triangles, count, faces, verdicts, .. } = &mut *self.pending;
+        let Pending { slots, mockup_triangles, count, verdicts, .. } = &mut *self.pending;
         let count = std::mem::take(count);
         self.stats.triangle_tests += count as u64;
-        // All indices, then all corners: loads that do not wait for each other, so that their cache misses overlap.
-        let (corners, all_faces, vertices) = (self.tool.placeable(), self.mesh.faces(), self.mesh.vertices());
-        for ((face, m), slot) in faces[..count].iter_mut().zip(mockup_triangles.iter()).zip(slots.iter()) {
+        // All corners are asked for before the first is used, so that their cache misses overlap.
+        let (corners, faces, vertices) = (self.tool.placeable(), self.mesh.faces(), self.mesh.vertices());
+        for (slot, m) in slots[..count].iter().zip(&mockup_triangles[..count]) {
             prefetch(&corners[*slot as usize]);
-            *face = all_faces[*m as usize];
-            face.iter().for_each(|v| prefetch(&vertices[*v as usize]));
+            faces[*m as usize].iter().for_each(|v| prefetch(&vertices[*v as usize]));
         }
         let eights = count.div_ceil(WIDE_LANES);
         if count > 0 {
             // The last eight are filled up with the last pair.
             for i in count..eights * WIDE_LANES {
-                (slots[i], faces[i]) = (slots[count - 1], faces[count - 1]);
+                (slots[i], mockup_triangles[i]) = (slots[count - 1], mockup_triangles[count - 1]);
             }
-            let (slots, faces) = (&slots[..eights * WIDE_LANES], &faces[..eights * WIDE_LANES]);
-            self.lanes.run(Test { pose: self.pose, tool: self.tool, mesh: self.mesh, slots, faces, verdicts });
+            let (slots, triangles) = (&slots[..eights * WIDE_LANES], &mockup_triangles[..eights * WIDE_LANES]);
+            self.lanes.run(Test { pose: self.pose, tool: self.tool, mesh: self.mesh, slots, triangles, verdicts });
         }
         for (eight, verdict) in verdicts[..eights].iter().enumerate() {
             let from = eight * WIDE_LANES;
@@ -347,7 +344,7 @@ struct Test<'a> {
     tool: &'a Tool,
     mesh: &'a Mesh,
     slots: &'a [u32],
-    faces: &'a [[u32; 3]],
+    triangles: &'a [u32],
     verdicts: &'a mut [Verdict],
 }
 
@@ -356,13 +353,13 @@ impl Kernel for Test<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) {
-        let Test { pose, tool, mesh, slots, faces, verdicts } = self;
-        let (triangles, vertices) = (tool.placeable(), mesh.vertices());
+        let Test { pose, tool, mesh, slots, triangles, verdicts } = self;
+        let (corners, faces, vertices) = (tool.placeable(), mesh.faces(), mesh.vertices());
         for (i, verdict) in verdicts[..slots.len() / WIDE_LANES].iter_mut().enumerate() {
             let (mut p, mut q) = ([[&[0.0; 3]; WIDE_LANES]; 3], [[&[0.0; 3]; WIDE_LANES]; 3]);
             for lane in 0..WIDE_LANES {
-                let triangle = &triangles[slots[WIDE_LANES * i + lane] as usize];
-                let face = &faces[WIDE_LANES * i + lane];
+                let triangle = &corners[slots[WIDE_LANES * i + lane] as usize];
+                let face = &faces[triangles[WIDE_LANES * i + lane] as usize];
                 for c in 0..3 {
                     p[c][lane] = &triangle[c];
                     q[c][lane] = &vertices[face[c] as usize];
