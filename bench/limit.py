@@ -50,8 +50,8 @@ NODE = 6  # a node test: 3 x (shuffle, comparison of 64 bytes), or 6 comparisons
 PLACE = 60  # placing a cluster: 36 multiply-adds, 18 least and greatest, 6 margins
 SCAN = 6  # a piece against 16 boxes: 6 comparisons
 PLANES = 48  # both planes against 4 corners each, in 16 lanes: 30 multiply-adds, 12 least and greatest, ...
-TEST = 131  # eight triangle pairs, as far as most come: 54 to move the tool's, 77 for one plane
-MEET = 209  # and from there on where they meet: the other plane 77, turning 48, two orientations 84
+TEST = 123  # eight triangle pairs, as far as most come: 54 to move the tool's, 69 for one plane
+MEET = 159  # and from there on where they meet: the other plane 69, turning 42, two triple products 48
 
 POINTER, SIZE, COUNT = ctypes.c_void_p, ctypes.c_size_t, ctypes.c_uint64
 FUNCTIONS: dict[str, tuple[Any, tuple[Any, ...]]] = {
