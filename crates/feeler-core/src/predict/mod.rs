@@ -12,6 +12,7 @@
 //!
 //! The work times what each step costs on the machine ([`CostConstants`]) is the time.
 
+mod pieces;
 mod random;
 mod sample;
 #[cfg(test)]
@@ -20,6 +21,7 @@ mod tests;
 use crate::cost::{mean_longest_edge, static_means, CostFunction, Estimator};
 use crate::mesh::Mesh;
 use crate::store::Storage;
+pub use pieces::{PiecePredictor, PieceWork};
 use sample::{Sample, Shape};
 
 /// What the steps of a query cost on a machine, seconds each. The core has no clock: whoever has one measures them.

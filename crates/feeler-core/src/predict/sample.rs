@@ -149,7 +149,7 @@ impl Sample {
 }
 
 /// At most `most` queried triangles, evenly spread; at least one.
-fn spread(mesh: &Mesh, most: usize) -> Vec<u32> {
+pub(super) fn spread(mesh: &Mesh, most: usize) -> Vec<u32> {
     let stride = mesh.queried_count().div_ceil(most).max(1);
     if mesh.defects().excluded.is_empty() {
         return (0..mesh.faces().len() as u32).step_by(stride).collect();
@@ -159,23 +159,30 @@ fn spread(mesh: &Mesh, most: usize) -> Vec<u32> {
 
 /// Tool triangles and how many each stands for: long ones, which visit more voxels, are chosen more often.
 fn chosen_visitors(tool: &Mesh, ids: &[u32]) -> Vec<(u32, f64)> {
-    let length = |id: &u32| Aabb::of_triangle(&tool.triangle(*id)).extent().iter().sum::<f64>();
-    let mean = ids.iter().map(length).sum::<f64>() / ids.len() as f64;
+    let lengths: Vec<f64> =
+        ids.iter().map(|id| Aabb::of_triangle(&tool.triangle(*id)).extent().iter().sum::<f64>()).collect();
+    let mean = lengths.iter().sum::<f64>() / ids.len() as f64;
     if ids.len() <= VISITORS || !(mean.is_finite() && mean > 0.0) {
         return ids.iter().map(|id| (*id, 1.0)).collect();
     }
-    let step = 2.0 * mean * ids.len() as f64 / VISITORS as f64;
+    let shares: Vec<f64> = lengths.iter().map(|length| mean + length).collect();
+    chosen(ids, &shares, VISITORS).into_iter().map(|(id, times, weight)| (id, f64::from(times) * weight)).collect()
+}
+
+/// About `most` of the triangles, in proportion to their shares: how often each was chosen, and how many it stands for each time.
+pub(super) fn chosen(ids: &[u32], shares: &[f64], most: usize) -> Vec<(u32, u32, f64)> {
+    let total: f64 = shares.iter().sum();
+    let step = total / most as f64;
     let (mut chosen, mut sum, mut next) = (Vec::new(), 0.0, 0.5 * step);
-    for id in ids {
-        let share = mean + length(id);
+    for (id, share) in ids.iter().zip(shares) {
         sum += share;
-        let mut weight = 0.0;
+        let mut times = 0;
         while next < sum {
-            weight += step / share;
+            times += 1;
             next += step;
         }
-        if weight > 0.0 {
-            chosen.push((*id, weight));
+        if times > 0 {
+            chosen.push((*id, times, step / share));
         }
     }
     chosen
