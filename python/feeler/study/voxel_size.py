@@ -138,7 +138,7 @@ def judged(cell: Cell) -> Cell:
         "best": {"size_m": measured_best["size_m"], "seconds": measured_best["seconds"]},
         "zones": {which: {"least_m": z.least, "most_m": z.most, "is_cut": z.is_cut} for which, z in zones.items()},
         "estimators": estimators,
-        "rank_correlation": rank_correlation([p["predicted_s"] for p in points], [p["seconds"] for p in points]),
+        "rank_correlation": rank_correlation([p["predicted_s"] for p in points], [quiet[p["size_m"]] for p in points]),
         "choosing_share": cell["choosing_s"] / chosen["build_s"],
     }
 

@@ -41,12 +41,12 @@ fn sheets(n: u32, scale: f64) -> (Vec<Point>, Vec<[u32; 3]>) {
     (vertices, faces)
 }
 
-fn mockup(n: u32, scale: f64) -> Mockup {
+pub fn mockup(n: u32, scale: f64) -> Mockup {
     let (vertices, faces) = sheets(n, scale);
     Mockup::new(vertices, faces, Vec::new(), 1).unwrap()
 }
 
-fn tool(scale: f64) -> Tool {
+pub fn tool(scale: f64) -> Tool {
     // A bar of long and short triangles.
     let (mut vertices, mut faces) = (Vec::new(), Vec::new());
     for i in 0..40u32 {
