@@ -1,7 +1,7 @@
 //! The calibrated estimator: the voxel size that minimises the time this code will take on this machine.
 //!
-//! The paper's cost function knows means; this one knows the meshes. The tool is put at a few places on the mock-up's surface
-//! ([`sample`]), and for any voxel size `d` the work of a query follows from the sampled boxes in closed form, averaged over
+//! The paper's cost function knows means; this one knows the meshes. The tool is put at a few places at the mock-up's surface
+//! ([`place`], [`sample`]), and for any voxel size `d` the work of a query follows from the sampled boxes in closed form, averaged over
 //! all positions of the grid (integral geometry: a set `K` meets `volume(K + cube) / d^3` voxels on average):
 //!
 //! - a tool triangle whose box has sides `b` visits `product(1 + b_a / d)` voxels; the paper has `(l/d + 2)^3`;
@@ -104,7 +104,7 @@ const REACH: f64 = 4.0;
 const DEPTH: f64 = 1.0 / 32.0;
 
 impl Predictor {
-    /// Looks at samples of both meshes: time that does not grow with them beyond some 100,000 triangles.
+    /// Looks at samples of both meshes: time that does not grow with them beyond some 50,000 triangles.
     ///
     /// `storage` is `Dense` or `Hashed`; for `Blocks` the figures are those of `Dense`. `None` for meshes so near the limits
     /// of float64 that the paper's cost function has no optimum either.
