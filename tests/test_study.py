@@ -63,6 +63,7 @@ def test_voxel_size_judges_every_estimator(tmp_path: Path) -> None:
         assert estimator["epsilon"]["absolute"] >= 0 and estimator["seconds"] > 0
     assert row["zones"]["relative"]["least_m"] <= row["fit"]["optimum_m"] <= row["zones"]["relative"]["most_m"]
     assert found["summary"]["pairs"] == 1
+    assert -1 <= row["rank_correlation"] <= 1 and -1 <= row["rank_of_counted"] <= 1
 
 
 def test_piece_size_judges_the_choice(tmp_path: Path) -> None:

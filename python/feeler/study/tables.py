@@ -48,8 +48,10 @@ def _voxel_size(results: dict[str, Any]) -> list[Section]:
             "favours less. The sizes of area and calibrated were built and measured; the others are read from the fit, "
             "or from its end where they lie beyond the sweep. Quiet: from the lower quartile over the rounds "
             "instead of the median, which other programs on the machine disturb less.",
-            f"Rank correlation of predicted and measured time over the sizes of a pair: median "
-            f"{found['rank_correlation_median']:.3f}, worst {found['rank_correlation_worst']:.3f}. Choosing the "
+            "Rank correlation of predicted and measured time (quiet) over the sizes of a pair: median "
+            f"{found['rank_correlation_median']:.3f}, worst {found['rank_correlation_worst']:.3f}; of the counted work "
+            f"of the measured queries at the same prices: median {found['rank_of_counted_median']:.3f}, worst "
+            f"{found['rank_of_counted_worst']:.3f}. Choosing the "
             f"calibrated size takes {found['choosing_share_median']:.1%} of the build in the median, "
             f"{found['choosing_share_worst']:.1%} at worst.",
         ],
