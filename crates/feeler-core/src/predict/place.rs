@@ -50,13 +50,10 @@ impl Place {
             .step_by(every)
             .map(|id| Probe::new(&place.apply(&tool.triangle(*id)), crowd))
             .collect();
-        // Out until the tool rests on the surface, then on, or back, as it is crowded there.
-        let rest =
-            probes.iter().flat_map(|probe| probe.corners).map(|p| depth(&surface.at, &outward, &p)).fold(0.0, f64::max);
         let pairs =
             |s: f64| probes.iter().map(|probe| probe.met(&outward, s, crowd)).sum::<f64>() / probes.len() as f64;
         let size = tool.bounds().extent().iter().map(|x| x * x).sum::<f64>().sqrt();
-        let (s, off) = slide(pairs, rest, 0.02 * size);
+        let (s, off) = slide(pairs, 0.02 * size);
         place.translation = std::array::from_fn(|a| place.translation[a] + s * outward[a]);
         (place, off)
     }
@@ -102,15 +99,10 @@ fn outwards(any: &[[f64; 3]; 3], outward: &Point, random: &mut Random) -> [[f64;
     std::array::from_fn(|a| [x[a], y[a], z[a]])
 }
 
-/// How far below a surface a point is.
-fn depth(at: &Point, outward: &Point, p: &Point) -> f64 {
-    (0..3).map(|a| outward[a] * (at[a] - p[a])).sum()
-}
-
 /// How far to go until as much meets as at work, in growing steps, then by bisection; and how far it is off there.
-fn slide(pairs: impl Fn(f64) -> f64, from: f64, first_step: f64) -> (f64, f64) {
+fn slide(pairs: impl Fn(f64) -> f64, first_step: f64) -> (f64, f64) {
     let [low, high] = AT_WORK;
-    let mut best = (from, f64::INFINITY);
+    let mut best = (0.0, f64::INFINITY);
     // Whether it is good, and whether there is too much.
     let mut look = |s: f64| {
         let here = pairs(s);
@@ -120,9 +112,9 @@ fn slide(pairs: impl Fn(f64) -> f64, from: f64, first_step: f64) -> (f64, f64) {
         }
         (off == 0.0, here > high)
     };
-    let (mut is_good, is_inside) = look(from);
+    let (mut is_good, is_inside) = look(0.0);
     let way = if is_inside { 1.0 } else { -1.0 };
-    let (mut last, mut s, mut step, mut is_past) = (from, from, first_step, false);
+    let (mut last, mut s, mut step, mut is_past) = (0.0, 0.0, first_step, false);
     for _ in 0..STEPS {
         if is_good {
             break;
@@ -144,7 +136,6 @@ fn slide(pairs: impl Fn(f64) -> f64, from: f64, first_step: f64) -> (f64, f64) {
 
 /// A triangle of the tool at a place.
 struct Probe {
-    corners: Triangle,
     /// Points that stand for it.
     points: Vec<Point>,
     area: f64,
@@ -154,7 +145,7 @@ struct Probe {
 impl Probe {
     fn new(t: &Triangle, crowd: &Crowd) -> Probe {
         let outline = edge_lengths(t).iter().sum();
-        Probe { corners: *t, points: crowd.points_of(t), area: 0.5 * twice_area(t), outline }
+        Probe { points: crowd.points_of(t), area: 0.5 * twice_area(t), outline }
     }
 
     /// How many triangles it meets when it has moved by `s` outwards.
