@@ -101,19 +101,43 @@ def test_work_is_predicted_within_a_small_factor(pair: tuple[feeler.Mockup, feel
         assert listed >= pairs >= tests >= 0
 
 
+def test_the_piece_size_follows_the_tool(pair: tuple[feeler.Mockup, feeler.Tool]) -> None:
+    mockup, tool = pair
+    coarse = feeler.Tool(8.0 * tool.vertices, tool.faces)
+    sizes = [feeler.optimal_voxel_size(mockup, each, storage="blocks") for each in (tool, coarse)]
+    assert sizes[0] < feeler.Scene(mockup).voxel_size  # the engine has large panels: smaller pieces pay
+    assert sizes[0] < sizes[1]
+    assert [feeler.Scene(mockup, tool=each).voxel_size for each in (tool, coarse)] == sizes
+
+
+def test_the_piece_size_keeps_its_memory(pair: tuple[feeler.Mockup, feeler.Tool]) -> None:
+    mockup, tool = pair
+    needle = feeler.Tool(1e-4 * tool.vertices, tool.faces)  # would like mock-ups of dust
+    scene = feeler.Scene(mockup, tool=needle)
+    assert scene.memory()["piece_triangles"] <= 4 * 3.3 * mockup.triangle_count  # three pieces each, by estimate
+    assert scene.memory()["total"] <= 130 * mockup.triangle_count
+    limit = 3_000_000
+    tight = feeler.optimal_voxel_size(mockup, needle, storage="blocks", memory_limit=limit)
+    assert tight > scene.voxel_size
+    feeler.Scene(mockup, tool=needle, memory_limit=limit)  # is not refused
+
+
 def test_what_cannot_be_predicted_is_said(pair: tuple[feeler.Mockup, feeler.Tool]) -> None:
     mockup, tool = pair
-    with pytest.raises(feeler.OptionError, match="'blocks' has its own rule"):
-        feeler.optimal_voxel_size(mockup, tool, storage="blocks")
-    with pytest.raises(feeler.OptionError, match="leave hashing at 0"):
-        feeler.optimal_voxel_size(mockup, tool, hashing=0.5)
+    with pytest.raises(feeler.OptionError, match="choose 'blocks', 'dense' or 'hashed'"):
+        feeler.optimal_voxel_size(mockup, tool, storage="sparse")
+    for storage in ("dense", "blocks"):
+        with pytest.raises(feeler.OptionError, match="leave hashing at 0"):
+            feeler.optimal_voxel_size(mockup, tool, storage=storage, hashing=0.5)
     for hashing in (-0.1, 1.0, float("nan")):
         with pytest.raises(feeler.OptionError, match="hashing"):
             feeler.optimal_voxel_size(mockup, tool, storage="hashed", hashing=hashing)
     predictor = _core.Predictor(mockup, tool, "dense", 0.0)
+    pieces = _core.PiecePredictor(mockup, tool)
     for size in (0.0, -1.0, float("nan"), float("inf")):
-        with pytest.raises(feeler.OptionError, match="voxel_size"):
-            predictor.work(size)
+        for predicted in (predictor, pieces):
+            with pytest.raises(feeler.OptionError, match="voxel_size"):
+                predicted.work(size)
 
 
 def test_tiny_and_huge_meshes_fall_back_to_the_papers_rule() -> None:
@@ -121,5 +145,7 @@ def test_tiny_and_huge_meshes_fall_back_to_the_papers_rule() -> None:
         corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]) * scale
         faces = [[0, 1, 2], [0, 1, 3]]
         mockup, tool = feeler.Mockup(corners, faces), feeler.Tool(corners, faces)
-        scene = feeler.Scene(mockup, storage="dense", tool=tool)
-        assert len(scene.collide(tool, np.eye(4)).pairs) > 0
+        for storage in ("dense", "blocks"):
+            assert feeler.optimal_voxel_size(mockup, tool, storage=storage) > 0
+            scene = feeler.Scene(mockup, storage=storage, tool=tool)
+            assert len(scene.collide(tool, np.eye(4)).pairs) > 0

@@ -256,7 +256,7 @@ def test_hashing_saves_what_it_says(mockup: feeler.Mockup) -> None:
 
 
 def test_the_default_voxel_size_is_the_calibrated_one(mockup: feeler.Mockup, tool: feeler.Tool) -> None:
-    for storage, hashing in (("dense", 0.0), ("hashed", 0.0), ("hashed", 0.9)):
+    for storage, hashing in (("blocks", 0.0), ("dense", 0.0), ("hashed", 0.0), ("hashed", 0.9)):
         scene = feeler.Scene(mockup, storage=storage, hashing=hashing, tool=tool)
         assert scene.voxel_size == feeler.optimal_voxel_size(
             mockup, tool, "calibrated", storage=storage, hashing=hashing

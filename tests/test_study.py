@@ -63,6 +63,16 @@ def test_voxel_size_judges_every_estimator(tmp_path: Path) -> None:
         assert estimator["epsilon"]["absolute"] >= 0 and estimator["seconds"] > 0
     assert row["zones"]["relative"]["least_m"] <= row["fit"]["optimum_m"] <= row["zones"]["relative"]["most_m"]
     assert found["summary"]["pairs"] == 1
+    assert -1 <= row["rank_correlation"] <= 1 and -1 <= row["rank_of_counted"] <= 1
+
+
+def test_piece_size_judges_the_choice(tmp_path: Path) -> None:
+    found = run("piece-size", "--mockups", "engine", "--tools", "wrench", "--out", str(tmp_path))
+    (row,) = found["rows"]
+    assert row["chosen"]["size_m"] < row["default"]["size_m"]  # the engine has large panels
+    assert 0 < row["chosen"]["predicted_work"] < row["default"]["predicted_work"]
+    assert 0 < row["choosing_share"] < 1 and -1 <= row["rank_correlation"] <= 1
+    assert found["summary"]["over"]["chosen"]["best"]["worst"] == row["over"]["chosen"]["best"]
 
 
 def test_own_files(tmp_path: Path) -> None:

@@ -22,6 +22,7 @@ __all__ = [
     "Mockup",
     "PathCheck",
     "Penetration",
+    "PiecePredictor",
     "Predictor",
     "Scene",
     "Tool",
@@ -396,6 +397,16 @@ class Predictor:
         """What the store will take."""
     def optimal_size(self, constants: Sequence[float], memory_limit: int) -> float:
         """The voxel size (metres) with the least time whose store takes at most `memory_limit` bytes."""
+
+@final
+class PiecePredictor:
+    """How the work of queries of a tool depends on the piece size of blocks."""
+
+    def __new__(cls, mockup: Mockup, tool: Tool) -> Self: ...
+    def work(self, piece_size: float) -> tuple[float, float]:
+        """The work that depends on the piece size, of which only ratios mean something, and the number of pieces."""
+    def optimal_size(self, memory_limit: int) -> float:
+        """The piece size (metres) with the least work, within three pieces a triangle and the memory for building."""
 
 @final
 class Cast:

@@ -52,8 +52,9 @@ class Scene(_core.Scene):
 
     - `voxel_size`: edge of the voxels, metres; for `blocks` the piece size. Default: for `dense` and `hashed` what
       `optimal_voxel_size` says for `tool` (without one, the paper's cost function with the area estimator, for a tool
-      whose triangles are as long as the mock-up's own); for `blocks` the size at which cutting long triangles adds a
-      quarter of pieces.
+      whose triangles are as long as the mock-up's own); for `blocks` the piece size at which boxes of `tool` meet the
+      fewest of the mock-up's, with about two pieces more a triangle at most (120 bytes a triangle in all; without a
+      tool, the size at which cutting long triangles adds a quarter of pieces, 64 bytes).
     - `storage`: `"blocks"` (ours, the default), `"dense"` (the paper's array) or `"hashed"` (its equation 1).
     - `hashing`: for `hashed`, the share of the voxel array's memory saved, 0 to 0.99.
     - `threads`: for building and batches; default: all.
@@ -284,11 +285,12 @@ def optimal_voxel_size(
     hashing: float = 0.0,
     memory_limit: int | None = None,
 ) -> float:
-    """The voxel size (metres) with which queries of a tool in a mock-up are fastest, for the stores dense and hashed.
+    """The voxel size (metres) with which queries of a tool in a mock-up are fastest; for `blocks` the piece size.
 
     - `estimator="calibrated"`: the least time predicted from samples of both meshes and from what each step of a query
-      costs on this machine, which is measured at the first use (less than a second) and kept in the user's cache.
-      `storage`, `hashing` and `memory_limit` are as for `Scene`: a size whose store needs more memory is not chosen.
+      costs on this machine, which is measured at the first use (less than a second) and kept in the user's cache; for
+      `blocks` the least work, which needs no measuring. `storage`, `hashing` and `memory_limit` are as for `Scene`: a
+      size whose store needs more memory is not chosen.
     - `"area"`, `"diagonal"`, `"side"`: the least cost of the paper's cost function, by how it estimates the static
       triangles per voxel (equations 3 to 10 of Borro, García-Alonso and Matey 2004); they know no storage.
     """
@@ -297,10 +299,10 @@ def optimal_voxel_size(
     _check_tool(tool)
     if estimator != "calibrated":
         return _core.optimal_voxel_size(mockup, tool, str(estimator))
-    if storage not in ("dense", "hashed"):
-        raise OptionError(f"storage is {storage!r}: a voxel size is for 'dense' or 'hashed'; 'blocks' has its own rule")
+    if storage not in STORAGES:
+        raise OptionError(f"storage is {storage!r}: choose 'blocks', 'dense' or 'hashed'")
     level = _real("hashing", hashing)
-    if storage == "dense" and level != 0.0:
+    if storage != "hashed" and level != 0.0:
         raise OptionError(f"hashing is {level}, but the storage is not 'hashed': leave hashing at 0")
     limit = _memory_limit(memory_limit)
     size = _calibrated_size(mockup, tool, storage, level, limit)
@@ -309,12 +311,12 @@ def optimal_voxel_size(
 
 def _calibrated_size(mockup: Mockup, tool: _core.Tool, storage: str, hashing: float, limit: int) -> float | None:
     """None for coordinates near the limits of float64, where nothing can be predicted."""
-    constants = machine_constants()
     try:
-        predictor = _core.Predictor(mockup, tool, storage, hashing)
+        if storage == "blocks":
+            return _core.PiecePredictor(mockup, tool).optimal_size(limit)
+        return _core.Predictor(mockup, tool, storage, hashing).optimal_size(machine_constants(), limit)
     except LimitError:
         return None
-    return predictor.optimal_size(constants, limit)
 
 
 def _memory_limit(memory_limit: int | None) -> int:

@@ -33,6 +33,10 @@ pub const LEAST_PIECE_ROUNDOFFS: f64 = 8.0 * CUT_ROUNDOFFS;
 /// More tightens boxes around long triangles and costs memory.
 pub const MOCKUP_CUT_ALLOWANCE: f64 = 0.25;
 
+/// Extra pieces a triangle where the piece size is chosen for a tool (no unit): the most that the choice may spend. With three
+/// pieces a triangle the index and the triangles take some 120 bytes a triangle.
+pub const CHOSEN_CUT_ALLOWANCE: f64 = 2.0;
+
 /// Extra pieces a tool may have: the long triangles of a coarse tool are worth several pieces each. A fine tool has short ones
 /// already, and pays for each piece at every pose.
 pub const TOOL_CUT_PIECES: f64 = 1000.0;

@@ -46,7 +46,7 @@ pub use intersect_triangle_triangle::{intersect_triangle_triangle, PairKind};
 pub use mesh::{Mesh, Mockup};
 pub use narrow::{Filters, Stats};
 pub use pose::Pose;
-pub use predict::{CostConstants, Predictor};
+pub use predict::{CostConstants, PiecePredictor, Predictor};
 pub use proximity::{gaps_of_all_pairs, Gap, GapBatch};
 pub use scene::{default_voxel_size, optimal_voxel_size, Batch, Collision, Scene, SceneOptions, Scratch};
 pub use simd::Level;

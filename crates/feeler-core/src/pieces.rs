@@ -39,38 +39,52 @@ fn is_short(t: &Triangle, size: f64) -> bool {
 
 fn cut_long_triangle(t: &Triangle, size: f64, emit: &mut impl FnMut(&Piece)) {
     let size = size.max(least_piece_size(t));
+    let (one, other) = first_cut(t, size);
+    halve(&one, size, MAX_CUT_DEPTH, emit);
+    if let Some(other) = other {
+        halve(&other, size, MAX_CUT_DEPTH, emit);
+    }
+}
+
+/// What cutting a triangle begins with: one piece, or two.
+pub(crate) fn first_cut(t: &Triangle, size: f64) -> (Piece, Option<Piece>) {
     let [shortest, middle, apex] = shortest_side_first(t);
     let (base, height) = base_and_height(t);
     if base <= size || height >= 0.5 * distance(&shortest, &middle) {
-        return halve(&[shortest, middle, apex, apex], size, MAX_CUT_DEPTH, emit);
+        return ([shortest, middle, apex, apex], None);
     }
     // Three long sides and little height: cut along the height first, so that each part has a short side.
     let [a, b, top] = longest_side_first(t);
     let along = |i: usize| (top[i] - a[i]) * ((b[i] - a[i]) / base);
     let share = ((along(0) + along(1) + along(2)) / base).clamp(0.0, 1.0);
     let foot: Point = std::array::from_fn(|i| a[i] + share * (b[i] - a[i]));
-    halve(&[foot, top, a, a], size, MAX_CUT_DEPTH, emit);
-    halve(&[foot, top, b, b], size, MAX_CUT_DEPTH, emit);
+    ([foot, top, a, a], Some([foot, top, b, b]))
 }
 
 fn halve(q: &Piece, size: f64, depth: u32, emit: &mut impl FnMut(&Piece)) {
+    match halves(q, size) {
+        Some(halves) if depth > 0 => halves.iter().for_each(|half| halve(half, size, depth - 1, emit)),
+        _ => emit(q),
+    }
+}
+
+/// The halves of a piece with a side longer than `size`.
+#[inline]
+pub(crate) fn halves(q: &Piece, size: f64) -> Option<[Piece; 2]> {
     let [a, b, c, d] = q;
     let across = distance(a, b).max(distance(c, d));
     let along = distance(b, c).max(distance(d, a));
-    if depth == 0 || across.max(along) <= size {
-        return emit(q);
+    if across.max(along) <= size {
+        return None;
     }
     let middle = |p: &Point, q: &Point| -> Point { std::array::from_fn(|i| 0.5 * p[i] + 0.5 * q[i]) };
-    let halves = if along >= across {
+    Some(if along >= across {
         let (m, n) = (middle(b, c), middle(d, a));
         [[*a, *b, m, n], [n, m, *c, *d]]
     } else {
         let (m, n) = (middle(a, b), middle(c, d));
         [[*a, m, n, *d], [m, *b, *c, n]]
-    };
-    for half in &halves {
-        halve(half, size, depth - 1, emit);
-    }
+    })
 }
 
 /// How far (metres, per axis) a piece of a triangle with coordinates up to `largest` may lie off its exact place.
@@ -138,7 +152,7 @@ pub fn least_pieces(t: &Triangle, size: f64) -> f64 {
 }
 
 /// Below this size (metres) midpoints hardly move for rounding, and halving would not shorten the sides.
-fn least_piece_size(t: &Triangle) -> f64 {
+pub(crate) fn least_piece_size(t: &Triangle) -> f64 {
     LEAST_PIECE_ROUNDOFFS * UNIT_ROUNDOFF * t.iter().flatten().fold(0.0, |m: f64, x| m.max(x.abs()))
 }
 
@@ -178,6 +192,11 @@ fn distance(p: &Point, q: &Point) -> f64 {
 /// Length of the longest edge, metres.
 pub fn longest_edge(t: &Triangle) -> f64 {
     edge_lengths(t).into_iter().fold(0.0, f64::max)
+}
+
+/// Length of all sides of a piece, metres.
+pub fn outline([a, b, c, d]: &Piece) -> f64 {
+    distance(a, b) + distance(b, c) + distance(c, d) + distance(d, a)
 }
 
 /// Twice the area, square metres.

@@ -16,7 +16,7 @@ use crate::mesh::{Mesh, Mockup};
 use crate::narrow::{Filters, Narrow, PairSet, Pending, PlacedBounds, Stats};
 use crate::pieces::default_piece_size;
 use crate::pose::Pose;
-use crate::predict::Predictor;
+use crate::predict::{PiecePredictor, Predictor};
 use crate::proximity::ProximityScratch;
 use crate::simd::{Checked, Level};
 use crate::store::{report, BlocksScratch, Progress, Storage, Store};
@@ -112,7 +112,7 @@ impl Scene {
         let voxel_size = match options.voxel_size {
             Some(size) if size.is_finite() && size > 0.0 => size,
             Some(value) => return Err(Error::VoxelSize { value }),
-            None => default_voxel_size(mesh, options.tool, options.storage),
+            None => default_voxel_size(mesh, options.tool, options.storage, options.memory_limit),
         };
         let store = Store::build(mesh, options.storage, voxel_size, options.memory_limit, progress)?;
         Ok(Scene {
@@ -309,10 +309,14 @@ impl Scene {
 /// The voxel size a scene uses when none is given, metres.
 ///
 /// For `dense` and `hashed` the minimum of the paper's cost function with the area estimator; without a tool, one whose
-/// triangles are as long as the mock-up's own (mean longest edge) stands in. For `blocks` the piece size that spends a fixed
-/// share of extra pieces on the longest triangles ([`default_piece_size`]); it needs no tool.
-pub fn default_voxel_size(mesh: &Mesh, tool: Option<&Tool>, storage: Storage) -> f64 {
+/// triangles are as long as the mock-up's own (mean longest edge) stands in. For `blocks` the piece size with which boxes of the
+/// tool meet the fewest of the mock-up's ([`PiecePredictor`]), as far as building stays below `limit` bytes; without a tool the
+/// one that spends a fixed share of extra pieces on the longest triangles ([`default_piece_size`]).
+pub fn default_voxel_size(mesh: &Mesh, tool: Option<&Tool>, storage: Storage, limit: u64) -> f64 {
     if storage == Storage::Blocks {
+        if let Some(predictor) = tool.and_then(|tool| PiecePredictor::new(mesh, tool)) {
+            return predictor.optimal_size(limit);
+        }
         let excluded = mesh.defects().excluded.is_empty();
         let ids: Vec<u32> = if excluded { Vec::new() } else { mesh.queried().collect() };
         let triangle = |i: usize| mesh.triangle(if excluded { i as u32 } else { ids[i] });

@@ -9,7 +9,7 @@ use crate::error::{Error, Result};
 use crate::lanes::{BoxLanes, PieceLanes, ToolUnit, LANES};
 use crate::median::{self, Cells};
 use crate::mesh::Mesh;
-use crate::pieces::{cut_margin, cut_triangle, default_piece_size, grown_box, Piece};
+use crate::pieces::{cut_margin, cut_triangle, default_piece_size, grown_box, outline, Piece};
 use crate::pose::Pose;
 
 /// A moving tool in its own frame, metres: its triangles, and a shallow tree of boxes over their pieces.
@@ -26,8 +26,18 @@ pub struct Tool {
     /// has one entry.
     groups: Vec<Vec<BoxLanes>>,
     largest: f64,
+    widths: Widths,
     /// Made when contacts are first asked for.
     adjacency: OnceLock<Adjacency>,
+}
+
+/// Mean widths, over all directions, of what a tool consists of: the means of them, of their squares and of their cubes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Widths {
+    /// Of the pieces; metres, square metres, cubic metres.
+    pub pieces: [f64; 3],
+    /// Of the boxes of the clusters.
+    pub clusters: [f64; 3],
 }
 
 /// Sixteen pieces that lie close together.
@@ -79,6 +89,11 @@ impl Tool {
             .chunks(LANES)
             .map(|c| c.iter().fold(Aabb::EMPTY, |b, p| b.union(&grown_box(&p.corners, 0.0))))
             .collect();
+        // The mean width of a flat convex thing is a quarter of its outline, that of a box half the sum of its sides.
+        let widths = Widths {
+            pieces: mean_powers(pieces.iter().map(|p| 0.25 * outline(&p.corners))),
+            clusters: mean_powers(boxes.iter().map(|b| 0.5 * b.extent().iter().sum::<f64>())),
+        };
         let mut groups = Vec::new();
         while boxes.len() > 1 || groups.is_empty() {
             groups.push(boxes.chunks(LANES).map(|c| BoxLanes::new(c, &unit)).collect());
@@ -93,6 +108,7 @@ impl Tool {
             clusters,
             groups,
             largest,
+            widths,
             adjacency: OnceLock::new(),
         })
     }
@@ -132,6 +148,11 @@ impl Tool {
         &self.groups[level - 1]
     }
 
+    /// How wide its pieces and clusters are.
+    pub(crate) fn widths(&self) -> &Widths {
+        &self.widths
+    }
+
     /// The unit of the float32 coordinates.
     pub(crate) fn unit(&self) -> &ToolUnit {
         &self.unit
@@ -161,6 +182,11 @@ impl Cluster {
         }
         cluster
     }
+}
+
+fn mean_powers(widths: impl ExactSizeIterator<Item = f64>) -> [f64; 3] {
+    let n = widths.len() as f64;
+    widths.fold([0.0; 3], |[a, b, c], w| [a + w / n, b + w * w / n, c + w * w * w / n])
 }
 
 /// All pieces. Long triangles of a coarse tool are worth many pieces each; a fine tool has short ones already, and pays for

@@ -45,7 +45,7 @@ mod _core {
     #[pymodule_export]
     use super::mockup::Mockup;
     #[pymodule_export]
-    use super::predict::Predictor;
+    use super::predict::{PiecePredictor, Predictor};
     #[pymodule_export]
     use super::proximity::{Clearance, ClearanceBatch, Distance, DistanceBatch};
     #[pymodule_export]

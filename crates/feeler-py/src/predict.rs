@@ -40,10 +40,7 @@ impl Predictor {
         };
         let (mockup, tool) = (&mockup.get().core, &tool.get().core);
         let made = py.detach(|| core::Predictor::new(mockup.mesh(), tool.mesh(), storage));
-        let core = made.ok_or_else(|| {
-            raise("LimitError", "the triangles are too large or too small to predict: give a voxel size".to_string())
-        })?;
-        Ok(Predictor { core })
+        Ok(Predictor { core: made.ok_or_else(too_large_or_small)? })
     }
 
     fn work(&self, voxel_size: f64) -> PyResult<(f64, f64, f64, f64, f64)> {
@@ -72,4 +69,35 @@ fn check(value: f64) -> PyResult<()> {
         return Ok(());
     }
     Err(to_py(core::Error::VoxelSize { value }))
+}
+
+/// Predicts how queries of a tool depend on the piece size of blocks.
+#[pyclass(frozen, module = "feeler._core")]
+pub struct PiecePredictor {
+    core: core::PiecePredictor,
+}
+
+#[pymethods]
+impl PiecePredictor {
+    #[new]
+    fn new(py: Python<'_>, mockup: &Bound<'_, Mockup>, tool: &Bound<'_, Tool>) -> PyResult<PiecePredictor> {
+        let (mockup, tool) = (&mockup.get().core, &tool.get().core);
+        let core = py.detach(|| core::PiecePredictor::new(mockup.mesh(), tool)).ok_or_else(too_large_or_small)?;
+        Ok(PiecePredictor { core })
+    }
+
+    /// The work at a piece size, in units of no meaning, and the pieces.
+    fn work(&self, piece_size: f64) -> PyResult<(f64, f64)> {
+        check(piece_size)?;
+        let work = self.core.work(piece_size);
+        Ok((work.cost(), work.pieces))
+    }
+
+    fn optimal_size(&self, py: Python<'_>, memory_limit: u64) -> f64 {
+        py.detach(|| self.core.optimal_size(memory_limit))
+    }
+}
+
+fn too_large_or_small() -> PyErr {
+    raise("LimitError", "the triangles are too large or too small to predict: give a voxel size".to_string())
 }

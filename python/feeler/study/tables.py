@@ -48,8 +48,10 @@ def _voxel_size(results: dict[str, Any]) -> list[Section]:
             "favours less. The sizes of area and calibrated were built and measured; the others are read from the fit, "
             "or from its end where they lie beyond the sweep. Quiet: from the lower quartile over the rounds "
             "instead of the median, which other programs on the machine disturb less.",
-            f"Rank correlation of predicted and measured time over the sizes of a pair: median "
-            f"{found['rank_correlation_median']:.3f}, worst {found['rank_correlation_worst']:.3f}. Choosing the "
+            "Rank correlation of predicted and measured time (quiet) over the sizes of a pair: median "
+            f"{found['rank_correlation_median']:.3f}, worst {found['rank_correlation_worst']:.3f}; of the counted work "
+            f"of the measured queries at the same prices: median {found['rank_of_counted_median']:.3f}, worst "
+            f"{found['rank_of_counted_worst']:.3f}. Choosing the "
             f"calibrated size takes {found['choosing_share_median']:.1%} of the build in the median, "
             f"{found['choosing_share_worst']:.1%} at worst.",
         ],
@@ -219,11 +221,28 @@ def _filters(results: dict[str, Any]) -> list[Section]:
 
 def _piece_size(results: dict[str, Any]) -> list[Section]:
     found = results["summary"]
+    chosen = found["chosen"]
     about = [
         "The piece size is the blocks' counterpart of the voxel size: triangles longer than it are cut for the index. "
-        "The default cuts until a quarter of pieces is added, for any tool.",
-        f"Over {found['pairs']} pairs the default's time is {found['default_over_best_median']:+.1%} over the best of "
-        f"the sweep in the median, {found['default_over_best_worst']:+.1%} at worst.",
+        "The default cuts until a quarter of pieces is added, for any tool; the chosen size is the one with the least "
+        "predicted work for the tool, with at most two pieces more a triangle.",
+        "Lines: measured time; dashed: the predicted work, all over the default's; diamonds: the chosen size.",
+    ]
+    by_choice = [
+        [name, *(f"{found['over'][which][key][how]:+.1%}" for key in ("best", "quiet") for how in ("median", "worst"))]
+        for which, name in (("default", "default"), ("chosen", "chosen for the tool"))
+    ]
+    over_pairs = [
+        f"Over {found['pairs']} pairs. Slower: time over the best of the sweep; quiet: from the lower quartile over "
+        "the rounds instead of the median.",
+        f"The chosen size's time over the default's: {chosen['over_default']['median']:+.1%} in the median, "
+        f"{chosen['over_default']['least']:+.1%} to {chosen['over_default']['most']:+.1%}; its memory (index and "
+        f"triangles) {chosen['memory']['median']:.2f} times, at most {chosen['memory']['most']:.2f} times and "
+        f"{chosen['bytes_a_triangle']['most']:.0f} bytes a triangle; its build {chosen['build']['median']:.1f} times, "
+        f"at most {chosen['build']['most']:.1f} times. Choosing takes {chosen['choosing_share']['median']:.1%} of the "
+        f"build in the median, {chosen['choosing_share']['most']:.1%} at worst.",
+        "Rank correlation of predicted work and measured time (quiet) over the sizes of a pair: median "
+        f"{found['rank_correlation_median']:.3f}, worst {found['rank_correlation_worst']:.3f}.",
     ]
     by_size = [
         [f"{factor:.2f}", f"{time:.2f}", f"{memory:.2f}"]
@@ -233,15 +252,23 @@ def _piece_size(results: dict[str, Any]) -> list[Section]:
     ]
     rows = [
         [
-            row["mockup"], row["tool"], _mm(row["default"]["size_m"]), f"{1e6 * row['default']['seconds']:.1f}",
-            _mm(row["best"]["size_m"]), f"{1e6 * row['best']['seconds']:.1f}", f"{row['default_over_best']:+.1%}",
-            f"{row['best']['bytes'] / row['default']['bytes']:.2f}",
+            row["mockup"], row["tool"], *_size_and_time(row["default"]), *_size_and_time(row["best"]),
+            *_size_and_time(row["chosen"]), f"{row['over']['default']['best']:+.1%}",
+            f"{row['over']['chosen']['best']:+.1%}", f"{row['chosen']['bytes'] / row['default']['bytes']:.2f}",
         ]
         for row in results["rows"]
     ]  # fmt: skip
-    heading = ["mock-up", "tool", "default, mm", "µs", "best, mm", "µs", "default slower", "best's memory"]
+    heading = ["mock-up", "tool", "default, mm", "µs", "best, mm", "µs", "chosen, mm", "µs", "default slower",
+               "chosen slower", "chosen's memory"]  # fmt: skip
     return [
         Section("", about),
+        Section(
+            "Over all pairs",
+            over_pairs,
+            ["size", "slower, median", "worst", "quiet, median", "worst"],
+            by_choice,
+            words=1,
+        ),
         Section(
             "By piece size",
             ["All over the default's, medians over the pairs."],
@@ -251,3 +278,7 @@ def _piece_size(results: dict[str, Any]) -> list[Section]:
         ),
         Section("Pairs", [], heading, rows),
     ]
+
+
+def _size_and_time(point: dict[str, Any]) -> list[str]:
+    return [_mm(point["size_m"]), f"{1e6 * point['seconds']:.1f}"]

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from .. import _core
-from ..calibrate import machine_constants
+from ..calibrate import counted, machine_constants
 from ..errors import LimitError, OptionError
 from ..mockup import Mockup, Tool
 from ..samples import sample_poses
@@ -127,6 +127,8 @@ def judged(cell: Cell) -> Cell:
             "over_fit": fit.seconds(size) / best - 1.0,
             "epsilon": {which: epsilon(size, optimum, zone) for which, zone in zones.items()},
         }
+    ranked = [quiet[p["size_m"]] for p in points]
+    counted_s = [float(np.dot(counted(p["work"], cell["tool_triangles"]), machine_constants())) for p in points]
     chosen = next((p for p in points if p["size_m"] == cell["predicted_m"]["calibrated"]), measured_best)
     return {
         **cell,
@@ -138,7 +140,8 @@ def judged(cell: Cell) -> Cell:
         "best": {"size_m": measured_best["size_m"], "seconds": measured_best["seconds"]},
         "zones": {which: {"least_m": z.least, "most_m": z.most, "is_cut": z.is_cut} for which, z in zones.items()},
         "estimators": estimators,
-        "rank_correlation": rank_correlation([p["predicted_s"] for p in points], [p["seconds"] for p in points]),
+        "rank_correlation": rank_correlation([p["predicted_s"] for p in points], ranked),
+        "rank_of_counted": rank_correlation(counted_s, ranked),
         "choosing_share": cell["choosing_s"] / chosen["build_s"],
     }
 
@@ -171,6 +174,8 @@ def summary(rows: list[Cell]) -> dict[str, Any]:
         "estimators": table,
         "rank_correlation_median": float(np.median(ranks)),
         "rank_correlation_worst": min(ranks),
+        "rank_of_counted_median": float(np.median([row["rank_of_counted"] for row in rows])),
+        "rank_of_counted_worst": min(row["rank_of_counted"] for row in rows),
         "choosing_share_median": float(np.median(shares)),
         "choosing_share_worst": max(shares),
     }

@@ -1,7 +1,7 @@
 //! The calibrated estimator: the voxel size that minimises the time this code will take on this machine.
 //!
-//! The paper's cost function knows means; this one knows the meshes. The tool is put at a few places on the mock-up's surface
-//! ([`sample`]), and for any voxel size `d` the work of a query follows from the sampled boxes in closed form, averaged over
+//! The paper's cost function knows means; this one knows the meshes. The tool is put at a few places at the mock-up's surface
+//! ([`place`], [`sample`]), and for any voxel size `d` the work of a query follows from the sampled boxes in closed form, averaged over
 //! all positions of the grid (integral geometry: a set `K` meets `volume(K + cube) / d^3` voxels on average):
 //!
 //! - a tool triangle whose box has sides `b` visits `product(1 + b_a / d)` voxels; the paper has `(l/d + 2)^3`;
@@ -12,15 +12,19 @@
 //!
 //! The work times what each step costs on the machine ([`CostConstants`]) is the time.
 
+mod crowd;
+mod pieces;
+mod place;
 mod random;
 mod sample;
 #[cfg(test)]
 mod tests;
 
-use crate::cost::{mean_longest_edge, static_means, CostFunction, Estimator};
+use crate::cost::{mean_longest_edge, CostFunction, Estimator};
 use crate::mesh::Mesh;
 use crate::store::Storage;
-use sample::{Sample, Shape};
+pub use pieces::{PiecePredictor, PieceWork};
+use sample::{Sample, Shape, Statics};
 
 /// What the steps of a query cost on a machine, seconds each. The core has no clock: whoever has one measures them.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -100,18 +104,19 @@ const REACH: f64 = 4.0;
 const DEPTH: f64 = 1.0 / 32.0;
 
 impl Predictor {
-    /// Looks at samples of both meshes: time that does not grow with them beyond some 100,000 triangles.
+    /// Looks at samples of both meshes: time that does not grow with them beyond some 50,000 triangles.
     ///
     /// `storage` is `Dense` or `Hashed`; for `Blocks` the figures are those of `Dense`. `None` for meshes so near the limits
     /// of float64 that the paper's cost function has no optimum either.
     pub fn new(mesh: &Mesh, tool: &Mesh, storage: Storage) -> Option<Predictor> {
-        let start = CostFunction::new(static_means(mesh), mean_longest_edge(tool), Estimator::Area).optimal_size();
+        let statics = Statics::new(mesh);
+        let start = CostFunction::new(statics.means, mean_longest_edge(tool), Estimator::Area).optimal_size();
         if !(start.is_normal() && (start * start).is_normal()) {
             return None;
         }
         let hashing = if let Storage::Hashed { level } = storage { level } else { 0.0 };
         Some(Predictor {
-            sample: Sample::new(mesh, tool, REACH * start),
+            sample: Sample::new(&statics, &mesh.bounds(), tool, REACH * start),
             tool_triangles: tool.queried_count() as f64,
             extent: mesh.bounds().extent(),
             hashing,
@@ -160,8 +165,8 @@ impl Predictor {
 
     /// Entries of all lists.
     fn list_entries(&self, d: f64) -> f64 {
-        let Sample { statics, static_weight, .. } = &self.sample;
-        static_weight * statics.iter().map(|shape| listed(shape, 1.0 / d)).sum::<f64>()
+        let Sample { shapes, each_shape, .. } = &self.sample;
+        each_shape * shapes.iter().map(|shape| listed(shape, 1.0 / d)).sum::<f64>()
     }
 
     /// Bytes that the store will take.

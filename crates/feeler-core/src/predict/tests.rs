@@ -8,7 +8,9 @@ use super::*;
 use crate::bounds::{Aabb, Point, Triangle};
 use crate::grid::VoxelGrid;
 use crate::mesh::Mockup;
+use crate::pieces::{cut_triangle, grown_box};
 use crate::scene::{Scene, SceneOptions};
+use crate::store::Blocks;
 use crate::tool::Tool;
 
 /// Wavy sheets here and there, `n` cells along each side, in a box of a metre.
@@ -39,12 +41,12 @@ fn sheets(n: u32, scale: f64) -> (Vec<Point>, Vec<[u32; 3]>) {
     (vertices, faces)
 }
 
-fn mockup(n: u32, scale: f64) -> Mockup {
+pub fn mockup(n: u32, scale: f64) -> Mockup {
     let (vertices, faces) = sheets(n, scale);
     Mockup::new(vertices, faces, Vec::new(), 1).unwrap()
 }
 
-fn tool(scale: f64) -> Tool {
+pub fn tool(scale: f64) -> Tool {
     // A bar of long and short triangles.
     let (mut vertices, mut faces) = (Vec::new(), Vec::new());
     for i in 0..40u32 {
@@ -158,6 +160,88 @@ fn odd_meshes_have_sizes_or_none() {
                 let size = predictor.optimal_size(&constants, u64::MAX);
                 assert!(size.is_finite() && size > 0.0, "{a:?} {b:?}: {size}");
             }
+            if let Some(predictor) = PiecePredictor::new(mockup.mesh(), &tool) {
+                let size = predictor.optimal_size(u64::MAX);
+                assert!(size.is_finite() && size > 0.0, "{a:?} {b:?}: {size}");
+            }
         }
     }
+}
+
+/// Sheets with long diagonal panels across them.
+fn panelled(n: u32, scale: f64) -> Mockup {
+    let (mut vertices, mut faces) = sheets(n, scale);
+    let mut random = Random::new(5);
+    for _ in 0..40 {
+        let first = vertices.len() as u32;
+        vertices.extend((0..3).map(|_| -> Point { std::array::from_fn(|_| scale * random.unit()) }));
+        faces.push([first, first + 1, first + 2]);
+    }
+    Mockup::new(vertices, faces, Vec::new(), 1).unwrap()
+}
+
+#[test]
+fn boxes_of_pieces_are_counted_from_a_sample() {
+    let (mockup, tool) = (panelled(40, 1.0), tool(1.0));
+    let mesh = mockup.mesh();
+    let predictor = PiecePredictor::new(mesh, &tool).unwrap();
+    let w = tool.widths().pieces;
+    for size in [1.0, 0.1, 0.02] {
+        let (mut pairs, mut pieces) = (0.0, 0.0);
+        for id in mesh.queried() {
+            cut_triangle(&mesh.triangle(id), size, &mut |p| {
+                let [x, y, z] = grown_box(p, 0.0).extent();
+                pairs += x * y * z + w[0] * (x * y + y * z + z * x) + w[1] * (x + y + z) + w[2];
+                pieces += 1.0;
+            });
+        }
+        let work = predictor.work(size);
+        assert!((work.pairs / pairs - 1.0).abs() < 0.15, "{size}: {} {pairs}", work.pairs);
+        assert!((work.pieces / pieces - 1.0).abs() < 0.15, "{size}: {} {pieces}", work.pieces);
+    }
+}
+
+#[test]
+fn a_box_is_met_as_often_as_the_tools_widths_say() {
+    // A triangle turned at random has on average the box sides that a quarter of its outline is.
+    let (mut random, tool) = (Random::new(9), tool(1.0));
+    let mesh = tool.mesh();
+    let (mut sum, mut count) = (0.0, 0.0);
+    for id in mesh.queried() {
+        for _ in 0..200 {
+            let turn = random.rotation();
+            let turned = mesh.triangle(id).map(|p| turn.map(|row| row[0] * p[0] + row[1] * p[1] + row[2] * p[2]));
+            sum += Aabb::of_triangle(&turned).extent().iter().sum::<f64>() / 3.0;
+            count += 1.0;
+        }
+    }
+    let outline: f64 =
+        mesh.queried().map(|id| crate::pieces::edge_lengths(&mesh.triangle(id)).iter().sum::<f64>()).sum();
+    let expected = 0.25 * outline / mesh.queried_count() as f64;
+    assert!((sum / count / expected - 1.0).abs() < 0.02, "{} {expected}", sum / count);
+    assert!(tool.widths().pieces[0] <= expected && tool.widths().clusters[0] >= tool.widths().pieces[0]);
+}
+
+#[test]
+fn the_piece_size_follows_the_tool_the_mock_up_and_the_memory() {
+    let at = |scale: f64| PiecePredictor::new(panelled(40, scale).mesh(), &tool(scale)).unwrap();
+    let predictor = at(1.0);
+    let chosen = predictor.optimal_size(u64::MAX);
+    let least = predictor.work(chosen).cost();
+    // Nothing on the way down is better, and the panels are cut.
+    assert!(chosen < 0.3);
+    for step in 0..12 {
+        let size = 0.5 * 2f64.sqrt().powi(step) * chosen;
+        let work = predictor.work(size);
+        assert!(work.cost() >= 0.98 * least || work.pieces > 3.0 * predictor.work(9.0).pieces, "{chosen} {size}");
+    }
+    assert!((at(1024.0).optimal_size(u64::MAX) / chosen - 1024.0).abs() < 1e-3);
+    // A finer tool wants smaller pieces, a coarse one larger ones.
+    let for_tool = |scale| PiecePredictor::new(panelled(40, 1.0).mesh(), &tool(scale)).unwrap();
+    assert!(for_tool(0.25).optimal_size(u64::MAX) < chosen && chosen < for_tool(16.0).optimal_size(u64::MAX));
+    // Memory, and the bound of three pieces a triangle.
+    let tight = predictor.optimal_size((0.95 * predictor.work(chosen).pieces * Blocks::BUILD_BYTES_PER_PIECE) as u64);
+    assert!(tight > chosen);
+    let least = for_tool(1e-3);
+    assert!(least.work(least.optimal_size(u64::MAX)).pieces <= 3.0 * least.work(9.0).pieces);
 }

@@ -19,13 +19,6 @@ use crate::store::{check_entries, check_memory, report, Progress};
 /// Triangles a build task handles at a time.
 const CHUNK: usize = 4096;
 
-/// Bytes per piece at the height of building: the piece, its corners while it is cut, its place in a block and that block.
-const BUILD_BYTES_PER_PIECE: f64 = (size_of::<BuildPiece>()
-    + size_of::<Corners>()
-    + size_of::<u32>()
-    + (size_of::<Node>() + size_of::<PackedPieces>() + size_of::<Box4>()).div_ceil(FANOUT))
-    as f64;
-
 /// A piece's corners in the frame.
 type Corners = [[f32; 3]; 4];
 
@@ -55,6 +48,13 @@ struct Count {
 }
 
 impl Blocks {
+    /// Bytes per piece at the height of building: the piece, its corners while it is cut, its place in a block and that block.
+    pub const BUILD_BYTES_PER_PIECE: f64 = (size_of::<BuildPiece>()
+        + size_of::<Corners>()
+        + size_of::<u32>()
+        + (size_of::<Node>() + size_of::<PackedPieces>() + size_of::<Box4>()).div_ceil(FANOUT))
+        as f64;
+
     /// Cuts triangles to pieces of `size` metres and builds the blocks.
     pub fn build(mesh: &Mesh, size: f64, limit: u64, progress: Progress<'_>) -> Result<Blocks> {
         if !(size.is_finite() && size > 0.0) {
@@ -158,9 +158,9 @@ fn box_of(corners: &Corners, margin: f32) -> Box4 {
 /// What each chunk of triangles becomes. Refuses what memory or 32-bit ids cannot hold.
 fn count_pieces(mesh: &Mesh, ids: &[u32], size: f64, limit: u64) -> Result<Vec<Count>> {
     let least: f64 = ids.par_iter().map(|id| least_pieces(&mesh.triangle(*id), size)).sum();
-    check_memory("the blocks", least * BUILD_BYTES_PER_PIECE, limit)?;
+    check_memory("the blocks", least * Blocks::BUILD_BYTES_PER_PIECE, limit)?;
     check_entries(size, least)?;
-    let most = (limit as f64 / BUILD_BYTES_PER_PIECE).min(f64::from(u32::MAX)) as u64;
+    let most = (limit as f64 / Blocks::BUILD_BYTES_PER_PIECE).min(f64::from(u32::MAX)) as u64;
     let total = AtomicU64::new(0);
     let counts: Vec<Count> = ids
         .par_chunks(CHUNK)
@@ -180,7 +180,7 @@ fn count_pieces(mesh: &Mesh, ids: &[u32], size: f64, limit: u64) -> Result<Vec<C
         })
         .collect();
     let total = total.into_inner();
-    check_memory("the blocks", total as f64 * BUILD_BYTES_PER_PIECE, limit)?;
+    check_memory("the blocks", total as f64 * Blocks::BUILD_BYTES_PER_PIECE, limit)?;
     check_entries(size, total as f64)?;
     Ok(counts)
 }
