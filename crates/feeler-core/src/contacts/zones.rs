@@ -83,13 +83,16 @@ pub(crate) struct Cut {
 }
 
 /// Everything between the tool and one part.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct Zones {
     /// Cut triangles of the tool, and of the mock-up.
     pub faces: [Vec<Face>; 2],
     pub cuts: Vec<Cut>,
     pub points: Vec<Point>,
     pub zones: Vec<Zone>,
+    /// For each cut its zone, and its place among that zone's.
+    pub zone_of_cut: Vec<u32>,
+    pub place_of_cut: Vec<u32>,
     /// Whether all was walked over.
     pub complete: bool,
 }
@@ -108,8 +111,7 @@ pub(crate) const MOCKUP: usize = 1;
 /// Sorts the pairs of one part (sorted by tool triangle, then mock-up triangle) into zones.
 pub(crate) fn find(ground: &Ground<'_>, pairs: &[[u32; 2]]) -> Zones {
     let mut places: [IdMap<u32>; 2] = Default::default();
-    let mut zones =
-        Zones { faces: Default::default(), cuts: Vec::new(), points: Vec::new(), zones: Vec::new(), complete: true };
+    let mut zones = Zones::default();
     let mut cut_of: IdMap<(u32, u32)> = IdMap::with_capacity_and_hasher(pairs.len(), Default::default());
     let part = pairs.first().map_or(0, |p| ground.mockup.part_of_face(p[1]));
     for pair in pairs {
@@ -149,7 +151,10 @@ pub(crate) fn find(ground: &Ground<'_>, pairs: &[[u32; 2]]) -> Zones {
             list.push(Zone::default());
             list.len() as u32 - 1
         });
-        zones.zones[z as usize].cuts.push(i);
+        let cuts = &mut zones.zones[z as usize].cuts;
+        zones.zone_of_cut.push(z);
+        zones.place_of_cut.push(cuts.len() as u32);
+        cuts.push(i);
     }
     for (w, walked) in walked.into_iter().enumerate() {
         for (triangle, cut) in walked {

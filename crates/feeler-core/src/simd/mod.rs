@@ -187,6 +187,10 @@ pub(crate) trait Simd: Copy {
 
     /// One number in all lanes.
     fn wide_splat(self, x: f64) -> Self::F64;
+    /// Lane `i` is `x[i]`.
+    fn wide_load(self, x: &[f64; WIDE_LANES]) -> Self::F64;
+    /// The lanes.
+    fn wide_store(self, x: Self::F64, to: &mut [f64; WIDE_LANES]);
     /// Eight points by axis: lane `i` of each is of `x[i]`.
     fn wide_points(self, x: [&[f64; 3]; WIDE_LANES]) -> [Self::F64; 3];
     /// Absolute value.

@@ -157,6 +157,14 @@ impl Simd for Portable {
         Array([x; WIDE_LANES])
     }
     #[inline(always)]
+    fn wide_load(self, x: &[f64; WIDE_LANES]) -> Self::F64 {
+        Array(*x)
+    }
+    #[inline(always)]
+    fn wide_store(self, x: Self::F64, to: &mut [f64; WIDE_LANES]) {
+        *to = x.0;
+    }
+    #[inline(always)]
     fn wide_points(self, x: [&[f64; 3]; WIDE_LANES]) -> [Self::F64; 3] {
         let mut points = [Array([0.0; WIDE_LANES]); 3];
         for i in 0..WIDE_LANES {
