@@ -14,11 +14,13 @@ mod depth;
 mod gaps;
 mod heights;
 mod least_norm;
+mod numbered;
 mod patches;
 mod penetration;
 #[cfg(test)]
 mod shapes;
 mod sides;
+mod sift;
 #[cfg(test)]
 mod tests;
 mod tracker;

@@ -195,6 +195,10 @@ pub(crate) trait Simd: Copy {
     fn wide_points(self, x: [&[f64; 3]; WIDE_LANES]) -> [Self::F64; 3];
     /// Absolute value.
     fn wide_abs(self, a: Self::F64) -> Self::F64;
+    /// The smaller; of no use with NaN.
+    fn wide_min(self, a: Self::F64, b: Self::F64) -> Self::F64;
+    /// `a / b`.
+    fn wide_divide(self, a: Self::F64, b: Self::F64) -> Self::F64;
     /// The larger; of no use with NaN.
     fn wide_max(self, a: Self::F64, b: Self::F64) -> Self::F64;
     /// `a > b`.

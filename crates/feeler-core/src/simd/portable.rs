@@ -179,6 +179,14 @@ impl Simd for Portable {
         a.map(f64::abs)
     }
     #[inline(always)]
+    fn wide_min(self, a: Self::F64, b: Self::F64) -> Self::F64 {
+        a.zip(b, |a, b| if a < b { a } else { b })
+    }
+    #[inline(always)]
+    fn wide_divide(self, a: Self::F64, b: Self::F64) -> Self::F64 {
+        a.zip(b, |a, b| a / b)
+    }
+    #[inline(always)]
     fn wide_max(self, a: Self::F64, b: Self::F64) -> Self::F64 {
         a.zip(b, |a, b| if a > b { a } else { b })
     }

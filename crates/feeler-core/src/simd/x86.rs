@@ -305,6 +305,16 @@ impl Simd for Avx512 {
         unsafe { One(_mm512_abs_pd(a.0)) }
     }
     #[inline(always)]
+    fn wide_min(self, a: Self::F64, b: Self::F64) -> Self::F64 {
+        // SAFETY: see above.
+        unsafe { One(_mm512_min_pd(a.0, b.0)) }
+    }
+    #[inline(always)]
+    fn wide_divide(self, a: Self::F64, b: Self::F64) -> Self::F64 {
+        // SAFETY: see above.
+        unsafe { One(_mm512_div_pd(a.0, b.0)) }
+    }
+    #[inline(always)]
     fn wide_max(self, a: Self::F64, b: Self::F64) -> Self::F64 {
         // SAFETY: see above.
         unsafe { One(_mm512_max_pd(a.0, b.0)) }
@@ -534,6 +544,16 @@ impl Simd for Avx2 {
             let sign = _mm256_set1_pd(-0.0);
             Two(_mm256_andnot_pd(sign, a.0), _mm256_andnot_pd(sign, a.1))
         }
+    }
+    #[inline(always)]
+    fn wide_min(self, a: Self::F64, b: Self::F64) -> Self::F64 {
+        // SAFETY: see above.
+        unsafe { Two(_mm256_min_pd(a.0, b.0), _mm256_min_pd(a.1, b.1)) }
+    }
+    #[inline(always)]
+    fn wide_divide(self, a: Self::F64, b: Self::F64) -> Self::F64 {
+        // SAFETY: see above.
+        unsafe { Two(_mm256_div_pd(a.0, b.0), _mm256_div_pd(a.1, b.1)) }
     }
     #[inline(always)]
     fn wide_max(self, a: Self::F64, b: Self::F64) -> Self::F64 {
