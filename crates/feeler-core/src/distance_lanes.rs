@@ -184,18 +184,20 @@ fn along<S: Simd>(a: &Vector<S::F64>, t: S::F64, b: &Vector<S::F64>) -> Vector<S
     [a[0] + t * b[0], a[1] + t * b[1], a[2] + t * b[2]]
 }
 
+/// The least and greatest height of corners along a normal.
+#[inline(always)]
+fn interval<S: Simd>(s: S, n: &Vector<S::F64>, t: &[Vector<S::F64>; 3]) -> (S::F64, S::F64) {
+    let h = [dot::<S>(n, &t[0]), dot::<S>(n, &t[1]), dot::<S>(n, &t[2])];
+    (s.wide_min(s.wide_min(h[0], h[1]), h[2]), s.wide_max(s.wide_max(h[0], h[1]), h[2]))
+}
+
 /// Which pairs the plane of either triangle holds clearly farther apart than a limit.
 #[inline(always)]
 fn beyond<S: Simd>(s: S, p: &Side<S>, q: &Side<S>, within: f64) -> u8 {
     let mut found = 0;
     for side in [p, q] {
-        let heights = |t: &[Vector<S::F64>; 3]| {
-            [dot::<S>(&side.normal, &t[0]), dot::<S>(&side.normal, &t[1]), dot::<S>(&side.normal, &t[2])]
-        };
-        let (a, b) = (heights(&p.corners), heights(&q.corners));
-        let least = |h: &[S::F64; 3]| s.wide_min(s.wide_min(h[0], h[1]), h[2]);
-        let most = |h: &[S::F64; 3]| s.wide_max(s.wide_max(h[0], h[1]), h[2]);
-        let gap = s.wide_max(least(&b) - most(&a), least(&a) - most(&b));
+        let ((a, b), (c, d)) = (interval(s, &side.normal, &p.corners), interval(s, &side.normal, &q.corners));
+        let gap = s.wide_max(c - b, a - d);
         let limit = s.wide_splat(within * within * (1.0 + 1e-6)) * side.square;
         found |= s.bits(s.both(s.wide_above(gap, s.wide_splat(0.0)), s.wide_above(gap * gap, limit)));
     }
@@ -264,24 +266,33 @@ fn faces<S: Simd>(s: S, p: &Side<S>, q: &Side<S>, best: &mut Best<S::F64>) {
 fn on_face<S: Simd>(s: S, side: &Side<S>, point: &Vector<S::F64>) -> Option<(Vector<S::F64>, S::M64)> {
     let (zero, one) = (s.wide_splat(0.0), s.wide_splat(1.0));
     let inverse = s.wide_divide(one, side.square);
-    let (a, n, u) = (&side.corners[0], &side.normal, &side.edges[0]);
+    let (a, u) = (&side.corners[0], &side.edges[0]);
     let v = &[zero - side.edges[2][0], zero - side.edges[2][1], zero - side.edges[2][2]];
-    let weights = |from: &Vector<S::F64>| {
-        let left = sub::<S>(point, from);
-        (dot::<S>(&cross::<S>(&left, v), n) * inverse, dot::<S>(&cross::<S>(u, &left), n) * inverse)
-    };
-    let (x, y) = weights(a);
+    let (x, y) = weights::<S>(&sub::<S>(point, a), u, v, &side.normal, inverse);
     let (below, over) = (s.wide_splat(-1e-6), s.wide_splat(1.0 + 1e-6));
     let outside = s.either(s.either(s.wide_above(below, x), s.wide_above(below, y)), s.wide_above(x + y, over));
     if s.bits(outside) == u8::MAX {
         return None;
     }
-    let (dx, dy) = weights(&along::<S>(&along::<S>(a, x, u), y, v));
+    let foot = along::<S>(&along::<S>(a, x, u), y, v);
+    let (dx, dy) = weights::<S>(&sub::<S>(point, &foot), u, v, &side.normal, inverse);
     let (x, y) = (x + dx, y + dy);
     let beside = s.either(s.either(s.wide_above(zero, x), s.wide_above(zero, y)), s.wide_above(x + y, one));
     let every = s.wide_above(one, zero);
     let chosen = s.differing(every, s.either(outside, beside));
     Some((along::<S>(&along::<S>(a, x, u), y, v), chosen))
+}
+
+/// The weights of `u` and `v`, whose product is `n`, in what is left to a point.
+#[inline(always)]
+fn weights<S: Simd>(
+    left: &Vector<S::F64>,
+    u: &Vector<S::F64>,
+    v: &Vector<S::F64>,
+    n: &Vector<S::F64>,
+    inverse: S::F64,
+) -> (S::F64, S::F64) {
+    (dot::<S>(&cross::<S>(left, v), n) * inverse, dot::<S>(&cross::<S>(u, left), n) * inverse)
 }
 
 #[cfg(test)]
