@@ -3,6 +3,7 @@
 use crate::bounds::Point;
 use crate::contacts::adjacency::NONE;
 use crate::contacts::clusters::Clusters;
+use crate::contacts::heights::{push_eights, Eight};
 use crate::contacts::patches::Patches;
 use crate::contacts::sides::Sets;
 use crate::vectors::{along, cross, unit};
@@ -23,7 +24,9 @@ pub(crate) struct Facet {
 struct Entry {
     facets: (usize, usize),
     points: (usize, usize),
+    point_eights: (usize, usize),
     curve: (usize, usize),
+    curve_eights: (usize, usize),
     edges: (usize, usize),
     mean: Point,
     size: f64,
@@ -37,6 +40,7 @@ pub(crate) struct Bodies {
     facets: Vec<Facet>,
     points: Vec<Point>,
     curve: Vec<(Point, u32)>,
+    eights: Vec<Eight>,
     edges: Vec<Point>,
     /// For each body the cuts it has a part in, by their places in the zone.
     pub cuts: Sets,
@@ -49,8 +53,10 @@ pub(crate) struct Body<'a> {
     pub facets: &'a [Facet],
     /// Each once.
     pub points: &'a [Point],
+    pub point_eights: &'a [Eight],
     /// Points of the curve with their cuts; a point has several.
     pub curve: &'a [(Point, u32)],
+    pub curve_eights: &'a [Eight],
     /// Unit, along which two facets meet; empty where there are more than [`MOST_EDGES`].
     pub edges: &'a [Point],
     /// Of the facets' normals, by area; zero where there is none.
@@ -75,7 +81,9 @@ impl Bodies {
         Body {
             facets: &self.facets[e.facets.0..e.facets.1],
             points: &self.points[e.points.0..e.points.1],
+            point_eights: &self.eights[e.point_eights.0..e.point_eights.1],
             curve: &self.curve[e.curve.0..e.curve.1],
+            curve_eights: &self.eights[e.curve_eights.0..e.curve_eights.1],
             edges: &self.edges[e.edges.0..e.edges.1],
             mean: e.mean,
             size: e.size,
@@ -89,6 +97,7 @@ impl Bodies {
         self.facets.clear();
         self.points.clear();
         self.curve.clear();
+        self.eights.clear();
         self.edges.clear();
         self.cuts.clear(clusters.count, cuts);
         for (i, (own, lent)) in clusters.patches.iter().zip(&clusters.lent).enumerate().take(clusters.count) {
@@ -118,10 +127,16 @@ impl Bodies {
             let facets = &self.facets[from.0..];
             let sum = facets.iter().fold([0.0; 3], |s, p| along(&s, p.size * p.size, &p.normal));
             let points = &self.points[from.1..];
+            let from_eights = self.eights.len();
+            push_eights(points.iter(), &mut self.eights);
+            let to_eights = self.eights.len();
+            push_eights(self.curve[from.2..].iter().map(|c| &c.0), &mut self.eights);
             self.list.push(Entry {
                 facets: (from.0, self.facets.len()),
                 points: (from.1, self.points.len()),
+                point_eights: (from_eights, to_eights),
                 curve: (from.2, self.curve.len()),
+                curve_eights: (to_eights, self.eights.len()),
                 edges: (from.3, self.edges.len()),
                 mean: unit(&sum).unwrap_or([0.0; 3]),
                 size: facets.iter().fold(0.0f64, |m, p| m.max(p.size)),

@@ -7,7 +7,7 @@
 use crate::bounds::{Aabb, Point};
 use crate::contacts::arcs::{Arcs, ARC_STEPS};
 use crate::contacts::body::{edge_count, Body, MOST_EDGES};
-use crate::contacts::heights::{highest_and_lowest, Reach};
+use crate::contacts::heights::{highest_and_lowest, places_above, Reach};
 use crate::contacts::zones::{Zones, MOCKUP, TOOL};
 use crate::simd::{Checked, WIDE_LANES};
 use crate::vectors::{add, along, cross, dot, length, scaled, sub, unit};
@@ -61,6 +61,7 @@ pub(crate) struct Directions {
     /// of them along it.
     ways: Vec<Point>,
     next_way: usize,
+    places: Vec<u32>,
 }
 
 /// See the module. `None` where no direction leads out.
@@ -175,20 +176,24 @@ impl Best<'_> {
 
     /// Whether one of the surfaces goes on beyond the curve just where, along `d`, it would have to end: a rod in a plate is not
     /// freed sideways by its own width, for there is more plate.
-    fn goes_on(&self, d: &Point, high: f64, low: f64) -> bool {
+    fn goes_on(&mut self, d: &Point, high: f64, low: f64) -> bool {
         let tolerance = self.noise + 1e-6 * (high - low).abs();
+        let zones = self.zones;
         let goes_on = |w: usize, source: u32| {
-            let cut = &self.zones.cuts[source as usize];
-            let [t, m] = [TOOL, MOCKUP].map(|w| self.zones.faces[w][cut.faces[w] as usize].normal);
+            let cut = &zones.cuts[source as usize];
+            let [t, m] = [TOOL, MOCKUP].map(|w| zones.faces[w][cut.faces[w] as usize].normal);
             // Own and other normal, and the way in the sense in which the other advances over this one.
             let (n, other, way) = if w == MOCKUP { (m, t, *d) } else { (t, m, scaled(d, -1.0)) };
             let advances = dot(&other, &way);
             let leaves = advances - dot(&other, &n) * dot(&n, &way);
             !cut.flat && advances > GOES_ON && leaves > GOES_ON
         };
-        let (top, bottom) = (high - tolerance, low + tolerance);
-        self.mockup.curve.iter().any(|(x, source)| dot(x, d) >= top && goes_on(MOCKUP, *source))
-            || self.tool.curve.iter().any(|(x, source)| dot(x, d) <= bottom && goes_on(TOOL, *source))
+        let ends = [(TOOL, self.tool, scaled(d, -1.0), -low - tolerance), (MOCKUP, self.mockup, *d, high - tolerance)];
+        ends.iter().any(|(w, body, d, height)| {
+            places_above(self.lanes, body.curve_eights, d, *height, &mut self.directions.places);
+            let last = body.curve.len().saturating_sub(1);
+            self.directions.places.iter().any(|i| goes_on(*w, body.curve[last.min(*i as usize)].1))
+        })
     }
 
     /// Whether going along `d` leads out: not into what the surfaces face.
@@ -306,18 +311,21 @@ impl Best<'_> {
     }
 
     /// Boxes around the highest of the mock-up's points and the lowest of the tool's, within a share of the depth.
-    fn extremes(&self, found: &Found, share: f64) -> (Aabb, Aabb) {
+    fn extremes(&mut self, found: &Found, share: f64) -> (Aabb, Aabb) {
         let (d, tolerance) = (&found.direction, share * found.depth().abs() + self.noise);
-        let (top, bottom) = (found.high - tolerance, found.low + tolerance);
-        let (mut above, mut below) = (Aabb::EMPTY, Aabb::EMPTY);
-        self.mockup.points.iter().filter(|x| dot(x, d) >= top).for_each(|x| above.grow(x));
-        self.tool.points.iter().filter(|x| dot(x, d) <= bottom).for_each(|x| below.grow(x));
-        (above, below)
+        let mut reach = |body: &Body<'_>, d: &Point, height: f64| {
+            places_above(self.lanes, body.point_eights, d, height - tolerance, &mut self.directions.places);
+            let last = body.points.len().saturating_sub(1);
+            let mut bounds = Aabb::EMPTY;
+            self.directions.places.iter().for_each(|i| bounds.grow(&body.points[last.min(*i as usize)]));
+            bounds
+        };
+        (reach(self.mockup, d, found.high), reach(self.tool, &scaled(d, -1.0), -found.low))
     }
 
     /// The middle of the highest part of the mock-up or of the lowest of the tool, whichever is smaller, raised to the height
     /// of the mock-up. The middle of a box around them, which does not know how many triangles make them up.
-    fn place(&self, found: &Found) -> Point {
+    fn place(&mut self, found: &Found) -> Point {
         let (above, below) = self.extremes(found, 1e-3);
         let chosen = middle(if length(&below.extent()) <= length(&above.extent()) { &below } else { &above });
         along(&chosen, found.high - dot(&chosen, &found.direction), &found.direction)

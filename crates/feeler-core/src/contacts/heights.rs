@@ -21,6 +21,57 @@ pub(crate) fn highest_and_lowest(
     lanes.run(HighestAndLowest { above, below, directions })
 }
 
+/// Eight points by axis.
+pub(crate) type Eight = [[f64; WIDE_LANES]; 3];
+
+/// Points in eights; the last are filled up with the last point.
+pub(crate) fn push_eights<'a>(points: impl Iterator<Item = &'a Point>, out: &mut Vec<Eight>) {
+    let mut filled = 0;
+    let mut eight: Eight = [[0.0; WIDE_LANES]; 3];
+    for p in points {
+        let from = filled % WIDE_LANES;
+        (0..3).for_each(|a| eight[a][from..].fill(p[a]));
+        filled += 1;
+        if filled % WIDE_LANES == 0 {
+            out.push(eight);
+        }
+    }
+    if filled % WIDE_LANES != 0 {
+        out.push(eight);
+    }
+}
+
+/// Puts into `out` the places of the points that reach a height along a direction, some of the last point's several times.
+pub(crate) fn places_above(lanes: Checked, points: &[Eight], d: &Point, height: f64, out: &mut Vec<u32>) {
+    out.clear();
+    lanes.run(PlacesAbove { points, d, height, out });
+}
+
+struct PlacesAbove<'a> {
+    points: &'a [Eight],
+    d: &'a Point,
+    height: f64,
+    out: &'a mut Vec<u32>,
+}
+
+impl Kernel for PlacesAbove<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) {
+        let d = [s.wide_splat(self.d[0]), s.wide_splat(self.d[1]), s.wide_splat(self.d[2])];
+        let least = s.wide_splat(self.height);
+        for (i, p) in self.points.iter().enumerate() {
+            let h = s.wide_load(&p[0]) * d[0] + s.wide_load(&p[1]) * d[1] + s.wide_load(&p[2]) * d[2];
+            let mut above = !s.bits(s.wide_above(least, h));
+            while above != 0 {
+                self.out.push((WIDE_LANES * i) as u32 + above.trailing_zeros());
+                above &= above - 1;
+            }
+        }
+    }
+}
+
 struct HighestAndLowest<'a> {
     above: &'a [Point],
     below: &'a [Point],
@@ -91,6 +142,23 @@ mod tests {
     use super::*;
     use crate::simd::Level;
     use crate::vectors::dot;
+
+    #[test]
+    fn the_places_above_are_those_a_loop_finds() {
+        let points: Vec<Point> = (0..29).map(|i| [f64::from(i % 7), f64::from(i % 3), f64::from(i)]).collect();
+        let mut eights = Vec::new();
+        push_eights(points.iter(), &mut eights);
+        for level in Level::available() {
+            for (d, height) in [([1.0, 0.0, 0.0], 5.0), ([0.3, -0.2, 0.1], 2.0), ([0.0, 0.0, 1.0], 28.0)] {
+                let mut found = Vec::new();
+                places_above(level.checked(), &eights, &d, height, &mut found);
+                found.iter_mut().for_each(|i| *i = (*i).min(28));
+                found.dedup();
+                let expected: Vec<u32> = (0..29).filter(|i| dot(&points[*i as usize], &d) >= height).collect();
+                assert_eq!(found, expected, "{level:?}");
+            }
+        }
+    }
 
     #[test]
     fn every_level_finds_what_a_loop_finds() {
