@@ -27,6 +27,9 @@ const MOST_STEPS: usize = 24;
 const SHORTER: f64 = 0.6;
 const SHORTEST_STEP: f64 = 0.01;
 
+/// Most places that are kept where a surface goes on.
+const MOST_KNOWN: usize = 6;
+
 /// Sine from which on a surface goes on along a direction.
 const GOES_ON: f64 = 0.05;
 
@@ -61,6 +64,8 @@ pub(crate) struct Directions {
     /// of them along it.
     ways: Vec<Point>,
     next_way: usize,
+    /// Points of the curve where a surface went on along directions tried: of which, where, and by which cut.
+    goes_on: Vec<(usize, Point, u32)>,
     places: Vec<u32>,
 }
 
@@ -79,6 +84,7 @@ pub(crate) fn least_depth(
     let mut list = std::mem::take(&mut directions.list);
     directions.ways.clear();
     directions.next_way = 0;
+    directions.goes_on.clear();
     let mut best = Best { lanes, zones, tool, mockup, noise, found: None, directions };
     list.clear();
     let mut offer = |d: Point| {
@@ -178,22 +184,28 @@ impl Best<'_> {
     /// freed sideways by its own width, for there is more plate.
     fn goes_on(&mut self, d: &Point, high: f64, low: f64) -> bool {
         let tolerance = self.noise + 1e-6 * (high - low).abs();
-        let zones = self.zones;
-        let goes_on = |w: usize, source: u32| {
-            let cut = &zones.cuts[source as usize];
-            let [t, m] = [TOOL, MOCKUP].map(|w| zones.faces[w][cut.faces[w] as usize].normal);
-            // Own and other normal, and the way in the sense in which the other advances over this one.
-            let (n, other, way) = if w == MOCKUP { (m, t, *d) } else { (t, m, scaled(d, -1.0)) };
-            let advances = dot(&other, &way);
-            let leaves = advances - dot(&other, &n) * dot(&n, &way);
-            !cut.flat && advances > GOES_ON && leaves > GOES_ON
-        };
-        let ends = [(TOOL, self.tool, scaled(d, -1.0), -low - tolerance), (MOCKUP, self.mockup, *d, high - tolerance)];
-        ends.iter().any(|(w, body, d, height)| {
-            places_above(self.lanes, body.curve_eights, d, *height, &mut self.directions.places);
+        let ends = [(scaled(d, -1.0), -low - tolerance), (*d, high - tolerance)];
+        // Where it did along another direction it mostly does again.
+        let is_known = self.directions.goes_on.iter().any(|(w, x, source)| {
+            let (d, height) = &ends[*w];
+            dot(x, d) >= *height && goes_on(self.zones, *w, *source, d)
+        });
+        if is_known {
+            return true;
+        }
+        for (w, body) in [(MOCKUP, self.mockup), (TOOL, self.tool)] {
+            let (d, height) = &ends[w];
+            let Directions { places, goes_on: known, .. } = &mut *self.directions;
+            places_above(self.lanes, body.curve_eights, d, *height, places);
             let last = body.curve.len().saturating_sub(1);
-            self.directions.places.iter().any(|i| goes_on(*w, body.curve[last.min(*i as usize)].1))
-        })
+            let at = |i: &u32| &body.curve[last.min(*i as usize)];
+            if let Some((x, source)) = places.iter().map(at).find(|(_, source)| goes_on(self.zones, w, *source, d)) {
+                known.truncate(MOST_KNOWN - 1);
+                known.insert(0, (w, *x, *source));
+                return true;
+            }
+        }
+        false
     }
 
     /// Whether going along `d` leads out: not into what the surfaces face.
@@ -330,6 +342,15 @@ impl Best<'_> {
         let chosen = middle(if length(&below.extent()) <= length(&above.extent()) { &below } else { &above });
         along(&chosen, found.high - dot(&chosen, &found.direction), &found.direction)
     }
+}
+
+/// Whether at a cut the surface `w` goes on along `d`, in the sense in which the other advances over it.
+fn goes_on(zones: &Zones, w: usize, source: u32, d: &Point) -> bool {
+    let cut = &zones.cuts[source as usize];
+    let [n, other] = [w, 1 - w].map(|w| zones.faces[w][cut.faces[w] as usize].normal);
+    let advances = dot(&other, d);
+    let leaves = advances - dot(&other, &n) * dot(&n, d);
+    !cut.flat && advances > GOES_ON && leaves > GOES_ON
 }
 
 fn middle(b: &Aabb) -> Point {
