@@ -8,6 +8,7 @@
 mod adjacency;
 mod arcs;
 mod body;
+mod by_part;
 mod clusters;
 mod cut;
 mod depth;
@@ -35,6 +36,7 @@ use std::cmp::Ordering;
 
 use crate::bounds::{Point, Triangle};
 use crate::contacts::body::Bodies;
+use crate::contacts::by_part::ByPart;
 use crate::contacts::clusters::Clusters;
 use crate::contacts::depth::{least_depth, Depth, Directions};
 use crate::contacts::gaps::{NearLists, NearPairs, SAME_DIRECTION};
@@ -45,6 +47,7 @@ use crate::error::{Error, Result};
 use crate::mesh::Mockup;
 use crate::narrow::Filters;
 use crate::pose::Pose;
+use crate::proximity::Candidate;
 use crate::scene::Scene;
 use crate::simd::Checked;
 use crate::tool::Tool;
@@ -52,6 +55,9 @@ use crate::vectors::{dot, normal, scaled, sub};
 
 /// Most planes of an answer.
 pub const MOST_PLANES: usize = 32;
+
+/// Candidate pairs of a query from which on its working memory is not kept.
+const MOST_HELD: usize = 1 << 16;
 
 /// Cosine of the angle within which planes of two flat surfaces in one zone are one: half a degree.
 const SAME_PLANE: f64 = 0.999_96;
@@ -102,6 +108,9 @@ pub(crate) struct Ground<'a> {
 /// Working memory of one query.
 #[derive(Debug, Default)]
 pub(crate) struct ContactScratch {
+    by_part: ByPart,
+    candidates: Vec<Candidate>,
+    meeting: Vec<[u32; 2]>,
     near: NearLists,
     zone: ZoneScratch,
 }
@@ -182,13 +191,14 @@ impl Scene {
         if !(margin.is_finite() && margin >= 0.0) {
             return Err(Error::Margin { value: margin });
         }
-        let mut near = self.near_candidates(tool, pose, margin)?;
-        // The order within a part stays, in which triangles come in runs.
-        near.sort_by_key(|c| c.part);
-        let mut meeting: Vec<(u32, [u32; 2])> = Vec::new();
+        let near = self.near_candidates(tool, pose, margin)?;
         let hits = self.collide(tool, pose, Filters::default()).pairs;
-        meeting.extend(hits.iter().map(|pair| (self.mockup().part_of_face(pair[1]), *pair)));
-        meeting.sort_unstable();
+        let mut scratch = self.take_scratch();
+        let ContactScratch { by_part, candidates, meeting, near: lists, zone: zone_scratch } = &mut scratch.contacts;
+        let part_of = |pair: &[u32; 2]| self.mockup().part_of_face(pair[1]);
+        by_part.sort(&near, |c| c.part, candidates);
+        by_part.sort(&hits, part_of, meeting);
+        let candidates_held = near.len();
         let ground = Ground {
             mockup: self.mockup(),
             tool,
@@ -199,24 +209,25 @@ impl Scene {
             lanes: self.checked_lanes(),
         };
         let mut contacts = Contacts { is_meeting: !meeting.is_empty(), ..Contacts::default() };
-        let mut scratch = self.take_scratch();
-        let ContactScratch { near: lists, zone: zone_scratch } = &mut scratch.contacts;
         let mut gaps = NearPairs::new(&ground, margin, lists);
-        let (mut rest, mut meeting) = (&near[..], &meeting[..]);
-        while let Some(part) = rest.iter().map(|c| c.part).take(1).chain(meeting.iter().map(|p| p.0).take(1)).min() {
-            let candidates = take_while(&mut rest, |c| c.part == part);
-            let pairs: Vec<[u32; 2]> = take_while(&mut meeting, |p| p.0 == part).iter().map(|p| p.1).collect();
+        let (mut candidates, mut meeting) = (&candidates[..], &meeting[..]);
+        while let Some(part) = candidates.first().map(|c| c.part).into_iter().chain(meeting.first().map(part_of)).min() {
+            let candidates = take_while(&mut candidates, |c| c.part == part);
+            let pairs = take_while(&mut meeting, |pair| part_of(pair) == part);
             let from = contacts.planes.len();
             let mut inside: [Vec<u32>; 2] = Default::default();
             if !pairs.is_empty() {
-                let zones = zones::find(&ground, &pairs);
+                let zones = zones::find(&ground, pairs);
                 for (z, zone) in zones.zones.iter().enumerate() {
                     push_zone(&ground, &zones, z, part, zone_scratch, &mut contacts.planes);
                     (0..2).for_each(|w| inside[w].extend(zone.inside[w].iter().map(|t| t[0])));
                 }
                 inside.iter_mut().for_each(|ids| ids.sort_unstable());
             }
-            gaps.push_planes(candidates, &pairs, &inside, from, &mut contacts.planes);
+            gaps.push_planes(candidates, pairs, &inside, from, &mut contacts.planes);
+        }
+        if candidates_held > MOST_HELD {
+            scratch.contacts = ContactScratch::default();
         }
         self.put_scratch(scratch);
         self.put_candidates(near);

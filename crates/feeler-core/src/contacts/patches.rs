@@ -56,8 +56,9 @@ pub(crate) struct Patch {
 impl Patch {
     /// Whether a point is strictly over the plane of a flat patch, or stands out over one that is not.
     pub fn is_below(&self, x: &Point) -> bool {
-        let way = sub(x, &self.middle);
-        dot(&sub(x, &self.at), &self.normal) > if self.flat { 1e-6 } else { HOLLOW } * length(&way)
+        let (way, height) = (sub(x, &self.middle), dot(&sub(x, &self.at), &self.normal));
+        let share = if self.flat { 1e-6 } else { HOLLOW };
+        height > 0.0 && height * height > share * share * dot(&way, &way)
     }
 }
 
