@@ -8,8 +8,7 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 use crate::bounds::{Aabb, Point};
-use crate::contacts::adjacency::NONE;
-use crate::contacts::numbered::Numbered;
+use crate::contacts::numbered::{pair_key, Numbered};
 use crate::contacts::sift::{Near, Sift, Sought, BEHIND};
 use crate::contacts::zones::{MOCKUP, TOOL};
 use crate::contacts::{ContactPlane, Ground, MOST_PLANES};
@@ -173,7 +172,7 @@ impl<'a> NearPairs<'a> {
 
     /// What was measured of a pair, where that is within the margin.
     fn known(&self, pair: [u32; 2]) -> Option<Gap> {
-        self.lists.measured.get(key(pair)).and_then(|i| self.lists.gaps[i as usize])
+        self.lists.measured.get(pair_key(pair)).and_then(|i| self.lists.gaps[i as usize])
     }
 
     /// Measures at most eight pairs that do not meet.
@@ -191,7 +190,7 @@ impl<'a> NearPairs<'a> {
 
     /// The gap of a pair, where it is within a distance of at most the margin.
     fn measure_within(&mut self, pair: [u32; 2], part: u32, limit: f64) -> Option<Gap> {
-        if let Some(i) = self.lists.measured.get(key(pair)) {
+        if let Some(i) = self.lists.measured.get(pair_key(pair)) {
             return self.lists.gaps[i as usize];
         }
         let (p, q) = (self.ground.tool_triangle(pair[0]), self.ground.mockup_triangle(pair[1]));
@@ -201,7 +200,7 @@ impl<'a> NearPairs<'a> {
     }
 
     fn note(&mut self, pair: [u32; 2], gap: Option<Gap>) {
-        if self.lists.measured.number(key(pair)).1 {
+        if self.lists.measured.number(pair_key(pair)).1 {
             self.lists.gaps.push(gap);
         }
     }
@@ -252,12 +251,7 @@ impl<'a> NearPairs<'a> {
             gap.distance - other.distance > SLOPE * step + 1e-9 * gap.distance
         };
         // Nearer pairs came first: mostly the one that tells is measured.
-        let beside = |[t, m]: [u32; 2]| {
-            let beside_t = ground.adjacency[TOOL].neighbours[t as usize].map(|n| [n, m]);
-            let beside_m = ground.adjacency[MOCKUP].neighbours[m as usize].map(|n| [t, n]);
-            beside_t.into_iter().chain(beside_m).filter(|pair| !pair.contains(&NONE))
-        };
-        if beside(start).any(|pair| self.known(pair).is_some_and(|other| is_down(&other))) {
+        if ground.beside(start).any(|pair| self.known(pair).is_some_and(|other| is_down(&other))) {
             return true;
         }
         let mut seen = vec![start];
@@ -265,7 +259,7 @@ impl<'a> NearPairs<'a> {
         while next < seen.len() && seen.len() <= MOST_BESIDE {
             let from = seen[next];
             next += 1;
-            for pair in beside(from) {
+            for pair in ground.beside(from) {
                 if seen.contains(&pair) {
                     continue;
                 }
@@ -283,10 +277,6 @@ impl<'a> NearPairs<'a> {
         }
         false
     }
-}
-
-fn key(pair: [u32; 2]) -> u64 {
-    u64::from(pair[0]) << 32 | u64::from(pair[1])
 }
 
 fn gap_of(pair: [u32; 2], part: u32, closest: &Closest) -> Gap {

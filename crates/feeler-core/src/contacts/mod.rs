@@ -35,6 +35,7 @@ pub use tracker::ContactTracker;
 use std::cmp::Ordering;
 
 use crate::bounds::{Point, Triangle};
+use crate::contacts::adjacency::NONE;
 use crate::contacts::body::Bodies;
 use crate::contacts::by_part::ByPart;
 use crate::contacts::clusters::Clusters;
@@ -42,7 +43,7 @@ use crate::contacts::depth::{least_depth, Depth, Directions};
 use crate::contacts::gaps::{NearLists, NearPairs, SAME_DIRECTION};
 use crate::contacts::patches::Patches;
 use crate::contacts::sides::{has, is_meeting};
-use crate::contacts::zones::{Face, Zones, MOCKUP, TOOL};
+use crate::contacts::zones::{Face, Zones, ZonesScratch, MOCKUP, TOOL};
 use crate::error::{Error, Result};
 use crate::mesh::Mockup;
 use crate::narrow::Filters;
@@ -112,6 +113,7 @@ pub(crate) struct ContactScratch {
     candidates: Vec<Candidate>,
     meeting: Vec<[u32; 2]>,
     near: NearLists,
+    zones: ZonesScratch,
     zone: ZoneScratch,
 }
 
@@ -141,6 +143,13 @@ impl Ground<'_> {
         } else {
             self.mockup_triangle(id)
         }
+    }
+
+    /// The pairs one step over an edge of either triangle from a pair.
+    fn beside(&self, [t, m]: [u32; 2]) -> impl Iterator<Item = [u32; 2]> {
+        let beside_t = self.adjacency[TOOL].neighbours[t as usize].map(|n| [n, m]);
+        let beside_m = self.adjacency[MOCKUP].neighbours[m as usize].map(|n| [t, n]);
+        beside_t.into_iter().chain(beside_m).filter(|pair| !pair.contains(&NONE))
     }
 
     /// Whether a point (world) is in the box of the tool, or of a part of the mock-up, with what rounding may add: outside it
@@ -194,7 +203,8 @@ impl Scene {
         let near = self.near_candidates(tool, pose, margin)?;
         let hits = self.collide(tool, pose, Filters::default()).pairs;
         let mut scratch = self.take_scratch();
-        let ContactScratch { by_part, candidates, meeting, near: lists, zone: zone_scratch } = &mut scratch.contacts;
+        let ContactScratch { by_part, candidates, meeting, near: lists, zones: zones_scratch, zone: zone_scratch } =
+            &mut scratch.contacts;
         let part_of = |pair: &[u32; 2]| self.mockup().part_of_face(pair[1]);
         by_part.sort(&near, |c| c.part, candidates);
         by_part.sort(&hits, part_of, meeting);
@@ -217,7 +227,7 @@ impl Scene {
             let from = contacts.planes.len();
             let mut inside: [Vec<u32>; 2] = Default::default();
             if !pairs.is_empty() {
-                let zones = zones::find(&ground, pairs);
+                let zones = zones::find(&ground, pairs, zones_scratch);
                 for (z, zone) in zones.zones.iter().enumerate() {
                     push_zone(&ground, &zones, z, part, zone_scratch, &mut contacts.planes);
                     (0..2).for_each(|w| inside[w].extend(zone.inside[w].iter().map(|t| t[0])));

@@ -75,6 +75,11 @@ impl Numbered {
     }
 }
 
+/// A pair as a key.
+pub(crate) fn pair_key(pair: [u32; 2]) -> u64 {
+    u64::from(pair[0]) << 32 | u64::from(pair[1])
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -4,7 +4,8 @@
 use crate::bounds::{Aabb, Point};
 use crate::contacts::adjacency::NONE;
 use crate::contacts::heights::highest_and_lowest;
-use crate::contacts::zones::{IdMap, Zones};
+use crate::contacts::numbered::Numbered;
+use crate::contacts::zones::Zones;
 use crate::contacts::Ground;
 use crate::simd::{Checked, WIDE_LANES};
 use crate::vectors::{add, dot, length, scaled, sub};
@@ -92,7 +93,7 @@ pub(crate) struct Patches {
 /// Working memory of [`Patches::split`].
 #[derive(Debug, Default)]
 struct Split {
-    place_of: IdMap<u32>,
+    place_of: Numbered,
     open: Vec<bool>,
     taken: Vec<bool>,
     seen: Vec<bool>,
@@ -208,7 +209,8 @@ impl Patches {
             return;
         }
         place_of.clear();
-        place_of.extend(pieces.iter().zip(0..).map(|(piece, i)| (piece.id, i)));
+        // A piece is found by its number.
+        pieces.iter().for_each(|piece| _ = place_of.number(u64::from(piece.id)));
         for (flags, count) in [(&mut *open, list.len()), (&mut *taken, list.len()), (&mut *seen, pieces.len())] {
             flags.clear();
             flags.resize(count, false);
@@ -230,10 +232,10 @@ impl Patches {
             stack.push(i as u32);
             while let Some(j) = stack.pop() {
                 for n in ground.adjacency[w].neighbours[pieces[j as usize].id as usize] {
-                    let Some(k) = place_of.get(&n) else { continue };
-                    if !seen[*k as usize] && pieces[*k as usize].patch == patch {
-                        seen[*k as usize] = true;
-                        stack.push(*k);
+                    let Some(k) = place_of.get(u64::from(n)) else { continue };
+                    if !seen[k as usize] && pieces[k as usize].patch == patch {
+                        seen[k as usize] = true;
+                        stack.push(k);
                     }
                 }
                 pieces[j as usize].patch = target;
