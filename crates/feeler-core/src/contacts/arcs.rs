@@ -10,23 +10,15 @@ pub(crate) const ARC_STEPS: usize = 10;
 /// Of the golden section.
 const RATIO: f64 = 0.618_033_988_749_894_9;
 
-/// Share of an arc that a trimmed end stays off for rounding.
-const TRIMMED: f64 = 1e-7;
-
 /// An arc between two directions, and what is left of it.
 #[derive(Debug, Clone, Copy, Default)]
 struct Arc {
     ends: [Point; 2],
-    /// One less the cosine between them.
-    turn: f64,
     from: f64,
     to: f64,
     /// Where it is known or asked for, and the depths there.
     at: [f64; 2],
     depth: [f64; 2],
-    /// Outside of these no direction is less deep than a limit.
-    low: f64,
-    high: f64,
     /// Which of the two is asked for.
     asked: usize,
 }
@@ -48,40 +40,6 @@ impl Arc {
             self.asked = 1;
         }
     }
-
-    /// Leaves out the directions along which a way is at least so long as a limit, which is positive: those of a cap around
-    /// the way, from one end of what is left or from both.
-    fn trim(&mut self, way: &Point, limit: f64) {
-        let [a, b] = self.ends.map(|d| dot(way, &d));
-        // A direction is a point of the chord, whose square is 1 - 2 s (1 - s) turn, over its length: the cap's border is where
-        // x s^2 + 2 y s + z = 0.
-        let (rise, square) = (b - a, limit * limit);
-        let (x, y, z) = (rise * rise - 2.0 * square * self.turn, a * rise + square * self.turn, a * a - square);
-        let is_within = |s: f64| a + rise * s > 0.0 && (x * s + 2.0 * y) * s + z >= 0.0;
-        let (first, last) = (is_within(self.low), is_within(self.high));
-        if first && last {
-            self.low = self.high;
-        } else if first || last {
-            let root = (y * y - x * z).max(0.0).sqrt();
-            // The one that does not cancel, and the other by their product.
-            let far = -(y + root.copysign(y));
-            for border in [far / x, z / far].into_iter().filter(|s| (self.low..=self.high).contains(s)) {
-                if a + rise * border > 0.0 {
-                    // Not beyond what rounding leaves certain.
-                    match first {
-                        true => self.low = self.low.max(border - TRIMMED),
-                        false => self.high = self.high.min(border + TRIMMED),
-                    }
-                    break;
-                }
-            }
-        }
-    }
-
-    /// Whether a direction is left that may be less deep.
-    fn is_open(&self) -> bool {
-        self.low.max(self.from) < self.high.min(self.to)
-    }
 }
 
 /// At most eight arcs.
@@ -94,8 +52,7 @@ pub(crate) struct Arcs {
 impl Arcs {
     /// Adds an arc between two directions.
     pub fn push(&mut self, ends: [Point; 2]) {
-        let turn = 1.0 - dot(&ends[0], &ends[1]);
-        self.arcs[self.count] = Arc { ends, turn, to: 1.0, high: 1.0, at: [1.0 - RATIO, RATIO], ..Arc::default() };
+        self.arcs[self.count] = Arc { ends, to: 1.0, at: [1.0 - RATIO, RATIO], ..Arc::default() };
         self.count += 1;
     }
 
@@ -119,14 +76,13 @@ impl Arcs {
         }
     }
 
-    /// Drops arcs on which no direction is less deep than a limit, for the ways taken so far, and now one of each arc, are that
-    /// long along all of them.
+    /// Drops arcs on which no direction is less deep than a limit, for a way (of each arc) is that long along both ends.
     pub fn drop_beyond(&mut self, limit: f64, way: impl Fn(usize) -> Point) {
         let mut kept = 0;
         for i in 0..self.count {
-            let mut arc = self.arcs[i];
-            arc.trim(&way(i), limit);
-            if arc.is_open() {
+            let arc = self.arcs[i];
+            let way = way(i);
+            if !arc.ends.iter().all(|d| dot(&way, d) >= limit) {
                 self.arcs[kept] = arc;
                 kept += 1;
             }

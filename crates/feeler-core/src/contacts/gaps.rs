@@ -31,6 +31,9 @@ const SAME_TURN: f64 = 0.208;
 /// slowly, and each direction is to have its plane.
 const SLOPE: f64 = 0.2;
 
+/// Share of the margin within which pairs are as near as each other.
+const LEVEL: f64 = 1e-6;
+
 /// Most pairs looked at around a corner.
 const MOST_BESIDE: usize = 256;
 
@@ -50,18 +53,16 @@ pub(crate) struct NearLists {
     sift: Sift,
     near: Vec<Near>,
     entries: Vec<Entry>,
-    batch: Vec<Entry>,
     /// What was measured, and `None` where that is farther than the margin.
     measured: Numbered,
     gaps: Vec<Option<Gap>>,
 }
 
-/// A pair to be looked at: first by its bound, then, once measured, by its distance.
+/// A pair that was measured.
 #[derive(Debug, Clone, Copy)]
 struct Entry {
     distance: f64,
     near: Near,
-    is_measured: bool,
 }
 
 impl Ord for Entry {
@@ -109,18 +110,27 @@ impl<'a> NearPairs<'a> {
         lists.measured.clear();
         lists.gaps.clear();
         lists.sift.sift(self.ground, candidates, &out[from..], &sought, &mut lists.near);
+        // Those not measured yet, the nearest last; and those that were, the nearest first.
+        let mut near = std::mem::take(&mut lists.near);
+        near.sort_unstable_by(|a, b| b.bound.total_cmp(&a.bound));
         let mut entries = std::mem::take(&mut lists.entries);
         entries.clear();
-        entries.extend(lists.near.iter().map(|near| Entry { distance: near.bound, near: *near, is_measured: false }));
         let mut heap = BinaryHeap::from(entries);
         let mut before = None;
-        while let Some(entry) = heap.pop() {
-            if !entry.is_measured {
-                self.measure_first(entry, part, &mut heap, |gap| {
-                    out[from..].iter().any(|plane| is_explained(plane, gap, tolerance))
-                });
+        loop {
+            let nearest = heap.peek().map_or(f64::INFINITY, |entry: &Entry| entry.distance);
+            if near.last().is_some_and(|near| near.bound <= nearest + LEVEL * self.margin) {
+                let batch = near.len().saturating_sub(WIDE_LANES)..near.len();
+                self.measure_all(&near[batch.clone()], part);
+                for near in near.drain(batch) {
+                    let gap = self.known(near.pair);
+                    if let Some(gap) = gap.filter(|gap| !out[from..].iter().any(|p| is_explained(p, gap, tolerance))) {
+                        heap.push(Entry { distance: gap.distance, near });
+                    }
+                }
                 continue;
             }
+            let Some(entry) = heap.pop() else { break };
             // A pair may have come several times.
             if before == Some(entry.near.pair) {
                 continue;
@@ -137,6 +147,7 @@ impl<'a> NearPairs<'a> {
             let plane = self.plane_at(&first, entry, part, &mut heap);
             let mut entries = heap.into_vec();
             self.lists.sift.drop_held_apart(&plane, tolerance, &mut entries, |entry| entry.near.places);
+            self.lists.sift.drop_held_apart(&plane, tolerance, &mut near, |near| near.places);
             heap = BinaryHeap::from(entries);
             out.push(plane);
             if out.len() - from >= MOST_PLANES {
@@ -144,30 +155,7 @@ impl<'a> NearPairs<'a> {
             }
         }
         self.lists.entries = heap.into_vec();
-    }
-
-    /// Measures an entry and those that come after it, eight at once; what is neither too far nor explained goes back.
-    fn measure_first(
-        &mut self,
-        entry: Entry,
-        part: u32,
-        heap: &mut BinaryHeap<Entry>,
-        is_explained: impl Fn(&Gap) -> bool,
-    ) {
-        let mut batch = std::mem::take(&mut self.lists.batch);
-        batch.clear();
-        batch.push(entry);
-        while batch.len() < WIDE_LANES {
-            let Some(next) = heap.peek().filter(|e| !e.is_measured).copied() else { break };
-            heap.pop();
-            batch.push(next);
-        }
-        self.measure_all(&batch, part);
-        for entry in &batch {
-            let Some(gap) = self.known(entry.near.pair).filter(|gap| !is_explained(gap)) else { continue };
-            heap.push(Entry { distance: gap.distance, is_measured: true, ..*entry });
-        }
-        self.lists.batch = batch;
+        self.lists.near = near;
     }
 
     /// What was measured of a pair, where that is within the margin.
@@ -176,15 +164,15 @@ impl<'a> NearPairs<'a> {
     }
 
     /// Measures at most eight pairs that do not meet.
-    fn measure_all(&mut self, entries: &[Entry], part: u32) {
+    fn measure_all(&mut self, batch: &[Near], part: u32) {
         let mut pairs = [([[0.0; 3]; 3], [[0.0; 3]; 3]); WIDE_LANES];
-        for (entry, (p, q)) in entries.iter().zip(&mut pairs) {
-            let [t, m] = entry.near.places;
+        for (near, (p, q)) in batch.iter().zip(&mut pairs) {
+            let [t, m] = near.places;
             (*p, *q) = (*self.lists.sift.corners(TOOL, t), *self.lists.sift.corners(MOCKUP, m));
         }
-        let found = closest_apart(self.ground.lanes, &pairs[..entries.len()], self.margin);
-        for (entry, closest) in entries.iter().zip(found) {
-            self.note(entry.near.pair, closest.map(|c| gap_of(entry.near.pair, part, &c)));
+        let found = closest_apart(self.ground.lanes, &pairs[..batch.len()], self.margin);
+        for (near, closest) in batch.iter().zip(found) {
+            self.note(near.pair, closest.map(|c| gap_of(near.pair, part, &c)));
         }
     }
 
@@ -209,7 +197,7 @@ impl<'a> NearPairs<'a> {
     fn plane_at(&mut self, first: &Gap, entry: Entry, part: u32, heap: &mut BinaryHeap<Entry>) -> ContactPlane {
         let mut plane = plane_of(self.ground, first);
         let mut place = Aabb::EMPTY;
-        let limit = first.distance + 1e-6 * self.margin;
+        let limit = first.distance + LEVEL * self.margin;
         let mut beside = vec![entry];
         while let Some(next) = heap.peek().filter(|e| e.distance <= limit).copied() {
             heap.pop();
@@ -224,7 +212,7 @@ impl<'a> NearPairs<'a> {
                 plane.mockup_triangles.push(gap.mockup_triangle);
             }
             if next.near.pair != entry.near.pair {
-                heap.push(Entry { distance: gap.distance, is_measured: true, ..next });
+                heap.push(next);
             }
         }
         if !place.is_empty() {

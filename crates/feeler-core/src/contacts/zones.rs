@@ -266,9 +266,12 @@ fn classify(ground: &Ground<'_>, w: usize, part: u32, zones: &mut Zones) {
         let (a, b) = (zones.points[cut.points.0 as usize], zones.points[cut.points.0 as usize + 1]);
         for k in 0..3 {
             let square = square_to_segment(&face.corners[k], &a, &b);
+            if square > face.square[k] * (1.0 + 1e-9) {
+                continue;
+            }
             let height = dot(&sub(&face.corners[k], &a), &n);
             let steepness = if square > 0.0 { height * height / square } else { 0.0 };
-            let tie = square <= face.square[k] * (1.0 + 1e-9) && square >= face.square[k] * (1.0 - 1e-9);
+            let tie = square >= face.square[k] * (1.0 - 1e-9);
             if if tie { steepness > face.steepness[k] } else { square < face.square[k] } {
                 face.square[k] = square;
                 face.steepness[k] = steepness;
