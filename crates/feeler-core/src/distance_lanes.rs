@@ -98,13 +98,7 @@ struct Best<F> {
 
 /// Takes two points where they are chosen and nearer than the best so far.
 #[inline(always)]
-fn offer<S: Simd>(
-    s: S,
-    best: &mut Best<S::F64>,
-    on_p: &Vector<S::F64>,
-    on_q: &Vector<S::F64>,
-    chosen: Option<S::M64>,
-) {
+fn offer<S: Simd>(s: S, best: &mut Best<S::F64>, on_p: &Vector<S::F64>, on_q: &Vector<S::F64>, chosen: Option<S::M64>) {
     let d = sub::<S>(on_q, on_p);
     let squared = dot::<S>(&d, &d);
     let mut nearer = s.wide_above(best.squared, squared);

@@ -200,7 +200,8 @@ impl PointSet {
     fn find(&self, x: &Point, known: &[Point]) -> usize {
         let mask = self.slots.len() - 1;
         // Adding 0 makes one zero of the two.
-        let hash = x.iter().fold(0u64, |h, c| (h.rotate_left(21) ^ (c + 0.0).to_bits()).wrapping_mul(0x9e37_79b9_7f4a_7c15));
+        let hash =
+            x.iter().fold(0u64, |h, c| (h.rotate_left(21) ^ (c + 0.0).to_bits()).wrapping_mul(0x9e37_79b9_7f4a_7c15));
         let mut at = (hash >> 32) as usize & mask;
         while self.slots[at].0 == self.round && known[self.slots[at].1 as usize] != *x {
             at = (at + 1) & mask;

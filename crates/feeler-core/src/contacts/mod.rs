@@ -221,7 +221,8 @@ impl Scene {
         let mut contacts = Contacts { is_meeting: !meeting.is_empty(), ..Contacts::default() };
         let mut gaps = NearPairs::new(&ground, margin, lists);
         let (mut candidates, mut meeting) = (&candidates[..], &meeting[..]);
-        while let Some(part) = candidates.first().map(|c| c.part).into_iter().chain(meeting.first().map(part_of)).min() {
+        while let Some(part) = candidates.first().map(|c| c.part).into_iter().chain(meeting.first().map(part_of)).min()
+        {
             let candidates = take_while(&mut candidates, |c| c.part == part);
             let pairs = take_while(&mut meeting, |pair| part_of(pair) == part);
             let from = contacts.planes.len();
