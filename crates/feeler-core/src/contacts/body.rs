@@ -6,7 +6,7 @@ use crate::contacts::clusters::Clusters;
 use crate::contacts::heights::{push_eights, Eight};
 use crate::contacts::patches::Patches;
 use crate::contacts::sides::Sets;
-use crate::vectors::{along, cross, unit};
+use crate::vectors::{along, cross, dot, unit};
 
 /// Most edges of a body whose directions are kept.
 pub(crate) const MOST_EDGES: usize = 100;
@@ -17,6 +17,27 @@ pub(crate) struct Facet {
     pub normal: Point,
     pub size: f64,
     pub flat: bool,
+}
+
+/// Where the planes of two facets meet.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Edge {
+    /// Unit.
+    pub along: Point,
+    /// Square to the normals of the two and to the edge, each to the side where the other is.
+    sides: [Point; 2],
+}
+
+impl Edge {
+    fn new(p: &Facet, q: &Facet) -> Option<Edge> {
+        let along = unit(&cross(&p.normal, &q.normal))?;
+        Some(Edge { along, sides: [cross(&along, &p.normal), cross(&q.normal, &along)] })
+    }
+
+    /// Whether a direction across the edge is between the two normals.
+    pub fn is_between(&self, d: &Point) -> bool {
+        self.sides.iter().all(|side| dot(d, side) >= 0.0)
+    }
 }
 
 /// A body, its lists among those of [`Bodies`].
@@ -41,7 +62,7 @@ pub(crate) struct Bodies {
     points: Vec<Point>,
     curve: Vec<(Point, u32)>,
     eights: Vec<Eight>,
-    edges: Vec<Point>,
+    edges: Vec<Edge>,
     /// For each body the cuts it has a part in, by their places in the zone.
     pub cuts: Sets,
     seen: PointSet,
@@ -57,8 +78,8 @@ pub(crate) struct Body<'a> {
     /// Points of the curve with their cuts; a point has several.
     pub curve: &'a [(Point, u32)],
     pub curve_eights: &'a [Eight],
-    /// Unit, along which two facets meet; empty where there are more than [`MOST_EDGES`].
-    pub edges: &'a [Point],
+    /// Of each two facets; empty where there are more than [`MOST_EDGES`].
+    pub edges: &'a [Edge],
     /// Of the facets' normals, by area; zero where there is none.
     pub mean: Point,
     pub size: f64,
@@ -149,7 +170,7 @@ impl Bodies {
         let facets = &self.facets[from..];
         if edge_count(facets.len()) <= MOST_EDGES {
             for (i, p) in facets.iter().enumerate() {
-                self.edges.extend(facets[i + 1..].iter().filter_map(|q| unit(&cross(&p.normal, &q.normal))));
+                self.edges.extend(facets[i + 1..].iter().filter_map(|q| Edge::new(p, q)));
             }
         }
     }

@@ -98,9 +98,14 @@ pub(crate) fn least_depth(
     offer(scaled(&tool.mean, -1.0));
     if edge_count(mockup.facets.len()) * edge_count(tool.facets.len()) <= MOST_EDGES {
         for e in mockup.edges {
-            for d in tool.edges.iter().filter_map(|f| unit(&cross(e, f))) {
-                offer(d);
-                offer(scaled(&d, -1.0));
+            for f in tool.edges {
+                let Some(d) = unit(&cross(&e.along, &f.along)) else { continue };
+                for d in [d, scaled(&d, -1.0)] {
+                    // Where it is between the normals on both sides, the edges hold along it, wherever most of the faces look.
+                    if e.is_between(&d) && f.is_between(&scaled(&d, -1.0)) || best.leads_out(&d) {
+                        list.push(d);
+                    }
+                }
             }
         }
     } else {
@@ -188,7 +193,7 @@ impl Best<'_> {
         // Where it did along another direction it mostly does again.
         let is_known = self.directions.goes_on.iter().any(|(w, x, source)| {
             let (d, height) = &ends[*w];
-            dot(x, d) >= *height && goes_on(self.zones, *w, *source, d)
+            dot(x, d) >= *height && goes_on(self.zones, *w, *source, d, *height + 3.0 * tolerance)
         });
         if is_known {
             return true;
@@ -199,7 +204,9 @@ impl Best<'_> {
             places_above(self.lanes, body.curve_eights, d, *height, places);
             let last = body.curve.len().saturating_sub(1);
             let at = |i: &u32| &body.curve[last.min(*i as usize)];
-            if let Some((x, source)) = places.iter().map(at).find(|(_, source)| goes_on(self.zones, w, *source, d)) {
+            if let Some((x, source)) =
+                places.iter().map(at).find(|(_, source)| goes_on(self.zones, w, *source, d, *height + 3.0 * tolerance))
+            {
                 known.truncate(MOST_KNOWN - 1);
                 known.insert(0, (w, *x, *source));
                 return true;
@@ -344,13 +351,15 @@ impl Best<'_> {
     }
 }
 
-/// Whether at a cut the surface `w` goes on along `d`, in the sense in which the other advances over it.
-fn goes_on(zones: &Zones, w: usize, source: u32, d: &Point) -> bool {
+/// Whether at a cut the surface `w` goes on along `d` to higher than `top`, in the sense in which the other advances over it. An
+/// edge that lies across `d` goes on no higher.
+fn goes_on(zones: &Zones, w: usize, source: u32, d: &Point, top: f64) -> bool {
     let cut = &zones.cuts[source as usize];
     let [n, other] = [w, 1 - w].map(|w| zones.faces[w][cut.faces[w] as usize].normal);
     let advances = dot(&other, d);
     let leaves = advances - dot(&other, &n) * dot(&n, d);
-    !cut.flat && advances > GOES_ON && leaves > GOES_ON
+    let rises = || zones.faces[w][cut.faces[w] as usize].corners.iter().any(|x| dot(x, d) > top);
+    !cut.flat && advances > GOES_ON && leaves > GOES_ON && rises()
 }
 
 fn middle(b: &Aabb) -> Point {

@@ -10,6 +10,8 @@ mod arcs;
 mod body;
 mod by_part;
 mod clusters;
+#[cfg(test)]
+mod convex_tests;
 mod cut;
 mod depth;
 mod gaps;

@@ -9,7 +9,7 @@ use crate::contacts::cut::push_shared;
 use crate::contacts::numbered::{pair_key, Numbered};
 use crate::contacts::walk::walk;
 use crate::contacts::Ground;
-use crate::vectors::{add, dot, normal, scaled, square_to_segment, sub};
+use crate::vectors::{add, cross, dot, normal, scaled, square_to_segment, sub};
 
 /// A triangle that is cut.
 #[derive(Debug, Clone)]
@@ -256,27 +256,37 @@ fn orient(ground: &Ground<'_>, zones: &mut Zones) {
 }
 
 /// On which side of the other surface the corners of cut triangles are: the nearest cut tells. Where two are equally near,
-/// at an edge of the other surface, the one whose plane the corner stands off most steeply. Where a surface turns away within a
-/// triangle's length the nearest cut may be wrong about a far corner: outside the other solid's box it is outside.
+/// at an edge of the other surface, the one whose line the corner stands off most steeply, in the plane of the triangle: there
+/// the two lines are a bend of the curve, and the corner is on the outer side of it. Where a surface turns away within a triangle's
+/// length the nearest cut may be wrong about a far corner: outside the other solid's box it is outside.
 fn classify(ground: &Ground<'_>, w: usize, part: u32, zones: &mut Zones) {
     let other = 1 - w;
     for (i, cut) in zones.cuts.iter().enumerate().filter(|(_, c)| !c.flat) {
         let n = zones.faces[other][cut.faces[other] as usize].normal;
         let face = &mut zones.faces[w][cut.faces[w] as usize];
         let (a, b) = (zones.points[cut.points.0 as usize], zones.points[cut.points.0 as usize + 1]);
+        let line = sub(&b, &a);
+        let lengths = dot(&line, &line);
         for k in 0..3 {
             let square = square_to_segment(&face.corners[k], &a, &b);
             if square > face.square[k] * (1.0 + 1e-9) {
                 continue;
             }
-            let height = dot(&sub(&face.corners[k], &a), &n);
-            let steepness = if square > 0.0 { height * height / square } else { 0.0 };
+            let from = sub(&face.corners[k], &a);
+            let height = dot(&from, &n);
+            // How far it is off the line of the cut, in the face's own plane: that other plane may be met at any angle.
+            let off = cross(&from, &line);
+            let off = if lengths > 0.0 { dot(&off, &off) / lengths } else { height * height };
+            let (steepness, is_on) = match square > 0.0 {
+                true => (off / square, height * height < 1e-18 * square),
+                false => (0.0, true),
+            };
             let tie = square >= face.square[k] * (1.0 - 1e-9);
             if if tie { steepness > face.steepness[k] } else { square < face.square[k] } {
                 face.square[k] = square;
                 face.steepness[k] = steepness;
                 face.nearest[k] = i as u32;
-                face.side[k] = if steepness < 1e-18 {
+                face.side[k] = if is_on {
                     0
                 } else if height < 0.0 {
                     -1
