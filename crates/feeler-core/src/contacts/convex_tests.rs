@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::shapes::Arrays;
 use super::*;
 use crate::scene::SceneOptions;
+use crate::simd::Level;
 use crate::vectors::{along, cross, unit};
 
 /// Numbers from -1 to 1 (a multiplicative generator; its upper bits).
@@ -104,10 +105,14 @@ fn the_way_out_of_convex_polyhedra_is_the_least_there_is() {
         }
         let pose = Pose::IDENTITY.translated(&scaled(&way, deep)).unwrap();
         let held = Mockup::new(mockup.0, mockup.1, Vec::new(), 1).unwrap();
-        let scene = Scene::build(Arc::new(held), &SceneOptions::default(), &|_, _| true).unwrap();
+        let mut scene = Scene::build(Arc::new(held), &SceneOptions::default(), &|_, _| true).unwrap();
         let tool = Tool::new(tool.0, tool.1).unwrap();
         let out = scene.penetration(&tool, &pose, 0.001, None).unwrap();
         let what = format!("{case}: {truth} {out:?}");
+        for level in Level::available() {
+            scene.set_lanes(level);
+            assert_eq!(scene.contacts(&tool, &pose, 0.001, None).unwrap(), out.contacts, "{level:?} {what}");
+        }
         // It frees the tool, and nothing shorter does.
         assert!(out.kind != PenetrationKind::Estimate, "{what}");
         assert!(out.depth >= truth * (1.0 - 1e-9), "{what}");
