@@ -91,13 +91,13 @@ pub fn distance_bound(p: &Aabb, q: &Aabb) -> f64 {
 const ALLOWED: f64 = DISTANCE_ROUNDOFFS * UNIT_ROUNDOFF;
 
 /// Square of the sine below which two directions count as near parallel, or a face as a sliver.
-const NARROW: f64 = 1e-6;
+pub(crate) const NARROW: f64 = 1e-6;
 
 /// Square of a gap, over that of the size, that rounding alone leaves where triangles meet.
 const CLOSE_ENOUGH: f64 = 64.0 * UNIT_ROUNDOFF * UNIT_ROUNDOFF;
 
 /// The smallest number above 0.
-const SMALLEST: f64 = f64::from_bits(1);
+pub(crate) const SMALLEST: f64 = f64::from_bits(1);
 
 struct Best {
     squared: f64,

@@ -12,6 +12,7 @@ pub mod constants;
 pub mod contacts;
 pub mod cost;
 pub mod defects;
+mod distance_lanes;
 pub mod distance_triangle_triangle;
 pub mod error;
 pub mod grid;

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::cast::CastScratch;
 use crate::constants::MOCKUP_CUT_ALLOWANCE;
-use crate::contacts::{Adjacency, NearLists};
+use crate::contacts::{Adjacency, ContactScratch};
 use crate::cost::{mean_longest_edge, static_means, CostFunction, Estimator};
 use crate::error::{Error, Result};
 use crate::hits::{Hit, Hits};
@@ -74,7 +74,7 @@ pub struct Scratch {
     hits: Hits,
     stats: Stats,
     pub(crate) proximity: ProximityScratch,
-    pub(crate) contacts: NearLists,
+    pub(crate) contacts: ContactScratch,
 }
 
 /// Poses of a batch that one thread works on at a time.

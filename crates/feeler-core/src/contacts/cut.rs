@@ -54,6 +54,8 @@ fn ends(t: &Triangle, other: &Point, m: &Point, direction: &Point) -> [(f64, Poi
             take(&mut found, t[i]);
         }
         if (height[i] < 0.0) != (height[j] < 0.0) && height[i] != height[j] {
+            // From the same end whichever triangle the edge is seen from, so that both have the same point.
+            let (i, j) = if t[i] < t[j] { (i, j) } else { (j, i) };
             let share = height[i] / (height[i] - height[j]);
             take(&mut found, along(&t[i], share, &sub(&t[j], &t[i])));
         }

@@ -7,12 +7,15 @@
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-use crate::bounds::{Aabb, Point, Triangle};
-use crate::contacts::adjacency::NONE;
-use crate::contacts::zones::{IdMap, MOCKUP, TOOL};
+use crate::bounds::{Aabb, Point};
+use crate::contacts::numbered::{pair_key, Numbered};
+use crate::contacts::sift::{Near, Sift, Sought, BEHIND};
+use crate::contacts::zones::{MOCKUP, TOOL};
 use crate::contacts::{ContactPlane, Ground, MOST_PLANES};
-use crate::distance_triangle_triangle::closest_within;
+use crate::distance_lanes::closest_apart;
+use crate::distance_triangle_triangle::{closest_within, Closest};
 use crate::proximity::{Candidate, Gap};
+use crate::simd::WIDE_LANES;
 use crate::vectors::{add, along, dot, length, normal, scaled, square_to_segment, sub, unit};
 
 /// Share of the margin by which a pair may miss a plane and still count as explained.
@@ -28,8 +31,8 @@ const SAME_TURN: f64 = 0.208;
 /// slowly, and each direction is to have its plane.
 const SLOPE: f64 = 0.2;
 
-/// Sine by which the way to the tool may point into the mock-up's side.
-const BEHIND: f64 = 1e-3;
+/// Share of the margin within which pairs are as near as each other.
+const LEVEL: f64 = 1e-6;
 
 /// Most pairs looked at around a corner.
 const MOST_BESIDE: usize = 256;
@@ -47,44 +50,25 @@ pub(crate) struct NearPairs<'a> {
 /// Working memory.
 #[derive(Debug, Default)]
 pub(crate) struct NearLists {
-    /// Placed corners; entries name them by their places here.
-    corners: [Vec<Triangle>; 2],
-    /// Their outward normals, zero where that is not known.
-    outward: [Vec<Point>; 2],
-    /// The place of each tool triangle in `corners`.
-    places: Vec<u32>,
+    sift: Sift,
+    near: Vec<Near>,
     entries: Vec<Entry>,
-    /// For each of the corners its least (tool) or greatest (mock-up) height over a plane.
-    heights: [Vec<f64>; 2],
     /// What was measured, and `None` where that is farther than the margin.
-    measured: IdMap<(u32, u32)>,
+    measured: Numbered,
     gaps: Vec<Option<Gap>>,
 }
 
-impl NearLists {
-    /// Adds a triangle's corners and normal.
-    fn push(&mut self, ground: &Ground<'_>, w: usize, id: u32) {
-        let corners = ground.triangle(w, id);
-        let outward = f64::from(ground.adjacency[w].outward[id as usize]);
-        self.outward[w].push(normal(&corners).map_or([0.0; 3], |n| scaled(&n, outward)));
-        self.corners[w].push(corners);
-    }
-}
-
-/// A pair to be looked at: first by its bound, then, once measured, by its distance.
+/// A pair that was measured.
 #[derive(Debug, Clone, Copy)]
 struct Entry {
     distance: f64,
-    /// Tool triangle and mock-up triangle.
-    pair: (u32, u32),
-    corners: [u32; 2],
-    is_measured: bool,
+    near: Near,
 }
 
 impl Ord for Entry {
     /// The nearest is the greatest: a heap gives that first.
     fn cmp(&self, other: &Entry) -> Ordering {
-        other.distance.total_cmp(&self.distance).then(other.pair.cmp(&self.pair))
+        other.distance.total_cmp(&self.distance).then(other.near.pair.cmp(&self.near.pair))
     }
 }
 
@@ -104,16 +88,11 @@ impl Eq for Entry {}
 
 impl<'a> NearPairs<'a> {
     pub fn new(ground: &'a Ground<'a>, margin: f64, lists: &'a mut NearLists) -> NearPairs<'a> {
-        lists.corners[TOOL].clear();
-        lists.outward[TOOL].clear();
-        lists.places.clear();
-        lists.places.resize(ground.tool.mesh().faces().len(), NONE);
         NearPairs { ground, margin, lists }
     }
 
     /// Adds planes for the candidates of one part, beside the planes the part has from `from` on in `out`. The pairs in
-    /// `meeting` (sorted) meet, the triangles in `inside` (of tool and mock-up, sorted) are wholly
-    /// inside the other.
+    /// `meeting` (sorted) meet, the triangles in `inside` (of tool and mock-up, sorted) are wholly inside the other.
     ///
     /// Few pairs are ever measured: most are far from where planes are, or held apart by one as whole triangles.
     pub fn push_planes(
@@ -126,58 +105,40 @@ impl<'a> NearPairs<'a> {
     ) {
         let part = candidates.first().map_or(0, |c| c.part);
         let tolerance = TOLERANCE * self.margin;
+        let sought = Sought { meeting, inside, margin: self.margin, tolerance };
         let lists = &mut *self.lists;
-        lists.corners[MOCKUP].clear();
-        lists.outward[MOCKUP].clear();
         lists.measured.clear();
         lists.gaps.clear();
+        lists.sift.sift(self.ground, candidates, &out[from..], &sought, &mut lists.near);
+        // Those not measured yet, the nearest last; and those that were, the nearest first.
+        let mut near = std::mem::take(&mut lists.near);
+        near.sort_unstable_by(|a, b| b.bound.total_cmp(&a.bound));
         let mut entries = std::mem::take(&mut lists.entries);
         entries.clear();
-        let mut last = NONE;
-        for c in candidates {
-            if c.mockup_triangle != last {
-                last = c.mockup_triangle;
-                lists.push(self.ground, MOCKUP, last);
-            }
-            let pair = [c.tool_triangle, c.mockup_triangle];
-            let is_inside = (0..2).any(|w| inside[w].binary_search(&pair[w]).is_ok());
-            if is_inside || c.bound == 0.0 && meeting.binary_search(&pair).is_ok() {
-                continue;
-            }
-            if lists.places[c.tool_triangle as usize] == NONE {
-                lists.places[c.tool_triangle as usize] = lists.corners[TOOL].len() as u32;
-                lists.push(self.ground, TOOL, c.tool_triangle);
-            }
-            let corners = [lists.places[c.tool_triangle as usize], lists.corners[MOCKUP].len() as u32 - 1];
-            let [p, q] = [TOOL, MOCKUP].map(|w| &lists.corners[w][corners[w] as usize]);
-            let [n, m] = [TOOL, MOCKUP].map(|w| &lists.outward[w][corners[w] as usize]);
-            let is_behind = |x: &Point, on: &Point, normal: &Point| dot(&sub(x, on), normal) < -BEHIND * self.margin;
-            if p.iter().all(|x| is_behind(x, &q[0], m)) || q.iter().all(|x| is_behind(x, &p[0], n)) {
-                // Whatever its nearest points: wholly behind, see `is_in_front`.
-                continue;
-            }
-            entries.push(Entry { distance: c.bound, pair: (pair[0], pair[1]), corners, is_measured: false });
-        }
-        for plane in &out[from..] {
-            self.drop_held_apart(&mut entries, plane, tolerance);
-        }
         let mut heap = BinaryHeap::from(entries);
         let mut before = None;
-        while let Some(entry) = heap.pop() {
+        loop {
+            let nearest = heap.peek().map_or(f64::INFINITY, |entry: &Entry| entry.distance);
+            if near.last().is_some_and(|near| near.bound <= nearest + LEVEL * self.margin) {
+                let batch = near.len().saturating_sub(WIDE_LANES)..near.len();
+                self.measure_all(&near[batch.clone()], part);
+                for near in near.drain(batch) {
+                    let gap = self.known(near.pair);
+                    if let Some(gap) = gap.filter(|gap| !out[from..].iter().any(|p| is_explained(p, gap, tolerance))) {
+                        heap.push(Entry { distance: gap.distance, near });
+                    }
+                }
+                continue;
+            }
+            let Some(entry) = heap.pop() else { break };
             // A pair may have come several times.
-            if entry.is_measured && before == Some(entry.pair) {
+            if before == Some(entry.near.pair) {
                 continue;
             }
-            let Some(first) = self.measure(entry.pair, part) else { continue };
-            if out[from..].iter().any(|p| is_explained(p, &first, tolerance)) {
-                continue;
-            }
-            if !entry.is_measured {
-                heap.push(Entry { distance: first.distance, is_measured: true, ..entry });
-                continue;
-            }
-            before = Some(entry.pair);
+            before = Some(entry.near.pair);
+            let Some(first) = self.known(entry.near.pair) else { continue };
             if first.distance == 0.0
+                || out[from..].iter().any(|plane| is_explained(plane, &first, tolerance))
                 || !is_in_front(self.ground, &first)
                 || out.len() > from && self.leads_down(&first, part)
             {
@@ -185,7 +146,8 @@ impl<'a> NearPairs<'a> {
             }
             let plane = self.plane_at(&first, entry, part, &mut heap);
             let mut entries = heap.into_vec();
-            self.drop_held_apart(&mut entries, &plane, tolerance);
+            self.lists.sift.drop_held_apart(&plane, tolerance, &mut entries, |entry| entry.near.places);
+            self.lists.sift.drop_held_apart(&plane, tolerance, &mut near, |near| near.places);
             heap = BinaryHeap::from(entries);
             out.push(plane);
             if out.len() - from >= MOST_PLANES {
@@ -193,80 +155,64 @@ impl<'a> NearPairs<'a> {
             }
         }
         self.lists.entries = heap.into_vec();
+        self.lists.near = near;
     }
 
-    /// Drops the pairs that a plane holds apart whatever their nearest points.
-    fn drop_held_apart(&mut self, entries: &mut Vec<Entry>, plane: &ContactPlane, tolerance: f64) {
-        let offset = dot(&plane.point, &plane.normal);
-        let NearLists { corners, heights, .. } = &mut *self.lists;
-        let of = |t: &Triangle| t.map(|p| dot(&p, &plane.normal) - offset);
-        heights.iter_mut().for_each(Vec::clear);
-        heights[TOOL].extend(corners[TOOL].iter().map(of).map(|h| h[0].min(h[1]).min(h[2])));
-        heights[MOCKUP].extend(corners[MOCKUP].iter().map(of).map(|h| h[0].max(h[1]).max(h[2])));
-        let [low, high] = &*heights;
-        entries.retain(|e| {
-            !(high[e.corners[MOCKUP] as usize] <= tolerance && low[e.corners[TOOL] as usize] >= plane.gap - tolerance)
-        });
+    /// What was measured of a pair, where that is within the margin.
+    fn known(&self, pair: [u32; 2]) -> Option<Gap> {
+        self.lists.measured.get(pair_key(pair)).and_then(|i| self.lists.gaps[i as usize])
     }
 
-    /// The gap of a pair, where it is within the margin.
-    fn measure(&mut self, pair: (u32, u32), part: u32) -> Option<Gap> {
-        if let Some(i) = self.lists.measured.get(&pair) {
-            return self.lists.gaps[*i as usize];
+    /// Measures at most eight pairs that do not meet.
+    fn measure_all(&mut self, batch: &[Near], part: u32) {
+        let mut pairs = [([[0.0; 3]; 3], [[0.0; 3]; 3]); WIDE_LANES];
+        for (near, (p, q)) in batch.iter().zip(&mut pairs) {
+            let [t, m] = near.places;
+            (*p, *q) = (*self.lists.sift.corners(TOOL, t), *self.lists.sift.corners(MOCKUP, m));
         }
-        let gap = self.gap_within(pair, part, self.margin);
-        self.note(pair, gap);
-        gap
+        let found = closest_apart(self.ground.lanes, &pairs[..batch.len()], self.margin);
+        for (near, closest) in batch.iter().zip(found) {
+            self.note(near.pair, closest.map(|c| gap_of(near.pair, part, &c)));
+        }
     }
 
-    /// The gap of a pair, where it is within a distance of at most the margin; sooner said where it is not.
-    fn measure_within(&mut self, pair: (u32, u32), part: u32, limit: f64) -> Option<Gap> {
-        if let Some(i) = self.lists.measured.get(&pair) {
-            return self.lists.gaps[*i as usize];
+    /// The gap of a pair, where it is within a distance of at most the margin.
+    fn measure_within(&mut self, pair: [u32; 2], part: u32, limit: f64) -> Option<Gap> {
+        if let Some(i) = self.lists.measured.get(pair_key(pair)) {
+            return self.lists.gaps[i as usize];
         }
-        let gap = self.gap_within(pair, part, limit)?;
+        let (p, q) = (self.ground.tool_triangle(pair[0]), self.ground.mockup_triangle(pair[1]));
+        let gap = gap_of(pair, part, &closest_within(&p, &q, limit)?);
         self.note(pair, Some(gap));
         Some(gap)
     }
 
-    fn gap_within(&self, pair: (u32, u32), part: u32, limit: f64) -> Option<Gap> {
-        let (p, q) = (self.ground.tool_triangle(pair.0), self.ground.mockup_triangle(pair.1));
-        let closest = closest_within(&p, &q, limit)?;
-        Some(Gap {
-            tool_triangle: pair.0,
-            mockup_triangle: pair.1,
-            part,
-            distance: closest.distance,
-            on_tool: closest.on_p,
-            on_mockup: closest.on_q,
-        })
-    }
-
-    fn note(&mut self, pair: (u32, u32), gap: Option<Gap>) {
-        self.lists.measured.insert(pair, self.lists.gaps.len() as u32);
-        self.lists.gaps.push(gap);
+    fn note(&mut self, pair: [u32; 2], gap: Option<Gap>) {
+        if self.lists.measured.number(pair_key(pair)).1 {
+            self.lists.gaps.push(gap);
+        }
     }
 
     /// The plane of the nearest pair, in the middle of all that are as near.
     fn plane_at(&mut self, first: &Gap, entry: Entry, part: u32, heap: &mut BinaryHeap<Entry>) -> ContactPlane {
         let mut plane = plane_of(self.ground, first);
         let mut place = Aabb::EMPTY;
-        let limit = first.distance + 1e-6 * self.margin;
+        let limit = first.distance + LEVEL * self.margin;
         let mut beside = vec![entry];
         while let Some(next) = heap.peek().filter(|e| e.distance <= limit).copied() {
             heap.pop();
             beside.push(next);
         }
         for next in beside {
-            let Some(gap) = self.measure(next.pair, part) else { continue };
+            let Some(gap) = self.measure_within(next.near.pair, part, self.margin) else { continue };
             let way = sub(&gap.on_tool, &gap.on_mockup);
             if gap.distance <= limit && dot(&way, &plane.normal) >= gap.distance * (1.0 - 1e-9) {
                 place.grow(&gap.on_mockup);
                 plane.tool_triangles.push(gap.tool_triangle);
                 plane.mockup_triangles.push(gap.mockup_triangle);
             }
-            if next.pair != entry.pair {
-                heap.push(Entry { distance: gap.distance, is_measured: true, ..next });
+            if next.near.pair != entry.near.pair {
+                heap.push(next);
             }
         }
         if !place.is_empty() {
@@ -279,7 +225,7 @@ impl<'a> NearPairs<'a> {
     /// Whether a step to a neighbouring triangle, on either side, leads clearly down: then the pair is on the slope of another
     /// place, which has its plane or will.
     fn leads_down(&mut self, gap: &Gap, part: u32) -> bool {
-        let start = (gap.tool_triangle, gap.mockup_triangle);
+        let start = [gap.tool_triangle, gap.mockup_triangle];
         let noise = (1e-9 * gap.distance).powi(2);
         let ground = self.ground;
         let passes = |w: usize, id: u32, p: &Point| {
@@ -293,36 +239,42 @@ impl<'a> NearPairs<'a> {
             gap.distance - other.distance > SLOPE * step + 1e-9 * gap.distance
         };
         // Nearer pairs came first: mostly the one that tells is measured.
-        let known = |key: &(u32, u32)| self.lists.measured.get(key).and_then(|i| self.lists.gaps[*i as usize]);
-        let beside_start = ground.adjacency[TOOL].neighbours[start.0 as usize].map(|n| (n, start.1));
-        let and_these = ground.adjacency[MOCKUP].neighbours[start.1 as usize].map(|n| (start.0, n));
-        if beside_start.iter().chain(&and_these).any(|key| known(key).is_some_and(|other| is_down(&other))) {
+        if ground.beside(start).any(|pair| self.known(pair).is_some_and(|other| is_down(&other))) {
             return true;
         }
         let mut seen = vec![start];
         let mut next = 0;
         while next < seen.len() && seen.len() <= MOST_BESIDE {
-            let (t, m) = seen[next];
+            let from = seen[next];
             next += 1;
-            let beside_t = ground.adjacency[TOOL].neighbours[t as usize].map(|n| (n, m));
-            let beside_m = ground.adjacency[MOCKUP].neighbours[m as usize].map(|n| (t, n));
-            for key in beside_t.into_iter().chain(beside_m) {
-                if key.0 == NONE || key.1 == NONE || seen.contains(&key) {
+            for pair in ground.beside(from) {
+                if seen.contains(&pair) {
                     continue;
                 }
-                let Some(other) = self.measure_within(key, part, limit) else { continue };
+                let Some(other) = self.measure_within(pair, part, limit) else { continue };
                 if is_down(&other) {
                     return true;
                 }
-                if (key.0 == t || passes(TOOL, key.0, &gap.on_tool))
-                    && (key.1 == m || passes(MOCKUP, key.1, &gap.on_mockup))
+                if (pair[0] == from[0] || passes(TOOL, pair[0], &gap.on_tool))
+                    && (pair[1] == from[1] || passes(MOCKUP, pair[1], &gap.on_mockup))
                 {
                     // It has the same corner or edge: look around that.
-                    seen.push(key);
+                    seen.push(pair);
                 }
             }
         }
         false
+    }
+}
+
+fn gap_of(pair: [u32; 2], part: u32, closest: &Closest) -> Gap {
+    Gap {
+        tool_triangle: pair[0],
+        mockup_triangle: pair[1],
+        part,
+        distance: closest.distance,
+        on_tool: closest.on_p,
+        on_mockup: closest.on_q,
     }
 }
 

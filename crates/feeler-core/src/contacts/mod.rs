@@ -6,14 +6,24 @@
 //! gives planes by distance ([`gaps`]). `docs/contacts.md` says what that means and where it ends.
 
 mod adjacency;
+mod arcs;
+mod body;
+mod by_part;
+mod clusters;
+#[cfg(test)]
+mod convex_tests;
 mod cut;
 mod depth;
 mod gaps;
+mod heights;
 mod least_norm;
+mod numbered;
 mod patches;
 mod penetration;
 #[cfg(test)]
 mod shapes;
+mod sides;
+mod sift;
 #[cfg(test)]
 mod tests;
 mod tracker;
@@ -21,24 +31,36 @@ mod walk;
 mod zones;
 
 pub(crate) use adjacency::Adjacency;
-pub(crate) use gaps::NearLists;
 pub use penetration::{Penetration, PenetrationKind};
 pub use tracker::ContactTracker;
 
+use std::cmp::Ordering;
+
 use crate::bounds::{Point, Triangle};
-use crate::contacts::depth::{least_depth, Body};
-use crate::contacts::gaps::{NearPairs, SAME_DIRECTION};
-use crate::contacts::zones::{Face, Zone, Zones, MOCKUP, TOOL};
+use crate::contacts::adjacency::NONE;
+use crate::contacts::body::Bodies;
+use crate::contacts::by_part::ByPart;
+use crate::contacts::clusters::Clusters;
+use crate::contacts::depth::{least_depth, Depth, Directions};
+use crate::contacts::gaps::{NearLists, NearPairs, SAME_DIRECTION};
+use crate::contacts::patches::Patches;
+use crate::contacts::sides::{has, is_meeting};
+use crate::contacts::zones::{Face, Zones, ZonesScratch, MOCKUP, TOOL};
 use crate::error::{Error, Result};
 use crate::mesh::Mockup;
 use crate::narrow::Filters;
 use crate::pose::Pose;
+use crate::proximity::Candidate;
 use crate::scene::Scene;
+use crate::simd::Checked;
 use crate::tool::Tool;
 use crate::vectors::{dot, normal, scaled, sub};
 
 /// Most planes of an answer.
 pub const MOST_PLANES: usize = 32;
+
+/// Candidate pairs of a query from which on its working memory is not kept.
+const MOST_HELD: usize = 1 << 16;
 
 /// Cosine of the angle within which planes of two flat surfaces in one zone are one: half a degree.
 const SAME_PLANE: f64 = 0.999_96;
@@ -83,6 +105,29 @@ pub(crate) struct Ground<'a> {
     adjacency: [&'a Adjacency; 2],
     /// The tool's centre of area, world.
     centre: Point,
+    lanes: Checked,
+}
+
+/// Working memory of one query.
+#[derive(Debug, Default)]
+pub(crate) struct ContactScratch {
+    by_part: ByPart,
+    candidates: Vec<Candidate>,
+    meeting: Vec<[u32; 2]>,
+    near: NearLists,
+    zones: ZonesScratch,
+    zone: ZoneScratch,
+}
+
+/// Working memory of one zone: its surfaces, the tool's and the mock-up's.
+#[derive(Debug, Default)]
+struct ZoneScratch {
+    patches: Patches,
+    clusters: Clusters,
+    bodies: [Bodies; 2],
+    directions: Directions,
+    /// Depths with their bodies.
+    found: Vec<(Depth, [usize; 2])>,
 }
 
 impl Ground<'_> {
@@ -100,6 +145,13 @@ impl Ground<'_> {
         } else {
             self.mockup_triangle(id)
         }
+    }
+
+    /// The pairs one step over an edge of either triangle from a pair.
+    fn beside(&self, [t, m]: [u32; 2]) -> impl Iterator<Item = [u32; 2]> {
+        let beside_t = self.adjacency[TOOL].neighbours[t as usize].map(|n| [n, m]);
+        let beside_m = self.adjacency[MOCKUP].neighbours[m as usize].map(|n| [t, n]);
+        beside_t.into_iter().chain(beside_m).filter(|pair| !pair.contains(&NONE))
     }
 
     /// Whether a point (world) is in the box of the tool, or of a part of the mock-up, with what rounding may add: outside it
@@ -150,13 +202,15 @@ impl Scene {
         if !(margin.is_finite() && margin >= 0.0) {
             return Err(Error::Margin { value: margin });
         }
-        let mut near = self.near_candidates(tool, pose, margin)?;
-        // The order within a part stays, in which triangles come in runs.
-        near.sort_by_key(|c| c.part);
-        let mut meeting: Vec<(u32, [u32; 2])> = Vec::new();
+        let near = self.near_candidates(tool, pose, margin)?;
         let hits = self.collide(tool, pose, Filters::default()).pairs;
-        meeting.extend(hits.iter().map(|pair| (self.mockup().part_of_face(pair[1]), *pair)));
-        meeting.sort_unstable();
+        let mut scratch = self.take_scratch();
+        let ContactScratch { by_part, candidates, meeting, near: lists, zones: zones_scratch, zone: zone_scratch } =
+            &mut scratch.contacts;
+        let part_of = |pair: &[u32; 2]| self.mockup().part_of_face(pair[1]);
+        by_part.sort(&near, |c| c.part, candidates);
+        by_part.sort(&hits, part_of, meeting);
+        let candidates_held = near.len();
         let ground = Ground {
             mockup: self.mockup(),
             tool,
@@ -164,25 +218,29 @@ impl Scene {
             reference,
             adjacency: [tool.adjacency(), self.adjacency()],
             centre: pose.apply(&tool.adjacency().centre),
+            lanes: self.checked_lanes(),
         };
         let mut contacts = Contacts { is_meeting: !meeting.is_empty(), ..Contacts::default() };
-        let mut scratch = self.take_scratch();
-        let mut gaps = NearPairs::new(&ground, margin, &mut scratch.contacts);
-        let (mut rest, mut meeting) = (&near[..], &meeting[..]);
-        while let Some(part) = rest.iter().map(|c| c.part).take(1).chain(meeting.iter().map(|p| p.0).take(1)).min() {
-            let candidates = take_while(&mut rest, |c| c.part == part);
-            let pairs: Vec<[u32; 2]> = take_while(&mut meeting, |p| p.0 == part).iter().map(|p| p.1).collect();
+        let mut gaps = NearPairs::new(&ground, margin, lists);
+        let (mut candidates, mut meeting) = (&candidates[..], &meeting[..]);
+        while let Some(part) = candidates.first().map(|c| c.part).into_iter().chain(meeting.first().map(part_of)).min()
+        {
+            let candidates = take_while(&mut candidates, |c| c.part == part);
+            let pairs = take_while(&mut meeting, |pair| part_of(pair) == part);
             let from = contacts.planes.len();
             let mut inside: [Vec<u32>; 2] = Default::default();
             if !pairs.is_empty() {
-                let zones = zones::find(&ground, &pairs);
-                for zone in &zones.zones {
-                    push_zone(&ground, &zones, zone, part, &mut contacts.planes);
+                let zones = zones::find(&ground, pairs, zones_scratch);
+                for (z, zone) in zones.zones.iter().enumerate() {
+                    push_zone(&ground, &zones, z, part, zone_scratch, &mut contacts.planes);
                     (0..2).for_each(|w| inside[w].extend(zone.inside[w].iter().map(|t| t[0])));
                 }
                 inside.iter_mut().for_each(|ids| ids.sort_unstable());
             }
-            gaps.push_planes(candidates, &pairs, &inside, from, &mut contacts.planes);
+            gaps.push_planes(candidates, pairs, &inside, from, &mut contacts.planes);
+        }
+        if candidates_held > MOST_HELD {
+            scratch.contacts = ContactScratch::default();
         }
         self.put_scratch(scratch);
         self.put_candidates(near);
@@ -199,59 +257,72 @@ fn take_while<'a, T>(list: &mut &'a [T], fits: impl Fn(&T) -> bool) -> &'a [T] {
 }
 
 /// The planes of one zone: one for each two bodies that cut each other, without those that a deeper one stands for.
-fn push_zone(ground: &Ground<'_>, zones: &Zones, zone: &Zone, part: u32, out: &mut Vec<ContactPlane>) {
-    let patches = [TOOL, MOCKUP].map(|w| patches::patches(ground, zones, zone, w));
-    let clusters = [TOOL, MOCKUP].map(|w| patches::clusters(&patches[w]));
-    let bodies: [Vec<Body<'_>>; 2] =
-        std::array::from_fn(|w| clusters[w].iter().map(|c| Body::new(&patches[w], c)).collect());
-    let cuts: [Vec<Vec<u32>>; 2] = std::array::from_fn(|w| bodies[w].iter().map(Body::cuts).collect());
-    let mut found: Vec<(ContactPlane, f64)> = Vec::new();
-    for (a, tool_cuts) in bodies[TOOL].iter().zip(&cuts[TOOL]) {
-        for (b, mockup_cuts) in bodies[MOCKUP].iter().zip(&cuts[MOCKUP]) {
-            let shared: Vec<u32> = tool_cuts.iter().filter(|c| mockup_cuts.binary_search(c).is_ok()).copied().collect();
+fn push_zone(
+    ground: &Ground<'_>,
+    zones: &Zones,
+    zone: usize,
+    part: u32,
+    scratch: &mut ZoneScratch,
+    out: &mut Vec<ContactPlane>,
+) {
+    let ZoneScratch { patches, clusters, bodies, directions, found } = scratch;
+    let cuts = &zones.zones[zone].cuts;
+    for w in [TOOL, MOCKUP] {
+        patches.set(ground, zones, zone, w);
+        clusters.set(ground.lanes, patches);
+        bodies[w].set(patches, clusters, cuts.len(), |c| zones.place_of_cut[c as usize] as usize);
+    }
+    let shares = |t: usize, m: usize| is_meeting(bodies[TOOL].cuts.get(t), bodies[MOCKUP].cuts.get(m));
+    found.clear();
+    for t in 0..bodies[TOOL].len() {
+        for m in 0..bodies[MOCKUP].len() {
             // A body that no curve touches is walled in by others of its surface: it meets what they meet.
-            if shared.is_empty() && !tool_cuts.is_empty() && !mockup_cuts.is_empty() {
-                continue;
+            let is_walled_in = || [(TOOL, t), (MOCKUP, m)].iter().any(|(w, i)| !bodies[*w].is_cut(*i));
+            if shares(t, m) || is_walled_in() {
+                let (tool, mockup) = (bodies[TOOL].get(t), bodies[MOCKUP].get(m));
+                found.extend(least_depth(ground.lanes, zones, &tool, &mockup, directions).map(|d| (d, [t, m])));
             }
-            let Some(depth) = least_depth(zones, a, b) else { continue };
-            let ids = |w: usize| {
-                let of = |c: &u32| zones.faces[w][zones.cuts[*c as usize].faces[w] as usize].id;
-                let all = if shared.is_empty() { &zone.cuts } else { &shared };
-                let mut ids: Vec<u32> = all.iter().map(of).collect();
-                ids.sort_unstable();
-                ids.dedup();
-                ids
-            };
-            let plane = ContactPlane {
-                point: depth.point,
-                normal: depth.normal,
-                gap: -depth.depth.max(0.0),
-                part,
-                tool_triangles: ids(TOOL),
-                mockup_triangles: ids(MOCKUP),
-                certain: depth.certain && zones.complete,
-            };
-            found.push((plane, if depth.certain { SAME_PLANE } else { SAME_DIRECTION }));
         }
     }
-    found.sort_by(|p, q| p.0.order(&q.0));
+    found.sort_by(|(p, _), (q, _)| {
+        (p.gap().total_cmp(&q.gap()))
+            .then_with(|| by_coordinates(&p.normal, &q.normal))
+            .then_with(|| by_coordinates(&p.point, &q.point))
+    });
     let from = out.len();
-    for (plane, same) in found {
-        if !out[from..].iter().any(|p| dot(&p.normal, &plane.normal) >= same) {
-            out.push(plane);
+    for (depth, [t, m]) in found.iter() {
+        let same = if depth.certain { SAME_PLANE } else { SAME_DIRECTION };
+        if out[from..].iter().any(|p| dot(&p.normal, &depth.normal) >= same) {
+            continue;
         }
+        let (all, sets) = (!shares(*t, *m), [bodies[TOOL].cuts.get(*t), bodies[MOCKUP].cuts.get(*m)]);
+        let meets = |i: &usize| all || sets.iter().all(|set| has(set, *i));
+        let ids = |w: usize| {
+            let of = |i: usize| zones.faces[w][zones.cuts[cuts[i] as usize].faces[w] as usize].id;
+            (0..cuts.len()).filter(meets).map(of).collect()
+        };
+        out.push(ContactPlane {
+            point: depth.point,
+            normal: depth.normal,
+            gap: depth.gap(),
+            part,
+            tool_triangles: ids(TOOL),
+            mockup_triangles: ids(MOCKUP),
+            certain: depth.certain && zones.complete,
+        });
     }
 }
 
+fn by_coordinates(p: &Point, q: &Point) -> Ordering {
+    (0..3).map(|a| p[a].total_cmp(&q[a])).find(|o| o.is_ne()).unwrap_or(Ordering::Equal)
+}
+
 impl ContactPlane {
-    fn order(&self, other: &ContactPlane) -> std::cmp::Ordering {
-        let place = |p: &ContactPlane| (p.normal, p.point);
-        let by = |a: &Point, b: &Point| (0..3).map(|i| a[i].total_cmp(&b[i])).find(|o| o.is_ne());
-        let (a, b) = (place(self), place(other));
-        self.gap
-            .total_cmp(&other.gap)
+    fn order(&self, other: &ContactPlane) -> Ordering {
+        (self.gap.total_cmp(&other.gap))
             .then(self.part.cmp(&other.part))
-            .then_with(|| by(&a.0, &b.0).or_else(|| by(&a.1, &b.1)).unwrap_or(std::cmp::Ordering::Equal))
+            .then_with(|| by_coordinates(&self.normal, &other.normal))
+            .then_with(|| by_coordinates(&self.point, &other.point))
     }
 }
 

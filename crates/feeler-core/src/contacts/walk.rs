@@ -1,7 +1,8 @@
 //! The walk over what a curve encloses.
 
 use crate::contacts::adjacency::{Adjacency, NONE};
-use crate::contacts::zones::{IdMap, Roots, Zones, MOCKUP};
+use crate::contacts::numbered::Numbered;
+use crate::contacts::zones::{Roots, Zones, MOCKUP};
 use crate::contacts::Ground;
 use crate::vectors::{dot, sub};
 
@@ -19,13 +20,14 @@ pub(crate) fn walk(
     w: usize,
     part: u32,
     zones: &Zones,
-    places: &IdMap<u32>,
+    places: &Numbered,
+    seen: &mut Numbered,
     roots: &mut Roots,
 ) -> (Vec<(u32, u32)>, bool) {
     let adjacency: &Adjacency = ground.adjacency[w];
     // Each triangle with a cut of its zone, whose plane it is held against.
     let mut found: Vec<(u32, u32)> = Vec::new();
-    let mut seen: IdMap<u32> = IdMap::default();
+    seen.clear();
     // Walks that met, walks that came to another curve, and walks that leak, all by their cuts.
     let mut met: Vec<(u32, u32)> = Vec::new();
     let mut bridged: Vec<(u32, u32)> = Vec::new();
@@ -35,18 +37,18 @@ pub(crate) fn walk(
         if triangle == NONE || found.len() >= MOST_WALKED {
             return;
         }
-        if let Some(place) = places.get(&triangle) {
+        if let Some(place) = places.get(u64::from(triangle)) {
             // Another curve: what was walked over lies between the two.
             if let Some(from) = from {
-                let face = &zones.faces[w][*place as usize];
+                let face = &zones.faces[w][place as usize];
                 let corners = ground.triangle(w, from);
                 let shared = (0..3).find(|k| face.nearest[*k] != NONE && corners.contains(&face.corners[*k]));
                 bridged.extend(shared.map(|k| (cut, face.nearest[k])));
             }
             return;
         }
-        if let Some(before) = seen.get(&triangle) {
-            met.push((cut, *before));
+        if let Some(before) = seen.get(u64::from(triangle)) {
+            met.push((cut, found[before as usize].1));
             return;
         }
         let c = &zones.cuts[cut as usize];
@@ -63,7 +65,7 @@ pub(crate) fn walk(
             is_refused = true;
             return;
         }
-        seen.insert(triangle, cut);
+        seen.number(u64::from(triangle));
         found.push((triangle, cut));
     };
     for face in &zones.faces[w] {

@@ -3,35 +3,13 @@
 //! A curve does not know how finely the surfaces are cut into triangles, and neither does what it encloses: tool triangles
 //! behind the part's surface and the part's triangles inside the tool, found by walking from the curve over shared edges.
 
-use std::collections::HashMap;
-use std::hash::{BuildHasherDefault, Hasher};
-
 use crate::bounds::{Point, Triangle};
 use crate::contacts::adjacency::NONE;
 use crate::contacts::cut::push_shared;
+use crate::contacts::numbered::{pair_key, Numbered};
 use crate::contacts::walk::walk;
 use crate::contacts::Ground;
-use crate::vectors::{add, dot, normal, scaled, square_to_segment, sub};
-
-/// Ids hashed by one multiplication: they are spread already.
-#[derive(Default)]
-pub(crate) struct IdHasher(u64);
-
-impl Hasher for IdHasher {
-    fn write(&mut self, bytes: &[u8]) {
-        bytes.iter().for_each(|b| self.write_u32(u32::from(*b)));
-    }
-
-    fn write_u32(&mut self, x: u32) {
-        self.0 = (self.0.rotate_left(5) ^ u64::from(x)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    }
-
-    fn finish(&self) -> u64 {
-        self.0 ^ self.0 >> 32
-    }
-}
-
-pub(crate) type IdMap<K> = HashMap<K, u32, BuildHasherDefault<IdHasher>>;
+use crate::vectors::{add, cross, dot, normal, scaled, square_to_segment, sub};
 
 /// A triangle that is cut.
 #[derive(Debug, Clone)]
@@ -83,13 +61,16 @@ pub(crate) struct Cut {
 }
 
 /// Everything between the tool and one part.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct Zones {
     /// Cut triangles of the tool, and of the mock-up.
     pub faces: [Vec<Face>; 2],
     pub cuts: Vec<Cut>,
     pub points: Vec<Point>,
     pub zones: Vec<Zone>,
+    /// For each cut its zone, and its place among that zone's.
+    pub zone_of_cut: Vec<u32>,
+    pub place_of_cut: Vec<u32>,
     /// Whether all was walked over.
     pub complete: bool,
 }
@@ -105,72 +86,79 @@ pub(crate) struct Zone {
 pub(crate) const TOOL: usize = 0;
 pub(crate) const MOCKUP: usize = 1;
 
+/// Working memory of [`find`].
+#[derive(Debug, Default)]
+pub(crate) struct ZonesScratch {
+    /// Places of the cut triangles of tool and mock-up among the faces.
+    places: [Numbered; 2],
+    /// Places of the pairs among the cuts.
+    cuts: Numbered,
+    walked: Numbered,
+    zone_of_root: Numbered,
+}
+
 /// Sorts the pairs of one part (sorted by tool triangle, then mock-up triangle) into zones.
-pub(crate) fn find(ground: &Ground<'_>, pairs: &[[u32; 2]]) -> Zones {
-    let mut places: [IdMap<u32>; 2] = Default::default();
-    let mut zones =
-        Zones { faces: Default::default(), cuts: Vec::new(), points: Vec::new(), zones: Vec::new(), complete: true };
-    let mut cut_of: IdMap<(u32, u32)> = IdMap::with_capacity_and_hasher(pairs.len(), Default::default());
+pub(crate) fn find(ground: &Ground<'_>, pairs: &[[u32; 2]], scratch: &mut ZonesScratch) -> Zones {
+    let ZonesScratch { places, cuts: cut_of, walked: seen, zone_of_root } = scratch;
+    let mut zones = Zones::default();
+    places.iter_mut().for_each(Numbered::clear);
+    cut_of.clear();
+    zone_of_root.clear();
     let part = pairs.first().map_or(0, |p| ground.mockup.part_of_face(p[1]));
     for pair in pairs {
-        let mut faces = [0; 2];
-        for w in [TOOL, MOCKUP] {
-            let list = &mut zones.faces[w];
-            faces[w] = *places[w].entry(pair[w]).or_insert_with(|| {
-                list.push(Face::new(
-                    pair[w],
-                    ground.triangle(w, pair[w]),
-                    ground.adjacency[w].outward[pair[w] as usize],
-                ));
-                list.len() as u32 - 1
-            });
-        }
+        let faces = [TOOL, MOCKUP].map(|w| {
+            let (place, is_new) = places[w].number(u64::from(pair[w]));
+            if is_new {
+                let outward = ground.adjacency[w].outward[pair[w] as usize];
+                zones.faces[w].push(Face::new(pair[w], ground.triangle(w, pair[w]), outward));
+            }
+            place
+        });
         let [p, q] = [TOOL, MOCKUP].map(|w| &zones.faces[w][faces[w] as usize]);
         let from = zones.points.len() as u32;
         push_shared(&p.corners, &p.normal, &q.corners, &q.normal, &mut zones.points);
         let flat = dot(&p.normal, &q.normal).abs() > 1.0 - 1e-12;
-        cut_of.insert((pair[0], pair[1]), zones.cuts.len() as u32);
+        cut_of.number(pair_key(*pair));
         zones.cuts.push(Cut { faces, points: (from, zones.points.len() as u32), flat });
     }
     let mut roots = Roots((0..zones.cuts.len() as u32).collect());
-    join_along_the_curve(ground, &zones, &cut_of, &mut roots);
+    join_along_the_curve(ground, &zones, cut_of, &mut roots);
     orient(ground, &mut zones);
     for w in [TOOL, MOCKUP] {
         classify(ground, w, part, &mut zones);
         join_across_faces(w, &zones, &mut roots);
     }
     let (walked, complete): (Vec<_>, Vec<_>) =
-        [TOOL, MOCKUP].iter().map(|w| walk(ground, *w, part, &zones, &places[*w], &mut roots)).unzip();
+        [TOOL, MOCKUP].iter().map(|w| walk(ground, *w, part, &zones, &places[*w], seen, &mut roots)).unzip();
     zones.complete = complete.iter().all(|c| *c);
-    let mut zone_of_root: IdMap<u32> = IdMap::default();
     for i in 0..zones.cuts.len() as u32 {
-        let list = &mut zones.zones;
-        let z = *zone_of_root.entry(roots.of(i)).or_insert_with(|| {
-            list.push(Zone::default());
-            list.len() as u32 - 1
-        });
-        zones.zones[z as usize].cuts.push(i);
+        let (z, is_new) = zone_of_root.number(u64::from(roots.of(i)));
+        if is_new {
+            zones.zones.push(Zone::default());
+        }
+        let cuts = &mut zones.zones[z as usize].cuts;
+        zones.zone_of_cut.push(z);
+        zones.place_of_cut.push(cuts.len() as u32);
+        cuts.push(i);
     }
     for (w, walked) in walked.into_iter().enumerate() {
         for (triangle, cut) in walked {
-            let z = zone_of_root[&roots.of(cut)];
-            zones.zones[z as usize].inside[w].push([triangle, cut]);
+            let zone = zones.zone_of_cut[cut as usize];
+            zones.zones[zone as usize].inside[w].push([triangle, cut]);
         }
     }
     zones
 }
 
 /// The curve goes on in the neighbour of either triangle.
-fn join_along_the_curve(ground: &Ground<'_>, zones: &Zones, cut_of: &IdMap<(u32, u32)>, roots: &mut Roots) {
+fn join_along_the_curve(ground: &Ground<'_>, zones: &Zones, cut_of: &Numbered, roots: &mut Roots) {
     for (i, cut) in zones.cuts.iter().enumerate() {
         let [t, m] = [TOOL, MOCKUP].map(|w| zones.faces[w][cut.faces[w] as usize].id);
-        let beside_t = ground.adjacency[TOOL].neighbours[t as usize].map(|n| (n, m));
-        let beside_m = ground.adjacency[MOCKUP].neighbours[m as usize].map(|n| (t, n));
-        for key in beside_t.iter().chain(&beside_m) {
+        for pair in ground.beside([t, m]) {
             // Each pair of neighbours is met from both sides: once is enough.
-            if key.0 != NONE && key.1 != NONE && *key < (t, m) {
-                if let Some(j) = cut_of.get(key) {
-                    roots.join(i as u32, *j);
+            if pair < [t, m] {
+                if let Some(j) = cut_of.get(pair_key(pair)) {
+                    roots.join(i as u32, j);
                 }
             }
         }
@@ -268,24 +256,37 @@ fn orient(ground: &Ground<'_>, zones: &mut Zones) {
 }
 
 /// On which side of the other surface the corners of cut triangles are: the nearest cut tells. Where two are equally near,
-/// at an edge of the other surface, the one whose plane the corner stands off most steeply. Where a surface turns away within a
-/// triangle's length the nearest cut may be wrong about a far corner: outside the other solid's box it is outside.
+/// at an edge of the other surface, the one whose line the corner stands off most steeply, in the plane of the triangle: there
+/// the two lines are a bend of the curve, and the corner is on the outer side of it. Where a surface turns away within a triangle's
+/// length the nearest cut may be wrong about a far corner: outside the other solid's box it is outside.
 fn classify(ground: &Ground<'_>, w: usize, part: u32, zones: &mut Zones) {
     let other = 1 - w;
     for (i, cut) in zones.cuts.iter().enumerate().filter(|(_, c)| !c.flat) {
         let n = zones.faces[other][cut.faces[other] as usize].normal;
         let face = &mut zones.faces[w][cut.faces[w] as usize];
         let (a, b) = (zones.points[cut.points.0 as usize], zones.points[cut.points.0 as usize + 1]);
+        let line = sub(&b, &a);
+        let lengths = dot(&line, &line);
         for k in 0..3 {
             let square = square_to_segment(&face.corners[k], &a, &b);
-            let height = dot(&sub(&face.corners[k], &a), &n);
-            let steepness = if square > 0.0 { height * height / square } else { 0.0 };
-            let tie = square <= face.square[k] * (1.0 + 1e-9) && square >= face.square[k] * (1.0 - 1e-9);
+            if square > face.square[k] * (1.0 + 1e-9) {
+                continue;
+            }
+            let from = sub(&face.corners[k], &a);
+            let height = dot(&from, &n);
+            // How far it is off the line of the cut, in the face's own plane: that other plane may be met at any angle.
+            let off = cross(&from, &line);
+            let off = if lengths > 0.0 { dot(&off, &off) / lengths } else { height * height };
+            let (steepness, is_on) = match square > 0.0 {
+                true => (off / square, height * height < 1e-18 * square),
+                false => (0.0, true),
+            };
+            let tie = square >= face.square[k] * (1.0 - 1e-9);
             if if tie { steepness > face.steepness[k] } else { square < face.square[k] } {
                 face.square[k] = square;
                 face.steepness[k] = steepness;
                 face.nearest[k] = i as u32;
-                face.side[k] = if steepness < 1e-18 {
+                face.side[k] = if is_on {
                     0
                 } else if height < 0.0 {
                     -1

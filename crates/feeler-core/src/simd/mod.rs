@@ -222,6 +222,10 @@ pub(crate) trait Simd: Copy {
 
     /// One number in all lanes.
     fn wide_splat(self, x: f64) -> Self::F64;
+    /// Lane `i` is `x[i]`.
+    fn wide_load(self, x: &[f64; WIDE_LANES]) -> Self::F64;
+    /// The lanes.
+    fn wide_store(self, x: Self::F64, to: &mut [f64; WIDE_LANES]);
     /// Eight points by axis: lane `i` of each is of `x[i]`.
     fn wide_points(self, x: [&[f64; 3]; WIDE_LANES]) -> [Self::F64; 3];
     /// `a * b + c`, rounded once where the CPU can, twice elsewhere: only for what has a margin.
@@ -230,6 +234,10 @@ pub(crate) trait Simd: Copy {
     fn wide_mul_sub(self, a: Self::F64, b: Self::F64, c: Self::F64) -> Self::F64;
     /// Absolute value.
     fn wide_abs(self, a: Self::F64) -> Self::F64;
+    /// The smaller; of no use with NaN.
+    fn wide_min(self, a: Self::F64, b: Self::F64) -> Self::F64;
+    /// `a / b`.
+    fn wide_divide(self, a: Self::F64, b: Self::F64) -> Self::F64;
     /// The larger; of no use with NaN.
     fn wide_max(self, a: Self::F64, b: Self::F64) -> Self::F64;
     /// `a > b`.

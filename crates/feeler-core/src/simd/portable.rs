@@ -157,6 +157,14 @@ impl Simd for Portable {
         Array([x; WIDE_LANES])
     }
     #[inline(always)]
+    fn wide_load(self, x: &[f64; WIDE_LANES]) -> Self::F64 {
+        Array(*x)
+    }
+    #[inline(always)]
+    fn wide_store(self, x: Self::F64, to: &mut [f64; WIDE_LANES]) {
+        *to = x.0;
+    }
+    #[inline(always)]
     fn wide_points(self, x: [&[f64; 3]; WIDE_LANES]) -> [Self::F64; 3] {
         let mut points = [Array([0.0; WIDE_LANES]); 3];
         for i in 0..WIDE_LANES {
@@ -177,6 +185,14 @@ impl Simd for Portable {
     #[inline(always)]
     fn wide_abs(self, a: Self::F64) -> Self::F64 {
         a.map(f64::abs)
+    }
+    #[inline(always)]
+    fn wide_min(self, a: Self::F64, b: Self::F64) -> Self::F64 {
+        a.zip(b, |a, b| if a < b { a } else { b })
+    }
+    #[inline(always)]
+    fn wide_divide(self, a: Self::F64, b: Self::F64) -> Self::F64 {
+        a.zip(b, |a, b| a / b)
     }
     #[inline(always)]
     fn wide_max(self, a: Self::F64, b: Self::F64) -> Self::F64 {

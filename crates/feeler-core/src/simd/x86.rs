@@ -338,6 +338,16 @@ impl Simd for Avx512 {
         unsafe { One(_mm512_set1_pd(x)) }
     }
     #[inline(always)]
+    fn wide_load(self, x: &[f64; WIDE_LANES]) -> Self::F64 {
+        // SAFETY: see above; eight numbers are read.
+        unsafe { One(_mm512_loadu_pd(x.as_ptr())) }
+    }
+    #[inline(always)]
+    fn wide_store(self, x: Self::F64, to: &mut [f64; WIDE_LANES]) {
+        // SAFETY: see above; eight numbers are written.
+        unsafe { _mm512_storeu_pd(to.as_mut_ptr(), x.0) }
+    }
+    #[inline(always)]
     fn wide_points(self, x: [&[f64; 3]; WIDE_LANES]) -> [Self::F64; 3] {
         // SAFETY: see above; three numbers of each point are read.
         unsafe {
@@ -371,6 +381,16 @@ impl Simd for Avx512 {
     fn wide_abs(self, a: Self::F64) -> Self::F64 {
         // SAFETY: see above.
         unsafe { One(_mm512_abs_pd(a.0)) }
+    }
+    #[inline(always)]
+    fn wide_min(self, a: Self::F64, b: Self::F64) -> Self::F64 {
+        // SAFETY: see above.
+        unsafe { One(_mm512_min_pd(a.0, b.0)) }
+    }
+    #[inline(always)]
+    fn wide_divide(self, a: Self::F64, b: Self::F64) -> Self::F64 {
+        // SAFETY: see above.
+        unsafe { One(_mm512_div_pd(a.0, b.0)) }
     }
     #[inline(always)]
     fn wide_max(self, a: Self::F64, b: Self::F64) -> Self::F64 {
@@ -559,6 +579,21 @@ impl Simd for Avx2 {
         unsafe { Two(_mm256_set1_pd(x), _mm256_set1_pd(x)) }
     }
     #[inline(always)]
+    fn wide_load(self, x: &[f64; WIDE_LANES]) -> Self::F64 {
+        let (low, high) = x.split_at(WIDE_LANES / 2);
+        // SAFETY: see above; four numbers are read from each half.
+        unsafe { Two(_mm256_loadu_pd(low.as_ptr()), _mm256_loadu_pd(high.as_ptr())) }
+    }
+    #[inline(always)]
+    fn wide_store(self, x: Self::F64, to: &mut [f64; WIDE_LANES]) {
+        let (low, high) = to.split_at_mut(WIDE_LANES / 2);
+        // SAFETY: see above; four numbers are written to each half.
+        unsafe {
+            _mm256_storeu_pd(low.as_mut_ptr(), x.0);
+            _mm256_storeu_pd(high.as_mut_ptr(), x.1);
+        }
+    }
+    #[inline(always)]
     fn wide_points(self, x: [&[f64; 3]; WIDE_LANES]) -> [Self::F64; 3] {
         // SAFETY: see above; three numbers of each point are read.
         unsafe {
@@ -597,6 +632,16 @@ impl Simd for Avx2 {
             let sign = _mm256_set1_pd(-0.0);
             Two(_mm256_andnot_pd(sign, a.0), _mm256_andnot_pd(sign, a.1))
         }
+    }
+    #[inline(always)]
+    fn wide_min(self, a: Self::F64, b: Self::F64) -> Self::F64 {
+        // SAFETY: see above.
+        unsafe { Two(_mm256_min_pd(a.0, b.0), _mm256_min_pd(a.1, b.1)) }
+    }
+    #[inline(always)]
+    fn wide_divide(self, a: Self::F64, b: Self::F64) -> Self::F64 {
+        // SAFETY: see above.
+        unsafe { Two(_mm256_div_pd(a.0, b.0), _mm256_div_pd(a.1, b.1)) }
     }
     #[inline(always)]
     fn wide_max(self, a: Self::F64, b: Self::F64) -> Self::F64 {

@@ -1,0 +1,73 @@
+//! Lists sorted by the part of each entry, by counting.
+
+use crate::contacts::numbered::Numbered;
+
+/// Working memory.
+#[derive(Debug, Default)]
+pub(crate) struct ByPart {
+    numbers: Numbered,
+    /// Part, how many entries, and where the next one goes.
+    parts: Vec<(u32, usize, usize)>,
+    order: Vec<usize>,
+    number_of: Vec<u32>,
+}
+
+impl ByPart {
+    /// Puts a list into `out`, sorted by part; entries of one part stay in their order.
+    pub fn sort<T: Copy>(&mut self, list: &[T], part: impl Fn(&T) -> u32, out: &mut Vec<T>) {
+        let ByPart { numbers, parts, order, number_of } = self;
+        numbers.clear();
+        parts.clear();
+        number_of.clear();
+        let mut last = None;
+        for x in list {
+            let part = part(x);
+            // Entries of one part come in runs.
+            let number = match last {
+                Some((of, number)) if of == part => number,
+                _ => numbers.number(u64::from(part)).0,
+            };
+            last = Some((part, number));
+            if parts.len() == number as usize {
+                parts.push((part, 0, 0));
+            }
+            parts[number as usize].1 += 1;
+            number_of.push(number);
+        }
+        order.clear();
+        order.extend(0..parts.len());
+        order.sort_unstable_by_key(|i| parts[*i].0);
+        let mut from = 0;
+        for i in order.iter() {
+            parts[*i].2 = from;
+            from += parts[*i].1;
+        }
+        out.clear();
+        let Some(first) = list.first() else { return };
+        out.resize(list.len(), *first);
+        for (x, number) in list.iter().zip(number_of.iter()) {
+            let to = &mut parts[*number as usize].2;
+            out[*to] = *x;
+            *to += 1;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn it_sorts_as_a_stable_sort_does() {
+        let list: Vec<(u32, usize)> = (0..1000).map(|i| ((i * i % 37 / 3 * 1000) as u32, i)).collect();
+        let mut expected = list.clone();
+        expected.sort_by_key(|x| x.0);
+        let (mut sorter, mut found) = (ByPart::default(), Vec::new());
+        for _ in 0..2 {
+            sorter.sort(&list, |x| x.0, &mut found);
+            assert_eq!(found, expected);
+        }
+        sorter.sort(&list[..0], |x| x.0, &mut found);
+        assert!(found.is_empty());
+    }
+}

@@ -1,0 +1,104 @@
+//! Patches that bulge the same way together.
+
+use crate::contacts::patches::Patches;
+use crate::contacts::sides::{has, is_meeting, Sets, Sides};
+use crate::simd::Checked;
+
+/// Patches of which none stands out over the plane of another: together, part of a convex body. The largest first. Kept as
+/// working memory.
+#[derive(Debug, Default)]
+pub(crate) struct Clusters {
+    /// Patches of each.
+    pub patches: Vec<Vec<u32>>,
+    /// Patches of which a part belongs to it.
+    pub lent: Vec<Vec<u32>>,
+    /// How many there are; what lies behind in the lists is memory.
+    pub count: usize,
+    members: Sets,
+    sides: Sides,
+    /// For each patch the patches over whose planes its middle stands out.
+    over: Sets,
+    corner_over: Sets,
+    under: Sets,
+    straddling: Vec<u32>,
+}
+
+impl Clusters {
+    /// Sorts patches, the largest first, into clusters.
+    ///
+    /// A patch that reaches from behind another's plane to before it, as the end of an L does with both its legs, makes no body
+    /// of its own if it can help: it lends its nearer part to each.
+    pub fn set(&mut self, lanes: Checked, patches: &Patches) {
+        let count = patches.list.len();
+        self.count = 0;
+        self.members.clear(count, count);
+        self.over.clear(count, count);
+        self.straddling.clear();
+        self.sides.set(&patches.list);
+        for (i, patch) in patches.list.iter().enumerate() {
+            self.under.clear(1, count);
+            self.corner_over.clear(1, count);
+            self.sides.judge(lanes, &patch.middle, self.over.get_mut(i), self.under.get_mut(0));
+            self.under.clear(1, count);
+            for x in patches.corners(patch) {
+                self.sides.judge(lanes, x, self.corner_over.get_mut(0), self.under.get_mut(0));
+            }
+            if is_meeting(self.corner_over.get(0), self.under.get(0)) {
+                self.straddling.push(i as u32);
+            }
+        }
+        let mut straddling = std::mem::take(&mut self.straddling);
+        let mut next = straddling.iter().copied().peekable();
+        for i in 0..count as u32 {
+            if next.next_if_eq(&i).is_none() {
+                self.join_or_found(i, 0);
+            }
+        }
+        let bodies = self.count;
+        for i in straddling.drain(..) {
+            let corners = patches.corners(&patches.list[i as usize]);
+            self.corner_over.clear(corners.len(), count);
+            for (k, x) in corners.iter().enumerate() {
+                self.sides.judge(lanes, x, self.corner_over.get_mut(k), self.under.get_mut(0));
+            }
+            let mut lent = false;
+            for c in 0..bodies {
+                if self.is_partly_within(i as usize, corners.len(), c) {
+                    lent = true;
+                    self.lent[c].push(i);
+                }
+            }
+            if !lent {
+                self.join_or_found(i, bodies);
+            }
+        }
+        self.straddling = straddling;
+    }
+
+    /// Adds a patch to the first cluster, from one on, that it bulges with.
+    fn join_or_found(&mut self, i: u32, from: usize) {
+        let over = self.over.get(i as usize);
+        let fits = |c: &usize| {
+            !is_meeting(over, self.members.get(*c))
+                && !self.patches[*c].iter().any(|j| has(self.over.get(*j as usize), i as usize))
+        };
+        let c = (from..self.count).find(fits).unwrap_or_else(|| {
+            if self.patches.len() == self.count {
+                self.patches.push(Vec::new());
+                self.lent.push(Vec::new());
+            }
+            self.patches[self.count].clear();
+            self.lent[self.count].clear();
+            self.count += 1;
+            self.count - 1
+        });
+        self.patches[c].push(i);
+        self.members.insert(c, i as usize);
+    }
+
+    /// Whether no patch of a cluster stands out over a patch, and one of its corners over none of them.
+    fn is_partly_within(&self, i: usize, corners: usize, c: usize) -> bool {
+        !self.patches[c].iter().any(|j| has(self.over.get(*j as usize), i))
+            && (0..corners).any(|k| !is_meeting(self.corner_over.get(k), self.members.get(c)))
+    }
+}

@@ -1,0 +1,183 @@
+//! The highest and lowest of points along eight directions at once.
+
+use crate::bounds::Point;
+use crate::simd::{Checked, Kernel, Simd, WIDE_LANES};
+
+/// For each of eight directions how far points reach, and which of them does: the last of several.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Reach {
+    /// As [`dot`](crate::vectors::dot) has it.
+    pub height: [f64; WIDE_LANES],
+    pub at: [f64; WIDE_LANES],
+}
+
+/// The highest of `above` and the lowest of `below`.
+pub(crate) fn highest_and_lowest(
+    lanes: Checked,
+    above: &[Point],
+    below: &[Point],
+    directions: &[Point; WIDE_LANES],
+) -> (Reach, Reach) {
+    lanes.run(HighestAndLowest { above, below, directions })
+}
+
+/// Eight points by axis.
+pub(crate) type Eight = [[f64; WIDE_LANES]; 3];
+
+/// Points in eights; the last are filled up with the last point.
+pub(crate) fn push_eights<'a>(points: impl Iterator<Item = &'a Point>, out: &mut Vec<Eight>) {
+    let mut filled = 0;
+    let mut eight: Eight = [[0.0; WIDE_LANES]; 3];
+    for p in points {
+        let from = filled % WIDE_LANES;
+        (0..3).for_each(|a| eight[a][from..].fill(p[a]));
+        filled += 1;
+        if filled % WIDE_LANES == 0 {
+            out.push(eight);
+        }
+    }
+    if filled % WIDE_LANES != 0 {
+        out.push(eight);
+    }
+}
+
+/// Puts into `out` the places of the points that reach a height along a direction, some of the last point's several times.
+pub(crate) fn places_above(lanes: Checked, points: &[Eight], d: &Point, height: f64, out: &mut Vec<u32>) {
+    out.clear();
+    lanes.run(PlacesAbove { points, d, height, out });
+}
+
+struct PlacesAbove<'a> {
+    points: &'a [Eight],
+    d: &'a Point,
+    height: f64,
+    out: &'a mut Vec<u32>,
+}
+
+impl Kernel for PlacesAbove<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) {
+        let d = [s.wide_splat(self.d[0]), s.wide_splat(self.d[1]), s.wide_splat(self.d[2])];
+        let least = s.wide_splat(self.height);
+        for (i, p) in self.points.iter().enumerate() {
+            let h = s.wide_load(&p[0]) * d[0] + s.wide_load(&p[1]) * d[1] + s.wide_load(&p[2]) * d[2];
+            let mut above = !s.bits(s.wide_above(least, h));
+            while above != 0 {
+                self.out.push((WIDE_LANES * i) as u32 + above.trailing_zeros());
+                above &= above - 1;
+            }
+        }
+    }
+}
+
+struct HighestAndLowest<'a> {
+    above: &'a [Point],
+    below: &'a [Point],
+    directions: &'a [Point; WIDE_LANES],
+}
+
+impl Kernel for HighestAndLowest<'_> {
+    type Output = (Reach, Reach);
+
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) -> (Reach, Reach) {
+        let along = s.wide_points(self.directions.each_ref());
+        let zero = s.wide_splat(0.0);
+        let against = [zero - along[0], zero - along[1], zero - along[2]];
+        let high = reach(s, self.above, &along);
+        let mut low = reach(s, self.below, &against);
+        low.height.iter_mut().for_each(|h| *h = -*h);
+        (high, low)
+    }
+}
+
+/// The best of some points, by lane.
+struct Best<S: Simd> {
+    height: S::F64,
+    at: S::F64,
+    /// Of the point that comes next.
+    place: S::F64,
+}
+
+impl<S: Simd> Best<S> {
+    #[inline(always)]
+    fn new(s: S, place: f64) -> Best<S> {
+        Best { height: s.wide_splat(f64::NEG_INFINITY), at: s.wide_splat(0.0), place: s.wide_splat(place) }
+    }
+
+    #[inline(always)]
+    fn offer(&mut self, s: S, p: &Point, d: &[S::F64; 3]) {
+        let h = s.wide_splat(p[0]) * d[0] + s.wide_splat(p[1]) * d[1] + s.wide_splat(p[2]) * d[2];
+        let stays = s.wide_above(self.height, h);
+        self.height = s.choose(stays, self.height, h);
+        self.at = s.choose(stays, self.at, self.place);
+        self.place = self.place + s.wide_splat(2.0);
+    }
+}
+
+/// Two chains of comparisons, so that one does not wait for the other.
+#[inline(always)]
+fn reach<S: Simd>(s: S, points: &[Point], d: &[S::F64; 3]) -> Reach {
+    let (mut even, mut odd) = (Best::new(s, 0.0), Best::new(s, 1.0));
+    let mut pairs = points.chunks_exact(2);
+    for pair in &mut pairs {
+        even.offer(s, &pair[0], d);
+        odd.offer(s, &pair[1], d);
+    }
+    if let [last] = pairs.remainder() {
+        even.offer(s, last, d);
+    }
+    let (is_even, is_odd) = (s.wide_above(even.height, odd.height), s.wide_above(odd.height, even.height));
+    let later = s.choose(is_even, even.at, s.choose(is_odd, odd.at, s.wide_max(even.at, odd.at)));
+    let mut found = Reach { height: [0.0; WIDE_LANES], at: [0.0; WIDE_LANES] };
+    s.wide_store(s.wide_max(even.height, odd.height), &mut found.height);
+    s.wide_store(later, &mut found.at);
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simd::Level;
+    use crate::vectors::dot;
+
+    #[test]
+    fn the_places_above_are_those_a_loop_finds() {
+        let points: Vec<Point> = (0..29).map(|i| [f64::from(i % 7), f64::from(i % 3), f64::from(i)]).collect();
+        let mut eights = Vec::new();
+        push_eights(points.iter(), &mut eights);
+        for level in Level::available() {
+            for (d, height) in [([1.0, 0.0, 0.0], 5.0), ([0.3, -0.2, 0.1], 2.0), ([0.0, 0.0, 1.0], 28.0)] {
+                let mut found = Vec::new();
+                places_above(level.checked(), &eights, &d, height, &mut found);
+                found.iter_mut().for_each(|i| *i = (*i).min(28));
+                found.dedup();
+                let expected: Vec<u32> = (0..29).filter(|i| dot(&points[*i as usize], &d) >= height).collect();
+                assert_eq!(found, expected, "{level:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn every_level_finds_what_a_loop_finds() {
+        let wave = |i: usize| [(0.7 * i as f64).sin(), (1.9 * i as f64).cos(), (0.3 * i as f64).sin() - 0.2];
+        let directions: [Point; WIDE_LANES] = std::array::from_fn(|i| wave(91 + 7 * i));
+        for level in Level::available() {
+            for count in [1, 2, 3, 8, 31, 100] {
+                // Some of them twice.
+                let wave = |i: usize| wave(i % 40);
+                let (above, below): (Vec<Point>, Vec<Point>) = (0..count).map(|i| (wave(i), wave(3 * i + 1))).unzip();
+                let (high, low) = highest_and_lowest(level.checked(), &above, &below, &directions);
+                for (i, d) in directions.iter().enumerate() {
+                    let most = above.iter().map(|p| dot(p, d)).fold(f64::NEG_INFINITY, f64::max);
+                    let least = below.iter().map(|p| dot(p, d)).fold(f64::INFINITY, f64::min);
+                    assert_eq!((high.height[i], low.height[i]), (most, least), "{level:?} {count} {i}");
+                    assert_eq!(above.iter().rposition(|p| dot(p, d) == most), Some(high.at[i] as usize));
+                    assert_eq!(below.iter().rposition(|p| dot(p, d) == least), Some(low.at[i] as usize));
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,231 @@
+//! The pairs of one part that may be near, without those that planes hold apart as whole triangles: mostly few are left, and
+//! only those are measured.
+
+use crate::bounds::{Point, Triangle};
+use crate::contacts::numbered::Numbered;
+use crate::contacts::zones::{MOCKUP, TOOL};
+use crate::contacts::{ContactPlane, Ground};
+use crate::proximity::Candidate;
+use crate::simd::{prefetch, Checked, Kernel, Simd, WIDE_LANES};
+use crate::vectors::{dot, normal, scaled, sub};
+
+/// Sine by which the way to the tool may point into the mock-up's side.
+pub(crate) const BEHIND: f64 = 1e-3;
+
+/// Most planes that are looked at before there are pairs.
+const MOST_AT_ONCE: usize = 64;
+
+/// A pair of triangles with a bound on its distance, metres.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Near {
+    pub bound: f64,
+    /// Tool triangle and mock-up triangle.
+    pub pair: [u32; 2],
+    /// Their places among [`Sift::corners`].
+    pub places: [u32; 2],
+}
+
+/// Triangles of one surface, each once.
+#[derive(Debug, Default)]
+struct Side {
+    numbers: Numbered,
+    ids: Vec<u32>,
+    corners: Vec<Triangle>,
+    /// The planes on whose side a triangle is, one bit each.
+    held: Vec<u64>,
+    /// Whether it is wholly inside the other surface.
+    is_inside: Vec<bool>,
+    /// Outward normals, zero where not known, once they are asked for.
+    outward: Vec<Option<Point>>,
+}
+
+impl Side {
+    fn clear(&mut self) {
+        self.numbers.clear();
+        self.ids.clear();
+    }
+
+    fn number(&mut self, id: u32) -> u32 {
+        let (number, is_new) = self.numbers.number(u64::from(id));
+        if is_new {
+            self.ids.push(id);
+        }
+        number
+    }
+
+    fn outward(&mut self, ground: &Ground<'_>, w: usize, place: u32) -> Point {
+        let i = place as usize;
+        *self.outward[i].get_or_insert_with(|| match ground.adjacency[w].outward[self.ids[i] as usize] {
+            0 => [0.0; 3],
+            side => normal(&self.corners[i]).map_or([0.0; 3], |n| scaled(&n, f64::from(side))),
+        })
+    }
+}
+
+/// What is asked of each pair, beside planes.
+pub(crate) struct Sought<'a> {
+    /// Pairs that meet, sorted.
+    pub meeting: &'a [[u32; 2]],
+    /// Triangles of tool and mock-up that are wholly inside the other, sorted.
+    pub inside: &'a [Vec<u32>; 2],
+    pub margin: f64,
+    /// By which a pair may miss a plane, metres.
+    pub tolerance: f64,
+}
+
+/// Working memory.
+#[derive(Debug, Default)]
+pub(crate) struct Sift {
+    sides: [Side; 2],
+    places: Vec<[u32; 2]>,
+}
+
+impl Sift {
+    pub fn corners(&self, w: usize, place: u32) -> &Triangle {
+        &self.sides[w].corners[place as usize]
+    }
+
+    /// Puts into `out` the candidates (of one part) that no plane holds apart, that do not meet, and that are not wholly
+    /// behind each other or inside.
+    pub fn sift(
+        &mut self,
+        ground: &Ground<'_>,
+        candidates: &[Candidate],
+        planes: &[ContactPlane],
+        sought: &Sought<'_>,
+        out: &mut Vec<Near>,
+    ) {
+        self.gather(ground, candidates, sought.inside);
+        let (first, more) = planes.split_at(planes.len().min(MOST_AT_ONCE));
+        for (w, side) in self.sides.iter_mut().enumerate() {
+            side.held.clear();
+            side.held.resize(side.ids.len(), 0);
+            for (i, eight) in first.chunks(WIDE_LANES).enumerate() {
+                hold(ground.lanes, eight, w, sought.tolerance, &side.corners, &mut side.held, 8 * i);
+            }
+        }
+        out.clear();
+        for (i, c) in candidates.iter().enumerate() {
+            let places = self.places[i];
+            let [t, m] = places.map(|p| p as usize);
+            let [tool, mockup] = &self.sides;
+            if tool.held[t] & mockup.held[m] != 0 || tool.is_inside[t] || mockup.is_inside[m] {
+                continue;
+            }
+            let pair = [c.tool_triangle, c.mockup_triangle];
+            if sought.meeting.binary_search(&pair).is_ok() || self.is_behind(ground, places, sought) {
+                continue;
+            }
+            out.push(Near { bound: c.bound, pair, places });
+        }
+        for plane in more {
+            self.drop_held_apart(plane, sought.tolerance, out, |near| near.places);
+        }
+    }
+
+    /// Drops the pairs that a plane holds apart whatever their nearest points.
+    pub fn drop_held_apart<T>(
+        &self,
+        plane: &ContactPlane,
+        tolerance: f64,
+        list: &mut Vec<T>,
+        places: impl Fn(&T) -> [u32; 2],
+    ) {
+        let offset = dot(&plane.point, &plane.normal);
+        let heights = |t: &Triangle| t.map(|p| dot(&p, &plane.normal) - offset);
+        list.retain(|near| {
+            let [t, m] = places(near);
+            !(heights(self.corners(MOCKUP, m)).iter().all(|h| *h <= tolerance)
+                && heights(self.corners(TOOL, t)).iter().all(|h| *h >= plane.gap - tolerance))
+        });
+    }
+
+    /// Finds the triangles, each once, and where they are.
+    fn gather(&mut self, ground: &Ground<'_>, candidates: &[Candidate], inside: &[Vec<u32>; 2]) {
+        self.sides.iter_mut().for_each(Side::clear);
+        self.places.clear();
+        let mut last = None;
+        for c in candidates {
+            // Those of one mock-up triangle come one after the other.
+            let m = match last {
+                Some((id, place)) if id == c.mockup_triangle => place,
+                _ => self.sides[MOCKUP].number(c.mockup_triangle),
+            };
+            last = Some((c.mockup_triangle, m));
+            let t = self.sides[TOOL].number(c.tool_triangle);
+            self.places.push([t, m]);
+        }
+        // Loads that do not wait for each other: their cache misses overlap.
+        let mesh = ground.mockup.mesh();
+        self.sides[MOCKUP].ids.iter().for_each(|m| prefetch(&mesh.faces()[*m as usize]));
+        for m in &self.sides[MOCKUP].ids {
+            mesh.faces()[*m as usize].iter().for_each(|v| prefetch(&mesh.vertices()[*v as usize]));
+        }
+        for (w, side) in self.sides.iter_mut().enumerate() {
+            side.corners.clear();
+            side.corners.extend(side.ids.iter().map(|id| ground.triangle(w, *id)));
+            side.is_inside.clear();
+            side.is_inside.extend(side.ids.iter().map(|id| inside[w].binary_search(id).is_ok()));
+            side.outward.clear();
+            side.outward.resize(side.ids.len(), None);
+        }
+    }
+
+    /// Whether one of two triangles is wholly behind the other: then it is near a surface, but not held off by it.
+    fn is_behind(&mut self, ground: &Ground<'_>, places: [u32; 2], sought: &Sought<'_>) -> bool {
+        let [n, m] = [TOOL, MOCKUP].map(|w| self.sides[w].outward(ground, w, places[w]));
+        let [p, q] = [TOOL, MOCKUP].map(|w| self.corners(w, places[w]));
+        let is_behind = |x: &Point, on: &Point, n: &Point| dot(&sub(x, on), n) < -BEHIND * sought.margin;
+        p.iter().all(|x| is_behind(x, &q[0], &m)) || q.iter().all(|x| is_behind(x, &p[0], &n))
+    }
+}
+
+/// Sets a bit, from `shift` on, for each of at most eight planes on whose side a triangle is: of the tool's by no less than the
+/// plane's gap, of the mock-up's behind it.
+fn hold(
+    lanes: Checked,
+    planes: &[ContactPlane],
+    w: usize,
+    tolerance: f64,
+    corners: &[Triangle],
+    held: &mut [u64],
+    shift: usize,
+) {
+    // The height along the normal for the mock-up, against it for the tool, is to be no more than a limit.
+    let sense = if w == TOOL { -1.0 } else { 1.0 };
+    let plane = |i: usize| &planes[i.min(planes.len() - 1)];
+    let normals: [Point; WIDE_LANES] = std::array::from_fn(|i| scaled(&plane(i).normal, sense));
+    let limits = std::array::from_fn(|i| {
+        let offset = dot(&plane(i).point, &plane(i).normal);
+        sense * offset + if w == TOOL { tolerance - plane(i).gap } else { tolerance }
+    });
+    let chosen = u64::from(u8::MAX >> (WIDE_LANES - planes.len())) << shift;
+    lanes.run(Hold { normals: &normals, limits: &limits, corners, held, shift, chosen });
+}
+
+struct Hold<'a> {
+    normals: &'a [Point; WIDE_LANES],
+    limits: &'a [f64; WIDE_LANES],
+    corners: &'a [Triangle],
+    held: &'a mut [u64],
+    shift: usize,
+    chosen: u64,
+}
+
+impl Kernel for Hold<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) {
+        let n = s.wide_points(self.normals.each_ref());
+        let limit = s.wide_load(self.limits);
+        for (t, held) in self.corners.iter().zip(self.held) {
+            let mut highest = limit;
+            for p in t {
+                let h = s.wide_splat(p[0]) * n[0] + s.wide_splat(p[1]) * n[1] + s.wide_splat(p[2]) * n[2];
+                highest = s.wide_max(highest, h);
+            }
+            *held |= !(u64::from(s.bits(s.wide_above(highest, limit))) << self.shift) & self.chosen;
+        }
+    }
+}
