@@ -76,6 +76,36 @@ def test_penetration_frees_the_tool(bench: ModuleType) -> None:
             assert scene.is_colliding(tool, moved)
 
 
+BOX = np.array([[x, y, z] for x in (0.0, 1) for y in (0.0, 1) for z in (0.0, 1)])
+BOX_FACES = np.array(
+    [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1],
+     [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]]
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(("degrees", "kind"), [(30.0, "bound"), (0.05, "estimate")])
+def test_a_way_out_is_no_longer_than_the_tool(degrees: float, kind: str) -> None:
+    # A cube between two walls that lean apart, 1 mm in both: it leaves along the gap, unless that is nearly parallel.
+    lean = np.radians(degrees)
+    wall = (BOX * [0.4, 4, 4]) - [0, 2, 2]
+    turn = np.array([[np.cos(lean), -np.sin(lean), 0], [np.sin(lean), np.cos(lean), 0], [0, 0, 1]])
+    right = wall @ turn.T
+    left = right * [-1, 1, 1]
+    walls = np.vstack([np.add(right, [0.05, 0, 0]), np.add(left, [-0.05, 0, 0])])
+    scene = feeler.Scene(feeler.Mockup(walls, np.vstack([BOX_FACES, BOX_FACES[:, ::-1] + 8]), np.repeat([0, 1], 12)))
+    # The cube's lower edges are what is nearest to the walls, which open downwards for a positive lean.
+    upper = 0.05 - 0.05 * np.tan(lean)
+    half = upper / np.cos(lean) + 0.001
+    tool = feeler.Tool((BOX - 0.5) * [2 * half, 0.1, 0.1], BOX_FACES)
+    out = scene.penetration(tool, np.eye(4))
+    assert scene.is_colliding(tool, np.eye(4))
+    assert out.kind == kind
+    assert out.depth <= np.linalg.norm(np.ptp(tool.bounds, axis=0))
+    moved = np.eye(4)
+    moved[:3, 3] = out.translation
+    assert scene.is_colliding(tool, moved) == (kind == "estimate")
+
+
 def test_a_tool_that_is_free_needs_no_way_out(bench: ModuleType) -> None:
     contact = bench.CASES["box in a plate"](2)
     scene, tool = feeler.Scene(feeler.Mockup(*contact.mockup)), feeler.Tool(*contact.tool)

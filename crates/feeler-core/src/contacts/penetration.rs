@@ -56,19 +56,26 @@ impl Scene {
         // Off the surface by the rounding of a placed corner at least.
         let coordinates = self.mockup().mesh().bounds().largest_coordinate();
         let least = 1e-14 * (coordinates + pose.largest_translation()) + tool.margin_at(pose);
+        // A way longer than the tool is no way out of where it is.
+        let longest = length(&tool.mesh().bounds().extent());
+        let leave = |planes: &[(Point, f64)]| {
+            shortest(planes).filter(|(way, _)| length(way) <= longest).map(|(way, held)| {
+                // Every plane that holds the way is left by `off`.
+                let length = length(&way);
+                let off = OFF * length + least;
+                let outward = if length > 0.0 { scaled(&way, 1.0 / length) } else { first_normal(&contacts) };
+                let lean = held.iter().map(|i| dot(&outward, &planes[*i].0)).fold(1.0, f64::min).max(0.01);
+                (add(&way, &scaled(&outward, off / lean)), way, held)
+            })
+        };
         let mut kind = PenetrationKind::Estimate;
         let mut translation = [0.0; 3];
         for round in 0..MOST_ROUNDS {
-            let Some((way, held)) = shortest(&planes) else {
+            let Some((moved_by, way, held)) = leave(&planes) else {
                 translation = compromise(&planes);
                 break;
             };
-            let length = length(&way);
-            let off = OFF * length + least;
-            // Every plane that holds the way is left by `off`.
-            let outward = if length > 0.0 { scaled(&way, 1.0 / length) } else { first_normal(&contacts) };
-            let lean = held.iter().map(|i| dot(&outward, &planes[*i].0)).fold(1.0, f64::min).max(0.01);
-            translation = add(&way, &scaled(&outward, off / lean));
+            translation = moved_by;
             let moved = pose.translated(&translation)?;
             if !self.is_colliding(tool, &moved) {
                 let single = round == 0 && held.len() == 1 && certain[held[0]];
@@ -88,6 +95,31 @@ impl Scene {
                 break;
             }
             keep_the_tightest(&mut planes, &mut certain);
+        }
+        if kind != PenetrationKind::Exact {
+            // What one plane asks for may be left undone by what the others do: of two that nearly face each other, say, the
+            // way out of both is endless. Each is left out in turn, as long as that is shorter and still free.
+            let mut shorter = (kind == PenetrationKind::Bound).then_some(translation);
+            for _ in 0..MOST_ROUNDS {
+                let candidates = leave(&planes).map_or_else(|| (0..planes.len()).collect(), |(_, _, held)| held);
+                let mut left_out = None;
+                for i in candidates {
+                    let rest: Vec<(Point, f64)> =
+                        planes.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, p)| *p).collect();
+                    let Some((way, _, _)) = leave(&rest) else { continue };
+                    let enough = shorter.map_or(f64::INFINITY, |known| length(&known) * (1.0 - 1e-3));
+                    if length(&way) < enough && !self.is_colliding(tool, &pose.translated(&way)?) {
+                        (shorter, left_out) = (Some(way), Some(rest));
+                    }
+                }
+                match left_out {
+                    Some(rest) => planes = rest,
+                    None => break,
+                }
+            }
+            if let Some(way) = shorter {
+                (translation, kind) = (way, PenetrationKind::Bound);
+            }
         }
         Ok(Penetration { depth: length(&translation), translation, kind, contacts })
     }
