@@ -25,10 +25,11 @@ impl Crowd {
     pub fn new<'a>(bounds: &Aabb, triangles: impl Iterator<Item = &'a Triangle>, weight: f64) -> Crowd {
         let extent = bounds.extent();
         let longest = extent.iter().fold(0.0, |m: f64, x| m.max(*x));
-        // Flat mock-ups have fewer cells.
-        let volume: f64 = extent.iter().map(|x| x.max(longest / 64.0)).product();
-        let side = (volume / CELLS).cbrt();
-        let over = 1.0 / side;
+        // Flat mock-ups have fewer cells. As shares of the longest side, since a volume may be too small for a number.
+        let volume: f64 = extent.iter().map(|x| (x / longest).max(1.0 / 64.0)).product();
+        let over = (CELLS / volume).cbrt() / longest;
+        // Where a volume has no number, nothing is known: one cell, and nothing in it.
+        let over = if (over * over * over).is_normal() { over } else { 0.0 };
         let cells = extent.map(|x| (x * over) as usize + 1);
         let mut crowd = Crowd { origin: bounds.lower, over, cells, density: vec![[0.0; 2]; cells.iter().product()] };
         for t in triangles {
