@@ -33,10 +33,16 @@ pub(crate) fn pair_key(tool_triangle: u32, mockup_triangle: u32) -> u64 {
 }
 
 /// What a query found so far; some pairs more than once.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct Hits {
     keys: Vec<u64>,
     room: Vec<u64>,
+}
+
+impl Default for Hits {
+    fn default() -> Hits {
+        Hits { keys: Vec::with_capacity(1024), room: Vec::new() }
+    }
 }
 
 impl Hits {

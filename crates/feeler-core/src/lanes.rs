@@ -81,6 +81,7 @@ pub struct ToolUnit {
 
 /// Boxes of tool entries (clusters, groups) in tool units, as centre and half sides.
 #[derive(Debug, Clone)]
+#[repr(C, align(64))]
 pub struct BoxLanes {
     centre: [Lane32; 3],
     half: [Lane32; 3],
@@ -90,6 +91,7 @@ pub struct BoxLanes {
 
 /// Corners of up to 16 pieces in tool units.
 #[derive(Debug, Clone)]
+#[repr(C, align(64))]
 pub struct PieceLanes {
     /// By corner, axis and lane.
     corners: [[Lane32; 3]; 4],

@@ -65,6 +65,7 @@ pub struct Batch {
 
 /// The working memory of one query at a time; queries allocate nothing once it has grown to their needs.
 #[derive(Debug, Default)]
+#[repr(align(128))] // two threads never write to one line, nor to the pair of lines that is fetched together
 pub struct Scratch {
     placed: PlacedBounds,
     seen: PairSet,
@@ -75,6 +76,38 @@ pub struct Scratch {
     stats: Stats,
     pub(crate) proximity: ProximityScratch,
     pub(crate) contacts: ContactScratch,
+}
+
+impl Batch {
+    /// Appends what the tasks of so many poses found, in parallel.
+    fn take_over(&mut self, tasks: &[Task], poses: usize) {
+        let mut sum = self.pairs.len() as u64;
+        self.offsets.extend(tasks.iter().flat_map(|task| task.counts).take(poses).map(|n| {
+            sum += n as u64;
+            sum
+        }));
+        let from = self.pairs.len();
+        if from == 0 {
+            // Zeros from the system, which the threads touch first.
+            self.pairs = vec![[0; 2]; sum as usize];
+        } else {
+            self.pairs.resize(sum as usize, [0; 2]);
+        }
+        self.kinds.resize(sum as usize, PairKind::Coplanar);
+        let (mut pairs, mut kinds) = (&mut self.pairs[from..], &mut self.kinds[from..]);
+        let mut parts = Vec::with_capacity(tasks.len());
+        for task in tasks {
+            let (own_pairs, own_kinds);
+            (own_pairs, pairs) = pairs.split_at_mut(task.hits.len());
+            (own_kinds, kinds) = kinds.split_at_mut(task.hits.len());
+            parts.push((&task.hits, own_pairs, own_kinds));
+        }
+        parts.into_par_iter().for_each(|(hits, pairs, kinds)| {
+            for ((hit, pair), kind) in hits.iter().zip(pairs).zip(kinds) {
+                (*pair, *kind) = (hit.pair(), hit.kind());
+            }
+        });
+    }
 }
 
 /// Poses of a batch that one thread works on at a time.
@@ -230,14 +263,14 @@ impl Scene {
                     let room = if fits(new.load(Relaxed)) { mean + mean / 4 } else { 0 };
                     let mut found = Task { hits: Vec::with_capacity(room as usize), counts: [0; TASK] };
                     for (pose, count) in task.iter().zip(&mut found.counts) {
-                        if !fits(new.load(Relaxed)) {
+                        if !fits(new.load(Relaxed) + found.hits.len() as u64) {
                             break;
                         }
                         self.run(tool, pose, Filters::default(), false, &mut scratch);
                         found.hits.extend(scratch.hits.iter());
                         *count = scratch.hits.len();
-                        new.fetch_add(scratch.hits.len() as u64, Relaxed);
                     }
+                    new.fetch_add(found.hits.len() as u64, Relaxed);
                     done.fetch_add(1, Relaxed);
                     self.put_scratch(scratch);
                     found
@@ -251,15 +284,7 @@ impl Scene {
                     advice: "pass fewer poses at a time, or allow more memory",
                 });
             }
-            for (Task { hits, counts }, task) in found.iter().zip(wave.chunks(TASK)) {
-                let mut sum = batch.offsets[batch.offsets.len() - 1];
-                batch.offsets.extend(counts[..task.len()].iter().map(|n| {
-                    sum += *n as u64;
-                    sum
-                }));
-                batch.pairs.extend(hits.iter().map(|hit| hit.pair()));
-                batch.kinds.extend(hits.iter().map(|hit| hit.kind()));
-            }
+            batch.take_over(&found, wave.len());
         }
         report(progress, 1.0, "done")?;
         Ok(batch)

@@ -76,7 +76,7 @@ impl Blocks {
         let margin = slack + 2.0 * f32::EPSILON;
         let lanes = Level::best().checked();
         let mut triangles = vec![0; pieces.len()];
-        let mut packed: Vec<PackedPieces> = vec![[[[0; LANES]; 2]; 4]; pieces.len().div_ceil(FANOUT)];
+        let mut packed = vec![PackedPieces::ZERO; pieces.len().div_ceil(FANOUT)];
         let mut blocks = Vec::new();
         let places = triangles.par_chunks_mut(FANOUT).zip(packed.par_iter_mut());
         pieces
@@ -104,7 +104,7 @@ impl Blocks {
                     let (half, lane) = (i / LANES, i % LANES);
                     let corners = halves[half].pack(lane, &corners[i]);
                     for c in 0..4 {
-                        packed[c][half][lane] = corners[c];
+                        packed.0[c][half][lane] = corners[c];
                     }
                 }
                 node

@@ -24,16 +24,20 @@ pub struct BlocksScratch {
     pub(super) chosen: Box<[u16; CODES]>,
 }
 
+/// Entries that lists of a query have room for from the start.
+const ROOM: usize = 2048;
+
 impl Default for BlocksScratch {
     fn default() -> BlocksScratch {
         BlocksScratch {
-            nodes: Vec::new(),
-            masks: Vec::new(),
+            // Small buffers of two threads' scratches could come to lie in one cache line, and would be fought for.
+            nodes: Vec::with_capacity(ROOM),
+            masks: Vec::with_capacity(ROOM),
             children: Vec::new(),
             pieces: Box::new([PlacedPieces::ZERO; LANES]),
             halves: Box::new([HalfBlock::ZERO; 2]),
-            runs: Vec::new(),
-            codes: Vec::new(),
+            runs: Vec::with_capacity(ROOM),
+            codes: vec![0; 2 * CODES],
             chosen: Box::new([0; CODES]),
         }
     }

@@ -6,7 +6,14 @@ use crate::simd::Simd;
 
 /// Corners of a block's pieces, by corner, half of the block and lane: ten bits per axis (x lowest), as steps between the
 /// sides of what the piece's box in bytes may stand for.
-pub type PackedPieces = [[[u32; LANES]; 2]; 4];
+#[derive(Debug, Clone)]
+#[repr(C, align(64))]
+pub struct PackedPieces(pub [[[u32; LANES]; 2]; 4]);
+
+impl PackedPieces {
+    /// To be filled in.
+    pub const ZERO: PackedPieces = PackedPieces([[[0; LANES]; 2]; 4]);
+}
 
 /// Steps between the sides of a piece's box.
 const STEPS: f32 = 1023.0;
@@ -70,7 +77,7 @@ impl HalfBlock {
             let lower = s.load(&self.lower[a]);
             let step = (s.load(&self.upper[a]) - lower) * s.splat(1.0 / STEPS);
             for c in 0..4 {
-                at[c][a] = s.mul_add(s.widen_field(&packed[c][half], a as u32), step, lower);
+                at[c][a] = s.mul_add(s.widen_field(&packed.0[c][half], a as u32), step, lower);
                 s.store(at[c][a], &mut self.corners[c][a]);
             }
             off[a] = s.mul_add(step, s.splat(HALF), rounding);
@@ -190,10 +197,10 @@ mod tests {
             // Packed at one level, unpacked at another: they may round differently.
             for (by, level) in Level::available().into_iter().flat_map(|l| [(Level::Portable, l), (l, Level::Portable)]) {
                 let halves = by.checked().run(Unpack(&node, None, 0.0));
-                let mut packed: PackedPieces = [[[0; LANES]; 2]; 4];
+                let mut packed = PackedPieces::ZERO;
                 for (i, piece) in pieces.iter().enumerate() {
                     let corners = halves[i / LANES].pack(i % LANES, piece);
-                    (0..4).for_each(|c| packed[c][i / LANES][i % LANES] = corners[c]);
+                    (0..4).for_each(|c| packed.0[c][i / LANES][i % LANES] = corners[c]);
                 }
                 let halves = level.checked().run(Unpack(&node, Some(&packed), 0.0));
                 for (i, piece) in pieces.iter().enumerate() {

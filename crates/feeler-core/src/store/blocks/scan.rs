@@ -98,8 +98,10 @@ impl Kernel for Scan<'_, '_> {
             }
             if count > from {
                 prefetch(&blocks.packed[block as usize]);
-                prefetch(&blocks.triangles[FANOUT * block as usize]);
-                prefetch(&blocks.triangles[(FANOUT * block as usize + LANES).min(blocks.triangles.len() - 1)]);
+                let (first, last) = (FANOUT * block as usize, blocks.triangles.len() - 1);
+                prefetch(&blocks.triangles[first]);
+                prefetch(&blocks.triangles[(first + LANES).min(last)]);
+                prefetch(&blocks.triangles[(first + FANOUT - 1).min(last)]);
                 runs.push((block, from as u32));
             }
         }
