@@ -6,14 +6,12 @@ python bench/cells.py bench/records/2026-11-20-x-1.json  a given one
 
 from __future__ import annotations
 
-import json
 import sys
-from pathlib import Path
 from typing import Any
 
 from goals import MEASURES
 from page import PERFORMANCE, fill
-from readme import NAMES, SHOWN, newest
+from readme import NAMES, SHOWN, asked_for
 
 STAGES = {
     "voxels_visited": "nodes",
@@ -110,11 +108,7 @@ def _us(value: float) -> str:
 
 
 def main() -> int:
-    path = Path(sys.argv[1]) if len(sys.argv) > 1 else newest()
-    record = json.loads(path.read_text(encoding="utf-8"))
-    if record["schema"] < 2:
-        sys.exit(f"{path.name} is of an older layout: run `make bench` again")
-    text = figures(record, path.name)
+    text = figures(*asked_for())
     fill(PERFORMANCE, "cells: bench/cells.py", text)
     print(text)
     return 0

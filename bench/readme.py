@@ -101,12 +101,17 @@ def _times(figures: dict[str, Any]) -> str:
     return f"{wall['median']:,.0f} ({wall['p95']:,.0f})"
 
 
-def main() -> int:
+def asked_for() -> tuple[dict[str, Any], str]:
+    """The record named on the command line, else the newest; and its file's name."""
     path = Path(sys.argv[1]) if len(sys.argv) > 1 else newest()
     record = json.loads(path.read_text(encoding="utf-8"))
     if record["schema"] < 2:
         sys.exit(f"{path.name} is of an older layout: run `make bench` again")
-    text = figures(record, path.name)
+    return record, path.name
+
+
+def main() -> int:
+    text = figures(*asked_for())
     page = README.read_text(encoding="utf-8")
     before, rest = page.split(MARKERS[0])
     after = rest.split(MARKERS[1])[1]
