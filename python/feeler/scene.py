@@ -84,8 +84,6 @@ class Scene(_core.Scene):
         """See the class."""
         if not isinstance(mockup, Mockup):
             raise MeshError(f"a scene needs a feeler.Mockup, not {type(mockup).__name__}")
-        if tool is not None:
-            _check_tool(tool)
         if threads is not None and not 1 <= _integer("threads", threads) <= 1024:
             raise OptionError(f"threads is {threads}: choose 1 to 1024, or None for all")
         memory_limit = _memory_limit(memory_limit)
@@ -296,7 +294,6 @@ def optimal_voxel_size(
     """
     if not isinstance(mockup, Mockup):
         raise MeshError(f"optimal_voxel_size needs a feeler.Mockup, not {type(mockup).__name__}")
-    _check_tool(tool)
     if estimator != "calibrated":
         return _core.optimal_voxel_size(mockup, tool, str(estimator))
     if storage not in STORAGES:
@@ -330,11 +327,6 @@ def _memory_limit(memory_limit: int | None) -> int:
 def _check_progress(progress: object) -> None:
     if progress is not None and not callable(progress):
         raise OptionError(f"progress is {progress!r}: a function (share done, stage) or None is needed")
-
-
-def _check_tool(tool: object) -> None:
-    if not isinstance(tool, _core.Tool):
-        raise MeshError(f"a feeler.Tool is needed, not {type(tool).__name__}")
 
 
 def _real(what: str, value: float) -> float:

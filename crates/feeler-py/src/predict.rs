@@ -3,9 +3,9 @@
 use feeler_core as core;
 use pyo3::prelude::*;
 
+use crate::arguments::ToolArgument;
 use crate::errors::{raise, to_py};
 use crate::mockup::Mockup;
-use crate::tool::Tool;
 
 /// Predicts queries of a tool in a mock-up.
 #[pyclass(frozen, module = "feeler._core")]
@@ -26,7 +26,7 @@ impl Predictor {
     fn new(
         py: Python<'_>,
         mockup: &Bound<'_, Mockup>,
-        tool: &Bound<'_, Tool>,
+        tool: ToolArgument<'_, '_>,
         storage: &str,
         hashing: f64,
     ) -> PyResult<Predictor> {
@@ -38,7 +38,7 @@ impl Predictor {
             "dense" => core::Storage::Dense,
             other => return Err(raise("OptionError", format!("storage is {other:?}: choose 'dense' or 'hashed'"))),
         };
-        let (mockup, tool) = (&mockup.get().core, &tool.get().core);
+        let (mockup, tool) = (&mockup.get().core, tool.core());
         let made = py.detach(|| core::Predictor::new(mockup.mesh(), tool.mesh(), storage));
         Ok(Predictor { core: made.ok_or_else(too_large_or_small)? })
     }
@@ -80,8 +80,8 @@ pub struct PiecePredictor {
 #[pymethods]
 impl PiecePredictor {
     #[new]
-    fn new(py: Python<'_>, mockup: &Bound<'_, Mockup>, tool: &Bound<'_, Tool>) -> PyResult<PiecePredictor> {
-        let (mockup, tool) = (&mockup.get().core, &tool.get().core);
+    fn new(py: Python<'_>, mockup: &Bound<'_, Mockup>, tool: ToolArgument<'_, '_>) -> PyResult<PiecePredictor> {
+        let (mockup, tool) = (&mockup.get().core, tool.core());
         let core = py.detach(|| core::PiecePredictor::new(mockup.mesh(), tool)).ok_or_else(too_large_or_small)?;
         Ok(PiecePredictor { core })
     }

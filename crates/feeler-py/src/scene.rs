@@ -16,7 +16,6 @@ use crate::contacts::{Contacts, Penetration};
 use crate::errors::{raise, to_py};
 use crate::mockup::Mockup;
 use crate::proximity::{Clearance, ClearanceBatch, Distance, DistanceBatch};
-use crate::tool::Tool;
 
 /// A mock-up with its index. `feeler.Scene` adds defaults.
 #[pyclass(subclass, frozen, module = "feeler._core")]
@@ -44,7 +43,7 @@ impl Scene {
         voxel_size: Option<f64>,
         storage: &str,
         hashing: f64,
-        tool: Option<Py<Tool>>,
+        tool: Option<ToolArgument<'_, '_>>,
         threads: Option<usize>,
         progress: Option<Py<PyAny>>,
         memory_limit: u64,
@@ -80,7 +79,7 @@ impl Scene {
             }
         };
         let core_mockup = Arc::clone(&mockup.get().core);
-        let core_tool = tool.as_ref().map(|t| Arc::clone(&t.get().core));
+        let core_tool = tool.as_ref().map(|t| Arc::clone(t.core()));
         let options = core::SceneOptions { voxel_size, storage, tool: core_tool.as_deref(), memory_limit };
         let reporter = Reporter::new(progress);
         let built = py.detach(|| {
@@ -344,7 +343,7 @@ impl Scene {
 pub fn optimal_voxel_size(
     py: Python<'_>,
     mockup: &Bound<'_, Mockup>,
-    tool: &Bound<'_, Tool>,
+    tool: ToolArgument<'_, '_>,
     estimator: &str,
 ) -> PyResult<f64> {
     let estimator = match estimator {
@@ -358,7 +357,7 @@ pub fn optimal_voxel_size(
             ))
         }
     };
-    let (mockup, tool) = (&mockup.get().core, &tool.get().core);
+    let (mockup, tool) = (&mockup.get().core, tool.core());
     Ok(py.detach(|| core::optimal_voxel_size(mockup.mesh(), tool, estimator)))
 }
 
