@@ -335,13 +335,12 @@ pub struct Placement {
 /// Something that places boxes of tool entries in a frame: at a pose, or along a way.
 pub trait PlaceBoxes {
     /// Boxes around boxes: quick and loose.
-    fn place_boxes<S: Simd>(&self, s: S, boxes: &BoxLanes) -> LaneBoxes;
+    fn place_boxes<S: Simd>(&self, s: S, boxes: &BoxLanes, to: &mut LaneBoxes);
 }
 
 impl PlaceBoxes for Placement {
     #[inline(always)]
-    fn place_boxes<S: Simd>(&self, s: S, boxes: &BoxLanes) -> LaneBoxes {
-        let mut out = LaneBoxes::ZERO;
+    fn place_boxes<S: Simd>(&self, s: S, boxes: &BoxLanes, to: &mut LaneBoxes) {
         let margin = s.splat(self.margin);
         let (centre, half) = (load3(s, &boxes.centre), load3(s, &boxes.half));
         for a in 0..3 {
@@ -350,10 +349,9 @@ impl PlaceBoxes for Placement {
             let c = s.mul_add(row[0], centre[0], s.mul_add(row[1], centre[1], s.mul_add(row[2], centre[2], t)));
             let reach = s.mul_add(s.abs(row[2]), half[2], margin);
             let reach = s.mul_add(s.abs(row[0]), half[0], s.mul_add(s.abs(row[1]), half[1], reach));
-            s.store(c - reach, &mut out.lower[a]);
-            s.store(c + reach, &mut out.upper[a]);
+            s.store(c - reach, &mut to.lower[a]);
+            s.store(c + reach, &mut to.upper[a]);
         }
-        out
     }
 }
 

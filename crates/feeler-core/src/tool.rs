@@ -246,7 +246,9 @@ mod tests {
             }
             let mut groups = Vec::new();
             for group in tool.children(1) {
-                groups.push(placement.place_boxes(s, group));
+                let mut placed = LaneBoxes::ZERO;
+                placement.place_boxes(s, group, &mut placed);
+                groups.push(placed);
             }
             (pieces, groups)
         }

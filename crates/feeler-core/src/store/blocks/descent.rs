@@ -4,7 +4,7 @@ use super::node::Node;
 use super::pieces::HalfBlock;
 use super::scan::{Scan, CODES};
 use super::{Blocks, FANOUT};
-use crate::lanes::{Box4, BoxLanes, LaneBoxes, PlaceBoxes, PlacedPieces, Placement, LANES};
+use crate::lanes::{Box4, BoxLanes, LaneBoxes, PlaceBoxes, PlacedPieces, Placement, SpreadBoxes, LANES};
 use crate::narrow::Narrow;
 use crate::simd::{prefetch, Kernel, Simd};
 use crate::tool::Tool;
@@ -15,6 +15,7 @@ pub struct BlocksScratch {
     pub(super) nodes: Vec<u32>,
     pub(super) masks: Vec<u16>,
     pub(super) children: Vec<LaneBoxes>,
+    pub(super) spread: Box<SpreadBoxes>,
     pub(super) pieces: Box<[PlacedPieces; LANES]>,
     pub(super) halves: Box<[HalfBlock; 2]>,
     /// Blocks with something in `codes`, and from where.
@@ -34,6 +35,7 @@ impl Default for BlocksScratch {
             nodes: Vec::with_capacity(ROOM),
             masks: Vec::with_capacity(ROOM),
             children: Vec::new(),
+            spread: Box::new(SpreadBoxes::ZERO),
             pieces: Box::new([PlacedPieces::ZERO; LANES]),
             halves: Box::new([HalfBlock::ZERO; 2]),
             runs: Vec::with_capacity(ROOM),
@@ -75,8 +77,8 @@ impl Descent<'_> {
     /// Tests tool entry `entry` of `tool_level` (1: a group of clusters), inside `bounds`, against the nodes `nodes[from..]`
     /// of `level`. True when the query is over.
     ///
-    /// The tool entry's box goes down until the nodes are one level below it, so that groups arrive at blocks and their
-    /// clusters test only the blocks the group reached.
+    /// The tool entry's box goes down to the level above its children's: these go on from there, so that groups arrive above
+    /// blocks, and their clusters test only the blocks they reach.
     fn descend(
         &mut self,
         tool_level: usize,
@@ -88,21 +90,32 @@ impl Descent<'_> {
     ) -> bool {
         let to = self.scratch.nodes.len();
         let (mut level, mut from) = (level, from);
-        while level >= tool_level {
-            let nodes = &mut self.scratch.nodes;
-            let [below, nodes_of_level] = [level - 1, level].map(|l| &self.blocks.levels[l]);
-            narrow.stats.voxels_visited += (nodes.len() - from) as u64;
-            from = narrow.lanes.run(Expand { level: nodes_of_level, below, bounds, nodes, from });
+        let Descent { blocks, tool, placement, scratch } = &mut *self;
+        while level > tool_level {
+            narrow.stats.voxels_visited += (scratch.nodes.len() - from) as u64;
+            let [below, own] = [level - 1, level].map(|l| &blocks.levels[l]);
+            from = narrow.lanes.run(Expand { level: own, below, bounds, nodes: &mut scratch.nodes, from });
             level -= 1;
         }
-        let over = if self.scratch.nodes.len() == from {
+        let is_above = level == tool_level;
+        let over = if scratch.nodes.len() == from {
             false
         } else if tool_level == 1 {
-            let Descent { blocks, tool, placement, scratch } = self;
             let lanes = narrow.lanes;
-            lanes.run(Scan { blocks, tool, placement, scratch, group: entry, from, narrow })
+            lanes.run(Scan { blocks, tool, placement, scratch, group: entry, from, is_above, bounds, narrow })
         } else {
-            self.descend_children(tool_level, entry, level, from, narrow)
+            let BlocksScratch { nodes, children, spread, .. } = &mut **scratch;
+            let (boxes, placed) = (&tool.children(tool_level)[entry], &mut children[tool_level]);
+            if is_above {
+                narrow.stats.voxels_visited += (nodes.len() - from) as u64;
+                let [below, own] = [level - 1, level].map(|l| &blocks.levels[l]);
+                let reach = Reach { placement, boxes, level: own, below, bounds, nodes, from, placed, spread };
+                from = narrow.lanes.run(reach);
+                level -= 1;
+            } else {
+                narrow.lanes.run(Place { placement, boxes, placed });
+            }
+            self.scratch.nodes.len() > from && self.descend_children(tool_level, entry, level, from, narrow)
         };
         self.scratch.nodes.truncate(to);
         over
@@ -122,12 +135,11 @@ impl Descent<'_> {
         narrow.stats.voxels_visited += (to - from) as u64;
         let BlocksScratch { nodes, masks, children, .. } = &mut *self.scratch;
         let any = narrow.lanes.run(Children {
-            placement: &self.placement,
-            boxes,
+            placed: &children[tool_level],
+            used: boxes.used,
             level: &self.blocks.levels[level],
             nodes: &nodes[from..],
             masks,
-            placed: &mut children[tool_level],
         });
         let over = (0..LANES).any(|i| {
             if any >> i & 1 == 0 {
@@ -180,26 +192,107 @@ impl Kernel for Expand<'_> {
     }
 }
 
-/// Places the children of a tool entry, and appends which of them meet the own box of each node; returns which meet any.
-pub struct Children<'a, P> {
+/// Places the children of a tool entry.
+pub(super) struct Place<'a, P> {
     pub placement: &'a P,
     pub boxes: &'a BoxLanes,
-    pub level: &'a [Node],
-    pub nodes: &'a [u32],
-    pub masks: &'a mut Vec<u16>,
     pub placed: &'a mut LaneBoxes,
 }
 
-impl<P: PlaceBoxes> Kernel for Children<'_, P> {
+impl<P: PlaceBoxes> Kernel for Place<'_, P> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) {
+        self.placement.place_boxes(s, self.boxes, self.placed);
+    }
+}
+
+/// Pushes the children, of the nodes `nodes[from..]`, that meet the box of a tool entry, less most that none of the entry's own
+/// children meets; returns where they begin. If there are any, the entry's children are placed.
+pub(super) struct Reach<'a, P> {
+    pub placement: &'a P,
+    pub boxes: &'a BoxLanes,
+    pub level: &'a [Node],
+    pub below: &'a [Node],
+    pub bounds: &'a Box4,
+    pub nodes: &'a mut Vec<u32>,
+    pub from: usize,
+    pub placed: &'a mut LaneBoxes,
+    /// Working memory.
+    pub spread: &'a mut SpreadBoxes,
+}
+
+/// Children of a node that are worth a closer look: to read one costs as much as comparing its place in the node with several
+/// boxes.
+const FEW: u32 = 2;
+/// How many boxes a child is worth.
+const WORTH: u32 = 2;
+
+impl<P: PlaceBoxes> Kernel for Reach<'_, P> {
+    type Output = usize;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) -> usize {
+        let Reach { placement, boxes, level, below, bounds, nodes, from, placed, spread } = self;
+        let to = nodes.len();
+        let mut is_spread = false;
+        for at in from..to {
+            let node = nodes[at];
+            let parent = &level[node as usize];
+            let mut hit = parent.overlapping(s, bounds);
+            if hit == 0 {
+                continue;
+            }
+            if nodes.len() == to {
+                placement.place_boxes(s, boxes, placed);
+            }
+            let count = hit.count_ones();
+            if count >= FEW {
+                let mut lanes = parent.overlapping_lanes(s, placed) & boxes.used;
+                if lanes.count_ones() <= WORTH * count {
+                    if !is_spread {
+                        placed.spread(s, spread);
+                        is_spread = true;
+                    }
+                    let mut met = 0;
+                    while lanes != 0 {
+                        let i = lanes.trailing_zeros() as usize;
+                        lanes &= lanes - 1;
+                        met |= parent.overlapping_inside(s, &spread.lane(i));
+                    }
+                    hit &= met;
+                }
+            }
+            while hit != 0 {
+                let child = FANOUT as u32 * node + hit.trailing_zeros();
+                hit &= hit - 1;
+                prefetch(&below[child as usize]);
+                nodes.push(child);
+            }
+        }
+        to
+    }
+}
+
+/// Appends which of a tool entry's children, at their places, meet the own box of each node; returns which meet any.
+pub struct Children<'a> {
+    pub placed: &'a LaneBoxes,
+    pub used: u16,
+    pub level: &'a [Node],
+    pub nodes: &'a [u32],
+    pub masks: &'a mut Vec<u16>,
+}
+
+impl Kernel for Children<'_> {
     type Output = u16;
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) -> u16 {
-        let Children { placement, boxes, level, nodes, masks, placed } = self;
-        *placed = placement.place_boxes(s, boxes);
+        let Children { placed, used, level, nodes, masks } = self;
         let mut any = 0;
         for &node in nodes {
-            let mask = level[node as usize].overlapping_lanes(s, placed) & boxes.used;
+            let mask = level[node as usize].overlapping_lanes(s, placed) & used;
             any |= mask;
             masks.push(mask);
         }

@@ -176,7 +176,8 @@ impl Kernel for Descend<'_, '_, '_> {
             let open_tool = pair.level == 0 || pair.tool_level > 0 && size(&pair.bounds) >= size(&node.bounds());
             if open_tool {
                 let boxes = &tool.children(pair.tool_level as usize)[pair.entry as usize];
-                let placed = run.placement.place_boxes(s, boxes);
+                let mut placed = LaneBoxes::ZERO;
+                run.placement.place_boxes(s, boxes, &mut placed);
                 let mut found = near.of_lanes(s, &placed, &node.bounds(), run.limit) & u32::from(boxes.used);
                 let count = near.sort(&mut found);
                 for at in (0..count).rev() {

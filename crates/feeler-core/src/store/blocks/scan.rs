@@ -3,15 +3,15 @@
 //! Stage by stage, each a loop that appends what passes to a list: which entries pass is not to be foreseen, so there is no
 //! branch.
 
-use super::descent::BlocksScratch;
+use super::descent::{BlocksScratch, Reach};
 use super::pieces::HalfBlock;
 use super::{Blocks, FANOUT};
-use crate::lanes::{load3, LaneBoxes, PlaceBoxes, PlacedPieces, Placement, SpreadBoxes, LANES};
+use crate::lanes::{load3, Box4, LaneBoxes, PlaceBoxes, PlacedPieces, Placement, LANES};
 use crate::narrow::Narrow;
 use crate::simd::{prefetch, Kernel, Simd};
 use crate::tool::Tool;
 
-/// Offers the pairs of pieces of a group's clusters and of the blocks `nodes[from..]`. True when the query is over.
+/// Offers the pairs of pieces of a group's clusters and of the blocks in or below `nodes[from..]`. True when the query is over.
 pub struct Scan<'a, 'n> {
     pub blocks: &'a Blocks,
     pub tool: &'a Tool,
@@ -19,6 +19,10 @@ pub struct Scan<'a, 'n> {
     pub scratch: &'a mut BlocksScratch,
     pub group: usize,
     pub from: usize,
+    /// Whether these are nodes above blocks, and not blocks.
+    pub is_above: bool,
+    /// The group's box.
+    pub bounds: &'a Box4,
     pub narrow: &'a mut Narrow<'n>,
 }
 
@@ -27,26 +31,36 @@ impl Kernel for Scan<'_, '_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) -> bool {
-        let Scan { blocks, tool, placement, scratch, group, from, narrow } = self;
-        let BlocksScratch { nodes, masks, pieces, halves, runs, codes, chosen, .. } = scratch;
-        let nodes = &nodes[from..];
+        let Scan { blocks, tool, placement, scratch, group, from, is_above, bounds, narrow } = self;
+        let BlocksScratch { nodes, masks, children, spread, pieces, halves, runs, codes, chosen, .. } = scratch;
         let level = &blocks.levels[0];
+        let boxes = &tool.children(1)[group];
+        let loose = &mut children[1];
+        let first_mask = masks.len();
+        let first = match blocks.levels.get(1) {
+            Some(above) if is_above => {
+                narrow.stats.voxels_visited += (nodes.len() - from) as u64;
+                Reach { placement, boxes, level: above, below: level, bounds, nodes, from, placed: loose, spread }
+                    .run(s)
+            }
+            _ => {
+                placement.place_boxes(s, boxes, loose);
+                from
+            }
+        };
+        let nodes = &nodes[first..];
         narrow.stats.voxels_visited += nodes.len() as u64;
         // Which clusters may meet anything, by their loose boxes: only those are placed.
-        let boxes = &tool.children(1)[group];
-        let loose = placement.place_boxes(s, boxes);
-        let first_mask = masks.len();
         let mut any = 0;
         for &node in nodes {
-            let mask = level[node as usize].overlapping_lanes(s, &loose) & boxes.used;
+            let mask = level[node as usize].overlapping_lanes(s, loose) & boxes.used;
             any |= mask;
             masks.push(mask);
         }
         // Of those only the ones that meet a piece are worth placing.
         let mut needed = 0;
         if any != 0 {
-            let mut spread = SpreadBoxes::ZERO;
-            loose.spread(s, &mut spread);
+            loose.spread(s, spread);
             for (&block, mask) in nodes.iter().zip(&masks[first_mask..]) {
                 let mut mask = mask & !needed;
                 while mask != 0 {
@@ -88,20 +102,27 @@ impl Kernel for Scan<'_, '_> {
             if codes.len() < from + CODES {
                 codes.resize(from + 2 * CODES, 0);
             }
+            let mut reached = 0;
             while mask != 0 {
                 let c = mask.trailing_zeros() as usize;
                 mask &= mask - 1;
                 narrow.stats.voxels_visited += 1;
                 let hit = node.overlapping_inside(s, &pieces[c].bounds);
+                reached |= hit;
                 count = s.append(hit as u16, &PAIR_CODES[c][0], codes, count);
                 count = s.append((hit >> LANES) as u16, &PAIR_CODES[c][1], codes, count);
             }
             if count > from {
-                prefetch(&blocks.packed[block as usize]);
                 let (first, last) = (FANOUT * block as usize, blocks.triangles.len() - 1);
-                prefetch(&blocks.triangles[first]);
-                prefetch(&blocks.triangles[(first + LANES).min(last)]);
-                prefetch(&blocks.triangles[(first + FANOUT - 1).min(last)]);
+                for half in 0..2 {
+                    if reached >> (LANES * half) & 0xffff != 0 {
+                        for c in 0..4 {
+                            prefetch(&blocks.packed[block as usize].0[c][half]);
+                        }
+                        prefetch(&blocks.triangles[(first + LANES * half).min(last)]);
+                        prefetch(&blocks.triangles[(first + LANES * half + LANES - 1).min(last)]);
+                    }
+                }
                 runs.push((block, from as u32));
             }
         }

@@ -1,10 +1,10 @@
 //! The query of a cast: the tool's tree of boxes, swept through a window of time, is descended together with the blocks.
 
-use super::descent::{Children, Expand};
+use super::descent::{Children, Expand, Place, Reach};
 use super::pieces::HalfBlock;
 use super::swept::{SweptPieces, SweptPlacement};
 use super::{Blocks, FANOUT};
-use crate::lanes::{Box4, LaneBoxes, LANES};
+use crate::lanes::{Box4, LaneBoxes, SpreadBoxes, LANES};
 use crate::narrow::PairSet;
 use crate::simd::{Kernel, Simd};
 use crate::store::{Offer, Sweep};
@@ -16,6 +16,7 @@ pub struct SweepScratch {
     nodes: Vec<u32>,
     masks: Vec<u16>,
     children: Vec<LaneBoxes>,
+    spread: Box<SpreadBoxes>,
     pieces: Box<[SweptPieces; LANES]>,
     halves: Box<[HalfBlock; 2]>,
 }
@@ -33,6 +34,7 @@ impl Default for SweepScratch {
             nodes: Vec::new(),
             masks: Vec::new(),
             children: Vec::new(),
+            spread: Box::new(SpreadBoxes::ZERO),
             pieces: Box::new([SweptPieces::ZERO; LANES]),
             halves: Box::new([HalfBlock::ZERO; 2]),
         }
@@ -76,11 +78,22 @@ impl Descent<'_, '_> {
     fn descend(&mut self, tool_level: usize, entry: usize, bounds: &Box4, level: usize, from: usize) -> bool {
         let to = self.scratch.nodes.len();
         let (mut level, mut from) = (level, from);
-        while level >= tool_level {
-            let nodes = &mut self.scratch.nodes;
-            let [below, nodes_of_level] = [level - 1, level].map(|l| &self.blocks.levels[l]);
-            from = self.sweep.lanes.run(Expand { level: nodes_of_level, below, bounds, nodes, from });
+        let Descent { blocks, sweep, placement, scratch, .. } = &mut *self;
+        let SweepScratch { nodes, children, spread, .. } = &mut **scratch;
+        while level > tool_level {
+            let [below, own] = [level - 1, level].map(|l| &blocks.levels[l]);
+            from = sweep.lanes.run(Expand { level: own, below, bounds, nodes, from });
             level -= 1;
+        }
+        let (boxes, placed) = (&sweep.tool.children(tool_level)[entry], &mut children[tool_level]);
+        let placement = &*placement;
+        if level == tool_level {
+            let [below, own] = [level - 1, level].map(|l| &blocks.levels[l]);
+            let reach = Reach { placement, boxes, level: own, below, bounds, nodes, from, placed, spread };
+            from = sweep.lanes.run(reach);
+            level -= 1;
+        } else {
+            sweep.lanes.run(Place { placement, boxes, placed });
         }
         let over = self.scratch.nodes.len() > from && self.descend_children(tool_level, entry, level, from);
         self.scratch.nodes.truncate(to);
@@ -92,12 +105,11 @@ impl Descent<'_, '_> {
         let (to, first_mask) = (self.scratch.nodes.len(), self.scratch.masks.len());
         let SweepScratch { nodes, masks, children, .. } = &mut *self.scratch;
         let any = self.sweep.lanes.run(Children {
-            placement: &self.placement,
-            boxes: &self.sweep.tool.children(tool_level)[entry],
+            placed: &children[tool_level],
+            used: self.sweep.tool.children(tool_level)[entry].used,
             level: &self.blocks.levels[level],
             nodes: &nodes[from..],
             masks,
-            placed: &mut children[tool_level],
         });
         let over = if tool_level == 1 {
             any != 0 && self.scan(entry, from, first_mask, any)

@@ -52,10 +52,11 @@ impl SweptPlacement {
 impl PlaceBoxes for SweptPlacement {
     /// Boxes around what boxes sweep.
     #[inline(always)]
-    fn place_boxes<S: Simd>(&self, s: S, boxes: &BoxLanes) -> LaneBoxes {
-        let (mut out, other) = (self.ends[0].place_boxes(s, boxes), self.ends[1].place_boxes(s, boxes));
-        union(s, &mut out, &other);
-        out
+    fn place_boxes<S: Simd>(&self, s: S, boxes: &BoxLanes, to: &mut LaneBoxes) {
+        let mut other = LaneBoxes::ZERO;
+        self.ends[0].place_boxes(s, boxes, to);
+        self.ends[1].place_boxes(s, boxes, &mut other);
+        union(s, to, &other);
     }
 }
 
