@@ -169,13 +169,17 @@ pub(crate) struct Pending {
     slots: [u32; PLACES],
     mockup_triangles: [u32; PLACES],
     count: usize,
+    /// The mock-up triangles of these, most of them once.
+    asked: [u32; PLACES],
+    asked_count: usize,
     verdicts: [Verdict; PLACES / WIDE_LANES],
     /// Pairs met lately, each at the place its hash gives.
     recent: [u64; RECENT],
 }
 
-/// A power of two.
-const RECENT: usize = 1024;
+/// Few: they are forgotten before each query.
+const RECENT_BITS: u32 = 8;
+const RECENT: usize = 1 << RECENT_BITS;
 
 impl Default for Pending {
     fn default() -> Pending {
@@ -183,6 +187,8 @@ impl Default for Pending {
             slots: [0; PLACES],
             mockup_triangles: [0; PLACES],
             count: 0,
+            asked: [0; PLACES],
+            asked_count: 0,
             verdicts: [Verdict::default(); PLACES / WIDE_LANES],
             recent: [u64::MAX; RECENT],
         }
@@ -193,7 +199,14 @@ impl Pending {
     /// Forgets the last query.
     pub fn clear(&mut self) {
         self.count = 0;
+        self.asked_count = 0;
         self.recent.fill(u64::MAX);
+    }
+
+    #[inline(always)]
+    fn ask(&mut self, mockup_triangle: u32) {
+        self.asked[self.asked_count] = mockup_triangle;
+        self.asked_count += 1;
     }
 
     /// Leaves out pairs met lately; returns how many.
@@ -206,7 +219,7 @@ impl Pending {
         for i in 0..(*count).min(PLACES) {
             let (t, m) = (slots[i], mockup_triangles[i]);
             let key = pair_key(t, m);
-            let place = (key.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 54) as usize;
+            let place = (key.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> (u64::BITS - RECENT_BITS)) as usize;
             // No branch: which pairs repeat is not to be foreseen.
             slots[kept] = t;
             mockup_triangles[kept] = m;
@@ -249,6 +262,7 @@ impl Narrow<'_> {
         self.pending.mockup_triangles[from..from + LANES].fill(mockup_triangle);
         self.pending.count = s.append(chosen, slots, &mut self.pending.slots, from);
         prefetch(&self.mesh.faces()[mockup_triangle as usize]);
+        self.pending.ask(mockup_triangle);
         self.is_batch_over()
     }
 
@@ -277,6 +291,7 @@ impl Narrow<'_> {
         self.pending.slots[at] = slot;
         self.pending.mockup_triangles[at] = mockup_triangle;
         self.pending.count += 1;
+        self.pending.ask(mockup_triangle);
         self.is_batch_over()
     }
 
@@ -286,15 +301,15 @@ impl Narrow<'_> {
         if self.filters.repeats {
             self.stats.repeats_skipped += self.pending.skip_repeats() as u64;
         }
-        let Pending { slots, mockup_triangles, count, verdicts, .. } = &mut *self.pending;
+        let Pending { slots, mockup_triangles, count, asked, asked_count, verdicts, .. } = &mut *self.pending;
         let count = std::mem::take(count);
         self.stats.triangle_tests += count as u64;
         // All corners are asked for before the first is used, so that their cache misses overlap.
         let (corners, faces, vertices) = (self.tool.placeable(), self.mesh.faces(), self.mesh.vertices());
-        for (slot, m) in slots[..count].iter().zip(&mockup_triangles[..count]) {
-            prefetch(&corners[*slot as usize]);
+        for m in &asked[..std::mem::take(asked_count).min(PLACES)] {
             faces[*m as usize].iter().for_each(|v| prefetch(&vertices[*v as usize]));
         }
+        slots[..count].iter().for_each(|slot| prefetch(&corners[*slot as usize]));
         let eights = count.div_ceil(WIDE_LANES);
         if count > 0 {
             // The last eight are filled up with the last pair.
