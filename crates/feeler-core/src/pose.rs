@@ -19,12 +19,11 @@ impl Pose {
     /// Checks a row-major 4x4 matrix. Errors when an entry is not finite, the translation is beyond the coordinate limit,
     /// or the matrix deviates by more than 1e-6 from a rotation and a last row of 0, 0, 0, 1.
     pub fn new(m: &[[f64; 4]; 4]) -> Result<Pose> {
-        for (row, entries) in m.iter().enumerate() {
-            for (column, &value) in entries.iter().enumerate() {
-                if !value.is_finite() || value.abs() > LARGEST_COORDINATE {
-                    return Err(Error::PoseNotFinite { row, column, value });
-                }
-            }
+        // All at once: batches have many poses, and nearly all are good. A comparison with NaN is false.
+        let is_good = |value: &f64| value.abs() <= LARGEST_COORDINATE;
+        if !m.as_flattened().iter().fold(true, |good, value| good & is_good(value)) {
+            let i = m.as_flattened().iter().position(|value| !is_good(value)).unwrap_or_default();
+            return Err(Error::PoseNotFinite { row: i / 4, column: i % 4, value: m[i / 4][i % 4] });
         }
         let last = (0..4).map(|c| (m[3][c] - if c == 3 { 1.0 } else { 0.0 }).abs()).fold(0.0, f64::max);
         if last > POSE_TOLERANCE {

@@ -56,8 +56,16 @@ impl<'a, 'py> FromPyObject<'a, 'py> for PosesArgument {
         if array.shape()[1..] != [4, 4] {
             return Err(raise("PoseError", format!("poses have shape {:?}: (n, 4, 4) is needed", array.shape())));
         }
-        let named = |(p, pose)| pose_of(&pose).map_err(|e| raise("PoseError", format!("poses[{p}]: {e}")));
-        array.as_array().outer_iter().enumerate().map(named).collect::<PyResult<_>>().map(PosesArgument)
+        let named = |p, pose: core::Result<_>| pose.map_err(|e| raise("PoseError", format!("poses[{p}]: {e}")));
+        let array = array.as_array();
+        let poses: PyResult<Vec<_>> = match array.as_slice() {
+            Some(numbers) => {
+                let matrices = numbers.as_chunks::<4>().0.as_chunks::<4>().0;
+                matrices.iter().enumerate().map(|(p, m)| named(p, core::Pose::new(m))).collect()
+            }
+            None => array.outer_iter().enumerate().map(|(p, m)| named(p, pose_of(&m))).collect(),
+        };
+        poses.map(PosesArgument)
     }
 }
 
