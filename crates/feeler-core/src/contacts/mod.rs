@@ -232,7 +232,7 @@ impl Scene {
             if !pairs.is_empty() {
                 let zones = zones::find(&ground, pairs, zones_scratch);
                 for (z, zone) in zones.zones.iter().enumerate() {
-                    push_zone(&ground, &zones, z, part, zone_scratch, &mut contacts.planes);
+                    push_zone(&ground, zones, z, part, zone_scratch, &mut contacts.planes);
                     (0..2).for_each(|w| inside[w].extend(zone.inside[w].iter().map(|t| t[0])));
                 }
                 inside.iter_mut().for_each(|ids| ids.sort_unstable());

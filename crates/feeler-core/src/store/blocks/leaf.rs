@@ -134,11 +134,13 @@ impl Planes {
         let (near, far) = half.along(s, piece, &n);
         let gap = s.max(near - s.load(&placed.far), s.load(&placed.near) - far);
         beyond |= self.keep(s, 1, s.max(gap, zero), &n, limit);
-        // The direction.
-        let m = [s.splat(direction[0]), s.splat(direction[1]), s.splat(direction[2])];
-        let ((near, far), (least, greatest)) = (half.along(s, piece, &m), placed.along(s, &m));
-        let gap = s.max(near - greatest, least - far);
-        beyond |= self.keep(s, 2, s.max(gap, zero), &m, limit);
+        // The direction, if there is one.
+        if direction != &[0.0; 3] {
+            let m = [s.splat(direction[0]), s.splat(direction[1]), s.splat(direction[2])];
+            let ((near, far), (least, greatest)) = (half.along(s, piece, &m), placed.along(s, &m));
+            let gap = s.max(near - greatest, least - far);
+            beyond |= self.keep(s, 2, s.max(gap, zero), &m, limit);
+        }
         !beyond
     }
 
