@@ -1,12 +1,15 @@
 //! Patches that belong together, seen as one bulging body.
 
 use crate::bounds::Point;
-use crate::contacts::adjacency::NONE;
 use crate::contacts::clusters::Clusters;
-use crate::contacts::heights::{push_eights, Eight};
-use crate::contacts::patches::Patches;
+use crate::contacts::heights::{highest, push_eights, Eight};
+use crate::contacts::patches::{Patch, Patches};
 use crate::contacts::sides::Sets;
+use crate::simd::{Checked, WIDE_LANES};
 use crate::vectors::{along, cross, dot, unit};
+
+/// Most facets of a body, the largest, whose normals are tried.
+pub(crate) const MOST_NORMALS: usize = 24;
 
 /// Most edges of a body whose directions are kept.
 pub(crate) const MOST_EDGES: usize = 100;
@@ -49,6 +52,7 @@ struct Entry {
     curve: (usize, usize),
     curve_eights: (usize, usize),
     edges: (usize, usize),
+    heights: (usize, usize),
     mean: Point,
     size: f64,
     largest: f64,
@@ -63,16 +67,18 @@ pub(crate) struct Bodies {
     curve: Vec<(Point, u32)>,
     eights: Vec<Eight>,
     edges: Vec<Edge>,
+    heights: Vec<f64>,
     /// For each body the cuts it has a part in, by their places in the zone.
     pub cuts: Sets,
-    seen: PointSet,
+    /// Patches over whose planes one may stand out.
+    over: Vec<Patch>,
 }
 
 /// A body, to be read.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Body<'a> {
     pub facets: &'a [Facet],
-    /// Each once.
+    /// Each once, or once for each of its facets.
     pub points: &'a [Point],
     pub point_eights: &'a [Eight],
     /// Points of the curve with their cuts; a point has several.
@@ -80,6 +86,8 @@ pub(crate) struct Body<'a> {
     pub curve_eights: &'a [Eight],
     /// Of each two facets; empty where there are more than [`MOST_EDGES`].
     pub edges: &'a [Edge],
+    /// How far the points reach along the normals of the first [`MOST_NORMALS`] facets.
+    pub heights: &'a [f64],
     /// Of the facets' normals, by area; zero where there is none.
     pub mean: Point,
     pub size: f64,
@@ -106,6 +114,7 @@ impl Bodies {
             curve: &self.curve[e.curve.0..e.curve.1],
             curve_eights: &self.eights[e.curve_eights.0..e.curve_eights.1],
             edges: &self.edges[e.edges.0..e.edges.1],
+            heights: &self.heights[e.heights.0..e.heights.1],
             mean: e.mean,
             size: e.size,
             largest: e.largest,
@@ -113,38 +122,42 @@ impl Bodies {
     }
 
     /// Makes the bodies of a zone with so many cuts. `place_of_cut` tells where a cut is among them.
-    pub fn set(&mut self, patches: &Patches, clusters: &Clusters, cuts: usize, place_of_cut: impl Fn(u32) -> usize) {
+    pub fn set(
+        &mut self,
+        lanes: Checked,
+        patches: &Patches,
+        clusters: &Clusters,
+        cuts: usize,
+        place_of_cut: impl Fn(u32) -> usize,
+    ) {
         self.list.clear();
         self.facets.clear();
         self.points.clear();
         self.curve.clear();
         self.eights.clear();
         self.edges.clear();
+        self.heights.clear();
         self.cuts.clear(clusters.count, cuts);
         for (i, (own, lent)) in clusters.patches.iter().zip(&clusters.lent).enumerate().take(clusters.count) {
             let from = (self.facets.len(), self.points.len(), self.curve.len(), self.edges.len());
-            self.seen.clear();
             let own = || own.iter().map(|p| &patches.list[*p as usize]);
-            let lent = || lent.iter().map(|p| &patches.list[*p as usize]);
-            for (patch, is_own) in own().map(|p| (p, true)).chain(lent().map(|p| (p, false))) {
-                self.facets.push(Facet { normal: patch.normal, size: patch.size, flat: patch.flat });
-                let (points, sources) = patches.points(patch);
-                for (x, source) in points.iter().zip(sources) {
-                    if *source != NONE {
-                        self.cuts.insert(i, place_of_cut(*source));
-                    }
-                    if !is_own && own().any(|p| p.is_below(x)) {
-                        continue;
-                    }
-                    if *source != NONE {
-                        self.curve.push((*x, *source));
-                    }
-                    if self.seen.insert(x, &self.points[from.1..]) {
-                        self.points.push(*x);
-                    }
-                }
+            for patch in own() {
+                self.push_facet(i, patch, patches, &place_of_cut);
+                self.points.extend_from_slice(patches.points(patch));
+                self.curve.extend_from_slice(patches.curve(patch));
+            }
+            for patch in lent.iter().map(|p| &patches.list[*p as usize]) {
+                self.push_facet(i, patch, patches, &place_of_cut);
+                // The part of it that is below all of the body's own.
+                self.over.clear();
+                self.over.extend(own().filter(|p| p.may_be_below(patch)));
+                let is_within = |x: &Point| !self.over.iter().any(|p| p.is_below(x));
+                self.points.extend(patches.points(patch).iter().filter(|x| is_within(x)));
+                self.curve.extend(patches.curve(patch).iter().filter(|c| is_within(&c.0)));
             }
             self.push_edges(from.0);
+            let from_heights = self.heights.len();
+            self.push_heights(lanes, from.0, from.1);
             let facets = &self.facets[from.0..];
             let sum = facets.iter().fold([0.0; 3], |s, p| along(&s, p.size * p.size, &p.normal));
             let points = &self.points[from.1..];
@@ -159,10 +172,25 @@ impl Bodies {
                 curve: (from.2, self.curve.len()),
                 curve_eights: (to_eights, self.eights.len()),
                 edges: (from.3, self.edges.len()),
+                heights: (from_heights, self.heights.len()),
                 mean: unit(&sum).unwrap_or([0.0; 3]),
                 size: facets.iter().fold(0.0f64, |m, p| m.max(p.size)),
                 largest: points.iter().flatten().fold(0.0, |m, x| if x.abs() > m { x.abs() } else { m }),
             });
+        }
+    }
+
+    fn push_facet(&mut self, i: usize, patch: &Patch, patches: &Patches, place_of_cut: impl Fn(u32) -> usize) {
+        self.facets.push(Facet { normal: patch.normal, size: patch.size, flat: patch.flat });
+        patches.curve(patch).iter().for_each(|(_, cut)| self.cuts.insert(i, place_of_cut(*cut)));
+    }
+
+    fn push_heights(&mut self, lanes: Checked, facets: usize, points: usize) {
+        let facets = &self.facets[facets..];
+        for some in facets[..facets.len().min(MOST_NORMALS)].chunks(WIDE_LANES) {
+            let normals = std::array::from_fn(|i| some[i.min(some.len() - 1)].normal);
+            let reach = highest(lanes, &self.points[points..], &normals);
+            self.heights.extend_from_slice(&reach.height[..some.len()]);
         }
     }
 
@@ -179,54 +207,4 @@ impl Bodies {
 /// Pairs of so many facets.
 pub(crate) fn edge_count(facets: usize) -> usize {
     facets * facets.saturating_sub(1) / 2
-}
-
-/// The places of points in a list, found by their coordinates; empties in constant time.
-#[derive(Debug, Default)]
-struct PointSet {
-    slots: Vec<(u32, u32)>,
-    len: usize,
-    round: u32,
-}
-
-impl PointSet {
-    fn clear(&mut self) {
-        if self.slots.is_empty() || self.round == u32::MAX {
-            self.slots = vec![(0, 0); self.slots.len().max(256)];
-            self.round = 0;
-        }
-        self.round += 1;
-        self.len = 0;
-    }
-
-    /// Whether a point is not among the `known`, whose places are numbered as they were added; it is the next, then.
-    fn insert(&mut self, x: &Point, known: &[Point]) -> bool {
-        if 2 * self.len >= self.slots.len() {
-            self.slots = vec![(0, 0); 2 * self.slots.len()];
-            for (y, i) in known.iter().zip(0..) {
-                let at = self.find(y, known);
-                self.slots[at] = (self.round, i);
-            }
-        }
-        let at = self.find(x, known);
-        if self.slots[at].0 == self.round {
-            return false;
-        }
-        self.slots[at] = (self.round, self.len as u32);
-        self.len += 1;
-        true
-    }
-
-    /// The slot of a point, or the free one where it belongs.
-    fn find(&self, x: &Point, known: &[Point]) -> usize {
-        let mask = self.slots.len() - 1;
-        // Adding 0 makes one zero of the two.
-        let hash =
-            x.iter().fold(0u64, |h, c| (h.rotate_left(21) ^ (c + 0.0).to_bits()).wrapping_mul(0x9e37_79b9_7f4a_7c15));
-        let mut at = (hash >> 32) as usize & mask;
-        while self.slots[at].0 == self.round && known[self.slots[at].1 as usize] != *x {
-            at = (at + 1) & mask;
-        }
-        at
-    }
 }
