@@ -52,7 +52,7 @@ struct Entry {
     curve: (usize, usize),
     curve_eights: (usize, usize),
     edges: (usize, usize),
-    heights: (usize, usize),
+    normals: (usize, usize),
     mean: Point,
     size: f64,
     largest: f64,
@@ -67,7 +67,7 @@ pub(crate) struct Bodies {
     curve: Vec<(Point, u32)>,
     eights: Vec<Eight>,
     edges: Vec<Edge>,
-    heights: Vec<f64>,
+    normals: Vec<(Point, f64)>,
     /// For each body the cuts it has a part in, by their places in the zone.
     pub cuts: Sets,
     /// Patches over whose planes one may stand out.
@@ -86,8 +86,8 @@ pub(crate) struct Body<'a> {
     pub curve_eights: &'a [Eight],
     /// Of each two facets; empty where there are more than [`MOST_EDGES`].
     pub edges: &'a [Edge],
-    /// How far the points reach along the normals of the first [`MOST_NORMALS`] facets.
-    pub heights: &'a [f64],
+    /// The normals of the first [`MOST_NORMALS`] facets and their mean, and how far the points reach along each.
+    pub normals: &'a [(Point, f64)],
     /// Of the facets' normals, by area; zero where there is none.
     pub mean: Point,
     pub size: f64,
@@ -114,7 +114,7 @@ impl Bodies {
             curve: &self.curve[e.curve.0..e.curve.1],
             curve_eights: &self.eights[e.curve_eights.0..e.curve_eights.1],
             edges: &self.edges[e.edges.0..e.edges.1],
-            heights: &self.heights[e.heights.0..e.heights.1],
+            normals: &self.normals[e.normals.0..e.normals.1],
             mean: e.mean,
             size: e.size,
             largest: e.largest,
@@ -136,7 +136,7 @@ impl Bodies {
         self.curve.clear();
         self.eights.clear();
         self.edges.clear();
-        self.heights.clear();
+        self.normals.clear();
         self.cuts.clear(clusters.count, cuts);
         for (i, (own, lent)) in clusters.patches.iter().zip(&clusters.lent).enumerate().take(clusters.count) {
             let from = (self.facets.len(), self.points.len(), self.curve.len(), self.edges.len());
@@ -156,11 +156,12 @@ impl Bodies {
                 self.curve.extend(patches.curve(patch).iter().filter(|c| is_within(&c.0)));
             }
             self.push_edges(from.0);
-            let from_heights = self.heights.len();
-            self.push_heights(lanes, from.0, from.1);
             let facets = &self.facets[from.0..];
             let sum = facets.iter().fold([0.0; 3], |s, p| along(&s, p.size * p.size, &p.normal));
-            let points = &self.points[from.1..];
+            let mean = unit(&sum).unwrap_or([0.0; 3]);
+            let from_normals = self.normals.len();
+            self.push_normals(lanes, from.0, from.1, mean);
+            let (facets, points) = (&self.facets[from.0..], &self.points[from.1..]);
             let from_eights = self.eights.len();
             push_eights(points.iter(), &mut self.eights);
             let to_eights = self.eights.len();
@@ -172,8 +173,8 @@ impl Bodies {
                 curve: (from.2, self.curve.len()),
                 curve_eights: (to_eights, self.eights.len()),
                 edges: (from.3, self.edges.len()),
-                heights: (from_heights, self.heights.len()),
-                mean: unit(&sum).unwrap_or([0.0; 3]),
+                normals: (from_normals, self.normals.len()),
+                mean,
                 size: facets.iter().fold(0.0f64, |m, p| m.max(p.size)),
                 largest: points.iter().flatten().fold(0.0, |m, x| if x.abs() > m { x.abs() } else { m }),
             });
@@ -185,12 +186,14 @@ impl Bodies {
         patches.curve(patch).iter().for_each(|(_, cut)| self.cuts.insert(i, place_of_cut(*cut)));
     }
 
-    fn push_heights(&mut self, lanes: Checked, facets: usize, points: usize) {
-        let facets = &self.facets[facets..];
-        for some in facets[..facets.len().min(MOST_NORMALS)].chunks(WIDE_LANES) {
-            let normals = std::array::from_fn(|i| some[i.min(some.len() - 1)].normal);
-            let reach = highest(lanes, &self.points[points..], &normals);
-            self.heights.extend_from_slice(&reach.height[..some.len()]);
+    fn push_normals(&mut self, lanes: Checked, facets: usize, points: usize, mean: Point) {
+        let from = self.normals.len();
+        self.normals.extend(self.facets[facets..].iter().take(MOST_NORMALS).map(|f| (f.normal, 0.0)));
+        self.normals.push((mean, 0.0));
+        for some in self.normals[from..].chunks_mut(WIDE_LANES) {
+            let directions = std::array::from_fn(|i| some[i.min(some.len() - 1)].0);
+            let reach = highest(lanes, &self.points[points..], &directions);
+            some.iter_mut().zip(reach.height).for_each(|(n, height)| n.1 = height);
         }
     }
 

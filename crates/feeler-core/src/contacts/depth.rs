@@ -222,14 +222,14 @@ impl<'a> Best<'a> {
         of(&self.pair.mockup, 1.0) + of(&self.pair.tool, -1.0)
     }
 
-    /// The normals of both, those of the mock-up first, and their means. How far a body reaches along its own is known.
+    /// The normals of both and their means, those of the mock-up first. How far a body reaches along its own is known.
     fn try_facets(&mut self) {
         let Pair { lanes, tool, mockup, .. } = self.pair;
         self.directions.tried.clear();
         for (of, other, sense) in [(mockup, tool, 1.0), (tool, mockup, -1.0)] {
             let from = self.directions.tried.len();
-            for (facet, height) in of.facets.iter().zip(of.heights) {
-                let direction = scaled(&facet.normal, sense);
+            for (normal, height) in of.normals {
+                let direction = scaled(normal, sense);
                 if self.leads_out(&direction) {
                     self.directions.tried.push(Tried { direction, high: *height, low: -*height });
                 }
@@ -241,13 +241,6 @@ impl<'a> Best<'a> {
                 for (tried, height) in some.iter_mut().zip(reach.height) {
                     *(if sense > 0.0 { &mut tried.low } else { &mut tried.high }) = sense * -height;
                 }
-            }
-        }
-        let means = [mockup.mean, scaled(&tool.mean, -1.0)];
-        let (high, low) = self.support(&eight_of(&means));
-        for (i, d) in means.iter().enumerate() {
-            if self.leads_out(d) {
-                self.directions.tried.push(Tried { direction: *d, high: high.height[i], low: low.height[i] });
             }
         }
     }
@@ -379,7 +372,7 @@ mod tests {
             curve: &[],
             curve_eights: &[],
             edges: &[],
-            heights: &[],
+            normals: &[],
             mean,
             size: 1.0,
             largest: 1.0,
