@@ -49,8 +49,6 @@ struct Entry {
     facets: (usize, usize),
     points: (usize, usize),
     point_eights: (usize, usize),
-    curve: (usize, usize),
-    curve_eights: (usize, usize),
     edges: (usize, usize),
     normals: (usize, usize),
     mean: Point,
@@ -64,7 +62,11 @@ pub(crate) struct Bodies {
     list: Vec<Entry>,
     facets: Vec<Facet>,
     points: Vec<Point>,
-    curve: Vec<(Point, u32)>,
+    /// For each point where its cuts are.
+    cuts_of: Vec<(u32, u32)>,
+    point_cuts: Vec<u32>,
+    /// For each patch its cuts, by their places in the zone.
+    patch_cuts: Sets,
     eights: Vec<Eight>,
     edges: Vec<Edge>,
     normals: Vec<(Point, f64)>,
@@ -81,9 +83,9 @@ pub(crate) struct Body<'a> {
     /// Each once, or once for each of its facets.
     pub points: &'a [Point],
     pub point_eights: &'a [Eight],
-    /// Points of the curve with their cuts; a point has several.
-    pub curve: &'a [(Point, u32)],
-    pub curve_eights: &'a [Eight],
+    /// For each point where among `point_cuts` its cuts are: those of the curve have several, others none.
+    pub cuts_of: &'a [(u32, u32)],
+    pub point_cuts: &'a [u32],
     /// Of each two facets; empty where there are more than [`MOST_EDGES`].
     pub edges: &'a [Edge],
     /// The normals of the first [`MOST_NORMALS`] facets and their mean, and how far the points reach along each.
@@ -111,8 +113,8 @@ impl Bodies {
             facets: &self.facets[e.facets.0..e.facets.1],
             points: &self.points[e.points.0..e.points.1],
             point_eights: &self.eights[e.point_eights.0..e.point_eights.1],
-            curve: &self.curve[e.curve.0..e.curve.1],
-            curve_eights: &self.eights[e.curve_eights.0..e.curve_eights.1],
+            cuts_of: &self.cuts_of[e.points.0..e.points.1],
+            point_cuts: &self.point_cuts,
             edges: &self.edges[e.edges.0..e.edges.1],
             normals: &self.normals[e.normals.0..e.normals.1],
             mean: e.mean,
@@ -133,27 +135,38 @@ impl Bodies {
         self.list.clear();
         self.facets.clear();
         self.points.clear();
-        self.curve.clear();
+        self.cuts_of.clear();
+        self.point_cuts.clone_from(&patches.point_cuts);
         self.eights.clear();
         self.edges.clear();
         self.normals.clear();
         self.cuts.clear(clusters.count, cuts);
+        self.patch_cuts.clear(patches.list.len(), cuts);
+        for (p, patch) in patches.list.iter().enumerate() {
+            patches.cuts(patch).iter().for_each(|cut| self.patch_cuts.insert(p, place_of_cut(*cut)));
+        }
         for (i, (own, lent)) in clusters.patches.iter().zip(&clusters.lent).enumerate().take(clusters.count) {
-            let from = (self.facets.len(), self.points.len(), self.curve.len(), self.edges.len());
+            let from = (self.facets.len(), self.points.len(), self.edges.len());
+            for p in own.iter().chain(lent) {
+                let patch = &patches.list[*p as usize];
+                self.facets.push(Facet { normal: patch.normal, size: patch.size, flat: patch.flat });
+                self.cuts.join(i, self.patch_cuts.get(*p as usize));
+            }
             let own = || own.iter().map(|p| &patches.list[*p as usize]);
             for patch in own() {
-                self.push_facet(i, patch, patches, &place_of_cut);
                 self.points.extend_from_slice(patches.points(patch));
-                self.curve.extend_from_slice(patches.curve(patch));
+                self.cuts_of.extend_from_slice(patches.cuts_of(patch));
             }
             for patch in lent.iter().map(|p| &patches.list[*p as usize]) {
-                self.push_facet(i, patch, patches, &place_of_cut);
                 // The part of it that is below all of the body's own.
                 self.over.clear();
                 self.over.extend(own().filter(|p| p.may_be_below(patch)));
-                let is_within = |x: &Point| !self.over.iter().any(|p| p.is_below(x));
-                self.points.extend(patches.points(patch).iter().filter(|x| is_within(x)));
-                self.curve.extend(patches.curve(patch).iter().filter(|c| is_within(&c.0)));
+                for (x, cuts) in patches.points(patch).iter().zip(patches.cuts_of(patch)) {
+                    if !self.over.iter().any(|p| p.is_below(x)) {
+                        self.points.push(*x);
+                        self.cuts_of.push(*cuts);
+                    }
+                }
             }
             self.push_edges(from.0);
             let facets = &self.facets[from.0..];
@@ -164,26 +177,17 @@ impl Bodies {
             let (facets, points) = (&self.facets[from.0..], &self.points[from.1..]);
             let from_eights = self.eights.len();
             push_eights(points.iter(), &mut self.eights);
-            let to_eights = self.eights.len();
-            push_eights(self.curve[from.2..].iter().map(|c| &c.0), &mut self.eights);
             self.list.push(Entry {
                 facets: (from.0, self.facets.len()),
                 points: (from.1, self.points.len()),
-                point_eights: (from_eights, to_eights),
-                curve: (from.2, self.curve.len()),
-                curve_eights: (to_eights, self.eights.len()),
-                edges: (from.3, self.edges.len()),
+                point_eights: (from_eights, self.eights.len()),
+                edges: (from.2, self.edges.len()),
                 normals: (from_normals, self.normals.len()),
                 mean,
                 size: facets.iter().fold(0.0f64, |m, p| m.max(p.size)),
                 largest: points.iter().flatten().fold(0.0, |m, x| if x.abs() > m { x.abs() } else { m }),
             });
         }
-    }
-
-    fn push_facet(&mut self, i: usize, patch: &Patch, patches: &Patches, place_of_cut: impl Fn(u32) -> usize) {
-        self.facets.push(Facet { normal: patch.normal, size: patch.size, flat: patch.flat });
-        patches.curve(patch).iter().for_each(|(_, cut)| self.cuts.insert(i, place_of_cut(*cut)));
     }
 
     fn push_normals(&mut self, lanes: Checked, facets: usize, points: usize, mean: Point) {

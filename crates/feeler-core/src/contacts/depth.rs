@@ -195,15 +195,16 @@ impl<'a> Best<'a> {
         for (w, body) in [(MOCKUP, mockup), (TOOL, tool)] {
             let (d, height) = &ends[w];
             let Directions { places, goes_on: known, .. } = &mut *self.directions;
-            places_above(*lanes, body.curve_eights, d, *height, places);
-            let last = body.curve.len().saturating_sub(1);
-            let at = |i: &u32| &body.curve[last.min(*i as usize)];
-            if let Some((x, source)) =
-                places.iter().map(at).find(|(_, source)| goes_on(zones, w, *source, d, *height + 3.0 * tolerance))
-            {
-                known.truncate(MOST_KNOWN - 1);
-                known.insert(0, (w, *x, *source));
-                return true;
+            places_above(*lanes, body.point_eights, d, *height, places);
+            let last = body.points.len().saturating_sub(1);
+            for i in places.iter().map(|i| last.min(*i as usize)) {
+                let cuts = &body.point_cuts[body.cuts_of[i].0 as usize..body.cuts_of[i].1 as usize];
+                let above = *height + 3.0 * tolerance;
+                if let Some(source) = cuts.iter().find(|source| goes_on(zones, w, **source, d, above)) {
+                    known.truncate(MOST_KNOWN - 1);
+                    known.insert(0, (w, body.points[i], *source));
+                    return true;
+                }
             }
         }
         false
@@ -369,8 +370,8 @@ mod tests {
             facets: &[],
             points,
             point_eights: &[],
-            curve: &[],
-            curve_eights: &[],
+            cuts_of: &[],
+            point_cuts: &[],
             edges: &[],
             normals: &[],
             mean,

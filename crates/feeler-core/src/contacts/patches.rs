@@ -50,9 +50,8 @@ pub(crate) struct Patch {
     pub size: f64,
     /// Whether all its triangles have one plane.
     pub flat: bool,
-    /// Its points among all of [`Patches`], those of the curve, and the outermost.
+    /// Its points among all of [`Patches`], and the outermost.
     points: (u32, u32),
-    curve: (u32, u32),
     corners: (u32, u32),
 }
 
@@ -88,8 +87,12 @@ pub(crate) struct Patches {
     pub list: Vec<Patch>,
     /// Corners of what lies beyond the other surface, the curve's points included, each once, patch by patch.
     points: Vec<Point>,
-    /// Points of the curve with their cuts; a point has several.
-    curve: Vec<(Point, u32)>,
+    /// For each of them where its cuts are: those of the curve have several, others none.
+    cuts_of: Vec<(u32, u32)>,
+    /// Cuts, point by point.
+    pub point_cuts: Vec<u32>,
+    /// Points of the curve on one patch, by their places, with their cuts.
+    curve: Vec<(u32, u32)>,
     corners: Vec<Point>,
     pieces: Vec<Piece>,
     /// Points piece by piece, with the cuts of those that are the curve's, or [`NONE`].
@@ -117,9 +120,15 @@ impl Patches {
         &self.points[patch.points.0 as usize..patch.points.1 as usize]
     }
 
-    /// The points of the curve on a patch, each with its cut; a point has several.
-    pub fn curve(&self, patch: &Patch) -> &[(Point, u32)] {
-        &self.curve[patch.curve.0 as usize..patch.curve.1 as usize]
+    /// For each of them where its cuts are among [`point_cuts`](Self::point_cuts).
+    pub fn cuts_of(&self, patch: &Patch) -> &[(u32, u32)] {
+        &self.cuts_of[patch.points.0 as usize..patch.points.1 as usize]
+    }
+
+    /// The cuts of a patch, each for every point of it that it has.
+    pub fn cuts(&self, patch: &Patch) -> &[u32] {
+        let (first, last) = (self.cuts_of[patch.points.0 as usize], self.cuts_of[patch.points.1 as usize - 1]);
+        &self.point_cuts[first.0 as usize..last.1 as usize]
     }
 
     /// The outermost points of a patch along a few directions, with their places among those of all patches.
@@ -210,7 +219,6 @@ impl Patches {
                 size: 0.0,
                 flat: true,
                 points: (0, 0),
-                curve: (0, 0),
                 corners: (0, 0),
             });
             found.len() - 1
@@ -264,28 +272,44 @@ impl Patches {
 
     /// Puts the points of each patch together, in the order of its pieces.
     fn gather(&mut self) {
-        let Patches { list, points, curve, pieces, piece_points, order, known, .. } = self;
+        let Patches { list, points, cuts_of, point_cuts, curve, pieces, piece_points, order, known, .. } = self;
         order.clear();
         order.extend(0..pieces.len() as u32);
         order.sort_by_key(|i| pieces[*i as usize].patch);
         points.clear();
-        curve.clear();
+        cuts_of.clear();
+        point_cuts.clear();
         for same in order.chunk_by(|i, j| pieces[*i as usize].patch == pieces[*j as usize].patch) {
-            let patch = &mut list[pieces[same[0] as usize].patch as usize];
-            let from = (points.len(), curve.len());
+            let from = points.len();
             known.clear();
+            curve.clear();
             for piece in same.iter().map(|i| &pieces[*i as usize]) {
                 for (x, cut) in &piece_points[piece.points.0 as usize..piece.points.1 as usize] {
-                    if *cut != NONE {
-                        curve.push((*x, *cut));
-                    }
-                    if known.insert(x, &points[from.0..]) {
+                    let (place, is_new) = known.insert(x, &points[from..]);
+                    if is_new {
                         points.push(*x);
+                        cuts_of.push((0, 0));
+                    }
+                    if *cut != NONE {
+                        cuts_of[from + place as usize].1 += 1;
+                        curve.push((place, *cut));
                     }
                 }
             }
-            patch.points = (from.0 as u32, points.len() as u32);
-            patch.curve = (from.1 as u32, curve.len() as u32);
+            // The cuts of each point together: from here on each is filled from where it begins.
+            let mut begin = point_cuts.len() as u32;
+            for of in &mut cuts_of[from..] {
+                let count = of.1;
+                *of = (begin, begin);
+                begin += count;
+            }
+            point_cuts.resize(begin as usize, 0);
+            for (place, cut) in curve.iter() {
+                let end = &mut cuts_of[from + *place as usize].1;
+                point_cuts[*end as usize] = *cut;
+                *end += 1;
+            }
+            list[pieces[same[0] as usize].patch as usize].points = (from as u32, points.len() as u32);
         }
         list.retain(|p| p.points.0 < p.points.1);
     }

@@ -21,8 +21,8 @@ impl PointSet {
         self.len = 0;
     }
 
-    /// Whether a point is not among the `known`, whose places are numbered as they were added; it is the next, then.
-    pub fn insert(&mut self, x: &Point, known: &[Point]) -> bool {
+    /// The place of a point among the `known`, which are numbered as they were added, and whether it is new: then it is the next.
+    pub fn insert(&mut self, x: &Point, known: &[Point]) -> (u32, bool) {
         if 2 * self.len >= self.slots.len() {
             self.slots = vec![(0, 0); 2 * self.slots.len()];
             for (y, i) in known.iter().zip(0..) {
@@ -32,11 +32,11 @@ impl PointSet {
         }
         let at = self.find(x, known);
         if self.slots[at].0 == self.round {
-            return false;
+            return (self.slots[at].1, false);
         }
         self.slots[at] = (self.round, self.len as u32);
         self.len += 1;
-        true
+        (self.slots[at].1, true)
     }
 
     /// The slot of a point, or the free one where it belongs.
