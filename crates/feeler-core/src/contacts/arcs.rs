@@ -1,104 +1,114 @@
-//! The lowest places on a few arcs of directions, sought on all of them at once.
+//! The least deep directions on a few arcs, sought on all of them at once.
+//!
+//! Along each direction tried two places are extreme, and the way from one to the other bounds the depth everywhere. Between
+//! two directions the depth is least at one of them, or nowhere less than where their two ways are as long as each other: there
+//! it is tried next, until it is that deep.
 
 use crate::bounds::Point;
 use crate::simd::WIDE_LANES;
-use crate::vectors::{along, dot, scaled, unit};
+use crate::vectors::{along, dot, scaled, sub, unit};
 
-/// Depths asked for on each arc: two to begin with, then one a step.
-pub(crate) const ARC_STEPS: usize = 10;
+/// Most pieces that are kept.
+const MOST_PIECES: usize = 64;
 
-/// Of the golden section.
-const RATIO: f64 = 0.618_033_988_749_894_9;
-
-/// An arc between two directions, and what is left of it.
-#[derive(Debug, Clone, Copy, Default)]
-struct Arc {
+/// Part of an arc.
+#[derive(Debug, Clone, Copy)]
+struct Piece {
+    /// Directions tried, and their ways.
     ends: [Point; 2],
-    from: f64,
-    to: f64,
-    /// Where it is known or asked for, and the depths there.
-    at: [f64; 2],
-    depth: [f64; 2],
-    /// Which of the two is asked for.
-    asked: usize,
+    ways: [Point; 2],
+    /// Between them, where to try next, and no depth is less.
+    middle: Point,
+    bound: f64,
 }
 
-impl Arc {
-    fn direction(&self, s: f64) -> Option<Point> {
-        unit(&along(&scaled(&self.ends[0], 1.0 - s), s, &self.ends[1]))
-    }
-
-    /// Keeps the half with the lesser depth.
-    fn narrow(&mut self) {
-        if self.depth[0] <= self.depth[1] {
-            (self.to, self.at[1], self.depth[1]) = (self.at[1], self.at[0], self.depth[0]);
-            self.at[0] = self.to - RATIO * (self.to - self.from);
-            self.asked = 0;
-        } else {
-            (self.from, self.at[0], self.depth[0]) = (self.at[0], self.at[1], self.depth[1]);
-            self.at[1] = self.from + RATIO * (self.to - self.from);
-            self.asked = 1;
-        }
-    }
-}
-
-/// At most eight arcs.
+/// Pieces of arcs that may hold what is less deep.
 #[derive(Debug, Default)]
 pub(crate) struct Arcs {
-    arcs: [Arc; WIDE_LANES],
-    count: usize,
+    pieces: Vec<Piece>,
+    asked: Vec<Piece>,
 }
 
 impl Arcs {
-    /// Adds an arc between two directions.
-    pub fn push(&mut self, ends: [Point; 2]) {
-        self.arcs[self.count] = Arc { ends, to: 1.0, at: [1.0 - RATIO, RATIO], ..Arc::default() };
-        self.count += 1;
+    pub fn clear(&mut self) {
+        self.pieces.clear();
     }
 
-    /// Directions whose depths are wanted next, one an arc.
-    pub fn next(&mut self, step: usize) -> [Point; WIDE_LANES] {
-        let mut directions = [[0.0; 3]; WIDE_LANES];
-        for (arc, d) in self.arcs[..self.count].iter_mut().zip(&mut directions) {
-            match step {
-                0 | 1 => arc.asked = step,
-                _ => arc.narrow(),
+    /// Adds an arc between two directions with their ways, each the longest along its own.
+    pub fn push(&mut self, ends: [Point; 2], ways: [Point; 2]) {
+        let turn = sub(&ways[0], &ways[1]);
+        let (first, last) = (dot(&turn, &ends[0]), -dot(&turn, &ends[1]));
+        if first <= 0.0 || last <= 0.0 || self.pieces.len() >= MOST_PIECES {
+            // One way is the longest at both ends, and so it is between them: nothing there is less deep.
+            return;
+        }
+        if let Some(middle) = unit(&along(&scaled(&ends[0], last), first, &ends[1])) {
+            let bound = dot(&ways[0], &middle).max(dot(&ways[1], &middle));
+            self.pieces.push(Piece { ends, ways, middle, bound });
+        }
+    }
+
+    /// The next directions to be tried, those first where least depth is possible, the last several times; none where all
+    /// depths are beyond a limit.
+    pub fn lowest(&mut self, limit: f64) -> Option<[Point; WIDE_LANES]> {
+        self.pieces.retain(|p| p.bound < limit);
+        if self.pieces.len() > WIDE_LANES {
+            self.pieces.sort_by(|p, q| p.bound.total_cmp(&q.bound));
+        }
+        self.asked.clear();
+        self.asked.extend(self.pieces.drain(..self.pieces.len().min(WIDE_LANES)));
+        let last = self.asked.len().checked_sub(1)?;
+        Some(std::array::from_fn(|i| self.asked[i.min(last)].middle))
+    }
+
+    /// How many of them are not repeated.
+    pub fn asked(&self) -> usize {
+        self.asked.len()
+    }
+
+    /// Takes the way found along one of them. Within the noise it is as deep as it was bound to be, and that piece is done.
+    pub fn answer(&mut self, i: usize, way: Point, noise: f64) {
+        let Piece { ends, ways, middle, bound } = self.asked[i];
+        if dot(&way, &middle) > bound * (1.0 + 1e-6) + noise {
+            self.push([ends[0], middle], [ways[0], way]);
+            self.push([middle, ends[1]], [way, ways[1]]);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_on_an_arc_is_less_deep_than_what_is_found() {
+        let wave = |i: usize| [(0.7 * i as f64).sin(), (1.9 * i as f64).cos(), (1.3 * i as f64).sin()];
+        for round in 0..200 {
+            // Ways to both sides, so that all depths are positive.
+            let ways: Vec<Point> = (0..12).map(|i| wave(12 * round + i)).flat_map(|p| [p, scaled(&p, -1.0)]).collect();
+            let longest = |d: &Point| *ways.iter().max_by(|p, q| dot(p, d).total_cmp(&dot(q, d))).unwrap();
+            let ends = [0, 1].map(|i| unit(&wave(1000 + 3 * round + i)).unwrap());
+            if dot(&ends[0], &ends[1]) < -0.5 {
+                continue;
             }
-            *d = arc.direction(arc.at[arc.asked]).unwrap_or(arc.ends[0]);
-        }
-        directions
-    }
-
-    /// Takes the depths asked for.
-    pub fn take(&mut self, depth: impl Fn(usize) -> f64) {
-        for (i, arc) in self.arcs[..self.count].iter_mut().enumerate() {
-            arc.depth[arc.asked] = depth(i);
-        }
-    }
-
-    /// Drops arcs on which no direction is less deep than a limit, for a way (of each arc) is that long along both ends.
-    pub fn drop_beyond(&mut self, limit: f64, way: impl Fn(usize) -> Point) {
-        let mut kept = 0;
-        for i in 0..self.count {
-            let arc = self.arcs[i];
-            let way = way(i);
-            if !arc.ends.iter().all(|d| dot(&way, d) >= limit) {
-                self.arcs[kept] = arc;
-                kept += 1;
+            let mut least = ends.iter().map(|d| dot(&longest(d), d)).fold(f64::INFINITY, f64::min);
+            let mut arcs = Arcs::default();
+            arcs.push(ends, ends.map(|d| longest(&d)));
+            let mut asked = 0;
+            while let Some(directions) = arcs.lowest(least) {
+                for (i, d) in directions.iter().enumerate().take(arcs.asked()) {
+                    let way = longest(d);
+                    least = least.min(dot(&way, d));
+                    arcs.answer(i, way, 1e-12);
+                    asked += 1;
+                }
+            }
+            assert!(asked <= 24, "{asked}");
+            for step in 0..=1000 {
+                let s = f64::from(step) / 1000.0;
+                let d = unit(&along(&scaled(&ends[0], 1.0 - s), s, &ends[1])).unwrap();
+                assert!(least <= dot(&longest(&d), &d) + 1e-9, "{round} {step}");
             }
         }
-        self.count = kept;
-    }
-
-    pub fn is_empty(&self) -> bool {
-        self.count == 0
-    }
-
-    /// The middles of what is left in the end.
-    pub fn lowest(&mut self) -> impl Iterator<Item = Point> + '_ {
-        self.arcs[..self.count].iter_mut().filter_map(|arc| {
-            arc.narrow();
-            arc.direction(0.5 * (arc.from + arc.to))
-        })
     }
 }

@@ -1,12 +1,15 @@
 //! Patches that belong together, seen as one bulging body.
 
 use crate::bounds::Point;
-use crate::contacts::adjacency::NONE;
 use crate::contacts::clusters::Clusters;
-use crate::contacts::heights::{push_eights, Eight};
-use crate::contacts::patches::Patches;
+use crate::contacts::heights::{highest, push_eights, Eight};
+use crate::contacts::patches::{Patch, Patches};
 use crate::contacts::sides::Sets;
+use crate::simd::{Checked, WIDE_LANES};
 use crate::vectors::{along, cross, dot, unit};
+
+/// Most facets of a body, the largest, whose normals are tried.
+pub(crate) const MOST_NORMALS: usize = 24;
 
 /// Most edges of a body whose directions are kept.
 pub(crate) const MOST_EDGES: usize = 100;
@@ -46,9 +49,8 @@ struct Entry {
     facets: (usize, usize),
     points: (usize, usize),
     point_eights: (usize, usize),
-    curve: (usize, usize),
-    curve_eights: (usize, usize),
     edges: (usize, usize),
+    normals: (usize, usize),
     mean: Point,
     size: f64,
     largest: f64,
@@ -60,26 +62,34 @@ pub(crate) struct Bodies {
     list: Vec<Entry>,
     facets: Vec<Facet>,
     points: Vec<Point>,
-    curve: Vec<(Point, u32)>,
+    /// For each point where its cuts are.
+    cuts_of: Vec<(u32, u32)>,
+    point_cuts: Vec<u32>,
+    /// For each patch its cuts, by their places in the zone.
+    patch_cuts: Sets,
     eights: Vec<Eight>,
     edges: Vec<Edge>,
+    normals: Vec<(Point, f64)>,
     /// For each body the cuts it has a part in, by their places in the zone.
     pub cuts: Sets,
-    seen: PointSet,
+    /// Patches over whose planes one may stand out.
+    over: Vec<Patch>,
 }
 
 /// A body, to be read.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Body<'a> {
     pub facets: &'a [Facet],
-    /// Each once.
+    /// Each once, or once for each of its facets.
     pub points: &'a [Point],
     pub point_eights: &'a [Eight],
-    /// Points of the curve with their cuts; a point has several.
-    pub curve: &'a [(Point, u32)],
-    pub curve_eights: &'a [Eight],
+    /// For each point where among `point_cuts` its cuts are: those of the curve have several, others none.
+    pub cuts_of: &'a [(u32, u32)],
+    pub point_cuts: &'a [u32],
     /// Of each two facets; empty where there are more than [`MOST_EDGES`].
     pub edges: &'a [Edge],
+    /// The normals of the first [`MOST_NORMALS`] facets and their mean, and how far the points reach along each.
+    pub normals: &'a [(Point, f64)],
     /// Of the facets' normals, by area; zero where there is none.
     pub mean: Point,
     pub size: f64,
@@ -103,9 +113,10 @@ impl Bodies {
             facets: &self.facets[e.facets.0..e.facets.1],
             points: &self.points[e.points.0..e.points.1],
             point_eights: &self.eights[e.point_eights.0..e.point_eights.1],
-            curve: &self.curve[e.curve.0..e.curve.1],
-            curve_eights: &self.eights[e.curve_eights.0..e.curve_eights.1],
+            cuts_of: &self.cuts_of[e.points.0..e.points.1],
+            point_cuts: &self.point_cuts,
             edges: &self.edges[e.edges.0..e.edges.1],
+            normals: &self.normals[e.normals.0..e.normals.1],
             mean: e.mean,
             size: e.size,
             largest: e.largest,
@@ -113,56 +124,80 @@ impl Bodies {
     }
 
     /// Makes the bodies of a zone with so many cuts. `place_of_cut` tells where a cut is among them.
-    pub fn set(&mut self, patches: &Patches, clusters: &Clusters, cuts: usize, place_of_cut: impl Fn(u32) -> usize) {
+    pub fn set(
+        &mut self,
+        lanes: Checked,
+        patches: &Patches,
+        clusters: &Clusters,
+        cuts: usize,
+        place_of_cut: impl Fn(u32) -> usize,
+    ) {
         self.list.clear();
         self.facets.clear();
         self.points.clear();
-        self.curve.clear();
+        self.cuts_of.clear();
+        self.point_cuts.clone_from(&patches.point_cuts);
         self.eights.clear();
         self.edges.clear();
+        self.normals.clear();
         self.cuts.clear(clusters.count, cuts);
+        self.patch_cuts.clear(patches.list.len(), cuts);
+        for (p, patch) in patches.list.iter().enumerate() {
+            patches.cuts(patch).iter().for_each(|cut| self.patch_cuts.insert(p, place_of_cut(*cut)));
+        }
         for (i, (own, lent)) in clusters.patches.iter().zip(&clusters.lent).enumerate().take(clusters.count) {
-            let from = (self.facets.len(), self.points.len(), self.curve.len(), self.edges.len());
-            self.seen.clear();
-            let own = || own.iter().map(|p| &patches.list[*p as usize]);
-            let lent = || lent.iter().map(|p| &patches.list[*p as usize]);
-            for (patch, is_own) in own().map(|p| (p, true)).chain(lent().map(|p| (p, false))) {
+            let from = (self.facets.len(), self.points.len(), self.edges.len());
+            for p in own.iter().chain(lent) {
+                let patch = &patches.list[*p as usize];
                 self.facets.push(Facet { normal: patch.normal, size: patch.size, flat: patch.flat });
-                let (points, sources) = patches.points(patch);
-                for (x, source) in points.iter().zip(sources) {
-                    if *source != NONE {
-                        self.cuts.insert(i, place_of_cut(*source));
-                    }
-                    if !is_own && own().any(|p| p.is_below(x)) {
-                        continue;
-                    }
-                    if *source != NONE {
-                        self.curve.push((*x, *source));
-                    }
-                    if self.seen.insert(x, &self.points[from.1..]) {
+                self.cuts.join(i, self.patch_cuts.get(*p as usize));
+            }
+            let own = || own.iter().map(|p| &patches.list[*p as usize]);
+            for patch in own() {
+                self.points.extend_from_slice(patches.points(patch));
+                self.cuts_of.extend_from_slice(patches.cuts_of(patch));
+            }
+            for patch in lent.iter().map(|p| &patches.list[*p as usize]) {
+                // The part of it that is below all of the body's own.
+                self.over.clear();
+                self.over.extend(own().filter(|p| p.may_be_below(patch)));
+                for (x, cuts) in patches.points(patch).iter().zip(patches.cuts_of(patch)) {
+                    if !self.over.iter().any(|p| p.is_below(x)) {
                         self.points.push(*x);
+                        self.cuts_of.push(*cuts);
                     }
                 }
             }
             self.push_edges(from.0);
             let facets = &self.facets[from.0..];
             let sum = facets.iter().fold([0.0; 3], |s, p| along(&s, p.size * p.size, &p.normal));
-            let points = &self.points[from.1..];
+            let mean = unit(&sum).unwrap_or([0.0; 3]);
+            let from_normals = self.normals.len();
+            self.push_normals(lanes, from.0, from.1, mean);
+            let (facets, points) = (&self.facets[from.0..], &self.points[from.1..]);
             let from_eights = self.eights.len();
             push_eights(points.iter(), &mut self.eights);
-            let to_eights = self.eights.len();
-            push_eights(self.curve[from.2..].iter().map(|c| &c.0), &mut self.eights);
             self.list.push(Entry {
                 facets: (from.0, self.facets.len()),
                 points: (from.1, self.points.len()),
-                point_eights: (from_eights, to_eights),
-                curve: (from.2, self.curve.len()),
-                curve_eights: (to_eights, self.eights.len()),
-                edges: (from.3, self.edges.len()),
-                mean: unit(&sum).unwrap_or([0.0; 3]),
+                point_eights: (from_eights, self.eights.len()),
+                edges: (from.2, self.edges.len()),
+                normals: (from_normals, self.normals.len()),
+                mean,
                 size: facets.iter().fold(0.0f64, |m, p| m.max(p.size)),
                 largest: points.iter().flatten().fold(0.0, |m, x| if x.abs() > m { x.abs() } else { m }),
             });
+        }
+    }
+
+    fn push_normals(&mut self, lanes: Checked, facets: usize, points: usize, mean: Point) {
+        let from = self.normals.len();
+        self.normals.extend(self.facets[facets..].iter().take(MOST_NORMALS).map(|f| (f.normal, 0.0)));
+        self.normals.push((mean, 0.0));
+        for some in self.normals[from..].chunks_mut(WIDE_LANES) {
+            let directions = std::array::from_fn(|i| some[i.min(some.len() - 1)].0);
+            let reach = highest(lanes, &self.points[points..], &directions);
+            some.iter_mut().zip(reach.height).for_each(|(n, height)| n.1 = height);
         }
     }
 
@@ -179,54 +214,4 @@ impl Bodies {
 /// Pairs of so many facets.
 pub(crate) fn edge_count(facets: usize) -> usize {
     facets * facets.saturating_sub(1) / 2
-}
-
-/// The places of points in a list, found by their coordinates; empties in constant time.
-#[derive(Debug, Default)]
-struct PointSet {
-    slots: Vec<(u32, u32)>,
-    len: usize,
-    round: u32,
-}
-
-impl PointSet {
-    fn clear(&mut self) {
-        if self.slots.is_empty() || self.round == u32::MAX {
-            self.slots = vec![(0, 0); self.slots.len().max(256)];
-            self.round = 0;
-        }
-        self.round += 1;
-        self.len = 0;
-    }
-
-    /// Whether a point is not among the `known`, whose places are numbered as they were added; it is the next, then.
-    fn insert(&mut self, x: &Point, known: &[Point]) -> bool {
-        if 2 * self.len >= self.slots.len() {
-            self.slots = vec![(0, 0); 2 * self.slots.len()];
-            for (y, i) in known.iter().zip(0..) {
-                let at = self.find(y, known);
-                self.slots[at] = (self.round, i);
-            }
-        }
-        let at = self.find(x, known);
-        if self.slots[at].0 == self.round {
-            return false;
-        }
-        self.slots[at] = (self.round, self.len as u32);
-        self.len += 1;
-        true
-    }
-
-    /// The slot of a point, or the free one where it belongs.
-    fn find(&self, x: &Point, known: &[Point]) -> usize {
-        let mask = self.slots.len() - 1;
-        // Adding 0 makes one zero of the two.
-        let hash =
-            x.iter().fold(0u64, |h, c| (h.rotate_left(21) ^ (c + 0.0).to_bits()).wrapping_mul(0x9e37_79b9_7f4a_7c15));
-        let mut at = (hash >> 32) as usize & mask;
-        while self.slots[at].0 == self.round && known[self.slots[at].1 as usize] != *x {
-            at = (at + 1) & mask;
-        }
-        at
-    }
 }

@@ -18,7 +18,9 @@ pub(crate) struct Clusters {
     sides: Sides,
     /// For each patch the patches over whose planes its middle stands out.
     over: Sets,
+    /// The same for each corner of a patch.
     corner_over: Sets,
+    /// Those under whose planes it is, of any middle and of the corners of one.
     under: Sets,
     straddling: Vec<u32>,
 }
@@ -35,15 +37,16 @@ impl Clusters {
         self.over.clear(count, count);
         self.straddling.clear();
         self.sides.set(&patches.list);
+        self.corner_over.clear(patches.corner_count(), count);
+        self.under.clear(2, count);
         for (i, patch) in patches.list.iter().enumerate() {
-            self.under.clear(1, count);
-            self.corner_over.clear(1, count);
             self.sides.judge(lanes, &patch.middle, self.over.get_mut(i), self.under.get_mut(0));
-            self.under.clear(1, count);
-            for x in patches.corners(patch) {
-                self.sides.judge(lanes, x, self.corner_over.get_mut(0), self.under.get_mut(0));
+            let under = self.under.get_mut(1);
+            under.fill(0);
+            for (k, x) in patches.corners(patch) {
+                self.sides.judge(lanes, x, self.corner_over.get_mut(k), under);
             }
-            if is_meeting(self.corner_over.get(0), self.under.get(0)) {
+            if patches.corners(patch).any(|(k, _)| is_meeting(self.corner_over.get(k), self.under.get(1))) {
                 self.straddling.push(i as u32);
             }
         }
@@ -56,14 +59,9 @@ impl Clusters {
         }
         let bodies = self.count;
         for i in straddling.drain(..) {
-            let corners = patches.corners(&patches.list[i as usize]);
-            self.corner_over.clear(corners.len(), count);
-            for (k, x) in corners.iter().enumerate() {
-                self.sides.judge(lanes, x, self.corner_over.get_mut(k), self.under.get_mut(0));
-            }
             let mut lent = false;
             for c in 0..bodies {
-                if self.is_partly_within(i as usize, corners.len(), c) {
+                if self.is_partly_within(patches, i as usize, c) {
                     lent = true;
                     self.lent[c].push(i);
                 }
@@ -97,8 +95,9 @@ impl Clusters {
     }
 
     /// Whether no patch of a cluster stands out over a patch, and one of its corners over none of them.
-    fn is_partly_within(&self, i: usize, corners: usize, c: usize) -> bool {
+    fn is_partly_within(&self, patches: &Patches, i: usize, c: usize) -> bool {
+        let (mut corners, members) = (patches.corners(&patches.list[i]), self.members.get(c));
         !self.patches[c].iter().any(|j| has(self.over.get(*j as usize), i))
-            && (0..corners).any(|k| !is_meeting(self.corner_over.get(k), self.members.get(c)))
+            && corners.any(|(k, _)| !is_meeting(self.corner_over.get(k), members))
     }
 }

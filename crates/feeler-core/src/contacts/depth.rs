@@ -2,30 +2,16 @@
 //!
 //! Along a unit direction d the depth is the highest of the mock-up's points less the lowest of the tool's: the way the tool
 //! has to go along d until a plane across d holds the two apart. The least of it over all d is at a normal of one of the two,
-//! or at a direction across an edge of each, as for any two polytopes; for curved surfaces a short descent follows.
+//! or at a direction across an edge of each, as for any two polytopes; for curved surfaces a short [`descent`](super::descent)
+//! follows.
 
 use crate::bounds::{Aabb, Point};
-use crate::contacts::arcs::{Arcs, ARC_STEPS};
-use crate::contacts::body::{edge_count, Body, MOST_EDGES};
-use crate::contacts::heights::{highest_and_lowest, places_above, Reach};
+use crate::contacts::arcs::Arcs;
+use crate::contacts::body::{edge_count, Body, MOST_EDGES, MOST_NORMALS};
+use crate::contacts::heights::{highest, highest_and_lowest, places_above, Reach};
 use crate::contacts::zones::{Zones, MOCKUP, TOOL};
 use crate::simd::{Checked, WIDE_LANES};
 use crate::vectors::{add, along, cross, dot, length, scaled, sub, unit};
-
-/// Most directions tried of each kind.
-const MOST_NORMALS: usize = 24;
-
-/// Most patches of a body, the largest, between whose normals directions are sought.
-const MOST_TURNED: usize = 3;
-
-/// Most ways between extreme places that are kept to reject directions by.
-const MOST_WAYS: usize = 24;
-
-/// Most steps of the descent, the share by which each that leads nowhere shortens the next, and the length (radians, about) of the
-/// last.
-const MOST_STEPS: usize = 24;
-const SHORTER: f64 = 0.6;
-const SHORTEST_STEP: f64 = 0.01;
 
 /// Most places that are kept where a surface goes on.
 const MOST_KNOWN: usize = 6;
@@ -60,102 +46,116 @@ impl Depth {
 #[derive(Debug, Default)]
 pub(crate) struct Directions {
     list: Vec<Point>,
-    /// From a low place of the tool to a high one of the mock-up, along directions tried: no direction is less deep than any
-    /// of them along it.
-    ways: Vec<Point>,
-    next_way: usize,
+    tried: Vec<Tried>,
+    pub(super) arcs: Arcs,
     /// Points of the curve where a surface went on along directions tried: of which, where, and by which cut.
     goes_on: Vec<(usize, Point, u32)>,
     places: Vec<u32>,
 }
 
-/// See the module. `None` where no direction leads out.
-pub(crate) fn least_depth(
-    lanes: Checked,
-    zones: &Zones,
-    tool: &Body<'_>,
-    mockup: &Body<'_>,
-    directions: &mut Directions,
-) -> Option<Depth> {
-    let size = tool.size.max(mockup.size);
-    let noise = 1e-12 * size.max(tool.largest);
-    let is_flat = |body: &Body<'_>| body.facets.len() <= MOST_NORMALS && body.facets.iter().all(|p| p.flat);
-    let mut certain = is_flat(tool) && is_flat(mockup);
-    let mut list = std::mem::take(&mut directions.list);
-    directions.ways.clear();
-    directions.next_way = 0;
-    directions.goes_on.clear();
-    let mut best = Best { lanes, zones, tool, mockup, noise, found: None, directions };
-    list.clear();
-    let mut offer = |d: Point| {
-        if best.leads_out(&d) {
-            list.push(d);
-        }
-    };
-    mockup.facets.iter().take(MOST_NORMALS).for_each(|p| offer(p.normal));
-    tool.facets.iter().take(MOST_NORMALS).for_each(|p| offer(scaled(&p.normal, -1.0)));
-    offer(mockup.mean);
-    offer(scaled(&tool.mean, -1.0));
-    if edge_count(mockup.facets.len()) * edge_count(tool.facets.len()) <= MOST_EDGES {
-        for e in mockup.edges {
-            for f in tool.edges {
-                let Some(d) = unit(&cross(&e.along, &f.along)) else { continue };
-                for d in [d, scaled(&d, -1.0)] {
-                    // Where it is between the normals on both sides, the edges hold along it, wherever most of the faces look.
-                    if e.is_between(&d) && f.is_between(&scaled(&d, -1.0)) || best.leads_out(&d) {
-                        list.push(d);
-                    }
-                }
-            }
-        }
-    } else {
-        certain = false;
-    }
-    best.try_all(&list);
-    if !certain {
-        best.turn_around_edges(&mut list);
-        best.descend(&mut list);
-    }
-    let found = best.found.map(|f| Depth { normal: f.direction, depth: f.depth(), point: best.place(&f), certain });
-    directions.list = list;
-    found
-}
-
-/// The best direction so far.
+/// A direction, and how high the mock-up and how low the tool is along it.
 #[derive(Debug, Clone, Copy)]
-struct Found {
-    direction: Point,
-    high: f64,
-    low: f64,
-    /// How far the two bodies lean over the plane between them.
-    lean: f64,
+pub(super) struct Tried {
+    pub direction: Point,
+    pub high: f64,
+    pub low: f64,
 }
 
-impl Found {
-    fn depth(&self) -> f64 {
+impl Tried {
+    pub fn depth(&self) -> f64 {
         self.high - self.low
     }
 }
 
-struct Best<'a> {
-    lanes: Checked,
-    zones: &'a Zones,
-    tool: &'a Body<'a>,
-    mockup: &'a Body<'a>,
+/// What the normals of two bodies say about their depth.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct FirstDepth {
+    found: Option<Tried>,
+    /// As [`Depth`] has it.
+    pub certain: bool,
+}
+
+impl FirstDepth {
+    /// Metres, at least the least depth; infinite where none of the directions leads out.
+    pub fn depth(&self) -> f64 {
+        self.found.map_or(f64::INFINITY, |f| f.depth())
+    }
+
+    /// The direction, if there is one.
+    pub fn normal(&self) -> Option<Point> {
+        self.found.map(|f| f.direction)
+    }
+}
+
+/// Two bodies that cut each other.
+#[derive(Clone, Copy)]
+pub(crate) struct Pair<'a> {
+    pub lanes: Checked,
+    pub zones: &'a Zones,
+    pub tool: Body<'a>,
+    pub mockup: Body<'a>,
+}
+
+impl Pair<'_> {
+    /// The least depth along a normal of either body.
+    pub fn first_depth(&self, directions: &mut Directions) -> FirstDepth {
+        let is_flat = |body: &Body<'_>| body.facets.len() <= MOST_NORMALS && body.facets.iter().all(|p| p.flat);
+        let mut best = Best::new(self, directions, None);
+        best.try_facets();
+        best.choose();
+        FirstDepth { found: best.found, certain: self.has_edges() && is_flat(&self.tool) && is_flat(&self.mockup) }
+    }
+
+    /// Whether a plane across `normal` so deep, found for others, holds these two apart as well.
+    pub fn are_apart(&self, normal: &Point, depth: f64) -> bool {
+        let (high, low) = highest_and_lowest(self.lanes, self.mockup.points, self.tool.points, &[*normal; WIDE_LANES]);
+        high.height[0] - low.height[0] <= depth * (1.0 + CLEARLY)
+    }
+
+    /// Whether there are few enough edges to try all directions across two of them.
+    fn has_edges(&self) -> bool {
+        edge_count(self.mockup.facets.len()) * edge_count(self.tool.facets.len()) <= MOST_EDGES
+    }
+
+    /// The least depth, from the first. `None` where no direction leads out.
+    pub fn least_depth(&self, first: &FirstDepth, directions: &mut Directions) -> Option<Depth> {
+        let mut best = Best::new(self, directions, first.found);
+        if self.has_edges() {
+            best.try_edges();
+        }
+        if !first.certain {
+            best.turn_around_edges();
+            best.descend();
+        }
+        let found = best.found?;
+        Some(Depth { normal: found.direction, depth: found.depth(), point: best.place(&found), certain: first.certain })
+    }
+}
+
+/// The best direction so far.
+pub(super) struct Best<'a> {
+    pub pair: &'a Pair<'a>,
     /// Metres below which depths are the same.
-    noise: f64,
-    found: Option<Found>,
-    directions: &'a mut Directions,
+    pub noise: f64,
+    pub found: Option<Tried>,
+    pub directions: &'a mut Directions,
 }
 
 /// Eight directions of a list, the last one several times where there are fewer.
-fn eight_of(list: &[Point]) -> [Point; WIDE_LANES] {
+pub(super) fn eight_of(list: &[Point]) -> [Point; WIDE_LANES] {
     std::array::from_fn(|i| list[i.min(list.len() - 1)])
 }
 
-impl Best<'_> {
+impl<'a> Best<'a> {
+    fn new(pair: &'a Pair<'a>, directions: &'a mut Directions, found: Option<Tried>) -> Best<'a> {
+        let Pair { tool, mockup, .. } = pair;
+        directions.goes_on.clear();
+        let noise = 1e-12 * tool.size.max(mockup.size).max(tool.largest);
+        Best { pair, noise, found, directions }
+    }
+
     /// The depth from which on a direction is of no use; infinite where any is.
-    fn limit(&self) -> f64 {
+    pub fn limit(&self) -> f64 {
         match self.found {
             // Above the noise, where a depth of nothing is judged by the lean.
             Some(found) => {
@@ -167,57 +167,52 @@ impl Best<'_> {
     }
 
     /// The highest of the mock-up and the lowest of the tool.
-    fn support(&self, directions: &[Point; WIDE_LANES]) -> (Reach, Reach) {
-        highest_and_lowest(self.lanes, self.mockup.points, self.tool.points, directions)
+    pub fn support(&self, directions: &[Point; WIDE_LANES]) -> (Reach, Reach) {
+        let Pair { lanes, tool, mockup, .. } = self.pair;
+        highest_and_lowest(*lanes, mockup.points, tool.points, directions)
     }
 
-    fn way(&self, (high, low): &(Reach, Reach), i: usize) -> Point {
-        sub(&self.mockup.points[high.at[i] as usize], &self.tool.points[low.at[i] as usize])
-    }
-
-    fn keep_way(&mut self, way: Point) {
-        let Directions { ways, next_way, .. } = &mut *self.directions;
-        if ways.len() < MOST_WAYS {
-            ways.push(way);
-        } else {
-            ways[*next_way] = way;
-            *next_way = (*next_way + 1) % MOST_WAYS;
-        }
+    /// From the lowest place of the tool to the highest of the mock-up: no direction is less deep than that along it.
+    pub fn way(&self, (high, low): &(Reach, Reach), i: usize) -> Point {
+        sub(&self.pair.mockup.points[high.at[i] as usize], &self.pair.tool.points[low.at[i] as usize])
     }
 
     /// Whether one of the surfaces goes on beyond the curve just where, along `d`, it would have to end: a rod in a plate is not
     /// freed sideways by its own width, for there is more plate.
-    fn goes_on(&mut self, d: &Point, high: f64, low: f64) -> bool {
+    fn goes_on(&mut self, tried: &Tried) -> bool {
+        let Tried { direction: d, high, low } = tried;
+        let Pair { lanes, zones, tool, mockup } = self.pair;
         let tolerance = self.noise + 1e-6 * (high - low).abs();
         let ends = [(scaled(d, -1.0), -low - tolerance), (*d, high - tolerance)];
         // Where it did along another direction it mostly does again.
         let is_known = self.directions.goes_on.iter().any(|(w, x, source)| {
             let (d, height) = &ends[*w];
-            dot(x, d) >= *height && goes_on(self.zones, *w, *source, d, *height + 3.0 * tolerance)
+            dot(x, d) >= *height && goes_on(zones, *w, *source, d, *height + 3.0 * tolerance)
         });
         if is_known {
             return true;
         }
-        for (w, body) in [(MOCKUP, self.mockup), (TOOL, self.tool)] {
+        for (w, body) in [(MOCKUP, mockup), (TOOL, tool)] {
             let (d, height) = &ends[w];
             let Directions { places, goes_on: known, .. } = &mut *self.directions;
-            places_above(self.lanes, body.curve_eights, d, *height, places);
-            let last = body.curve.len().saturating_sub(1);
-            let at = |i: &u32| &body.curve[last.min(*i as usize)];
-            if let Some((x, source)) =
-                places.iter().map(at).find(|(_, source)| goes_on(self.zones, w, *source, d, *height + 3.0 * tolerance))
-            {
-                known.truncate(MOST_KNOWN - 1);
-                known.insert(0, (w, *x, *source));
-                return true;
+            places_above(*lanes, body.point_eights, d, *height, places);
+            let last = body.points.len().saturating_sub(1);
+            for i in places.iter().map(|i| last.min(*i as usize)) {
+                let cuts = &body.point_cuts[body.cuts_of[i].0 as usize..body.cuts_of[i].1 as usize];
+                let above = *height + 3.0 * tolerance;
+                if let Some(source) = cuts.iter().find(|source| goes_on(zones, w, **source, d, above)) {
+                    known.truncate(MOST_KNOWN - 1);
+                    known.insert(0, (w, body.points[i], *source));
+                    return true;
+                }
             }
         }
         false
     }
 
     /// Whether going along `d` leads out: not into what the surfaces face.
-    fn leads_out(&self, d: &Point) -> bool {
-        d != &[0.0; 3] && dot(d, &self.mockup.mean) > -0.01 && dot(d, &self.tool.mean) < 0.01
+    pub fn leads_out(&self, d: &Point) -> bool {
+        d != &[0.0; 3] && dot(d, &self.pair.mockup.mean) > -0.01 && dot(d, &self.pair.tool.mean) < 0.01
     }
 
     /// How far the two surfaces face into the plane across `d`, as the sum of cosines: tells directions apart where the two
@@ -225,126 +220,121 @@ impl Best<'_> {
     fn lean(&self, d: &Point) -> f64 {
         let under = |n: &Point, s: f64| (-s * dot(n, d)).max(0.0);
         let of = |body: &Body<'_>, s: f64| body.facets.iter().map(|p| under(&p.normal, s)).sum::<f64>();
-        of(self.mockup, 1.0) + of(self.tool, -1.0)
+        of(&self.pair.mockup, 1.0) + of(&self.pair.tool, -1.0)
     }
 
-    /// Tries directions that lead out, in their order.
+    /// The normals of both and their means, those of the mock-up first. How far a body reaches along its own is known.
+    fn try_facets(&mut self) {
+        let Pair { lanes, tool, mockup, .. } = self.pair;
+        self.directions.tried.clear();
+        for (of, other, sense) in [(mockup, tool, 1.0), (tool, mockup, -1.0)] {
+            let from = self.directions.tried.len();
+            for (normal, height) in of.normals {
+                let direction = scaled(normal, sense);
+                if self.leads_out(&direction) {
+                    self.directions.tried.push(Tried { direction, high: *height, low: -*height });
+                }
+            }
+            for some in self.directions.tried[from..].chunks_mut(WIDE_LANES) {
+                let last = some.len() - 1;
+                let towards = std::array::from_fn(|i| scaled(&some[i.min(last)].direction, -sense));
+                let reach = highest(*lanes, other.points, &towards);
+                for (tried, height) in some.iter_mut().zip(reach.height) {
+                    *(if sense > 0.0 { &mut tried.low } else { &mut tried.high }) = sense * -height;
+                }
+            }
+        }
+    }
+
+    /// The directions across an edge of each.
+    fn try_edges(&mut self) {
+        let Pair { tool, mockup, .. } = self.pair;
+        let mut list = std::mem::take(&mut self.directions.list);
+        list.clear();
+        for e in mockup.edges {
+            for f in tool.edges {
+                let Some(d) = unit(&cross(&e.along, &f.along)) else { continue };
+                for d in [d, scaled(&d, -1.0)] {
+                    // Where it is between the normals on both sides, the edges hold along it, wherever most of the faces look.
+                    if e.is_between(&d) && f.is_between(&scaled(&d, -1.0)) || self.leads_out(&d) {
+                        list.push(d);
+                    }
+                }
+            }
+        }
+        self.try_all(&list);
+        self.directions.list = list;
+    }
+
+    /// Tries directions in their order.
     fn try_all(&mut self, list: &[Point]) {
         for some in list.chunks(WIDE_LANES) {
-            let support = self.support(&eight_of(some));
+            let (high, low) = self.support(&eight_of(some));
             for (i, d) in some.iter().enumerate() {
-                self.keep_way(self.way(&support, i));
-                self.is_better(d, support.0.height[i], support.1.height[i]);
+                self.offer(&Tried { direction: *d, high: high.height[i], low: low.height[i] });
             }
         }
     }
 
-    /// Whether a direction along which the mock-up is so high and the tool so low is the best now.
-    fn is_better(&mut self, d: &Point, high: f64, low: f64) -> bool {
-        let depth = high - low;
-        let mut lean = f64::NAN;
+    /// The least deep of the directions tried along which nothing goes on; of several as deep the first.
+    fn choose(&mut self) {
+        let mut tried = std::mem::take(&mut self.directions.tried);
+        loop {
+            let least = tried.iter().map(Tried::depth).fold(f64::INFINITY, f64::min);
+            if least <= self.noise {
+                tried.iter().for_each(|t| _ = self.offer(t));
+                break;
+            }
+            if least == f64::INFINITY {
+                break;
+            }
+            // The least first, so that few are asked whether a surface goes on along them.
+            let ties = least + self.noise + CLEARLY * least;
+            self.found = tried.iter().filter(|t| t.depth() <= ties).find(|t| !self.goes_on(t)).copied();
+            if self.found.is_some() {
+                break;
+            }
+            tried.iter_mut().filter(|t| t.depth() <= ties).for_each(|t| t.high = f64::INFINITY);
+        }
+        self.directions.tried = tried;
+    }
+
+    /// Whether a direction is the best now.
+    pub fn offer(&mut self, tried: &Tried) -> bool {
         if let Some(found) = &self.found {
-            let least = found.depth();
+            let (depth, least) = (tried.depth(), found.depth());
             let is_less = depth < least - CLEARLY * least.abs() - self.noise;
             if !is_less {
-                if depth > self.noise || least > self.noise {
-                    return false;
-                }
-                lean = self.lean(d);
-                if lean >= found.lean - 1e-6 {
+                let is_deep = depth > self.noise || least > self.noise;
+                if is_deep || self.lean(&tried.direction) >= self.lean(&found.direction) - 1e-6 {
                     return false;
                 }
             }
         }
-        let is_better = !self.goes_on(d, high, low);
+        let is_better = !self.goes_on(tried);
         if is_better {
-            let lean = if lean.is_nan() { self.lean(d) } else { lean };
-            self.found = Some(Found { direction: *d, high, low, lean });
+            self.found = Some(*tried);
         }
         is_better
     }
 
-    /// The valleys between the normals of each two patches of a body: where an edge holds, the least depth lies on the arc
-    /// around it, in a valley too narrow for the descent when the edge is long. All arcs at once.
-    fn turn_around_edges(&mut self, list: &mut Vec<Point>) {
-        let mut arcs = Arcs::default();
-        for (body, sense) in [(self.mockup, 1.0), (self.tool, -1.0)] {
-            for (i, p) in body.facets.iter().enumerate().take(MOST_TURNED) {
-                for q in body.facets.iter().take(MOST_TURNED).skip(i + 1) {
-                    // Opposite faces have no edge, and nearly equal ones no arc to speak of.
-                    if (-0.5..0.95).contains(&dot(&p.normal, &q.normal)) {
-                        arcs.push([scaled(&p.normal, sense), scaled(&q.normal, sense)]);
-                    }
-                }
-            }
-        }
-        let limit = self.limit();
-        for way in &self.directions.ways {
-            arcs.drop_beyond(limit, |_| *way);
-        }
-        for step in 0..ARC_STEPS {
-            if arcs.is_empty() {
-                return;
-            }
-            let support = self.support(&arcs.next(step));
-            arcs.take(|i| support.0.height[i] - support.1.height[i]);
-            arcs.drop_beyond(limit, |i| self.way(&support, i));
-        }
-        list.clear();
-        list.extend(arcs.lowest().filter(|d| self.leads_out(d)));
-        self.try_all(list);
-    }
-
-    /// From the best direction down to the nearest valley: the gradient of the depth is the way between the two extreme places,
-    /// across the direction. Places, not points: along an edge or a face many are extreme, and their middle counts.
-    fn descend(&mut self, list: &mut Vec<Point>) {
-        let (mut step, mut tries) = (1.0, 0);
-        while let Some(found) = self.found.filter(|f| f.depth() > self.noise) {
-            let d = found.direction;
-            let (above, below) = self.extremes(&found, 0.02);
-            let way = sub(&middle(&above), &middle(&below));
-            let across = along(&way, -dot(&way, &d), &d);
-            let size = length(&way).max(f64::MIN_POSITIVE);
-            // Ever shorter steps, until one leads down.
-            while self.found.is_some_and(|f| f.direction == d) {
-                list.clear();
-                let mut shorter = step;
-                while list.len() < WIDE_LANES && tries + list.len() < MOST_STEPS && shorter >= SHORTEST_STEP {
-                    let Some(next) = unit(&along(&d, -shorter / size, &across)) else { break };
-                    list.push(next);
-                    shorter *= SHORTER;
-                }
-                if list.is_empty() {
-                    return;
-                }
-                let (high, low) = self.support(&eight_of(list));
-                for (i, next) in list.iter().enumerate() {
-                    tries += 1;
-                    if self.leads_out(next) && self.is_better(next, high.height[i], low.height[i]) {
-                        break;
-                    }
-                    step *= SHORTER;
-                }
-            }
-        }
-    }
-
     /// Boxes around the highest of the mock-up's points and the lowest of the tool's, within a share of the depth.
-    fn extremes(&mut self, found: &Found, share: f64) -> (Aabb, Aabb) {
+    pub fn extremes(&mut self, found: &Tried, share: f64) -> (Aabb, Aabb) {
         let (d, tolerance) = (&found.direction, share * found.depth().abs() + self.noise);
+        let Pair { lanes, tool, mockup, .. } = self.pair;
         let mut reach = |body: &Body<'_>, d: &Point, height: f64| {
-            places_above(self.lanes, body.point_eights, d, height - tolerance, &mut self.directions.places);
+            places_above(*lanes, body.point_eights, d, height - tolerance, &mut self.directions.places);
             let last = body.points.len().saturating_sub(1);
             let mut bounds = Aabb::EMPTY;
             self.directions.places.iter().for_each(|i| bounds.grow(&body.points[last.min(*i as usize)]));
             bounds
         };
-        (reach(self.mockup, d, found.high), reach(self.tool, &scaled(d, -1.0), -found.low))
+        (reach(mockup, d, found.high), reach(tool, &scaled(d, -1.0), -found.low))
     }
 
     /// The middle of the highest part of the mock-up or of the lowest of the tool, whichever is smaller, raised to the height
     /// of the mock-up. The middle of a box around them, which does not know how many triangles make them up.
-    fn place(&mut self, found: &Found) -> Point {
+    fn place(&mut self, found: &Tried) -> Point {
         let (above, below) = self.extremes(found, 1e-3);
         let chosen = middle(if length(&below.extent()) <= length(&above.extent()) { &below } else { &above });
         along(&chosen, found.high - dot(&chosen, &found.direction), &found.direction)
@@ -362,6 +352,39 @@ fn goes_on(zones: &Zones, w: usize, source: u32, d: &Point, top: f64) -> bool {
     !cut.flat && advances > GOES_ON && leaves > GOES_ON && rises()
 }
 
-fn middle(b: &Aabb) -> Point {
+pub(super) fn middle(b: &Aabb) -> Point {
     scaled(&add(&b.lower, &b.upper), 0.5)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simd::Level;
+
+    #[test]
+    fn a_plane_holds_apart_what_it_is_deep_enough_for() {
+        let wave = |i: usize| [(0.7 * i as f64).sin(), (1.9 * i as f64).cos(), (0.3 * i as f64).sin()];
+        let (high, low): (Vec<Point>, Vec<Point>) = (0..30).map(|i| (wave(i), wave(41 + i))).unzip();
+        let mean = [0.0; 3];
+        let body = |points| Body {
+            facets: &[],
+            points,
+            point_eights: &[],
+            cuts_of: &[],
+            point_cuts: &[],
+            edges: &[],
+            normals: &[],
+            mean,
+            size: 1.0,
+            largest: 1.0,
+        };
+        let zones = Zones::default();
+        let lanes = Level::best().checked();
+        let pair = Pair { lanes, zones: &zones, tool: body(&low), mockup: body(&high) };
+        for d in (0..20).filter_map(|i| unit(&wave(100 + i))) {
+            let depth = high.iter().flat_map(|p| low.iter().map(|q| dot(&sub(p, q), &d)).collect::<Vec<_>>());
+            let depth = depth.fold(f64::NEG_INFINITY, f64::max);
+            assert!(pair.are_apart(&d, depth + 1e-9) && !pair.are_apart(&d, depth - 1e-4), "{d:?}");
+        }
+    }
 }

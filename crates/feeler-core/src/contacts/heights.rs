@@ -21,6 +21,11 @@ pub(crate) fn highest_and_lowest(
     lanes.run(HighestAndLowest { above, below, directions })
 }
 
+/// The highest of some points.
+pub(crate) fn highest(lanes: Checked, points: &[Point], directions: &[Point; WIDE_LANES]) -> Reach {
+    lanes.run(Highest { points, directions })
+}
+
 /// Eight points by axis.
 pub(crate) type Eight = [[f64; WIDE_LANES]; 3];
 
@@ -69,6 +74,20 @@ impl Kernel for PlacesAbove<'_> {
                 above &= above - 1;
             }
         }
+    }
+}
+
+struct Highest<'a> {
+    points: &'a [Point],
+    directions: &'a [Point; WIDE_LANES],
+}
+
+impl Kernel for Highest<'_> {
+    type Output = Reach;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) -> Reach {
+        reach(s, self.points, &s.wide_points(self.directions.each_ref()))
     }
 }
 

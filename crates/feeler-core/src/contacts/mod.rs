@@ -14,12 +14,14 @@ mod clusters;
 mod convex_tests;
 mod cut;
 mod depth;
+mod descent;
 mod gaps;
 mod heights;
 mod least_norm;
 mod numbered;
 mod patches;
 mod penetration;
+mod points;
 #[cfg(test)]
 mod shapes;
 mod sides;
@@ -41,7 +43,7 @@ use crate::contacts::adjacency::NONE;
 use crate::contacts::body::Bodies;
 use crate::contacts::by_part::ByPart;
 use crate::contacts::clusters::Clusters;
-use crate::contacts::depth::{least_depth, Depth, Directions};
+use crate::contacts::depth::{Depth, Directions, FirstDepth, Pair};
 use crate::contacts::gaps::{NearLists, NearPairs, SAME_DIRECTION};
 use crate::contacts::patches::Patches;
 use crate::contacts::sides::{has, is_meeting};
@@ -126,7 +128,8 @@ struct ZoneScratch {
     clusters: Clusters,
     bodies: [Bodies; 2],
     directions: Directions,
-    /// Depths with their bodies.
+    /// First depths with their bodies, and depths.
+    first: Vec<(FirstDepth, [usize; 2])>,
     found: Vec<(Depth, [usize; 2])>,
 }
 
@@ -232,7 +235,7 @@ impl Scene {
             if !pairs.is_empty() {
                 let zones = zones::find(&ground, pairs, zones_scratch);
                 for (z, zone) in zones.zones.iter().enumerate() {
-                    push_zone(&ground, &zones, z, part, zone_scratch, &mut contacts.planes);
+                    push_zone(&ground, zones, z, part, zone_scratch, &mut contacts.planes);
                     (0..2).for_each(|w| inside[w].extend(zone.inside[w].iter().map(|t| t[0])));
                 }
                 inside.iter_mut().for_each(|ids| ids.sort_unstable());
@@ -265,23 +268,38 @@ fn push_zone(
     scratch: &mut ZoneScratch,
     out: &mut Vec<ContactPlane>,
 ) {
-    let ZoneScratch { patches, clusters, bodies, directions, found } = scratch;
+    let ZoneScratch { patches, clusters, bodies, directions, first, found } = scratch;
     let cuts = &zones.zones[zone].cuts;
     for w in [TOOL, MOCKUP] {
         patches.set(ground, zones, zone, w);
         clusters.set(ground.lanes, patches);
-        bodies[w].set(patches, clusters, cuts.len(), |c| zones.place_of_cut[c as usize] as usize);
+        bodies[w].set(ground.lanes, patches, clusters, cuts.len(), |c| zones.place_of_cut[c as usize] as usize);
     }
     let shares = |t: usize, m: usize| is_meeting(bodies[TOOL].cuts.get(t), bodies[MOCKUP].cuts.get(m));
-    found.clear();
+    let two = |t: usize, m: usize| {
+        let (tool, mockup) = (bodies[TOOL].get(t), bodies[MOCKUP].get(m));
+        Pair { lanes: ground.lanes, zones, tool, mockup }
+    };
+    first.clear();
     for t in 0..bodies[TOOL].len() {
         for m in 0..bodies[MOCKUP].len() {
             // A body that no curve touches is walled in by others of its surface: it meets what they meet.
             let is_walled_in = || [(TOOL, t), (MOCKUP, m)].iter().any(|(w, i)| !bodies[*w].is_cut(*i));
             if shares(t, m) || is_walled_in() {
-                let (tool, mockup) = (bodies[TOOL].get(t), bodies[MOCKUP].get(m));
-                found.extend(least_depth(ground.lanes, zones, &tool, &mockup, directions).map(|d| (d, [t, m])));
+                first.push((two(t, m).first_depth(directions), [t, m]));
             }
+        }
+    }
+    // Deepest first: what a deeper plane of about its direction holds apart as well needs none of its own.
+    first.sort_by(|(p, _), (q, _)| q.depth().total_cmp(&p.depth()));
+    found.clear();
+    for (first, [t, m]) in first.iter() {
+        let (same, pair) = (if first.certain { SAME_PLANE } else { SAME_DIRECTION }, two(*t, *m));
+        let stands_for = |d: &Depth, n: &Point| {
+            d.depth >= first.depth() && dot(&d.normal, n) >= same && pair.are_apart(&d.normal, d.depth)
+        };
+        if !first.normal().is_some_and(|n| found.iter().any(|(d, _)| stands_for(d, &n))) {
+            found.extend(pair.least_depth(first, directions).map(|d| (d, [*t, *m])));
         }
     }
     found.sort_by(|(p, _), (q, _)| {

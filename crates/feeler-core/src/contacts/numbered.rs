@@ -75,6 +75,39 @@ impl Numbered {
     }
 }
 
+/// As [`Numbered`], of keys below a limit.
+#[derive(Debug, Default)]
+pub(crate) struct NumberedBelow {
+    /// For each key the round of its number.
+    slots: Vec<(u32, u32)>,
+    len: u32,
+    round: u32,
+}
+
+impl NumberedBelow {
+    /// Forgets all keys.
+    pub fn clear(&mut self, limit: usize) {
+        if self.slots.len() < limit || self.round == u32::MAX {
+            self.slots = vec![(0, 0); limit.max(self.slots.len())];
+            self.round = 0;
+        }
+        self.round += 1;
+        self.len = 0;
+    }
+
+    /// The number of a key, and whether it is new.
+    #[inline]
+    pub fn number(&mut self, key: u32) -> (u32, bool) {
+        let slot = &mut self.slots[key as usize];
+        if slot.0 == self.round {
+            return (slot.1, false);
+        }
+        *slot = (self.round, self.len);
+        self.len += 1;
+        (slot.1, true)
+    }
+}
+
 /// A pair as a key.
 pub(crate) fn pair_key(pair: [u32; 2]) -> u64 {
     u64::from(pair[0]) << 32 | u64::from(pair[1])
@@ -83,6 +116,17 @@ pub(crate) fn pair_key(pair: [u32; 2]) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn small_keys_count_up_and_start_again_on_clear() {
+        let mut numbered = NumberedBelow::default();
+        for limit in [10, 5, 100] {
+            numbered.clear(limit);
+            assert_eq!(numbered.number(4), (0, true));
+            assert_eq!(numbered.number(limit as u32 - 1), if limit == 5 { (0, false) } else { (1, true) });
+            assert_eq!(numbered.number(4), (0, false));
+        }
+    }
 
     #[test]
     fn numbers_count_up_through_growth_and_start_again_on_clear() {

@@ -5,6 +5,7 @@ use crate::bounds::{Aabb, Point};
 use crate::contacts::adjacency::NONE;
 use crate::contacts::heights::highest_and_lowest;
 use crate::contacts::numbered::Numbered;
+use crate::contacts::points::PointSet;
 use crate::contacts::zones::Zones;
 use crate::contacts::Ground;
 use crate::simd::{Checked, WIDE_LANES};
@@ -49,7 +50,7 @@ pub(crate) struct Patch {
     pub size: f64,
     /// Whether all its triangles have one plane.
     pub flat: bool,
-    /// Its points among all of [`Patches`], and the outermost of them.
+    /// Its points among all of [`Patches`], and the outermost.
     points: (u32, u32),
     corners: (u32, u32),
 }
@@ -60,6 +61,13 @@ impl Patch {
         let (way, height) = (sub(x, &self.middle), dot(&sub(x, &self.at), &self.normal));
         let share = if self.flat { 1e-6 } else { HOLLOW };
         height > 0.0 && height * height > share * share * dot(&way, &way)
+    }
+}
+
+impl Patch {
+    /// Whether points of another patch may be over this one's plane.
+    pub fn may_be_below(&self, other: &Patch) -> bool {
+        dot(&sub(&other.middle, &self.at), &self.normal) + 1.001 * other.size > 0.0
     }
 }
 
@@ -77,17 +85,23 @@ struct Piece {
 #[derive(Debug, Default)]
 pub(crate) struct Patches {
     pub list: Vec<Patch>,
-    /// Corners of what lies beyond the other surface, the curve's points included, patch by patch.
+    /// Corners of what lies beyond the other surface, the curve's points included, each once, patch by patch.
     points: Vec<Point>,
-    /// For each point of the curve its cut; [`NONE`] for a corner.
-    sources: Vec<u32>,
+    /// For each of them where its cuts are: those of the curve have several, others none.
+    cuts_of: Vec<(u32, u32)>,
+    /// Cuts, point by point.
+    pub point_cuts: Vec<u32>,
+    /// Points of the curve on one patch, by their places, with their cuts.
+    curve: Vec<(u32, u32)>,
     corners: Vec<Point>,
-    /// The same, piece by piece.
     pieces: Vec<Piece>,
-    piece_points: Vec<Point>,
-    piece_sources: Vec<u32>,
+    /// Points piece by piece, with the cuts of those that are the curve's, or [`NONE`].
+    piece_points: Vec<(Point, u32)>,
     cuts: Vec<(u32, u32)>,
     split: Split,
+    /// Pieces patch by patch.
+    order: Vec<u32>,
+    known: PointSet,
 }
 
 /// Working memory of [`Patches::split`].
@@ -101,15 +115,31 @@ struct Split {
 }
 
 impl Patches {
-    /// The points of a patch, and the cut of each that is the curve's.
-    pub fn points(&self, patch: &Patch) -> (&[Point], &[u32]) {
-        let range = patch.points.0 as usize..patch.points.1 as usize;
-        (&self.points[range.clone()], &self.sources[range])
+    /// The points of a patch, each once.
+    pub fn points(&self, patch: &Patch) -> &[Point] {
+        &self.points[patch.points.0 as usize..patch.points.1 as usize]
     }
 
-    /// The outermost points of a patch along a few directions.
-    pub fn corners(&self, patch: &Patch) -> &[Point] {
-        &self.corners[patch.corners.0 as usize..patch.corners.1 as usize]
+    /// For each of them where its cuts are among [`point_cuts`](Self::point_cuts).
+    pub fn cuts_of(&self, patch: &Patch) -> &[(u32, u32)] {
+        &self.cuts_of[patch.points.0 as usize..patch.points.1 as usize]
+    }
+
+    /// The cuts of a patch, each for every point of it that it has.
+    pub fn cuts(&self, patch: &Patch) -> &[u32] {
+        let (first, last) = (self.cuts_of[patch.points.0 as usize], self.cuts_of[patch.points.1 as usize - 1]);
+        &self.point_cuts[first.0 as usize..last.1 as usize]
+    }
+
+    /// The outermost points of a patch along a few directions, with their places among those of all patches.
+    pub fn corners(&self, patch: &Patch) -> impl Iterator<Item = (usize, &Point)> {
+        let range = patch.corners.0 as usize..patch.corners.1 as usize;
+        range.clone().zip(&self.corners[range])
+    }
+
+    /// How many such points all patches have.
+    pub fn corner_count(&self) -> usize {
+        self.corners.len()
     }
 
     /// Makes the patches of a surface (`w`: the tool's or the mock-up's) in a zone.
@@ -117,7 +147,6 @@ impl Patches {
         self.list.clear();
         self.pieces.clear();
         self.piece_points.clear();
-        self.piece_sources.clear();
         self.push_cut_faces(zones, zone, w);
         self.push_inside(ground, zones, zone, w);
         self.split(ground, w);
@@ -135,13 +164,12 @@ impl Patches {
             let from = self.piece_points.len() as u32;
             for (_, c) in same {
                 let shared = zones.cuts[*c as usize].points;
-                self.piece_points.extend_from_slice(&zones.points[shared.0 as usize..shared.1 as usize]);
-                self.piece_sources.resize(self.piece_points.len(), *c);
+                let points = &zones.points[shared.0 as usize..shared.1 as usize];
+                self.piece_points.extend(points.iter().map(|x| (*x, *c)));
             }
             for (k, side) in face.side.iter().enumerate() {
                 if *side < 0 && face.is_corner_of(k, |c| zones.zone_of_cut[c as usize] == zone as u32) {
-                    self.piece_points.push(face.corners[k]);
-                    self.piece_sources.push(NONE);
+                    self.piece_points.push((face.corners[k], NONE));
                 }
             }
             let patch = self.place(&face.normal, &face.corners[0]);
@@ -158,8 +186,7 @@ impl Patches {
             let Some(normal) = ground.outward(w, *t, &corners, near) else { continue };
             let patch = self.place(&normal, &corners[0]);
             let from = self.piece_points.len() as u32;
-            self.piece_points.extend_from_slice(&corners);
-            self.piece_sources.extend([NONE; 3]);
+            self.piece_points.extend(corners.map(|x| (x, NONE)));
             self.pieces.push(Piece { id: *t, patch, points: (from, from + 3), closed: near.closed });
         }
     }
@@ -245,25 +272,44 @@ impl Patches {
 
     /// Puts the points of each patch together, in the order of its pieces.
     fn gather(&mut self) {
-        let Patches { list, points, sources, pieces, piece_points, piece_sources, .. } = self;
-        pieces.iter().for_each(|p| list[p.patch as usize].points.1 += p.points.1 - p.points.0);
-        let mut from = 0;
-        for patch in list.iter_mut() {
-            let count = patch.points.1;
-            patch.points = (from, from);
-            from += count;
-        }
+        let Patches { list, points, cuts_of, point_cuts, curve, pieces, piece_points, order, known, .. } = self;
+        order.clear();
+        order.extend(0..pieces.len() as u32);
+        order.sort_by_key(|i| pieces[*i as usize].patch);
         points.clear();
-        points.resize(from as usize, [0.0; 3]);
-        sources.clear();
-        sources.resize(from as usize, NONE);
-        for piece in pieces.iter() {
-            let range = piece.points.0 as usize..piece.points.1 as usize;
-            let end = &mut list[piece.patch as usize].points.1;
-            let to = *end as usize..*end as usize + range.len();
-            *end += range.len() as u32;
-            points[to.clone()].copy_from_slice(&piece_points[range.clone()]);
-            sources[to].copy_from_slice(&piece_sources[range]);
+        cuts_of.clear();
+        point_cuts.clear();
+        for same in order.chunk_by(|i, j| pieces[*i as usize].patch == pieces[*j as usize].patch) {
+            let from = points.len();
+            known.clear();
+            curve.clear();
+            for piece in same.iter().map(|i| &pieces[*i as usize]) {
+                for (x, cut) in &piece_points[piece.points.0 as usize..piece.points.1 as usize] {
+                    let (place, is_new) = known.insert(x, &points[from..]);
+                    if is_new {
+                        points.push(*x);
+                        cuts_of.push((0, 0));
+                    }
+                    if *cut != NONE {
+                        cuts_of[from + place as usize].1 += 1;
+                        curve.push((place, *cut));
+                    }
+                }
+            }
+            // The cuts of each point together: from here on each is filled from where it begins.
+            let mut begin = point_cuts.len() as u32;
+            for of in &mut cuts_of[from..] {
+                let count = of.1;
+                *of = (begin, begin);
+                begin += count;
+            }
+            point_cuts.resize(begin as usize, 0);
+            for (place, cut) in curve.iter() {
+                let end = &mut cuts_of[from + *place as usize].1;
+                point_cuts[*end as usize] = *cut;
+                *end += 1;
+            }
+            list[pieces[same[0] as usize].patch as usize].points = (from as u32, points.len() as u32);
         }
         list.retain(|p| p.points.0 < p.points.1);
     }
@@ -281,13 +327,15 @@ impl Patches {
             patch.middle = scaled(&sum, 1.0 / points.len() as f64);
             let from = corners.len();
             let (high, low) = highest_and_lowest(lanes, points, points, &OUTERMOST);
-            for i in low.at.into_iter().chain(high.at) {
-                // Most patches have few corners, each outermost along several.
-                let corner = points[i as usize];
-                if !corners[from..].contains(&corner) {
-                    corners.push(corner);
+            // Most patches have few corners, each outermost along several.
+            let (mut chosen, mut count) = ([0; 2 * WIDE_LANES], 0);
+            for i in low.at.into_iter().chain(high.at).map(|i| i as u32) {
+                if !chosen[..count].contains(&i) {
+                    chosen[count] = i;
+                    count += 1;
                 }
             }
+            corners.extend(chosen[..count].iter().map(|i| points[*i as usize]));
             patch.corners = (from as u32, corners.len() as u32);
         }
         list.sort_by(|p, q| q.size.total_cmp(&p.size));

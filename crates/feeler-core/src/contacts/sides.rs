@@ -28,6 +28,11 @@ impl Sets {
         &mut self.words[set * self.each..][..self.each]
     }
 
+    /// Adds the numbers of another set.
+    pub fn join(&mut self, set: usize, other: &[u64]) {
+        self.get_mut(set).iter_mut().zip(other).for_each(|(x, y)| *x |= y);
+    }
+
     pub fn insert(&mut self, set: usize, x: usize) {
         self.words[set * self.each + x / 64] |= 1 << (x % 64);
     }

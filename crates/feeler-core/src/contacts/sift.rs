@@ -2,7 +2,7 @@
 //! only those are measured.
 
 use crate::bounds::{Point, Triangle};
-use crate::contacts::numbered::Numbered;
+use crate::contacts::numbered::{Numbered, NumberedBelow};
 use crate::contacts::zones::{MOCKUP, TOOL};
 use crate::contacts::{ContactPlane, Ground};
 use crate::proximity::Candidate;
@@ -28,7 +28,6 @@ pub(crate) struct Near {
 /// Triangles of one surface, each once.
 #[derive(Debug, Default)]
 struct Side {
-    numbers: Numbered,
     ids: Vec<u32>,
     corners: Vec<Triangle>,
     /// The planes on whose side a triangle is, one bit each.
@@ -40,13 +39,7 @@ struct Side {
 }
 
 impl Side {
-    fn clear(&mut self) {
-        self.numbers.clear();
-        self.ids.clear();
-    }
-
-    fn number(&mut self, id: u32) -> u32 {
-        let (number, is_new) = self.numbers.number(u64::from(id));
+    fn take(&mut self, id: u32, (number, is_new): (u32, bool)) -> u32 {
         if is_new {
             self.ids.push(id);
         }
@@ -77,6 +70,9 @@ pub(crate) struct Sought<'a> {
 #[derive(Debug, Default)]
 pub(crate) struct Sift {
     sides: [Side; 2],
+    /// Places of triangles of the tool, and of the mock-up.
+    tool_places: NumberedBelow,
+    mockup_places: Numbered,
     places: Vec<[u32; 2]>,
 }
 
@@ -142,17 +138,21 @@ impl Sift {
 
     /// Finds the triangles, each once, and where they are.
     fn gather(&mut self, ground: &Ground<'_>, candidates: &[Candidate], inside: &[Vec<u32>; 2]) {
-        self.sides.iter_mut().for_each(Side::clear);
+        self.sides.iter_mut().for_each(|side| side.ids.clear());
+        self.tool_places.clear(ground.tool.mesh().faces().len());
+        self.mockup_places.clear();
         self.places.clear();
         let mut last = None;
         for c in candidates {
             // Those of one mock-up triangle come one after the other.
             let m = match last {
                 Some((id, place)) if id == c.mockup_triangle => place,
-                _ => self.sides[MOCKUP].number(c.mockup_triangle),
+                _ => {
+                    self.sides[MOCKUP].take(c.mockup_triangle, self.mockup_places.number(u64::from(c.mockup_triangle)))
+                }
             };
             last = Some((c.mockup_triangle, m));
-            let t = self.sides[TOOL].number(c.tool_triangle);
+            let t = self.sides[TOOL].take(c.tool_triangle, self.tool_places.number(c.tool_triangle));
             self.places.push([t, m]);
         }
         // Loads that do not wait for each other: their cache misses overlap.

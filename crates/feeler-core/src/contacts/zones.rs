@@ -75,6 +75,18 @@ pub(crate) struct Zones {
     pub complete: bool,
 }
 
+impl Zones {
+    fn clear(&mut self) {
+        let Zones { faces, cuts, points, zones, zone_of_cut, place_of_cut, .. } = self;
+        faces.iter_mut().for_each(Vec::clear);
+        cuts.clear();
+        points.clear();
+        zones.clear();
+        zone_of_cut.clear();
+        place_of_cut.clear();
+    }
+}
+
 /// One connected place of contact.
 #[derive(Debug, Default)]
 pub(crate) struct Zone {
@@ -95,12 +107,13 @@ pub(crate) struct ZonesScratch {
     cuts: Numbered,
     walked: Numbered,
     zone_of_root: Numbered,
+    zones: Zones,
 }
 
 /// Sorts the pairs of one part (sorted by tool triangle, then mock-up triangle) into zones.
-pub(crate) fn find(ground: &Ground<'_>, pairs: &[[u32; 2]], scratch: &mut ZonesScratch) -> Zones {
-    let ZonesScratch { places, cuts: cut_of, walked: seen, zone_of_root } = scratch;
-    let mut zones = Zones::default();
+pub(crate) fn find<'a>(ground: &Ground<'_>, pairs: &[[u32; 2]], scratch: &'a mut ZonesScratch) -> &'a Zones {
+    let ZonesScratch { places, cuts: cut_of, walked: seen, zone_of_root, zones } = scratch;
+    zones.clear();
     places.iter_mut().for_each(Numbered::clear);
     cut_of.clear();
     zone_of_root.clear();
@@ -122,14 +135,14 @@ pub(crate) fn find(ground: &Ground<'_>, pairs: &[[u32; 2]], scratch: &mut ZonesS
         zones.cuts.push(Cut { faces, points: (from, zones.points.len() as u32), flat });
     }
     let mut roots = Roots((0..zones.cuts.len() as u32).collect());
-    join_along_the_curve(ground, &zones, cut_of, &mut roots);
-    orient(ground, &mut zones);
+    join_along_the_curve(ground, zones, cut_of, &mut roots);
+    orient(ground, zones);
     for w in [TOOL, MOCKUP] {
-        classify(ground, w, part, &mut zones);
-        join_across_faces(w, &zones, &mut roots);
+        classify(ground, w, part, zones);
+        join_across_faces(w, zones, &mut roots);
     }
     let (walked, complete): (Vec<_>, Vec<_>) =
-        [TOOL, MOCKUP].iter().map(|w| walk(ground, *w, part, &zones, &places[*w], seen, &mut roots)).unzip();
+        [TOOL, MOCKUP].iter().map(|w| walk(ground, *w, part, zones, &places[*w], seen, &mut roots)).unzip();
     zones.complete = complete.iter().all(|c| *c);
     for i in 0..zones.cuts.len() as u32 {
         let (z, is_new) = zone_of_root.number(u64::from(roots.of(i)));

@@ -1,6 +1,6 @@
 //! The last steps of the search for what is near: a cluster of the tool against a block.
 
-use super::near::{Near, NearScratch, Search};
+use super::near::{gaps, NearScratch, Search};
 use super::pieces::HalfBlock;
 use super::FANOUT;
 use crate::lanes::{load3, PlacedPieces, LANES};
@@ -13,7 +13,6 @@ pub fn scan<S: Simd>(s: S, run: &mut Search<'_, '_>, scratch: &mut NearScratch, 
     let NearScratch { clusters, block: unpacked, seen, candidates, .. } = scratch;
     let node = &run.blocks.levels[0][block as usize];
     let placed = clusters.get(s, run, cluster);
-    let mut near = Near::ZERO;
     let halves = &mut unpacked.halves;
     if unpacked.block != block {
         unpacked.block = block;
@@ -22,9 +21,10 @@ pub fn scan<S: Simd>(s: S, run: &mut Search<'_, '_>, scratch: &mut NearScratch, 
         halves[1].unpack_boxes(s, node, 1);
     }
     let mut found = 0;
+    let limit = s.splat(run.limit);
     for h in 0..2 {
-        let half = &halves[h];
-        found |= near.of(s, &half.lower, &half.upper, &placed.bounds, run.limit, LANES * h) << (LANES * h);
+        let squared = gaps(s, &halves[h].lower, &halves[h].upper, &placed.bounds);
+        found |= u32::from(!s.above(squared, limit)) << (LANES * h);
     }
     found &= node.valid;
     if found == 0 {
@@ -34,17 +34,19 @@ pub fn scan<S: Simd>(s: S, run: &mut Search<'_, '_>, scratch: &mut NearScratch, 
     let slots = &run.wanted.tool.clusters()[cluster];
     let triangles = &run.blocks.triangles[FANOUT * block as usize..];
     let mesh = run.wanted.mockup.mesh();
-    let mut pairs = Near::ZERO;
     candidates.clear();
     while found != 0 {
         let piece = found.trailing_zeros() as usize;
         found &= found - 1;
         let (h, lane) = (piece / LANES, piece % LANES);
         let bounds = halves[h].boxes_lane(lane);
-        let mut lanes = pairs.of_lanes(s, &placed.boxes, &bounds, run.limit) & u32::from(slots.corners.used);
+        let squared = gaps(s, &placed.boxes.lower, &placed.boxes.upper, &bounds);
+        let mut lanes = u32::from(!s.above(squared, limit)) & u32::from(slots.corners.used);
         if lanes == 0 {
             continue;
         }
+        let mut boxes = [0.0; LANES];
+        s.store(squared, &mut boxes);
         if !unpacked.has_corners {
             unpacked.has_corners = true;
             for h in 0..2 {
@@ -61,7 +63,7 @@ pub fn scan<S: Simd>(s: S, run: &mut Search<'_, '_>, scratch: &mut NearScratch, 
         while lanes != 0 {
             let i = lanes.trailing_zeros() as usize;
             lanes &= lanes - 1;
-            let bound = planes.bound(i).max(pairs.bounds[i]);
+            let bound = planes.bound(i).max(boxes[i]);
             candidates.push(Candidate { bound, slot: slots.slots[i], triangle });
         }
     }
@@ -134,11 +136,13 @@ impl Planes {
         let (near, far) = half.along(s, piece, &n);
         let gap = s.max(near - s.load(&placed.far), s.load(&placed.near) - far);
         beyond |= self.keep(s, 1, s.max(gap, zero), &n, limit);
-        // The direction.
-        let m = [s.splat(direction[0]), s.splat(direction[1]), s.splat(direction[2])];
-        let ((near, far), (least, greatest)) = (half.along(s, piece, &m), placed.along(s, &m));
-        let gap = s.max(near - greatest, least - far);
-        beyond |= self.keep(s, 2, s.max(gap, zero), &m, limit);
+        // The direction, if there is one.
+        if direction != &[0.0; 3] {
+            let m = [s.splat(direction[0]), s.splat(direction[1]), s.splat(direction[2])];
+            let ((near, far), (least, greatest)) = (half.along(s, piece, &m), placed.along(s, &m));
+            let gap = s.max(near - greatest, least - far);
+            beyond |= self.keep(s, 2, s.max(gap, zero), &m, limit);
+        }
         !beyond
     }
 

@@ -214,6 +214,19 @@ fn size(b: &Box4) -> f32 {
     side(0).max(side(1)).max(side(2))
 }
 
+/// The squares of the distances of sixteen boxes from one.
+#[inline(always)]
+pub fn gaps<S: Simd>(s: S, lower: &[[f32; LANES]; 3], upper: &[[f32; LANES]; 3], b: &Box4) -> S::F32 {
+    let zero = s.splat(0.0);
+    let mut squared = zero;
+    for a in 0..3 {
+        let (l, u) = (s.load(&lower[a]), s.load(&upper[a]));
+        let gap = s.max(s.max(l - s.splat(b.upper[a]), s.splat(b.lower[a]) - u), zero);
+        squared = s.mul_add(gap, gap, squared);
+    }
+    squared
+}
+
 /// Bounds of up to 32 boxes from one, and their order.
 pub struct Near {
     pub bounds: [f32; FANOUT],
@@ -254,13 +267,10 @@ impl Near {
         limit: f32,
         from: usize,
     ) -> u32 {
-        let zero = s.splat(0.0);
-        let (mut squared, mut middles) = (zero, zero);
+        let squared = gaps(s, lower, upper, b);
+        let mut middles = s.splat(0.0);
         for a in 0..3 {
-            let (l, u) = (s.load(&lower[a]), s.load(&upper[a]));
-            let gap = s.max(s.max(l - s.splat(b.upper[a]), s.splat(b.lower[a]) - u), zero);
-            squared = s.mul_add(gap, gap, squared);
-            let middle = l + u - s.splat(b.lower[a] + b.upper[a]);
+            let middle = s.load(&lower[a]) + s.load(&upper[a]) - s.splat(b.lower[a] + b.upper[a]);
             middles = s.mul_add(middle, middle, middles);
         }
         s.store(squared, (&mut self.bounds[from..from + LANES]).try_into().expect("16 of 32"));

@@ -1,0 +1,96 @@
+//! From the best direction among the normals and edges of two bodies to less depth between them, where surfaces are curved.
+
+use crate::bounds::Point;
+use crate::contacts::body::Body;
+use crate::contacts::depth::{eight_of, middle, Best, Pair, Tried};
+use crate::simd::WIDE_LANES;
+use crate::vectors::{along, dot, length, scaled, sub, unit};
+
+/// Most patches of a body, the largest, between whose normals directions are sought.
+const MOST_TURNED: usize = 3;
+
+/// Most times that eight places on the arcs between them are tried.
+const MOST_TURNS: usize = 6;
+
+/// Most steps of the descent, the share by which each that leads nowhere shortens the next, and the length (radians, about) of the
+/// last.
+const MOST_STEPS: usize = 24;
+const SHORTER: f64 = 0.6;
+const SHORTEST_STEP: f64 = 0.01;
+
+impl Best<'_> {
+    /// The valleys between the normals of each two large patches of a body: where an edge holds, the least depth lies on the
+    /// arc around it, in a valley too narrow for the descent when the edge is long. All arcs at once.
+    pub fn turn_around_edges(&mut self) {
+        let Pair { tool, mockup, .. } = self.pair;
+        let mut arcs = std::mem::take(&mut self.directions.arcs);
+        arcs.clear();
+        let mut ends = [[0.0; 3]; WIDE_LANES];
+        let normals = |body: &Body<'_>, sense: f64| {
+            let of = body.facets.get(..MOST_TURNED).unwrap_or(body.facets);
+            (of.len(), std::array::from_fn::<_, MOST_TURNED, _>(|i| scaled(&of[i.min(of.len() - 1)].normal, sense)))
+        };
+        let sides = [normals(mockup, 1.0), normals(tool, -1.0)];
+        sides.iter().enumerate().for_each(|(k, (_, n))| ends[MOST_TURNED * k..][..MOST_TURNED].copy_from_slice(n));
+        let support = self.support(&ends);
+        for (k, (count, _)) in sides.iter().enumerate() {
+            for i in MOST_TURNED * k..MOST_TURNED * k + count {
+                for j in i + 1..MOST_TURNED * k + count {
+                    // Opposite faces have no edge, and nearly equal ones no arc to speak of.
+                    if (-0.5..0.95).contains(&dot(&ends[i], &ends[j])) {
+                        arcs.push([ends[i], ends[j]], [self.way(&support, i), self.way(&support, j)]);
+                    }
+                }
+            }
+        }
+        for _ in 0..MOST_TURNS {
+            let Some(directions) = arcs.lowest(self.limit()) else { break };
+            let support = self.support(&directions);
+            for i in 0..arcs.asked() {
+                let (high, low) = (support.0.height[i], support.1.height[i]);
+                let tried = Tried { direction: directions[i], high, low };
+                if self.leads_out(&directions[i]) {
+                    self.offer(&tried);
+                }
+                arcs.answer(i, self.way(&support, i), self.noise);
+            }
+        }
+        self.directions.arcs = arcs;
+    }
+
+    /// From the best direction down to the nearest valley: the gradient of the depth is the way between the two extreme places,
+    /// across the direction. Places, not points: along an edge or a face many are extreme, and their middle counts.
+    pub fn descend(&mut self) {
+        let mut list: Vec<Point> = Vec::with_capacity(WIDE_LANES);
+        let (mut step, mut tries) = (1.0, 0);
+        while let Some(found) = self.found.filter(|f| f.depth() > self.noise) {
+            let d = found.direction;
+            let (above, below) = self.extremes(&found, 0.02);
+            let way = sub(&middle(&above), &middle(&below));
+            let across = along(&way, -dot(&way, &d), &d);
+            let size = length(&way).max(f64::MIN_POSITIVE);
+            // Ever shorter steps, until one leads down.
+            while self.found.is_some_and(|f| f.direction == d) {
+                list.clear();
+                let mut shorter = step;
+                while list.len() < WIDE_LANES && tries + list.len() < MOST_STEPS && shorter >= SHORTEST_STEP {
+                    let Some(next) = unit(&along(&d, -shorter / size, &across)) else { break };
+                    list.push(next);
+                    shorter *= SHORTER;
+                }
+                if list.is_empty() {
+                    return;
+                }
+                let (high, low) = self.support(&eight_of(&list));
+                for (i, next) in list.iter().enumerate() {
+                    tries += 1;
+                    let tried = Tried { direction: *next, high: high.height[i], low: low.height[i] };
+                    if self.leads_out(next) && self.offer(&tried) {
+                        break;
+                    }
+                    step *= SHORTER;
+                }
+            }
+        }
+    }
+}
