@@ -12,7 +12,7 @@ use crate::cost::StaticMeans;
 use crate::mesh::Mesh;
 
 /// Places of the tool.
-const PLACES: u64 = 24;
+const PLACES: u64 = 20;
 
 /// Tool triangles at each place whose voxels are counted.
 const VISITORS: usize = 128;
@@ -31,10 +31,10 @@ const STATICS: [usize; 2] = [12_500, 200_000];
 const RUN: usize = 32;
 
 /// Mock-up triangles around one place that are looked at more closely.
-const LOOKED_AT: usize = 3000;
+const LOOKED_AT: usize = 2000;
 
 /// Mock-up triangles around one place that are paired with the tool's.
-const NEIGHBOURS: usize = 500;
+const NEIGHBOURS: usize = 400;
 
 /// Mock-up triangles whose shapes are kept.
 const SHAPES: usize = 2000;
