@@ -170,9 +170,11 @@ pub(super) fn balance(found: &mut [(Vec<Visitor>, Vec<Meeting>)], start: f64) {
             work_of(visitors, &near, start).seconds(&CostConstants::default())
         })
         .collect();
-    let total: f64 = seconds.iter().map(|t| 1.0 / t).sum();
+    let places = seconds.len() as f64;
+    // Which level the weights have decides nothing: that of the geometric mean, which few places move.
+    let level = (seconds.iter().map(|t| t.ln()).sum::<f64>() / places).exp();
     for ((visitors, meetings), t) in found.iter_mut().zip(&seconds) {
-        let weight = 1.0 / (t * total);
+        let weight = level / (t * places);
         visitors.iter_mut().for_each(|v| v.weight *= weight);
         meetings.iter_mut().for_each(|m| m.weight *= weight);
     }
