@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import time
 from pathlib import Path
 from typing import Any
 
@@ -73,6 +74,21 @@ def test_piece_size_judges_the_choice(tmp_path: Path) -> None:
     assert 0 < row["chosen"]["predicted_work"] < row["default"]["predicted_work"]
     assert 0 < row["choosing_share"] < 1 and -1 <= row["rank_correlation"] <= 1
     assert found["summary"]["over"]["chosen"]["best"]["worst"] == row["over"]["chosen"]["best"]
+
+
+def test_what_is_compared_takes_turns() -> None:
+    from feeler.study.timing import least_in_turns
+
+    naps = iter([0.03, 0.01, 0.02])
+    order: list[str] = []
+
+    def nap() -> None:
+        order.append("nap")
+        time.sleep(next(naps))
+
+    slow, fast = least_in_turns(nap, lambda: order.append("none"), rounds=3)
+    assert 0.01 <= slow < 0.03 and fast < 0.01
+    assert order == ["nap", "none"] * 3
 
 
 def test_own_files(tmp_path: Path) -> None:

@@ -65,7 +65,7 @@ def voxel_size(
     mockups: Mockups = "all",
     tools: Tools = "all",
     triangles: Triangles = 200_000,
-    poses: Poses = 10,
+    poses: Poses = 40,
     rounds: Rounds = 15,
     sizes: Annotated[int, typer.Option(help="Voxel sizes to measure for each pair.")] = 13,
     storage: Annotated[str, typer.Option(help="dense or hashed.")] = "dense",

@@ -11,6 +11,8 @@ from .subjects import Plan, Subject, Workshop
 
 Pair = tuple[Subject[Mockup], Subject[Tool]]
 
+_LAYOUT = 2  # of the cells; those of another are measured anew
+
 
 def measure_pairs(
     study: str, plan: Plan, pairs: Sequence[Pair], measure: Callable[[Mockup, Tool], Cell], **settings: Any
@@ -22,7 +24,10 @@ def measure_pairs(
     cells, workshop = Cells(plan.folder, plan.resume), Workshop()
     for number, (mockup, tool) in enumerate(pairs):
         plan.progress(number / len(pairs), f"{mockup.name} and {tool.name}")
-        asked = {"mockup": mockup.key, "tool": tool.key, "poses": plan.poses, "rounds": plan.rounds, "seed": plan.seed}
+        asked = {
+            "layout": _LAYOUT, "mockup": mockup.key, "tool": tool.key,
+            "poses": plan.poses, "rounds": plan.rounds, "seed": plan.seed,
+        }  # fmt: skip
 
         def now(mockup: Subject[Mockup] = mockup, tool: Subject[Tool] = tool) -> Cell:
             return measure(workshop.mockup(mockup), tool.make())

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import platform
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
 from typing import Any
@@ -69,6 +69,17 @@ def time_in_turns(
                 samples[number, done, p] = clock() - start
         done += 1
     return Times(samples[:, :done])
+
+
+def least_in_turns(*tasks: Callable[[], object], rounds: int = 5) -> list[float]:
+    """Seconds that each task takes by the wall, all threads: the least of the rounds, in which each takes its turn."""
+    least = [float("inf")] * len(tasks)
+    for _ in range(rounds):
+        for i, task in enumerate(tasks):
+            start = time.perf_counter()
+            task()
+            least[i] = min(least[i], time.perf_counter() - start)
+    return least
 
 
 def mean_work(scene: Scene, tool: Tool, poses: Floats) -> dict[str, float]:

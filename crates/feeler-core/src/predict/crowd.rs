@@ -9,6 +9,33 @@ const CELLS: f64 = 131_072.0;
 /// Most points along an edge of a triangle larger than a cell.
 const SPREAD: f64 = 6.0;
 
+/// A triangle of the mock-up and what is asked of it more than once.
+#[derive(Debug, Clone, Copy)]
+pub struct Measured {
+    pub corners: Triangle,
+    pub bounds: Aabb,
+    /// Square metres.
+    pub area: f64,
+    /// Length of its edges together, metres.
+    pub outline: f64,
+    /// Its longest edge, metres.
+    pub longest: f64,
+}
+
+impl Measured {
+    /// Of a triangle.
+    pub fn of(corners: Triangle) -> Measured {
+        let edges = edge_lengths(&corners);
+        Measured {
+            bounds: Aabb::of_triangle(&corners),
+            area: 0.5 * twice_area(&corners),
+            outline: edges.iter().sum(),
+            longest: edges.into_iter().fold(0.0, f64::max),
+            corners,
+        }
+    }
+}
+
 /// Means over cells of a sample of triangles.
 #[derive(Debug)]
 pub struct Crowd {
@@ -22,7 +49,7 @@ pub struct Crowd {
 
 impl Crowd {
     /// Each of the triangles stands for `weight` triangles inside the bounds.
-    pub fn new<'a>(bounds: &Aabb, triangles: impl Iterator<Item = &'a Triangle>, weight: f64) -> Crowd {
+    pub fn new(bounds: &Aabb, triangles: &[Measured], weight: f64) -> Crowd {
         let extent = bounds.extent();
         let longest = extent.iter().fold(0.0, |m: f64, x| m.max(*x));
         // Flat mock-ups have fewer cells. As shares of the longest side, since a volume may be too small for a number.
@@ -33,16 +60,14 @@ impl Crowd {
         let cells = extent.map(|x| (x * over) as usize + 1);
         let mut crowd = Crowd { origin: bounds.lower, over, cells, density: vec![[0.0; 2]; cells.iter().product()] };
         for t in triangles {
-            let edges = edge_lengths(t);
-            let longest = edges.iter().fold(0.0, |m: f64, x| m.max(*x));
-            let n = steps(longest * over);
+            let n = steps(t.longest * over);
             let share = weight * over * over * over / (n * (n + 1) / 2) as f64;
-            let (area, outline) = (0.5 * twice_area(t) * share, edges.iter().sum::<f64>() * share);
-            lattice(t, n, |at| {
+            let (area, outline) = ((t.area * share) as f32, (t.outline * share) as f32);
+            lattice(&t.corners, n, |at| {
                 if let Some(cell) = crowd.cell(at) {
                     let [a, o] = &mut crowd.density[cell];
-                    *a += area as f32;
-                    *o += outline as f32;
+                    *a += area;
+                    *o += outline;
                 }
             });
         }
@@ -97,13 +122,13 @@ fn lattice(t: &Triangle, n: usize, mut point: impl FnMut(&Point)) {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::intersect_triangle_triangle::intersect_triangle_triangle;
     use crate::predict::random::Random;
 
     /// Triangles of up to that size with a corner anywhere in a cube of a metre.
-    fn scattered(n: usize, size: f64, seed: u64) -> Vec<Triangle> {
+    pub fn scattered(n: usize, size: f64, seed: u64) -> Vec<Triangle> {
         let mut random = Random::new(seed);
         let mut one = || {
             let turn = random.rotation();
@@ -121,7 +146,8 @@ mod tests {
             let statics = scattered(n, size, 1);
             let bounds = Aabb { lower: [-size; 3], upper: [1.0 + size; 3] };
             // A third of them stand for all.
-            let crowd = Crowd::new(&bounds, statics.iter().step_by(3), 3.0);
+            let third: Vec<Measured> = statics.iter().step_by(3).map(|t| Measured::of(*t)).collect();
+            let crowd = Crowd::new(&bounds, &third, 3.0);
             let (mut met, mut expected) = (0, 0.0);
             for t in scattered(600, 0.1, 2) {
                 let b = Aabb::of_triangle(&t);

@@ -10,7 +10,10 @@
 //! - a tool triangle and a mock-up triangle whose boxes overlap by `o_a` (negative: a gap) share `product(max(0, 1 + o_a / d))`
 //!   voxels of their boxes, of which the mock-up triangle is listed in the share that it is listed in of its own box.
 //!
-//! The work times what each step costs on the machine ([`CostConstants`]) is the time.
+//! Two of them are met at most as often as their boxes share a voxel at all, `product(min(1, 1 + o_a / d))`.
+//!
+//! The work times what each step costs on the machine ([`CostConstants`]) is the time. Of the places it is the relative times that are
+//! averaged ([`sample::balance`]): each counts by how much longer a query takes there than at a likely size.
 
 mod crowd;
 mod pieces;
@@ -20,13 +23,11 @@ mod sample;
 #[cfg(test)]
 mod tests;
 
-use rayon::prelude::*;
-
 use crate::cost::{mean_longest_edge, CostFunction, Estimator};
 use crate::mesh::Mesh;
 use crate::store::Storage;
 pub use pieces::{PiecePredictor, PieceWork};
-use sample::{Sample, Shape, Statics};
+use sample::{Meeting, Sample, Shape, Statics, Visitor};
 
 /// What the steps of a query cost on a machine, seconds each. The core has no clock: whoever has one measures them.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,7 +60,7 @@ impl Default for CostConstants {
     }
 }
 
-/// The work of one query, on average over the sampled places.
+/// The work of one query, on average over the sampled places: see [`Predictor::work`].
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Work {
     /// Tool triangles placed.
@@ -106,7 +107,7 @@ const REACH: f64 = 4.0;
 const DEPTH: f64 = 1.0 / 32.0;
 
 impl Predictor {
-    /// Looks at samples of both meshes: time that does not grow with them beyond some 50,000 triangles.
+    /// Looks at samples of both meshes: a millisecond or two, ten for a mock-up of a million triangles.
     ///
     /// `storage` is `Dense` or `Hashed`; for `Blocks` the figures are those of `Dense`. `None` for meshes so near the limits
     /// of float64 that the paper's cost function has no optimum either.
@@ -118,7 +119,7 @@ impl Predictor {
         }
         let hashing = if let Storage::Hashed { level } = storage { level } else { 0.0 };
         Some(Predictor {
-            sample: Sample::new(&statics, &mesh.bounds(), tool, REACH * start),
+            sample: Sample::new(&statics, &mesh.bounds(), tool, start, REACH * start),
             tool_triangles: tool.queried_count() as f64,
             extent: mesh.bounds().extent(),
             hashing,
@@ -126,36 +127,12 @@ impl Predictor {
         })
     }
 
-    /// The work of a query with voxels of `d` metres.
+    /// The work of a query with voxels of `d` metres, on average over the places, each weighted by how short a query is there.
     pub fn work(&self, d: f64) -> Work {
-        let over = 1.0 / d;
-        let Sample { places, visitors, meetings, .. } = &self.sample;
-        let mut work = Work { tool_triangles: self.tool_triangles, ..Work::default() };
-        for v in visitors {
-            work.voxels += v.weight * v.extent.iter().map(|b| 1.0 + b * over).product::<f64>();
-        }
-        // By ascending gap. Chunks are summed up in order: the same for any number of threads.
+        let Sample { visitors, meetings, .. } = &self.sample;
+        // By ascending gap.
         let near = &meetings[..meetings.partition_point(|m| m.gap < d)];
-        let sums: Vec<[f64; 3]> = near
-            .par_chunks(CHUNK)
-            .map(|chunk| {
-                chunk.iter().fold([0.0; 3], |[entries, pairs, tests], m| {
-                    let boxes: f64 = m.overlap.iter().map(|o| (1.0 + o * over).max(0.0)).product();
-                    let shared = boxes * (listed(&m.shape, over) / boxed(&m.shape, over));
-                    let met = m.weight * shared.min(1.0);
-                    let test = if m.gap == 0.0 { met } else { 0.0 };
-                    [entries + m.weight * shared, pairs + met, tests + test]
-                })
-            })
-            .collect();
-        for [entries, pairs, tests] in sums {
-            work.entries += entries;
-            work.pairs += pairs;
-            work.tests += tests;
-        }
-        for sum in [&mut work.voxels, &mut work.entries, &mut work.pairs, &mut work.tests] {
-            *sum /= places;
-        }
+        let mut work = Work { tool_triangles: self.tool_triangles, ..work_of(visitors, near, d) };
         if self.hashing > 0.0 {
             // A slot holds the lists of 1 / (1 - hashing) voxels; the others' lie elsewhere and hold what voxels hold on average.
             let others = 1.0 / (1.0 - self.hashing) - 1.0;
@@ -233,8 +210,24 @@ impl Predictor {
     }
 }
 
-/// Meetings that one thread sums up at a time.
-const CHUNK: usize = 8192;
+/// The work with voxels of `d` metres, but for placing the tool. The meetings are nearer than that.
+fn work_of(visitors: &[Visitor], meetings: &[Meeting], d: f64) -> Work {
+    let over = 1.0 / d;
+    let mut work = Work::default();
+    for v in visitors {
+        work.voxels += v.weight * v.extent.iter().map(|b| 1.0 + b * over).product::<f64>();
+    }
+    for m in meetings {
+        let along = m.overlap.map(|o| (1.0 + o * over).max(0.0));
+        let shared = along.iter().product::<f64>() * (listed(&m.shape, over) / boxed(&m.shape, over));
+        // They can be met only where the boxes share a voxel at all.
+        let met = m.weight * shared.min(along.iter().map(|x| x.min(1.0)).product());
+        work.entries += m.weight * shared;
+        work.pairs += met;
+        work.tests += if m.gap == 0.0 { met } else { 0.0 };
+    }
+    work
+}
 
 /// Voxels that list a triangle: see the module.
 fn listed(shape: &Shape, over: f64) -> f64 {

@@ -19,7 +19,7 @@ use crate::store::Blocks;
 use crate::tool::{Tool, Widths};
 
 /// Triangles that are looked at, evenly spread over the mesh.
-const LOOKED_AT: usize = 50_000;
+const LOOKED_AT: usize = 25_000;
 
 /// Of these, the ones whose cutting is followed.
 const FOLLOWED: usize = 2000;

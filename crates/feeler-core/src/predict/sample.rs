@@ -1,23 +1,18 @@
 //! What a prediction looks at: the tool at a few places on the mock-up's surface, a part of its triangles there, and the
 //! mock-up's triangles around each.
 
-use std::cmp::Ordering;
-
 use rayon::prelude::*;
 
-use super::crowd::Crowd;
+use super::crowd::{Crowd, Measured};
 use super::place::Place;
 use super::random::Random;
+use super::{work_of, CostConstants};
 use crate::bounds::{Aabb, Point, Triangle};
 use crate::cost::StaticMeans;
 use crate::mesh::Mesh;
-use crate::pieces::{edge_lengths, twice_area};
 
-/// Places of the tool that are tried.
-const TRIES: u64 = 32;
-
-/// And kept: of those at work the ones where it meets least. A few, through a crowd of slivers, would outweigh all others.
-const KEPT: usize = 26;
+/// Places of the tool.
+const PLACES: u64 = 20;
 
 /// Tool triangles at each place whose voxels are counted.
 const VISITORS: usize = 128;
@@ -25,17 +20,21 @@ const VISITORS: usize = 128;
 /// Of these, the ones whose neighbours are looked at.
 const MEETERS: usize = 24;
 
-/// Mock-up triangles looked at, evenly spread over the mesh.
-const STATICS: usize = 50_000;
+/// Of so many mock-up triangles one is looked at: of fewer, a cell of the crowd would hold one of them or none, and the tool
+/// would find gaps that are not there.
+const STRIDE: usize = 16;
+
+/// Least and most that are looked at.
+const STATICS: [usize; 2] = [12_500, 200_000];
 
 /// Of these, in a run that is passed over at once.
 const RUN: usize = 32;
 
 /// Mock-up triangles around one place that are looked at more closely.
-const LOOKED_AT: usize = 3000;
+const LOOKED_AT: usize = 2000;
 
 /// Mock-up triangles around one place that are paired with the tool's.
-const NEIGHBOURS: usize = 500;
+const NEIGHBOURS: usize = 400;
 
 /// Mock-up triangles whose shapes are kept.
 const SHAPES: usize = 2000;
@@ -82,7 +81,7 @@ impl Shape {
 /// A part of the mock-up's triangles.
 #[derive(Debug)]
 pub struct Statics {
-    pub triangles: Vec<Triangle>,
+    pub triangles: Vec<Measured>,
     /// Boxes around runs of them: neighbours in a file are mostly neighbours in space.
     runs: Vec<Aabb>,
     /// How many each stands for.
@@ -94,34 +93,24 @@ pub struct Statics {
 impl Statics {
     /// Evenly spread over the mesh.
     pub fn new(mesh: &Mesh) -> Statics {
-        let ids = spread(mesh, STATICS);
+        let ids = spread(mesh, (mesh.queried_count() / STRIDE).clamp(STATICS[0], STATICS[1]));
         let mut triangles = Vec::new();
-        ids.par_iter().map(|id| mesh.triangle(*id)).collect_into_vec(&mut triangles);
+        ids.par_iter().map(|id| Measured::of(mesh.triangle(*id))).collect_into_vec(&mut triangles);
         let n = triangles.len() as f64;
-        // Summed up in order: the same for any number of threads.
-        let looked: Vec<(Aabb, StaticMeans)> = triangles.par_chunks(RUN).map(around).collect();
-        let sum = |f: fn(&StaticMeans) -> f64| looked.iter().map(|(_, sums)| f(sums)).sum::<f64>();
+        let mean = |f: fn(&Measured) -> f64| triangles.iter().map(f).sum::<f64>() / n;
+        let around = |run: &[Measured]| run.iter().fold(Aabb::EMPTY, |all, t| all.union(&t.bounds));
         Statics {
             each: mesh.queried_count() as f64 / n,
-            means: StaticMeans { area: sum(|s| s.area) / n, edge: sum(|s| s.edge) / n },
-            runs: looked.iter().map(|(b, _)| *b).collect(),
+            means: StaticMeans { area: mean(|t| t.area), edge: mean(|t| t.outline / 3.0) },
+            runs: triangles.chunks(RUN).map(around).collect(),
             triangles,
         }
     }
 }
 
-/// The box around a run of triangles, and the sums of their areas and mean edges.
-fn around(run: &[Triangle]) -> (Aabb, StaticMeans) {
-    run.iter().fold((Aabb::EMPTY, StaticMeans { area: 0.0, edge: 0.0 }), |(b, sums), t| {
-        let edge = edge_lengths(t).iter().sum::<f64>() / 3.0;
-        (b.union(&Aabb::of_triangle(t)), StaticMeans { area: sums.area + 0.5 * twice_area(t), edge: sums.edge + edge })
-    })
-}
-
 /// See the module. Deterministic.
 #[derive(Debug)]
 pub struct Sample {
-    pub places: f64,
     pub visitors: Vec<Visitor>,
     /// By ascending gap.
     pub meetings: Vec<Meeting>,
@@ -131,26 +120,16 @@ pub struct Sample {
     pub each_shape: f64,
 }
 
-/// What is found at a place.
-struct Found {
-    /// How far it is from a place at work, see [`Place::at_work`].
-    off: f64,
-    /// Pairs whose boxes meet.
-    contact: f64,
-    visitors: Vec<Visitor>,
-    meetings: Vec<Meeting>,
-}
-
 impl Sample {
-    /// Mock-up triangles count as near up to `reach` metres from a tool triangle's box.
-    pub fn new(statics: &Statics, bounds: &Aabb, tool: &Mesh, reach: f64) -> Sample {
+    /// Mock-up triangles count as near up to `reach` metres from a tool triangle's box. `start` is a likely voxel size.
+    pub fn new(statics: &Statics, bounds: &Aabb, tool: &Mesh, start: f64, reach: f64) -> Sample {
         let tool_ids: Vec<u32> = tool.queried().collect();
         let chosen = chosen_visitors(tool, &tool_ids);
-        let crowd = Crowd::new(bounds, statics.triangles.iter().step_by(2), 2.0 * statics.each);
-        let mut found: Vec<Found> = (0..TRIES)
+        let crowd = Crowd::new(bounds, &statics.triangles, statics.each);
+        let mut found: Vec<(Vec<Visitor>, Vec<Meeting>)> = (0..PLACES)
             .into_par_iter()
             .map(|seed| {
-                let (place, off) = Place::at_work(statics, tool, &tool_ids, &crowd, seed);
+                let place = Place::at_work(statics, tool, &tool_ids, &crowd, seed);
                 let boxes: Vec<(Aabb, f64)> = chosen
                     .iter()
                     .map(|(id, weight)| (Aabb::of_triangle(&place.apply(&tool.triangle(*id))), *weight))
@@ -162,21 +141,17 @@ impl Sample {
                 });
                 let (near, every) = near(statics, &place, tool, reach);
                 let each = statics.each * every as f64;
-                let meetings = meetings(&boxes, &near, each, reach, &mut Random::new(!seed));
-                let contact = meetings.iter().filter(|m| m.gap == 0.0).map(|m| m.weight).sum();
-                Found { off, contact, visitors: visitors.collect(), meetings }
+                (visitors.collect(), meetings(statics, &boxes, &near, each, reach, &mut Random::new(!seed)))
             })
             .collect();
-        found.sort_by(|p, q| (p.off, p.contact).partial_cmp(&(q.off, q.contact)).unwrap_or(Ordering::Equal));
-        found.truncate(KEPT);
-        let places = found.len() as f64;
-        let mut meetings: Vec<Meeting> = found.iter().flat_map(|place| place.meetings.iter().copied()).collect();
+        balance(&mut found, start);
+        let (visitors, meetings): (Vec<_>, Vec<_>) = found.into_iter().unzip();
+        let mut meetings = meetings.concat();
         meetings.sort_unstable_by(|p, q| p.gap.total_cmp(&q.gap));
         let few = statics.triangles.len().div_ceil(SHAPES);
-        let shapes: Vec<Shape> = statics.triangles.iter().step_by(few).map(Shape::of).collect();
+        let shapes: Vec<Shape> = statics.triangles.iter().step_by(few).map(|t| Shape::of(&t.corners)).collect();
         Sample {
-            places,
-            visitors: found.into_iter().flat_map(|place| place.visitors).collect(),
+            visitors: visitors.concat(),
             meetings,
             each_shape: statics.each * statics.triangles.len() as f64 / shapes.len() as f64,
             shapes,
@@ -184,22 +159,43 @@ impl Sample {
     }
 }
 
+/// Weighs the places so that each counts by how much longer a query takes there than with voxels of `start` metres.
+///
+/// In a plain mean the few through a crowd of slivers, where a query takes a hundred times as long, would decide alone.
+pub(super) fn balance(found: &mut [(Vec<Visitor>, Vec<Meeting>)], start: f64) {
+    let seconds: Vec<f64> = found
+        .iter()
+        .map(|(visitors, meetings)| {
+            let near: Vec<Meeting> = meetings.iter().filter(|m| m.gap < start).copied().collect();
+            work_of(visitors, &near, start).seconds(&CostConstants::default())
+        })
+        .collect();
+    let places = seconds.len() as f64;
+    // Which level the weights have decides nothing: that of the geometric mean, which few places move.
+    let level = (seconds.iter().map(|t| t.ln()).sum::<f64>() / places).exp();
+    for ((visitors, meetings), t) in found.iter_mut().zip(&seconds) {
+        let weight = level / (t * places);
+        visitors.iter_mut().for_each(|v| v.weight *= weight);
+        meetings.iter_mut().for_each(|m| m.weight *= weight);
+    }
+}
+
 /// The mock-up's triangles that may be within `reach` of the tool's box at a place, and how many of the sample each stands for.
-fn near<'a>(statics: &'a Statics, place: &Place, tool: &Mesh, reach: f64) -> (Vec<&'a Triangle>, usize) {
+fn near(statics: &Statics, place: &Place, tool: &Mesh, reach: f64) -> (Vec<usize>, usize) {
     let around = grown(&place.bounds_of(tool), reach);
-    let is_near = |t: &&Triangle| {
-        let b = Aabb::of_triangle(t);
+    let is_near = |i: &usize| {
+        let b = &statics.triangles[*i].bounds;
         // The box around the turned box holds much that is not near.
-        around.is_overlapping(&b) && {
+        around.is_overlapping(b) && {
             let middle = place.in_tool(&std::array::from_fn(|a| 0.5 * b.lower[a] + 0.5 * b.upper[a]));
             let radius = 0.5 * b.extent().iter().map(|x| x * x).sum::<f64>().sqrt();
             grown(&tool.bounds(), reach + radius).is_overlapping(&Aabb { lower: middle, upper: middle })
         }
     };
-    let runs = statics.triangles.chunks(RUN).zip(&statics.runs);
-    let runs: Vec<&[Triangle]> = runs.filter(|(_, b)| around.is_overlapping(b)).map(|(run, _)| run).collect();
+    let runs: Vec<usize> = (0..statics.runs.len()).filter(|run| around.is_overlapping(&statics.runs[*run])).collect();
     let every = (runs.len() * RUN).div_ceil(LOOKED_AT).max(1);
-    (runs.iter().flat_map(|run| run.iter()).step_by(every).filter(is_near).collect(), every)
+    let looked_at = (0..runs.len() * RUN).step_by(every).map(|i| runs[i / RUN] * RUN + i % RUN);
+    (looked_at.filter(|i| *i < statics.triangles.len()).filter(is_near).collect(), every)
 }
 
 /// At most `most` queried triangles, evenly spread; at least one.
@@ -243,7 +239,14 @@ pub(super) fn chosen(ids: &[u32], shares: &[f64], most: usize) -> Vec<(u32, u32,
 }
 
 /// The pairs of a place. Those far apart, of which there are many and which few voxel sizes bring together, are thinned.
-fn meetings(boxes: &[(Aabb, f64)], near: &[&Triangle], each: f64, reach: f64, random: &mut Random) -> Vec<Meeting> {
+fn meetings(
+    all: &Statics,
+    boxes: &[(Aabb, f64)],
+    near: &[usize],
+    each: f64,
+    reach: f64,
+    random: &mut Random,
+) -> Vec<Meeting> {
     if near.is_empty() {
         return Vec::new();
     }
@@ -252,24 +255,21 @@ fn meetings(boxes: &[(Aabb, f64)], near: &[&Triangle], each: f64, reach: f64, ra
     let first = random.below(every);
     let some = boxes.iter().skip(first).step_by(every);
     let every_near = near.len().div_ceil(NEIGHBOURS);
-    let statics: Vec<(Aabb, Shape)> = near
-        .iter()
-        .skip(random.below(every_near))
-        .step_by(every_near)
-        .map(|t| (Aabb::of_triangle(t), Shape::of(t)))
-        .collect();
+    let neighbours: Vec<usize> = near.iter().skip(random.below(every_near)).step_by(every_near).copied().collect();
+    let statics: Vec<Aabb> = neighbours.iter().map(|i| all.triangles[*i].bounds).collect();
     let weight = each * every as f64 * every_near as f64;
     let kept_whole = reach / 8.0;
     let mut found = Vec::new();
     for (tool_box, tool_weight) in some {
-        for (b, shape) in &statics {
+        for (b, i) in statics.iter().zip(&neighbours) {
             let overlap: Point =
                 std::array::from_fn(|a| tool_box.upper[a].min(b.upper[a]) - tool_box.lower[a].max(b.lower[a]));
-            let gap = overlap.iter().fold(0.0f64, |m, x| m.max(-x));
+            let gap = -overlap[0].min(overlap[1]).min(overlap[2]).min(0.0);
             if gap < reach {
                 let share = f64::min(1.0, (kept_whole / gap).powi(2));
                 if share == 1.0 || random.unit() < share {
-                    found.push(Meeting { overlap, shape: *shape, weight: weight * tool_weight / share, gap });
+                    let shape = Shape::of(&all.triangles[*i].corners);
+                    found.push(Meeting { overlap, shape, weight: weight * tool_weight / share, gap });
                 }
             }
         }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::random::Random;
-use super::sample::Shape;
+use super::sample::{balance, Meeting, Shape, Visitor};
 use super::*;
 use crate::bounds::{Aabb, Point, Triangle};
 use crate::grid::VoxelGrid;
@@ -76,6 +76,69 @@ fn a_triangle_is_listed_as_often_as_the_formula_says() {
         let (mean, expected) = (f64::from(sum) / 400.0, listed(&Shape::of(&t), 1.0 / d));
         assert!((mean / expected - 1.0).abs() < 0.03, "{mean} {expected}");
     }
+}
+
+#[test]
+fn pairs_are_met_as_often_as_the_formula_says() {
+    // A box of the tool and a triangle near it; overlapping, and with gaps along one axis and more.
+    let mut random = Random::new(8);
+    let (d, mut sums) = (0.3, [[0.0; 4]; 2]);
+    for _ in 0..300 {
+        let t: Triangle = std::array::from_fn(|_| std::array::from_fn(|_| 1.0 + 0.6 * random.unit()));
+        let lower: Point = std::array::from_fn(|_| 0.7 + 0.9 * random.unit());
+        let tool_box = Aabb { lower, upper: lower.map(|x| x + 0.2 + 0.3 * random.unit()) };
+        let b = Aabb::of_triangle(&t);
+        let overlap: Point = std::array::from_fn(|a| tool_box.upper[a].min(b.upper[a]) - lower[a].max(b.lower[a]));
+        let gap = overlap.iter().fold(0.0f64, |m, x| m.max(-x));
+        if gap >= d {
+            continue;
+        }
+        let work = work_of(&[], &[Meeting { overlap, shape: Shape::of(&t), weight: 1.0, gap }], d);
+        let (mut shared, mut met) = (0, 0);
+        for _ in 0..100 {
+            let origin: Point = std::array::from_fn(|_| -d * random.unit());
+            let grid = VoxelGrid::new(&Aabb { lower: origin, upper: [3.0; 3] }, d).unwrap();
+            let mut here = 0;
+            grid.for_each_voxel(&t, |v| {
+                here += u32::from((0..3).all(|a| {
+                    let low = origin[a] + f64::from(v[a]) * d;
+                    low <= tool_box.upper[a] && low + d >= tool_box.lower[a]
+                }));
+            });
+            shared += here;
+            met += u32::from(here > 0);
+        }
+        let sum = &mut sums[usize::from(gap > 0.0)];
+        for (total, x) in
+            sum.iter_mut().zip([work.entries, f64::from(shared) / 100.0, work.pairs, f64::from(met) / 100.0])
+        {
+            *total += x;
+        }
+    }
+    for ([entries, shared, pairs, met], most) in sums.into_iter().zip([1.1, 1.2]) {
+        assert!((entries / shared - 1.0).abs() < 0.15, "{entries} {shared}");
+        assert!(pairs / met > 0.9 && pairs / met < most, "{pairs} {met}");
+    }
+}
+
+#[test]
+fn a_place_counts_by_how_much_longer_it_takes() {
+    let visitor = |weight| Visitor { extent: [0.1; 3], weight };
+    let shape = Shape { extent: [0.01; 3], shadows: 1e-4 };
+    let meeting = |weight| Meeting { overlap: [0.01; 3], shape, weight, gap: 0.0 };
+    // The second is a hundred times the first, but for what a query takes as such.
+    let mut found = [
+        (vec![visitor(1e4)], vec![meeting(1e3), meeting(1e3)]),
+        (vec![visitor(1e6)], vec![meeting(1e5), meeting(1e5)]),
+    ];
+    balance(&mut found, 0.02);
+    let [a, b] = found.map(|(visitors, meetings)| work_of(&visitors, &meetings, 0.02));
+    for (x, y) in [(a.voxels, b.voxels), (a.entries, b.entries), (a.tests, b.tests)] {
+        assert!(x > 0.0 && (y / x - 1.0).abs() < 0.05, "{x} {y}");
+    }
+    // Together: their geometric mean, ten times the first.
+    let voxels: f64 = 1e4 * visitor(1.0).extent.iter().map(|b| 1.0 + b / 0.02).product::<f64>();
+    assert!(((a.voxels + b.voxels) / voxels - 10.0).abs() < 0.5, "{voxels} {a:?} {b:?}");
 }
 
 #[test]
