@@ -2,7 +2,7 @@
 
 use super::node::Node;
 use super::pieces::HalfBlock;
-use super::scan::{Scan, CODES};
+use super::scan::{Arrival, Reached, Scan, CODES};
 use super::{Blocks, FANOUT};
 use crate::lanes::{Box4, BoxLanes, LaneBoxes, PlaceBoxes, PlacedPieces, Placement, SpreadBoxes, LANES};
 use crate::narrow::Narrow;
@@ -16,6 +16,8 @@ pub struct BlocksScratch {
     pub(super) masks: Vec<u16>,
     pub(super) children: Vec<LaneBoxes>,
     pub(super) spread: Box<SpreadBoxes>,
+    /// The group at work, and the one that waits.
+    pub(super) reached: Box<[Reached; 2]>,
     pub(super) pieces: Box<[PlacedPieces; LANES]>,
     pub(super) halves: Box<[HalfBlock; 2]>,
     /// Blocks with something in `codes`, and from where.
@@ -36,6 +38,7 @@ impl Default for BlocksScratch {
             masks: Vec::with_capacity(ROOM),
             children: Vec::new(),
             spread: Box::new(SpreadBoxes::ZERO),
+            reached: Box::new([Reached::new(ROOM), Reached::new(ROOM)]),
             pieces: Box::new([PlacedPieces::ZERO; LANES]),
             halves: Box::new([HalfBlock::ZERO; 2]),
             runs: Vec::with_capacity(ROOM),
@@ -60,7 +63,12 @@ impl Blocks {
         scratch.children.resize(tool.height() + 1, LaneBoxes::ZERO);
         let root = self.frame.to_box4(&whole);
         let mut descent = Descent { blocks: self, tool, placement, scratch };
-        descent.descend(tool.height(), 0, &root, self.levels.len() - 1, 0, narrow);
+        descent.scratch.reached[1].group = None;
+        if !descent.descend(tool.height(), 0, &root, self.levels.len() - 1, 0, narrow) {
+            let Descent { blocks, tool, placement, scratch } = &mut descent;
+            let lanes = narrow.lanes;
+            lanes.run(Scan { blocks, tool, placement, scratch, arrival: None, narrow });
+        }
     }
 }
 
@@ -102,7 +110,8 @@ impl Descent<'_> {
             false
         } else if tool_level == 1 {
             let lanes = narrow.lanes;
-            lanes.run(Scan { blocks, tool, placement, scratch, group: entry, from, is_above, bounds, narrow })
+            let arrival = Some(Arrival { group: entry, from, is_above, bounds });
+            lanes.run(Scan { blocks, tool, placement, scratch, arrival, narrow })
         } else {
             let BlocksScratch { nodes, children, spread, .. } = &mut **scratch;
             let (boxes, placed) = (&tool.children(tool_level)[entry], &mut children[tool_level]);

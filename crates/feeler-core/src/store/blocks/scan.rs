@@ -11,18 +11,39 @@ use crate::narrow::Narrow;
 use crate::simd::{prefetch, Kernel, Simd};
 use crate::tool::Tool;
 
-/// Offers the pairs of pieces of a group's clusters and of the blocks in or below `nodes[from..]`. True when the query is over.
-pub struct Scan<'a, 'n> {
-    pub blocks: &'a Blocks,
-    pub tool: &'a Tool,
-    pub placement: &'a Placement,
-    pub scratch: &'a mut BlocksScratch,
+/// A group of clusters at the nodes `nodes[from..]`.
+pub struct Arrival<'a> {
     pub group: usize,
     pub from: usize,
     /// Whether these are nodes above blocks, and not blocks.
     pub is_above: bool,
     /// The group's box.
     pub bounds: &'a Box4,
+}
+
+/// A group, its clusters' loose boxes, and the blocks that these reach.
+#[derive(Debug)]
+pub struct Reached {
+    pub group: Option<usize>,
+    loose: LaneBoxes,
+    blocks: Vec<u32>,
+}
+
+impl Reached {
+    pub fn new(room: usize) -> Reached {
+        Reached { group: None, loose: LaneBoxes::ZERO, blocks: Vec::with_capacity(room) }
+    }
+}
+
+/// Lets a group wait while its blocks come from memory, and offers the pairs of pieces of the clusters and blocks of the group
+/// that waited before. True when the query is over.
+pub struct Scan<'a, 'n> {
+    pub blocks: &'a Blocks,
+    pub tool: &'a Tool,
+    pub placement: &'a Placement,
+    pub scratch: &'a mut BlocksScratch,
+    /// `None` after the last one.
+    pub arrival: Option<Arrival<'a>>,
     pub narrow: &'a mut Narrow<'n>,
 }
 
@@ -31,24 +52,36 @@ impl Kernel for Scan<'_, '_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) -> bool {
-        let Scan { blocks, tool, placement, scratch, group, from, is_above, bounds, narrow } = self;
-        let BlocksScratch { nodes, masks, children, spread, pieces, halves, runs, codes, chosen, .. } = scratch;
+        let Scan { blocks, tool, placement, scratch, arrival, narrow } = self;
+        let BlocksScratch { nodes, masks, reached, spread, pieces, halves, runs, codes, chosen, .. } = scratch;
         let level = &blocks.levels[0];
+        let [now, waiting] = &mut **reached;
+        now.group = None;
+        if let Some(Arrival { group, from, is_above, bounds }) = arrival {
+            let boxes = &tool.children(1)[group];
+            let placed = &mut now.loose;
+            let first = match blocks.levels.get(1) {
+                Some(above) if is_above => {
+                    narrow.stats.voxels_visited += (nodes.len() - from) as u64;
+                    Reach { placement, boxes, level: above, below: level, bounds, nodes, from, placed, spread }.run(s)
+                }
+                _ => {
+                    placement.place_boxes(s, boxes, placed);
+                    from
+                }
+            };
+            if nodes.len() == first {
+                return false;
+            }
+            now.group = Some(group);
+            now.blocks.clear();
+            now.blocks.extend_from_slice(&nodes[first..]);
+        }
+        std::mem::swap(now, waiting);
+        let Reached { group: Some(group), loose, blocks: nodes } = &*now else { return false };
+        let group = *group;
         let boxes = &tool.children(1)[group];
-        let loose = &mut children[1];
         let first_mask = masks.len();
-        let first = match blocks.levels.get(1) {
-            Some(above) if is_above => {
-                narrow.stats.voxels_visited += (nodes.len() - from) as u64;
-                Reach { placement, boxes, level: above, below: level, bounds, nodes, from, placed: loose, spread }
-                    .run(s)
-            }
-            _ => {
-                placement.place_boxes(s, boxes, loose);
-                from
-            }
-        };
-        let nodes = &nodes[first..];
         narrow.stats.voxels_visited += nodes.len() as u64;
         // Which clusters may meet anything, by their loose boxes: only those are placed.
         let mut any = 0;
