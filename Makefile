@@ -67,7 +67,7 @@ bench: build ## measure feeler and its peers on the same poses, write a dated re
 	@$(PY) bench/run.py $(if $(QUICK),--quick) $(BENCH_ARGS)
 
 .PHONY: study
-study: build ## repeat the paper's experiments (about half an hour), write tables, plots and pages to STUDY_OUT
+study: build ## repeat the paper's experiments (about ten minutes), write tables, plots and pages to STUDY_OUT
 	@for name in voxel-size hashing scaling filters piece-size; do \
 		$(BIN)/feeler study $$name --out "$(STUDY_OUT)" $(if $(QUICK),--quick) $(STUDY_ARGS) || exit $$?; \
 	done

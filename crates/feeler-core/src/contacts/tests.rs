@@ -181,6 +181,23 @@ fn round_things() {
 }
 
 #[test]
+fn one_plane_stands_for_about_twelve_degrees() {
+    let ball = tool(ball(0.02, 64));
+    for angle in [10f64, 20.0] {
+        let (sine, cosine) = angle.to_radians().sin_cos();
+        let valley = [[-0.05, 0.0], [0.0, 0.0], [0.05, 0.05 * sine / cosine]];
+        // The slope is the deeper side. The other one has a plane of its own where it looks another way.
+        let sides = [([-sine, 0.0, cosine], 0.02 - 0.019 * cosine), ([0.0, 0.0, 1.0], 0.001)];
+        let expected = if angle < 12.0 { &sides[..1] } else { &sides };
+        for (n, m) in [(1, 1), (4, 9), (11, 20)] {
+            let valley = scene(ridge(&valley, -0.02, 0.04, n, m));
+            let planes = found(&valley, &ball, &at(0.0, 0.001, 0.019), 0.0, None);
+            expect(&planes, expected, 0.02, &format!("{angle}: {n} {m}"));
+        }
+    }
+}
+
+#[test]
 fn a_tooth_in_its_slot() {
     let (sine, cosine) = 20f64.to_radians().sin_cos();
     let (foot, rim) = (0.002, 0.002 + 0.01 * sine / cosine);
