@@ -6,9 +6,12 @@ import copy
 import gc
 import itertools
 import pickle
+import subprocess
+import sys
 import threading
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -242,6 +245,32 @@ def test_memory_is_the_sum_of_its_parts(store: dict[str, Any], mockup: feeler.Mo
     assert all(isinstance(count, int) and count >= 0 for count in memory.values())
     assert memory["triangles"] >= mockup.vertices.nbytes + mockup.faces.nbytes
     assert total < 50 * memory["triangles"]
+
+
+@pytest.mark.skipif(not Path("/sys/kernel/mm/transparent_hugepage").exists(), reason="no huge pages to ask for")
+def test_large_arrays_ask_for_huge_pages() -> None:
+    """In a process of its own, whose memory holds nothing that came before."""
+    code = """
+import re
+import numpy as np
+import feeler
+
+rows, columns = np.mgrid[0:400, 0:400].reshape(2, -1)
+at = (400 * rows + columns).reshape(400, 400)
+faces = np.stack([at[:-1, :-1], at[1:, :-1], at[1:, 1:]], axis=-1).reshape(-1, 3)
+mockup = feeler.Mockup(np.stack([rows, columns, 0.0 * rows], axis=1), np.vstack([faces, faces[:, ::-1]]))
+scene = feeler.Scene(mockup)
+# A mapping's lines end with its flags.
+mappings = open("/proc/self/smaps").read().split("VmFlags:")
+asked = sum(
+    int(re.findall(r"^Size: +([0-9]+) kB", before, re.MULTILINE)[-1])
+    for before, after in zip(mappings, mappings[1:])
+    if " hg" in after.splitlines()[0]
+)
+print(asked * 1024, sum(scene.memory().values()))
+"""
+    asked, held = map(int, subprocess.run([sys.executable, "-c", code], capture_output=True, check=True).stdout.split())
+    assert asked > 0.5 * held > 4e6
 
 
 def test_hashing_saves_what_it_says(mockup: feeler.Mockup) -> None:

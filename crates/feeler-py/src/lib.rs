@@ -6,6 +6,7 @@ mod cast;
 mod collision;
 mod contacts;
 mod errors;
+mod huge_pages;
 mod mockup;
 mod predict;
 mod proximity;
@@ -14,6 +15,9 @@ mod tool;
 
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
+
+#[global_allocator]
+static ALLOCATOR: huge_pages::HugePages = huge_pages::HugePages;
 
 /// Vertices and indices into them.
 type Welded<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<u32>>);

@@ -1,0 +1,52 @@
+//! Large arrays lie in huge pages, where the system has them for the asking.
+//!
+//! A query reads a few hundred cache lines here and there in an index of a hundred megabytes. In pages of 4 KiB nearly each of
+//! them lies in a page whose place must be looked up in memory first, in pages of 2 MiB hardly any.
+
+use std::alloc::{GlobalAlloc, Layout, System};
+
+/// The system's allocator; asks for huge pages behind whatever is large.
+pub struct HugePages;
+
+/// Bytes of a huge page. Less cannot lie in one.
+const HUGE: usize = 2 << 20;
+
+// SAFETY: the system's allocator does it all.
+unsafe impl GlobalAlloc for HugePages {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        // SAFETY: the caller's promise.
+        advised(unsafe { System.alloc(layout) }, layout.size())
+    }
+
+    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
+        // SAFETY: the caller's promise.
+        advised(unsafe { System.alloc_zeroed(layout) }, layout.size())
+    }
+
+    unsafe fn realloc(&self, place: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        // SAFETY: the caller's promise.
+        advised(unsafe { System.realloc(place, layout, size) }, size)
+    }
+
+    unsafe fn dealloc(&self, place: *mut u8, layout: Layout) {
+        // SAFETY: the caller's promise.
+        unsafe { System.dealloc(place, layout) }
+    }
+}
+
+#[cfg(target_os = "linux")]
+fn advised(place: *mut u8, size: usize) -> *mut u8 {
+    /// Advice is taken for whole small pages; one of 4 KiB that is not whole on a system with larger ones is refused, at no harm.
+    const SMALL: usize = 4 << 10;
+    if size >= HUGE && !place.is_null() {
+        let skipped = place.align_offset(SMALL);
+        // SAFETY: inside what was just allocated, and what it holds is not changed.
+        unsafe { libc::madvise(place.add(skipped).cast(), (size - skipped) / SMALL * SMALL, libc::MADV_HUGEPAGE) };
+    }
+    place
+}
+
+#[cfg(not(target_os = "linux"))]
+fn advised(place: *mut u8, _size: usize) -> *mut u8 {
+    place
+}
