@@ -184,37 +184,30 @@ impl PlacedPieces {
         }
     }
 
+    /// The corners.
+    #[inline(always)]
+    pub fn corners<S: Simd>(&self, s: S) -> [[S::F32; 3]; 4] {
+        [load3(s, &self.corners[0]), load3(s, &self.corners[1]), load3(s, &self.corners[2]), load3(s, &self.corners[3])]
+    }
+
     /// The interval of each piece along an axis.
     #[inline(always)]
     pub fn along<S: Simd>(&self, s: S, n: &[S::F32; 3]) -> (S::F32, S::F32) {
-        let mut d = [n[0]; 4];
-        for c in 0..4 {
-            let at = load3(s, &self.corners[c]);
-            d[c] = s.mul_add(n[0], at[0], s.mul_add(n[1], at[1], n[2] * at[2]));
-        }
-        (least4(s, &d), greatest4(s, &d))
+        along(s, &self.corners(s), n)
     }
 
     #[inline(always)]
     fn make_normals<S: Simd>(&mut self, s: S) {
-        let c = [
-            load3(s, &self.corners[0]),
-            load3(s, &self.corners[1]),
-            load3(s, &self.corners[2]),
-            load3(s, &self.corners[3]),
-        ];
+        let c = self.corners(s);
         let u = [c[2][0] - c[0][0], c[2][1] - c[0][1], c[2][2] - c[0][2]];
         let v = [c[3][0] - c[1][0], c[3][1] - c[1][1], c[3][2] - c[1][2]];
         let n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
-        let mut d = [s.splat(0.0); 4];
-        for i in 0..4 {
-            d[i] = s.mul_add(n[0], c[i][0], s.mul_add(n[1], c[i][1], n[2] * c[i][2]));
-        }
+        let (near, far) = along(s, &c, &n);
         for a in 0..3 {
             s.store(n[a], &mut self.normals[a]);
         }
-        s.store(least4(s, &d), &mut self.near);
-        s.store(greatest4(s, &d), &mut self.far);
+        s.store(near, &mut self.near);
+        s.store(far, &mut self.far);
         self.has_normals = true;
     }
 }
@@ -230,6 +223,17 @@ pub fn load3<S: Simd>(s: S, x: &[Lane32; 3]) -> [S::F32; 3] {
 #[inline(always)]
 fn splat3<S: Simd>(s: S, x: &[f32; 3]) -> [S::F32; 3] {
     [s.splat(x[0]), s.splat(x[1]), s.splat(x[2])]
+}
+
+/// The interval of four corners along an axis.
+#[inline(always)]
+pub fn along<S: Simd>(s: S, corners: &[[S::F32; 3]; 4], n: &[S::F32; 3]) -> (S::F32, S::F32) {
+    let mut d = [n[0]; 4];
+    for c in 0..4 {
+        let at = &corners[c];
+        d[c] = s.mul_add(n[0], at[0], s.mul_add(n[1], at[1], n[2] * at[2]));
+    }
+    (least4(s, &d), greatest4(s, &d))
 }
 
 #[inline(always)]

@@ -371,17 +371,28 @@ impl Kernel for Test<'_> {
         let Test { pose, tool, mesh, slots, triangles, verdicts } = self;
         let (corners, faces, vertices) = (tool.placeable(), mesh.faces(), mesh.vertices());
         for (i, verdict) in verdicts[..slots.len() / WIDE_LANES].iter_mut().enumerate() {
-            let (mut p, mut q) = ([[&[0.0; 3]; WIDE_LANES]; 3], [[&[0.0; 3]; WIDE_LANES]; 3]);
+            let mut p = [[&[0.0; 3]; WIDE_LANES]; 3];
             for lane in 0..WIDE_LANES {
                 let triangle = &corners[slots[WIDE_LANES * i + lane] as usize];
-                let face = &faces[triangles[WIDE_LANES * i + lane] as usize];
                 for c in 0..3 {
                     p[c][lane] = &triangle[c];
-                    q[c][lane] = &vertices[face[c] as usize];
                 }
             }
             let p = moved(s, pose, &gathered(s, p));
-            *verdict = intersect(s, &p, &gathered(s, q));
+            let mut face = [&[0; 3]; WIDE_LANES];
+            for lane in 0..WIDE_LANES {
+                face[lane] = &faces[triangles[WIDE_LANES * i + lane] as usize];
+            }
+            // Corner by corner: eight places at a time stay in registers.
+            let mut q = p;
+            for c in 0..3 {
+                let mut at = [&[0.0; 3]; WIDE_LANES];
+                for lane in 0..WIDE_LANES {
+                    at[lane] = &vertices[face[lane][c] as usize];
+                }
+                q[c] = s.wide_points(at);
+            }
+            *verdict = intersect(s, &p, &q);
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::node::Node;
 use super::pieces::HalfBlock;
-use super::scan::{Arrival, Reached, Scan, CODES};
+use super::scan::{Arrival, PiecePair, Reached, Scan, PIECE_PAIRS};
 use super::{Blocks, FANOUT};
 use crate::lanes::{Box4, BoxLanes, LaneBoxes, PlaceBoxes, PlacedPieces, Placement, SpreadBoxes, LANES};
 use crate::narrow::Narrow;
@@ -20,11 +20,11 @@ pub struct BlocksScratch {
     pub(super) reached: Box<[Reached; 2]>,
     pub(super) pieces: Box<[PlacedPieces; LANES]>,
     pub(super) halves: Box<[HalfBlock; 2]>,
-    /// Blocks with something in `codes`, and from where.
+    /// Blocks with something in `found`, and from where.
     pub(super) runs: Vec<(u32, u32)>,
-    /// Pairs of a cluster and a piece, and which of the cluster's lanes are left.
-    pub(super) codes: Vec<u32>,
-    pub(super) chosen: Box<[u16; CODES]>,
+    /// Clusters of the group that meet pieces of a block, and which.
+    pub(super) found: Vec<(u32, u32)>,
+    pub(super) pairs: Box<[PiecePair; PIECE_PAIRS]>,
 }
 
 /// Entries that lists of a query have room for from the start.
@@ -42,8 +42,8 @@ impl Default for BlocksScratch {
             pieces: Box::new([PlacedPieces::ZERO; LANES]),
             halves: Box::new([HalfBlock::ZERO; 2]),
             runs: Vec::with_capacity(ROOM),
-            codes: vec![0; 2 * CODES],
-            chosen: Box::new([0; CODES]),
+            found: Vec::with_capacity(ROOM),
+            pairs: Box::new([PiecePair::ZERO; PIECE_PAIRS]),
         }
     }
 }

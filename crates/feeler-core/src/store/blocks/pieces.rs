@@ -1,7 +1,7 @@
 //! The pieces of a block: packed in ten bits a coordinate, and unpacked in lanes.
 
 use super::node::{Node, HALF, UNPACK_ROUNDING};
-use crate::lanes::{greatest4, least4, Box4, Lane32, LaneBoxes, LANES, TINY};
+use crate::lanes::{greatest4, least4, Box4, Lane32, LANES, TINY};
 use crate::simd::Simd;
 
 /// Corners of a block's pieces, by corner, half of the block and lane: ten bits per axis (x lowest), as steps between the
@@ -124,13 +124,13 @@ impl HalfBlock {
         [s.splat(self.normals[0][piece]), s.splat(self.normals[1][piece]), s.splat(self.normals[2][piece])]
     }
 
-    /// Which of sixteen boxes meet the box of one piece.
+    /// Which of sixteen boxes, by their sides, meet the box of one piece.
     #[inline(always)]
-    pub fn boxes_meeting<S: Simd>(&self, s: S, boxes: &LaneBoxes, piece: usize) -> u16 {
+    pub fn boxes_meeting<S: Simd>(&self, s: S, lower: &[S::F32; 3], upper: &[S::F32; 3], piece: usize) -> u16 {
         let mut apart = 0;
         for a in 0..3 {
-            apart |= s.above(s.load(&boxes.lower[a]), s.splat(self.upper[a][piece]));
-            apart |= s.above(s.splat(self.lower[a][piece]), s.load(&boxes.upper[a]));
+            apart |= s.above(lower[a], s.splat(self.upper[a][piece]));
+            apart |= s.above(s.splat(self.lower[a][piece]), upper[a]);
         }
         !apart
     }

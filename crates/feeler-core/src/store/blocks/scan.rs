@@ -6,7 +6,7 @@
 use super::descent::{BlocksScratch, Reach};
 use super::pieces::HalfBlock;
 use super::{Blocks, FANOUT};
-use crate::lanes::{load3, Box4, LaneBoxes, PlaceBoxes, PlacedPieces, Placement, LANES};
+use crate::lanes::{along, load3, Box4, LaneBoxes, PlaceBoxes, PlacedPieces, Placement, LANES};
 use crate::narrow::Narrow;
 use crate::simd::{prefetch, Kernel, Simd};
 use crate::tool::Tool;
@@ -53,7 +53,7 @@ impl Kernel for Scan<'_, '_> {
     #[inline(always)]
     fn run<S: Simd>(self, s: S) -> bool {
         let Scan { blocks, tool, placement, scratch, arrival, narrow } = self;
-        let BlocksScratch { nodes, masks, reached, spread, pieces, halves, runs, codes, chosen, .. } = scratch;
+        let BlocksScratch { nodes, masks, reached, spread, pieces, halves, runs, found, pairs, .. } = scratch;
         let level = &blocks.levels[0];
         let [now, waiting] = &mut **reached;
         now.group = None;
@@ -122,8 +122,8 @@ impl Kernel for Scan<'_, '_> {
             tight.set(c, &pieces[c].bounds);
         }
         // Pieces of each block that a cluster's box meets. What the next stages need of a block is asked for already.
-        let mut count = 0;
         runs.clear();
+        found.clear();
         for (&block, mask) in nodes.iter().zip(group_masks) {
             let mut mask = mask & needed;
             if mask == 0 {
@@ -131,24 +131,22 @@ impl Kernel for Scan<'_, '_> {
             }
             let node = &level[block as usize];
             mask &= node.overlapping_lanes(s, &tight);
-            let from = count;
-            if codes.len() < from + CODES {
-                codes.resize(from + 2 * CODES, 0);
-            }
+            let from = found.len();
             let mut reached = 0;
             while mask != 0 {
-                let c = mask.trailing_zeros() as usize;
+                let c = mask.trailing_zeros();
                 mask &= mask - 1;
                 narrow.stats.voxels_visited += 1;
-                let hit = node.overlapping_inside(s, &pieces[c].bounds);
+                let hit = node.overlapping_inside(s, &pieces[c as usize].bounds);
                 reached |= hit;
-                count = s.append(hit as u16, &PAIR_CODES[c][0], codes, count);
-                count = s.append((hit >> LANES) as u16, &PAIR_CODES[c][1], codes, count);
+                if hit != 0 {
+                    found.push((c, hit));
+                }
             }
-            if count > from {
+            if reached != 0 {
                 let (first, last) = (FANOUT * block as usize, blocks.triangles.len() - 1);
                 for half in 0..2 {
-                    if reached >> (LANES * half) & 0xffff != 0 {
+                    if reached >> (LANES * half) & HALF_MASK != 0 {
                         for c in 0..4 {
                             prefetch(&blocks.packed[block as usize].0[c][half]);
                         }
@@ -159,50 +157,41 @@ impl Kernel for Scan<'_, '_> {
                 runs.push((block, from as u32));
             }
         }
-        narrow.stats.pieces_scanned += count as u64;
         let slack = placement.slack + blocks.slack;
         for run in 0..runs.len() {
             let (block, from) = runs[run];
-            let to = runs.get(run + 1).map_or(count, |next| next.1 as usize);
-            let codes = &mut codes[from as usize..to];
+            let to = runs.get(run + 1).map_or(found.len(), |next| next.1 as usize);
             let node = &level[block as usize];
-            let triangles = &blocks.triangles[FANOUT * block as usize..];
             for half in 0..2 {
                 halves[half].unpack_boxes(s, node, half);
             }
+            let mut unpacked = 0;
             let mut kept = 0;
-            let mut kept_pieces = 0;
-            for i in 0..codes.len() {
-                let (c, piece) = parts_of(codes[i]);
-                let lanes =
-                    halves[piece / LANES].boxes_meeting(s, &pieces[c].boxes, piece % LANES) & clusters[c].corners.used;
-                codes[kept] = codes[i];
-                chosen[kept] = lanes;
-                kept += usize::from(lanes != 0);
-                kept_pieces |= u32::from(lanes != 0) << piece;
-                narrow.stats.entries_scanned += u64::from(lanes.count_ones());
-            }
-            if narrow.filters.boxes {
-                for half in 0..2 {
-                    if kept_pieces >> (LANES * half) & 0xffff != 0 {
-                        halves[half].unpack_corners(s, &blocks.packed[block as usize], half, slack);
+            for &(c, hit) in &found[from as usize..to] {
+                let placed = &mut pieces[c as usize];
+                let used = clusters[c as usize].corners.used;
+                let (met, count, entries) = boxes_meeting(s, &placed.boxes, used, halves, (c, hit), pairs, kept);
+                narrow.stats.pieces_scanned += u64::from(hit.count_ones());
+                narrow.stats.entries_scanned += u64::from(entries);
+                if !narrow.filters.boxes {
+                    kept = count;
+                } else if count > kept {
+                    for half in 0..2 {
+                        let mask = HALF_MASK << (LANES * half);
+                        if met & mask & !unpacked != 0 {
+                            halves[half].unpack_corners(s, &blocks.packed[block as usize], half, slack);
+                            unpacked |= mask;
+                        }
                     }
+                    placed.need_normals(s);
+                    kept = planes_meeting(s, placed, halves, pairs, kept, count);
                 }
-                let mut last = 0;
-                for i in 0..kept {
-                    let (c, piece) = parts_of(codes[i]);
-                    pieces[c].need_normals(s);
-                    let lanes = chosen[i] & planes_meeting(s, &pieces[c], &halves[piece / LANES], piece % LANES);
-                    codes[last] = codes[i];
-                    chosen[last] = lanes;
-                    last += usize::from(lanes != 0);
-                }
-                kept = last;
             }
-            for i in 0..kept {
-                let (c, piece) = parts_of(codes[i]);
-                narrow.stats.box_survivors += u64::from(chosen[i].count_ones());
-                if narrow.offer_lanes(s, chosen[i], &clusters[c].slots, triangles[piece]) {
+            let triangles = &blocks.triangles[FANOUT * block as usize..];
+            for pair in &pairs[..kept] {
+                narrow.stats.box_survivors += u64::from(pair.lanes.count_ones());
+                let slots = &clusters[pair.cluster as usize].slots;
+                if narrow.offer_lanes(s, pair.lanes, slots, triangles[pair.piece as usize]) {
                     return true;
                 }
             }
@@ -211,35 +200,80 @@ impl Kernel for Scan<'_, '_> {
     }
 }
 
-/// A cluster of a group and a piece of a block.
-#[inline(always)]
-fn parts_of(code: u32) -> (usize, usize) {
-    (code as usize / FANOUT % LANES, code as usize % FANOUT)
+/// Half of a block's pieces.
+const HALF_MASK: u32 = 0xffff;
+
+/// A piece of a block, a cluster of a group, and which of the cluster's pieces are not held apart from it.
+#[derive(Debug, Clone, Copy)]
+pub struct PiecePair {
+    piece: u32,
+    cluster: u16,
+    lanes: u16,
 }
 
-/// For each cluster of a group, and each half of a block: `32 cluster + piece`.
-static PAIR_CODES: [[[u32; LANES]; 2]; LANES] = pair_codes();
+impl PiecePair {
+    /// To be filled in.
+    pub const ZERO: PiecePair = PiecePair { piece: 0, cluster: 0, lanes: 0 };
+}
 
-const fn pair_codes() -> [[[u32; LANES]; 2]; LANES] {
-    let mut codes = [[[0; LANES]; 2]; LANES];
-    let mut code = 0;
-    while code < LANES * FANOUT {
-        codes[code / FANOUT][code % FANOUT / LANES][code % LANES] = code as u32;
-        code += 1;
+/// All pairs of a group's clusters and a block's pieces.
+pub const PIECE_PAIRS: usize = LANES * FANOUT;
+
+/// Fills in, from place `at` on, the pieces of `hit` that boxes do not hold apart from all of a cluster's. Returns which these
+/// are, and where the list ends.
+///
+/// One cluster at a time: its boxes stay in registers.
+#[inline(always)]
+fn boxes_meeting<S: Simd>(
+    s: S,
+    boxes: &LaneBoxes,
+    used: u16,
+    halves: &[HalfBlock; 2],
+    (cluster, hit): (u32, u32),
+    pairs: &mut [PiecePair; PIECE_PAIRS],
+    at: usize,
+) -> (u32, usize, u32) {
+    let mut entries = 0;
+    let (lower, upper) = (load3(s, &boxes.lower), load3(s, &boxes.upper));
+    let (mut met, mut count, mut rest) = (0, at, hit);
+    while rest != 0 {
+        let piece = rest.trailing_zeros() as usize;
+        rest &= rest - 1;
+        let lanes = halves[piece / LANES].boxes_meeting(s, &lower, &upper, piece % LANES) & used;
+        entries += lanes.count_ones();
+        // No branch: which pieces are left is not to be foreseen.
+        pairs[count] = PiecePair { piece: piece as u32, cluster: cluster as u16, lanes };
+        count += usize::from(lanes != 0);
+        met |= u32::from(lanes != 0) << piece;
     }
-    codes
+    (met, count, entries)
 }
 
-/// Room for all pairs of a group's clusters and a block's pieces, and for what appending may write beyond.
-pub const CODES: usize = LANES * FANOUT + LANES;
-
-/// Which of a cluster's pieces are not held apart from one piece of a block by the plane of either.
+/// Leaves, of the pairs of one cluster from place `from` on, what the planes of neither side hold apart. Returns where the list
+/// ends.
 #[inline(always)]
-fn planes_meeting<S: Simd>(s: S, placed: &PlacedPieces, half: &HalfBlock, piece: usize) -> u16 {
-    // The plane of the block's piece; its own interval along its axis is known.
-    let (near, far) = placed.along(s, &half.normal(s, piece));
-    let apart = s.above(near, s.splat(half.far[piece])) | s.above(s.splat(half.near[piece]), far);
-    // The planes of the tool's pieces.
-    let (near, far) = half.along(s, piece, &load3(s, &placed.normals));
-    !(apart | s.above(near, s.load(&placed.far)) | s.above(s.load(&placed.near), far))
+fn planes_meeting<S: Simd>(
+    s: S,
+    placed: &PlacedPieces,
+    halves: &[HalfBlock; 2],
+    pairs: &mut [PiecePair; PIECE_PAIRS],
+    from: usize,
+    to: usize,
+) -> usize {
+    let (corners, normals) = (placed.corners(s), load3(s, &placed.normals));
+    let (placed_near, placed_far) = (s.load(&placed.near), s.load(&placed.far));
+    let mut kept = from;
+    for i in from..to {
+        let pair = pairs[i];
+        let (half, piece) = (&halves[(pair.piece as usize) / LANES], (pair.piece as usize) % LANES);
+        // The plane of the block's piece; its own interval along its axis is known.
+        let (near, far) = along(s, &corners, &half.normal(s, piece));
+        let apart = s.above(near, s.splat(half.far[piece])) | s.above(s.splat(half.near[piece]), far);
+        // The planes of the tool's pieces.
+        let (near, far) = half.along(s, piece, &normals);
+        let lanes = pair.lanes & !(apart | s.above(near, placed_far) | s.above(placed_near, far));
+        pairs[kept] = PiecePair { lanes, ..pair };
+        kept += usize::from(lanes != 0);
+    }
+    kept
 }

@@ -4,7 +4,7 @@ use super::descent::{Children, Expand, Place, Reach};
 use super::pieces::HalfBlock;
 use super::swept::{SweptPieces, SweptPlacement};
 use super::{Blocks, FANOUT};
-use crate::lanes::{Box4, LaneBoxes, SpreadBoxes, LANES};
+use crate::lanes::{load3, Box4, LaneBoxes, SpreadBoxes, LANES};
 use crate::narrow::PairSet;
 use crate::simd::{Kernel, Simd};
 use crate::store::{Offer, Sweep};
@@ -177,6 +177,7 @@ impl Kernel for Scan<'_, '_> {
                 let c = mask.trailing_zeros() as usize;
                 mask &= mask - 1;
                 let mut hit = node.overlapping(s, &pieces[c].bounds);
+                let (lower, upper) = (load3(s, &pieces[c].boxes.lower), load3(s, &pieces[c].boxes.upper));
                 while hit != 0 {
                     let at = hit.trailing_zeros() as usize;
                     hit &= hit - 1;
@@ -185,7 +186,7 @@ impl Kernel for Scan<'_, '_> {
                         halves[half].unpack_boxes(s, node, half);
                         unpacked |= 1 << half;
                     }
-                    let mut lanes = halves[half].boxes_meeting(s, &pieces[c].boxes, piece) & clusters[c].corners.used;
+                    let mut lanes = halves[half].boxes_meeting(s, &lower, &upper, piece) & clusters[c].corners.used;
                     if lanes == 0 {
                         continue;
                     }
