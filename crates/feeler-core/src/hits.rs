@@ -12,6 +12,11 @@ impl Hit {
         Hit(pair_key(tool_triangle, mockup_triangle) << 2 | kind as u64)
     }
 
+    /// The number.
+    pub fn key(self) -> u64 {
+        self.0
+    }
+
     /// `[tool triangle, mock-up triangle]`.
     pub fn pair(self) -> [u32; 2] {
         [(self.0 >> 34) as u32, (self.0 >> 2) as u32]
@@ -53,6 +58,11 @@ impl Hits {
     #[inline]
     pub fn push(&mut self, hit: Hit) {
         self.keys.push(hit.0);
+    }
+
+    /// By their keys.
+    pub fn extend(&mut self, keys: &[u64]) {
+        self.keys.extend_from_slice(keys);
     }
 
     pub fn len(&self) -> usize {

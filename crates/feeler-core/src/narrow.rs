@@ -173,6 +173,8 @@ pub(crate) struct Pending {
     asked: [u32; PLACES],
     asked_count: usize,
     verdicts: [Verdict; PLACES / WIDE_LANES],
+    /// Of these the ones that cross.
+    crossing: [u64; PLACES],
     /// Pairs met lately, each at the place its hash gives.
     recent: [u64; RECENT],
 }
@@ -190,6 +192,7 @@ impl Default for Pending {
             asked: [0; PLACES],
             asked_count: 0,
             verdicts: [Verdict::default(); PLACES / WIDE_LANES],
+            crossing: [0; PLACES],
             recent: [u64::MAX; RECENT],
         }
     }
@@ -301,7 +304,7 @@ impl Narrow<'_> {
         if self.filters.repeats {
             self.stats.repeats_skipped += self.pending.skip_repeats() as u64;
         }
-        let Pending { slots, mockup_triangles, count, asked, asked_count, verdicts, .. } = &mut *self.pending;
+        let Pending { slots, mockup_triangles, count, asked, asked_count, verdicts, crossing, .. } = &mut *self.pending;
         let count = std::mem::take(count);
         self.stats.triangle_tests += count as u64;
         // All corners are asked for before the first is used, so that their cache misses overlap.
@@ -317,17 +320,14 @@ impl Narrow<'_> {
                 (slots[i], mockup_triangles[i]) = (slots[count - 1], mockup_triangles[count - 1]);
             }
             let (slots, triangles) = (&slots[..eights * WIDE_LANES], &mockup_triangles[..eights * WIDE_LANES]);
-            self.lanes.run(Test { pose: self.pose, tool: self.tool, mesh: self.mesh, slots, triangles, verdicts });
+            let test =
+                Test { pose: self.pose, tool: self.tool, mesh: self.mesh, slots, triangles, count, verdicts, crossing };
+            let found = self.lanes.run(test);
+            self.hits.extend(&crossing[..found]);
         }
         for (eight, verdict) in verdicts[..eights].iter().enumerate() {
             let from = eight * WIDE_LANES;
             let all = u8::MAX >> (WIDE_LANES - (count - from).min(WIDE_LANES));
-            let mut crossing = verdict.crossing & all;
-            while crossing != 0 {
-                let i = from + crossing.trailing_zeros() as usize;
-                crossing &= crossing - 1;
-                self.hits.push(Hit::new(self.tool.ids()[slots[i] as usize], mockup_triangles[i], PairKind::Crossing));
-            }
             let mut doubt = all & !(verdict.apart | verdict.crossing);
             while doubt != 0 {
                 let i = from + doubt.trailing_zeros() as usize;
@@ -360,15 +360,19 @@ struct Test<'a> {
     mesh: &'a Mesh,
     slots: &'a [u32],
     triangles: &'a [u32],
+    count: usize,
     verdicts: &'a mut [Verdict],
+    crossing: &'a mut [u64; PLACES],
 }
 
 impl Kernel for Test<'_> {
-    type Output = ();
+    type Output = usize;
 
     #[inline(always)]
-    fn run<S: Simd>(self, s: S) {
-        let Test { pose, tool, mesh, slots, triangles, verdicts } = self;
+    fn run<S: Simd>(self, s: S) -> usize {
+        let Test { pose, tool, mesh, slots, triangles, count, verdicts, crossing } = self;
+        let ids = tool.ids();
+        let mut found = 0;
         let (corners, faces, vertices) = (tool.placeable(), mesh.faces(), mesh.vertices());
         for (i, verdict) in verdicts[..slots.len() / WIDE_LANES].iter_mut().enumerate() {
             let mut p = [[&[0.0; 3]; WIDE_LANES]; 3];
@@ -393,7 +397,15 @@ impl Kernel for Test<'_> {
                 q[c] = s.wide_points(at);
             }
             *verdict = intersect(s, &p, &q);
+            let mut keys = [0; WIDE_LANES];
+            for lane in 0..WIDE_LANES {
+                let at = WIDE_LANES * i + lane;
+                keys[lane] = Hit::new(ids[slots[at] as usize], triangles[at], PairKind::Crossing).key();
+            }
+            let all = u8::MAX >> (WIDE_LANES - (count - WIDE_LANES * i).min(WIDE_LANES));
+            found = s.append_wide(verdict.crossing & all, &keys, crossing, found);
         }
+        found
     }
 }
 

@@ -37,6 +37,13 @@ impl<'a, 'py> FromPyObject<'a, 'py> for PoseArgument {
     type Error = PyErr;
 
     fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        // The common case, without a book of who borrows which array: its numbers are copied at once.
+        if let Ok(array) = object.cast::<PyArray<f64, Ix2>>() {
+            if array.shape() == [4, 4] {
+                // SAFETY: nobody else runs while the array is looked at: this thread holds the interpreter, and calls nothing.
+                return pose_of(&unsafe { array.as_array() }).map(PoseArgument).map_err(to_py);
+            }
+        }
         let array = real_numbers::<Ix2>(object, "(4, 4)")?;
         if array.shape() != [4, 4] {
             return Err(raise("PoseError", format!("a pose has shape {:?}: (4, 4) is needed", array.shape())));

@@ -188,6 +188,18 @@ pub(crate) trait Simd: Copy {
     /// place after the last one chosen. `to` must have 16 places from `at`.
     fn append(self, chosen: u16, from: &[u32; LANES], to: &mut [u32], at: usize) -> usize;
 
+    /// The same for eight numbers twice as wide.
+    #[inline(always)]
+    fn append_wide(self, chosen: u8, from: &[u64; WIDE_LANES], to: &mut [u64], at: usize) -> usize {
+        let to = &mut to[at..at + WIDE_LANES];
+        let mut count = 0;
+        for lane in 0..WIDE_LANES {
+            to[count] = from[lane];
+            count += usize::from(chosen >> lane & 1 == 1);
+        }
+        at + count
+    }
+
     /// Whether the next two are done without branches.
     const SORTS: bool = false;
     /// Moves the numbers that are not above a pivot to the front, in order; returns how many they are. `room` is overwritten:

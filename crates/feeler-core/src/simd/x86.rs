@@ -270,6 +270,17 @@ impl Simd for Avx512 {
         at + chosen.count_ones() as usize
     }
 
+    #[inline(always)]
+    fn append_wide(self, chosen: u8, from: &[u64; WIDE_LANES], to: &mut [u64], at: usize) -> usize {
+        let to = &mut to[at..at + WIDE_LANES];
+        // SAFETY: see above; `to` has eight numbers.
+        unsafe {
+            let packed = _mm512_maskz_compress_epi64(chosen, _mm512_loadu_si512(from.as_ptr().cast()));
+            _mm512_storeu_si512(to.as_mut_ptr().cast(), packed);
+        }
+        at + chosen.count_ones() as usize
+    }
+
     const SORTS: bool = true;
     #[inline(always)]
     fn partition(self, keys: &mut [u64], room: &mut [u64], pivot: u64) -> usize {
