@@ -1,23 +1,27 @@
 """Measures `scene.cast` over short motions from near poses, beside parry's shape casts.
 
     python bench/casts.py                                    1.6M triangles, 100 poses, 20 mm, 0 and 10 degrees
+    python bench/casts.py --write                            and put the table into docs/cast.md, between its markers
     python bench/casts.py --triangles 400000 --poses 40 --no-parry
 
 From each near pose (among the parts, nothing collides) the tool's middle moves 20 mm in a random direction, and the
 tool turns about it. Per motion the least time of a few rounds counts, one core. parry is asked for its linear cast
-where nothing turns, else for its nonlinear one; a cast of it that takes longer than a second is done once.
+where nothing turns, else for its nonlinear one; a cast of it that takes longer than a second is done once, and a row
+whose casts of parry take longer than --patience goes on without it: its figures are then of the motions it came to.
 """
 
 from __future__ import annotations
 
 import argparse
 import functools
+import time
 from typing import Any
 
 import numpy as np
 from engines import Floats
 from measure import clock_once, find_poses, spread
 from native import AbsentError
+from page import ROOT, fill
 from parry_engine import ParryEngine
 
 import feeler
@@ -36,12 +40,19 @@ def main() -> None:
     parser.add_argument("--tools", nargs="+", default=list(TOOLS))
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--no-parry", action="store_true")
+    parser.add_argument(
+        "--patience", type=float, default=120.0, help="seconds for parry's casts of a row (%(default)g)"
+    )
+    parser.add_argument("--write", action="store_true", help="put the table into docs/cast.md")
     given = parser.parse_args()
     mockup = feeler.sample("engine", given.triangles)
     scene = feeler.Scene(mockup, threads=1)
     parry = None if given.no_parry else parry_with(mockup)
-    print("| tool | triangles | turn, degrees | hits | feeler, us | parry, us | earlier than feeler's by 1 % | later |")
-    print("|---|---:|---:|---:|---:|---:|---:|---:|")
+    lines = [
+        "| tool | triangles | turn, degrees | hits | feeler | parry | its motions | earlier by 1 % | later by 1 % |",
+        "|---|---:|---:|---:|---:|---:|---:|---:|---:|",
+    ]
+    print("\n".join(lines))
     for name in given.tools:
         sample, _, fine = name.partition(":")
         tool = feeler.sample_tool(sample, fine=bool(fine))
@@ -49,7 +60,19 @@ def main() -> None:
         if parry is not None:
             parry.prepare(tool)
         for turn in given.turns:
-            print(row(name, scene, tool, parry, poses, given.way, turn, given.rounds), flush=True)
+            label = f"{name.replace(':', '-')} | {tool.triangle_count:,} | {turn:g}"
+            random = np.random.default_rng(0)
+            motions = [(pose, *motion(tool, pose, given.way, turn, random)) for pose in poses]
+            lines.append(f"| {label} | {row(scene, tool, parry, motions, given.rounds, given.patience)} |")
+            print(lines[-1], flush=True)
+    if given.write:
+        note = (
+            f"Over {1000 * given.way:g} mm from near poses of `engine`, {mockup.triangle_count:,} triangles, one\n"
+            f"core, microseconds: median (p95; worst) over {given.poses} motions. Its motions: those parry came to in\n"
+            f"{given.patience:g} s; earlier, later: of these, where its impact is so by more than 1 % of the way.\n"
+            "`python bench/casts.py --write`."
+        )
+        fill(ROOT / "docs" / "cast.md", "casts: bench/casts.py", "\n".join([*lines, "", note]))
 
 
 def parry_with(mockup: feeler.Mockup) -> ParryEngine | None:
@@ -63,41 +86,57 @@ def parry_with(mockup: feeler.Mockup) -> ParryEngine | None:
     return engine
 
 
+def motion(
+    tool: feeler.Tool, pose: Floats, way_m: float, turn_deg: float, random: np.random.Generator
+) -> tuple[Floats, Floats, Floats]:
+    """A random way and turn of the tool's middle, and the pose at its end."""
+    one, other = random.normal(size=(2, 3))
+    way: Floats = way_m * one / np.linalg.norm(one)
+    turn: Floats = np.radians(turn_deg) * other / np.linalg.norm(other)
+    return way, turn, moved(pose, tool.bounds.mean(axis=0), way, turn)
+
+
 def row(
-    name: str,
     scene: feeler.Scene,
     tool: feeler.Tool,
     parry: ParryEngine | None,
-    poses: Floats,
-    way_m: float,
-    turn_deg: float,
+    motions: list[tuple[Floats, Floats, Floats, Floats]],
     rounds: int,
+    patience_s: float,
 ) -> str:
-    """One line: median (p95; worst) of each."""
-    random = np.random.default_rng(0)
+    """The cells of one line."""
     centre = tool.bounds.mean(axis=0)
-    ours, theirs, fractions = np.full(len(poses), np.inf), np.full(len(poses), np.inf), []
-    for i, pose in enumerate(poses):
-        way, axis = (vector / np.linalg.norm(vector) for vector in random.normal(size=(2, 3)))
-        way, turn = way_m * way, np.radians(turn_deg) * axis
-        end = moved(pose, centre, way, turn)
+    ours, own = np.full(len(motions), np.inf), np.full(len(motions), 2.0)
+    for i, (pose, _, _, end) in enumerate(motions):
         for _ in range(rounds):
             ours[i] = min(ours[i], clock_once(functools.partial(scene.cast, tool, pose, end))[0])
-        hit = scene.cast(tool, pose, end)
-        their_fraction = np.nan
-        if parry is not None:
-            call = parry.aim_cast(pose, centre, way, turn)
-            for _ in range(rounds):
-                theirs[i] = min(theirs[i], clock_once(call)[0])
-                if theirs[i] > SECOND_US:
-                    break
-            their_fraction = call()
-        fractions.append((2.0 if hit is None else hit.fraction, their_fraction))
-    own, other = np.array(fractions).T
-    figures = [cell(ours), "" if parry is None else cell(theirs), str((other < own - 0.01).sum())]
-    figures.append(str((other > own + 0.01).sum()))
-    hits = f"{(own <= 1).sum()} of {len(poses)}"
-    return f"| {' | '.join([name, f'{tool.triangle_count:,}', f'{turn_deg:g}', hits, *figures])} |"
+        if (hit := scene.cast(tool, pose, end)) is not None:
+            own[i] = hit.fraction
+    hits = f"{(own <= 1).sum()} of {len(motions)}"
+    if parry is None:
+        return " | ".join([hits, cell(ours), "", "0", "", ""])
+    theirs, fractions, begun = [], [], time.monotonic()
+    for pose, way, turn, _ in motions:
+        fraction, us = parry_cast(parry, pose, centre, way, turn, rounds)
+        theirs.append(us)
+        fractions.append(fraction)
+        if time.monotonic() - begun > patience_s:
+            break
+    other, own = np.array(fractions), own[: len(fractions)]
+    counts = [str(len(other)), str((other < own - 0.01).sum()), str((other > own + 0.01).sum())]
+    return " | ".join([hits, cell(ours), cell(np.array(theirs)), *counts])
+
+
+def parry_cast(
+    parry: ParryEngine, pose: Floats, centre: Floats, way: Floats, turn: Floats, rounds: int
+) -> tuple[float, float]:
+    """The fraction of the way up to parry's impact (2: none), and microseconds."""
+    call, fractions, best = parry.aim_cast(pose, centre, way, turn), [], np.inf
+    for _ in range(rounds):
+        best = min(best, clock_once(lambda: fractions.append(call()))[0])
+        if best > SECOND_US:
+            break
+    return float(fractions[0]), best
 
 
 def cell(us: Floats) -> str:
