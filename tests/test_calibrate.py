@@ -114,7 +114,7 @@ def test_the_piece_size_keeps_its_memory(pair: tuple[feeler.Mockup, feeler.Tool]
     mockup, tool = pair
     needle = feeler.Tool(1e-4 * tool.vertices, tool.faces)  # would like mock-ups of dust
     scene = feeler.Scene(mockup, tool=needle)
-    assert scene.memory()["piece_triangles"] <= 4 * 3.3 * mockup.triangle_count  # three pieces each, by estimate
+    assert scene.memory()["pieces"] <= 20 * 3.3 * mockup.triangle_count  # three pieces each, by estimate
     assert scene.memory()["total"] <= 130 * mockup.triangle_count
     limit = 3_000_000
     tight = feeler.optimal_voxel_size(mockup, needle, storage="blocks", memory_limit=limit)

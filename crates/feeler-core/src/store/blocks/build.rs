@@ -75,19 +75,17 @@ impl Blocks {
         let slack = (1.01 * cut_margin(mesh.bounds().largest_coordinate()) * frame.scale) as f32;
         let margin = slack + 2.0 * f32::EPSILON;
         let lanes = Level::best().checked();
-        let mut triangles = vec![0; pieces.len()];
         let mut packed = vec![PackedPieces::ZERO; pieces.len().div_ceil(FANOUT)];
         let mut blocks = Vec::new();
-        let places = triangles.par_chunks_mut(FANOUT).zip(packed.par_iter_mut());
         pieces
             .par_chunks(FANOUT)
-            .zip(places)
-            .map(|(chunk, (triangles, packed))| {
+            .zip(packed.par_iter_mut())
+            .map(|(chunk, packed)| {
                 let mut bounds = [Box4::EMPTY; FANOUT];
                 let mut corners: [Corners; FANOUT] = [[[0.0; 3]; 4]; FANOUT];
                 let mut cut = 0;
                 for (i, piece) in chunk.iter().enumerate() {
-                    triangles[i] = piece.triangle;
+                    packed.triangles[i] = piece.triangle;
                     if piece.cut == WHOLE {
                         let [a, b, c] = mesh.triangle(piece.triangle).map(|p| frame.point(&p));
                         corners[i] = [a, b, c, c];
@@ -104,7 +102,7 @@ impl Blocks {
                     let (half, lane) = (i / LANES, i % LANES);
                     let corners = halves[half].pack(lane, &corners[i]);
                     for c in 0..4 {
-                        packed.0[c][half][lane] = corners[c];
+                        packed.corners[c][half][lane] = corners[c];
                     }
                 }
                 node
@@ -126,7 +124,7 @@ impl Blocks {
         }
         levels.iter_mut().for_each(Vec::shrink_to_fit);
         report(progress, 1.0, "done")?;
-        Ok(Blocks { frame, levels, triangles, packed, slack })
+        Ok(Blocks { frame, levels, pieces: packed, slack })
     }
 }
 

@@ -27,7 +27,7 @@ impl Cells for Blocks {
                 let b = self.levels[level - 1][child as usize].bounds();
                 visit(Item::Cell((level - 1, child)), self.in_metres(|a| (b.lower[a].into(), b.upper[a].into())));
             } else {
-                visit(Item::Triangle(self.triangles[child as usize]), self.piece_bounds(node, i as usize));
+                visit(Item::Triangle(self.triangle(child as usize)), self.piece_bounds(node, i as usize));
             }
         }
     }

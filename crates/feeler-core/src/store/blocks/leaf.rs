@@ -2,7 +2,6 @@
 
 use super::near::{gaps, NearScratch, Search};
 use super::pieces::HalfBlock;
-use super::FANOUT;
 use crate::lanes::{load3, PlacedPieces, LANES};
 use crate::simd::{prefetch, Simd};
 
@@ -32,7 +31,7 @@ pub fn scan<S: Simd>(s: S, run: &mut Search<'_, '_>, scratch: &mut NearScratch, 
     }
     let slack = run.placement.slack + run.blocks.slack;
     let slots = &run.wanted.tool.clusters()[cluster];
-    let triangles = &run.blocks.triangles[FANOUT * block as usize..];
+    let packed = &run.blocks.pieces[block as usize];
     let mesh = run.wanted.mockup.mesh();
     candidates.clear();
     while found != 0 {
@@ -50,13 +49,13 @@ pub fn scan<S: Simd>(s: S, run: &mut Search<'_, '_>, scratch: &mut NearScratch, 
         if !unpacked.has_corners {
             unpacked.has_corners = true;
             for h in 0..2 {
-                halves[h].unpack_corners(s, &run.blocks.packed[block as usize], h, slack);
+                halves[h].unpack_corners(s, packed, h, slack);
             }
         }
         placed.need_normals(s);
         let mut planes = Planes::ZERO;
         lanes &= u32::from(planes.of(s, placed, &halves[h], lane, &run.direction, run.limit));
-        let triangle = triangles[piece];
+        let triangle = packed.triangles[piece];
         if lanes != 0 {
             prefetch(&mesh.faces()[triangle as usize]);
         }

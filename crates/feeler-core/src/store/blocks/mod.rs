@@ -37,10 +37,8 @@ pub struct Blocks {
     frame: Frame,
     /// `levels[0]` are blocks of pieces; the last level has one node.
     levels: Vec<Vec<Node>>,
-    /// The triangle of each piece, 32 to a block; the last block may be short.
-    triangles: Vec<u32>,
-    /// The corners of each block's pieces.
-    packed: Vec<PackedPieces>,
+    /// The rest of each block's pieces.
+    pieces: Vec<PackedPieces>,
     /// How far (frame units, per axis) a piece may be off its exact place.
     slack: f32,
 }
@@ -52,18 +50,23 @@ impl Blocks {
         vec![
             ("blocks", nodes(&self.levels[..1])),
             ("tree", nodes(&self.levels[1..])),
-            ("piece_triangles", self.triangles.capacity() * size_of::<u32>()),
-            ("piece_corners", self.packed.capacity() * size_of::<PackedPieces>()),
+            ("pieces", self.pieces.capacity() * size_of::<PackedPieces>()),
         ]
+    }
+
+    /// The triangle of a piece.
+    fn triangle(&self, piece: usize) -> u32 {
+        self.pieces[piece / FANOUT].triangles[piece % FANOUT]
     }
 
     /// Every triangle's box is covered by pieces, and every child lies in its node.
     pub fn validate(&self, mesh: &Mesh) -> std::result::Result<(), String> {
         let lanes = Level::best().checked();
         let mut seen = vec![0u32; mesh.faces().len()];
-        for (i, &t) in self.triangles.iter().enumerate() {
+        let count = self.levels[0].iter().map(|node| node.valid.count_ones() as usize).sum();
+        for i in 0..count {
+            let (node, t) = (&self.levels[0][i / FANOUT], self.triangle(i));
             seen[t as usize] += 1;
-            let node = &self.levels[0][i / FANOUT];
             let b = self.frame.to_box4(&Aabb::of_triangle(&mesh.triangle(t)));
             if lanes.run(Overlapping(node, &b)) >> (i % FANOUT) & 1 == 0 {
                 return Err(format!("piece {i} is away from its triangle {t}"));
@@ -74,13 +77,14 @@ impl Blocks {
                 return Err(format!("triangle {t} has {} pieces", seen[t as usize]));
             }
         }
-        for (i, &t) in self.triangles.iter().enumerate() {
+        for i in 0..count {
+            let t = self.triangle(i);
             let cut = self.levels[0][i / FANOUT].cut >> (i % FANOUT) & 1 == 1;
             if cut != (seen[t as usize] > 1) {
                 return Err(format!("piece {i}: wrong mark"));
             }
         }
-        let mut below = self.triangles.len();
+        let mut below = count;
         for level in &self.levels {
             if level.len() != below.div_ceil(FANOUT) {
                 return Err(format!("{} nodes over {below} entries", level.len()));

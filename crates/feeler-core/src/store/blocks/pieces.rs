@@ -1,18 +1,23 @@
 //! The pieces of a block: packed in ten bits a coordinate, and unpacked in lanes.
 
-use super::node::{Node, HALF, UNPACK_ROUNDING};
+use super::node::{Node, FANOUT, HALF, UNPACK_ROUNDING};
 use crate::lanes::{greatest4, least4, Box4, Lane32, LANES, TINY};
 use crate::simd::Simd;
 
-/// Corners of a block's pieces, by corner, half of the block and lane: ten bits per axis (x lowest), as steps between the
-/// sides of what the piece's box in bytes may stand for.
+/// A block's pieces, but for their boxes. All that a query reads of a block after these lies side by side.
 #[derive(Debug, Clone)]
 #[repr(C, align(64))]
-pub struct PackedPieces(pub [[[u32; LANES]; 2]; 4]);
+pub struct PackedPieces {
+    /// Corners, by corner, half of the block and lane: ten bits per axis (x lowest), as steps between the sides of what the
+    /// piece's box in bytes may stand for.
+    pub corners: [[[u32; LANES]; 2]; 4],
+    /// The triangle of each piece.
+    pub triangles: [u32; FANOUT],
+}
 
 impl PackedPieces {
     /// To be filled in.
-    pub const ZERO: PackedPieces = PackedPieces([[[0; LANES]; 2]; 4]);
+    pub const ZERO: PackedPieces = PackedPieces { corners: [[[0; LANES]; 2]; 4], triangles: [0; FANOUT] };
 }
 
 /// Steps between the sides of a piece's box.
@@ -77,7 +82,7 @@ impl HalfBlock {
             let lower = s.load(&self.lower[a]);
             let step = (s.load(&self.upper[a]) - lower) * s.splat(1.0 / STEPS);
             for c in 0..4 {
-                at[c][a] = s.mul_add(s.widen_field(&packed.0[c][half], a as u32), step, lower);
+                at[c][a] = s.mul_add(s.widen_field(&packed.corners[c][half], a as u32), step, lower);
                 s.store(at[c][a], &mut self.corners[c][a]);
             }
             off[a] = s.mul_add(step, s.splat(HALF), rounding);
@@ -200,7 +205,7 @@ mod tests {
                 let mut packed = PackedPieces::ZERO;
                 for (i, piece) in pieces.iter().enumerate() {
                     let corners = halves[i / LANES].pack(i % LANES, piece);
-                    (0..4).for_each(|c| packed.0[c][i / LANES][i % LANES] = corners[c]);
+                    (0..4).for_each(|c| packed.corners[c][i / LANES][i % LANES] = corners[c]);
                 }
                 let halves = level.checked().run(Unpack(&node, Some(&packed), 0.0));
                 for (i, piece) in pieces.iter().enumerate() {

@@ -144,14 +144,13 @@ impl Kernel for Scan<'_, '_> {
                 }
             }
             if reached != 0 {
-                let (first, last) = (FANOUT * block as usize, blocks.triangles.len() - 1);
+                let packed = &blocks.pieces[block as usize];
                 for half in 0..2 {
                     if reached >> (LANES * half) & HALF_MASK != 0 {
                         for c in 0..4 {
-                            prefetch(&blocks.packed[block as usize].0[c][half]);
+                            prefetch(&packed.corners[c][half]);
                         }
-                        prefetch(&blocks.triangles[(first + LANES * half).min(last)]);
-                        prefetch(&blocks.triangles[(first + LANES * half + LANES - 1).min(last)]);
+                        prefetch(&packed.triangles[LANES * half]);
                     }
                 }
                 runs.push((block, from as u32));
@@ -161,7 +160,7 @@ impl Kernel for Scan<'_, '_> {
         for run in 0..runs.len() {
             let (block, from) = runs[run];
             let to = runs.get(run + 1).map_or(found.len(), |next| next.1 as usize);
-            let node = &level[block as usize];
+            let (node, packed) = (&level[block as usize], &blocks.pieces[block as usize]);
             for half in 0..2 {
                 halves[half].unpack_boxes(s, node, half);
             }
@@ -179,7 +178,7 @@ impl Kernel for Scan<'_, '_> {
                     for half in 0..2 {
                         let mask = HALF_MASK << (LANES * half);
                         if met & mask & !unpacked != 0 {
-                            halves[half].unpack_corners(s, &blocks.packed[block as usize], half, slack);
+                            halves[half].unpack_corners(s, packed, half, slack);
                             unpacked |= mask;
                         }
                     }
@@ -187,11 +186,10 @@ impl Kernel for Scan<'_, '_> {
                     kept = planes_meeting(s, placed, halves, pairs, kept, count);
                 }
             }
-            let triangles = &blocks.triangles[FANOUT * block as usize..];
             for pair in &pairs[..kept] {
                 narrow.stats.box_survivors += u64::from(pair.lanes.count_ones());
                 let slots = &clusters[pair.cluster as usize].slots;
-                if narrow.offer_lanes(s, pair.lanes, slots, triangles[pair.piece as usize]) {
+                if narrow.offer_lanes(s, pair.lanes, slots, packed.triangles[pair.piece as usize]) {
                     return true;
                 }
             }

@@ -3,7 +3,7 @@
 use super::descent::{Children, Expand, Place, Reach};
 use super::pieces::HalfBlock;
 use super::swept::{SweptPieces, SweptPlacement};
-use super::{Blocks, FANOUT};
+use super::Blocks;
 use crate::lanes::{load3, Box4, LaneBoxes, SpreadBoxes, LANES};
 use crate::narrow::PairSet;
 use crate::simd::{Kernel, Simd};
@@ -191,11 +191,11 @@ impl Kernel for Scan<'_, '_> {
                         continue;
                     }
                     if unpacked >> (2 + half) & 1 == 0 {
-                        halves[half].unpack_corners(s, &blocks.packed[block as usize], half, slack);
+                        halves[half].unpack_corners(s, &blocks.pieces[block as usize], half, slack);
                         unpacked |= 1 << (2 + half);
                     }
                     lanes &= pieces[c].planes_meeting(s, &halves[half], piece);
-                    let triangle = blocks.triangles[FANOUT * block as usize + at];
+                    let triangle = blocks.pieces[block as usize].triangles[at];
                     while lanes != 0 {
                         let lane = lanes.trailing_zeros() as usize;
                         lanes &= lanes - 1;
