@@ -7,7 +7,7 @@ use crate::intersect_triangle_triangle::{intersect_with, PairKind};
 use crate::mesh::Mesh;
 use crate::pose::Pose;
 use crate::predicates::Signs;
-use crate::simd::{prefetch, Checked, Kernel, Simd, LANES, WIDE_LANES};
+use crate::simd::{prefetch_at, Checked, Kernel, Simd, LANES, WIDE_LANES};
 use crate::tool::Tool;
 
 /// Which filters stand before the triangle test. Neither changes the answer; they can be switched off to measure what they
@@ -264,7 +264,7 @@ impl Narrow<'_> {
         let from = self.pending.count;
         self.pending.mockup_triangles[from..from + LANES].fill(mockup_triangle);
         self.pending.count = s.append(chosen, slots, &mut self.pending.slots, from);
-        prefetch(&self.mesh.faces()[mockup_triangle as usize]);
+        prefetch_at(self.mesh.faces(), mockup_triangle as usize);
         self.pending.ask(mockup_triangle);
         self.is_batch_over()
     }
@@ -310,9 +310,9 @@ impl Narrow<'_> {
         // All corners are asked for before the first is used, so that their cache misses overlap.
         let (corners, faces, vertices) = (self.tool.placeable(), self.mesh.faces(), self.mesh.vertices());
         for m in &asked[..std::mem::take(asked_count).min(PLACES)] {
-            faces[*m as usize].iter().for_each(|v| prefetch(&vertices[*v as usize]));
+            faces[*m as usize].iter().for_each(|v| prefetch_at(vertices, *v as usize));
         }
-        slots[..count].iter().for_each(|slot| prefetch(&corners[*slot as usize]));
+        slots[..count].iter().for_each(|slot| prefetch_at(corners, *slot as usize));
         let eights = count.div_ceil(WIDE_LANES);
         if count > 0 {
             // The last eight are filled up with the last pair.

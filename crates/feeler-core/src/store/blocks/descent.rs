@@ -6,7 +6,7 @@ use super::scan::{Arrival, PiecePair, Reached, Scan, PIECE_PAIRS};
 use super::{Blocks, FANOUT};
 use crate::lanes::{Box4, BoxLanes, LaneBoxes, PlaceBoxes, PlacedPieces, Placement, SpreadBoxes, LANES};
 use crate::narrow::Narrow;
-use crate::simd::{prefetch, Kernel, Simd};
+use crate::simd::{prefetch_at, Kernel, Simd};
 use crate::tool::Tool;
 
 /// Working memory of a query.
@@ -193,7 +193,7 @@ impl Kernel for Expand<'_> {
             while hit != 0 {
                 let child = FANOUT as u32 * node + hit.trailing_zeros();
                 hit &= hit - 1;
-                prefetch(&below[child as usize]);
+                prefetch_at(below, child as usize);
                 nodes.push(child);
             }
         }
@@ -276,7 +276,7 @@ impl<P: PlaceBoxes> Kernel for Reach<'_, P> {
             while hit != 0 {
                 let child = FANOUT as u32 * node + hit.trailing_zeros();
                 hit &= hit - 1;
-                prefetch(&below[child as usize]);
+                prefetch_at(below, child as usize);
                 nodes.push(child);
             }
         }

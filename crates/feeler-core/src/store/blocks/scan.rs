@@ -8,7 +8,7 @@ use super::pieces::HalfBlock;
 use super::{Blocks, FANOUT};
 use crate::lanes::{along, load3, Box4, LaneBoxes, PlaceBoxes, PlacedPieces, Placement, LANES};
 use crate::narrow::Narrow;
-use crate::simd::{prefetch, Kernel, Simd};
+use crate::simd::{prefetch, prefetch_at, Kernel, Simd};
 use crate::tool::Tool;
 
 /// A group of clusters at the nodes `nodes[from..]`.
@@ -102,7 +102,7 @@ impl Kernel for Scan<'_, '_> {
                     narrow.stats.voxels_visited += 1;
                     if level[block as usize].overlapping_inside(s, &spread.lane(c)) != 0 {
                         needed |= 1 << c;
-                        prefetch(&tool.clusters()[LANES * group + c]);
+                        prefetch_at(tool.clusters(), LANES * group + c);
                     }
                 }
             }
