@@ -20,6 +20,19 @@ impl PackedPieces {
     pub const ZERO: PackedPieces = PackedPieces { corners: [[[0; LANES]; 2]; 4], triangles: [0; FANOUT] };
 }
 
+/// The most that a corner of any piece of a block may be off, per axis: as [`HalfBlock::slack`] for a box as large as the block's
+/// own, and a hundredth for what bytes may stand for beyond that.
+#[inline(always)]
+pub fn most_slack(node: &Node, slack: f32) -> [f32; 3] {
+    let Box4 { lower, upper } = node.bounds();
+    let mut most = [0.0; 3];
+    for a in 0..3 {
+        let side = 1.01 * (upper[a] - lower[a]) + 4.0 * UNPACK_ROUNDING;
+        most[a] = side * (HALF / STEPS) + UNPACK_ROUNDING + slack;
+    }
+    most
+}
+
 /// Steps between the sides of a piece's box.
 const STEPS: f32 = 1023.0;
 
@@ -111,16 +124,23 @@ impl HalfBlock {
     /// rounding does not matter. A coordinate's error counts with the axis's entry in absolute value.
     #[inline(always)]
     pub fn along<S: Simd>(&self, s: S, piece: usize, n: &[S::F32; 3]) -> (S::F32, S::F32) {
+        let (near, far) = self.corners_along(s, piece, n);
+        let slack = s.mul_add(s.abs(n[2]), s.splat(self.slack[2][piece]), s.splat(TINY));
+        let slack = s.mul_add(s.abs(n[1]), s.splat(self.slack[1][piece]), slack);
+        let slack = s.mul_add(s.abs(n[0]), s.splat(self.slack[0][piece]), slack);
+        (near - slack, far + slack)
+    }
+
+    /// The same as it comes, for who allows for the slack elsewhere: [`most_slack`].
+    #[inline(always)]
+    pub fn corners_along<S: Simd>(&self, s: S, piece: usize, n: &[S::F32; 3]) -> (S::F32, S::F32) {
         let mut d = [n[0]; 4];
         for c in 0..4 {
             let at = [&self.corners[c][0], &self.corners[c][1], &self.corners[c][2]];
             let last = n[2] * s.splat(at[2][piece]);
             d[c] = s.mul_add(n[0], s.splat(at[0][piece]), s.mul_add(n[1], s.splat(at[1][piece]), last));
         }
-        let slack = s.mul_add(s.abs(n[2]), s.splat(self.slack[2][piece]), s.splat(TINY));
-        let slack = s.mul_add(s.abs(n[1]), s.splat(self.slack[1][piece]), slack);
-        let slack = s.mul_add(s.abs(n[0]), s.splat(self.slack[0][piece]), slack);
-        (least4(s, &d) - slack, greatest4(s, &d) + slack)
+        (least4(s, &d), greatest4(s, &d))
     }
 
     /// The axis across a piece's plane, in all lanes.
@@ -216,6 +236,7 @@ mod tests {
                             let (x, slack) = (half.corners[c][a][lane], half.slack[a][lane]);
                             prop_assert!((x - corner[a]).abs() <= slack, "{x} for {}, slack {slack}", corner[a]);
                             prop_assert!(half.lower[a][lane] <= corner[a] && corner[a] <= half.upper[a][lane]);
+                            prop_assert!(slack <= most_slack(&node, 0.0)[a], "{slack}");
                             along += f64::from(half.normals[a][lane]) * f64::from(corner[a]);
                         }
                         prop_assert!(f64::from(half.near[lane]) <= along && along <= f64::from(half.far[lane]));

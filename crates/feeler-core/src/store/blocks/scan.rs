@@ -3,10 +3,12 @@
 //! Stage by stage, each a loop that appends what passes to a list: which entries pass is not to be foreseen, so there is no
 //! branch.
 
+use std::ops::Range;
+
 use super::descent::{BlocksScratch, Reach};
-use super::pieces::HalfBlock;
+use super::pieces::{most_slack, HalfBlock};
 use super::{Blocks, FANOUT};
-use crate::lanes::{along, load3, Box4, LaneBoxes, PlaceBoxes, PlacedPieces, Placement, LANES};
+use crate::lanes::{along, load3, Box4, LaneBoxes, PlaceBoxes, PlacedPieces, Placement, LANES, TINY};
 use crate::narrow::Narrow;
 use crate::simd::{prefetch, prefetch_at, Kernel, Simd};
 use crate::tool::Tool;
@@ -164,6 +166,7 @@ impl Kernel for Scan<'_, '_> {
             for half in 0..2 {
                 halves[half].unpack_boxes(s, node, half);
             }
+            let most_slack = most_slack(node, slack);
             let mut unpacked = 0;
             let mut kept = 0;
             for &(c, hit) in &found[from as usize..to] {
@@ -183,7 +186,7 @@ impl Kernel for Scan<'_, '_> {
                         }
                     }
                     placed.need_normals(s);
-                    kept = planes_meeting(s, placed, halves, pairs, kept, count);
+                    kept = planes_meeting(s, placed, halves, &most_slack, pairs, kept..count);
                 }
             }
             for pair in &pairs[..kept] {
@@ -247,28 +250,32 @@ fn boxes_meeting<S: Simd>(
     (met, count, entries)
 }
 
-/// Leaves, of the pairs of one cluster from place `from` on, what the planes of neither side hold apart. Returns where the list
+/// Leaves, of the pairs of one cluster, what the planes of neither side hold apart. Returns where the list
 /// ends.
 #[inline(always)]
 fn planes_meeting<S: Simd>(
     s: S,
     placed: &PlacedPieces,
     halves: &[HalfBlock; 2],
+    most_slack: &[f32; 3],
     pairs: &mut [PiecePair; PIECE_PAIRS],
-    from: usize,
-    to: usize,
+    of_cluster: Range<usize>,
 ) -> usize {
-    let (corners, normals) = (placed.corners(s), load3(s, &placed.normals));
-    let (placed_near, placed_far) = (s.load(&placed.near), s.load(&placed.far));
-    let mut kept = from;
-    for i in from..to {
+    let (corners, n) = (placed.corners(s), load3(s, &placed.normals));
+    // The intervals of the tool's pieces along their own axes, grown by all slack.
+    let slack = s.mul_add(s.abs(n[2]), s.splat(most_slack[2]), s.splat(TINY));
+    let slack = s.mul_add(s.abs(n[1]), s.splat(most_slack[1]), slack);
+    let slack = s.mul_add(s.abs(n[0]), s.splat(most_slack[0]), slack);
+    let (placed_near, placed_far) = (s.load(&placed.near) - slack, s.load(&placed.far) + slack);
+    let mut kept = of_cluster.start;
+    for i in of_cluster {
         let pair = pairs[i];
         let (half, piece) = (&halves[(pair.piece as usize) / LANES], (pair.piece as usize) % LANES);
         // The plane of the block's piece; its own interval along its axis is known.
         let (near, far) = along(s, &corners, &half.normal(s, piece));
         let apart = s.above(near, s.splat(half.far[piece])) | s.above(s.splat(half.near[piece]), far);
         // The planes of the tool's pieces.
-        let (near, far) = half.along(s, piece, &normals);
+        let (near, far) = half.corners_along(s, piece, &n);
         let lanes = pair.lanes & !(apart | s.above(near, placed_far) | s.above(placed_near, far));
         pairs[kept] = PiecePair { lanes, ..pair };
         kept += usize::from(lanes != 0);
