@@ -1,7 +1,7 @@
 """How far feeler is from what this machine can do: lines of memory read, operations in lanes done, one core.
 
 python bench/limit.py                    at 1.6M triangles
-python bench/limit.py --write            and put it into docs/performance.md, between its markers
+python bench/limit.py --write            and put them into docs/performance.md, between its markers
 python bench/limit.py --size 100k --tools hand --poses 20
 
 First the machine: limit_kernels.cpp reads lines of buffers of many sizes and does lane operations, and nothing else.
@@ -15,6 +15,7 @@ from __future__ import annotations
 import argparse
 import ctypes
 import functools
+import itertools
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -49,7 +50,7 @@ VERTEX = 24
 NODE = 6  # a node test: 3 x (shuffle, comparison of 64 bytes), or 6 comparisons of 16 boxes with a node's own
 PLACE = 60  # placing a cluster: 36 multiply-adds, 18 least and greatest, 6 margins
 SCAN = 6  # a piece against 16 boxes: 6 comparisons
-PLANES = 48  # both planes against 4 corners each, in 16 lanes: 30 multiply-adds, 12 least and greatest, ...
+PLANES = 40  # both planes against 4 corners each, in 16 lanes: 24 multiply-adds, 12 least and greatest, 4 comparisons
 TEST = 123  # eight triangle pairs, as far as most come: 54 to move the tool's, 69 for one plane
 MEET = 159  # and from there on where they meet: the other plane 69, turning 42, two triple products 48
 
@@ -74,6 +75,7 @@ HEADS = (
     "asked again, µs",
     "times the limit",
 )
+LEVELS = ("avx512", "avx2", "portable")
 SIZES = (MIB // 2, 2 * MIB, 8 * MIB, 16 * MIB, 32 * MIB, 64 * MIB)
 RANDOM, CHAINED, STEPS = 1_000_000, 100_000, 1_000_000
 REPEATS = 8
@@ -216,6 +218,31 @@ def cells(
             }
 
 
+def by_level(scene: feeler.Scene, tools: dict[str, feeler.Tool], options: argparse.Namespace) -> str:
+    """A table of the instruction sets that this CPU has: medians over nominal and deep poses, microseconds."""
+    scenes = {}
+    for simd in LEVELS:
+        try:
+            scenes[simd] = feeler.Scene(scene.mockup, threads=1, simd=simd)
+        except feeler.OptionError:
+            continue
+    lines = [f"| tool | pose | {' | '.join(scenes)} |", f"|---|---|{'---:|' * len(scenes)}"]
+    for name, tool in tools.items():
+        for kind in ("nominal", "deep"):
+            poses = measure.find_poses(scene, tool, kind, options.poses)
+            least = dict.fromkeys(scenes, np.inf)
+            for _, (simd, one) in itertools.product(range(options.rounds), scenes.items()):
+                times = [measure.clock_once(functools.partial(one.collide, tool, pose))[0] for pose in poses]
+                least[simd] = np.minimum(least[simd], times)
+            medians = {simd: float(np.median(times)) for simd, times in least.items()}
+            best = medians[next(iter(scenes))]
+            figures = [f"{us:,.1f}" + (f" ({us / best:.1f})" if us > best else "") for us in medians.values()]
+            lines.append(f"| {name} | {kind} | {' | '.join(figures)} |")
+    return "\n".join(
+        [*lines, "", "Microseconds a pose (times the first's), from Python. `python bench/limit.py --write`."]
+    )
+
+
 def _memory(core: Machine, one: Needed, size: int) -> float:
     """Microseconds for the lines, in a buffer of this size."""
     return (one.scattered * core.price("random", size) + one.in_row * core.price("sequential", size)) / 1e3
@@ -290,9 +317,11 @@ def main(arguments: list[str] | None = None) -> int:
     if load and load[0] > BUSY:
         about += f" The machine was busy (load {load[0]:.1f}): what was measured is too much rather than too little."
     text = markdown(core, rows, about)
-    print(text)
+    levels = by_level(scene, tools, options)
+    print(text, levels, sep="\n\n")
     if options.write:
         fill(PERFORMANCE, "limit: bench/limit.py", text)
+        fill(PERFORMANCE, "levels: bench/limit.py", levels)
     return 0
 
 

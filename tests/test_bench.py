@@ -211,8 +211,10 @@ def test_the_limit_at_toy_size(root: Path, tmp_path: Path) -> None:
     done = run(root, "limit.py", *arguments, CARGO_TARGET_DIR=str(tmp_path))
     assert done.returncode == 0, done.stdout + done.stderr
     rows = [line.split(" | ") for line in done.stdout.splitlines() if line.startswith("| torque")]
-    assert [row[1] for row in rows] == ["nominal", "near", "deep"]
-    for row in rows:
+    assert [row[1] for row in rows] == ["nominal", "near", "deep", "nominal", "deep"]
+    for row in rows[3:]:
+        assert "nan" not in row and len(row) >= 3  # by instruction set; this CPU has one at least
+    for row in rows[:3]:
         memory, lanes, limit = (float(row[i]) for i in (3, 5, 7))
         assert limit > 0 and limit >= max(memory, lanes) - 0.02
 
