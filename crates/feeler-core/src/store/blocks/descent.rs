@@ -42,7 +42,7 @@ impl Default for BlocksScratch {
             pieces: Box::new([PlacedPieces::ZERO; LANES]),
             halves: Box::new([HalfBlock::ZERO; 2]),
             runs: Vec::with_capacity(ROOM),
-            found: Vec::with_capacity(ROOM),
+            found: vec![(0, 0); ROOM],
             pairs: Box::new([PiecePair::ZERO; PIECE_PAIRS]),
         }
     }

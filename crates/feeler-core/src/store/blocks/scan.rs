@@ -125,7 +125,7 @@ impl Kernel for Scan<'_, '_> {
         }
         // Pieces of each block that a cluster's box meets. What the next stages need of a block is asked for already.
         runs.clear();
-        found.clear();
+        let mut count = 0;
         for (&block, mask) in nodes.iter().zip(group_masks) {
             let mut mask = mask & needed;
             if mask == 0 {
@@ -133,7 +133,10 @@ impl Kernel for Scan<'_, '_> {
             }
             let node = &level[block as usize];
             mask &= node.overlapping_lanes(s, &tight);
-            let from = found.len();
+            let from = count;
+            if found.len() < from + LANES {
+                found.resize(2 * (from + LANES), (0, 0));
+            }
             let mut reached = 0;
             while mask != 0 {
                 let c = mask.trailing_zeros();
@@ -141,9 +144,8 @@ impl Kernel for Scan<'_, '_> {
                 narrow.stats.voxels_visited += 1;
                 let hit = node.overlapping_inside(s, &pieces[c as usize].bounds);
                 reached |= hit;
-                if hit != 0 {
-                    found.push((c, hit));
-                }
+                found[count] = (c, hit);
+                count += usize::from(hit != 0);
             }
             if reached != 0 {
                 let packed = &blocks.pieces[block as usize];
@@ -161,7 +163,7 @@ impl Kernel for Scan<'_, '_> {
         let slack = placement.slack + blocks.slack;
         for run in 0..runs.len() {
             let (block, from) = runs[run];
-            let to = runs.get(run + 1).map_or(found.len(), |next| next.1 as usize);
+            let to = runs.get(run + 1).map_or(count, |next| next.1 as usize);
             let (node, packed) = (&level[block as usize], &blocks.pieces[block as usize]);
             for half in 0..2 {
                 halves[half].unpack_boxes(s, node, half);
