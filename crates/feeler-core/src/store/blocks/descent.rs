@@ -155,12 +155,15 @@ impl Descent<'_> {
                 return false;
             }
             let BlocksScratch { nodes, masks, children, .. } = &mut *self.scratch;
-            for at in from..to {
-                if masks[first_mask + at - from] >> i & 1 == 1 {
-                    let node = nodes[at];
-                    nodes.push(node);
-                }
+            // No branch: which nodes a child meets is not to be foreseen.
+            nodes.resize(2 * to - from, 0);
+            let (above, own) = nodes[from..].split_at_mut(to - from);
+            let mut count = 0;
+            for (node, mask) in above.iter().zip(&masks[first_mask..]) {
+                own[count] = *node;
+                count += usize::from(mask >> i & 1);
             }
+            nodes.truncate(to + count);
             let bounds = children[tool_level].lane(i);
             let over = self.descend(tool_level - 1, LANES * entry + i, &bounds, level, to, narrow);
             self.scratch.nodes.truncate(to);
