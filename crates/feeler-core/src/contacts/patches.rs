@@ -25,6 +25,9 @@ const MOST_PATCHES: usize = 96;
 /// turn between neighbouring patches of a hollow surface, above the noise of rounded corners.
 pub(crate) const HOLLOW: f64 = 0.02;
 
+/// Points of a patch that are all looked at.
+const MOST_CORNERS: usize = 8;
+
 /// Directions along which the outermost points of a patch stand for all of them: axes and diagonals of a cube, and one again.
 const OUTERMOST: [Point; WIDE_LANES] = [
     [1.0, 0.0, 0.0],
@@ -97,7 +100,6 @@ pub(crate) struct Patches {
     pieces: Vec<Piece>,
     /// Points piece by piece, with the cuts of those that are the curve's, or [`NONE`].
     piece_points: Vec<(Point, u32)>,
-    cuts: Vec<(u32, u32)>,
     split: Split,
     /// Pieces patch by patch.
     order: Vec<u32>,
@@ -155,14 +157,11 @@ impl Patches {
     }
 
     fn push_cut_faces(&mut self, zones: &Zones, zone: usize, w: usize) {
-        let mut cuts = std::mem::take(&mut self.cuts);
-        cuts.clear();
-        cuts.extend(zones.zones[zone].cuts.iter().map(|c| (zones.cuts[*c as usize].faces[w], *c)));
-        cuts.sort_unstable();
-        for same in cuts.chunk_by(|x, y| x.0 == y.0) {
-            let face = &zones.faces[w][same[0].0 as usize];
+        let face_of = |c: &u32| zones.cuts[*c as usize].faces[w];
+        for same in zones.zones[zone].cuts[w].chunk_by(|x, y| face_of(x) == face_of(y)) {
+            let face = &zones.faces[w][face_of(&same[0]) as usize];
             let from = self.piece_points.len() as u32;
-            for (_, c) in same {
+            for c in same {
                 let shared = zones.cuts[*c as usize].points;
                 let points = &zones.points[shared.0 as usize..shared.1 as usize];
                 self.piece_points.extend(points.iter().map(|x| (*x, *c)));
@@ -176,7 +175,6 @@ impl Patches {
             let points = (from, self.piece_points.len() as u32);
             self.pieces.push(Piece { id: face.id, patch, points, closed: face.closed });
         }
-        self.cuts = cuts;
     }
 
     fn push_inside(&mut self, ground: &Ground<'_>, zones: &Zones, zone: usize, w: usize) {
@@ -325,7 +323,12 @@ impl Patches {
             patch.size = length(&bounds.extent());
             let sum = points.iter().fold([0.0; 3], |s, p| add(&s, p));
             patch.middle = scaled(&sum, 1.0 / points.len() as f64);
-            let from = corners.len();
+            patch.corners.0 = corners.len() as u32;
+            if points.len() <= MOST_CORNERS {
+                corners.extend_from_slice(points);
+                patch.corners.1 = corners.len() as u32;
+                continue;
+            }
             let (high, low) = highest_and_lowest(lanes, points, points, &OUTERMOST);
             // Most patches have few corners, each outermost along several.
             let (mut chosen, mut count) = ([0; 2 * WIDE_LANES], 0);
@@ -336,7 +339,7 @@ impl Patches {
                 }
             }
             corners.extend(chosen[..count].iter().map(|i| points[*i as usize]));
-            patch.corners = (from as u32, corners.len() as u32);
+            patch.corners.1 = corners.len() as u32;
         }
         list.sort_by(|p, q| q.size.total_cmp(&p.size));
     }

@@ -371,7 +371,7 @@ fn candidates_are_all_that_is_near_and_their_bounds_hold() {
     let held = tool(box_mesh([0.0; 3], [0.03, 0.02, 0.02], 5));
     for (angle, z) in [(0.0, 0.0205), (0.3, 0.0215), (0.7, 0.018), (1.1, 0.03)] {
         let pose = turned(angle, [0.011, -0.007, z]);
-        let candidates = near.near_candidates(&held, &pose, 0.002).unwrap();
+        let candidates = near.near_candidates(&held, &pose, 0.002, &[]).unwrap();
         for gap in near.near_pairs(&held, &pose, 0.002).unwrap() {
             let same =
                 |c: &&Candidate| (c.tool_triangle, c.mockup_triangle) == (gap.tool_triangle, gap.mockup_triangle);

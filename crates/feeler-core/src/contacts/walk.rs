@@ -2,7 +2,7 @@
 
 use crate::contacts::adjacency::{Adjacency, NONE};
 use crate::contacts::numbered::Numbered;
-use crate::contacts::zones::{Roots, Zones, MOCKUP};
+use crate::contacts::zones::{Places, Roots, Zones, MOCKUP};
 use crate::contacts::Ground;
 use crate::vectors::{dot, sub};
 
@@ -20,7 +20,7 @@ pub(crate) fn walk(
     w: usize,
     part: u32,
     zones: &Zones,
-    places: &Numbered,
+    places: &Places,
     seen: &mut Numbered,
     roots: &mut Roots,
 ) -> (Vec<(u32, u32)>, bool) {
@@ -37,7 +37,7 @@ pub(crate) fn walk(
         if triangle == NONE || found.len() >= MOST_WALKED {
             return;
         }
-        if let Some(place) = places.get(u64::from(triangle)) {
+        if let Some(place) = places.get(w, triangle) {
             // Another curve: what was walked over lies between the two.
             if let Some(from) = from {
                 let face = &zones.faces[w][place as usize];

@@ -1,5 +1,6 @@
 //! The last steps of the search for what is near: a cluster of the tool against a block.
 
+use super::dividers::Dividers;
 use super::near::{gaps, NearScratch, Search};
 use super::pieces::HalfBlock;
 use super::FANOUT;
@@ -53,10 +54,18 @@ pub fn scan<S: Simd>(s: S, run: &mut Search<'_, '_>, scratch: &mut NearScratch, 
                 halves[h].unpack_corners(s, &run.blocks.packed[block as usize], h, slack);
             }
         }
+        let triangle = triangles[piece];
+        if !run.dividers.is_empty() {
+            if let Some(dividers) = Dividers::of(&run.dividers, run.wanted.mockup.part_of_face(triangle)) {
+                lanes = dividers.sift(s, placed, &halves[h], lane, lanes);
+                if lanes == 0 {
+                    continue;
+                }
+            }
+        }
         placed.need_normals(s);
         let mut planes = Planes::ZERO;
         lanes &= u32::from(planes.of(s, placed, &halves[h], lane, &run.direction, run.limit));
-        let triangle = triangles[piece];
         if lanes != 0 {
             prefetch(&mesh.faces()[triangle as usize]);
         }
