@@ -9,6 +9,7 @@ mod adjacency;
 mod arcs;
 mod body;
 mod by_part;
+mod classify;
 mod clusters;
 #[cfg(test)]
 mod convex_tests;
@@ -29,6 +30,7 @@ mod sift;
 #[cfg(test)]
 mod tests;
 mod tracker;
+mod turns;
 mod walk;
 mod zones;
 

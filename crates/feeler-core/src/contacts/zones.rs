@@ -5,11 +5,12 @@
 
 use crate::bounds::{Point, Triangle};
 use crate::contacts::adjacency::NONE;
+use crate::contacts::classify::classify;
 use crate::contacts::cut::push_shared;
 use crate::contacts::numbered::{Numbered, NumberedBelow};
 use crate::contacts::walk::walk;
 use crate::contacts::Ground;
-use crate::vectors::{add, cross, dot, normal, scaled, square_to_segment, sub};
+use crate::vectors::{add, dot, normal, scaled, sub};
 
 /// A triangle that is cut.
 #[derive(Debug, Clone)]
@@ -24,8 +25,9 @@ pub(crate) struct Face {
     pub side: [i8; 3],
     /// The cut nearest to each corner, which says so.
     pub nearest: [u32; 3],
-    square: [f64; 3],
-    steepness: [f64; 3],
+    /// The square of its distance, and how steeply the corner stands off it.
+    pub square: [f64; 3],
+    pub steepness: [f64; 3],
 }
 
 impl Face {
@@ -193,8 +195,8 @@ pub(crate) fn find<'a>(ground: &Ground<'_>, pairs: &[[u32; 2]], scratch: &'a mut
     zones.sort_by_face();
     join_along_the_curve(ground, pairs, zones, places, &mut roots);
     orient(ground, zones);
+    classify(ground, part, zones);
     for w in [TOOL, MOCKUP] {
-        classify(ground, w, part, zones);
         join_across_faces(w, zones, &mut roots);
     }
     let (walked, complete): (Vec<_>, Vec<_>) =
@@ -331,67 +333,6 @@ fn orient(ground: &Ground<'_>, zones: &mut Zones) {
             if flip {
                 face.normal = scaled(&face.normal, -1.0);
                 face.closed = false;
-            }
-        }
-    }
-}
-
-/// On which side of the other surface the corners of cut triangles are: the nearest cut tells. Where two are equally near,
-/// at an edge of the other surface, the one whose line the corner stands off most steeply, in the plane of the triangle: there
-/// the two lines are a bend of the curve, and the corner is on the outer side of it. Where a surface turns away within a triangle's
-/// length the nearest cut may be wrong about a far corner: outside the other solid's box it is outside.
-fn classify(ground: &Ground<'_>, w: usize, part: u32, zones: &mut Zones) {
-    let other = 1 - w;
-    for (i, cut) in zones.cuts.iter().enumerate().filter(|(_, c)| !c.flat) {
-        let n = zones.faces[other][cut.faces[other] as usize].normal;
-        let face = &mut zones.faces[w][cut.faces[w] as usize];
-        let (a, b) = (zones.points[cut.points.0 as usize], zones.points[cut.points.0 as usize + 1]);
-        let line = sub(&b, &a);
-        let lengths = dot(&line, &line);
-        for k in 0..3 {
-            let square = square_to_segment(&face.corners[k], &a, &b);
-            if square > face.square[k] * (1.0 + 1e-9) {
-                continue;
-            }
-            let from = sub(&face.corners[k], &a);
-            let height = dot(&from, &n);
-            // How far it is off the line of the cut, in the face's own plane: that other plane may be met at any angle.
-            let off = cross(&from, &line);
-            let off = if lengths > 0.0 { dot(&off, &off) / lengths } else { height * height };
-            let (steepness, is_on) = match square > 0.0 {
-                true => (off / square, height * height < 1e-18 * square),
-                false => (0.0, true),
-            };
-            let tie = square >= face.square[k] * (1.0 - 1e-9);
-            if if tie { steepness > face.steepness[k] } else { square < face.square[k] } {
-                face.square[k] = square;
-                face.steepness[k] = steepness;
-                face.nearest[k] = i as u32;
-                face.side[k] = if is_on {
-                    0
-                } else if height < 0.0 {
-                    -1
-                } else {
-                    1
-                };
-            }
-        }
-    }
-    let (faces, others) = match w {
-        TOOL => zones.faces.split_at_mut(1),
-        _ => {
-            let (others, faces) = zones.faces.split_at_mut(1);
-            (faces, others)
-        }
-    };
-    for face in &mut faces[0] {
-        for k in 0..3 {
-            if face.side[k] < 0 {
-                let cut = &zones.cuts[face.nearest[k] as usize];
-                let is_closed = others[0][cut.faces[other] as usize].closed;
-                if is_closed && !ground.may_enclose(other, part, &face.corners[k]) {
-                    face.side[k] = 1;
-                }
             }
         }
     }
