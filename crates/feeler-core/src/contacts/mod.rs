@@ -19,6 +19,8 @@ mod descent;
 mod gaps;
 mod heights;
 mod least_norm;
+#[cfg(test)]
+mod near_tests;
 mod numbered;
 mod patches;
 mod penetration;
@@ -93,7 +95,8 @@ pub struct ContactPlane {
 pub struct Contacts {
     /// Deepest first, at most [`MOST_PLANES`].
     pub planes: Vec<ContactPlane>,
-    /// Planes beyond [`MOST_PLANES`], the least deep or farthest, that were left out.
+    /// Planes found beyond [`MOST_PLANES`], the least deep or farthest, that were left out. What is only near is not sought where
+    /// so many are deep.
     pub omitted: usize,
     /// Whether any triangles meet.
     pub is_meeting: bool,
