@@ -356,3 +356,48 @@ impl Roots {
         self.0[a.max(b) as usize] = a.min(b);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contacts::shapes::{box_mesh, ridge};
+    use crate::contacts::tests::{at, scene, tool};
+    use crate::narrow::Filters;
+
+    #[test]
+    fn a_walk_on_the_wrong_side_of_the_curve_is_dropped() {
+        // A block between the legs of a frame and a little in one of them: all of it is in the frame's box.
+        let line = [[-0.03, 0.0], [-0.02, 0.0], [-0.02 + 1e-9, 0.03], [0.02 - 1e-9, 0.03], [0.02, 0.0], [0.03, 0.0]];
+        let block = scene(box_mesh([0.0, 0.0, 0.015], [0.01, 0.012, 0.014], 6));
+        let frame = tool(ridge(&line, 0.04, 0.02, 3, 5));
+        let pose = at(0.0155, 0.0, 0.0);
+        let pairs = block.collide(&frame, &pose, Filters::default()).pairs;
+        let ground = Ground {
+            mockup: block.mockup(),
+            tool: &frame,
+            pose: &pose,
+            reference: None,
+            adjacency: [frame.adjacency(), block.adjacency()],
+            centre: pose.apply(&frame.adjacency().centre),
+            lanes: block.checked_lanes(),
+        };
+        let mut scratch = ZonesScratch::default();
+        find(&ground, &pairs, &mut scratch);
+        let ZonesScratch { places, walked, zones, .. } = &mut scratch;
+        let mut found = |zones: &Zones| {
+            let mut roots = Roots((0..zones.cuts.len() as u32).collect());
+            let mut ids: Vec<u32> =
+                walk(&ground, MOCKUP, 0, zones, places, walked, &mut roots).0.iter().map(|f| f.0).collect();
+            ids.sort_unstable();
+            ids
+        };
+        let right = found(zones);
+        assert!(!right.is_empty() && right.len() < 100, "{}", right.len());
+        for i in 0..zones.faces[MOCKUP].len() {
+            // Judged wrongly, as corners at an edge that is grazed may be.
+            let before = std::mem::replace(&mut zones.faces[MOCKUP][i].side, [-1; 3]);
+            assert_eq!(found(zones), right, "{i}");
+            zones.faces[MOCKUP][i].side = before;
+        }
+    }
+}
