@@ -1,6 +1,11 @@
 //! Arithmetic on points and vectors.
 
+use std::ops::Range;
+
 use crate::bounds::{Point, Triangle};
+
+/// Squares of lengths that neither overflow nor lose digits, and whose products do not.
+const PLAIN: Range<f64> = 1e-140..1e140;
 
 /// `a + b`.
 #[inline(always)]
@@ -53,6 +58,10 @@ pub fn largest(a: &Point) -> f64 {
 /// The vector of length 1 in its direction; `None` where it has none (zero, NaN, infinite).
 #[inline]
 pub fn unit(a: &Point) -> Option<Point> {
+    let square = dot(a, a);
+    if PLAIN.contains(&square) {
+        return Some(scaled(a, 1.0 / square.sqrt()));
+    }
     let m = largest(a);
     if !(m > 0.0 && m.is_finite()) {
         return None;
@@ -63,8 +72,14 @@ pub fn unit(a: &Point) -> Option<Point> {
 }
 
 /// The unit normal of a triangle by its winding; `None` where it has no area.
+#[inline]
 pub fn normal(t: &Triangle) -> Option<Point> {
     let (e, f) = (sub(&t[1], &t[0]), sub(&t[2], &t[0]));
+    let across = cross(&e, &f);
+    let square = dot(&across, &across);
+    if PLAIN.contains(&square) && PLAIN.contains(&(dot(&e, &e) * dot(&f, &f))) {
+        return Some(scaled(&across, 1.0 / square.sqrt()));
+    }
     let (s, r) = (largest(&e), largest(&f));
     // Edges are brought to the same size, so that their product neither vanishes nor overflows.
     unit(&cross(&e.map(|x| x / s), &f.map(|x| x / r)))

@@ -11,7 +11,7 @@ use crate::vectors::{along, cross, dot, unit};
 /// Most facets of a body, the largest, whose normals are tried.
 pub(crate) const MOST_NORMALS: usize = 24;
 
-/// Most edges of a body whose directions are kept.
+/// Most pairs of edges whose directions are tried.
 pub(crate) const MOST_EDGES: usize = 100;
 
 /// What is asked of a patch of a body.
@@ -49,7 +49,6 @@ struct Entry {
     facets: (usize, usize),
     points: (usize, usize),
     point_eights: (usize, usize),
-    edges: (usize, usize),
     normals: (usize, usize),
     mean: Point,
     size: f64,
@@ -68,7 +67,6 @@ pub(crate) struct Bodies {
     /// For each patch its cuts, by their places in the zone.
     patch_cuts: Sets,
     eights: Vec<Eight>,
-    edges: Vec<Edge>,
     normals: Vec<(Point, f64)>,
     /// For each body the cuts it has a part in, by their places in the zone.
     pub cuts: Sets,
@@ -86,8 +84,6 @@ pub(crate) struct Body<'a> {
     /// For each point where among `point_cuts` its cuts are: those of the curve have several, others none.
     pub cuts_of: &'a [(u32, u32)],
     pub point_cuts: &'a [u32],
-    /// Of each two facets; empty where there are more than [`MOST_EDGES`].
-    pub edges: &'a [Edge],
     /// The normals of the first [`MOST_NORMALS`] facets and their mean, and how far the points reach along each.
     pub normals: &'a [(Point, f64)],
     /// Of the facets' normals, by area; zero where there is none.
@@ -95,6 +91,14 @@ pub(crate) struct Body<'a> {
     pub size: f64,
     /// The largest coordinate.
     pub largest: f64,
+}
+
+impl Body<'_> {
+    /// The edges between each two facets.
+    pub fn edges(&self) -> impl Iterator<Item = Edge> + '_ {
+        let others = |i: usize| self.facets[i + 1..].iter();
+        self.facets.iter().enumerate().flat_map(move |(i, p)| others(i).filter_map(|q| Edge::new(p, q)))
+    }
 }
 
 impl Bodies {
@@ -115,7 +119,6 @@ impl Bodies {
             point_eights: &self.eights[e.point_eights.0..e.point_eights.1],
             cuts_of: &self.cuts_of[e.points.0..e.points.1],
             point_cuts: &self.point_cuts,
-            edges: &self.edges[e.edges.0..e.edges.1],
             normals: &self.normals[e.normals.0..e.normals.1],
             mean: e.mean,
             size: e.size,
@@ -138,7 +141,6 @@ impl Bodies {
         self.cuts_of.clear();
         self.point_cuts.clone_from(&patches.point_cuts);
         self.eights.clear();
-        self.edges.clear();
         self.normals.clear();
         self.cuts.clear(clusters.count, cuts);
         self.patch_cuts.clear(patches.list.len(), cuts);
@@ -146,7 +148,7 @@ impl Bodies {
             patches.cuts(patch).iter().for_each(|cut| self.patch_cuts.insert(p, place_of_cut(*cut)));
         }
         for (i, (own, lent)) in clusters.patches.iter().zip(&clusters.lent).enumerate().take(clusters.count) {
-            let from = (self.facets.len(), self.points.len(), self.edges.len());
+            let from = (self.facets.len(), self.points.len());
             for p in own.iter().chain(lent) {
                 let patch = &patches.list[*p as usize];
                 self.facets.push(Facet { normal: patch.normal, size: patch.size, flat: patch.flat });
@@ -168,7 +170,6 @@ impl Bodies {
                     }
                 }
             }
-            self.push_edges(from.0);
             let facets = &self.facets[from.0..];
             let sum = facets.iter().fold([0.0; 3], |s, p| along(&s, p.size * p.size, &p.normal));
             let mean = unit(&sum).unwrap_or([0.0; 3]);
@@ -181,7 +182,6 @@ impl Bodies {
                 facets: (from.0, self.facets.len()),
                 points: (from.1, self.points.len()),
                 point_eights: (from_eights, self.eights.len()),
-                edges: (from.2, self.edges.len()),
                 normals: (from_normals, self.normals.len()),
                 mean,
                 size: facets.iter().fold(0.0f64, |m, p| m.max(p.size)),
@@ -198,15 +198,6 @@ impl Bodies {
             let directions = std::array::from_fn(|i| some[i.min(some.len() - 1)].0);
             let reach = highest(lanes, &self.points[points..], &directions);
             some.iter_mut().zip(reach.height).for_each(|(n, height)| n.1 = height);
-        }
-    }
-
-    fn push_edges(&mut self, from: usize) {
-        let facets = &self.facets[from..];
-        if edge_count(facets.len()) <= MOST_EDGES {
-            for (i, p) in facets.iter().enumerate() {
-                self.edges.extend(facets[i + 1..].iter().filter_map(|q| Edge::new(p, q)));
-            }
         }
     }
 }

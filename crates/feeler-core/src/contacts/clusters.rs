@@ -1,5 +1,6 @@
 //! Patches that bulge the same way together.
 
+use crate::bounds::Point;
 use crate::contacts::patches::Patches;
 use crate::contacts::sides::{has, is_meeting, Sets, Sides};
 use crate::simd::Checked;
@@ -20,8 +21,10 @@ pub(crate) struct Clusters {
     over: Sets,
     /// The same for each corner of a patch.
     corner_over: Sets,
-    /// Those under whose planes it is, of any middle and of the corners of one.
+    /// Those under whose planes the same corner is, and under whose any of a patch's is.
+    corner_under: Sets,
     under: Sets,
+    middles: Vec<Point>,
     straddling: Vec<u32>,
 }
 
@@ -37,16 +40,17 @@ impl Clusters {
         self.over.clear(count, count);
         self.straddling.clear();
         self.sides.set(&patches.list);
-        self.corner_over.clear(patches.corner_count(), count);
-        self.under.clear(2, count);
+        self.middles.clear();
+        self.middles.extend(patches.list.iter().map(|p| p.middle));
+        self.under.clear(count, count);
+        self.sides.judge(lanes, &self.middles, &mut self.over, &mut self.under);
+        self.corner_over.clear(patches.all_corners().len(), count);
+        self.corner_under.clear(patches.all_corners().len(), count);
+        self.sides.judge(lanes, patches.all_corners(), &mut self.corner_over, &mut self.corner_under);
+        self.under.clear(count, count);
         for (i, patch) in patches.list.iter().enumerate() {
-            self.sides.judge(lanes, &patch.middle, self.over.get_mut(i), self.under.get_mut(0));
-            let under = self.under.get_mut(1);
-            under.fill(0);
-            for (k, x) in patches.corners(patch) {
-                self.sides.judge(lanes, x, self.corner_over.get_mut(k), under);
-            }
-            if patches.corners(patch).any(|(k, _)| is_meeting(self.corner_over.get(k), self.under.get(1))) {
+            patches.corners(patch).for_each(|k| self.under.join(i, self.corner_under.get(k)));
+            if patches.corners(patch).any(|k| is_meeting(self.corner_over.get(k), self.under.get(i))) {
                 self.straddling.push(i as u32);
             }
         }
@@ -98,6 +102,6 @@ impl Clusters {
     fn is_partly_within(&self, patches: &Patches, i: usize, c: usize) -> bool {
         let (mut corners, members) = (patches.corners(&patches.list[i]), self.members.get(c));
         !self.patches[c].iter().any(|j| has(self.over.get(*j as usize), i))
-            && corners.any(|(k, _)| !is_meeting(self.corner_over.get(k), members))
+            && corners.any(|k| !is_meeting(self.corner_over.get(k), members))
     }
 }

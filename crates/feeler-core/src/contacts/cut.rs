@@ -1,7 +1,7 @@
 //! Where two triangles that meet do so: the segment, point or polygon that they share, in float64.
 
 use crate::bounds::{Point, Triangle};
-use crate::vectors::{along, cross, dot, sub, unit};
+use crate::vectors::{along, cross, dot, sub};
 
 /// Planes within this angle (radians) count as one: the line they share says nothing any more.
 const COPLANAR: f64 = 1e-9;
@@ -11,7 +11,7 @@ const COPLANAR: f64 = 1e-9;
 pub(crate) fn push_shared(p: &Triangle, n: &Point, q: &Triangle, m: &Point, out: &mut Vec<Point>) {
     let line = cross(n, m);
     let start = out.len();
-    let Some(direction) = unit(&line).filter(|_| dot(&line, &line) > COPLANAR * COPLANAR) else {
+    if dot(&line, &line) <= COPLANAR * COPLANAR {
         clip(p, q, m, out);
         if out.len() == start {
             let middle = |t: &Triangle| std::array::from_fn(|a| (t[0][a] + t[1][a] + t[2][a]) / 3.0);
@@ -21,8 +21,8 @@ pub(crate) fn push_shared(p: &Triangle, n: &Point, q: &Triangle, m: &Point, out:
             out.push(out[start]);
         }
         return;
-    };
-    let (first, second) = (ends(p, &q[0], m, &direction), ends(q, &p[0], n, &direction));
+    }
+    let (first, second) = (ends(p, &q[0], m, &line), ends(q, &p[0], n, &line));
     // The later of the two beginnings, the earlier of the two ends.
     let from = if first[0].0 >= second[0].0 { first[0] } else { second[0] };
     let to = if first[1].0 <= second[1].0 { first[1] } else { second[1] };

@@ -7,7 +7,7 @@
 
 use crate::bounds::{Aabb, Point};
 use crate::contacts::arcs::Arcs;
-use crate::contacts::body::{edge_count, Body, MOST_EDGES, MOST_NORMALS};
+use crate::contacts::body::{edge_count, Body, Edge, MOST_EDGES, MOST_NORMALS};
 use crate::contacts::heights::{highest, highest_and_lowest, places_above, Reach};
 use crate::contacts::zones::{Zones, MOCKUP, TOOL};
 use crate::simd::{Checked, WIDE_LANES};
@@ -46,6 +46,7 @@ impl Depth {
 #[derive(Debug, Default)]
 pub(crate) struct Directions {
     list: Vec<Point>,
+    edges: Vec<Edge>,
     tried: Vec<Tried>,
     pub(super) arcs: Arcs,
     /// Points of the curve where a surface went on along directions tried: of which, where, and by which cut.
@@ -103,7 +104,10 @@ impl Pair<'_> {
         let mut best = Best::new(self, directions, None);
         best.try_facets();
         best.choose();
-        FirstDepth { found: best.found, certain: self.has_edges() && is_flat(&self.tool) && is_flat(&self.mockup) }
+        FirstDepth {
+            found: best.found,
+            certain: self.edge_pairs() <= MOST_EDGES && is_flat(&self.tool) && is_flat(&self.mockup),
+        }
     }
 
     /// Whether a plane across `normal` so deep, found for others, holds these two apart as well.
@@ -112,15 +116,15 @@ impl Pair<'_> {
         high.height[0] - low.height[0] <= depth * (1.0 + CLEARLY)
     }
 
-    /// Whether there are few enough edges to try all directions across two of them.
-    fn has_edges(&self) -> bool {
-        edge_count(self.mockup.facets.len()) * edge_count(self.tool.facets.len()) <= MOST_EDGES
+    /// Pairs of an edge of each.
+    fn edge_pairs(&self) -> usize {
+        edge_count(self.mockup.facets.len()) * edge_count(self.tool.facets.len())
     }
 
     /// The least depth, from the first. `None` where no direction leads out.
     pub fn least_depth(&self, first: &FirstDepth, directions: &mut Directions) -> Option<Depth> {
         let mut best = Best::new(self, directions, first.found);
-        if self.has_edges() {
+        if (1..=MOST_EDGES).contains(&self.edge_pairs()) {
             best.try_edges();
         }
         if !first.certain {
@@ -251,8 +255,11 @@ impl<'a> Best<'a> {
         let Pair { tool, mockup, .. } = self.pair;
         let mut list = std::mem::take(&mut self.directions.list);
         list.clear();
-        for e in mockup.edges {
-            for f in tool.edges {
+        let mut of_tool = std::mem::take(&mut self.directions.edges);
+        of_tool.clear();
+        of_tool.extend(tool.edges());
+        for e in mockup.edges() {
+            for f in &of_tool {
                 let Some(d) = unit(&cross(&e.along, &f.along)) else { continue };
                 for d in [d, scaled(&d, -1.0)] {
                     // Where it is between the normals on both sides, the edges hold along it, wherever most of the faces look.
@@ -264,6 +271,7 @@ impl<'a> Best<'a> {
         }
         self.try_all(&list);
         self.directions.list = list;
+        self.directions.edges = of_tool;
     }
 
     /// Tries directions in their order.
@@ -372,7 +380,6 @@ mod tests {
             point_eights: &[],
             cuts_of: &[],
             point_cuts: &[],
-            edges: &[],
             normals: &[],
             mean,
             size: 1.0,

@@ -12,6 +12,9 @@ const MOST_TURNED: usize = 3;
 /// Most times that eight places on the arcs between them are tried.
 const MOST_TURNS: usize = 6;
 
+/// The same where no direction at all was found that leads out: mostly there is none.
+const MOST_BLIND_TURNS: usize = 2;
+
 /// Most steps of the descent, the share by which each that leads nowhere shortens the next, and the length (radians, about) of the
 /// last.
 const MOST_STEPS: usize = 24;
@@ -43,8 +46,9 @@ impl Best<'_> {
                 }
             }
         }
-        for _ in 0..MOST_TURNS {
-            let Some(directions) = arcs.lowest(self.limit()) else { break };
+        for turn in 0..MOST_TURNS {
+            let is_blind = turn >= MOST_BLIND_TURNS && self.found.is_none();
+            let Some(directions) = arcs.lowest(self.limit()).filter(|_| !is_blind) else { break };
             let support = self.support(&directions);
             for i in 0..arcs.asked() {
                 let (high, low) = (support.0.height[i], support.1.height[i]);

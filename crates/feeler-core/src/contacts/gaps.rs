@@ -14,7 +14,7 @@ use crate::contacts::zones::{MOCKUP, TOOL};
 use crate::contacts::{ContactPlane, Ground, MOST_PLANES};
 use crate::distance_lanes::closest_apart;
 use crate::distance_triangle_triangle::{closest_within, Closest};
-use crate::proximity::{Candidate, Gap};
+use crate::proximity::{Candidate, Divider, Gap};
 use crate::simd::WIDE_LANES;
 use crate::vectors::{add, along, dot, length, normal, scaled, square_to_segment, sub, unit};
 
@@ -91,8 +91,7 @@ impl<'a> NearPairs<'a> {
         NearPairs { ground, margin, lists }
     }
 
-    /// Adds planes for the candidates of one part, beside the planes the part has from `from` on in `out`. The pairs in
-    /// `meeting` (sorted) meet, the triangles in `inside` (of tool and mock-up, sorted) are wholly inside the other.
+    /// Adds planes for the candidates of one part, beside those that `out` has of it. The pairs in `meeting` (sorted) meet, the triangles in `inside` (of tool and mock-up, sorted) are wholly inside the other.
     ///
     /// Few pairs are ever measured: most are far from where planes are, or held apart by one as whole triangles.
     pub fn push_planes(
@@ -100,7 +99,6 @@ impl<'a> NearPairs<'a> {
         candidates: &[Candidate],
         meeting: &[[u32; 2]],
         inside: &[Vec<u32>; 2],
-        from: usize,
         out: &mut Vec<ContactPlane>,
     ) {
         let part = candidates.first().map_or(0, |c| c.part);
@@ -109,7 +107,7 @@ impl<'a> NearPairs<'a> {
         let lists = &mut *self.lists;
         lists.measured.clear();
         lists.gaps.clear();
-        lists.sift.sift(self.ground, candidates, &out[from..], &sought, &mut lists.near);
+        lists.sift.sift(self.ground, candidates, out, &sought, &mut lists.near);
         // Those not measured yet, the nearest last; and those that were, the nearest first.
         let mut near = std::mem::take(&mut lists.near);
         near.sort_unstable_by(|a, b| b.bound.total_cmp(&a.bound));
@@ -124,7 +122,7 @@ impl<'a> NearPairs<'a> {
                 self.measure_all(&near[batch.clone()], part);
                 for near in near.drain(batch) {
                     let gap = self.known(near.pair);
-                    if let Some(gap) = gap.filter(|gap| !out[from..].iter().any(|p| is_explained(p, gap, tolerance))) {
+                    if let Some(gap) = gap.filter(|gap| !out.iter().any(|p| is_explained(p, gap, tolerance))) {
                         heap.push(Entry { distance: gap.distance, near });
                     }
                 }
@@ -138,9 +136,9 @@ impl<'a> NearPairs<'a> {
             before = Some(entry.near.pair);
             let Some(first) = self.known(entry.near.pair) else { continue };
             if first.distance == 0.0
-                || out[from..].iter().any(|plane| is_explained(plane, &first, tolerance))
+                || out.iter().any(|plane| is_explained(plane, &first, tolerance))
                 || !is_in_front(self.ground, &first)
-                || out.len() > from && self.leads_down(&first, part)
+                || !out.is_empty() && self.leads_down(&first, part)
             {
                 continue;
             }
@@ -150,7 +148,7 @@ impl<'a> NearPairs<'a> {
             self.lists.sift.drop_held_apart(&plane, tolerance, &mut near, |near| near.places);
             heap = BinaryHeap::from(entries);
             out.push(plane);
-            if out.len() - from >= MOST_PLANES {
+            if out.len() >= MOST_PLANES {
                 break;
             }
         }
@@ -287,6 +285,12 @@ fn is_in_front(ground: &Ground<'_>, gap: &Gap) -> bool {
         normal(&ground.triangle(w, id)).is_none_or(|n| outward * dot(&n, &way) >= -BEHIND * gap.distance)
     };
     is_outside(MOCKUP, gap.mockup_triangle, 1.0) && is_outside(TOOL, gap.tool_triangle, -1.0)
+}
+
+/// A plane and what it holds apart.
+pub(crate) fn divider(plane: &ContactPlane, margin: f64) -> Divider {
+    let (offset, tolerance) = (dot(&plane.point, &plane.normal), TOLERANCE * margin);
+    Divider { part: plane.part, normal: plane.normal, heights: [offset + tolerance, offset + plane.gap - tolerance] }
 }
 
 /// Whether the plane holds the pair apart by no less than it claims.

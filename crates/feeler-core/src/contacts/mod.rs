@@ -9,6 +9,7 @@ mod adjacency;
 mod arcs;
 mod body;
 mod by_part;
+mod classify;
 mod clusters;
 #[cfg(test)]
 mod convex_tests;
@@ -18,6 +19,8 @@ mod descent;
 mod gaps;
 mod heights;
 mod least_norm;
+#[cfg(test)]
+mod near_tests;
 mod numbered;
 mod patches;
 mod penetration;
@@ -29,6 +32,7 @@ mod sift;
 #[cfg(test)]
 mod tests;
 mod tracker;
+mod turns;
 mod walk;
 mod zones;
 
@@ -52,7 +56,7 @@ use crate::error::{Error, Result};
 use crate::mesh::Mockup;
 use crate::narrow::Filters;
 use crate::pose::Pose;
-use crate::proximity::Candidate;
+use crate::proximity::{Candidate, Divider};
 use crate::scene::Scene;
 use crate::simd::Checked;
 use crate::tool::Tool;
@@ -61,7 +65,7 @@ use crate::vectors::{dot, normal, scaled, sub};
 /// Most planes of an answer.
 pub const MOST_PLANES: usize = 32;
 
-/// Candidate pairs of a query from which on its working memory is not kept.
+/// Pairs of a query from which on its working memory is not kept.
 const MOST_HELD: usize = 1 << 16;
 
 /// Cosine of the angle within which planes of two flat surfaces in one zone are one: half a degree.
@@ -91,10 +95,22 @@ pub struct ContactPlane {
 pub struct Contacts {
     /// Deepest first, at most [`MOST_PLANES`].
     pub planes: Vec<ContactPlane>,
-    /// Planes beyond [`MOST_PLANES`], the least deep or farthest, that were left out.
+    /// Planes found beyond [`MOST_PLANES`], the least deep or farthest, that were left out. What is only near is not sought where
+    /// so many are deep.
     pub omitted: usize,
     /// Whether any triangles meet.
     pub is_meeting: bool,
+}
+
+/// The tool in one part.
+#[derive(Debug, Default)]
+struct Place<'a> {
+    part: u32,
+    /// What meets.
+    pairs: &'a [[u32; 2]],
+    /// Triangles of tool and mock-up that are wholly inside the other, sorted.
+    inside: [Vec<u32>; 2],
+    planes: Vec<ContactPlane>,
 }
 
 /// What one query knows.
@@ -205,15 +221,12 @@ impl Scene {
         if !(margin.is_finite() && margin >= 0.0) {
             return Err(Error::Margin { value: margin });
         }
-        let near = self.near_candidates(tool, pose, margin)?;
         let hits = self.collide(tool, pose, Filters::default()).pairs;
         let mut scratch = self.take_scratch();
         let ContactScratch { by_part, candidates, meeting, near: lists, zones: zones_scratch, zone: zone_scratch } =
             &mut scratch.contacts;
         let part_of = |pair: &[u32; 2]| self.mockup().part_of_face(pair[1]);
-        by_part.sort(&near, |c| c.part, candidates);
         by_part.sort(&hits, part_of, meeting);
-        let candidates_held = near.len();
         let ground = Ground {
             mockup: self.mockup(),
             tool,
@@ -223,40 +236,44 @@ impl Scene {
             centre: pose.apply(&tool.adjacency().centre),
             lanes: self.checked_lanes(),
         };
-        let mut contacts = Contacts { is_meeting: !meeting.is_empty(), ..Contacts::default() };
-        let mut gaps = NearPairs::new(&ground, margin, lists);
-        let (mut candidates, mut meeting) = (&candidates[..], &meeting[..]);
-        while let Some(part) = candidates.first().map(|c| c.part).into_iter().chain(meeting.first().map(part_of)).min()
-        {
-            let candidates = take_while(&mut candidates, |c| c.part == part);
-            let pairs = take_while(&mut meeting, |pair| part_of(pair) == part);
-            let from = contacts.planes.len();
-            let mut inside: [Vec<u32>; 2] = Default::default();
-            if !pairs.is_empty() {
-                let zones = zones::find(&ground, pairs, zones_scratch);
-                for (z, zone) in zones.zones.iter().enumerate() {
-                    push_zone(&ground, zones, z, part, zone_scratch, &mut contacts.planes);
-                    (0..2).for_each(|w| inside[w].extend(zone.inside[w].iter().map(|t| t[0])));
-                }
-                inside.iter_mut().for_each(|ids| ids.sort_unstable());
+        let mut places: Vec<Place<'_>> = Vec::new();
+        for pairs in meeting.chunk_by(|p, q| part_of(p) == part_of(q)) {
+            let mut place = Place { part: part_of(&pairs[0]), pairs, ..Place::default() };
+            let zones = zones::find(&ground, pairs, zones_scratch);
+            for (z, zone) in zones.zones.iter().enumerate() {
+                push_zone(&ground, zones, z, place.part, zone_scratch, &mut place.planes);
+                (0..2).for_each(|w| place.inside[w].extend(zone.inside[w].iter().map(|t| t[0])));
             }
-            gaps.push_planes(candidates, pairs, &inside, from, &mut contacts.planes);
+            place.inside.iter_mut().for_each(|ids| ids.sort_unstable());
+            places.push(place);
         }
-        if candidates_held > MOST_HELD {
+        let mut contacts = Contacts { is_meeting: !places.is_empty(), ..Contacts::default() };
+        let mut held = hits.len();
+        // Where what is deep fills the answer, nothing that is only near comes into it.
+        if places.iter().flat_map(|place| &place.planes).filter(|p| p.gap < 0.0).count() < MOST_PLANES {
+            let planes = places.iter().flat_map(|place| &place.planes);
+            let dividers: Vec<Divider> = planes.map(|plane| gaps::divider(plane, margin)).collect();
+            let near = self.near_candidates(tool, pose, margin, &dividers)?;
+            by_part.sort(&near, |c| c.part, candidates);
+            let mut gaps = NearPairs::new(&ground, margin, lists);
+            for same in candidates.chunk_by(|c, d| c.part == d.part) {
+                let mut apart = Place::default();
+                let place = places.iter_mut().find(|place| place.part == same[0].part).unwrap_or(&mut apart);
+                gaps.push_planes(same, place.pairs, &place.inside, &mut place.planes);
+                contacts.planes.append(&mut apart.planes);
+            }
+            held = held.max(near.len());
+            self.put_candidates(near);
+        }
+        places.iter_mut().for_each(|place| contacts.planes.append(&mut place.planes));
+        drop(places);
+        if held > MOST_HELD {
             scratch.contacts = ContactScratch::default();
         }
         self.put_scratch(scratch);
-        self.put_candidates(near);
         contacts.finish();
         Ok(contacts)
     }
-}
-
-/// Takes what comes first in a list, as long as it fits.
-fn take_while<'a, T>(list: &mut &'a [T], fits: impl Fn(&T) -> bool) -> &'a [T] {
-    let (head, tail) = list.split_at(list.iter().take_while(|x| fits(x)).count());
-    *list = tail;
-    head
 }
 
 /// The planes of one zone: one for each two bodies that cut each other, without those that a deeper one stands for.
@@ -269,7 +286,7 @@ fn push_zone(
     out: &mut Vec<ContactPlane>,
 ) {
     let ZoneScratch { patches, clusters, bodies, directions, first, found } = scratch;
-    let cuts = &zones.zones[zone].cuts;
+    let cuts = &zones.zones[zone].cuts[TOOL];
     for w in [TOOL, MOCKUP] {
         patches.set(ground, zones, zone, w);
         clusters.set(ground.lanes, patches);

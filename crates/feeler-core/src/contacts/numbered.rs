@@ -106,6 +106,13 @@ impl NumberedBelow {
         self.len += 1;
         (slot.1, true)
     }
+
+    /// The number of a key that has one.
+    #[inline]
+    pub fn get(&self, key: u32) -> Option<u32> {
+        let (round, number) = self.slots[key as usize];
+        (round == self.round).then_some(number)
+    }
 }
 
 /// A pair as a key.
@@ -122,7 +129,9 @@ mod tests {
         let mut numbered = NumberedBelow::default();
         for limit in [10, 5, 100] {
             numbered.clear(limit);
+            assert_eq!(numbered.get(4), None);
             assert_eq!(numbered.number(4), (0, true));
+            assert_eq!(numbered.get(4), Some(0));
             assert_eq!(numbered.number(limit as u32 - 1), if limit == 5 { (0, false) } else { (1, true) });
             assert_eq!(numbered.number(4), (0, false));
         }

@@ -1,11 +1,14 @@
 //! The two surfaces of a zone as a few patches: triangles of one plane, or of one turn of a curved surface, however many they
 //! are.
 
+use std::ops::Range;
+
 use crate::bounds::{Aabb, Point};
 use crate::contacts::adjacency::NONE;
 use crate::contacts::heights::highest_and_lowest;
 use crate::contacts::numbered::Numbered;
 use crate::contacts::points::PointSet;
+use crate::contacts::turns::Turns;
 use crate::contacts::zones::Zones;
 use crate::contacts::Ground;
 use crate::simd::{Checked, WIDE_LANES};
@@ -24,6 +27,9 @@ const MOST_PATCHES: usize = 96;
 /// How far a patch may stand out over another's plane (share of the distance between them) and still count as not: below the
 /// turn between neighbouring patches of a hollow surface, above the noise of rounded corners.
 pub(crate) const HOLLOW: f64 = 0.02;
+
+/// Points of a patch that are all looked at.
+const MOST_CORNERS: usize = 8;
 
 /// Directions along which the outermost points of a patch stand for all of them: axes and diagonals of a cube, and one again.
 const OUTERMOST: [Point; WIDE_LANES] = [
@@ -85,6 +91,7 @@ struct Piece {
 #[derive(Debug, Default)]
 pub(crate) struct Patches {
     pub list: Vec<Patch>,
+    turns: Turns,
     /// Corners of what lies beyond the other surface, the curve's points included, each once, patch by patch.
     points: Vec<Point>,
     /// For each of them where its cuts are: those of the curve have several, others none.
@@ -97,7 +104,6 @@ pub(crate) struct Patches {
     pieces: Vec<Piece>,
     /// Points piece by piece, with the cuts of those that are the curve's, or [`NONE`].
     piece_points: Vec<(Point, u32)>,
-    cuts: Vec<(u32, u32)>,
     split: Split,
     /// Pieces patch by patch.
     order: Vec<u32>,
@@ -131,38 +137,35 @@ impl Patches {
         &self.point_cuts[first.0 as usize..last.1 as usize]
     }
 
-    /// The outermost points of a patch along a few directions, with their places among those of all patches.
-    pub fn corners(&self, patch: &Patch) -> impl Iterator<Item = (usize, &Point)> {
-        let range = patch.corners.0 as usize..patch.corners.1 as usize;
-        range.clone().zip(&self.corners[range])
+    /// The outermost points of a patch along a few directions, by their places among those of all patches.
+    pub fn corners(&self, patch: &Patch) -> Range<usize> {
+        patch.corners.0 as usize..patch.corners.1 as usize
     }
 
-    /// How many such points all patches have.
-    pub fn corner_count(&self) -> usize {
-        self.corners.len()
+    /// Those of all patches.
+    pub fn all_corners(&self) -> &[Point] {
+        &self.corners
     }
 
     /// Makes the patches of a surface (`w`: the tool's or the mock-up's) in a zone.
     pub fn set(&mut self, ground: &Ground<'_>, zones: &Zones, zone: usize, w: usize) {
         self.list.clear();
+        self.turns.clear();
         self.pieces.clear();
         self.piece_points.clear();
-        self.push_cut_faces(zones, zone, w);
+        self.push_cut_faces(ground.lanes, zones, zone, w);
         self.push_inside(ground, zones, zone, w);
         self.split(ground, w);
         self.gather();
         self.finish(ground.lanes);
     }
 
-    fn push_cut_faces(&mut self, zones: &Zones, zone: usize, w: usize) {
-        let mut cuts = std::mem::take(&mut self.cuts);
-        cuts.clear();
-        cuts.extend(zones.zones[zone].cuts.iter().map(|c| (zones.cuts[*c as usize].faces[w], *c)));
-        cuts.sort_unstable();
-        for same in cuts.chunk_by(|x, y| x.0 == y.0) {
-            let face = &zones.faces[w][same[0].0 as usize];
+    fn push_cut_faces(&mut self, lanes: Checked, zones: &Zones, zone: usize, w: usize) {
+        let face_of = |c: &u32| zones.cuts[*c as usize].faces[w];
+        for same in zones.zones[zone].cuts[w].chunk_by(|x, y| face_of(x) == face_of(y)) {
+            let face = &zones.faces[w][face_of(&same[0]) as usize];
             let from = self.piece_points.len() as u32;
-            for (_, c) in same {
+            for c in same {
                 let shared = zones.cuts[*c as usize].points;
                 let points = &zones.points[shared.0 as usize..shared.1 as usize];
                 self.piece_points.extend(points.iter().map(|x| (*x, *c)));
@@ -172,11 +175,10 @@ impl Patches {
                     self.piece_points.push((face.corners[k], NONE));
                 }
             }
-            let patch = self.place(&face.normal, &face.corners[0]);
+            let patch = self.place(lanes, &face.normal, &face.corners[0]);
             let points = (from, self.piece_points.len() as u32);
             self.pieces.push(Piece { id: face.id, patch, points, closed: face.closed });
         }
-        self.cuts = cuts;
     }
 
     fn push_inside(&mut self, ground: &Ground<'_>, zones: &Zones, zone: usize, w: usize) {
@@ -184,7 +186,7 @@ impl Patches {
             let corners = ground.triangle(w, *t);
             let near = &zones.faces[w][zones.cuts[*cut as usize].faces[w] as usize];
             let Some(normal) = ground.outward(w, *t, &corners, near) else { continue };
-            let patch = self.place(&normal, &corners[0]);
+            let patch = self.place(ground.lanes, &normal, &corners[0]);
             let from = self.piece_points.len() as u32;
             self.piece_points.extend(corners.map(|x| (x, NONE)));
             self.pieces.push(Piece { id: *t, patch, points: (from, from + 3), closed: near.closed });
@@ -192,7 +194,7 @@ impl Patches {
     }
 
     /// The patch that a triangle belongs to.
-    fn place(&mut self, normal: &Point, at: &Point) -> u32 {
+    fn place(&mut self, lanes: Checked, normal: &Point, at: &Point) -> u32 {
         let found = &mut self.list;
         let fits = |p: &Patch| {
             let turn = 1.0 - dot(&p.normal, normal);
@@ -206,7 +208,7 @@ impl Patches {
             let noise = 1e-6 * far + 1e-12 * at.iter().fold(0.0f64, |m, x| m.max(x.abs()));
             off <= noise + far * (2.0 * turn.max(0.0)).sqrt()
         };
-        let found_at = found.iter().position(fits).or_else(|| {
+        let found_at = self.turns.find(lanes, normal, |i| fits(&found[i])).or_else(|| {
             let nearest =
                 |i: &usize, j: &usize| dot(&found[*i].normal, normal).total_cmp(&dot(&found[*j].normal, normal));
             (found.len() >= MOST_PATCHES).then(|| (0..found.len()).max_by(nearest)).flatten()
@@ -221,6 +223,7 @@ impl Patches {
                 points: (0, 0),
                 corners: (0, 0),
             });
+            self.turns.push(normal);
             found.len() - 1
         });
         found[i].flat &= 1.0 - dot(&found[i].normal, normal) <= ONE_PLANE;
@@ -325,7 +328,12 @@ impl Patches {
             patch.size = length(&bounds.extent());
             let sum = points.iter().fold([0.0; 3], |s, p| add(&s, p));
             patch.middle = scaled(&sum, 1.0 / points.len() as f64);
-            let from = corners.len();
+            patch.corners.0 = corners.len() as u32;
+            if points.len() <= MOST_CORNERS {
+                corners.extend_from_slice(points);
+                patch.corners.1 = corners.len() as u32;
+                continue;
+            }
             let (high, low) = highest_and_lowest(lanes, points, points, &OUTERMOST);
             // Most patches have few corners, each outermost along several.
             let (mut chosen, mut count) = ([0; 2 * WIDE_LANES], 0);
@@ -336,7 +344,7 @@ impl Patches {
                 }
             }
             corners.extend(chosen[..count].iter().map(|i| points[*i as usize]));
-            patch.corners = (from as u32, corners.len() as u32);
+            patch.corners.1 = corners.len() as u32;
         }
         list.sort_by(|p, q| q.size.total_cmp(&p.size));
     }

@@ -74,18 +74,18 @@ impl Sides {
         self.eights.extend(patches.chunks(WIDE_LANES).map(eight));
     }
 
-    /// Adds to the sets `over` and `under` the patches over and under whose planes `x` clearly is, as
-    /// [`Patch::side_of`] has it. What lies beyond the last patch repeats the first of its eight.
-    pub fn judge(&self, lanes: Checked, x: &Point, over: &mut [u64], under: &mut [u64]) {
-        lanes.run(Judge { sides: self, x, over, under });
+    /// Puts into the sets `over` and `under` of each point the patches over and under whose planes it clearly is. What lies
+    /// beyond the last patch repeats the first of its eight.
+    pub fn judge(&self, lanes: Checked, points: &[Point], over: &mut Sets, under: &mut Sets) {
+        lanes.run(Judge { sides: self, points, over, under });
     }
 }
 
 struct Judge<'a> {
     sides: &'a Sides,
-    x: &'a Point,
-    over: &'a mut [u64],
-    under: &'a mut [u64],
+    points: &'a [Point],
+    over: &'a mut Sets,
+    under: &'a mut Sets,
 }
 
 impl Kernel for Judge<'_> {
@@ -93,21 +93,24 @@ impl Kernel for Judge<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) {
-        let x = [s.wide_splat(self.x[0]), s.wide_splat(self.x[1]), s.wide_splat(self.x[2])];
         let (zero, share) = (s.wide_splat(0.0), s.wide_splat(HOLLOW * HOLLOW));
-        for (i, eight) in self.sides.eights.iter().enumerate() {
-            let (mut height, mut square) = (zero, zero);
-            for a in 0..3 {
-                height = height + (x[a] - s.wide_load(&eight.at[a])) * s.wide_load(&eight.normal[a]);
-                let way = x[a] - s.wide_load(&eight.middle[a]);
-                square = square + way * way;
+        for (k, x) in self.points.iter().enumerate() {
+            let x = [s.wide_splat(x[0]), s.wide_splat(x[1]), s.wide_splat(x[2])];
+            let (over, under) = (self.over.get_mut(k), self.under.get_mut(k));
+            for (i, eight) in self.sides.eights.iter().enumerate() {
+                let (mut height, mut square) = (zero, zero);
+                for a in 0..3 {
+                    height = height + (x[a] - s.wide_load(&eight.at[a])) * s.wide_load(&eight.normal[a]);
+                    let way = x[a] - s.wide_load(&eight.middle[a]);
+                    square = square + way * way;
+                }
+                let clear = s.wide_above(height * height, share * square);
+                let up = s.wide_above(height, zero);
+                let (word, shift) = (i / 8, 8 * (i % 8));
+                let (clear, up) = (s.bits(clear), s.bits(up));
+                over[word] |= u64::from(clear & up) << shift;
+                under[word] |= u64::from(clear & !up) << shift;
             }
-            let clear = s.wide_above(height * height, share * square);
-            let up = s.wide_above(height, zero);
-            let (word, shift) = (i / 8, 8 * (i % 8));
-            let (clear, up) = (s.bits(clear), s.bits(up));
-            self.over[word] |= u64::from(clear & up) << shift;
-            self.under[word] |= u64::from(clear & !up) << shift;
         }
     }
 }

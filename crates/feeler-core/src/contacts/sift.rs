@@ -74,6 +74,8 @@ pub(crate) struct Sift {
     tool_places: NumberedBelow,
     mockup_places: Numbered,
     places: Vec<[u32; 2]>,
+    /// For each triangle of the tool where its pairs that meet are.
+    meeting: Vec<(u32, u32)>,
 }
 
 impl Sift {
@@ -91,7 +93,7 @@ impl Sift {
         sought: &Sought<'_>,
         out: &mut Vec<Near>,
     ) {
-        self.gather(ground, candidates, sought.inside);
+        self.gather(ground, candidates, sought);
         let (first, more) = planes.split_at(planes.len().min(MOST_AT_ONCE));
         for (w, side) in self.sides.iter_mut().enumerate() {
             side.held.clear();
@@ -109,7 +111,9 @@ impl Sift {
                 continue;
             }
             let pair = [c.tool_triangle, c.mockup_triangle];
-            if sought.meeting.binary_search(&pair).is_ok() || self.is_behind(ground, places, sought) {
+            let (from, to) = self.meeting[t];
+            let meeting = &sought.meeting[from as usize..to as usize];
+            if meeting.binary_search(&pair).is_ok() || self.is_behind(ground, places, sought) {
                 continue;
             }
             out.push(Near { bound: c.bound, pair, places });
@@ -137,7 +141,7 @@ impl Sift {
     }
 
     /// Finds the triangles, each once, and where they are.
-    fn gather(&mut self, ground: &Ground<'_>, candidates: &[Candidate], inside: &[Vec<u32>; 2]) {
+    fn gather(&mut self, ground: &Ground<'_>, candidates: &[Candidate], sought: &Sought<'_>) {
         self.sides.iter_mut().for_each(|side| side.ids.clear());
         self.tool_places.clear(ground.tool.mesh().faces().len());
         self.mockup_places.clear();
@@ -155,6 +159,16 @@ impl Sift {
             let t = self.sides[TOOL].take(c.tool_triangle, self.tool_places.number(c.tool_triangle));
             self.places.push([t, m]);
         }
+        self.meeting.clear();
+        self.meeting.resize(self.sides[TOOL].ids.len(), (0, 0));
+        let mut from = 0;
+        for same in sought.meeting.chunk_by(|p, q| p[0] == q[0]) {
+            let to = from + same.len() as u32;
+            if let Some(place) = self.tool_places.get(same[0][0]) {
+                self.meeting[place as usize] = (from, to);
+            }
+            from = to;
+        }
         // Loads that do not wait for each other: their cache misses overlap.
         let mesh = ground.mockup.mesh();
         self.sides[MOCKUP].ids.iter().for_each(|m| prefetch(&mesh.faces()[*m as usize]));
@@ -165,7 +179,7 @@ impl Sift {
             side.corners.clear();
             side.corners.extend(side.ids.iter().map(|id| ground.triangle(w, *id)));
             side.is_inside.clear();
-            side.is_inside.extend(side.ids.iter().map(|id| inside[w].binary_search(id).is_ok()));
+            side.is_inside.extend(side.ids.iter().map(|id| sought.inside[w].binary_search(id).is_ok()));
             side.outward.clear();
             side.outward.resize(side.ids.len(), None);
         }

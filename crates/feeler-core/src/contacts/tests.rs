@@ -4,24 +4,23 @@ use std::sync::Arc;
 
 use super::shapes::*;
 use super::*;
-use crate::proximity::Candidate;
 use crate::scene::SceneOptions;
 
-fn scene(mesh: Arrays) -> Scene {
+pub(super) fn scene(mesh: Arrays) -> Scene {
     let mockup = Mockup::new(mesh.0, mesh.1, Vec::new(), 1).unwrap();
     Scene::build(Arc::new(mockup), &SceneOptions::default(), &|_, _| true).unwrap()
 }
 
-fn tool(mesh: Arrays) -> Tool {
+pub(super) fn tool(mesh: Arrays) -> Tool {
     Tool::new(mesh.0, mesh.1).unwrap()
 }
 
-fn at(x: f64, y: f64, z: f64) -> Pose {
+pub(super) fn at(x: f64, y: f64, z: f64) -> Pose {
     Pose::IDENTITY.translated(&[x, y, z]).unwrap()
 }
 
 /// A turn about the axis (1, 2, 3).
-fn turned(angle: f64, place: Point) -> Pose {
+pub(super) fn turned(angle: f64, place: Point) -> Pose {
     let k = scaled(&[1.0, 2.0, 3.0], 1.0 / 14f64.sqrt());
     let (s, c) = angle.sin_cos();
     let mut m = [[0.0; 4]; 4];
@@ -363,22 +362,6 @@ fn bad_margins_are_errors_and_nothing_near_is_nothing() {
     assert_eq!(plate.contacts(&cube, &at(0.0, 0.0, 1.0), 0.002, None).unwrap(), Contacts::default());
     let out = plate.penetration(&cube, &at(0.0, 0.0, 1.0), 0.002, None).unwrap();
     assert_eq!((out.depth, out.kind), (0.0, PenetrationKind::Exact));
-}
-
-#[test]
-fn candidates_are_all_that_is_near_and_their_bounds_hold() {
-    let near = scene(box_mesh([0.0; 3], [0.1, 0.1, 0.02], 6));
-    let held = tool(box_mesh([0.0; 3], [0.03, 0.02, 0.02], 5));
-    for (angle, z) in [(0.0, 0.0205), (0.3, 0.0215), (0.7, 0.018), (1.1, 0.03)] {
-        let pose = turned(angle, [0.011, -0.007, z]);
-        let candidates = near.near_candidates(&held, &pose, 0.002).unwrap();
-        for gap in near.near_pairs(&held, &pose, 0.002).unwrap() {
-            let same =
-                |c: &&Candidate| (c.tool_triangle, c.mockup_triangle) == (gap.tool_triangle, gap.mockup_triangle);
-            let least = candidates.iter().filter(same).map(|c| c.bound).fold(f64::INFINITY, f64::min);
-            assert!(least <= gap.distance, "{least} for {gap:?}");
-        }
-    }
 }
 
 #[test]

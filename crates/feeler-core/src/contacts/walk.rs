@@ -2,7 +2,7 @@
 
 use crate::contacts::adjacency::{Adjacency, NONE};
 use crate::contacts::numbered::Numbered;
-use crate::contacts::zones::{Roots, Zones, MOCKUP};
+use crate::contacts::zones::{Places, Roots, Zones, MOCKUP};
 use crate::contacts::Ground;
 use crate::vectors::{dot, sub};
 
@@ -14,13 +14,14 @@ const MOST_WALKED: usize = 1 << 16;
 /// are all.
 ///
 /// What lies inside a solid lies inside its box. A walk that comes out of there went through a gap in the curve, or started on
-/// the wrong side of it: what it found is dropped, and it joins nothing.
+/// the wrong side of it: what it found is dropped, and it joins nothing. So is what a walk found that comes to the curve from
+/// outside more often than from inside, by what the cuts say about the corners there: it is all on one side.
 pub(crate) fn walk(
     ground: &Ground<'_>,
     w: usize,
     part: u32,
     zones: &Zones,
-    places: &Numbered,
+    places: &Places,
     seen: &mut Numbered,
     roots: &mut Roots,
 ) -> (Vec<(u32, u32)>, bool) {
@@ -32,18 +33,25 @@ pub(crate) fn walk(
     let mut met: Vec<(u32, u32)> = Vec::new();
     let mut bridged: Vec<(u32, u32)> = Vec::new();
     let mut leaks: Vec<u32> = Vec::new();
+    // On which side the walks came to the curve, by their cuts.
+    let mut votes: Vec<(u32, i8)> = Vec::new();
     let mut is_refused = false;
     let mut reach = |triangle: u32, from: Option<u32>, cut: u32, found: &mut Vec<(u32, u32)>| {
         if triangle == NONE || found.len() >= MOST_WALKED {
             return;
         }
-        if let Some(place) = places.get(u64::from(triangle)) {
-            // Another curve: what was walked over lies between the two.
+        if let Some(place) = places.get(w, triangle) {
             if let Some(from) = from {
                 let face = &zones.faces[w][place as usize];
                 let corners = ground.triangle(w, from);
-                let shared = (0..3).find(|k| face.nearest[*k] != NONE && corners.contains(&face.corners[*k]));
-                bridged.extend(shared.map(|k| (cut, face.nearest[k])));
+                let shared = (0..3).filter(|k| face.nearest[*k] != NONE && corners.contains(&face.corners[*k]));
+                // Another curve: what was walked over lies between the two.
+                bridged.extend(shared.clone().next().map(|k| (cut, face.nearest[k])));
+                let c = &zones.cuts[cut as usize];
+                if zones.faces[1 - w][c.faces[1 - w] as usize].closed {
+                    let side: i8 = shared.map(|k| face.side[k]).sum();
+                    votes.push((cut, side.signum()));
+                }
             }
             return;
         }
@@ -87,14 +95,17 @@ pub(crate) fn walk(
         }
     }
     let is_complete = found.len() < MOST_WALKED && !is_refused;
-    if !leaks.is_empty() {
+    if !leaks.is_empty() || votes.iter().any(|v| v.1 > 0) {
         let mut walks = Roots((0..zones.cuts.len() as u32).collect());
         met.iter().for_each(|(a, b)| walks.join(*a, *b));
-        let mut leaky = vec![false; zones.cuts.len()];
-        leaks.iter().for_each(|c| leaky[walks.of(*c) as usize] = true);
-        found.retain(|f| !leaky[walks.of(f.1) as usize]);
-        met.retain(|m| !leaky[walks.of(m.0) as usize]);
-        bridged.retain(|b| !leaky[walks.of(b.0) as usize]);
+        // A leak outweighs all votes.
+        let mut outside = vec![0i64; zones.cuts.len()];
+        votes.iter().for_each(|(cut, side)| outside[walks.of(*cut) as usize] += i64::from(*side));
+        leaks.iter().for_each(|cut| outside[walks.of(*cut) as usize] = i64::MAX);
+        let mut stays = |cut: u32| outside[walks.of(cut) as usize] <= 0;
+        found.retain(|f| stays(f.1));
+        met.retain(|m| stays(m.0));
+        bridged.retain(|b| stays(b.0));
     }
     met.iter().chain(&bridged).for_each(|(a, b)| roots.join(*a, *b));
     (found, is_complete)

@@ -5,11 +5,12 @@
 
 use crate::bounds::{Point, Triangle};
 use crate::contacts::adjacency::NONE;
+use crate::contacts::classify::classify;
 use crate::contacts::cut::push_shared;
-use crate::contacts::numbered::{pair_key, Numbered};
+use crate::contacts::numbered::{Numbered, NumberedBelow};
 use crate::contacts::walk::walk;
 use crate::contacts::Ground;
-use crate::vectors::{add, cross, dot, normal, scaled, square_to_segment, sub};
+use crate::vectors::{add, dot, normal, scaled, sub};
 
 /// A triangle that is cut.
 #[derive(Debug, Clone)]
@@ -24,8 +25,9 @@ pub(crate) struct Face {
     pub side: [i8; 3],
     /// The cut nearest to each corner, which says so.
     pub nearest: [u32; 3],
-    square: [f64; 3],
-    steepness: [f64; 3],
+    /// The square of its distance, and how steeply the corner stands off it.
+    pub square: [f64; 3],
+    pub steepness: [f64; 3],
 }
 
 impl Face {
@@ -68,6 +70,9 @@ pub(crate) struct Zones {
     pub cuts: Vec<Cut>,
     pub points: Vec<Point>,
     pub zones: Vec<Zone>,
+    /// Cuts by faces of tool and mock-up, and where those of each face begin and end.
+    by_face: [Vec<u32>; 2],
+    cuts_of_face: [Vec<(u32, u32)>; 2],
     /// For each cut its zone, and its place among that zone's.
     pub zone_of_cut: Vec<u32>,
     pub place_of_cut: Vec<u32>,
@@ -77,20 +82,50 @@ pub(crate) struct Zones {
 
 impl Zones {
     fn clear(&mut self) {
-        let Zones { faces, cuts, points, zones, zone_of_cut, place_of_cut, .. } = self;
+        let Zones { faces, cuts, points, zones, by_face, cuts_of_face, zone_of_cut, place_of_cut, .. } = self;
         faces.iter_mut().for_each(Vec::clear);
+        by_face.iter_mut().for_each(Vec::clear);
+        cuts_of_face.iter_mut().for_each(Vec::clear);
         cuts.clear();
         points.clear();
         zones.clear();
         zone_of_cut.clear();
         place_of_cut.clear();
     }
+
+    /// The cuts of each face of a surface.
+    fn by_face(&self, w: usize) -> impl Iterator<Item = &[u32]> {
+        self.cuts_of_face[w].iter().map(move |of| &self.by_face[w][of.0 as usize..of.1 as usize])
+    }
+
+    /// Puts the cuts of each face together, in their order.
+    fn sort_by_face(&mut self) {
+        let Zones { faces, cuts, by_face, cuts_of_face, .. } = self;
+        for w in [TOOL, MOCKUP] {
+            let (order, of) = (&mut by_face[w], &mut cuts_of_face[w]);
+            of.resize(faces[w].len(), (0, 0));
+            cuts.iter().for_each(|cut| of[cut.faces[w] as usize].1 += 1);
+            let mut begin = 0;
+            for of in of.iter_mut() {
+                let count = of.1;
+                *of = (begin, begin);
+                begin += count;
+            }
+            order.resize(cuts.len(), 0);
+            for (i, cut) in (0..).zip(cuts.iter()) {
+                let end = &mut of[cut.faces[w] as usize].1;
+                order[*end as usize] = i;
+                *end += 1;
+            }
+        }
+    }
 }
 
 /// One connected place of contact.
 #[derive(Debug, Default)]
 pub(crate) struct Zone {
-    pub cuts: Vec<u32>,
+    /// Cuts, sorted by faces of the tool, and by faces of the mock-up.
+    pub cuts: [Vec<u32>; 2],
     /// Whole triangles of the tool behind the part's surface, and of the part inside the tool, each with a cut near by.
     pub inside: [Vec<[u32; 2]>; 2],
 }
@@ -98,13 +133,36 @@ pub(crate) struct Zone {
 pub(crate) const TOOL: usize = 0;
 pub(crate) const MOCKUP: usize = 1;
 
+/// Places of the cut triangles of tool and mock-up among the faces.
+#[derive(Debug, Default)]
+pub(crate) struct Places {
+    tool: NumberedBelow,
+    mockup: Numbered,
+}
+
+impl Places {
+    /// The place of a triangle, and whether it is new.
+    fn number(&mut self, w: usize, id: u32) -> (u32, bool) {
+        if w == TOOL {
+            self.tool.number(id)
+        } else {
+            self.mockup.number(u64::from(id))
+        }
+    }
+
+    pub fn get(&self, w: usize, id: u32) -> Option<u32> {
+        if w == TOOL {
+            self.tool.get(id)
+        } else {
+            self.mockup.get(u64::from(id))
+        }
+    }
+}
+
 /// Working memory of [`find`].
 #[derive(Debug, Default)]
 pub(crate) struct ZonesScratch {
-    /// Places of the cut triangles of tool and mock-up among the faces.
-    places: [Numbered; 2],
-    /// Places of the pairs among the cuts.
-    cuts: Numbered,
+    places: Places,
     walked: Numbered,
     zone_of_root: Numbered,
     zones: Zones,
@@ -112,15 +170,15 @@ pub(crate) struct ZonesScratch {
 
 /// Sorts the pairs of one part (sorted by tool triangle, then mock-up triangle) into zones.
 pub(crate) fn find<'a>(ground: &Ground<'_>, pairs: &[[u32; 2]], scratch: &'a mut ZonesScratch) -> &'a Zones {
-    let ZonesScratch { places, cuts: cut_of, walked: seen, zone_of_root, zones } = scratch;
+    let ZonesScratch { places, walked: seen, zone_of_root, zones } = scratch;
     zones.clear();
-    places.iter_mut().for_each(Numbered::clear);
-    cut_of.clear();
+    places.tool.clear(ground.tool.mesh().faces().len());
+    places.mockup.clear();
     zone_of_root.clear();
     let part = pairs.first().map_or(0, |p| ground.mockup.part_of_face(p[1]));
     for pair in pairs {
         let faces = [TOOL, MOCKUP].map(|w| {
-            let (place, is_new) = places[w].number(u64::from(pair[w]));
+            let (place, is_new) = places.number(w, pair[w]);
             if is_new {
                 let outward = ground.adjacency[w].outward[pair[w] as usize];
                 zones.faces[w].push(Face::new(pair[w], ground.triangle(w, pair[w]), outward));
@@ -131,28 +189,31 @@ pub(crate) fn find<'a>(ground: &Ground<'_>, pairs: &[[u32; 2]], scratch: &'a mut
         let from = zones.points.len() as u32;
         push_shared(&p.corners, &p.normal, &q.corners, &q.normal, &mut zones.points);
         let flat = dot(&p.normal, &q.normal).abs() > 1.0 - 1e-12;
-        cut_of.number(pair_key(*pair));
         zones.cuts.push(Cut { faces, points: (from, zones.points.len() as u32), flat });
     }
     let mut roots = Roots((0..zones.cuts.len() as u32).collect());
-    join_along_the_curve(ground, zones, cut_of, &mut roots);
+    zones.sort_by_face();
+    join_along_the_curve(ground, pairs, zones, places, &mut roots);
     orient(ground, zones);
+    classify(ground, part, zones);
     for w in [TOOL, MOCKUP] {
-        classify(ground, w, part, zones);
         join_across_faces(w, zones, &mut roots);
     }
     let (walked, complete): (Vec<_>, Vec<_>) =
-        [TOOL, MOCKUP].iter().map(|w| walk(ground, *w, part, zones, &places[*w], seen, &mut roots)).unzip();
+        [TOOL, MOCKUP].iter().map(|w| walk(ground, *w, part, zones, places, seen, &mut roots)).unzip();
     zones.complete = complete.iter().all(|c| *c);
     for i in 0..zones.cuts.len() as u32 {
         let (z, is_new) = zone_of_root.number(u64::from(roots.of(i)));
         if is_new {
             zones.zones.push(Zone::default());
         }
-        let cuts = &mut zones.zones[z as usize].cuts;
+        let cuts = &mut zones.zones[z as usize].cuts[TOOL];
         zones.zone_of_cut.push(z);
         zones.place_of_cut.push(cuts.len() as u32);
         cuts.push(i);
+    }
+    for i in &zones.by_face[MOCKUP] {
+        zones.zones[zones.zone_of_cut[*i as usize] as usize].cuts[MOCKUP].push(*i);
     }
     for (w, walked) in walked.into_iter().enumerate() {
         for (triangle, cut) in walked {
@@ -164,15 +225,25 @@ pub(crate) fn find<'a>(ground: &Ground<'_>, pairs: &[[u32; 2]], scratch: &'a mut
 }
 
 /// The curve goes on in the neighbour of either triangle.
-fn join_along_the_curve(ground: &Ground<'_>, zones: &Zones, cut_of: &Numbered, roots: &mut Roots) {
-    for (i, cut) in zones.cuts.iter().enumerate() {
-        let [t, m] = [TOOL, MOCKUP].map(|w| zones.faces[w][cut.faces[w] as usize].id);
-        for pair in ground.beside([t, m]) {
-            // Each pair of neighbours is met from both sides: once is enough.
-            if pair < [t, m] {
-                if let Some(j) = cut_of.get(pair_key(pair)) {
-                    roots.join(i as u32, j);
-                }
+fn join_along_the_curve(ground: &Ground<'_>, pairs: &[[u32; 2]], zones: &Zones, places: &Places, roots: &mut Roots) {
+    // The cuts of a tool triangle lie together, sorted by the mock-up's. Each two neighbours are met from both sides: once is
+    // enough.
+    let of_tool = &zones.cuts_of_face[TOOL];
+    for (i, [t, m]) in (0..).zip(pairs) {
+        let (first, _) = of_tool[zones.cuts[i as usize].faces[TOOL] as usize];
+        let mut join = |first: u32, last: u32, m: u32| {
+            let run = &pairs[first as usize..last as usize];
+            if let Ok(j) = run.binary_search_by_key(&m, |pair| pair[1]) {
+                roots.join(i, first + j as u32);
+            }
+        };
+        for n in ground.adjacency[MOCKUP].neighbours[*m as usize].into_iter().filter(|n| n < m) {
+            join(first, i, n);
+        }
+        for n in ground.adjacency[TOOL].neighbours[*t as usize].into_iter().filter(|n| n < t) {
+            if let Some(place) = places.get(TOOL, n) {
+                let (first, last) = of_tool[place as usize];
+                join(first, last, *m);
             }
         }
     }
@@ -184,18 +255,16 @@ const MOST_COMPARED: usize = 256;
 /// Two curves on one large triangle are of one zone where what lies between them is beyond the other surface: a finer mesh has
 /// triangles there, and the walk would find them.
 fn join_across_faces(w: usize, zones: &Zones, roots: &mut Roots) {
-    let mut cuts: Vec<(u32, u32)> = zones.cuts.iter().zip(0..).map(|(c, i)| (c.faces[w], i)).collect();
-    cuts.sort_unstable();
-    for same in cuts.chunk_by(|x, y| x.0 == y.0) {
-        let first = roots.of(same[0].1);
-        if same.iter().all(|c| roots.of(c.1) == first) {
+    for same in zones.by_face(w) {
+        let first = roots.of(same[0]);
+        if same.iter().all(|c| roots.of(*c) == first) {
             continue;
         }
         let stride = same.len().div_ceil(MOST_COMPARED);
         let spots: Vec<(u32, Point, Point)> = same
             .iter()
             .step_by(stride)
-            .map(|(_, i)| {
+            .map(|i| {
                 let cut = &zones.cuts[*i as usize];
                 let (a, b) = (zones.points[cut.points.0 as usize], zones.points[cut.points.0 as usize + 1]);
                 (*i, scaled(&add(&a, &b), 0.5), zones.faces[1 - w][cut.faces[1 - w] as usize].normal)
@@ -233,8 +302,9 @@ fn join_across_faces(w: usize, zones: &Zones, roots: &mut Roots) {
 /// right through since the reference.
 fn orient(ground: &Ground<'_>, zones: &mut Zones) {
     // How far each face's part of the curve has come from where the tool was free, along its normal.
-    let mut back = [TOOL, MOCKUP].map(|w| vec![(0.0, 0.0); zones.faces[w].len()]);
+    let mut back: [Vec<(f64, f64)>; 2] = Default::default();
     if ground.reference.is_some() {
+        back = [TOOL, MOCKUP].map(|w| vec![(0.0, 0.0); zones.faces[w].len()]);
         for cut in &zones.cuts {
             let middle = zones.points[cut.points.0 as usize];
             let Some(way) = ground.way_back(&middle) else { continue };
@@ -249,7 +319,7 @@ fn orient(ground: &Ground<'_>, zones: &mut Zones) {
     }
     for w in [TOOL, MOCKUP] {
         for (i, face) in zones.faces[w].iter_mut().enumerate() {
-            let (sum, length) = back[w][i];
+            let (sum, length) = back[w].get(i).copied().unwrap_or_default();
             let flip = if face.closed {
                 // It came out of the solid, and yet was free before: it went in on the other side.
                 w == MOCKUP && sum < -0.5 * length
@@ -263,67 +333,6 @@ fn orient(ground: &Ground<'_>, zones: &mut Zones) {
             if flip {
                 face.normal = scaled(&face.normal, -1.0);
                 face.closed = false;
-            }
-        }
-    }
-}
-
-/// On which side of the other surface the corners of cut triangles are: the nearest cut tells. Where two are equally near,
-/// at an edge of the other surface, the one whose line the corner stands off most steeply, in the plane of the triangle: there
-/// the two lines are a bend of the curve, and the corner is on the outer side of it. Where a surface turns away within a triangle's
-/// length the nearest cut may be wrong about a far corner: outside the other solid's box it is outside.
-fn classify(ground: &Ground<'_>, w: usize, part: u32, zones: &mut Zones) {
-    let other = 1 - w;
-    for (i, cut) in zones.cuts.iter().enumerate().filter(|(_, c)| !c.flat) {
-        let n = zones.faces[other][cut.faces[other] as usize].normal;
-        let face = &mut zones.faces[w][cut.faces[w] as usize];
-        let (a, b) = (zones.points[cut.points.0 as usize], zones.points[cut.points.0 as usize + 1]);
-        let line = sub(&b, &a);
-        let lengths = dot(&line, &line);
-        for k in 0..3 {
-            let square = square_to_segment(&face.corners[k], &a, &b);
-            if square > face.square[k] * (1.0 + 1e-9) {
-                continue;
-            }
-            let from = sub(&face.corners[k], &a);
-            let height = dot(&from, &n);
-            // How far it is off the line of the cut, in the face's own plane: that other plane may be met at any angle.
-            let off = cross(&from, &line);
-            let off = if lengths > 0.0 { dot(&off, &off) / lengths } else { height * height };
-            let (steepness, is_on) = match square > 0.0 {
-                true => (off / square, height * height < 1e-18 * square),
-                false => (0.0, true),
-            };
-            let tie = square >= face.square[k] * (1.0 - 1e-9);
-            if if tie { steepness > face.steepness[k] } else { square < face.square[k] } {
-                face.square[k] = square;
-                face.steepness[k] = steepness;
-                face.nearest[k] = i as u32;
-                face.side[k] = if is_on {
-                    0
-                } else if height < 0.0 {
-                    -1
-                } else {
-                    1
-                };
-            }
-        }
-    }
-    let (faces, others) = match w {
-        TOOL => zones.faces.split_at_mut(1),
-        _ => {
-            let (others, faces) = zones.faces.split_at_mut(1);
-            (faces, others)
-        }
-    };
-    for face in &mut faces[0] {
-        for k in 0..3 {
-            if face.side[k] < 0 {
-                let cut = &zones.cuts[face.nearest[k] as usize];
-                let is_closed = others[0][cut.faces[other] as usize].closed;
-                if is_closed && !ground.may_enclose(other, part, &face.corners[k]) {
-                    face.side[k] = 1;
-                }
             }
         }
     }
@@ -345,5 +354,50 @@ impl Roots {
         let (a, b) = (self.of(i), self.of(j));
         // The smaller number is the root, so that the order of joins does not show.
         self.0[a.max(b) as usize] = a.min(b);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contacts::shapes::{box_mesh, ridge};
+    use crate::contacts::tests::{at, scene, tool};
+    use crate::narrow::Filters;
+
+    #[test]
+    fn a_walk_on_the_wrong_side_of_the_curve_is_dropped() {
+        // A block between the legs of a frame and a little in one of them: all of it is in the frame's box.
+        let line = [[-0.03, 0.0], [-0.02, 0.0], [-0.02 + 1e-9, 0.03], [0.02 - 1e-9, 0.03], [0.02, 0.0], [0.03, 0.0]];
+        let block = scene(box_mesh([0.0, 0.0, 0.015], [0.01, 0.012, 0.014], 6));
+        let frame = tool(ridge(&line, 0.04, 0.02, 3, 5));
+        let pose = at(0.0155, 0.0, 0.0);
+        let pairs = block.collide(&frame, &pose, Filters::default()).pairs;
+        let ground = Ground {
+            mockup: block.mockup(),
+            tool: &frame,
+            pose: &pose,
+            reference: None,
+            adjacency: [frame.adjacency(), block.adjacency()],
+            centre: pose.apply(&frame.adjacency().centre),
+            lanes: block.checked_lanes(),
+        };
+        let mut scratch = ZonesScratch::default();
+        find(&ground, &pairs, &mut scratch);
+        let ZonesScratch { places, walked, zones, .. } = &mut scratch;
+        let mut found = |zones: &Zones| {
+            let mut roots = Roots((0..zones.cuts.len() as u32).collect());
+            let mut ids: Vec<u32> =
+                walk(&ground, MOCKUP, 0, zones, places, walked, &mut roots).0.iter().map(|f| f.0).collect();
+            ids.sort_unstable();
+            ids
+        };
+        let right = found(zones);
+        assert!(!right.is_empty() && right.len() < 100, "{}", right.len());
+        for i in 0..zones.faces[MOCKUP].len() {
+            // Judged wrongly, as corners at an edge that is grazed may be.
+            let before = std::mem::replace(&mut zones.faces[MOCKUP][i].side, [-1; 3]);
+            assert_eq!(found(zones), right, "{i}");
+            zones.faces[MOCKUP][i].side = before;
+        }
     }
 }

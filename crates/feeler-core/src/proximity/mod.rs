@@ -14,7 +14,7 @@ pub use batch::GapBatch;
 pub use brute::gaps_of_all_pairs;
 pub(crate) use queries::ProximityScratch;
 pub(crate) use search::{search, Cells, Item, SearchScratch};
-pub(crate) use wanted::{Candidate, Goal, Wanted};
+pub(crate) use wanted::{Candidate, Divider, Goal, Wanted};
 
 use crate::bounds::Point;
 

@@ -1,6 +1,6 @@
 //! The queries on a scene, one pose at a time.
 
-use super::{Candidate, Gap, Goal, SearchScratch, Wanted};
+use super::{Candidate, Divider, Gap, Goal, SearchScratch, Wanted};
 use crate::error::{Error, Result};
 use crate::pose::Pose;
 use crate::scene::Scene;
@@ -64,16 +64,24 @@ impl Scene {
         Ok(found)
     }
 
-    /// Pairs that may be within a distance (metres, not checked), in no order but always the same.
+    /// Pairs that may be within a distance (metres, not checked), in no order but always the same; without most of those whose
+    /// pieces `dividers` (sorted by part) hold apart.
     ///
     /// Errors: more of them than the memory limit of the scene allows.
-    pub(crate) fn near_candidates(&self, tool: &Tool, pose: &Pose, within: f64) -> Result<Vec<Candidate>> {
+    pub(crate) fn near_candidates(
+        &self,
+        tool: &Tool,
+        pose: &Pose,
+        within: f64,
+        dividers: &[Divider],
+    ) -> Result<Vec<Candidate>> {
         let mut scratch = self.take_scratch();
         let ProximityScratch { gaps, places, sorted, search, near, candidates } = &mut scratch.proximity;
         let (most, lanes) = (self.most_gaps(), self.checked_lanes());
         let lists = (gaps, places, sorted);
         let mut wanted = Wanted::new(self.mockup(), tool, pose, lanes, Goal::Candidates, within, most, lists);
         wanted.collect_into(std::mem::take(candidates));
+        wanted.dividers = dividers;
         self.store().search(search, near, &mut wanted);
         let found = wanted.collect_into(Vec::new());
         self.put_scratch(scratch);

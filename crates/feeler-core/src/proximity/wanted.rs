@@ -1,6 +1,7 @@
 //! What a search is for: which gaps it keeps, and how far it still has to look.
 
 use super::Gap;
+use crate::bounds::Point;
 use crate::constants::{DISTANCE_ROUNDOFFS, UNIT_ROUNDOFF};
 use crate::distance_triangle_triangle::closest_within;
 use crate::mesh::Mockup;
@@ -32,6 +33,17 @@ pub struct Candidate {
     pub mockup_triangle: u32,
 }
 
+/// A plane between the tool and one part: pairs that lie wholly on its two sides are not asked for.
+#[derive(Debug, Clone, Copy)]
+pub struct Divider {
+    pub part: u32,
+    /// Unit, to the tool's side.
+    pub normal: Point,
+    /// Heights along it, metres: the mock-up's triangle is nowhere higher than the first, the tool's nowhere lower than the
+    /// second.
+    pub heights: [f64; 2],
+}
+
 /// The state of one search.
 pub struct Wanted<'a> {
     pub mockup: &'a Mockup,
@@ -45,6 +57,8 @@ pub struct Wanted<'a> {
     direction: [f32; 3],
     gaps: &'a mut Vec<Gap>,
     candidates: Vec<Candidate>,
+    /// By part. A hint: pairs they hold apart may come all the same.
+    pub dividers: &'a [Divider],
     /// For each part its place in `gaps` plus one, or 0.
     places: &'a mut Vec<u32>,
     /// Distances, for finding the k-th.
@@ -84,6 +98,7 @@ impl<'a> Wanted<'a> {
             direction: [0.0; 3],
             gaps,
             candidates: Vec::new(),
+            dividers: &[],
             places,
             sorted,
             changes: 0,

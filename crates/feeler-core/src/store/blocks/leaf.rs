@@ -1,5 +1,6 @@
 //! The last steps of the search for what is near: a cluster of the tool against a block.
 
+use super::dividers::Dividers;
 use super::near::{gaps, NearScratch, Search};
 use super::pieces::HalfBlock;
 use crate::lanes::{load3, PlacedPieces, LANES};
@@ -52,10 +53,18 @@ pub fn scan<S: Simd>(s: S, run: &mut Search<'_, '_>, scratch: &mut NearScratch, 
                 halves[h].unpack_corners(s, packed, h, slack);
             }
         }
+        let triangle = packed.triangles[piece];
+        if !run.dividers.is_empty() {
+            if let Some(dividers) = Dividers::of(&run.dividers, run.wanted.mockup.part_of_face(triangle)) {
+                lanes = dividers.sift(s, placed, &halves[h], lane, lanes);
+                if lanes == 0 {
+                    continue;
+                }
+            }
+        }
         placed.need_normals(s);
         let mut planes = Planes::ZERO;
         lanes &= u32::from(planes.of(s, placed, &halves[h], lane, &run.direction, run.limit));
-        let triangle = packed.triangles[piece];
         if lanes != 0 {
             prefetch(&mesh.faces()[triangle as usize]);
         }

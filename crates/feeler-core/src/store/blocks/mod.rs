@@ -17,6 +17,7 @@ use crate::simd::{Kernel, Level, Simd};
 mod build;
 mod cells;
 mod descent;
+mod dividers;
 mod leaf;
 mod near;
 mod node;

@@ -3,6 +3,7 @@
 //! Bounds are squares of distances in frame units, from boxes in float32 that cover what they stand for; they are compared with
 //! [`Search::limit`], which is rounded up, so nothing of interest is dropped.
 
+use super::dividers::Dividers;
 use super::leaf::Candidate;
 use super::node::Node;
 use super::pieces::HalfBlock;
@@ -107,7 +108,8 @@ impl Blocks {
         let grown = |x: [f32; 4], by: f32| x.map(|x| x + by);
         let bounds =
             Box4 { lower: grown(bounds.lower, -placement.margin()), upper: grown(bounds.upper, placement.margin()) };
-        let mut run = Search { blocks: self, placement, limit: 0.0, direction: [0.0; 3], wanted };
+        let dividers = Dividers::new(wanted.dividers, &self.frame, placement.slack + self.slack);
+        let mut run = Search { blocks: self, placement, limit: 0.0, direction: [0.0; 3], dividers, wanted };
         run.update_limit();
         lanes.run(Descend { run: &mut run, scratch, bounds });
     }
@@ -124,6 +126,7 @@ pub struct Search<'a, 'w> {
     pub limit: f32,
     /// From tool to mock-up where they were found closest so far: along it, most pairs farther apart show it.
     pub direction: [f32; 3],
+    pub dividers: Vec<Dividers>,
     pub wanted: &'a mut Wanted<'w>,
 }
 

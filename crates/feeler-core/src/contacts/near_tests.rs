@@ -1,0 +1,97 @@
+//! What is near: candidates, what planes hold apart before they are candidates, and where nothing near is asked for.
+
+use std::sync::Arc;
+
+use super::shapes::{box_mesh, Arrays};
+use super::tests::{at, scene, tool, turned};
+use super::*;
+use crate::scene::SceneOptions;
+
+#[test]
+fn candidates_are_all_that_is_near_and_their_bounds_hold() {
+    let near = scene(box_mesh([0.0; 3], [0.1, 0.1, 0.02], 6));
+    let held = tool(box_mesh([0.0; 3], [0.03, 0.02, 0.02], 5));
+    for (angle, z) in [(0.0, 0.0205), (0.3, 0.0215), (0.7, 0.018), (1.1, 0.03)] {
+        let pose = turned(angle, [0.011, -0.007, z]);
+        let candidates = near.near_candidates(&held, &pose, 0.002, &[]).unwrap();
+        for gap in near.near_pairs(&held, &pose, 0.002).unwrap() {
+            let same =
+                |c: &&Candidate| (c.tool_triangle, c.mockup_triangle) == (gap.tool_triangle, gap.mockup_triangle);
+            let least = candidates.iter().filter(same).map(|c| c.bound).fold(f64::INFINITY, f64::min);
+            assert!(least <= gap.distance, "{least} for {gap:?}");
+        }
+    }
+}
+
+#[test]
+fn dividers_leave_out_only_what_they_hold_apart() {
+    let plate = scene(box_mesh([0.0; 3], [0.1, 0.1, 0.02], 11));
+    let held = tool(box_mesh([0.0; 3], [0.03, 0.02, 0.02], 9));
+    // One holds what is in a strip across the plate, one nothing, and one is of another part.
+    let divider = |part: u32, normal: Point, heights: [f64; 2]| Divider { part, normal, heights };
+    let lean = [0.6, 0.0, 0.8];
+    let dividers =
+        [divider(0, lean, [0.012, 0.004]), divider(0, lean, [-1.0, 1.0]), divider(1, [0.0, 0.0, 1.0], [1.0, -1.0])];
+    for (angle, z) in [(0.0, 0.0205), (0.3, 0.0215), (0.7, 0.018)] {
+        let pose = turned(angle, [0.011, -0.007, z]);
+        let pairs = |dividers: &[Divider]| {
+            let found = plate.near_candidates(&held, &pose, 0.002, dividers).unwrap();
+            let mut pairs: Vec<[u32; 2]> = found.iter().map(|c| [c.tool_triangle, c.mockup_triangle]).collect();
+            pairs.sort_unstable();
+            pairs.dedup();
+            pairs
+        };
+        let (all, some) = (pairs(&[]), pairs(&dividers));
+        assert!(some.len() < all.len() && !some.is_empty(), "{angle}: {} of {}", some.len(), all.len());
+        assert!(some.iter().all(|pair| all.binary_search(pair).is_ok()));
+        for [t, m] in all.iter().filter(|pair| some.binary_search(pair).is_err()) {
+            let p = pose.apply_triangle(&held.mesh().triangle(*t));
+            let q = plate.mockup().mesh().triangle(*m);
+            let holds = |d: &Divider| {
+                q.iter().all(|x| dot(x, &d.normal) <= d.heights[0] + 1e-12)
+                    && p.iter().all(|x| dot(x, &d.normal) >= d.heights[1] - 1e-12)
+            };
+            assert!(dividers[..2].iter().any(holds), "{angle}: {t} {m}");
+        }
+    }
+}
+
+/// Blocks in a row, each in the one below by its own depth, and another part a little below the last.
+fn row(deep: usize) -> (Scene, Tool) {
+    let blocks = |z: &dyn Fn(usize) -> f64| {
+        let mut all: Arrays = Default::default();
+        for i in 0..=deep {
+            let (vertices, faces) = box_mesh([0.02 * i as f64, 0.0, z(i)], [0.01; 3], 2);
+            let from = all.0.len() as u32;
+            all.0.extend(vertices);
+            all.1.extend(faces.iter().map(|f| f.map(|v| v + from)));
+        }
+        all
+    };
+    let depth = |i: usize| if i < deep { 0.001 + 0.00001 * i as f64 } else { -0.001 };
+    let (lower, upper) = (blocks(&|_| 0.0), blocks(&|i| 0.01 - depth(i)));
+    let each = lower.1.len() / (deep + 1);
+    let part_of_face = (0..lower.1.len()).map(|f| u32::from(f >= deep * each)).collect();
+    let mockup = Mockup::new(lower.0, lower.1, part_of_face, 2).unwrap();
+    let scene = Scene::build(Arc::new(mockup), &SceneOptions::default(), &|_, _| true).unwrap();
+    (scene, tool(upper))
+}
+
+#[test]
+fn where_the_deepest_fill_the_answer_nothing_near_is_sought() {
+    for (deep, planes, omitted) in
+        [(MOST_PLANES + 8, MOST_PLANES, 8), (MOST_PLANES, MOST_PLANES, 0), (MOST_PLANES - 1, MOST_PLANES, 0)]
+    {
+        let (lower, upper) = row(deep);
+        let contacts = lower.contacts(&upper, &at(0.0, 0.0, 0.0), 0.002, None).unwrap();
+        assert_eq!((contacts.planes.len(), contacts.omitted), (planes, omitted));
+        for (i, plane) in contacts.planes.iter().take(deep).enumerate() {
+            let expected = 0.001 + 0.00001 * (deep - 1 - i) as f64;
+            assert!((plane.gap + expected).abs() < 1e-12, "{i}: {plane:?}");
+        }
+        if deep < MOST_PLANES {
+            // There is room for what is near.
+            assert!((contacts.planes[deep].gap - 0.001).abs() < 1e-12, "{contacts:?}");
+        }
+    }
+}
