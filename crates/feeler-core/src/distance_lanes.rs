@@ -4,7 +4,7 @@
 //! two, which changes no rounding. Slivers, which take it more steps, and very large or small numbers are left to it.
 
 use crate::bounds::{Point, Triangle};
-use crate::distance_triangle_triangle::{closest_within, Closest, NARROW, SMALLEST};
+use crate::distance_triangle_triangle::{closest_within, Closest, LEAST_SQUARE, NARROW, SMALLEST};
 use crate::intersect_lanes::{gathered, Vector};
 use crate::simd::{Checked, Kernel, Simd, WIDE_LANES};
 
@@ -140,10 +140,11 @@ impl<S: Simd> Side<S> {
         Side { corners, edges, inverse, normal, square: dot::<S>(&normal, &normal) }
     }
 
-    /// Where they are not slivers, nor less. NaN, of edges without length, is not.
+    /// Where they are not slivers, nor less. NaN, of edges without length, is not, and neither are specks.
     #[inline(always)]
     fn is_wide(&self, s: S) -> S::M64 {
-        s.wide_above(self.square * self.inverse[0] * self.inverse[2], s.wide_splat(NARROW))
+        let wide = s.wide_above(self.square * self.inverse[0] * self.inverse[2], s.wide_splat(NARROW));
+        s.both(wide, s.wide_above(self.square, s.wide_splat(LEAST_SQUARE)))
     }
 
     #[inline(always)]
@@ -211,7 +212,7 @@ fn corners_and_edges<S: Simd>(s: S, p: &Side<S>, q: &Side<S>, best: &mut Best<S:
 #[inline(always)]
 fn edges<S: Simd>(s: S, p: &Side<S>, q: &Side<S>, best: &mut Best<S::F64>) {
     let (below, over) = (s.wide_splat(-1e-6), s.wide_splat(1.0 + 1e-6));
-    let (zero, least, narrow) = (s.wide_splat(0.0), s.wide_splat(1e-200), s.wide_splat(NARROW));
+    let (zero, least, narrow) = (s.wide_splat(0.0), s.wide_splat(LEAST_SQUARE), s.wide_splat(NARROW));
     for i in 0..3 {
         for j in 0..3 {
             let (a, u) = (&p.corners[i], &p.edges[i]);

@@ -96,6 +96,9 @@ pub(crate) const NARROW: f64 = 1e-6;
 /// Square of a gap, over that of the size, that rounding alone leaves where triangles meet.
 const CLOSE_ENOUGH: f64 = 64.0 * UNIT_ROUNDOFF * UNIT_ROUNDOFF;
 
+/// Below that, products and inverse of a square leave the range; such lengths are nothing beside 1.
+pub(crate) const LEAST_SQUARE: f64 = 1e-200;
+
 /// The smallest number above 0.
 pub(crate) const SMALLEST: f64 = f64::from_bits(1);
 
@@ -242,7 +245,9 @@ impl Pair {
     fn is_beyond(&self, limit: f64) -> bool {
         for n in [&self.p.normal, &self.q.normal] {
             let (gap, error) = self.gap_along(n);
-            if gap - error > limit * dot(n, n).sqrt() * (1.0 + 1e-13) {
+            let nn = dot(n, n);
+            // The square of a triangle that is a speck beside the pair vanishes.
+            if nn > LEAST_SQUARE && gap - error > limit * nn.sqrt() * (1.0 + 1e-13) {
                 return true;
             }
         }
@@ -364,8 +369,7 @@ fn power_of_two_below_inverse(x: f64) -> f64 {
 
 #[inline(always)]
 fn inverse_of(x: f64) -> f64 {
-    // Below that, products and inverse leave the range; such lengths are nothing beside 1.
-    if x > 1e-200 {
+    if x > LEAST_SQUARE {
         1.0 / x
     } else {
         0.0

@@ -49,6 +49,20 @@ pub fn length(a: &Point) -> f64 {
     dot(a, a).sqrt()
 }
 
+/// The length, also of vectors whose square vanishes.
+#[inline]
+pub fn any_length(a: &Point) -> f64 {
+    let squared = dot(a, a);
+    if squared > LEAST_SQUARE {
+        return squared.sqrt();
+    }
+    let size = largest(a).max(f64::MIN_POSITIVE);
+    size * length(&a.map(|x| x / size))
+}
+
+/// Sums of products below that have lost too much to rounding towards 0.
+pub const LEAST_SQUARE: f64 = 1e-280;
+
 /// The largest absolute entry.
 #[inline(always)]
 pub fn largest(a: &Point) -> f64 {

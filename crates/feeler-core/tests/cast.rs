@@ -295,7 +295,8 @@ fn the_way_begins_and_ends_at_the_poses_given_and_stays_rigid() {
 
 #[test]
 fn huge_and_tiny_coordinates_are_never_late() {
-    for (scale, offset) in [(1e-9, 0.0), (1e6, 0.0), (1.0, 1e6), (1e-3, -1e9), (1e50, 0.0), (1e-120, 0.0), (1e90, 0.0)]
+    for (scale, offset) in
+        [(1e-9, 0.0), (1e6, 0.0), (1.0, 1e6), (1e-3, -1e9), (1e50, 0.0), (1e-120, 0.0), (1e-170, 0.0), (1e90, 0.0)]
     {
         let mockup = mockup_of(placed(sheet(1.0), scale, offset));
         let tool = tool_of(placed(bar([0.1, 0.1, 0.1]), scale, 0.0));
@@ -312,5 +313,47 @@ fn huge_and_tiny_coordinates_are_never_late() {
                 panic!("through the sheet at {scale} {offset}");
             }
         }
+    }
+}
+
+#[test]
+fn a_spinning_tool_meets_a_speck() {
+    // The pivot is 1 m from the speck, which lies at the origin, where float64 can hold it. The blade starts above and behind it, on its
+    // way up, and comes round: only its acceleration shows that it will meet.
+    let (sine, cosine) = 89f64.to_radians().sin_cos();
+    for (scale, speck) in [(1.0, 1e-9), (1.0, 1e-60), (1.0, 1e-100), (1.0, 1e-160), (1e-150, 1e-7), (1e-170, 1e-7)] {
+        let blade = |side: f64| {
+            [[-1.0, 0.9], [1.0, 0.9], [0.0, 1.2]]
+                .map(|[x, r]| [x, side * r * cosine, side * r * sine].map(|x| x * scale))
+        };
+        let tool = tool_of(arrays_of([blade(1.0), blade(-1.0)]));
+        let speck = speck * scale;
+        let mockup = mockup_of(arrays_of([[[-speck, -speck, 0.0], [speck, -speck, 0.0], [0.0, speck, 0.0]]]));
+        let at = [0.0, 0.75f64.sqrt() * scale, 0.5 * scale];
+        let (a, b) = (turned(0, 0.0, at), turned(0, 3.0, at));
+        let met = 121f64.to_radians() / 3.0;
+        let plain = cast_all_pairs(mockup.mesh(), &tool, &a, &b, TOLERANCE * scale).unwrap();
+        let found = STORAGES.map(|storage| scene_of(&mockup, storage).cast(&tool, &a, &b, TOLERANCE * scale).unwrap());
+        for cast in found.into_iter().chain([plain]) {
+            let cast = cast.unwrap_or_else(|| panic!("through a speck of {speck:e} m"));
+            assert!(cast.fraction < met + 1e-6, "{speck:e}: {}", cast.fraction);
+            assert!(cast.fraction > met - 1e-5, "{speck:e}: {}", cast.fraction);
+        }
+    }
+}
+
+#[test]
+fn long_blades_are_stopped_where_they_meet() {
+    // A blade 1 m wide and 4.5e9 m long, whose own plane holds it off a small triangle by too little to go on with.
+    let tool = tool_of(arrays_of([[[0.9, 1.0, 0.9], [1.0, 1.3, 1.3], [0.0, -4550284083.2, 1.2]]]));
+    let mockup = mockup_of(arrays_of([[[0.8, 0.6, 0.6], [1.3, 0.8, 1.1], [1.1, 0.015237215161323548, 0.6]]]));
+    let pose = |rows: [[f64; 4]; 3]| Pose::new(&[rows[0], rows[1], rows[2], [0.0, 0.0, 0.0, 1.0]]).unwrap();
+    let a = pose([[1.0, -4e-7, 0.0, 1000.0], [0.0, 0.6, -0.8, -4000.0], [0.0, 0.8, 0.6, 1000.0]]);
+    let b = pose([[1.0, 0.0, 0.0, 0.5], [0.0, 0.0, 1.0, -0.2], [0.0, -1.0, 0.0, -0.4]]);
+    let plain = cast_all_pairs(mockup.mesh(), &tool, &a, &b, TOLERANCE).unwrap();
+    let found = STORAGES.map(|storage| scene_of(&mockup, storage).cast(&tool, &a, &b, TOLERANCE).unwrap());
+    for cast in found.into_iter().chain([plain]).flatten() {
+        // What rounding does to coordinates of 4.5e9 m.
+        assert!(cast.distance <= 2e-3, "{cast:?}");
     }
 }

@@ -1,16 +1,14 @@
-//! One golden hash: the same scenes give the same pairs and kinds whatever the number of threads, the instruction set, the store,
-//! the voxel size, the state of the working memory, one pose or many at a time; and in debug and release and on every machine, since all
-//! compare with the number in `testdata/golden.txt`.
-//!
-//! The scenes are made with whole numbers, rotations by 3-4-5 triangles and correctly rounded operations only: sine and
-//! cosine differ between platforms.
+//! Two golden hashes: the same scenes give the same pairs and kinds, and the same distances, whatever the number of threads, the
+//! instruction set, the store, the voxel size, the state of the working memory, one pose or many at a time; and in debug and release
+//! and on every machine, since all compare with the numbers in `testdata/golden.txt`. Casts and contacts are promised less: one scene
+//! gives one answer on any number of threads.
 
 mod common;
 
 use std::sync::Arc;
 
-use common::*;
-use feeler_core::{Filters, Level, Mockup, PairKind, Point, Pose, Scene, SceneOptions, Storage, Tool, Triangle};
+use common::cases::{cases, Case};
+use feeler_core::{Filters, Gap, Level, PairKind, PathCheck, Pose, Scene, SceneOptions, Storage};
 
 const GOLDEN: &str = include_str!("../../../testdata/golden.txt");
 
@@ -34,6 +32,17 @@ impl Hash {
             self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3);
         }
     }
+
+    fn add_long(&mut self, word: u64) {
+        self.add(word as u32);
+        self.add((word >> 32) as u32);
+    }
+
+    /// Panics unless this is the number of that name in the file of golden hashes.
+    fn assert_golden(&self, name: &str) {
+        let written = GOLDEN.lines().find_map(|line| line.strip_prefix(name)).unwrap_or_default().trim();
+        assert_eq!(format!("{:016x}", self.0), written, "not the number of {name} in testdata/golden.txt");
+    }
 }
 
 /// The pairs and kinds at all poses, in order.
@@ -48,157 +57,9 @@ fn hash<'a>(poses: impl Iterator<Item = (&'a [[u32; 2]], &'a [PairKind])>) -> u6
     hash.0
 }
 
-struct Case {
-    name: &'static str,
-    mockup: Arc<Mockup>,
-    tool: Tool,
-    poses: Vec<Pose>,
-}
-
-impl Case {
-    fn new(name: &'static str, mockup: Vec<Triangle>, tool: Vec<Triangle>, poses: Vec<Pose>) -> Case {
-        Case { name, mockup: mockup_of(arrays_of(mockup)), tool: tool_of(arrays_of(tool)), poses }
-    }
-}
-
-/// About the z, y or x axis by the angle of a 3-4-5 triangle, or a quarter turn, then moved.
-fn turned(axis: usize, [c, s]: [f64; 2], t: Point) -> Pose {
-    let (u, v) = ([1, 2, 0][axis], [2, 0, 1][axis]);
-    let mut m = [[0.0; 4]; 4];
-    (m[axis][axis], m[3][3]) = (1.0, 1.0);
-    (m[u][u], m[u][v], m[v][u], m[v][v]) = (c, -s, s, c);
-    for i in 0..3 {
-        m[i][3] = t[i];
-    }
-    Pose::new(&m).unwrap()
-}
-
-const THREE_FOUR_FIVE: [f64; 2] = [0.8, 0.6];
-const FIVE_TWELVE: [f64; 2] = [5.0 / 13.0, 12.0 / 13.0];
-const QUARTER: [f64; 2] = [0.0, 1.0];
-
-/// Points of a circle at rational places `((1 - t^2) / (1 + t^2), 2 t / (1 + t^2))`: `4 n` of them.
-fn circle(n: u32, radius: f64) -> Vec<[f64; 2]> {
-    let quarter: Vec<[f64; 2]> = (0..n)
-        .map(|i| {
-            let t = f64::from(i) / f64::from(n);
-            [radius * (1.0 - t * t) / (1.0 + t * t), radius * (2.0 * t) / (1.0 + t * t)]
-        })
-        .collect();
-    let turn = |k: usize, [x, y]: [f64; 2]| [[x, y], [-y, x], [-x, -y], [y, -x]][k];
-    (0..4).flat_map(|k| quarter.iter().map(move |p| turn(k, *p))).collect()
-}
-
-/// A solid between two heights around the z axis; with a hole when the inner outline is not empty.
-fn tube(outer: &[[f64; 2]], inner: &[[f64; 2]], low: f64, high: f64) -> Vec<Triangle> {
-    let n = outer.len();
-    let at = |p: [f64; 2], z: f64| -> Point { [p[0], p[1], z] };
-    let mut triangles = Vec::new();
-    for i in 0..n {
-        let j = (i + 1) % n;
-        let mut quad = |a: Point, b: Point, c: Point, d: Point| triangles.extend([[a, b, c], [a, c, d]]);
-        quad(at(outer[i], low), at(outer[j], low), at(outer[j], high), at(outer[i], high));
-        if inner.is_empty() {
-            triangles.push([at([0.0; 2], high), at(outer[i], high), at(outer[j], high)]);
-            triangles.push([at([0.0; 2], low), at(outer[j], low), at(outer[i], low)]);
-        } else {
-            quad(at(inner[j], low), at(inner[i], low), at(inner[i], high), at(inner[j], high));
-            quad(at(outer[i], high), at(outer[j], high), at(inner[j], high), at(inner[i], high));
-            quad(at(outer[j], low), at(outer[i], low), at(inner[i], low), at(inner[j], low));
-        }
-    }
-    triangles
-}
-
-fn gear(n: u32) -> Vec<Triangle> {
-    let (tip, root) = (circle(n, 1.25), circle(n, 1.0));
-    let outline: Vec<[f64; 2]> = (0..tip.len()).map(|i| if i % 4 < 2 { tip[i] } else { root[i] }).collect();
-    tube(&outline, &circle(n, 0.5), 0.0, 0.5)
-}
-
-fn cuboid(low: Point, size: f64) -> Vec<Triangle> {
-    let [x, y, z] = low;
-    tube(&[[x, y], [x + size, y], [x + size, y + size], [x, y + size]], &[], z, z + size)
-}
-
-fn cases() -> Vec<Case> {
-    // A crooked place in the world: 3-4-5 about two axes, then moved by numbers with all their bits.
-    let world = turned(0, FIVE_TWELVE, [0.1, 0.7, 1.3]);
-    let placed = |triangles: &[Triangle], pose: &Pose| -> Vec<Triangle> {
-        triangles.iter().map(|t| pose.apply_triangle(t)).collect()
-    };
-    let (hole, pin) = (tube(&circle(8, 2.0), &circle(8, 1.0), 0.0, 1.0), tube(&circle(8, 1.0), &[], 0.0, 1.0));
-    let pile: Vec<Triangle> =
-        (0..27u8).flat_map(|i| cuboid([i % 3, i / 3 % 3, i / 9].map(|x| f64::from(x) * 0.3), 0.3)).collect();
-    let soup_of = |seed: u64, count: usize, size: f64| -> Vec<Triangle> {
-        let (vertices, faces) = soup(seed, count, size);
-        faces.iter().map(|f| f.map(|i| vertices[i as usize])).collect()
-    };
-    let lattice_of = |seed: u64, count: usize, side: u64| -> Vec<Triangle> {
-        let (vertices, faces) = lattice(seed, count, side);
-        faces.iter().map(|f| f.map(|i| vertices[i as usize])).collect()
-    };
-    let needles_of = |seed: u64, count: usize| -> Vec<Triangle> {
-        let (vertices, faces) = needles(seed, count, 1e-3);
-        faces.iter().map(|f| f.map(|i| vertices[i as usize])).collect()
-    };
-    let mut r = Random::new(11);
-    vec![
-        Case::new(
-            "pin in a hole",
-            placed(&hole, &world),
-            pin,
-            vec![
-                world,
-                turned(0, FIVE_TWELVE, [0.1, 0.7, 1.3f64.next_up()]),
-                turned(0, THREE_FOUR_FIVE, [0.1, 0.7, 1.3]),
-                turned(0, FIVE_TWELVE, [0.1, 0.2, 1.0]),
-                turned(2, QUARTER, [0.1, 0.7, 1.3]),
-            ],
-        ),
-        Case::new(
-            "gears in mesh",
-            gear(6),
-            gear(6),
-            vec![
-                moved([2.25, 0.0, 0.0]),
-                turned(2, QUARTER, [2.25, 0.0, 0.0]),
-                turned(2, THREE_FOUR_FIVE, [0.0, 2.25, 0.5]),
-                turned(2, FIVE_TWELVE, [0.0, 2.25, 0.0]),
-                Pose::IDENTITY,
-            ],
-        ),
-        Case::new(
-            "boxes",
-            pile,
-            cuboid([0.0; 3], 0.3),
-            vec![
-                moved([0.3, 0.3, 0.9]),
-                moved([0.3 + 0.3, 0.3, 0.3]),
-                moved([0.15, 0.45, 0.3]),
-                turned(1, QUARTER, [0.6, 0.0, 0.3]),
-                turned(2, THREE_FOUR_FIVE, [0.3, 0.3, 0.3]),
-            ],
-        ),
-        Case::new(
-            "soup",
-            soup_of(1, 400, 0.08),
-            soup_of(2, 80, 0.08),
-            (0..8).map(|i| turned(i % 3, [THREE_FOUR_FIVE, FIVE_TWELVE][i % 2], r.point(-0.3, 0.3))).collect(),
-        ),
-        Case::new("lattice", lattice_of(5, 300, 6), lattice_of(6, 60, 4), (0..6).map(|_| r.lattice_pose(2)).collect()),
-        Case::new(
-            "needles",
-            needles_of(7, 120),
-            needles_of(8, 40),
-            (0..4).map(|i| turned(i % 3, THREE_FOUR_FIVE, r.point(-0.1, 0.4))).collect(),
-        ),
-    ]
-}
-
 /// The hash of one case when asked in every way at once; panics when two ways differ.
 fn hash_of_case(case: &Case) -> u64 {
-    let extent = case.mockup.mesh().bounds().extent().iter().fold(0.0f64, |m, x| m.max(*x));
+    let extent = case.extent();
     let mut agreed = None;
     let mut agree = |hash: u64, what: &dyn Fn() -> String| {
         assert_eq!(hash, *agreed.get_or_insert(hash), "{}: {}", case.name, what());
@@ -243,8 +104,7 @@ fn one_golden_hash_whatever_the_threads_stores_voxels_and_order() {
     let mut kinds = [0; 3];
     for case in cases() {
         let hash = hash_of_case(&case);
-        golden.add(hash as u32);
-        golden.add((hash >> 32) as u32);
+        golden.add_long(hash);
         // A hash over nothing would be golden for ever.
         for pose in &case.poses {
             for (_, kind) in feeler_core::collide_all_pairs(case.mockup.mesh(), &case.tool, pose) {
@@ -253,6 +113,131 @@ fn one_golden_hash_whatever_the_threads_stores_voxels_and_order() {
         }
     }
     assert!(kinds.iter().all(|n| *n > 300), "{kinds:?} coplanar, crossing, touching pairs make no test");
-    let written = GOLDEN.lines().find(|line| !line.starts_with('#')).unwrap_or_default().trim();
-    assert_eq!(format!("{:016x}", golden.0), written, "not the number in testdata/golden.txt");
+    golden.assert_golden("pairs");
+}
+
+/// The poses, and as many from where most of the tool stands off.
+fn near_and_far(case: &Case) -> Vec<Pose> {
+    let off = [0.25, 0.75, 1.5].map(|share| share * case.extent());
+    case.poses.iter().flat_map(|pose| [*pose, pose.translated(&off).unwrap()]).collect()
+}
+
+/// Gaps as they are reported: of several pairs that meet any may be the closest, so `pairs` says whether all were asked for.
+fn add_gaps(hash: &mut Hash, gaps: &[Gap], pairs: bool) {
+    hash.add(gaps.len() as u32);
+    for gap in gaps {
+        // No negative zeros: which of two zeros is the larger is not the same everywhere.
+        hash.add_long((gap.distance + 0.0).to_bits());
+        if pairs || gap.distance > 0.0 {
+            [gap.tool_triangle, gap.mockup_triangle, gap.part].iter().for_each(|word| hash.add(*word));
+            gap.on_tool.iter().chain(&gap.on_mockup).for_each(|x| hash.add_long((x + 0.0).to_bits()));
+        }
+    }
+}
+
+/// What a scene says of distances, one pose at a time.
+fn hash_of_gaps(scene: &Scene, case: &Case, poses: &[Pose]) -> u64 {
+    let mut hash = Hash::NEW;
+    for pose in poses {
+        let near = scene.near_pairs(&case.tool, pose, 0.02 * case.extent()).unwrap();
+        add_gaps(&mut hash, &near, true);
+        add_gaps(&mut hash, &scene.clearance(&case.tool, pose, 0.2 * case.extent()).unwrap(), false);
+        for k in [1, 3] {
+            add_gaps(&mut hash, &scene.distance(&case.tool, pose, f64::INFINITY, k).unwrap(), false);
+        }
+    }
+    hash.0
+}
+
+/// The same, at all poses at once.
+fn hash_of_gap_batches(scene: &Scene, case: &Case, poses: &[Pose]) -> u64 {
+    let mut hash = Hash::NEW;
+    let batch = |within: f64, pairs: bool| {
+        scene.clearance_batch(&case.tool, poses, within * case.extent(), pairs, &|_, _| true).unwrap()
+    };
+    let (near, by_part) = (batch(0.02, true), batch(0.2, false));
+    let closest = scene.distance_batch(&case.tool, poses, f64::INFINITY, &|_, _| true).unwrap();
+    let range = |offsets: &[u64], i: usize| offsets[i] as usize..offsets[i + 1] as usize;
+    for (i, pose) in poses.iter().enumerate() {
+        add_gaps(&mut hash, &near.gaps[range(&near.offsets, i)], true);
+        add_gaps(&mut hash, &by_part.gaps[range(&by_part.offsets, i)], false);
+        add_gaps(&mut hash, closest[i].as_slice(), false);
+        add_gaps(&mut hash, &scene.distance(&case.tool, pose, f64::INFINITY, 3).unwrap(), false);
+    }
+    hash.0
+}
+
+#[test]
+fn one_golden_hash_of_distances() {
+    let mut golden = Hash::NEW;
+    // Pairs that meet, and pairs that do not.
+    let mut counts = [0, 0];
+    for case in cases() {
+        let (poses, extent) = (near_and_far(&case), case.extent());
+        let mut agreed = None;
+        let mut agree = |hash: u64, what: &dyn Fn() -> String| {
+            assert_eq!(hash, *agreed.get_or_insert(hash), "{}: {}", case.name, what());
+        };
+        for threads in [1, 3] {
+            rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(|| {
+                for storage in STORES {
+                    for size in [None, Some(extent / 9.7)] {
+                        let what = |how: &str| format!("{storage:?}, voxel size {size:?}, {threads} threads, {how}");
+                        let options = SceneOptions { voxel_size: size, storage, ..SceneOptions::default() };
+                        let mut scene = Scene::build(Arc::clone(&case.mockup), &options, &|_, _| true).unwrap();
+                        for lanes in Level::available() {
+                            // Other stores have one way of looking for what is near.
+                            if storage == Storage::Blocks || lanes == Level::best() {
+                                scene.set_lanes(lanes);
+                                agree(hash_of_gaps(&scene, &case, &poses), &|| what(lanes.name()));
+                            }
+                        }
+                        agree(hash_of_gap_batches(&scene, &case, &poses), &|| what("in a batch"));
+                    }
+                }
+            });
+        }
+        golden.add_long(agreed.unwrap());
+        for pose in &poses {
+            for gap in feeler_core::gaps_of_all_pairs(&case.mockup, &case.tool, pose, 0.02 * extent) {
+                counts[usize::from(gap.distance > 0.0)] += 1;
+            }
+        }
+    }
+    assert!(counts.iter().all(|n| *n > 1000), "{counts:?} pairs that meet and that are near make no test");
+    golden.assert_golden("gaps");
+}
+
+#[test]
+fn casts_and_contacts_of_one_scene_on_any_number_of_threads() {
+    let mut hits = 0;
+    for case in cases() {
+        let (poses, extent) = (near_and_far(&case), case.extent());
+        for storage in STORES {
+            for size in [None, Some(extent / 9.7)] {
+                let answer = |threads: usize| {
+                    rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(|| {
+                        let options = SceneOptions { voxel_size: size, storage, ..SceneOptions::default() };
+                        let scene = Scene::build(Arc::clone(&case.mockup), &options, &|_, _| true).unwrap();
+                        let path = scene.check_path(&case.tool, &poses, 1e-6 * extent, &|_, _| true).unwrap();
+                        let planes = |pose: &Pose| scene.contacts(&case.tool, pose, 0.01 * extent, None).unwrap();
+                        let planes: Vec<_> = poses.iter().map(planes).collect();
+                        // One at a time, with memory that has been used.
+                        let single = poses.windows(2).enumerate().filter_map(|(i, way)| {
+                            Some((i, scene.cast(&case.tool, &way[0], &way[1], 1e-6 * extent).unwrap()?))
+                        });
+                        let single = PathCheck { segments: poses.len() - 1, hits: single.collect() };
+                        assert_eq!(path, single, "{}, {storage:?}, {size:?}", case.name);
+                        (path, planes)
+                    })
+                };
+                let one = answer(1);
+                hits += one.0.hits.len();
+                for threads in [2, 3, 8] {
+                    assert!(answer(threads) == one, "{}, {storage:?}, {size:?}, {threads} threads", case.name);
+                }
+            }
+        }
+    }
+    assert!(hits > 300, "{hits} hits make no test");
 }

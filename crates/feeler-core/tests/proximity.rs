@@ -115,6 +115,18 @@ fn far_tools_tiny_scenes_and_defects() {
 }
 
 #[test]
+fn a_speck_is_as_near_as_anything() {
+    // Seen from a corner on the x axis, where float64 can tell its corners apart, though not the square of its normal from 0.
+    let tool = tool_of(arrays_of([[[1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [1.0, 1.0, 0.0]]]));
+    for size in [1e-30, 1e-45, 1e-60, 1e-90, 1e-150] {
+        let speck = [[0.0, size, 0.0], [0.0, 0.0, size], [0.0, -size, size]];
+        let mockup = mockup_of(arrays_of([speck, [[-1.0, 0.0, 0.0], [-1.0, 1.0, 0.0], [-1.0, 0.0, 1.0]]]));
+        let found = check(&format!("{size:e}"), &mockup, &tool, &[Pose::IDENTITY], &[1.0, 1.5, 2.0]);
+        assert!(found >= 3, "{size:e}");
+    }
+}
+
+#[test]
 fn bad_arguments_are_errors() {
     let (mockup, tool) = (mockup_of(soup(1, 50, 0.2)), tool_of(soup(2, 10, 0.2)));
     for storage in STORAGES {

@@ -3,6 +3,7 @@
 //! Two closed triangles that share no point are closest at an edge of each, or at a corner of one and a point inside the other.
 //! All of these squared distances are quotients of whole numbers; the least is the answer.
 
+use feeler_core::constants::{DISTANCE_ROUNDOFFS, MEETING_ROUNDOFFS, UNIT_ROUNDOFF};
 use feeler_core::{closest_triangle_triangle, Point, Triangle};
 use num_bigint::{BigInt, Sign};
 
@@ -163,4 +164,43 @@ pub fn errors_of_pair(p: &Triangle, q: &Triangle) -> Result<[f64; 3], String> {
         relative_distance_of_point(&closest.on_p, p, q),
         relative_distance_of_point(&closest.on_q, q, p),
     ])
+}
+
+/// Holds a pair to what is promised of distances, either way round: the value, the witness points, and how far these are apart. The
+/// second triangle has an area. Returns the largest error over the largest difference of coordinates, or says what is wrong.
+pub fn check_pair(p: &Triangle, q: &Triangle) -> Result<f64, String> {
+    const BOUND: f64 = DISTANCE_ROUNDOFFS * UNIT_ROUNDOFF;
+    let errors = errors_of_pair(p, q)?;
+    let numbers = || p.iter().chain(q).flatten();
+    let largest = numbers().fold(0.0f64, |m, x| m.max(x.abs()));
+    let extent = (0..3)
+        .map(|a| {
+            let all = || p.iter().chain(q).map(move |c| c[a]);
+            all().fold(f64::MIN, f64::max) - all().fold(f64::MAX, f64::min)
+        })
+        .fold(5e-324, f64::max);
+    // Witness points are rounded to float64 where they are, and results to multiples of the smallest number.
+    let step = 1.5e-323 / extent;
+    let rounding = 4.0 * UNIT_ROUNDOFF * largest / extent + step;
+    if errors[0] > BOUND + step {
+        return Err(format!("distance off by {:e}", errors[0]));
+    }
+    let one = closest_triangle_triangle(p, q);
+    let bound = if one.distance == 0.0 { MEETING_ROUNDOFFS * UNIT_ROUNDOFF } else { BOUND };
+    if errors[1].max(errors[2]) > bound + rounding {
+        return Err(format!("points off by {errors:?}"));
+    }
+    let two = closest_triangle_triangle(q, p);
+    if (one.distance - two.distance).abs() > 2.0 * BOUND * extent + 1.5e-323 {
+        return Err(format!("{one:?}, the other way round {two:?}"));
+    }
+    let between: Point = std::array::from_fn(|a| one.on_q[a] - one.on_p[a]);
+    let size = between.iter().fold(0.0f64, |m, x| m.max(x.abs()));
+    if size > 1e-140 && size < 1e140 {
+        let length = between.iter().map(|x| x * x).sum::<f64>().sqrt();
+        if (length - one.distance).abs() > 2.0 * BOUND * extent + 8.0 * UNIT_ROUNDOFF * largest {
+            return Err(format!("points of {one:?} are {length} apart"));
+        }
+    }
+    Ok((errors[0] - step).max(errors[1] - rounding).max(errors[2] - rounding))
 }

@@ -1,13 +1,11 @@
 //! Distances of pairs that aim at trouble, against exact rational arithmetic.
 
-use feeler_core::constants::{DISTANCE_ROUNDOFFS, MEETING_ROUNDOFFS, UNIT_ROUNDOFF};
-use feeler_core::{closest_triangle_triangle, Point, Triangle};
-use feeler_exact::distance::errors_of_pair;
+use feeler_core::constants::UNIT_ROUNDOFF;
+use feeler_core::{Point, Triangle};
+use feeler_exact::distance::check_pair;
 use feeler_exact::oracle::has_area;
 use feeler_exact::pairs::{self, PairMaker};
 use feeler_exact::random::Random;
-
-const BOUND: f64 = DISTANCE_ROUNDOFFS * UNIT_ROUNDOFF;
 
 fn moved(t: Triangle, by: Point) -> Triangle {
     t.map(|c| std::array::from_fn(|a| c[a] + by[a]))
@@ -73,31 +71,8 @@ fn check(name: &str, make: PairMaker, count: usize, seed: u64) -> f64 {
         if numbers().any(|x| !x.is_finite() || x.abs() > 1e99) || !has_area(&q) {
             continue;
         }
-        let largest = numbers().fold(0.0f64, |m, x| m.max(x.abs()));
-        let errors = errors_of_pair(&p, &q).unwrap_or_else(|why| panic!("{name} {i}: {why}\n{p:?}\n{q:?}"));
-        let extent = (0..3)
-            .map(|a| {
-                let all = || p.iter().chain(&q).map(move |c| c[a]);
-                all().fold(f64::MIN, f64::max) - all().fold(f64::MAX, f64::min)
-            })
-            .fold(5e-324, f64::max);
-        // Witness points are rounded to float64 where they are, and results to multiples of the smallest number.
-        let step = 1.5e-323 / extent;
-        let rounding = 4.0 * UNIT_ROUNDOFF * largest / extent + step;
-        assert!(errors[0] <= BOUND + step, "{name} {i}: distance off by {:e}\n{p:?}\n{q:?}", errors[0]);
-        let one = closest_triangle_triangle(&p, &q);
-        let bound = if one.distance == 0.0 { MEETING_ROUNDOFFS * UNIT_ROUNDOFF } else { BOUND };
-        assert!(errors[1].max(errors[2]) <= bound + rounding, "{name} {i}: points off by {errors:?}\n{p:?}\n{q:?}");
-        worst = worst.max(errors[0] - step).max(errors[1] - rounding).max(errors[2] - rounding);
-        let two = closest_triangle_triangle(&q, &p);
-        assert!((one.distance - two.distance).abs() <= 2.0 * BOUND * extent + 1.5e-323, "{name} {i}: {one:?} {two:?}");
-        let between: Point = std::array::from_fn(|a| one.on_q[a] - one.on_p[a]);
-        let size = between.iter().fold(0.0f64, |m, x| m.max(x.abs()));
-        if size > 1e-140 && size < 1e140 {
-            let length = between.iter().map(|x| x * x).sum::<f64>().sqrt();
-            let allowed = 2.0 * BOUND * extent + 8.0 * UNIT_ROUNDOFF * largest;
-            assert!((length - one.distance).abs() <= allowed, "{name} {i}: {one:?}");
-        }
+        let error = check_pair(&p, &q).unwrap_or_else(|why| panic!("{name} {i}: {why}\n{p:?}\n{q:?}"));
+        worst = worst.max(error);
     }
     worst
 }

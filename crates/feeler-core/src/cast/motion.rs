@@ -12,7 +12,7 @@ use crate::bounds::{Aabb, Point, Triangle};
 use crate::constants::UNIT_ROUNDOFF;
 use crate::pose::Pose;
 use crate::tool::Tool;
-use crate::vectors::{add, cross, dot, length, scaled, sub};
+use crate::vectors::{add, any_length, cross, dot, length, scaled, sub};
 
 type Matrix = [[f64; 3]; 3];
 
@@ -87,8 +87,8 @@ impl Motion {
         let axis_in_tool = times(&transposed(&start), &axis);
         let beyond = [difference(pose0.rotation(), &start), difference(pose1.rotation(), &end)];
         let corners = corners_of(&bounds).map(|p| sub(&p, &pivot));
-        let reach = corners.iter().map(|p| length(&cross(&axis_in_tool, p))).fold(0.0, f64::max);
-        let radius = corners.iter().map(length).fold(0.0, f64::max);
+        let reach = corners.iter().map(|p| any_length(&cross(&axis_in_tool, p))).fold(0.0, f64::max);
+        let radius = corners.iter().map(any_length).fold(0.0, f64::max);
         let bend = beyond.iter().map(|m| size(m) * radius).fold(0.0, f64::max);
         let translation = pose0.largest_translation().max(pose1.largest_translation());
         let rounding = MOTION_ROUNDOFFS * UNIT_ROUNDOFF * (bounds.largest_coordinate() + translation);
@@ -156,7 +156,7 @@ impl Motion {
     pub fn limits(&self, triangle: &Triangle) -> Limits {
         let radius = triangle
             .iter()
-            .map(|p| length(&cross(&self.axis_in_tool, &sub(p, &self.pivot))))
+            .map(|p| any_length(&cross(&self.axis_in_tool, &sub(p, &self.pivot))))
             .fold(0.0f64, |m, r| if r > m { r } else { m });
         let place = self.from.iter().chain(&self.velocity).fold(0.0f64, |m, x| m.max(x.abs()));
         Limits {

@@ -19,6 +19,12 @@ pub const MAX_STEPS: u32 = 10_000;
 /// Planes tried once a pair is nearer than the tolerance: most pairs that only pass by get past.
 const STEPS_WHEN_NEAR: u32 = 4;
 
+/// A share of the way that is lost in the rounding of a time.
+const SHORTEST_STEP: f64 = 16.0 * UNIT_ROUNDOFF;
+
+/// The square of a shorter normal, or of a slower rate, has lost too much to rounding towards 0.
+const SHORTEST: f64 = 1e-140;
+
 /// Roundings of a height above a plane relative to a corner of the triangle that stands still: differences, products, sums; and
 /// a factor of two to spare.
 const HEIGHT_ROUNDOFFS: f64 = 16.0;
@@ -168,8 +174,9 @@ impl<'a> View<'a> {
         let limits = &self.moving.limits;
         let size = length(n);
         let top = dot(n, &self.others[0]).max(dot(n, &self.others[1])).max(0.0);
-        // Per axis, at both times.
-        let off = size * (self.rounding + 4.0 * limits.rounding) + top.abs() * (4.0 * UNIT_ROUNDOFF);
+        // Per axis, at both times. A normal too short to have a length holds nothing apart.
+        let rounding = if size > SHORTEST { self.rounding + 4.0 * limits.rounding } else { f64::INFINITY };
+        let off = size * rounding + top.abs() * (4.0 * UNIT_ROUNDOFF);
         let height = |i: usize| dot(n, &self.corners[i]) - top - off;
         let stray = size * limits.stray_velocity;
         let rate = |i: usize| dot(n, &self.velocities[i]) - stray;
@@ -197,7 +204,8 @@ impl<'a> View<'a> {
                 return best;
             }
         }
-        if best <= 0.0 {
+        // Long triangles may leave just too little to go on with.
+        if best <= SHORTEST_STEP {
             for axis in self.edge_axes() {
                 best = best.max(self.free_time_along(&axis));
             }
@@ -218,7 +226,12 @@ fn time_to_reach_zero(height: f64, rate: f64, acceleration: f64) -> f64 {
     if height.is_nan() || height <= 0.0 {
         return 0.0;
     }
-    let root = (rate * rate + 2.0 * acceleration * height).sqrt();
+    let mut root = (rate * rate + 2.0 * acceleration * height).sqrt();
+    if root < SHORTEST {
+        let size = height.max(rate.abs()).max(acceleration);
+        let [h, r, a] = [height, rate, acceleration].map(|x| x / size);
+        root = size * (r * r + 2.0 * a * h).sqrt();
+    }
     // Of the two forms the one in which nothing cancels.
     let time = if rate > 0.0 {
         if acceleration > 0.0 {

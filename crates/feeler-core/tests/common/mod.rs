@@ -2,6 +2,8 @@
 
 #![allow(dead_code, reason = "each test binary uses its own share of these helpers")]
 
+pub mod cases;
+
 use std::sync::Arc;
 
 use feeler_core::{Mockup, Point, Pose, Storage, Tool, Triangle};
