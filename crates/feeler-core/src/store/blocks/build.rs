@@ -48,10 +48,9 @@ struct Count {
 }
 
 impl Blocks {
-    /// Bytes per piece at the height of building: the piece, its corners while it is cut, its place in a block and that block.
+    /// Bytes per piece at the height of building: the piece, its corners while it is cut, and its share of a block.
     pub const BUILD_BYTES_PER_PIECE: f64 = (size_of::<BuildPiece>()
         + size_of::<Corners>()
-        + size_of::<u32>()
         + (size_of::<Node>() + size_of::<PackedPieces>() + size_of::<Box4>()).div_ceil(FANOUT))
         as f64;
 
