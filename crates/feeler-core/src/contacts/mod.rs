@@ -32,7 +32,6 @@ mod sift;
 #[cfg(test)]
 mod tests;
 mod tracker;
-mod turns;
 mod walk;
 mod zones;
 

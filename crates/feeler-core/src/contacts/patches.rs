@@ -8,7 +8,6 @@ use crate::contacts::adjacency::NONE;
 use crate::contacts::heights::highest_and_lowest;
 use crate::contacts::numbered::Numbered;
 use crate::contacts::points::PointSet;
-use crate::contacts::turns::Turns;
 use crate::contacts::zones::Zones;
 use crate::contacts::Ground;
 use crate::simd::{Checked, WIDE_LANES};
@@ -91,7 +90,6 @@ struct Piece {
 #[derive(Debug, Default)]
 pub(crate) struct Patches {
     pub list: Vec<Patch>,
-    turns: Turns,
     /// Corners of what lies beyond the other surface, the curve's points included, each once, patch by patch.
     points: Vec<Point>,
     /// For each of them where its cuts are: those of the curve have several, others none.
@@ -150,17 +148,16 @@ impl Patches {
     /// Makes the patches of a surface (`w`: the tool's or the mock-up's) in a zone.
     pub fn set(&mut self, ground: &Ground<'_>, zones: &Zones, zone: usize, w: usize) {
         self.list.clear();
-        self.turns.clear();
         self.pieces.clear();
         self.piece_points.clear();
-        self.push_cut_faces(ground.lanes, zones, zone, w);
+        self.push_cut_faces(zones, zone, w);
         self.push_inside(ground, zones, zone, w);
         self.split(ground, w);
         self.gather();
         self.finish(ground.lanes);
     }
 
-    fn push_cut_faces(&mut self, lanes: Checked, zones: &Zones, zone: usize, w: usize) {
+    fn push_cut_faces(&mut self, zones: &Zones, zone: usize, w: usize) {
         let face_of = |c: &u32| zones.cuts[*c as usize].faces[w];
         for same in zones.zones[zone].cuts[w].chunk_by(|x, y| face_of(x) == face_of(y)) {
             let face = &zones.faces[w][face_of(&same[0]) as usize];
@@ -175,7 +172,7 @@ impl Patches {
                     self.piece_points.push((face.corners[k], NONE));
                 }
             }
-            let patch = self.place(lanes, &face.normal, &face.corners[0]);
+            let patch = self.place(&face.normal, &face.corners[0]);
             let points = (from, self.piece_points.len() as u32);
             self.pieces.push(Piece { id: face.id, patch, points, closed: face.closed });
         }
@@ -186,7 +183,7 @@ impl Patches {
             let corners = ground.triangle(w, *t);
             let near = &zones.faces[w][zones.cuts[*cut as usize].faces[w] as usize];
             let Some(normal) = ground.outward(w, *t, &corners, near) else { continue };
-            let patch = self.place(ground.lanes, &normal, &corners[0]);
+            let patch = self.place(&normal, &corners[0]);
             let from = self.piece_points.len() as u32;
             self.piece_points.extend(corners.map(|x| (x, NONE)));
             self.pieces.push(Piece { id: *t, patch, points: (from, from + 3), closed: near.closed });
@@ -194,7 +191,7 @@ impl Patches {
     }
 
     /// The patch that a triangle belongs to.
-    fn place(&mut self, lanes: Checked, normal: &Point, at: &Point) -> u32 {
+    fn place(&mut self, normal: &Point, at: &Point) -> u32 {
         let found = &mut self.list;
         let fits = |p: &Patch| {
             let turn = 1.0 - dot(&p.normal, normal);
@@ -208,7 +205,7 @@ impl Patches {
             let noise = 1e-6 * far + 1e-12 * at.iter().fold(0.0f64, |m, x| m.max(x.abs()));
             off <= noise + far * (2.0 * turn.max(0.0)).sqrt()
         };
-        let found_at = self.turns.find(lanes, normal, |i| fits(&found[i])).or_else(|| {
+        let found_at = found.iter().position(fits).or_else(|| {
             let nearest =
                 |i: &usize, j: &usize| dot(&found[*i].normal, normal).total_cmp(&dot(&found[*j].normal, normal));
             (found.len() >= MOST_PATCHES).then(|| (0..found.len()).max_by(nearest)).flatten()
@@ -223,7 +220,6 @@ impl Patches {
                 points: (0, 0),
                 corners: (0, 0),
             });
-            self.turns.push(normal);
             found.len() - 1
         });
         found[i].flat &= 1.0 - dot(&found[i].normal, normal) <= ONE_PLANE;
