@@ -40,9 +40,7 @@ def main() -> None:
     parser.add_argument("--tools", nargs="+", default=list(TOOLS))
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--no-parry", action="store_true")
-    parser.add_argument(
-        "--patience", type=float, default=120.0, help="seconds for parry's casts of a row (120)"
-    )
+    parser.add_argument("--patience", type=float, default=120.0, help="seconds for parry's casts of a row (120)")
     parser.add_argument("--write", action="store_true", help="put the table into docs/cast.md")
     given = parser.parse_args()
     mockup = feeler.sample("engine", given.triangles)
