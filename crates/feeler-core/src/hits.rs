@@ -12,7 +12,7 @@ impl Hit {
         Hit(pair_key(tool_triangle, mockup_triangle) << 2 | kind as u64)
     }
 
-    /// The number.
+    /// The number that stands for it.
     pub fn key(self) -> u64 {
         self.0
     }
@@ -60,7 +60,7 @@ impl Hits {
         self.keys.push(hit.0);
     }
 
-    /// By their keys.
+    /// Adds pairs by their [keys](Hit::key).
     pub fn extend(&mut self, keys: &[u64]) {
         self.keys.extend_from_slice(keys);
     }

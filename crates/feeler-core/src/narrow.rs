@@ -173,7 +173,7 @@ pub(crate) struct Pending {
     asked: [u32; PLACES],
     asked_count: usize,
     verdicts: [Verdict; PLACES / WIDE_LANES],
-    /// Of these the ones that cross.
+    /// Keys of the pairs that were proven to cross.
     crossing: [u64; PLACES],
     /// Pairs met lately, each at the place its hash gives.
     recent: [u64; RECENT],
@@ -353,7 +353,7 @@ impl Narrow<'_> {
     }
 }
 
-/// What can be proven of pairs, eight by eight.
+/// What can be proven of pairs, eight by eight. Lists the keys of those that cross, of the first `count`; returns how many.
 struct Test<'a> {
     pose: &'a Pose,
     tool: &'a Tool,

@@ -7,6 +7,9 @@ use crate::bounds::{Point, Triangle};
 /// Squares of lengths that neither overflow nor lose digits, and whose products do not.
 const PLAIN: Range<f64> = 1e-140..1e140;
 
+/// Sums of products below that have lost too much to rounding towards 0.
+const VANISHING: f64 = 1e-280;
+
 /// `a + b`.
 #[inline(always)]
 pub fn add(a: &Point, b: &Point) -> Point {
@@ -53,15 +56,12 @@ pub fn length(a: &Point) -> f64 {
 #[inline]
 pub fn any_length(a: &Point) -> f64 {
     let squared = dot(a, a);
-    if squared > LEAST_SQUARE {
+    if squared > VANISHING {
         return squared.sqrt();
     }
     let size = largest(a).max(f64::MIN_POSITIVE);
     size * length(&a.map(|x| x / size))
 }
-
-/// Sums of products below that have lost too much to rounding towards 0.
-pub const LEAST_SQUARE: f64 = 1e-280;
 
 /// The largest absolute entry.
 #[inline(always)]

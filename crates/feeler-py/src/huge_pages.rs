@@ -36,7 +36,7 @@ unsafe impl GlobalAlloc for HugePages {
 
 #[cfg(target_os = "linux")]
 fn advised(place: *mut u8, size: usize) -> *mut u8 {
-    /// Advice is taken for whole small pages; one of 4 KiB that is not whole on a system with larger ones is refused, at no harm.
+    /// Advice is for whole pages of the ordinary size. Where that is larger, it is refused, at no harm.
     const SMALL: usize = 4 << 10;
     if size >= HUGE && !place.is_null() {
         let skipped = place.align_offset(SMALL);
