@@ -65,14 +65,21 @@ impl<'a, 'py> FromPyObject<'a, 'py> for PosesArgument {
         }
         let named = |p, pose: core::Result<_>| pose.map_err(|e| raise("PoseError", format!("poses[{p}]: {e}")));
         let array = array.as_array();
-        let poses: PyResult<Vec<_>> = match array.as_slice() {
+        // Room for all at once: a list that grows is copied over and over, on one thread.
+        let mut poses = Vec::with_capacity(array.shape()[0]);
+        match array.as_slice() {
             Some(numbers) => {
-                let matrices = numbers.as_chunks::<4>().0.as_chunks::<4>().0;
-                matrices.iter().enumerate().map(|(p, m)| named(p, core::Pose::new(m))).collect()
+                for (p, m) in numbers.as_chunks::<4>().0.as_chunks::<4>().0.iter().enumerate() {
+                    poses.push(named(p, core::Pose::new(m))?);
+                }
             }
-            None => array.outer_iter().enumerate().map(|(p, m)| named(p, pose_of(&m))).collect(),
-        };
-        poses.map(PosesArgument)
+            None => {
+                for (p, m) in array.outer_iter().enumerate() {
+                    poses.push(named(p, pose_of(&m))?);
+                }
+            }
+        }
+        Ok(PosesArgument(poses))
     }
 }
 
