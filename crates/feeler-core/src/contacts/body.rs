@@ -197,7 +197,7 @@ impl Bodies {
         for some in self.normals[from..].chunks_mut(WIDE_LANES) {
             let directions = std::array::from_fn(|i| some[i.min(some.len() - 1)].0);
             let reach = highest(lanes, &self.points[points..], &directions);
-            some.iter_mut().zip(reach.height).for_each(|(n, height)| n.1 = height);
+            some.iter_mut().zip(reach).for_each(|(n, height)| n.1 = height);
         }
     }
 }

@@ -243,7 +243,7 @@ impl<'a> Best<'a> {
                 let last = some.len() - 1;
                 let towards = std::array::from_fn(|i| scaled(&some[i.min(last)].direction, -sense));
                 let reach = highest(*lanes, other.points, &towards);
-                for (tried, height) in some.iter_mut().zip(reach.height) {
+                for (tried, height) in some.iter_mut().zip(reach) {
                     *(if sense > 0.0 { &mut tried.low } else { &mut tried.high }) = sense * -height;
                 }
             }

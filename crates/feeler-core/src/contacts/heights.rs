@@ -21,8 +21,8 @@ pub(crate) fn highest_and_lowest(
     lanes.run(HighestAndLowest { above, below, directions })
 }
 
-/// The highest of some points.
-pub(crate) fn highest(lanes: Checked, points: &[Point], directions: &[Point; WIDE_LANES]) -> Reach {
+/// How far some points reach along each of eight directions.
+pub(crate) fn highest(lanes: Checked, points: &[Point], directions: &[Point; WIDE_LANES]) -> [f64; WIDE_LANES] {
     lanes.run(Highest { points, directions })
 }
 
@@ -83,11 +83,20 @@ struct Highest<'a> {
 }
 
 impl Kernel for Highest<'_> {
-    type Output = Reach;
+    type Output = [f64; WIDE_LANES];
 
     #[inline(always)]
-    fn run<S: Simd>(self, s: S) -> Reach {
-        reach(s, self.points, &s.wide_points(self.directions.each_ref()))
+    fn run<S: Simd>(self, s: S) -> [f64; WIDE_LANES] {
+        let d = s.wide_points(self.directions.each_ref());
+        let mut chains = [s.wide_splat(f64::NEG_INFINITY); 4];
+        let mut fours = self.points.chunks_exact(4);
+        for four in &mut fours {
+            (0..4).for_each(|i| chains[i] = s.wide_max(chains[i], height(s, &four[i], &d)));
+        }
+        fours.remainder().iter().for_each(|p| chains[0] = s.wide_max(chains[0], height(s, p, &d)));
+        let mut found = [0.0; WIDE_LANES];
+        s.wide_store(s.wide_max(s.wide_max(chains[0], chains[1]), s.wide_max(chains[2], chains[3])), &mut found);
+        found
     }
 }
 
@@ -116,37 +125,41 @@ impl Kernel for HighestAndLowest<'_> {
 struct Best<S: Simd> {
     height: S::F64,
     at: S::F64,
-    /// Of the point that comes next.
-    place: S::F64,
 }
 
 impl<S: Simd> Best<S> {
     #[inline(always)]
-    fn new(s: S, place: f64) -> Best<S> {
-        Best { height: s.wide_splat(f64::NEG_INFINITY), at: s.wide_splat(0.0), place: s.wide_splat(place) }
+    fn new(s: S) -> Best<S> {
+        Best { height: s.wide_splat(f64::NEG_INFINITY), at: s.wide_splat(0.0) }
     }
 
+    /// The heights do not wait for the places: those are looked for beside.
     #[inline(always)]
-    fn offer(&mut self, s: S, p: &Point, d: &[S::F64; 3]) {
-        let h = s.wide_splat(p[0]) * d[0] + s.wide_splat(p[1]) * d[1] + s.wide_splat(p[2]) * d[2];
-        let stays = s.wide_above(self.height, h);
-        self.height = s.choose(stays, self.height, h);
-        self.at = s.choose(stays, self.at, self.place);
-        self.place = self.place + s.wide_splat(2.0);
+    fn offer(&mut self, s: S, p: &Point, d: &[S::F64; 3], place: S::F64) {
+        let h = height(s, p, d);
+        self.at = s.choose(s.wide_above(self.height, h), self.at, place);
+        self.height = s.wide_max(self.height, h);
     }
+}
+
+#[inline(always)]
+fn height<S: Simd>(s: S, p: &Point, d: &[S::F64; 3]) -> S::F64 {
+    s.wide_splat(p[0]) * d[0] + s.wide_splat(p[1]) * d[1] + s.wide_splat(p[2]) * d[2]
 }
 
 /// Two chains of comparisons, so that one does not wait for the other.
 #[inline(always)]
 fn reach<S: Simd>(s: S, points: &[Point], d: &[S::F64; 3]) -> Reach {
-    let (mut even, mut odd) = (Best::new(s, 0.0), Best::new(s, 1.0));
+    let (mut even, mut odd) = (Best::new(s), Best::new(s));
+    let (mut place, one, two) = (s.wide_splat(0.0), s.wide_splat(1.0), s.wide_splat(2.0));
     let mut pairs = points.chunks_exact(2);
     for pair in &mut pairs {
-        even.offer(s, &pair[0], d);
-        odd.offer(s, &pair[1], d);
+        even.offer(s, &pair[0], d, place);
+        odd.offer(s, &pair[1], d, place + one);
+        place = place + two;
     }
     if let [last] = pairs.remainder() {
-        even.offer(s, last, d);
+        even.offer(s, last, d, place);
     }
     let (is_even, is_odd) = (s.wide_above(even.height, odd.height), s.wide_above(odd.height, even.height));
     let later = s.choose(is_even, even.at, s.choose(is_odd, odd.at, s.wide_max(even.at, odd.at)));
