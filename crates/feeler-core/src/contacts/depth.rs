@@ -196,7 +196,7 @@ impl<'a> Best<'a> {
         if is_known {
             return true;
         }
-        for (w, body) in [(MOCKUP, mockup), (TOOL, tool)] {
+        for (w, body) in [(TOOL, tool), (MOCKUP, mockup)] {
             let (d, height) = &ends[w];
             let Directions { places, goes_on: known, .. } = &mut *self.directions;
             places_above(*lanes, body.point_eights, d, *height, places);
