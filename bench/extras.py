@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 from engines import Floats
-from measure import clock_once, far_away, spread
+from measure import clock_once, far_away, find_poses, spread
 
 import feeler
 
@@ -18,12 +18,13 @@ ROUNDS = 3
 BATCHES = 8  # a round
 
 
-def batch(mockup: feeler.Mockup, tool: feeler.Tool, poses: Floats, count: int) -> dict[str, Any]:
+def batch(scene: feeler.Scene, tool: feeler.Tool, count: int, seed: int) -> dict[str, Any]:
     """Poses a second: one call each, and `collide_batch` with one and with two threads; the best of a few rounds each.
 
-    The poses are the given ones over and over, in random order. Calls and batches take turns.
+    The poses are nominal, all different, one anywhere from the last. Calls and batches take turns.
     """
-    many = poses[np.random.default_rng(0).permutation(np.resize(np.arange(len(poses)), count))]
+    many = find_poses(scene, tool, "nominal", count, seed + 2)
+    count, mockup = len(many), scene.mockup
     scenes = {threads: feeler.Scene(mockup, threads=threads) for threads in (1, 2) if threads <= (os.cpu_count() or 1)}
     best: dict[str, float] = {}
 
@@ -36,7 +37,7 @@ def batch(mockup: feeler.Mockup, tool: feeler.Tool, poses: Floats, count: int) -
         for pose in many:
             scenes[1].collide(tool, pose)
         keep("calls", time.perf_counter() - start)
-        # Some milliseconds each: more often, since whoever else is on the machine takes a share of one of two cores.
+        # They are short: more often, since whoever else is on the machine takes a share of one of two cores.
         for threads, scene in [*scenes.items()] * BATCHES:
             start, cpu = time.perf_counter(), time.process_time()
             found = scene.collide_batch(tool, many)

@@ -41,7 +41,7 @@ def parse(arguments: list[str], said: str) -> argparse.Namespace:
     parser.add_argument(
         "--worst", type=_count_or_none, metavar="N", help="nominal poses, for the worst (10000); 0: skip"
     )
-    parser.add_argument("--batch", type=_count_or_none, metavar="N", help="poses in a batch (2000); 0: skip")
+    parser.add_argument("--batch", type=_count_or_none, metavar="N", help="poses in a batch (5000); 0: skip")
     parser.add_argument("--seed", type=int, default=0, help="of mock-ups and poses (0)")
     names = list(peers.PEERS)
     parser.add_argument("--peers", type=_listed(_one_of("peer", names)), default=",".join(names), help="(all)")
@@ -54,7 +54,7 @@ def parse(arguments: list[str], said: str) -> argparse.Namespace:
         ("rounds", 3, 5),
         ("builds", 1, 2),
         ("worst", 1000, 10_000),
-        ("batch", 500, 2000),
+        ("batch", 500, 5000),
     ):
         if getattr(options, name) is None:
             setattr(options, name, quick if options.quick else full)

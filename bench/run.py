@@ -16,6 +16,7 @@ import argparse
 import gc
 import sys
 import time
+from collections.abc import Iterable
 from typing import Any
 
 import agreement
@@ -140,7 +141,7 @@ class Bench:
                     nominal[name] = poses
         self._fine(about, scene, nominal)
         if size == self._one_size:
-            self._alone(about, scene, nominal)
+            self._alone(about, scene, nominal.keys())
 
     def _cells(self, about: dict[str, Any], scene: feeler.Scene, tool: feeler.Tool, kind: str) -> engines.Floats | None:
         """The cells of one kind of poses: one for each query that is asked there."""
@@ -216,13 +217,13 @@ class Bench:
                 row = extras.fine_and_coarse(scene, self.options.tools[name], fine, poses, self.options.rounds)
                 self.fine.append({**about, "tool": name, **row})
 
-    def _alone(self, about: dict[str, Any], scene: feeler.Scene, nominal: dict[str, engines.Floats]) -> None:
-        """What is asked of feeler alone, at one size."""
-        for name, poses in nominal.items():
+    def _alone(self, about: dict[str, Any], scene: feeler.Scene, names: Iterable[str]) -> None:
+        """What is asked of feeler alone, at one size, with tools that have nominal poses there."""
+        for name in names:
             tool = self.options.tools[name]
             if self.options.batch and name in extras.BATCH_TOOLS:
                 self._say(f"{about['triangles']:,} triangles, {name}: batches of {self.options.batch:,} poses")
-                row = extras.batch(scene.mockup, tool, poses, self.options.batch)
+                row = extras.batch(scene, tool, self.options.batch, self.options.seed)
                 self.batch.append({**about, "tool": name, **row})
             if self.options.worst and tool.triangle_count <= goals.SMALL_TOOL:
                 self._say(
