@@ -145,7 +145,7 @@ def cell(us: Floats) -> str:
 
 def moved(pose: Floats, centre: Floats, way: Floats, turn: Floats) -> Floats:
     """The pose after the tool's point `centre` has moved by `way` and the tool has turned about it by `turn`."""
-    end = pose.copy()
+    end: Floats = pose.copy()
     angle = np.linalg.norm(turn)
     if angle > 0:
         x, y, z = turn / angle

@@ -230,7 +230,7 @@ def by_level(scene: feeler.Scene, tools: dict[str, feeler.Tool], options: argpar
     for name, tool in tools.items():
         for kind in ("nominal", "deep"):
             poses = measure.find_poses(scene, tool, kind, options.poses)
-            least = dict.fromkeys(scenes, np.inf)
+            least = {simd: np.full(len(poses), np.inf) for simd in scenes}
             for _, (simd, one) in itertools.product(range(options.rounds), scenes.items()):
                 times = [measure.clock_once(functools.partial(one.collide, tool, pose))[0] for pose in poses]
                 least[simd] = np.minimum(least[simd], times)
