@@ -24,8 +24,8 @@ pub(crate) fn push_shared(p: &Triangle, n: &Point, q: &Triangle, m: &Point, out:
     }
     let (first, second) = (ends(p, &q[0], m, &line), ends(q, &p[0], n, &line));
     // The later of the two beginnings, the earlier of the two ends.
-    let from = if first[0].0 >= second[0].0 { first[0] } else { second[0] };
-    let to = if first[1].0 <= second[1].0 { first[1] } else { second[1] };
+    let from = [first[0], second[0]][usize::from(second[0].0 > first[0].0)];
+    let to = [first[1], second[1]][usize::from(second[1].0 < first[1].0)];
     if from.0 <= to.0 {
         out.extend([from.1, to.1]);
     } else {
@@ -38,9 +38,25 @@ pub(crate) fn push_shared(p: &Triangle, n: &Point, q: &Triangle, m: &Point, out:
 /// Where the border of `t` passes through the plane with normal `m` through `other`: first and last along `direction`.
 fn ends(t: &Triangle, other: &Point, m: &Point, direction: &Point) -> [(f64, Point); 2] {
     let height = t.map(|p| dot(&sub(&p, other), m));
+    let below = height.map(|h| h < 0.0);
+    let through = |edge: [usize; 2]| {
+        // From the same end whichever triangle the edge is seen from, so that both have the same point. Choices are by place:
+        // which way they go cannot be foreseen, and a wrong guess of the processor costs more than the rest.
+        let [p, q] = edge.map(|k| &t[k]);
+        let is_first = (p[0] < q[0]) | (p[0] == q[0]) & ((p[1] < q[1]) | (p[1] == q[1]) & (p[2] < q[2]));
+        let [i, j] = [edge[usize::from(!is_first)], edge[usize::from(is_first)]];
+        let p = along(&t[i], height[i] / (height[i] - height[j]), &sub(&t[j], &t[i]));
+        (dot(&p, direction), p)
+    };
+    if height.iter().all(|h| *h != 0.0) && (below[0] != below[1] || below[0] != below[2]) {
+        // One corner is alone on its side.
+        let alone = usize::from(below[0] == below[2]) + 2 * usize::from(below[0] == below[1]);
+        let found = [through([alone, (alone + 1) % 3]), through([alone, (alone + 2) % 3])];
+        let first = usize::from(found[1].0 < found[0].0);
+        return [found[first], found[1 - first]];
+    }
     let mut found = [(f64::INFINITY, t[0]), (f64::NEG_INFINITY, t[0])];
-    let take = |found: &mut [(f64, Point); 2], p: Point| {
-        let s = dot(&p, direction);
+    let take = |found: &mut [(f64, Point); 2], (s, p): (f64, Point)| {
         if s < found[0].0 {
             found[0] = (s, p);
         }
@@ -51,19 +67,16 @@ fn ends(t: &Triangle, other: &Point, m: &Point, direction: &Point) -> [(f64, Poi
     for i in 0..3 {
         let j = (i + 1) % 3;
         if height[i] == 0.0 {
-            take(&mut found, t[i]);
+            take(&mut found, (dot(&t[i], direction), t[i]));
         }
-        if (height[i] < 0.0) != (height[j] < 0.0) && height[i] != height[j] {
-            // From the same end whichever triangle the edge is seen from, so that both have the same point.
-            let (i, j) = if t[i] < t[j] { (i, j) } else { (j, i) };
-            let share = height[i] / (height[i] - height[j]);
-            take(&mut found, along(&t[i], share, &sub(&t[j], &t[i])));
+        if below[i] != below[j] && height[i] != height[j] {
+            take(&mut found, through([i, j]));
         }
     }
     if found[0].0 > found[1].0 {
         // Rounding took the plane off the triangle: the corner nearest to it.
         let nearest = (0..3).min_by(|a, b| height[*a].abs().total_cmp(&height[*b].abs())).unwrap_or(0);
-        take(&mut found, t[nearest]);
+        take(&mut found, (dot(&t[nearest], direction), t[nearest]));
     }
     found
 }

@@ -18,6 +18,7 @@ mod depth;
 mod descent;
 mod gaps;
 mod heights;
+mod joins;
 mod least_norm;
 #[cfg(test)]
 mod near_tests;

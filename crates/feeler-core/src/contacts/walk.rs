@@ -1,8 +1,9 @@
 //! The walk over what a curve encloses.
 
 use crate::contacts::adjacency::{Adjacency, NONE};
+use crate::contacts::joins::Roots;
 use crate::contacts::numbered::Numbered;
-use crate::contacts::zones::{Places, Roots, Zones, MOCKUP};
+use crate::contacts::zones::{Places, Zones, MOCKUP};
 use crate::contacts::Ground;
 use crate::vectors::{dot, sub};
 

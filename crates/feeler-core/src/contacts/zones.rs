@@ -7,10 +7,12 @@ use crate::bounds::{Point, Triangle};
 use crate::contacts::adjacency::NONE;
 use crate::contacts::classify::classify;
 use crate::contacts::cut::push_shared;
+use crate::contacts::joins::{join_across_faces, join_along_the_curve, Roots};
 use crate::contacts::numbered::{Numbered, NumberedBelow};
 use crate::contacts::walk::walk;
 use crate::contacts::Ground;
-use crate::vectors::{add, dot, normal, scaled, sub};
+use crate::simd::WIDE_LANES;
+use crate::vectors::{dot, normal, scaled, sub};
 
 /// A triangle that is cut.
 #[derive(Debug, Clone)]
@@ -25,9 +27,6 @@ pub(crate) struct Face {
     pub side: [i8; 3],
     /// The cut nearest to each corner, which says so.
     pub nearest: [u32; 3],
-    /// The square of its distance, and how steeply the corner stands off it.
-    pub square: [f64; 3],
-    pub steepness: [f64; 3],
 }
 
 impl Face {
@@ -40,8 +39,6 @@ impl Face {
             closed: outward != 0,
             side: [0; 3],
             nearest: [NONE; 3],
-            square: [f64::INFINITY; 3],
-            steepness: [0.0; 3],
         }
     }
 
@@ -73,6 +70,9 @@ pub(crate) struct Zones {
     /// Cuts by faces of tool and mock-up, and where those of each face begin and end.
     by_face: [Vec<u32>; 2],
     cuts_of_face: [Vec<(u32, u32)>; 2],
+    /// Working memory of [`classify`].
+    pub squares: Vec<[f64; WIDE_LANES]>,
+    pub nearest: Vec<[(f64, u32); 3]>,
     /// For each cut its zone, and its place among that zone's.
     pub zone_of_cut: Vec<u32>,
     pub place_of_cut: Vec<u32>,
@@ -93,8 +93,19 @@ impl Zones {
         place_of_cut.clear();
     }
 
+    /// The first two points of a cut: the ends of its segment where it is not flat.
+    pub fn ends(&self, cut: u32) -> [Point; 2] {
+        let from = self.cuts[cut as usize].points.0 as usize;
+        [self.points[from], self.points[from + 1]]
+    }
+
+    /// The face of a cut.
+    pub fn face(&self, w: usize, cut: u32) -> &Face {
+        &self.faces[w][self.cuts[cut as usize].faces[w] as usize]
+    }
+
     /// The cuts of each face of a surface.
-    fn by_face(&self, w: usize) -> impl Iterator<Item = &[u32]> {
+    pub fn by_face(&self, w: usize) -> impl Iterator<Item = &[u32]> {
         self.cuts_of_face[w].iter().map(move |of| &self.by_face[w][of.0 as usize..of.1 as usize])
     }
 
@@ -193,7 +204,7 @@ pub(crate) fn find<'a>(ground: &Ground<'_>, pairs: &[[u32; 2]], scratch: &'a mut
     }
     let mut roots = Roots((0..zones.cuts.len() as u32).collect());
     zones.sort_by_face();
-    join_along_the_curve(ground, pairs, zones, places, &mut roots);
+    join_along_the_curve(ground, zones, &mut roots);
     orient(ground, zones);
     classify(ground, part, zones);
     for w in [TOOL, MOCKUP] {
@@ -222,80 +233,6 @@ pub(crate) fn find<'a>(ground: &Ground<'_>, pairs: &[[u32; 2]], scratch: &'a mut
         }
     }
     zones
-}
-
-/// The curve goes on in the neighbour of either triangle.
-fn join_along_the_curve(ground: &Ground<'_>, pairs: &[[u32; 2]], zones: &Zones, places: &Places, roots: &mut Roots) {
-    // The cuts of a tool triangle lie together, sorted by the mock-up's. Each two neighbours are met from both sides: once is
-    // enough.
-    let of_tool = &zones.cuts_of_face[TOOL];
-    for (i, [t, m]) in (0..).zip(pairs) {
-        let (first, _) = of_tool[zones.cuts[i as usize].faces[TOOL] as usize];
-        let mut join = |first: u32, last: u32, m: u32| {
-            let run = &pairs[first as usize..last as usize];
-            if let Ok(j) = run.binary_search_by_key(&m, |pair| pair[1]) {
-                roots.join(i, first + j as u32);
-            }
-        };
-        for n in ground.adjacency[MOCKUP].neighbours[*m as usize].into_iter().filter(|n| n < m) {
-            join(first, i, n);
-        }
-        for n in ground.adjacency[TOOL].neighbours[*t as usize].into_iter().filter(|n| n < t) {
-            if let Some(place) = places.get(TOOL, n) {
-                let (first, last) = of_tool[place as usize];
-                join(first, last, *m);
-            }
-        }
-    }
-}
-
-/// Most cuts of a face that [`join_across_faces`] compares with each other.
-const MOST_COMPARED: usize = 256;
-
-/// Two curves on one large triangle are of one zone where what lies between them is beyond the other surface: a finer mesh has
-/// triangles there, and the walk would find them.
-fn join_across_faces(w: usize, zones: &Zones, roots: &mut Roots) {
-    for same in zones.by_face(w) {
-        let first = roots.of(same[0]);
-        if same.iter().all(|c| roots.of(*c) == first) {
-            continue;
-        }
-        let stride = same.len().div_ceil(MOST_COMPARED);
-        let spots: Vec<(u32, Point, Point)> = same
-            .iter()
-            .step_by(stride)
-            .map(|i| {
-                let cut = &zones.cuts[*i as usize];
-                let (a, b) = (zones.points[cut.points.0 as usize], zones.points[cut.points.0 as usize + 1]);
-                (*i, scaled(&add(&a, &b), 0.5), zones.faces[1 - w][cut.faces[1 - w] as usize].normal)
-            })
-            .collect();
-        // The nearest cuts of each two zones.
-        let mut nearest: Vec<(u32, u32, f64, usize, usize)> = Vec::new();
-        for i in 0..spots.len() {
-            for j in 0..i {
-                let (a, b) = (roots.of(spots[i].0), roots.of(spots[j].0));
-                if a == b {
-                    continue;
-                }
-                let key = (a.min(b), a.max(b));
-                let way = sub(&spots[i].1, &spots[j].1);
-                let square = dot(&way, &way);
-                match nearest.iter_mut().find(|n| (n.0, n.1) == key) {
-                    Some(n) if n.2 <= square => {}
-                    Some(n) => *n = (key.0, key.1, square, i, j),
-                    None => nearest.push((key.0, key.1, square, i, j)),
-                }
-            }
-        }
-        for (_, _, square, i, j) in nearest {
-            let way = sub(&spots[j].1, &spots[i].1);
-            let behind = -0.1 * square.sqrt();
-            if dot(&way, &spots[i].2) < behind || -dot(&way, &spots[j].2) < behind {
-                roots.join(spots[i].0, spots[j].0);
-            }
-        }
-    }
 }
 
 /// Turns the normals of open surfaces to the side that counts as outside, and those of thin closed ones that the tool went
@@ -335,25 +272,6 @@ fn orient(ground: &Ground<'_>, zones: &mut Zones) {
                 face.closed = false;
             }
         }
-    }
-}
-
-/// Disjoint sets of cuts.
-pub(crate) struct Roots(pub Vec<u32>);
-
-impl Roots {
-    pub fn of(&mut self, mut i: u32) -> u32 {
-        while self.0[i as usize] != i {
-            self.0[i as usize] = self.0[self.0[i as usize] as usize];
-            i = self.0[i as usize];
-        }
-        i
-    }
-
-    pub fn join(&mut self, i: u32, j: u32) {
-        let (a, b) = (self.of(i), self.of(j));
-        // The smaller number is the root, so that the order of joins does not show.
-        self.0[a.max(b) as usize] = a.min(b);
     }
 }
 

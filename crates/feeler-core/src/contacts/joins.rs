@@ -1,0 +1,100 @@
+//! Which cuts are of one zone, before the walk.
+
+use crate::bounds::Point;
+use crate::contacts::zones::{Zones, MOCKUP, TOOL};
+use crate::contacts::Ground;
+use crate::vectors::{add, dot, scaled, sub};
+
+/// Disjoint sets of cuts.
+pub(crate) struct Roots(pub Vec<u32>);
+
+impl Roots {
+    pub fn of(&mut self, mut i: u32) -> u32 {
+        while self.0[i as usize] != i {
+            self.0[i as usize] = self.0[self.0[i as usize] as usize];
+            i = self.0[i as usize];
+        }
+        i
+    }
+
+    pub fn join(&mut self, i: u32, j: u32) {
+        let (a, b) = (self.of(i), self.of(j));
+        // The smaller number is the root, so that the order of joins does not show.
+        self.0[a.max(b) as usize] = a.min(b);
+    }
+}
+
+/// Most cuts of a face that are compared each with each.
+const FEW: usize = 16;
+
+/// The curve goes on in the neighbour of either triangle.
+pub(crate) fn join_along_the_curve(ground: &Ground<'_>, zones: &Zones, roots: &mut Roots) {
+    let mut others: Vec<u32> = Vec::new();
+    for w in [TOOL, MOCKUP] {
+        for same in zones.by_face(w).filter(|same| same.len() > 1) {
+            // In rising order.
+            others.clear();
+            others.extend(same.iter().map(|i| zones.face(1 - w, *i).id));
+            for (i, id) in others.iter().enumerate().skip(1) {
+                // Each two neighbours are met from both sides: once is enough.
+                let (before, [a, b, c]) = (&others[..i], ground.adjacency[1 - w].neighbours[*id as usize]);
+                if i < FEW {
+                    let beside = (0..i).filter(|j| (before[*j] == a) | (before[*j] == b) | (before[*j] == c));
+                    beside.for_each(|j| roots.join(same[i], same[j]));
+                } else {
+                    let beside = [a, b, c].into_iter().filter_map(|n| before.binary_search(&n).ok());
+                    beside.for_each(|j| roots.join(same[i], same[j]));
+                }
+            }
+        }
+    }
+}
+
+/// Most cuts of a face that [`join_across_faces`] compares with each other.
+const MOST_COMPARED: usize = 256;
+
+/// Two curves on one large triangle are of one zone where what lies between them is beyond the other surface: a finer mesh has
+/// triangles there, and the walk would find them.
+pub(crate) fn join_across_faces(w: usize, zones: &Zones, roots: &mut Roots) {
+    for same in zones.by_face(w) {
+        let first = roots.of(same[0]);
+        if same.iter().all(|c| roots.of(*c) == first) {
+            continue;
+        }
+        let stride = same.len().div_ceil(MOST_COMPARED);
+        let spots: Vec<(u32, Point, Point)> = same
+            .iter()
+            .step_by(stride)
+            .map(|i| {
+                let cut = &zones.cuts[*i as usize];
+                let (a, b) = (zones.points[cut.points.0 as usize], zones.points[cut.points.0 as usize + 1]);
+                (*i, scaled(&add(&a, &b), 0.5), zones.faces[1 - w][cut.faces[1 - w] as usize].normal)
+            })
+            .collect();
+        // The nearest cuts of each two zones.
+        let mut nearest: Vec<(u32, u32, f64, usize, usize)> = Vec::new();
+        for i in 0..spots.len() {
+            for j in 0..i {
+                let (a, b) = (roots.of(spots[i].0), roots.of(spots[j].0));
+                if a == b {
+                    continue;
+                }
+                let key = (a.min(b), a.max(b));
+                let way = sub(&spots[i].1, &spots[j].1);
+                let square = dot(&way, &way);
+                match nearest.iter_mut().find(|n| (n.0, n.1) == key) {
+                    Some(n) if n.2 <= square => {}
+                    Some(n) => *n = (key.0, key.1, square, i, j),
+                    None => nearest.push((key.0, key.1, square, i, j)),
+                }
+            }
+        }
+        for (_, _, square, i, j) in nearest {
+            let way = sub(&spots[j].1, &spots[i].1);
+            let behind = -0.1 * square.sqrt();
+            if dot(&way, &spots[i].2) < behind || -dot(&way, &spots[j].2) < behind {
+                roots.join(spots[i].0, spots[j].0);
+            }
+        }
+    }
+}
