@@ -18,8 +18,15 @@ pub struct Dividers {
     slack: Lane32,
 }
 
+/// The pieces of a cluster that are surely above planes, by plane; found out about when first asked for.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Above {
+    is_known: u16,
+    lanes: [u16; LANES],
+}
+
 impl Dividers {
-    /// Of planes sorted by part the first sixteen of each.
+    /// Of planes sorted by part the first sixteen of each; of no more than 256 parts.
     pub fn new(planes: &[Divider], frame: &Frame, slack: f32) -> Vec<Dividers> {
         let of_part = |planes: &[Divider]| {
             let mut lanes = Dividers {
@@ -42,31 +49,37 @@ impl Dividers {
             }
             lanes
         };
-        planes.chunk_by(|p, q| p.part == q.part).map(of_part).collect()
+        planes.chunk_by(|p, q| p.part == q.part).take(1 << u8::BITS).map(of_part).collect()
     }
 
-    /// Those of a part.
+    /// The place among all of those of a part, and which of them a piece of a block surely is behind: none where it has none.
     #[inline(always)]
-    pub fn of(all: &[Dividers], part: u32) -> Option<&Dividers> {
+    pub fn judge<S: Simd>(s: S, all: &[Dividers], part: u32, half: &HalfBlock, piece: usize) -> (u8, u16) {
         let mut i = 0;
         while i < all.len() && all[i].part != part {
             i += 1;
         }
-        all.get(i)
+        if i == all.len() {
+            return (0, 0);
+        }
+        let (_, far) = half.along(s, piece, &load3(s, &all[i].normals));
+        (i as u8, !s.above(far, s.load(&all[i].highest)))
     }
 
-    /// Of some lanes of a cluster those that no plane surely holds apart from a piece of a block.
+    /// Of some lanes of a cluster those that none of the planes `behind` is surely below of.
     #[inline(always)]
-    pub fn sift<S: Simd>(&self, s: S, placed: &PlacedPieces, half: &HalfBlock, piece: usize, lanes: u32) -> u32 {
-        let mut lanes = lanes;
-        let (_, far) = half.along(s, piece, &load3(s, &self.normals));
-        let mut below = !s.above(far, s.load(&self.highest));
-        while below != 0 && lanes != 0 {
-            let i = below.trailing_zeros() as usize;
-            below &= below - 1;
-            let n = [s.splat(self.normals[0][i]), s.splat(self.normals[1][i]), s.splat(self.normals[2][i])];
-            let (near, _) = placed.along(s, &n);
-            lanes &= !u32::from(s.above(near, s.splat(self.lowest[i] + self.slack[i])));
+    pub fn sift<S: Simd>(&self, s: S, placed: &PlacedPieces, above: &mut Above, behind: u16, lanes: u32) -> u32 {
+        let (mut behind, mut lanes) = (behind, lanes);
+        while behind != 0 && lanes != 0 {
+            let i = behind.trailing_zeros() as usize;
+            behind &= behind - 1;
+            if above.is_known >> i & 1 == 0 {
+                above.is_known |= 1 << i;
+                let n = [s.splat(self.normals[0][i]), s.splat(self.normals[1][i]), s.splat(self.normals[2][i])];
+                let (near, _) = placed.along(s, &n);
+                above.lanes[i] = s.above(near, s.splat(self.lowest[i] + self.slack[i]));
+            }
+            lanes &= !u32::from(above.lanes[i]);
         }
         lanes
     }

@@ -3,6 +3,7 @@
 use super::dividers::Dividers;
 use super::near::{gaps, NearScratch, Search};
 use super::pieces::HalfBlock;
+use super::FANOUT;
 use crate::lanes::{load3, PlacedPieces, LANES};
 use crate::simd::{prefetch, Simd};
 
@@ -12,11 +13,12 @@ use crate::simd::{prefetch, Simd};
 pub fn scan<S: Simd>(s: S, run: &mut Search<'_, '_>, scratch: &mut NearScratch, cluster: usize, block: u32) -> bool {
     let NearScratch { clusters, block: unpacked, seen, candidates, .. } = scratch;
     let node = &run.blocks.levels[0][block as usize];
-    let placed = clusters.get(s, run, cluster);
+    let (placed, above) = clusters.get(s, run, cluster);
     let halves = &mut unpacked.halves;
     if unpacked.block != block {
         unpacked.block = block;
         unpacked.has_corners = false;
+        unpacked.is_judged = 0;
         halves[0].unpack_boxes(s, node, 0);
         halves[1].unpack_boxes(s, node, 1);
     }
@@ -35,39 +37,49 @@ pub fn scan<S: Simd>(s: S, run: &mut Search<'_, '_>, scratch: &mut NearScratch, 
     let packed = &run.blocks.pieces[block as usize];
     let mesh = run.wanted.mockup.mesh();
     candidates.clear();
+    // Pieces with the lanes whose boxes are near. Whether there are any cannot be foreseen: no branch depends on it.
+    let mut near = [(0, 0); FANOUT];
+    let mut count = 0;
     while found != 0 {
         let piece = found.trailing_zeros() as usize;
         found &= found - 1;
-        let (h, lane) = (piece / LANES, piece % LANES);
-        let bounds = halves[h].boxes_lane(lane);
+        let bounds = halves[piece / LANES].boxes_lane(piece % LANES);
         let squared = gaps(s, &placed.boxes.lower, &placed.boxes.upper, &bounds);
-        let mut lanes = u32::from(!s.above(squared, limit)) & u32::from(slots.corners.used);
-        if lanes == 0 {
-            continue;
+        let lanes = u32::from(!s.above(squared, limit)) & u32::from(slots.corners.used);
+        near[count] = (piece, lanes);
+        count += usize::from(lanes != 0);
+    }
+    if count > 0 && !unpacked.has_corners {
+        unpacked.has_corners = true;
+        for h in 0..2 {
+            halves[h].unpack_corners(s, packed, h, slack);
         }
-        let mut boxes = [0.0; LANES];
-        s.store(squared, &mut boxes);
-        if !unpacked.has_corners {
-            unpacked.has_corners = true;
-            for h in 0..2 {
-                halves[h].unpack_corners(s, packed, h, slack);
-            }
-        }
+    }
+    for &(piece, mut lanes) in &near[..count] {
+        let (h, lane) = (piece / LANES, piece % LANES);
         let triangle = packed.triangles[piece];
         if !run.dividers.is_empty() {
-            if let Some(dividers) = Dividers::of(&run.dividers, run.wanted.mockup.part_of_face(triangle)) {
-                lanes = dividers.sift(s, placed, &halves[h], lane, lanes);
-                if lanes == 0 {
-                    continue;
-                }
+            if unpacked.is_judged >> piece & 1 == 0 {
+                unpacked.is_judged |= 1 << piece;
+                let part = run.wanted.mockup.part_of_face(triangle);
+                unpacked.behind[piece] = Dividers::judge(s, &run.dividers, part, &halves[h], lane);
+            }
+            let (i, behind) = unpacked.behind[piece];
+            lanes = run.dividers[i as usize].sift(s, placed, &mut above[i as usize], behind, lanes);
+            if lanes == 0 {
+                continue;
             }
         }
         placed.need_normals(s);
         let mut planes = Planes::ZERO;
         lanes &= u32::from(planes.of(s, placed, &halves[h], lane, &run.direction, run.limit));
-        if lanes != 0 {
-            prefetch(&mesh.faces()[triangle as usize]);
+        if lanes == 0 {
+            continue;
         }
+        prefetch(&mesh.faces()[triangle as usize]);
+        let mut boxes = [0.0; LANES];
+        let bounds = halves[h].boxes_lane(lane);
+        s.store(gaps(s, &placed.boxes.lower, &placed.boxes.upper, &bounds), &mut boxes);
         while lanes != 0 {
             let i = lanes.trailing_zeros() as usize;
             lanes &= lanes - 1;

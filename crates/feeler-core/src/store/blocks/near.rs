@@ -3,7 +3,7 @@
 //! Bounds are squares of distances in frame units, from boxes in float32 that cover what they stand for; they are compared with
 //! [`Search::limit`], which is rounded up, so nothing of interest is dropped.
 
-use super::dividers::Dividers;
+use super::dividers::{Above, Dividers};
 use super::leaf::Candidate;
 use super::node::Node;
 use super::pieces::HalfBlock;
@@ -41,6 +41,8 @@ pub struct PlacedClusters {
     /// For each cluster the search that placed it, and where.
     places: Vec<(u32, u32)>,
     placed: Vec<PlacedPieces>,
+    /// For each of those and each part with dividers, one after the other, what is on their far side.
+    above: Vec<Above>,
     count: usize,
     search: u32,
 }
@@ -51,11 +53,20 @@ pub struct UnpackedBlock {
     pub halves: Box<[HalfBlock; 2]>,
     pub block: u32,
     pub has_corners: bool,
+    /// Of the pieces that `is_judged` has: their dividers' place among those of all parts, and which they are behind.
+    pub is_judged: u32,
+    pub behind: [(u8, u16); FANOUT],
 }
 
 impl Default for UnpackedBlock {
     fn default() -> UnpackedBlock {
-        UnpackedBlock { halves: Box::new([HalfBlock::ZERO; 2]), block: u32::MAX, has_corners: false }
+        UnpackedBlock {
+            halves: Box::new([HalfBlock::ZERO; 2]),
+            block: u32::MAX,
+            has_corners: false,
+            is_judged: 0,
+            behind: [(0, 0); FANOUT],
+        }
     }
 }
 
@@ -67,6 +78,7 @@ impl PlacedClusters {
         }
         self.search += 1;
         self.count = 0;
+        self.above.clear();
         if self.places.len() < clusters {
             self.places.resize(clusters, (0, 0));
         }
@@ -74,10 +86,12 @@ impl PlacedClusters {
 
     /// A cluster at the pose.
     #[inline(always)]
-    pub fn get<S: Simd>(&mut self, s: S, run: &Search<'_, '_>, cluster: usize) -> &mut PlacedPieces {
+    pub fn get<S: Simd>(&mut self, s: S, run: &Search<'_, '_>, cluster: usize) -> (&mut PlacedPieces, &mut [Above]) {
         let (search, at) = self.places[cluster];
+        let parts = run.dividers.len();
         if search == self.search {
-            return &mut self.placed[at as usize];
+            let at = at as usize;
+            return (&mut self.placed[at], &mut self.above[at * parts..(at + 1) * parts]);
         }
         let at = self.count;
         self.count += 1;
@@ -87,7 +101,8 @@ impl PlacedClusters {
         }
         let placed = &mut self.placed[at];
         run.placement.place_pieces(s, &run.wanted.tool.clusters()[cluster].corners, placed);
-        placed
+        self.above.resize(self.above.len() + parts, Above::default());
+        (placed, &mut self.above[at * parts..])
     }
 }
 
