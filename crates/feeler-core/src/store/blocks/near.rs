@@ -170,6 +170,8 @@ impl Kernel for Descend<'_, '_, '_> {
         let Descend { run, scratch, bounds } = self;
         let tool = run.wanted.tool;
         let levels = &run.blocks.levels;
+        // Where all is collected the order is of no use.
+        let is_sorted = !run.wanted.is_collecting();
         scratch.stack.clear();
         scratch.stack.push(Pair {
             bound: 0.0,
@@ -197,7 +199,7 @@ impl Kernel for Descend<'_, '_, '_> {
                 let mut placed = LaneBoxes::ZERO;
                 run.placement.place_boxes(s, boxes, &mut placed);
                 let mut found = near.of_lanes(s, &placed, &node.bounds(), run.limit) & u32::from(boxes.used);
-                let count = near.sort(&mut found);
+                let count = near.list(&mut found, is_sorted);
                 for at in (0..count).rev() {
                     let i = near.order[at] as u32 as usize;
                     let entry = LANES as u32 * pair.entry + i as u32;
@@ -214,7 +216,7 @@ impl Kernel for Descend<'_, '_, '_> {
                 }
             } else {
                 let mut found = near.of_children(s, node, &pair.bounds, run.limit);
-                let count = near.sort(&mut found);
+                let count = near.list(&mut found, is_sorted);
                 for at in (0..count).rev() {
                     let i = near.order[at] as u32 as usize;
                     let child = FANOUT as u32 * pair.node + i as u32;
@@ -250,7 +252,7 @@ pub struct Near {
     pub bounds: [f32; FANOUT],
     /// Squares of distances between the middles.
     middles: [f32; FANOUT],
-    /// Key in the upper half, place in the lower; see [`sort`](Self::sort).
+    /// Key in the upper half, place in the lower; see [`list`](Self::list).
     pub order: [u64; FANOUT],
 }
 
@@ -296,10 +298,10 @@ impl Near {
         u32::from(!s.above(squared, s.splat(limit)))
     }
 
-    /// Puts the places chosen into `order`, nearest first; of boxes that overlap, those whose middles are closer. Returns how
-    /// many.
+    /// Puts the places chosen into `order`, if that is asked for nearest first; of boxes that overlap, those whose middles are
+    /// closer. Returns how many.
     #[inline(always)]
-    pub fn sort(&mut self, chosen: &mut u32) -> usize {
+    pub fn list(&mut self, chosen: &mut u32, is_sorted: bool) -> usize {
         let mut count = 0;
         while *chosen != 0 {
             let i = chosen.trailing_zeros() as usize;
@@ -308,7 +310,7 @@ impl Near {
             let key = self.bounds[i] + 1e-3 * self.middles[i];
             let key = u64::from(key.to_bits()) << 32 | i as u64;
             let mut at = count;
-            while at > 0 && self.order[at - 1] > key {
+            while is_sorted && at > 0 && self.order[at - 1] > key {
                 self.order[at] = self.order[at - 1];
                 at -= 1;
             }
