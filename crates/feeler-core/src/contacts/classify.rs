@@ -23,11 +23,12 @@ pub(crate) fn classify(ground: &Ground<'_>, part: u32, zones: &mut Zones) {
                 for (k, best) in best.iter_mut().enumerate() {
                     let square = squares[*c as usize][3 * w + k];
                     let is_level = best.1 != NONE && square >= best.0 * (1.0 - 1e-9) && square <= best.0 * (1.0 + 1e-9);
-                    if square < best.0 && !is_level
-                        || is_level && steepness(zones, w, k, (square, *c)) > steepness(zones, w, k, *best)
-                    {
-                        *best = (square, *c);
-                    }
+                    *best = match is_level {
+                        true if steepness(zones, w, k, (square, *c)) > steepness(zones, w, k, *best) => (square, *c),
+                        true => *best,
+                        // By place: which one it is cannot be foreseen.
+                        false => [*best, (square, *c)][usize::from(square < best.0)],
+                    };
                 }
             }
             best

@@ -22,10 +22,14 @@ pub(crate) fn push_shared(p: &Triangle, n: &Point, q: &Triangle, m: &Point, out:
         }
         return;
     }
-    let (first, second) = (ends(p, &q[0], m, &line), ends(q, &p[0], n, &line));
+    let [[a, b], [c, d]] = [ends(p, &q[0], m, &line), ends(q, &p[0], n, &line)];
+    // Choices are by place: which way they go cannot be foreseen, and a wrong guess of the processor costs more than the rest.
+    let all = [a, b, c, d];
+    let sorted = |i: usize| [i + usize::from(all[i + 1].0 < all[i].0), i + usize::from(all[i + 1].0 >= all[i].0)];
+    let ([a, b], [c, d]) = (sorted(0), sorted(2));
     // The later of the two beginnings, the earlier of the two ends.
-    let from = [first[0], second[0]][usize::from(second[0].0 > first[0].0)];
-    let to = [first[1], second[1]][usize::from(second[1].0 < first[1].0)];
+    let from = &all[[a, c][usize::from(all[c].0 > all[a].0)]];
+    let to = &all[[b, d][usize::from(all[d].0 < all[b].0)]];
     if from.0 <= to.0 {
         out.extend([from.1, to.1]);
     } else {
@@ -35,13 +39,13 @@ pub(crate) fn push_shared(p: &Triangle, n: &Point, q: &Triangle, m: &Point, out:
     }
 }
 
-/// Where the border of `t` passes through the plane with normal `m` through `other`: first and last along `direction`.
+/// Where the border of `t` passes through the plane with normal `m` through `other`, at two places; and how far along
+/// `direction` they are.
 fn ends(t: &Triangle, other: &Point, m: &Point, direction: &Point) -> [(f64, Point); 2] {
     let height = t.map(|p| dot(&sub(&p, other), m));
     let below = height.map(|h| h < 0.0);
     let through = |edge: [usize; 2]| {
-        // From the same end whichever triangle the edge is seen from, so that both have the same point. Choices are by place:
-        // which way they go cannot be foreseen, and a wrong guess of the processor costs more than the rest.
+        // From the same end whichever triangle the edge is seen from, so that both have the same point.
         let [p, q] = edge.map(|k| &t[k]);
         let is_first = (p[0] < q[0]) | (p[0] == q[0]) & ((p[1] < q[1]) | (p[1] == q[1]) & (p[2] < q[2]));
         let [i, j] = [edge[usize::from(!is_first)], edge[usize::from(is_first)]];
@@ -51,9 +55,7 @@ fn ends(t: &Triangle, other: &Point, m: &Point, direction: &Point) -> [(f64, Poi
     if height.iter().all(|h| *h != 0.0) && (below[0] != below[1] || below[0] != below[2]) {
         // One corner is alone on its side.
         let alone = usize::from(below[0] == below[2]) + 2 * usize::from(below[0] == below[1]);
-        let found = [through([alone, (alone + 1) % 3]), through([alone, (alone + 2) % 3])];
-        let first = usize::from(found[1].0 < found[0].0);
-        return [found[first], found[1 - first]];
+        return [through([alone, (alone + 1) % 3]), through([alone, (alone + 2) % 3])];
     }
     let mut found = [(f64::INFINITY, t[0]), (f64::NEG_INFINITY, t[0])];
     let take = |found: &mut [(f64, Point); 2], (s, p): (f64, Point)| {

@@ -17,6 +17,12 @@ impl Roots {
         i
     }
 
+    /// Makes the next questions short.
+    pub fn flatten(&mut self) {
+        // Roots come first.
+        (0..self.0.len()).for_each(|i| self.0[i] = self.0[self.0[i] as usize]);
+    }
+
     pub fn join(&mut self, i: u32, j: u32) {
         let (a, b) = (self.of(i), self.of(j));
         // The smaller number is the root, so that the order of joins does not show.
@@ -56,6 +62,7 @@ const MOST_COMPARED: usize = 256;
 /// Two curves on one large triangle are of one zone where what lies between them is beyond the other surface: a finer mesh has
 /// triangles there, and the walk would find them.
 pub(crate) fn join_across_faces(w: usize, zones: &Zones, roots: &mut Roots) {
+    roots.flatten();
     for same in zones.by_face(w) {
         let first = roots.of(same[0]);
         if same.iter().all(|c| roots.of(*c) == first) {

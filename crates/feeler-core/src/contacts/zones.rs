@@ -11,7 +11,7 @@ use crate::contacts::joins::{join_across_faces, join_along_the_curve, Roots};
 use crate::contacts::numbered::{Numbered, NumberedBelow};
 use crate::contacts::walk::walk;
 use crate::contacts::Ground;
-use crate::simd::WIDE_LANES;
+use crate::simd::{prefetch, WIDE_LANES};
 use crate::vectors::{dot, normal, scaled, sub};
 
 /// A triangle that is cut.
@@ -191,6 +191,7 @@ pub(crate) fn find<'a>(ground: &Ground<'_>, pairs: &[[u32; 2]], scratch: &'a mut
         let faces = [TOOL, MOCKUP].map(|w| {
             let (place, is_new) = places.number(w, pair[w]);
             if is_new {
+                prefetch(&ground.adjacency[w].neighbours[pair[w] as usize]);
                 let outward = ground.adjacency[w].outward[pair[w] as usize];
                 zones.faces[w].push(Face::new(pair[w], ground.triangle(w, pair[w]), outward));
             }
