@@ -7,13 +7,16 @@ use crate::contacts::zones::{MOCKUP, TOOL};
 use crate::contacts::{ContactPlane, Ground};
 use crate::proximity::Candidate;
 use crate::simd::{prefetch, Checked, Kernel, Simd, WIDE_LANES};
-use crate::vectors::{dot, normal, scaled, sub};
+use crate::vectors::{dot, normal, scaled};
 
 /// Sine by which the way to the tool may point into the mock-up's side.
 pub(crate) const BEHIND: f64 = 1e-3;
 
 /// Most planes that are looked at before there are pairs.
-const MOST_AT_ONCE: usize = 64;
+const MOST_AT_ONCE: usize = 56;
+
+/// By surface the bit of triangles that are wholly inside the other surface; every triangle of the other has it too.
+const INSIDE: [u64; 2] = [1 << 62, 1 << 63];
 
 /// A pair of triangles with a bound on its distance, metres.
 #[derive(Debug, Clone, Copy)]
@@ -30,12 +33,10 @@ pub(crate) struct Near {
 struct Side {
     ids: Vec<u32>,
     corners: Vec<Triangle>,
-    /// The planes on whose side a triangle is, one bit each.
+    /// The planes on whose side a triangle is, one bit each; and [`INSIDE`]. A pair that shares a bit is not sought.
     held: Vec<u64>,
-    /// Whether it is wholly inside the other surface.
-    is_inside: Vec<bool>,
-    /// Outward normals, zero where not known, once they are asked for.
-    outward: Vec<Option<Point>>,
+    /// Outward normals, zero where not known, and how high the triangles are along them, once they are asked for.
+    outward: Vec<Option<(Point, f64)>>,
 }
 
 impl Side {
@@ -46,11 +47,14 @@ impl Side {
         number
     }
 
-    fn outward(&mut self, ground: &Ground<'_>, w: usize, place: u32) -> Point {
+    fn outward(&mut self, ground: &Ground<'_>, w: usize, place: u32) -> (Point, f64) {
         let i = place as usize;
-        *self.outward[i].get_or_insert_with(|| match ground.adjacency[w].outward[self.ids[i] as usize] {
-            0 => [0.0; 3],
-            side => normal(&self.corners[i]).map_or([0.0; 3], |n| scaled(&n, f64::from(side))),
+        *self.outward[i].get_or_insert_with(|| {
+            let n = match ground.adjacency[w].outward[self.ids[i] as usize] {
+                0 => [0.0; 3],
+                side => normal(&self.corners[i]).map_or([0.0; 3], |n| scaled(&n, f64::from(side))),
+            };
+            (n, dot(&self.corners[i][0], &n))
         })
     }
 }
@@ -96,8 +100,6 @@ impl Sift {
         self.gather(ground, candidates, sought);
         let (first, more) = planes.split_at(planes.len().min(MOST_AT_ONCE));
         for (w, side) in self.sides.iter_mut().enumerate() {
-            side.held.clear();
-            side.held.resize(side.ids.len(), 0);
             for (i, eight) in first.chunks(WIDE_LANES).enumerate() {
                 hold(ground.lanes, eight, w, sought.tolerance, &side.corners, &mut side.held, 8 * i);
             }
@@ -107,7 +109,7 @@ impl Sift {
             let places = self.places[i];
             let [t, m] = places.map(|p| p as usize);
             let [tool, mockup] = &self.sides;
-            if tool.held[t] & mockup.held[m] != 0 || tool.is_inside[t] || mockup.is_inside[m] {
+            if tool.held[t] & mockup.held[m] != 0 {
                 continue;
             }
             let pair = [c.tool_triangle, c.mockup_triangle];
@@ -178,8 +180,9 @@ impl Sift {
         for (w, side) in self.sides.iter_mut().enumerate() {
             side.corners.clear();
             side.corners.extend(side.ids.iter().map(|id| ground.triangle(w, *id)));
-            side.is_inside.clear();
-            side.is_inside.extend(side.ids.iter().map(|id| sought.inside[w].binary_search(id).is_ok()));
+            let is_inside = |id: &u32| sought.inside[w].binary_search(id).is_ok();
+            side.held.clear();
+            side.held.extend(side.ids.iter().map(|id| INSIDE[1 - w] | if is_inside(id) { INSIDE[w] } else { 0 }));
             side.outward.clear();
             side.outward.resize(side.ids.len(), None);
         }
@@ -187,10 +190,11 @@ impl Sift {
 
     /// Whether one of two triangles is wholly behind the other: then it is near a surface, but not held off by it.
     fn is_behind(&mut self, ground: &Ground<'_>, places: [u32; 2], sought: &Sought<'_>) -> bool {
-        let [n, m] = [TOOL, MOCKUP].map(|w| self.sides[w].outward(ground, w, places[w]));
+        let [of_tool, of_mockup] = [TOOL, MOCKUP].map(|w| self.sides[w].outward(ground, w, places[w]));
         let [p, q] = [TOOL, MOCKUP].map(|w| self.corners(w, places[w]));
-        let is_behind = |x: &Point, on: &Point, n: &Point| dot(&sub(x, on), n) < -BEHIND * sought.margin;
-        p.iter().all(|x| is_behind(x, &q[0], &m)) || q.iter().all(|x| is_behind(x, &p[0], &n))
+        let highest = |t: &Triangle, n: &Point| dot(&t[0], n).max(dot(&t[1], n)).max(dot(&t[2], n));
+        let is_behind = |t: &Triangle, (n, height): (Point, f64)| highest(t, &n) - height < -BEHIND * sought.margin;
+        is_behind(p, of_mockup) | is_behind(q, of_tool)
     }
 }
 
