@@ -8,17 +8,21 @@ use crate::distance_triangle_triangle::{closest_within, Closest, LEAST_SQUARE, N
 use crate::intersect_lanes::{gathered, Vector};
 use crate::simd::{Checked, Kernel, Simd, WIDE_LANES};
 
-/// Where triangles that do **not meet** are closest, as [`closest_within`] has it: up to eight pairs, `None` in what is beyond.
-pub(crate) fn closest_apart(
+/// Where triangles that do **not meet** are closest, as [`closest_within`] has it: so many pairs, up to eight; `None` in what is
+/// beyond.
+pub(crate) fn closest_apart<'a>(
     lanes: Checked,
-    pairs: &[(Triangle, Triangle)],
+    count: usize,
+    pair: impl Fn(usize) -> (&'a Triangle, &'a Triangle),
     within: f64,
 ) -> [Option<Closest>; WIDE_LANES] {
     let mut found = [None; WIDE_LANES];
-    let Some(last) = pairs.last() else { return found };
-    let eight: [&(Triangle, Triangle); WIDE_LANES] = std::array::from_fn(|i| pairs.get(i).unwrap_or(last));
-    let out = lanes.run(Apart { pairs: &eight, within });
-    for (i, (p, q)) in pairs.iter().enumerate().take(WIDE_LANES) {
+    if count == 0 {
+        return found;
+    }
+    let pairs: [_; WIDE_LANES] = std::array::from_fn(|i| pair(i.min(count - 1)));
+    let out = lanes.run(Apart { pairs: &pairs, within });
+    for (i, (p, q)) in pairs.iter().enumerate().take(count) {
         if out.doubt >> i & 1 != 0 {
             found[i] = closest_within(p, q, within);
             continue;
@@ -44,7 +48,7 @@ struct Found {
 }
 
 struct Apart<'a> {
-    pairs: &'a [&'a (Triangle, Triangle); WIDE_LANES],
+    pairs: &'a [(&'a Triangle, &'a Triangle); WIDE_LANES],
     within: f64,
 }
 
@@ -317,7 +321,7 @@ mod tests {
                 .filter(|(p, q)| closest_within(p, q, f64::INFINITY).is_some_and(|c| c.distance > 0.0))
                 .collect();
             for level in Level::available() {
-                let found = closest_apart(level.checked(), &pairs, within);
+                let found = closest_apart(level.checked(), pairs.len(), |i| (&pairs[i].0, &pairs[i].1), within);
                 for (i, (p, q)) in pairs.iter().enumerate() {
                     prop_assert_eq!(found[i], closest_within(p, q, within), "{:?} {}", level, i);
                 }

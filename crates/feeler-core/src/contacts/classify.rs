@@ -33,12 +33,13 @@ pub(crate) fn classify(ground: &Ground<'_>, part: u32, zones: &mut Zones) {
             }
             best
         }));
+        let enclosure = ground.enclosure(1 - w, part);
         for (i, best) in nearest.iter().enumerate() {
             for (k, (square, cut)) in best.iter().enumerate().filter(|(_, best)| best.1 != NONE) {
                 let (corner, other) = (&zones.faces[w][i].corners[k], zones.face(1 - w, *cut));
                 let height = dot(&sub(corner, &zones.ends(*cut)[0]), &other.normal);
                 let is_on = *square == 0.0 || height * height < 1e-18 * square;
-                let is_outside = || other.closed && !ground.may_enclose(1 - w, part, corner);
+                let is_outside = || other.closed && !ground.is_enclosed(1 - w, &enclosure, corner);
                 let side = match height < 0.0 {
                     _ if is_on => 0,
                     true if !is_outside() => -1,

@@ -163,12 +163,11 @@ impl<'a> NearPairs<'a> {
 
     /// Measures at most eight pairs that do not meet.
     fn measure_all(&mut self, batch: &[Near], part: u32) {
-        let mut pairs = [([[0.0; 3]; 3], [[0.0; 3]; 3]); WIDE_LANES];
-        for (near, (p, q)) in batch.iter().zip(&mut pairs) {
+        let corners = |near: &Near| {
             let [t, m] = near.places;
-            (*p, *q) = (*self.lists.sift.corners(TOOL, t), *self.lists.sift.corners(MOCKUP, m));
-        }
-        let found = closest_apart(self.ground.lanes, &pairs[..batch.len()], self.margin);
+            (self.lists.sift.corners(TOOL, t), self.lists.sift.corners(MOCKUP, m))
+        };
+        let found = closest_apart(self.ground.lanes, batch.len(), |i| corners(&batch[i]), self.margin);
         for (near, closest) in batch.iter().zip(found) {
             self.note(near.pair, closest.map(|c| gap_of(near.pair, part, &c)));
         }

@@ -42,7 +42,7 @@ pub use tracker::ContactTracker;
 
 use std::cmp::Ordering;
 
-use crate::bounds::{Point, Triangle};
+use crate::bounds::{Aabb, Point, Triangle};
 use crate::contacts::adjacency::NONE;
 use crate::contacts::body::Bodies;
 use crate::contacts::by_part::ByPart;
@@ -173,15 +173,21 @@ impl Ground<'_> {
         beside_t.into_iter().chain(beside_m).filter(|pair| !pair.contains(&NONE))
     }
 
-    /// Whether a point (world) is in the box of the tool, or of a part of the mock-up, with what rounding may add: outside it
-    /// is outside the solid.
-    fn may_enclose(&self, w: usize, part: u32, p: &Point) -> bool {
-        let (b, q, slack) = match w {
-            TOOL => (self.tool.mesh().bounds(), self.in_tool(p), self.tool.margin_at(self.pose)),
-            _ => (self.mockup.part_bounds()[part as usize], *p, 0.0),
+    /// The box of the tool, in its own frame, or of a part of the mock-up, with what rounding may add: outside it is outside the
+    /// solid.
+    fn enclosure(&self, w: usize, part: u32) -> Aabb {
+        let (b, slack) = match w {
+            TOOL => (self.tool.mesh().bounds(), self.tool.margin_at(self.pose)),
+            _ => (self.mockup.part_bounds()[part as usize], 0.0),
         };
         let slack = slack + 1e-9 * (0..3).map(|a| b.upper[a] - b.lower[a]).fold(0.0, f64::max);
-        (0..3).all(|a| b.lower[a] - slack <= q[a] && q[a] <= b.upper[a] + slack)
+        Aabb { lower: b.lower.map(|x| x - slack), upper: b.upper.map(|x| x + slack) }
+    }
+
+    /// Whether a point (world) is in such a box.
+    fn is_enclosed(&self, w: usize, enclosure: &Aabb, p: &Point) -> bool {
+        let q = if w == TOOL { self.in_tool(p) } else { *p };
+        (0..3).all(|a| enclosure.lower[a] <= q[a] && q[a] <= enclosure.upper[a])
     }
 
     /// A point of the world in the tool's own frame.
@@ -363,15 +369,17 @@ impl ContactPlane {
 
 impl Contacts {
     fn finish(&mut self) {
+        self.planes.sort_by(ContactPlane::order);
+        self.omitted = self.planes.len().saturating_sub(MOST_PLANES);
+        self.planes.truncate(MOST_PLANES);
         for plane in &mut self.planes {
             for ids in [&mut plane.tool_triangles, &mut plane.mockup_triangles] {
+                // Those of one triangle mostly come one after the other.
+                ids.dedup();
                 ids.sort_unstable();
                 ids.dedup();
             }
         }
-        self.planes.sort_by(ContactPlane::order);
-        self.omitted = self.planes.len().saturating_sub(MOST_PLANES);
-        self.planes.truncate(MOST_PLANES);
     }
 
     /// The largest penetration, metres; 0 where nothing is deep.

@@ -27,6 +27,7 @@ pub(crate) fn walk(
     roots: &mut Roots,
 ) -> (Vec<(u32, u32)>, bool) {
     let adjacency: &Adjacency = ground.adjacency[w];
+    let enclosure = ground.enclosure(1 - w, part);
     // Each triangle with a cut of its zone, whose plane it is held against.
     let mut found: Vec<(u32, u32)> = Vec::new();
     seen.clear();
@@ -67,7 +68,7 @@ pub(crate) fn walk(
         if !plane.closed && t.iter().any(|p| dot(&sub(p, at), &plane.normal) > 0.0) {
             return;
         }
-        if (plane.closed || w == MOCKUP) && !t.iter().all(|p| ground.may_enclose(1 - w, part, p)) {
+        if (plane.closed || w == MOCKUP) && !t.iter().all(|p| ground.is_enclosed(1 - w, &enclosure, p)) {
             if plane.closed && from.is_some() {
                 leaks.push(cut);
             }
