@@ -6,7 +6,7 @@
 use crate::bounds::{Point, Triangle};
 use crate::contacts::adjacency::NONE;
 use crate::contacts::classify::classify;
-use crate::contacts::cut::push_shared;
+use crate::contacts::cut::find_points;
 use crate::contacts::joins::{join_across_faces, join_along_the_curve, Roots};
 use crate::contacts::numbered::{Numbered, NumberedBelow};
 use crate::contacts::walk::walk;
@@ -30,7 +30,7 @@ pub(crate) struct Face {
 }
 
 impl Face {
-    fn new(id: u32, corners: Triangle, outward: i8) -> Face {
+    pub fn new(id: u32, corners: Triangle, outward: i8) -> Face {
         let n = normal(&corners).unwrap_or([0.0; 3]);
         Face {
             id,
@@ -197,12 +197,11 @@ pub(crate) fn find<'a>(ground: &Ground<'_>, pairs: &[[u32; 2]], scratch: &'a mut
             }
             place
         });
-        let [p, q] = [TOOL, MOCKUP].map(|w| &zones.faces[w][faces[w] as usize]);
-        let from = zones.points.len() as u32;
-        push_shared(&p.corners, &p.normal, &q.corners, &q.normal, &mut zones.points);
-        let flat = dot(&p.normal, &q.normal).abs() > 1.0 - 1e-12;
-        zones.cuts.push(Cut { faces, points: (from, zones.points.len() as u32), flat });
+        let [p, q] = [TOOL, MOCKUP].map(|w| &zones.faces[w][faces[w] as usize].normal);
+        let flat = dot(p, q).abs() > 1.0 - 1e-12;
+        zones.cuts.push(Cut { faces, points: (0, 0), flat });
     }
+    find_points(ground.lanes, &zones.faces, &mut zones.cuts, &mut zones.points);
     let mut roots = Roots((0..zones.cuts.len() as u32).collect());
     zones.sort_by_face();
     join_along_the_curve(ground, zones, &mut roots);
