@@ -119,9 +119,8 @@ impl<'a> NearPairs<'a> {
             let nearest = heap.peek().map_or(f64::INFINITY, |entry: &Entry| entry.distance);
             if near.last().is_some_and(|near| near.bound <= nearest + LEVEL * self.margin) {
                 let batch = near.len().saturating_sub(WIDE_LANES)..near.len();
-                self.measure_all(&near[batch.clone()], part);
-                for near in near.drain(batch) {
-                    let gap = self.known(near.pair);
+                let found = self.measure_all(&near[batch.clone()], part);
+                for (near, gap) in near.drain(batch).zip(found) {
                     if let Some(gap) = gap.filter(|gap| !out.iter().any(|p| is_explained(p, gap, tolerance))) {
                         heap.push(Entry { distance: gap.distance, near });
                     }
@@ -162,15 +161,18 @@ impl<'a> NearPairs<'a> {
     }
 
     /// Measures at most eight pairs that do not meet.
-    fn measure_all(&mut self, batch: &[Near], part: u32) {
+    fn measure_all(&mut self, batch: &[Near], part: u32) -> [Option<Gap>; WIDE_LANES] {
         let corners = |near: &Near| {
             let [t, m] = near.places;
             (self.lists.sift.corners(TOOL, t), self.lists.sift.corners(MOCKUP, m))
         };
         let found = closest_apart(self.ground.lanes, batch.len(), |i| corners(&batch[i]), self.margin);
-        for (near, closest) in batch.iter().zip(found) {
-            self.note(near.pair, closest.map(|c| gap_of(near.pair, part, &c)));
+        let mut gaps = [None; WIDE_LANES];
+        for ((near, closest), gap) in batch.iter().zip(found).zip(&mut gaps) {
+            *gap = closest.map(|c| gap_of(near.pair, part, &c));
+            self.note(near.pair, *gap);
         }
+        gaps
     }
 
     /// The gap of a pair, where it is within a distance of at most the margin.
