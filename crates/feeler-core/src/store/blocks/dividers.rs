@@ -66,7 +66,7 @@ impl Dividers {
         (i as u8, !s.above(far, s.load(&all[i].highest)))
     }
 
-    /// Of some lanes of a cluster those that none of the planes `behind` is surely below of.
+    /// Of some lanes of a cluster those that are not surely above one of the planes `behind`.
     #[inline(always)]
     pub fn sift<S: Simd>(&self, s: S, placed: &PlacedPieces, above: &mut Above, behind: u16, lanes: u32) -> u32 {
         let (mut behind, mut lanes) = (behind, lanes);
