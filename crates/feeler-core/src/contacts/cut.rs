@@ -254,6 +254,7 @@ mod tests {
         let corner = [[0.0, 0.0, 0.0], [0.0, 0.0, 1.0], [-1.0, -1.0, 1.0]];
         assert!(shared(&p, &corner).iter().all(|x| length(x) < 1e-12));
     }
+
     #[test]
     fn eight_at_once_share_the_points_that_each_pair_does() {
         // Small whole numbers: many corners in planes, triangles in one plane and edges across each other.
