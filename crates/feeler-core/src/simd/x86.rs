@@ -110,21 +110,20 @@ fn is_apart(a: [&[f32; 4]; 2], b: [&[f32; 4]; 2]) -> bool {
     }
 }
 
-/// For each axis, in the lowest byte of a 32-bit lane: the largest lower side, and the largest 255 minus the upper side, that a
-/// child may have to meet the box.
+/// For each axis, in the lowest byte of a 32-bit lane: the largest lower side that a child may have to meet the box (first
+/// half), and the largest 255 minus the upper side (second half).
 #[inline(always)]
-fn limits(boxes: &ByteBoxes, b: [&[f32; 4]; 2]) -> (__m128i, __m128i) {
-    // SAFETY: see above; every x86-64 CPU has these.
+fn limits(boxes: &ByteBoxes, b: [&[f32; 4]; 2]) -> __m256i {
+    // SAFETY: see above; both levels have AVX2.
     unsafe {
-        let (origin, per_unit) = (_mm_loadu_ps(boxes.origin.as_ptr()), _mm_loadu_ps(boxes.per_unit.as_ptr()));
-        let (zero, most) = (_mm_setzero_ps(), _mm_set1_ps(255.0));
-        let t = _mm_mul_ps(_mm_sub_ps(_mm_loadu_ps(b[1].as_ptr()), origin), per_unit);
+        let sides = _mm256_set_m128(_mm_loadu_ps(b[0].as_ptr()), _mm_loadu_ps(b[1].as_ptr()));
+        let origin = _mm256_broadcast_ps(&_mm_loadu_ps(boxes.origin.as_ptr()));
+        let per_unit = _mm256_broadcast_ps(&_mm_loadu_ps(boxes.per_unit.as_ptr()));
+        let t = _mm256_mul_ps(_mm256_sub_ps(sides, origin), per_unit);
         // `max` gives its second argument where the first is NaN; the conversion rounds halves to even.
-        let before = _mm_cvtps_epi32(_mm_min_ps(_mm_max_ps(t, zero), most));
-        let t = _mm_mul_ps(_mm_sub_ps(_mm_loadu_ps(b[0].as_ptr()), origin), per_unit);
-        let after = _mm_cvtps_epi32(_mm_min_ps(_mm_max_ps(t, zero), most));
+        let t = _mm256_min_ps(_mm256_max_ps(t, _mm256_setzero_ps()), _mm256_set1_ps(255.0));
         // 255 minus a byte is the byte with all bits turned.
-        (before, _mm_xor_si128(after, _mm_set1_epi32(255)))
+        _mm256_xor_si256(_mm256_cvtps_epi32(t), _mm256_setr_epi32(0, 0, 0, 0, 255, 255, 255, 255))
     }
 }
 
@@ -245,11 +244,8 @@ impl Simd for Avx512 {
     fn children_meeting(self, boxes: &ByteBoxes, b: [&[f32; 4]; 2]) -> u32 {
         // SAFETY: see above; 64 bytes of each axis are loaded, which is all there are.
         unsafe {
-            let (before, after) = limits(boxes, b);
-            let both = _mm512_inserti64x4::<1>(
-                _mm512_castsi256_si512(_mm256_broadcastsi128_si256(before)),
-                _mm256_broadcastsi128_si256(after),
-            );
+            let both = _mm512_castsi256_si512(limits(boxes, b));
+            let both = _mm512_shuffle_i64x2::<0x50>(both, both);
             let mut above = 0;
             for a in 0..3 {
                 let limit = _mm512_shuffle_epi8(both, _mm512_set1_epi8(4 * a as i8));
@@ -564,8 +560,8 @@ impl Simd for Avx2 {
     fn children_meeting(self, boxes: &ByteBoxes, b: [&[f32; 4]; 2]) -> u32 {
         // SAFETY: see above.
         unsafe {
-            let (before, after) = limits(boxes, b);
-            let halves = [_mm256_broadcastsi128_si256(before), _mm256_broadcastsi128_si256(after)];
+            let limits = limits(boxes, b);
+            let halves = [_mm256_permute4x64_epi64::<0x44>(limits), _mm256_permute4x64_epi64::<0xee>(limits)];
             // What is left after subtracting the limit with saturation is not zero where the byte is above it.
             let mut above = _mm256_setzero_si256();
             for a in 0..3 {
