@@ -269,6 +269,22 @@ impl Narrow<'_> {
         self.is_batch_over()
     }
 
+    /// As [`offer_lanes`](Self::offer_lanes), of one tool triangle with the mock-up triangles in the lanes chosen. `ask` says for
+    /// which lanes to ask: each mock-up triangle once, not with every row that it is in.
+    #[inline(always)]
+    pub fn offer_row<S: Simd>(&mut self, s: S, slot: u32, chosen: u16, ask: u16, triangles: &[u32; LANES]) -> bool {
+        let Pending { asked, asked_count, .. } = &mut *self.pending;
+        let first = *asked_count;
+        *asked_count = s.append(ask, triangles, asked, first);
+        for triangle in &asked[first..*asked_count] {
+            prefetch_at(self.mesh.faces(), *triangle as usize);
+        }
+        let from = self.pending.count;
+        self.pending.slots[from..from + LANES].fill(slot);
+        self.pending.count = s.append(chosen, triangles, &mut self.pending.mockup_triangles, from);
+        self.is_batch_over()
+    }
+
     #[inline(always)]
     fn is_batch_over(&mut self) -> bool {
         let batch = if self.first_only { FIRST_BATCH } else { BATCH };

@@ -100,6 +100,21 @@ fn random_soups() {
 }
 
 #[test]
+fn many_small_triangles_under_large_ones() {
+    // Many blocks under one cluster: these are scanned by the tool's pieces, not by their own.
+    let (mockup, tool) = (mockup_of(soup(31, 12_000, 0.02)), tool_of(placed(soup(32, 50, 0.3), 0.8, -0.4)));
+    let poses = poses(33, 6, 0.2, 0.5);
+    let expected: Vec<Pairs> = poses.iter().map(|pose| collide_all_pairs(mockup.mesh(), &tool, pose)).collect();
+    let mut scene = build(&mockup, Storage::Blocks, None).unwrap();
+    for lanes in Level::available() {
+        scene.set_lanes(lanes);
+        check_scene(lanes.name(), &scene, &tool, &poses, &expected);
+    }
+    let found: usize = expected.iter().map(Vec::len).sum();
+    assert!(found > 100, "{found} pairs make no test");
+}
+
+#[test]
 fn long_thin_triangles() {
     for (seed, width) in [(3, 1e-2), (4, 1e-9)] {
         let (mockup, tool) =

@@ -172,6 +172,8 @@ pub(crate) trait Simd: Copy {
     fn abs(self, a: Self::F32) -> Self::F32;
     /// One bit a lane: `a > b`.
     fn above(self, a: Self::F32, b: Self::F32) -> u16;
+    /// `a` where a lane's bit is set, else `b`.
+    fn blend(self, mask: u16, a: Self::F32, b: Self::F32) -> Self::F32;
 
     /// The least of all lanes of each of three values; the fourth is zero.
     fn smallest3(self, x: &[Self::F32; 3]) -> [f32; 4];

@@ -100,6 +100,16 @@ impl Simd for Portable {
         low | high << 8
     }
     #[inline(always)]
+    fn blend(self, mask: u16, a: Self::F32, b: Self::F32) -> Self::F32 {
+        let mut chosen = b;
+        for i in 0..LANES {
+            if mask >> i & 1 == 1 {
+                chosen.0[i] = a.0[i];
+            }
+        }
+        chosen
+    }
+    #[inline(always)]
     fn smallest3(self, x: &[Self::F32; 3]) -> [f32; 4] {
         let mut least = [f32::INFINITY, f32::INFINITY, f32::INFINITY, 0.0];
         for a in 0..3 {

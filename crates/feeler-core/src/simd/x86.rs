@@ -192,6 +192,11 @@ impl Simd for Avx512 {
         unsafe { _mm512_cmp_ps_mask::<_CMP_GT_OQ>(a.0, b.0) }
     }
     #[inline(always)]
+    fn blend(self, mask: u16, a: Self::F32, b: Self::F32) -> Self::F32 {
+        // SAFETY: see above.
+        unsafe { One(_mm512_mask_blend_ps(mask, b.0, a.0)) }
+    }
+    #[inline(always)]
     fn smallest3(self, x: &[Self::F32; 3]) -> [f32; 4] {
         // SAFETY: see above.
         unsafe {
@@ -504,6 +509,17 @@ impl Simd for Avx2 {
             let low = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_GT_OQ>(a.0, b.0));
             let high = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_GT_OQ>(a.1, b.1));
             (low | high << 8) as u16
+        }
+    }
+    #[inline(always)]
+    fn blend(self, mask: u16, a: Self::F32, b: Self::F32) -> Self::F32 {
+        // SAFETY: see above.
+        unsafe {
+            let bits = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
+            let (low, high) = (_mm256_set1_epi32(mask.into()), _mm256_set1_epi32((mask >> 8).into()));
+            let low = _mm256_castsi256_ps(_mm256_cmpeq_epi32(_mm256_and_si256(low, bits), bits));
+            let high = _mm256_castsi256_ps(_mm256_cmpeq_epi32(_mm256_and_si256(high, bits), bits));
+            Two(_mm256_blendv_ps(b.0, a.0, low), _mm256_blendv_ps(b.1, a.1, high))
         }
     }
     #[inline(always)]

@@ -2,6 +2,7 @@
 
 use super::node::Node;
 use super::pieces::HalfBlock;
+use super::rows::RowsScratch;
 use super::scan::{Arrival, PiecePair, Reached, Scan, PIECE_PAIRS};
 use super::{Blocks, FANOUT};
 use crate::lanes::{Box4, BoxLanes, LaneBoxes, PlaceBoxes, PlacedPieces, Placement, SpreadBoxes, LANES};
@@ -25,6 +26,7 @@ pub struct BlocksScratch {
     /// Clusters of the group that meet pieces of a block, and which.
     pub(super) found: Vec<(u32, u32)>,
     pub(super) pairs: Box<[PiecePair; PIECE_PAIRS]>,
+    pub(super) rows: Box<RowsScratch>,
 }
 
 /// Entries that lists of a query have room for from the start.
@@ -44,6 +46,7 @@ impl Default for BlocksScratch {
             runs: Vec::with_capacity(ROOM),
             found: vec![(0, 0); ROOM],
             pairs: Box::new([PiecePair::ZERO; PIECE_PAIRS]),
+            rows: Box::default(),
         }
     }
 }
@@ -65,9 +68,7 @@ impl Blocks {
         let mut descent = Descent { blocks: self, tool, placement, scratch };
         descent.scratch.reached[1].group = None;
         if !descent.descend(tool.height(), 0, &root, self.levels.len() - 1, 0, narrow) {
-            let Descent { blocks, tool, placement, scratch } = &mut descent;
-            let lanes = narrow.lanes;
-            lanes.run(Scan { blocks, tool, placement, scratch, arrival: None, narrow });
+            descent.scan(None, narrow);
         }
     }
 }
@@ -82,6 +83,12 @@ struct Descent<'a> {
 }
 
 impl Descent<'_> {
+    /// Lets a group wait, and works on the one that waited. True when the query is over.
+    fn scan(&mut self, arrival: Option<Arrival<'_>>, narrow: &mut Narrow<'_>) -> bool {
+        let Descent { blocks, tool, placement, scratch } = self;
+        narrow.lanes.run(Scan { blocks, tool, placement, scratch, arrival, narrow })
+    }
+
     /// Tests tool entry `entry` of `tool_level` (1: a group of clusters), inside `bounds`, against the nodes `nodes[from..]`
     /// of `level`. True when the query is over.
     ///
@@ -109,9 +116,7 @@ impl Descent<'_> {
         let over = if scratch.nodes.len() == from {
             false
         } else if tool_level == 1 {
-            let lanes = narrow.lanes;
-            let arrival = Some(Arrival { group: entry, from, is_above, bounds });
-            lanes.run(Scan { blocks, tool, placement, scratch, arrival, narrow })
+            self.scan(Some(Arrival { group: entry, from, is_above, bounds }), narrow)
         } else {
             let BlocksScratch { nodes, children, spread, .. } = &mut **scratch;
             let (boxes, placed) = (&tool.children(tool_level)[entry], &mut children[tool_level]);

@@ -7,6 +7,7 @@ use std::ops::Range;
 
 use super::descent::{BlocksScratch, Reach};
 use super::pieces::{most_slack, HalfBlock};
+use super::rows::{are_small, offer_rows, Rows, MANY};
 use super::{Blocks, FANOUT};
 use crate::lanes::{along, load3, Box4, LaneBoxes, PlaceBoxes, PlacedPieces, Placement, LANES, TINY};
 use crate::narrow::Narrow;
@@ -55,7 +56,7 @@ impl Kernel for Scan<'_, '_> {
     #[inline(always)]
     fn run<S: Simd>(self, s: S) -> bool {
         let Scan { blocks, tool, placement, scratch, arrival, narrow } = self;
-        let BlocksScratch { nodes, masks, reached, spread, pieces, halves, runs, found, pairs, .. } = scratch;
+        let BlocksScratch { nodes, masks, reached, spread, pieces, halves, runs, found, pairs, rows, .. } = scratch;
         let level = &blocks.levels[0];
         let [now, waiting] = &mut **reached;
         now.group = None;
@@ -109,8 +110,8 @@ impl Kernel for Scan<'_, '_> {
                 }
             }
         }
-        let group_masks = masks.drain(first_mask..);
         if needed == 0 {
+            masks.truncate(first_mask);
             return false;
         }
         narrow.stats.clusters_placed += u64::from(needed.count_ones());
@@ -122,6 +123,24 @@ impl Kernel for Scan<'_, '_> {
             rest &= rest - 1;
             placement.place_pieces(s, &clusters[c].corners, &mut pieces[c]);
             tight.set(c, &pieces[c].bounds);
+        }
+        let group_masks = masks.drain(first_mask..);
+        let slack = placement.slack + blocks.slack;
+        if nodes.len() >= MANY && are_small(level, nodes, pieces, needed) {
+            let half = &mut halves[0];
+            return offer_rows(Rows {
+                blocks,
+                clusters,
+                needed,
+                nodes,
+                masks: group_masks.as_slice(),
+                tight: &tight,
+                placed: pieces,
+                half,
+                scratch: rows,
+                slack,
+                narrow,
+            });
         }
         // Pieces of each block that a cluster's box meets. What the next stages need of a block is asked for already.
         runs.clear();
@@ -160,7 +179,6 @@ impl Kernel for Scan<'_, '_> {
                 runs.push((block, from as u32));
             }
         }
-        let slack = placement.slack + blocks.slack;
         for run in 0..runs.len() {
             let (block, from) = runs[run];
             let to = runs.get(run + 1).map_or(count, |next| next.1 as usize);
