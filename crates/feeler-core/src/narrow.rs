@@ -177,7 +177,12 @@ pub(crate) struct Pending {
     crossing: [u64; PLACES],
     /// Pairs met lately, each at the place its hash gives.
     recent: [u64; RECENT],
+    /// Whether it pays to look for repeats: whether the last batch had many.
+    is_repeating: bool,
 }
+
+/// Repeats are looked for as long as one pair in so many is one: a look costs about a fifteenth of a test.
+const MANY_REPEATS: usize = 16;
 
 /// Few: they are forgotten before each query.
 const RECENT_BITS: u32 = 8;
@@ -194,6 +199,7 @@ impl Default for Pending {
             verdicts: [Verdict::default(); PLACES / WIDE_LANES],
             crossing: [0; PLACES],
             recent: [u64::MAX; RECENT],
+            is_repeating: true,
         }
     }
 }
@@ -204,6 +210,7 @@ impl Pending {
         self.count = 0;
         self.asked_count = 0;
         self.recent.fill(u64::MAX);
+        self.is_repeating = true;
     }
 
     #[inline(always)]
@@ -214,7 +221,7 @@ impl Pending {
 
     /// Leaves out pairs met lately; returns how many.
     ///
-    /// No more than a few repeats slip through, and those are found twice and counted once in the end.
+    /// Some repeats slip through: those are found twice and counted once in the end.
     #[inline(never)]
     fn skip_repeats(&mut self) -> usize {
         let Pending { slots, mockup_triangles, count, recent, .. } = self;
@@ -317,8 +324,11 @@ impl Narrow<'_> {
     /// Tests the pairs kept so far; true when the query is over.
     #[inline(never)]
     pub fn finish(&mut self) -> bool {
-        if self.filters.repeats {
-            self.stats.repeats_skipped += self.pending.skip_repeats() as u64;
+        if self.filters.repeats && self.pending.is_repeating {
+            let offered = self.pending.count;
+            let skipped = self.pending.skip_repeats();
+            self.stats.repeats_skipped += skipped as u64;
+            self.pending.is_repeating = MANY_REPEATS * skipped >= offered;
         }
         let Pending { slots, mockup_triangles, count, asked, asked_count, verdicts, crossing, .. } = &mut *self.pending;
         let count = std::mem::take(count);
