@@ -3,8 +3,9 @@
 use crate::bounds::Point;
 use crate::contacts::clusters::Clusters;
 use crate::contacts::heights::{highest, push_eights, Eight};
-use crate::contacts::patches::{Patch, Patches};
-use crate::contacts::sides::Sets;
+use crate::contacts::outline::largest;
+use crate::contacts::patches::Patches;
+use crate::contacts::sides::{Sets, Sides};
 use crate::simd::{Checked, WIDE_LANES};
 use crate::vectors::{along, cross, dot, unit};
 
@@ -70,8 +71,8 @@ pub(crate) struct Bodies {
     normals: Vec<(Point, f64)>,
     /// For each body the cuts it has a part in, by their places in the zone.
     pub cuts: Sets,
-    /// Patches over whose planes one may stand out.
-    over: Vec<Patch>,
+    /// The patches of one body.
+    own: Sides,
 }
 
 /// A body, to be read.
@@ -154,30 +155,30 @@ impl Bodies {
                 self.facets.push(Facet { normal: patch.normal, size: patch.size, flat: patch.flat });
                 self.cuts.join(i, self.patch_cuts.get(*p as usize));
             }
-            let own = || own.iter().map(|p| &patches.list[*p as usize]);
-            for patch in own() {
+            for patch in own.iter().map(|p| &patches.list[*p as usize]) {
                 self.points.extend_from_slice(patches.points(patch));
                 self.cuts_of.extend_from_slice(patches.cuts_of(patch));
             }
-            for patch in lent.iter().map(|p| &patches.list[*p as usize]) {
-                // The part of it that is below all of the body's own.
-                self.over.clear();
-                self.over.extend(own().filter(|p| p.may_be_below(patch)));
-                for (x, cuts) in patches.points(patch).iter().zip(patches.cuts_of(patch)) {
-                    if !self.over.iter().any(|p| p.is_below(x)) {
-                        self.points.push(*x);
-                        self.cuts_of.push(*cuts);
-                    }
+            if !lent.is_empty() {
+                // Of these the part that is below all of the body's own.
+                let whole = self.points.len();
+                for patch in lent.iter().map(|p| &patches.list[*p as usize]) {
+                    self.points.extend_from_slice(patches.points(patch));
+                    self.cuts_of.extend_from_slice(patches.cuts_of(patch));
                 }
+                self.own.set(own.iter().map(|p| &patches.list[*p as usize]));
+                let kept = self.own.keep_below(lanes, &mut self.points[whole..], &mut self.cuts_of[whole..]);
+                self.points.truncate(whole + kept);
+                self.cuts_of.truncate(whole + kept);
             }
             let facets = &self.facets[from.0..];
             let sum = facets.iter().fold([0.0; 3], |s, p| along(&s, p.size * p.size, &p.normal));
             let mean = unit(&sum).unwrap_or([0.0; 3]);
             let from_normals = self.normals.len();
             self.push_normals(lanes, from.0, from.1, mean);
-            let (facets, points) = (&self.facets[from.0..], &self.points[from.1..]);
+            let facets = &self.facets[from.0..];
             let from_eights = self.eights.len();
-            push_eights(points.iter(), &mut self.eights);
+            push_eights(self.points[from.1..].iter(), &mut self.eights);
             self.list.push(Entry {
                 facets: (from.0, self.facets.len()),
                 points: (from.1, self.points.len()),
@@ -185,7 +186,7 @@ impl Bodies {
                 normals: (from_normals, self.normals.len()),
                 mean,
                 size: facets.iter().fold(0.0f64, |m, p| m.max(p.size)),
-                largest: points.iter().flatten().fold(0.0, |m, x| if x.abs() > m { x.abs() } else { m }),
+                largest: largest(lanes, &self.eights[from_eights..]),
             });
         }
     }

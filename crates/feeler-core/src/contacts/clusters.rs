@@ -21,8 +21,7 @@ pub(crate) struct Clusters {
     over: Sets,
     /// The same for each corner of a patch.
     corner_over: Sets,
-    /// Those under whose planes the same corner is, and under whose any of a patch's is.
-    corner_under: Sets,
+    /// Those under whose planes the same corner or middle is.
     under: Sets,
     middles: Vec<Point>,
     straddling: Vec<u32>,
@@ -39,18 +38,17 @@ impl Clusters {
         self.members.clear(count, count);
         self.over.clear(count, count);
         self.straddling.clear();
-        self.sides.set(&patches.list);
+        self.sides.set(patches.list.iter());
         self.middles.clear();
         self.middles.extend(patches.list.iter().map(|p| p.middle));
         self.under.clear(count, count);
         self.sides.judge(lanes, &self.middles, &mut self.over, &mut self.under);
         self.corner_over.clear(patches.all_corners().len(), count);
-        self.corner_under.clear(patches.all_corners().len(), count);
-        self.sides.judge(lanes, patches.all_corners(), &mut self.corner_over, &mut self.corner_under);
-        self.under.clear(count, count);
+        self.under.clear(patches.all_corners().len(), count);
+        self.sides.judge(lanes, patches.all_corners(), &mut self.corner_over, &mut self.under);
         for (i, patch) in patches.list.iter().enumerate() {
-            patches.corners(patch).for_each(|k| self.under.join(i, self.corner_under.get(k)));
-            if patches.corners(patch).any(|k| is_meeting(self.corner_over.get(k), self.under.get(i))) {
+            let corners = patches.corners(patch);
+            if self.corner_over.is_meeting_union(&self.under, corners) {
                 self.straddling.push(i as u32);
             }
         }
@@ -100,8 +98,8 @@ impl Clusters {
 
     /// Whether no patch of a cluster stands out over a patch, and one of its corners over none of them.
     fn is_partly_within(&self, patches: &Patches, i: usize, c: usize) -> bool {
-        let (mut corners, members) = (patches.corners(&patches.list[i]), self.members.get(c));
+        let (corners, members) = (patches.corners(&patches.list[i]), self.members.get(c));
         !self.patches[c].iter().any(|j| has(self.over.get(*j as usize), i))
-            && corners.any(|k| !is_meeting(self.corner_over.get(k), members))
+            && corners.iter().any(|k| !is_meeting(self.corner_over.get(*k as usize), members))
     }
 }

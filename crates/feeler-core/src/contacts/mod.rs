@@ -23,8 +23,10 @@ mod least_norm;
 #[cfg(test)]
 mod near_tests;
 mod numbered;
+mod outline;
 mod patches;
 mod penetration;
+mod place;
 mod points;
 #[cfg(test)]
 mod shapes;

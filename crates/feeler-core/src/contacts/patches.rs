@@ -1,27 +1,17 @@
 //! The two surfaces of a zone as a few patches: triangles of one plane, or of one turn of a curved surface, however many they
 //! are.
 
-use std::ops::Range;
+use std::hint::select_unpredictable;
 
-use crate::bounds::{Aabb, Point};
+use crate::bounds::Point;
 use crate::contacts::adjacency::NONE;
-use crate::contacts::heights::highest_and_lowest;
 use crate::contacts::numbered::Numbered;
+use crate::contacts::outline::outline;
+use crate::contacts::place::{place, Normals};
 use crate::contacts::points::PointSet;
 use crate::contacts::zones::Zones;
 use crate::contacts::Ground;
-use crate::simd::{Checked, WIDE_LANES};
-use crate::vectors::{add, dot, length, scaled, sub};
-
-/// Triangles whose normals are within this angle of the first one's (cosine of 2.5 degrees) may share a patch: on a curved
-/// surface of radius r that is off by r/1000.
-const ONE_PATCH: f64 = 0.999_05;
-
-/// Normals this close (1 - cosine) are of one plane.
-const ONE_PLANE: f64 = 1e-9;
-
-/// Most patches of a surface in one zone. Further triangles join the patch with the nearest normal.
-const MOST_PATCHES: usize = 96;
+use crate::simd::Checked;
 
 /// How far a patch may stand out over another's plane (share of the distance between them) and still count as not: below the
 /// turn between neighbouring patches of a hollow surface, above the noise of rounded corners.
@@ -29,18 +19,6 @@ pub(crate) const HOLLOW: f64 = 0.02;
 
 /// Points of a patch that are all looked at.
 const MOST_CORNERS: usize = 8;
-
-/// Directions along which the outermost points of a patch stand for all of them: axes and diagonals of a cube, and one again.
-const OUTERMOST: [Point; WIDE_LANES] = [
-    [1.0, 0.0, 0.0],
-    [0.0, 1.0, 0.0],
-    [0.0, 0.0, 1.0],
-    [1.0, 1.0, 1.0],
-    [-1.0, 1.0, 1.0],
-    [1.0, -1.0, 1.0],
-    [1.0, 1.0, -1.0],
-    [1.0, 1.0, -1.0],
-];
 
 /// Neighbouring triangles of one direction, as far as they are beyond the other surface.
 #[derive(Debug, Clone, Copy)]
@@ -61,29 +39,30 @@ pub(crate) struct Patch {
 }
 
 impl Patch {
-    /// Whether a point is strictly over the plane of a flat patch, or stands out over one that is not.
-    pub fn is_below(&self, x: &Point) -> bool {
-        let (way, height) = (sub(x, &self.middle), dot(&sub(x, &self.at), &self.normal));
-        let share = if self.flat { 1e-6 } else { HOLLOW };
-        height > 0.0 && height * height > share * share * dot(&way, &way)
-    }
-}
-
-impl Patch {
-    /// Whether points of another patch may be over this one's plane.
-    pub fn may_be_below(&self, other: &Patch) -> bool {
-        dot(&sub(&other.middle, &self.at), &self.normal) + 1.001 * other.size > 0.0
+    /// Of a triangle that founds it; its points are not known yet.
+    pub fn new(normal: Point, at: Point) -> Patch {
+        Patch { normal, at, middle: at, size: 0.0, flat: true, points: (0, 0), corners: (0, 0) }
     }
 }
 
 /// A triangle, or the part of it that is beyond the other surface.
 #[derive(Debug)]
-struct Piece {
+pub(crate) struct Piece {
     id: u32,
-    patch: u32,
+    pub patch: u32,
     /// Its points among all.
     points: (u32, u32),
     closed: bool,
+    /// Unit, outward.
+    pub normal: Point,
+    /// A point of its plane.
+    pub at: Point,
+}
+
+impl Piece {
+    fn new(id: u32, normal: Point, at: Point, points: (u32, u32), closed: bool) -> Piece {
+        Piece { id, patch: NONE, points, closed, normal, at }
+    }
 }
 
 /// The patches of one surface in a zone, largest first. Kept as working memory.
@@ -92,20 +71,37 @@ pub(crate) struct Patches {
     pub list: Vec<Patch>,
     /// Corners of what lies beyond the other surface, the curve's points included, each once, patch by patch.
     points: Vec<Point>,
+    /// Their numbers: what several patches share has one.
+    numbers: Vec<u32>,
     /// For each of them where its cuts are: those of the curve have several, others none.
     cuts_of: Vec<(u32, u32)>,
     /// Cuts, point by point.
     pub point_cuts: Vec<u32>,
-    /// Points of the curve on one patch, by their places, with their cuts.
-    curve: Vec<(u32, u32)>,
-    corners: Vec<Point>,
+    /// Corners of patches by their places among the corners' points, each once.
+    corners: Vec<u32>,
+    corner_points: Vec<Point>,
+    /// For each number of a point its place there, or [`NONE`].
+    corner_of: Vec<u32>,
     pieces: Vec<Piece>,
     /// Points piece by piece, with the cuts of those that are the curve's, or [`NONE`].
     piece_points: Vec<(Point, u32)>,
+    normals: Normals,
     split: Split,
+    gathering: Gathering,
+}
+
+/// Working memory of [`Patches::gather`].
+#[derive(Debug, Default)]
+struct Gathering {
     /// Pieces patch by patch.
     order: Vec<u32>,
+    /// Points of the surface, each once.
     known: PointSet,
+    distinct: Vec<Point>,
+    /// For each of them the last patch that has it, from 1, and its place there.
+    latest: Vec<(u32, u32)>,
+    /// Points of the curve by their places, with their cuts.
+    curve: Vec<(u32, u32)>,
 }
 
 /// Working memory of [`Patches::split`].
@@ -135,23 +131,24 @@ impl Patches {
         &self.point_cuts[first.0 as usize..last.1 as usize]
     }
 
-    /// The outermost points of a patch along a few directions, by their places among those of all patches.
-    pub fn corners(&self, patch: &Patch) -> Range<usize> {
-        patch.corners.0 as usize..patch.corners.1 as usize
+    /// The outermost points of a patch along a few directions, by their places among [`all_corners`](Self::all_corners), some of
+    /// them several times.
+    pub fn corners(&self, patch: &Patch) -> &[u32] {
+        &self.corners[patch.corners.0 as usize..patch.corners.1 as usize]
     }
 
-    /// Those of all patches.
+    /// The corners of all patches, each once.
     pub fn all_corners(&self) -> &[Point] {
-        &self.corners
+        &self.corner_points
     }
 
     /// Makes the patches of a surface (`w`: the tool's or the mock-up's) in a zone.
     pub fn set(&mut self, ground: &Ground<'_>, zones: &Zones, zone: usize, w: usize) {
-        self.list.clear();
         self.pieces.clear();
         self.piece_points.clear();
         self.push_cut_faces(zones, zone, w);
         self.push_inside(ground, zones, zone, w);
+        place(ground.lanes, &mut self.pieces, &mut self.list, &mut self.normals);
         self.split(ground, w);
         self.gather();
         self.finish(ground.lanes);
@@ -172,9 +169,8 @@ impl Patches {
                     self.piece_points.push((face.corners[k], NONE));
                 }
             }
-            let patch = self.place(&face.normal, &face.corners[0]);
             let points = (from, self.piece_points.len() as u32);
-            self.pieces.push(Piece { id: face.id, patch, points, closed: face.closed });
+            self.pieces.push(Piece::new(face.id, face.normal, face.corners[0], points, face.closed));
         }
     }
 
@@ -183,47 +179,10 @@ impl Patches {
             let corners = ground.triangle(w, *t);
             let near = &zones.faces[w][zones.cuts[*cut as usize].faces[w] as usize];
             let Some(normal) = ground.outward(w, *t, &corners, near) else { continue };
-            let patch = self.place(&normal, &corners[0]);
             let from = self.piece_points.len() as u32;
             self.piece_points.extend(corners.map(|x| (x, NONE)));
-            self.pieces.push(Piece { id: *t, patch, points: (from, from + 3), closed: near.closed });
+            self.pieces.push(Piece::new(*t, normal, corners[0], (from, from + 3), near.closed));
         }
-    }
-
-    /// The patch that a triangle belongs to.
-    fn place(&mut self, normal: &Point, at: &Point) -> u32 {
-        let found = &mut self.list;
-        let fits = |p: &Patch| {
-            let turn = 1.0 - dot(&p.normal, normal);
-            if turn > 1.0 - ONE_PATCH {
-                return false;
-            }
-            // The plane of one must pass the other as near as a surface that turns so much would.
-            let way = sub(at, &p.at);
-            let far = length(&way);
-            let off = dot(&way, &p.normal).abs();
-            let noise = 1e-6 * far + 1e-12 * at.iter().fold(0.0f64, |m, x| m.max(x.abs()));
-            off <= noise + far * (2.0 * turn.max(0.0)).sqrt()
-        };
-        let found_at = found.iter().position(fits).or_else(|| {
-            let nearest =
-                |i: &usize, j: &usize| dot(&found[*i].normal, normal).total_cmp(&dot(&found[*j].normal, normal));
-            (found.len() >= MOST_PATCHES).then(|| (0..found.len()).max_by(nearest)).flatten()
-        });
-        let i = found_at.unwrap_or_else(|| {
-            found.push(Patch {
-                normal: *normal,
-                at: *at,
-                middle: *at,
-                size: 0.0,
-                flat: true,
-                points: (0, 0),
-                corners: (0, 0),
-            });
-            found.len() - 1
-        });
-        found[i].flat &= 1.0 - dot(&found[i].normal, normal) <= ONE_PLANE;
-        i as u32
     }
 
     /// Gives each connected piece of a patch a patch of its own: two faces left and right of a slot have one plane, and yet
@@ -271,77 +230,101 @@ impl Patches {
 
     /// Puts the points of each patch together, in the order of its pieces.
     fn gather(&mut self) {
-        let Patches { list, points, cuts_of, point_cuts, curve, pieces, piece_points, order, known, .. } = self;
-        order.clear();
-        order.extend(0..pieces.len() as u32);
-        order.sort_by_key(|i| pieces[*i as usize].patch);
-        points.clear();
-        cuts_of.clear();
-        point_cuts.clear();
-        for same in order.chunk_by(|i, j| pieces[*i as usize].patch == pieces[*j as usize].patch) {
-            let from = points.len();
-            known.clear();
-            curve.clear();
-            for piece in same.iter().map(|i| &pieces[*i as usize]) {
-                for (x, cut) in &piece_points[piece.points.0 as usize..piece.points.1 as usize] {
-                    let (place, is_new) = known.insert(x, &points[from..]);
-                    if is_new {
-                        points.push(*x);
-                        cuts_of.push((0, 0));
-                    }
-                    if *cut != NONE {
-                        cuts_of[from + place as usize].1 += 1;
-                        curve.push((place, *cut));
-                    }
+        let Patches { list, points, numbers, cuts_of, point_cuts, pieces, piece_points, .. } = self;
+        let Gathering { order, known, distinct, latest, curve } = &mut self.gathering;
+        // Until the points are known: where the pieces of each patch begin and end.
+        pieces.iter().for_each(|piece| list[piece.patch as usize].points.1 += 1);
+        lay_out(list.iter_mut().map(|patch| &mut patch.points));
+        order.resize(pieces.len(), 0);
+        for (i, piece) in (0..).zip(pieces.iter()) {
+            let end = &mut list[piece.patch as usize].points.1;
+            order[*end as usize] = i;
+            *end += 1;
+        }
+        let most = piece_points.len();
+        known.clear(most);
+        points.resize(most, [0.0; 3]);
+        distinct.resize(most, [0.0; 3]);
+        numbers.resize(most, 0);
+        curve.resize(most, (0, 0));
+        for pairs in [&mut *cuts_of, &mut *latest] {
+            pairs.clear();
+            pairs.resize(most, (0, 0));
+        }
+        // Whether a point is new to its patch, and whether it is the curve's, is as good as random: no branch asks.
+        let (mut count, mut on_curve) = (0, 0);
+        for (mark, of) in (1..).zip(list.iter_mut().map(|patch| &mut patch.points)) {
+            let from = count as u32;
+            for i in &order[of.0 as usize..of.1 as usize] {
+                let points_of = pieces[*i as usize].points;
+                for (x, cut) in &piece_points[points_of.0 as usize..points_of.1 as usize] {
+                    let number = known.insert(x, distinct);
+                    let (patch, place) = latest[number];
+                    let place = select_unpredictable(patch == mark, place, count as u32);
+                    latest[number] = (mark, place);
+                    (points[count], numbers[count]) = (*x, number as u32);
+                    count += usize::from(patch != mark);
+                    let has_cut = *cut != NONE;
+                    cuts_of[place as usize].1 += u32::from(has_cut);
+                    curve[on_curve] = (place, *cut);
+                    on_curve += usize::from(has_cut);
                 }
             }
-            // The cuts of each point together: from here on each is filled from where it begins.
-            let mut begin = point_cuts.len() as u32;
-            for of in &mut cuts_of[from..] {
-                let count = of.1;
-                *of = (begin, begin);
-                begin += count;
-            }
-            point_cuts.resize(begin as usize, 0);
-            for (place, cut) in curve.iter() {
-                let end = &mut cuts_of[from + *place as usize].1;
-                point_cuts[*end as usize] = *cut;
-                *end += 1;
-            }
-            list[pieces[same[0] as usize].patch as usize].points = (from as u32, points.len() as u32);
+            *of = (from, count as u32);
         }
-        list.retain(|p| p.points.0 < p.points.1);
+        points.truncate(count);
+        cuts_of.truncate(count);
+        // The cuts of each point together: from here on each is filled from where it begins.
+        lay_out(cuts_of.iter_mut());
+        point_cuts.resize(on_curve, 0);
+        for (place, cut) in &curve[..on_curve] {
+            let end = &mut cuts_of[*place as usize].1;
+            point_cuts[*end as usize] = *cut;
+            *end += 1;
+        }
     }
 
     /// Sets what follows from the points.
     fn finish(&mut self, lanes: Checked) {
-        let Patches { list, points, corners, .. } = self;
+        let Patches { list, points, numbers, corners, corner_points, corner_of, gathering, .. } = self;
+        let distinct = gathering.known.len();
         corners.clear();
+        corner_points.resize(distinct + 1, [0.0; 3]);
+        corner_of.clear();
+        corner_of.resize(distinct, NONE);
+        let mut count = 0;
         for patch in list.iter_mut() {
-            let points = &points[patch.points.0 as usize..patch.points.1 as usize];
-            let mut bounds = Aabb::EMPTY;
-            points.iter().for_each(|p| bounds.grow(p));
-            patch.size = length(&bounds.extent());
-            let sum = points.iter().fold([0.0; 3], |s, p| add(&s, p));
-            patch.middle = scaled(&sum, 1.0 / points.len() as f64);
+            let found = outline(lanes, points, patch.points);
+            (patch.middle, patch.size) = (found.middle, found.size);
+            let range = patch.points.0 as usize..patch.points.1 as usize;
+            let (points, numbers) = (&points[range.clone()], &numbers[range]);
             patch.corners.0 = corners.len() as u32;
+            let mut push = |i: usize| {
+                let known = corner_of[numbers[i] as usize];
+                let place = select_unpredictable(known == NONE, count as u32, known);
+                corner_of[numbers[i] as usize] = place;
+                corner_points[count] = points[i];
+                count += usize::from(known == NONE);
+                corners.push(place);
+            };
             if points.len() <= MOST_CORNERS {
-                corners.extend_from_slice(points);
-                patch.corners.1 = corners.len() as u32;
-                continue;
+                (0..points.len()).for_each(push);
+            } else {
+                found.outermost.as_flattened().iter().for_each(|i| push(*i as usize));
             }
-            let (high, low) = highest_and_lowest(lanes, points, points, &OUTERMOST);
-            // Most patches have few corners, each outermost along several.
-            let (mut chosen, mut count) = ([0; 2 * WIDE_LANES], 0);
-            for i in low.at.into_iter().chain(high.at).map(|i| i as u32) {
-                if !chosen[..count].contains(&i) {
-                    chosen[count] = i;
-                    count += 1;
-                }
-            }
-            corners.extend(chosen[..count].iter().map(|i| points[*i as usize]));
             patch.corners.1 = corners.len() as u32;
         }
+        corner_points.truncate(count);
         list.sort_by(|p, q| q.size.total_cmp(&p.size));
+    }
+}
+
+/// Lists laid one behind the other: from their lengths, the second numbers, to where each begins, twice.
+fn lay_out<'a>(lists: impl Iterator<Item = &'a mut (u32, u32)>) {
+    let mut begin = 0;
+    for of in lists {
+        let count = of.1;
+        *of = (begin, begin);
+        begin += count;
     }
 }

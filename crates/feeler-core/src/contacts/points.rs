@@ -1,5 +1,7 @@
 //! Points, each once.
 
+use std::hint::select_unpredictable;
+
 use crate::bounds::Point;
 
 /// The places of points in a list, found by their coordinates; empties in constant time.
@@ -11,44 +13,67 @@ pub(crate) struct PointSet {
 }
 
 impl PointSet {
-    /// Forgets all points.
-    pub fn clear(&mut self) {
-        if self.slots.is_empty() || self.round == u32::MAX {
-            self.slots = vec![(0, 0); self.slots.len().max(256)];
+    /// Forgets all points and makes room for so many.
+    pub fn clear(&mut self, most: usize) {
+        if self.slots.len() < 2 * most || self.round == u32::MAX {
+            self.slots = vec![(0, 0); self.slots.len().max((2 * most).next_power_of_two()).max(256)];
             self.round = 0;
         }
         self.round += 1;
         self.len = 0;
     }
 
-    /// The place of a point among the `known`, which are numbered as they were added, and whether it is new: then it is the next.
-    pub fn insert(&mut self, x: &Point, known: &[Point]) -> (u32, bool) {
-        if 2 * self.len >= self.slots.len() {
-            self.slots = vec![(0, 0); 2 * self.slots.len()];
-            for (y, i) in known.iter().zip(0..) {
-                let at = self.find(y, known);
-                self.slots[at] = (self.round, i);
-            }
-        }
-        let at = self.find(x, known);
-        if self.slots[at].0 == self.round {
-            return (self.slots[at].1, false);
-        }
-        self.slots[at] = (self.round, self.len as u32);
-        self.len += 1;
-        (self.slots[at].1, true)
+    /// Points so far.
+    pub fn len(&self) -> usize {
+        self.len
     }
 
-    /// The slot of a point, or the free one where it belongs.
-    fn find(&self, x: &Point, known: &[Point]) -> usize {
-        let mask = self.slots.len() - 1;
-        // Adding 0 makes one zero of the two.
-        let hash =
-            x.iter().fold(0u64, |h, c| (h.rotate_left(21) ^ (c + 0.0).to_bits()).wrapping_mul(0x9e37_79b9_7f4a_7c15));
+    /// The place of a point in `list`, where it is put after the others if it is new.
+    pub fn insert(&mut self, x: &Point, list: &mut [Point]) -> usize {
+        list[self.len] = *x;
+        let (key, mask) = (bits(x), self.slots.len() - 1);
+        let hash = key.iter().fold(0u64, |h, c| (h.rotate_left(21) ^ c).wrapping_mul(0x9e37_79b9_7f4a_7c15));
         let mut at = (hash >> 32) as usize & mask;
-        while self.slots[at].0 == self.round && known[self.slots[at].1 as usize] != *x {
+        loop {
+            // Whether a point is new is as good as random: no branch asks. A new one is compared with itself.
+            let (round, place) = self.slots[at];
+            let is_new = round != self.round;
+            let place = select_unpredictable(is_new, self.len, place as usize);
+            let there = bits(&list[place]);
+            if (there[0] ^ key[0]) | (there[1] ^ key[1]) | (there[2] ^ key[2]) == 0 {
+                self.slots[at] = (self.round, place as u32);
+                self.len += usize::from(is_new);
+                return place;
+            }
             at = (at + 1) & mask;
         }
-        at
+    }
+}
+
+/// The coordinates as they compare: adding 0 makes one zero of the two.
+#[inline(always)]
+fn bits(x: &Point) -> [u64; 3] {
+    [(x[0] + 0.0).to_bits(), (x[1] + 0.0).to_bits(), (x[2] + 0.0).to_bits()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_point_has_one_place_whichever_zero_it_has() {
+        let mut set = PointSet::default();
+        for count in [1, 5, 300] {
+            set.clear(3 * count + 3);
+            let mut list = vec![[7.0; 3]; 3 * count + 3];
+            let point = |i: usize| [i as f64, -0.5 * (i % 3) as f64, 0.1];
+            for _ in 0..3 {
+                (0..count).for_each(|i| assert_eq!(set.insert(&point(i), &mut list), i));
+            }
+            assert_eq!(set.len(), count);
+            (0..count).for_each(|i| assert_eq!(list[i], point(i)));
+            let zeros = [[0.0, -0.0, 5.0], [-0.0, 0.0, 5.0], [f64::NAN; 3]];
+            assert_eq!(zeros.map(|x| set.insert(&x, &mut list)), [count, count, count + 1]);
+        }
     }
 }

@@ -33,6 +33,14 @@ impl Sets {
         self.get_mut(set).iter_mut().zip(other).for_each(|(x, y)| *x |= y);
     }
 
+    /// Whether what some of these sets have together meets what the same of others have together.
+    pub fn is_meeting_union(&self, other: &Sets, sets: &[u32]) -> bool {
+        (0..self.each).any(|word| {
+            let all = |of: &Sets| sets.iter().fold(0, |all, i| all | of.words[*i as usize * of.each + word]);
+            all(self) & all(other) != 0
+        })
+    }
+
     pub fn insert(&mut self, set: usize, x: usize) {
         self.words[set * self.each + x / 64] |= 1 << (x % 64);
     }
@@ -48,12 +56,17 @@ pub(crate) fn is_meeting(a: &[u64], b: &[u64]) -> bool {
     a.iter().zip(b).any(|(x, y)| x & y != 0)
 }
 
+/// The same as [`HOLLOW`] of a flat patch: points strictly over its plane.
+const OVER_A_PLANE: f64 = 1e-6;
+
 /// Eight patches by axis.
 #[derive(Debug)]
 struct Eight {
     normal: [[f64; WIDE_LANES]; 3],
     at: [[f64; WIDE_LANES]; 3],
     middle: [[f64; WIDE_LANES]; 3],
+    /// Square of the share of the distance from its middle that a point must be over a patch's plane to stand out over it.
+    share: [f64; WIDE_LANES],
 }
 
 /// Patches by which to judge points.
@@ -63,21 +76,65 @@ pub(crate) struct Sides {
 }
 
 impl Sides {
-    pub fn set(&mut self, patches: &[Patch]) {
-        let eight = |of: &[Patch]| {
-            let lanes = |get: fn(&Patch) -> &Point| {
-                std::array::from_fn(|a| std::array::from_fn(|i| get(of.get(i).unwrap_or(&of[0]))[a]))
-            };
-            Eight { normal: lanes(|p| &p.normal), at: lanes(|p| &p.at), middle: lanes(|p| &p.middle) }
-        };
+    pub fn set<'a>(&mut self, patches: impl Iterator<Item = &'a Patch>) {
         self.eights.clear();
-        self.eights.extend(patches.chunks(WIDE_LANES).map(eight));
+        for (i, patch) in patches.enumerate() {
+            let share = if patch.flat { OVER_A_PLANE } else { HOLLOW };
+            if i % WIDE_LANES == 0 {
+                let all = |x: &Point| x.map(|c| [c; WIDE_LANES]);
+                let (normal, at, middle) = (all(&patch.normal), all(&patch.at), all(&patch.middle));
+                self.eights.push(Eight { normal, at, middle, share: [share * share; WIDE_LANES] });
+            } else if let Some(eight) = self.eights.last_mut() {
+                let lane = i % WIDE_LANES;
+                for a in 0..3 {
+                    eight.normal[a][lane] = patch.normal[a];
+                    eight.at[a][lane] = patch.at[a];
+                    eight.middle[a][lane] = patch.middle[a];
+                }
+                eight.share[lane] = share * share;
+            }
+        }
     }
 
     /// Puts into the sets `over` and `under` of each point the patches over and under whose planes it clearly is. What lies
     /// beyond the last patch repeats the first of its eight.
     pub fn judge(&self, lanes: Checked, points: &[Point], over: &mut Sets, under: &mut Sets) {
         lanes.run(Judge { sides: self, points, over, under });
+    }
+
+    /// Moves the points that are over no patch's plane to the front, each with what belongs to it, and tells how many these are.
+    /// Over a flat patch is what is strictly so, over others what is clearly so.
+    pub fn keep_below(&self, lanes: Checked, points: &mut [Point], with: &mut [(u32, u32)]) -> usize {
+        lanes.run(KeepBelow { sides: self, points, with })
+    }
+}
+
+struct KeepBelow<'a> {
+    sides: &'a Sides,
+    points: &'a mut [Point],
+    with: &'a mut [(u32, u32)],
+}
+
+impl Kernel for KeepBelow<'_> {
+    type Output = usize;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) -> usize {
+        let KeepBelow { sides: Sides { eights }, points, with } = self;
+        let mut kept = 0;
+        for i in 0..points.len() {
+            let p = points[i];
+            let x = [s.wide_splat(p[0]), s.wide_splat(p[1]), s.wide_splat(p[2])];
+            let mut above = 0;
+            for eight in eights {
+                let (clear, up) = sides(s, &x, eight, s.wide_load(&eight.share));
+                above |= clear & up;
+            }
+            // It is as good as random which are kept: no branch asks.
+            (points[kept], with[kept]) = (p, with[i]);
+            kept += usize::from(above == 0);
+        }
+        kept
     }
 }
 
@@ -93,24 +150,33 @@ impl Kernel for Judge<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) {
-        let (zero, share) = (s.wide_splat(0.0), s.wide_splat(HOLLOW * HOLLOW));
         for (k, x) in self.points.iter().enumerate() {
             let x = [s.wide_splat(x[0]), s.wide_splat(x[1]), s.wide_splat(x[2])];
             let (over, under) = (self.over.get_mut(k), self.under.get_mut(k));
-            for (i, eight) in self.sides.eights.iter().enumerate() {
-                let (mut height, mut square) = (zero, zero);
-                for a in 0..3 {
-                    height = height + (x[a] - s.wide_load(&eight.at[a])) * s.wide_load(&eight.normal[a]);
-                    let way = x[a] - s.wide_load(&eight.middle[a]);
-                    square = square + way * way;
+            for (word, eights) in self.sides.eights.chunks(8).enumerate() {
+                let (mut above, mut below) = (0, 0);
+                for (i, eight) in eights.iter().enumerate() {
+                    let (clear, up) = sides(s, &x, eight, s.wide_splat(HOLLOW * HOLLOW));
+                    above |= u64::from(clear & up) << (8 * i);
+                    below |= u64::from(clear & !up) << (8 * i);
                 }
-                let clear = s.wide_above(height * height, share * square);
-                let up = s.wide_above(height, zero);
-                let (word, shift) = (i / 8, 8 * (i % 8));
-                let (clear, up) = (s.bits(clear), s.bits(up));
-                over[word] |= u64::from(clear & up) << shift;
-                under[word] |= u64::from(clear & !up) << shift;
+                (over[word], under[word]) = (above, below);
             }
         }
     }
+}
+
+/// By lane whether a point is clearly to one side of a patch's plane, and whether it is over it. Clear is what is farther from it
+/// than a share of the distance from the patch's middle, by the square of the share.
+#[inline(always)]
+fn sides<S: Simd>(s: S, x: &[S::F64; 3], eight: &Eight, share: S::F64) -> (u8, u8) {
+    let mut parts = [(x[0], x[0]); 3];
+    for a in 0..3 {
+        let way = x[a] - s.wide_load(&eight.middle[a]);
+        parts[a] = ((x[a] - s.wide_load(&eight.at[a])) * s.wide_load(&eight.normal[a]), way * way);
+    }
+    let height = parts[0].0 + parts[1].0 + parts[2].0;
+    let square = parts[0].1 + parts[1].1 + parts[2].1;
+    let clear = s.wide_above(height * height, share * square);
+    (s.bits(clear), s.bits(s.wide_above(height, s.wide_splat(0.0))))
 }
