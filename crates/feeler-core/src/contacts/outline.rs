@@ -96,3 +96,39 @@ impl Kernel for Largest<'_> {
         all
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bounds::Aabb;
+    use crate::contacts::heights::push_eights;
+    use crate::simd::Level;
+    use crate::vectors::{add, dot};
+
+    #[test]
+    fn outlines_are_those_a_loop_finds() {
+        // Some points twice.
+        let wave = |i: usize| [(0.7 * i as f64).sin() - 0.4, (1.9 * i as f64).cos(), (0.3 * i as f64).sin() - 3.0];
+        let points: Vec<Point> = (0..60).map(|i| wave(i % 17)).collect();
+        for level in Level::available() {
+            for (from, to) in [(0, 1), (3, 5), (7, 40), (0, 60)] {
+                let found = outline(level.checked(), &points, (from, to));
+                let points = &points[from as usize..to as usize];
+                let mut bounds = Aabb::EMPTY;
+                points.iter().for_each(|p| bounds.grow(p));
+                let sum = points.iter().fold([0.0; 3], |s, p| add(&s, p));
+                assert_eq!(found.size, length(&bounds.extent()));
+                assert_eq!(found.middle, scaled(&sum, 1.0 / points.len() as f64));
+                for (i, d) in OUTERMOST.iter().enumerate() {
+                    let [low, high] = found.outermost.map(|of| dot(&points[of[i] as usize], d));
+                    assert!(points.iter().all(|p| low <= dot(p, d) && dot(p, d) <= high), "{level:?} {d:?}");
+                }
+                let mut eights = Vec::new();
+                push_eights(points.iter(), &mut eights);
+                let most = points.iter().flatten().fold(0.0, |m: f64, x| m.max(x.abs()));
+                assert_eq!(largest(level.checked(), &eights), most);
+            }
+            assert_eq!(largest(level.checked(), &[]), 0.0);
+        }
+    }
+}

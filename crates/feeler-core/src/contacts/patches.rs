@@ -60,7 +60,7 @@ pub(crate) struct Piece {
 }
 
 impl Piece {
-    fn new(id: u32, normal: Point, at: Point, points: (u32, u32), closed: bool) -> Piece {
+    pub fn new(id: u32, normal: Point, at: Point, points: (u32, u32), closed: bool) -> Piece {
         Piece { id, patch: NONE, points, closed, normal, at }
     }
 }
@@ -109,6 +109,8 @@ struct Gathering {
 struct Split {
     place_of: Numbered,
     open: Vec<bool>,
+    /// For each patch how many of its pieces were not seen yet.
+    left: Vec<u32>,
     taken: Vec<bool>,
     seen: Vec<bool>,
     stack: Vec<u32>,
@@ -189,7 +191,7 @@ impl Patches {
     /// each belongs to its own side. Only where the surface is closed and so its edges are known.
     fn split(&mut self, ground: &Ground<'_>, w: usize) {
         let Patches { list, pieces, .. } = self;
-        let Split { place_of, open, taken, seen, stack } = &mut self.split;
+        let Split { place_of, open, left, taken, seen, stack } = &mut self.split;
         if list.len() == pieces.len() {
             return;
         }
@@ -200,7 +202,12 @@ impl Patches {
             flags.clear();
             flags.resize(count, false);
         }
-        pieces.iter().for_each(|p| open[p.patch as usize] |= !p.closed);
+        left.clear();
+        left.resize(list.len(), 0);
+        for piece in pieces.iter() {
+            open[piece.patch as usize] |= !piece.closed;
+            left[piece.patch as usize] += 1;
+        }
         for i in 0..pieces.len() {
             let patch = pieces[i].patch;
             if seen[i] || open[patch as usize] {
@@ -214,16 +221,21 @@ impl Patches {
                 patch
             };
             seen[i] = true;
+            left[patch as usize] -= 1;
             stack.push(i as u32);
             while let Some(j) = stack.pop() {
+                pieces[j as usize].patch = target;
+                if left[patch as usize] == 0 {
+                    continue;
+                }
                 for n in ground.adjacency[w].neighbours[pieces[j as usize].id as usize] {
                     let Some(k) = place_of.get(u64::from(n)) else { continue };
                     if !seen[k as usize] && pieces[k as usize].patch == patch {
                         seen[k as usize] = true;
+                        left[patch as usize] -= 1;
                         stack.push(k);
                     }
                 }
-                pieces[j as usize].patch = target;
             }
         }
     }

@@ -103,3 +103,59 @@ fn nearest(n: &Point, patches: &[Patch]) -> usize {
     }
     at
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simd::Level;
+    use crate::vectors::unit;
+
+    /// The same, patch by patch.
+    fn plainly_placed(pieces: &mut [Piece]) -> Vec<Patch> {
+        let mut patches: Vec<Patch> = Vec::new();
+        for piece in pieces {
+            let fits = |p: &Patch| 1.0 - dot(&p.normal, &piece.normal) <= 1.0 - ONE_PATCH && is_passing(piece, p);
+            let along = |i: &usize| dot(&patches[*i].normal, &piece.normal);
+            let i = match patches.iter().position(fits) {
+                Some(i) => i,
+                None if patches.len() >= MOST_PATCHES => {
+                    (0..patches.len()).max_by(|i, j| along(i).total_cmp(&along(j))).unwrap()
+                }
+                None => {
+                    patches.push(Patch::new(piece.normal, piece.at));
+                    patches.len() - 1
+                }
+            };
+            patches[i].flat &= 1.0 - dot(&patches[i].normal, &piece.normal) <= ONE_PLANE;
+            piece.patch = i as u32;
+        }
+        patches
+    }
+
+    #[test]
+    fn pieces_go_where_a_plain_loop_puts_them() {
+        // On planes through a few places, some turned a little, and more directions than there may be patches.
+        let wave = |i: usize| [(0.7 * i as f64).sin(), (1.9 * i as f64).cos(), (0.3 * i as f64).sin()];
+        for (count, directions) in [(0, 1), (1, 1), (40, 5), (200, 23), (700, 400)] {
+            let normal = |i: usize| {
+                let (n, by) = (wave(7 * (i % directions)), 0.01 * (i % 3) as f64);
+                unit(&[n[0] + by, n[1], n[2]]).unwrap()
+            };
+            let pieces = || -> Vec<Piece> {
+                (0..count).map(|i| Piece::new(i as u32, normal(i), wave(i % 11), (0, 0), true)).collect()
+            };
+            let mut expected = pieces();
+            let patches = plainly_placed(&mut expected);
+            assert!(directions < 400 || patches.len() == MOST_PATCHES);
+            let (mut found, mut normals) = (Vec::new(), Normals::new());
+            for level in Level::available() {
+                let mut placed = pieces();
+                place(level.checked(), &mut placed, &mut found, &mut normals);
+                let of = |pieces: &[Piece]| pieces.iter().map(|p| p.patch).collect::<Vec<_>>();
+                assert_eq!(of(&placed), of(&expected), "{level:?} {count}");
+                let what = |p: &Patch| (p.normal, p.at, p.flat);
+                assert!(found.iter().map(what).eq(patches.iter().map(what)), "{level:?} {count}");
+            }
+        }
+    }
+}

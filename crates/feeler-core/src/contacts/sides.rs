@@ -180,3 +180,66 @@ fn sides<S: Simd>(s: S, x: &[S::F64; 3], eight: &Eight, share: S::F64) -> (u8, u
     let clear = s.wide_above(height * height, share * square);
     (s.bits(clear), s.bits(s.wide_above(height, s.wide_splat(0.0))))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simd::Level;
+    use crate::vectors::{dot, sub, unit};
+
+    #[test]
+    fn points_are_judged_as_one_by_one() {
+        let wave = |i: usize| [(0.7 * i as f64).sin(), (1.9 * i as f64).cos(), (0.3 * i as f64).sin()];
+        let points: Vec<Point> = (0..50).map(wave).collect();
+        for count in [0, 1, 7, 9, 70] {
+            let patch = |i: usize| {
+                let mut patch = Patch::new(unit(&wave(11 * i + 5)).unwrap(), [0.9 + 0.01 * i as f64, 0.3, -0.2]);
+                (patch.middle, patch.flat) = (wave(3 * i + 1), i.is_multiple_of(3));
+                patch
+            };
+            let patches: Vec<Patch> = (0..count).map(patch).collect();
+            let side = |p: &Patch, x: &Point, share: f64| {
+                let (way, height) = (sub(x, &p.middle), dot(&sub(x, &p.at), &p.normal));
+                let clear = height * height > share * share * dot(&way, &way);
+                (clear && height > 0.0, clear && height <= 0.0)
+            };
+            let mut sides = Sides::default();
+            sides.set(patches.iter());
+            for level in Level::available() {
+                let (mut over, mut under) = (Sets::default(), Sets::default());
+                over.clear(points.len(), count);
+                under.clear(points.len(), count);
+                sides.judge(level.checked(), &points, &mut over, &mut under);
+                for (k, x) in points.iter().enumerate() {
+                    for (i, p) in patches.iter().enumerate() {
+                        assert_eq!(
+                            (has(over.get(k), i), has(under.get(k), i)),
+                            side(p, x, HOLLOW),
+                            "{level:?} {k} {i}"
+                        );
+                    }
+                }
+                let share = |p: &Patch| if p.flat { OVER_A_PLANE } else { HOLLOW };
+                let is_below = |x: &Point| !patches.iter().any(|p| side(p, x, share(p)).0);
+                let numbered = |(k, x): (u32, &Point)| (*x, (k, k + 1));
+                let expected: Vec<_> = (0..).zip(&points).filter(|x| is_below(x.1)).map(numbered).collect();
+                assert!(expected.len() < 50 || count == 0);
+                let (mut kept, mut with): (Vec<Point>, Vec<(u32, u32)>) = (0..).zip(&points).map(numbered).unzip();
+                let left = sides.keep_below(level.checked(), &mut kept, &mut with);
+                let kept: Vec<_> = kept[..left].iter().copied().zip(with[..left].iter().copied()).collect();
+                assert_eq!(kept, expected, "{level:?} {count}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_some_sets_have_together_meets_what_others_have() {
+        let (mut sets, mut others) = (Sets::default(), Sets::default());
+        sets.clear(3, 100);
+        others.clear(3, 100);
+        sets.insert(0, 90);
+        others.insert(1, 90);
+        others.insert(2, 3);
+        assert!(sets.is_meeting_union(&others, &[0, 1]) && !sets.is_meeting_union(&others, &[0, 2, 2]));
+    }
+}
