@@ -9,15 +9,10 @@ use crate::bounds::{Aabb, Point};
 use crate::contacts::arcs::Arcs;
 use crate::contacts::body::{edge_count, Body, Edge, MOST_EDGES, MOST_NORMALS};
 use crate::contacts::heights::{highest, highest_and_lowest, places_above, Reach};
+use crate::contacts::onward::{Known, Onward};
 use crate::contacts::zones::{Zones, MOCKUP, TOOL};
 use crate::simd::{Checked, WIDE_LANES};
 use crate::vectors::{add, along, cross, dot, length, scaled, sub, unit};
-
-/// Most places that are kept where a surface goes on.
-const MOST_KNOWN: usize = 6;
-
-/// Sine from which on a surface goes on along a direction.
-const GOES_ON: f64 = 0.05;
 
 /// A later direction must be shallower by this share to be preferred, so that ties fall to normals of the mock-up always.
 const CLEARLY: f64 = 1e-6;
@@ -49,9 +44,19 @@ pub(crate) struct Directions {
     edges: Vec<Edge>,
     tried: Vec<Tried>,
     pub(super) arcs: Arcs,
-    /// Points of the curve where a surface went on along directions tried: of which, where, and by which cut.
-    goes_on: Vec<(usize, Point, u32)>,
+    /// By body of tool and mock-up where its surface went on along directions tried: there it mostly does along others.
+    known: [Vec<Known>; 2],
     places: Vec<u32>,
+}
+
+impl Directions {
+    /// For the bodies of another zone, so many of the tool and of the mock-up.
+    pub fn clear(&mut self, bodies: [usize; 2]) {
+        for (known, count) in self.known.iter_mut().zip(bodies) {
+            known.iter_mut().for_each(Known::clear);
+            known.resize_with(count.max(known.len()), Known::default);
+        }
+    }
 }
 
 /// A direction, and how high the mock-up and how low the tool is along it.
@@ -95,6 +100,8 @@ pub(crate) struct Pair<'a> {
     pub zones: &'a Zones,
     pub tool: Body<'a>,
     pub mockup: Body<'a>,
+    /// Which of the bodies of tool and mock-up they are.
+    pub numbers: [usize; 2],
 }
 
 impl Pair<'_> {
@@ -153,7 +160,6 @@ pub(super) fn eight_of(list: &[Point]) -> [Point; WIDE_LANES] {
 impl<'a> Best<'a> {
     fn new(pair: &'a Pair<'a>, directions: &'a mut Directions, found: Option<Tried>) -> Best<'a> {
         let Pair { tool, mockup, .. } = pair;
-        directions.goes_on.clear();
         let noise = 1e-12 * tool.size.max(mockup.size).max(tool.largest);
         Best { pair, noise, found, directions }
     }
@@ -185,29 +191,28 @@ impl<'a> Best<'a> {
     /// freed sideways by its own width, for there is more plate.
     fn goes_on(&mut self, tried: &Tried) -> bool {
         let Tried { direction: d, high, low } = tried;
-        let Pair { lanes, zones, tool, mockup } = self.pair;
+        let Pair { lanes, zones, tool, mockup, numbers } = self.pair;
         let tolerance = self.noise + 1e-6 * (high - low).abs();
         let ends = [(scaled(d, -1.0), -low - tolerance), (*d, high - tolerance)];
-        // Where it did along another direction it mostly does again.
-        let is_known = self.directions.goes_on.iter().any(|(w, x, source)| {
-            let (d, height) = &ends[*w];
-            dot(x, d) >= *height && goes_on(zones, *w, *source, d, *height + 3.0 * tolerance)
-        });
-        if is_known {
-            return true;
+        for w in [TOOL, MOCKUP] {
+            let ((d, height), known) = (&ends[w], &self.directions.known[w][numbers[w]]);
+            if known.goes_on(*lanes, &zones.faces[w], d, *height, *height + 3.0 * tolerance) {
+                return true;
+            }
         }
         for (w, body) in [(TOOL, tool), (MOCKUP, mockup)] {
             let (d, height) = &ends[w];
-            let Directions { places, goes_on: known, .. } = &mut *self.directions;
+            let Directions { places, known, .. } = &mut *self.directions;
             places_above(*lanes, body.point_eights, d, *height, places);
             let last = body.points.len().saturating_sub(1);
             for i in places.iter().map(|i| last.min(*i as usize)) {
-                let cuts = &body.point_cuts[body.cuts_of[i].0 as usize..body.cuts_of[i].1 as usize];
-                let above = *height + 3.0 * tolerance;
-                if let Some(source) = cuts.iter().find(|source| goes_on(zones, w, **source, d, above)) {
-                    known.truncate(MOST_KNOWN - 1);
-                    known.insert(0, (w, body.points[i], *source));
-                    return true;
+                for source in &body.point_cuts[body.cuts_of[i].0 as usize..body.cuts_of[i].1 as usize] {
+                    let cut = &zones.cuts[*source as usize];
+                    let onward = Onward::new(zones, w, cut, body.points[i]);
+                    if !cut.flat && onward.goes_on(&zones.faces[w], d, *height + 3.0 * tolerance) {
+                        known[w][numbers[w]].push(&onward);
+                        return true;
+                    }
                 }
             }
         }
@@ -349,17 +354,6 @@ impl<'a> Best<'a> {
     }
 }
 
-/// Whether at a cut the surface `w` goes on along `d` to higher than `top`, in the sense in which the other advances over it. An
-/// edge that lies across `d` goes on no higher.
-fn goes_on(zones: &Zones, w: usize, source: u32, d: &Point, top: f64) -> bool {
-    let cut = &zones.cuts[source as usize];
-    let [n, other] = [w, 1 - w].map(|w| zones.faces[w][cut.faces[w] as usize].normal);
-    let advances = dot(&other, d);
-    let leaves = advances - dot(&other, &n) * dot(&n, d);
-    let rises = || zones.faces[w][cut.faces[w] as usize].corners.iter().any(|x| dot(x, d) > top);
-    !cut.flat && advances > GOES_ON && leaves > GOES_ON && rises()
-}
-
 pub(super) fn middle(b: &Aabb) -> Point {
     scaled(&add(&b.lower, &b.upper), 0.5)
 }
@@ -387,7 +381,7 @@ mod tests {
         };
         let zones = Zones::default();
         let lanes = Level::best().checked();
-        let pair = Pair { lanes, zones: &zones, tool: body(&low), mockup: body(&high) };
+        let pair = Pair { lanes, zones: &zones, tool: body(&low), mockup: body(&high), numbers: [0; 2] };
         for d in (0..20).filter_map(|i| unit(&wave(100 + i))) {
             let depth = high.iter().flat_map(|p| low.iter().map(|q| dot(&sub(p, q), &d)).collect::<Vec<_>>());
             let depth = depth.fold(f64::NEG_INFINITY, f64::max);

@@ -23,6 +23,7 @@ mod least_norm;
 #[cfg(test)]
 mod near_tests;
 mod numbered;
+mod onward;
 mod outline;
 mod patches;
 mod penetration;
@@ -303,8 +304,9 @@ fn push_zone(
     let shares = |t: usize, m: usize| is_meeting(bodies[TOOL].cuts.get(t), bodies[MOCKUP].cuts.get(m));
     let two = |t: usize, m: usize| {
         let (tool, mockup) = (bodies[TOOL].get(t), bodies[MOCKUP].get(m));
-        Pair { lanes: ground.lanes, zones, tool, mockup }
+        Pair { lanes: ground.lanes, zones, tool, mockup, numbers: [t, m] }
     };
+    directions.clear([bodies[TOOL].len(), bodies[MOCKUP].len()]);
     first.clear();
     for t in 0..bodies[TOOL].len() {
         for m in 0..bodies[MOCKUP].len() {

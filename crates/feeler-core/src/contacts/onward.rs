@@ -1,0 +1,144 @@
+//! Where surfaces go on beyond the curve, kept for each body: where one did along a direction, it mostly does along others.
+
+use crate::bounds::Point;
+use crate::contacts::heights::Eight;
+use crate::contacts::zones::{Cut, Face, Zones};
+use crate::simd::{Checked, Kernel, Simd, WIDE_LANES};
+use crate::vectors::dot;
+
+/// Sine from which on a surface goes on along a direction.
+const GOES_ON: f64 = 0.05;
+
+/// A point of the curve and a cut there, as one of the two surfaces is seen.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Onward {
+    at: Point,
+    /// Of its face, of the other's, and the cosine between them.
+    normal: Point,
+    other: Point,
+    cosine: f64,
+    face: u32,
+}
+
+impl Onward {
+    pub fn new(zones: &Zones, w: usize, cut: &Cut, at: Point) -> Onward {
+        let [normal, other] = [w, 1 - w].map(|w| zones.faces[w][cut.faces[w] as usize].normal);
+        Onward { at, normal, other, cosine: dot(&other, &normal), face: cut.faces[w] }
+    }
+
+    /// Whether, in the sense in which the other advances over it, the surface goes on along `d` to higher than `top`. An edge
+    /// that lies across `d` goes on no higher.
+    pub fn goes_on(&self, faces: &[Face], d: &Point, top: f64) -> bool {
+        let advances = dot(&self.other, d);
+        let leaves = advances - self.cosine * dot(&self.normal, d);
+        advances > GOES_ON && leaves > GOES_ON && rises(&faces[self.face as usize], d, top)
+    }
+}
+
+#[inline(always)]
+fn rises(face: &Face, d: &Point, top: f64) -> bool {
+    let [a, b, c] = &face.corners;
+    dot(a, d).max(dot(b, d)).max(dot(c, d)) > top
+}
+
+/// The last eight of a body.
+#[derive(Debug, Default)]
+pub(crate) struct Known {
+    at: Eight,
+    normal: Eight,
+    other: Eight,
+    cosine: [f64; WIDE_LANES],
+    faces: [u32; WIDE_LANES],
+    count: usize,
+}
+
+impl Known {
+    pub fn clear(&mut self) {
+        self.count = 0;
+    }
+
+    pub fn push(&mut self, onward: &Onward) {
+        let i = self.count % WIDE_LANES;
+        for a in 0..3 {
+            (self.at[a][i], self.normal[a][i], self.other[a][i]) = (onward.at[a], onward.normal[a], onward.other[a]);
+        }
+        (self.cosine[i], self.faces[i]) = (onward.cosine, onward.face);
+        self.count += 1;
+    }
+
+    /// Whether the surface goes on at one of them that is as high as `height`.
+    pub fn goes_on(&self, lanes: Checked, faces: &[Face], d: &Point, height: f64, top: f64) -> bool {
+        self.count > 0 && lanes.run(GoesOn { known: self, faces, d, height, top })
+    }
+}
+
+struct GoesOn<'a> {
+    known: &'a Known,
+    faces: &'a [Face],
+    d: &'a Point,
+    height: f64,
+    top: f64,
+}
+
+impl Kernel for GoesOn<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) -> bool {
+        let Known { at, normal, other, cosine, faces, count } = self.known;
+        let d = [s.wide_splat(self.d[0]), s.wide_splat(self.d[1]), s.wide_splat(self.d[2])];
+        let advances = along(s, other, &d);
+        let leaves = advances - s.wide_load(cosine) * along(s, normal, &d);
+        let least = s.wide_splat(GOES_ON);
+        let is_below = s.wide_above(s.wide_splat(self.height), along(s, at, &d));
+        let on = s.both(s.wide_above(advances, least), s.wide_above(leaves, least));
+        let mut on = s.bits(on) & !s.bits(is_below) & u8::MAX >> (WIDE_LANES - count.min(&WIDE_LANES));
+        while on != 0 {
+            if rises(&self.faces[faces[on.trailing_zeros() as usize] as usize], self.d, self.top) {
+                return true;
+            }
+            on &= on - 1;
+        }
+        false
+    }
+}
+
+#[inline(always)]
+fn along<S: Simd>(s: S, points: &Eight, d: &[S::F64; 3]) -> S::F64 {
+    s.wide_load(&points[0]) * d[0] + s.wide_load(&points[1]) * d[1] + s.wide_load(&points[2]) * d[2]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simd::Level;
+    use crate::vectors::unit;
+
+    #[test]
+    fn the_last_eight_say_what_each_says() {
+        let wave = |i: usize| [(0.7 * i as f64).sin(), (1.9 * i as f64).cos(), (1.3 * i as f64).sin()];
+        let faces: Vec<Face> = (0..7).map(|i| Face::new(0, [wave(i), wave(i + 1), wave(i + 2)], 1)).collect();
+        let onward = |i: usize| {
+            let (normal, other) = (unit(&wave(3 * i + 50)).unwrap(), unit(&wave(5 * i + 90)).unwrap());
+            Onward { at: wave(i + 20), normal, other, cosine: dot(&other, &normal), face: i as u32 % 7 }
+        };
+        for level in Level::available() {
+            let mut known = Known::default();
+            let mut counts = [0; 2];
+            for i in 0..21 {
+                for d in (0..20).map(|k| unit(&wave(k + 7)).unwrap()) {
+                    let (height, top) = (0.5, 0.7);
+                    let of = i.max(WIDE_LANES) - WIDE_LANES..i;
+                    let is_on = |o: Onward| dot(&o.at, &d) >= height && o.goes_on(&faces, &d, top);
+                    let expected = of.map(onward).any(is_on);
+                    assert_eq!(known.goes_on(level.checked(), &faces, &d, height, top), expected, "{level:?} {i}");
+                    counts[usize::from(expected)] += 1;
+                }
+                known.push(&onward(i));
+            }
+            assert!(counts.iter().all(|count| *count > 50), "{counts:?}");
+            known.clear();
+            assert!(!known.goes_on(level.checked(), &faces, &wave(0), -9.0, -9.0));
+        }
+    }
+}
