@@ -8,7 +8,7 @@
 use crate::bounds::{Aabb, Point};
 use crate::contacts::arcs::Arcs;
 use crate::contacts::body::{edge_count, Body, Edge, MOST_EDGES, MOST_NORMALS};
-use crate::contacts::heights::{highest, highest_and_lowest, places_above, Reach};
+use crate::contacts::heights::{highest, highest_and_lowest, highest_of_eights, places_above, Reach};
 use crate::contacts::onward::{Known, Onward};
 use crate::contacts::zones::{Zones, MOCKUP, TOOL};
 use crate::simd::{Checked, WIDE_LANES};
@@ -119,8 +119,9 @@ impl Pair<'_> {
 
     /// Whether a plane across `normal` so deep, found for others, holds these two apart as well.
     pub fn are_apart(&self, normal: &Point, depth: f64) -> bool {
-        let (high, low) = highest_and_lowest(self.lanes, self.mockup.points, self.tool.points, &[*normal; WIDE_LANES]);
-        high.height[0] - low.height[0] <= depth * (1.0 + CLEARLY)
+        let high = highest_of_eights(self.lanes, self.mockup.point_eights, normal);
+        let low = -highest_of_eights(self.lanes, self.tool.point_eights, &scaled(normal, -1.0));
+        high - low <= depth * (1.0 + CLEARLY)
     }
 
     /// Pairs of an edge of each.
@@ -180,6 +181,14 @@ impl<'a> Best<'a> {
     pub fn support(&self, directions: &[Point; WIDE_LANES]) -> (Reach, Reach) {
         let Pair { lanes, tool, mockup, .. } = self.pair;
         highest_and_lowest(*lanes, mockup.points, tool.points, directions)
+    }
+
+    /// The heights alone.
+    pub fn tried(&self, directions: &[Point; WIDE_LANES]) -> [Tried; WIDE_LANES] {
+        let Pair { lanes, tool, mockup, .. } = self.pair;
+        let high = highest(*lanes, mockup.points, directions);
+        let low = highest(*lanes, tool.points, &directions.map(|d| scaled(&d, -1.0)));
+        std::array::from_fn(|i| Tried { direction: directions[i], high: high[i], low: -low[i] })
     }
 
     /// From the lowest place of the tool to the highest of the mock-up: no direction is less deep than that along it.
@@ -268,7 +277,7 @@ impl<'a> Best<'a> {
                 let Some(d) = unit(&cross(&e.along, &f.along)) else { continue };
                 for d in [d, scaled(&d, -1.0)] {
                     // Where it is between the normals on both sides, the edges hold along it, wherever most of the faces look.
-                    if e.is_between(&d) && f.is_between(&scaled(&d, -1.0)) || self.leads_out(&d) {
+                    if self.leads_out(&d) || e.is_between(&d) && f.is_between(&scaled(&d, -1.0)) {
                         list.push(d);
                     }
                 }
@@ -282,9 +291,8 @@ impl<'a> Best<'a> {
     /// Tries directions in their order.
     fn try_all(&mut self, list: &[Point]) {
         for some in list.chunks(WIDE_LANES) {
-            let (high, low) = self.support(&eight_of(some));
-            for (i, d) in some.iter().enumerate() {
-                self.offer(&Tried { direction: *d, high: high.height[i], low: low.height[i] });
+            for tried in &self.tried(&eight_of(some))[..some.len()] {
+                self.offer(tried);
             }
         }
     }
@@ -303,11 +311,16 @@ impl<'a> Best<'a> {
             }
             // The least first, so that few are asked whether a surface goes on along them.
             let ties = least + self.noise + CLEARLY * least;
-            self.found = tried.iter().filter(|t| t.depth() <= ties).find(|t| !self.goes_on(t)).copied();
+            for t in tried.iter_mut().filter(|t| t.depth() <= ties) {
+                if !self.goes_on(t) {
+                    self.found = Some(*t);
+                    break;
+                }
+                t.high = f64::INFINITY;
+            }
             if self.found.is_some() {
                 break;
             }
-            tried.iter_mut().filter(|t| t.depth() <= ties).for_each(|t| t.high = f64::INFINITY);
         }
         self.directions.tried = tried;
     }
@@ -361,6 +374,7 @@ pub(super) fn middle(b: &Aabb) -> Point {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::contacts::heights::push_eights;
     use crate::simd::Level;
 
     #[test]
@@ -368,10 +382,15 @@ mod tests {
         let wave = |i: usize| [(0.7 * i as f64).sin(), (1.9 * i as f64).cos(), (0.3 * i as f64).sin()];
         let (high, low): (Vec<Point>, Vec<Point>) = (0..30).map(|i| (wave(i), wave(41 + i))).unzip();
         let mean = [0.0; 3];
-        let body = |points| Body {
+        let [low_eights, high_eights] = [&low, &high].map(|points| {
+            let mut eights = Vec::new();
+            push_eights(points.iter(), &mut eights);
+            eights
+        });
+        let body = |points, point_eights| Body {
             facets: &[],
             points,
-            point_eights: &[],
+            point_eights,
             cuts_of: &[],
             point_cuts: &[],
             normals: &[],
@@ -381,7 +400,13 @@ mod tests {
         };
         let zones = Zones::default();
         let lanes = Level::best().checked();
-        let pair = Pair { lanes, zones: &zones, tool: body(&low), mockup: body(&high), numbers: [0; 2] };
+        let pair = Pair {
+            lanes,
+            zones: &zones,
+            tool: body(&low, &low_eights),
+            mockup: body(&high, &high_eights),
+            numbers: [0; 2],
+        };
         for d in (0..20).filter_map(|i| unit(&wave(100 + i))) {
             let depth = high.iter().flat_map(|p| low.iter().map(|q| dot(&sub(p, q), &d)).collect::<Vec<_>>());
             let depth = depth.fold(f64::NEG_INFINITY, f64::max);

@@ -85,11 +85,9 @@ impl Best<'_> {
                 if list.is_empty() {
                     return;
                 }
-                let (high, low) = self.support(&eight_of(&list));
-                for (i, next) in list.iter().enumerate() {
+                for tried in &self.tried(&eight_of(&list))[..list.len()] {
                     tries += 1;
-                    let tried = Tried { direction: *next, high: high.height[i], low: low.height[i] };
-                    if self.leads_out(next) && self.offer(&tried) {
+                    if self.leads_out(&tried.direction) && self.offer(tried) {
                         break;
                     }
                     step *= SHORTER;

@@ -26,6 +26,12 @@ pub(crate) fn highest(lanes: Checked, points: &[Point], directions: &[Point; WID
     lanes.run(Highest { points, directions })
 }
 
+/// How far some points reach along one direction.
+pub(crate) fn highest_of_eights(lanes: Checked, points: &[Eight], d: &Point) -> f64 {
+    let heights = lanes.run(HighestOfEights { points, d });
+    heights.iter().fold(f64::NEG_INFINITY, |m, h| m.max(*h))
+}
+
 /// Eight points by axis.
 pub(crate) type Eight = [[f64; WIDE_LANES]; 3];
 
@@ -67,8 +73,7 @@ impl Kernel for PlacesAbove<'_> {
         let d = [s.wide_splat(self.d[0]), s.wide_splat(self.d[1]), s.wide_splat(self.d[2])];
         let least = s.wide_splat(self.height);
         for (i, p) in self.points.iter().enumerate() {
-            let h = s.wide_load(&p[0]) * d[0] + s.wide_load(&p[1]) * d[1] + s.wide_load(&p[2]) * d[2];
-            let mut above = !s.bits(s.wide_above(least, h));
+            let mut above = !s.bits(s.wide_above(least, eight_heights(s, p, &d)));
             while above != 0 {
                 self.out.push((WIDE_LANES * i) as u32 + above.trailing_zeros());
                 above &= above - 1;
@@ -98,6 +103,33 @@ impl Kernel for Highest<'_> {
         s.wide_store(s.wide_max(s.wide_max(chains[0], chains[1]), s.wide_max(chains[2], chains[3])), &mut found);
         found
     }
+}
+
+struct HighestOfEights<'a> {
+    points: &'a [Eight],
+    d: &'a Point,
+}
+
+impl Kernel for HighestOfEights<'_> {
+    type Output = [f64; WIDE_LANES];
+
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) -> [f64; WIDE_LANES] {
+        let d = [s.wide_splat(self.d[0]), s.wide_splat(self.d[1]), s.wide_splat(self.d[2])];
+        let mut highest = s.wide_splat(f64::NEG_INFINITY);
+        for p in self.points {
+            highest = s.wide_max(highest, eight_heights(s, p, &d));
+        }
+        let mut found = [0.0; WIDE_LANES];
+        s.wide_store(highest, &mut found);
+        found
+    }
+}
+
+/// How high eight points are.
+#[inline(always)]
+pub(crate) fn eight_heights<S: Simd>(s: S, p: &Eight, d: &[S::F64; 3]) -> S::F64 {
+    s.wide_load(&p[0]) * d[0] + s.wide_load(&p[1]) * d[1] + s.wide_load(&p[2]) * d[2]
 }
 
 struct HighestAndLowest<'a> {

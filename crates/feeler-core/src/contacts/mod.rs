@@ -150,6 +150,8 @@ struct ZoneScratch {
     /// First depths with their bodies, and depths.
     first: Vec<(FirstDepth, [usize; 2])>,
     found: Vec<(Depth, [usize; 2])>,
+    /// The faces of the cuts of two bodies.
+    meeting: Vec<[u32; 2]>,
 }
 
 impl Ground<'_> {
@@ -294,7 +296,7 @@ fn push_zone(
     scratch: &mut ZoneScratch,
     out: &mut Vec<ContactPlane>,
 ) {
-    let ZoneScratch { patches, clusters, bodies, directions, first, found } = scratch;
+    let ZoneScratch { patches, clusters, bodies, directions, first, found, meeting } = scratch;
     let cuts = &zones.zones[zone].cuts[TOOL];
     for w in [TOOL, MOCKUP] {
         patches.set(ground, zones, zone, w);
@@ -342,10 +344,9 @@ fn push_zone(
         }
         let (all, sets) = (!shares(*t, *m), [bodies[TOOL].cuts.get(*t), bodies[MOCKUP].cuts.get(*m)]);
         let meets = |i: &usize| all || sets.iter().all(|set| has(set, *i));
-        let ids = |w: usize| {
-            let of = |i: usize| zones.faces[w][zones.cuts[cuts[i] as usize].faces[w] as usize].id;
-            (0..cuts.len()).filter(meets).map(of).collect()
-        };
+        meeting.clear();
+        meeting.extend((0..cuts.len()).filter(meets).map(|i| zones.cuts[cuts[i] as usize].faces));
+        let ids = |w: usize| meeting.iter().map(|faces| zones.faces[w][faces[w] as usize].id).collect();
         out.push(ContactPlane {
             point: depth.point,
             normal: depth.normal,

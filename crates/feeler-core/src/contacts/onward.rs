@@ -1,7 +1,7 @@
 //! Where surfaces go on beyond the curve, kept for each body: where one did along a direction, it mostly does along others.
 
 use crate::bounds::Point;
-use crate::contacts::heights::Eight;
+use crate::contacts::heights::{eight_heights, Eight};
 use crate::contacts::zones::{Cut, Face, Zones};
 use crate::simd::{Checked, Kernel, Simd, WIDE_LANES};
 use crate::vectors::dot;
@@ -87,10 +87,10 @@ impl Kernel for GoesOn<'_> {
     fn run<S: Simd>(self, s: S) -> bool {
         let Known { at, normal, other, cosine, faces, count } = self.known;
         let d = [s.wide_splat(self.d[0]), s.wide_splat(self.d[1]), s.wide_splat(self.d[2])];
-        let advances = along(s, other, &d);
-        let leaves = advances - s.wide_load(cosine) * along(s, normal, &d);
+        let advances = eight_heights(s, other, &d);
+        let leaves = advances - s.wide_load(cosine) * eight_heights(s, normal, &d);
         let least = s.wide_splat(GOES_ON);
-        let is_below = s.wide_above(s.wide_splat(self.height), along(s, at, &d));
+        let is_below = s.wide_above(s.wide_splat(self.height), eight_heights(s, at, &d));
         let on = s.both(s.wide_above(advances, least), s.wide_above(leaves, least));
         let mut on = s.bits(on) & !s.bits(is_below) & u8::MAX >> (WIDE_LANES - count.min(&WIDE_LANES));
         while on != 0 {
@@ -101,11 +101,6 @@ impl Kernel for GoesOn<'_> {
         }
         false
     }
-}
-
-#[inline(always)]
-fn along<S: Simd>(s: S, points: &Eight, d: &[S::F64; 3]) -> S::F64 {
-    s.wide_load(&points[0]) * d[0] + s.wide_load(&points[1]) * d[1] + s.wide_load(&points[2]) * d[2]
 }
 
 #[cfg(test)]
