@@ -11,6 +11,9 @@ use crate::vectors::{along, dot, scaled, sub, unit};
 /// Most pieces that are kept.
 const MOST_PIECES: usize = 64;
 
+/// Sine from which on.
+const AGAINST: f64 = 0.01;
+
 /// Part of an arc.
 #[derive(Debug, Clone, Copy)]
 struct Piece {
@@ -22,20 +25,33 @@ struct Piece {
     bound: f64,
 }
 
+/// Whether a direction clearly points the other way from another.
+pub(crate) fn is_against(d: &Point, other: &Point) -> bool {
+    dot(d, other) <= -AGAINST
+}
+
 /// Pieces of arcs that may hold what is less deep.
 #[derive(Debug, Default)]
 pub(crate) struct Arcs {
     pieces: Vec<Piece>,
     asked: Vec<Piece>,
+    /// No direction is sought that is against one of these.
+    outward: [Point; 2],
 }
 
 impl Arcs {
-    pub fn clear(&mut self) {
+    /// For arcs whose directions are to lead out: not against two others.
+    pub fn clear(&mut self, outward: [Point; 2]) {
         self.pieces.clear();
+        self.outward = outward;
     }
 
     /// Adds an arc between two directions with their ways, each the longest along its own.
     pub fn push(&mut self, ends: [Point; 2], ways: [Point; 2]) {
+        if self.outward.iter().any(|out| ends.iter().all(|d| is_against(d, out))) {
+            // What is between two directions is against what both are.
+            return;
+        }
         let turn = sub(&ways[0], &ways[1]);
         let (first, last) = (dot(&turn, &ends[0]), -dot(&turn, &ends[1]));
         if first <= 0.0 || last <= 0.0 || self.pieces.len() >= MOST_PIECES {

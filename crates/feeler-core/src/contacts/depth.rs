@@ -6,7 +6,7 @@
 //! follows.
 
 use crate::bounds::{Aabb, Point};
-use crate::contacts::arcs::Arcs;
+use crate::contacts::arcs::{is_against, Arcs};
 use crate::contacts::body::{edge_count, Body, Edge, MOST_EDGES, MOST_NORMALS};
 use crate::contacts::heights::{highest, highest_and_lowest, highest_of_eights, places_above, Reach};
 use crate::contacts::onward::{Known, Onward};
@@ -228,9 +228,14 @@ impl<'a> Best<'a> {
         false
     }
 
-    /// Whether going along `d` leads out: not into what the surfaces face.
+    /// The means of what the surfaces face: what is against one of them leads in.
+    pub fn outward(&self) -> [Point; 2] {
+        [self.pair.mockup.mean, scaled(&self.pair.tool.mean, -1.0)]
+    }
+
+    /// Whether going along `d` leads out.
     pub fn leads_out(&self, d: &Point) -> bool {
-        d != &[0.0; 3] && dot(d, &self.pair.mockup.mean) > -0.01 && dot(d, &self.pair.tool.mean) < 0.01
+        d != &[0.0; 3] && !self.outward().iter().any(|out| is_against(d, out))
     }
 
     /// How far the two surfaces face into the plane across `d`, as the sum of cosines: tells directions apart where the two
