@@ -46,10 +46,14 @@ impl Arcs {
         self.outward = outward;
     }
 
+    /// Whether anything between two directions may: it is against what both are.
+    pub fn may_lead_out(&self, ends: &[Point; 2]) -> bool {
+        !self.outward.iter().any(|out| ends.iter().all(|d| is_against(d, out)))
+    }
+
     /// Adds an arc between two directions with their ways, each the longest along its own.
     pub fn push(&mut self, ends: [Point; 2], ways: [Point; 2]) {
-        if self.outward.iter().any(|out| ends.iter().all(|d| is_against(d, out))) {
-            // What is between two directions is against what both are.
+        if !self.may_lead_out(&ends) {
             return;
         }
         let turn = sub(&ways[0], &ways[1]);

@@ -217,8 +217,8 @@ impl<'a> Best<'a> {
             for i in places.iter().map(|i| last.min(*i as usize)) {
                 for source in &body.point_cuts[body.cuts_of[i].0 as usize..body.cuts_of[i].1 as usize] {
                     let cut = &zones.cuts[*source as usize];
-                    let onward = Onward::new(zones, w, cut, body.points[i]);
-                    if !cut.flat && onward.goes_on(&zones.faces[w], d, *height + 3.0 * tolerance) {
+                    let Some(onward) = Onward::advancing(zones, w, cut, body.points[i], d) else { continue };
+                    if onward.goes_on(&zones.faces[w], d, *height + 3.0 * tolerance) {
                         known[w][numbers[w]].push(&onward);
                         return true;
                     }

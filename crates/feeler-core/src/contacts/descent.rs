@@ -9,6 +9,9 @@ use crate::vectors::{along, dot, length, scaled, sub, unit};
 /// Most patches of a body, the largest, between whose normals directions are sought.
 const MOST_TURNED: usize = 3;
 
+/// Each two of those of one body, and of the other.
+const EDGES: [[usize; 2]; 6] = [[0, 1], [0, 2], [1, 2], [3, 4], [3, 5], [4, 5]];
+
 /// Most times that eight places on the arcs between them are tried.
 const MOST_TURNS: usize = 6;
 
@@ -35,15 +38,16 @@ impl Best<'_> {
         };
         let sides = [normals(mockup, 1.0), normals(tool, -1.0)];
         sides.iter().enumerate().for_each(|(k, (_, n))| ends[MOST_TURNED * k..][..MOST_TURNED].copy_from_slice(n));
-        let support = self.support(&ends);
-        for (k, (count, _)) in sides.iter().enumerate() {
-            for i in MOST_TURNED * k..MOST_TURNED * k + count {
-                for j in i + 1..MOST_TURNED * k + count {
-                    // Opposite faces have no edge, and nearly equal ones no arc to speak of.
-                    if (-0.5..0.95).contains(&dot(&ends[i], &ends[j])) {
-                        arcs.push([ends[i], ends[j]], [self.way(&support, i), self.way(&support, j)]);
-                    }
-                }
+        let is_arc = EDGES.map(|[i, j]| {
+            let ends = [ends[i], ends[j]];
+            // Opposite faces have no edge, and nearly equal ones no arc to speak of.
+            let is_turn = (-0.5..0.95).contains(&dot(&ends[0], &ends[1]));
+            j % MOST_TURNED < sides[i / MOST_TURNED].0 && is_turn && arcs.may_lead_out(&ends)
+        });
+        if is_arc.contains(&true) {
+            let support = self.support(&ends);
+            for ([i, j], _) in EDGES.into_iter().zip(is_arc).filter(|(_, is_arc)| *is_arc) {
+                arcs.push([ends[i], ends[j]], [self.way(&support, i), self.way(&support, j)]);
             }
         }
         for turn in 0..MOST_TURNS {

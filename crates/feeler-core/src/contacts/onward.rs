@@ -21,9 +21,14 @@ pub(crate) struct Onward {
 }
 
 impl Onward {
-    pub fn new(zones: &Zones, w: usize, cut: &Cut, at: Point) -> Onward {
-        let [normal, other] = [w, 1 - w].map(|w| zones.faces[w][cut.faces[w] as usize].normal);
-        Onward { at, normal, other, cosine: dot(&other, &normal), face: cut.faces[w] }
+    /// At a cut where the other advances along `d`; nothing goes on elsewhere.
+    pub fn advancing(zones: &Zones, w: usize, cut: &Cut, at: Point, d: &Point) -> Option<Onward> {
+        let other = zones.faces[1 - w][cut.faces[1 - w] as usize].normal;
+        if cut.flat || dot(&other, d) <= GOES_ON {
+            return None;
+        }
+        let normal = zones.faces[w][cut.faces[w] as usize].normal;
+        Some(Onward { at, normal, other, cosine: dot(&other, &normal), face: cut.faces[w] })
     }
 
     /// Whether, in the sense in which the other advances over it, the surface goes on along `d` to higher than `top`. An edge
