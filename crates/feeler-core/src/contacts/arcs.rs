@@ -101,6 +101,25 @@ mod tests {
     use super::*;
 
     #[test]
+    fn what_may_not_lead_out_does_nowhere() {
+        let wave = |i: usize| unit(&[(0.7 * i as f64).sin(), (1.9 * i as f64).cos(), (1.3 * i as f64).sin()]).unwrap();
+        let mut counts = [0; 2];
+        for i in 0..200 {
+            let (ends, mut arcs) = ([wave(i), wave(3 * i + 7)], Arcs::default());
+            arcs.clear([wave(5 * i + 1), wave(7 * i + 2)]);
+            let may = arcs.may_lead_out(&ends);
+            counts[usize::from(may)] += 1;
+            let between = |s: f64| unit(&along(&scaled(&ends[0], 1.0 - s), s, &ends[1]));
+            for d in (0..=100).filter_map(|k| between(0.01 * f64::from(k))) {
+                assert!(may || arcs.outward.iter().any(|out| is_against(&d, out)), "{i} {d:?}");
+            }
+            arcs.push(ends, [scaled(&ends[0], 2.0), scaled(&ends[1], 2.0)]);
+            assert!(may || arcs.lowest(f64::INFINITY).is_none());
+        }
+        assert!(counts.iter().all(|count| *count > 30), "{counts:?}");
+    }
+
+    #[test]
     fn nothing_on_an_arc_is_less_deep_than_what_is_found() {
         let wave = |i: usize| [(0.7 * i as f64).sin(), (1.9 * i as f64).cos(), (1.3 * i as f64).sin()];
         for round in 0..200 {
