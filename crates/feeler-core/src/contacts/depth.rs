@@ -9,8 +9,8 @@ use crate::bounds::{Aabb, Point};
 use crate::contacts::arcs::{is_against, Arcs};
 use crate::contacts::body::{edge_count, Body, Edge, MOST_EDGES, MOST_NORMALS};
 use crate::contacts::heights::{highest, highest_and_lowest, highest_of_eights, places_above, Reach};
-use crate::contacts::onward::{Known, Onward};
-use crate::contacts::zones::{Zones, MOCKUP, TOOL};
+use crate::contacts::onward::Known;
+use crate::contacts::zones::Zones;
 use crate::simd::{Checked, WIDE_LANES};
 use crate::vectors::{add, along, cross, dot, length, scaled, sub, unit};
 
@@ -45,8 +45,8 @@ pub(crate) struct Directions {
     tried: Vec<Tried>,
     pub(super) arcs: Arcs,
     /// By body of tool and mock-up where its surface went on along directions tried: there it mostly does along others.
-    known: [Vec<Known>; 2],
-    places: Vec<u32>,
+    pub(super) known: [Vec<Known>; 2],
+    pub(super) places: Vec<u32>,
 }
 
 impl Directions {
@@ -194,38 +194,6 @@ impl<'a> Best<'a> {
     /// From the lowest place of the tool to the highest of the mock-up: no direction is less deep than that along it.
     pub fn way(&self, (high, low): &(Reach, Reach), i: usize) -> Point {
         sub(&self.pair.mockup.points[high.at[i] as usize], &self.pair.tool.points[low.at[i] as usize])
-    }
-
-    /// Whether one of the surfaces goes on beyond the curve just where, along `d`, it would have to end: a rod in a plate is not
-    /// freed sideways by its own width, for there is more plate.
-    fn goes_on(&mut self, tried: &Tried) -> bool {
-        let Tried { direction: d, high, low } = tried;
-        let Pair { lanes, zones, tool, mockup, numbers } = self.pair;
-        let tolerance = self.noise + 1e-6 * (high - low).abs();
-        let ends = [(scaled(d, -1.0), -low - tolerance), (*d, high - tolerance)];
-        for w in [TOOL, MOCKUP] {
-            let ((d, height), known) = (&ends[w], &self.directions.known[w][numbers[w]]);
-            if known.goes_on(*lanes, &zones.faces[w], d, *height, *height + 3.0 * tolerance) {
-                return true;
-            }
-        }
-        for (w, body) in [(TOOL, tool), (MOCKUP, mockup)] {
-            let (d, height) = &ends[w];
-            let Directions { places, known, .. } = &mut *self.directions;
-            places_above(*lanes, body.point_eights, d, *height, places);
-            let last = body.points.len().saturating_sub(1);
-            for i in places.iter().map(|i| last.min(*i as usize)) {
-                for source in &body.point_cuts[body.cuts_of[i].0 as usize..body.cuts_of[i].1 as usize] {
-                    let cut = &zones.cuts[*source as usize];
-                    let Some(onward) = Onward::advancing(zones, w, cut, body.points[i], d) else { continue };
-                    if onward.goes_on(&zones.faces[w], d, *height + 3.0 * tolerance) {
-                        known[w][numbers[w]].push(&onward);
-                        return true;
-                    }
-                }
-            }
-        }
-        false
     }
 
     /// The means of what the surfaces face: what is against one of them leads in.

@@ -1,10 +1,11 @@
 //! Where surfaces go on beyond the curve, kept for each body: where one did along a direction, it mostly does along others.
 
 use crate::bounds::Point;
-use crate::contacts::heights::{eight_heights, Eight};
-use crate::contacts::zones::{Cut, Face, Zones};
+use crate::contacts::depth::{Best, Directions, Pair, Tried};
+use crate::contacts::heights::{eight_heights, places_above, Eight};
+use crate::contacts::zones::{Cut, Face, Zones, MOCKUP, TOOL};
 use crate::simd::{Checked, Kernel, Simd, WIDE_LANES};
-use crate::vectors::dot;
+use crate::vectors::{dot, scaled};
 
 /// Sine from which on a surface goes on along a direction.
 const GOES_ON: f64 = 0.05;
@@ -74,6 +75,40 @@ impl Known {
     /// Whether the surface goes on at one of them that is as high as `height`.
     pub fn goes_on(&self, lanes: Checked, faces: &[Face], d: &Point, height: f64, top: f64) -> bool {
         self.count > 0 && lanes.run(GoesOn { known: self, faces, d, height, top })
+    }
+}
+
+impl Best<'_> {
+    /// Whether one of the surfaces goes on beyond the curve just where, along `d`, it would have to end: a rod in a plate is not
+    /// freed sideways by its own width, for there is more plate.
+    pub fn goes_on(&mut self, tried: &Tried) -> bool {
+        let Tried { direction: d, high, low } = tried;
+        let Pair { lanes, zones, tool, mockup, numbers } = self.pair;
+        let tolerance = self.noise + 1e-6 * (high - low).abs();
+        let ends = [(scaled(d, -1.0), -low - tolerance), (*d, high - tolerance)];
+        for w in [TOOL, MOCKUP] {
+            let ((d, height), known) = (&ends[w], &self.directions.known[w][numbers[w]]);
+            if known.goes_on(*lanes, &zones.faces[w], d, *height, *height + 3.0 * tolerance) {
+                return true;
+            }
+        }
+        for (w, body) in [(TOOL, tool), (MOCKUP, mockup)] {
+            let (d, height) = &ends[w];
+            let Directions { places, known, .. } = &mut *self.directions;
+            places_above(*lanes, body.point_eights, d, *height, places);
+            let last = body.points.len().saturating_sub(1);
+            for i in places.iter().map(|i| last.min(*i as usize)) {
+                for source in &body.point_cuts[body.cuts_of[i].0 as usize..body.cuts_of[i].1 as usize] {
+                    let cut = &zones.cuts[*source as usize];
+                    let Some(onward) = Onward::advancing(zones, w, cut, body.points[i], d) else { continue };
+                    if onward.goes_on(&zones.faces[w], d, *height + 3.0 * tolerance) {
+                        known[w][numbers[w]].push(&onward);
+                        return true;
+                    }
+                }
+            }
+        }
+        false
     }
 }
 
