@@ -1,6 +1,6 @@
 """How the median time of a nominal `collide` grows from a small engine to a large one, both asked in turns.
 
-    python bench/growth.py
+    python bench/growth.py --write                        and put the table into docs/performance.md
     python bench/growth.py --sizes 100k,1.6M --tools torque --rounds 3
 
 `bench/run.py` measures one size after the other, minutes apart, and has that from its record; a machine that others use
@@ -18,6 +18,7 @@ import numpy as np
 from engines import Floats
 from measure import clock_once, find_poses
 from options import TOOLS, triangles
+from page import PERFORMANCE, fill
 
 import feeler
 
@@ -42,12 +43,17 @@ def main() -> None:
     parser.add_argument("--tools", default=TOOLS, help=f"({TOOLS})")
     parser.add_argument("--poses", type=int, default=100, help="of each tool in each mock-up (100)")
     parser.add_argument("--rounds", type=int, default=9, help="(9)")
+    parser.add_argument("--write", action="store_true", help="put the table into docs/performance.md")
     options = parser.parse_args()
     sizes = [triangles(size) for size in options.sizes.split(",")]
     if len(sizes) != 2:
         parser.error("--sizes takes two sizes")
     scenes = [feeler.Scene(feeler.sample("engine", size), threads=1) for size in sizes]
-    print("| tool | pairs | caches emptied, µs | growth | caches warm, µs | growth |\n|---|---:|---:|---:|---:|---:|")
+    lines = [
+        "| tool | pairs | caches emptied, µs | growth | caches warm, µs | growth |",
+        "|---|---:|---:|---:|---:|---:|",
+    ]
+    print("\n".join(lines))
     for name in options.tools.split(","):
         tool = feeler.sample_tool(name.removesuffix("-fine"), name.endswith("-fine"))
         poses = [find_poses(scene, tool, "nominal", options.poses) for scene in scenes]
@@ -59,7 +65,12 @@ def main() -> None:
         for size in (EMPTIED_BYTES, 0):
             small, large = medians(scenes, tool, poses, options.rounds, np.zeros(size // 8))
             row += [f"{small:.1f}, {large:.1f}", f"{large / small:.2f}"]
-        print(f"| {' | '.join(row)} |", flush=True)
+        lines.append(f"| {' | '.join(row)} |")
+        print(lines[-1], flush=True)
+    if options.write:
+        small, large = (f"{scene.mockup.triangle_count:,}" for scene in scenes)
+        note = f"`python bench/growth.py --write`: {small} and {large} triangles in turns, {options.rounds} rounds."
+        fill(PERFORMANCE, "growth: bench/growth.py", "\n".join([*lines, "", note]))
 
 
 if __name__ == "__main__":

@@ -219,6 +219,15 @@ def test_the_limit_at_toy_size(root: Path, tmp_path: Path) -> None:
         assert limit > 0 and limit >= max(memory, lanes) - 0.02
 
 
+def test_growth_of_toy_engines(root: Path) -> None:
+    done = run(root, "growth.py", "--sizes", "10k,20k", "--tools", "torque", "--poses", "4", "--rounds", "1")
+    assert done.returncode == 0, done.stderr
+    (row,) = [line for line in done.stdout.splitlines() if line.startswith("| torque")]
+    figures = [float(x) for x in row.replace(",", "|").split("|")[2:-1]]
+    assert len(figures) == 7 and all(x > 0 for x in figures)
+    assert run(root, "growth.py", "--sizes", "10k").returncode == 2
+
+
 def test_a_second_record_of_the_day_keeps_the_first_and_peers_may_be_absent(root: Path, tmp_path: Path) -> None:
     (tmp_path / "absent").mkdir()
     for name in ("coal", "fcl"):
