@@ -3,7 +3,7 @@
 use crate::contacts::adjacency::NONE;
 use crate::contacts::zones::{Zones, MOCKUP, TOOL};
 use crate::contacts::Ground;
-use crate::simd::{Kernel, Simd, WIDE_LANES};
+use crate::simd::{Kernel, Simd, Wide};
 use crate::vectors::{cross, dot, sub};
 
 /// The nearest cut tells on which side a corner is. Where two are equally near, at an edge of the other surface, the one whose
@@ -74,7 +74,7 @@ fn steepness(zones: &Zones, w: usize, k: usize, (square, cut): (f64, u32)) -> f6
 /// The squares of the distances of each cut from the corners of its two faces, the tool's first.
 struct Squares<'a> {
     zones: &'a Zones,
-    out: &'a mut Vec<[f64; WIDE_LANES]>,
+    out: &'a mut Vec<Wide>,
 }
 
 impl Kernel for Squares<'_> {
@@ -102,7 +102,7 @@ impl Kernel for Squares<'_> {
                     off[k] = off[k] - share * line[k];
                 }
             }
-            let mut squares = [0.0; WIDE_LANES];
+            let mut squares = Wide::default();
             s.wide_store(off[0] * off[0] + off[1] * off[1] + off[2] * off[2], &mut squares);
             self.out.push(squares);
         }

@@ -1,7 +1,7 @@
 //! The highest and lowest of points along eight directions at once.
 
 use crate::bounds::Point;
-use crate::simd::{Checked, Kernel, Simd, WIDE_LANES};
+use crate::simd::{Checked, Kernel, Simd, Wide, WIDE_LANES};
 
 /// For each of eight directions how far points reach, and which of them does: the last of several.
 #[derive(Debug, Clone, Copy)]
@@ -33,12 +33,12 @@ pub(crate) fn highest_of_eights(lanes: Checked, points: &[Eight], d: &Point) -> 
 }
 
 /// Eight points by axis.
-pub(crate) type Eight = [[f64; WIDE_LANES]; 3];
+pub(crate) type Eight = [Wide; 3];
 
 /// Points in eights; the last are filled up with the last point.
 pub(crate) fn push_eights<'a>(points: impl Iterator<Item = &'a Point>, out: &mut Vec<Eight>) {
     let mut filled = 0;
-    let mut eight: Eight = [[0.0; WIDE_LANES]; 3];
+    let mut eight = Eight::default();
     for p in points {
         let from = filled % WIDE_LANES;
         (0..3).for_each(|a| eight[a][from..].fill(p[a]));

@@ -4,7 +4,7 @@ use crate::bounds::Point;
 use crate::contacts::depth::{Best, Directions, Pair, Tried};
 use crate::contacts::heights::{eight_heights, places_above, Eight};
 use crate::contacts::zones::{Cut, Face, Zones, MOCKUP, TOOL};
-use crate::simd::{Checked, Kernel, Simd, WIDE_LANES};
+use crate::simd::{Checked, Kernel, Simd, Wide, WIDE_LANES};
 use crate::vectors::{dot, scaled};
 
 /// Sine from which on a surface goes on along a direction.
@@ -53,7 +53,7 @@ pub(crate) struct Known {
     at: Eight,
     normal: Eight,
     other: Eight,
-    cosine: [f64; WIDE_LANES],
+    cosine: Wide,
     faces: [u32; WIDE_LANES],
     count: usize,
 }

@@ -1,6 +1,7 @@
 //! Which triangles belong to one patch.
 
 use crate::bounds::Point;
+use crate::contacts::heights::Eight;
 use crate::contacts::patches::{Patch, Piece};
 use crate::simd::{Checked, Kernel, Simd, WIDE_LANES};
 use crate::vectors::{dot, length, sub};
@@ -16,7 +17,7 @@ const ONE_PLANE: f64 = 1e-9;
 const MOST_PATCHES: usize = 96;
 
 /// Normals of patches in eights, by axis; what lies beyond the last is zero.
-pub(crate) type Normals = Vec<[[f64; WIDE_LANES]; 3]>;
+pub(crate) type Normals = Vec<Eight>;
 
 /// Finds or founds the patch of each piece, one after the other. The normals are working memory.
 pub(crate) fn place(lanes: Checked, pieces: &mut [Piece], patches: &mut Vec<Patch>, normals: &mut Normals) {
@@ -45,7 +46,7 @@ impl Kernel for Placing<'_> {
                 None => {
                     let (i, lane) = (patches.len(), patches.len() % WIDE_LANES);
                     if lane == 0 {
-                        normals.push([[0.0; WIDE_LANES]; 3]);
+                        normals.push(Eight::default());
                     }
                     for a in 0..3 {
                         normals[i / WIDE_LANES][a][lane] = n[a];

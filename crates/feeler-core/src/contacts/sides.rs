@@ -2,7 +2,7 @@
 
 use crate::bounds::Point;
 use crate::contacts::patches::{Patch, HOLLOW};
-use crate::simd::{Checked, Kernel, Simd, WIDE_LANES};
+use crate::simd::{Checked, Kernel, Simd, Wide, WIDE_LANES};
 
 /// Sets of the same few numbers, one after the other, 64 a word.
 #[derive(Debug, Default)]
@@ -62,11 +62,11 @@ const OVER_A_PLANE: f64 = 1e-6;
 /// Eight patches by axis.
 #[derive(Debug)]
 struct Eight {
-    normal: [[f64; WIDE_LANES]; 3],
-    at: [[f64; WIDE_LANES]; 3],
-    middle: [[f64; WIDE_LANES]; 3],
+    normal: [Wide; 3],
+    at: [Wide; 3],
+    middle: [Wide; 3],
     /// Square of the share of the distance from its middle that a point must be over a patch's plane to stand out over it.
-    share: [f64; WIDE_LANES],
+    share: Wide,
 }
 
 /// Patches by which to judge points.
@@ -81,9 +81,9 @@ impl Sides {
         for (i, patch) in patches.enumerate() {
             let share = if patch.flat { OVER_A_PLANE } else { HOLLOW };
             if i % WIDE_LANES == 0 {
-                let all = |x: &Point| x.map(|c| [c; WIDE_LANES]);
+                let all = |x: &Point| x.map(|c| Wide([c; WIDE_LANES]));
                 let (normal, at, middle) = (all(&patch.normal), all(&patch.at), all(&patch.middle));
-                self.eights.push(Eight { normal, at, middle, share: [share * share; WIDE_LANES] });
+                self.eights.push(Eight { normal, at, middle, share: Wide([share * share; WIDE_LANES]) });
             } else if let Some(eight) = self.eights.last_mut() {
                 let lane = i % WIDE_LANES;
                 for a in 0..3 {

@@ -11,7 +11,7 @@ use crate::contacts::joins::{join_across_faces, join_along_the_curve, Roots};
 use crate::contacts::numbered::{Numbered, NumberedBelow};
 use crate::contacts::walk::walk;
 use crate::contacts::Ground;
-use crate::simd::{prefetch, WIDE_LANES};
+use crate::simd::{prefetch, Wide};
 use crate::vectors::{dot, normal, scaled, sub};
 
 /// A triangle that is cut.
@@ -71,7 +71,7 @@ pub(crate) struct Zones {
     by_face: [Vec<u32>; 2],
     cuts_of_face: [Vec<(u32, u32)>; 2],
     /// Working memory of [`classify`].
-    pub squares: Vec<[f64; WIDE_LANES]>,
+    pub squares: Vec<Wide>,
     pub nearest: Vec<[(f64, u32); 3]>,
     /// For each cut its zone, and its place among that zone's.
     pub zone_of_cut: Vec<u32>,
