@@ -68,6 +68,9 @@ use crate::vectors::{dot, normal, scaled, sub};
 /// Most planes of an answer.
 pub const MOST_PLANES: usize = 32;
 
+/// So many deep planes are an answer: beside them nothing that is only near is sought.
+const MANY_DEEP: usize = MOST_PLANES / 2;
+
 /// Pairs of a query from which on its working memory is not kept.
 const MOST_HELD: usize = 1 << 16;
 
@@ -261,7 +264,7 @@ impl Scene {
         let mut contacts = Contacts { is_meeting: !places.is_empty(), ..Contacts::default() };
         let mut held = hits.len();
         // Where what is deep fills the answer, nothing that is only near comes into it.
-        if places.iter().flat_map(|place| &place.planes).filter(|p| p.gap < 0.0).count() < MOST_PLANES {
+        if places.iter().flat_map(|place| &place.planes).filter(|p| p.gap < 0.0).count() < MANY_DEEP {
             let planes = places.iter().flat_map(|place| &place.planes);
             let dividers: Vec<Divider> = planes.map(|plane| gaps::divider(plane, margin)).collect();
             let near = self.near_candidates(tool, pose, margin, &dividers)?;
