@@ -178,7 +178,7 @@ impl Bodies {
             self.push_normals(lanes, from.0, from.1, mean);
             let facets = &self.facets[from.0..];
             let from_eights = self.eights.len();
-            push_eights(self.points[from.1..].iter(), &mut self.eights);
+            push_eights(&self.points[from.1..], &mut self.eights);
             self.list.push(Entry {
                 facets: (from.0, self.facets.len()),
                 points: (from.1, self.points.len()),

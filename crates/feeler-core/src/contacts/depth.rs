@@ -322,10 +322,10 @@ impl<'a> Best<'a> {
         let (d, tolerance) = (&found.direction, share * found.depth().abs() + self.noise);
         let Pair { lanes, tool, mockup, .. } = self.pair;
         let mut reach = |body: &Body<'_>, d: &Point, height: f64| {
-            places_above(*lanes, body.point_eights, d, height - tolerance, &mut self.directions.places);
+            let places = places_above(*lanes, body.point_eights, d, height - tolerance, &mut self.directions.places);
             let last = body.points.len().saturating_sub(1);
             let mut bounds = Aabb::EMPTY;
-            self.directions.places.iter().for_each(|i| bounds.grow(&body.points[last.min(*i as usize)]));
+            places.iter().for_each(|i| bounds.grow(&body.points[last.min(*i as usize)]));
             bounds
         };
         (reach(mockup, d, found.high), reach(tool, &scaled(d, -1.0), -found.low))
@@ -357,7 +357,7 @@ mod tests {
         let mean = [0.0; 3];
         let [low_eights, high_eights] = [&low, &high].map(|points| {
             let mut eights = Vec::new();
-            push_eights(points.iter(), &mut eights);
+            push_eights(points, &mut eights);
             eights
         });
         let body = |points, point_eights| Body {

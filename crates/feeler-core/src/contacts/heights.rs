@@ -1,7 +1,7 @@
 //! The highest and lowest of points along eight directions at once.
 
 use crate::bounds::Point;
-use crate::simd::{Checked, Kernel, Simd, Wide, WIDE_LANES};
+use crate::simd::{Checked, Kernel, Simd, Wide, LANES, WIDE_LANES};
 
 /// For each of eight directions how far points reach, and which of them does: the last of several.
 #[derive(Debug, Clone, Copy)]
@@ -36,49 +36,71 @@ pub(crate) fn highest_of_eights(lanes: Checked, points: &[Eight], d: &Point) -> 
 pub(crate) type Eight = [Wide; 3];
 
 /// Points in eights; the last are filled up with the last point.
-pub(crate) fn push_eights<'a>(points: impl Iterator<Item = &'a Point>, out: &mut Vec<Eight>) {
-    let mut filled = 0;
+pub(crate) fn push_eights(points: &[Point], out: &mut Vec<Eight>) {
     let mut eight = Eight::default();
-    for p in points {
-        let from = filled % WIDE_LANES;
-        (0..3).for_each(|a| eight[a][from..].fill(p[a]));
-        filled += 1;
-        if filled % WIDE_LANES == 0 {
-            out.push(eight);
-        }
+    let eights = points.chunks_exact(WIDE_LANES);
+    let rest = eights.remainder();
+    for points in eights {
+        (0..WIDE_LANES).for_each(|i| (0..3).for_each(|a| eight[a][i] = points[i][a]));
+        out.push(eight);
     }
-    if filled % WIDE_LANES != 0 {
+    if let Some(last) = rest.last() {
+        (0..3).for_each(|a| eight[a].fill(last[a]));
+        rest.iter().enumerate().for_each(|(i, p)| (0..3).for_each(|a| eight[a][i] = p[a]));
         out.push(eight);
     }
 }
 
-/// Puts into `out` the places of the points that reach a height along a direction, some of the last point's several times.
-pub(crate) fn places_above(lanes: Checked, points: &[Eight], d: &Point, height: f64, out: &mut Vec<u32>) {
-    out.clear();
-    lanes.run(PlacesAbove { points, d, height, out });
+/// The places of the points that reach a height along a direction, some of the last point's several times. `room` is working
+/// memory.
+pub(crate) fn places_above<'a>(
+    lanes: Checked,
+    points: &[Eight],
+    d: &Point,
+    height: f64,
+    room: &'a mut Vec<u32>,
+) -> &'a [u32] {
+    let most = WIDE_LANES * points.len() + LANES;
+    if room.len() < most {
+        room.resize(2 * most, 0);
+    }
+    let count = lanes.run(PlacesAbove { points, d, height, out: room });
+    &room[..count]
 }
+
+/// The numbers of the first lanes.
+const FIRST_NUMBERS: [u32; LANES] = {
+    let mut numbers = [0; LANES];
+    let mut i = 0;
+    while i < LANES {
+        numbers[i] = i as u32;
+        i += 1;
+    }
+    numbers
+};
 
 struct PlacesAbove<'a> {
     points: &'a [Eight],
     d: &'a Point,
     height: f64,
-    out: &'a mut Vec<u32>,
+    out: &'a mut [u32],
 }
 
 impl Kernel for PlacesAbove<'_> {
-    type Output = ();
+    type Output = usize;
 
     #[inline(always)]
-    fn run<S: Simd>(self, s: S) {
+    fn run<S: Simd>(self, s: S) -> usize {
         let d = [s.wide_splat(self.d[0]), s.wide_splat(self.d[1]), s.wide_splat(self.d[2])];
         let least = s.wide_splat(self.height);
-        for (i, p) in self.points.iter().enumerate() {
-            let mut above = !s.bits(s.wide_above(least, eight_heights(s, p, &d)));
-            while above != 0 {
-                self.out.push((WIDE_LANES * i) as u32 + above.trailing_zeros());
-                above &= above - 1;
-            }
+        let (mut count, mut numbers) = (0, FIRST_NUMBERS);
+        for p in self.points {
+            let above = !s.bits(s.wide_above(least, eight_heights(s, p, &d)));
+            // No branch: which are above is not to be foreseen.
+            count = s.append(u16::from(above), &numbers, self.out, count);
+            numbers.iter_mut().for_each(|number| *number += WIDE_LANES as u32);
         }
+        count
     }
 }
 
@@ -211,11 +233,10 @@ mod tests {
     fn the_places_above_are_those_a_loop_finds() {
         let points: Vec<Point> = (0..29).map(|i| [f64::from(i % 7), f64::from(i % 3), f64::from(i)]).collect();
         let mut eights = Vec::new();
-        push_eights(points.iter(), &mut eights);
+        push_eights(&points, &mut eights);
         for level in Level::available() {
             for (d, height) in [([1.0, 0.0, 0.0], 5.0), ([0.3, -0.2, 0.1], 2.0), ([0.0, 0.0, 1.0], 28.0)] {
-                let mut found = Vec::new();
-                places_above(level.checked(), &eights, &d, height, &mut found);
+                let mut found = places_above(level.checked(), &eights, &d, height, &mut Vec::new()).to_vec();
                 found.iter_mut().for_each(|i| *i = (*i).min(28));
                 found.dedup();
                 let expected: Vec<u32> = (0..29).filter(|i| dot(&points[*i as usize], &d) >= height).collect();

@@ -45,8 +45,12 @@ pub(crate) fn join_along_the_curve(ground: &Ground<'_>, zones: &Zones, roots: &m
                 // Each two neighbours are met from both sides: once is enough.
                 let (before, [a, b, c]) = (&others[..i], ground.adjacency[1 - w].neighbours[*id as usize]);
                 if i < FEW {
-                    let beside = (0..i).filter(|j| (before[*j] == a) | (before[*j] == b) | (before[*j] == c));
-                    beside.for_each(|j| roots.join(same[i], same[j]));
+                    let is_beside = |n: u32| u32::from((n == a) | (n == b) | (n == c));
+                    let mut beside = before.iter().rev().fold(0, |set, n| set << 1 | is_beside(*n));
+                    while beside != 0 {
+                        roots.join(same[i], same[beside.trailing_zeros() as usize]);
+                        beside &= beside - 1;
+                    }
                 } else {
                     let beside = [a, b, c].into_iter().filter_map(|n| before.binary_search(&n).ok());
                     beside.for_each(|j| roots.join(same[i], same[j]));

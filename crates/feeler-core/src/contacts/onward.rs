@@ -95,9 +95,8 @@ impl Best<'_> {
         for (w, body) in [(TOOL, tool), (MOCKUP, mockup)] {
             let (d, height) = &ends[w];
             let Directions { places, known, .. } = &mut *self.directions;
-            places_above(*lanes, body.point_eights, d, *height, places);
             let last = body.points.len().saturating_sub(1);
-            for i in places.iter().map(|i| last.min(*i as usize)) {
+            for i in places_above(*lanes, body.point_eights, d, *height, places).iter().map(|i| last.min(*i as usize)) {
                 for source in &body.point_cuts[body.cuts_of[i].0 as usize..body.cuts_of[i].1 as usize] {
                     let cut = &zones.cuts[*source as usize];
                     let Some(onward) = Onward::advancing(zones, w, cut, body.points[i], d) else { continue };

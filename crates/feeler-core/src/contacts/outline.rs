@@ -124,7 +124,7 @@ mod tests {
                     assert!(points.iter().all(|p| low <= dot(p, d) && dot(p, d) <= high), "{level:?} {d:?}");
                 }
                 let mut eights = Vec::new();
-                push_eights(points.iter(), &mut eights);
+                push_eights(points, &mut eights);
                 let most = points.iter().flatten().fold(0.0, |m: f64, x| m.max(x.abs()));
                 assert_eq!(largest(level.checked(), &eights), most);
             }
