@@ -4,35 +4,18 @@ use crate::contacts::adjacency::NONE;
 use crate::contacts::zones::{Zones, MOCKUP, TOOL};
 use crate::contacts::Ground;
 use crate::simd::{Kernel, Simd, Wide};
-use crate::vectors::{cross, dot, sub};
+use crate::vectors::{dot, sub};
 
 /// The nearest cut tells on which side a corner is. Where two are equally near, at an edge of the other surface, the one whose
 /// line the corner stands off most steeply, in the plane of the triangle: there the two lines are a bend of the curve, and the
 /// corner is on the outer side of it. Where a surface turns away within a triangle's length the nearest cut may be wrong about a
 /// far corner: outside the other solid's box it is outside.
 pub(crate) fn classify(ground: &Ground<'_>, part: u32, zones: &mut Zones) {
-    let mut squares = std::mem::take(&mut zones.squares);
-    ground.lanes.run(Squares { zones, out: &mut squares });
+    let mut stands = std::mem::take(&mut zones.stands);
+    ground.lanes.run(Stands { zones, out: &mut stands });
     for w in [TOOL, MOCKUP] {
-        // By corner: the square of the distance of the nearest cut, and which one that is.
         let mut nearest = std::mem::take(&mut zones.nearest);
-        nearest.clear();
-        nearest.extend(zones.by_face(w).map(|same| {
-            let mut best = [(f64::INFINITY, NONE); 3];
-            for c in same.iter().filter(|c| !zones.cuts[**c as usize].flat) {
-                for (k, best) in best.iter_mut().enumerate() {
-                    let square = squares[*c as usize][3 * w + k];
-                    let is_level = best.1 != NONE && square >= best.0 * (1.0 - 1e-9) && square <= best.0 * (1.0 + 1e-9);
-                    *best = match is_level {
-                        true if steepness(zones, w, k, (square, *c)) > steepness(zones, w, k, *best) => (square, *c),
-                        true => *best,
-                        // By place: which one it is cannot be foreseen.
-                        false => [*best, (square, *c)][usize::from(square < best.0)],
-                    };
-                }
-            }
-            best
-        }));
+        ground.lanes.run(Nearest { zones, w, stands: &stands, out: &mut nearest });
         let enclosure = ground.enclosure(1 - w, part);
         for (i, best) in nearest.iter().enumerate() {
             for (k, (square, cut)) in best.iter().enumerate().filter(|(_, best)| best.1 != NONE) {
@@ -51,60 +34,116 @@ pub(crate) fn classify(ground: &Ground<'_>, part: u32, zones: &mut Zones) {
         }
         zones.nearest = nearest;
     }
-    zones.squares = squares;
+    zones.stands = stands;
 }
 
-/// How steeply corner `k` of a face stands off the line of its cut, whose distance has this square, in the face's own plane:
-/// that other plane may be met at any angle.
-fn steepness(zones: &Zones, w: usize, k: usize, (square, cut): (f64, u32)) -> f64 {
-    if square == 0.0 {
-        return 0.0;
-    }
-    let [a, b] = zones.ends(cut);
-    let (line, from) = (sub(&b, &a), sub(&zones.face(w, cut).corners[k], &a));
-    let lengths = dot(&line, &line);
-    if lengths > 0.0 {
-        let off = cross(&from, &line);
-        return dot(&off, &off) / lengths / square;
-    }
-    let height = dot(&from, &zones.face(1 - w, cut).normal);
-    height * height / square
+/// How the corners of a cut's two faces stand to the line of the cut, the tool's first; the last two lanes say nothing.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Stand {
+    /// Squares of their distances.
+    square: Wide,
+    /// How steeply they stand off it, each in the plane of its own face: that of the other may be met at any angle.
+    steepness: Wide,
 }
 
-/// The squares of the distances of each cut from the corners of its two faces, the tool's first.
-struct Squares<'a> {
+/// Finds how the corners stand to all cuts.
+struct Stands<'a> {
     zones: &'a Zones,
-    out: &'a mut Vec<Wide>,
+    out: &'a mut Vec<Stand>,
 }
 
-impl Kernel for Squares<'_> {
+impl Kernel for Stands<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) {
         self.out.clear();
+        let zero = s.wide_splat(0.0);
         for i in 0..self.zones.cuts.len() as u32 {
-            let (p, q) = (&self.zones.face(TOOL, i).corners, &self.zones.face(MOCKUP, i).corners);
+            let (tool, mockup) = (self.zones.face(TOOL, i), self.zones.face(MOCKUP, i));
+            let (p, q) = (&tool.corners, &mockup.corners);
             let corners = s.wide_points([&p[0], &p[1], &p[2], &q[0], &q[1], &q[2], &q[2], &q[2]]);
             let [a, b] = self.zones.ends(i);
             let line = sub(&b, &a);
             let lengths = dot(&line, &line);
             let line = [s.wide_splat(line[0]), s.wide_splat(line[1]), s.wide_splat(line[2])];
-            let mut off = corners;
+            let mut from = corners;
             for k in 0..3 {
-                off[k] = corners[k] - s.wide_splat(a[k]);
+                from[k] = corners[k] - s.wide_splat(a[k]);
             }
+            let (mut off, mut steep) = (from, zero);
             if lengths > 0.0 {
-                let along = off[0] * line[0] + off[1] * line[1] + off[2] * line[2];
+                let along = from[0] * line[0] + from[1] * line[1] + from[2] * line[2];
                 let share = s.wide_divide(along, s.wide_splat(lengths));
-                let share = s.wide_min(s.wide_max(share, s.wide_splat(0.0)), s.wide_splat(1.0));
+                let share = s.wide_min(s.wide_max(share, zero), s.wide_splat(1.0));
                 for k in 0..3 {
-                    off[k] = off[k] - share * line[k];
+                    off[k] = from[k] - share * line[k];
                 }
+                let across = [
+                    from[1] * line[2] - from[2] * line[1],
+                    from[2] * line[0] - from[0] * line[2],
+                    from[0] * line[1] - from[1] * line[0],
+                ];
+                let across = across[0] * across[0] + across[1] * across[1] + across[2] * across[2];
+                steep = s.wide_divide(across, s.wide_splat(lengths));
+            } else {
+                let (n, m) = (&tool.normal, &mockup.normal);
+                let n = s.wide_points([m, m, m, n, n, n, n, n]);
+                let height = from[0] * n[0] + from[1] * n[1] + from[2] * n[2];
+                steep = height * height;
             }
-            let mut squares = Wide::default();
-            s.wide_store(off[0] * off[0] + off[1] * off[1] + off[2] * off[2], &mut squares);
-            self.out.push(squares);
+            let square = off[0] * off[0] + off[1] * off[1] + off[2] * off[2];
+            let steepness = s.choose(s.wide_above(square, zero), s.wide_divide(steep, square), zero);
+            let mut stand = Stand::default();
+            s.wide_store(square, &mut stand.square);
+            s.wide_store(steepness, &mut stand.steepness);
+            self.out.push(stand);
+        }
+    }
+}
+
+/// Finds, for each face of one surface and each of its corners, the cut that tells on which side that is, by place among the cuts
+/// ([`NONE`] where there is none), and the square of its distance.
+struct Nearest<'a> {
+    zones: &'a Zones,
+    w: usize,
+    stands: &'a [Stand],
+    out: &'a mut Vec<[(f64, u32); 3]>,
+}
+
+impl Kernel for Nearest<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) {
+        self.out.clear();
+        let (less, more) = (s.wide_splat(1.0 - 1e-9), s.wide_splat(1.0 + 1e-9));
+        for same in self.zones.by_face(self.w) {
+            let mut square = s.wide_splat(f64::INFINITY);
+            let (mut steepness, mut place) = (s.wide_splat(0.0), s.wide_splat(f64::from(NONE)));
+            for c in same {
+                if self.zones.cuts[*c as usize].flat {
+                    continue;
+                }
+                let stand = &self.stands[*c as usize];
+                let (of_this, steep) = (s.wide_load(&stand.square), s.wide_load(&stand.steepness));
+                // The nearer one; of two as near the steeper.
+                let differs = s.either(s.wide_above(square * less, of_this), s.wide_above(of_this, square * more));
+                let (is_nearer, is_steeper) = (s.wide_above(square, of_this), s.wide_above(steep, steepness));
+                let as_near = s.differing(is_steeper, s.both(is_steeper, differs));
+                let is_better = s.either(s.both(is_nearer, differs), as_near);
+                square = s.choose(is_better, of_this, square);
+                steepness = s.choose(is_better, steep, steepness);
+                place = s.choose(is_better, s.wide_splat(f64::from(*c)), place);
+            }
+            let (mut squares, mut places) = (Wide::default(), Wide::default());
+            s.wide_store(square, &mut squares);
+            s.wide_store(place, &mut places);
+            let mut best = [(0.0, NONE); 3];
+            for k in 0..3 {
+                best[k] = (squares[3 * self.w + k], places[3 * self.w + k] as u32);
+            }
+            self.out.push(best);
         }
     }
 }

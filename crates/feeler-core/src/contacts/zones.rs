@@ -5,13 +5,13 @@
 
 use crate::bounds::{Point, Triangle};
 use crate::contacts::adjacency::NONE;
-use crate::contacts::classify::classify;
+use crate::contacts::classify::{classify, Stand};
 use crate::contacts::cut::find_points;
 use crate::contacts::joins::{join_across_faces, join_along_the_curve, Roots};
 use crate::contacts::numbered::{Numbered, NumberedBelow};
 use crate::contacts::walk::walk;
 use crate::contacts::Ground;
-use crate::simd::{prefetch, Wide};
+use crate::simd::prefetch;
 use crate::vectors::{dot, normal, scaled, sub};
 
 /// A triangle that is cut.
@@ -71,7 +71,7 @@ pub(crate) struct Zones {
     by_face: [Vec<u32>; 2],
     cuts_of_face: [Vec<(u32, u32)>; 2],
     /// Working memory of [`classify`].
-    pub squares: Vec<Wide>,
+    pub stands: Vec<Stand>,
     pub nearest: Vec<[(f64, u32); 3]>,
     /// For each cut its zone, and its place among that zone's.
     pub zone_of_cut: Vec<u32>,
