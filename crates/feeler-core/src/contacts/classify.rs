@@ -71,8 +71,8 @@ impl Kernel for Stands<'_> {
             for k in 0..3 {
                 from[k] = corners[k] - s.wide_splat(a[k]);
             }
-            let (mut off, mut steep) = (from, zero);
-            if lengths > 0.0 {
+            let mut off = from;
+            let steep = if lengths > 0.0 {
                 let along = from[0] * line[0] + from[1] * line[1] + from[2] * line[2];
                 let share = s.wide_divide(along, s.wide_splat(lengths));
                 let share = s.wide_min(s.wide_max(share, zero), s.wide_splat(1.0));
@@ -85,13 +85,13 @@ impl Kernel for Stands<'_> {
                     from[0] * line[1] - from[1] * line[0],
                 ];
                 let across = across[0] * across[0] + across[1] * across[1] + across[2] * across[2];
-                steep = s.wide_divide(across, s.wide_splat(lengths));
+                s.wide_divide(across, s.wide_splat(lengths))
             } else {
                 let (n, m) = (&tool.normal, &mockup.normal);
                 let n = s.wide_points([m, m, m, n, n, n, n, n]);
                 let height = from[0] * n[0] + from[1] * n[1] + from[2] * n[2];
-                steep = height * height;
-            }
+                height * height
+            };
             let square = off[0] * off[0] + off[1] * off[1] + off[2] * off[2];
             let steepness = s.choose(s.wide_above(square, zero), s.wide_divide(steep, square), zero);
             let mut stand = Stand::default();

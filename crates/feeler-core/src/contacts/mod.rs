@@ -68,8 +68,8 @@ use crate::vectors::{dot, normal, scaled, sub};
 /// Most planes of an answer.
 pub const MOST_PLANES: usize = 32;
 
-/// So many deep planes are an answer: beside them nothing that is only near is sought.
-const MANY_DEEP: usize = MOST_PLANES / 2;
+/// So many deep planes are an answer: what is only near matters little beside them, and looking for it takes as long as all else.
+pub const MANY_DEEP: usize = MOST_PLANES / 2;
 
 /// Pairs of a query from which on its working memory is not kept.
 const MOST_HELD: usize = 1 << 16;
@@ -102,7 +102,7 @@ pub struct Contacts {
     /// Deepest first, at most [`MOST_PLANES`].
     pub planes: Vec<ContactPlane>,
     /// Planes found beyond [`MOST_PLANES`], the least deep or farthest, that were left out. What is only near is not sought where
-    /// so many are deep.
+    /// [`MANY_DEEP`] are deep.
     pub omitted: usize,
     /// Whether any triangles meet.
     pub is_meeting: bool,
@@ -230,8 +230,22 @@ impl Scene {
     /// tool belongs. Without it the side of the tool's centre of area counts. Closed surfaces have an inside and need it only
     /// where the tool went right through.
     ///
+    /// Where [`MANY_DEEP`] planes or more are deep, what is only near is not sought.
+    ///
     /// Errors: a margin that is negative, NaN or infinite, and more near pairs than the memory limit of the scene allows.
     pub fn contacts(&self, tool: &Tool, pose: &Pose, margin: f64, reference: Option<&Pose>) -> Result<Contacts> {
+        self.contacts_until(MANY_DEEP, tool, pose, margin, reference)
+    }
+
+    /// The same, with what is near unless so many planes are deep.
+    pub(crate) fn contacts_until(
+        &self,
+        many: usize,
+        tool: &Tool,
+        pose: &Pose,
+        margin: f64,
+        reference: Option<&Pose>,
+    ) -> Result<Contacts> {
         if !(margin.is_finite() && margin >= 0.0) {
             return Err(Error::Margin { value: margin });
         }
@@ -263,8 +277,7 @@ impl Scene {
         }
         let mut contacts = Contacts { is_meeting: !places.is_empty(), ..Contacts::default() };
         let mut held = hits.len();
-        // Where what is deep fills the answer, nothing that is only near comes into it.
-        if places.iter().flat_map(|place| &place.planes).filter(|p| p.gap < 0.0).count() < MANY_DEEP {
+        if places.iter().flat_map(|place| &place.planes).filter(|p| p.gap < 0.0).count() < many {
             let planes = places.iter().flat_map(|place| &place.planes);
             let dividers: Vec<Divider> = planes.map(|plane| gaps::divider(plane, margin)).collect();
             let near = self.near_candidates(tool, pose, margin, &dividers)?;

@@ -2,7 +2,7 @@
 
 use crate::bounds::Point;
 use crate::contacts::least_norm::{compromise, shortest};
-use crate::contacts::{ContactPlane, Contacts};
+use crate::contacts::{ContactPlane, Contacts, MOST_PLANES};
 use crate::error::Result;
 use crate::pose::Pose;
 use crate::scene::Scene;
@@ -36,7 +36,7 @@ pub struct Penetration {
     pub depth: f64,
     /// What it is.
     pub kind: PenetrationKind,
-    /// The contact planes at the pose.
+    /// The contact planes at the pose, with what is near unless what is deep fills them.
     pub contacts: Contacts,
 }
 
@@ -47,7 +47,7 @@ impl Scene {
     /// `margin` (metres): surfaces nearer than that keep the way out from running into them. `reference` as in
     /// [`contacts`](Self::contacts), and so the errors.
     pub fn penetration(&self, tool: &Tool, pose: &Pose, margin: f64, reference: Option<&Pose>) -> Result<Penetration> {
-        let contacts = self.contacts(tool, pose, margin, reference)?;
+        let contacts = self.contacts_until(MOST_PLANES, tool, pose, margin, reference)?;
         if !contacts.is_meeting {
             return Ok(Penetration { translation: [0.0; 3], depth: 0.0, kind: PenetrationKind::Exact, contacts });
         }
