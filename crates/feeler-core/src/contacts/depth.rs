@@ -43,6 +43,7 @@ pub(crate) struct Directions {
     list: Vec<Point>,
     edges: Vec<Edge>,
     tried: Vec<Tried>,
+    depths: Vec<f64>,
     pub(super) arcs: Arcs,
     /// By body of tool and mock-up where its surface went on along directions tried: there it mostly does along others.
     pub(super) known: [Vec<Known>; 2],
@@ -60,7 +61,7 @@ impl Directions {
 }
 
 /// A direction, and how high the mock-up and how low the tool is along it.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Tried {
     pub direction: Point,
     pub high: f64,
@@ -203,7 +204,7 @@ impl<'a> Best<'a> {
 
     /// Whether going along `d` leads out.
     pub fn leads_out(&self, d: &Point) -> bool {
-        d != &[0.0; 3] && !self.outward().iter().any(|out| is_against(d, out))
+        is_leading_out(d, &self.outward())
     }
 
     /// How far the two surfaces face into the plane across `d`, as the sum of cosines: tells directions apart where the two
@@ -219,14 +220,19 @@ impl<'a> Best<'a> {
         let Pair { lanes, tool, mockup, .. } = self.pair;
         self.directions.tried.clear();
         for (of, other, sense) in [(mockup, tool, 1.0), (tool, mockup, -1.0)] {
-            let from = self.directions.tried.len();
+            let outward = self.outward();
+            let tried = &mut self.directions.tried;
+            let from = tried.len();
+            let mut count = from;
+            tried.resize(from + of.normals.len(), Tried::default());
             for (normal, height) in of.normals {
                 let direction = scaled(normal, sense);
-                if self.leads_out(&direction) {
-                    self.directions.tried.push(Tried { direction, high: *height, low: -*height });
-                }
+                tried[count] = Tried { direction, high: *height, low: -*height };
+                // No branch: which lead out is not to be foreseen.
+                count += usize::from(is_leading_out(&direction, &outward));
             }
-            for some in self.directions.tried[from..].chunks_mut(WIDE_LANES) {
+            tried.truncate(count);
+            for some in tried[from..].chunks_mut(WIDE_LANES) {
                 let last = some.len() - 1;
                 let towards = std::array::from_fn(|i| scaled(&some[i.min(last)].direction, -sense));
                 let reach = highest(*lanes, other.points, &towards);
@@ -272,9 +278,12 @@ impl<'a> Best<'a> {
 
     /// The least deep of the directions tried along which nothing goes on; of several as deep the first.
     fn choose(&mut self) {
-        let mut tried = std::mem::take(&mut self.directions.tried);
+        let tried = std::mem::take(&mut self.directions.tried);
+        let mut depths = std::mem::take(&mut self.directions.depths);
+        depths.clear();
+        depths.extend(tried.iter().map(Tried::depth));
         loop {
-            let least = tried.iter().map(Tried::depth).fold(f64::INFINITY, f64::min);
+            let least = depths.iter().fold(f64::INFINITY, |least, d| if *d < least { *d } else { least });
             if least <= self.noise {
                 tried.iter().for_each(|t| _ = self.offer(t));
                 break;
@@ -284,18 +293,19 @@ impl<'a> Best<'a> {
             }
             // The least first, so that few are asked whether a surface goes on along them.
             let ties = least + self.noise + CLEARLY * least;
-            for t in tried.iter_mut().filter(|t| t.depth() <= ties) {
+            for (t, depth) in tried.iter().zip(&mut depths).filter(|(_, depth)| **depth <= ties) {
                 if !self.goes_on(t) {
                     self.found = Some(*t);
                     break;
                 }
-                t.high = f64::INFINITY;
+                *depth = f64::INFINITY;
             }
             if self.found.is_some() {
                 break;
             }
         }
         self.directions.tried = tried;
+        self.directions.depths = depths;
     }
 
     /// Whether a direction is the best now.
@@ -338,6 +348,10 @@ impl<'a> Best<'a> {
         let chosen = middle(if length(&below.extent()) <= length(&above.extent()) { &below } else { &above });
         along(&chosen, found.high - dot(&chosen, &found.direction), &found.direction)
     }
+}
+
+fn is_leading_out(d: &Point, outward: &[Point; 2]) -> bool {
+    (*d != [0.0; 3]) & !is_against(d, &outward[0]) & !is_against(d, &outward[1])
 }
 
 pub(super) fn middle(b: &Aabb) -> Point {
