@@ -69,13 +69,14 @@ pub fn order<E: Entry>(entries: &mut [E], fan_out: usize) {
     rayon::join(|| order(left, fan_out), || order(right, fan_out));
 }
 
-/// Entries that are looked at for choosing an axis.
+/// Entries that are looked at for choosing an axis: half of them, in any case so many, and at most so many.
+const LEAST_SAMPLE: usize = 64;
 const SAMPLE: usize = 512;
 
 /// The axis along which halving at `middle` gives the two boxes (of the entries' middles) the least surface, each weighted by
 /// its number of entries: a box is met by others about as often as it has surface. Looks at an even sample.
 fn best_axis<E: Entry>(entries: &[E], middle: usize) -> usize {
-    let count = entries.len().min(SAMPLE);
+    let count = entries.len().div_ceil(2).clamp(LEAST_SAMPLE, SAMPLE).min(entries.len());
     let mut sample = [[0u32; 3]; SAMPLE];
     for (i, place) in sample[..count].iter_mut().enumerate() {
         // A jitter, as meshes repeat themselves.
@@ -138,7 +139,7 @@ mod tests {
 
     #[test]
     fn nothing_is_lost_and_the_order_given_does_not_matter_where_all_are_looked_at() {
-        for count in [SAMPLE as u32, 5000] {
+        for count in [LEAST_SAMPLE as u32, 5000] {
             let mut entries = random_entries(count);
             let mut reversed: Vec<_> = entries.iter().rev().copied().collect();
             order(&mut entries, 8);
@@ -146,7 +147,7 @@ mod tests {
             for leaves in [&mut entries, &mut reversed] {
                 leaves.chunks_mut(8).for_each(<[_]>::sort_unstable);
             }
-            assert!(entries == reversed || count as usize > SAMPLE);
+            assert!(entries == reversed || count as usize > LEAST_SAMPLE);
             entries.sort_unstable_by_key(|e| e.1);
             assert_eq!(entries, random_entries(count));
         }
