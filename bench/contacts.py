@@ -24,6 +24,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from record import machine
 
 import feeler
 
@@ -306,7 +307,7 @@ def time_table(triangles: int, count: int) -> str:
     lines += [
         "",
         f"Microseconds over {count} nominal poses of `engine` with {mockup.triangle_count:,} triangles, best of three "
-        "rounds, one core; "
+        f"rounds, one core of {machine()['cpu']}; "
         f"neighbours of the mock-up's triangles: {memory['adjacency'] / mockup.triangle_count:.0f} bytes a triangle.",
     ]
     return "\n".join(lines)

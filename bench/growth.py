@@ -19,6 +19,7 @@ from engines import Floats
 from measure import clock_once, find_poses
 from options import TOOLS, triangles
 from page import PERFORMANCE, fill
+from record import machine
 
 import feeler
 
@@ -41,8 +42,8 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--sizes", default="100k,6.4M", help="two sizes, in triangles (100k,6.4M)")
     parser.add_argument("--tools", default=TOOLS, help=f"({TOOLS})")
-    parser.add_argument("--poses", type=int, default=100, help="of each tool in each mock-up (100)")
-    parser.add_argument("--rounds", type=int, default=9, help="(9)")
+    parser.add_argument("--poses", type=int, default=1000, help="of each tool in each mock-up (1000)")
+    parser.add_argument("--rounds", type=int, default=5, help="(5)")
     parser.add_argument("--write", action="store_true", help="put the table into docs/performance.md")
     options = parser.parse_args()
     sizes = [triangles(size) for size in options.sizes.split(",")]
@@ -69,7 +70,8 @@ def main() -> None:
         print(lines[-1], flush=True)
     if options.write:
         small, large = (f"{scene.mockup.triangle_count:,}" for scene in scenes)
-        note = f"`python bench/growth.py --write`: {small} and {large} triangles in turns, {options.rounds} rounds."
+        note = f"`python bench/growth.py --write`: {small} and {large} triangles in turns, "
+        note += f"{options.poses:,} poses, {options.rounds} rounds, {machine()['cpu']}."
         fill(PERFORMANCE, "growth: bench/growth.py", "\n".join([*lines, "", note]))
 
 
