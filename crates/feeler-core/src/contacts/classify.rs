@@ -147,3 +147,80 @@ impl Kernel for Nearest<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bounds::Point;
+    use crate::contacts::shapes::{box_mesh, ridge};
+    use crate::contacts::tests::{at, scene, tool};
+    use crate::contacts::zones::{find, ZonesScratch};
+    use crate::narrow::Filters;
+    use crate::simd::Level;
+    use crate::vectors::{along, cross};
+
+    /// Square of the distance of a corner from its cut, and how steeply it stands off the cut's line.
+    fn stand(zones: &Zones, w: usize, cut: u32, k: usize) -> (f64, f64) {
+        let ([a, b], corner) = (zones.ends(cut), zones.face(w, cut).corners[k]);
+        let (line, from): (Point, Point) = (sub(&b, &a), sub(&corner, &a));
+        let lengths = dot(&line, &line);
+        let (off, steep) = if lengths > 0.0 {
+            let share = (dot(&from, &line) / lengths).clamp(0.0, 1.0);
+            let across = cross(&from, &line);
+            (along(&from, -share, &line), dot(&across, &across) / lengths)
+        } else {
+            (from, dot(&from, &zones.face(1 - w, cut).normal).powi(2))
+        };
+        let square = dot(&off, &off);
+        (square, if square > 0.0 { steep / square } else { 0.0 })
+    }
+
+    /// One cut after the other.
+    fn plainly_nearest(zones: &Zones, w: usize, same: &[u32], k: usize) -> (f64, u32) {
+        let (mut best, mut steepest, mut place) = (f64::INFINITY, 0.0, NONE);
+        for c in same.iter().filter(|c| !zones.cuts[**c as usize].flat) {
+            let (square, steep) = stand(zones, w, *c, k);
+            let is_level = place != NONE && square >= best * (1.0 - 1e-9) && square <= best * (1.0 + 1e-9);
+            if if is_level { steep > steepest } else { square < best } {
+                (best, steepest, place) = (square, steep, *c);
+            }
+        }
+        (best, place)
+    }
+
+    #[test]
+    fn the_nearest_cuts_are_those_a_loop_finds() {
+        let line = [[-0.03, 0.0], [-0.02, 0.0], [0.0, 0.02], [0.02, 0.0], [0.03, 0.0]];
+        let (block, frame) =
+            (scene(box_mesh([0.0, 0.0, 0.015], [0.01, 0.012, 0.014], 4)), tool(ridge(&line, 0.04, 0.02, 3, 5)));
+        let mut counts = [0; 2];
+        for pose in [at(0.0, 0.0, 0.0), at(0.0037, 0.0021, -0.0013), at(0.01, 0.0, 0.002)] {
+            let pairs = block.collide(&frame, &pose, Filters::default()).pairs;
+            let ground = Ground {
+                mockup: block.mockup(),
+                tool: &frame,
+                pose: &pose,
+                reference: None,
+                adjacency: [frame.adjacency(), block.adjacency()],
+                centre: pose.apply(&frame.adjacency().centre),
+                lanes: block.checked_lanes(),
+            };
+            let mut scratch = ZonesScratch::default();
+            let zones = find(&ground, &pairs, &mut scratch);
+            for level in Level::available() {
+                let (mut stands, mut nearest) = (Vec::new(), Vec::new());
+                level.checked().run(Stands { zones, out: &mut stands });
+                for w in [TOOL, MOCKUP] {
+                    level.checked().run(Nearest { zones, w, stands: &stands, out: &mut nearest });
+                    assert_eq!(nearest.len(), zones.faces[w].len());
+                    for (same, found) in zones.by_face(w).zip(&nearest) {
+                        let expected = std::array::from_fn(|k| plainly_nearest(zones, w, same, k));
+                        assert_eq!(*found, expected, "{level:?} {w}");
+                        counts[usize::from(same.len() > 1)] += 1;
+                    }
+                }
+            }
+        }
+        assert!(counts.iter().all(|count| *count > 20), "{counts:?}");
+    }
+}
