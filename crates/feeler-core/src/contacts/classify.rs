@@ -196,15 +196,7 @@ mod tests {
         let mut counts = [0; 2];
         for pose in [at(0.0, 0.0, 0.0), at(0.0037, 0.0021, -0.0013), at(0.01, 0.0, 0.002)] {
             let pairs = block.collide(&frame, &pose, Filters::default()).pairs;
-            let ground = Ground {
-                mockup: block.mockup(),
-                tool: &frame,
-                pose: &pose,
-                reference: None,
-                adjacency: [frame.adjacency(), block.adjacency()],
-                centre: pose.apply(&frame.adjacency().centre),
-                lanes: block.checked_lanes(),
-            };
+            let ground = Ground::new(&block, &frame, &pose, None);
             let mut scratch = ZonesScratch::default();
             let zones = find(&ground, &pairs, &mut scratch);
             for level in Level::available() {

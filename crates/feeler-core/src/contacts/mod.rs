@@ -157,6 +157,20 @@ struct ZoneScratch {
     meeting: Vec<[u32; 2]>,
 }
 
+impl<'a> Ground<'a> {
+    fn new(scene: &'a Scene, tool: &'a Tool, pose: &'a Pose, reference: Option<&'a Pose>) -> Ground<'a> {
+        Ground {
+            mockup: scene.mockup(),
+            tool,
+            pose,
+            reference,
+            adjacency: [tool.adjacency(), scene.adjacency()],
+            centre: pose.apply(&tool.adjacency().centre),
+            lanes: scene.checked_lanes(),
+        }
+    }
+}
+
 impl Ground<'_> {
     fn tool_triangle(&self, t: u32) -> Triangle {
         self.pose.apply_triangle(&self.tool.mesh().triangle(t))
@@ -255,15 +269,7 @@ impl Scene {
             &mut scratch.contacts;
         let part_of = |pair: &[u32; 2]| self.mockup().part_of_face(pair[1]);
         by_part.sort(&hits, part_of, meeting);
-        let ground = Ground {
-            mockup: self.mockup(),
-            tool,
-            pose,
-            reference,
-            adjacency: [tool.adjacency(), self.adjacency()],
-            centre: pose.apply(&tool.adjacency().centre),
-            lanes: self.checked_lanes(),
-        };
+        let ground = Ground::new(self, tool, pose, reference);
         let mut places: Vec<Place<'_>> = Vec::new();
         for pairs in meeting.chunk_by(|p, q| part_of(p) == part_of(q)) {
             let mut place = Place { part: part_of(&pairs[0]), pairs, ..Place::default() };

@@ -290,15 +290,7 @@ mod tests {
         let frame = tool(ridge(&line, 0.04, 0.02, 3, 5));
         let pose = at(0.0155, 0.0, 0.0);
         let pairs = block.collide(&frame, &pose, Filters::default()).pairs;
-        let ground = Ground {
-            mockup: block.mockup(),
-            tool: &frame,
-            pose: &pose,
-            reference: None,
-            adjacency: [frame.adjacency(), block.adjacency()],
-            centre: pose.apply(&frame.adjacency().centre),
-            lanes: block.checked_lanes(),
-        };
+        let ground = Ground::new(&block, &frame, &pose, None);
         let mut scratch = ZonesScratch::default();
         find(&ground, &pairs, &mut scratch);
         let ZonesScratch { places, walked, zones, .. } = &mut scratch;
