@@ -101,7 +101,7 @@ impl Blocks {
                     let (half, lane) = (i / LANES, i % LANES);
                     let corners = halves[half].pack(lane, &corners[i]);
                     for c in 0..4 {
-                        packed.corners[c][half][lane] = corners[c];
+                        packed.corners[half][c][lane] = corners[c];
                     }
                 }
                 node

@@ -8,16 +8,16 @@ use crate::simd::Simd;
 #[derive(Debug, Clone)]
 #[repr(C, align(64))]
 pub struct PackedPieces {
-    /// Corners, by corner, half of the block and lane: ten bits per axis (x lowest), as steps between the sides of what the
+    /// Corners, by half of the block, corner and lane: ten bits per axis (x lowest), as steps between the sides of what the
     /// piece's box in bytes may stand for.
-    pub corners: [[[u32; LANES]; 2]; 4],
+    pub corners: [[[u32; LANES]; 4]; 2],
     /// The triangle of each piece.
     pub triangles: [u32; FANOUT],
 }
 
 impl PackedPieces {
     /// To be filled in.
-    pub const ZERO: PackedPieces = PackedPieces { corners: [[[0; LANES]; 2]; 4], triangles: [0; FANOUT] };
+    pub const ZERO: PackedPieces = PackedPieces { corners: [[[0; LANES]; 4]; 2], triangles: [0; FANOUT] };
 }
 
 /// The most that a corner of any piece of a block may be off, per axis: as [`HalfBlock::slack`] for a box as large as the block's
@@ -95,7 +95,7 @@ impl HalfBlock {
             let lower = s.load(&self.lower[a]);
             let step = (s.load(&self.upper[a]) - lower) * s.splat(1.0 / STEPS);
             for c in 0..4 {
-                at[c][a] = s.mul_add(s.widen_field(&packed.corners[c][half], a as u32), step, lower);
+                at[c][a] = s.mul_add(s.widen_field(&packed.corners[half][c], a as u32), step, lower);
                 s.store(at[c][a], &mut self.corners[c][a]);
             }
             off[a] = s.mul_add(step, s.splat(HALF), rounding);
@@ -225,7 +225,7 @@ mod tests {
                 let mut packed = PackedPieces::ZERO;
                 for (i, piece) in pieces.iter().enumerate() {
                     let corners = halves[i / LANES].pack(i % LANES, piece);
-                    (0..4).for_each(|c| packed.corners[c][i / LANES][i % LANES] = corners[c]);
+                    (0..4).for_each(|c| packed.corners[i / LANES][c][i % LANES] = corners[c]);
                 }
                 let halves = level.checked().run(Unpack(&node, Some(&packed), 0.0));
                 for (i, piece) in pieces.iter().enumerate() {

@@ -215,7 +215,7 @@ impl Rows<'_, '_> {
             for (block, _) in &runs[..count] {
                 let packed = &blocks.pieces[*block as usize];
                 for c in 0..4 {
-                    prefetch(&packed.corners[c][half]);
+                    prefetch(&packed.corners[half][c]);
                 }
                 prefetch(&packed.triangles[LANES * half]);
                 let slack = most_slack(&level[*block as usize], *slack);

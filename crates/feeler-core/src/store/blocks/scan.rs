@@ -171,7 +171,7 @@ impl Kernel for Scan<'_, '_> {
                 for half in 0..2 {
                     if reached >> (LANES * half) & HALF_MASK != 0 {
                         for c in 0..4 {
-                            prefetch(&packed.corners[c][half]);
+                            prefetch(&packed.corners[half][c]);
                         }
                         prefetch(&packed.triangles[LANES * half]);
                     }
