@@ -334,10 +334,8 @@ impl Narrow<'_> {
         let count = std::mem::take(count);
         self.stats.triangle_tests += count as u64;
         // All corners are asked for before the first is used, so that their cache misses overlap.
-        let (corners, faces, vertices) = (self.tool.placeable(), self.mesh.faces(), self.mesh.vertices());
-        for m in &asked[..std::mem::take(asked_count).min(PLACES)] {
-            faces[*m as usize].iter().for_each(|v| prefetch_at(vertices, *v as usize));
-        }
+        let corners = self.tool.placeable();
+        let asked = &asked[..std::mem::take(asked_count).min(PLACES)];
         slots[..count].iter().for_each(|slot| prefetch_at(corners, *slot as usize));
         let eights = count.div_ceil(WIDE_LANES);
         if count > 0 {
@@ -347,7 +345,7 @@ impl Narrow<'_> {
             }
             let (slots, triangles) = (&slots[..eights * WIDE_LANES], &mockup_triangles[..eights * WIDE_LANES]);
             let test =
-                Test { pose: self.pose, tool: self.tool, mesh: self.mesh, slots, triangles, count, verdicts, crossing };
+                Test { pose: self.pose, tool: self.tool, mesh: self.mesh, slots, triangles, count, asked, verdicts, crossing };
             let found = self.lanes.run(test);
             self.hits.extend(&crossing[..found]);
         }
@@ -379,6 +377,10 @@ impl Narrow<'_> {
     }
 }
 
+/// Triangles whose corners are asked for before the first pair is looked at; those of the rest as the pairs go: more than a
+/// dozen lines at once do not come sooner.
+const AHEAD: usize = 24;
+
 /// What can be proven of pairs, eight by eight. Lists the keys of those that cross, of the first `count`; returns how many.
 struct Test<'a> {
     pose: &'a Pose,
@@ -387,6 +389,8 @@ struct Test<'a> {
     slots: &'a [u32],
     triangles: &'a [u32],
     count: usize,
+    /// Triangles whose corners are to be asked for, in about the order of the pairs.
+    asked: &'a [u32],
     verdicts: &'a mut [Verdict],
     crossing: &'a mut [u64; PLACES],
 }
@@ -396,11 +400,21 @@ impl Kernel for Test<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) -> usize {
-        let Test { pose, tool, mesh, slots, triangles, count, verdicts, crossing } = self;
+        let Test { pose, tool, mesh, slots, triangles, count, asked, verdicts, crossing } = self;
         let ids = tool.ids();
         let mut found = 0;
         let (corners, faces, vertices) = (tool.placeable(), mesh.faces(), mesh.vertices());
-        for (i, verdict) in verdicts[..slots.len() / WIDE_LANES].iter_mut().enumerate() {
+        let eights = slots.len() / WIDE_LANES;
+        let each = asked.len().div_ceil(eights);
+        let (first, rest) = asked.split_at(asked.len().min(AHEAD));
+        let mut rest = rest.chunks(each.max(1));
+        for m in first {
+            faces[*m as usize].iter().for_each(|v| prefetch_at(vertices, *v as usize));
+        }
+        for (i, verdict) in verdicts[..eights].iter_mut().enumerate() {
+            for m in rest.next().unwrap_or(&[]) {
+                faces[*m as usize].iter().for_each(|v| prefetch_at(vertices, *v as usize));
+            }
             let mut p = [[&[0.0; 3]; WIDE_LANES]; 3];
             for lane in 0..WIDE_LANES {
                 let triangle = &corners[slots[WIDE_LANES * i + lane] as usize];

@@ -213,11 +213,6 @@ impl Rows<'_, '_> {
             runs[count] = (u32::MAX, list.len() as u32);
             runs.truncate(count + 1);
             for (block, _) in &runs[..count] {
-                let packed = &blocks.pieces[*block as usize];
-                for c in 0..4 {
-                    prefetch(&packed.corners[half][c]);
-                }
-                prefetch(&packed.triangles[LANES * half]);
                 let slack = most_slack(&level[*block as usize], *slack);
                 for a in 0..3 {
                     most[a] = most[a].max(slack[a]);
@@ -237,14 +232,20 @@ impl Rows<'_, '_> {
     fn offer<S: Simd>(&mut self, s: S) -> bool {
         let Rows { blocks, clusters, placed, half: pieces, scratch, slack, narrow, .. } = self;
         let RowsScratch { rows, runs, outlines, middles, kept, .. } = &mut **scratch;
+        for at in 0..AHEAD {
+            ask(blocks, runs, at);
+        }
+        let mut asked = AHEAD;
         for half in 0..2 {
-            let (rows, runs) = (&rows[half], &runs[half]);
+            let (rows, all_runs, runs) = (&rows[half], &*runs, &runs[half]);
             if kept.len() < rows.len() + 1 {
                 kept.resize(rows.len() + 1, (Row::default(), 0));
             }
             let mut count = 0;
             for i in 0..runs.len() - 1 {
                 let ((block, from), to) = (runs[i], runs[i + 1].1);
+                ask(blocks, all_runs, asked);
+                asked += 1;
                 let (node, packed) = (&blocks.levels[0][block as usize], &blocks.pieces[block as usize]);
                 let list = &rows[from as usize..to as usize];
                 let (first, mut met) = (count, 0);
@@ -273,6 +274,22 @@ impl Rows<'_, '_> {
             }
         }
         false
+    }
+}
+
+/// Runs that are asked for before they are come to.
+const AHEAD: usize = 8;
+
+/// Asks for what a run needs, of those of both halves.
+#[inline(always)]
+fn ask(blocks: &Blocks, runs: &[Vec<(u32, u32)>; 2], at: usize) {
+    let count = runs[0].len() - 1;
+    let half = usize::from(at >= count);
+    let place = at - half * count;
+    if place + 1 < runs[half].len() {
+        let packed = &blocks.pieces[runs[half][place].0 as usize];
+        prefetch(&packed.corners[half]);
+        prefetch(&packed.triangles[LANES * half]);
     }
 }
 
