@@ -1,4 +1,5 @@
-"""Depth of the same contact, cut into ever more triangles: feeler beside Coal and FCL; and what `contacts` costs.
+"""Depth of the same contact, cut into ever more triangles: feeler beside Coal and FCL; what `contacts` costs; and what
+`penetration` finds.
 
     python bench/contacts.py                      print the tables
     python bench/contacts.py --write              and put them into docs/contacts.md, between its markers
@@ -32,6 +33,7 @@ ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs" / "contacts.md"
 DEPTHS = ("<!-- depths: bench/contacts.py -->", "<!-- end of depths -->")
 TIMES = ("<!-- times: bench/contacts.py -->", "<!-- end of times -->")
+WAYS = ("<!-- ways: bench/contacts.py -->", "<!-- end of ways -->")
 
 Floats = npt.NDArray[np.float64]
 Faces = npt.NDArray[np.int64]
@@ -313,6 +315,32 @@ def time_table(triangles: int, count: int) -> str:
     return "\n".join(lines)
 
 
+def way_table(triangles: int, count: int) -> str:
+    """What `penetration` finds on nominal poses of the engine, and what it takes, one core."""
+    scene = feeler.Scene(feeler.sample("engine", triangles=triangles), threads=1)
+    lines = [
+        "| tool | exact | bound | estimate | length of a bound, mm: median | p90 | ms: median | p99 |",
+        "|---|---:|---:|---:|---:|---:|---:|---:|",
+    ]
+    for name in ("torque", "wrench", "square", "hand"):
+        tool = feeler.sample_tool(name)
+        poses = feeler.sample_poses(scene, tool, "nominal", count)
+        scene.contacts(tool, poses[0], MARGIN)
+        found, times = [], np.zeros(count)
+        for i, pose in enumerate(poses):
+            start = time.perf_counter()
+            found.append(scene.penetration(tool, pose, MARGIN))
+            times[i] = 1e3 * (time.perf_counter() - start)
+        kinds = [sum(out.kind == kind for out in found) for kind in ("exact", "bound", "estimate")]
+        bounds = [1e3 * out.depth for out in found if out.kind == "bound"] or [np.nan]
+        numbers = [*np.percentile(bounds, [50, 90]), *np.percentile(times, [50, 99])]
+        row = [name, *(f"{kind}" for kind in kinds), *(f"{x:.1f}" for x in numbers)]
+        lines.append("| " + " | ".join(row) + " |")
+        print(lines[-1], file=sys.stderr)
+    mockup = f"`engine` with {scene.mockup.triangle_count:,} triangles"
+    return "\n".join([*lines, "", f"{count} nominal poses of {mockup}, one core of {machine()['cpu']}."])
+
+
 def put(text: str, markers: tuple[str, str], table: str) -> str:
     """The page with a table between its markers."""
     before, rest = text.split(markers[0])
@@ -323,17 +351,20 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--write", action="store_true", help="put the tables into docs/contacts.md")
     parser.add_argument("--quick", action="store_true", help="small meshes, a small engine")
-    parser.add_argument("--only", choices=("depths", "times"), help="one of the two tables")
+    parser.add_argument("--only", choices=("depths", "times", "ways"), help="one of the tables")
     options = parser.parse_args(arguments)
     text = PAGE.read_text(encoding="utf-8")
-    if options.only != "times":
-        table = depth_table(CELLS[:2] if options.quick else CELLS)
-        print(table)
-        text = put(text, DEPTHS, table)
-    if options.only != "depths":
-        table = time_table(*(20_000, 10) if options.quick else (1_600_000, 300))
-        print(table)
-        text = put(text, TIMES, table)
+    size = (20_000, 10) if options.quick else (1_600_000, 300)
+    tables: dict[str, tuple[tuple[str, str], Callable[[], str]]] = {
+        "depths": (DEPTHS, lambda: depth_table(CELLS[:2] if options.quick else CELLS)),
+        "times": (TIMES, lambda: time_table(*size)),
+        "ways": (WAYS, lambda: way_table(*size)),
+    }
+    for name, (markers, make) in tables.items():
+        if options.only in (None, name):
+            table = make()
+            print(table)
+            text = put(text, markers, table)
     if options.write:
         PAGE.write_text(text, encoding="utf-8")
     return 0

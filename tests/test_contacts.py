@@ -22,7 +22,9 @@ def bench() -> ModuleType:
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     sys.modules[spec.name] = module
-    spec.loader.exec_module(module)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(str(ROOT / "bench"))
+        spec.loader.exec_module(module)
     return module
 
 
@@ -190,3 +192,7 @@ def test_the_quick_tables(
     monkeypatch.setattr(bench, "PEERS", {})
     assert bench.main(["--quick", "--only", "depths"]) == 0
     assert "tooth in its slot, turned" in capsys.readouterr().out
+    assert bench.main(["--quick", "--only", "ways"]) == 0
+    table = [line.split("|")[1:-1] for line in capsys.readouterr().out.splitlines()]
+    rows = [row for row in table if row and row[0].strip() in ("torque", "wrench", "square", "hand")]
+    assert len(rows) == 4 and all(sum(int(x) for x in row[1:4]) == 10 for row in rows)

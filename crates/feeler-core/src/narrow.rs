@@ -344,8 +344,17 @@ impl Narrow<'_> {
                 (slots[i], mockup_triangles[i]) = (slots[count - 1], mockup_triangles[count - 1]);
             }
             let (slots, triangles) = (&slots[..eights * WIDE_LANES], &mockup_triangles[..eights * WIDE_LANES]);
-            let test =
-                Test { pose: self.pose, tool: self.tool, mesh: self.mesh, slots, triangles, count, asked, verdicts, crossing };
+            let test = Test {
+                pose: self.pose,
+                tool: self.tool,
+                mesh: self.mesh,
+                slots,
+                triangles,
+                count,
+                asked,
+                verdicts,
+                crossing,
+            };
             let found = self.lanes.run(test);
             self.hits.extend(&crossing[..found]);
         }

@@ -37,6 +37,7 @@ mod sift;
 mod tests;
 mod tracker;
 mod walk;
+mod way_out;
 mod zones;
 
 pub(crate) use adjacency::Adjacency;

@@ -2,12 +2,13 @@
 
 use crate::bounds::Point;
 use crate::contacts::least_norm::{compromise, shortest};
+use crate::contacts::way_out::directions_of;
 use crate::contacts::{ContactPlane, Contacts, MOST_PLANES};
 use crate::error::Result;
 use crate::pose::Pose;
 use crate::scene::Scene;
 use crate::tool::Tool;
-use crate::vectors::{add, dot, length, scaled};
+use crate::vectors::{add, dot, length, scaled, unit};
 
 /// Times that planes met on the way are added, and the way is sought anew.
 const MOST_ROUNDS: usize = 8;
@@ -21,9 +22,9 @@ pub enum PenetrationKind {
     /// The moved tool is free (checked exactly), and no shorter translation separates the two surfaces that meet: one place of
     /// contact, both sides of it flat-faced and bulging, every direction that could be least was tried.
     Exact,
-    /// The moved tool is free (checked exactly); a shorter translation may exist.
+    /// The moved tool is free (checked exactly), and not inside a solid; a shorter translation may exist.
     Bound,
-    /// The moved tool still meets the mock-up: nothing near that frees it was found.
+    /// The moved tool still meets the mock-up: nothing that frees it was found.
     Estimate,
 }
 
@@ -42,7 +43,8 @@ pub struct Penetration {
 
 impl Scene {
     /// The translation of least length that frees the tool where it is: shortest over the contact planes of the pose, checked
-    /// at the moved pose, and sought anew with the planes met there.
+    /// at the moved pose, and sought anew with the planes met there. Where that frees nothing, a way is sought along many
+    /// directions, ever farther, up to the tool's size.
     ///
     /// `margin` (metres): surfaces nearer than that keep the way out from running into them. `reference` as in
     /// [`contacts`](Self::contacts), and so the errors.
@@ -118,6 +120,18 @@ impl Scene {
                 }
             }
             if let Some(way) = shorter {
+                (translation, kind) = (way, PenetrationKind::Bound);
+            }
+        }
+        // What lies right inside a solid meets nothing, and is not free.
+        if kind == PenetrationKind::Bound && !self.is_free_and_outside(tool, &pose.translated(&translation)?) {
+            kind = PenetrationKind::Estimate;
+        }
+        if kind == PenetrationKind::Estimate {
+            let mut directions: Vec<Point> = contacts.planes.iter().map(|p| p.normal).collect();
+            directions.extend(unit(&translation));
+            directions.extend(directions_of(pose));
+            if let Some(way) = self.way_out(tool, pose, &directions, longest) {
                 (translation, kind) = (way, PenetrationKind::Bound);
             }
         }
