@@ -1,7 +1,8 @@
 """Puts every cell of a benchmark record, the funnel and the goals into docs/performance.md, between its markers.
 
-python bench/cells.py                                    the newest record in bench/records
-python bench/cells.py bench/records/2026-11-20-x-1.json  a given one
+examples:
+    python bench/cells.py                                    the newest record in bench/records
+    python bench/cells.py bench/records/2026-11-20-x-1.json  a given one
 """
 
 from __future__ import annotations
@@ -108,7 +109,7 @@ def _us(value: float) -> str:
 
 
 def main() -> int:
-    text = figures(*asked_for())
+    text = figures(*asked_for(__doc__))
     fill(PERFORMANCE, "cells: bench/cells.py", text)
     print(text)
     return 0

@@ -1,10 +1,12 @@
 """The plot of a record: per tool, how the nominal times grow with the mock-up, one line an engine.
 
-python bench/plot.py bench/records/2026-11-20-x-1.json     again, from a record
+examples:
+    python bench/plot.py bench/records/2026-11-20-x-1.json     again, from a record
 """
 
 from __future__ import annotations
 
+import argparse
 import json
 import sys
 from pathlib import Path
@@ -74,7 +76,9 @@ def _short(count: int) -> str:
 
 def main() -> int:
     """Draw a record's plot beside it."""
-    path = Path(sys.argv[1])
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("record", type=Path, help="a record of `make bench`")
+    path: Path = parser.parse_args().record
     problem = draw(json.loads(path.read_text(encoding="utf-8")), path.with_suffix(".png"))
     print(problem or f"Written: {path.with_suffix('.png')}")
     return 1 if problem else 0

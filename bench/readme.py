@@ -1,11 +1,13 @@
 """Puts the figures of a benchmark record into README.md, between its markers.
 
-python bench/readme.py                                    the newest record in bench/records
-python bench/readme.py bench/records/2026-11-20-x-1.json  a given one
+examples:
+    python bench/readme.py                                    the newest record in bench/records
+    python bench/readme.py bench/records/2026-11-20-x-1.json  a given one
 """
 
 from __future__ import annotations
 
+import argparse
 import json
 import re
 import sys
@@ -101,17 +103,24 @@ def _times(figures: dict[str, Any]) -> str:
     return f"{wall['median']:,.0f} ({wall['p95']:,.0f})"
 
 
-def asked_for() -> tuple[dict[str, Any], str]:
-    """The record named on the command line, else the newest; and its file's name."""
-    path = Path(sys.argv[1]) if len(sys.argv) > 1 else newest()
-    record = json.loads(path.read_text(encoding="utf-8"))
+def asked_for(description: str | None) -> tuple[dict[str, Any], str]:
+    """The record named on the command line of a script so described, else the newest; and its file's name."""
+    parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("record", nargs="?", type=Path, help="a record of `make bench` (the newest in bench/records)")
+    path: Path = parser.parse_args().record or newest()
+    try:
+        record = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        parser.error(f"{path} is no record: {error}")
+    if not isinstance(record, dict) or "schema" not in record:
+        parser.error(f"{path} is no record of `make bench`")
     if record["schema"] < 2:
-        sys.exit(f"{path.name} is of an older layout: run `make bench` again")
+        parser.error(f"{path.name} is of an older layout: run `make bench` again")
     return record, path.name
 
 
 def main() -> int:
-    text = figures(*asked_for())
+    text = figures(*asked_for(__doc__))
     page = README.read_text(encoding="utf-8")
     before, rest = page.split(MARKERS[0])
     after = rest.split(MARKERS[1])[1]

@@ -279,10 +279,20 @@ def test_options_out_of_range_are_refused(root: Path, arguments: list[str], said
     assert done.returncode == 2 and said in done.stderr
 
 
-@pytest.mark.parametrize("script", ["run.py", "real_data.py"])
+@pytest.mark.parametrize("script", ["run.py", "real_data.py", "readme.py", "cells.py", "plot.py"])
 def test_help_has_examples(root: Path, script: str) -> None:
     done = run(root, script, "--help")
     assert done.returncode == 0 and "examples:" in done.stdout and f"python bench/{script}" in done.stdout
+
+
+@pytest.mark.parametrize("script", ["readme.py", "cells.py"])
+@pytest.mark.parametrize(("text", "said"), [(None, "no record"), ("[1]", "no record"), ('{"schema": 1}', "older")])
+def test_what_is_no_record_is_refused(root: Path, tmp_path: Path, script: str, text: str | None, said: str) -> None:
+    path = tmp_path / "record.json"
+    if text is not None:
+        path.write_text(text, encoding="utf-8")
+    done = run(root, script, str(path))
+    assert done.returncode == 2 and said in done.stderr and "Traceback" not in done.stderr
 
 
 # --- the judge -----------------------------------------------------------------------------------------------------
