@@ -279,7 +279,7 @@ fn gap_of(pair: [u32; 2], part: u32, closest: &Closest) -> Gap {
 
 /// Whether each of the two nearest points is on the outer side of the other's triangle, as far as that is known: what is inside
 /// the other solid is near its surface, but not held off by it.
-pub(crate) fn is_in_front(ground: &Ground<'_>, gap: &Gap) -> bool {
+fn is_in_front(ground: &Ground<'_>, gap: &Gap) -> bool {
     let way = sub(&gap.on_tool, &gap.on_mockup);
     let is_outside = |w: usize, id: u32, sense: f64| {
         let outward = sense * f64::from(ground.adjacency[w].outward[id as usize]);

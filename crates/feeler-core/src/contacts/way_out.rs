@@ -1,13 +1,15 @@
 //! A way out by trial, where contact planes show none: along many directions, ever farther, until the tool is free.
 
-use crate::bounds::Point;
-use crate::contacts::gaps::is_in_front;
+use std::f64::consts::{PI, TAU};
+
+use crate::bounds::{Point, Triangle};
+use crate::contacts::adjacency::NONE;
+use crate::contacts::zones::{MOCKUP, TOOL};
 use crate::contacts::Ground;
 use crate::pose::Pose;
-use crate::proximity::Gap;
 use crate::scene::Scene;
 use crate::tool::Tool;
-use crate::vectors::{add, along, cross, scaled, unit};
+use crate::vectors::{add, along, cross, dot, length, normal, scaled, square_to_segment, sub, unit};
 
 /// The first length that is tried, as a share of the longest, and by what each length is longer than the one before.
 const FIRST: f64 = 1.0 / 1024.0;
@@ -23,6 +25,9 @@ const SIDES: [[f64; 2]; 6] = [[1.0, 0.0], [0.5, HIGH], [-0.5, HIGH], [-1.0, 0.0]
 const HIGH: f64 = 0.866_025_403_784_438_6; // the sine of 60 degrees
 const MOST_TURNS: usize = 8;
 const SHORTER: f64 = 0.02;
+
+/// Most triangles looked at around a corner.
+const MOST_AROUND: usize = 256;
 
 impl Scene {
     /// A translation no longer than `longest` after which the tool is free (checked exactly) and not inside a solid, along one of the
@@ -62,13 +67,66 @@ impl Scene {
         Some(scaled(&direction, length))
     }
 
-    /// Whether a tool meets nothing, and is not wholly inside a solid (or a solid inside it) either, as far as the nearest triangles
-    /// know.
+    /// Whether a tool meets nothing, and is not wholly inside a solid (or a solid inside it) either: what is nearest on the two
+    /// surfaces faces the other.
     pub(super) fn is_free_and_outside(&self, tool: &Tool, pose: &Pose) -> bool {
-        let is_outside =
-            |gap: Option<Gap>| gap.is_none_or(|gap| is_in_front(&Ground::new(self, tool, pose, None), &gap));
-        !self.is_colliding(tool, pose) && self.closest(tool, pose, f64::INFINITY).is_ok_and(is_outside)
+        if self.is_colliding(tool, pose) {
+            return false;
+        }
+        let ground = Ground::new(self, tool, pose, None);
+        self.closest(tool, pose, f64::INFINITY).is_ok_and(|gap| {
+            gap.is_none_or(|gap| {
+                let way = sub(&gap.on_tool, &gap.on_mockup);
+                is_facing(&ground, MOCKUP, gap.mockup_triangle, &gap.on_mockup, &way)
+                    && is_facing(&ground, TOOL, gap.tool_triangle, &gap.on_tool, &scaled(&way, -1.0))
+            })
+        })
     }
+}
+
+/// Whether a surface faces along `way` at a point of one of its triangles, from which the way is the shortest to somewhere. Open
+/// surfaces face everywhere.
+///
+/// At an edge or a corner the sum of the normals around it, each by the angle of its triangle there, tells the side (J. A.
+/// Bærentzen, H. Aanæs: Signed distance computation using the angle weighted pseudonormal, 2005); one normal alone may not.
+fn is_facing(ground: &Ground<'_>, w: usize, triangle: u32, at: &Point, way: &Point) -> bool {
+    let noise = 1e-13 * at.iter().fold(0.0f64, |m, x| m.max(x.abs())) + 1e-9 * length(way);
+    let mut sum = [0.0; 3];
+    let mut seen = vec![triangle];
+    let mut next = 0;
+    while next < seen.len().min(MOST_AROUND) {
+        let id = seen[next];
+        let t = ground.triangle(w, id);
+        let angle = match angle_at(&t, at, noise) {
+            None if next > 0 => 0.0,
+            angle => angle.unwrap_or(TAU),
+        };
+        next += 1;
+        if angle == 0.0 {
+            continue;
+        }
+        let outward = f64::from(ground.adjacency[w].outward[id as usize]);
+        sum = normal(&t).map_or(sum, |n| along(&sum, angle * outward, &n));
+        let beside = ground.adjacency[w].neighbours[id as usize].into_iter().filter(|n| *n != NONE);
+        beside.for_each(|n| {
+            if !seen.contains(&n) {
+                seen.push(n)
+            }
+        });
+    }
+    dot(&sum, way) >= 0.0
+}
+
+/// The angle of a triangle at a point of its border; `None` elsewhere.
+fn angle_at(t: &Triangle, p: &Point, noise: f64) -> Option<f64> {
+    let is_near = |square: f64| square <= noise * noise;
+    for k in 0..3 {
+        if is_near(dot(&sub(&t[k], p), &sub(&t[k], p))) {
+            let (u, v) = (sub(&t[(k + 1) % 3], &t[k]), sub(&t[(k + 2) % 3], &t[k]));
+            return Some(length(&cross(&u, &v)).atan2(dot(&u, &v)));
+        }
+    }
+    (0..3).any(|k| is_near(square_to_segment(p, &t[k], &t[(k + 1) % 3]))).then_some(PI)
 }
 
 /// Directions around one, so far from it.
@@ -92,7 +150,6 @@ mod tests {
     use crate::contacts::penetration::PenetrationKind;
     use crate::contacts::shapes::{box_mesh, ridge};
     use crate::contacts::tests::{at, scene, tool, turned};
-    use crate::vectors::{length, sub};
 
     #[test]
     fn a_block_wedged_in_a_slot_is_drawn_out_of_it() {
@@ -118,6 +175,30 @@ mod tests {
         assert_eq!(plate.way_out(&block, &pose, &[down], 0.03), None);
         let way = plate.way_out(&block, &pose, &[down, up], 0.03).unwrap();
         assert!(way[2] >= 0.01 && length(&way) < 0.0105, "{way:?}");
+    }
+
+    #[test]
+    fn a_tool_beside_a_sharp_edge_is_outside() {
+        // A wedge with an edge of 20 degrees along y, and a block just before it, above, below and in it.
+        let wedge = [[-0.02, 0.0], [0.02, 0.02 * 2.0 * 20f64.to_radians().tan()]];
+        let held = scene(ridge(&wedge, -1e-6, 0.05, 1, 2));
+        let block = tool(box_mesh([0.0; 3], [0.002, 0.002, 0.002], 1));
+        for (x, z, is_free) in [
+            (-0.0211, 0.0, true),
+            (-0.0211, 0.0005, true),
+            (-0.0211, -0.0005, true),
+            (0.0, 0.0095, true),
+            (0.0, -0.0015, true),
+            (0.012, 0.005, false),
+            (0.016, 0.004, false),
+        ] {
+            assert!(!held.is_colliding(&block, &at(x, 0.0, z)), "{x} {z}");
+            assert_eq!(held.is_free_and_outside(&block, &at(x, 0.0, z)), is_free, "{x} {z}");
+        }
+        // And the other way round: the mock-up within the tool.
+        let (small, around) = (scene(box_mesh([0.0; 3], [0.01; 3], 1)), tool(box_mesh([0.0; 3], [0.05; 3], 2)));
+        assert!(!small.is_free_and_outside(&around, &at(0.001, 0.0, 0.002)));
+        assert!(small.is_free_and_outside(&around, &at(0.05, 0.001, 0.0)));
     }
 
     #[test]
