@@ -333,7 +333,7 @@ impl Narrow<'_> {
         let Pending { slots, mockup_triangles, count, asked, asked_count, verdicts, crossing, .. } = &mut *self.pending;
         let count = std::mem::take(count);
         self.stats.triangle_tests += count as u64;
-        // All corners are asked for before the first is used, so that their cache misses overlap.
+        // Corners are asked for before they are used, so that their cache misses overlap: the mock-up's as the test goes.
         let corners = self.tool.placeable();
         let asked = &asked[..std::mem::take(asked_count).min(PLACES)];
         slots[..count].iter().for_each(|slot| prefetch_at(corners, *slot as usize));

@@ -237,14 +237,14 @@ impl Rows<'_, '_> {
         }
         let mut asked = AHEAD;
         for half in 0..2 {
-            let (rows, all_runs, runs) = (&rows[half], &*runs, &runs[half]);
+            let (rows, of_half) = (&rows[half], &runs[half]);
             if kept.len() < rows.len() + 1 {
                 kept.resize(rows.len() + 1, (Row::default(), 0));
             }
             let mut count = 0;
-            for i in 0..runs.len() - 1 {
-                let ((block, from), to) = (runs[i], runs[i + 1].1);
-                ask(blocks, all_runs, asked);
+            for i in 0..of_half.len() - 1 {
+                let ((block, from), to) = (of_half[i], of_half[i + 1].1);
+                ask(blocks, runs, asked);
                 asked += 1;
                 let (node, packed) = (&blocks.levels[0][block as usize], &blocks.pieces[block as usize]);
                 let list = &rows[from as usize..to as usize];
@@ -277,10 +277,10 @@ impl Rows<'_, '_> {
     }
 }
 
-/// Runs that are asked for before they are come to.
+/// Runs that are asked for before they are come to. Not all at once: a core waits for a dozen lines or so at a time.
 const AHEAD: usize = 8;
 
-/// Asks for what a run needs, of those of both halves.
+/// Asks for what a run needs, counted over both halves.
 #[inline(always)]
 fn ask(blocks: &Blocks, runs: &[Vec<(u32, u32)>; 2], at: usize) {
     let count = runs[0].len() - 1;
