@@ -280,6 +280,15 @@ def depth_table(cells: tuple[int, ...]) -> str:
     return "\n".join([*lines, "", f"`python bench/contacts.py --write`, Python {platform.python_version()}."])
 
 
+def nominal(scene: feeler.Scene, count: int) -> Iterator[tuple[str, feeler.Tool, Floats]]:
+    """The sample tools by name, with nominal poses; what the first contacts of each find out is known."""
+    for name in ("torque", "wrench", "square", "hand"):
+        tool = feeler.sample_tool(name)
+        poses = feeler.sample_poses(scene, tool, "nominal", count)
+        scene.contacts(tool, poses[0], MARGIN)
+        yield name, tool, poses
+
+
 def time_table(triangles: int, count: int) -> str:
     """Microseconds of `contacts` at a margin of 2 mm on nominal poses of the engine, one core."""
     mockup = feeler.sample("engine", triangles=triangles)
@@ -288,10 +297,7 @@ def time_table(triangles: int, count: int) -> str:
         "| tool | triangles | planes, mean | median | p95 | p99 | worst | `collide`, median |",
         "|---|---:|---:|---:|---:|---:|---:|---:|",
     ]
-    for name in ("torque", "wrench", "square", "hand"):
-        tool = feeler.sample_tool(name)
-        poses = feeler.sample_poses(scene, tool, "nominal", count)
-        scene.contacts(tool, poses[0], MARGIN)
+    for name, tool, poses in nominal(scene, count):
         best, collide, planes = np.full(count, np.inf), np.full(count, np.inf), 0
         for _ in range(3):
             for i, pose in enumerate(poses):
@@ -322,10 +328,7 @@ def way_table(triangles: int, count: int) -> str:
         "| tool | exact | bound | estimate | length of a bound, mm: median | p90 | ms: median | p99 |",
         "|---|---:|---:|---:|---:|---:|---:|---:|",
     ]
-    for name in ("torque", "wrench", "square", "hand"):
-        tool = feeler.sample_tool(name)
-        poses = feeler.sample_poses(scene, tool, "nominal", count)
-        scene.contacts(tool, poses[0], MARGIN)
+    for name, tool, poses in nominal(scene, count):
         found, times = [], np.zeros(count)
         for i, pose in enumerate(poses):
             start = time.perf_counter()

@@ -96,23 +96,18 @@ fn is_facing(ground: &Ground<'_>, w: usize, triangle: u32, at: &Point, way: &Poi
     let mut next = 0;
     while next < seen.len().min(MOST_AROUND) {
         let id = seen[next];
-        let t = ground.triangle(w, id);
-        let angle = match angle_at(&t, at, noise) {
-            None if next > 0 => 0.0,
-            angle => angle.unwrap_or(TAU),
-        };
         next += 1;
-        if angle == 0.0 {
-            continue;
-        }
+        let t = ground.triangle(w, id);
+        // Within the triangle that was asked about there is nothing but itself.
+        let Some(angle) = angle_at(&t, at, noise).or((id == triangle).then_some(TAU)) else { continue };
         let outward = f64::from(ground.adjacency[w].outward[id as usize]);
         sum = normal(&t).map_or(sum, |n| along(&sum, angle * outward, &n));
         let beside = ground.adjacency[w].neighbours[id as usize].into_iter().filter(|n| *n != NONE);
-        beside.for_each(|n| {
+        for n in beside {
             if !seen.contains(&n) {
-                seen.push(n)
+                seen.push(n);
             }
-        });
+        }
     }
     dot(&sum, way) >= 0.0
 }
