@@ -5,7 +5,8 @@ use crate::contacts::clusters::Clusters;
 use crate::contacts::heights::{highest, push_eights, Eight};
 use crate::contacts::outline::largest;
 use crate::contacts::patches::Patches;
-use crate::contacts::sides::{Sets, Sides};
+use crate::contacts::sets::Sets;
+use crate::contacts::sides::Sides;
 use crate::simd::{Checked, WIDE_LANES};
 use crate::vectors::{along, cross, dot, unit};
 

@@ -1,8 +1,9 @@
 //! Patches that bulge the same way together.
 
 use crate::bounds::Point;
+use crate::contacts::judge::Judge;
 use crate::contacts::patches::Patches;
-use crate::contacts::sides::{has, is_meeting, Sets, Sides};
+use crate::contacts::sets::{is_meeting, Sets};
 use crate::simd::Checked;
 
 /// Patches of which none stands out over the plane of another: together, part of a convex body. The largest first. Kept as
@@ -16,10 +17,12 @@ pub(crate) struct Clusters {
     /// How many there are; what lies behind in the lists is memory.
     pub count: usize,
     members: Sets,
-    sides: Sides,
+    judge: Judge,
     /// For each patch the patches over whose planes its middle stands out.
     over: Sets,
-    /// The same for each corner of a patch.
+    /// For each patch those whose middles stand out over its plane.
+    below: Sets,
+    /// Over which planes each corner of a patch stands out.
     corner_over: Sets,
     /// Those under whose planes the same corner or middle is.
     under: Sets,
@@ -38,14 +41,15 @@ impl Clusters {
         self.members.clear(count, count);
         self.over.clear(count, count);
         self.straddling.clear();
-        self.sides.set(patches.list.iter());
+        self.judge.set(&patches.list);
         self.middles.clear();
         self.middles.extend(patches.list.iter().map(|p| p.middle));
         self.under.clear(count, count);
-        self.sides.judge(lanes, &self.middles, &mut self.over, &mut self.under);
+        self.judge.judge(lanes, &self.middles, &mut self.over, &mut self.under);
+        self.below.turn(&self.over, count);
         self.corner_over.clear(patches.all_corners().len(), count);
         self.under.clear(patches.all_corners().len(), count);
-        self.sides.judge(lanes, patches.all_corners(), &mut self.corner_over, &mut self.under);
+        self.judge.judge(lanes, patches.all_corners(), &mut self.corner_over, &mut self.under);
         for (i, patch) in patches.list.iter().enumerate() {
             let corners = patches.corners(patch);
             if self.corner_over.is_meeting_union(&self.under, corners) {
@@ -77,10 +81,10 @@ impl Clusters {
 
     /// Adds a patch to the first cluster, from one on, that it bulges with.
     fn join_or_found(&mut self, i: u32, from: usize) {
-        let over = self.over.get(i as usize);
+        let (over, below) = (self.over.get(i as usize), self.below.get(i as usize));
         let fits = |c: &usize| {
-            !is_meeting(over, self.members.get(*c))
-                && !self.patches[*c].iter().any(|j| has(self.over.get(*j as usize), i as usize))
+            let members = self.members.get(*c);
+            !is_meeting(over, members) && !is_meeting(below, members)
         };
         let c = (from..self.count).find(fits).unwrap_or_else(|| {
             if self.patches.len() == self.count {
@@ -99,7 +103,7 @@ impl Clusters {
     /// Whether no patch of a cluster stands out over a patch, and one of its corners over none of them.
     fn is_partly_within(&self, patches: &Patches, i: usize, c: usize) -> bool {
         let (corners, members) = (patches.corners(&patches.list[i]), self.members.get(c));
-        !self.patches[c].iter().any(|j| has(self.over.get(*j as usize), i))
+        !is_meeting(self.below.get(i), members)
             && corners.iter().any(|k| !is_meeting(self.corner_over.get(*k as usize), members))
     }
 }

@@ -19,6 +19,7 @@ mod descent;
 mod gaps;
 mod heights;
 mod joins;
+mod judge;
 mod least_norm;
 #[cfg(test)]
 mod near_tests;
@@ -29,6 +30,7 @@ mod patches;
 mod penetration;
 mod place;
 mod points;
+mod sets;
 #[cfg(test)]
 mod shapes;
 mod sides;
@@ -54,7 +56,7 @@ use crate::contacts::clusters::Clusters;
 use crate::contacts::depth::{Depth, Directions, FirstDepth, Pair};
 use crate::contacts::gaps::{NearLists, NearPairs, SAME_DIRECTION};
 use crate::contacts::patches::Patches;
-use crate::contacts::sides::{has, is_meeting};
+use crate::contacts::sets::{has, is_meeting};
 use crate::contacts::zones::{Face, Zones, ZonesScratch, MOCKUP, TOOL};
 use crate::error::{Error, Result};
 use crate::mesh::Mockup;

@@ -7,7 +7,7 @@ use crate::bounds::Point;
 use crate::contacts::adjacency::NONE;
 use crate::contacts::numbered::Numbered;
 use crate::contacts::outline::outline;
-use crate::contacts::place::{place, Normals};
+use crate::contacts::place::{place, EightPlanes};
 use crate::contacts::points::PointSet;
 use crate::contacts::zones::Zones;
 use crate::contacts::Ground;
@@ -85,7 +85,7 @@ pub(crate) struct Patches {
     pieces: Vec<Piece>,
     /// Points piece by piece, with the cuts of those that are the curve's, or [`NONE`].
     piece_points: Vec<(Point, u32)>,
-    normals: Normals,
+    planes: Vec<EightPlanes>,
     split: Split,
     gathering: Gathering,
 }
@@ -150,7 +150,7 @@ impl Patches {
         self.piece_points.clear();
         self.push_cut_faces(zones, zone, w);
         self.push_inside(ground, zones, zone, w);
-        place(ground.lanes, &mut self.pieces, &mut self.list, &mut self.normals);
+        place(ground.lanes, &mut self.pieces, &mut self.list, &mut self.planes);
         self.split(ground, w);
         self.gather();
         self.finish(ground.lanes);

@@ -1,10 +1,10 @@
 //! Which triangles belong to one patch.
 
 use crate::bounds::Point;
-use crate::contacts::heights::Eight;
+use crate::contacts::heights::{eight_heights, Eight};
 use crate::contacts::patches::{Patch, Piece};
-use crate::simd::{Checked, Kernel, Simd, WIDE_LANES};
-use crate::vectors::{dot, length, sub};
+use crate::simd::{Checked, Kernel, Simd, Wide, WIDE_LANES};
+use crate::vectors::dot;
 
 /// Triangles whose normals are within this angle of the first one's (cosine of 2.5 degrees) may share a patch: on a curved
 /// surface of radius r that is off by r/1000.
@@ -13,21 +13,28 @@ const ONE_PATCH: f64 = 0.999_05;
 /// Normals this close (1 - cosine) are of one plane.
 const ONE_PLANE: f64 = 1e-9;
 
-/// Most patches of a surface in one zone. Further triangles join the patch with the nearest normal.
-const MOST_PATCHES: usize = 96;
+/// Share of their distance by which the planes of one surface may miss each other by rounding.
+const ROUNDING: f64 = 1e-6;
 
-/// Normals of patches in eights, by axis; what lies beyond the last is zero.
-pub(crate) type Normals = Vec<Eight>;
+/// Most patches of a surface in one zone, a multiple of the lanes. Further triangles join the patch with the nearest normal.
+const MOST_PATCHES: usize = 12 * WIDE_LANES;
 
-/// Finds or founds the patch of each piece, one after the other. The normals are working memory.
-pub(crate) fn place(lanes: Checked, pieces: &mut [Piece], patches: &mut Vec<Patch>, normals: &mut Normals) {
-    lanes.run(Placing { pieces, patches, normals });
+/// The planes of eight patches, by axis; what lies beyond the last has a normal of zero.
+#[derive(Debug, Default)]
+pub(crate) struct EightPlanes {
+    normal: Eight,
+    at: Eight,
+}
+
+/// Finds or founds the patch of each piece, one after the other. The planes are working memory.
+pub(crate) fn place(lanes: Checked, pieces: &mut [Piece], patches: &mut Vec<Patch>, planes: &mut Vec<EightPlanes>) {
+    lanes.run(Placing { pieces, patches, planes });
 }
 
 struct Placing<'a> {
     pieces: &'a mut [Piece],
     patches: &'a mut Vec<Patch>,
-    normals: &'a mut Normals,
+    planes: &'a mut Vec<EightPlanes>,
 }
 
 impl Kernel for Placing<'_> {
@@ -35,21 +42,22 @@ impl Kernel for Placing<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) {
-        let Placing { pieces, patches, normals } = self;
+        let Placing { pieces, patches, planes } = self;
         patches.clear();
-        normals.clear();
+        planes.clear();
         for piece in pieces {
             let n = piece.normal;
-            let place = match first_fit(s, piece, patches, normals) {
+            let place = match first_fit(s, piece, planes) {
                 Some(i) => i,
-                None if patches.len() >= MOST_PATCHES => nearest(&n, patches),
+                None if patches.len() >= MOST_PATCHES => nearest(s, &n, planes),
                 None => {
                     let (i, lane) = (patches.len(), patches.len() % WIDE_LANES);
                     if lane == 0 {
-                        normals.push(Eight::default());
+                        planes.push(EightPlanes::default());
                     }
+                    let eight = &mut planes[i / WIDE_LANES];
                     for a in 0..3 {
-                        normals[i / WIDE_LANES][a][lane] = n[a];
+                        (eight.normal[a][lane], eight.at[a][lane]) = (n[a], piece.at[a]);
                     }
                     patches.push(Patch::new(n, piece.at));
                     i
@@ -61,55 +69,71 @@ impl Kernel for Placing<'_> {
     }
 }
 
-/// The first patch that a piece fits.
+/// The first patch that a piece fits: of nearly its normal, and one's plane passes the other as near as a surface that turns so
+/// much would.
 #[inline(always)]
-fn first_fit<S: Simd>(s: S, piece: &Piece, patches: &[Patch], normals: &Normals) -> Option<usize> {
-    let n = piece.normal;
+fn first_fit<S: Simd>(s: S, piece: &Piece, planes: &[EightPlanes]) -> Option<usize> {
+    let (n, at) = (&piece.normal, &piece.at);
     let n = [s.wide_splat(n[0]), s.wide_splat(n[1]), s.wide_splat(n[2])];
-    let (one, most) = (s.wide_splat(1.0), s.wide_splat(1.0 - ONE_PATCH));
-    for (i, of) in normals.iter().enumerate() {
-        let along = s.wide_load(&of[0]) * n[0] + s.wide_load(&of[1]) * n[1] + s.wide_load(&of[2]) * n[2];
-        let mut near = !s.bits(s.wide_above(one - along, most));
-        while near != 0 {
-            let k = WIDE_LANES * i + near.trailing_zeros() as usize;
-            if k < patches.len() && is_passing(piece, &patches[k]) {
-                return Some(k);
-            }
-            near &= near - 1;
+    let (zero, one, most) = (s.wide_splat(0.0), s.wide_splat(1.0), s.wide_splat(1.0 - ONE_PATCH));
+    let rounding = s.wide_splat(1e-12 * at[0].abs().max(at[1].abs()).max(at[2].abs()));
+    for (i, eight) in planes.iter().enumerate() {
+        let turn = one - eight_heights(s, &eight.normal, &n);
+        let near = !s.bits(s.wide_above(turn, most));
+        if near == 0 {
+            continue;
+        }
+        let mut way = n;
+        for a in 0..3 {
+            way[a] = s.wide_splat(at[a]) - s.wide_load(&eight.at[a]);
+        }
+        let square = way[0] * way[0] + way[1] * way[1] + way[2] * way[2];
+        let off = s.wide_max(s.wide_abs(eight_heights(s, &eight.normal, &way)) - rounding, zero);
+        let turned = s.wide_max(turn, zero) * s.wide_splat(2.0) + s.wide_splat(ROUNDING * ROUNDING);
+        let fits = near & !s.bits(s.wide_above(off * off, square * turned));
+        if fits != 0 {
+            return Some(WIDE_LANES * i + fits.trailing_zeros() as usize);
         }
     }
     None
 }
 
-/// Whether the plane of one passes the other as near as a surface that turns so much would.
+/// The patch with the nearest normal, the last of several. All lanes have one.
 #[inline(always)]
-fn is_passing(piece: &Piece, patch: &Patch) -> bool {
-    let turn = 1.0 - dot(&patch.normal, &piece.normal);
-    let way = sub(&piece.at, &patch.at);
-    let far = length(&way);
-    let off = dot(&way, &patch.normal).abs();
-    let largest = piece.at[0].abs().max(piece.at[1].abs()).max(piece.at[2].abs());
-    off <= 1e-6 * far + 1e-12 * largest + far * (2.0 * turn.max(0.0)).sqrt()
-}
-
-/// The patch with the nearest normal, the last of several.
-#[inline(always)]
-fn nearest(n: &Point, patches: &[Patch]) -> usize {
-    let (mut best, mut at) = (f64::NEG_INFINITY, 0);
-    for (i, patch) in patches.iter().enumerate() {
-        let along = dot(&patch.normal, n);
-        if along >= best {
-            (best, at) = (along, i);
+fn nearest<S: Simd>(s: S, n: &Point, planes: &[EightPlanes]) -> usize {
+    let n = [s.wide_splat(n[0]), s.wide_splat(n[1]), s.wide_splat(n[2])];
+    let (mut best, mut at) = (s.wide_splat(f64::NEG_INFINITY), s.wide_splat(0.0));
+    for (i, eight) in planes.iter().enumerate() {
+        let along = eight_heights(s, &eight.normal, &n);
+        at = s.choose(s.wide_above(best, along), at, s.wide_splat(i as f64));
+        best = s.wide_max(best, along);
+    }
+    let (mut nearest, mut eights) = (Wide::default(), Wide::default());
+    s.wide_store(best, &mut nearest);
+    s.wide_store(at, &mut eights);
+    let (mut most, mut place) = (f64::NEG_INFINITY, 0);
+    for (lane, (along, eight)) in nearest.iter().zip(eights.iter()).enumerate() {
+        let k = WIDE_LANES * *eight as usize + lane;
+        if *along > most || *along == most && k > place {
+            (most, place) = (*along, k);
         }
     }
-    at
+    place
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::simd::Level;
-    use crate::vectors::unit;
+    use crate::vectors::{sub, unit};
+
+    fn is_passing(piece: &Piece, patch: &Patch) -> bool {
+        let turn = (1.0 - dot(&patch.normal, &piece.normal)).max(0.0);
+        let way = sub(&piece.at, &patch.at);
+        let rounding = 1e-12 * piece.at.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+        let off = (dot(&way, &patch.normal).abs() - rounding).max(0.0);
+        off * off <= dot(&way, &way) * (2.0 * turn + ROUNDING * ROUNDING)
+    }
 
     /// The same, patch by patch.
     fn plainly_placed(pieces: &mut [Piece]) -> Vec<Patch> {
@@ -148,10 +172,10 @@ mod tests {
             let mut expected = pieces();
             let patches = plainly_placed(&mut expected);
             assert!(directions < 400 || patches.len() == MOST_PATCHES);
-            let (mut found, mut normals) = (Vec::new(), Normals::new());
+            let (mut found, mut planes) = (Vec::new(), Vec::new());
             for level in Level::available() {
                 let mut placed = pieces();
-                place(level.checked(), &mut placed, &mut found, &mut normals);
+                place(level.checked(), &mut placed, &mut found, &mut planes);
                 let of = |pieces: &[Piece]| pieces.iter().map(|p| p.patch).collect::<Vec<_>>();
                 assert_eq!(of(&placed), of(&expected), "{level:?} {count}");
                 let what = |p: &Patch| (p.normal, p.at, p.flat);

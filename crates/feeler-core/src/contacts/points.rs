@@ -4,10 +4,15 @@ use std::hint::select_unpredictable;
 
 use crate::bounds::Point;
 
+/// Slots for each point: whether one is taken already is not to be foreseen, so few are to be.
+const SPARSE: usize = 8;
+
 /// The places of points in a list, found by their coordinates; empties in constant time.
 #[derive(Debug, Default)]
 pub(crate) struct PointSet {
     slots: Vec<(u32, u32)>,
+    /// Of the slots in use: of few points few, which the nearest cache holds.
+    mask: usize,
     len: usize,
     round: u32,
 }
@@ -15,10 +20,12 @@ pub(crate) struct PointSet {
 impl PointSet {
     /// Forgets all points and makes room for so many.
     pub fn clear(&mut self, most: usize) {
-        if self.slots.len() < 2 * most || self.round == u32::MAX {
-            self.slots = vec![(0, 0); self.slots.len().max((2 * most).next_power_of_two()).max(256)];
+        let slots = (SPARSE * most).next_power_of_two();
+        if self.slots.len() < slots || self.round == u32::MAX {
+            self.slots = vec![(0, 0); self.slots.len().max(slots)];
             self.round = 0;
         }
+        self.mask = slots - 1;
         self.round += 1;
         self.len = 0;
     }
@@ -31,7 +38,7 @@ impl PointSet {
     /// The place of a point in `list`, where it is put after the others if it is new.
     pub fn insert(&mut self, x: &Point, list: &mut [Point]) -> usize {
         list[self.len] = *x;
-        let (key, mask) = (bits(x), self.slots.len() - 1);
+        let (key, mask) = (bits(x), self.mask);
         let hash = key.iter().fold(0u64, |h, c| (h.rotate_left(21) ^ c).wrapping_mul(0x9e37_79b9_7f4a_7c15));
         let mut at = (hash >> 32) as usize & mask;
         loop {

@@ -1,60 +1,8 @@
-//! On which side of each of many patches points lie, eight patches at once; and small sets as bits.
+//! Which points are over none of many patches, eight patches at once.
 
 use crate::bounds::Point;
 use crate::contacts::patches::{Patch, HOLLOW};
 use crate::simd::{Checked, Kernel, Simd, Wide, WIDE_LANES};
-
-/// Sets of the same few numbers, one after the other, 64 a word.
-#[derive(Debug, Default)]
-pub(crate) struct Sets {
-    words: Vec<u64>,
-    /// Words of one set.
-    each: usize,
-}
-
-impl Sets {
-    /// So many empty sets of numbers below `limit`.
-    pub fn clear(&mut self, count: usize, limit: usize) {
-        self.each = limit.div_ceil(64);
-        self.words.clear();
-        self.words.resize(count * self.each, 0);
-    }
-
-    pub fn get(&self, set: usize) -> &[u64] {
-        &self.words[set * self.each..][..self.each]
-    }
-
-    pub fn get_mut(&mut self, set: usize) -> &mut [u64] {
-        &mut self.words[set * self.each..][..self.each]
-    }
-
-    /// Adds the numbers of another set.
-    pub fn join(&mut self, set: usize, other: &[u64]) {
-        self.get_mut(set).iter_mut().zip(other).for_each(|(x, y)| *x |= y);
-    }
-
-    /// Whether what some of these sets have together meets what the same of others have together.
-    pub fn is_meeting_union(&self, other: &Sets, sets: &[u32]) -> bool {
-        (0..self.each).any(|word| {
-            let all = |of: &Sets| sets.iter().fold(0, |all, i| all | of.words[*i as usize * of.each + word]);
-            all(self) & all(other) != 0
-        })
-    }
-
-    pub fn insert(&mut self, set: usize, x: usize) {
-        self.words[set * self.each + x / 64] |= 1 << (x % 64);
-    }
-}
-
-/// Whether a set has a number.
-pub(crate) fn has(set: &[u64], x: usize) -> bool {
-    set[x / 64] >> (x % 64) & 1 != 0
-}
-
-/// Whether two sets share a number.
-pub(crate) fn is_meeting(a: &[u64], b: &[u64]) -> bool {
-    a.iter().zip(b).any(|(x, y)| x & y != 0)
-}
 
 /// The same as [`HOLLOW`] of a flat patch: points strictly over its plane.
 const OVER_A_PLANE: f64 = 1e-6;
@@ -69,7 +17,7 @@ struct Eight {
     share: Wide,
 }
 
-/// Patches by which to judge points.
+/// Patches under whose planes points are to be.
 #[derive(Debug, Default)]
 pub(crate) struct Sides {
     eights: Vec<Eight>,
@@ -94,12 +42,6 @@ impl Sides {
                 eight.share[lane] = share * share;
             }
         }
-    }
-
-    /// Puts into the sets `over` and `under` of each point the patches over and under whose planes it clearly is. What lies
-    /// beyond the last patch repeats the first of its eight.
-    pub fn judge(&self, lanes: Checked, points: &[Point], over: &mut Sets, under: &mut Sets) {
-        lanes.run(Judge { sides: self, points, over, under });
     }
 
     /// Moves the points that are over no patch's plane to the front, each with what belongs to it, and tells how many these are.
@@ -127,8 +69,7 @@ impl Kernel for KeepBelow<'_> {
             let x = [s.wide_splat(p[0]), s.wide_splat(p[1]), s.wide_splat(p[2])];
             let mut above = 0;
             for eight in eights {
-                let (clear, up) = sides(s, &x, eight, s.wide_load(&eight.share));
-                above |= clear & up;
+                above |= stands_out(s, &x, eight);
             }
             // It is as good as random which are kept: no branch asks.
             (points[kept], with[kept]) = (p, with[i]);
@@ -138,38 +79,9 @@ impl Kernel for KeepBelow<'_> {
     }
 }
 
-struct Judge<'a> {
-    sides: &'a Sides,
-    points: &'a [Point],
-    over: &'a mut Sets,
-    under: &'a mut Sets,
-}
-
-impl Kernel for Judge<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<S: Simd>(self, s: S) {
-        for (k, x) in self.points.iter().enumerate() {
-            let x = [s.wide_splat(x[0]), s.wide_splat(x[1]), s.wide_splat(x[2])];
-            let (over, under) = (self.over.get_mut(k), self.under.get_mut(k));
-            for (word, eights) in self.sides.eights.chunks(8).enumerate() {
-                let (mut above, mut below) = (0, 0);
-                for (i, eight) in eights.iter().enumerate() {
-                    let (clear, up) = sides(s, &x, eight, s.wide_splat(HOLLOW * HOLLOW));
-                    above |= u64::from(clear & up) << (8 * i);
-                    below |= u64::from(clear & !up) << (8 * i);
-                }
-                (over[word], under[word]) = (above, below);
-            }
-        }
-    }
-}
-
-/// By lane whether a point is clearly to one side of a patch's plane, and whether it is over it. Clear is what is farther from it
-/// than a share of the distance from the patch's middle, by the square of the share.
+/// By lane whether a point stands out over a patch's plane: farther than a share of the distance from the patch's middle.
 #[inline(always)]
-fn sides<S: Simd>(s: S, x: &[S::F64; 3], eight: &Eight, share: S::F64) -> (u8, u8) {
+fn stands_out<S: Simd>(s: S, x: &[S::F64; 3], eight: &Eight) -> u8 {
     let mut parts = [(x[0], x[0]); 3];
     for a in 0..3 {
         let way = x[a] - s.wide_load(&eight.middle[a]);
@@ -177,8 +89,8 @@ fn sides<S: Simd>(s: S, x: &[S::F64; 3], eight: &Eight, share: S::F64) -> (u8, u
     }
     let height = parts[0].0 + parts[1].0 + parts[2].0;
     let square = parts[0].1 + parts[1].1 + parts[2].1;
-    let clear = s.wide_above(height * height, share * square);
-    (s.bits(clear), s.bits(s.wide_above(height, s.wide_splat(0.0))))
+    let clear = s.wide_above(height * height, s.wide_load(&eight.share) * square);
+    s.bits(s.both(clear, s.wide_above(height, s.wide_splat(0.0))))
 }
 
 #[cfg(test)]
@@ -188,7 +100,7 @@ mod tests {
     use crate::vectors::{dot, sub, unit};
 
     #[test]
-    fn points_are_judged_as_one_by_one() {
+    fn points_are_kept_as_one_by_one() {
         let wave = |i: usize| [(0.7 * i as f64).sin(), (1.9 * i as f64).cos(), (0.3 * i as f64).sin()];
         let points: Vec<Point> = (0..50).map(wave).collect();
         for count in [0, 1, 7, 9, 70] {
@@ -198,29 +110,15 @@ mod tests {
                 patch
             };
             let patches: Vec<Patch> = (0..count).map(patch).collect();
-            let side = |p: &Patch, x: &Point, share: f64| {
+            let stands_out = |p: &Patch, x: &Point| {
+                let share = if p.flat { OVER_A_PLANE } else { HOLLOW };
                 let (way, height) = (sub(x, &p.middle), dot(&sub(x, &p.at), &p.normal));
-                let clear = height * height > share * share * dot(&way, &way);
-                (clear && height > 0.0, clear && height <= 0.0)
+                height > 0.0 && height * height > share * share * dot(&way, &way)
             };
             let mut sides = Sides::default();
             sides.set(patches.iter());
             for level in Level::available() {
-                let (mut over, mut under) = (Sets::default(), Sets::default());
-                over.clear(points.len(), count);
-                under.clear(points.len(), count);
-                sides.judge(level.checked(), &points, &mut over, &mut under);
-                for (k, x) in points.iter().enumerate() {
-                    for (i, p) in patches.iter().enumerate() {
-                        assert_eq!(
-                            (has(over.get(k), i), has(under.get(k), i)),
-                            side(p, x, HOLLOW),
-                            "{level:?} {k} {i}"
-                        );
-                    }
-                }
-                let share = |p: &Patch| if p.flat { OVER_A_PLANE } else { HOLLOW };
-                let is_below = |x: &Point| !patches.iter().any(|p| side(p, x, share(p)).0);
+                let is_below = |x: &Point| !patches.iter().any(|p| stands_out(p, x));
                 let numbered = |(k, x): (u32, &Point)| (*x, (k, k + 1));
                 let expected: Vec<_> = (0..).zip(&points).filter(|x| is_below(x.1)).map(numbered).collect();
                 assert!(expected.len() < 50 || count == 0);
@@ -230,16 +128,5 @@ mod tests {
                 assert_eq!(kept, expected, "{level:?} {count}");
             }
         }
-    }
-
-    #[test]
-    fn what_some_sets_have_together_meets_what_others_have() {
-        let (mut sets, mut others) = (Sets::default(), Sets::default());
-        sets.clear(3, 100);
-        others.clear(3, 100);
-        sets.insert(0, 90);
-        others.insert(1, 90);
-        others.insert(2, 3);
-        assert!(sets.is_meeting_union(&others, &[0, 1]) && !sets.is_meeting_union(&others, &[0, 2, 2]));
     }
 }

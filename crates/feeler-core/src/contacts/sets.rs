@@ -1,0 +1,111 @@
+//! Small sets as bits.
+
+/// Sets of the same few numbers, one after the other, 64 a word.
+#[derive(Debug, Default)]
+pub(crate) struct Sets {
+    words: Vec<u64>,
+    /// Words of one set.
+    each: usize,
+}
+
+impl Sets {
+    /// So many empty sets of numbers below `limit`.
+    pub fn clear(&mut self, count: usize, limit: usize) {
+        self.each = limit.div_ceil(64);
+        self.words.clear();
+        self.words.resize(count * self.each, 0);
+    }
+
+    pub fn get(&self, set: usize) -> &[u64] {
+        &self.words[set * self.each..][..self.each]
+    }
+
+    pub fn get_mut(&mut self, set: usize) -> &mut [u64] {
+        &mut self.words[set * self.each..][..self.each]
+    }
+
+    /// Adds the numbers of another set.
+    pub fn join(&mut self, set: usize, other: &[u64]) {
+        self.get_mut(set).iter_mut().zip(other).for_each(|(x, y)| *x |= y);
+    }
+
+    /// Whether what some of these sets have together meets what the same of others have together.
+    pub fn is_meeting_union(&self, other: &Sets, sets: &[u32]) -> bool {
+        (0..self.each).any(|word| {
+            let all = |of: &Sets| sets.iter().fold(0, |all, i| all | of.words[*i as usize * of.each + word]);
+            all(self) & all(other) != 0
+        })
+    }
+
+    /// Makes these the sets that each number is in: so many sets of numbers below as much.
+    pub fn turn(&mut self, other: &Sets, count: usize) {
+        self.clear(count, count);
+        for (i, j) in (0..self.each).flat_map(|i| (0..self.each).map(move |j| (i, j))) {
+            let mut square = [0; 64];
+            for (row, set) in square.iter_mut().zip(64 * i..count) {
+                *row = other.words[set * self.each + j];
+            }
+            turn_square(&mut square);
+            for (row, set) in square.iter().zip(64 * j..count) {
+                self.words[set * self.each + i] = *row;
+            }
+        }
+    }
+
+    pub fn insert(&mut self, set: usize, x: usize) {
+        self.words[set * self.each + x / 64] |= 1 << (x % 64);
+    }
+}
+
+/// Whether a set has a number.
+pub(crate) fn has(set: &[u64], x: usize) -> bool {
+    set[x / 64] >> (x % 64) & 1 != 0
+}
+
+/// Whether two sets share a number.
+pub(crate) fn is_meeting(a: &[u64], b: &[u64]) -> bool {
+    a.iter().zip(b).any(|(x, y)| x & y != 0)
+}
+
+/// Mirrors a square of bits: halves of it are exchanged, then quarters, down to single bits.
+fn turn_square(square: &mut [u64; 64]) {
+    let (mut width, mut mask) = (32, u64::MAX >> 32);
+    while width > 0 {
+        for i in (0..64).filter(|i| i & width == 0) {
+            let differing = (square[i] >> width ^ square[i + width]) & mask;
+            square[i] ^= differing << width;
+            square[i + width] ^= differing;
+        }
+        width /= 2;
+        mask ^= mask << width;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_some_sets_have_together_meets_what_others_have() {
+        let (mut sets, mut others) = (Sets::default(), Sets::default());
+        sets.clear(3, 100);
+        others.clear(3, 100);
+        sets.insert(0, 90);
+        others.insert(1, 90);
+        others.insert(2, 3);
+        assert!(sets.is_meeting_union(&others, &[0, 1]) && !sets.is_meeting_union(&others, &[0, 2, 2]));
+    }
+
+    #[test]
+    fn turned_sets_have_what_had_them() {
+        for count in [0, 1, 63, 64, 65, 130, 200] {
+            let is_in = |i: usize, x: usize| (i * 7 + x * x * 3 + i * x) % 5 < 2;
+            let (mut sets, mut turned) = (Sets::default(), Sets::default());
+            sets.clear(count, count);
+            let all = || (0..count).flat_map(|i| (0..count).map(move |x| (i, x)));
+            all().filter(|(i, x)| is_in(*i, *x)).for_each(|(i, x)| sets.insert(i, x));
+            turned.turn(&sets, count);
+            all().for_each(|(i, x)| assert_eq!(has(turned.get(x), i), is_in(i, x), "{count} {i} {x}"));
+        }
+    }
+}
