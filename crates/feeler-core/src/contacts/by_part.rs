@@ -1,4 +1,4 @@
-//! Lists sorted by the part of each entry, by counting.
+//! Lists sorted by counting.
 
 use crate::contacts::numbered::Numbered;
 
@@ -50,6 +50,16 @@ impl ByPart {
             out[*to] = *x;
             *to += 1;
         }
+    }
+}
+
+/// Lists laid one behind the other: from their lengths, the second numbers, to where each begins, twice.
+pub(crate) fn lay_out<'a>(lists: impl Iterator<Item = &'a mut (u32, u32)>) {
+    let mut begin = 0;
+    for of in lists {
+        let count = of.1;
+        *of = (begin, begin);
+        begin += count;
     }
 }
 

@@ -83,9 +83,9 @@ pub(crate) struct FirstDepth {
 }
 
 impl FirstDepth {
-    /// Metres, at least the least depth; infinite where none of the directions leads out.
+    /// Metres, at least the least depth; less than any where none of the directions leads out.
     pub fn depth(&self) -> f64 {
-        self.found.map_or(f64::INFINITY, |f| f.depth())
+        self.found.map_or(f64::NEG_INFINITY, |f| f.depth())
     }
 
     /// The direction, if there is one.

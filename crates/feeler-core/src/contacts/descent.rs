@@ -15,9 +15,6 @@ const EDGES: [[usize; 2]; 6] = [[0, 1], [0, 2], [1, 2], [3, 4], [3, 5], [4, 5]];
 /// Most times that eight places on the arcs between them are tried.
 const MOST_TURNS: usize = 6;
 
-/// The same where no direction at all was found that leads out: mostly there is none.
-const MOST_BLIND_TURNS: usize = 2;
-
 /// Most steps of the descent, the share by which each that leads nowhere shortens the next, and the length (radians, about) of the
 /// last.
 const MOST_STEPS: usize = 24;
@@ -50,9 +47,8 @@ impl Best<'_> {
                 arcs.push([ends[i], ends[j]], [self.way(&support, i), self.way(&support, j)]);
             }
         }
-        for turn in 0..MOST_TURNS {
-            let is_blind = turn >= MOST_BLIND_TURNS && self.found.is_none();
-            let Some(directions) = arcs.lowest(self.limit()).filter(|_| !is_blind) else { break };
+        for _ in 0..MOST_TURNS {
+            let Some(directions) = arcs.lowest(self.limit()) else { break };
             let support = self.support(&directions);
             for i in 0..arcs.asked() {
                 let (high, low) = (support.0.height[i], support.1.height[i]);

@@ -110,21 +110,23 @@ impl<'a> NearPairs<'a> {
         lists.sift.sift(self.ground, candidates, out, &sought, &mut lists.near);
         // Those not measured yet, the nearest last; and those that were, the nearest first.
         let mut near = std::mem::take(&mut lists.near);
-        near.sort_unstable_by(|a, b| b.bound.total_cmp(&a.bound));
         let mut entries = std::mem::take(&mut lists.entries);
         entries.clear();
+        if meeting.is_empty() {
+            near.sort_unstable_by(|a, b| b.bound.total_cmp(&a.bound));
+        } else {
+            // Around where the two meet nearly all are as near as that: no order is needed to leave some out.
+            near.chunks(WIDE_LANES).for_each(|batch| self.measure_all(batch, part, out, |entry| entries.push(entry)));
+            near.clear();
+        }
         let mut heap = BinaryHeap::from(entries);
         let mut before = None;
         loop {
             let nearest = heap.peek().map_or(f64::INFINITY, |entry: &Entry| entry.distance);
             if near.last().is_some_and(|near| near.bound <= nearest + LEVEL * self.margin) {
-                let batch = near.len().saturating_sub(WIDE_LANES)..near.len();
-                let found = self.measure_all(&near[batch.clone()], part);
-                for (near, gap) in near.drain(batch).zip(found) {
-                    if let Some(gap) = gap.filter(|gap| !out.iter().any(|p| is_explained(p, gap, tolerance))) {
-                        heap.push(Entry { distance: gap.distance, near });
-                    }
-                }
+                let from = near.len().saturating_sub(WIDE_LANES);
+                self.measure_all(&near[from..], part, out, |entry| heap.push(entry));
+                near.truncate(from);
                 continue;
             }
             let Some(entry) = heap.pop() else { break };
@@ -160,19 +162,21 @@ impl<'a> NearPairs<'a> {
         self.lists.measured.get(pair_key(pair)).and_then(|i| self.lists.gaps[i as usize])
     }
 
-    /// Measures at most eight pairs that do not meet.
-    fn measure_all(&mut self, batch: &[Near], part: u32) -> [Option<Gap>; WIDE_LANES] {
+    /// Measures at most eight pairs that do not meet, and gives those within the margin that no plane explains.
+    fn measure_all(&mut self, batch: &[Near], part: u32, planes: &[ContactPlane], mut give: impl FnMut(Entry)) {
         let corners = |near: &Near| {
             let [t, m] = near.places;
             (self.lists.sift.corners(TOOL, t), self.lists.sift.corners(MOCKUP, m))
         };
+        let tolerance = TOLERANCE * self.margin;
         let found = closest_apart(self.ground.lanes, batch.len(), |i| corners(&batch[i]), self.margin);
-        let mut gaps = [None; WIDE_LANES];
-        for ((near, closest), gap) in batch.iter().zip(found).zip(&mut gaps) {
-            *gap = closest.map(|c| gap_of(near.pair, part, &c));
-            self.note(near.pair, *gap);
+        for (near, closest) in batch.iter().zip(found) {
+            let gap = closest.map(|c| gap_of(near.pair, part, &c));
+            self.note(near.pair, gap);
+            if let Some(gap) = gap.filter(|gap| !planes.iter().any(|p| is_explained(p, gap, tolerance))) {
+                give(Entry { distance: gap.distance, near: *near });
+            }
         }
-        gaps
     }
 
     /// The gap of a pair, where it is within a distance of at most the margin.

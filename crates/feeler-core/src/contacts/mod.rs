@@ -56,7 +56,7 @@ use crate::contacts::clusters::Clusters;
 use crate::contacts::depth::{Depth, Directions, FirstDepth, Pair};
 use crate::contacts::gaps::{NearLists, NearPairs, SAME_DIRECTION};
 use crate::contacts::patches::Patches;
-use crate::contacts::sets::{has, is_meeting};
+use crate::contacts::sets::{is_meeting, shared};
 use crate::contacts::zones::{Face, Zones, ZonesScratch, MOCKUP, TOOL};
 use crate::error::{Error, Result};
 use crate::mesh::Mockup;
@@ -71,8 +71,9 @@ use crate::vectors::{dot, normal, scaled, sub};
 /// Most planes of an answer.
 pub const MOST_PLANES: usize = 32;
 
-/// So many deep planes are an answer: what is only near matters little beside them, and looking for it takes as long as all else.
-pub const MANY_DEEP: usize = MOST_PLANES / 2;
+/// So many deep planes are an answer, two for each freedom of the tool: what is only near matters little beside them, and looking
+/// for it takes as long as all else.
+pub const MANY_DEEP: usize = 12;
 
 /// Pairs of a query from which on its working memory is not kept.
 const MOST_HELD: usize = 1 << 16;
@@ -277,9 +278,9 @@ impl Scene {
         for pairs in meeting.chunk_by(|p, q| part_of(p) == part_of(q)) {
             let mut place = Place { part: part_of(&pairs[0]), pairs, ..Place::default() };
             let zones = zones::find(&ground, pairs, zones_scratch);
-            for (z, zone) in zones.zones.iter().enumerate() {
-                push_zone(&ground, zones, z, place.part, zone_scratch, &mut place.planes);
-                (0..2).for_each(|w| place.inside[w].extend(zone.inside[w].iter().map(|t| t[0])));
+            for zone in 0..zones.zones.len() {
+                push_zone(&ground, zones, zone, place.part, zone_scratch, &mut place.planes);
+                (0..2).for_each(|w| place.inside[w].extend(zones.inside_of(zone, w).iter().map(|t| t[0])));
             }
             place.inside.iter_mut().for_each(|ids| ids.sort_unstable());
             places.push(place);
@@ -322,7 +323,7 @@ fn push_zone(
     out: &mut Vec<ContactPlane>,
 ) {
     let ZoneScratch { patches, clusters, bodies, directions, first, found, meeting } = scratch;
-    let cuts = &zones.zones[zone].cuts[TOOL];
+    let cuts = zones.cuts_of(zone, TOOL);
     for w in [TOOL, MOCKUP] {
         patches.set(ground, zones, zone, w);
         clusters.set(ground.lanes, patches);
@@ -344,7 +345,8 @@ fn push_zone(
             }
         }
     }
-    // Deepest first: what a deeper plane of about its direction holds apart as well needs none of its own.
+    // Deepest first: what a deeper plane of about its direction holds apart as well needs none of its own. Bodies along none of
+    // whose normals a way leads out come last: there is mostly none, so they are tried only where nothing else gives a plane.
     first.sort_by(|(p, _), (q, _)| q.depth().total_cmp(&p.depth()));
     found.clear();
     for (first, [t, m]) in first.iter() {
@@ -352,7 +354,11 @@ fn push_zone(
         let stands_for = |d: &Depth, n: &Point| {
             d.depth >= first.depth() && dot(&d.normal, n) >= same && pair.are_apart(&d.normal, d.depth)
         };
-        if !first.normal().is_some_and(|n| found.iter().any(|(d, _)| stands_for(d, &n))) {
+        let is_needless = match first.normal() {
+            Some(n) => found.iter().any(|(d, _)| stands_for(d, &n)),
+            None => !found.is_empty(),
+        };
+        if !is_needless {
             found.extend(pair.least_depth(first, directions).map(|d| (d, [*t, *m])));
         }
     }
@@ -367,10 +373,13 @@ fn push_zone(
         if out[from..].iter().any(|p| dot(&p.normal, &depth.normal) >= same) {
             continue;
         }
-        let (all, sets) = (!shares(*t, *m), [bodies[TOOL].cuts.get(*t), bodies[MOCKUP].cuts.get(*m)]);
-        let meets = |i: &usize| all || sets.iter().all(|set| has(set, *i));
         meeting.clear();
-        meeting.extend((0..cuts.len()).filter(meets).map(|i| zones.cuts[cuts[i] as usize].faces));
+        if shares(*t, *m) {
+            let both = shared(bodies[TOOL].cuts.get(*t), bodies[MOCKUP].cuts.get(*m));
+            meeting.extend(both.map(|i| zones.cuts[cuts[i] as usize].faces));
+        } else {
+            meeting.extend(cuts.iter().map(|i| zones.cuts[*i as usize].faces));
+        }
         let ids = |w: usize| meeting.iter().map(|faces| zones.faces[w][faces[w] as usize].id).collect();
         out.push(ContactPlane {
             point: depth.point,

@@ -5,6 +5,7 @@ use std::hint::select_unpredictable;
 
 use crate::bounds::Point;
 use crate::contacts::adjacency::NONE;
+use crate::contacts::by_part::lay_out;
 use crate::contacts::numbered::Numbered;
 use crate::contacts::outline::outline;
 use crate::contacts::place::{place, EightPlanes};
@@ -158,7 +159,7 @@ impl Patches {
 
     fn push_cut_faces(&mut self, zones: &Zones, zone: usize, w: usize) {
         let face_of = |c: &u32| zones.cuts[*c as usize].faces[w];
-        for same in zones.zones[zone].cuts[w].chunk_by(|x, y| face_of(x) == face_of(y)) {
+        for same in zones.cuts_of(zone, w).chunk_by(|x, y| face_of(x) == face_of(y)) {
             let face = &zones.faces[w][face_of(&same[0]) as usize];
             let from = self.piece_points.len() as u32;
             for c in same {
@@ -177,7 +178,7 @@ impl Patches {
     }
 
     fn push_inside(&mut self, ground: &Ground<'_>, zones: &Zones, zone: usize, w: usize) {
-        for [t, cut] in &zones.zones[zone].inside[w] {
+        for [t, cut] in zones.inside_of(zone, w) {
             let corners = ground.triangle(w, *t);
             let near = &zones.faces[w][zones.cuts[*cut as usize].faces[w] as usize];
             let Some(normal) = ground.outward(w, *t, &corners, near) else { continue };
@@ -328,15 +329,5 @@ impl Patches {
         }
         corner_points.truncate(count);
         list.sort_by(|p, q| q.size.total_cmp(&p.size));
-    }
-}
-
-/// Lists laid one behind the other: from their lengths, the second numbers, to where each begins, twice.
-fn lay_out<'a>(lists: impl Iterator<Item = &'a mut (u32, u32)>) {
-    let mut begin = 0;
-    for of in lists {
-        let count = of.1;
-        *of = (begin, begin);
-        begin += count;
     }
 }

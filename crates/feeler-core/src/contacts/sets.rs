@@ -58,6 +58,7 @@ impl Sets {
 }
 
 /// Whether a set has a number.
+#[cfg(test)]
 pub(crate) fn has(set: &[u64], x: usize) -> bool {
     set[x / 64] >> (x % 64) & 1 != 0
 }
@@ -65,6 +66,18 @@ pub(crate) fn has(set: &[u64], x: usize) -> bool {
 /// Whether two sets share a number.
 pub(crate) fn is_meeting(a: &[u64], b: &[u64]) -> bool {
     a.iter().zip(b).any(|(x, y)| x & y != 0)
+}
+
+/// The numbers that two sets share.
+pub(crate) fn shared<'a>(a: &'a [u64], b: &'a [u64]) -> impl Iterator<Item = usize> + 'a {
+    a.iter().zip(b).enumerate().flat_map(|(word, (x, y))| {
+        let mut left = x & y;
+        std::iter::from_fn(move || {
+            let next = (left != 0).then(|| 64 * word + left.trailing_zeros() as usize);
+            left &= left.wrapping_sub(1);
+            next
+        })
+    })
 }
 
 /// Mirrors a square of bits: halves of it are exchanged, then quarters, down to single bits.
@@ -94,6 +107,16 @@ mod tests {
         others.insert(1, 90);
         others.insert(2, 3);
         assert!(sets.is_meeting_union(&others, &[0, 1]) && !sets.is_meeting_union(&others, &[0, 2, 2]));
+    }
+
+    #[test]
+    fn what_two_sets_share_comes_in_order() {
+        let mut sets = Sets::default();
+        sets.clear(2, 150);
+        (0..150).filter(|x| x % 3 == 0).for_each(|x| sets.insert(0, x));
+        (0..150).filter(|x| x % 7 == 1).for_each(|x| sets.insert(1, x));
+        let expected: Vec<usize> = (0..150).filter(|x| x % 3 == 0 && x % 7 == 1).collect();
+        assert_eq!(shared(sets.get(0), sets.get(1)).collect::<Vec<_>>(), expected);
     }
 
     #[test]

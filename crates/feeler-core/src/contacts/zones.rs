@@ -5,6 +5,7 @@
 
 use crate::bounds::{Point, Triangle};
 use crate::contacts::adjacency::NONE;
+use crate::contacts::by_part::lay_out;
 use crate::contacts::classify::{classify, Stand};
 use crate::contacts::cut::find_points;
 use crate::contacts::joins::{join_across_faces, join_along_the_curve, Roots};
@@ -67,6 +68,11 @@ pub(crate) struct Zones {
     pub cuts: Vec<Cut>,
     pub points: Vec<Point>,
     pub zones: Vec<Zone>,
+    /// Cuts zone by zone, in each sorted by faces of the tool, and by faces of the mock-up.
+    zone_cuts: [Vec<u32>; 2],
+    /// Zone by zone whole triangles of the tool behind the part's surface, and of the part inside the tool, each with a cut near
+    /// by.
+    zone_inside: [Vec<[u32; 2]>; 2],
     /// Cuts by faces of tool and mock-up, and where those of each face begin and end.
     by_face: [Vec<u32>; 2],
     cuts_of_face: [Vec<(u32, u32)>; 2],
@@ -109,6 +115,58 @@ impl Zones {
         self.cuts_of_face[w].iter().map(move |of| &self.by_face[w][of.0 as usize..of.1 as usize])
     }
 
+    /// The cuts of a zone, sorted by faces of the tool or of the mock-up.
+    pub fn cuts_of(&self, zone: usize, w: usize) -> &[u32] {
+        let (from, to) = self.zones[zone].cuts;
+        &self.zone_cuts[w][from as usize..to as usize]
+    }
+
+    /// Whole triangles of the tool behind the part's surface in a zone, or of the part inside the tool, each with a cut near by.
+    pub fn inside_of(&self, zone: usize, w: usize) -> &[[u32; 2]] {
+        let (from, to) = self.zones[zone].inside[w];
+        &self.zone_inside[w][from as usize..to as usize]
+    }
+
+    /// Puts what belongs to each zone together, in its order: the cuts, by their sets, and what was walked over.
+    fn sort_by_zone(&mut self, roots: &mut Roots, zone_of_root: &mut Vec<u32>, walked: &[Vec<(u32, u32)>]) {
+        let Zones { zones, zone_cuts, zone_inside, zone_of_cut, place_of_cut, by_face, .. } = self;
+        let count = roots.0.len();
+        zone_of_root.clear();
+        zone_of_root.resize(count, NONE);
+        for i in 0..count as u32 {
+            let zone = &mut zone_of_root[roots.of(i) as usize];
+            if *zone == NONE {
+                *zone = zones.len() as u32;
+                zones.push(Zone::default());
+            }
+            let end = &mut zones[*zone as usize].cuts.1;
+            zone_of_cut.push(*zone);
+            place_of_cut.push(*end);
+            *end += 1;
+        }
+        lay_out(zones.iter_mut().map(|zone| &mut zone.cuts));
+        zone_cuts.iter_mut().for_each(|cuts| cuts.resize(count, 0));
+        for (i, (zone, place)) in (0..).zip(zone_of_cut.iter().zip(place_of_cut.iter())) {
+            zone_cuts[TOOL][(zones[*zone as usize].cuts.0 + place) as usize] = i;
+        }
+        for i in by_face[MOCKUP].iter() {
+            let end = &mut zones[zone_of_cut[*i as usize] as usize].cuts.1;
+            zone_cuts[MOCKUP][*end as usize] = *i;
+            *end += 1;
+        }
+        for (w, walked) in walked.iter().enumerate() {
+            let zone_of = |cut: u32| zone_of_cut[cut as usize] as usize;
+            walked.iter().for_each(|(_, cut)| zones[zone_of(*cut)].inside[w].1 += 1);
+            lay_out(zones.iter_mut().map(|zone| &mut zone.inside[w]));
+            zone_inside[w].resize(walked.len(), [0; 2]);
+            for (triangle, cut) in walked {
+                let end = &mut zones[zone_of(*cut)].inside[w].1;
+                zone_inside[w][*end as usize] = [*triangle, *cut];
+                *end += 1;
+            }
+        }
+    }
+
     /// Puts the cuts of each face together, in their order.
     fn sort_by_face(&mut self) {
         let Zones { faces, cuts, by_face, cuts_of_face, .. } = self;
@@ -116,12 +174,7 @@ impl Zones {
             let (order, of) = (&mut by_face[w], &mut cuts_of_face[w]);
             of.resize(faces[w].len(), (0, 0));
             cuts.iter().for_each(|cut| of[cut.faces[w] as usize].1 += 1);
-            let mut begin = 0;
-            for of in of.iter_mut() {
-                let count = of.1;
-                *of = (begin, begin);
-                begin += count;
-            }
+            lay_out(of.iter_mut());
             order.resize(cuts.len(), 0);
             for (i, cut) in (0..).zip(cuts.iter()) {
                 let end = &mut of[cut.faces[w] as usize].1;
@@ -132,13 +185,11 @@ impl Zones {
     }
 }
 
-/// One connected place of contact.
-#[derive(Debug, Default)]
+/// One connected place of contact: where its cuts and what is inside are among those of all zones.
+#[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Zone {
-    /// Cuts, sorted by faces of the tool, and by faces of the mock-up.
-    pub cuts: [Vec<u32>; 2],
-    /// Whole triangles of the tool behind the part's surface, and of the part inside the tool, each with a cut near by.
-    pub inside: [Vec<[u32; 2]>; 2],
+    cuts: (u32, u32),
+    inside: [(u32, u32); 2],
 }
 
 pub(crate) const TOOL: usize = 0;
@@ -175,7 +226,7 @@ impl Places {
 pub(crate) struct ZonesScratch {
     places: Places,
     walked: Numbered,
-    zone_of_root: Numbered,
+    zone_of_root: Vec<u32>,
     zones: Zones,
 }
 
@@ -185,7 +236,6 @@ pub(crate) fn find<'a>(ground: &Ground<'_>, pairs: &[[u32; 2]], scratch: &'a mut
     zones.clear();
     places.tool.clear(ground.tool.mesh().faces().len());
     places.mockup.clear();
-    zone_of_root.clear();
     let part = pairs.first().map_or(0, |p| ground.mockup.part_of_face(p[1]));
     for pair in pairs {
         let faces = [TOOL, MOCKUP].map(|w| {
@@ -213,25 +263,7 @@ pub(crate) fn find<'a>(ground: &Ground<'_>, pairs: &[[u32; 2]], scratch: &'a mut
     let (walked, complete): (Vec<_>, Vec<_>) =
         [TOOL, MOCKUP].iter().map(|w| walk(ground, *w, part, zones, places, seen, &mut roots)).unzip();
     zones.complete = complete.iter().all(|c| *c);
-    for i in 0..zones.cuts.len() as u32 {
-        let (z, is_new) = zone_of_root.number(u64::from(roots.of(i)));
-        if is_new {
-            zones.zones.push(Zone::default());
-        }
-        let cuts = &mut zones.zones[z as usize].cuts[TOOL];
-        zones.zone_of_cut.push(z);
-        zones.place_of_cut.push(cuts.len() as u32);
-        cuts.push(i);
-    }
-    for i in &zones.by_face[MOCKUP] {
-        zones.zones[zones.zone_of_cut[*i as usize] as usize].cuts[MOCKUP].push(*i);
-    }
-    for (w, walked) in walked.into_iter().enumerate() {
-        for (triangle, cut) in walked {
-            let zone = zones.zone_of_cut[cut as usize];
-            zones.zones[zone as usize].inside[w].push([triangle, cut]);
-        }
-    }
+    zones.sort_by_zone(&mut roots, zone_of_root, &walked);
     zones
 }
 
