@@ -24,6 +24,8 @@ pub(crate) struct Depth {
     pub normal: Point,
     /// Metres.
     pub depth: f64,
+    /// How high the mock-up's body is along the normal.
+    high: f64,
     /// On the mock-up's side of the overlap, above the tool's lowest place.
     pub point: Point,
     /// Whether no direction can be shallower: both surfaces flat, and all candidates tried.
@@ -120,9 +122,25 @@ impl Pair<'_> {
 
     /// Whether a plane across `normal` so deep, found for others, holds these two apart as well.
     pub fn are_apart(&self, normal: &Point, depth: f64) -> bool {
-        let high = highest_of_eights(self.lanes, self.mockup.point_eights, normal);
-        let low = -highest_of_eights(self.lanes, self.tool.point_eights, &scaled(normal, -1.0));
-        high - low <= depth * (1.0 + CLEARLY)
+        self.high(normal) - self.low(normal) <= depth * (1.0 + CLEARLY)
+    }
+
+    /// Whether a plane found for the same tool body holds the mock-up's apart from it as well.
+    pub fn is_under(&self, plane: &Depth) -> bool {
+        self.high(&plane.normal) <= plane.high + CLEARLY * plane.depth
+    }
+
+    /// Whether a plane found for the same mock-up body holds the tool's apart from it as well.
+    pub fn is_over(&self, plane: &Depth) -> bool {
+        self.low(&plane.normal) >= plane.high - plane.depth * (1.0 + CLEARLY)
+    }
+
+    fn high(&self, normal: &Point) -> f64 {
+        highest_of_eights(self.lanes, self.mockup.point_eights, normal)
+    }
+
+    fn low(&self, normal: &Point) -> f64 {
+        -highest_of_eights(self.lanes, self.tool.point_eights, &scaled(normal, -1.0))
     }
 
     /// Pairs of an edge of each.
@@ -141,7 +159,8 @@ impl Pair<'_> {
             best.descend();
         }
         let found = best.found?;
-        Some(Depth { normal: found.direction, depth: found.depth(), point: best.place(&found), certain: first.certain })
+        let (point, certain) = (best.place(&found), first.certain);
+        Some(Depth { normal: found.direction, depth: found.depth(), high: found.high, point, certain })
     }
 }
 
@@ -398,6 +417,15 @@ mod tests {
             let depth = high.iter().flat_map(|p| low.iter().map(|q| dot(&sub(p, q), &d)).collect::<Vec<_>>());
             let depth = depth.fold(f64::NEG_INFINITY, f64::max);
             assert!(pair.are_apart(&d, depth + 1e-9) && !pair.are_apart(&d, depth - 1e-4), "{d:?}");
+            // Planes as others may have them, a little deeper and a little less deep than would do.
+            let plane = |depth: f64, high: f64| Depth { normal: d, depth, high, point: mean, certain: false };
+            let (high, low) = (pair.high(&d), pair.low(&d));
+            assert!((high - low - depth).abs() < 1e-12);
+            assert!(pair.is_under(&plane(1.0, high + 1e-9)) && !pair.is_under(&plane(1.0, high - 1e-4)), "{d:?}");
+            assert!(
+                pair.is_over(&plane(1.0, low + 1.0 - 1e-9)) && !pair.is_over(&plane(1.0, low + 1.0 + 1e-4)),
+                "{d:?}"
+            );
         }
     }
 }

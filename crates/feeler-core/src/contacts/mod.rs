@@ -335,31 +335,42 @@ fn push_zone(
         Pair { lanes: ground.lanes, zones, tool, mockup, numbers: [t, m] }
     };
     directions.clear([bodies[TOOL].len(), bodies[MOCKUP].len()]);
-    first.clear();
-    for t in 0..bodies[TOOL].len() {
-        for m in 0..bodies[MOCKUP].len() {
-            // A body that no curve touches is walled in by others of its surface: it meets what they meet.
-            let is_walled_in = || [(TOOL, t), (MOCKUP, m)].iter().any(|(w, i)| !bodies[*w].is_cut(*i));
-            if shares(t, m) || is_walled_in() {
-                first.push((two(t, m).first_depth(directions), [t, m]));
+    found.clear();
+    for is_cut in [true, false] {
+        first.clear();
+        for t in 0..bodies[TOOL].len() {
+            for m in 0..bodies[MOCKUP].len() {
+                // A body that no curve touches is walled in by others of its surface: it meets what they meet, and mostly their
+                // planes hold it apart as well.
+                let is_walled_in = !(bodies[TOOL].is_cut(t) && bodies[MOCKUP].is_cut(m));
+                let is_sought = if is_cut { shares(t, m) } else { is_walled_in };
+                if !is_sought {
+                    continue;
+                }
+                let pair = two(t, m);
+                let holds =
+                    |(d, [i, j]): &(Depth, [usize; 2])| *i == t && pair.is_under(d) || *j == m && pair.is_over(d);
+                if is_cut || !found.iter().any(holds) {
+                    first.push((pair.first_depth(directions), [t, m]));
+                }
             }
         }
-    }
-    // Deepest first: what a deeper plane of about its direction holds apart as well needs none of its own. Bodies along none of
-    // whose normals a way leads out come last: there is mostly none, so they are tried only where nothing else gives a plane.
-    first.sort_by(|(p, _), (q, _)| q.depth().total_cmp(&p.depth()));
-    found.clear();
-    for (first, [t, m]) in first.iter() {
-        let (same, pair) = (if first.certain { SAME_PLANE } else { SAME_DIRECTION }, two(*t, *m));
-        let stands_for = |d: &Depth, n: &Point| {
-            d.depth >= first.depth() && dot(&d.normal, n) >= same && pair.are_apart(&d.normal, d.depth)
-        };
-        let is_needless = match first.normal() {
-            Some(n) => found.iter().any(|(d, _)| stands_for(d, &n)),
-            None => !found.is_empty(),
-        };
-        if !is_needless {
-            found.extend(pair.least_depth(first, directions).map(|d| (d, [*t, *m])));
+        // Deepest first: what a deeper plane of about its direction holds apart as well needs none of its own. Bodies along none
+        // of whose normals a way leads out come last: there is mostly none, so they are tried only where nothing else gives a
+        // plane.
+        first.sort_by(|(p, _), (q, _)| q.depth().total_cmp(&p.depth()));
+        for (first, [t, m]) in first.iter() {
+            let (same, pair) = (if first.certain { SAME_PLANE } else { SAME_DIRECTION }, two(*t, *m));
+            let stands_for = |d: &Depth, n: &Point| {
+                d.depth >= first.depth() && dot(&d.normal, n) >= same && pair.are_apart(&d.normal, d.depth)
+            };
+            let is_needless = match first.normal() {
+                Some(n) => found.iter().any(|(d, _)| stands_for(d, &n)),
+                None => !found.is_empty(),
+            };
+            if !is_needless {
+                found.extend(pair.least_depth(first, directions).map(|d| (d, [*t, *m])));
+            }
         }
     }
     found.sort_by(|(p, _), (q, _)| {
