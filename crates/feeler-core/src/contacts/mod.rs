@@ -71,8 +71,11 @@ use crate::vectors::{dot, normal, scaled, sub};
 /// Most planes of an answer.
 pub const MOST_PLANES: usize = 32;
 
-/// So many deep planes are an answer, two for each freedom of the tool: what is only near matters little beside them, and looking
-/// for it takes as long as all else.
+/// So many deep planes, one for each freedom of the tool, go well with all that is near. Beside more it matters less and less, and
+/// looking for it takes as long as all else: it is sought ever nearer by.
+pub const FEW_DEEP: usize = 6;
+
+/// So many deep planes are an answer without anything that is only near.
 pub const MANY_DEEP: usize = 12;
 
 /// Pairs of a query from which on its working memory is not kept.
@@ -106,7 +109,7 @@ pub struct Contacts {
     /// Deepest first, at most [`MOST_PLANES`].
     pub planes: Vec<ContactPlane>,
     /// Planes found beyond [`MOST_PLANES`], the least deep or farthest, that were left out. What is only near is not sought where
-    /// [`MANY_DEEP`] are deep.
+    /// [`MANY_DEEP`] are deep, nor all of it beside more than [`FEW_DEEP`].
     pub omitted: usize,
     /// Whether any triangles meet.
     pub is_meeting: bool,
@@ -248,17 +251,19 @@ impl Scene {
     /// tool belongs. Without it the side of the tool's centre of area counts. Closed surfaces have an inside and need it only
     /// where the tool went right through.
     ///
-    /// Where [`MANY_DEEP`] planes or more are deep, what is only near is not sought.
+    /// Beside more than [`FEW_DEEP`] deep planes the margin shrinks in proportion, to nothing at [`MANY_DEEP`].
     ///
     /// Errors: a margin that is negative, NaN or infinite, and more near pairs than the memory limit of the scene allows.
     pub fn contacts(&self, tool: &Tool, pose: &Pose, margin: f64, reference: Option<&Pose>) -> Result<Contacts> {
-        self.contacts_until(MANY_DEEP, tool, pose, margin, reference)
+        let share = |deep: usize| MANY_DEEP.saturating_sub(deep) as f64 / (MANY_DEEP - FEW_DEEP) as f64;
+        let beside = |deep: usize| (deep < MANY_DEEP).then(|| margin * share(deep).min(1.0));
+        self.contacts_beside(beside, tool, pose, margin, reference)
     }
 
-    /// The same, with what is near unless so many planes are deep.
-    pub(crate) fn contacts_until(
+    /// The same, with what is near by a margin that depends on how many planes are deep, or without.
+    pub(crate) fn contacts_beside(
         &self,
-        many: usize,
+        beside: impl Fn(usize) -> Option<f64>,
         tool: &Tool,
         pose: &Pose,
         margin: f64,
@@ -287,7 +292,8 @@ impl Scene {
         }
         let mut contacts = Contacts { is_meeting: !places.is_empty(), ..Contacts::default() };
         let mut held = hits.len();
-        if places.iter().flat_map(|place| &place.planes).filter(|p| p.gap < 0.0).count() < many {
+        let deep = places.iter().flat_map(|place| &place.planes).filter(|p| p.gap < 0.0).count();
+        if let Some(margin) = beside(deep) {
             let planes = places.iter().flat_map(|place| &place.planes);
             let dividers: Vec<Divider> = planes.map(|plane| gaps::divider(plane, margin)).collect();
             let near = self.near_candidates(tool, pose, margin, &dividers)?;

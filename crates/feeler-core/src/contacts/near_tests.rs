@@ -78,22 +78,39 @@ fn row(deep: usize) -> (Scene, Tool) {
 }
 
 #[test]
-fn where_many_are_deep_nothing_near_is_sought() {
-    for (deep, planes, omitted) in [
-        (MOST_PLANES + 8, MOST_PLANES, 8),
-        (MOST_PLANES - 1, MOST_PLANES - 1, 0),
-        (MANY_DEEP, MANY_DEEP, 0),
-        (MANY_DEEP - 1, MANY_DEEP, 0),
+fn beside_many_deep_planes_nothing_near_is_sought() {
+    // What is near is so by half of the margin.
+    for (deep, near, omitted) in [
+        (MOST_PLANES + 8, 0, 8),
+        (MOST_PLANES - 1, 0, 0),
+        (MANY_DEEP, 0, 0),
+        (MANY_DEEP - 1, 0, 0),
+        (10, 0, 0),
+        (8, 1, 0),
+        (FEW_DEEP, 1, 0),
+        (1, 1, 0),
     ] {
         let (lower, upper) = row(deep);
         let contacts = lower.contacts(&upper, &at(0.0, 0.0, 0.0), 0.002, None).unwrap();
-        assert_eq!((contacts.planes.len(), contacts.omitted), (planes, omitted));
+        assert_eq!((contacts.planes.len(), contacts.omitted), (deep + near - omitted, omitted), "{deep}");
         for (i, plane) in contacts.planes.iter().take(deep).enumerate() {
             let expected = 0.001 + 0.00001 * (deep - 1 - i) as f64;
             assert!((plane.gap + expected).abs() < 1e-12, "{i}: {plane:?}");
         }
-        if deep < MANY_DEEP {
+        if near > 0 {
             assert!((contacts.planes[deep].gap - 0.001).abs() < 1e-12, "{contacts:?}");
+        }
+    }
+}
+
+#[test]
+fn the_margin_shrinks_beside_more_than_few_deep_planes() {
+    for (deep, share) in [(1, 1.0), (FEW_DEEP, 1.0), (7, 5.0 / 6.0), (9, 0.5), (MANY_DEEP - 1, 1.0 / 6.0)] {
+        let (lower, upper) = row(deep);
+        // One part is near, by a millimetre.
+        for (margin, planes) in [(0.00101 / share, deep + 1), (0.00099 / share, deep)] {
+            let contacts = lower.contacts(&upper, &at(0.0, 0.0, 0.0), margin, None).unwrap();
+            assert_eq!(contacts.planes.len(), planes, "{deep} {margin}");
         }
     }
 }

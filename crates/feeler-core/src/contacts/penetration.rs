@@ -49,7 +49,8 @@ impl Scene {
     /// `margin` (metres): surfaces nearer than that keep the way out from running into them. `reference` as in
     /// [`contacts`](Self::contacts), and so the errors.
     pub fn penetration(&self, tool: &Tool, pose: &Pose, margin: f64, reference: Option<&Pose>) -> Result<Penetration> {
-        let contacts = self.contacts_until(MOST_PLANES, tool, pose, margin, reference)?;
+        let beside = |deep: usize| (deep < MOST_PLANES).then_some(margin);
+        let contacts = self.contacts_beside(beside, tool, pose, margin, reference)?;
         if !contacts.is_meeting {
             return Ok(Penetration { translation: [0.0; 3], depth: 0.0, kind: PenetrationKind::Exact, contacts });
         }
