@@ -25,7 +25,7 @@ CARGO_ARGS ?=
 PAIRS ?= 10000000
 CASTS ?= 1000000
 FUZZ_SECONDS ?= 1200
-FUZZ ?= collide distance mesh $(shell $(PY) fuzz/loaders.py --list 2>/dev/null)
+FUZZ ?= collide contacts distance mesh $(shell $(PY) fuzz/loaders.py --list 2>/dev/null)
 
 # Where rustup puts cargo, for shells that were not told.
 export PATH := $(PATH):$(HOME)/.cargo/bin
@@ -125,7 +125,7 @@ exact: ## ten million hard pairs, thousands of scenes, a million casts, against 
 	@cargo test --release $(LOCKED) -p feeler-core --test determinism
 
 .PHONY: fuzz
-fuzz: build ## fuzz collisions and distances against their twins, and every loader (FUZZ_SECONDS= each, FUZZ="collide stl")
+fuzz: build ## fuzz collisions, distances and contacts, and every loader (FUZZ_SECONDS= each, FUZZ="collide stl")
 	@sh tools/fuzz.sh $(PY) $(FUZZ_SECONDS) $(FUZZ)
 
 .PHONY: sanitize

@@ -3,6 +3,7 @@
 //! `fuzz_targets/` hands these to libFuzzer; a test of `feeler-exact` runs them on the seeds and on random changes of these.
 
 pub mod collide;
+pub mod contacts;
 pub mod distance;
 pub mod mesh;
 pub mod shapes;

@@ -53,3 +53,58 @@ fn point(u: &mut Unstructured<'_>, unit: f64, offset: f64) -> Result<Point> {
     }
     Ok(p)
 }
+
+/// Up to three closed solids: boxes, each side cut into a few cells, and pyramids; now and then with a triangle less, or the other
+/// way round.
+pub fn solids(u: &mut Unstructured<'_>, unit: f64, offset: f64) -> Result<Arrays> {
+    let mut all: Arrays = (Vec::new(), Vec::new());
+    for _ in 0..u.int_in_range(1..=3)? {
+        let (lower, size) = (lattice(u, -4, 3)?, lattice(u, 1, 4)?);
+        let place = |p: Point| -> Point { std::array::from_fn(|a| (lower[a] + size[a] * p[a]) * unit + offset) };
+        let first = all.0.len() as u32;
+        if u.ratio(1, 4)? {
+            let apex = [0.25 * f64::from(u.int_in_range(-2..=6i8)?), 0.5, 1.0];
+            let base = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+            all.0.extend(base.into_iter().chain([apex]).map(place));
+            let faces = [[0, 2, 1], [0, 3, 2], [0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]];
+            all.1.extend(faces.map(|f| f.map(|v| v + first)));
+        } else {
+            let cells = u.int_in_range(1..=2u32)?;
+            for side in 0..6 {
+                let (axis, is_upper) = (side / 2, side % 2 == 1);
+                let from = all.0.len() as u32;
+                for (i, j) in (0..=cells).flat_map(|i| (0..=cells).map(move |j| (i, j))) {
+                    let mut p = [0.0; 3];
+                    p[axis] = f64::from(u8::from(is_upper));
+                    p[(axis + 1) % 3] = f64::from(i) / f64::from(cells);
+                    p[(axis + 2) % 3] = f64::from(j) / f64::from(cells);
+                    all.0.push(place(p));
+                }
+                for (i, j) in (0..cells).flat_map(|i| (0..cells).map(move |j| (i, j))) {
+                    let [a, b] = [0, 1].map(|k| from + (i + k) * (cells + 1) + j);
+                    for [p, q, r] in [[a, b, b + 1], [a, b + 1, a + 1]] {
+                        all.1.push(if is_upper { [p, q, r] } else { [p, r, q] });
+                    }
+                }
+            }
+        }
+    }
+    if u.ratio(1, 4)? {
+        let i = u.choose_index(all.1.len())?;
+        if u.arbitrary()? {
+            all.1.swap_remove(i);
+        } else {
+            all.1[i].swap(0, 1);
+        }
+    }
+    Ok(all)
+}
+
+/// Whole numbers, now and then between them.
+fn lattice(u: &mut Unstructured<'_>, from: i8, to: i8) -> Result<Point> {
+    let mut p = [0.0; 3];
+    for x in &mut p {
+        *x = f64::from(u.int_in_range(from..=to)?) + if u.ratio(1, 4)? { 0.37 } else { 0.0 };
+    }
+    Ok(p)
+}

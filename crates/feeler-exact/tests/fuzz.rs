@@ -49,6 +49,11 @@ fn collisions() {
 }
 
 #[test]
+fn contact_planes() {
+    smoke("contacts", 20, targets::contacts::check);
+}
+
+#[test]
 fn distances() {
     smoke("distance", 40, targets::distance::check);
 }

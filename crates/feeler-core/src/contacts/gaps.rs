@@ -209,12 +209,13 @@ impl<'a> NearPairs<'a> {
         for next in beside {
             let Some(gap) = self.measure_within(next.near.pair, part, self.margin) else { continue };
             let way = sub(&gap.on_tool, &gap.on_mockup);
-            if gap.distance <= limit && dot(&way, &plane.normal) >= gap.distance * (1.0 - 1e-9) {
+            let is_first = next.near.pair == entry.near.pair;
+            if is_first || gap.distance <= limit && dot(&way, &plane.normal) >= gap.distance * (1.0 - 1e-9) {
                 place.grow(&gap.on_mockup);
                 plane.tool_triangles.push(gap.tool_triangle);
                 plane.mockup_triangles.push(gap.mockup_triangle);
             }
-            if next.near.pair != entry.near.pair {
+            if !is_first {
                 heap.push(next);
             }
         }

@@ -33,6 +33,9 @@ pub struct Candidate {
     pub mockup_triangle: u32,
 }
 
+/// Candidates that are kept as they come.
+const MOST_UNMERGED: usize = 1 << 16;
+
 /// A plane between the tool and one part: pairs that lie wholly on its two sides are not asked for.
 #[derive(Debug, Clone, Copy)]
 pub struct Divider {
@@ -53,6 +56,8 @@ pub struct Wanted<'a> {
     goal: Goal,
     /// No more than this many gaps; beyond it the search stops.
     most: usize,
+    /// Candidates from which on duplicates are left out.
+    room: usize,
     bound: f64,
     direction: [f32; 3],
     gaps: &'a mut Vec<Gap>,
@@ -94,6 +99,7 @@ impl<'a> Wanted<'a> {
             lanes,
             goal,
             most,
+            room: most.min(MOST_UNMERGED),
             bound: within,
             direction: [0.0; 3],
             gaps,
@@ -140,6 +146,16 @@ impl<'a> Wanted<'a> {
             tool_triangle: self.tool.ids()[slot as usize],
             mockup_triangle,
         });
+        self.candidates.len() > self.room && self.is_full_of_candidates()
+    }
+
+    /// Pairs come once for each two of their pieces, or for each voxel they share: before there are too many, of each one is left.
+    #[cold]
+    fn is_full_of_candidates(&mut self) -> bool {
+        let pair = |c: &Candidate| (c.tool_triangle, c.mockup_triangle);
+        self.candidates.sort_unstable_by(|a, b| pair(a).cmp(&pair(b)).then(a.bound.total_cmp(&b.bound)));
+        self.candidates.dedup_by_key(|c| pair(c));
+        self.room = self.room.max(2 * self.candidates.len()).min(self.most);
         self.candidates.len() > self.most
     }
 

@@ -1,0 +1,145 @@
+//! Contact planes and ways out of solids, soups and what lies between: the same from every store and instruction set, and what is
+//! promised of them.
+
+use std::sync::Arc;
+
+use arbitrary::{Arbitrary, Result, Unstructured};
+use feeler_core::contacts::MOST_PLANES;
+use feeler_core::{
+    Aabb, ContactPlane, ContactTracker, Contacts, Error, Level, Mockup, PenetrationKind, Point, Pose, Scene,
+    SceneOptions, Storage, Tool,
+};
+
+use super::shapes::{matrix, mesh, solids, unit_and_offset, Arrays};
+
+#[derive(Debug)]
+pub struct Case {
+    unit: f64,
+    offset: f64,
+    mockup: Arrays,
+    parts: usize,
+    tool: Arrays,
+    poses: [[[f64; 4]; 4]; 2],
+    margin: f64,
+}
+
+impl<'a> Arbitrary<'a> for Case {
+    fn arbitrary(u: &mut Unstructured<'a>) -> Result<Case> {
+        let (unit, offset) = unit_and_offset(u)?;
+        let mut shape = |most: usize| {
+            if u.ratio(1, 3)? {
+                mesh(u, most, unit, offset)
+            } else {
+                solids(u, unit, offset)
+            }
+        };
+        let (mockup, tool) = (shape(32)?, shape(12)?);
+        let poses = [matrix(u, unit)?, matrix(u, unit)?];
+        let margin = match u.int_in_range(0..=7)? {
+            0 => 0.0,
+            1 => u.arbitrary::<f64>()?,
+            2 => f64::INFINITY,
+            _ => unit * f64::from(u.int_in_range(1..=40u8)?) * 0.05,
+        };
+        Ok(Case { unit, offset, mockup, parts: u.int_in_range(1..=5)?, tool, poses, margin })
+    }
+}
+
+pub fn check(case: Case) {
+    let parts = (0..case.mockup.1.len()).map(|f| (f % case.parts) as u32).collect();
+    let (Ok(mockup), Ok(tool), Ok(pose), Ok(before)) = (
+        Mockup::new(case.mockup.0, case.mockup.1, parts, case.parts),
+        Tool::new(case.tool.0, case.tool.1),
+        Pose::new(&case.poses[0]),
+        Pose::new(&case.poses[1]),
+    ) else {
+        return;
+    };
+    let mockup = Arc::new(mockup);
+    let extent = |b: Aabb| (0..3).map(|a| b.upper[a] - b.lower[a]).fold(0.0, f64::max);
+    let sizes = [extent(mockup.mesh().bounds()), extent(tool.mesh().bounds())];
+    // Where lengths, their squares and their ratios are to be had in float64, and rounding is far below the unit.
+    let is_plain = (1e-9..1e9).contains(&case.unit)
+        && case.offset <= 1e6 * case.unit
+        && sizes.iter().all(|size| (case.unit * 1e-3..case.unit * 1e3).contains(size));
+    let mut first: Option<[Contacts; 2]> = None;
+    // Many voxels take long to fill.
+    for (storage, memory_limit) in [(Storage::Blocks, 64 << 20), (Storage::Hashed { level: 0.3 }, 1 << 20)] {
+        let options = SceneOptions { voxel_size: None, storage, tool: Some(&tool), memory_limit };
+        let Ok(mut scene) = Scene::build(Arc::clone(&mockup), &options, &|_, _| true) else { continue };
+        for lanes in Level::available() {
+            scene.set_lanes(lanes);
+            let what = format!("{storage:?}, {}", lanes.name());
+            let found = [None, Some(&before)].map(|reference| scene.contacts(&tool, &pose, case.margin, reference));
+            if !(case.margin.is_finite() && case.margin >= 0.0) {
+                assert!(found.iter().all(|f| matches!(f, Err(Error::Margin { .. }))), "{what}: {found:?}");
+                let found = scene.penetration(&tool, &pose, case.margin, None);
+                assert!(matches!(found, Err(Error::Margin { .. })), "{what}: {found:?}");
+                continue;
+            }
+            // All pairs may be more than the little that is allowed where there are voxels.
+            if storage != Storage::Blocks && found.iter().any(|f| matches!(f, Err(Error::Memory { .. }))) {
+                continue;
+            }
+            let found = found.map(|f| f.unwrap());
+            for contacts in &found {
+                assert_eq!(contacts.is_meeting, scene.is_colliding(&tool, &pose), "{what}");
+                check_planes(contacts, &mockup, &tool, case.margin, is_plain);
+            }
+            match &first {
+                Some(first) => assert!(is_same(first, &found), "{what}: {found:?} for {first:?}"),
+                None => first = Some(found),
+            }
+        }
+        check_way_out(&scene, &tool, &pose, case.margin, is_plain);
+        if case.margin >= 0.0 && case.margin.is_finite() {
+            let mut tracker = ContactTracker::new();
+            for pose in [&before, &pose, &before] {
+                let Ok(contacts) = tracker.contacts(&scene, &tool, pose, case.margin) else { break };
+                assert!(contacts.is_meeting || tracker.last_free() == Some(pose));
+            }
+        }
+    }
+}
+
+fn check_planes(contacts: &Contacts, mockup: &Mockup, tool: &Tool, margin: f64, is_plain: bool) {
+    let Contacts { planes, omitted, is_meeting } = contacts;
+    assert!(planes.len() <= MOST_PLANES && (*omitted == 0 || planes.len() == MOST_PLANES), "{contacts:?}");
+    assert!(planes.is_sorted_by(|p, q| p.gap.total_cmp(&q.gap).is_le()), "{contacts:?}");
+    for plane in planes {
+        let ContactPlane { point, normal, gap, part, tool_triangles, mockup_triangles, .. } = plane;
+        assert!(*gap <= margin && (*is_meeting || *gap > 0.0), "{plane:?}");
+        assert!((*part as usize) < mockup.part_bounds().len(), "{plane:?}");
+        assert!(mockup_triangles.iter().all(|m| mockup.part_of_face(*m) == *part), "{plane:?}");
+        for (ids, mesh) in [(tool_triangles, tool.mesh()), (mockup_triangles, mockup.mesh())] {
+            assert!(!ids.is_empty() && ids.is_sorted_by(|a, b| a < b), "{plane:?}");
+            assert!(ids.iter().all(|id| mesh.is_queried(*id)), "{plane:?}");
+        }
+        if is_plain {
+            assert!((length(normal) - 1.0).abs() < 1e-9, "{plane:?}");
+            assert!(gap.is_finite() && point.iter().all(|x| x.is_finite()), "{plane:?}");
+        }
+    }
+}
+
+fn check_way_out(scene: &Scene, tool: &Tool, pose: &Pose, margin: f64, is_plain: bool) {
+    let Ok(found) = scene.penetration(tool, pose, margin, None) else { return };
+    let is_meeting = scene.is_colliding(tool, pose);
+    assert!(is_meeting || found.translation == [0.0; 3], "{found:?}");
+    if found.kind != PenetrationKind::Estimate {
+        let moved = pose.translated(&found.translation).unwrap();
+        assert!(!scene.is_colliding(tool, &moved), "{found:?}");
+    }
+    if is_plain {
+        assert!((length(&found.translation) - found.depth).abs() <= 1e-12 * found.depth, "{found:?}");
+    }
+}
+
+fn length(p: &Point) -> f64 {
+    p.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+/// The same, NaN included.
+fn is_same(a: &[Contacts; 2], b: &[Contacts; 2]) -> bool {
+    format!("{a:?}") == format!("{b:?}")
+}
