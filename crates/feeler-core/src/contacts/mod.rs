@@ -335,55 +335,8 @@ fn push_zone(
         clusters.set(ground.lanes, patches);
         bodies[w].set(ground.lanes, patches, clusters, cuts.len(), |c| zones.place_of_cut[c as usize] as usize);
     }
-    let shares = |t: usize, m: usize| is_meeting(bodies[TOOL].cuts.get(t), bodies[MOCKUP].cuts.get(m));
-    let two = |t: usize, m: usize| {
-        let (tool, mockup) = (bodies[TOOL].get(t), bodies[MOCKUP].get(m));
-        Pair { lanes: ground.lanes, zones, tool, mockup, numbers: [t, m] }
-    };
-    directions.clear([bodies[TOOL].len(), bodies[MOCKUP].len()]);
-    found.clear();
-    for is_cut in [true, false] {
-        first.clear();
-        for t in 0..bodies[TOOL].len() {
-            for m in 0..bodies[MOCKUP].len() {
-                // A body that no curve touches is walled in by others of its surface: it meets what they meet, and mostly their
-                // planes hold it apart as well.
-                let is_walled_in = !(bodies[TOOL].is_cut(t) && bodies[MOCKUP].is_cut(m));
-                let is_sought = if is_cut { shares(t, m) } else { is_walled_in };
-                if !is_sought {
-                    continue;
-                }
-                let pair = two(t, m);
-                let holds =
-                    |(d, [i, j]): &(Depth, [usize; 2])| *i == t && pair.is_under(d) || *j == m && pair.is_over(d);
-                if is_cut || !found.iter().any(holds) {
-                    first.push((pair.first_depth(directions), [t, m]));
-                }
-            }
-        }
-        // Deepest first: what a deeper plane of about its direction holds apart as well needs none of its own. Bodies along none
-        // of whose normals a way leads out come last: there is mostly none, so they are tried only where nothing else gives a
-        // plane.
-        first.sort_by(|(p, _), (q, _)| q.depth().total_cmp(&p.depth()));
-        for (first, [t, m]) in first.iter() {
-            let (same, pair) = (if first.certain { SAME_PLANE } else { SAME_DIRECTION }, two(*t, *m));
-            let stands_for = |d: &Depth, n: &Point| {
-                d.depth >= first.depth() && dot(&d.normal, n) >= same && pair.are_apart(&d.normal, d.depth)
-            };
-            let is_needless = match first.normal() {
-                Some(n) => found.iter().any(|(d, _)| stands_for(d, &n)),
-                None => !found.is_empty(),
-            };
-            if !is_needless {
-                found.extend(pair.least_depth(first, directions).map(|d| (d, [*t, *m])));
-            }
-        }
-    }
-    found.sort_by(|(p, _), (q, _)| {
-        (p.gap().total_cmp(&q.gap()))
-            .then_with(|| by_coordinates(&p.normal, &q.normal))
-            .then_with(|| by_coordinates(&p.point, &q.point))
-    });
+    let bodies = TwoSides { ground, zones, bodies: &*bodies };
+    bodies.find_depths(directions, first, found);
     let from = out.len();
     for (depth, [t, m]) in found.iter() {
         let same = if depth.certain { SAME_PLANE } else { SAME_DIRECTION };
@@ -391,9 +344,8 @@ fn push_zone(
             continue;
         }
         meeting.clear();
-        if shares(*t, *m) {
-            let both = shared(bodies[TOOL].cuts.get(*t), bodies[MOCKUP].cuts.get(*m));
-            meeting.extend(both.map(|i| zones.cuts[cuts[i] as usize].faces));
+        if bodies.share_cuts(*t, *m) {
+            meeting.extend(bodies.cuts_of(*t, *m).map(|i| zones.cuts[cuts[i] as usize].faces));
         } else {
             meeting.extend(cuts.iter().map(|i| zones.cuts[*i as usize].faces));
         }
@@ -406,6 +358,85 @@ fn push_zone(
             tool_triangles: ids(TOOL),
             mockup_triangles: ids(MOCKUP),
             certain: depth.certain && zones.complete,
+        });
+    }
+}
+
+/// The bodies of tool and mock-up in one zone.
+struct TwoSides<'a> {
+    ground: &'a Ground<'a>,
+    zones: &'a Zones,
+    bodies: &'a [Bodies; 2],
+}
+
+impl<'a> TwoSides<'a> {
+    fn pair(&self, t: usize, m: usize) -> Pair<'a> {
+        let (tool, mockup) = (self.bodies[TOOL].get(t), self.bodies[MOCKUP].get(m));
+        Pair { lanes: self.ground.lanes, zones: self.zones, tool, mockup, numbers: [t, m] }
+    }
+
+    fn share_cuts(&self, t: usize, m: usize) -> bool {
+        is_meeting(self.bodies[TOOL].cuts.get(t), self.bodies[MOCKUP].cuts.get(m))
+    }
+
+    /// The cuts that both have a part in, by their places in the zone.
+    fn cuts_of(&self, t: usize, m: usize) -> impl Iterator<Item = usize> + 'a {
+        shared(self.bodies[TOOL].cuts.get(t), self.bodies[MOCKUP].cuts.get(m))
+    }
+
+    /// A body that no curve touches is walled in by others of its surface: it meets what they meet.
+    fn is_walled_in(&self, t: usize, m: usize) -> bool {
+        !(self.bodies[TOOL].is_cut(t) && self.bodies[MOCKUP].is_cut(m))
+    }
+
+    /// The least depths of bodies that meet, deepest first, with the bodies' numbers. First of those that the curve cuts; where a
+    /// plane of one of these holds apart what is walled in, that needs none of its own.
+    fn find_depths(
+        &self,
+        directions: &mut Directions,
+        first: &mut Vec<(FirstDepth, [usize; 2])>,
+        found: &mut Vec<(Depth, [usize; 2])>,
+    ) {
+        directions.clear([self.bodies[TOOL].len(), self.bodies[MOCKUP].len()]);
+        found.clear();
+        for is_cut in [true, false] {
+            first.clear();
+            for t in 0..self.bodies[TOOL].len() {
+                for m in 0..self.bodies[MOCKUP].len() {
+                    let is_sought = if is_cut { self.share_cuts(t, m) } else { self.is_walled_in(t, m) };
+                    if !is_sought {
+                        continue;
+                    }
+                    let pair = self.pair(t, m);
+                    let holds =
+                        |(d, [i, j]): &(Depth, [usize; 2])| *i == t && pair.is_under(d) || *j == m && pair.is_over(d);
+                    if is_cut || !found.iter().any(holds) {
+                        first.push((pair.first_depth(directions), [t, m]));
+                    }
+                }
+            }
+            // Deepest first: what a deeper plane of about its direction holds apart as well needs none of its own. Bodies along
+            // none of whose normals a way leads out come last: there is mostly none, so they are tried only where nothing else
+            // gives a plane.
+            first.sort_by(|(p, _), (q, _)| q.depth().total_cmp(&p.depth()));
+            for (first, [t, m]) in first.iter() {
+                let (same, pair) = (if first.certain { SAME_PLANE } else { SAME_DIRECTION }, self.pair(*t, *m));
+                let stands_for = |d: &Depth, n: &Point| {
+                    d.depth >= first.depth() && dot(&d.normal, n) >= same && pair.are_apart(&d.normal, d.depth)
+                };
+                let is_needless = match first.normal() {
+                    Some(n) => found.iter().any(|(d, _)| stands_for(d, &n)),
+                    None => !found.is_empty(),
+                };
+                if !is_needless {
+                    found.extend(pair.least_depth(first, directions).map(|d| (d, [*t, *m])));
+                }
+            }
+        }
+        found.sort_by(|(p, _), (q, _)| {
+            (p.gap().total_cmp(&q.gap()))
+                .then_with(|| by_coordinates(&p.normal, &q.normal))
+                .then_with(|| by_coordinates(&p.point, &q.point))
         });
     }
 }
