@@ -11,7 +11,7 @@ use feeler_core::{
 };
 use feeler_exact::distance::check_pair;
 
-use super::shapes::{matrix, mesh, unit_and_offset, Arrays};
+use super::shapes::{made, matrix, mesh, unit_and_offset, Arrays};
 
 #[derive(Debug)]
 pub struct Case {
@@ -70,16 +70,8 @@ fn pose(u: &mut Unstructured<'_>, unit: f64) -> Result<[[f64; 4]; 4]> {
 }
 
 pub fn check(case: Case) {
-    let part_of_face = (0..case.mockup.1.len()).map(|i| (i * 7 / 3 % case.parts) as u32).collect();
-    let (Ok(mockup), Ok(tool), Ok(from), Ok(to)) = (
-        Mockup::new(case.mockup.0, case.mockup.1, part_of_face, case.parts),
-        Tool::new(case.tool.0, case.tool.1),
-        Pose::new(&case.poses[0]),
-        Pose::new(&case.poses[1]),
-    ) else {
-        return;
-    };
-    let mockup = Arc::new(mockup);
+    let part = |i: usize| i * 7 / 3 % case.parts;
+    let Some((mockup, tool, [from, to])) = made(case.mockup, part, case.parts, case.tool, &case.poses) else { return };
     let Case { unit, within, tolerance, .. } = case;
     let ask = Ask { unit, mockup: &mockup, tool: &tool, poses: [from, to], within, tolerance };
     let gaps = [from, to].map(|pose| gaps_of_all_pairs(&mockup, &tool, &pose, f64::INFINITY));

@@ -1,7 +1,9 @@
 //! Small meshes and poses with degenerate structure, made from bytes.
 
+use std::sync::Arc;
+
 use arbitrary::{Result, Unstructured};
-use feeler_core::Point;
+use feeler_core::{Mockup, Point, Pose, Tool};
 
 /// Vertices and faces.
 pub type Arrays = (Vec<Point>, Vec<[u32; 3]>);
@@ -11,6 +13,20 @@ pub fn unit_and_offset(u: &mut Unstructured<'_>) -> Result<(f64, f64)> {
     let unit = *u.choose(&[1.0, 0.1, 1e-3, 1e-6, 1e6, 1e-160, 1e95])?;
     let offset = *u.choose(&[0.0, 0.0, 0.0, 1.0, 3e3, 1e6])?;
     Ok((unit, offset))
+}
+
+/// A mock-up whose faces are of the parts that `part` tells by their numbers, a tool and two poses; `None` where one is refused.
+pub fn made(
+    mockup: Arrays,
+    part: impl Fn(usize) -> usize,
+    parts: usize,
+    tool: Arrays,
+    poses: &[[[f64; 4]; 4]; 2],
+) -> Option<(Arc<Mockup>, Tool, [Pose; 2])> {
+    let part_of_face = (0..mockup.1.len()).map(|i| part(i) as u32).collect();
+    let mockup = Mockup::new(mockup.0, mockup.1, part_of_face, parts).ok()?;
+    let poses = [Pose::new(&poses[0]).ok()?, Pose::new(&poses[1]).ok()?];
+    Some((Arc::new(mockup), Tool::new(tool.0, tool.1).ok()?, poses))
 }
 
 /// At most so many faces.

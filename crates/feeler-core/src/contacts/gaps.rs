@@ -91,9 +91,11 @@ impl<'a> NearPairs<'a> {
         NearPairs { ground, margin, lists }
     }
 
-    /// Adds planes for the candidates of one part, beside those that `out` has of it. The pairs in `meeting` (sorted) meet, the triangles in `inside` (of tool and mock-up, sorted) are wholly inside the other.
+    /// Adds planes for the candidates of one part, beside those that `out` has of it. The pairs in `meeting` (sorted) meet, the
+    /// triangles in `inside` (of tool and mock-up, sorted) are wholly inside the other.
     ///
-    /// Few pairs are ever measured: most are far from where planes are, or held apart by one as whole triangles.
+    /// Of a part that is only near few pairs are ever measured: most are far from where planes are, or held apart by one as whole
+    /// triangles.
     pub fn push_planes(
         &mut self,
         candidates: &[Candidate],

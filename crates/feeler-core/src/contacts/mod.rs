@@ -8,11 +8,11 @@
 mod adjacency;
 mod arcs;
 mod body;
-mod by_part;
 mod classify;
 mod clusters;
 #[cfg(test)]
 mod convex_tests;
+mod counting;
 mod cut;
 mod depth;
 mod descent;
@@ -51,8 +51,8 @@ use std::cmp::Ordering;
 use crate::bounds::{Aabb, Point, Triangle};
 use crate::contacts::adjacency::NONE;
 use crate::contacts::body::Bodies;
-use crate::contacts::by_part::ByPart;
 use crate::contacts::clusters::Clusters;
+use crate::contacts::counting::ByPart;
 use crate::contacts::depth::{Depth, Directions, FirstDepth, Pair};
 use crate::contacts::gaps::{NearLists, NearPairs, SAME_DIRECTION};
 use crate::contacts::patches::Patches;

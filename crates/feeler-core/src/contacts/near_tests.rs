@@ -6,6 +6,7 @@ use super::shapes::{box_mesh, Arrays};
 use super::tests::{at, scene, tool, turned};
 use super::*;
 use crate::scene::SceneOptions;
+use crate::Storage;
 
 #[test]
 fn candidates_are_all_that_is_near_and_their_bounds_hold() {
@@ -21,6 +22,18 @@ fn candidates_are_all_that_is_near_and_their_bounds_hold() {
             assert!(least <= gap.distance, "{least} for {gap:?}");
         }
     }
+}
+
+#[test]
+fn a_pair_that_many_voxels_offer_takes_little_memory() {
+    let (vertices, faces) = box_mesh([0.0; 3], [0.1, 0.1, 0.02], 1);
+    let (parts, held) = (vec![0; faces.len()], tool(box_mesh([0.0; 3], [0.03, 0.02, 0.02], 1)));
+    let mockup = Arc::new(Mockup::new(vertices, faces, parts, 1).unwrap());
+    let storage = Storage::Hashed { level: 0.3 };
+    let options = SceneOptions { voxel_size: Some(0.001), storage, memory_limit: 1 << 20, tool: None };
+    let near = Scene::build(mockup, &options, &|_, _| true).unwrap();
+    let found = near.near_candidates(&held, &at(0.0, 0.0, 0.021), 0.05, &[]).unwrap();
+    assert!(found.len() > 12, "{}", found.len());
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::hint::select_unpredictable;
 
 use crate::bounds::Point;
 use crate::contacts::adjacency::NONE;
-use crate::contacts::by_part::lay_out;
+use crate::contacts::counting::lay_out;
 use crate::contacts::numbered::Numbered;
 use crate::contacts::outline::outline;
 use crate::contacts::place::{place, EightPlanes};

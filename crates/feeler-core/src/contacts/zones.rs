@@ -5,8 +5,8 @@
 
 use crate::bounds::{Point, Triangle};
 use crate::contacts::adjacency::NONE;
-use crate::contacts::by_part::lay_out;
 use crate::contacts::classify::{classify, Stand};
+use crate::contacts::counting::lay_out;
 use crate::contacts::cut::find_points;
 use crate::contacts::joins::{join_across_faces, join_along_the_curve, Roots};
 use crate::contacts::numbered::{Numbered, NumberedBelow};
