@@ -6,7 +6,7 @@
 use crate::bounds::{Point, Triangle};
 use crate::constants::UNIT_ROUNDOFF;
 use crate::pose::Pose;
-use crate::simd::{Kernel, Level, Simd, WIDE_LANES};
+use crate::simd::{Arithmetic, Kernel, Level, Simd, WIDE_LANES};
 
 /// What was proven of eight pairs, one bit each; in neither: in doubt.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -35,14 +35,28 @@ impl Kernel for Prove<'_> {
     type Output = Verdict;
     #[inline(always)]
     fn run<S: Simd>(self, s: S) -> Verdict {
-        let (mut p, mut q) = ([[&[0.0; 3]; WIDE_LANES]; 3], [[&[0.0; 3]; WIDE_LANES]; 3]);
-        for (i, pair) in self.0.iter().enumerate() {
-            for c in 0..3 {
-                p[c][i] = &pair.0[c];
-                q[c][i] = &pair.1[c];
+        let wide = S::Part::WIDE;
+        let mut verdict = Verdict::default();
+        for (i, pairs) in self.0.chunks_exact(wide).enumerate() {
+            let (mut p, mut q) = ([[&[0.0; 3]; WIDE_LANES]; 3], [[&[0.0; 3]; WIDE_LANES]; 3]);
+            for (lane, pair) in pairs.iter().enumerate() {
+                for c in 0..3 {
+                    p[c][lane] = &pair.0[c];
+                    q[c][lane] = &pair.1[c];
+                }
             }
+            verdict.set(wide * i, intersect(s.part(), &gathered_part(s, p), &gathered_part(s, q)));
         }
-        intersect(s, &gathered(s, p), &gathered(s, q))
+        verdict
+    }
+}
+
+impl Verdict {
+    /// Adds what was proven of the pairs from one on.
+    #[inline(always)]
+    pub(crate) fn set(&mut self, from: usize, of: Verdict) {
+        self.apart |= of.apart << from;
+        self.crossing |= of.crossing << from;
     }
 }
 
@@ -55,10 +69,16 @@ pub(crate) fn gathered<S: Simd>(s: S, t: [[&Point; WIDE_LANES]; 3]) -> [Vector<S
     [s.wide_points(t[0]), s.wide_points(t[1]), s.wide_points(t[2])]
 }
 
+/// As many triangles in lanes as a part has, the first of eight.
+#[inline(always)]
+pub(crate) fn gathered_part<S: Simd>(s: S, t: [[&Point; WIDE_LANES]; 3]) -> [Vector<<S::Part as Arithmetic>::F64>; 3] {
+    [s.wide_points_part(t[0]), s.wide_points_part(t[1]), s.wide_points_part(t[2])]
+}
+
 /// Triangles in lanes moved by a pose, in the one order of operations that
 /// [`Pose::apply`](crate::Pose::apply) defines.
 #[inline(always)]
-pub(crate) fn moved<S: Simd>(s: S, pose: &Pose, t: &[Vector<S::F64>; 3]) -> [Vector<S::F64>; 3] {
+pub(crate) fn moved<S: Arithmetic>(s: S, pose: &Pose, t: &[Vector<S::F64>; 3]) -> [Vector<S::F64>; 3] {
     let (rotation, translation) = (pose.rotation(), pose.translation());
     let mut out = *t;
     for a in 0..3 {
@@ -71,11 +91,11 @@ pub(crate) fn moved<S: Simd>(s: S, pose: &Pose, t: &[Vector<S::F64>; 3]) -> [Vec
     out
 }
 
-/// What can be proven of eight pairs.
+/// What can be proven of a pair in each lane.
 #[inline(always)]
-pub(crate) fn intersect<S: Simd>(s: S, p: &[Vector<S::F64>; 3], q: &[Vector<S::F64>; 3]) -> Verdict {
+pub(crate) fn intersect<S: Arithmetic>(s: S, p: &[Vector<S::F64>; 3], q: &[Vector<S::F64>; 3]) -> Verdict {
     let of_p = Sides::new(s, q, p);
-    if of_p.apart == u8::MAX {
+    if of_p.apart.count_ones() as usize == S::WIDE {
         return Verdict { apart: of_p.apart, crossing: 0 };
     }
     let of_q = Sides::new(s, p, q);
@@ -113,19 +133,24 @@ pub(crate) fn intersect<S: Simd>(s: S, p: &[Vector<S::F64>; 3], q: &[Vector<S::F
 /// products and sums are rounded at once. 64 leaves a quarter for higher orders and this bound's own rounding. Products that
 /// underflow are off by far less than the second term.
 #[inline(always)]
-fn error_bound<S: Simd>(s: S, a: S::F64, b: S::F64, c: S::F64) -> S::F64 {
+fn error_bound<S: Arithmetic>(s: S, a: S::F64, b: S::F64, c: S::F64) -> S::F64 {
     s.wide_mul_add(s.wide_splat(64.0 * UNIT_ROUNDOFF) * a * b, c, s.wide_splat(1e-200))
 }
 
 /// Which lanes are certainly above zero, and certainly below.
 #[inline(always)]
-fn signs<S: Simd>(s: S, x: S::F64, bound: S::F64) -> (u8, u8) {
+fn signs<S: Arithmetic>(s: S, x: S::F64, bound: S::F64) -> (u8, u8) {
     (s.bits(s.wide_above(x, bound)), s.bits(s.wide_above(s.wide_splat(0.0) - bound, x)))
 }
 
 /// The two exchanged where chosen.
 #[inline(always)]
-fn exchanged<S: Simd>(s: S, which: S::M64, u: &Vector<S::F64>, v: &Vector<S::F64>) -> (Vector<S::F64>, Vector<S::F64>) {
+fn exchanged<S: Arithmetic>(
+    s: S,
+    which: S::M64,
+    u: &Vector<S::F64>,
+    v: &Vector<S::F64>,
+) -> (Vector<S::F64>, Vector<S::F64>) {
     let (mut a, mut b) = (*u, *v);
     for i in 0..3 {
         a[i] = s.choose(which, v[i], u[i]);
@@ -135,7 +160,7 @@ fn exchanged<S: Simd>(s: S, which: S::M64, u: &Vector<S::F64>, v: &Vector<S::F64
 }
 
 #[inline(always)]
-fn cross<S: Simd>(s: S, u: &Vector<S::F64>, v: &Vector<S::F64>) -> Vector<S::F64> {
+fn cross<S: Arithmetic>(s: S, u: &Vector<S::F64>, v: &Vector<S::F64>) -> Vector<S::F64> {
     [
         s.wide_mul_sub(u[1], v[2], u[2] * v[1]),
         s.wide_mul_sub(u[2], v[0], u[0] * v[2]),
@@ -144,12 +169,12 @@ fn cross<S: Simd>(s: S, u: &Vector<S::F64>, v: &Vector<S::F64>) -> Vector<S::F64
 }
 
 #[inline(always)]
-fn dot<S: Simd>(s: S, u: &Vector<S::F64>, v: &Vector<S::F64>) -> S::F64 {
+fn dot<S: Arithmetic>(s: S, u: &Vector<S::F64>, v: &Vector<S::F64>) -> S::F64 {
     s.wide_mul_add(u[0], v[0], s.wide_mul_add(u[1], v[1], u[2] * v[2]))
 }
 
 /// On which sides of a plane the corners of a triangle lie.
-struct Sides<S: Simd> {
+struct Sides<S: Arithmetic> {
     /// Orientation is positive, where `certain`.
     positive: [S::M64; 3],
     /// All corners are certainly on one side.
@@ -162,7 +187,7 @@ struct Sides<S: Simd> {
     reach: S::F64,
 }
 
-impl<S: Simd> Sides<S> {
+impl<S: Arithmetic> Sides<S> {
     /// Of the corners of `t` with respect to the planes of `of`.
     #[inline(always)]
     fn new(s: S, of: &[Vector<S::F64>; 3], t: &[Vector<S::F64>; 3]) -> Sides<S> {
@@ -213,7 +238,7 @@ fn minus<F: Copy + std::ops::Sub<Output = F>>(p: &Vector<F>, q: &Vector<F>) -> V
 }
 
 #[inline(always)]
-fn largest<S: Simd>(s: S, v: &Vector<S::F64>) -> S::F64 {
+fn largest<S: Arithmetic>(s: S, v: &Vector<S::F64>) -> S::F64 {
     s.wide_max(s.wide_max(s.wide_abs(v[0]), s.wide_abs(v[1])), s.wide_abs(v[2]))
 }
 

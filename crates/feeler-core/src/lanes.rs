@@ -6,7 +6,7 @@
 use crate::bounds::Aabb;
 use crate::pieces::Piece;
 use crate::pose::Pose;
-use crate::simd::Simd;
+use crate::simd::{Arithmetic, Simd};
 
 pub use crate::simd::LANES;
 
@@ -155,12 +155,8 @@ impl LaneBoxes {
     /// Which lanes share a point with a box.
     #[inline(always)]
     pub fn meeting<S: Simd>(&self, s: S, lower: &[f32; 3], upper: &[f32; 3]) -> u16 {
-        let mut apart = 0;
-        for a in 0..3 {
-            apart |= s.above(s.load(&self.lower[a]), s.splat(upper[a]));
-            apart |= s.above(s.splat(lower[a]), s.load(&self.upper[a]));
-        }
-        !apart
+        let (own_lower, own_upper) = (load3(s, &self.lower), load3(s, &self.upper));
+        !s.lanes(boxes_apart(s, [&own_lower, &own_upper], [&splat3(s, lower), &splat3(s, upper)]))
     }
 }
 
@@ -225,9 +221,19 @@ fn splat3<S: Simd>(s: S, x: &[f32; 3]) -> [S::F32; 3] {
     [s.splat(x[0]), s.splat(x[1]), s.splat(x[2])]
 }
 
+/// Whether on some axis one of two boxes, given by lower and upper sides, ends before the other begins.
+#[inline(always)]
+pub fn boxes_apart<S: Arithmetic>(s: S, a: [&[S::F32; 3]; 2], b: [&[S::F32; 3]; 2]) -> S::M32 {
+    let mut apart = s.above(a[0][0], b[1][0]) | s.above(b[0][0], a[1][0]);
+    for axis in 1..3 {
+        apart = apart | s.above(a[0][axis], b[1][axis]) | s.above(b[0][axis], a[1][axis]);
+    }
+    apart
+}
+
 /// The interval of four corners along an axis.
 #[inline(always)]
-pub fn along<S: Simd>(s: S, corners: &[[S::F32; 3]; 4], n: &[S::F32; 3]) -> (S::F32, S::F32) {
+pub fn along<S: Arithmetic>(s: S, corners: &[[S::F32; 3]; 4], n: &[S::F32; 3]) -> (S::F32, S::F32) {
     let mut d = [n[0]; 4];
     for c in 0..4 {
         let at = &corners[c];
@@ -237,12 +243,12 @@ pub fn along<S: Simd>(s: S, corners: &[[S::F32; 3]; 4], n: &[S::F32; 3]) -> (S::
 }
 
 #[inline(always)]
-pub fn least4<S: Simd>(s: S, x: &[S::F32; 4]) -> S::F32 {
+pub fn least4<S: Arithmetic>(s: S, x: &[S::F32; 4]) -> S::F32 {
     s.min(s.min(x[0], x[1]), s.min(x[2], x[3]))
 }
 
 #[inline(always)]
-pub fn greatest4<S: Simd>(s: S, x: &[S::F32; 4]) -> S::F32 {
+pub fn greatest4<S: Arithmetic>(s: S, x: &[S::F32; 4]) -> S::F32 {
     s.max(s.max(x[0], x[1]), s.max(x[2], x[3]))
 }
 

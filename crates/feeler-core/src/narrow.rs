@@ -2,12 +2,12 @@
 
 use crate::bounds::Aabb;
 use crate::hits::{pair_key, Hit, Hits};
-use crate::intersect_lanes::{gathered, intersect, moved, Verdict};
+use crate::intersect_lanes::{gathered_part, intersect, moved, Verdict};
 use crate::intersect_triangle_triangle::{intersect_with, PairKind};
 use crate::mesh::Mesh;
 use crate::pose::Pose;
 use crate::predicates::Signs;
-use crate::simd::{prefetch_at, Checked, Kernel, Simd, LANES, WIDE_LANES};
+use crate::simd::{prefetch_at, Arithmetic, Checked, Kernel, Simd, LANES, WIDE_LANES};
 use crate::tool::Tool;
 
 /// Which filters stand before the triangle test. Neither changes the answer; they can be switched off to measure what they
@@ -390,7 +390,7 @@ impl Narrow<'_> {
 /// dozen lines at once do not come sooner.
 const AHEAD: usize = 24;
 
-/// What can be proven of pairs, eight by eight. Lists the keys of those that cross, of the first `count`; returns how many.
+/// What can be proven of pairs. Lists the keys of those that cross, of the first `count`; returns how many.
 struct Test<'a> {
     pose: &'a Pose,
     tool: &'a Tool,
@@ -413,46 +413,49 @@ impl Kernel for Test<'_> {
         let ids = tool.ids();
         let mut found = 0;
         let (corners, faces, vertices) = (tool.placeable(), mesh.faces(), mesh.vertices());
-        let eights = slots.len() / WIDE_LANES;
-        let each = asked.len().div_ceil(eights);
+        // As many at a time as a register holds: all corners of more would not stay in registers.
+        let wide = S::Part::WIDE;
+        let groups = slots.len() / wide;
+        let each = asked.len().div_ceil(groups);
         let (first, rest) = asked.split_at(asked.len().min(AHEAD));
         let mut rest = rest.chunks(each.max(1));
         for m in first {
             faces[*m as usize].iter().for_each(|v| prefetch_at(vertices, *v as usize));
         }
-        for (i, verdict) in verdicts[..eights].iter_mut().enumerate() {
+        verdicts[..slots.len() / WIDE_LANES].fill(Verdict::default());
+        for (i, (slots, triangles)) in slots.chunks_exact(wide).zip(triangles.chunks_exact(wide)).enumerate() {
             for m in rest.next().unwrap_or(&[]) {
                 faces[*m as usize].iter().for_each(|v| prefetch_at(vertices, *v as usize));
             }
             let mut p = [[&[0.0; 3]; WIDE_LANES]; 3];
-            for lane in 0..WIDE_LANES {
-                let triangle = &corners[slots[WIDE_LANES * i + lane] as usize];
+            for lane in 0..wide {
+                let triangle = &corners[slots[lane] as usize];
                 for c in 0..3 {
                     p[c][lane] = &triangle[c];
                 }
             }
-            let p = moved(s, pose, &gathered(s, p));
+            let p = moved(s.part(), pose, &gathered_part(s, p));
             let mut face = [&[0; 3]; WIDE_LANES];
-            for lane in 0..WIDE_LANES {
-                face[lane] = &faces[triangles[WIDE_LANES * i + lane] as usize];
+            for lane in 0..wide {
+                face[lane] = &faces[triangles[lane] as usize];
             }
-            // Corner by corner: eight places at a time stay in registers.
+            // Corner by corner: as many places at a time stay in registers.
             let mut q = p;
             for c in 0..3 {
                 let mut at = [&[0.0; 3]; WIDE_LANES];
-                for lane in 0..WIDE_LANES {
+                for lane in 0..wide {
                     at[lane] = &vertices[face[lane][c] as usize];
                 }
-                q[c] = s.wide_points(at);
+                q[c] = s.wide_points_part(at);
             }
-            *verdict = intersect(s, &p, &q);
+            let verdict = intersect(s.part(), &p, &q);
+            verdicts[wide * i / WIDE_LANES].set(wide * i % WIDE_LANES, verdict);
             let mut keys = [0; WIDE_LANES];
-            for lane in 0..WIDE_LANES {
-                let at = WIDE_LANES * i + lane;
-                keys[lane] = Hit::new(ids[slots[at] as usize], triangles[at], PairKind::Crossing).key();
+            for lane in 0..wide {
+                keys[lane] = Hit::new(ids[slots[lane] as usize], triangles[lane], PairKind::Crossing).key();
             }
-            let all = u8::MAX >> (WIDE_LANES - (count - WIDE_LANES * i).min(WIDE_LANES));
-            found = s.append_wide(verdict.crossing & all, &keys, crossing, found);
+            let given = ((1u32 << count.saturating_sub(wide * i).min(WIDE_LANES)) - 1) as u8;
+            found = s.append_wide(verdict.crossing & given, &keys, crossing, found);
         }
         found
     }

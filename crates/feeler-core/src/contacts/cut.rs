@@ -2,7 +2,7 @@
 
 use crate::bounds::{Point, Triangle};
 use crate::contacts::zones::{Cut, Face, MOCKUP, TOOL};
-use crate::simd::{Checked, Kernel, Simd, WIDE_LANES};
+use crate::simd::{Arithmetic, Checked, Kernel, Simd, WIDE_LANES};
 use crate::vectors::{along, cross, dot, sub};
 
 /// Planes within this angle (radians) count as one: the line they share says nothing any more.
@@ -66,7 +66,7 @@ impl Kernel for Crossing<'_> {
 }
 
 /// By lane how far along the line that two planes share a point is, and the point.
-type Along<S> = (<S as Simd>::F64, [<S as Simd>::F64; 3]);
+type Along<S> = (<S as Arithmetic>::F64, [<S as Arithmetic>::F64; 3]);
 
 /// Corners and normals by axis.
 #[inline(always)]

@@ -85,8 +85,8 @@ impl Kernel for Judging<'_> {
                     let n = [s.load(&of.normal[0].0), s.load(&of.normal[1].0), s.load(&of.normal[2].0)];
                     let height = way[0] * n[0] + way[1] * n[1] + way[2] * n[2] + s.load(&of.height.0);
                     let square = way[0] * way[0] + way[1] * way[1] + way[2] * way[2];
-                    let clear = s.above(height * height, share * square);
-                    let up = s.above(height, zero);
+                    let clear = s.lanes(s.above(height * height, share * square));
+                    let up = s.lanes(s.above(height, zero));
                     above |= u64::from(clear & up) << (LANES * i);
                     below |= u64::from(clear & !up) << (LANES * i);
                 }

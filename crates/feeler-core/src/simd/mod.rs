@@ -9,12 +9,16 @@
 
 #![allow(unsafe_code, reason = "instructions a CPU may lack: the rest of the core is free of unsafe code")]
 
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
 mod portable;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
 use std::fmt::Debug;
-use std::ops::{Add, Mul, Sub};
+use std::ops::{Add, BitOr, Mul, Sub};
 use std::sync::OnceLock;
 
 pub(crate) use portable::Portable;
@@ -64,8 +68,8 @@ impl Level {
         {
             match self {
                 Level::Portable => true,
-                Level::Avx2 => x86::has_avx2(),
-                Level::Avx512 => x86::has_avx512(),
+                Level::Avx2 => avx2::is_there(),
+                Level::Avx512 => avx512::is_there(),
             }
         }
         #[cfg(not(target_arch = "x86_64"))]
@@ -96,10 +100,10 @@ impl Checked {
         match self.0 {
             // SAFETY: only `Level::checked` makes such a value, and it asked the CPU.
             #[cfg(target_arch = "x86_64")]
-            Level::Avx512 => unsafe { x86::run_avx512(kernel) },
+            Level::Avx512 => unsafe { avx512::run_avx512(kernel) },
             // SAFETY: the same.
             #[cfg(target_arch = "x86_64")]
-            Level::Avx2 => unsafe { x86::run_avx2(kernel) },
+            Level::Avx2 => unsafe { avx2::run_avx2(kernel) },
             _ => kernel.run(Portable),
         }
     }
@@ -164,25 +168,22 @@ impl ByteBoxes {
 /// Numbers that [`Simd::sort_few`] sorts at most.
 pub(crate) const FEW: usize = 4 * WIDE_LANES;
 
-/// The operations of one level. Comparisons with NaN are false.
-pub(crate) trait Simd: Copy {
-    /// Sixteen float32.
+/// What is computed lane by lane: sixteen float32 and eight float64, or the [part](Simd::Part) of them that a register holds.
+/// Comparisons with NaN are false.
+pub(crate) trait Arithmetic: Copy {
+    /// Lanes of float64.
+    const WIDE: usize;
+    /// Lanes of float32.
     type F32: Copy + Add<Output = Self::F32> + Sub<Output = Self::F32> + Mul<Output = Self::F32>;
-    /// Eight float64.
+    /// Half as many lanes of float64.
     type F64: Copy + Add<Output = Self::F64> + Sub<Output = Self::F64> + Mul<Output = Self::F64>;
+    /// A choice per float32 lane; `|` chooses what either does.
+    type M32: Copy + BitOr<Output = Self::M32>;
     /// A choice per float64 lane.
     type M64: Copy;
 
     /// One number in all lanes.
     fn splat(self, x: f32) -> Self::F32;
-    /// Lane `i` is `x[i]`.
-    fn load(self, x: &[f32; LANES]) -> Self::F32;
-    /// The lanes.
-    fn store(self, x: Self::F32, to: &mut [f32; LANES]);
-    /// Bytes as numbers.
-    fn widen_bytes(self, x: &[u8; LANES]) -> Self::F32;
-    /// Ten bits of each number, from bit `10 * field` up, as numbers.
-    fn widen_field(self, x: &[u32; LANES], field: u32) -> Self::F32;
     /// `a * b + c`, rounded once where the CPU can, twice elsewhere: only for what has a margin.
     fn mul_add(self, a: Self::F32, b: Self::F32, c: Self::F32) -> Self::F32;
     /// The smaller; of no use with NaN.
@@ -191,11 +192,57 @@ pub(crate) trait Simd: Copy {
     fn max(self, a: Self::F32, b: Self::F32) -> Self::F32;
     /// Absolute value.
     fn abs(self, a: Self::F32) -> Self::F32;
-    /// One bit a lane: `a > b`.
-    fn above(self, a: Self::F32, b: Self::F32) -> u16;
-    /// `a` where a lane's bit is set, else `b`.
-    fn blend(self, mask: u16, a: Self::F32, b: Self::F32) -> Self::F32;
+    /// `a > b`.
+    fn above(self, a: Self::F32, b: Self::F32) -> Self::M32;
+    /// One bit a lane. Where choices are full lanes this takes several instructions: best once, of all that `|` joins.
+    fn lanes(self, mask: Self::M32) -> u16;
+    /// `a` where chosen, else `b`.
+    fn blend(self, mask: Self::M32, a: Self::F32, b: Self::F32) -> Self::F32;
+    /// One number in all lanes.
+    fn wide_splat(self, x: f64) -> Self::F64;
+    /// `a * b + c`, rounded once where the CPU can, twice elsewhere: only for what has a margin.
+    fn wide_mul_add(self, a: Self::F64, b: Self::F64, c: Self::F64) -> Self::F64;
+    /// `a * b - c`, rounded likewise.
+    fn wide_mul_sub(self, a: Self::F64, b: Self::F64, c: Self::F64) -> Self::F64;
+    /// Absolute value.
+    fn wide_abs(self, a: Self::F64) -> Self::F64;
+    /// The smaller; of no use with NaN.
+    fn wide_min(self, a: Self::F64, b: Self::F64) -> Self::F64;
+    /// `a / b`.
+    fn wide_divide(self, a: Self::F64, b: Self::F64) -> Self::F64;
+    /// The larger; of no use with NaN.
+    fn wide_max(self, a: Self::F64, b: Self::F64) -> Self::F64;
+    /// `a > b`.
+    fn wide_above(self, a: Self::F64, b: Self::F64) -> Self::M64;
+    /// `a` where chosen, else `b`.
+    fn choose(self, mask: Self::M64, a: Self::F64, b: Self::F64) -> Self::F64;
+    /// The one or the other, not both.
+    fn differing(self, a: Self::M64, b: Self::M64) -> Self::M64;
+    /// Both.
+    fn both(self, a: Self::M64, b: Self::M64) -> Self::M64;
+    /// Either or both.
+    fn either(self, a: Self::M64, b: Self::M64) -> Self::M64;
+    /// One bit a lane.
+    fn bits(self, mask: Self::M64) -> u8;
+}
 
+/// The operations of one level.
+pub(crate) trait Simd: Arithmetic {
+    /// As many lanes as one register holds, for work that keeps many values at hand.
+    type Part: Arithmetic;
+    /// The token of a part.
+    fn part(self) -> Self::Part;
+    /// As many points by axis as a part has lanes, the first of eight.
+    fn wide_points_part(self, x: [&[f64; 3]; WIDE_LANES]) -> [<Self::Part as Arithmetic>::F64; 3];
+
+    /// Lane `i` is `x[i]`.
+    fn load(self, x: &[f32; LANES]) -> Self::F32;
+    /// The lanes.
+    fn store(self, x: Self::F32, to: &mut [f32; LANES]);
+    /// Bytes as numbers.
+    fn widen_bytes(self, x: &[u8; LANES]) -> Self::F32;
+    /// Ten bits of each number, from bit `10 * field` up, as numbers.
+    fn widen_field(self, x: &[u32; LANES], field: u32) -> Self::F32;
     /// The least of all lanes of each of three values; the fourth is zero.
     fn smallest3(self, x: &[Self::F32; 3]) -> [f32; 4];
     /// The greatest of all lanes of each of three values; the fourth is zero.
@@ -206,11 +253,9 @@ pub(crate) trait Simd: Copy {
     fn is_apart(self, a: [&[f32; 4]; 2], b: [&[f32; 4]; 2]) -> bool;
     /// One bit for each of 32 children whose box meets the box `b` (lower and upper sides): see [`ByteBoxes`].
     fn children_meeting(self, boxes: &ByteBoxes, b: [&[f32; 4]; 2]) -> u32;
-
     /// Writes the chosen numbers one after the other to `to[at..]`, and anything to what follows, up to 16 in all; returns the
     /// place after the last one chosen. `to` must have 16 places from `at`.
     fn append(self, chosen: u16, from: &[u32; LANES], to: &mut [u32], at: usize) -> usize;
-
     /// The same for eight numbers twice as wide.
     #[inline(always)]
     fn append_wide(self, chosen: u8, from: &[u64; WIDE_LANES], to: &mut [u64], at: usize) -> usize {
@@ -222,7 +267,6 @@ pub(crate) trait Simd: Copy {
         }
         at + count
     }
-
     /// Whether the next two are done without branches.
     const SORTS: bool = false;
     /// Moves the numbers that are not above a pivot to the front, in order; returns how many they are. `room` is overwritten:
@@ -254,39 +298,12 @@ pub(crate) trait Simd: Copy {
         }
         count
     }
-
-    /// One number in all lanes.
-    fn wide_splat(self, x: f64) -> Self::F64;
     /// Lane `i` is `x[i]`.
     fn wide_load(self, x: &[f64; WIDE_LANES]) -> Self::F64;
     /// The lanes.
     fn wide_store(self, x: Self::F64, to: &mut [f64; WIDE_LANES]);
     /// Eight points by axis: lane `i` of each is of `x[i]`.
     fn wide_points(self, x: [&[f64; 3]; WIDE_LANES]) -> [Self::F64; 3];
-    /// `a * b + c`, rounded once where the CPU can, twice elsewhere: only for what has a margin.
-    fn wide_mul_add(self, a: Self::F64, b: Self::F64, c: Self::F64) -> Self::F64;
-    /// `a * b - c`, rounded likewise.
-    fn wide_mul_sub(self, a: Self::F64, b: Self::F64, c: Self::F64) -> Self::F64;
-    /// Absolute value.
-    fn wide_abs(self, a: Self::F64) -> Self::F64;
-    /// The smaller; of no use with NaN.
-    fn wide_min(self, a: Self::F64, b: Self::F64) -> Self::F64;
-    /// `a / b`.
-    fn wide_divide(self, a: Self::F64, b: Self::F64) -> Self::F64;
-    /// The larger; of no use with NaN.
-    fn wide_max(self, a: Self::F64, b: Self::F64) -> Self::F64;
-    /// `a > b`.
-    fn wide_above(self, a: Self::F64, b: Self::F64) -> Self::M64;
-    /// `a` where chosen, else `b`.
-    fn choose(self, mask: Self::M64, a: Self::F64, b: Self::F64) -> Self::F64;
-    /// The one or the other, not both.
-    fn differing(self, a: Self::M64, b: Self::M64) -> Self::M64;
-    /// Both.
-    fn both(self, a: Self::M64, b: Self::M64) -> Self::M64;
-    /// Either or both.
-    fn either(self, a: Self::M64, b: Self::M64) -> Self::M64;
-    /// One bit a lane.
-    fn bits(self, mask: Self::M64) -> u8;
 }
 
 /// Asks for the cache lines of a value that will be read soon.

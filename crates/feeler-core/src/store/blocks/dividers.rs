@@ -63,7 +63,7 @@ impl Dividers {
             return (0, 0);
         }
         let (_, far) = half.along(s, piece, &load3(s, &all[i].normals));
-        (i as u8, !s.above(far, s.load(&all[i].highest)))
+        (i as u8, !s.lanes(s.above(far, s.load(&all[i].highest))))
     }
 
     /// Of some lanes of a cluster those that are not surely above one of the planes `behind`.
@@ -77,7 +77,7 @@ impl Dividers {
                 above.is_known |= 1 << i;
                 let n = [s.splat(self.normals[0][i]), s.splat(self.normals[1][i]), s.splat(self.normals[2][i])];
                 let (near, _) = placed.along(s, &n);
-                above.lanes[i] = s.above(near, s.splat(self.lowest[i] + self.slack[i]));
+                above.lanes[i] = s.lanes(s.above(near, s.splat(self.lowest[i] + self.slack[i])));
             }
             lanes &= !u32::from(above.lanes[i]);
         }

@@ -26,7 +26,7 @@ pub fn scan<S: Simd>(s: S, run: &mut Search<'_, '_>, scratch: &mut NearScratch, 
     let limit = s.splat(run.limit);
     for h in 0..2 {
         let squared = gaps(s, &halves[h].lower, &halves[h].upper, &placed.bounds);
-        found |= u32::from(!s.above(squared, limit)) << (LANES * h);
+        found |= u32::from(!s.lanes(s.above(squared, limit))) << (LANES * h);
     }
     found &= node.valid;
     if found == 0 {
@@ -45,7 +45,7 @@ pub fn scan<S: Simd>(s: S, run: &mut Search<'_, '_>, scratch: &mut NearScratch, 
         found &= found - 1;
         let bounds = halves[piece / LANES].boxes_lane(piece % LANES);
         let squared = gaps(s, &placed.boxes.lower, &placed.boxes.upper, &bounds);
-        let lanes = u32::from(!s.above(squared, limit)) & u32::from(slots.corners.used);
+        let lanes = u32::from(!s.lanes(s.above(squared, limit))) & u32::from(slots.corners.used);
         near[count] = (piece, lanes);
         count += usize::from(lanes != 0);
     }
@@ -172,7 +172,7 @@ impl Planes {
         let gap = gap * gap;
         s.store(gap, &mut self.gaps[axis]);
         s.store(length, &mut self.lengths[axis]);
-        s.above(gap, limit * length) & s.above(length, s.splat(SHORTEST))
+        s.lanes(s.above(gap, limit * length)) & s.lanes(s.above(length, s.splat(SHORTEST)))
     }
 
     /// The largest bound for a lane (a square), rounded down.

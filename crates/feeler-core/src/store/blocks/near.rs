@@ -295,7 +295,7 @@ impl Near {
         }
         s.store(squared, (&mut self.bounds[from..from + LANES]).try_into().expect("16 of 32"));
         s.store(middles, (&mut self.middles[from..from + LANES]).try_into().expect("16 of 32"));
-        u32::from(!s.above(squared, s.splat(limit)))
+        u32::from(!s.lanes(s.above(squared, s.splat(limit))))
     }
 
     /// Puts the places chosen into `order`, if that is asked for nearest first; of boxes that overlap, those whose middles are

@@ -64,16 +64,16 @@ impl Outlines {
         let slack = s.mul_add(size[0], s.splat(of_corners[0]), s.mul_add(size[1], s.splat(of_corners[1]), slack));
         s.store(s.load(&pieces.near) - slack, &mut self.near);
         s.store(s.load(&pieces.far) + slack, &mut self.far);
-        let first = !(s.above(size[1], size[0]) | s.above(size[2], size[0]));
-        let second = !first & !s.above(size[2], size[1]);
-        self.along = [first, second];
-        let up = s.blend(first, n[0], s.blend(second, n[1], n[2]));
+        let not_first = s.above(size[1], size[0]) | s.above(size[2], size[0]);
+        let third = s.above(size[2], size[1]);
+        self.along = [!s.lanes(not_first), s.lanes(not_first) & !s.lanes(third)];
+        let up = s.blend(not_first, s.blend(third, n[2], n[1]), n[0]);
         let corners = pieces.corners(s);
         let (mut u, mut v) = ([up; 4], [up; 4]);
         for c in 0..4 {
             let [x, y, z] = corners[c];
-            u[c] = s.blend(first, y, s.blend(second, z, x));
-            v[c] = s.blend(first, z, s.blend(second, x, y));
+            u[c] = s.blend(not_first, s.blend(third, x, z), y);
+            v[c] = s.blend(not_first, s.blend(third, y, x), z);
         }
         for (side, [from, to]) in self.sides.iter_mut().zip(SIDES) {
             let (across_u, across_v) = (up * (v[to] - v[from]), up * (u[from] - u[to]));
@@ -94,18 +94,19 @@ impl Outlines {
 
     /// Which boxes lie beyond a side of one of the outlines.
     #[inline(always)]
-    pub fn beyond<S: Simd>(&self, s: S, lane: usize, boxes: &Middles) -> u16 {
+    pub fn beyond<S: Simd>(&self, s: S, lane: usize, boxes: &Middles) -> S::M32 {
         let (first, second) = (usize::from(self.along[0] >> lane & 1), usize::from(self.along[1] >> lane & 1));
         let (u, v) = (first + 2 * second, 1 + first - second);
         let (sum_u, sum_v) = (s.load(&boxes.sums[u]), s.load(&boxes.sums[v]));
         let (difference_u, difference_v) = (s.load(&boxes.differences[u]), s.load(&boxes.differences[v]));
-        let mut beyond = 0;
+        let none = s.splat(0.0);
+        let mut beyond = s.above(none, none);
         for side in &self.sides {
             // Twice the least of a box along the axis. Its few roundings of 2^-24 are within the slack's 2^-20.
             let least = s.mul_add(sum_u, s.splat(side[0][lane]), sum_v * s.splat(side[1][lane]));
             let least = s.mul_add(difference_u, s.splat(side[2][lane]), least);
             let least = s.mul_add(difference_v, s.splat(side[3][lane]), least);
-            beyond |= s.above(least, s.splat(side[4][lane]));
+            beyond = beyond | s.above(least, s.splat(side[4][lane]));
         }
         beyond
     }
@@ -130,7 +131,7 @@ mod tests {
             let (mut outlines, mut middles) = (Outlines::ZERO, Middles::ZERO);
             outlines.make(s, &placed, &[1e-6; 3], 1e-6);
             middles.make(s, self.1);
-            outlines.beyond(s, 0, &middles)
+            s.lanes(outlines.beyond(s, 0, &middles))
         }
     }
 

@@ -1,7 +1,7 @@
 //! The pieces of a block: packed in ten bits a coordinate, and unpacked in lanes.
 
 use super::node::{Node, FANOUT, HALF, UNPACK_ROUNDING};
-use crate::lanes::{greatest4, least4, Box4, Lane32, LANES, TINY};
+use crate::lanes::{boxes_apart, greatest4, least4, Box4, Lane32, LANES, TINY};
 use crate::simd::Simd;
 
 /// A block's pieces, but for their boxes. All that a query reads of a block after these lies side by side.
@@ -152,12 +152,11 @@ impl HalfBlock {
     /// Which of sixteen boxes, by their sides, meet the box of one piece.
     #[inline(always)]
     pub fn boxes_meeting<S: Simd>(&self, s: S, lower: &[S::F32; 3], upper: &[S::F32; 3], piece: usize) -> u16 {
-        let mut apart = 0;
-        for a in 0..3 {
-            apart |= s.above(lower[a], s.splat(self.upper[a][piece]));
-            apart |= s.above(s.splat(self.lower[a][piece]), upper[a]);
-        }
-        !apart
+        let of_piece = [
+            [s.splat(self.lower[0][piece]), s.splat(self.lower[1][piece]), s.splat(self.lower[2][piece])],
+            [s.splat(self.upper[0][piece]), s.splat(self.upper[1][piece]), s.splat(self.upper[2][piece])],
+        ];
+        !s.lanes(boxes_apart(s, [lower, upper], [&of_piece[0], &of_piece[1]]))
     }
 
     /// A piece's corners as steps between the sides of its box.

@@ -329,9 +329,9 @@ fn left<S: Simd>(
             [s.splat(cluster.normals[0][lane]), s.splat(cluster.normals[1][lane]), s.splat(cluster.normals[2][lane])];
         let (near, far) = along(s, &q, &n);
         let outlines = &outlines[c];
-        apart |= s.above(near, s.splat(outlines.far[lane])) | s.above(s.splat(outlines.near[lane]), far);
-        apart |= outlines.beyond(s, lane, middles);
-        let row = Row { hit: row.hit & !apart, ..*row };
+        apart = apart | s.above(near, s.splat(outlines.far[lane])) | s.above(s.splat(outlines.near[lane]), far);
+        apart = apart | outlines.beyond(s, lane, middles);
+        let row = Row { hit: row.hit & !s.lanes(apart), ..*row };
         kept[count] = (row, 0);
         count += usize::from(row.hit != 0);
         met |= row.hit;

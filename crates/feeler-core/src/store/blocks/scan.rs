@@ -296,7 +296,7 @@ fn planes_meeting<S: Simd>(
         let apart = s.above(near, s.splat(half.far[piece])) | s.above(s.splat(half.near[piece]), far);
         // The planes of the tool's pieces.
         let (near, far) = half.corners_along(s, piece, &n);
-        let lanes = pair.lanes & !(apart | s.above(near, placed_far) | s.above(placed_near, far));
+        let lanes = pair.lanes & !s.lanes(apart | s.above(near, placed_far) | s.above(placed_near, far));
         pairs[kept] = PiecePair { lanes, ..pair };
         kept += usize::from(lanes != 0);
     }

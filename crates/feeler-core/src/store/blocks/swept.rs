@@ -80,9 +80,9 @@ impl SweptPieces {
             let near = s.min(a, s.load(&self.ends[end].near));
             let far = s.max(b, s.load(&self.ends[end].far));
             let (least, greatest) = half.along(s, piece, &n);
-            apart |= s.above(least, far) | s.above(near, greatest);
+            apart = apart | s.above(least, far) | s.above(near, greatest);
         }
-        !apart
+        !s.lanes(apart)
     }
 }
 

@@ -1,0 +1,580 @@
+//! AVX2: sixteen float32 are two registers, and so are eight float64.
+
+use std::arch::x86_64::*;
+use std::ops::{Add, BitOr, Mul, Sub};
+
+use super::x86::{is_apart, limits, numbers, One};
+use super::{Arithmetic, ByteBoxes, Kernel, Simd, FEW, LANES, WIDE_LANES};
+
+/// Whether the CPU has what [`Avx2`] uses.
+pub fn is_there() -> bool {
+    is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") && is_x86_feature_detected!("bmi2")
+}
+
+/// Runs a kernel with AVX2.
+///
+/// # Safety
+/// The CPU must have what [`is_there`] asks for; the other features came before AVX2.
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+pub unsafe fn run_avx2<K: Kernel>(kernel: K) -> K::Output {
+    kernel.run(Avx2(OneRegister(())))
+}
+
+/// The token of AVX2: only [`run_avx2`] makes one.
+#[derive(Debug, Clone, Copy)]
+pub struct Avx2(OneRegister);
+
+/// The token for half of the lanes: only [`run_avx2`] makes one.
+#[derive(Debug, Clone, Copy)]
+pub struct OneRegister(());
+
+/// Two registers as one value.
+#[derive(Debug, Clone, Copy)]
+pub struct Two<T>(T, T);
+
+macro_rules! operators_of_two {
+    ($($trait:ident, $name:ident;)*) => {$(
+        impl<T: $trait<Output = T>> $trait for Two<T> {
+            type Output = Self;
+            #[inline(always)]
+            fn $name(self, other: Self) -> Self {
+                Two($trait::$name(self.0, other.0), $trait::$name(self.1, other.1))
+            }
+        }
+    )*};
+}
+
+operators_of_two! {
+    Add, add;
+    Sub, sub;
+    Mul, mul;
+    BitOr, bitor;
+}
+
+// SAFETY of all blocks below: the token says that the CPU has the instructions; loads and stores go to arrays of the
+// register's size and ask for no alignment.
+
+/// For each choice of eight lanes, one a byte, lowest first: the places of those chosen.
+const PACKINGS: [u64; 256] = {
+    let mut packings = [0; 256];
+    let mut chosen = 0;
+    while chosen < 256 {
+        let (mut lane, mut count) = (0, 0);
+        while lane < 8 {
+            if chosen >> lane & 1 == 1 {
+                packings[chosen] |= lane << (8 * count);
+                count += 1;
+            }
+            lane += 1;
+        }
+        chosen += 1;
+    }
+    packings
+};
+
+/// For each choice of four lanes twice as wide the choice of eight that is the same.
+const DOUBLED: [u8; 16] = {
+    let mut doubled = [0; 16];
+    let mut chosen = 0;
+    while chosen < 16 {
+        let mut lane = 0;
+        while lane < 4 {
+            doubled[chosen] |= (((chosen >> lane & 1) * 3) << (2 * lane)) as u8;
+            lane += 1;
+        }
+        chosen += 1;
+    }
+    doubled
+};
+
+/// The order of eight lanes that brings those chosen to the front.
+#[inline(always)]
+fn packing(chosen: usize) -> __m256i {
+    // SAFETY: see above.
+    unsafe { _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(PACKINGS[chosen] as i64)) }
+}
+
+/// The chosen ones of four numbers, at the front.
+#[inline(always)]
+fn packed4(four: __m256i, chosen: usize) -> __m256i {
+    // SAFETY: see above.
+    unsafe { _mm256_permutevar8x32_epi32(four, packing(DOUBLED[chosen].into())) }
+}
+
+/// One bit for each of four lanes that are all ones.
+#[inline(always)]
+fn chosen4(four: __m256i) -> usize {
+    // SAFETY: see above.
+    unsafe { _mm256_movemask_pd(_mm256_castsi256_pd(four)) as usize }
+}
+
+/// Signed numbers in the order of these unsigned ones: AVX2 compares no others.
+#[inline(always)]
+fn as_signed(four: __m256i) -> __m256i {
+    // SAFETY: see above.
+    unsafe { _mm256_xor_si256(four, _mm256_set1_epi64x(i64::MIN)) }
+}
+
+impl Arithmetic for OneRegister {
+    const WIDE: usize = WIDE_LANES / 2;
+    type F32 = One<__m256>;
+    type F64 = One<__m256d>;
+    type M32 = One<__m256>;
+    type M64 = One<__m256d>;
+
+    #[inline(always)]
+    fn splat(self, x: f32) -> Self::F32 {
+        // SAFETY: see above.
+        unsafe { One(_mm256_set1_ps(x)) }
+    }
+    #[inline(always)]
+    fn mul_add(self, a: Self::F32, b: Self::F32, c: Self::F32) -> Self::F32 {
+        // SAFETY: see above.
+        unsafe { One(_mm256_fmadd_ps(a.0, b.0, c.0)) }
+    }
+    #[inline(always)]
+    fn min(self, a: Self::F32, b: Self::F32) -> Self::F32 {
+        // SAFETY: see above.
+        unsafe { One(_mm256_min_ps(a.0, b.0)) }
+    }
+    #[inline(always)]
+    fn max(self, a: Self::F32, b: Self::F32) -> Self::F32 {
+        // SAFETY: see above.
+        unsafe { One(_mm256_max_ps(a.0, b.0)) }
+    }
+    #[inline(always)]
+    fn abs(self, a: Self::F32) -> Self::F32 {
+        // SAFETY: see above.
+        unsafe {
+            let sign = _mm256_set1_ps(-0.0);
+            One(_mm256_andnot_ps(sign, a.0))
+        }
+    }
+    #[inline(always)]
+    fn above(self, a: Self::F32, b: Self::F32) -> Self::M32 {
+        // SAFETY: see above.
+        unsafe { One(_mm256_cmp_ps::<_CMP_GT_OQ>(a.0, b.0)) }
+    }
+    #[inline(always)]
+    fn lanes(self, mask: Self::M32) -> u16 {
+        // SAFETY: see above.
+        unsafe { _mm256_movemask_ps(mask.0) as u16 }
+    }
+    #[inline(always)]
+    fn blend(self, mask: Self::M32, a: Self::F32, b: Self::F32) -> Self::F32 {
+        // SAFETY: see above.
+        unsafe { One(_mm256_blendv_ps(b.0, a.0, mask.0)) }
+    }
+    #[inline(always)]
+    fn wide_splat(self, x: f64) -> Self::F64 {
+        // SAFETY: see above.
+        unsafe { One(_mm256_set1_pd(x)) }
+    }
+    #[inline(always)]
+    fn wide_mul_add(self, a: Self::F64, b: Self::F64, c: Self::F64) -> Self::F64 {
+        // SAFETY: see above.
+        unsafe { One(_mm256_fmadd_pd(a.0, b.0, c.0)) }
+    }
+    #[inline(always)]
+    fn wide_mul_sub(self, a: Self::F64, b: Self::F64, c: Self::F64) -> Self::F64 {
+        // SAFETY: see above.
+        unsafe { One(_mm256_fmsub_pd(a.0, b.0, c.0)) }
+    }
+    #[inline(always)]
+    fn wide_abs(self, a: Self::F64) -> Self::F64 {
+        // SAFETY: see above.
+        unsafe {
+            let sign = _mm256_set1_pd(-0.0);
+            One(_mm256_andnot_pd(sign, a.0))
+        }
+    }
+    #[inline(always)]
+    fn wide_min(self, a: Self::F64, b: Self::F64) -> Self::F64 {
+        // SAFETY: see above.
+        unsafe { One(_mm256_min_pd(a.0, b.0)) }
+    }
+    #[inline(always)]
+    fn wide_divide(self, a: Self::F64, b: Self::F64) -> Self::F64 {
+        // SAFETY: see above.
+        unsafe { One(_mm256_div_pd(a.0, b.0)) }
+    }
+    #[inline(always)]
+    fn wide_max(self, a: Self::F64, b: Self::F64) -> Self::F64 {
+        // SAFETY: see above.
+        unsafe { One(_mm256_max_pd(a.0, b.0)) }
+    }
+    #[inline(always)]
+    fn wide_above(self, a: Self::F64, b: Self::F64) -> Self::M64 {
+        // SAFETY: see above.
+        unsafe { One(_mm256_cmp_pd::<_CMP_GT_OQ>(a.0, b.0)) }
+    }
+    #[inline(always)]
+    fn choose(self, mask: Self::M64, a: Self::F64, b: Self::F64) -> Self::F64 {
+        // SAFETY: see above.
+        unsafe { One(_mm256_blendv_pd(b.0, a.0, mask.0)) }
+    }
+    #[inline(always)]
+    fn differing(self, a: Self::M64, b: Self::M64) -> Self::M64 {
+        // SAFETY: see above.
+        unsafe { One(_mm256_xor_pd(a.0, b.0)) }
+    }
+    #[inline(always)]
+    fn both(self, a: Self::M64, b: Self::M64) -> Self::M64 {
+        // SAFETY: see above.
+        unsafe { One(_mm256_and_pd(a.0, b.0)) }
+    }
+    #[inline(always)]
+    fn either(self, a: Self::M64, b: Self::M64) -> Self::M64 {
+        // SAFETY: see above.
+        unsafe { One(_mm256_or_pd(a.0, b.0)) }
+    }
+    #[inline(always)]
+    fn bits(self, mask: Self::M64) -> u8 {
+        // SAFETY: see above.
+        unsafe { _mm256_movemask_pd(mask.0) as u8 }
+    }
+}
+
+impl Arithmetic for Avx2 {
+    const WIDE: usize = WIDE_LANES;
+    type F32 = Two<One<__m256>>;
+    type F64 = Two<One<__m256d>>;
+    type M32 = Two<One<__m256>>;
+    type M64 = Two<One<__m256d>>;
+
+    #[inline(always)]
+    fn splat(self, x: f32) -> Self::F32 {
+        Two(self.part().splat(x), self.part().splat(x))
+    }
+    #[inline(always)]
+    fn mul_add(self, a: Self::F32, b: Self::F32, c: Self::F32) -> Self::F32 {
+        Two(self.part().mul_add(a.0, b.0, c.0), self.part().mul_add(a.1, b.1, c.1))
+    }
+    #[inline(always)]
+    fn min(self, a: Self::F32, b: Self::F32) -> Self::F32 {
+        Two(self.part().min(a.0, b.0), self.part().min(a.1, b.1))
+    }
+    #[inline(always)]
+    fn max(self, a: Self::F32, b: Self::F32) -> Self::F32 {
+        Two(self.part().max(a.0, b.0), self.part().max(a.1, b.1))
+    }
+    #[inline(always)]
+    fn abs(self, a: Self::F32) -> Self::F32 {
+        Two(self.part().abs(a.0), self.part().abs(a.1))
+    }
+    #[inline(always)]
+    fn above(self, a: Self::F32, b: Self::F32) -> Self::M32 {
+        Two(self.part().above(a.0, b.0), self.part().above(a.1, b.1))
+    }
+    #[inline(always)]
+    fn lanes(self, mask: Self::M32) -> u16 {
+        self.part().lanes(mask.0) | self.part().lanes(mask.1) << 8
+    }
+    #[inline(always)]
+    fn blend(self, mask: Self::M32, a: Self::F32, b: Self::F32) -> Self::F32 {
+        Two(self.part().blend(mask.0, a.0, b.0), self.part().blend(mask.1, a.1, b.1))
+    }
+    #[inline(always)]
+    fn wide_splat(self, x: f64) -> Self::F64 {
+        Two(self.part().wide_splat(x), self.part().wide_splat(x))
+    }
+    #[inline(always)]
+    fn wide_mul_add(self, a: Self::F64, b: Self::F64, c: Self::F64) -> Self::F64 {
+        Two(self.part().wide_mul_add(a.0, b.0, c.0), self.part().wide_mul_add(a.1, b.1, c.1))
+    }
+    #[inline(always)]
+    fn wide_mul_sub(self, a: Self::F64, b: Self::F64, c: Self::F64) -> Self::F64 {
+        Two(self.part().wide_mul_sub(a.0, b.0, c.0), self.part().wide_mul_sub(a.1, b.1, c.1))
+    }
+    #[inline(always)]
+    fn wide_abs(self, a: Self::F64) -> Self::F64 {
+        Two(self.part().wide_abs(a.0), self.part().wide_abs(a.1))
+    }
+    #[inline(always)]
+    fn wide_min(self, a: Self::F64, b: Self::F64) -> Self::F64 {
+        Two(self.part().wide_min(a.0, b.0), self.part().wide_min(a.1, b.1))
+    }
+    #[inline(always)]
+    fn wide_divide(self, a: Self::F64, b: Self::F64) -> Self::F64 {
+        Two(self.part().wide_divide(a.0, b.0), self.part().wide_divide(a.1, b.1))
+    }
+    #[inline(always)]
+    fn wide_max(self, a: Self::F64, b: Self::F64) -> Self::F64 {
+        Two(self.part().wide_max(a.0, b.0), self.part().wide_max(a.1, b.1))
+    }
+    #[inline(always)]
+    fn wide_above(self, a: Self::F64, b: Self::F64) -> Self::M64 {
+        Two(self.part().wide_above(a.0, b.0), self.part().wide_above(a.1, b.1))
+    }
+    #[inline(always)]
+    fn choose(self, mask: Self::M64, a: Self::F64, b: Self::F64) -> Self::F64 {
+        Two(self.part().choose(mask.0, a.0, b.0), self.part().choose(mask.1, a.1, b.1))
+    }
+    #[inline(always)]
+    fn differing(self, a: Self::M64, b: Self::M64) -> Self::M64 {
+        Two(self.part().differing(a.0, b.0), self.part().differing(a.1, b.1))
+    }
+    #[inline(always)]
+    fn both(self, a: Self::M64, b: Self::M64) -> Self::M64 {
+        Two(self.part().both(a.0, b.0), self.part().both(a.1, b.1))
+    }
+    #[inline(always)]
+    fn either(self, a: Self::M64, b: Self::M64) -> Self::M64 {
+        Two(self.part().either(a.0, b.0), self.part().either(a.1, b.1))
+    }
+    #[inline(always)]
+    fn bits(self, mask: Self::M64) -> u8 {
+        self.part().bits(mask.0) | self.part().bits(mask.1) << 4
+    }
+}
+
+impl Simd for Avx2 {
+    type Part = OneRegister;
+
+    #[inline(always)]
+    fn part(self) -> OneRegister {
+        self.0
+    }
+    #[inline(always)]
+    fn wide_points_part(self, x: [&[f64; 3]; WIDE_LANES]) -> [One<__m256d>; 3] {
+        // SAFETY: see above; three numbers of each point are read.
+        unsafe {
+            let three = _mm256_setr_epi64x(-1, -1, -1, 0);
+            let mut rows = [_mm256_setzero_pd(); 4];
+            for i in 0..4 {
+                rows[i] = _mm256_maskload_pd(x[i].as_ptr(), three);
+            }
+            let (xz, xz_next) = (_mm256_unpacklo_pd(rows[0], rows[1]), _mm256_unpacklo_pd(rows[2], rows[3]));
+            let (y, y_next) = (_mm256_unpackhi_pd(rows[0], rows[1]), _mm256_unpackhi_pd(rows[2], rows[3]));
+            [
+                One(_mm256_permute2f128_pd::<0x20>(xz, xz_next)),
+                One(_mm256_permute2f128_pd::<0x20>(y, y_next)),
+                One(_mm256_permute2f128_pd::<0x31>(xz, xz_next)),
+            ]
+        }
+    }
+    #[inline(always)]
+    fn load(self, x: &[f32; LANES]) -> Self::F32 {
+        // SAFETY: see above.
+        unsafe { Two(One(_mm256_loadu_ps(x.as_ptr())), One(_mm256_loadu_ps(x[8..].as_ptr()))) }
+    }
+    #[inline(always)]
+    fn store(self, x: Self::F32, to: &mut [f32; LANES]) {
+        // SAFETY: see above.
+        unsafe {
+            _mm256_storeu_ps(to.as_mut_ptr(), x.0 .0);
+            _mm256_storeu_ps(to[8..].as_mut_ptr(), x.1 .0);
+        }
+    }
+    #[inline(always)]
+    fn widen_bytes(self, x: &[u8; LANES]) -> Self::F32 {
+        // SAFETY: see above.
+        unsafe {
+            let bytes = _mm_loadu_si128(x.as_ptr().cast());
+            let eight = |b: __m128i| One(_mm256_cvtepi32_ps(_mm256_cvtepu8_epi32(b)));
+            Two(eight(bytes), eight(_mm_srli_si128::<8>(bytes)))
+        }
+    }
+    #[inline(always)]
+    fn widen_field(self, x: &[u32; LANES], field: u32) -> Self::F32 {
+        // SAFETY: see above.
+        unsafe {
+            let (shift, mask) = (_mm256_set1_epi32(10 * field as i32), _mm256_set1_epi32(1023));
+            let low = _mm256_srlv_epi32(_mm256_loadu_si256(x.as_ptr().cast()), shift);
+            let high = _mm256_srlv_epi32(_mm256_loadu_si256(x[8..].as_ptr().cast()), shift);
+            let [low, high] = [low, high].map(|bits| One(_mm256_cvtepi32_ps(_mm256_and_si256(bits, mask))));
+            Two(low, high)
+        }
+    }
+    #[inline(always)]
+    fn smallest3(self, x: &[Self::F32; 3]) -> [f32; 4] {
+        // SAFETY: see above.
+        unsafe {
+            let [x, y, z] = x.map(|Two(low, high)| _mm256_min_ps(low.0, high.0));
+            let o = _mm256_setzero_ps();
+            let xy = _mm256_min_ps(_mm256_unpacklo_ps(x, y), _mm256_unpackhi_ps(x, y));
+            let zo = _mm256_min_ps(_mm256_unpacklo_ps(z, o), _mm256_unpackhi_ps(z, o));
+            let m = _mm256_min_ps(_mm256_shuffle_ps::<0x44>(xy, zo), _mm256_shuffle_ps::<0xee>(xy, zo));
+            numbers(_mm_min_ps(_mm256_castps256_ps128(m), _mm256_extractf128_ps::<1>(m)))
+        }
+    }
+    #[inline(always)]
+    fn largest3(self, x: &[Self::F32; 3]) -> [f32; 4] {
+        // SAFETY: see above.
+        unsafe {
+            let [x, y, z] = x.map(|Two(low, high)| _mm256_max_ps(low.0, high.0));
+            let o = _mm256_setzero_ps();
+            let xy = _mm256_max_ps(_mm256_unpacklo_ps(x, y), _mm256_unpackhi_ps(x, y));
+            let zo = _mm256_max_ps(_mm256_unpacklo_ps(z, o), _mm256_unpackhi_ps(z, o));
+            let m = _mm256_max_ps(_mm256_shuffle_ps::<0x44>(xy, zo), _mm256_shuffle_ps::<0xee>(xy, zo));
+            numbers(_mm_max_ps(_mm256_castps256_ps128(m), _mm256_extractf128_ps::<1>(m)))
+        }
+    }
+    #[inline(always)]
+    fn transposed(self, x: &[Self::F32; 3], to: &mut [[f32; 4]; LANES]) {
+        // SAFETY: see above; within a half, lane `4 i + k` of the four transposed registers is part `i` of register `k`.
+        unsafe {
+            let o = _mm256_setzero_ps();
+            let halves = [x.map(|two| two.0 .0), x.map(|two| two.1 .0)];
+            for (half, [x, y, z]) in halves.into_iter().enumerate() {
+                let (xy, xy_high) = (_mm256_unpacklo_ps(x, y), _mm256_unpackhi_ps(x, y));
+                let (zo, zo_high) = (_mm256_unpacklo_ps(z, o), _mm256_unpackhi_ps(z, o));
+                let of = [
+                    _mm256_shuffle_ps::<0x44>(xy, zo),
+                    _mm256_shuffle_ps::<0xee>(xy, zo),
+                    _mm256_shuffle_ps::<0x44>(xy_high, zo_high),
+                    _mm256_shuffle_ps::<0xee>(xy_high, zo_high),
+                ];
+                for k in 0..4 {
+                    to[8 * half + k] = numbers(_mm256_castps256_ps128(of[k]));
+                    to[8 * half + 4 + k] = numbers(_mm256_extractf128_ps::<1>(of[k]));
+                }
+            }
+        }
+    }
+    #[inline(always)]
+    fn is_apart(self, a: [&[f32; 4]; 2], b: [&[f32; 4]; 2]) -> bool {
+        is_apart(a, b)
+    }
+    #[inline(always)]
+    fn children_meeting(self, boxes: &ByteBoxes, b: [&[f32; 4]; 2]) -> u32 {
+        // SAFETY: see above.
+        unsafe {
+            let limits = limits(boxes, b);
+            let halves = [_mm256_permute4x64_epi64::<0x44>(limits), _mm256_permute4x64_epi64::<0xee>(limits)];
+            // What is left after subtracting the limit with saturation is not zero where the byte is above it.
+            let mut above = _mm256_setzero_si256();
+            for a in 0..3 {
+                for half in 0..2 {
+                    let limit = _mm256_shuffle_epi8(halves[half], _mm256_set1_epi8(4 * a as i8));
+                    let side = _mm256_loadu_si256(boxes.sides[a].as_ptr().add(32 * half).cast());
+                    above = _mm256_or_si256(above, _mm256_subs_epu8(side, limit));
+                }
+            }
+            _mm256_movemask_epi8(_mm256_cmpeq_epi8(above, _mm256_setzero_si256())) as u32
+        }
+    }
+    #[inline(always)]
+    fn append(self, chosen: u16, from: &[u32; LANES], to: &mut [u32], at: usize) -> usize {
+        let to = &mut to[at..at + LANES];
+        let (low, high) = (chosen & 255, chosen >> 8);
+        let count = low.count_ones() as usize;
+        // SAFETY: see above; `to` has 16 numbers, and `count` is at most eight.
+        unsafe {
+            let first = _mm256_permutevar8x32_epi32(_mm256_loadu_si256(from.as_ptr().cast()), packing(low.into()));
+            let second =
+                _mm256_permutevar8x32_epi32(_mm256_loadu_si256(from[8..].as_ptr().cast()), packing(high.into()));
+            _mm256_storeu_si256(to.as_mut_ptr().cast(), first);
+            _mm256_storeu_si256(to.as_mut_ptr().add(count).cast(), second);
+        }
+        at + chosen.count_ones() as usize
+    }
+    #[inline(always)]
+    fn append_wide(self, chosen: u8, from: &[u64; WIDE_LANES], to: &mut [u64], at: usize) -> usize {
+        let to = &mut to[at..at + WIDE_LANES];
+        let (low, high) = (chosen & 15, chosen >> 4);
+        let count = low.count_ones() as usize;
+        // SAFETY: see above; `to` has eight numbers, and `count` is at most four.
+        unsafe {
+            let first = packed4(_mm256_loadu_si256(from.as_ptr().cast()), low.into());
+            let second = packed4(_mm256_loadu_si256(from[4..].as_ptr().cast()), high.into());
+            _mm256_storeu_si256(to.as_mut_ptr().cast(), first);
+            _mm256_storeu_si256(to.as_mut_ptr().add(count).cast(), second);
+        }
+        at + chosen.count_ones() as usize
+    }
+    const SORTS: bool = true;
+    #[inline(always)]
+    fn partition(self, keys: &mut [u64], room: &mut [u64], pivot: u64) -> usize {
+        let n = keys.len();
+        assert!(room.len() >= n + WIDE_LANES);
+        let (mut low, mut at) = (0, 0);
+        // SAFETY: see above. Four numbers are read at `at`, where they are, before four are written at `low`, which is at most
+        // `at`, and at `at - low` of `room`.
+        unsafe {
+            let (keys, room) = (keys.as_mut_ptr(), room.as_mut_ptr());
+            let limit = as_signed(_mm256_set1_epi64x(pivot as i64));
+            while at + 4 <= n {
+                let four = _mm256_loadu_si256(keys.add(at).cast());
+                let above = chosen4(_mm256_cmpgt_epi64(as_signed(four), limit));
+                _mm256_storeu_si256(keys.add(low).cast(), packed4(four, above ^ 15));
+                _mm256_storeu_si256(room.add(at - low).cast(), packed4(four, above));
+                at += 4;
+                low += 4 - above.count_ones() as usize;
+            }
+        }
+        for at in at..n {
+            let key = keys[at];
+            room[at - low] = key;
+            keys[low] = key;
+            low += usize::from(key <= pivot);
+        }
+        keys[low..].copy_from_slice(&room[..n - low]);
+        low
+    }
+    #[inline(always)]
+    fn sort_few(self, keys: &[u64], to: &mut [u64; FEW + WIDE_LANES]) -> usize {
+        let n = keys.len();
+        let mut all = [u64::MAX; FEW];
+        all[..n].copy_from_slice(keys);
+        // SAFETY: see above.
+        let places = unsafe {
+            let mut smaller = [[0u64; 4]; FEW / 4];
+            // Sixteen at a time, or they would not stay in registers.
+            for (own, smaller) in all[..n.next_multiple_of(16)].chunks_exact(16).zip(smaller.chunks_exact_mut(4)) {
+                let mut own_lanes = [_mm256_setzero_si256(); 4];
+                for (lanes, four) in own_lanes.iter_mut().zip(own.chunks_exact(4)) {
+                    *lanes = as_signed(_mm256_loadu_si256(four.as_ptr().cast()));
+                }
+                let mut counts = [_mm256_setzero_si256(); 4];
+                for key in keys {
+                    let key = as_signed(_mm256_set1_epi64x(*key as i64));
+                    for i in 0..4 {
+                        counts[i] = _mm256_sub_epi64(counts[i], _mm256_cmpgt_epi64(own_lanes[i], key));
+                    }
+                }
+                for i in 0..4 {
+                    _mm256_storeu_si256(smaller[i].as_mut_ptr().cast(), counts[i]);
+                }
+            }
+            smaller
+        };
+        // The place of a number is how many are smaller. Equal ones have one place, and leave some as they were.
+        let mut sorted = [u64::MAX; FEW];
+        for (i, key) in keys.iter().enumerate() {
+            sorted[places[i / 4 % (FEW / 4)][i % 4] as usize % FEW] = *key;
+        }
+        let mut count = 0;
+        // SAFETY: see above. Writing at `count` takes four places, and `count` is at most `FEW`.
+        unsafe {
+            for four in sorted.chunks_exact(4) {
+                let four = _mm256_loadu_si256(four.as_ptr().cast());
+                let taken = chosen4(_mm256_cmpeq_epi64(four, _mm256_set1_epi64x(-1))) ^ 15;
+                _mm256_storeu_si256(to.as_mut_ptr().add(count).cast(), packed4(four, taken));
+                count += taken.count_ones() as usize;
+            }
+        }
+        count
+    }
+    #[inline(always)]
+    fn wide_load(self, x: &[f64; WIDE_LANES]) -> Self::F64 {
+        let (low, high) = x.split_at(WIDE_LANES / 2);
+        // SAFETY: see above; four numbers are read from each half.
+        unsafe { Two(One(_mm256_loadu_pd(low.as_ptr())), One(_mm256_loadu_pd(high.as_ptr()))) }
+    }
+    #[inline(always)]
+    fn wide_store(self, x: Self::F64, to: &mut [f64; WIDE_LANES]) {
+        let (low, high) = to.split_at_mut(WIDE_LANES / 2);
+        // SAFETY: see above; four numbers are written to each half.
+        unsafe {
+            _mm256_storeu_pd(low.as_mut_ptr(), x.0 .0);
+            _mm256_storeu_pd(high.as_mut_ptr(), x.1 .0);
+        }
+    }
+    #[inline(always)]
+    fn wide_points(self, x: [&[f64; 3]; WIDE_LANES]) -> [Self::F64; 3] {
+        let (low, high) =
+            (self.wide_points_part(x), self.wide_points_part([x[4], x[5], x[6], x[7], x[4], x[5], x[6], x[7]]));
+        [Two(low[0], high[0]), Two(low[1], high[1]), Two(low[2], high[2])]
+    }
+}
