@@ -54,7 +54,7 @@ EXTENSION := $(wildcard python/feeler/_core*.so python/feeler/_core*.pyd)
 help: ## list the targets
 	@awk 'BEGIN { FS = ":.*## " } \
 		/^##@ / { printf "\n%s\n", substr($$0, 5) } \
-		/^[a-z][a-z-]*:.*## / { printf "  make %-14s %s\n", $$1, $$2 }' Makefile
+		/^[a-z][a-z0-9-]*:.*## / { printf "  make %-14s %s\n", $$1, $$2 }' Makefile
 	@printf '\nVariables: PYTHON=python3.12 (the Python to use)  QUICK=1 (bench, test: the short form)\n'
 	@printf '           DEMO_ARGS= BENCH_ARGS= PYTEST_ARGS= CARGO_ARGS= (passed on)  PROFILE=dev (unoptimised extension)\n'
 
@@ -133,6 +133,15 @@ sanitize: ## the core's tests under AddressSanitizer (needs a nightly Rust)
 	@cargo +nightly --version >/dev/null 2>&1 || { echo "make sanitize: needs a nightly Rust (rustup toolchain install nightly)" >&2; exit 1; }
 	@RUSTFLAGS=-Zsanitizer=address cargo +nightly test -p feeler-core --target $$(rustc -vV | sed -n 's/^host: //p') \
 		--target-dir target/sanitize $(CARGO_ARGS)
+
+.PHONY: arm64
+arm64: export CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_LINKER = aarch64-linux-gnu-gcc
+arm64: export CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_RUNNER = qemu-aarch64 -L /usr/aarch64-linux-gnu
+arm64: ## the core's tests and the corpus of hard pairs for arm64, emulated: the same answers (15 minutes)
+	@command -v qemu-aarch64 >/dev/null && command -v aarch64-linux-gnu-gcc >/dev/null || { echo "make arm64: needs an emulator and a linker (Debian: qemu-user, gcc-aarch64-linux-gnu, libc6-dev-arm64-cross)" >&2; exit 1; }
+	@[ -d "$$(rustc --print sysroot)/lib/rustlib/aarch64-unknown-linux-gnu" ] || { echo "make arm64: needs Rust's library for it (rustup target add aarch64-unknown-linux-gnu)" >&2; exit 1; }
+	cargo test --release $(LOCKED) --target aarch64-unknown-linux-gnu --target-dir target/arm64 -p feeler-core $(CARGO_ARGS)
+	cargo test --release $(LOCKED) --target aarch64-unknown-linux-gnu --target-dir target/arm64 -p feeler-exact --test corpus $(CARGO_ARGS)
 
 .PHONY: lint
 lint: lint-rust lint-python lint-rules ## everything below

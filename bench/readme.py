@@ -18,20 +18,39 @@ from goals import MEASURES, geometric_mean
 
 ROOT = Path(__file__).resolve().parents[1]
 README = ROOT / "README.md"
+RECORDS = ROOT / "bench" / "records"
 MARKERS = ("<!-- figures: bench/readme.py -->", "<!-- end of figures -->")
 
 
-def newest() -> Path:
-    """The record with the latest date, then the highest number."""
+def by_age() -> list[Path]:
+    """All records: by date, then by number."""
 
     def age(path: Path) -> tuple[str, int]:
         match = re.fullmatch(r"(\d{4}-\d\d-\d\d)-.*?-(\d+)", path.stem)
         return (match[1], int(match[2])) if match else ("", 0)
 
-    records = sorted((ROOT / "bench" / "records").glob("*.json"), key=age)
+    return sorted(RECORDS.glob("*.json"), key=age)
+
+
+def newest() -> Path:
+    """The last record."""
+    records = by_age()
     if not records:
         sys.exit("bench/records holds no record: run `make bench` first")
     return records[-1]
+
+
+def read(path: Path | str) -> tuple[dict[str, Any], str]:
+    """A record and its file's name, for the command line: `ArgumentTypeError` where a file is none, or too old."""
+    try:
+        record = json.loads(Path(path).read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise argparse.ArgumentTypeError(f"{path} is no record: {error}") from error
+    if not isinstance(record, dict) or "schema" not in record:
+        raise argparse.ArgumentTypeError(f"{path} is no record of `make bench`")
+    if record["schema"] < 2:
+        raise argparse.ArgumentTypeError(f"{path} is of an older layout: run `make bench` again")
+    return record, Path(path).name
 
 
 NAMES = {"coal": "Coal", "fcl": "FCL", "embree": "Embree", "parry": "parry3d"}
@@ -106,17 +125,9 @@ def _times(figures: dict[str, Any]) -> str:
 def asked_for(description: str | None) -> tuple[dict[str, Any], str]:
     """The record named on the command line of a script so described, else the newest; and its file's name."""
     parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("record", nargs="?", type=Path, help="a record of `make bench` (the newest in bench/records)")
-    path: Path = parser.parse_args().record or newest()
-    try:
-        record = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        parser.error(f"{path} is no record: {error}")
-    if not isinstance(record, dict) or "schema" not in record:
-        parser.error(f"{path} is no record of `make bench`")
-    if record["schema"] < 2:
-        parser.error(f"{path.name} is of an older layout: run `make bench` again")
-    return record, path.name
+    parser.add_argument("record", nargs="?", type=read, help="a record of `make bench` (the newest in bench/records)")
+    found: tuple[dict[str, Any], str] = parser.parse_args().record or read(newest())
+    return found
 
 
 def main() -> int:

@@ -163,6 +163,22 @@ def test_figures_of_a_record_for_the_readme(root: Path, record_folder: Path, mon
     assert "Index built in" in text and "(bench/records/a-record.json)" in text
 
 
+def test_goals_by_machine(root: Path, record_folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(root / "bench"))
+    machines = importlib.import_module("machines")
+    one = read(record_folder)
+    one["machine"] = {**one["machine"], "cpu": "A CPU(R) Processor", "flags": ["avx2"]}
+    one["goals"] = [
+        {"goal": "speed", "wanted": "5", "found": "4", "met": False},
+        {"goal": "size", "wanted": "2", "found": "1", "met": True},
+    ]
+    speed = {"goal": "speed", "wanted": "5", "found": "6", "met": True}
+    other = {**one, "machine": {**one["machine"], "flags": ["avx2", "avx512f"]}, "goals": [speed]}
+    lines = machines.table([(one, "one.json"), (other, "other.json")]).splitlines()
+    assert lines[0] == "| goal | wanted | A CPU, AVX2 | A CPU, AVX-512 |" and lines[2] == "| speed | 5 | **4** | 6 |"
+    assert len(lines) == 5 and "other 1 goals" in lines[4] and "bench/records/other.json" in lines[4]
+
+
 def test_cells_of_a_record_for_the_page_on_performance(
     root: Path, record_folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -279,13 +295,13 @@ def test_options_out_of_range_are_refused(root: Path, arguments: list[str], said
     assert done.returncode == 2 and said in done.stderr
 
 
-@pytest.mark.parametrize("script", ["run.py", "real_data.py", "readme.py", "cells.py", "plot.py"])
+@pytest.mark.parametrize("script", ["run.py", "real_data.py", "readme.py", "cells.py", "machines.py", "plot.py"])
 def test_help_has_examples(root: Path, script: str) -> None:
     done = run(root, script, "--help")
     assert done.returncode == 0 and "examples:" in done.stdout and f"python bench/{script}" in done.stdout
 
 
-@pytest.mark.parametrize("script", ["readme.py", "cells.py"])
+@pytest.mark.parametrize("script", ["readme.py", "cells.py", "machines.py"])
 @pytest.mark.parametrize(("text", "said"), [(None, "no record"), ("[1]", "no record"), ('{"schema": 1}', "older")])
 def test_what_is_no_record_is_refused(root: Path, tmp_path: Path, script: str, text: str | None, said: str) -> None:
     path = tmp_path / "record.json"

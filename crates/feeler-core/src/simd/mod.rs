@@ -21,8 +21,6 @@ use std::fmt::Debug;
 use std::ops::{Add, BitOr, Mul, Sub};
 use std::sync::OnceLock;
 
-pub(crate) use portable::Portable;
-
 /// Lanes of float32.
 pub const LANES: usize = 16;
 /// Lanes of float64.
@@ -104,7 +102,7 @@ impl Checked {
             // SAFETY: the same.
             #[cfg(target_arch = "x86_64")]
             Level::Avx2 => unsafe { avx2::run_avx2(kernel) },
-            _ => kernel.run(Portable),
+            _ => kernel.run(portable::TOKEN),
         }
     }
 }

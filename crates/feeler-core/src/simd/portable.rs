@@ -1,12 +1,19 @@
 //! Arrays and loops: the plain twin of the other levels, and the one for CPUs without them.
 
-use std::ops::{Add, Mul, Sub};
+use std::ops::{Add, BitOr, Mul, Sub};
 
 use super::{Arithmetic, ByteBoxes, Simd, LANES, WIDE_LANES};
 
-/// The token of this level.
+/// So many lanes of float32, and of float64.
 #[derive(Debug, Clone, Copy)]
-pub struct Portable;
+pub struct Arrays<const F: usize, const W: usize>;
+
+/// All lanes.
+type Portable = Arrays<LANES, WIDE_LANES>;
+/// The token of this level.
+pub const TOKEN: Portable = Arrays;
+/// Of a part: as many lanes as most CPUs have in a register.
+type Register = Arrays<4, 2>;
 
 /// Lanes as an array.
 #[derive(Debug, Clone, Copy)]
@@ -15,12 +22,20 @@ pub struct Array<T, const N: usize>([T; N]);
 impl<T: Copy, const N: usize> Array<T, N> {
     #[inline(always)]
     fn map(self, f: impl Fn(T) -> T) -> Self {
-        Array(std::array::from_fn(|i| f(self.0[i])))
+        let mut out = self;
+        for i in 0..N {
+            out.0[i] = f(self.0[i]);
+        }
+        out
     }
 
     #[inline(always)]
     fn zip(self, other: Self, f: impl Fn(T, T) -> T) -> Self {
-        Array(std::array::from_fn(|i| f(self.0[i], other.0[i])))
+        let mut out = self;
+        for i in 0..N {
+            out.0[i] = f(self.0[i], other.0[i]);
+        }
+        out
     }
 }
 
@@ -48,16 +63,25 @@ impl<T: Copy + Mul<Output = T>, const N: usize> Mul for Array<T, N> {
     }
 }
 
-impl Arithmetic for Portable {
-    const WIDE: usize = WIDE_LANES;
-    type F32 = Array<f32, LANES>;
-    type F64 = Array<f64, WIDE_LANES>;
-    type M32 = u16;
-    type M64 = [bool; WIDE_LANES];
+impl<const N: usize> BitOr for Array<u32, N> {
+    type Output = Self;
+    #[inline(always)]
+    fn bitor(self, other: Self) -> Self {
+        self.zip(other, |a, b| a | b)
+    }
+}
+
+// Choices are all ones or zeros, as wide as what they choose: so compilers find the CPU's own comparisons in lanes.
+impl<const F: usize, const W: usize> Arithmetic for Arrays<F, W> {
+    const WIDE: usize = W;
+    type F32 = Array<f32, F>;
+    type F64 = Array<f64, W>;
+    type M32 = Array<u32, F>;
+    type M64 = Array<u64, W>;
 
     #[inline(always)]
     fn splat(self, x: f32) -> Self::F32 {
-        Array([x; LANES])
+        Array([x; F])
     }
     #[inline(always)]
     fn mul_add(self, a: Self::F32, b: Self::F32, c: Self::F32) -> Self::F32 {
@@ -77,30 +101,35 @@ impl Arithmetic for Portable {
     }
     #[inline(always)]
     fn above(self, a: Self::F32, b: Self::F32) -> Self::M32 {
-        let mut flags = [0u8; LANES];
-        for i in 0..LANES {
-            flags[i] = u8::from(a.0[i] > b.0[i]);
+        let mut mask = [0; F];
+        for i in 0..F {
+            mask[i] = u32::from(a.0[i] > b.0[i]).wrapping_neg();
         }
-        let [low, high] = [0, 8].map(|from| u16::from(gather(std::array::from_fn(|i| flags[from + i]))));
-        low | high << 8
+        Array(mask)
     }
     #[inline(always)]
     fn lanes(self, mask: Self::M32) -> u16 {
-        mask
+        let mut bits = 0;
+        for (i, eight) in mask.0.chunks(8).enumerate() {
+            let mut flags = [0u8; 8];
+            for (flag, lane) in flags.iter_mut().zip(eight) {
+                *flag = *lane as u8 & 1;
+            }
+            bits |= u16::from(gather(flags)) << (8 * i);
+        }
+        bits
     }
     #[inline(always)]
     fn blend(self, mask: Self::M32, a: Self::F32, b: Self::F32) -> Self::F32 {
         let mut chosen = b;
-        for i in 0..LANES {
-            if mask >> i & 1 == 1 {
-                chosen.0[i] = a.0[i];
-            }
+        for i in 0..F {
+            chosen.0[i] = f32::from_bits(a.0[i].to_bits() & mask.0[i] | b.0[i].to_bits() & !mask.0[i]);
         }
         chosen
     }
     #[inline(always)]
     fn wide_splat(self, x: f64) -> Self::F64 {
-        Array([x; WIDE_LANES])
+        Array([x; W])
     }
     #[inline(always)]
     fn wide_mul_add(self, a: Self::F64, b: Self::F64, c: Self::F64) -> Self::F64 {
@@ -128,40 +157,58 @@ impl Arithmetic for Portable {
     }
     #[inline(always)]
     fn wide_above(self, a: Self::F64, b: Self::F64) -> Self::M64 {
-        std::array::from_fn(|i| a.0[i] > b.0[i])
+        let mut mask = [0; W];
+        for i in 0..W {
+            mask[i] = u64::from(a.0[i] > b.0[i]).wrapping_neg();
+        }
+        Array(mask)
     }
     #[inline(always)]
     fn choose(self, mask: Self::M64, a: Self::F64, b: Self::F64) -> Self::F64 {
-        Array(std::array::from_fn(|i| if mask[i] { a.0[i] } else { b.0[i] }))
+        let mut chosen = b;
+        for i in 0..W {
+            chosen.0[i] = f64::from_bits(a.0[i].to_bits() & mask.0[i] | b.0[i].to_bits() & !mask.0[i]);
+        }
+        chosen
     }
     #[inline(always)]
     fn differing(self, a: Self::M64, b: Self::M64) -> Self::M64 {
-        std::array::from_fn(|i| a[i] ^ b[i])
+        a.zip(b, |a, b| a ^ b)
     }
     #[inline(always)]
     fn both(self, a: Self::M64, b: Self::M64) -> Self::M64 {
-        std::array::from_fn(|i| a[i] & b[i])
+        a.zip(b, |a, b| a & b)
     }
     #[inline(always)]
     fn either(self, a: Self::M64, b: Self::M64) -> Self::M64 {
-        std::array::from_fn(|i| a[i] | b[i])
+        a.zip(b, |a, b| a | b)
     }
     #[inline(always)]
     fn bits(self, mask: Self::M64) -> u8 {
-        gather(mask.map(u8::from))
+        let mut flags = [0u8; WIDE_LANES];
+        for i in 0..W {
+            flags[i] = mask.0[i] as u8 & 1;
+        }
+        gather(flags)
     }
 }
 
 impl Simd for Portable {
-    type Part = Portable;
+    type Part = Register;
 
     #[inline(always)]
-    fn part(self) -> Portable {
-        self
+    fn part(self) -> Register {
+        Arrays
     }
     #[inline(always)]
-    fn wide_points_part(self, x: [&[f64; 3]; WIDE_LANES]) -> [Self::F64; 3] {
-        self.wide_points(x)
+    fn wide_points_part(self, x: [&[f64; 3]; WIDE_LANES]) -> [<Register as Arithmetic>::F64; 3] {
+        let mut points = [Array([0.0; Register::WIDE]); 3];
+        for i in 0..Register::WIDE {
+            for a in 0..3 {
+                points[a].0[i] = x[i][a];
+            }
+        }
+        points
     }
     #[inline(always)]
     fn load(self, x: &[f32; LANES]) -> Self::F32 {
