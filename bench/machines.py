@@ -9,23 +9,14 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import re
 import sys
 from typing import Any
 
 from options import SIZES
 from page import PERFORMANCE, fill
-from readme import by_age, read
+from readme import by_age, kind, read
 
 Record = tuple[dict[str, Any], str]  # and its file's name
-LANES = {"avx512f": "AVX-512", "avx2": "AVX2"}
-
-
-def kind(record: dict[str, Any]) -> str:
-    """What sets a machine apart: its CPU, and the best lanes it has."""
-    about = record["machine"]
-    lanes = next((name for flag, name in LANES.items() if flag in about["flags"]), "neither AVX2 nor AVX-512")
-    return f"{re.sub(r'[(]R[)]| Processor', '', about['cpu'])}, {lanes}"
 
 
 def newest_of_each() -> list[Record]:

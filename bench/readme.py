@@ -23,13 +23,8 @@ MARKERS = ("<!-- figures: bench/readme.py -->", "<!-- end of figures -->")
 
 
 def by_age() -> list[Path]:
-    """All records: by date, then by number."""
-
-    def age(path: Path) -> tuple[str, int]:
-        match = re.fullmatch(r"(\d{4}-\d\d-\d\d)-.*?-(\d+)", path.stem)
-        return (match[1], int(match[2])) if match else ("", 0)
-
-    return sorted(RECORDS.glob("*.json"), key=age)
+    """All records, by when they were made."""
+    return sorted(RECORDS.glob("*.json"), key=lambda path: json.loads(path.read_text(encoding="utf-8"))["when"])
 
 
 def newest() -> Path:
@@ -51,6 +46,16 @@ def read(path: Path | str) -> tuple[dict[str, Any], str]:
     if record["schema"] < 2:
         raise argparse.ArgumentTypeError(f"{path} is of an older layout: run `make bench` again")
     return record, Path(path).name
+
+
+LANES = {"avx512f": "AVX-512", "avx2": "AVX2"}
+
+
+def kind(record: dict[str, Any]) -> str:
+    """What sets a machine apart: its CPU, and the best lanes it has."""
+    about = record["machine"]
+    lanes = next((name for flag, name in LANES.items() if flag in about["flags"]), "neither AVX2 nor AVX-512")
+    return f"{re.sub(r'[(]R[)]| Processor', '', about['cpu'])}, {lanes}"
 
 
 NAMES = {"coal": "Coal", "fcl": "FCL", "embree": "Embree", "parry": "parry3d"}
@@ -113,7 +118,10 @@ def _notes(
             f"The others: {versions}, each set up for speed, same poses, same run, the best in each row by its median "
             "(p95 ratio: the best by p95)."
         )
-    lines.append(f"{record['machine']['cpu']}, `make bench`, [{name}](bench/records/{name}).")
+    lines.append(
+        f"{kind(record)}, `make bench`, [{name}](bench/records/{name}); other machines: "
+        "[docs/performance.md](docs/performance.md#where-the-goals-are-missed)."
+    )
     return lines
 
 

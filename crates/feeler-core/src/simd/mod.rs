@@ -325,3 +325,87 @@ pub(crate) fn prefetch_at<T>(list: &[T], index: usize) {
     #[cfg(not(target_arch = "x86_64"))]
     let _ = (list, index);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is appended of the numbers 100 to 115 and of those from 1000 on, for each choice of lanes.
+    struct Appended;
+
+    impl Kernel for Appended {
+        type Output = (Vec<Vec<u32>>, Vec<Vec<u64>>);
+
+        fn run<S: Simd>(self, s: S) -> Self::Output {
+            let (from, wide_from) = (std::array::from_fn(|i| 100 + i as u32), std::array::from_fn(|i| 1000 + i as u64));
+            let single = (0..=u16::MAX).map(|chosen| {
+                let mut to = vec![7; 3 + LANES];
+                let end = s.append(chosen, &from, &mut to, 3);
+                assert_eq!(to[..3], [7; 3]);
+                to[3..end].to_vec()
+            });
+            let wide = (0..=u8::MAX).map(|chosen| {
+                let mut to = vec![7; 1 + WIDE_LANES];
+                let end = s.append_wide(chosen, &wide_from, &mut to, 1);
+                assert_eq!(to[0], 7);
+                to[1..end].to_vec()
+            });
+            (single.collect(), wide.collect())
+        }
+    }
+
+    #[test]
+    fn chosen_lanes_are_appended_in_order() {
+        for level in Level::available() {
+            let (single, wide) = level.checked().run(Appended);
+            for (chosen, found) in single.iter().enumerate() {
+                let expected: Vec<u32> = (0..16).filter(|i| chosen >> i & 1 == 1).map(|i| 100 + i).collect();
+                assert_eq!(*found, expected, "{} {chosen:016b}", level.name());
+            }
+            for (chosen, found) in wide.iter().enumerate() {
+                let expected: Vec<u64> = (0..8).filter(|i| chosen >> i & 1 == 1).map(|i| 1000 + i).collect();
+                assert_eq!(*found, expected, "{} {chosen:08b}", level.name());
+            }
+        }
+    }
+
+    /// Comparisons and choices of single and double numbers: the bits of `a > b`, and what is chosen by them.
+    struct Compared([f32; LANES], [f32; LANES]);
+
+    impl Kernel for Compared {
+        type Output = (u16, [f32; LANES], u8, [f64; WIDE_LANES]);
+
+        fn run<S: Simd>(self, s: S) -> Self::Output {
+            let (a, b) = (s.load(&self.0), s.load(&self.1));
+            let (none, mut chosen) = (s.above(a, a), [0.0; LANES]);
+            let above = s.above(a, b) | none;
+            s.store(s.blend(above, a, b), &mut chosen);
+            let wide = |x: &[f32; LANES]| s.wide_load(&std::array::from_fn(|i| f64::from(x[i])));
+            let (a, b) = (wide(&self.0), wide(&self.1));
+            let (wide_above, mut wide_chosen) = (s.wide_above(a, b), [0.0; WIDE_LANES]);
+            s.wide_store(s.choose(wide_above, a, b), &mut wide_chosen);
+            (s.lanes(above), chosen, s.bits(wide_above), wide_chosen)
+        }
+    }
+
+    #[test]
+    fn comparisons_choose_by_lane() {
+        let numbers = [1.0, -1.0, 0.0, -0.0, f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MIN_POSITIVE / 4.0];
+        for level in Level::available() {
+            for turn in 0..LANES {
+                let a: [f32; LANES] = std::array::from_fn(|i| numbers[i % 8]);
+                let b: [f32; LANES] = std::array::from_fn(|i| numbers[(i + turn + i / 8) % 8]);
+                let (above, chosen, wide_above, wide_chosen) = level.checked().run(Compared(a, b));
+                for i in 0..LANES {
+                    let expected = if a[i] > b[i] { a[i] } else { b[i] };
+                    assert_eq!(above >> i & 1 == 1, a[i] > b[i], "{} {} {}", level.name(), a[i], b[i]);
+                    assert_eq!(chosen[i].to_bits(), expected.to_bits(), "{} {} {}", level.name(), a[i], b[i]);
+                    if i < WIDE_LANES {
+                        assert_eq!(wide_above >> i & 1 == 1, a[i] > b[i], "{} {} {}", level.name(), a[i], b[i]);
+                        assert_eq!(wide_chosen[i].to_bits(), f64::from(expected).to_bits(), "{}", level.name());
+                    }
+                }
+            }
+        }
+    }
+}
