@@ -365,7 +365,46 @@ impl PlaceBoxes for Placement {
     }
 }
 
+/// How boxes of tool entries at a pose lie along sixteen axes of a frame, one a lane.
+pub struct Along<S: Simd> {
+    /// The tool's axes along them, and its place.
+    axes: [S::F32; 3],
+    at: S::F32,
+    /// What rounding may do.
+    slack: S::F32,
+}
+
+impl<S: Simd> Along<S> {
+    /// The interval of one of sixteen boxes along each axis, grown by all slack of the tool's.
+    #[inline(always)]
+    pub fn interval(&self, s: S, boxes: &BoxLanes, i: usize) -> (S::F32, S::F32) {
+        let (mut middle, mut reach) = (self.at, self.slack);
+        for a in 0..3 {
+            middle = s.mul_add(self.axes[a], s.splat(boxes.centre[a][i]), middle);
+            reach = s.mul_add(s.abs(self.axes[a]), s.splat(boxes.half[a][i]), reach);
+        }
+        (middle - reach, middle + reach)
+    }
+}
+
 impl Placement {
+    /// For intervals of boxes along sixteen axes. The slack of a projection of corners ([`Placement::new`]) holds here too: with m
+    /// the sum of an axis's entries, the tool's axes along it are off by three roundings of m each, the middle and the reach by
+    /// seven more of m times the size of the coordinates, and that slack has sixteen.
+    #[inline(always)]
+    pub fn along<S: Simd>(&self, s: S, n: &[S::F32; 3]) -> Along<S> {
+        let mut axes = *n;
+        for k in 0..3 {
+            let row = [s.splat(self.matrix[0][k]), s.splat(self.matrix[1][k]), s.splat(self.matrix[2][k])];
+            axes[k] = s.mul_add(row[0], n[0], s.mul_add(row[1], n[1], row[2] * n[2]));
+        }
+        let t = splat3(s, &self.translation);
+        let at = s.mul_add(t[0], n[0], s.mul_add(t[1], n[1], t[2] * n[2]));
+        let slack = s.splat(self.slack);
+        let slack = s.mul_add(s.abs(n[0]) + s.abs(n[1]) + s.abs(n[2]), slack, s.splat(TINY));
+        Along { axes, at, slack }
+    }
+
     /// `margin` (metres) covers what is uncertain about the tool's coordinates at the pose in float64.
     ///
     /// The rest of the margin is float32's. With m the sum of a row's absolute entries and t the translation, a coordinate is

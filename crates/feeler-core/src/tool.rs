@@ -209,7 +209,7 @@ fn cut(mesh: &Mesh) -> Vec<CutPiece> {
 mod tests {
     use super::*;
     use crate::bounds::Triangle;
-    use crate::lanes::{LaneBoxes, PlaceBoxes, PlacedPieces, Placement};
+    use crate::lanes::{load3, Lane32, LaneBoxes, PlaceBoxes, PlacedPieces, Placement};
     use crate::simd::{Kernel, Level, Simd};
 
     fn tool() -> Tool {
@@ -251,6 +251,61 @@ mod tests {
                 groups.push(placed);
             }
             (pieces, groups)
+        }
+    }
+
+    /// The intervals of all clusters along sixteen axes: lower and upper ends, cluster by cluster.
+    struct Intervals<'a>(&'a Tool, &'a Placement, &'a [Lane32; 3]);
+
+    impl Kernel for Intervals<'_> {
+        type Output = Vec<[Lane32; 2]>;
+
+        #[inline(always)]
+        fn run<S: Simd>(self, s: S) -> Self::Output {
+            let Intervals(tool, placement, axes) = self;
+            let along = placement.along(s, &load3(s, axes));
+            let mut found = vec![[[0.0; LANES]; 2]; tool.clusters().len()];
+            for (c, ends) in found.iter_mut().enumerate() {
+                let (lower, upper) = along.interval(s, &tool.children(1)[c / LANES], c % LANES);
+                s.store(lower, &mut ends[0]);
+                s.store(upper, &mut ends[1]);
+            }
+            found
+        }
+    }
+
+    #[test]
+    fn intervals_of_clusters_along_axes_cover_their_triangles() {
+        let tool = tool();
+        let long = tool.ids().iter().position(|id| *id == 0).unwrap() as u32;
+        let (s, c) = 0.3f64.sin_cos();
+        // Of any length, along no axis of either frame and along some.
+        let axis = |i: usize| [(1.7 * i as f32).sin(), (2.9 * i as f32).cos() * 1e-3, if i < 8 { 0.0 } else { 40.0 }];
+        let axes: [Lane32; 3] = std::array::from_fn(|a| std::array::from_fn(|i| axis(i)[a]));
+        for (x, y, z) in [(0.0, 0.0, 0.0), (12.0, -9.0, 3.3), (12345.678, -9.1e5, 3.3)] {
+            let pose = Pose::new(&[[c, -s, 0.0, x], [s, c, 0.0, y], [0.0, 0.0, 1.0, z], [0.0, 0.0, 0.0, 1.0]]).unwrap();
+            let (origin, scale) = ([x - 1.0, y - 2.0, z - 0.5], 0.25);
+            let placement = Placement::new(tool.unit(), &pose, tool.margin_at(&pose), &origin, scale);
+            for level in Level::available() {
+                let found = level.checked().run(Intervals(&tool, &placement, &axes));
+                let mut apart = 0;
+                for (cluster, ends) in tool.clusters().iter().zip(&found) {
+                    let used = (0..LANES).filter(|i| cluster.corners.used >> i & 1 == 1);
+                    for slot in used.map(|i| cluster.slots[i]).filter(|slot| *slot != long) {
+                        for p in pose.apply_triangle(&tool.placeable()[slot as usize]) {
+                            for i in 0..LANES {
+                                let at = |a: usize| (p[a] - origin[a]) * scale * f64::from(axis(i)[a]);
+                                let height = at(0) + at(1) + at(2);
+                                let [lower, upper] = ends.map(|end| f64::from(end[i]));
+                                assert!(lower <= height && height <= upper, "{lower} {height} {upper}, {i} at {x}");
+                            }
+                        }
+                    }
+                    apart +=
+                        (0..LANES).filter(|i| found[0][1][*i] < ends[0][*i] || ends[1][*i] < found[0][0][*i]).count();
+                }
+                assert!(apart > 10, "{apart} intervals apart from the first cluster's");
+            }
         }
     }
 

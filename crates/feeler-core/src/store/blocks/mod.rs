@@ -14,6 +14,7 @@ use crate::lanes::Box4;
 use crate::mesh::Mesh;
 use crate::simd::{Kernel, Level, Simd};
 
+mod beside;
 mod build;
 mod cells;
 mod descent;

@@ -5,13 +5,14 @@
 
 use std::ops::Range;
 
+use super::beside::Beside;
 use super::descent::{BlocksScratch, Reach};
 use super::pieces::{most_slack, HalfBlock};
 use super::rows::{are_small, offer_rows, Rows, MANY};
 use super::{Blocks, FANOUT};
 use crate::lanes::{along, load3, Box4, LaneBoxes, PlaceBoxes, PlacedPieces, Placement, LANES, TINY};
 use crate::narrow::Narrow;
-use crate::simd::{prefetch, prefetch_at, Kernel, Simd};
+use crate::simd::{prefetch, prefetch_at, Checked, Kernel, Simd};
 use crate::tool::Tool;
 
 /// A group of clusters at the nodes `nodes[from..]`.
@@ -99,14 +100,28 @@ impl Kernel for Scan<'_, '_> {
             loose.spread(s, spread);
             for (&block, mask) in nodes.iter().zip(&masks[first_mask..]) {
                 let mut mask = mask & !needed;
+                let (mut met, mut hits, mut count) = (0, [0; LANES], 0);
                 while mask != 0 {
                     let c = mask.trailing_zeros() as usize;
                     mask &= mask - 1;
                     narrow.stats.voxels_visited += 1;
-                    if level[block as usize].overlapping_inside(s, &spread.lane(c)) != 0 {
-                        needed |= 1 << c;
-                        prefetch_at(tool.clusters(), LANES * group + c);
-                    }
+                    hits[c] = level[block as usize].overlapping_inside(s, &spread.lane(c));
+                    met |= u16::from(hits[c] != 0) << c;
+                    count += hits[c].count_ones();
+                }
+                let clusters = met.count_ones();
+                if clusters >= MANY_CLUSTERS && count <= FEW_PIECES * clusters && narrow.filters.boxes {
+                    let (node, packed) = (&level[block as usize], &blocks.pieces[block as usize]);
+                    let slack = placement.slack + blocks.slack;
+                    met = not_beside(
+                        Beside { node, packed, placement, boxes, hits: &hits, slack, half: &mut halves[0] },
+                        narrow.lanes,
+                    );
+                }
+                needed |= met;
+                while met != 0 {
+                    prefetch_at(tool.clusters(), LANES * group + met.trailing_zeros() as usize);
+                    met &= met - 1;
                 }
             }
         }
@@ -219,6 +234,17 @@ impl Kernel for Scan<'_, '_> {
         }
         false
     }
+}
+
+/// Clusters that meet a block's pieces by their loose boxes, so many that it is worth asking for the planes of these first.
+const MANY_CLUSTERS: u32 = 4;
+/// If they meet no more each, in the mean: pieces that are not much larger than clusters have few of these beside them.
+const FEW_PIECES: u32 = 3;
+
+/// A function of its own, or the rest gets slower.
+#[inline(never)]
+fn not_beside(clusters: Beside<'_>, lanes: Checked) -> u16 {
+    lanes.run(clusters)
 }
 
 /// Half of a block's pieces.
