@@ -334,6 +334,28 @@ fn lattice_mesh(side: i32, count: std::ops::Range<usize>) -> impl Strategy<Value
         .prop_filter("something to query", |(v, f)| Mockup::new(v.clone(), f.clone(), Vec::new(), 1).is_ok())
 }
 
+/// Whole clusters of the tool lie beside the planes of the triangles whose boxes they meet, and are left out by these.
+#[test]
+fn a_fine_tool_among_large_triangles() {
+    let (mockup, tool) = (mockup_of(soup(71, 60, 1.5)), tool_of(ball(40, 0.15)));
+    let mut r = Random::new(72);
+    let poses: Vec<Pose> = (0..25).map(|_| r.pose(0.9)).collect();
+    let expected: Vec<Pairs> = poses.iter().map(|pose| collide_all_pairs(mockup.mesh(), &tool, pose)).collect();
+    let (mut with, mut without, mut found) = (0, 0, 0);
+    for level in Level::available() {
+        let mut scene = build(&mockup, Storage::Blocks, None).unwrap();
+        scene.set_lanes(level);
+        check_scene(level.name(), &scene, &tool, &poses, &expected);
+        for pose in &poses {
+            let placed = |filters| scene.collide(&tool, pose, filters).stats.clusters_placed;
+            with += placed(Filters::default());
+            without += placed(Filters { boxes: false, ..Filters::default() });
+            found += scene.collide(&tool, pose, Filters::default()).pairs.len();
+        }
+    }
+    assert!(found > 1000 && 10 * with < 9 * without, "{found} pairs, {with} and {without} clusters placed");
+}
+
 proptest! {
     // The seed is fixed, so that every run tests the same cases; PROPTEST_CASES asks for more of them.
     #![proptest_config(ProptestConfig {
