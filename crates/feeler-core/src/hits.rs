@@ -81,8 +81,8 @@ impl Hits {
 
 /// Sorts numbers below `u64::MAX`, and leaves each once.
 ///
-/// Quicksort without branches on what is compared: eight numbers at a time go to the one side or the other, and a few are put
-/// where they belong by counting, for each, how many are smaller. Only for CPUs that can pack chosen lanes at once.
+/// Quicksort without branches on what is compared: a register of numbers at a time goes to the one side or the other, and a few
+/// are put where they belong by counting, for each, how many are smaller. Only for levels that can pack chosen lanes at once.
 struct SortUnique<'a> {
     keys: &'a mut Vec<u64>,
     room: &'a mut Vec<u64>,

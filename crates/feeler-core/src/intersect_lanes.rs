@@ -1,4 +1,4 @@
-//! Eight triangle pairs at once: what float64 arithmetic can prove of them.
+//! Triangle pairs side by side, as many as a register holds (eight, four or two): what float64 arithmetic can prove of them.
 //!
 //! The same test as [`intersect_triangle_triangle`](crate::intersect_triangle_triangle), with the same signs from bounds on
 //! the rounding errors. A pair with any sign in doubt is left to the exact test, so what is said here is exact too.
