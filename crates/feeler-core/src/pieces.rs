@@ -105,17 +105,30 @@ pub fn cut_margin(largest: f64) -> f64 {
 /// spread over the mesh, are looked at.
 pub fn default_piece_size(triangles: usize, triangle: impl Fn(usize) -> Triangle, allowance: f64) -> f64 {
     let stride = triangles.div_ceil(100_000).max(1);
-    let sampled: Vec<Triangle> = (0..triangles).step_by(stride).map(triangle).collect();
-    let longest = sampled.iter().map(longest_edge).fold(0.0, f64::max);
+    let mut sampled: Vec<(f64, Triangle)> = (0..triangles)
+        .step_by(stride)
+        .map(|i| {
+            let t = triangle(i);
+            (longest_edge(&t), t)
+        })
+        .collect();
+    let longest = sampled.iter().fold(0.0, |m: f64, (edge, _)| m.max(*edge));
     // Coordinates near the limits can make the squared edge overflow or vanish; no cutting is always right.
     if !(longest.is_finite() && longest > 0.0) {
         return f64::MAX;
     }
-    let extra = |size: f64| -> f64 { sampled.iter().map(|t| piece_bound(t, size) - 1.0).sum() };
-    let mut size = longest;
+    let most = allowance * sampled.len() as f64;
+    // Only those that are longer than a size become more than one piece: they come first.
+    let (mut size, mut long) = (longest, 0);
     for _ in 0..2 * MAX_CUT_DEPTH {
         let next = size / std::f64::consts::SQRT_2;
-        if extra(next) > allowance * sampled.len() as f64 {
+        for i in long..sampled.len() {
+            if sampled[i].0 > next {
+                sampled.swap(i, long);
+                long += 1;
+            }
+        }
+        if sampled[..long].iter().map(|(_, t)| piece_bound(t, next) - 1.0).sum::<f64>() > most {
             break;
         }
         size = next;
