@@ -122,11 +122,13 @@ pub fn default_piece_size(triangles: usize, triangle: impl Fn(usize) -> Triangle
     let (mut size, mut long) = (longest, 0);
     for _ in 0..2 * MAX_CUT_DEPTH {
         let next = size / std::f64::consts::SQRT_2;
-        for i in long..sampled.len() {
-            if sampled[i].0 > next {
-                sampled.swap(i, long);
+        let mut at = long;
+        while at < sampled.len() {
+            if sampled[at].0 > next {
+                sampled.swap(at, long);
                 long += 1;
             }
+            at += 1;
         }
         if sampled[..long].iter().map(|(_, t)| piece_bound(t, next) - 1.0).sum::<f64>() > most {
             break;

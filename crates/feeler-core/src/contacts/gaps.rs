@@ -145,7 +145,7 @@ impl<'a> NearPairs<'a> {
             {
                 continue;
             }
-            let plane = self.plane_at(&first, entry, part, &mut heap);
+            let plane = self.plane_at(&first, entry, part, &mut heap, out);
             let mut entries = heap.into_vec();
             self.lists.sift.drop_held_apart(&plane, tolerance, &mut entries, |entry| entry.near.places);
             self.lists.sift.drop_held_apart(&plane, tolerance, &mut near, |near| near.places);
@@ -198,8 +198,17 @@ impl<'a> NearPairs<'a> {
         }
     }
 
-    /// The plane of the nearest pair, in the middle of all that are as near.
-    fn plane_at(&mut self, first: &Gap, entry: Entry, part: u32, heap: &mut BinaryHeap<Entry>) -> ContactPlane {
+    /// The plane of the nearest pair, in the middle of all that are as near and that none of the planes before explains: of those
+    /// some were left out when they were measured, and which ones depends on the order of that.
+    fn plane_at(
+        &mut self,
+        first: &Gap,
+        entry: Entry,
+        part: u32,
+        heap: &mut BinaryHeap<Entry>,
+        before: &[ContactPlane],
+    ) -> ContactPlane {
+        let tolerance = TOLERANCE * self.margin;
         let mut plane = plane_of(self.ground, first);
         let mut place = Aabb::EMPTY;
         let limit = first.distance + LEVEL * self.margin;
@@ -212,7 +221,8 @@ impl<'a> NearPairs<'a> {
             let Some(gap) = self.measure_within(next.near.pair, part, self.margin) else { continue };
             let way = sub(&gap.on_tool, &gap.on_mockup);
             let is_first = next.near.pair == entry.near.pair;
-            if is_first || gap.distance <= limit && dot(&way, &plane.normal) >= gap.distance * (1.0 - 1e-9) {
+            let is_along = || gap.distance <= limit && dot(&way, &plane.normal) >= gap.distance * (1.0 - 1e-9);
+            if is_first || is_along() && !before.iter().any(|plane| is_explained(plane, &gap, tolerance)) {
                 place.grow(&gap.on_mockup);
                 plane.tool_triangles.push(gap.tool_triangle);
                 plane.mockup_triangles.push(gap.mockup_triangle);

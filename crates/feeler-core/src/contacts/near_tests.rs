@@ -127,3 +127,33 @@ fn the_margin_shrinks_beside_more_than_few_deep_planes() {
         }
     }
 }
+
+#[test]
+fn near_planes_do_not_depend_on_the_order_in_which_pairs_are_measured() {
+    // Stores find pairs in orders of their own. Whole numbers, so that many are as near as each other.
+    let mut state = 6_978_726_143_068_042_601u64;
+    let mut whole = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as f64 % 9.0 - 4.0
+    };
+    let (mut vertices, mut faces) = box_mesh([-0.63, 0.5, -2.0], [2.0, 1.5, 1.0], 1);
+    let (more, of_more) = box_mesh([3.0, -2.0, 5.0], [2.0, 2.0, 2.0], 2);
+    faces.extend(of_more.iter().map(|f| f.map(|v| v + vertices.len() as u32)));
+    vertices.extend(more);
+    let held = tool((vertices, faces));
+    let mut planes = 0;
+    for round in 0..100 {
+        let corners: Vec<Point> = (0..36).map(|_| [whole(), whole(), whole()]).collect();
+        let triangles: Vec<[u32; 3]> = (0..12).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+        let mockup = Arc::new(Mockup::new(corners, triangles, vec![0; 12], 1).unwrap());
+        let pose = at(whole(), whole(), whole());
+        let found = [Storage::Blocks, Storage::Hashed { level: 0.3 }].map(|storage| {
+            let options = SceneOptions { storage, tool: Some(&held), ..SceneOptions::default() };
+            let near = Scene::build(Arc::clone(&mockup), &options, &|_, _| true).unwrap();
+            near.contacts(&held, &pose, 1.25, None).unwrap()
+        });
+        assert_eq!(found[0], found[1], "{round}");
+        planes += found[0].planes.len();
+    }
+    assert!(planes > 100, "{planes}");
+}
