@@ -204,6 +204,18 @@ def test_cells_of_a_record_for_the_page_on_performance(
     assert "-->\nhere\n<!--" in written.read_text(encoding="utf-8")
 
 
+def test_records_go_by_age_without_those_of_a_disturbed_machine(
+    root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.syspath_prepend(str(root / "bench"))
+    readme = importlib.import_module("readme")
+    monkeypatch.setattr(readme, "RECORDS", tmp_path)
+    records = {"a": {"when": "2"}, "b": {"when": "1"}, "c": {"when": "3", "disturbed": "others on the host"}}
+    for name, record in records.items():
+        (tmp_path / f"{name}.json").write_text(json.dumps(record), encoding="utf-8")
+    assert [path.stem for path in readme.by_age()] == ["b", "a"] and readme.newest().stem == "a"
+
+
 def test_what_a_query_needs_at_least(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(str(root / "bench"))
     limit = importlib.import_module("limit")
