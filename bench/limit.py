@@ -51,8 +51,8 @@ NODE = 6  # a node test: 3 x (shuffle, comparison of 64 bytes), or 6 comparisons
 PLACE = 60  # placing a cluster: 36 multiply-adds, 18 least and greatest, 6 margins
 SCAN = 6  # a piece against 16 boxes: 6 comparisons
 PLANES = 40  # both planes against 4 corners each, in 16 lanes: 24 multiply-adds, 12 least and greatest, 4 comparisons
-TEST = 123  # eight triangle pairs, as far as most come: 54 to move the tool's, 69 for one plane
-MEET = 159  # and from there on where they meet: the other plane 69, turning 42, two triple products 48
+TEST = 225  # sixteen triangle pairs: moving the tool's 54, differences in float32 78, their sizes 36, two planes 57
+MEET = 67  # and where both planes are crossed: nine triple products 35, choosing four 15, comparing them 17
 
 POINTER, SIZE, COUNT = ctypes.c_void_p, ctypes.c_size_t, ctypes.c_uint64
 FUNCTIONS: dict[str, tuple[Any, tuple[Any, ...]]] = {
@@ -162,14 +162,14 @@ def needed(faces: Any, pairs: Any, stats: dict[str, int]) -> Needed:
     tool_triangles, found = np.unique(pairs[:, 0]), np.unique(pairs[:, 1])
     scattered = _distinct_lines(found, FACE) + _distinct_lines(np.unique(faces[found]), VERTEX)
     in_row = CLUSTER * stats["clusters_placed"] + TOOL_TRIANGLE * len(tool_triangles) + PIECE * len(found)
-    answer = (TEST + MEET) * len(pairs) / 8
+    answer = (TEST + MEET) * len(pairs) / 16
     rest = stats["triangle_tests"] - len(pairs)  # a few pairs are offered twice: then it is too little, not too much
     instructions = (
         NODE * stats["voxels_visited"]
         + PLACE * stats["clusters_placed"]
         + SCAN * stats["pieces_scanned"]
         + PLANES * stats["entries_scanned"] / 16
-        + TEST * max(rest, 0) / 8
+        + TEST * max(rest, 0) / 16
         + answer
     )
     return Needed(scattered, in_row // LINE, instructions, answer)

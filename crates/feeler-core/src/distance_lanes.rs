@@ -5,7 +5,7 @@
 
 use crate::bounds::{Point, Triangle};
 use crate::distance_triangle_triangle::{closest_within, Closest, LEAST_SQUARE, NARROW, SMALLEST};
-use crate::intersect_lanes::{gathered, Vector};
+use crate::intersect_lanes::Vector;
 use crate::simd::{Checked, Kernel, Simd, WIDE_LANES};
 
 /// Where triangles that do **not meet** are closest, as [`closest_within`] has it: so many pairs, up to eight; `None` in what is
@@ -45,6 +45,12 @@ struct Found {
     on_q: [[f64; WIDE_LANES]; 3],
     /// Pairs that are not done here.
     doubt: u8,
+}
+
+/// Eight triangles in lanes.
+#[inline(always)]
+fn gathered<S: Simd>(s: S, t: [[&Point; WIDE_LANES]; 3]) -> [Vector<S::F64>; 3] {
+    [s.wide_points(t[0]), s.wide_points(t[1]), s.wide_points(t[2])]
 }
 
 struct Apart<'a> {

@@ -12,11 +12,6 @@ impl Hit {
         Hit(pair_key(tool_triangle, mockup_triangle) << 2 | kind as u64)
     }
 
-    /// The number that stands for it.
-    pub fn key(self) -> u64 {
-        self.0
-    }
-
     /// `[tool triangle, mock-up triangle]`.
     pub fn pair(self) -> [u32; 2] {
         [(self.0 >> 34) as u32, (self.0 >> 2) as u32]
@@ -60,9 +55,10 @@ impl Hits {
         self.keys.push(hit.0);
     }
 
-    /// Adds pairs by their [keys](Hit::key).
-    pub fn extend(&mut self, keys: &[u64]) {
-        self.keys.extend_from_slice(keys);
+    /// Adds pairs.
+    #[inline]
+    pub fn extend(&mut self, hits: impl ExactSizeIterator<Item = Hit>) {
+        self.keys.extend(hits.map(|hit| hit.0));
     }
 
     pub fn len(&self) -> usize {

@@ -1,82 +1,84 @@
-//! Triangle pairs side by side, as many as a register holds (eight, four or two): what float64 arithmetic can prove of them.
+//! Triangle pairs side by side, as many as a register of float32 holds (16, eight or four): what can be proven of them.
 //!
-//! The same test as [`intersect_triangle_triangle`](crate::intersect_triangle_triangle), with the same signs from bounds on
-//! the rounding errors. A pair with any sign in doubt is left to the exact test, so what is said here is exact too.
+//! The same test as [`intersect_triangle_triangle`](crate::intersect_triangle_triangle), from differences of corners that
+//! float64 arithmetic took and that are rounded to float32. A sign counts where the number is beyond what rounding may have
+//! done; a pair with any sign in doubt, about one in a hundred, is left to the test of one pair. So what is said here is exact.
+//!
+//! **Bounds.** With u = 2^-24, A, B, C, D, W the largest entries of the vectors below, each counted as at least `least`: an
+//! entry of an edge or of `between` is off by at most 1.07 u of that (`least` is 16 times what `moved` may be off by, over u),
+//! one of the normal by u N, N being its largest entry and 2^-26 A B, which covers the rounding of float64. A cross product of
+//! two such vectors, at most 2 A B, is off by 4.14 u of that: 2.14 u by its arguments and 2 u by products and difference; less
+//! where these are rounded at once. A dot product adds the other's 1.07 u and 3 u of its own, to first order. Products that
+//! underflow are off by far less: no product of three counted entries is below 2^-96. Each bound is taken from the product times
+//! a power of two that is above all sums of the terms: where these could overflow, it is infinite, and nothing is certain.
 
-use crate::bounds::{Point, Triangle};
-use crate::constants::UNIT_ROUNDOFF;
+use crate::bounds::Triangle;
 use crate::pose::Pose;
-use crate::simd::{Arithmetic, Kernel, Level, Simd, WIDE_LANES};
+use crate::simd::{Arithmetic, Kernel, Level, Simd, LANES};
+use crate::tool::Tool;
 
-/// What was proven of eight pairs, one bit each; in neither: in doubt.
+/// Half the distance from 1 to the next float32.
+const UNIT_ROUNDOFF: f32 = f32::EPSILON / 2.0;
+
+/// No entry counts as less, metres: 2^-32.
+const LEAST: f32 = 1.0 / 4_294_967_296.0;
+
+/// The rounding of [`moved`] that [`least_of`] allows for, over that of float32: see there. 2^-21.
+const MOVED_ROUNDOFF: f64 = 1.0 / 2_097_152.0;
+
+/// What was proven of pairs, one bit each; in neither: in doubt.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Verdict {
     /// They share no point.
-    pub apart: u8,
+    pub apart: u16,
     /// They meet, [`Crossing`](crate::PairKind::Crossing).
-    pub crossing: u8,
+    pub crossing: u16,
 }
 
-/// What can be proven of up to eight pairs with an instruction set (the best, where the CPU lacks it). Bits beyond the pairs
-/// given are zero.
+/// What can be proven of up to 16 pairs with an instruction set (the best, where the CPU lacks it). Bits beyond the pairs given
+/// are zero.
 pub fn prove(lanes: Level, pairs: &[(Triangle, Triangle)]) -> Verdict {
     let Some(last) = pairs.last() else {
-        return Verdict { apart: 0, crossing: 0 };
+        return Verdict::default();
     };
-    let given = ((1u32 << pairs.len().min(WIDE_LANES)) - 1) as u8;
-    let pairs: [&(Triangle, Triangle); WIDE_LANES] = std::array::from_fn(|i| pairs.get(i).unwrap_or(last));
-    let Verdict { apart, crossing } = lanes.checked().run(Prove(&pairs));
+    let given = ((1u32 << pairs.len().min(LANES)) - 1) as u16;
+    let (p, q) = (0..LANES).map(|i| pairs.get(i).unwrap_or(last)).copied().unzip();
+    let Verdict { apart, crossing } = lanes.checked().run(Prove { p, q });
     Verdict { apart: apart & given, crossing: crossing & given }
 }
 
-struct Prove<'a>(&'a [&'a (Triangle, Triangle); WIDE_LANES]);
+struct Prove {
+    p: Vec<Triangle>,
+    q: Vec<Triangle>,
+}
 
-impl Kernel for Prove<'_> {
+impl Kernel for Prove {
     type Output = Verdict;
     #[inline(always)]
     fn run<S: Simd>(self, s: S) -> Verdict {
-        let wide = S::Part::WIDE;
+        let (part, half) = (s.part(), S::Part::WIDE);
+        let mut places = [0; LANES];
+        for i in 0..LANES {
+            places[i] = i as u32;
+        }
         let mut verdict = Verdict::default();
-        for (i, pairs) in self.0.chunks_exact(wide).enumerate() {
-            let (mut p, mut q) = ([[&[0.0; 3]; WIDE_LANES]; 3], [[&[0.0; 3]; WIDE_LANES]; 3]);
-            for (lane, pair) in pairs.iter().enumerate() {
-                for c in 0..3 {
-                    p[c][lane] = &pair.0[c];
-                    q[c][lane] = &pair.1[c];
-                }
-            }
-            verdict.set(wide * i, intersect(s.part(), &gathered_part(s, p), &gathered_part(s, q)));
+        for from in (0..LANES).step_by(2 * half) {
+            let (low, high) = (&places[from..], &places[from + half..]);
+            let low = Pairs::new(part, &s.triangles_part(&self.p, low), &s.triangles_part(&self.q, low));
+            let high = Pairs::new(part, &s.triangles_part(&self.p, high), &s.triangles_part(&self.q, high));
+            let of = intersect(part, &Pairs::narrowed(part, &low, &high), part.splat(LEAST));
+            verdict.apart |= of.apart << from;
+            verdict.crossing |= of.crossing << from;
         }
         verdict
-    }
-}
-
-impl Verdict {
-    /// Adds what was proven of the pairs from one on.
-    #[inline(always)]
-    pub(crate) fn set(&mut self, from: usize, of: Verdict) {
-        self.apart |= of.apart << from;
-        self.crossing |= of.crossing << from;
     }
 }
 
 /// A point in lanes.
 pub(crate) type Vector<F> = [F; 3];
 
-/// Eight triangles in lanes.
-#[inline(always)]
-pub(crate) fn gathered<S: Simd>(s: S, t: [[&Point; WIDE_LANES]; 3]) -> [Vector<S::F64>; 3] {
-    [s.wide_points(t[0]), s.wide_points(t[1]), s.wide_points(t[2])]
-}
-
-/// As many triangles in lanes as a part has, the first of eight.
-#[inline(always)]
-pub(crate) fn gathered_part<S: Simd>(s: S, t: [[&Point; WIDE_LANES]; 3]) -> [Vector<<S::Part as Arithmetic>::F64>; 3] {
-    [s.wide_points_part(t[0]), s.wide_points_part(t[1]), s.wide_points_part(t[2])]
-}
-
-/// Triangles in lanes moved by a pose, in the one order of operations that
-/// [`Pose::apply`](crate::Pose::apply) defines.
+/// Triangles in lanes moved by a pose; products and sums may be rounded at once, so not to the last bit as
+/// [`Pose::apply`] does it: [`least_of`] covers that.
 #[inline(always)]
 pub(crate) fn moved<S: Arithmetic>(s: S, pose: &Pose, t: &[Vector<S::F64>; 3]) -> [Vector<S::F64>; 3] {
     let (rotation, translation) = (pose.rotation(), pose.translation());
@@ -85,151 +87,158 @@ pub(crate) fn moved<S: Arithmetic>(s: S, pose: &Pose, t: &[Vector<S::F64>; 3]) -
         let row = [s.wide_splat(rotation[a][0]), s.wide_splat(rotation[a][1]), s.wide_splat(rotation[a][2])];
         let o = s.wide_splat(translation[a]);
         for c in 0..3 {
-            out[c][a] = ((row[0] * t[c][0] + row[1] * t[c][1]) + row[2] * t[c][2]) + o;
+            let [x, y, z] = t[c];
+            out[c][a] = s.wide_mul_add(row[0], x, s.wide_mul_add(row[1], y, s.wide_mul_add(row[2], z, o)));
         }
     }
     out
 }
 
-/// What can be proven of a pair in each lane.
-#[inline(always)]
-pub(crate) fn intersect<S: Arithmetic>(s: S, p: &[Vector<S::F64>; 3], q: &[Vector<S::F64>; 3]) -> Verdict {
-    let of_p = Sides::new(s, q, p);
-    if of_p.apart.count_ones() as usize == S::WIDE {
-        return Verdict { apart: of_p.apart, crossing: 0 };
+/// What an entry must count as at least where the first triangle is [`moved`].
+///
+/// With S three times the tool's largest coordinate and the translation's: a moved coordinate has three roundings here and six
+/// by definition, each at most 2^-53 S, so an edge of two such corners is off by at most 2^-49 S, which is 2^-24 / 16 of this.
+pub(crate) fn least_of(pose: &Pose, tool: &Tool) -> f32 {
+    let size = 3.1 * tool.mesh().bounds().largest_coordinate() + pose.largest_translation();
+    LEAST.max((MOVED_ROUNDOFF * size) as f32)
+}
+
+/// Pairs of triangles in lanes, by differences of their corners.
+pub(crate) struct Pairs<F> {
+    /// From the first corner of `q` to that of `p`.
+    between: Vector<F>,
+    /// From the first corner to the second and to the third.
+    p: [Vector<F>; 2],
+    q: [Vector<F>; 2],
+    /// Of `q`, as long as the cross product of these two: taken in float64, as mock-ups have long and thin triangles.
+    normal_q: Vector<F>,
+}
+
+impl<F: Copy> Pairs<F> {
+    #[inline(always)]
+    pub fn new<S: Arithmetic<F64 = F>>(s: S, p: &[Vector<F>; 3], q: &[Vector<F>; 3]) -> Pairs<F>
+    where
+        F: std::ops::Sub<Output = F> + std::ops::Mul<Output = F>,
+    {
+        let (a, b) = (minus(&q[1], &q[0]), minus(&q[2], &q[0]));
+        let normal_q = [
+            s.wide_mul_sub(a[1], b[2], a[2] * b[1]),
+            s.wide_mul_sub(a[2], b[0], a[0] * b[2]),
+            s.wide_mul_sub(a[0], b[1], a[1] * b[0]),
+        ];
+        Pairs { between: minus(&p[0], &q[0]), p: [minus(&p[1], &p[0]), minus(&p[2], &p[0])], q: [a, b], normal_q }
     }
-    let of_q = Sides::new(s, p, q);
-    let apart = of_p.apart | of_q.apart;
-    let certain = of_p.certain & of_q.certain & !apart;
+
+    /// As many pairs as two parts of float64 have, rounded to float32.
+    #[inline(always)]
+    pub fn narrowed<S: Arithmetic<F32 = F>>(s: S, low: &Pairs<S::F64>, high: &Pairs<S::F64>) -> Pairs<F> {
+        Pairs {
+            between: narrowed(s, &low.between, &high.between),
+            p: [narrowed(s, &low.p[0], &high.p[0]), narrowed(s, &low.p[1], &high.p[1])],
+            q: [narrowed(s, &low.q[0], &high.q[0]), narrowed(s, &low.q[1], &high.q[1])],
+            normal_q: narrowed(s, &low.normal_q, &high.normal_q),
+        }
+    }
+}
+
+/// What can be proven of a pair in each lane. No entry counts as less than `least`.
+#[inline(always)]
+pub(crate) fn intersect<S: Arithmetic>(s: S, pairs: &Pairs<S::F32>, least: S::F32) -> Verdict {
+    let Pairs { between: w, p: [c, d], q: [a, b], normal_q: n } = pairs;
+    let (size_a, size_b) = (largest(s, a, least), largest(s, b, least));
+    let (size_c, size_d) = (largest(s, c, least), largest(s, d, least));
+    let size_w = largest(s, w, least);
+    let (size_p, size_q) = (s.max(size_c, size_d), s.max(size_a, size_b));
+
+    // Heights over the plane of q, 18.3 u N (W + C) off, and below that of p, 55.4 u C D (W + A).
+    let (nw, nc, nd) = (dot(s, n, w), dot(s, n, c), dot(s, n, d));
+    let size_n = s.mul_add(s.splat(1.0 / 67_108_864.0) * size_a, size_b, largest(s, n, least * least));
+    let most = s.splat(4.0) * size_n * (size_w + size_p);
+    let of_p = Sides::new(s, [nw, nw + nc, nw + nd], most * s.splat(5.0 * UNIT_ROUNDOFF));
+    let m = cross(s, c, d);
+    let (mw, ma, mb) = (dot(s, &m, w), dot(s, &m, a), dot(s, &m, b));
+    let most = s.splat(8.0) * size_c * size_d * (size_w + size_q);
+    let of_q = Sides::new(s, [mw, mw - ma, mw - mb], most * s.splat(7.75 * UNIT_ROUNDOFF));
+    let apart = of_p.known & !of_p.both | of_q.known & !of_q.both;
+    let certain = of_p.known & of_q.known & of_p.both & of_q.both;
     if certain == 0 {
         return Verdict { apart, crossing: 0 };
     }
-    // As in the test of one pair: each triangle is turned so that its first corner is alone on its side of the other's
-    // plane, and the other triangle is flipped (its last two corners exchanged) where that side is the negative one. With w
-    // from the first corner of q to that of p, and u, v the edges from there, orient3d(p0, p1, q0, q1) is -w.(pu x qu), and
-    // orient3d(p0, p2, q2, q0) is w.(pv x qv). Flipping one of the two exchanges edges of q (of p is as good, but for the
-    // sign); flipping p changes both signs.
-    let (p, flip_q) = of_p.turned(s, p);
-    let (q, flip_p) = of_q.turned(s, q);
-    let w = minus(&p[0], &q[0]);
-    let (pu, pv) = (minus(&p[1], &p[0]), minus(&p[2], &p[0]));
-    let (qu, qv) = exchanged(s, s.differing(flip_p, flip_q), &minus(&q[1], &q[0]), &minus(&q[2], &q[0]));
-    let (first, second) = (dot(s, &cross(s, &pu, &qu), &w), dot(s, &cross(s, &pv, &qv), &w));
-    // The bound of `Sides::new`. No entry of an edge is larger than the two largest from one corner together, and none of w
-    // than the largest from p to one corner of q and an edge of q.
-    let bound = error_bound(s, of_q.edges, of_p.edges, of_p.reach + of_p.edges);
-    let (first_above, first_below) = signs(s, first, bound);
-    let (second_above, second_below) = signs(s, second, bound);
-    let flip = s.bits(flip_p);
-    let separate = !flip & (first_below | second_above) | flip & (first_above | second_below);
-    let linked = !flip & first_above & second_below | flip & first_below & second_above;
+
+    // The planes' common line leaves each triangle through two edges. For an edge of p and one of q, directed as seen from the
+    // corner that is alone, det(edge of p, edge of q, from a point of the latter to one of the former) says by its sign which
+    // of the two the line passes first, by the same sign for all four. They are the nine of edges 0-1, 0-2 and 1-2, which follow
+    // from four by what is known already: det(d - c, a, w + c) = det(d, a, w) - det(c, a, w) + det(c, d, a), and so on. The
+    // longest sum, of all eight, is off by 293 u P Q (W + P or Q).
+    let (wc, wd) = (cross(s, w, c), cross(s, w, d));
+    let (ca, cb, da, db) = (dot(s, &wc, a), dot(s, &wc, b), dot(s, &wd, a), dot(s, &wd, b));
+    let (ea, eb) = (da - ca + ma, db - cb + mb);
+    let (cf, df) = (cb - ca + nc, db - da + nd);
+    let ef = df - cf + (mb - ma);
+    let (first_a, second_a) = of_p.cut(s, ca, da, ea);
+    let (first_b, second_b) = of_p.cut(s, cb, db, eb);
+    let (first_f, second_f) = of_p.cut(s, cf, df, ef);
+    let ((x, y), (z, t)) = (of_q.cut(s, first_a, first_b, first_f), of_q.cut(s, second_a, second_b, second_f));
+    let (highest, lowest) = (s.max(s.max(x, y), s.max(z, t)), s.min(s.min(x, y), s.min(z, t)));
+    let most = s.splat(64.0) * size_p * size_q * (size_w + s.max(size_p, size_q));
+    let bound = most * s.splat(5.1 * UNIT_ROUNDOFF);
+    let below = s.splat(0.0) - bound;
+    // All ends of one before all of the other; or one before and one after.
+    let separate = s.lanes(s.above(lowest, bound) | s.above(below, highest));
+    let linked = s.lanes(s.above(highest, bound)) & s.lanes(s.above(below, lowest));
     Verdict { apart: apart | certain & separate, crossing: certain & linked }
-}
-
-/// What a product of three vectors, each a difference of two points, may be off by, with the largest entry of each.
-///
-/// With A, B, C these entries: each difference has one rounding, so an entry of the cross product, at most 2 A B, is off by at
-/// most 2 A B (2 + 1 + 1) u, and the dot product, at most 6 A B C, by 6 A B C (4 + 1 + 1 + 2) u to first order; less where
-/// products and sums are rounded at once. 64 leaves a quarter for higher orders and this bound's own rounding. Products that
-/// underflow are off by far less than the second term.
-#[inline(always)]
-fn error_bound<S: Arithmetic>(s: S, a: S::F64, b: S::F64, c: S::F64) -> S::F64 {
-    s.wide_mul_add(s.wide_splat(64.0 * UNIT_ROUNDOFF) * a * b, c, s.wide_splat(1e-200))
-}
-
-/// Which lanes are certainly above zero, and certainly below.
-#[inline(always)]
-fn signs<S: Arithmetic>(s: S, x: S::F64, bound: S::F64) -> (u8, u8) {
-    (s.bits(s.wide_above(x, bound)), s.bits(s.wide_above(s.wide_splat(0.0) - bound, x)))
-}
-
-/// The two exchanged where chosen.
-#[inline(always)]
-fn exchanged<S: Arithmetic>(
-    s: S,
-    which: S::M64,
-    u: &Vector<S::F64>,
-    v: &Vector<S::F64>,
-) -> (Vector<S::F64>, Vector<S::F64>) {
-    let (mut a, mut b) = (*u, *v);
-    for i in 0..3 {
-        a[i] = s.choose(which, v[i], u[i]);
-        b[i] = s.choose(which, u[i], v[i]);
-    }
-    (a, b)
-}
-
-#[inline(always)]
-fn cross<S: Arithmetic>(s: S, u: &Vector<S::F64>, v: &Vector<S::F64>) -> Vector<S::F64> {
-    [
-        s.wide_mul_sub(u[1], v[2], u[2] * v[1]),
-        s.wide_mul_sub(u[2], v[0], u[0] * v[2]),
-        s.wide_mul_sub(u[0], v[1], u[1] * v[0]),
-    ]
-}
-
-#[inline(always)]
-fn dot<S: Arithmetic>(s: S, u: &Vector<S::F64>, v: &Vector<S::F64>) -> S::F64 {
-    s.wide_mul_add(u[0], v[0], s.wide_mul_add(u[1], v[1], u[2] * v[2]))
 }
 
 /// On which sides of a plane the corners of a triangle lie.
 struct Sides<S: Arithmetic> {
-    /// Orientation is positive, where `certain`.
-    positive: [S::M64; 3],
-    /// All corners are certainly on one side.
-    apart: u8,
-    /// All three sides are certain.
-    certain: u8,
-    /// No entry of an edge of the triangle in the plane is larger.
-    edges: S::F64,
-    /// No entry of a vector from that triangle's first corner to a corner of the other is larger.
-    reach: S::F64,
+    /// The second corner lies on another side than the first.
+    second: S::M32,
+    /// The third does.
+    third: S::M32,
+    /// Corners lie on both sides, where `known`.
+    both: u16,
+    /// The sides of all corners are certain.
+    known: u16,
 }
 
 impl<S: Arithmetic> Sides<S> {
-    /// Of the corners of `t` with respect to the planes of `of`.
     #[inline(always)]
-    fn new(s: S, of: &[Vector<S::F64>; 3], t: &[Vector<S::F64>; 3]) -> Sides<S> {
-        let (a, b) = (minus(&of[1], &of[0]), minus(&of[2], &of[0]));
-        let n = cross(s, &a, &b);
-        let v = [minus(&t[0], &of[0]), minus(&t[1], &of[0]), minus(&t[2], &of[0])];
-        let reach = s.wide_max(s.wide_max(largest(s, &v[0]), largest(s, &v[1])), largest(s, &v[2]));
-        let (largest_a, largest_b) = (largest(s, &a), largest(s, &b));
-        let bound = error_bound(s, largest_a, largest_b, reach);
-        let zero = s.wide_splat(0.0);
-        let none = s.wide_above(zero, zero);
-        let (mut positive, mut known) = ([none; 3], [none; 3]);
-        for c in 0..3 {
-            let d = dot(s, &n, &v[c]);
-            // orient3d is positive below the plane of a counter-clockwise triangle.
-            positive[c] = s.wide_above(zero, d);
-            known[c] = s.wide_above(s.wide_abs(d), bound);
-        }
-        let certain = s.bits(s.both(s.both(known[0], known[1]), known[2]));
-        let all = s.bits(s.both(s.both(positive[0], positive[1]), positive[2]));
-        let any = s.bits(s.either(s.either(positive[0], positive[1]), positive[2]));
-        Sides { positive, apart: certain & (all | !any), certain, edges: largest_a + largest_b, reach }
+    fn new(s: S, heights: [S::F32; 3], bound: S::F32) -> Sides<S> {
+        let [x, y, z] = heights;
+        let zero = s.splat(0.0);
+        let known = s.lanes(s.above(s.min(s.min(s.abs(x), s.abs(y)), s.abs(z)), bound));
+        let (x, y, z) = (s.above(x, zero), s.above(y, zero), s.above(z, zero));
+        let (second, third) = (x ^ y, x ^ z);
+        Sides { second, third, both: s.lanes(second | third), known }
     }
 
-    /// The corners of `t` rotated so that the one alone on its side comes first; and where that is the negative side.
+    /// Of what belongs to edges 0-1, 0-2 and 1-2 that of the two that pass through the plane, as if both led away from the
+    /// corner that is alone, or both towards it.
     #[inline(always)]
-    fn turned(&self, s: S, t: &[Vector<S::F64>; 3]) -> ([Vector<S::F64>; 3], S::M64) {
-        let [x, y, z] = self.positive;
-        // Two of the three agree. Corner 1 is alone where it differs from both others, and corner 2 likewise.
-        let second = s.both(s.differing(x, y), s.differing(y, z));
-        let third = s.both(s.differing(x, z), s.differing(y, z));
-        let mut turned = *t;
-        for c in 0..3 {
-            for a in 0..3 {
-                let [first, one, two] = [t[c][a], t[(c + 1) % 3][a], t[(c + 2) % 3][a]];
-                turned[c][a] = s.choose(second, one, s.choose(third, two, first));
-            }
-        }
-        // The lone corner is on the negative side where most are on the positive one.
-        let most = s.either(s.both(x, y), s.both(z, s.either(x, y)));
-        (turned, most)
+    fn cut(&self, s: S, of_01: S::F32, of_02: S::F32, of_12: S::F32) -> (S::F32, S::F32) {
+        (s.blend(self.second, of_01, of_12), s.blend(self.third, of_02, s.splat(0.0) - of_12))
     }
+}
+
+#[inline(always)]
+fn cross<S: Arithmetic>(s: S, u: &Vector<S::F32>, v: &Vector<S::F32>) -> Vector<S::F32> {
+    [s.mul_sub(u[1], v[2], u[2] * v[1]), s.mul_sub(u[2], v[0], u[0] * v[2]), s.mul_sub(u[0], v[1], u[1] * v[0])]
+}
+
+#[inline(always)]
+fn dot<S: Arithmetic>(s: S, u: &Vector<S::F32>, v: &Vector<S::F32>) -> S::F32 {
+    s.mul_add(u[0], v[0], s.mul_add(u[1], v[1], u[2] * v[2]))
+}
+
+/// The largest entry, at least `least`.
+#[inline(always)]
+fn largest<S: Arithmetic>(s: S, v: &Vector<S::F32>, least: S::F32) -> S::F32 {
+    s.max(s.max(s.abs(v[0]), s.abs(v[1])), s.max(s.abs(v[2]), least))
+}
+
+#[inline(always)]
+fn narrowed<S: Arithmetic>(s: S, low: &Vector<S::F64>, high: &Vector<S::F64>) -> Vector<S::F32> {
+    [s.narrowed(low[0], high[0]), s.narrowed(low[1], high[1]), s.narrowed(low[2], high[2])]
 }
 
 #[inline(always)]
@@ -237,29 +246,32 @@ fn minus<F: Copy + std::ops::Sub<Output = F>>(p: &Vector<F>, q: &Vector<F>) -> V
     [p[0] - q[0], p[1] - q[1], p[2] - q[2]]
 }
 
-#[inline(always)]
-fn largest<S: Arithmetic>(s: S, v: &Vector<S::F64>) -> S::F64 {
-    s.wide_max(s.wide_max(s.wide_abs(v[0]), s.wide_abs(v[1])), s.wide_abs(v[2]))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bounds::Point;
     use crate::intersect_triangle_triangle::{intersect_triangle_triangle, PairKind};
     use proptest::prelude::*;
 
+    /// On a lattice, free, long and thin; or on a lattice and off it by about what float32 can tell.
     fn triangle() -> impl Strategy<Value = Triangle> {
-        let lattice = prop::array::uniform3(prop::array::uniform3((-2i32..3).prop_map(f64::from)));
-        let free = prop::array::uniform3(prop::array::uniform3(-1.0f64..1.0));
-        prop_oneof![lattice, free].prop_filter("area", |t| !crate::predicates::is_collinear(&t[0], &t[1], &t[2]))
+        let lattice = || prop::array::uniform3(prop::array::uniform3((-2i32..3).prop_map(f64::from)));
+        let free = || prop::array::uniform3(prop::array::uniform3(-1.0f64..1.0));
+        let moved = |(t, by, size): (Triangle, Triangle, f64)| -> Triangle {
+            std::array::from_fn(|c| std::array::from_fn(|a| t[c][a] + size * by[c][a]))
+        };
+        let thin = |(t, by): (Triangle, Triangle)| [t[0], t[1].map(|x| 300.0 * x), t[0].map(|x| x + 0.01 * by[0][0])];
+        let sizes = prop_oneof![Just(1e-7), Just(1e-6), Just(1e-5), Just(1e-3)];
+        prop_oneof![lattice(), free(), (lattice(), free(), sizes).prop_map(moved), (free(), free()).prop_map(thin),]
+            .prop_filter("area", |t| !crate::predicates::is_collinear(&t[0], &t[1], &t[2]))
     }
 
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(20_000))]
         #[test]
         fn agrees_with_the_exact_test_at_every_level(
-            pairs in prop::array::uniform8((triangle(), triangle())),
-            scale in prop_oneof![Just(1.0), Just(1e-60), Just(1e60), Just(1e-120)],
+            pairs in prop::array::uniform16((triangle(), triangle())),
+            scale in prop_oneof![3 => Just(1.0), 1 => Just(1e-9), 1 => Just(1e-13), 1 => Just(1e12), 1 => Just(1e13), 1 => Just(1e60)],
         ) {
             let pairs = pairs.map(|(a, b)| (a.map(|c| c.map(|x| x * scale)), b.map(|c| c.map(|x| x * scale))));
             let kinds: Vec<_> = pairs.iter().map(|(a, b)| intersect_triangle_triangle(a, b)).collect();
@@ -286,12 +298,38 @@ mod tests {
         for level in Level::available() {
             let (mut apart, mut crossing) = (0, 0);
             for _ in 0..500 {
-                let pairs: [(Triangle, Triangle); 8] = std::array::from_fn(|_| (triangle(), triangle()));
+                let pairs: [(Triangle, Triangle); LANES] = std::array::from_fn(|_| (triangle(), triangle()));
                 let verdict = prove(level, &pairs);
                 apart += verdict.apart.count_ones();
                 crossing += verdict.crossing.count_ones();
             }
-            assert!(apart + crossing == 4000 && crossing > 200, "{}: {apart} {crossing}", level.name());
+            assert!(apart + crossing > 7_990 && crossing > 400, "{}: {apart} {crossing}", level.name());
+        }
+    }
+
+    #[test]
+    fn decides_long_thin_triangles() {
+        // A metre long, a millimetre wide, in any direction, seen from the tip; and small ones near their far end. Four of
+        // five at least, though float32 has seven digits: the normal is taken in float64.
+        let mut state = 1u64;
+        let mut random = move || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+        };
+        for level in Level::available() {
+            let mut decided = 0;
+            for _ in 0..500 {
+                let pairs: [(Triangle, Triangle); LANES] = std::array::from_fn(|_| {
+                    let (tip, end): (Point, Point) =
+                        (std::array::from_fn(|_| random()), std::array::from_fn(|_| random()));
+                    let long = [tip, end, end.map(|x| x + 2e-3 * random())];
+                    let small = std::array::from_fn(|_| end.map(|x| x + 4e-3 * random()));
+                    (small, long)
+                });
+                let verdict = prove(level, &pairs);
+                decided += (verdict.apart | verdict.crossing).count_ones();
+            }
+            assert!(decided > 6_400, "{}: {decided}", level.name());
         }
     }
 }

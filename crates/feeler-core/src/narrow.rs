@@ -2,7 +2,7 @@
 
 use crate::bounds::Aabb;
 use crate::hits::{pair_key, Hit, Hits};
-use crate::intersect_lanes::{gathered_part, intersect, moved, Verdict};
+use crate::intersect_lanes::{intersect, least_of, moved, Pairs};
 use crate::intersect_triangle_triangle::{intersect_with, PairKind};
 use crate::mesh::Mesh;
 use crate::pose::Pose;
@@ -172,8 +172,7 @@ pub(crate) struct Pending {
     /// The mock-up triangles of these, most of them once.
     asked: [u32; PLACES],
     asked_count: usize,
-    verdicts: [Verdict; PLACES / WIDE_LANES],
-    /// Keys of the pairs that were proven to cross.
+    /// Pairs that were proven to cross, by slot and triangle.
     crossing: [u64; PLACES],
     /// Pairs met lately, each at the place its hash gives.
     recent: [u64; RECENT],
@@ -196,7 +195,6 @@ impl Default for Pending {
             count: 0,
             asked: [0; PLACES],
             asked_count: 0,
-            verdicts: [Verdict::default(); PLACES / WIDE_LANES],
             crossing: [0; PLACES],
             recent: [u64::MAX; RECENT],
             is_repeating: true,
@@ -330,59 +328,39 @@ impl Narrow<'_> {
             self.stats.repeats_skipped += skipped as u64;
             self.pending.is_repeating = MANY_REPEATS * skipped >= offered;
         }
-        let Pending { slots, mockup_triangles, count, asked, asked_count, verdicts, crossing, .. } = &mut *self.pending;
+        let Pending { slots, mockup_triangles, count, asked, asked_count, crossing, .. } = &mut *self.pending;
         let count = std::mem::take(count);
         self.stats.triangle_tests += count as u64;
         // Corners are asked for before they are used, so that their cache misses overlap: the mock-up's as the test goes.
         let corners = self.tool.placeable();
         let asked = &asked[..std::mem::take(asked_count).min(PLACES)];
         slots[..count].iter().for_each(|slot| prefetch_at(corners, *slot as usize));
-        let eights = count.div_ceil(WIDE_LANES);
-        if count > 0 {
-            // The last eight are filled up with the last pair.
-            for i in count..eights * WIDE_LANES {
-                (slots[i], mockup_triangles[i]) = (slots[count - 1], mockup_triangles[count - 1]);
-            }
-            let (slots, triangles) = (&slots[..eights * WIDE_LANES], &mockup_triangles[..eights * WIDE_LANES]);
-            let test = Test {
-                pose: self.pose,
-                tool: self.tool,
-                mesh: self.mesh,
-                slots,
-                triangles,
-                count,
-                asked,
-                verdicts,
-                crossing,
-            };
-            let found = self.lanes.run(test);
-            self.hits.extend(&crossing[..found]);
+        if count == 0 {
+            return false;
         }
-        for (eight, verdict) in verdicts[..eights].iter().enumerate() {
-            let from = eight * WIDE_LANES;
-            let all = u8::MAX >> (WIDE_LANES - (count - from).min(WIDE_LANES));
-            let mut doubt = all & !(verdict.apart | verdict.crossing);
-            while doubt != 0 {
-                let i = from + doubt.trailing_zeros() as usize;
-                doubt &= doubt - 1;
-                // Exact arithmetic is dear: never twice for one pair. The mark keeps these apart from the pairs offered.
-                const DECIDED: u64 = 1 << 63;
-                if self.filters.repeats && !self.seen.insert(DECIDED | pair_key(slots[i], mockup_triangles[i])) {
-                    continue;
-                }
-                let p = self.pose.apply_triangle(&self.tool.placeable()[slots[i] as usize]);
-                let mut signs = Signs::default();
-                let meeting = intersect_with(&mut signs, &p, &self.mesh.triangle(mockup_triangles[i]));
-                self.stats.exact_tests += u64::from(signs.exact > 0);
-                if let Some(kind) = meeting {
-                    self.hits.push(Hit::new(self.tool.ids()[slots[i] as usize], mockup_triangles[i], kind));
-                }
+        // The last register is filled up with the last pair.
+        for i in count..count.next_multiple_of(LANES) {
+            (slots[i], mockup_triangles[i]) = (slots[count - 1], mockup_triangles[count - 1]);
+        }
+        let (pose, tool, mesh, triangles) = (self.pose, self.tool, self.mesh, &mut *mockup_triangles);
+        let (found, in_doubt) = self.lanes.run(Test { pose, tool, mesh, slots, triangles, count, asked, crossing });
+        let hit = |key: &u64| Hit::new(tool.ids()[(key >> 32) as usize], *key as u32, PairKind::Crossing);
+        self.hits.extend(crossing[..found].iter().map(hit));
+        for (slot, triangle) in slots[..in_doubt].iter().zip(&*mockup_triangles) {
+            // Exact arithmetic is dear: never twice for one pair. The mark keeps these apart from the pairs offered.
+            const DECIDED: u64 = 1 << 63;
+            if self.filters.repeats && !self.seen.insert(DECIDED | pair_key(*slot, *triangle)) {
+                continue;
             }
-            if self.first_only && self.hits.len() > 0 {
-                return true;
+            let p = pose.apply_triangle(&corners[*slot as usize]);
+            let mut signs = Signs::default();
+            let meeting = intersect_with(&mut signs, &p, &mesh.triangle(*triangle));
+            self.stats.exact_tests += u64::from(signs.exact > 0);
+            if let Some(kind) = meeting {
+                self.hits.push(Hit::new(tool.ids()[*slot as usize], *triangle, kind));
             }
         }
-        false
+        self.first_only && self.hits.len() > 0
     }
 }
 
@@ -390,74 +368,69 @@ impl Narrow<'_> {
 /// dozen lines at once do not come sooner.
 const AHEAD: usize = 24;
 
-/// What can be proven of pairs. Lists the keys of those that cross, of the first `count`; returns how many.
+/// What can be proven of the first `count` pairs: lists those that cross, and moves those in doubt to the front; returns how many
+/// are of either. What follows the pairs, up to a multiple of [`LANES`], are pairs too.
 struct Test<'a> {
     pose: &'a Pose,
     tool: &'a Tool,
     mesh: &'a Mesh,
-    slots: &'a [u32],
-    triangles: &'a [u32],
+    slots: &'a mut [u32; PLACES],
+    triangles: &'a mut [u32; PLACES],
     count: usize,
     /// Triangles whose corners are to be asked for, in about the order of the pairs.
     asked: &'a [u32],
-    verdicts: &'a mut [Verdict],
     crossing: &'a mut [u64; PLACES],
 }
 
 impl Kernel for Test<'_> {
-    type Output = usize;
+    type Output = (usize, usize);
 
     #[inline(always)]
-    fn run<S: Simd>(self, s: S) -> usize {
-        let Test { pose, tool, mesh, slots, triangles, count, asked, verdicts, crossing } = self;
-        let ids = tool.ids();
-        let mut found = 0;
+    fn run<S: Simd>(self, s: S) -> (usize, usize) {
+        let Test { pose, tool, mesh, slots, triangles, count, asked, crossing } = self;
+        let (mut found, mut left) = (0, 0);
         let (corners, faces, vertices) = (tool.placeable(), mesh.faces(), mesh.vertices());
-        // As many at a time as a register holds: all corners of more would not stay in registers.
-        let wide = S::Part::WIDE;
-        let groups = slots.len() / wide;
+        let part = s.part();
+        let least = part.splat(least_of(pose, tool));
+        let half = S::Part::WIDE;
+        let wide = 2 * half;
+        let groups = count.div_ceil(wide);
         let each = asked.len().div_ceil(groups);
         let (first, rest) = asked.split_at(asked.len().min(AHEAD));
         let mut rest = rest.chunks(each.max(1));
         for m in first {
             faces[*m as usize].iter().for_each(|v| prefetch_at(vertices, *v as usize));
         }
-        verdicts[..slots.len() / WIDE_LANES].fill(Verdict::default());
-        for (i, (slots, triangles)) in slots.chunks_exact(wide).zip(triangles.chunks_exact(wide)).enumerate() {
+        for group in 0..groups {
             for m in rest.next().unwrap_or(&[]) {
                 faces[*m as usize].iter().for_each(|v| prefetch_at(vertices, *v as usize));
             }
-            let mut p = [[&[0.0; 3]; WIDE_LANES]; 3];
-            for lane in 0..wide {
-                let triangle = &corners[slots[lane] as usize];
-                for c in 0..3 {
-                    p[c][lane] = &triangle[c];
+            let from = wide * group;
+            let (mut slot, mut triangle) = ([0; LANES], [0; LANES]);
+            slot.copy_from_slice(&slots[from..from + LANES]);
+            triangle.copy_from_slice(&triangles[from..from + LANES]);
+            let p = moved(part, pose, &s.triangles_part(corners, &slot[..half]));
+            let low = Pairs::new(part, &p, &s.faces_part(faces, vertices, &triangle[..half]));
+            let p = moved(part, pose, &s.triangles_part(corners, &slot[half..]));
+            let high = Pairs::new(part, &p, &s.faces_part(faces, vertices, &triangle[half..]));
+            let verdict = intersect(part, &Pairs::narrowed(part, &low, &high), least);
+            let given = ((1u32 << (count - from).min(wide)) - 1) as u16;
+            for eight in (0..wide).step_by(WIDE_LANES) {
+                let mut keys = [0; WIDE_LANES];
+                for lane in 0..wide.min(WIDE_LANES) {
+                    keys[lane] = pair_key(slot[eight + lane], triangle[eight + lane]);
                 }
+                found = s.append_wide(((verdict.crossing & given) >> eight) as u8, &keys, crossing, found);
             }
-            let p = moved(s.part(), pose, &gathered_part(s, p));
-            let mut face = [&[0; 3]; WIDE_LANES];
-            for lane in 0..wide {
-                face[lane] = &faces[triangles[lane] as usize];
+            let mut doubt = given & !(verdict.crossing | verdict.apart);
+            while doubt != 0 {
+                let lane = doubt.trailing_zeros() as usize;
+                doubt &= doubt - 1;
+                (slots[left], triangles[left]) = (slot[lane], triangle[lane]);
+                left += 1;
             }
-            // Corner by corner: as many places at a time stay in registers.
-            let mut q = p;
-            for c in 0..3 {
-                let mut at = [&[0.0; 3]; WIDE_LANES];
-                for lane in 0..wide {
-                    at[lane] = &vertices[face[lane][c] as usize];
-                }
-                q[c] = s.wide_points_part(at);
-            }
-            let verdict = intersect(s.part(), &p, &q);
-            verdicts[wide * i / WIDE_LANES].set(wide * i % WIDE_LANES, verdict);
-            let mut keys = [0; WIDE_LANES];
-            for lane in 0..wide {
-                keys[lane] = Hit::new(ids[slots[lane] as usize], triangles[lane], PairKind::Crossing).key();
-            }
-            let given = ((1u32 << count.saturating_sub(wide * i).min(WIDE_LANES)) - 1) as u8;
-            found = s.append_wide(verdict.crossing & given, &keys, crossing, found);
         }
-        found
+        (found, left)
     }
 }
 

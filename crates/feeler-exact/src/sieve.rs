@@ -10,7 +10,7 @@ use feeler_core::{Aabb, Level, Triangle};
 pub enum Stage {
     /// The boxes are apart: it never reaches the triangle test.
     Before,
-    /// The triangle test decides by float64 signs alone.
+    /// The triangle test decides by float signs alone.
     Floats,
     /// Some sign needed exact arithmetic.
     Exact,

@@ -1,7 +1,7 @@
 //! AVX2: sixteen float32 are two registers, and so are eight float64.
 
 use std::arch::x86_64::*;
-use std::ops::{Add, BitOr, Mul, Sub};
+use std::ops::{Add, BitOr, BitXor, Mul, Sub};
 
 use super::x86::{is_apart, limits, numbers, One};
 use super::{Arithmetic, ByteBoxes, Kernel, Simd, FEW, LANES, WIDE_LANES};
@@ -49,6 +49,7 @@ operators_of_two! {
     Sub, sub;
     Mul, mul;
     BitOr, bitor;
+    BitXor, bitxor;
 }
 
 // SAFETY of all blocks below: the token says that the CPU has the instructions; loads and stores go to arrays of the
@@ -101,6 +102,37 @@ fn packed4(four: __m256i, chosen: usize) -> __m256i {
     unsafe { _mm256_permutevar8x32_epi32(four, packing(DOUBLED[chosen].into())) }
 }
 
+/// Whether all of four places are of a list.
+#[inline(always)]
+fn is_within(places: __m128i, count: usize) -> bool {
+    let Some(last) = count.checked_sub(1) else { return false };
+    // SAFETY: see above.
+    unsafe {
+        let last = _mm_set1_epi32(last.min(u32::MAX as usize) as u32 as i32);
+        _mm_movemask_epi8(_mm_cmpeq_epi32(_mm_max_epu32(places, last), last)) == 0xffff
+    }
+}
+
+/// Four points by axis.
+#[inline(always)]
+fn points(x: [&[f64; 3]; 4]) -> [One<__m256d>; 3] {
+    // SAFETY: see above; three numbers of each point are read.
+    unsafe {
+        let three = _mm256_setr_epi64x(-1, -1, -1, 0);
+        let mut rows = [_mm256_setzero_pd(); 4];
+        for i in 0..4 {
+            rows[i] = _mm256_maskload_pd(x[i].as_ptr(), three);
+        }
+        let (xz, xz_next) = (_mm256_unpacklo_pd(rows[0], rows[1]), _mm256_unpacklo_pd(rows[2], rows[3]));
+        let (y, y_next) = (_mm256_unpackhi_pd(rows[0], rows[1]), _mm256_unpackhi_pd(rows[2], rows[3]));
+        [
+            One(_mm256_permute2f128_pd::<0x20>(xz, xz_next)),
+            One(_mm256_permute2f128_pd::<0x20>(y, y_next)),
+            One(_mm256_permute2f128_pd::<0x31>(xz, xz_next)),
+        ]
+    }
+}
+
 /// One bit for each of four lanes that are all ones.
 #[inline(always)]
 fn chosen4(four: __m256i) -> usize {
@@ -131,6 +163,11 @@ impl Arithmetic for OneRegister {
     fn mul_add(self, a: Self::F32, b: Self::F32, c: Self::F32) -> Self::F32 {
         // SAFETY: see above.
         unsafe { One(_mm256_fmadd_ps(a.0, b.0, c.0)) }
+    }
+    #[inline(always)]
+    fn mul_sub(self, a: Self::F32, b: Self::F32, c: Self::F32) -> Self::F32 {
+        // SAFETY: see above.
+        unsafe { One(_mm256_fmsub_ps(a.0, b.0, c.0)) }
     }
     #[inline(always)]
     fn min(self, a: Self::F32, b: Self::F32) -> Self::F32 {
@@ -164,6 +201,11 @@ impl Arithmetic for OneRegister {
     fn blend(self, mask: Self::M32, a: Self::F32, b: Self::F32) -> Self::F32 {
         // SAFETY: see above.
         unsafe { One(_mm256_blendv_ps(b.0, a.0, mask.0)) }
+    }
+    #[inline(always)]
+    fn narrowed(self, low: Self::F64, high: Self::F64) -> Self::F32 {
+        // SAFETY: see above.
+        unsafe { One(_mm256_set_m128(_mm256_cvtpd_ps(high.0), _mm256_cvtpd_ps(low.0))) }
     }
     #[inline(always)]
     fn wide_splat(self, x: f64) -> Self::F64 {
@@ -251,6 +293,10 @@ impl Arithmetic for Avx2 {
         Two(self.part().mul_add(a.0, b.0, c.0), self.part().mul_add(a.1, b.1, c.1))
     }
     #[inline(always)]
+    fn mul_sub(self, a: Self::F32, b: Self::F32, c: Self::F32) -> Self::F32 {
+        Two(self.part().mul_sub(a.0, b.0, c.0), self.part().mul_sub(a.1, b.1, c.1))
+    }
+    #[inline(always)]
     fn min(self, a: Self::F32, b: Self::F32) -> Self::F32 {
         Two(self.part().min(a.0, b.0), self.part().min(a.1, b.1))
     }
@@ -273,6 +319,10 @@ impl Arithmetic for Avx2 {
     #[inline(always)]
     fn blend(self, mask: Self::M32, a: Self::F32, b: Self::F32) -> Self::F32 {
         Two(self.part().blend(mask.0, a.0, b.0), self.part().blend(mask.1, a.1, b.1))
+    }
+    #[inline(always)]
+    fn narrowed(self, low: Self::F64, high: Self::F64) -> Self::F32 {
+        Two(self.part().narrowed(low.0, low.1), self.part().narrowed(high.0, high.1))
     }
     #[inline(always)]
     fn wide_splat(self, x: f64) -> Self::F64 {
@@ -336,21 +386,37 @@ impl Simd for Avx2 {
         self.0
     }
     #[inline(always)]
-    fn wide_points_part(self, x: [&[f64; 3]; WIDE_LANES]) -> [One<__m256d>; 3] {
-        // SAFETY: see above; three numbers of each point are read.
+    fn triangles_part(self, list: &[[[f64; 3]; 3]], at: &[u32]) -> [[One<__m256d>; 3]; 3] {
+        let at = &at[..4];
+        // SAFETY: see above; four places are read, and all are found to be of the list.
         unsafe {
-            let three = _mm256_setr_epi64x(-1, -1, -1, 0);
-            let mut rows = [_mm256_setzero_pd(); 4];
-            for i in 0..4 {
-                rows[i] = _mm256_maskload_pd(x[i].as_ptr(), three);
+            assert!(is_within(_mm_loadu_si128(at.as_ptr().cast()), list.len()));
+            let mut corners = [[One(_mm256_setzero_pd()); 3]; 3];
+            let triangles = [0, 1, 2, 3].map(|i| list.get_unchecked(at[i] as usize));
+            for c in 0..3 {
+                corners[c] = points([&triangles[0][c], &triangles[1][c], &triangles[2][c], &triangles[3][c]]);
             }
-            let (xz, xz_next) = (_mm256_unpacklo_pd(rows[0], rows[1]), _mm256_unpacklo_pd(rows[2], rows[3]));
-            let (y, y_next) = (_mm256_unpackhi_pd(rows[0], rows[1]), _mm256_unpackhi_pd(rows[2], rows[3]));
-            [
-                One(_mm256_permute2f128_pd::<0x20>(xz, xz_next)),
-                One(_mm256_permute2f128_pd::<0x20>(y, y_next)),
-                One(_mm256_permute2f128_pd::<0x31>(xz, xz_next)),
-            ]
+            corners
+        }
+    }
+    #[inline(always)]
+    fn faces_part(self, faces: &[[u32; 3]], list: &[[f64; 3]], at: &[u32]) -> [[One<__m256d>; 3]; 3] {
+        let at = &at[..4];
+        // SAFETY: see above; four places are read, and all are found to be of the faces; three numbers of each of these are
+        // read, and all are found to be of the points.
+        unsafe {
+            assert!(is_within(_mm_loadu_si128(at.as_ptr().cast()), faces.len()));
+            let faces = [0, 1, 2, 3].map(|i| faces.get_unchecked(at[i] as usize));
+            let three = _mm_setr_epi32(-1, -1, -1, 0);
+            let corners = faces.map(|face| _mm_maskload_epi32(face.as_ptr().cast(), three));
+            let last = _mm_max_epu32(_mm_max_epu32(corners[0], corners[1]), _mm_max_epu32(corners[2], corners[3]));
+            assert!(is_within(last, list.len()));
+            let point = |i: usize, c: usize| list.get_unchecked(faces[i][c] as usize);
+            let mut corners = [[One(_mm256_setzero_pd()); 3]; 3];
+            for c in 0..3 {
+                corners[c] = points([point(0, c), point(1, c), point(2, c), point(3, c)]);
+            }
+            corners
         }
     }
     #[inline(always)]
@@ -573,8 +639,7 @@ impl Simd for Avx2 {
     }
     #[inline(always)]
     fn wide_points(self, x: [&[f64; 3]; WIDE_LANES]) -> [Self::F64; 3] {
-        let (low, high) =
-            (self.wide_points_part(x), self.wide_points_part([x[4], x[5], x[6], x[7], x[4], x[5], x[6], x[7]]));
+        let (low, high) = (points([x[0], x[1], x[2], x[3]]), points([x[4], x[5], x[6], x[7]]));
         [Two(low[0], high[0]), Two(low[1], high[1]), Two(low[2], high[2])]
     }
 }

@@ -30,6 +30,14 @@ pub struct Avx512(());
 // SAFETY of all blocks below: the token says that the CPU has the instructions; loads and stores go to arrays of the
 // register's size and ask for no alignment.
 
+/// Whether all of eight places are of a list.
+#[inline(always)]
+fn is_within(places: __m256i, count: usize) -> bool {
+    let Some(last) = count.checked_sub(1) else { return false };
+    // SAFETY: see above.
+    unsafe { _mm256_cmple_epu32_mask(places, _mm256_set1_epi32(last.min(u32::MAX as usize) as u32 as i32)) == 0xff }
+}
+
 /// The first of eight lanes.
 #[inline(always)]
 fn first_lanes(count: usize) -> u8 {
@@ -52,6 +60,11 @@ impl Arithmetic for Avx512 {
     fn mul_add(self, a: Self::F32, b: Self::F32, c: Self::F32) -> Self::F32 {
         // SAFETY: see above.
         unsafe { One(_mm512_fmadd_ps(a.0, b.0, c.0)) }
+    }
+    #[inline(always)]
+    fn mul_sub(self, a: Self::F32, b: Self::F32, c: Self::F32) -> Self::F32 {
+        // SAFETY: see above.
+        unsafe { One(_mm512_fmsub_ps(a.0, b.0, c.0)) }
     }
     #[inline(always)]
     fn min(self, a: Self::F32, b: Self::F32) -> Self::F32 {
@@ -81,6 +94,14 @@ impl Arithmetic for Avx512 {
     fn blend(self, mask: Self::M32, a: Self::F32, b: Self::F32) -> Self::F32 {
         // SAFETY: see above.
         unsafe { One(_mm512_mask_blend_ps(mask, b.0, a.0)) }
+    }
+    #[inline(always)]
+    fn narrowed(self, low: Self::F64, high: Self::F64) -> Self::F32 {
+        // SAFETY: see above.
+        unsafe {
+            let low = _mm512_castps256_ps512(_mm512_cvtpd_ps(low.0));
+            One(_mm512_insertf32x8::<1>(low, _mm512_cvtpd_ps(high.0)))
+        }
     }
     #[inline(always)]
     fn wide_splat(self, x: f64) -> Self::F64 {
@@ -153,8 +174,50 @@ impl Simd for Avx512 {
         self
     }
     #[inline(always)]
-    fn wide_points_part(self, x: [&[f64; 3]; WIDE_LANES]) -> [Self::F64; 3] {
-        self.wide_points(x)
+    fn triangles_part(self, list: &[[[f64; 3]; 3]], at: &[u32]) -> [[Self::F64; 3]; 3] {
+        let at = &at[..WIDE_LANES];
+        // SAFETY: see above; eight places are read, and all are found to be of the list.
+        unsafe {
+            assert!(is_within(_mm256_loadu_si256(at.as_ptr().cast()), list.len()));
+            let mut triangles = [&[[0.0; 3]; 3]; WIDE_LANES];
+            for i in 0..WIDE_LANES {
+                triangles[i] = list.get_unchecked(at[i] as usize);
+            }
+            let mut corners = [[One(_mm512_setzero_pd()); 3]; 3];
+            for c in 0..3 {
+                let mut points = [&[0.0; 3]; WIDE_LANES];
+                for i in 0..WIDE_LANES {
+                    points[i] = &triangles[i][c];
+                }
+                corners[c] = self.wide_points(points);
+            }
+            corners
+        }
+    }
+    #[inline(always)]
+    fn faces_part(self, faces: &[[u32; 3]], list: &[[f64; 3]], at: &[u32]) -> [[Self::F64; 3]; 3] {
+        let at = &at[..WIDE_LANES];
+        // SAFETY: see above; eight places are read, and all are found to be of the faces; three numbers of each of these are
+        // read, and all are found to be of the points.
+        unsafe {
+            assert!(is_within(_mm256_loadu_si256(at.as_ptr().cast()), faces.len()));
+            let mut numbers = [&[0; 3]; WIDE_LANES];
+            let mut last = _mm_setzero_si128();
+            for i in 0..WIDE_LANES {
+                numbers[i] = faces.get_unchecked(at[i] as usize);
+                last = _mm_max_epu32(last, _mm_maskz_loadu_epi32(7, numbers[i].as_ptr().cast()));
+            }
+            assert!(is_within(_mm256_zextsi128_si256(last), list.len()));
+            let mut corners = [[One(_mm512_setzero_pd()); 3]; 3];
+            for c in 0..3 {
+                let mut points = [&[0.0; 3]; WIDE_LANES];
+                for i in 0..WIDE_LANES {
+                    points[i] = list.get_unchecked(numbers[i][c] as usize);
+                }
+                corners[c] = self.wide_points(points);
+            }
+            corners
+        }
     }
     #[inline(always)]
     fn load(self, x: &[f32; LANES]) -> Self::F32 {

@@ -18,7 +18,7 @@ mod portable;
 mod x86;
 
 use std::fmt::Debug;
-use std::ops::{Add, BitOr, Mul, Sub};
+use std::ops::{Add, BitOr, BitXor, Mul, Sub};
 use std::sync::OnceLock;
 
 /// Lanes of float32.
@@ -175,8 +175,8 @@ pub(crate) trait Arithmetic: Copy {
     type F32: Copy + Add<Output = Self::F32> + Sub<Output = Self::F32> + Mul<Output = Self::F32>;
     /// Half as many lanes of float64.
     type F64: Copy + Add<Output = Self::F64> + Sub<Output = Self::F64> + Mul<Output = Self::F64>;
-    /// A choice per float32 lane; `|` chooses what either does.
-    type M32: Copy + BitOr<Output = Self::M32>;
+    /// A choice per float32 lane; `|` chooses what either does, `^` what one does and the other does not.
+    type M32: Copy + BitOr<Output = Self::M32> + BitXor<Output = Self::M32>;
     /// A choice per float64 lane.
     type M64: Copy;
 
@@ -184,6 +184,8 @@ pub(crate) trait Arithmetic: Copy {
     fn splat(self, x: f32) -> Self::F32;
     /// `a * b + c`, rounded once where the CPU can, twice elsewhere: only for what has a margin.
     fn mul_add(self, a: Self::F32, b: Self::F32, c: Self::F32) -> Self::F32;
+    /// `a * b - c`, rounded likewise.
+    fn mul_sub(self, a: Self::F32, b: Self::F32, c: Self::F32) -> Self::F32;
     /// The smaller; of no use with NaN.
     fn min(self, a: Self::F32, b: Self::F32) -> Self::F32;
     /// The larger; of no use with NaN.
@@ -196,6 +198,8 @@ pub(crate) trait Arithmetic: Copy {
     fn lanes(self, mask: Self::M32) -> u16;
     /// `a` where chosen, else `b`.
     fn blend(self, mask: Self::M32, a: Self::F32, b: Self::F32) -> Self::F32;
+    /// The float32 nearest to each number: of the lower lanes, and of the upper ones.
+    fn narrowed(self, low: Self::F64, high: Self::F64) -> Self::F32;
     /// One number in all lanes.
     fn wide_splat(self, x: f64) -> Self::F64;
     /// `a * b + c`, rounded once where the CPU can, twice elsewhere: only for what has a margin.
@@ -230,8 +234,16 @@ pub(crate) trait Simd: Arithmetic {
     type Part: Arithmetic;
     /// The token of a part.
     fn part(self) -> Self::Part;
-    /// As many points by axis as a part has lanes, the first of eight.
-    fn wide_points_part(self, x: [&[f64; 3]; WIDE_LANES]) -> [<Self::Part as Arithmetic>::F64; 3];
+    /// The corners by axis of the triangles at these places, the first as many as a part has lanes. Panics where a place is none
+    /// of the list.
+    fn triangles_part(self, list: &[[[f64; 3]; 3]], at: &[u32]) -> [[<Self::Part as Arithmetic>::F64; 3]; 3];
+    /// The same of triangles that are given by the numbers of their corners.
+    fn faces_part(
+        self,
+        faces: &[[u32; 3]],
+        points: &[[f64; 3]],
+        at: &[u32],
+    ) -> [[<Self::Part as Arithmetic>::F64; 3]; 3];
 
     /// Lane `i` is `x[i]`.
     fn load(self, x: &[f32; LANES]) -> Self::F32;

@@ -1,6 +1,6 @@
 //! Arrays and loops: the plain twin of the other levels, and the one for CPUs without them.
 
-use std::ops::{Add, BitOr, Mul, Sub};
+use std::ops::{Add, BitOr, BitXor, Mul, Sub};
 
 use super::{Arithmetic, ByteBoxes, Simd, LANES, WIDE_LANES};
 
@@ -71,6 +71,14 @@ impl<const N: usize> BitOr for Array<u32, N> {
     }
 }
 
+impl<const N: usize> BitXor for Array<u32, N> {
+    type Output = Self;
+    #[inline(always)]
+    fn bitxor(self, other: Self) -> Self {
+        self.zip(other, |a, b| a ^ b)
+    }
+}
+
 // Choices are all ones or zeros, as wide as what they choose: so compilers find the CPU's own comparisons in lanes.
 impl<const F: usize, const W: usize> Arithmetic for Arrays<F, W> {
     const WIDE: usize = W;
@@ -86,6 +94,10 @@ impl<const F: usize, const W: usize> Arithmetic for Arrays<F, W> {
     #[inline(always)]
     fn mul_add(self, a: Self::F32, b: Self::F32, c: Self::F32) -> Self::F32 {
         a * b + c
+    }
+    #[inline(always)]
+    fn mul_sub(self, a: Self::F32, b: Self::F32, c: Self::F32) -> Self::F32 {
+        a * b - c
     }
     #[inline(always)]
     fn min(self, a: Self::F32, b: Self::F32) -> Self::F32 {
@@ -126,6 +138,14 @@ impl<const F: usize, const W: usize> Arithmetic for Arrays<F, W> {
             chosen.0[i] = f32::from_bits(a.0[i].to_bits() & mask.0[i] | b.0[i].to_bits() & !mask.0[i]);
         }
         chosen
+    }
+    #[inline(always)]
+    fn narrowed(self, low: Self::F64, high: Self::F64) -> Self::F32 {
+        let mut narrow = [0.0; F];
+        for i in 0..W {
+            (narrow[i], narrow[W + i]) = (low.0[i] as f32, high.0[i] as f32);
+        }
+        Array(narrow)
     }
     #[inline(always)]
     fn wide_splat(self, x: f64) -> Self::F64 {
@@ -201,14 +221,31 @@ impl Simd for Portable {
         Arrays
     }
     #[inline(always)]
-    fn wide_points_part(self, x: [&[f64; 3]; WIDE_LANES]) -> [<Register as Arithmetic>::F64; 3] {
-        let mut points = [Array([0.0; Register::WIDE]); 3];
-        for i in 0..Register::WIDE {
-            for a in 0..3 {
-                points[a].0[i] = x[i][a];
+    fn triangles_part(self, list: &[[[f64; 3]; 3]], at: &[u32]) -> [[Array<f64, 2>; 3]; 3] {
+        let mut corners = [[Array([0.0; 2]); 3]; 3];
+        for i in 0..2 {
+            let triangle = &list[at[i] as usize];
+            for c in 0..3 {
+                for a in 0..3 {
+                    corners[c][a].0[i] = triangle[c][a];
+                }
             }
         }
-        points
+        corners
+    }
+    #[inline(always)]
+    fn faces_part(self, faces: &[[u32; 3]], points: &[[f64; 3]], at: &[u32]) -> [[Array<f64, 2>; 3]; 3] {
+        let mut corners = [[Array([0.0; 2]); 3]; 3];
+        for i in 0..2 {
+            let face = &faces[at[i] as usize];
+            for c in 0..3 {
+                let point = &points[face[c] as usize];
+                for a in 0..3 {
+                    corners[c][a].0[i] = point[a];
+                }
+            }
+        }
+        corners
     }
     #[inline(always)]
     fn load(self, x: &[f32; LANES]) -> Self::F32 {

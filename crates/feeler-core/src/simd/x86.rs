@@ -1,7 +1,7 @@
 //! What AVX2 and AVX-512 have in common.
 
 use std::arch::x86_64::*;
-use std::ops::{Add, BitOr, Mul, Sub};
+use std::ops::{Add, BitOr, BitXor, Mul, Sub};
 
 use super::ByteBoxes;
 
@@ -27,6 +27,7 @@ operators! {
     Sub, sub, __m256: _mm256_sub_ps;
     Mul, mul, __m256: _mm256_mul_ps;
     BitOr, bitor, __m256: _mm256_or_ps;
+    BitXor, bitxor, __m256: _mm256_xor_ps;
     Add, add, __m256d: _mm256_add_pd;
     Sub, sub, __m256d: _mm256_sub_pd;
     Mul, mul, __m256d: _mm256_mul_pd;
