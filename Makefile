@@ -143,6 +143,13 @@ arm64: ## the core's tests and the corpus of hard pairs for arm64, emulated: the
 	cargo test --release $(LOCKED) --target aarch64-unknown-linux-gnu --target-dir target/arm64 -p feeler-core $(CARGO_ARGS)
 	cargo test --release $(LOCKED) --target aarch64-unknown-linux-gnu --target-dir target/arm64 -p feeler-exact --test corpus $(CARGO_ARGS)
 
+.PHONY: avx512
+avx512: export CARGO_TARGET_X86_64_UNKNOWN_LINUX_GNU_RUNNER = $(CURDIR)/tools/emulate_avx512.sh
+avx512: ## the core's kernels with AVX-512, emulated, where the CPU lacks it: the same answers (20 minutes)
+	cargo test --release $(LOCKED) -p feeler-core --test proximity $(CARGO_ARGS) -- speck lattice long_thin
+	cargo test --release $(LOCKED) -p feeler-core --test brute_force $(CARGO_ARGS) -- tool_triangles many_ large_batches outside
+	cargo test --release $(LOCKED) -p feeler-core --lib $(CARGO_ARGS) -- --skip convex_tests
+
 .PHONY: lint
 lint: lint-rust lint-python lint-rules ## everything below
 	@echo "make lint: all clean"
