@@ -14,7 +14,8 @@ fail() {
 }
 
 [ $# -ge 1 ] || fail "no test binary given"
-for tool in bochs script xorriso cpio busybox strip; do
+[ "$(uname -sm)" = "Linux x86_64" ] || fail "is for Linux on x86-64"
+for tool in bochs script xorriso cpio busybox strip ldd pkill; do
     command -v "$tool" >/dev/null || fail "needs $tool (Debian: bochs bochsbios vgabios bochs-term isolinux syslinux-common xorriso cpio busybox-static)"
 done
 kernel=${KERNEL:-$(find /boot -name 'vmlinuz-*' 2>/dev/null | sort -V | tail -n 1)}
@@ -51,7 +52,12 @@ cat >"$system/init" <<'END'
 /bin/busybox mount -t devtmpfs dev /dev
 cd /tmp
 eval "set -- $(/bin/busybox cat /arguments)"
-/bin/test --test-threads=1 "$@" >/dev/ttyS0 2>&1
+if /bin/busybox grep -q avx512vl /proc/cpuinfo; then
+    /bin/test --test-threads=1 "$@" >/dev/ttyS0 2>&1
+else
+    echo "the emulated CPU has no AVX-512" >/dev/ttyS0
+    false
+fi
 echo "exit status $?" >/dev/ttyS0
 # What is written last is still on its way.
 /bin/busybox sleep 5

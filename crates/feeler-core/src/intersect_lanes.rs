@@ -10,7 +10,8 @@
 //! two such vectors, at most 2 A B, is off by 4.14 u of that: 2.14 u by its arguments and 2 u by products and difference; less
 //! where these are rounded at once. A dot product adds the other's 1.07 u and 3 u of its own, to first order. Products that
 //! underflow are off by far less: no product of three counted entries is below 2^-96. Each bound is taken from the product times
-//! a power of two that is above all sums of the terms: where these could overflow, it is infinite, and nothing is certain.
+//! a power of two that is above all sums of the terms, and by way of products above all cross products: where any of these could
+//! overflow, it is infinite, and nothing is certain.
 
 use crate::bounds::Triangle;
 use crate::pose::Pose;
@@ -23,7 +24,7 @@ const UNIT_ROUNDOFF: f32 = f32::EPSILON / 2.0;
 /// No entry counts as less, metres: 2^-32.
 const LEAST: f32 = 1.0 / 4_294_967_296.0;
 
-/// The rounding of [`moved`] that [`least_of`] allows for, over that of float32: see there. 2^-21.
+/// What [`least_of`] takes of the size of the numbers that [`moved`] adds up: 2^-21.
 const MOVED_ROUNDOFF: f64 = 1.0 / 2_097_152.0;
 
 /// What was proven of pairs, one bit each; in neither: in doubt.
@@ -96,8 +97,9 @@ pub(crate) fn moved<S: Arithmetic>(s: S, pose: &Pose, t: &[Vector<S::F64>; 3]) -
 
 /// What an entry must count as at least where the first triangle is [`moved`].
 ///
-/// With S three times the tool's largest coordinate and the translation's: a moved coordinate has three roundings here and six
-/// by definition, each at most 2^-53 S, so an edge of two such corners is off by at most 2^-49 S, which is 2^-24 / 16 of this.
+/// With S three times the tool's largest coordinate and the translation's: a moved coordinate is off by at most 2^-51 S, here
+/// and by definition (products by 2^-53 S together, sums by three times that), so the one is off the other by 2^-50 S, and an
+/// edge of two such corners by 2^-49 S, which is 2^-24 / 16 of this.
 pub(crate) fn least_of(pose: &Pose, tool: &Tool) -> f32 {
     let size = 3.1 * tool.mesh().bounds().largest_coordinate() + pose.largest_translation();
     LEAST.max((MOVED_ROUNDOFF * size) as f32)
@@ -180,7 +182,8 @@ pub(crate) fn intersect<S: Arithmetic>(s: S, pairs: &Pairs<S::F32>, least: S::F3
     let (first_f, second_f) = of_p.cut(s, cf, df, ef);
     let ((x, y), (z, t)) = (of_q.cut(s, first_a, first_b, first_f), of_q.cut(s, second_a, second_b, second_f));
     let (highest, lowest) = (s.max(s.max(x, y), s.max(z, t)), s.min(s.min(x, y), s.min(z, t)));
-    let most = s.splat(64.0) * size_p * size_q * (size_w + s.max(size_p, size_q));
+    // The product in this order, so that it is infinite too where an entry of w x c is.
+    let most = s.splat(64.0) * size_p * (size_w + s.max(size_p, size_q)) * size_q;
     let bound = most * s.splat(5.1 * UNIT_ROUNDOFF);
     let below = s.splat(0.0) - bound;
     // All ends of one before all of the other; or one before and one after.
@@ -282,6 +285,27 @@ mod tests {
                     prop_assert!(verdict.apart >> i & 1 == 0 || kind.is_none(), "{}", name);
                     prop_assert!(verdict.crossing >> i & 1 == 0 || *kind == Some(PairKind::Crossing), "{}", name);
                 }
+            }
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { max_global_rejects: 20_000, ..ProptestConfig::with_cases(100_000) })]
+        #[test]
+        fn agrees_where_products_overflow(
+            corners in prop::array::uniform6(prop::array::uniform3((-1.0f64..1.0, -12i32..24))),
+        ) {
+            let [a, b, c, d, e, f] = corners.map(|p| p.map(|(x, exponent)| x * 10f64.powi(exponent)));
+            // Corners beside each other, however far out: thin ones too.
+            let near = |p: Point, q: Point| -> Point { std::array::from_fn(|i| p[i] + q[i]) };
+            let (p, q) = ([a, near(a, b), near(a, c)], [d, near(d, e), near(d, f)]);
+            let has_area = |t: &Triangle| !crate::predicates::is_collinear(&t[0], &t[1], &t[2]);
+            prop_assume!(has_area(&p) && has_area(&q));
+            let kind = intersect_triangle_triangle(&p, &q);
+            for level in Level::available() {
+                let verdict = prove(level, &[(p, q)]);
+                prop_assert!(verdict.apart == 0 || kind.is_none(), "{} {p:?} {q:?}", level.name());
+                prop_assert!(verdict.crossing == 0 || kind == Some(PairKind::Crossing), "{} {p:?} {q:?}", level.name());
             }
         }
     }

@@ -420,4 +420,39 @@ mod tests {
             }
         }
     }
+
+    /// Corners of triangles at some places, by one list or by two.
+    struct Gathered<'a>(&'a [u32], bool);
+
+    impl Kernel for Gathered<'_> {
+        type Output = ();
+
+        fn run<S: Simd>(self, s: S) {
+            let points = [[0.0; 3], [1.0; 3], [2.0; 3]];
+            let faces = [[0, 1, 2], [2, 1, 0], [0, 1, 3]];
+            if self.1 {
+                s.faces_part(&faces, &points, self.0);
+            } else {
+                s.triangles_part(&[points; 3], self.0);
+            }
+        }
+    }
+
+    #[test]
+    fn no_lane_reads_beyond_a_list() {
+        for level in Level::available() {
+            let is_read = |places: &[u32; LANES], by_faces: bool| {
+                std::panic::catch_unwind(|| level.checked().run(Gathered(places, by_faces))).is_ok()
+            };
+            assert!(is_read(&[1; LANES], true) && is_read(&[2; LANES], false), "{}", level.name());
+            // As many lanes as any part has at least: face 2 names a point that is not there.
+            for lane in 0..2 {
+                for (place, by_faces) in [(2, true), (3, true), (u32::MAX, true), (3, false), (u32::MAX, false)] {
+                    let mut places = [1; LANES];
+                    places[lane] = place;
+                    assert!(!is_read(&places, by_faces), "{} {lane} {place} {by_faces}", level.name());
+                }
+            }
+        }
+    }
 }
