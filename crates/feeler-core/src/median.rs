@@ -40,7 +40,9 @@ impl Cells {
     pub fn middle(&self, lower: &Point, upper: &Point) -> u64 {
         let cell = |a: usize| {
             let x = (0.5 * (lower[a] + upper[a]) - self.origin[a]) * self.per_unit;
-            x.clamp(0.0, MASK as f64) as u64
+            // NaN is 0 too. Fewer instructions than `clamp` and a cast to what is wanted.
+            let x = if x > 0.0 { x } else { 0.0 };
+            (if x < MASK as f64 { x } else { MASK as f64 }) as i32 as u64
         };
         cell(0) << (2 * BITS) | cell(1) << BITS | cell(2)
     }
@@ -77,18 +79,19 @@ const SAMPLE: usize = 512;
 /// its number of entries: a box is met by others about as often as it has surface. Looks at an even sample.
 fn best_axis<E: Entry>(entries: &[E], middle: usize) -> usize {
     let count = entries.len().div_ceil(2).clamp(LEAST_SAMPLE, SAMPLE).min(entries.len());
-    let mut sample = [[0u32; 3]; SAMPLE];
+    let mut sample = [[0.0; 4]; SAMPLE];
     for (i, place) in sample[..count].iter_mut().enumerate() {
         // A jitter, as meshes repeat themselves.
         let jitter = i.wrapping_mul(0x9e37_79b9) >> 8;
         let entry = &entries[i * entries.len() / count + jitter % (entries.len() / count)];
-        *place = [along(entry, 0) as u32, along(entry, 1) as u32, along(entry, 2) as u32];
+        *place = [along(entry, 0) as f32, along(entry, 1) as f32, along(entry, 2) as f32, 0.0];
     }
     let sample = &mut sample[..count];
     let middle = (middle * count / entries.len()).clamp(1, count - 1);
     let mut best = (f64::INFINITY, 0);
     for axis in 0..3 {
-        sample.select_nth_unstable_by_key(middle, |place| place[axis]);
+        // Numbers that are not negative have the order of their bits.
+        sample.select_nth_unstable_by_key(middle, |place| place[axis].to_bits());
         let (left, right) = sample.split_at(middle);
         let cost = surface(left) * left.len() as f64 + surface(right) * right.len() as f64;
         if cost < best.0 {
@@ -98,13 +101,13 @@ fn best_axis<E: Entry>(entries: &[E], middle: usize) -> usize {
     best.1
 }
 
-/// Half the surface of the box around some cells.
-fn surface(places: &[[u32; 3]]) -> f64 {
-    let (mut low, mut high) = ([u32::MAX; 3], [0; 3]);
+/// Half the surface of the box around some cells: three coordinates, whole numbers of at most 21 bits, and nothing.
+fn surface(places: &[[f32; 4]]) -> f64 {
+    let (mut low, mut high) = ([f32::INFINITY; 4], [0.0f32; 4]);
     for place in places {
-        for a in 0..3 {
-            low[a] = low[a].min(place[a]);
-            high[a] = high[a].max(place[a]);
+        for a in 0..4 {
+            low[a] = if place[a] < low[a] { place[a] } else { low[a] };
+            high[a] = if place[a] > high[a] { place[a] } else { high[a] };
         }
     }
     let [x, y, z] = [0, 1, 2].map(|a| f64::from(high[a] - low[a]) + 1.0);

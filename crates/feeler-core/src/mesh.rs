@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use crate::bounds::{Aabb, Point, Triangle};
 use crate::defects::{corners, Defects};
 use crate::error::{Error, Result};
+use crate::simd::prefetch_at;
 
 /// An indexed triangle mesh, metres. Triangle ids are positions in the caller's `faces`.
 #[derive(Debug)]
@@ -64,6 +65,12 @@ impl Mesh {
     #[inline]
     pub fn triangle(&self, id: u32) -> Triangle {
         corners(&self.vertices, &self.faces[id as usize])
+    }
+
+    /// Asks for the corners of a triangle that is queried, before they are needed.
+    #[inline]
+    pub(crate) fn prefetch_triangle(&self, id: u32) {
+        self.faces[id as usize].iter().for_each(|v| prefetch_at(&self.vertices, *v as usize));
     }
 
     /// Number of triangles that are queried.

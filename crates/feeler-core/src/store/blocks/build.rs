@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 use rayon::prelude::*;
 
-use super::node::{Frame, Node, FANOUT};
+use super::node::{greatest, least, Children, Frame, Node, FANOUT};
 use super::pieces::{HalfBlock, PackedPieces};
 use super::Blocks;
 use crate::bounds::Aabb;
@@ -13,7 +13,7 @@ use crate::lanes::{Box4, LANES};
 use crate::median::{self, Cells};
 use crate::mesh::Mesh;
 use crate::pieces::{cut_margin, cut_triangle, least_pieces};
-use crate::simd::{Kernel, Level, Simd};
+use crate::simd::{prefetch_at, Kernel, Level, Simd};
 use crate::store::{check_entries, check_memory, report, Progress};
 
 /// Triangles a build task handles at a time.
@@ -76,36 +76,10 @@ impl Blocks {
         let lanes = Level::best().checked();
         let mut packed = vec![PackedPieces::ZERO; pieces.len().div_ceil(FANOUT)];
         let mut blocks = Vec::new();
-        pieces
-            .par_chunks(FANOUT)
-            .zip(packed.par_iter_mut())
-            .map(|(chunk, packed)| {
-                let mut bounds = [Box4::EMPTY; FANOUT];
-                let mut corners: [Corners; FANOUT] = [[[0.0; 3]; 4]; FANOUT];
-                let mut cut = 0;
-                for (i, piece) in chunk.iter().enumerate() {
-                    packed.triangles[i] = piece.triangle;
-                    if piece.cut == WHOLE {
-                        let [a, b, c] = mesh.triangle(piece.triangle).map(|p| frame.point(&p));
-                        corners[i] = [a, b, c, c];
-                        bounds[i] = box_of(&corners[i], 0.0);
-                    } else {
-                        corners[i] = cuts[piece.cut as usize];
-                        bounds[i] = box_of(&corners[i], margin);
-                        cut |= 1 << i;
-                    }
-                }
-                let node = Node::new(&bounds[..chunk.len()], cut);
-                let halves = lanes.run(Unpack(&node));
-                for i in 0..chunk.len() {
-                    let (half, lane) = (i / LANES, i % LANES);
-                    let corners = halves[half].pack(lane, &corners[i]);
-                    for c in 0..4 {
-                        packed.corners[half][c][lane] = corners[c];
-                    }
-                }
-                node
-            })
+        packed
+            .par_iter_mut()
+            .enumerate()
+            .map(|(block, packed)| lanes.run(Pack { mesh, pieces: &pieces, cuts: &cuts, frame, margin, block, packed }))
             .collect_into_vec(&mut blocks);
         drop((pieces, cuts));
         let mut levels = vec![blocks];
@@ -113,11 +87,7 @@ impl Blocks {
             let below = &levels[levels.len() - 1];
             let above = below
                 .par_chunks(FANOUT)
-                .map(|nodes| {
-                    let mut bounds = [Box4::EMPTY; FANOUT];
-                    nodes.iter().zip(&mut bounds).for_each(|(node, b)| *b = node.bounds());
-                    Node::new(&bounds[..nodes.len()], 0)
-                })
+                .map(|nodes| Node::new(&Children::of(nodes.iter().map(Node::bounds)), nodes.len(), 0))
                 .collect();
             levels.push(above);
         }
@@ -127,17 +97,80 @@ impl Blocks {
     }
 }
 
-struct Unpack<'a>(&'a Node);
+/// Makes a block of its pieces.
+struct Pack<'a> {
+    mesh: &'a Mesh,
+    pieces: &'a [BuildPiece],
+    cuts: &'a [Corners],
+    frame: Frame,
+    /// How much boxes of triangles that were cut must grow.
+    margin: f32,
+    block: usize,
+    packed: &'a mut PackedPieces,
+}
 
-impl Kernel for Unpack<'_> {
-    type Output = [HalfBlock; 2];
+impl Kernel for Pack<'_> {
+    type Output = Node;
 
     #[inline(always)]
-    fn run<S: Simd>(self, s: S) -> [HalfBlock; 2] {
-        let mut halves = [HalfBlock::ZERO; 2];
-        halves[0].unpack_boxes(s, self.0, 0);
-        halves[1].unpack_boxes(s, self.0, 1);
-        halves
+    fn run<S: Simd>(self, s: S) -> Node {
+        let Pack { mesh, pieces, cuts, frame, margin, block, packed } = self;
+        let from = FANOUT * block;
+        let count = (pieces.len() - from).min(FANOUT);
+        // What the next blocks need lies anywhere.
+        for piece in pieces.iter().skip(from + FANOUT).take(FANOUT) {
+            if piece.cut == WHOLE {
+                mesh.prefetch_triangle(piece.triangle);
+            } else {
+                prefetch_at(cuts, piece.cut as usize);
+            }
+        }
+        for piece in pieces.iter().skip(from + 2 * FANOUT).take(FANOUT) {
+            prefetch_at(mesh.faces(), piece.triangle as usize);
+        }
+        let mut corners = [[[[0.0; LANES]; 3]; 4]; 2];
+        let mut margins = [0.0; FANOUT];
+        let mut cut = 0;
+        for (i, piece) in pieces[from..from + count].iter().enumerate() {
+            packed.triangles[i] = piece.triangle;
+            let of_piece = if piece.cut == WHOLE {
+                let [a, b, c] = mesh.triangle(piece.triangle).map(|p| frame.point(&p));
+                [a, b, c, c]
+            } else {
+                margins[i] = margin;
+                cut |= 1 << i;
+                cuts[piece.cut as usize]
+            };
+            for c in 0..4 {
+                for a in 0..3 {
+                    corners[i / LANES][c][a][i % LANES] = of_piece[c][a];
+                }
+            }
+        }
+        let mut children = Children::NONE;
+        for half in 0..2 {
+            let (from, of_half) = (LANES * half, &corners[half]);
+            for a in 0..3 {
+                for lane in 0..LANES {
+                    let margin = margins[from + lane];
+                    let [mut lower, mut upper] = [of_half[0][a][lane] - margin, of_half[0][a][lane] + margin];
+                    for c in 1..4 {
+                        lower = least(lower, of_half[c][a][lane] - margin);
+                        upper = greatest(upper, of_half[c][a][lane] + margin);
+                    }
+                    children.lower[a][from + lane] = lower;
+                    children.upper[a][from + lane] = upper;
+                }
+            }
+        }
+        children.truncate(count);
+        let node = Node::new(&children, count, cut);
+        for half in 0..2 {
+            let mut unpacked = HalfBlock::ZERO;
+            unpacked.unpack_boxes(s, &node, half);
+            packed.corners[half] = unpacked.pack(&corners[half]);
+        }
+        node
     }
 }
 

@@ -22,6 +22,15 @@ pub struct Frame {
     pub scale: f64,
 }
 
+/// The boxes of up to 32 children, lane by lane; those that are not there contain nothing.
+#[derive(Debug, Clone)]
+pub struct Children {
+    /// Lower sides.
+    pub lower: [[f32; FANOUT]; 3],
+    /// Upper sides.
+    pub upper: [[f32; FANOUT]; 3],
+}
+
 /// 32 boxes as bytes relative to the node's own box.
 #[derive(Debug, Clone)]
 #[repr(C, align(64))]
@@ -58,28 +67,59 @@ impl Frame {
     }
 }
 
-impl Node {
-    /// A node over at most 32 children.
-    pub fn new(children: &[Box4], cut: u32) -> Node {
-        let bounds = children.iter().fold(Box4::EMPTY, |b, c| b.union(c));
-        let per_unit = std::array::from_fn(|a| {
-            let scale = 255.0 / (bounds.upper[a] - bounds.lower[a]);
-            // A node without extent has one byte value for everything.
-            if scale.is_finite() {
-                scale
-            } else {
-                0.0
-            }
-        });
-        let valid = u32::MAX >> (FANOUT - children.len());
-        let mut boxes = ByteBoxes { sides: [[0; 2 * FANOUT]; 3], origin: bounds.lower, per_unit };
-        for (i, child) in children.iter().enumerate() {
+impl Children {
+    /// None yet.
+    pub const NONE: Children =
+        Children { lower: [[f32::INFINITY; FANOUT]; 3], upper: [[f32::NEG_INFINITY; FANOUT]; 3] };
+
+    /// Leaves the first `count`.
+    #[inline(always)]
+    pub fn truncate(&mut self, count: usize) {
+        for a in 0..3 {
+            self.lower[a][count..].fill(f32::INFINITY);
+            self.upper[a][count..].fill(f32::NEG_INFINITY);
+        }
+    }
+
+    /// At most 32 boxes.
+    pub fn of(boxes: impl Iterator<Item = Box4>) -> Children {
+        let mut children = Children::NONE;
+        for (i, b) in boxes.enumerate() {
             for a in 0..3 {
-                boxes.sides[a][i] = boxes.to_byte(child.lower[a], a);
-                boxes.sides[a][FANOUT + i] = 255 - boxes.to_byte(child.upper[a], a);
+                children.lower[a][i] = b.lower[a];
+                children.upper[a][i] = b.upper[a];
             }
         }
-        Node { boxes, upper: bounds.upper, valid, cut }
+        children
+    }
+}
+
+impl Node {
+    /// A node over the first `count` children.
+    #[inline(always)]
+    pub fn new(children: &Children, count: usize, cut: u32) -> Node {
+        let (mut lower, mut upper) = ([0.0; 4], [0.0; 4]);
+        let mut per_unit = [0.0; 4];
+        for a in 0..3 {
+            (lower[a], upper[a]) = (f32::INFINITY, f32::NEG_INFINITY);
+            for i in 0..FANOUT {
+                lower[a] = least(lower[a], children.lower[a][i]);
+                upper[a] = greatest(upper[a], children.upper[a][i]);
+            }
+            let scale = 255.0 / (upper[a] - lower[a]);
+            // A node without extent has one byte value for everything.
+            per_unit[a] = if scale.is_finite() { scale } else { 0.0 };
+        }
+        let mut boxes = ByteBoxes { sides: [[0; 2 * FANOUT]; 3], origin: lower, per_unit };
+        for a in 0..3 {
+            for i in 0..FANOUT {
+                boxes.sides[a][i] = boxes.to_byte(children.lower[a][i], a);
+            }
+            for i in 0..FANOUT {
+                boxes.sides[a][FANOUT + i] = 255 - boxes.to_byte(children.upper[a][i], a);
+            }
+        }
+        Node { boxes, upper, valid: u32::MAX >> (FANOUT - count), cut }
     }
 
     /// The box around all children.
@@ -131,6 +171,26 @@ impl Node {
     }
 }
 
+/// The lesser of two numbers: `f32::min` allows for NaN, at a price.
+#[inline(always)]
+pub fn least(x: f32, y: f32) -> f32 {
+    if x < y {
+        x
+    } else {
+        y
+    }
+}
+
+/// The greater of two numbers, like [`least`].
+#[inline(always)]
+pub fn greatest(x: f32, y: f32) -> f32 {
+    if x > y {
+        x
+    } else {
+        y
+    }
+}
+
 /// Sixteen of a node's bytes.
 #[inline(always)]
 fn sixteen(bytes: &[u8; 2 * FANOUT], from: usize) -> &[u8; LANES] {
@@ -150,6 +210,10 @@ mod tests {
             lower: [s[0].min(s[1]), s[2].min(s[3]), s[4].min(s[5]), 0.0],
             upper: [s[0].max(s[1]), s[2].max(s[3]), s[4].max(s[5]), 0.0],
         })
+    }
+
+    fn node_over(children: &[Box4]) -> Node {
+        Node::new(&Children::of(children.iter().copied()), children.len(), 0)
     }
 
     fn is_meeting(p: &Box4, q: &Box4) -> bool {
@@ -174,7 +238,7 @@ mod tests {
         #![proptest_config(ProptestConfig::with_cases(3_000))]
         #[test]
         fn a_meeting_child_is_never_missed(children in prop::collection::vec(box4(), 1..=32), query in box4()) {
-            let node = Node::new(&children, 0);
+            let node = node_over(&children);
             let (found, own) = Level::Portable.checked().run(Test(&node, &query));
             for level in Level::available() {
                 prop_assert_eq!(level.checked().run(Test(&node, &query)), (found, own), "{}", level.name());
@@ -197,7 +261,7 @@ mod tests {
     #[test]
     fn a_node_without_extent_and_an_endless_query() {
         let cube = |from: f32, to: f32| Box4 { lower: [from, from, from, 0.0], upper: [to, to, to, 0.0] };
-        let node = Node::new(&[cube(0.25, 0.25)], 0);
+        let node = node_over(&[cube(0.25, 0.25)]);
         for level in Level::available() {
             let found = |b: Box4| level.checked().run(Test(&node, &b));
             assert_eq!(found(cube(0.25, 0.25)), (1, true));

@@ -1,6 +1,6 @@
 //! The pieces of a block: packed in ten bits a coordinate, and unpacked in lanes.
 
-use super::node::{Node, FANOUT, HALF, UNPACK_ROUNDING};
+use super::node::{greatest, least, Node, FANOUT, HALF, UNPACK_ROUNDING};
 use crate::lanes::{boxes_apart, greatest4, least4, Box4, Lane32, LANES, TINY};
 use crate::simd::Simd;
 
@@ -159,17 +159,22 @@ impl HalfBlock {
         !s.lanes(boxes_apart(s, [lower, upper], [&of_piece[0], &of_piece[1]]))
     }
 
-    /// A piece's corners as steps between the sides of its box.
-    pub fn pack(&self, lane: usize, corners: &[[f32; 3]; 4]) -> [u32; 4] {
-        let mut per_step = [0.0; 3];
+    /// The pieces' corners as steps between the sides of their boxes, by corner and lane.
+    #[inline(always)]
+    pub fn pack(&self, corners: &[[Lane32; 3]; 4]) -> [[u32; LANES]; 4] {
+        let mut packed = [[0; LANES]; 4];
         for a in 0..3 {
-            per_step[a] = STEPS / (self.upper[a][lane] - self.lower[a][lane]);
-        }
-        let mut packed = [0; 4];
-        for c in 0..4 {
-            for a in 0..3 {
-                let step = (corners[c][a] - self.lower[a][lane]) * per_step[a] + 0.5;
-                packed[c] |= (step.clamp(0.0, STEPS) as u32) << (10 * a);
+            let mut per_unit = [0.0; LANES];
+            for lane in 0..LANES {
+                per_unit[lane] = STEPS / (self.upper[a][lane] - self.lower[a][lane]);
+            }
+            for c in 0..4 {
+                for lane in 0..LANES {
+                    let step = (corners[c][a][lane] - self.lower[a][lane]) * per_unit[lane];
+                    let step = least(greatest(step, 0.0), STEPS);
+                    // Adding 2^23 rounds to a whole number, which then stands in the lowest bits.
+                    packed[c][lane] |= ((step + 8_388_608.0).to_bits() & STEPS as u32) << (10 * a);
+                }
             }
         }
         packed
@@ -178,6 +183,7 @@ impl HalfBlock {
 
 #[cfg(test)]
 mod tests {
+    use super::super::node::Children;
     use super::*;
     use crate::simd::{Kernel, Level};
     use proptest::prelude::*;
@@ -217,14 +223,17 @@ mod tests {
                 }
                 b
             }).collect();
-            let node = Node::new(&boxes, 0);
+            let node = Node::new(&Children::of(boxes.iter().copied()), boxes.len(), 0);
             // Packed at one level, unpacked at another: they may round differently.
             for (by, level) in Level::available().into_iter().flat_map(|l| [(Level::Portable, l), (l, Level::Portable)]) {
                 let halves = by.checked().run(Unpack(&node, None, 0.0));
                 let mut packed = PackedPieces::ZERO;
-                for (i, piece) in pieces.iter().enumerate() {
-                    let corners = halves[i / LANES].pack(i % LANES, piece);
-                    (0..4).for_each(|c| packed.corners[i / LANES][c][i % LANES] = corners[c]);
+                for half in 0..2 {
+                    let mut corners = [[[0.0; LANES]; 3]; 4];
+                    for (lane, piece) in pieces.iter().skip(LANES * half).take(LANES).enumerate() {
+                        (0..12).for_each(|k| corners[k / 3][k % 3][lane] = piece[k / 3][k % 3]);
+                    }
+                    packed.corners[half] = halves[half].pack(&corners);
                 }
                 let halves = level.checked().run(Unpack(&node, Some(&packed), 0.0));
                 for (i, piece) in pieces.iter().enumerate() {
