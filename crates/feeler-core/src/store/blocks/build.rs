@@ -174,17 +174,6 @@ impl Kernel for Pack<'_> {
     }
 }
 
-fn box_of(corners: &Corners, margin: f32) -> Box4 {
-    let mut b = Box4::EMPTY;
-    for c in corners {
-        for a in 0..3 {
-            b.lower[a] = b.lower[a].min(c[a] - margin);
-            b.upper[a] = b.upper[a].max(c[a] + margin);
-        }
-    }
-    b
-}
-
 /// What each chunk of triangles becomes. Refuses what memory or 32-bit ids cannot hold.
 fn count_pieces(mesh: &Mesh, ids: &[u32], size: f64, limit: u64) -> Result<Vec<Count>> {
     let least: f64 = ids.par_iter().map(|id| least_pieces(&mesh.triangle(*id), size)).sum();
@@ -250,8 +239,14 @@ fn cut_all(mesh: &Mesh, ids: &[u32], size: f64, counts: &[Count], frame: &Frame)
     (pieces, cuts)
 }
 
-fn middle_of(cells: &Cells, corners: &Corners) -> u64 {
-    let b = box_of(corners, 0.0);
-    let wide = |x: &[f32; 4]| [f64::from(x[0]), f64::from(x[1]), f64::from(x[2])];
-    cells.middle(&wide(&b.lower), &wide(&b.upper))
+/// The cell of the middle of a piece's box.
+fn middle_of(cells: &Cells, [first, rest @ ..]: &Corners) -> u64 {
+    let (mut lower, mut upper) = (*first, *first);
+    for corner in rest {
+        for a in 0..3 {
+            lower[a] = least(lower[a], corner[a]);
+            upper[a] = greatest(upper[a], corner[a]);
+        }
+    }
+    cells.middle(&lower.map(f64::from), &upper.map(f64::from))
 }
