@@ -290,7 +290,7 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig { max_global_rejects: 20_000, ..ProptestConfig::with_cases(100_000) })]
+        #![proptest_config(ProptestConfig { max_global_rejects: 20_000, ..ProptestConfig::with_cases(20_000) })]
         #[test]
         fn agrees_where_products_overflow(
             corners in prop::array::uniform6(prop::array::uniform3((-1.0f64..1.0, -12i32..24))),
