@@ -242,6 +242,26 @@ pub fn along<S: Arithmetic>(s: S, corners: &[[S::F32; 3]; 4], n: &[S::F32; 3]) -
     (least4(s, &d), greatest4(s, &d))
 }
 
+/// The lesser of two numbers: `f32::min` allows for NaN, at a price.
+#[inline(always)]
+pub fn least(x: f32, y: f32) -> f32 {
+    if x < y {
+        x
+    } else {
+        y
+    }
+}
+
+/// The greater of two numbers, like [`least`].
+#[inline(always)]
+pub fn greatest(x: f32, y: f32) -> f32 {
+    if x > y {
+        x
+    } else {
+        y
+    }
+}
+
 #[inline(always)]
 pub fn least4<S: Arithmetic>(s: S, x: &[S::F32; 4]) -> S::F32 {
     s.min(s.min(x[0], x[1]), s.min(x[2], x[3]))

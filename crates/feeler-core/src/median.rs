@@ -4,6 +4,7 @@
 //! between whole nodes. Compared with an order along a Morton curve the nodes' boxes overlap far less.
 
 use crate::bounds::{Aabb, Point};
+use crate::lanes::{greatest, least};
 
 /// An entry to be ordered.
 pub trait Entry: Copy + Send {
@@ -106,8 +107,8 @@ fn surface(places: &[[f32; 4]]) -> f64 {
     let (mut low, mut high) = ([f32::INFINITY; 4], [0.0f32; 4]);
     for place in places {
         for a in 0..4 {
-            low[a] = if place[a] < low[a] { place[a] } else { low[a] };
-            high[a] = if place[a] > high[a] { place[a] } else { high[a] };
+            low[a] = least(place[a], low[a]);
+            high[a] = greatest(place[a], high[a]);
         }
     }
     let [x, y, z] = [0, 1, 2].map(|a| f64::from(high[a] - low[a]) + 1.0);

@@ -67,12 +67,6 @@ impl Mesh {
         corners(&self.vertices, &self.faces[id as usize])
     }
 
-    /// Asks for the corners of a triangle that is queried, before they are needed.
-    #[inline]
-    pub(crate) fn prefetch_triangle(&self, id: u32) {
-        self.faces[id as usize].iter().for_each(|v| prefetch_at(&self.vertices, *v as usize));
-    }
-
     /// Number of triangles that are queried.
     pub fn queried_count(&self) -> usize {
         self.faces.len() - self.defects.excluded.len()
@@ -99,6 +93,12 @@ impl Mesh {
             + self.faces.capacity() * size_of::<[u32; 3]>()
             + self.defects.excluded.capacity() * size_of::<u32>()
     }
+}
+
+/// Asks for the corners of a face whose indices are in range, before they are needed.
+#[inline(always)]
+pub(crate) fn prefetch_corners(vertices: &[Point], face: &[u32; 3]) {
+    face.iter().for_each(|v| prefetch_at(vertices, *v as usize));
 }
 
 /// A static mock-up: one mesh made of parts.

@@ -4,7 +4,7 @@ use crate::bounds::Aabb;
 use crate::hits::{pair_key, Hit, Hits};
 use crate::intersect_lanes::{intersect, least_of, moved, Pairs};
 use crate::intersect_triangle_triangle::{intersect_with, PairKind};
-use crate::mesh::Mesh;
+use crate::mesh::{prefetch_corners, Mesh};
 use crate::pose::Pose;
 use crate::predicates::Signs;
 use crate::simd::{prefetch_at, Arithmetic, Checked, Kernel, Simd, LANES, WIDE_LANES};
@@ -399,11 +399,11 @@ impl Kernel for Test<'_> {
         let (first, rest) = asked.split_at(asked.len().min(AHEAD));
         let mut rest = rest.chunks(each.max(1));
         for m in first {
-            faces[*m as usize].iter().for_each(|v| prefetch_at(vertices, *v as usize));
+            prefetch_corners(vertices, &faces[*m as usize]);
         }
         for group in 0..groups {
             for m in rest.next().unwrap_or(&[]) {
-                faces[*m as usize].iter().for_each(|v| prefetch_at(vertices, *v as usize));
+                prefetch_corners(vertices, &faces[*m as usize]);
             }
             let from = wide * group;
             let (mut slot, mut triangle) = ([0; LANES], [0; LANES]);

@@ -23,7 +23,7 @@ pub(crate) struct Adjacency {
 
 impl Adjacency {
     /// Edges are matched by their corners' positions, so a mesh whose triangles share no vertices is as good as any.
-    pub fn new(mesh: &Mesh, part_of_face: impl Fn(u32) -> u32 + Sync, parts: usize) -> Adjacency {
+    pub fn new(mesh: &Mesh, part_of_face: impl Fn(u32) -> u32, parts: usize) -> Adjacency {
         let mut neighbours = vec![[NONE; 3]; mesh.faces().len()];
         // A triangle whose edge has no proper neighbour opens its whole surface.
         let mut closed = vec![true; mesh.faces().len()];

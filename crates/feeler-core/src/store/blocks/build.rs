@@ -4,14 +4,14 @@ use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 use rayon::prelude::*;
 
-use super::node::{greatest, least, Children, Frame, Node, FANOUT};
+use super::node::{Children, Frame, Node, FANOUT};
 use super::pieces::{HalfBlock, PackedPieces};
 use super::Blocks;
 use crate::bounds::Aabb;
 use crate::error::{Error, Result};
-use crate::lanes::{Box4, LANES};
+use crate::lanes::{greatest, least, Box4, LANES};
 use crate::median::{self, Cells};
-use crate::mesh::Mesh;
+use crate::mesh::{prefetch_corners, Mesh};
 use crate::pieces::{cut_margin, cut_triangle, least_pieces};
 use crate::simd::{prefetch_at, Kernel, Level, Simd};
 use crate::store::{check_entries, check_memory, report, Progress};
@@ -120,7 +120,7 @@ impl Kernel for Pack<'_> {
         // What the next blocks need lies anywhere.
         for piece in pieces.iter().skip(from + FANOUT).take(FANOUT) {
             if piece.cut == WHOLE {
-                mesh.prefetch_triangle(piece.triangle);
+                prefetch_corners(mesh.vertices(), &mesh.faces()[piece.triangle as usize]);
             } else {
                 prefetch_at(cuts, piece.cut as usize);
             }

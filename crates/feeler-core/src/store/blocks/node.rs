@@ -1,7 +1,7 @@
 //! Nodes that hold 32 boxes in bytes.
 
 use crate::bounds::{Aabb, Point};
-use crate::lanes::{Box4, Lane32, LaneBoxes, LANES};
+use crate::lanes::{greatest, least, Box4, Lane32, LaneBoxes, LANES};
 use crate::simd::{ByteBoxes, Simd};
 
 /// Children of a node.
@@ -95,7 +95,7 @@ impl Children {
 }
 
 impl Node {
-    /// A node over the first `count` children.
+    /// A node over the first `count` children; there are no others.
     #[inline(always)]
     pub fn new(children: &Children, count: usize, cut: u32) -> Node {
         let (mut lower, mut upper) = ([0.0; 4], [0.0; 4]);
@@ -168,26 +168,6 @@ impl Node {
     #[inline(always)]
     pub fn byte_boxes(&self) -> (&ByteBoxes, &[f32; 4]) {
         (&self.boxes, &self.upper)
-    }
-}
-
-/// The lesser of two numbers: `f32::min` allows for NaN, at a price.
-#[inline(always)]
-pub fn least(x: f32, y: f32) -> f32 {
-    if x < y {
-        x
-    } else {
-        y
-    }
-}
-
-/// The greater of two numbers, like [`least`].
-#[inline(always)]
-pub fn greatest(x: f32, y: f32) -> f32 {
-    if x > y {
-        x
-    } else {
-        y
     }
 }
 

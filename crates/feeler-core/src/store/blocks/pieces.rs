@@ -1,7 +1,7 @@
 //! The pieces of a block: packed in ten bits a coordinate, and unpacked in lanes.
 
-use super::node::{greatest, least, Node, FANOUT, HALF, UNPACK_ROUNDING};
-use crate::lanes::{boxes_apart, greatest4, least4, Box4, Lane32, LANES, TINY};
+use super::node::{Node, FANOUT, HALF, UNPACK_ROUNDING};
+use crate::lanes::{boxes_apart, greatest, greatest4, least, least4, Box4, Lane32, LANES, TINY};
 use crate::simd::Simd;
 
 /// A block's pieces, but for their boxes. All that a query reads of a block after these lies side by side.
