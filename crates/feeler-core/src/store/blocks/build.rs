@@ -131,7 +131,11 @@ impl Kernel for Pack<'_> {
         let mut corners = [[[[0.0; LANES]; 3]; 4]; 2];
         let mut margins = [0.0; FANOUT];
         let mut cut = 0;
-        for (i, piece) in pieces[from..from + count].iter().enumerate() {
+        // Halves that are apart: a query reads one of them more often than both.
+        let own = &pieces[from..from + count];
+        let places: [i32; FANOUT] = median::places_in_leaf(own);
+        for (piece, place) in own.iter().zip(places) {
+            let i = place as usize;
             packed.triangles[i] = piece.triangle;
             let of_piece = if piece.cut == WHOLE {
                 let [a, b, c] = mesh.triangle(piece.triangle).map(|p| frame.point(&p));

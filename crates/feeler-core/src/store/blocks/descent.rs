@@ -3,7 +3,7 @@
 use super::node::Node;
 use super::pieces::HalfBlock;
 use super::rows::RowsScratch;
-use super::scan::{Arrival, PiecePair, Reached, Scan, PIECE_PAIRS};
+use super::scan::{Arrival, PiecePair, Reached, Run, Scan, PIECE_PAIRS};
 use super::{Blocks, FANOUT};
 use crate::lanes::{Box4, BoxLanes, LaneBoxes, PlaceBoxes, PlacedPieces, Placement, SpreadBoxes, LANES};
 use crate::narrow::Narrow;
@@ -22,7 +22,7 @@ pub struct BlocksScratch {
     pub(super) pieces: Box<[PlacedPieces; LANES]>,
     pub(super) halves: Box<[HalfBlock; 2]>,
     /// Blocks with something in `found`, and from where.
-    pub(super) runs: Vec<(u32, u32)>,
+    pub(super) runs: Vec<Run>,
     /// Clusters of the group that meet pieces of a block, and which.
     pub(super) found: Vec<(u32, u32)>,
     pub(super) pairs: Box<[PiecePair; PIECE_PAIRS]>,

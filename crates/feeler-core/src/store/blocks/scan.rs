@@ -39,6 +39,14 @@ impl Reached {
     }
 }
 
+/// A block, from where on the list its clusters stand, and which of its pieces any of these reaches.
+#[derive(Debug, Clone, Copy)]
+pub struct Run {
+    block: u32,
+    from: usize,
+    reached: u32,
+}
+
 /// Lets a group wait while its blocks come from memory, and offers the pairs of pieces of the clusters and blocks of the group
 /// that waited before. True when the query is over.
 pub struct Scan<'a, 'n> {
@@ -191,20 +199,22 @@ impl Kernel for Scan<'_, '_> {
                         prefetch(&packed.triangles[LANES * half]);
                     }
                 }
-                runs.push((block, from as u32));
+                runs.push(Run { block, from, reached });
             }
         }
         for run in 0..runs.len() {
-            let (block, from) = runs[run];
-            let to = runs.get(run + 1).map_or(count, |next| next.1 as usize);
+            let Run { block, from, reached } = runs[run];
+            let to = runs.get(run + 1).map_or(count, |next| next.from);
             let (node, packed) = (&level[block as usize], &blocks.pieces[block as usize]);
             for half in 0..2 {
-                halves[half].unpack_boxes(s, node, half);
+                if reached >> (LANES * half) & HALF_MASK != 0 {
+                    halves[half].unpack_boxes(s, node, half);
+                }
             }
             let most_slack = most_slack(node, slack);
             let mut unpacked = 0;
             let mut kept = 0;
-            for &(c, hit) in &found[from as usize..to] {
+            for &(c, hit) in &found[from..to] {
                 let placed = &mut pieces[c as usize];
                 let used = clusters[c as usize].corners.used;
                 let (met, count, entries) = boxes_meeting(s, &placed.boxes, used, halves, (c, hit), pairs, kept);
