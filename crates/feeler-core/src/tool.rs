@@ -40,6 +40,9 @@ pub(crate) struct Widths {
     pub clusters: [f64; 3],
 }
 
+/// Lanes of the shortest registers, those of plain code.
+pub(crate) const LEAST_LANES: usize = 4;
+
 /// Sixteen pieces that lie close together.
 #[derive(Debug, Clone)]
 pub struct Cluster {
@@ -72,6 +75,8 @@ impl Tool {
         };
         let mut order: Vec<(u64, u32)> = pieces.iter().zip(0..).map(|(p, i)| (middle(p), i)).collect();
         median::order(&mut order, LANES);
+        // And within a cluster: where registers are short, some of its lanes often have nothing to do together.
+        order.chunks_mut(LANES).for_each(|cluster| median::order(cluster, LEAST_LANES));
         let pieces: Vec<&CutPiece> = order.iter().map(|(_, i)| &pieces[*i as usize]).collect();
         let unit = ToolUnit::new(&mesh.bounds());
         // Slots in the order in which clusters first name a triangle.

@@ -380,6 +380,7 @@ impl Arithmetic for Avx2 {
 
 impl Simd for Avx2 {
     type Part = OneRegister;
+    type Few = Avx2;
 
     #[inline(always)]
     fn part(self) -> OneRegister {
@@ -418,6 +419,14 @@ impl Simd for Avx2 {
             }
             corners
         }
+    }
+    #[inline(always)]
+    fn few(self) -> Avx2 {
+        self
+    }
+    #[inline(always)]
+    fn load_few(self, x: &[f32; LANES], _: usize) -> Self::F32 {
+        self.load(x)
     }
     #[inline(always)]
     fn load(self, x: &[f32; LANES]) -> Self::F32 {

@@ -168,6 +168,7 @@ impl Arithmetic for Avx512 {
 
 impl Simd for Avx512 {
     type Part = Avx512;
+    type Few = Avx512;
 
     #[inline(always)]
     fn part(self) -> Avx512 {
@@ -218,6 +219,14 @@ impl Simd for Avx512 {
             }
             corners
         }
+    }
+    #[inline(always)]
+    fn few(self) -> Avx512 {
+        self
+    }
+    #[inline(always)]
+    fn load_few(self, x: &[f32; LANES], _: usize) -> Self::F32 {
+        self.load(x)
     }
     #[inline(always)]
     fn load(self, x: &[f32; LANES]) -> Self::F32 {

@@ -245,6 +245,13 @@ pub(crate) trait Simd: Arithmetic {
         at: &[u32],
     ) -> [[<Self::Part as Arithmetic>::F64; 3]; 3];
 
+    /// As many lanes as are left out together where none of them has anything to do; all, where leaving out fewer brings nothing.
+    type Few: Arithmetic;
+    /// The token of few lanes.
+    fn few(self) -> Self::Few;
+    /// Few lanes of `x`, the first of them at `from`, a multiple of how many they are.
+    fn load_few(self, x: &[f32; LANES], from: usize) -> <Self::Few as Arithmetic>::F32;
+
     /// Lane `i` is `x[i]`.
     fn load(self, x: &[f32; LANES]) -> Self::F32;
     /// The lanes.

@@ -215,6 +215,7 @@ impl<const F: usize, const W: usize> Arithmetic for Arrays<F, W> {
 
 impl Simd for Portable {
     type Part = Register;
+    type Few = Register;
 
     #[inline(always)]
     fn part(self) -> Register {
@@ -246,6 +247,15 @@ impl Simd for Portable {
             }
         }
         corners
+    }
+    #[inline(always)]
+    fn few(self) -> Register {
+        Arrays
+    }
+    #[inline(always)]
+    fn load_few(self, x: &[f32; LANES], from: usize) -> Array<f32, 4> {
+        let from = from & 12;
+        Array([x[from], x[from + 1], x[from + 2], x[from + 3]])
     }
     #[inline(always)]
     fn load(self, x: &[f32; LANES]) -> Self::F32 {

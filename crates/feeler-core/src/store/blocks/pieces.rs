@@ -2,7 +2,7 @@
 
 use super::node::{Node, FANOUT, HALF, UNPACK_ROUNDING};
 use crate::lanes::{boxes_apart, greatest, greatest4, least, least4, Box4, Lane32, LANES, TINY};
-use crate::simd::Simd;
+use crate::simd::{Arithmetic, Simd};
 
 /// A block's pieces, but for their boxes. All that a query reads of a block after these lies side by side.
 #[derive(Debug, Clone)]
@@ -133,7 +133,7 @@ impl HalfBlock {
 
     /// The same as it comes, for who allows for the slack elsewhere: [`most_slack`].
     #[inline(always)]
-    pub fn corners_along<S: Simd>(&self, s: S, piece: usize, n: &[S::F32; 3]) -> (S::F32, S::F32) {
+    pub fn corners_along<S: Arithmetic>(&self, s: S, piece: usize, n: &[S::F32; 3]) -> (S::F32, S::F32) {
         let mut d = [n[0]; 4];
         for c in 0..4 {
             let at = [&self.corners[c][0], &self.corners[c][1], &self.corners[c][2]];
@@ -145,7 +145,7 @@ impl HalfBlock {
 
     /// The axis across a piece's plane, in all lanes.
     #[inline(always)]
-    pub fn normal<S: Simd>(&self, s: S, piece: usize) -> [S::F32; 3] {
+    pub fn normal<S: Arithmetic>(&self, s: S, piece: usize) -> [S::F32; 3] {
         [s.splat(self.normals[0][piece]), s.splat(self.normals[1][piece]), s.splat(self.normals[2][piece])]
     }
 

@@ -10,10 +10,10 @@ use super::descent::{BlocksScratch, Reach};
 use super::pieces::{most_slack, HalfBlock};
 use super::rows::{are_small, offer_rows, Rows, MANY};
 use super::{Blocks, FANOUT};
-use crate::lanes::{along, load3, Box4, LaneBoxes, PlaceBoxes, PlacedPieces, Placement, LANES, TINY};
+use crate::lanes::{along, load3, Box4, Lane32, LaneBoxes, PlaceBoxes, PlacedPieces, Placement, LANES, TINY};
 use crate::narrow::Narrow;
-use crate::simd::{prefetch, prefetch_at, Checked, Kernel, Simd};
-use crate::tool::Tool;
+use crate::simd::{prefetch, prefetch_at, Arithmetic, Checked, Kernel, Simd};
+use crate::tool::{Tool, LEAST_LANES};
 
 /// A group of clusters at the nodes `nodes[from..]`.
 pub struct Arrival<'a> {
@@ -317,24 +317,94 @@ fn planes_meeting<S: Simd>(
     pairs: &mut [PiecePair; PIECE_PAIRS],
     of_cluster: Range<usize>,
 ) -> usize {
-    let (corners, n) = (placed.corners(s), load3(s, &placed.normals));
+    let n = load3(s, &placed.normals);
     // The intervals of the tool's pieces along their own axes, grown by all slack.
     let slack = s.mul_add(s.abs(n[2]), s.splat(most_slack[2]), s.splat(TINY));
     let slack = s.mul_add(s.abs(n[1]), s.splat(most_slack[1]), slack);
     let slack = s.mul_add(s.abs(n[0]), s.splat(most_slack[0]), slack);
-    let (placed_near, placed_far) = (s.load(&placed.near) - slack, s.load(&placed.far) + slack);
+    let (near, far) = (s.load(&placed.near) - slack, s.load(&placed.far) + slack);
+    if few_lanes::<S>() < LANES {
+        let mut ends = [[0.0; LANES]; 2];
+        s.store(near, &mut ends[0]);
+        s.store(far, &mut ends[1]);
+        return planes_meeting_few(s, placed, &ends, halves, pairs, of_cluster);
+    }
+    let own = OwnPlanes { corners: placed.corners(s), normals: n, near, far };
     let mut kept = of_cluster.start;
     for i in of_cluster {
         let pair = pairs[i];
-        let (half, piece) = (&halves[(pair.piece as usize) / LANES], (pair.piece as usize) % LANES);
-        // The plane of the block's piece; its own interval along its axis is known.
-        let (near, far) = along(s, &corners, &half.normal(s, piece));
-        let apart = s.above(near, s.splat(half.far[piece])) | s.above(s.splat(half.near[piece]), far);
-        // The planes of the tool's pieces.
-        let (near, far) = half.corners_along(s, piece, &n);
-        let lanes = pair.lanes & !s.lanes(apart | s.above(near, placed_far) | s.above(placed_near, far));
+        let lanes = pair.lanes & !s.lanes(planes_apart(s, &own, halves, pair.piece));
         pairs[kept] = PiecePair { lanes, ..pair };
         kept += usize::from(lanes != 0);
     }
     kept
+}
+
+/// The same, with the intervals of the tool's pieces, by few lanes at a time and without those in which there is nothing.
+#[inline(always)]
+fn planes_meeting_few<S: Simd>(
+    s: S,
+    placed: &PlacedPieces,
+    [near, far]: &[Lane32; 2],
+    halves: &[HalfBlock; 2],
+    pairs: &mut [PiecePair; PIECE_PAIRS],
+    of_cluster: Range<usize>,
+) -> usize {
+    let (few, lanes) = (s.few(), few_lanes::<S>());
+    // Which pairs, and which of their lanes.
+    let mut parts = [(0u16, 0u16); PARTS];
+    let mut count = 0;
+    for i in of_cluster.clone() {
+        for from in (0..LANES).step_by(lanes) {
+            parts[count % PARTS] = (i as u16, from as u16);
+            count += usize::from(u32::from(pairs[i].lanes) >> from & ((1 << lanes) - 1) != 0);
+        }
+    }
+    for &(i, from) in &parts[..count] {
+        let (pair, from) = (&mut pairs[usize::from(i) % PIECE_PAIRS], usize::from(from));
+        let zero = [few.splat(0.0); 3];
+        let (mut corners, mut normals) = ([zero; 4], zero);
+        for a in 0..3 {
+            normals[a] = s.load_few(&placed.normals[a], from);
+            for c in 0..4 {
+                corners[c][a] = s.load_few(&placed.corners[c][a], from);
+            }
+        }
+        let own = OwnPlanes { corners, normals, near: s.load_few(near, from), far: s.load_few(far, from) };
+        pair.lanes &= !(few.lanes(planes_apart(few, &own, halves, pair.piece)) << from);
+    }
+    let mut kept = of_cluster.start;
+    for i in of_cluster {
+        pairs[kept] = pairs[i];
+        kept += usize::from(pairs[kept].lanes != 0);
+    }
+    kept
+}
+
+#[inline(always)]
+fn few_lanes<S: Simd>() -> usize {
+    2 * <S::Few as Arithmetic>::WIDE
+}
+
+/// Most that a cluster has: of each of a block's pieces, as many as there are where the fewest lanes make a part.
+const PARTS: usize = FANOUT * LANES / LEAST_LANES;
+
+/// Pieces of a cluster: their corners, axes across their planes, and their intervals along these, grown by all slack.
+struct OwnPlanes<A: Arithmetic> {
+    corners: [[A::F32; 3]; 4],
+    normals: [A::F32; 3],
+    near: A::F32,
+    far: A::F32,
+}
+
+/// Which of a cluster's pieces a plane holds apart from one of a block's.
+#[inline(always)]
+fn planes_apart<A: Arithmetic>(s: A, own: &OwnPlanes<A>, halves: &[HalfBlock; 2], piece: u32) -> A::M32 {
+    let (half, piece) = (&halves[piece as usize / LANES], piece as usize % LANES);
+    // The plane of the block's piece; its own interval along its axis is known.
+    let (near, far) = along(s, &own.corners, &half.normal(s, piece));
+    let apart = s.above(near, s.splat(half.far[piece])) | s.above(s.splat(half.near[piece]), far);
+    // The planes of the tool's pieces.
+    let (near, far) = half.corners_along(s, piece, &own.normals);
+    apart | s.above(near, own.far) | s.above(own.near, far)
 }
