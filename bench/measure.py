@@ -23,6 +23,7 @@ from feeler.samples.poses import sample_poses
 
 US_PER_NS = 1e-3
 WAY_M = 0.02  # of a cast
+SHORT_S = 2.0  # a cell that took less is measured on, if it may be
 
 
 @dataclass
@@ -100,24 +101,33 @@ def look(engines: Sequence[Engine], poses: Floats, query: str = "collide") -> di
     return found
 
 
-def clock(engines: Sequence[Engine], poses: Floats, rounds: int, query: str = "collide") -> dict[str, Times]:
-    """Every pose `rounds` times; in each round one engine after the other."""
-    shape = (rounds, len(poses))
+def clock(
+    engines: Sequence[Engine], poses: Floats, rounds: int, query: str = "collide", most_rounds: int = 0
+) -> dict[str, Times]:
+    """Every pose `rounds` times; in each round one engine after the other.
+
+    Where that takes less than `SHORT_S` seconds there are more rounds until then, up to `most_rounds`: what others do
+    on the machine comes and goes within seconds, and short cells would have all of it or nothing.
+    """
+    most = max(rounds, most_rounds)
+    shape = (most, len(poses))
     times = {engine.name: Times(np.zeros(shape), np.zeros(shape)) for engine in engines}
     collecting = gc.isenabled()
     gc.collect()
     gc.disable()
     try:
-        for turn in range(rounds):
-            first = turn % len(engines)
+        started, turns = time.perf_counter(), 0
+        while turns < rounds or (turns < most and time.perf_counter() - started < SHORT_S):
+            first = turns % len(engines)
             for engine in (*engines[first:], *engines[:first]):
                 own = times[engine.name]
                 for i, pose in enumerate(poses):
-                    own.wall[turn, i], own.cpu[turn, i] = clock_once(engine.aim(query, pose))
+                    own.wall[turns, i], own.cpu[turns, i] = clock_once(engine.aim(query, pose))
+            turns += 1
     finally:
         if collecting:
             gc.enable()
-    return times
+    return {name: Times(own.wall[:turns], own.cpu[:turns]) for name, own in times.items()}
 
 
 def clock_once(call: Callable[[], Any]) -> tuple[float, float]:

@@ -16,6 +16,7 @@ import feeler
 from feeler.samples.poses import KINDS
 from feeler.samples.tools import sample_tool
 
+MOST_ROUNDS = 25  # where they are short
 SIZES, QUICK_SIZES = "100k,400k,1.6M,6.4M", "100k,400k"
 TOOLS = "torque,wrench,square,hand,hand-fine"
 
@@ -36,7 +37,11 @@ def parse(arguments: list[str], said: str) -> argparse.Namespace:
         "--queries", type=_listed(_one_of("query", QUERIES)), default=",".join(QUERIES), help=f"({','.join(QUERIES)})"
     )
     parser.add_argument("--poses", type=_count, help="in each cell (100)")
-    parser.add_argument("--rounds", type=_count, help="of all poses; the least time of each pose counts (5)")
+    parser.add_argument(
+        "--rounds",
+        type=_count,
+        help=f"of all poses; the least time of each pose counts (5, and up to {MOST_ROUNDS} where they are short)",
+    )
     parser.add_argument("--builds", type=_count, help="of each index; the fastest counts (2)")
     parser.add_argument(
         "--worst", type=_count_or_none, metavar="N", help="nominal poses, for the worst (10000); 0: skip"
@@ -49,6 +54,7 @@ def parse(arguments: list[str], said: str) -> argparse.Namespace:
     parser.add_argument("--out", type=Path, default=record.ROOT / "bench" / "records", help="folder of the record")
     options = parser.parse_args(arguments)
     options.sizes = options.sizes or _listed(triangles)(QUICK_SIZES if options.quick else SIZES)
+    options.most_rounds = 0 if options.quick or options.rounds else MOST_ROUNDS
     for name, quick, full in (
         ("poses", 40, 100),
         ("rounds", 3, 5),

@@ -68,7 +68,9 @@ def figures(record: dict[str, Any], name: str) -> str:
     size = next((size for size in record["sizes"] if size["triangles_asked"] == SHOWN), record["sizes"][-1])
     cells = [c for c in record["cells"] if c["triangles_asked"] == size["triangles_asked"] and "engines" in c]
     peers = [peer for peer in record["engines"] if peer != "feeler"]
-    rounds, poses = max(cell["rounds"] for cell in cells), max(cell["poses"] for cell in cells)
+    least, most = (pick(cell["rounds"] for cell in cells if cell["query"] == "collide") for pick in (min, max))
+    rounds = f"{least}" if least == most else f"{least} to {most}"
+    poses = max(cell["poses"] for cell in cells)
     lines = [
         f"The sample `engine` with {size['triangles']:,} triangles in {size['parts']:,} parts; all colliding pairs",
         f"of a pose, one core, microseconds, median (p95) over {poses} poses, each the best of {rounds} rounds:",

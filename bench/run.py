@@ -38,12 +38,13 @@ from feeler.samples.mockups import sample
 
 ONE_SIZE = 1_600_000  # triangles, where a thing is measured at one size; without such a mock-up, the largest
 METHOD = (
-    "Per cell: one unclocked pass of each engine over all poses, then `rounds` rounds, in each of which each engine"
-    " runs one whole pass over the poses, as a user's loop does, so that the caches hold what it left there itself;"
-    " the order of the engines rotates with the round. Of each pose the least time over the rounds counts; median, "
-    "p95, p99, worst and mean are over poses. wall: perf_counter; cpu: CPU time of the calling thread; one core. "
-    "times faster: the peer's figure over feeler's; the best peer of a cell is the one with the smallest median, or"
-    " p95. All are called from Python, nothing subtracted; overheads: median of a call with the tool far outside. "
+    "Per cell: one unclocked pass of each engine over all poses, then `rounds` rounds (more where they are short), "
+    "in each of which each engine runs one whole pass over the poses, as a user's loop does, so that the caches hold "
+    "what it left there itself; the order of the engines rotates with the round. Of each pose the least time over the "
+    "rounds counts; median, p95, p99, worst and mean are over poses. wall: perf_counter; cpu: CPU time of the calling "
+    "thread; one core. times faster: the peer's figure over feeler's; the best peer of a cell is the one with the "
+    "smallest median, or p95. All are called from Python, nothing subtracted; overheads: median of a call with the "
+    "tool far outside. "
     "Builds: the fastest of `runs`; one that takes longer than five seconds is done once. bytes: feeler's "
     "scene.memory()['total'], which includes the mock-up's arrays that the index reads; Coal's memUsage, Embree's "
     "and parry's own count, with their copies of the mesh; FCL does not tell. rss and peak growth: the process's "
@@ -175,13 +176,13 @@ class Bench:
         found: dict[str, measure.Findings],
     ) -> None:
         able = engines.able(self.engines, cell["query"])
-        times = measure.clock(able, poses, self.options.rounds, cell["query"])
+        times = measure.clock(able, poses, self.options.rounds, cell["query"], self.options.most_rounds)
         others = able[1:]
         counts = np.array([len(pairs) for pairs in ours.pairs])
         cell |= {
             "poses": len(poses),
             "poses_asked": self.options.poses,
-            "rounds": self.options.rounds,
+            "rounds": len(times["feeler"].wall),
             "pairs": {"median": float(np.median(counts)), "mean": float(counts.mean()), "worst": int(counts.max())},
             "engines": {name: own.figures() for name, own in times.items()},
             "ratios": {peer.name: measure.ratios(times["feeler"], times[peer.name]) for peer in others},

@@ -10,7 +10,7 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -214,6 +214,24 @@ def test_records_go_by_age_without_those_of_a_disturbed_machine(
     for name, record in records.items():
         (tmp_path / f"{name}.json").write_text(json.dumps(record), encoding="utf-8")
     assert [path.stem for path in readme.by_age()] == ["b", "a"] and readme.newest().stem == "a"
+
+
+@pytest.mark.parametrize(("short_s", "most", "expected"), [(60.0, 0, 2), (60.0, 5, 5), (0.0, 5, 2)])
+def test_short_cells_have_more_rounds(
+    root: Path, monkeypatch: pytest.MonkeyPatch, short_s: float, most: int, expected: int
+) -> None:
+    monkeypatch.syspath_prepend(str(root / "bench"))
+    measure = importlib.import_module("measure")
+    monkeypatch.setattr(measure, "SHORT_S", short_s)
+    asked: list[str] = []
+    engines = [SimpleNamespace(name=name, aim=lambda *_, own=name: lambda: asked.append(own)) for name in "ab"]
+    times = measure.clock(engines, np.zeros((3, 4, 4)), 2, "collide", most)
+    assert {name: (own.wall.shape, own.cpu.shape) for name, own in times.items()} == {
+        name: ((expected, 3), (expected, 3)) for name in "ab"
+    }
+    # One engine after the other, and who is first changes.
+    turns = ["aaabbb" if turn % 2 == 0 else "bbbaaa" for turn in range(expected)]
+    assert "".join(asked) == "".join(turns) and (times["a"].wall > 0).all()
 
 
 def test_what_a_query_needs_at_least(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
