@@ -23,7 +23,7 @@ from feeler.samples.poses import sample_poses
 
 US_PER_NS = 1e-3
 WAY_M = 0.02  # of a cast
-SHORT_S = 2.0  # a cell that took less is measured on, if it may be
+SHORT_S = 2.0  # a cell that took less has more rounds, where these are allowed
 
 
 @dataclass
