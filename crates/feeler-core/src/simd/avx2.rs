@@ -429,6 +429,10 @@ impl Simd for Avx2 {
         self.load(x)
     }
     #[inline(always)]
+    fn store_few(self, x: Self::F32, to: &mut [f32; LANES], _: usize) {
+        self.store(x, to);
+    }
+    #[inline(always)]
     fn load(self, x: &[f32; LANES]) -> Self::F32 {
         // SAFETY: see above.
         unsafe { Two(One(_mm256_loadu_ps(x.as_ptr())), One(_mm256_loadu_ps(x[8..].as_ptr()))) }
@@ -442,7 +446,7 @@ impl Simd for Avx2 {
         }
     }
     #[inline(always)]
-    fn widen_bytes(self, x: &[u8; LANES]) -> Self::F32 {
+    fn widen_bytes(self, x: &[u8; LANES], _: usize) -> Self::F32 {
         // SAFETY: see above.
         unsafe {
             let bytes = _mm_loadu_si128(x.as_ptr().cast());
@@ -451,7 +455,7 @@ impl Simd for Avx2 {
         }
     }
     #[inline(always)]
-    fn widen_field(self, x: &[u32; LANES], field: u32) -> Self::F32 {
+    fn widen_field(self, x: &[u32; LANES], _: usize, field: u32) -> Self::F32 {
         // SAFETY: see above.
         unsafe {
             let (shift, mask) = (_mm256_set1_epi32(10 * field as i32), _mm256_set1_epi32(1023));

@@ -229,6 +229,10 @@ impl Simd for Avx512 {
         self.load(x)
     }
     #[inline(always)]
+    fn store_few(self, x: Self::F32, to: &mut [f32; LANES], _: usize) {
+        self.store(x, to);
+    }
+    #[inline(always)]
     fn load(self, x: &[f32; LANES]) -> Self::F32 {
         // SAFETY: see above.
         unsafe { One(_mm512_loadu_ps(x.as_ptr())) }
@@ -239,12 +243,12 @@ impl Simd for Avx512 {
         unsafe { _mm512_storeu_ps(to.as_mut_ptr(), x.0) }
     }
     #[inline(always)]
-    fn widen_bytes(self, x: &[u8; LANES]) -> Self::F32 {
+    fn widen_bytes(self, x: &[u8; LANES], _: usize) -> Self::F32 {
         // SAFETY: see above.
         unsafe { One(_mm512_cvtepi32_ps(_mm512_cvtepu8_epi32(_mm_loadu_si128(x.as_ptr().cast())))) }
     }
     #[inline(always)]
-    fn widen_field(self, x: &[u32; LANES], field: u32) -> Self::F32 {
+    fn widen_field(self, x: &[u32; LANES], _: usize, field: u32) -> Self::F32 {
         // SAFETY: see above.
         unsafe {
             let bits = _mm512_srlv_epi32(_mm512_loadu_si512(x.as_ptr().cast()), _mm512_set1_epi32(10 * field as i32));

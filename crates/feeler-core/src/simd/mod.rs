@@ -251,15 +251,17 @@ pub(crate) trait Simd: Arithmetic {
     fn few(self) -> Self::Few;
     /// Few lanes of `x`, the first of them at `from`, a multiple of how many they are.
     fn load_few(self, x: &[f32; LANES], from: usize) -> <Self::Few as Arithmetic>::F32;
+    /// The same the other way.
+    fn store_few(self, x: <Self::Few as Arithmetic>::F32, to: &mut [f32; LANES], from: usize);
+    /// Few bytes as numbers, from `x[from]` on.
+    fn widen_bytes(self, x: &[u8; LANES], from: usize) -> <Self::Few as Arithmetic>::F32;
+    /// Ten bits of few numbers, from bit `10 * field` up, as numbers; from `x[from]` on.
+    fn widen_field(self, x: &[u32; LANES], from: usize, field: u32) -> <Self::Few as Arithmetic>::F32;
 
     /// Lane `i` is `x[i]`.
     fn load(self, x: &[f32; LANES]) -> Self::F32;
     /// The lanes.
     fn store(self, x: Self::F32, to: &mut [f32; LANES]);
-    /// Bytes as numbers.
-    fn widen_bytes(self, x: &[u8; LANES]) -> Self::F32;
-    /// Ten bits of each number, from bit `10 * field` up, as numbers.
-    fn widen_field(self, x: &[u32; LANES], field: u32) -> Self::F32;
     /// The least of all lanes of each of three values; the fourth is zero.
     fn smallest3(self, x: &[Self::F32; 3]) -> [f32; 4];
     /// The greatest of all lanes of each of three values; the fourth is zero.
@@ -321,6 +323,12 @@ pub(crate) trait Simd: Arithmetic {
     fn wide_store(self, x: Self::F64, to: &mut [f64; WIDE_LANES]);
     /// Eight points by axis: lane `i` of each is of `x[i]`.
     fn wide_points(self, x: [&[f64; 3]; WIDE_LANES]) -> [Self::F64; 3];
+}
+
+/// How many lanes are few: those of [`Simd::Few`].
+#[inline(always)]
+pub(crate) const fn few_lanes<S: Simd>() -> usize {
+    2 * <S::Few as Arithmetic>::WIDE
 }
 
 /// Asks for the cache lines of a value that will be read soon.

@@ -258,21 +258,28 @@ impl Simd for Portable {
         Array([x[from], x[from + 1], x[from + 2], x[from + 3]])
     }
     #[inline(always)]
+    fn store_few(self, x: Array<f32, 4>, to: &mut [f32; LANES], from: usize) {
+        let from = from & 12;
+        to[from..from + 4].copy_from_slice(&x.0);
+    }
+    #[inline(always)]
+    fn widen_bytes(self, x: &[u8; LANES], from: usize) -> Array<f32, 4> {
+        let from = from & 12;
+        Array([x[from], x[from + 1], x[from + 2], x[from + 3]].map(f32::from))
+    }
+    #[inline(always)]
+    fn widen_field(self, x: &[u32; LANES], from: usize, field: u32) -> Array<f32, 4> {
+        let from = from & 12;
+        // As signed numbers, which every CPU converts in lanes.
+        Array([x[from], x[from + 1], x[from + 2], x[from + 3]].map(|x| (x >> (10 * field) & 1023) as i32 as f32))
+    }
+    #[inline(always)]
     fn load(self, x: &[f32; LANES]) -> Self::F32 {
         Array(*x)
     }
     #[inline(always)]
     fn store(self, x: Self::F32, to: &mut [f32; LANES]) {
         *to = x.0;
-    }
-    #[inline(always)]
-    fn widen_bytes(self, x: &[u8; LANES]) -> Self::F32 {
-        Array(x.map(f32::from))
-    }
-    #[inline(always)]
-    fn widen_field(self, x: &[u32; LANES], field: u32) -> Self::F32 {
-        // As signed numbers, which every CPU converts in lanes.
-        Array(x.map(|x| (x >> (10 * field) & 1023) as i32 as f32))
     }
     #[inline(always)]
     fn smallest3(self, x: &[Self::F32; 3]) -> [f32; 4] {

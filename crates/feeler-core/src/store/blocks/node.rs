@@ -2,7 +2,7 @@
 
 use crate::bounds::{Aabb, Point};
 use crate::lanes::{greatest, least, Box4, Lane32, LaneBoxes, LANES};
-use crate::simd::{ByteBoxes, Simd};
+use crate::simd::{few_lanes, Arithmetic, ByteBoxes, Simd};
 
 /// Children of a node.
 pub const FANOUT: usize = 32;
@@ -153,14 +153,29 @@ impl Node {
     /// Unpacks half of the children's boxes: the sides of what their bytes may stand for.
     #[inline(always)]
     pub fn unpack<S: Simd>(&self, s: S, half: usize, lower: &mut [Lane32; 3], upper: &mut [Lane32; 3]) {
+        for first in (0..LANES).step_by(few_lanes::<S>()) {
+            self.unpack_few(s, (half, first), lower, upper);
+        }
+    }
+
+    /// The same for few lanes of the half, from `first` on.
+    #[inline(always)]
+    pub fn unpack_few<S: Simd>(
+        &self,
+        s: S,
+        (half, first): (usize, usize),
+        lower: &mut [Lane32; 3],
+        upper: &mut [Lane32; 3],
+    ) {
+        let few = s.few();
         for a in 0..3 {
             let origin = self.boxes.origin[a];
-            let unit = s.splat((self.upper[a] - origin) * (1.0 / 255.0));
-            let (from, to) = (s.splat(origin - UNPACK_ROUNDING), s.splat(origin + UNPACK_ROUNDING));
-            let low = s.widen_bytes(sixteen(&self.boxes.sides[a], LANES * half));
-            let high = s.widen_bytes(sixteen(&self.boxes.sides[a], FANOUT + LANES * half));
-            s.store(s.mul_add(low - s.splat(HALF), unit, from), &mut lower[a]);
-            s.store(s.mul_add(s.splat(255.0 + HALF) - high, unit, to), &mut upper[a]);
+            let unit = few.splat((self.upper[a] - origin) * (1.0 / 255.0));
+            let (from, to) = (few.splat(origin - UNPACK_ROUNDING), few.splat(origin + UNPACK_ROUNDING));
+            let low = s.widen_bytes(sixteen(&self.boxes.sides[a], LANES * half), first);
+            let high = s.widen_bytes(sixteen(&self.boxes.sides[a], FANOUT + LANES * half), first);
+            s.store_few(few.mul_add(low - few.splat(HALF), unit, from), &mut lower[a], first);
+            s.store_few(few.mul_add(few.splat(255.0 + HALF) - high, unit, to), &mut upper[a], first);
         }
     }
 

@@ -4,7 +4,7 @@
 //! As with planes, an axis that keeps two intervals apart by more than their uncertainty is proof whatever the axis is.
 
 use crate::lanes::{greatest4, load3, Lane32, PlacedPieces, LANES, TINY};
-use crate::simd::Simd;
+use crate::simd::{Arithmetic, Simd};
 
 use super::pieces::HalfBlock;
 
@@ -35,13 +35,13 @@ impl Middles {
     /// To be filled in.
     pub const ZERO: Middles = Middles { sums: [[0.0; LANES]; 3], differences: [[0.0; LANES]; 3] };
 
-    /// From the boxes.
+    /// From few boxes, from lane `first` on.
     #[inline(always)]
-    pub fn make<S: Simd>(&mut self, s: S, boxes: &HalfBlock) {
+    pub fn make_few<S: Simd>(&mut self, s: S, boxes: &HalfBlock, first: usize) {
         for a in 0..3 {
-            let (lower, upper) = (s.load(&boxes.lower[a]), s.load(&boxes.upper[a]));
-            s.store(lower + upper, &mut self.sums[a]);
-            s.store(upper - lower, &mut self.differences[a]);
+            let (lower, upper) = (s.load_few(&boxes.lower[a], first), s.load_few(&boxes.upper[a], first));
+            s.store_few(lower + upper, &mut self.sums[a], first);
+            s.store_few(upper - lower, &mut self.differences[a], first);
         }
     }
 }
@@ -92,21 +92,23 @@ impl Outlines {
         }
     }
 
-    /// Which boxes lie beyond a side of one of the outlines.
+    /// Which of few boxes, from lane `from` on, lie beyond a side of one of the outlines.
     #[inline(always)]
-    pub fn beyond<S: Simd>(&self, s: S, lane: usize, boxes: &Middles) -> S::M32 {
+    pub fn beyond<S: Simd>(&self, s: S, lane: usize, (boxes, from): (&Middles, usize)) -> <S::Few as Arithmetic>::M32 {
+        let few = s.few();
         let (first, second) = (usize::from(self.along[0] >> lane & 1), usize::from(self.along[1] >> lane & 1));
         let (u, v) = (first + 2 * second, 1 + first - second);
-        let (sum_u, sum_v) = (s.load(&boxes.sums[u]), s.load(&boxes.sums[v]));
-        let (difference_u, difference_v) = (s.load(&boxes.differences[u]), s.load(&boxes.differences[v]));
-        let none = s.splat(0.0);
-        let mut beyond = s.above(none, none);
+        let (sum_u, sum_v) = (s.load_few(&boxes.sums[u], from), s.load_few(&boxes.sums[v], from));
+        let difference_u = s.load_few(&boxes.differences[u], from);
+        let difference_v = s.load_few(&boxes.differences[v], from);
+        let none = few.splat(0.0);
+        let mut beyond = few.above(none, none);
         for side in &self.sides {
             // Twice the least of a box along the axis. Its few roundings of 2^-24 are within the slack's 2^-20.
-            let least = s.mul_add(sum_u, s.splat(side[0][lane]), sum_v * s.splat(side[1][lane]));
-            let least = s.mul_add(difference_u, s.splat(side[2][lane]), least);
-            let least = s.mul_add(difference_v, s.splat(side[3][lane]), least);
-            beyond = beyond | s.above(least, s.splat(side[4][lane]));
+            let least = few.mul_add(sum_u, few.splat(side[0][lane]), sum_v * few.splat(side[1][lane]));
+            let least = few.mul_add(difference_u, few.splat(side[2][lane]), least);
+            let least = few.mul_add(difference_v, few.splat(side[3][lane]), least);
+            beyond = beyond | few.above(least, few.splat(side[4][lane]));
         }
         beyond
     }
@@ -115,7 +117,7 @@ impl Outlines {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simd::{Kernel, Level};
+    use crate::simd::{few_lanes, Kernel, Level};
     use proptest::prelude::*;
 
     /// Which of sixteen boxes lie beyond the outline of the first of sixteen pieces.
@@ -130,8 +132,12 @@ mod tests {
             placed.need_normals(s);
             let (mut outlines, mut middles) = (Outlines::ZERO, Middles::ZERO);
             outlines.make(s, &placed, &[1e-6; 3], 1e-6);
-            middles.make(s, self.1);
-            s.lanes(outlines.beyond(s, 0, &middles))
+            let mut beyond = 0;
+            for first in (0..LANES).step_by(few_lanes::<S>()) {
+                middles.make_few(s, self.1, first);
+                beyond |= s.few().lanes(outlines.beyond(s, 0, (&middles, first))) << first;
+            }
+            beyond
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::node::{Node, FANOUT, HALF, UNPACK_ROUNDING};
 use crate::lanes::{boxes_apart, greatest, greatest4, least, least4, Box4, Lane32, LANES, TINY};
-use crate::simd::{Arithmetic, Simd};
+use crate::simd::{few_lanes, Arithmetic, Simd};
 
 /// A block's pieces, but for their boxes. All that a query reads of a block after these lies side by side.
 #[derive(Debug, Clone)]
@@ -74,6 +74,12 @@ impl HalfBlock {
         node.unpack(s, half, &mut self.lower, &mut self.upper);
     }
 
+    /// The same for few lanes of the half, from `first` on.
+    #[inline(always)]
+    pub fn unpack_boxes_few<S: Simd>(&mut self, s: S, node: &Node, at: (usize, usize)) {
+        node.unpack_few(s, at, &mut self.lower, &mut self.upper);
+    }
+
     /// One of the boxes.
     #[inline(always)]
     pub fn boxes_lane(&self, lane: usize) -> Box4 {
@@ -88,18 +94,33 @@ impl HalfBlock {
     /// Unpacks the corners, after the boxes. `slack` is what coordinates may be off beside what packing does.
     #[inline(always)]
     pub fn unpack_corners<S: Simd>(&mut self, s: S, packed: &PackedPieces, half: usize, slack: f32) {
-        let rounding = s.splat(UNPACK_ROUNDING + slack);
+        for first in (0..LANES).step_by(few_lanes::<S>()) {
+            self.unpack_corners_few(s, packed, (half, first), slack);
+        }
+    }
+
+    /// The same for few lanes of the half, from `first` on.
+    #[inline(always)]
+    pub fn unpack_corners_few<S: Simd>(
+        &mut self,
+        s: S,
+        packed: &PackedPieces,
+        (half, first): (usize, usize),
+        slack: f32,
+    ) {
+        let few = s.few();
+        let rounding = few.splat(UNPACK_ROUNDING + slack);
         let mut at = [[rounding; 3]; 4];
         let mut off = [rounding; 3];
         for a in 0..3 {
-            let lower = s.load(&self.lower[a]);
-            let step = (s.load(&self.upper[a]) - lower) * s.splat(1.0 / STEPS);
+            let lower = s.load_few(&self.lower[a], first);
+            let step = (s.load_few(&self.upper[a], first) - lower) * few.splat(1.0 / STEPS);
             for c in 0..4 {
-                at[c][a] = s.mul_add(s.widen_field(&packed.corners[half][c], a as u32), step, lower);
-                s.store(at[c][a], &mut self.corners[c][a]);
+                at[c][a] = few.mul_add(s.widen_field(&packed.corners[half][c], first, a as u32), step, lower);
+                s.store_few(at[c][a], &mut self.corners[c][a], first);
             }
-            off[a] = s.mul_add(step, s.splat(HALF), rounding);
-            s.store(off[a], &mut self.slack[a]);
+            off[a] = few.mul_add(step, few.splat(HALF), rounding);
+            s.store_few(off[a], &mut self.slack[a], first);
         }
         // Across the diagonals.
         let u = [at[2][0] - at[0][0], at[2][1] - at[0][1], at[2][2] - at[0][2]];
@@ -107,15 +128,15 @@ impl HalfBlock {
         let n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
         let mut d = [rounding; 4];
         for c in 0..4 {
-            d[c] = s.mul_add(n[0], at[c][0], s.mul_add(n[1], at[c][1], n[2] * at[c][2]));
+            d[c] = few.mul_add(n[0], at[c][0], few.mul_add(n[1], at[c][1], n[2] * at[c][2]));
         }
-        let slack = s.mul_add(s.abs(n[2]), off[2], s.splat(TINY));
-        let slack = s.mul_add(s.abs(n[0]), off[0], s.mul_add(s.abs(n[1]), off[1], slack));
+        let slack = few.mul_add(few.abs(n[2]), off[2], few.splat(TINY));
+        let slack = few.mul_add(few.abs(n[0]), off[0], few.mul_add(few.abs(n[1]), off[1], slack));
         for a in 0..3 {
-            s.store(n[a], &mut self.normals[a]);
+            s.store_few(n[a], &mut self.normals[a], first);
         }
-        s.store(least4(s, &d) - slack, &mut self.near);
-        s.store(greatest4(s, &d) + slack, &mut self.far);
+        s.store_few(least4(few, &d) - slack, &mut self.near, first);
+        s.store_few(greatest4(few, &d) + slack, &mut self.far, first);
     }
 
     /// The interval of one piece along an axis in each lane, grown by all slack.

@@ -7,10 +7,10 @@
 use super::outlines::{Middles, Outlines};
 use super::pieces::{most_slack, HalfBlock};
 use super::{Blocks, Node, FANOUT};
-use crate::lanes::{along, greatest4, least4, load3, Box4, LaneBoxes, PlacedPieces, SpreadBoxes, LANES};
+use crate::lanes::{along, greatest4, least4, Box4, Lane32, LaneBoxes, PlacedPieces, SpreadBoxes, LANES};
 use crate::narrow::Narrow;
-use crate::simd::{prefetch, Kernel, Simd};
-use crate::tool::Cluster;
+use crate::simd::{few_lanes, prefetch, Arithmetic, Kernel, Simd};
+use crate::tool::{Cluster, LEAST_LANES};
 
 /// Things at blocks: the places of the blocks, and the things.
 #[derive(Debug, Default)]
@@ -39,7 +39,7 @@ impl AtBlocks {
     }
 }
 
-/// A piece of the tool, and which of half a block's pieces it meets.
+/// A piece of the tool, and which pieces it meets of a part of a block: half, or where registers are short an eighth.
 #[derive(Debug, Clone, Copy, Default)]
 struct Row {
     block: u32,
@@ -47,6 +47,9 @@ struct Row {
     piece: u16,
     hit: u16,
 }
+
+/// Parts of a block where registers are shortest.
+const MOST_PARTS: usize = FANOUT / LEAST_LANES;
 
 /// Working memory.
 #[derive(Debug)]
@@ -57,11 +60,11 @@ pub struct RowsScratch {
     middles: Middles,
     clusters: AtBlocks,
     pieces: AtBlocks,
-    /// By half of the block; and as many as there is room for.
-    rows: [Vec<Row>; 2],
-    /// Blocks with rows, and from where, by half.
-    runs: [Vec<(u32, u32)>; 2],
-    /// Rows of a half that are left, and which triangles to ask for before.
+    /// By part of the block; and as many as there is room for.
+    rows: [Vec<Row>; MOST_PARTS],
+    /// Blocks with rows, and from where, by part.
+    runs: [Vec<(u32, u32)>; MOST_PARTS],
+    /// Rows of a part that are left, and which triangles to ask for before.
     kept: Vec<(Row, u16)>,
 }
 
@@ -73,8 +76,8 @@ impl Default for RowsScratch {
             middles: Middles::ZERO,
             clusters: AtBlocks::default(),
             pieces: AtBlocks::default(),
-            rows: [Vec::new(), Vec::new()],
-            runs: [Vec::new(), Vec::new()],
+            rows: [const { Vec::new() }; MOST_PARTS],
+            runs: [const { Vec::new() }; MOST_PARTS],
             kept: Vec::new(),
         }
     }
@@ -158,7 +161,7 @@ impl Rows<'_, '_> {
     #[inline(always)]
     fn reach<S: Simd>(&mut self, s: S) {
         let Rows { blocks, clusters: tool, needed, nodes, masks, tight, placed, scratch, slack, narrow, .. } = self;
-        let RowsScratch { boxes, outlines, clusters, pieces, rows: [low, high], runs, .. } = &mut **scratch;
+        let RowsScratch { boxes, outlines, clusters, pieces, rows, runs, .. } = &mut **scratch;
         let level = &blocks.levels[0];
         let mut rest = *needed;
         while rest != 0 {
@@ -179,12 +182,14 @@ impl Rows<'_, '_> {
             pieces.append(s, block, lanes, &NUMBERS[c]);
         }
         narrow.stats.pieces_scanned += pieces.count as u64;
-        for list in [&mut *low, &mut *high] {
+        let lanes = few_lanes::<S>();
+        let parts = FANOUT / lanes;
+        for list in &mut rows[..parts] {
             if list.len() < pieces.count {
                 list.resize(2 * pieces.count, Row::default());
             }
         }
-        let (mut entries, mut lows, mut highs) = (0, 0, 0);
+        let (mut entries, mut counts) = (0, [0; MOST_PARTS]);
         let mut used = 0u32;
         for (block, piece) in pieces.iter() {
             let b = boxes[piece as usize / LANES % LANES].lane(piece as usize % LANES);
@@ -192,17 +197,16 @@ impl Rows<'_, '_> {
             entries += hit.count_ones();
             used |= u32::from(hit != 0) << (piece as usize / LANES % LANES);
             // No branch: which are met is not to be foreseen.
-            let row = Row { block, piece: piece as u16, hit: hit as u16 };
-            low[lows] = row;
-            lows += usize::from(row.hit != 0);
-            let row = Row { hit: (hit >> LANES) as u16, ..row };
-            high[highs] = row;
-            highs += usize::from(row.hit != 0);
+            for part in 0..parts {
+                let row = Row { block, piece: piece as u16, hit: (hit >> (lanes * part)) as u16 & of_part::<S>() };
+                rows[part][counts[part]] = row;
+                counts[part] += usize::from(row.hit != 0);
+            }
         }
         narrow.stats.entries_scanned += u64::from(entries);
         let mut most = [0.0f32; 3];
-        for (half, list) in [&low[..lows], &high[..highs]].into_iter().enumerate() {
-            let runs = &mut runs[half];
+        for part in 0..parts {
+            let (list, runs) = (&rows[part][..counts[part]], &mut runs[part]);
             runs.resize(list.len() + 1, (0, 0));
             let (mut count, mut last) = (0, u32::MAX);
             for (i, row) in list.iter().enumerate() {
@@ -233,27 +237,29 @@ impl Rows<'_, '_> {
         let Rows { blocks, clusters, placed, half: pieces, scratch, slack, narrow, .. } = self;
         let RowsScratch { rows, runs, outlines, middles, kept, .. } = &mut **scratch;
         for at in 0..AHEAD {
-            ask(blocks, runs, at);
+            ask::<S>(blocks, runs, at);
         }
         let mut asked = AHEAD;
-        for half in 0..2 {
-            let (rows, of_half) = (&rows[half], &runs[half]);
+        let lanes = few_lanes::<S>();
+        for part in 0..FANOUT / lanes {
+            let (half, first) = (lanes * part / LANES, lanes * part % LANES);
+            let (rows, of_part) = (&rows[part], &runs[part]);
             if kept.len() < rows.len() + 1 {
                 kept.resize(rows.len() + 1, (Row::default(), 0));
             }
             let mut count = 0;
-            for i in 0..of_half.len() - 1 {
-                let ((block, from), to) = (of_half[i], of_half[i + 1].1);
-                ask(blocks, runs, asked);
+            for i in 0..of_part.len() - 1 {
+                let ((block, from), to) = (of_part[i], of_part[i + 1].1);
+                ask::<S>(blocks, runs, asked);
                 asked += 1;
                 let (node, packed) = (&blocks.levels[0][block as usize], &blocks.pieces[block as usize]);
                 let list = &rows[from as usize..to as usize];
-                let (first, mut met) = (count, 0);
+                let (start, mut met) = (count, 0);
                 if narrow.filters.boxes {
-                    pieces.unpack_boxes(s, node, half);
-                    pieces.unpack_corners(s, packed, half, *slack);
-                    middles.make(s, pieces);
-                    (count, met) = left(s, (placed, outlines), (pieces, middles), list, kept, count);
+                    pieces.unpack_boxes_few(s, node, (half, first));
+                    pieces.unpack_corners_few(s, packed, (half, first), *slack);
+                    middles.make_few(s, pieces, first);
+                    (count, met) = left(s, (placed, outlines), (pieces, middles, first), list, kept, count);
                 } else {
                     for row in list {
                         kept[count] = (*row, 0);
@@ -261,14 +267,14 @@ impl Rows<'_, '_> {
                         met |= row.hit;
                     }
                 }
-                kept[first].1 = met;
+                kept[start].1 = met;
             }
             for &(row, ask) in &kept[..count] {
                 let triangles = blocks.pieces[row.block as usize].triangles[LANES * half..].first_chunk();
                 let triangles = triangles.expect("a multiple of 16 below 32");
                 narrow.stats.box_survivors += u64::from(row.hit.count_ones());
                 let slot = clusters[usize::from(row.piece) / LANES % LANES].slots[usize::from(row.piece) % LANES];
-                if narrow.offer_row(s, slot, row.hit, ask, triangles) {
+                if narrow.offer_row(s, slot, row.hit << first, ask << first, triangles) {
                     return true;
                 }
             }
@@ -280,17 +286,26 @@ impl Rows<'_, '_> {
 /// Runs that are asked for before they are come to. Not all at once: a core waits for a dozen lines or so at a time.
 const AHEAD: usize = 8;
 
-/// Asks for what a run needs, counted over both halves.
+/// Asks for what a run needs, counted over all parts.
 #[inline(always)]
-fn ask(blocks: &Blocks, runs: &[Vec<(u32, u32)>; 2], at: usize) {
-    let count = runs[0].len() - 1;
-    let half = usize::from(at >= count);
-    let place = at - half * count;
-    if place + 1 < runs[half].len() {
-        let packed = &blocks.pieces[runs[half][place].0 as usize];
-        prefetch(&packed.corners[half]);
-        prefetch(&packed.triangles[LANES * half]);
+fn ask<S: Simd>(blocks: &Blocks, runs: &[Vec<(u32, u32)>; MOST_PARTS], at: usize) {
+    let mut place = at;
+    for part in 0..FANOUT / few_lanes::<S>() {
+        let count = runs[part].len() - 1;
+        if place < count {
+            let half = part * few_lanes::<S>() / LANES;
+            let packed = &blocks.pieces[runs[part][place].0 as usize];
+            prefetch(&packed.corners[half]);
+            prefetch(&packed.triangles[LANES * half]);
+            return;
+        }
+        place -= count;
     }
+}
+
+/// All lanes of a part.
+const fn of_part<S: Simd>() -> u16 {
+    (u16::MAX as u32 >> (LANES - few_lanes::<S>())) as u16
 }
 
 /// Appends, of each row, what neither the planes of both sides nor the outline of the tool's piece hold apart. Returns where
@@ -301,30 +316,29 @@ fn ask(blocks: &Blocks, runs: &[Vec<(u32, u32)>; 2], at: usize) {
 fn left<S: Simd>(
     s: S,
     (placed, outlines): (&[PlacedPieces; LANES], &[Outlines; LANES]),
-    (pieces, middles): (&HalfBlock, &Middles),
+    (pieces, middles, first): (&HalfBlock, &Middles, usize),
     rows: &[Row],
     kept: &mut [(Row, u16)],
     at: usize,
 ) -> (usize, u16) {
-    let q = [
-        load3(s, &pieces.corners[0]),
-        load3(s, &pieces.corners[1]),
-        load3(s, &pieces.corners[2]),
-        load3(s, &pieces.corners[3]),
-    ];
+    let few = s.few();
+    let mut q = [[few.splat(0.0); 3]; 4];
+    for c in 0..4 {
+        q[c] = load_few3(s, &pieces.corners[c], first);
+    }
     let mut to = at;
     for row in rows {
         let (c, lane) = (usize::from(row.piece) / LANES % LANES, usize::from(row.piece) % LANES);
         let (normals, outlines) = (&placed[c].normals, &outlines[c]);
-        let n = [s.splat(normals[0][lane]), s.splat(normals[1][lane]), s.splat(normals[2][lane])];
-        let (near, far) = along(s, &q, &n);
-        let apart = s.above(near, s.splat(outlines.far[lane])) | s.above(s.splat(outlines.near[lane]), far);
-        let row = Row { hit: row.hit & !s.lanes(apart), ..*row };
+        let n = [few.splat(normals[0][lane]), few.splat(normals[1][lane]), few.splat(normals[2][lane])];
+        let (near, far) = along(few, &q, &n);
+        let apart = few.above(near, few.splat(outlines.far[lane])) | few.above(few.splat(outlines.near[lane]), far);
+        let row = Row { hit: row.hit & !few.lanes(apart), ..*row };
         kept[to] = (row, 0);
         to += usize::from(row.hit != 0);
     }
-    let m = load3(s, &pieces.normals);
-    let (q_near, q_far) = (s.load(&pieces.near), s.load(&pieces.far));
+    let m = load_few3(s, &pieces.normals, first);
+    let (q_near, q_far) = (s.load_few(&pieces.near, first), s.load_few(&pieces.far, first));
     let (mut count, mut met) = (at, 0);
     for i in at..to {
         let row = kept[i].0;
@@ -333,17 +347,22 @@ fn left<S: Simd>(
         let mut d = [q_near; 4];
         for c in 0..4 {
             let at = &corners[c];
-            let last = m[2] * s.splat(at[2][lane]);
-            d[c] = s.mul_add(m[0], s.splat(at[0][lane]), s.mul_add(m[1], s.splat(at[1][lane]), last));
+            let last = m[2] * few.splat(at[2][lane]);
+            d[c] = few.mul_add(m[0], few.splat(at[0][lane]), few.mul_add(m[1], few.splat(at[1][lane]), last));
         }
-        let apart = s.above(least4(s, &d), q_far) | s.above(q_near, greatest4(s, &d));
-        let apart = apart | outlines[c].beyond(s, lane, middles);
-        let row = Row { hit: row.hit & !s.lanes(apart), ..row };
+        let apart = few.above(least4(few, &d), q_far) | few.above(q_near, greatest4(few, &d));
+        let apart = apart | outlines[c].beyond(s, lane, (middles, first));
+        let row = Row { hit: row.hit & !few.lanes(apart), ..row };
         kept[count] = (row, 0);
         count += usize::from(row.hit != 0);
         met |= row.hit;
     }
     (count, met)
+}
+
+#[inline(always)]
+fn load_few3<S: Simd>(s: S, x: &[Lane32; 3], first: usize) -> [<S::Few as Arithmetic>::F32; 3] {
+    [s.load_few(&x[0], first), s.load_few(&x[1], first), s.load_few(&x[2], first)]
 }
 
 const _: () = assert!(FANOUT == 2 * LANES);

@@ -12,7 +12,7 @@ use super::rows::{are_small, offer_rows, Rows, MANY};
 use super::{Blocks, FANOUT};
 use crate::lanes::{along, load3, Box4, Lane32, LaneBoxes, PlaceBoxes, PlacedPieces, Placement, LANES, TINY};
 use crate::narrow::Narrow;
-use crate::simd::{prefetch, prefetch_at, Arithmetic, Checked, Kernel, Simd};
+use crate::simd::{few_lanes, prefetch, prefetch_at, Arithmetic, Checked, Kernel, Simd};
 use crate::tool::{Tool, LEAST_LANES};
 
 /// A group of clusters at the nodes `nodes[from..]`.
@@ -379,11 +379,6 @@ fn planes_meeting_few<S: Simd>(
         kept += usize::from(pairs[kept].lanes != 0);
     }
     kept
-}
-
-#[inline(always)]
-fn few_lanes<S: Simd>() -> usize {
-    2 * <S::Few as Arithmetic>::WIDE
 }
 
 /// Most that a cluster has: of each of a block's pieces, as many as there are where the fewest lanes make a part.
