@@ -245,7 +245,8 @@ pub(crate) trait Simd: Arithmetic {
         at: &[u32],
     ) -> [[<Self::Part as Arithmetic>::F64; 3]; 3];
 
-    /// As many lanes as are left out together where none of them has anything to do; all, where leaving out fewer brings nothing.
+    /// As many lanes as are left out together where none of them has anything to do, for work on one piece after the other; all,
+    /// where leaving out fewer brings nothing.
     type Few: Arithmetic;
     /// The token of few lanes.
     fn few(self) -> Self::Few;
