@@ -216,6 +216,12 @@ pub fn load3<S: Simd>(s: S, x: &[Lane32; 3]) -> [S::F32; 3] {
     [s.load(&x[0]), s.load(&x[1]), s.load(&x[2])]
 }
 
+/// Few lanes of each, from lane `from` on.
+#[inline(always)]
+pub fn load_few3<S: Simd>(s: S, x: &[Lane32; 3], from: usize) -> [<S::Few as Arithmetic>::F32; 3] {
+    [s.load_few(&x[0], from), s.load_few(&x[1], from), s.load_few(&x[2], from)]
+}
+
 #[inline(always)]
 fn splat3<S: Simd>(s: S, x: &[f32; 3]) -> [S::F32; 3] {
     [s.splat(x[0]), s.splat(x[1]), s.splat(x[2])]

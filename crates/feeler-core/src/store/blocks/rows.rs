@@ -7,7 +7,7 @@
 use super::outlines::{Middles, Outlines};
 use super::pieces::{most_slack, HalfBlock};
 use super::{Blocks, Node, FANOUT};
-use crate::lanes::{along, greatest4, least4, Box4, Lane32, LaneBoxes, PlacedPieces, SpreadBoxes, LANES};
+use crate::lanes::{along, greatest4, least4, load_few3, Box4, LaneBoxes, PlacedPieces, SpreadBoxes, LANES};
 use crate::narrow::Narrow;
 use crate::simd::{few_lanes, prefetch, Arithmetic, Kernel, Simd};
 use crate::tool::{Cluster, LEAST_LANES};
@@ -358,11 +358,6 @@ fn left<S: Simd>(
         met |= row.hit;
     }
     (count, met)
-}
-
-#[inline(always)]
-fn load_few3<S: Simd>(s: S, x: &[Lane32; 3], first: usize) -> [<S::Few as Arithmetic>::F32; 3] {
-    [s.load_few(&x[0], first), s.load_few(&x[1], first), s.load_few(&x[2], first)]
 }
 
 const _: () = assert!(FANOUT == 2 * LANES);

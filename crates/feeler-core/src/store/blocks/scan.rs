@@ -10,7 +10,9 @@ use super::descent::{BlocksScratch, Reach};
 use super::pieces::{most_slack, HalfBlock};
 use super::rows::{are_small, offer_rows, Rows, MANY};
 use super::{Blocks, FANOUT};
-use crate::lanes::{along, load3, Box4, Lane32, LaneBoxes, PlaceBoxes, PlacedPieces, Placement, LANES, TINY};
+use crate::lanes::{
+    along, load3, load_few3, Box4, Lane32, LaneBoxes, PlaceBoxes, PlacedPieces, Placement, LANES, TINY,
+};
 use crate::narrow::Narrow;
 use crate::simd::{few_lanes, prefetch, prefetch_at, Arithmetic, Checked, Kernel, Simd};
 use crate::tool::{Tool, LEAST_LANES};
@@ -362,13 +364,10 @@ fn planes_meeting_few<S: Simd>(
     }
     for &(i, from) in &parts[..count] {
         let (pair, from) = (&mut pairs[usize::from(i) % PIECE_PAIRS], usize::from(from));
-        let zero = [few.splat(0.0); 3];
-        let (mut corners, mut normals) = ([zero; 4], zero);
-        for a in 0..3 {
-            normals[a] = s.load_few(&placed.normals[a], from);
-            for c in 0..4 {
-                corners[c][a] = s.load_few(&placed.corners[c][a], from);
-            }
+        let normals = load_few3(s, &placed.normals, from);
+        let mut corners = [normals; 4];
+        for c in 0..4 {
+            corners[c] = load_few3(s, &placed.corners[c], from);
         }
         let own = OwnPlanes { corners, normals, near: s.load_few(near, from), far: s.load_few(far, from) };
         pair.lanes &= !(few.lanes(planes_apart(few, &own, halves, pair.piece)) << from);
