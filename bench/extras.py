@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import os
+import threading
 import time
 from typing import Any
 
@@ -21,11 +22,14 @@ BATCHES = 8  # a round
 def batch(scene: feeler.Scene, tool: feeler.Tool, count: int, seed: int) -> dict[str, Any]:
     """Poses a second: one call each, and `collide_batch` with one and with two threads; the best of a few rounds each.
 
-    The poses are nominal, all different, one anywhere from the last. Calls and batches take turns.
+    The poses are nominal, all different, one anywhere from the last. Calls and batches take turns. So do two batches of
+    half the poses each, on one thread each, which share nothing but the machine: more than their rate it does not have.
     """
     many = find_poses(scene, tool, "nominal", count, seed + 2)
     count, mockup = len(many), scene.mockup
+    halves = [np.ascontiguousarray(many[from_::2]) for from_ in range(2)]
     scenes = {threads: feeler.Scene(mockup, threads=threads) for threads in (1, 2) if threads <= (os.cpu_count() or 1)}
+    other = feeler.Scene(mockup, threads=1) if 2 in scenes else None
     best: dict[str, float] = {}
 
     def keep(what: str, seconds: float) -> None:
@@ -45,10 +49,18 @@ def batch(scene: feeler.Scene, tool: feeler.Tool, count: int, seed: int) -> dict
             keep(f"batch_{threads}", seconds)
             cores = max(cores, (time.process_time() - cpu) / seconds)
             pairs.add(int(found.offsets[-1]))
+            if threads == 2 and other is not None:
+                start = time.perf_counter()
+                beside = threading.Thread(target=other.collide_batch, args=(tool, halves[1]))
+                beside.start()
+                scenes[1].collide_batch(tool, halves[0])
+                beside.join()
+                keep("apart_2", time.perf_counter() - start)
     row = {f"{what}_per_s": rate for what, rate in best.items()}
     row |= {"poses": count, "pairs": max(pairs), "pairs_equal": len(pairs) == 1}
     if "batch_2" in best:
         row["two_over_one"] = best["batch_2"] / best["batch_1"]
+        row["apart_over_one"] = best["apart_2"] / best["batch_1"]
         row["cores_had"] = cores  # CPU time over wall time, at best: below 2, somebody else was on the machine
     return row
 

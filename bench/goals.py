@@ -134,7 +134,8 @@ def _alone(record: dict[str, Any]) -> Iterable[Row]:
     for row in record["batch"]:
         if "two_over_one" in row:
             what = f"collide_batch, {row['tool']}: rate on two threads over one"
-            found = f"{row['two_over_one']:.2f} (had {row['cores_had']:.2f} cores)"
+            apart = f"; two apart {row['apart_over_one']:.2f}" if "apart_over_one" in row else ""
+            found = f"{row['two_over_one']:.2f} (had {row['cores_had']:.2f} cores{apart})"
             met = row["two_over_one"] >= BATCH_ON_TWO
             # Without two free cores, nothing is known.
             yield what, f"{BATCH_ON_TWO:g}", found, met or (None if row["cores_had"] < BATCH_ON_TWO else False)

@@ -101,6 +101,7 @@ def test_feeler_alone_and_goals(record_folder: Path) -> None:
         assert row["wall_us"]["worst"] <= row["worst_single_call_us"]
     (batch,) = record["batch"]
     assert batch["tool"] == "torque" and batch["pairs_equal"] and batch["batch_1_per_s"] > 0
+    assert ("batch_2_per_s" in batch) == ("apart_2_per_s" in batch) == ((os.cpu_count() or 1) > 1)
     for goal in record["goals"]:
         assert set(goal) == {"goal", "wanted", "found", "met"} and goal["met"] in (True, False, None)
     assert any("Python call" in goal["goal"] for goal in record["goals"])
