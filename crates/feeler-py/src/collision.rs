@@ -35,13 +35,13 @@ impl Collision {
 #[pymethods]
 impl Collision {
     #[getter]
-    fn pairs<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray2<u32>>> {
+    fn pairs<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray2<u32>> {
         // SAFETY: the result is frozen and owns its pairs; the array keeps it alive.
         unsafe { view_rows(slf.as_any(), &slf.get().core.pairs) }
     }
 
     #[getter]
-    fn kinds<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray1<u8>>> {
+    fn kinds<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<u8>> {
         // SAFETY: as for the pairs.
         unsafe { view(slf.as_any(), &slf.get().kinds) }
     }
@@ -103,19 +103,19 @@ impl Batch {
 #[pymethods]
 impl Batch {
     #[getter]
-    fn offsets<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray1<u64>>> {
+    fn offsets<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<u64>> {
         // SAFETY: the result is frozen and owns its offsets; the array keeps it alive.
         unsafe { view(slf.as_any(), &slf.get().core.offsets) }
     }
 
     #[getter]
-    fn pairs<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray2<u32>>> {
+    fn pairs<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray2<u32>> {
         // SAFETY: as for the offsets.
         unsafe { view_rows(slf.as_any(), &slf.get().core.pairs) }
     }
 
     #[getter]
-    fn kinds<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray1<u8>>> {
+    fn kinds<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<u8>> {
         // SAFETY: as for the offsets.
         unsafe { view(slf.as_any(), &slf.get().kinds) }
     }

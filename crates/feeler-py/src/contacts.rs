@@ -55,49 +55,49 @@ impl Contacts {
 #[pymethods]
 impl Contacts {
     #[getter]
-    fn points<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    fn points<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray2<f64>> {
         // SAFETY: the result is frozen and owns its points; the array keeps it alive.
         unsafe { view_rows(slf.as_any(), &slf.get().points) }
     }
 
     #[getter]
-    fn normals<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    fn normals<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray2<f64>> {
         // SAFETY: as for the points.
         unsafe { view_rows(slf.as_any(), &slf.get().normals) }
     }
 
     #[getter]
-    fn gaps<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    fn gaps<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<f64>> {
         // SAFETY: as for the points.
         unsafe { view(slf.as_any(), &slf.get().gaps) }
     }
 
     #[getter]
-    fn parts<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray1<u32>>> {
+    fn parts<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<u32>> {
         // SAFETY: as for the points.
         unsafe { view(slf.as_any(), &slf.get().parts) }
     }
 
     #[getter]
-    fn tool_triangles<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray1<u32>>> {
+    fn tool_triangles<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<u32>> {
         // SAFETY: as for the points.
         unsafe { view(slf.as_any(), &slf.get().triangles[0]) }
     }
 
     #[getter]
-    fn tool_offsets<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray1<u64>>> {
+    fn tool_offsets<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<u64>> {
         // SAFETY: as for the points.
         unsafe { view(slf.as_any(), &slf.get().offsets[0]) }
     }
 
     #[getter]
-    fn mockup_triangles<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray1<u32>>> {
+    fn mockup_triangles<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<u32>> {
         // SAFETY: as for the points.
         unsafe { view(slf.as_any(), &slf.get().triangles[1]) }
     }
 
     #[getter]
-    fn mockup_offsets<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray1<u64>>> {
+    fn mockup_offsets<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<u64>> {
         // SAFETY: as for the points.
         unsafe { view(slf.as_any(), &slf.get().offsets[1]) }
     }

@@ -28,13 +28,13 @@ impl Tool {
     }
 
     #[getter]
-    fn vertices<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    fn vertices<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray2<f64>> {
         // SAFETY: the tool is frozen and owns its vertices; the array keeps it alive.
         unsafe { view_rows(slf.as_any(), slf.get().core.mesh().vertices()) }
     }
 
     #[getter]
-    fn faces<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray2<u32>>> {
+    fn faces<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray2<u32>> {
         // SAFETY: as for the vertices.
         unsafe { view_rows(slf.as_any(), slf.get().core.mesh().faces()) }
     }
