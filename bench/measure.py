@@ -2,7 +2,8 @@
 
 In each round each engine runs one whole pass over the poses of the cell, and which comes first changes from round to
 round: as in a user's loop, an engine's own index is what the caches hold. Of each pose the least time over the rounds
-is kept: the machine can only add to it. Median, p95 and worst are over poses.
+is kept: the machine can only add to it. Median, p95 and worst are over poses. Further rounds are of feeler and of those
+peers of which one will be the best.
 """
 
 from __future__ import annotations
@@ -23,7 +24,8 @@ from feeler.samples.poses import sample_poses
 
 US_PER_NS = 1e-3
 WAY_M = 0.02  # of a cast
-SHORT_S = 2.0  # a cell that took less has more rounds, where these are allowed
+MORE_S = 3.0  # of further rounds of a cell, where these are allowed
+CLOSE = 1.5  # times the best peer's figure: who is above that in median and in p95 will not be the best
 
 
 @dataclass
@@ -39,6 +41,7 @@ class Times:
             "wall_us": spread(self.wall.min(axis=0)),
             "cpu_us": spread(self.cpu.min(axis=0)),
             "worst_single_call_us": float(self.wall.max()),
+            "rounds": len(self.wall),
         }
 
 
@@ -106,28 +109,41 @@ def clock(
 ) -> dict[str, Times]:
     """Every pose `rounds` times; in each round one engine after the other.
 
-    Where that takes less than `SHORT_S` seconds there are more rounds until then, up to `most_rounds`: what others do
-    on the machine comes and goes within seconds, and short cells would have all of it or nothing.
+    Then up to `most_rounds` times, but for no longer than `MORE_S` seconds, with the first engine and those of the
+    others that may be the best of them: what else runs on the machine comes and goes within seconds, and in a few
+    rounds short cells would have all of it or nothing.
     """
     most = max(rounds, most_rounds)
     shape = (most, len(poses))
     times = {engine.name: Times(np.zeros(shape), np.zeros(shape)) for engine in engines}
+    done = dict.fromkeys(times, 0)
     collecting = gc.isenabled()
     gc.collect()
     gc.disable()
     try:
-        started, turns = time.perf_counter(), 0
-        while turns < rounds or (turns < most and time.perf_counter() - started < SHORT_S):
-            first = turns % len(engines)
-            for engine in (*engines[first:], *engines[:first]):
+        asked, until = list(engines), np.inf
+        for turn in range(most):
+            if turn == rounds:
+                asked, until = [engines[0], *_close(engines[1:], times, rounds)], time.perf_counter() + MORE_S
+            if time.perf_counter() >= until:
+                break
+            first = turn % len(asked)
+            for engine in (*asked[first:], *asked[:first]):
                 own = times[engine.name]
                 for i, pose in enumerate(poses):
-                    own.wall[turns, i], own.cpu[turns, i] = clock_once(engine.aim(query, pose))
-            turns += 1
+                    own.wall[turn, i], own.cpu[turn, i] = clock_once(engine.aim(query, pose))
+                done[engine.name] = turn + 1
     finally:
         if collecting:
             gc.enable()
-    return {name: Times(own.wall[:turns], own.cpu[:turns]) for name, own in times.items()}
+    return {name: Times(own.wall[: done[name]], own.cpu[: done[name]]) for name, own in times.items()}
+
+
+def _close(engines: Sequence[Engine], times: dict[str, Times], rounds: int) -> list[Engine]:
+    """The engines of which one is the best in median or p95, as far as the first rounds can tell."""
+    found = {engine.name: spread(times[engine.name].wall[:rounds].min(axis=0)) for engine in engines}
+    limits = {what: CLOSE * min((own[what] for own in found.values()), default=0.0) for what in ("median", "p95")}
+    return [engine for engine in engines if any(found[engine.name][what] <= limits[what] for what in limits)]
 
 
 def clock_once(call: Callable[[], Any]) -> tuple[float, float]:

@@ -16,7 +16,7 @@ import feeler
 from feeler.samples.poses import KINDS
 from feeler.samples.tools import sample_tool
 
-MOST_ROUNDS = 25  # where they are short
+MOST_ROUNDS = 40  # of those in play
 SIZES, QUICK_SIZES = "100k,400k,1.6M,6.4M", "100k,400k"
 TOOLS = "torque,wrench,square,hand,hand-fine"
 
@@ -40,7 +40,7 @@ def parse(arguments: list[str], said: str) -> argparse.Namespace:
     parser.add_argument(
         "--rounds",
         type=_count,
-        help=f"of all poses; the least time of each pose counts (5, and up to {MOST_ROUNDS} where they are short)",
+        help=f"of all poses; the least time of each counts (5, of feeler and the best peers up to {MOST_ROUNDS})",
     )
     parser.add_argument("--builds", type=_count, help="of each index; the fastest counts (2)")
     parser.add_argument(

@@ -68,7 +68,9 @@ def figures(record: dict[str, Any], name: str) -> str:
     size = next((size for size in record["sizes"] if size["triangles_asked"] == SHOWN), record["sizes"][-1])
     cells = [c for c in record["cells"] if c["triangles_asked"] == size["triangles_asked"] and "engines" in c]
     peers = [peer for peer in record["engines"] if peer != "feeler"]
-    least, most = (pick(cell["rounds"] for cell in cells if cell["query"] == "collide") for pick in (min, max))
+    asked = [cell for cell in cells if cell["query"] == "collide"]
+    counts = [own.get("rounds", cell["rounds"]) for cell in asked for own in cell["engines"].values()]
+    least, most = min(counts), max(counts)
     rounds = f"{least}" if least == most else f"{least} to {most}"
     poses = max(cell["poses"] for cell in cells)
     lines = [

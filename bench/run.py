@@ -38,13 +38,13 @@ from feeler.samples.mockups import sample
 
 ONE_SIZE = 1_600_000  # triangles, where a thing is measured at one size; without such a mock-up, the largest
 METHOD = (
-    "Per cell: one unclocked pass of each engine over all poses, then `rounds` rounds (more where they are short), "
-    "in each of which each engine runs one whole pass over the poses, as a user's loop does, so that the caches hold "
-    "what it left there itself; the order of the engines rotates with the round. Of each pose the least time over the "
-    "rounds counts; median, p95, p99, worst and mean are over poses. wall: perf_counter; cpu: CPU time of the calling "
-    "thread; one core. times faster: the peer's figure over feeler's; the best peer of a cell is the one with the "
-    "smallest median, or p95. All are called from Python, nothing subtracted; overheads: median of a call with the "
-    "tool far outside. "
+    "Per cell: one unclocked pass of each engine over all poses, then a few rounds, in each of which each engine runs "
+    "one whole pass over the poses, as a user's loop does, so that the caches hold what it left there itself; the "
+    "order of the engines rotates with the round. Further rounds, for three seconds, are of feeler and of the peers of "
+    "which one will be the best. Of each pose the least time over the rounds counts; median, p95, p99, worst and mean "
+    "are over poses. wall: perf_counter; cpu: CPU time of the calling thread; one core. times faster: the peer's "
+    "figure over feeler's; the best peer of a cell is the one with the smallest median, or p95. All are called from "
+    "Python, nothing subtracted; overheads: median of a call with the tool far outside. "
     "Builds: the fastest of `runs`; one that takes longer than five seconds is done once. bytes: feeler's "
     "scene.memory()['total'], which includes the mock-up's arrays that the index reads; Coal's memUsage, Embree's "
     "and parry's own count, with their copies of the mesh; FCL does not tell. rss and peak growth: the process's "

@@ -217,22 +217,34 @@ def test_records_go_by_age_without_those_of_a_disturbed_machine(
     assert [path.stem for path in readme.by_age()] == ["b", "a"] and readme.newest().stem == "a"
 
 
-@pytest.mark.parametrize(("short_s", "most", "expected"), [(60.0, 0, 2), (60.0, 5, 5), (0.0, 5, 2)])
-def test_short_cells_have_more_rounds(
-    root: Path, monkeypatch: pytest.MonkeyPatch, short_s: float, most: int, expected: int
+@pytest.mark.parametrize(("more_s", "most", "expected"), [(60.0, 0, 2), (60.0, 5, 5), (0.0, 5, 2)])
+def test_those_in_play_have_more_rounds(
+    root: Path, monkeypatch: pytest.MonkeyPatch, more_s: float, most: int, expected: int
 ) -> None:
     monkeypatch.syspath_prepend(str(root / "bench"))
     measure = importlib.import_module("measure")
-    monkeypatch.setattr(measure, "SHORT_S", short_s)
+    monkeypatch.setattr(measure, "MORE_S", more_s)
     asked: list[str] = []
-    engines = [SimpleNamespace(name=name, aim=lambda *_, own=name: lambda: asked.append(own)) for name in "ab"]
+    took = {"a": 5.0, "b": 2.0, "c": 3.0, "d": 3.1}
+
+    def clock_once(call: Any) -> tuple[float, float]:
+        asked.append(call())
+        return took[asked[-1]], took[asked[-1]]
+
+    monkeypatch.setattr(measure, "clock_once", clock_once)
+    engines = [SimpleNamespace(name=name, aim=lambda *_, own=name: lambda: own) for name in "abcd"]
     times = measure.clock(engines, np.zeros((3, 4, 4)), 2, "collide", most)
+    # The first, the best of the others, and who is close to that.
+    rounds = {"a": expected, "b": expected, "c": expected, "d": 2}
     assert {name: (own.wall.shape, own.cpu.shape) for name, own in times.items()} == {
-        name: ((expected, 3), (expected, 3)) for name in "ab"
+        name: ((count, 3), (count, 3)) for name, count in rounds.items()
     }
+    assert all(
+        (own.wall == took[name]).all() and own.figures()["rounds"] == rounds[name] for name, own in times.items()
+    )
     # One engine after the other, and who is first changes.
-    turns = ["aaabbb" if turn % 2 == 0 else "bbbaaa" for turn in range(expected)]
-    assert "".join(asked) == "".join(turns) and (times["a"].wall > 0).all()
+    turns = ["abcd", "bcda", "cab", "abc", "bca"][:expected]
+    assert "".join(asked) == "".join(own * 3 for turn in turns for own in turn)
 
 
 def test_what_a_query_needs_at_least(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
