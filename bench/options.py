@@ -42,7 +42,7 @@ def parse(arguments: list[str], said: str) -> argparse.Namespace:
         type=_count,
         help=f"of all poses; the least time of each counts (5, of feeler and the best peers up to {MOST_ROUNDS})",
     )
-    parser.add_argument("--builds", type=_count, help="of each index; the fastest counts (2)")
+    parser.add_argument("--builds", type=_count, help="of each index; the fastest counts (5)")
     parser.add_argument(
         "--worst", type=_count_or_none, metavar="N", help="nominal poses, for the worst (10000); 0: skip"
     )
@@ -58,7 +58,7 @@ def parse(arguments: list[str], said: str) -> argparse.Namespace:
     for name, quick, full in (
         ("poses", 40, 100),
         ("rounds", 3, 5),
-        ("builds", 1, 2),
+        ("builds", 1, 5),
         ("worst", 1000, 10_000),
         ("batch", 500, 5000),
     ):
