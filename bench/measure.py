@@ -180,11 +180,15 @@ def _median_call(aim: Callable[[], Callable[[], Any]], calls: int) -> dict[str, 
 
 
 def ratios(ours: Times, theirs: Times) -> dict[str, dict[str, float]]:
-    """How many times faster ours is: of the medians, of the p95s, of the worst, and the median of per-pose ratios."""
+    """How many times faster ours is: of the medians, of the p95s, of the worst, and the median of per-pose ratios.
+
+    Of as many rounds as both have: who was asked more often has had more quiet moments.
+    """
     table = {}
+    rounds = min(len(ours.wall), len(theirs.wall))
     for kind, mine, other in (("wall", ours.wall, theirs.wall), ("cpu", ours.cpu, theirs.cpu)):
         # The CPU clock of some systems is coarse: below one tick it says 0.
-        a, b = np.maximum(mine.min(axis=0), 1e-3), np.maximum(other.min(axis=0), 1e-3)
+        a, b = (np.maximum(times[:rounds].min(axis=0), 1e-3) for times in (mine, other))
         one, two = spread(a), spread(b)
         table[kind] = {
             "of_medians": two["median"] / one["median"],

@@ -242,6 +242,9 @@ def test_those_in_play_have_more_rounds(
     assert all(
         (own.wall == took[name]).all() and own.figures()["rounds"] == rounds[name] for name, own in times.items()
     )
+    # Of the rounds that both have: what one was spared in a later round does not count against the other.
+    times["a"].wall[2:] = times["a"].cpu[2:] = 0.1
+    assert measure.ratios(times["a"], times["d"])["wall"]["of_medians"] == pytest.approx(3.1 / 5.0)
     # One engine after the other, and who is first changes.
     turns = ["abcd", "bcda", "cab", "abc", "bca"][:expected]
     assert "".join(asked) == "".join(own * 3 for turn in turns for own in turn)
