@@ -137,10 +137,20 @@ impl Kernel for SortUnique<'_> {
     }
 }
 
-/// Of three numbers of a range, the one in the middle.
+/// Of three numbers of a range, the one in the middle; of a large range, the middle one of three such.
 fn middle_of(keys: &[u64]) -> u64 {
     let n = keys.len();
-    let [a, b, c] = [keys[n / 4], keys[n / 2], keys[n - 1 - n / 4]];
+    if n < LARGE {
+        return median(keys[n / 4], keys[n / 2], keys[n - 1 - n / 4]);
+    }
+    let three = |i: usize| median(keys[i], keys[i + n / 9], keys[i + 2 * (n / 9)]);
+    median(three(0), three(n / 3), three(2 * (n / 3)))
+}
+
+/// Numbers that are worth looking at nine of.
+const LARGE: usize = 128;
+
+fn median(a: u64, b: u64, c: u64) -> u64 {
     a.max(b).min(a.min(b).max(c))
 }
 
@@ -179,7 +189,7 @@ mod tests {
         }
     }
 
-    /// What a level makes of numbers: those not above a pivot, the rest, and the first few in order.
+    /// What a level makes of numbers: those not above a pivot, and the rest, each put in order; and the first few in order.
     struct Steps<'a>(&'a [u64], u64);
 
     impl Kernel for Steps<'_> {
@@ -189,7 +199,9 @@ mod tests {
             let (mut keys, mut few) = (self.0.to_vec(), [0; FEW + WIDE_LANES]);
             let count = s.sort_few(&self.0[..self.0.len().min(FEW)], &mut few);
             let low = s.partition(&mut keys, &mut vec![0; self.0.len() + WIDE_LANES], self.1);
-            let high = keys.split_off(low);
+            let mut high = keys.split_off(low);
+            keys.sort_unstable();
+            high.sort_unstable();
             (keys, high, few[..count].to_vec())
         }
     }
@@ -200,7 +212,9 @@ mod tests {
             keys in prop::collection::vec(prop_oneof![0..9u64, 0..u64::MAX], 0..70),
             pivot in prop_oneof![0..9u64, 0..u64::MAX],
         ) {
-            let (low, high) = keys.iter().partition(|key| **key <= pivot);
+            let mut ordered = keys.clone();
+            ordered.sort_unstable();
+            let (low, high) = ordered.iter().partition(|key| **key <= pivot);
             let mut few = keys[..keys.len().min(FEW)].to_vec();
             few.sort_unstable();
             few.dedup();
@@ -213,17 +227,22 @@ mod tests {
 
     #[test]
     fn bad_pivots_are_survived() {
-        // Every partition splits off a few of the least only: at the places where pivots are looked for stand small ones.
+        // Every partition splits off a few of the least only, where it leaves the rest in order: at the places where pivots are
+        // looked for stand small ones.
         for n in [33, 100, 1000, 5000] {
             let mut keys: Vec<u64> = (0..n).map(|i| 1_000_000 + i).collect();
             let mut next = 0;
             let mut to = keys.len();
             while to > FEW {
-                for i in [to / 4, to / 2, to - 1 - to / 4] {
-                    keys[i] = next;
+                let ninth = to / 9;
+                let nine = (0..3).flat_map(|k| (0..3).map(move |i| k * (to / 3) + i * ninth));
+                let three = [to / 4, to / 2, to - 1 - to / 4].into_iter();
+                let places: Vec<usize> = if to < LARGE { three.collect() } else { nine.collect() };
+                for i in &places {
+                    keys[*i] = next;
                     next += 1;
                 }
-                to -= 3;
+                to -= places.len();
             }
             let mut expected = keys.clone();
             expected.sort_unstable();

@@ -3,8 +3,8 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, BitOr, BitXor, Mul, Sub};
 
-use super::x86::{is_apart, limits, numbers, One};
-use super::{Arithmetic, ByteBoxes, Kernel, Simd, FEW, LANES, WIDE_LANES};
+use super::x86::{in_bytes, is_apart, lanes_meeting, least_sides, numbers, One};
+use super::{Arithmetic, ByteBoxes, ByteLanes, Kernel, Simd, FEW, LANES, WIDE_LANES};
 
 /// Whether the CPU has what [`Avx2`] uses.
 pub fn is_there() -> bool {
@@ -73,20 +73,26 @@ const PACKINGS: [u64; 256] = {
     packings
 };
 
-/// For each choice of four lanes twice as wide the choice of eight that is the same.
-const DOUBLED: [u8; 16] = {
-    let mut doubled = [0; 16];
+/// For each choice of four lanes twice as wide: the places of those chosen, then of the others.
+static ORDERS: Orders = Orders({
+    let mut orders = [[0; 8]; 16];
     let mut chosen = 0;
     while chosen < 16 {
-        let mut lane = 0;
+        let (mut lane, mut first, mut rest) = (0, 0, (chosen as u32).count_ones() as usize);
         while lane < 4 {
-            doubled[chosen] |= (((chosen >> lane & 1) * 3) << (2 * lane)) as u8;
+            let place = if chosen >> lane & 1 == 1 { &mut first } else { &mut rest };
+            (orders[chosen][2 * *place], orders[chosen][2 * *place + 1]) = (2 * lane, 2 * lane + 1);
+            *place += 1;
             lane += 1;
         }
         chosen += 1;
     }
-    doubled
-};
+    orders
+});
+
+/// Each in one register, and in one cache line.
+#[repr(C, align(32))]
+struct Orders([[u32; 8]; 16]);
 
 /// The order of eight lanes that brings those chosen to the front.
 #[inline(always)]
@@ -95,11 +101,11 @@ fn packing(chosen: usize) -> __m256i {
     unsafe { _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(PACKINGS[chosen] as i64)) }
 }
 
-/// The chosen ones of four numbers, at the front.
+/// Four numbers, the chosen ones first.
 #[inline(always)]
 fn packed4(four: __m256i, chosen: usize) -> __m256i {
     // SAFETY: see above.
-    unsafe { _mm256_permutevar8x32_epi32(four, packing(DOUBLED[chosen].into())) }
+    unsafe { _mm256_permutevar8x32_epi32(four, _mm256_loadu_si256(ORDERS.0[chosen % 16].as_ptr().cast())) }
 }
 
 /// Whether all of four places are of a list.
@@ -314,7 +320,11 @@ impl Arithmetic for Avx2 {
     }
     #[inline(always)]
     fn lanes(self, mask: Self::M32) -> u16 {
-        self.part().lanes(mask.0) | self.part().lanes(mask.1) << 8
+        // Shifted by an instruction that the compiler does not look into: else it packs all lanes first, which takes twice as
+        // many instructions.
+        // SAFETY: see above.
+        let high = unsafe { _pdep_u32(self.part().lanes(mask.1).into(), 0x8000_ff00) };
+        self.part().lanes(mask.0) | high as u16
     }
     #[inline(always)]
     fn blend(self, mask: Self::M32, a: Self::F32, b: Self::F32) -> Self::F32 {
@@ -446,23 +456,27 @@ impl Simd for Avx2 {
         }
     }
     #[inline(always)]
-    fn widen_bytes(self, x: &[u8; LANES], _: usize) -> Self::F32 {
+    fn load_part(self, x: &[f32; LANES], from: usize) -> One<__m256> {
         // SAFETY: see above.
-        unsafe {
-            let bytes = _mm_loadu_si128(x.as_ptr().cast());
-            let eight = |b: __m128i| One(_mm256_cvtepi32_ps(_mm256_cvtepu8_epi32(b)));
-            Two(eight(bytes), eight(_mm_srli_si128::<8>(bytes)))
-        }
+        unsafe { One(_mm256_loadu_ps(x[from & 8..].as_ptr())) }
     }
     #[inline(always)]
-    fn widen_field(self, x: &[u32; LANES], _: usize, field: u32) -> Self::F32 {
+    fn store_part(self, x: One<__m256>, to: &mut [f32; LANES], from: usize) {
+        // SAFETY: see above.
+        unsafe { _mm256_storeu_ps(to[from & 8..].as_mut_ptr(), x.0) }
+    }
+    #[inline(always)]
+    fn widen_bytes(self, x: &[u8; LANES], from: usize) -> One<__m256> {
+        // SAFETY: see above; eight bytes are read.
+        unsafe { One(_mm256_cvtepi32_ps(_mm256_cvtepu8_epi32(_mm_loadl_epi64(x[from & 8..].as_ptr().cast())))) }
+    }
+    #[inline(always)]
+    fn widen_field(self, x: &[u32; LANES], from: usize, field: u32) -> One<__m256> {
         // SAFETY: see above.
         unsafe {
-            let (shift, mask) = (_mm256_set1_epi32(10 * field as i32), _mm256_set1_epi32(1023));
-            let low = _mm256_srlv_epi32(_mm256_loadu_si256(x.as_ptr().cast()), shift);
-            let high = _mm256_srlv_epi32(_mm256_loadu_si256(x[8..].as_ptr().cast()), shift);
-            let [low, high] = [low, high].map(|bits| One(_mm256_cvtepi32_ps(_mm256_and_si256(bits, mask))));
-            Two(low, high)
+            let bits = _mm256_loadu_si256(x[from & 8..].as_ptr().cast());
+            let bits = _mm256_srlv_epi32(bits, _mm256_set1_epi32(10 * field as i32));
+            One(_mm256_cvtepi32_ps(_mm256_and_si256(bits, _mm256_set1_epi32(1023))))
         }
     }
     #[inline(always)]
@@ -519,19 +533,28 @@ impl Simd for Avx2 {
     fn children_meeting(self, boxes: &ByteBoxes, b: [&[f32; 4]; 2]) -> u32 {
         // SAFETY: see above.
         unsafe {
-            let limits = limits(boxes, b);
-            let halves = [_mm256_permute4x64_epi64::<0x44>(limits), _mm256_permute4x64_epi64::<0xee>(limits)];
-            // What is left after subtracting the limit with saturation is not zero where the byte is above it.
-            let mut above = _mm256_setzero_si256();
+            let least = least_sides(boxes, b);
+            let halves = [_mm256_permute4x64_epi64::<0x44>(least), _mm256_permute4x64_epi64::<0xee>(least)];
+            // What is left after subtracting the side with saturation is not zero where it is below the least it must be.
+            let mut below = _mm256_setzero_si256();
             for a in 0..3 {
                 for half in 0..2 {
-                    let limit = _mm256_shuffle_epi8(halves[half], _mm256_set1_epi8(4 * a as i8));
+                    let least = _mm256_shuffle_epi8(halves[half], _mm256_set1_epi8(4 * a as i8));
                     let side = _mm256_loadu_si256(boxes.sides[a].as_ptr().add(32 * half).cast());
-                    above = _mm256_or_si256(above, _mm256_subs_epu8(side, limit));
+                    below = _mm256_or_si256(below, _mm256_subs_epu8(least, side));
                 }
             }
-            _mm256_movemask_epi8(_mm256_cmpeq_epi8(above, _mm256_setzero_si256())) as u32
+            _mm256_movemask_epi8(_mm256_cmpeq_epi8(below, _mm256_setzero_si256())) as u32
         }
+    }
+    const IN_BYTES: bool = true;
+    #[inline(always)]
+    fn in_bytes(self, boxes: &ByteBoxes, b: [&[[f32; LANES]; 3]; 2]) -> ByteLanes {
+        in_bytes(boxes, b)
+    }
+    #[inline(always)]
+    fn lanes_meeting(self, lanes: &ByteLanes, boxes: &ByteBoxes, i: usize) -> u16 {
+        lanes_meeting(lanes, boxes, i)
     }
     #[inline(always)]
     fn append(self, chosen: u16, from: &[u32; LANES], to: &mut [u32], at: usize) -> usize {
@@ -566,71 +589,86 @@ impl Simd for Avx2 {
     #[inline(always)]
     fn partition(self, keys: &mut [u64], room: &mut [u64], pivot: u64) -> usize {
         let n = keys.len();
-        assert!(room.len() >= n + WIDE_LANES);
-        let (mut low, mut at) = (0, 0);
+        let room = &mut room[..n + WIDE_LANES];
+        // Those above go to the end of the room, the first ones last.
+        let (mut low, mut high, mut at) = (0, n + WIDE_LANES, 0);
         // SAFETY: see above. Four numbers are read at `at`, where they are, before four are written at `low`, which is at most
-        // `at`, and at `at - low` of `room`.
+        // `at`, and at `high - 4`, which is `n + 4` less what went there, at most `at`.
         unsafe {
             let (keys, room) = (keys.as_mut_ptr(), room.as_mut_ptr());
-            let limit = as_signed(_mm256_set1_epi64x(pivot as i64));
+            let limit = as_signed(_mm256_set1_epi64x(pivot.wrapping_add(1) as i64));
             while at + 4 <= n {
                 let four = _mm256_loadu_si256(keys.add(at).cast());
-                let above = chosen4(_mm256_cmpgt_epi64(as_signed(four), limit));
-                _mm256_storeu_si256(keys.add(low).cast(), packed4(four, above ^ 15));
-                _mm256_storeu_si256(room.add(at - low).cast(), packed4(four, above));
+                let below = chosen4(_mm256_cmpgt_epi64(limit, as_signed(four)));
+                let parted = packed4(four, below);
+                _mm256_storeu_si256(keys.add(low).cast(), parted);
+                _mm256_storeu_si256(room.add(high - 4).cast(), parted);
+                let count = below.count_ones() as usize;
                 at += 4;
-                low += 4 - above.count_ones() as usize;
+                low += count;
+                high = high + count - 4;
             }
         }
         for at in at..n {
             let key = keys[at];
-            room[at - low] = key;
+            room[high - 1] = key;
             keys[low] = key;
             low += usize::from(key <= pivot);
+            high -= usize::from(key > pivot);
         }
-        keys[low..].copy_from_slice(&room[..n - low]);
+        keys[low..].copy_from_slice(&room[high..]);
         low
     }
     #[inline(always)]
     fn sort_few(self, keys: &[u64], to: &mut [u64; FEW + WIDE_LANES]) -> usize {
         let n = keys.len();
-        let mut all = [u64::MAX; FEW];
-        all[..n].copy_from_slice(keys);
+        // Signed, in the same order.
+        let mut all = [i64::MAX; FEW];
+        for (signed, key) in all[..n].iter_mut().zip(keys) {
+            *signed = (*key ^ 1 << 63) as i64;
+        }
         // SAFETY: see above.
         let places = unsafe {
-            let mut smaller = [[0u64; 4]; FEW / 4];
+            let mut smaller = [0u64; FEW];
             // Sixteen at a time, or they would not stay in registers.
-            for (own, smaller) in all[..n.next_multiple_of(16)].chunks_exact(16).zip(smaller.chunks_exact_mut(4)) {
-                let mut own_lanes = [_mm256_setzero_si256(); 4];
-                for (lanes, four) in own_lanes.iter_mut().zip(own.chunks_exact(4)) {
-                    *lanes = as_signed(_mm256_loadu_si256(four.as_ptr().cast()));
+            for from in (0..n).step_by(16) {
+                let mut own = [_mm256_setzero_si256(); 4];
+                for i in 0..4 {
+                    own[i] = _mm256_loadu_si256(all[from + 4 * i..].as_ptr().cast());
                 }
                 let mut counts = [_mm256_setzero_si256(); 4];
-                for key in keys {
-                    let key = as_signed(_mm256_set1_epi64x(*key as i64));
+                for key in &all[..n] {
+                    let key = _mm256_set1_epi64x(*key);
                     for i in 0..4 {
-                        counts[i] = _mm256_sub_epi64(counts[i], _mm256_cmpgt_epi64(own_lanes[i], key));
+                        counts[i] = _mm256_sub_epi64(counts[i], _mm256_cmpgt_epi64(own[i], key));
                     }
                 }
                 for i in 0..4 {
-                    _mm256_storeu_si256(smaller[i].as_mut_ptr().cast(), counts[i]);
+                    _mm256_storeu_si256(smaller[from + 4 * i..].as_mut_ptr().cast(), counts[i]);
                 }
             }
             smaller
         };
         // The place of a number is how many are smaller. Equal ones have one place, and leave some as they were.
-        let mut sorted = [u64::MAX; FEW];
-        for (i, key) in keys.iter().enumerate() {
-            sorted[places[i / 4 % (FEW / 4)][i % 4] as usize % FEW] = *key;
+        let (mut sorted, mut taken) = ([u64::MAX; FEW], 0u32);
+        for (key, place) in keys.iter().zip(&places) {
+            let place = *place as usize % FEW;
+            sorted[place] = *key;
+            taken |= 1 << place;
         }
-        let mut count = 0;
-        // SAFETY: see above. Writing at `count` takes four places, and `count` is at most `FEW`.
+        let count = taken.count_ones() as usize;
+        if count == n {
+            to[..FEW].copy_from_slice(&sorted);
+            return n;
+        }
+        let mut at = 0;
+        // SAFETY: see above. Writing at `at` takes four places, and `at` is at most `FEW`.
         unsafe {
-            for four in sorted.chunks_exact(4) {
+            for (i, four) in sorted.chunks_exact(4).enumerate() {
                 let four = _mm256_loadu_si256(four.as_ptr().cast());
-                let taken = chosen4(_mm256_cmpeq_epi64(four, _mm256_set1_epi64x(-1))) ^ 15;
-                _mm256_storeu_si256(to.as_mut_ptr().add(count).cast(), packed4(four, taken));
-                count += taken.count_ones() as usize;
+                let taken = taken as usize >> (4 * i) & 15;
+                _mm256_storeu_si256(to.as_mut_ptr().add(at).cast(), packed4(four, taken));
+                at += taken.count_ones() as usize;
             }
         }
         count

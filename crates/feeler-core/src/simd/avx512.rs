@@ -2,8 +2,8 @@
 
 use std::arch::x86_64::*;
 
-use super::x86::{is_apart, limits, numbers, One};
-use super::{avx2, Arithmetic, ByteBoxes, Kernel, Simd, FEW, LANES, WIDE_LANES};
+use super::x86::{in_bytes, is_apart, lanes_meeting, least_sides, numbers, One};
+use super::{avx2, Arithmetic, ByteBoxes, ByteLanes, Kernel, Simd, FEW, LANES, WIDE_LANES};
 
 /// Whether the CPU has what [`Avx512`] uses.
 pub fn is_there() -> bool {
@@ -233,6 +233,14 @@ impl Simd for Avx512 {
         self.store(x, to);
     }
     #[inline(always)]
+    fn load_part(self, x: &[f32; LANES], _: usize) -> Self::F32 {
+        self.load(x)
+    }
+    #[inline(always)]
+    fn store_part(self, x: Self::F32, to: &mut [f32; LANES], _: usize) {
+        self.store(x, to);
+    }
+    #[inline(always)]
     fn load(self, x: &[f32; LANES]) -> Self::F32 {
         // SAFETY: see above.
         unsafe { One(_mm512_loadu_ps(x.as_ptr())) }
@@ -308,15 +316,24 @@ impl Simd for Avx512 {
     fn children_meeting(self, boxes: &ByteBoxes, b: [&[f32; 4]; 2]) -> u32 {
         // SAFETY: see above; 64 bytes of each axis are loaded, which is all there are.
         unsafe {
-            let both = _mm512_castsi256_si512(limits(boxes, b));
+            let both = _mm512_castsi256_si512(least_sides(boxes, b));
             let both = _mm512_shuffle_i64x2::<0x50>(both, both);
-            let mut above = 0;
+            let mut below = 0;
             for a in 0..3 {
-                let limit = _mm512_shuffle_epi8(both, _mm512_set1_epi8(4 * a as i8));
-                above |= _mm512_cmpgt_epu8_mask(_mm512_loadu_si512(boxes.sides[a].as_ptr().cast()), limit);
+                let least = _mm512_shuffle_epi8(both, _mm512_set1_epi8(4 * a as i8));
+                below |= _mm512_cmplt_epu8_mask(_mm512_loadu_si512(boxes.sides[a].as_ptr().cast()), least);
             }
-            !(above as u32 | (above >> 32) as u32)
+            !(below as u32 | (below >> 32) as u32)
         }
+    }
+    const IN_BYTES: bool = false;
+    #[inline(always)]
+    fn in_bytes(self, boxes: &ByteBoxes, b: [&[[f32; LANES]; 3]; 2]) -> ByteLanes {
+        in_bytes(boxes, b)
+    }
+    #[inline(always)]
+    fn lanes_meeting(self, lanes: &ByteLanes, boxes: &ByteBoxes, i: usize) -> u16 {
+        lanes_meeting(lanes, boxes, i)
     }
     #[inline(always)]
     fn append(self, chosen: u16, from: &[u32; LANES], to: &mut [u32], at: usize) -> usize {

@@ -141,7 +141,7 @@ pub(crate) trait Kernel {
 #[derive(Debug, Clone)]
 #[repr(C)]
 pub(crate) struct ByteBoxes {
-    /// For each axis 32 lower sides, then 32 times 255 minus the upper side.
+    /// For each axis 32 times 255 minus the lower side, then 32 upper sides: the larger a byte, the more the box reaches.
     pub sides: [[u8; 64]; 3],
     /// Where byte 0 lies, and how many bytes a unit of length has. The fourth axis is not used.
     pub origin: [f32; 4],
@@ -161,6 +161,28 @@ impl ByteBoxes {
         // Adding 2^23 rounds to a whole number, halves to even, which then stands in the lowest bits.
         (t + 8_388_608.0).to_bits() as u8
     }
+
+    /// The same, unclamped but for -1 and 256, which stand for all that lies outside; and what NaN becomes.
+    #[inline(always)]
+    fn to_whole(&self, x: f32, axis: usize, of_nan: f32) -> i32 {
+        let t = (x - self.origin[axis]) * self.per_unit[axis];
+        let t = if t.is_nan() { of_nan } else { t };
+        let t = if t > -1.0 { t } else { -1.0 };
+        let t = if t < 256.0 { t } else { 256.0 };
+        // Adding 1.5 times 2^23 rounds likewise, numbers below zero too.
+        (t + 12_582_912.0).to_bits() as i32 - 0x4b40_0000
+    }
+}
+
+/// Sixteen boxes in the bytes of a node, to be compared with its children one by one.
+#[derive(Debug, Clone, PartialEq)]
+#[repr(C, align(32))]
+pub(crate) struct ByteLanes {
+    /// For each axis the least, for each box, that the upper side of a child may be that meets it; then the least that 255 minus
+    /// the lower side may be.
+    pub least: [[u8; 2 * LANES]; 3],
+    /// Which boxes lie outside the bytes: clamped onto the rim, they seem to meet what is there.
+    pub outside: u16,
 }
 
 /// Numbers that [`Simd::sort_few`] sorts at most.
@@ -254,10 +276,14 @@ pub(crate) trait Simd: Arithmetic {
     fn load_few(self, x: &[f32; LANES], from: usize) -> <Self::Few as Arithmetic>::F32;
     /// The same the other way.
     fn store_few(self, x: <Self::Few as Arithmetic>::F32, to: &mut [f32; LANES], from: usize);
-    /// Few bytes as numbers, from `x[from]` on.
-    fn widen_bytes(self, x: &[u8; LANES], from: usize) -> <Self::Few as Arithmetic>::F32;
-    /// Ten bits of few numbers, from bit `10 * field` up, as numbers; from `x[from]` on.
-    fn widen_field(self, x: &[u32; LANES], from: usize, field: u32) -> <Self::Few as Arithmetic>::F32;
+    /// A part of the lanes of `x`, the first of them at `from`, a multiple of how many they are.
+    fn load_part(self, x: &[f32; LANES], from: usize) -> <Self::Part as Arithmetic>::F32;
+    /// The same the other way.
+    fn store_part(self, x: <Self::Part as Arithmetic>::F32, to: &mut [f32; LANES], from: usize);
+    /// As many bytes as a part has lanes, as numbers, from `x[from]` on.
+    fn widen_bytes(self, x: &[u8; LANES], from: usize) -> <Self::Part as Arithmetic>::F32;
+    /// Ten bits of as many numbers, from bit `10 * field` up, as numbers; from `x[from]` on.
+    fn widen_field(self, x: &[u32; LANES], from: usize, field: u32) -> <Self::Part as Arithmetic>::F32;
 
     /// Lane `i` is `x[i]`.
     fn load(self, x: &[f32; LANES]) -> Self::F32;
@@ -273,6 +299,13 @@ pub(crate) trait Simd: Arithmetic {
     fn is_apart(self, a: [&[f32; 4]; 2], b: [&[f32; 4]; 2]) -> bool;
     /// One bit for each of 32 children whose box meets the box `b` (lower and upper sides): see [`ByteBoxes`].
     fn children_meeting(self, boxes: &ByteBoxes, b: [&[f32; 4]; 2]) -> u32;
+    /// Whether sixteen boxes are compared with one child in bytes: not where float32 takes no more instructions. The next two
+    /// are the same at each level.
+    const IN_BYTES: bool;
+    /// Boxes, given by lower and upper sides, in a node's bytes.
+    fn in_bytes(self, boxes: &ByteBoxes, b: [&[[f32; LANES]; 3]; 2]) -> ByteLanes;
+    /// Which of sixteen boxes meet child `i`, if not outside.
+    fn lanes_meeting(self, lanes: &ByteLanes, boxes: &ByteBoxes, i: usize) -> u16;
     /// Writes the chosen numbers one after the other to `to[at..]`, and anything to what follows, up to 16 in all; returns the
     /// place after the last one chosen. `to` must have 16 places from `at`.
     fn append(self, chosen: u16, from: &[u32; LANES], to: &mut [u32], at: usize) -> usize;
@@ -289,8 +322,8 @@ pub(crate) trait Simd: Arithmetic {
     }
     /// Whether the next two are done without branches.
     const SORTS: bool = false;
-    /// Moves the numbers that are not above a pivot to the front, in order; returns how many they are. `room` is overwritten:
-    /// it needs as many places as `keys`, and [`WIDE_LANES`] more.
+    /// Moves the numbers that are not above a pivot, which is below `u64::MAX`, to the front; returns how many they are. `room` is
+    /// overwritten: it needs as many places as `keys`, and [`WIDE_LANES`] more.
     #[inline(always)]
     fn partition(self, keys: &mut [u64], room: &mut [u64], pivot: u64) -> usize {
         let (mut low, mut high) = (0, 0);
@@ -324,6 +357,12 @@ pub(crate) trait Simd: Arithmetic {
     fn wide_store(self, x: Self::F64, to: &mut [f64; WIDE_LANES]);
     /// Eight points by axis: lane `i` of each is of `x[i]`.
     fn wide_points(self, x: [&[f64; 3]; WIDE_LANES]) -> [Self::F64; 3];
+}
+
+/// How many lanes a part has: those of [`Simd::Part`].
+#[inline(always)]
+pub(crate) const fn part_lanes<S: Simd>() -> usize {
+    2 * <S::Part as Arithmetic>::WIDE
 }
 
 /// How many lanes are few: those of [`Simd::Few`].

@@ -2,7 +2,7 @@
 
 use std::ops::{Add, BitOr, BitXor, Mul, Sub};
 
-use super::{Arithmetic, ByteBoxes, Simd, LANES, WIDE_LANES};
+use super::{Arithmetic, ByteBoxes, ByteLanes, Simd, LANES, WIDE_LANES};
 
 /// So many lanes of float32, and of float64.
 #[derive(Debug, Clone, Copy)]
@@ -263,6 +263,14 @@ impl Simd for Portable {
         to[from..from + 4].copy_from_slice(&x.0);
     }
     #[inline(always)]
+    fn load_part(self, x: &[f32; LANES], from: usize) -> Array<f32, 4> {
+        self.load_few(x, from)
+    }
+    #[inline(always)]
+    fn store_part(self, x: Array<f32, 4>, to: &mut [f32; LANES], from: usize) {
+        self.store_few(x, to, from);
+    }
+    #[inline(always)]
     fn widen_bytes(self, x: &[u8; LANES], from: usize) -> Array<f32, 4> {
         let from = from & 12;
         Array([x[from], x[from + 1], x[from + 2], x[from + 3]].map(f32::from))
@@ -320,13 +328,41 @@ impl Simd for Portable {
         let mut apart = [0u8; 32];
         for a in 0..3 {
             // The child begins after the box ends, or ends before the box begins.
-            let (before, after) = (boxes.to_byte(b[1][a], a), 255 - boxes.to_byte(b[0][a], a));
+            let (before, after) = (255 - boxes.to_byte(b[1][a], a), boxes.to_byte(b[0][a], a));
             for i in 0..32 {
-                apart[i] |= u8::from(boxes.sides[a][i] > before) | u8::from(boxes.sides[a][32 + i] > after);
+                apart[i] |= u8::from(boxes.sides[a][i] < before) | u8::from(boxes.sides[a][32 + i] < after);
             }
         }
         let eight = |from: usize| u32::from(gather(std::array::from_fn(|i| apart[from + i]))) << from;
         !(eight(0) | eight(8) | eight(16) | eight(24))
+    }
+    const IN_BYTES: bool = true;
+    #[inline(always)]
+    fn in_bytes(self, boxes: &ByteBoxes, b: [&[[f32; LANES]; 3]; 2]) -> ByteLanes {
+        let mut lanes = ByteLanes { least: [[0; 2 * LANES]; 3], outside: 0 };
+        let mut outside = [0u8; LANES];
+        for a in 0..3 {
+            for i in 0..LANES {
+                let lower = boxes.to_whole(b[0][a][i], a, -1.0);
+                let upper = boxes.to_whole(b[1][a][i], a, 256.0);
+                lanes.least[a][i] = lower.clamp(0, 255) as u8;
+                lanes.least[a][LANES + i] = 255 - upper.clamp(0, 255) as u8;
+                outside[i] |= u8::from(lower > 255) | u8::from(upper < 0);
+            }
+        }
+        lanes.outside = gather16(&outside);
+        lanes
+    }
+    #[inline(always)]
+    fn lanes_meeting(self, lanes: &ByteLanes, boxes: &ByteBoxes, i: usize) -> u16 {
+        let mut below = [0u8; LANES];
+        for a in 0..3 {
+            let (lower, upper) = (boxes.sides[a][i % 32], boxes.sides[a][32 + i % 32]);
+            for lane in 0..LANES {
+                below[lane] |= u8::from(upper < lanes.least[a][lane]) | u8::from(lower < lanes.least[a][LANES + lane]);
+            }
+        }
+        !gather16(&below)
     }
     #[inline(always)]
     fn append(self, chosen: u16, from: &[u32; LANES], to: &mut [u32], at: usize) -> usize {
@@ -357,6 +393,13 @@ impl Simd for Portable {
         }
         points
     }
+}
+
+/// One bit per byte (0 or 1), of sixteen.
+#[inline(always)]
+fn gather16(flags: &[u8; LANES]) -> u16 {
+    let eight = |from: usize| gather(std::array::from_fn(|i| flags[from + i]));
+    u16::from_le_bytes([eight(0), eight(8)])
 }
 
 /// One bit per byte (0 or 1).

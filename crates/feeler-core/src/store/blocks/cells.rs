@@ -40,8 +40,8 @@ impl Blocks {
         self.in_metres(|a| {
             let origin = f64::from(boxes.origin[a]);
             let unit = (f64::from(upper[a]) - origin) / 255.0;
-            let low = f64::from(boxes.sides[a][piece]) - 0.51;
-            let high = 255.51 - f64::from(boxes.sides[a][FANOUT + piece]);
+            let low = 254.49 - f64::from(boxes.sides[a][piece]);
+            let high = f64::from(boxes.sides[a][FANOUT + piece]) + 0.51;
             (origin + low * unit - ROUNDING, origin + high * unit + ROUNDING)
         })
     }

@@ -2,7 +2,7 @@
 
 use crate::bounds::{Aabb, Point};
 use crate::lanes::{greatest, least, Box4, Lane32, LaneBoxes, LANES};
-use crate::simd::{few_lanes, Arithmetic, ByteBoxes, Simd};
+use crate::simd::{few_lanes, part_lanes, Arithmetic, ByteBoxes, Simd};
 
 /// Children of a node.
 pub const FANOUT: usize = 32;
@@ -113,10 +113,10 @@ impl Node {
         let mut boxes = ByteBoxes { sides: [[0; 2 * FANOUT]; 3], origin: lower, per_unit };
         for a in 0..3 {
             for i in 0..FANOUT {
-                boxes.sides[a][i] = boxes.to_byte(children.lower[a][i], a);
+                boxes.sides[a][i] = 255 - boxes.to_byte(children.lower[a][i], a);
             }
             for i in 0..FANOUT {
-                boxes.sides[a][FANOUT + i] = 255 - boxes.to_byte(children.upper[a][i], a);
+                boxes.sides[a][FANOUT + i] = boxes.to_byte(children.upper[a][i], a);
             }
         }
         Node { boxes, upper, valid: u32::MAX >> (FANOUT - count), cut }
@@ -167,15 +167,17 @@ impl Node {
         lower: &mut [Lane32; 3],
         upper: &mut [Lane32; 3],
     ) {
-        let few = s.few();
+        let part = s.part();
         for a in 0..3 {
             let origin = self.boxes.origin[a];
-            let unit = few.splat((self.upper[a] - origin) * (1.0 / 255.0));
-            let (from, to) = (few.splat(origin - UNPACK_ROUNDING), few.splat(origin + UNPACK_ROUNDING));
-            let low = s.widen_bytes(sixteen(&self.boxes.sides[a], LANES * half), first);
-            let high = s.widen_bytes(sixteen(&self.boxes.sides[a], FANOUT + LANES * half), first);
-            s.store_few(few.mul_add(low - few.splat(HALF), unit, from), &mut lower[a], first);
-            s.store_few(few.mul_add(few.splat(255.0 + HALF) - high, unit, to), &mut upper[a], first);
+            let unit = part.splat((self.upper[a] - origin) * (1.0 / 255.0));
+            let (from, to) = (part.splat(origin - UNPACK_ROUNDING), part.splat(origin + UNPACK_ROUNDING));
+            for at in (first..first + few_lanes::<S>()).step_by(part_lanes::<S>()) {
+                let low = s.widen_bytes(sixteen(&self.boxes.sides[a], LANES * half), at);
+                let high = s.widen_bytes(sixteen(&self.boxes.sides[a], FANOUT + LANES * half), at);
+                s.store_part(part.mul_add(part.splat(255.0 - HALF) - low, unit, from), &mut lower[a], at);
+                s.store_part(part.mul_add(high + part.splat(HALF), unit, to), &mut upper[a], at);
+            }
         }
     }
 
@@ -248,6 +250,71 @@ mod tests {
                 let byte = |a: usize| 2.0 * (node.bounds().upper[a] - node.bounds().lower[a]) / 255.0;
                 if (0..3).any(|a| child.lower[a] > query.upper[a] + byte(a) || query.lower[a] > child.upper[a] + byte(a)) {
                     prop_assert!(found >> i & 1 == 0);
+                }
+            }
+        }
+    }
+
+    /// Which of sixteen boxes meet each child, in bytes.
+    struct TestLanes<'a>(&'a Node, &'a [Box4]);
+
+    impl Kernel for TestLanes<'_> {
+        type Output = [u16; FANOUT];
+
+        #[inline(always)]
+        fn run<S: Simd>(self, s: S) -> [u16; FANOUT] {
+            let mut boxes = LaneBoxes::ZERO;
+            for i in 0..LANES {
+                boxes.set(i, &self.1[i]);
+            }
+            let children = self.0.byte_boxes().0;
+            let lanes = s.in_bytes(children, [&boxes.lower, &boxes.upper]);
+            let mut met = [0; FANOUT];
+            for i in 0..FANOUT {
+                met[i] = s.lanes_meeting(&lanes, children, i) & !lanes.outside;
+            }
+            met
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(2_000))]
+        #[test]
+        fn no_lane_that_meets_a_child_is_missed(
+            children in prop::collection::vec(box4(), 1..=32),
+            queries in prop::collection::vec(box4(), LANES),
+            far in prop_oneof![Just(0.0f32), Just(3.0), Just(1e30), Just(f32::INFINITY)],
+            size in prop_oneof![Just(1.0f32), Just(1e-3), Just(1e-20), Just(0.0)],
+        ) {
+            let children: Vec<Box4> = children
+                .iter()
+                .map(|b| Box4 { lower: b.lower.map(|x| x * size), upper: b.upper.map(|x| x * size) })
+                .collect();
+            let node = node_over(&children);
+            // One beyond each side of the node, one around all.
+            let mut queries = queries;
+            for a in 0..3 {
+                queries[2 * a].lower[a] += far;
+                queries[2 * a].upper[a] += far;
+                queries[2 * a + 1].lower[a] -= far;
+                queries[2 * a + 1].upper[a] -= far;
+            }
+            queries[6] = Box4 { lower: [-far, -far, -far, 0.0], upper: [far, far, far, 0.0] };
+            let found = Level::Portable.checked().run(TestLanes(&node, &queries));
+            for level in Level::available() {
+                prop_assert_eq!(level.checked().run(TestLanes(&node, &queries)), found, "{}", level.name());
+            }
+            let byte = |a: usize| 2.0 * (node.bounds().upper[a] - node.bounds().lower[a]) / 255.0;
+            for (lane, query) in queries.iter().enumerate() {
+                for (i, child) in children.iter().enumerate() {
+                    prop_assert!(!is_meeting(child, query) || found[i] >> lane & 1 == 1);
+                    // Nothing a whole byte away is kept, where the node has an extent.
+                    if (0..3).any(|a| {
+                        let gap = (child.lower[a] - query.upper[a]).max(query.lower[a] - child.upper[a]);
+                        byte(a) > 1e-30 && gap > byte(a)
+                    }) {
+                        prop_assert!(found[i] >> lane & 1 == 0);
+                    }
                 }
             }
         }

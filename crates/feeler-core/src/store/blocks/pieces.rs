@@ -2,7 +2,7 @@
 
 use super::node::{Node, FANOUT, HALF, UNPACK_ROUNDING};
 use crate::lanes::{boxes_apart, greatest, greatest4, least, least4, Box4, Lane32, LANES, TINY};
-use crate::simd::{few_lanes, Arithmetic, Simd};
+use crate::simd::{few_lanes, part_lanes, Arithmetic, Simd};
 
 /// A block's pieces, but for their boxes. All that a query reads of a block after these lies side by side.
 #[derive(Debug, Clone)]
@@ -108,35 +108,37 @@ impl HalfBlock {
         (half, first): (usize, usize),
         slack: f32,
     ) {
-        let few = s.few();
-        let rounding = few.splat(UNPACK_ROUNDING + slack);
-        let mut at = [[rounding; 3]; 4];
-        let mut off = [rounding; 3];
-        for a in 0..3 {
-            let lower = s.load_few(&self.lower[a], first);
-            let step = (s.load_few(&self.upper[a], first) - lower) * few.splat(1.0 / STEPS);
-            for c in 0..4 {
-                at[c][a] = few.mul_add(s.widen_field(&packed.corners[half][c], first, a as u32), step, lower);
-                s.store_few(at[c][a], &mut self.corners[c][a], first);
+        let part = s.part();
+        let rounding = part.splat(UNPACK_ROUNDING + slack);
+        for first in (first..first + few_lanes::<S>()).step_by(part_lanes::<S>()) {
+            let mut at = [[rounding; 3]; 4];
+            let mut off = [rounding; 3];
+            for a in 0..3 {
+                let lower = s.load_part(&self.lower[a], first);
+                let step = (s.load_part(&self.upper[a], first) - lower) * part.splat(1.0 / STEPS);
+                for c in 0..4 {
+                    at[c][a] = part.mul_add(s.widen_field(&packed.corners[half][c], first, a as u32), step, lower);
+                    s.store_part(at[c][a], &mut self.corners[c][a], first);
+                }
+                off[a] = part.mul_add(step, part.splat(HALF), rounding);
+                s.store_part(off[a], &mut self.slack[a], first);
             }
-            off[a] = few.mul_add(step, few.splat(HALF), rounding);
-            s.store_few(off[a], &mut self.slack[a], first);
+            // Across the diagonals.
+            let u = [at[2][0] - at[0][0], at[2][1] - at[0][1], at[2][2] - at[0][2]];
+            let v = [at[3][0] - at[1][0], at[3][1] - at[1][1], at[3][2] - at[1][2]];
+            let n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+            let mut d = [rounding; 4];
+            for c in 0..4 {
+                d[c] = part.mul_add(n[0], at[c][0], part.mul_add(n[1], at[c][1], n[2] * at[c][2]));
+            }
+            let slack = part.mul_add(part.abs(n[2]), off[2], part.splat(TINY));
+            let slack = part.mul_add(part.abs(n[0]), off[0], part.mul_add(part.abs(n[1]), off[1], slack));
+            for a in 0..3 {
+                s.store_part(n[a], &mut self.normals[a], first);
+            }
+            s.store_part(least4(part, &d) - slack, &mut self.near, first);
+            s.store_part(greatest4(part, &d) + slack, &mut self.far, first);
         }
-        // Across the diagonals.
-        let u = [at[2][0] - at[0][0], at[2][1] - at[0][1], at[2][2] - at[0][2]];
-        let v = [at[3][0] - at[1][0], at[3][1] - at[1][1], at[3][2] - at[1][2]];
-        let n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
-        let mut d = [rounding; 4];
-        for c in 0..4 {
-            d[c] = few.mul_add(n[0], at[c][0], few.mul_add(n[1], at[c][1], n[2] * at[c][2]));
-        }
-        let slack = few.mul_add(few.abs(n[2]), off[2], few.splat(TINY));
-        let slack = few.mul_add(few.abs(n[0]), off[0], few.mul_add(few.abs(n[1]), off[1], slack));
-        for a in 0..3 {
-            s.store_few(n[a], &mut self.normals[a], first);
-        }
-        s.store_few(least4(few, &d) - slack, &mut self.near, first);
-        s.store_few(greatest4(few, &d) + slack, &mut self.far, first);
     }
 
     /// The interval of one piece along an axis in each lane, grown by all slack.

@@ -9,7 +9,7 @@ use super::beside::Beside;
 use super::descent::{BlocksScratch, Reach};
 use super::pieces::{most_slack, HalfBlock};
 use super::rows::{are_small, offer_rows, Rows, MANY};
-use super::{Blocks, FANOUT};
+use super::{Blocks, Node, FANOUT};
 use crate::lanes::{
     along, load3, load_few3, Box4, Lane32, LaneBoxes, PlaceBoxes, PlacedPieces, Placement, LANES, TINY,
 };
@@ -209,27 +209,35 @@ impl Kernel for Scan<'_, '_> {
             let to = runs.get(run + 1).map_or(count, |next| next.from);
             let (node, packed) = (&level[block as usize], &blocks.pieces[block as usize]);
             for half in 0..2 {
-                if reached >> (LANES * half) & HALF_MASK != 0 {
+                if !S::IN_BYTES && reached >> (LANES * half) & HALF_MASK != 0 {
                     halves[half].unpack_boxes(s, node, half);
                 }
             }
             let most_slack = most_slack(node, slack);
-            let mut unpacked = 0;
+            let mut unpacked = 0u32;
             let mut kept = 0;
             for &(c, hit) in &found[from..to] {
                 let placed = &mut pieces[c as usize];
                 let used = clusters[c as usize].corners.used;
-                let (met, count, entries) = boxes_meeting(s, &placed.boxes, used, halves, (c, hit), pairs, kept);
+                let (count, entries) = if S::IN_BYTES {
+                    boxes_meeting_in_bytes(s, &placed.boxes, used, node, (c, hit), pairs, kept)
+                } else {
+                    boxes_meeting(s, &placed.boxes, used, halves, (c, hit), pairs, kept)
+                };
                 narrow.stats.pieces_scanned += u64::from(hit.count_ones());
                 narrow.stats.entries_scanned += u64::from(entries);
                 if !narrow.filters.boxes {
                     kept = count;
                 } else if count > kept {
-                    for half in 0..2 {
-                        let mask = HALF_MASK << (LANES * half);
-                        if met & mask & !unpacked != 0 {
+                    // In order by piece: the first and the last say which halves they are of.
+                    let of = [pairs[kept].piece() / LANES, pairs[count - 1].piece() / LANES];
+                    for half in of[0]..=of[1] {
+                        if unpacked >> half & 1 == 0 {
+                            if S::IN_BYTES {
+                                halves[half].unpack_boxes(s, node, half);
+                            }
                             halves[half].unpack_corners(s, packed, half, slack);
-                            unpacked |= mask;
+                            unpacked |= 1 << half;
                         }
                     }
                     placed.need_normals(s);
@@ -237,9 +245,9 @@ impl Kernel for Scan<'_, '_> {
                 }
             }
             for pair in &pairs[..kept] {
-                narrow.stats.box_survivors += u64::from(pair.lanes.count_ones());
-                let slots = &clusters[pair.cluster as usize].slots;
-                if narrow.offer_lanes(s, pair.lanes, slots, packed.triangles[pair.piece as usize]) {
+                narrow.stats.box_survivors += u64::from(pair.lanes().count_ones());
+                let slots = &clusters[pair.cluster()].slots;
+                if narrow.offer_lanes(s, pair.lanes(), slots, packed.triangles[pair.piece()]) {
                     return true;
                 }
             }
@@ -262,17 +270,40 @@ fn not_beside(clusters: Beside<'_>, lanes: Checked) -> u16 {
 /// Half of a block's pieces.
 const HALF_MASK: u32 = 0xffff;
 
-/// A piece of a block, a cluster of a group, and which of the cluster's pieces are not held apart from it.
+/// A piece of a block, a cluster of a group, and which of the cluster's pieces are not held apart from it: in one number, which is
+/// read and written at once.
 #[derive(Debug, Clone, Copy)]
-pub struct PiecePair {
-    piece: u32,
-    cluster: u16,
-    lanes: u16,
-}
+pub struct PiecePair(u64);
 
 impl PiecePair {
     /// To be filled in.
-    pub const ZERO: PiecePair = PiecePair { piece: 0, cluster: 0, lanes: 0 };
+    pub const ZERO: PiecePair = PiecePair(0);
+
+    #[inline(always)]
+    fn new(piece: u32, cluster: u32, lanes: u16) -> PiecePair {
+        PiecePair(u64::from(piece) << 32 | u64::from(cluster) << 16 | u64::from(lanes))
+    }
+
+    #[inline(always)]
+    fn piece(self) -> usize {
+        (self.0 >> 32) as usize % FANOUT
+    }
+
+    #[inline(always)]
+    fn cluster(self) -> usize {
+        (self.0 >> 16) as usize % LANES
+    }
+
+    #[inline(always)]
+    fn lanes(self) -> u16 {
+        self.0 as u16
+    }
+
+    /// Less some lanes.
+    #[inline(always)]
+    fn without(self, lanes: u16) -> PiecePair {
+        PiecePair(self.0 & !u64::from(lanes))
+    }
 }
 
 /// All pairs of a group's clusters and a block's pieces.
@@ -291,21 +322,46 @@ fn boxes_meeting<S: Simd>(
     (cluster, hit): (u32, u32),
     pairs: &mut [PiecePair; PIECE_PAIRS],
     at: usize,
-) -> (u32, usize, u32) {
+) -> (usize, u32) {
     let mut entries = 0;
     let (lower, upper) = (load3(s, &boxes.lower), load3(s, &boxes.upper));
-    let (mut met, mut count, mut rest) = (0, at, hit);
+    let (mut count, mut rest) = (at, hit);
     while rest != 0 {
         let piece = rest.trailing_zeros() as usize;
         rest &= rest - 1;
         let lanes = halves[piece / LANES].boxes_meeting(s, &lower, &upper, piece % LANES) & used;
         entries += lanes.count_ones();
         // No branch: which pieces are left is not to be foreseen.
-        pairs[count] = PiecePair { piece: piece as u32, cluster: cluster as u16, lanes };
+        pairs[count] = PiecePair::new(piece as u32, cluster, lanes);
         count += usize::from(lanes != 0);
-        met |= u32::from(lanes != 0) << piece;
     }
-    (met, count, entries)
+    (count, entries)
+}
+
+/// The same in the node's bytes, in which sixteen boxes take one register of AVX2 an axis, and not four.
+#[inline(always)]
+fn boxes_meeting_in_bytes<S: Simd>(
+    s: S,
+    boxes: &LaneBoxes,
+    used: u16,
+    node: &Node,
+    (cluster, hit): (u32, u32),
+    pairs: &mut [PiecePair; PIECE_PAIRS],
+    at: usize,
+) -> (usize, u32) {
+    let children = node.byte_boxes().0;
+    let in_bytes = s.in_bytes(children, [&boxes.lower, &boxes.upper]);
+    let used = used & !in_bytes.outside;
+    let (mut count, mut entries, mut rest) = (at, 0, hit);
+    while rest != 0 {
+        let piece = rest.trailing_zeros();
+        rest &= rest - 1;
+        let lanes = s.lanes_meeting(&in_bytes, children, piece as usize) & used;
+        entries += lanes.count_ones();
+        pairs[count] = PiecePair::new(piece, cluster, lanes);
+        count += usize::from(lanes != 0);
+    }
+    (count, entries)
 }
 
 /// Leaves, of the pairs of one cluster, what the planes of neither side hold apart. Returns where the list
@@ -332,14 +388,14 @@ fn planes_meeting<S: Simd>(
         return planes_meeting_few(s, placed, &ends, halves, pairs, of_cluster);
     }
     let own = OwnPlanes { corners: placed.corners(s), normals: n, near, far };
-    let mut kept = of_cluster.start;
-    for i in of_cluster {
-        let pair = pairs[i];
-        let lanes = pair.lanes & !s.lanes(planes_apart(s, &own, halves, pair.piece));
-        pairs[kept] = PiecePair { lanes, ..pair };
-        kept += usize::from(lanes != 0);
+    let (start, list) = (of_cluster.start, &mut pairs[of_cluster]);
+    let mut kept = 0;
+    for i in 0..list.len() {
+        let pair = list[i].without(s.lanes(planes_apart(s, &own, halves, list[i].piece())));
+        list[kept] = pair;
+        kept += usize::from(pair.lanes() != 0);
     }
-    kept
+    start + kept
 }
 
 /// The same, with the intervals of the tool's pieces, by few lanes at a time and without those in which there is nothing.
@@ -359,7 +415,7 @@ fn planes_meeting_few<S: Simd>(
     for i in of_cluster.clone() {
         for from in (0..LANES).step_by(lanes) {
             parts[count % PARTS] = (i as u16, from as u16);
-            count += usize::from(u32::from(pairs[i].lanes) >> from & ((1 << lanes) - 1) != 0);
+            count += usize::from(u32::from(pairs[i].lanes()) >> from & ((1 << lanes) - 1) != 0);
         }
     }
     for &(i, from) in &parts[..count] {
@@ -370,12 +426,12 @@ fn planes_meeting_few<S: Simd>(
             corners[c] = load_few3(s, &placed.corners[c], from);
         }
         let own = OwnPlanes { corners, normals, near: s.load_few(near, from), far: s.load_few(far, from) };
-        pair.lanes &= !(few.lanes(planes_apart(few, &own, halves, pair.piece)) << from);
+        *pair = pair.without(few.lanes(planes_apart(few, &own, halves, pair.piece())) << from);
     }
     let mut kept = of_cluster.start;
     for i in of_cluster {
         pairs[kept] = pairs[i];
-        kept += usize::from(pairs[kept].lanes != 0);
+        kept += usize::from(pairs[kept].lanes() != 0);
     }
     kept
 }
@@ -393,8 +449,8 @@ struct OwnPlanes<A: Arithmetic> {
 
 /// Which of a cluster's pieces a plane holds apart from one of a block's.
 #[inline(always)]
-fn planes_apart<A: Arithmetic>(s: A, own: &OwnPlanes<A>, halves: &[HalfBlock; 2], piece: u32) -> A::M32 {
-    let (half, piece) = (&halves[piece as usize / LANES], piece as usize % LANES);
+fn planes_apart<A: Arithmetic>(s: A, own: &OwnPlanes<A>, halves: &[HalfBlock; 2], piece: usize) -> A::M32 {
+    let (half, piece) = (&halves[piece / LANES % 2], piece % LANES);
     // The plane of the block's piece; its own interval along its axis is known.
     let (near, far) = along(s, &own.corners, &half.normal(s, piece));
     let apart = s.above(near, s.splat(half.far[piece])) | s.above(s.splat(half.near[piece]), far);
