@@ -336,7 +336,7 @@ impl Simd for Portable {
         let eight = |from: usize| u32::from(gather(std::array::from_fn(|i| apart[from + i]))) << from;
         !(eight(0) | eight(8) | eight(16) | eight(24))
     }
-    const IN_BYTES: bool = true;
+    const IN_BYTES: bool = false;
     #[inline(always)]
     fn in_bytes(self, boxes: &ByteBoxes, b: [&[[f32; LANES]; 3]; 2]) -> ByteLanes {
         let mut lanes = ByteLanes { least: [[0; 2 * LANES]; 3], outside: 0 };

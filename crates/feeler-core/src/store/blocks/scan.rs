@@ -230,7 +230,7 @@ impl Kernel for Scan<'_, '_> {
                     kept = count;
                 } else if count > kept {
                     // In order by piece: the first and the last say which halves they are of.
-                    let of = [pairs[kept].piece() / LANES, pairs[count - 1].piece() / LANES];
+                    let of = [pairs[kept].piece as usize / LANES, pairs[count - 1].piece as usize / LANES];
                     for half in of[0]..=of[1] {
                         if unpacked >> half & 1 == 0 {
                             if S::IN_BYTES {
@@ -245,9 +245,9 @@ impl Kernel for Scan<'_, '_> {
                 }
             }
             for pair in &pairs[..kept] {
-                narrow.stats.box_survivors += u64::from(pair.lanes().count_ones());
-                let slots = &clusters[pair.cluster()].slots;
-                if narrow.offer_lanes(s, pair.lanes(), slots, packed.triangles[pair.piece()]) {
+                narrow.stats.box_survivors += u64::from(pair.lanes.count_ones());
+                let slots = &clusters[pair.cluster as usize].slots;
+                if narrow.offer_lanes(s, pair.lanes, slots, packed.triangles[pair.piece as usize]) {
                     return true;
                 }
             }
@@ -270,40 +270,17 @@ fn not_beside(clusters: Beside<'_>, lanes: Checked) -> u16 {
 /// Half of a block's pieces.
 const HALF_MASK: u32 = 0xffff;
 
-/// A piece of a block, a cluster of a group, and which of the cluster's pieces are not held apart from it: in one number, which is
-/// read and written at once.
+/// A piece of a block, a cluster of a group, and which of the cluster's pieces are not held apart from it.
 #[derive(Debug, Clone, Copy)]
-pub struct PiecePair(u64);
+pub struct PiecePair {
+    piece: u32,
+    cluster: u16,
+    lanes: u16,
+}
 
 impl PiecePair {
     /// To be filled in.
-    pub const ZERO: PiecePair = PiecePair(0);
-
-    #[inline(always)]
-    fn new(piece: u32, cluster: u32, lanes: u16) -> PiecePair {
-        PiecePair(u64::from(piece) << 32 | u64::from(cluster) << 16 | u64::from(lanes))
-    }
-
-    #[inline(always)]
-    fn piece(self) -> usize {
-        (self.0 >> 32) as usize % FANOUT
-    }
-
-    #[inline(always)]
-    fn cluster(self) -> usize {
-        (self.0 >> 16) as usize % LANES
-    }
-
-    #[inline(always)]
-    fn lanes(self) -> u16 {
-        self.0 as u16
-    }
-
-    /// Less some lanes.
-    #[inline(always)]
-    fn without(self, lanes: u16) -> PiecePair {
-        PiecePair(self.0 & !u64::from(lanes))
-    }
+    pub const ZERO: PiecePair = PiecePair { piece: 0, cluster: 0, lanes: 0 };
 }
 
 /// All pairs of a group's clusters and a block's pieces.
@@ -332,7 +309,7 @@ fn boxes_meeting<S: Simd>(
         let lanes = halves[piece / LANES].boxes_meeting(s, &lower, &upper, piece % LANES) & used;
         entries += lanes.count_ones();
         // No branch: which pieces are left is not to be foreseen.
-        pairs[count] = PiecePair::new(piece as u32, cluster, lanes);
+        pairs[count] = PiecePair { piece: piece as u32, cluster: cluster as u16, lanes };
         count += usize::from(lanes != 0);
     }
     (count, entries)
@@ -358,7 +335,7 @@ fn boxes_meeting_in_bytes<S: Simd>(
         rest &= rest - 1;
         let lanes = s.lanes_meeting(&in_bytes, children, piece as usize) & used;
         entries += lanes.count_ones();
-        pairs[count] = PiecePair::new(piece, cluster, lanes);
+        pairs[count] = PiecePair { piece, cluster: cluster as u16, lanes };
         count += usize::from(lanes != 0);
     }
     (count, entries)
@@ -391,9 +368,10 @@ fn planes_meeting<S: Simd>(
     let (start, list) = (of_cluster.start, &mut pairs[of_cluster]);
     let mut kept = 0;
     for i in 0..list.len() {
-        let pair = list[i].without(s.lanes(planes_apart(s, &own, halves, list[i].piece())));
-        list[kept] = pair;
-        kept += usize::from(pair.lanes() != 0);
+        let pair = list[i];
+        let lanes = pair.lanes & !s.lanes(planes_apart(s, &own, halves, pair.piece));
+        list[kept] = PiecePair { lanes, ..pair };
+        kept += usize::from(lanes != 0);
     }
     start + kept
 }
@@ -415,7 +393,7 @@ fn planes_meeting_few<S: Simd>(
     for i in of_cluster.clone() {
         for from in (0..LANES).step_by(lanes) {
             parts[count % PARTS] = (i as u16, from as u16);
-            count += usize::from(u32::from(pairs[i].lanes()) >> from & ((1 << lanes) - 1) != 0);
+            count += usize::from(u32::from(pairs[i].lanes) >> from & ((1 << lanes) - 1) != 0);
         }
     }
     for &(i, from) in &parts[..count] {
@@ -426,12 +404,12 @@ fn planes_meeting_few<S: Simd>(
             corners[c] = load_few3(s, &placed.corners[c], from);
         }
         let own = OwnPlanes { corners, normals, near: s.load_few(near, from), far: s.load_few(far, from) };
-        *pair = pair.without(few.lanes(planes_apart(few, &own, halves, pair.piece())) << from);
+        pair.lanes &= !(few.lanes(planes_apart(few, &own, halves, pair.piece)) << from);
     }
     let mut kept = of_cluster.start;
     for i in of_cluster {
         pairs[kept] = pairs[i];
-        kept += usize::from(pairs[kept].lanes() != 0);
+        kept += usize::from(pairs[kept].lanes != 0);
     }
     kept
 }
@@ -449,8 +427,8 @@ struct OwnPlanes<A: Arithmetic> {
 
 /// Which of a cluster's pieces a plane holds apart from one of a block's.
 #[inline(always)]
-fn planes_apart<A: Arithmetic>(s: A, own: &OwnPlanes<A>, halves: &[HalfBlock; 2], piece: usize) -> A::M32 {
-    let (half, piece) = (&halves[piece / LANES % 2], piece % LANES);
+fn planes_apart<A: Arithmetic>(s: A, own: &OwnPlanes<A>, halves: &[HalfBlock; 2], piece: u32) -> A::M32 {
+    let (half, piece) = (&halves[piece as usize / LANES], piece as usize % LANES);
     // The plane of the block's piece; its own interval along its axis is known.
     let (near, far) = along(s, &own.corners, &half.normal(s, piece));
     let apart = s.above(near, s.splat(half.far[piece])) | s.above(s.splat(half.near[piece]), far);
