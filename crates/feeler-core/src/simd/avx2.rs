@@ -3,7 +3,7 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, BitOr, BitXor, Mul, Sub};
 
-use super::x86::{in_bytes, is_apart, lanes_meeting, least_sides, numbers, One};
+use super::x86::{is_apart, least_sides, numbers, One};
 use super::{Arithmetic, ByteBoxes, ByteLanes, Kernel, Simd, FEW, LANES, WIDE_LANES};
 
 /// Whether the CPU has what [`Avx2`] uses.
@@ -550,11 +550,54 @@ impl Simd for Avx2 {
     const IN_BYTES: bool = true;
     #[inline(always)]
     fn in_bytes(self, boxes: &ByteBoxes, b: [&[[f32; LANES]; 3]; 2]) -> ByteLanes {
-        in_bytes(boxes, b)
+        let mut lanes = ByteLanes { least: [[0; 2 * LANES]; 3], outside: 0 };
+        // SAFETY: see above.
+        unsafe {
+            let beyond = _mm256_set1_ps(256.0);
+            // The halves of 16 lanes, when packed, are in fours: 0, 2 and 1, 3.
+            let in_order = _mm256_setr_epi32(0, 4, 1, 5, 2, 6, 3, 7);
+            let not_upper = _mm256_setr_epi64x(0, 0, -1, -1);
+            let (mut last, mut first) = (_mm256_set1_epi16(0), _mm256_set1_epi16(255));
+            for a in 0..3 {
+                let (origin, per_unit) = (_mm256_set1_ps(boxes.origin[a]), _mm256_set1_ps(boxes.per_unit[a]));
+                let mut sixteen = [origin; 4];
+                for i in 0..4 {
+                    let x = _mm256_loadu_ps(b[i / 2][a][8 * (i % 2)..].as_ptr());
+                    let t = _mm256_mul_ps(_mm256_sub_ps(x, origin), per_unit);
+                    // What is below the range of integers, and NaN, becomes the least of them: so a lower side stays NaN, and an
+                    // upper one becomes large. `min` gives its second argument where one is NaN.
+                    sixteen[i] = if i < 2 { _mm256_min_ps(beyond, t) } else { _mm256_min_ps(t, beyond) };
+                }
+                let [l, l_next, u, u_next] = sixteen.map(|t| _mm256_cvtps_epi32(t));
+                let (lower, upper) = (_mm256_packs_epi32(l, l_next), _mm256_packs_epi32(u, u_next));
+                (last, first) = (_mm256_max_epi16(last, lower), _mm256_min_epi16(first, upper));
+                let bytes = _mm256_permutevar8x32_epi32(_mm256_packus_epi16(lower, upper), in_order);
+                _mm256_storeu_si256(lanes.least[a].as_mut_ptr().cast(), _mm256_xor_si256(bytes, not_upper));
+            }
+            let after = _mm256_cmpgt_epi16(last, _mm256_set1_epi16(255));
+            let outside = _mm256_or_si256(after, _mm256_cmpgt_epi16(_mm256_setzero_si256(), first));
+            let bytes = _mm256_permutevar8x32_epi32(_mm256_packs_epi16(outside, outside), in_order);
+            lanes.outside = _mm_movemask_epi8(_mm256_castsi256_si128(bytes)) as u16;
+        }
+        lanes
     }
     #[inline(always)]
     fn lanes_meeting(self, lanes: &ByteLanes, boxes: &ByteBoxes, i: usize) -> u16 {
-        lanes_meeting(lanes, boxes, i)
+        let i = i % (2 * LANES);
+        // SAFETY: see above.
+        unsafe {
+            // What is left after subtracting the side with saturation is not zero where it is below the least it must be.
+            let mut below = [_mm_setzero_si128(); 3];
+            for a in 0..3 {
+                let (lower, upper) = (boxes.sides[a][i], boxes.sides[a][2 * LANES + i]);
+                let (of_upper, of_lower) = lanes.least[a].split_at(LANES);
+                let before = _mm_subs_epu8(_mm_loadu_si128(of_upper.as_ptr().cast()), _mm_set1_epi8(upper as i8));
+                let after = _mm_subs_epu8(_mm_loadu_si128(of_lower.as_ptr().cast()), _mm_set1_epi8(lower as i8));
+                below[a] = _mm_or_si128(before, after);
+            }
+            let below = _mm_or_si128(_mm_or_si128(below[0], below[1]), below[2]);
+            _mm_movemask_epi8(_mm_cmpeq_epi8(below, _mm_setzero_si128())) as u16
+        }
     }
     #[inline(always)]
     fn append(self, chosen: u16, from: &[u32; LANES], to: &mut [u32], at: usize) -> usize {

@@ -2,8 +2,8 @@
 
 use std::arch::x86_64::*;
 
-use super::x86::{in_bytes, is_apart, lanes_meeting, least_sides, numbers, One};
-use super::{avx2, Arithmetic, ByteBoxes, ByteLanes, Kernel, Simd, FEW, LANES, WIDE_LANES};
+use super::x86::{is_apart, least_sides, numbers, One};
+use super::{avx2, Arithmetic, ByteBoxes, Kernel, Simd, FEW, LANES, WIDE_LANES};
 
 /// Whether the CPU has what [`Avx512`] uses.
 pub fn is_there() -> bool {
@@ -325,15 +325,6 @@ impl Simd for Avx512 {
             }
             !(below as u32 | (below >> 32) as u32)
         }
-    }
-    const IN_BYTES: bool = false;
-    #[inline(always)]
-    fn in_bytes(self, boxes: &ByteBoxes, b: [&[[f32; LANES]; 3]; 2]) -> ByteLanes {
-        in_bytes(boxes, b)
-    }
-    #[inline(always)]
-    fn lanes_meeting(self, lanes: &ByteLanes, boxes: &ByteBoxes, i: usize) -> u16 {
-        lanes_meeting(lanes, boxes, i)
     }
     #[inline(always)]
     fn append(self, chosen: u16, from: &[u32; LANES], to: &mut [u32], at: usize) -> usize {

@@ -301,11 +301,36 @@ pub(crate) trait Simd: Arithmetic {
     fn children_meeting(self, boxes: &ByteBoxes, b: [&[f32; 4]; 2]) -> u32;
     /// Whether sixteen boxes are compared with one child in bytes: not where float32 takes no more instructions. The next two
     /// are the same at each level.
-    const IN_BYTES: bool;
+    const IN_BYTES: bool = false;
     /// Boxes, given by lower and upper sides, in a node's bytes.
-    fn in_bytes(self, boxes: &ByteBoxes, b: [&[[f32; LANES]; 3]; 2]) -> ByteLanes;
+    #[inline(always)]
+    fn in_bytes(self, boxes: &ByteBoxes, b: [&[[f32; LANES]; 3]; 2]) -> ByteLanes {
+        let mut lanes = ByteLanes { least: [[0; 2 * LANES]; 3], outside: 0 };
+        let mut outside = [0u8; LANES];
+        for a in 0..3 {
+            for i in 0..LANES {
+                let lower = boxes.to_whole(b[0][a][i], a, -1.0);
+                let upper = boxes.to_whole(b[1][a][i], a, 256.0);
+                lanes.least[a][i] = lower.clamp(0, 255) as u8;
+                lanes.least[a][LANES + i] = 255 - upper.clamp(0, 255) as u8;
+                outside[i] |= u8::from(lower > 255) | u8::from(upper < 0);
+            }
+        }
+        lanes.outside = portable::gather16(&outside);
+        lanes
+    }
     /// Which of sixteen boxes meet child `i`, if not outside.
-    fn lanes_meeting(self, lanes: &ByteLanes, boxes: &ByteBoxes, i: usize) -> u16;
+    #[inline(always)]
+    fn lanes_meeting(self, lanes: &ByteLanes, boxes: &ByteBoxes, i: usize) -> u16 {
+        let mut below = [0u8; LANES];
+        for a in 0..3 {
+            let (lower, upper) = (boxes.sides[a][i % 32], boxes.sides[a][32 + i % 32]);
+            for lane in 0..LANES {
+                below[lane] |= u8::from(upper < lanes.least[a][lane]) | u8::from(lower < lanes.least[a][LANES + lane]);
+            }
+        }
+        !portable::gather16(&below)
+    }
     /// Writes the chosen numbers one after the other to `to[at..]`, and anything to what follows, up to 16 in all; returns the
     /// place after the last one chosen. `to` must have 16 places from `at`.
     fn append(self, chosen: u16, from: &[u32; LANES], to: &mut [u32], at: usize) -> usize;

@@ -2,7 +2,7 @@
 
 use std::ops::{Add, BitOr, BitXor, Mul, Sub};
 
-use super::{Arithmetic, ByteBoxes, ByteLanes, Simd, LANES, WIDE_LANES};
+use super::{Arithmetic, ByteBoxes, Simd, LANES, WIDE_LANES};
 
 /// So many lanes of float32, and of float64.
 #[derive(Debug, Clone, Copy)]
@@ -336,34 +336,6 @@ impl Simd for Portable {
         let eight = |from: usize| u32::from(gather(std::array::from_fn(|i| apart[from + i]))) << from;
         !(eight(0) | eight(8) | eight(16) | eight(24))
     }
-    const IN_BYTES: bool = false;
-    #[inline(always)]
-    fn in_bytes(self, boxes: &ByteBoxes, b: [&[[f32; LANES]; 3]; 2]) -> ByteLanes {
-        let mut lanes = ByteLanes { least: [[0; 2 * LANES]; 3], outside: 0 };
-        let mut outside = [0u8; LANES];
-        for a in 0..3 {
-            for i in 0..LANES {
-                let lower = boxes.to_whole(b[0][a][i], a, -1.0);
-                let upper = boxes.to_whole(b[1][a][i], a, 256.0);
-                lanes.least[a][i] = lower.clamp(0, 255) as u8;
-                lanes.least[a][LANES + i] = 255 - upper.clamp(0, 255) as u8;
-                outside[i] |= u8::from(lower > 255) | u8::from(upper < 0);
-            }
-        }
-        lanes.outside = gather16(&outside);
-        lanes
-    }
-    #[inline(always)]
-    fn lanes_meeting(self, lanes: &ByteLanes, boxes: &ByteBoxes, i: usize) -> u16 {
-        let mut below = [0u8; LANES];
-        for a in 0..3 {
-            let (lower, upper) = (boxes.sides[a][i % 32], boxes.sides[a][32 + i % 32]);
-            for lane in 0..LANES {
-                below[lane] |= u8::from(upper < lanes.least[a][lane]) | u8::from(lower < lanes.least[a][LANES + lane]);
-            }
-        }
-        !gather16(&below)
-    }
     #[inline(always)]
     fn append(self, chosen: u16, from: &[u32; LANES], to: &mut [u32], at: usize) -> usize {
         let to = &mut to[at..at + LANES];
@@ -397,7 +369,7 @@ impl Simd for Portable {
 
 /// One bit per byte (0 or 1), of sixteen.
 #[inline(always)]
-fn gather16(flags: &[u8; LANES]) -> u16 {
+pub fn gather16(flags: &[u8; LANES]) -> u16 {
     let eight = |from: usize| gather(std::array::from_fn(|i| flags[from + i]));
     u16::from_le_bytes([eight(0), eight(8)])
 }
