@@ -266,11 +266,12 @@ impl Narrow<'_> {
     /// Pairs are kept until there are enough for a batch; the last ones wait for [`finish`](Self::finish).
     #[inline(always)]
     pub fn offer_lanes<S: Simd>(&mut self, s: S, chosen: u16, slots: &[u32; LANES], mockup_triangle: u32) -> bool {
-        let from = self.pending.count;
-        self.pending.mockup_triangles[from..from + LANES].fill(mockup_triangle);
-        self.pending.count = s.append(chosen, slots, &mut self.pending.slots, from);
+        let pending = &mut *self.pending;
+        let from = pending.count;
+        pending.mockup_triangles[from..from + LANES].fill(mockup_triangle);
+        pending.count = s.append(chosen, slots, &mut pending.slots, from);
         prefetch_at(self.mesh.faces(), mockup_triangle as usize);
-        self.pending.ask(mockup_triangle);
+        pending.ask(mockup_triangle);
         self.is_batch_over()
     }
 

@@ -5,7 +5,7 @@ use std::hint::select_unpredictable;
 use crate::bounds::Point;
 
 /// Slots for each point: whether one is taken already is not to be foreseen, so few are to be.
-const SPARSE: usize = 8;
+const SPARSE: usize = 4;
 
 /// The places of points in a list, found by their coordinates; empties in constant time.
 #[derive(Debug, Default)]

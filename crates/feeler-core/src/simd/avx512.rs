@@ -318,12 +318,14 @@ impl Simd for Avx512 {
         unsafe {
             let both = _mm512_castsi256_si512(least_sides(boxes, b));
             let both = _mm512_shuffle_i64x2::<0x50>(both, both);
-            let mut below = 0;
+            // One chain, in which each comparison looks at what the one before left: none is there to join them.
+            let mut reached = u64::MAX;
             for a in 0..3 {
                 let least = _mm512_shuffle_epi8(both, _mm512_set1_epi8(4 * a as i8));
-                below |= _mm512_cmplt_epu8_mask(_mm512_loadu_si512(boxes.sides[a].as_ptr().cast()), least);
+                let sides = _mm512_loadu_si512(boxes.sides[a].as_ptr().cast());
+                reached = _mm512_mask_cmpge_epu8_mask(reached, sides, least);
             }
-            !(below as u32 | (below >> 32) as u32)
+            reached as u32 & (reached >> 32) as u32
         }
     }
     #[inline(always)]

@@ -68,6 +68,7 @@ impl Kernel for Scan<'_, '_> {
     fn run<S: Simd>(self, s: S) -> bool {
         let Scan { blocks, tool, placement, scratch, arrival, narrow } = self;
         let BlocksScratch { nodes, masks, reached, spread, pieces, halves, runs, found, pairs, rows, .. } = scratch;
+        let (pieces, halves, pairs) = (&mut **pieces, &mut **halves, &mut **pairs);
         let level = &blocks.levels[0];
         let [now, waiting] = &mut **reached;
         now.group = None;
@@ -110,18 +111,19 @@ impl Kernel for Scan<'_, '_> {
             loose.spread(s, spread);
             for (&block, mask) in nodes.iter().zip(&masks[first_mask..]) {
                 let mut mask = mask & !needed;
+                let node = &level[block as usize];
+                narrow.stats.voxels_visited += u64::from(mask.count_ones());
                 let (mut met, mut hits, mut count) = (0, [0; LANES], 0);
                 while mask != 0 {
                     let c = mask.trailing_zeros() as usize;
                     mask &= mask - 1;
-                    narrow.stats.voxels_visited += 1;
-                    hits[c] = level[block as usize].overlapping_inside(s, &spread.lane(c));
+                    hits[c] = node.overlapping_inside(s, &spread.lane(c));
                     met |= u16::from(hits[c] != 0) << c;
                     count += hits[c].count_ones();
                 }
                 let clusters = met.count_ones();
                 if clusters >= MANY_CLUSTERS && count <= FEW_PIECES * clusters && narrow.filters.boxes {
-                    let (node, packed) = (&level[block as usize], &blocks.pieces[block as usize]);
+                    let packed = &blocks.pieces[block as usize];
                     let slack = placement.slack + blocks.slack;
                     met = not_beside(
                         Beside { node, packed, placement, boxes, hits: &hits, slack, half: &mut halves[0] },
@@ -181,16 +183,18 @@ impl Kernel for Scan<'_, '_> {
             if found.len() < from + LANES {
                 found.resize(2 * (from + LANES), (0, 0));
             }
-            let mut reached = 0;
+            narrow.stats.voxels_visited += u64::from(mask.count_ones());
+            let list = &mut found[from..from + LANES];
+            let (mut reached, mut clusters) = (0, 0);
             while mask != 0 {
                 let c = mask.trailing_zeros();
                 mask &= mask - 1;
-                narrow.stats.voxels_visited += 1;
                 let hit = node.overlapping_inside(s, &pieces[c as usize].bounds);
                 reached |= hit;
-                found[count] = (c, hit);
-                count += usize::from(hit != 0);
+                list[clusters] = (c, hit);
+                clusters += usize::from(hit != 0);
             }
+            count += clusters;
             if reached != 0 {
                 let packed = &blocks.pieces[block as usize];
                 for half in 0..2 {
@@ -244,8 +248,9 @@ impl Kernel for Scan<'_, '_> {
                     kept = planes_meeting(s, placed, halves, &most_slack, pairs, kept..count);
                 }
             }
+            let survivors: u32 = pairs[..kept].iter().map(|pair| pair.lanes.count_ones()).sum();
+            narrow.stats.box_survivors += u64::from(survivors);
             for pair in &pairs[..kept] {
-                narrow.stats.box_survivors += u64::from(pair.lanes.count_ones());
                 let slots = &clusters[pair.cluster as usize].slots;
                 if narrow.offer_lanes(s, pair.lanes, slots, packed.triangles[pair.piece as usize]) {
                     return true;
