@@ -7,26 +7,19 @@ use crate::bounds::Point;
 /// Slots for each point: whether one is taken already is not to be foreseen, so few are to be.
 const SPARSE: usize = 4;
 
-/// The places of points in a list, found by their coordinates; empties in constant time.
+/// The places of points in a list, found by their coordinates.
 #[derive(Debug, Default)]
 pub(crate) struct PointSet {
-    slots: Vec<(u32, u32)>,
-    /// Of the slots in use: of few points few, which the nearest cache holds.
-    mask: usize,
+    /// For each the place of its point, from 1; as many as are in use: of few points few, which the nearest cache holds.
+    slots: Vec<u32>,
     len: usize,
-    round: u32,
 }
 
 impl PointSet {
     /// Forgets all points and makes room for so many.
     pub fn clear(&mut self, most: usize) {
-        let slots = (SPARSE * most).next_power_of_two();
-        if self.slots.len() < slots || self.round == u32::MAX {
-            self.slots = vec![(0, 0); self.slots.len().max(slots)];
-            self.round = 0;
-        }
-        self.mask = slots - 1;
-        self.round += 1;
+        self.slots.clear();
+        self.slots.resize((SPARSE * most).next_power_of_two(), 0);
         self.len = 0;
     }
 
@@ -38,17 +31,17 @@ impl PointSet {
     /// The place of a point in `list`, where it is put after the others if it is new.
     pub fn insert(&mut self, x: &Point, list: &mut [Point]) -> usize {
         list[self.len] = *x;
-        let (key, mask) = (bits(x), self.mask);
+        let (key, mask) = (bits(x), self.slots.len() - 1);
         let hash = key.iter().fold(0u64, |h, c| (h.rotate_left(21) ^ c).wrapping_mul(0x9e37_79b9_7f4a_7c15));
         let mut at = (hash >> 32) as usize & mask;
         loop {
             // Whether a point is new is as good as random: no branch asks. A new one is compared with itself.
-            let (round, place) = self.slots[at];
-            let is_new = round != self.round;
-            let place = select_unpredictable(is_new, self.len, place as usize);
+            let taken = self.slots[at] as usize;
+            let is_new = taken == 0;
+            let place = select_unpredictable(is_new, self.len, taken.wrapping_sub(1));
             let there = bits(&list[place]);
             if (there[0] ^ key[0]) | (there[1] ^ key[1]) | (there[2] ^ key[2]) == 0 {
-                self.slots[at] = (self.round, place as u32);
+                self.slots[at] = place as u32 + 1;
                 self.len += usize::from(is_new);
                 return place;
             }
