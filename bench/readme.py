@@ -49,7 +49,8 @@ def read(path: Path | str) -> tuple[dict[str, Any], str]:
     return record, Path(path).name
 
 
-LANES = {"avx512f": "AVX-512", "avx2": "AVX2"}
+# The first of these that a CPU has. One name may stand for several generations, which only such flags tell apart.
+LANES = {"avx512_vp2intersect": "AVX-512 with VP2INTERSECT", "avx512f": "AVX-512", "avx2": "AVX2"}
 
 
 def kind(record: dict[str, Any]) -> str:
