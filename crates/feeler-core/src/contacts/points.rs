@@ -7,11 +7,16 @@ use crate::bounds::Point;
 /// Slots for each point: whether one is taken already is not to be foreseen, so few are to be.
 const SPARSE: usize = 4;
 
+/// Odd numbers without a pattern, one an axis.
+const MIX: [u64; 3] = [0x9e37_79b9_7f4a_7c15, 0xbf58_476d_1ce4_e5b9, 0x94d0_49bb_1331_11eb];
+
 /// The places of points in a list, found by their coordinates.
 #[derive(Debug, Default)]
 pub(crate) struct PointSet {
     /// For each the place of its point, from 1; as many as are in use: of few points few, which the nearest cache holds.
     slots: Vec<u32>,
+    /// Bits that a number of 64 bits has more than the number of a slot.
+    shift: u32,
     len: usize,
 }
 
@@ -19,7 +24,8 @@ impl PointSet {
     /// Forgets all points and makes room for so many.
     pub fn clear(&mut self, most: usize) {
         self.slots.clear();
-        self.slots.resize((SPARSE * most).next_power_of_two(), 0);
+        self.slots.resize((SPARSE * most).next_power_of_two().max(2), 0);
+        self.shift = u64::BITS - self.slots.len().trailing_zeros();
         self.len = 0;
     }
 
@@ -32,8 +38,7 @@ impl PointSet {
     pub fn insert(&mut self, x: &Point, list: &mut [Point]) -> usize {
         list[self.len] = *x;
         let (key, mask) = (bits(x), self.slots.len() - 1);
-        let hash = key.iter().fold(0u64, |h, c| (h.rotate_left(21) ^ c).wrapping_mul(0x9e37_79b9_7f4a_7c15));
-        let mut at = (hash >> 32) as usize & mask;
+        let mut at = self.first_slot(&key);
         loop {
             // Whether a point is new is as good as random: no branch asks. A new one is compared with itself.
             let taken = self.slots[at] as usize;
@@ -48,6 +53,14 @@ impl PointSet {
             at = (at + 1) & mask;
         }
     }
+
+    /// Where a point is looked for first. The upper bits of a product depend on all bits of a coordinate, of which the lower ones
+    /// are zero in round numbers.
+    #[inline(always)]
+    fn first_slot(&self, key: &[u64; 3]) -> usize {
+        let [x, y, z] = [0, 1, 2].map(|a| key[a].wrapping_mul(MIX[a]));
+        (x.wrapping_add(y).wrapping_add(z) >> self.shift) as usize
+    }
 }
 
 /// The coordinates as they compare: adding 0 makes one zero of the two.
@@ -59,6 +72,18 @@ fn bits(x: &Point) -> [u64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn round_coordinates_are_not_looked_for_in_a_few_slots() {
+        let mut set = PointSet::default();
+        set.clear(1000);
+        let step = |i: usize, a: usize| if i % 3 == a { (i / 3) as f64 } else { 2.0 };
+        for scale in [1.0, 0.0625, 25.4] {
+            let lines = (0..1000).map(|i| [scale * step(i, 0), scale * step(i, 1), scale * step(i, 2)]);
+            let first: std::collections::HashSet<_> = lines.map(|x| set.first_slot(&bits(&x))).collect();
+            assert!(first.len() > 700, "{scale}: {}", first.len());
+        }
+    }
 
     #[test]
     fn each_point_has_one_place_whichever_zero_it_has() {
