@@ -185,16 +185,16 @@ impl Kernel for Scan<'_, '_> {
             }
             narrow.stats.voxels_visited += u64::from(mask.count_ones());
             let list = &mut found[from..from + LANES];
-            let (mut reached, mut clusters) = (0, 0);
+            let (mut reached, mut met) = (0, 0);
             while mask != 0 {
                 let c = mask.trailing_zeros();
                 mask &= mask - 1;
                 let hit = node.overlapping_inside(s, &pieces[c as usize].bounds);
                 reached |= hit;
-                list[clusters] = (c, hit);
-                clusters += usize::from(hit != 0);
+                list[met] = (c, hit);
+                met += usize::from(hit != 0);
             }
-            count += clusters;
+            count += met;
             if reached != 0 {
                 let packed = &blocks.pieces[block as usize];
                 for half in 0..2 {
