@@ -1,22 +1,31 @@
 //! Triangle pairs side by side, as many as a register of float32 holds (16, eight or four): what can be proven of them.
 //!
-//! The same test as [`intersect_triangle_triangle`](crate::intersect_triangle_triangle), from differences of corners that
-//! float64 arithmetic took and that are rounded to float32. A sign counts where the number is beyond what rounding may have
-//! done; a pair with any sign in doubt, about one in a hundred, is left to the test of one pair. So what is said here is exact.
+//! The same test as [`intersect_triangle_triangle`](crate::intersect_triangle_triangle), in float32. A sign counts where the
+//! number is beyond what rounding may have done; a pair with any sign in doubt, about one in a hundred, is left to the test of
+//! one pair. So what is said here is exact.
 //!
-//! **Bounds.** With u = 2^-24, A, B, C, D, W the largest entries of the vectors below, each counted as at least `least`: an
-//! entry of an edge or of `between` is off by at most 1.07 u of that (`least` is 16 times what `moved` may be off by, over u),
-//! one of the normal by u N, N being its largest entry and 2^-26 A B, which covers the rounding of float64. A cross product of
-//! two such vectors, at most 2 A B, is off by 4.14 u of that: 2.14 u by its arguments and 2 u by products and difference; less
-//! where these are rounded at once. A dot product adds the other's 1.07 u and 3 u of its own, to first order. Products that
-//! underflow are off by far less: no product of three counted entries is below 2^-96. Each bound is taken from the product times
-//! a power of two that is above all sums of the terms, and by way of products above all cross products: where any of these could
-//! overflow, it is infinite, and nothing is certain.
+//! **Frame.** Pairs are tested as the tool sees them: g(x) = A (x - t), with the translation t of the pose and its rotation R
+//! inverted, A. A map that keeps what meets and what does not needs no more than to be invertible without mirroring, so A may be
+//! off. In that frame what the tool's triangles are does not depend on the pose and is kept ([`line_of`]), one cache line each;
+//! the mock-up's edges and one corner are taken there in float64. All is then rounded to float32.
+//!
+//! **Bounds.** With u = 2^-24, A, B, C, D, W the largest entries of the vectors below, each counted as at least `least`, P the
+//! larger of C and D, Q of A and B. Let T be the tool's largest coordinate, S three times that and the translation's, and
+//! `least` at least 2^-20 S. A corner p of the tool is off by A R p - p, at most 2^-48.4 S, since A R is off unity by 2^-46.8 in
+//! each row at most, and by the rounding of its place in the world, which [`Pose::apply`] defines and which is at most 2^-51 S
+//! an axis, turned: 2^-50.2 S. The float64 arithmetic of `between`, at most 18 roundings of T + W, adds 2^-50.4 S. Together that
+//! is 0.08 u of what is counted, so with its rounding to float32 an entry of an edge or of `between` is off by at most 1.08 u.
+//! A normal is off by u N, N being its largest entry and: of the mock-up 2^-22 A B, which covers float64 arithmetic on edges
+//! that were turned; of the tool 2^-20 P P and P `least` / 8, which cover A R and places in the world. A cross product of two
+//! edges or of one with `between`, at most 2 A B, is off by 4.2 u of A B: 2.2 u by its arguments and 2 u by products and
+//! difference; less where these are rounded at once. A dot product adds the other's 1.08 u and 3 u of its own, to first order.
+//! Products that underflow are off by far less: no product of three counted entries is below 2^-96. Each bound is taken from the
+//! product times a power of two that is above all sums of the terms, and by way of products above all cross products: where any
+//! of these could overflow, it is infinite, and nothing is certain.
 
-use crate::bounds::Triangle;
+use crate::bounds::{Point, Triangle};
 use crate::pose::Pose;
-use crate::simd::{Arithmetic, Kernel, Level, Simd, LANES};
-use crate::tool::Tool;
+use crate::simd::{Arithmetic, CacheLine, Kernel, Level, LineLanes, Simd, LANES};
 
 /// Half the distance from 1 to the next float32.
 const UNIT_ROUNDOFF: f32 = f32::EPSILON / 2.0;
@@ -24,8 +33,8 @@ const UNIT_ROUNDOFF: f32 = f32::EPSILON / 2.0;
 /// No entry counts as less, metres: 2^-32.
 const LEAST: f32 = 1.0 / 4_294_967_296.0;
 
-/// What [`least_of`] takes of the size of the numbers that [`moved`] adds up: 2^-21.
-const MOVED_ROUNDOFF: f64 = 1.0 / 2_097_152.0;
+/// What [`least_of`] takes of the size of the numbers that a corner's place is the sum of: 2^-20.
+const PLACE_ROUNDOFF: f64 = 1.0 / 1_048_576.0;
 
 /// What was proven of pairs, one bit each; in neither: in doubt.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -39,35 +48,43 @@ pub struct Verdict {
 /// What can be proven of up to 16 pairs with an instruction set (the best, where the CPU lacks it). Bits beyond the pairs given
 /// are zero.
 pub fn prove(lanes: Level, pairs: &[(Triangle, Triangle)]) -> Verdict {
+    prove_at(lanes, &Pose::IDENTITY, LEAST, pairs)
+}
+
+/// The same for triangles of a tool at a pose. No entry counts as less than `least`.
+fn prove_at(lanes: Level, pose: &Pose, least: f32, pairs: &[(Triangle, Triangle)]) -> Verdict {
     let Some(last) = pairs.last() else {
         return Verdict::default();
     };
     let given = ((1u32 << pairs.len().min(LANES)) - 1) as u16;
-    let (p, q) = (0..LANES).map(|i| pairs.get(i).unwrap_or(last)).copied().unzip();
-    let Verdict { apart, crossing } = lanes.checked().run(Prove { p, q });
+    let of = |i: usize| pairs.get(i).unwrap_or(last);
+    let (p, q) = ((0..LANES).map(|i| line_of(&of(i).0)).collect(), (0..LANES).flat_map(|i| of(i).1).collect());
+    let Verdict { apart, crossing } = lanes.checked().run(Prove { seen: Seen::at(pose), least, p, q });
     Verdict { apart: apart & given, crossing: crossing & given }
 }
 
 struct Prove {
-    p: Vec<Triangle>,
-    q: Vec<Triangle>,
+    seen: Seen,
+    least: f32,
+    p: Vec<CacheLine>,
+    /// Three corners a triangle.
+    q: Vec<Point>,
 }
 
 impl Kernel for Prove {
     type Output = Verdict;
     #[inline(always)]
     fn run<S: Simd>(self, s: S) -> Verdict {
-        let (part, half) = (s.part(), S::Part::WIDE);
-        let mut places = [0; LANES];
+        let part = s.part();
+        let (mut places, mut faces) = ([0; LANES], [[0; 3]; LANES]);
         for i in 0..LANES {
-            places[i] = i as u32;
+            let n = i as u32;
+            (places[i], faces[i]) = (n, [3 * n, 3 * n + 1, 3 * n + 2]);
         }
         let mut verdict = Verdict::default();
-        for from in (0..LANES).step_by(2 * half) {
-            let (low, high) = (&places[from..], &places[from + half..]);
-            let low = Pairs::new(part, &s.triangles_part(&self.p, low), &s.triangles_part(&self.q, low));
-            let high = Pairs::new(part, &s.triangles_part(&self.p, high), &s.triangles_part(&self.q, high));
-            let of = intersect(part, &Pairs::narrowed(part, &low, &high), part.splat(LEAST));
+        for from in (0..LANES).step_by(2 * S::Part::WIDE) {
+            let pairs = Pairs::of(s, &self.seen, (&self.p, &places[from..]), (&faces, &self.q, &places[from..]));
+            let of = intersect(part, &pairs, part.splat(self.least));
             verdict.apart |= of.apart << from;
             verdict.crossing |= of.crossing << from;
         }
@@ -78,89 +95,146 @@ impl Kernel for Prove {
 /// A point in lanes.
 pub(crate) type Vector<F> = [F; 3];
 
-/// Triangles in lanes moved by a pose; products and sums may be rounded at once, so not to the last bit as
-/// [`Pose::apply`] does it: [`least_of`] covers that.
-#[inline(always)]
-pub(crate) fn moved<S: Arithmetic>(s: S, pose: &Pose, t: &[Vector<S::F64>; 3]) -> [Vector<S::F64>; 3] {
-    let (rotation, translation) = (pose.rotation(), pose.translation());
-    let mut out = *t;
-    for a in 0..3 {
-        let row = [s.wide_splat(rotation[a][0]), s.wide_splat(rotation[a][1]), s.wide_splat(rotation[a][2])];
-        let o = s.wide_splat(translation[a]);
-        for c in 0..3 {
-            let [x, y, z] = t[c];
-            out[c][a] = s.wide_mul_add(row[0], x, s.wide_mul_add(row[1], y, s.wide_mul_add(row[2], z, o)));
+/// A triangle of a tool in its own frame: the first corner; its edges to the second and to the third, a vector across it as long
+/// as their cross product, and the largest entry of the edges.
+pub(crate) fn line_of(t: &Triangle) -> CacheLine {
+    let [c, d] = [1, 2].map(|i| minus(&t[i], &t[0]));
+    let m = [c[1] * d[2] - c[2] * d[1], c[2] * d[0] - c[0] * d[2], c[0] * d[1] - c[1] * d[0]];
+    let size = c.iter().chain(&d).fold(0.0, |size: f64, x| size.max(x.abs()));
+    let [[a, b, c], [d, e, f], [g, h, i]] = [c, d, m].map(|v| v.map(|x| x as f32));
+    // The next float32 at or above, so that nothing is larger.
+    let size = if f64::from(size as f32) < size { (size as f32).next_up() } else { size as f32 };
+    CacheLine { wide: t[0], narrow: [a, b, c, d, e, f, g, h, i, size] }
+}
+
+/// From where a tool at a pose sees the world.
+pub(crate) struct Seen {
+    /// Its rotation inverted, and negative, row by row.
+    against: [[f64; 3]; 3],
+    /// Its translation.
+    from: Point,
+}
+
+impl Seen {
+    pub fn at(pose: &Pose) -> Seen {
+        let r = pose.rotation();
+        let minor = |i: usize, j: usize| {
+            let ([i, k], [j, l]) = ([(i + 1) % 3, (i + 2) % 3], [(j + 1) % 3, (j + 2) % 3]);
+            r[i][j] * r[k][l] - r[i][l] * r[k][j]
+        };
+        let of_first = [minor(0, 0), minor(0, 1), minor(0, 2)];
+        let share = -(r[0][0] * of_first[0] + r[0][1] * of_first[1] + r[0][2] * of_first[2]).recip();
+        let mut against = [[0.0; 3]; 3];
+        for i in 0..3 {
+            for j in 0..3 {
+                against[i][j] = share * minor(j, i);
+            }
         }
+        Seen { against, from: *pose.translation() }
     }
-    out
 }
 
-/// What an entry must count as at least where the first triangle is [`moved`].
-///
-/// With S three times the tool's largest coordinate and the translation's: a moved coordinate is off by at most 2^-51 S, here
-/// and by definition (products by 2^-53 S together, sums by three times that), so the one is off the other by 2^-50 S, and an
-/// edge of two such corners by 2^-49 S, which is 2^-24 / 16 of this.
-pub(crate) fn least_of(pose: &Pose, tool: &Tool) -> f32 {
-    let size = 3.1 * tool.mesh().bounds().largest_coordinate() + pose.largest_translation();
-    LEAST.max((MOVED_ROUNDOFF * size) as f32)
+/// What an entry must count as at least at a pose, for a tool with no larger coordinate.
+pub(crate) fn least_of(pose: &Pose, largest: f64) -> f32 {
+    let size = 3.1 * largest + pose.largest_translation();
+    LEAST.max((PLACE_ROUNDOFF * size) as f32)
 }
 
-/// Pairs of triangles in lanes, by differences of their corners.
+/// Pairs of triangles in lanes, by differences of their corners, as the tool sees them.
 pub(crate) struct Pairs<F> {
     /// From the first corner of `q` to that of `p`.
     between: Vector<F>,
     /// From the first corner to the second and to the third.
     p: [Vector<F>; 2],
+    /// As long as the cross product of these two, and their largest entry. Taken in float64, as are those of `q`: both have
+    /// long and thin triangles.
+    normal_p: Vector<F>,
+    size_p: F,
     q: [Vector<F>; 2],
-    /// Of `q`, as long as the cross product of these two: taken in float64, as mock-ups have long and thin triangles.
     normal_q: Vector<F>,
 }
 
 impl<F: Copy> Pairs<F> {
+    /// As many pairs as a part has lanes of float32: lines of a tool (by their places) and triangles of a mock-up (by faces and
+    /// vertices, and their places).
     #[inline(always)]
-    pub fn new<S: Arithmetic<F64 = F>>(s: S, p: &[Vector<F>; 3], q: &[Vector<F>; 3]) -> Pairs<F>
+    pub fn of<S: Simd>(
+        s: S,
+        seen: &Seen,
+        (lines, p): (&[CacheLine], &[u32]),
+        (faces, vertices, q): (&[[u32; 3]], &[Point], &[u32]),
+    ) -> Pairs<F>
+    where
+        S::Part: Arithmetic<F32 = F>,
+    {
+        let part = s.part();
+        let ([first, next], narrow): LineLanes<S::Part> = s.lines_part(lines, p);
+        let low = Turned::new(part, seen, &first, &s.faces_part(faces, vertices, q));
+        let high = Turned::new(part, seen, &next, &s.faces_part(faces, vertices, &q[S::Part::WIDE..]));
+        let [a, b, c, d, e, f, g, h, i, size_p] = narrow;
+        Pairs {
+            between: narrowed(part, &low.between, &high.between),
+            p: [[a, b, c], [d, e, f]],
+            normal_p: [g, h, i],
+            size_p,
+            q: [narrowed(part, &low.q[0], &high.q[0]), narrowed(part, &low.q[1], &high.q[1])],
+            normal_q: narrowed(part, &low.normal_q, &high.normal_q),
+        }
+    }
+}
+
+/// What a pair's triangle of the mock-up is to the tool, in float64.
+struct Turned<F> {
+    between: Vector<F>,
+    q: [Vector<F>; 2],
+    normal_q: Vector<F>,
+}
+
+impl<F: Copy> Turned<F> {
+    #[inline(always)]
+    fn new<S: Arithmetic<F64 = F>>(s: S, seen: &Seen, p: &Vector<F>, q: &[Vector<F>; 3]) -> Turned<F>
     where
         F: std::ops::Sub<Output = F> + std::ops::Mul<Output = F>,
     {
-        let (a, b) = (minus(&q[1], &q[0]), minus(&q[2], &q[0]));
+        let from = [s.wide_splat(seen.from[0]), s.wide_splat(seen.from[1]), s.wide_splat(seen.from[2])];
+        // Each with its sign turned, as the rows have theirs.
+        let (at, u, v) = (minus(&q[0], &from), minus(&q[0], &q[1]), minus(&q[0], &q[2]));
+        let (mut between, mut a, mut b) = (*p, u, v);
+        for i in 0..3 {
+            let [x, y, z] = seen.against[i];
+            let row = [s.wide_splat(x), s.wide_splat(y), s.wide_splat(z)];
+            let last = s.wide_mul_add(row[2], at[2], p[i]);
+            between[i] = s.wide_mul_add(row[0], at[0], s.wide_mul_add(row[1], at[1], last));
+            a[i] = s.wide_mul_add(row[0], u[0], s.wide_mul_add(row[1], u[1], row[2] * u[2]));
+            b[i] = s.wide_mul_add(row[0], v[0], s.wide_mul_add(row[1], v[1], row[2] * v[2]));
+        }
         let normal_q = [
             s.wide_mul_sub(a[1], b[2], a[2] * b[1]),
             s.wide_mul_sub(a[2], b[0], a[0] * b[2]),
             s.wide_mul_sub(a[0], b[1], a[1] * b[0]),
         ];
-        Pairs { between: minus(&p[0], &q[0]), p: [minus(&p[1], &p[0]), minus(&p[2], &p[0])], q: [a, b], normal_q }
-    }
-
-    /// As many pairs as two parts of float64 have, rounded to float32.
-    #[inline(always)]
-    pub fn narrowed<S: Arithmetic<F32 = F>>(s: S, low: &Pairs<S::F64>, high: &Pairs<S::F64>) -> Pairs<F> {
-        Pairs {
-            between: narrowed(s, &low.between, &high.between),
-            p: [narrowed(s, &low.p[0], &high.p[0]), narrowed(s, &low.p[1], &high.p[1])],
-            q: [narrowed(s, &low.q[0], &high.q[0]), narrowed(s, &low.q[1], &high.q[1])],
-            normal_q: narrowed(s, &low.normal_q, &high.normal_q),
-        }
+        Turned { between, q: [a, b], normal_q }
     }
 }
 
 /// What can be proven of a pair in each lane. No entry counts as less than `least`.
 #[inline(always)]
 pub(crate) fn intersect<S: Arithmetic>(s: S, pairs: &Pairs<S::F32>, least: S::F32) -> Verdict {
-    let Pairs { between: w, p: [c, d], q: [a, b], normal_q: n } = pairs;
+    let Pairs { between: w, p: [c, d], normal_p: m, size_p, q: [a, b], normal_q: n } = pairs;
     let (size_a, size_b) = (largest(s, a, least), largest(s, b, least));
-    let (size_c, size_d) = (largest(s, c, least), largest(s, d, least));
     let size_w = largest(s, w, least);
-    let (size_p, size_q) = (s.max(size_c, size_d), s.max(size_a, size_b));
+    let (size_p, size_q) = (s.max(*size_p, least), s.max(size_a, size_b));
 
-    // Heights over the plane of q, 18.3 u N (W + C) off, and below that of p, 55.4 u C D (W + A).
+    // Heights over the plane of q, 18.4 u N (W + P) off, and below that of p, as much with its own normal and Q.
     let (nw, nc, nd) = (dot(s, n, w), dot(s, n, c), dot(s, n, d));
-    let size_n = s.mul_add(s.splat(1.0 / 67_108_864.0) * size_a, size_b, largest(s, n, least * least));
+    let size_n = s.mul_add(s.splat(1.0 / 4_194_304.0) * size_a, size_b, largest(s, n, least * least));
     let most = s.splat(4.0) * size_n * (size_w + size_p);
     let of_p = Sides::new(s, [nw, nw + nc, nw + nd], most * s.splat(5.0 * UNIT_ROUNDOFF));
-    let m = cross(s, c, d);
-    let (mw, ma, mb) = (dot(s, &m, w), dot(s, &m, a), dot(s, &m, b));
-    let most = s.splat(8.0) * size_c * size_d * (size_w + size_q);
-    let of_q = Sides::new(s, [mw, mw - ma, mw - mb], most * s.splat(7.75 * UNIT_ROUNDOFF));
+    let (mw, ma, mb) = (dot(s, m, w), dot(s, m, a), dot(s, m, b));
+    let share = s.mul_add(s.splat(1.0 / 1_048_576.0), size_p, s.splat(0.125) * least);
+    let size_m = s.mul_add(share, size_p, largest(s, m, least * least));
+    let most = s.splat(4.0) * size_m * (size_w + size_q);
+    let of_q = Sides::new(s, [mw, mw - ma, mw - mb], most * s.splat(5.0 * UNIT_ROUNDOFF));
     let apart = of_p.known & !of_p.both | of_q.known & !of_q.both;
     let certain = of_p.known & of_q.known & of_p.both & of_q.both;
     if certain == 0 {
@@ -171,7 +245,7 @@ pub(crate) fn intersect<S: Arithmetic>(s: S, pairs: &Pairs<S::F32>, least: S::F3
     // corner that is alone, det(edge of p, edge of q, from a point of the latter to one of the former) says by its sign which
     // of the two the line passes first, by the same sign for all four. They are the nine of edges 0-1, 0-2 and 1-2, which follow
     // from four by what is known already: det(d - c, a, w + c) = det(d, a, w) - det(c, a, w) + det(c, d, a), and so on. The
-    // longest sum, of all eight, is off by 293 u P Q (W + P or Q).
+    // longest sum, of all eight, is off by 297 u P Q (W + P or Q).
     let (wc, wd) = (cross(s, w, c), cross(s, w, d));
     let (ca, cb, da, db) = (dot(s, &wc, a), dot(s, &wc, b), dot(s, &wd, a), dot(s, &wd, b));
     let (ea, eb) = (da - ca + ma, db - cb + mb);
@@ -209,7 +283,7 @@ impl<S: Arithmetic> Sides<S> {
     fn new(s: S, heights: [S::F32; 3], bound: S::F32) -> Sides<S> {
         let [x, y, z] = heights;
         let zero = s.splat(0.0);
-        let known = s.lanes(s.above(s.min(s.min(s.abs(x), s.abs(y)), s.abs(z)), bound));
+        let known = s.lanes(s.above(s.min_abs(s.min_abs(x, y), z), bound));
         let (x, y, z) = (s.above(x, zero), s.above(y, zero), s.above(z, zero));
         let (second, third) = (x ^ y, x ^ z);
         Sides { second, third, both: s.lanes(second | third), known }
@@ -236,7 +310,7 @@ fn dot<S: Arithmetic>(s: S, u: &Vector<S::F32>, v: &Vector<S::F32>) -> S::F32 {
 /// The largest entry, at least `least`.
 #[inline(always)]
 fn largest<S: Arithmetic>(s: S, v: &Vector<S::F32>, least: S::F32) -> S::F32 {
-    s.max(s.max(s.abs(v[0]), s.abs(v[1])), s.max(s.abs(v[2]), least))
+    s.max_abs(s.max_abs(v[0], v[1]), s.max_abs(v[2], least))
 }
 
 #[inline(always)]
@@ -252,8 +326,8 @@ fn minus<F: Copy + std::ops::Sub<Output = F>>(p: &Vector<F>, q: &Vector<F>) -> V
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bounds::Point;
     use crate::intersect_triangle_triangle::{intersect_triangle_triangle, PairKind};
+    use crate::vectors::{add, along, cross, dot, unit};
     use proptest::prelude::*;
 
     /// On a lattice, free, long and thin; or on a lattice and off it by about what float32 can tell.
@@ -306,6 +380,62 @@ mod tests {
                 let verdict = prove(level, &[(p, q)]);
                 prop_assert!(verdict.apart == 0 || kind.is_none(), "{} {p:?} {q:?}", level.name());
                 prop_assert!(verdict.crossing == 0 || kind == Some(PairKind::Crossing), "{} {p:?} {q:?}", level.name());
+            }
+        }
+    }
+
+    /// Turned at random, and as far from rigid as a pose may be.
+    fn pose() -> impl Strategy<Value = Pose> {
+        let far = prop_oneof![Just(0.0), Just(1.0), Just(1e3), Just(1e7), Just(1e8)];
+        let off = prop_oneof![Just(0.0), Just(3e-7)];
+        let numbers = || prop::array::uniform3(-1.0f64..1.0);
+        (numbers(), numbers(), numbers(), prop::array::uniform3(numbers()), far, off).prop_filter_map(
+            "three axes",
+            |(x, y, t, by, far, off)| {
+                let x = unit(&x)?;
+                let y = unit(&along(&y, -dot(&x, &y), &x))?;
+                let axes = [x, y, cross(&x, &y)];
+                let row = |i: usize| [0, 1, 2].map(|j| axes[j][i] + off * by[i][j]);
+                let [[a, b, c], [d, e, f], [g, h, i]] = [row(0), row(1), row(2)];
+                let [x, y, z] = t.map(|t| far * t);
+                Pose::new(&[[a, b, c, x], [d, e, f, y], [g, h, i, z], [0.0, 0.0, 0.0, 1.0]]).ok()
+            },
+        )
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { max_global_rejects: 20_000, ..ProptestConfig::with_cases(20_000) })]
+        #[test]
+        fn agrees_with_the_exact_test_at_a_pose(
+            pose in pose(),
+            tool in prop::array::uniform16(triangle()),
+            mockup in prop::array::uniform16(triangle()),
+            scale in prop_oneof![Just(1.0), Just(1e-3), Just(1e-6), Just(1e3)],
+            away in prop_oneof![Just(0.0), Just(1e3)],
+            off in prop::array::uniform3(-1.0f64..1.0),
+            by in prop_oneof![Just(0.0), Just(1e-8), Just(3e-6), Just(1e-5)],
+        ) {
+            // Near the tool's origin and far from it.
+            let in_tool = |t: Triangle| t.map(|c| c.map(|x| (x + away) * scale));
+            let tool = tool.map(in_tool);
+            let largest = tool.as_flattened().as_flattened().iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+            let least = least_of(&pose, largest);
+            // Corners of the mock-up where those of triangles beside the tool's are at the pose, or about so far off that it
+            // matters.
+            let off = off.map(|x| x * by * scale);
+            let beside = |t: &Triangle| in_tool(*t).map(|c| add(&pose.apply(&c), &off));
+            let placed = tool.map(|t| pose.apply_triangle(&t));
+            let pairs: Vec<_> = tool.iter().copied().zip(mockup.iter().map(beside)).collect();
+            let has_area = |t: &Triangle| !crate::predicates::is_collinear(&t[0], &t[1], &t[2]);
+            prop_assume!(placed.iter().all(has_area) && pairs.iter().all(|(_, q)| has_area(q)));
+            let kinds: Vec<_> = placed.iter().zip(&pairs).map(|(p, (_, q))| intersect_triangle_triangle(p, q)).collect();
+            for level in Level::available() {
+                let verdict = prove_at(level, &pose, least, &pairs);
+                for (i, kind) in kinds.iter().enumerate() {
+                    let name = level.name();
+                    prop_assert!(verdict.apart >> i & 1 == 0 || kind.is_none(), "{}", name);
+                    prop_assert!(verdict.crossing >> i & 1 == 0 || *kind == Some(PairKind::Crossing), "{}", name);
+                }
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use crate::bounds::Aabb;
 use crate::hits::{pair_key, Hit, Hits};
-use crate::intersect_lanes::{intersect, least_of, moved, Pairs};
+use crate::intersect_lanes::{intersect, least_of, Pairs, Seen};
 use crate::intersect_triangle_triangle::{intersect_with, PairKind};
 use crate::mesh::{prefetch_corners, Mesh};
 use crate::pose::Pose;
@@ -333,9 +333,9 @@ impl Narrow<'_> {
         let count = std::mem::take(count);
         self.stats.triangle_tests += count as u64;
         // Corners are asked for before they are used, so that their cache misses overlap: the mock-up's as the test goes.
-        let corners = self.tool.placeable();
+        let lines = self.tool.lines();
         let asked = &asked[..std::mem::take(asked_count).min(PLACES)];
-        slots[..count].iter().for_each(|slot| prefetch_at(corners, *slot as usize));
+        slots[..count].iter().for_each(|slot| prefetch_at(lines, *slot as usize));
         if count == 0 {
             return false;
         }
@@ -353,7 +353,7 @@ impl Narrow<'_> {
             if self.filters.repeats && !self.seen.insert(DECIDED | pair_key(*slot, *triangle)) {
                 continue;
             }
-            let p = pose.apply_triangle(&corners[*slot as usize]);
+            let p = pose.apply_triangle(&tool.placeable()[*slot as usize]);
             let mut signs = Signs::default();
             let meeting = intersect_with(&mut signs, &p, &mesh.triangle(*triangle));
             self.stats.exact_tests += u64::from(signs.exact > 0);
@@ -390,11 +390,11 @@ impl Kernel for Test<'_> {
     fn run<S: Simd>(self, s: S) -> (usize, usize) {
         let Test { pose, tool, mesh, slots, triangles, count, asked, crossing } = self;
         let (mut found, mut left) = (0, 0);
-        let (corners, faces, vertices) = (tool.placeable(), mesh.faces(), mesh.vertices());
+        let (lines, faces, vertices) = (tool.lines(), mesh.faces(), mesh.vertices());
         let part = s.part();
-        let least = part.splat(least_of(pose, tool));
-        let half = S::Part::WIDE;
-        let wide = 2 * half;
+        let least = part.splat(least_of(pose, tool.mesh().bounds().largest_coordinate()));
+        let seen = Seen::at(pose);
+        let wide = 2 * S::Part::WIDE;
         let groups = count.div_ceil(wide);
         let each = asked.len().div_ceil(groups);
         let (first, rest) = asked.split_at(asked.len().min(AHEAD));
@@ -410,11 +410,8 @@ impl Kernel for Test<'_> {
             let (mut slot, mut triangle) = ([0; LANES], [0; LANES]);
             slot.copy_from_slice(&slots[from..from + LANES]);
             triangle.copy_from_slice(&triangles[from..from + LANES]);
-            let p = moved(part, pose, &s.triangles_part(corners, &slot[..half]));
-            let low = Pairs::new(part, &p, &s.faces_part(faces, vertices, &triangle[..half]));
-            let p = moved(part, pose, &s.triangles_part(corners, &slot[half..]));
-            let high = Pairs::new(part, &p, &s.faces_part(faces, vertices, &triangle[half..]));
-            let verdict = intersect(part, &Pairs::narrowed(part, &low, &high), least);
+            let pairs = Pairs::of(s, &seen, (lines, &slot), (faces, vertices, &triangle));
+            let verdict = intersect(part, &pairs, least);
             let given = ((1u32 << (count - from).min(wide)) - 1) as u16;
             for eight in (0..wide).step_by(WIDE_LANES) {
                 let mut keys = [0; WIDE_LANES];

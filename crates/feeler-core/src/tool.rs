@@ -6,11 +6,13 @@ use crate::bounds::{Aabb, Point, Triangle};
 use crate::constants::{MAX_TOOL_TRIANGLES, TOOL_CUT_PIECES, TOOL_CUT_PIECES_EACH, TRANSFORM_ROUNDOFFS, UNIT_ROUNDOFF};
 use crate::contacts::Adjacency;
 use crate::error::{Error, Result};
+use crate::intersect_lanes::line_of;
 use crate::lanes::{BoxLanes, PieceLanes, ToolUnit, LANES};
 use crate::median::{self, Cells};
 use crate::mesh::Mesh;
 use crate::pieces::{cut_margin, cut_triangle, default_piece_size, grown_box, outline, Piece};
 use crate::pose::Pose;
+use crate::simd::CacheLine;
 
 /// A moving tool in its own frame, metres: its triangles, and a shallow tree of boxes over their pieces.
 #[derive(Debug)]
@@ -18,6 +20,8 @@ pub struct Tool {
     mesh: Mesh,
     /// The corners of the queried triangles, in the order of the clusters: neighbours in space are neighbours in memory.
     placeable: Vec<Triangle>,
+    /// The same for the triangle test, each in one cache line.
+    lines: Vec<CacheLine>,
     /// The triangle of each of them.
     ids: Vec<u32>,
     unit: ToolUnit,
@@ -105,8 +109,10 @@ impl Tool {
             boxes = boxes.chunks(LANES).map(|c| c.iter().fold(Aabb::EMPTY, |b, x| b.union(x))).collect();
         }
         let largest = mesh.bounds().largest_coordinate();
+        let placeable: Vec<Triangle> = ids.iter().map(|id| mesh.triangle(*id)).collect();
         Ok(Tool {
-            placeable: ids.iter().map(|id| mesh.triangle(*id)).collect(),
+            lines: placeable.iter().map(line_of).collect(),
+            placeable,
             mesh,
             ids,
             unit,
@@ -131,6 +137,11 @@ impl Tool {
     /// The corners of the queried triangles. Their places here are their slots.
     pub(crate) fn placeable(&self) -> &[Triangle] {
         &self.placeable
+    }
+
+    /// The same for the triangle test.
+    pub(crate) fn lines(&self) -> &[CacheLine] {
+        &self.lines
     }
 
     /// The triangle of each slot.

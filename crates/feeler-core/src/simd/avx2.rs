@@ -4,7 +4,7 @@ use std::arch::x86_64::*;
 use std::ops::{Add, BitOr, BitXor, Mul, Sub};
 
 use super::x86::{is_apart, least_sides, numbers, One};
-use super::{Arithmetic, ByteBoxes, ByteLanes, Kernel, Simd, FEW, LANES, WIDE_LANES};
+use super::{Arithmetic, ByteBoxes, ByteLanes, CacheLine, Kernel, LineLanes, Simd, FEW, LANES, WIDE_LANES};
 
 /// Whether the CPU has what [`Avx2`] uses.
 pub fn is_there() -> bool {
@@ -397,17 +397,41 @@ impl Simd for Avx2 {
         self.0
     }
     #[inline(always)]
-    fn triangles_part(self, list: &[[[f64; 3]; 3]], at: &[u32]) -> [[One<__m256d>; 3]; 3] {
-        let at = &at[..4];
-        // SAFETY: see above; four places are read, and all are found to be of the list.
+    fn lines_part(self, list: &[CacheLine], at: &[u32]) -> LineLanes<Self::Part> {
+        let at = &at[..WIDE_LANES];
+        // SAFETY: see above; eight places are read, and all are found to be of the list. A line is eight numbers of 64 bits.
         unsafe {
-            assert!(is_within(_mm_loadu_si128(at.as_ptr().cast()), list.len()));
-            let mut corners = [[One(_mm256_setzero_pd()); 3]; 3];
-            let triangles = [0, 1, 2, 3].map(|i| list.get_unchecked(at[i] as usize));
-            for c in 0..3 {
-                corners[c] = points([&triangles[0][c], &triangles[1][c], &triangles[2][c], &triangles[3][c]]);
+            let (low, high) = (_mm_loadu_si128(at.as_ptr().cast()), _mm_loadu_si128(at[4..].as_ptr().cast()));
+            assert!(is_within(_mm_max_epu32(low, high), list.len()));
+            let mut columns = [[_mm256_setzero_pd(); WIDE_LANES]; 2];
+            for half in 0..2 {
+                for from in [0, 4] {
+                    let mut rows = [_mm256_setzero_pd(); 4];
+                    for i in 0..4 {
+                        let line = std::ptr::from_ref(list.get_unchecked(at[4 * half + i] as usize));
+                        rows[i] = _mm256_load_pd(line.cast::<f64>().add(from));
+                    }
+                    let (even, even_next) =
+                        (_mm256_unpacklo_pd(rows[0], rows[1]), _mm256_unpacklo_pd(rows[2], rows[3]));
+                    let (odd, odd_next) = (_mm256_unpackhi_pd(rows[0], rows[1]), _mm256_unpackhi_pd(rows[2], rows[3]));
+                    columns[half][from] = _mm256_permute2f128_pd::<0x20>(even, even_next);
+                    columns[half][from + 1] = _mm256_permute2f128_pd::<0x20>(odd, odd_next);
+                    columns[half][from + 2] = _mm256_permute2f128_pd::<0x31>(even, even_next);
+                    columns[half][from + 3] = _mm256_permute2f128_pd::<0x31>(odd, odd_next);
+                }
             }
-            corners
+            let [low, high] = columns;
+            // Two numbers of 32 bits in each of the last five; those of both halves come out by turns of two.
+            let mut narrow = [One(_mm256_setzero_ps()); 10];
+            for k in 0..5 {
+                let (low, high) = (_mm256_castpd_ps(low[3 + k]), _mm256_castpd_ps(high[3 + k]));
+                let two = [_mm256_shuffle_ps::<0x88>(low, high), _mm256_shuffle_ps::<0xdd>(low, high)];
+                for i in 0..2 {
+                    let in_order = _mm256_permute4x64_pd::<0b11_01_10_00>(_mm256_castps_pd(two[i]));
+                    narrow[2 * k + i] = One(_mm256_castpd_ps(in_order));
+                }
+            }
+            ([[One(low[0]), One(low[1]), One(low[2])], [One(high[0]), One(high[1]), One(high[2])]], narrow)
         }
     }
     #[inline(always)]

@@ -3,7 +3,7 @@
 use std::arch::x86_64::*;
 
 use super::x86::{is_apart, least_sides, numbers, One};
-use super::{avx2, Arithmetic, ByteBoxes, Kernel, Simd, FEW, LANES, WIDE_LANES};
+use super::{avx2, Arithmetic, ByteBoxes, CacheLine, Kernel, LineLanes, Simd, FEW, LANES, WIDE_LANES};
 
 /// Whether the CPU has what [`Avx512`] uses.
 pub fn is_there() -> bool {
@@ -36,6 +36,30 @@ fn is_within(places: __m256i, count: usize) -> bool {
     let Some(last) = count.checked_sub(1) else { return false };
     // SAFETY: see above.
     unsafe { _mm256_cmple_epu32_mask(places, _mm256_set1_epi32(last.min(u32::MAX as usize) as u32 as i32)) == 0xff }
+}
+
+/// Row `i` of what is given is column `i` of what is returned.
+#[inline(always)]
+fn transposed8(rows: &[__m512d; WIDE_LANES]) -> [__m512d; WIDE_LANES] {
+    let mut columns = *rows;
+    // SAFETY: see above.
+    unsafe {
+        for odd in 0..2 {
+            let mut two = [rows[0]; 4];
+            for i in 0..4 {
+                let (p, q) = (rows[2 * i], rows[2 * i + 1]);
+                two[i] = if odd == 0 { _mm512_unpacklo_pd(p, q) } else { _mm512_unpackhi_pd(p, q) };
+            }
+            // Of parts of 128 bits first those of columns 0 and 4, then those of 2 and 6.
+            let (p, q) = (_mm512_shuffle_f64x2::<0x88>(two[0], two[1]), _mm512_shuffle_f64x2::<0x88>(two[2], two[3]));
+            columns[odd] = _mm512_shuffle_f64x2::<0x88>(p, q);
+            columns[4 + odd] = _mm512_shuffle_f64x2::<0xdd>(p, q);
+            let (p, q) = (_mm512_shuffle_f64x2::<0xdd>(two[0], two[1]), _mm512_shuffle_f64x2::<0xdd>(two[2], two[3]));
+            columns[2 + odd] = _mm512_shuffle_f64x2::<0x88>(p, q);
+            columns[6 + odd] = _mm512_shuffle_f64x2::<0xdd>(p, q);
+        }
+    }
+    columns
 }
 
 /// The first of eight lanes.
@@ -80,6 +104,16 @@ impl Arithmetic for Avx512 {
     fn abs(self, a: Self::F32) -> Self::F32 {
         // SAFETY: see above.
         unsafe { One(_mm512_abs_ps(a.0)) }
+    }
+    #[inline(always)]
+    fn min_abs(self, a: Self::F32, b: Self::F32) -> Self::F32 {
+        // SAFETY: see above. By their absolute values the smaller, without its sign.
+        unsafe { One(_mm512_range_ps::<0b10_10>(a.0, b.0)) }
+    }
+    #[inline(always)]
+    fn max_abs(self, a: Self::F32, b: Self::F32) -> Self::F32 {
+        // SAFETY: see above. By their absolute values the larger, without its sign.
+        unsafe { One(_mm512_range_ps::<0b10_11>(a.0, b.0)) }
     }
     #[inline(always)]
     fn above(self, a: Self::F32, b: Self::F32) -> Self::M32 {
@@ -175,24 +209,29 @@ impl Simd for Avx512 {
         self
     }
     #[inline(always)]
-    fn triangles_part(self, list: &[[[f64; 3]; 3]], at: &[u32]) -> [[Self::F64; 3]; 3] {
-        let at = &at[..WIDE_LANES];
-        // SAFETY: see above; eight places are read, and all are found to be of the list.
+    fn lines_part(self, list: &[CacheLine], at: &[u32]) -> LineLanes<Avx512> {
+        let at = &at[..LANES];
+        // SAFETY: see above; sixteen places are read, and all are found to be of the list. A line is eight numbers of 64 bits.
         unsafe {
-            assert!(is_within(_mm256_loadu_si256(at.as_ptr().cast()), list.len()));
-            let mut triangles = [&[[0.0; 3]; 3]; WIDE_LANES];
-            for i in 0..WIDE_LANES {
-                triangles[i] = list.get_unchecked(at[i] as usize);
+            let (low, high) = (_mm256_loadu_si256(at.as_ptr().cast()), _mm256_loadu_si256(at[8..].as_ptr().cast()));
+            assert!(is_within(_mm256_max_epu32(low, high), list.len()));
+            let mut rows = [[_mm512_setzero_pd(); WIDE_LANES]; 2];
+            for i in 0..LANES {
+                let line = list.get_unchecked(at[i] as usize);
+                rows[i / WIDE_LANES][i % WIDE_LANES] = _mm512_load_pd(std::ptr::from_ref(line).cast());
             }
-            let mut corners = [[One(_mm512_setzero_pd()); 3]; 3];
-            for c in 0..3 {
-                let mut points = [&[0.0; 3]; WIDE_LANES];
-                for i in 0..WIDE_LANES {
-                    points[i] = &triangles[i][c];
-                }
-                corners[c] = self.wide_points(points);
+            let [low, high] = [transposed8(&rows[0]), transposed8(&rows[1])];
+            // Two numbers of 32 bits in each of the last five.
+            let even = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
+            let odd = _mm512_setr_epi32(1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31);
+            let mut narrow = [One(_mm512_setzero_ps()); 10];
+            for k in 0..5 {
+                let (low, high) = (_mm512_castpd_ps(low[3 + k]), _mm512_castpd_ps(high[3 + k]));
+                narrow[2 * k] = One(_mm512_permutex2var_ps(low, even, high));
+                narrow[2 * k + 1] = One(_mm512_permutex2var_ps(low, odd, high));
             }
-            corners
+            let wide = |of: &[__m512d; WIDE_LANES]| [One(of[0]), One(of[1]), One(of[2])];
+            ([wide(&low), wide(&high)], narrow)
         }
     }
     #[inline(always)]
@@ -424,18 +463,16 @@ impl Simd for Avx512 {
         // SAFETY: see above; three numbers of each point are read.
         unsafe {
             let mut rows = [_mm512_setzero_pd(); 4];
-            for i in 0..4 {
+            for (row, (i, j)) in rows.iter_mut().zip([(0, 2), (1, 3), (4, 6), (5, 7)]) {
                 let low = _mm512_castpd256_pd512(_mm256_maskz_loadu_pd(7, x[i].as_ptr()));
-                rows[i] = _mm512_insertf64x4::<1>(low, _mm256_maskz_loadu_pd(7, x[4 + i].as_ptr()));
+                *row = _mm512_insertf64x4::<1>(low, _mm256_maskz_loadu_pd(7, x[j].as_ptr()));
             }
             let (xz, xz_next) = (_mm512_unpacklo_pd(rows[0], rows[1]), _mm512_unpacklo_pd(rows[2], rows[3]));
             let (y, y_next) = (_mm512_unpackhi_pd(rows[0], rows[1]), _mm512_unpackhi_pd(rows[2], rows[3]));
-            let first = _mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13);
-            let second = _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15);
             [
-                One(_mm512_permutex2var_pd(xz, first, xz_next)),
-                One(_mm512_permutex2var_pd(y, first, y_next)),
-                One(_mm512_permutex2var_pd(xz, second, xz_next)),
+                One(_mm512_shuffle_f64x2::<0x88>(xz, xz_next)),
+                One(_mm512_shuffle_f64x2::<0x88>(y, y_next)),
+                One(_mm512_shuffle_f64x2::<0xdd>(xz, xz_next)),
             ]
         }
     }

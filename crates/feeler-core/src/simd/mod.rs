@@ -128,6 +128,17 @@ impl std::ops::DerefMut for Wide {
     }
 }
 
+/// Three float64 and ten float32 that are read together: one cache line.
+#[derive(Debug, Clone, Copy)]
+#[repr(C, align(64))]
+pub(crate) struct CacheLine {
+    pub wide: [f64; 3],
+    pub narrow: [f32; 10],
+}
+
+/// Lines in as many lanes as there are of float32: the float64 of the lower half of them and of the upper half, and the float32.
+pub(crate) type LineLanes<A> = ([[<A as Arithmetic>::F64; 3]; 2], [<A as Arithmetic>::F32; 10]);
+
 /// A piece of work in lanes. `run` must be `#[inline(always)]`, as must be all it calls that takes lanes: only what is inlined
 /// into the entry of a level is compiled for that level.
 pub(crate) trait Kernel {
@@ -214,6 +225,16 @@ pub(crate) trait Arithmetic: Copy {
     fn max(self, a: Self::F32, b: Self::F32) -> Self::F32;
     /// Absolute value.
     fn abs(self, a: Self::F32) -> Self::F32;
+    /// The smaller of the absolute values; of no use with NaN.
+    #[inline(always)]
+    fn min_abs(self, a: Self::F32, b: Self::F32) -> Self::F32 {
+        self.min(self.abs(a), self.abs(b))
+    }
+    /// The larger of the absolute values; of no use with NaN.
+    #[inline(always)]
+    fn max_abs(self, a: Self::F32, b: Self::F32) -> Self::F32 {
+        self.max(self.abs(a), self.abs(b))
+    }
     /// `a > b`.
     fn above(self, a: Self::F32, b: Self::F32) -> Self::M32;
     /// One bit a lane. Where choices are full lanes this takes several instructions: best once, of all that `|` joins.
@@ -256,10 +277,10 @@ pub(crate) trait Simd: Arithmetic {
     type Part: Arithmetic;
     /// The token of a part.
     fn part(self) -> Self::Part;
-    /// The corners by axis of the triangles at these places, the first as many as a part has lanes. Panics where a place is none
-    /// of the list.
-    fn triangles_part(self, list: &[[[f64; 3]; 3]], at: &[u32]) -> [[<Self::Part as Arithmetic>::F64; 3]; 3];
-    /// The same of triangles that are given by the numbers of their corners.
+    /// The lines at these places, the first as many as a part has lanes of float32. Panics where a place is none of the list.
+    fn lines_part(self, list: &[CacheLine], at: &[u32]) -> LineLanes<Self::Part>;
+    /// The corners by axis of the triangles at these places, given by the numbers of their corners; half as many. Panics likewise,
+    /// and where a number is none of the points.
     fn faces_part(
         self,
         faces: &[[u32; 3]],
@@ -501,7 +522,7 @@ mod tests {
         }
     }
 
-    /// Corners of triangles at some places, by one list or by two.
+    /// Corners of triangles at some places, or lines.
     struct Gathered<'a>(&'a [u32], bool);
 
     impl Kernel for Gathered<'_> {
@@ -513,7 +534,7 @@ mod tests {
             if self.1 {
                 s.faces_part(&faces, &points, self.0);
             } else {
-                s.triangles_part(&[points; 3], self.0);
+                s.lines_part(&[CacheLine { wide: points[0], narrow: [0.0; 10] }; 3], self.0);
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use std::ops::{Add, BitOr, BitXor, Mul, Sub};
 
-use super::{Arithmetic, ByteBoxes, Simd, LANES, WIDE_LANES};
+use super::{Arithmetic, ByteBoxes, CacheLine, LineLanes, Simd, LANES, WIDE_LANES};
 
 /// So many lanes of float32, and of float64.
 #[derive(Debug, Clone, Copy)]
@@ -222,17 +222,18 @@ impl Simd for Portable {
         Arrays
     }
     #[inline(always)]
-    fn triangles_part(self, list: &[[[f64; 3]; 3]], at: &[u32]) -> [[Array<f64, 2>; 3]; 3] {
-        let mut corners = [[Array([0.0; 2]); 3]; 3];
-        for i in 0..2 {
-            let triangle = &list[at[i] as usize];
-            for c in 0..3 {
-                for a in 0..3 {
-                    corners[c][a].0[i] = triangle[c][a];
-                }
+    fn lines_part(self, list: &[CacheLine], at: &[u32]) -> LineLanes<Register> {
+        let (mut wide, mut narrow) = ([[Array([0.0; 2]); 3]; 2], [Array([0.0; 4]); 10]);
+        for i in 0..4 {
+            let line = &list[at[i] as usize];
+            for a in 0..3 {
+                wide[i / 2][a].0[i % 2] = line.wide[a];
+            }
+            for k in 0..10 {
+                narrow[k].0[i] = line.narrow[k];
             }
         }
-        corners
+        (wide, narrow)
     }
     #[inline(always)]
     fn faces_part(self, faces: &[[u32; 3]], points: &[[f64; 3]], at: &[u32]) -> [[Array<f64, 2>; 3]; 3] {
