@@ -41,7 +41,7 @@ MIB = 1 << 20
 # Bytes of the structures, as in crates/feeler-core.
 CLUSTER = 836  # a cluster of 16 tool pieces
 PIECE = 28  # a mock-up piece in its block: sides in bytes, packed corners, triangle
-TOOL_TRIANGLE = 72
+TOOL_TRIANGLE = 64
 FACE = 12
 VERTEX = 24
 
@@ -51,7 +51,7 @@ NODE = 6  # a node test: 3 x (shuffle, comparison of 64 bytes), or 6 comparisons
 PLACE = 60  # placing a cluster: 36 multiply-adds, 18 least and greatest, 6 margins
 SCAN = 6  # a piece against 16 boxes: 6 comparisons
 PLANES = 40  # both planes against 4 corners each, in 16 lanes: 24 multiply-adds, 12 least and greatest, 4 comparisons
-TEST = 225  # sixteen triangle pairs: moving the tool's 54, differences in float32 78, their sizes 36, two planes 57
+TEST = 174  # sixteen triangle pairs: turning the mock-up's 84, to float32 24, the sizes of all 21, two planes 45
 MEET = 67  # and where both planes are crossed: nine triple products 35, choosing four 15, comparing them 17
 
 POINTER, SIZE, COUNT = ctypes.c_void_p, ctypes.c_size_t, ctypes.c_uint64

@@ -37,11 +37,12 @@ pub(crate) fn pair_key(tool_triangle: u32, mockup_triangle: u32) -> u64 {
 pub(crate) struct Hits {
     keys: Vec<u64>,
     room: Vec<u64>,
+    sorted: Vec<u64>,
 }
 
 impl Default for Hits {
     fn default() -> Hits {
-        Hits { keys: Vec::with_capacity(1024), room: Vec::new() }
+        Hits { keys: Vec::with_capacity(1024), room: Vec::new(), sorted: Vec::new() }
     }
 }
 
@@ -71,7 +72,7 @@ impl Hits {
 
     /// In order, each once.
     pub fn sort(&mut self, lanes: Checked) {
-        lanes.run(SortUnique { keys: &mut self.keys, room: &mut self.room });
+        lanes.run(SortUnique { keys: &mut self.keys, room: &mut self.room, sorted: &mut self.sorted });
     }
 }
 
@@ -82,6 +83,7 @@ impl Hits {
 struct SortUnique<'a> {
     keys: &'a mut Vec<u64>,
     room: &'a mut Vec<u64>,
+    sorted: &'a mut Vec<u64>,
 }
 
 impl Kernel for SortUnique<'_> {
@@ -89,7 +91,7 @@ impl Kernel for SortUnique<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) {
-        let SortUnique { keys, room } = self;
+        let SortUnique { keys, room, sorted } = self;
         if !S::SORTS {
             keys.sort_unstable();
             keys.dedup();
@@ -98,17 +100,18 @@ impl Kernel for SortUnique<'_> {
         if room.len() < keys.len() + WIDE_LANES {
             room.resize(2 * keys.len() + WIDE_LANES, 0);
         }
+        if sorted.len() < keys.len() + FEW {
+            sorted.resize(2 * keys.len() + FEW, 0);
+        }
         // Where the ranges end that are still to be sorted, the first one last; few, unless pivots are bad.
         let mut ends = [0; 64];
         let (mut waiting, mut from, mut done) = (0, 0, 0);
-        let mut few = [0; FEW + WIDE_LANES];
         ends[0] = keys.len();
         loop {
             let to = ends[waiting];
             if to - from <= FEW {
-                let count = s.sort_few(&keys[from..to], &mut few);
-                keys[done..done + count].copy_from_slice(&few[..count]);
-                done += count;
+                let few = sorted[done..].first_chunk_mut().expect("room for a few more than there are numbers");
+                done += s.sort_few(&keys[from..to], few);
             } else {
                 let range = &mut keys[from..to];
                 let pivot = middle_of(range);
@@ -121,8 +124,8 @@ impl Kernel for SortUnique<'_> {
                 // No pivot splits this one well.
                 keys[from..to].sort_unstable();
                 for i in from..to {
-                    if done == 0 || keys[done - 1] != keys[i] {
-                        keys[done] = keys[i];
+                    if done == 0 || sorted[done - 1] != keys[i] {
+                        sorted[done] = keys[i];
                         done += 1;
                     }
                 }
@@ -133,7 +136,8 @@ impl Kernel for SortUnique<'_> {
             }
             waiting -= 1;
         }
-        keys.truncate(done);
+        keys.clear();
+        keys.extend_from_slice(&sorted[..done]);
     }
 }
 
@@ -161,7 +165,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn sorted(level: Level, keys: &[u64]) -> Vec<u64> {
-        let mut hits = Hits { keys: keys.to_vec(), room: Vec::new() };
+        let mut hits = Hits { keys: keys.to_vec(), ..Hits::default() };
         hits.sort(level.checked());
         hits.keys
     }
@@ -196,7 +200,7 @@ mod tests {
         type Output = (Vec<u64>, Vec<u64>, Vec<u64>);
 
         fn run<S: Simd>(self, s: S) -> Self::Output {
-            let (mut keys, mut few) = (self.0.to_vec(), [0; FEW + WIDE_LANES]);
+            let (mut keys, mut few) = (self.0.to_vec(), [0; FEW]);
             let count = s.sort_few(&self.0[..self.0.len().min(FEW)], &mut few);
             let low = s.partition(&mut keys, &mut vec![0; self.0.len() + WIDE_LANES], self.1);
             let mut high = keys.split_off(low);

@@ -4,7 +4,7 @@ use std::arch::x86_64::*;
 use std::ops::{Add, BitOr, BitXor, Mul, Sub};
 
 use super::x86::{is_apart, least_sides, numbers, One};
-use super::{Arithmetic, ByteBoxes, ByteLanes, CacheLine, Kernel, LineLanes, Simd, FEW, LANES, WIDE_LANES};
+use super::{close_up, Arithmetic, ByteBoxes, ByteLanes, CacheLine, Kernel, LineLanes, Simd, FEW, LANES, WIDE_LANES};
 
 /// Whether the CPU has what [`Avx2`] uses.
 pub fn is_there() -> bool {
@@ -687,7 +687,7 @@ impl Simd for Avx2 {
         low
     }
     #[inline(always)]
-    fn sort_few(self, keys: &[u64], to: &mut [u64; FEW + WIDE_LANES]) -> usize {
+    fn sort_few(self, keys: &[u64], to: &mut [u64; FEW]) -> usize {
         let n = keys.len();
         // Signed, in the same order.
         let mut all = [i64::MAX; FEW];
@@ -717,28 +717,13 @@ impl Simd for Avx2 {
             smaller
         };
         // The place of a number is how many are smaller. Equal ones have one place, and leave some as they were.
-        let (mut sorted, mut taken) = ([u64::MAX; FEW], 0u32);
+        let mut taken = 0;
         for (key, place) in keys.iter().zip(&places) {
             let place = *place as usize % FEW;
-            sorted[place] = *key;
+            to[place] = *key;
             taken |= 1 << place;
         }
-        let count = taken.count_ones() as usize;
-        if count == n {
-            to[..FEW].copy_from_slice(&sorted);
-            return n;
-        }
-        let mut at = 0;
-        // SAFETY: see above. Writing at `at` takes four places, and `at` is at most `FEW`.
-        unsafe {
-            for (i, four) in sorted.chunks_exact(4).enumerate() {
-                let four = _mm256_loadu_si256(four.as_ptr().cast());
-                let taken = taken as usize >> (4 * i) & 15;
-                _mm256_storeu_si256(to.as_mut_ptr().add(at).cast(), packed4(four, taken));
-                at += taken.count_ones() as usize;
-            }
-        }
-        count
+        close_up(to, taken)
     }
     #[inline(always)]
     fn wide_load(self, x: &[f64; WIDE_LANES]) -> Self::F64 {

@@ -3,7 +3,7 @@
 use std::arch::x86_64::*;
 
 use super::x86::{is_apart, least_sides, numbers, One};
-use super::{avx2, Arithmetic, ByteBoxes, CacheLine, Kernel, LineLanes, Simd, FEW, LANES, WIDE_LANES};
+use super::{avx2, close_up, Arithmetic, ByteBoxes, CacheLine, Kernel, LineLanes, Simd, FEW, LANES, WIDE_LANES};
 
 /// Whether the CPU has what [`Avx512`] uses.
 pub fn is_there() -> bool {
@@ -60,6 +60,33 @@ fn transposed8(rows: &[__m512d; WIDE_LANES]) -> [__m512d; WIDE_LANES] {
         }
     }
     columns
+}
+
+/// Puts numbers, at most `N` times eight, where they belong: the place of each is how many are smaller. Equal ones have one
+/// place, and leave some as they were. Returns which places are taken.
+#[inline(always)]
+fn put_in_place<const N: usize>(keys: &[u64], to: &mut [u64; FEW]) -> u32 {
+    // SAFETY: see above. Of each eight numbers as many are read as there are; what is not stands for more than any number.
+    unsafe {
+        let none = _mm512_set1_epi64(-1);
+        let mut eights = [none; N];
+        for (i, eight) in eights.iter_mut().enumerate() {
+            let there = first_lanes(keys.len().saturating_sub(WIDE_LANES * i).min(WIDE_LANES));
+            *eight = _mm512_mask_loadu_epi64(none, there, keys.as_ptr().wrapping_add(WIDE_LANES * i).cast());
+        }
+        let mut taken = 0;
+        for key in keys {
+            let all = _mm512_set1_epi64(*key as i64);
+            let mut smaller = 0;
+            for i in 0..N {
+                smaller |= u32::from(_mm512_cmplt_epu64_mask(eights[i], all)) << (WIDE_LANES * i);
+            }
+            let place = smaller.count_ones() as usize % FEW;
+            to[place] = *key;
+            taken |= 1 << place;
+        }
+        taken
+    }
 }
 
 /// The first of eight lanes.
@@ -420,33 +447,15 @@ impl Simd for Avx512 {
         low
     }
     #[inline(always)]
-    fn sort_few(self, keys: &[u64], to: &mut [u64; FEW + WIDE_LANES]) -> usize {
+    fn sort_few(self, keys: &[u64], to: &mut [u64; FEW]) -> usize {
         assert!(keys.len() <= FEW);
-        let mut places = [u64::MAX; FEW];
-        let mut count = 0;
-        // SAFETY: see above. Of each eight numbers as many are read as there are; what is not stands for more than any number.
-        // Writing at `count` takes eight places, and `count` is at most `FEW`.
-        unsafe {
-            let none = _mm512_set1_epi64(-1);
-            let mut eights = [none; FEW / WIDE_LANES];
-            for (i, eight) in eights.iter_mut().enumerate() {
-                let there = first_lanes(keys.len().saturating_sub(WIDE_LANES * i).min(WIDE_LANES));
-                *eight = _mm512_mask_loadu_epi64(none, there, keys.as_ptr().wrapping_add(WIDE_LANES * i).cast());
-            }
-            for key in keys {
-                // The place of a number is how many are smaller. Equal ones have one place, and leave some as they were.
-                let all = _mm512_set1_epi64(*key as i64);
-                let [a, b, c, d] = eights.map(|eight| u32::from(_mm512_cmplt_epu64_mask(eight, all)));
-                places[(a | b << 8 | c << 16 | d << 24).count_ones() as usize % FEW] = *key;
-            }
-            for eight in places.chunks_exact(WIDE_LANES) {
-                let eight = _mm512_loadu_si512(eight.as_ptr().cast());
-                let taken = _mm512_cmpneq_epu64_mask(eight, none);
-                _mm512_storeu_si512(to.as_mut_ptr().add(count).cast(), _mm512_maskz_compress_epi64(taken, eight));
-                count += taken.count_ones() as usize;
-            }
-        }
-        count
+        let taken = match keys.len().div_ceil(WIDE_LANES) {
+            0 | 1 => put_in_place::<1>(keys, to),
+            2 => put_in_place::<2>(keys, to),
+            3 => put_in_place::<3>(keys, to),
+            _ => put_in_place::<4>(keys, to),
+        };
+        close_up(to, taken)
     }
     #[inline(always)]
     fn wide_load(self, x: &[f64; WIDE_LANES]) -> Self::F64 {

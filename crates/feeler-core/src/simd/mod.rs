@@ -199,6 +199,22 @@ pub(crate) struct ByteLanes {
 /// Numbers that [`Simd::sort_few`] sorts at most.
 pub(crate) const FEW: usize = 4 * WIDE_LANES;
 
+/// Moves the numbers at the places taken to the front, in their order; tells how many they are.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+fn close_up(to: &mut [u64; FEW], taken: u32) -> usize {
+    let count = taken.count_ones() as usize;
+    // Mostly there is no gap.
+    if taken != ((1u64 << count) - 1) as u32 {
+        let mut rest = taken;
+        for i in 0..count {
+            to[i] = to[rest.trailing_zeros() as usize % FEW];
+            rest &= rest - 1;
+        }
+    }
+    count
+}
+
 /// What is computed lane by lane: sixteen float32 and eight float64, or the [part](Simd::Part) of them that a register holds.
 /// Comparisons with NaN are false.
 pub(crate) trait Arithmetic: Copy {
@@ -384,7 +400,7 @@ pub(crate) trait Simd: Arithmetic {
     }
     /// Up to [`FEW`] numbers below `u64::MAX` in order, each once; returns how many these are. What follows them is of no use.
     #[inline(always)]
-    fn sort_few(self, keys: &[u64], to: &mut [u64; FEW + WIDE_LANES]) -> usize {
+    fn sort_few(self, keys: &[u64], to: &mut [u64; FEW]) -> usize {
         let to = &mut to[..keys.len()];
         to.copy_from_slice(keys);
         to.sort_unstable();
