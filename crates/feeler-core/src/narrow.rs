@@ -174,8 +174,9 @@ pub(crate) struct Pending {
     asked_count: usize,
     /// Pairs that were proven to cross, by slot and triangle.
     crossing: [u64; PLACES],
-    /// Pairs met lately, each at the place its hash gives.
+    /// Pairs met lately, each at the place its hash gives; those of the last query until the first batch of this one.
     recent: [u64; RECENT],
+    is_recent_old: bool,
     /// Whether it pays to look for repeats: whether the last batch had many.
     is_repeating: bool,
 }
@@ -197,6 +198,7 @@ impl Default for Pending {
             asked_count: 0,
             crossing: [0; PLACES],
             recent: [u64::MAX; RECENT],
+            is_recent_old: false,
             is_repeating: true,
         }
     }
@@ -207,7 +209,7 @@ impl Pending {
     pub fn clear(&mut self) {
         self.count = 0;
         self.asked_count = 0;
-        self.recent.fill(u64::MAX);
+        self.is_recent_old = true;
         self.is_repeating = true;
     }
 
@@ -222,7 +224,10 @@ impl Pending {
     /// Some repeats slip through: those are found twice and counted once in the end.
     #[inline(never)]
     fn skip_repeats(&mut self) -> usize {
-        let Pending { slots, mockup_triangles, count, recent, .. } = self;
+        let Pending { slots, mockup_triangles, count, recent, is_recent_old, .. } = self;
+        if std::mem::take(is_recent_old) {
+            recent.fill(u64::MAX);
+        }
         let mut kept = 0;
         for i in 0..(*count).min(PLACES) {
             let (t, m) = (slots[i], mockup_triangles[i]);
@@ -323,6 +328,9 @@ impl Narrow<'_> {
     /// Tests the pairs kept so far; true when the query is over.
     #[inline(never)]
     pub fn finish(&mut self) -> bool {
+        if self.pending.count == 0 {
+            return false;
+        }
         if self.filters.repeats && self.pending.is_repeating {
             let offered = self.pending.count;
             let skipped = self.pending.skip_repeats();

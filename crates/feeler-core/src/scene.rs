@@ -323,12 +323,20 @@ impl Scene {
     }
 
     pub(crate) fn take_scratch(&self) -> Box<Scratch> {
-        self.spare.lock().unwrap_or_else(PoisonError::into_inner).pop().unwrap_or_default()
+        let spare = self.spare.lock().unwrap_or_else(PoisonError::into_inner).pop();
+        spare.unwrap_or_else(fresh_scratch)
     }
 
     pub(crate) fn put_scratch(&self, scratch: Box<Scratch>) {
         self.spare.lock().unwrap_or_else(PoisonError::into_inner).push(scratch);
     }
+}
+
+/// A function of its own: it needs thirteen pages of stack, each of which is touched before anything else is done.
+#[cold]
+#[inline(never)]
+fn fresh_scratch() -> Box<Scratch> {
+    Box::default()
 }
 
 /// The voxel size a scene uses when none is given, metres.

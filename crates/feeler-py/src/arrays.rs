@@ -1,5 +1,6 @@
 //! NumPy arrays in and out.
 
+use feeler_core::PairKind;
 use numpy::ndarray::{ArrayView1, ArrayView2};
 use numpy::npyffi::{_PyArray_GET_ITEM_DATA, NPY_ARRAY_WRITEABLE};
 use numpy::{Element, PyArray, PyArray1, PyArray2, PyReadonlyArray2, PyUntypedArrayMethods};
@@ -43,6 +44,12 @@ pub unsafe fn view<'py, T: Element>(owner: &Bound<'py, PyAny>, data: &[T]) -> Bo
     let array = unsafe { PyArray1::borrow_from_array(&view, owner.clone()) };
     set_read_only(&array);
     array
+}
+
+/// The numbers that stand for kinds.
+pub fn codes(kinds: &[PairKind]) -> &[u8] {
+    // SAFETY: a kind is represented as its number, in one byte.
+    unsafe { std::slice::from_raw_parts(kinds.as_ptr().cast(), kinds.len()) }
 }
 
 /// Of an array that was just made. By way of Python it would take eight times as long as all else here.

@@ -8,20 +8,18 @@ use numpy::{IntoPyArray, PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::arrays::{view, view_rows};
+use crate::arrays::{codes, view, view_rows};
 
 /// The pairs of triangles that meet at one pose.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct Collision {
     core: core::Collision,
-    kinds: Vec<u8>,
     mockup: Arc<core::Mockup>,
 }
 
 impl Collision {
     pub fn new(core: core::Collision, mockup: Arc<core::Mockup>) -> Collision {
-        let kinds = core.kinds.iter().map(|k| *k as u8).collect();
-        Collision { core, kinds, mockup }
+        Collision { core, mockup }
     }
 
     fn column(&self, column: usize) -> Vec<u32> {
@@ -43,7 +41,7 @@ impl Collision {
     #[getter]
     fn kinds<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<u8>> {
         // SAFETY: as for the pairs.
-        unsafe { view(slf.as_any(), &slf.get().kinds) }
+        unsafe { view(slf.as_any(), codes(&slf.get().core.kinds)) }
     }
 
     #[getter]
@@ -90,13 +88,11 @@ impl Collision {
 #[pyclass(frozen, module = "feeler._core")]
 pub struct Batch {
     core: core::Batch,
-    kinds: Vec<u8>,
 }
 
 impl Batch {
-    pub fn new(mut core: core::Batch) -> Batch {
-        let kinds = std::mem::take(&mut core.kinds).into_iter().map(|k| k as u8).collect();
-        Batch { core, kinds }
+    pub fn new(core: core::Batch) -> Batch {
+        Batch { core }
     }
 }
 
@@ -117,7 +113,7 @@ impl Batch {
     #[getter]
     fn kinds<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<u8>> {
         // SAFETY: as for the offsets.
-        unsafe { view(slf.as_any(), &slf.get().kinds) }
+        unsafe { view(slf.as_any(), codes(&slf.get().core.kinds)) }
     }
 
     fn __len__(&self) -> usize {
