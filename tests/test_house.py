@@ -54,6 +54,19 @@ def test_the_wheel_serves_every_python_from_3_10_on() -> None:
     assert "Tag: cp310-abi3-" in wheel
 
 
+def test_a_wheel_asks_of_the_cpu_what_any_wheel_does(root: Path, tmp_path: Path) -> None:
+    """`.cargo/config.toml` names a CPU for the order of its instructions, and takes all that it has away again."""
+    targets = tomllib.loads((root / ".cargo/config.toml").read_text(encoding="utf-8"))["target"]
+    (flags,) = (target["rustflags"] for target in targets.values())
+    command = ("rustc", "--print", "cfg", "--target", "x86_64-unknown-linux-gnu")
+    plain, named = run(*command, cwd=tmp_path), run(*command, *flags, cwd=tmp_path)
+    assert plain.returncode == named.returncode == 0, plain.stderr + named.stderr
+    assert 'target_feature="sse2"' in plain.stdout
+    # No warning of a name that the compiler does not know either.
+    assert (named.stdout, named.stderr) == (plain.stdout, plain.stderr)
+    assert 'target_feature="avx512f"' in run(*command, flags[0], cwd=tmp_path).stdout
+
+
 def test_make_help_lists_every_target(root: Path) -> None:
     if shutil.which("make") is None:
         pytest.skip("no make on the PATH")
