@@ -32,23 +32,26 @@ pub(crate) fn pair_key(tool_triangle: u32, mockup_triangle: u32) -> u64 {
     u64::from(tool_triangle) << 32 | u64::from(mockup_triangle)
 }
 
-/// What a query found so far; some pairs more than once.
+/// What a query found so far, some pairs more than once; in the end all of it in order, each once.
 #[derive(Debug)]
 pub(crate) struct Hits {
     keys: Vec<u64>,
     room: Vec<u64>,
+    /// The first `count` are in order.
     sorted: Vec<u64>,
+    count: usize,
 }
 
 impl Default for Hits {
     fn default() -> Hits {
-        Hits { keys: Vec::with_capacity(1024), room: Vec::new(), sorted: Vec::new() }
+        Hits { keys: Vec::with_capacity(1024), room: Vec::new(), sorted: Vec::new(), count: 0 }
     }
 }
 
 impl Hits {
     pub fn clear(&mut self) {
         self.keys.clear();
+        self.count = 0;
     }
 
     #[inline]
@@ -62,21 +65,45 @@ impl Hits {
         self.keys.extend(hits.map(|hit| hit.0));
     }
 
-    pub fn len(&self) -> usize {
-        self.keys.len()
+    /// Whether there are none so far.
+    pub fn is_empty(&self) -> bool {
+        self.keys.is_empty()
     }
 
-    pub fn iter(&self) -> impl ExactSizeIterator<Item = Hit> + '_ {
-        self.keys.iter().map(|key| Hit(*key))
-    }
-
-    /// In order, each once.
+    /// Puts all in order, each once; no more are added then.
     pub fn sort(&mut self, lanes: Checked) {
-        lanes.run(SortUnique { keys: &mut self.keys, room: &mut self.room, sorted: &mut self.sorted });
+        self.count = lanes.run(SortUnique { keys: &mut self.keys, room: &mut self.room, sorted: &mut self.sorted });
+    }
+
+    /// All, once they are in order.
+    pub fn sorted(&self) -> impl ExactSizeIterator<Item = Hit> + '_ {
+        self.sorted[..self.count].iter().map(|key| Hit(*key))
+    }
+
+    /// Appends all, once they are in order.
+    pub fn unpack(&self, lanes: Checked, pairs: &mut Vec<[u32; 2]>, kinds: &mut Vec<PairKind>) {
+        lanes.run(Unpack { keys: &self.sorted[..self.count], pairs, kinds });
     }
 }
 
-/// Sorts numbers below `u64::MAX`, and leaves each once.
+/// Appends pairs and how they meet.
+struct Unpack<'a> {
+    keys: &'a [u64],
+    pairs: &'a mut Vec<[u32; 2]>,
+    kinds: &'a mut Vec<PairKind>,
+}
+
+impl Kernel for Unpack<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, _: S) {
+        self.pairs.extend(self.keys.iter().map(|key| Hit(*key).pair()));
+        self.kinds.extend(self.keys.iter().map(|key| Hit(*key).kind()));
+    }
+}
+
+/// Puts numbers below `u64::MAX` in order into `sorted`, each once; returns how many there are. `keys` are in disorder then.
 ///
 /// Quicksort without branches on what is compared: a register of numbers at a time goes to the one side or the other, and a few
 /// are put where they belong by counting, for each, how many are smaller. Only for levels that can pack chosen lanes at once.
@@ -87,15 +114,16 @@ struct SortUnique<'a> {
 }
 
 impl Kernel for SortUnique<'_> {
-    type Output = ();
+    type Output = usize;
 
     #[inline(always)]
-    fn run<S: Simd>(self, s: S) {
+    fn run<S: Simd>(self, s: S) -> usize {
         let SortUnique { keys, room, sorted } = self;
         if !S::SORTS {
             keys.sort_unstable();
             keys.dedup();
-            return;
+            std::mem::swap(keys, sorted);
+            return sorted.len();
         }
         if room.len() < keys.len() + WIDE_LANES {
             room.resize(2 * keys.len() + WIDE_LANES, 0);
@@ -136,8 +164,7 @@ impl Kernel for SortUnique<'_> {
             }
             waiting -= 1;
         }
-        keys.clear();
-        keys.extend_from_slice(&sorted[..done]);
+        done
     }
 }
 
@@ -167,7 +194,7 @@ mod tests {
     fn sorted(level: Level, keys: &[u64]) -> Vec<u64> {
         let mut hits = Hits { keys: keys.to_vec(), ..Hits::default() };
         hits.sort(level.checked());
-        hits.keys
+        hits.sorted().map(|hit| hit.0).collect()
     }
 
     fn keys() -> impl Strategy<Value = Vec<u64>> {

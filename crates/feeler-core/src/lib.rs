@@ -30,6 +30,7 @@ pub mod predict;
 mod proximity;
 pub mod scene;
 mod simd;
+mod spare;
 mod store;
 pub mod tool;
 mod vectors;

@@ -369,7 +369,7 @@ impl Narrow<'_> {
                 self.hits.push(Hit::new(tool.ids()[*slot as usize], *triangle, kind));
             }
         }
-        self.first_only && self.hits.len() > 0
+        self.first_only && !self.hits.is_empty()
     }
 }
 

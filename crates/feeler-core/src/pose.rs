@@ -20,33 +20,11 @@ impl Pose {
     /// or the matrix deviates by more than 1e-6 from a rotation and a last row of 0, 0, 0, 1.
     pub fn new(m: &[[f64; 4]; 4]) -> Result<Pose> {
         // All at once: batches have many poses, and nearly all are good. A comparison with NaN is false.
-        let is_good = |value: &f64| value.abs() <= LARGEST_COORDINATE;
-        if !m.as_flattened().iter().fold(true, |good, value| good & is_good(value)) {
-            let i = m.as_flattened().iter().position(|value| !is_good(value)).unwrap_or_default();
-            return Err(Error::PoseNotFinite { row: i / 4, column: i % 4, value: m[i / 4][i % 4] });
-        }
-        let last = (0..4).map(|c| (m[3][c] - if c == 3 { 1.0 } else { 0.0 }).abs()).fold(0.0, f64::max);
-        if last > POSE_TOLERANCE {
-            return Err(Error::PoseNotRigid { why: format!("the last row is {:?}, not [0, 0, 0, 1]", m[3]) });
-        }
         let r: [[f64; 3]; 3] = std::array::from_fn(|i| [m[i][0], m[i][1], m[i][2]]);
-        let dot = |i: usize, j: usize| r[i][0] * r[j][0] + r[i][1] * r[j][1] + r[i][2] * r[j][2];
-        for i in 0..3 {
-            for j in 0..=i {
-                let deviation = (dot(i, j) - if i == j { 1.0 } else { 0.0 }).abs();
-                if deviation > POSE_TOLERANCE {
-                    let what = if i == j { "length 1" } else { "right angles" };
-                    return Err(Error::PoseNotRigid {
-                        why: format!("rows {j} and {i} of the rotation miss {what} by {deviation:.3e}"),
-                    });
-                }
-            }
-        }
-        let determinant = r[0][0] * (r[1][1] * r[2][2] - r[1][2] * r[2][1])
-            - r[0][1] * (r[1][0] * r[2][2] - r[1][2] * r[2][0])
-            + r[0][2] * (r[1][0] * r[2][1] - r[1][1] * r[2][0]);
-        if determinant < 0.0 {
-            return Err(Error::PoseNotRigid { why: "it mirrors (determinant -1)".into() });
+        let is_good = m.as_flattened().iter().fold(determinant(&r) >= 0.0, |good, value| good & is_within(*value));
+        let is_good = (0..4).fold(is_good, |good, c| good & (of_last_row(m, c) <= POSE_TOLERANCE));
+        if !ROWS.iter().fold(is_good, |good, [i, j]| good & (deviation(&r, *i, *j) <= POSE_TOLERANCE)) {
+            return Err(fault(m, &r));
         }
         Ok(Pose { rotation: r, translation: [m[0][3], m[1][3], m[2][3]] })
     }
@@ -119,6 +97,50 @@ impl Pose {
     pub fn largest_translation(&self) -> f64 {
         self.translation.iter().fold(0.0, |m, x| m.max(x.abs()))
     }
+}
+
+/// Pairs of rows of a rotation.
+const ROWS: [[usize; 2]; 6] = [[0, 0], [1, 0], [1, 1], [2, 0], [2, 1], [2, 2]];
+
+fn is_within(value: f64) -> bool {
+    value.abs() <= LARGEST_COORDINATE
+}
+
+/// How far a number of the last row is from that of 0, 0, 0, 1.
+fn of_last_row(m: &[[f64; 4]; 4], column: usize) -> f64 {
+    (m[3][column] - if column == 3 { 1.0 } else { 0.0 }).abs()
+}
+
+/// How far two rows are from right angles, or one from length 1.
+fn deviation(r: &[[f64; 3]; 3], i: usize, j: usize) -> f64 {
+    let dot = r[i][0] * r[j][0] + r[i][1] * r[j][1] + r[i][2] * r[j][2];
+    (dot - if i == j { 1.0 } else { 0.0 }).abs()
+}
+
+fn determinant(r: &[[f64; 3]; 3]) -> f64 {
+    r[0][0] * (r[1][1] * r[2][2] - r[1][2] * r[2][1]) - r[0][1] * (r[1][0] * r[2][2] - r[1][2] * r[2][0])
+        + r[0][2] * (r[1][0] * r[2][1] - r[1][1] * r[2][0])
+}
+
+/// What is wrong with a matrix that is not a pose.
+#[cold]
+fn fault(m: &[[f64; 4]; 4], r: &[[f64; 3]; 3]) -> Error {
+    if let Some(i) = m.as_flattened().iter().position(|value| !is_within(*value)) {
+        return Error::PoseNotFinite { row: i / 4, column: i % 4, value: m[i / 4][i % 4] };
+    }
+    let too_far = |d: f64| d > POSE_TOLERANCE;
+    if (0..4).any(|c| too_far(of_last_row(m, c))) {
+        return Error::PoseNotRigid { why: format!("the last row is {:?}, not [0, 0, 0, 1]", m[3]) };
+    }
+    for [i, j] in ROWS {
+        let deviation = deviation(r, i, j);
+        if too_far(deviation) {
+            let what = if i == j { "length 1" } else { "right angles" };
+            let why = format!("rows {j} and {i} of the rotation miss {what} by {deviation:.3e}");
+            return Error::PoseNotRigid { why };
+        }
+    }
+    Error::PoseNotRigid { why: "it mirrors (determinant -1)".into() }
 }
 
 #[cfg(test)]

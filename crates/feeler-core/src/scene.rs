@@ -1,7 +1,7 @@
 //! A mock-up with its index, and the queries on it.
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, OnceLock};
 
 use rayon::prelude::*;
 
@@ -19,6 +19,7 @@ use crate::pose::Pose;
 use crate::predict::{PiecePredictor, Predictor};
 use crate::proximity::ProximityScratch;
 use crate::simd::{Checked, Level};
+use crate::spare::Spare;
 use crate::store::{report, BlocksScratch, Progress, Storage, Store};
 use crate::tool::Tool;
 
@@ -129,8 +130,7 @@ pub struct Scene {
     memory_limit: u64,
     store: Store,
     lanes: Checked,
-    /// Working memory of past queries, for the next ones.
-    spare: Mutex<Vec<Box<Scratch>>>,
+    spare: Spare,
     /// Made when contacts are first asked for.
     adjacency: OnceLock<Adjacency>,
 }
@@ -154,7 +154,7 @@ impl Scene {
             memory_limit: options.memory_limit,
             store,
             lanes: Level::best().checked(),
-            spare: Mutex::new(Vec::new()),
+            spare: Spare::default(),
             adjacency: OnceLock::new(),
             mockup,
         })
@@ -220,8 +220,7 @@ impl Scene {
         self.run(tool, pose, filters, false, &mut scratch);
         out.pairs.clear();
         out.kinds.clear();
-        out.pairs.extend(scratch.hits.iter().map(|hit| hit.pair()));
-        out.kinds.extend(scratch.hits.iter().map(|hit| hit.kind()));
+        scratch.hits.unpack(self.lanes, &mut out.pairs, &mut out.kinds);
         out.stats = scratch.stats;
         self.put_scratch(scratch);
     }
@@ -235,7 +234,7 @@ impl Scene {
     pub(crate) fn any_pair(&self, tool: &Tool, pose: &Pose) -> Option<[u32; 2]> {
         let mut scratch = self.take_scratch();
         self.run(tool, pose, Filters::default(), true, &mut scratch);
-        let found = scratch.hits.iter().next().map(Hit::pair);
+        let found = scratch.hits.sorted().next().map(Hit::pair);
         self.put_scratch(scratch);
         found
     }
@@ -267,8 +266,8 @@ impl Scene {
                             break;
                         }
                         self.run(tool, pose, Filters::default(), false, &mut scratch);
-                        found.hits.extend(scratch.hits.iter());
-                        *count = scratch.hits.len();
+                        *count = scratch.hits.sorted().len();
+                        found.hits.extend(scratch.hits.sorted());
                     }
                     new.fetch_add(found.hits.len() as u64, Relaxed);
                     done.fetch_add(1, Relaxed);
@@ -304,7 +303,7 @@ impl Scene {
         self.store.offer_candidates(tool, blocks, &mut narrow);
         narrow.finish();
         hits.sort(self.lanes);
-        stats.pairs = hits.len() as u64;
+        stats.pairs = hits.sorted().len() as u64;
     }
 
     /// The index.
@@ -323,20 +322,12 @@ impl Scene {
     }
 
     pub(crate) fn take_scratch(&self) -> Box<Scratch> {
-        let spare = self.spare.lock().unwrap_or_else(PoisonError::into_inner).pop();
-        spare.unwrap_or_else(fresh_scratch)
+        self.spare.take()
     }
 
     pub(crate) fn put_scratch(&self, scratch: Box<Scratch>) {
-        self.spare.lock().unwrap_or_else(PoisonError::into_inner).push(scratch);
+        self.spare.put(scratch);
     }
-}
-
-/// A function of its own: it needs thirteen pages of stack, each of which is touched before anything else is done.
-#[cold]
-#[inline(never)]
-fn fresh_scratch() -> Box<Scratch> {
-    Box::default()
 }
 
 /// The voxel size a scene uses when none is given, metres.

@@ -1,7 +1,5 @@
 //! Results of queries.
 
-use std::sync::Arc;
-
 use feeler_core as core;
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyArray1, PyArray2};
@@ -9,16 +7,17 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::arrays::{codes, view, view_rows};
+use crate::mockup::Mockup;
 
 /// The pairs of triangles that meet at one pose.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct Collision {
     core: core::Collision,
-    mockup: Arc<core::Mockup>,
+    mockup: Py<Mockup>,
 }
 
 impl Collision {
-    pub fn new(core: core::Collision, mockup: Arc<core::Mockup>) -> Collision {
+    pub fn new(core: core::Collision, mockup: Py<Mockup>) -> Collision {
         Collision { core, mockup }
     }
 
@@ -56,7 +55,7 @@ impl Collision {
 
     #[getter]
     fn parts<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
-        let mut parts: Vec<u32> = self.core.pairs.iter().map(|p| self.mockup.part_of_face(p[1])).collect();
+        let mut parts: Vec<u32> = self.core.pairs.iter().map(|p| self.mockup.get().core.part_of_face(p[1])).collect();
         parts.sort_unstable();
         parts.dedup();
         parts.into_pyarray(py)

@@ -158,7 +158,7 @@ impl Scene {
         let filters = core::Filters { repeats: repeat_filter.0, boxes: box_filter.0 };
         let tool = tool.core();
         let collision = py.detach(|| self.core.collide(tool, &world_from_tool.0, filters));
-        Collision::new(collision, Arc::clone(self.core.mockup()))
+        Collision::new(collision, self.mockup.clone_ref(py))
     }
 
     /// Whether any two triangles meet, with the tool at a pose `(4, 4)`; stops at the first pair.
