@@ -40,13 +40,14 @@ impl<'a, 'py> FromPyObject<'a, 'py> for PoseArgument {
         // The common case, without a book of who borrows which array: its numbers are copied at once.
         if let Ok(array) = object.cast::<PyArray<f64, Ix2>>() {
             if array.shape() == [4, 4] {
-                // SAFETY: nobody else runs while the array is looked at: this thread holds the interpreter, and calls nothing.
-                // Where all numbers lie one after the other, these are the sixteen.
-                let pose = match array.is_c_contiguous() {
-                    true => core::Pose::new(&unsafe { array.data().cast::<[[f64; 4]; 4]>().read_unaligned() }),
-                    false => pose_of(&unsafe { array.as_array() }),
-                };
-                return pose.map(PoseArgument).map_err(to_py);
+                if array.is_c_contiguous() {
+                    // SAFETY: nobody else runs while the array is looked at: this thread holds the interpreter, and calls nothing.
+                    // Its sixteen numbers lie one after the other.
+                    let matrix = unsafe { array.data().cast::<[[f64; 4]; 4]>().read_unaligned() };
+                    return core::Pose::new(&matrix).map(PoseArgument).map_err(to_py);
+                }
+                // SAFETY: likewise.
+                return pose_of(&unsafe { array.as_array() }).map(PoseArgument).map_err(to_py);
             }
         }
         let array = real_numbers::<Ix2>(object, "(4, 4)")?;
