@@ -6,7 +6,7 @@
 use crate::bounds::{Point, Triangle};
 use crate::distance_triangle_triangle::{closest_within, Closest, LEAST_SQUARE, NARROW, SMALLEST};
 use crate::intersect_lanes::Vector;
-use crate::simd::{Checked, Kernel, Simd, WIDE_LANES};
+use crate::simd::{Arithmetic, Checked, Kernel, Simd, WIDE_LANES};
 
 /// Where triangles that do **not meet** are closest, as [`closest_within`] has it: so many pairs, up to eight; `None` in what is
 /// beyond.
@@ -34,6 +34,21 @@ pub(crate) fn closest_apart<'a>(
     found
 }
 
+/// Which of so many pairs, up to eight, a plane along an edge of each surely holds farther apart than `within` (metres). Most that
+/// are apart and neither boxes nor the planes of the two hold so, this does, with far fewer operations than [`closest_apart`].
+pub(crate) fn held_apart<'a>(
+    lanes: Checked,
+    count: usize,
+    pair: impl Fn(usize) -> (&'a Triangle, &'a Triangle),
+    within: f64,
+) -> u8 {
+    if count == 0 {
+        return 0;
+    }
+    let pairs: [_; WIDE_LANES] = std::array::from_fn(|i| pair(i.min(count - 1)));
+    lanes.run(HeldApart { pairs: &pairs, within }) & (u8::MAX >> (WIDE_LANES - count))
+}
+
 /// Coordinates (metres, from the first corner) between which units make no difference.
 const LEAST: f64 = 1e-6;
 const MOST: f64 = 1e6;
@@ -47,14 +62,76 @@ struct Found {
     doubt: u8,
 }
 
-/// Eight triangles in lanes.
+/// Three corners in lanes.
+type Corners<S> = [Vector<<S as Arithmetic>::F64>; 3];
+
+type EightPairs<'a> = [(&'a Triangle, &'a Triangle); WIDE_LANES];
+
+/// The corners of both in lanes, from the first corner of the first triangle, and the largest coordinate.
 #[inline(always)]
-fn gathered<S: Simd>(s: S, t: [[&Point; WIDE_LANES]; 3]) -> [Vector<S::F64>; 3] {
-    [s.wide_points(t[0]), s.wide_points(t[1]), s.wide_points(t[2])]
+fn gathered<S: Simd>(s: S, pairs: &EightPairs<'_>) -> ([Corners<S>; 2], S::F64) {
+    let (mut p, mut q) = ([[&[0.0; 3]; WIDE_LANES]; 3], [[&[0.0; 3]; WIDE_LANES]; 3]);
+    for (i, pair) in pairs.iter().enumerate() {
+        for c in 0..3 {
+            p[c][i] = &pair.0[c];
+            q[c][i] = &pair.1[c];
+        }
+    }
+    let mut p = [s.wide_points(p[0]), s.wide_points(p[1]), s.wide_points(p[2])];
+    let mut q = [s.wide_points(q[0]), s.wide_points(q[1]), s.wide_points(q[2])];
+    let (origin, mut largest) = (p[0], s.wide_splat(0.0));
+    for c in 0..3 {
+        for a in 0..3 {
+            p[c][a] = p[c][a] - origin[a];
+            q[c][a] = q[c][a] - origin[a];
+            largest = s.wide_max(largest, s.wide_max(s.wide_abs(p[c][a]), s.wide_abs(q[c][a])));
+        }
+    }
+    ([p, q], largest)
+}
+
+/// Where no product leaves the range.
+#[inline(always)]
+fn fits<S: Simd>(s: S, largest: S::F64) -> S::M64 {
+    s.both(s.wide_above(largest, s.wide_splat(LEAST)), s.wide_above(s.wide_splat(MOST), largest))
+}
+
+struct HeldApart<'a> {
+    pairs: &'a EightPairs<'a>,
+    within: f64,
+}
+
+/// Share of the largest coordinate by which a gap may be off: a few dozen roundings are less.
+const SLACK: f64 = 1e-9;
+
+impl Kernel for HeldApart<'_> {
+    type Output = u8;
+
+    /// Whatever the direction is, intervals along it that are apart by more than their uncertainty are proof.
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) -> u8 {
+        let ([p, q], largest) = gathered(s, self.pairs);
+        let within = s.wide_mul_add(largest, s.wide_splat(SLACK), s.wide_splat(self.within));
+        let limit = within * within * s.wide_splat(1.0 + 1e-6);
+        let (least, zero) = (s.wide_splat(LEAST_SQUARE), s.wide_splat(0.0));
+        let mut found = 0;
+        for i in 0..3 {
+            let u = sub::<S>(&p[(i + 1) % 3], &p[i]);
+            for j in 0..3 {
+                let n = cross::<S>(&u, &sub::<S>(&q[(j + 1) % 3], &q[j]));
+                let square = dot::<S>(&n, &n);
+                let ((a, b), (c, d)) = (interval(s, &n, &p), interval(s, &n, &q));
+                let gap = s.wide_max(c - b, a - d);
+                let is_apart = s.both(s.wide_above(gap, zero), s.wide_above(gap * gap, limit * square));
+                found |= s.bits(s.both(is_apart, s.wide_above(square, least)));
+            }
+        }
+        found & s.bits(fits(s, largest))
+    }
 }
 
 struct Apart<'a> {
-    pairs: &'a [(&'a Triangle, &'a Triangle); WIDE_LANES],
+    pairs: &'a EightPairs<'a>,
     within: f64,
 }
 
@@ -63,24 +140,9 @@ impl Kernel for Apart<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) -> Found {
-        let (mut p, mut q) = ([[&[0.0; 3]; WIDE_LANES]; 3], [[&[0.0; 3]; WIDE_LANES]; 3]);
-        for (i, pair) in self.pairs.iter().enumerate() {
-            for c in 0..3 {
-                p[c][i] = &pair.0[c];
-                q[c][i] = &pair.1[c];
-            }
-        }
-        let (mut p, mut q) = (gathered(s, p), gathered(s, q));
-        let (origin, mut largest) = (p[0], s.wide_splat(0.0));
-        for c in 0..3 {
-            for a in 0..3 {
-                p[c][a] = p[c][a] - origin[a];
-                q[c][a] = q[c][a] - origin[a];
-                largest = s.wide_max(largest, s.wide_max(s.wide_abs(p[c][a]), s.wide_abs(q[c][a])));
-            }
-        }
+        let ([p, q], largest) = gathered(s, self.pairs);
         let (p, q) = (Side::new(s, p), Side::new(s, q));
-        let fits = s.both(s.wide_above(largest, s.wide_splat(LEAST)), s.wide_above(s.wide_splat(MOST), largest));
+        let fits = fits(s, largest);
         let doubt = !s.bits(s.both(fits, s.both(p.is_wide(s), q.is_wide(s))));
         let far = s.wide_splat(f64::INFINITY);
         let mut best = Best { squared: far, on_p: p.corners[0], on_q: q.corners[0] };
@@ -191,7 +253,7 @@ fn along<S: Simd>(a: &Vector<S::F64>, t: S::F64, b: &Vector<S::F64>) -> Vector<S
 
 /// The least and greatest height of corners along a normal.
 #[inline(always)]
-fn interval<S: Simd>(s: S, n: &Vector<S::F64>, t: &[Vector<S::F64>; 3]) -> (S::F64, S::F64) {
+fn interval<S: Simd>(s: S, n: &Vector<S::F64>, t: &Corners<S>) -> (S::F64, S::F64) {
     let h = [dot::<S>(n, &t[0]), dot::<S>(n, &t[1]), dot::<S>(n, &t[2])];
     (s.wide_min(s.wide_min(h[0], h[1]), h[2]), s.wide_max(s.wide_max(h[0], h[1]), h[2]))
 }
@@ -328,9 +390,27 @@ mod tests {
                 .collect();
             for level in Level::available() {
                 let found = closest_apart(level.checked(), pairs.len(), |i| (&pairs[i].0, &pairs[i].1), within);
+                let held = held_apart(level.checked(), pairs.len(), |i| (&pairs[i].0, &pairs[i].1), within);
                 for (i, (p, q)) in pairs.iter().enumerate() {
                     prop_assert_eq!(found[i], closest_within(p, q, within), "{:?} {}", level, i);
+                    prop_assert!(held >> i & 1 == 0 || found[i].is_none(), "{:?} {}", level, i);
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn crossing_sticks_are_held_apart_by_their_edges() {
+        // Neither boxes nor the planes of the two hold them apart.
+        let p = [[-1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [0.0, 0.0, -1.0]];
+        for gap in [1e-5, 0.3] {
+            let q = [[-1.0, 1.0, gap], [1.0, -1.0, gap], [0.0, 0.1, 1.0 + gap]];
+            let found = closest_within(&p, &q, f64::INFINITY).unwrap();
+            assert!((found.distance - gap).abs() < 1e-12);
+            for level in Level::available() {
+                let held =
+                    |within: f64| held_apart(level.checked(), 3, |i| if i == 1 { (&p, &p) } else { (&p, &q) }, within);
+                assert_eq!([0.9, 1.0, 1.1].map(|share| held(share * gap)), [0b101, 0, 0], "{level:?} {gap}");
             }
         }
     }

@@ -107,10 +107,11 @@ impl Kernel for Unpack<'_> {
 ///
 /// Quicksort without branches on what is compared: a register of numbers at a time goes to the one side or the other, and a few
 /// are put where they belong by counting, for each, how many are smaller. Only for levels that can pack chosen lanes at once.
-struct SortUnique<'a> {
-    keys: &'a mut Vec<u64>,
-    room: &'a mut Vec<u64>,
-    sorted: &'a mut Vec<u64>,
+pub(crate) struct SortUnique<'a> {
+    pub keys: &'a mut Vec<u64>,
+    /// Working memory.
+    pub room: &'a mut Vec<u64>,
+    pub sorted: &'a mut Vec<u64>,
 }
 
 impl Kernel for SortUnique<'_> {

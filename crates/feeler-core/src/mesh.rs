@@ -148,6 +148,12 @@ impl Mockup {
         self.part_of_face.get(face as usize).copied().unwrap_or(0)
     }
 
+    /// Asks for what [`part_of_face`](Self::part_of_face) will read.
+    #[inline]
+    pub(crate) fn prefetch_part(&self, face: u32) {
+        prefetch_at(&self.part_of_face, face as usize);
+    }
+
     /// The box around the queried triangles of each part; empty where a part has none.
     pub fn part_bounds(&self) -> &[Aabb] {
         &self.part_bounds

@@ -5,7 +5,7 @@ use std::ops::Range;
 use crate::bounds::{Point, Triangle};
 
 /// Squares of lengths that neither overflow nor lose digits, and whose products do not.
-const PLAIN: Range<f64> = 1e-140..1e140;
+pub const PLAIN: Range<f64> = 1e-140..1e140;
 
 /// Sums of products below that have lost too much to rounding towards 0.
 const VANISHING: f64 = 1e-280;

@@ -2,6 +2,7 @@
 
 use crate::bounds::Point;
 use crate::mesh::Mesh;
+use crate::simd::prefetch_at;
 use crate::vectors::{add, cross, dot, length, scaled, sub};
 use crate::weld::weld_vertices;
 
@@ -22,6 +23,13 @@ pub(crate) struct Adjacency {
 }
 
 impl Adjacency {
+    /// Asks for what is known of a triangle.
+    #[inline]
+    pub fn prefetch(&self, triangle: u32) {
+        prefetch_at(&self.neighbours, triangle as usize);
+        prefetch_at(&self.outward, triangle as usize);
+    }
+
     /// Edges are matched by their corners' positions, so a mesh whose triangles share no vertices is as good as any.
     pub fn new(mesh: &Mesh, part_of_face: impl Fn(u32) -> u32, parts: usize) -> Adjacency {
         let mut neighbours = vec![[NONE; 3]; mesh.faces().len()];

@@ -6,7 +6,7 @@ use super::shapes::Arrays;
 use super::*;
 use crate::scene::SceneOptions;
 use crate::simd::Level;
-use crate::vectors::{along, cross, unit};
+use crate::vectors::{along, cross, normal, unit};
 
 /// Numbers from -1 to 1 (a multiplicative generator; its upper bits).
 struct Random(u64);

@@ -268,8 +268,10 @@ mod tests {
             while faces[MOCKUP].len() < count {
                 let mut triangle = || -> Triangle { std::array::from_fn(|_| std::array::from_fn(|_| coordinate(odd))) };
                 let both = [triangle(), triangle()];
-                if both.iter().all(|t| normal(t).is_some()) {
-                    (0..2).for_each(|w| faces[w].push(Face::new(0, both[w], 1)));
+                if let [Some(n), Some(m)] = both.map(|t| normal(&t)) {
+                    for (w, normal) in [n, m].into_iter().enumerate() {
+                        faces[w].push(Face { normal, ..Face::new(0, both[w], true) });
+                    }
                 }
             }
             let cut = |i: usize| Cut { faces: [i as u32, i as u32], points: (0, 0), flat: false };

@@ -7,12 +7,12 @@
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-use crate::bounds::{Aabb, Point};
+use crate::bounds::{Aabb, Point, Triangle};
 use crate::contacts::numbered::{pair_key, Numbered};
 use crate::contacts::sift::{Near, Sift, Sought, BEHIND};
 use crate::contacts::zones::{MOCKUP, TOOL};
 use crate::contacts::{ContactPlane, Ground, MOST_PLANES};
-use crate::distance_lanes::closest_apart;
+use crate::distance_lanes::{closest_apart, held_apart};
 use crate::distance_triangle_triangle::{closest_within, Closest};
 use crate::proximity::{Candidate, Divider, Gap};
 use crate::simd::WIDE_LANES;
@@ -159,6 +159,11 @@ impl<'a> NearPairs<'a> {
         self.lists.near = near;
     }
 
+    fn corners(&self, near: &Near) -> (&Triangle, &Triangle) {
+        let [t, m] = near.places;
+        (self.lists.sift.corners(TOOL, t), self.lists.sift.corners(MOCKUP, m))
+    }
+
     /// What was measured of a pair, where that is within the margin.
     fn known(&self, pair: [u32; 2]) -> Option<Gap> {
         self.lists.measured.get(pair_key(pair)).and_then(|i| self.lists.gaps[i as usize])
@@ -166,12 +171,8 @@ impl<'a> NearPairs<'a> {
 
     /// Measures at most eight pairs that do not meet, and gives those within the margin that no plane explains.
     fn measure_all(&mut self, batch: &[Near], part: u32, planes: &[ContactPlane], mut give: impl FnMut(Entry)) {
-        let corners = |near: &Near| {
-            let [t, m] = near.places;
-            (self.lists.sift.corners(TOOL, t), self.lists.sift.corners(MOCKUP, m))
-        };
         let tolerance = TOLERANCE * self.margin;
-        let found = closest_apart(self.ground.lanes, batch.len(), |i| corners(&batch[i]), self.margin);
+        let found = closest_apart(self.ground.lanes, batch.len(), |i| self.corners(&batch[i]), self.margin);
         for (near, closest) in batch.iter().zip(found) {
             let gap = closest.map(|c| gap_of(near.pair, part, &c));
             self.note(near.pair, gap);
@@ -263,8 +264,16 @@ impl<'a> NearPairs<'a> {
         while next < seen.len() && seen.len() <= MOST_BESIDE {
             let from = seen[next];
             next += 1;
-            for pair in ground.beside(from) {
-                if seen.contains(&pair) {
+            let (mut beside, mut count) = ([start; WIDE_LANES], 0);
+            for pair in ground.beside(from).filter(|pair| !seen.contains(pair)) {
+                beside[count] = pair;
+                count += 1;
+            }
+            // Most of them are too far: all at once that is known soon.
+            let corners = beside.map(|[t, m]| (ground.tool_triangle(t), ground.mockup_triangle(m)));
+            let far = held_apart(ground.lanes, count, |i| (&corners[i].0, &corners[i].1), limit);
+            for (i, pair) in beside.into_iter().enumerate().take(count) {
+                if far >> i & 1 != 0 && self.lists.measured.get(pair_key(pair)).is_none() {
                     continue;
                 }
                 let Some(other) = self.measure_within(pair, part, limit) else { continue };

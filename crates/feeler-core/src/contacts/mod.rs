@@ -23,6 +23,7 @@ mod judge;
 mod least_norm;
 #[cfg(test)]
 mod near_tests;
+mod normals;
 mod numbered;
 mod onward;
 mod outline;
@@ -66,7 +67,7 @@ use crate::proximity::{Candidate, Divider};
 use crate::scene::Scene;
 use crate::simd::Checked;
 use crate::tool::Tool;
-use crate::vectors::{dot, normal, scaled, sub};
+use crate::vectors::{dot, scaled, sub};
 
 /// Most planes of an answer.
 pub const MOST_PLANES: usize = 32;
@@ -226,14 +227,17 @@ impl Ground<'_> {
         std::array::from_fn(|a| r[0][a] * d[0] + r[1][a] * d[1] + r[2][a] * d[2])
     }
 
-    /// The normal of a triangle beside `near`, to the side that counts as outside there.
-    fn outward(&self, w: usize, id: u32, corners: &Triangle, near: &Face) -> Option<Point> {
-        let n = normal(corners)?;
+    /// The normal of a triangle beside `near`, turned to the side that counts as outside there.
+    fn turned_outward(&self, w: usize, id: u32, n: &Point, near: &Face) -> Point {
         let flip = match self.adjacency[w].outward[id as usize] {
             side if near.closed && side != 0 => side < 0,
-            _ => dot(&n, &near.normal) < 0.0,
+            _ => dot(n, &near.normal) < 0.0,
         };
-        Some(if flip { scaled(&n, -1.0) } else { n })
+        if flip {
+            scaled(n, -1.0)
+        } else {
+            *n
+        }
     }
 
     /// From a point of the tool at the pose to where it was at the reference.
@@ -273,6 +277,11 @@ impl Scene {
             return Err(Error::Margin { value: margin });
         }
         let hits = self.collide(tool, pose, Filters::default()).pairs;
+        // What is to be known of the triangles lies far apart: all of it is asked for at once.
+        for [_, triangle] in &hits {
+            self.mockup().prefetch_part(*triangle);
+            self.adjacency().prefetch(*triangle);
+        }
         let mut scratch = self.take_scratch();
         let ContactScratch { by_part, candidates, meeting, near: lists, zones: zones_scratch, zone: zone_scratch } =
             &mut scratch.contacts;

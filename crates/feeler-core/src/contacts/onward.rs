@@ -146,12 +146,16 @@ impl Kernel for GoesOn<'_> {
 mod tests {
     use super::*;
     use crate::simd::Level;
-    use crate::vectors::unit;
+    use crate::vectors::{normal, unit};
 
     #[test]
     fn the_last_eight_say_what_each_says() {
         let wave = |i: usize| [(0.7 * i as f64).sin(), (1.9 * i as f64).cos(), (1.3 * i as f64).sin()];
-        let faces: Vec<Face> = (0..7).map(|i| Face::new(0, [wave(i), wave(i + 1), wave(i + 2)], 1)).collect();
+        let face = |i: usize| {
+            let corners = [wave(i), wave(i + 1), wave(i + 2)];
+            Face { normal: normal(&corners).unwrap(), ..Face::new(0, corners, true) }
+        };
+        let faces: Vec<Face> = (0..7).map(face).collect();
         let onward = |i: usize| {
             let (normal, other) = (unit(&wave(3 * i + 50)).unwrap(), unit(&wave(5 * i + 90)).unwrap());
             Onward { at: wave(i + 20), normal, other, cosine: dot(&other, &normal), face: i as u32 % 7 }

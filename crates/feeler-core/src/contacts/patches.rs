@@ -6,13 +6,14 @@ use std::hint::select_unpredictable;
 use crate::bounds::Point;
 use crate::contacts::adjacency::NONE;
 use crate::contacts::counting::lay_out;
+use crate::contacts::normals::eight_normals;
 use crate::contacts::numbered::Numbered;
 use crate::contacts::outline::outline;
 use crate::contacts::place::{place, EightPlanes};
 use crate::contacts::points::PointSet;
 use crate::contacts::zones::Zones;
 use crate::contacts::Ground;
-use crate::simd::Checked;
+use crate::simd::{Checked, WIDE_LANES};
 
 /// How far a patch may stand out over another's plane (share of the distance between them) and still count as not: below the
 /// turn between neighbouring patches of a hollow surface, above the noise of rounded corners.
@@ -89,6 +90,9 @@ pub(crate) struct Patches {
     planes: Vec<EightPlanes>,
     split: Split,
     gathering: Gathering,
+    /// Sizes with the numbers of their patches, as they are sorted.
+    by_size: Vec<u128>,
+    in_order: Vec<Patch>,
 }
 
 /// Working memory of [`Patches::gather`].
@@ -178,13 +182,18 @@ impl Patches {
     }
 
     fn push_inside(&mut self, ground: &Ground<'_>, zones: &Zones, zone: usize, w: usize) {
-        for [t, cut] in zones.inside_of(zone, w) {
-            let corners = ground.triangle(w, *t);
-            let near = &zones.faces[w][zones.cuts[*cut as usize].faces[w] as usize];
-            let Some(normal) = ground.outward(w, *t, &corners, near) else { continue };
-            let from = self.piece_points.len() as u32;
-            self.piece_points.extend(corners.map(|x| (x, NONE)));
-            self.pieces.push(Piece::new(*t, normal, corners[0], (from, from + 3), near.closed));
+        for some in zones.inside_of(zone, w).chunks(WIDE_LANES) {
+            let mut corners = [[[0.0; 3]; 3]; WIDE_LANES];
+            some.iter().zip(&mut corners).for_each(|([t, _], corners)| *corners = ground.triangle(w, *t));
+            let normals = eight_normals(ground.lanes, some.len(), |i| &corners[i]);
+            for (([t, cut], corners), n) in some.iter().zip(&corners).zip(&normals) {
+                let Some(n) = n else { continue };
+                let near = zones.face(w, *cut);
+                let from = self.piece_points.len() as u32;
+                self.piece_points.extend(corners.map(|x| (x, NONE)));
+                let normal = ground.turned_outward(w, *t, n, near);
+                self.pieces.push(Piece::new(*t, normal, corners[0], (from, from + 3), near.closed));
+            }
         }
     }
 
@@ -299,7 +308,8 @@ impl Patches {
 
     /// Sets what follows from the points.
     fn finish(&mut self, lanes: Checked) {
-        let Patches { list, points, numbers, corners, corner_points, corner_of, gathering, .. } = self;
+        let Patches { list, points, numbers, corners, corner_points, corner_of, gathering, by_size, in_order, .. } =
+            self;
         let distinct = gathering.known.len();
         corners.clear();
         corner_points.resize(distinct + 1, [0.0; 3]);
@@ -328,6 +338,13 @@ impl Patches {
             patch.corners.1 = corners.len() as u32;
         }
         corner_points.truncate(count);
-        list.sort_by(|p, q| q.size.total_cmp(&p.size));
+        // Largest first, of several as large the first. Patches are large: only their sizes and numbers go through the sort. Sizes
+        // are not negative, and so in the order of their bits.
+        by_size.clear();
+        by_size.extend((0u32..).zip(&*list).map(|(i, p)| u128::from(!p.size.to_bits()) << u32::BITS | u128::from(i)));
+        by_size.sort_unstable();
+        in_order.clear();
+        in_order.extend(by_size.iter().map(|key| list[*key as u32 as usize]));
+        std::mem::swap(list, in_order);
     }
 }

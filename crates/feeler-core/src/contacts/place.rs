@@ -18,6 +18,7 @@ const ROUNDING: f64 = 1e-6;
 
 /// Most patches of a surface in one zone, a multiple of the lanes. Further triangles join the patch with the nearest normal.
 const MOST_PATCHES: usize = 12 * WIDE_LANES;
+const _: () = assert!(MOST_PATCHES <= u128::BITS as usize);
 
 /// The planes of eight patches, by axis; what lies beyond the last has a normal of zero.
 #[derive(Debug, Default)]
@@ -71,18 +72,23 @@ impl Kernel for Placing<'_> {
 
 /// The first patch that a piece fits: of nearly its normal, and one's plane passes the other as near as a surface that turns so
 /// much would.
+///
+/// All normals are compared first, without a branch: which of the eights have one that is near is not to be foreseen.
 #[inline(always)]
 fn first_fit<S: Simd>(s: S, piece: &Piece, planes: &[EightPlanes]) -> Option<usize> {
     let (n, at) = (&piece.normal, &piece.at);
     let n = [s.wide_splat(n[0]), s.wide_splat(n[1]), s.wide_splat(n[2])];
     let (zero, one, most) = (s.wide_splat(0.0), s.wide_splat(1.0), s.wide_splat(1.0 - ONE_PATCH));
-    let rounding = s.wide_splat(1e-12 * at[0].abs().max(at[1].abs()).max(at[2].abs()));
+    let mut near = 0u128;
     for (i, eight) in planes.iter().enumerate() {
         let turn = one - eight_heights(s, &eight.normal, &n);
-        let near = !s.bits(s.wide_above(turn, most));
-        if near == 0 {
-            continue;
-        }
+        near |= u128::from(!s.bits(s.wide_above(turn, most))) << (WIDE_LANES * i);
+    }
+    let rounding = s.wide_splat(1e-12 * at[0].abs().max(at[1].abs()).max(at[2].abs()));
+    while near != 0 {
+        let i = near.trailing_zeros() as usize / WIDE_LANES;
+        let eight = &planes[i];
+        let turn = one - eight_heights(s, &eight.normal, &n);
         let mut way = n;
         for a in 0..3 {
             way[a] = s.wide_splat(at[a]) - s.wide_load(&eight.at[a]);
@@ -90,10 +96,11 @@ fn first_fit<S: Simd>(s: S, piece: &Piece, planes: &[EightPlanes]) -> Option<usi
         let square = way[0] * way[0] + way[1] * way[1] + way[2] * way[2];
         let off = s.wide_max(s.wide_abs(eight_heights(s, &eight.normal, &way)) - rounding, zero);
         let turned = s.wide_max(turn, zero) * s.wide_splat(2.0) + s.wide_splat(ROUNDING * ROUNDING);
-        let fits = near & !s.bits(s.wide_above(off * off, square * turned));
+        let fits = (near >> (WIDE_LANES * i)) as u8 & !s.bits(s.wide_above(off * off, square * turned));
         if fits != 0 {
             return Some(WIDE_LANES * i + fits.trailing_zeros() as usize);
         }
+        near &= !(u128::from(u8::MAX) << (WIDE_LANES * i));
     }
     None
 }

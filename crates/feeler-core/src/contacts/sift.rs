@@ -5,6 +5,7 @@ use crate::bounds::{Point, Triangle};
 use crate::contacts::numbered::{Numbered, NumberedBelow};
 use crate::contacts::zones::{MOCKUP, TOOL};
 use crate::contacts::{ContactPlane, Ground};
+use crate::distance_lanes::held_apart;
 use crate::proximity::Candidate;
 use crate::simd::{prefetch, Checked, Kernel, Simd, WIDE_LANES};
 use crate::vectors::{dot, normal, scaled};
@@ -87,8 +88,8 @@ impl Sift {
         &self.sides[w].corners[place as usize]
     }
 
-    /// Puts into `out` the candidates (of one part) that no plane holds apart, that do not meet, and that are not wholly
-    /// behind each other or inside.
+    /// Puts into `out` the candidates (of one part) that no plane holds apart, that are not clearly farther apart than the margin,
+    /// that do not meet, and that are not wholly behind each other or inside.
     pub fn sift(
         &mut self,
         ground: &Ground<'_>,
@@ -105,24 +106,38 @@ impl Sift {
             }
         }
         out.clear();
-        for (i, c) in candidates.iter().enumerate() {
-            let places = self.places[i];
+        let [tool, mockup] = &self.sides;
+        for (c, places) in candidates.iter().zip(&self.places) {
             let [t, m] = places.map(|p| p as usize);
-            let [tool, mockup] = &self.sides;
-            if tool.held[t] & mockup.held[m] != 0 {
-                continue;
+            if tool.held[t] & mockup.held[m] == 0 {
+                out.push(Near { bound: c.bound, pair: [c.tool_triangle, c.mockup_triangle], places: *places });
             }
-            let pair = [c.tool_triangle, c.mockup_triangle];
-            let (from, to) = self.meeting[t];
-            let meeting = &sought.meeting[from as usize..to as usize];
-            if meeting.binary_search(&pair).is_ok() || self.is_behind(ground, places, sought) {
-                continue;
-            }
-            out.push(Near { bound: c.bound, pair, places });
         }
+        self.drop_far(ground.lanes, sought.margin, out);
+        out.retain(|near| {
+            let (from, to) = self.meeting[near.places[0] as usize];
+            let meeting = &sought.meeting[from as usize..to as usize];
+            meeting.binary_search(&near.pair).is_err() && !self.is_behind(ground, near.places, sought)
+        });
         for plane in more {
             self.drop_held_apart(plane, sought.tolerance, out, |near| near.places);
         }
+    }
+
+    /// Drops pairs that are surely farther apart than the margin: mostly more than half.
+    fn drop_far(&self, lanes: Checked, margin: f64, list: &mut Vec<Near>) {
+        let corners = |near: &Near| (self.corners(TOOL, near.places[0]), self.corners(MOCKUP, near.places[1]));
+        let mut kept = 0;
+        for from in (0..list.len()).step_by(WIDE_LANES) {
+            let count = WIDE_LANES.min(list.len() - from);
+            let far = held_apart(lanes, count, |i| corners(&list[from + i]), margin);
+            for i in 0..count {
+                // No branch: which are dropped is not to be foreseen.
+                list[kept] = list[from + i];
+                kept += usize::from(far >> i & 1 == 0);
+            }
+        }
+        list.truncate(kept);
     }
 
     /// Drops the pairs that a plane holds apart whatever their nearest points.

@@ -5,11 +5,15 @@ use crate::contacts::joins::Roots;
 use crate::contacts::numbered::Numbered;
 use crate::contacts::zones::{Places, Zones, MOCKUP};
 use crate::contacts::Ground;
+use crate::simd::prefetch_at;
 use crate::vectors::{dot, sub};
 
 /// Most triangles that are walked over beyond the curve, of each surface and in one part. What lies further counts for depth
 /// only by its nearer part; a result that stopped here is not called exact.
 const MOST_WALKED: usize = 1 << 16;
+
+/// Triangles found before whose neighbours' corners are asked for.
+const AHEAD: usize = 4;
 
 /// The uncut triangles of one surface beyond the other, each with a cut of its zone, found over shared edges; and whether they
 /// are all.
@@ -75,6 +79,7 @@ pub(crate) fn walk(
             is_refused = true;
             return;
         }
+        adjacency.prefetch(triangle);
         seen.number(u64::from(triangle));
         found.push((triangle, cut));
     };
@@ -88,10 +93,14 @@ pub(crate) fn walk(
             }
         }
     }
+    let faces = if w == MOCKUP { ground.mockup.mesh().faces() } else { ground.tool.mesh().faces() };
     let mut next = 0;
     while next < found.len() {
         let (triangle, cut) = found[next];
         next += 1;
+        if let Some((later, _)) = found.get(next + AHEAD) {
+            adjacency.neighbours[*later as usize].iter().for_each(|n| prefetch_at(faces, *n as usize));
+        }
         for n in adjacency.neighbours[triangle as usize] {
             reach(n, Some(triangle), cut, &mut found);
         }

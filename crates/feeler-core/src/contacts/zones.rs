@@ -9,11 +9,12 @@ use crate::contacts::classify::{classify, Stand};
 use crate::contacts::counting::lay_out;
 use crate::contacts::cut::find_points;
 use crate::contacts::joins::{join_across_faces, join_along_the_curve, Roots};
+use crate::contacts::normals::eight_normals;
 use crate::contacts::numbered::{Numbered, NumberedBelow};
 use crate::contacts::walk::walk;
 use crate::contacts::Ground;
-use crate::simd::prefetch;
-use crate::vectors::{dot, normal, scaled, sub};
+use crate::simd::WIDE_LANES;
+use crate::vectors::{dot, scaled, sub};
 
 /// A triangle that is cut.
 #[derive(Debug, Clone)]
@@ -31,16 +32,9 @@ pub(crate) struct Face {
 }
 
 impl Face {
-    pub fn new(id: u32, corners: Triangle, outward: i8) -> Face {
-        let n = normal(&corners).unwrap_or([0.0; 3]);
-        Face {
-            id,
-            corners,
-            normal: if outward < 0 { scaled(&n, -1.0) } else { n },
-            closed: outward != 0,
-            side: [0; 3],
-            nearest: [NONE; 3],
-        }
+    /// Its normal is not known yet.
+    pub fn new(id: u32, corners: Triangle, closed: bool) -> Face {
+        Face { id, corners, normal: [0.0; 3], closed, side: [0; 3], nearest: [NONE; 3] }
     }
 
     /// Whether corner `k` was judged by a cut of which `is_of` is true.
@@ -125,6 +119,23 @@ impl Zones {
     pub fn inside_of(&self, zone: usize, w: usize) -> &[[u32; 2]] {
         let (from, to) = self.zones[zone].inside[w];
         &self.zone_inside[w][from as usize..to as usize]
+    }
+
+    /// Finds the normals of the faces, and which cuts are flat.
+    fn find_normals(&mut self, ground: &Ground<'_>) {
+        for w in [TOOL, MOCKUP] {
+            for faces in self.faces[w].chunks_mut(WIDE_LANES) {
+                let normals = eight_normals(ground.lanes, faces.len(), |i| &faces[i].corners);
+                for (face, n) in faces.iter_mut().zip(normals) {
+                    let sense = if ground.adjacency[w].outward[face.id as usize] < 0 { -1.0 } else { 1.0 };
+                    face.normal = n.map_or([0.0; 3], |n| scaled(&n, sense));
+                }
+            }
+        }
+        for cut in &mut self.cuts {
+            let [p, q] = [TOOL, MOCKUP].map(|w| &self.faces[w][cut.faces[w] as usize].normal);
+            cut.flat = dot(p, q).abs() > 1.0 - 1e-12;
+        }
     }
 
     /// Puts what belongs to each zone together, in its order: the cuts, by their sets, and what was walked over.
@@ -241,16 +252,14 @@ pub(crate) fn find<'a>(ground: &Ground<'_>, pairs: &[[u32; 2]], scratch: &'a mut
         let faces = [TOOL, MOCKUP].map(|w| {
             let (place, is_new) = places.number(w, pair[w]);
             if is_new {
-                prefetch(&ground.adjacency[w].neighbours[pair[w] as usize]);
-                let outward = ground.adjacency[w].outward[pair[w] as usize];
-                zones.faces[w].push(Face::new(pair[w], ground.triangle(w, pair[w]), outward));
+                let closed = ground.adjacency[w].outward[pair[w] as usize] != 0;
+                zones.faces[w].push(Face::new(pair[w], ground.triangle(w, pair[w]), closed));
             }
             place
         });
-        let [p, q] = [TOOL, MOCKUP].map(|w| &zones.faces[w][faces[w] as usize].normal);
-        let flat = dot(p, q).abs() > 1.0 - 1e-12;
-        zones.cuts.push(Cut { faces, points: (0, 0), flat });
+        zones.cuts.push(Cut { faces, points: (0, 0), flat: false });
     }
+    zones.find_normals(ground);
     find_points(ground.lanes, &zones.faces, &mut zones.cuts, &mut zones.points);
     let mut roots = Roots((0..zones.cuts.len() as u32).collect());
     zones.sort_by_face();

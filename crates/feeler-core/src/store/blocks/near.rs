@@ -8,14 +8,16 @@ use super::leaf::Candidate;
 use super::node::Node;
 use super::pieces::HalfBlock;
 use super::{Blocks, FANOUT};
+use crate::hits::SortUnique;
 use crate::lanes::{Box4, LaneBoxes, PlaceBoxes, PlacedPieces, Placement, LANES};
 use crate::proximity::{search, PairSet, SearchScratch, Wanted};
-use crate::simd::{prefetch, Kernel, Simd};
+use crate::simd::{prefetch, prefetch_at, Checked, Kernel, Simd};
 
 /// Working memory of a search.
 #[derive(Debug, Default)]
 pub struct NearScratch {
     stack: Vec<Pair>,
+    waiting: Waiting,
     pub(super) clusters: PlacedClusters,
     pub(super) block: UnpackedBlock,
     pub(super) seen: PairSet,
@@ -33,6 +35,50 @@ struct Pair {
     node: u32,
     /// The entry's box.
     bounds: Box4,
+}
+
+/// Clusters that arrived at blocks.
+#[derive(Debug, Default)]
+struct Waiting {
+    /// The block in the upper half, the cluster in the lower.
+    keys: Vec<u64>,
+    room: Vec<u64>,
+    sorted: Vec<u64>,
+}
+
+/// So many wait where the order is of no use: they are looked into block by block, so that each block is unpacked once. Few in
+/// tests, so that there are more of them.
+const MOST_WAITING: usize = if cfg!(test) { 16 } else { 4096 };
+
+/// Arrivals before which the pieces of a block are asked for.
+const AHEAD: usize = 12;
+
+impl Waiting {
+    fn push(&mut self, cluster: u32, block: u32) {
+        self.keys.push(u64::from(block) << 32 | u64::from(cluster));
+    }
+
+    /// Puts them in the order of the blocks and forgets them; returns how many they are.
+    fn put_in_order(&mut self, lanes: Checked) -> usize {
+        let Waiting { keys, room, sorted } = self;
+        let count = lanes.run(SortUnique { keys, room, sorted });
+        keys.clear();
+        count
+    }
+
+    /// Cluster and block.
+    #[inline(always)]
+    fn get(&self, at: usize) -> (usize, u32) {
+        (self.sorted[at] as u32 as usize, (self.sorted[at] >> 32) as u32)
+    }
+}
+
+impl Pair {
+    /// Whether it is the tool's entry that is looked into next, and not the node.
+    #[inline(always)]
+    fn opens_tool(&self, node: &Node) -> bool {
+        self.level == 0 || self.tool_level > 0 && size(&self.bounds) >= size(&node.bounds())
+    }
 }
 
 /// The clusters a search has placed so far.
@@ -126,7 +172,22 @@ impl Blocks {
         let dividers = Dividers::new(wanted.dividers, &self.frame, placement.slack + self.slack);
         let mut run = Search { blocks: self, placement, limit: 0.0, direction: [0.0; 3], dividers, wanted };
         run.update_limit();
-        lanes.run(Descend { run: &mut run, scratch, bounds });
+        scratch.waiting.keys.clear();
+        scratch.stack.clear();
+        scratch.stack.push(Pair {
+            bound: 0.0,
+            tool_level: tool.height() as u8,
+            level: self.levels.len() as u8 - 1,
+            entry: 0,
+            node: 0,
+            bounds,
+        });
+        let run = &mut run;
+        if run.wanted.is_collecting() {
+            lanes.run(Collect { run, scratch });
+        } else {
+            lanes.run(Descend { run, scratch });
+        }
     }
 }
 
@@ -156,10 +217,10 @@ impl Search<'_, '_> {
     }
 }
 
+/// Goes down nearest first.
 struct Descend<'a, 'b, 'w> {
     run: &'a mut Search<'b, 'w>,
     scratch: &'a mut NearScratch,
-    bounds: Box4,
 }
 
 impl Kernel for Descend<'_, '_, '_> {
@@ -167,20 +228,9 @@ impl Kernel for Descend<'_, '_, '_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) {
-        let Descend { run, scratch, bounds } = self;
+        let Descend { run, scratch } = self;
         let tool = run.wanted.tool;
         let levels = &run.blocks.levels;
-        // Where all is collected the order is of no use.
-        let is_sorted = !run.wanted.is_collecting();
-        scratch.stack.clear();
-        scratch.stack.push(Pair {
-            bound: 0.0,
-            tool_level: tool.height() as u8,
-            level: levels.len() as u8 - 1,
-            entry: 0,
-            node: 0,
-            bounds,
-        });
         let mut near = Near::ZERO;
         while let Some(pair) = scratch.stack.pop() {
             if pair.bound > run.limit {
@@ -193,13 +243,12 @@ impl Kernel for Descend<'_, '_, '_> {
                 }
                 continue;
             }
-            let open_tool = pair.level == 0 || pair.tool_level > 0 && size(&pair.bounds) >= size(&node.bounds());
-            if open_tool {
+            if pair.opens_tool(node) {
                 let boxes = &tool.children(pair.tool_level as usize)[pair.entry as usize];
                 let mut placed = LaneBoxes::ZERO;
                 run.placement.place_boxes(s, boxes, &mut placed);
                 let mut found = near.of_lanes(s, &placed, &node.bounds(), run.limit) & u32::from(boxes.used);
-                let count = near.list(&mut found, is_sorted);
+                let count = near.list(&mut found);
                 for at in (0..count).rev() {
                     let i = near.order[at] as u32 as usize;
                     let entry = LANES as u32 * pair.entry + i as u32;
@@ -216,12 +265,101 @@ impl Kernel for Descend<'_, '_, '_> {
                 }
             } else {
                 let mut found = near.of_children(s, node, &pair.bounds, run.limit);
-                let count = near.list(&mut found, is_sorted);
+                let count = near.list(&mut found);
                 for at in (0..count).rev() {
                     let i = near.order[at] as u32 as usize;
                     let child = FANOUT as u32 * pair.node + i as u32;
                     prefetch(&levels[pair.level as usize - 1][child as usize]);
                     scratch.stack.push(Pair { bound: near.bounds[i], level: pair.level - 1, node: child, ..pair });
+                }
+            }
+        }
+    }
+}
+
+/// Goes down where the order is of no use: block by block in the end, so that each is unpacked once.
+struct Collect<'a, 'b, 'w> {
+    run: &'a mut Search<'b, 'w>,
+    scratch: &'a mut NearScratch,
+}
+
+impl Kernel for Collect<'_, '_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) {
+        let Collect { run, scratch } = self;
+        loop {
+            reach(s, run, scratch);
+            let count = scratch.waiting.put_in_order(run.wanted.lanes);
+            if count == 0 {
+                return;
+            }
+            for at in 0..count {
+                let (cluster, block) = scratch.waiting.get(at);
+                if at + AHEAD < count {
+                    let (_, later) = scratch.waiting.get(at + AHEAD);
+                    if later != scratch.waiting.get(at + AHEAD - 1).1 {
+                        prefetch_at(&run.blocks.pieces, later as usize);
+                    }
+                }
+                if super::leaf::scan(s, run, scratch, cluster, block) {
+                    return;
+                }
+            }
+        }
+    }
+}
+
+/// Goes down in any order, until all clusters arrived at blocks that do, or many.
+#[inline(always)]
+fn reach<S: Simd>(s: S, run: &Search<'_, '_>, scratch: &mut NearScratch) {
+    let NearScratch { stack, waiting, .. } = scratch;
+    let (tool, levels) = (run.wanted.tool, &run.blocks.levels);
+    let limit = s.splat(run.limit);
+    while waiting.keys.len() < MOST_WAITING {
+        let Some(pair) = stack.pop() else { return };
+        let node = &levels[pair.level as usize][pair.node as usize];
+        match (pair.tool_level, pair.level) {
+            (0, 0) => waiting.push(pair.entry, pair.node),
+            _ if pair.opens_tool(node) => {
+                let boxes = &tool.children(pair.tool_level as usize)[pair.entry as usize];
+                let mut placed = LaneBoxes::ZERO;
+                run.placement.place_boxes(s, boxes, &mut placed);
+                let squared = gaps(s, &placed.lower, &placed.upper, &node.bounds());
+                let mut found = !s.lanes(s.above(squared, limit)) & boxes.used;
+                while found != 0 {
+                    let i = found.trailing_zeros() as usize;
+                    found &= found - 1;
+                    let entry = LANES as u32 * pair.entry + i as u32;
+                    if pair.tool_level == 1 {
+                        prefetch_at(tool.clusters(), entry as usize);
+                    }
+                    if (pair.tool_level, pair.level) == (1, 0) {
+                        waiting.push(entry, pair.node);
+                    } else {
+                        let (tool_level, bounds) = (pair.tool_level - 1, placed.lane(i));
+                        stack.push(Pair { tool_level, entry, bounds, ..pair });
+                    }
+                }
+            }
+            _ => {
+                let (mut half, mut found) = (LaneBoxes::ZERO, 0);
+                for h in 0..2 {
+                    node.unpack(s, h, &mut half.lower, &mut half.upper);
+                    let squared = gaps(s, &half.lower, &half.upper, &pair.bounds);
+                    found |= u32::from(!s.lanes(s.above(squared, limit))) << (LANES * h);
+                }
+                found &= node.valid;
+                while found != 0 {
+                    let child = FANOUT as u32 * pair.node + found.trailing_zeros();
+                    found &= found - 1;
+                    prefetch_at(&levels[pair.level as usize - 1], child as usize);
+                    if (pair.tool_level, pair.level) == (0, 1) {
+                        waiting.push(pair.entry, child);
+                    } else {
+                        stack.push(Pair { level: pair.level - 1, node: child, ..pair });
+                    }
                 }
             }
         }
@@ -298,10 +436,9 @@ impl Near {
         u32::from(!s.lanes(s.above(squared, s.splat(limit))))
     }
 
-    /// Puts the places chosen into `order`, if that is asked for nearest first; of boxes that overlap, those whose middles are
-    /// closer. Returns how many.
+    /// Puts the places chosen into `order`, nearest first; of boxes that overlap, those whose middles are closer. Returns how many.
     #[inline(always)]
-    pub fn list(&mut self, chosen: &mut u32, is_sorted: bool) -> usize {
+    pub fn list(&mut self, chosen: &mut u32) -> usize {
         let mut count = 0;
         while *chosen != 0 {
             let i = chosen.trailing_zeros() as usize;
@@ -310,7 +447,7 @@ impl Near {
             let key = self.bounds[i] + 1e-3 * self.middles[i];
             let key = u64::from(key.to_bits()) << 32 | i as u64;
             let mut at = count;
-            while is_sorted && at > 0 && self.order[at - 1] > key {
+            while at > 0 && self.order[at - 1] > key {
                 self.order[at] = self.order[at - 1];
                 at -= 1;
             }

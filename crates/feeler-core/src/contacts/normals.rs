@@ -1,0 +1,97 @@
+//! The normals of eight triangles at once.
+
+use crate::bounds::{Point, Triangle};
+use crate::simd::{Checked, Kernel, Simd, WIDE_LANES};
+use crate::vectors::{normal, PLAIN};
+
+/// The unit normals of so many triangles, up to eight, as [`normal`] has them; `None` in what is beyond.
+pub(crate) fn eight_normals<'a>(
+    lanes: Checked,
+    count: usize,
+    triangle: impl Fn(usize) -> &'a Triangle,
+) -> [Option<Point>; WIDE_LANES] {
+    let mut found = [None; WIDE_LANES];
+    if count == 0 {
+        return found;
+    }
+    let triangles: [_; WIDE_LANES] = std::array::from_fn(|i| triangle(i.min(count - 1)));
+    let out = lanes.run(Normals { triangles: &triangles });
+    for (i, found) in found.iter_mut().enumerate().take(count) {
+        let is_plain = out.plain >> i & 1 != 0;
+        *found = if is_plain { Some(std::array::from_fn(|a| out.normal[a][i])) } else { normal(triangles[i]) };
+    }
+    found
+}
+
+struct Normals<'a> {
+    triangles: &'a [&'a Triangle; WIDE_LANES],
+}
+
+struct Found {
+    /// By axis and lane.
+    normal: [[f64; WIDE_LANES]; 3],
+    /// Where squares are far from the limits of float64.
+    plain: u8,
+}
+
+impl Kernel for Normals<'_> {
+    type Output = Found;
+
+    /// The same steps in the same order as [`normal`], so the same numbers.
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) -> Found {
+        let mut corners = [[&[0.0; 3]; WIDE_LANES]; 3];
+        for (i, t) in self.triangles.iter().enumerate() {
+            for c in 0..3 {
+                corners[c][i] = &t[c];
+            }
+        }
+        let [a, b, c] = [s.wide_points(corners[0]), s.wide_points(corners[1]), s.wide_points(corners[2])];
+        let e = [b[0] - a[0], b[1] - a[1], b[2] - a[2]];
+        let f = [c[0] - a[0], c[1] - a[1], c[2] - a[2]];
+        let n = [e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]];
+        let square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+        let product = (e[0] * e[0] + e[1] * e[1] + e[2] * e[2]) * (f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
+        let (least, limit) = (s.wide_splat(PLAIN.start), s.wide_splat(PLAIN.end));
+        // NaN is neither above nor below.
+        let (above, below) = (
+            s.both(s.wide_above(square, least), s.wide_above(product, least)),
+            s.both(s.wide_above(limit, square), s.wide_above(limit, product)),
+        );
+        let mut scale = [0.0; WIDE_LANES];
+        s.wide_store(square, &mut scale);
+        for x in &mut scale {
+            *x = 1.0 / x.sqrt();
+        }
+        let scale = s.wide_load(&scale);
+        let mut normal = [[0.0; WIDE_LANES]; 3];
+        for a in 0..3 {
+            s.wide_store(n[a] * scale, &mut normal[a]);
+        }
+        Found { normal, plain: s.bits(s.both(above, below)) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simd::Level;
+    use proptest::prelude::*;
+
+    fn triangle() -> impl Strategy<Value = Triangle> {
+        let coordinate = prop_oneof![-4.0f64..4.0, (-4i32..5).prop_map(f64::from), Just(1e-80), Just(-1e90)];
+        prop::array::uniform3(prop::array::uniform3(coordinate))
+    }
+
+    proptest! {
+        #[test]
+        fn every_level_gives_what_one_at_a_time_gives(triangles in prop::collection::vec(triangle(), 0..9)) {
+            for level in Level::available() {
+                let found = eight_normals(level.checked(), triangles.len(), |i| &triangles[i]);
+                for (i, found) in found.iter().enumerate() {
+                    prop_assert_eq!(*found, triangles.get(i).and_then(normal), "{:?} {}", level, i);
+                }
+            }
+        }
+    }
+}
