@@ -111,7 +111,8 @@ impl Kernel for HeldApart<'_> {
     #[inline(always)]
     fn run<S: Simd>(self, s: S) -> u8 {
         let ([p, q], largest) = gathered(s, self.pairs);
-        let within = s.wide_mul_add(largest, s.wide_splat(SLACK), s.wide_splat(self.within));
+        // Each operation rounded once, so that every level drops the same pairs.
+        let within = largest * s.wide_splat(SLACK) + s.wide_splat(self.within);
         let limit = within * within * s.wide_splat(1.0 + 1e-6);
         let (least, zero) = (s.wide_splat(LEAST_SQUARE), s.wide_splat(0.0));
         let mut found = 0;
