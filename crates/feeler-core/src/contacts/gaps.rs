@@ -7,7 +7,7 @@
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-use crate::bounds::{Aabb, Point, Triangle};
+use crate::bounds::{Aabb, Point};
 use crate::contacts::numbered::{pair_key, Numbered};
 use crate::contacts::sift::{Near, Sift, Sought, BEHIND};
 use crate::contacts::zones::{MOCKUP, TOOL};
@@ -159,11 +159,6 @@ impl<'a> NearPairs<'a> {
         self.lists.near = near;
     }
 
-    fn corners(&self, near: &Near) -> (&Triangle, &Triangle) {
-        let [t, m] = near.places;
-        (self.lists.sift.corners(TOOL, t), self.lists.sift.corners(MOCKUP, m))
-    }
-
     /// What was measured of a pair, where that is within the margin.
     fn known(&self, pair: [u32; 2]) -> Option<Gap> {
         self.lists.measured.get(pair_key(pair)).and_then(|i| self.lists.gaps[i as usize])
@@ -172,7 +167,8 @@ impl<'a> NearPairs<'a> {
     /// Measures at most eight pairs that do not meet, and gives those within the margin that no plane explains.
     fn measure_all(&mut self, batch: &[Near], part: u32, planes: &[ContactPlane], mut give: impl FnMut(Entry)) {
         let tolerance = TOLERANCE * self.margin;
-        let found = closest_apart(self.ground.lanes, batch.len(), |i| self.corners(&batch[i]), self.margin);
+        let found =
+            closest_apart(self.ground.lanes, batch.len(), |i| self.lists.sift.corners_of(&batch[i]), self.margin);
         for (near, closest) in batch.iter().zip(found) {
             let gap = closest.map(|c| gap_of(near.pair, part, &c));
             self.note(near.pair, gap);

@@ -84,8 +84,13 @@ pub(crate) struct Sift {
 }
 
 impl Sift {
-    pub fn corners(&self, w: usize, place: u32) -> &Triangle {
+    fn corners(&self, w: usize, place: u32) -> &Triangle {
         &self.sides[w].corners[place as usize]
+    }
+
+    /// The triangles of a pair, the tool's first.
+    pub fn corners_of(&self, near: &Near) -> (&Triangle, &Triangle) {
+        (self.corners(TOOL, near.places[0]), self.corners(MOCKUP, near.places[1]))
     }
 
     /// Puts into `out` the candidates (of one part) that no plane holds apart, that are not clearly farther apart than the margin,
@@ -126,11 +131,10 @@ impl Sift {
 
     /// Drops pairs that are surely farther apart than the margin: mostly more than half.
     fn drop_far(&self, lanes: Checked, margin: f64, list: &mut Vec<Near>) {
-        let corners = |near: &Near| (self.corners(TOOL, near.places[0]), self.corners(MOCKUP, near.places[1]));
         let mut kept = 0;
         for from in (0..list.len()).step_by(WIDE_LANES) {
             let count = WIDE_LANES.min(list.len() - from);
-            let far = held_apart(lanes, count, |i| corners(&list[from + i]), margin);
+            let far = held_apart(lanes, count, |i| self.corners_of(&list[from + i]), margin);
             for i in 0..count {
                 // No branch: which are dropped is not to be foreseen.
                 list[kept] = list[from + i];
