@@ -14,25 +14,31 @@ pub(crate) fn classify(ground: &Ground<'_>, part: u32, zones: &mut Zones) {
     let mut stands = std::mem::take(&mut zones.stands);
     ground.lanes.run(Stands { zones, out: &mut stands });
     for w in [TOOL, MOCKUP] {
-        let mut nearest = std::mem::take(&mut zones.nearest);
-        ground.lanes.run(Nearest { zones, w, stands: &stands, out: &mut nearest });
+        let mut judged = std::mem::take(&mut zones.judged);
+        ground.lanes.run(Nearest { zones, w, stands: &stands, out: &mut judged });
         let enclosure = ground.enclosure(1 - w, part);
-        for (i, best) in nearest.iter().enumerate() {
-            for (k, (square, cut)) in best.iter().enumerate().filter(|(_, best)| best.1 != NONE) {
-                let (corner, other) = (&zones.faces[w][i].corners[k], zones.face(1 - w, *cut));
-                let height = dot(&sub(corner, &zones.ends(*cut)[0]), &other.normal);
-                let is_on = *square == 0.0 || height * height < 1e-18 * square;
-                let is_outside = || other.closed && !ground.is_enclosed(1 - w, &enclosure, corner);
-                let side = match height < 0.0 {
-                    _ if is_on => 0,
-                    true if !is_outside() => -1,
-                    _ => 1,
-                };
-                let face = &mut zones.faces[w][i];
-                (face.nearest[k], face.side[k]) = (*cut, side);
+        for (i, corners) in judged.iter().enumerate() {
+            let Zones { faces, cuts, .. } = &mut *zones;
+            let [of_tool, of_mockup] = faces;
+            let (face, others) =
+                if w == TOOL { (&mut of_tool[i], &*of_mockup) } else { (&mut of_mockup[i], &*of_tool) };
+            face.nearest = corners.cuts;
+            for k in 0..3 {
+                let (is_clear, is_below) = (corners.clear >> k & 1, corners.below >> k & 1);
+                face.side[k] = (is_clear as i8) * (1 - 2 * is_below as i8);
+            }
+            let mut inside = corners.clear & corners.below;
+            while inside != 0 {
+                let k = inside.trailing_zeros() as usize;
+                inside &= inside - 1;
+                let cut = &cuts[corners.cuts[k] as usize];
+                let is_closed = others[cut.faces[1 - w] as usize].closed;
+                if is_closed && !ground.is_enclosed(1 - w, &enclosure, &face.corners[k]) {
+                    face.side[k] = 1;
+                }
             }
         }
-        zones.nearest = nearest;
+        zones.judged = judged;
     }
     zones.stands = stands;
 }
@@ -44,6 +50,18 @@ pub(crate) struct Stand {
     square: Wide,
     /// How steeply they stand off it, each in the plane of its own face: that of the other may be met at any angle.
     steepness: Wide,
+    /// How high they are over the plane of the other face.
+    height: Wide,
+}
+
+/// What the nearest cuts say about the corners of a face, one bit a corner.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Judged {
+    /// Their places among the cuts; [`NONE`] where there is none.
+    cuts: [u32; 3],
+    /// Off the plane of the other face, and under it.
+    clear: u8,
+    below: u8,
 }
 
 /// Finds how the corners stand to all cuts.
@@ -59,6 +77,7 @@ impl Kernel for Stands<'_> {
     fn run<S: Simd>(self, s: S) {
         self.out.clear();
         let zero = s.wide_splat(0.0);
+        let is_of_tool = s.wide_above(s.wide_splat(2.5), s.wide_load(&[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]));
         for i in 0..self.zones.cuts.len() as u32 {
             let (tool, mockup) = (self.zones.face(TOOL, i), self.zones.face(MOCKUP, i));
             let (p, q) = (&tool.corners, &mockup.corners);
@@ -70,6 +89,11 @@ impl Kernel for Stands<'_> {
             let mut from = corners;
             for k in 0..3 {
                 from[k] = corners[k] - s.wide_splat(a[k]);
+            }
+            let mut height = zero;
+            for k in 0..3 {
+                let n = s.choose(is_of_tool, s.wide_splat(mockup.normal[k]), s.wide_splat(tool.normal[k]));
+                height = if k == 0 { from[k] * n } else { height + from[k] * n };
             }
             let mut off = from;
             let steep = if lengths > 0.0 {
@@ -87,9 +111,6 @@ impl Kernel for Stands<'_> {
                 let across = across[0] * across[0] + across[1] * across[1] + across[2] * across[2];
                 s.wide_divide(across, s.wide_splat(lengths))
             } else {
-                let (n, m) = (&tool.normal, &mockup.normal);
-                let n = s.wide_points([m, m, m, n, n, n, n, n]);
-                let height = from[0] * n[0] + from[1] * n[1] + from[2] * n[2];
                 height * height
             };
             let square = off[0] * off[0] + off[1] * off[1] + off[2] * off[2];
@@ -97,18 +118,18 @@ impl Kernel for Stands<'_> {
             let mut stand = Stand::default();
             s.wide_store(square, &mut stand.square);
             s.wide_store(steepness, &mut stand.steepness);
+            s.wide_store(height, &mut stand.height);
             self.out.push(stand);
         }
     }
 }
 
-/// Finds, for each face of one surface and each of its corners, the cut that tells on which side that is, by place among the cuts
-/// ([`NONE`] where there is none), and the square of its distance.
+/// Finds, for each face of one surface and each of its corners, the cut that tells on which side that is, and what it says.
 struct Nearest<'a> {
     zones: &'a Zones,
     w: usize,
     stands: &'a [Stand],
-    out: &'a mut Vec<[(f64, u32); 3]>,
+    out: &'a mut Vec<Judged>,
 }
 
 impl Kernel for Nearest<'_> {
@@ -117,10 +138,12 @@ impl Kernel for Nearest<'_> {
     #[inline(always)]
     fn run<S: Simd>(self, s: S) {
         self.out.clear();
+        let (zero, on) = (s.wide_splat(0.0), s.wide_splat(1e-18));
         let (less, more) = (s.wide_splat(1.0 - 1e-9), s.wide_splat(1.0 + 1e-9));
         for same in self.zones.by_face(self.w) {
             let mut square = s.wide_splat(f64::INFINITY);
-            let (mut steepness, mut place) = (s.wide_splat(0.0), s.wide_splat(f64::from(NONE)));
+            let (mut steepness, mut height) = (zero, zero);
+            let mut place = s.wide_splat(f64::from(NONE));
             for c in same {
                 if self.zones.cuts[*c as usize].flat {
                     continue;
@@ -134,16 +157,21 @@ impl Kernel for Nearest<'_> {
                 let is_better = s.either(s.both(is_nearer, differs), as_near);
                 square = s.choose(is_better, of_this, square);
                 steepness = s.choose(is_better, steep, steepness);
+                height = s.choose(is_better, s.wide_load(&stand.height), height);
                 place = s.choose(is_better, s.wide_splat(f64::from(*c)), place);
             }
-            let (mut squares, mut places) = (Wide::default(), Wide::default());
-            s.wide_store(square, &mut squares);
+            // Where the square is 0 the height is.
+            let is_on = s.bits(s.wide_above(on * square, height * height));
+            let clear = s.bits(s.wide_above(square, zero)) & !is_on;
+            let below = s.bits(s.wide_above(zero, height));
+            let mut places = Wide::default();
             s.wide_store(place, &mut places);
-            let mut best = [(0.0, NONE); 3];
+            let mut cuts = [NONE; 3];
             for k in 0..3 {
-                best[k] = (squares[3 * self.w + k], places[3 * self.w + k] as u32);
+                cuts[k] = places[3 * self.w + k] as u32;
             }
-            self.out.push(best);
+            // Without a cut the square is infinite and the height 0.
+            self.out.push(Judged { cuts, clear: clear >> (3 * self.w) & 7, below: below >> (3 * self.w) & 7 });
         }
     }
 }
@@ -175,8 +203,8 @@ mod tests {
         (square, if square > 0.0 { steep / square } else { 0.0 })
     }
 
-    /// One cut after the other.
-    fn plainly_nearest(zones: &Zones, w: usize, same: &[u32], k: usize) -> (f64, u32) {
+    /// The nearest cut, one after the other, and whether the corner is off the plane of its other face and under it.
+    fn plainly_nearest(zones: &Zones, w: usize, same: &[u32], k: usize) -> (u32, bool, bool) {
         let (mut best, mut steepest, mut place) = (f64::INFINITY, 0.0, NONE);
         for c in same.iter().filter(|c| !zones.cuts[**c as usize].flat) {
             let (square, steep) = stand(zones, w, *c, k);
@@ -185,7 +213,12 @@ mod tests {
                 (best, steepest, place) = (square, steep, *c);
             }
         }
-        (best, place)
+        if place == NONE {
+            return (NONE, false, false);
+        }
+        let corner = zones.face(w, place).corners[k];
+        let height = dot(&sub(&corner, &zones.ends(place)[0]), &zones.face(1 - w, place).normal);
+        (place, !(best == 0.0 || height * height < 1e-18 * best), height < 0.0)
     }
 
     #[test]
@@ -206,8 +239,11 @@ mod tests {
                     level.checked().run(Nearest { zones, w, stands: &stands, out: &mut nearest });
                     assert_eq!(nearest.len(), zones.faces[w].len());
                     for (same, found) in zones.by_face(w).zip(&nearest) {
-                        let expected = std::array::from_fn(|k| plainly_nearest(zones, w, same, k));
-                        assert_eq!(*found, expected, "{level:?} {w}");
+                        for k in 0..3 {
+                            let bit = |bits: u8| bits >> k & 1 != 0;
+                            let corner = (found.cuts[k], bit(found.clear), bit(found.below));
+                            assert_eq!(corner, plainly_nearest(zones, w, same, k), "{level:?} {w}");
+                        }
                         counts[usize::from(same.len() > 1)] += 1;
                     }
                 }

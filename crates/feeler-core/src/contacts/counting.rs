@@ -13,8 +13,14 @@ pub(crate) struct ByPart {
 }
 
 impl ByPart {
-    /// Puts a list into `out`, sorted by part; entries of one part stay in their order.
-    pub fn sort<T: Copy>(&mut self, list: &[T], part: impl Fn(&T) -> u32, out: &mut Vec<T>) {
+    /// Puts a list into `out`, sorted by part; entries of one part stay in their order. Gives the parts in their order, each with
+    /// its entries.
+    pub fn sort<'a, 'b, T: Copy, F: Fn(&T) -> u32>(
+        &'a mut self,
+        list: &[T],
+        part: F,
+        out: &'b mut Vec<T>,
+    ) -> impl Iterator<Item = (u32, &'b [T])> + use<'a, 'b, T, F> {
         let ByPart { numbers, parts, order, number_of } = self;
         numbers.clear();
         parts.clear();
@@ -43,13 +49,17 @@ impl ByPart {
             from += parts[*i].1;
         }
         out.clear();
-        let Some(first) = list.first() else { return };
-        out.resize(list.len(), *first);
+        out.extend_from_slice(list);
         for (x, number) in list.iter().zip(number_of.iter()) {
             let to = &mut parts[*number as usize].2;
             out[*to] = *x;
             *to += 1;
         }
+        let (order, parts, out) = (&*order, &*parts, &*out);
+        order.iter().map(move |i| {
+            let (part, count, to) = parts[*i];
+            (part, &out[to - count..to])
+        })
     }
 }
 
@@ -74,10 +84,12 @@ mod tests {
         expected.sort_by_key(|x| x.0);
         let (mut sorter, mut found) = (ByPart::default(), Vec::new());
         for _ in 0..2 {
-            sorter.sort(&list, |x| x.0, &mut found);
+            let by_part: Vec<_> = sorter.sort(&list, |x| x.0, &mut found).map(|(part, x)| (part, x.to_vec())).collect();
+            let chunks = expected.chunk_by(|x, y| x.0 == y.0).map(|x| (x[0].0, x.to_vec()));
+            assert!(by_part.into_iter().eq(chunks));
             assert_eq!(found, expected);
         }
-        sorter.sort(&list[..0], |x| x.0, &mut found);
+        assert_eq!(sorter.sort(&list[..0], |x| x.0, &mut found).count(), 0);
         assert!(found.is_empty());
     }
 }

@@ -36,6 +36,7 @@ mod sets;
 mod shapes;
 mod sides;
 mod sift;
+mod split;
 #[cfg(test)]
 mod tests;
 mod tracker;
@@ -286,11 +287,10 @@ impl Scene {
         let ContactScratch { by_part, candidates, meeting, near: lists, zones: zones_scratch, zone: zone_scratch } =
             &mut scratch.contacts;
         let part_of = |pair: &[u32; 2]| self.mockup().part_of_face(pair[1]);
-        by_part.sort(&hits, part_of, meeting);
         let ground = Ground::new(self, tool, pose, reference);
         let mut places: Vec<Place<'_>> = Vec::new();
-        for pairs in meeting.chunk_by(|p, q| part_of(p) == part_of(q)) {
-            let mut place = Place { part: part_of(&pairs[0]), pairs, ..Place::default() };
+        for (part, pairs) in by_part.sort(&hits, part_of, meeting) {
+            let mut place = Place { part, pairs, ..Place::default() };
             let zones = zones::find(&ground, pairs, zones_scratch);
             for zone in 0..zones.zones.len() {
                 push_zone(&ground, zones, zone, place.part, zone_scratch, &mut place.planes);
@@ -306,11 +306,10 @@ impl Scene {
             let planes = places.iter().flat_map(|place| &place.planes);
             let dividers: Vec<Divider> = planes.map(|plane| gaps::divider(plane, margin)).collect();
             let near = self.near_candidates(tool, pose, margin, &dividers)?;
-            by_part.sort(&near, |c| c.part, candidates);
             let mut gaps = NearPairs::new(&ground, margin, lists);
-            for same in candidates.chunk_by(|c, d| c.part == d.part) {
+            for (part, same) in by_part.sort(&near, |c| c.part, candidates) {
                 let mut apart = Place::default();
-                let place = places.iter_mut().find(|place| place.part == same[0].part).unwrap_or(&mut apart);
+                let place = places.iter_mut().find(|place| place.part == part).unwrap_or(&mut apart);
                 gaps.push_planes(same, place.pairs, &place.inside, &mut place.planes);
                 contacts.planes.append(&mut apart.planes);
             }

@@ -1,5 +1,8 @@
 //! Keys numbered in the order of their arrival.
 
+/// Least slots for each key: whether one is another key's is not to be foreseen, so few are to be.
+const SPARSE: usize = 4;
+
 /// A map from keys to 0, 1, 2, ... that empties in constant time and keeps its memory.
 #[derive(Debug, Default)]
 pub(crate) struct Numbered {
@@ -26,10 +29,15 @@ impl Numbered {
         self.len = 0;
     }
 
+    /// How many keys have a number.
+    pub fn len(&self) -> usize {
+        self.len as usize
+    }
+
     /// The number of a key, and whether it is new.
     #[inline]
     pub fn number(&mut self, key: u64) -> (u32, bool) {
-        if 2 * self.len as usize >= self.slots.len() {
+        if SPARSE * self.len as usize >= self.slots.len() {
             self.grow();
         }
         let at = self.find(key);
@@ -93,6 +101,11 @@ impl NumberedBelow {
         }
         self.round += 1;
         self.len = 0;
+    }
+
+    /// How many keys have a number.
+    pub fn len(&self) -> usize {
+        self.len as usize
     }
 
     /// The number of a key, and whether it is new.

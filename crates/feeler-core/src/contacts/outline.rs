@@ -2,6 +2,7 @@
 
 use crate::bounds::Point;
 use crate::contacts::heights::Eight;
+use crate::contacts::patches::{Patch, MOST_CORNERS};
 use crate::simd::{Checked, Kernel, Simd, WIDE_LANES};
 use crate::vectors::{length, scaled, sub};
 
@@ -24,47 +25,75 @@ pub(crate) struct Outline {
     pub middle: Point,
     /// Diagonal of the box around them.
     pub size: f64,
-    /// The places of the lowest and the highest along each of a few directions.
+    /// The places of the lowest and the highest along each of a few directions, where there are more than [`MOST_CORNERS`].
     pub outermost: [[f64; WIDE_LANES]; 2],
 }
 
-/// The outline of some of the points, by where they begin and end.
-pub(crate) fn outline(lanes: Checked, points: &[Point], of: (u32, u32)) -> Outline {
-    lanes.run(Outlined { points: &points[of.0 as usize..of.1 as usize] })
+/// The outlines of patches, whose points are among `points`.
+pub(crate) fn outlines(lanes: Checked, points: &[Point], patches: &[Patch], out: &mut Vec<Outline>) {
+    lanes.run(Outlined { points, patches, out });
 }
 
 struct Outlined<'a> {
     points: &'a [Point],
+    patches: &'a [Patch],
+    out: &'a mut Vec<Outline>,
 }
 
 impl Kernel for Outlined<'_> {
-    type Output = Outline;
+    type Output = ();
 
     #[inline(always)]
-    fn run<S: Simd>(self, s: S) -> Outline {
+    fn run<S: Simd>(self, s: S) {
         let d = s.wide_points(OUTERMOST.each_ref());
-        let (zero, one) = (s.wide_splat(0.0), s.wide_splat(1.0));
-        let (mut low, mut high) = (s.wide_splat(f64::INFINITY), s.wide_splat(f64::NEG_INFINITY));
-        let (mut low_at, mut high_at, mut sum, mut place) = (zero, zero, zero, zero);
-        for p in self.points {
-            // Along the axes these are the coordinates.
-            let h = s.wide_splat(p[0]) * d[0] + s.wide_splat(p[1]) * d[1] + s.wide_splat(p[2]) * d[2];
-            low_at = s.choose(s.wide_above(h, low), low_at, place);
-            high_at = s.choose(s.wide_above(high, h), high_at, place);
-            (low, high) = (s.wide_min(low, h), s.wide_max(high, h));
-            sum = sum + h;
-            place = place + one;
+        self.out.clear();
+        for patch in self.patches {
+            let points = patch.range(self.points);
+            let mut outermost = [[0.0; WIDE_LANES]; 2];
+            let [low, high, sum] =
+                if points.len() > MOST_CORNERS { reach(s, &d, points, &mut outermost) } else { bounds(points) };
+            let middle = scaled(&sum, 1.0 / points.len() as f64);
+            self.out.push(Outline { middle, size: length(&sub(&high, &low)), outermost });
         }
-        let mut stored = [[0.0; WIDE_LANES]; 3];
-        for (x, to) in [low, high, sum].into_iter().zip(&mut stored) {
-            s.wide_store(x, to);
-        }
-        let [low, high, sum] = stored.map(|x| [x[0], x[1], x[2]]);
-        let mut outermost = [[0.0; WIDE_LANES]; 2];
-        s.wide_store(low_at, &mut outermost[0]);
-        s.wide_store(high_at, &mut outermost[1]);
-        Outline { middle: scaled(&sum, 1.0 / self.points.len() as f64), size: length(&sub(&high, &low)), outermost }
     }
+}
+
+/// The lowest and the highest coordinates of points, and their sums.
+#[inline(always)]
+fn bounds(points: &[Point]) -> [Point; 3] {
+    let (mut low, mut high, mut sum) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3], [0.0; 3]);
+    for p in points {
+        for a in 0..3 {
+            low[a] = if p[a] < low[a] { p[a] } else { low[a] };
+            high[a] = if p[a] > high[a] { p[a] } else { high[a] };
+            sum[a] += p[a];
+        }
+    }
+    [low, high, sum]
+}
+
+/// The same, and which points are the lowest and the highest along all directions.
+#[inline(always)]
+fn reach<S: Simd>(s: S, d: &[S::F64; 3], points: &[Point], outermost: &mut [[f64; WIDE_LANES]; 2]) -> [Point; 3] {
+    let (zero, one) = (s.wide_splat(0.0), s.wide_splat(1.0));
+    let (mut low, mut high) = (s.wide_splat(f64::INFINITY), s.wide_splat(f64::NEG_INFINITY));
+    let (mut low_at, mut high_at, mut sum, mut place) = (zero, zero, zero, zero);
+    for p in points {
+        // Along the axes these are the coordinates.
+        let h = s.wide_splat(p[0]) * d[0] + s.wide_splat(p[1]) * d[1] + s.wide_splat(p[2]) * d[2];
+        low_at = s.choose(s.wide_above(h, low), low_at, place);
+        high_at = s.choose(s.wide_above(high, h), high_at, place);
+        (low, high) = (s.wide_min(low, h), s.wide_max(high, h));
+        sum = sum + h;
+        place = place + one;
+    }
+    s.wide_store(low_at, &mut outermost[0]);
+    s.wide_store(high_at, &mut outermost[1]);
+    let mut stored = [[0.0; WIDE_LANES]; 3];
+    for (x, to) in [low, high, sum].into_iter().zip(&mut stored) {
+        s.wide_store(x, to);
+    }
+    stored.map(|x| [x[0], x[1], x[2]])
 }
 
 /// The largest coordinate of points, whatever its sign; 0 where there is none.
@@ -111,15 +140,19 @@ mod tests {
         let wave = |i: usize| [(0.7 * i as f64).sin() - 0.4, (1.9 * i as f64).cos(), (0.3 * i as f64).sin() - 3.0];
         let points: Vec<Point> = (0..60).map(|i| wave(i % 17)).collect();
         for level in Level::available() {
-            for (from, to) in [(0, 1), (3, 5), (7, 40), (0, 60)] {
-                let found = outline(level.checked(), &points, (from, to));
+            let ranges = [(0, 1), (3, 5), (7, 40), (20, 28), (30, 39), (0, 60)];
+            let mut patches = ranges.map(|_| Patch::new([0.0; 3], [0.0; 3]));
+            patches.iter_mut().zip(ranges).for_each(|(patch, points)| patch.points = points);
+            let mut found = Vec::new();
+            outlines(level.checked(), &points, &patches, &mut found);
+            for ((from, to), found) in ranges.into_iter().zip(&found) {
                 let points = &points[from as usize..to as usize];
                 let mut bounds = Aabb::EMPTY;
                 points.iter().for_each(|p| bounds.grow(p));
                 let sum = points.iter().fold([0.0; 3], |s, p| add(&s, p));
                 assert_eq!(found.size, length(&bounds.extent()));
                 assert_eq!(found.middle, scaled(&sum, 1.0 / points.len() as f64));
-                for (i, d) in OUTERMOST.iter().enumerate() {
+                for (i, d) in OUTERMOST.iter().enumerate().filter(|_| points.len() > MOST_CORNERS) {
                     let [low, high] = found.outermost.map(|of| dot(&points[of[i] as usize], d));
                     assert!(points.iter().all(|p| low <= dot(p, d) && dot(p, d) <= high), "{level:?} {d:?}");
                 }

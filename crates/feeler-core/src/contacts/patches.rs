@@ -7,10 +7,10 @@ use crate::bounds::Point;
 use crate::contacts::adjacency::NONE;
 use crate::contacts::counting::lay_out;
 use crate::contacts::normals::eight_normals;
-use crate::contacts::numbered::Numbered;
-use crate::contacts::outline::outline;
-use crate::contacts::place::{place, EightPlanes};
+use crate::contacts::outline::{outlines, Outline};
+use crate::contacts::place::{place, Planes};
 use crate::contacts::points::PointSet;
+use crate::contacts::split::Split;
 use crate::contacts::zones::Zones;
 use crate::contacts::Ground;
 use crate::simd::{Checked, WIDE_LANES};
@@ -20,7 +20,7 @@ use crate::simd::{Checked, WIDE_LANES};
 pub(crate) const HOLLOW: f64 = 0.02;
 
 /// Points of a patch that are all looked at.
-const MOST_CORNERS: usize = 8;
+pub(crate) const MOST_CORNERS: usize = 8;
 
 /// Neighbouring triangles of one direction, as far as they are beyond the other surface.
 #[derive(Debug, Clone, Copy)]
@@ -36,7 +36,7 @@ pub(crate) struct Patch {
     /// Whether all its triangles have one plane.
     pub flat: bool,
     /// Its points among all of [`Patches`], and the outermost.
-    points: (u32, u32),
+    pub points: (u32, u32),
     corners: (u32, u32),
 }
 
@@ -45,16 +45,21 @@ impl Patch {
     pub fn new(normal: Point, at: Point) -> Patch {
         Patch { normal, at, middle: at, size: 0.0, flat: true, points: (0, 0), corners: (0, 0) }
     }
+
+    /// What it has of a list of all patches' points, or pieces as long as the points are not known.
+    pub fn range<'a, T>(&self, all: &'a [T]) -> &'a [T] {
+        &all[self.points.0 as usize..self.points.1 as usize]
+    }
 }
 
 /// A triangle, or the part of it that is beyond the other surface.
 #[derive(Debug)]
 pub(crate) struct Piece {
-    id: u32,
+    pub id: u32,
     pub patch: u32,
     /// Its points among all.
     points: (u32, u32),
-    closed: bool,
+    pub closed: bool,
     /// Unit, outward.
     pub normal: Point,
     /// A point of its plane.
@@ -87,9 +92,12 @@ pub(crate) struct Patches {
     pieces: Vec<Piece>,
     /// Points piece by piece, with the cuts of those that are the curve's, or [`NONE`].
     piece_points: Vec<(Point, u32)>,
-    planes: Vec<EightPlanes>,
+    planes: Vec<Planes>,
     split: Split,
+    /// Pieces patch by patch.
+    order: Vec<u32>,
     gathering: Gathering,
+    outlines: Vec<Outline>,
     /// Sizes with the numbers of their patches, as they are sorted.
     by_size: Vec<u128>,
     in_order: Vec<Patch>,
@@ -98,38 +106,26 @@ pub(crate) struct Patches {
 /// Working memory of [`Patches::gather`].
 #[derive(Debug, Default)]
 struct Gathering {
-    /// Pieces patch by patch.
-    order: Vec<u32>,
-    /// Points of the surface, each once.
+    /// Points of the surface, each once, and how many.
     known: PointSet,
-    distinct: Vec<Point>,
+    distinct: usize,
+    /// For each of [`Patches::piece_points`] its number.
+    all_numbers: Vec<u32>,
     /// For each of them the last patch that has it, from 1, and its place there.
     latest: Vec<(u32, u32)>,
     /// Points of the curve by their places, with their cuts.
     curve: Vec<(u32, u32)>,
 }
 
-/// Working memory of [`Patches::split`].
-#[derive(Debug, Default)]
-struct Split {
-    place_of: Numbered,
-    open: Vec<bool>,
-    /// For each patch how many of its pieces were not seen yet.
-    left: Vec<u32>,
-    taken: Vec<bool>,
-    seen: Vec<bool>,
-    stack: Vec<u32>,
-}
-
 impl Patches {
     /// The points of a patch, each once.
     pub fn points(&self, patch: &Patch) -> &[Point] {
-        &self.points[patch.points.0 as usize..patch.points.1 as usize]
+        patch.range(&self.points)
     }
 
     /// For each of them where its cuts are among [`point_cuts`](Self::point_cuts).
     pub fn cuts_of(&self, patch: &Patch) -> &[(u32, u32)] {
-        &self.cuts_of[patch.points.0 as usize..patch.points.1 as usize]
+        patch.range(&self.cuts_of)
     }
 
     /// The cuts of a patch, each for every point of it that it has.
@@ -156,7 +152,11 @@ impl Patches {
         self.push_cut_faces(zones, zone, w);
         self.push_inside(ground, zones, zone, w);
         place(ground.lanes, &mut self.pieces, &mut self.list, &mut self.planes);
-        self.split(ground, w);
+        self.group();
+        let Patches { list, pieces, order, split, .. } = self;
+        if split.part(ground, &zones.places, w, list, pieces, order) {
+            self.group();
+        }
         self.gather();
         self.finish(ground.lanes);
     }
@@ -197,64 +197,11 @@ impl Patches {
         }
     }
 
-    /// Gives each connected piece of a patch a patch of its own: two faces left and right of a slot have one plane, and yet
-    /// each belongs to its own side. Only where the surface is closed and so its edges are known.
-    fn split(&mut self, ground: &Ground<'_>, w: usize) {
-        let Patches { list, pieces, .. } = self;
-        let Split { place_of, open, left, taken, seen, stack } = &mut self.split;
-        if list.len() == pieces.len() {
-            return;
-        }
-        place_of.clear();
-        // A piece is found by its number.
-        pieces.iter().for_each(|piece| _ = place_of.number(u64::from(piece.id)));
-        for (flags, count) in [(&mut *open, list.len()), (&mut *taken, list.len()), (&mut *seen, pieces.len())] {
-            flags.clear();
-            flags.resize(count, false);
-        }
-        left.clear();
-        left.resize(list.len(), 0);
-        for piece in pieces.iter() {
-            open[piece.patch as usize] |= !piece.closed;
-            left[piece.patch as usize] += 1;
-        }
-        for i in 0..pieces.len() {
-            let patch = pieces[i].patch;
-            if seen[i] || open[patch as usize] {
-                continue;
-            }
-            // The first connected piece keeps the patch.
-            let target = if std::mem::replace(&mut taken[patch as usize], true) {
-                list.push(list[patch as usize]);
-                list.len() as u32 - 1
-            } else {
-                patch
-            };
-            seen[i] = true;
-            left[patch as usize] -= 1;
-            stack.push(i as u32);
-            while let Some(j) = stack.pop() {
-                pieces[j as usize].patch = target;
-                if left[patch as usize] == 0 {
-                    continue;
-                }
-                for n in ground.adjacency[w].neighbours[pieces[j as usize].id as usize] {
-                    let Some(k) = place_of.get(u64::from(n)) else { continue };
-                    if !seen[k as usize] && pieces[k as usize].patch == patch {
-                        seen[k as usize] = true;
-                        left[patch as usize] -= 1;
-                        stack.push(k);
-                    }
-                }
-            }
-        }
-    }
-
-    /// Puts the points of each patch together, in the order of its pieces.
-    fn gather(&mut self) {
-        let Patches { list, points, numbers, cuts_of, point_cuts, pieces, piece_points, .. } = self;
-        let Gathering { order, known, distinct, latest, curve } = &mut self.gathering;
-        // Until the points are known: where the pieces of each patch begin and end.
+    /// Puts the pieces of each patch together, in their order. Until the points are known, where they begin and end is where the
+    /// points do.
+    fn group(&mut self) {
+        let Patches { list, pieces, order, .. } = self;
+        list.iter_mut().for_each(|patch| patch.points = (0, 0));
         pieces.iter().for_each(|piece| list[piece.patch as usize].points.1 += 1);
         lay_out(list.iter_mut().map(|patch| &mut patch.points));
         order.resize(pieces.len(), 0);
@@ -263,38 +210,51 @@ impl Patches {
             order[*end as usize] = i;
             *end += 1;
         }
+    }
+
+    /// Puts the points of each patch together, in the order of its pieces.
+    fn gather(&mut self) {
+        let Patches { list, points, numbers, cuts_of, point_cuts, pieces, piece_points, order, .. } = self;
+        let Gathering { known, distinct, all_numbers, latest, curve } = &mut self.gathering;
         let most = piece_points.len();
-        known.clear(most);
-        points.resize(most, [0.0; 3]);
-        distinct.resize(most, [0.0; 3]);
-        numbers.resize(most, 0);
-        curve.resize(most, (0, 0));
+        let mut known = known.begin(most);
+        // Of all these only so many count as are written; what the lists had before is overwritten.
+        points.resize(most.max(points.len()), [0.0; 3]);
+        numbers.resize(most.max(numbers.len()), 0);
+        curve.resize(most.max(curve.len()), (0, 0));
         for pairs in [&mut *cuts_of, &mut *latest] {
             pairs.clear();
             pairs.resize(most, (0, 0));
         }
-        // Whether a point is new to its patch, and whether it is the curve's, is as good as random: no branch asks.
+        // Numbered one after the other: no branch, and few registers.
+        all_numbers.resize(most.max(all_numbers.len()), 0);
+        for ((x, _), number) in piece_points.iter().zip(&mut all_numbers[..most]) {
+            *number = known.insert(x) as u32;
+        }
+        *distinct = known.len();
+        // Whether a point is new to its patch, and whether it is the curve's, is as good as random: no branch asks. Slices, which
+        // stay in registers.
         let (mut count, mut on_curve) = (0, 0);
+        let (new_points, numbers, curve) = (&mut points[..], &mut numbers[..], &mut curve[..]);
+        let (counts, latest, order, pieces) = (&mut cuts_of[..], &mut latest[..], &order[..], &pieces[..]);
         for (mark, of) in (1..).zip(list.iter_mut().map(|patch| &mut patch.points)) {
             let from = count as u32;
             for i in &order[of.0 as usize..of.1 as usize] {
-                let points_of = pieces[*i as usize].points;
-                for (x, cut) in &piece_points[points_of.0 as usize..points_of.1 as usize] {
-                    let number = known.insert(x, distinct);
-                    let (patch, place) = latest[number];
+                let range = pieces[*i as usize].points.0 as usize..pieces[*i as usize].points.1 as usize;
+                for ((x, cut), number) in piece_points[range.clone()].iter().zip(&all_numbers[range]) {
+                    let (patch, place) = latest[*number as usize];
                     let place = select_unpredictable(patch == mark, place, count as u32);
-                    latest[number] = (mark, place);
-                    (points[count], numbers[count]) = (*x, number as u32);
+                    latest[*number as usize] = (mark, place);
+                    (new_points[count], numbers[count]) = (*x, *number);
                     count += usize::from(patch != mark);
                     let has_cut = *cut != NONE;
-                    cuts_of[place as usize].1 += u32::from(has_cut);
+                    counts[place as usize].1 += u32::from(has_cut);
                     curve[on_curve] = (place, *cut);
                     on_curve += usize::from(has_cut);
                 }
             }
             *of = (from, count as u32);
         }
-        points.truncate(count);
         cuts_of.truncate(count);
         // The cuts of each point together: from here on each is filled from where it begins.
         lay_out(cuts_of.iter_mut());
@@ -308,19 +268,18 @@ impl Patches {
 
     /// Sets what follows from the points.
     fn finish(&mut self, lanes: Checked) {
-        let Patches { list, points, numbers, corners, corner_points, corner_of, gathering, by_size, in_order, .. } =
-            self;
-        let distinct = gathering.known.len();
+        let Patches { list, points, numbers, corners, corner_points, corner_of, by_size, in_order, .. } = self;
+        let Patches { gathering, outlines: found, .. } = self;
+        let distinct = gathering.distinct;
         corners.clear();
         corner_points.resize(distinct + 1, [0.0; 3]);
         corner_of.clear();
         corner_of.resize(distinct, NONE);
         let mut count = 0;
-        for patch in list.iter_mut() {
-            let found = outline(lanes, points, patch.points);
+        outlines(lanes, points, list, found);
+        for (patch, found) in list.iter_mut().zip(&*found) {
             (patch.middle, patch.size) = (found.middle, found.size);
-            let range = patch.points.0 as usize..patch.points.1 as usize;
-            let (points, numbers) = (&points[range.clone()], &numbers[range]);
+            let (points, numbers) = (patch.range(points), patch.range(numbers));
             patch.corners.0 = corners.len() as u32;
             let mut push = |i: usize| {
                 let known = corner_of[numbers[i] as usize];

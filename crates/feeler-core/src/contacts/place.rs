@@ -3,7 +3,7 @@
 use crate::bounds::Point;
 use crate::contacts::heights::{eight_heights, Eight};
 use crate::contacts::patches::{Patch, Piece};
-use crate::simd::{Checked, Kernel, Simd, Wide, WIDE_LANES};
+use crate::simd::{Checked, Kernel, Simd, Wide, LANES, WIDE_LANES};
 use crate::vectors::dot;
 
 /// Triangles whose normals are within this angle of the first one's (cosine of 2.5 degrees) may share a patch: on a curved
@@ -16,26 +16,36 @@ const ONE_PLANE: f64 = 1e-9;
 /// Share of their distance by which the planes of one surface may miss each other by rounding.
 const ROUNDING: f64 = 1e-6;
 
+/// By which the cosine of the angle between two normals may be off in float32, and more.
+const NARROW: f64 = 2e-6;
+
 /// Most patches of a surface in one zone, a multiple of the lanes. Further triangles join the patch with the nearest normal.
-const MOST_PATCHES: usize = 12 * WIDE_LANES;
+const MOST_PATCHES: usize = 6 * LANES;
 const _: () = assert!(MOST_PATCHES <= u128::BITS as usize);
 
-/// The planes of eight patches, by axis; what lies beyond the last has a normal of zero.
+/// The planes of sixteen patches, by axis; what lies beyond the last has a normal of zero.
 #[derive(Debug, Default)]
-pub(crate) struct EightPlanes {
+pub(crate) struct Planes {
+    /// The normals in float32, by which most patches fall away.
+    narrow: [[f32; LANES]; 3],
+    eights: [EightPlanes; LANES / WIDE_LANES],
+}
+
+#[derive(Debug, Default)]
+struct EightPlanes {
     normal: Eight,
     at: Eight,
 }
 
 /// Finds or founds the patch of each piece, one after the other. The planes are working memory.
-pub(crate) fn place(lanes: Checked, pieces: &mut [Piece], patches: &mut Vec<Patch>, planes: &mut Vec<EightPlanes>) {
+pub(crate) fn place(lanes: Checked, pieces: &mut [Piece], patches: &mut Vec<Patch>, planes: &mut Vec<Planes>) {
     lanes.run(Placing { pieces, patches, planes });
 }
 
 struct Placing<'a> {
     pieces: &'a mut [Piece],
     patches: &'a mut Vec<Patch>,
-    planes: &'a mut Vec<EightPlanes>,
+    planes: &'a mut Vec<Planes>,
 }
 
 impl Kernel for Placing<'_> {
@@ -52,13 +62,15 @@ impl Kernel for Placing<'_> {
                 Some(i) => i,
                 None if patches.len() >= MOST_PATCHES => nearest(s, &n, planes),
                 None => {
-                    let (i, lane) = (patches.len(), patches.len() % WIDE_LANES);
-                    if lane == 0 {
-                        planes.push(EightPlanes::default());
+                    let i = patches.len();
+                    if i.is_multiple_of(LANES) {
+                        planes.push(Planes::default());
                     }
-                    let eight = &mut planes[i / WIDE_LANES];
+                    let Planes { narrow, eights } = &mut planes[i / LANES];
+                    let (eight, lane) = (&mut eights[i % LANES / WIDE_LANES], i % WIDE_LANES);
                     for a in 0..3 {
                         (eight.normal[a][lane], eight.at[a][lane]) = (n[a], piece.at[a]);
+                        narrow[a][i % LANES] = n[a] as f32;
                     }
                     patches.push(Patch::new(n, piece.at));
                     i
@@ -73,21 +85,23 @@ impl Kernel for Placing<'_> {
 /// The first patch that a piece fits: of nearly its normal, and one's plane passes the other as near as a surface that turns so
 /// much would.
 ///
-/// All normals are compared first, without a branch: which of the eights have one that is near is not to be foreseen.
+/// All normals are compared first, in float32 and without a branch: which of them are near is not to be foreseen.
 #[inline(always)]
-fn first_fit<S: Simd>(s: S, piece: &Piece, planes: &[EightPlanes]) -> Option<usize> {
+fn first_fit<S: Simd>(s: S, piece: &Piece, planes: &[Planes]) -> Option<usize> {
     let (n, at) = (&piece.normal, &piece.at);
+    let narrow = [s.splat(n[0] as f32), s.splat(n[1] as f32), s.splat(n[2] as f32)];
+    let least = s.splat((ONE_PATCH - NARROW) as f32);
+    let mut near = 0u128;
+    for (i, Planes { narrow: m, .. }) in planes.iter().enumerate() {
+        let along = s.load(&m[0]) * narrow[0] + s.load(&m[1]) * narrow[1] + s.load(&m[2]) * narrow[2];
+        near |= u128::from(!s.lanes(s.above(least, along))) << (LANES * i);
+    }
     let n = [s.wide_splat(n[0]), s.wide_splat(n[1]), s.wide_splat(n[2])];
     let (zero, one, most) = (s.wide_splat(0.0), s.wide_splat(1.0), s.wide_splat(1.0 - ONE_PATCH));
-    let mut near = 0u128;
-    for (i, eight) in planes.iter().enumerate() {
-        let turn = one - eight_heights(s, &eight.normal, &n);
-        near |= u128::from(!s.bits(s.wide_above(turn, most))) << (WIDE_LANES * i);
-    }
     let rounding = s.wide_splat(1e-12 * at[0].abs().max(at[1].abs()).max(at[2].abs()));
     while near != 0 {
         let i = near.trailing_zeros() as usize / WIDE_LANES;
-        let eight = &planes[i];
+        let eight = &planes[WIDE_LANES * i / LANES].eights[i % (LANES / WIDE_LANES)];
         let turn = one - eight_heights(s, &eight.normal, &n);
         let mut way = n;
         for a in 0..3 {
@@ -96,7 +110,7 @@ fn first_fit<S: Simd>(s: S, piece: &Piece, planes: &[EightPlanes]) -> Option<usi
         let square = way[0] * way[0] + way[1] * way[1] + way[2] * way[2];
         let off = s.wide_max(s.wide_abs(eight_heights(s, &eight.normal, &way)) - rounding, zero);
         let turned = s.wide_max(turn, zero) * s.wide_splat(2.0) + s.wide_splat(ROUNDING * ROUNDING);
-        let fits = (near >> (WIDE_LANES * i)) as u8 & !s.bits(s.wide_above(off * off, square * turned));
+        let fits = !s.bits(s.either(s.wide_above(turn, most), s.wide_above(off * off, square * turned)));
         if fits != 0 {
             return Some(WIDE_LANES * i + fits.trailing_zeros() as usize);
         }
@@ -107,25 +121,32 @@ fn first_fit<S: Simd>(s: S, piece: &Piece, planes: &[EightPlanes]) -> Option<usi
 
 /// The patch with the nearest normal, the last of several. All lanes have one.
 #[inline(always)]
-fn nearest<S: Simd>(s: S, n: &Point, planes: &[EightPlanes]) -> usize {
+fn nearest<S: Simd>(s: S, n: &Point, planes: &[Planes]) -> usize {
     let n = [s.wide_splat(n[0]), s.wide_splat(n[1]), s.wide_splat(n[2])];
     let (mut best, mut at) = (s.wide_splat(f64::NEG_INFINITY), s.wide_splat(0.0));
-    for (i, eight) in planes.iter().enumerate() {
-        let along = eight_heights(s, &eight.normal, &n);
-        at = s.choose(s.wide_above(best, along), at, s.wide_splat(i as f64));
-        best = s.wide_max(best, along);
-    }
-    let (mut nearest, mut eights) = (Wide::default(), Wide::default());
-    s.wide_store(best, &mut nearest);
-    s.wide_store(at, &mut eights);
-    let (mut most, mut place) = (f64::NEG_INFINITY, 0);
-    for (lane, (along, eight)) in nearest.iter().zip(eights.iter()).enumerate() {
-        let k = WIDE_LANES * *eight as usize + lane;
-        if *along > most || *along == most && k > place {
-            (most, place) = (*along, k);
+    let (mut place, eights) = (s.wide_splat(0.0), s.wide_splat(WIDE_LANES as f64));
+    for Planes { eights: two, .. } in planes {
+        for eight in two {
+            let along = eight_heights(s, &eight.normal, &n);
+            at = s.choose(s.wide_above(best, along), at, place);
+            best = s.wide_max(best, along);
+            place = place + eights;
         }
     }
-    place
+    let (mut nearest, mut places) = (Wide::default(), Wide::default());
+    s.wide_store(best, &mut nearest);
+    s.wide_store(at, &mut places);
+    let mut most = f64::NEG_INFINITY;
+    for along in *nearest {
+        most = if along > most { along } else { most };
+    }
+    // No branch: which lane it is is not to be foreseen.
+    let mut last = 0;
+    for lane in 0..WIDE_LANES {
+        let k = places[lane] as usize + lane;
+        last = last.max(if nearest[lane] == most { k } else { 0 });
+    }
+    last
 }
 
 #[cfg(test)]

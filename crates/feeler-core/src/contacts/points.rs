@@ -10,45 +10,57 @@ const SPARSE: usize = 4;
 /// Odd numbers without a pattern, one an axis.
 const MIX: [u64; 3] = [0x9e37_79b9_7f4a_7c15, 0xbf58_476d_1ce4_e5b9, 0x94d0_49bb_1331_11eb];
 
-/// The places of points in a list, found by their coordinates.
+/// Points numbered in the order of their arrival, each once, found by their coordinates. Working memory.
 #[derive(Debug, Default)]
 pub(crate) struct PointSet {
-    /// For each the place of its point, from 1; as many as are in use: of few points few, which the nearest cache holds.
+    /// For each the number of its point, from 1; as many as are in use: of few points few, which the nearest cache holds.
     slots: Vec<u32>,
+    list: Vec<Point>,
+}
+
+/// A set that points are put into. A value of its own, so that what each point needs stays in registers.
+pub(crate) struct Numbering<'a> {
+    slots: &'a mut [u32],
+    list: &'a mut [Point],
     /// Bits that a number of 64 bits has more than the number of a slot.
     shift: u32,
     len: usize,
 }
 
 impl PointSet {
-    /// Forgets all points and makes room for so many.
-    pub fn clear(&mut self, most: usize) {
+    /// An empty set for so many points.
+    pub fn begin(&mut self, most: usize) -> Numbering<'_> {
         self.slots.clear();
         self.slots.resize((SPARSE * most).next_power_of_two().max(2), 0);
-        self.shift = u64::BITS - self.slots.len().trailing_zeros();
-        self.len = 0;
+        // What is left there of other points is never looked at.
+        self.list.resize(self.list.len().max(most), [0.0; 3]);
+        let shift = u64::BITS - self.slots.len().trailing_zeros();
+        Numbering { slots: &mut self.slots, list: &mut self.list, shift, len: 0 }
     }
+}
 
+impl Numbering<'_> {
     /// Points so far.
     pub fn len(&self) -> usize {
         self.len
     }
 
-    /// The place of a point in `list`, where it is put after the others if it is new.
-    pub fn insert(&mut self, x: &Point, list: &mut [Point]) -> usize {
-        list[self.len] = *x;
+    /// The number of a point.
+    #[inline(always)]
+    pub fn insert(&mut self, x: &Point) -> usize {
+        self.list[self.len] = *x;
         let (key, mask) = (bits(x), self.slots.len() - 1);
         let mut at = self.first_slot(&key);
         loop {
             // Whether a point is new is as good as random: no branch asks. A new one is compared with itself.
             let taken = self.slots[at] as usize;
             let is_new = taken == 0;
-            let place = select_unpredictable(is_new, self.len, taken.wrapping_sub(1));
-            let there = bits(&list[place]);
+            let number = select_unpredictable(is_new, self.len, taken.wrapping_sub(1));
+            let there = bits(&self.list[number]);
             if (there[0] ^ key[0]) | (there[1] ^ key[1]) | (there[2] ^ key[2]) == 0 {
-                self.slots[at] = place as u32 + 1;
+                self.slots[at] = number as u32 + 1;
                 self.len += usize::from(is_new);
-                return place;
+                return number;
             }
             at = (at + 1) & mask;
         }
@@ -76,7 +88,7 @@ mod tests {
     #[test]
     fn round_coordinates_are_not_looked_for_in_a_few_slots() {
         let mut set = PointSet::default();
-        set.clear(1000);
+        let set = set.begin(1000);
         let step = |i: usize, a: usize| if i % 3 == a { (i / 3) as f64 } else { 2.0 };
         for scale in [1.0, 0.0625, 25.4] {
             let lines = (0..1000).map(|i| [scale * step(i, 0), scale * step(i, 1), scale * step(i, 2)]);
@@ -86,19 +98,18 @@ mod tests {
     }
 
     #[test]
-    fn each_point_has_one_place_whichever_zero_it_has() {
+    fn each_point_has_one_number_whichever_zero_it_has() {
         let mut set = PointSet::default();
-        for count in [1, 5, 300] {
-            set.clear(3 * count + 3);
-            let mut list = vec![[7.0; 3]; 3 * count + 3];
+        for count in [1, 5, 300, 20] {
+            let mut set = set.begin(3 * count + 3);
             let point = |i: usize| [i as f64, -0.5 * (i % 3) as f64, 0.1];
             for _ in 0..3 {
-                (0..count).for_each(|i| assert_eq!(set.insert(&point(i), &mut list), i));
+                (0..count).for_each(|i| assert_eq!(set.insert(&point(i)), i));
             }
             assert_eq!(set.len(), count);
-            (0..count).for_each(|i| assert_eq!(list[i], point(i)));
+            (0..count).for_each(|i| assert_eq!(set.list[i], point(i)));
             let zeros = [[0.0, -0.0, 5.0], [-0.0, 0.0, 5.0], [f64::NAN; 3]];
-            assert_eq!(zeros.map(|x| set.insert(&x, &mut list)), [count, count, count + 1]);
+            assert_eq!(zeros.map(|x| set.insert(&x)), [count, count, count + 1]);
         }
     }
 }

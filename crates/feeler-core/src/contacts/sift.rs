@@ -16,6 +16,9 @@ pub(crate) const BEHIND: f64 = 1e-3;
 /// Most planes that are looked at before there are pairs.
 const MOST_AT_ONCE: usize = 56;
 
+/// Pairs that are looked through faster than they are searched.
+const FEW: usize = 16;
+
 /// By surface the bit of triangles that are wholly inside the other surface; every triangle of the other has it too.
 const INSIDE: [u64; 2] = [1 << 62, 1 << 63];
 
@@ -80,7 +83,26 @@ pub(crate) struct Sift {
     mockup_places: Numbered,
     places: Vec<[u32; 2]>,
     /// For each triangle of the tool where its pairs that meet are.
-    meeting: Vec<(u32, u32)>,
+    meeting: Vec<Meeting>,
+    /// Pairs that mostly meet.
+    doubtful: Vec<Near>,
+}
+
+/// The pairs of a triangle of the tool that meet.
+#[derive(Debug, Clone, Copy, Default)]
+struct Meeting {
+    from: u32,
+    to: u32,
+    /// A bit for each of their mock-up triangles, see [`Meeting::bit`].
+    bits: u64,
+}
+
+impl Meeting {
+    /// Few triangles share it, so that a pair without it surely does not meet and one with it mostly does.
+    #[inline(always)]
+    fn bit(mockup_triangle: u32) -> u64 {
+        1 << (mockup_triangle.wrapping_mul(0x9e37_79b9) >> (u32::BITS - 6))
+    }
 }
 
 impl Sift {
@@ -110,22 +132,46 @@ impl Sift {
                 hold(ground.lanes, eight, w, sought.tolerance, &side.corners, &mut side.held, 8 * i);
             }
         }
-        out.clear();
-        let [tool, mockup] = &self.sides;
-        for (c, places) in candidates.iter().zip(&self.places) {
-            let [t, m] = places.map(|p| p as usize);
-            if tool.held[t] & mockup.held[m] == 0 {
-                out.push(Near { bound: c.bound, pair: [c.tool_triangle, c.mockup_triangle], places: *places });
-            }
-        }
+        self.drop_held_and_meeting(candidates, sought, out);
         self.drop_far(ground.lanes, sought.margin, out);
-        out.retain(|near| {
-            let (from, to) = self.meeting[near.places[0] as usize];
-            let meeting = &sought.meeting[from as usize..to as usize];
-            meeting.binary_search(&near.pair).is_err() && !self.is_behind(ground, near.places, sought)
-        });
+        out.retain(|near| !self.is_behind(ground, near.places, sought));
         for plane in more {
             self.drop_held_apart(plane, sought.tolerance, out, |near| near.places);
+        }
+    }
+
+    /// Puts into `out` the candidates that no plane holds apart and that do not meet.
+    fn drop_held_and_meeting(&mut self, candidates: &[Candidate], sought: &Sought<'_>, out: &mut Vec<Near>) {
+        let [tool, mockup] = &self.sides;
+        let none = Near { bound: 0.0, pair: [0; 2], places: [0; 2] };
+        for list in [&mut *out, &mut self.doubtful] {
+            list.clear();
+            list.resize(candidates.len() + 1, none);
+        }
+        let mut counts = [0; 2];
+        for (c, places) in candidates.iter().zip(&self.places) {
+            let [t, m] = places.map(|p| p as usize);
+            let near = Near { bound: c.bound, pair: [c.tool_triangle, c.mockup_triangle], places: *places };
+            // No branch: which are held apart and which meet is not to be foreseen.
+            let is_sought = tool.held[t] & mockup.held[m] == 0;
+            let is_doubtful = self.meeting[t].bits & Meeting::bit(c.mockup_triangle) != 0;
+            (out[counts[0]], self.doubtful[counts[1]]) = (near, near);
+            counts[0] += usize::from(is_sought & !is_doubtful);
+            counts[1] += usize::from(is_sought & is_doubtful);
+        }
+        out.truncate(counts[0]);
+        self.doubtful.truncate(counts[1]);
+        for near in &self.doubtful {
+            let Meeting { from, to, .. } = self.meeting[near.places[0] as usize];
+            let meeting = &sought.meeting[from as usize..to as usize];
+            let is_meeting = if meeting.len() <= FEW {
+                meeting.iter().fold(false, |found, pair| found | (pair[1] == near.pair[1]))
+            } else {
+                meeting.binary_search(&near.pair).is_ok()
+            };
+            if !is_meeting {
+                out.push(*near);
+            }
         }
     }
 
@@ -181,12 +227,13 @@ impl Sift {
             self.places.push([t, m]);
         }
         self.meeting.clear();
-        self.meeting.resize(self.sides[TOOL].ids.len(), (0, 0));
+        self.meeting.resize(self.sides[TOOL].ids.len(), Meeting::default());
         let mut from = 0;
         for same in sought.meeting.chunk_by(|p, q| p[0] == q[0]) {
             let to = from + same.len() as u32;
             if let Some(place) = self.tool_places.get(same[0][0]) {
-                self.meeting[place as usize] = (from, to);
+                let bits = same.iter().fold(0, |bits, pair| bits | Meeting::bit(pair[1]));
+                self.meeting[place as usize] = Meeting { from, to, bits };
             }
             from = to;
         }

@@ -2,7 +2,6 @@
 
 use crate::contacts::adjacency::{Adjacency, NONE};
 use crate::contacts::joins::Roots;
-use crate::contacts::numbered::Numbered;
 use crate::contacts::zones::{Places, Zones, MOCKUP};
 use crate::contacts::Ground;
 use crate::simd::prefetch_at;
@@ -15,42 +14,72 @@ const MOST_WALKED: usize = 1 << 16;
 /// Triangles found before whose neighbours' corners are asked for.
 const AHEAD: usize = 4;
 
-/// The uncut triangles of one surface beyond the other, each with a cut of its zone, found over shared edges; and whether they
-/// are all.
+/// What was found on walks over one surface. Kept as working memory.
+#[derive(Debug, Default)]
+pub(crate) struct Walked {
+    /// The uncut triangles of the surface beyond the other, each with a cut of its zone, whose plane it was held against.
+    pub found: Vec<(u32, u32)>,
+    /// Whether these are all.
+    pub complete: bool,
+    /// Walks that met, walks that came to another curve, and walks that leak, all by their cuts.
+    met: Vec<(u32, u32)>,
+    bridged: Vec<(u32, u32)>,
+    leaks: Vec<u32>,
+    /// On which side the walks came to the curve, by their cuts.
+    votes: Vec<(u32, i8)>,
+}
+
+impl Walked {
+    fn clear(&mut self) {
+        self.found.clear();
+        self.met.clear();
+        self.bridged.clear();
+        self.leaks.clear();
+        self.votes.clear();
+    }
+}
+
+/// Finds the uncut triangles of one surface beyond the other over shared edges.
 ///
 /// What lies inside a solid lies inside its box. A walk that comes out of there went through a gap in the curve, or started on
 /// the wrong side of it: what it found is dropped, and it joins nothing. So is what a walk found that comes to the curve from
 /// outside more often than from inside, by what the cuts say about the corners there: it is all on one side.
+///
+/// What was walked over has its places after those of the faces.
 pub(crate) fn walk(
     ground: &Ground<'_>,
     w: usize,
     part: u32,
     zones: &Zones,
-    places: &Places,
-    seen: &mut Numbered,
+    places: &mut Places,
     roots: &mut Roots,
-) -> (Vec<(u32, u32)>, bool) {
+    out: &mut Walked,
+) {
+    out.clear();
+    let Walked { found, complete, met, bridged, leaks, votes } = out;
     let adjacency: &Adjacency = ground.adjacency[w];
     let enclosure = ground.enclosure(1 - w, part);
-    // Each triangle with a cut of its zone, whose plane it is held against.
-    let mut found: Vec<(u32, u32)> = Vec::new();
-    seen.clear();
-    // Walks that met, walks that came to another curve, and walks that leak, all by their cuts.
-    let mut met: Vec<(u32, u32)> = Vec::new();
-    let mut bridged: Vec<(u32, u32)> = Vec::new();
-    let mut leaks: Vec<u32> = Vec::new();
-    // On which side the walks came to the curve, by their cuts.
-    let mut votes: Vec<(u32, i8)> = Vec::new();
+    let first = zones.faces[w].len();
     let mut is_refused = false;
     let mut reach = |triangle: u32, from: Option<u32>, cut: u32, found: &mut Vec<(u32, u32)>| {
         if triangle == NONE || found.len() >= MOST_WALKED {
             return;
         }
-        if let Some(place) = places.get(w, triangle) {
+        let known = places.get(w, triangle).map(|place| place as usize);
+        if let Some(before) = known.and_then(|place| place.checked_sub(first)) {
+            // Mostly the walk that it is of.
+            let other = found[before].1;
+            if other != cut {
+                met.push((cut, other));
+            }
+            return;
+        }
+        if let Some(place) = known {
             if let Some(from) = from {
-                let face = &zones.faces[w][place as usize];
-                let corners = ground.triangle(w, from);
-                let shared = (0..3).filter(|k| face.nearest[*k] != NONE && corners.contains(&face.corners[*k]));
+                let face = &zones.faces[w][place];
+                // The ends of the edge over which it came.
+                let edge = adjacency.neighbours[triangle as usize].map(|n| n == from);
+                let shared = (0..3).filter(|k| face.nearest[*k] != NONE && (edge[*k] || edge[(k + 2) % 3]));
                 // Another curve: what was walked over lies between the two.
                 bridged.extend(shared.clone().next().map(|k| (cut, face.nearest[k])));
                 let c = &zones.cuts[cut as usize];
@@ -59,10 +88,6 @@ pub(crate) fn walk(
                     votes.push((cut, side.signum()));
                 }
             }
-            return;
-        }
-        if let Some(before) = seen.get(u64::from(triangle)) {
-            met.push((cut, found[before as usize].1));
             return;
         }
         let c = &zones.cuts[cut as usize];
@@ -80,7 +105,7 @@ pub(crate) fn walk(
             return;
         }
         adjacency.prefetch(triangle);
-        seen.number(u64::from(triangle));
+        places.number(w, triangle);
         found.push((triangle, cut));
     };
     for face in &zones.faces[w] {
@@ -89,7 +114,7 @@ pub(crate) fn walk(
             let (a, b) = (face.side[k], face.side[l]);
             if a + b < 0 {
                 let cut = face.nearest[if a < 0 { k } else { l }];
-                reach(adjacency.neighbours[face.id as usize][k], None, cut, &mut found);
+                reach(adjacency.neighbours[face.id as usize][k], None, cut, found);
             }
         }
     }
@@ -102,10 +127,10 @@ pub(crate) fn walk(
             adjacency.neighbours[*later as usize].iter().for_each(|n| prefetch_at(faces, *n as usize));
         }
         for n in adjacency.neighbours[triangle as usize] {
-            reach(n, Some(triangle), cut, &mut found);
+            reach(n, Some(triangle), cut, found);
         }
     }
-    let is_complete = found.len() < MOST_WALKED && !is_refused;
+    *complete = found.len() < MOST_WALKED && !is_refused;
     if !leaks.is_empty() || votes.iter().any(|v| v.1 > 0) {
         let mut walks = Roots((0..zones.cuts.len() as u32).collect());
         met.iter().for_each(|(a, b)| walks.join(*a, *b));
@@ -118,6 +143,5 @@ pub(crate) fn walk(
         met.retain(|m| stays(m.0));
         bridged.retain(|b| stays(b.0));
     }
-    met.iter().chain(&bridged).for_each(|(a, b)| roots.join(*a, *b));
-    (found, is_complete)
+    met.iter().chain(&*bridged).for_each(|(a, b)| roots.join(*a, *b));
 }

@@ -5,13 +5,13 @@
 
 use crate::bounds::{Point, Triangle};
 use crate::contacts::adjacency::NONE;
-use crate::contacts::classify::{classify, Stand};
+use crate::contacts::classify::{classify, Judged, Stand};
 use crate::contacts::counting::lay_out;
 use crate::contacts::cut::find_points;
 use crate::contacts::joins::{join_across_faces, join_along_the_curve, Roots};
 use crate::contacts::normals::eight_normals;
 use crate::contacts::numbered::{Numbered, NumberedBelow};
-use crate::contacts::walk::walk;
+use crate::contacts::walk::{walk, Walked};
 use crate::contacts::Ground;
 use crate::simd::WIDE_LANES;
 use crate::vectors::{dot, scaled, sub};
@@ -72,12 +72,14 @@ pub(crate) struct Zones {
     cuts_of_face: [Vec<(u32, u32)>; 2],
     /// Working memory of [`classify`].
     pub stands: Vec<Stand>,
-    pub nearest: Vec<[(f64, u32); 3]>,
+    pub judged: Vec<Judged>,
     /// For each cut its zone, and its place among that zone's.
     pub zone_of_cut: Vec<u32>,
     pub place_of_cut: Vec<u32>,
     /// Whether all was walked over.
     pub complete: bool,
+    /// Cut triangles by their places among the faces, and after them those that were walked over.
+    pub places: Places,
 }
 
 impl Zones {
@@ -139,7 +141,7 @@ impl Zones {
     }
 
     /// Puts what belongs to each zone together, in its order: the cuts, by their sets, and what was walked over.
-    fn sort_by_zone(&mut self, roots: &mut Roots, zone_of_root: &mut Vec<u32>, walked: &[Vec<(u32, u32)>]) {
+    fn sort_by_zone(&mut self, roots: &mut Roots, zone_of_root: &mut Vec<u32>, walked: &[Walked; 2]) {
         let Zones { zones, zone_cuts, zone_inside, zone_of_cut, place_of_cut, by_face, .. } = self;
         let count = roots.0.len();
         zone_of_root.clear();
@@ -165,7 +167,7 @@ impl Zones {
             zone_cuts[MOCKUP][*end as usize] = *i;
             *end += 1;
         }
-        for (w, walked) in walked.iter().enumerate() {
+        for (w, Walked { found: walked, .. }) in walked.iter().enumerate() {
             let zone_of = |cut: u32| zone_of_cut[cut as usize] as usize;
             walked.iter().for_each(|(_, cut)| zones[zone_of(*cut)].inside[w].1 += 1);
             lay_out(zones.iter_mut().map(|zone| &mut zone.inside[w]));
@@ -206,7 +208,7 @@ pub(crate) struct Zone {
 pub(crate) const TOOL: usize = 0;
 pub(crate) const MOCKUP: usize = 1;
 
-/// Places of the cut triangles of tool and mock-up among the faces.
+/// Triangles of tool and mock-up in the order in which they were found.
 #[derive(Debug, Default)]
 pub(crate) struct Places {
     tool: NumberedBelow,
@@ -214,8 +216,22 @@ pub(crate) struct Places {
 }
 
 impl Places {
+    fn clear(&mut self, ground: &Ground<'_>) {
+        self.tool.clear(ground.tool.mesh().faces().len());
+        self.mockup.clear();
+    }
+
+    /// How many there are.
+    pub fn len(&self, w: usize) -> usize {
+        if w == TOOL {
+            self.tool.len()
+        } else {
+            self.mockup.len()
+        }
+    }
+
     /// The place of a triangle, and whether it is new.
-    fn number(&mut self, w: usize, id: u32) -> (u32, bool) {
+    pub fn number(&mut self, w: usize, id: u32) -> (u32, bool) {
         if w == TOOL {
             self.tool.number(id)
         } else {
@@ -235,18 +251,17 @@ impl Places {
 /// Working memory of [`find`].
 #[derive(Debug, Default)]
 pub(crate) struct ZonesScratch {
-    places: Places,
-    walked: Numbered,
+    walked: [Walked; 2],
     zone_of_root: Vec<u32>,
     zones: Zones,
 }
 
 /// Sorts the pairs of one part (sorted by tool triangle, then mock-up triangle) into zones.
 pub(crate) fn find<'a>(ground: &Ground<'_>, pairs: &[[u32; 2]], scratch: &'a mut ZonesScratch) -> &'a Zones {
-    let ZonesScratch { places, walked: seen, zone_of_root, zones } = scratch;
+    let ZonesScratch { walked, zone_of_root, zones } = scratch;
     zones.clear();
-    places.tool.clear(ground.tool.mesh().faces().len());
-    places.mockup.clear();
+    let mut places = std::mem::take(&mut zones.places);
+    places.clear(ground);
     let part = pairs.first().map_or(0, |p| ground.mockup.part_of_face(p[1]));
     for pair in pairs {
         let faces = [TOOL, MOCKUP].map(|w| {
@@ -269,10 +284,12 @@ pub(crate) fn find<'a>(ground: &Ground<'_>, pairs: &[[u32; 2]], scratch: &'a mut
     for w in [TOOL, MOCKUP] {
         join_across_faces(w, zones, &mut roots);
     }
-    let (walked, complete): (Vec<_>, Vec<_>) =
-        [TOOL, MOCKUP].iter().map(|w| walk(ground, *w, part, zones, places, seen, &mut roots)).unzip();
-    zones.complete = complete.iter().all(|c| *c);
-    zones.sort_by_zone(&mut roots, zone_of_root, &walked);
+    for w in [TOOL, MOCKUP] {
+        walk(ground, w, part, zones, &mut places, &mut roots, &mut walked[w]);
+    }
+    zones.places = places;
+    zones.complete = walked.iter().all(|walked| walked.complete);
+    zones.sort_by_zone(&mut roots, zone_of_root, walked);
     zones
 }
 
@@ -334,11 +351,15 @@ mod tests {
         let ground = Ground::new(&block, &frame, &pose, None);
         let mut scratch = ZonesScratch::default();
         find(&ground, &pairs, &mut scratch);
-        let ZonesScratch { places, walked, zones, .. } = &mut scratch;
-        let mut found = |zones: &Zones| {
+        let zones = &mut scratch.zones;
+        let found = |zones: &Zones| {
             let mut roots = Roots((0..zones.cuts.len() as u32).collect());
-            let mut ids: Vec<u32> =
-                walk(&ground, MOCKUP, 0, zones, places, walked, &mut roots).0.iter().map(|f| f.0).collect();
+            let mut places = Places::default();
+            places.clear(&ground);
+            zones.faces[MOCKUP].iter().for_each(|face| _ = places.number(MOCKUP, face.id));
+            let mut walked = Walked::default();
+            walk(&ground, MOCKUP, 0, zones, &mut places, &mut roots, &mut walked);
+            let mut ids: Vec<u32> = walked.found.iter().map(|f| f.0).collect();
             ids.sort_unstable();
             ids
         };

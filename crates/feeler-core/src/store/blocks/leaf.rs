@@ -55,6 +55,7 @@ pub fn scan<S: Simd>(s: S, run: &mut Search<'_, '_>, scratch: &mut NearScratch, 
             halves[h].unpack_corners(s, packed, h, slack);
         }
     }
+    let mut planes = Planes::ZERO;
     for &(piece, mut lanes) in &near[..count] {
         let (h, lane) = (piece / LANES, piece % LANES);
         let triangle = packed.triangles[piece];
@@ -71,7 +72,6 @@ pub fn scan<S: Simd>(s: S, run: &mut Search<'_, '_>, scratch: &mut NearScratch, 
             }
         }
         placed.need_normals(s);
-        let mut planes = Planes::ZERO;
         lanes &= u32::from(planes.of(s, placed, &halves[h], lane, &run.direction, run.limit));
         if lanes == 0 {
             continue;
@@ -133,7 +133,7 @@ struct Planes {
 impl Planes {
     const ZERO: Planes = Planes { gaps: [[0.0; LANES]; 3], lengths: [[1.0; LANES]; 3] };
 
-    /// Fills them in; returns which lanes are not held farther apart than the limit (a square).
+    /// Fills them in, whatever other piece they were of; returns which lanes are not held farther apart than the limit (a square).
     #[inline(always)]
     fn of<S: Simd>(
         &mut self,
