@@ -9,7 +9,7 @@ use std::collections::BinaryHeap;
 
 use crate::bounds::{Aabb, Point};
 use crate::contacts::numbered::{pair_key, Numbered};
-use crate::contacts::sift::{Near, Sift, Sought, BEHIND};
+use crate::contacts::sift::{Near, Sift, Sought};
 use crate::contacts::zones::{MOCKUP, TOOL};
 use crate::contacts::{ContactPlane, Ground, MOST_PLANES};
 use crate::distance_lanes::{closest_apart, held_apart};
@@ -140,7 +140,7 @@ impl<'a> NearPairs<'a> {
             let Some(first) = self.known(entry.near.pair) else { continue };
             if first.distance == 0.0
                 || out.iter().any(|plane| is_explained(plane, &first, tolerance))
-                || !is_in_front(self.ground, &first)
+                || !self.lists.sift.is_in_front(self.ground, &entry.near, &first)
                 || !out.is_empty() && self.leads_down(&first, part)
             {
                 continue;
@@ -297,17 +297,6 @@ fn gap_of(pair: [u32; 2], part: u32, closest: &Closest) -> Gap {
         on_tool: closest.on_p,
         on_mockup: closest.on_q,
     }
-}
-
-/// Whether each of the two nearest points is on the outer side of the other's triangle, as far as that is known: what is inside
-/// the other solid is near its surface, but not held off by it.
-fn is_in_front(ground: &Ground<'_>, gap: &Gap) -> bool {
-    let way = sub(&gap.on_tool, &gap.on_mockup);
-    let is_outside = |w: usize, id: u32, sense: f64| {
-        let outward = sense * f64::from(ground.adjacency[w].outward[id as usize]);
-        normal(&ground.triangle(w, id)).is_none_or(|n| outward * dot(&n, &way) >= -BEHIND * gap.distance)
-    };
-    is_outside(MOCKUP, gap.mockup_triangle, 1.0) && is_outside(TOOL, gap.tool_triangle, -1.0)
 }
 
 /// A plane and what it holds apart.

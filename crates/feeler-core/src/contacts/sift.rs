@@ -6,12 +6,12 @@ use crate::contacts::numbered::{Numbered, NumberedBelow};
 use crate::contacts::zones::{MOCKUP, TOOL};
 use crate::contacts::{ContactPlane, Ground};
 use crate::distance_lanes::held_apart;
-use crate::proximity::Candidate;
+use crate::proximity::{Candidate, Gap};
 use crate::simd::{prefetch, Checked, Kernel, Simd, WIDE_LANES};
-use crate::vectors::{dot, normal, scaled};
+use crate::vectors::{dot, normal, scaled, sub};
 
 /// Sine by which the way to the tool may point into the mock-up's side.
-pub(crate) const BEHIND: f64 = 1e-3;
+const BEHIND: f64 = 1e-3;
 
 /// Most planes that are looked at before there are pairs.
 const MOST_AT_ONCE: usize = 56;
@@ -252,6 +252,14 @@ impl Sift {
             side.outward.clear();
             side.outward.resize(side.ids.len(), None);
         }
+    }
+
+    /// Whether each of the two nearest points of a pair is on the outer side of the other's triangle, as far as that is known: what
+    /// is inside the other solid is near its surface, but not held off by it.
+    pub fn is_in_front(&mut self, ground: &Ground<'_>, near: &Near, gap: &Gap) -> bool {
+        let way = sub(&gap.on_tool, &gap.on_mockup);
+        let [of_tool, of_mockup] = [TOOL, MOCKUP].map(|w| self.sides[w].outward(ground, w, near.places[w]).0);
+        dot(&of_mockup, &way) >= -BEHIND * gap.distance && dot(&of_tool, &way) <= BEHIND * gap.distance
     }
 
     /// Whether one of two triangles is wholly behind the other: then it is near a surface, but not held off by it.

@@ -209,10 +209,10 @@ mod tests {
         let (rows, long) = (30u32, 90u32);
         let beside = |t: u32| {
             let (row, at) = (t / long, t % long);
-            let is_gap = |at: u32| (at * at + 3 * row) % 11 == 0;
+            let is_gap = |at: u32| (at * at + 3 * row).is_multiple_of(11);
             let before = if at > 0 && !is_gap(at) { t - 1 } else { NONE };
             let after = if at + 1 < long && !is_gap(at + 1) { t + 1 } else { NONE };
-            let other = if at % 7 == 0 { (row ^ 1) * long + at } else { NONE };
+            let other = if at.is_multiple_of(7) { (row ^ 1) * long + at } else { NONE };
             [before, other, after]
         };
         let neighbours: Vec<[u32; 3]> = (0..rows * long).map(beside).collect();
@@ -220,7 +220,7 @@ mod tests {
         // Two rows are a patch, of which every other triangle, or more, is a piece; the pieces come in any order.
         let mut pieces: Vec<Piece> = (0..rows * long)
             .map(|i| i * 1009 % (rows * long))
-            .filter(|t| t % long < 4 * (t / long / 2) && (t % long % 5 > 0 || t / long % 4 == 0))
+            .filter(|t| t % long < 4 * (t / long / 2) && (t % long % 5 > 0 || (t / long).is_multiple_of(4)))
             .map(|t| Piece::new(t, [0.0; 3], [0.0; 3], (0, 0), t / long != 8))
             .collect();
         let mut patches: Vec<Patch> = Vec::new();
