@@ -111,7 +111,7 @@ struct Gathering {
     distinct: usize,
     /// For each of [`Patches::piece_points`] its number.
     all_numbers: Vec<u32>,
-    /// For each of them the last patch that has it, from 1, and its place there.
+    /// For each number the last patch that has its point, from 1, and the point's place there.
     latest: Vec<(u32, u32)>,
     /// Points of the curve by their places, with their cuts.
     curve: Vec<(u32, u32)>,
