@@ -153,7 +153,7 @@ fn nearest<S: Simd>(s: S, n: &Point, planes: &[Planes]) -> usize {
 mod tests {
     use super::*;
     use crate::simd::Level;
-    use crate::vectors::{sub, unit};
+    use crate::vectors::{add, cross, scaled, sub, unit};
 
     fn is_passing(piece: &Piece, patch: &Patch) -> bool {
         let turn = (1.0 - dot(&patch.normal, &piece.normal)).max(0.0);
@@ -210,5 +210,31 @@ mod tests {
                 assert!(found.iter().map(what).eq(patches.iter().map(what)), "{level:?} {count}");
             }
         }
+    }
+
+    #[test]
+    fn what_is_near_by_less_than_float32_tells_is_judged_in_float64() {
+        // Around a first triangle others, turned by as much as is still near, a little less and a little more.
+        let wave = |i: usize| [(0.7 * i as f64).sin(), (1.9 * i as f64).cos(), (0.3 * i as f64).sin()];
+        let (mut within, mut beyond) = (0, 0);
+        for first in (0..60).map(|i| unit(&wave(i)).unwrap()) {
+            let across = unit(&cross(&first, &[0.3, -0.2, 0.9])).unwrap();
+            let turned = |k: usize| {
+                let angle = ONE_PATCH.acos() + 1e-8 * (k as f64 - 20.0);
+                unit(&add(&scaled(&first, angle.cos()), &scaled(&across, angle.sin()))).unwrap()
+            };
+            for k in 0..40 {
+                let pieces = || [first, turned(k)].map(|n| Piece::new(0, n, [0.0; 3], (0, 0), true));
+                let mut expected = pieces();
+                plainly_placed(&mut expected);
+                *(if expected[1].patch == 0 { &mut within } else { &mut beyond }) += 1;
+                for level in Level::available() {
+                    let mut placed = pieces();
+                    place(level.checked(), &mut placed, &mut Vec::new(), &mut Vec::new());
+                    assert_eq!(placed[1].patch, expected[1].patch, "{level:?} {k}");
+                }
+            }
+        }
+        assert!(within > 1000 && beyond > 1000, "{within} {beyond}");
     }
 }
