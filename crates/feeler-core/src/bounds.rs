@@ -70,6 +70,11 @@ impl Aabb {
         std::array::from_fn(|a| (self.upper[a] - self.lower[a]).max(0.0))
     }
 
+    /// The longest of them.
+    pub fn longest(&self) -> f64 {
+        self.extent().into_iter().fold(0.0, f64::max)
+    }
+
     /// The largest absolute coordinate; zero for an empty box.
     pub fn largest_coordinate(&self) -> f64 {
         if self.is_empty() {

@@ -142,7 +142,7 @@ impl VoxelGrid {
         };
         let area = shadow(0, 1).max(shadow(1, 2)).max(shadow(2, 0));
         let b = Aabb::of_triangle(t);
-        let length = b.extent().iter().fold(0.0f64, |m, x| m.max(*x));
+        let length = b.longest();
         (area * self.per_metre * self.per_metre).max(length * self.per_metre).max(1.0)
     }
 

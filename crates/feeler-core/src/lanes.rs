@@ -285,7 +285,7 @@ impl ToolUnit {
     /// The unit for a tool with this box.
     pub fn new(bounds: &Aabb) -> ToolUnit {
         let centre = std::array::from_fn(|a| 0.5 * bounds.lower[a] + 0.5 * bounds.upper[a]);
-        let longest = bounds.extent().iter().fold(0.0f64, |m, x| m.max(*x));
+        let longest = bounds.longest();
         let exponent = if longest > 0.0 { longest.log2().ceil().clamp(-900.0, 900.0) } else { 0.0 };
         ToolUnit { centre, metres: exponent.exp2() }
     }

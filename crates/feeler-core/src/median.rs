@@ -32,7 +32,7 @@ pub struct Cells {
 impl Cells {
     /// Cubic cells over `bounds`.
     pub fn new(bounds: &Aabb) -> Cells {
-        let longest = bounds.extent().iter().fold(0.0f64, |m, x| m.max(*x));
+        let longest = bounds.longest();
         let per_unit = (1u64 << BITS) as f64 / longest;
         Cells { origin: bounds.lower, per_unit: if per_unit.is_finite() { per_unit } else { 0.0 } }
     }

@@ -1,6 +1,9 @@
 //! Which triangles share an edge, and which surfaces are closed; made once for a mesh, when contacts are first asked for.
 
-use crate::bounds::Point;
+use crate::bounds::{Aabb, Point};
+use crate::contacts::edges::{pair_around, take_doubles, Edge, Edges};
+use crate::contacts::joins::Roots;
+use crate::contacts::NEARLY;
 use crate::mesh::Mesh;
 use crate::simd::prefetch_at;
 use crate::vectors::{add, cross, dot, length, scaled, sub};
@@ -13,10 +16,10 @@ pub(crate) const NONE: u32 = u32::MAX;
 #[derive(Debug)]
 pub(crate) struct Adjacency {
     /// `neighbours[t][k]` lies across the edge from corner `k` to corner `k + 1` of `t`, within the same part; [`NONE`] at a
-    /// border and where more than two triangles share the edge.
+    /// border and where more than two triangles share the edge, and not as many go one way along it as the other.
     pub neighbours: Vec<[u32; 3]>,
     /// 1: the triangle belongs to a closed surface and its winding gives the outward normal; -1: the inward one; 0: the
-    /// surface is open, and the winding says nothing.
+    /// surface is open, or twice in the same place, and the winding says nothing.
     pub outward: Vec<i8>,
     /// The centre of the surface's area, metres, in the mesh's own frame.
     pub centre: Point,
@@ -30,27 +33,23 @@ impl Adjacency {
         prefetch_at(&self.outward, triangle as usize);
     }
 
-    /// Edges are matched by their corners' positions, so a mesh whose triangles share no vertices is as good as any.
+    /// Edges are matched by their corners' positions, so a mesh whose triangles share no vertices is as good as any. Those that
+    /// have no partner are matched once more by corners that are nearly in one place, as those of seams are that were computed
+    /// from both sides.
     pub fn new(mesh: &Mesh, part_of_face: impl Fn(u32) -> u32, parts: usize) -> Adjacency {
-        let mut neighbours = vec![[NONE; 3]; mesh.faces().len()];
-        // A triangle whose edge has no proper neighbour opens its whole surface.
-        let mut closed = vec![true; mesh.faces().len()];
+        let mut joined = Joined::new(mesh);
         let (unique, welded) = weld_vertices(mesh.vertices());
         let corners = |t: u32| mesh.faces()[t as usize].map(|v| welded[v as usize]);
+        let mut by_part: Vec<(u32, Edge)> = Vec::new();
         for same in Edges::new(mesh, unique.len(), corners).iter() {
-            let part = |i: usize| part_of_face(same[i].triangle);
-            for i in 0..same.len() {
-                let mut others = (0..same.len()).filter(|j| *j != i && part(*j) == part(i));
-                let (t, k) = (same[i].triangle as usize, usize::from(same[i].side));
-                match (others.next(), others.next()) {
-                    (Some(j), None) => {
-                        neighbours[t][k] = same[j].triangle;
-                        closed[t] &= same[i].up != same[j].up;
-                    }
-                    _ => closed[t] = false,
-                }
-            }
+            by_part.clear();
+            by_part.extend(same.iter().map(|edge| (part_of_face(edge.triangle), *edge)));
+            by_part.sort_by_key(|(part, _)| *part);
+            by_part.chunk_by(|x, y| x.0 == y.0).for_each(|same| joined.join(same.iter().map(|(_, edge)| *edge)));
         }
+        joined.close_seams(&part_of_face, parts);
+        joined.open_pairs();
+        let Joined { neighbours, mut closed, .. } = joined;
         spread_openness(&neighbours, &mut closed);
         let mut volume = vec![0.0; parts];
         let (mut centre, mut area) = ([0.0; 3], 0.0);
@@ -82,61 +81,125 @@ impl Adjacency {
     }
 }
 
-/// An edge of a triangle, but for its lower end.
-#[derive(Debug, Clone, Copy, Default)]
-struct Edge {
-    /// The end with the higher number.
-    end: u32,
-    triangle: u32,
-    /// The edge is from this corner to the next.
-    side: u8,
-    /// Whether it goes from the end with the lower number to the other.
-    up: bool,
+/// Parts with more than one edge in so many without a partner are loose triangles, and have no seams.
+const FEW_OPEN: usize = 2;
+
+/// Triangles joined over their edges, as far as they are.
+struct Joined<'a> {
+    mesh: &'a Mesh,
+    neighbours: Vec<[u32; 3]>,
+    /// A triangle whose edge has no proper neighbour opens its whole surface.
+    closed: Vec<bool>,
+    /// Edges without a partner.
+    border: Vec<Edge>,
+    /// Working memory.
+    same: Vec<Edge>,
 }
 
-/// The edges of all triangles, by their ends.
-struct Edges {
-    /// Those of each lower end together.
-    list: Vec<Edge>,
-    /// For each vertex where its own end, by those of the one before where they begin.
-    ends: Vec<usize>,
-}
+impl Joined<'_> {
+    fn new(mesh: &Mesh) -> Joined<'_> {
+        let count = mesh.faces().len();
+        let (neighbours, closed) = (vec![[NONE; 3]; count], vec![true; count]);
+        Joined { mesh, neighbours, closed, border: Vec::new(), same: Vec::new() }
+    }
 
-impl Edges {
-    /// Of a mesh with so many vertices, by the three of each triangle.
-    fn new(mesh: &Mesh, vertices: usize, corners: impl Fn(u32) -> [u32; 3]) -> Edges {
-        let edges = |t: u32| {
-            let [a, b, c] = corners(t);
-            [(a, b), (b, c), (c, a)]
-        };
-        // From here on where the edges of each vertex begin; once they are put there, where they end.
-        let mut ends = vec![0; vertices];
-        for t in mesh.queried() {
-            edges(t).iter().for_each(|(a, b)| ends[*a.min(b) as usize] += 1);
+    /// Joins what shares one edge, all of one part.
+    fn join(&mut self, edges: impl Iterator<Item = Edge>) {
+        let mut same = std::mem::take(&mut self.same);
+        same.clear();
+        same.extend(edges);
+        match same[..] {
+            [edge] => self.border.push(edge),
+            [edge, other] => self.link(&edge, &other),
+            _ if 2 * same.iter().filter(|edge| edge.up).count() == same.len() => {
+                // Between those that lie on each other is nothing: they bound no solid, and none ends there.
+                let doubles = take_doubles(self.mesh, &mut same);
+                for some in [&doubles, &same] {
+                    for [i, j] in pair_around(self.mesh, some) {
+                        self.link(&some[i], &some[j]);
+                    }
+                }
+                doubles.iter().for_each(|edge| self.closed[edge.triangle as usize] = false);
+            }
+            _ => same.iter().for_each(|edge| self.closed[edge.triangle as usize] = false),
         }
-        let mut sum = 0;
-        ends.iter_mut().for_each(|end| sum += std::mem::replace(end, sum));
-        let mut list = vec![Edge::default(); sum];
+        self.same = same;
+    }
+
+    fn link(&mut self, edge: &Edge, other: &Edge) {
+        self.neighbours[edge.triangle as usize][usize::from(edge.side)] = other.triangle;
+        self.neighbours[other.triangle as usize][usize::from(other.side)] = edge.triangle;
+        if edge.up == other.up {
+            self.closed[edge.triangle as usize] = false;
+            self.closed[other.triangle as usize] = false;
+        }
+    }
+
+    /// Joins what has no partner by corners that are nearly in one place. An edge whose ends are opens nothing. What is left is
+    /// open.
+    fn close_seams(&mut self, part_of_face: impl Fn(u32) -> u32, parts: usize) {
+        let mesh = self.mesh;
+        let (mut edges, mut open, mut bounds) = (vec![0; parts], vec![0; parts], vec![Aabb::EMPTY; parts]);
         for t in mesh.queried() {
-            for (side, (a, b)) in (0..).zip(edges(t)) {
-                let place = &mut ends[a.min(b) as usize];
-                list[*place] = Edge { end: a.max(b), triangle: t, side, up: a < b };
-                *place += 1;
+            let part = part_of_face(t) as usize;
+            edges[part] += 3;
+            mesh.triangle(t).iter().for_each(|p| bounds[part].grow(p));
+        }
+        let part_of = |edge: &Edge| part_of_face(edge.triangle);
+        self.border.iter().for_each(|edge| open[part_of(edge) as usize] += FEW_OPEN);
+        let is_tried = |edge: &Edge| open[part_of(edge) as usize] <= edges[part_of(edge) as usize];
+        let (tried, mut left): (Vec<Edge>, Vec<Edge>) =
+            std::mem::take(&mut self.border).into_iter().partition(is_tried);
+        let place = |edge: &Edge| {
+            // Near is less than half.
+            (2.0 * NEARLY * bounds[part_of(edge) as usize].longest()).max(f64::MIN_POSITIVE)
+        };
+        let ends = |edge: &Edge| {
+            let ([from, to, _], place) = (edge.corners(mesh), place(edge));
+            [from, to].map(|p| p.map(|x| x / place))
+        };
+        let ends = near_points(&tried.iter().flat_map(ends).collect::<Vec<_>>());
+        let mut seams: Vec<(u32, u32, Edge)> = Vec::with_capacity(tried.len());
+        for (edge, ends) in tried.iter().zip(ends.chunks_exact(2)) {
+            let (from, to) = (ends[0], ends[1]);
+            if from != to {
+                seams.push((part_of(edge), from.min(to), Edge { end: from.max(to), up: from < to, ..*edge }));
             }
         }
-        let mut from = 0;
-        for end in &ends {
-            list[from..*end].sort_unstable_by_key(|edge| (edge.end, edge.triangle));
-            from = *end;
+        seams.sort_unstable_by_key(|(part, lower, edge)| (*part, *lower, edge.end, edge.triangle, edge.side));
+        for same in seams.chunk_by(|x, y| (x.0, x.1, x.2.end) == (y.0, y.1, y.2.end)) {
+            self.join(same.iter().map(|(_, _, edge)| *edge));
         }
-        Edges { list, ends }
+        left.append(&mut self.border);
+        left.iter().for_each(|edge| self.closed[edge.triangle as usize] = false);
     }
 
-    /// Those with the same two ends, by the numbers of their triangles.
-    fn iter(&self) -> impl Iterator<Item = &[Edge]> {
-        let froms = std::iter::once(&0).chain(&self.ends);
-        froms.zip(&self.ends).flat_map(|(from, to)| self.list[*from..*to].chunk_by(|e, f| e.end == f.end))
+    /// Two that share two edges share all corners: nothing is between them.
+    fn open_pairs(&mut self) {
+        for (closed, [a, b, c]) in self.closed.iter_mut().zip(&self.neighbours) {
+            *closed &= !((a == b || a == c) && *a != NONE || b == c && *b != NONE);
+        }
     }
+}
+
+/// For each point a number that it shares with those less than half from it along each axis, and with those near these.
+///
+/// Along an axis two such points lie in one cell of the grid of whole numbers, or of that shifted by half. So in one of eight
+/// grids they lie in one cell.
+fn near_points(points: &[Point]) -> Vec<u32> {
+    let mut roots = Roots((0..points.len() as u32).collect());
+    for grid in 0..8 {
+        let cell = |p: &Point| std::array::from_fn(|a| (p[a] + 0.5 * f64::from(grid >> a & 1)).floor());
+        let (cells, cell_of) = weld_vertices(&points.iter().map(cell).collect::<Vec<Point>>());
+        let mut first = vec![NONE; cells.len()];
+        for (i, cell) in (0..).zip(cell_of) {
+            match &mut first[cell as usize] {
+                first if *first == NONE => *first = i,
+                first => roots.join(*first, i),
+            }
+        }
+    }
+    (0..points.len() as u32).map(|i| roots.of(i)).collect()
 }
 
 /// Marks every triangle that is connected to an open one.
@@ -154,8 +217,10 @@ fn spread_openness(neighbours: &[[u32; 3]], closed: &mut [bool]) {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::{PI, TAU};
+
     use super::*;
-    use crate::contacts::shapes::box_mesh;
+    use crate::contacts::shapes::{box_mesh, joined, sheet, Arrays};
     use proptest::prelude::*;
 
     #[test]
@@ -192,8 +257,94 @@ mod tests {
                     (*u, *l) != (t, k) && parts[*u] == parts[t] && ([a, b] == ends(*u, *l) || [b, a] == ends(*u, *l))
                 };
                 let others: Vec<_> = all().filter(is_beside).collect();
-                let expected = if mesh.is_queried(t as u32) && others.len() == 1 { others[0].0 as u32 } else { NONE };
-                prop_assert_eq!(adjacency.neighbours[t][k], expected, "{} {}", t, k);
+                let n = adjacency.neighbours[t][k];
+                let against = others.iter().filter(|(u, l)| ends(*u, *l) == [b, a]);
+                if !mesh.is_queried(t as u32) || others.is_empty() {
+                    prop_assert_eq!(n, NONE, "{} {}", t, k);
+                } else if let [(other, _)] = others[..] {
+                    prop_assert_eq!(n, other as u32, "{} {}", t, k);
+                } else if 2 * against.clone().count() != others.len() + 1 {
+                    prop_assert_eq!(n, NONE, "{} {}", t, k);
+                } else {
+                    // One of those that go the other way, each for one.
+                    let mutual = against.filter(|(u, l)| *u as u32 == n && adjacency.neighbours[*u][*l] == t as u32);
+                    prop_assert_eq!(mutual.count(), 1, "{} {}", t, k);
+                }
+            }
+        }
+    }
+
+    fn outward((vertices, faces): Arrays) -> Vec<i8> {
+        Adjacency::new(&Mesh::new("tool", vertices, faces).unwrap(), |_| 0, 1).outward
+    }
+
+    #[test]
+    fn solids_that_touch_are_closed() {
+        let cube = |x: f64, y: f64| box_mesh([x, y, 0.0], [2.0; 3], 2);
+        // Along an edge: the walk over one does not come to the other.
+        let (vertices, faces) = joined([cube(0.0, 0.0), cube(2.0, 2.0)]);
+        let (half, mesh) = (faces.len() / 2, Mesh::new("tool", vertices, faces).unwrap());
+        let adjacency = Adjacency::new(&mesh, |_| 0, 1);
+        assert!(adjacency.outward.iter().all(|o| *o == 1));
+        for (t, neighbours) in adjacency.neighbours.iter().enumerate() {
+            assert!(neighbours.iter().all(|n| *n as usize / half == t / half), "{t}");
+        }
+        // Along a face: what is between them is open, and the rest one solid.
+        let (vertices, faces) = joined([cube(0.0, 0.0), cube(2.0, 0.0)]);
+        let is_between = |face: &[u32; 3]| face.iter().all(|v| vertices[*v as usize][0] == 1.0);
+        let expected: Vec<i8> = faces.iter().map(|face| i8::from(!is_between(face))).collect();
+        assert_eq!(expected.iter().filter(|o| **o == 0).count(), 16);
+        assert_eq!(outward((vertices, faces)), expected);
+    }
+
+    #[test]
+    fn what_is_twice_in_one_place_is_open() {
+        // A sheet with both its sides, of one square and of several.
+        for cells in [1, 3] {
+            let (vertices, faces) = sheet(cells, cells, |s, t| [s, t, 0.1 * s * t]);
+            let both = faces.iter().copied().chain(faces.iter().map(|[a, b, c]| [*b, *a, *c])).collect();
+            assert!(outward((vertices, both)).iter().all(|o| *o == 0), "{cells}");
+        }
+    }
+
+    #[test]
+    fn seams_are_closed_and_gaps_are_not() {
+        for n in [4, 7, 12, 31] {
+            // A ball as sines and cosines come: its poles are many places, and its seam is twice there, once a little larger.
+            let ball = |larger: f64| {
+                sheet(n, n, |s, t| {
+                    let (around, down, r) = (TAU * s, PI * t, if s == 1.0 { 1.0 + larger } else { 1.0 });
+                    [r * down.sin() * around.cos(), r * down.sin() * around.sin(), r * down.cos()]
+                })
+            };
+            let is_closed = |arrays: Arrays| {
+                let mesh = Mesh::new("tool", arrays.0.clone(), arrays.1.clone()).unwrap();
+                let found = outward(arrays);
+                let sense = found[1];
+                let is_right = |t: u32| found[t as usize] == if mesh.is_queried(t) { sense } else { 0 };
+                sense != 0 && (0..found.len() as u32).all(is_right)
+            };
+            assert_ne!(ball(0.0).0[1], ball(0.0).0[n * (n + 1) + 1], "the seam is one");
+            // By nothing but rounding, and by a step of float32.
+            assert!(is_closed(ball(0.0)) && is_closed(ball(1e-7)), "{n}");
+            assert!(outward(ball(1e-4)).iter().all(|o| *o == 0), "{n}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn near_points_have_one_number_and_far_ones_their_own(
+            places in prop::collection::vec(prop::array::uniform3(-40i32..40), 1..30),
+            shifts in prop::collection::vec(prop::array::uniform3(-0.249..0.249f64), 1..60),
+        ) {
+            // About one place every three, each several times.
+            let place = |i: usize| places[i % places.len()];
+            let points: Vec<Point> = (0..).zip(&shifts)
+                .map(|(i, shift)| std::array::from_fn(|a| 3.1 * f64::from(place(i)[a]) + shift[a]))
+                .collect();
+            let numbers = near_points(&points);
+            for (i, j) in (0..points.len()).flat_map(|i| (0..i).map(move |j| (i, j))) {
+                prop_assert_eq!(numbers[i] == numbers[j], place(i) == place(j), "{} {}", i, j);
             }
         }
     }

@@ -16,6 +16,9 @@ mod counting;
 mod cut;
 mod depth;
 mod descent;
+#[cfg(test)]
+mod dirty_tests;
+mod edges;
 mod gaps;
 mod heights;
 mod joins;
@@ -85,6 +88,10 @@ const MOST_HELD: usize = 1 << 16;
 
 /// Cosine of the angle within which planes of two flat surfaces in one zone are one: half a degree.
 const SAME_PLANE: f64 = 0.999_96;
+
+/// Share of a surface's length by which its corners may be off: a few steps of float32, in which many files have their numbers.
+/// Corners as near as that may be one, and triangles as thin have normals that say nothing.
+const NEARLY: f64 = 1.0 / (1 << 19) as f64;
 
 /// A plane between the mock-up and the tool.
 #[derive(Debug, Clone, PartialEq)]

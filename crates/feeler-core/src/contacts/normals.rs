@@ -2,29 +2,40 @@
 
 use crate::bounds::{Point, Triangle};
 use crate::simd::{Checked, Kernel, Simd, WIDE_LANES};
-use crate::vectors::{normal, PLAIN};
+use crate::vectors::{cross, dot, normal, sub, PLAIN};
 
-/// The unit normals of so many triangles, up to eight, as [`normal`] has them; `None` in what is beyond.
+/// The unit normals of so many triangles, up to eight, as [`normal`] has them, `None` in what is beyond; and which of the triangles
+/// are thinner than a length, one bit each.
 pub(crate) fn eight_normals<'a>(
     lanes: Checked,
     count: usize,
+    thin: f64,
     triangle: impl Fn(usize) -> &'a Triangle,
-) -> [Option<Point>; WIDE_LANES] {
+) -> ([Option<Point>; WIDE_LANES], u8) {
     let mut found = [None; WIDE_LANES];
     if count == 0 {
-        return found;
+        return (found, 0);
     }
     let triangles: [_; WIDE_LANES] = std::array::from_fn(|i| triangle(i.min(count - 1)));
-    let out = lanes.run(Normals { triangles: &triangles });
+    let out = lanes.run(Normals { triangles: &triangles, thin });
     for (i, found) in found.iter_mut().enumerate().take(count) {
         let is_plain = out.plain >> i & 1 != 0;
         *found = if is_plain { Some(std::array::from_fn(|a| out.normal[a][i])) } else { normal(triangles[i]) };
     }
-    found
+    (found, out.thin & u8::MAX >> (WIDE_LANES - count))
+}
+
+/// Whether a triangle's height over its longest edge is less than a length.
+pub(crate) fn is_thin(t: &Triangle, thin: f64) -> bool {
+    let (e, f) = (sub(&t[1], &t[0]), sub(&t[2], &t[0]));
+    let (g, n) = (sub(&f, &e), cross(&e, &f));
+    let longest = dot(&e, &e).max(dot(&f, &f)).max(dot(&g, &g));
+    dot(&n, &n) < thin * thin * longest
 }
 
 struct Normals<'a> {
     triangles: &'a [&'a Triangle; WIDE_LANES],
+    thin: f64,
 }
 
 struct Found {
@@ -32,6 +43,8 @@ struct Found {
     normal: [[f64; WIDE_LANES]; 3],
     /// Where squares are far from the limits of float64.
     plain: u8,
+    /// Whose height over the longest edge is less.
+    thin: u8,
 }
 
 impl Kernel for Normals<'_> {
@@ -51,7 +64,12 @@ impl Kernel for Normals<'_> {
         let f = [c[0] - a[0], c[1] - a[1], c[2] - a[2]];
         let n = [e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]];
         let square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
-        let product = (e[0] * e[0] + e[1] * e[1] + e[2] * e[2]) * (f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
+        let g = [f[0] - e[0], f[1] - e[1], f[2] - e[2]];
+        let e_square = e[0] * e[0] + e[1] * e[1] + e[2] * e[2];
+        let f_square = f[0] * f[0] + f[1] * f[1] + f[2] * f[2];
+        let product = e_square * f_square;
+        let longest = s.wide_max(s.wide_max(e_square, f_square), g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
+        let thin = s.wide_above(s.wide_splat(self.thin * self.thin) * longest, square);
         let (least, limit) = (s.wide_splat(PLAIN.start), s.wide_splat(PLAIN.end));
         // NaN is neither above nor below.
         let (above, below) = (
@@ -68,7 +86,7 @@ impl Kernel for Normals<'_> {
         for a in 0..3 {
             s.wide_store(n[a] * scale, &mut normal[a]);
         }
-        Found { normal, plain: s.bits(s.both(above, below)) }
+        Found { normal, plain: s.bits(s.both(above, below)), thin: s.bits(thin) }
     }
 }
 
@@ -85,11 +103,16 @@ mod tests {
 
     proptest! {
         #[test]
-        fn every_level_gives_what_one_at_a_time_gives(triangles in prop::collection::vec(triangle(), 0..9)) {
+        fn every_level_gives_what_one_at_a_time_gives(
+            triangles in prop::collection::vec(triangle(), 0..9),
+            thin in prop_oneof![Just(0.0), 1e-3..3.0f64],
+        ) {
             for level in Level::available() {
-                let found = eight_normals(level.checked(), triangles.len(), |i| &triangles[i]);
+                let (found, are_thin) = eight_normals(level.checked(), triangles.len(), thin, |i| &triangles[i]);
                 for (i, found) in found.iter().enumerate() {
                     prop_assert_eq!(*found, triangles.get(i).and_then(normal), "{:?} {}", level, i);
+                    let expected = triangles.get(i).is_some_and(|t| is_thin(t, thin));
+                    prop_assert_eq!(are_thin >> i & 1 != 0, expected, "{:?} {}", level, i);
                 }
             }
         }

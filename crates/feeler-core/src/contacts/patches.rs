@@ -185,9 +185,10 @@ impl Patches {
         for some in zones.inside_of(zone, w).chunks(WIDE_LANES) {
             let mut corners = [[[0.0; 3]; 3]; WIDE_LANES];
             some.iter().zip(&mut corners).for_each(|([t, _], corners)| *corners = ground.triangle(w, *t));
-            let normals = eight_normals(ground.lanes, some.len(), |i| &corners[i]);
-            for (([t, cut], corners), n) in some.iter().zip(&corners).zip(&normals) {
-                let Some(n) = n else { continue };
+            let (normals, thin) = eight_normals(ground.lanes, some.len(), zones.thin[w], |i| &corners[i]);
+            for (i, (([t, cut], corners), n)) in some.iter().zip(&corners).zip(&normals).enumerate() {
+                // The corners of thin ones are their neighbours' too.
+                let (Some(n), 0) = (n, thin >> i & 1) else { continue };
                 let near = zones.face(w, *cut);
                 let from = self.piece_points.len() as u32;
                 self.piece_points.extend(corners.map(|x| (x, NONE)));

@@ -9,12 +9,12 @@ use crate::contacts::classify::{classify, Judged, Stand};
 use crate::contacts::counting::lay_out;
 use crate::contacts::cut::find_points;
 use crate::contacts::joins::{join_across_faces, join_along_the_curve, Roots};
-use crate::contacts::normals::eight_normals;
+use crate::contacts::normals::{eight_normals, is_thin};
 use crate::contacts::numbered::{Numbered, NumberedBelow};
 use crate::contacts::walk::{walk, Walked};
-use crate::contacts::Ground;
+use crate::contacts::{Ground, NEARLY};
 use crate::simd::WIDE_LANES;
-use crate::vectors::{dot, scaled, sub};
+use crate::vectors::{dot, normal, scaled, sub};
 
 /// A triangle that is cut.
 #[derive(Debug, Clone)]
@@ -78,6 +78,8 @@ pub(crate) struct Zones {
     pub place_of_cut: Vec<u32>,
     /// Whether all was walked over.
     pub complete: bool,
+    /// How high triangles of tool and mock-up must be over their longest edges for their normals to count: see [`NEARLY`].
+    pub thin: [f64; 2],
     /// Cut triangles by their places among the faces, and after them those that were walked over.
     pub places: Places,
 }
@@ -127,10 +129,15 @@ impl Zones {
     fn find_normals(&mut self, ground: &Ground<'_>) {
         for w in [TOOL, MOCKUP] {
             for faces in self.faces[w].chunks_mut(WIDE_LANES) {
-                let normals = eight_normals(ground.lanes, faces.len(), |i| &faces[i].corners);
+                let (normals, mut thin) = eight_normals(ground.lanes, faces.len(), self.thin[w], |i| &faces[i].corners);
                 for (face, n) in faces.iter_mut().zip(normals) {
                     let sense = if ground.adjacency[w].outward[face.id as usize] < 0 { -1.0 } else { 1.0 };
                     face.normal = n.map_or([0.0; 3], |n| scaled(&n, sense));
+                }
+                while thin != 0 {
+                    let face = &mut faces[thin.trailing_zeros() as usize];
+                    face.normal = normal_beside(ground, w, face.id, self.thin[w]).unwrap_or(face.normal);
+                    thin &= thin - 1;
                 }
             }
         }
@@ -274,6 +281,8 @@ pub(crate) fn find<'a>(ground: &Ground<'_>, pairs: &[[u32; 2]], scratch: &'a mut
         });
         zones.cuts.push(Cut { faces, points: (0, 0), flat: false });
     }
+    zones.thin =
+        [ground.tool.mesh().bounds(), ground.mockup.part_bounds()[part as usize]].map(|b| NEARLY * b.longest());
     zones.find_normals(ground);
     find_points(ground.lanes, &zones.faces, &mut zones.cuts, &mut zones.points);
     let mut roots = Roots((0..zones.cuts.len() as u32).collect());
@@ -291,6 +300,34 @@ pub(crate) fn find<'a>(ground: &Ground<'_>, pairs: &[[u32; 2]], scratch: &'a mut
     zones.complete = walked.iter().all(|walked| walked.complete);
     zones.sort_by_zone(&mut roots, zone_of_root, walked);
     zones
+}
+
+/// Most triangles among which [`normal_beside`] looks for one that is not thin.
+const MOST_BESIDE: usize = 16;
+
+/// The normal of the nearest triangle over long edges that is not thin: what a thin one is a part of.
+fn normal_beside(ground: &Ground<'_>, w: usize, id: u32, thin: f64) -> Option<Point> {
+    let mut seen = vec![id];
+    let mut next = 0;
+    while next < seen.len() {
+        let t = ground.triangle(w, seen[next]);
+        let edge = |k: usize| sub(&t[(k + 1) % 3], &t[k]);
+        let mut sides =
+            [0, 1, 2].map(|k| (dot(&edge(k), &edge(k)), ground.adjacency[w].neighbours[seen[next] as usize][k]));
+        sides.sort_by(|p, q| q.0.total_cmp(&p.0));
+        for (_, n) in sides.into_iter().filter(|(_, n)| *n != NONE) {
+            let beside = ground.triangle(w, n);
+            if !is_thin(&beside, thin) {
+                let sense = if ground.adjacency[w].outward[n as usize] < 0 { -1.0 } else { 1.0 };
+                return normal(&beside).map(|n| scaled(&n, sense));
+            }
+            if !seen.contains(&n) && seen.len() < MOST_BESIDE {
+                seen.push(n);
+            }
+        }
+        next += 1;
+    }
+    None
 }
 
 /// Turns the normals of open surfaces to the side that counts as outside, and those of thin closed ones that the tool went
