@@ -82,25 +82,28 @@ pub(crate) fn join_across_faces(w: usize, zones: &Zones, roots: &mut Roots) {
                 (*i, scaled(&add(&a, &b), 0.5), zones.faces[1 - w][cut.faces[1 - w] as usize].normal)
             })
             .collect();
-        // The nearest cuts of each two zones.
-        let mut nearest: Vec<(u32, u32, f64, usize, usize)> = Vec::new();
+        let mut zones_here: Vec<u32> = spots.iter().map(|spot| roots.of(spot.0)).collect();
+        let of_spot = zones_here.clone();
+        zones_here.sort_unstable();
+        zones_here.dedup();
+        let zone_of: Vec<usize> = of_spot.iter().map(|root| zones_here.partition_point(|zone| zone < root)).collect();
+        // The nearest cuts of each two zones, in rows by the first of them.
+        let mut nearest: Vec<(f64, usize, usize)> = vec![(f64::INFINITY, 0, 0); zones_here.len() * zones_here.len()];
         for i in 0..spots.len() {
             for j in 0..i {
-                let (a, b) = (roots.of(spots[i].0), roots.of(spots[j].0));
+                let (a, b) = (zone_of[i], zone_of[j]);
                 if a == b {
                     continue;
                 }
-                let key = (a.min(b), a.max(b));
                 let way = sub(&spots[i].1, &spots[j].1);
                 let square = dot(&way, &way);
-                match nearest.iter_mut().find(|n| (n.0, n.1) == key) {
-                    Some(n) if n.2 <= square => {}
-                    Some(n) => *n = (key.0, key.1, square, i, j),
-                    None => nearest.push((key.0, key.1, square, i, j)),
+                let nearest = &mut nearest[a.min(b) * zones_here.len() + a.max(b)];
+                if square < nearest.0 {
+                    *nearest = (square, i, j);
                 }
             }
         }
-        for (_, _, square, i, j) in nearest {
+        for (square, i, j) in nearest.into_iter().filter(|(square, ..)| *square < f64::INFINITY) {
             let way = sub(&spots[j].1, &spots[i].1);
             let behind = -0.1 * square.sqrt();
             if dot(&way, &spots[i].2) < behind || -dot(&way, &spots[j].2) < behind {

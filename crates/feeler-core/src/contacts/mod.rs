@@ -83,6 +83,14 @@ pub const FEW_DEEP: usize = 6;
 /// So many deep planes are an answer without anything that is only near.
 pub const MANY_DEEP: usize = 12;
 
+/// So many pairs that are near are enough: beyond, what is a little farther than the nearest is not worth its time. Two fine
+/// surfaces one in the other are all near, each triangle to thousands.
+const MANY_NEAR: usize = 1 << 20;
+
+/// Times that the margin is halved to have fewer, and by how much it is more than the least distance at least.
+const MOST_HALVINGS: usize = 10;
+const BESIDE_THE_NEAREST: f64 = 1.05;
+
 /// Pairs of a query from which on its working memory is not kept.
 const MOST_HELD: usize = 1 << 16;
 
@@ -263,7 +271,8 @@ impl Scene {
     /// tool belongs. Without it the side of the tool's centre of area counts. Closed surfaces have an inside and need it only
     /// where the tool went right through.
     ///
-    /// Beside more than [`FEW_DEEP`] deep planes the margin shrinks in proportion, to nothing at [`MANY_DEEP`].
+    /// Beside more than [`FEW_DEEP`] deep planes the margin shrinks in proportion, to nothing at [`MANY_DEEP`]; and it is halved
+    /// while more than a million pairs of triangles are within it.
     ///
     /// Errors: a margin that is negative, NaN or infinite, and more near pairs than the memory limit of the scene allows.
     pub fn contacts(&self, tool: &Tool, pose: &Pose, margin: f64, reference: Option<&Pose>) -> Result<Contacts> {
@@ -312,7 +321,7 @@ impl Scene {
         if let Some(margin) = beside(deep) {
             let planes = places.iter().flat_map(|place| &place.planes);
             let dividers: Vec<Divider> = planes.map(|plane| gaps::divider(plane, margin)).collect();
-            let near = self.near_candidates(tool, pose, margin, &dividers)?;
+            let (margin, near) = self.near_by(tool, pose, margin, &dividers)?;
             let mut gaps = NearPairs::new(&ground, margin, lists);
             for (part, same) in by_part.sort(&near, |c| c.part, candidates) {
                 let mut apart = Place::default();
@@ -331,6 +340,24 @@ impl Scene {
         self.put_scratch(scratch);
         contacts.finish();
         Ok(contacts)
+    }
+
+    /// The pairs within a margin; where these are too many, within a half of it, a quarter and so on, but never without the
+    /// nearest. And that margin.
+    fn near_by(&self, tool: &Tool, pose: &Pose, margin: f64, dividers: &[Divider]) -> Result<(f64, Vec<Candidate>)> {
+        if let Some(near) = self.near_candidates(tool, pose, margin, dividers, MANY_NEAR)? {
+            return Ok((margin, near));
+        }
+        let nearest = self.closest(tool, pose, margin)?.map_or(0.0, |gap| gap.distance);
+        let mut within = margin;
+        for _ in 0..MOST_HALVINGS {
+            within = (0.5 * within).max(BESIDE_THE_NEAREST * nearest).min(margin);
+            if let Some(near) = self.near_candidates(tool, pose, within, dividers, MANY_NEAR)? {
+                return Ok((within, near));
+            }
+        }
+        // As many as there must be where surfaces are flush.
+        Ok((within, self.near_candidates(tool, pose, within, dividers, usize::MAX)?.unwrap_or_default()))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::shapes::{box_mesh, Arrays};
+use super::shapes::{box_mesh, sheet, Arrays};
 use super::tests::{at, scene, tool, turned};
 use super::*;
 use crate::scene::SceneOptions;
@@ -14,7 +14,7 @@ fn candidates_are_all_that_is_near_and_their_bounds_hold() {
     let held = tool(box_mesh([0.0; 3], [0.03, 0.02, 0.02], 5));
     for (angle, z) in [(0.0, 0.0205), (0.3, 0.0215), (0.7, 0.018), (1.1, 0.03)] {
         let pose = turned(angle, [0.011, -0.007, z]);
-        let candidates = near.near_candidates(&held, &pose, 0.002, &[]).unwrap();
+        let candidates = near.near_candidates(&held, &pose, 0.002, &[], usize::MAX).unwrap().unwrap();
         for gap in near.near_pairs(&held, &pose, 0.002).unwrap() {
             let same =
                 |c: &&Candidate| (c.tool_triangle, c.mockup_triangle) == (gap.tool_triangle, gap.mockup_triangle);
@@ -32,7 +32,7 @@ fn a_pair_that_many_voxels_offer_takes_little_memory() {
     let storage = Storage::Hashed { level: 0.3 };
     let options = SceneOptions { voxel_size: Some(0.001), storage, memory_limit: 1 << 20, tool: None };
     let near = Scene::build(mockup, &options, &|_, _| true).unwrap();
-    let found = near.near_candidates(&held, &at(0.0, 0.0, 0.021), 0.05, &[]).unwrap();
+    let found = near.near_candidates(&held, &at(0.0, 0.0, 0.021), 0.05, &[], usize::MAX).unwrap().unwrap();
     assert!(found.len() > 12, "{}", found.len());
 }
 
@@ -48,7 +48,7 @@ fn dividers_leave_out_only_what_they_hold_apart() {
     for (angle, z) in [(0.0, 0.0205), (0.3, 0.0215), (0.7, 0.018)] {
         let pose = turned(angle, [0.011, -0.007, z]);
         let pairs = |dividers: &[Divider]| {
-            let found = plate.near_candidates(&held, &pose, 0.002, dividers).unwrap();
+            let found = plate.near_candidates(&held, &pose, 0.002, dividers, usize::MAX).unwrap().unwrap();
             let mut pairs: Vec<[u32; 2]> = found.iter().map(|c| [c.tool_triangle, c.mockup_triangle]).collect();
             pairs.sort_unstable();
             pairs.dedup();
@@ -156,4 +156,19 @@ fn near_planes_do_not_depend_on_the_order_in_which_pairs_are_measured() {
         planes += found[0].planes.len();
     }
     assert!(planes > 100, "{planes}");
+}
+
+#[test]
+fn of_too_many_near_pairs_the_nearest_count() {
+    // Two fine plates, of which every two triangles are within the margin.
+    let plate = |z: f64| sheet(110, 110, move |s, t| [0.011 * (s - 0.5), 0.011 * (t - 0.5), z]);
+    let (below, above) = (scene(plate(0.0)), tool(plate(0.0)));
+    let pose = at(0.0, 0.0, 0.0003);
+    let near =
+        |within: f64| below.near_candidates(&above, &pose, within, &[], MANY_NEAR).unwrap().map(|near| near.len());
+    // A half of what is too much may be nothing.
+    assert_eq!((near(0.03), near(0.03 / 64.0), near(0.03 / 128.0)), (None, None, Some(0)));
+    let planes = below.contacts(&above, &pose, 0.03, None).unwrap().planes;
+    assert_eq!(planes.len(), 1, "{planes:?}");
+    assert!((planes[0].gap - 0.0003).abs() < 1e-12 && planes[0].normal[2] > 1.0 - 1e-12, "{planes:?}");
 }

@@ -65,7 +65,7 @@ impl Scene {
     }
 
     /// Pairs that may be within a distance (metres, not checked), in no order but always the same; without most of those whose
-    /// pieces `dividers` (sorted by part) hold apart.
+    /// pieces `dividers` (sorted by part) hold apart. `None` where they are more than `most`.
     ///
     /// Errors: more of them than the memory limit of the scene allows.
     pub(crate) fn near_candidates(
@@ -74,21 +74,23 @@ impl Scene {
         pose: &Pose,
         within: f64,
         dividers: &[Divider],
-    ) -> Result<Vec<Candidate>> {
+        most: usize,
+    ) -> Result<Option<Vec<Candidate>>> {
         let mut scratch = self.take_scratch();
         let ProximityScratch { gaps, places, sorted, search, near, candidates } = &mut scratch.proximity;
-        let (most, lanes) = (self.most_gaps(), self.checked_lanes());
+        let (allowed, lanes) = (self.most_gaps(), self.checked_lanes());
         let lists = (gaps, places, sorted);
-        let mut wanted = Wanted::new(self.mockup(), tool, pose, lanes, Goal::Candidates, within, most, lists);
+        let limit = most.min(allowed);
+        let mut wanted = Wanted::new(self.mockup(), tool, pose, lanes, Goal::Candidates, within, limit, lists);
         wanted.collect_into(std::mem::take(candidates));
         wanted.dividers = dividers;
         self.store().search(search, near, &mut wanted);
         let found = wanted.collect_into(Vec::new());
         self.put_scratch(scratch);
-        match found.len() <= most {
-            true => Ok(found),
-            false => Err(self.too_many_gaps(found.len())),
+        if found.len() > allowed {
+            return Err(self.too_many_gaps(found.len()));
         }
+        Ok((found.len() <= most).then_some(found))
     }
 
     /// Gives the list back, for the next query to use its memory. A long list is not held for ever.
