@@ -212,6 +212,15 @@ impl Ground<'_> {
         }
     }
 
+    /// What the winding's normal of a triangle is to be multiplied by to look outward where its surface is closed.
+    fn sense(&self, w: usize, id: u32) -> f64 {
+        if self.adjacency[w].outward[id as usize] < 0 {
+            -1.0
+        } else {
+            1.0
+        }
+    }
+
     /// The pairs one step over an edge of either triangle from a pair.
     fn beside(&self, [t, m]: [u32; 2]) -> impl Iterator<Item = [u32; 2]> {
         let beside_t = self.adjacency[TOOL].neighbours[t as usize].map(|n| [n, m]);
@@ -348,10 +357,13 @@ impl Scene {
         if let Some(near) = self.near_candidates(tool, pose, margin, dividers, MANY_NEAR)? {
             return Ok((margin, near));
         }
-        let nearest = self.closest(tool, pose, margin)?.map_or(0.0, |gap| gap.distance);
+        let least = self.closest(tool, pose, margin)?.map_or(0.0, |gap| BESIDE_THE_NEAREST * gap.distance).min(margin);
         let mut within = margin;
         for _ in 0..MOST_HALVINGS {
-            within = (0.5 * within).max(BESIDE_THE_NEAREST * nearest).min(margin);
+            if within <= least {
+                break;
+            }
+            within = (0.5 * within).max(least);
             if let Some(near) = self.near_candidates(tool, pose, within, dividers, MANY_NEAR)? {
                 return Ok((within, near));
             }

@@ -131,8 +131,7 @@ impl Zones {
             for faces in self.faces[w].chunks_mut(WIDE_LANES) {
                 let (normals, mut thin) = eight_normals(ground.lanes, faces.len(), self.thin[w], |i| &faces[i].corners);
                 for (face, n) in faces.iter_mut().zip(normals) {
-                    let sense = if ground.adjacency[w].outward[face.id as usize] < 0 { -1.0 } else { 1.0 };
-                    face.normal = n.map_or([0.0; 3], |n| scaled(&n, sense));
+                    face.normal = n.map_or([0.0; 3], |n| scaled(&n, ground.sense(w, face.id)));
                 }
                 while thin != 0 {
                     let face = &mut faces[thin.trailing_zeros() as usize];
@@ -318,8 +317,7 @@ fn normal_beside(ground: &Ground<'_>, w: usize, id: u32, thin: f64) -> Option<Po
         for (_, n) in sides.into_iter().filter(|(_, n)| *n != NONE) {
             let beside = ground.triangle(w, n);
             if !is_thin(&beside, thin) {
-                let sense = if ground.adjacency[w].outward[n as usize] < 0 { -1.0 } else { 1.0 };
-                return normal(&beside).map(|n| scaled(&n, sense));
+                return normal(&beside).map(|normal| scaled(&normal, ground.sense(w, n)));
             }
             if !seen.contains(&n) && seen.len() < MOST_BESIDE {
                 seen.push(n);
