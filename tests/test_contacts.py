@@ -196,3 +196,19 @@ def test_the_quick_tables(
     table = [line.split("|")[1:-1] for line in capsys.readouterr().out.splitlines()]
     rows = [row for row in table if row and row[0].strip() in ("torque", "wrench", "square", "hand")]
     assert len(rows) == 4 and all(sum(int(x) for x in row[1:4]) == 10 for row in rows)
+
+
+@pytest.mark.parametrize(("name", "kind"), [("torque", "nominal"), ("square", "nominal"), ("wrench", "deep")])
+def test_every_part_that_is_met_has_a_plane(name: str, kind: str) -> None:
+    """However the tool came there: a force that does not feel a part lets the tool through."""
+    scene = feeler.Scene(feeler.sample("engine", 100_000))
+    tool = feeler.sample_tool(name)
+    asked = 0
+    for pose in feeler.sample_poses(scene, tool, kind, 200):
+        found = scene.contacts(tool, pose)
+        if found.omitted or np.count_nonzero(found.gaps < 0) >= 12:
+            continue
+        met = scene.collide(tool, pose).parts
+        assert set(met.tolist()) <= set(found.parts[found.gaps <= 0].tolist()), pose
+        asked += len(met)
+    assert asked > 100

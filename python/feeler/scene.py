@@ -226,7 +226,8 @@ class Scene(_core.Scene):
 
         They stand for all that meets and all that is nearer than `margin` (metres), and do not depend on how finely
         the surfaces are cut into triangles. Beside more than 6 deep ones the margin shrinks, to nothing at 12;
-        where more than a million pairs of triangles are within it, it is halved until they are fewer.
+        where more than a million pairs of triangles are within it, it is halved until they are fewer. Unless 12 are
+        deep, each part that is met has a plane that is not a gap.
         `reference`: a pose `(4, 4)` at which the tool was free before: it tells on which side of open surfaces the
         tool belongs (see `ContactTracker`, and docs/contacts.md). Raises `OptionError` where `margin` is negative, NaN
         or infinite.

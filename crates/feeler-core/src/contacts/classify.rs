@@ -18,7 +18,7 @@ pub(crate) fn classify(ground: &Ground<'_>, part: u32, zones: &mut Zones) {
         ground.lanes.run(Nearest { zones, w, stands: &stands, out: &mut judged });
         let enclosure = ground.enclosure(1 - w, part);
         for (i, corners) in judged.iter().enumerate() {
-            let Zones { faces, cuts, .. } = &mut *zones;
+            let Zones { faces, cuts, way, .. } = &mut *zones;
             let [of_tool, of_mockup] = faces;
             let (face, others) =
                 if w == TOOL { (&mut of_tool[i], &*of_mockup) } else { (&mut of_mockup[i], &*of_tool) };
@@ -32,7 +32,7 @@ pub(crate) fn classify(ground: &Ground<'_>, part: u32, zones: &mut Zones) {
                 let k = inside.trailing_zeros() as usize;
                 inside &= inside - 1;
                 let cut = &cuts[corners.cuts[k] as usize];
-                let is_closed = others[cut.faces[1 - w] as usize].closed;
+                let is_closed = others[cut.faces[1 - w] as usize].closed && (w == MOCKUP || way.is_none());
                 if is_closed && !ground.is_enclosed(1 - w, &enclosure, &face.corners[k]) {
                     face.side[k] = 1;
                 }
@@ -80,6 +80,7 @@ impl Kernel for Stands<'_> {
         let is_of_tool = s.wide_above(s.wide_splat(2.5), s.wide_load(&[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]));
         for i in 0..self.zones.cuts.len() as u32 {
             let (tool, mockup) = (self.zones.face(TOOL, i), self.zones.face(MOCKUP, i));
+            let (outward, _) = self.zones.side_of(MOCKUP, self.zones.cuts[i as usize].faces[MOCKUP]);
             let (p, q) = (&tool.corners, &mockup.corners);
             let corners = s.wide_points([&p[0], &p[1], &p[2], &q[0], &q[1], &q[2], &q[2], &q[2]]);
             let [a, b] = self.zones.ends(i);
@@ -92,7 +93,7 @@ impl Kernel for Stands<'_> {
             }
             let mut height = zero;
             for k in 0..3 {
-                let n = s.choose(is_of_tool, s.wide_splat(mockup.normal[k]), s.wide_splat(tool.normal[k]));
+                let n = s.choose(is_of_tool, s.wide_splat(outward[k]), s.wide_splat(tool.normal[k]));
                 height = if k == 0 { from[k] * n } else { height + from[k] * n };
             }
             let mut off = from;
@@ -231,7 +232,7 @@ mod tests {
             let pairs = block.collide(&frame, &pose, Filters::default()).pairs;
             let ground = Ground::new(&block, &frame, &pose, None);
             let mut scratch = ZonesScratch::default();
-            let zones = find(&ground, &pairs, &mut scratch);
+            let zones = find(&ground, &pairs, None, &mut scratch);
             for level in Level::available() {
                 let (mut stands, mut nearest) = (Vec::new(), Vec::new());
                 level.checked().run(Stands { zones, out: &mut stands });

@@ -336,5 +336,6 @@ fn plane_of(ground: &Ground<'_>, gap: &Gap) -> ContactPlane {
         tool_triangles: Vec::new(),
         mockup_triangles: Vec::new(),
         certain: true,
+        assumed: false,
     }
 }

@@ -34,6 +34,9 @@ mod patches;
 mod penetration;
 mod place;
 mod points;
+mod right_through;
+#[cfg(test)]
+mod right_through_tests;
 mod sets;
 #[cfg(test)]
 mod shapes;
@@ -61,6 +64,7 @@ use crate::contacts::counting::ByPart;
 use crate::contacts::depth::{Depth, Directions, FirstDepth, Pair};
 use crate::contacts::gaps::{NearLists, NearPairs, SAME_DIRECTION};
 use crate::contacts::patches::Patches;
+use crate::contacts::right_through::RightThrough;
 use crate::contacts::sets::{is_meeting, shared};
 use crate::contacts::zones::{Face, Zones, ZonesScratch, MOCKUP, TOOL};
 use crate::error::{Error, Result};
@@ -118,6 +122,8 @@ pub struct ContactPlane {
     pub mockup_triangles: Vec<u32>,
     /// Whether the surfaces there are flat-faced and every direction was tried.
     pub(crate) certain: bool,
+    /// Whether the side of the surface that it is on had to be assumed: see [`RightThrough`].
+    pub(crate) assumed: bool,
 }
 
 /// The contact planes at one pose.
@@ -141,6 +147,18 @@ struct Place<'a> {
     /// Triangles of tool and mock-up that are wholly inside the other, sorted.
     inside: [Vec<u32>; 2],
     planes: Vec<ContactPlane>,
+}
+
+impl Place<'_> {
+    /// Adds what is inside in a zone.
+    fn add_inside(&mut self, zones: &Zones, zone: usize) {
+        (0..2).for_each(|w| self.inside[w].extend(zones.inside_of(zone, w).iter().map(|t| t[0])));
+    }
+}
+
+/// How many planes are deep.
+fn count_deep(places: &[Place<'_>]) -> usize {
+    places.iter().flat_map(|place| &place.planes).filter(|p| p.gap < 0.0).count()
 }
 
 /// What one query knows.
@@ -314,20 +332,32 @@ impl Scene {
         let part_of = |pair: &[u32; 2]| self.mockup().part_of_face(pair[1]);
         let ground = Ground::new(self, tool, pose, reference);
         let mut places: Vec<Place<'_>> = Vec::new();
+        let mut right_through = Vec::new();
         for (part, pairs) in by_part.sort(&hits, part_of, meeting) {
             let mut place = Place { part, pairs, ..Place::default() };
-            let zones = zones::find(&ground, pairs, zones_scratch);
+            let zones = zones::find(&ground, pairs, None, zones_scratch);
             for zone in 0..zones.zones.len() {
-                push_zone(&ground, zones, zone, place.part, zone_scratch, &mut place.planes);
-                (0..2).for_each(|w| place.inside[w].extend(zones.inside_of(zone, w).iter().map(|t| t[0])));
+                let before = place.planes.len();
+                push_zone(&ground, zones, zone, part, zone_scratch, &mut place.planes);
+                place.add_inside(zones, zone);
+                if place.planes.len() == before {
+                    right_through.extend(RightThrough::new(&ground, zones, zone).map(|found| (places.len(), found)));
+                }
             }
-            place.inside.iter_mut().for_each(|ids| ids.sort_unstable());
             places.push(place);
         }
+        if count_deep(&places) < MANY_DEEP {
+            for (place, right_through) in right_through {
+                let RightThrough { pairs, way } = &right_through;
+                let (zones, place) = (zones::find(&ground, pairs, Some(*way), zones_scratch), &mut places[place]);
+                place.planes.push(right_through.plane(&ground, zones, place.part));
+                (0..zones.zones.len()).for_each(|zone| place.add_inside(zones, zone));
+            }
+        }
+        places.iter_mut().flat_map(|place| &mut place.inside).for_each(|ids| ids.sort_unstable());
         let mut contacts = Contacts { is_meeting: !places.is_empty(), ..Contacts::default() };
         let mut held = hits.len();
-        let deep = places.iter().flat_map(|place| &place.planes).filter(|p| p.gap < 0.0).count();
-        if let Some(margin) = beside(deep) {
+        if let Some(margin) = beside(count_deep(&places)) {
             let planes = places.iter().flat_map(|place| &place.planes);
             let dividers: Vec<Divider> = planes.map(|plane| gaps::divider(plane, margin)).collect();
             let (margin, near) = self.near_by(tool, pose, margin, &dividers)?;
@@ -412,6 +442,7 @@ fn push_zone(
             tool_triangles: ids(TOOL),
             mockup_triangles: ids(MOCKUP),
             certain: depth.certain && zones.complete,
+            assumed: false,
         });
     }
 }

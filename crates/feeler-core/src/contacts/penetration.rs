@@ -41,6 +41,16 @@ pub struct Penetration {
     pub contacts: Contacts,
 }
 
+/// A tool that meets something, and what is asked about it.
+struct Stuck<'a> {
+    tool: &'a Tool,
+    pose: &'a Pose,
+    margin: f64,
+    reference: Option<&'a Pose>,
+    /// Metres.
+    longest: f64,
+}
+
 impl Scene {
     /// The translation of least length that frees the tool where it is: shortest over the contact planes of the pose, checked
     /// at the moved pose, and sought anew with the planes met there. Where that frees nothing, a way is sought along many
@@ -54,19 +64,51 @@ impl Scene {
         if !contacts.is_meeting {
             return Ok(Penetration { translation: [0.0; 3], depth: 0.0, kind: PenetrationKind::Exact, contacts });
         }
-        let mut planes: Vec<(Point, f64)> = contacts.planes.iter().map(|p| (p.normal, -p.gap)).collect();
-        let mut certain: Vec<bool> = contacts.planes.iter().map(|p| p.certain).collect();
+        // A way longer than the tool is no way out of where it is.
+        let longest = length(&tool.mesh().bounds().extent());
+        let stuck = Stuck { tool, pose, margin, reference, longest };
+        let (mut translation, mut kind) = self.way_over(&stuck, &contacts, |p| !p.assumed)?;
+        // The longest way that is still of use.
+        let mut limit = if kind == PenetrationKind::Estimate { longest } else { length(&translation) };
+        let mut directions: Vec<Point> = contacts.planes.iter().map(|p| p.normal).collect();
+        directions.extend(unit(&translation));
+        directions.extend(directions_of(pose));
+        let is_sought = kind == PenetrationKind::Estimate;
+        if contacts.planes.iter().any(|p| p.assumed) {
+            // The tool may have come from the other side, too: the shorter of both.
+            let (other, is) = self.way_over(&stuck, &contacts, |_| true)?;
+            if is != PenetrationKind::Estimate && length(&other) < limit {
+                (translation, kind, limit) = (other, PenetrationKind::Bound, length(&other));
+            }
+        }
+        if is_sought {
+            if let Some(way) = self.way_out(tool, pose, &directions, limit) {
+                (translation, kind) = (way, PenetrationKind::Bound);
+            }
+        }
+        Ok(Penetration { depth: length(&translation), translation, kind, contacts })
+    }
+
+    /// The shortest way over those of the contact planes that count, and over those that count at the poses it leads to.
+    fn way_over(
+        &self,
+        stuck: &Stuck<'_>,
+        contacts: &Contacts,
+        counts: impl Fn(&ContactPlane) -> bool,
+    ) -> Result<(Point, PenetrationKind)> {
+        let Stuck { tool, pose, margin, reference, longest } = *stuck;
+        let counting = || contacts.planes.iter().filter(|p| counts(p));
+        let mut planes: Vec<(Point, f64)> = counting().map(|p| (p.normal, -p.gap)).collect();
+        let mut certain: Vec<bool> = counting().map(|p| p.certain).collect();
         // Off the surface by the rounding of a placed corner at least.
         let coordinates = self.mockup().mesh().bounds().largest_coordinate();
         let least = 1e-14 * (coordinates + pose.largest_translation()) + tool.margin_at(pose);
-        // A way longer than the tool is no way out of where it is.
-        let longest = length(&tool.mesh().bounds().extent());
         let leave = |planes: &[(Point, f64)]| {
             shortest(planes).filter(|(way, _)| length(way) <= longest).map(|(way, held)| {
                 // Every plane that holds the way is left by `off`.
                 let length = length(&way);
                 let off = OFF * length + least;
-                let outward = if length > 0.0 { scaled(&way, 1.0 / length) } else { first_normal(&contacts) };
+                let outward = if length > 0.0 { scaled(&way, 1.0 / length) } else { first_normal(contacts) };
                 let lean = held.iter().map(|i| dot(&outward, &planes[*i].0)).fold(1.0, f64::min).max(0.01);
                 (add(&way, &scaled(&outward, off / lean)), way, held)
             })
@@ -90,7 +132,7 @@ impl Scene {
             }
             let there = self.contacts(tool, &moved, margin, reference)?;
             let before = planes.len();
-            for plane in there.planes.iter().filter(|p| p.gap <= 0.0) {
+            for plane in there.planes.iter().filter(|p| p.gap <= 0.0 && counts(p)) {
                 planes.push((plane.normal, dot(&plane.normal, &translation) - plane.gap));
                 certain.push(false);
             }
@@ -128,15 +170,7 @@ impl Scene {
         if kind == PenetrationKind::Bound && !self.is_free_and_outside(tool, &pose.translated(&translation)?) {
             kind = PenetrationKind::Estimate;
         }
-        if kind == PenetrationKind::Estimate {
-            let mut directions: Vec<Point> = contacts.planes.iter().map(|p| p.normal).collect();
-            directions.extend(unit(&translation));
-            directions.extend(directions_of(pose));
-            if let Some(way) = self.way_out(tool, pose, &directions, longest) {
-                (translation, kind) = (way, PenetrationKind::Bound);
-            }
-        }
-        Ok(Penetration { depth: length(&translation), translation, kind, contacts })
+        Ok((translation, kind))
     }
 }
 

@@ -39,6 +39,15 @@ impl Walked {
     }
 }
 
+/// From where a walk comes to a triangle.
+#[derive(Clone, Copy)]
+struct Step {
+    triangle: u32,
+    is_cut: bool,
+    /// Whether the edge between the two is, both its ends.
+    is_inside: bool,
+}
+
 /// Finds the uncut triangles of one surface beyond the other over shared edges.
 ///
 /// What lies inside a solid lies inside its box. A walk that comes out of there went through a gap in the curve, or started on
@@ -61,7 +70,7 @@ pub(crate) fn walk(
     let enclosure = ground.enclosure(1 - w, part);
     let first = zones.faces[w].len();
     let mut is_refused = false;
-    let mut reach = |triangle: u32, from: Option<u32>, cut: u32, found: &mut Vec<(u32, u32)>| {
+    let mut reach = |triangle: u32, from: Step, cut: u32, found: &mut Vec<(u32, u32)>| {
         if triangle == NONE || found.len() >= MOST_WALKED {
             return;
         }
@@ -75,30 +84,33 @@ pub(crate) fn walk(
             return;
         }
         if let Some(place) = known {
-            if let Some(from) = from {
-                let face = &zones.faces[w][place];
-                // The ends of the edge over which it came.
-                let edge = adjacency.neighbours[triangle as usize].map(|n| n == from);
-                let shared = (0..3).filter(|k| face.nearest[*k] != NONE && (edge[*k] || edge[(k + 2) % 3]));
+            let face = &zones.faces[w][place];
+            // The ends of the edge over which it came.
+            let edge = adjacency.neighbours[triangle as usize].map(|n| n == from.triangle);
+            let mut shared = (0..3).filter(|k| face.nearest[*k] != NONE && (edge[*k] || edge[(k + 2) % 3]));
+            if !from.is_cut {
                 // Another curve: what was walked over lies between the two.
                 bridged.extend(shared.clone().next().map(|k| (cut, face.nearest[k])));
                 let c = &zones.cuts[cut as usize];
-                if zones.faces[1 - w][c.faces[1 - w] as usize].closed {
+                if zones.side_of(1 - w, c.faces[1 - w]).1 {
                     let side: i8 = shared.map(|k| face.side[k]).sum();
                     votes.push((cut, side.signum()));
                 }
+            } else if from.is_inside && shared.clone().all(|k| face.side[k] < 0) {
+                // Between the two is nothing but their edge.
+                bridged.extend(shared.next().map(|k| (cut, face.nearest[k])));
             }
             return;
         }
         let c = &zones.cuts[cut as usize];
-        let (plane, at) = (&zones.faces[1 - w][c.faces[1 - w] as usize], &zones.points[c.points.0 as usize]);
+        let ((normal, closed), at) = (zones.side_of(1 - w, c.faces[1 - w]), &zones.points[c.points.0 as usize]);
         let t = ground.triangle(w, triangle);
         // An open surface ends somewhere, and round its border the walk would come to the free side.
-        if !plane.closed && t.iter().any(|p| dot(&sub(p, at), &plane.normal) > 0.0) {
+        if !closed && t.iter().any(|p| dot(&sub(p, at), &normal) > 0.0) {
             return;
         }
-        if (plane.closed || w == MOCKUP) && !t.iter().all(|p| ground.is_enclosed(1 - w, &enclosure, p)) {
-            if plane.closed && from.is_some() {
+        if (closed || w == MOCKUP) && !t.iter().all(|p| ground.is_enclosed(1 - w, &enclosure, p)) {
+            if closed && !from.is_cut {
                 leaks.push(cut);
             }
             is_refused = true;
@@ -114,7 +126,8 @@ pub(crate) fn walk(
             let (a, b) = (face.side[k], face.side[l]);
             if a + b < 0 {
                 let cut = face.nearest[if a < 0 { k } else { l }];
-                reach(adjacency.neighbours[face.id as usize][k], None, cut, found);
+                let from = Step { triangle: face.id, is_cut: true, is_inside: a < 0 && b < 0 };
+                reach(adjacency.neighbours[face.id as usize][k], from, cut, found);
             }
         }
     }
@@ -127,7 +140,7 @@ pub(crate) fn walk(
             adjacency.neighbours[*later as usize].iter().for_each(|n| prefetch_at(faces, *n as usize));
         }
         for n in adjacency.neighbours[triangle as usize] {
-            reach(n, Some(triangle), cut, found);
+            reach(n, Step { triangle, is_cut: false, is_inside: true }, cut, found);
         }
     }
     *complete = found.len() < MOST_WALKED && !is_refused;

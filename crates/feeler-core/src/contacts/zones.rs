@@ -76,6 +76,9 @@ pub(crate) struct Zones {
     /// For each cut its zone, and its place among that zone's.
     pub zone_of_cut: Vec<u32>,
     pub place_of_cut: Vec<u32>,
+    /// Where the tool is taken to have come from, unit: then a corner of it is behind the mock-up's surface where it is behind the
+    /// plane across this way through the cut, whatever the surface faces there.
+    pub way: Option<Point>,
     /// Whether all was walked over.
     pub complete: bool,
     /// How high triangles of tool and mock-up must be over their longest edges for their normals to count: see [`NEARLY`].
@@ -106,6 +109,13 @@ impl Zones {
     /// The face of a cut.
     pub fn face(&self, w: usize, cut: u32) -> &Face {
         &self.faces[w][self.cuts[cut as usize].faces[w] as usize]
+    }
+
+    /// What tells on which side of a face the other surface is: a normal, and whether there is a solid behind it.
+    #[inline(always)]
+    pub fn side_of(&self, w: usize, face: u32) -> (Point, bool) {
+        let face = &self.faces[w][face as usize];
+        self.way.filter(|_| w == MOCKUP).map_or((face.normal, face.closed), |way| (way, false))
     }
 
     /// The cuts of each face of a surface.
@@ -262,12 +272,19 @@ pub(crate) struct ZonesScratch {
     zones: Zones,
 }
 
-/// Sorts the pairs of one part (sorted by tool triangle, then mock-up triangle) into zones.
-pub(crate) fn find<'a>(ground: &Ground<'_>, pairs: &[[u32; 2]], scratch: &'a mut ZonesScratch) -> &'a Zones {
+/// Sorts the pairs of one part (sorted by tool triangle, then mock-up triangle) into zones, the tool on the side that the surfaces
+/// say or a `way` does.
+pub(crate) fn find<'a>(
+    ground: &Ground<'_>,
+    pairs: &[[u32; 2]],
+    way: Option<Point>,
+    scratch: &'a mut ZonesScratch,
+) -> &'a Zones {
     let ZonesScratch { walked, zone_of_root, zones } = scratch;
     zones.clear();
     let mut places = std::mem::take(&mut zones.places);
     places.clear(ground);
+    zones.way = way;
     let part = pairs.first().map_or(0, |p| ground.mockup.part_of_face(p[1]));
     for pair in pairs {
         let faces = [TOOL, MOCKUP].map(|w| {
@@ -385,7 +402,7 @@ mod tests {
         let pairs = block.collide(&frame, &pose, Filters::default()).pairs;
         let ground = Ground::new(&block, &frame, &pose, None);
         let mut scratch = ZonesScratch::default();
-        find(&ground, &pairs, &mut scratch);
+        find(&ground, &pairs, None, &mut scratch);
         let zones = &mut scratch.zones;
         let found = |zones: &Zones| {
             let mut roots = Roots((0..zones.cuts.len() as u32).collect());
