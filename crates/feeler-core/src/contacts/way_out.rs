@@ -18,6 +18,10 @@ const STEP: f64 = 1.5;
 /// Times that the span between a length that frees the tool and one that does not is halved.
 const HALVINGS: usize = 8;
 
+/// Share of the longest from which down no shorter way is sought: it is less than any part is made to. Where surfaces only touch,
+/// there is always a shorter one.
+const NOTHING: f64 = 1e-9;
+
 /// By how much a way is turned (tangent) to find a shorter one, to which sides, how often at most, and the share by which it must be
 /// shorter.
 const TURNS: [f64; 4] = [0.5, 0.25, 0.12, 0.06];
@@ -25,6 +29,9 @@ const SIDES: [[f64; 2]; 6] = [[1.0, 0.0], [0.5, HIGH], [-0.5, HIGH], [-1.0, 0.0]
 const HIGH: f64 = 0.866_025_403_784_438_6; // the sine of 60 degrees
 const MOST_TURNS: usize = 8;
 const SHORTER: f64 = 0.02;
+
+/// The same for another of the directions given.
+const CLEARLY: f64 = 0.002;
 
 /// Most triangles looked at around a corner.
 const MOST_AROUND: usize = 256;
@@ -36,8 +43,12 @@ impl Scene {
         let is_free = |d: &Point, length: f64| {
             pose.translated(&scaled(d, length)).is_ok_and(|moved| self.is_free_and_outside(tool, &moved))
         };
+        let nothing = NOTHING * longest;
         let shorten = |d: &Point, mut held: f64, mut free: f64| {
             for _ in 0..HALVINGS {
+                if free <= nothing {
+                    break;
+                }
                 let middle = 0.5 * (held + free);
                 *(if is_free(d, middle) { &mut free } else { &mut held }) = middle;
             }
@@ -45,8 +56,14 @@ impl Scene {
         };
         let (mut before, mut reach) = (0.0, FIRST * longest);
         let (mut length, mut direction) = loop {
-            let free = directions.iter().filter(|d| is_free(d, reach));
-            let shortest = free.map(|d| (shorten(d, before, reach), *d)).min_by(|p, q| p.0.total_cmp(&q.0));
+            let mut shortest: Option<(f64, Point)> = None;
+            for d in directions {
+                // A way that is no shorter than the best is of no use: it is asked for no farther.
+                let most = shortest.map_or(reach, |(length, _)| (1.0 - CLEARLY) * length);
+                if most > nothing && is_free(d, most) {
+                    shortest = Some((shorten(d, before, most), *d));
+                }
+            }
             if let Some(found) = shortest {
                 break found;
             }
@@ -57,6 +74,9 @@ impl Scene {
         };
         for turn in TURNS {
             for _ in 0..MOST_TURNS {
+                if length <= nothing {
+                    break;
+                }
                 let less = (1.0 - SHORTER) * length;
                 let Some(turned) = around(&direction, turn).into_iter().flatten().find(|d| is_free(d, less)) else {
                     break;
@@ -170,6 +190,28 @@ mod tests {
         assert_eq!(plate.way_out(&block, &pose, &[down], 0.03), None);
         let way = plate.way_out(&block, &pose, &[down, up], 0.03).unwrap();
         assert!(way[2] >= 0.01 && length(&way) < 0.0105, "{way:?}");
+    }
+
+    #[test]
+    fn what_only_touches_is_left_by_next_to_nothing() {
+        // Two sheets of waves that lie in each other: any way off, however short, is one.
+        let wave = |i: usize, j: usize| 0.003 * (0.9 * i as f64).sin() * (1.1 * j as f64).sin();
+        let at = |i: usize, j: usize| [0.004 * i as f64, 0.004 * j as f64, wave(i, j)];
+        let n = 12;
+        let vertices = (0..=n).flat_map(|i| (0..=n).map(move |j| at(i, j))).collect::<Vec<_>>();
+        let corner = |i: usize, j: usize| (i * (n + 1) + j) as u32;
+        let faces = (0..n * n).flat_map(|k| {
+            let (i, j) = (k / n, k % n);
+            let (a, b, c, d) = (corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1));
+            [[a, b, c], [a, c, d]]
+        });
+        let sheet = (vertices, faces.collect::<Vec<_>>());
+        let (held, lying) = (scene(sheet.clone()), tool(sheet));
+        assert!(held.is_colliding(&lying, &Pose::IDENTITY));
+        let way = held.way_out(&lying, &Pose::IDENTITY, &directions_of(&Pose::IDENTITY), 0.1).unwrap();
+        assert!(!held.is_colliding(&lying, &Pose::IDENTITY.translated(&way).unwrap()));
+        let nothing = NOTHING * 0.1;
+        assert!((0.1 * nothing..=nothing).contains(&length(&way)), "{way:?}");
     }
 
     #[test]
