@@ -16,12 +16,17 @@ pub(crate) const MOST_NORMALS: usize = 24;
 /// Most pairs of edges whose directions are tried.
 pub(crate) const MOST_EDGES: usize = 100;
 
+/// Sine of the angle by which triangles of a facet may be turned from it, and a little.
+const ONE_TURN: f64 = 0.05;
+
 /// What is asked of a patch of a body.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Facet {
     pub normal: Point,
     pub size: f64,
     pub flat: bool,
+    /// Its triangles among those of all bodies.
+    triangles: (usize, usize),
 }
 
 /// Where the planes of two facets meet.
@@ -69,6 +74,7 @@ pub(crate) struct Bodies {
     /// For each patch its cuts, by their places in the zone.
     patch_cuts: Sets,
     eights: Vec<Eight>,
+    triangles: Vec<u32>,
     normals: Vec<(Point, f64)>,
     /// For each body the cuts it has a part in, by their places in the zone.
     pub cuts: Sets,
@@ -83,6 +89,8 @@ pub(crate) struct Body<'a> {
     /// Each once, or once for each of its facets.
     pub points: &'a [Point],
     pub point_eights: &'a [Eight],
+    /// Of all bodies: see [`facing`](Self::facing).
+    pub triangles: &'a [u32],
     /// For each point where among `point_cuts` its cuts are: those of the curve have several, others none.
     pub cuts_of: &'a [(u32, u32)],
     pub point_cuts: &'a [u32],
@@ -96,6 +104,13 @@ pub(crate) struct Body<'a> {
 }
 
 impl Body<'_> {
+    /// The triangles, whole, of the facets that do not face against a direction.
+    pub fn facing(&self, d: &Point) -> impl Iterator<Item = u32> + '_ {
+        let d = *d;
+        let facets = self.facets.iter().filter(move |f| dot(&f.normal, &d) > -ONE_TURN);
+        facets.flat_map(|f| self.triangles[f.triangles.0..f.triangles.1].iter().copied())
+    }
+
     /// The edges between each two facets.
     pub fn edges(&self) -> impl Iterator<Item = Edge> + '_ {
         let others = |i: usize| self.facets[i + 1..].iter();
@@ -119,6 +134,7 @@ impl Bodies {
             facets: &self.facets[e.facets.0..e.facets.1],
             points: &self.points[e.points.0..e.points.1],
             point_eights: &self.eights[e.point_eights.0..e.point_eights.1],
+            triangles: &self.triangles,
             cuts_of: &self.cuts_of[e.points.0..e.points.1],
             point_cuts: &self.point_cuts,
             normals: &self.normals[e.normals.0..e.normals.1],
@@ -143,6 +159,7 @@ impl Bodies {
         self.cuts_of.clear();
         self.point_cuts.clone_from(&patches.point_cuts);
         self.eights.clear();
+        self.triangles.clear();
         self.normals.clear();
         self.cuts.clear(clusters.count, cuts);
         self.patch_cuts.clear(patches.list.len(), cuts);
@@ -153,7 +170,10 @@ impl Bodies {
             let from = (self.facets.len(), self.points.len());
             for p in own.iter().chain(lent) {
                 let patch = &patches.list[*p as usize];
-                self.facets.push(Facet { normal: patch.normal, size: patch.size, flat: patch.flat });
+                let from = self.triangles.len();
+                self.triangles.extend(patches.triangles(patch));
+                let triangles = (from, self.triangles.len());
+                self.facets.push(Facet { normal: patch.normal, size: patch.size, flat: patch.flat, triangles });
                 self.cuts.join(i, self.patch_cuts.get(*p as usize));
             }
             for patch in own.iter().map(|p| &patches.list[*p as usize]) {

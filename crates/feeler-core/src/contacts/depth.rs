@@ -10,20 +10,29 @@ use crate::contacts::arcs::{is_against, Arcs};
 use crate::contacts::body::{edge_count, Body, Edge, MOST_EDGES, MOST_NORMALS};
 use crate::contacts::heights::{highest, highest_and_lowest, highest_of_eights, places_above, Reach};
 use crate::contacts::onward::Known;
+use crate::contacts::overlap::Overlap;
 use crate::contacts::zones::Zones;
+use crate::contacts::Ground;
 use crate::simd::{Checked, WIDE_LANES};
 use crate::vectors::{add, along, cross, dot, length, scaled, sub, unit};
 
 /// A later direction must be shallower by this share to be preferred, so that ties fall to normals of the mock-up always.
 const CLEARLY: f64 = 1e-6;
 
+/// Share of a depth that is all of it.
+const ALL: f64 = 0.9;
+
 /// The least depth of a tool body in a mock-up body.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Depth {
     /// Unit, from the mock-up to the tool.
     pub normal: Point,
-    /// Metres.
-    pub depth: f64,
+    /// Metres, until a plane across the normal holds the two apart.
+    depth: f64,
+    /// What they overlap along the normal, metres, where that is clearly less: then one reaches over a hollow that the other fills,
+    /// and no plane has to hold them apart.
+    overlap: Option<f64>,
+    is_checked: bool,
     /// How high the mock-up's body is along the normal.
     high: f64,
     /// On the mock-up's side of the overlap, above the tool's lowest place.
@@ -35,7 +44,12 @@ pub(crate) struct Depth {
 impl Depth {
     /// Of its plane: negative, or nothing.
     pub fn gap(&self) -> f64 {
-        -self.depth.max(0.0)
+        -self.overlap.unwrap_or(self.depth).max(0.0)
+    }
+
+    /// Whether a plane is needed to hold the two apart.
+    pub fn is_plane(&self) -> bool {
+        self.overlap.is_none()
     }
 }
 
@@ -47,6 +61,7 @@ pub(crate) struct Directions {
     tried: Vec<Tried>,
     depths: Vec<f64>,
     pub(super) arcs: Arcs,
+    overlap: Overlap,
     /// By body of tool and mock-up where its surface went on along directions tried: there it mostly does along others.
     pub(super) known: [Vec<Known>; 2],
     pub(super) places: Vec<u32>,
@@ -120,9 +135,10 @@ impl Pair<'_> {
         }
     }
 
-    /// Whether a plane across `normal` so deep, found for others, holds these two apart as well.
-    pub fn are_apart(&self, normal: &Point, depth: f64) -> bool {
-        self.high(normal) - self.low(normal) <= depth * (1.0 + CLEARLY)
+    /// Whether a plane found for others, no less deep, holds these two apart as well.
+    pub fn are_apart(&self, plane: &Depth, depth: f64) -> bool {
+        let is_deep = plane.is_plane() && plane.depth >= depth;
+        is_deep && self.high(&plane.normal) - self.low(&plane.normal) <= plane.depth * (1.0 + CLEARLY)
     }
 
     /// Whether a plane found for the same tool body holds the mock-up's apart from it as well.
@@ -160,7 +176,22 @@ impl Pair<'_> {
         }
         let found = best.found?;
         let (point, certain) = (best.place(&found), first.certain);
-        Some(Depth { normal: found.direction, depth: found.depth(), high: found.high, point, certain })
+        let (normal, depth) = (found.direction, found.depth());
+        Some(Depth { normal, depth, overlap: None, is_checked: false, high: found.high, point, certain })
+    }
+
+    /// Looks, once, how much of the two overlaps along a direction for which they are so deep.
+    pub fn check(&self, ground: &Ground<'_>, depth: &mut Depth, directions: &mut Directions) {
+        if std::mem::replace(&mut depth.is_checked, true) || depth.depth <= 0.0 {
+            return;
+        }
+        let enough = ALL * depth.depth;
+        directions.overlap.set(ground, self, &depth.normal);
+        let Some((most, at)) = directions.overlap.most(ground.lanes, enough).filter(|f| f.0 < enough) else { return };
+        (depth.overlap, depth.certain) = (Some(most), false);
+        if most.is_finite() {
+            depth.point = at;
+        }
     }
 }
 
@@ -397,6 +428,7 @@ mod tests {
             facets: &[],
             points,
             point_eights,
+            triangles: &[],
             cuts_of: &[],
             point_cuts: &[],
             normals: &[],
@@ -416,9 +448,22 @@ mod tests {
         for d in (0..20).filter_map(|i| unit(&wave(100 + i))) {
             let depth = high.iter().flat_map(|p| low.iter().map(|q| dot(&sub(p, q), &d)).collect::<Vec<_>>());
             let depth = depth.fold(f64::NEG_INFINITY, f64::max);
-            assert!(pair.are_apart(&d, depth + 1e-9) && !pair.are_apart(&d, depth - 1e-4), "{d:?}");
+
             // Planes as others may have them, a little deeper and a little less deep than would do.
-            let plane = |depth: f64, high: f64| Depth { normal: d, depth, high, point: mean, certain: false };
+            let plane = |depth: f64, high: f64| Depth {
+                normal: d,
+                depth,
+                overlap: None,
+                is_checked: true,
+                high,
+                point: mean,
+                certain: false,
+            };
+            let of = |depth: f64| plane(depth, 0.0);
+            assert!(pair.are_apart(&of(depth + 1e-9), 0.0) && !pair.are_apart(&of(depth - 1e-4), 0.0), "{d:?}");
+            assert!(pair.are_apart(&of(depth + 1e-9), depth) && !pair.are_apart(&of(depth + 1e-9), depth + 1e-4));
+            let less = Depth { overlap: Some(0.5), ..of(depth + 1e-9) };
+            assert!(!pair.are_apart(&less, 0.0), "{d:?}");
             let (high, low) = (pair.high(&d), pair.low(&d));
             assert!((high - low - depth).abs() < 1e-12);
             assert!(pair.is_under(&plane(1.0, high + 1e-9)) && !pair.is_under(&plane(1.0, high - 1e-4)), "{d:?}");

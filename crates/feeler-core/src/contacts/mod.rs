@@ -30,6 +30,7 @@ mod normals;
 mod numbered;
 mod onward;
 mod outline;
+mod overlap;
 mod patches;
 mod penetration;
 mod place;
@@ -112,7 +113,8 @@ pub struct ContactPlane {
     pub point: Point,
     /// Unit, from the mock-up to the tool.
     pub normal: Point,
-    /// Distance of the tool from the plane along the normal, metres; negative: it is that deep behind.
+    /// Distance of the tool from the plane along the normal, metres; negative: it is that deep behind. Where the two lie in each
+    /// other's hollows: what overlaps along the normal.
     pub gap: f64,
     /// The part of the mock-up.
     pub part: u32,
@@ -422,9 +424,20 @@ fn push_zone(
     let bodies = TwoSides { ground, zones, bodies: &*bodies };
     bodies.find_depths(directions, first, found);
     let from = out.len();
-    for (depth, [t, m]) in found.iter() {
+    let mut next = 0;
+    while let Some((depth, [t, m])) = found.get_mut(next) {
+        next += 1;
         let same = if depth.certain { SAME_PLANE } else { SAME_DIRECTION };
         if out[from..].iter().any(|p| dot(&p.normal, &depth.normal) >= same) {
+            continue;
+        }
+        let before = depth.gap();
+        bodies.pair(*t, *m).check(ground, depth, directions);
+        if depth.gap() > before {
+            // It goes where it belongs among the others.
+            next -= 1;
+            let deeper = found[next + 1..].partition_point(|(d, _)| d.gap() <= found[next].0.gap());
+            found[next..=next + deeper].rotate_left(1);
             continue;
         }
         meeting.clear();
@@ -474,6 +487,21 @@ impl<'a> TwoSides<'a> {
         !(self.bodies[TOOL].is_cut(t) && self.bodies[MOCKUP].is_cut(m))
     }
 
+    /// Whether something is true of any plane found that is needed.
+    fn any(
+        &self,
+        found: &mut [(Depth, [usize; 2])],
+        directions: &mut Directions,
+        is: impl Fn(&Depth, [usize; 2]) -> bool,
+    ) -> bool {
+        found.iter_mut().any(|(d, [t, m])| {
+            is(d, [*t, *m]) && {
+                self.pair(*t, *m).check(self.ground, d, directions);
+                d.is_plane()
+            }
+        })
+    }
+
     /// The least depths of bodies that meet, deepest first, with the bodies' numbers. First of those that the curve cuts; where a
     /// plane of one of these holds apart what is walled in, that needs none of its own.
     fn find_depths(
@@ -493,9 +521,8 @@ impl<'a> TwoSides<'a> {
                         continue;
                     }
                     let pair = self.pair(t, m);
-                    let holds =
-                        |(d, [i, j]): &(Depth, [usize; 2])| *i == t && pair.is_under(d) || *j == m && pair.is_over(d);
-                    if is_cut || !found.iter().any(holds) {
+                    let holds = |d: &Depth, [i, j]: [usize; 2]| i == t && pair.is_under(d) || j == m && pair.is_over(d);
+                    if is_cut || !self.any(found, directions, holds) {
                         first.push((pair.first_depth(directions), [t, m]));
                     }
                 }
@@ -506,11 +533,9 @@ impl<'a> TwoSides<'a> {
             first.sort_by(|(p, _), (q, _)| q.depth().total_cmp(&p.depth()));
             for (first, [t, m]) in first.iter() {
                 let (same, pair) = (if first.certain { SAME_PLANE } else { SAME_DIRECTION }, self.pair(*t, *m));
-                let stands_for = |d: &Depth, n: &Point| {
-                    d.depth >= first.depth() && dot(&d.normal, n) >= same && pair.are_apart(&d.normal, d.depth)
-                };
+                let stands_for = |d: &Depth, n: &Point| dot(&d.normal, n) >= same && pair.are_apart(d, first.depth());
                 let is_needless = match first.normal() {
-                    Some(n) => found.iter().any(|(d, _)| stands_for(d, &n)),
+                    Some(n) => self.any(found, directions, |d, _| stands_for(d, &n)),
                     None => !found.is_empty(),
                 };
                 if !is_needless {

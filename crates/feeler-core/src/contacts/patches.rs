@@ -38,12 +38,14 @@ pub(crate) struct Patch {
     /// Its points among all of [`Patches`], and the outermost.
     pub points: (u32, u32),
     corners: (u32, u32),
+    /// Its pieces among [`Patches::order`].
+    pieces: (u32, u32),
 }
 
 impl Patch {
     /// Of a triangle that founds it; its points are not known yet.
     pub fn new(normal: Point, at: Point) -> Patch {
-        Patch { normal, at, middle: at, size: 0.0, flat: true, points: (0, 0), corners: (0, 0) }
+        Patch { normal, at, middle: at, size: 0.0, flat: true, points: (0, 0), corners: (0, 0), pieces: (0, 0) }
     }
 
     /// What it has of a list of all patches' points, or pieces as long as the points are not known.
@@ -134,6 +136,11 @@ impl Patches {
         &self.point_cuts[first.0 as usize..last.1 as usize]
     }
 
+    /// The triangles of a patch.
+    pub fn triangles(&self, patch: &Patch) -> impl Iterator<Item = u32> + '_ {
+        self.order[patch.pieces.0 as usize..patch.pieces.1 as usize].iter().map(|i| self.pieces[*i as usize].id)
+    }
+
     /// The outermost points of a patch along a few directions, by their places among [`all_corners`](Self::all_corners), some of
     /// them several times.
     pub fn corners(&self, patch: &Patch) -> &[u32] {
@@ -211,6 +218,7 @@ impl Patches {
             order[*end as usize] = i;
             *end += 1;
         }
+        list.iter_mut().for_each(|patch| patch.pieces = patch.points);
     }
 
     /// Puts the points of each patch together, in the order of its pieces.
