@@ -99,6 +99,13 @@ pub fn normal(t: &Triangle) -> Option<Point> {
     unit(&cross(&e.map(|x| x / s), &f.map(|x| x / r)))
 }
 
+/// Two unit vectors across a unit vector and each other.
+pub fn across(d: &Point) -> [Point; 2] {
+    let axis = if d[0].abs() < 0.6 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
+    let u = unit(&cross(d, &axis)).unwrap_or(axis);
+    [u, cross(d, &u)]
+}
+
 /// Square of the distance from `p` to the segment `a` - `b`.
 pub fn square_to_segment(p: &Point, a: &Point, b: &Point) -> f64 {
     let (ab, ap) = (sub(b, a), sub(p, a));

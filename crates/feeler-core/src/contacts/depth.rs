@@ -32,6 +32,7 @@ pub(crate) struct Depth {
     /// What they overlap along the normal, metres, where that is clearly less: then one reaches over a hollow that the other fills,
     /// and no plane has to hold them apart.
     overlap: Option<f64>,
+    /// Whether that was looked at.
     is_checked: bool,
     /// How high the mock-up's body is along the normal.
     high: f64,
@@ -448,7 +449,6 @@ mod tests {
         for d in (0..20).filter_map(|i| unit(&wave(100 + i))) {
             let depth = high.iter().flat_map(|p| low.iter().map(|q| dot(&sub(p, q), &d)).collect::<Vec<_>>());
             let depth = depth.fold(f64::NEG_INFINITY, f64::max);
-
             // Planes as others may have them, a little deeper and a little less deep than would do.
             let plane = |depth: f64, high: f64| Depth {
                 normal: d,

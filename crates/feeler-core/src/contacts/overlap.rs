@@ -10,7 +10,7 @@ use crate::contacts::heights::Eight;
 use crate::contacts::zones::{MOCKUP, TOOL};
 use crate::contacts::Ground;
 use crate::simd::{Checked, Kernel, Simd, Wide, WIDE_LANES};
-use crate::vectors::{along, cross, dot, scaled, sub, unit};
+use crate::vectors::{across, along, dot, scaled, sub};
 
 /// Sine of the angle between a triangle's plane and a direction up to which it is seen from its edge: others have that edge too.
 const STEEP: f64 = 1e-3;
@@ -52,9 +52,8 @@ pub(crate) struct Overlap {
 impl Overlap {
     /// Sees two bodies along a direction.
     pub fn set(&mut self, ground: &Ground<'_>, pair: &Pair<'_>, d: &Point) {
-        let axis = if d[0].abs() < 0.6 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
-        let u = unit(&cross(d, &axis)).unwrap_or(axis);
-        self.frame = [u, cross(d, &u), *d];
+        let [u, v] = across(d);
+        self.frame = [u, v, *d];
         let Overlap { frame, triangles, seen } = self;
         // The tool's where it is, without placing it.
         let (r, t) = (ground.pose.rotation(), ground.pose.translation());
@@ -264,7 +263,7 @@ mod tests {
     use crate::contacts::shapes::ridge;
     use crate::contacts::tests::{at, scene, tool};
     use crate::simd::Level;
-    use crate::vectors::normal;
+    use crate::vectors::{normal, unit};
 
     #[test]
     fn every_level_finds_what_all_pairs_say() {
@@ -274,8 +273,8 @@ mod tests {
             [0, 1, 2].map(|k| along(&middle, 0.3, &wave(3 * i + k)))
         };
         let d = unit(&[0.2, -0.3, 0.9]).unwrap();
-        let u = unit(&cross(&d, &[1.0, 0.0, 0.0])).unwrap();
-        let frame = [u, cross(&d, &u), d];
+        let [u, v] = across(&d);
+        let frame = [u, v, d];
         let mut none = 0;
         for round in 0..60 {
             let (tools, mockups) = (1 + round % 23, 1 + 2 * round % 31);

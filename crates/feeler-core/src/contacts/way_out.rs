@@ -9,7 +9,7 @@ use crate::contacts::Ground;
 use crate::pose::Pose;
 use crate::scene::Scene;
 use crate::tool::Tool;
-use crate::vectors::{add, along, cross, dot, length, normal, scaled, square_to_segment, sub, unit};
+use crate::vectors::{across, add, along, cross, dot, length, normal, scaled, square_to_segment, sub, unit};
 
 /// The first length that is tried, as a share of the longest, and by what each length is longer than the one before.
 const FIRST: f64 = 1.0 / 1024.0;
@@ -146,9 +146,7 @@ fn angle_at(t: &Triangle, p: &Point, noise: f64) -> Option<f64> {
 
 /// Directions around one, so far from it.
 fn around(d: &Point, turn: f64) -> [Option<Point>; 6] {
-    let axis = if d[0].abs() < 0.6 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
-    let u = unit(&cross(d, &axis)).unwrap_or(axis);
-    let v = cross(d, &u);
+    let [u, v] = across(d);
     SIDES.map(|[x, y]| unit(&along(d, turn, &add(&scaled(&u, x), &scaled(&v, y)))))
 }
 
@@ -163,7 +161,7 @@ pub(super) fn directions_of(pose: &Pose) -> Vec<Point> {
 mod tests {
     use super::*;
     use crate::contacts::penetration::PenetrationKind;
-    use crate::contacts::shapes::{box_mesh, ridge};
+    use crate::contacts::shapes::{box_mesh, ridge, sheet};
     use crate::contacts::tests::{at, scene, tool, turned};
 
     #[test]
@@ -195,18 +193,8 @@ mod tests {
     #[test]
     fn what_only_touches_is_left_by_next_to_nothing() {
         // Two sheets of waves that lie in each other: any way off, however short, is one.
-        let wave = |i: usize, j: usize| 0.003 * (0.9 * i as f64).sin() * (1.1 * j as f64).sin();
-        let at = |i: usize, j: usize| [0.004 * i as f64, 0.004 * j as f64, wave(i, j)];
-        let n = 12;
-        let vertices = (0..=n).flat_map(|i| (0..=n).map(move |j| at(i, j))).collect::<Vec<_>>();
-        let corner = |i: usize, j: usize| (i * (n + 1) + j) as u32;
-        let faces = (0..n * n).flat_map(|k| {
-            let (i, j) = (k / n, k % n);
-            let (a, b, c, d) = (corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1));
-            [[a, b, c], [a, c, d]]
-        });
-        let sheet = (vertices, faces.collect::<Vec<_>>());
-        let (held, lying) = (scene(sheet.clone()), tool(sheet));
+        let waves = sheet(12, 12, |s, t| [0.05 * s, 0.05 * t, 0.003 * (11.0 * s).sin() * (13.0 * t).sin()]);
+        let (held, lying) = (scene(waves.clone()), tool(waves));
         assert!(held.is_colliding(&lying, &Pose::IDENTITY));
         let way = held.way_out(&lying, &Pose::IDENTITY, &directions_of(&Pose::IDENTITY), 0.1).unwrap();
         assert!(!held.is_colliding(&lying, &Pose::IDENTITY.translated(&way).unwrap()));
