@@ -16,9 +16,6 @@ pub(crate) const MOST_NORMALS: usize = 24;
 /// Most pairs of edges whose directions are tried.
 pub(crate) const MOST_EDGES: usize = 100;
 
-/// Sine of the angle by which triangles of a facet may be turned from it, and a little.
-const ONE_TURN: f64 = 0.05;
-
 /// What is asked of a patch of a body.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Facet {
@@ -89,7 +86,7 @@ pub(crate) struct Body<'a> {
     /// Each once, or once for each of its facets.
     pub points: &'a [Point],
     pub point_eights: &'a [Eight],
-    /// Of all bodies: see [`facing`](Self::facing).
+    /// Of all bodies: see [`triangles_of`](Self::triangles_of).
     pub triangles: &'a [u32],
     /// For each point where among `point_cuts` its cuts are: those of the curve have several, others none.
     pub cuts_of: &'a [(u32, u32)],
@@ -104,11 +101,9 @@ pub(crate) struct Body<'a> {
 }
 
 impl Body<'_> {
-    /// The triangles, whole, of the facets that do not face against a direction.
-    pub fn facing(&self, d: &Point) -> impl Iterator<Item = u32> + '_ {
-        let d = *d;
-        let facets = self.facets.iter().filter(move |f| dot(&f.normal, &d) > -ONE_TURN);
-        facets.flat_map(|f| self.triangles[f.triangles.0..f.triangles.1].iter().copied())
+    /// The triangles of a facet, whole.
+    pub fn triangles_of(&self, facet: &Facet) -> &[u32] {
+        &self.triangles[facet.triangles.0..facet.triangles.1]
     }
 
     /// The edges between each two facets.

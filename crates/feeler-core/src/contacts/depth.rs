@@ -29,11 +29,7 @@ pub(crate) struct Depth {
     pub normal: Point,
     /// Metres, until a plane across the normal holds the two apart.
     depth: f64,
-    /// What they overlap along the normal, metres, where that is clearly less: then one reaches over a hollow that the other fills,
-    /// and no plane has to hold them apart.
-    overlap: Option<f64>,
-    /// Whether that was looked at.
-    is_checked: bool,
+    overlap: Overlapping,
     /// How high the mock-up's body is along the normal.
     high: f64,
     /// On the mock-up's side of the overlap, above the tool's lowest place.
@@ -42,15 +38,35 @@ pub(crate) struct Depth {
     pub certain: bool,
 }
 
+/// How much two bodies overlap along the direction for which they are so deep. Where that is clearly less, one reaches over a hollow
+/// that the other fills, and no plane has to hold them apart.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Overlapping {
+    NotAsked,
+    All,
+    /// By so many metres at most.
+    AtMost(f64),
+    Measured(f64),
+}
+
 impl Depth {
-    /// Of its plane: negative, or nothing.
+    /// Of its plane: negative, or nothing. As long as the overlap is not [measured](Pair::measure), as much as it may be.
     pub fn gap(&self) -> f64 {
-        -self.overlap.unwrap_or(self.depth).max(0.0)
+        let most = match self.overlap {
+            Overlapping::NotAsked | Overlapping::All => self.depth,
+            Overlapping::AtMost(overlap) | Overlapping::Measured(overlap) => overlap,
+        };
+        -most.max(0.0)
     }
 
-    /// Whether a plane is needed to hold the two apart.
-    pub fn is_plane(&self) -> bool {
-        self.overlap.is_none()
+    /// Whether its gap is no bound only.
+    pub fn is_known(&self) -> bool {
+        matches!(self.overlap, Overlapping::All | Overlapping::Measured(_))
+    }
+
+    /// Whether its plane may be needed to hold the two apart.
+    fn may_hold(&self) -> bool {
+        matches!(self.overlap, Overlapping::NotAsked | Overlapping::All)
     }
 }
 
@@ -71,6 +87,7 @@ pub(crate) struct Directions {
 impl Directions {
     /// For the bodies of another zone, so many of the tool and of the mock-up.
     pub fn clear(&mut self, bodies: [usize; 2]) {
+        self.overlap.clear(bodies);
         for (known, count) in self.known.iter_mut().zip(bodies) {
             known.iter_mut().for_each(Known::clear);
             known.resize_with(count.max(known.len()), Known::default);
@@ -138,18 +155,17 @@ impl Pair<'_> {
 
     /// Whether a plane found for others, no less deep, holds these two apart as well.
     pub fn are_apart(&self, plane: &Depth, depth: f64) -> bool {
-        let is_deep = plane.is_plane() && plane.depth >= depth;
-        is_deep && self.high(&plane.normal) - self.low(&plane.normal) <= plane.depth * (1.0 + CLEARLY)
+        plane.depth >= depth && self.high(&plane.normal) - self.low(&plane.normal) <= plane.depth * (1.0 + CLEARLY)
     }
 
     /// Whether a plane found for the same tool body holds the mock-up's apart from it as well.
     pub fn is_under(&self, plane: &Depth) -> bool {
-        self.high(&plane.normal) <= plane.high + CLEARLY * plane.depth
+        plane.may_hold() && self.high(&plane.normal) <= plane.high + CLEARLY * plane.depth
     }
 
     /// Whether a plane found for the same mock-up body holds the tool's apart from it as well.
     pub fn is_over(&self, plane: &Depth) -> bool {
-        self.low(&plane.normal) >= plane.high - plane.depth * (1.0 + CLEARLY)
+        plane.may_hold() && self.low(&plane.normal) >= plane.high - plane.depth * (1.0 + CLEARLY)
     }
 
     fn high(&self, normal: &Point) -> f64 {
@@ -178,21 +194,47 @@ impl Pair<'_> {
         let found = best.found?;
         let (point, certain) = (best.place(&found), first.certain);
         let (normal, depth) = (found.direction, found.depth());
-        Some(Depth { normal, depth, overlap: None, is_checked: false, high: found.high, point, certain })
+        Some(Depth { normal, depth, overlap: Overlapping::NotAsked, high: found.high, point, certain })
     }
 
-    /// Looks, once, how much of the two overlaps along a direction for which they are so deep.
-    pub fn check(&self, ground: &Ground<'_>, depth: &mut Depth, directions: &mut Directions) {
-        if std::mem::replace(&mut depth.is_checked, true) || depth.depth <= 0.0 {
-            return;
+    /// Whether the two overlap as much as they are deep along a direction. Looks once.
+    pub fn is_filled(&self, ground: &Ground<'_>, depth: &mut Depth, directions: &mut Directions) -> bool {
+        if depth.overlap == Overlapping::NotAsked {
+            let enough = ALL * depth.depth;
+            let most = |overlap: &mut Overlap| {
+                overlap.set(ground, self, &depth.normal, enough);
+                overlap.most(ground.lanes, enough, enough)
+            };
+            let is_less = depth.depth > 0.0 && most(&mut directions.overlap).is_some_and(|(most, _)| most < enough);
+            depth.overlap = if is_less { Overlapping::AtMost(enough) } else { Overlapping::All };
         }
-        let enough = ALL * depth.depth;
-        directions.overlap.set(ground, self, &depth.normal);
-        let Some((most, at)) = directions.overlap.most(ground.lanes, enough).filter(|f| f.0 < enough) else { return };
-        (depth.overlap, depth.certain) = (Some(most), false);
-        if most.is_finite() {
-            depth.point = at;
+        depth.overlap == Overlapping::All
+    }
+
+    /// Makes a depth what the two overlap, where that is less. Where it is no more than `least` (metres), that is all that is said.
+    pub fn measure(&self, ground: &Ground<'_>, depth: &mut Depth, least: f64, directions: &mut Directions) {
+        self.is_filled(ground, depth, directions);
+        let enough = match depth.overlap {
+            Overlapping::AtMost(most) if most > least => ALL * depth.depth,
+            _ => return,
+        };
+        depth.certain = false;
+        // Where they only touch there is a point too.
+        let more = if least > 0.0 { least } else { -CLEARLY * enough };
+        directions.overlap.set(ground, self, &depth.normal, more);
+        let Some((most, at)) = directions.overlap.most(ground.lanes, more, enough) else { return };
+        if most > more {
+            (depth.overlap, depth.point) = (Overlapping::Measured(most), at);
+        } else {
+            depth.overlap = if least > 0.0 { Overlapping::AtMost(least) } else { Overlapping::Measured(0.0) };
         }
+    }
+
+    /// Whether the two overlap along a direction by no more than others do for which it was found.
+    pub fn overlaps_no_more(&self, ground: &Ground<'_>, plane: &Depth, directions: &mut Directions) -> bool {
+        let most = -plane.gap();
+        directions.overlap.set(ground, self, &plane.normal, most);
+        directions.overlap.most(ground.lanes, most, most).is_some_and(|found| found.0 <= most)
     }
 }
 
@@ -453,8 +495,7 @@ mod tests {
             let plane = |depth: f64, high: f64| Depth {
                 normal: d,
                 depth,
-                overlap: None,
-                is_checked: true,
+                overlap: Overlapping::All,
                 high,
                 point: mean,
                 certain: false,
@@ -462,10 +503,10 @@ mod tests {
             let of = |depth: f64| plane(depth, 0.0);
             assert!(pair.are_apart(&of(depth + 1e-9), 0.0) && !pair.are_apart(&of(depth - 1e-4), 0.0), "{d:?}");
             assert!(pair.are_apart(&of(depth + 1e-9), depth) && !pair.are_apart(&of(depth + 1e-9), depth + 1e-4));
-            let less = Depth { overlap: Some(0.5), ..of(depth + 1e-9) };
-            assert!(!pair.are_apart(&less, 0.0), "{d:?}");
             let (high, low) = (pair.high(&d), pair.low(&d));
             assert!((high - low - depth).abs() < 1e-12);
+            let less = Depth { overlap: Overlapping::AtMost(0.5), ..plane(1.0, high + 1e-9) };
+            assert!(!pair.is_under(&less), "{d:?}");
             assert!(pair.is_under(&plane(1.0, high + 1e-9)) && !pair.is_under(&plane(1.0, high - 1e-4)), "{d:?}");
             assert!(
                 pair.is_over(&plane(1.0, low + 1.0 - 1e-9)) && !pair.is_over(&plane(1.0, low + 1.0 + 1e-4)),

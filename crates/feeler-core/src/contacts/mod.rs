@@ -425,24 +425,29 @@ fn push_zone(
     bodies.find_depths(directions, first, found);
     let from = out.len();
     let mut next = 0;
-    while let Some((depth, [t, m])) = found.get_mut(next) {
-        next += 1;
+    while let Some((depth, [t, m])) = found.get(next) {
+        let (mut depth, [t, m]) = (*depth, [*t, *m]);
         let same = if depth.certain { SAME_PLANE } else { SAME_DIRECTION };
-        if out[from..].iter().any(|p| dot(&p.normal, &depth.normal) >= same) {
+        let is_like = |normal: &Point| dot(normal, &depth.normal) >= same;
+        if out[from..].iter().any(|p| is_like(&p.normal)) {
+            next += 1;
             continue;
         }
+        // What is no deeper than one of its direction that is known comes after that.
         let before = depth.gap();
-        bodies.pair(*t, *m).check(ground, depth, directions);
+        let others = found[next + 1..].iter().map(|(d, _)| d);
+        let like = others.filter(|d| d.gap() > before && d.is_known()).find(|d| is_like(&d.normal));
+        bodies.pair(t, m).measure(ground, &mut depth, like.map_or(0.0, |d| -d.gap()), directions);
+        found[next].0 = depth;
         if depth.gap() > before {
-            // It goes where it belongs among the others.
-            next -= 1;
-            let deeper = found[next + 1..].partition_point(|(d, _)| d.gap() <= found[next].0.gap());
+            let deeper = found[next + 1..].partition_point(|(d, _)| d.gap() <= depth.gap());
             found[next..=next + deeper].rotate_left(1);
             continue;
         }
+        next += 1;
         meeting.clear();
-        if bodies.share_cuts(*t, *m) {
-            meeting.extend(bodies.cuts_of(*t, *m).map(|i| zones.cuts[cuts[i] as usize].faces));
+        if bodies.share_cuts(t, m) {
+            meeting.extend(bodies.cuts_of(t, m).map(|i| zones.cuts[cuts[i] as usize].faces));
         } else {
             meeting.extend(cuts.iter().map(|i| zones.cuts[*i as usize].faces));
         }
@@ -494,12 +499,33 @@ impl<'a> TwoSides<'a> {
         directions: &mut Directions,
         is: impl Fn(&Depth, [usize; 2]) -> bool,
     ) -> bool {
-        found.iter_mut().any(|(d, [t, m])| {
-            is(d, [*t, *m]) && {
-                self.pair(*t, *m).check(self.ground, d, directions);
-                d.is_plane()
+        found.iter_mut().any(|(d, [t, m])| is(d, [*t, *m]) && self.pair(*t, *m).is_filled(self.ground, d, directions))
+    }
+
+    /// Whether a plane found for others, of about their direction, holds two bodies apart as well; or where that is only an overlap,
+    /// whether they overlap along it by no more.
+    fn is_held(
+        &self,
+        pair: Pair<'_>,
+        depth: f64,
+        is_like: impl Fn(&Point) -> bool,
+        found: &mut [(Depth, [usize; 2])],
+        directions: &mut Directions,
+    ) -> bool {
+        let mut most: Option<&Depth> = None;
+        for (d, [t, m]) in found {
+            if is_like(&d.normal) && pair.are_apart(d, depth) {
+                let own = self.pair(*t, *m);
+                if own.is_filled(self.ground, d, directions) {
+                    return true;
+                }
+                own.measure(self.ground, d, most.map_or(0.0, |most| -most.gap()), directions);
+                if most.is_none_or(|most| d.gap() < most.gap()) {
+                    most = Some(d);
+                }
             }
-        })
+        }
+        most.is_some_and(|d| pair.overlaps_no_more(self.ground, d, directions))
     }
 
     /// The least depths of bodies that meet, deepest first, with the bodies' numbers. First of those that the curve cuts; where a
@@ -533,9 +559,8 @@ impl<'a> TwoSides<'a> {
             first.sort_by(|(p, _), (q, _)| q.depth().total_cmp(&p.depth()));
             for (first, [t, m]) in first.iter() {
                 let (same, pair) = (if first.certain { SAME_PLANE } else { SAME_DIRECTION }, self.pair(*t, *m));
-                let stands_for = |d: &Depth, n: &Point| dot(&d.normal, n) >= same && pair.are_apart(d, first.depth());
                 let is_needless = match first.normal() {
-                    Some(n) => self.any(found, directions, |d, _| stands_for(d, &n)),
+                    Some(n) => self.is_held(pair, first.depth(), |d| dot(d, &n) >= same, found, directions),
                     None => !found.is_empty(),
                 };
                 if !is_needless {
