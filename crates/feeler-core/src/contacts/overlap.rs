@@ -506,6 +506,7 @@ mod tests {
     use super::*;
     use crate::contacts::shapes::ridge;
     use crate::contacts::tests::{at, scene, tool};
+    use crate::pose::Pose;
     use crate::simd::Level;
     use crate::vectors::{along, normal, unit};
 
@@ -614,6 +615,27 @@ mod tests {
                 let out = lower.penetration(&upper, &pose, 0.002, None).unwrap();
                 assert!(out.depth <= 1.5 * depth + 1e-6, "{n} {depth}: {}", out.depth);
             }
+        }
+    }
+
+    #[test]
+    fn the_deepest_of_several_overlaps_is_told_first() {
+        // The same waves, the upper ones turned a little: pressed in ever more from one end to the other.
+        for (n, turn) in [(24, 0.002), (50, 0.002), (80, -0.003), (100, 0.003), (100, 0.004)] {
+            let line: Vec<[f64; 2]> = (0..=n)
+                .map(|i| -0.05 + 0.1 * f64::from(i) / f64::from(n))
+                .map(|x| [x, 0.002 * (300.0 * x).sin()])
+                .collect();
+            let (lower, upper) = (scene(ridge(&line, -0.02, 0.03, 1, 4)), tool(ridge(&line, 0.02, 0.02, 1, 3)));
+            let (sin, cos) = f64::sin_cos(turn);
+            let pose =
+                Pose::new(&[[cos, 0.0, sin, 0.0], [0.0, 1.0, 0.0, 0.0], [-sin, 0.0, cos, -1e-5], [0.0, 0.0, 0.0, 1.0]])
+                    .unwrap();
+            let contacts = lower.contacts(&upper, &pose, 0.002, None).unwrap();
+            // At the end, but for the lean of the normal there.
+            let deepest = 0.05 * f64::abs(turn) + 1e-5;
+            let gaps: Vec<f64> = contacts.planes.iter().map(|p| p.gap).collect();
+            assert!((0.955..1.01).contains(&(contacts.depth() / deepest)), "{n} {turn}: {gaps:?}");
         }
     }
 }
