@@ -201,11 +201,8 @@ impl Pair<'_> {
     pub fn is_filled(&self, ground: &Ground<'_>, depth: &mut Depth, directions: &mut Directions) -> bool {
         if depth.overlap == Overlapping::NotAsked {
             let enough = ALL * depth.depth;
-            let most = |overlap: &mut Overlap| {
-                overlap.set(ground, self, &depth.normal, enough);
-                overlap.most(ground.lanes, enough, enough)
-            };
-            let is_less = depth.depth > 0.0 && most(&mut directions.overlap).is_some_and(|(most, _)| most < enough);
+            let mut most = || directions.overlap.most(ground, self, &depth.normal, enough, enough);
+            let is_less = depth.depth > 0.0 && most().is_some_and(|(most, _)| most < enough);
             depth.overlap = if is_less { Overlapping::AtMost(enough) } else { Overlapping::All };
         }
         depth.overlap == Overlapping::All
@@ -221,8 +218,7 @@ impl Pair<'_> {
         depth.certain = false;
         // Where they only touch there is a point too.
         let more = if least > 0.0 { least } else { -CLEARLY * enough };
-        directions.overlap.set(ground, self, &depth.normal, more);
-        let Some((most, at)) = directions.overlap.most(ground.lanes, more, enough) else { return };
+        let Some((most, at)) = directions.overlap.most(ground, self, &depth.normal, more, enough) else { return };
         if most > more {
             (depth.overlap, depth.point) = (Overlapping::Measured(most), at);
         } else {
@@ -233,8 +229,8 @@ impl Pair<'_> {
     /// Whether the two overlap along a direction by no more than others do for which it was found.
     pub fn overlaps_no_more(&self, ground: &Ground<'_>, plane: &Depth, directions: &mut Directions) -> bool {
         let most = -plane.gap();
-        directions.overlap.set(ground, self, &plane.normal, most);
-        directions.overlap.most(ground.lanes, most, most).is_some_and(|found| found.0 <= most)
+        let found = directions.overlap.most(ground, self, &plane.normal, most, most);
+        found.is_some_and(|(more, _)| more <= most)
     }
 }
 

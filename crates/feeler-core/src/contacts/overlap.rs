@@ -70,15 +70,25 @@ impl Overlap {
         }
     }
 
-    /// Sees two bodies along a direction, where they may overlap by more than `least`.
-    pub fn set(&mut self, ground: &Ground<'_>, pair: &Pair<'_>, d: &Point, least: f64) {
+    /// The most that two bodies overlap along a direction, metres, with the mock-up's point there; as soon as it is `enough`, that.
+    /// Negative infinity where nothing overlaps by more than `least`. `None` where these are too many triangles to tell.
+    pub fn most(
+        &mut self,
+        ground: &Ground<'_>,
+        pair: &Pair<'_>,
+        d: &Point,
+        least: f64,
+        enough: f64,
+    ) -> Option<(f64, Point)> {
         let [u, v] = across(d);
         self.frame = [u, v, *d];
         let places =
             [(TOOL, &pair.tool), (MOCKUP, &pair.mockup)].map(|(w, body)| self.keep(ground, w, pair.numbers[w], body));
         self.see(ground.lanes, places, least);
+        self.most_seen(ground.lanes, least, enough)
     }
 
+    /// Turns the triangles of two bodies into the frame, as far as more than `least` may overlap.
     fn see(&mut self, lanes: Checked, places: [Range<usize>; 2], least: f64) {
         let Overlap { corners, frame, seen: [seen_tool, seen_mockup], .. } = self;
         let [tool, mockup] = [TOOL, MOCKUP].map(|w| &corners[w][places[w].clone()]);
@@ -112,9 +122,7 @@ impl Overlap {
         self.places[w][number].insert(from..self.corners[w].len()).clone()
     }
 
-    /// The most that overlaps anywhere, with the mock-up's point there; as soon as it is `enough`, that. Negative infinity where
-    /// nothing overlaps by more than `least`. `None` where these are too many triangles to tell.
-    pub fn most(&self, lanes: Checked, least: f64, enough: f64) -> Option<(f64, Point)> {
+    fn most_seen(&self, lanes: Checked, least: f64, enough: f64) -> Option<(f64, Point)> {
         let [tool, mockup] = &self.seen;
         if tool.len() * WIDE_LANES * mockup.len() * WIDE_LANES > MOST_PAIRS {
             return None;
@@ -574,7 +582,7 @@ mod tests {
                         push_corners(triangles.iter().copied(), &mut overlap.corners[w]);
                     }
                     overlap.see(lanes, [0..overlap.corners[0].len(), 0..overlap.corners[1].len()], least);
-                    overlap.most(lanes, least, enough).unwrap()
+                    overlap.most_seen(lanes, least, enough).unwrap()
                 };
                 let most = found(f64::NEG_INFINITY, 10.0);
                 let is_near =
