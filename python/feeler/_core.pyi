@@ -173,7 +173,8 @@ class Contacts:
         """`(k, 3)`: unit, from the mock-up to the tool, world."""
     @property
     def gaps(self) -> npt.NDArray[np.float64]:
-        """`(k,)`: metres, ascending; negative: the tool is that deep behind the plane."""
+        """`(k,)`: metres, ascending; negative: the tool is that deep behind the plane, or, where the two lie in each
+        other's hollows, what overlaps along the normal."""
     @property
     def parts(self) -> npt.NDArray[np.uint32]:
         """`(k,)`: indices into `mockup.parts`."""
