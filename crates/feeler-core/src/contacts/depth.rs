@@ -64,6 +64,11 @@ impl Depth {
         matches!(self.overlap, Overlapping::All | Overlapping::Measured(_))
     }
 
+    /// Whether it is an overlap, and no more than another.
+    pub fn is_less_than(&self, other: &Depth) -> bool {
+        !self.may_hold() && self.gap() >= other.gap()
+    }
+
     /// Whether its plane may be needed to hold the two apart.
     fn may_hold(&self) -> bool {
         matches!(self.overlap, Overlapping::NotAsked | Overlapping::All)
@@ -153,9 +158,17 @@ impl Pair<'_> {
         }
     }
 
-    /// Whether a plane found for others, no less deep, holds these two apart as well.
-    pub fn are_apart(&self, plane: &Depth, depth: f64) -> bool {
-        plane.depth >= depth && self.high(&plane.normal) - self.low(&plane.normal) <= plane.depth * (1.0 + CLEARLY)
+    /// How deep two that are so deep along the best of their normals are along a plane's, if it holds them apart as well: where it
+    /// is less deep than that, only if nothing goes on along it either.
+    pub fn held_depth(&self, plane: &Depth, depth: f64, directions: &mut Directions) -> Option<f64> {
+        let direction = plane.normal;
+        let tried = Tried { direction, high: self.high(&direction), low: self.low(&direction) };
+        let is_held = tried.depth() <= plane.depth * (1.0 + CLEARLY)
+            && (plane.depth >= depth || {
+                let mut best = Best::new(self, directions, None);
+                best.leads_out(&direction) && !best.goes_on(&tried)
+            });
+        is_held.then(|| tried.depth())
     }
 
     /// Whether a plane found for the same tool body holds the mock-up's apart from it as well.
@@ -468,7 +481,7 @@ mod tests {
             points,
             point_eights,
             triangles: &[],
-            cuts_of: &[],
+            cuts_of: &[(0, 0); 30],
             point_cuts: &[],
             normals: &[],
             mean,
@@ -497,8 +510,16 @@ mod tests {
                 certain: false,
             };
             let of = |depth: f64| plane(depth, 0.0);
-            assert!(pair.are_apart(&of(depth + 1e-9), 0.0) && !pair.are_apart(&of(depth - 1e-4), 0.0), "{d:?}");
-            assert!(pair.are_apart(&of(depth + 1e-9), depth) && !pair.are_apart(&of(depth + 1e-9), depth + 1e-4));
+            // The last two less deep than along the best of their normals: only where the plane's direction leads out.
+            let mut directions = Directions::default();
+            directions.clear([1; 2]);
+            let mut held =
+                |pair: &Pair<'_>, plane: f64, first: f64| pair.held_depth(&of(plane), first, &mut directions);
+            let inward = Pair { mockup: Body { mean: scaled(&d, -1.0), ..pair.mockup }, ..pair };
+            let is_it = |found: Option<f64>| found.is_some_and(|found| (found - depth).abs() < 1e-12);
+            assert!(is_it(held(&pair, depth + 1e-9, 0.0)) && held(&pair, depth - 1e-4, 0.0).is_none(), "{d:?}");
+            assert!(is_it(held(&inward, depth + 1e-9, depth)) && is_it(held(&pair, depth + 1e-9, depth + 1e-4)));
+            assert!(held(&inward, depth + 1e-9, depth + 1e-4).is_none(), "{d:?}");
             let (high, low) = (pair.high(&d), pair.low(&d));
             assert!((high - low - depth).abs() < 1e-12);
             let less = Depth { overlap: Overlapping::AtMost(0.5), ..plane(1.0, high + 1e-9) };

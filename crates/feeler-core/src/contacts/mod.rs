@@ -356,10 +356,10 @@ impl Scene {
                 (0..zones.zones.len()).for_each(|zone| place.add_inside(zones, zone));
             }
         }
-        places.iter_mut().flat_map(|place| &mut place.inside).for_each(|ids| ids.sort_unstable());
         let mut contacts = Contacts { is_meeting: !places.is_empty(), ..Contacts::default() };
         let mut held = hits.len();
         if let Some(margin) = beside(count_deep(&places)) {
+            places.iter_mut().flat_map(|place| &mut place.inside).for_each(|ids| ids.sort_unstable());
             let planes = places.iter().flat_map(|place| &place.planes);
             let dividers: Vec<Divider> = planes.map(|plane| gaps::divider(plane, margin)).collect();
             let (margin, near) = self.near_by(tool, pose, margin, &dividers)?;
@@ -514,15 +514,21 @@ impl<'a> TwoSides<'a> {
     ) -> bool {
         let mut most: Option<&Depth> = None;
         for (d, [t, m]) in found {
-            if is_like(&d.normal) && pair.are_apart(d, depth) {
-                let own = self.pair(*t, *m);
-                if own.is_filled(self.ground, d, directions) {
-                    return true;
-                }
-                own.measure(self.ground, d, most.map_or(0.0, |most| -most.gap()), directions);
-                if most.is_none_or(|most| d.gap() < most.gap()) {
-                    most = Some(d);
-                }
+            let is_less = most.is_some_and(|most| d.is_less_than(most));
+            if is_less || !is_like(&d.normal) {
+                continue;
+            }
+            let Some(held) = pair.held_depth(d, depth, directions) else { continue };
+            let own = self.pair(*t, *m);
+            if own.is_filled(self.ground, d, directions) {
+                return true;
+            }
+            own.measure(self.ground, d, most.map_or(0.0, |most| -most.gap()), directions);
+            if held <= -d.gap() {
+                return true;
+            }
+            if most.is_none_or(|most| d.gap() < most.gap()) {
+                most = Some(d);
             }
         }
         most.is_some_and(|d| pair.overlaps_no_more(self.ground, d, directions))

@@ -139,14 +139,19 @@ fn push_corners(triangles: impl Iterator<Item = Triangle>, out: &mut Vec<Corners
     let mut count = 0;
     for triangle in triangles {
         for (corners, p) in eight.iter_mut().zip(&triangle) {
-            (0..3).for_each(|a| corners[a][count..].fill(p[a]));
+            (0..3).for_each(|a| corners[a][count] = p[a]);
         }
-        count = (count + 1) % WIDE_LANES;
-        if count == 0 {
+        count += 1;
+        if count == WIDE_LANES {
             out.push(eight);
+            count = 0;
         }
     }
     if count > 0 {
+        for x in eight.as_flattened_mut() {
+            let last = x[count - 1];
+            x[count..].fill(last);
+        }
         out.push(eight);
     }
 }
