@@ -1,7 +1,7 @@
 //! The highest and lowest of points along eight directions at once.
 
 use crate::bounds::Point;
-use crate::simd::{Checked, Kernel, Simd, Wide, LANES, WIDE_LANES};
+use crate::simd::{Checked, Kernel, Simd, Wide, WIDE_LANES};
 
 /// For each of eight directions how far points reach, and which of them does: the last of several.
 #[derive(Debug, Clone, Copy)]
@@ -60,7 +60,7 @@ pub(crate) fn places_above<'a>(
     height: f64,
     room: &'a mut Vec<u32>,
 ) -> &'a [u32] {
-    let most = WIDE_LANES * points.len() + LANES;
+    let most = WIDE_LANES * points.len();
     if room.len() < most {
         room.resize(2 * most, 0);
     }
@@ -69,16 +69,6 @@ pub(crate) fn places_above<'a>(
 }
 
 /// The numbers of the first lanes.
-const FIRST_NUMBERS: [u32; LANES] = {
-    let mut numbers = [0; LANES];
-    let mut i = 0;
-    while i < LANES {
-        numbers[i] = i as u32;
-        i += 1;
-    }
-    numbers
-};
-
 struct PlacesAbove<'a> {
     points: &'a [Eight],
     d: &'a Point,
@@ -93,12 +83,19 @@ impl Kernel for PlacesAbove<'_> {
     fn run<S: Simd>(self, s: S) -> usize {
         let d = [s.wide_splat(self.d[0]), s.wide_splat(self.d[1]), s.wide_splat(self.d[2])];
         let least = s.wide_splat(self.height);
-        let (mut count, mut numbers) = (0, FIRST_NUMBERS);
-        for p in self.points {
-            let above = !s.bits(s.wide_above(least, eight_heights(s, p, &d)));
-            // No branch: which are above is not to be foreseen.
-            count = s.append(u16::from(above), &numbers, self.out, count);
-            numbers.iter_mut().for_each(|number| *number += WIDE_LANES as u32);
+        // A bit for each of 64 points, and then those that are set: few are, and which is not to be foreseen.
+        let (mut count, mut first) = (0, 0);
+        for eights in self.points.chunks(WIDE_LANES) {
+            let mut above = 0;
+            for (i, p) in eights.iter().enumerate() {
+                above |= u64::from(!s.bits(s.wide_above(least, eight_heights(s, p, &d)))) << (WIDE_LANES * i);
+            }
+            while above != 0 {
+                self.out[count] = first + above.trailing_zeros();
+                count += 1;
+                above &= above - 1;
+            }
+            first += u64::BITS;
         }
         count
     }
