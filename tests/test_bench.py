@@ -180,6 +180,25 @@ def test_goals_by_machine(root: Path, record_folder: Path, monkeypatch: pytest.M
     assert len(lines) == 5 and "other 1 goals" in lines[4] and "bench/records/other.json" in lines[4]
 
 
+def test_record_after_record(root: Path, record_folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(root / "bench"))
+    machines = importlib.import_module("machines")
+    one = read(record_folder)
+    one["machine"] = {**one["machine"], "cpu": "A CPU", "flags": ["avx2"]}
+    one["goals"] = [{"goal": "contacts, nominal, hand, p99", "wanted": "5", "found": "4 (or so)", "met": True}]
+    slower = json.loads(json.dumps(one))
+    for cell in slower["cells"]:
+        cell["engines"]["feeler"]["wall_us"]["median"] *= 3
+    other = {**one, "machine": {**one["machine"], "cpu": "Another"}, "goals": []}
+    rows = machines.history([(slower, "slow.json"), (other, "other.json"), (one, "one.json")]).splitlines()
+    assert len({row.count("|") for row in rows[:5]}) == 1 and not rows[5]
+    cells = [[cell.strip() for cell in row.split("|")[1:-1]] for row in rows[2:5]]
+    # By machine, and beside the newest of each.
+    assert [row[0].split(",")[0] for row in cells] == ["A CPU", "A CPU", "Another"]
+    assert [row[1].split("]")[0] for row in cells] == ["[slow", "[one", "[other"]
+    assert [row[3] for row in cells] == ["4", "4", "–"] and [row[-2] for row in cells] == ["3.000", "1.000", "1.000"]
+
+
 def test_cells_of_a_record_for_the_page_on_performance(
     root: Path, record_folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
