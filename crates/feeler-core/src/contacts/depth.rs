@@ -464,7 +464,10 @@ pub(super) fn middle(b: &Aabb) -> Point {
 mod tests {
     use super::*;
     use crate::contacts::heights::push_eights;
+    use crate::contacts::onward::Onward;
+    use crate::contacts::zones::{Cut, Face, MOCKUP};
     use crate::simd::Level;
+    use crate::vectors::across;
 
     #[test]
     fn a_plane_holds_apart_what_it_is_deep_enough_for() {
@@ -520,6 +523,17 @@ mod tests {
             assert!(is_it(held(&pair, depth + 1e-9, 0.0)) && held(&pair, depth - 1e-4, 0.0).is_none(), "{d:?}");
             assert!(is_it(held(&inward, depth + 1e-9, depth)) && is_it(held(&pair, depth + 1e-9, depth + 1e-4)));
             assert!(held(&inward, depth + 1e-9, depth + 1e-4).is_none(), "{d:?}");
+            // And only where the mock-up does not go on along it, higher than all of its points.
+            let side = across(&d)[0];
+            let face = |normal, by: f64| Face { normal, ..Face::new(0, [along(&mean, by, &d); 3], true) };
+            let mut zones = Zones::default();
+            zones.faces = [vec![face(d, 0.0)], vec![face(side, 9.0)]];
+            let cut = Cut { faces: [0; 2], points: (0, 1), flat: false };
+            let onward = Onward::advancing(&zones, MOCKUP, &cut, along(&mean, pair.high(&d), &d), &d).unwrap();
+            directions.known[MOCKUP][0].push(&onward);
+            let pair = Pair { zones: &zones, ..pair };
+            let mut held = |first: f64| pair.held_depth(&of(depth + 1e-9), first, &mut directions).is_some();
+            assert!(held(depth) && !held(depth + 1e-4), "{d:?}");
             let (high, low) = (pair.high(&d), pair.low(&d));
             assert!((high - low - depth).abs() < 1e-12);
             let less = Depth { overlap: Overlapping::AtMost(0.5), ..plane(1.0, high + 1e-9) };
