@@ -63,8 +63,8 @@ def _said(row: dict[str, Any] | None) -> str:
 
 
 # What is shown of each record: the head of a column, and of the goals whose findings stand there how they begin.
-SHOWN = {
-    "means": ("collide, nominal and deep: median", "collide, nominal and deep: p95"),
+COLUMNS = {
+    "means: median, p95": ("collide, nominal and deep: median", "collide, nominal and deep: p95"),
     "contacts, hand": ("contacts, nominal, hand",),
     "growth: torque, wrench, square, hand, hand-fine": tuple(
         f"growth of the nominal median, {tool}," for tool in ("torque", "wrench", "square", "hand", "hand-fine")
@@ -78,13 +78,13 @@ def history(records: list[Record]) -> str:
     """A row for each record, by machine: what it found for a few goals, and how long feeler and Embree took there."""
     newest = {kind(record): record for record, _ in records}
     lines = [
-        f"| machine | record | {' | '.join(SHOWN)} | feeler | Embree |",
-        f"|---|---|{'---:|' * (len(SHOWN) + 2)}",
+        f"| machine | record | {' | '.join(COLUMNS)} | feeler | Embree |",
+        f"|---|---|{'---:|' * (len(COLUMNS) + 2)}",
     ]
     for of, last in newest.items():
         for record, name in records:
             if kind(record) == of:
-                found = [", ".join(_found(record, goal) for goal in goals) for goals in SHOWN.values()]
+                found = [", ".join(_found(record, goal) for goal in goals) for goals in COLUMNS.values()]
                 times = [_times(record, last, engine) for engine in ("feeler", "embree")]
                 link = f"[{name.removesuffix('.json')}](../bench/records/{name}), {record['commit'][:7]}"
                 lines.append(f"| {of} | {link} | {' | '.join([*found, *times])} |")

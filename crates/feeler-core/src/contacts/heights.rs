@@ -68,7 +68,6 @@ pub(crate) fn places_above<'a>(
     &room[..count]
 }
 
-/// The numbers of the first lanes.
 struct PlacesAbove<'a> {
     points: &'a [Eight],
     d: &'a Point,
