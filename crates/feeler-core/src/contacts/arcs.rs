@@ -12,7 +12,7 @@ use crate::vectors::{along, dot, scaled, sub, unit};
 const MOST_PIECES: usize = 64;
 
 /// Sine from which on.
-const AGAINST: f64 = 0.01;
+pub(crate) const AGAINST: f64 = 0.01;
 
 /// Part of an arc.
 #[derive(Debug, Clone, Copy)]

@@ -8,10 +8,10 @@ use crate::contacts::patches::Patches;
 use crate::contacts::sets::Sets;
 use crate::contacts::sides::Sides;
 use crate::simd::{Checked, WIDE_LANES};
-use crate::vectors::{along, cross, dot, unit};
+use crate::vectors::{along, unit};
 
-/// Most facets of a body, the largest, whose normals are tried.
-pub(crate) const MOST_NORMALS: usize = 24;
+/// Most facets of a body, the largest, whose normals are tried: with their mean as many as fill the lanes.
+pub(crate) const MOST_NORMALS: usize = 3 * WIDE_LANES - 1;
 
 /// Most pairs of edges whose directions are tried.
 pub(crate) const MOST_EDGES: usize = 100;
@@ -22,28 +22,31 @@ pub(crate) struct Facet {
     pub normal: Point,
     pub size: f64,
     pub flat: bool,
-    /// Its triangles among those of all bodies.
+    /// Its triangles among those of all patches.
     triangles: (usize, usize),
 }
 
-/// Where the planes of two facets meet.
+/// Facets with their triangles: those of a body, or of all.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Edge {
-    /// Unit.
-    pub along: Point,
-    /// Square to the normals of the two and to the edge, each to the side where the other is.
-    sides: [Point; 2],
+pub(crate) struct Facets<'a> {
+    /// Which of the bodies it is; as many as there are where it is all.
+    pub number: usize,
+    list: &'a [Facet],
+    triangles: &'a [u32],
 }
 
-impl Edge {
-    fn new(p: &Facet, q: &Facet) -> Option<Edge> {
-        let along = unit(&cross(&p.normal, &q.normal))?;
-        Some(Edge { along, sides: [cross(&along, &p.normal), cross(&q.normal, &along)] })
+impl<'a> Facets<'a> {
+    /// Its triangles, whole, each with the normal of its facet.
+    pub fn triangles(&self) -> impl Iterator<Item = (u32, &'a Point)> + 'a {
+        let all = self.triangles;
+        self.list.iter().flat_map(|f| all[f.triangles.0..f.triangles.1].iter().map(|id| (*id, &f.normal)))
     }
+}
 
-    /// Whether a direction across the edge is between the two normals.
-    pub fn is_between(&self, d: &Point) -> bool {
-        self.sides.iter().all(|side| dot(d, side) >= 0.0)
+#[cfg(test)]
+impl Facet {
+    pub fn looking(normal: Point) -> Facet {
+        Facet { normal, size: 1.0, flat: true, triangles: (0, 0) }
     }
 }
 
@@ -63,6 +66,8 @@ struct Entry {
 #[derive(Debug, Default)]
 pub(crate) struct Bodies {
     list: Vec<Entry>,
+    /// All patches, and those of the bodies.
+    patches: Vec<Facet>,
     facets: Vec<Facet>,
     points: Vec<Point>,
     /// For each point where its cuts are.
@@ -82,11 +87,13 @@ pub(crate) struct Bodies {
 /// A body, to be read.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Body<'a> {
+    /// Which of the bodies it is.
+    pub number: usize,
     pub facets: &'a [Facet],
     /// Each once, or once for each of its facets.
     pub points: &'a [Point],
     pub point_eights: &'a [Eight],
-    /// Of all bodies: see [`triangles_of`](Self::triangles_of).
+    /// Of all patches.
     pub triangles: &'a [u32],
     /// For each point where among `point_cuts` its cuts are: those of the curve have several, others none.
     pub cuts_of: &'a [(u32, u32)],
@@ -100,16 +107,29 @@ pub(crate) struct Body<'a> {
     pub largest: f64,
 }
 
-impl Body<'_> {
-    /// The triangles of a facet, whole.
-    pub fn triangles_of(&self, facet: &Facet) -> &[u32] {
-        &self.triangles[facet.triangles.0..facet.triangles.1]
+impl<'a> Body<'a> {
+    pub fn whole(&self) -> Facets<'a> {
+        Facets { number: self.number, list: self.facets, triangles: self.triangles }
     }
+}
 
-    /// The edges between each two facets.
-    pub fn edges(&self) -> impl Iterator<Item = Edge> + '_ {
-        let others = |i: usize| self.facets[i + 1..].iter();
-        self.facets.iter().enumerate().flat_map(move |(i, p)| others(i).filter_map(|q| Edge::new(p, q)))
+#[cfg(test)]
+impl<'a> Body<'a> {
+    /// Of facets alone.
+    pub fn of_facets(facets: &'a [Facet]) -> Body<'a> {
+        Body {
+            number: 0,
+            facets,
+            points: &[],
+            point_eights: &[],
+            triangles: &[],
+            cuts_of: &[],
+            point_cuts: &[],
+            normals: &[],
+            mean: [0.0; 3],
+            size: 1.0,
+            largest: 1.0,
+        }
     }
 }
 
@@ -126,6 +146,7 @@ impl Bodies {
     pub fn get(&self, i: usize) -> Body<'_> {
         let e = &self.list[i];
         Body {
+            number: i,
             facets: &self.facets[e.facets.0..e.facets.1],
             points: &self.points[e.points.0..e.points.1],
             point_eights: &self.eights[e.point_eights.0..e.point_eights.1],
@@ -139,6 +160,11 @@ impl Bodies {
         }
     }
 
+    /// What all bodies have, each patch once.
+    pub fn all(&self) -> Facets<'_> {
+        Facets { number: self.list.len(), list: &self.patches, triangles: &self.triangles }
+    }
+
     /// Makes the bodies of a zone with so many cuts. `place_of_cut` tells where a cut is among them.
     pub fn set(
         &mut self,
@@ -149,6 +175,7 @@ impl Bodies {
         place_of_cut: impl Fn(u32) -> usize,
     ) {
         self.list.clear();
+        self.patches.clear();
         self.facets.clear();
         self.points.clear();
         self.cuts_of.clear();
@@ -159,16 +186,16 @@ impl Bodies {
         self.cuts.clear(clusters.count, cuts);
         self.patch_cuts.clear(patches.list.len(), cuts);
         for (p, patch) in patches.list.iter().enumerate() {
+            let from = self.triangles.len();
+            self.triangles.extend(patches.triangles(patch));
+            let triangles = (from, self.triangles.len());
+            self.patches.push(Facet { normal: patch.normal, size: patch.size, flat: patch.flat, triangles });
             patches.cuts(patch).iter().for_each(|cut| self.patch_cuts.insert(p, place_of_cut(*cut)));
         }
         for (i, (own, lent)) in clusters.patches.iter().zip(&clusters.lent).enumerate().take(clusters.count) {
             let from = (self.facets.len(), self.points.len());
             for p in own.iter().chain(lent) {
-                let patch = &patches.list[*p as usize];
-                let from = self.triangles.len();
-                self.triangles.extend(patches.triangles(patch));
-                let triangles = (from, self.triangles.len());
-                self.facets.push(Facet { normal: patch.normal, size: patch.size, flat: patch.flat, triangles });
+                self.facets.push(self.patches[*p as usize]);
                 self.cuts.join(i, self.patch_cuts.get(*p as usize));
             }
             for patch in own.iter().map(|p| &patches.list[*p as usize]) {

@@ -7,20 +7,24 @@
 
 use crate::bounds::{Aabb, Point};
 use crate::contacts::arcs::{is_against, Arcs};
-use crate::contacts::body::{edge_count, Body, Edge, MOST_EDGES, MOST_NORMALS};
+use crate::contacts::body::{edge_count, Body, Facets, MOST_EDGES, MOST_NORMALS};
+use crate::contacts::edge_pairs::EdgePairs;
 use crate::contacts::heights::{highest, highest_and_lowest, highest_of_eights, places_above, Reach};
 use crate::contacts::onward::Known;
 use crate::contacts::overlap::Overlap;
 use crate::contacts::zones::Zones;
 use crate::contacts::Ground;
 use crate::simd::{Checked, WIDE_LANES};
-use crate::vectors::{add, along, cross, dot, length, scaled, sub, unit};
+use crate::vectors::{add, along, dot, length, scaled, sub};
 
 /// A later direction must be shallower by this share to be preferred, so that ties fall to normals of the mock-up always.
 const CLEARLY: f64 = 1e-6;
 
 /// Share of a depth that is all of it.
 const ALL: f64 = 0.9;
+
+/// Share of that by which overlaps are looked for first, where they are to be measured.
+const MUCH: f64 = 0.75;
 
 /// The least depth of a tool body in a mock-up body.
 #[derive(Debug, Clone, Copy)]
@@ -78,12 +82,14 @@ impl Depth {
 /// Working memory.
 #[derive(Debug, Default)]
 pub(crate) struct Directions {
-    list: Vec<Point>,
-    edges: Vec<Edge>,
+    edge_pairs: EdgePairs,
     tried: Vec<Tried>,
     depths: Vec<f64>,
     pub(super) arcs: Arcs,
     overlap: Overlap,
+    /// Bodies of the tool with directions of planes and overlaps along them, for which it was asked whether others overlap by more; and
+    /// whether nothing of the mock-up does.
+    held: Vec<((usize, Point, f64), Option<bool>)>,
     /// By body of tool and mock-up where its surface went on along directions tried: there it mostly does along others.
     pub(super) known: [Vec<Known>; 2],
     pub(super) places: Vec<u32>,
@@ -93,6 +99,8 @@ impl Directions {
     /// For the bodies of another zone, so many of the tool and of the mock-up.
     pub fn clear(&mut self, bodies: [usize; 2]) {
         self.overlap.clear(bodies);
+        self.held.clear();
+        self.edge_pairs.clear();
         for (known, count) in self.known.iter_mut().zip(bodies) {
             known.iter_mut().for_each(Known::clear);
             known.resize_with(count.max(known.len()), Known::default);
@@ -141,8 +149,6 @@ pub(crate) struct Pair<'a> {
     pub zones: &'a Zones,
     pub tool: Body<'a>,
     pub mockup: Body<'a>,
-    /// Which of the bodies of tool and mock-up they are.
-    pub numbers: [usize; 2],
 }
 
 impl Pair<'_> {
@@ -214,7 +220,7 @@ impl Pair<'_> {
     pub fn is_filled(&self, ground: &Ground<'_>, depth: &mut Depth, directions: &mut Directions) -> bool {
         if depth.overlap == Overlapping::NotAsked {
             let enough = ALL * depth.depth;
-            let mut most = || directions.overlap.most(ground, self, &depth.normal, enough, enough);
+            let mut most = || directions.overlap.most(ground, &self.sides(), &depth.normal, enough, enough);
             let is_less = depth.depth > 0.0 && most().is_some_and(|(most, _)| most < enough);
             depth.overlap = if is_less { Overlapping::AtMost(enough) } else { Overlapping::All };
         }
@@ -231,7 +237,14 @@ impl Pair<'_> {
         depth.certain = false;
         // Where they only touch there is a point too.
         let more = if least > 0.0 { least } else { -CLEARLY * enough };
-        let Some((most, at)) = directions.overlap.most(ground, self, &depth.normal, more, enough) else { return };
+        let mut find = |least: f64| directions.overlap.most(ground, &self.sides(), &depth.normal, least, enough);
+        // Mostly it is much of that, and few triangles overlap by as much.
+        let much = (MUCH * enough).max(more);
+        let found = match find(much) {
+            Some((most, _)) if most <= much && much > more => find(more),
+            found => found,
+        };
+        let Some((most, at)) = found else { return };
         if most > more {
             (depth.overlap, depth.point) = (Overlapping::Measured(most), at);
         } else {
@@ -239,11 +252,34 @@ impl Pair<'_> {
         }
     }
 
-    /// Whether the two overlap along a direction by no more than others do for which it was found.
-    pub fn overlaps_no_more(&self, ground: &Ground<'_>, plane: &Depth, directions: &mut Directions) -> bool {
+    /// Whether the two overlap along a direction by no more than others do for which it was found. Where that is asked once more for
+    /// the tool's body, it is asked for all that the mock-up has there: mostly none of it overlaps by more.
+    pub fn overlaps_no_more(
+        &self,
+        ground: &Ground<'_>,
+        all: Facets<'_>,
+        plane: &Depth,
+        directions: &mut Directions,
+    ) -> bool {
         let most = -plane.gap();
-        let found = directions.overlap.most(ground, self, &plane.normal, most, most);
-        found.is_some_and(|(more, _)| more <= most)
+        let Directions { overlap, held, .. } = directions;
+        let [tool, mockup] = self.sides();
+        let mut is_more = |mockup| {
+            let found = overlap.most(ground, &[tool, mockup], &plane.normal, most, most);
+            found.is_none_or(|(more, _)| more > most)
+        };
+        let key = (tool.number, plane.normal, most);
+        match held.iter_mut().find(|held| held.0 == key) {
+            Some((_, no_more)) => *no_more.get_or_insert_with(|| !is_more(all)) || !is_more(mockup),
+            None => {
+                held.push((key, None));
+                !is_more(mockup)
+            }
+        }
+    }
+
+    fn sides(&self) -> [Facets<'_>; 2] {
+        [self.tool.whole(), self.mockup.whole()]
     }
 }
 
@@ -347,26 +383,10 @@ impl<'a> Best<'a> {
 
     /// The directions across an edge of each.
     fn try_edges(&mut self) {
-        let Pair { tool, mockup, .. } = self.pair;
-        let mut list = std::mem::take(&mut self.directions.list);
-        list.clear();
-        let mut of_tool = std::mem::take(&mut self.directions.edges);
-        of_tool.clear();
-        of_tool.extend(tool.edges());
-        for e in mockup.edges() {
-            for f in &of_tool {
-                let Some(d) = unit(&cross(&e.along, &f.along)) else { continue };
-                for d in [d, scaled(&d, -1.0)] {
-                    // Where it is between the normals on both sides, the edges hold along it, wherever most of the faces look.
-                    if self.leads_out(&d) || e.is_between(&d) && f.is_between(&scaled(&d, -1.0)) {
-                        list.push(d);
-                    }
-                }
-            }
-        }
-        self.try_all(&list);
-        self.directions.list = list;
-        self.directions.edges = of_tool;
+        let Pair { lanes, tool, mockup, .. } = self.pair;
+        let mut edge_pairs = std::mem::take(&mut self.directions.edge_pairs);
+        self.try_all(edge_pairs.directions(*lanes, tool, mockup, &self.outward()));
+        self.directions.edge_pairs = edge_pairs;
     }
 
     /// Tries directions in their order.
@@ -452,7 +472,7 @@ impl<'a> Best<'a> {
     }
 }
 
-fn is_leading_out(d: &Point, outward: &[Point; 2]) -> bool {
+pub(super) fn is_leading_out(d: &Point, outward: &[Point; 2]) -> bool {
     (*d != [0.0; 3]) & !is_against(d, &outward[0]) & !is_against(d, &outward[1])
 }
 
@@ -467,7 +487,7 @@ mod tests {
     use crate::contacts::onward::Onward;
     use crate::contacts::zones::{Cut, Face, MOCKUP};
     use crate::simd::Level;
-    use crate::vectors::across;
+    use crate::vectors::{across, unit};
 
     #[test]
     fn a_plane_holds_apart_what_it_is_deep_enough_for() {
@@ -479,27 +499,10 @@ mod tests {
             push_eights(points, &mut eights);
             eights
         });
-        let body = |points, point_eights| Body {
-            facets: &[],
-            points,
-            point_eights,
-            triangles: &[],
-            cuts_of: &[(0, 0); 30],
-            point_cuts: &[],
-            normals: &[],
-            mean,
-            size: 1.0,
-            largest: 1.0,
-        };
+        let body = |points, point_eights| Body { points, point_eights, cuts_of: &[(0, 0); 30], ..Body::of_facets(&[]) };
         let zones = Zones::default();
         let lanes = Level::best().checked();
-        let pair = Pair {
-            lanes,
-            zones: &zones,
-            tool: body(&low, &low_eights),
-            mockup: body(&high, &high_eights),
-            numbers: [0; 2],
-        };
+        let pair = Pair { lanes, zones: &zones, tool: body(&low, &low_eights), mockup: body(&high, &high_eights) };
         for d in (0..20).filter_map(|i| unit(&wave(100 + i))) {
             let depth = high.iter().flat_map(|p| low.iter().map(|q| dot(&sub(p, q), &d)).collect::<Vec<_>>());
             let depth = depth.fold(f64::NEG_INFINITY, f64::max);

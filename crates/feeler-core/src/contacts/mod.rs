@@ -18,6 +18,7 @@ mod depth;
 mod descent;
 #[cfg(test)]
 mod dirty_tests;
+mod edge_pairs;
 mod edges;
 mod gaps;
 mod heights;
@@ -101,6 +102,9 @@ const MOST_HELD: usize = 1 << 16;
 
 /// Cosine of the angle within which planes of two flat surfaces in one zone are one: half a degree.
 const SAME_PLANE: f64 = 0.999_96;
+
+/// Cosine of the angle between a plane and the best normal of two bodies up to which it holds these as well: 25 degrees.
+const HELD_DIRECTION: f64 = 0.9063;
 
 /// Share of a surface's length by which its corners may be off: a few steps of float32, in which many files have their numbers.
 /// Corners as near as that may be one, and triangles as thin have normals that say nothing.
@@ -340,7 +344,7 @@ impl Scene {
             let zones = zones::find(&ground, pairs, None, zones_scratch);
             for zone in 0..zones.zones.len() {
                 let before = place.planes.len();
-                push_zone(&ground, zones, zone, part, zone_scratch, &mut place.planes);
+                push_zone(&ground, zones, zone, part, Sought::LeadingOut, zone_scratch, &mut place.planes);
                 place.add_inside(zones, zone);
                 if place.planes.len() == before {
                     right_through.extend(RightThrough::new(&ground, zones, zone).map(|found| (places.len(), found)));
@@ -350,8 +354,15 @@ impl Scene {
         }
         if count_deep(&places) < MANY_DEEP {
             for (place, right_through) in right_through {
-                let RightThrough { pairs, way } = &right_through;
-                let (zones, place) = (zones::find(&ground, pairs, Some(*way), zones_scratch), &mut places[place]);
+                let (RightThrough { pairs, way }, place) = (&right_through, &mut places[place]);
+                let (zones, before) = (zones::find(&ground, pairs, None, zones_scratch), place.planes.len());
+                for zone in 0..zones.zones.len() {
+                    push_zone(&ground, zones, zone, place.part, Sought::Any, zone_scratch, &mut place.planes);
+                }
+                if place.planes.len() > before {
+                    continue;
+                }
+                let zones = zones::find(&ground, pairs, Some(*way), zones_scratch);
                 place.planes.push(right_through.plane(&ground, zones, place.part));
                 (0..zones.zones.len()).for_each(|zone| place.add_inside(zones, zone));
             }
@@ -405,12 +416,22 @@ impl Scene {
     }
 }
 
+/// Which directions are sought for two bodies.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Sought {
+    /// From a normal that leads out; none where there is no such normal.
+    LeadingOut,
+    /// Any.
+    Any,
+}
+
 /// The planes of one zone: one for each two bodies that cut each other, without those that a deeper one stands for.
 fn push_zone(
     ground: &Ground<'_>,
     zones: &Zones,
     zone: usize,
     part: u32,
+    sought: Sought,
     scratch: &mut ZoneScratch,
     out: &mut Vec<ContactPlane>,
 ) {
@@ -422,7 +443,7 @@ fn push_zone(
         bodies[w].set(ground.lanes, patches, clusters, cuts.len(), |c| zones.place_of_cut[c as usize] as usize);
     }
     let bodies = TwoSides { ground, zones, bodies: &*bodies };
-    bodies.find_depths(directions, first, found);
+    bodies.find_depths(sought, directions, first, found);
     let from = out.len();
     let mut next = 0;
     while let Some((depth, [t, m])) = found.get(next) {
@@ -475,7 +496,7 @@ struct TwoSides<'a> {
 impl<'a> TwoSides<'a> {
     fn pair(&self, t: usize, m: usize) -> Pair<'a> {
         let (tool, mockup) = (self.bodies[TOOL].get(t), self.bodies[MOCKUP].get(m));
-        Pair { lanes: self.ground.lanes, zones: self.zones, tool, mockup, numbers: [t, m] }
+        Pair { lanes: self.ground.lanes, zones: self.zones, tool, mockup }
     }
 
     fn share_cuts(&self, t: usize, m: usize) -> bool {
@@ -531,13 +552,14 @@ impl<'a> TwoSides<'a> {
                 most = Some(d);
             }
         }
-        most.is_some_and(|d| pair.overlaps_no_more(self.ground, d, directions))
+        most.is_some_and(|d| pair.overlaps_no_more(self.ground, self.bodies[MOCKUP].all(), d, directions))
     }
 
     /// The least depths of bodies that meet, deepest first, with the bodies' numbers. First of those that the curve cuts; where a
     /// plane of one of these holds apart what is walled in, that needs none of its own.
     fn find_depths(
         &self,
+        sought: Sought,
         directions: &mut Directions,
         first: &mut Vec<(FirstDepth, [usize; 2])>,
         found: &mut Vec<(Depth, [usize; 2])>,
@@ -564,10 +586,10 @@ impl<'a> TwoSides<'a> {
             // gives a plane.
             first.sort_by(|(p, _), (q, _)| q.depth().total_cmp(&p.depth()));
             for (first, [t, m]) in first.iter() {
-                let (same, pair) = (if first.certain { SAME_PLANE } else { SAME_DIRECTION }, self.pair(*t, *m));
+                let (same, pair) = (if first.certain { SAME_PLANE } else { HELD_DIRECTION }, self.pair(*t, *m));
                 let is_needless = match first.normal() {
                     Some(n) => self.is_held(pair, first.depth(), |d| dot(d, &n) >= same, found, directions),
-                    None => !found.is_empty(),
+                    None => sought == Sought::LeadingOut || !found.is_empty(),
                 };
                 if !is_needless {
                     found.extend(pair.least_depth(first, directions).map(|d| (d, [*t, *m])));

@@ -83,7 +83,8 @@ impl Best<'_> {
     /// freed sideways by its own width, for there is more plate.
     pub fn goes_on(&mut self, tried: &Tried) -> bool {
         let Tried { direction: d, high, low } = tried;
-        let Pair { lanes, zones, tool, mockup, numbers } = self.pair;
+        let Pair { lanes, zones, tool, mockup } = self.pair;
+        let numbers = [tool.number, mockup.number];
         let tolerance = self.noise + 1e-6 * (high - low).abs();
         let ends = [(scaled(d, -1.0), -low - tolerance), (*d, high - tolerance)];
         for w in [TOOL, MOCKUP] {

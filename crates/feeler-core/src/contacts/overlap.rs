@@ -7,8 +7,7 @@
 use std::ops::Range;
 
 use crate::bounds::{Point, Triangle};
-use crate::contacts::body::Body;
-use crate::contacts::depth::Pair;
+use crate::contacts::body::Facets;
 use crate::contacts::heights::{eight_heights, highest_of_eights, Eight};
 use crate::contacts::zones::{MOCKUP, TOOL};
 use crate::contacts::Ground;
@@ -48,15 +47,17 @@ struct Seen {
     lanes: u8,
 }
 
-/// The triangles of two bodies, seen along a direction. Kept as working memory.
+/// The triangles of two bodies, or of one and all of the other side's, seen along a direction. Kept as working memory.
 #[derive(Debug, Default)]
 pub(crate) struct Overlap {
-    /// Those of all bodies of tool and mock-up that were asked for, wound so that they face outward, and where those of each are.
+    /// Those of all bodies of tool and mock-up that were asked for, wound so that they face outward, and where those of each are;
+    /// in the end those of all together.
     corners: [Vec<Corners>; 2],
     places: [Vec<Option<Range<usize>>>; 2],
     /// Two directions across, and the direction.
     frame: [Point; 3],
-    seen: [Vec<Seen>; 2],
+    /// The triangles to be looked at, and how many eights; what lies behind is memory.
+    seen: [(Vec<Seen>, usize); 2],
     around_mockup: Across,
 }
 
@@ -66,51 +67,49 @@ impl Overlap {
         self.corners.iter_mut().for_each(Vec::clear);
         for (places, count) in self.places.iter_mut().zip(bodies) {
             places.clear();
-            places.resize(count, None);
+            places.resize(count + 1, None);
         }
     }
 
-    /// The most that two bodies overlap along a direction, metres, with the mock-up's point there; as soon as it is `enough`, that.
+    /// The most that two sides overlap along a direction, metres, with the mock-up's point there; as soon as it is `enough`, that.
     /// Negative infinity where nothing overlaps by more than `least`. `None` where these are too many triangles to tell.
     pub fn most(
         &mut self,
         ground: &Ground<'_>,
-        pair: &Pair<'_>,
+        sides: &[Facets<'_>; 2],
         d: &Point,
         least: f64,
         enough: f64,
     ) -> Option<(f64, Point)> {
         let [u, v] = across(d);
         self.frame = [u, v, *d];
-        let places =
-            [(TOOL, &pair.tool), (MOCKUP, &pair.mockup)].map(|(w, body)| self.keep(ground, w, pair.numbers[w], body));
+        let places = [TOOL, MOCKUP].map(|w| self.keep(ground, w, &sides[w]));
         self.see(ground.lanes, places, least);
         self.most_seen(ground.lanes, least, enough)
     }
 
     /// Turns the triangles of two bodies into the frame, as far as more than `least` may overlap.
     fn see(&mut self, lanes: Checked, places: [Range<usize>; 2], least: f64) {
-        let Overlap { corners, frame, seen: [seen_tool, seen_mockup], .. } = self;
+        let Overlap { corners, frame, seen: [(seen_tool, tools), (seen_mockup, mockups)], .. } = self;
         let [tool, mockup] = [TOOL, MOCKUP].map(|w| &corners[w][places[w].clone()]);
         let low = -highest_of_eights(lanes, tool.as_flattened(), &scaled(&frame[2], -1.0));
         let high = highest_of_eights(lanes, mockup.as_flattened(), &frame[2]);
         let beyond = least - high;
-        let around_tool =
+        let around_tool;
+        (around_tool, *tools) =
             lanes.run(Seeing { corners: tool, frame, sense: -1.0, beyond, beside: &ANYWHERE, out: seen_tool });
         let beyond = least + low;
         let mockup = Seeing { corners: mockup, frame, sense: 1.0, beyond, beside: &around_tool, out: seen_mockup };
-        self.around_mockup = lanes.run(mockup);
+        (self.around_mockup, *mockups) = lanes.run(mockup);
     }
 
-    /// Where the triangles of a body are.
-    fn keep(&mut self, ground: &Ground<'_>, w: usize, number: usize, body: &Body<'_>) -> Range<usize> {
-        if let Some(place) = &self.places[w][number] {
+    /// Where the triangles of one side are.
+    fn keep(&mut self, ground: &Ground<'_>, w: usize, of: &Facets<'_>) -> Range<usize> {
+        if let Some(place) = &self.places[w][of.number] {
             return place.clone();
         }
         let from = self.corners[w].len();
-        let triangles =
-            body.facets.iter().flat_map(|facet| body.triangles_of(facet).iter().map(|id| (*id, &facet.normal)));
-        let outward = triangles.map(|(id, outward)| {
+        let outward = of.triangles().map(|(id, outward)| {
             let [a, b, c] = ground.triangle(w, id);
             if dot(&cross(&sub(&b, &a), &sub(&c, &a)), outward) < 0.0 {
                 [a, c, b]
@@ -119,11 +118,11 @@ impl Overlap {
             }
         });
         push_corners(outward, &mut self.corners[w]);
-        self.places[w][number].insert(from..self.corners[w].len()).clone()
+        self.places[w][of.number].insert(from..self.corners[w].len()).clone()
     }
 
     fn most_seen(&self, lanes: Checked, least: f64, enough: f64) -> Option<(f64, Point)> {
-        let [tool, mockup] = &self.seen;
+        let [tool, mockup] = self.seen.each_ref().map(|(list, count)| &list[..*count]);
         if tool.len() * WIDE_LANES * mockup.len() * WIDE_LANES > MOST_PAIRS {
             return None;
         }
@@ -197,7 +196,7 @@ impl<S: Simd> Around<S> {
 }
 
 /// Turns triangles into a frame: those that face along the direction or against it, reach beyond a height in that sense, and are not
-/// beside a box. Gives the box around them.
+/// beside a box. Gives the box around them, and how many eights there are.
 struct Seeing<'a> {
     corners: &'a [Corners],
     frame: &'a [Point; 3],
@@ -208,10 +207,10 @@ struct Seeing<'a> {
 }
 
 impl Kernel for Seeing<'_> {
-    type Output = Across;
+    type Output = (Across, usize);
 
     #[inline(always)]
-    fn run<S: Simd>(self, s: S) -> Across {
+    fn run<S: Simd>(self, s: S) -> (Across, usize) {
         let Seeing { corners, frame, sense, beyond, beside, out } = self;
         let (zero, sense, beyond) = (s.wide_splat(0.0), s.wide_splat(sense), s.wide_splat(beyond));
         let mut axes = [[zero; 3]; 3];
@@ -223,7 +222,7 @@ impl Kernel for Seeing<'_> {
         let (none_lower, none_upper) = (s.wide_splat(f64::INFINITY), s.wide_splat(f64::NEG_INFINITY));
         let around = Around::all(s, beside);
         let (mut least, mut most) = ([none_lower; 2], [none_upper; 2]);
-        out.clear();
+        let mut count = 0;
         for eight in corners {
             let mut seen = [[zero; 3]; 3];
             for c in 0..3 {
@@ -259,7 +258,13 @@ impl Kernel for Seeing<'_> {
             if lanes == 0 {
                 continue;
             }
-            let mut eight = Seen { lanes, ..Seen::default() };
+            if count == out.len() {
+                out.push(Seen::default());
+            }
+            // Written where it stays: it is large.
+            let eight = &mut out[count];
+            count += 1;
+            eight.lanes = lanes;
             let inverse = s.wide_divide(s.wide_splat(1.0), n[2]);
             let mut height = a[2];
             for k in 0..2 {
@@ -281,7 +286,6 @@ impl Kernel for Seeing<'_> {
                     s.wide_store(p[k], &mut eight.corners[c][k]);
                 }
             }
-            out.push(eight);
         }
         let mut around = ANYWHERE;
         for k in 0..2 {
@@ -291,7 +295,7 @@ impl Kernel for Seeing<'_> {
             around.lower[k] = lower.iter().fold(f64::INFINITY, |m, x| m.min(*x));
             around.upper[k] = upper.iter().fold(f64::NEG_INFINITY, |m, x| m.max(*x));
         }
-        around
+        (around, count)
     }
 }
 

@@ -6,9 +6,9 @@ use crate::contacts::patches::{Patch, Piece};
 use crate::simd::{Checked, Kernel, Simd, Wide, LANES, WIDE_LANES};
 use crate::vectors::dot;
 
-/// Triangles whose normals are within this angle of the first one's (cosine of 2.5 degrees) may share a patch: on a curved
+/// Triangles whose normals are within this angle of the first one's (cosine of 3 degrees) may share a patch: on a curved
 /// surface of radius r that is off by r/1000.
-const ONE_PATCH: f64 = 0.999_05;
+const ONE_PATCH: f64 = 0.998_63;
 
 /// Normals this close (1 - cosine) are of one plane.
 const ONE_PLANE: f64 = 1e-9;
