@@ -46,7 +46,19 @@ impl<'a> Facets<'a> {
 #[cfg(test)]
 impl Facet {
     pub fn looking(normal: Point) -> Facet {
-        Facet { normal, size: 1.0, flat: true, triangles: (0, 0) }
+        Facet::over(normal, 0..0)
+    }
+
+    /// With triangles by their places.
+    pub fn over(normal: Point, triangles: std::ops::Range<usize>) -> Facet {
+        Facet { normal, size: 1.0, flat: true, triangles: (triangles.start, triangles.end) }
+    }
+}
+
+#[cfg(test)]
+impl<'a> Facets<'a> {
+    pub fn new(number: usize, list: &'a [Facet], triangles: &'a [u32]) -> Facets<'a> {
+        Facets { number, list, triangles }
     }
 }
 

@@ -26,6 +26,8 @@ pub(crate) struct Clusters {
     corner_over: Sets,
     /// Those under whose planes the same corner or middle is.
     under: Sets,
+    /// Patches that a patch or a part of it is not with.
+    barred: Vec<u64>,
     middles: Vec<Point>,
     straddling: Vec<u32>,
 }
@@ -66,8 +68,12 @@ impl Clusters {
         let bodies = self.count;
         for i in straddling.drain(..) {
             let mut lent = false;
+            let corners = patches.corners(&patches.list[i as usize]);
+            self.barred.clear();
+            self.barred.extend_from_slice(self.below.get(i as usize));
+            self.corner_over.join_common(corners, &mut self.barred);
             for c in 0..bodies {
-                if self.is_partly_within(patches, i as usize, c) {
+                if self.is_partly_within(corners, c) {
                     lent = true;
                     self.lent[c].push(i);
                 }
@@ -81,11 +87,9 @@ impl Clusters {
 
     /// Adds a patch to the first cluster, from one on, that it bulges with.
     fn join_or_found(&mut self, i: u32, from: usize) {
-        let (over, below) = (self.over.get(i as usize), self.below.get(i as usize));
-        let fits = |c: &usize| {
-            let members = self.members.get(*c);
-            !is_meeting(over, members) && !is_meeting(below, members)
-        };
+        self.barred.clear();
+        self.barred.extend(self.over.get(i as usize).iter().zip(self.below.get(i as usize)).map(|(o, b)| o | b));
+        let fits = |c: &usize| !is_meeting(&self.barred, self.members.get(*c));
         let c = (from..self.count).find(fits).unwrap_or_else(|| {
             if self.patches.len() == self.count {
                 self.patches.push(Vec::new());
@@ -100,10 +104,10 @@ impl Clusters {
         self.members.insert(c, i as usize);
     }
 
-    /// Whether no patch of a cluster stands out over a patch, and one of its corners over none of them.
-    fn is_partly_within(&self, patches: &Patches, i: usize, c: usize) -> bool {
-        let (corners, members) = (patches.corners(&patches.list[i]), self.members.get(c));
-        !is_meeting(self.below.get(i), members)
+    /// Whether none of a cluster's patches is barred, and one of some corners is over none of them.
+    fn is_partly_within(&self, corners: &[u32], c: usize) -> bool {
+        let members = self.members.get(c);
+        !is_meeting(&self.barred, members)
             && corners.iter().any(|k| !is_meeting(self.corner_over.get(*k as usize), members))
     }
 }

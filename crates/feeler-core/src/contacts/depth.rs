@@ -5,10 +5,13 @@
 //! or at a direction across an edge of each, as for any two polytopes; for curved surfaces a short [`descent`](super::descent)
 //! follows.
 
+use std::array::from_fn;
+
 use crate::bounds::{Aabb, Point};
 use crate::contacts::arcs::{is_against, Arcs};
-use crate::contacts::body::{edge_count, Body, Facets, MOST_EDGES, MOST_NORMALS};
+use crate::contacts::body::{edge_count, Body, Facets, MOST_EDGES};
 use crate::contacts::edge_pairs::EdgePairs;
+use crate::contacts::first::{FirstDepth, Normals};
 use crate::contacts::heights::{highest, highest_and_lowest, highest_of_eights, places_above, Reach};
 use crate::contacts::onward::Known;
 use crate::contacts::overlap::Overlap;
@@ -18,7 +21,7 @@ use crate::simd::{Checked, WIDE_LANES};
 use crate::vectors::{add, along, dot, length, scaled, sub};
 
 /// A later direction must be shallower by this share to be preferred, so that ties fall to normals of the mock-up always.
-const CLEARLY: f64 = 1e-6;
+pub(super) const CLEARLY: f64 = 1e-6;
 
 /// Share of a depth that is all of it.
 const ALL: f64 = 0.9;
@@ -83,8 +86,7 @@ impl Depth {
 #[derive(Debug, Default)]
 pub(crate) struct Directions {
     edge_pairs: EdgePairs,
-    tried: Vec<Tried>,
-    depths: Vec<f64>,
+    pub(super) normals: Normals,
     pub(super) arcs: Arcs,
     overlap: Overlap,
     /// Bodies of the tool with directions of planes and overlaps along them, for which it was asked whether others overlap by more; and
@@ -122,48 +124,16 @@ impl Tried {
     }
 }
 
-/// What the normals of two bodies say about their depth.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct FirstDepth {
-    found: Option<Tried>,
-    /// As [`Depth`] has it.
-    pub certain: bool,
-}
-
-impl FirstDepth {
-    /// Metres, at least the least depth; less than any where none of the directions leads out.
-    pub fn depth(&self) -> f64 {
-        self.found.map_or(f64::NEG_INFINITY, |f| f.depth())
-    }
-
-    /// The direction, if there is one.
-    pub fn normal(&self) -> Option<Point> {
-        self.found.map(|f| f.direction)
-    }
-}
-
 /// Two bodies that cut each other.
 #[derive(Clone, Copy)]
 pub(crate) struct Pair<'a> {
     pub lanes: Checked,
     pub zones: &'a Zones,
-    pub tool: Body<'a>,
-    pub mockup: Body<'a>,
+    pub tool: &'a Body<'a>,
+    pub mockup: &'a Body<'a>,
 }
 
 impl Pair<'_> {
-    /// The least depth along a normal of either body.
-    pub fn first_depth(&self, directions: &mut Directions) -> FirstDepth {
-        let is_flat = |body: &Body<'_>| body.facets.len() <= MOST_NORMALS && body.facets.iter().all(|p| p.flat);
-        let mut best = Best::new(self, directions, None);
-        best.try_facets();
-        best.choose();
-        FirstDepth {
-            found: best.found,
-            certain: self.edge_pairs() <= MOST_EDGES && is_flat(&self.tool) && is_flat(&self.mockup),
-        }
-    }
-
     /// How deep two that are so deep along the best of their normals are along a plane's, if it holds them apart as well: where it
     /// is less deep than that, only if nothing goes on along it either.
     pub fn held_depth(&self, plane: &Depth, depth: f64, directions: &mut Directions) -> Option<f64> {
@@ -196,7 +166,7 @@ impl Pair<'_> {
     }
 
     /// Pairs of an edge of each.
-    fn edge_pairs(&self) -> usize {
+    pub fn edge_pairs(&self) -> usize {
         edge_count(self.mockup.facets.len()) * edge_count(self.tool.facets.len())
     }
 
@@ -278,6 +248,11 @@ impl Pair<'_> {
         }
     }
 
+    /// As [`Best::outward`] has it.
+    pub fn outward(&self) -> [Point; 2] {
+        [self.mockup.mean, scaled(&self.tool.mean, -1.0)]
+    }
+
     fn sides(&self) -> [Facets<'_>; 2] {
         [self.tool.whole(), self.mockup.whole()]
     }
@@ -294,11 +269,11 @@ pub(super) struct Best<'a> {
 
 /// Eight directions of a list, the last one several times where there are fewer.
 pub(super) fn eight_of(list: &[Point]) -> [Point; WIDE_LANES] {
-    std::array::from_fn(|i| list[i.min(list.len() - 1)])
+    from_fn(|i| list[i.min(list.len() - 1)])
 }
 
 impl<'a> Best<'a> {
-    fn new(pair: &'a Pair<'a>, directions: &'a mut Directions, found: Option<Tried>) -> Best<'a> {
+    pub fn new(pair: &'a Pair<'a>, directions: &'a mut Directions, found: Option<Tried>) -> Best<'a> {
         let Pair { tool, mockup, .. } = pair;
         let noise = 1e-12 * tool.size.max(mockup.size).max(tool.largest);
         Best { pair, noise, found, directions }
@@ -327,7 +302,7 @@ impl<'a> Best<'a> {
         let Pair { lanes, tool, mockup, .. } = self.pair;
         let high = highest(*lanes, mockup.points, directions);
         let low = highest(*lanes, tool.points, &directions.map(|d| scaled(&d, -1.0)));
-        std::array::from_fn(|i| Tried { direction: directions[i], high: high[i], low: -low[i] })
+        from_fn(|i| Tried { direction: directions[i], high: high[i], low: -low[i] })
     }
 
     /// From the lowest place of the tool to the highest of the mock-up: no direction is less deep than that along it.
@@ -337,7 +312,7 @@ impl<'a> Best<'a> {
 
     /// The means of what the surfaces face: what is against one of them leads in.
     pub fn outward(&self) -> [Point; 2] {
-        [self.pair.mockup.mean, scaled(&self.pair.tool.mean, -1.0)]
+        self.pair.outward()
     }
 
     /// Whether going along `d` leads out.
@@ -350,35 +325,7 @@ impl<'a> Best<'a> {
     fn lean(&self, d: &Point) -> f64 {
         let under = |n: &Point, s: f64| (-s * dot(n, d)).max(0.0);
         let of = |body: &Body<'_>, s: f64| body.facets.iter().map(|p| under(&p.normal, s)).sum::<f64>();
-        of(&self.pair.mockup, 1.0) + of(&self.pair.tool, -1.0)
-    }
-
-    /// The normals of both and their means, those of the mock-up first. How far a body reaches along its own is known.
-    fn try_facets(&mut self) {
-        let Pair { lanes, tool, mockup, .. } = self.pair;
-        self.directions.tried.clear();
-        for (of, other, sense) in [(mockup, tool, 1.0), (tool, mockup, -1.0)] {
-            let outward = self.outward();
-            let tried = &mut self.directions.tried;
-            let from = tried.len();
-            let mut count = from;
-            tried.resize(from + of.normals.len(), Tried::default());
-            for (normal, height) in of.normals {
-                let direction = scaled(normal, sense);
-                tried[count] = Tried { direction, high: *height, low: -*height };
-                // No branch: which lead out is not to be foreseen.
-                count += usize::from(is_leading_out(&direction, &outward));
-            }
-            tried.truncate(count);
-            for some in tried[from..].chunks_mut(WIDE_LANES) {
-                let last = some.len() - 1;
-                let towards = std::array::from_fn(|i| scaled(&some[i.min(last)].direction, -sense));
-                let reach = highest(*lanes, other.points, &towards);
-                for (tried, height) in some.iter_mut().zip(reach) {
-                    *(if sense > 0.0 { &mut tried.low } else { &mut tried.high }) = sense * -height;
-                }
-            }
-        }
+        of(self.pair.mockup, 1.0) + of(self.pair.tool, -1.0)
     }
 
     /// The directions across an edge of each.
@@ -396,38 +343,6 @@ impl<'a> Best<'a> {
                 self.offer(tried);
             }
         }
-    }
-
-    /// The least deep of the directions tried along which nothing goes on; of several as deep the first.
-    fn choose(&mut self) {
-        let tried = std::mem::take(&mut self.directions.tried);
-        let mut depths = std::mem::take(&mut self.directions.depths);
-        depths.clear();
-        depths.extend(tried.iter().map(Tried::depth));
-        loop {
-            let least = depths.iter().fold(f64::INFINITY, |least, d| if *d < least { *d } else { least });
-            if least <= self.noise {
-                tried.iter().for_each(|t| _ = self.offer(t));
-                break;
-            }
-            if least == f64::INFINITY {
-                break;
-            }
-            // The least first, so that few are asked whether a surface goes on along them.
-            let ties = least + self.noise + CLEARLY * least;
-            for (t, depth) in tried.iter().zip(&mut depths).filter(|(_, depth)| **depth <= ties) {
-                if !self.goes_on(t) {
-                    self.found = Some(*t);
-                    break;
-                }
-                *depth = f64::INFINITY;
-            }
-            if self.found.is_some() {
-                break;
-            }
-        }
-        self.directions.tried = tried;
-        self.directions.depths = depths;
     }
 
     /// Whether a direction is the best now.
@@ -483,8 +398,11 @@ pub(super) fn middle(b: &Aabb) -> Point {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::contacts::body::Facet;
     use crate::contacts::heights::push_eights;
     use crate::contacts::onward::Onward;
+    use crate::contacts::shapes::{box_mesh, joined};
+    use crate::contacts::tests::{at, scene, tool};
     use crate::contacts::zones::{Cut, Face, MOCKUP};
     use crate::simd::Level;
     use crate::vectors::{across, unit};
@@ -502,7 +420,7 @@ mod tests {
         let body = |points, point_eights| Body { points, point_eights, cuts_of: &[(0, 0); 30], ..Body::of_facets(&[]) };
         let zones = Zones::default();
         let lanes = Level::best().checked();
-        let pair = Pair { lanes, zones: &zones, tool: body(&low, &low_eights), mockup: body(&high, &high_eights) };
+        let pair = Pair { lanes, zones: &zones, tool: &body(&low, &low_eights), mockup: &body(&high, &high_eights) };
         for d in (0..20).filter_map(|i| unit(&wave(100 + i))) {
             let depth = high.iter().flat_map(|p| low.iter().map(|q| dot(&sub(p, q), &d)).collect::<Vec<_>>());
             let depth = depth.fold(f64::NEG_INFINITY, f64::max);
@@ -521,7 +439,7 @@ mod tests {
             directions.clear([1; 2]);
             let mut held =
                 |pair: &Pair<'_>, plane: f64, first: f64| pair.held_depth(&of(plane), first, &mut directions);
-            let inward = Pair { mockup: Body { mean: scaled(&d, -1.0), ..pair.mockup }, ..pair };
+            let inward = Pair { mockup: &Body { mean: scaled(&d, -1.0), ..*pair.mockup }, ..pair };
             let is_it = |found: Option<f64>| found.is_some_and(|found| (found - depth).abs() < 1e-12);
             assert!(is_it(held(&pair, depth + 1e-9, 0.0)) && held(&pair, depth - 1e-4, 0.0).is_none(), "{d:?}");
             assert!(is_it(held(&inward, depth + 1e-9, depth)) && is_it(held(&pair, depth + 1e-9, depth + 1e-4)));
@@ -546,6 +464,38 @@ mod tests {
                 pair.is_over(&plane(1.0, low + 1.0 - 1e-9)) && !pair.is_over(&plane(1.0, low + 1.0 + 1e-4)),
                 "{d:?}"
             );
+        }
+    }
+
+    #[test]
+    fn what_overlaps_by_more_than_others_is_told_from_what_does_not() {
+        // Blocks of three heights under a plate, and of each its upper side.
+        let block = |i: usize, high: f64| box_mesh([0.02 * i as f64, 0.0, high - 0.01], [0.01, 0.01, 0.02], 1);
+        let blocks = scene(joined([block(0, 0.001), block(1, 0.002), block(2, 0.0002)]));
+        let plate = tool(box_mesh([0.02, 0.0, 0.01], [0.1, 0.1, 0.02], 1));
+        let pose = at(0.0, 0.0, 0.0);
+        let ground = Ground::new(&blocks, &plate, &pose, None);
+        let up = [0.0, 0.0, 1.0];
+        let tops = [0, 1, 2].map(|i| Facet::over(up, 2 * i..2 * i + 2));
+        let of_mockup = [8, 9, 20, 21, 32, 33];
+        let of_tool = [Facet::over([0.0, 0.0, -1.0], 0..2)];
+        let tool = Body { triangles: &[10, 11], ..Body::of_facets(&of_tool) };
+        let zones = Zones::default();
+        let lanes = ground.lanes;
+        let mut directions = Directions::default();
+        directions.clear([1, 3]);
+        // Asked in an order in which what is said of all comes before it is known of each.
+        for (most, asked) in [(0.0010001, [0, 2, 1, 2]), (0.0020001, [0, 2, 1, 0]), (0.0019999, [2, 1, 0, 1])] {
+            let overlap = Overlapping::Measured(most);
+            let plane = Depth { normal: up, depth: 0.01, overlap, high: 0.0, point: up, certain: false };
+            for i in asked {
+                let mockup = Body { number: i, triangles: &of_mockup, ..Body::of_facets(&tops[i..i + 1]) };
+                let pair = Pair { lanes, zones: &zones, tool: &tool, mockup: &mockup };
+                let found = pair.overlaps_no_more(&ground, Facets::new(3, &tops, &of_mockup), &plane, &mut directions);
+                assert_eq!(found, [0.001, 0.002, 0.0002][i] < most, "{most} {i}");
+            }
+            let of_all = directions.held.iter().find(|held| held.0 .2 == most).unwrap().1;
+            assert_eq!(of_all, Some(most > 0.002), "{most}");
         }
     }
 }

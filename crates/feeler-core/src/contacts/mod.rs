@@ -20,6 +20,7 @@ mod descent;
 mod dirty_tests;
 mod edge_pairs;
 mod edges;
+mod first;
 mod gaps;
 mod heights;
 mod joins;
@@ -60,10 +61,11 @@ use std::cmp::Ordering;
 
 use crate::bounds::{Aabb, Point, Triangle};
 use crate::contacts::adjacency::NONE;
-use crate::contacts::body::Bodies;
+use crate::contacts::body::{Bodies, Body};
 use crate::contacts::clusters::Clusters;
 use crate::contacts::counting::ByPart;
-use crate::contacts::depth::{Depth, Directions, FirstDepth, Pair};
+use crate::contacts::depth::{Depth, Directions, Pair};
+use crate::contacts::first::{push_first_depths, FirstDepth};
 use crate::contacts::gaps::{NearLists, NearPairs, SAME_DIRECTION};
 use crate::contacts::patches::Patches;
 use crate::contacts::right_through::RightThrough;
@@ -442,7 +444,7 @@ fn push_zone(
         clusters.set(ground.lanes, patches);
         bodies[w].set(ground.lanes, patches, clusters, cuts.len(), |c| zones.place_of_cut[c as usize] as usize);
     }
-    let bodies = TwoSides { ground, zones, bodies: &*bodies };
+    let bodies = TwoSides::new(ground, zones, bodies);
     bodies.find_depths(sought, directions, first, found);
     let from = out.len();
     let mut next = 0;
@@ -491,11 +493,17 @@ struct TwoSides<'a> {
     ground: &'a Ground<'a>,
     zones: &'a Zones,
     bodies: &'a [Bodies; 2],
+    each: [Vec<Body<'a>>; 2],
 }
 
 impl<'a> TwoSides<'a> {
-    fn pair(&self, t: usize, m: usize) -> Pair<'a> {
-        let (tool, mockup) = (self.bodies[TOOL].get(t), self.bodies[MOCKUP].get(m));
+    fn new(ground: &'a Ground<'a>, zones: &'a Zones, bodies: &'a [Bodies; 2]) -> TwoSides<'a> {
+        let each = bodies.each_ref().map(|of| (0..of.len()).map(|i| of.get(i)).collect());
+        TwoSides { ground, zones, bodies, each }
+    }
+
+    fn pair(&self, t: usize, m: usize) -> Pair<'_> {
+        let (tool, mockup) = (&self.each[TOOL][t], &self.each[MOCKUP][m]);
         Pair { lanes: self.ground.lanes, zones: self.zones, tool, mockup }
     }
 
@@ -566,9 +574,11 @@ impl<'a> TwoSides<'a> {
     ) {
         directions.clear([self.bodies[TOOL].len(), self.bodies[MOCKUP].len()]);
         found.clear();
+        let mut mockups = Vec::with_capacity(self.bodies[MOCKUP].len());
         for is_cut in [true, false] {
             first.clear();
             for t in 0..self.bodies[TOOL].len() {
+                mockups.clear();
                 for m in 0..self.bodies[MOCKUP].len() {
                     let is_sought = if is_cut { self.share_cuts(t, m) } else { self.is_walled_in(t, m) };
                     if !is_sought {
@@ -577,9 +587,10 @@ impl<'a> TwoSides<'a> {
                     let pair = self.pair(t, m);
                     let holds = |d: &Depth, [i, j]: [usize; 2]| i == t && pair.is_under(d) || j == m && pair.is_over(d);
                     if is_cut || !self.any(found, directions, holds) {
-                        first.push((pair.first_depth(directions), [t, m]));
+                        mockups.push(m);
                     }
                 }
+                push_first_depths(mockups.iter().map(|m| self.pair(t, *m)), directions, first);
             }
             // Deepest first: what a deeper plane of about its direction holds apart as well needs none of its own. Bodies along
             // none of whose normals a way leads out come last: there is mostly none, so they are tried only where nothing else

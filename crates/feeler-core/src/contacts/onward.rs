@@ -82,19 +82,24 @@ impl Best<'_> {
     /// Whether one of the surfaces goes on beyond the curve just where, along `d`, it would have to end: a rod in a plate is not
     /// freed sideways by its own width, for there is more plate.
     pub fn goes_on(&mut self, tried: &Tried) -> bool {
+        self.goes_on_of(&[TOOL, MOCKUP], tried)
+    }
+
+    /// The same, asked of the surface of the tool or of the mock-up alone.
+    pub fn goes_on_of(&mut self, sides: &[usize], tried: &Tried) -> bool {
         let Tried { direction: d, high, low } = tried;
         let Pair { lanes, zones, tool, mockup } = self.pair;
         let numbers = [tool.number, mockup.number];
         let tolerance = self.noise + 1e-6 * (high - low).abs();
         let ends = [(scaled(d, -1.0), -low - tolerance), (*d, high - tolerance)];
-        for w in [TOOL, MOCKUP] {
+        for w in sides.iter().copied() {
             let ((d, height), known) = (&ends[w], &self.directions.known[w][numbers[w]]);
             if known.goes_on(*lanes, &zones.faces[w], d, *height, *height + 3.0 * tolerance) {
                 return true;
             }
         }
-        for (w, body) in [(TOOL, tool), (MOCKUP, mockup)] {
-            let (d, height) = &ends[w];
+        for w in sides.iter().copied() {
+            let ((d, height), body) = (&ends[w], [tool, mockup][w]);
             let Directions { places, known, .. } = &mut *self.directions;
             let last = body.points.len().saturating_sub(1);
             for i in places_above(*lanes, body.point_eights, d, *height, places).iter().map(|i| last.min(*i as usize)) {

@@ -5,7 +5,7 @@ use std::hint::select_unpredictable;
 use crate::bounds::Point;
 
 /// Slots for each point: whether one is taken already is not to be foreseen, so few are to be.
-const SPARSE: usize = 4;
+const SPARSE: usize = 2;
 
 /// Odd numbers without a pattern, one an axis.
 const MIX: [u64; 3] = [0x9e37_79b9_7f4a_7c15, 0xbf58_476d_1ce4_e5b9, 0x94d0_49bb_1331_11eb];

@@ -37,6 +37,13 @@ impl Sets {
         })
     }
 
+    /// Adds to a set the numbers that are in all of some of these.
+    pub fn join_common(&self, sets: &[u32], to: &mut [u64]) {
+        for (word, to) in to.iter_mut().enumerate() {
+            *to |= sets.iter().fold(u64::MAX, |all, i| all & self.words[*i as usize * self.each + word]);
+        }
+    }
+
     /// Makes these the sets that each number is in: so many sets of numbers below as much.
     pub fn turn(&mut self, other: &Sets, count: usize) {
         self.clear(count, count);
@@ -107,6 +114,18 @@ mod tests {
         others.insert(1, 90);
         others.insert(2, 3);
         assert!(sets.is_meeting_union(&others, &[0, 1]) && !sets.is_meeting_union(&others, &[0, 2, 2]));
+    }
+
+    #[test]
+    fn what_all_of_some_sets_have_is_added() {
+        let mut sets = Sets::default();
+        sets.clear(3, 100);
+        [(0, 90), (1, 90), (1, 3), (2, 3), (0, 5), (1, 5), (2, 5)].iter().for_each(|(set, x)| sets.insert(*set, *x));
+        for (some, expected) in [(&[0, 1][..], &[5, 7, 90][..]), (&[1, 2], &[3, 5, 7]), (&[2, 0, 1], &[5, 7])] {
+            let mut found = [1 << 7, 0];
+            sets.join_common(some, &mut found);
+            assert!((0..128).filter(|x| has(&found, *x)).eq(expected.iter().copied()), "{some:?}");
+        }
     }
 
     #[test]

@@ -197,6 +197,39 @@ fn one_plane_stands_for_about_twelve_degrees() {
 }
 
 #[test]
+fn a_plane_stands_for_sides_within_25_degrees_that_it_holds_as_well() {
+    // A ball on a floor, and beside it a step down to a slope that stays under the floor.
+    let ball_tool = tool(ball(0.02, 64));
+    for angle in [20f64, 35.0] {
+        let (sine, cosine) = angle.to_radians().sin_cos();
+        let deepest = [0.019 * sine, 0.01 - 0.019 * cosine];
+        let under = |x: f64| [x, deepest[1] + (x - deepest[0]) * sine / cosine];
+        let edge = deepest[0] - 0.0035;
+        let line = [[-0.05, 0.0], [edge, 0.0], under(edge + 1e-9), under(0.05)];
+        let sides = [([0.0, 0.0, 1.0], 0.01), ([-sine, 0.0, cosine], 0.001)];
+        let expected = if angle < 25.0 { &sides[..1] } else { &sides };
+        for (n, m) in [(1, 1), (4, 9), (11, 20)] {
+            let step = scene(ridge(&line, -0.02, 0.06, n, m));
+            let planes = found(&step, &ball_tool, &at(0.0, 0.001, 0.01), 0.0, None);
+            expect(&planes, expected, 0.02, &format!("{angle}: {n} {m}"));
+        }
+    }
+}
+
+#[test]
+fn ridges_that_cross_are_parted_across_both() {
+    // No face of either is a way out, nor is their mean: along each of them one of the ridges goes on.
+    let roof = [[-0.03, -0.06], [0.0, 0.0], [0.05, -0.02]];
+    let hung: Vec<[f64; 2]> = roof.iter().map(|[x, z]| [*x, -z]).collect();
+    let across = [[0.0, -1.0, 0.0, 0.002], [1.0, 0.0, 0.0, -0.003], [0.0, 0.0, 1.0, -0.0015], [0.0, 0.0, 0.0, 1.0]];
+    for (n, m) in [(1, 1), (5, 3), (8, 13)] {
+        let (lower, upper) = (scene(ridge(&roof, -0.1, 0.1, n, m)), tool(ridge(&hung, 0.1, 0.1, m, n)));
+        let planes = found(&lower, &upper, &Pose::new(&across).unwrap(), 0.0, None);
+        expect(&planes, &[([0.0, 0.0, 1.0], 0.0015)], 1e-6, &format!("{n} {m}"));
+    }
+}
+
+#[test]
 fn a_tooth_in_its_slot() {
     let (sine, cosine) = 20f64.to_radians().sin_cos();
     let (foot, rim) = (0.002, 0.002 + 0.01 * sine / cosine);
