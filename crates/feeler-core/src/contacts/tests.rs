@@ -218,7 +218,7 @@ fn a_plane_stands_for_sides_within_25_degrees_that_it_holds_as_well() {
 
 #[test]
 fn ridges_that_cross_are_parted_across_both() {
-    // No face of either is a way out, nor is their mean: along each of them one of the ridges goes on.
+    // The least is along no face of either, nor along their means, which lean.
     let roof = [[-0.03, -0.06], [0.0, 0.0], [0.05, -0.02]];
     let hung: Vec<[f64; 2]> = roof.iter().map(|[x, z]| [*x, -z]).collect();
     let across = [[0.0, -1.0, 0.0, 0.002], [1.0, 0.0, 0.0, -0.003], [0.0, 0.0, 1.0, -0.0015], [0.0, 0.0, 0.0, 1.0]];
