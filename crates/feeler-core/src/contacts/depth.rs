@@ -248,7 +248,7 @@ impl Pair<'_> {
         }
     }
 
-    /// As [`Best::outward`] has it.
+    /// The means of what the surfaces face: what is against one of them leads in.
     pub fn outward(&self) -> [Point; 2] {
         [self.mockup.mean, scaled(&self.tool.mean, -1.0)]
     }
@@ -310,14 +310,9 @@ impl<'a> Best<'a> {
         sub(&self.pair.mockup.points[high.at[i] as usize], &self.pair.tool.points[low.at[i] as usize])
     }
 
-    /// The means of what the surfaces face: what is against one of them leads in.
-    pub fn outward(&self) -> [Point; 2] {
-        self.pair.outward()
-    }
-
     /// Whether going along `d` leads out.
     pub fn leads_out(&self, d: &Point) -> bool {
-        is_leading_out(d, &self.outward())
+        is_leading_out(d, &self.pair.outward())
     }
 
     /// How far the two surfaces face into the plane across `d`, as the sum of cosines: tells directions apart where the two
@@ -332,7 +327,7 @@ impl<'a> Best<'a> {
     fn try_edges(&mut self) {
         let Pair { lanes, tool, mockup, .. } = self.pair;
         let mut edge_pairs = std::mem::take(&mut self.directions.edge_pairs);
-        self.try_all(edge_pairs.directions(*lanes, tool, mockup, &self.outward()));
+        self.try_all(edge_pairs.directions(*lanes, tool, mockup, &self.pair.outward()));
         self.directions.edge_pairs = edge_pairs;
     }
 

@@ -27,7 +27,7 @@ impl Best<'_> {
     pub fn turn_around_edges(&mut self) {
         let Pair { tool, mockup, .. } = self.pair;
         let mut arcs = std::mem::take(&mut self.directions.arcs);
-        arcs.clear(self.outward());
+        arcs.clear(self.pair.outward());
         let mut ends = [[0.0; 3]; WIDE_LANES];
         let normals = |body: &Body<'_>, sense: f64| {
             let of = body.facets.get(..MOST_TURNED).unwrap_or(body.facets);

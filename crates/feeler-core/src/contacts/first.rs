@@ -160,7 +160,7 @@ impl Normals {
 impl OfTool {
     fn goes_on(&mut self, best: &mut Best<'_>) -> bool {
         *self.goes_on.get_or_insert_with(|| {
-            // As high as any mock-up's body may be: the tool's surface does not know it.
+            // What counts as its lowest place depends a little on how deep a pair is: here on the body's size, the same for all.
             let high = self.low + best.pair.tool.size;
             best.goes_on_of(&[TOOL], &Tried { direction: self.direction, high, low: self.low })
         })

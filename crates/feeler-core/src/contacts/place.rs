@@ -7,7 +7,7 @@ use crate::simd::{Checked, Kernel, Simd, Wide, LANES, WIDE_LANES};
 use crate::vectors::dot;
 
 /// Triangles whose normals are within this angle of the first one's (cosine of 3 degrees) may share a patch: on a curved
-/// surface of radius r that is off by r/1000.
+/// surface of radius r that is off by r/700.
 const ONE_PATCH: f64 = 0.998_63;
 
 /// Normals this close (1 - cosine) are of one plane.
