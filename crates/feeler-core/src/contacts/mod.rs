@@ -48,6 +48,7 @@ mod sift;
 mod split;
 #[cfg(test)]
 mod tests;
+mod touching;
 mod tracker;
 mod walk;
 mod way_out;

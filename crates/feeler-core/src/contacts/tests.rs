@@ -230,6 +230,25 @@ fn ridges_that_cross_are_parted_across_both() {
 }
 
 #[test]
+fn blades_that_cross_are_parted_across_both_edges() {
+    // The edge of each runs nearly along one side of the other.
+    let blade = |sense: f64| [[-0.01, sense * 0.0275], [0.0, 0.0], [0.01, sense * 0.0275]];
+    let (pitch, roll) = (60f64.to_radians(), 55f64.to_radians());
+    let along = [-pitch.cos(), 0.0, -pitch.sin()];
+    let out = [-pitch.sin(), 0.0, pitch.cos()];
+    let up = crate::vectors::along(&scaled(&out, roll.cos()), roll.sin(), &[0.0, 1.0, 0.0]);
+    let side = crate::vectors::cross(&along, &up);
+    let place = scaled(&out, -0.0015);
+    let row = |a: usize| [side[a], along[a], up[a], place[a]];
+    let pose = Pose::new(&[row(0), row(1), row(2), [0.0, 0.0, 0.0, 1.0]]).unwrap();
+    for (n, m) in [(1, 1), (5, 3), (8, 13)] {
+        let lower = scene(ridge(&blade(-1.0), -0.05, 0.1, n, m));
+        let upper = tool(ridge(&blade(1.0), 0.05, 0.1, m, n));
+        expect(&found(&lower, &upper, &pose, 0.0, None), &[(out, 0.0015)], 1e-6, &format!("{n} {m}"));
+    }
+}
+
+#[test]
 fn a_tooth_in_its_slot() {
     let (sine, cosine) = 20f64.to_radians().sin_cos();
     let (foot, rim) = (0.002, 0.002 + 0.01 * sine / cosine);

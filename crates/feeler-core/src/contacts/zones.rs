@@ -120,7 +120,13 @@ impl Zones {
 
     /// The cuts of each face of a surface.
     pub fn by_face(&self, w: usize) -> impl Iterator<Item = &[u32]> {
-        self.cuts_of_face[w].iter().map(move |of| &self.by_face[w][of.0 as usize..of.1 as usize])
+        (0..self.faces[w].len()).map(move |face| self.of_face(w, face))
+    }
+
+    /// The cuts of one face.
+    pub fn of_face(&self, w: usize, face: usize) -> &[u32] {
+        let (from, to) = self.cuts_of_face[w][face];
+        &self.by_face[w][from as usize..to as usize]
     }
 
     /// The cuts of a zone, sorted by faces of the tool or of the mock-up.
