@@ -116,6 +116,22 @@ def test_a_tool_that_is_free_needs_no_way_out(bench: ModuleType) -> None:
     assert out.translation.tolist() == [0, 0, 0]
 
 
+def test_a_tool_wholly_inside_a_solid_is_not_free() -> None:
+    # Two boxes, the second flush beside the first: its wall is as near to what is in the first, and faces it.
+    corners, faces = np.vstack([BOX, np.add(BOX, [1, 0, 0])]), np.vstack([BOX_FACES, BOX_FACES + 8])
+    for parts in ([0, 1], [1, 0]):
+        scene = feeler.Scene(feeler.Mockup(corners, faces, np.repeat(parts, 12)))
+        tool = feeler.Tool((BOX - 0.5) * 0.1, BOX_FACES)
+        for place, way in (((0.5, 0.4, 0.9), (0, 0, 0.15)), ((0.94, 0.5, 0.8), (0, 0, 0.25)), ((1.06, 0.3, 0.5), None)):
+            pose = np.eye(4)
+            pose[:3, 3] = place
+            assert not scene.is_colliding(tool, pose)
+            out = scene.penetration(tool, pose)
+            assert (out.kind, len(out.contacts)) == ("bound", 0)
+            if way is not None:
+                assert out.translation == pytest.approx(way, rel=0.02, abs=1e-9)
+
+
 def test_the_tracker_remembers_the_side(bench: ModuleType) -> None:
     vertices, faces = bench.sheet(9, 9, lambda s, t: (0.1 * (s - 0.5), 0.1 * (t - 0.5), 0 * s))
     scene, tool = feeler.Scene(feeler.Mockup(vertices, faces)), feeler.Tool(*bench.box((0.02,) * 3, (0, 0, 0), 4))

@@ -54,7 +54,8 @@ struct Stuck<'a> {
 impl Scene {
     /// The translation of least length that frees the tool where it is: shortest over the contact planes of the pose, checked
     /// at the moved pose, and sought anew with the planes met there. Where that frees nothing, a way is sought along many
-    /// directions, ever farther, up to the tool's size.
+    /// directions, ever farther, up to the tool's size; and so is it where the tool meets nothing since it is wholly inside a
+    /// solid, or one inside it, up to the size of both.
     ///
     /// `margin` (metres): surfaces nearer than that keep the way out from running into them. `reference` as in
     /// [`contacts`](Self::contacts), and so the errors.
@@ -62,7 +63,14 @@ impl Scene {
         let beside = |deep: usize| (deep < MOST_PLANES).then_some(margin);
         let contacts = self.contacts_beside(beside, tool, pose, margin, reference)?;
         if !contacts.is_meeting {
-            return Ok(Penetration { translation: [0.0; 3], depth: 0.0, kind: PenetrationKind::Exact, contacts });
+            let (translation, kind) = match self.swallowed(tool, pose)? {
+                None => ([0.0; 3], PenetrationKind::Exact),
+                Some(gap) => match self.way_out_of_a_solid(tool, pose, &gap) {
+                    Some(way) => (way, PenetrationKind::Bound),
+                    None => ([0.0; 3], PenetrationKind::Estimate),
+                },
+            };
+            return Ok(Penetration { depth: length(&translation), translation, kind, contacts });
         }
         // A way longer than the tool is no way out of where it is.
         let longest = length(&tool.mesh().bounds().extent());

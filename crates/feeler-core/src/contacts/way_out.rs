@@ -5,8 +5,10 @@ use std::f64::consts::{PI, TAU};
 use crate::bounds::{Point, Triangle};
 use crate::contacts::adjacency::NONE;
 use crate::contacts::zones::{MOCKUP, TOOL};
-use crate::contacts::Ground;
+use crate::contacts::{Ground, NEARLY};
+use crate::error::Result;
 use crate::pose::Pose;
+use crate::proximity::Gap;
 use crate::scene::Scene;
 use crate::tool::Tool;
 use crate::vectors::{across, add, along, cross, dot, length, normal, scaled, square_to_segment, sub, unit};
@@ -87,20 +89,33 @@ impl Scene {
         Some(scaled(&direction, length))
     }
 
-    /// Whether a tool meets nothing, and is not wholly inside a solid (or a solid inside it) either: what is nearest on the two
-    /// surfaces faces the other.
+    /// Whether a tool meets nothing, and is not wholly inside a solid (or a solid inside it) either.
     pub(super) fn is_free_and_outside(&self, tool: &Tool, pose: &Pose) -> bool {
-        if self.is_colliding(tool, pose) {
-            return false;
-        }
+        !self.is_colliding(tool, pose) && self.swallowed(tool, pose).is_ok_and(|gap| gap.is_none())
+    }
+
+    /// Where a tool that meets nothing is wholly inside a solid, or a solid wholly inside it: what is nearest on the two surfaces,
+    /// one of which faces away from the other. Parts that lie flush with that which the tool is inside are as near: all of them
+    /// are asked.
+    pub(super) fn swallowed(&self, tool: &Tool, pose: &Pose) -> Result<Option<Gap>> {
         let ground = Ground::new(self, tool, pose, None);
-        self.closest(tool, pose, f64::INFINITY).is_ok_and(|gap| {
-            gap.is_none_or(|gap| {
-                let way = sub(&gap.on_tool, &gap.on_mockup);
-                is_facing(&ground, MOCKUP, gap.mockup_triangle, &gap.on_mockup, &way)
-                    && is_facing(&ground, TOOL, gap.tool_triangle, &gap.on_tool, &scaled(&way, -1.0))
-            })
-        })
+        let Some(nearest) = self.closest(tool, pose, f64::INFINITY)? else { return Ok(None) };
+        let flush = NEARLY * self.mockup().mesh().bounds().longest();
+        Ok(self.clearance(tool, pose, nearest.distance + flush)?.into_iter().find(|gap| {
+            let way = sub(&gap.on_tool, &gap.on_mockup);
+            !is_facing(&ground, MOCKUP, gap.mockup_triangle, &gap.on_mockup, &way)
+                || !is_facing(&ground, TOOL, gap.tool_triangle, &gap.on_tool, &scaled(&way, -1.0))
+        }))
+    }
+
+    /// A way out of a solid that has swallowed the tool, or that the tool has: along the shortest way between the surfaces, or as
+    /// [`way_out`](Self::way_out) finds.
+    pub(super) fn way_out_of_a_solid(&self, tool: &Tool, pose: &Pose, gap: &Gap) -> Option<Point> {
+        let part = self.mockup().part_bounds()[gap.part as usize];
+        let longest = gap.distance + length(&tool.mesh().bounds().extent()) + length(&part.extent());
+        let mut directions = directions_of(pose);
+        directions.extend(unit(&sub(&gap.on_mockup, &gap.on_tool)));
+        self.way_out(tool, pose, &directions, longest)
     }
 }
 
@@ -224,6 +239,32 @@ mod tests {
         let (small, around) = (scene(box_mesh([0.0; 3], [0.01; 3], 1)), tool(box_mesh([0.0; 3], [0.05; 3], 2)));
         assert!(!small.is_free_and_outside(&around, &at(0.001, 0.0, 0.002)));
         assert!(small.is_free_and_outside(&around, &at(0.05, 0.001, 0.0)));
+    }
+
+    #[test]
+    fn what_is_wholly_inside_a_solid_is_drawn_out_of_it() {
+        let plate = scene(box_mesh([0.0; 3], [0.4, 0.4, 0.2], 3));
+        let block = tool(box_mesh([0.0; 3], [0.02, 0.02, 0.01], 1));
+        for (x, z, depth) in [(0.003, 0.0901, 0.0149), (0.003, -0.06, 0.045), (0.18, 0.02, 0.03)] {
+            let out = plate.penetration(&block, &at(x, 0.001, z), 0.0, None).unwrap();
+            assert!(!out.contacts.is_meeting && out.contacts.planes.is_empty());
+            assert_eq!(out.kind, PenetrationKind::Bound);
+            assert!(out.depth >= depth && out.depth < 1.02 * depth, "{out:?}");
+            let freed = at(x, 0.001, z).translated(&out.translation).unwrap();
+            assert!(plate.is_free_and_outside(&block, &freed));
+        }
+        // And the other way round: the mock-up within the tool.
+        let (small, around) = (scene(box_mesh([0.0; 3], [0.01; 3], 1)), tool(box_mesh([0.0; 3], [0.05; 3], 2)));
+        let out = small.penetration(&around, &at(0.012, 0.0, 0.002), 0.0, None).unwrap();
+        assert!(out.kind == PenetrationKind::Bound && out.translation[0] > 0.0, "{out:?}");
+        assert!(out.depth >= 0.018 && out.depth < 1.02 * 0.018, "{out:?}");
+        // Beside a solid there is nothing to be left, nor in what is open somewhere.
+        let mut open = box_mesh([0.0; 3], [0.4, 0.4, 0.2], 3);
+        open.1.pop();
+        for (held, place) in [(&plate, at(0.003, 0.0, 0.1051)), (&scene(open), at(0.003, 0.0, 0.05))] {
+            let out = held.penetration(&block, &place, 0.0, None).unwrap();
+            assert!(out.kind == PenetrationKind::Exact && out.depth == 0.0, "{out:?}");
+        }
     }
 
     #[test]
