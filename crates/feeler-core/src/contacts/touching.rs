@@ -118,7 +118,8 @@ pub(crate) fn best_of(zones: &Zones, w: usize, cuts: &[u32], k: usize) -> Option
 pub(crate) fn judge(zones: &Zones, w: usize, face: usize, k: usize) -> Option<Verdict> {
     let cuts = zones.of_face(w, face);
     let (first, torn) = best_of(zones, w, cuts, k)?;
-    if !torn {
+    // A corner that is on a cut has no way to it, and is on the surface.
+    if !torn || first.square == 0.0 {
         return Some(first);
     }
     let (foot, far) = (first.foot, first.square.sqrt());
