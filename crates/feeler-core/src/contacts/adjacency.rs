@@ -23,6 +23,8 @@ pub(crate) struct Adjacency {
     pub outward: Vec<i8>,
     /// The centre of the surface's area, metres, in the mesh's own frame.
     pub centre: Point,
+    /// A triangle of each connected surface, with its part before it; sorted.
+    pub surfaces: Vec<(u32, u32)>,
 }
 
 impl Adjacency {
@@ -72,12 +74,24 @@ impl Adjacency {
             })
             .collect();
         let shift = if area > 0.0 && area.is_finite() { scaled(&centre, 1.0 / area) } else { [0.0; 3] };
-        Adjacency { neighbours, outward, centre: add(&middle, &shift) }
+        let mut surfaces: Vec<(u32, u32)> =
+            first_of_surfaces(mesh, &neighbours).into_iter().map(|t| (part_of_face(t), t)).collect();
+        surfaces.sort_unstable();
+        Adjacency { neighbours, outward, centre: add(&middle, &shift), surfaces }
+    }
+
+    /// Those of one part.
+    pub fn surfaces_of(&self, part: u32) -> &[(u32, u32)] {
+        let from = self.surfaces.partition_point(|(of, _)| *of < part);
+        let count = self.surfaces[from..].partition_point(|(of, _)| *of == part);
+        &self.surfaces[from..from + count]
     }
 
     /// Bytes held.
     pub fn memory(&self) -> usize {
-        self.neighbours.capacity() * size_of::<[u32; 3]>() + self.outward.capacity()
+        self.neighbours.capacity() * size_of::<[u32; 3]>()
+            + self.outward.capacity()
+            + self.surfaces.capacity() * size_of::<(u32, u32)>()
     }
 }
 
@@ -213,6 +227,27 @@ fn spread_openness(neighbours: &[[u32; 3]], closed: &mut [bool]) {
             }
         }
     }
+}
+
+/// The first triangle of each connected surface.
+fn first_of_surfaces(mesh: &Mesh, neighbours: &[[u32; 3]]) -> Vec<u32> {
+    let mut is_seen = vec![false; neighbours.len()];
+    let (mut first, mut next) = (Vec::new(), Vec::new());
+    for t in mesh.queried() {
+        if std::mem::replace(&mut is_seen[t as usize], true) {
+            continue;
+        }
+        first.push(t);
+        next.push(t);
+        while let Some(t) = next.pop() {
+            for n in neighbours[t as usize].into_iter().filter(|n| *n != NONE) {
+                if !std::mem::replace(&mut is_seen[n as usize], true) {
+                    next.push(n);
+                }
+            }
+        }
+    }
+    first
 }
 
 #[cfg(test)]

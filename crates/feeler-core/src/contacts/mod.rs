@@ -46,6 +46,7 @@ mod shapes;
 mod sides;
 mod sift;
 mod split;
+mod swallowed;
 #[cfg(test)]
 mod tests;
 mod touching;

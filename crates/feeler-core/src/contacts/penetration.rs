@@ -63,12 +63,12 @@ impl Scene {
         let beside = |deep: usize| (deep < MOST_PLANES).then_some(margin);
         let contacts = self.contacts_beside(beside, tool, pose, margin, reference)?;
         if !contacts.is_meeting {
-            let (translation, kind) = match self.swallowed(tool, pose)? {
-                None => ([0.0; 3], PenetrationKind::Exact),
-                Some(gap) => match self.way_out_of_a_solid(tool, pose, &gap) {
-                    Some(way) => (way, PenetrationKind::Bound),
-                    None => ([0.0; 3], PenetrationKind::Estimate),
-                },
+            let parts = self.swallowed(tool, pose);
+            let (translation, kind) = if parts.is_empty() {
+                ([0.0; 3], PenetrationKind::Exact)
+            } else {
+                let way = self.way_out_of_solids(tool, pose, &parts)?;
+                way.map_or(([0.0; 3], PenetrationKind::Estimate), |way| (way, PenetrationKind::Bound))
             };
             return Ok(Penetration { depth: length(&translation), translation, kind, contacts });
         }
@@ -175,7 +175,7 @@ impl Scene {
             }
         }
         // What lies right inside a solid meets nothing, and is not free.
-        if kind == PenetrationKind::Bound && !self.is_free_and_outside(tool, &pose.translated(&translation)?) {
+        if kind != PenetrationKind::Estimate && !self.is_free_and_outside(tool, &pose.translated(&translation)?) {
             kind = PenetrationKind::Estimate;
         }
         Ok((translation, kind))

@@ -1,17 +1,12 @@
 //! A way out by trial, where contact planes show none: along many directions, ever farther, until the tool is free.
 
-use std::f64::consts::{PI, TAU};
-
-use crate::bounds::{Point, Triangle};
-use crate::contacts::adjacency::NONE;
-use crate::contacts::zones::{MOCKUP, TOOL};
-use crate::contacts::{Ground, NEARLY};
+use crate::bounds::{Aabb, Point};
 use crate::error::Result;
 use crate::pose::Pose;
 use crate::proximity::Gap;
 use crate::scene::Scene;
 use crate::tool::Tool;
-use crate::vectors::{across, add, along, cross, dot, length, normal, scaled, square_to_segment, sub, unit};
+use crate::vectors::{across, add, along, length, scaled, sub, unit};
 
 /// The first length that is tried, as a share of the longest, and by what each length is longer than the one before.
 const FIRST: f64 = 1.0 / 1024.0;
@@ -35,8 +30,8 @@ const SHORTER: f64 = 0.02;
 /// The same for another of the directions given.
 const CLEARLY: f64 = 0.002;
 
-/// Most triangles looked at around a corner.
-const MOST_AROUND: usize = 256;
+/// By how many times more parts the nearest of some is sought among, until it is found.
+const MORE: usize = 8;
 
 impl Scene {
     /// A translation no longer than `longest` after which the tool is free (checked exactly) and not inside a solid, along one of the
@@ -91,72 +86,32 @@ impl Scene {
 
     /// Whether a tool meets nothing, and is not wholly inside a solid (or a solid inside it) either.
     pub(super) fn is_free_and_outside(&self, tool: &Tool, pose: &Pose) -> bool {
-        !self.is_colliding(tool, pose) && self.swallowed(tool, pose).is_ok_and(|gap| gap.is_none())
+        !self.is_colliding(tool, pose) && self.swallowed(tool, pose).is_empty()
     }
 
-    /// Where a tool that meets nothing is wholly inside a solid, or a solid wholly inside it: what is nearest on the two surfaces,
-    /// one of which faces away from the other. Parts that lie flush with that which the tool is inside are as near: all of them
-    /// are asked.
-    pub(super) fn swallowed(&self, tool: &Tool, pose: &Pose) -> Result<Option<Gap>> {
-        let ground = Ground::new(self, tool, pose, None);
-        let Some(nearest) = self.closest(tool, pose, f64::INFINITY)? else { return Ok(None) };
-        let flush = NEARLY * self.mockup().mesh().bounds().longest();
-        Ok(self.clearance(tool, pose, nearest.distance + flush)?.into_iter().find(|gap| {
-            let way = sub(&gap.on_tool, &gap.on_mockup);
-            !is_facing(&ground, MOCKUP, gap.mockup_triangle, &gap.on_mockup, &way)
-                || !is_facing(&ground, TOOL, gap.tool_triangle, &gap.on_tool, &scaled(&way, -1.0))
-        }))
-    }
-
-    /// A way out of a solid that has swallowed the tool, or that the tool has: along the shortest way between the surfaces, or as
+    /// A way out of solids that have swallowed the tool, or that the tool has: along the shortest way between the surfaces, or as
     /// [`way_out`](Self::way_out) finds.
-    pub(super) fn way_out_of_a_solid(&self, tool: &Tool, pose: &Pose, gap: &Gap) -> Option<Point> {
-        let part = self.mockup().part_bounds()[gap.part as usize];
-        let longest = gap.distance + length(&tool.mesh().bounds().extent()) + length(&part.extent());
+    pub(super) fn way_out_of_solids(&self, tool: &Tool, pose: &Pose, parts: &[u32]) -> Result<Option<Point>> {
+        let around = parts.iter().fold(Aabb::EMPTY, |b, part| b.union(&self.mockup().part_bounds()[*part as usize]));
+        let longest = length(&tool.mesh().bounds().extent()) + length(&around.extent());
         let mut directions = directions_of(pose);
-        directions.extend(unit(&sub(&gap.on_mockup, &gap.on_tool)));
-        self.way_out(tool, pose, &directions, longest)
+        let nearest = self.nearest_of(tool, pose, parts, longest)?;
+        directions.extend(nearest.and_then(|gap| unit(&sub(&gap.on_mockup, &gap.on_tool))));
+        Ok(self.way_out(tool, pose, &directions, longest))
     }
-}
 
-/// Whether a surface faces along `way` at a point of one of its triangles, from which the way is the shortest to somewhere. Open
-/// surfaces face everywhere.
-///
-/// At an edge or a corner the sum of the normals around it, each by the angle of its triangle there, tells the side (J. A.
-/// Bærentzen, H. Aanæs: Signed distance computation using the angle weighted pseudonormal, 2005); one normal alone may not.
-fn is_facing(ground: &Ground<'_>, w: usize, triangle: u32, at: &Point, way: &Point) -> bool {
-    let noise = 1e-13 * at.iter().fold(0.0f64, |m, x| m.max(x.abs())) + 1e-9 * length(way);
-    let mut sum = [0.0; 3];
-    let mut seen = vec![triangle];
-    let mut next = 0;
-    while next < seen.len().min(MOST_AROUND) {
-        let id = seen[next];
-        next += 1;
-        let t = ground.triangle(w, id);
-        // Within the triangle that was asked about there is nothing but itself.
-        let Some(angle) = angle_at(&t, at, noise).or((id == triangle).then_some(TAU)) else { continue };
-        let outward = f64::from(ground.adjacency[w].outward[id as usize]);
-        sum = normal(&t).map_or(sum, |n| along(&sum, angle * outward, &n));
-        let beside = ground.adjacency[w].neighbours[id as usize].into_iter().filter(|n| *n != NONE);
-        for n in beside {
-            if !seen.contains(&n) {
-                seen.push(n);
+    /// Where some of the parts are the nearest, others perhaps before them.
+    fn nearest_of(&self, tool: &Tool, pose: &Pose, parts: &[u32], within: f64) -> Result<Option<Gap>> {
+        let mut count = 1;
+        loop {
+            let gaps = self.distance(tool, pose, within, count)?;
+            let (is_all, found) = (gaps.len() < count, gaps.into_iter().find(|gap| parts.contains(&gap.part)));
+            if found.is_some() || is_all {
+                return Ok(found);
             }
+            count *= MORE;
         }
     }
-    dot(&sum, way) >= 0.0
-}
-
-/// The angle of a triangle at a point of its border; `None` elsewhere.
-fn angle_at(t: &Triangle, p: &Point, noise: f64) -> Option<f64> {
-    let is_near = |square: f64| square <= noise * noise;
-    for k in 0..3 {
-        if is_near(dot(&sub(&t[k], p), &sub(&t[k], p))) {
-            let (u, v) = (sub(&t[(k + 1) % 3], &t[k]), sub(&t[(k + 2) % 3], &t[k]));
-            return Some(length(&cross(&u, &v)).atan2(dot(&u, &v)));
-        }
-    }
-    (0..3).any(|k| is_near(square_to_segment(p, &t[k], &t[(k + 1) % 3]))).then_some(PI)
 }
 
 /// Directions around one, so far from it.
@@ -178,6 +133,7 @@ mod tests {
     use crate::contacts::penetration::PenetrationKind;
     use crate::contacts::shapes::{box_mesh, ridge, sheet};
     use crate::contacts::tests::{at, scene, tool, turned};
+    use crate::vectors::cross;
 
     #[test]
     fn a_block_wedged_in_a_slot_is_drawn_out_of_it() {
