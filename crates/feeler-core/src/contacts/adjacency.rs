@@ -1,6 +1,7 @@
 //! Which triangles share an edge, and which surfaces are closed; made once for a mesh, when contacts are first asked for.
 
 use crate::bounds::{Aabb, Point};
+use crate::contacts::cracks::close_cracks;
 use crate::contacts::edges::{pair_around, take_doubles, Edge, Edges};
 use crate::contacts::joins::Roots;
 use crate::contacts::NEARLY;
@@ -16,7 +17,8 @@ pub(crate) const NONE: u32 = u32::MAX;
 #[derive(Debug)]
 pub(crate) struct Adjacency {
     /// `neighbours[t][k]` lies across the edge from corner `k` to corner `k + 1` of `t`, within the same part; [`NONE`] at a
-    /// border and where more than two triangles share the edge, and not as many go one way along it as the other.
+    /// border and where more than two triangles share the edge, and not as many go one way along it as the other. Across a crack it
+    /// is the one of several that is nearest.
     pub neighbours: Vec<[u32; 3]>,
     /// 1: the triangle belongs to a closed surface and its winding gives the outward normal; -1: the inward one; 0: the
     /// surface is open, or twice in the same place, and the winding says nothing.
@@ -25,6 +27,8 @@ pub(crate) struct Adjacency {
     pub centre: Point,
     /// A triangle of each connected surface, with its part before it; sorted.
     pub surfaces: Vec<(u32, u32)>,
+    /// Whether there are cracks: some triangles are not neighbours of all whose neighbours they are.
+    pub has_cracks: bool,
 }
 
 impl Adjacency {
@@ -37,7 +41,7 @@ impl Adjacency {
 
     /// Edges are matched by their corners' positions, so a mesh whose triangles share no vertices is as good as any. Those that
     /// have no partner are matched once more by corners that are nearly in one place, as those of seams are that were computed
-    /// from both sides.
+    /// from both sides, and then across cracks.
     pub fn new(mesh: &Mesh, part_of_face: impl Fn(u32) -> u32, parts: usize) -> Adjacency {
         let mut joined = Joined::new(mesh);
         let (unique, welded) = weld_vertices(mesh.vertices());
@@ -49,18 +53,19 @@ impl Adjacency {
             by_part.sort_by_key(|(part, _)| *part);
             by_part.chunk_by(|x, y| x.0 == y.0).for_each(|same| joined.join(same.iter().map(|(_, edge)| *edge)));
         }
-        joined.close_seams(&part_of_face, parts);
-        joined.open_pairs();
-        let Joined { neighbours, mut closed, .. } = joined;
+        joined.close_gaps(&part_of_face, parts);
+        let Joined { neighbours, mut closed, has_cracks, .. } = joined;
         spread_openness(&neighbours, &mut closed);
-        let mut volume = vec![0.0; parts];
+        // From a corner of the part: what lies far away counts for much where there are cracks.
+        let mut volume: Vec<(f64, Option<Point>)> = vec![(0.0, None); parts];
         let (mut centre, mut area) = ([0.0; 3], 0.0);
         let middle = scaled(&add(&mesh.bounds().lower, &mesh.bounds().upper), 0.5);
         for t in mesh.queried() {
             let [a, b, c] = mesh.triangle(t).map(|p| sub(&p, &middle));
             let normal = cross(&sub(&b, &a), &sub(&c, &a));
             if closed[t as usize] {
-                volume[part_of_face(t) as usize] += dot(&a, &normal);
+                let (volume, corner) = &mut volume[part_of_face(t) as usize];
+                *volume += dot(&sub(&a, corner.get_or_insert(a)), &normal);
             }
             let weight = length(&normal);
             area += weight;
@@ -68,7 +73,7 @@ impl Adjacency {
         }
         let outward = (0..mesh.faces().len() as u32)
             .map(|t| match closed[t as usize] && mesh.is_queried(t) {
-                true if volume[part_of_face(t) as usize] < 0.0 => -1,
+                true if volume[part_of_face(t) as usize].0 < 0.0 => -1,
                 true => 1,
                 false => 0,
             })
@@ -77,7 +82,7 @@ impl Adjacency {
         let mut surfaces: Vec<(u32, u32)> =
             first_of_surfaces(mesh, &neighbours).into_iter().map(|t| (part_of_face(t), t)).collect();
         surfaces.sort_unstable();
-        Adjacency { neighbours, outward, centre: add(&middle, &shift), surfaces }
+        Adjacency { neighbours, outward, centre: add(&middle, &shift), surfaces, has_cracks }
     }
 
     /// Those of one part.
@@ -106,6 +111,7 @@ struct Joined<'a> {
     closed: Vec<bool>,
     /// Edges without a partner.
     border: Vec<Edge>,
+    has_cracks: bool,
     /// Working memory.
     same: Vec<Edge>,
 }
@@ -114,7 +120,7 @@ impl Joined<'_> {
     fn new(mesh: &Mesh) -> Joined<'_> {
         let count = mesh.faces().len();
         let (neighbours, closed) = (vec![[NONE; 3]; count], vec![true; count]);
-        Joined { mesh, neighbours, closed, border: Vec::new(), same: Vec::new() }
+        Joined { mesh, neighbours, closed, border: Vec::new(), has_cracks: false, same: Vec::new() }
     }
 
     /// Joins what shares one edge, all of one part.
@@ -149,9 +155,9 @@ impl Joined<'_> {
         }
     }
 
-    /// Joins what has no partner by corners that are nearly in one place. An edge whose ends are opens nothing. What is left is
-    /// open.
-    fn close_seams(&mut self, part_of_face: impl Fn(u32) -> u32, parts: usize) {
+    /// Joins what has no partner by corners that are nearly in one place, and across cracks. An edge whose ends are in one place opens
+    /// nothing. What is left is open.
+    fn close_gaps(&mut self, part_of_face: impl Fn(u32) -> u32, parts: usize) {
         let mesh = self.mesh;
         let (mut edges, mut open, mut bounds) = (vec![0; parts], vec![0; parts], vec![Aabb::EMPTY; parts]);
         for t in mesh.queried() {
@@ -184,6 +190,9 @@ impl Joined<'_> {
         for same in seams.chunk_by(|x, y| (x.0, x.1, x.2.end) == (y.0, y.1, y.2.end)) {
             self.join(same.iter().map(|(_, _, edge)| *edge));
         }
+        self.open_pairs();
+        let Joined { closed, neighbours, border, .. } = self;
+        self.has_cracks = close_cracks(mesh, closed, neighbours, border, &part_of_face, &bounds);
         left.append(&mut self.border);
         left.iter().for_each(|edge| self.closed[edge.triangle as usize] = false);
     }

@@ -1,6 +1,7 @@
 //! Which cuts are of one zone, before the walk.
 
 use crate::bounds::Point;
+use crate::contacts::adjacency::Adjacency;
 use crate::contacts::zones::{Zones, MOCKUP, TOOL};
 use crate::contacts::Ground;
 use crate::vectors::{add, dot, scaled, sub};
@@ -41,18 +42,20 @@ pub(crate) fn join_along_the_curve(ground: &Ground<'_>, zones: &Zones, roots: &m
             // In rising order.
             others.clear();
             others.extend(same.iter().map(|i| zones.face(1 - w, *i).id));
-            for (i, id) in others.iter().enumerate().skip(1) {
-                // Each two neighbours are met from both sides: once is enough.
-                let (before, [a, b, c]) = (&others[..i], ground.adjacency[1 - w].neighbours[*id as usize]);
-                if i < FEW {
+            let Adjacency { neighbours, has_cracks, .. } = ground.adjacency[1 - w];
+            // Each two neighbours are met from both sides: once is enough, but across cracks.
+            for (i, id) in others.iter().enumerate().skip(usize::from(!has_cracks)) {
+                let (among, [a, b, c]) =
+                    (&others[..if *has_cracks { others.len() } else { i }], neighbours[*id as usize]);
+                if among.len() < FEW {
                     let is_beside = |n: u32| u32::from((n == a) | (n == b) | (n == c));
-                    let mut beside = before.iter().rev().fold(0, |set, n| set << 1 | is_beside(*n));
+                    let mut beside = among.iter().rev().fold(0, |set, n| set << 1 | is_beside(*n));
                     while beside != 0 {
                         roots.join(same[i], same[beside.trailing_zeros() as usize]);
                         beside &= beside - 1;
                     }
                 } else {
-                    let beside = [a, b, c].into_iter().filter_map(|n| before.binary_search(&n).ok());
+                    let beside = [a, b, c].into_iter().filter_map(|n| among.binary_search(&n).ok());
                     beside.for_each(|j| roots.join(same[i], same[j]));
                 }
             }

@@ -13,6 +13,7 @@ mod clusters;
 #[cfg(test)]
 mod convex_tests;
 mod counting;
+mod cracks;
 mod cut;
 mod depth;
 mod descent;

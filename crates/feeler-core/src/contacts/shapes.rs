@@ -36,10 +36,16 @@ pub(crate) fn joined(meshes: impl IntoIterator<Item = Arrays>) -> Arrays {
 
 /// A closed box around `centre` with the given side lengths, every side cut into `cells` by `cells`.
 pub(crate) fn box_mesh(centre: Point, size: Point, cells: usize) -> Arrays {
+    joined(box_sides(centre, size, |_| [cells; 2]))
+}
+
+/// The six sides of such a box, each cut into as many cells as is said of it. They meet edge to edge only if that is the same.
+pub(crate) fn box_sides(centre: Point, size: Point, cells: impl Fn(usize) -> [usize; 2]) -> [Arrays; 6] {
     let half = scaled(&size, 0.5);
-    let side = |axis: usize, sense: f64| {
+    std::array::from_fn(|side| {
+        let (axis, sense, [n, m]) = (side / 2, if side % 2 == 0 { 1.0 } else { -1.0 }, cells(side));
         let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
-        sheet(cells, cells, move |s, t| {
+        sheet(n, m, move |s, t| {
             let (s, t) = if sense > 0.0 { (s, t) } else { (t, s) };
             let mut p = [0.0; 3];
             p[axis] = sense * half[axis];
@@ -47,8 +53,7 @@ pub(crate) fn box_mesh(centre: Point, size: Point, cells: usize) -> Arrays {
             p[v] = (2.0 * t - 1.0) * half[v];
             add(&centre, &p)
         })
-    };
-    joined((0..3).flat_map(|axis| [side(axis, 1.0), side(axis, -1.0)]))
+    })
 }
 
 /// A ball of radius `r` around the origin, its poles on the z axis; `n` bands. Closed but for the degenerate triangles at

@@ -216,8 +216,13 @@ mod tests {
             [before, other, after]
         };
         let neighbours: Vec<[u32; 3]> = (0..rows * long).map(beside).collect();
-        let adjacency =
-            Adjacency { outward: vec![1; neighbours.len()], neighbours, centre: [0.0; 3], surfaces: Vec::new() };
+        let adjacency = Adjacency {
+            outward: vec![1; neighbours.len()],
+            neighbours,
+            centre: [0.0; 3],
+            surfaces: Vec::new(),
+            has_cracks: false,
+        };
         // Two rows are a patch, of which every other triangle, or more, is a piece; the pieces come in any order.
         let mut pieces: Vec<Piece> = (0..rows * long)
             .map(|i| i * 1009 % (rows * long))

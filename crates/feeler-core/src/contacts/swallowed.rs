@@ -4,6 +4,7 @@
 //! from there to the outside leaves the other surface more often than it enters, by exact signs. What is open has no inside.
 
 use crate::bounds::{Aabb, Point, Triangle};
+use crate::contacts::adjacency::Adjacency;
 use crate::contacts::zones::{MOCKUP, TOOL};
 use crate::contacts::Ground;
 use crate::narrow::Filters;
@@ -59,36 +60,51 @@ impl Scene {
         }
         let bounds = self.mockup().part_bounds();
         let hull = holding.iter().fold(Aabb::EMPTY, |hull, part| hull.union(&bounds[*part as usize]));
-        let outward = &self.adjacency().outward;
-        for aside in &ASIDE {
+        let Adjacency { outward, has_cracks, .. } = self.adjacency();
+        let windings = |aside: &[f64; 2]| {
             // What meets the triangle is what meets the way, one of its edges, and little more.
             let (q, wide) = (beyond(p, &hull, aside), beyond(p, &hull, &aside.map(|x| x + WIDE)));
-            let Ok(needle) = Tool::new(vec![*p, q, wide], vec![[0, 1, 2]]) else { continue };
-            let met = self.collide(&needle, &Pose::IDENTITY, Filters::default()).pairs;
-            let crossings = met.iter().filter_map(|[_, m]| {
-                let part = holding.binary_search(&self.mockup().part_of_face(*m)).ok()?;
-                let side = i32::from(outward[*m as usize]);
-                (side != 0).then(|| Some((part, side * crossing(p, &q, &self.mockup().mesh().triangle(*m))?)))
-            });
-            let Some(crossings) = crossings.collect::<Option<Vec<_>>>() else { continue };
-            let mut sums = vec![0; holding.len()];
-            crossings.into_iter().for_each(|(part, c)| sums[part] += c);
-            found.extend(holding.iter().zip(sums).filter(|(_, sum)| *sum != 0).map(|(part, _)| *part));
-            return;
-        }
+            let needle = Tool::new(vec![*p, q, wide], vec![[0, 1, 2]]).ok()?;
+            let mut windings = vec![0; holding.len()];
+            for [_, m] in self.collide(&needle, &Pose::IDENTITY, Filters::default()).pairs {
+                let side = i32::from(outward[m as usize]);
+                if let (Ok(part), 1 | -1) = (holding.binary_search(&self.mockup().part_of_face(m)), side) {
+                    windings[part] += side * crossing(p, &q, &self.mockup().mesh().triangle(m))?;
+                }
+            }
+            Some(windings)
+        };
+        let told: Vec<Vec<i32>> = ASIDE.iter().filter_map(windings).take(ways(*has_cracks)).collect();
+        let is_inside = |i: &usize| median(told.iter().map(|windings| windings[*i]).collect()) != 0;
+        found.extend((0..holding.len()).filter(is_inside).map(|i| holding[i]));
     }
+}
+
+/// Ways that are asked: one tells, but may go through a crack.
+fn ways(has_cracks: bool) -> usize {
+    if has_cracks {
+        3
+    } else {
+        1
+    }
+}
+
+/// What most ways tell; 0 where there is none.
+fn median(mut windings: Vec<i32>) -> i32 {
+    windings.sort_unstable();
+    windings.get(windings.len() / 2).copied().unwrap_or(0)
 }
 
 /// Whether a point (world) is inside a tool, in the tool's own frame: but for the rounding on the way there.
 fn is_in_tool(ground: &Ground<'_>, p: &Point) -> bool {
-    let (mesh, outward) = (ground.tool.mesh(), &ground.adjacency[TOOL].outward);
-    let p = ground.in_tool(p);
+    let (mesh, p) = (ground.tool.mesh(), ground.in_tool(p));
+    let Adjacency { outward, has_cracks, .. } = ground.adjacency[TOOL];
     let winding = |aside: &[f64; 2]| {
         let q = beyond(&p, &mesh.bounds(), aside);
         let closed = mesh.queried().filter(|t| outward[*t as usize] != 0);
         closed.map(|t| Some(i32::from(outward[t as usize]) * crossing(&p, &q, &mesh.triangle(t))?)).sum::<Option<i32>>()
     };
-    is_in(&mesh.bounds(), &p) && ASIDE.iter().find_map(winding).is_some_and(|winding| winding != 0)
+    is_in(&mesh.bounds(), &p) && median(ASIDE.iter().filter_map(winding).take(ways(*has_cracks)).collect()) != 0
 }
 
 /// How often the way from `p` to `q` leaves a triangle's side that its winding's normal does not point to: 1, 0, or -1 where it
