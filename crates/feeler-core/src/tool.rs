@@ -4,7 +4,7 @@ use std::sync::OnceLock;
 
 use crate::bounds::{Aabb, Point, Triangle};
 use crate::constants::{MAX_TOOL_TRIANGLES, TOOL_CUT_PIECES, TOOL_CUT_PIECES_EACH, TRANSFORM_ROUNDOFFS, UNIT_ROUNDOFF};
-use crate::contacts::Adjacency;
+use crate::contacts::{Adjacency, Links};
 use crate::error::{Error, Result};
 use crate::intersect_lanes::line_of;
 use crate::lanes::{BoxLanes, PieceLanes, ToolUnit, LANES};
@@ -33,6 +33,8 @@ pub struct Tool {
     widths: Widths,
     /// Made when contacts are first asked for.
     adjacency: OnceLock<Adjacency>,
+    /// Made when penetration is first asked for where the tool meets nothing.
+    links: OnceLock<Links>,
 }
 
 /// Mean widths, over all directions, of what a tool consists of: the means of them, of their squares and of their cubes.
@@ -121,6 +123,7 @@ impl Tool {
             largest,
             widths,
             adjacency: OnceLock::new(),
+            links: OnceLock::new(),
         })
     }
 
@@ -132,6 +135,11 @@ impl Tool {
     /// Which triangles share edges.
     pub(crate) fn adjacency(&self) -> &Adjacency {
         self.adjacency.get_or_init(|| Adjacency::new(&self.mesh, |_| 0, 1))
+    }
+
+    /// Ways between its connected surfaces.
+    pub(crate) fn links(&self) -> &Links {
+        self.links.get_or_init(|| Links::new(&self.mesh, self.adjacency()))
     }
 
     /// The corners of the queried triangles. Their places here are their slots.

@@ -58,6 +58,7 @@ mod zones;
 
 pub(crate) use adjacency::Adjacency;
 pub use penetration::{Penetration, PenetrationKind};
+pub(crate) use swallowed::Links;
 pub use tracker::ContactTracker;
 
 use std::cmp::Ordering;

@@ -5,13 +5,16 @@
 
 use crate::bounds::{Aabb, Point, Triangle};
 use crate::contacts::adjacency::Adjacency;
-use crate::contacts::zones::{MOCKUP, TOOL};
+use crate::contacts::zones::MOCKUP;
 use crate::contacts::Ground;
+use crate::median::{self, Cells};
+use crate::mesh::Mesh;
 use crate::narrow::Filters;
 use crate::pose::Pose;
 use crate::predicates::orient3d;
 use crate::scene::Scene;
 use crate::tool::Tool;
+use crate::vectors::sub;
 
 /// Ways to the outside that are tried, each aside of the straight one by these shares of its length: odd ones, since a way that
 /// runs into an edge tells nothing, and edges lie along axes and diagonals.
@@ -24,10 +27,74 @@ const BEYOND: f64 = 0.01;
 /// How wide the triangle is that stands for a way where the index is asked, as a share of its length: by far more than rounding.
 const WIDE: f64 = 0.01;
 
+/// Triangles of a tool under one box, in the order of its clusters.
+const RUN: usize = 16;
+
+/// A corner of each connected surface of a tool, and ways from each to the next: where one meets nothing, both of its ends lie on
+/// one side of everything.
+#[derive(Debug)]
+pub(crate) struct Links {
+    /// Triangles whose first corners these are; neighbours in space are neighbours here.
+    ends: Vec<u32>,
+    /// A triangle for each way, which is one of its edges; `None` where there are none.
+    ways: Option<Box<Tool>>,
+}
+
+impl Links {
+    /// Between the surfaces of a tool's mesh.
+    pub fn new(mesh: &Mesh, adjacency: &Adjacency) -> Links {
+        let first = |t: u32| mesh.triangle(t)[0];
+        let mut ends: Vec<u32> = adjacency.surfaces.iter().map(|(_, t)| *t).collect();
+        let place = |t: &u32| first(*t).map(|x| (x + 0.0).to_bits());
+        ends.sort_by_key(place);
+        ends.dedup_by_key(|t| place(t));
+        let cells = Cells::new(&mesh.bounds());
+        let mut order: Vec<(u64, u32)> = ends.iter().map(|t| (cells.middle(&first(*t), &first(*t)), *t)).collect();
+        median::order(&mut order, 2);
+        ends = order.into_iter().map(|(_, t)| t).collect();
+        let vertices: Vec<Point> = ends.windows(2).flat_map(|pair| needle(&first(pair[0]), &first(pair[1]))).collect();
+        let faces = (0..vertices.len() as u32 / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+        Links { ends, ways: Tool::new(vertices, faces).ok().map(Box::new) }
+    }
+
+    /// One end each of those that lie on one side of everything in a scene.
+    fn apart(&self, scene: &Scene, pose: &Pose) -> impl Iterator<Item = u32> + '_ {
+        let mut is_apart = vec![true; self.ends.len()];
+        if let Some(ways) = &self.ways {
+            ways.mesh().queried().for_each(|way| is_apart[way as usize + 1] = false);
+            let met = scene.collide(ways, pose, Filters::default()).pairs;
+            met.iter().for_each(|[way, _]| is_apart[*way as usize + 1] = true);
+        }
+        self.ends.iter().zip(is_apart).filter(|(_, is_apart)| *is_apart).map(|(t, _)| *t)
+    }
+}
+
+/// A triangle with an edge from `p` to `q`, and not much more.
+fn needle(p: &Point, q: &Point) -> [Point; 3] {
+    let way = sub(q, p);
+    let across = (0..3).min_by(|a, b| way[*a].abs().total_cmp(&way[*b].abs())).unwrap_or(0);
+    let mut aside = *q;
+    aside[across] += WIDE * way.iter().map(|x| x.abs()).fold(0.0, f64::max);
+    [*p, *q, aside]
+}
+
 impl Scene {
     /// The parts that a tool which meets nothing is wholly inside of, by one of its connected surfaces at least, and those that have
     /// a connected surface wholly inside the tool; sorted.
     pub(super) fn swallowed(&self, tool: &Tool, pose: &Pose) -> Vec<u32> {
+        let mut found = self.find_swallowed(tool, pose, usize::MAX);
+        found.sort_unstable();
+        found.dedup();
+        found
+    }
+
+    /// Whether there are any of these.
+    pub(super) fn is_any_swallowed(&self, tool: &Tool, pose: &Pose) -> bool {
+        !self.find_swallowed(tool, pose, 1).is_empty()
+    }
+
+    /// These parts, some of them twice; no more once there are `enough`.
+    fn find_swallowed(&self, tool: &Tool, pose: &Pose, enough: usize) -> Vec<u32> {
         let ground = Ground::new(self, tool, pose, None);
         let of_tool = tool.mesh().bounds();
         let around = box_at(pose, &of_tool, tool.margin_at(pose));
@@ -35,21 +102,30 @@ impl Scene {
         let beside: Vec<u32> =
             (0..).zip(bounds).filter(|(_, b)| b.is_overlapping(&around)).map(|(part, _)| part).collect();
         let mut found = Vec::new();
+        if beside.is_empty() {
+            return found;
+        }
         let mut holding = Vec::new();
-        for (_, t) in &ground.adjacency[TOOL].surfaces {
-            let p = ground.tool_triangle(*t)[0];
+        for t in tool.links().apart(self, pose) {
+            let p = ground.tool_triangle(t)[0];
             holding.clear();
             holding.extend(beside.iter().copied().filter(|part| is_in(&bounds[*part as usize], &p)));
             self.push_around(&p, &holding, &mut found);
-        }
-        for part in beside {
-            let of_part = ground.adjacency[MOCKUP].surfaces_of(part);
-            if of_part.iter().any(|(_, m)| is_in_tool(&ground, &ground.mockup_triangle(*m)[0])) {
-                found.push(part);
+            if found.len() >= enough {
+                return found;
             }
         }
-        found.sort_unstable();
-        found.dedup();
+        let mut solid = None;
+        for part in beside {
+            let of_part = ground.adjacency[MOCKUP].surfaces_of(part).iter();
+            let mut held = of_part.map(|(_, m)| ground.in_tool(&ground.mockup_triangle(*m)[0]));
+            if held.any(|p| is_in(&of_tool, &p) && solid.get_or_insert_with(|| Solid::new(tool)).is_around(&p)) {
+                found.push(part);
+                if found.len() >= enough {
+                    return found;
+                }
+            }
+        }
         found
     }
 
@@ -95,16 +171,40 @@ fn median(mut windings: Vec<i32>) -> i32 {
     windings.get(windings.len() / 2).copied().unwrap_or(0)
 }
 
-/// Whether a point (world) is inside a tool, in the tool's own frame: but for the rounding on the way there.
-fn is_in_tool(ground: &Ground<'_>, p: &Point) -> bool {
-    let (mesh, p) = (ground.tool.mesh(), ground.in_tool(p));
-    let Adjacency { outward, has_cracks, .. } = ground.adjacency[TOOL];
-    let winding = |aside: &[f64; 2]| {
-        let q = beyond(&p, &mesh.bounds(), aside);
-        let closed = mesh.queried().filter(|t| outward[*t as usize] != 0);
-        closed.map(|t| Some(i32::from(outward[t as usize]) * crossing(&p, &q, &mesh.triangle(t))?)).sum::<Option<i32>>()
-    };
-    is_in(&mesh.bounds(), &p) && median(ASIDE.iter().filter_map(winding).take(ways(*has_cracks)).collect()) != 0
+/// The closed surfaces of a tool, in its own frame: some triangles at a time, and the box around them.
+struct Solid<'a> {
+    mesh: &'a Mesh,
+    adjacency: &'a Adjacency,
+    runs: Vec<(Aabb, Vec<u32>)>,
+}
+
+impl Solid<'_> {
+    fn new(tool: &Tool) -> Solid<'_> {
+        let (mesh, adjacency) = (tool.mesh(), tool.adjacency());
+        let closed = |ids: &[u32]| ids.iter().copied().filter(|t| adjacency.outward[*t as usize] != 0).collect();
+        let around = |ids: &Vec<u32>| {
+            let corners = ids.iter().flat_map(|t| mesh.triangle(*t));
+            corners.fold(Aabb::EMPTY, |mut around, p| {
+                around.grow(&p);
+                around
+            })
+        };
+        let runs = tool.ids().chunks(RUN).map(closed).map(|ids| (around(&ids), ids)).collect();
+        Solid { mesh, adjacency, runs }
+    }
+
+    /// Whether a point is inside: but for the rounding on its way into the tool's frame.
+    fn is_around(&self, p: &Point) -> bool {
+        let Adjacency { outward, has_cracks, .. } = self.adjacency;
+        let winding = |aside: &[f64; 2]| {
+            let q = beyond(p, &self.mesh.bounds(), aside);
+            let way = Aabb::of_triangle(&[*p, q, q]);
+            let met = self.runs.iter().filter(|(around, _)| around.is_overlapping(&way)).flat_map(|(_, ids)| ids);
+            met.map(|t| Some(i32::from(outward[*t as usize]) * crossing(p, &q, &self.mesh.triangle(*t))?))
+                .sum::<Option<i32>>()
+        };
+        median(ASIDE.iter().filter_map(winding).take(ways(*has_cracks)).collect()) != 0
+    }
 }
 
 /// How often the way from `p` to `q` leaves a triangle's side that its winding's normal does not point to: 1, 0, or -1 where it
@@ -198,7 +298,7 @@ mod tests {
         #[test]
         fn what_is_swallowed_is_what_surfaces_go_around(
             solids in prop::collection::vec((prop::array::uniform3(-3..4i32), 1..14i32, 0..3usize, 0..4usize), 1..6),
-            of_tool in prop::collection::vec((prop::array::uniform3(-2..3i32), 1..9i32), 1..3),
+            of_tool in prop::collection::vec((prop::array::uniform3(-2..3i32), 1..9i32), 1..5),
             (angle, shift) in (prop_oneof![Just(0.0), 0.0..3.0], prop::array::uniform3(-5..6i32)),
         ) {
             // On a lattice, and the tool off it: edges lie in line with corners of others, and surfaces do not meet. A part may be
@@ -294,6 +394,33 @@ mod tests {
     /// The point of the way from the origin to `q` at a coordinate.
     fn scaled_to(q: &Point, axis: usize, at: f64) -> Point {
         q.map(|x| x * (at / q[axis]))
+    }
+
+    #[test]
+    fn loose_triangles_are_asked_once_for_all_that_nothing_divides() {
+        // Beside a plate, and along it through its side: a row of triangles, some of them in one place, one in the plate.
+        let held = scene_of(vec![box_mesh([0.0; 3], [0.4, 0.4, 0.2], 3), box_mesh([0.9, 0.0, 0.0], [0.1; 3], 1)]);
+        let loose = |xs: &[f64]| {
+            let corners = |x: &f64| [[*x, 0.013, 0.007], [x + 1e-3, 0.013, 0.007], [*x, 0.014, 0.008]];
+            (
+                xs.iter().flat_map(corners).collect(),
+                (0..xs.len() as u32).map(|i| [0, 1, 2].map(|k| 3 * i + k)).collect(),
+            )
+        };
+        let outside: Vec<f64> = (0..200).map(|i| 0.21 + 0.003 * f64::from(i)).collect();
+        let of = |xs: Vec<f64>| tool(loose(&xs));
+        let apart = |tool: &Tool| tool.links().apart(&held, &Pose::IDENTITY).count();
+        let all_out = of(outside.clone());
+        assert_eq!((held.swallowed(&all_out, &Pose::IDENTITY), apart(&all_out)), (vec![], 1));
+        for (at, expected) in [(0.1, vec![0]), (-0.3, vec![]), (0.92, vec![1])] {
+            let one_in = of([outside.clone(), vec![at]].concat());
+            assert_eq!(held.swallowed(&one_in, &Pose::IDENTITY), expected, "{at}");
+            assert_eq!(held.is_any_swallowed(&one_in, &Pose::IDENTITY), !expected.is_empty(), "{at}");
+            // In whatever order they come, what lies beyond a side of the plate is asked for itself.
+            assert!((2..6).contains(&apart(&one_in)), "{at} {}", apart(&one_in));
+        }
+        let same = of(vec![0.1; 50]);
+        assert_eq!((held.swallowed(&same, &Pose::IDENTITY), apart(&same)), (vec![0], 1));
     }
 
     #[test]

@@ -86,7 +86,7 @@ impl Scene {
 
     /// Whether a tool meets nothing, and is not wholly inside a solid (or a solid inside it) either.
     pub(super) fn is_free_and_outside(&self, tool: &Tool, pose: &Pose) -> bool {
-        !self.is_colliding(tool, pose) && self.swallowed(tool, pose).is_empty()
+        !self.is_colliding(tool, pose) && !self.is_any_swallowed(tool, pose)
     }
 
     /// A way out of solids that have swallowed the tool, or that the tool has: along the shortest way between the surfaces, or as
