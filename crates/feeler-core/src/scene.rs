@@ -80,34 +80,33 @@ pub struct Scratch {
 }
 
 impl Batch {
-    /// Appends what the tasks of so many poses found, in parallel.
-    fn take_over(&mut self, tasks: &[Task], poses: usize) {
-        let mut sum = self.pairs.len() as u64;
-        self.offsets.extend(tasks.iter().flat_map(|task| task.counts).take(poses).map(|n| {
+    /// What the tasks of so many poses found, put together in parallel. Threads touch what is new first: a page that the system has
+    /// to make takes longer than all that is written to it.
+    fn of_tasks(tasks: Vec<Task>, poses: usize) -> Batch {
+        let mut sum = 0;
+        let mut offsets = Vec::with_capacity(poses + 1);
+        offsets.push(0);
+        offsets.extend(tasks.iter().flat_map(|task| task.counts).take(poses).map(|n| {
             sum += n as u64;
             sum
         }));
-        let from = self.pairs.len();
-        if from == 0 {
-            // Zeros from the system, which the threads touch first.
-            self.pairs = vec![[0; 2]; sum as usize];
-        } else {
-            self.pairs.resize(sum as usize, [0; 2]);
-        }
-        self.kinds.resize(sum as usize, PairKind::Coplanar);
-        let (mut pairs, mut kinds) = (&mut self.pairs[from..], &mut self.kinds[from..]);
+        // Zeros from the system, which nobody has touched yet; kinds are none for it.
+        let mut batch = Batch { offsets, pairs: vec![[0; 2]; sum as usize], kinds: Vec::new() };
+        rayon::iter::repeat_n(PairKind::Coplanar, sum as usize).collect_into_vec(&mut batch.kinds);
+        let (mut pairs, mut kinds) = (&mut batch.pairs[..], &mut batch.kinds[..]);
         let mut parts = Vec::with_capacity(tasks.len());
-        for task in tasks {
+        for Task { hits, .. } in tasks {
             let (own_pairs, own_kinds);
-            (own_pairs, pairs) = pairs.split_at_mut(task.hits.len());
-            (own_kinds, kinds) = kinds.split_at_mut(task.hits.len());
-            parts.push((&task.hits, own_pairs, own_kinds));
+            (own_pairs, pairs) = pairs.split_at_mut(hits.len());
+            (own_kinds, kinds) = kinds.split_at_mut(hits.len());
+            parts.push((hits, own_pairs, own_kinds));
         }
         parts.into_par_iter().for_each(|(hits, pairs, kinds)| {
             for ((hit, pair), kind) in hits.iter().zip(pairs).zip(kinds) {
                 (*pair, *kind) = (hit.pair(), hit.kind());
             }
         });
+        batch
     }
 }
 
@@ -241,50 +240,46 @@ impl Scene {
 
     /// [`collide`](Self::collide) at many poses, in parallel on the current rayon pool.
     ///
-    /// Poses are worked on in waves, so that beside the result only one wave's pairs are held. `progress` is told after each
-    /// wave. Errors when the result would outgrow the memory limit of the scene.
+    /// What is found is put together at the end, so that for a moment a pair is held twice. `progress` is told after each few
+    /// thousand poses. Errors when the result would outgrow the memory limit of the scene.
     pub fn collide_batch(&self, tool: &Tool, poses: &[Pose], progress: Progress<'_>) -> Result<Batch> {
         const WAVE: usize = 4096;
-        let mut batch = Batch { offsets: Vec::with_capacity(poses.len() + 1), ..Batch::default() };
-        batch.offsets.push(0);
-        // A pair takes 9 bytes in the result and 8 in its wave; growing vectors hold up to three times their content.
-        let needed = |pairs: u64| 3 * 16 * pairs + 8 * poses.len() as u64;
+        // A pair takes 9 bytes in the result and 8 in its task, which may have room for a quarter more.
+        let needed = |pairs: u64| 20 * pairs + 24 * poses.len() as u64;
+        let fits = |pairs: u64| needed(pairs) <= self.memory_limit;
+        let (pairs, done) = (AtomicU64::new(0), AtomicU64::new(0));
+        let mut tasks: Vec<Task> = Vec::with_capacity(poses.len().div_ceil(TASK));
         for (n, wave) in poses.chunks(WAVE).enumerate() {
             report(progress, (n * WAVE) as f64 / poses.len() as f64, "colliding")?;
-            let fits = |new: u64| needed(batch.pairs.len() as u64 + new) <= self.memory_limit;
-            let (new, done) = (AtomicU64::new(0), AtomicU64::new(0));
-            let found: Vec<Task> = wave
-                .par_chunks(TASK)
-                .map(|task| {
-                    let mut scratch = self.take_scratch();
-                    // Room for a little more than tasks before found in the mean: an allocation or two a task, none a pose.
-                    let mean = new.load(Relaxed) / (done.load(Relaxed) + 1);
-                    let room = if fits(new.load(Relaxed)) { mean + mean / 4 } else { 0 };
-                    let mut found = Task { hits: Vec::with_capacity(room as usize), counts: [0; TASK] };
-                    for (pose, count) in task.iter().zip(&mut found.counts) {
-                        if !fits(new.load(Relaxed) + found.hits.len() as u64) {
-                            break;
-                        }
-                        self.run(tool, pose, Filters::default(), false, &mut scratch);
-                        *count = scratch.hits.sorted().len();
-                        found.hits.extend(scratch.hits.sorted());
+            tasks.par_extend(wave.par_chunks(TASK).map(|task| {
+                let mut scratch = self.take_scratch();
+                // Room for a little more than tasks before found in the mean: an allocation or two a task, none a pose.
+                let mean = pairs.load(Relaxed) / (done.load(Relaxed) + 1);
+                let room = if fits(pairs.load(Relaxed)) { mean + mean / 4 } else { 0 };
+                let mut found = Task { hits: Vec::with_capacity(room as usize), counts: [0; TASK] };
+                for (pose, count) in task.iter().zip(&mut found.counts) {
+                    if !fits(pairs.load(Relaxed) + found.hits.len() as u64) {
+                        break;
                     }
-                    new.fetch_add(found.hits.len() as u64, Relaxed);
-                    done.fetch_add(1, Relaxed);
-                    self.put_scratch(scratch);
-                    found
-                })
-                .collect();
-            if !fits(new.load(Relaxed)) {
+                    self.run(tool, pose, Filters::default(), false, &mut scratch);
+                    *count = scratch.hits.sorted().len();
+                    found.hits.extend(scratch.hits.sorted());
+                }
+                pairs.fetch_add(found.hits.len() as u64, Relaxed);
+                done.fetch_add(1, Relaxed);
+                self.put_scratch(scratch);
+                found
+            }));
+            if !fits(pairs.load(Relaxed)) {
                 return Err(Error::Memory {
                     what: "the pairs of this batch",
-                    needed: needed(batch.pairs.len() as u64 + new.into_inner()),
+                    needed: needed(pairs.into_inner()),
                     allowed: self.memory_limit,
                     advice: "pass fewer poses at a time, or allow more memory",
                 });
             }
-            batch.take_over(&found, wave.len());
         }
+        let batch = Batch::of_tasks(tasks, poses.len());
         report(progress, 1.0, "done")?;
         Ok(batch)
     }
