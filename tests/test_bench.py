@@ -305,7 +305,7 @@ def test_growth_of_toy_engines(root: Path) -> None:
     assert done.returncode == 0, done.stderr
     (row,) = [line for line in done.stdout.splitlines() if line.startswith("| torque")]
     figures = [float(x) for x in row.replace(",", "|").split("|")[2:-1]]
-    assert len(figures) == 7 and all(x > 0 for x in figures)
+    assert len(figures) == 13 and all(x > 0 for x in figures)
     assert run(root, "growth.py", "--sizes", "10k").returncode == 2
 
 

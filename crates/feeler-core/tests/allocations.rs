@@ -245,6 +245,13 @@ fn a_batch_stays_within_the_limit() {
         assert!(peak as u64 <= limit + (1 << 20), "limit {limit}: {peak} bytes at the most");
         assert!(left < 1 << 19, "{left} bytes left behind");
     }
+    // What is said to be needed is enough, and not much more than is.
+    let needed = 24 * poses.len() as u64 + 20 * (pairs * poses.len()) as u64;
+    let scene = build(&mockup, Storage::Blocks, None, needed).unwrap();
+    let (peak, _, batch) = growth(|| pool.install(|| scene.collide_batch(&tool, &poses, &|_, _| true)));
+    assert_eq!(batch.unwrap().pairs.len(), pairs * poses.len());
+    let share = peak as f64 / needed as f64;
+    assert!((0.8..1.0).contains(&share), "{share} of the limit");
 }
 
 #[test]
