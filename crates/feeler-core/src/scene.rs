@@ -80,8 +80,8 @@ pub struct Scratch {
 }
 
 impl Batch {
-    /// What the tasks of so many poses found, put together in parallel. Threads touch what is new first: a page that the system has
-    /// to make takes longer than all that is written to it.
+    /// What the tasks of so many poses found, put together in parallel. New pages are first touched by the threads that fill them:
+    /// to make one takes the system longer than all that is written to it takes.
     fn of_tasks(tasks: Vec<Task>, poses: usize) -> Batch {
         let mut sum = 0;
         let mut offsets = Vec::with_capacity(poses + 1);
@@ -90,7 +90,7 @@ impl Batch {
             sum += n as u64;
             sum
         }));
-        // Zeros from the system, which nobody has touched yet; kinds are none for it.
+        // Pairs begin as zeros that the system gives untouched. Kinds are not numbers, so all threads write them.
         let mut batch = Batch { offsets, pairs: vec![[0; 2]; sum as usize], kinds: Vec::new() };
         rayon::iter::repeat_n(PairKind::Coplanar, sum as usize).collect_into_vec(&mut batch.kinds);
         let (mut pairs, mut kinds) = (&mut batch.pairs[..], &mut batch.kinds[..]);
@@ -244,8 +244,8 @@ impl Scene {
     /// thousand poses. Errors when the result would outgrow the memory limit of the scene.
     pub fn collide_batch(&self, tool: &Tool, poses: &[Pose], progress: Progress<'_>) -> Result<Batch> {
         const WAVE: usize = 4096;
-        // A pair takes 9 bytes in the result and 8 in its task, which may have room for a quarter more.
-        let needed = |pairs: u64| 20 * pairs + 24 * poses.len() as u64;
+        // A pair takes 9 bytes in the result and 8 in its task, which may have room for as many more.
+        let needed = |pairs: u64| 26 * pairs + 24 * poses.len() as u64;
         let fits = |pairs: u64| needed(pairs) <= self.memory_limit;
         let (pairs, done) = (AtomicU64::new(0), AtomicU64::new(0));
         let mut tasks: Vec<Task> = Vec::with_capacity(poses.len().div_ceil(TASK));
@@ -265,6 +265,8 @@ impl Scene {
                     *count = scratch.hits.sorted().len();
                     found.hits.extend(scratch.hits.sorted());
                 }
+                // What poses before this task's found says little of these: no more room than that is kept.
+                found.hits.shrink_to(2 * found.hits.len());
                 pairs.fetch_add(found.hits.len() as u64, Relaxed);
                 done.fetch_add(1, Relaxed);
                 self.put_scratch(scratch);
