@@ -34,55 +34,77 @@ pub(crate) fn pair_key(tool_triangle: u32, mockup_triangle: u32) -> u64 {
 
 /// What a query found so far, some pairs more than once; in the end all of it in order, each once.
 #[derive(Debug)]
-pub(crate) struct Hits {
-    keys: Vec<u64>,
+pub(crate) struct Hits(Sorter);
+
+impl Default for Hits {
+    fn default() -> Hits {
+        Hits(Sorter { keys: Vec::with_capacity(1024), ..Sorter::default() })
+    }
+}
+
+impl Hits {
+    pub fn clear(&mut self) {
+        self.0.clear();
+    }
+
+    #[inline]
+    pub fn push(&mut self, hit: Hit) {
+        self.0.keys.push(hit.0);
+    }
+
+    /// Adds pairs.
+    #[inline]
+    pub fn extend(&mut self, hits: impl ExactSizeIterator<Item = Hit>) {
+        self.0.keys.extend(hits.map(|hit| hit.0));
+    }
+
+    /// Whether there are none so far.
+    pub fn is_empty(&self) -> bool {
+        self.0.keys.is_empty()
+    }
+
+    /// Puts all in order, each once; no more are added then.
+    pub fn sort(&mut self, lanes: Checked) {
+        self.0.sort(lanes);
+    }
+
+    /// All, once they are in order.
+    pub fn sorted(&self) -> impl ExactSizeIterator<Item = Hit> + '_ {
+        self.0.sorted().iter().map(|key| Hit(*key))
+    }
+
+    /// Appends all, once they are in order.
+    pub fn unpack(&self, lanes: Checked, pairs: &mut Vec<[u32; 2]>, kinds: &mut Vec<PairKind>) {
+        lanes.run(Unpack { keys: self.0.sorted(), pairs, kinds });
+    }
+}
+
+/// Puts numbers below `u64::MAX` in order, each once. Keeps its memory.
+#[derive(Debug, Default)]
+pub(crate) struct Sorter {
+    pub keys: Vec<u64>,
     room: Vec<u64>,
     /// The first `count` are in order.
     sorted: Vec<u64>,
     count: usize,
 }
 
-impl Default for Hits {
-    fn default() -> Hits {
-        Hits { keys: Vec::with_capacity(1024), room: Vec::new(), sorted: Vec::new(), count: 0 }
-    }
-}
-
-impl Hits {
+impl Sorter {
     pub fn clear(&mut self) {
         self.keys.clear();
         self.count = 0;
     }
 
-    #[inline]
-    pub fn push(&mut self, hit: Hit) {
-        self.keys.push(hit.0);
-    }
-
-    /// Adds pairs.
-    #[inline]
-    pub fn extend(&mut self, hits: impl ExactSizeIterator<Item = Hit>) {
-        self.keys.extend(hits.map(|hit| hit.0));
-    }
-
-    /// Whether there are none so far.
-    pub fn is_empty(&self) -> bool {
-        self.keys.is_empty()
-    }
-
-    /// Puts all in order, each once; no more are added then.
+    /// Puts the keys in order, each once; they themselves are in disorder then.
     pub fn sort(&mut self, lanes: Checked) {
-        self.count = lanes.run(SortUnique { keys: &mut self.keys, room: &mut self.room, sorted: &mut self.sorted });
+        let Sorter { keys, room, sorted, count } = self;
+        *count = lanes.run(SortUnique { keys, room, sorted });
     }
 
-    /// All, once they are in order.
-    pub fn sorted(&self) -> impl ExactSizeIterator<Item = Hit> + '_ {
-        self.sorted[..self.count].iter().map(|key| Hit(*key))
-    }
-
-    /// Appends all, once they are in order.
-    pub fn unpack(&self, lanes: Checked, pairs: &mut Vec<[u32; 2]>, kinds: &mut Vec<PairKind>) {
-        lanes.run(Unpack { keys: &self.sorted[..self.count], pairs, kinds });
+    /// What was put in order.
+    #[inline(always)]
+    pub fn sorted(&self) -> &[u64] {
+        &self.sorted[..self.count]
     }
 }
 
@@ -107,11 +129,11 @@ impl Kernel for Unpack<'_> {
 ///
 /// Quicksort without branches on what is compared: a register of numbers at a time goes to the one side or the other, and a few
 /// are put where they belong by counting, for each, how many are smaller. Only for levels that can pack chosen lanes at once.
-pub(crate) struct SortUnique<'a> {
-    pub keys: &'a mut Vec<u64>,
+struct SortUnique<'a> {
+    keys: &'a mut Vec<u64>,
     /// Working memory.
-    pub room: &'a mut Vec<u64>,
-    pub sorted: &'a mut Vec<u64>,
+    room: &'a mut Vec<u64>,
+    sorted: &'a mut Vec<u64>,
 }
 
 impl Kernel for SortUnique<'_> {
@@ -193,9 +215,9 @@ mod tests {
     use proptest::prelude::*;
 
     fn sorted(level: Level, keys: &[u64]) -> Vec<u64> {
-        let mut hits = Hits { keys: keys.to_vec(), ..Hits::default() };
-        hits.sort(level.checked());
-        hits.sorted().map(|hit| hit.0).collect()
+        let mut sorter = Sorter { keys: keys.to_vec(), ..Sorter::default() };
+        sorter.sort(level.checked());
+        sorter.sorted().to_vec()
     }
 
     fn keys() -> impl Strategy<Value = Vec<u64>> {

@@ -1,9 +1,11 @@
-//! Which triangles share an edge, and which surfaces are closed; made once for a mesh, when contacts are first asked for.
+//! Which triangles share an edge, which surfaces are closed, and their regions of nearly one normal; made once for a mesh, when contacts are first asked for.
 
 use crate::bounds::{Aabb, Point};
 use crate::contacts::cracks::close_cracks;
 use crate::contacts::edges::{pair_around, take_doubles, Edge, Edges};
 use crate::contacts::joins::Roots;
+use crate::contacts::normals::is_thin;
+use crate::contacts::regions::{regions, Region};
 use crate::contacts::NEARLY;
 use crate::mesh::Mesh;
 use crate::simd::prefetch_at;
@@ -23,6 +25,8 @@ pub(crate) struct Adjacency {
     /// 1: the triangle belongs to a closed surface and its winding gives the outward normal; -1: the inward one; 0: the
     /// surface is open, or twice in the same place, and the winding says nothing.
     pub outward: Vec<i8>,
+    /// The region of each triangle.
+    pub regions: Vec<Region>,
     /// The centre of the surface's area, metres, in the mesh's own frame.
     pub centre: Point,
     /// A triangle of each connected surface, with its part before it; sorted.
@@ -37,6 +41,7 @@ impl Adjacency {
     pub fn prefetch(&self, triangle: u32) {
         prefetch_at(&self.neighbours, triangle as usize);
         prefetch_at(&self.outward, triangle as usize);
+        prefetch_at(&self.regions, triangle as usize);
     }
 
     /// Edges are matched by their corners' positions, so a mesh whose triangles share no vertices is as good as any. Those that
@@ -53,7 +58,12 @@ impl Adjacency {
             by_part.sort_by_key(|(part, _)| *part);
             by_part.chunk_by(|x, y| x.0 == y.0).for_each(|same| joined.join(same.iter().map(|(_, edge)| *edge)));
         }
-        joined.close_gaps(&part_of_face, parts);
+        let mut bounds = vec![Aabb::EMPTY; parts];
+        for t in mesh.queried() {
+            let bounds = &mut bounds[part_of_face(t) as usize];
+            mesh.triangle(t).iter().for_each(|p| bounds.grow(p));
+        }
+        joined.close_gaps(&part_of_face, &bounds);
         let Joined { neighbours, mut closed, has_cracks, .. } = joined;
         spread_openness(&neighbours, &mut closed);
         // From a corner of the part: what lies far away counts for much where there are cracks.
@@ -71,7 +81,7 @@ impl Adjacency {
             area += weight;
             centre = add(&centre, &scaled(&add(&add(&a, &b), &c), weight / 3.0));
         }
-        let outward = (0..mesh.faces().len() as u32)
+        let outward: Vec<i8> = (0..mesh.faces().len() as u32)
             .map(|t| match closed[t as usize] && mesh.is_queried(t) {
                 true if volume[part_of_face(t) as usize].0 < 0.0 => -1,
                 true => 1,
@@ -82,7 +92,9 @@ impl Adjacency {
         let mut surfaces: Vec<(u32, u32)> =
             first_of_surfaces(mesh, &neighbours).into_iter().map(|t| (part_of_face(t), t)).collect();
         surfaces.sort_unstable();
-        Adjacency { neighbours, outward, centre: add(&middle, &shift), surfaces, has_cracks }
+        let thin = |t: u32| NEARLY * bounds[part_of_face(t) as usize].longest();
+        let regions = regions(mesh, &neighbours, &outward, |t, triangle| is_thin(triangle, thin(t)));
+        Adjacency { neighbours, outward, regions, centre: add(&middle, &shift), surfaces, has_cracks }
     }
 
     /// Those of one part.
@@ -96,6 +108,7 @@ impl Adjacency {
     pub fn memory(&self) -> usize {
         self.neighbours.capacity() * size_of::<[u32; 3]>()
             + self.outward.capacity()
+            + self.regions.capacity() * size_of::<Region>()
             + self.surfaces.capacity() * size_of::<(u32, u32)>()
     }
 }
@@ -157,14 +170,10 @@ impl Joined<'_> {
 
     /// Joins what has no partner by corners that are nearly in one place, and across cracks. An edge whose ends are in one place opens
     /// nothing. What is left is open.
-    fn close_gaps(&mut self, part_of_face: impl Fn(u32) -> u32, parts: usize) {
+    fn close_gaps(&mut self, part_of_face: impl Fn(u32) -> u32, bounds: &[Aabb]) {
         let mesh = self.mesh;
-        let (mut edges, mut open, mut bounds) = (vec![0; parts], vec![0; parts], vec![Aabb::EMPTY; parts]);
-        for t in mesh.queried() {
-            let part = part_of_face(t) as usize;
-            edges[part] += 3;
-            mesh.triangle(t).iter().for_each(|p| bounds[part].grow(p));
-        }
+        let (mut edges, mut open) = (vec![0; bounds.len()], vec![0; bounds.len()]);
+        mesh.queried().for_each(|t| edges[part_of_face(t) as usize] += 3);
         let part_of = |edge: &Edge| part_of_face(edge.triangle);
         self.border.iter().for_each(|edge| open[part_of(edge) as usize] += FEW_OPEN);
         let is_tried = |edge: &Edge| open[part_of(edge) as usize] <= edges[part_of(edge) as usize];
@@ -192,7 +201,7 @@ impl Joined<'_> {
         }
         self.open_pairs();
         let Joined { closed, neighbours, border, .. } = self;
-        self.has_cracks = close_cracks(mesh, closed, neighbours, border, &part_of_face, &bounds);
+        self.has_cracks = close_cracks(mesh, closed, neighbours, border, &part_of_face, bounds);
         left.append(&mut self.border);
         left.iter().for_each(|edge| self.closed[edge.triangle as usize] = false);
     }

@@ -104,8 +104,8 @@ impl Directions {
         self.held.clear();
         self.edge_pairs.clear();
         for (known, count) in self.known.iter_mut().zip(bodies) {
-            known.iter_mut().for_each(Known::clear);
             known.resize_with(count.max(known.len()), Known::default);
+            known[..count].iter_mut().for_each(Known::clear);
         }
     }
 }

@@ -36,8 +36,8 @@ mod outline;
 mod overlap;
 mod patches;
 mod penetration;
-mod place;
 mod points;
+mod regions;
 mod right_through;
 #[cfg(test)]
 mod right_through_tests;
@@ -76,6 +76,7 @@ use crate::contacts::right_through::RightThrough;
 use crate::contacts::sets::{is_meeting, shared};
 use crate::contacts::zones::{Face, Zones, ZonesScratch, MOCKUP, TOOL};
 use crate::error::{Error, Result};
+use crate::hits::Sorter;
 use crate::mesh::Mockup;
 use crate::narrow::Filters;
 use crate::pose::Pose;
@@ -195,6 +196,7 @@ pub(crate) struct ContactScratch {
     near: NearLists,
     zones: ZonesScratch,
     zone: ZoneScratch,
+    sorter: Sorter,
 }
 
 /// Working memory of one zone: its surfaces, the tool's and the mock-up's.
@@ -339,8 +341,9 @@ impl Scene {
             self.adjacency().prefetch(*triangle);
         }
         let mut scratch = self.take_scratch();
-        let ContactScratch { by_part, candidates, meeting, near: lists, zones: zones_scratch, zone: zone_scratch } =
-            &mut scratch.contacts;
+        let ContactScratch {
+            by_part, candidates, meeting, near: lists, zones: zones_scratch, zone: zone_scratch, ..
+        } = &mut scratch.contacts;
         let part_of = |pair: &[u32; 2]| self.mockup().part_of_face(pair[1]);
         let ground = Ground::new(self, tool, pose, reference);
         let mut places: Vec<Place<'_>> = Vec::new();
@@ -392,11 +395,11 @@ impl Scene {
         }
         places.iter_mut().for_each(|place| contacts.planes.append(&mut place.planes));
         drop(places);
+        contacts.finish(ground.lanes, &mut scratch.contacts.sorter);
         if held > MOST_HELD {
             scratch.contacts = ContactScratch::default();
         }
         self.put_scratch(scratch);
-        contacts.finish();
         Ok(contacts)
     }
 
@@ -633,16 +636,18 @@ impl ContactPlane {
 }
 
 impl Contacts {
-    fn finish(&mut self) {
+    fn finish(&mut self, lanes: Checked, sorter: &mut Sorter) {
         self.planes.sort_by(ContactPlane::order);
         self.omitted = self.planes.len().saturating_sub(MOST_PLANES);
         self.planes.truncate(MOST_PLANES);
         for plane in &mut self.planes {
             for ids in [&mut plane.tool_triangles, &mut plane.mockup_triangles] {
+                sorter.clear();
                 // Those of one triangle mostly come one after the other.
-                ids.dedup();
-                ids.sort_unstable();
-                ids.dedup();
+                sorter.keys.extend(ids.chunk_by(|a, b| a == b).map(|same| u64::from(same[0])));
+                sorter.sort(lanes);
+                ids.clear();
+                ids.extend(sorter.sorted().iter().map(|id| *id as u32));
             }
         }
     }

@@ -4,16 +4,17 @@
 use std::hint::select_unpredictable;
 
 use crate::bounds::Point;
-use crate::contacts::adjacency::NONE;
+use crate::contacts::adjacency::{Adjacency, NONE};
 use crate::contacts::counting::lay_out;
-use crate::contacts::normals::eight_normals;
+use crate::contacts::numbered::Numbered;
 use crate::contacts::outline::{outlines, Outline};
-use crate::contacts::place::{place, Planes};
 use crate::contacts::points::PointSet;
 use crate::contacts::split::Split;
 use crate::contacts::zones::Zones;
 use crate::contacts::Ground;
-use crate::simd::{Checked, WIDE_LANES};
+use crate::hits::Sorter;
+use crate::simd::Checked;
+use crate::vectors::{dot, normal, scaled};
 
 /// How far a patch may stand out over another's plane (share of the distance between them) and still count as not: below the
 /// turn between neighbouring patches of a hollow surface, above the noise of rounded corners.
@@ -21,6 +22,10 @@ pub(crate) const HOLLOW: f64 = 0.02;
 
 /// Points of a patch that are all looked at.
 pub(crate) const MOST_CORNERS: usize = 8;
+
+/// Most patches of a surface in one zone, before those are parted that are not connected. Further regions join the patch with the
+/// nearest normal.
+const MOST_PATCHES: usize = 256;
 
 /// Neighbouring triangles of one direction, as far as they are beyond the other surface.
 #[derive(Debug, Clone, Copy)]
@@ -62,15 +67,13 @@ pub(crate) struct Piece {
     /// Its points among all.
     points: (u32, u32),
     pub closed: bool,
-    /// Unit, outward.
-    pub normal: Point,
-    /// A point of its plane.
-    pub at: Point,
+    /// Unit, outward. Of a whole triangle of a closed surface it is that of the winding, and mostly nobody asks.
+    normal: Option<Point>,
 }
 
 impl Piece {
-    pub fn new(id: u32, normal: Point, at: Point, points: (u32, u32), closed: bool) -> Piece {
-        Piece { id, patch: NONE, points, closed, normal, at }
+    pub fn new(id: u32, normal: Option<Point>, points: (u32, u32), closed: bool) -> Piece {
+        Piece { id, patch: NONE, points, closed, normal }
     }
 }
 
@@ -94,15 +97,22 @@ pub(crate) struct Patches {
     pieces: Vec<Piece>,
     /// Points piece by piece, with the cuts of those that are the curve's, or [`NONE`].
     piece_points: Vec<(Point, u32)>,
-    planes: Vec<Planes>,
+    founded: Founded,
     split: Split,
     /// Pieces patch by patch.
     order: Vec<u32>,
     gathering: Gathering,
     outlines: Vec<Outline>,
-    /// Sizes with the numbers of their patches, as they are sorted.
-    by_size: Vec<u128>,
+    by_size: Sorter,
     in_order: Vec<Patch>,
+}
+
+/// Working memory of [`Patches::found`].
+#[derive(Debug, Default)]
+struct Founded {
+    /// Regions as this surface has them, and for each number the patch.
+    numbers: Numbered,
+    patches: Vec<u32>,
 }
 
 /// Working memory of [`Patches::gather`].
@@ -158,7 +168,7 @@ impl Patches {
         self.piece_points.clear();
         self.push_cut_faces(zones, zone, w);
         self.push_inside(ground, zones, zone, w);
-        place(ground.lanes, &mut self.pieces, &mut self.list, &mut self.planes);
+        self.found(ground, w);
         self.group();
         let Patches { list, pieces, order, split, .. } = self;
         if split.part(ground, &zones.places, w, list, pieces, order) {
@@ -184,24 +194,59 @@ impl Patches {
                 }
             }
             let points = (from, self.piece_points.len() as u32);
-            self.pieces.push(Piece::new(face.id, face.normal, face.corners[0], points, face.closed));
+            self.pieces.push(Piece::new(face.id, Some(face.normal), points, face.closed));
         }
     }
 
     fn push_inside(&mut self, ground: &Ground<'_>, zones: &Zones, zone: usize, w: usize) {
-        for some in zones.inside_of(zone, w).chunks(WIDE_LANES) {
-            let mut corners = [[[0.0; 3]; 3]; WIDE_LANES];
-            some.iter().zip(&mut corners).for_each(|([t, _], corners)| *corners = ground.triangle(w, *t));
-            let (normals, thin) = eight_normals(ground.lanes, some.len(), zones.thin[w], |i| &corners[i]);
-            for (i, (([t, cut], corners), n)) in some.iter().zip(&corners).zip(&normals).enumerate() {
-                // The corners of thin ones are their neighbours' too.
-                let (Some(n), 0) = (n, thin >> i & 1) else { continue };
-                let near = zones.face(w, *cut);
-                let from = self.piece_points.len() as u32;
-                self.piece_points.extend(corners.map(|x| (x, NONE)));
-                let normal = ground.turned_outward(w, *t, n, near);
-                self.pieces.push(Piece::new(*t, normal, corners[0], (from, from + 3), near.closed));
+        let Adjacency { regions, outward, .. } = ground.adjacency[w];
+        for [t, cut] in zones.inside_of(zone, w) {
+            // The corners of thin ones are their neighbours' too.
+            if regions[*t as usize].is_thin() {
+                continue;
             }
+            let (corners, near) = (ground.triangle(w, *t), zones.face(w, *cut));
+            let from = self.piece_points.len() as u32;
+            self.piece_points.extend(corners.map(|x| (x, NONE)));
+            let is_known = near.closed && outward[*t as usize] != 0;
+            let turned = || normal(&corners).map(|n| ground.turned_outward(w, *t, &n, near));
+            let normal = if is_known { None } else { turned() };
+            self.pieces.push(Piece::new(*t, normal, (from, from + 3), near.closed));
+        }
+    }
+
+    /// Gives each piece the patch of its region, which the first of them founds. What faces the other way, as in open surfaces some
+    /// may, has one of its own.
+    fn found(&mut self, ground: &Ground<'_>, w: usize) {
+        let Patches { list, pieces, founded: Founded { numbers, patches }, .. } = self;
+        list.clear();
+        numbers.clear();
+        patches.clear();
+        for piece in pieces {
+            let region = ground.adjacency[w].regions[piece.id as usize];
+            let key = u64::from(region.number()) << 2 | u64::from(piece.closed) << 1;
+            let (mut number, mut is_new) = numbers.number(key);
+            if let (false, Some(n)) = (is_new, &piece.normal) {
+                if dot(n, &list[patches[number as usize] as usize].normal) < 0.0 {
+                    (number, is_new) = numbers.number(key | 1);
+                }
+            }
+            if is_new {
+                let triangle = ground.triangle(w, piece.id);
+                let of_winding = || normal(&triangle).map(|n| scaled(&n, ground.sense(w, piece.id)));
+                let normal = piece.normal.or_else(of_winding).unwrap_or_default();
+                patches.push(if list.len() < MOST_PATCHES {
+                    list.push(Patch::new(normal, triangle[0]));
+                    list.len() as u32 - 1
+                } else {
+                    let along = |i: &u32| dot(&list[*i as usize].normal, &normal);
+                    let nearest = (0..list.len() as u32).max_by(|i, j| along(i).total_cmp(&along(j))).unwrap_or(0);
+                    list[nearest as usize].flat = false;
+                    nearest
+                });
+            }
+            piece.patch = patches[number as usize];
+            list[piece.patch as usize].flat &= region.is_in_plane();
         }
     }
 
@@ -288,6 +333,7 @@ impl Patches {
         outlines(lanes, points, list, found);
         for (patch, found) in list.iter_mut().zip(&*found) {
             (patch.middle, patch.size) = (found.middle, found.size);
+            patch.flat |= patch.pieces.1 - patch.pieces.0 == 1;
             let (points, numbers) = (patch.range(points), patch.range(numbers));
             patch.corners.0 = corners.len() as u32;
             let mut push = |i: usize| {
@@ -307,12 +353,58 @@ impl Patches {
         }
         corner_points.truncate(count);
         // Largest first, of several as large the first. Patches are large: only their sizes and numbers go through the sort. Sizes
-        // are not negative, and so in the order of their bits.
+        // are not negative, and so in the order of their bits; nearer than float32 tells they are as large as each other.
         by_size.clear();
-        by_size.extend((0u32..).zip(&*list).map(|(i, p)| u128::from(!p.size.to_bits()) << u32::BITS | u128::from(i)));
-        by_size.sort_unstable();
+        let largest = list.iter().fold(0.0, |m: f64, p| m.max(p.size));
+        let scale = if largest.is_normal() { largest.recip() } else { 1.0 };
+        let key = |(i, p): (u32, &Patch)| u64::from(!((p.size * scale) as f32).to_bits()) << u32::BITS | u64::from(i);
+        by_size.keys.extend((0..).zip(&*list).map(key));
+        by_size.sort(lanes);
         in_order.clear();
-        in_order.extend(by_size.iter().map(|key| list[*key as u32 as usize]));
+        in_order.extend(by_size.sorted().iter().map(|key| list[*key as u32 as usize]));
         std::mem::swap(list, in_order);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contacts::shapes::box_mesh;
+    use crate::contacts::tests::{at, scene, tool};
+    use crate::contacts::zones::MOCKUP;
+    use crate::vectors::{across, sub, unit};
+
+    #[test]
+    fn regions_beyond_the_most_patches_join_what_looks_their_way() {
+        // Triangles apart from each other, each turned another way; one of them is there twice, the second time turned round.
+        let wave = |i: usize| [(0.7 * i as f64).sin(), (1.9 * i as f64).cos(), (0.3 * i as f64).sin()];
+        let normals: Vec<Point> = (0..MOST_PATCHES + 40).map(|i| unit(&wave(i)).unwrap()).collect();
+        let triangles = normals.iter().enumerate().flat_map(|(i, n)| {
+            let ([u, v], p) = (across(n), [3.0 * i as f64, 0.0, 0.0]);
+            [p, sub(&p, &scaled(&u, -1.0)), sub(&p, &scaled(&v, -1.0))]
+        });
+        let faces = (0..normals.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+        let mockup = scene((triangles.collect(), faces));
+        let tool = tool(box_mesh([0.0; 3], [1.0; 3], 1));
+        let pose = at(0.0, 0.0, 0.0);
+        let ground = Ground::new(&mockup, &tool, &pose, None);
+        let mut patches = Patches::default();
+        let piece = |i: usize, sense: f64| Piece::new(i as u32, Some(scaled(&normals[i], sense)), (0, 0), false);
+        patches.pieces.extend([piece(0, 1.0), piece(0, -1.0), piece(0, 1.0), piece(0, -1.0)]);
+        patches.pieces.extend((1..normals.len()).map(|i| piece(i, 1.0)));
+        patches.found(&ground, MOCKUP);
+        assert_eq!(patches.list.len(), MOST_PATCHES);
+        assert_eq!(patches.list[1].normal, scaled(&normals[0], -1.0));
+        let mut joined = vec![0; MOST_PATCHES];
+        for (k, piece) in patches.pieces.iter().enumerate() {
+            let own = if k < 4 { k % 2 } else { k - 2 };
+            let along = |i: &usize| dot(&patches.list[*i].normal, &normals[piece.id as usize]);
+            let nearest = (0..MOST_PATCHES).max_by(|i, j| along(i).total_cmp(&along(j))).unwrap();
+            assert_eq!(piece.patch as usize, if own < MOST_PATCHES { own } else { nearest }, "{k}");
+            joined[piece.patch as usize] += usize::from(own >= MOST_PATCHES);
+        }
+        // What others joined is no plane any more.
+        assert!(patches.list.iter().zip(&joined).all(|(patch, joined)| patch.flat == (*joined == 0)));
+        assert_eq!(joined.iter().sum::<usize>(), 41);
     }
 }

@@ -219,6 +219,7 @@ mod tests {
         let adjacency = Adjacency {
             outward: vec![1; neighbours.len()],
             neighbours,
+            regions: Vec::new(),
             centre: [0.0; 3],
             surfaces: Vec::new(),
             has_cracks: false,
@@ -227,7 +228,7 @@ mod tests {
         let mut pieces: Vec<Piece> = (0..rows * long)
             .map(|i| i * 1009 % (rows * long))
             .filter(|t| t % long < 4 * (t / long / 2) && (t % long % 5 > 0 || (t / long).is_multiple_of(4)))
-            .map(|t| Piece::new(t, [0.0; 3], [0.0; 3], (0, 0), t / long != 8))
+            .map(|t| Piece::new(t, None, (0, 0), t / long != 8))
             .collect();
         let mut patches: Vec<Patch> = Vec::new();
         let mut order: Vec<u32> = Vec::new();

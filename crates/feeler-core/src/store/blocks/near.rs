@@ -8,7 +8,7 @@ use super::leaf::Candidate;
 use super::node::Node;
 use super::pieces::HalfBlock;
 use super::{Blocks, FANOUT};
-use crate::hits::SortUnique;
+use crate::hits::Sorter;
 use crate::lanes::{Box4, LaneBoxes, PlaceBoxes, PlacedPieces, Placement, LANES};
 use crate::proximity::{search, PairSet, SearchScratch, Wanted};
 use crate::simd::{prefetch, prefetch_at, Checked, Kernel, Simd};
@@ -37,14 +37,9 @@ struct Pair {
     bounds: Box4,
 }
 
-/// Clusters that arrived at blocks.
+/// Clusters that arrived at blocks: the block in the upper half of a number, the cluster in the lower.
 #[derive(Debug, Default)]
-struct Waiting {
-    /// The block in the upper half, the cluster in the lower.
-    keys: Vec<u64>,
-    room: Vec<u64>,
-    sorted: Vec<u64>,
-}
+struct Waiting(Sorter);
 
 /// So many wait where the order is of no use: they are looked into block by block, so that each block is unpacked once. Few in
 /// tests, so that there are more of them.
@@ -55,21 +50,21 @@ const AHEAD: usize = 12;
 
 impl Waiting {
     fn push(&mut self, cluster: u32, block: u32) {
-        self.keys.push(u64::from(block) << 32 | u64::from(cluster));
+        self.0.keys.push(u64::from(block) << 32 | u64::from(cluster));
     }
 
     /// Puts them in the order of the blocks and forgets them; returns how many they are.
     fn put_in_order(&mut self, lanes: Checked) -> usize {
-        let Waiting { keys, room, sorted } = self;
-        let count = lanes.run(SortUnique { keys, room, sorted });
-        keys.clear();
-        count
+        self.0.sort(lanes);
+        self.0.keys.clear();
+        self.0.sorted().len()
     }
 
     /// Cluster and block.
     #[inline(always)]
     fn get(&self, at: usize) -> (usize, u32) {
-        (self.sorted[at] as u32 as usize, (self.sorted[at] >> 32) as u32)
+        let key = self.0.sorted()[at];
+        (key as u32 as usize, (key >> 32) as u32)
     }
 }
 
@@ -172,7 +167,7 @@ impl Blocks {
         let dividers = Dividers::new(wanted.dividers, &self.frame, placement.slack + self.slack);
         let mut run = Search { blocks: self, placement, limit: 0.0, direction: [0.0; 3], dividers, wanted };
         run.update_limit();
-        scratch.waiting.keys.clear();
+        scratch.waiting.0.keys.clear();
         scratch.stack.clear();
         scratch.stack.push(Pair {
             bound: 0.0,
@@ -317,7 +312,7 @@ fn reach<S: Simd>(s: S, run: &Search<'_, '_>, scratch: &mut NearScratch) {
     let NearScratch { stack, waiting, .. } = scratch;
     let (tool, levels) = (run.wanted.tool, &run.blocks.levels);
     let limit = s.splat(run.limit);
-    while waiting.keys.len() < MOST_WAITING {
+    while waiting.0.keys.len() < MOST_WAITING {
         let Some(pair) = stack.pop() else { return };
         let node = &levels[pair.level as usize][pair.node as usize];
         match (pair.tool_level, pair.level) {
