@@ -66,7 +66,8 @@ pub(crate) fn regions(
             let (at, n) = (first[0], normal(&first).unwrap_or_default());
             let rounding = 1e-12 * at[0].abs().max(at[1].abs()).max(at[2].abs());
             let number: u32 = count;
-            count += 1;
+            // Of a billion regions the last would share a number.
+            count = (count + 1).min(Region::NONE.0 - 1);
             regions[seed as usize] = Region(number | IN_PLANE | if thin { THIN } else { 0 });
             next.push(seed);
             while let Some(from) = next.pop() {
