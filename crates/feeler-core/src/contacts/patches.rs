@@ -9,6 +9,7 @@ use crate::contacts::counting::lay_out;
 use crate::contacts::numbered::Numbered;
 use crate::contacts::outline::{outlines, Outline};
 use crate::contacts::points::PointSet;
+use crate::contacts::regions::ONE_PLANE;
 use crate::contacts::split::Split;
 use crate::contacts::zones::Zones;
 use crate::contacts::Ground;
@@ -113,6 +114,8 @@ struct Founded {
     /// Regions as this surface has them, and for each number the patch.
     numbers: Numbered,
     patches: Vec<u32>,
+    /// Whether what founded a patch is in its region's plane.
+    in_plane: Vec<bool>,
 }
 
 /// Working memory of [`Patches::gather`].
@@ -218,10 +221,11 @@ impl Patches {
     /// Gives each piece the patch of its region, which the first of them founds. What faces the other way, as in open surfaces some
     /// may, has one of its own.
     fn found(&mut self, ground: &Ground<'_>, w: usize) {
-        let Patches { list, pieces, founded: Founded { numbers, patches }, .. } = self;
+        let Patches { list, pieces, founded: Founded { numbers, patches, in_plane }, .. } = self;
         list.clear();
         numbers.clear();
         patches.clear();
+        in_plane.clear();
         for piece in pieces {
             let region = ground.adjacency[w].regions[piece.id as usize];
             let key = u64::from(region.number()) << 2 | u64::from(piece.closed) << 1;
@@ -231,22 +235,24 @@ impl Patches {
                     (number, is_new) = numbers.number(key | 1);
                 }
             }
+            let triangle = || ground.triangle(w, piece.id);
+            let of_winding = || normal(&triangle()).map(|n| scaled(&n, ground.sense(w, piece.id)));
+            let outward = || piece.normal.or_else(of_winding).unwrap_or_default();
             if is_new {
-                let triangle = ground.triangle(w, piece.id);
-                let of_winding = || normal(&triangle).map(|n| scaled(&n, ground.sense(w, piece.id)));
-                let normal = piece.normal.or_else(of_winding).unwrap_or_default();
+                let normal = outward();
                 patches.push(if list.len() < MOST_PATCHES {
-                    list.push(Patch::new(normal, triangle[0]));
+                    list.push(Patch::new(normal, triangle()[0]));
+                    in_plane.push(region.is_in_plane());
                     list.len() as u32 - 1
                 } else {
                     let along = |i: &u32| dot(&list[*i as usize].normal, &normal);
-                    let nearest = (0..list.len() as u32).max_by(|i, j| along(i).total_cmp(&along(j))).unwrap_or(0);
-                    list[nearest as usize].flat = false;
-                    nearest
+                    (0..list.len() as u32).max_by(|i, j| along(i).total_cmp(&along(j))).unwrap_or(0)
                 });
             }
             piece.patch = patches[number as usize];
-            list[piece.patch as usize].flat &= region.is_in_plane();
+            let patch = &mut list[piece.patch as usize];
+            let is_known = !is_new && region.is_in_plane() && in_plane[piece.patch as usize];
+            patch.flat = patch.flat && (is_known || 1.0 - dot(&patch.normal, &outward()) <= ONE_PLANE);
         }
     }
 
@@ -333,7 +339,6 @@ impl Patches {
         outlines(lanes, points, list, found);
         for (patch, found) in list.iter_mut().zip(&*found) {
             (patch.middle, patch.size) = (found.middle, found.size);
-            patch.flat |= patch.pieces.1 - patch.pieces.0 == 1;
             let (points, numbers) = (patch.range(points), patch.range(numbers));
             patch.corners.0 = corners.len() as u32;
             let mut push = |i: usize| {
@@ -369,7 +374,7 @@ impl Patches {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contacts::shapes::box_mesh;
+    use crate::contacts::shapes::{box_mesh, sheet};
     use crate::contacts::tests::{at, scene, tool};
     use crate::contacts::zones::MOCKUP;
     use crate::vectors::{across, sub, unit};
@@ -406,5 +411,21 @@ mod tests {
         // What others joined is no plane any more.
         assert!(patches.list.iter().zip(&joined).all(|(patch, joined)| patch.flat == (*joined == 0)));
         assert_eq!(joined.iter().sum::<usize>(), 41);
+    }
+
+    #[test]
+    fn what_lies_in_one_plane_is_flat_wherever_its_region_begins() {
+        // A sheet whose first cell is turned a little: all of it is one region, and all but two triangles lie in a plane.
+        let mockup = scene(sheet(9, 1, |s, t| [s, t, if s == 0.0 { 0.003 } else { 0.0 }]));
+        let tool = tool(box_mesh([0.0; 3], [1.0; 3], 1));
+        let pose = at(0.0, 0.0, 0.0);
+        let ground = Ground::new(&mockup, &tool, &pose, None);
+        assert!(ground.adjacency[MOCKUP].regions.iter().all(|region| region.number() == 0));
+        for (some, expected) in [([2, 3, 9], true), ([0, 1, 1], true), ([7, 0, 5], false), ([1, 2, 3], false)] {
+            let mut patches = Patches::default();
+            patches.pieces.extend(some.map(|t| Piece::new(t, None, (0, 0), true)));
+            patches.found(&ground, MOCKUP);
+            assert_eq!(patches.list.iter().map(|patch| patch.flat).collect::<Vec<_>>(), [expected], "{some:?}");
+        }
     }
 }

@@ -11,7 +11,7 @@ use crate::vectors::{dot, normal, sub};
 const ONE_REGION: f64 = 0.998_63;
 
 /// Normals this close (1 - cosine) are of one plane.
-const ONE_PLANE: f64 = 1e-9;
+pub(crate) const ONE_PLANE: f64 = 1e-9;
 
 /// Share of their distance by which the planes of one surface may miss each other by rounding.
 const ROUNDING: f64 = 1e-6;
