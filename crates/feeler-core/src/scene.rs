@@ -196,9 +196,8 @@ impl Scene {
 
     /// Which triangles of the mock-up share edges.
     pub(crate) fn adjacency(&self) -> &Adjacency {
-        let parts = self.mockup.part_bounds().len();
-        let part = |face| self.mockup.part_of_face(face);
-        self.adjacency.get_or_init(|| Adjacency::new(self.mockup.mesh(), part, parts))
+        let (mockup, part) = (&self.mockup, |face| self.mockup.part_of_face(face));
+        self.adjacency.get_or_init(|| Adjacency::new(mockup.mesh(), part, mockup.part_bounds()))
     }
 
     /// Checks every invariant that queries rely on; for tests.

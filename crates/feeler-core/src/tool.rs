@@ -134,7 +134,7 @@ impl Tool {
 
     /// Which triangles share edges.
     pub(crate) fn adjacency(&self) -> &Adjacency {
-        self.adjacency.get_or_init(|| Adjacency::new(&self.mesh, |_| 0, 1))
+        self.adjacency.get_or_init(|| Adjacency::of_one_part(&self.mesh))
     }
 
     /// Ways between its connected surfaces.

@@ -1,4 +1,5 @@
-//! Which triangles share an edge, which surfaces are closed, and their regions of nearly one normal; made once for a mesh, when contacts are first asked for.
+//! Which triangles share an edge, which surfaces are closed, and their regions of nearly one normal; made once for a mesh, when
+//! contacts are first asked for.
 
 use crate::bounds::{Aabb, Point};
 use crate::contacts::cracks::close_cracks;
@@ -44,10 +45,17 @@ impl Adjacency {
         prefetch_at(&self.regions, triangle as usize);
     }
 
+    /// Of a mesh that is one part.
+    pub fn of_one_part(mesh: &Mesh) -> Adjacency {
+        Adjacency::new(mesh, |_| 0, &[mesh.bounds()])
+    }
+
+    /// Of a mesh in parts, with the box around each.
+    ///
     /// Edges are matched by their corners' positions, so a mesh whose triangles share no vertices is as good as any. Those that
     /// have no partner are matched once more by corners that are nearly in one place, as those of seams are that were computed
     /// from both sides, and then across cracks.
-    pub fn new(mesh: &Mesh, part_of_face: impl Fn(u32) -> u32, parts: usize) -> Adjacency {
+    pub fn new(mesh: &Mesh, part_of_face: impl Fn(u32) -> u32, bounds: &[Aabb]) -> Adjacency {
         let mut joined = Joined::new(mesh);
         let (unique, welded) = weld_vertices(mesh.vertices());
         let corners = |t: u32| mesh.faces()[t as usize].map(|v| welded[v as usize]);
@@ -58,16 +66,11 @@ impl Adjacency {
             by_part.sort_by_key(|(part, _)| *part);
             by_part.chunk_by(|x, y| x.0 == y.0).for_each(|same| joined.join(same.iter().map(|(_, edge)| *edge)));
         }
-        let mut bounds = vec![Aabb::EMPTY; parts];
-        for t in mesh.queried() {
-            let bounds = &mut bounds[part_of_face(t) as usize];
-            mesh.triangle(t).iter().for_each(|p| bounds.grow(p));
-        }
-        joined.close_gaps(&part_of_face, &bounds);
+        joined.close_gaps(&part_of_face, bounds);
         let Joined { neighbours, mut closed, has_cracks, .. } = joined;
         spread_openness(&neighbours, &mut closed);
         // From a corner of the part: what lies far away counts for much where there are cracks.
-        let mut volume: Vec<(f64, Option<Point>)> = vec![(0.0, None); parts];
+        let mut volume: Vec<(f64, Option<Point>)> = vec![(0.0, None); bounds.len()];
         let (mut centre, mut area) = ([0.0; 3], 0.0);
         let middle = scaled(&add(&mesh.bounds().lower, &mesh.bounds().upper), 0.5);
         for t in mesh.queried() {
@@ -282,7 +285,7 @@ mod tests {
         let soup: Vec<Point> = faces.iter().flatten().map(|v| vertices[*v as usize]).collect();
         let soup_faces = (0..faces.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
         for mesh in [Mesh::new("tool", vertices, faces).unwrap(), Mesh::new("tool", soup, soup_faces).unwrap()] {
-            let adjacency = Adjacency::new(&mesh, |_| 0, 1);
+            let adjacency = Adjacency::of_one_part(&mesh);
             assert!(adjacency.outward.iter().all(|o| *o == 1));
             assert!(adjacency.neighbours.iter().flatten().all(|n| *n != NONE));
             assert!((0..3).all(|a| adjacency.centre[a].abs() < 1e-12));
@@ -301,7 +304,7 @@ mod tests {
             let given = faces.iter().map(|(face, _)| *face).collect();
             // None where no triangle has an area.
             let Ok(mesh) = Mesh::new("mockup", vertices, given) else { return Ok(()) };
-            let adjacency = Adjacency::new(&mesh, |t| parts[t as usize], 2);
+            let adjacency = Adjacency::new(&mesh, |t| parts[t as usize], &[mesh.bounds(); 2]);
             let ends = |t: usize, k: usize| [mesh.faces()[t][k] % 7, mesh.faces()[t][(k + 1) % 3] % 7];
             let all = || (0..faces.len()).filter(|t| mesh.is_queried(*t as u32)).flat_map(|t| (0..3).map(move |k| (t, k)));
             for (t, k) in (0..faces.len()).flat_map(|t| (0..3).map(move |k| (t, k))) {
@@ -328,7 +331,7 @@ mod tests {
     }
 
     fn outward((vertices, faces): Arrays) -> Vec<i8> {
-        Adjacency::new(&Mesh::new("tool", vertices, faces).unwrap(), |_| 0, 1).outward
+        Adjacency::of_one_part(&Mesh::new("tool", vertices, faces).unwrap()).outward
     }
 
     #[test]
@@ -337,7 +340,7 @@ mod tests {
         // Along an edge: the walk over one does not come to the other.
         let (vertices, faces) = joined([cube(0.0, 0.0), cube(2.0, 2.0)]);
         let (half, mesh) = (faces.len() / 2, Mesh::new("tool", vertices, faces).unwrap());
-        let adjacency = Adjacency::new(&mesh, |_| 0, 1);
+        let adjacency = Adjacency::of_one_part(&mesh);
         assert!(adjacency.outward.iter().all(|o| *o == 1));
         for (t, neighbours) in adjacency.neighbours.iter().enumerate() {
             assert!(neighbours.iter().all(|n| *n as usize / half == t / half), "{t}");
@@ -407,9 +410,9 @@ mod tests {
         let (vertices, mut faces) = box_mesh([0.0; 3], [1.0; 3], 2);
         faces.iter_mut().for_each(|f| f.swap(0, 1));
         let inverted = Mesh::new("tool", vertices.clone(), faces.clone()).unwrap();
-        assert!(Adjacency::new(&inverted, |_| 0, 1).outward.iter().all(|o| *o == -1));
+        assert!(Adjacency::of_one_part(&inverted).outward.iter().all(|o| *o == -1));
         faces.pop();
         let open = Mesh::new("tool", vertices, faces).unwrap();
-        assert!(Adjacency::new(&open, |_| 0, 1).outward.iter().all(|o| *o == 0));
+        assert!(Adjacency::of_one_part(&open).outward.iter().all(|o| *o == 0));
     }
 }

@@ -160,7 +160,7 @@ mod tests {
     use crate::scene::Scene;
 
     fn adjacency((vertices, faces): &Arrays) -> Adjacency {
-        Adjacency::new(&Mesh::new("tool", vertices.clone(), faces.clone()).unwrap(), |_| 0, 1)
+        Adjacency::of_one_part(&Mesh::new("tool", vertices.clone(), faces.clone()).unwrap())
     }
 
     fn is_closed(arrays: &Arrays) -> bool {

@@ -112,7 +112,7 @@ mod tests {
 
     fn of((vertices, faces): Arrays) -> (Mesh, Adjacency) {
         let mesh = Mesh::new("tool", vertices, faces).unwrap();
-        let adjacency = Adjacency::new(&mesh, |_| 0, 1);
+        let adjacency = Adjacency::of_one_part(&mesh);
         (mesh, adjacency)
     }
 

@@ -53,6 +53,14 @@ impl Waiting {
         self.0.keys.push(u64::from(block) << 32 | u64::from(cluster));
     }
 
+    fn clear(&mut self) {
+        self.0.clear();
+    }
+
+    fn len(&self) -> usize {
+        self.0.keys.len()
+    }
+
     /// Puts them in the order of the blocks and forgets them; returns how many they are.
     fn put_in_order(&mut self, lanes: Checked) -> usize {
         self.0.sort(lanes);
@@ -167,7 +175,7 @@ impl Blocks {
         let dividers = Dividers::new(wanted.dividers, &self.frame, placement.slack + self.slack);
         let mut run = Search { blocks: self, placement, limit: 0.0, direction: [0.0; 3], dividers, wanted };
         run.update_limit();
-        scratch.waiting.0.keys.clear();
+        scratch.waiting.clear();
         scratch.stack.clear();
         scratch.stack.push(Pair {
             bound: 0.0,
@@ -312,7 +320,7 @@ fn reach<S: Simd>(s: S, run: &Search<'_, '_>, scratch: &mut NearScratch) {
     let NearScratch { stack, waiting, .. } = scratch;
     let (tool, levels) = (run.wanted.tool, &run.blocks.levels);
     let limit = s.splat(run.limit);
-    while waiting.0.keys.len() < MOST_WAITING {
+    while waiting.len() < MOST_WAITING {
         let Some(pair) = stack.pop() else { return };
         let node = &levels[pair.level as usize][pair.node as usize];
         match (pair.tool_level, pair.level) {
