@@ -190,9 +190,11 @@ impl Pair<'_> {
     pub fn is_filled(&self, ground: &Ground<'_>, depth: &mut Depth, directions: &mut Directions) -> bool {
         if depth.overlap == Overlapping::NotAsked {
             let enough = ALL * depth.depth;
-            let mut most = || directions.overlap.most(ground, &self.sides(), &depth.normal, enough, enough);
-            let is_less = depth.depth > 0.0 && most().is_some_and(|(most, _)| most < enough);
-            depth.overlap = if is_less { Overlapping::AtMost(enough) } else { Overlapping::All };
+            depth.overlap = Overlapping::All;
+            if depth.depth > 0.0 {
+                // Mostly it is much of that, and few triangles overlap by as much: what there is is measured at once.
+                self.find_overlap(ground, depth, MUCH * enough, enough, directions);
+            }
         }
         depth.overlap == Overlapping::All
     }
@@ -200,22 +202,29 @@ impl Pair<'_> {
     /// Makes a depth what the two overlap, where that is less. Where it is no more than `least` (metres), that is all that is said.
     pub fn measure(&self, ground: &Ground<'_>, depth: &mut Depth, least: f64, directions: &mut Directions) {
         self.is_filled(ground, depth, directions);
-        let enough = match depth.overlap {
-            Overlapping::AtMost(most) if most > least => ALL * depth.depth,
+        match depth.overlap {
+            Overlapping::AtMost(most) if most > least => {}
             _ => return,
-        };
-        depth.certain = false;
+        }
+        let enough = ALL * depth.depth;
         // Where they only touch there is a point too.
         let more = if least > 0.0 { least } else { -CLEARLY * enough };
-        let mut find = |least: f64| directions.overlap.most(ground, &self.sides(), &depth.normal, least, enough);
-        // Mostly it is much of that, and few triangles overlap by as much.
-        let much = (MUCH * enough).max(more);
-        let found = match find(much) {
-            Some((most, _)) if most <= much && much > more => find(more),
-            found => found,
-        };
-        let Some((most, at)) = found else { return };
-        if most > more {
+        self.find_overlap(ground, depth, more, enough, directions);
+    }
+
+    /// Looks for an overlap of more than `least`, which may be nothing or a little less: then no more means none.
+    fn find_overlap(
+        &self,
+        ground: &Ground<'_>,
+        depth: &mut Depth,
+        least: f64,
+        enough: f64,
+        directions: &mut Directions,
+    ) {
+        let found = directions.overlap.most(ground, &self.sides(), &depth.normal, least, enough);
+        let Some((most, at)) = found.filter(|(most, _)| *most < enough) else { return };
+        depth.certain = false;
+        if most > least {
             (depth.overlap, depth.point) = (Overlapping::Measured(most), at);
         } else {
             depth.overlap = if least > 0.0 { Overlapping::AtMost(least) } else { Overlapping::Measured(0.0) };
