@@ -67,6 +67,12 @@ impl Mesh {
         corners(&self.vertices, &self.faces[id as usize])
     }
 
+    /// The first corner of such a triangle.
+    #[inline]
+    pub(crate) fn corner(&self, id: u32) -> Point {
+        self.vertices[self.faces[id as usize][0] as usize]
+    }
+
     /// Number of triangles that are queried.
     pub fn queried_count(&self) -> usize {
         self.faces.len() - self.defects.excluded.len()

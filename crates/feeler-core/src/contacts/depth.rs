@@ -12,7 +12,7 @@ use crate::contacts::arcs::{is_against, Arcs};
 use crate::contacts::body::{edge_count, Body, Facets, MOST_EDGES};
 use crate::contacts::edge_pairs::EdgePairs;
 use crate::contacts::first::{FirstDepth, Normals};
-use crate::contacts::heights::{highest, highest_and_lowest, lowest, highest_of_eights, places_above, Reach};
+use crate::contacts::heights::{highest, highest_and_lowest, highest_of_eights, lowest, places_above, Reach};
 use crate::contacts::onward::Known;
 use crate::contacts::overlap::Overlap;
 use crate::contacts::zones::Zones;

@@ -236,6 +236,15 @@ impl Ground<'_> {
         self.mockup.mesh().triangle(m)
     }
 
+    /// The first corner of a triangle.
+    fn corner(&self, w: usize, id: u32) -> Point {
+        if w == TOOL {
+            self.pose.apply(&self.tool.mesh().corner(id))
+        } else {
+            self.mockup.mesh().corner(id)
+        }
+    }
+
     fn triangle(&self, w: usize, id: u32) -> Triangle {
         if w == TOOL {
             self.tool_triangle(id)

@@ -10,17 +10,18 @@ pub(crate) fn eight_normals<'a>(
     lanes: Checked,
     count: usize,
     thin: f64,
-    triangle: impl Fn(usize) -> &'a Triangle,
+    corners: impl Fn(usize) -> [&'a Point; 3],
 ) -> ([Option<Point>; WIDE_LANES], u8) {
     let mut found = [None; WIDE_LANES];
     if count == 0 {
         return (found, 0);
     }
-    let triangles: [_; WIDE_LANES] = std::array::from_fn(|i| triangle(i.min(count - 1)));
+    let triangles: [_; WIDE_LANES] = std::array::from_fn(|i| corners(i.min(count - 1)));
     let out = lanes.run(Normals { triangles: &triangles, thin });
     for (i, found) in found.iter_mut().enumerate().take(count) {
         let is_plain = out.plain >> i & 1 != 0;
-        *found = if is_plain { Some(std::array::from_fn(|a| out.normal[a][i])) } else { normal(triangles[i]) };
+        *found =
+            if is_plain { Some(std::array::from_fn(|a| out.normal[a][i])) } else { normal(&triangles[i].map(|x| *x)) };
     }
     (found, out.thin & u8::MAX >> (WIDE_LANES - count))
 }
@@ -34,7 +35,7 @@ pub(crate) fn is_thin(t: &Triangle, thin: f64) -> bool {
 }
 
 struct Normals<'a> {
-    triangles: &'a [&'a Triangle; WIDE_LANES],
+    triangles: &'a [[&'a Point; 3]; WIDE_LANES],
     thin: f64,
 }
 
@@ -56,7 +57,7 @@ impl Kernel for Normals<'_> {
         let mut corners = [[&[0.0; 3]; WIDE_LANES]; 3];
         for (i, t) in self.triangles.iter().enumerate() {
             for c in 0..3 {
-                corners[c][i] = &t[c];
+                corners[c][i] = t[c];
             }
         }
         let [a, b, c] = [s.wide_points(corners[0]), s.wide_points(corners[1]), s.wide_points(corners[2])];
@@ -108,7 +109,7 @@ mod tests {
             thin in prop_oneof![Just(0.0), 1e-3..3.0f64],
         ) {
             for level in Level::available() {
-                let (found, are_thin) = eight_normals(level.checked(), triangles.len(), thin, |i| &triangles[i]);
+                let (found, are_thin) = eight_normals(level.checked(), triangles.len(), thin, |i| triangles[i].each_ref());
                 for (i, found) in found.iter().enumerate() {
                     prop_assert_eq!(*found, triangles.get(i).and_then(normal), "{:?} {}", level, i);
                     let expected = triangles.get(i).is_some_and(|t| is_thin(t, thin));

@@ -6,6 +6,7 @@ use std::hint::select_unpredictable;
 use crate::bounds::Point;
 use crate::contacts::adjacency::{Adjacency, NONE};
 use crate::contacts::counting::lay_out;
+use crate::contacts::normals::eight_normals;
 use crate::contacts::numbered::Numbered;
 use crate::contacts::outline::{outlines, Outline};
 use crate::contacts::points::PointSet;
@@ -14,7 +15,7 @@ use crate::contacts::split::Split;
 use crate::contacts::zones::Zones;
 use crate::contacts::Ground;
 use crate::hits::Sorter;
-use crate::simd::Checked;
+use crate::simd::{Checked, WIDE_LANES};
 use crate::vectors::{dot, normal, scaled};
 
 /// How far a patch may stand out over another's plane (share of the distance between them) and still count as not: below the
@@ -68,7 +69,7 @@ pub(crate) struct Piece {
     /// Its points among all.
     points: (u32, u32),
     pub closed: bool,
-    /// Unit, outward. Of a whole triangle of a closed surface it is that of the winding, and mostly nobody asks.
+    /// Unit, outward. Of a whole triangle in a plane of a closed surface it is that of the winding, and mostly nobody asks.
     normal: Option<Point>,
 }
 
@@ -98,6 +99,8 @@ pub(crate) struct Patches {
     pieces: Vec<Piece>,
     /// Points piece by piece, with the cuts of those that are the curve's, or [`NONE`].
     piece_points: Vec<(Point, u32)>,
+    /// Pieces that are whole triangles of curved closed surfaces.
+    curved: Vec<u32>,
     founded: Founded,
     split: Split,
     /// Pieces patch by patch.
@@ -203,6 +206,7 @@ impl Patches {
 
     fn push_inside(&mut self, ground: &Ground<'_>, zones: &Zones, zone: usize, w: usize) {
         let Adjacency { regions, outward, .. } = ground.adjacency[w];
+        self.curved.clear();
         for [t, cut] in zones.inside_of(zone, w) {
             // The corners of thin ones are their neighbours' too.
             if regions[*t as usize].is_thin() {
@@ -214,7 +218,22 @@ impl Patches {
             let is_known = near.closed && outward[*t as usize] != 0;
             let turned = || normal(&corners).map(|n| ground.turned_outward(w, *t, &n, near));
             let normal = if is_known { None } else { turned() };
+            if is_known && !regions[*t as usize].is_in_plane() {
+                self.curved.push(self.pieces.len() as u32);
+            }
             self.pieces.push(Piece::new(*t, normal, (from, from + 3), near.closed));
+        }
+        let Patches { pieces, piece_points, curved, .. } = self;
+        for some in curved.chunks(WIDE_LANES) {
+            let corners = |i: usize| {
+                let from = pieces[some[i] as usize].points.0 as usize;
+                [0, 1, 2].map(|k| &piece_points[from + k].0)
+            };
+            let (normals, _) = eight_normals(ground.lanes, some.len(), 0.0, corners);
+            for (i, n) in some.iter().zip(normals) {
+                let piece = &mut pieces[*i as usize];
+                piece.normal = n.map(|n| scaled(&n, ground.sense(w, piece.id)));
+            }
         }
     }
 
@@ -235,13 +254,12 @@ impl Patches {
                     (number, is_new) = numbers.number(key | 1);
                 }
             }
-            let triangle = || ground.triangle(w, piece.id);
-            let of_winding = || normal(&triangle()).map(|n| scaled(&n, ground.sense(w, piece.id)));
+            let of_winding = || normal(&ground.triangle(w, piece.id)).map(|n| scaled(&n, ground.sense(w, piece.id)));
             let outward = || piece.normal.or_else(of_winding).unwrap_or_default();
             if is_new {
                 let normal = outward();
                 patches.push(if list.len() < MOST_PATCHES {
-                    list.push(Patch::new(normal, triangle()[0]));
+                    list.push(Patch::new(normal, ground.corner(w, piece.id)));
                     in_plane.push(region.is_in_plane());
                     list.len() as u32 - 1
                 } else {

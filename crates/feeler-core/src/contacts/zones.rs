@@ -145,7 +145,8 @@ impl Zones {
     fn find_normals(&mut self, ground: &Ground<'_>) {
         for w in [TOOL, MOCKUP] {
             for faces in self.faces[w].chunks_mut(WIDE_LANES) {
-                let (normals, mut thin) = eight_normals(ground.lanes, faces.len(), self.thin[w], |i| &faces[i].corners);
+                let (normals, mut thin) =
+                    eight_normals(ground.lanes, faces.len(), self.thin[w], |i| faces[i].corners.each_ref());
                 for (face, n) in faces.iter_mut().zip(normals) {
                     face.normal = n.map_or([0.0; 3], |n| scaled(&n, ground.sense(w, face.id)));
                 }
