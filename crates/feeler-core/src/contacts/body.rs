@@ -251,8 +251,8 @@ impl Bodies {
         self.normals.extend(self.facets[facets..].iter().take(MOST_NORMALS).map(|f| (f.normal, 0.0)));
         self.normals.push((mean, 0.0));
         for some in self.normals[from..].chunks_mut(WIDE_LANES) {
-            let directions = std::array::from_fn(|i| &some[i.min(some.len() - 1)].0);
-            let reach = highest(lanes, &self.points[points..], directions);
+            let directions = std::array::from_fn(|i| some[i.min(some.len() - 1)].0);
+            let reach = highest(lanes, &self.points[points..], &directions);
             some.iter_mut().zip(reach).for_each(|(n, height)| n.1 = height);
         }
     }

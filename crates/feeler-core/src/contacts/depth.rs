@@ -12,7 +12,7 @@ use crate::contacts::arcs::{is_against, Arcs};
 use crate::contacts::body::{edge_count, Body, Facets, MOST_EDGES};
 use crate::contacts::edge_pairs::EdgePairs;
 use crate::contacts::first::{FirstDepth, Normals};
-use crate::contacts::heights::{highest, highest_and_lowest, highest_of_eights, lowest, places_above, Reach};
+use crate::contacts::heights::{highest, highest_and_lowest, highest_of_eights, places_above, Reach};
 use crate::contacts::onward::Known;
 use crate::contacts::overlap::Overlap;
 use crate::contacts::zones::Zones;
@@ -26,7 +26,7 @@ pub(super) const CLEARLY: f64 = 1e-6;
 /// Share of a depth that is all of it.
 const ALL: f64 = 0.9;
 
-/// Share of that by which overlaps are looked for first, where they are to be measured.
+/// Share of that by which overlaps are looked for first.
 const MUCH: f64 = 0.75;
 
 /// The least depth of a tool body in a mock-up body.
@@ -277,8 +277,8 @@ pub(super) struct Best<'a> {
 }
 
 /// Eight directions of a list, the last one several times where there are fewer.
-pub(super) fn eight_of(list: &[Point]) -> [&Point; WIDE_LANES] {
-    from_fn(|i| &list[i.min(list.len() - 1)])
+pub(super) fn eight_of(list: &[Point]) -> [Point; WIDE_LANES] {
+    from_fn(|i| list[i.min(list.len() - 1)])
 }
 
 impl<'a> Best<'a> {
@@ -301,17 +301,17 @@ impl<'a> Best<'a> {
     }
 
     /// The highest of the mock-up and the lowest of the tool.
-    pub fn support(&self, directions: [&Point; WIDE_LANES]) -> (Reach, Reach) {
+    pub fn support(&self, directions: &[Point; WIDE_LANES]) -> (Reach, Reach) {
         let Pair { lanes, tool, mockup, .. } = self.pair;
         highest_and_lowest(*lanes, mockup.points, tool.points, directions)
     }
 
     /// The heights alone.
-    pub fn tried(&self, directions: [&Point; WIDE_LANES]) -> [Tried; WIDE_LANES] {
+    pub fn tried(&self, directions: &[Point; WIDE_LANES]) -> [Tried; WIDE_LANES] {
         let Pair { lanes, tool, mockup, .. } = self.pair;
         let high = highest(*lanes, mockup.points, directions);
-        let low = lowest(*lanes, tool.points, directions);
-        from_fn(|i| Tried { direction: *directions[i], high: high[i], low: low[i] })
+        let low = highest(*lanes, tool.points, &directions.map(|d| scaled(&d, -1.0)));
+        from_fn(|i| Tried { direction: directions[i], high: high[i], low: -low[i] })
     }
 
     /// From the lowest place of the tool to the highest of the mock-up: no direction is less deep than that along it.
@@ -343,7 +343,7 @@ impl<'a> Best<'a> {
     /// Tries directions in their order.
     fn try_all(&mut self, list: &[Point]) {
         for some in list.chunks(WIDE_LANES) {
-            for tried in &self.tried(eight_of(some))[..some.len()] {
+            for tried in &self.tried(&eight_of(some))[..some.len()] {
                 self.offer(tried);
             }
         }

@@ -42,14 +42,14 @@ impl Best<'_> {
             j % MOST_TURNED < sides[i / MOST_TURNED].0 && is_turn && arcs.may_lead_out(&ends)
         });
         if is_arc.contains(&true) {
-            let support = self.support(ends.each_ref());
+            let support = self.support(&ends);
             for ([i, j], _) in EDGES.into_iter().zip(is_arc).filter(|(_, is_arc)| *is_arc) {
                 arcs.push([ends[i], ends[j]], [self.way(&support, i), self.way(&support, j)]);
             }
         }
         for _ in 0..MOST_TURNS {
             let Some(directions) = arcs.lowest(self.limit()) else { break };
-            let support = self.support(directions.each_ref());
+            let support = self.support(&directions);
             for i in 0..arcs.asked() {
                 let (high, low) = (support.0.height[i], support.1.height[i]);
                 let tried = Tried { direction: directions[i], high, low };
@@ -85,7 +85,7 @@ impl Best<'_> {
                 if list.is_empty() {
                     return;
                 }
-                for tried in &self.tried(eight_of(&list))[..list.len()] {
+                for tried in &self.tried(&eight_of(&list))[..list.len()] {
                     tries += 1;
                     if self.leads_out(&tried.direction) && self.offer(tried) {
                         break;

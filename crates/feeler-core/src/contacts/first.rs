@@ -6,7 +6,7 @@ use std::ops::Range;
 use crate::bounds::Point;
 use crate::contacts::body::{Body, MOST_EDGES, MOST_NORMALS};
 use crate::contacts::depth::{is_leading_out, Best, Directions, Pair, Tried, CLEARLY};
-use crate::contacts::heights::{highest, lowest};
+use crate::contacts::heights::highest;
 use crate::contacts::zones::{MOCKUP, TOOL};
 use crate::simd::WIDE_LANES;
 use crate::vectors::scaled;
@@ -99,8 +99,8 @@ impl Normals {
             ends.push(count);
         }
         for some in of_mockup.chunks_mut(WIDE_LANES) {
-            let reach = lowest(lanes, tool.points, from_fn(|i| &some[i.min(some.len() - 1)].direction));
-            some.iter_mut().zip(reach).for_each(|(tried, height)| tried.low = height);
+            let reach = highest(lanes, tool.points, &from_fn(|i| scaled(&some[i.min(some.len() - 1)].direction, -1.0)));
+            some.iter_mut().zip(reach).for_each(|(tried, height)| tried.low = -height);
         }
     }
 
@@ -120,7 +120,7 @@ impl Normals {
         }
         tried.truncate(from + count);
         for some in tried[from..].chunks_mut(WIDE_LANES) {
-            let reach = highest(pair.lanes, pair.mockup.points, from_fn(|i| &some[i.min(some.len() - 1)].direction));
+            let reach = highest(pair.lanes, pair.mockup.points, &from_fn(|i| some[i.min(some.len() - 1)].direction));
             some.iter_mut().zip(reach).for_each(|(tried, height)| tried.high = height);
         }
     }

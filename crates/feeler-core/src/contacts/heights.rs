@@ -16,22 +16,14 @@ pub(crate) fn highest_and_lowest(
     lanes: Checked,
     above: &[Point],
     below: &[Point],
-    directions: Directions<'_>,
+    directions: &[Point; WIDE_LANES],
 ) -> (Reach, Reach) {
     lanes.run(HighestAndLowest { above, below, directions })
 }
 
-/// Eight directions where they are, the last several times where there are fewer: copies would be waited for.
-pub(crate) type Directions<'a> = [&'a Point; WIDE_LANES];
-
 /// How far some points reach along each of eight directions.
-pub(crate) fn highest(lanes: Checked, points: &[Point], directions: Directions<'_>) -> [f64; WIDE_LANES] {
+pub(crate) fn highest(lanes: Checked, points: &[Point], directions: &[Point; WIDE_LANES]) -> [f64; WIDE_LANES] {
     lanes.run(Highest { points, directions })
-}
-
-/// How low some points are along each of eight directions.
-pub(crate) fn lowest(lanes: Checked, points: &[Point], directions: Directions<'_>) -> [f64; WIDE_LANES] {
-    lanes.run(Lowest { points, directions })
 }
 
 /// How far some points reach along one direction.
@@ -110,7 +102,7 @@ impl Kernel for PlacesAbove<'_> {
 
 struct Highest<'a> {
     points: &'a [Point],
-    directions: Directions<'a>,
+    directions: &'a [Point; WIDE_LANES],
 }
 
 impl Kernel for Highest<'_> {
@@ -118,44 +110,17 @@ impl Kernel for Highest<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) -> [f64; WIDE_LANES] {
-        let mut found = [0.0; WIDE_LANES];
-        s.wide_store(greatest(s, self.points, &s.wide_points(self.directions)), &mut found);
-        found
-    }
-}
-
-struct Lowest<'a> {
-    points: &'a [Point],
-    directions: Directions<'a>,
-}
-
-impl Kernel for Lowest<'_> {
-    type Output = [f64; WIDE_LANES];
-
-    #[inline(always)]
-    fn run<S: Simd>(self, s: S) -> [f64; WIDE_LANES] {
-        let (along, zero) = (s.wide_points(self.directions), s.wide_splat(0.0));
-        let against = [zero - along[0], zero - along[1], zero - along[2]];
-        let mut found = [0.0; WIDE_LANES];
-        s.wide_store(zero - greatest(s, self.points, &against), &mut found);
-        found
-    }
-}
-
-/// How high the highest is, by lane.
-#[inline(always)]
-fn greatest<S: Simd>(s: S, points: &[Point], d: &[S::F64; 3]) -> S::F64 {
-    let mut chains = [s.wide_splat(f64::NEG_INFINITY); 4];
-    let mut fours = points.chunks_exact(4);
-    for four in &mut fours {
-        for i in 0..4 {
-            chains[i] = s.wide_max(chains[i], height(s, &four[i], d));
+        let d = s.wide_points(self.directions.each_ref());
+        let mut chains = [s.wide_splat(f64::NEG_INFINITY); 4];
+        let mut fours = self.points.chunks_exact(4);
+        for four in &mut fours {
+            (0..4).for_each(|i| chains[i] = s.wide_max(chains[i], height(s, &four[i], &d)));
         }
+        fours.remainder().iter().for_each(|p| chains[0] = s.wide_max(chains[0], height(s, p, &d)));
+        let mut found = [0.0; WIDE_LANES];
+        s.wide_store(s.wide_max(s.wide_max(chains[0], chains[1]), s.wide_max(chains[2], chains[3])), &mut found);
+        found
     }
-    for p in fours.remainder() {
-        chains[0] = s.wide_max(chains[0], height(s, p, d));
-    }
-    s.wide_max(s.wide_max(chains[0], chains[1]), s.wide_max(chains[2], chains[3]))
 }
 
 struct HighestOfEights<'a> {
@@ -188,7 +153,7 @@ pub(crate) fn eight_heights<S: Simd>(s: S, p: &Eight, d: &[S::F64; 3]) -> S::F64
 struct HighestAndLowest<'a> {
     above: &'a [Point],
     below: &'a [Point],
-    directions: Directions<'a>,
+    directions: &'a [Point; WIDE_LANES],
 }
 
 impl Kernel for HighestAndLowest<'_> {
@@ -196,7 +161,7 @@ impl Kernel for HighestAndLowest<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) -> (Reach, Reach) {
-        let along = s.wide_points(self.directions);
+        let along = s.wide_points(self.directions.each_ref());
         let zero = s.wide_splat(0.0);
         let against = [zero - along[0], zero - along[1], zero - along[2]];
         let high = reach(s, self.above, &along);
@@ -285,7 +250,7 @@ mod tests {
                 // Some of them twice.
                 let wave = |i: usize| wave(i % 40);
                 let (above, below): (Vec<Point>, Vec<Point>) = (0..count).map(|i| (wave(i), wave(3 * i + 1))).unzip();
-                let (high, low) = highest_and_lowest(level.checked(), &above, &below, directions.each_ref());
+                let (high, low) = highest_and_lowest(level.checked(), &above, &below, &directions);
                 for (i, d) in directions.iter().enumerate() {
                     let most = above.iter().map(|p| dot(p, d)).fold(f64::NEG_INFINITY, f64::max);
                     let least = below.iter().map(|p| dot(p, d)).fold(f64::INFINITY, f64::min);
