@@ -620,6 +620,12 @@ mod tests {
                 .map(|i| -0.05 + 0.1 * f64::from(i) / f64::from(n))
                 .map(|x| [x, 0.003 * (200.0 * x).sin()])
                 .collect();
+            let height = |p: &Point| {
+                let [[x, z], [next, higher]] = *line.windows(2).rfind(|w| w[0][0] <= p[0]).unwrap() else {
+                    unreachable!()
+                };
+                z + (p[0] - x) / (next - x) * (higher - z)
+            };
             let (lower, upper) = (scene(ridge(&line, -0.02, 0.03, 1, 4)), tool(ridge(&line, 0.02, 0.02, 1, 3)));
             for depth in [0.0, 1e-4, 5e-4] {
                 let pose = at(0.0, 0.0, -depth);
@@ -629,6 +635,11 @@ mod tests {
                 // Along a normal that leans as far as the waves are steep it is twice as far as straight down.
                 assert!(deep.clone().all(|p| p.gap >= -2.0 * depth - 1e-6), "{n} {depth}: {:?}", contacts.depth());
                 assert!(deep.clone().any(|p| p.gap <= -0.5 * depth), "{n} {depth}: {:?}", contacts.depth());
+                // The point is on the lower block's surface; the depth is an overlap and no plane's, but in the coarsest.
+                for p in deep.clone().filter(|p| p.gap < -0.5 * depth) {
+                    assert!((height(&p.point) - p.point[2]).abs() < 1e-6, "{n} {depth}: {p:?}");
+                    assert!(!p.certain || n == 10, "{n} {depth}: {p:?}");
+                }
                 let out = lower.penetration(&upper, &pose, 0.002, None).unwrap();
                 assert!(out.depth <= 1.5 * depth + 1e-6, "{n} {depth}: {}", out.depth);
             }

@@ -430,3 +430,25 @@ fn no_plane_is_deeper_than_the_tool_or_the_part_is_large() {
         }
     }
 }
+
+#[test]
+fn the_winding_of_a_closed_surface_does_not_matter() {
+    let turned_round = |mut mesh: Arrays| {
+        mesh.1.iter_mut().for_each(|f| f.swap(1, 2));
+        mesh
+    };
+    let (round, flat) = (ball(0.02, 24), box_mesh([0.0, 0.0, -0.02], [0.1, 0.1, 0.04], 9));
+    for (mockup, tool_mesh, z) in [(&round, &flat, 0.012), (&flat, &round, 0.012)] {
+        // Deep enough that most of what is inside is cut by nothing.
+        let plain =
+            scene(mockup.clone()).contacts(&tool(tool_mesh.clone()), &at(0.001, 0.002, z), 0.002, None).unwrap();
+        assert!(plain.depth() > 0.005 && plain.planes[0].mockup_triangles.len() > 10, "{:?}", plain.planes);
+        let other = scene(turned_round(mockup.clone()));
+        let tool = tool(turned_round(tool_mesh.clone()));
+        let other = other.contacts(&tool, &at(0.001, 0.002, z), 0.002, None).unwrap();
+        assert_eq!(other.planes.len(), plain.planes.len());
+        for (p, q) in plain.planes.iter().zip(&other.planes) {
+            assert!(close(p.gap, q.gap, 1e-12) && dot(&p.normal, &q.normal) > 1.0 - 1e-12, "{p:?} {q:?}");
+        }
+    }
+}
