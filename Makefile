@@ -131,7 +131,7 @@ fuzz: build ## fuzz collisions, distances and contacts, and every loader (FUZZ_S
 .PHONY: sanitize
 sanitize: ## the core's tests under AddressSanitizer (needs a nightly Rust)
 	@cargo +nightly --version >/dev/null 2>&1 || { echo "make sanitize: needs a nightly Rust (rustup toolchain install nightly)" >&2; exit 1; }
-	@RUSTFLAGS=-Zsanitizer=address cargo +nightly test -p feeler-core --target $$(rustc -vV | sed -n 's/^host: //p') \
+	@RUSTFLAGS=-Zsanitizer=address cargo +nightly test -p feeler-lanes -p feeler-core -p feeler-contacts --target $$(rustc -vV | sed -n 's/^host: //p') \
 		--target-dir target/sanitize $(CARGO_ARGS)
 
 .PHONY: arm64
@@ -140,7 +140,7 @@ arm64: export CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_RUNNER = qemu-aarch64 -L /u
 arm64: ## the core's tests and the corpus of hard pairs for arm64, emulated: the same answers (15 minutes)
 	@command -v qemu-aarch64 >/dev/null && command -v aarch64-linux-gnu-gcc >/dev/null || { echo "make arm64: needs an emulator and a linker (Debian: qemu-user, gcc-aarch64-linux-gnu, libc6-dev-arm64-cross)" >&2; exit 1; }
 	@[ -d "$$(rustc --print sysroot)/lib/rustlib/aarch64-unknown-linux-gnu" ] || { echo "make arm64: needs Rust's library for it (rustup target add aarch64-unknown-linux-gnu)" >&2; exit 1; }
-	cargo test --release $(LOCKED) --target aarch64-unknown-linux-gnu --target-dir target/arm64 -p feeler-core $(CARGO_ARGS)
+	cargo test --release $(LOCKED) --target aarch64-unknown-linux-gnu --target-dir target/arm64 -p feeler-lanes -p feeler-core -p feeler-contacts $(CARGO_ARGS)
 	cargo test --release $(LOCKED) --target aarch64-unknown-linux-gnu --target-dir target/arm64 -p feeler-exact --test corpus $(CARGO_ARGS)
 
 .PHONY: avx512
@@ -148,7 +148,7 @@ avx512: export CARGO_TARGET_X86_64_UNKNOWN_LINUX_GNU_RUNNER = $(CURDIR)/tools/em
 avx512: ## the core's kernels with AVX-512, emulated, where the CPU lacks it: the same answers (20 minutes)
 	cargo test --release $(LOCKED) -p feeler-core --test proximity $(CARGO_ARGS) -- speck lattice long_thin
 	cargo test --release $(LOCKED) -p feeler-core --test brute_force $(CARGO_ARGS) -- tool_triangles many_ large_batches outside
-	cargo test --release $(LOCKED) -p feeler-core --lib $(CARGO_ARGS) -- --skip convex_tests
+	cargo test --release $(LOCKED) -p feeler-lanes -p feeler-core -p feeler-contacts --lib $(CARGO_ARGS) -- --skip tests::convex
 
 .PHONY: lint
 lint: lint-rust lint-python lint-rules ## everything below

@@ -20,7 +20,7 @@ else:
     import tomli as tomllib
 
 # A crate may depend on crates to its left.
-CRATES = ["feeler-core", "feeler-haptics", "feeler-py", "feeler-exact"]
+CRATES = ["feeler-shapes", "feeler-lanes", "feeler-core", "feeler-contacts", "feeler-haptics", "feeler-py", "feeler-exact"]
 
 # The core is pure: no Python, clock, files, environment, network, processes, and nothing printed.
 CORE_MAY_NOT_DEPEND_ON = {"pyo3", "numpy", "tokio", "log", "tracing"}

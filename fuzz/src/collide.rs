@@ -46,7 +46,7 @@ pub fn check(case: Case) {
             ways.extend(Level::available().into_iter().map(|lanes| (lanes, Filters::default())));
             for (lanes, filters) in ways {
                 scene.set_lanes(lanes);
-                let found = scene.collide(&tool, &pose, filters);
+                let found = scene.collide_filtered(&tool, &pose, filters);
                 let found: Vec<_> = found.pairs.into_iter().zip(found.kinds).collect();
                 assert_eq!(found, expected, "{storage:?} at {voxel_size:?}, {}", lanes.name());
             }

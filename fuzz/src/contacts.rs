@@ -4,11 +4,8 @@
 use std::sync::Arc;
 
 use arbitrary::{Arbitrary, Result, Unstructured};
-use feeler_core::contacts::MOST_PLANES;
-use feeler_core::{
-    Aabb, ContactPlane, ContactTracker, Contacts, Error, Level, Mockup, PenetrationKind, Point, Pose, Scene,
-    SceneOptions, Storage, Tool,
-};
+use feeler_contacts::{ContactPlane, ContactSolver, ContactTracker, Contacts, PenetrationKind, MOST_PLANES};
+use feeler_core::{Aabb, Error, Level, Mockup, Point, Pose, Scene, SceneOptions, Storage, Tool};
 
 use super::shapes::{made, matrix, mesh, solids, unit_and_offset, Arrays};
 
@@ -63,14 +60,16 @@ pub fn check(case: Case) {
     // Many voxels take long to fill.
     for (storage, memory_limit) in [(Storage::Blocks, 64 << 20), (Storage::Hashed { level: 0.3 }, 1 << 20)] {
         let options = SceneOptions { voxel_size: None, storage, tool: Some(&tool), memory_limit };
-        let Ok(mut scene) = Scene::build(Arc::clone(&mockup), &options, &|_, _| true) else { continue };
+        let Ok(scene) = Scene::build(Arc::clone(&mockup), &options, &|_, _| true) else { continue };
+        let mut scene = Arc::new(scene);
         for lanes in Level::available() {
-            scene.set_lanes(lanes);
+            Arc::get_mut(&mut scene).expect("no solver has it").set_lanes(lanes);
+            let solver = ContactSolver::new(Arc::clone(&scene));
             let what = format!("{storage:?}, {}", lanes.name());
-            let found = [None, Some(&before)].map(|reference| scene.contacts(&tool, &pose, case.margin, reference));
+            let found = [None, Some(&before)].map(|reference| solver.contacts(&tool, &pose, case.margin, reference));
             if !is_margin {
                 assert!(found.iter().all(|f| matches!(f, Err(Error::Margin { .. }))), "{what}: {found:?}");
-                let found = scene.penetration(&tool, &pose, case.margin, None);
+                let found = solver.penetration(&tool, &pose, case.margin, None);
                 assert!(matches!(found, Err(Error::Margin { .. })), "{what}: {found:?}");
                 continue;
             }
@@ -88,11 +87,12 @@ pub fn check(case: Case) {
                 None => first = Some(found),
             }
         }
-        check_way_out(&scene, &tool, &pose, case.margin, is_plain);
+        let solver = ContactSolver::new(scene);
+        check_way_out(&solver, &tool, &pose, case.margin, is_plain);
         if is_margin {
             let mut tracker = ContactTracker::new();
             for pose in [&before, &pose, &before] {
-                let Ok(contacts) = tracker.contacts(&scene, &tool, pose, case.margin) else { break };
+                let Ok(contacts) = tracker.contacts(&solver, &tool, pose, case.margin) else { break };
                 assert!(contacts.is_meeting || tracker.last_free() == Some(pose));
             }
         }
@@ -119,8 +119,9 @@ fn check_planes(contacts: &Contacts, mockup: &Mockup, tool: &Tool, margin: f64, 
     }
 }
 
-fn check_way_out(scene: &Scene, tool: &Tool, pose: &Pose, margin: f64, is_plain: bool) {
-    let Ok(found) = scene.penetration(tool, pose, margin, None) else { return };
+fn check_way_out(solver: &ContactSolver, tool: &Tool, pose: &Pose, margin: f64, is_plain: bool) {
+    let scene = solver.scene();
+    let Ok(found) = solver.penetration(tool, pose, margin, None) else { return };
     let is_meeting = scene.is_colliding(tool, pose);
     // What meets nothing is free, or wholly inside a solid.
     assert!(is_meeting || found.translation == [0.0; 3] || found.kind == PenetrationKind::Bound, "{found:?}");

@@ -58,3 +58,12 @@ pub const DISTANCE_ROUNDOFFS: f64 = 128.0;
 /// What the common point of two triangles that meet may be off both, likewise. Worst where slivers that are nearly in one plane
 /// cross: how far float64 can tell where.
 pub const MEETING_ROUNDOFFS: f64 = 8_388_608.0;
+
+/// How wide the triangle is that stands for a way, as a share of the way's length (no unit): by far more than rounding. Wider ones
+/// meet more that the way itself does not.
+pub const NEEDLE_WIDTH: f64 = 0.01;
+
+/// Share of a surface's length by which its corners may be off (no unit): a few steps of float32, in which many files have their
+/// numbers. Corners as near as that may be one, and triangles as thin have normals that say nothing. More closes wider seams and
+/// distrusts more slivers.
+pub const WELD_SHARE: f64 = 1.0 / (1 << 19) as f64;

@@ -5,53 +5,57 @@
 
 #![deny(unsafe_code)]
 
-pub mod bounds;
-pub mod brute;
+#[doc(hidden)]
 pub mod cast;
+#[doc(hidden)]
+pub mod collide;
+#[doc(hidden)]
 pub mod constants;
-pub mod contacts;
-pub mod cost;
-pub mod defects;
-mod distance_lanes;
-pub mod distance_triangle_triangle;
-pub mod error;
-pub mod grid;
-mod hits;
-pub mod intersect_lanes;
-pub mod intersect_triangle_triangle;
-mod lanes;
-mod median;
+#[doc(hidden)]
+pub mod distance;
+mod error;
+#[doc(hidden)]
+pub mod geometry;
+#[doc(hidden)]
+pub mod index;
+#[doc(hidden)]
 pub mod mesh;
-mod narrow;
-pub mod pieces;
-pub mod pose;
-pub mod predicates;
-pub mod predict;
-mod proximity;
-pub mod scene;
-mod simd;
-mod spare;
-mod store;
+mod progress;
+mod scene;
+#[doc(hidden)]
+pub mod scratch_pool;
+#[doc(hidden)]
+pub mod sizing;
+#[doc(hidden)]
 pub mod tool;
-mod vectors;
-pub mod weld;
 
-pub use bounds::{Aabb, Point, Triangle};
-pub use brute::collide_all_pairs;
-pub use cast::{cast_all_pairs, Cast, Motion, PathCheck};
-pub use contacts::{ContactPlane, ContactTracker, Contacts, Penetration, PenetrationKind};
-pub use cost::Estimator;
-pub use defects::{Defect, DefectKind, Defects};
-pub use distance_triangle_triangle::{closest_triangle_triangle, Closest};
+pub use cast::brute::cast_all_pairs;
+pub use cast::impact::Cast;
+pub use cast::path::PathCheck;
+pub use collide::batch::Batch;
+pub use collide::brute::collide_all_pairs;
+pub use collide::narrow::Filters;
+pub use collide::query::Collision;
+pub use distance::batch::GapBatch;
+pub use distance::brute::gaps_of_all_pairs;
+pub use distance::gap::Gap;
 pub use error::{Error, Result};
-pub use intersect_triangle_triangle::{intersect_triangle_triangle, PairKind};
-pub use mesh::{Mesh, Mockup};
-pub use narrow::{Filters, Stats};
-pub use pose::Pose;
-pub use predict::{CostConstants, PiecePredictor, Predictor};
-pub use proximity::{gaps_of_all_pairs, Gap, GapBatch};
-pub use scene::{default_voxel_size, optimal_voxel_size, Batch, Collision, Scene, SceneOptions, Scratch};
-pub use simd::Level;
-pub use store::{Progress, Storage};
-pub use tool::Tool;
-pub use weld::weld_vertices;
+pub use feeler_lanes::Level;
+pub use geometry::bounds::{Aabb, Point, Triangle};
+pub use geometry::distance_triangle_triangle::{closest_triangle_triangle, Closest};
+pub use geometry::intersect_triangle_triangle::{intersect_triangle_triangle, PairKind};
+pub use geometry::pose::Pose;
+pub use index::sink::Stats;
+pub use index::store::Storage;
+pub use mesh::defects::{Defect, DefectKind, Defects};
+pub use mesh::triangle_mesh::{Mesh, Mockup};
+pub use mesh::weld::weld_vertices;
+pub use progress::Progress;
+pub use scene::{Scene, SceneOptions};
+pub use sizing::choice::{default_voxel_size, optimal_voxel_size};
+pub use sizing::cost::Estimator;
+pub use sizing::cost_constants::CostConstants;
+pub use sizing::piece_predictor::PiecePredictor;
+pub use sizing::predictor::Predictor;
+pub use tool::motion::Motion;
+pub use tool::moving_tool::Tool;

@@ -1,27 +1,29 @@
-//! A mock-up with its index, and the queries on it.
+//! A mock-up with its index, and the queries on it: a facade, each query stands in its own room.
 
-use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
-use rayon::prelude::*;
+use feeler_lanes::Level;
 
-use crate::cast::CastScratch;
-use crate::constants::MOCKUP_CUT_ALLOWANCE;
-use crate::contacts::{Adjacency, ContactScratch};
-use crate::cost::{mean_longest_edge, static_means, CostFunction, Estimator};
+use crate::cast::impact::{check_tolerance, Cast};
+use crate::cast::path::PathCheck;
+use crate::cast::query::CastScratch;
+use crate::collide::batch::Batch;
+use crate::collide::narrow::Filters;
+use crate::collide::query::{CollideScratch, Collision};
+use crate::distance::batch::GapBatch;
+use crate::distance::gap::Gap;
+use crate::distance::query::{check_distance, DistanceScratch};
+use crate::distance::wanted::Goal;
 use crate::error::{Error, Result};
-use crate::hits::{Hit, Hits};
-use crate::intersect_triangle_triangle::PairKind;
-use crate::mesh::{Mesh, Mockup};
-use crate::narrow::{Filters, Narrow, PairSet, Pending, PlacedBounds, Stats};
-use crate::pieces::default_piece_size;
-use crate::pose::Pose;
-use crate::predict::{PiecePredictor, Predictor};
-use crate::proximity::ProximityScratch;
-use crate::simd::{Checked, Level};
-use crate::spare::Spare;
-use crate::store::{report, BlocksScratch, Progress, Storage, Store};
-use crate::tool::Tool;
+use crate::geometry::pose::Pose;
+use crate::index::mockup_index::Index;
+use crate::index::store::Storage;
+use crate::mesh::triangle_mesh::Mockup;
+use crate::progress::Progress;
+use crate::scratch_pool::ScratchPool;
+use crate::sizing::choice::default_voxel_size;
+use crate::tool::moving_tool::Tool;
+use crate::{cast, collide, distance};
 
 /// How to build a scene.
 #[derive(Debug, Clone, Copy)]
@@ -42,96 +44,13 @@ impl Default for SceneOptions<'_> {
     }
 }
 
-/// The pairs of triangles that meet at one pose.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Collision {
-    /// `[tool triangle, mock-up triangle]`, unique, sorted.
-    pub pairs: Vec<[u32; 2]>,
-    /// How each pair meets.
-    pub kinds: Vec<PairKind>,
-    /// What the query did.
-    pub stats: Stats,
-}
-
-/// The pairs of many poses, one after the other.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Batch {
-    /// Pose `i` has pairs `offsets[i]..offsets[i + 1]`.
-    pub offsets: Vec<u64>,
-    /// As in [`Collision`].
-    pub pairs: Vec<[u32; 2]>,
-    /// As in [`Collision`].
-    pub kinds: Vec<PairKind>,
-}
-
-/// The working memory of one query at a time; queries allocate nothing once it has grown to their needs.
-#[derive(Debug, Default)]
-#[repr(align(128))] // two threads never write to one line, nor to the pair of lines that is fetched together
-pub struct Scratch {
-    placed: PlacedBounds,
-    seen: PairSet,
-    pending: Pending,
-    blocks: BlocksScratch,
-    pub(crate) cast: CastScratch,
-    hits: Hits,
-    stats: Stats,
-    pub(crate) proximity: ProximityScratch,
-    pub(crate) contacts: ContactScratch,
-}
-
-impl Batch {
-    /// What the tasks of so many poses found, put together in parallel. New pages are first touched by the threads that fill them:
-    /// to make one takes the system longer than all that is written to it takes.
-    fn of_tasks(tasks: Vec<Task>, poses: usize) -> Batch {
-        let mut sum = 0;
-        let mut offsets = Vec::with_capacity(poses + 1);
-        offsets.push(0);
-        offsets.extend(tasks.iter().flat_map(|task| task.counts).take(poses).map(|n| {
-            sum += n as u64;
-            sum
-        }));
-        // Pairs begin as zeros that the system gives untouched. Kinds are not numbers, so all threads write them.
-        let mut batch = Batch { offsets, pairs: vec![[0; 2]; sum as usize], kinds: Vec::new() };
-        rayon::iter::repeat_n(PairKind::Coplanar, sum as usize).collect_into_vec(&mut batch.kinds);
-        let (mut pairs, mut kinds) = (&mut batch.pairs[..], &mut batch.kinds[..]);
-        let mut parts = Vec::with_capacity(tasks.len());
-        for Task { hits, .. } in tasks {
-            let (own_pairs, own_kinds);
-            (own_pairs, pairs) = pairs.split_at_mut(hits.len());
-            (own_kinds, kinds) = kinds.split_at_mut(hits.len());
-            parts.push((hits, own_pairs, own_kinds));
-        }
-        parts.into_par_iter().for_each(|(hits, pairs, kinds)| {
-            for ((hit, pair), kind) in hits.iter().zip(pairs).zip(kinds) {
-                (*pair, *kind) = (hit.pair(), hit.kind());
-            }
-        });
-        batch
-    }
-}
-
-/// Poses of a batch that one thread works on at a time.
-const TASK: usize = 16;
-
-/// What they found.
-struct Task {
-    hits: Vec<Hit>,
-    /// Of each pose; the last task of a batch may have fewer poses.
-    counts: [usize; TASK],
-}
-
 /// A mock-up with its index. Immutable: any number of threads may query it at once.
 #[derive(Debug)]
 pub struct Scene {
-    mockup: Arc<Mockup>,
-    voxel_size: f64,
-    storage: Storage,
-    memory_limit: u64,
-    store: Store,
-    lanes: Checked,
-    spare: Spare,
-    /// Made when contacts are first asked for.
-    adjacency: OnceLock<Adjacency>,
+    index: Index,
+    collide: ScratchPool<CollideScratch>,
+    distance: ScratchPool<DistanceScratch>,
+    cast: ScratchPool<CastScratch>,
 }
 
 impl Scene {
@@ -140,101 +59,84 @@ impl Scene {
     /// Errors: a voxel size or hashing level out of range, or one that needs more memory than allowed; the latter before
     /// anything is allocated.
     pub fn build(mockup: Arc<Mockup>, options: &SceneOptions<'_>, progress: Progress<'_>) -> Result<Scene> {
-        let mesh = mockup.mesh();
-        let voxel_size = match options.voxel_size {
-            Some(size) if size.is_finite() && size > 0.0 => size,
-            Some(value) => return Err(Error::VoxelSize { value }),
-            None => default_voxel_size(mesh, options.tool, options.storage, options.memory_limit),
-        };
-        let store = Store::build(mesh, options.storage, voxel_size, options.memory_limit, progress)?;
+        let SceneOptions { voxel_size, storage, tool, memory_limit } = *options;
+        let size = voxel_size.unwrap_or_else(|| default_voxel_size(mockup.mesh(), tool, storage, memory_limit));
         Ok(Scene {
-            voxel_size,
-            storage: options.storage,
-            memory_limit: options.memory_limit,
-            store,
-            lanes: Level::best().checked(),
-            spare: Spare::default(),
-            adjacency: OnceLock::new(),
-            mockup,
+            index: Index::build(mockup, storage, size, memory_limit, progress)?,
+            collide: ScratchPool::default(),
+            distance: ScratchPool::default(),
+            cast: ScratchPool::default(),
         })
     }
 
     /// The mock-up.
     pub fn mockup(&self) -> &Arc<Mockup> {
-        &self.mockup
+        self.index.mockup()
+    }
+
+    /// The index, for queries that stand above this crate.
+    #[doc(hidden)]
+    pub fn index(&self) -> &Index {
+        &self.index
     }
 
     /// Voxel edge, or the piece size of blocks, metres.
     pub fn voxel_size(&self) -> f64 {
-        self.voxel_size
+        self.index.voxel_size()
     }
 
     /// The store.
     pub fn storage(&self) -> Storage {
-        self.storage
+        self.index.storage()
     }
 
     /// The instruction set that queries use.
     pub fn lanes(&self) -> Level {
-        self.lanes.level()
+        self.index.lanes().level()
     }
 
     /// Has queries use another instruction set than the best; where the CPU lacks it, the best. The answers are the same.
     pub fn set_lanes(&mut self, lanes: Level) {
-        self.lanes = lanes.checked();
+        self.index.set_lanes(lanes);
     }
 
-    /// Bytes by structure; "triangles" and "parts" are the mock-up's own arrays, which the index reads.
+    /// Bytes by structure; "triangles" and "parts" are the mock-up's own arrays, which the index reads, "adjacency" what was found
+    /// of them when a query first needed it.
     pub fn memory(&self) -> Vec<(&'static str, usize)> {
-        let mut structures = self.store.memory();
-        structures.push(("triangles", self.mockup.mesh().memory()));
-        structures.push(("parts", self.mockup.parts_memory()));
-        // From the first call of contacts on.
-        structures.extend(self.adjacency.get().map(|adjacency| ("adjacency", adjacency.memory())));
+        let mockup = self.mockup();
+        let mut structures = self.index.store().memory();
+        structures.push(("triangles", mockup.mesh().memory()));
+        structures.push(("parts", mockup.parts_memory()));
+        structures.extend(mockup.topology_memory().map(|bytes| ("adjacency", bytes)));
         structures
     }
 
-    /// Which triangles of the mock-up share edges.
-    pub(crate) fn adjacency(&self) -> &Adjacency {
-        let (mockup, part) = (&self.mockup, |face| self.mockup.part_of_face(face));
-        self.adjacency.get_or_init(|| Adjacency::new(mockup.mesh(), part, mockup.part_bounds()))
-    }
-
     /// Checks every invariant that queries rely on; for tests.
+    #[doc(hidden)]
     pub fn validate(&self) -> std::result::Result<(), String> {
-        self.store.validate(self.mockup.mesh())
+        self.index.store().validate(self.mockup().mesh())
     }
 
     /// Every pair of triangles that meets, sorted by tool triangle, then mock-up triangle. Exact.
-    pub fn collide(&self, tool: &Tool, pose: &Pose, filters: Filters) -> Collision {
+    pub fn collide(&self, tool: &Tool, pose: &Pose) -> Collision {
+        self.collide_filtered(tool, pose, Filters::default())
+    }
+
+    /// [`collide`](Self::collide) with filters switched off, to measure what they bring. The answer is the same.
+    pub fn collide_filtered(&self, tool: &Tool, pose: &Pose, filters: Filters) -> Collision {
         let mut collision = Collision::default();
         self.collide_into(tool, pose, filters, &mut collision);
         collision
     }
 
-    /// As [`collide`](Self::collide), into an existing result whose memory is used again.
+    /// As [`collide_filtered`](Self::collide_filtered), into an existing result whose memory is used again.
     pub fn collide_into(&self, tool: &Tool, pose: &Pose, filters: Filters, out: &mut Collision) {
-        let mut scratch = self.take_scratch();
-        self.run(tool, pose, filters, false, &mut scratch);
-        out.pairs.clear();
-        out.kinds.clear();
-        scratch.hits.unpack(self.lanes, &mut out.pairs, &mut out.kinds);
-        out.stats = scratch.stats;
-        self.put_scratch(scratch);
+        self.collide.with(|scratch| collide::query::collide_into(&self.index, tool, pose, filters, scratch, out));
     }
 
     /// Whether any two triangles meet; stops at the first pair.
     pub fn is_colliding(&self, tool: &Tool, pose: &Pose) -> bool {
-        self.any_pair(tool, pose).is_some()
-    }
-
-    /// Any pair that meets, `[tool triangle, mock-up triangle]`.
-    pub(crate) fn any_pair(&self, tool: &Tool, pose: &Pose) -> Option<[u32; 2]> {
-        let mut scratch = self.take_scratch();
-        self.run(tool, pose, Filters::default(), true, &mut scratch);
-        let found = scratch.hits.sorted().next().map(Hit::pair);
-        self.put_scratch(scratch);
-        found
+        self.collide.with(|scratch| collide::query::any_pair(&self.index, tool, pose, scratch)).is_some()
     }
 
     /// [`collide`](Self::collide) at many poses, in parallel on the current rayon pool.
@@ -242,125 +144,91 @@ impl Scene {
     /// What is found is put together at the end, so that for a moment a pair is held twice. `progress` is told after each few
     /// thousand poses. Errors when the result would outgrow the memory limit of the scene.
     pub fn collide_batch(&self, tool: &Tool, poses: &[Pose], progress: Progress<'_>) -> Result<Batch> {
-        const WAVE: usize = 4096;
-        // A pair takes 9 bytes in the result and 8 in its task, which may have room for as many more.
-        let needed = |pairs: u64| 26 * pairs + 24 * poses.len() as u64;
-        let fits = |pairs: u64| needed(pairs) <= self.memory_limit;
-        let (pairs, done) = (AtomicU64::new(0), AtomicU64::new(0));
-        let mut tasks: Vec<Task> = Vec::with_capacity(poses.len().div_ceil(TASK));
-        for (n, wave) in poses.chunks(WAVE).enumerate() {
-            report(progress, (n * WAVE) as f64 / poses.len() as f64, "colliding")?;
-            tasks.par_extend(wave.par_chunks(TASK).map(|task| {
-                let mut scratch = self.take_scratch();
-                // Room for a little more than tasks before found in the mean: an allocation or two a task, none a pose.
-                let mean = pairs.load(Relaxed) / (done.load(Relaxed) + 1);
-                let room = if fits(pairs.load(Relaxed)) { mean + mean / 4 } else { 0 };
-                let mut found = Task { hits: Vec::with_capacity(room as usize), counts: [0; TASK] };
-                for (pose, count) in task.iter().zip(&mut found.counts) {
-                    if !fits(pairs.load(Relaxed) + found.hits.len() as u64) {
-                        break;
-                    }
-                    self.run(tool, pose, Filters::default(), false, &mut scratch);
-                    *count = scratch.hits.sorted().len();
-                    found.hits.extend(scratch.hits.sorted());
-                }
-                // What poses before this task's found says little of these: no more room than that is kept.
-                found.hits.shrink_to(2 * found.hits.len());
-                pairs.fetch_add(found.hits.len() as u64, Relaxed);
-                done.fetch_add(1, Relaxed);
-                self.put_scratch(scratch);
-                found
-            }));
-            if !fits(pairs.load(Relaxed)) {
-                return Err(Error::Memory {
-                    what: "the pairs of this batch",
-                    needed: needed(pairs.into_inner()),
-                    allowed: self.memory_limit,
-                    advice: "pass fewer poses at a time, or allow more memory",
-                });
-            }
+        collide::batch::collide_batch(&self.index, &self.collide, tool, poses, progress)
+    }
+
+    /// Every pair of triangles with a distance of at most `within` (metres), sorted by distance, then tool triangle, then
+    /// mock-up triangle. Pairs that meet have distance 0.
+    ///
+    /// Errors: `within` negative or NaN, and more pairs than the memory limit of the scene allows.
+    pub fn near_pairs(&self, tool: &Tool, pose: &Pose, within: f64) -> Result<Vec<Gap>> {
+        check_distance("within", within)?;
+        self.gaps(tool, pose, Goal::Pairs, within)
+    }
+
+    /// The closest pair of triangles of each part with a distance of at most `within` (metres), sorted as
+    /// [`near_pairs`](Self::near_pairs).
+    ///
+    /// Of several pairs at the same distance, the one with the least ids; of several that meet, any. Errors: `within` negative
+    /// or NaN.
+    pub fn clearance(&self, tool: &Tool, pose: &Pose, within: f64) -> Result<Vec<Gap>> {
+        check_distance("within", within)?;
+        self.gaps(tool, pose, Goal::Parts, within)
+    }
+
+    /// The closest pair of triangles of each of the `k` closest parts, but none farther than `max` (metres); sorted as
+    /// [`near_pairs`](Self::near_pairs). With `k` = 1 the first entry is the minimum distance; no entry: nothing within `max`.
+    ///
+    /// Of several pairs at the same distance, the one with the least ids; of several that meet, any, and of more than `k`
+    /// parts that meet the tool, any `k`. Errors: `max` negative or NaN, and `k` zero.
+    pub fn distance(&self, tool: &Tool, pose: &Pose, max: f64, k: usize) -> Result<Vec<Gap>> {
+        check_distance("max", max)?;
+        if k == 0 {
+            return Err(Error::NoneAsked { what: "k" });
         }
-        let batch = Batch::of_tasks(tasks, poses.len());
-        report(progress, 1.0, "done")?;
-        Ok(batch)
+        self.gaps(tool, pose, Goal::Nearest(k), max)
     }
 
-    /// One query: `scratch.hits` afterwards holds the sorted, unique pairs.
-    fn run(&self, tool: &Tool, pose: &Pose, filters: Filters, first_only: bool, scratch: &mut Scratch) {
-        let Scratch { placed, seen, pending, blocks, hits, stats, .. } = scratch;
-        placed.begin();
-        seen.clear();
-        pending.clear();
-        hits.clear();
-        *stats = Stats::default();
-        let mesh = self.mockup.mesh();
-        let mut narrow =
-            Narrow { mesh, tool, pose, lanes: self.lanes, filters, first_only, placed, seen, pending, hits, stats };
-        self.store.offer_candidates(tool, blocks, &mut narrow);
-        narrow.finish();
-        hits.sort(self.lanes);
-        stats.pairs = hits.sorted().len() as u64;
+    /// The closest pair of triangles, `None` when all are farther than `max` (metres): [`distance`](Self::distance) with `k` = 1,
+    /// allocating nothing.
+    pub fn closest(&self, tool: &Tool, pose: &Pose, max: f64) -> Result<Option<Gap>> {
+        check_distance("max", max)?;
+        Ok(self.distance.with(|scratch| distance::query::closest(&self.index, tool, pose, max, scratch)))
     }
 
-    /// The index.
-    pub(crate) fn store(&self) -> &Store {
-        &self.store
+    fn gaps(&self, tool: &Tool, pose: &Pose, goal: Goal, within: f64) -> Result<Vec<Gap>> {
+        self.distance.with(|scratch| distance::query::gaps(&self.index, tool, pose, goal, within, scratch))
     }
 
-    /// The instruction set, for kernels.
-    pub(crate) fn checked_lanes(&self) -> Checked {
-        self.lanes
+    /// [`closest`](Self::closest) at many poses, in parallel on the current rayon pool.
+    pub fn distance_batch(
+        &self,
+        tool: &Tool,
+        poses: &[Pose],
+        max: f64,
+        progress: Progress<'_>,
+    ) -> Result<Vec<Option<Gap>>> {
+        distance::batch::distance_batch(&self.index, &self.distance, tool, poses, max, progress)
     }
 
-    /// Most bytes a result may take.
-    pub(crate) fn memory_limit(&self) -> u64 {
-        self.memory_limit
+    /// [`clearance`](Self::clearance) at many poses, or with `pairs` [`near_pairs`](Self::near_pairs), in parallel on the current
+    /// rayon pool. Errors when the result would outgrow the memory limit of the scene.
+    pub fn clearance_batch(
+        &self,
+        tool: &Tool,
+        poses: &[Pose],
+        within: f64,
+        pairs: bool,
+        progress: Progress<'_>,
+    ) -> Result<GapBatch> {
+        distance::batch::clearance_batch(&self.index, &self.distance, tool, poses, within, pairs, progress)
     }
 
-    pub(crate) fn take_scratch(&self) -> Box<Scratch> {
-        self.spare.take()
+    /// The first impact of the tool on its [way](crate::Motion) between two poses; `None` if the way is free.
+    ///
+    /// `tolerance` (metres): how far before the impact the pose given may lie, as a distance of the two triangles. A tool that
+    /// passes by nearer than that may count as one that hits. Where the two poses are equal the answer is that of
+    /// [`Scene::collide`], exact. Errors: a tolerance that is not positive and finite.
+    pub fn cast(&self, tool: &Tool, pose0: &Pose, pose1: &Pose, tolerance: f64) -> Result<Option<Cast>> {
+        check_tolerance(tolerance)?;
+        Ok(self.cast.with(|scratch| cast::query::cast(&self.index, tool, pose0, pose1, tolerance, scratch)))
     }
 
-    pub(crate) fn put_scratch(&self, scratch: Box<Scratch>) {
-        self.spare.put(scratch);
+    /// [`cast`](Self::cast) from each pose of a path to the next, in parallel on the current rayon pool.
+    ///
+    /// Every segment is looked at, also those after an impact. `progress` is told after each wave of segments. Errors: as
+    /// `cast`, a path without a pose, and a request to stop.
+    pub fn check_path(&self, tool: &Tool, poses: &[Pose], tolerance: f64, progress: Progress<'_>) -> Result<PathCheck> {
+        cast::path::check_path(&self.index, &self.cast, tool, poses, tolerance, progress)
     }
-}
-
-/// The voxel size a scene uses when none is given, metres.
-///
-/// For `dense` and `hashed` the minimum of the paper's cost function with the area estimator; without a tool, one whose
-/// triangles are as long as the mock-up's own (mean longest edge) stands in. For `blocks` the piece size with which boxes of the
-/// tool meet the fewest of the mock-up's ([`PiecePredictor`]), as far as building stays below `limit` bytes; without a tool the
-/// one that spends a fixed share of extra pieces on the longest triangles ([`default_piece_size`]).
-pub fn default_voxel_size(mesh: &Mesh, tool: Option<&Tool>, storage: Storage, limit: u64) -> f64 {
-    if storage == Storage::Blocks {
-        if let Some(predictor) = tool.and_then(|tool| PiecePredictor::new(mesh, tool)) {
-            return predictor.optimal_size(limit);
-        }
-        let excluded = mesh.defects().excluded.is_empty();
-        let ids: Vec<u32> = if excluded { Vec::new() } else { mesh.queried().collect() };
-        let triangle = |i: usize| mesh.triangle(if excluded { i as u32 } else { ids[i] });
-        return default_piece_size(mesh.queried_count(), triangle, MOCKUP_CUT_ALLOWANCE);
-    }
-    let size = match tool {
-        Some(tool) => optimal_voxel_size(mesh, tool, Estimator::Area),
-        None => CostFunction::new(static_means(mesh), mean_longest_edge(mesh), Estimator::Area).optimal_size(),
-    };
-    // Areas of a mesh near the smallest float64 underflow; any coarse grid is right, so take one.
-    if size.is_normal() && size > f64::MIN_POSITIVE * 4.0 {
-        size
-    } else {
-        mesh.bounds().extent().iter().fold(1e-300, |m, x| f64::max(m, 0.125 * x))
-    }
-}
-
-/// The voxel size (metres) that is best for a mock-up and a tool, by the paper's cost function or by prediction (for the store
-/// `dense` without a memory limit; a [`Predictor`] knows more).
-pub fn optimal_voxel_size(mesh: &Mesh, tool: &Tool, estimator: Estimator) -> f64 {
-    if let Estimator::Calibrated(constants) = estimator {
-        if let Some(predictor) = Predictor::new(mesh, tool.mesh(), Storage::Dense) {
-            return predictor.optimal_size(&constants, u64::MAX);
-        }
-    }
-    CostFunction::new(static_means(mesh), mean_longest_edge(tool.mesh()), estimator).optimal_size()
 }

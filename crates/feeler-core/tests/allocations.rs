@@ -232,7 +232,7 @@ fn a_batch_stays_within_the_limit() {
     let tool = tool_of(placed(soup(4, 200, 0.1), 0.5, 0.25));
     let poses = vec![Pose::IDENTITY; 10_000];
     let scene = build(&mockup, Storage::Blocks, None, u64::MAX).unwrap();
-    let pairs = scene.collide(&tool, &Pose::IDENTITY, Filters::default()).pairs.len();
+    let pairs = scene.collide(&tool, &Pose::IDENTITY).pairs.len();
     assert!(pairs > 100, "{pairs} pairs make no test");
     // Each thread has working memory of its own, which stays: on a machine of many cores more than is allowed for below.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();

@@ -280,7 +280,10 @@ fn tool_triangles_that_lose_their_area_to_rounding_at_the_pose() {
     ] {
         let tool = Tool::new(triangle.to_vec(), vec![[0, 1, 2]]).unwrap();
         let tool_at_pose = at.apply_triangle(&tool.mesh().triangle(0));
-        assert!(feeler_core::predicates::is_collinear(&tool_at_pose[0], &tool_at_pose[1], &tool_at_pose[2]), "{name}");
+        assert!(
+            feeler_core::geometry::predicates::is_collinear(&tool_at_pose[0], &tool_at_pose[1], &tool_at_pose[2]),
+            "{name}"
+        );
         let pairs: Pairs = expected.map(|kind| ([0, 0], kind)).into_iter().collect();
         for storage in STORAGES {
             for size in [None, Some(0.5)] {
@@ -296,7 +299,7 @@ fn large_batches_run_in_waves_and_keep_their_order() {
     let (mockup, tool) = (mockup_of(soup(50, 60, 0.2)), tool_of(placed(soup(51, 12, 0.2), 0.5, 0.0)));
     let scene = build(&mockup, Storage::Blocks, None).unwrap();
     let at = poses(52, 9001, 0.8, 0.0);
-    let single: Vec<Pairs> = at.iter().map(|p| together(&scene.collide(&tool, p, Filters::default()))).collect();
+    let single: Vec<Pairs> = at.iter().map(|p| together(&scene.collide(&tool, p))).collect();
     for threads in [1, 3] {
         let batch = in_pool(threads, || scene.collide_batch(&tool, &at, &|_, _| true)).unwrap();
         let pairs: Vec<[u32; 2]> = single.iter().flatten().map(|(pair, _)| *pair).collect();
@@ -315,9 +318,7 @@ fn many_threads_share_one_scene() {
     let at = poses(65, 20, 0.8, 0.3);
     for storage in STORAGES {
         let scene = build(&mockup, storage, None).unwrap();
-        let run = |tool: &Tool| -> Vec<Pairs> {
-            at.iter().map(|p| together(&scene.collide(tool, p, Filters::default()))).collect()
-        };
+        let run = |tool: &Tool| -> Vec<Pairs> { at.iter().map(|p| together(&scene.collide(tool, p))).collect() };
         let serial: Vec<_> = tools.iter().map(run).collect();
         std::thread::scope(|scope| {
             for (tool, expected) in tools.iter().zip(&serial).cycle().take(8) {
@@ -347,10 +348,10 @@ fn a_fine_tool_among_large_triangles() {
         scene.set_lanes(level);
         check_scene(level.name(), &scene, &tool, &poses, &expected);
         for pose in &poses {
-            let placed = |filters| scene.collide(&tool, pose, filters).stats.clusters_placed;
+            let placed = |filters| scene.collide_filtered(&tool, pose, filters).stats.clusters_placed;
             with += placed(Filters::default());
             without += placed(Filters { boxes: false, ..Filters::default() });
-            found += scene.collide(&tool, pose, Filters::default()).pairs.len();
+            found += scene.collide(&tool, pose).pairs.len();
         }
     }
     assert!(found > 1000 && 10 * with < 9 * without, "{found} pairs, {with} and {without} clusters placed");

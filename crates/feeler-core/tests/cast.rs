@@ -5,7 +5,7 @@ mod common;
 use std::sync::Arc;
 
 use common::*;
-use feeler_core::distance_triangle_triangle::closest_triangle_triangle;
+use feeler_core::geometry::distance_triangle_triangle::closest_triangle_triangle;
 use feeler_core::{
     cast_all_pairs, collide_all_pairs, Cast, Error, Mockup, Motion, Point, Pose, Scene, SceneOptions, Storage, Tool,
 };

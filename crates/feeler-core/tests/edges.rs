@@ -6,7 +6,7 @@ mod common;
 use std::sync::Arc;
 
 use common::*;
-use feeler_core::{Filters, Mockup, PairKind, Point, Pose, Scene, SceneOptions, Storage, Tool, Triangle};
+use feeler_core::{Mockup, PairKind, Point, Pose, Scene, SceneOptions, Storage, Tool, Triangle};
 
 /// Voxel sizes that put borders at whole numbers of the unit, and one that does not.
 const SIZES: [f64; 5] = [0.25, 0.5, 1.0, 0.3, 64.0];
@@ -33,7 +33,7 @@ fn check(name: &str, mockup: &[Triangle], tool: &[Triangle], expected: &[([u32; 
                 let options = SceneOptions { voxel_size, storage, memory_limit: 1 << 28, ..SceneOptions::default() };
                 let scene = Scene::build(Arc::clone(&mockup), &options, &|_, _| true).unwrap();
                 scene.validate().unwrap();
-                let found = scene.collide(&tool, &Pose::IDENTITY, Filters::default());
+                let found = scene.collide(&tool, &Pose::IDENTITY);
                 let found: Vec<_> = found.pairs.into_iter().zip(found.kinds).collect();
                 assert_eq!(found, expected, "{name}: {storage:?}, voxels of {size}, unit {unit:e} at {origin}");
             }

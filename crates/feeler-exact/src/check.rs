@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use feeler_core::intersect_lanes::prove;
-use feeler_core::predicates::is_collinear;
+use feeler_core::geometry::intersect_lanes::prove;
+use feeler_core::geometry::predicates::is_collinear;
 use feeler_core::{
     intersect_triangle_triangle, Error, Filters, Level, Mockup, PairKind, Point, Pose, Scene, SceneOptions, Storage,
     Tool, Triangle,
@@ -106,7 +106,7 @@ impl Checked {
             ways.extend(Level::available().into_iter().map(|lanes| (lanes, Filters::default())));
             for (lanes, filters) in ways {
                 scene.set_lanes(lanes);
-                let collision = scene.collide(&self.tool, pose, filters);
+                let collision = scene.collide_filtered(&self.tool, pose, filters);
                 let found: Found = collision.pairs.into_iter().zip(collision.kinds).collect();
                 if found != *truth {
                     return fault(

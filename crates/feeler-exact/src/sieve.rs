@@ -1,8 +1,8 @@
 //! How far a pair gets in the core, and whether floats could decide it: what the exact stage costs in practice.
 
-use feeler_core::intersect_lanes::prove;
-use feeler_core::intersect_triangle_triangle::intersect_with;
-use feeler_core::predicates::Signs;
+use feeler_core::geometry::intersect_lanes::prove;
+use feeler_core::geometry::intersect_triangle_triangle::intersect_with;
+use feeler_core::geometry::predicates::Signs;
 use feeler_core::{Aabb, Level, Triangle};
 
 /// Where a pair is decided.

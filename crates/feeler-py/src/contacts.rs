@@ -2,6 +2,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
+use feeler_contacts as contacts;
 use feeler_core as core;
 use numpy::{IntoPyArray, PyArray1, PyArray2};
 use pyo3::prelude::*;
@@ -26,9 +27,9 @@ pub struct Contacts {
 }
 
 impl Contacts {
-    pub fn new(core: &core::Contacts) -> Contacts {
+    pub fn new(core: &contacts::Contacts) -> Contacts {
         let planes = &core.planes;
-        let joined = |of: &dyn Fn(&core::ContactPlane) -> &Vec<u32>| {
+        let joined = |of: &dyn Fn(&contacts::ContactPlane) -> &Vec<u32>| {
             let mut offsets = vec![0];
             let mut ids = Vec::new();
             for plane in planes {
@@ -131,12 +132,12 @@ impl Contacts {
 /// A translation that frees a tool.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct Penetration {
-    core: core::Penetration,
+    core: contacts::Penetration,
     contacts: Py<Contacts>,
 }
 
 impl Penetration {
-    pub fn new(py: Python<'_>, core: core::Penetration) -> PyResult<Penetration> {
+    pub fn new(py: Python<'_>, core: contacts::Penetration) -> PyResult<Penetration> {
         let contacts = Py::new(py, Contacts::new(&core.contacts))?;
         Ok(Penetration { core, contacts })
     }
@@ -157,9 +158,9 @@ impl Penetration {
     #[getter]
     fn kind(&self) -> &'static str {
         match self.core.kind {
-            core::PenetrationKind::Exact => "exact",
-            core::PenetrationKind::Bound => "bound",
-            core::PenetrationKind::Estimate => "estimate",
+            contacts::PenetrationKind::Exact => "exact",
+            contacts::PenetrationKind::Bound => "bound",
+            contacts::PenetrationKind::Estimate => "estimate",
         }
     }
 
@@ -178,7 +179,7 @@ impl Penetration {
 pub struct ContactTracker {
     scene: Py<Scene>,
     tool: Arc<core::Tool>,
-    core: Mutex<core::ContactTracker>,
+    core: Mutex<contacts::ContactTracker>,
 }
 
 #[pymethods]
@@ -193,7 +194,7 @@ impl ContactTracker {
         let found = py.detach(|| {
             // The lock is not held meanwhile: a second thread asks with what was known, and does not wait.
             let mut tracker = *self.core.lock().unwrap_or_else(PoisonError::into_inner);
-            let found = tracker.contacts(scene.core(), &self.tool, &world_from_tool.0, margin)?;
+            let found = tracker.contacts(scene.solver(), &self.tool, &world_from_tool.0, margin)?;
             if !found.is_meeting {
                 *self.core.lock().unwrap_or_else(PoisonError::into_inner) = tracker;
             }

@@ -2,6 +2,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
+use feeler_contacts::ContactSolver;
 use feeler_core as core;
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyArray2};
@@ -20,15 +21,16 @@ use crate::proximity::{Clearance, ClearanceBatch, Distance, DistanceBatch};
 /// A mock-up with its index. `feeler.Scene` adds defaults.
 #[pyclass(subclass, frozen, module = "feeler._core")]
 pub struct Scene {
-    core: core::Scene,
+    core: Arc<core::Scene>,
+    solver: ContactSolver,
     mockup: Py<Mockup>,
     /// `None`: the process-wide pool.
     pool: Option<ThreadPool>,
 }
 
 impl Scene {
-    pub(crate) fn core(&self) -> &core::Scene {
-        &self.core
+    pub(crate) fn solver(&self) -> &ContactSolver {
+        &self.solver
     }
 }
 
@@ -90,7 +92,8 @@ impl Scene {
         reporter.finish()?;
         let mut core = built.map_err(to_py)?;
         core.set_lanes(lanes);
-        Ok(Scene { core, mockup, pool })
+        let core = Arc::new(core);
+        Ok(Scene { solver: ContactSolver::new(Arc::clone(&core)), core, mockup, pool })
     }
 
     #[getter]
@@ -157,7 +160,7 @@ impl Scene {
     ) -> Collision {
         let filters = core::Filters { repeats: repeat_filter.0, boxes: box_filter.0 };
         let tool = tool.core();
-        let collision = py.detach(|| self.core.collide(tool, &world_from_tool.0, filters));
+        let collision = py.detach(|| self.core.collide_filtered(tool, &world_from_tool.0, filters));
         Collision::new(collision, self.mockup.clone_ref(py))
     }
 
@@ -217,7 +220,7 @@ impl Scene {
     ) -> PyResult<Contacts> {
         let reference = reference.map(|pose| pose.0);
         let tool = tool.core();
-        let found = py.detach(|| self.core.contacts(tool, &world_from_tool.0, margin, reference.as_ref()));
+        let found = py.detach(|| self.solver.contacts(tool, &world_from_tool.0, margin, reference.as_ref()));
         Ok(Contacts::new(&found.map_err(to_py)?))
     }
 
@@ -232,7 +235,7 @@ impl Scene {
     ) -> PyResult<Penetration> {
         let reference = reference.map(|pose| pose.0);
         let tool = tool.core();
-        let found = py.detach(|| self.core.penetration(tool, &world_from_tool.0, margin, reference.as_ref()));
+        let found = py.detach(|| self.solver.penetration(tool, &world_from_tool.0, margin, reference.as_ref()));
         Penetration::new(py, found.map_err(to_py)?)
     }
 

@@ -1,11 +1,12 @@
 //! The plain twin of the cast: every pair, over the whole way.
 
+use super::impact::{check_tolerance, contact, Cast, Impact};
 use super::pair::Moving;
-use super::{check_tolerance, contact, Cast, Impact, Motion};
 use crate::error::Result;
-use crate::mesh::Mesh;
-use crate::pose::Pose;
-use crate::tool::Tool;
+use crate::geometry::pose::Pose;
+use crate::mesh::triangle_mesh::Mesh;
+use crate::tool::motion::Motion;
+use crate::tool::moving_tool::Tool;
 
 /// As [`Scene::cast`](crate::Scene::cast), by looking at every pair of triangles.
 pub fn cast_all_pairs(mesh: &Mesh, tool: &Tool, pose0: &Pose, pose1: &Pose, tolerance: f64) -> Result<Option<Cast>> {

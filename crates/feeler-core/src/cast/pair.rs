@@ -6,12 +6,12 @@
 //! time that a quadratic equation gives, and so does the whole triangle, which is spanned by its corners. Then the next plane.
 //! Whatever plane it is, the bound holds: rounding can make a plane useless, never wrong.
 
-use super::motion::{Limits, Motion};
-use crate::bounds::{Point, Triangle};
 use crate::constants::UNIT_ROUNDOFF;
-use crate::distance_triangle_triangle::closest_triangle_triangle;
-use crate::pose::Pose;
-use crate::vectors::{cross, dot, largest, length, scaled, sub, unit};
+use crate::geometry::bounds::{Point, Triangle};
+use crate::geometry::distance_triangle_triangle::closest_triangle_triangle;
+use crate::geometry::pose::Pose;
+use crate::geometry::vectors::{cross, dot, largest, length, scaled, sub, unit};
+use crate::tool::motion::{Limits, Motion};
 
 /// Most planes tried for one pair; then the time reached counts as the impact: early, not late.
 pub const MAX_STEPS: u32 = 10_000;

@@ -2,12 +2,14 @@
 
 use rayon::prelude::*;
 
-use super::{check_tolerance, Cast};
+use super::impact::{check_tolerance, Cast};
+use super::query::{cast, CastScratch};
 use crate::error::{Error, Result};
-use crate::pose::Pose;
-use crate::scene::Scene;
-use crate::store::{report, Progress};
-use crate::tool::Tool;
+use crate::geometry::pose::Pose;
+use crate::index::mockup_index::Index;
+use crate::progress::{report, Progress};
+use crate::scratch_pool::ScratchPool;
+use crate::tool::moving_tool::Tool;
 
 /// What a path meets.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,41 +20,46 @@ pub struct PathCheck {
     pub hits: Vec<(usize, Cast)>,
 }
 
-impl Scene {
-    /// [`cast`](Self::cast) from each pose of a path to the next, in parallel on the current rayon pool.
-    ///
-    /// Every segment is looked at, also those after an impact. `progress` is told after each wave of segments. Errors: as
-    /// `cast`, a path without a pose, and a request to stop.
-    pub fn check_path(&self, tool: &Tool, poses: &[Pose], tolerance: f64, progress: Progress<'_>) -> Result<PathCheck> {
-        const WAVE: usize = 2048;
-        const TASK: usize = 8;
-        check_tolerance(tolerance)?;
-        let (Some(first), segments) = (poses.first(), poses.len().max(2) - 1) else { return Err(Error::EmptyPath) };
-        let mut hits = Vec::new();
-        let numbers: Vec<usize> = (0..segments.min(WAVE)).collect();
-        for start in (0..segments).step_by(WAVE) {
-            report(progress, start as f64 / segments as f64, "casting")?;
-            let wave = &numbers[..WAVE.min(segments - start)];
-            let found: Vec<Vec<(usize, Cast)>> = wave
-                .par_chunks(TASK)
-                .map(|task| {
-                    let mut scratch = self.take_scratch();
-                    let hits = task
-                        .iter()
-                        .filter_map(|i| {
-                            let segment = start + i;
-                            let (from, to) = (&poses[segment], poses.get(segment + 1).unwrap_or(first));
-                            let cast = self.cast_with(tool, from, to, tolerance, &mut scratch.cast)?;
-                            Some((segment, cast))
-                        })
-                        .collect();
-                    self.put_scratch(scratch);
-                    hits
-                })
-                .collect();
-            hits.extend(found.into_iter().flatten());
-        }
-        report(progress, 1.0, "done")?;
-        Ok(PathCheck { segments, hits })
+/// A cast from each pose of a path to the next, in parallel on the current rayon pool.
+///
+/// Every segment is looked at, also those after an impact. `progress` is told after each wave of segments. Errors: as
+/// `cast`, a path without a pose, and a request to stop.
+pub fn check_path(
+    index: &Index,
+    pool: &ScratchPool<CastScratch>,
+    tool: &Tool,
+    poses: &[Pose],
+    tolerance: f64,
+    progress: Progress<'_>,
+) -> Result<PathCheck> {
+    const WAVE: usize = 2048;
+    const TASK: usize = 8;
+    check_tolerance(tolerance)?;
+    let (Some(first), segments) = (poses.first(), poses.len().max(2) - 1) else { return Err(Error::EmptyPath) };
+    let mut hits = Vec::new();
+    let numbers: Vec<usize> = (0..segments.min(WAVE)).collect();
+    for start in (0..segments).step_by(WAVE) {
+        report(progress, start as f64 / segments as f64, "casting")?;
+        let wave = &numbers[..WAVE.min(segments - start)];
+        let found: Vec<Vec<(usize, Cast)>> = wave
+            .par_chunks(TASK)
+            .map(|task| {
+                let mut scratch = pool.take();
+                let hits = task
+                    .iter()
+                    .filter_map(|i| {
+                        let segment = start + i;
+                        let (from, to) = (&poses[segment], poses.get(segment + 1).unwrap_or(first));
+                        let found = cast(index, tool, from, to, tolerance, &mut scratch)?;
+                        Some((segment, found))
+                    })
+                    .collect();
+                pool.put(scratch);
+                hits
+            })
+            .collect();
+        hits.extend(found.into_iter().flatten());
     }
+    report(progress, 1.0, "done")?;
+    Ok(PathCheck { segments, hits })
 }

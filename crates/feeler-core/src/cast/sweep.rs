@@ -3,14 +3,16 @@
 //! A long window is a loose one: boxes around the tool's whole way meet much that the tool passes by. A short one costs a
 //! descent for little progress. So a window that offers too many pairs is cut, and the next one after few pairs is longer.
 
-use super::motion::Motion;
+use super::impact::Impact;
 use super::pair::Moving;
-use super::{impact_at_start, Impact};
-use crate::hits::pair_key;
-use crate::scene::Scene;
-use crate::store::{Sweep, SweepScratch};
-use crate::tool::Tool;
-use crate::vectors::length;
+use crate::collide::query::{any_pair, CollideScratch};
+use crate::geometry::vectors::length;
+use crate::index::blocks::SweepScratch;
+use crate::index::mockup_index::Index;
+use crate::index::pair_set::pair_key;
+use crate::index::sink::Sweep;
+use crate::tool::motion::Motion;
+use crate::tool::moving_tool::Tool;
 
 /// Pairs that a window may offer before it is cut, for a small tool; a large one's descents cost more, and bring more.
 const FEW_PAIRS: usize = 96;
@@ -36,7 +38,7 @@ const CUTS_IN_CONTACT: u32 = 2;
 
 /// Working memory of a cast.
 #[derive(Debug, Default)]
-pub(crate) struct CastScratch {
+pub(super) struct SweepMemory {
     store: SweepScratch,
     /// Slot of the tool, and triangle of the mock-up, in one number.
     pairs: Vec<u64>,
@@ -44,11 +46,12 @@ pub(crate) struct CastScratch {
 
 /// The first impact of a tool on its way.
 pub(super) fn first_impact(
-    scene: &Scene,
+    index: &Index,
     tool: &Tool,
     motion: &Motion,
     tolerance: f64,
-    scratch: &mut CastScratch,
+    scratch: &mut SweepMemory,
+    collide: &mut CollideScratch,
 ) -> Option<Impact> {
     let few = FEW_PAIRS.max(tool.clusters().len());
     // Shorter than this a window is no use: all it holds is within the tolerance.
@@ -64,19 +67,19 @@ pub(super) fn first_impact(
         let fine = cuts.saturating_sub(coarse);
         let limit = (few << fine).max(TIMES_STILL * still);
         let may_cut = fine < MOST_CUTS && share > shortest;
-        let mut chase = Chase { scene, tool, motion, tolerance, from, best: None, until: to };
+        let mut chase = Chase { index, tool, motion, tolerance, from, best: None, until: to };
         let sweep = |to: f64| Sweep {
-            mesh: scene.mockup().mesh(),
+            mesh: index.mockup().mesh(),
             tool,
             window: motion.window(tool, from, to),
-            lanes: scene.checked_lanes(),
+            lanes: index.lanes(),
             may_give_up: may_cut && to > from,
         };
-        let CastScratch { store, pairs } = &mut *scratch;
+        let SweepMemory { store, pairs } = &mut *scratch;
         pairs.clear();
         let mut is_full = false;
         let whole = sweep(to);
-        let all_seen = scene.store().offer_swept(&whole, store, &mut |slot, triangle| {
+        let all_seen = index.store().offer_swept(&whole, store, &mut |slot, triangle| {
             pairs.push(pair_key(slot, triangle));
             if pairs.len() < limit {
                 return false;
@@ -92,13 +95,13 @@ pub(super) fn first_impact(
         if is_full || !all_seen {
             cuts += 1;
             if from == 0.0 && cuts == coarse + CUTS_IN_CONTACT {
-                if let Some(impact) = impact_at_start(scene, tool, motion) {
+                if let Some(impact) = impact_at_start(index, tool, motion, collide) {
                     return Some(impact);
                 }
             }
             if is_full && cuts > coarse + CUTS_IN_CONTACT && still_at < from {
                 (still, still_at) = (0, from);
-                scene.store().offer_swept(&sweep(from), store, &mut |_, _| {
+                index.store().offer_swept(&sweep(from), store, &mut |_, _| {
                     still += 1;
                     false
                 });
@@ -116,6 +119,17 @@ pub(super) fn first_impact(
     None
 }
 
+/// A pair that meets at the beginning, exactly.
+pub(super) fn impact_at_start(
+    index: &Index,
+    tool: &Tool,
+    motion: &Motion,
+    scratch: &mut CollideScratch,
+) -> Option<Impact> {
+    let [tool_triangle, mockup_triangle] = any_pair(index, tool, &motion.at(0.0), scratch)?;
+    Some(Impact { time: 0.0, tool_triangle, mockup_triangle })
+}
+
 /// Cuts that make a window no longer than a stride.
 fn coarse_cuts(tool: &Tool, motion: &Motion) -> u32 {
     let size = length(&tool.mesh().bounds().extent());
@@ -127,7 +141,7 @@ fn coarse_cuts(tool: &Tool, motion: &Motion) -> u32 {
 
 /// Follows pairs through a window.
 struct Chase<'a> {
-    scene: &'a Scene,
+    index: &'a Index,
     tool: &'a Tool,
     motion: &'a Motion,
     tolerance: f64,
@@ -138,10 +152,10 @@ struct Chase<'a> {
 
 impl Chase<'_> {
     /// Follows each pair once, and empties the list.
-    fn follow(&mut self, pairs: &mut Vec<u64>, pose: &crate::pose::Pose) {
+    fn follow(&mut self, pairs: &mut Vec<u64>, pose: &crate::geometry::pose::Pose) {
         pairs.sort_unstable();
         pairs.dedup();
-        let mesh = self.scene.mockup().mesh();
+        let mesh = self.index.mockup().mesh();
         let mut moving: Option<(u32, Moving<'_>)> = None;
         for &pair in pairs.iter() {
             let (slot, triangle) = ((pair >> 32) as u32, pair as u32);

@@ -1,0 +1,80 @@
+//! The planes of an answer.
+
+use std::cmp::Ordering;
+
+use feeler_core::Point;
+use feeler_lanes::{Checked, Sorter};
+
+use crate::constants::MOST_PLANES;
+
+/// A plane between the mock-up and the tool.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ContactPlane {
+    /// On the mock-up's surface, metres, world.
+    pub point: Point,
+    /// Unit, from the mock-up to the tool.
+    pub normal: Point,
+    /// Distance of the tool from the plane along the normal, metres; negative: it is that deep behind. Where the two lie in each
+    /// other's hollows: what overlaps along the normal.
+    pub gap: f64,
+    /// The part of the mock-up.
+    pub part: u32,
+    /// Triangles of the tool behind it, sorted.
+    pub tool_triangles: Vec<u32>,
+    /// Triangles of the mock-up behind it, sorted.
+    pub mockup_triangles: Vec<u32>,
+    /// Whether the surfaces there are flat-faced and every direction was tried.
+    pub(crate) certain: bool,
+    /// Whether the side of the surface that it is on had to be assumed: a plane of a pierced surface.
+    pub(crate) assumed: bool,
+}
+
+/// The contact planes at one pose.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Contacts {
+    /// Deepest first, at most [`MOST_PLANES`].
+    pub planes: Vec<ContactPlane>,
+    /// Planes found beyond [`MOST_PLANES`], the least deep or farthest, that were left out. What is only near is not sought where
+    /// [`MANY_DEEP`] are deep, nor all of it beside more than [`FEW_DEEP`].
+    pub omitted: usize,
+    /// Whether any triangles meet.
+    pub is_meeting: bool,
+}
+
+/// The order of points by their coordinates.
+pub(crate) fn by_coordinates(p: &Point, q: &Point) -> Ordering {
+    (0..3).map(|a| p[a].total_cmp(&q[a])).find(|o| o.is_ne()).unwrap_or(Ordering::Equal)
+}
+
+impl ContactPlane {
+    fn order(&self, other: &ContactPlane) -> Ordering {
+        (self.gap.total_cmp(&other.gap))
+            .then(self.part.cmp(&other.part))
+            .then_with(|| by_coordinates(&self.normal, &other.normal))
+            .then_with(|| by_coordinates(&self.point, &other.point))
+    }
+}
+
+impl Contacts {
+    /// Puts the planes in order, leaves out those beyond the most, and gives each its triangles once.
+    pub(crate) fn finish(&mut self, lanes: Checked, sorter: &mut Sorter) {
+        self.planes.sort_by(ContactPlane::order);
+        self.omitted = self.planes.len().saturating_sub(MOST_PLANES);
+        self.planes.truncate(MOST_PLANES);
+        for plane in &mut self.planes {
+            for ids in [&mut plane.tool_triangles, &mut plane.mockup_triangles] {
+                sorter.clear();
+                // Those of one triangle mostly come one after the other.
+                sorter.keys.extend(ids.chunk_by(|a, b| a == b).map(|same| u64::from(same[0])));
+                sorter.sort(lanes);
+                ids.clear();
+                ids.extend(sorter.sorted().iter().map(|id| *id as u32));
+            }
+        }
+    }
+
+    /// The largest penetration, metres; 0 where nothing is deep.
+    pub fn depth(&self) -> f64 {
+        self.planes.first().map_or(0.0, |p| (-p.gap).max(0.0))
+    }
+}

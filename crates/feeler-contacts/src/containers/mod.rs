@@ -1,0 +1,6 @@
+//! Lists, sets and maps that keep their memory.
+
+pub(crate) mod bit_set;
+pub(crate) mod counting_sort;
+pub(crate) mod interner;
+pub(crate) mod point_interner;

@@ -1,0 +1,123 @@
+//! What one query knows: the two surfaces, where the tool is, and how their triangles hang together.
+
+use feeler_core::geometry::vectors::{dot, scaled, sub};
+use feeler_core::mesh::topology::adjacency::{Adjacency, NONE};
+use feeler_core::{Aabb, Mockup, Point, Pose, Scene, Tool, Triangle};
+use feeler_lanes::Checked;
+
+pub(crate) const TOOL: usize = 0;
+pub(crate) const MOCKUP: usize = 1;
+
+/// What one query knows.
+pub(crate) struct Ground<'a> {
+    pub mockup: &'a Mockup,
+    pub tool: &'a Tool,
+    pub pose: &'a Pose,
+    pub reference: Option<&'a Pose>,
+    /// Of the tool, and of the mock-up.
+    pub adjacency: [&'a Adjacency; 2],
+    /// The tool's centre of area, world.
+    pub centre: Point,
+    pub lanes: Checked,
+}
+
+impl<'a> Ground<'a> {
+    pub fn new(scene: &'a Scene, tool: &'a Tool, pose: &'a Pose, reference: Option<&'a Pose>) -> Ground<'a> {
+        Ground {
+            mockup: scene.mockup(),
+            tool,
+            pose,
+            reference,
+            adjacency: [tool.adjacency(), scene.mockup().adjacency()],
+            centre: pose.apply(&tool.adjacency().centre),
+            lanes: scene.index().lanes(),
+        }
+    }
+}
+
+impl Ground<'_> {
+    pub fn tool_triangle(&self, t: u32) -> Triangle {
+        self.pose.apply_triangle(&self.tool.mesh().triangle(t))
+    }
+
+    pub fn mockup_triangle(&self, m: u32) -> Triangle {
+        self.mockup.mesh().triangle(m)
+    }
+
+    /// The first corner of a triangle.
+    pub fn corner(&self, w: usize, id: u32) -> Point {
+        if w == TOOL {
+            self.pose.apply(&self.tool.mesh().corner(id))
+        } else {
+            self.mockup.mesh().corner(id)
+        }
+    }
+
+    pub fn triangle(&self, w: usize, id: u32) -> Triangle {
+        if w == TOOL {
+            self.tool_triangle(id)
+        } else {
+            self.mockup_triangle(id)
+        }
+    }
+
+    /// What the winding's normal of a triangle is to be multiplied by to look outward where its surface is closed.
+    pub fn sense(&self, w: usize, id: u32) -> f64 {
+        if self.adjacency[w].outward[id as usize] < 0 {
+            -1.0
+        } else {
+            1.0
+        }
+    }
+
+    /// The pairs one step over an edge of either triangle from a pair.
+    pub fn beside(&self, [t, m]: [u32; 2]) -> impl Iterator<Item = [u32; 2]> {
+        let beside_t = self.adjacency[TOOL].neighbours[t as usize].map(|n| [n, m]);
+        let beside_m = self.adjacency[MOCKUP].neighbours[m as usize].map(|n| [t, n]);
+        beside_t.into_iter().chain(beside_m).filter(|pair| !pair.contains(&NONE))
+    }
+
+    /// The box of the tool, in its own frame, or of a part of the mock-up, with what rounding may add: outside it is outside the
+    /// solid.
+    pub fn enclosure(&self, w: usize, part: u32) -> Aabb {
+        let (b, slack) = match w {
+            TOOL => (self.tool.mesh().bounds(), self.tool.margin_at(self.pose)),
+            _ => (self.mockup.part_bounds()[part as usize], 0.0),
+        };
+        let slack = slack + 1e-9 * (0..3).map(|a| b.upper[a] - b.lower[a]).fold(0.0, f64::max);
+        Aabb { lower: b.lower.map(|x| x - slack), upper: b.upper.map(|x| x + slack) }
+    }
+
+    /// Whether a point (world) is in such a box.
+    pub fn is_enclosed(&self, w: usize, enclosure: &Aabb, p: &Point) -> bool {
+        let q = if w == TOOL { self.in_tool(p) } else { *p };
+        (0..3).all(|a| enclosure.lower[a] <= q[a] && q[a] <= enclosure.upper[a])
+    }
+
+    /// A point of the world in the tool's own frame.
+    pub fn in_tool(&self, p: &Point) -> Point {
+        let (r, t) = (self.pose.rotation(), self.pose.translation());
+        let d = sub(p, t);
+        std::array::from_fn(|a| r[0][a] * d[0] + r[1][a] * d[1] + r[2][a] * d[2])
+    }
+
+    /// The normal of a triangle beside one that is (or is not) of a closed surface and has a normal of its own, turned to the side
+    /// that counts as outside there.
+    pub fn turned_outward(&self, w: usize, id: u32, n: &Point, is_closed: bool, beside: &Point) -> Point {
+        let flip = match self.adjacency[w].outward[id as usize] {
+            side if is_closed && side != 0 => side < 0,
+            _ => dot(n, beside) < 0.0,
+        };
+        if flip {
+            scaled(n, -1.0)
+        } else {
+            *n
+        }
+    }
+
+    /// From a point of the tool at the pose to where it was at the reference.
+    pub fn way_back(&self, p: &Point) -> Option<Point> {
+        let reference = self.reference?;
+        Some(sub(&reference.apply(&self.in_tool(p)), p))
+    }
+}

@@ -1,0 +1,239 @@
+//! On which side of the other surface a corner is where edges meet edges: where a cut is a point, or in line with the corner, or
+//! two cuts tell as much.
+
+use crate::contour::contact_region::Zones;
+use feeler_core::geometry::bounds::{Point, Triangle};
+use feeler_core::geometry::distance_triangle_triangle::closest_triangle_triangle;
+use feeler_core::geometry::vectors::{along, cross, dot, length, sub};
+
+/// Share of its distance from a cut up to which a corner is on the plane of the other face, or in line with the cut; and a cut's
+/// length that says nothing.
+pub(crate) const ON: f64 = 1e-9;
+
+/// Share of a corner's distance from a cut up to which two distances, and two angles, are one.
+pub(crate) const LEVEL: f64 = 1e-9;
+
+/// Share of a corner's distance up to which two of its nearest points are one.
+const HERE: f64 = 1e-6;
+
+/// Share of the shortest edge by which a spot is off the point that is touched.
+const BESIDE: f64 = 1e-3;
+
+/// What a cut says about a corner.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Verdict {
+    pub cut: u32,
+    /// Where the cut is nearest to the corner, and the square of the distance.
+    foot: Point,
+    square: f64,
+    /// How steeply the corner stands off the cut's line in the plane of its face; 0 where that has no side.
+    steepness: f64,
+    /// How high it is over the plane of the other face.
+    pub height: f64,
+}
+
+impl Verdict {
+    fn new(zones: &Zones, w: usize, cut: u32, k: usize) -> Verdict {
+        let ([a, b], corner) = (zones.ends(cut), zones.face(w, cut).corners[k]);
+        let (line, from) = (sub(&b, &a), sub(&corner, &a));
+        let lengths = dot(&line, &line);
+        let share = if lengths > 0.0 { (dot(&from, &line) / lengths).clamp(0.0, 1.0) } else { 0.0 };
+        let off = along(&from, -share, &line);
+        let square = dot(&off, &off);
+        let steep = if lengths > ON * ON * square {
+            let across = cross(&from, &line);
+            dot(&across, &across) / lengths
+        } else {
+            0.0
+        };
+        let steepness = match square {
+            // It is on the surface, whatever other cuts tell.
+            0.0 => 1.0,
+            _ if steep > ON * ON * square => steep / square,
+            _ => 0.0,
+        };
+        let (outward, _) = zones.side_of(1 - w, zones.cuts[cut as usize].faces[1 - w]);
+        Verdict { cut, foot: along(&a, share, &line), square, steepness, height: dot(&from, &outward) }
+    }
+
+    /// Whether the corner is on the plane of the other face.
+    pub fn is_on(&self) -> bool {
+        self.square == 0.0 || self.height * self.height < ON * ON * self.square
+    }
+
+    fn has_side(&self) -> bool {
+        self.steepness > 0.0
+    }
+
+    fn is_as_far_as(&self, other: &Verdict) -> bool {
+        is_level(self.square, other.square)
+    }
+
+    fn is_as_steep_as(&self, other: &Verdict) -> bool {
+        is_level(self.steepness, other.steepness)
+    }
+
+    /// Cuts that have a side come first, then nearer ones, then steeper ones.
+    fn is_better_than(&self, other: &Verdict) -> bool {
+        if self.has_side() != other.has_side() {
+            self.has_side()
+        } else if !self.is_as_far_as(other) {
+            self.square < other.square
+        } else {
+            !self.is_as_steep_as(other) && self.steepness > other.steepness
+        }
+    }
+
+    /// Whether the two are as near, and the angles do not tell which is right; and they do not say the same.
+    fn contradicts(&self, other: &Verdict) -> bool {
+        self.is_as_far_as(other)
+            && (self.has_side() != other.has_side() || self.is_as_steep_as(other))
+            && self.height.partial_cmp(&0.0) != other.height.partial_cmp(&0.0)
+    }
+}
+
+fn is_level(x: f64, y: f64) -> bool {
+    x >= y * (1.0 - LEVEL) && x <= y * (1.0 + LEVEL)
+}
+
+/// What the best of a face's cuts says about its corner `k`, and whether another contradicts it. `None` where all are flat.
+pub(crate) fn best_of(zones: &Zones, w: usize, cuts: &[u32], k: usize) -> Option<(Verdict, bool)> {
+    let mut found = None;
+    for cut in cuts.iter().filter(|cut| !zones.cuts[**cut as usize].flat) {
+        let this = Verdict::new(zones, w, *cut, k);
+        found = match found {
+            None => Some((this, false)),
+            Some((best, torn)) if this.is_better_than(&best) => {
+                Some((this, this.contradicts(&best) || torn && this.is_as_far_as(&best)))
+            }
+            Some((best, torn)) => Some((best, torn || this.contradicts(&best))),
+        };
+    }
+    found
+}
+
+/// What the cuts of a face say about its corner `k`. Where two contradict each other the surface has an edge or a corner at their
+/// common foot, and the corner is on the side on which the way to it starts: that of the triangle which is nearest to a spot on
+/// this way, close to the foot. `None` where all cuts are flat.
+pub(crate) fn judge(zones: &Zones, w: usize, face: usize, k: usize) -> Option<Verdict> {
+    let cuts = zones.of_face(w, face);
+    let (first, torn) = best_of(zones, w, cuts, k)?;
+    // A corner that is on a cut has no way to it, and is on the surface.
+    if !torn || first.square == 0.0 {
+        return Some(first);
+    }
+    let (foot, far) = (first.foot, first.square.sqrt());
+    let here: Vec<(Verdict, Triangle)> = cuts
+        .iter()
+        .filter(|cut| !zones.cuts[**cut as usize].flat)
+        .map(|cut| (Verdict::new(zones, w, *cut, k), zones.face(1 - w, *cut).corners))
+        .filter(|(verdict, _)| length(&sub(&verdict.foot, &foot)) <= HERE * far)
+        .collect();
+    // As near to the foot as that only the triangles that meet there count.
+    let edge = |t: &Triangle, k: usize| length(&sub(&t[(k + 1) % 3], &t[k]));
+    let reach = here.iter().map(|(_, t)| edge(t, 0).min(edge(t, 1)).min(edge(t, 2))).fold(far, f64::min);
+    let way = sub(&zones.faces[w][face].corners[k], &foot);
+    let spot = along(&foot, BESIDE * reach / far, &way);
+    let level = HERE * BESIDE * reach;
+    let mut best = (f64::INFINITY, first);
+    for (verdict, t) in here {
+        let distance = closest_triangle_triangle(&[spot; 3], &t).distance;
+        // Of several as near that over whose plane the way rises or falls most.
+        let is_as_near = distance < best.0 + level;
+        if distance < best.0 - level || is_as_near && verdict.height.abs() > best.1.height.abs() {
+            best = (distance, verdict);
+        }
+    }
+    Some(best.1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::context::Ground;
+    use crate::context::{MOCKUP, TOOL};
+    use crate::contour::find::{find, ZonesScratch};
+    use crate::tests::{scene, tool};
+    use feeler_core::geometry::pose::Pose;
+    use feeler_shapes::{box_mesh, ridge};
+
+    /// Boxes on a lattice, straight and turned by an eighth, in a body with steps up, down and slanted on the same lattice, all
+    /// turned by `all`. Tells how many corners off both surfaces there are of faces with cuts, how many have no side, and how many
+    /// the wrong one.
+    fn corners_by_side(all: &[Point; 3]) -> [usize; 3] {
+        let line =
+            [[-4.0, 0.0], [-2.0, 0.0], [-1.5, 1.0], [0.0, 1.0], [1.0, 2.0], [2.0, 1.0], [3.0, 1.0], [4.0, 0.0f64]];
+        let height_at = |x: f64| {
+            let k = line.windows(2).position(|ends| x <= ends[1][0]).unwrap_or(line.len() - 2);
+            let [[a, p], [b, q]] = [line[k], line[k + 1]];
+            p + (q - p) * (x - a) / (b - a)
+        };
+        let in_ridge = |p: &Point, off: f64| {
+            let is_in_reach = p[0].abs() < 4.0 + off && p[1].abs() < 3.0 + off && p[2] > -2.0 - off;
+            is_in_reach && p[2] < height_at(p[0]) + 4.0 * off
+        };
+        let in_cube = |p: &Point, off: f64| p.iter().all(|x| x.abs() < 0.5 + off);
+        let turned = |rows: &[Point; 3], p: &Point| -> Point { std::array::from_fn(|a| dot(&rows[a], p)) };
+        let back = |rows: &[Point; 3], p: &Point| -> Point {
+            std::array::from_fn(|a| rows[0][a] * p[0] + rows[1][a] * p[1] + rows[2][a] * p[2])
+        };
+        let c = 0.5f64.sqrt();
+        let turns = [
+            [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+            [[c, 0.0, c], [0.0, 1.0, 0.0], [-c, 0.0, c]],
+            [[c, -c, 0.0], [c, c, 0.0], [0.0, 0.0, 1.0]],
+        ];
+        let mut counts = [0; 3];
+        let mut scratch = ZonesScratch::default();
+        for (n, m) in [(1, 1), (1, 4), (2, 8)] {
+            let mut mesh = ridge(&line, -2.0, 3.0, n, m);
+            mesh.0.iter_mut().for_each(|p| *p = turned(all, p));
+            let block = scene(mesh);
+            for (cells, step) in (1..4).flat_map(|cells| (0..600).map(move |step| (cells, step))) {
+                let cube = tool(box_mesh([0.0; 3], [1.0; 3], cells));
+                let (turn, place) = (&turns[step % 3], step / 3);
+                let spot = [place % 10, place / 10 % 4 + 5, place / 40 + 4].map(|x| 0.5 * (x as f64 - 5.0));
+                let (columns, at) = ([0, 1, 2].map(|k| turned(all, &turn.map(|row| row[k]))), turned(all, &spot));
+                let row = |a: usize| [columns[0][a], columns[1][a], columns[2][a], at[a]];
+                let pose = Pose::new(&[row(0), row(1), row(2), [0.0, 0.0, 0.0, 1.0]]).unwrap();
+                let pairs = block.collide(&cube, &pose).pairs;
+                if pairs.is_empty() {
+                    continue;
+                }
+                let zones = find(&Ground::new(&block, &cube, &pose, None), &pairs, None, &mut scratch);
+                for w in [TOOL, MOCKUP] {
+                    for (face, cuts) in zones.faces[w].iter().zip(zones.by_face(w)) {
+                        if cuts.iter().all(|cut| zones.cuts[*cut as usize].flat) {
+                            continue;
+                        }
+                        for (corner, side) in face.corners.iter().zip(face.side) {
+                            let p = back(all, corner);
+                            let is_in = |off: f64| match w {
+                                TOOL => in_ridge(&p, off),
+                                _ => in_cube(&back(turn, &sub(&p, &spot)), off),
+                            };
+                            if is_in(-1e-6) == is_in(1e-6) {
+                                let truth = if is_in(1e-6) { -1 } else { 1 };
+                                counts[0] += 1;
+                                counts[1] += usize::from(side == 0);
+                                counts[2] += usize::from(side == -truth);
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        counts
+    }
+
+    #[test]
+    fn corners_are_on_their_side_where_edges_meet_edges() {
+        let straight = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let [all, unknown, wrong] = corners_by_side(&straight);
+        assert!(all > 100_000 && unknown == 0 && wrong == 0, "{unknown} and {wrong} of {all}");
+        // Rounding parts what touched, and lets what did not cut: what is left of a cut may be in line with the corner.
+        let turned = [[0.48, 0.64, -0.6], [-0.8, 0.6, 0.0], [0.36, 0.48, 0.8]];
+        let [all, unknown, wrong] = corners_by_side(&turned);
+        assert!(all > 100_000 && 50 * unknown < all && 2000 * wrong < all, "{unknown} and {wrong} of {all}");
+    }
+}

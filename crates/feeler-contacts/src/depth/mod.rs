@@ -1,0 +1,12 @@
+//! Depth: along which axis two bodies have to be moved least until a plane holds them apart.
+
+pub(crate) mod axis;
+mod axis_blocked;
+mod axis_search;
+mod descent;
+mod directional_overlap;
+mod edge_axes;
+pub(crate) mod face_axes;
+mod gauss_arcs;
+pub(crate) mod least_depth;
+pub(crate) mod piercing;

@@ -1,0 +1,264 @@
+//! Patches that belong together, seen as one bulging body.
+
+use crate::containers::bit_set::Sets;
+use crate::patch::convex_bodies::Clusters;
+use crate::patch::extents::largest;
+use crate::patch::half_spaces::Sides;
+use crate::patch::patches::Patches;
+use crate::patch::support::{highest, push_eights, Eight};
+use feeler_core::geometry::bounds::Point;
+use feeler_core::geometry::vectors::{along, unit};
+use feeler_lanes::{Checked, WIDE_LANES};
+
+/// Most facets of a body, the largest, whose normals are tried: with their mean as many as fill the lanes.
+pub(crate) const MOST_NORMALS: usize = 3 * WIDE_LANES - 1;
+
+/// Most pairs of edges whose directions are tried.
+pub(crate) const MOST_EDGES: usize = 100;
+
+/// What is asked of a patch of a body.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Facet {
+    pub normal: Point,
+    pub size: f64,
+    pub flat: bool,
+    /// Its triangles among those of all patches.
+    triangles: (usize, usize),
+}
+
+/// Facets with their triangles: those of a body, or of all.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Facets<'a> {
+    /// Which of the bodies it is; as many as there are where it is all.
+    pub number: usize,
+    list: &'a [Facet],
+    triangles: &'a [u32],
+}
+
+impl<'a> Facets<'a> {
+    /// Its triangles, whole, each with the normal of its facet.
+    pub fn triangles(&self) -> impl Iterator<Item = (u32, &'a Point)> + 'a {
+        let all = self.triangles;
+        self.list.iter().flat_map(|f| all[f.triangles.0..f.triangles.1].iter().map(|id| (*id, &f.normal)))
+    }
+}
+
+#[cfg(test)]
+impl Facet {
+    pub fn looking(normal: Point) -> Facet {
+        Facet::over(normal, 0..0)
+    }
+
+    /// With triangles by their places.
+    pub fn over(normal: Point, triangles: std::ops::Range<usize>) -> Facet {
+        Facet { normal, size: 1.0, flat: true, triangles: (triangles.start, triangles.end) }
+    }
+}
+
+#[cfg(test)]
+impl<'a> Facets<'a> {
+    pub fn new(number: usize, list: &'a [Facet], triangles: &'a [u32]) -> Facets<'a> {
+        Facets { number, list, triangles }
+    }
+}
+
+/// A body, its lists among those of [`Bodies`].
+#[derive(Debug)]
+struct Entry {
+    facets: (usize, usize),
+    points: (usize, usize),
+    point_eights: (usize, usize),
+    normals: (usize, usize),
+    mean: Point,
+    size: f64,
+    largest: f64,
+}
+
+/// The bodies of one surface in a zone. Kept as working memory.
+#[derive(Debug, Default)]
+pub(crate) struct Bodies {
+    list: Vec<Entry>,
+    /// All patches, and those of the bodies.
+    patches: Vec<Facet>,
+    facets: Vec<Facet>,
+    points: Vec<Point>,
+    /// For each point where its cuts are.
+    cuts_of: Vec<(u32, u32)>,
+    point_cuts: Vec<u32>,
+    /// For each patch its cuts, by their places in the zone.
+    patch_cuts: Sets,
+    eights: Vec<Eight>,
+    triangles: Vec<u32>,
+    normals: Vec<(Point, f64)>,
+    /// For each body the cuts it has a part in, by their places in the zone.
+    pub cuts: Sets,
+    /// The patches of one body.
+    own: Sides,
+}
+
+/// A body, to be read.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Body<'a> {
+    /// Which of the bodies it is.
+    pub number: usize,
+    pub facets: &'a [Facet],
+    /// Each once, or once for each of its facets.
+    pub points: &'a [Point],
+    pub point_eights: &'a [Eight],
+    /// Of all patches.
+    pub triangles: &'a [u32],
+    /// For each point where among `point_cuts` its cuts are: those of the curve have several, others none.
+    pub cuts_of: &'a [(u32, u32)],
+    pub point_cuts: &'a [u32],
+    /// The normals of the first [`MOST_NORMALS`] facets and their mean, and how far the points reach along each.
+    pub normals: &'a [(Point, f64)],
+    /// Of the facets' normals, by area; zero where there is none.
+    pub mean: Point,
+    pub size: f64,
+    /// The largest coordinate.
+    pub largest: f64,
+}
+
+impl<'a> Body<'a> {
+    pub fn whole(&self) -> Facets<'a> {
+        Facets { number: self.number, list: self.facets, triangles: self.triangles }
+    }
+}
+
+#[cfg(test)]
+impl<'a> Body<'a> {
+    /// Of facets alone.
+    pub fn of_facets(facets: &'a [Facet]) -> Body<'a> {
+        Body {
+            number: 0,
+            facets,
+            points: &[],
+            point_eights: &[],
+            triangles: &[],
+            cuts_of: &[],
+            point_cuts: &[],
+            normals: &[],
+            mean: [0.0; 3],
+            size: 1.0,
+            largest: 1.0,
+        }
+    }
+}
+
+impl Bodies {
+    pub fn len(&self) -> usize {
+        self.list.len()
+    }
+
+    /// Whether a body has a part in any cut.
+    pub fn is_cut(&self, i: usize) -> bool {
+        self.cuts.get(i).iter().any(|word| *word != 0)
+    }
+
+    pub fn get(&self, i: usize) -> Body<'_> {
+        let e = &self.list[i];
+        Body {
+            number: i,
+            facets: &self.facets[e.facets.0..e.facets.1],
+            points: &self.points[e.points.0..e.points.1],
+            point_eights: &self.eights[e.point_eights.0..e.point_eights.1],
+            triangles: &self.triangles,
+            cuts_of: &self.cuts_of[e.points.0..e.points.1],
+            point_cuts: &self.point_cuts,
+            normals: &self.normals[e.normals.0..e.normals.1],
+            mean: e.mean,
+            size: e.size,
+            largest: e.largest,
+        }
+    }
+
+    /// What all bodies have, each patch once.
+    pub fn all(&self) -> Facets<'_> {
+        Facets { number: self.list.len(), list: &self.patches, triangles: &self.triangles }
+    }
+
+    /// Makes the bodies of a zone with so many cuts. `place_of_cut` tells where a cut is among them.
+    pub fn set(
+        &mut self,
+        lanes: Checked,
+        patches: &Patches,
+        clusters: &Clusters,
+        cuts: usize,
+        place_of_cut: impl Fn(u32) -> usize,
+    ) {
+        self.list.clear();
+        self.patches.clear();
+        self.facets.clear();
+        self.points.clear();
+        self.cuts_of.clear();
+        self.point_cuts.clone_from(&patches.point_cuts);
+        self.eights.clear();
+        self.triangles.clear();
+        self.normals.clear();
+        self.cuts.clear(clusters.count, cuts);
+        self.patch_cuts.clear(patches.list.len(), cuts);
+        for (p, patch) in patches.list.iter().enumerate() {
+            let from = self.triangles.len();
+            self.triangles.extend(patches.triangles(patch));
+            let triangles = (from, self.triangles.len());
+            self.patches.push(Facet { normal: patch.normal, size: patch.size, flat: patch.flat, triangles });
+            patches.cuts(patch).iter().for_each(|cut| self.patch_cuts.insert(p, place_of_cut(*cut)));
+        }
+        for (i, (own, lent)) in clusters.patches.iter().zip(&clusters.lent).enumerate().take(clusters.count) {
+            let from = (self.facets.len(), self.points.len());
+            for p in own.iter().chain(lent) {
+                self.facets.push(self.patches[*p as usize]);
+                self.cuts.join(i, self.patch_cuts.get(*p as usize));
+            }
+            for patch in own.iter().map(|p| &patches.list[*p as usize]) {
+                self.points.extend_from_slice(patches.points(patch));
+                self.cuts_of.extend_from_slice(patches.cuts_of(patch));
+            }
+            if !lent.is_empty() {
+                // Of these the part that is below all of the body's own.
+                let whole = self.points.len();
+                for patch in lent.iter().map(|p| &patches.list[*p as usize]) {
+                    self.points.extend_from_slice(patches.points(patch));
+                    self.cuts_of.extend_from_slice(patches.cuts_of(patch));
+                }
+                self.own.set(own.iter().map(|p| &patches.list[*p as usize]));
+                let kept = self.own.keep_below(lanes, &mut self.points[whole..], &mut self.cuts_of[whole..]);
+                self.points.truncate(whole + kept);
+                self.cuts_of.truncate(whole + kept);
+            }
+            let facets = &self.facets[from.0..];
+            let sum = facets.iter().fold([0.0; 3], |s, p| along(&s, p.size * p.size, &p.normal));
+            let mean = unit(&sum).unwrap_or([0.0; 3]);
+            let from_normals = self.normals.len();
+            self.push_normals(lanes, from.0, from.1, mean);
+            let facets = &self.facets[from.0..];
+            let from_eights = self.eights.len();
+            push_eights(&self.points[from.1..], &mut self.eights);
+            self.list.push(Entry {
+                facets: (from.0, self.facets.len()),
+                points: (from.1, self.points.len()),
+                point_eights: (from_eights, self.eights.len()),
+                normals: (from_normals, self.normals.len()),
+                mean,
+                size: facets.iter().fold(0.0f64, |m, p| m.max(p.size)),
+                largest: largest(lanes, &self.eights[from_eights..]),
+            });
+        }
+    }
+
+    fn push_normals(&mut self, lanes: Checked, facets: usize, points: usize, mean: Point) {
+        let from = self.normals.len();
+        self.normals.extend(self.facets[facets..].iter().take(MOST_NORMALS).map(|f| (f.normal, 0.0)));
+        self.normals.push((mean, 0.0));
+        for some in self.normals[from..].chunks_mut(WIDE_LANES) {
+            let directions = std::array::from_fn(|i| some[i.min(some.len() - 1)].0);
+            let reach = highest(lanes, &self.points[points..], &directions);
+            some.iter_mut().zip(reach).for_each(|(n, height)| n.1 = height);
+        }
+    }
+}
+
+/// Pairs of so many facets.
+pub(crate) fn edge_count(facets: usize) -> usize {
+    facets * facets.saturating_sub(1) / 2
+}

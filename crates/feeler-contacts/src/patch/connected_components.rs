@@ -1,0 +1,270 @@
+//! Which pieces of a patch are connected.
+
+use crate::context::Ground;
+use crate::contour::contact_region::Places;
+use crate::patch::surface_patch::{Patch, Piece};
+use feeler_core::mesh::topology::adjacency::{Adjacency, NONE};
+use feeler_lanes::{Kernel, Simd, LANES};
+
+/// Most pieces that are compared each with each: as many as a set has bits.
+const FEW: usize = 2 * LANES;
+
+/// Working memory.
+#[derive(Debug, Default)]
+pub(crate) struct Split {
+    /// For each piece the first of those it is connected with.
+    first: Vec<u32>,
+    /// Patches of many pieces.
+    large: Vec<u32>,
+    /// Pieces by the places of their triangles, where these are any's.
+    piece_of: Vec<u32>,
+    stack: Vec<u32>,
+    /// Whether a piece of a patch has it.
+    taken: Vec<bool>,
+}
+
+impl Split {
+    /// Gives each connected piece of a patch a patch of its own: two faces left and right of a slot have one plane, and yet
+    /// each belongs to its own side. Only where the surface is closed and so its edges are known.
+    ///
+    /// `order` has the pieces patch by patch. Returns whether there are more patches now.
+    pub fn part(
+        &mut self,
+        ground: &Ground<'_>,
+        places: &Places,
+        w: usize,
+        list: &mut Vec<Patch>,
+        pieces: &mut [Piece],
+        order: &[u32],
+    ) -> bool {
+        if list.len() == pieces.len() {
+            return false;
+        }
+        let adjacency = ground.adjacency[w];
+        let Split { first, large, .. } = self;
+        first.clear();
+        first.resize(pieces.len(), NONE);
+        large.clear();
+        ground.lanes.run(Connect { adjacency, patches: list, pieces, order, first, large });
+        if !self.large.is_empty() {
+            self.connect_large(adjacency, places, w, list, pieces, order);
+        }
+        // The first connected piece keeps the patch.
+        let Split { first, taken, .. } = self;
+        let count = list.len();
+        taken.clear();
+        taken.resize(count, false);
+        for i in 0..pieces.len() {
+            let patch = pieces[i].patch as usize;
+            if first[i] as usize != i {
+                pieces[i].patch = pieces[first[i] as usize].patch;
+            } else if std::mem::replace(&mut taken[patch], true) {
+                pieces[i].patch = list.len() as u32;
+                list.push(list[patch]);
+            }
+        }
+        list.len() > count
+    }
+
+    /// The same for patches of many pieces, over shared edges from piece to piece.
+    fn connect_large(
+        &mut self,
+        adjacency: &Adjacency,
+        places: &Places,
+        w: usize,
+        list: &[Patch],
+        pieces: &[Piece],
+        order: &[u32],
+    ) {
+        let Split { first, large, piece_of, stack, .. } = self;
+        // What the list has of other pieces stays there: whoever asks looks whether a piece is that of the triangle.
+        piece_of.resize(places.len(w).max(piece_of.len()), 0);
+        for patch in large.iter() {
+            let of = list[*patch as usize].range(order);
+            for i in of {
+                if let Some(place) = places.get(w, pieces[*i as usize].id) {
+                    piece_of[place as usize] = *i;
+                }
+            }
+            let mut left = of.len();
+            for i in of {
+                if first[*i as usize] != NONE {
+                    continue;
+                }
+                first[*i as usize] = *i;
+                left -= 1;
+                stack.push(*i);
+                while let Some(j) = stack.pop() {
+                    if left == 0 {
+                        continue;
+                    }
+                    let beside = adjacency.neighbours[pieces[j as usize].id as usize];
+                    for n in beside.into_iter().filter(|n| *n != NONE) {
+                        let Some(place) = places.get(w, n) else { continue };
+                        let k = piece_of[place as usize];
+                        let is_it = pieces.get(k as usize).is_some_and(|piece| piece.id == n && piece.patch == *patch);
+                        if is_it && first[k as usize] == NONE {
+                            first[k as usize] = *i;
+                            left -= 1;
+                            stack.push(k);
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Finds the first of the pieces that each is connected with, for patches of few pieces; those of many it lists.
+struct Connect<'a> {
+    adjacency: &'a Adjacency,
+    patches: &'a [Patch],
+    pieces: &'a [Piece],
+    order: &'a [u32],
+    first: &'a mut [u32],
+    large: &'a mut Vec<u32>,
+}
+
+impl Kernel for Connect<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, _: S) {
+        let Connect { adjacency, patches, pieces, order, first, large } = self;
+        for (i, patch) in patches.iter().enumerate() {
+            let of = patch.range(order);
+            let mut is_closed = true;
+            for i in of {
+                is_closed &= pieces[*i as usize].closed;
+            }
+            if of.len() == 1 || !is_closed {
+                for i in of {
+                    first[*i as usize] = of[0];
+                }
+            } else if of.len() <= LANES {
+                connect::<LANES>(adjacency, pieces, of, first);
+            } else if of.len() <= FEW {
+                connect::<FEW>(adjacency, pieces, of, first);
+            } else {
+                large.push(i as u32);
+            }
+        }
+    }
+}
+
+/// At most `N` pieces of a patch: each is compared with the neighbours of each, a bit for one.
+#[inline(always)]
+fn connect<const N: usize>(adjacency: &Adjacency, pieces: &[Piece], of: &[u32], first: &mut [u32]) {
+    let mut ids = [NONE; N];
+    for (id, i) in ids.iter_mut().zip(of) {
+        *id = pieces[*i as usize].id;
+    }
+    let mut left = u32::MAX >> (u32::BITS as usize - of.len());
+    while left != 0 {
+        let from = of[left.trailing_zeros() as usize];
+        let mut next = left & left.wrapping_neg();
+        while next != 0 {
+            let i = next.trailing_zeros() as usize;
+            next &= next - 1;
+            left &= !(1 << i);
+            first[of[i] as usize] = from;
+            let [a, b, c] = adjacency.neighbours[ids[i] as usize];
+            let mut beside = 0;
+            for k in 0..N {
+                beside |= u32::from((ids[k] == a) | (ids[k] == b) | (ids[k] == c)) << k;
+            }
+            next |= beside & left;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::context::MOCKUP;
+    use feeler_lanes::Level;
+
+    /// For each piece of a patch the first of those found from it over shared edges, or of all where one is open.
+    fn plainly_first(adjacency: &Adjacency, pieces: &[Piece], of: &[u32]) -> Vec<u32> {
+        if of.iter().any(|i| !pieces[*i as usize].closed) {
+            return vec![of[0]; of.len()];
+        }
+        let mut first = vec![NONE; of.len()];
+        for from in 0..of.len() {
+            let mut next = vec![from];
+            while let Some(k) = next.pop() {
+                if first[k] == NONE {
+                    first[k] = of[from];
+                    let beside = adjacency.neighbours[pieces[of[k] as usize].id as usize];
+                    next.extend((0..of.len()).filter(|j| beside.contains(&pieces[of[*j] as usize].id)));
+                }
+            }
+        }
+        first
+    }
+
+    #[test]
+    fn pieces_are_connected_as_a_walk_finds_them() {
+        // Triangles in rows, each beside the next, with gaps; some have one neighbour more in another row.
+        let (rows, long) = (30u32, 90u32);
+        let beside = |t: u32| {
+            let (row, at) = (t / long, t % long);
+            let is_gap = |at: u32| (at * at + 3 * row).is_multiple_of(11);
+            let before = if at > 0 && !is_gap(at) { t - 1 } else { NONE };
+            let after = if at + 1 < long && !is_gap(at + 1) { t + 1 } else { NONE };
+            let other = if at.is_multiple_of(7) { (row ^ 1) * long + at } else { NONE };
+            [before, other, after]
+        };
+        let neighbours: Vec<[u32; 3]> = (0..rows * long).map(beside).collect();
+        let adjacency = Adjacency {
+            outward: vec![1; neighbours.len()],
+            neighbours,
+            regions: Vec::new(),
+            centre: [0.0; 3],
+            surfaces: Vec::new(),
+            has_cracks: false,
+        };
+        // Two rows are a patch, of which every other triangle, or more, is a piece; the pieces come in any order.
+        let mut pieces: Vec<Piece> = (0..rows * long)
+            .map(|i| i * 1009 % (rows * long))
+            .filter(|t| t % long < 4 * (t / long / 2) && (t % long % 5 > 0 || (t / long).is_multiple_of(4)))
+            .map(|t| Piece::new(t, None, (0, 0), t / long != 8))
+            .collect();
+        let mut patches: Vec<Patch> = Vec::new();
+        let mut order: Vec<u32> = Vec::new();
+        for patch in 0..rows / 2 {
+            let from = order.len() as u32;
+            order.extend((0..pieces.len() as u32).filter(|i| pieces[*i as usize].id / long / 2 == patch));
+            if order.len() as u32 > from {
+                order[from as usize..].iter().for_each(|i| pieces[*i as usize].patch = patches.len() as u32);
+                patches.push(Patch::new([0.0; 3], [0.0; 3]));
+                patches.last_mut().unwrap().points = (from, order.len() as u32);
+            }
+        }
+        let mut places = Places::default();
+        pieces.iter().for_each(|piece| _ = places.number(MOCKUP, piece.id));
+        for level in Level::available() {
+            let mut split = Split { first: vec![NONE; pieces.len()], ..Split::default() };
+            let Split { first, large, .. } = &mut split;
+            level.checked().run(Connect {
+                adjacency: &adjacency,
+                patches: &patches,
+                pieces: &pieces,
+                order: &order,
+                first,
+                large,
+            });
+            assert!(!large.is_empty() && large.len() < patches.len());
+            split.connect_large(&adjacency, &places, MOCKUP, &patches, &pieces, &order);
+            let mut counts = [0; 2];
+            for patch in &patches {
+                let of = patch.range(&order);
+                let expected = plainly_first(&adjacency, &pieces, of);
+                let found: Vec<u32> = of.iter().map(|i| split.first[*i as usize]).collect();
+                assert_eq!(found, expected, "{level:?} {}", of.len());
+                counts[usize::from(of.len() <= FEW && expected.iter().any(|i| *i != of[0]))] += 1;
+            }
+            assert!(counts.iter().all(|count| *count > 2), "{counts:?}");
+        }
+    }
+}

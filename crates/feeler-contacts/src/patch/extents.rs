@@ -1,0 +1,167 @@
+//! Size, middle and outermost points of patches, and how large the coordinates of points are.
+
+use crate::patch::support::Eight;
+use crate::patch::surface_patch::{Patch, MOST_CORNERS};
+use feeler_core::geometry::bounds::Point;
+use feeler_core::geometry::vectors::{length, scaled, sub};
+use feeler_lanes::{Checked, Kernel, Simd, WIDE_LANES};
+
+/// Directions along which the outermost points of a patch stand for all of them: axes and diagonals of a cube, and one again.
+const OUTERMOST: [Point; WIDE_LANES] = [
+    [1.0, 0.0, 0.0],
+    [0.0, 1.0, 0.0],
+    [0.0, 0.0, 1.0],
+    [1.0, 1.0, 1.0],
+    [-1.0, 1.0, 1.0],
+    [1.0, -1.0, 1.0],
+    [1.0, 1.0, -1.0],
+    [1.0, 1.0, -1.0],
+];
+
+/// What is asked of the points of a patch.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Outline {
+    /// Their mean.
+    pub middle: Point,
+    /// Diagonal of the box around them.
+    pub size: f64,
+    /// The places of the lowest and the highest along each of a few directions, where there are more than [`MOST_CORNERS`].
+    pub outermost: [[f64; WIDE_LANES]; 2],
+}
+
+/// The outlines of patches, whose points are among `points`.
+pub(crate) fn outlines(lanes: Checked, points: &[Point], patches: &[Patch], out: &mut Vec<Outline>) {
+    lanes.run(Outlined { points, patches, out });
+}
+
+struct Outlined<'a> {
+    points: &'a [Point],
+    patches: &'a [Patch],
+    out: &'a mut Vec<Outline>,
+}
+
+impl Kernel for Outlined<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) {
+        let d = s.wide_points(OUTERMOST.each_ref());
+        self.out.clear();
+        for patch in self.patches {
+            let points = patch.range(self.points);
+            let mut outermost = [[0.0; WIDE_LANES]; 2];
+            let [low, high, sum] =
+                if points.len() > MOST_CORNERS { reach(s, &d, points, &mut outermost) } else { bounds(points) };
+            let middle = scaled(&sum, 1.0 / points.len() as f64);
+            self.out.push(Outline { middle, size: length(&sub(&high, &low)), outermost });
+        }
+    }
+}
+
+/// The lowest and the highest coordinates of points, and their sums.
+#[inline(always)]
+fn bounds(points: &[Point]) -> [Point; 3] {
+    let (mut low, mut high, mut sum) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3], [0.0; 3]);
+    for p in points {
+        for a in 0..3 {
+            low[a] = if p[a] < low[a] { p[a] } else { low[a] };
+            high[a] = if p[a] > high[a] { p[a] } else { high[a] };
+            sum[a] += p[a];
+        }
+    }
+    [low, high, sum]
+}
+
+/// The same, and which points are the lowest and the highest along all directions.
+#[inline(always)]
+fn reach<S: Simd>(s: S, d: &[S::F64; 3], points: &[Point], outermost: &mut [[f64; WIDE_LANES]; 2]) -> [Point; 3] {
+    let (zero, one) = (s.wide_splat(0.0), s.wide_splat(1.0));
+    let (mut low, mut high) = (s.wide_splat(f64::INFINITY), s.wide_splat(f64::NEG_INFINITY));
+    let (mut low_at, mut high_at, mut sum, mut place) = (zero, zero, zero, zero);
+    for p in points {
+        // Along the axes these are the coordinates.
+        let h = s.wide_splat(p[0]) * d[0] + s.wide_splat(p[1]) * d[1] + s.wide_splat(p[2]) * d[2];
+        low_at = s.choose(s.wide_above(h, low), low_at, place);
+        high_at = s.choose(s.wide_above(high, h), high_at, place);
+        (low, high) = (s.wide_min(low, h), s.wide_max(high, h));
+        sum = sum + h;
+        place = place + one;
+    }
+    s.wide_store(low_at, &mut outermost[0]);
+    s.wide_store(high_at, &mut outermost[1]);
+    let mut stored = [[0.0; WIDE_LANES]; 3];
+    for (x, to) in [low, high, sum].into_iter().zip(&mut stored) {
+        s.wide_store(x, to);
+    }
+    stored.map(|x| [x[0], x[1], x[2]])
+}
+
+/// The largest coordinate of points, whatever its sign; 0 where there is none.
+pub(crate) fn largest(lanes: Checked, points: &[Eight]) -> f64 {
+    lanes.run(Largest { points })
+}
+
+struct Largest<'a> {
+    points: &'a [Eight],
+}
+
+impl Kernel for Largest<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) -> f64 {
+        let mut most = [s.wide_splat(0.0); 3];
+        for eight in self.points {
+            for a in 0..3 {
+                most[a] = s.wide_max(most[a], s.wide_abs(s.wide_load(&eight[a])));
+            }
+        }
+        let mut found = [0.0; WIDE_LANES];
+        s.wide_store(s.wide_max(s.wide_max(most[0], most[1]), most[2]), &mut found);
+        let mut all = 0.0;
+        for x in found {
+            all = if x > all { x } else { all };
+        }
+        all
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::patch::support::push_eights;
+    use feeler_core::geometry::bounds::Aabb;
+    use feeler_core::geometry::vectors::{add, dot};
+    use feeler_lanes::Level;
+
+    #[test]
+    fn outlines_are_those_a_loop_finds() {
+        // Some points twice.
+        let wave = |i: usize| [(0.7 * i as f64).sin() - 0.4, (1.9 * i as f64).cos(), (0.3 * i as f64).sin() - 3.0];
+        let points: Vec<Point> = (0..60).map(|i| wave(i % 17)).collect();
+        for level in Level::available() {
+            let ranges = [(0, 1), (3, 5), (7, 40), (20, 28), (30, 39), (0, 60)];
+            let mut patches = ranges.map(|_| Patch::new([0.0; 3], [0.0; 3]));
+            patches.iter_mut().zip(ranges).for_each(|(patch, points)| patch.points = points);
+            let mut found = Vec::new();
+            outlines(level.checked(), &points, &patches, &mut found);
+            for ((from, to), found) in ranges.into_iter().zip(&found) {
+                let points = &points[from as usize..to as usize];
+                let mut bounds = Aabb::EMPTY;
+                points.iter().for_each(|p| bounds.grow(p));
+                let sum = points.iter().fold([0.0; 3], |s, p| add(&s, p));
+                assert_eq!(found.size, length(&bounds.extent()));
+                assert_eq!(found.middle, scaled(&sum, 1.0 / points.len() as f64));
+                for (i, d) in OUTERMOST.iter().enumerate().filter(|_| points.len() > MOST_CORNERS) {
+                    let [low, high] = found.outermost.map(|of| dot(&points[of[i] as usize], d));
+                    assert!(points.iter().all(|p| low <= dot(p, d) && dot(p, d) <= high), "{level:?} {d:?}");
+                }
+                let mut eights = Vec::new();
+                push_eights(points, &mut eights);
+                let most = points.iter().flatten().fold(0.0, |m: f64, x| m.max(x.abs()));
+                assert_eq!(largest(level.checked(), &eights), most);
+            }
+            assert_eq!(largest(level.checked(), &[]), 0.0);
+        }
+    }
+}

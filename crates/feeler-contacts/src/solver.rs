@@ -1,0 +1,59 @@
+//! Contacts of one scene: a facade, each query stands in its own room.
+
+use std::sync::Arc;
+
+use feeler_core::scratch_pool::ScratchPool;
+use feeler_core::{Pose, Result, Scene, Tool};
+
+use crate::contact_plane::Contacts;
+use crate::escape::penetration::{penetration, Penetration};
+use crate::query::{ContactQuery, ContactScratch};
+
+/// Finds contacts in a scene. Owns the working memory of its queries; any number of threads may ask it at once.
+#[derive(Debug)]
+pub struct ContactSolver {
+    scene: Arc<Scene>,
+    pool: ScratchPool<ContactScratch>,
+}
+
+impl ContactSolver {
+    /// Of a scene.
+    pub fn new(scene: Arc<Scene>) -> ContactSolver {
+        ContactSolver { scene, pool: ScratchPool::default() }
+    }
+
+    /// The scene.
+    pub fn scene(&self) -> &Arc<Scene> {
+        &self.scene
+    }
+
+    /// The contact planes of a tool at a pose: at most [`MOST_PLANES`](crate::MOST_PLANES), deepest first, for what meets and for what is nearer
+    /// than `margin` (metres).
+    ///
+    /// `reference` is a pose where the tool was free, the last one before this: it tells on which side of open surfaces the
+    /// tool belongs. Without it the side of the tool's centre of area counts. Closed surfaces have an inside and need it only
+    /// where the tool went right through.
+    ///
+    /// Beside more than 6 deep planes the margin shrinks in proportion, to nothing at 12; and it is halved
+    /// while more than a million pairs of triangles are within it.
+    ///
+    /// Errors: a margin that is negative, NaN or infinite, and more near pairs than the memory limit of the scene allows.
+    pub fn contacts(&self, tool: &Tool, pose: &Pose, margin: f64, reference: Option<&Pose>) -> Result<Contacts> {
+        self.query().contacts(tool, pose, margin, reference)
+    }
+
+    /// The translation of least length that frees the tool where it is: shortest over the contact planes of the pose, checked
+    /// at the moved pose, and sought anew with the planes met there. Where that frees nothing, a way is sought along many
+    /// directions, ever farther, up to the tool's size; and so is it where the tool meets nothing since it is wholly inside a
+    /// solid, or one inside it, up to the size of both.
+    ///
+    /// `margin` (metres): surfaces nearer than that keep the way out from running into them. `reference` as in
+    /// [`contacts`](Self::contacts), and so the errors.
+    pub fn penetration(&self, tool: &Tool, pose: &Pose, margin: f64, reference: Option<&Pose>) -> Result<Penetration> {
+        penetration(&self.query(), tool, pose, margin, reference)
+    }
+
+    pub(crate) fn query(&self) -> ContactQuery<'_> {
+        ContactQuery { scene: &self.scene, pool: &self.pool }
+    }
+}

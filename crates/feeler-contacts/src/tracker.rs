@@ -1,0 +1,38 @@
+//! A tool that moves, and where it was last free.
+
+use feeler_core::{Pose, Result, Tool};
+
+use crate::contact_plane::Contacts;
+use crate::solver::ContactSolver;
+
+/// Remembers the last pose at which nothing met, as the reference for open surfaces.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct ContactTracker {
+    last_free: Option<Pose>,
+}
+
+impl ContactTracker {
+    /// Knows of no free pose yet; a tool that starts inside is judged by where its bulk is.
+    pub fn new() -> ContactTracker {
+        ContactTracker::default()
+    }
+
+    /// The last pose at which nothing met.
+    pub fn last_free(&self) -> Option<&Pose> {
+        self.last_free.as_ref()
+    }
+
+    /// Takes a pose for free, or forgets it.
+    pub fn set_last_free(&mut self, pose: Option<Pose>) {
+        self.last_free = pose;
+    }
+
+    /// [`ContactSolver::contacts`] with the last free pose as reference; a pose at which nothing meets becomes the next.
+    pub fn contacts(&mut self, solver: &ContactSolver, tool: &Tool, pose: &Pose, margin: f64) -> Result<Contacts> {
+        let contacts = solver.contacts(tool, pose, margin, self.last_free.as_ref())?;
+        if !contacts.is_meeting {
+            self.last_free = Some(*pose);
+        }
+        Ok(contacts)
+    }
+}

@@ -1,0 +1,122 @@
+//! The pairs that meet at many poses, in parallel.
+
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+
+use rayon::prelude::*;
+
+use super::hits::Hit;
+use super::narrow::Filters;
+use super::query::{run, CollideScratch};
+use crate::error::{Error, Result};
+use crate::geometry::intersect_triangle_triangle::PairKind;
+use crate::geometry::pose::Pose;
+use crate::index::mockup_index::Index;
+use crate::progress::{report, Progress};
+use crate::scratch_pool::ScratchPool;
+use crate::tool::moving_tool::Tool;
+
+/// The pairs of many poses, one after the other.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Batch {
+    /// Pose `i` has pairs `offsets[i]..offsets[i + 1]`.
+    pub offsets: Vec<u64>,
+    /// As in [`Collision`](super::query::Collision).
+    pub pairs: Vec<[u32; 2]>,
+    /// As in [`Collision`](super::query::Collision).
+    pub kinds: Vec<PairKind>,
+}
+
+impl Batch {
+    /// What the tasks of so many poses found, put together in parallel. New pages are first touched by the threads that fill them:
+    /// to make one takes the system longer than all that is written to it takes.
+    fn of_tasks(tasks: Vec<Task>, poses: usize) -> Batch {
+        let mut sum = 0;
+        let mut offsets = Vec::with_capacity(poses + 1);
+        offsets.push(0);
+        offsets.extend(tasks.iter().flat_map(|task| task.counts).take(poses).map(|n| {
+            sum += n as u64;
+            sum
+        }));
+        // Pairs begin as zeros that the system gives untouched. Kinds are not numbers, so all threads write them.
+        let mut batch = Batch { offsets, pairs: vec![[0; 2]; sum as usize], kinds: Vec::new() };
+        rayon::iter::repeat_n(PairKind::Coplanar, sum as usize).collect_into_vec(&mut batch.kinds);
+        let (mut pairs, mut kinds) = (&mut batch.pairs[..], &mut batch.kinds[..]);
+        let mut parts = Vec::with_capacity(tasks.len());
+        for Task { hits, .. } in tasks {
+            let (own_pairs, own_kinds);
+            (own_pairs, pairs) = pairs.split_at_mut(hits.len());
+            (own_kinds, kinds) = kinds.split_at_mut(hits.len());
+            parts.push((hits, own_pairs, own_kinds));
+        }
+        parts.into_par_iter().for_each(|(hits, pairs, kinds)| {
+            for ((hit, pair), kind) in hits.iter().zip(pairs).zip(kinds) {
+                (*pair, *kind) = (hit.pair(), hit.kind());
+            }
+        });
+        batch
+    }
+}
+
+/// Poses of a batch that one thread works on at a time.
+const TASK: usize = 16;
+
+/// What they found.
+struct Task {
+    hits: Vec<Hit>,
+    /// Of each pose; the last task of a batch may have fewer poses.
+    counts: [usize; TASK],
+}
+
+/// Every pair that meets at each of many poses, in parallel on the current rayon pool.
+///
+/// What is found is put together at the end, so that for a moment a pair is held twice. `progress` is told after each few
+/// thousand poses. Errors when the result would outgrow the memory limit of the scene.
+pub fn collide_batch(
+    index: &Index,
+    pool: &ScratchPool<CollideScratch>,
+    tool: &Tool,
+    poses: &[Pose],
+    progress: Progress<'_>,
+) -> Result<Batch> {
+    const WAVE: usize = 4096;
+    // A pair takes 9 bytes in the result and 8 in its task, which may have room for as many more.
+    let needed = |pairs: u64| 26 * pairs + 24 * poses.len() as u64;
+    let fits = |pairs: u64| needed(pairs) <= index.memory_limit();
+    let (pairs, done) = (AtomicU64::new(0), AtomicU64::new(0));
+    let mut tasks: Vec<Task> = Vec::with_capacity(poses.len().div_ceil(TASK));
+    for (n, wave) in poses.chunks(WAVE).enumerate() {
+        report(progress, (n * WAVE) as f64 / poses.len() as f64, "colliding")?;
+        tasks.par_extend(wave.par_chunks(TASK).map(|task| {
+            let mut scratch = pool.take();
+            // Room for a little more than tasks before found in the mean: an allocation or two a task, none a pose.
+            let mean = pairs.load(Relaxed) / (done.load(Relaxed) + 1);
+            let room = if fits(pairs.load(Relaxed)) { mean + mean / 4 } else { 0 };
+            let mut found = Task { hits: Vec::with_capacity(room as usize), counts: [0; TASK] };
+            for (pose, count) in task.iter().zip(&mut found.counts) {
+                if !fits(pairs.load(Relaxed) + found.hits.len() as u64) {
+                    break;
+                }
+                run(index, tool, pose, Filters::default(), false, &mut scratch);
+                *count = scratch.sorted().len();
+                found.hits.extend(scratch.sorted());
+            }
+            // What poses before this task's found says little of these: no more room than that is kept.
+            found.hits.shrink_to(2 * found.hits.len());
+            pairs.fetch_add(found.hits.len() as u64, Relaxed);
+            done.fetch_add(1, Relaxed);
+            pool.put(scratch);
+            found
+        }));
+        if !fits(pairs.load(Relaxed)) {
+            return Err(Error::Memory {
+                what: "the pairs of this batch",
+                needed: needed(pairs.into_inner()),
+                allowed: index.memory_limit(),
+                advice: "pass fewer poses at a time, or allow more memory",
+            });
+        }
+    }
+    let batch = Batch::of_tasks(tasks, poses.len());
+    report(progress, 1.0, "done")?;
+    Ok(batch)
+}

@@ -1,0 +1,86 @@
+//! Every pair of triangles that meets at a pose, or any.
+
+use super::hits::{Hit, Hits};
+use super::narrow::{Filters, Narrow, Pending, PlacedBounds};
+use crate::geometry::intersect_triangle_triangle::PairKind;
+use crate::geometry::pose::Pose;
+use crate::index::blocks::BlocksScratch;
+use crate::index::mockup_index::Index;
+use crate::index::pair_set::PairSet;
+use crate::index::sink::{PlacedTool, Stats};
+use crate::tool::moving_tool::Tool;
+
+/// The pairs of triangles that meet at one pose.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Collision {
+    /// `[tool triangle, mock-up triangle]`, unique, sorted.
+    pub pairs: Vec<[u32; 2]>,
+    /// How each pair meets.
+    pub kinds: Vec<PairKind>,
+    /// What the query did.
+    pub stats: Stats,
+}
+
+/// Working memory of one query at a time; queries allocate nothing once it has grown to their needs.
+#[derive(Debug, Default)]
+#[repr(align(128))] // two threads never write to one line, nor to the pair of lines that is fetched together
+pub struct CollideScratch {
+    placed: PlacedBounds,
+    seen: PairSet,
+    pending: Pending,
+    blocks: BlocksScratch,
+    hits: Hits,
+    stats: Stats,
+}
+
+impl CollideScratch {
+    /// What the last query found, in order, each once.
+    pub(super) fn sorted(&self) -> impl ExactSizeIterator<Item = Hit> + '_ {
+        self.hits.sorted()
+    }
+}
+
+/// Every pair that meets, sorted by tool triangle, then mock-up triangle, into a result whose memory is used again. Exact.
+pub fn collide_into(
+    index: &Index,
+    tool: &Tool,
+    pose: &Pose,
+    filters: Filters,
+    scratch: &mut CollideScratch,
+    out: &mut Collision,
+) {
+    run(index, tool, pose, filters, false, scratch);
+    out.pairs.clear();
+    out.kinds.clear();
+    scratch.hits.unpack(index.lanes(), &mut out.pairs, &mut out.kinds);
+    out.stats = scratch.stats;
+}
+
+/// Any pair that meets, `[tool triangle, mock-up triangle]`; stops at the first.
+pub fn any_pair(index: &Index, tool: &Tool, pose: &Pose, scratch: &mut CollideScratch) -> Option<[u32; 2]> {
+    run(index, tool, pose, Filters::default(), true, scratch);
+    scratch.hits.sorted().next().map(Hit::pair)
+}
+
+/// One query: `scratch.hits` afterwards holds the sorted, unique pairs.
+pub(super) fn run(
+    index: &Index,
+    tool: &Tool,
+    pose: &Pose,
+    filters: Filters,
+    first_only: bool,
+    scratch: &mut CollideScratch,
+) {
+    let CollideScratch { placed, seen, pending, blocks, hits, stats } = scratch;
+    placed.begin();
+    seen.clear();
+    pending.clear();
+    hits.clear();
+    *stats = Stats::default();
+    let at = PlacedTool { mesh: index.mockup().mesh(), tool, pose, lanes: index.lanes() };
+    let mut narrow = Narrow { at, filters, first_only, placed, seen, pending, hits, stats };
+    index.store().offer_candidates(&at, blocks, &mut narrow);
+    narrow.finish();
+    hits.sort(index.lanes());
+    stats.pairs = hits.sorted().len() as u64;
+}

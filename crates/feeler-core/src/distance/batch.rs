@@ -1,0 +1,109 @@
+//! The queries at many poses, in parallel.
+
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+
+use rayon::prelude::*;
+
+use super::gap::Gap;
+use super::query::{check_distance, find_gaps, most_gaps, too_many_gaps, DistanceScratch};
+use super::wanted::Goal;
+use crate::error::Result;
+use crate::geometry::pose::Pose;
+use crate::index::mockup_index::Index;
+use crate::progress::{report, Progress};
+use crate::scratch_pool::ScratchPool;
+use crate::tool::moving_tool::Tool;
+
+/// Poses between two reports of progress.
+const WAVE: usize = 4096;
+/// Poses a task handles at a time.
+const TASK: usize = 8;
+
+/// The gaps of many poses, one after the other.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct GapBatch {
+    /// Pose `i` has gaps `offsets[i]..offsets[i + 1]`.
+    pub offsets: Vec<u64>,
+    /// As of [`Scene::clearance`](crate::Scene::clearance).
+    pub gaps: Vec<Gap>,
+}
+
+/// The closest pair at each of many poses, in parallel on the current rayon pool.
+pub fn distance_batch(
+    index: &Index,
+    pool: &ScratchPool<DistanceScratch>,
+    tool: &Tool,
+    poses: &[Pose],
+    max: f64,
+    progress: Progress<'_>,
+) -> Result<Vec<Option<Gap>>> {
+    check_distance("max", max)?;
+    let mut found = vec![None; poses.len()];
+    for (n, (wave, out)) in poses.chunks(WAVE).zip(found.chunks_mut(WAVE)).enumerate() {
+        report(progress, (n * WAVE) as f64 / poses.len() as f64, "measuring distances")?;
+        wave.par_chunks(TASK).zip(out.par_chunks_mut(TASK)).for_each(|(task, out)| {
+            let mut scratch = pool.take();
+            for (pose, out) in task.iter().zip(out) {
+                find_gaps(index, tool, pose, Goal::Nearest(1), max, &mut scratch);
+                *out = scratch.gaps().first().copied();
+            }
+            pool.put(scratch);
+        });
+    }
+    report(progress, 1.0, "done")?;
+    Ok(found)
+}
+
+/// The closest pair of each part within a distance at each of many poses, or with `pairs` every pair, in parallel on the current
+/// rayon pool. Errors when the result would outgrow the memory limit of the scene.
+pub fn clearance_batch(
+    index: &Index,
+    pool: &ScratchPool<DistanceScratch>,
+    tool: &Tool,
+    poses: &[Pose],
+    within: f64,
+    pairs: bool,
+    progress: Progress<'_>,
+) -> Result<GapBatch> {
+    check_distance("within", within)?;
+    let goal = if pairs { Goal::Pairs } else { Goal::Parts };
+    let mut batch = GapBatch { offsets: Vec::with_capacity(poses.len() + 1), gaps: Vec::new() };
+    batch.offsets.push(0);
+    let most = most_gaps(index);
+    for (n, wave) in poses.chunks(WAVE).enumerate() {
+        report(progress, (n * WAVE) as f64 / poses.len() as f64, "measuring clearances")?;
+        let count = AtomicUsize::new(batch.gaps.len());
+        let found: Vec<(Vec<Gap>, Vec<usize>)> = wave
+            .par_chunks(TASK)
+            .map(|task| {
+                let mut scratch = pool.take();
+                let (mut gaps, mut counts) = (Vec::new(), Vec::with_capacity(task.len()));
+                for pose in task {
+                    if count.load(Relaxed) > most {
+                        break;
+                    }
+                    find_gaps(index, tool, pose, goal, within, &mut scratch);
+                    gaps.extend_from_slice(scratch.gaps());
+                    counts.push(scratch.gaps().len());
+                    count.fetch_add(scratch.gaps().len(), Relaxed);
+                }
+                pool.put(scratch);
+                (gaps, counts)
+            })
+            .collect();
+        let count = count.into_inner();
+        if count > most {
+            return Err(too_many_gaps(index, count));
+        }
+        for (gaps, counts) in found {
+            let mut sum = batch.gaps.len() as u64;
+            batch.offsets.extend(counts.iter().map(|n| {
+                sum += *n as u64;
+                sum
+            }));
+            batch.gaps.extend(gaps);
+        }
+    }
+    report(progress, 1.0, "done")?;
+    Ok(batch)
+}

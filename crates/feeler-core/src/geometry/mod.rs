@@ -1,0 +1,11 @@
+//! Points, boxes, poses, and two triangles: whether they meet, exactly, and how far they are apart.
+
+pub mod bounds;
+pub mod distance_lanes;
+pub mod distance_triangle_triangle;
+pub mod intersect_lanes;
+pub mod intersect_triangle_triangle;
+pub mod pose;
+pub mod predicates;
+pub mod triangle_normals;
+pub mod vectors;

@@ -1,0 +1,239 @@
+//! Exact signs of orientation determinants.
+//!
+//! Three stages, each only where the one before cannot decide: float64 with an error bound, adaptive expansions
+//! (J. R. Shewchuk, *Adaptive precision floating-point arithmetic and fast robust geometric predicates*, 1997; the
+//! `robust` crate), and big integers where expansions could under- or overflow.
+//!
+//! All coordinates must be finite and at most [`LARGEST_COORDINATE`](crate::constants::LARGEST_COORDINATE) in size.
+
+use num_bigint::{BigInt, Sign as BigSign};
+
+use crate::constants::UNIT_ROUNDOFF;
+use crate::geometry::bounds::Point;
+
+/// A sign: -1, 0 or 1.
+pub type Sign = i8;
+
+/// Orientation signs, with a count of those that float64 arithmetic could not decide.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Signs {
+    /// Signs that took exact arithmetic.
+    pub exact: u64,
+}
+
+impl Signs {
+    /// See [`orient3d`].
+    #[inline]
+    pub fn orient3d(&mut self, a: &Point, b: &Point, c: &Point, d: &Point) -> Sign {
+        orient3d_filter(a, b, c, d).unwrap_or_else(|| {
+            self.exact += 1;
+            orient3d_exact(a, b, c, d)
+        })
+    }
+
+    /// See [`orient2d`].
+    #[inline]
+    pub fn orient2d(&mut self, a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> Sign {
+        orient2d_filter(a, b, c).unwrap_or_else(|| {
+            self.exact += 1;
+            orient2d_exact(a, b, c)
+        })
+    }
+}
+
+/// Error bound of the float64 evaluation of `orient3d`, relative to its permanent (the same sum with absolute values).
+///
+/// Shewchuk's stage-A bound: differences carry one rounding each, products and sums up to six more on any path, which
+/// gives (7 + 56 u) u with u the unit roundoff; the second term covers the higher orders and the rounding of the
+/// permanent itself.
+pub const ORIENT3D_BOUND: f64 = (7.0 + 56.0 * UNIT_ROUNDOFF) * UNIT_ROUNDOFF;
+
+/// The same for `orient2d`: (3 + 16 u) u.
+const ORIENT2D_BOUND: f64 = (3.0 + 16.0 * UNIT_ROUNDOFF) * UNIT_ROUNDOFF;
+
+/// Below this permanent the bounds above could be spoilt by underflow: a product that underflows loses at most 2^-1074,
+/// which a further factor of at most 2e100 and the sum of six terms bring to less than 1e-221; the bound itself is then
+/// 7e-216 or more.
+pub const SAFE_PERMANENT: f64 = 1e-200;
+
+/// Adaptive expansions are exact while every nonzero input has a binary exponent in this range (Shewchuk, section 5:
+/// [-142, 201] for `orient3d`).
+const SAFE_SMALLEST: f64 = 1.8e-43; // just above 2^-142
+/// See [`SAFE_SMALLEST`].
+const SAFE_LARGEST: f64 = 3.2e60; // just below 2^201
+
+/// Which side of the plane through `a`, `b`, `c` the point `d` lies on: the sign of `det[a-d; b-d; c-d]`.
+///
+/// Positive when `a`, `b`, `c` turn clockwise seen from `d`.
+#[inline]
+pub fn orient3d(a: &Point, b: &Point, c: &Point, d: &Point) -> Sign {
+    Signs::default().orient3d(a, b, c, d)
+}
+
+/// The sign where float64 arithmetic can prove it, else `None`.
+#[inline]
+pub fn orient3d_filter(a: &Point, b: &Point, c: &Point, d: &Point) -> Option<Sign> {
+    let [adx, ady, adz] = [a[0] - d[0], a[1] - d[1], a[2] - d[2]];
+    let [bdx, bdy, bdz] = [b[0] - d[0], b[1] - d[1], b[2] - d[2]];
+    let [cdx, cdy, cdz] = [c[0] - d[0], c[1] - d[1], c[2] - d[2]];
+    let (bdxcdy, cdxbdy) = (bdx * cdy, cdx * bdy);
+    let (cdxady, adxcdy) = (cdx * ady, adx * cdy);
+    let (adxbdy, bdxady) = (adx * bdy, bdx * ady);
+    let det = adz * (bdxcdy - cdxbdy) + bdz * (cdxady - adxcdy) + cdz * (adxbdy - bdxady);
+    let permanent = (bdxcdy.abs() + cdxbdy.abs()) * adz.abs()
+        + (cdxady.abs() + adxcdy.abs()) * bdz.abs()
+        + (adxbdy.abs() + bdxady.abs()) * cdz.abs();
+    certain_sign(det, ORIENT3D_BOUND * permanent, permanent)
+}
+
+/// Which side of the directed line `a -> b` the point `c` lies on, in the plane: positive on the left.
+#[inline]
+pub fn orient2d(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> Sign {
+    Signs::default().orient2d(a, b, c)
+}
+
+/// The sign where float64 arithmetic can prove it, else `None`.
+#[inline]
+pub fn orient2d_filter(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> Option<Sign> {
+    let left = (a[0] - c[0]) * (b[1] - c[1]);
+    let right = (a[1] - c[1]) * (b[0] - c[0]);
+    let permanent = left.abs() + right.abs();
+    certain_sign(left - right, ORIENT2D_BOUND * permanent, permanent)
+}
+
+/// True when the three corners lie on one line: the triangle has exactly zero area.
+pub fn is_collinear(a: &Point, b: &Point, c: &Point) -> bool {
+    [(0, 1), (1, 2), (2, 0)].iter().all(|&(u, v)| orient2d([a[u], a[v]], [b[u], b[v]], [c[u], c[v]]) == 0)
+}
+
+#[inline]
+fn certain_sign(det: f64, bound: f64, permanent: f64) -> Option<Sign> {
+    if permanent > SAFE_PERMANENT {
+        if det > bound {
+            return Some(1);
+        }
+        if det < -bound {
+            return Some(-1);
+        }
+    }
+    None
+}
+
+#[cold]
+fn orient3d_exact(a: &Point, b: &Point, c: &Point, d: &Point) -> Sign {
+    if [a, b, c, d].iter().all(|p| is_safe(*p)) {
+        let p = |p: &Point| robust::Coord3D { x: p[0], y: p[1], z: p[2] };
+        return sign_of(robust::orient3d(p(a), p(b), p(c), p(d)));
+    }
+    orient3d_big(a, b, c, d)
+}
+
+#[cold]
+fn orient2d_exact(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> Sign {
+    if [a, b, c].iter().all(|p| is_safe(p)) {
+        let p = |p: [f64; 2]| robust::Coord { x: p[0], y: p[1] };
+        return sign_of(robust::orient2d(p(a), p(b), p(c)));
+    }
+    let [a, b, c] = [a, b, c].map(|p| p.map(big));
+    big_sign(&((&a[0] - &c[0]) * (&b[1] - &c[1]) - (&a[1] - &c[1]) * (&b[0] - &c[0])))
+}
+
+/// `orient3d` in big integers: always right, and slow.
+fn orient3d_big(a: &Point, b: &Point, c: &Point, d: &Point) -> Sign {
+    let d = d.map(big);
+    let [a, b, c] = [a, b, c].map(|p| {
+        let p = p.map(big);
+        [&p[0] - &d[0], &p[1] - &d[1], &p[2] - &d[2]]
+    });
+    let minor = |u: &[BigInt; 3], v: &[BigInt; 3]| &u[0] * &v[1] - &v[0] * &u[1];
+    big_sign(&(&a[2] * minor(&b, &c) + &b[2] * minor(&c, &a) + &c[2] * minor(&a, &b)))
+}
+
+/// The number in units of 2^-1074, the smallest float64: an integer for every finite float64.
+fn big(x: f64) -> BigInt {
+    let bits = x.to_bits();
+    let exponent = (bits >> 52 & 0x7ff) as u32;
+    let fraction = bits & ((1 << 52) - 1);
+    let (mantissa, shift) = if exponent == 0 { (fraction, 0) } else { (fraction | 1 << 52, exponent - 1) };
+    let magnitude = BigInt::from(mantissa) << shift;
+    if x.is_sign_negative() {
+        -magnitude
+    } else {
+        magnitude
+    }
+}
+
+fn big_sign(x: &BigInt) -> Sign {
+    match x.sign() {
+        BigSign::Minus => -1,
+        BigSign::NoSign => 0,
+        BigSign::Plus => 1,
+    }
+}
+
+fn is_safe(coordinates: &[f64]) -> bool {
+    coordinates.iter().all(|x| *x == 0.0 || (SAFE_SMALLEST..SAFE_LARGEST).contains(&x.abs()))
+}
+
+fn sign_of(x: f64) -> Sign {
+    if x > 0.0 {
+        1
+    } else if x < 0.0 {
+        -1
+    } else {
+        0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// Coordinates that make trouble: small integers, their neighbours, and all scales from denormal to huge.
+    fn coordinate() -> impl Strategy<Value = f64> {
+        prop_oneof![
+            (-3i32..4).prop_map(f64::from),
+            (-3i32..4).prop_map(|i| f64::from(i) * 0.1),
+            (-3i32..4).prop_map(|i| f64::from_bits((f64::from(i) + 0.5).to_bits() + 1)),
+            (-3i32..4).prop_map(|i| f64::from(i) * 1e90),
+            (-3i32..4).prop_map(|i| f64::from(i) * 5e-324),
+            (-3i32..4).prop_map(|i| f64::from(i) * 1e-120),
+        ]
+    }
+
+    fn point() -> impl Strategy<Value = Point> {
+        [coordinate(), coordinate(), coordinate()]
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(20_000))]
+        #[test]
+        fn orient3d_agrees_with_big_integers(a in point(), b in point(), c in point(), d in point()) {
+            prop_assert_eq!(orient3d(&a, &b, &c, &d), orient3d_big(&a, &b, &c, &d));
+        }
+
+        #[test]
+        fn orient2d_agrees_with_orient3d(a in point(), b in point(), c in point()) {
+            let lift = |p: Point| [p[0], p[1], 0.0];
+            let apex = [0.0, 0.0, 1.0];
+            let flat = orient2d([a[0], a[1]], [b[0], b[1]], [c[0], c[1]]);
+            prop_assert_eq!(flat, -orient3d_big(&lift(a), &lift(b), &lift(c), &apex));
+        }
+    }
+
+    #[test]
+    fn signs_follow_the_documented_orientation() {
+        let [a, b, c] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        assert_eq!(orient3d(&a, &b, &c, &[0.0, 0.0, -1.0]), 1);
+        assert_eq!(orient3d(&a, &b, &c, &[0.0, 0.0, 1.0]), -1);
+        assert_eq!(orient2d([0.0, 0.0], [1.0, 0.0], [0.0, 1.0]), 1);
+    }
+
+    #[test]
+    fn collinear_only_when_exactly_so() {
+        assert!(is_collinear(&[0.0; 3], &[1.0; 3], &[3.0; 3]));
+        assert!(!is_collinear(&[0.0; 3], &[0.1; 3], &[0.3, 0.3, f64::from_bits(0.3f64.to_bits() + 1)]));
+        assert!(!is_collinear(&[0.0, 0.0, 0.0], &[5e-324, 0.0, 0.0], &[0.0, 5e-324, 0.0]));
+    }
+}

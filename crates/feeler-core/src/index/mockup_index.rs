@@ -1,0 +1,76 @@
+//! A mock-up with its index: what every query asks.
+
+use std::sync::Arc;
+
+use feeler_lanes::{Checked, Level};
+
+use crate::error::{Error, Result};
+use crate::index::store::{Storage, Store};
+use crate::mesh::triangle_mesh::Mockup;
+use crate::progress::Progress;
+
+/// A mock-up and its store. Immutable while it is queried.
+#[derive(Debug)]
+pub struct Index {
+    mockup: Arc<Mockup>,
+    voxel_size: f64,
+    storage: Storage,
+    memory_limit: u64,
+    store: Store,
+    lanes: Checked,
+}
+
+impl Index {
+    /// Builds the store, in parallel on the current rayon pool. `memory_limit`: most bytes that this, or a query's result, may take.
+    ///
+    /// Errors: a voxel size or hashing level out of range, or one that needs more memory than allowed; the latter before
+    /// anything is allocated.
+    pub fn build(
+        mockup: Arc<Mockup>,
+        storage: Storage,
+        voxel_size: f64,
+        memory_limit: u64,
+        progress: Progress<'_>,
+    ) -> Result<Index> {
+        if !(voxel_size.is_finite() && voxel_size > 0.0) {
+            return Err(Error::VoxelSize { value: voxel_size });
+        }
+        let store = Store::build(mockup.mesh(), storage, voxel_size, memory_limit, progress)?;
+        Ok(Index { mockup, voxel_size, storage, memory_limit, store, lanes: Level::best().checked() })
+    }
+
+    /// The mock-up.
+    pub fn mockup(&self) -> &Arc<Mockup> {
+        &self.mockup
+    }
+
+    /// Voxel edge, or the piece size of blocks, metres.
+    pub fn voxel_size(&self) -> f64 {
+        self.voxel_size
+    }
+
+    /// How the triangles are stored.
+    pub fn storage(&self) -> Storage {
+        self.storage
+    }
+
+    /// Most bytes a result may take.
+    pub fn memory_limit(&self) -> u64 {
+        self.memory_limit
+    }
+
+    /// Who offers candidate pairs.
+    pub fn store(&self) -> &Store {
+        &self.store
+    }
+
+    /// The instruction set of queries.
+    pub fn lanes(&self) -> Checked {
+        self.lanes
+    }
+
+    /// Has queries use another instruction set than the best; where the CPU lacks it, the best.
+    pub fn set_lanes(&mut self, lanes: Level) {
+        self.lanes = lanes.checked();
+    }
+}

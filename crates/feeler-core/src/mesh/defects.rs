@@ -1,0 +1,197 @@
+//! Triangles that cannot be queried, and exact duplicates: found, counted and listed, never dropped in silence.
+
+use rayon::prelude::*;
+
+use crate::constants::{DEFECT_IDS_KEPT, LARGEST_COORDINATE};
+use crate::geometry::bounds::{Point, Triangle};
+use crate::geometry::predicates::is_collinear;
+
+/// What can be wrong with a triangle. A triangle is counted under the first that applies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[repr(u8)]
+pub enum DefectKind {
+    /// A vertex index past the last vertex. Not queried.
+    IndexOutOfRange = 0,
+    /// A corner with NaN or an infinity. Not queried.
+    NonFinite = 1,
+    /// A corner beyond [`LARGEST_COORDINATE`]. Not queried.
+    TooLarge = 2,
+    /// Corners exactly on one line. Not queried.
+    ZeroArea = 3,
+    /// The same three corners as an earlier triangle, in any order. Queried like any other.
+    Duplicate = 4,
+}
+
+impl DefectKind {
+    /// All kinds, in the order they are reported.
+    pub const ALL: [DefectKind; 5] = [
+        DefectKind::IndexOutOfRange,
+        DefectKind::NonFinite,
+        DefectKind::TooLarge,
+        DefectKind::ZeroArea,
+        DefectKind::Duplicate,
+    ];
+
+    /// The name used in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            DefectKind::IndexOutOfRange => "index_out_of_range",
+            DefectKind::NonFinite => "non_finite",
+            DefectKind::TooLarge => "too_large",
+            DefectKind::ZeroArea => "zero_area",
+            DefectKind::Duplicate => "duplicate",
+        }
+    }
+}
+
+/// How many triangles have one kind of defect, and which come first.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Defect {
+    /// Triangles with this defect.
+    pub count: usize,
+    /// The first ids, sorted, at most [`DEFECT_IDS_KEPT`].
+    pub first: Vec<u32>,
+}
+
+/// The defects of a mesh.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Defects {
+    /// One entry per [`DefectKind`], in its order.
+    pub by_kind: [Defect; 5],
+    /// Ids of all triangles that are not queried, sorted.
+    pub excluded: Vec<u32>,
+}
+
+impl Defects {
+    /// Looks at every triangle.
+    pub fn find(vertices: &[Point], faces: &[[u32; 3]]) -> Defects {
+        let mut bad: Vec<(u32, DefectKind)> = faces
+            .par_iter()
+            .enumerate()
+            .filter_map(|(id, face)| defect_of(vertices, face).map(|kind| (id as u32, kind)))
+            .collect();
+        bad.sort_unstable();
+        let mut defects = Defects { excluded: bad.iter().map(|(id, _)| *id).collect(), ..Defects::default() };
+        for (id, kind) in bad {
+            defects.by_kind[kind as usize].add(id);
+        }
+        for id in duplicates(vertices, faces, &defects.excluded) {
+            defects.by_kind[DefectKind::Duplicate as usize].add(id);
+        }
+        defects
+    }
+
+    /// The counts in words, for messages.
+    pub fn summary(&self) -> String {
+        let words: Vec<String> = DefectKind::ALL
+            .iter()
+            .filter(|kind| self.by_kind[**kind as usize].count > 0)
+            .map(|kind| format!("{} {}", self.by_kind[*kind as usize].count, kind.name()))
+            .collect();
+        if words.is_empty() {
+            "no defects".into()
+        } else {
+            words.join(", ")
+        }
+    }
+}
+
+impl Defect {
+    fn add(&mut self, id: u32) {
+        self.count += 1;
+        if self.first.len() < DEFECT_IDS_KEPT {
+            self.first.push(id);
+        }
+    }
+}
+
+fn defect_of(vertices: &[Point], face: &[u32; 3]) -> Option<DefectKind> {
+    if face.iter().any(|i| *i as usize >= vertices.len()) {
+        return Some(DefectKind::IndexOutOfRange);
+    }
+    let t = corners(vertices, face);
+    let any = |bad: fn(f64) -> bool| t.iter().flatten().any(|x| bad(*x));
+    if any(|x| !x.is_finite()) {
+        return Some(DefectKind::NonFinite);
+    }
+    if any(|x| x.abs() > LARGEST_COORDINATE) {
+        return Some(DefectKind::TooLarge);
+    }
+    is_collinear(&t[0], &t[1], &t[2]).then_some(DefectKind::ZeroArea)
+}
+
+/// The corners of a face whose indices are in range.
+#[inline]
+pub fn corners(vertices: &[Point], face: &[u32; 3]) -> Triangle {
+    let [a, b, c] = *face;
+    [vertices[a as usize], vertices[b as usize], vertices[c as usize]]
+}
+
+/// Ids of triangles with the same three corners as an earlier one, sorted. Compared by position, so that soups count too.
+fn duplicates(vertices: &[Point], faces: &[[u32; 3]], excluded: &[u32]) -> Vec<u32> {
+    let mut hashed: Vec<(u64, u32)> = faces
+        .par_iter()
+        .enumerate()
+        .filter(|(id, _)| excluded.binary_search(&(*id as u32)).is_err())
+        // A sum does not depend on the order of the corners.
+        .map(|(id, face)| (corners(vertices, face).iter().fold(0u64, |h, p| h.wrapping_add(hash(p))), id as u32))
+        .collect();
+    hashed.par_sort_unstable();
+    let key = |id: u32| {
+        let mut k = corners(vertices, &faces[id as usize]).map(|p| p.map(|x| (x + 0.0).to_bits()));
+        k.sort_unstable();
+        k
+    };
+    let mut found = Vec::new();
+    for run in hashed.chunk_by(|a, b| a.0 == b.0).filter(|run| run.len() > 1) {
+        let mut keys: Vec<_> = run.iter().map(|(_, id)| (key(*id), *id)).collect();
+        keys.sort_unstable();
+        found.extend(keys.windows(2).filter(|w| w[0].0 == w[1].0).map(|w| w[1].1));
+    }
+    found.sort_unstable();
+    found
+}
+
+/// A hash of a position in which 0.0 and -0.0 are the same.
+pub fn hash(p: &Point) -> u64 {
+    p.iter().fold(0x9e37_79b9_7f4a_7c15, |h, x| {
+        let mixed = (h ^ (x + 0.0).to_bits()).wrapping_mul(0xff51_afd7_ed55_8ccd);
+        mixed ^ mixed >> 32
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_kind_is_found_once() {
+        let vertices = [
+            [0.0, 0.0, 0.0],
+            [1.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [2.0, 0.0, 0.0],
+            [f64::NAN, 0.0, 0.0],
+            [1e101, 0.0, 0.0],
+            [-0.0, 0.0, 0.0],
+        ];
+        let faces = [[0, 1, 2], [0, 1, 7], [0, 1, 4], [0, 2, 5], [0, 1, 3], [2, 6, 1], [0, 1, 1], [0, 4, 9]];
+        let d = Defects::find(&vertices, &faces);
+        let ids = |kind: DefectKind| d.by_kind[kind as usize].first.clone();
+        assert_eq!(ids(DefectKind::IndexOutOfRange), [1, 7]);
+        assert_eq!(ids(DefectKind::NonFinite), [2]);
+        assert_eq!(ids(DefectKind::TooLarge), [3]);
+        assert_eq!(ids(DefectKind::ZeroArea), [4, 6]);
+        assert_eq!(ids(DefectKind::Duplicate), [5]);
+        assert_eq!(d.excluded, [1, 2, 3, 4, 6, 7]);
+    }
+
+    #[test]
+    fn thousands_of_copies_count_all_but_the_first() {
+        let vertices = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let faces = vec![[0, 1, 2]; 5000];
+        let d = Defects::find(&vertices, &faces);
+        assert_eq!(d.by_kind[DefectKind::Duplicate as usize].count, 4999);
+        assert_eq!(d.by_kind[DefectKind::Duplicate as usize].first.len(), DEFECT_IDS_KEPT);
+    }
+}

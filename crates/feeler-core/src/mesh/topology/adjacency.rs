@@ -1,0 +1,418 @@
+//! Which triangles share an edge, which surfaces are closed, and their regions of nearly one normal; made once for a mesh, when
+//! contacts are first asked for.
+
+use crate::constants::WELD_SHARE;
+use crate::geometry::bounds::{Aabb, Point};
+use crate::geometry::triangle_normals::is_thin;
+use crate::geometry::vectors::{add, cross, dot, length, scaled, sub};
+use crate::mesh::topology::crack_stitching::close_cracks;
+use crate::mesh::topology::disjoint_sets::DisjointSets;
+use crate::mesh::topology::edges::{pair_around, take_doubles, Edge, Edges};
+use crate::mesh::topology::smooth_regions::{regions, Region};
+use crate::mesh::triangle_mesh::Mesh;
+use crate::mesh::weld::weld_vertices;
+use feeler_lanes::prefetch_at;
+
+/// No neighbour.
+pub const NONE: u32 = u32::MAX;
+
+/// Neighbours across edges, and the sense of each triangle's winding.
+#[derive(Debug)]
+pub struct Adjacency {
+    /// `neighbours[t][k]` lies across the edge from corner `k` to corner `k + 1` of `t`, within the same part; [`NONE`] at a
+    /// border and where more than two triangles share the edge, and not as many go one way along it as the other. Across a crack it
+    /// is the one of several that is nearest.
+    pub neighbours: Vec<[u32; 3]>,
+    /// 1: the triangle belongs to a closed surface and its winding gives the outward normal; -1: the inward one; 0: the
+    /// surface is open, or twice in the same place, and the winding says nothing.
+    pub outward: Vec<i8>,
+    /// The region of each triangle.
+    pub regions: Vec<Region>,
+    /// The centre of the surface's area, metres, in the mesh's own frame.
+    pub centre: Point,
+    /// A triangle of each connected surface, with its part before it; sorted.
+    pub surfaces: Vec<(u32, u32)>,
+    /// Whether there are cracks: some triangles are not neighbours of all whose neighbours they are.
+    pub has_cracks: bool,
+}
+
+impl Adjacency {
+    /// Asks for what is known of a triangle.
+    #[inline]
+    pub fn prefetch(&self, triangle: u32) {
+        prefetch_at(&self.neighbours, triangle as usize);
+        prefetch_at(&self.outward, triangle as usize);
+        prefetch_at(&self.regions, triangle as usize);
+    }
+
+    /// Of a mesh that is one part.
+    pub fn of_one_part(mesh: &Mesh) -> Adjacency {
+        Adjacency::new(mesh, |_| 0, &[mesh.bounds()])
+    }
+
+    /// Of a mesh in parts, with the box around each.
+    ///
+    /// Edges are matched by their corners' positions, so a mesh whose triangles share no vertices is as good as any. Those that
+    /// have no partner are matched once more by corners that are nearly in one place, as those of seams are that were computed
+    /// from both sides, and then across cracks.
+    pub fn new(mesh: &Mesh, part_of_face: impl Fn(u32) -> u32, bounds: &[Aabb]) -> Adjacency {
+        let mut joined = Joined::new(mesh);
+        let (unique, welded) = weld_vertices(mesh.vertices());
+        let corners = |t: u32| mesh.faces()[t as usize].map(|v| welded[v as usize]);
+        let mut by_part: Vec<(u32, Edge)> = Vec::new();
+        for same in Edges::new(mesh, unique.len(), corners).iter() {
+            by_part.clear();
+            by_part.extend(same.iter().map(|edge| (part_of_face(edge.triangle), *edge)));
+            by_part.sort_by_key(|(part, _)| *part);
+            by_part.chunk_by(|x, y| x.0 == y.0).for_each(|same| joined.join(same.iter().map(|(_, edge)| *edge)));
+        }
+        joined.close_gaps(&part_of_face, bounds);
+        let Joined { neighbours, mut closed, has_cracks, .. } = joined;
+        spread_openness(&neighbours, &mut closed);
+        // From a corner of the part: what lies far away counts for much where there are cracks.
+        let mut volume: Vec<(f64, Option<Point>)> = vec![(0.0, None); bounds.len()];
+        let (mut centre, mut area) = ([0.0; 3], 0.0);
+        let middle = scaled(&add(&mesh.bounds().lower, &mesh.bounds().upper), 0.5);
+        for t in mesh.queried() {
+            let [a, b, c] = mesh.triangle(t).map(|p| sub(&p, &middle));
+            let normal = cross(&sub(&b, &a), &sub(&c, &a));
+            if closed[t as usize] {
+                let (volume, corner) = &mut volume[part_of_face(t) as usize];
+                *volume += dot(&sub(&a, corner.get_or_insert(a)), &normal);
+            }
+            let weight = length(&normal);
+            area += weight;
+            centre = add(&centre, &scaled(&add(&add(&a, &b), &c), weight / 3.0));
+        }
+        let outward: Vec<i8> = (0..mesh.faces().len() as u32)
+            .map(|t| match closed[t as usize] && mesh.is_queried(t) {
+                true if volume[part_of_face(t) as usize].0 < 0.0 => -1,
+                true => 1,
+                false => 0,
+            })
+            .collect();
+        let shift = if area > 0.0 && area.is_finite() { scaled(&centre, 1.0 / area) } else { [0.0; 3] };
+        let mut surfaces: Vec<(u32, u32)> =
+            first_of_surfaces(mesh, &neighbours).into_iter().map(|t| (part_of_face(t), t)).collect();
+        surfaces.sort_unstable();
+        let thin = |t: u32| WELD_SHARE * bounds[part_of_face(t) as usize].longest();
+        let regions = regions(mesh, &neighbours, &outward, |t, triangle| is_thin(triangle, thin(t)));
+        Adjacency { neighbours, outward, regions, centre: add(&middle, &shift), surfaces, has_cracks }
+    }
+
+    /// Those of one part.
+    pub fn surfaces_of(&self, part: u32) -> &[(u32, u32)] {
+        let from = self.surfaces.partition_point(|(of, _)| *of < part);
+        let count = self.surfaces[from..].partition_point(|(of, _)| *of == part);
+        &self.surfaces[from..from + count]
+    }
+
+    /// Bytes held.
+    pub fn memory(&self) -> usize {
+        self.neighbours.capacity() * size_of::<[u32; 3]>()
+            + self.outward.capacity()
+            + self.regions.capacity() * size_of::<Region>()
+            + self.surfaces.capacity() * size_of::<(u32, u32)>()
+    }
+}
+
+/// Parts with more than one edge in so many without a partner are loose triangles, and have no seams.
+const FEW_OPEN: usize = 2;
+
+/// Triangles joined over their edges, as far as they are.
+struct Joined<'a> {
+    mesh: &'a Mesh,
+    neighbours: Vec<[u32; 3]>,
+    /// A triangle whose edge has no proper neighbour opens its whole surface.
+    closed: Vec<bool>,
+    /// Edges without a partner.
+    border: Vec<Edge>,
+    has_cracks: bool,
+    /// Working memory.
+    same: Vec<Edge>,
+}
+
+impl Joined<'_> {
+    fn new(mesh: &Mesh) -> Joined<'_> {
+        let count = mesh.faces().len();
+        let (neighbours, closed) = (vec![[NONE; 3]; count], vec![true; count]);
+        Joined { mesh, neighbours, closed, border: Vec::new(), has_cracks: false, same: Vec::new() }
+    }
+
+    /// Joins what shares one edge, all of one part.
+    fn join(&mut self, edges: impl Iterator<Item = Edge>) {
+        let mut same = std::mem::take(&mut self.same);
+        same.clear();
+        same.extend(edges);
+        match same[..] {
+            [edge] => self.border.push(edge),
+            [edge, other] => self.link(&edge, &other),
+            _ if 2 * same.iter().filter(|edge| edge.up).count() == same.len() => {
+                // Between those that lie on each other is nothing: they bound no solid, and none ends there.
+                let doubles = take_doubles(self.mesh, &mut same);
+                for some in [&doubles, &same] {
+                    for [i, j] in pair_around(self.mesh, some) {
+                        self.link(&some[i], &some[j]);
+                    }
+                }
+                doubles.iter().for_each(|edge| self.closed[edge.triangle as usize] = false);
+            }
+            _ => same.iter().for_each(|edge| self.closed[edge.triangle as usize] = false),
+        }
+        self.same = same;
+    }
+
+    fn link(&mut self, edge: &Edge, other: &Edge) {
+        self.neighbours[edge.triangle as usize][usize::from(edge.side)] = other.triangle;
+        self.neighbours[other.triangle as usize][usize::from(other.side)] = edge.triangle;
+        if edge.up == other.up {
+            self.closed[edge.triangle as usize] = false;
+            self.closed[other.triangle as usize] = false;
+        }
+    }
+
+    /// Joins what has no partner by corners that are nearly in one place, and across cracks. An edge whose ends are in one place opens
+    /// nothing. What is left is open.
+    fn close_gaps(&mut self, part_of_face: impl Fn(u32) -> u32, bounds: &[Aabb]) {
+        let mesh = self.mesh;
+        let (mut edges, mut open) = (vec![0; bounds.len()], vec![0; bounds.len()]);
+        mesh.queried().for_each(|t| edges[part_of_face(t) as usize] += 3);
+        let part_of = |edge: &Edge| part_of_face(edge.triangle);
+        self.border.iter().for_each(|edge| open[part_of(edge) as usize] += FEW_OPEN);
+        let is_tried = |edge: &Edge| open[part_of(edge) as usize] <= edges[part_of(edge) as usize];
+        let (tried, mut left): (Vec<Edge>, Vec<Edge>) =
+            std::mem::take(&mut self.border).into_iter().partition(is_tried);
+        let place = |edge: &Edge| {
+            // Near is less than half.
+            (2.0 * WELD_SHARE * bounds[part_of(edge) as usize].longest()).max(f64::MIN_POSITIVE)
+        };
+        let ends = |edge: &Edge| {
+            let ([from, to, _], place) = (edge.corners(mesh), place(edge));
+            [from, to].map(|p| p.map(|x| x / place))
+        };
+        let ends = near_points(&tried.iter().flat_map(ends).collect::<Vec<_>>());
+        let mut seams: Vec<(u32, u32, Edge)> = Vec::with_capacity(tried.len());
+        for (edge, ends) in tried.iter().zip(ends.chunks_exact(2)) {
+            let (from, to) = (ends[0], ends[1]);
+            if from != to {
+                seams.push((part_of(edge), from.min(to), Edge { end: from.max(to), up: from < to, ..*edge }));
+            }
+        }
+        seams.sort_unstable_by_key(|(part, lower, edge)| (*part, *lower, edge.end, edge.triangle, edge.side));
+        for same in seams.chunk_by(|x, y| (x.0, x.1, x.2.end) == (y.0, y.1, y.2.end)) {
+            self.join(same.iter().map(|(_, _, edge)| *edge));
+        }
+        self.open_pairs();
+        let Joined { closed, neighbours, border, .. } = self;
+        self.has_cracks = close_cracks(mesh, closed, neighbours, border, &part_of_face, bounds);
+        left.append(&mut self.border);
+        left.iter().for_each(|edge| self.closed[edge.triangle as usize] = false);
+    }
+
+    /// Two that share two edges share all corners: nothing is between them.
+    fn open_pairs(&mut self) {
+        for (closed, [a, b, c]) in self.closed.iter_mut().zip(&self.neighbours) {
+            *closed &= !((a == b || a == c) && *a != NONE || b == c && *b != NONE);
+        }
+    }
+}
+
+/// For each point a number that it shares with those less than half from it along each axis, and with those near these.
+///
+/// Along an axis two such points lie in one cell of the grid of whole numbers, or of that shifted by half. So in one of eight
+/// grids they lie in one cell.
+fn near_points(points: &[Point]) -> Vec<u32> {
+    let mut roots = DisjointSets((0..points.len() as u32).collect());
+    for grid in 0..8 {
+        let cell = |p: &Point| std::array::from_fn(|a| (p[a] + 0.5 * f64::from(grid >> a & 1)).floor());
+        let (cells, cell_of) = weld_vertices(&points.iter().map(cell).collect::<Vec<Point>>());
+        let mut first = vec![NONE; cells.len()];
+        for (i, cell) in (0..).zip(cell_of) {
+            match &mut first[cell as usize] {
+                first if *first == NONE => *first = i,
+                first => roots.join(*first, i),
+            }
+        }
+    }
+    (0..points.len() as u32).map(|i| roots.of(i)).collect()
+}
+
+/// Marks every triangle that is connected to an open one.
+fn spread_openness(neighbours: &[[u32; 3]], closed: &mut [bool]) {
+    let mut open: Vec<u32> = (0..closed.len() as u32).filter(|t| !closed[*t as usize]).collect();
+    while let Some(t) = open.pop() {
+        for n in neighbours[t as usize] {
+            if n != NONE && closed[n as usize] {
+                closed[n as usize] = false;
+                open.push(n);
+            }
+        }
+    }
+}
+
+/// The first triangle of each connected surface.
+fn first_of_surfaces(mesh: &Mesh, neighbours: &[[u32; 3]]) -> Vec<u32> {
+    let mut is_seen = vec![false; neighbours.len()];
+    let (mut first, mut next) = (Vec::new(), Vec::new());
+    for t in mesh.queried() {
+        if std::mem::replace(&mut is_seen[t as usize], true) {
+            continue;
+        }
+        first.push(t);
+        next.push(t);
+        while let Some(t) = next.pop() {
+            for n in neighbours[t as usize].into_iter().filter(|n| *n != NONE) {
+                if !std::mem::replace(&mut is_seen[n as usize], true) {
+                    next.push(n);
+                }
+            }
+        }
+    }
+    first
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::{PI, TAU};
+
+    use super::*;
+    use feeler_shapes::{box_mesh, joined, sheet, Arrays};
+    use proptest::prelude::*;
+
+    #[test]
+    fn a_box_is_closed_whether_or_not_its_triangles_share_vertices() {
+        let (vertices, faces) = box_mesh([0.0; 3], [1.0, 2.0, 3.0], 3);
+        let soup: Vec<Point> = faces.iter().flatten().map(|v| vertices[*v as usize]).collect();
+        let soup_faces = (0..faces.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+        for mesh in [Mesh::new("tool", vertices, faces).unwrap(), Mesh::new("tool", soup, soup_faces).unwrap()] {
+            let adjacency = Adjacency::of_one_part(&mesh);
+            assert!(adjacency.outward.iter().all(|o| *o == 1));
+            assert!(adjacency.neighbours.iter().flatten().all(|n| *n != NONE));
+            assert!((0..3).all(|a| adjacency.centre[a].abs() < 1e-12));
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn neighbours_are_those_of_every_edge_with_every_other(
+            faces in prop::collection::vec((prop::array::uniform3(0..9u32), 0..2u32), 1..60),
+        ) {
+            // Points 7 and 8 are where 0 and 1 are; some triangles have no area.
+            let place = |v: u32| f64::from(v % 7);
+            let vertices = (0..9).map(|v| [place(v), place(v) * place(v), place(v).powi(3)]).collect();
+            let parts: Vec<u32> = faces.iter().map(|(_, part)| *part).collect();
+            let given = faces.iter().map(|(face, _)| *face).collect();
+            // None where no triangle has an area.
+            let Ok(mesh) = Mesh::new("mockup", vertices, given) else { return Ok(()) };
+            let adjacency = Adjacency::new(&mesh, |t| parts[t as usize], &[mesh.bounds(); 2]);
+            let ends = |t: usize, k: usize| [mesh.faces()[t][k] % 7, mesh.faces()[t][(k + 1) % 3] % 7];
+            let all = || (0..faces.len()).filter(|t| mesh.is_queried(*t as u32)).flat_map(|t| (0..3).map(move |k| (t, k)));
+            for (t, k) in (0..faces.len()).flat_map(|t| (0..3).map(move |k| (t, k))) {
+                let [a, b] = ends(t, k);
+                let is_beside = |(u, l): &(usize, usize)| {
+                    (*u, *l) != (t, k) && parts[*u] == parts[t] && ([a, b] == ends(*u, *l) || [b, a] == ends(*u, *l))
+                };
+                let others: Vec<_> = all().filter(is_beside).collect();
+                let n = adjacency.neighbours[t][k];
+                let against = others.iter().filter(|(u, l)| ends(*u, *l) == [b, a]);
+                if !mesh.is_queried(t as u32) || others.is_empty() {
+                    prop_assert_eq!(n, NONE, "{} {}", t, k);
+                } else if let [(other, _)] = others[..] {
+                    prop_assert_eq!(n, other as u32, "{} {}", t, k);
+                } else if 2 * against.clone().count() != others.len() + 1 {
+                    prop_assert_eq!(n, NONE, "{} {}", t, k);
+                } else {
+                    // One of those that go the other way, each for one.
+                    let mutual = against.filter(|(u, l)| *u as u32 == n && adjacency.neighbours[*u][*l] == t as u32);
+                    prop_assert_eq!(mutual.count(), 1, "{} {}", t, k);
+                }
+            }
+        }
+    }
+
+    fn outward((vertices, faces): Arrays) -> Vec<i8> {
+        Adjacency::of_one_part(&Mesh::new("tool", vertices, faces).unwrap()).outward
+    }
+
+    #[test]
+    fn solids_that_touch_are_closed() {
+        let cube = |x: f64, y: f64| box_mesh([x, y, 0.0], [2.0; 3], 2);
+        // Along an edge: the walk over one does not come to the other.
+        let (vertices, faces) = joined([cube(0.0, 0.0), cube(2.0, 2.0)]);
+        let (half, mesh) = (faces.len() / 2, Mesh::new("tool", vertices, faces).unwrap());
+        let adjacency = Adjacency::of_one_part(&mesh);
+        assert!(adjacency.outward.iter().all(|o| *o == 1));
+        for (t, neighbours) in adjacency.neighbours.iter().enumerate() {
+            assert!(neighbours.iter().all(|n| *n as usize / half == t / half), "{t}");
+        }
+        // Along a face: what is between them is open, and the rest one solid.
+        let (vertices, faces) = joined([cube(0.0, 0.0), cube(2.0, 0.0)]);
+        let is_between = |face: &[u32; 3]| face.iter().all(|v| vertices[*v as usize][0] == 1.0);
+        let expected: Vec<i8> = faces.iter().map(|face| i8::from(!is_between(face))).collect();
+        assert_eq!(expected.iter().filter(|o| **o == 0).count(), 16);
+        assert_eq!(outward((vertices, faces)), expected);
+    }
+
+    #[test]
+    fn what_is_twice_in_one_place_is_open() {
+        // A sheet with both its sides, of one square and of several.
+        for cells in [1, 3] {
+            let (vertices, faces) = sheet(cells, cells, |s, t| [s, t, 0.1 * s * t]);
+            let both = faces.iter().copied().chain(faces.iter().map(|[a, b, c]| [*b, *a, *c])).collect();
+            assert!(outward((vertices, both)).iter().all(|o| *o == 0), "{cells}");
+        }
+    }
+
+    #[test]
+    fn seams_are_closed_and_gaps_are_not() {
+        for n in [4, 7, 12, 31] {
+            // A ball as sines and cosines come: its poles are many places, and its seam is twice there, once a little larger.
+            let ball = |larger: f64| {
+                sheet(n, n, |s, t| {
+                    let (around, down, r) = (TAU * s, PI * t, if s == 1.0 { 1.0 + larger } else { 1.0 });
+                    [r * down.sin() * around.cos(), r * down.sin() * around.sin(), r * down.cos()]
+                })
+            };
+            let is_closed = |arrays: Arrays| {
+                let mesh = Mesh::new("tool", arrays.0.clone(), arrays.1.clone()).unwrap();
+                let found = outward(arrays);
+                let sense = found[1];
+                let is_right = |t: u32| found[t as usize] == if mesh.is_queried(t) { sense } else { 0 };
+                sense != 0 && (0..found.len() as u32).all(is_right)
+            };
+            assert_ne!(ball(0.0).0[1], ball(0.0).0[n * (n + 1) + 1], "the seam is one");
+            // By nothing but rounding, and by a step of float32.
+            assert!(is_closed(ball(0.0)) && is_closed(ball(1e-7)), "{n}");
+            assert!(outward(ball(1e-4)).iter().all(|o| *o == 0), "{n}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn near_points_have_one_number_and_far_ones_their_own(
+            places in prop::collection::vec(prop::array::uniform3(-40i32..40), 1..30),
+            shifts in prop::collection::vec(prop::array::uniform3(-0.249..0.249f64), 1..60),
+        ) {
+            // About one place every three, each several times.
+            let place = |i: usize| places[i % places.len()];
+            let points: Vec<Point> = (0..).zip(&shifts)
+                .map(|(i, shift)| std::array::from_fn(|a| 3.1 * f64::from(place(i)[a]) + shift[a]))
+                .collect();
+            let numbers = near_points(&points);
+            for (i, j) in (0..points.len()).flat_map(|i| (0..i).map(move |j| (i, j))) {
+                prop_assert_eq!(numbers[i] == numbers[j], place(i) == place(j), "{} {}", i, j);
+            }
+        }
+    }
+
+    #[test]
+    fn inside_out_and_open_surfaces_are_told() {
+        let (vertices, mut faces) = box_mesh([0.0; 3], [1.0; 3], 2);
+        faces.iter_mut().for_each(|f| f.swap(0, 1));
+        let inverted = Mesh::new("tool", vertices.clone(), faces.clone()).unwrap();
+        assert!(Adjacency::of_one_part(&inverted).outward.iter().all(|o| *o == -1));
+        faces.pop();
+        let open = Mesh::new("tool", vertices, faces).unwrap();
+        assert!(Adjacency::of_one_part(&open).outward.iter().all(|o| *o == 0));
+    }
+}

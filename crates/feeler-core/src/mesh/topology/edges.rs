@@ -1,0 +1,210 @@
+//! The edges of a mesh's triangles, and which of the triangles around an edge go on in each other.
+
+use crate::geometry::bounds::Point;
+use crate::geometry::vectors::{cross, dot, sub, unit};
+use crate::mesh::triangle_mesh::Mesh;
+
+/// An edge of a triangle, but for its lower end.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Edge {
+    /// The end with the higher number.
+    pub end: u32,
+    pub triangle: u32,
+    /// The edge is from this corner to the next.
+    pub side: u8,
+    /// Whether it goes from the end with the lower number to the other.
+    pub up: bool,
+}
+
+impl Edge {
+    /// Where it begins and ends as the triangle goes round, and the triangle's third corner.
+    pub fn corners(&self, mesh: &Mesh) -> [Point; 3] {
+        let (corners, side) = (mesh.triangle(self.triangle), usize::from(self.side));
+        [corners[side], corners[(side + 1) % 3], corners[(side + 2) % 3]]
+    }
+}
+
+/// The edges of all triangles, by their ends.
+pub struct Edges {
+    /// Those of each lower end together.
+    list: Vec<Edge>,
+    /// For each vertex where its own end, by those of the one before where they begin.
+    ends: Vec<usize>,
+}
+
+impl Edges {
+    /// Of a mesh with so many vertices, by the three of each triangle.
+    pub fn new(mesh: &Mesh, vertices: usize, corners: impl Fn(u32) -> [u32; 3]) -> Edges {
+        let edges = |t: u32| {
+            let [a, b, c] = corners(t);
+            [(a, b), (b, c), (c, a)]
+        };
+        // From here on where the edges of each vertex begin; once they are put there, where they end.
+        let mut ends = vec![0; vertices];
+        for t in mesh.queried() {
+            edges(t).iter().for_each(|(a, b)| ends[*a.min(b) as usize] += 1);
+        }
+        let mut sum = 0;
+        ends.iter_mut().for_each(|end| sum += std::mem::replace(end, sum));
+        let mut list = vec![Edge::default(); sum];
+        for t in mesh.queried() {
+            for (side, (a, b)) in (0..).zip(edges(t)) {
+                let place = &mut ends[a.min(b) as usize];
+                list[*place] = Edge { end: a.max(b), triangle: t, side, up: a < b };
+                *place += 1;
+            }
+        }
+        let mut from = 0;
+        for end in &ends {
+            list[from..*end].sort_unstable_by_key(|edge| (edge.end, edge.triangle));
+            from = *end;
+        }
+        Edges { list, ends }
+    }
+
+    /// Those with the same two ends, by the numbers of their triangles.
+    pub fn iter(&self) -> impl Iterator<Item = &[Edge]> {
+        let froms = std::iter::once(&0).chain(&self.ends);
+        froms.zip(&self.ends).flat_map(|(from, to)| self.list[*from..*to].chunk_by(|e, f| e.end == f.end))
+    }
+}
+
+/// A turn by less than this (radians) is none.
+const NO_TURN: f64 = 1e-9;
+
+/// Pairs the triangles around an edge, as many that go up as down, by their places in the list. Where solids only touch along
+/// it, a triangle goes on in the one on the other side of its own solid; where two sheets lie on each other, each goes on in itself.
+///
+/// The normal of a triangle that goes up is a quarter turn further around the edge than the triangle: its solid ends there,
+/// and that of one that goes down begins. So the pairs are brackets.
+pub fn pair_around(mesh: &Mesh, same: &[Edge]) -> Vec<[usize; 2]> {
+    let Some(first) = same.first() else { return Vec::new() };
+    let lowest_first = |edge: &Edge| {
+        let [from, to, third] = edge.corners(mesh);
+        if edge.up {
+            [from, to, third]
+        } else {
+            [to, from, third]
+        }
+    };
+    let [from, to, _] = lowest_first(first);
+    let axis = unit(&sub(&to, &from)).unwrap_or_default();
+    // Two directions across it: the first also across the axis of the frame that it is least along.
+    let least = (0..3).min_by(|i, j| axis[*i].abs().total_cmp(&axis[*j].abs())).unwrap_or(0);
+    let x = unit(&cross(&axis, &std::array::from_fn(|a| f64::from(u8::from(a == least))))).unwrap_or_default();
+    let y = cross(&axis, &x);
+    let half = (std::f64::consts::PI / NO_TURN).round();
+    let turn = |edge: &Edge| {
+        let [from, _, third] = lowest_first(edge);
+        let way = sub(&third, &from);
+        let turn = (dot(&way, &y).atan2(dot(&way, &x)) / NO_TURN).round() + 0.0;
+        // Half a turn either way is the same.
+        if turn <= -half {
+            half
+        } else {
+            turn
+        }
+    };
+    // Of those in one place what ends before what begins.
+    let mut order: Vec<(f64, bool, usize)> = (0..).zip(same).map(|(i, edge)| (turn(edge), !edge.up, i)).collect();
+    order.sort_by(|p, q| p.0.total_cmp(&q.0).then((p.1, p.2).cmp(&(q.1, q.2))));
+    // From where on never more end than began before.
+    let (mut depth, mut least, mut start) = (0i64, 0, 0);
+    for (i, (_, begins, _)) in order.iter().enumerate() {
+        depth += if *begins { 1 } else { -1 };
+        if depth < least {
+            (least, start) = (depth, i + 1);
+        }
+    }
+    order.rotate_left(start);
+    let (mut open, mut pairs) = (Vec::new(), Vec::new());
+    for (_, begins, i) in order {
+        if begins {
+            open.push(i);
+        } else if let Some(j) = open.pop() {
+            pairs.push([j, i]);
+        }
+    }
+    pairs
+}
+
+/// Takes out of a list of edges in one place those whose triangles are one on the other, with opposite senses.
+pub fn take_doubles(mesh: &Mesh, same: &mut Vec<Edge>) -> Vec<Edge> {
+    let third = |edge: &Edge| edge.corners(mesh)[2].map(|x| (x + 0.0).to_bits());
+    let mut by_third: Vec<([u64; 3], Edge)> = same.iter().map(|edge| (third(edge), *edge)).collect();
+    by_third.sort_by_key(|(third, edge)| (*third, edge.up, edge.triangle));
+    let mut doubles = Vec::new();
+    same.clear();
+    for of in by_third.chunk_by(|x, y| x.0 == y.0) {
+        let (down, up) = of.split_at(of.partition_point(|(_, edge)| !edge.up));
+        let count = down.len().min(up.len());
+        doubles.extend(down[..count].iter().chain(&up[..count]).map(|(_, edge)| *edge));
+        same.extend(down[count..].iter().chain(&up[count..]).map(|(_, edge)| *edge));
+    }
+    doubles
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Triangles around the z axis, at angles in degrees, and whether they go up it.
+    fn around(fan: &[(f64, bool)]) -> (Mesh, Vec<Edge>) {
+        let mut vertices = vec![[0.0; 3], [0.0, 0.0, 1.0]];
+        vertices.extend(fan.iter().map(|(a, _)| [a.to_radians().cos(), a.to_radians().sin(), 0.3]));
+        let faces = (2..).zip(fan).map(|(third, (_, up))| if *up { [0, 1, third] } else { [1, 0, third] }).collect();
+        let edges = (0..).zip(fan).map(|(triangle, (_, up))| Edge { end: 1, triangle, side: 0, up: *up }).collect();
+        (Mesh::new("tool", vertices, faces).unwrap(), edges)
+    }
+
+    fn pairs(fan: &[(f64, bool)]) -> Vec<[usize; 2]> {
+        let (mesh, edges) = around(fan);
+        let mut pairs = pair_around(&mesh, &edges);
+        pairs.iter_mut().for_each(|pair| pair.sort_unstable());
+        pairs.sort_unstable();
+        pairs
+    }
+
+    #[test]
+    fn solids_that_touch_along_an_edge_are_paired_each_with_itself() {
+        // From 10 to 80 degrees, from 100 to 200, and over the place where angles begin again.
+        for turn in [0.0, 57.0, 123.4, 190.0, 260.0] {
+            let at = |a: f64| (a + turn) % 360.0;
+            assert_eq!(
+                pairs(&[(at(10.0), false), (at(80.0), true), (at(100.0), false), (at(200.0), true)]),
+                [[0, 1], [2, 3]]
+            );
+            assert_eq!(
+                pairs(&[(at(100.0), false), (at(10.0), false), (at(200.0), true), (at(80.0), true)]),
+                [[0, 2], [1, 3]]
+            );
+            // Flush with each other along a plane, where one ends and the other begins.
+            assert_eq!(
+                pairs(&[(at(10.0), false), (at(80.0), true), (at(80.0), false), (at(200.0), true)]),
+                [[0, 1], [2, 3]]
+            );
+        }
+        assert!(pair_around(&around(&[(0.0, true)]).0, &[]).is_empty());
+    }
+
+    #[test]
+    fn sheets_that_lie_on_each_other_go_on_in_themselves() {
+        // The sheet at 0 and at 180 degrees, its upper side and its lower one.
+        for (a, b) in [(0.0, 180.0), (-180.0, 0.0), (90.0, -90.0)] {
+            let found = pairs(&[(a, false), (a, true), (b, true), (b, false)]);
+            assert_eq!(found, [[0, 2], [1, 3]], "{a} {b}");
+        }
+    }
+
+    #[test]
+    fn doubles_are_taken_out_two_by_two() {
+        let (mesh, edges) =
+            around(&[(10.0, false), (80.0, true), (80.0, false), (80.0, true), (200.0, false), (300.0, true)]);
+        let mut same = edges.clone();
+        let doubles: Vec<u32> = take_doubles(&mesh, &mut same).iter().map(|edge| edge.triangle).collect();
+        assert_eq!(doubles, [2, 1]);
+        let mut rest: Vec<u32> = same.iter().map(|edge| edge.triangle).collect();
+        rest.sort_unstable();
+        assert_eq!(rest, [0, 3, 4, 5]);
+    }
+}

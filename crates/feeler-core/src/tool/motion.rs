@@ -1,0 +1,277 @@
+//! A tool's way from one pose to another, and what is certain about it.
+//!
+//! The middle of the tool's box (the *pivot*) moves along a straight line at constant speed, and the tool turns about it at
+//! constant speed about a fixed axis, the shorter way round (slerp). The tool's own origin plays no part, so a tool modelled
+//! far from its origin does not swing.
+//!
+//! Given poses are rigid only within 1e-6, and are used as given: what their matrices have beyond a rotation is added, and
+//! fades out within the first and the last [`FADE`] of the way. So the way begins and ends exactly at the given poses, and
+//! every pose on it is as rigid as they are.
+
+use crate::constants::UNIT_ROUNDOFF;
+use crate::geometry::bounds::{Aabb, Point, Triangle};
+use crate::geometry::pose::Pose;
+use crate::geometry::vectors::{add, any_length, cross, dot, length, scaled, sub};
+use crate::tool::moving_tool::Tool;
+
+type Matrix = [[f64; 3]; 3];
+
+/// Share of the way in which what a matrix has beyond a rotation fades out. A turn by the angle `a` changes an entry of
+/// `R R^T - I` by at most `6e-6 a`, and the shortest way turns by at most 3.15 in all: fading in 1/32 takes away more.
+const FADE: f64 = 1.0 / 32.0;
+
+/// Roundings, in unit roundoffs of the largest coordinate in play, by which a tool corner at a pose on the way may be off the
+/// way itself, per axis: some 40 for an entry of the rotation (sine, cosine, two products of matrices), three entries to a
+/// coordinate, twice (once for the pivot), and 10 for the sums; and 2 to spare.
+const MOTION_ROUNDOFFS: f64 = 512.0;
+
+/// A rigid motion of one tool; time runs from 0 to 1.
+#[derive(Debug, Clone)]
+pub struct Motion {
+    ends: [Pose; 2],
+    /// In the tool's frame.
+    pivot: Point,
+    /// The pivot in the world at time 0, and its velocity (metres for the whole way).
+    from: Point,
+    velocity: Point,
+    /// The rotation at time 0, orthonormal.
+    start: Matrix,
+    /// Unit axis in the world, and the angle turned about it (radians, 0 to pi).
+    axis: Point,
+    angle: f64,
+    axis_in_tool: Point,
+    /// What the given matrices have beyond a rotation.
+    beyond: [Matrix; 2],
+    /// Bounds for the whole tool, metres: distance from the axis, displacement by `beyond`, rounding per axis.
+    reach: f64,
+    bend: f64,
+    rounding: f64,
+}
+
+/// Where the tool is during a span of time: everything the tool sweeps lies within `margin` (metres, per axis) of the straight
+/// lines between its places at the two poses.
+#[derive(Debug, Clone)]
+pub struct Window {
+    /// The poses at both ends.
+    pub poses: [Pose; 2],
+    /// See above. It covers rounding, too.
+    pub margin: f64,
+}
+
+impl Window {
+    /// A box around all places of a triangle of the tool.
+    pub fn bounds_of(&self, triangle: &Triangle) -> Aabb {
+        let [a, b] = self.poses.each_ref().map(|pose| Aabb::of_triangle(&pose.apply_triangle(triangle)));
+        grown(&a.union(&b), self.margin)
+    }
+
+    /// A box around all places of the whole tool.
+    pub fn bounds_of_box(&self, bounds: &Aabb) -> Aabb {
+        let [a, b] = self.poses.each_ref().map(|pose| pose.apply_box(bounds, self.margin));
+        a.union(&b)
+    }
+}
+
+fn grown(b: &Aabb, margin: f64) -> Aabb {
+    Aabb { lower: b.lower.map(|x| x - margin), upper: b.upper.map(|x| x + margin) }
+}
+
+impl Motion {
+    /// The way of a tool between two poses `world_from_tool`.
+    pub fn new(tool: &Tool, pose0: &Pose, pose1: &Pose) -> Motion {
+        let bounds = tool.mesh().bounds();
+        let pivot: Point = std::array::from_fn(|a| 0.5 * bounds.lower[a] + 0.5 * bounds.upper[a]);
+        let (from, to) = (pose0.apply(&pivot), pose1.apply(&pivot));
+        let [start, end] = [pose0, pose1].map(|pose| orthonormal(pose.rotation()));
+        let (axis, angle) = axis_and_angle(&product(&end, &transposed(&start)));
+        let axis_in_tool = times(&transposed(&start), &axis);
+        let beyond = [difference(pose0.rotation(), &start), difference(pose1.rotation(), &end)];
+        let corners = corners_of(&bounds).map(|p| sub(&p, &pivot));
+        let reach = corners.iter().map(|p| any_length(&cross(&axis_in_tool, p))).fold(0.0, f64::max);
+        let radius = corners.iter().map(any_length).fold(0.0, f64::max);
+        let bend = beyond.iter().map(|m| size(m) * radius).fold(0.0, f64::max);
+        let translation = pose0.largest_translation().max(pose1.largest_translation());
+        let rounding = MOTION_ROUNDOFFS * UNIT_ROUNDOFF * (bounds.largest_coordinate() + translation);
+        Motion {
+            ends: [*pose0, *pose1],
+            pivot,
+            from,
+            velocity: sub(&to, &from),
+            start,
+            axis,
+            angle,
+            axis_in_tool,
+            beyond,
+            reach: reach * (1.0 + 1e-9),
+            bend: bend * (1.0 + 1e-9),
+            rounding: rounding + f64::MIN_POSITIVE,
+        }
+    }
+
+    /// The pose at a time from 0 to 1: the given ones at both ends.
+    pub fn at(&self, time: f64) -> Pose {
+        if time <= 0.0 {
+            return self.ends[0];
+        }
+        if time >= 1.0 {
+            return self.ends[1];
+        }
+        let mut rotation = product(&turn(&self.axis, self.angle * time), &self.start);
+        for (m, share) in self.beyond.iter().zip([1.0 - time / FADE, 1.0 - (1.0 - time) / FADE]) {
+            if share > 0.0 {
+                rotation = std::array::from_fn(|i| std::array::from_fn(|j| rotation[i][j] + share * m[i][j]));
+            }
+        }
+        Pose::unchecked(rotation, sub(&self.pivot_at(time), &times(&rotation, &self.pivot)))
+    }
+
+    /// Whether the tool does not move at all.
+    pub fn is_still(&self) -> bool {
+        self.ends[0] == self.ends[1]
+    }
+
+    /// How far any point of the tool moves at most, metres.
+    pub fn longest_way(&self) -> f64 {
+        length(&self.velocity) + self.angle * self.reach + 2.0 * self.bend
+    }
+
+    /// What the tool sweeps between two times.
+    pub fn window(&self, tool: &Tool, from: f64, to: f64) -> Window {
+        let poses = [self.at(from), self.at(to)];
+        // A point on a circle, taken for one on the chord at the same time, is off by at most an eighth of its acceleration.
+        let angle = self.angle * (to - from);
+        let arc = 0.125 * angle * angle * self.reach;
+        let placing = tool.margin_at(&poses[0]).max(tool.margin_at(&poses[1]));
+        Window { poses, margin: (arc + 2.0 * self.bend) * (1.0 + 1e-9) + 2.0 * self.rounding + placing }
+    }
+
+    /// How fast the given point of the tool moves when it is at `place` in the world, metres for the whole way.
+    #[inline]
+    pub fn velocity(&self, time: f64, place: &Point) -> Point {
+        let spin = cross(&self.axis, &sub(place, &self.pivot_at(time)));
+        add(&self.velocity, &scaled(&spin, self.angle))
+    }
+
+    /// Bounds that hold for all points of a triangle of the tool at all times.
+    pub fn limits(&self, triangle: &Triangle) -> Limits {
+        let radius = triangle
+            .iter()
+            .map(|p| any_length(&cross(&self.axis_in_tool, &sub(p, &self.pivot))))
+            .fold(0.0f64, |m, r| if r > m { r } else { m });
+        let place = self.from.iter().chain(&self.velocity).fold(0.0f64, |m, x| m.max(x.abs()));
+        Limits {
+            acceleration: self.angle * self.angle * radius * (1.0 + 1e-9),
+            // The bend, and the rounding of a computed velocity.
+            stray_velocity: self.bend / FADE
+                + 64.0 * UNIT_ROUNDOFF * (length(&self.velocity) + self.angle * (place + self.reach))
+                + self.angle * self.rounding,
+            rounding: self.rounding,
+        }
+    }
+
+    /// The part of a direction that turning can act on: `n` without its component along the axis, as a length.
+    #[inline]
+    pub fn across_axis(&self, n: &Point) -> f64 {
+        length(&cross(n, &self.axis))
+    }
+
+    fn pivot_at(&self, time: f64) -> Point {
+        add(&self.from, &scaled(&self.velocity, time))
+    }
+}
+
+/// See [`Motion::limits`].
+#[derive(Debug, Clone, Copy)]
+pub struct Limits {
+    /// Largest acceleration, metres for the whole time squared, in a direction across the axis.
+    pub acceleration: f64,
+    /// By how much a point's velocity may differ from what [`Motion::velocity`] says.
+    pub stray_velocity: f64,
+    /// By how much a computed corner may be off its place on the way, metres per axis.
+    pub rounding: f64,
+}
+
+fn corners_of(b: &Aabb) -> [Point; 8] {
+    std::array::from_fn(|i| std::array::from_fn(|a| if i >> a & 1 == 0 { b.lower[a] } else { b.upper[a] }))
+}
+
+fn transposed(m: &Matrix) -> Matrix {
+    std::array::from_fn(|i| std::array::from_fn(|j| m[j][i]))
+}
+
+fn product(a: &Matrix, b: &Matrix) -> Matrix {
+    std::array::from_fn(|i| std::array::from_fn(|j| a[i][0] * b[0][j] + a[i][1] * b[1][j] + a[i][2] * b[2][j]))
+}
+
+fn times(m: &Matrix, p: &Point) -> Point {
+    std::array::from_fn(|i| dot(&m[i], p))
+}
+
+fn difference(a: &Matrix, b: &Matrix) -> Matrix {
+    std::array::from_fn(|i| std::array::from_fn(|j| a[i][j] - b[i][j]))
+}
+
+/// No vector grows by more than this factor.
+fn size(m: &Matrix) -> f64 {
+    m.iter().flatten().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+/// The rotation nearest to a matrix that is one within 1e-6: Newton's iteration for the polar decomposition, which squares
+/// the deviation at each step.
+fn orthonormal(m: &Matrix) -> Matrix {
+    let mut r = *m;
+    for _ in 0..3 {
+        // The inverse transposed of a matrix with determinant d: cross products of its rows, over d.
+        let cofactors = [cross(&r[1], &r[2]), cross(&r[2], &r[0]), cross(&r[0], &r[1])];
+        let determinant = dot(&r[0], &cofactors[0]);
+        r = std::array::from_fn(|i| std::array::from_fn(|j| 0.5 * (r[i][j] + cofactors[i][j] / determinant)));
+    }
+    r
+}
+
+/// Unit axis and angle, 0 to pi, of a rotation, by its quaternion.
+fn axis_and_angle(m: &Matrix) -> (Point, f64) {
+    let trace = m[0][0] + m[1][1] + m[2][2];
+    // The largest of the four components is at least a half: it is found first and divides the others.
+    let largest = (0..3).fold(3, |best, a| {
+        let value = |i: usize| if i == 3 { trace } else { m[i][i] };
+        if value(a) > value(best) {
+            a
+        } else {
+            best
+        }
+    });
+    let skew = [m[2][1] - m[1][2], m[0][2] - m[2][0], m[1][0] - m[0][1]];
+    let (mut w, mut v);
+    if largest == 3 {
+        (w, v) = (1.0 + trace, skew);
+    } else {
+        let (i, j, k) = (largest, (largest + 1) % 3, (largest + 2) % 3);
+        w = skew[i];
+        v = [0.0; 3];
+        v[i] = 1.0 + m[i][i] - m[j][j] - m[k][k];
+        v[j] = m[i][j] + m[j][i];
+        v[k] = m[i][k] + m[k][i];
+    }
+    if w < 0.0 {
+        w = -w;
+        v = scaled(&v, -1.0);
+    }
+    let sine = length(&v);
+    if sine == 0.0 {
+        return ([0.0, 0.0, 1.0], 0.0);
+    }
+    (scaled(&v, 1.0 / sine), 2.0 * sine.atan2(w))
+}
+
+/// The rotation about a unit axis (Rodrigues).
+fn turn(axis: &Point, angle: f64) -> Matrix {
+    let (sine, half) = (angle.sin(), (0.5 * angle).sin());
+    let versine = 2.0 * half * half;
+    let [x, y, z] = *axis;
+    [
+        [1.0 - versine * (y * y + z * z), versine * x * y - sine * z, versine * x * z + sine * y],
+        [versine * x * y + sine * z, 1.0 - versine * (x * x + z * z), versine * y * z - sine * x],
+        [versine * x * z - sine * y, versine * y * z + sine * x, 1.0 - versine * (x * x + y * y)],
+    ]
+}

@@ -1,0 +1,19 @@
+//! Lanes: sixteen float32 or eight float64 at once, with the widest instructions the CPU has.
+//!
+//! Kernels are written once, generic over [`Simd`], as a type that implements [`Kernel`]; [`Checked::run`] compiles them for each
+//! instruction set (AVX-512, AVX2, plain code) and calls the one asked for, [`Level::best`] asks the CPU. All `unsafe` code of the
+//! pure crates of feeler is here. It knows no meshes.
+
+mod boxes;
+mod simd;
+mod sort;
+
+pub use boxes::{
+    along, boxes_apart, greatest, greatest4, least, least4, load3, load_few3, splat3, Box4, Lane32, LaneBoxes,
+    SpreadBoxes, TINY,
+};
+pub use simd::{
+    few_lanes, part_lanes, prefetch, prefetch_at, Arithmetic, ByteBoxes, ByteLanes, CacheLine, Checked, Kernel, Level,
+    LineLanes, Simd, Wide, FEW, LANES, WIDE_LANES,
+};
+pub use sort::Sorter;
