@@ -31,7 +31,7 @@ import real_table
 import record
 
 import feeler
-from feeler.load import load_mockup, load_tool
+from feeler.io import load_mockup, load_tool
 from feeler.progress import bar
 
 TOOLS = "screwdriver.ply,adjustable_wrench.ply,hand_closed.obj,vise_grip.ply"

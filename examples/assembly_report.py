@@ -11,7 +11,7 @@ import sys
 import numpy as np
 
 import feeler
-from feeler.show import render_collision, write_collision_glb
+from feeler.picture import render_collision, write_collision_glb
 
 if len(sys.argv) == 3:
     mockup, tool = feeler.load_mockup(sys.argv[1]), feeler.load_tool(sys.argv[2])

@@ -58,7 +58,7 @@ def _archived(data: bytes) -> bytes:
 
 def smoke(kind: str, count: int) -> None:
     """Loads random changes of the seeds."""
-    from feeler.load import load_mockup
+    from feeler.io import load_mockup
 
     check = checker(kind, load_mockup)
     pick = random.Random(0)
@@ -89,8 +89,8 @@ def fuzz(kind: str, options: list[str]) -> None:
     """Runs libFuzzer on the readers, instrumented; does not return."""
     import atheris
 
-    with atheris.instrument_imports(include=["feeler.load", "collada"]):
-        from feeler.load import load_mockup
+    with atheris.instrument_imports(include=["feeler.io", "collada"]):
+        from feeler.io import load_mockup
 
     corpus = ROOT / "build" / "fuzz" / kind
     corpus.mkdir(parents=True, exist_ok=True)

@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 
 import feeler
 from feeler.cli import app
-from feeler.show import write_stl
+from feeler.io import write_stl
 
 STORES = ("blocks", "dense", "hashed")
 

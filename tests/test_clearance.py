@@ -148,7 +148,7 @@ def test_bad_arguments(mockup: feeler.Mockup, tool: feeler.Tool) -> None:
 
 @pytest.fixture(scope="module")
 def files(tmp_path_factory: pytest.TempPathFactory, mockup: feeler.Mockup, tool: feeler.Tool) -> tuple[str, str]:
-    from feeler.show import write_glb
+    from feeler.io import write_glb
 
     folder = tmp_path_factory.mktemp("clearance")
     write_glb(folder / "cubes.glb", mockup)

@@ -18,7 +18,7 @@ from typer.testing import CliRunner
 
 import feeler
 from feeler.cli import app
-from feeler.show import write_glb, write_stl
+from feeler.io import write_glb, write_stl
 
 PROGRAM = [sys.executable, "-c", "from feeler.cli import main; main()"]
 COMMANDS = ["demo", "info", "collide", "clearance", "path", "sample", "bench"]

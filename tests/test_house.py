@@ -114,20 +114,20 @@ PLANTED = {
         '\n[target."cfg(unix)".dependencies]\nfeeler-py = "0.1"\n',
         "may not depend on feeler-py",
     ),
-    "load imports samples": (
-        "python/feeler/load/__init__.py",
+    "io imports samples": (
+        "python/feeler/io/__init__.py",
         "\ndef late():\n    from ..samples import sample\n",
-        "load may not import feeler.samples",
+        "io may not import feeler.samples",
     ),
-    "load imports the command line": (
-        "python/feeler/load/__init__.py",
+    "io imports the command line": (
+        "python/feeler/io/__init__.py",
         "\nfrom feeler import cli\n",
-        "load may not import feeler.cli",
+        "io may not import feeler.cli",
     ),
-    "samples import load": (
+    "samples import io": (
         "python/feeler/samples/__init__.py",
-        "\nimport feeler.load\n",
-        "samples may not import feeler.load",
+        "\nimport feeler.io\n",
+        "samples may not import feeler.io",
     ),
     "the package imports the benchmark": (
         "python/feeler/cli/__init__.py",

@@ -92,7 +92,7 @@ def test_what_is_compared_takes_turns() -> None:
 
 
 def test_own_files(tmp_path: Path) -> None:
-    from feeler.show import write_collision_glb
+    from feeler.picture import write_collision_glb
 
     tool, mockup = feeler.sample_tool("torque"), feeler.sample("carcass", 10_000)
     hit = feeler.Scene(mockup).collide(tool, np.eye(4))

@@ -43,12 +43,12 @@ ROOMS: dict[str, set[str]] = {
     "mockup": {"_core", "errors"},
     "calibrate": {"_core", "errors"},
     "scene": {"_core", "calibrate", "errors", "mockup"},
-    "load": BASE,
+    "io": BASE,
+    "picture": {*BASE, "io"},
     "samples": BASE,
-    "show": BASE,
     "study": {*BASE, "samples"},
-    "cli": {*BASE, "load", "samples", "show", "study", "feeler"},
-    "__init__": {"_core", *BASE, "load", "samples", "show", "study"},
+    "cli": {*BASE, "io", "picture", "samples", "study", "feeler"},
+    "__init__": {"_core", *BASE, "io", "picture", "samples", "study"},
     "__main__": {"cli"},
 }
 # Beside the package, and never imported by it.
@@ -128,7 +128,7 @@ def imports(path: Path, package: Path) -> Iterator[tuple[int, str]]:
                 here = path.relative_to(package.parent).with_suffix("").parts[: -node.level]
                 module = ".".join([*here, *([module] if module else [])])
             for alias in node.names:
-                # `from feeler import load` names a room, `from feeler import Scene` the public face.
+                # `from feeler import io` names a room, `from feeler import Scene` the public face.
                 is_room = module == "feeler" and alias.name in rooms
                 yield node.lineno, f"feeler.{alias.name}" if is_room else module
 

@@ -23,7 +23,7 @@ from feeler.errors import (
     OptionError,
     PoseError,
 )
-from feeler.load import load_mockup, load_tool
+from feeler.io import load_mockup, load_tool
 from feeler.mockup import Mockup, Tool
 from feeler.samples import sample, sample_path, sample_poses, sample_tool
 from feeler.scene import ContactTracker, PairKind, Scene, optimal_voxel_size

@@ -112,7 +112,7 @@ def clearance(
         _write_csv(csv_, results)
         written["csv"] = str(csv_)
     if glb is not None:
-        from feeler.show import write_clearance_glb
+        from feeler.picture import write_clearance_glb
 
         with bar(f"writing {glb}"):
             write_clearance_glb(glb, world, probe, poses[worst], found[worst], context=context)
@@ -171,7 +171,7 @@ def _rows(mockup: feeler.Mockup, found: feeler.Clearance) -> list[dict[str, Any]
 
 
 def _check_out(target: Path, ending: str) -> None:
-    from feeler.show import check_target
+    from feeler.io import check_target
 
     if target.suffix.lower() != ending:
         raise OptionError(f"{target}: the name must end in {ending}")
@@ -179,7 +179,7 @@ def _check_out(target: Path, ending: str) -> None:
 
 
 def _write_csv(path: Path, results: list[dict[str, Any]]) -> None:
-    from feeler.show import WriteError
+    from feeler.io import WriteError
 
     try:
         with path.open("w", encoding="utf-8", newline="") as file:

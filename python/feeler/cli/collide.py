@@ -163,7 +163,7 @@ def _pixels(text: str) -> tuple[int, int]:
 
 
 def _check_out(target: Path, ending: str) -> None:
-    from feeler.show import check_target
+    from feeler.io import check_target
 
     if target.suffix.lower() != ending:
         raise OptionError(f"{target}: the name must end in {ending}")
@@ -180,7 +180,7 @@ def _write(
     picture: Path | None,
     pixels: tuple[int, int],
 ) -> dict[str, str]:
-    from feeler.show import render_collision, write_collision_glb
+    from feeler.picture import render_collision, write_collision_glb
 
     written = {}
     if glb is not None:

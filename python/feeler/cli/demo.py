@@ -80,7 +80,7 @@ def demo(
 
 
 def _make_folder(folder: Path) -> None:
-    from feeler.show import WriteError
+    from feeler.io import WriteError
 
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -91,8 +91,8 @@ def _make_folder(folder: Path) -> None:
 def _write(
     folder: Path, mockup: feeler.Mockup, tool: feeler.Tool, pose: npt.NDArray[np.float64], hit: Any
 ) -> dict[str, str]:
-    from feeler.show import render_collision, write_collision_glb
-    from feeler.show.files import atomic_file
+    from feeler.io.atomic import atomic_file
+    from feeler.picture import render_collision, write_collision_glb
 
     files = {"picture": folder / "deepest.png", "glb": folder / "deepest.glb", "pose": folder / "pose.json"}
     with bar("rendering the picture") as progress:

@@ -70,7 +70,7 @@ def path(
     Exit status: 0 the path is free, 1 it is not, 2 bad input.
     """
     from feeler.cli import outputs
-    from feeler.show import check_target
+    from feeler.io import check_target
 
     for target, ending in ((csv, ".csv"), (glb, ".glb")):
         if target is not None:
@@ -168,8 +168,8 @@ def _write(
     glb: Path | None,
     context: float | None,
 ) -> dict[str, str]:
-    from feeler.show import write_collision_glb
-    from feeler.show.files import atomic_file
+    from feeler.io.atomic import atomic_file
+    from feeler.picture import write_collision_glb
 
     written = {}
     if csv is not None:

@@ -76,7 +76,7 @@ def sample(
 
 
 def _check_out(out: Path) -> None:
-    from feeler.show import check_target
+    from feeler.io import check_target
 
     if out.suffix.lower() not in (".glb", ".stl"):
         raise OptionError(f"--out {out}: the name must end in .glb or .stl")
@@ -84,6 +84,6 @@ def _check_out(out: Path) -> None:
 
 
 def _write(out: Path, mesh: Any) -> int:
-    from feeler.show import write_glb, write_stl
+    from feeler.io import write_glb, write_stl
 
     return write_glb(out, mesh) if out.suffix.lower() == ".glb" else write_stl(out, mesh)

@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from feeler.load import polygons
-from feeler.load.limits import check_mesh
-from feeler.load.raw import PathBook, Progress, RawMesh, clean_name, seal_indices
-from feeler.load.text import Chunk, chunks_of
+from feeler.io import polygons
+from feeler.io.limits import check_mesh
+from feeler.io.raw import PathBook, Progress, RawMesh, clean_name, seal_indices
+from feeler.io.text import Chunk, chunks_of
 
 _SKIPPED = {ord("p"): "points", ord("l"): "lines"}
 

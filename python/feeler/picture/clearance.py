@@ -9,9 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler.errors import OptionError
-from feeler.show.body import LIGHT_GREY, ORANGE, RED, STEEL_BLUE, TINT, Body, Mark, body_of, only_faces, with_marks
-from feeler.show.collision import near_parts
-from feeler.show.export import write_glb
+from feeler.io.body import LIGHT_GREY, ORANGE, RED, STEEL_BLUE, TINT, Body, Mark, body_of, only_faces, with_marks
+from feeler.io.export import write_glb
+from feeler.picture.collision import near_parts
 
 _THICKNESS_SHARE = 0.002  # of the tool's size
 _LEAST_THICKNESS_M = 2e-5

@@ -18,7 +18,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from test_load_builders import (
+from test_io_builders import (
     CORE,
     SOUP,
     Gltf,
@@ -34,7 +34,7 @@ from test_load_builders import (
 )
 
 from feeler import FeelerError, LimitError, LoadError, MeshError, MissingFileError, OptionError
-from feeler.load import load_mockup, load_tool, step
+from feeler.io import load_mockup, load_tool, step
 
 needs_step = pytest.mark.skipif(importlib.util.find_spec("cascadio") is None, reason="cascadio is not installed")
 STEP_TEXT = (Path(__file__).parent.parent / "testdata" / "meshes" / "assembly.step").read_bytes()

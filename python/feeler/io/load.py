@@ -12,19 +12,19 @@ from pathlib import Path
 import numpy as np
 
 from feeler.errors import FeelerError, LoadError, MeshError, OptionError
-from feeler.load.collada import read_collada
-from feeler.load.files import PathLike, collect
-from feeler.load.gltf import read_gltf, shift_indices
-from feeler.load.limits import check_memory, check_mesh
-from feeler.load.obj import read_obj
-from feeler.load.off import read_off
-from feeler.load.ply import read_ply
-from feeler.load.raw import PathBook, Progress, RawMesh, portion, weld
-from feeler.load.sniff import identify
-from feeler.load.step import read_step
-from feeler.load.stl import read_stl
-from feeler.load.threemf import read_3mf
-from feeler.load.units import Unit, parse_unit
+from feeler.io.collada import read_collada
+from feeler.io.files import PathLike, collect
+from feeler.io.gltf import read_gltf, shift_indices
+from feeler.io.limits import check_memory, check_mesh
+from feeler.io.obj import read_obj
+from feeler.io.off import read_off
+from feeler.io.ply import read_ply
+from feeler.io.raw import PathBook, Progress, RawMesh, portion, weld
+from feeler.io.sniff import identify
+from feeler.io.step import read_step
+from feeler.io.stl import read_stl
+from feeler.io.threemf import read_3mf
+from feeler.io.units import Unit, parse_unit
 from feeler.mockup import Mockup, Source, Tool
 
 DEFAULT_UNIT = "mm"

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from feeler.errors import LoadError
-from feeler.load.limits import check_memory
+from feeler.io.limits import check_memory
 
 _GLB_MAGIC, _JSON_CHUNK, _BIN_CHUNK = b"glTF", 0x4E4F534A, 0x004E4942
 _COMPONENTS: dict[int, np.dtype[Any]] = {

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from feeler.show.body import Body
-from feeler.show.camera import Camera, Section, usual_view
-from feeler.show.collision import collision_bodies
-from feeler.show.picture import Inset, render
+from feeler.io.body import Body
+from feeler.picture.camera import Camera, Section, usual_view
+from feeler.picture.collision import collision_bodies
+from feeler.picture.renderer import Inset, render
 
 Box = tuple[float, float, float, float]
 

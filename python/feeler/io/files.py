@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TypeAlias
 
 from feeler.errors import LoadError, MissingFileError, OptionError
-from feeler.load.sniff import COMPANIONS, EXTENSIONS, known_formats
+from feeler.io.sniff import COMPANIONS, EXTENSIONS, known_formats
 
 PathLike: TypeAlias = "str | os.PathLike[str]"
 

@@ -1,4 +1,4 @@
-"""GLB and binary STL writers, and the GLB of one collision.
+"""GLB and binary STL writers.
 
 Our own, because a mock-up of 4,000 parts has to be written in about a second: no object is made per part but its JSON.
 
@@ -19,8 +19,8 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler.errors import MeshError, OptionError
-from feeler.show.body import Body, Colour, FloatArray, body_of
-from feeler.show.files import atomic_file
+from feeler.io.atomic import atomic_file
+from feeler.io.body import Body, FloatArray, body_of
 
 # Beyond this distance from the origin a part gets an origin of its own; float32 is spaced 0.5 micrometres below 8 m.
 OWN_ORIGIN_BEYOND_M = 8.0
@@ -277,6 +277,3 @@ def _material_json(colour: Sequence[float]) -> dict[str, Any]:
         },
         "doubleSided": True,
     }
-
-
-__all__ = ["Body", "Colour", "write_glb", "write_stl"]

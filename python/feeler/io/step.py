@@ -17,12 +17,12 @@ from pathlib import Path
 import numpy as np
 
 from feeler.errors import LoadError
-from feeler.load.gltf import read_gltf
-from feeler.load.gltf_document import Document
-from feeler.load.limits import machine_memory
-from feeler.load.raw import Progress, RawMesh, clean_name, portion
-from feeler.load.step_names import ProductNames, stated_units
-from feeler.load.units import Unit, parse_unit
+from feeler.io.gltf import read_gltf
+from feeler.io.gltf_document import Document
+from feeler.io.limits import machine_memory
+from feeler.io.raw import Progress, RawMesh, clean_name, portion
+from feeler.io.step_names import ProductNames, stated_units
+from feeler.io.units import Unit, parse_unit
 
 DEFAULT_CHORD_TOLERANCE = 1e-4
 """Metres. Less is finer: the number of triangles of a round surface grows with its inverse square root."""

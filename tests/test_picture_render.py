@@ -11,10 +11,11 @@ import numpy as np
 import pytest
 
 import feeler
-from feeler.show import Camera, Inset, Mark, Section, WriteError, body_of, render, render_collision, with_marks
-from feeler.show.clip import clip_triangles
-from feeler.show.picture import render_array
-from feeler.show.raster import visible_triangles
+from feeler.io import Mark, WriteError, body_of, with_marks
+from feeler.picture import Camera, Inset, Section, render, render_collision
+from feeler.picture.clip import clip_triangles
+from feeler.picture.raster import visible_triangles
+from feeler.picture.renderer import render_array
 
 SIZE = (160, 100)
 FRONT = Camera(eye=(0, -10, 0), target=(0, 0, 0), fov_deg=20)  # looks along +y, x to the right, z up

@@ -1,4 +1,4 @@
-"""What is shown: triangles with parts and colours, the common input of the writers and the renderer."""
+"""Triangles with parts and colours: the common input of the writers and of `feeler.picture`."""
 
 from __future__ import annotations
 

@@ -16,13 +16,13 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler.errors import MeshError, OptionError
-from feeler.show import shade, surface
-from feeler.show.body import body_of
-from feeler.show.camera import Camera, Section, usual_view
-from feeler.show.clip import clip_triangles
-from feeler.show.files import atomic_file
-from feeler.show.png import write_png
-from feeler.show.raster import visible_triangles
+from feeler.io.atomic import atomic_file
+from feeler.io.body import body_of
+from feeler.picture import shade, surface
+from feeler.picture.camera import Camera, Section, usual_view
+from feeler.picture.clip import clip_triangles
+from feeler.picture.png import write_png
+from feeler.picture.raster import visible_triangles
 
 Progress = Callable[[float, str], None]
 Float32 = npt.NDArray[np.float32]

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from feeler.errors import LoadError
-from feeler.load.gltf import shift_indices, transform
-from feeler.load.limits import MAX_DEPTH, MAX_PARTS, check_mesh
-from feeler.load.raw import PathBook, Progress, RawMesh, clean_name, seal_indices
-from feeler.load.units import Unit
+from feeler.io.gltf import shift_indices, transform
+from feeler.io.limits import MAX_DEPTH, MAX_PARTS, check_mesh
+from feeler.io.raw import PathBook, Progress, RawMesh, clean_name, seal_indices
+from feeler.io.units import Unit
 
 _MAX_BYTES = 512 * 2**20  # the whole tree is held as Python objects, about twenty times this
 

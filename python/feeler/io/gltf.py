@@ -15,10 +15,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from feeler.load.gltf_document import Document
-from feeler.load.limits import MAX_DEPTH, check_mesh
-from feeler.load.raw import PathBook, Progress, RawMesh, clean_name, seal_indices
-from feeler.load.units import parse_unit
+from feeler.io.gltf_document import Document
+from feeler.io.limits import MAX_DEPTH, check_mesh
+from feeler.io.raw import PathBook, Progress, RawMesh, clean_name, seal_indices
+from feeler.io.units import parse_unit
 
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
 _IDENTITY = np.eye(4)

@@ -16,10 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from feeler.errors import LoadError
-from feeler.load.gltf import shift_indices, transform
-from feeler.load.limits import MAX_DEPTH, check_memory, check_mesh
-from feeler.load.raw import PathBook, Progress, RawMesh, clean_name, seal_indices
-from feeler.load.units import parse_unit
+from feeler.io.gltf import shift_indices, transform
+from feeler.io.limits import MAX_DEPTH, check_memory, check_mesh
+from feeler.io.raw import PathBook, Progress, RawMesh, clean_name, seal_indices
+from feeler.io.units import parse_unit
 
 _DEFAULT_MODEL = "3D/3dmodel.model"
 _SEPARATOR = " "

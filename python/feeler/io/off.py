@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from feeler.errors import LoadError
-from feeler.load import polygons
-from feeler.load.limits import check_mesh
-from feeler.load.raw import Progress, RawMesh, seal_indices
-from feeler.load.text import Chunk, chunks_of
+from feeler.io import polygons
+from feeler.io.limits import check_mesh
+from feeler.io.raw import Progress, RawMesh, seal_indices
+from feeler.io.text import Chunk, chunks_of
 
 _KEYWORD = re.compile(rb"(ST)?(C)?(N)?(4)?(n)?OFF(\s+BINARY)?", re.ASCII)
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from typing import Any
 
-from feeler.load.units import Unit, parse_unit
+from feeler.io.units import Unit, parse_unit
 
 _STRING = rb"'((?:[^']|'')*)'"
 _ANY = rb"(?:'(?:[^']|'')*'|\$)"

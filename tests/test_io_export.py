@@ -13,7 +13,8 @@ import pytest
 import trimesh
 
 import feeler
-from feeler.show import Mark, WriteError, body_of, with_marks, write_collision_glb, write_glb, write_stl
+from feeler.io import Mark, WriteError, body_of, with_marks, write_glb, write_stl
+from feeler.picture import write_collision_glb
 
 CUBE_VERTICES = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
 CUBE_FACES = np.array(
@@ -210,7 +211,7 @@ def test_a_failed_write_keeps_the_old_file(tmp_path: Path, monkeypatch: pytest.M
     def full(*_: object) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("feeler.show.files.os.replace", full)
+    monkeypatch.setattr("feeler.io.atomic.os.replace", full)
     with pytest.raises(WriteError, match="No space left"):
         write_stl(target, cubes(["a"]))
     assert target.read_text() == "old"

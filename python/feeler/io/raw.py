@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from feeler.load.units import Unit
+from feeler.io.units import Unit
 
 Progress: TypeAlias = Callable[[float, str], None] | None
 """None, or called with (fraction 0..1, what is being done)."""

@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from feeler.errors import LoadError
-from feeler.load.limits import check_mesh
-from feeler.load.raw import PathBook, Progress, RawMesh, clean_name, weld
-from feeler.load.text import Chunk, chunks_of
+from feeler.io.limits import check_mesh
+from feeler.io.raw import PathBook, Progress, RawMesh, clean_name, weld
+from feeler.io.text import Chunk, chunks_of
 
 _HEADER = 84
 _RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("spare", "<u2")])

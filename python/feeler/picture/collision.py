@@ -9,8 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler.errors import OptionError
-from feeler.show.body import LIGHT_GREY, ORANGE, RED, STEEL_BLUE, TINT, Body, Mark, body_of, only_faces, with_marks
-from feeler.show.export import write_glb
+from feeler.io.body import LIGHT_GREY, ORANGE, RED, STEEL_BLUE, TINT, Body, Mark, body_of, only_faces, with_marks
+from feeler.io.export import write_glb
 
 
 def collision_bodies(

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from test_load_builders import (
+from test_io_builders import (
     CORNERS,
     FACES,
     SOUP,
@@ -28,7 +28,7 @@ from test_load_builders import (
 )
 
 from feeler import Mockup, OptionError
-from feeler.load import KNOWN_UNITS, load_mockup, load_tool
+from feeler.io import KNOWN_UNITS, load_mockup, load_tool
 
 
 def save(folder: Path, name: str, content: bytes | str) -> Path:
@@ -97,7 +97,7 @@ def test_text_stl_with_old_mac_line_ends(tmp_path):
 
 
 def test_text_stl_over_many_chunks(tmp_path, monkeypatch):
-    monkeypatch.setattr("feeler.load.text.CHUNK_BYTES", 100)
+    monkeypatch.setattr("feeler.io.text.CHUNK_BYTES", 100)
     mockup = load_mockup(save(tmp_path, "a.stl", stl_text({"one": SOUP, "two": SOUP + 3.0})))
     assert names(mockup) == ["one", "two"]
     assert np.array_equal(soup(mockup), np.concatenate([SOUP, SOUP + 3.0]) * 0.001)
@@ -117,7 +117,7 @@ def test_text_stl_with_nan_and_inf_keeps_those_triangles(tmp_path):
 @pytest.mark.parametrize("chunk_bytes", [None, 60])
 def test_obj_objects_and_groups_are_parts(tmp_path, monkeypatch, chunk_bytes):
     if chunk_bytes:
-        monkeypatch.setattr("feeler.load.text.CHUNK_BYTES", chunk_bytes)
+        monkeypatch.setattr("feeler.io.text.CHUNK_BYTES", chunk_bytes)
     mockup = load_mockup(save(tmp_path, "model.obj", obj_text()), unit="m")
     assert names(mockup) == ["left side", "right", "plate"]
     assert paths(mockup) == ["model/frame/left side", "model/frame/right", "model/plate"]

@@ -1,0 +1,19 @@
+"""What a result looks like: coloured bodies, as GLB or as a picture from a renderer that needs no display."""
+
+from feeler.picture.camera import Camera, Section
+from feeler.picture.clearance import clearance_bodies, write_clearance_glb
+from feeler.picture.collision import collision_bodies, write_collision_glb
+from feeler.picture.renderer import Inset, render
+from feeler.picture.views import render_collision
+
+__all__ = [
+    "Camera",
+    "Inset",
+    "Section",
+    "clearance_bodies",
+    "collision_bodies",
+    "render",
+    "render_collision",
+    "write_clearance_glb",
+    "write_collision_glb",
+]
