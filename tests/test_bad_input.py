@@ -5,7 +5,6 @@ from __future__ import annotations
 import itertools
 import subprocess
 import sys
-import time
 from collections.abc import Callable
 from typing import Any
 
@@ -353,15 +352,30 @@ def test_a_million_poses(scene: feeler.Scene, tool: feeler.Tool) -> None:
     poses = np.tile(np.eye(4), (1_000_000, 1, 1))
     poses[:, 0, 3] = 50.0
     poses[::1000, 0, 3] = 0.5
-    start = time.perf_counter()
-    batch = scene.collide_batch(tool, poses)
-    assert time.perf_counter() - start < 60
+    told: list[float] = []
+    batch = scene.collide_batch(tool, poses, progress=lambda done, stage: told.append(done))
+    assert told == sorted(told) and len(told) > 100
     one = scene.collide(tool, poses[0])
     assert len(batch) == 1_000_000
     assert batch.offsets[-1] == len(batch.pairs) == 1000 * len(one)
     assert batch[999_000].tolist() == one.pairs.tolist()
     assert len(batch[999_999]) == 0
     assert (np.diff(batch.offsets.astype(np.int64)) == np.where(poses[:, 0, 3] < 1, len(one), 0)).all()
+    # A pose clear of the mock-up's box costs no step of a query.
+    assert not any(scene.collide(tool, poses[1]).stats.values())
+
+
+def test_a_million_poses_can_be_interrupted(scene: feeler.Scene, tool: feeler.Tool) -> None:
+    told: list[float] = []
+
+    def interrupt(done: float, stage: str) -> None:
+        told.append(done)
+        if done > 0.01:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        scene.collide_batch(tool, np.tile(np.eye(4), (1_000_000, 1, 1)), progress=interrupt)
+    assert told[-1] < 0.02, "nothing is done after the interrupt"
 
 
 # --- options -------------------------------------------------------------------------------------------------------
@@ -384,10 +398,10 @@ def test_voxel_sizes_that_are_no_number(mockup: feeler.Mockup, store: dict[str, 
 @stores
 @pytest.mark.parametrize("absurd", [1e-9, 1e-100, 1e-300, 5e-324])
 def test_absurdly_small_voxels_are_refused_at_once(mockup: feeler.Mockup, store: dict[str, Any], absurd: float) -> None:
-    start = time.perf_counter()
+    told: list[float] = []
     with pytest.raises(feeler.LimitError, match="choose") as error:
-        feeler.Scene(mockup, voxel_size=absurd, **store)
-    assert time.perf_counter() - start < 10
+        feeler.Scene(mockup, voxel_size=absurd, progress=lambda done, stage: told.append(done), **store)
+    assert set(told) <= {0.0}, "no stage of the build is done before the refusal"
     assert isinstance(error.value, MemoryError)
     assert len(str(error.value)) < 300
 
@@ -498,7 +512,7 @@ try:
 except feeler.LimitError as error:
     print("refused:", error)
 """
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=30, check=False)
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr[-500:]
     assert done.stdout.startswith("refused:")
 

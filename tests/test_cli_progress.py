@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import threading
-import time
+from collections.abc import Callable
+from types import SimpleNamespace
 
 import pytest
 
@@ -18,15 +19,30 @@ def test_short_work_shows_nothing(capsys: pytest.CaptureFixture[str]) -> None:
     assert capsys.readouterr() == ("", "")
 
 
-def test_long_work_without_a_terminal_writes_a_line_now_and_then(capsys: pytest.CaptureFixture[str]) -> None:
-    with bar("loading", line_every_s=0.05) as progress:
-        progress(0.1, "reading")
-        time.sleep(0.06)
-        progress(0.5, "sorting")
-        progress(0.6, "sorting")
+def test_long_work_without_a_terminal_writes_a_line_now_and_then(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    clock = [100.0]
+    monkeypatch.setattr(progress_module, "time", SimpleNamespace(monotonic=lambda: clock[0]))
+    with bar("loading", line_every_s=10.0) as progress:
+        for clock[0], done in ((109.0, 0.1), (110.0, 0.5), (111.0, 0.6), (119.5, 0.7), (120.0, 0.8)):
+            progress(done, "sorting")
     captured = capsys.readouterr()
     assert captured.out == ""
-    assert captured.err == "loading: 50 % (sorting)\n"
+    assert captured.err == "loading: 50 % (sorting)\nloading: 80 % (sorting)\n"
+
+
+class Timer:
+    """A `threading.Timer` that goes off when the test says so."""
+
+    def __init__(self, seconds: float, function: Callable[[], None]) -> None:
+        self.seconds, self.function, self.state = seconds, function, "made"
+
+    def start(self) -> None:
+        self.state = "started"
+
+    def cancel(self) -> None:
+        self.state = "cancelled"
 
 
 def test_in_a_terminal_a_bar_appears_even_if_the_work_says_nothing(
@@ -35,13 +51,22 @@ def test_in_a_terminal_a_bar_appears_even_if_the_work_says_nothing(
     monkeypatch.setattr(progress_module, "_is_terminal", lambda: True)
     monkeypatch.setenv("TERM", "xterm")
     monkeypatch.setenv("FORCE_COLOR", "1")
-    with bar("loading", show_after_s=0.01):
-        time.sleep(0.4)
+    timers: list[Timer] = []
+    threads = SimpleNamespace(
+        Lock=threading.Lock, Timer=lambda *arguments: timers.append(Timer(*arguments)) or timers[-1]
+    )
+    monkeypatch.setattr(progress_module, "threading", threads)
+    with bar("loading", show_after_s=2.0):
+        assert timers[0].state == "started" and timers[0].seconds == 2.0
+        assert capsys.readouterr().err == "", "not yet"
+        timers[0].function()
     captured = capsys.readouterr()
     assert captured.out == ""
     assert "loading" in captured.err
-    with bar("quick", show_after_s=5):
+    with bar("quick"):
         pass
+    assert timers[1].state == "cancelled"
+    timers[1].function()  # as a timer does that is cancelled too late
     assert capsys.readouterr().err == ""
 
 

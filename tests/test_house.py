@@ -28,7 +28,6 @@ def run(*command: str | Path, cwd: Path, env: dict[str, str] | None = None) -> s
         text=True,
         encoding="utf-8",
         check=False,
-        timeout=240,
     )
 
 

@@ -11,6 +11,7 @@ import importlib.util
 import lzma
 import os
 import struct
+import subprocess
 import sys
 import tracemalloc
 import zipfile
@@ -662,22 +663,34 @@ def test_step_faces_that_the_converter_leaves_out_are_noted(tmp_path, old, new, 
         ("import sys; sys.exit(3)", ("pip install",)),
         ("import sys; open(sys.argv[2], 'wb').write(b'junk')", ("nothing usable",)),
         ("import sys; open(sys.argv[2], 'wb')", ("failed",)),
-        ("import time; time.sleep(60)", ("not done after", "chord_tolerance")),
     ],
 )
 @pytest.mark.skipif(sys.platform == "win32", reason="signals are named differently there")
 def test_step_converter_that_misbehaves(tmp_path, monkeypatch, worker, words):
     monkeypatch.setattr(step, "_WORKER", save(tmp_path, "worker.py", worker))
-    monkeypatch.setattr(step, "_LEAST_SECONDS", 1.0)
-    monkeypatch.setattr(step, "_SECONDS_PER_MB", 1.0)
     refuse(save(tmp_path, "a.step", STEP_TEXT), *words)
 
 
-def test_step_worker_is_stopped_when_the_caller_stops(tmp_path, monkeypatch):
-    monkeypatch.setattr(step, "_WORKER", save(tmp_path, "worker.py", "import time; time.sleep(60)"))
-    started: list[object] = []
+def test_step_converter_that_does_not_end(tmp_path, monkeypatch):
+    monkeypatch.setattr(step, "_WORKER", save(tmp_path, "worker.py", "import time; time.sleep(3600)"))
+    monkeypatch.setattr(step, "_LEAST_SECONDS", 0.1)
+    monkeypatch.setattr(step, "_SECONDS_PER_MB", 0.1)
+    started = watch_workers(monkeypatch)
+    refuse(save(tmp_path, "a.step", STEP_TEXT), "not done after", "chord_tolerance")
+    assert started[0].poll() is not None, "it is stopped"
+
+
+def watch_workers(monkeypatch) -> list[subprocess.Popen[bytes]]:
+    """The converter's processes, as they are started."""
+    started = []
     popen = step.subprocess.Popen
     monkeypatch.setattr(step.subprocess, "Popen", lambda *a, **k: started.append(popen(*a, **k)) or started[-1])
+    return started
+
+
+def test_step_worker_is_stopped_when_the_caller_stops(tmp_path, monkeypatch):
+    monkeypatch.setattr(step, "_WORKER", save(tmp_path, "worker.py", "import time; time.sleep(3600)"))
+    started = watch_workers(monkeypatch)
 
     def stop(fraction: float, stage: str) -> None:
         if "triangulating" in stage:
