@@ -198,11 +198,14 @@ def test_a_mesh_that_spans_all_magnitudes(store: dict[str, Any]) -> None:
     vertices = np.vstack([shape * 5e-324, shape, shape * 1e99])
     mockup = feeler.Mockup(vertices, np.arange(9).reshape(3, 3))
     scene = feeler.Scene(mockup, **store)
+    sizes_met: dict[float, set[int]] = {}
     for size in (5e-324, 1e-200, 1.0, 1e50, 1e99):
         tool = feeler.Tool(np.array([[1.0, 1, -1], [1, 1, 1], [2, 1, 1]]) * size, [[0, 1, 2]])
         hit = scene.collide(tool, IDENTITY)
         found = {(int(t), int(s)): int(k) for (t, s), k in zip(hit.pairs, hit.kinds, strict=True)}
         assert found == oracle.collide(mockup, tool)
+        sizes_met[size] = {s for _, s in found}
+    assert sizes_met[1.0] == {1, 2} and sizes_met[1e99] == {2}
 
 
 @stores
@@ -215,10 +218,13 @@ def test_a_tool_triangle_that_rounds_to_a_point_or_a_segment(store: dict[str, An
         [[0, 0, -0.25], [0.25, 0.25, -0.25], [0.25, 0, -0.25 + 1e-20]],
     ):
         tool = feeler.Tool(corners, [[0, 1, 2]])
+        met = 0
         for pose in (moved(0.25, 0.25, 0), moved(0.25, 0.25, 0.5), moved(0.25, 0.25, 0.25), moved(2, 2, 2)):
             hit = scene.collide(tool, pose)
             found = {(int(t), int(s)): int(k) for (t, s), k in zip(hit.pairs, hit.kinds, strict=True)}
             assert found == oracle.collide(mockup, tool, pose)
+            met += len(found)
+        assert met
 
 
 @stores

@@ -26,11 +26,29 @@ def fresh(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
     return tmp_path / "cache"
 
 
-def test_constants_are_measured(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_least_time_of_each_query_counts(monkeypatch: pytest.MonkeyPatch) -> None:
+    spans = np.random.default_rng(3).integers(1, 1000, (2, 3, 5, 8)).astype(float)  # tools, rounds, voxel sizes, poses
+    ticks = iter(np.cumsum(np.column_stack([np.ones(spans.size), spans.ravel()]).ravel()).tolist())
+    fitted: list[tuple[np.ndarray, np.ndarray]] = []
+    monkeypatch.setattr(calibrate, "query_clock", lambda: lambda: next(ticks))
+    monkeypatch.setattr(calibrate, "fit_constants", lambda *found: fitted.append(found) or calibrate.TYPICAL)
+    assert calibrate.measure_constants() == calibrate.TYPICAL
+    ((steps, seconds),) = fitted
+    np.testing.assert_array_equal(seconds, spans.min(axis=1).ravel())
+    assert next(ticks, None) is None, "no other call of the clock"
+    assert steps.shape == (80, len(calibrate.NAMES))
+    queries, tool_triangles, voxels, entries, pairs, tests = steps.T
+    assert (queries == 1).all() and tool_triangles.tolist() == [192.0] * 40 + [1920.0] * 40
+    assert (np.diff(voxels.reshape(2, 5, 8), axis=1) < 0).all(), "larger voxels, fewer of them"
+    assert (entries >= pairs).all() and (pairs >= tests).all(), "the stages of a query, each with less to do"
+    assert entries.sum() > pairs.sum() > tests.sum() > 0
+
+
+def test_what_is_measured_here_makes_sense(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr(calibrate, "_ROUNDS", 1)
     constants = calibrate.measure_constants()
-    assert len(constants) == len(calibrate.NAMES)
-    assert all(0.0 <= value < 1e-2 for value in constants) and sum(constants[2:]) > 0
+    calibrate._write(tmp_path / "constants.json", constants)
+    assert calibrate._read(tmp_path / "constants.json") == constants
 
 
 def test_the_fit_finds_the_constants_again() -> None:
@@ -41,7 +59,18 @@ def test_the_fit_finds_the_constants_again() -> None:
     found = np.array(calibrate.fit_constants(steps, seconds))
     error = np.abs(steps @ found / seconds - 1)  # the pull to the typical ratios is weak, but there
     assert np.median(error) < 0.1 and error.max() < 0.5
-    assert (calibrate.fit_constants(steps, np.zeros(80)) >= (0.0,) * 6) is True
+
+
+def test_no_constant_is_negative() -> None:
+    rng = np.random.default_rng(1)
+    steps = np.column_stack([np.ones(80), *(rng.uniform(0, size, 80) for size in (1e3, 1e4, 1e5, 1e4, 1e3))])
+    # The more pairs, the less time: the least squares alone would say so.
+    seconds = steps @ (np.array(calibrate.TYPICAL) * [1.0, 1.0, 1.0, 1.0, -0.3, 1.0])
+    assert (seconds > 0).all()
+    found = calibrate.fit_constants(steps, seconds)
+    assert found[calibrate.NAMES.index("pair")] == 0.0
+    assert all(value >= 0.0 for value in found) and min(found[:4]) > 0.0
+    assert all(0.0 <= value < 1e-9 for value in calibrate.fit_constants(steps, np.zeros(80)))
 
 
 def test_the_cache_is_written_and_read(fresh: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -98,7 +127,7 @@ def test_work_is_predicted_within_a_small_factor(pair: tuple[feeler.Mockup, feel
         _, voxels, listed, pairs, tests = predictor.work(size)
         assert 0.5 < voxels / visited < 2.0
         assert 0.2 < listed / entries < 5.0
-        assert listed >= pairs >= tests >= 0
+        assert listed > pairs > tests > 0
 
 
 def test_the_piece_size_follows_the_tool(pair: tuple[feeler.Mockup, feeler.Tool]) -> None:

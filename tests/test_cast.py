@@ -92,6 +92,7 @@ def test_a_start_in_contact_is_an_impact_at_zero(scene: feeler.Scene, tool: feel
 
 def test_nothing_is_later_than_the_first_sampled_collision(scene: feeler.Scene, tool: feeler.Tool) -> None:
     random = np.random.default_rng(5)
+    sampled = 0
     for _ in range(30):
         a, b = (at(*random.uniform([-0.8, -0.8, 0.1], [1.5, 0.8, 0.9]), random.uniform(-3, 3)) for _ in range(2))
         b[2, 3] = random.uniform(-0.5, 0.5)
@@ -102,8 +103,10 @@ def test_nothing_is_later_than_the_first_sampled_collision(scene: feeler.Scene, 
         poses = np.array([at(*(a[:3, 3] + t * (b - a)[:3, 3]), start + t * turn) for t in times])
         counts = np.diff(scene.collide_batch(tool, poses).offsets.astype(np.int64))
         if counts.any():
+            sampled += 1
             first = times[np.flatnonzero(counts)[0]]
             assert hit is not None and hit.fraction <= first + 1e-12
+    assert sampled > 10
 
 
 def test_tolerances_and_poses_are_checked(scene: feeler.Scene, tool: feeler.Tool) -> None:
@@ -161,11 +164,16 @@ def test_a_long_path_tells_how_far_it_is_and_stops_when_asked(mockup: feeler.Moc
     assert scene.check_path(tool, poses, progress=lambda done, stage: told.append(done)).free
     assert told == sorted(told) and told[-1] == 1.0 and len(told) > 5
 
+    told.clear()
+
     def stop(done: float, stage: str) -> None:
-        raise KeyboardInterrupt
+        told.append(done)
+        if done > 0.1:
+            raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
         scene.check_path(tool, poses, progress=stop)
+    assert told[-1] < 0.5, "nothing is done after the interrupt"
 
 
 @pytest.fixture(scope="module")
@@ -190,7 +198,7 @@ def run(files: dict[str, Path], poses: str, *words: str | Path, code: int) -> An
 def test_the_command_says_where_a_path_is_blocked(files: dict[str, Path]) -> None:
     text = run(files, "hits.npy", code=1).stdout
     assert "not free" in text and "1 of 2 segments" in text and "mockup" in text
-    assert "free" in run(files, "free.json", code=0).stdout
+    assert "The path is free" in run(files, "free.json", code=0).stdout
     table, scene = files["folder"] / "hits.out.csv", files["folder"] / "hits.glb"
     said = json.loads(run(files, "hits.csv", "--json", "--csv", table, "--glb", scene, code=1).stdout)
     assert (said["free"], said["segments"], said["segments_hit"]) == (False, 2, 1)

@@ -46,6 +46,13 @@ def tool() -> feeler.Tool:
     return feeler.Tool(0.5 * CUBE, SIDES, name="die")
 
 
+def is_on(point: Floats, corners: Floats) -> bool:
+    """Whether a point lies on a triangle: a mean of its corners, with weights from 0 to 1."""
+    equations, target = np.vstack([corners.T, np.ones(3)]), np.append(point, 1.0)
+    weights = np.linalg.lstsq(equations, target, rcond=None)[0]
+    return bool(np.abs(equations @ weights - target).max() < 1e-12 and weights.min() > -1e-12)
+
+
 @stores
 def test_distance_of_cubes(mockup: feeler.Mockup, tool: feeler.Tool, store: dict[str, Any]) -> None:
     scene = feeler.Scene(mockup, **store)
@@ -54,7 +61,9 @@ def test_distance_of_cubes(mockup: feeler.Mockup, tool: feeler.Tool, store: dict
     assert d.point_on_tool is not None and d.point_on_mockup is not None
     assert d.point_on_tool[0] == 1.25 and d.point_on_mockup[0] == 1.0
     assert np.linalg.norm(d.point_on_tool - d.point_on_mockup) == d.value
-    assert 0 <= int(d.tool_triangle or 0) < 12 and int(d.mockup_triangle or 0) < 12
+    assert d.tool_triangle is not None and d.mockup_triangle is not None
+    assert is_on(d.point_on_tool - [1.25, 0.25, 0.25], tool.vertices[tool.faces[d.tool_triangle]])
+    assert is_on(d.point_on_mockup, mockup.vertices[mockup.faces[d.mockup_triangle]])
     rows = scene.distance(tool, at(1.25, 0.25, 0.25), k=5)
     assert isinstance(rows, list)
     assert [(row.part, row.value) for row in rows] == [(0, 0.25), (2, 1.25), (3, 4.25)]

@@ -84,7 +84,7 @@ def test_version() -> None:
 
 def test_help_lists_the_commands_and_each_has_examples() -> None:
     text = run("--help").stdout
-    assert all(command in text for command in COMMANDS)
+    assert re.findall(r"^\W* ([a-z]+) {2,}[A-Z]", text, re.MULTILINE) == [*COMMANDS, "study"]
     for command in COMMANDS:
         text = run(command, "--help").stdout
         assert f"feeler {command}" in text.partition("Examples")[2]
@@ -290,27 +290,28 @@ def test_bad_files_and_options(tmp_path: Path, stand: Path, slider: Path) -> Non
 
 
 @pytest.mark.parametrize(
-    ("name", "content"),
+    ("name", "content", "words"),
     [
-        ("a.json", "[[1, 0, 0"),
-        ("b.json", '{"matrix": 1}'),
-        ("c.json", "[[1, 2], [3]]"),
-        ("d.json", "[]"),
-        ("e.json", '"pose"'),
-        ("f.txt", "1 0 0 0 0 1"),
-        ("g.txt", "1 0 0 zero"),
-        ("h.txt", ""),
-        ("i.npy", "no array"),
-        ("j.txt", "\xff\xfe"),
-        ("k.json", "[" * 100_000),
-        ("l.txt", " ".join(["1"] * 16)),  # not rigid
-        ("m.txt", " ".join(["nan"] * 16)),
+        ("a.json", "[[1, 0, 0", "cannot be read"),
+        ("b.json", '{"matrix": 1}', 'no "world_from_tool"'),
+        ("c.json", "[[1, 2], [3]]", "cannot be read"),
+        ("d.json", "[]", "shape (0,)"),
+        ("e.json", '"pose"', "cannot be read"),
+        ("f.txt", "1 0 0 0 0 1", "6 numbers are no whole number of poses"),
+        ("g.txt", "1 0 0 zero", "'zero'"),
+        ("h.txt", "", "holds no pose"),
+        ("i.npy", "no array", "cannot be read"),
+        ("j.txt", "\xff\xfe", "cannot be read"),
+        ("k.json", "[" * 100_000, "cannot be read"),
+        ("l.txt", " ".join(["1"] * 16), "not rigid"),
+        ("m.txt", " ".join(["nan"] * 16), "pose[0, 0] is NaN"),
     ],
 )
-def test_bad_pose_files(tmp_path: Path, stand: Path, slider: Path, name: str, content: str) -> None:
+def test_bad_pose_files(tmp_path: Path, stand: Path, slider: Path, name: str, content: str, words: str) -> None:
     (tmp_path / name).write_bytes(content.encode("latin-1"))
     message = error_of("collide", stand, "--tool", slider, "--pose", tmp_path / name)
-    assert "pose" in message
+    assert words in message
+    assert (str(tmp_path / name) in message) == (name[0] < "l"), "what is wrong with the file, or with the pose in it"
 
 
 def test_wrong_usage_ends_with_2() -> None:

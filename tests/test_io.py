@@ -502,7 +502,7 @@ def test_unit_names(tmp_path, unit, metres):
 def test_unknown_unit_lists_the_known(tmp_path, unit):
     with pytest.raises(OptionError) as error:
         load_mockup(save(tmp_path, "p.stl", stl_binary()), unit=unit)
-    assert all(name in str(error.value) for name in KNOWN_UNITS)
+    assert str(error.value).endswith("use one of " + ", ".join(KNOWN_UNITS))
 
 
 @pytest.mark.parametrize("tolerance", [0, -1.0, float("nan"), float("inf"), "fine", True])
@@ -571,7 +571,7 @@ def test_report_tells_where_things_came_from(tmp_path):
     text = str(mockup.report)
     assert "p.stl" in text and "unit mm (assumed: STL has no unit" in text
     assert mockup.report.defects["duplicate"].count == 1
-    assert json.dumps(mockup.report.to_dict())
+    assert json.loads(json.dumps(mockup.report.to_dict()))["defects"]["duplicate"] == {"count": 1, "first": [4]}
     assert mockup.report.source.seconds > 0
 
 

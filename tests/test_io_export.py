@@ -130,7 +130,7 @@ def test_glb_colours_are_linear_and_one_primitive_each(tmp_path: Path) -> None:
     assert document["accessors"][marked["indices"]]["count"] == 6
 
 
-def test_glb_of_many_parts_is_fast_enough(tmp_path: Path) -> None:
+def test_glb_of_thousands_of_parts(tmp_path: Path) -> None:
     mockup = cubes([f"shelf{i // 50}/box{i}" for i in range(4000)])
     write_glb(tmp_path / "a.glb", mockup)
     assert len(read_json(tmp_path / "a.glb")["meshes"]) == 4000

@@ -47,15 +47,16 @@ def save(folder: Path, name: str, content: bytes | str) -> Path:
     return path
 
 
-def refuse(path: Path, *words: str, error: type[FeelerError] = LoadError) -> str:
-    """Check that the file is refused with an error that names it and says these words; return the message."""
+def refuse(path: Path, *words: str, error: type[FeelerError] = LoadError) -> None:
+    """Check that the file is refused with an error that names it and says these words."""
     with pytest.raises(error) as caught:
         load_mockup(path)
     message = str(caught.value)
     assert path.name in message
+    # The folder has the test's name in its own, and would say the words for the message.
+    said = message.replace(str(path), "")
     for word in words:
-        assert word in message, message
-    return message
+        assert word in said, message
 
 
 def simple_glb() -> Gltf:

@@ -37,6 +37,7 @@ def test_nominal_poses(engine, name):
 def test_near_poses(engine, name):
     tool = samples.sample_tool(name)
     poses = samples.sample_poses(engine, tool, "near", 12)
+    assert len(poses) == 12
     assert_rigid(poses)
     low, high = engine.mockup.bounds
     size = float(np.linalg.norm(tool.bounds[1] - tool.bounds[0]))
@@ -56,6 +57,7 @@ def test_near_poses(engine, name):
 def test_deep_poses(engine, name):
     tool = samples.sample_tool(name)
     poses = samples.sample_poses(engine, tool, "deep", 12)
+    assert len(poses) == 12
     assert_rigid(poses)
     assert min(share(engine, tool, pose) for pose in poses) > 0.10
 
@@ -98,7 +100,7 @@ def test_a_users_own_box_and_tool():
     tool = feeler.Tool(CUBE * 0.2, CUBE_FACES)
     for kind in ("near", "deep"):
         poses = samples.sample_poses(scene, tool, kind, 4)
-        assert all(scene.is_colliding(tool, pose) == (kind == "deep") for pose in poses)
+        assert [scene.is_colliding(tool, pose) for pose in poses] == [kind == "deep"] * 4
 
 
 def test_what_cannot_be_found_is_an_error():
@@ -112,7 +114,7 @@ def test_defective_triangles_are_never_picked():
     faces = np.concatenate([CUBE_FACES, np.tile([[0, 1, 8], [0, 0, 1], [0, 1, 99]], (30, 1))])
     scene = feeler.Scene(feeler.Mockup(vertices, faces))
     poses = samples.sample_poses(scene, feeler.Tool(CUBE * 0.2, CUBE_FACES), "near", 4)
-    assert np.isfinite(poses).all()
+    assert poses.shape == (4, 4, 4) and np.isfinite(poses).all()
 
 
 @pytest.mark.parametrize("name", ["wrench", "hand"])
