@@ -1,23 +1,21 @@
-"""What is true: an exact oracle in rationals, slow and obvious, and a plain float64 brute force for larger meshes.
+"""What is true of whole meshes: each pair decided exactly, or by a plain float64 brute force where there are many.
 
-Both are written from the geometry alone. A triangle is the set of points spanned by its three corners. The set that two
-triangles share is found by cutting one with the plane and the three sides of the other; what remains says whether they
-meet, and how.
+How two triangles meet is decided in `bench/judge.py`, in whole numbers; here is which pairs there are to decide. The
+brute force is another way to find that out: Möller's test in float64, which knows when it is in doubt.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from fractions import Fraction
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from judge import COPLANAR, CROSSING, TOUCHING, at_pose, has_area, kind_of_pair
 
-COPLANAR, CROSSING, TOUCHING = 0, 1, 2
+__all__ = ["COPLANAR", "CROSSING", "TOUCHING", "Found", "at_pose", "collide", "collide_floats", "kind_of_pair"]
+
 LARGEST = 1e100
 
-Point = tuple[Fraction, Fraction, Fraction]
 Floats = npt.NDArray[np.float64]
 Found = dict[tuple[int, int], int]
 
@@ -62,15 +60,8 @@ def queried(mesh: Any) -> tuple[npt.NDArray[np.int64], Floats]:
     with np.errstate(over="ignore", invalid="ignore", under="ignore"):
         normal, size = np.cross(u, v), np.abs(u).max(axis=1) * np.abs(v).max(axis=1)
         sure = (np.abs(normal).max(axis=1) > 1e-12 * size) & (size > 1e-250) & np.isfinite(size)
-    good = np.array([bool(s) or has_area(exact(t)) for s, t in zip(sure, corners, strict=True)], dtype=bool)
+    good = np.array([bool(s) or has_area(t) for s, t in zip(sure, corners, strict=True)], dtype=bool)
     return ids[good], corners[good]
-
-
-def at_pose(corners: Floats, pose: Floats) -> Floats:
-    """Corners in the world, by the contract: ((r0*x + r1*y) + r2*z) + t, each operation rounded once."""
-    x, y, z = (corners[..., a] for a in range(3))
-    rows = [((pose[i, 0] * x + pose[i, 1] * y) + pose[i, 2] * z) + pose[i, 3] for i in range(3)]
-    return np.stack(rows, axis=-1)
 
 
 def boxes_meet(p: Floats, q: Floats) -> npt.NDArray[np.bool_]:
@@ -82,77 +73,6 @@ def boxes_meet(p: Floats, q: Floats) -> npt.NDArray[np.bool_]:
         meet &= p_low[:, None] <= q_high[None, :]
         meet &= q_low[None, :] <= p_high[:, None]
     return meet
-
-
-# --- exact ---------------------------------------------------------------------------------------------------------
-
-
-def exact(triangle: npt.ArrayLike) -> list[Point]:
-    """The corners as rationals: every float64 is one."""
-    return [(Fraction(x), Fraction(y), Fraction(z)) for x, y, z in np.asarray(triangle, dtype=np.float64).tolist()]
-
-
-def minus(a: Point, b: Point) -> Point:
-    return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
-
-
-def cross(a: Point, b: Point) -> Point:
-    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
-
-
-def dot(a: Point, b: Point) -> Fraction:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-def normal_of(t: Sequence[Point]) -> Point:
-    return cross(minus(t[1], t[0]), minus(t[2], t[0]))
-
-
-def has_area(t: Sequence[Point]) -> bool:
-    return any(normal_of(t))
-
-
-def shared_points(p: Sequence[Point], q: Sequence[Point]) -> set[Point]:
-    """Corners of the convex set that two triangles share; empty when they share nothing. `q` must have an area."""
-    n = normal_of(q)
-    polygon = list(p)
-    for outward, corner in [(n, q[0]), ((-n[0], -n[1], -n[2]), q[0])]:  # the plane of q: two closed half-spaces
-        polygon = cut(polygon, outward, corner)
-    for a, b in [(0, 1), (1, 2), (2, 0)]:  # its three sides, which are upright on it and face outwards
-        polygon = cut(polygon, cross(minus(q[b], q[a]), n), q[a])
-    return set(polygon)
-
-
-def cut(polygon: list[Point], outward: Point, corner: Point) -> list[Point]:
-    """What remains of a convex polygon (also a segment or a point) in a closed half-space."""
-    kept = []
-    heights = [dot(outward, minus(x, corner)) for x in polygon]
-    for i, (x, h) in enumerate(zip(polygon, heights, strict=True)):
-        y, k = polygon[i - 1], heights[i - 1]
-        if h * k < 0:
-            share = h / (h - k)
-            kept.append((x[0] + share * (y[0] - x[0]), x[1] + share * (y[1] - x[1]), x[2] + share * (y[2] - x[2])))
-        if h <= 0:
-            kept.append(x)
-    return kept
-
-
-def kind_of_pair(tool_triangle: npt.ArrayLike, mockup_triangle: npt.ArrayLike) -> int | None:
-    """How two triangles meet, None when they do not. A tool triangle may have lost its area by rounding at its pose."""
-    p, q = exact(tool_triangle), exact(mockup_triangle)
-    n = normal_of(q)
-    p_heights = [dot(n, minus(x, q[0])) for x in p]
-    if all(h > 0 for h in p_heights) or all(h < 0 for h in p_heights):
-        return None
-    shared = shared_points(p, q)
-    if not shared:
-        return None
-    if not any(p_heights):
-        return COPLANAR
-    m = normal_of(p)
-    q_heights = [dot(m, minus(x, p[0])) for x in q]
-    two_sided = all(min(h) < 0 < max(h) for h in (p_heights, q_heights))
-    return CROSSING if two_sided and len(shared) > 1 else TOUCHING
 
 
 # --- floats --------------------------------------------------------------------------------------------------------

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable
+from fractions import Fraction
+from pathlib import Path
 from typing import Any
 
+import judge
 import numpy as np
 import numpy.typing as npt
 import oracle
@@ -225,6 +228,31 @@ def test_named_cases_in_all_72_orders(triangle: Corners, expected: int | None) -
         assert len(found) == (36 if want else 0)
 
 
+def test_the_oracle_knows_the_corpus(testdata: Path) -> None:
+    """Another oracle wrote the answers: the one in Rust, in rationals."""
+    words = {"apart": None, "coplanar": oracle.COPLANAR, "crossing": oracle.CROSSING, "touching": oracle.TOUCHING}
+    lines = [line for line in (testdata / "triangle_pairs.txt").read_text(encoding="utf-8").splitlines() if line]
+    cases = [[field.strip() for field in line.split("|")] for line in lines if not line.startswith("#")]
+    assert len(cases) > 900 and {answer for *_, answer in cases} == set(words)
+    wrong = []
+    for name, first, second, answer in cases:
+        p, q = (np.array(numbers.split(), dtype=np.float64).reshape(3, 3) for numbers in (first, second))
+        for turn in range(3):
+            if oracle.kind_of_pair(np.roll(p, turn, axis=0), q[::-1]) != words[answer]:
+                wrong.append(name)
+    assert not wrong
+
+
+def test_the_oracle_names_a_shared_point_in_one_way() -> None:
+    p, q = judge.whole([[1, 1, -1], [1, 1, 1], [3, 1, 1]], BASE)
+    assert judge.shared_points(p, q) == {(1, 1, 0, 1), (2, 1, 0, 1)}
+
+
+def test_the_oracle_refuses_a_mock_up_triangle_without_area() -> None:
+    with pytest.raises(ValueError, match="no area"):
+        oracle.kind_of_pair(BASE, [[0, 0, 0], [1, 1, 1], [2, 2, 2]])
+
+
 def test_the_pose_is_applied_without_fused_multiply_add(make_pose: Callable[..., npt.NDArray[np.float64]]) -> None:
     # A point of the tool on the plane z = h, where h is what the contract's formula gives and a fused one would not.
     rng = np.random.default_rng(5)
@@ -237,11 +265,9 @@ def test_the_pose_is_applied_without_fused_multiply_add(make_pose: Callable[...,
         mockup = [[[x - 1.0, y - 1.0, z], [x + 2.0, y - 1.0, z], [x - 1.0, y + 2.0, z]]]
         found = check(mockup, tool, pose)
         assert found, "the tip lies in the plane"
-        r = [oracle.Fraction(v) for v in pose[2].tolist()]
-        t = [oracle.Fraction(v) for v in tip.tolist()]
-        fused = (
-            float(oracle.Fraction(float(oracle.Fraction(float(r[0] * t[0])) + r[1] * t[1])) + r[2] * t[2]) + pose[2, 3]
-        )
+        r = [Fraction(v) for v in pose[2].tolist()]
+        t = [Fraction(v) for v in tip.tolist()]
+        fused = float(Fraction(float(Fraction(float(r[0] * t[0])) + r[1] * t[1])) + r[2] * t[2]) + pose[2, 3]
         fused_differs += fused != z
     assert fused_differs > 5
 
