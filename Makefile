@@ -40,7 +40,7 @@ LOCKED := $(if $(CI),--locked)
 # A stamp for each PYTHON, so that naming another one takes effect.
 INSTALLED := $(VENV)/.installed$(subst /,-,$(PYTHON))
 BUILT := $(VENV)/.built-$(PROFILE)
-RUST_SOURCES := Cargo.toml .cargo/config.toml $(wildcard Cargo.lock) \
+RUST_SOURCES := Cargo.toml $(wildcard Cargo.lock) \
 	$(shell find crates -name Cargo.toml -o -name build.rs -o -name '*.rs' -path '*/src/*' 2>/dev/null)
 EXTENSION := $(wildcard python/feeler/_core*.so python/feeler/_core*.pyd)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.metadata
 import os
+import platform
 import re
 import shutil
 import subprocess
@@ -53,10 +54,16 @@ def test_the_wheel_serves_every_python_from_3_10_on() -> None:
     assert "Tag: cp310-abi3-" in wheel
 
 
+def tuning(root: Path) -> str:
+    """What pyproject.toml has maturin tell cargo, as `cargo --config` takes it."""
+    (config,) = tomllib.loads((root / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["maturin"]["config"]
+    assert isinstance(config, str)
+    return config
+
+
 def test_a_wheel_asks_of_the_cpu_what_any_wheel_does(root: Path, tmp_path: Path) -> None:
-    """`.cargo/config.toml` names a CPU for the order of its instructions, and takes all that it has away again."""
-    targets = tomllib.loads((root / ".cargo/config.toml").read_text(encoding="utf-8"))["target"]
-    (flags,) = (target["rustflags"] for target in targets.values())
+    """The tuning names a CPU for the order of its instructions, and takes all that it has away again."""
+    (flags,) = (target["rustflags"] for target in tomllib.loads(tuning(root))["target"].values())
     command = ("rustc", "--print", "cfg", "--target", "x86_64-unknown-linux-gnu")
     plain, named = run(*command, cwd=tmp_path), run(*command, *flags, cwd=tmp_path)
     assert plain.returncode == named.returncode == 0, plain.stderr + named.stderr
@@ -64,6 +71,28 @@ def test_a_wheel_asks_of_the_cpu_what_any_wheel_does(root: Path, tmp_path: Path)
     # No warning of a name that the compiler does not know either.
     assert (named.stdout, named.stderr) == (plain.stdout, plain.stderr)
     assert 'target_feature="avx512f"' in run(*command, flags[0], cwd=tmp_path).stdout
+
+
+def test_only_maturin_tunes_for_a_cpu(root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What cargo does in this tree by itself is what it does anywhere; the tuning is one that it understands."""
+    for name in ("RUSTFLAGS", "CARGO_ENCODED_RUSTFLAGS"):
+        monkeypatch.delenv(name, raising=False)
+    (tmp_path / "src").mkdir()
+    (tmp_path / "src" / "lib.rs").write_text("")
+    (tmp_path / "Cargo.toml").write_text('[package]\nname = "probe"\nedition = "2021"\n[workspace]\n')
+
+    def flags(*words: str, where: Path = root) -> str:
+        shutil.rmtree(tmp_path / "target", ignore_errors=True)  # cargo does not say how it made what is there
+        paths = ("--manifest-path", str(tmp_path / "Cargo.toml"), "--target-dir", str(tmp_path / "target"))
+        done = run("cargo", "check", "--verbose", "--offline", *paths, *words, cwd=where)
+        assert done.returncode == 0, done.stderr
+        assert "rustc --crate-name probe" in done.stderr
+        return done.stderr
+
+    for where in (root, *(root / "crates").iterdir()):
+        assert "target-cpu" not in flags(where=where) and "target-feature" not in flags(where=where)
+    if sys.platform == "linux" and platform.machine() == "x86_64":
+        assert "-Ctarget-cpu=znver4" in flags("--config", tuning(root))
 
 
 def test_make_help_lists_every_target(root: Path) -> None:
