@@ -63,8 +63,12 @@ demo: build ## index an engine of 1.6M triangles, drive a wrench through it, say
 	@$(BIN)/feeler demo $(DEMO_ARGS)
 
 .PHONY: bench
-bench: build ## measure feeler and its peers on the same poses, write a dated record
+bench: build ## measure feeler and its peers on the same poses, into bench/records (QUICK=1: into target)
 	@$(PY) bench/run.py $(if $(QUICK),--quick) $(BENCH_ARGS)
+
+.PHONY: figures
+figures: $(INSTALLED) ## make docs/figures.md and the figures in README.md from bench/records
+	@$(PY) bench/figures.py
 
 .PHONY: study
 study: build ## repeat the paper's experiments (about ten minutes), write tables, plots and pages to STUDY_OUT

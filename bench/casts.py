@@ -1,7 +1,6 @@
 """Measures `scene.cast` over short motions from near poses, beside parry's shape casts.
 
     python bench/casts.py                                    1.6M triangles, 100 poses, 20 mm, 0 and 10 degrees
-    python bench/casts.py --write                            and put the table into docs/cast.md, between its markers
     python bench/casts.py --triangles 400000 --poses 40 --no-parry
 
 From each near pose (among the parts, nothing collides) the tool's middle moves 20 mm in a random direction, and the
@@ -21,7 +20,6 @@ import numpy as np
 from engines import Floats
 from measure import clock_once, find_poses, spread
 from native import AbsentError
-from page import ROOT, fill
 from parry_engine import ParryEngine
 
 import feeler
@@ -41,16 +39,12 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--no-parry", action="store_true")
     parser.add_argument("--patience", type=float, default=120.0, help="seconds for parry's casts of a row (120)")
-    parser.add_argument("--write", action="store_true", help="put the table into docs/cast.md")
     given = parser.parse_args()
     mockup = feeler.sample("engine", given.triangles)
     scene = feeler.Scene(mockup, threads=1)
     parry = None if given.no_parry else parry_with(mockup)
-    lines = [
-        "| tool | triangles | turn, degrees | hits | feeler | parry | its motions | earlier by 1 % | later by 1 % |",
-        "|---|---:|---:|---:|---:|---:|---:|---:|---:|",
-    ]
-    print("\n".join(lines))
+    print("| tool | triangles | turn, degrees | hits | feeler | parry | its motions | earlier by 1 % | later by 1 % |")
+    print("|---|---:|---:|---:|---:|---:|---:|---:|---:|")
     for name in given.tools:
         sample, _, fine = name.partition(":")
         tool = feeler.sample_tool(sample, fine=bool(fine))
@@ -61,16 +55,12 @@ def main() -> None:
             label = f"{name.replace(':', '-')} | {tool.triangle_count:,} | {turn:g}"
             random = np.random.default_rng(0)
             motions = [(pose, *motion(tool, pose, given.way, turn, random)) for pose in poses]
-            lines.append(f"| {label} | {row(scene, tool, parry, motions, given.rounds, given.patience)} |")
-            print(lines[-1], flush=True)
-    if given.write:
-        note = (
-            f"Over {1000 * given.way:g} mm from near poses of `engine`, {mockup.triangle_count:,} triangles, one\n"
-            f"core, microseconds: median (p95; worst) over {given.poses} motions. Its motions: those parry came to in\n"
-            f"{given.patience:g} s; earlier, later: of these, where its impact is so by more than 1 % of the way.\n"
-            "`python bench/casts.py --write`."
-        )
-        fill(ROOT / "docs" / "cast.md", "casts: bench/casts.py", "\n".join([*lines, "", note]))
+            print(f"| {label} | {row(scene, tool, parry, motions, given.rounds, given.patience)} |", flush=True)
+    print(
+        f"\nOver {1000 * given.way:g} mm from near poses of `engine`, {mockup.triangle_count:,} triangles, one core, "
+        f"microseconds: median (p95; worst) over {given.poses} motions. Its motions: those parry came to in "
+        f"{given.patience:g} s; earlier, later: of these, where its impact is so by more than 1 % of the way."
+    )
 
 
 def parry_with(mockup: feeler.Mockup) -> ParryEngine | None:

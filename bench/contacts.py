@@ -25,7 +25,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from record import machine
+from host import machine
 
 import feeler
 

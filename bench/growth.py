@@ -1,7 +1,7 @@
 """How the median time of a nominal `collide` grows from a small engine to a large one, both asked in turns.
 
-    python bench/growth.py --write                        and put the table into docs/performance.md
-    python bench/growth.py --sizes 100k,1.6M --tools torque --rounds 3
+    python bench/growth.py                                100k and 6.4M triangles, into bench/records
+    python bench/growth.py --sizes 100k,1.6M --tools torque --rounds 3 --out /tmp/records
 
 `bench/run.py` measures one size after the other, minutes apart, and has that from its record; a machine that others use
 may have changed in between. Here both mock-ups are there at once and passes over their poses take turns. Before each
@@ -14,16 +14,18 @@ from __future__ import annotations
 
 import argparse
 import functools
+from pathlib import Path
 
+import figures
 import numpy as np
 from engines import Floats
 from measure import clock_once, find_poses
 from options import TOOLS, triangles
-from page import PERFORMANCE, fill
-from record import machine
+from record import Origin, Row, elsewhere, keep
 
 import feeler
 
+SIZES, POSES, ROUNDS = "100k,6.4M", 1000, 5
 EMPTIED_BYTES = 256 << 20  # more than the caches of most machines
 
 
@@ -43,30 +45,23 @@ def least_times(
     return least
 
 
-def _of_both(small_and_large: list[float], digits: str) -> list[str]:
-    small, large = small_and_large
-    return [f"{small:{digits}}, {large:{digits}}", f"{large / max(small, 1e-9):.2f}"]
-
-
 def main() -> None:
-    """Measure and print a table."""
+    """Measure, print and keep."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--sizes", default="100k,6.4M", help="two sizes, in triangles (100k,6.4M)")
+    parser.add_argument("--sizes", default=SIZES, help=f"two sizes, in triangles ({SIZES})")
     parser.add_argument("--tools", default=TOOLS, help=f"({TOOLS})")
-    parser.add_argument("--poses", type=int, default=1000, help="of each tool in each mock-up (1000)")
-    parser.add_argument("--rounds", type=int, default=5, help="(5)")
-    parser.add_argument("--write", action="store_true", help="put the table into docs/performance.md")
+    parser.add_argument("--poses", type=int, default=POSES, help=f"of each tool in each mock-up ({POSES})")
+    parser.add_argument("--rounds", type=int, default=ROUNDS, help=f"({ROUNDS})")
+    parser.add_argument("--out", type=Path, help="folder of the record, whatever this run is worth")
     options = parser.parse_args()
     sizes = [triangles(size) for size in options.sizes.split(",")]
     if len(sizes) != 2:
         parser.error("--sizes takes two sizes")
+    origin = Origin.here(feeler.__version__)
+    standard = (options.sizes, options.poses, options.rounds) == (SIZES, POSES, ROUNDS)
+    reasons = [*([] if standard else ["sizes, poses or rounds are not the usual ones"]), *origin.reasons_against()]
     scenes = [feeler.Scene(feeler.sample("engine", size), threads=1) for size in sizes]
-    lines = [
-        "| tool | pairs, median | growth | caches emptied, µs, median | growth | asked again, µs, median | growth "
-        "| a pair found, ns, caches emptied | asked again |",
-        "|---|---:|---:|---:|---:|---:|---:|---:|---:|",
-    ]
-    print("\n".join(lines))
+    rows: list[Row] = []
     for name in options.tools.split(","):
         tool = feeler.sample_tool(name.removesuffix("-fine"), name.endswith("-fine"))
         poses = [find_poses(scene, tool, "nominal", options.poses) for scene in scenes]
@@ -75,19 +70,19 @@ def main() -> None:
             for scene, own in zip(scenes, poses, strict=True)
         ]
         times = least_times(scenes, tool, poses, options.rounds)
-        row = [name, *_of_both([float(np.median(found)) for found in pairs], ".0f")]
-        each = []
-        for k in range(2):
-            row += _of_both([float(np.median(own[k])) for own in times], ".1f")
-            each.append([1e3 * own[k].sum() / found.sum() for own, found in zip(times, pairs, strict=True)])
-        row += [f"{small:.0f}, {large:.0f}" for small, large in each]
-        lines.append(f"| {' | '.join(row)} |")
-        print(lines[-1], flush=True)
-    if options.write:
-        small, large = (f"{scene.mockup.triangle_count:,}" for scene in scenes)
-        note = f"`python bench/growth.py --write`: {small} and {large} triangles in turns, "
-        note += f"{options.poses:,} poses, {options.rounds} rounds, {machine()['cpu']}."
-        fill(PERFORMANCE, "growth: bench/growth.py", "\n".join([*lines, "", note]))
+        for size, scene, found, (cold, again) in zip(sizes, scenes, pairs, times, strict=True):
+            row: Row = {"what": "growth", "size": size, "tool": name, "kind": "nominal", "query": "collide"}
+            row |= {"engine": "feeler", "version": feeler.__version__, "triangles": scene.mockup.triangle_count}
+            row |= {"parts": scene.mockup.part_count, "tool_triangles": tool.triangle_count, "poses": len(cold)}
+            row |= {"rounds": options.rounds, "pairs": float(np.median(found)), "median_us": float(np.median(cold))}
+            row |= {"again_us": float(np.median(again)), "pair_ns": float(1e3 * cold.sum() / found.sum())}
+            rows.append(row | {"again_pair_ns": float(1e3 * again.sum() / found.sum())})
+    marked = origin.marked(rows)
+    if table := figures.growth(marked):
+        print(table.markdown())
+    if reasons and not options.out:
+        print(elsewhere(reasons))
+    print(f"Written: {keep(marked, origin, options.out, reasons)}")
 
 
 if __name__ == "__main__":

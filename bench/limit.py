@@ -1,8 +1,7 @@
 """How far feeler is from what this machine can do: lines of memory read, operations in lanes done, one core.
 
-python bench/limit.py                    at 1.6M triangles
-python bench/limit.py --write            and put them into docs/performance.md, between its markers
-python bench/limit.py --size 100k --tools hand --poses 20
+python bench/limit.py                    at 1.6M triangles, into bench/records
+python bench/limit.py --size 100k --tools hand --poses 20 --out /tmp/records
 
 First the machine: limit_kernels.cpp reads lines of buffers of many sizes and does lane operations, and nothing else.
 Then, for each tool and kind of poses, what must at least be done is counted, and priced with that. Everything counted
@@ -20,16 +19,18 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import engines
 import extras
+import figures
+import host
 import measure
 import native
 import numpy as np
 from options import TOOLS, triangles
-from page import PERFORMANCE, fill
-from record import load_average, machine
+from record import Origin, Row, elsewhere, keep
 
 import feeler
 from feeler.samples.poses import KINDS
@@ -64,17 +65,7 @@ FUNCTIONS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "limit_multiply_adds": (ctypes.c_double, (COUNT,)),
     "limit_mixed": (ctypes.c_double, (COUNT,)),
 }
-HEADS = (
-    "lines, at least",
-    "lines in a loop, µs",
-    "lines from cold, µs",
-    "lanes, µs",
-    "of that, pairs found, µs",
-    "limit, µs",
-    "measured, µs",
-    "asked again, µs",
-    "times the limit",
-)
+STANDARD = (1_600_000, 100, 5)  # size, poses, rounds
 LEVELS = ("avx512", "avx2", "portable")
 SIZES = (MIB // 2, 2 * MIB, 8 * MIB, 16 * MIB, 32 * MIB, 64 * MIB)
 RANDOM, CHAINED, STEPS = 1_000_000, 100_000, 1_000_000
@@ -182,7 +173,7 @@ def _distinct_lines(rows: Any, size: int) -> int:
 
 def cells(
     scene: feeler.Scene, tools: dict[str, feeler.Tool], core: Machine, index_bytes: int, options: argparse.Namespace
-) -> Iterator[dict[str, Any]]:
+) -> Iterator[Row]:
     """A row a tool and kind: medians over poses, microseconds."""
     engine = engines.FeelerEngine()
     engine.scene = scene
@@ -201,32 +192,27 @@ def cells(
             loop = min(max(loop, core.bytes[0]), index_bytes)
             own = measure.clock([engine], poses, options.rounds)["feeler"].wall.min(axis=0) - call
             again = np.min([[_again(engine, pose) for pose in poses] for _ in range(options.rounds)], axis=0) - call
-            warm, cold = ([_memory(core, one, size) for one in least] for size in (loop, index_bytes))
+            memory = [_memory(core, one, loop) for one in least]
             lanes = [one.instructions / core.mixed / 1e3 for one in least]
-            limit = np.maximum(warm, lanes)
-            yield {
-                "tool": name,
-                "kind": kind,
+            yield _about(scene, tool, name, kind, options) | {
+                **{"what": "limit", "engine": "feeler"},
                 "lines": float(np.median([one.scattered + one.in_row for one in least])),
-                "warm": float(np.median(warm)),
-                "cold": float(np.median(cold)),
-                "lanes": float(np.median(lanes)),
-                "answer": float(np.median([one.answer / core.mixed / 1e3 for one in least])),
-                "limit": float(np.median(limit)),
-                "own": float(np.median(own)),
-                "again": float(np.median(again)),
+                "memory_us": float(np.median(memory)),
+                "lanes_us": float(np.median(lanes)),
+                "limit_us": float(np.median(np.maximum(memory, lanes))),
+                "median_us": float(np.median(own)),
+                "again_us": float(np.median(again)),
             }
 
 
-def by_level(scene: feeler.Scene, tools: dict[str, feeler.Tool], options: argparse.Namespace) -> str:
-    """A table of the instruction sets that this CPU has: medians over nominal and deep poses, microseconds."""
+def by_level(scene: feeler.Scene, tools: dict[str, feeler.Tool], options: argparse.Namespace) -> Iterator[Row]:
+    """A row for each instruction set that this CPU has, at nominal and deep poses."""
     scenes = {}
     for simd in LEVELS:
         try:
             scenes[simd] = feeler.Scene(scene.mockup, threads=1, simd=simd)
         except feeler.OptionError:
             continue
-    lines = [f"| tool | pose | {' | '.join(scenes)} |", f"|---|---|{'---:|' * len(scenes)}"]
     for name, tool in tools.items():
         for kind in ("nominal", "deep"):
             poses = measure.find_poses(scene, tool, kind, options.poses)
@@ -234,13 +220,15 @@ def by_level(scene: feeler.Scene, tools: dict[str, feeler.Tool], options: argpar
             for _, (simd, one) in itertools.product(range(options.rounds), scenes.items()):
                 times = [measure.clock_once(functools.partial(one.collide, tool, pose))[0] for pose in poses]
                 least[simd] = np.minimum(least[simd], times)
-            medians = {simd: float(np.median(times)) for simd, times in least.items()}
-            best = medians[next(iter(scenes))]
-            figures = [f"{us:,.1f}" + (f" ({us / best:.1f})" if us > best else "") for us in medians.values()]
-            lines.append(f"| {name} | {kind} | {' | '.join(figures)} |")
-    return "\n".join(
-        [*lines, "", "Microseconds a pose (times the first's), from Python. `python bench/limit.py --write`."]
-    )
+            for simd, best in least.items():
+                row: Row = {"what": "level", "engine": f"feeler-{simd}", "median_us": float(np.median(best))}
+                yield _about(scene, tool, name, kind, options) | row
+
+
+def _about(scene: feeler.Scene, tool: feeler.Tool, name: str, kind: str, options: argparse.Namespace) -> Row:
+    row: Row = {"size": options.size, "tool": name, "kind": kind, "query": "collide", "version": feeler.__version__}
+    row |= {"triangles": scene.mockup.triangle_count, "parts": scene.mockup.part_count}
+    return row | {"tool_triangles": tool.triangle_count, "poses": options.poses, "rounds": options.rounds}
 
 
 def _memory(core: Machine, one: Needed, size: int) -> float:
@@ -255,42 +243,32 @@ def _again(engine: engines.FeelerEngine, pose: engines.Floats) -> float:
     return measure.clock_once(call)[0]
 
 
-def markdown(core: Machine, rows: list[dict[str, Any]], about: str) -> str:
-    """Both tables."""
-    lines = [
-        f"| buffer, MiB | {' | '.join(f'{size / MIB:,.3g}' for size in core.bytes)} |",
-        f"|---|{'---:|' * len(core.bytes)}",
-    ]
+def prices(core: Machine) -> figures.Table:
+    """What the machine can do."""
+    heads = ["buffer, MiB", *(f"{size / MIB:,.3g}" for size in core.bytes)]
+    lines = []
     for of, said in (
         ("random", "lines at random, many in flight, ns"),
         ("chained", "lines at random, each after the other, ns"),
         ("sequential", "lines in order, ns"),
     ):
-        lines.append(f"| {said} | {' | '.join(f'{value:.2f}' for value in getattr(core, of))} |")
-    lines += [
-        "",
-        f"Vector instructions of 16 float32 lanes (or 8 of float64), a nanosecond: multiply-adds alone "
-        f"{core.multiply_adds:.1f} ({16 * core.multiply_adds:.0f} in single lanes), half of them sums "
-        f"{core.mixed:.1f}.",
-        "",
-        f"| tool | pose | {' | '.join(HEADS)} |",
-        f"|---|---|{'---:|' * len(HEADS)}",
-    ]
-    for row in rows:
-        times = [f"{row[key]:.2f}" for key in ("warm", "cold", "lanes", "answer", "limit")]
-        took = [f"{row[key]:,.1f}" for key in ("own", "again")]
-        fields = [row["tool"], row["kind"], f"{row['lines']:,.0f}", *times, *took, f"{row['own'] / row['limit']:.1f}"]
-        lines.append(f"| {' | '.join(fields)} |")
-    return "\n".join([*lines, "", about])
+        lines.append([said, *(f"{value:.2f}" for value in getattr(core, of))])
+    note = (
+        "Vector instructions of 16 float32 lanes (or 8 of float64), a nanosecond: multiply-adds alone "
+        f"{core.multiply_adds:.1f}, half of them sums {core.mixed:.1f}."
+    )
+    return figures.Table("What this core can do", heads, 1, lines, note)
 
 
 def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--size", type=triangles, default=1_600_000, help="triangles of the mock-up (1.6M)")
+    parser.add_argument("--size", type=triangles, default=STANDARD[0], help="triangles of the mock-up (1.6M)")
     parser.add_argument("--tools", default=TOOLS, help=f"sample tools; -fine: about 50k ({TOOLS})")
-    parser.add_argument("--poses", type=int, default=100, help="in each cell (100)")
-    parser.add_argument("--rounds", type=int, default=5, help="of all poses; the least time of each counts (5)")
-    parser.add_argument("--write", action="store_true", help="put the tables into docs/performance.md")
+    parser.add_argument("--poses", type=int, default=STANDARD[1], help="in each cell (100)")
+    parser.add_argument(
+        "--rounds", type=int, default=STANDARD[2], help="of all poses; the least time of each counts (5)"
+    )
+    parser.add_argument("--out", type=Path, help="folder of the record, whatever this run is worth")
     options = parser.parse_args(arguments)
     if min(options.poses, options.rounds) < 1:
         parser.error("--poses and --rounds are at least 1")
@@ -306,22 +284,19 @@ def main(arguments: list[str] | None = None) -> int:
         core = measured(index_bytes)
     except native.AbsentError as error:
         sys.exit(f"the machine cannot be measured: {error}")
-    count = scene.mockup.triangle_count
-    about = (
-        f"`python bench/limit.py --write`: {machine()['cpu']}, one core, {count:,} triangles "
-        f"({index_bytes / MIB:.0f} MiB), medians over {options.poses} poses, best of "
-        f"{options.rounds} rounds; what a Python call costs is taken off."
-    )
-    load = load_average()
-    rows = list(cells(scene, tools, core, index_bytes, options))
+    print(prices(core).markdown())
+    load, origin = host.load_average(), Origin.here(feeler.__version__)
+    standard = (options.size, options.poses, options.rounds) == STANDARD
+    reasons = [*([] if standard else ["size, poses or rounds are not the usual ones"]), *origin.reasons_against()]
+    rows = origin.marked([*cells(scene, tools, core, index_bytes, options), *by_level(scene, tools, options)])
+    for table in (figures.limit(rows), figures.levels(rows)):
+        if table:
+            print(f"\n{table.markdown()}")
     if load and load[0] > BUSY:
-        about += f" The machine was busy (load {load[0]:.1f}): what was measured is too much rather than too little."
-    text = markdown(core, rows, about)
-    levels = by_level(scene, tools, options)
-    print(text, levels, sep="\n\n")
-    if options.write:
-        fill(PERFORMANCE, "limit: bench/limit.py", text)
-        fill(PERFORMANCE, "levels: bench/limit.py", levels)
+        print(f"The machine was busy (load {load[0]:.1f}): what was measured is too much rather than too little.")
+    if reasons and not options.out:
+        print(elsewhere(reasons))
+    print(f"Written: {keep(rows, origin, options.out, reasons)}")
     return 0
 
 

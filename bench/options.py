@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 import peers
-import record
 from engines import QUERIES
 
 import feeler
@@ -51,9 +50,11 @@ def parse(arguments: list[str], said: str) -> argparse.Namespace:
     names = list(peers.PEERS)
     parser.add_argument("--peers", type=_listed(_one_of("peer", names)), default=",".join(names), help="(all)")
     parser.add_argument("--no-peers", dest="peers", action="store_const", const=[], help="feeler alone")
-    parser.add_argument("--out", type=Path, default=record.ROOT / "bench" / "records", help="folder of the record")
+    parser.add_argument("--out", type=Path, help="folder of the record, whatever this run is worth")
+    parser.add_argument("--json", type=Path, help="all that was found, too: single poses of pairs that differ")
     options = parser.parse_args(arguments)
     options.sizes = options.sizes or _listed(triangles)(QUICK_SIZES if options.quick else SIZES)
+    options.short = []
     options.most_rounds = 0 if options.quick or options.rounds else MOST_ROUNDS
     for name, quick, full in (
         ("poses", 40, 100),
@@ -64,6 +65,13 @@ def parse(arguments: list[str], said: str) -> argparse.Namespace:
     ):
         if getattr(options, name) is None:
             setattr(options, name, quick if options.quick else full)
+        # The rows of one record are measured alike; what is skipped has no rows.
+        if getattr(options, name) not in (full, 0):
+            options.short.append(f"--{name} is {getattr(options, name):,}, not {full:,}")
+    if not options.most_rounds:
+        options.short.append("no further rounds are asked of the best engines")
+    if options.seed:
+        options.short.append(f"--seed is {options.seed}, not 0")
     try:
         options.tools = {
             name: sample_tool(name.removesuffix("-fine"), name.endswith("-fine")) for name in options.tools

@@ -24,11 +24,11 @@ from typing import Any
 
 import agreement
 import engines
+import host
 import measure
 import numpy as np
 import real_files
 import real_table
-import record
 
 import feeler
 from feeler.io import load_mockup, load_tool
@@ -44,21 +44,21 @@ def main(arguments: list[str] | None = None) -> int:
     """Run, write; 0, or 1 if something is wrong."""
     given = sys.argv[1:] if arguments is None else arguments
     options = parse(given)
-    if not options.folder.is_dir():
-        print(f"{options.folder}: no such folder. Name one, or set FEELER_MODELS.", file=sys.stderr)
+    if options.folder is None or not options.folder.is_dir():
+        print(f"{options.folder or 'no folder'}: name a folder of models, or set FEELER_MODELS.", file=sys.stderr)
         return 2
     started = time.perf_counter()
     with tempfile.TemporaryDirectory(prefix="feeler-models-") as scratch:
         run = Run(options, Path(scratch))
         run.all()
     result = {
-        "when": record.now(),
-        **record.commit(),
-        "args": ["FOLDER" if Path(word) == options.folder else word for word in record.arguments(given)],
-        "machine": record.machine(),
-        "load_average": record.load_average(),
-        "versions": record.versions({engine.name: engine.version for engine in run.engines}),
-        "cargo_profile": record.build_profile(),
+        "when": host.now(),
+        **host.commit(),
+        "args": ["FOLDER" if Path(word) == options.folder else word for word in host.arguments(given)],
+        "machine": host.machine(),
+        "load_average": host.load_average(),
+        "versions": host.versions({engine.name: engine.version for engine in run.engines}),
+        "cargo_profile": host.build_profile(),
         "poses": options.poses,
         "rounds": options.rounds,
         "files": run.files,
@@ -227,8 +227,9 @@ def parse(arguments: list[str]) -> argparse.Namespace:
         epilog="examples:\n" + examples,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    standard = os.environ.get("FEELER_MODELS") or record.ROOT.parent / "shared" / "models"
-    parser.add_argument("folder", type=Path, nargs="?", default=Path(standard), help="of models, with subfolders")
+    parser.add_argument(
+        "folder", type=Path, nargs="?", default=os.environ.get("FEELER_MODELS"), help="of models (FEELER_MODELS)"
+    )
     parser.add_argument("--tools", type=lambda text: text.split(","), default=TOOLS.split(","), help=f"files ({TOOLS})")
     parser.add_argument("--only", default="*", metavar="PATTERN", help="only such files: 'degenerate/*'")
     parser.add_argument("--skip", action="append", default=[], metavar="PATTERN", help="not these; may be repeated")
@@ -236,7 +237,7 @@ def parse(arguments: list[str]) -> argparse.Namespace:
     parser.add_argument("--poses", type=int, default=50, help="of each kind (50)")
     parser.add_argument("--rounds", type=int, default=3, help="of all poses; the least time of each counts (3)")
     parser.add_argument("--peers", action="store_true", help="Coal too, up to 3M triangles; differing pairs are judged")
-    parser.add_argument("--out", type=Path, default=record.ROOT / "docs" / "real-data.md", help="the Markdown file")
+    parser.add_argument("--out", type=Path, default=host.ROOT / "docs" / "real-data.md", help="the Markdown file")
     parser.add_argument("--json", type=Path, help="all figures, too")
     return parser.parse_args(arguments)
 

@@ -1,176 +1,192 @@
-"""What is kept of a run: where and on what it was measured; one JSON document, and a JSON line per cell and engine."""
+"""The record of the bench: one CSV per kind of machine and release, a row per cell and engine (bench/README.md).
+
+`read` and `keep` are the only reader and writer. A run replaces the rows of what it measured and leaves the others, so
+each row names its own commit and date.
+"""
 
 from __future__ import annotations
 
-import contextlib
-import json
+import csv
 import os
-import platform
 import re
-import subprocess
-import sys
-from collections.abc import Iterator
-from datetime import datetime, timezone
-from importlib import metadata
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from goals import MEASURES
+import host
+from host import ROOT
 
-ROOT = Path(__file__).resolve().parent.parent
-SCHEMA = 2
+RECORDS = ROOT / "bench" / "records"
+SCRATCH = Path(os.environ.get("CARGO_TARGET_DIR") or ROOT / "target") / "bench" / "records"
 
-# Instruction sets that decide how fast such code can run; the rest of the flags says nothing here.
-_LANES = re.compile(r"^(sse2|sse4_2|avx|avx2|fma|bmi2|avx512\w+|asimd|sve2?|neon)$")
+GROUP = ("what", "size", "tool", "kind", "query")  # what one run measures as a whole: for all engines, or not at all
+ORIGIN = ("machine", "cores", "date", "commit")
+STAGES = (
+    *("voxels_visited", "clusters_placed", "pieces_scanned", "entries_scanned", "box_survivors"),
+    *("repeats_skipped", "triangle_tests", "exact_tests", "pairs_mean"),
+)
+NUMBERS = (
+    *("triangles", "parts", "tool_triangles", "poses", "rounds", "pairs"),
+    *("median_us", "p95_us", "p99_us", "worst_us", "times_faster", "times_faster_p95"),
+    *("agreed", "peer_wrong", "feeler_wrong", "unjudged"),
+    *STAGES,
+    *("one_core_s", "all_cores_s", "bytes", "growth_bytes", "peak_bytes"),
+    *("calls_per_s", "batch_1_per_s", "batch_2_per_s", "apart_2_per_s", "cores_had", "over_core_us", "times_slower"),
+    *("again_us", "pair_ns", "again_pair_ns", "lines", "memory_us", "lanes_us", "limit_us"),
+)
+COLUMNS = (*GROUP, "engine", "version", *ORIGIN, *NUMBERS)
+WHOLE = {"size", "cores", "triangles", "parts", "tool_triangles", "poses", "rounds", "bytes", "growth_bytes"}
+WHOLE |= {"peak_bytes", "agreed", "peer_wrong", "feeler_wrong", "unjudged"}
 
+# The order of rows in a file; what is not named here comes after, by its name.
+ORDER: dict[str, tuple[str, ...]] = {
+    "what": ("cell", "build", "fine", "worst", "batch", "call", "growth", "limit", "level"),
+    "tool": ("torque", "wrench", "square", "hand", "hand-fine"),
+    "kind": ("nominal", "near", "deep"),
+    "query": ("collide", "is_colliding", "distance", "cast", "contacts"),
+    "engine": ("feeler", "coal", "fcl", "embree", "parry", "feeler-avx512", "feeler-avx2"),
+}
 
-def now() -> str:
-    """The time, UTC, to the second."""
-    return datetime.now(timezone.utc).isoformat(timespec="seconds")
-
-
-def machine() -> dict[str, Any]:
-    """CPU, cores, instruction sets, memory, system."""
-    cpu = _cpuinfo("model name") or platform.processor() or platform.machine()
-    flags = (_cpuinfo("flags") or _cpuinfo("Features") or "").split()
-    return {
-        "cpu": cpu.strip(),
-        "architecture": platform.machine(),
-        "cores": os.cpu_count(),
-        "flags": sorted(flag for flag in flags if _LANES.match(flag)),
-        "memory_gib": _memory_gib(),
-        "system": f"{platform.system()} {platform.release()}",
-    }
-
-
-def load_average() -> list[float] | None:
-    """How busy the machine is; above 1 on one or two cores, the figures are noisy."""
-    with contextlib.suppress(AttributeError, OSError):
-        return [round(value, 2) for value in os.getloadavg()]
-    return None
-
-
-def commit() -> dict[str, Any]:
-    """The commit of the code under measurement, and whether the working tree differs from it."""
-    revision = _git("rev-parse", "HEAD")
-    changed = _git("status", "--porcelain", "--untracked-files=no")
-    return {"commit": revision, "dirty": None if revision is None else bool(changed)}
+Row = dict[str, Any]  # by column; None or no entry where a column says nothing
 
 
-def versions(peers: dict[str, str]) -> dict[str, str]:
-    """Of everything whose version may move a figure."""
-    found = {"python": platform.python_version(), **peers}
-    for name in ("feeler", "numpy"):
-        with contextlib.suppress(metadata.PackageNotFoundError):
-            found[name] = metadata.version(name)
-    return found
+class RecordError(Exception):
+    """A file that is no record; the message says why."""
 
 
-def arguments(given: list[str]) -> list[str]:
-    """The arguments but for where results are written, which changes nothing in them."""
-    kept, skip = [], False
-    for word in given:
-        if not skip and not re.match(r"--(out|json)(=|$)", word):
-            kept.append(word)
-        skip = not skip and word in ("--out", "--json")
-    return kept
+def elsewhere(reasons: Sequence[str]) -> str:
+    """What is said of a run that does not go into bench/records."""
+    return f"This run does not go into bench/records: {'; '.join(reasons)}."
 
 
-def build_profile() -> str | None:
-    """The Cargo profile of the extension in use, where the Makefile left its mark."""
-    marks = list((Path(sys.prefix)).glob(".built-*"))
-    return marks[0].name.removeprefix(".built-") if len(marks) == 1 else None
+@dataclass(frozen=True)
+class Origin:
+    """Where and on what a run measures, found at its start."""
+
+    machine: str
+    cores: int
+    date: str
+    commit: str
+    release: str
+    changed: bool  # the working tree differs from the commit in what is measured
+    profile: str | None
+
+    @classmethod
+    def here(cls, release: str) -> Origin:
+        """Of this machine and this working tree."""
+        about, machine = host.commit(), host.machine()
+        return cls(
+            machine=host.name(machine["cpu"], machine["flags"]),
+            cores=os.cpu_count() or 1,
+            date=host.now()[:10],
+            commit=(about["commit"] or "")[:9],
+            release=release,
+            changed=bool(about["dirty"]),
+            profile=host.build_profile(),
+        )
+
+    def path(self, folder: Path) -> Path:
+        """The file of this kind of machine and release."""
+        return folder / f"{re.sub(r'[^a-z0-9]+', '-', self.machine.lower()).strip('-')}-{self.release}.csv"
+
+    def marked(self, rows: Iterable[Row]) -> list[Row]:
+        """The rows with all columns and their origin."""
+        about = {"machine": self.machine, "cores": self.cores, "date": self.date, "commit": self.commit}
+        return [dict.fromkeys(COLUMNS) | about | row for row in rows]
+
+    def reasons_against(self, engines: Iterable[str] | None = None) -> list[str]:
+        """Why rows of a run may not go into bench/records; of cells, of a run with these engines. None: they may."""
+        reasons = [] if self.commit else ["it is not known which commit is measured"]
+        reasons += ["the working tree has changes that are not committed"] if self.changed else []
+        reasons += [f"the extension was compiled with the profile {self.profile}"] if self.profile == "dev" else []
+        if engines is None:
+            return reasons
+        path = self.path(RECORDS)
+        known = {row["engine"] for row in read(path) if row["what"] == "cell"} if path.exists() else set()
+        # Ratios are of one run: a cell is measured with all engines that the record has, or stays as it is.
+        if missing := sorted(known - set(engines)):
+            reasons.append(f"the record has rows of {', '.join(missing)}, which this run leaves out")
+        return reasons
 
 
-def write(record: dict[str, Any], folder: Path) -> tuple[Path, Path]:
-    """Write the record and its rows under the next free name of the day; return both paths."""
-    folder.mkdir(parents=True, exist_ok=True)
-    stem = f"{record['when'][:10]}-{_slug(record['machine']['cpu'])}"
-    number = 1
-    while (folder / f"{stem}-{number}.json").exists():
-        number += 1
-    document, lines = folder / f"{stem}-{number}.json", folder / f"{stem}-{number}.jsonl"
-    document.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
-    lines.write_text("".join(json.dumps(row) + "\n" for row in rows(record)), encoding="utf-8")
-    return document, lines
+def keep(rows: Iterable[Row], origin: Origin, out: Path | None = None, reasons: Sequence[str] = ()) -> Path:
+    """Put rows into the CSV of this machine and release, in place of those of the same groups; return its path.
+
+    It lies in `out`, else in bench/records, but in target/bench/records where there are reasons against.
+    """
+    path = origin.path(out or (SCRATCH if reasons else RECORDS))
+    new = origin.marked(rows)
+    groups = {_group(row) for row in new}
+    old = [row for row in read(path) if _group(row) not in groups] if path.exists() else []
+    path.parent.mkdir(parents=True, exist_ok=True)
+    written = path.with_suffix(".new")  # so that a run that is stopped here leaves the record whole
+    with written.open("w", newline="", encoding="utf-8") as file:
+        lines = csv.writer(file, lineterminator="\n")
+        lines.writerow(COLUMNS)
+        lines.writerows([_said(row.get(name)) for name in COLUMNS] for row in sorted([*old, *new], key=_place))
+    written.replace(path)
+    return path
 
 
-def rows(record: dict[str, Any]) -> Iterator[dict[str, Any]]:
-    """One flat row per cell and engine, each complete in itself, so that rows of many runs can be put in one table."""
-    common = {
-        "when": record["when"],
-        "commit": record["commit"],
-        "dirty": record["dirty"],
-        "cpu": record["machine"]["cpu"],
-        "cores": record["machine"]["cores"],
-        "flags": " ".join(record["machine"]["flags"]),
-        "args": " ".join(record["args"]),
-    }
-    builds = {(size["triangles_asked"], row["engine"]): row for size in record["sizes"] for row in size["builds"]}
-    for cell in record["cells"]:
-        for engine, figures in cell.get("engines", {}).items():
-            build = builds[cell["triangles_asked"], engine]
-            funnel = cell.get("funnel", {}) if engine == "feeler" else {}
-            yield {
-                **common,
-                "engine": engine,
-                "version": record["versions"].get(engine),
-                **{key: cell[key] for key in ("query", "triangles_asked", "triangles", "parts")},
-                **{key: cell[key] for key in ("tool", "tool_triangles", "kind", "poses", "rounds")},
-                "pairs_median": cell["pairs"]["median"],
-                **_flat("wall", figures["wall_us"], "us"),
-                **_flat("cpu", figures["cpu_us"], "us"),
-                "worst_single_call_us": figures["worst_single_call_us"],
-                **_flat("times_faster_wall", cell["ratios"].get(engine, {}).get("wall", {})),
-                **_flat("times_faster_cpu", cell["ratios"].get(engine, {}).get("cpu", {})),
-                **_best(cell, engine),
-                "build_one_core_s": build["one_core_s"],
-                "build_all_cores_s": build["all_cores_s"],
-                "bytes_per_triangle": build["bytes_per_triangle"],
-                **_flat("mean", funnel),
-            }
+def read(path: Path) -> list[Row]:
+    """The rows of a CSV; `RecordError` if it is none of ours."""
+    try:
+        with path.open(newline="", encoding="utf-8") as file:
+            lines = csv.DictReader(file)
+            if tuple(lines.fieldnames or ()) != COLUMNS:
+                raise RecordError(f"{path} has other columns than a record of bench/record.py")
+            rows = [{name: _value(name, text) for name, text in line.items()} for line in lines]
+        if any(tuple(row) != COLUMNS for row in rows):
+            raise ValueError("a line has too many fields")
+        return rows
+    except (OSError, ValueError) as error:
+        raise RecordError(f"{path} is no record: {error}") from error
 
 
-def _best(cell: dict[str, Any], engine: str) -> dict[str, Any]:
-    """In feeler's row: the best peer; in a peer's: whether it is the best."""
-    best = cell["best"]
-    if engine != "feeler":
-        return {f"best_{measure}": best[measure]["peer"] == engine for measure in MEASURES}
-    row = {} if best is None else {"wanted": best["wanted"], "met": best["met"]}
-    for measure in MEASURES if best else ():
-        row |= {f"best_{measure}_peer": best[measure]["peer"]}
-        row |= {f"times_faster_best_{measure}": best[measure]["times_faster"]}
-    return row
+def newest(folder: Path = RECORDS) -> list[list[Row]]:
+    """The record of the newest release of each kind of machine; first the one that was last measured as a whole."""
+    best: dict[str, tuple[tuple[int, ...], list[Row]]] = {}
+    for path in sorted(folder.glob("*.csv")):
+        rows = read(path)
+        release = tuple(int(part) for part in re.findall(r"\d+", path.stem.rpartition("-")[2]))
+        if rows and (rows[0]["machine"] not in best or best[rows[0]["machine"]][0] < release):
+            best[rows[0]["machine"]] = release, rows
+    records = [rows for _, rows in best.values()]
+    return sorted(records, key=lambda rows: min(row["date"] for row in rows if row["what"] == "cell"), reverse=True)
 
 
-def _flat(head: str, figures: dict[str, float], unit: str = "") -> dict[str, float]:
-    tail = f"_{unit}" if unit else ""
-    return {f"{head}_{name}{tail}": value for name, value in figures.items()}
+def _group(row: Row) -> tuple[str, ...]:
+    return tuple(str(row.get(name) or "") for name in GROUP)
 
 
-def _slug(text: str) -> str:
-    words = re.sub(r"\((r|tm)\)|\bcpu\b|@.*$", " ", text.lower())
-    return re.sub(r"[^a-z0-9]+", "-", words).strip("-")[:40] or "cpu"
+def _place(row: Row) -> tuple[tuple[int, str], ...]:
+    """Where a row stands in its file."""
+    place = []
+    for name in ("what", "size", "tool", "kind", "query", "engine"):
+        value, order = row.get(name) or "", ORDER.get(name, ())
+        place.append((int(value or 0), "") if name == "size" else (_rank(value, order), str(value)))
+    return tuple(place)
 
 
-def _cpuinfo(field: str) -> str | None:
-    with contextlib.suppress(OSError):
-        for line in Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace").splitlines():
-            name, _, value = line.partition(":")
-            if name.strip() == field:
-                return value
-    return None
+def _rank(value: str, order: Sequence[str]) -> int:
+    return order.index(value) if value in order else len(order)
 
 
-def _memory_gib() -> float | None:
-    with contextlib.suppress(AttributeError, OSError, ValueError):
-        return round(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") / 2**30, 1)
-    return None
+def _said(value: Any) -> str:
+    """A number with five significant digits, never with an exponent; nothing for None."""
+    if value is None:
+        return ""
+    if isinstance(value, float):
+        return "0" if value == 0 else f"{float(f'{value:.5g}'):.12f}".rstrip("0").rstrip(".")
+    return str(value)
 
 
-def _git(*arguments: str) -> str | None:
-    with contextlib.suppress(OSError):
-        done = subprocess.run(["git", *arguments], cwd=ROOT, capture_output=True, text=True, check=False)
-        if done.returncode == 0:
-            return done.stdout.strip()
-    return None
+def _value(name: str, text: str | None) -> Any:
+    if text is None:
+        raise ValueError("a line has too few fields")
+    if text == "":
+        return None
+    if name in WHOLE:
+        return int(text)
+    return float(text) if name in NUMBERS else text

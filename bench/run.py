@@ -1,19 +1,22 @@
-"""Measures feeler and its peers on the same poses in the same run, and writes a dated record.
+"""Measures feeler and its peers on the same poses in the same run, into the record of this kind of machine.
 
     make bench                                  all sizes and tools, 100 poses a cell, all peers that are there
-    make bench QUICK=1                          two sizes, 40 poses: a few minutes
-    python bench/run.py --sizes 1.6M --tools hand --kinds nominal,deep --poses 300
-    python bench/run.py --no-peers --queries collide --worst 0 --batch 0 --out /tmp/records
+    make bench QUICK=1                          two sizes, 40 poses: a few minutes, into target/bench/records
+    python bench/run.py --sizes 1.6M --tools hand --kinds nominal,deep
+    python bench/run.py --no-peers --queries collide --poses 300 --worst 0 --batch 0 --out /tmp/records
 
-A cell is a mock-up size, a tool, a kind of poses and a query. How it is timed: bench/measure.py. How peers are set up:
-bench/*_engine.py. Pairs that only one engine finds are judged in exact arithmetic: bench/judge.py. There is no pass or
-fail in the times; the exit status is 1 only if feeler found a pair that is none, or missed one.
+A cell is a mock-up size, a tool, a kind of poses and a query; a run replaces the rows of its cells in bench/records,
+and leaves the others. A run that is not like the others (short, of changes that are not committed, without a peer that
+the record has) goes into target/bench/records instead, and says why. How it is timed: bench/measure.py. How peers are
+set up: bench/*_engine.py. Pairs that only one engine finds are judged in exact arithmetic: bench/judge.py. There is no
+pass or fail in the times; the exit status is 1 only if feeler found a pair that is none, or missed one.
 """
 
 from __future__ import annotations
 
 import argparse
 import gc
+import json
 import sys
 import time
 from collections.abc import Iterable
@@ -22,57 +25,45 @@ from typing import Any
 import agreement
 import engines
 import extras
+import figures
 import goals
+import host
 import measure
 import numpy as np
 import peers
-import plot
-import record
-import tables
 import worst
 from options import parse
+from record import Origin, elsewhere, keep
+from rows import rows
 
 import feeler
 from feeler.progress import bar
 from feeler.samples.mockups import sample
 
+BUSY = 1.5  # more than this many on the machine, this one included
 ONE_SIZE = 1_600_000  # triangles, where a thing is measured at one size; without such a mock-up, the largest
-METHOD = (
-    "Per cell: one unclocked pass of each engine over all poses, then a few rounds, in each of which each engine runs "
-    "one whole pass over the poses, as a user's loop does, so that the caches hold what it left there itself; the "
-    "order of the engines rotates with the round. Further rounds, for three seconds, are of feeler and of the peers of "
-    "which one will be the best. Of each pose the least time over the rounds counts; median, p95, p99, worst and mean "
-    "are over poses. wall: perf_counter; cpu: CPU time of the calling thread; one core. times faster: the peer's "
-    "figure over feeler's; the best peer of a cell is the one with the smallest median, or p95. All are called from "
-    "Python, nothing subtracted; overheads: median of a call with the tool far outside. "
-    "Builds: the fastest of `runs`; one that takes longer than five seconds is done once. bytes: feeler's "
-    "scene.memory()['total'], which includes the mock-up's arrays that the index reads; Coal's memUsage, Embree's "
-    "and parry's own count, with their copies of the mesh; FCL does not tell. rss and peak growth: the process's "
-    "resident set after, and at most during, one build on one core, less before; for feeler the mock-up's arrays "
-    "are there before."
-)
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Run, print, write; 0, or 1 if feeler is wrong somewhere."""
     given = sys.argv[1:] if arguments is None else arguments
     options = parse(given, __doc__ or "")
-    started = time.perf_counter()
-    when, load_before = record.now(), record.load_average()
+    started, origin, load_before = time.perf_counter(), Origin.here(feeler.__version__), host.load_average()
     bench = Bench(options)
+    reasons = [*options.short, *origin.reasons_against(engine.name for engine in bench.engines)]
+    if reasons and not options.out:
+        print(elsewhere(reasons), file=sys.stderr)
     bench.run()
     result = {
-        "schema": record.SCHEMA,
-        "when": when,
-        **record.commit(),
-        "args": record.arguments(given),
-        "machine": record.machine(),
-        "load_average": {"before": load_before, "after": record.load_average()},
-        "versions": record.versions({engine.name: engine.version for engine in bench.engines}),
-        "cargo_profile": record.build_profile(),
+        "when": host.now(),
+        **host.commit(),
+        "args": host.arguments(given),
+        "machine": host.machine(),
+        "load_average": {"before": load_before, "after": host.load_average()},
+        "versions": host.versions({engine.name: engine.version for engine in bench.engines}),
+        "cargo_profile": origin.profile,
         "engines": {engine.name: engine.settings for engine in bench.engines},
         "absent": bench.absent,
-        "method": METHOD,
         "overheads": bench.overheads,
         "python_call": bench.python_call,
         "sizes": bench.sizes,
@@ -82,14 +73,16 @@ def main(arguments: list[str] | None = None) -> int:
         "worst": bench.worst,
         "seconds": round(time.perf_counter() - started, 1),
     }
-    result["growth"] = goals.growth(result)
-    result["goals"] = goals.scorecard(result)
-    out = tables.console()
-    tables.show(result, out)
-    document, lines = record.write(result, options.out)
-    problem = plot.draw(result, document.with_suffix(".png"))
-    for said in (document, lines, problem or document.with_suffix(".png")):
-        out.print(said if said is problem else f"Written: {said}", highlight=False, soft_wrap=True)
+    found = origin.marked(rows(result))
+    figures.show(found)
+    if load_before and max(load_before[0], result["load_average"]["after"][0]) > BUSY:
+        print("The machine was busy: the figures are too large rather than too small.")
+    for peer, reason in bench.absent.items():
+        print(f"{peer} is absent: {reason}")
+    print(f"Written: {keep(found, origin, options.out, reasons)}")
+    if options.json:
+        options.json.write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
+        print(f"Written: {options.json}")
     wrong = sum(found.get("feeler_wrong", 0) for cell in bench.cells for found in cell.get("agreement", {}).values())
     return 1 if wrong else 0
 
@@ -187,7 +180,6 @@ class Bench:
             "engines": {name: own.figures() for name, own in times.items()},
             "ratios": {peer.name: measure.ratios(times["feeler"], times[peer.name]) for peer in others},
         }
-        cell["best"] = goals.against_best(cell)
         if cell["query"] == "collide":
             verdicts: agreement.Verdicts = {}
             cell["agreement"] = {

@@ -1,0 +1,371 @@
+"""Writes docs/figures.md and the figures in README.md from the records in bench/records. They are not edited by hand.
+
+    make figures
+
+Shown is the newest release of each kind of machine; cells, funnel and builds are of the machine that was last measured
+as a whole.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import goals
+from host import ROOT
+from record import RECORDS, RecordError, Row, newest
+
+README = ROOT / "README.md"
+PAGE = ROOT / "docs" / "figures.md"
+MARKERS = ("<!-- figures: make figures -->", "<!-- end of figures -->")
+NAMES = {"feeler": "feeler", "coal": "Coal", "fcl": "FCL", "embree": "Embree", "parry": "parry3d"}
+LEAST_WIDTH = 200  # in a narrower terminal lines fold, but no figure is cut off
+SHOWN = 1_600_000  # triangles asked; without such a mock-up, the largest
+
+# What `hit.stats` counts, in words.
+STAGE_NAMES = {
+    "voxels_visited": "nodes",
+    "clusters_placed": "clusters placed",
+    "pieces_scanned": "pieces scanned",
+    "entries_scanned": "boxes meet",
+    "box_survivors": "planes meet",
+    "repeats_skipped": "repeats",
+    "triangle_tests": "triangle tests",
+    "exact_tests": "exact tests",
+    "pairs_mean": "pairs",
+}
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table for a page or a terminal: the first columns are text, the others numbers."""
+
+    title: str
+    heads: Sequence[str]
+    texts: int
+    lines: Sequence[Sequence[str]]
+    note: str = ""
+
+    def markdown(self) -> str:
+        """With its title as a heading."""
+        rule = "|---" * self.texts + "|---:" * (len(self.heads) - self.texts) + "|"
+        rows = [f"| {' | '.join(line)} |" for line in (self.heads, *self.lines)]
+        parts = [f"## {self.title}", "\n".join([rows[0], rule, *rows[1:]]), *([self.note] if self.note else [])]
+        return "\n\n".join(parts)
+
+
+def page(records: Sequence[Sequence[Row]]) -> str:
+    """docs/figures.md."""
+    first = records[0]
+    tables = [machines(records), scorecard(records), *queries(first), *of_one(first)]
+    head = (
+        "# Figures\n\n"
+        "Made by `make figures` from `bench/records/*.csv`; not edited by hand. How it is timed, and what each column "
+        "of a record means: [bench/README.md](../bench/README.md). How it works, and where it falls short: "
+        "[performance.md](performance.md).\n\n"
+        "Microseconds a pose are wall clock, one core, called from Python: median (p95) over poses, each the least of "
+        f"its rounds. All after the first two tables is of {first[0]['machine']}."
+    )
+    return "\n\n".join([head, *(table.markdown() for table in tables)]) + "\n"
+
+
+def show(rows: Sequence[Row]) -> None:
+    """Print what a run found, as wide as it needs to be."""
+    from rich.console import Console
+    from rich.table import Table as RichTable
+
+    out = Console()
+    out = Console(width=max(out.width, LEAST_WIDTH))
+    for table in (*queries(rows), *of_one(rows), scorecard([rows])):
+        shown = RichTable(title=table.title, title_justify="left", title_style="bold", box=None, pad_edge=False)
+        for number, head in enumerate(table.heads):
+            shown.add_column(head, justify="left" if number < table.texts else "right", no_wrap=True)
+        for line in table.lines:
+            shown.add_row(*(f"[red]{field[2:-2]}[/]" if field.startswith("**") else field for field in line))
+        out.print(shown)
+        out.print()
+
+
+def of_one(rows: Sequence[Row]) -> list[Table]:
+    """What the rows of one machine say beside the times of cells."""
+    asked = (builds, funnel, agreement, growth, limit, levels)
+    return [table for make in asked if (table := make(rows)) is not None]
+
+
+def machines(records: Sequence[Sequence[Row]]) -> Table:
+    """When and on what each record was measured."""
+    lines = []
+    for rows in records:
+        cells = [row for row in rows if row["what"] == "cell"]
+        dates, commits = sorted({row["date"] for row in cells}), dict.fromkeys(row["commit"][:7] for row in cells)
+        versions = {row["engine"]: row["version"] for row in cells if row["engine"] in NAMES}
+        engines = ", ".join(f"{NAMES[name]} {version}" for name, version in versions.items())
+        when = dates[0] if len(dates) == 1 else f"{dates[0]} to {dates[-1]}"
+        lines.append([rows[0]["machine"], str(rows[0]["cores"]), when, ", ".join(commits), engines])
+    note = "Columns: kind of machine, its cores, and what its cells were measured with."
+    return Table("Machines", ["machine", "cores", "measured", "commit", "engines"], 5, lines, note)
+
+
+def scorecard(records: Sequence[Sequence[Row]]) -> Table:
+    """Every goal, and what each machine makes of it."""
+    found = [{goal.goal: goal for goal in goals.scorecard(rows)} for rows in records]
+    wanted = {name: goal.wanted for own in found for name, goal in own.items()}
+    lines = [[name, wanted[name], *(_goal(own.get(name)) for own in found)] for name in wanted]
+    heads = ["goal", "wanted", *(str(rows[0]["machine"]) for rows in records)]
+    note = "Bold: missed. –: not asked. A record of an older commit shows the code of that commit."
+    return Table("Goals", heads, len(heads), lines, note)
+
+
+def _goal(goal: goals.Goal | None) -> str:
+    if goal is None:
+        return "–"
+    return f"**{goal.found}**" if goal.met is False else goal.found
+
+
+def queries(rows: Sequence[Row]) -> list[Table]:
+    """A table a mock-up: every cell, beside the other libraries."""
+    peers = [name for name in NAMES if name != "feeler" and any(row["engine"] == name for row in _of(rows, "cell"))]
+    heads = ["tool", "query, pose", "pairs", "feeler", *(NAMES[peer] for peer in peers), "times faster"]
+    tables: list[Table] = []
+    for size in dict.fromkeys(row["size"] for row in _of(rows, "cell")):
+        own = [row for row in _of(rows, "cell") if row["size"] == size]
+        times = {((row["tool"], row["query"], row["kind"]), row["engine"]): row for row in own}
+        lines: list[list[str]] = []
+        for row in (row for row in own if row["engine"] == "feeler"):
+            at = (row["tool"], row["query"], row["kind"])
+            line = [row["tool"], f"{row['query']}, {row['kind']}"]
+            if not row["poses"]:
+                lines.append([*line, "no such pose found", *[""] * (len(peers) + 2)])
+                continue
+            others = {peer: times[at, peer] for peer in peers if (at, peer) in times}
+            line += [f"{row['pairs']:,.0f}", _us(row)]
+            line += [_us(others[peer]) if peer in others else "–" for peer in peers]
+            lines.append([*line, _faster(goals.against_best(list(others.values())))])
+        title = f"Queries at {own[0]['triangles']:,} triangles in {own[0]['parts']:,} parts"
+        tables.append(Table(title, heads, 2, lines, "" if tables else QUERY_NOTE))
+    return tables
+
+
+QUERY_NOTE = (
+    "Times faster: than the best of the others by median (by p95); missed: less than was aimed at. Nominal: 1 to 5 % "
+    "of the tool's triangles collide; near: among the parts, nothing collides; deep: more. distance: the least; "
+    "cast: the first impact within 20 mm; contacts: planes within 2 mm."
+)
+
+
+def _faster(best: goals.Best | None) -> str:
+    if best is None:
+        return ""
+    return f"{best.median:.1f} ({best.p95:.1f}){' missed' if best.met is False else ''}"
+
+
+def builds(rows: Sequence[Row]) -> Table | None:
+    """What an index takes."""
+    lines: list[list[str]] = []
+    for row in _of(rows, "build"):
+        line: list[str] = [f"{row['triangles']:,}", str(NAMES.get(row["engine"], row["engine"]))]
+        line += ["–" if row[name] is None else f"{row[name]:.3f}" for name in ("one_core_s", "all_cores_s")]
+        for name in ("bytes", "growth_bytes", "peak_bytes"):
+            line.append("–" if row[name] is None else f"{row[name] / row['triangles']:.0f}")
+        lines.append(line)
+    heads = ["triangles", "engine", "one core, s", "all cores, s", "bytes a triangle", "process grew", "at most"]
+    note = (
+        "Bytes as each engine counts its own: feeler with the mock-up's arrays, Coal, Embree and parry3d with their "
+        "copy of them; FCL does not tell. Process grew: by a build on one core, bytes a triangle, and at most "
+        "meanwhile; feeler's mock-up was there before."
+    )
+    return Table("Builds", heads, 2, lines, note) if lines else None
+
+
+def funnel(rows: Sequence[Row]) -> Table | None:
+    """What a `collide` does, stage by stage."""
+    shown = _at_shown_size([row for row in _of(rows, "cell") if row["voxels_visited"] is not None])
+    lines = [[row["tool"], row["kind"], *(f"{row[stage]:,.0f}" for stage in STAGE_NAMES)] for row in shown]
+    heads = ["tool", "pose", *STAGE_NAMES.values()]
+    title = f"The funnel at {shown[0]['triangles']:,} triangles, means over poses" if shown else ""
+    return Table(title, heads, 2, lines) if lines else None
+
+
+def agreement(rows: Sequence[Row]) -> Table | None:
+    """What each peer answers otherwise, all cells together."""
+    counted = [row for row in _of(rows, "cell") if row["agreed"] is not None]
+    lines = []
+    for query, engine in dict.fromkeys((row["query"], row["engine"]) for row in counted):
+        own = [row for row in counted if (row["query"], row["engine"]) == (query, engine)]
+        counts = [sum(row[name] for row in own) for name in ("agreed", "peer_wrong", "feeler_wrong", "unjudged")]
+        lines.append([query, NAMES.get(engine, engine), *(f"{count:,}" for count in counts)])
+    note = (
+        "collide: pairs; the differing ones are judged in exact arithmetic, at most 20,000 of a cell. Others: poses; a "
+        "distance is the same within 1e-9 m, a cast (where nothing is judged) within 1 % of the way."
+    )
+    heads = ["query", "peer", "agreed", "peer wrong", "feeler wrong", "unjudged"]
+    return Table("Answers that differ", heads, 2, sorted(lines), note) if lines else None
+
+
+def growth(rows: Sequence[Row]) -> Table | None:
+    """The two sizes of `bench/growth.py` side by side."""
+    own = _of(rows, "growth")
+    lines = []
+    for tool in dict.fromkeys(row["tool"] for row in own):
+        small, large = sorted((row for row in own if row["tool"] == tool), key=lambda row: int(row["size"]))
+        line = [tool]
+        for name in ("pairs", "median_us", "again_us"):
+            digits = ",.0f" if name == "pairs" else ",.1f"
+            ratio = large[name] / max(small[name], 1e-9)
+            line += [f"{small[name]:{digits}}, {large[name]:{digits}}", f"{ratio:.2f}"]
+        line += [f"{small[name]:.0f}, {large[name]:.0f}" for name in ("pair_ns", "again_pair_ns")]
+        lines.append(line)
+    heads = ["tool", "pairs, median", "growth", "caches emptied, µs, median", "growth", "asked again, µs, median"]
+    heads += ["growth", "a pair found, ns, caches emptied", "asked again"]
+    if not lines:
+        return None
+    sizes = " and ".join(f"{count:,}" for count in sorted({row["triangles"] for row in own}))
+    note = f"`python bench/growth.py`: {sizes} triangles in turns, nominal `collide`, {own[0]['poses']:,} poses."
+    return Table("Growth", heads, 1, lines, note)
+
+
+def limit(rows: Sequence[Row]) -> Table | None:
+    """How far from what the machine can do."""
+    lines = []
+    for row in _of(rows, "limit"):
+        least = [f"{row[name]:.2f}" for name in ("memory_us", "lanes_us", "limit_us")]
+        took = [f"{row[name]:,.1f}" for name in ("median_us", "again_us")]
+        ratio = f"{row['median_us'] / row['limit_us']:.1f}"
+        lines.append([row["tool"], row["kind"], f"{row['lines']:,.0f}", *least, *took, ratio])
+    heads = ["tool", "pose", "lines, at least", "memory, µs", "lanes, µs", "limit, µs", "measured, µs"]
+    heads += ["asked again, µs", "times the limit"]
+    note = (
+        "`python bench/limit.py`: what the lines of memory that a `collide` must read, and the vector instructions "
+        "that it must do, take at this core's best rates; the limit is the larger. Measured: less what a Python "
+        "call costs."
+    )
+    return Table("The machine's limit", heads, 2, lines, note) if lines else None
+
+
+def levels(rows: Sequence[Row]) -> Table | None:
+    """The instruction sets beside each other."""
+    own = _of(rows, "level")
+    names = dict.fromkeys(row["engine"].removeprefix("feeler-") for row in own)
+    lines = []
+    for tool, kind in dict.fromkeys((row["tool"], row["kind"]) for row in own):
+        times = [row["median_us"] for row in own if (row["tool"], row["kind"]) == (tool, kind)]
+        lines.append(
+            [tool, kind, *(f"{us:,.1f}" + (f" ({us / times[0]:.1f})" if us > times[0] else "") for us in times)]
+        )
+    note = "`python bench/limit.py`: medians of `collide`, microseconds (times the first's)."
+    return Table("Instruction sets", ["tool", "pose", *names], 2, lines, note) if lines else None
+
+
+def readme(rows: Sequence[Row]) -> str:
+    """The table of one mock-up, and what it was measured with."""
+    cells = _at_shown_size(_of(rows, "cell"))
+    measured = [(feeler, peers) for feeler, peers in goals.cells(cells) if feeler["query"] == "collide"]
+    rounds = [row["rounds"] for feeler, peers in measured for row in (feeler, *peers)]
+    least, most = min(rounds), max(rounds)
+    lines = [
+        f"The sample `engine` with {cells[0]['triangles']:,} triangles in {cells[0]['parts']:,} parts; all colliding",
+        f"pairs of a pose, one core, microseconds, median (p95) over {measured[0][0]['poses']} poses, each the least "
+        f"of {least if least == most else f'{least} to {most}'} rounds:",
+        "",
+        "| tool | triangles | pose | pairs | feeler | best of the others | times faster |",
+        "|---|---:|---|---:|---:|---:|---:|",
+    ]
+    for feeler, peers in measured:
+        row = [
+            feeler["tool"],
+            f"{feeler['tool_triangles']:,}",
+            feeler["kind"],
+            f"{feeler['pairs']:,.0f}",
+            _whole(feeler),
+        ]
+        if best := goals.against_best(peers):
+            peer = next(peer for peer in peers if peer["engine"] == best.peer)
+            row += [f"{NAMES[best.peer]} {_whole(peer)}", f"{best.median:.1f} ({best.p95:.1f})"]
+        lines.append("| " + " | ".join([*row, *["–"] * (7 - len(row))]) + " |")
+    return "\n".join([*lines, "", *_readme_notes(rows, cells)])
+
+
+def _readme_notes(rows: Sequence[Row], cells: Sequence[Row]) -> Iterable[str]:
+    built = {row["engine"]: row for row in _of(rows, "build") if row["size"] == cells[0]["size"]}
+    if ours := built.pop("feeler", None):
+        said = [
+            f"Index built in {ours['all_cores_s']:.2f} s on {ours['cores']} cores ({ours['one_core_s']:.2f} s on one), "
+            f"{ours['bytes'] / ours['triangles']:.0f} bytes a triangle with the triangles themselves"
+        ]
+        for name, row in built.items():
+            each = f" and {row['bytes'] / row['triangles']:.0f} bytes" if row["bytes"] else ""
+            said.append(f"{NAMES[name]} {row['one_core_s']:.1f} s{each}")
+        yield "; ".join(said) + "."
+    any_contact = [
+        (feeler, peers) for feeler, peers in goals.cells(cells) if feeler["query"] == "is_colliding" and peers
+    ]
+    if found := [best for _, peers in any_contact if (best := goals.against_best(peers))]:
+        means = [goals.geometric_mean(getattr(best, measure) for best in found) for measure in goals.MEASURES]
+        faster = f"{means[0]:.1f} ({means[1]:.1f}) times faster than the best of the others, geometric mean"
+        yield f"`is_colliding`: {faster}."
+    yield "Nominal: 1 to 5 % of the tool's triangles collide; near: among the parts, nothing collides; deep: more."
+    versions = {row["engine"]: row["version"] for row in cells if row["engine"] != "feeler"}
+    if versions:
+        others = ", ".join(f"{NAMES[name]} {version}" for name, version in versions.items())
+        yield (
+            f"The others: {others}, each set up for speed, same poses, same run, the best in each row by its median "
+            "(p95 ratio: the best by p95)."
+        )
+    yield f"{rows[0]['machine']}; every cell, goal and machine: [docs/figures.md](docs/figures.md)."
+
+
+def _of(rows: Sequence[Row], what: str) -> list[Row]:
+    return [row for row in rows if row["what"] == what]
+
+
+def _at_shown_size(rows: Sequence[Row]) -> list[Row]:
+    sizes = {row["size"] for row in rows}
+    shown = SHOWN if SHOWN in sizes else max(sizes, default=0)
+    return [row for row in rows if row["size"] == shown]
+
+
+def _us(row: Row) -> str:
+    return f"{_short(row['median_us'])} ({_short(row['p95_us'])})"
+
+
+def _short(value: float) -> str:
+    return f"{value:.1f}" if value < 9.95 else f"{value:,.0f}"
+
+
+def _whole(row: Row) -> str:
+    return f"{row['median_us']:,.0f} ({row['p95_us']:,.0f})"
+
+
+def filled(text: str, rows: Sequence[Row]) -> str:
+    """README.md with its figures made anew."""
+    before, rest = text.split(MARKERS[0])
+    after = rest.split(MARKERS[1])[1]
+    return f"{before}{MARKERS[0]}\n{readme(rows)}\n{MARKERS[1]}{after}"
+
+
+def written(folder: Path = RECORDS) -> dict[Path, str]:
+    """The pages that are made from the records in a folder, and their text."""
+    records = newest(folder)
+    if not records:
+        raise RecordError(f"{folder} holds no record: run `make bench` first")
+    return {README: filled(README.read_text(encoding="utf-8"), records[0]), PAGE: page(records)}
+
+
+def main() -> int:
+    argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter).parse_args()
+    try:
+        pages = written()
+    except RecordError as error:
+        print(error, file=sys.stderr)
+        return 2
+    for path, text in pages.items():
+        path.write_text(text, encoding="utf-8")
+        print(f"Written: {path.relative_to(ROOT)}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
