@@ -42,6 +42,7 @@ def test_a_study_writes_what_it_promises_and_resumes(name: str, words: list[str]
     folder = tmp_path / name
     page = (folder / "index.html").read_text()
     assert page.startswith("<!doctype html>") and "<table>" in page and 'src="http' not in page
+    assert ("Upright lines" in page) == (name == "voxel-size")
     for kind in ("png", "svg"):
         assert (folder / f"{name}.{kind}").stat().st_size > 1000
     with open(folder / "samples.csv", newline="") as file:

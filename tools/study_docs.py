@@ -1,4 +1,4 @@
-"""Puts the figures of the studies into docs/voxel-size.md, between its markers, and the plots into docs/voxel-size/.
+"""Puts the figures of the studies into docs/voxel-size.md, between its markers, and two plots into docs/voxel-size/.
 
 python tools/study_docs.py [STUDY_FOLDER]     feeler-study, as `make study` leaves it
 """
@@ -26,21 +26,24 @@ STUDIES = {
     "filters": "filters",
     "piece-size": "piece-size",
 }
+# The rest is on the page that each study leaves in its folder: a table of all pairs, and the other plots.
+LEFT_OUT = ("Table 2", "Times", "Times, µs", "Pairs")
+PLOTS = ("voxel-size", "scaling")
 
 
 def fragment(folder: Path, name: str) -> str:
     """The tables and the plot of one study."""
     results = json.loads((folder / "results.json").read_text(encoding="utf-8"))
     parts = []
-    for number, section in enumerate(sections_of(results)):
+    for number, section in enumerate(one for one in sections_of(results) if one.title not in LEFT_OUT):
         parts += [f"**{section.title}.**"] if section.title else []
         parts += section.text
         parts += [markdown(section)] if section.rows else []
         picture = folder / f"{folder.name}.png"
-        if number == 0 and picture.is_file():
+        if number == 0 and name in PLOTS and picture.is_file():
             PICTURES.mkdir(exist_ok=True)
             shutil.copyfile(picture, PICTURES / f"{name}.png")
-            parts.append(f"![{name}](voxel-size/{name}.png)")
+            parts += [f"![{name}](voxel-size/{name}.png)", *filter(None, [section.caption])]
     machine = results["machine"]
     parts.append(
         f"{machine['cpu']}, {machine['cores']} cores, feeler {machine['feeler']}; `feeler study {folder.name}`."

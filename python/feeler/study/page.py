@@ -61,6 +61,7 @@ def _page(results: dict[str, Any], pictures: list[Path]) -> str:
         parts += [f"<p>{html.escape(paragraph)}</p>" for paragraph in section.text]
         if number == 0:
             parts += embedded or [f"<p>{html.escape(MISSING)}</p>"]
+            parts += [f"<p>{html.escape(section.caption)}</p>"] if embedded and section.caption else []
         if section.rows:
             parts.append(_table(section))
     machine = results["machine"]

@@ -15,6 +15,7 @@ class Section:
     heading: list[str] = field(default_factory=list)
     rows: list[list[str]] = field(default_factory=list)
     words: int = 2
+    caption: str = ""  # what the plot shows, for pages that have it
 
 
 def sections_of(results: dict[str, Any]) -> list[Section]:
@@ -38,9 +39,11 @@ def _voxel_size(results: dict[str, Any]) -> list[Section]:
         "and what four estimators, which measure nothing on the pair, say is the best size. Poses are nominal: 1 to "
         "5 % of the tool's triangles meet the mock-up. A time is the mean over the poses of the median over the "
         "rounds; in every round all sizes take their turn in random order.",
-        "Black: measured, with quartiles over the rounds and a polynomial of the 5th degree. Red, dashed: predicted. "
-        "Upright lines: the estimators' sizes.",
     ]
+    caption = (
+        "Black: measured, with quartiles over the rounds and a polynomial of the 5th degree. Red, dashed: predicted. "
+        "Upright lines: the estimators' sizes."
+    )
     overall = Section(
         "Over all pairs",
         [
@@ -103,7 +106,7 @@ def _voxel_size(results: dict[str, Any]) -> list[Section]:
             for row in rows
         ],
     )
-    return [Section("", about), overall, table]
+    return [Section("", about, caption=caption), overall, table]
 
 
 def _mm(metres: float) -> str:
@@ -226,8 +229,8 @@ def _piece_size(results: dict[str, Any]) -> list[Section]:
         "The piece size is the blocks' counterpart of the voxel size: triangles longer than it are cut for the index. "
         "The default cuts until a quarter of pieces is added, for any tool; the chosen size is the one with the least "
         "predicted work for the tool, with at most two pieces more a triangle.",
-        "Lines: measured time; dashed: the predicted work, all over the default's; diamonds: the chosen size.",
     ]
+    caption = "Lines: measured time; dashed: the predicted work, all over the default's; diamonds: the chosen size."
     by_choice = [
         [name, *(f"{found['over'][which][key][how]:+.1%}" for key in ("best", "quiet") for how in ("median", "worst"))]
         for which, name in (("default", "default"), ("chosen", "chosen for the tool"))
@@ -261,7 +264,7 @@ def _piece_size(results: dict[str, Any]) -> list[Section]:
     heading = ["mock-up", "tool", "default, mm", "µs", "best, mm", "µs", "chosen, mm", "µs", "default slower",
                "chosen slower", "chosen's memory"]  # fmt: skip
     return [
-        Section("", about),
+        Section("", about, caption=caption),
         Section(
             "Over all pairs",
             over_pairs,
