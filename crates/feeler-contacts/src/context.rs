@@ -5,11 +5,10 @@ use feeler_core::mesh::topology::adjacency::{Adjacency, NONE};
 use feeler_core::{Aabb, Mockup, Point, Pose, Scene, Tool, Triangle};
 use feeler_lanes::Checked;
 
-pub(crate) const TOOL: usize = 0;
-pub(crate) const MOCKUP: usize = 1;
+use crate::surface::Surface;
 
 /// What one query knows.
-pub(crate) struct Ground<'a> {
+pub(crate) struct QueryContext<'a> {
     pub mockup: &'a Mockup,
     pub tool: &'a Tool,
     pub pose: &'a Pose,
@@ -21,9 +20,9 @@ pub(crate) struct Ground<'a> {
     pub lanes: Checked,
 }
 
-impl<'a> Ground<'a> {
-    pub fn new(scene: &'a Scene, tool: &'a Tool, pose: &'a Pose, reference: Option<&'a Pose>) -> Ground<'a> {
-        Ground {
+impl<'a> QueryContext<'a> {
+    pub fn new(scene: &'a Scene, tool: &'a Tool, pose: &'a Pose, reference: Option<&'a Pose>) -> QueryContext<'a> {
+        QueryContext {
             mockup: scene.mockup(),
             tool,
             pose,
@@ -35,7 +34,7 @@ impl<'a> Ground<'a> {
     }
 }
 
-impl Ground<'_> {
+impl QueryContext<'_> {
     pub fn tool_triangle(&self, t: u32) -> Triangle {
         self.pose.apply_triangle(&self.tool.mesh().triangle(t))
     }
@@ -45,16 +44,16 @@ impl Ground<'_> {
     }
 
     /// The first corner of a triangle.
-    pub fn corner(&self, w: usize, id: u32) -> Point {
-        if w == TOOL {
+    pub fn corner(&self, surface: Surface, id: u32) -> Point {
+        if surface == Surface::Tool {
             self.pose.apply(&self.tool.mesh().corner(id))
         } else {
             self.mockup.mesh().corner(id)
         }
     }
 
-    pub fn triangle(&self, w: usize, id: u32) -> Triangle {
-        if w == TOOL {
+    pub fn triangle(&self, surface: Surface, id: u32) -> Triangle {
+        if surface == Surface::Tool {
             self.tool_triangle(id)
         } else {
             self.mockup_triangle(id)
@@ -62,8 +61,8 @@ impl Ground<'_> {
     }
 
     /// What the winding's normal of a triangle is to be multiplied by to look outward where its surface is closed.
-    pub fn sense(&self, w: usize, id: u32) -> f64 {
-        if self.adjacency[w].outward[id as usize] < 0 {
+    pub fn sense(&self, surface: Surface, id: u32) -> f64 {
+        if self.adjacency[surface].outward[id as usize] < 0 {
             -1.0
         } else {
             1.0
@@ -72,16 +71,16 @@ impl Ground<'_> {
 
     /// The pairs one step over an edge of either triangle from a pair.
     pub fn beside(&self, [t, m]: [u32; 2]) -> impl Iterator<Item = [u32; 2]> {
-        let beside_t = self.adjacency[TOOL].neighbours[t as usize].map(|n| [n, m]);
-        let beside_m = self.adjacency[MOCKUP].neighbours[m as usize].map(|n| [t, n]);
+        let beside_t = self.adjacency[Surface::Tool].neighbours[t as usize].map(|n| [n, m]);
+        let beside_m = self.adjacency[Surface::Mockup].neighbours[m as usize].map(|n| [t, n]);
         beside_t.into_iter().chain(beside_m).filter(|pair| !pair.contains(&NONE))
     }
 
     /// The box of the tool, in its own frame, or of a part of the mock-up, with what rounding may add: outside it is outside the
     /// solid.
-    pub fn enclosure(&self, w: usize, part: u32) -> Aabb {
-        let (b, slack) = match w {
-            TOOL => (self.tool.mesh().bounds(), self.tool.margin_at(self.pose)),
+    pub fn enclosure(&self, surface: Surface, part: u32) -> Aabb {
+        let (b, slack) = match surface {
+            Surface::Tool => (self.tool.mesh().bounds(), self.tool.margin_at(self.pose)),
             _ => (self.mockup.part_bounds()[part as usize], 0.0),
         };
         let slack = slack + 1e-9 * (0..3).map(|a| b.upper[a] - b.lower[a]).fold(0.0, f64::max);
@@ -89,8 +88,8 @@ impl Ground<'_> {
     }
 
     /// Whether a point (world) is in such a box.
-    pub fn is_enclosed(&self, w: usize, enclosure: &Aabb, p: &Point) -> bool {
-        let q = if w == TOOL { self.in_tool(p) } else { *p };
+    pub fn is_enclosed(&self, surface: Surface, enclosure: &Aabb, p: &Point) -> bool {
+        let q = if surface == Surface::Tool { self.in_tool(p) } else { *p };
         (0..3).all(|a| enclosure.lower[a] <= q[a] && q[a] <= enclosure.upper[a])
     }
 
@@ -103,8 +102,8 @@ impl Ground<'_> {
 
     /// The normal of a triangle beside one that is (or is not) of a closed surface and has a normal of its own, turned to the side
     /// that counts as outside there.
-    pub fn turned_outward(&self, w: usize, id: u32, n: &Point, is_closed: bool, beside: &Point) -> Point {
-        let flip = match self.adjacency[w].outward[id as usize] {
+    pub fn turned_outward(&self, surface: Surface, id: u32, n: &Point, is_closed: bool, beside: &Point) -> Point {
+        let flip = match self.adjacency[surface].outward[id as usize] {
             side if is_closed && side != 0 => side < 0,
             _ => dot(n, beside) < 0.0,
         };

@@ -11,6 +11,7 @@ mod patch;
 mod proximity;
 mod query;
 mod solver;
+mod surface;
 #[cfg(test)]
 mod tests;
 mod tracker;

@@ -20,18 +20,19 @@ use crate::constants::{
 };
 use crate::contact_plane::{by_coordinates, ContactPlane, Contacts};
 use crate::containers::bit_set::{is_meeting, shared};
-use crate::containers::counting_sort::ByPart;
-use crate::context::{Ground, MOCKUP, TOOL};
-use crate::contour::contact_region::Zones;
-use crate::contour::find::{find, ZonesScratch};
-use crate::depth::axis::Pair;
-use crate::depth::face_axes::FirstDepth;
-use crate::depth::least_depth::{Depth, Directions};
-use crate::depth::piercing::RightThrough;
+use crate::containers::counting_sort::PartSort;
+use crate::context::QueryContext;
+use crate::contour::contact_region::ContactRegions;
+use crate::contour::find::{find, RegionScratch};
+use crate::depth::axis::BodyPair;
+use crate::depth::face_axes::FaceDepth;
+use crate::depth::least_depth::{Depth, DepthScratch};
+use crate::depth::piercing::Piercing;
 use crate::patch::body::{Bodies, Body};
-use crate::patch::convex_bodies::Clusters;
+use crate::patch::convex_bodies::ConvexBodies;
 use crate::patch::patches::Patches;
-use crate::proximity::separating_planes::{divider, NearLists, NearPairs};
+use crate::proximity::separating_planes::{divider, NearPairs, NearScratch};
+use crate::surface::Surface;
 
 /// Asks a scene for contacts, with working memory of its own.
 #[derive(Debug, Clone, Copy)]
@@ -42,7 +43,7 @@ pub(crate) struct ContactQuery<'a> {
 
 /// The tool in one part.
 #[derive(Debug, Default)]
-struct Place<'a> {
+struct PartContacts<'a> {
     part: u32,
     /// What meets.
     pairs: &'a [[u32; 2]],
@@ -51,15 +52,17 @@ struct Place<'a> {
     planes: Vec<ContactPlane>,
 }
 
-impl Place<'_> {
+impl PartContacts<'_> {
     /// Adds what is inside in a zone.
-    fn add_inside(&mut self, zones: &Zones, zone: usize) {
-        (0..2).for_each(|w| self.inside[w].extend(zones.inside_of(zone, w).iter().map(|t| t[0])));
+    fn add_inside(&mut self, regions: &ContactRegions, region: usize) {
+        Surface::BOTH
+            .iter()
+            .for_each(|&surface| self.inside[surface].extend(regions.inside_of(region, surface).iter().map(|t| t[0])));
     }
 }
 
 /// How many planes are deep.
-fn count_deep(places: &[Place<'_>]) -> usize {
+fn count_deep(places: &[PartContacts<'_>]) -> usize {
     places.iter().flat_map(|place| &place.planes).filter(|p| p.gap < 0.0).count()
 }
 
@@ -68,24 +71,24 @@ fn count_deep(places: &[Place<'_>]) -> usize {
 pub(crate) struct ContactScratch {
     collision: Collision,
     distance: DistanceScratch,
-    by_part: ByPart,
+    by_part: PartSort,
     candidates: Vec<Candidate>,
     meeting: Vec<[u32; 2]>,
-    near: NearLists,
-    zones: ZonesScratch,
-    zone: ZoneScratch,
+    near: NearScratch,
+    regions: RegionScratch,
+    region: BodyScratch,
     sorter: Sorter,
 }
 
 /// Working memory of one zone: its surfaces, the tool's and the mock-up's.
 #[derive(Debug, Default)]
-struct ZoneScratch {
+struct BodyScratch {
     patches: Patches,
-    clusters: Clusters,
+    convex_bodies: ConvexBodies,
     bodies: [Bodies; 2],
-    directions: Directions,
+    directions: DepthScratch,
     /// First depths with their bodies, and depths.
-    first: Vec<(FirstDepth, [usize; 2])>,
+    first: Vec<(FaceDepth, [usize; 2])>,
     found: Vec<(Depth, [usize; 2])>,
     /// The faces of the cuts of two bodies.
     meeting: Vec<[u32; 2]>,
@@ -118,8 +121,8 @@ impl ContactQuery<'_> {
             candidates,
             meeting,
             near: lists,
-            zones: zones_scratch,
-            zone: zone_scratch,
+            regions: region_scratch,
+            region: body_scratch,
             distance,
             ..
         } = &mut *scratch;
@@ -132,35 +135,43 @@ impl ContactQuery<'_> {
             mockup.adjacency().prefetch(*triangle);
         }
         let part_of = |pair: &[u32; 2]| mockup.part_of_face(pair[1]);
-        let ground = Ground::new(scene, tool, pose, reference);
-        let mut places: Vec<Place<'_>> = Vec::new();
+        let context = QueryContext::new(scene, tool, pose, reference);
+        let mut places: Vec<PartContacts<'_>> = Vec::new();
         let mut right_through = Vec::new();
         for (part, pairs) in by_part.sort(hits, part_of, meeting) {
-            let mut place = Place { part, pairs, ..Place::default() };
-            let zones = find(&ground, pairs, None, zones_scratch);
-            for zone in 0..zones.zones.len() {
+            let mut place = PartContacts { part, pairs, ..PartContacts::default() };
+            let regions = find(&context, pairs, None, region_scratch);
+            for region in 0..regions.regions.len() {
                 let before = place.planes.len();
-                push_zone(&ground, zones, zone, part, Sought::LeadingOut, zone_scratch, &mut place.planes);
-                place.add_inside(zones, zone);
+                push_region(&context, regions, region, part, AxisFilter::LeadingOut, body_scratch, &mut place.planes);
+                place.add_inside(regions, region);
                 if place.planes.len() == before {
-                    right_through.extend(RightThrough::new(&ground, zones, zone).map(|found| (places.len(), found)));
+                    right_through.extend(Piercing::new(&context, regions, region).map(|found| (places.len(), found)));
                 }
             }
             places.push(place);
         }
         if count_deep(&places) < MANY_DEEP {
             for (place, right_through) in right_through {
-                let (RightThrough { pairs, way }, place) = (&right_through, &mut places[place]);
-                let (zones, before) = (find(&ground, pairs, None, zones_scratch), place.planes.len());
-                for zone in 0..zones.zones.len() {
-                    push_zone(&ground, zones, zone, place.part, Sought::Any, zone_scratch, &mut place.planes);
+                let (Piercing { pairs, way }, place) = (&right_through, &mut places[place]);
+                let (regions, before) = (find(&context, pairs, None, region_scratch), place.planes.len());
+                for region in 0..regions.regions.len() {
+                    push_region(
+                        &context,
+                        regions,
+                        region,
+                        place.part,
+                        AxisFilter::Any,
+                        body_scratch,
+                        &mut place.planes,
+                    );
                 }
                 if place.planes.len() > before {
                     continue;
                 }
-                let zones = find(&ground, pairs, Some(*way), zones_scratch);
-                place.planes.push(right_through.plane(&ground, zones, place.part));
-                (0..zones.zones.len()).for_each(|zone| place.add_inside(zones, zone));
+                let regions = find(&context, pairs, Some(*way), region_scratch);
+                place.planes.push(right_through.plane(&context, regions, place.part));
+                (0..regions.regions.len()).for_each(|region| place.add_inside(regions, region));
             }
         }
         let mut contacts = Contacts { is_meeting: !places.is_empty(), ..Contacts::default() };
@@ -170,9 +181,9 @@ impl ContactQuery<'_> {
             let planes = places.iter().flat_map(|place| &place.planes);
             let dividers: Vec<Divider> = planes.map(|plane| divider(plane, margin)).collect();
             let (margin, near) = self.near_by(tool, pose, margin, &dividers, distance)?;
-            let mut gaps = NearPairs::new(&ground, margin, lists);
+            let mut gaps = NearPairs::new(&context, margin, lists);
             for (part, same) in by_part.sort(&near, |c| c.part, candidates) {
-                let mut apart = Place::default();
+                let mut apart = PartContacts::default();
                 let place = places.iter_mut().find(|place| place.part == part).unwrap_or(&mut apart);
                 gaps.push_planes(same, place.pairs, &place.inside, &mut place.planes);
                 contacts.planes.append(&mut apart.planes);
@@ -182,7 +193,7 @@ impl ContactQuery<'_> {
         }
         places.iter_mut().for_each(|place| contacts.planes.append(&mut place.planes));
         drop(places);
-        contacts.finish(ground.lanes, &mut scratch.sorter);
+        contacts.finish(context.lanes, &mut scratch.sorter);
         if held > MOST_HELD {
             *scratch = ContactScratch::default();
         }
@@ -224,7 +235,7 @@ impl ContactQuery<'_> {
 
 /// Which directions are sought for two bodies.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Sought {
+enum AxisFilter {
     /// From a normal that leads out; none where there is no such normal.
     LeadingOut,
     /// Any.
@@ -232,23 +243,25 @@ enum Sought {
 }
 
 /// The planes of one zone: one for each two bodies that cut each other, without those that a deeper one stands for.
-fn push_zone(
-    ground: &Ground<'_>,
-    zones: &Zones,
-    zone: usize,
+fn push_region(
+    context: &QueryContext<'_>,
+    regions: &ContactRegions,
+    region: usize,
     part: u32,
-    sought: Sought,
-    scratch: &mut ZoneScratch,
+    sought: AxisFilter,
+    scratch: &mut BodyScratch,
     out: &mut Vec<ContactPlane>,
 ) {
-    let ZoneScratch { patches, clusters, bodies, directions, first, found, meeting } = scratch;
-    let cuts = zones.cuts_of(zone, TOOL);
-    for w in [TOOL, MOCKUP] {
-        patches.set(ground, zones, zone, w);
-        clusters.set(ground.lanes, patches);
-        bodies[w].set(ground.lanes, patches, clusters, cuts.len(), |c| zones.place_of_cut[c as usize] as usize);
+    let BodyScratch { patches, convex_bodies, bodies, directions, first, found, meeting } = scratch;
+    let segments = regions.segments_of(region, Surface::Tool);
+    for surface in Surface::BOTH {
+        patches.set(context, regions, region, surface);
+        convex_bodies.set(context.lanes, patches);
+        bodies[surface].set(context.lanes, patches, convex_bodies, segments.len(), |c| {
+            regions.place_of_segment[c as usize] as usize
+        });
     }
-    let bodies = TwoSides::new(ground, zones, bodies);
+    let bodies = RegionBodies::new(context, regions, bodies);
     bodies.find_depths(sought, directions, first, found);
     let from = out.len();
     let mut next = 0;
@@ -264,7 +277,7 @@ fn push_zone(
         let before = depth.gap();
         let others = found[next + 1..].iter().map(|(d, _)| d);
         let like = others.filter(|d| d.gap() > before && d.is_known()).find(|d| is_like(&d.normal));
-        bodies.pair(t, m).measure(ground, &mut depth, like.map_or(0.0, |d| -d.gap()), directions);
+        bodies.pair(t, m).measure(context, &mut depth, like.map_or(0.0, |d| -d.gap()), directions);
         found[next].0 = depth;
         if depth.gap() > before {
             let deeper = found[next + 1..].partition_point(|(d, _)| d.gap() <= depth.gap());
@@ -273,77 +286,78 @@ fn push_zone(
         }
         next += 1;
         meeting.clear();
-        if bodies.share_cuts(t, m) {
-            meeting.extend(bodies.cuts_of(t, m).map(|i| zones.cuts[cuts[i] as usize].faces));
+        if bodies.share_segments(t, m) {
+            meeting.extend(bodies.segments_of(t, m).map(|i| regions.segments[segments[i] as usize].faces));
         } else {
-            meeting.extend(cuts.iter().map(|i| zones.cuts[*i as usize].faces));
+            meeting.extend(segments.iter().map(|i| regions.segments[*i as usize].faces));
         }
-        let ids = |w: usize| meeting.iter().map(|faces| zones.faces[w][faces[w] as usize].id).collect();
+        let ids =
+            |surface: Surface| meeting.iter().map(|faces| regions.faces[surface][faces[surface] as usize].id).collect();
         out.push(ContactPlane {
             point: depth.point,
             normal: depth.normal,
             gap: depth.gap(),
             part,
-            tool_triangles: ids(TOOL),
-            mockup_triangles: ids(MOCKUP),
-            certain: depth.certain && zones.complete,
+            tool_triangles: ids(Surface::Tool),
+            mockup_triangles: ids(Surface::Mockup),
+            certain: depth.certain && regions.complete,
             assumed: false,
         });
     }
 }
 
 /// The bodies of tool and mock-up in one zone.
-struct TwoSides<'a> {
-    ground: &'a Ground<'a>,
-    zones: &'a Zones,
+struct RegionBodies<'a> {
+    context: &'a QueryContext<'a>,
+    regions: &'a ContactRegions,
     bodies: &'a [Bodies; 2],
     each: [Vec<Body<'a>>; 2],
 }
 
-impl<'a> TwoSides<'a> {
-    fn new(ground: &'a Ground<'a>, zones: &'a Zones, bodies: &'a [Bodies; 2]) -> TwoSides<'a> {
+impl<'a> RegionBodies<'a> {
+    fn new(context: &'a QueryContext<'a>, regions: &'a ContactRegions, bodies: &'a [Bodies; 2]) -> RegionBodies<'a> {
         let each = bodies.each_ref().map(|of| (0..of.len()).map(|i| of.get(i)).collect());
-        TwoSides { ground, zones, bodies, each }
+        RegionBodies { context, regions, bodies, each }
     }
 
-    fn pair(&self, t: usize, m: usize) -> Pair<'_> {
-        let (tool, mockup) = (&self.each[TOOL][t], &self.each[MOCKUP][m]);
-        Pair { lanes: self.ground.lanes, zones: self.zones, tool, mockup }
+    fn pair(&self, t: usize, m: usize) -> BodyPair<'_> {
+        let (tool, mockup) = (&self.each[Surface::Tool][t], &self.each[Surface::Mockup][m]);
+        BodyPair { lanes: self.context.lanes, regions: self.regions, tool, mockup }
     }
 
-    fn share_cuts(&self, t: usize, m: usize) -> bool {
-        is_meeting(self.bodies[TOOL].cuts.get(t), self.bodies[MOCKUP].cuts.get(m))
+    fn share_segments(&self, t: usize, m: usize) -> bool {
+        is_meeting(self.bodies[Surface::Tool].segments.get(t), self.bodies[Surface::Mockup].segments.get(m))
     }
 
     /// The cuts that both have a part in, by their places in the zone.
-    fn cuts_of(&self, t: usize, m: usize) -> impl Iterator<Item = usize> + 'a {
-        shared(self.bodies[TOOL].cuts.get(t), self.bodies[MOCKUP].cuts.get(m))
+    fn segments_of(&self, t: usize, m: usize) -> impl Iterator<Item = usize> + 'a {
+        shared(self.bodies[Surface::Tool].segments.get(t), self.bodies[Surface::Mockup].segments.get(m))
     }
 
     /// A body that no curve touches is walled in by others of its surface: it meets what they meet.
     fn is_walled_in(&self, t: usize, m: usize) -> bool {
-        !(self.bodies[TOOL].is_cut(t) && self.bodies[MOCKUP].is_cut(m))
+        !(self.bodies[Surface::Tool].is_on_contour(t) && self.bodies[Surface::Mockup].is_on_contour(m))
     }
 
     /// Whether something is true of any plane found that is needed.
     fn any(
         &self,
         found: &mut [(Depth, [usize; 2])],
-        directions: &mut Directions,
+        directions: &mut DepthScratch,
         is: impl Fn(&Depth, [usize; 2]) -> bool,
     ) -> bool {
-        found.iter_mut().any(|(d, [t, m])| is(d, [*t, *m]) && self.pair(*t, *m).is_filled(self.ground, d, directions))
+        found.iter_mut().any(|(d, [t, m])| is(d, [*t, *m]) && self.pair(*t, *m).is_filled(self.context, d, directions))
     }
 
     /// Whether a plane found for others, of about their direction, holds two bodies apart as well; or where that is only an overlap,
     /// whether they overlap along it by no more.
     fn is_held(
         &self,
-        pair: Pair<'_>,
+        pair: BodyPair<'_>,
         depth: f64,
         is_like: impl Fn(&Point) -> bool,
         found: &mut [(Depth, [usize; 2])],
-        directions: &mut Directions,
+        directions: &mut DepthScratch,
     ) -> bool {
         let mut most: Option<&Depth> = None;
         for (d, [t, m]) in found {
@@ -353,10 +367,10 @@ impl<'a> TwoSides<'a> {
             }
             let Some(held) = pair.held_depth(d, depth, directions) else { continue };
             let own = self.pair(*t, *m);
-            if own.is_filled(self.ground, d, directions) {
+            if own.is_filled(self.context, d, directions) {
                 return true;
             }
-            own.measure(self.ground, d, most.map_or(0.0, |most| -most.gap()), directions);
+            own.measure(self.context, d, most.map_or(0.0, |most| -most.gap()), directions);
             if held <= -d.gap() {
                 return true;
             }
@@ -364,37 +378,37 @@ impl<'a> TwoSides<'a> {
                 most = Some(d);
             }
         }
-        most.is_some_and(|d| pair.overlaps_no_more(self.ground, self.bodies[MOCKUP].all(), d, directions))
+        most.is_some_and(|d| pair.overlaps_no_more(self.context, self.bodies[Surface::Mockup].all(), d, directions))
     }
 
     /// The least depths of bodies that meet, deepest first, with the bodies' numbers. First of those that the curve cuts; where a
     /// plane of one of these holds apart what is walled in, that needs none of its own.
     fn find_depths(
         &self,
-        sought: Sought,
-        directions: &mut Directions,
-        first: &mut Vec<(FirstDepth, [usize; 2])>,
+        sought: AxisFilter,
+        directions: &mut DepthScratch,
+        first: &mut Vec<(FaceDepth, [usize; 2])>,
         found: &mut Vec<(Depth, [usize; 2])>,
     ) {
-        directions.clear([self.bodies[TOOL].len(), self.bodies[MOCKUP].len()]);
+        directions.clear([self.bodies[Surface::Tool].len(), self.bodies[Surface::Mockup].len()]);
         found.clear();
-        let mut mockups = Vec::with_capacity(self.bodies[MOCKUP].len());
-        for is_cut in [true, false] {
+        let mut mockups = Vec::with_capacity(self.bodies[Surface::Mockup].len());
+        for is_on_contour in [true, false] {
             first.clear();
-            for t in 0..self.bodies[TOOL].len() {
+            for t in 0..self.bodies[Surface::Tool].len() {
                 mockups.clear();
-                for m in 0..self.bodies[MOCKUP].len() {
-                    let is_sought = if is_cut { self.share_cuts(t, m) } else { self.is_walled_in(t, m) };
+                for m in 0..self.bodies[Surface::Mockup].len() {
+                    let is_sought = if is_on_contour { self.share_segments(t, m) } else { self.is_walled_in(t, m) };
                     if !is_sought {
                         continue;
                     }
                     let pair = self.pair(t, m);
                     let holds = |d: &Depth, [i, j]: [usize; 2]| i == t && pair.is_under(d) || j == m && pair.is_over(d);
-                    if is_cut || !self.any(found, directions, holds) {
+                    if is_on_contour || !self.any(found, directions, holds) {
                         mockups.push(m);
                     }
                 }
-                directions.push_first_depths(mockups.iter().map(|m| self.pair(t, *m)), first);
+                directions.push_face_depths(mockups.iter().map(|m| self.pair(t, *m)), first);
             }
             // Deepest first: what a deeper plane of about its direction holds apart as well needs none of its own. Bodies along
             // none of whose normals a way leads out come last: there is mostly none, so they are tried only where nothing else
@@ -404,7 +418,7 @@ impl<'a> TwoSides<'a> {
                 let (same, pair) = (if first.certain { SAME_PLANE } else { HELD_DIRECTION }, self.pair(*t, *m));
                 let is_needless = match first.normal() {
                     Some(n) => self.is_held(pair, first.depth(), |d| dot(d, &n) >= same, found, directions),
-                    None => sought == Sought::LeadingOut || !found.is_empty(),
+                    None => sought == AxisFilter::LeadingOut || !found.is_empty(),
                 };
                 if !is_needless {
                     found.extend(pair.least_depth(first, directions).map(|d| (d, [*t, *m])));

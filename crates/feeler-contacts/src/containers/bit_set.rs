@@ -1,14 +1,14 @@
 //! Small sets as bits.
 
-/// Sets of the same few numbers, one after the other, 64 a word.
+/// BitSets of the same few numbers, one after the other, 64 a word.
 #[derive(Debug, Default)]
-pub(crate) struct Sets {
+pub(crate) struct BitSets {
     words: Vec<u64>,
     /// Words of one set.
     each: usize,
 }
 
-impl Sets {
+impl BitSets {
     /// So many empty sets of numbers below `limit`.
     pub fn clear(&mut self, count: usize, limit: usize) {
         self.each = limit.div_ceil(64);
@@ -30,9 +30,9 @@ impl Sets {
     }
 
     /// Whether what some of these sets have together meets what the same of others have together.
-    pub fn is_meeting_union(&self, other: &Sets, sets: &[u32]) -> bool {
+    pub fn is_meeting_union(&self, other: &BitSets, sets: &[u32]) -> bool {
         (0..self.each).any(|word| {
-            let all = |of: &Sets| sets.iter().fold(0, |all, i| all | of.words[*i as usize * of.each + word]);
+            let all = |of: &BitSets| sets.iter().fold(0, |all, i| all | of.words[*i as usize * of.each + word]);
             all(self) & all(other) != 0
         })
     }
@@ -45,7 +45,7 @@ impl Sets {
     }
 
     /// Makes these the sets that each number is in: so many sets of numbers below as much.
-    pub fn turn(&mut self, other: &Sets, count: usize) {
+    pub fn turn(&mut self, other: &BitSets, count: usize) {
         self.clear(count, count);
         for (i, j) in (0..self.each).flat_map(|i| (0..self.each).map(move |j| (i, j))) {
             let mut square = [0; 64];
@@ -107,7 +107,7 @@ mod tests {
 
     #[test]
     fn what_some_sets_have_together_meets_what_others_have() {
-        let (mut sets, mut others) = (Sets::default(), Sets::default());
+        let (mut sets, mut others) = (BitSets::default(), BitSets::default());
         sets.clear(3, 100);
         others.clear(3, 100);
         sets.insert(0, 90);
@@ -118,7 +118,7 @@ mod tests {
 
     #[test]
     fn what_all_of_some_sets_have_is_added() {
-        let mut sets = Sets::default();
+        let mut sets = BitSets::default();
         sets.clear(3, 100);
         [(0, 90), (1, 90), (1, 3), (2, 3), (0, 5), (1, 5), (2, 5)].iter().for_each(|(set, x)| sets.insert(*set, *x));
         for (some, expected) in [(&[0, 1][..], &[5, 7, 90][..]), (&[1, 2], &[3, 5, 7]), (&[2, 0, 1], &[5, 7])] {
@@ -130,7 +130,7 @@ mod tests {
 
     #[test]
     fn what_two_sets_share_comes_in_order() {
-        let mut sets = Sets::default();
+        let mut sets = BitSets::default();
         sets.clear(2, 150);
         (0..150).filter(|x| x % 3 == 0).for_each(|x| sets.insert(0, x));
         (0..150).filter(|x| x % 7 == 1).for_each(|x| sets.insert(1, x));
@@ -142,7 +142,7 @@ mod tests {
     fn turned_sets_have_what_had_them() {
         for count in [0, 1, 63, 64, 65, 130, 200] {
             let is_in = |i: usize, x: usize| (i * 7 + x * x * 3 + i * x) % 5 < 2;
-            let (mut sets, mut turned) = (Sets::default(), Sets::default());
+            let (mut sets, mut turned) = (BitSets::default(), BitSets::default());
             sets.clear(count, count);
             let all = || (0..count).flat_map(|i| (0..count).map(move |x| (i, x)));
             all().filter(|(i, x)| is_in(*i, *x)).for_each(|(i, x)| sets.insert(i, x));

@@ -1,18 +1,18 @@
 //! Lists sorted by counting.
 
-use crate::containers::interner::Numbered;
+use crate::containers::interner::Interner;
 
 /// Working memory.
 #[derive(Debug, Default)]
-pub(crate) struct ByPart {
-    numbers: Numbered,
+pub(crate) struct PartSort {
+    numbers: Interner,
     /// Part, how many entries, and where the next one goes.
     parts: Vec<(u32, usize, usize)>,
     order: Vec<usize>,
     number_of: Vec<u32>,
 }
 
-impl ByPart {
+impl PartSort {
     /// Puts a list into `out`, sorted by part; entries of one part stay in their order. Gives the parts in their order, each with
     /// its entries.
     pub fn sort<'a, 'b, T: Copy, F: Fn(&T) -> u32>(
@@ -21,7 +21,7 @@ impl ByPart {
         part: F,
         out: &'b mut Vec<T>,
     ) -> impl Iterator<Item = (u32, &'b [T])> + use<'a, 'b, T, F> {
-        let ByPart { numbers, parts, order, number_of } = self;
+        let PartSort { numbers, parts, order, number_of } = self;
         numbers.clear();
         parts.clear();
         number_of.clear();
@@ -82,7 +82,7 @@ mod tests {
         let list: Vec<(u32, usize)> = (0..1000).map(|i| ((i * i % 37 / 3 * 1000) as u32, i)).collect();
         let mut expected = list.clone();
         expected.sort_by_key(|x| x.0);
-        let (mut sorter, mut found) = (ByPart::default(), Vec::new());
+        let (mut sorter, mut found) = (PartSort::default(), Vec::new());
         for _ in 0..2 {
             let by_part: Vec<_> = sorter.sort(&list, |x| x.0, &mut found).map(|(part, x)| (part, x.to_vec())).collect();
             let chunks = expected.chunk_by(|x, y| x.0 == y.0).map(|x| (x[0].0, x.to_vec()));

@@ -5,7 +5,7 @@ const SPARSE: usize = 4;
 
 /// A map from keys to 0, 1, 2, ... that empties in constant time and keeps its memory.
 #[derive(Debug, Default)]
-pub(crate) struct Numbered {
+pub(crate) struct Interner {
     slots: Vec<Slot>,
     len: u32,
     round: u32,
@@ -18,7 +18,7 @@ struct Slot {
     number: u32,
 }
 
-impl Numbered {
+impl Interner {
     /// Forgets all keys.
     pub fn clear(&mut self) {
         if self.slots.is_empty() || self.round == u32::MAX {
@@ -83,16 +83,16 @@ impl Numbered {
     }
 }
 
-/// As [`Numbered`], of keys below a limit.
+/// As [`Interner`], of keys below a limit.
 #[derive(Debug, Default)]
-pub(crate) struct NumberedBelow {
+pub(crate) struct BoundedInterner {
     /// For each key the round of its number.
     slots: Vec<(u32, u32)>,
     len: u32,
     round: u32,
 }
 
-impl NumberedBelow {
+impl BoundedInterner {
     /// Forgets all keys.
     pub fn clear(&mut self, limit: usize) {
         if self.slots.len() < limit || self.round == u32::MAX {
@@ -139,7 +139,7 @@ mod tests {
 
     #[test]
     fn small_keys_count_up_and_start_again_on_clear() {
-        let mut numbered = NumberedBelow::default();
+        let mut numbered = BoundedInterner::default();
         for limit in [10, 5, 100] {
             numbered.clear(limit);
             assert_eq!(numbered.get(4), None);
@@ -152,7 +152,7 @@ mod tests {
 
     #[test]
     fn numbers_count_up_through_growth_and_start_again_on_clear() {
-        let mut numbered = Numbered::default();
+        let mut numbered = Interner::default();
         assert_eq!(numbered.get(5), None);
         assert_eq!(numbered.number(5), (0, true));
         for round in 0..3u64 {

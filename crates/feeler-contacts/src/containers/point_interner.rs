@@ -12,7 +12,7 @@ const MIX: [u64; 3] = [0x9e37_79b9_7f4a_7c15, 0xbf58_476d_1ce4_e5b9, 0x94d0_49bb
 
 /// Points numbered in the order of their arrival, each once, found by their coordinates. Working memory.
 #[derive(Debug, Default)]
-pub(crate) struct PointSet {
+pub(crate) struct PointInterner {
     /// For each the number of its point, from 1; as many as are in use: of few points few, which the nearest cache holds.
     slots: Vec<u32>,
     list: Vec<Point>,
@@ -27,7 +27,7 @@ pub(crate) struct Numbering<'a> {
     len: usize,
 }
 
-impl PointSet {
+impl PointInterner {
     /// An empty set for so many points.
     pub fn begin(&mut self, most: usize) -> Numbering<'_> {
         self.slots.clear();
@@ -87,7 +87,7 @@ mod tests {
 
     #[test]
     fn round_coordinates_are_not_looked_for_in_a_few_slots() {
-        let mut set = PointSet::default();
+        let mut set = PointInterner::default();
         let set = set.begin(1000);
         let step = |i: usize, a: usize| if i % 3 == a { (i / 3) as f64 } else { 2.0 };
         for scale in [1.0, 0.0625, 25.4] {
@@ -99,7 +99,7 @@ mod tests {
 
     #[test]
     fn each_point_has_one_number_whichever_zero_it_has() {
-        let mut set = PointSet::default();
+        let mut set = PointInterner::default();
         for count in [1, 5, 300, 20] {
             let mut set = set.begin(3 * count + 3);
             let point = |i: usize| [i as f64, -0.5 * (i % 3) as f64, 0.1];

@@ -7,8 +7,9 @@ use feeler_core::mesh::topology::adjacency::NONE;
 use feeler_core::{Point, Triangle};
 
 use crate::containers::counting_sort::lay_out;
-use crate::containers::interner::{Numbered, NumberedBelow};
-use crate::context::{Ground, MOCKUP, TOOL};
+use crate::containers::interner::{BoundedInterner, Interner};
+use crate::context::QueryContext;
+use crate::surface::{Side, Surface};
 
 /// A triangle that is cut.
 #[derive(Debug, Clone)]
@@ -19,8 +20,8 @@ pub(crate) struct Face {
     pub normal: Point,
     /// Whether the surface is closed, so that it has an inside of its own.
     pub closed: bool,
-    /// For each corner: 1 outside the other solid, -1 inside, 0 on its surface or not known.
-    pub side: [i8; 3],
+    /// For each corner, of the other solid.
+    pub side: [Side; 3],
     /// The cut nearest to each corner, which says so.
     pub nearest: [u32; 3],
 }
@@ -28,7 +29,7 @@ pub(crate) struct Face {
 impl Face {
     /// Its normal is not known yet.
     pub fn new(id: u32, corners: Triangle, closed: bool) -> Face {
-        Face { id, corners, normal: [0.0; 3], closed, side: [0; 3], nearest: [NONE; 3] }
+        Face { id, corners, normal: [0.0; 3], closed, side: [Side::On; 3], nearest: [NONE; 3] }
     }
 
     /// Whether corner `k` was judged by a cut of which `is_of` is true.
@@ -39,10 +40,10 @@ impl Face {
 
 /// A pair of triangles that meet.
 #[derive(Debug, Clone)]
-pub(crate) struct Cut {
-    /// Places among the faces.
+pub(crate) struct Segment {
+    /// FaceNumbers among the faces.
     pub faces: [u32; 2],
-    /// The points shared, in [`Zones::points`].
+    /// The points shared, in [`ContactRegions::points`].
     pub points: (u32, u32),
     /// Whether the two lie in one plane.
     pub flat: bool,
@@ -50,23 +51,23 @@ pub(crate) struct Cut {
 
 /// Everything between the tool and one part.
 #[derive(Debug, Default)]
-pub(crate) struct Zones {
+pub(crate) struct ContactRegions {
     /// Cut triangles of the tool, and of the mock-up.
     pub faces: [Vec<Face>; 2],
-    pub cuts: Vec<Cut>,
+    pub segments: Vec<Segment>,
     pub points: Vec<Point>,
-    pub zones: Vec<Zone>,
+    pub regions: Vec<ContactRegion>,
     /// Cuts zone by zone, in each sorted by faces of the tool, and by faces of the mock-up.
-    pub(super) zone_cuts: [Vec<u32>; 2],
-    /// Zone by zone whole triangles of the tool behind the part's surface, and of the part inside the tool, each with a cut near
+    pub(super) region_segments: [Vec<u32>; 2],
+    /// ContactRegion by zone whole triangles of the tool behind the part's surface, and of the part inside the tool, each with a cut near
     /// by.
-    pub(super) zone_inside: [Vec<[u32; 2]>; 2],
+    pub(super) region_inside: [Vec<[u32; 2]>; 2],
     /// Cuts by faces of tool and mock-up, and where those of each face begin and end.
     pub(super) by_face: [Vec<u32>; 2],
-    pub(super) cuts_of_face: [Vec<(u32, u32)>; 2],
+    pub(super) segments_of_face: [Vec<(u32, u32)>; 2],
     /// For each cut its zone, and its place among that zone's.
-    pub zone_of_cut: Vec<u32>,
-    pub place_of_cut: Vec<u32>,
+    pub region_of_segment: Vec<u32>,
+    pub place_of_segment: Vec<u32>,
     /// Where the tool is taken to have come from, unit: then a corner of it is behind the mock-up's surface where it is behind the
     /// plane across this way through the cut, whatever the surface faces there.
     pub way: Option<Point>,
@@ -75,74 +76,84 @@ pub(crate) struct Zones {
     /// How high triangles of tool and mock-up must be over their longest edges for their normals to count: see [`WELD_SHARE`](feeler_core::constants::WELD_SHARE).
     pub thin: [f64; 2],
     /// Cut triangles by their places among the faces, and after them those that were walked over.
-    pub places: Places,
+    pub places: FaceNumbers,
 }
 
-impl Zones {
+impl ContactRegions {
     pub(super) fn clear(&mut self) {
-        let Zones { faces, cuts, points, zones, by_face, cuts_of_face, zone_of_cut, place_of_cut, .. } = self;
+        let ContactRegions {
+            faces,
+            segments,
+            points,
+            regions,
+            by_face,
+            segments_of_face,
+            region_of_segment,
+            place_of_segment,
+            ..
+        } = self;
         faces.iter_mut().for_each(Vec::clear);
         by_face.iter_mut().for_each(Vec::clear);
-        cuts_of_face.iter_mut().for_each(Vec::clear);
-        cuts.clear();
+        segments_of_face.iter_mut().for_each(Vec::clear);
+        segments.clear();
         points.clear();
-        zones.clear();
-        zone_of_cut.clear();
-        place_of_cut.clear();
+        regions.clear();
+        region_of_segment.clear();
+        place_of_segment.clear();
     }
 
     /// The first two points of a cut: the ends of its segment where it is not flat.
-    pub fn ends(&self, cut: u32) -> [Point; 2] {
-        let from = self.cuts[cut as usize].points.0 as usize;
+    pub fn ends(&self, segment: u32) -> [Point; 2] {
+        let from = self.segments[segment as usize].points.0 as usize;
         [self.points[from], self.points[from + 1]]
     }
 
     /// The face of a cut.
-    pub fn face(&self, w: usize, cut: u32) -> &Face {
-        &self.faces[w][self.cuts[cut as usize].faces[w] as usize]
+    pub fn face(&self, surface: Surface, segment: u32) -> &Face {
+        &self.faces[surface][self.segments[segment as usize].faces[surface] as usize]
     }
 
     /// What tells on which side of a face the other surface is: a normal, and whether there is a solid behind it.
     #[inline(always)]
-    pub fn side_of(&self, w: usize, face: u32) -> (Point, bool) {
-        let face = &self.faces[w][face as usize];
-        self.way.filter(|_| w == MOCKUP).map_or((face.normal, face.closed), |way| (way, false))
+    pub fn side_of(&self, surface: Surface, face: u32) -> (Point, bool) {
+        let face = &self.faces[surface][face as usize];
+        self.way.filter(|_| surface == Surface::Mockup).map_or((face.normal, face.closed), |way| (way, false))
     }
 
     /// The cuts of each face of a surface.
-    pub fn by_face(&self, w: usize) -> impl Iterator<Item = &[u32]> {
-        (0..self.faces[w].len()).map(move |face| self.of_face(w, face))
+    pub fn by_face(&self, surface: Surface) -> impl Iterator<Item = &[u32]> {
+        (0..self.faces[surface].len()).map(move |face| self.of_face(surface, face))
     }
 
     /// The cuts of one face.
-    pub fn of_face(&self, w: usize, face: usize) -> &[u32] {
-        let (from, to) = self.cuts_of_face[w][face];
-        &self.by_face[w][from as usize..to as usize]
+    pub fn of_face(&self, surface: Surface, face: usize) -> &[u32] {
+        let (from, to) = self.segments_of_face[surface][face];
+        &self.by_face[surface][from as usize..to as usize]
     }
 
     /// The cuts of a zone, sorted by faces of the tool or of the mock-up.
-    pub fn cuts_of(&self, zone: usize, w: usize) -> &[u32] {
-        let (from, to) = self.zones[zone].cuts;
-        &self.zone_cuts[w][from as usize..to as usize]
+    pub fn segments_of(&self, region: usize, surface: Surface) -> &[u32] {
+        let (from, to) = self.regions[region].segments;
+        &self.region_segments[surface][from as usize..to as usize]
     }
 
     /// Whole triangles of the tool behind the part's surface in a zone, or of the part inside the tool, each with a cut near by.
-    pub fn inside_of(&self, zone: usize, w: usize) -> &[[u32; 2]] {
-        let (from, to) = self.zones[zone].inside[w];
-        &self.zone_inside[w][from as usize..to as usize]
+    pub fn inside_of(&self, region: usize, surface: Surface) -> &[[u32; 2]] {
+        let (from, to) = self.regions[region].inside[surface];
+        &self.region_inside[surface][from as usize..to as usize]
     }
 
     /// Puts the cuts of each face together, in their order.
     pub(super) fn sort_by_face(&mut self) {
-        let Zones { faces, cuts, by_face, cuts_of_face, .. } = self;
-        for w in [TOOL, MOCKUP] {
-            let (order, of) = (&mut by_face[w], &mut cuts_of_face[w]);
-            of.resize(faces[w].len(), (0, 0));
-            cuts.iter().for_each(|cut| of[cut.faces[w] as usize].1 += 1);
+        let ContactRegions { faces, segments, by_face, segments_of_face, .. } = self;
+        for surface in Surface::BOTH {
+            let (order, of) = (&mut by_face[surface], &mut segments_of_face[surface]);
+            of.resize(faces[surface].len(), (0, 0));
+            segments.iter().for_each(|segment| of[segment.faces[surface] as usize].1 += 1);
             lay_out(of.iter_mut());
-            order.resize(cuts.len(), 0);
-            for (i, cut) in (0..).zip(cuts.iter()) {
-                let end = &mut of[cut.faces[w] as usize].1;
+            order.resize(segments.len(), 0);
+            for (i, segment) in (0..).zip(segments.iter()) {
+                let end = &mut of[segment.faces[surface] as usize].1;
                 order[*end as usize] = i;
                 *end += 1;
             }
@@ -152,27 +163,27 @@ impl Zones {
 
 /// One connected place of contact: where its cuts and what is inside are among those of all zones.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Zone {
-    pub(super) cuts: (u32, u32),
+pub(crate) struct ContactRegion {
+    pub(super) segments: (u32, u32),
     pub(super) inside: [(u32, u32); 2],
 }
 
 /// Triangles of tool and mock-up in the order in which they were found.
 #[derive(Debug, Default)]
-pub(crate) struct Places {
-    tool: NumberedBelow,
-    mockup: Numbered,
+pub(crate) struct FaceNumbers {
+    tool: BoundedInterner,
+    mockup: Interner,
 }
 
-impl Places {
-    pub(super) fn clear(&mut self, ground: &Ground<'_>) {
-        self.tool.clear(ground.tool.mesh().faces().len());
+impl FaceNumbers {
+    pub(super) fn clear(&mut self, context: &QueryContext<'_>) {
+        self.tool.clear(context.tool.mesh().faces().len());
         self.mockup.clear();
     }
 
     /// How many there are.
-    pub fn len(&self, w: usize) -> usize {
-        if w == TOOL {
+    pub fn len(&self, surface: Surface) -> usize {
+        if surface == Surface::Tool {
             self.tool.len()
         } else {
             self.mockup.len()
@@ -180,16 +191,16 @@ impl Places {
     }
 
     /// The place of a triangle, and whether it is new.
-    pub fn number(&mut self, w: usize, id: u32) -> (u32, bool) {
-        if w == TOOL {
+    pub fn number(&mut self, surface: Surface, id: u32) -> (u32, bool) {
+        if surface == Surface::Tool {
             self.tool.number(id)
         } else {
             self.mockup.number(u64::from(id))
         }
     }
 
-    pub fn get(&self, w: usize, id: u32) -> Option<u32> {
-        if w == TOOL {
+    pub fn get(&self, surface: Surface, id: u32) -> Option<u32> {
+        if surface == Surface::Tool {
             self.tool.get(id)
         } else {
             self.mockup.get(u64::from(id))

@@ -1,7 +1,7 @@
 //! Where two triangles that meet do so: the segment, point or polygon that they share, in float64.
 
-use crate::context::{MOCKUP, TOOL};
-use crate::contour::contact_region::{Cut, Face};
+use crate::contour::contact_region::{Face, Segment};
+use crate::surface::Surface;
 use feeler_core::geometry::bounds::{Point, Triangle};
 use feeler_core::geometry::vectors::{along, cross, dot, sub};
 use feeler_lanes::{Arithmetic, Checked, Kernel, Simd, WIDE_LANES};
@@ -10,20 +10,20 @@ use feeler_lanes::{Arithmetic, Checked, Kernel, Simd, WIDE_LANES};
 const COPLANAR: f64 = 1e-9;
 
 /// Finds the points of all cuts, eight cuts at once.
-pub(crate) fn find_points(lanes: Checked, faces: &[Vec<Face>; 2], cuts: &mut [Cut], points: &mut Vec<Point>) {
-    for eight in cuts.chunks_mut(WIDE_LANES) {
-        let face = |w: usize, i: usize| &faces[w][eight[i.min(eight.len() - 1)].faces[w] as usize];
-        let both = [TOOL, MOCKUP].map(|w| std::array::from_fn(|i| face(w, i)));
+pub(crate) fn find_points(lanes: Checked, faces: &[Vec<Face>; 2], segments: &mut [Segment], points: &mut Vec<Point>) {
+    for eight in segments.chunks_mut(WIDE_LANES) {
+        let face = |surface: Surface, i: usize| &faces[surface][eight[i.min(eight.len() - 1)].faces[surface] as usize];
+        let both = Surface::BOTH.map(|surface| std::array::from_fn(|i| face(surface, i)));
         let found = lanes.run(Crossing { faces: &both });
-        for (i, cut) in eight.iter_mut().enumerate() {
+        for (i, segment) in eight.iter_mut().enumerate() {
             let from = points.len() as u32;
             if found.doubt >> i & 1 != 0 {
-                let (p, q) = (both[TOOL][i], both[MOCKUP][i]);
+                let (p, q) = (both[Surface::Tool][i], both[Surface::Mockup][i]);
                 push_shared(&p.corners, &p.normal, &q.corners, &q.normal, points);
             } else {
                 points.extend(found.ends.each_ref().map(|end| end.map(|x| x[i])));
             }
-            cut.points = (from, points.len() as u32);
+            segment.points = (from, points.len() as u32);
         }
     }
 }
@@ -99,12 +99,12 @@ fn crossings<S: Simd>(
     let below = [s.wide_above(zero, height[0]), s.wide_above(zero, height[1]), s.wide_above(zero, height[2])];
     let mut first = (s.wide_splat(f64::INFINITY), t[0]);
     let mut last = (s.wide_splat(f64::NEG_INFINITY), t[0]);
-    let (mut is_clear, mut is_cut) = (s.wide_above(s.wide_splat(1.0), zero), s.wide_above(zero, zero));
+    let (mut is_clear, mut is_on_contour) = (s.wide_above(s.wide_splat(1.0), zero), s.wide_above(zero, zero));
     for i in 0..3 {
         let j = (i + 1) % 3;
         is_clear = s.both(is_clear, s.either(below[i], s.wide_above(height[i], zero)));
         let is_here = s.differing(below[i], below[j]);
-        is_cut = s.either(is_cut, is_here);
+        is_on_contour = s.either(is_on_contour, is_here);
         // The end that comes first by its coordinates.
         let mut swap = s.wide_above(t[i][2], t[j][2]);
         for k in [1, 0] {
@@ -125,7 +125,7 @@ fn crossings<S: Simd>(
         first = chosen(s, s.both(is_here, s.wide_above(first.0, at.0)), &at, &first);
         last = chosen(s, s.both(is_here, s.wide_above(at.0, last.0)), &at, &last);
     }
-    (first, last, s.both(is_clear, is_cut))
+    (first, last, s.both(is_clear, is_on_contour))
 }
 
 #[inline(always)]
@@ -266,22 +266,26 @@ mod tests {
         };
         for (count, odd) in [(1, 1e-3), (7, 0.0), (8, 1e-3), (500, 0.0), (500, 1e-3)] {
             let mut faces = [Vec::new(), Vec::new()];
-            while faces[MOCKUP].len() < count {
+            while faces[Surface::Mockup].len() < count {
                 let mut triangle = || -> Triangle { std::array::from_fn(|_| std::array::from_fn(|_| coordinate(odd))) };
                 let both = [triangle(), triangle()];
                 if let [Some(n), Some(m)] = both.map(|t| normal(&t)) {
-                    for (w, normal) in [n, m].into_iter().enumerate() {
-                        faces[w].push(Face { normal, ..Face::new(0, both[w], true) });
+                    for (surface, normal) in [n, m].into_iter().enumerate() {
+                        faces[surface].push(Face { normal, ..Face::new(0, both[surface], true) });
                     }
                 }
             }
-            let cut = |i: usize| Cut { faces: [i as u32, i as u32], points: (0, 0), flat: false };
+            let segment = |i: usize| Segment { faces: [i as u32, i as u32], points: (0, 0), flat: false };
             for level in Level::available() {
-                let (mut cuts, mut points): (Vec<Cut>, _) = ((0..count).map(cut).collect(), Vec::new());
-                find_points(level.checked(), &faces, &mut cuts, &mut points);
-                for (i, cut) in cuts.iter().enumerate() {
-                    let found = &points[cut.points.0 as usize..cut.points.1 as usize];
-                    assert_eq!(found, shared(&faces[TOOL][i].corners, &faces[MOCKUP][i].corners), "{level:?} {i}");
+                let (mut segments, mut points): (Vec<Segment>, _) = ((0..count).map(segment).collect(), Vec::new());
+                find_points(level.checked(), &faces, &mut segments, &mut points);
+                for (i, segment) in segments.iter().enumerate() {
+                    let found = &points[segment.points.0 as usize..segment.points.1 as usize];
+                    assert_eq!(
+                        found,
+                        shared(&faces[Surface::Tool][i].corners, &faces[Surface::Mockup][i].corners),
+                        "{level:?} {i}"
+                    );
                 }
             }
         }

@@ -1,9 +1,9 @@
 //! On which side of the other surface the corners of cut triangles are.
 
-use crate::context::Ground;
-use crate::context::{MOCKUP, TOOL};
-use crate::contour::contact_region::Zones;
+use crate::context::QueryContext;
+use crate::contour::contact_region::ContactRegions;
 use crate::contour::vertex_side_degenerate::{judge, LEVEL, ON};
+use crate::surface::{Side, Surface};
 use feeler_core::constants::WELD_SHARE;
 use feeler_core::geometry::vectors::{dot, sub};
 use feeler_core::mesh::topology::adjacency::NONE;
@@ -13,45 +13,50 @@ use feeler_lanes::{Kernel, Simd, Wide};
 /// other surface, the one whose line the corner stands off most steeply, in the plane of the triangle: there the two lines are a
 /// bend of the curve, and the corner is on the outer side of it. Where that tells nothing, [`judge`] does. Outside the other
 /// solid's box a corner is outside: where the curve has a gap, its nearest cut may be missing.
-pub(crate) fn classify(
-    ground: &Ground<'_>,
+pub(crate) fn classify_vertices(
+    context: &QueryContext<'_>,
     part: u32,
-    zones: &mut Zones,
-    stands: &mut Vec<Stand>,
-    judged: &mut Vec<Judged>,
+    regions: &mut ContactRegions,
+    stands: &mut Vec<LineOffsets>,
+    judged: &mut Vec<NearestSegments>,
 ) {
-    ground.lanes.run(Stands { zones, out: stands });
-    for w in [TOOL, MOCKUP] {
-        ground.lanes.run(Nearest { zones, w, stands, out: judged });
+    context.lanes.run(MeasureOffsets { regions, out: stands });
+    for surface in Surface::BOTH {
+        context.lanes.run(Nearest { regions, surface, stands, out: judged });
         for (face, corners) in judged.iter_mut().enumerate().filter(|(_, corners)| corners.doubt != 0) {
             for k in (0..3).filter(|k| corners.doubt >> k & 1 != 0) {
-                if let Some(verdict) = judge(zones, w, face, k) {
+                if let Some(verdict) = judge(regions, surface, face, k) {
                     let set = |bits: &mut u8, on: bool| *bits = *bits & !(1 << k) | u8::from(on) << k;
-                    corners.cuts[k] = verdict.cut;
+                    corners.segments[k] = verdict.segment;
                     set(&mut corners.clear, !verdict.is_on());
                     set(&mut corners.below, verdict.height < 0.0);
                 }
             }
         }
-        let enclosure = ground.enclosure(1 - w, part);
+        let enclosure = context.enclosure(surface.other(), part);
         for (i, corners) in judged.iter().enumerate() {
-            let Zones { faces, cuts, way, .. } = &mut *zones;
+            let ContactRegions { faces, segments, way, .. } = &mut *regions;
             let [of_tool, of_mockup] = faces;
             let (face, others) =
-                if w == TOOL { (&mut of_tool[i], &*of_mockup) } else { (&mut of_mockup[i], &*of_tool) };
-            face.nearest = corners.cuts;
+                if surface == Surface::Tool { (&mut of_tool[i], &*of_mockup) } else { (&mut of_mockup[i], &*of_tool) };
+            face.nearest = corners.segments;
             for k in 0..3 {
                 let (is_clear, is_below) = (corners.clear >> k & 1, corners.below >> k & 1);
-                face.side[k] = (is_clear as i8) * (1 - 2 * is_below as i8);
+                face.side[k] = match (is_clear, is_below) {
+                    (0, _) => Side::On,
+                    (_, 0) => Side::Outside,
+                    _ => Side::Inside,
+                };
             }
             let mut inside = corners.clear & corners.below;
             while inside != 0 {
                 let k = inside.trailing_zeros() as usize;
                 inside &= inside - 1;
-                let cut = &cuts[corners.cuts[k] as usize];
-                let is_closed = others[cut.faces[1 - w] as usize].closed && (w == MOCKUP || way.is_none());
-                if is_closed && !ground.is_enclosed(1 - w, &enclosure, &face.corners[k]) {
-                    face.side[k] = 1;
+                let segment = &segments[corners.segments[k] as usize];
+                let is_closed = others[segment.faces[surface.other()] as usize].closed
+                    && (surface == Surface::Mockup || way.is_none());
+                if is_closed && !context.is_enclosed(surface.other(), &enclosure, &face.corners[k]) {
+                    face.side[k] = Side::Outside;
                 }
             }
         }
@@ -60,7 +65,7 @@ pub(crate) fn classify(
 
 /// How the corners of a cut's two faces stand to the line of the cut, the tool's first; the last two lanes say nothing.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Stand {
+pub(crate) struct LineOffsets {
     /// Squares of their distances.
     square: Wide,
     /// How steeply they stand off it, each in the plane of its own face: that of the other may be met at any angle. 0 off points.
@@ -71,9 +76,9 @@ pub(crate) struct Stand {
 
 /// What the nearest cuts say about the corners of a face, one bit a corner.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Judged {
+pub(crate) struct NearestSegments {
     /// Their places among the cuts; [`NONE`] where there is none.
-    cuts: [u32; 3],
+    segments: [u32; 3],
     /// Off the plane of the other face, and under it.
     clear: u8,
     below: u8,
@@ -82,12 +87,12 @@ pub(crate) struct Judged {
 }
 
 /// Finds how the corners stand to all cuts.
-struct Stands<'a> {
-    zones: &'a Zones,
-    out: &'a mut Vec<Stand>,
+struct MeasureOffsets<'a> {
+    regions: &'a ContactRegions,
+    out: &'a mut Vec<LineOffsets>,
 }
 
-impl Kernel for Stands<'_> {
+impl Kernel for MeasureOffsets<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -95,13 +100,14 @@ impl Kernel for Stands<'_> {
         self.out.clear();
         let zero = s.wide_splat(0.0);
         let is_of_tool = s.wide_above(s.wide_splat(2.5), s.wide_load(&[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]));
-        let least = ON / WELD_SHARE * self.zones.thin[TOOL].max(self.zones.thin[MOCKUP]);
-        for i in 0..self.zones.cuts.len() as u32 {
-            let (tool, mockup) = (self.zones.face(TOOL, i), self.zones.face(MOCKUP, i));
-            let (outward, _) = self.zones.side_of(MOCKUP, self.zones.cuts[i as usize].faces[MOCKUP]);
+        let least = ON / WELD_SHARE * self.regions.thin[Surface::Tool].max(self.regions.thin[Surface::Mockup]);
+        for i in 0..self.regions.segments.len() as u32 {
+            let (tool, mockup) = (self.regions.face(Surface::Tool, i), self.regions.face(Surface::Mockup, i));
+            let (outward, _) =
+                self.regions.side_of(Surface::Mockup, self.regions.segments[i as usize].faces[Surface::Mockup]);
             let (p, q) = (&tool.corners, &mockup.corners);
             let corners = s.wide_points([&p[0], &p[1], &p[2], &q[0], &q[1], &q[2], &q[2], &q[2]]);
-            let [a, b] = self.zones.ends(i);
+            let [a, b] = self.regions.ends(i);
             let line = sub(&b, &a);
             let lengths = dot(&line, &line);
             let line = [s.wide_splat(line[0]), s.wide_splat(line[1]), s.wide_splat(line[2])];
@@ -134,7 +140,7 @@ impl Kernel for Stands<'_> {
             };
             let square = off[0] * off[0] + off[1] * off[1] + off[2] * off[2];
             let steepness = s.choose(s.wide_above(square, zero), s.wide_divide(steep, square), zero);
-            let mut stand = Stand::default();
+            let mut stand = LineOffsets::default();
             s.wide_store(square, &mut stand.square);
             s.wide_store(steepness, &mut stand.steepness);
             s.wide_store(height, &mut stand.height);
@@ -145,10 +151,10 @@ impl Kernel for Stands<'_> {
 
 /// Finds, for each face of one surface and each of its corners, the cut that tells on which side that is, and what it says.
 struct Nearest<'a> {
-    zones: &'a Zones,
-    w: usize,
-    stands: &'a [Stand],
-    out: &'a mut Vec<Judged>,
+    regions: &'a ContactRegions,
+    surface: Surface,
+    stands: &'a [LineOffsets],
+    out: &'a mut Vec<NearestSegments>,
 }
 
 impl Kernel for Nearest<'_> {
@@ -159,13 +165,13 @@ impl Kernel for Nearest<'_> {
         self.out.clear();
         let (zero, on) = (s.wide_splat(0.0), s.wide_splat(ON * ON));
         let (less, more) = (s.wide_splat(1.0 - LEVEL), s.wide_splat(1.0 + LEVEL));
-        for same in self.zones.by_face(self.w) {
+        for same in self.regions.by_face(self.surface) {
             let mut square = s.wide_splat(f64::INFINITY);
             let (mut steepness, mut height) = (zero, zero);
             let mut place = s.wide_splat(f64::from(NONE));
             let (mut least, mut is_told) = (s.wide_splat(f64::INFINITY), s.wide_above(s.wide_splat(1.0), zero));
             for c in same {
-                if self.zones.cuts[*c as usize].flat {
+                if self.regions.segments[*c as usize].flat {
                     continue;
                 }
                 let stand = &self.stands[*c as usize];
@@ -189,14 +195,19 @@ impl Kernel for Nearest<'_> {
             let below = s.bits(s.wide_above(zero, height));
             let mut places = Wide::default();
             s.wide_store(place, &mut places);
-            let mut cuts = [NONE; 3];
+            let mut segments = [NONE; 3];
             for k in 0..3 {
-                cuts[k] = places[3 * self.w + k] as u32;
+                segments[k] = places[3 * self.surface as usize + k] as u32;
             }
-            let of_face = |bits: u8| bits >> (3 * self.w) & 7;
+            let of_face = |bits: u8| bits >> (3 * self.surface as usize) & 7;
             let doubt = !s.bits(s.both(is_told, s.wide_above(least, on)));
             // Without a cut the square is infinite and the height 0.
-            self.out.push(Judged { cuts, clear: of_face(clear), below: of_face(below), doubt: of_face(doubt) });
+            self.out.push(NearestSegments {
+                segments,
+                clear: of_face(clear),
+                below: of_face(below),
+                doubt: of_face(doubt),
+            });
         }
     }
 }
@@ -204,7 +215,7 @@ impl Kernel for Nearest<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contour::find::{find, ZonesScratch};
+    use crate::contour::find::{find, RegionScratch};
     use crate::contour::vertex_side_degenerate::best_of;
     use crate::tests::{at, scene, tool};
     use feeler_lanes::Level;
@@ -218,28 +229,29 @@ mod tests {
         let mut counts = [0; 3];
         for pose in [at(0.0, 0.0, 0.0), at(0.0037, 0.0021, -0.0013), at(0.01, 0.0, 0.002)] {
             let pairs = block.collide(&frame, &pose).pairs;
-            let ground = Ground::new(&block, &frame, &pose, None);
-            let mut scratch = ZonesScratch::default();
-            let zones = find(&ground, &pairs, None, &mut scratch);
+            let context = QueryContext::new(&block, &frame, &pose, None);
+            let mut scratch = RegionScratch::default();
+            let regions = find(&context, &pairs, None, &mut scratch);
             for level in Level::available() {
                 let (mut stands, mut nearest) = (Vec::new(), Vec::new());
-                level.checked().run(Stands { zones, out: &mut stands });
-                for w in [TOOL, MOCKUP] {
-                    level.checked().run(Nearest { zones, w, stands: &stands, out: &mut nearest });
-                    assert_eq!(nearest.len(), zones.faces[w].len());
-                    for (same, found) in zones.by_face(w).zip(&nearest) {
+                level.checked().run(MeasureOffsets { regions, out: &mut stands });
+                for surface in Surface::BOTH {
+                    level.checked().run(Nearest { regions, surface, stands: &stands, out: &mut nearest });
+                    assert_eq!(nearest.len(), regions.faces[surface].len());
+                    for (same, found) in regions.by_face(surface).zip(&nearest) {
                         for k in 0..3 {
                             let bit = |bits: u8| bits >> k & 1 != 0;
-                            let corner = (found.cuts[k], bit(found.clear), bit(found.below));
+                            let corner = (found.segments[k], bit(found.clear), bit(found.below));
                             if bit(found.doubt) {
                                 counts[2] += 1;
                                 continue;
                             }
-                            let plain = best_of(zones, w, same, k).map_or((NONE, false, false), |(best, is_torn)| {
-                                assert!(!is_torn);
-                                (best.cut, !best.is_on(), best.height < 0.0)
-                            });
-                            assert_eq!(corner, plain, "{level:?} {w}");
+                            let plain =
+                                best_of(regions, surface, same, k).map_or((NONE, false, false), |(best, is_torn)| {
+                                    assert!(!is_torn);
+                                    (best.segment, !best.is_on(), best.height < 0.0)
+                                });
+                            assert_eq!(corner, plain, "{level:?} {surface:?}");
                             counts[usize::from(same.len() > 1)] += 1;
                         }
                     }

@@ -1,7 +1,8 @@
 //! On which side of the other surface a corner is where edges meet edges: where a cut is a point, or in line with the corner, or
 //! two cuts tell as much.
 
-use crate::contour::contact_region::Zones;
+use crate::contour::contact_region::ContactRegions;
+use crate::surface::Surface;
 use feeler_core::geometry::bounds::{Point, Triangle};
 use feeler_core::geometry::distance_triangle_triangle::closest_triangle_triangle;
 use feeler_core::geometry::vectors::{along, cross, dot, length, sub};
@@ -21,8 +22,8 @@ const BESIDE: f64 = 1e-3;
 
 /// What a cut says about a corner.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Verdict {
-    pub cut: u32,
+pub(crate) struct SideEvidence {
+    pub segment: u32,
     /// Where the cut is nearest to the corner, and the square of the distance.
     foot: Point,
     square: f64,
@@ -32,9 +33,9 @@ pub(crate) struct Verdict {
     pub height: f64,
 }
 
-impl Verdict {
-    fn new(zones: &Zones, w: usize, cut: u32, k: usize) -> Verdict {
-        let ([a, b], corner) = (zones.ends(cut), zones.face(w, cut).corners[k]);
+impl SideEvidence {
+    fn new(regions: &ContactRegions, surface: Surface, segment: u32, k: usize) -> SideEvidence {
+        let ([a, b], corner) = (regions.ends(segment), regions.face(surface, segment).corners[k]);
         let (line, from) = (sub(&b, &a), sub(&corner, &a));
         let lengths = dot(&line, &line);
         let share = if lengths > 0.0 { (dot(&from, &line) / lengths).clamp(0.0, 1.0) } else { 0.0 };
@@ -52,8 +53,8 @@ impl Verdict {
             _ if steep > ON * ON * square => steep / square,
             _ => 0.0,
         };
-        let (outward, _) = zones.side_of(1 - w, zones.cuts[cut as usize].faces[1 - w]);
-        Verdict { cut, foot: along(&a, share, &line), square, steepness, height: dot(&from, &outward) }
+        let (outward, _) = regions.side_of(surface.other(), regions.segments[segment as usize].faces[surface.other()]);
+        SideEvidence { segment, foot: along(&a, share, &line), square, steepness, height: dot(&from, &outward) }
     }
 
     /// Whether the corner is on the plane of the other face.
@@ -65,16 +66,16 @@ impl Verdict {
         self.steepness > 0.0
     }
 
-    fn is_as_far_as(&self, other: &Verdict) -> bool {
+    fn is_as_far_as(&self, other: &SideEvidence) -> bool {
         is_level(self.square, other.square)
     }
 
-    fn is_as_steep_as(&self, other: &Verdict) -> bool {
+    fn is_as_steep_as(&self, other: &SideEvidence) -> bool {
         is_level(self.steepness, other.steepness)
     }
 
     /// Cuts that have a side come first, then nearer ones, then steeper ones.
-    fn is_better_than(&self, other: &Verdict) -> bool {
+    fn is_better_than(&self, other: &SideEvidence) -> bool {
         if self.has_side() != other.has_side() {
             self.has_side()
         } else if !self.is_as_far_as(other) {
@@ -85,7 +86,7 @@ impl Verdict {
     }
 
     /// Whether the two are as near, and the angles do not tell which is right; and they do not say the same.
-    fn contradicts(&self, other: &Verdict) -> bool {
+    fn contradicts(&self, other: &SideEvidence) -> bool {
         self.is_as_far_as(other)
             && (self.has_side() != other.has_side() || self.is_as_steep_as(other))
             && self.height.partial_cmp(&0.0) != other.height.partial_cmp(&0.0)
@@ -97,10 +98,15 @@ fn is_level(x: f64, y: f64) -> bool {
 }
 
 /// What the best of a face's cuts says about its corner `k`, and whether another contradicts it. `None` where all are flat.
-pub(crate) fn best_of(zones: &Zones, w: usize, cuts: &[u32], k: usize) -> Option<(Verdict, bool)> {
+pub(crate) fn best_of(
+    regions: &ContactRegions,
+    surface: Surface,
+    segments: &[u32],
+    k: usize,
+) -> Option<(SideEvidence, bool)> {
     let mut found = None;
-    for cut in cuts.iter().filter(|cut| !zones.cuts[**cut as usize].flat) {
-        let this = Verdict::new(zones, w, *cut, k);
+    for segment in segments.iter().filter(|segment| !regions.segments[**segment as usize].flat) {
+        let this = SideEvidence::new(regions, surface, *segment, k);
         found = match found {
             None => Some((this, false)),
             Some((best, torn)) if this.is_better_than(&best) => {
@@ -115,24 +121,26 @@ pub(crate) fn best_of(zones: &Zones, w: usize, cuts: &[u32], k: usize) -> Option
 /// What the cuts of a face say about its corner `k`. Where two contradict each other the surface has an edge or a corner at their
 /// common foot, and the corner is on the side on which the way to it starts: that of the triangle which is nearest to a spot on
 /// this way, close to the foot. `None` where all cuts are flat.
-pub(crate) fn judge(zones: &Zones, w: usize, face: usize, k: usize) -> Option<Verdict> {
-    let cuts = zones.of_face(w, face);
-    let (first, torn) = best_of(zones, w, cuts, k)?;
+pub(crate) fn judge(regions: &ContactRegions, surface: Surface, face: usize, k: usize) -> Option<SideEvidence> {
+    let segments = regions.of_face(surface, face);
+    let (first, torn) = best_of(regions, surface, segments, k)?;
     // A corner that is on a cut has no way to it, and is on the surface.
     if !torn || first.square == 0.0 {
         return Some(first);
     }
     let (foot, far) = (first.foot, first.square.sqrt());
-    let here: Vec<(Verdict, Triangle)> = cuts
+    let here: Vec<(SideEvidence, Triangle)> = segments
         .iter()
-        .filter(|cut| !zones.cuts[**cut as usize].flat)
-        .map(|cut| (Verdict::new(zones, w, *cut, k), zones.face(1 - w, *cut).corners))
+        .filter(|segment| !regions.segments[**segment as usize].flat)
+        .map(|segment| {
+            (SideEvidence::new(regions, surface, *segment, k), regions.face(surface.other(), *segment).corners)
+        })
         .filter(|(verdict, _)| length(&sub(&verdict.foot, &foot)) <= HERE * far)
         .collect();
     // As near to the foot as that only the triangles that meet there count.
     let edge = |t: &Triangle, k: usize| length(&sub(&t[(k + 1) % 3], &t[k]));
     let reach = here.iter().map(|(_, t)| edge(t, 0).min(edge(t, 1)).min(edge(t, 2))).fold(far, f64::min);
-    let way = sub(&zones.faces[w][face].corners[k], &foot);
+    let way = sub(&regions.faces[surface][face].corners[k], &foot);
     let spot = along(&foot, BESIDE * reach / far, &way);
     let level = HERE * BESIDE * reach;
     let mut best = (f64::INFINITY, first);
@@ -150,9 +158,10 @@ pub(crate) fn judge(zones: &Zones, w: usize, face: usize, k: usize) -> Option<Ve
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::context::Ground;
-    use crate::context::{MOCKUP, TOOL};
-    use crate::contour::find::{find, ZonesScratch};
+    use crate::context::QueryContext;
+    use crate::contour::find::{find, RegionScratch};
+    use crate::surface::Side;
+    use crate::surface::Surface;
     use crate::tests::{scene, tool};
     use feeler_core::geometry::pose::Pose;
     use feeler_shapes::{box_mesh, ridge};
@@ -184,7 +193,7 @@ mod tests {
             [[c, -c, 0.0], [c, c, 0.0], [0.0, 0.0, 1.0]],
         ];
         let mut counts = [0; 3];
-        let mut scratch = ZonesScratch::default();
+        let mut scratch = RegionScratch::default();
         for (n, m) in [(1, 1), (1, 4), (2, 8)] {
             let mut mesh = ridge(&line, -2.0, 3.0, n, m);
             mesh.0.iter_mut().for_each(|p| *p = turned(all, p));
@@ -200,23 +209,23 @@ mod tests {
                 if pairs.is_empty() {
                     continue;
                 }
-                let zones = find(&Ground::new(&block, &cube, &pose, None), &pairs, None, &mut scratch);
-                for w in [TOOL, MOCKUP] {
-                    for (face, cuts) in zones.faces[w].iter().zip(zones.by_face(w)) {
-                        if cuts.iter().all(|cut| zones.cuts[*cut as usize].flat) {
+                let regions = find(&QueryContext::new(&block, &cube, &pose, None), &pairs, None, &mut scratch);
+                for surface in Surface::BOTH {
+                    for (face, segments) in regions.faces[surface].iter().zip(regions.by_face(surface)) {
+                        if segments.iter().all(|segment| regions.segments[*segment as usize].flat) {
                             continue;
                         }
                         for (corner, side) in face.corners.iter().zip(face.side) {
                             let p = back(all, corner);
-                            let is_in = |off: f64| match w {
-                                TOOL => in_ridge(&p, off),
+                            let is_in = |off: f64| match surface {
+                                Surface::Tool => in_ridge(&p, off),
                                 _ => in_cube(&back(turn, &sub(&p, &spot)), off),
                             };
                             if is_in(-1e-6) == is_in(1e-6) {
-                                let truth = if is_in(1e-6) { -1 } else { 1 };
+                                let truth = if is_in(1e-6) { Side::Inside } else { Side::Outside };
                                 counts[0] += 1;
-                                counts[1] += usize::from(side == 0);
-                                counts[2] += usize::from(side == -truth);
+                                counts[1] += usize::from(side == Side::On);
+                                counts[2] += usize::from(side.sign() == -truth.sign());
                             }
                         }
                     }

@@ -6,20 +6,20 @@ use feeler_core::geometry::vectors::{add, scaled};
 use feeler_core::{Aabb, Point};
 use feeler_lanes::{Checked, WIDE_LANES};
 
-use crate::contour::contact_region::Zones;
+use crate::contour::contact_region::ContactRegions;
 use crate::depth::gauss_arcs::is_against;
 use crate::patch::body::{edge_count, Body};
 use crate::patch::support::highest_of_eights;
 
 /// A direction, and how high the mock-up and how low the tool is along it.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Tried {
+pub(crate) struct TriedAxis {
     pub direction: Point,
     pub high: f64,
     pub low: f64,
 }
 
-impl Tried {
+impl TriedAxis {
     pub fn depth(&self) -> f64 {
         self.high - self.low
     }
@@ -27,14 +27,14 @@ impl Tried {
 
 /// Two bodies that cut each other.
 #[derive(Clone, Copy)]
-pub(crate) struct Pair<'a> {
+pub(crate) struct BodyPair<'a> {
     pub lanes: Checked,
-    pub zones: &'a Zones,
+    pub regions: &'a ContactRegions,
     pub tool: &'a Body<'a>,
     pub mockup: &'a Body<'a>,
 }
 
-impl Pair<'_> {
+impl BodyPair<'_> {
     pub fn high(&self, normal: &Point) -> f64 {
         highest_of_eights(self.lanes, self.mockup.point_eights, normal)
     }

@@ -1,8 +1,9 @@
 //! Where surfaces go on beyond the curve, kept for each body: where one did along a direction, it mostly does along others.
 
-use crate::contour::contact_region::{Cut, Face, Zones};
-use crate::depth::axis::{Pair, Tried};
+use crate::contour::contact_region::{ContactRegions, Face, Segment};
+use crate::depth::axis::{BodyPair, TriedAxis};
 use crate::patch::support::{eight_heights, places_above, Eight};
+use crate::surface::Surface;
 use feeler_core::geometry::bounds::Point;
 use feeler_core::geometry::vectors::{dot, scaled};
 use feeler_lanes::{Checked, Kernel, Simd, Wide, WIDE_LANES};
@@ -12,7 +13,7 @@ const GOES_ON: f64 = 0.05;
 
 /// A point of the curve and a cut there, as one of the two surfaces is seen.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Onward {
+pub(crate) struct Blocker {
     at: Point,
     /// Of its face, of the other's, and the cosine between them.
     normal: Point,
@@ -21,15 +22,21 @@ pub(crate) struct Onward {
     face: u32,
 }
 
-impl Onward {
+impl Blocker {
     /// At a cut where the other advances along `d`; nothing goes on elsewhere.
-    pub fn advancing(zones: &Zones, w: usize, cut: &Cut, at: Point, d: &Point) -> Option<Onward> {
-        let other = zones.faces[1 - w][cut.faces[1 - w] as usize].normal;
-        if cut.flat || dot(&other, d) <= GOES_ON {
+    pub fn advancing(
+        regions: &ContactRegions,
+        surface: Surface,
+        segment: &Segment,
+        at: Point,
+        d: &Point,
+    ) -> Option<Blocker> {
+        let other = regions.faces[surface.other()][segment.faces[surface.other()] as usize].normal;
+        if segment.flat || dot(&other, d) <= GOES_ON {
             return None;
         }
-        let normal = zones.faces[w][cut.faces[w] as usize].normal;
-        Some(Onward { at, normal, other, cosine: dot(&other, &normal), face: cut.faces[w] })
+        let normal = regions.faces[surface][segment.faces[surface] as usize].normal;
+        Some(Blocker { at, normal, other, cosine: dot(&other, &normal), face: segment.faces[surface] })
     }
 
     /// Whether, in the sense in which the other advances over it, the surface goes on along `d` to higher than `top`. An edge
@@ -49,7 +56,7 @@ fn rises(face: &Face, d: &Point, top: f64) -> bool {
 
 /// The last eight of a body.
 #[derive(Debug, Default)]
-pub(crate) struct Known {
+pub(crate) struct KnownBlockers {
     at: Eight,
     normal: Eight,
     other: Eight,
@@ -58,12 +65,12 @@ pub(crate) struct Known {
     count: usize,
 }
 
-impl Known {
+impl KnownBlockers {
     pub fn clear(&mut self) {
         self.count = 0;
     }
 
-    pub fn push(&mut self, onward: &Onward) {
+    pub fn push(&mut self, onward: &Blocker) {
         let i = self.count % WIDE_LANES;
         for a in 0..3 {
             (self.at[a][i], self.normal[a][i], self.other[a][i]) = (onward.at[a], onward.normal[a], onward.other[a]);
@@ -82,8 +89,8 @@ impl Known {
 #[derive(Debug, Default)]
 pub(crate) struct BlockedAxes {
     /// By body of tool and mock-up: there the surface mostly goes on along other axes too.
-    pub known: [Vec<Known>; 2],
-    /// Places of extreme points.
+    pub known: [Vec<KnownBlockers>; 2],
+    /// FaceNumbers of extreme points.
     pub places: Vec<u32>,
 }
 
@@ -91,35 +98,37 @@ impl BlockedAxes {
     /// For the bodies of another zone, so many of the tool and of the mock-up.
     pub fn clear(&mut self, bodies: [usize; 2]) {
         for (known, count) in self.known.iter_mut().zip(bodies) {
-            known.resize_with(count.max(known.len()), Known::default);
-            known[..count].iter_mut().for_each(Known::clear);
+            known.resize_with(count.max(known.len()), KnownBlockers::default);
+            known[..count].iter_mut().for_each(KnownBlockers::clear);
         }
     }
 
     /// Whether one of the surfaces goes on beyond the curve just where, along `d`, it would have to end: a rod in a plate is not
     /// freed sideways by its own width, for there is more plate. Asked of the surfaces in `sides`.
-    pub fn goes_on_of(&mut self, pair: &Pair<'_>, noise: f64, sides: &[usize], tried: &Tried) -> bool {
-        let Tried { direction: d, high, low } = tried;
-        let Pair { lanes, zones, tool, mockup } = pair;
+    pub fn goes_on_of(&mut self, pair: &BodyPair<'_>, noise: f64, sides: &[Surface], tried: &TriedAxis) -> bool {
+        let TriedAxis { direction: d, high, low } = tried;
+        let BodyPair { lanes, regions, tool, mockup } = pair;
         let numbers = [tool.number, mockup.number];
         let tolerance = noise + 1e-6 * (high - low).abs();
         let ends = [(scaled(d, -1.0), -low - tolerance), (*d, high - tolerance)];
-        for w in sides.iter().copied() {
-            let ((d, height), known) = (&ends[w], &self.known[w][numbers[w]]);
-            if known.goes_on(*lanes, &zones.faces[w], d, *height, *height + 3.0 * tolerance) {
+        for surface in sides.iter().copied() {
+            let ((d, height), known) = (&ends[surface], &self.known[surface][numbers[surface]]);
+            if known.goes_on(*lanes, &regions.faces[surface], d, *height, *height + 3.0 * tolerance) {
                 return true;
             }
         }
-        for w in sides.iter().copied() {
-            let ((d, height), body) = (&ends[w], [tool, mockup][w]);
+        for surface in sides.iter().copied() {
+            let ((d, height), body) = (&ends[surface], [tool, mockup][surface]);
             let BlockedAxes { places, known } = &mut *self;
             let last = body.points.len().saturating_sub(1);
             for i in places_above(*lanes, body.point_eights, d, *height, places).iter().map(|i| last.min(*i as usize)) {
-                for source in &body.point_cuts[body.cuts_of[i].0 as usize..body.cuts_of[i].1 as usize] {
-                    let cut = &zones.cuts[*source as usize];
-                    let Some(onward) = Onward::advancing(zones, w, cut, body.points[i], d) else { continue };
-                    if onward.goes_on(&zones.faces[w], d, *height + 3.0 * tolerance) {
-                        known[w][numbers[w]].push(&onward);
+                for source in &body.point_segments[body.segments_of[i].0 as usize..body.segments_of[i].1 as usize] {
+                    let segment = &regions.segments[*source as usize];
+                    let Some(onward) = Blocker::advancing(regions, surface, segment, body.points[i], d) else {
+                        continue;
+                    };
+                    if onward.goes_on(&regions.faces[surface], d, *height + 3.0 * tolerance) {
+                        known[surface][numbers[surface]].push(&onward);
                         return true;
                     }
                 }
@@ -130,7 +139,7 @@ impl BlockedAxes {
 }
 
 struct GoesOn<'a> {
-    known: &'a Known,
+    known: &'a KnownBlockers,
     faces: &'a [Face],
     d: &'a Point,
     height: f64,
@@ -142,7 +151,7 @@ impl Kernel for GoesOn<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) -> bool {
-        let Known { at, normal, other, cosine, faces, count } = self.known;
+        let KnownBlockers { at, normal, other, cosine, faces, count } = self.known;
         let d = [s.wide_splat(self.d[0]), s.wide_splat(self.d[1]), s.wide_splat(self.d[2])];
         let advances = eight_heights(s, other, &d);
         let leaves = advances - s.wide_load(cosine) * eight_heights(s, normal, &d);
@@ -176,16 +185,16 @@ mod tests {
         let faces: Vec<Face> = (0..7).map(face).collect();
         let onward = |i: usize| {
             let (normal, other) = (unit(&wave(3 * i + 50)).unwrap(), unit(&wave(5 * i + 90)).unwrap());
-            Onward { at: wave(i + 20), normal, other, cosine: dot(&other, &normal), face: i as u32 % 7 }
+            Blocker { at: wave(i + 20), normal, other, cosine: dot(&other, &normal), face: i as u32 % 7 }
         };
         for level in Level::available() {
-            let mut known = Known::default();
+            let mut known = KnownBlockers::default();
             let mut counts = [0; 2];
             for i in 0..21 {
                 for d in (0..20).map(|k| unit(&wave(k + 7)).unwrap()) {
                     let (height, top) = (0.5, 0.7);
                     let of = i.max(WIDE_LANES) - WIDE_LANES..i;
-                    let is_on = |o: Onward| dot(&o.at, &d) >= height && o.goes_on(&faces, &d, top);
+                    let is_on = |o: Blocker| dot(&o.at, &d) >= height && o.goes_on(&faces, &d, top);
                     let expected = of.map(onward).any(is_on);
                     assert_eq!(known.goes_on(level.checked(), &faces, &d, height, top), expected, "{level:?} {i}");
                     counts[usize::from(expected)] += 1;

@@ -7,26 +7,26 @@ use feeler_core::{Aabb, Point};
 use feeler_lanes::WIDE_LANES;
 
 use crate::constants::SHALLOWER;
-use crate::context::{MOCKUP, TOOL};
-use crate::depth::axis::{eight_of, is_leading_out, middle, Pair, Tried};
+use crate::depth::axis::{eight_of, is_leading_out, middle, BodyPair, TriedAxis};
 use crate::depth::axis_blocked::BlockedAxes;
 use crate::patch::body::Body;
 use crate::patch::support::{highest, highest_and_lowest, places_above, Reach};
+use crate::surface::Surface;
 
 /// The best direction so far.
-pub(super) struct Best<'a> {
-    pub pair: &'a Pair<'a>,
+pub(super) struct AxisSearch<'a> {
+    pub pair: &'a BodyPair<'a>,
     /// Metres below which depths are the same.
     pub noise: f64,
-    pub found: Option<Tried>,
+    pub found: Option<TriedAxis>,
     pub blocked: &'a mut BlockedAxes,
 }
 
-impl<'a> Best<'a> {
-    pub fn new(pair: &'a Pair<'a>, blocked: &'a mut BlockedAxes, found: Option<Tried>) -> Best<'a> {
-        let Pair { tool, mockup, .. } = pair;
+impl<'a> AxisSearch<'a> {
+    pub fn new(pair: &'a BodyPair<'a>, blocked: &'a mut BlockedAxes, found: Option<TriedAxis>) -> AxisSearch<'a> {
+        let BodyPair { tool, mockup, .. } = pair;
         let noise = 1e-12 * tool.size.max(mockup.size).max(tool.largest);
-        Best { pair, noise, found, blocked }
+        AxisSearch { pair, noise, found, blocked }
     }
 
     /// The depth from which on a direction is of no use; infinite where any is.
@@ -43,16 +43,16 @@ impl<'a> Best<'a> {
 
     /// The highest of the mock-up and the lowest of the tool.
     pub fn support(&self, directions: &[Point; WIDE_LANES]) -> (Reach, Reach) {
-        let Pair { lanes, tool, mockup, .. } = self.pair;
+        let BodyPair { lanes, tool, mockup, .. } = self.pair;
         highest_and_lowest(*lanes, mockup.points, tool.points, directions)
     }
 
     /// The heights alone.
-    pub fn tried(&self, directions: &[Point; WIDE_LANES]) -> [Tried; WIDE_LANES] {
-        let Pair { lanes, tool, mockup, .. } = self.pair;
+    pub fn tried(&self, directions: &[Point; WIDE_LANES]) -> [TriedAxis; WIDE_LANES] {
+        let BodyPair { lanes, tool, mockup, .. } = self.pair;
         let high = highest(*lanes, mockup.points, directions);
         let low = highest(*lanes, tool.points, &directions.map(|d| scaled(&d, -1.0)));
-        from_fn(|i| Tried { direction: directions[i], high: high[i], low: -low[i] })
+        from_fn(|i| TriedAxis { direction: directions[i], high: high[i], low: -low[i] })
     }
 
     /// From the lowest place of the tool to the highest of the mock-up: no direction is less deep than that along it.
@@ -83,7 +83,7 @@ impl<'a> Best<'a> {
     }
 
     /// Whether a direction is the best now.
-    pub fn offer(&mut self, tried: &Tried) -> bool {
+    pub fn offer(&mut self, tried: &TriedAxis) -> bool {
         if let Some(found) = &self.found {
             let (depth, least) = (tried.depth(), found.depth());
             let is_less = depth < least - SHALLOWER * least.abs() - self.noise;
@@ -102,9 +102,9 @@ impl<'a> Best<'a> {
     }
 
     /// Boxes around the highest of the mock-up's points and the lowest of the tool's, within a share of the depth.
-    pub fn extremes(&mut self, found: &Tried, share: f64) -> (Aabb, Aabb) {
+    pub fn extremes(&mut self, found: &TriedAxis, share: f64) -> (Aabb, Aabb) {
         let (d, tolerance) = (&found.direction, share * found.depth().abs() + self.noise);
-        let Pair { lanes, tool, mockup, .. } = self.pair;
+        let BodyPair { lanes, tool, mockup, .. } = self.pair;
         let mut reach = |body: &Body<'_>, d: &Point, height: f64| {
             let places = places_above(*lanes, body.point_eights, d, height - tolerance, &mut self.blocked.places);
             let last = body.points.len().saturating_sub(1);
@@ -117,21 +117,21 @@ impl<'a> Best<'a> {
 
     /// The middle of the highest part of the mock-up or of the lowest of the tool, whichever is smaller, raised to the height
     /// of the mock-up. The middle of a box around them, which does not know how many triangles make them up.
-    pub fn place(&mut self, found: &Tried) -> Point {
+    pub fn place(&mut self, found: &TriedAxis) -> Point {
         let (above, below) = self.extremes(found, 1e-3);
         let chosen = middle(if length(&below.extent()) <= length(&above.extent()) { &below } else { &above });
         along(&chosen, found.high - dot(&chosen, &found.direction), &found.direction)
     }
 }
 
-impl Best<'_> {
+impl AxisSearch<'_> {
     /// See [`BlockedAxes::goes_on_of`], asked of both surfaces.
-    pub fn goes_on(&mut self, tried: &Tried) -> bool {
-        self.goes_on_of(&[TOOL, MOCKUP], tried)
+    pub fn goes_on(&mut self, tried: &TriedAxis) -> bool {
+        self.goes_on_of(&Surface::BOTH, tried)
     }
 
     /// The same, asked of the surface of the tool or of the mock-up alone.
-    pub fn goes_on_of(&mut self, sides: &[usize], tried: &Tried) -> bool {
+    pub fn goes_on_of(&mut self, sides: &[Surface], tried: &TriedAxis) -> bool {
         self.blocked.goes_on_of(self.pair, self.noise, sides, tried)
     }
 }

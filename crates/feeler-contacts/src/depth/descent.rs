@@ -1,8 +1,8 @@
 //! From the best direction among the normals and edges of two bodies to less depth between them, where surfaces are curved.
 
-use crate::depth::axis::{eight_of, middle, Pair, Tried};
-use crate::depth::axis_search::Best;
-use crate::depth::gauss_arcs::Arcs;
+use crate::depth::axis::{eight_of, middle, BodyPair, TriedAxis};
+use crate::depth::axis_search::AxisSearch;
+use crate::depth::gauss_arcs::GaussArcs;
 use crate::patch::body::Body;
 use feeler_core::geometry::bounds::Point;
 use feeler_core::geometry::vectors::{along, dot, length, scaled, sub, unit};
@@ -23,11 +23,11 @@ const MOST_STEPS: usize = 24;
 const SHORTER: f64 = 0.6;
 const SHORTEST_STEP: f64 = 0.01;
 
-impl Best<'_> {
+impl AxisSearch<'_> {
     /// The valleys between the normals of each two large patches of a body: where an edge holds, the least depth lies on the
     /// arc around it, in a valley too narrow for the descent when the edge is long. All arcs at once.
-    pub fn turn_around_edges(&mut self, arcs: &mut Arcs) {
-        let Pair { tool, mockup, .. } = self.pair;
+    pub fn turn_around_edges(&mut self, arcs: &mut GaussArcs) {
+        let BodyPair { tool, mockup, .. } = self.pair;
         arcs.clear(self.pair.outward());
         let mut ends = [[0.0; 3]; WIDE_LANES];
         let normals = |body: &Body<'_>, sense: f64| {
@@ -53,7 +53,7 @@ impl Best<'_> {
             let support = self.support(&directions);
             for i in 0..arcs.asked() {
                 let (high, low) = (support.0.height[i], support.1.height[i]);
-                let tried = Tried { direction: directions[i], high, low };
+                let tried = TriedAxis { direction: directions[i], high, low };
                 if self.leads_out(&directions[i]) {
                     self.offer(&tried);
                 }
@@ -63,7 +63,7 @@ impl Best<'_> {
     }
 
     /// From the best direction down to the nearest valley: the gradient of the depth is the way between the two extreme places,
-    /// across the direction. Places, not points: along an edge or a face many are extreme, and their middle counts.
+    /// across the direction. FaceNumbers, not points: along an edge or a face many are extreme, and their middle counts.
     pub fn descend(&mut self) {
         let mut list: Vec<Point> = Vec::with_capacity(WIDE_LANES);
         let (mut step, mut tries) = (1.0, 0);

@@ -6,10 +6,10 @@
 
 use std::ops::Range;
 
-use crate::context::Ground;
-use crate::context::{MOCKUP, TOOL};
+use crate::context::QueryContext;
 use crate::patch::body::Facets;
 use crate::patch::support::{eight_heights, highest_of_eights, Eight};
+use crate::surface::Surface;
 use feeler_core::geometry::bounds::{Point, Triangle};
 use feeler_core::geometry::vectors::{across, cross, dot, scaled, sub};
 use feeler_lanes::{Checked, Kernel, Simd, Wide, WIDE_LANES};
@@ -49,7 +49,7 @@ struct Seen {
 
 /// The triangles of two bodies, or of one and all of the other side's, seen along a direction. Kept as working memory.
 #[derive(Debug, Default)]
-pub(crate) struct Overlap {
+pub(crate) struct DirectionalOverlap {
     /// Those of all bodies of tool and mock-up that were asked for, wound so that they face outward, and where those of each are;
     /// in the end those of all together.
     corners: [Vec<Corners>; 2],
@@ -61,7 +61,7 @@ pub(crate) struct Overlap {
     around_mockup: Across,
 }
 
-impl Overlap {
+impl DirectionalOverlap {
     /// For the bodies of another zone, so many of the tool and of the mock-up.
     pub fn clear(&mut self, bodies: [usize; 2]) {
         self.corners.iter_mut().for_each(Vec::clear);
@@ -75,7 +75,7 @@ impl Overlap {
     /// Negative infinity where nothing overlaps by more than `least`. `None` where these are too many triangles to tell.
     pub fn most(
         &mut self,
-        ground: &Ground<'_>,
+        context: &QueryContext<'_>,
         sides: &[Facets<'_>; 2],
         d: &Point,
         least: f64,
@@ -83,15 +83,15 @@ impl Overlap {
     ) -> Option<(f64, Point)> {
         let [u, v] = across(d);
         self.frame = [u, v, *d];
-        let places = [TOOL, MOCKUP].map(|w| self.keep(ground, w, &sides[w]));
-        self.see(ground.lanes, places, least);
-        self.most_seen(ground.lanes, least, enough)
+        let places = Surface::BOTH.map(|surface| self.keep(context, surface, &sides[surface]));
+        self.see(context.lanes, places, least);
+        self.most_seen(context.lanes, least, enough)
     }
 
     /// Turns the triangles of two bodies into the frame, as far as more than `least` may overlap.
     fn see(&mut self, lanes: Checked, places: [Range<usize>; 2], least: f64) {
-        let Overlap { corners, frame, seen: [(seen_tool, tools), (seen_mockup, mockups)], .. } = self;
-        let [tool, mockup] = [TOOL, MOCKUP].map(|w| &corners[w][places[w].clone()]);
+        let DirectionalOverlap { corners, frame, seen: [(seen_tool, tools), (seen_mockup, mockups)], .. } = self;
+        let [tool, mockup] = Surface::BOTH.map(|surface| &corners[surface][places[surface].clone()]);
         let low = -highest_of_eights(lanes, tool.as_flattened(), &scaled(&frame[2], -1.0));
         let high = highest_of_eights(lanes, mockup.as_flattened(), &frame[2]);
         let beyond = least - high;
@@ -104,21 +104,21 @@ impl Overlap {
     }
 
     /// Where the triangles of one side are.
-    fn keep(&mut self, ground: &Ground<'_>, w: usize, of: &Facets<'_>) -> Range<usize> {
-        if let Some(place) = &self.places[w][of.number] {
+    fn keep(&mut self, context: &QueryContext<'_>, surface: Surface, of: &Facets<'_>) -> Range<usize> {
+        if let Some(place) = &self.places[surface][of.number] {
             return place.clone();
         }
-        let from = self.corners[w].len();
+        let from = self.corners[surface].len();
         let outward = of.triangles().map(|(id, outward)| {
-            let [a, b, c] = ground.triangle(w, id);
+            let [a, b, c] = context.triangle(surface, id);
             if dot(&cross(&sub(&b, &a), &sub(&c, &a)), outward) < 0.0 {
                 [a, c, b]
             } else {
                 [a, b, c]
             }
         });
-        push_corners(outward, &mut self.corners[w]);
-        self.places[w][of.number].insert(from..self.corners[w].len()).clone()
+        push_corners(outward, &mut self.corners[surface]);
+        self.places[surface][of.number].insert(from..self.corners[surface].len()).clone()
     }
 
     fn most_seen(&self, lanes: Checked, least: f64, enough: f64) -> Option<(f64, Point)> {
@@ -394,12 +394,12 @@ impl<S: Simd> Above<S> {
 
 /// How far within each edge of eight of the mock-up each corner of a triangle of the tool is, and the other way round: by corner,
 /// then edge.
-struct Sides<S: Simd> {
+struct EdgeDistances<S: Simd> {
     tool_in: [[S::F64; 3]; 3],
     mockup_in: [[S::F64; 3]; 3],
 }
 
-impl<S: Simd> Sides<S> {
+impl<S: Simd> EdgeDistances<S> {
     /// Those with an edge that all of the other is beyond.
     #[inline(always)]
     fn apart(&self, s: S) -> u8 {
@@ -470,9 +470,9 @@ impl<S: Simd> One<S> {
     }
 
     #[inline(always)]
-    fn sides(&self, s: S, m: &Seen) -> Sides<S> {
+    fn sides(&self, s: S, m: &Seen) -> EdgeDistances<S> {
         let zero = s.wide_splat(0.0);
-        let mut sides = Sides { tool_in: [[zero; 3]; 3], mockup_in: [[zero; 3]; 3] };
+        let mut sides = EdgeDistances { tool_in: [[zero; 3]; 3], mockup_in: [[zero; 3]; 3] };
         for e in 0..3 {
             let from = [s.wide_load(&m.corners[e][0]), s.wide_load(&m.corners[e][1])];
             let inward = [s.wide_load(&m.inward[e][0]), s.wide_load(&m.inward[e][1])];
@@ -488,10 +488,10 @@ impl<S: Simd> One<S> {
 
     /// The most is at a corner of what two share: a corner of one within the other, or where their edges cross.
     #[inline(always)]
-    fn most_shared(&self, s: S, m: &Seen, above: &Above<S>, sides: &Sides<S>) -> Shared<S> {
+    fn most_shared(&self, s: S, m: &Seen, above: &Above<S>, sides: &EdgeDistances<S>) -> Shared<S> {
         let (zero, on_edge) = (s.wide_splat(0.0), s.wide_splat(-ON_EDGE));
         let mut shared = Shared { height: s.wide_splat(f64::NEG_INFINITY), at: [zero; 2] };
-        let Sides { tool_in, mockup_in } = sides;
+        let EdgeDistances { tool_in, mockup_in } = sides;
         for c in 0..3 {
             let within = s.wide_min(s.wide_min(tool_in[c][0], tool_in[c][1]), tool_in[c][2]);
             let at = [self.corners[c][0], self.corners[c][1]];
@@ -586,9 +586,9 @@ mod tests {
             for level in Level::available() {
                 let lanes = level.checked();
                 let found = |least: f64, enough: f64| {
-                    let mut overlap = Overlap { frame, ..Overlap::default() };
-                    for (w, triangles) in [&tools, &mockups].into_iter().enumerate() {
-                        push_corners(triangles.iter().copied(), &mut overlap.corners[w]);
+                    let mut overlap = DirectionalOverlap { frame, ..DirectionalOverlap::default() };
+                    for (surface, triangles) in [&tools, &mockups].into_iter().enumerate() {
+                        push_corners(triangles.iter().copied(), &mut overlap.corners[surface]);
                     }
                     overlap.see(lanes, [0..overlap.corners[0].len(), 0..overlap.corners[1].len()], least);
                     overlap.most_seen(lanes, least, enough).unwrap()
@@ -621,7 +621,7 @@ mod tests {
                 .map(|x| [x, 0.003 * (200.0 * x).sin()])
                 .collect();
             let height = |p: &Point| {
-                let [[x, z], [next, higher]] = *line.windows(2).rfind(|w| w[0][0] <= p[0]).unwrap() else {
+                let [[x, z], [next, higher]] = *line.windows(2).rfind(|surface| surface[0][0] <= p[0]).unwrap() else {
                     unreachable!()
                 };
                 z + (p[0] - x) / (next - x) * (higher - z)

@@ -40,7 +40,7 @@ struct EightEdges {
 
 /// Finds directions. Kept as working memory.
 #[derive(Debug, Default)]
-pub(crate) struct EdgePairs {
+pub(crate) struct EdgeAxes {
     /// The tool's body whose edges are kept, and the edges.
     of: Option<usize>,
     of_tool: Vec<EightEdges>,
@@ -48,7 +48,7 @@ pub(crate) struct EdgePairs {
     list: Vec<Point>,
 }
 
-impl EdgePairs {
+impl EdgeAxes {
     /// For the bodies of another zone.
     pub fn clear(&mut self) {
         self.of = None;
@@ -57,7 +57,7 @@ impl EdgePairs {
     /// The directions across an edge of each that lead out, by what the surfaces face, or are between the normals on both sides:
     /// then the edges hold along it, wherever most of the faces look.
     pub fn directions(&mut self, lanes: Checked, tool: &Body<'_>, mockup: &Body<'_>, outward: &[Point; 2]) -> &[Point] {
-        let EdgePairs { of, of_tool, of_mockup, list } = self;
+        let EdgeAxes { of, of_tool, of_mockup, list } = self;
         if *of != Some(tool.number) {
             *of = Some(tool.number);
             of_tool.clear();
@@ -182,7 +182,7 @@ mod tests {
                 }
             }
             for level in Level::available() {
-                let mut pairs = EdgePairs::default();
+                let mut pairs = EdgeAxes::default();
                 for _ in 0..2 {
                     let found = pairs.directions(level.checked(), &tool, &mockup, &outward);
                     assert_eq!(found, expected, "{level:?} {round}");

@@ -4,25 +4,25 @@ use std::array::from_fn;
 use std::ops::Range;
 
 use crate::constants::SHALLOWER;
-use crate::context::{MOCKUP, TOOL};
-use crate::depth::axis::{is_leading_out, Pair, Tried};
+use crate::depth::axis::{is_leading_out, BodyPair, TriedAxis};
 use crate::depth::axis_blocked::BlockedAxes;
-use crate::depth::axis_search::Best;
+use crate::depth::axis_search::AxisSearch;
 use crate::patch::body::{Body, MOST_EDGES, MOST_NORMALS};
 use crate::patch::support::highest;
+use crate::surface::Surface;
 use feeler_core::geometry::bounds::Point;
 use feeler_core::geometry::vectors::scaled;
 use feeler_lanes::WIDE_LANES;
 
 /// What the normals of two bodies say about their depth.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct FirstDepth {
-    pub(super) found: Option<Tried>,
+pub(crate) struct FaceDepth {
+    pub(super) found: Option<TriedAxis>,
     /// As [`Depth`](super::least_depth::Depth) has it.
     pub certain: bool,
 }
 
-impl FirstDepth {
+impl FaceDepth {
     /// Metres, at least the least depth; less than any where none of the directions leads out.
     pub fn depth(&self) -> f64 {
         self.found.map_or(f64::NEG_INFINITY, |f| f.depth())
@@ -46,54 +46,54 @@ struct OfTool {
 
 /// Working memory.
 #[derive(Debug, Default)]
-pub(crate) struct Normals {
+pub(crate) struct FaceAxes {
     /// Those of the mock-up's bodies that lead out, body by body, and where those of each end.
-    of_mockup: Vec<Tried>,
+    of_mockup: Vec<TriedAxis>,
     ends: Vec<usize>,
     of_tool: Vec<OfTool>,
     /// Those of two bodies that lead out, the mock-up's first, then those of the tool, and which these are.
-    tried: Vec<Tried>,
+    tried: Vec<TriedAxis>,
     chosen: Vec<usize>,
     depths: Vec<f64>,
 }
 
-impl Normals {
+impl FaceAxes {
     /// The least depths along a normal of either body for pairs that have the tool's body in common, in their order, with the
     /// bodies' numbers.
-    pub fn push_first_depths<'a>(
+    pub fn push_face_depths<'a>(
         &mut self,
-        pairs: impl Iterator<Item = Pair<'a>> + Clone,
+        pairs: impl Iterator<Item = BodyPair<'a>> + Clone,
         blocked: &mut BlockedAxes,
-        out: &mut Vec<(FirstDepth, [usize; 2])>,
+        out: &mut Vec<(FaceDepth, [usize; 2])>,
     ) {
         self.set(pairs.clone());
         let mut from = 0;
         for (i, pair) in pairs.enumerate() {
-            let mut best = Best::new(&pair, blocked, None);
+            let mut best = AxisSearch::new(&pair, blocked, None);
             self.try_all(&pair, from..self.ends[i]);
             self.choose(self.ends[i] - from, &mut best);
             let is_flat = |body: &Body<'_>| body.facets.len() <= MOST_NORMALS && body.facets.iter().all(|p| p.flat);
             let certain = pair.edge_pairs() <= MOST_EDGES && is_flat(pair.tool) && is_flat(pair.mockup);
-            out.push((FirstDepth { found: best.found, certain }, [pair.tool.number, pair.mockup.number]));
+            out.push((FaceDepth { found: best.found, certain }, [pair.tool.number, pair.mockup.number]));
             from = self.ends[i];
         }
     }
 
     /// Of pairs that have the tool's body in common. How low that is along the mock-up's is found for all of them at once: of most
     /// of the mock-up's bodies one or two lead out, and the tool's has many points.
-    fn set<'a>(&mut self, pairs: impl Iterator<Item = Pair<'a>> + Clone) {
-        let Normals { of_mockup, ends, of_tool, .. } = self;
+    fn set<'a>(&mut self, pairs: impl Iterator<Item = BodyPair<'a>> + Clone) {
+        let FaceAxes { of_mockup, ends, of_tool, .. } = self;
         of_mockup.clear();
         ends.clear();
         of_tool.clear();
-        let Some(Pair { lanes, tool, .. }) = pairs.clone().next() else { return };
+        let Some(BodyPair { lanes, tool, .. }) = pairs.clone().next() else { return };
         let against = |(n, height): &(Point, f64)| OfTool { direction: scaled(n, -1.0), low: -height, goes_on: None };
         of_tool.extend(tool.normals.iter().map(against));
         for pair in pairs {
             let (outward, mut count) = (pair.outward(), of_mockup.len());
-            of_mockup.resize(count + pair.mockup.normals.len(), Tried::default());
+            of_mockup.resize(count + pair.mockup.normals.len(), TriedAxis::default());
             for (direction, height) in pair.mockup.normals {
-                of_mockup[count] = Tried { direction: *direction, high: *height, low: 0.0 };
+                of_mockup[count] = TriedAxis { direction: *direction, high: *height, low: 0.0 };
                 // No branch: which lead out is not to be foreseen.
                 count += usize::from(is_leading_out(direction, &outward));
             }
@@ -107,16 +107,16 @@ impl Normals {
     }
 
     /// How deep two bodies are along the normals that lead out, some of those of the mock-up's bodies and those of the tool's.
-    fn try_all(&mut self, pair: &Pair<'_>, of_mockup: Range<usize>) {
-        let Normals { of_mockup: all, of_tool, tried, chosen, .. } = self;
+    fn try_all(&mut self, pair: &BodyPair<'_>, of_mockup: Range<usize>) {
+        let FaceAxes { of_mockup: all, of_tool, tried, chosen, .. } = self;
         tried.clear();
         tried.extend_from_slice(&all[of_mockup]);
         let (from, outward) = (tried.len(), pair.outward());
-        tried.resize(from + of_tool.len(), Tried::default());
+        tried.resize(from + of_tool.len(), TriedAxis::default());
         chosen.resize(of_tool.len().max(chosen.len()), 0);
         let mut count = 0;
         for (i, OfTool { direction, low, goes_on }) in of_tool.iter().enumerate() {
-            tried[from + count] = Tried { direction: *direction, high: 0.0, low: *low };
+            tried[from + count] = TriedAxis { direction: *direction, high: 0.0, low: *low };
             chosen[count] = i;
             count += usize::from(is_leading_out(direction, &outward) & (*goes_on != Some(true)));
         }
@@ -129,10 +129,10 @@ impl Normals {
 
     /// Finds the least deep of the directions tried along which nothing goes on; of several as deep the first. So many of them are
     /// the mock-up's.
-    fn choose(&mut self, of_mockup: usize, best: &mut Best<'_>) {
-        let Normals { of_tool, tried, chosen, depths, .. } = self;
+    fn choose(&mut self, of_mockup: usize, best: &mut AxisSearch<'_>) {
+        let FaceAxes { of_tool, tried, chosen, depths, .. } = self;
         depths.clear();
-        depths.extend(tried.iter().map(Tried::depth));
+        depths.extend(tried.iter().map(TriedAxis::depth));
         loop {
             let least = depths.iter().fold(f64::INFINITY, |least, d| if *d < least { *d } else { least });
             if least <= best.noise {
@@ -146,7 +146,7 @@ impl Normals {
             let ties = least + best.noise + SHALLOWER * least;
             for (i, (t, depth)) in tried.iter().zip(&mut *depths).enumerate().filter(|(_, (_, d))| **d <= ties) {
                 let goes_on = match i.checked_sub(of_mockup) {
-                    Some(i) => of_tool[chosen[i]].goes_on(best) || best.goes_on_of(&[MOCKUP], t),
+                    Some(i) => of_tool[chosen[i]].goes_on(best) || best.goes_on_of(&[Surface::Mockup], t),
                     None => best.goes_on(t),
                 };
                 if !goes_on {
@@ -160,11 +160,11 @@ impl Normals {
 }
 
 impl OfTool {
-    fn goes_on(&mut self, best: &mut Best<'_>) -> bool {
+    fn goes_on(&mut self, best: &mut AxisSearch<'_>) -> bool {
         *self.goes_on.get_or_insert_with(|| {
             // What counts as its lowest place depends a little on how deep a pair is: here on the body's size, the same for all.
             let high = self.low + best.pair.tool.size;
-            best.goes_on_of(&[TOOL], &Tried { direction: self.direction, high, low: self.low })
+            best.goes_on_of(&[Surface::Tool], &TriedAxis { direction: self.direction, high, low: self.low })
         })
     }
 }
@@ -172,8 +172,8 @@ impl OfTool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contour::contact_region::{Cut, Face, Zones};
-    use crate::depth::axis_blocked::Onward;
+    use crate::contour::contact_region::{ContactRegions, Face, Segment};
+    use crate::depth::axis_blocked::Blocker;
     use crate::patch::body::Facet;
     use feeler_core::geometry::vectors::{across, add, dot, unit};
     use feeler_lanes::Level;
@@ -201,7 +201,7 @@ mod tests {
 
         fn body<'a>(&'a self, number: usize, facets: &'a [Facet]) -> Body<'a> {
             let Parts(points, normals, mean) = self;
-            Body { number, points, cuts_of: &[(0, 0); 64], normals, mean: *mean, ..Body::of_facets(facets) }
+            Body { number, points, segments_of: &[(0, 0); 64], normals, mean: *mean, ..Body::of_facets(facets) }
         }
     }
 
@@ -216,27 +216,27 @@ mod tests {
         let mut best_of = [0; 2];
         // The tool goes on along none of its normals, or along one of them.
         for end in [None].into_iter().chain(tool.1.iter().map(|(n, _)| Some(*n))) {
-            let (mut zones, mut onward, mut at) = (Zones::default(), None, [0.0; 3]);
+            let (mut regions, mut onward, mut at) = (ContactRegions::default(), None, [0.0; 3]);
             if let Some(n) = &end {
                 at = *tool.0.iter().max_by(|p, q| dot(p, n).total_cmp(&dot(q, n))).unwrap();
                 let face = |normal| Face { normal, ..Face::new(0, [scaled(n, 9.0); 3], true) };
-                zones.faces = [vec![face(across(n)[0])], vec![face(*n)]];
-                let cut = Cut { faces: [0; 2], points: (0, 1), flat: false };
-                onward = Onward::advancing(&zones, TOOL, &cut, at, n);
+                regions.faces = [vec![face(across(n)[0])], vec![face(*n)]];
+                let segment = Segment { faces: [0; 2], points: (0, 1), flat: false };
+                onward = Blocker::advancing(&regions, Surface::Tool, &segment, at, n);
             }
             let goes_on = |d: &Point| {
                 let (against, low) = (scaled(d, -1.0), reach(&tool.0, &scaled(d, -1.0)));
-                let is_on = |o: &Onward| o.goes_on(&zones.faces[TOOL], &against, low);
+                let is_on = |o: &Blocker| o.goes_on(&regions.faces[Surface::Tool], &against, low);
                 dot(&at, &against) == low && onward.as_ref().is_some_and(is_on)
             };
             assert!(end.is_none_or(|n| goes_on(&scaled(&n, -1.0))));
             for lanes in Level::available().into_iter().map(Level::checked) {
-                let (mut normals, mut blocked) = (Normals::default(), BlockedAxes::default());
+                let (mut normals, mut blocked) = (FaceAxes::default(), BlockedAxes::default());
                 blocked.clear([1, bodies.len()]);
-                onward.iter().for_each(|onward| blocked.known[TOOL][0].push(onward));
-                let pairs = bodies.iter().map(|mockup| Pair { lanes, zones: &zones, tool: &tool_body, mockup });
+                onward.iter().for_each(|onward| blocked.known[Surface::Tool][0].push(onward));
+                let pairs = bodies.iter().map(|mockup| BodyPair { lanes, regions: &regions, tool: &tool_body, mockup });
                 let mut found = Vec::new();
-                normals.push_first_depths(pairs.clone(), &mut blocked, &mut found);
+                normals.push_face_depths(pairs.clone(), &mut blocked, &mut found);
                 assert_eq!(found.len(), bodies.len());
                 for (k, (pair, (first, numbers))) in pairs.zip(&found).enumerate() {
                     let of_tool = tool.1.iter().map(|(n, _)| scaled(n, -1.0));

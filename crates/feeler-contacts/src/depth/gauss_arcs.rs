@@ -9,15 +9,15 @@ use feeler_core::geometry::vectors::{along, dot, scaled, sub, unit};
 use feeler_lanes::WIDE_LANES;
 
 /// Most pieces that are kept.
-const MOST_PIECES: usize = 64;
+const MOST_SPANS: usize = 64;
 
 /// Sine from which on.
 pub(crate) const AGAINST: f64 = 0.01;
 
 /// Part of an arc.
 #[derive(Debug, Clone, Copy)]
-struct Piece {
-    /// Directions tried, and their ways.
+struct ArcSpan {
+    /// DepthScratch tried, and their ways.
     ends: [Point; 2],
     ways: [Point; 2],
     /// Between them, where to try next, and no depth is less.
@@ -32,17 +32,17 @@ pub(crate) fn is_against(d: &Point, other: &Point) -> bool {
 
 /// Pieces of arcs that may hold what is less deep.
 #[derive(Debug, Default)]
-pub(crate) struct Arcs {
-    pieces: Vec<Piece>,
-    asked: Vec<Piece>,
+pub(crate) struct GaussArcs {
+    spans: Vec<ArcSpan>,
+    asked: Vec<ArcSpan>,
     /// No direction is sought that is against one of these.
     outward: [Point; 2],
 }
 
-impl Arcs {
+impl GaussArcs {
     /// For arcs whose directions are to lead out: not against two others.
     pub fn clear(&mut self, outward: [Point; 2]) {
-        self.pieces.clear();
+        self.spans.clear();
         self.outward = outward;
     }
 
@@ -58,25 +58,25 @@ impl Arcs {
         }
         let turn = sub(&ways[0], &ways[1]);
         let (first, last) = (dot(&turn, &ends[0]), -dot(&turn, &ends[1]));
-        if first <= 0.0 || last <= 0.0 || self.pieces.len() >= MOST_PIECES {
+        if first <= 0.0 || last <= 0.0 || self.spans.len() >= MOST_SPANS {
             // One way is the longest at both ends, and so it is between them: nothing there is less deep.
             return;
         }
         if let Some(middle) = unit(&along(&scaled(&ends[0], last), first, &ends[1])) {
             let bound = dot(&ways[0], &middle).max(dot(&ways[1], &middle));
-            self.pieces.push(Piece { ends, ways, middle, bound });
+            self.spans.push(ArcSpan { ends, ways, middle, bound });
         }
     }
 
     /// The next directions to be tried, those first where least depth is possible, the last several times; none where all
     /// depths are beyond a limit.
     pub fn lowest(&mut self, limit: f64) -> Option<[Point; WIDE_LANES]> {
-        self.pieces.retain(|p| p.bound < limit);
-        if self.pieces.len() > WIDE_LANES {
-            self.pieces.sort_by(|p, q| p.bound.total_cmp(&q.bound));
+        self.spans.retain(|p| p.bound < limit);
+        if self.spans.len() > WIDE_LANES {
+            self.spans.sort_by(|p, q| p.bound.total_cmp(&q.bound));
         }
         self.asked.clear();
-        self.asked.extend(self.pieces.drain(..self.pieces.len().min(WIDE_LANES)));
+        self.asked.extend(self.spans.drain(..self.spans.len().min(WIDE_LANES)));
         let last = self.asked.len().checked_sub(1)?;
         Some(std::array::from_fn(|i| self.asked[i.min(last)].middle))
     }
@@ -88,7 +88,7 @@ impl Arcs {
 
     /// Takes the way found along one of them. Within the noise it is as deep as it was bound to be, and that piece is done.
     pub fn answer(&mut self, i: usize, way: Point, noise: f64) {
-        let Piece { ends, ways, middle, bound } = self.asked[i];
+        let ArcSpan { ends, ways, middle, bound } = self.asked[i];
         if dot(&way, &middle) > bound * (1.0 + 1e-6) + noise {
             self.push([ends[0], middle], [ways[0], way]);
             self.push([middle, ends[1]], [way, ways[1]]);
@@ -105,7 +105,7 @@ mod tests {
         let wave = |i: usize| unit(&[(0.7 * i as f64).sin(), (1.9 * i as f64).cos(), (1.3 * i as f64).sin()]).unwrap();
         let mut counts = [0; 2];
         for i in 0..200 {
-            let (ends, mut arcs) = ([wave(i), wave(3 * i + 7)], Arcs::default());
+            let (ends, mut arcs) = ([wave(i), wave(3 * i + 7)], GaussArcs::default());
             arcs.clear([wave(5 * i + 1), wave(7 * i + 2)]);
             let may = arcs.may_lead_out(&ends);
             counts[usize::from(may)] += 1;
@@ -131,7 +131,7 @@ mod tests {
                 continue;
             }
             let mut least = ends.iter().map(|d| dot(&longest(d), d)).fold(f64::INFINITY, f64::min);
-            let mut arcs = Arcs::default();
+            let mut arcs = GaussArcs::default();
             arcs.push(ends, ends.map(|d| longest(&d)));
             let mut asked = 0;
             while let Some(directions) = arcs.lowest(least) {

@@ -8,14 +8,14 @@
 use feeler_core::Point;
 
 use crate::constants::SHALLOWER;
-use crate::context::Ground;
-use crate::depth::axis::{Pair, Tried};
+use crate::context::QueryContext;
+use crate::depth::axis::{BodyPair, TriedAxis};
 use crate::depth::axis_blocked::BlockedAxes;
-use crate::depth::axis_search::Best;
-use crate::depth::directional_overlap::Overlap;
-use crate::depth::edge_axes::EdgePairs;
-use crate::depth::face_axes::{FirstDepth, Normals};
-use crate::depth::gauss_arcs::Arcs;
+use crate::depth::axis_search::AxisSearch;
+use crate::depth::directional_overlap::DirectionalOverlap;
+use crate::depth::edge_axes::EdgeAxes;
+use crate::depth::face_axes::{FaceAxes, FaceDepth};
+use crate::depth::gauss_arcs::GaussArcs;
 use crate::patch::body::{Facets, MOST_EDGES};
 
 /// Share of a depth that is all of it.
@@ -52,7 +52,7 @@ enum Overlapping {
 }
 
 impl Depth {
-    /// Of its plane: negative, or nothing. As long as the overlap is not [measured](Pair::measure), as much as it may be.
+    /// Of its plane: negative, or nothing. As long as the overlap is not [measured](BodyPair::measure), as much as it may be.
     pub fn gap(&self) -> f64 {
         let most = match self.overlap {
             Overlapping::NotAsked | Overlapping::All => self.depth,
@@ -79,25 +79,25 @@ impl Depth {
 
 /// Working memory.
 #[derive(Debug, Default)]
-pub(crate) struct Directions {
-    edge_pairs: EdgePairs,
-    normals: Normals,
-    arcs: Arcs,
-    overlap: Overlap,
+pub(crate) struct DepthScratch {
+    edge_pairs: EdgeAxes,
+    normals: FaceAxes,
+    arcs: GaussArcs,
+    overlap: DirectionalOverlap,
     /// Bodies of the tool with directions of planes and overlaps along them, for which it was asked whether others overlap by more; and
     /// whether nothing of the mock-up does.
     held: Vec<((usize, Point, f64), Option<bool>)>,
     blocked: BlockedAxes,
 }
 
-impl Directions {
-    /// See [`Normals::push_first_depths`].
-    pub fn push_first_depths<'a>(
+impl DepthScratch {
+    /// See [`FaceAxes::push_face_depths`].
+    pub fn push_face_depths<'a>(
         &mut self,
-        pairs: impl Iterator<Item = Pair<'a>> + Clone,
-        out: &mut Vec<(FirstDepth, [usize; 2])>,
+        pairs: impl Iterator<Item = BodyPair<'a>> + Clone,
+        out: &mut Vec<(FaceDepth, [usize; 2])>,
     ) {
-        self.normals.push_first_depths(pairs, &mut self.blocked, out);
+        self.normals.push_face_depths(pairs, &mut self.blocked, out);
     }
 
     /// For the bodies of another zone, so many of the tool and of the mock-up.
@@ -109,15 +109,15 @@ impl Directions {
     }
 }
 
-impl Pair<'_> {
+impl BodyPair<'_> {
     /// How deep two that are so deep along the best of their normals are along a plane's, if it holds them apart as well: where it
     /// is less deep than that, only if nothing goes on along it either.
-    pub fn held_depth(&self, plane: &Depth, depth: f64, directions: &mut Directions) -> Option<f64> {
+    pub fn held_depth(&self, plane: &Depth, depth: f64, directions: &mut DepthScratch) -> Option<f64> {
         let direction = plane.normal;
-        let tried = Tried { direction, high: self.high(&direction), low: self.low(&direction) };
+        let tried = TriedAxis { direction, high: self.high(&direction), low: self.low(&direction) };
         let is_held = tried.depth() <= plane.depth * (1.0 + SHALLOWER)
             && (plane.depth >= depth || {
-                let mut best = Best::new(self, &mut directions.blocked, None);
+                let mut best = AxisSearch::new(self, &mut directions.blocked, None);
                 best.leads_out(&direction) && !best.goes_on(&tried)
             });
         is_held.then(|| tried.depth())
@@ -134,9 +134,9 @@ impl Pair<'_> {
     }
 
     /// The least depth, from the first. `None` where no direction leads out.
-    pub fn least_depth(&self, first: &FirstDepth, directions: &mut Directions) -> Option<Depth> {
-        let Directions { edge_pairs, arcs, blocked, .. } = directions;
-        let mut best = Best::new(self, blocked, first.found);
+    pub fn least_depth(&self, first: &FaceDepth, directions: &mut DepthScratch) -> Option<Depth> {
+        let DepthScratch { edge_pairs, arcs, blocked, .. } = directions;
+        let mut best = AxisSearch::new(self, blocked, first.found);
         if (1..=MOST_EDGES).contains(&self.edge_pairs()) {
             best.try_all(edge_pairs.directions(self.lanes, self.tool, self.mockup, &self.outward()));
         }
@@ -151,21 +151,21 @@ impl Pair<'_> {
     }
 
     /// Whether the two overlap as much as they are deep along a direction. Looks once.
-    pub fn is_filled(&self, ground: &Ground<'_>, depth: &mut Depth, directions: &mut Directions) -> bool {
+    pub fn is_filled(&self, context: &QueryContext<'_>, depth: &mut Depth, directions: &mut DepthScratch) -> bool {
         if depth.overlap == Overlapping::NotAsked {
             let enough = ALL * depth.depth;
             depth.overlap = Overlapping::All;
             if depth.depth > 0.0 {
                 // Mostly it is much of that, and few triangles overlap by as much: what there is is measured at once.
-                self.find_overlap(ground, depth, MUCH * enough, enough, directions);
+                self.find_overlap(context, depth, MUCH * enough, enough, directions);
             }
         }
         depth.overlap == Overlapping::All
     }
 
     /// Makes a depth what the two overlap, where that is less. Where it is no more than `least` (metres), that is all that is said.
-    pub fn measure(&self, ground: &Ground<'_>, depth: &mut Depth, least: f64, directions: &mut Directions) {
-        self.is_filled(ground, depth, directions);
+    pub fn measure(&self, context: &QueryContext<'_>, depth: &mut Depth, least: f64, directions: &mut DepthScratch) {
+        self.is_filled(context, depth, directions);
         match depth.overlap {
             Overlapping::AtMost(most) if most > least => {}
             _ => return,
@@ -173,19 +173,19 @@ impl Pair<'_> {
         let enough = ALL * depth.depth;
         // Where they only touch there is a point too.
         let more = if least > 0.0 { least } else { -SHALLOWER * enough };
-        self.find_overlap(ground, depth, more, enough, directions);
+        self.find_overlap(context, depth, more, enough, directions);
     }
 
     /// Looks for an overlap of more than `least`, which may be nothing or a little less: then no more means none.
     fn find_overlap(
         &self,
-        ground: &Ground<'_>,
+        context: &QueryContext<'_>,
         depth: &mut Depth,
         least: f64,
         enough: f64,
-        directions: &mut Directions,
+        directions: &mut DepthScratch,
     ) {
-        let found = directions.overlap.most(ground, &self.sides(), &depth.normal, least, enough);
+        let found = directions.overlap.most(context, &self.sides(), &depth.normal, least, enough);
         let Some((most, at)) = found.filter(|(most, _)| *most < enough) else { return };
         depth.certain = false;
         if most > least {
@@ -199,16 +199,16 @@ impl Pair<'_> {
     /// the tool's body, it is asked for all that the mock-up has there: mostly none of it overlaps by more.
     pub fn overlaps_no_more(
         &self,
-        ground: &Ground<'_>,
+        context: &QueryContext<'_>,
         all: Facets<'_>,
         plane: &Depth,
-        directions: &mut Directions,
+        directions: &mut DepthScratch,
     ) -> bool {
         let most = -plane.gap();
-        let Directions { overlap, held, .. } = directions;
+        let DepthScratch { overlap, held, .. } = directions;
         let [tool, mockup] = self.sides();
         let mut is_more = |mockup| {
-            let found = overlap.most(ground, &[tool, mockup], &plane.normal, most, most);
+            let found = overlap.most(context, &[tool, mockup], &plane.normal, most, most);
             found.is_none_or(|(more, _)| more > most)
         };
         let key = (tool.number, plane.normal, most);
@@ -229,13 +229,13 @@ impl Pair<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::context::MOCKUP;
-    use crate::contour::contact_region::Zones;
-    use crate::contour::contact_region::{Cut, Face};
-    use crate::depth::axis_blocked::Onward;
+    use crate::contour::contact_region::ContactRegions;
+    use crate::contour::contact_region::{Face, Segment};
+    use crate::depth::axis_blocked::Blocker;
     use crate::patch::body::Body;
     use crate::patch::body::Facet;
     use crate::patch::support::push_eights;
+    use crate::surface::Surface;
     use crate::tests::{at, scene, tool};
     use feeler_core::geometry::vectors::{across, along, dot, scaled, sub, unit};
     use feeler_lanes::Level;
@@ -251,10 +251,12 @@ mod tests {
             push_eights(points, &mut eights);
             eights
         });
-        let body = |points, point_eights| Body { points, point_eights, cuts_of: &[(0, 0); 30], ..Body::of_facets(&[]) };
-        let zones = Zones::default();
+        let body =
+            |points, point_eights| Body { points, point_eights, segments_of: &[(0, 0); 30], ..Body::of_facets(&[]) };
+        let regions = ContactRegions::default();
         let lanes = Level::best().checked();
-        let pair = Pair { lanes, zones: &zones, tool: &body(&low, &low_eights), mockup: &body(&high, &high_eights) };
+        let pair =
+            BodyPair { lanes, regions: &regions, tool: &body(&low, &low_eights), mockup: &body(&high, &high_eights) };
         for d in (0..20).filter_map(|i| unit(&wave(100 + i))) {
             let depth = high.iter().flat_map(|p| low.iter().map(|q| dot(&sub(p, q), &d)).collect::<Vec<_>>());
             let depth = depth.fold(f64::NEG_INFINITY, f64::max);
@@ -269,11 +271,11 @@ mod tests {
             };
             let of = |depth: f64| plane(depth, 0.0);
             // The last two less deep than along the best of their normals: only where the plane's direction leads out.
-            let mut directions = Directions::default();
+            let mut directions = DepthScratch::default();
             directions.clear([1; 2]);
             let mut held =
-                |pair: &Pair<'_>, plane: f64, first: f64| pair.held_depth(&of(plane), first, &mut directions);
-            let inward = Pair { mockup: &Body { mean: scaled(&d, -1.0), ..*pair.mockup }, ..pair };
+                |pair: &BodyPair<'_>, plane: f64, first: f64| pair.held_depth(&of(plane), first, &mut directions);
+            let inward = BodyPair { mockup: &Body { mean: scaled(&d, -1.0), ..*pair.mockup }, ..pair };
             let is_it = |found: Option<f64>| found.is_some_and(|found| (found - depth).abs() < 1e-12);
             assert!(is_it(held(&pair, depth + 1e-9, 0.0)) && held(&pair, depth - 1e-4, 0.0).is_none(), "{d:?}");
             assert!(is_it(held(&inward, depth + 1e-9, depth)) && is_it(held(&pair, depth + 1e-9, depth + 1e-4)));
@@ -281,12 +283,13 @@ mod tests {
             // And only where the mock-up does not go on along it, higher than all of its points.
             let side = across(&d)[0];
             let face = |normal, by: f64| Face { normal, ..Face::new(0, [along(&mean, by, &d); 3], true) };
-            let mut zones = Zones::default();
-            zones.faces = [vec![face(d, 0.0)], vec![face(side, 9.0)]];
-            let cut = Cut { faces: [0; 2], points: (0, 1), flat: false };
-            let onward = Onward::advancing(&zones, MOCKUP, &cut, along(&mean, pair.high(&d), &d), &d).unwrap();
-            directions.blocked.known[MOCKUP][0].push(&onward);
-            let pair = Pair { zones: &zones, ..pair };
+            let mut regions = ContactRegions::default();
+            regions.faces = [vec![face(d, 0.0)], vec![face(side, 9.0)]];
+            let segment = Segment { faces: [0; 2], points: (0, 1), flat: false };
+            let onward =
+                Blocker::advancing(&regions, Surface::Mockup, &segment, along(&mean, pair.high(&d), &d), &d).unwrap();
+            directions.blocked.known[Surface::Mockup][0].push(&onward);
+            let pair = BodyPair { regions: &regions, ..pair };
             let mut held = |first: f64| pair.held_depth(&of(depth + 1e-9), first, &mut directions).is_some();
             assert!(held(depth) && !held(depth + 1e-4), "{d:?}");
             let (high, low) = (pair.high(&d), pair.low(&d));
@@ -308,15 +311,15 @@ mod tests {
         let blocks = scene(joined([block(0, 0.001), block(1, 0.002), block(2, 0.0002)]));
         let plate = tool(box_mesh([0.02, 0.0, 0.01], [0.1, 0.1, 0.02], 1));
         let pose = at(0.0, 0.0, 0.0);
-        let ground = Ground::new(&blocks, &plate, &pose, None);
+        let context = QueryContext::new(&blocks, &plate, &pose, None);
         let up = [0.0, 0.0, 1.0];
         let tops = [0, 1, 2].map(|i| Facet::over(up, 2 * i..2 * i + 2));
         let of_mockup = [8, 9, 20, 21, 32, 33];
         let of_tool = [Facet::over([0.0, 0.0, -1.0], 0..2)];
         let tool = Body { triangles: &[10, 11], ..Body::of_facets(&of_tool) };
-        let zones = Zones::default();
-        let lanes = ground.lanes;
-        let mut directions = Directions::default();
+        let regions = ContactRegions::default();
+        let lanes = context.lanes;
+        let mut directions = DepthScratch::default();
         directions.clear([1, 3]);
         // Asked in an order in which what is said of all comes before it is known of each.
         for (most, asked) in [(0.0010001, [0, 2, 1, 2]), (0.0020001, [0, 2, 1, 0]), (0.0019999, [2, 1, 0, 1])] {
@@ -324,8 +327,8 @@ mod tests {
             let plane = Depth { normal: up, depth: 0.01, overlap, high: 0.0, point: up, certain: false };
             for i in asked {
                 let mockup = Body { number: i, triangles: &of_mockup, ..Body::of_facets(&tops[i..i + 1]) };
-                let pair = Pair { lanes, zones: &zones, tool: &tool, mockup: &mockup };
-                let found = pair.overlaps_no_more(&ground, Facets::new(3, &tops, &of_mockup), &plane, &mut directions);
+                let pair = BodyPair { lanes, regions: &regions, tool: &tool, mockup: &mockup };
+                let found = pair.overlaps_no_more(&context, Facets::new(3, &tops, &of_mockup), &plane, &mut directions);
                 assert_eq!(found, [0.001, 0.002, 0.0002][i] < most, "{most} {i}");
             }
             let of_all = directions.held.iter().find(|held| held.0 .2 == most).unwrap().1;

@@ -9,7 +9,8 @@ use feeler_core::mesh::topology::adjacency::Adjacency;
 use feeler_core::tool::surface_links::SurfaceLinks;
 use feeler_core::{Aabb, Mesh, Point, Pose, Scene, Tool, Triangle};
 
-use crate::context::{Ground, MOCKUP};
+use crate::context::QueryContext;
+use crate::surface::Surface;
 
 /// Ways to the outside that are tried, each aside of the straight one by these shares of its length: odd ones, since a way that
 /// runs into an edge tells nothing, and edges lie along axes and diagonals.
@@ -35,21 +36,21 @@ fn surfaces_apart<'a>(links: &'a SurfaceLinks, scene: &Scene, pose: &Pose) -> im
 
 /// The parts that a tool which meets nothing is wholly inside of, by one of its connected surfaces at least, and those that have
 /// a connected surface wholly inside the tool; sorted.
-pub(crate) fn swallowed(scene: &Scene, tool: &Tool, pose: &Pose) -> Vec<u32> {
-    let mut found = find_swallowed(scene, tool, pose, usize::MAX);
+pub(crate) fn containing_parts(scene: &Scene, tool: &Tool, pose: &Pose) -> Vec<u32> {
+    let mut found = find_containment(scene, tool, pose, usize::MAX);
     found.sort_unstable();
     found.dedup();
     found
 }
 
 /// Whether there are any of these.
-pub(crate) fn is_any_swallowed(scene: &Scene, tool: &Tool, pose: &Pose) -> bool {
-    !find_swallowed(scene, tool, pose, 1).is_empty()
+pub(crate) fn contains_any(scene: &Scene, tool: &Tool, pose: &Pose) -> bool {
+    !find_containment(scene, tool, pose, 1).is_empty()
 }
 
 /// These parts, some of them twice; no more once there are `enough`.
-fn find_swallowed(scene: &Scene, tool: &Tool, pose: &Pose, enough: usize) -> Vec<u32> {
-    let ground = Ground::new(scene, tool, pose, None);
+fn find_containment(scene: &Scene, tool: &Tool, pose: &Pose, enough: usize) -> Vec<u32> {
+    let context = QueryContext::new(scene, tool, pose, None);
     let of_tool = tool.mesh().bounds();
     let around = box_at(pose, &of_tool, tool.margin_at(pose));
     let bounds = scene.mockup().part_bounds();
@@ -60,7 +61,7 @@ fn find_swallowed(scene: &Scene, tool: &Tool, pose: &Pose, enough: usize) -> Vec
     }
     let mut holding = Vec::new();
     for t in surfaces_apart(tool.links(), scene, pose) {
-        let p = ground.tool_triangle(t)[0];
+        let p = context.tool_triangle(t)[0];
         holding.clear();
         holding.extend(beside.iter().copied().filter(|part| is_in(&bounds[*part as usize], &p)));
         push_around(scene, &p, &holding, &mut found);
@@ -70,8 +71,8 @@ fn find_swallowed(scene: &Scene, tool: &Tool, pose: &Pose, enough: usize) -> Vec
     }
     let mut solid = None;
     for part in beside {
-        let of_part = ground.adjacency[MOCKUP].surfaces_of(part).iter();
-        let mut held = of_part.map(|(_, m)| ground.in_tool(&ground.mockup_triangle(*m)[0]));
+        let of_part = context.adjacency[Surface::Mockup].surfaces_of(part).iter();
+        let mut held = of_part.map(|(_, m)| context.in_tool(&context.mockup_triangle(*m)[0]));
         if held.any(|p| is_in(&of_tool, &p) && solid.get_or_insert_with(|| Solid::new(tool)).is_around(&p)) {
             found.push(part);
             if found.len() >= enough {
@@ -290,7 +291,7 @@ mod tests {
                 })
                 .map(|(part, _)| part)
                 .collect();
-            prop_assert_eq!(swallowed(&scene, &tool, &pose), expected);
+            prop_assert_eq!(containing_parts(&scene, &tool, &pose), expected);
         }
     }
 
@@ -338,7 +339,7 @@ mod tests {
         let inner = tool(box_mesh([0.0; 3], [1e-3; 3], 1));
         let place = sub(&p, &inner.mesh().triangle(0)[0]);
         let pose = at(place[0], place[1], place[2]);
-        assert_eq!(swallowed(&scene(fans), &inner, &pose), [0]);
+        assert_eq!(containing_parts(&scene(fans), &inner, &pose), [0]);
     }
 
     /// The point of the way from the origin to `q` at a coordinate.
@@ -361,16 +362,16 @@ mod tests {
         let of = |xs: Vec<f64>| tool(loose(&xs));
         let apart = |tool: &Tool| surfaces_apart(tool.links(), &held, &Pose::IDENTITY).count();
         let all_out = of(outside.clone());
-        assert_eq!((swallowed(&held, &all_out, &Pose::IDENTITY), apart(&all_out)), (vec![], 1));
+        assert_eq!((containing_parts(&held, &all_out, &Pose::IDENTITY), apart(&all_out)), (vec![], 1));
         for (at, expected) in [(0.1, vec![0]), (-0.3, vec![]), (0.92, vec![1])] {
             let one_in = of([outside.clone(), vec![at]].concat());
-            assert_eq!(swallowed(&held, &one_in, &Pose::IDENTITY), expected, "{at}");
-            assert_eq!(is_any_swallowed(&held, &one_in, &Pose::IDENTITY), !expected.is_empty(), "{at}");
+            assert_eq!(containing_parts(&held, &one_in, &Pose::IDENTITY), expected, "{at}");
+            assert_eq!(contains_any(&held, &one_in, &Pose::IDENTITY), !expected.is_empty(), "{at}");
             // In whatever order they come, what lies beyond a side of the plate is asked for itself.
             assert!((2..6).contains(&apart(&one_in)), "{at} {}", apart(&one_in));
         }
         let same = of(vec![0.1; 50]);
-        assert_eq!((swallowed(&held, &same, &Pose::IDENTITY), apart(&same)), (vec![0], 1));
+        assert_eq!((containing_parts(&held, &same, &Pose::IDENTITY), apart(&same)), (vec![0], 1));
     }
 
     #[test]
@@ -381,14 +382,14 @@ mod tests {
         let held = scene_of(vec![bar, plate]);
         let block = tool(box_mesh([0.0; 3], [0.001; 3], 1));
         assert_eq!(held.closest(&block, &Pose::IDENTITY, 1.0).unwrap().unwrap().part, 0);
-        assert_eq!(swallowed(&held, &block, &Pose::IDENTITY), [1]);
+        assert_eq!(containing_parts(&held, &block, &Pose::IDENTITY), [1]);
         // A ball of many triangles around it, far from the origin.
         let around =
             |x: f64| joined([ball(1.0, 40)].map(|(v, f)| (v.into_iter().map(|p| [p[0] + x, p[1], p[2]]).collect(), f)));
         for x in [0.0, 1e6, 1e9] {
             let held = scene(around(x));
-            assert_eq!(swallowed(&held, &block, &at(x, 0.3, 0.2)), [0], "{x}");
-            assert!(swallowed(&held, &block, &at(x + 0.8, 0.7, 0.0)).is_empty(), "{x}");
+            assert_eq!(containing_parts(&held, &block, &at(x, 0.3, 0.2)), [0], "{x}");
+            assert!(containing_parts(&held, &block, &at(x + 0.8, 0.7, 0.0)).is_empty(), "{x}");
         }
     }
 }

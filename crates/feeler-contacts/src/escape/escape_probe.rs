@@ -3,7 +3,7 @@
 use feeler_core::geometry::vectors::{across, add, along, length, scaled, sub, unit};
 use feeler_core::{Aabb, Gap, Point, Pose, Result, Scene, Tool};
 
-use crate::escape::containment::is_any_swallowed;
+use crate::escape::containment::contains_any;
 
 /// The first length that is tried, as a share of the longest, and by what each length is longer than the one before.
 const FIRST: f64 = 1.0 / 1024.0;
@@ -32,7 +32,13 @@ const MORE: usize = 8;
 
 /// A translation no longer than `longest` after which the tool is free (checked exactly) and not inside a solid, along one of the
 /// directions or near it: as short as was found. `None` where no length tried along any of them frees it.
-pub(crate) fn way_out(scene: &Scene, tool: &Tool, pose: &Pose, directions: &[Point], longest: f64) -> Option<Point> {
+pub(crate) fn escape_probe_axes(
+    scene: &Scene,
+    tool: &Tool,
+    pose: &Pose,
+    directions: &[Point],
+    longest: f64,
+) -> Option<Point> {
     let is_free = |d: &Point, length: f64| {
         pose.translated(&scaled(d, length)).is_ok_and(|moved| is_free_and_outside(scene, tool, &moved))
     };
@@ -82,18 +88,18 @@ pub(crate) fn way_out(scene: &Scene, tool: &Tool, pose: &Pose, directions: &[Poi
 
 /// Whether a tool meets nothing, and is not wholly inside a solid (or a solid inside it) either.
 pub(crate) fn is_free_and_outside(scene: &Scene, tool: &Tool, pose: &Pose) -> bool {
-    !scene.is_colliding(tool, pose) && !is_any_swallowed(scene, tool, pose)
+    !scene.is_colliding(tool, pose) && !contains_any(scene, tool, pose)
 }
 
-/// A way out of solids that have swallowed the tool, or that the tool has: along the shortest way between the surfaces, or as
-/// [`way_out`] finds.
-pub(crate) fn way_out_of_solids(scene: &Scene, tool: &Tool, pose: &Pose, parts: &[u32]) -> Result<Option<Point>> {
+/// A way out of solids that have containing_parts the tool, or that the tool has: along the shortest way between the surfaces, or as
+/// [`escape_probe_axes`] finds.
+pub(crate) fn escape_from_solids(scene: &Scene, tool: &Tool, pose: &Pose, parts: &[u32]) -> Result<Option<Point>> {
     let around = parts.iter().fold(Aabb::EMPTY, |b, part| b.union(&scene.mockup().part_bounds()[*part as usize]));
     let longest = length(&tool.mesh().bounds().extent()) + length(&around.extent());
     let mut directions = directions_of(pose);
     let nearest = nearest_of(scene, tool, pose, parts, longest)?;
     directions.extend(nearest.and_then(|gap| unit(&sub(&gap.on_mockup, &gap.on_tool))));
-    Ok(way_out(scene, tool, pose, &directions, longest))
+    Ok(escape_probe_axes(scene, tool, pose, &directions, longest))
 }
 
 /// Where some of the parts are the nearest, others perhaps before them.
@@ -109,7 +115,7 @@ fn nearest_of(scene: &Scene, tool: &Tool, pose: &Pose, parts: &[u32], within: f6
     }
 }
 
-/// Directions around one, so far from it.
+/// DepthScratch around one, so far from it.
 fn around(d: &Point, turn: f64) -> [Option<Point>; 6] {
     let [u, v] = across(d);
     SIDES.map(|[x, y]| unit(&along(d, turn, &add(&scaled(&u, x), &scaled(&v, y)))))
@@ -151,8 +157,8 @@ mod tests {
         let pose = at(0.0, 0.0, 0.1);
         let (up, down) = ([0.0, 0.0, 1.0], [0.0, 0.0, -1.0]);
         assert!(!plate.is_colliding(&block, &at(0.0, 0.0, 0.07)));
-        assert_eq!(way_out(&plate, &block, &pose, &[down], 0.03), None);
-        let way = way_out(&plate, &block, &pose, &[down, up], 0.03).unwrap();
+        assert_eq!(escape_probe_axes(&plate, &block, &pose, &[down], 0.03), None);
+        let way = escape_probe_axes(&plate, &block, &pose, &[down, up], 0.03).unwrap();
         assert!(way[2] >= 0.01 && length(&way) < 0.0105, "{way:?}");
     }
 
@@ -162,7 +168,7 @@ mod tests {
         let waves = sheet(12, 12, |s, t| [0.05 * s, 0.05 * t, 0.003 * (11.0 * s).sin() * (13.0 * t).sin()]);
         let (held, lying) = (scene(waves.clone()), tool(waves));
         assert!(held.is_colliding(&lying, &Pose::IDENTITY));
-        let way = way_out(&held, &lying, &Pose::IDENTITY, &directions_of(&Pose::IDENTITY), 0.1).unwrap();
+        let way = escape_probe_axes(&held, &lying, &Pose::IDENTITY, &directions_of(&Pose::IDENTITY), 0.1).unwrap();
         assert!(!held.is_colliding(&lying, &Pose::IDENTITY.translated(&way).unwrap()));
         let nothing = NOTHING * 0.1;
         assert!((0.1 * nothing..=nothing).contains(&length(&way)), "{way:?}");

@@ -5,8 +5,8 @@ use feeler_core::{Point, Pose, Result, Tool};
 
 use crate::constants::MOST_PLANES;
 use crate::contact_plane::{ContactPlane, Contacts};
-use crate::escape::containment::swallowed;
-use crate::escape::escape_probe::{directions_of, is_free_and_outside, way_out, way_out_of_solids};
+use crate::escape::containment::containing_parts;
+use crate::escape::escape_probe::{directions_of, escape_from_solids, escape_probe_axes, is_free_and_outside};
 use crate::escape::min_norm::{compromise, shortest};
 use crate::query::ContactQuery;
 
@@ -63,11 +63,11 @@ pub(crate) fn penetration(
     let beside = |deep: usize| (deep < MOST_PLANES).then_some(margin);
     let contacts = query.contacts_beside(beside, tool, pose, margin, reference)?;
     if !contacts.is_meeting {
-        let parts = swallowed(scene, tool, pose);
+        let parts = containing_parts(scene, tool, pose);
         let (translation, kind) = if parts.is_empty() {
             ([0.0; 3], PenetrationKind::Exact)
         } else {
-            let way = way_out_of_solids(scene, tool, pose, &parts)?;
+            let way = escape_from_solids(scene, tool, pose, &parts)?;
             way.map_or(([0.0; 3], PenetrationKind::Estimate), |way| (way, PenetrationKind::Bound))
         };
         return Ok(Penetration { depth: length(&translation), translation, kind, contacts });
@@ -90,7 +90,7 @@ pub(crate) fn penetration(
         }
     }
     if is_sought {
-        if let Some(way) = way_out(scene, tool, pose, &directions, limit) {
+        if let Some(way) = escape_probe_axes(scene, tool, pose, &directions, limit) {
             (translation, kind) = (way, PenetrationKind::Bound);
         }
     }

@@ -1,9 +1,9 @@
 //! Patches that belong together, seen as one bulging body.
 
-use crate::containers::bit_set::Sets;
-use crate::patch::convex_bodies::Clusters;
+use crate::containers::bit_set::BitSets;
+use crate::patch::convex_bodies::ConvexBodies;
 use crate::patch::extents::largest;
-use crate::patch::half_spaces::Sides;
+use crate::patch::half_spaces::HalfSpaces;
 use crate::patch::patches::Patches;
 use crate::patch::support::{highest, push_eights, Eight};
 use feeler_core::geometry::bounds::Point;
@@ -83,17 +83,17 @@ pub(crate) struct Bodies {
     facets: Vec<Facet>,
     points: Vec<Point>,
     /// For each point where its cuts are.
-    cuts_of: Vec<(u32, u32)>,
-    point_cuts: Vec<u32>,
+    segments_of: Vec<(u32, u32)>,
+    point_segments: Vec<u32>,
     /// For each patch its cuts, by their places in the zone.
-    patch_cuts: Sets,
+    patch_segments: BitSets,
     eights: Vec<Eight>,
     triangles: Vec<u32>,
     normals: Vec<(Point, f64)>,
     /// For each body the cuts it has a part in, by their places in the zone.
-    pub cuts: Sets,
+    pub segments: BitSets,
     /// The patches of one body.
-    own: Sides,
+    own: HalfSpaces,
 }
 
 /// A body, to be read.
@@ -108,8 +108,8 @@ pub(crate) struct Body<'a> {
     /// Of all patches.
     pub triangles: &'a [u32],
     /// For each point where among `point_cuts` its cuts are: those of the curve have several, others none.
-    pub cuts_of: &'a [(u32, u32)],
-    pub point_cuts: &'a [u32],
+    pub segments_of: &'a [(u32, u32)],
+    pub point_segments: &'a [u32],
     /// The normals of the first [`MOST_NORMALS`] facets and their mean, and how far the points reach along each.
     pub normals: &'a [(Point, f64)],
     /// Of the facets' normals, by area; zero where there is none.
@@ -135,8 +135,8 @@ impl<'a> Body<'a> {
             points: &[],
             point_eights: &[],
             triangles: &[],
-            cuts_of: &[],
-            point_cuts: &[],
+            segments_of: &[],
+            point_segments: &[],
             normals: &[],
             mean: [0.0; 3],
             size: 1.0,
@@ -151,8 +151,8 @@ impl Bodies {
     }
 
     /// Whether a body has a part in any cut.
-    pub fn is_cut(&self, i: usize) -> bool {
-        self.cuts.get(i).iter().any(|word| *word != 0)
+    pub fn is_on_contour(&self, i: usize) -> bool {
+        self.segments.get(i).iter().any(|word| *word != 0)
     }
 
     pub fn get(&self, i: usize) -> Body<'_> {
@@ -163,8 +163,8 @@ impl Bodies {
             points: &self.points[e.points.0..e.points.1],
             point_eights: &self.eights[e.point_eights.0..e.point_eights.1],
             triangles: &self.triangles,
-            cuts_of: &self.cuts_of[e.points.0..e.points.1],
-            point_cuts: &self.point_cuts,
+            segments_of: &self.segments_of[e.points.0..e.points.1],
+            point_segments: &self.point_segments,
             normals: &self.normals[e.normals.0..e.normals.1],
             mean: e.mean,
             size: e.size,
@@ -182,49 +182,54 @@ impl Bodies {
         &mut self,
         lanes: Checked,
         patches: &Patches,
-        clusters: &Clusters,
-        cuts: usize,
-        place_of_cut: impl Fn(u32) -> usize,
+        convex_bodies: &ConvexBodies,
+        segments: usize,
+        place_of_segment: impl Fn(u32) -> usize,
     ) {
         self.list.clear();
         self.patches.clear();
         self.facets.clear();
         self.points.clear();
-        self.cuts_of.clear();
-        self.point_cuts.clone_from(&patches.point_cuts);
+        self.segments_of.clear();
+        self.point_segments.clone_from(&patches.point_segments);
         self.eights.clear();
         self.triangles.clear();
         self.normals.clear();
-        self.cuts.clear(clusters.count, cuts);
-        self.patch_cuts.clear(patches.list.len(), cuts);
+        self.segments.clear(convex_bodies.count, segments);
+        self.patch_segments.clear(patches.list.len(), segments);
         for (p, patch) in patches.list.iter().enumerate() {
             let from = self.triangles.len();
             self.triangles.extend(patches.triangles(patch));
             let triangles = (from, self.triangles.len());
             self.patches.push(Facet { normal: patch.normal, size: patch.size, flat: patch.flat, triangles });
-            patches.cuts(patch).iter().for_each(|cut| self.patch_cuts.insert(p, place_of_cut(*cut)));
+            patches
+                .segments(patch)
+                .iter()
+                .for_each(|segment| self.patch_segments.insert(p, place_of_segment(*segment)));
         }
-        for (i, (own, lent)) in clusters.patches.iter().zip(&clusters.lent).enumerate().take(clusters.count) {
+        for (i, (own, shared_patches)) in
+            convex_bodies.patches.iter().zip(&convex_bodies.shared_patches).enumerate().take(convex_bodies.count)
+        {
             let from = (self.facets.len(), self.points.len());
-            for p in own.iter().chain(lent) {
+            for p in own.iter().chain(shared_patches) {
                 self.facets.push(self.patches[*p as usize]);
-                self.cuts.join(i, self.patch_cuts.get(*p as usize));
+                self.segments.join(i, self.patch_segments.get(*p as usize));
             }
             for patch in own.iter().map(|p| &patches.list[*p as usize]) {
                 self.points.extend_from_slice(patches.points(patch));
-                self.cuts_of.extend_from_slice(patches.cuts_of(patch));
+                self.segments_of.extend_from_slice(patches.segments_of(patch));
             }
-            if !lent.is_empty() {
+            if !shared_patches.is_empty() {
                 // Of these the part that is below all of the body's own.
                 let whole = self.points.len();
-                for patch in lent.iter().map(|p| &patches.list[*p as usize]) {
+                for patch in shared_patches.iter().map(|p| &patches.list[*p as usize]) {
                     self.points.extend_from_slice(patches.points(patch));
-                    self.cuts_of.extend_from_slice(patches.cuts_of(patch));
+                    self.segments_of.extend_from_slice(patches.segments_of(patch));
                 }
                 self.own.set(own.iter().map(|p| &patches.list[*p as usize]));
-                let kept = self.own.keep_below(lanes, &mut self.points[whole..], &mut self.cuts_of[whole..]);
+                let kept = self.own.keep_below(lanes, &mut self.points[whole..], &mut self.segments_of[whole..]);
                 self.points.truncate(whole + kept);
-                self.cuts_of.truncate(whole + kept);
+                self.segments_of.truncate(whole + kept);
             }
             let facets = &self.facets[from.0..];
             let sum = facets.iter().fold([0.0; 3], |s, p| along(&s, p.size * p.size, &p.normal));

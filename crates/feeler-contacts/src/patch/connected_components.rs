@@ -1,8 +1,9 @@
 //! Which pieces of a patch are connected.
 
-use crate::context::Ground;
-use crate::contour::contact_region::Places;
-use crate::patch::surface_patch::{Patch, Piece};
+use crate::context::QueryContext;
+use crate::contour::contact_region::FaceNumbers;
+use crate::patch::surface_patch::{Fragment, Patch};
+use crate::surface::Surface;
 use feeler_core::mesh::topology::adjacency::{Adjacency, NONE};
 use feeler_lanes::{Kernel, Simd, LANES};
 
@@ -11,55 +12,55 @@ const FEW: usize = 2 * LANES;
 
 /// Working memory.
 #[derive(Debug, Default)]
-pub(crate) struct Split {
+pub(crate) struct ConnectedComponents {
     /// For each piece the first of those it is connected with.
     first: Vec<u32>,
     /// Patches of many pieces.
     large: Vec<u32>,
     /// Pieces by the places of their triangles, where these are any's.
-    piece_of: Vec<u32>,
+    fragment_of: Vec<u32>,
     stack: Vec<u32>,
     /// Whether a piece of a patch has it.
     taken: Vec<bool>,
 }
 
-impl Split {
+impl ConnectedComponents {
     /// Gives each connected piece of a patch a patch of its own: two faces left and right of a slot have one plane, and yet
     /// each belongs to its own side. Only where the surface is closed and so its edges are known.
     ///
     /// `order` has the pieces patch by patch. Returns whether there are more patches now.
     pub fn part(
         &mut self,
-        ground: &Ground<'_>,
-        places: &Places,
-        w: usize,
+        context: &QueryContext<'_>,
+        places: &FaceNumbers,
+        surface: Surface,
         list: &mut Vec<Patch>,
-        pieces: &mut [Piece],
+        fragments: &mut [Fragment],
         order: &[u32],
     ) -> bool {
-        if list.len() == pieces.len() {
+        if list.len() == fragments.len() {
             return false;
         }
-        let adjacency = ground.adjacency[w];
-        let Split { first, large, .. } = self;
+        let adjacency = context.adjacency[surface];
+        let ConnectedComponents { first, large, .. } = self;
         first.clear();
-        first.resize(pieces.len(), NONE);
+        first.resize(fragments.len(), NONE);
         large.clear();
-        ground.lanes.run(Connect { adjacency, patches: list, pieces, order, first, large });
+        context.lanes.run(Connect { adjacency, patches: list, fragments, order, first, large });
         if !self.large.is_empty() {
-            self.connect_large(adjacency, places, w, list, pieces, order);
+            self.connect_large(adjacency, places, surface, list, fragments, order);
         }
         // The first connected piece keeps the patch.
-        let Split { first, taken, .. } = self;
+        let ConnectedComponents { first, taken, .. } = self;
         let count = list.len();
         taken.clear();
         taken.resize(count, false);
-        for i in 0..pieces.len() {
-            let patch = pieces[i].patch as usize;
+        for i in 0..fragments.len() {
+            let patch = fragments[i].patch as usize;
             if first[i] as usize != i {
-                pieces[i].patch = pieces[first[i] as usize].patch;
+                fragments[i].patch = fragments[first[i] as usize].patch;
             } else if std::mem::replace(&mut taken[patch], true) {
-                pieces[i].patch = list.len() as u32;
+                fragments[i].patch = list.len() as u32;
                 list.push(list[patch]);
             }
         }
@@ -70,20 +71,20 @@ impl Split {
     fn connect_large(
         &mut self,
         adjacency: &Adjacency,
-        places: &Places,
-        w: usize,
+        places: &FaceNumbers,
+        surface: Surface,
         list: &[Patch],
-        pieces: &[Piece],
+        fragments: &[Fragment],
         order: &[u32],
     ) {
-        let Split { first, large, piece_of, stack, .. } = self;
+        let ConnectedComponents { first, large, fragment_of, stack, .. } = self;
         // What the list has of other pieces stays there: whoever asks looks whether a piece is that of the triangle.
-        piece_of.resize(places.len(w).max(piece_of.len()), 0);
+        fragment_of.resize(places.len(surface).max(fragment_of.len()), 0);
         for patch in large.iter() {
             let of = list[*patch as usize].range(order);
             for i in of {
-                if let Some(place) = places.get(w, pieces[*i as usize].id) {
-                    piece_of[place as usize] = *i;
+                if let Some(place) = places.get(surface, fragments[*i as usize].id) {
+                    fragment_of[place as usize] = *i;
                 }
             }
             let mut left = of.len();
@@ -98,11 +99,13 @@ impl Split {
                     if left == 0 {
                         continue;
                     }
-                    let beside = adjacency.neighbours[pieces[j as usize].id as usize];
+                    let beside = adjacency.neighbours[fragments[j as usize].id as usize];
                     for n in beside.into_iter().filter(|n| *n != NONE) {
-                        let Some(place) = places.get(w, n) else { continue };
-                        let k = piece_of[place as usize];
-                        let is_it = pieces.get(k as usize).is_some_and(|piece| piece.id == n && piece.patch == *patch);
+                        let Some(place) = places.get(surface, n) else { continue };
+                        let k = fragment_of[place as usize];
+                        let is_it = fragments
+                            .get(k as usize)
+                            .is_some_and(|fragment| fragment.id == n && fragment.patch == *patch);
                         if is_it && first[k as usize] == NONE {
                             first[k as usize] = *i;
                             left -= 1;
@@ -119,7 +122,7 @@ impl Split {
 struct Connect<'a> {
     adjacency: &'a Adjacency,
     patches: &'a [Patch],
-    pieces: &'a [Piece],
+    fragments: &'a [Fragment],
     order: &'a [u32],
     first: &'a mut [u32],
     large: &'a mut Vec<u32>,
@@ -130,21 +133,21 @@ impl Kernel for Connect<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, _: S) {
-        let Connect { adjacency, patches, pieces, order, first, large } = self;
+        let Connect { adjacency, patches, fragments, order, first, large } = self;
         for (i, patch) in patches.iter().enumerate() {
             let of = patch.range(order);
             let mut is_closed = true;
             for i in of {
-                is_closed &= pieces[*i as usize].closed;
+                is_closed &= fragments[*i as usize].closed;
             }
             if of.len() == 1 || !is_closed {
                 for i in of {
                     first[*i as usize] = of[0];
                 }
             } else if of.len() <= LANES {
-                connect::<LANES>(adjacency, pieces, of, first);
+                connect::<LANES>(adjacency, fragments, of, first);
             } else if of.len() <= FEW {
-                connect::<FEW>(adjacency, pieces, of, first);
+                connect::<FEW>(adjacency, fragments, of, first);
             } else {
                 large.push(i as u32);
             }
@@ -154,10 +157,10 @@ impl Kernel for Connect<'_> {
 
 /// At most `N` pieces of a patch: each is compared with the neighbours of each, a bit for one.
 #[inline(always)]
-fn connect<const N: usize>(adjacency: &Adjacency, pieces: &[Piece], of: &[u32], first: &mut [u32]) {
+fn connect<const N: usize>(adjacency: &Adjacency, fragments: &[Fragment], of: &[u32], first: &mut [u32]) {
     let mut ids = [NONE; N];
     for (id, i) in ids.iter_mut().zip(of) {
-        *id = pieces[*i as usize].id;
+        *id = fragments[*i as usize].id;
     }
     let mut left = u32::MAX >> (u32::BITS as usize - of.len());
     while left != 0 {
@@ -181,12 +184,12 @@ fn connect<const N: usize>(adjacency: &Adjacency, pieces: &[Piece], of: &[u32], 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::context::MOCKUP;
+    use crate::surface::Surface;
     use feeler_lanes::Level;
 
     /// For each piece of a patch the first of those found from it over shared edges, or of all where one is open.
-    fn plainly_first(adjacency: &Adjacency, pieces: &[Piece], of: &[u32]) -> Vec<u32> {
-        if of.iter().any(|i| !pieces[*i as usize].closed) {
+    fn plainly_first(adjacency: &Adjacency, fragments: &[Fragment], of: &[u32]) -> Vec<u32> {
+        if of.iter().any(|i| !fragments[*i as usize].closed) {
             return vec![of[0]; of.len()];
         }
         let mut first = vec![NONE; of.len()];
@@ -195,8 +198,8 @@ mod tests {
             while let Some(k) = next.pop() {
                 if first[k] == NONE {
                     first[k] = of[from];
-                    let beside = adjacency.neighbours[pieces[of[k] as usize].id as usize];
-                    next.extend((0..of.len()).filter(|j| beside.contains(&pieces[of[*j] as usize].id)));
+                    let beside = adjacency.neighbours[fragments[of[k] as usize].id as usize];
+                    next.extend((0..of.len()).filter(|j| beside.contains(&fragments[of[*j] as usize].id)));
                 }
             }
         }
@@ -219,48 +222,49 @@ mod tests {
         let adjacency = Adjacency {
             outward: vec![1; neighbours.len()],
             neighbours,
-            regions: Vec::new(),
+            smooth_regions: Vec::new(),
             centre: [0.0; 3],
             surfaces: Vec::new(),
             has_cracks: false,
         };
         // Two rows are a patch, of which every other triangle, or more, is a piece; the pieces come in any order.
-        let mut pieces: Vec<Piece> = (0..rows * long)
+        let mut fragments: Vec<Fragment> = (0..rows * long)
             .map(|i| i * 1009 % (rows * long))
             .filter(|t| t % long < 4 * (t / long / 2) && (t % long % 5 > 0 || (t / long).is_multiple_of(4)))
-            .map(|t| Piece::new(t, None, (0, 0), t / long != 8))
+            .map(|t| Fragment::new(t, None, (0, 0), t / long != 8))
             .collect();
         let mut patches: Vec<Patch> = Vec::new();
         let mut order: Vec<u32> = Vec::new();
         for patch in 0..rows / 2 {
             let from = order.len() as u32;
-            order.extend((0..pieces.len() as u32).filter(|i| pieces[*i as usize].id / long / 2 == patch));
+            order.extend((0..fragments.len() as u32).filter(|i| fragments[*i as usize].id / long / 2 == patch));
             if order.len() as u32 > from {
-                order[from as usize..].iter().for_each(|i| pieces[*i as usize].patch = patches.len() as u32);
+                order[from as usize..].iter().for_each(|i| fragments[*i as usize].patch = patches.len() as u32);
                 patches.push(Patch::new([0.0; 3], [0.0; 3]));
                 patches.last_mut().unwrap().points = (from, order.len() as u32);
             }
         }
-        let mut places = Places::default();
-        pieces.iter().for_each(|piece| _ = places.number(MOCKUP, piece.id));
+        let mut places = FaceNumbers::default();
+        fragments.iter().for_each(|fragment| _ = places.number(Surface::Mockup, fragment.id));
         for level in Level::available() {
-            let mut split = Split { first: vec![NONE; pieces.len()], ..Split::default() };
-            let Split { first, large, .. } = &mut split;
+            let mut components =
+                ConnectedComponents { first: vec![NONE; fragments.len()], ..ConnectedComponents::default() };
+            let ConnectedComponents { first, large, .. } = &mut components;
             level.checked().run(Connect {
                 adjacency: &adjacency,
                 patches: &patches,
-                pieces: &pieces,
+                fragments: &fragments,
                 order: &order,
                 first,
                 large,
             });
             assert!(!large.is_empty() && large.len() < patches.len());
-            split.connect_large(&adjacency, &places, MOCKUP, &patches, &pieces, &order);
+            components.connect_large(&adjacency, &places, Surface::Mockup, &patches, &fragments, &order);
             let mut counts = [0; 2];
             for patch in &patches {
                 let of = patch.range(&order);
-                let expected = plainly_first(&adjacency, &pieces, of);
-                let found: Vec<u32> = of.iter().map(|i| split.first[*i as usize]).collect();
+                let expected = plainly_first(&adjacency, &fragments, of);
+                let found: Vec<u32> = of.iter().map(|i| components.first[*i as usize]).collect();
                 assert_eq!(found, expected, "{level:?} {}", of.len());
                 counts[usize::from(of.len() <= FEW && expected.iter().any(|i| *i != of[0]))] += 1;
             }

@@ -1,7 +1,7 @@
 //! Patches that bulge the same way together.
 
-use crate::containers::bit_set::{is_meeting, Sets};
-use crate::patch::half_space_filter::Judge;
+use crate::containers::bit_set::{is_meeting, BitSets};
+use crate::patch::half_space_filter::HalfSpaceFilter;
 use crate::patch::patches::Patches;
 use feeler_core::geometry::bounds::Point;
 use feeler_lanes::Checked;
@@ -9,30 +9,30 @@ use feeler_lanes::Checked;
 /// Patches of which none stands out over the plane of another: together, part of a convex body. The largest first. Kept as
 /// working memory.
 #[derive(Debug, Default)]
-pub(crate) struct Clusters {
+pub(crate) struct ConvexBodies {
     /// Patches of each.
     pub patches: Vec<Vec<u32>>,
     /// Patches of which a part belongs to it.
-    pub lent: Vec<Vec<u32>>,
+    pub shared_patches: Vec<Vec<u32>>,
     /// How many there are; what lies behind in the lists is memory.
     pub count: usize,
-    members: Sets,
-    judge: Judge,
+    members: BitSets,
+    judge: HalfSpaceFilter,
     /// For each patch the patches over whose planes its middle stands out.
-    over: Sets,
+    over: BitSets,
     /// For each patch those whose middles stand out over its plane.
-    below: Sets,
+    below: BitSets,
     /// Over which planes each corner of a patch stands out.
-    corner_over: Sets,
+    corner_over: BitSets,
     /// Those under whose planes the same corner or middle is.
-    under: Sets,
+    under: BitSets,
     /// Patches that a patch or a part of it is not with.
     barred: Vec<u64>,
     middles: Vec<Point>,
     straddling: Vec<u32>,
 }
 
-impl Clusters {
+impl ConvexBodies {
     /// Sorts patches, the largest first, into clusters.
     ///
     /// A patch that reaches from behind another's plane to before it, as the end of an L does with both its legs, makes no body
@@ -67,18 +67,18 @@ impl Clusters {
         }
         let bodies = self.count;
         for i in straddling.drain(..) {
-            let mut lent = false;
+            let mut shared_patches = false;
             let corners = patches.corners(&patches.list[i as usize]);
             self.barred.clear();
             self.barred.extend_from_slice(self.below.get(i as usize));
             self.corner_over.join_common(corners, &mut self.barred);
             for c in 0..bodies {
                 if self.is_partly_within(corners, c) {
-                    lent = true;
-                    self.lent[c].push(i);
+                    shared_patches = true;
+                    self.shared_patches[c].push(i);
                 }
             }
-            if !lent {
+            if !shared_patches {
                 self.join_or_found(i, bodies);
             }
         }
@@ -93,10 +93,10 @@ impl Clusters {
         let c = (from..self.count).find(fits).unwrap_or_else(|| {
             if self.patches.len() == self.count {
                 self.patches.push(Vec::new());
-                self.lent.push(Vec::new());
+                self.shared_patches.push(Vec::new());
             }
             self.patches[self.count].clear();
-            self.lent[self.count].clear();
+            self.shared_patches[self.count].clear();
             self.count += 1;
             self.count - 1
         });

@@ -6,7 +6,7 @@ use feeler_core::geometry::bounds::Point;
 use feeler_core::geometry::vectors::{length, scaled, sub};
 use feeler_lanes::{Checked, Kernel, Simd, WIDE_LANES};
 
-/// Directions along which the outermost points of a patch stand for all of them: axes and diagonals of a cube, and one again.
+/// DepthScratch along which the outermost points of a patch stand for all of them: axes and diagonals of a cube, and one again.
 const OUTERMOST: [Point; WIDE_LANES] = [
     [1.0, 0.0, 0.0],
     [0.0, 1.0, 0.0],
@@ -20,7 +20,7 @@ const OUTERMOST: [Point; WIDE_LANES] = [
 
 /// What is asked of the points of a patch.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Outline {
+pub(crate) struct Extents {
     /// Their mean.
     pub middle: Point,
     /// Diagonal of the box around them.
@@ -29,18 +29,18 @@ pub(crate) struct Outline {
     pub outermost: [[f64; WIDE_LANES]; 2],
 }
 
-/// The outlines of patches, whose points are among `points`.
-pub(crate) fn outlines(lanes: Checked, points: &[Point], patches: &[Patch], out: &mut Vec<Outline>) {
-    lanes.run(Outlined { points, patches, out });
+/// The measure_extents of patches, whose points are among `points`.
+pub(crate) fn measure_extents(lanes: Checked, points: &[Point], patches: &[Patch], out: &mut Vec<Extents>) {
+    lanes.run(MeasureExtents { points, patches, out });
 }
 
-struct Outlined<'a> {
+struct MeasureExtents<'a> {
     points: &'a [Point],
     patches: &'a [Patch],
-    out: &'a mut Vec<Outline>,
+    out: &'a mut Vec<Extents>,
 }
 
-impl Kernel for Outlined<'_> {
+impl Kernel for MeasureExtents<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -53,7 +53,7 @@ impl Kernel for Outlined<'_> {
             let [low, high, sum] =
                 if points.len() > MOST_CORNERS { reach(s, &d, points, &mut outermost) } else { bounds(points) };
             let middle = scaled(&sum, 1.0 / points.len() as f64);
-            self.out.push(Outline { middle, size: length(&sub(&high, &low)), outermost });
+            self.out.push(Extents { middle, size: length(&sub(&high, &low)), outermost });
         }
     }
 }
@@ -144,7 +144,7 @@ mod tests {
             let mut patches = ranges.map(|_| Patch::new([0.0; 3], [0.0; 3]));
             patches.iter_mut().zip(ranges).for_each(|(patch, points)| patch.points = points);
             let mut found = Vec::new();
-            outlines(level.checked(), &points, &patches, &mut found);
+            measure_extents(level.checked(), &points, &patches, &mut found);
             for ((from, to), found) in ranges.into_iter().zip(&found) {
                 let points = &points[from as usize..to as usize];
                 let mut bounds = Aabb::EMPTY;

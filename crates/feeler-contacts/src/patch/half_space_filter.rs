@@ -1,7 +1,7 @@
 //! Over and under the planes of which patches points clearly are, sixteen patches at once.
 
 use crate::constants::HOLLOW;
-use crate::containers::bit_set::Sets;
+use crate::containers::bit_set::BitSets;
 use crate::patch::surface_patch::Patch;
 use feeler_core::geometry::bounds::Point;
 use feeler_core::geometry::vectors::{dot, sub};
@@ -24,13 +24,13 @@ struct Sixteen {
 /// Patches by which to judge points, seen from a place among them and so large that float32 will do: what is clear is so by a
 /// share of a patch's distance that is far above its rounding.
 #[derive(Debug, Default)]
-pub(crate) struct Judge {
+pub(crate) struct HalfSpaceFilter {
     sixteens: Vec<Sixteen>,
     origin: Point,
     scale: f64,
 }
 
-impl Judge {
+impl HalfSpaceFilter {
     pub fn set(&mut self, patches: &[Patch]) {
         self.sixteens.clear();
         self.origin = patches.first().map_or([0.0; 3], |patch| patch.middle);
@@ -54,16 +54,16 @@ impl Judge {
 
     /// Puts into the sets `over` and `under` of each point the patches over and under whose planes it clearly is: farther from
     /// it than a share of the distance from the patch's middle.
-    pub fn judge(&self, lanes: Checked, points: &[Point], over: &mut Sets, under: &mut Sets) {
+    pub fn judge(&self, lanes: Checked, points: &[Point], over: &mut BitSets, under: &mut BitSets) {
         lanes.run(Judging { judge: self, points, over, under });
     }
 }
 
 struct Judging<'a> {
-    judge: &'a Judge,
+    judge: &'a HalfSpaceFilter,
     points: &'a [Point],
-    over: &'a mut Sets,
-    under: &'a mut Sets,
+    over: &'a mut BitSets,
+    under: &'a mut BitSets,
 }
 
 impl Kernel for Judging<'_> {
@@ -119,11 +119,11 @@ mod tests {
                     patch
                 };
                 let patches: Vec<Patch> = (0..count).map(patch).collect();
-                let mut judge = Judge::default();
+                let mut judge = HalfSpaceFilter::default();
                 judge.set(&patches);
                 let mut doubtful = 0;
                 for level in Level::available() {
-                    let (mut over, mut under) = (Sets::default(), Sets::default());
+                    let (mut over, mut under) = (BitSets::default(), BitSets::default());
                     over.clear(points.len(), count);
                     under.clear(points.len(), count);
                     judge.judge(level.checked(), &points, &mut over, &mut under);

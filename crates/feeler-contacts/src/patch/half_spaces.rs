@@ -20,11 +20,11 @@ struct Eight {
 
 /// Patches under whose planes points are to be.
 #[derive(Debug, Default)]
-pub(crate) struct Sides {
+pub(crate) struct HalfSpaces {
     eights: Vec<Eight>,
 }
 
-impl Sides {
+impl HalfSpaces {
     pub fn set<'a>(&mut self, patches: impl Iterator<Item = &'a Patch>) {
         self.eights.clear();
         for (i, patch) in patches.enumerate() {
@@ -53,7 +53,7 @@ impl Sides {
 }
 
 struct KeepBelow<'a> {
-    sides: &'a Sides,
+    sides: &'a HalfSpaces,
     points: &'a mut [Point],
     with: &'a mut [(u32, u32)],
 }
@@ -63,7 +63,7 @@ impl Kernel for KeepBelow<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) -> usize {
-        let KeepBelow { sides: Sides { eights }, points, with } = self;
+        let KeepBelow { sides: HalfSpaces { eights }, points, with } = self;
         let mut kept = 0;
         for i in 0..points.len() {
             let p = points[i];
@@ -116,7 +116,7 @@ mod tests {
                 let (way, height) = (sub(x, &p.middle), dot(&sub(x, &p.at), &p.normal));
                 height > 0.0 && height * height > share * share * dot(&way, &way)
             };
-            let mut sides = Sides::default();
+            let mut sides = HalfSpaces::default();
             sides.set(patches.iter());
             for level in Level::available() {
                 let is_below = |x: &Point| !patches.iter().any(|p| stands_out(p, x));

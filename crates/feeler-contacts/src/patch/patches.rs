@@ -4,13 +4,14 @@
 use std::hint::select_unpredictable;
 
 use crate::containers::counting_sort::lay_out;
-use crate::containers::interner::Numbered;
-use crate::containers::point_interner::PointSet;
-use crate::context::Ground;
-use crate::contour::contact_region::Zones;
-use crate::patch::connected_components::Split;
-use crate::patch::extents::{outlines, Outline};
-use crate::patch::surface_patch::{Patch, Piece, MOST_CORNERS};
+use crate::containers::interner::Interner;
+use crate::containers::point_interner::PointInterner;
+use crate::context::QueryContext;
+use crate::contour::contact_region::ContactRegions;
+use crate::patch::connected_components::ConnectedComponents;
+use crate::patch::extents::{measure_extents, Extents};
+use crate::patch::surface_patch::{Fragment, Patch, MOST_CORNERS};
+use crate::surface::{Side, Surface};
 use feeler_core::geometry::bounds::Point;
 use feeler_core::geometry::triangle_normals::eight_normals;
 use feeler_core::geometry::vectors::{dot, normal, scaled};
@@ -31,25 +32,25 @@ pub(crate) struct Patches {
     /// Their numbers: what several patches share has one.
     numbers: Vec<u32>,
     /// For each of them where its cuts are: those of the curve have several, others none.
-    cuts_of: Vec<(u32, u32)>,
+    segments_of: Vec<(u32, u32)>,
     /// Cuts, point by point.
-    pub point_cuts: Vec<u32>,
+    pub point_segments: Vec<u32>,
     /// Corners of patches by their places among the corners' points, each once.
     corners: Vec<u32>,
     corner_points: Vec<Point>,
     /// For each number of a point its place there, or [`NONE`].
     corner_of: Vec<u32>,
-    pieces: Vec<Piece>,
+    fragments: Vec<Fragment>,
     /// Points piece by piece, with the cuts of those that are the curve's, or [`NONE`].
-    piece_points: Vec<(Point, u32)>,
+    fragment_points: Vec<(Point, u32)>,
     /// Pieces that are whole triangles of curved closed surfaces.
     curved: Vec<u32>,
     founded: Founded,
-    split: Split,
+    components: ConnectedComponents,
     /// Pieces patch by patch.
     order: Vec<u32>,
     gathering: Gathering,
-    outlines: Vec<Outline>,
+    measure_extents: Vec<Extents>,
     by_size: Sorter,
     in_order: Vec<Patch>,
 }
@@ -58,7 +59,7 @@ pub(crate) struct Patches {
 #[derive(Debug, Default)]
 struct Founded {
     /// Regions as this surface has them, and for each number the patch.
-    numbers: Numbered,
+    numbers: Interner,
     patches: Vec<u32>,
     /// Whether what founded a patch is in its region's plane.
     in_plane: Vec<bool>,
@@ -68,7 +69,7 @@ struct Founded {
 #[derive(Debug, Default)]
 struct Gathering {
     /// Points of the surface, each once, and how many.
-    known: PointSet,
+    known: PointInterner,
     distinct: usize,
     /// For each of [`Patches::piece_points`] its number.
     all_numbers: Vec<u32>,
@@ -85,19 +86,21 @@ impl Patches {
     }
 
     /// For each of them where its cuts are among [`point_cuts`](Self::point_cuts).
-    pub fn cuts_of(&self, patch: &Patch) -> &[(u32, u32)] {
-        patch.range(&self.cuts_of)
+    pub fn segments_of(&self, patch: &Patch) -> &[(u32, u32)] {
+        patch.range(&self.segments_of)
     }
 
     /// The cuts of a patch, each for every point of it that it has.
-    pub fn cuts(&self, patch: &Patch) -> &[u32] {
-        let (first, last) = (self.cuts_of[patch.points.0 as usize], self.cuts_of[patch.points.1 as usize - 1]);
-        &self.point_cuts[first.0 as usize..last.1 as usize]
+    pub fn segments(&self, patch: &Patch) -> &[u32] {
+        let (first, last) = (self.segments_of[patch.points.0 as usize], self.segments_of[patch.points.1 as usize - 1]);
+        &self.point_segments[first.0 as usize..last.1 as usize]
     }
 
     /// The triangles of a patch.
     pub fn triangles(&self, patch: &Patch) -> impl Iterator<Item = u32> + '_ {
-        self.order[patch.pieces.0 as usize..patch.pieces.1 as usize].iter().map(|i| self.pieces[*i as usize].id)
+        self.order[patch.fragments.0 as usize..patch.fragments.1 as usize]
+            .iter()
+            .map(|i| self.fragments[*i as usize].id)
     }
 
     /// The outermost points of a patch along a few directions, by their places among [`all_corners`](Self::all_corners), some of
@@ -112,107 +115,112 @@ impl Patches {
     }
 
     /// Makes the patches of a surface (`w`: the tool's or the mock-up's) in a zone.
-    pub fn set(&mut self, ground: &Ground<'_>, zones: &Zones, zone: usize, w: usize) {
-        self.pieces.clear();
-        self.piece_points.clear();
-        self.push_cut_faces(zones, zone, w);
-        self.push_inside(ground, zones, zone, w);
-        self.found(ground, w);
+    pub fn set(&mut self, context: &QueryContext<'_>, regions: &ContactRegions, region: usize, surface: Surface) {
+        self.fragments.clear();
+        self.fragment_points.clear();
+        self.push_contour_faces(regions, region, surface);
+        self.push_inside(context, regions, region, surface);
+        self.found(context, surface);
         self.group();
-        let Patches { list, pieces, order, split, .. } = self;
-        if split.part(ground, &zones.places, w, list, pieces, order) {
+        let Patches { list, fragments, order, components, .. } = self;
+        if components.part(context, &regions.places, surface, list, fragments, order) {
             self.group();
         }
         self.gather();
-        self.finish(ground.lanes);
+        self.finish(context.lanes);
     }
 
-    fn push_cut_faces(&mut self, zones: &Zones, zone: usize, w: usize) {
-        let face_of = |c: &u32| zones.cuts[*c as usize].faces[w];
-        for same in zones.cuts_of(zone, w).chunk_by(|x, y| face_of(x) == face_of(y)) {
-            let face = &zones.faces[w][face_of(&same[0]) as usize];
-            let from = self.piece_points.len() as u32;
+    fn push_contour_faces(&mut self, regions: &ContactRegions, region: usize, surface: Surface) {
+        let face_of = |c: &u32| regions.segments[*c as usize].faces[surface];
+        for same in regions.segments_of(region, surface).chunk_by(|x, y| face_of(x) == face_of(y)) {
+            let face = &regions.faces[surface][face_of(&same[0]) as usize];
+            let from = self.fragment_points.len() as u32;
             for c in same {
-                let shared = zones.cuts[*c as usize].points;
-                let points = &zones.points[shared.0 as usize..shared.1 as usize];
-                self.piece_points.extend(points.iter().map(|x| (*x, *c)));
+                let shared = regions.segments[*c as usize].points;
+                let points = &regions.points[shared.0 as usize..shared.1 as usize];
+                self.fragment_points.extend(points.iter().map(|x| (*x, *c)));
             }
             for (k, side) in face.side.iter().enumerate() {
-                if *side < 0 && face.is_corner_of(k, |c| zones.zone_of_cut[c as usize] == zone as u32) {
-                    self.piece_points.push((face.corners[k], NONE));
+                if *side == Side::Inside
+                    && face.is_corner_of(k, |c| regions.region_of_segment[c as usize] == region as u32)
+                {
+                    self.fragment_points.push((face.corners[k], NONE));
                 }
             }
-            let points = (from, self.piece_points.len() as u32);
-            self.pieces.push(Piece::new(face.id, Some(face.normal), points, face.closed));
+            let points = (from, self.fragment_points.len() as u32);
+            self.fragments.push(Fragment::new(face.id, Some(face.normal), points, face.closed));
         }
     }
 
-    fn push_inside(&mut self, ground: &Ground<'_>, zones: &Zones, zone: usize, w: usize) {
-        let Adjacency { regions, outward, .. } = ground.adjacency[w];
+    fn push_inside(&mut self, context: &QueryContext<'_>, regions: &ContactRegions, region: usize, surface: Surface) {
+        let Adjacency { smooth_regions, outward, .. } = context.adjacency[surface];
         self.curved.clear();
-        for [t, cut] in zones.inside_of(zone, w) {
+        for [t, segment] in regions.inside_of(region, surface) {
             // The corners of thin ones are their neighbours' too.
-            if regions[*t as usize].is_thin() {
+            if smooth_regions[*t as usize].is_thin() {
                 continue;
             }
-            let (corners, near) = (ground.triangle(w, *t), zones.face(w, *cut));
-            let from = self.piece_points.len() as u32;
-            self.piece_points.extend(corners.map(|x| (x, NONE)));
+            let (corners, near) = (context.triangle(surface, *t), regions.face(surface, *segment));
+            let from = self.fragment_points.len() as u32;
+            self.fragment_points.extend(corners.map(|x| (x, NONE)));
             let is_known = near.closed && outward[*t as usize] != 0;
-            let turned = || normal(&corners).map(|n| ground.turned_outward(w, *t, &n, near.closed, &near.normal));
+            let turned =
+                || normal(&corners).map(|n| context.turned_outward(surface, *t, &n, near.closed, &near.normal));
             let normal = if is_known { None } else { turned() };
-            if is_known && !regions[*t as usize].is_in_plane() {
-                self.curved.push(self.pieces.len() as u32);
+            if is_known && !smooth_regions[*t as usize].is_in_plane() {
+                self.curved.push(self.fragments.len() as u32);
             }
-            self.pieces.push(Piece::new(*t, normal, (from, from + 3), near.closed));
+            self.fragments.push(Fragment::new(*t, normal, (from, from + 3), near.closed));
         }
-        let Patches { pieces, piece_points, curved, .. } = self;
+        let Patches { fragments, fragment_points, curved, .. } = self;
         for some in curved.chunks(WIDE_LANES) {
             let corners = |i: usize| {
-                let from = pieces[some[i] as usize].points.0 as usize;
-                [0, 1, 2].map(|k| &piece_points[from + k].0)
+                let from = fragments[some[i] as usize].points.0 as usize;
+                [0, 1, 2].map(|k| &fragment_points[from + k].0)
             };
-            let (normals, _) = eight_normals(ground.lanes, some.len(), 0.0, corners);
+            let (normals, _) = eight_normals(context.lanes, some.len(), 0.0, corners);
             for (i, n) in some.iter().zip(normals) {
-                let piece = &mut pieces[*i as usize];
-                piece.normal = n.map(|n| scaled(&n, ground.sense(w, piece.id)));
+                let fragment = &mut fragments[*i as usize];
+                fragment.normal = n.map(|n| scaled(&n, context.sense(surface, fragment.id)));
             }
         }
     }
 
     /// Gives each piece the patch of its region, which the first of them founds. What faces the other way, as in open surfaces some
     /// may, has one of its own.
-    fn found(&mut self, ground: &Ground<'_>, w: usize) {
-        let Patches { list, pieces, founded: Founded { numbers, patches, in_plane }, .. } = self;
+    fn found(&mut self, context: &QueryContext<'_>, surface: Surface) {
+        let Patches { list, fragments, founded: Founded { numbers, patches, in_plane }, .. } = self;
         list.clear();
         numbers.clear();
         patches.clear();
         in_plane.clear();
-        for piece in pieces {
-            let region = ground.adjacency[w].regions[piece.id as usize];
-            let key = u64::from(region.number()) << 2 | u64::from(piece.closed) << 1;
+        for fragment in fragments {
+            let smooth_region = context.adjacency[surface].smooth_regions[fragment.id as usize];
+            let key = u64::from(smooth_region.number()) << 2 | u64::from(fragment.closed) << 1;
             let (mut number, mut is_new) = numbers.number(key);
-            if let (false, Some(n)) = (is_new, &piece.normal) {
+            if let (false, Some(n)) = (is_new, &fragment.normal) {
                 if dot(n, &list[patches[number as usize] as usize].normal) < 0.0 {
                     (number, is_new) = numbers.number(key | 1);
                 }
             }
-            let of_winding = || normal(&ground.triangle(w, piece.id)).map(|n| scaled(&n, ground.sense(w, piece.id)));
-            let outward = || piece.normal.or_else(of_winding).unwrap_or_default();
+            let of_winding = || {
+                normal(&context.triangle(surface, fragment.id)).map(|n| scaled(&n, context.sense(surface, fragment.id)))
+            };
+            let outward = || fragment.normal.or_else(of_winding).unwrap_or_default();
             if is_new {
                 let normal = outward();
                 patches.push(if list.len() < MOST_PATCHES {
-                    list.push(Patch::new(normal, ground.corner(w, piece.id)));
-                    in_plane.push(region.is_in_plane());
+                    list.push(Patch::new(normal, context.corner(surface, fragment.id)));
+                    in_plane.push(smooth_region.is_in_plane());
                     list.len() as u32 - 1
                 } else {
                     let along = |i: &u32| dot(&list[*i as usize].normal, &normal);
                     (0..list.len() as u32).max_by(|i, j| along(i).total_cmp(&along(j))).unwrap_or(0)
                 });
             }
-            piece.patch = patches[number as usize];
-            let patch = &mut list[piece.patch as usize];
-            let is_known = !is_new && region.is_in_plane() && in_plane[piece.patch as usize];
+            fragment.patch = patches[number as usize];
+            let patch = &mut list[fragment.patch as usize];
+            let is_known = !is_new && smooth_region.is_in_plane() && in_plane[fragment.patch as usize];
             patch.flat = patch.flat && (is_known || 1.0 - dot(&patch.normal, &outward()) <= ONE_PLANE);
         }
     }
@@ -220,36 +228,37 @@ impl Patches {
     /// Puts the pieces of each patch together, in their order. Until the points are known, where they begin and end is where the
     /// points do.
     fn group(&mut self) {
-        let Patches { list, pieces, order, .. } = self;
+        let Patches { list, fragments, order, .. } = self;
         list.iter_mut().for_each(|patch| patch.points = (0, 0));
-        pieces.iter().for_each(|piece| list[piece.patch as usize].points.1 += 1);
+        fragments.iter().for_each(|fragment| list[fragment.patch as usize].points.1 += 1);
         lay_out(list.iter_mut().map(|patch| &mut patch.points));
-        order.resize(pieces.len(), 0);
-        for (i, piece) in (0..).zip(pieces.iter()) {
-            let end = &mut list[piece.patch as usize].points.1;
+        order.resize(fragments.len(), 0);
+        for (i, fragment) in (0..).zip(fragments.iter()) {
+            let end = &mut list[fragment.patch as usize].points.1;
             order[*end as usize] = i;
             *end += 1;
         }
-        list.iter_mut().for_each(|patch| patch.pieces = patch.points);
+        list.iter_mut().for_each(|patch| patch.fragments = patch.points);
     }
 
     /// Puts the points of each patch together, in the order of its pieces.
     fn gather(&mut self) {
-        let Patches { list, points, numbers, cuts_of, point_cuts, pieces, piece_points, order, .. } = self;
+        let Patches { list, points, numbers, segments_of, point_segments, fragments, fragment_points, order, .. } =
+            self;
         let Gathering { known, distinct, all_numbers, latest, curve } = &mut self.gathering;
-        let most = piece_points.len();
+        let most = fragment_points.len();
         let mut known = known.begin(most);
         // Of all these only so many count as are written; what the lists had before is overwritten.
         points.resize(most.max(points.len()), [0.0; 3]);
         numbers.resize(most.max(numbers.len()), 0);
         curve.resize(most.max(curve.len()), (0, 0));
-        for pairs in [&mut *cuts_of, &mut *latest] {
+        for pairs in [&mut *segments_of, &mut *latest] {
             pairs.clear();
             pairs.resize(most, (0, 0));
         }
-        // Numbered one after the other: no branch, and few registers.
+        // Interner one after the other: no branch, and few registers.
         all_numbers.resize(most.max(all_numbers.len()), 0);
-        for ((x, _), number) in piece_points.iter().zip(&mut all_numbers[..most]) {
+        for ((x, _), number) in fragment_points.iter().zip(&mut all_numbers[..most]) {
             *number = known.insert(x) as u32;
         }
         *distinct = known.len();
@@ -257,47 +266,47 @@ impl Patches {
         // stay in registers.
         let (mut count, mut on_curve) = (0, 0);
         let (new_points, numbers, curve) = (&mut points[..], &mut numbers[..], &mut curve[..]);
-        let (counts, latest, order, pieces) = (&mut cuts_of[..], &mut latest[..], &order[..], &pieces[..]);
+        let (counts, latest, order, fragments) = (&mut segments_of[..], &mut latest[..], &order[..], &fragments[..]);
         for (mark, of) in (1..).zip(list.iter_mut().map(|patch| &mut patch.points)) {
             let from = count as u32;
             for i in &order[of.0 as usize..of.1 as usize] {
-                let range = pieces[*i as usize].points.0 as usize..pieces[*i as usize].points.1 as usize;
-                for ((x, cut), number) in piece_points[range.clone()].iter().zip(&all_numbers[range]) {
+                let range = fragments[*i as usize].points.0 as usize..fragments[*i as usize].points.1 as usize;
+                for ((x, segment), number) in fragment_points[range.clone()].iter().zip(&all_numbers[range]) {
                     let (patch, place) = latest[*number as usize];
                     let place = select_unpredictable(patch == mark, place, count as u32);
                     latest[*number as usize] = (mark, place);
                     (new_points[count], numbers[count]) = (*x, *number);
                     count += usize::from(patch != mark);
-                    let has_cut = *cut != NONE;
-                    counts[place as usize].1 += u32::from(has_cut);
-                    curve[on_curve] = (place, *cut);
-                    on_curve += usize::from(has_cut);
+                    let has_segment = *segment != NONE;
+                    counts[place as usize].1 += u32::from(has_segment);
+                    curve[on_curve] = (place, *segment);
+                    on_curve += usize::from(has_segment);
                 }
             }
             *of = (from, count as u32);
         }
-        cuts_of.truncate(count);
+        segments_of.truncate(count);
         // The cuts of each point together: from here on each is filled from where it begins.
-        lay_out(cuts_of.iter_mut());
-        point_cuts.resize(on_curve, 0);
-        for (place, cut) in &curve[..on_curve] {
-            let end = &mut cuts_of[*place as usize].1;
-            point_cuts[*end as usize] = *cut;
+        lay_out(segments_of.iter_mut());
+        point_segments.resize(on_curve, 0);
+        for (place, segment) in &curve[..on_curve] {
+            let end = &mut segments_of[*place as usize].1;
+            point_segments[*end as usize] = *segment;
             *end += 1;
         }
     }
 
-    /// Sets what follows from the points.
+    /// BitSets what follows from the points.
     fn finish(&mut self, lanes: Checked) {
         let Patches { list, points, numbers, corners, corner_points, corner_of, by_size, in_order, .. } = self;
-        let Patches { gathering, outlines: found, .. } = self;
+        let Patches { gathering, measure_extents: found, .. } = self;
         let distinct = gathering.distinct;
         corners.clear();
         corner_points.resize(distinct + 1, [0.0; 3]);
         corner_of.clear();
         corner_of.resize(distinct, NONE);
         let mut count = 0;
-        outlines(lanes, points, list, found);
+        measure_extents(lanes, points, list, found);
         for (patch, found) in list.iter_mut().zip(&*found) {
             (patch.middle, patch.size) = (found.middle, found.size);
             let (points, numbers) = (patch.range(points), patch.range(numbers));
@@ -335,7 +344,7 @@ impl Patches {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::context::MOCKUP;
+    use crate::surface::Surface;
     use crate::tests::{at, scene, tool};
     use feeler_core::geometry::vectors::{across, sub, unit};
     use feeler_shapes::{box_mesh, sheet};
@@ -353,21 +362,21 @@ mod tests {
         let mockup = scene((triangles.collect(), faces));
         let tool = tool(box_mesh([0.0; 3], [1.0; 3], 1));
         let pose = at(0.0, 0.0, 0.0);
-        let ground = Ground::new(&mockup, &tool, &pose, None);
+        let context = QueryContext::new(&mockup, &tool, &pose, None);
         let mut patches = Patches::default();
-        let piece = |i: usize, sense: f64| Piece::new(i as u32, Some(scaled(&normals[i], sense)), (0, 0), false);
-        patches.pieces.extend([piece(0, 1.0), piece(0, -1.0), piece(0, 1.0), piece(0, -1.0)]);
-        patches.pieces.extend((1..normals.len()).map(|i| piece(i, 1.0)));
-        patches.found(&ground, MOCKUP);
+        let fragment = |i: usize, sense: f64| Fragment::new(i as u32, Some(scaled(&normals[i], sense)), (0, 0), false);
+        patches.fragments.extend([fragment(0, 1.0), fragment(0, -1.0), fragment(0, 1.0), fragment(0, -1.0)]);
+        patches.fragments.extend((1..normals.len()).map(|i| fragment(i, 1.0)));
+        patches.found(&context, Surface::Mockup);
         assert_eq!(patches.list.len(), MOST_PATCHES);
         assert_eq!(patches.list[1].normal, scaled(&normals[0], -1.0));
         let mut joined = vec![0; MOST_PATCHES];
-        for (k, piece) in patches.pieces.iter().enumerate() {
+        for (k, fragment) in patches.fragments.iter().enumerate() {
             let own = if k < 4 { k % 2 } else { k - 2 };
-            let along = |i: &usize| dot(&patches.list[*i].normal, &normals[piece.id as usize]);
+            let along = |i: &usize| dot(&patches.list[*i].normal, &normals[fragment.id as usize]);
             let nearest = (0..MOST_PATCHES).max_by(|i, j| along(i).total_cmp(&along(j))).unwrap();
-            assert_eq!(piece.patch as usize, if own < MOST_PATCHES { own } else { nearest }, "{k}");
-            joined[piece.patch as usize] += usize::from(own >= MOST_PATCHES);
+            assert_eq!(fragment.patch as usize, if own < MOST_PATCHES { own } else { nearest }, "{k}");
+            joined[fragment.patch as usize] += usize::from(own >= MOST_PATCHES);
         }
         // What others joined is no plane any more.
         assert!(patches.list.iter().zip(&joined).all(|(patch, joined)| patch.flat == (*joined == 0)));
@@ -380,12 +389,15 @@ mod tests {
         let mockup = scene(sheet(9, 1, |s, t| [s, t, if s == 0.0 { 0.003 } else { 0.0 }]));
         let tool = tool(box_mesh([0.0; 3], [1.0; 3], 1));
         let pose = at(0.0, 0.0, 0.0);
-        let ground = Ground::new(&mockup, &tool, &pose, None);
-        assert!(ground.adjacency[MOCKUP].regions.iter().all(|region| region.number() == 0));
+        let context = QueryContext::new(&mockup, &tool, &pose, None);
+        assert!(context.adjacency[Surface::Mockup]
+            .smooth_regions
+            .iter()
+            .all(|smooth_region| smooth_region.number() == 0));
         for (some, expected) in [([2, 3, 9], true), ([0, 1, 1], true), ([7, 0, 5], false), ([1, 2, 3], false)] {
             let mut patches = Patches::default();
-            patches.pieces.extend(some.map(|t| Piece::new(t, None, (0, 0), true)));
-            patches.found(&ground, MOCKUP);
+            patches.fragments.extend(some.map(|t| Fragment::new(t, None, (0, 0), true)));
+            patches.found(&context, Surface::Mockup);
             assert_eq!(patches.list.iter().map(|patch| patch.flat).collect::<Vec<_>>(), [expected], "{some:?}");
         }
     }

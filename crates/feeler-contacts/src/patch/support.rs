@@ -172,15 +172,15 @@ impl Kernel for HighestAndLowest<'_> {
 }
 
 /// The best of some points, by lane.
-struct Best<S: Simd> {
+struct AxisSearch<S: Simd> {
     height: S::F64,
     at: S::F64,
 }
 
-impl<S: Simd> Best<S> {
+impl<S: Simd> AxisSearch<S> {
     #[inline(always)]
-    fn new(s: S) -> Best<S> {
-        Best { height: s.wide_splat(f64::NEG_INFINITY), at: s.wide_splat(0.0) }
+    fn new(s: S) -> AxisSearch<S> {
+        AxisSearch { height: s.wide_splat(f64::NEG_INFINITY), at: s.wide_splat(0.0) }
     }
 
     /// The heights do not wait for the places: those are looked for beside.
@@ -200,7 +200,7 @@ fn height<S: Simd>(s: S, p: &Point, d: &[S::F64; 3]) -> S::F64 {
 /// Two chains of comparisons, so that one does not wait for the other.
 #[inline(always)]
 fn reach<S: Simd>(s: S, points: &[Point], d: &[S::F64; 3]) -> Reach {
-    let (mut even, mut odd) = (Best::new(s), Best::new(s));
+    let (mut even, mut odd) = (AxisSearch::new(s), AxisSearch::new(s));
     let (mut place, one, two) = (s.wide_splat(0.0), s.wide_splat(1.0), s.wide_splat(2.0));
     let mut pairs = points.chunks_exact(2);
     for pair in &mut pairs {

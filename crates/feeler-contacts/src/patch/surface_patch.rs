@@ -23,13 +23,13 @@ pub(crate) struct Patch {
     pub points: (u32, u32),
     pub(super) corners: (u32, u32),
     /// Its pieces among [`Patches::order`].
-    pub(super) pieces: (u32, u32),
+    pub(super) fragments: (u32, u32),
 }
 
 impl Patch {
     /// Of a triangle that founds it; its points are not known yet.
     pub fn new(normal: Point, at: Point) -> Patch {
-        Patch { normal, at, middle: at, size: 0.0, flat: true, points: (0, 0), corners: (0, 0), pieces: (0, 0) }
+        Patch { normal, at, middle: at, size: 0.0, flat: true, points: (0, 0), corners: (0, 0), fragments: (0, 0) }
     }
 
     /// What it has of a list of all patches' points, or pieces as long as the points are not known.
@@ -40,7 +40,7 @@ impl Patch {
 
 /// A triangle, or the part of it that is beyond the other surface.
 #[derive(Debug)]
-pub(crate) struct Piece {
+pub(crate) struct Fragment {
     pub id: u32,
     pub patch: u32,
     /// Its points among all.
@@ -50,8 +50,8 @@ pub(crate) struct Piece {
     pub(super) normal: Option<Point>,
 }
 
-impl Piece {
-    pub fn new(id: u32, normal: Option<Point>, points: (u32, u32), closed: bool) -> Piece {
-        Piece { id, patch: NONE, points, closed, normal }
+impl Fragment {
+    pub fn new(id: u32, normal: Option<Point>, points: (u32, u32), closed: bool) -> Fragment {
+        Fragment { id, patch: NONE, points, closed, normal }
     }
 }

@@ -2,9 +2,9 @@
 //! only those are measured.
 
 use crate::contact_plane::ContactPlane;
-use crate::containers::interner::{Numbered, NumberedBelow};
-use crate::context::Ground;
-use crate::context::{MOCKUP, TOOL};
+use crate::containers::interner::{BoundedInterner, Interner};
+use crate::context::QueryContext;
+use crate::surface::Surface;
 use feeler_core::distance::wanted::Candidate;
 use feeler_core::geometry::bounds::{Point, Triangle};
 use feeler_core::geometry::distance_lanes::held_apart;
@@ -30,7 +30,7 @@ pub(crate) struct Near {
     pub bound: f64,
     /// Tool triangle and mock-up triangle.
     pub pair: [u32; 2],
-    /// Their places among [`Sift::corners`].
+    /// Their places among [`Cull::corners`].
     pub places: [u32; 2],
 }
 
@@ -53,10 +53,10 @@ impl Side {
         number
     }
 
-    fn outward(&mut self, ground: &Ground<'_>, w: usize, place: u32) -> (Point, f64) {
+    fn outward(&mut self, context: &QueryContext<'_>, surface: Surface, place: u32) -> (Point, f64) {
         let i = place as usize;
         *self.outward[i].get_or_insert_with(|| {
-            let n = match ground.adjacency[w].outward[self.ids[i] as usize] {
+            let n = match context.adjacency[surface].outward[self.ids[i] as usize] {
                 0 => [0.0; 3],
                 side => normal(&self.corners[i]).map_or([0.0; 3], |n| scaled(&n, f64::from(side))),
             };
@@ -66,7 +66,7 @@ impl Side {
 }
 
 /// What is asked of each pair, beside planes.
-pub(crate) struct Sought<'a> {
+pub(crate) struct NearQuery<'a> {
     /// Pairs that meet, sorted.
     pub meeting: &'a [[u32; 2]],
     /// Triangles of tool and mock-up that are wholly inside the other, sorted.
@@ -78,11 +78,11 @@ pub(crate) struct Sought<'a> {
 
 /// Working memory.
 #[derive(Debug, Default)]
-pub(crate) struct Sift {
+pub(crate) struct Cull {
     sides: [Side; 2],
-    /// Places of triangles of the tool, and of the mock-up.
-    tool_places: NumberedBelow,
-    mockup_places: Numbered,
+    /// FaceNumbers of triangles of the tool, and of the mock-up.
+    tool_places: BoundedInterner,
+    mockup_places: Interner,
     places: Vec<[u32; 2]>,
     /// For each triangle of the tool where its pairs that meet are.
     meeting: Vec<Meeting>,
@@ -107,43 +107,43 @@ impl Meeting {
     }
 }
 
-impl Sift {
-    fn corners(&self, w: usize, place: u32) -> &Triangle {
-        &self.sides[w].corners[place as usize]
+impl Cull {
+    fn corners(&self, surface: Surface, place: u32) -> &Triangle {
+        &self.sides[surface].corners[place as usize]
     }
 
     /// The triangles of a pair, the tool's first.
     pub fn corners_of(&self, near: &Near) -> (&Triangle, &Triangle) {
-        (self.corners(TOOL, near.places[0]), self.corners(MOCKUP, near.places[1]))
+        (self.corners(Surface::Tool, near.places[0]), self.corners(Surface::Mockup, near.places[1]))
     }
 
     /// Puts into `out` the candidates (of one part) that no plane holds apart, that are not clearly farther apart than the margin,
     /// that do not meet, and that are not wholly behind each other or inside.
     pub fn sift(
         &mut self,
-        ground: &Ground<'_>,
+        context: &QueryContext<'_>,
         candidates: &[Candidate],
         planes: &[ContactPlane],
-        sought: &Sought<'_>,
+        sought: &NearQuery<'_>,
         out: &mut Vec<Near>,
     ) {
-        self.gather(ground, candidates, sought);
+        self.gather(context, candidates, sought);
         let (first, more) = planes.split_at(planes.len().min(MOST_AT_ONCE));
-        for (w, side) in self.sides.iter_mut().enumerate() {
+        for (surface, side) in Surface::BOTH.into_iter().zip(&mut self.sides) {
             for (i, eight) in first.chunks(WIDE_LANES).enumerate() {
-                hold(ground.lanes, eight, w, sought.tolerance, &side.corners, &mut side.held, 8 * i);
+                hold(context.lanes, eight, surface, sought.tolerance, &side.corners, &mut side.held, 8 * i);
             }
         }
         self.drop_held_and_meeting(candidates, sought, out);
-        self.drop_far(ground.lanes, sought.margin, out);
-        out.retain(|near| !self.is_behind(ground, near.places, sought));
+        self.drop_far(context.lanes, sought.margin, out);
+        out.retain(|near| !self.is_behind(context, near.places, sought));
         for plane in more {
             self.drop_held_apart(plane, sought.tolerance, out, |near| near.places);
         }
     }
 
     /// Puts into `out` the candidates that no plane holds apart and that do not meet.
-    fn drop_held_and_meeting(&mut self, candidates: &[Candidate], sought: &Sought<'_>, out: &mut Vec<Near>) {
+    fn drop_held_and_meeting(&mut self, candidates: &[Candidate], sought: &NearQuery<'_>, out: &mut Vec<Near>) {
         let [tool, mockup] = &self.sides;
         let none = Near { bound: 0.0, pair: [0; 2], places: [0; 2] };
         for list in [&mut *out, &mut self.doubtful] {
@@ -204,15 +204,15 @@ impl Sift {
         let heights = |t: &Triangle| t.map(|p| dot(&p, &plane.normal) - offset);
         list.retain(|near| {
             let [t, m] = places(near);
-            !(heights(self.corners(MOCKUP, m)).iter().all(|h| *h <= tolerance)
-                && heights(self.corners(TOOL, t)).iter().all(|h| *h >= plane.gap - tolerance))
+            !(heights(self.corners(Surface::Mockup, m)).iter().all(|h| *h <= tolerance)
+                && heights(self.corners(Surface::Tool, t)).iter().all(|h| *h >= plane.gap - tolerance))
         });
     }
 
     /// Finds the triangles, each once, and where they are.
-    fn gather(&mut self, ground: &Ground<'_>, candidates: &[Candidate], sought: &Sought<'_>) {
+    fn gather(&mut self, context: &QueryContext<'_>, candidates: &[Candidate], sought: &NearQuery<'_>) {
         self.sides.iter_mut().for_each(|side| side.ids.clear());
-        self.tool_places.clear(ground.tool.mesh().faces().len());
+        self.tool_places.clear(context.tool.mesh().faces().len());
         self.mockup_places.clear();
         self.places.clear();
         let mut last = None;
@@ -220,27 +220,28 @@ impl Sift {
             // Those of one mock-up triangle come one after the other.
             let m = match last {
                 Some((id, place)) if id == c.mockup_triangle => place,
-                _ => {
-                    self.sides[MOCKUP].take(c.mockup_triangle, self.mockup_places.number(u64::from(c.mockup_triangle)))
-                }
+                _ => self.sides[Surface::Mockup]
+                    .take(c.mockup_triangle, self.mockup_places.number(u64::from(c.mockup_triangle))),
             };
             last = Some((c.mockup_triangle, m));
-            let t = self.sides[TOOL].take(c.tool_triangle, self.tool_places.number(c.tool_triangle));
+            let t = self.sides[Surface::Tool].take(c.tool_triangle, self.tool_places.number(c.tool_triangle));
             self.places.push([t, m]);
         }
         self.find_meeting(sought.meeting);
         // Loads that do not wait for each other: their cache misses overlap.
-        let mesh = ground.mockup.mesh();
-        self.sides[MOCKUP].ids.iter().for_each(|m| prefetch(&mesh.faces()[*m as usize]));
-        for m in &self.sides[MOCKUP].ids {
+        let mesh = context.mockup.mesh();
+        self.sides[Surface::Mockup].ids.iter().for_each(|m| prefetch(&mesh.faces()[*m as usize]));
+        for m in &self.sides[Surface::Mockup].ids {
             mesh.faces()[*m as usize].iter().for_each(|v| prefetch(&mesh.vertices()[*v as usize]));
         }
-        for (w, side) in self.sides.iter_mut().enumerate() {
+        for (surface, side) in Surface::BOTH.into_iter().zip(&mut self.sides) {
             side.corners.clear();
-            side.corners.extend(side.ids.iter().map(|id| ground.triangle(w, *id)));
-            let is_inside = |id: &u32| sought.inside[w].binary_search(id).is_ok();
+            side.corners.extend(side.ids.iter().map(|id| context.triangle(surface, *id)));
+            let is_inside = |id: &u32| sought.inside[surface].binary_search(id).is_ok();
             side.held.clear();
-            side.held.extend(side.ids.iter().map(|id| INSIDE[1 - w] | if is_inside(id) { INSIDE[w] } else { 0 }));
+            side.held.extend(
+                side.ids.iter().map(|id| INSIDE[surface.other()] | if is_inside(id) { INSIDE[surface] } else { 0 }),
+            );
             side.outward.clear();
             side.outward.resize(side.ids.len(), None);
         }
@@ -249,7 +250,7 @@ impl Sift {
     /// Finds, for each triangle of the tool, which of these pairs (sorted) are its own.
     fn find_meeting(&mut self, meeting: &[[u32; 2]]) {
         self.meeting.clear();
-        self.meeting.resize(self.sides[TOOL].ids.len(), Meeting::default());
+        self.meeting.resize(self.sides[Surface::Tool].ids.len(), Meeting::default());
         let mut from = 0;
         for same in meeting.chunk_by(|p, q| p[0] == q[0]) {
             let to = from + same.len() as u32;
@@ -263,40 +264,42 @@ impl Sift {
 
     /// Whether each of the two nearest points of a pair is on the outer side of the other's triangle, as far as that is known: what
     /// is inside the other solid is near its surface, but not held off by it.
-    pub fn is_in_front(&mut self, ground: &Ground<'_>, near: &Near, gap: &Gap) -> bool {
+    pub fn is_in_front(&mut self, context: &QueryContext<'_>, near: &Near, gap: &Gap) -> bool {
         let way = sub(&gap.on_tool, &gap.on_mockup);
-        let [of_tool, of_mockup] = [TOOL, MOCKUP].map(|w| self.sides[w].outward(ground, w, near.places[w]).0);
+        let [of_tool, of_mockup] =
+            Surface::BOTH.map(|surface| self.sides[surface].outward(context, surface, near.places[surface]).0);
         dot(&of_mockup, &way) >= -BEHIND * gap.distance && dot(&of_tool, &way) <= BEHIND * gap.distance
     }
 
     /// Whether one of two triangles is wholly behind the other: then it is near a surface, but not held off by it.
-    fn is_behind(&mut self, ground: &Ground<'_>, places: [u32; 2], sought: &Sought<'_>) -> bool {
-        let [of_tool, of_mockup] = [TOOL, MOCKUP].map(|w| self.sides[w].outward(ground, w, places[w]));
-        let [p, q] = [TOOL, MOCKUP].map(|w| self.corners(w, places[w]));
+    fn is_behind(&mut self, context: &QueryContext<'_>, places: [u32; 2], sought: &NearQuery<'_>) -> bool {
+        let [of_tool, of_mockup] =
+            Surface::BOTH.map(|surface| self.sides[surface].outward(context, surface, places[surface]));
+        let [p, q] = Surface::BOTH.map(|surface| self.corners(surface, places[surface]));
         let highest = |t: &Triangle, n: &Point| dot(&t[0], n).max(dot(&t[1], n)).max(dot(&t[2], n));
         let is_behind = |t: &Triangle, (n, height): (Point, f64)| highest(t, &n) - height < -BEHIND * sought.margin;
         is_behind(p, of_mockup) | is_behind(q, of_tool)
     }
 }
 
-/// Sets a bit, from `shift` on, for each of at most eight planes on whose side a triangle is: of the tool's by no less than the
+/// BitSets a bit, from `shift` on, for each of at most eight planes on whose side a triangle is: of the tool's by no less than the
 /// plane's gap, of the mock-up's behind it.
 fn hold(
     lanes: Checked,
     planes: &[ContactPlane],
-    w: usize,
+    surface: Surface,
     tolerance: f64,
     corners: &[Triangle],
     held: &mut [u64],
     shift: usize,
 ) {
     // The height along the normal for the mock-up, against it for the tool, is to be no more than a limit.
-    let sense = if w == TOOL { -1.0 } else { 1.0 };
+    let sense = if surface == Surface::Tool { -1.0 } else { 1.0 };
     let plane = |i: usize| &planes[i.min(planes.len() - 1)];
     let normals: [Point; WIDE_LANES] = std::array::from_fn(|i| scaled(&plane(i).normal, sense));
     let limits = std::array::from_fn(|i| {
         let offset = dot(&plane(i).point, &plane(i).normal);
-        sense * offset + if w == TOOL { tolerance - plane(i).gap } else { tolerance }
+        sense * offset + if surface == Surface::Tool { tolerance - plane(i).gap } else { tolerance }
     });
     let chosen = u64::from(u8::MAX >> (WIDE_LANES - planes.len())) << shift;
     lanes.run(Hold { normals: &normals, limits: &limits, corners, held, shift, chosen });
@@ -341,17 +344,17 @@ mod tests {
         let all = || (0..tools).flat_map(|t| (0..mockups).map(move |m| (t, m)));
         let meeting: Vec<[u32; 2]> = all().filter(|(t, m)| is_meeting(*t, *m)).map(|(t, m)| [t, m]).collect();
         let is_held = |t: u32, m: u32| t == 3 && m.is_multiple_of(5);
-        let mut sift = Sift::default();
-        sift.sides[TOOL].held = (0..tools).map(|t| u64::from(is_held(t, 0))).collect();
-        sift.sides[MOCKUP].held = (0..mockups).map(|m| u64::from(is_held(3, m))).collect();
+        let mut sift = Cull::default();
+        sift.sides[Surface::Tool].held = (0..tools).map(|t| u64::from(is_held(t, 0))).collect();
+        sift.sides[Surface::Mockup].held = (0..mockups).map(|m| u64::from(is_held(3, m))).collect();
         sift.places = all().map(|(t, m)| [t, m]).collect();
         sift.tool_places.clear(tools as usize);
-        sift.sides[TOOL].ids = (0..tools).collect();
+        sift.sides[Surface::Tool].ids = (0..tools).collect();
         (0..tools).for_each(|t| _ = sift.tool_places.number(t));
         sift.find_meeting(&meeting);
         let candidates: Vec<Candidate> =
             all().map(|(t, m)| Candidate { bound: 0.5, part: 0, tool_triangle: t, mockup_triangle: m }).collect();
-        let sought = Sought { meeting: &meeting, inside: &[vec![], vec![]], margin: 1.0, tolerance: 0.0 };
+        let sought = NearQuery { meeting: &meeting, inside: &[vec![], vec![]], margin: 1.0, tolerance: 0.0 };
         let mut out = Vec::new();
         sift.drop_held_and_meeting(&candidates, &sought, &mut out);
         let mut found: Vec<[u32; 2]> = out.iter().map(|near| near.pair).collect();

@@ -9,10 +9,10 @@ use std::collections::BinaryHeap;
 
 use crate::constants::{MOST_PLANES, SAME_DIRECTION};
 use crate::contact_plane::ContactPlane;
-use crate::containers::interner::{pair_key, Numbered};
-use crate::context::Ground;
-use crate::context::{MOCKUP, TOOL};
-use crate::proximity::cull::{Near, Sift, Sought};
+use crate::containers::interner::{pair_key, Interner};
+use crate::context::QueryContext;
+use crate::proximity::cull::{Cull, Near, NearQuery};
+use crate::surface::Surface;
 use feeler_core::distance::wanted::Candidate;
 use feeler_core::geometry::bounds::{Aabb, Point};
 use feeler_core::geometry::distance_lanes::{closest_apart, held_apart};
@@ -43,19 +43,19 @@ const SNAP: f64 = 1e-10;
 
 /// The pairs of one part that may be near, as they are found out about.
 pub(crate) struct NearPairs<'a> {
-    ground: &'a Ground<'a>,
+    context: &'a QueryContext<'a>,
     margin: f64,
-    lists: &'a mut NearLists,
+    lists: &'a mut NearScratch,
 }
 
 /// Working memory.
 #[derive(Debug, Default)]
-pub(crate) struct NearLists {
-    sift: Sift,
+pub(crate) struct NearScratch {
+    sift: Cull,
     near: Vec<Near>,
     entries: Vec<Entry>,
     /// What was measured, and `None` where that is farther than the margin.
-    measured: Numbered,
+    measured: Interner,
     gaps: Vec<Option<Gap>>,
 }
 
@@ -88,8 +88,8 @@ impl PartialEq for Entry {
 impl Eq for Entry {}
 
 impl<'a> NearPairs<'a> {
-    pub fn new(ground: &'a Ground<'a>, margin: f64, lists: &'a mut NearLists) -> NearPairs<'a> {
-        NearPairs { ground, margin, lists }
+    pub fn new(context: &'a QueryContext<'a>, margin: f64, lists: &'a mut NearScratch) -> NearPairs<'a> {
+        NearPairs { context, margin, lists }
     }
 
     /// Adds planes for the candidates of one part, beside those that `out` has of it. The pairs in `meeting` (sorted) meet, the
@@ -106,11 +106,11 @@ impl<'a> NearPairs<'a> {
     ) {
         let part = candidates.first().map_or(0, |c| c.part);
         let tolerance = TOLERANCE * self.margin;
-        let sought = Sought { meeting, inside, margin: self.margin, tolerance };
+        let sought = NearQuery { meeting, inside, margin: self.margin, tolerance };
         let lists = &mut *self.lists;
         lists.measured.clear();
         lists.gaps.clear();
-        lists.sift.sift(self.ground, candidates, out, &sought, &mut lists.near);
+        lists.sift.sift(self.context, candidates, out, &sought, &mut lists.near);
         // Those not measured yet, the nearest last; and those that were, the nearest first.
         let mut near = std::mem::take(&mut lists.near);
         let mut entries = std::mem::take(&mut lists.entries);
@@ -141,7 +141,7 @@ impl<'a> NearPairs<'a> {
             let Some(first) = self.known(entry.near.pair) else { continue };
             if first.distance == 0.0
                 || out.iter().any(|plane| is_explained(plane, &first, tolerance))
-                || !self.lists.sift.is_in_front(self.ground, &entry.near, &first)
+                || !self.lists.sift.is_in_front(self.context, &entry.near, &first)
                 || !out.is_empty() && self.leads_down(&first, part)
             {
                 continue;
@@ -169,7 +169,7 @@ impl<'a> NearPairs<'a> {
     fn measure_all(&mut self, batch: &[Near], part: u32, planes: &[ContactPlane], mut give: impl FnMut(Entry)) {
         let tolerance = TOLERANCE * self.margin;
         let found =
-            closest_apart(self.ground.lanes, batch.len(), |i| self.lists.sift.corners_of(&batch[i]), self.margin);
+            closest_apart(self.context.lanes, batch.len(), |i| self.lists.sift.corners_of(&batch[i]), self.margin);
         for (near, closest) in batch.iter().zip(found) {
             let gap = closest.map(|c| gap_of(near.pair, part, &c));
             self.note(near.pair, gap);
@@ -184,7 +184,7 @@ impl<'a> NearPairs<'a> {
         if let Some(i) = self.lists.measured.get(pair_key(pair)) {
             return self.lists.gaps[i as usize];
         }
-        let (p, q) = (self.ground.tool_triangle(pair[0]), self.ground.mockup_triangle(pair[1]));
+        let (p, q) = (self.context.tool_triangle(pair[0]), self.context.mockup_triangle(pair[1]));
         let gap = gap_of(pair, part, &closest_within(&p, &q, limit)?);
         self.note(pair, Some(gap));
         Some(gap)
@@ -207,7 +207,7 @@ impl<'a> NearPairs<'a> {
         before: &[ContactPlane],
     ) -> ContactPlane {
         let tolerance = TOLERANCE * self.margin;
-        let mut plane = plane_of(self.ground, first);
+        let mut plane = plane_of(self.context, first);
         let mut place = Aabb::EMPTY;
         let limit = first.distance + LEVEL * self.margin;
         let mut beside = vec![entry];
@@ -241,9 +241,9 @@ impl<'a> NearPairs<'a> {
     fn leads_down(&mut self, gap: &Gap, part: u32) -> bool {
         let start = [gap.tool_triangle, gap.mockup_triangle];
         let noise = (1e-9 * gap.distance).powi(2);
-        let ground = self.ground;
-        let passes = |w: usize, id: u32, p: &Point| {
-            let t = ground.triangle(w, id);
+        let context = self.context;
+        let passes = |surface: Surface, id: u32, p: &Point| {
+            let t = context.triangle(surface, id);
             (0..3).any(|k| square_to_segment(p, &t[k], &t[(k + 1) % 3]) <= noise)
         };
         // What is farther does not lead down, and has not the same corner or edge.
@@ -253,7 +253,7 @@ impl<'a> NearPairs<'a> {
             gap.distance - other.distance > SLOPE * step + 1e-9 * gap.distance
         };
         // Nearer pairs came first: mostly the one that tells is measured.
-        if ground.beside(start).any(|pair| self.known(pair).is_some_and(|other| is_down(&other))) {
+        if context.beside(start).any(|pair| self.known(pair).is_some_and(|other| is_down(&other))) {
             return true;
         }
         let mut seen = vec![start];
@@ -262,13 +262,13 @@ impl<'a> NearPairs<'a> {
             let from = seen[next];
             next += 1;
             let (mut beside, mut count) = ([start; WIDE_LANES], 0);
-            for pair in ground.beside(from).filter(|pair| !seen.contains(pair)) {
+            for pair in context.beside(from).filter(|pair| !seen.contains(pair)) {
                 beside[count] = pair;
                 count += 1;
             }
             // Most of them are too far: all at once that is known soon.
-            let corners = beside.map(|[t, m]| (ground.tool_triangle(t), ground.mockup_triangle(m)));
-            let far = held_apart(ground.lanes, count, |i| (&corners[i].0, &corners[i].1), limit);
+            let corners = beside.map(|[t, m]| (context.tool_triangle(t), context.mockup_triangle(m)));
+            let far = held_apart(context.lanes, count, |i| (&corners[i].0, &corners[i].1), limit);
             for (i, pair) in beside.into_iter().enumerate().take(count) {
                 if far >> i & 1 != 0 && self.lists.measured.get(pair_key(pair)).is_none() {
                     continue;
@@ -277,8 +277,8 @@ impl<'a> NearPairs<'a> {
                 if is_down(&other) {
                     return true;
                 }
-                if (pair[0] == from[0] || passes(TOOL, pair[0], &gap.on_tool))
-                    && (pair[1] == from[1] || passes(MOCKUP, pair[1], &gap.on_mockup))
+                if (pair[0] == from[0] || passes(Surface::Tool, pair[0], &gap.on_tool))
+                    && (pair[1] == from[1] || passes(Surface::Mockup, pair[1], &gap.on_mockup))
                 {
                     // It has the same corner or edge: look around that.
                     seen.push(pair);
@@ -320,11 +320,11 @@ fn is_explained(plane: &ContactPlane, gap: &Gap, tolerance: f64) -> bool {
         && height.abs() <= SAME_TURN * length(&from) + tolerance
 }
 
-fn plane_of(ground: &Ground<'_>, gap: &Gap) -> ContactPlane {
+fn plane_of(context: &QueryContext<'_>, gap: &Gap) -> ContactPlane {
     let way = sub(&gap.on_tool, &gap.on_mockup);
     let own = |t| normal(&t).map(|n| if dot(&n, &way) < 0.0 { scaled(&n, -1.0) } else { n });
-    let of_mockup: Option<Point> = own(ground.mockup_triangle(gap.mockup_triangle));
-    let of_tool: Option<Point> = own(ground.tool_triangle(gap.tool_triangle));
+    let of_mockup: Option<Point> = own(context.mockup_triangle(gap.mockup_triangle));
+    let of_tool: Option<Point> = own(context.tool_triangle(gap.tool_triangle));
     let direct = unit(&way).or(of_mockup).unwrap_or([0.0, 0.0, 1.0]);
     // The direction between points that are almost one says little; the planes then say it all.
     let noise = 1e-9 + 1e-13 * gap.on_mockup.iter().fold(0.0f64, |m, x| m.max(x.abs())) / gap.distance;

@@ -8,7 +8,7 @@ use crate::geometry::vectors::{add, cross, dot, length, scaled, sub};
 use crate::mesh::topology::crack_stitching::close_cracks;
 use crate::mesh::topology::disjoint_sets::DisjointSets;
 use crate::mesh::topology::edges::{pair_around, take_doubles, Edge, Edges};
-use crate::mesh::topology::smooth_regions::{regions, Region};
+use crate::mesh::topology::smooth_regions::{smooth_regions, SmoothRegion};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::mesh::weld::weld_vertices;
 use feeler_lanes::prefetch_at;
@@ -27,7 +27,7 @@ pub struct Adjacency {
     /// surface is open, or twice in the same place, and the winding says nothing.
     pub outward: Vec<i8>,
     /// The region of each triangle.
-    pub regions: Vec<Region>,
+    pub smooth_regions: Vec<SmoothRegion>,
     /// The centre of the surface's area, metres, in the mesh's own frame.
     pub centre: Point,
     /// A triangle of each connected surface, with its part before it; sorted.
@@ -42,7 +42,7 @@ impl Adjacency {
     pub fn prefetch(&self, triangle: u32) {
         prefetch_at(&self.neighbours, triangle as usize);
         prefetch_at(&self.outward, triangle as usize);
-        prefetch_at(&self.regions, triangle as usize);
+        prefetch_at(&self.smooth_regions, triangle as usize);
     }
 
     /// Of a mesh that is one part.
@@ -96,8 +96,8 @@ impl Adjacency {
             first_of_surfaces(mesh, &neighbours).into_iter().map(|t| (part_of_face(t), t)).collect();
         surfaces.sort_unstable();
         let thin = |t: u32| WELD_SHARE * bounds[part_of_face(t) as usize].longest();
-        let regions = regions(mesh, &neighbours, &outward, |t, triangle| is_thin(triangle, thin(t)));
-        Adjacency { neighbours, outward, regions, centre: add(&middle, &shift), surfaces, has_cracks }
+        let smooth_regions = smooth_regions(mesh, &neighbours, &outward, |t, triangle| is_thin(triangle, thin(t)));
+        Adjacency { neighbours, outward, smooth_regions, centre: add(&middle, &shift), surfaces, has_cracks }
     }
 
     /// Those of one part.
@@ -111,7 +111,7 @@ impl Adjacency {
     pub fn memory(&self) -> usize {
         self.neighbours.capacity() * size_of::<[u32; 3]>()
             + self.outward.capacity()
-            + self.regions.capacity() * size_of::<Region>()
+            + self.smooth_regions.capacity() * size_of::<SmoothRegion>()
             + self.surfaces.capacity() * size_of::<(u32, u32)>()
     }
 }

@@ -22,11 +22,11 @@ const THIN: u32 = 1 << 30;
 
 /// The region of a triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Region(u32);
+pub struct SmoothRegion(u32);
 
-impl Region {
+impl SmoothRegion {
     /// Of triangles that are not queried.
-    pub const NONE: Region = Region(THIN - 1);
+    pub const NONE: SmoothRegion = SmoothRegion(THIN - 1);
 
     /// Numbers are below as many as there are triangles.
     pub fn number(self) -> u32 {
@@ -47,37 +47,38 @@ impl Region {
 /// The region of each triangle. A thin one is in that from which it was come to, and passes it on.
 ///
 /// The windings of what is open may differ from one triangle to the next, and then say nothing.
-pub fn regions(
+pub fn smooth_regions(
     mesh: &Mesh,
     neighbours: &[[u32; 3]],
     outward: &[i8],
     is_thin: impl Fn(u32, &Triangle) -> bool,
-) -> Vec<Region> {
-    let mut regions = vec![Region::NONE; neighbours.len()];
+) -> Vec<SmoothRegion> {
+    let mut smooth_regions = vec![SmoothRegion::NONE; neighbours.len()];
     let (mut count, mut next) = (0, Vec::new());
     // Thin ones found none as long as there are others.
     for thin_too in [false, true] {
         for seed in mesh.queried() {
             let first = mesh.triangle(seed);
             let thin = is_thin(seed, &first);
-            if regions[seed as usize] != Region::NONE || thin && !thin_too {
+            if smooth_regions[seed as usize] != SmoothRegion::NONE || thin && !thin_too {
                 continue;
             }
             let (at, n) = (first[0], normal(&first).unwrap_or_default());
             let rounding = 1e-12 * at[0].abs().max(at[1].abs()).max(at[2].abs());
             let number: u32 = count;
             // Of a billion regions the last would share a number.
-            count = (count + 1).min(Region::NONE.0 - 1);
-            regions[seed as usize] = Region(number | IN_PLANE | if thin { THIN } else { 0 });
+            count = (count + 1).min(SmoothRegion::NONE.0 - 1);
+            smooth_regions[seed as usize] = SmoothRegion(number | IN_PLANE | if thin { THIN } else { 0 });
             next.push(seed);
             while let Some(from) = next.pop() {
                 for t in neighbours[from as usize].into_iter().filter(|t| *t != NONE) {
-                    if regions[t as usize] != Region::NONE || outward[t as usize] != outward[seed as usize] {
+                    if smooth_regions[t as usize] != SmoothRegion::NONE || outward[t as usize] != outward[seed as usize]
+                    {
                         continue;
                     }
                     let triangle = mesh.triangle(t);
                     let kind = if is_thin(t, &triangle) {
-                        THIN | regions[from as usize].0 & IN_PLANE
+                        THIN | smooth_regions[from as usize].0 & IN_PLANE
                     } else {
                         let Some(m) = normal(&triangle) else { continue };
                         let along = if outward[t as usize] == 0 { dot(&m, &n).abs() } else { dot(&m, &n) };
@@ -94,13 +95,13 @@ pub fn regions(
                             0
                         }
                     };
-                    regions[t as usize] = Region(number | kind);
+                    smooth_regions[t as usize] = SmoothRegion(number | kind);
                     next.push(t);
                 }
             }
         }
     }
-    regions
+    smooth_regions
 }
 
 #[cfg(test)]
@@ -118,8 +119,8 @@ mod tests {
 
     #[test]
     fn each_side_of_a_box_is_one() {
-        let (_, Adjacency { regions, .. }) = of(box_mesh([0.0; 3], [1.0, 2.0, 3.0], 3));
-        for (t, region) in regions.iter().enumerate() {
+        let (_, Adjacency { smooth_regions, .. }) = of(box_mesh([0.0; 3], [1.0, 2.0, 3.0], 3));
+        for (t, region) in smooth_regions.iter().enumerate() {
             assert_eq!((region.number() as usize, region.is_in_plane(), region.is_thin()), (t / 18, true, false));
         }
     }
@@ -129,11 +130,11 @@ mod tests {
         let shapes =
             [ball(0.02, 60), cylinder(0.01, 0.05, 200, 4), joined([ball(1.0, 7), box_mesh([3.0; 3], [1.0; 3], 2)])];
         for (i, shape) in shapes.into_iter().enumerate() {
-            let (mesh, Adjacency { regions, neighbours, .. }) = of(shape);
-            let number = |t: usize| regions[t].number() as usize;
-            let count = (0..regions.len()).map(number).max().unwrap() + 1;
+            let (mesh, Adjacency { smooth_regions, neighbours, .. }) = of(shape);
+            let number = |t: usize| smooth_regions[t].number() as usize;
+            let count = (0..smooth_regions.len()).map(number).max().unwrap() + 1;
             let mut first = vec![usize::MAX; count];
-            (0..regions.len()).rev().for_each(|t| first[number(t)] = t);
+            (0..smooth_regions.len()).rev().for_each(|t| first[number(t)] = t);
             // Of those that came before a triangle was taken none may have it that it fits.
             let fits = |t: usize, region: usize| {
                 let [a, b] = [mesh.triangle(first[region] as u32), mesh.triangle(t as u32)];
@@ -142,14 +143,14 @@ mod tests {
                 turn < 1.0 - ONE_REGION - 1e-9 && dot(&way, &n).powi(2) < dot(&way, &way) * (2.0 * turn + 1e-12) * 0.999
             };
             let mut sizes = vec![0; count];
-            for t in 0..regions.len() {
+            for t in 0..smooth_regions.len() {
                 sizes[number(t)] += 1;
                 let beside = neighbours[t].map(|n| n as usize);
                 assert!(first[number(t)] == t || beside.iter().any(|n| number(*n) == number(t)), "{i} {t}");
                 assert!(beside.iter().all(|n| number(*n) >= number(t) || !fits(t, number(*n))), "{i} {t}");
                 let [n, m] = [first[number(t)], t].map(|t| normal(&mesh.triangle(t as u32)).unwrap());
                 assert!(dot(&n, &m) >= ONE_REGION, "{i} {t}");
-                assert_eq!(regions[t].is_in_plane(), 1.0 - dot(&n, &m) <= ONE_PLANE, "{i} {t}");
+                assert_eq!(smooth_regions[t].is_in_plane(), 1.0 - dot(&n, &m) <= ONE_PLANE, "{i} {t}");
             }
             assert!(sizes.iter().any(|size| *size > 2), "{i}");
         }
@@ -159,9 +160,9 @@ mod tests {
     fn windings_of_open_surfaces_do_not_matter() {
         let (vertices, mut faces) = sheet(6, 5, |s, t| [s, t, 0.0]);
         faces.iter_mut().step_by(3).for_each(|face| face.swap(0, 1));
-        let (_, Adjacency { regions, outward, .. }) = of((vertices, faces));
+        let (_, Adjacency { smooth_regions, outward, .. }) = of((vertices, faces));
         assert!(outward.iter().all(|o| *o == 0));
-        assert!(regions.iter().all(|region| region.number() == 0 && region.is_in_plane()));
+        assert!(smooth_regions.iter().all(|region| region.number() == 0 && region.is_in_plane()));
     }
 
     #[test]
@@ -169,11 +170,11 @@ mod tests {
         // Two squares with a strip between them that is as good as nothing, and one that is alone.
         let strip = |from: f64, to: f64| sheet(1, 1, move |s, t| [from + s * (to - from), t, 0.0]);
         let alone = (vec![[0.0, 5.0, 0.0], [1.0, 5.0, 1e-9], [2.0, 5.0, 0.0]], vec![[0, 1, 2]]);
-        let (mesh, Adjacency { regions, .. }) =
+        let (mesh, Adjacency { smooth_regions, .. }) =
             of(joined([strip(0.5, 0.5 + 1e-8), strip(0.0, 0.5), strip(0.5 + 1e-8, 1.0), alone]));
-        let numbers: Vec<u32> = regions.iter().map(|region| region.number()).collect();
+        let numbers: Vec<u32> = smooth_regions.iter().map(|region| region.number()).collect();
         assert_eq!(numbers, [0, 0, 0, 0, 0, 0, 1]);
-        for (t, region) in (0..).zip(&regions) {
+        for (t, region) in (0..).zip(&smooth_regions) {
             assert_eq!(region.is_thin(), normals::is_thin(&mesh.triangle(t), 1e-6), "{t}");
             assert_eq!(region.is_thin(), [0, 1, 6].contains(&t), "{t}");
         }
