@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import importlib.metadata
 import os
 import platform
@@ -10,6 +11,7 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
@@ -137,6 +139,22 @@ PLANTED = {
     "the core reads a clock": ("crates/feeler-core/src/lib.rs", "\nuse std::{fmt, time::Instant};\n", "no std::time"),
     "the core opens a file": ("crates/feeler-core/src/lib.rs", "\nuse std::fs::File;\n", "no std::fs"),
     "the core knows Python": ("crates/feeler-core/src/lib.rs", "\nuse pyo3::prelude::*;\n", "no pyo3"),
+    "the core is unsafe": ("crates/feeler-core/src/lib.rs", "\nunsafe fn poke() {}\n", "no unsafe code"),
+    "the core's errors know the scene": (
+        "crates/feeler-core/src/error.rs",
+        "\nuse crate::scene::Scene;\n",
+        "error may not import Scene of scene",
+    ),
+    "the core takes its shapes from the tests": (
+        "crates/feeler-core/Cargo.toml",
+        '\n[target."cfg(unix)".dependencies]\nfeeler-shapes = "0.1"\n',
+        "may depend on feeler-shapes for tests alone",
+    ),
+    "the core is tested by its judge": (
+        "crates/feeler-core/Cargo.toml",
+        '\n[target."cfg(unix)".dev-dependencies]\nfeeler-exact = "0.1"\n',
+        "may not depend on feeler-exact",
+    ),
     "the core depends on the binding": (
         "crates/feeler-core/Cargo.toml",
         '\n[target."cfg(unix)".dependencies]\nfeeler-py = "0.1"\n',
@@ -197,6 +215,309 @@ def test_layering_check_lets_comments_speak(root: Path, tmp_path: Path) -> None:
         file.write('\n// pyo3 and std::time stay out; println! too.\nconst WHY: &str = "no std::fs here";\n')
     checked = run(sys.executable, root / "tools" / "check_layers.py", copy, cwd=copy)
     assert checked.returncode == 0, checked.stdout
+
+
+def crate_at(root: Path, files: dict[str, str], name: str = "feeler-core") -> Path:
+    """A crate of these files of src/; its `lib.rs` names those beside it where it is not given."""
+    crate = root / "crates" / name
+    rooms = sorted({file.split("/")[0].removesuffix(".rs") for file in files})
+    head = {"lib.rs": "".join(f"mod {room};\n" for room in rooms)}
+    for file, text in {**head, **files}.items():
+        path = crate / "src" / file
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    (crate / "Cargo.toml").write_text(f'[package]\nname = "{name}"\n', encoding="utf-8")
+    return crate
+
+
+@pytest.fixture
+def layers(root: Path, monkeypatch: pytest.MonkeyPatch) -> ModuleType:
+    monkeypatch.syspath_prepend(root / "tools")
+    return importlib.import_module("check_layers")
+
+
+# Each: the files, and the arrows between them with the names that make each.
+B = "pub struct One; pub(crate) fn two() {} pub const THREE: [u8; 1] = [{ 3 }]; pub enum Four { A }"
+DOOR = {"room/mod.rs": "mod leaf;\npub use leaf::Leaf;\n", "room/leaf.rs": "pub struct Leaf;\n"}
+READ = {
+    "a use tree": (
+        {
+            "a.rs": "use crate::{b::{self, One, deep::{Five as Cinq}}, c::Six};\nfn f() { b::two(); }\n",
+            "b.rs": f"pub mod deep {{ pub struct Five; }}\n{B}",
+            "c.rs": "pub union Six { a: u8 }",
+        },
+        {"a b": {"One", "Five", "two"}, "a c": {"Six"}},
+    ),
+    "a use of several lines": (
+        {"a.rs": "use crate::b::{\n    One, // first\n    THREE,\n    /* then */ Four as Quatre,\n};\n", "b.rs": B},
+        {"a b": {"One", "THREE", "Four"}},
+    ),
+    "every kind of item": (
+        {
+            "a.rs": "use crate::b::*;\nfn f() { A; B; C; D; E; F; G; H!(); I; J; }\n",
+            "b.rs": """
+                pub(crate) const unsafe extern "C" fn A<const N: usize>(x: [u8; N]) where [u8; N]: Sized, { fn b() {} }
+                pub struct B<T>(pub(in crate::b) T);
+                pub enum C { X { y: u8 } }
+                pub unsafe trait D { fn inner(&self) { } }
+                pub const E: C = C::X { y: 1 };
+                pub static mut F: u8 = { 2 };
+                pub type G = [u8; 4];
+                macro_rules! H { () => { struct Inner; } }
+                pub(crate) use H;
+                pub union I { x: u8 }
+                extern "C" { pub fn J(); }""",
+        },
+        {"a b": set("ABCDEFGHIJ")},
+    ),
+    "a path in the code": (
+        {
+            "a/mod.rs": "mod x;\nstruct Own;\nimpl crate::b::Four { fn f(x: u8) -> u8 { x } }\n",
+            "a/x.rs": "fn f(_: &super::Own) -> [u8; 1] { super::super::b::two(); crate::b::THREE }\n",
+            "b.rs": B,
+        },
+        {"a/mod b": {"Four"}, "a/x a/mod": {"Own"}, "a/x b": {"two", "THREE"}},
+    ),
+    "a module by another name": (
+        {"a.rs": "use crate::b as other;\nfn f() { other::two(); other::Four::A; }\n", "b.rs": B},
+        {"a b": {"two", "Four"}},
+    ),
+    "a module of which nothing is used": ({"a.rs": "use crate::b;\n", "b.rs": B}, {"a b": {"b"}}),
+    "a use in a function": (
+        {
+            "a.rs": "fn f() { use crate::b::two; two(); { use crate::c; c::g(); } c::h(); }\n",
+            "b.rs": B,
+            "c.rs": "pub fn g() {} pub fn h() {}",
+        },
+        {"a b": {"two"}, "a c": {"g"}},
+    ),
+    "a door": (
+        {**DOOR, "lib.rs": "mod a;\nmod room;\npub use room::Leaf;\n", "a.rs": "use crate::{room::Leaf as L, Leaf};\n"},
+        {"a room/leaf": {"Leaf"}},
+    ),
+    "a door that uses what it shows": (
+        {**DOOR, "room/mod.rs": "mod leaf;\npub use leaf::Leaf;\nfn f(_: Leaf) {}\n"},
+        {"room/mod room/leaf": {"Leaf"}},
+    ),
+    "a door and words that only look like what it shows": (
+        {
+            "room/mod.rs": "mod leaf;\npub use leaf::go;\nfn f(s: S, go: u8) -> S { let x = go; s.go(); S { go } }\n",
+            "room/leaf.rs": "pub fn go() {}\n",
+        },
+        {},
+    ),
+    "a door with its own name for it": (
+        {**DOOR, "room/mod.rs": "mod leaf;\npub use leaf::Leaf as Blade;\n", "a.rs": "use crate::room::Blade;\n"},
+        {"a room/leaf": {"Leaf"}},
+    ),
+    "a door to another room": (
+        {**DOOR, "a.rs": "pub(crate) use crate::room::Leaf;", "c.rs": "use crate::a::Leaf;"},
+        {"a room/leaf": {"Leaf"}, "c room/leaf": {"Leaf"}},
+    ),
+    "a module and a function of one name": (
+        {
+            "room/mod.rs": "pub mod search;\nmod other;\npub use other::search;\n",
+            "room/search.rs": "pub struct Found;\n",
+            "room/other.rs": "pub fn search() {}\n",
+            "a.rs": "use crate::room::search;\nfn f() { search(); }\n",
+            "b.rs": "use crate::room::search::Found;\n",
+        },
+        {"a room/other": {"search"}, "b room/search": {"Found"}},
+    ),
+    "a glob": (
+        {
+            **DOOR,
+            "a.rs": "use crate::room::*;\nuse crate::b::*;\nfn f(_: Leaf) { two() }\n",
+            "b.rs": f"{B} pub trait T {{}}",
+        },
+        {"a room/leaf": {"Leaf"}, "a b": {"two", "T"}},
+    ),
+    "a macro": (
+        {
+            "a.rs": "fn f() { shown!(); crate::shown!(); hidden!(); }\n",
+            "b.rs": """use crate::c;
+                #[macro_export]
+                macro_rules! shown { ($c:path) => { $crate::c::g(); $c::h() } }
+                fn f() { c::g() }""",
+            "c.rs": "pub fn g() {}\npub fn h() {}\nmacro_rules! hidden { () => {} }\n",
+        },
+        {"a b": {"shown"}, "a c": {"hidden"}, "b c": {"g"}},
+    ),
+    "code for tests": (
+        {
+            "a.rs": """#[cfg(test)] use crate::b::One;
+                #[cfg(all(test, unix))] fn g() -> crate::b::Four { crate::b::two() }
+                #[test] fn h() { crate::b::two() }
+                struct S { #[cfg(test)] x: crate::b::One, y: crate::c::Six }
+                impl S { #[cfg(test)] const fn f<A, B>() { crate::b::two(); } fn k() { #[cfg(test)] crate::b::two(); } }
+                fn l(y: bool) { #[cfg(test)] let x = if y { 1 } else { crate::b::two() }; crate::c::Nine; }
+                #[cfg(test)] mod more;
+                #[cfg(test)] mod tests { use super::*; use crate::b::THREE; fn f() { crate::b::two() } }
+                #[cfg(not(test))] use crate::c::Seven;
+                #[cfg(any(test, unix))] use crate::c::Eight;
+            """,
+            "a/more.rs": "mod below;\nuse crate::b::One;\n",
+            "a/more/below.rs": "use crate::b::One;\n",
+            "b.rs": f"#![cfg(test)]\nuse crate::c::Six;\n{B}",
+            "c.rs": "pub struct Six; pub struct Seven; pub struct Eight; pub struct Nine;",
+        },
+        {"a c": {"Six", "Seven", "Eight", "Nine"}},
+    ),
+    "comments and strings": (
+        {
+            "a.rs": """//! See [`crate::b::One`].
+                /* crate::b::two /* crate::b::two() */ crate::b::two() */
+                pub(in crate::a) const C: (char, char, &'static str) = ('"', '\\'', "\\" crate::b::two()");
+                fn f<'a>(x: &'a str) { g(r#"x" crate::b::two() "y"#, b'"', "// "); crate::b::One; }
+            """,
+            "b.rs": B,
+        },
+        {"a b": {"One"}},
+    ),
+    "what is not of the crate": (
+        {
+            "lib.rs": "mod a;\nmod b;\nuse ::b::One;\nfn f() { ::b::two() }\n",
+            "a.rs": "use std::fmt;\nuse rayon::{prelude::*, b as x};\nfn f() { x::two(); fmt::b(); b::two(); }\n",
+            "b.rs": B,
+        },
+        {},
+    ),
+}
+
+
+@pytest.mark.parametrize("name", READ)
+def test_arrows_lead_to_who_defines_a_name(name: str, layers: ModuleType, tmp_path: Path) -> None:
+    files, expected = READ[name]
+    crate = layers.Crate(crate_at(tmp_path, files), "feeler-core")
+    assert crate.orphans() == []
+
+    def short(path: Path) -> str:
+        return path.relative_to(crate.source).as_posix().removesuffix(".rs")
+
+    found = {f"{short(start)} {short(end)}": {*names} for (start, end), names in crate.arrows().items()}
+    assert found == expected
+
+
+def test_an_arrow_knows_its_line(layers: ModuleType, tmp_path: Path) -> None:
+    files = {"a.rs": "use std::fmt;\n/*\n*/ use crate::b::{\n    One,\n    THREE,\n};\n", "b.rs": B}
+    (names,) = layers.Crate(crate_at(tmp_path, files), "feeler-core").arrows().values()
+    assert names == {"One": 4, "THREE": 5}
+
+
+# Low may import nothing, high may import low.
+TWO_ROOMS = {"feeler-core": {"low": set(), "high": {"low"}}}
+CLEAN = {
+    "low/mod.rs": "mod a;\nmod b;\nmod c;\npub use a::A;\n",
+    "low/a.rs": "use super::b::B;\npub struct A;\n",
+    "low/b.rs": "use super::c::C;\npub struct B;\n",
+    "low/c.rs": "pub struct C;\n#[cfg(test)]\nmod tests { use crate::{high::High, low::A}; }\n",
+    "high.rs": "use crate::low::A;\npub struct High;\n",
+}
+BACK = {"low/b.rs": "use super::{a::A, c::C};\npub struct B;\n"}
+CIRCLE = ("crates/feeler-core/src/low/a.rs", "crates/feeler-core/src/low/b.rs")
+AMISS = {
+    "a room imports one above it": (
+        {"low/c.rs": "pub struct C;\nuse crate::high::High;\n", "high.rs": "pub struct High;\n"},
+        {},
+        ["low/c.rs:2: low may not import High of high (of its crate it may import: nothing)"],
+    ),
+    "a room imports the public face": (
+        {"lib.rs": "mod high;\nmod low;\npub fn face() {}\n", "high.rs": "fn f() { crate::face() }\n"},
+        {},
+        ["high.rs:1: high may not import face of lib (of its crate it may import: low)"],
+    ),
+    "a room without a place": (
+        {"attic.rs": "use crate::low::A;\n"},
+        {},
+        ["attic.rs: room attic has no place in RUST_ROOMS"],
+    ),
+    "a place without a room": (
+        {"lib.rs": "mod low;\n", "high.rs": None},
+        {},
+        [": room high of RUST_ROOMS in tools/check_layers.py is not there"],
+    ),
+    "a file that nothing names": ({"low/d.rs": "use crate::high::High;\n"}, {}, ["low/d.rs: no `mod` names this file"]),
+    "a circle of three files": (
+        {"low/c.rs": "use crate::low::A;\npub struct C;\n"},
+        {},
+        [
+            "low/a.rs: in a circle of 3 files, with crates/feeler-core/src/low/b.rs, crates/feeler-core/src/low/c.rs; "
+            "the shortest way round:\n"
+            "    crates/feeler-core/src/low/a.rs:1 -> crates/feeler-core/src/low/b.rs: B\n"
+            "    crates/feeler-core/src/low/b.rs:1 -> crates/feeler-core/src/low/c.rs: C\n"
+            "    crates/feeler-core/src/low/c.rs:1 -> crates/feeler-core/src/low/a.rs: A"
+        ],
+    ),
+    "a circle of three files by pairs": (
+        {**BACK, "low/c.rs": "use super::b::B;\npub struct C;\n"},
+        {CIRCLE: "they share a secret"},
+        ["low/a.rs: in a circle of 3 files, with"],
+    ),
+    "a circle with a shorter one in it": (
+        {"low/c.rs": "use super::{a::A, b::B};\npub struct C;\n"},
+        {},
+        [
+            "low/a.rs: in a circle of 3 files, with crates/feeler-core/src/low/b.rs, crates/feeler-core/src/low/c.rs; "
+            "the shortest way round:\n"
+            "    crates/feeler-core/src/low/b.rs:1 -> crates/feeler-core/src/low/c.rs: C\n"
+            "    crates/feeler-core/src/low/c.rs:1 -> crates/feeler-core/src/low/b.rs: B"
+        ],
+    ),
+    "a circle of two files": (BACK, {}, ["low/a.rs: imports crates/feeler-core/src/low/b.rs and back, with no reason"]),
+    "a circle of two files with an empty reason": (
+        BACK,
+        {CIRCLE: ""},
+        ["low/a.rs: imports crates/feeler-core/src/low/b.rs"],
+    ),
+    "a reason without a circle": (
+        {},
+        {CIRCLE: "they share a secret"},
+        ["low/a.rs: in no circle with crates/feeler-core/src/low/b.rs any more"],
+    ),
+    "nothing": ({}, {}, []),
+    "no more than a circle with a reason": (BACK, {CIRCLE: "they share a secret"}, []),
+    "no more than a circle with a reason, named the other way round": (BACK, {CIRCLE[::-1]: "they share a secret"}, []),
+}
+
+
+@pytest.mark.parametrize("name", AMISS)
+def test_rooms_and_circles(name: str, layers: ModuleType, tmp_path: Path) -> None:
+    changed, reasons, complaints = AMISS[name]
+    files = {file: text for file, text in {**CLEAN, **changed}.items() if text is not None}
+    crate_at(tmp_path, files)
+    found = list(layers.module_violations(tmp_path, TWO_ROOMS, reasons))
+    assert len(found) == len(complaints), found
+    for violation, complaint in zip(sorted(found), complaints, strict=True):
+        at = "" if complaint.startswith(":") else "/"
+        assert violation.startswith(f"crates/feeler-core/src{at}{complaint}")
+
+
+def test_unsafe_has_its_crates(layers: ModuleType, tmp_path: Path) -> None:
+    text = "// unsafe\n#![deny(unsafe_code)]\nfn f() { unsafe { g() } }\n"
+    for name in layers.CRATES:
+        (crate_at(tmp_path, {"lib.rs": text}, name) / "tests").mkdir()
+        (tmp_path / "crates" / name / "tests" / "t.rs").write_text(text, encoding="utf-8")
+    expected = {f"crates/{name}/src/lib.rs:3" for name in {*layers.CRATES} - {"feeler-lanes", "feeler-py"}}
+    found = [violation.split(": ") for violation in layers.source_violations(tmp_path)]
+    assert {where for where, _ in found} == expected
+    assert {complaint for _, complaint in found} == {"no unsafe code but in feeler-capi, feeler-lanes, feeler-py"}
+
+
+@pytest.mark.parametrize("crate", ["feeler-lanes", "feeler-core", "feeler-contacts", "feeler-haptics"])
+def test_pure_crates_read_no_clock(crate: str, layers: ModuleType, tmp_path: Path) -> None:
+    crate_at(tmp_path, {"lib.rs": "const Q: char = '\"';\nuse std::time::Instant;\n"}, crate)
+    crate_at(tmp_path, {"lib.rs": "use std::time::Instant;\n"}, "feeler-py")
+    assert list(layers.source_violations(tmp_path)) == [f"crates/{crate}/src/lib.rs:2: {crate} is pure: no std::time"]
+
+
+def test_graph_lists_arrows_and_circles(root: Path, tmp_path: Path) -> None:
+    crate_at(tmp_path, {**CLEAN, **BACK})
+    crate_at(tmp_path, CLEAN, "feeler-py")
+    printed = run(sys.executable, root / "tools/check_layers.py", tmp_path, "--graph", "feeler-core", cwd=tmp_path)
+    assert printed.returncode == 0, printed.stderr
+    assert "feeler-core: high.rs -> low/a.rs: A\n" in printed.stdout
+    assert "feeler-core: a circle of 2 files: low/a.rs low/b.rs\n" in printed.stdout
+    assert "feeler-py" not in printed.stdout
 
 
 # --- the file check -------------------------------------------------------------------------------------------------

@@ -1,18 +1,22 @@
-"""Checks who may know of whom: `core <- haptics <- py <- python/feeler`, never back.
+"""Checks who may know of whom: `lanes <- core <- contacts <- haptics <- py <- python/feeler`, never back.
 
-    python tools/check_layers.py [ROOT]
+    python tools/check_layers.py [ROOT]              the check
+    python tools/check_layers.py --graph [CRATE]     which file imports which, and the circles
 
-A new crate or Python room fails the check until it has its place in the tables below: the tables are the architecture,
-and changing them is a decision to make in the open.
+A new crate or a new room, of Rust or Python, fails the check until it has its place in the tables below: the tables are
+the architecture, and changing them is a decision to make in the open.
 """
 
 from __future__ import annotations
 
+import argparse
 import ast
 import re
 import sys
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
+
+from rust_modules import Arrows, Crate, blank, circles, shortest_circle
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -20,11 +24,22 @@ else:
     import tomli as tomllib
 
 # A crate may depend on crates to its left.
-CRATES = ["feeler-shapes", "feeler-lanes", "feeler-core", "feeler-contacts", "feeler-haptics", "feeler-py", "feeler-exact"]
+CRATES = [
+    "feeler-shapes",
+    "feeler-lanes",
+    "feeler-core",
+    "feeler-contacts",
+    "feeler-haptics",
+    "feeler-py",
+    "feeler-exact",
+]
+# These two serve tests: shapes to test with, and the judge. Other crates may depend on them for tests alone.
+FOR_TESTS = {"feeler-shapes", "feeler-exact"}
 
-# The core is pure: no Python, clock, files, environment, network, processes, and nothing printed.
-CORE_MAY_NOT_DEPEND_ON = {"pyo3", "numpy", "tokio", "log", "tracing"}
-CORE_MAY_NOT_MENTION = {
+# No Python, clock, files, environment, network, processes, and nothing printed: whoever needs one passes it in.
+PURE = {"feeler-lanes", "feeler-core", "feeler-contacts", "feeler-haptics"}
+PURE_MAY_NOT_DEPEND_ON = {"pyo3", "numpy", "tokio", "log", "tracing"}
+PURE_MAY_NOT_MENTION = {
     "pyo3": re.compile(r"\bpyo3\b"),
     **{
         f"std::{module}": re.compile(rf"\bstd::{module}\b|\bstd::\{{[^}}]*\b{module}\b")
@@ -32,6 +47,69 @@ CORE_MAY_NOT_MENTION = {
     },
     "printing": re.compile(r"\b(e?print(ln)?|dbg)!"),
     "static mut": re.compile(r"\bstatic\s+mut\b"),
+}
+
+# The only crates whose sources (not their tests) may say `unsafe`.
+MAY_BE_UNSAFE = {"feeler-lanes", "feeler-py", "feeler-capi"}
+
+# What each room of a crate (a folder or file of its src/) may import from the rooms of the same crate. `lib.rs` is the
+# public face: it may import every room, and none may import it. Code for tests may import anything.
+INDEX_BASE = {"constants", "error", "progress", "geometry", "mesh", "tool"}
+QUERY_BASE = {*INDEX_BASE, "index", "scratch_pool"}
+CONTACTS_BASE = {"constants", "surface", "context", "containers", "contact_plane"}
+RUST_ROOMS: dict[str, dict[str, set[str]]] = {
+    "feeler-core": {
+        "constants": set(),
+        "error": set(),
+        "scratch_pool": set(),
+        "progress": {"error"},
+        "geometry": {"constants", "error"},
+        "mesh": {"constants", "error", "geometry"},
+        "tool": {"constants", "error", "geometry", "mesh"},
+        # The index knows of no query, and no query of the scene; a cast begins with whether the tool is free.
+        "index": INDEX_BASE,
+        "collide": QUERY_BASE,
+        "distance": QUERY_BASE,
+        "cast": {*QUERY_BASE, "collide"},
+        "sizing": {*INDEX_BASE, "index"},
+        "scene": {*QUERY_BASE, "collide", "distance", "cast", "sizing"},
+    },
+    "feeler-contacts": {
+        "constants": set(),
+        "surface": set(),
+        "containers": set(),
+        "contact_plane": {"constants"},
+        "context": {"constants", "surface"},
+        # From where surfaces meet, over what they are there, to how deep they are in each other.
+        "contour": CONTACTS_BASE,
+        "patch": {*CONTACTS_BASE, "contour"},
+        "depth": {*CONTACTS_BASE, "contour", "patch"},
+        "proximity": CONTACTS_BASE,
+        "query": {*CONTACTS_BASE, "contour", "patch", "depth", "proximity"},
+        "escape": {*CONTACTS_BASE, "query"},
+        "solver": {*CONTACTS_BASE, "query", "escape"},
+        "tracker": {*CONTACTS_BASE, "solver"},
+    },
+}
+
+# Files of one crate do not import each other in a circle. Two may, with the reason here; three never.
+TWO_FILE_CIRCLES: dict[tuple[str, str], str] = {
+    (
+        "crates/feeler-core/src/index/blocks/collide.rs",
+        "crates/feeler-core/src/index/blocks/scan.rs",
+    ): "one descent: scan.rs has its last steps, on the same working memory",
+    (
+        "crates/feeler-core/src/index/blocks/nearest.rs",
+        "crates/feeler-core/src/index/blocks/nearest_leaf.rs",
+    ): "one search: nearest_leaf.rs has its last steps, on the same working memory",
+    (
+        "crates/feeler-core/src/tool/moving_tool.rs",
+        "crates/feeler-core/src/tool/surface_links.rs",
+    ): "a tool keeps its links, and the ways between its surfaces are a tool themselves",
+    (
+        "crates/feeler-py/src/contacts.rs",
+        "crates/feeler-py/src/scene.rs",
+    ): "a Scene gives Contacts, and a ContactTracker takes a Scene",
 }
 
 # What each room of python/feeler may import from the package. `feeler` alone is the public face.
@@ -56,7 +134,7 @@ OUTSIDE = {"bench", "tests", "tools", "examples", "docs"}
 
 
 def crate_violations(root: Path) -> Iterator[str]:
-    """Dependencies between the crates, and what the core depends on."""
+    """Dependencies between the crates, and what the pure ones depend on."""
     for manifest in sorted(root.glob("crates/*/Cargo.toml")):
         where = manifest.relative_to(root).as_posix()
         data = tomllib.loads(manifest.read_text(encoding="utf-8"))
@@ -72,25 +150,110 @@ def crate_violations(root: Path) -> Iterator[str]:
         below = set(CRATES[: CRATES.index(crate)])
         for name in sorted((depends | testing) & set(CRATES) - below):
             yield f"{where}: {crate} may not depend on {name} (order: {' <- '.join(CRATES)})"
-        if crate == "feeler-core":
-            for name in sorted(depends & CORE_MAY_NOT_DEPEND_ON):
-                yield f"{where}: the core is pure and may not depend on {name}"
+        for name in sorted(depends & FOR_TESTS if crate not in FOR_TESTS else ()):
+            yield f"{where}: {crate} may depend on {name} for tests alone"
+        if crate in PURE:
+            for name in sorted(depends & PURE_MAY_NOT_DEPEND_ON):
+                yield f"{where}: {crate} is pure and may not depend on {name}"
 
 
-def core_violations(root: Path) -> Iterator[str]:
-    """Words in the core's sources that would make it impure. Comments and strings may say them."""
-    for path in sorted(root.glob("crates/feeler-core/src/**/*.rs")):
-        code = blank_comments_and_strings(path.read_text(encoding="utf-8"))
-        for what, pattern in CORE_MAY_NOT_MENTION.items():
-            for match in pattern.finditer(code):
-                line = code.count("\n", 0, match.start()) + 1
-                yield f"{path.relative_to(root).as_posix()}:{line}: the core is pure: no {what}"
+def source_violations(root: Path) -> Iterator[str]:
+    """Words that would make a pure crate impure, and `unsafe`. Comments and strings may say them."""
+    for name, folder in crate_folders(root).items():
+        forbidden = {f"{name} is pure: no {what}": word for what, word in PURE_MAY_NOT_MENTION.items() if name in PURE}
+        if name not in MAY_BE_UNSAFE:
+            forbidden[f"no unsafe code but in {', '.join(sorted(MAY_BE_UNSAFE))}"] = re.compile(r"\bunsafe\b")
+        for path in sorted(folder.glob("src/**/*.rs")):
+            code = blank(path.read_text(encoding="utf-8"))
+            for complaint, pattern in forbidden.items():
+                for match in pattern.finditer(code):
+                    line = code.count("\n", 0, match.start()) + 1
+                    yield f"{path.relative_to(root).as_posix()}:{line}: {complaint}"
 
 
-def blank_comments_and_strings(code: str) -> str:
-    """The Rust code with comments and string literals emptied; line numbers stay."""
-    pattern = re.compile(r'//[^\n]*|/\*.*?\*/|"(?:\\.|[^"\\])*"', re.DOTALL)
-    return pattern.sub(lambda match: "\n" * match.group().count("\n"), code)
+def crate_folders(root: Path) -> dict[str, Path]:
+    manifests = sorted(root.glob("crates/*/Cargo.toml"))
+    return {tomllib.loads(m.read_text(encoding="utf-8"))["package"]["name"]: m.parent for m in manifests}
+
+
+def module_violations(
+    root: Path,
+    rooms: Mapping[str, Mapping[str, Collection[str]]] = RUST_ROOMS,
+    two_file_circles: Mapping[tuple[str, str], str] = TWO_FILE_CIRCLES,
+) -> Iterator[str]:
+    """Imports between the rooms of a crate, and circles of its files."""
+    arrows: Arrows = {}
+    for name, folder in crate_folders(root).items():
+        crate = Crate(folder, name)
+        for path in crate.orphans():
+            yield f"{path.relative_to(root).as_posix()}: no `mod` names this file, so it is not compiled"
+        own = crate.arrows()
+        arrows |= own
+        if name in rooms:
+            yield from room_violations(root, crate, own, rooms[name])
+    yield from circle_violations(root, arrows, two_file_circles)
+
+
+def room_violations(root: Path, crate: Crate, arrows: Arrows, rooms: Mapping[str, Collection[str]]) -> Iterator[str]:
+    """Rooms and their imports that are not in the crate's table."""
+
+    def room(path: Path) -> str:
+        return path.relative_to(crate.source).parts[0].removesuffix(".rs")
+
+    present = {room(path): path for path in sorted(crate.files(), reverse=True)}
+    for name in sorted({*present} - {*rooms, "lib", "main"}):
+        where = present[name].relative_to(root).as_posix()
+        yield f"{where}: room {name} has no place in RUST_ROOMS of tools/check_layers.py"
+    for name in sorted({*rooms} - {*present}):
+        where = crate.source.relative_to(root).as_posix()
+        yield f"{where}: room {name} of RUST_ROOMS in tools/check_layers.py is not there"
+    for (path, into), names in sorted(arrows.items()):
+        own, other = room(path), room(into)
+        if own == other or own not in rooms or other in rooms[own]:
+            continue
+        allowed = ", ".join(sorted(rooms[own])) or "nothing"
+        for name, line in names.items():
+            where = f"{path.relative_to(root).as_posix()}:{line}"
+            yield f"{where}: {own} may not import {name} of {other} (of its crate it may import: {allowed})"
+
+
+def circle_violations(root: Path, arrows: Arrows, two_file_circles: Mapping[tuple[str, str], str]) -> Iterator[str]:
+    """Circles of more than two files, those of two without a reason, and reasons without a circle."""
+    reasons = {frozenset(pair): reason for pair, reason in two_file_circles.items()}
+    for files in circles(arrows):
+        names = [path.relative_to(root).as_posix() for path in files]
+        way = "".join(f"\n    {step}" for step in steps(root, shortest_circle(files, arrows), arrows))
+        if len(files) > 2:
+            others = ", ".join(names[1:])
+            yield f"{names[0]}: in a circle of {len(files)} files, with {others}; the shortest way round:{way}"
+        elif not reasons.get(frozenset(names)):
+            yield f"{names[0]}: imports {names[1]} and back, with no reason in TWO_FILE_CIRCLES:{way}"
+    for first, second in two_file_circles:
+        if not {(root / first, root / second), (root / second, root / first)} <= arrows.keys():
+            yield f"{first}: in no circle with {second} any more: take the two out of TWO_FILE_CIRCLES"
+
+
+def steps(root: Path, way: list[Path], arrows: Arrows) -> Iterator[str]:
+    """Each arrow of a circle, with the names that make it."""
+    for path, into in zip(way, [*way[1:], way[0]], strict=True):
+        names = arrows[path, into]
+        where = f"{path.relative_to(root).as_posix()}:{min(names.values())}"
+        yield f"{where} -> {into.relative_to(root).as_posix()}: {', '.join(names)}"
+
+
+def graph(root: Path, wanted: str | None) -> Iterator[str]:
+    """The arrows and the circles of one crate or all, to work with."""
+    for name, folder in crate_folders(root).items():
+        if wanted not in {None, name}:
+            continue
+        arrows = Crate(folder, name).arrows()
+        for (path, into), names in sorted(arrows.items()):
+            places = [file.relative_to(folder / "src").as_posix() for file in (path, into)]
+            yield f"{name}: {places[0]} -> {places[1]}: {', '.join(names)}"
+        for files in circles(arrows):
+            places = [file.relative_to(folder / "src").as_posix() for file in files]
+            yield f"{name}: a circle of {len(files)} files: {' '.join(places)}"
+            yield from (f"    {step}" for step in steps(root, shortest_circle(files, arrows), arrows))
 
 
 def python_violations(root: Path) -> Iterator[str]:
@@ -134,8 +297,24 @@ def imports(path: Path, package: Path) -> Iterator[tuple[int, str]]:
 
 
 def main() -> int:
-    root = Path(sys.argv[1] if len(sys.argv) > 1 else Path(__file__).parent.parent).resolve()
-    violations = sorted({*crate_violations(root), *core_violations(root), *python_violations(root)})
+    parser = argparse.ArgumentParser(description="Checks who may know of whom.")
+    parser.add_argument("root", nargs="?", type=Path, default=Path(__file__).parent.parent, help="default: this tree")
+    parser.add_argument("--graph", nargs="?", const="", metavar="CRATE", help="print who imports whom, and the circles")
+    arguments = parser.parse_args()
+    root = arguments.root.resolve()
+    if arguments.graph is not None:
+        if arguments.graph and arguments.graph not in crate_folders(root):
+            parser.error(f"no crate {arguments.graph}: there are {', '.join(crate_folders(root))}")
+        print("\n".join(graph(root, arguments.graph or None)))
+        return 0
+    violations = sorted(
+        {
+            *crate_violations(root),
+            *source_violations(root),
+            *module_violations(root),
+            *python_violations(root),
+        }
+    )
     for violation in violations:
         print(violation)
     if violations:
