@@ -1,7 +1,8 @@
 //! What one query knows: the two surfaces, where the tool is, and how their triangles hang together.
 
+use feeler_core::constants::NONE;
 use feeler_core::geometry::vectors::{dot, scaled, sub};
-use feeler_core::mesh::topology::adjacency::{Adjacency, NONE};
+use feeler_core::mesh::topology::adjacency::Adjacency;
 use feeler_core::{Aabb, Mockup, Point, Pose, Scene, Tool, Triangle};
 use feeler_lanes::Checked;
 

@@ -67,3 +67,6 @@ pub const NEEDLE_WIDTH: f64 = 0.01;
 /// numbers. Corners as near as that may be one, and triangles as thin have normals that say nothing. More closes wider seams and
 /// distrusts more slivers.
 pub const WELD_SHARE: f64 = 1.0 / (1 << 19) as f64;
+
+/// Stands for no triangle, and for no entry of any other list, where a number is kept: no list is so long.
+pub const NONE: u32 = u32::MAX;

@@ -18,7 +18,7 @@ use crate::error::{Error, Result};
 use crate::geometry::pose::Pose;
 use crate::index::mockup_index::Index;
 use crate::index::store::Storage;
-use crate::mesh::triangle_mesh::Mockup;
+use crate::mesh::mockup::Mockup;
 use crate::progress::Progress;
 use crate::scratch_pool::ScratchPool;
 use crate::sizing::choice::default_voxel_size;

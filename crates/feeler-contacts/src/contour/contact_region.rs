@@ -3,7 +3,7 @@
 //! A curve does not know how finely the surfaces are cut into triangles, and neither does what it encloses: tool triangles
 //! behind the part's surface and the part's triangles inside the tool, found by walking from the curve over shared edges.
 
-use feeler_core::mesh::topology::adjacency::NONE;
+use feeler_core::constants::NONE;
 use feeler_core::{Point, Triangle};
 
 use crate::containers::counting_sort::lay_out;

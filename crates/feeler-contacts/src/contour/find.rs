@@ -1,9 +1,9 @@
 //! Sorts the pairs that meet into contact regions: segments, contours, what they enclose.
 
+use feeler_core::constants::NONE;
 use feeler_core::constants::WELD_SHARE;
 use feeler_core::geometry::triangle_normals::{eight_normals, is_thin};
 use feeler_core::geometry::vectors::{dot, normal, scaled, sub};
-use feeler_core::mesh::topology::adjacency::NONE;
 use feeler_core::mesh::topology::disjoint_sets::DisjointSets;
 use feeler_core::Point;
 use feeler_lanes::WIDE_LANES;

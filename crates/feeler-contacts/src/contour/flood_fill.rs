@@ -3,8 +3,9 @@
 use crate::context::QueryContext;
 use crate::contour::contact_region::{ContactRegions, FaceNumbers};
 use crate::surface::{Side, Surface};
+use feeler_core::constants::NONE;
 use feeler_core::geometry::vectors::{dot, sub};
-use feeler_core::mesh::topology::adjacency::{Adjacency, NONE};
+use feeler_core::mesh::topology::adjacency::Adjacency;
 use feeler_core::mesh::topology::disjoint_sets::DisjointSets;
 use feeler_lanes::prefetch_at;
 

@@ -4,9 +4,9 @@ use crate::context::QueryContext;
 use crate::contour::contact_region::ContactRegions;
 use crate::contour::vertex_side_degenerate::{judge, LEVEL, ON};
 use crate::surface::{Side, Surface};
+use feeler_core::constants::NONE;
 use feeler_core::constants::WELD_SHARE;
 use feeler_core::geometry::vectors::{dot, sub};
-use feeler_core::mesh::topology::adjacency::NONE;
 use feeler_lanes::{Kernel, Simd, Wide};
 
 /// The nearest cut tells on which side a corner is: the way to it crosses no other. Where two are equally near, at an edge of the

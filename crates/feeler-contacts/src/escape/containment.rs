@@ -219,7 +219,7 @@ mod tests {
     use super::*;
     use crate::tests::{at, scene, tool, turned, Held};
     use feeler_core::geometry::vectors::{cross, dot, length, sub};
-    use feeler_core::mesh::triangle_mesh::Mockup;
+    use feeler_core::mesh::mockup::Mockup;
     use feeler_shapes::{ball, box_mesh, joined, Arrays};
 
     /// How often a closed surface goes around a point, by solid angles (A. van Oosterom, J. Strackee: The solid angle of a plane

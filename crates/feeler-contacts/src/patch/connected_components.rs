@@ -4,7 +4,8 @@ use crate::context::QueryContext;
 use crate::contour::contact_region::FaceNumbers;
 use crate::patch::surface_patch::{Fragment, Patch};
 use crate::surface::Surface;
-use feeler_core::mesh::topology::adjacency::{Adjacency, NONE};
+use feeler_core::constants::NONE;
+use feeler_core::mesh::topology::adjacency::Adjacency;
 use feeler_lanes::{Kernel, Simd, LANES};
 
 /// Most pieces that are compared each with each: as many as a set has bits.

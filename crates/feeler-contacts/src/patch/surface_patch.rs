@@ -1,6 +1,6 @@
 //! A patch of a surface, and the triangles it is made of.
 
-use feeler_core::mesh::topology::adjacency::NONE;
+use feeler_core::constants::NONE;
 use feeler_core::Point;
 
 /// Points of a patch that are all looked at.

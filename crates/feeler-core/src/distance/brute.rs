@@ -3,7 +3,7 @@
 use super::gap::Gap;
 use crate::geometry::distance_triangle_triangle::closest_triangle_triangle;
 use crate::geometry::pose::Pose;
-use crate::mesh::triangle_mesh::Mockup;
+use crate::mesh::mockup::Mockup;
 use crate::tool::moving_tool::Tool;
 
 /// Every pair of triangles with a distance of at most `within` (metres); sorted like

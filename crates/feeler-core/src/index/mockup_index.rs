@@ -6,7 +6,7 @@ use feeler_lanes::{Checked, Level};
 
 use crate::error::{Error, Result};
 use crate::index::store::{Storage, Store};
-use crate::mesh::triangle_mesh::Mockup;
+use crate::mesh::mockup::Mockup;
 use crate::progress::Progress;
 
 /// A mock-up and its store. Immutable while it is queried.

@@ -4,7 +4,8 @@ use feeler_lanes::{Checked, Simd, LANES};
 
 use crate::geometry::bounds::{Aabb, Point};
 use crate::geometry::pose::Pose;
-use crate::mesh::triangle_mesh::{Mesh, Mockup};
+use crate::mesh::mockup::Mockup;
+use crate::mesh::triangle_mesh::Mesh;
 use crate::tool::motion::Window;
 use crate::tool::moving_tool::Tool;
 

@@ -2,6 +2,7 @@
 
 pub mod defects;
 pub mod median;
+pub mod mockup;
 pub mod pieces;
 pub mod topology;
 pub mod triangle_mesh;

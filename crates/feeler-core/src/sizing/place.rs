@@ -193,7 +193,7 @@ mod tests {
 
     use super::*;
     use crate::geometry::pose::Pose;
-    use crate::mesh::triangle_mesh::Mockup;
+    use crate::mesh::mockup::Mockup;
     use crate::scene::{Scene, SceneOptions};
     use crate::sizing::crowd::tests::scattered;
     use crate::sizing::tests::{mockup, tool};

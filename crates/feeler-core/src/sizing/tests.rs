@@ -12,8 +12,8 @@ use crate::geometry::bounds::{Aabb, Point, Triangle};
 use crate::index::blocks::Blocks;
 use crate::index::grid::VoxelGrid;
 use crate::index::store::Storage;
+use crate::mesh::mockup::Mockup;
 use crate::mesh::pieces::{cut_triangle, grown_box};
-use crate::mesh::triangle_mesh::Mockup;
 use crate::scene::{Scene, SceneOptions};
 use crate::tool::moving_tool::Tool;
 

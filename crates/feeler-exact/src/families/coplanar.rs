@@ -3,7 +3,7 @@
 
 use feeler_core::{PairKind, Point, Triangle};
 
-use super::{flat, Book, APART, COPLANAR, TINY};
+use super::book::{flat, Book, APART, COPLANAR, TINY};
 
 type Flat = [[f64; 2]; 3];
 

@@ -3,7 +3,7 @@
 
 use feeler_core::{PairKind, Triangle};
 
-use super::{mapped, Book, APART, BASE, CROSSING, TINY, TOUCHING};
+use super::book::{mapped, Book, APART, BASE, CROSSING, TINY, TOUCHING};
 
 pub(super) fn add(book: &mut Book) {
     through_the_face(book);

@@ -3,25 +3,13 @@
 //! Most answers follow from the design and are written beside the case. Where rounding decides (a neighbour of a number,
 //! a decimal fraction), the oracle gives the answer. Making the corpus checks every designed answer with the oracle.
 
+mod book;
 mod coplanar;
 mod crossing;
 mod numbers;
 
-use feeler_core::{PairKind, Point, Triangle};
-
-use crate::corpus::{word, Case};
-use crate::oracle;
-
-/// The triangle that most cases are set against: legs of 4 along x and y, in the plane z = 0.
-const BASE: Triangle = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
-
-/// The smallest number above zero.
-const TINY: f64 = 5e-324;
-
-const APART: Option<PairKind> = None;
-const COPLANAR: Option<PairKind> = Some(PairKind::Coplanar);
-const CROSSING: Option<PairKind> = Some(PairKind::Crossing);
-const TOUCHING: Option<PairKind> = Some(PairKind::Touching);
+use crate::corpus::Case;
+use book::Book;
 
 const HEAD: &str = "\
 # Pairs of triangles that make trouble, and how they meet.
@@ -67,38 +55,4 @@ pub fn corpus(before: &str) -> String {
     text += before.find(FOUND).map_or(FOUND, |at| &before[at..]);
     text.truncate(text.trim_end().len());
     text + "\n"
-}
-
-/// Collects cases and refuses wrong ones.
-struct Book {
-    cases: Vec<Case>,
-    names: std::collections::HashSet<String>,
-}
-
-impl Book {
-    /// A case whose answer follows from the design.
-    fn add(&mut self, name: impl Into<String>, p: Triangle, q: Triangle, answer: Option<PairKind>) {
-        let name = name.into();
-        let truth = oracle::kind_of_pair(&p, &q);
-        assert_eq!(word(truth), word(answer), "{name}: {p:?} {q:?}");
-        self.add_decided(name, p, q);
-    }
-
-    /// A case that only exact arithmetic can decide.
-    fn add_decided(&mut self, name: impl Into<String>, p: Triangle, q: Triangle) {
-        let name = name.into();
-        assert!(oracle::has_area(&q), "{name}: the second triangle has no area");
-        assert!(self.names.insert(name.clone()), "{name} is taken");
-        self.cases.push(Case { name, p, q, answer: oracle::kind_of_pair(&p, &q) });
-    }
-}
-
-/// Each corner changed by `f`.
-fn mapped(t: Triangle, f: impl Fn(Point) -> Point) -> Triangle {
-    t.map(f)
-}
-
-/// In the plane z = 0.
-fn flat(t: [[f64; 2]; 3]) -> Triangle {
-    t.map(|[x, y]| [x, y, 0.0])
 }

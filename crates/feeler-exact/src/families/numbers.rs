@@ -3,7 +3,7 @@
 
 use feeler_core::{PairKind, Point, Triangle};
 
-use super::{flat, mapped, Book, APART, BASE, COPLANAR, CROSSING, TINY, TOUCHING};
+use super::book::{flat, mapped, Book, APART, BASE, COPLANAR, CROSSING, TINY, TOUCHING};
 
 pub(super) fn add(book: &mut Book) {
     placed(book);

@@ -3,8 +3,10 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, BitOr, BitXor, Mul, Sub};
 
+use super::arithmetic::{
+    close_up, Arithmetic, ByteBoxes, ByteLanes, CacheLine, Kernel, LineLanes, Simd, FEW, LANES, WIDE_LANES,
+};
 use super::x86::{is_apart, least_sides, numbers, One};
-use super::{close_up, Arithmetic, ByteBoxes, ByteLanes, CacheLine, Kernel, LineLanes, Simd, FEW, LANES, WIDE_LANES};
 
 /// Whether the CPU has what [`Avx2`] uses.
 pub fn is_there() -> bool {

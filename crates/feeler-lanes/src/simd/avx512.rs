@@ -2,8 +2,9 @@
 
 use std::arch::x86_64::*;
 
+use super::arithmetic::{close_up, Arithmetic, ByteBoxes, CacheLine, Kernel, LineLanes, Simd, FEW, LANES, WIDE_LANES};
+use super::avx2;
 use super::x86::{is_apart, least_sides, numbers, One};
-use super::{avx2, close_up, Arithmetic, ByteBoxes, CacheLine, Kernel, LineLanes, Simd, FEW, LANES, WIDE_LANES};
 
 /// Whether the CPU has what [`Avx512`] uses.
 pub fn is_there() -> bool {

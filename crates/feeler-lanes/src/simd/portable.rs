@@ -2,7 +2,7 @@
 
 use std::ops::{Add, BitOr, BitXor, Mul, Sub};
 
-use super::{Arithmetic, ByteBoxes, CacheLine, LineLanes, Simd, LANES, WIDE_LANES};
+use super::arithmetic::{gather, Arithmetic, ByteBoxes, CacheLine, LineLanes, Simd, LANES, WIDE_LANES};
 
 /// So many lanes of float32, and of float64.
 #[derive(Debug, Clone, Copy)]
@@ -366,18 +366,4 @@ impl Simd for Portable {
         }
         points
     }
-}
-
-/// One bit per byte (0 or 1), of sixteen.
-#[inline(always)]
-pub fn gather16(flags: &[u8; LANES]) -> u16 {
-    let eight = |from: usize| gather(std::array::from_fn(|i| flags[from + i]));
-    u16::from_le_bytes([eight(0), eight(8)])
-}
-
-/// One bit per byte (0 or 1).
-#[inline(always)]
-fn gather(flags: [u8; 8]) -> u8 {
-    // The product moves the lowest bit of byte n to bit 56 + n; no two terms meet.
-    (u64::from_le_bytes(flags).wrapping_mul(0x0102_0408_1020_4080) >> 56) as u8
 }

@@ -3,7 +3,7 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, BitOr, BitXor, Mul, Sub};
 
-use super::ByteBoxes;
+use super::arithmetic::ByteBoxes;
 
 /// One register.
 #[derive(Debug, Clone, Copy)]

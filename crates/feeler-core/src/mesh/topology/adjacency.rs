@@ -1,7 +1,7 @@
 //! Which triangles share an edge, which surfaces are closed, and their regions of nearly one normal; made once for a mesh, when
 //! contacts are first asked for.
 
-use crate::constants::WELD_SHARE;
+use crate::constants::{NONE, WELD_SHARE};
 use crate::geometry::bounds::{Aabb, Point};
 use crate::geometry::triangle_normals::is_thin;
 use crate::geometry::vectors::{add, cross, dot, length, scaled, sub};
@@ -12,9 +12,6 @@ use crate::mesh::topology::smooth_regions::{smooth_regions, SmoothRegion};
 use crate::mesh::triangle_mesh::Mesh;
 use crate::mesh::weld::weld_vertices;
 use feeler_lanes::prefetch_at;
-
-/// No neighbour.
-pub const NONE: u32 = u32::MAX;
 
 /// Neighbours across edges, and the sense of each triangle's winding.
 #[derive(Debug)]

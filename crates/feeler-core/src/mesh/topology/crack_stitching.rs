@@ -153,8 +153,9 @@ mod tests {
     use std::f64::consts::TAU;
 
     use super::*;
+    use crate::constants::NONE;
     use crate::geometry::pose::Pose;
-    use crate::mesh::topology::adjacency::{Adjacency, NONE};
+    use crate::mesh::topology::adjacency::Adjacency;
     use feeler_shapes::{box_mesh, box_sides, cylinder, joined, sheet, turned, Arrays};
 
     fn adjacency((vertices, faces): &Arrays) -> Adjacency {

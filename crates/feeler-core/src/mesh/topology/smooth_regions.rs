@@ -1,9 +1,9 @@
 //! Regions: connected triangles of one plane, or of one turn of a curved surface. Found once for a mesh, so that no query has to
 //! look for what has nearly one normal.
 
+use crate::constants::NONE;
 use crate::geometry::bounds::Triangle;
 use crate::geometry::vectors::{dot, normal, sub};
-use crate::mesh::topology::adjacency::NONE;
 use crate::mesh::triangle_mesh::Mesh;
 
 /// Triangles whose normals are within this angle of the first one's (cosine of 3 degrees) may share a region: on a curved surface of

@@ -1,0 +1,97 @@
+//! A static mock-up.
+
+use std::sync::OnceLock;
+
+use feeler_lanes::prefetch_at;
+
+use crate::error::{Error, Result};
+use crate::geometry::bounds::{Aabb, Point};
+use crate::mesh::topology::adjacency::Adjacency;
+use crate::mesh::triangle_mesh::Mesh;
+
+/// A static mock-up: one mesh made of parts.
+#[derive(Debug)]
+pub struct Mockup {
+    mesh: Mesh,
+    part_of_face: Vec<u32>,
+    part_bounds: Vec<Aabb>,
+    part_triangles: Vec<u32>,
+    /// Made when first asked for.
+    adjacency: OnceLock<Adjacency>,
+}
+
+impl Mockup {
+    /// `part_of_face` gives each triangle's part, 0 to `parts - 1`; empty means that all belong to part 0.
+    pub fn new(vertices: Vec<Point>, faces: Vec<[u32; 3]>, part_of_face: Vec<u32>, parts: usize) -> Result<Mockup> {
+        if !part_of_face.is_empty() && part_of_face.len() != faces.len() {
+            return Err(Error::Length { what: "part_of_face", got: part_of_face.len(), expected: faces.len() });
+        }
+        if parts == 0 || parts as u64 > u64::from(u32::MAX) {
+            return Err(Error::TooMany { what: "parts", count: parts as u64, limit: u64::from(u32::MAX) });
+        }
+        if let Some((face, &part)) = part_of_face.iter().enumerate().find(|(_, part)| **part as usize >= parts) {
+            return Err(Error::PartOutOfRange { face, part, parts });
+        }
+        let mesh = Mesh::new("mock-up", vertices, faces)?;
+        let mut part_bounds = vec![Aabb::EMPTY; parts];
+        let mut part_triangles = vec![0; parts];
+        for face in 0..mesh.faces().len() {
+            part_triangles[part_of_face.get(face).map_or(0, |p| *p as usize)] += 1;
+        }
+        for face in mesh.queried() {
+            let b = &mut part_bounds[part_of_face.get(face as usize).map_or(0, |p| *p as usize)];
+            for corner in mesh.triangle(face) {
+                b.grow(&corner);
+            }
+        }
+        Ok(Mockup { mesh, part_of_face, part_bounds, part_triangles, adjacency: OnceLock::new() })
+    }
+
+    /// The triangles.
+    pub fn mesh(&self) -> &Mesh {
+        &self.mesh
+    }
+
+    /// The part a triangle belongs to.
+    #[inline]
+    pub fn part_of_face(&self, face: u32) -> u32 {
+        self.part_of_face.get(face as usize).copied().unwrap_or(0)
+    }
+
+    /// Asks for what [`part_of_face`](Self::part_of_face) will read.
+    #[inline]
+    #[doc(hidden)]
+    pub fn prefetch_part(&self, face: u32) {
+        prefetch_at(&self.part_of_face, face as usize);
+    }
+
+    /// The box around the queried triangles of each part; empty where a part has none.
+    pub fn part_bounds(&self) -> &[Aabb] {
+        &self.part_bounds
+    }
+
+    /// Bytes held by the arrays that say which triangle belongs to which part.
+    pub fn parts_memory(&self) -> usize {
+        self.part_of_face.capacity() * size_of::<u32>()
+            + self.part_bounds.capacity() * size_of::<Aabb>()
+            + self.part_triangles.capacity() * size_of::<u32>()
+    }
+
+    /// Which triangles share edges, within each part; found when first asked for.
+    #[doc(hidden)]
+    pub fn adjacency(&self) -> &Adjacency {
+        let part = |face| self.part_of_face(face);
+        self.adjacency.get_or_init(|| Adjacency::new(&self.mesh, part, &self.part_bounds))
+    }
+
+    /// Bytes held by what was found of how the triangles hang together; `None` before anybody asked.
+    #[doc(hidden)]
+    pub fn topology_memory(&self) -> Option<usize> {
+        self.adjacency.get().map(Adjacency::memory)
+    }
+
+    /// Number of triangles of each part, defective ones included.
+    pub fn part_triangles(&self) -> &[u32] {
+        &self.part_triangles
+    }
+}
