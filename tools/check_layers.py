@@ -85,9 +85,12 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         "patch": {*CONTACTS_BASE, "contour"},
         "depth": {*CONTACTS_BASE, "contour", "patch"},
         "proximity": CONTACTS_BASE,
-        "query": {*CONTACTS_BASE, "contour", "patch", "depth", "proximity"},
+        "identity": CONTACTS_BASE,
+        "query": {*CONTACTS_BASE, "contour", "patch", "depth", "proximity", "identity"},
         "escape": {*CONTACTS_BASE, "query"},
-        "solver": {*CONTACTS_BASE, "query", "escape"},
+        # Found of a plane when somebody asks, apart from the query.
+        "footing": CONTACTS_BASE,
+        "solver": {*CONTACTS_BASE, "query", "escape", "footing"},
         "tracker": {*CONTACTS_BASE, "solver"},
     },
 }

@@ -23,6 +23,11 @@ pub struct ContactPlane {
     pub tool_triangles: Vec<u32>,
     /// Triangles of the mock-up behind it, sorted.
     pub mockup_triangles: Vec<u32>,
+    /// The same for the same two surfaces from pose to pose: a hash of the part, the convex body of the mock-up and that of the tool,
+    /// and, where these have several planes in one answer, of their order.
+    pub id: u64,
+    /// A triangle of the tool and one of the mock-up, of the surfaces that carry the contact.
+    pub(crate) carriers: [u32; 2],
     /// Whether the surfaces there are flat-faced and every direction was tried.
     pub(crate) certain: bool,
     /// Whether the side of the surface that it is on had to be assumed: a plane of a pierced surface.
@@ -47,7 +52,7 @@ pub(crate) fn by_coordinates(p: &Point, q: &Point) -> Ordering {
 }
 
 impl ContactPlane {
-    fn order(&self, other: &ContactPlane) -> Ordering {
+    pub(crate) fn order(&self, other: &ContactPlane) -> Ordering {
         (self.gap.total_cmp(&other.gap))
             .then(self.part.cmp(&other.part))
             .then_with(|| by_coordinates(&self.normal, &other.normal))
@@ -56,9 +61,8 @@ impl ContactPlane {
 }
 
 impl Contacts {
-    /// Puts the planes in order, leaves out those beyond the most, and gives each its triangles once.
+    /// Leaves out the planes beyond the most, of those in order, and gives each its triangles once.
     pub(crate) fn finish(&mut self, lanes: Checked, sorter: &mut Sorter) {
-        self.planes.sort_by(ContactPlane::order);
         self.omitted = self.planes.len().saturating_sub(MOST_PLANES);
         self.planes.truncate(MOST_PLANES);
         for plane in &mut self.planes {

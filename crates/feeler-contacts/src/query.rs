@@ -8,7 +8,7 @@
 use feeler_core::collide::narrow::Filters;
 use feeler_core::distance::query::{near_candidates, DistanceScratch};
 use feeler_core::distance::wanted::Candidate;
-use feeler_core::geometry::vectors::dot;
+use feeler_core::geometry::vectors::{dot, scaled};
 use feeler_core::index::sink::Divider;
 use feeler_core::scratch_pool::ScratchPool;
 use feeler_core::{Collision, Error, Point, Pose, Result, Scene, Tool};
@@ -28,6 +28,7 @@ use crate::depth::axis::BodyPair;
 use crate::depth::face_axes::FaceDepth;
 use crate::depth::least_depth::{Depth, DepthScratch};
 use crate::depth::piercing::Piercing;
+use crate::identity::set_ids;
 use crate::patch::body::{Bodies, Body};
 use crate::patch::convex_bodies::ConvexBodies;
 use crate::patch::patches::Patches;
@@ -193,6 +194,8 @@ impl ContactQuery<'_> {
         }
         places.iter_mut().for_each(|place| contacts.planes.append(&mut place.planes));
         drop(places);
+        contacts.planes.sort_by(ContactPlane::order);
+        set_ids(&context, &mut contacts.planes);
         contacts.finish(context.lanes, &mut scratch.sorter);
         if held > MOST_HELD {
             *scratch = ContactScratch::default();
@@ -300,10 +303,17 @@ fn push_region(
             part,
             tool_triangles: ids(Surface::Tool),
             mockup_triangles: ids(Surface::Mockup),
+            id: 0,
+            carriers: bodies.carriers(t, m, &depth.normal).unwrap_or_else(|| meeting_ids(regions, &meeting[0])),
             certain: depth.certain && regions.complete,
             assumed: false,
         });
     }
+}
+
+/// The triangles of two faces that meet.
+fn meeting_ids(regions: &ContactRegions, faces: &[u32; 2]) -> [u32; 2] {
+    Surface::BOTH.map(|surface| regions.faces[surface][faces[surface] as usize].id)
 }
 
 /// The bodies of tool and mock-up in one zone.
@@ -323,6 +333,12 @@ impl<'a> RegionBodies<'a> {
     fn pair(&self, t: usize, m: usize) -> BodyPair<'_> {
         let (tool, mockup) = (&self.each[Surface::Tool][t], &self.each[Surface::Mockup][m]);
         BodyPair { lanes: self.context.lanes, regions: self.regions, tool, mockup }
+    }
+
+    /// The triangles of two bodies that face each other most along a plane's normal.
+    fn carriers(&self, t: usize, m: usize, normal: &Point) -> Option<[u32; 2]> {
+        let (tool, mockup) = (&self.each[Surface::Tool][t], &self.each[Surface::Mockup][m]);
+        Some([tool.triangle_facing(&scaled(normal, -1.0))?, mockup.triangle_facing(normal)?])
     }
 
     fn share_segments(&self, t: usize, m: usize) -> bool {

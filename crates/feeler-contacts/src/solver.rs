@@ -5,8 +5,9 @@ use std::sync::Arc;
 use feeler_core::scratch_pool::ScratchPool;
 use feeler_core::{Pose, Result, Scene, Tool};
 
-use crate::contact_plane::Contacts;
+use crate::contact_plane::{ContactPlane, Contacts};
 use crate::escape::penetration::{penetration, Penetration};
+use crate::footing::{footing, Footing};
 use crate::query::{ContactQuery, ContactScratch};
 
 /// Finds contacts in a scene. Owns the working memory of its queries; any number of threads may ask it at once.
@@ -51,6 +52,13 @@ impl ContactSolver {
     /// [`contacts`](Self::contacts), and so the errors.
     pub fn penetration(&self, tool: &Tool, pose: &Pose, margin: f64, reference: Option<&Pose>) -> Result<Penetration> {
         penetration(&self.query(), tool, pose, margin, reference)
+    }
+
+    /// The footing of a plane that [`contacts`](Self::contacts) found for this tool at this pose: one to four points of the tool, in its
+    /// own frame, that carry the contact. Where they are held off the plane, so is the tool, for turns up to one degree, as far as the
+    /// mock-up's surface reaches. An edge has two, a corner one; a round patch has four around it.
+    pub fn footing(&self, tool: &Tool, pose: &Pose, plane: &ContactPlane) -> Footing {
+        footing(&self.scene, tool, pose, plane)
     }
 
     pub(crate) fn query(&self) -> ContactQuery<'_> {

@@ -67,6 +67,8 @@ impl Piercing {
             part,
             tool_triangles: ids(Surface::Tool),
             mockup_triangles: ids(Surface::Mockup),
+            id: 0,
+            carriers: self.pairs[0],
             certain: false,
             assumed: true,
         }

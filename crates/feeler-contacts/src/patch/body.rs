@@ -7,7 +7,7 @@ use crate::patch::half_spaces::HalfSpaces;
 use crate::patch::patches::Patches;
 use crate::patch::support::{highest, push_eights, Eight};
 use feeler_core::geometry::bounds::Point;
-use feeler_core::geometry::vectors::{along, unit};
+use feeler_core::geometry::vectors::{along, dot, unit};
 use feeler_lanes::{Checked, WIDE_LANES};
 
 /// Most facets of a body, the largest, whose normals are tried: with their mean as many as fill the lanes.
@@ -122,6 +122,13 @@ pub(crate) struct Body<'a> {
 impl<'a> Body<'a> {
     pub fn whole(&self) -> Facets<'a> {
         Facets { number: self.number, list: self.facets, triangles: self.triangles }
+    }
+
+    /// A triangle of the facet that faces an axis most; of several the first.
+    pub fn triangle_facing(&self, axis: &Point) -> Option<u32> {
+        let along = |f: &Facet| dot(&f.normal, axis);
+        let facet = self.facets.iter().reduce(|best, f| if along(f) > along(best) { f } else { best })?;
+        self.triangles[facet.triangles.0..facet.triangles.1].first().copied()
     }
 }
 

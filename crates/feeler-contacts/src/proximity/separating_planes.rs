@@ -336,6 +336,8 @@ fn plane_of(context: &QueryContext<'_>, gap: &Gap) -> ContactPlane {
         part: gap.part,
         tool_triangles: Vec::new(),
         mockup_triangles: Vec::new(),
+        id: 0,
+        carriers: [gap.tool_triangle, gap.mockup_triangle],
         certain: true,
         assumed: false,
     }

@@ -1,12 +1,13 @@
 //! A static mock-up.
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use feeler_lanes::prefetch_at;
 
 use crate::error::{Error, Result};
 use crate::geometry::bounds::{Aabb, Point};
 use crate::mesh::topology::adjacency::Adjacency;
+use crate::mesh::topology::body_outlines::BodyOutlines;
 use crate::mesh::triangle_mesh::Mesh;
 
 /// A static mock-up: one mesh made of parts.
@@ -18,6 +19,7 @@ pub struct Mockup {
     part_triangles: Vec<u32>,
     /// Made when first asked for.
     adjacency: OnceLock<Adjacency>,
+    outlines: BodyOutlines,
 }
 
 impl Mockup {
@@ -44,7 +46,14 @@ impl Mockup {
                 b.grow(&corner);
             }
         }
-        Ok(Mockup { mesh, part_of_face, part_bounds, part_triangles, adjacency: OnceLock::new() })
+        Ok(Mockup {
+            mesh,
+            part_of_face,
+            part_bounds,
+            part_triangles,
+            adjacency: OnceLock::new(),
+            outlines: BodyOutlines::default(),
+        })
     }
 
     /// The triangles.
@@ -82,6 +91,12 @@ impl Mockup {
     pub fn adjacency(&self) -> &Adjacency {
         let part = |face| self.part_of_face(face);
         self.adjacency.get_or_init(|| Adjacency::new(&self.mesh, part, &self.part_bounds))
+    }
+
+    /// The points that span the convex body of a triangle, found when first asked for.
+    #[doc(hidden)]
+    pub fn body_outline(&self, triangle: u32) -> Arc<[Point]> {
+        self.outlines.of(&self.mesh, self.adjacency(), triangle)
     }
 
     /// Bytes held by what was found of how the triangles hang together; `None` before anybody asked.

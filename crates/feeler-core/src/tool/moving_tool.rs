@@ -1,6 +1,6 @@
 //! A moving tool, prepared once for every scene it is used with.
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use super::surface_links::SurfaceLinks;
 use crate::constants::{MAX_TOOL_TRIANGLES, TOOL_CUT_PIECES, TOOL_CUT_PIECES_EACH, TRANSFORM_ROUNDOFFS, UNIT_ROUNDOFF};
@@ -11,6 +11,7 @@ use crate::geometry::pose::Pose;
 use crate::mesh::median::{self, Cells};
 use crate::mesh::pieces::{cut_margin, cut_triangle, default_piece_size, grown_box, outline};
 use crate::mesh::topology::adjacency::Adjacency;
+use crate::mesh::topology::body_outlines::BodyOutlines;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::tool::placement::{BoxLanes, PieceLanes, ToolUnit};
 use feeler_lanes::{CacheLine, LANES};
@@ -34,6 +35,7 @@ pub struct Tool {
     widths: Widths,
     /// Made when contacts are first asked for.
     adjacency: OnceLock<Adjacency>,
+    outlines: BodyOutlines,
     /// Made when penetration is first asked for where the tool meets nothing.
     links: OnceLock<SurfaceLinks>,
 }
@@ -124,6 +126,7 @@ impl Tool {
             largest,
             widths,
             adjacency: OnceLock::new(),
+            outlines: BodyOutlines::default(),
             links: OnceLock::new(),
         })
     }
@@ -137,6 +140,12 @@ impl Tool {
     #[doc(hidden)]
     pub fn adjacency(&self) -> &Adjacency {
         self.adjacency.get_or_init(|| Adjacency::of_one_part(&self.mesh))
+    }
+
+    /// The points that span the convex body of a triangle, in the tool's frame; found when first asked for.
+    #[doc(hidden)]
+    pub fn body_outline(&self, triangle: u32) -> Arc<[Point]> {
+        self.outlines.of(&self.mesh, self.adjacency(), triangle)
     }
 
     /// Ways between its connected surfaces.
