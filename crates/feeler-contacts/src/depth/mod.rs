@@ -1,4 +1,4 @@
-//! Depth: along which axis two bodies have to be moved least until a plane holds them apart.
+//! Depth: along which axis two bodies have to be moved least until a plane separates them.
 
 pub(crate) mod axis;
 mod axis_blocked;
@@ -10,3 +10,4 @@ pub(crate) mod face_axes;
 mod gauss_arcs;
 pub(crate) mod least_depth;
 pub(crate) mod piercing;
+pub(crate) mod region_depths;

@@ -61,7 +61,7 @@ pub(crate) fn penetration(
 ) -> Result<Penetration> {
     let scene = query.scene;
     let beside = |deep: usize| (deep < MOST_PLANES).then_some(margin);
-    let contacts = query.contacts_beside(beside, tool, pose, margin, reference)?;
+    let contacts = query.contacts_within(beside, tool, pose, margin, reference)?;
     if !contacts.is_meeting {
         let parts = containing_parts(scene, tool, pose);
         let (translation, kind) = if parts.is_empty() {
