@@ -119,3 +119,76 @@ pub const FILLED_SHARE: f64 = 0.9;
 
 /// Share of [`FILLED_SHARE`] from which on an overlap is searched first. Moves time only.
 pub const FIRST_OVERLAP_SHARE: f64 = 0.75;
+
+// Escape: the translation that frees the tool.
+
+/// Share by which the translation is longer than the planes ask for, so that the tool ends off the surface and not on it.
+pub const ESCAPE_EXCESS: f64 = 1e-6;
+
+/// Share of the largest coordinate by which the tool ends off the surface at least: about ninety roundings, for those of a placed corner.
+pub const ESCAPE_ROUNDING: f64 = 1e-14;
+
+/// Least cosine between the translation and a plane that it leaves: bounds by how much it is lengthened for a plane at grazing angle.
+pub const LEAST_ESCAPE_LEAN: f64 = 0.01;
+
+/// Share of a translation after which the tool must still meet something for the translation to count as the shortest.
+pub const TIGHT_SHARE: f64 = 0.999;
+
+/// Most times that planes of the pose reached are added, and most planes left out. More: shorter translations, and slower.
+pub const MOST_ESCAPE_ROUNDS: usize = 8;
+
+/// Most planes that a translation is searched over; the tightest are kept. All threes of them are tried: 17,000.
+pub const MOST_ESCAPE_PLANES: usize = 48;
+
+/// One less the cosine of the angle within which two of these planes are parallel, and only the tighter is kept: 0.003 degrees.
+pub const PARALLEL_ESCAPE_PLANES: f64 = 1e-9;
+
+/// Share by which a translation without one of the planes must be shorter to be preferred.
+pub const LEFT_OUT_SHORTER: f64 = 1e-3;
+
+/// Share of the largest distance by which a least-norm point may violate a plane: above rounding.
+pub const MIN_NORM_SLACK: f64 = 1e-9;
+
+/// Share by which a later point must be shorter to be preferred, so that ties fall to the fewest planes.
+pub const MIN_NORM_SHORTER: f64 = 1e-12;
+
+/// Least squared sine between two planes, and least determinant of three, that have a point in common: nearly parallel ones have
+/// theirs far away, and rounding decides where.
+pub const LEAST_PAIR_DETERMINANT: f64 = 1e-9;
+pub const LEAST_TRIPLE_DETERMINANT: f64 = 1e-6;
+
+/// Rounds of relaxation over planes that no translation satisfies. Moves an estimate only.
+pub const RELAXATION_ROUNDS: u32 = 64;
+
+/// First length probed along each axis, as a share of the longest, and by what each is longer than the one before. Finer: shorter
+/// escapes are found before longer ones, and slower.
+pub const PROBE_FIRST_SHARE: f64 = 1.0 / 1024.0;
+pub const PROBE_GROWTH: f64 = 1.5;
+
+/// Bisections between a length that frees the tool and one that does not: to 0.4 % of their difference.
+pub const PROBE_HALVINGS: usize = 8;
+
+/// Share of the longest at and below which no shorter length is searched: less than any part is made to. Where surfaces only touch
+/// there always is a shorter one.
+pub const LEAST_PROBE_SHARE: f64 = 1e-9;
+
+/// Share by which the length along another axis must be shorter to be preferred.
+pub const PROBE_OTHER_SHORTER: f64 = 0.002;
+
+/// By how much the best axis is turned (tangent of the angle) to find a shorter length: 27 to 3 degrees.
+pub const PROBE_TURNS: [f64; 4] = [0.5, 0.25, 0.12, 0.06];
+
+/// Most times that it is turned by each.
+pub const MOST_PROBE_TURNS: usize = 8;
+
+/// Share by which the length along a turned axis must be shorter: each costs several exact queries.
+pub const PROBE_TURNED_SHORTER: f64 = 0.02;
+
+/// Factor by which more of the nearest parts are asked for, until one of those wanted is among them. Moves time only.
+pub const NEAREST_PARTS_GROWTH: usize = 8;
+
+/// How much longer a ray is than the line to the border of the box that it leaves, as a share of the box: it ends clearly outside.
+pub const RAY_EXCESS: f64 = 0.01;
+
+/// Rays that decide by their median where a surface has cracks, which one ray may go through. Fewer: such surfaces may seem open.
+pub const RAYS_WITH_CRACKS: usize = 3;
