@@ -8,15 +8,13 @@
 use feeler_core::collide::narrow::Filters;
 use feeler_core::distance::query::{near_candidates, DistanceScratch};
 use feeler_core::distance::wanted::Candidate;
-use feeler_core::geometry::vectors::dot;
 use feeler_core::index::sink::Divider;
 use feeler_core::scratch_pool::ScratchPool;
-use feeler_core::{Collision, Error, Point, Pose, Result, Scene, Tool};
+use feeler_core::{Collision, Error, Pose, Result, Scene, Tool};
 use feeler_lanes::Sorter;
 
 use crate::constants::{
-    FEW_DEEP, LEAST_MARGIN_OVER_NEAREST, MANY_DEEP, MANY_NEAR, MOST_MARGIN_HALVINGS, MOST_PAIRS_KEPT, SAME_DIRECTION,
-    SAME_PLANE,
+    FEW_DEEP, LEAST_MARGIN_OVER_NEAREST, MANY_DEEP, MANY_NEAR, MOST_MARGIN_HALVINGS, MOST_PAIRS_KEPT,
 };
 use crate::contact_plane::{ContactPlane, Contacts};
 use crate::containers::counting_sort::PartSort;
@@ -26,7 +24,8 @@ use crate::contour::find::{find, RegionScratch};
 use crate::depth::face_axes::FaceDepth;
 use crate::depth::least_depth::{Depth, DepthScratch};
 use crate::depth::piercing::Piercing;
-use crate::depth::region_depths::{AxisFilter, RegionBodies};
+use crate::depth::region_bodies::RegionBodies;
+use crate::depth::region_depths::{find_planes, AxisFilter};
 use crate::patch::body::Bodies;
 use crate::patch::convex_bodies::ConvexBodies;
 use crate::patch::patches::Patches;
@@ -86,9 +85,8 @@ struct BodyScratch {
     convex_bodies: ConvexBodies,
     bodies: [Bodies; 2],
     depth: DepthScratch,
-    /// Face depths and least depths, with the numbers of their bodies.
-    faces: Vec<(FaceDepth, [usize; 2])>,
-    found: Vec<(Depth, [usize; 2])>,
+    faces: Vec<FaceDepth>,
+    found: Vec<Depth>,
     /// The faces that meet along the segments of two bodies.
     meeting: Vec<[u32; 2]>,
 }
@@ -238,7 +236,7 @@ fn push_piercing(
     (0..regions.regions.len()).for_each(|region| out.add_inside(regions, region));
 }
 
-/// Adds the planes of one region: one for each two bodies that meet, without those that a deeper one stands for.
+/// Adds the planes of one region: one for each two bodies that meet, without those that another dominates.
 fn push_region(
     context: &QueryContext<'_>,
     regions: &ContactRegions,
@@ -258,32 +256,11 @@ fn push_region(
         });
     }
     let bodies = RegionBodies::new(context, regions, bodies);
-    bodies.find_depths(filter, depth_scratch, faces, found);
-    let from = out.len();
-    let mut next = 0;
-    while let Some((depth, [t, m])) = found.get(next) {
-        let (mut depth, [t, m]) = (*depth, [*t, *m]);
-        let same = if depth.is_exact { SAME_PLANE } else { SAME_DIRECTION };
-        let is_like = |normal: &Point| dot(normal, &depth.normal) >= same;
-        if out[from..].iter().any(|p| is_like(&p.normal)) {
-            next += 1;
-            continue;
-        }
-        // No deeper than a plane of about its normal whose gap is known, this one comes after that: how deep then matters not.
-        let bound = depth.gap();
-        let others = found[next + 1..].iter().map(|(d, _)| d);
-        let like = others.filter(|d| d.gap() > bound && d.is_known()).find(|d| is_like(&d.normal));
-        bodies.pair(t, m).measure(context, &mut depth, like.map_or(0.0, |d| -d.gap()), depth_scratch);
-        found[next].0 = depth;
-        if depth.gap() > bound {
-            let deeper = found[next + 1..].partition_point(|(d, _)| d.gap() <= depth.gap());
-            found[next..=next + deeper].rotate_left(1);
-            continue;
-        }
-        next += 1;
+    find_planes(&bodies, filter, depth_scratch, faces, found);
+    for depth in found.iter() {
         meeting.clear();
-        if bodies.share_segments(t, m) {
-            meeting.extend(bodies.segments_of(t, m).map(|i| regions.segments[segments[i] as usize].faces));
+        if bodies.share_segments(depth.bodies) {
+            meeting.extend(bodies.segments_of(depth.bodies).map(|i| regions.segments[segments[i] as usize].faces));
         } else {
             meeting.extend(segments.iter().map(|i| regions.segments[*i as usize].faces));
         }
@@ -291,7 +268,7 @@ fn push_region(
             |surface: Surface| meeting.iter().map(|faces| regions.faces[surface][faces[surface] as usize].id).collect();
         out.push(ContactPlane {
             point: depth.point,
-            normal: depth.normal,
+            normal: depth.normal(),
             gap: depth.gap(),
             part,
             tool_triangles: ids(Surface::Tool),

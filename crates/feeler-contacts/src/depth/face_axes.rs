@@ -17,6 +17,8 @@ use feeler_lanes::WIDE_LANES;
 /// The least depth of two bodies along a face axis: an upper bound of their least depth.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct FaceDepth {
+    /// The numbers of the bodies.
+    pub bodies: [usize; 2],
     /// `None` where no face axis leads out.
     pub(super) axis: Option<TriedAxis>,
     /// As [`Depth`](super::least_depth::Depth) has it.
@@ -27,11 +29,6 @@ impl FaceDepth {
     /// Metres; less than any where there is no axis.
     pub fn depth(&self) -> f64 {
         self.axis.map_or(f64::NEG_INFINITY, |f| f.depth())
-    }
-
-    /// The axis's direction.
-    pub fn normal(&self) -> Option<Point> {
-        self.axis.map(|f| f.direction)
     }
 }
 
@@ -70,12 +67,12 @@ pub(crate) struct FaceAxes {
 }
 
 impl FaceAxes {
-    /// Adds the face depths of pairs that share a tool body, in their order, with the numbers of both bodies.
+    /// Adds the face depths of pairs that share a tool body, in their order.
     pub fn push_face_depths<'a>(
         &mut self,
         pairs: impl Iterator<Item = BodyPair<'a>> + Clone,
         blocked: &mut BlockedAxes,
-        out: &mut Vec<(FaceDepth, [usize; 2])>,
+        out: &mut Vec<FaceDepth>,
     ) {
         self.gather(pairs.clone());
         let mut from = 0;
@@ -85,7 +82,7 @@ impl FaceAxes {
             self.choose(self.ends[i] - from, &mut search);
             let is_flat = |body: &Body<'_>| body.facets.len() <= MOST_NORMALS && body.facets.iter().all(|p| p.flat);
             let is_exact = pair.edge_pairs() <= MOST_EDGES && is_flat(pair.tool) && is_flat(pair.mockup);
-            out.push((FaceDepth { axis: search.best, is_exact }, [pair.tool.number, pair.mockup.number]));
+            out.push(FaceDepth { bodies: [pair.tool.number, pair.mockup.number], axis: search.best, is_exact });
             from = self.ends[i];
         }
     }
@@ -240,15 +237,15 @@ mod tests {
                 let mut found = Vec::new();
                 axes.push_face_depths(pairs.clone(), &mut blocked, &mut found);
                 assert_eq!(found.len(), bodies.len());
-                for (k, (pair, (face, numbers))) in pairs.zip(&found).enumerate() {
+                for (k, (pair, face)) in pairs.zip(&found).enumerate() {
                     let of_tool = tool.1.iter().map(|(n, _)| scaled(n, -1.0));
                     let of_mockup = pair.mockup.normals.iter().map(|(n, _)| *n);
                     let leading_out = |d: &Point| is_leading_out(d, &pair.outward()) && !is_blocked(d);
                     let directions = of_mockup.chain(of_tool).filter(leading_out);
                     let depth = |d: &Point| support(pair.mockup.points, d) + support(&tool.0, &scaled(d, -1.0));
                     let best = directions.min_by(|d, e| depth(d).total_cmp(&depth(e)));
-                    assert_eq!(*numbers, [0, k]);
-                    assert_eq!(face.normal(), best, "{lanes:?} {k}");
+                    assert_eq!(face.bodies, [0, k]);
+                    assert_eq!(face.axis.map(|a| a.direction), best, "{lanes:?} {k}");
                     if let Some(best) = best {
                         assert!((face.depth() - depth(&best)).abs() < 1e-12, "{lanes:?} {k}");
                     }
