@@ -99,7 +99,7 @@ pub(crate) struct BlockedAxes {
 }
 
 impl BlockedAxes {
-    /// For another region with so many bodies of tool and mock-up.
+    /// For another region, with its numbers of bodies of tool and mock-up.
     pub fn clear(&mut self, bodies: [usize; 2]) {
         for (known, count) in self.known.iter_mut().zip(bodies) {
             known.resize_with(count.max(known.len()), KnownBlockers::default);

@@ -54,7 +54,7 @@ pub(crate) struct DirectionalOverlap {
 }
 
 impl DirectionalOverlap {
-    /// For another region with so many bodies of tool and mock-up.
+    /// For another region, with its numbers of bodies of tool and mock-up.
     pub fn clear(&mut self, bodies: [usize; 2]) {
         self.corners.iter_mut().for_each(Vec::clear);
         for (ranges, count) in self.ranges.iter_mut().zip(bodies) {
@@ -593,7 +593,7 @@ mod tests {
                 assert!(is_near(most.0), "{level:?} {round}: {most:?} {expected}");
                 let first = found(f64::NEG_INFINITY, 0.5 * expected).0;
                 assert!(expected <= 0.0 || first >= 0.5 * expected, "{level:?} {round}");
-                // Where only more than a least is sought: that, or nothing.
+                // Where only more than a least is searched: that, or nothing.
                 let more = [-0.1, 0.1].map(|by| found(expected + by, 10.0));
                 assert!(
                     expected.is_infinite() || is_near(more[0].0) && more[1].0 < expected,

@@ -22,7 +22,8 @@ use feeler_core::geometry::vectors::dot;
 #[derive(Debug, Clone, Copy)]
 pub(super) enum OwnPlane<'a> {
     /// Nothing, but that a body of the pair is walled in by others of its surface and meets what they meet. Instead of the first
-    /// condition, the plane must share a body with the pair; overlaps do not dominate it.
+    /// condition, the plane must share a body with the pair. Overlaps do not dominate it: along a normal far from its own a pair may
+    /// overlap by little and be deep.
     WalledIn([usize; 2]),
     /// Its depth along a face axis.
     Face(&'a FaceDepth),

@@ -41,8 +41,9 @@ pub(super) enum Overlap {
     NotAsked,
     /// By the depth, or nearly.
     Filled,
-    /// By so many metres at most.
+    /// At most this, metres.
     AtMost(f64),
+    /// This, metres.
     Measured(f64),
 }
 
@@ -103,7 +104,7 @@ impl DepthScratch {
         self.face_axes.push_face_depths(pairs, &mut self.blocked, out);
     }
 
-    /// For another region with so many bodies of tool and mock-up.
+    /// For another region, with its numbers of bodies of tool and mock-up.
     pub fn clear(&mut self, bodies: [usize; 2]) {
         self.overlap.clear(bodies);
         self.asked.clear();

@@ -55,26 +55,26 @@ fn find_containment(scene: &Scene, tool: &Tool, pose: &Pose, enough: usize) -> V
     let of_tool = tool.mesh().bounds();
     let around = box_at(pose, &of_tool, tool.margin_at(pose));
     let bounds = scene.mockup().part_bounds();
-    let beside: Vec<u32> = (0..).zip(bounds).filter(|(_, b)| b.is_overlapping(&around)).map(|(part, _)| part).collect();
+    let nearby: Vec<u32> = (0..).zip(bounds).filter(|(_, b)| b.is_overlapping(&around)).map(|(part, _)| part).collect();
     let mut found = Vec::new();
-    if beside.is_empty() {
+    if nearby.is_empty() {
         return found;
     }
-    let mut holding = Vec::new();
+    let mut candidates = Vec::new();
     for t in surfaces_apart(tool.links(), scene, pose) {
         let p = context.tool_triangle(t)[0];
-        holding.clear();
-        holding.extend(beside.iter().copied().filter(|part| is_in(&bounds[*part as usize], &p)));
-        push_containing(scene, &p, &holding, &mut found);
+        candidates.clear();
+        candidates.extend(nearby.iter().copied().filter(|part| is_in(&bounds[*part as usize], &p)));
+        push_containing(scene, &p, &candidates, &mut found);
         if found.len() >= enough {
             return found;
         }
     }
     let mut solid = None;
-    for part in beside {
+    for part in nearby {
         let of_part = context.adjacency[Surface::Mockup].surfaces_of(part).iter();
-        let mut held = of_part.map(|(_, m)| context.in_tool(&context.mockup_triangle(*m)[0]));
-        if held.any(|p| is_in(&of_tool, &p) && solid.get_or_insert_with(|| Solid::new(tool)).contains(&p)) {
+        let mut corners = of_part.map(|(_, m)| context.in_tool(&context.mockup_triangle(*m)[0]));
+        if corners.any(|p| is_in(&of_tool, &p) && solid.get_or_insert_with(|| Solid::new(tool)).contains(&p)) {
             found.push(part);
             if found.len() >= enough {
                 return found;
@@ -85,21 +85,21 @@ fn find_containment(scene: &Scene, tool: &Tool, pose: &Pose, enough: usize) -> V
 }
 
 /// Adds those parts that contain a point, of some whose boxes do.
-fn push_containing(scene: &Scene, p: &Point, holding: &[u32], found: &mut Vec<u32>) {
-    if holding.is_empty() {
+fn push_containing(scene: &Scene, p: &Point, candidates: &[u32], found: &mut Vec<u32>) {
+    if candidates.is_empty() {
         return;
     }
     let bounds = scene.mockup().part_bounds();
-    let hull = holding.iter().fold(Aabb::EMPTY, |hull, part| hull.union(&bounds[*part as usize]));
+    let hull = candidates.iter().fold(Aabb::EMPTY, |hull, part| hull.union(&bounds[*part as usize]));
     let Adjacency { outward, has_cracks, .. } = scene.mockup().adjacency();
     let windings = |offset: &[f64; 2]| {
         // A needle triangle, one edge of it the ray: what meets it is what meets the ray, and little more.
         let (q, wide) = (ray_end(p, &hull, offset), ray_end(p, &hull, &offset.map(|x| x + NEEDLE_WIDTH)));
         let needle = Tool::new(vec![*p, q, wide], vec![[0, 1, 2]]).ok()?;
-        let mut windings = vec![0; holding.len()];
+        let mut windings = vec![0; candidates.len()];
         for [_, m] in scene.collide(&needle, &Pose::IDENTITY).pairs {
             let side = i32::from(outward[m as usize]);
-            if let (Ok(part), 1 | -1) = (holding.binary_search(&scene.mockup().part_of_face(m)), side) {
+            if let (Ok(part), 1 | -1) = (candidates.binary_search(&scene.mockup().part_of_face(m)), side) {
                 windings[part] += side * crossing(p, &q, &scene.mockup().mesh().triangle(m))?;
             }
         }
@@ -107,7 +107,7 @@ fn push_containing(scene: &Scene, p: &Point, holding: &[u32], found: &mut Vec<u3
     };
     let decided: Vec<Vec<i32>> = RAY_OFFSETS.iter().filter_map(windings).take(ray_count(*has_cracks)).collect();
     let is_inside = |i: &usize| median(decided.iter().map(|windings| windings[*i]).collect()) != 0;
-    found.extend((0..holding.len()).filter(is_inside).map(|i| holding[i]));
+    found.extend((0..candidates.len()).filter(is_inside).map(|i| candidates[i]));
 }
 
 /// Rays that are asked.
