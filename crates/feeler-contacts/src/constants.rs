@@ -3,41 +3,197 @@
 /// Most planes of an answer.
 pub const MOST_PLANES: usize = 32;
 
-/// So many deep planes, one for each freedom of the tool, go well with all that is near. Beside more it matters less and less, and
-/// looking for it takes as long as all else: it is sought ever nearer by.
+/// Deep planes up to which all that is near is searched: one for each degree of freedom of the tool. Beside more it matters less,
+/// and searching it takes as long as all else, so the margin shrinks. More: slower where many planes are deep.
 pub const FEW_DEEP: usize = 6;
 
-/// So many deep planes are an answer without anything that is only near.
+/// Deep planes from which on nothing near is searched, and piercings have no plane: the margin shrinks to nothing between
+/// [`FEW_DEEP`] and this. More: slower where many planes are deep.
 pub const MANY_DEEP: usize = 12;
 
-/// So many pairs that are near are enough: beyond, what is a little farther than the nearest is not worth its time. Two fine
-/// surfaces one in the other are all near, each triangle to thousands.
+/// Most near pairs of triangles: with more the margin is halved, and what is a little farther than the nearest has no planes. Two
+/// fine surfaces one in the other are all near, each triangle to thousands.
 pub const MANY_NEAR: usize = 1 << 20;
 
-/// Times that the margin is halved to have fewer, and by how much it is more than the least distance at least.
-pub const MOST_HALVINGS: usize = 10;
-pub const BESIDE_THE_NEAREST: f64 = 1.05;
+/// Most halvings of the margin towards [`MANY_NEAR`]: down to a thousandth, after which all pairs are taken, however many.
+pub const MOST_MARGIN_HALVINGS: usize = 10;
 
-/// Pairs of a query from which on its working memory is not kept.
-pub const MOST_HELD: usize = 1 << 16;
+/// Least that halving leaves of the margin, as a multiple of the least distance, so that what is nearest keeps its planes.
+pub const LEAST_MARGIN_OVER_NEAREST: f64 = 1.05;
 
-/// Cosine of the angle within which planes of two flat surfaces in one zone are one: half a degree.
+/// Most pairs of triangles after which a query's working memory is kept for the next, since it grows with them. Moves memory only.
+pub const MOST_PAIRS_KEPT: usize = 1 << 16;
+
+/// Cosine of the angle within which planes of flat-faced bodies of one region are one: half a degree, above the rounding of normals.
 pub const SAME_PLANE: f64 = 0.999_96;
 
-/// Cosine of the angle between a plane and the best normal of two bodies up to which it holds these as well: 25 degrees.
-pub const HELD_DIRECTION: f64 = 0.9063;
+/// Cosine of the angle between a plane and the best face axis of other bodies up to which it may dominate them: 25 degrees. Wider:
+/// fewer planes and less time, and curved surfaces have planes in fewer directions.
+pub const DOMINATED_COSINE: f64 = 0.9063;
 
-/// Cosine of the angle within which planes of a hollow surface are one: 12 degrees.
+/// Cosine of the angle within which planes of curved or hollow surfaces are one: 12 degrees. Wider: fewer planes.
 pub const SAME_DIRECTION: f64 = 0.978;
 
 /// How far a patch may stand out over another's plane (share of the distance between them) and still count as not: below the
 /// turn between neighbouring patches of a hollow surface, above the noise of rounded corners.
 pub const HOLLOW: f64 = 0.02;
 
-/// A later direction must be shallower by this share to be preferred, so that ties fall to normals of the mock-up always.
+/// Share by which a later axis must be shallower to be preferred: above rounding, so that ties always fall to normals of the
+/// mock-up. Smaller: normals may flicker between poses.
 pub const SHALLOWER: f64 = 1e-6;
 
-// --- footing -------------------------------------------------------------------------------------------------------
+// Depth: the axis of least depth of two bodies.
+
+/// Share of the largest size or coordinate of two bodies below which two depths count as equal: some thousands of
+/// roundings. Smaller: rounding chooses among axes of a touch.
+pub const DEPTH_NOISE: f64 = 1e-12;
+
+/// Difference of sums of cosines by which surfaces must face another axis less for it to be preferred where they only touch: above
+/// rounding. Smaller: the normal of a touch may flicker.
+pub const FACING_NOISE: f64 = 1e-6;
+
+/// An axis leads in where its cosine to a body's mean normal is at most the negative of this: half a degree beyond perpendicular, so
+/// that bodies may be moved along their faces. Larger: more axes are tried, some of which lead in.
+pub const AGAINST_NORMAL: f64 = 0.01;
+
+/// Sine of the angle from which on a surface rises along an axis beyond the contour: three degrees, above the turns of flat faces.
+/// Smaller: nearly flat surfaces block axes that free the tool.
+pub const BLOCKING_SINE: f64 = 0.05;
+
+/// Share of the depth below a support within which a point of the contour counts as extreme, and may block the axis.
+pub const BLOCKING_SHARE: f64 = 1e-6;
+
+/// How far a face must rise above that to block, in the same tolerance: more than its own edge may by rounding.
+pub const BLOCKING_RISE: f64 = 3.0;
+
+/// Cosines between the normals of two facets whose arc on the Gauss map is searched. Opposite faces have no edge (120 degrees and
+/// more), and nearly equal ones no arc to speak of (18 degrees and less).
+pub const ARC_COSINES: std::ops::Range<f64> = -0.5..0.95;
+
+/// Most spans of arcs at a time: about ten for each arc of two bodies. Fewer: depths on long edges get larger.
+pub const MOST_ARC_SPANS: usize = 64;
+
+/// Most times that eight axes on arcs are tried; few arcs need as many. Fewer: depths on long edges get larger.
+pub const MOST_ARC_ROUNDS: usize = 6;
+
+/// Share by which a depth on an arc may be above its lower bound and count as the least there.
+pub const ARC_BOUND_SHARE: f64 = 1e-6;
+
+/// Most axes tried by a descent. Fewer: depths of curved surfaces get larger, and contacts faster.
+pub const MOST_DESCENT_STEPS: usize = 24;
+
+/// Length of a descent's step after one that led nowhere, as a share of that.
+pub const DESCENT_STEP_RATIO: f64 = 0.6;
+
+/// Length of a descent's last step (radians, about): half a degree.
+pub const SHORTEST_DESCENT_STEP: f64 = 0.01;
+
+/// Share of the depth within which points count as extreme for the gradient: an edge or a face counts as a whole. Smaller: the
+/// descent zigzags across edges.
+pub const DESCENT_EXTREME_SHARE: f64 = 0.02;
+
+/// Share of the depth within which points count as extreme for the contact point. Moves that point only.
+pub const POINT_SHARE: f64 = 1e-3;
+
+/// Sine of the angle between a triangle and an axis up to which it is seen edge-on and does not count for an overlap: its neighbours
+/// have that edge too.
+pub const EDGE_ON_SINE: f64 = 1e-3;
+
+/// Most pairs of triangles that an overlap is measured over. With more, bodies count as overlapping by their depth.
+pub const MOST_OVERLAP_PAIRS: usize = 1 << 22;
+
+/// Most times that a triangle is clipped against eight others for one overlap. Likewise.
+pub const MOST_OVERLAP_CLIPS: usize = 1 << 14;
+
+/// Share of the greatest overlap so far by which another must be more to be looked at. Overlaps are that much too small at most.
+pub const OVERLAP_GAIN: f64 = 1e-3;
+
+/// The same, as a share of an overlap that is enough: above rounding.
+pub const OVERLAP_NOISE: f64 = 1e-9;
+
+/// Share of a triangle's height over an edge by which a point beyond that edge counts as on it: above rounding.
+pub const ON_EDGE_SHARE: f64 = 1e-9;
+
+/// Share of the depth from which on an overlap counts as all of it. Larger: more planes are overlaps, and more overlaps are measured.
+pub const FILLED_SHARE: f64 = 0.9;
+
+/// Share of [`FILLED_SHARE`] from which on an overlap is searched first. Moves time only.
+pub const FIRST_OVERLAP_SHARE: f64 = 0.75;
+
+// Escape: the translation that frees the tool.
+
+/// Share by which the translation is longer than the planes ask for, so that the tool ends off the surface and not on it.
+pub const ESCAPE_EXCESS: f64 = 1e-6;
+
+/// Share of the largest coordinate by which the tool ends off the surface at least: about ninety roundings, for those of a placed corner.
+pub const ESCAPE_ROUNDING: f64 = 1e-14;
+
+/// Least cosine between the translation and a plane that it leaves: bounds by how much it is lengthened for a plane at grazing angle.
+pub const LEAST_ESCAPE_LEAN: f64 = 0.01;
+
+/// Share of a translation after which the tool must still meet something for the translation to count as the shortest.
+pub const TIGHT_SHARE: f64 = 0.999;
+
+/// Most times that planes of the pose reached are added, and most planes left out. More: shorter translations, and slower.
+pub const MOST_ESCAPE_ROUNDS: usize = 8;
+
+/// Most planes that a translation is searched over; the tightest are kept. All threes of them are tried: 17,000.
+pub const MOST_ESCAPE_PLANES: usize = 48;
+
+/// One less the cosine of the angle within which two of these planes are parallel, and only the tighter is kept: 0.003 degrees.
+pub const PARALLEL_ESCAPE_PLANES: f64 = 1e-9;
+
+/// Share by which a translation without one of the planes must be shorter to be preferred.
+pub const LEFT_OUT_SHORTER: f64 = 1e-3;
+
+/// Share of the largest distance by which a least-norm point may violate a plane: above rounding.
+pub const MIN_NORM_SLACK: f64 = 1e-9;
+
+/// Share by which a later point must be shorter to be preferred, so that ties fall to the fewest planes.
+pub const MIN_NORM_SHORTER: f64 = 1e-12;
+
+/// Least squared sine between two planes, and least determinant of three, that have a point in common: nearly parallel ones have
+/// theirs far away, and rounding decides where.
+pub const LEAST_PAIR_DETERMINANT: f64 = 1e-9;
+pub const LEAST_TRIPLE_DETERMINANT: f64 = 1e-6;
+
+/// Rounds of relaxation over planes that no translation satisfies. Moves an estimate only.
+pub const RELAXATION_ROUNDS: u32 = 64;
+
+/// First length probed along each axis, as a share of the longest, and by what each is longer than the one before. Finer: shorter
+/// escapes are found before longer ones, and slower.
+pub const PROBE_FIRST_SHARE: f64 = 1.0 / 1024.0;
+pub const PROBE_GROWTH: f64 = 1.5;
+
+/// Bisections between a length that frees the tool and one that does not: to 0.4 % of their difference.
+pub const PROBE_HALVINGS: usize = 8;
+
+/// Share of the longest at and below which no shorter length is searched: less than any part is made to. Where surfaces only touch
+/// there always is a shorter one.
+pub const LEAST_PROBE_SHARE: f64 = 1e-9;
+
+/// Share by which the length along another axis must be shorter to be preferred.
+pub const PROBE_OTHER_SHORTER: f64 = 0.002;
+
+/// By how much the best axis is turned (tangent of the angle) to find a shorter length: 27 to 3 degrees.
+pub const PROBE_TURNS: [f64; 4] = [0.5, 0.25, 0.12, 0.06];
+
+/// Most times that it is turned by each.
+pub const MOST_PROBE_TURNS: usize = 8;
+
+/// Share by which the length along a turned axis must be shorter: each costs several exact queries.
+pub const PROBE_TURNED_SHORTER: f64 = 0.02;
+
+/// Factor by which more of the nearest parts are asked for, until one of those wanted is among them. Moves time only.
+pub const NEAREST_PARTS_GROWTH: usize = 8;
+
+/// How much longer a ray is than the line to the border of the box that it leaves, as a share of the box: it ends clearly outside.
+pub const RAY_EXCESS: f64 = 0.01;
+
+/// Rays that decide by their median where a surface has cracks, which one ray may go through. Fewer: such surfaces may seem open.
+pub const RAYS_WITH_CRACKS: usize = 3;
+
+// Footing: the points of the tool that carry a contact.
 
 /// Most points of a footing: three hold a plane, the fourth is what most parts have.
 pub const MOST_FOOTING: usize = 4;

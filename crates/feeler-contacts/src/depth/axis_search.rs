@@ -1,4 +1,4 @@
-//! The search for the axis of least depth: the best so far, and what is offered to it.
+//! The search for the axis of least depth of two bodies: the best so far, and what is offered to it.
 
 use std::array::from_fn;
 
@@ -6,132 +6,131 @@ use feeler_core::geometry::vectors::{along, dot, length, scaled, sub};
 use feeler_core::{Aabb, Point};
 use feeler_lanes::WIDE_LANES;
 
-use crate::constants::SHALLOWER;
-use crate::depth::axis::{eight_of, is_leading_out, middle, BodyPair, TriedAxis};
+use crate::constants::{DEPTH_NOISE, FACING_NOISE, POINT_SHARE, SHALLOWER};
+use crate::depth::axis::{centre, eight_of, is_leading_out, BodyPair, TriedAxis};
 use crate::depth::axis_blocked::BlockedAxes;
 use crate::patch::body::Body;
 use crate::patch::support::{highest, highest_and_lowest, places_above, Reach};
 use crate::surface::Surface;
 
-/// The best direction so far.
+/// One search, over the axes of one pair.
 pub(super) struct AxisSearch<'a> {
     pub pair: &'a BodyPair<'a>,
-    /// Metres below which depths are the same.
+    /// Metres below which two depths count as equal.
     pub noise: f64,
-    pub found: Option<TriedAxis>,
+    /// The axis of least depth so far.
+    pub best: Option<TriedAxis>,
     pub blocked: &'a mut BlockedAxes,
 }
 
 impl<'a> AxisSearch<'a> {
-    pub fn new(pair: &'a BodyPair<'a>, blocked: &'a mut BlockedAxes, found: Option<TriedAxis>) -> AxisSearch<'a> {
+    pub fn new(pair: &'a BodyPair<'a>, blocked: &'a mut BlockedAxes, best: Option<TriedAxis>) -> AxisSearch<'a> {
         let BodyPair { tool, mockup, .. } = pair;
-        let noise = 1e-12 * tool.size.max(mockup.size).max(tool.largest);
-        AxisSearch { pair, noise, found, blocked }
+        let noise = DEPTH_NOISE * tool.size.max(mockup.size).max(tool.largest);
+        AxisSearch { pair, noise, best, blocked }
     }
 
-    /// The depth from which on a direction is of no use; infinite where any is.
+    /// The depth at and above which an axis cannot be the best; infinite where there is none yet.
     pub fn limit(&self) -> f64 {
-        match self.found {
-            // Above the noise, where a depth of nothing is judged by the lean.
-            Some(found) => {
-                let least = found.depth();
+        match self.best {
+            // At least twice the noise: below it axes are ranked by what the surfaces face.
+            Some(best) => {
+                let least = best.depth();
                 (least - SHALLOWER * least.abs() - self.noise).max(2.0 * self.noise) + self.noise
             }
             None => f64::INFINITY,
         }
     }
 
-    /// The highest of the mock-up and the lowest of the tool.
-    pub fn support(&self, directions: &[Point; WIDE_LANES]) -> (Reach, Reach) {
+    /// The support points along eight directions: the mock-up's highest and the tool's lowest.
+    pub fn supports(&self, directions: &[Point; WIDE_LANES]) -> (Reach, Reach) {
         let BodyPair { lanes, tool, mockup, .. } = self.pair;
         highest_and_lowest(*lanes, mockup.points, tool.points, directions)
     }
 
-    /// The heights alone.
-    pub fn tried(&self, directions: &[Point; WIDE_LANES]) -> [TriedAxis; WIDE_LANES] {
+    /// The depths along eight directions, without the points.
+    pub fn measure(&self, directions: &[Point; WIDE_LANES]) -> [TriedAxis; WIDE_LANES] {
         let BodyPair { lanes, tool, mockup, .. } = self.pair;
         let high = highest(*lanes, mockup.points, directions);
         let low = highest(*lanes, tool.points, &directions.map(|d| scaled(&d, -1.0)));
         from_fn(|i| TriedAxis { direction: directions[i], high: high[i], low: -low[i] })
     }
 
-    /// From the lowest place of the tool to the highest of the mock-up: no direction is less deep than that along it.
-    pub fn way(&self, (high, low): &(Reach, Reach), i: usize) -> Point {
+    /// The support point of the Minkowski difference along the `i`-th direction: from the tool's lowest point to the mock-up's
+    /// highest. Its dot product with any other direction bounds the depth along that one from below.
+    pub fn difference(&self, (high, low): &(Reach, Reach), i: usize) -> Point {
         sub(&self.pair.mockup.points[high.at[i] as usize], &self.pair.tool.points[low.at[i] as usize])
     }
 
-    /// Whether going along `d` leads out.
-    pub fn leads_out(&self, d: &Point) -> bool {
+    pub fn is_leading_out(&self, d: &Point) -> bool {
         is_leading_out(d, &self.pair.outward())
     }
 
-    /// How far the two surfaces face into the plane across `d`, as the sum of cosines: tells directions apart where the two
-    /// only touch, and every direction is as deep.
-    fn lean(&self, d: &Point) -> f64 {
+    /// How much the two surfaces face the plane across `d`, as the sum of cosines: ranks axes where the two only touch, and the
+    /// depth is nothing along all of them.
+    fn facing(&self, d: &Point) -> f64 {
         let under = |n: &Point, s: f64| (-s * dot(n, d)).max(0.0);
         let of = |body: &Body<'_>, s: f64| body.facets.iter().map(|p| under(&p.normal, s)).sum::<f64>();
         of(self.pair.mockup, 1.0) + of(self.pair.tool, -1.0)
     }
 
-    /// Tries directions in their order.
-    pub fn try_all(&mut self, list: &[Point]) {
+    /// Offers directions in their order.
+    pub fn offer_all(&mut self, list: &[Point]) {
         for some in list.chunks(WIDE_LANES) {
-            for tried in &self.tried(&eight_of(some))[..some.len()] {
+            for tried in &self.measure(&eight_of(some))[..some.len()] {
                 self.offer(tried);
             }
         }
     }
 
-    /// Whether a direction is the best now.
+    /// Makes an axis the best if it is. Whether it is blocked is asked last: that costs most.
     pub fn offer(&mut self, tried: &TriedAxis) -> bool {
-        if let Some(found) = &self.found {
-            let (depth, least) = (tried.depth(), found.depth());
+        if let Some(best) = &self.best {
+            let (depth, least) = (tried.depth(), best.depth());
             let is_less = depth < least - SHALLOWER * least.abs() - self.noise;
             if !is_less {
                 let is_deep = depth > self.noise || least > self.noise;
-                if is_deep || self.lean(&tried.direction) >= self.lean(&found.direction) - 1e-6 {
+                if is_deep || self.facing(&tried.direction) >= self.facing(&best.direction) - FACING_NOISE {
                     return false;
                 }
             }
         }
-        let is_better = !self.goes_on(tried);
+        let is_better = !self.is_blocked(tried);
         if is_better {
-            self.found = Some(*tried);
+            self.best = Some(*tried);
         }
         is_better
     }
 
-    /// Boxes around the highest of the mock-up's points and the lowest of the tool's, within a share of the depth.
-    pub fn extremes(&mut self, found: &TriedAxis, share: f64) -> (Aabb, Aabb) {
-        let (d, tolerance) = (&found.direction, share * found.depth().abs() + self.noise);
+    /// See [`BlockedAxes::is_blocked_by`], asked of both surfaces.
+    pub fn is_blocked(&mut self, tried: &TriedAxis) -> bool {
+        self.is_blocked_by(&Surface::BOTH, tried)
+    }
+
+    /// The same, asked of some surfaces.
+    pub fn is_blocked_by(&mut self, surfaces: &[Surface], tried: &TriedAxis) -> bool {
+        self.blocked.is_blocked_by(surfaces, self.pair, self.noise, tried)
+    }
+
+    /// Boxes around the mock-up's highest points and the tool's lowest, within a share of the depth.
+    pub fn extreme_boxes(&mut self, axis: &TriedAxis, share: f64) -> (Aabb, Aabb) {
+        let (d, tolerance) = (&axis.direction, share * axis.depth().abs() + self.noise);
         let BodyPair { lanes, tool, mockup, .. } = self.pair;
-        let mut reach = |body: &Body<'_>, d: &Point, height: f64| {
-            let places = places_above(*lanes, body.point_eights, d, height - tolerance, &mut self.blocked.places);
+        let mut around = |body: &Body<'_>, d: &Point, height: f64| {
+            let extreme = places_above(*lanes, body.point_eights, d, height - tolerance, &mut self.blocked.extreme);
             let last = body.points.len().saturating_sub(1);
             let mut bounds = Aabb::EMPTY;
-            places.iter().for_each(|i| bounds.grow(&body.points[last.min(*i as usize)]));
+            extreme.iter().for_each(|i| bounds.grow(&body.points[last.min(*i as usize)]));
             bounds
         };
-        (reach(mockup, d, found.high), reach(tool, &scaled(d, -1.0), -found.low))
+        (around(mockup, d, axis.high), around(tool, &scaled(d, -1.0), -axis.low))
     }
 
-    /// The middle of the highest part of the mock-up or of the lowest of the tool, whichever is smaller, raised to the height
-    /// of the mock-up. The middle of a box around them, which does not know how many triangles make them up.
-    pub fn place(&mut self, found: &TriedAxis) -> Point {
-        let (above, below) = self.extremes(found, 1e-3);
-        let chosen = middle(if length(&below.extent()) <= length(&above.extent()) { &below } else { &above });
-        along(&chosen, found.high - dot(&chosen, &found.direction), &found.direction)
-    }
-}
-
-impl AxisSearch<'_> {
-    /// See [`BlockedAxes::goes_on_of`], asked of both surfaces.
-    pub fn goes_on(&mut self, tried: &TriedAxis) -> bool {
-        self.goes_on_of(&Surface::BOTH, tried)
-    }
-
-    /// The same, asked of the surface of the tool or of the mock-up alone.
-    pub fn goes_on_of(&mut self, sides: &[Surface], tried: &TriedAxis) -> bool {
-        self.blocked.goes_on_of(self.pair, self.noise, sides, tried)
+    /// The contact point of an axis: the centre of the mock-up's highest part or of the tool's lowest, whichever is smaller,
+    /// raised to the height of the mock-up. The centre of a box, since that does not depend on how finely the part is cut.
+    pub fn contact_point(&mut self, axis: &TriedAxis) -> Point {
+        let (above, below) = self.extreme_boxes(axis, POINT_SHARE);
+        let chosen = centre(if length(&below.extent()) <= length(&above.extent()) { &below } else { &above });
+        along(&chosen, axis.high - dot(&chosen, &axis.direction), &axis.direction)
     }
 }

@@ -1,6 +1,14 @@
-//! From the best direction among the normals and edges of two bodies to less depth between them, where surfaces are curved.
+//! From the best axis among the normals and edges of two bodies to less depth between them, where surfaces are curved.
+//!
+//! The depth along an axis is the support function of the Minkowski difference; what follows is a search on the arcs of the Gauss
+//! map and gradient descent over the unit sphere. It finds a local minimum, an upper bound of the penetration depth. Expanding
+//! polytopes (G. van den Bergen: Proximity queries and penetration depth computation on 3D game objects, GDC 2001) find the
+//! global one of two convex sets and know of no axes that are blocked or lead in.
 
-use crate::depth::axis::{eight_of, middle, BodyPair, TriedAxis};
+use crate::constants::{
+    ARC_COSINES, DESCENT_EXTREME_SHARE, DESCENT_STEP_RATIO, MOST_ARC_ROUNDS, MOST_DESCENT_STEPS, SHORTEST_DESCENT_STEP,
+};
+use crate::depth::axis::{centre, eight_of, BodyPair, TriedAxis};
 use crate::depth::axis_search::AxisSearch;
 use crate::depth::gauss_arcs::GaussArcs;
 use crate::patch::body::Body;
@@ -8,89 +16,85 @@ use feeler_core::geometry::bounds::Point;
 use feeler_core::geometry::vectors::{along, dot, length, scaled, sub, unit};
 use feeler_lanes::WIDE_LANES;
 
-/// Most patches of a body, the largest, between whose normals directions are sought.
-const MOST_TURNED: usize = 3;
+/// Facets of a body, the largest, between whose normals arcs are searched: those of both fit the lanes.
+const MOST_ARC_FACETS: usize = 3;
 
-/// Each two of those of one body, and of the other.
-const EDGES: [[usize; 2]; 6] = [[0, 1], [0, 2], [1, 2], [3, 4], [3, 5], [4, 5]];
-
-/// Most times that eight places on the arcs between them are tried.
-const MOST_TURNS: usize = 6;
-
-/// Most steps of the descent, the share by which each that leads nowhere shortens the next, and the length (radians, about) of the
-/// last.
-const MOST_STEPS: usize = 24;
-const SHORTER: f64 = 0.6;
-const SHORTEST_STEP: f64 = 0.01;
+/// Each two facets of one body, and of the other.
+const FACET_PAIRS: [[usize; 2]; 6] = [[0, 1], [0, 2], [1, 2], [3, 4], [3, 5], [4, 5]];
 
 impl AxisSearch<'_> {
-    /// The valleys between the normals of each two large patches of a body: where an edge holds, the least depth lies on the
-    /// arc around it, in a valley too narrow for the descent when the edge is long. All arcs at once.
-    pub fn turn_around_edges(&mut self, arcs: &mut GaussArcs) {
+    /// The arcs between the normals of each two large facets of a body, all at once. Where an edge holds, the least depth lies on
+    /// the arc around it, in a valley too narrow for the descent when the edge is long.
+    pub fn search_arcs(&mut self, arcs: &mut GaussArcs) {
         let BodyPair { tool, mockup, .. } = self.pair;
         arcs.clear(self.pair.outward());
         let mut ends = [[0.0; 3]; WIDE_LANES];
         let normals = |body: &Body<'_>, sense: f64| {
-            let of = body.facets.get(..MOST_TURNED).unwrap_or(body.facets);
-            (of.len(), std::array::from_fn::<_, MOST_TURNED, _>(|i| scaled(&of[i.min(of.len() - 1)].normal, sense)))
+            let of = body.facets.get(..MOST_ARC_FACETS).unwrap_or(body.facets);
+            (of.len(), std::array::from_fn::<_, MOST_ARC_FACETS, _>(|i| scaled(&of[i.min(of.len() - 1)].normal, sense)))
         };
-        let sides = [normals(mockup, 1.0), normals(tool, -1.0)];
-        sides.iter().enumerate().for_each(|(k, (_, n))| ends[MOST_TURNED * k..][..MOST_TURNED].copy_from_slice(n));
-        let is_arc = EDGES.map(|[i, j]| {
+        let both = [normals(mockup, 1.0), normals(tool, -1.0)];
+        both.iter()
+            .enumerate()
+            .for_each(|(k, (_, n))| ends[MOST_ARC_FACETS * k..][..MOST_ARC_FACETS].copy_from_slice(n));
+        let is_arc = FACET_PAIRS.map(|[i, j]| {
             let ends = [ends[i], ends[j]];
-            // Opposite faces have no edge, and nearly equal ones no arc to speak of.
-            let is_turn = (-0.5..0.95).contains(&dot(&ends[0], &ends[1]));
-            j % MOST_TURNED < sides[i / MOST_TURNED].0 && is_turn && arcs.may_lead_out(&ends)
+            let is_turn = ARC_COSINES.contains(&dot(&ends[0], &ends[1]));
+            j % MOST_ARC_FACETS < both[i / MOST_ARC_FACETS].0 && is_turn && arcs.may_lead_out(&ends)
         });
         if is_arc.contains(&true) {
-            let support = self.support(&ends);
-            for ([i, j], _) in EDGES.into_iter().zip(is_arc).filter(|(_, is_arc)| *is_arc) {
-                arcs.push([ends[i], ends[j]], [self.way(&support, i), self.way(&support, j)]);
+            let supports = self.supports(&ends);
+            for ([i, j], _) in FACET_PAIRS.into_iter().zip(is_arc).filter(|(_, is_arc)| *is_arc) {
+                arcs.push([ends[i], ends[j]], [self.difference(&supports, i), self.difference(&supports, j)]);
             }
         }
-        for _ in 0..MOST_TURNS {
-            let Some(directions) = arcs.lowest(self.limit()) else { break };
-            let support = self.support(&directions);
-            for i in 0..arcs.asked() {
-                let (high, low) = (support.0.height[i], support.1.height[i]);
+        for _ in 0..MOST_ARC_ROUNDS {
+            let Some(directions) = arcs.next_axes(self.limit()) else { break };
+            let supports = self.supports(&directions);
+            for i in 0..arcs.asked_count() {
+                let (high, low) = (supports.0.height[i], supports.1.height[i]);
                 let tried = TriedAxis { direction: directions[i], high, low };
-                if self.leads_out(&directions[i]) {
+                if self.is_leading_out(&directions[i]) {
                     self.offer(&tried);
                 }
-                arcs.answer(i, self.way(&support, i), self.noise);
+                arcs.split(i, self.difference(&supports, i), self.noise);
             }
         }
     }
 
-    /// From the best direction down to the nearest valley: the gradient of the depth is the way between the two extreme places,
-    /// across the direction. FaceNumbers, not points: along an edge or a face many are extreme, and their middle counts.
+    /// Gradient descent from the best axis. The gradient of the depth is the support point of the Minkowski difference, less its
+    /// part along the axis. Boxes around the extreme points, not one point of them: along an edge or a face many are extreme, and
+    /// the centre of them counts.
     pub fn descend(&mut self) {
         let mut list: Vec<Point> = Vec::with_capacity(WIDE_LANES);
         let (mut step, mut tries) = (1.0, 0);
-        while let Some(found) = self.found.filter(|f| f.depth() > self.noise) {
-            let d = found.direction;
-            let (above, below) = self.extremes(&found, 0.02);
-            let way = sub(&middle(&above), &middle(&below));
-            let across = along(&way, -dot(&way, &d), &d);
-            let size = length(&way).max(f64::MIN_POSITIVE);
+        while let Some(best) = self.best.filter(|f| f.depth() > self.noise) {
+            let d = best.direction;
+            let (above, below) = self.extreme_boxes(&best, DESCENT_EXTREME_SHARE);
+            let difference = sub(&centre(&above), &centre(&below));
+            let gradient = along(&difference, -dot(&difference, &d), &d);
+            let size = length(&difference).max(f64::MIN_POSITIVE);
             // Ever shorter steps, until one leads down.
-            while self.found.is_some_and(|f| f.direction == d) {
+            while self.best.is_some_and(|f| f.direction == d) {
                 list.clear();
                 let mut shorter = step;
-                while list.len() < WIDE_LANES && tries + list.len() < MOST_STEPS && shorter >= SHORTEST_STEP {
-                    let Some(next) = unit(&along(&d, -shorter / size, &across)) else { break };
+                while list.len() < WIDE_LANES
+                    && tries + list.len() < MOST_DESCENT_STEPS
+                    && shorter >= SHORTEST_DESCENT_STEP
+                {
+                    let Some(next) = unit(&along(&d, -shorter / size, &gradient)) else { break };
                     list.push(next);
-                    shorter *= SHORTER;
+                    shorter *= DESCENT_STEP_RATIO;
                 }
                 if list.is_empty() {
                     return;
                 }
-                for tried in &self.tried(&eight_of(&list))[..list.len()] {
+                for tried in &self.measure(&eight_of(&list))[..list.len()] {
                     tries += 1;
-                    if self.leads_out(&tried.direction) && self.offer(tried) {
+                    if self.is_leading_out(&tried.direction) && self.offer(tried) {
                         break;
                     }
-                    step *= SHORTER;
+                    step *= DESCENT_STEP_RATIO;
                 }
             }
         }

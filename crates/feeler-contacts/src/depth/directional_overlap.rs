@@ -1,11 +1,17 @@
-//! How far the tool has to go along one direction until nothing of two bodies overlaps along it.
+//! The directional overlap of two bodies: how far the tool has to move along one axis until none of their triangles overlap.
 //!
-//! Of two that bulge that is as far as until a plane holds them apart, where that is the least. But bodies of surfaces that lie in
-//! each other's hollows, as the teeth of two racks or the threads of bolt and nut, reach over these hollows: a plane between them
-//! is as far as the teeth are high, and what overlaps may be a hundredth of that.
+//! Of two convex bodies that is the depth along the axis of least depth. But bodies of surfaces that lie in each other's hollows,
+//! as the teeth of two racks or the threads of bolt and nut, reach over these hollows: a plane between them is as deep as the
+//! teeth are high, and the overlap may be a hundredth of that.
+//!
+//! The triangles are projected across the axis; the height of the mock-up's surface over the tool's is linear over what two
+//! triangles share there, so the most is at a corner of it: a corner of one within the other, or a crossing of their edges.
 
 use std::ops::Range;
 
+use crate::constants::{
+    EDGE_ON_SINE, MOST_OVERLAP_CLIPS, MOST_OVERLAP_PAIRS, ON_EDGE_SHARE, OVERLAP_GAIN, OVERLAP_NOISE,
+};
 use crate::context::QueryContext;
 use crate::patch::body::Facets;
 use crate::patch::support::{eight_heights, highest_of_eights, Eight};
@@ -14,99 +20,85 @@ use feeler_core::geometry::bounds::{Point, Triangle};
 use feeler_core::geometry::vectors::{across, cross, dot, scaled, sub};
 use feeler_lanes::{Checked, Kernel, Simd, Wide, WIDE_LANES};
 
-/// Sine of the angle between a triangle's plane and a direction up to which it is seen from its edge: others have that edge too.
-const STEEP: f64 = 1e-3;
-
-/// Most pairs of triangles that are looked at, and of one with eight that are cut out of each other.
-const MOST_PAIRS: usize = 1 << 22;
-const MOST_CUT: usize = 1 << 14;
-
-/// Shares of what overlaps and of what would be enough by which a place must overlap more to be looked at.
-const MORE: f64 = 1e-3;
-const NOISE: f64 = 1e-9;
-
-/// Share of a triangle's height by which what is beyond its edge counts as on it.
-const ON_EDGE: f64 = 1e-9;
-
-/// The corners of eight triangles, the last of them several times where there are fewer.
+/// The corners of eight triangles; the last triangle is repeated where there are fewer.
 type Corners = [Eight; 3];
 
-/// Eight triangles seen along a direction: two coordinates across it, and the height.
+/// Eight triangles in the frame of an axis: two coordinates across it, and the height along it.
 #[derive(Debug, Clone, Default)]
-struct Seen {
+struct Projected {
     corners: Corners,
-    /// Across.
+    /// Their boxes across the axis.
     lower: [Wide; 2],
     upper: [Wide; 2],
-    /// The height of a triangle's plane: the coordinates times the first two, and the last.
+    /// The height of a triangle's plane: the coordinates across times the first two, plus the last.
     plane: Eight,
-    /// The way from a corner to a point times these: how far within the edge to the next the point is, as a share of the
-    /// triangle's height over that edge.
+    /// For each edge a vector across. Its product with the vector from the edge's first corner to a point says how far within the
+    /// edge the point is, as a share of the triangle's height over that edge.
     inward: [[Wide; 2]; 3],
-    /// One bit for each to be looked at.
+    /// A bit for each triangle that counts.
     lanes: u8,
 }
 
-/// The triangles of two bodies, or of one and all of the other side's, seen along a direction. Kept as working memory.
+/// Measures the overlap of two bodies, or of one and all of the other surface. Kept as working memory.
 #[derive(Debug, Default)]
 pub(crate) struct DirectionalOverlap {
-    /// Those of all bodies of tool and mock-up that were asked for, wound so that they face outward, and where those of each are;
-    /// in the end those of all together.
+    /// The triangles of the bodies of tool and mock-up that were asked for, wound so that they face outward, and where those of
+    /// each body are; the last entry is for the whole surface.
     corners: [Vec<Corners>; 2],
-    places: [Vec<Option<Range<usize>>>; 2],
-    /// Two directions across, and the direction.
+    ranges: [Vec<Option<Range<usize>>>; 2],
+    /// Two directions across the axis, and the axis.
     frame: [Point; 3],
-    /// The triangles to be looked at, and how many eights; what lies behind is memory.
-    seen: [(Vec<Seen>, usize); 2],
-    around_mockup: Across,
+    /// The triangles that count, and how many eights; those beyond are spare memory.
+    projected: [(Vec<Projected>, usize); 2],
+    mockup_box: AcrossBox,
 }
 
 impl DirectionalOverlap {
-    /// For the bodies of another zone, so many of the tool and of the mock-up.
+    /// For another region, with its numbers of bodies of tool and mock-up.
     pub fn clear(&mut self, bodies: [usize; 2]) {
         self.corners.iter_mut().for_each(Vec::clear);
-        for (places, count) in self.places.iter_mut().zip(bodies) {
-            places.clear();
-            places.resize(count + 1, None);
+        for (ranges, count) in self.ranges.iter_mut().zip(bodies) {
+            ranges.clear();
+            ranges.resize(count + 1, None);
         }
     }
 
-    /// The most that two sides overlap along a direction, metres, with the mock-up's point there; as soon as it is `enough`, that.
-    /// Negative infinity where nothing overlaps by more than `least`. `None` where these are too many triangles to tell.
-    pub fn most(
+    /// The greatest overlap of facets of tool and mock-up along an axis, metres, with the mock-up's point there; the first that
+    /// is `enough`. Negative infinity where none is more than `least`. `None` where these are too many triangles to tell.
+    pub fn greatest(
         &mut self,
         context: &QueryContext<'_>,
-        sides: &[Facets<'_>; 2],
-        d: &Point,
+        facets: &[Facets<'_>; 2],
+        axis: &Point,
         least: f64,
         enough: f64,
     ) -> Option<(f64, Point)> {
-        let [u, v] = across(d);
-        self.frame = [u, v, *d];
-        let places = Surface::BOTH.map(|surface| self.keep(context, surface, &sides[surface]));
-        self.see(context.lanes, places, least);
-        self.most_seen(context.lanes, least, enough)
+        let [u, v] = across(axis);
+        self.frame = [u, v, *axis];
+        let ranges = Surface::BOTH.map(|surface| self.corners_of(context, surface, &facets[surface]));
+        self.project(context.lanes, ranges, least);
+        self.greatest_projected(context.lanes, least, enough)
     }
 
-    /// Turns the triangles of two bodies into the frame, as far as more than `least` may overlap.
-    fn see(&mut self, lanes: Checked, places: [Range<usize>; 2], least: f64) {
-        let DirectionalOverlap { corners, frame, seen: [(seen_tool, tools), (seen_mockup, mockups)], .. } = self;
-        let [tool, mockup] = Surface::BOTH.map(|surface| &corners[surface][places[surface].clone()]);
+    /// Turns triangles into the frame, as far as more than `least` may overlap.
+    fn project(&mut self, lanes: Checked, ranges: [Range<usize>; 2], least: f64) {
+        let DirectionalOverlap { corners, frame, projected: [(of_tool, tools), (of_mockup, mockups)], .. } = self;
+        let [tool, mockup] = Surface::BOTH.map(|surface| &corners[surface][ranges[surface].clone()]);
         let low = -highest_of_eights(lanes, tool.as_flattened(), &scaled(&frame[2], -1.0));
         let high = highest_of_eights(lanes, mockup.as_flattened(), &frame[2]);
         let beyond = least - high;
-        let around_tool;
-        (around_tool, *tools) =
-            lanes.run(Seeing { corners: tool, frame, sense: -1.0, beyond, beside: &ANYWHERE, out: seen_tool });
+        let tool_box;
+        (tool_box, *tools) =
+            lanes.run(Project { corners: tool, frame, sense: -1.0, beyond, within: &ANYWHERE, out: of_tool });
         let beyond = least + low;
-        let mockup = Seeing { corners: mockup, frame, sense: 1.0, beyond, beside: &around_tool, out: seen_mockup };
-        (self.around_mockup, *mockups) = lanes.run(mockup);
+        let mockup = Project { corners: mockup, frame, sense: 1.0, beyond, within: &tool_box, out: of_mockup };
+        (self.mockup_box, *mockups) = lanes.run(mockup);
     }
 
-    /// Where the triangles of one side are.
-    fn keep(&mut self, context: &QueryContext<'_>, surface: Surface, of: &Facets<'_>) -> Range<usize> {
-        if let Some(place) = &self.places[surface][of.number] {
-            return place.clone();
+    /// Where the triangles of some facets are; fetches them the first time.
+    fn corners_of(&mut self, context: &QueryContext<'_>, surface: Surface, of: &Facets<'_>) -> Range<usize> {
+        if let Some(range) = &self.ranges[surface][of.number] {
+            return range.clone();
         }
         let from = self.corners[surface].len();
         let outward = of.triangles().map(|(id, outward)| {
@@ -118,21 +110,21 @@ impl DirectionalOverlap {
             }
         });
         push_corners(outward, &mut self.corners[surface]);
-        self.places[surface][of.number].insert(from..self.corners[surface].len()).clone()
+        self.ranges[surface][of.number].insert(from..self.corners[surface].len()).clone()
     }
 
-    fn most_seen(&self, lanes: Checked, least: f64, enough: f64) -> Option<(f64, Point)> {
-        let [tool, mockup] = self.seen.each_ref().map(|(list, count)| &list[..*count]);
-        if tool.len() * WIDE_LANES * mockup.len() * WIDE_LANES > MOST_PAIRS {
+    fn greatest_projected(&self, lanes: Checked, least: f64, enough: f64) -> Option<(f64, Point)> {
+        let [tool, mockup] = self.projected.each_ref().map(|(list, count)| &list[..*count]);
+        if tool.len() * WIDE_LANES * mockup.len() * WIDE_LANES > MOST_OVERLAP_PAIRS {
             return None;
         }
-        let (most, [x, y, h]) = lanes.run(Most { tool, mockup, around_mockup: &self.around_mockup, least, enough })?;
+        let (most, [x, y, h]) = lanes.run(Greatest { tool, mockup, mockup_box: &self.mockup_box, least, enough })?;
         let [u, v, d] = &self.frame;
         Some((most, std::array::from_fn(|a| x * u[a] + y * v[a] + h * d[a])))
     }
 }
 
-/// Eight by eight, corner by corner.
+/// Adds triangles in eights, corner by corner.
 fn push_corners(triangles: impl Iterator<Item = Triangle>, out: &mut Vec<Corners>) {
     let mut eight = Corners::default();
     let mut count = 0;
@@ -155,63 +147,63 @@ fn push_corners(triangles: impl Iterator<Item = Triangle>, out: &mut Vec<Corners
     }
 }
 
-/// A box across the direction.
+/// A box across the axis.
 #[derive(Debug, Clone, Copy, Default)]
-struct Across {
+struct AcrossBox {
     lower: [f64; 2],
     upper: [f64; 2],
 }
 
-const ANYWHERE: Across = Across { lower: [f64::NEG_INFINITY; 2], upper: [f64::INFINITY; 2] };
+const ANYWHERE: AcrossBox = AcrossBox { lower: [f64::NEG_INFINITY; 2], upper: [f64::INFINITY; 2] };
 
-/// The same in all lanes.
-struct Around<S: Simd> {
+/// The same box in all lanes.
+struct WideBox<S: Simd> {
     lower: [S::F64; 2],
     upper: [S::F64; 2],
 }
 
-impl<S: Simd> Around<S> {
+impl<S: Simd> WideBox<S> {
     #[inline(always)]
-    fn all(s: S, b: &Across) -> Around<S> {
-        Around {
+    fn splat(s: S, b: &AcrossBox) -> WideBox<S> {
+        WideBox {
             lower: [s.wide_splat(b.lower[0]), s.wide_splat(b.lower[1])],
             upper: [s.wide_splat(b.upper[0]), s.wide_splat(b.upper[1])],
         }
     }
 
-    /// Which of eight boxes share nothing with it.
+    /// Which of eight boxes are disjoint from it.
     #[inline(always)]
-    fn is_beside(&self, s: S, lower: [S::F64; 2], upper: [S::F64; 2]) -> S::M64 {
+    fn is_disjoint(&self, s: S, lower: [S::F64; 2], upper: [S::F64; 2]) -> S::M64 {
         let before = s.either(s.wide_above(self.lower[0], upper[0]), s.wide_above(self.lower[1], upper[1]));
         let behind = s.either(s.wide_above(lower[0], self.upper[0]), s.wide_above(lower[1], self.upper[1]));
         s.either(before, behind)
     }
 
     #[inline(always)]
-    fn beside(&self, s: S, eight: &Seen) -> u8 {
+    fn disjoint(&self, s: S, eight: &Projected) -> u8 {
         let lower = [s.wide_load(&eight.lower[0]), s.wide_load(&eight.lower[1])];
         let upper = [s.wide_load(&eight.upper[0]), s.wide_load(&eight.upper[1])];
-        s.bits(self.is_beside(s, lower, upper))
+        s.bits(self.is_disjoint(s, lower, upper))
     }
 }
 
-/// Turns triangles into a frame: those that face along the direction or against it, reach beyond a height in that sense, and are not
-/// beside a box. Gives the box around them, and how many eights there are.
-struct Seeing<'a> {
+/// Turns triangles into a frame: those that face along the axis or against it, reach beyond a height in that sense, and meet a
+/// box. Gives the box around them, and how many eights there are.
+struct Project<'a> {
     corners: &'a [Corners],
     frame: &'a [Point; 3],
     sense: f64,
     beyond: f64,
-    beside: &'a Across,
-    out: &'a mut Vec<Seen>,
+    within: &'a AcrossBox,
+    out: &'a mut Vec<Projected>,
 }
 
-impl Kernel for Seeing<'_> {
-    type Output = (Across, usize);
+impl Kernel for Project<'_> {
+    type Output = (AcrossBox, usize);
 
     #[inline(always)]
-    fn run<S: Simd>(self, s: S) -> (Across, usize) {
-        let Seeing { corners, frame, sense, beyond, beside, out } = self;
+    fn run<S: Simd>(self, s: S) -> (AcrossBox, usize) {
+        let Project { corners, frame, sense, beyond, within, out } = self;
         let (zero, sense, beyond) = (s.wide_splat(0.0), s.wide_splat(sense), s.wide_splat(beyond));
         let mut axes = [[zero; 3]; 3];
         for k in 0..3 {
@@ -220,48 +212,48 @@ impl Kernel for Seeing<'_> {
             }
         }
         let (none_lower, none_upper) = (s.wide_splat(f64::INFINITY), s.wide_splat(f64::NEG_INFINITY));
-        let around = Around::all(s, beside);
+        let within = WideBox::splat(s, within);
         let (mut least, mut most) = ([none_lower; 2], [none_upper; 2]);
         let mut count = 0;
         for eight in corners {
-            let mut seen = [[zero; 3]; 3];
+            let mut turned = [[zero; 3]; 3];
             for c in 0..3 {
-                seen[c][2] = eight_heights(s, &eight[c], &axes[2]);
+                turned[c][2] = eight_heights(s, &eight[c], &axes[2]);
             }
-            let farthest = s.wide_max(s.wide_max(sense * seen[0][2], sense * seen[1][2]), sense * seen[2][2]);
+            let farthest = s.wide_max(s.wide_max(sense * turned[0][2], sense * turned[1][2]), sense * turned[2][2]);
             let is_beyond = s.wide_above(farthest, beyond);
             if s.bits(is_beyond) == 0 {
                 continue;
             }
             for c in 0..3 {
                 for k in 0..2 {
-                    seen[c][k] = eight_heights(s, &eight[c], &axes[k]);
+                    turned[c][k] = eight_heights(s, &eight[c], &axes[k]);
                 }
             }
-            let [a, b, c] = seen;
+            let [a, b, c] = turned;
             let e = [b[0] - a[0], b[1] - a[1], b[2] - a[2]];
             let f = [c[0] - a[0], c[1] - a[1], c[2] - a[2]];
             let n = [e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]];
             let square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
-            let is_seen = s.both(
+            let is_facing = s.both(
                 s.wide_above(sense * n[2], zero),
-                s.wide_above(n[2] * n[2], square * s.wide_splat(STEEP * STEEP)),
+                s.wide_above(n[2] * n[2], square * s.wide_splat(EDGE_ON_SINE * EDGE_ON_SINE)),
             );
-            let is_asked = s.both(is_seen, is_beyond);
+            let is_wanted = s.both(is_facing, is_beyond);
             let (mut lower, mut upper) = ([zero; 2], [zero; 2]);
             for k in 0..2 {
                 lower[k] = s.wide_min(s.wide_min(a[k], b[k]), c[k]);
                 upper[k] = s.wide_max(s.wide_max(a[k], b[k]), c[k]);
             }
-            let is_beside = around.is_beside(s, lower, upper);
-            let lanes = s.bits(is_asked) & !s.bits(is_beside);
+            let is_outside = within.is_disjoint(s, lower, upper);
+            let lanes = s.bits(is_wanted) & !s.bits(is_outside);
             if lanes == 0 {
                 continue;
             }
             if count == out.len() {
-                out.push(Seen::default());
+                out.push(Projected::default());
             }
-            // Written where it stays: it is large.
+            // Written in place: it is large.
             let eight = &mut out[count];
             count += 1;
             eight.lanes = lanes;
@@ -273,13 +265,13 @@ impl Kernel for Seeing<'_> {
                 s.wide_store(slope, &mut eight.plane[k]);
                 s.wide_store(lower[k], &mut eight.lower[k]);
                 s.wide_store(upper[k], &mut eight.upper[k]);
-                let lower = s.choose(is_beside, none_lower, s.choose(is_asked, lower[k], none_lower));
-                let upper = s.choose(is_beside, none_upper, s.choose(is_asked, upper[k], none_upper));
+                let lower = s.choose(is_outside, none_lower, s.choose(is_wanted, lower[k], none_lower));
+                let upper = s.choose(is_outside, none_upper, s.choose(is_wanted, upper[k], none_upper));
                 (least[k], most[k]) = (s.wide_min(least[k], lower), s.wide_max(most[k], upper));
             }
             s.wide_store(height, &mut eight.plane[2]);
             for c in 0..3 {
-                let (p, q) = (&seen[c], &seen[(c + 1) % 3]);
+                let (p, q) = (&turned[c], &turned[(c + 1) % 3]);
                 s.wide_store((p[1] - q[1]) * inverse, &mut eight.inward[c][0]);
                 s.wide_store((q[0] - p[0]) * inverse, &mut eight.inward[c][1]);
                 for k in 0..3 {
@@ -299,30 +291,30 @@ impl Kernel for Seeing<'_> {
     }
 }
 
-/// Finds where triangles of the mock-up are above triangles of the tool the most.
-struct Most<'a> {
-    tool: &'a [Seen],
-    mockup: &'a [Seen],
-    around_mockup: &'a Across,
+/// Finds where the mock-up's surface is highest above the tool's.
+struct Greatest<'a> {
+    tool: &'a [Projected],
+    mockup: &'a [Projected],
+    mockup_box: &'a AcrossBox,
     least: f64,
     enough: f64,
 }
 
-impl Kernel for Most<'_> {
+impl Kernel for Greatest<'_> {
     type Output = Option<(f64, Point)>;
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) -> Option<(f64, Point)> {
-        let (mut most, mut best, mut cut) = (f64::NEG_INFINITY, [0.0; 3], 0);
+        let (mut most, mut best, mut clips) = (f64::NEG_INFINITY, [0.0; 3], 0);
         let mut limit = s.wide_splat(self.least);
-        let around_mockup = Around::all(s, self.around_mockup);
+        let mockup_box = WideBox::splat(s, self.mockup_box);
         for eight in self.tool {
-            let mut lanes = eight.lanes & !around_mockup.beside(s, eight);
+            let mut lanes = eight.lanes & !mockup_box.disjoint(s, eight);
             while lanes != 0 {
-                let t = One::new(s, eight, lanes.trailing_zeros() as usize);
+                let t = ToolTriangle::new(s, eight, lanes.trailing_zeros() as usize);
                 lanes &= lanes - 1;
                 for m in self.mockup {
-                    let apart = t.around.beside(s, m) | !m.lanes;
+                    let apart = t.bounds.disjoint(s, m) | !m.lanes;
                     if apart == u8::MAX {
                         continue;
                     }
@@ -331,15 +323,15 @@ impl Kernel for Most<'_> {
                     if left == 0 {
                         continue;
                     }
-                    cut += 1;
-                    if cut > MOST_CUT {
+                    clips += 1;
+                    if clips > MOST_OVERLAP_CLIPS {
                         return None;
                     }
-                    let sides = t.sides(s, m);
-                    if left & !sides.apart(s) == 0 {
+                    let within = t.edge_distances(s, m);
+                    if left & !within.apart(s) == 0 {
                         continue;
                     }
-                    let shared = t.most_shared(s, m, &above, &sides);
+                    let shared = t.greatest_shared(s, m, &above, &within);
                     let mut more = s.bits(s.wide_above(shared.height, limit)) & left;
                     if more == 0 {
                         continue;
@@ -359,7 +351,7 @@ impl Kernel for Most<'_> {
                     if most >= self.enough {
                         return Some((most, best));
                     }
-                    limit = s.wide_splat(most + MORE * most.abs() + NOISE * self.enough);
+                    limit = s.wide_splat(most + OVERLAP_GAIN * most.abs() + OVERLAP_NOISE * self.enough);
                 }
             }
         }
@@ -368,14 +360,14 @@ impl Kernel for Most<'_> {
 }
 
 /// A triangle of the tool, in all lanes.
-struct One<S: Simd> {
+struct ToolTriangle<S: Simd> {
     corners: [[S::F64; 3]; 3],
-    around: Around<S>,
+    bounds: WideBox<S>,
     plane: [S::F64; 3],
     inward: [[S::F64; 2]; 3],
 }
 
-/// How much higher than a triangle of the tool eight of the mock-up are, or their planes, at the corners of the one and of the
+/// How much higher than a triangle of the tool eight of the mock-up are, by their planes: at the corners of the one, and of the
 /// others.
 struct Above<S: Simd> {
     at_tool: [S::F64; 3],
@@ -383,7 +375,7 @@ struct Above<S: Simd> {
 }
 
 impl<S: Simd> Above<S> {
-    /// What is between two planes is linear, so nowhere more than at a corner of either triangle.
+    /// A bound: the height between two planes is linear, so over either triangle it is greatest at a corner.
     #[inline(always)]
     fn most(&self, s: S) -> S::F64 {
         let [a, b, c] = self.at_tool;
@@ -392,15 +384,15 @@ impl<S: Simd> Above<S> {
     }
 }
 
-/// How far within each edge of eight of the mock-up each corner of a triangle of the tool is, and the other way round: by corner,
-/// then edge.
+/// How far within each edge of eight of the mock-up each corner of a triangle of the tool is, and conversely: by corner, then
+/// edge.
 struct EdgeDistances<S: Simd> {
     tool_in: [[S::F64; 3]; 3],
     mockup_in: [[S::F64; 3]; 3],
 }
 
 impl<S: Simd> EdgeDistances<S> {
-    /// Those with an edge that all of the other is beyond.
+    /// Those apart across the axis: all corners of one are beyond an edge of the other.
     #[inline(always)]
     fn apart(&self, s: S) -> u8 {
         let mut innermost = s.wide_splat(f64::INFINITY);
@@ -409,11 +401,11 @@ impl<S: Simd> EdgeDistances<S> {
                 innermost = s.wide_min(innermost, s.wide_max(s.wide_max(a[e], b[e]), c[e]));
             }
         }
-        s.bits(s.wide_above(s.wide_splat(-ON_EDGE), innermost))
+        s.bits(s.wide_above(s.wide_splat(-ON_EDGE_SHARE), innermost))
     }
 }
 
-/// Where eight of the mock-up are above the tool's triangle the most.
+/// Where each of eight of the mock-up is highest above the tool's triangle.
 struct Shared<S: Simd> {
     height: S::F64,
     at: [S::F64; 2],
@@ -430,16 +422,16 @@ impl<S: Simd> Shared<S> {
     }
 }
 
-impl<S: Simd> One<S> {
+impl<S: Simd> ToolTriangle<S> {
     #[inline(always)]
-    fn new(s: S, eight: &Seen, lane: usize) -> One<S> {
+    fn new(s: S, eight: &Projected, lane: usize) -> ToolTriangle<S> {
         let zero = s.wide_splat(0.0);
-        let around = Across {
+        let bounds = AcrossBox {
             lower: [eight.lower[0][lane], eight.lower[1][lane]],
             upper: [eight.upper[0][lane], eight.upper[1][lane]],
         };
-        let around = Around::all(s, &around);
-        let mut one = One { corners: [[zero; 3]; 3], around, plane: [zero; 3], inward: [[zero; 2]; 3] };
+        let bounds = WideBox::splat(s, &bounds);
+        let mut one = ToolTriangle { corners: [[zero; 3]; 3], bounds, plane: [zero; 3], inward: [[zero; 2]; 3] };
         for k in 0..3 {
             one.plane[k] = s.wide_splat(eight.plane[k][lane]);
             for c in 0..3 {
@@ -455,7 +447,7 @@ impl<S: Simd> One<S> {
     }
 
     #[inline(always)]
-    fn heights_under(&self, s: S, m: &Seen) -> Above<S> {
+    fn heights_under(&self, s: S, m: &Projected) -> Above<S> {
         let n = [s.wide_load(&m.plane[0]), s.wide_load(&m.plane[1]), s.wide_load(&m.plane[2])];
         let zero = s.wide_splat(0.0);
         let mut above = Above { at_tool: [zero; 3], at_mockup: [zero; 3] };
@@ -470,28 +462,28 @@ impl<S: Simd> One<S> {
     }
 
     #[inline(always)]
-    fn sides(&self, s: S, m: &Seen) -> EdgeDistances<S> {
+    fn edge_distances(&self, s: S, m: &Projected) -> EdgeDistances<S> {
         let zero = s.wide_splat(0.0);
-        let mut sides = EdgeDistances { tool_in: [[zero; 3]; 3], mockup_in: [[zero; 3]; 3] };
+        let mut within = EdgeDistances { tool_in: [[zero; 3]; 3], mockup_in: [[zero; 3]; 3] };
         for e in 0..3 {
             let from = [s.wide_load(&m.corners[e][0]), s.wide_load(&m.corners[e][1])];
             let inward = [s.wide_load(&m.inward[e][0]), s.wide_load(&m.inward[e][1])];
             for c in 0..3 {
                 let (x, y) = (self.corners[c][0], self.corners[c][1]);
-                sides.tool_in[c][e] = inward[0] * (x - from[0]) + inward[1] * (y - from[1]);
+                within.tool_in[c][e] = inward[0] * (x - from[0]) + inward[1] * (y - from[1]);
                 let (own, inward) = (&self.corners[c], &self.inward[c]);
-                sides.mockup_in[e][c] = inward[0] * (from[0] - own[0]) + inward[1] * (from[1] - own[1]);
+                within.mockup_in[e][c] = inward[0] * (from[0] - own[0]) + inward[1] * (from[1] - own[1]);
             }
         }
-        sides
+        within
     }
 
-    /// The most is at a corner of what two share: a corner of one within the other, or where their edges cross.
+    /// The corners of what two triangles share: corners of one within the other, and crossings of their edges.
     #[inline(always)]
-    fn most_shared(&self, s: S, m: &Seen, above: &Above<S>, sides: &EdgeDistances<S>) -> Shared<S> {
-        let (zero, on_edge) = (s.wide_splat(0.0), s.wide_splat(-ON_EDGE));
+    fn greatest_shared(&self, s: S, m: &Projected, above: &Above<S>, within: &EdgeDistances<S>) -> Shared<S> {
+        let (zero, on_edge) = (s.wide_splat(0.0), s.wide_splat(-ON_EDGE_SHARE));
         let mut shared = Shared { height: s.wide_splat(f64::NEG_INFINITY), at: [zero; 2] };
-        let EdgeDistances { tool_in, mockup_in } = sides;
+        let EdgeDistances { tool_in, mockup_in } = within;
         for c in 0..3 {
             let within = s.wide_min(s.wide_min(tool_in[c][0], tool_in[c][1]), tool_in[c][2]);
             let at = [self.corners[c][0], self.corners[c][1]];
@@ -527,7 +519,7 @@ mod tests {
     use feeler_lanes::Level;
     use feeler_shapes::ridge;
 
-    /// How much a triangle of the mock-up is above one of the tool, at most: what they share, cut out edge by edge.
+    /// How high a triangle of the mock-up is above one of the tool at most, over what they share: clipped edge by edge.
     fn overlap(t: &Triangle, m: &Triangle) -> Option<f64> {
         let turned = |a: &Point, b: &Point, p: &Point| (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
         let height = |m: &Triangle, p: &Point| {
@@ -554,7 +546,7 @@ mod tests {
     }
 
     #[test]
-    fn every_level_finds_what_all_pairs_say() {
+    fn every_level_finds_the_greatest_overlap_of_all_pairs() {
         let wave = |i: usize| [(0.7 * i as f64).sin(), (1.9 * i as f64).cos(), 0.3 * (1.3 * i as f64).sin()];
         let d = unit(&[0.2, -0.3, 0.9]).unwrap();
         let [u, v] = across(&d);
@@ -574,12 +566,13 @@ mod tests {
         for round in 0..60 {
             let (tools, mockups) = (1 + round % 23, 1 + 2 * round % 31);
             let tools: Vec<Triangle> = (0..tools).map(|i| triangle(100 * round + i, -1.0)).collect();
-            // Every third once more, one seen from its edge, and those that face the other way.
+            // Every third repeated, one seen edge-on, and one that faces the other way.
             let mut mockups: Vec<Triangle> =
                 (0..mockups).map(|i| triangle(9000 + 100 * round + i - i % 3, 1.0)).collect();
-            let seen = |t: &Triangle| t.map(|p| frame.map(|x| dot(&p, &x)));
+            let in_frame = |t: &Triangle| t.map(|p| frame.map(|x| dot(&p, &x)));
             let pairs = tools.iter().flat_map(|t| mockups.iter().map(move |m| (t, m)));
-            let expected = pairs.filter_map(|(t, m)| overlap(&seen(t), &seen(m))).fold(f64::NEG_INFINITY, f64::max);
+            let expected =
+                pairs.filter_map(|(t, m)| overlap(&in_frame(t), &in_frame(m))).fold(f64::NEG_INFINITY, f64::max);
             mockups.extend([[[0.0; 3], d, u], triangle(9000 + round, -1.0)]);
             counts[if expected > 0.0 { 2 } else { usize::from(expected.is_finite()) }] += 1;
             let mut all = Vec::new();
@@ -590,16 +583,17 @@ mod tests {
                     for (surface, triangles) in [&tools, &mockups].into_iter().enumerate() {
                         push_corners(triangles.iter().copied(), &mut overlap.corners[surface]);
                     }
-                    overlap.see(lanes, [0..overlap.corners[0].len(), 0..overlap.corners[1].len()], least);
-                    overlap.most_seen(lanes, least, enough).unwrap()
+                    overlap.project(lanes, [0..overlap.corners[0].len(), 0..overlap.corners[1].len()], least);
+                    overlap.greatest_projected(lanes, least, enough).unwrap()
                 };
                 let most = found(f64::NEG_INFINITY, 10.0);
-                let is_near =
-                    |most: f64| most == expected || (most - expected).abs() <= 2.0 * MORE * expected.abs() + 1e-7;
+                let is_near = |most: f64| {
+                    most == expected || (most - expected).abs() <= 2.0 * OVERLAP_GAIN * expected.abs() + 1e-7
+                };
                 assert!(is_near(most.0), "{level:?} {round}: {most:?} {expected}");
                 let first = found(f64::NEG_INFINITY, 0.5 * expected).0;
                 assert!(expected <= 0.0 || first >= 0.5 * expected, "{level:?} {round}");
-                // Where only what is more than so much is sought: that, or nothing.
+                // Where only more than a least is searched: that, or nothing.
                 let more = [-0.1, 0.1].map(|by| found(expected + by, 10.0));
                 assert!(
                     expected.is_infinite() || is_near(more[0].0) && more[1].0 < expected,
@@ -614,7 +608,7 @@ mod tests {
 
     #[test]
     fn surfaces_that_lie_in_each_other_are_as_deep_as_they_overlap() {
-        // Blocks with a side of waves, cut ever finer, that fit; the upper one pressed in a little.
+        // Blocks with a wavy side, cut ever finer, that fit; the upper one pressed in a little.
         for n in [10, 40, 160] {
             let line: Vec<[f64; 2]> = (0..=n)
                 .map(|i| -0.05 + 0.1 * f64::from(i) / f64::from(n))
@@ -632,10 +626,10 @@ mod tests {
                 let contacts = lower.contacts(&upper, &pose, 0.002, None).unwrap();
                 let deep = contacts.planes.iter().filter(|p| p.gap <= 0.0);
                 assert!(deep.clone().count() > 1, "{n} {depth}");
-                // Along a normal that leans as far as the waves are steep it is twice as far as straight down.
+                // Along a normal that leans as much as the waves are steep, twice as far as straight down.
                 assert!(deep.clone().all(|p| p.gap >= -2.0 * depth - 1e-6), "{n} {depth}: {:?}", contacts.depth());
                 assert!(deep.clone().any(|p| p.gap <= -0.5 * depth), "{n} {depth}: {:?}", contacts.depth());
-                // The point is on the lower block's surface; the depth is an overlap and no plane's, but in the coarsest.
+                // The point is on the lower block's surface. The depth is an overlap's, not a plane's, but in the coarsest.
                 for p in deep.clone().filter(|p| p.gap < -0.5 * depth) {
                     assert!((height(&p.point) - p.point[2]).abs() < 1e-6, "{n} {depth}: {p:?}");
                     assert!(!p.certain || n == 10, "{n} {depth}: {p:?}");
@@ -647,8 +641,8 @@ mod tests {
     }
 
     #[test]
-    fn the_deepest_of_several_overlaps_is_told_first() {
-        // The same waves, the upper ones turned a little: pressed in ever more from one end to the other.
+    fn the_deepest_of_several_overlaps_comes_first() {
+        // The same waves, the upper ones turned a little: pressed in more from one end to the other.
         for (n, turn) in [(24, 0.002), (50, 0.002), (80, -0.003), (100, 0.003), (100, 0.004)] {
             let line: Vec<[f64; 2]> = (0..=n)
                 .map(|i| -0.05 + 0.1 * f64::from(i) / f64::from(n))

@@ -1,7 +1,8 @@
-//! Where one surface goes right through the other: a rod through a sheet, a wire across a finger. Along every direction something
-//! goes on beyond the curve, so that the search for the least depth finds no plane, and the surfaces do not say on which side of
-//! what is pierced the tool belongs. It is taken to be where its bulk is, as with open surfaces, unless a reference says more; one
-//! plane across the way there holds all that the curve encloses.
+//! Piercing: one surface goes right through the other, as a rod through a sheet or a wire across a finger.
+//!
+//! Every axis is blocked there, so the search for the least depth finds no plane, and the surfaces do not say on which side of what
+//! is pierced the tool belongs. It is taken to be the side of its centre of area, as with open surfaces, or that of the reference
+//! where there is one. One plane across that axis separates all that the contour encloses.
 
 use crate::contact_plane::ContactPlane;
 use crate::context::QueryContext;
@@ -10,20 +11,20 @@ use crate::surface::{Side, Surface};
 use feeler_core::geometry::bounds::Point;
 use feeler_core::geometry::vectors::{along, dot, length, scaled, sub, unit};
 
-/// A zone without a plane, to be looked at again from one side.
+/// A region without a plane, to be searched again with a side assumed.
 #[derive(Debug)]
 pub(crate) struct Piercing {
-    /// What meets there, sorted.
+    /// The pairs of triangles that meet there, sorted.
     pub pairs: Vec<[u32; 2]>,
-    /// Unit: to where the tool is taken to have come from.
-    pub way: Point,
+    /// Unit, to the side that the tool is taken to have come from.
+    pub axis: Point,
 }
 
 impl Piercing {
-    /// `None` where the curve has no length, or what it runs over no normals.
+    /// `None` where the contour has no length, or the pierced surface no normals along it.
     pub fn new(context: &QueryContext<'_>, regions: &ContactRegions, region: usize) -> Option<Piercing> {
         let segments = regions.segments_of(region, Surface::Tool);
-        // Segments of the curve: length, middle, and normal of what is pierced.
+        // Segments of the contour: length, middle, and normal of what is pierced.
         let spans = || {
             segments.iter().filter(|i| !regions.segments[**i as usize].flat).map(|i| {
                 let [a, b] = regions.ends(*i);
@@ -33,20 +34,20 @@ impl Piercing {
         let whole: f64 = spans().map(|(l, ..)| l).sum();
         let middle = spans().fold([0.0; 3], |sum, (l, middle, _)| along(&sum, l / whole, &middle));
         let back = context.way_back(&middle).unwrap_or_else(|| sub(&context.centre, &middle));
-        // Straight off what is pierced, and not to the bulk, which may lie far aside: the mean of the normals, each turned to that
-        // side; of a tool right in the middle to either.
+        // Straight off what is pierced, and not towards the centre, which may lie far aside: the mean of the normals, each turned
+        // to that side. With the tool's centre in what is pierced that has no length, and the longest segment's normal decides.
         let towards = |back: &Point| {
             let side = |(l, _, n): (f64, Point, Point)| (l * dot(back, &n).signum(), n);
             unit(&spans().map(side).fold([0.0; 3], |sum, (l, n)| along(&sum, l, &n)))
         };
-        let way = towards(&back).or_else(|| towards(&spans().max_by(|p, q| p.0.total_cmp(&q.0))?.2))?;
+        let axis = towards(&back).or_else(|| towards(&spans().max_by(|p, q| p.0.total_cmp(&q.0))?.2))?;
         let pairs = segments.iter().map(|i| Surface::BOTH.map(|surface| regions.face(surface, *i).id)).collect();
-        Some(Piercing { pairs, way })
+        Some(Piercing { pairs, axis })
     }
 
-    /// The plane across the way, `zones` being those of its pairs with the tool on that side.
+    /// The plane across the axis; `regions` are those of its pairs with the tool on that side.
     pub fn plane(&self, context: &QueryContext<'_>, regions: &ContactRegions, part: u32) -> ContactPlane {
-        // The farthest along a direction of the curve and of what it encloses of one surface.
+        // The farthest point along a direction, of the contour and of what it encloses of one surface.
         let farthest = |surface: Surface, d: &Point| {
             let whole = (0..regions.regions.len()).flat_map(|region| regions.inside_of(region, surface));
             let beyond = regions.faces[surface]
@@ -57,12 +58,12 @@ impl Piercing {
             points.max_by(|p, q| dot(p, d).total_cmp(&dot(q, d))).unwrap_or_default()
         };
         let (highest, lowest) =
-            (farthest(Surface::Mockup, &self.way), farthest(Surface::Tool, &scaled(&self.way, -1.0)));
-        let depth = dot(&sub(&highest, &lowest), &self.way);
+            (farthest(Surface::Mockup, &self.axis), farthest(Surface::Tool, &scaled(&self.axis, -1.0)));
+        let depth = dot(&sub(&highest, &lowest), &self.axis);
         let ids = |surface: Surface| self.pairs.iter().map(|pair| pair[surface]).collect();
         ContactPlane {
-            point: along(&lowest, depth, &self.way),
-            normal: self.way,
+            point: along(&lowest, depth, &self.axis),
+            normal: self.axis,
             gap: -depth,
             part,
             tool_triangles: ids(Surface::Tool),

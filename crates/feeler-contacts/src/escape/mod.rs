@@ -1,4 +1,4 @@
-//! Escape: the shortest way out of what the tool meets, and what is wholly inside a solid.
+//! Escape: the shortest translation that frees the tool, and what lies wholly inside a solid.
 
 pub(crate) mod containment;
 pub(crate) mod escape_probe;

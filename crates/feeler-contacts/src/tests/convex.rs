@@ -1,4 +1,4 @@
-//! Random convex polyhedra, whose least separating translation is known from their Minkowski difference.
+//! Random convex polyhedra: their penetration depth is known from the Minkowski difference.
 
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use feeler_shapes::Arrays;
 use super::Held;
 use crate::PenetrationKind;
 
-/// Numbers from -1 to 1 (a multiplicative generator; its upper bits).
+/// Numbers from -1 to 1: the upper bits of a linear congruential generator.
 struct Random(u64);
 
 impl Random {
@@ -30,7 +30,7 @@ impl Random {
     }
 }
 
-/// The hull of points in general position: every three of them that have all others on one side, wound outward.
+/// The convex hull of points in general position: every three that have all others on one side, wound outward.
 fn hull(points: &[Point]) -> Arrays {
     let mut faces = Vec::new();
     for i in 0..points.len() {
@@ -51,14 +51,15 @@ fn hull(points: &[Point]) -> Arrays {
     (points.to_vec(), faces)
 }
 
-/// A polyhedron about the origin, up to `radius` from it.
+/// A polyhedron around the origin, its corners within `radius`.
 fn polyhedron(random: &mut Random, corners: usize, radius: f64) -> Arrays {
     let points: Vec<Point> =
         (0..corners).map(|_| scaled(&random.direction(), radius * (0.9 + 0.1 * random.next()))).collect();
     hull(&points)
 }
 
-/// The least translation of `tool` that separates it from `mockup`: over the normals of both and of each two edges.
+/// The length of the least translation that separates two polyhedra: over the normals of both and the cross products of each two
+/// edges.
 fn least_translation(mockup: &Arrays, tool: &Arrays) -> f64 {
     let corners = |mesh: &Arrays, f: &[u32; 3]| f.map(|v| mesh.0[v as usize]);
     let edges = |mesh: &Arrays| -> Vec<Point> {
@@ -80,15 +81,15 @@ fn least_translation(mockup: &Arrays, tool: &Arrays) -> f64 {
 }
 
 #[test]
-fn the_way_out_of_convex_polyhedra_is_the_least_there_is() {
+fn penetration_of_convex_polyhedra_is_the_least_translation() {
     let mut random = Random(11);
     let (mut exact, mut cases) = (0, 0);
     for case in 0..150 {
         let mockup = polyhedron(&mut random, 6 + case % 5, 0.1);
         let tool = polyhedron(&mut random, 5 + case % 7, 0.05);
-        // From afar along some direction until it is in by a small share of its size.
-        let way = random.direction();
-        let at = |s: f64| (tool.0.iter().map(|p| along(p, s, &way)).collect::<Vec<Point>>(), tool.1.clone());
+        // Moved in along a random direction until it is a little deep.
+        let side = random.direction();
+        let at = |s: f64| (tool.0.iter().map(|p| along(p, s, &side)).collect::<Vec<Point>>(), tool.1.clone());
         let (mut deep, mut free) = (0.0, 0.2);
         let wanted = 0.0002 * (1.0 + f64::from((case % 10) as u32));
         for _ in 0..60 {
@@ -101,10 +102,10 @@ fn the_way_out_of_convex_polyhedra_is_the_least_there_is() {
         }
         let truth = least_translation(&mockup, &at(deep));
         if truth < 0.9 * wanted {
-            // It passes by.
+            // It passes beside the other.
             continue;
         }
-        let pose = Pose::IDENTITY.translated(&scaled(&way, deep)).unwrap();
+        let pose = Pose::IDENTITY.translated(&scaled(&side, deep)).unwrap();
         let held = Mockup::new(mockup.0, mockup.1, Vec::new(), 1).unwrap();
         let held = Arc::new(held);
         let scene = |level: Level| Held::with(Arc::clone(&held), &SceneOptions::default(), level);
@@ -114,10 +115,10 @@ fn the_way_out_of_convex_polyhedra_is_the_least_there_is() {
         for level in Level::available() {
             assert_eq!(scene(level).contacts(&tool, &pose, 0.001, None).unwrap(), out.contacts, "{level:?} {what}");
         }
-        // It frees the tool, and nothing shorter does.
+        // It frees the tool, so it is no shorter than the least.
         assert!(out.kind != PenetrationKind::Estimate, "{what}");
         assert!(out.depth >= truth * (1.0 - 1e-9), "{what}");
-        // What is called exact is, but for what keeps the tool off; what is not is next to it.
+        // An exact one is the least, but for what keeps the tool off the surface; a bound is close to it.
         let share = if out.kind == PenetrationKind::Exact { 2e-6 } else { 0.01 };
         assert!(out.depth <= truth * (1.0 + share), "{what}");
         exact += usize::from(out.kind == PenetrationKind::Exact);

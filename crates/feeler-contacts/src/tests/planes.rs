@@ -1,4 +1,4 @@
-//! The same surfaces, cut coarsely and finely, flush and turned, give the same planes.
+//! Planes do not depend on the triangulation: the same surfaces, cut coarsely and finely, flush and turned, give the same planes.
 
 use feeler_core::geometry::vectors::*;
 use feeler_core::{Error, Point, Pose, Tool};
@@ -54,7 +54,7 @@ fn found(scene: &Held, tool: &Tool, pose: &Pose, margin: f64, reference: Option<
     contacts.planes.iter().map(|p| (p.normal, -p.gap)).collect()
 }
 
-/// The planes expected are there, and no others with a depth.
+/// Asserts that the deep planes are those expected and no others.
 fn expect(found: &[(Point, f64)], expected: &[(Point, f64)], tolerance: f64, what: &str) {
     let deep: Vec<_> = found.iter().filter(|f| f.1 > -1e-9).collect();
     assert_eq!(deep.len(), expected.len(), "{what}: {found:?}");
@@ -68,8 +68,7 @@ fn expect(found: &[(Point, f64)], expected: &[(Point, f64)], tolerance: f64, wha
 
 #[test]
 fn corners_ridges_and_brackets() {
-    // A floor with a wall: hollow, so both hold.
-    // The wall leans by next to nothing, so that the block stays a body over its line.
+    // A floor with a wall is concave: both have a plane. The wall leans by next to nothing, so that the line bounds a solid.
     let with_wall = [[-0.03, 0.05], [0.0, 0.05], [1e-9, 0.0], [0.1, 0.0]];
     let roof = [[-0.05, -0.05], [0.0, 0.0], [0.05, -0.05]];
     for (n, cells) in [(1, 1), (6, 1), (1, 7), (5, 8)] {
@@ -86,7 +85,7 @@ fn corners_ridges_and_brackets() {
             let under = scene(ridge(&roof, -0.06, 0.04, n, 3 * n));
             let planes = found(&under, &cube, &at(-0.008, 0.0, -0.0015), margin, None);
             expect(&planes, &[([0.0, 0.0, 1.0], 0.0015)], 1e-9, &format!("ridge {what}"));
-            // A box over the edge of another: sideways is the shorter way.
+            // A box over the edge of another: sideways is less deep.
             let block = scene(box_mesh([0.0; 3], [0.1, 0.1, 0.02], n));
             let planes = found(&block, &cube, &at(0.0485, 0.003, 0.008), margin, None);
             expect(&planes, &[([1.0, 0.0, 0.0], 0.0015)], 1e-9, &format!("edge {what}"));
@@ -96,7 +95,7 @@ fn corners_ridges_and_brackets() {
 
 #[test]
 fn a_bracket_holds_on_both_legs() {
-    // The tool is hollow: an upside-down floor with a wall.
+    // A concave tool: an upside-down floor with a wall.
     let line = [[-0.01, -0.03], [0.0, -0.03], [1e-9, 0.0], [0.04, 0.0]];
     for (n, cells) in [(1, 1), (4, 1), (1, 6), (5, 7)] {
         for margin in [0.0, 0.002] {
@@ -122,7 +121,7 @@ fn round_things() {
             let ball_tool = tool(ball(0.02, n));
             let planes = found(&plate(cells), &ball_tool, &at(0.001, 0.002, 0.02 - 0.0015), margin, None);
             expect(&planes, &[([0.0, 0.0, 1.0], 0.0015)], 1e-9, &format!("ball {what}"));
-            // The other way round: a plate on a ball.
+            // Conversely: a plate on a ball.
             let plate_tool = tool(box_mesh([0.001, 0.002, 0.01], [0.1, 0.1, 0.02], cells));
             let planes = found(&scene(ball(0.02, n)), &plate_tool, &at(0.0, 0.0, 0.02 - 0.0015), margin, None);
             expect(&planes, &[([0.0, 0.0, 1.0], 0.0015)], 1e-9, &format!("plate {what}"));
@@ -131,12 +130,12 @@ fn round_things() {
             expect(&planes, &[([0.0, 0.0, 1.0], 0.0015)], 1e-9, &format!("rod {what}"));
             // Ball against ball, off the axes: as deep as the radii say, within what the facets cut off.
             let (a, b) = (scene(ball(0.02, n)), tool(ball(0.015, n)));
-            let way = [2.0 / 3.0, 1.0 / 3.0, 2.0 / 3.0];
-            let p = scaled(&way, 0.035 - 0.0015);
+            let side = [2.0 / 3.0, 1.0 / 3.0, 2.0 / 3.0];
+            let p = scaled(&side, 0.035 - 0.0015);
             let planes = found(&a, &b, &at(p[0], p[1], p[2]), margin, None);
             assert_eq!(planes.iter().filter(|p| p.1 > 0.0).count(), 1, "{what} {planes:?}");
             if n >= 32 {
-                expect(&planes, &[(way, 0.0015)], if n >= 64 { 0.02 } else { 0.06 }, &format!("balls {what}"));
+                expect(&planes, &[(side, 0.0015)], if n >= 64 { 0.02 } else { 0.06 }, &format!("balls {what}"));
             }
         }
     }
@@ -148,7 +147,7 @@ fn one_plane_stands_for_about_twelve_degrees() {
     for angle in [10f64, 20.0] {
         let (sine, cosine) = angle.to_radians().sin_cos();
         let valley = [[-0.05, 0.0], [0.0, 0.0], [0.05, 0.05 * sine / cosine]];
-        // The slope is the deeper side. The other one has a plane of its own where it looks another way.
+        // The slope is the deeper side. The floor has a plane of its own where the angle between them is larger.
         let sides = [([-sine, 0.0, cosine], 0.02 - 0.019 * cosine), ([0.0, 0.0, 1.0], 0.001)];
         let expected = if angle < 12.0 { &sides[..1] } else { &sides };
         for (n, m) in [(1, 1), (4, 9), (11, 20)] {
@@ -160,8 +159,8 @@ fn one_plane_stands_for_about_twelve_degrees() {
 }
 
 #[test]
-fn a_plane_stands_for_sides_within_25_degrees_that_it_holds_as_well() {
-    // A ball on a floor, and beside it a step down to a slope that stays under the floor.
+fn a_plane_stands_for_sides_within_25_degrees_that_it_separates() {
+    // A ball on a floor, and beside it a step down to a slope that stays below the floor.
     let ball_tool = tool(ball(0.02, 64));
     for angle in [20f64, 35.0] {
         let (sine, cosine) = angle.to_radians().sin_cos();
@@ -180,8 +179,8 @@ fn a_plane_stands_for_sides_within_25_degrees_that_it_holds_as_well() {
 }
 
 #[test]
-fn ridges_that_cross_are_parted_across_both() {
-    // The least is along no face of either, nor along their means, which lean.
+fn crossing_ridges_are_separated_across_both() {
+    // The least depth is along no face normal of either, nor along a mean normal: those lean.
     let roof = [[-0.03, -0.06], [0.0, 0.0], [0.05, -0.02]];
     let hung: Vec<[f64; 2]> = roof.iter().map(|[x, z]| [*x, -z]).collect();
     let across = [[0.0, -1.0, 0.0, 0.002], [1.0, 0.0, 0.0, -0.003], [0.0, 0.0, 1.0, -0.0015], [0.0, 0.0, 0.0, 1.0]];
@@ -193,8 +192,8 @@ fn ridges_that_cross_are_parted_across_both() {
 }
 
 #[test]
-fn blades_that_cross_are_parted_across_both_edges() {
-    // The edge of each runs nearly along one side of the other.
+fn crossing_blades_are_separated_across_both_edges() {
+    // The edge of each is nearly parallel to one side of the other.
     let blade = |sense: f64| [[-0.01, sense * 0.0275], [0.0, 0.0], [0.01, sense * 0.0275]];
     let (pitch, roll) = (60f64.to_radians(), 55f64.to_radians());
     let along = [-pitch.cos(), 0.0, -pitch.sin()];
@@ -216,7 +215,7 @@ fn a_tooth_in_its_slot() {
     let (sine, cosine) = 20f64.to_radians().sin_cos();
     let (foot, rim) = (0.002, 0.002 + 0.01 * sine / cosine);
     let slot = [[-0.02, 0.0], [-rim, 0.0], [-foot, -0.01], [foot, -0.01], [rim, 0.0], [0.02, 0.0]];
-    // The tooth ends a millimetre above the ground of the slot, and starts a millimetre above its rim.
+    // The tooth ends a millimetre above the bottom of the slot, and begins a millimetre above its rim.
     let tip = 0.002 + 0.001 * sine / cosine;
     let tooth =
         [[-rim - 0.001 * sine / cosine, 0.001], [-tip, -0.009], [tip, -0.009], [rim + 0.001 * sine / cosine, 0.001]];
@@ -236,7 +235,7 @@ fn a_tooth_in_its_slot() {
 #[test]
 fn open_sheets_go_by_the_reference() {
     for (n, cells) in [(1, 1), (15, 1), (1, 9), (16, 8)] {
-        // Windings that say nothing.
+        // An inconsistent winding, which says nothing about sides.
         let mut mesh = sheet(n, n, |s, t| [0.1 * (s - 0.5), 0.1 * (t - 0.5), 0.0]);
         mesh.1.iter_mut().enumerate().filter(|(i, _)| i % 3 == 0).for_each(|(_, f)| f.swap(0, 1));
         let scene = scene(mesh);
@@ -287,7 +286,7 @@ fn gaps_between_flat_and_round_things() {
     }
 }
 
-/// Slides over a flat face that is finely cut: at every step the same normal and depth.
+/// The tool slides over a finely cut flat face: the same normal and depth at every step.
 #[test]
 fn normals_do_not_flicker_on_a_flat_face() {
     let plate = scene(box_mesh([0.0, 0.0, -0.01], [0.1, 0.1, 0.02], 37));
@@ -354,7 +353,7 @@ fn right_through_a_thin_plate() {
 
 #[test]
 fn a_post_inside_the_tool() {
-    // The post stands on a plate it is one body with; the tool comes down over it.
+    // The post and the plate below it are one surface; the tool comes down over the post.
     let line = [[-0.05, 0.0], [-0.003, 0.0], [-0.003 + 1e-9, 0.004], [0.003 - 1e-9, 0.004], [0.003, 0.0], [0.05, 0.0]];
     for (n, cells) in [(1, 1), (5, 1), (1, 9), (5, 9)] {
         let post = scene(ridge(&line, -0.02, 0.03, n, 3 * n));
@@ -381,7 +380,7 @@ fn bad_margins_are_errors_and_nothing_near_is_nothing() {
 
 #[test]
 fn no_plane_is_deeper_than_the_tool_or_the_part_is_large() {
-    // Edges that graze edges, where the side of a corner is hard to tell.
+    // Grazing edges, where rounding makes it hard to tell on which side a corner is.
     let plate = scene(box_mesh([0.0; 3], [0.1, 0.1, 0.02], 7));
     let small = tool(box_mesh([0.0; 3], [0.01, 0.01, 0.01], 3));
     for i in 0..200 {
@@ -396,18 +395,18 @@ fn no_plane_is_deeper_than_the_tool_or_the_part_is_large() {
 
 #[test]
 fn the_winding_of_a_closed_surface_does_not_matter() {
-    let turned_round = |mut mesh: Arrays| {
+    let inverted = |mut mesh: Arrays| {
         mesh.1.iter_mut().for_each(|f| f.swap(1, 2));
         mesh
     };
     let (round, flat) = (ball(0.02, 24), box_mesh([0.0, 0.0, -0.02], [0.1, 0.1, 0.04], 9));
     for (mockup, tool_mesh, z) in [(&round, &flat, 0.012), (&flat, &round, 0.012)] {
-        // Deep enough that most of what is inside is cut by nothing.
+        // Deep enough that most triangles inside meet nothing.
         let plain =
             scene(mockup.clone()).contacts(&tool(tool_mesh.clone()), &at(0.001, 0.002, z), 0.002, None).unwrap();
         assert!(plain.depth() > 0.005 && plain.planes[0].mockup_triangles.len() > 10, "{:?}", plain.planes);
-        let other = scene(turned_round(mockup.clone()));
-        let tool = tool(turned_round(tool_mesh.clone()));
+        let other = scene(inverted(mockup.clone()));
+        let tool = tool(inverted(tool_mesh.clone()));
         let other = other.contacts(&tool, &at(0.001, 0.002, z), 0.002, None).unwrap();
         assert_eq!(other.planes.len(), plain.planes.len());
         for (p, q) in plain.planes.iter().zip(&other.planes) {
