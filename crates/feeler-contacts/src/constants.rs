@@ -36,3 +36,54 @@ pub const HOLLOW: f64 = 0.02;
 
 /// A later direction must be shallower by this share to be preferred, so that ties fall to normals of the mock-up always.
 pub const SHALLOWER: f64 = 1e-6;
+
+// Contours: segments, sides of vertices, and what is enclosed.
+
+/// Sine of the angle between two triangles up to which they lie in one plane: rounding then decides where their common line is, and
+/// they share a polygon. Larger: thin wedges share a polygon where they share a segment.
+pub const PARALLEL_SINE: f64 = 1e-9;
+
+/// One less the cosine of the angle between two triangles up to which their segment is flat and tells no side: 1.4e-6 radians.
+/// Larger: more vertices at grazing contours are on no side; smaller: rounding tells their side.
+pub const COPLANAR_COSINE: f64 = 1e-12;
+
+/// Most triangles that the search for the normal of a thin one visits. Fewer: in wider strips of slivers normals are noise.
+pub const MOST_THIN_NEIGHBOURS: usize = 16;
+
+/// Share of the tool's displacement since the reference that must come out of a closed surface, along its normal, for the tool to
+/// have gone in on the other side: 30 degrees off the surface. Smaller: sliding along the surface is taken for it; larger: thin plates
+/// must be pierced more steeply.
+pub const CAME_THROUGH_SHARE: f64 = 0.5;
+
+/// Share of the displacement since the reference that must be along the normal of an open surface to tell its outside: 0.06 degrees
+/// off the surface. Below, the tool slid along it, and its centre of area tells.
+pub const SIDEWAYS_MOTION_SHARE: f64 = 1e-3;
+
+/// Sine of the angle by which the line between two contours on one triangle must lead behind the other surface to join them: six
+/// degrees, above the turn of a chord on a curved surface. Smaller: contours on a bulge are one region; larger: shallow grooves are not.
+pub const CONTOUR_LEAN: f64 = 0.1;
+
+/// Most segments of one triangle that are compared with each other to join contours; of more an even sample is. Fewer: small
+/// contours on a large triangle may stay regions of their own.
+pub const MOST_SEGMENTS_COMPARED: usize = 256;
+
+/// Most enclosed triangles that a fill finds, of each surface and in one part. What lies farther counts for depth only by its nearer
+/// part, and such a plane is not certain. More: deep contacts of fine meshes take longer.
+pub const MOST_FILLED: usize = 1 << 16;
+
+/// Share of its distance from a segment up to which a vertex is on the plane of the other face, or in line with the segment; and
+/// share of the distance or of the surface's length up to which a segment has no direction. Above rounding. Larger: more vertices are
+/// on no side.
+pub const ON_PLANE_SHARE: f64 = 1e-9;
+
+/// Share by which the squares of two distances, or of two sines, of a vertex may differ and be equal: above rounding. Larger: more
+/// vertices take the slower, careful path.
+pub const EQUAL_SHARE: f64 = 1e-9;
+
+/// Share of a vertex's distance up to which two nearest points are one point, an edge or vertex of the other surface. Larger: feet
+/// of neighbouring edges are mixed up; smaller: rounding parts them.
+pub const SAME_FOOT_SHARE: f64 = 1e-6;
+
+/// Distance of the probe from such a point, as a share of the shortest edge there: near enough for its triangles to be the nearest, and
+/// far above rounding.
+pub const PROBE_SHARE: f64 = 1e-3;

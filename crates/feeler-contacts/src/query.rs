@@ -258,7 +258,7 @@ fn push_region(
         patches.set(context, regions, region, surface);
         convex_bodies.set(context.lanes, patches);
         bodies[surface].set(context.lanes, patches, convex_bodies, segments.len(), |c| {
-            regions.place_of_segment[c as usize] as usize
+            regions.index_in_region[c as usize] as usize
         });
     }
     let bodies = RegionBodies::new(context, regions, bodies);

@@ -124,7 +124,7 @@ impl Patches {
         self.found(context, surface);
         self.group();
         let Patches { list, fragments, order, components, .. } = self;
-        if components.part(context, &regions.places, surface, list, fragments, order) {
+        if components.part(context, &regions.face_numbers, surface, list, fragments, order) {
             self.group();
         }
         self.gather();
