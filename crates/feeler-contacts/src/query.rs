@@ -31,7 +31,7 @@ use crate::depth::piercing::Piercing;
 use crate::patch::body::{Bodies, Body};
 use crate::patch::convex_bodies::ConvexBodies;
 use crate::patch::patches::Patches;
-use crate::proximity::separating_planes::{divider, NearPairs, NearScratch};
+use crate::proximity::separating_planes::{divider, NearScratch, PlaneSearch};
 use crate::surface::Surface;
 
 /// Asks a scene for contacts, with working memory of its own.
@@ -181,7 +181,7 @@ impl ContactQuery<'_> {
             let planes = places.iter().flat_map(|place| &place.planes);
             let dividers: Vec<Divider> = planes.map(|plane| divider(plane, margin)).collect();
             let (margin, near) = self.near_by(tool, pose, margin, &dividers, distance)?;
-            let mut gaps = NearPairs::new(&context, margin, lists);
+            let mut gaps = PlaneSearch::new(&context, margin, lists);
             for (part, same) in by_part.sort(&near, |c| c.part, candidates) {
                 let mut apart = PartContacts::default();
                 let place = places.iter_mut().find(|place| place.part == part).unwrap_or(&mut apart);
