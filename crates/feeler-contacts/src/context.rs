@@ -1,4 +1,4 @@
-//! What one query knows: the two surfaces, where the tool is, and how their triangles hang together.
+//! The inputs of one query: the two surfaces with their adjacency, the pose and the reference.
 
 use feeler_core::constants::NONE;
 use feeler_core::geometry::vectors::{dot, scaled, sub};
@@ -6,17 +6,20 @@ use feeler_core::mesh::topology::adjacency::Adjacency;
 use feeler_core::{Aabb, Mockup, Point, Pose, Scene, Tool, Triangle};
 use feeler_lanes::Checked;
 
+use crate::constants::ENCLOSURE_SLACK;
 use crate::surface::Surface;
 
-/// What one query knows.
+/// The inputs of one query, and what follows from them at once.
 pub(crate) struct QueryContext<'a> {
     pub mockup: &'a Mockup,
     pub tool: &'a Tool,
+    /// `world_from_tool`.
     pub pose: &'a Pose,
+    /// A pose at which the tool was free, the last before this one.
     pub reference: Option<&'a Pose>,
     /// Of the tool, and of the mock-up.
     pub adjacency: [&'a Adjacency; 2],
-    /// The tool's centre of area, world.
+    /// The tool's centre of area, metres, world.
     pub centre: Point,
     pub lanes: Checked,
 }
@@ -36,6 +39,7 @@ impl<'a> QueryContext<'a> {
 }
 
 impl QueryContext<'_> {
+    /// World, as all points below.
     pub fn tool_triangle(&self, t: u32) -> Triangle {
         self.pose.apply_triangle(&self.tool.mesh().triangle(t))
     }
@@ -61,7 +65,7 @@ impl QueryContext<'_> {
         }
     }
 
-    /// What the winding's normal of a triangle is to be multiplied by to look outward where its surface is closed.
+    /// The factor, 1 or -1, that makes the normal by a triangle's winding the outward one where the surface is closed.
     pub fn sense(&self, surface: Surface, id: u32) -> f64 {
         if self.adjacency[surface].outward[id as usize] < 0 {
             -1.0
@@ -70,21 +74,20 @@ impl QueryContext<'_> {
         }
     }
 
-    /// The pairs one step over an edge of either triangle from a pair.
-    pub fn beside(&self, [t, m]: [u32; 2]) -> impl Iterator<Item = [u32; 2]> {
-        let beside_t = self.adjacency[Surface::Tool].neighbours[t as usize].map(|n| [n, m]);
-        let beside_m = self.adjacency[Surface::Mockup].neighbours[m as usize].map(|n| [t, n]);
-        beside_t.into_iter().chain(beside_m).filter(|pair| !pair.contains(&NONE))
+    /// The pairs of one triangle of a pair and a neighbour of the other.
+    pub fn neighbour_pairs(&self, [t, m]: [u32; 2]) -> impl Iterator<Item = [u32; 2]> {
+        let of_tool = self.adjacency[Surface::Tool].neighbours[t as usize].map(|n| [n, m]);
+        let of_mockup = self.adjacency[Surface::Mockup].neighbours[m as usize].map(|n| [t, n]);
+        of_tool.into_iter().chain(of_mockup).filter(|pair| !pair.contains(&NONE))
     }
 
-    /// The box of the tool, in its own frame, or of a part of the mock-up, with what rounding may add: outside it is outside the
-    /// solid.
+    /// The box of the tool, in its own frame, or of a part of the mock-up, widened by rounding: a point outside it is outside the solid.
     pub fn enclosure(&self, surface: Surface, part: u32) -> Aabb {
         let (b, slack) = match surface {
             Surface::Tool => (self.tool.mesh().bounds(), self.tool.margin_at(self.pose)),
             _ => (self.mockup.part_bounds()[part as usize], 0.0),
         };
-        let slack = slack + 1e-9 * (0..3).map(|a| b.upper[a] - b.lower[a]).fold(0.0, f64::max);
+        let slack = slack + ENCLOSURE_SLACK * (0..3).map(|a| b.upper[a] - b.lower[a]).fold(0.0, f64::max);
         Aabb { lower: b.lower.map(|x| x - slack), upper: b.upper.map(|x| x + slack) }
     }
 
@@ -94,19 +97,19 @@ impl QueryContext<'_> {
         (0..3).all(|a| enclosure.lower[a] <= q[a] && q[a] <= enclosure.upper[a])
     }
 
-    /// A point of the world in the tool's own frame.
+    /// A point given in the world, in the tool's own frame.
     pub fn in_tool(&self, p: &Point) -> Point {
         let (r, t) = (self.pose.rotation(), self.pose.translation());
         let d = sub(p, t);
         std::array::from_fn(|a| r[0][a] * d[0] + r[1][a] * d[1] + r[2][a] * d[2])
     }
 
-    /// The normal of a triangle beside one that is (or is not) of a closed surface and has a normal of its own, turned to the side
-    /// that counts as outside there.
-    pub fn turned_outward(&self, surface: Surface, id: u32, n: &Point, is_closed: bool, beside: &Point) -> Point {
+    /// The normal `n` of a triangle, turned outward where the surface is closed, else to the side of a near triangle's normal, the side that
+    /// counts as outside there.
+    pub fn turned_outward(&self, surface: Surface, id: u32, n: &Point, is_closed: bool, near: &Point) -> Point {
         let flip = match self.adjacency[surface].outward[id as usize] {
             side if is_closed && side != 0 => side < 0,
-            _ => dot(n, beside) < 0.0,
+            _ => dot(n, near) < 0.0,
         };
         if flip {
             scaled(n, -1.0)
@@ -115,7 +118,7 @@ impl QueryContext<'_> {
         }
     }
 
-    /// From a point of the tool at the pose to where it was at the reference.
+    /// The displacement of a point of the tool from the pose back to the reference.
     pub fn way_back(&self, p: &Point) -> Option<Point> {
         let reference = self.reference?;
         Some(sub(&reference.apply(&self.in_tool(p)), p))

@@ -30,7 +30,7 @@ use crate::identity::set_ids;
 use crate::patch::body::Bodies;
 use crate::patch::convex_bodies::ConvexBodies;
 use crate::patch::patches::Patches;
-use crate::proximity::separating_planes::{divider, NearPairs, NearScratch};
+use crate::proximity::separating_planes::{divider, NearScratch, PlaneSearch};
 use crate::surface::Surface;
 
 /// Asks a scene for contacts, with working memory of its own.
@@ -162,11 +162,11 @@ impl ContactQuery<'_> {
             let planes = parts.iter().flat_map(|part| &part.planes);
             let dividers: Vec<Divider> = planes.map(|plane| divider(plane, margin)).collect();
             let (margin, near) = self.near_pairs(tool, pose, margin, &dividers, distance)?;
-            let mut near_pairs = NearPairs::new(&context, margin, near_scratch);
+            let mut plane_search = PlaneSearch::new(&context, margin, near_scratch);
             for (part, same) in by_part.sort(&near, |c| c.part, candidates) {
                 let mut apart = PartContacts::default();
                 let found = parts.iter_mut().find(|met| met.part == part).unwrap_or(&mut apart);
-                near_pairs.push_planes(same, found.pairs, &found.inside, &mut found.planes);
+                plane_search.push_planes(same, found.pairs, &found.inside, &mut found.planes);
                 contacts.planes.append(&mut apart.planes);
             }
             most_pairs = most_pairs.max(near.len());
@@ -255,7 +255,7 @@ fn push_region(
         patches.set(context, regions, region, surface);
         convex_bodies.set(context.lanes, patches);
         bodies[surface].set(context.lanes, patches, convex_bodies, segments.len(), |c| {
-            regions.place_of_segment[c as usize] as usize
+            regions.index_in_region[c as usize] as usize
         });
     }
     let bodies = RegionBodies::new(context, regions, bodies);

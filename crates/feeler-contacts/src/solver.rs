@@ -1,4 +1,4 @@
-//! Contacts of one scene: a facade, each query stands in its own room.
+//! The facade of the contact queries of one scene.
 
 use std::sync::Arc;
 
@@ -18,7 +18,7 @@ pub struct ContactSolver {
 }
 
 impl ContactSolver {
-    /// Of a scene.
+    /// A solver for a scene.
     pub fn new(scene: Arc<Scene>) -> ContactSolver {
         ContactSolver { scene, pool: ScratchPool::default() }
     }
@@ -28,28 +28,28 @@ impl ContactSolver {
         &self.scene
     }
 
-    /// The contact planes of a tool at a pose: at most [`MOST_PLANES`](crate::MOST_PLANES), deepest first, for what meets and for what is nearer
-    /// than `margin` (metres).
+    /// The contact planes of a tool at a pose: at most [`MOST_PLANES`](crate::MOST_PLANES), deepest first, for surfaces that meet and
+    /// for those nearer than `margin` (metres).
     ///
     /// `reference` is a pose where the tool was free, the last one before this: it tells on which side of open surfaces the
     /// tool belongs. Without it the side of the tool's centre of area counts. Closed surfaces have an inside and need it only
     /// where the tool went right through.
     ///
-    /// Beside more than 6 deep planes the margin shrinks in proportion, to nothing at 12; and it is halved
-    /// while more than a million pairs of triangles are within it.
+    /// The margin shrinks linearly with the number of deep planes, from all of it at [`FEW_DEEP`](crate::FEW_DEEP) to nothing at
+    /// [`MANY_DEEP`](crate::MANY_DEEP); and it is halved while more than a million pairs of triangles are within it.
     ///
     /// Errors: a margin that is negative, NaN or infinite, and more near pairs than the memory limit of the scene allows.
     pub fn contacts(&self, tool: &Tool, pose: &Pose, margin: f64, reference: Option<&Pose>) -> Result<Contacts> {
         self.query().contacts(tool, pose, margin, reference)
     }
 
-    /// The translation of least length that frees the tool where it is: shortest over the contact planes of the pose, checked
-    /// at the moved pose, and sought anew with the planes met there. Where that frees nothing, a way is sought along many
-    /// directions, ever farther, up to the tool's size; and so is it where the tool meets nothing since it is wholly inside a
-    /// solid, or one inside it, up to the size of both.
+    /// The shortest translation found that frees the tool: the shortest over the contact planes of the pose, checked at the moved
+    /// pose, and sought again with the planes found there. Where that does not free the tool, translations along many directions are
+    /// tried, ever longer ones, up to the tool's size; and up to the size of both where the tool meets nothing since one of the two
+    /// is wholly inside the other.
     ///
-    /// `margin` (metres): surfaces nearer than that keep the way out from running into them. `reference` as in
-    /// [`contacts`](Self::contacts), and so the errors.
+    /// Surfaces nearer than `margin` (metres) count, so that the translation does not run into them. `reference` and errors as in
+    /// [`contacts`](Self::contacts).
     pub fn penetration(&self, tool: &Tool, pose: &Pose, margin: f64, reference: Option<&Pose>) -> Result<Penetration> {
         penetration(&self.query(), tool, pose, margin, reference)
     }

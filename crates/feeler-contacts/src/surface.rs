@@ -1,8 +1,8 @@
-//! The two surfaces of a contact, and the sides of one.
+//! The two surfaces of a contact, and the sides of a surface.
 
 use std::ops::{Index, IndexMut};
 
-/// Whose surface.
+/// One of the two surfaces. Indexes arrays that have an entry for each.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Surface {
     /// The tool's.
@@ -12,7 +12,7 @@ pub(crate) enum Surface {
 }
 
 impl Surface {
-    /// Both, in the order of arrays that have an entry for each.
+    /// Both, in the order of such arrays.
     pub const BOTH: [Surface; 2] = [Surface::Tool, Surface::Mockup];
 
     /// The other one.
@@ -25,7 +25,7 @@ impl Surface {
     }
 }
 
-/// On which side of a surface a point is.
+/// The side of a surface that a point is on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) enum Side {
     /// Behind it.
@@ -33,7 +33,7 @@ pub(crate) enum Side {
     /// On it, or not known.
     #[default]
     On = 0,
-    /// Before it.
+    /// In front of it.
     Outside = 1,
 }
 

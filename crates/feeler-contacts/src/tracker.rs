@@ -1,4 +1,4 @@
-//! A tool that moves, and where it was last free.
+//! Contacts along a path: the last free pose is the reference of the next query.
 
 use feeler_core::{Pose, Result, Tool};
 
@@ -12,7 +12,7 @@ pub struct ContactTracker {
 }
 
 impl ContactTracker {
-    /// Knows of no free pose yet; a tool that starts inside is judged by where its bulk is.
+    /// A tracker without a free pose yet: until there is one, the side of the tool's centre of area counts.
     pub fn new() -> ContactTracker {
         ContactTracker::default()
     }
@@ -22,7 +22,7 @@ impl ContactTracker {
         self.last_free.as_ref()
     }
 
-    /// Takes a pose for free, or forgets it.
+    /// Sets the last free pose, or forgets it.
     pub fn set_last_free(&mut self, pose: Option<Pose>) {
         self.last_free = pose;
     }

@@ -71,6 +71,42 @@ pub const WELD_SHARE: f64 = 1.0 / (1 << 19) as f64;
 /// Stands for no triangle, and for no entry of any other list, where a number is kept: no list is so long.
 pub const NONE: u32 = u32::MAX;
 
+// Topology of meshes: seams, cracks, smooth regions and convex bodies.
+
+/// Parts with more than one border edge in so many edges are loose triangles, of which seams and cracks are not sought. Larger: fewer
+/// torn meshes are closed; smaller: soups of triangles take longer to load.
+pub(crate) const EDGES_PER_OPEN_EDGE: usize = 2;
+
+/// Angle (radians) around an edge up to which two triangles coincide: above rounding. Larger: thin wedges that touch are mixed up.
+pub(crate) const SAME_ANGLE: f64 = 1e-9;
+
+/// How wide a crack may be, as a share of its part's length: a circle is off its polygon of 50 corners by that. Larger: more torn
+/// surfaces are solids, and narrow slots may be closed.
+pub(crate) const CRACK_WIDTH: f64 = 1e-3;
+
+/// Share of a surface's area that its cracks may have together: a strip of sheet as narrow as a crack is all crack, and stays open.
+pub(crate) const CRACK_AREA: f64 = 0.01;
+
+/// Where along an edge (share of its length) the other border is sought: in the middle, which decides, and towards both ends.
+pub(crate) const CRACK_SAMPLES: [f64; 3] = [0.5, 0.2, 0.8];
+
+/// Most edges compared with one such point; more lie within a crack's width only in soups of triangles, which stay open.
+pub(crate) const MOST_EDGES_NEAR: usize = 256;
+
+/// Cosine of the angle between the normals of a triangle and of its smooth region's seed: 3 degrees, which on a surface of radius r
+/// is off by r/700. Smaller: fewer, coarser regions, and planes of curved surfaces are that much off.
+pub(crate) const SAME_REGION_COSINE: f64 = 0.998_63;
+
+/// One less the cosine of the angle up to which normals are of one plane: 4.5e-5 radians, above rounding.
+/// Larger: finely curved surfaces count as flat.
+pub const ONE_PLANE: f64 = 1e-9;
+
+/// Share of their distance by which rounding may put the triangles of one plane off it. Larger: steps in a surface are overlooked.
+pub(crate) const REGION_PLANE_ROUNDING: f64 = 1e-6;
+
+/// Rounding of a coordinate as a share of the largest: some thousand roundings.
+pub(crate) const COORDINATE_ROUNDING: f64 = 1e-12;
+
 /// How far a smooth region may stand out over another's plane (share of the distance between them, no unit) and still bulge with it:
 /// below the turn between neighbouring regions of a hollow surface, above the noise of rounded corners. More makes fewer, less convex
 /// bodies.

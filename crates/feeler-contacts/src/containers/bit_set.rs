@@ -1,15 +1,15 @@
-//! Small sets as bits.
+//! Sets of small numbers as rows of a bit matrix.
 
-/// BitSets of the same few numbers, one after the other, 64 a word.
+/// Sets of numbers below one limit, one after the other, 64 numbers a word.
 #[derive(Debug, Default)]
 pub(crate) struct BitSets {
     words: Vec<u64>,
-    /// Words of one set.
+    /// Words of each set.
     each: usize,
 }
 
 impl BitSets {
-    /// So many empty sets of numbers below `limit`.
+    /// Makes `count` empty sets of numbers below `limit`.
     pub fn clear(&mut self, count: usize, limit: usize) {
         self.each = limit.div_ceil(64);
         self.words.clear();
@@ -29,7 +29,7 @@ impl BitSets {
         self.get_mut(set).iter_mut().zip(other).for_each(|(x, y)| *x |= y);
     }
 
-    /// Whether what some of these sets have together meets what the same of others have together.
+    /// Whether the union of some of these sets meets the union of the same sets of another list.
     pub fn is_meeting_union(&self, other: &BitSets, sets: &[u32]) -> bool {
         (0..self.each).any(|word| {
             let all = |of: &BitSets| sets.iter().fold(0, |all, i| all | of.words[*i as usize * of.each + word]);
@@ -37,22 +37,22 @@ impl BitSets {
         })
     }
 
-    /// Adds to a set the numbers that are in all of some of these.
+    /// Adds the intersection of some of these sets to another set.
     pub fn join_common(&self, sets: &[u32], to: &mut [u64]) {
         for (word, to) in to.iter_mut().enumerate() {
             *to |= sets.iter().fold(u64::MAX, |all, i| all & self.words[*i as usize * self.each + word]);
         }
     }
 
-    /// Makes these the sets that each number is in: so many sets of numbers below as much.
-    pub fn turn(&mut self, other: &BitSets, count: usize) {
+    /// Makes these the transpose of another list of `count` sets of numbers below `count`: set `x` has `i` where `i` had `x`.
+    pub fn transpose(&mut self, other: &BitSets, count: usize) {
         self.clear(count, count);
         for (i, j) in (0..self.each).flat_map(|i| (0..self.each).map(move |j| (i, j))) {
             let mut square = [0; 64];
             for (row, set) in square.iter_mut().zip(64 * i..count) {
                 *row = other.words[set * self.each + j];
             }
-            turn_square(&mut square);
+            transpose_square(&mut square);
             for (row, set) in square.iter().zip(64 * j..count) {
                 self.words[set * self.each + i] = *row;
             }
@@ -87,8 +87,9 @@ pub(crate) fn shared<'a>(a: &'a [u64], b: &'a [u64]) -> impl Iterator<Item = usi
     })
 }
 
-/// Mirrors a square of bits: halves of it are exchanged, then quarters, down to single bits.
-fn turn_square(square: &mut [u64; 64]) {
+/// Transposes a square of bits by exchanging its off-diagonal halves, then quarters, down to single bits (Warren: *Hacker's Delight*,
+/// 2002, section 7-3).
+fn transpose_square(square: &mut [u64; 64]) {
     let (mut width, mut mask) = (32, u64::MAX >> 32);
     while width > 0 {
         for i in (0..64).filter(|i| i & width == 0) {
@@ -106,7 +107,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_some_sets_have_together_meets_what_others_have() {
+    fn unions_of_sets_meet() {
         let (mut sets, mut others) = (BitSets::default(), BitSets::default());
         sets.clear(3, 100);
         others.clear(3, 100);
@@ -117,7 +118,7 @@ mod tests {
     }
 
     #[test]
-    fn what_all_of_some_sets_have_is_added() {
+    fn the_intersection_of_some_sets_is_added() {
         let mut sets = BitSets::default();
         sets.clear(3, 100);
         [(0, 90), (1, 90), (1, 3), (2, 3), (0, 5), (1, 5), (2, 5)].iter().for_each(|(set, x)| sets.insert(*set, *x));
@@ -139,15 +140,15 @@ mod tests {
     }
 
     #[test]
-    fn turned_sets_have_what_had_them() {
+    fn transposed_sets_have_what_had_them() {
         for count in [0, 1, 63, 64, 65, 130, 200] {
             let is_in = |i: usize, x: usize| (i * 7 + x * x * 3 + i * x) % 5 < 2;
-            let (mut sets, mut turned) = (BitSets::default(), BitSets::default());
+            let (mut sets, mut transposed) = (BitSets::default(), BitSets::default());
             sets.clear(count, count);
             let all = || (0..count).flat_map(|i| (0..count).map(move |x| (i, x)));
             all().filter(|(i, x)| is_in(*i, *x)).for_each(|(i, x)| sets.insert(i, x));
-            turned.turn(&sets, count);
-            all().for_each(|(i, x)| assert_eq!(has(turned.get(x), i), is_in(i, x), "{count} {i} {x}"));
+            transposed.transpose(&sets, count);
+            all().for_each(|(i, x)| assert_eq!(has(transposed.get(x), i), is_in(i, x), "{count} {i} {x}"));
         }
     }
 }

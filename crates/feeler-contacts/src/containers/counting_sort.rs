@@ -1,20 +1,20 @@
-//! Lists sorted by counting.
+//! Counting sort: linear time, stable, of keys that are few but may be any numbers.
 
 use crate::containers::interner::Interner;
 
-/// Working memory.
+/// Sorts lists by part; its working memory.
 #[derive(Debug, Default)]
 pub(crate) struct PartSort {
     numbers: Interner,
-    /// Part, how many entries, and where the next one goes.
+    /// By number of the part: the part, how many entries, and where the next one goes.
     parts: Vec<(u32, usize, usize)>,
     order: Vec<usize>,
     number_of: Vec<u32>,
 }
 
 impl PartSort {
-    /// Puts a list into `out`, sorted by part; entries of one part stay in their order. Gives the parts in their order, each with
-    /// its entries.
+    /// Puts a list into `out`, sorted by part; entries of one part stay in their order. Returns the parts, ascending, each with its
+    /// entries.
     pub fn sort<'a, 'b, T: Copy, F: Fn(&T) -> u32>(
         &'a mut self,
         list: &[T],
@@ -28,7 +28,7 @@ impl PartSort {
         let mut last = None;
         for x in list {
             let part = part(x);
-            // Entries of one part come in runs.
+            // Entries of one part mostly come in runs.
             let number = match last {
                 Some((of, number)) if of == part => number,
                 _ => numbers.number(u64::from(part)).0,
@@ -63,7 +63,8 @@ impl PartSort {
     }
 }
 
-/// Lists laid one behind the other: from their lengths, the second numbers, to where each begins, twice.
+/// Turns the lengths of lists, the second numbers, into empty ranges where each list begins when they are laid out one after the
+/// other (an exclusive prefix sum): pushing an entry raises the range's end.
 pub(crate) fn lay_out<'a>(lists: impl Iterator<Item = &'a mut (u32, u32)>) {
     let mut begin = 0;
     for of in lists {

@@ -1,9 +1,11 @@
-//! Keys numbered in the order of their arrival.
+//! Interners: keys numbered 0, 1, 2, ... in the order of their arrival. An open-addressed hash table with linear probing (Knuth: *The
+//! Art of Computer Programming*, volume 3, 6.4), whose slots carry the round that they were filled in, so that clearing takes
+//! constant time.
 
-/// Least slots for each key: whether one is another key's is not to be foreseen, so few are to be.
-const SPARSE: usize = 4;
+/// Least slots a key: at a load of a quarter nearly every first probe hits, and the branch on it is predicted.
+const SLOTS_PER_KEY: usize = 4;
 
-/// A map from keys to 0, 1, 2, ... that empties in constant time and keeps its memory.
+/// Numbers any keys.
 #[derive(Debug, Default)]
 pub(crate) struct Interner {
     slots: Vec<Slot>,
@@ -37,7 +39,7 @@ impl Interner {
     /// The number of a key, and whether it is new.
     #[inline]
     pub fn number(&mut self, key: u64) -> (u32, bool) {
-        if SPARSE * self.len as usize >= self.slots.len() {
+        if SLOTS_PER_KEY * self.len as usize >= self.slots.len() {
             self.grow();
         }
         let at = self.find(key);
@@ -60,7 +62,7 @@ impl Interner {
         (slot.round == self.round).then_some(slot.number)
     }
 
-    /// The slot of a key, or the free one where it belongs.
+    /// The slot of a key, or the free one for it.
     #[inline]
     fn find(&self, key: u64) -> usize {
         let mask = self.slots.len() - 1;
@@ -83,17 +85,17 @@ impl Interner {
     }
 }
 
-/// As [`Interner`], of keys below a limit.
+/// Numbers keys below a limit: a slot each, without hashing.
 #[derive(Debug, Default)]
 pub(crate) struct BoundedInterner {
-    /// For each key the round of its number.
+    /// For each key its number and the round in which it was given.
     slots: Vec<(u32, u32)>,
     len: u32,
     round: u32,
 }
 
 impl BoundedInterner {
-    /// Forgets all keys.
+    /// Forgets all keys; from now on they are below `limit`.
     pub fn clear(&mut self, limit: usize) {
         if self.slots.len() < limit || self.round == u32::MAX {
             self.slots = vec![(0, 0); limit.max(self.slots.len())];
@@ -138,7 +140,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn small_keys_count_up_and_start_again_on_clear() {
+    fn bounded_keys_count_up_and_start_again_on_clear() {
         let mut numbered = BoundedInterner::default();
         for limit in [10, 5, 100] {
             numbered.clear(limit);

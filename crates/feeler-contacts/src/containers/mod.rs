@@ -1,4 +1,4 @@
-//! Lists, sets and maps that keep their memory.
+//! Sorting, sets and maps that keep their memory from query to query.
 
 pub(crate) mod bit_set;
 pub(crate) mod counting_sort;

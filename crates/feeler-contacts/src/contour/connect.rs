@@ -1,5 +1,6 @@
-//! Which cuts are of one zone, before the walk.
+//! Connected components of segments: the contours of one contact region, by union-find, before the flood fill joins more.
 
+use crate::constants::{CONTOUR_LEAN, MOST_SEGMENTS_COMPARED};
 use crate::context::QueryContext;
 use crate::contour::contact_region::ContactRegions;
 use crate::surface::Surface;
@@ -8,43 +9,41 @@ use feeler_core::geometry::vectors::{add, dot, scaled, sub};
 use feeler_core::mesh::topology::adjacency::Adjacency;
 use feeler_core::mesh::topology::disjoint_sets::DisjointSets;
 
-/// Most cuts of a face that are compared each with each.
-const FEW: usize = 16;
+/// Segments of a face from which on a binary search for a neighbour beats comparing all; at most 32, one bit each.
+const FEW_SEGMENTS_OF_FACE: usize = 16;
 
-/// The curve goes on in the neighbour of either triangle.
+/// Joins segments of one face whose triangles on the other surface are neighbours: there the contour crosses their common edge.
 pub(crate) fn connect_along_contour(context: &QueryContext<'_>, regions: &ContactRegions, sets: &mut DisjointSets) {
     let mut others: Vec<u32> = Vec::new();
     for surface in Surface::BOTH {
         for same in regions.by_face(surface).filter(|same| same.len() > 1) {
-            // In rising order.
+            // Ascending, as the pairs were.
             others.clear();
             others.extend(same.iter().map(|i| regions.face(surface.other(), *i).id));
             let Adjacency { neighbours, has_cracks, .. } = context.adjacency[surface.other()];
-            // Each two neighbours are met from both sides: once is enough, but across cracks.
+            // Neighbours name each other, so half of the comparisons suffice; across cracks they need not.
             for (i, id) in others.iter().enumerate().skip(usize::from(!has_cracks)) {
                 let (among, [a, b, c]) =
                     (&others[..if *has_cracks { others.len() } else { i }], neighbours[*id as usize]);
-                if among.len() < FEW {
-                    let is_beside = |n: u32| u32::from((n == a) | (n == b) | (n == c));
-                    let mut beside = among.iter().rev().fold(0, |set, n| set << 1 | is_beside(*n));
-                    while beside != 0 {
-                        sets.join(same[i], same[beside.trailing_zeros() as usize]);
-                        beside &= beside - 1;
+                if among.len() < FEW_SEGMENTS_OF_FACE {
+                    let is_neighbour = |n: u32| u32::from((n == a) | (n == b) | (n == c));
+                    let mut found = among.iter().rev().fold(0, |bits, n| bits << 1 | is_neighbour(*n));
+                    while found != 0 {
+                        sets.join(same[i], same[found.trailing_zeros() as usize]);
+                        found &= found - 1;
                     }
                 } else {
-                    let beside = [a, b, c].into_iter().filter_map(|n| among.binary_search(&n).ok());
-                    beside.for_each(|j| sets.join(same[i], same[j]));
+                    let found = [a, b, c].into_iter().filter_map(|n| among.binary_search(&n).ok());
+                    found.for_each(|j| sets.join(same[i], same[j]));
                 }
             }
         }
     }
 }
 
-/// Most cuts of a face that [`connect_across_faces`] compares with each other.
-const MOST_COMPARED: usize = 256;
-
-/// Two curves on one large triangle are of one zone where what lies between them is beyond the other surface: a finer mesh has
-/// triangles there, and the walk would find them.
+/// Joins two contours on one large triangle where what lies between them is inside the other surface: a finer mesh has triangles
+/// there, which the flood fill would find. Their nearest segments decide: the line from one to the other must lead behind the
+/// other surface's face at one of them.
 pub(crate) fn connect_across_faces(surface: Surface, regions: &ContactRegions, sets: &mut DisjointSets) {
     sets.flatten();
     for same in regions.by_face(surface) {
@@ -52,8 +51,9 @@ pub(crate) fn connect_across_faces(surface: Surface, regions: &ContactRegions, s
         if same.iter().all(|c| sets.of(*c) == first) {
             continue;
         }
-        let stride = same.len().div_ceil(MOST_COMPARED);
-        let spots: Vec<(u32, Point, Point)> = same
+        let stride = same.len().div_ceil(MOST_SEGMENTS_COMPARED);
+        // Segments, their middles, and the normals of the other surface.
+        let sample: Vec<(u32, Point, Point)> = same
             .iter()
             .step_by(stride)
             .map(|i| {
@@ -66,34 +66,33 @@ pub(crate) fn connect_across_faces(surface: Surface, regions: &ContactRegions, s
                 )
             })
             .collect();
-        let mut regions_here: Vec<u32> = spots.iter().map(|spot| sets.of(spot.0)).collect();
-        let of_spot = regions_here.clone();
-        regions_here.sort_unstable();
-        regions_here.dedup();
-        let region_of: Vec<usize> =
-            of_spot.iter().map(|root| regions_here.partition_point(|region| region < root)).collect();
-        // The nearest cuts of each two zones, in rows by the first of them.
-        let mut nearest: Vec<(f64, usize, usize)> =
-            vec![(f64::INFINITY, 0, 0); regions_here.len() * regions_here.len()];
-        for i in 0..spots.len() {
+        let roots: Vec<u32> = sample.iter().map(|segment| sets.of(segment.0)).collect();
+        let mut contours = roots.clone();
+        contours.sort_unstable();
+        contours.dedup();
+        let contour_of: Vec<usize> =
+            roots.iter().map(|root| contours.partition_point(|contour| contour < root)).collect();
+        // The nearest segments of each two contours: a matrix, of which the upper half is filled.
+        let mut nearest: Vec<(f64, usize, usize)> = vec![(f64::INFINITY, 0, 0); contours.len() * contours.len()];
+        for i in 0..sample.len() {
             for j in 0..i {
-                let (a, b) = (region_of[i], region_of[j]);
+                let (a, b) = (contour_of[i], contour_of[j]);
                 if a == b {
                     continue;
                 }
-                let way = sub(&spots[i].1, &spots[j].1);
-                let square = dot(&way, &way);
-                let nearest = &mut nearest[a.min(b) * regions_here.len() + a.max(b)];
+                let offset = sub(&sample[i].1, &sample[j].1);
+                let square = dot(&offset, &offset);
+                let nearest = &mut nearest[a.min(b) * contours.len() + a.max(b)];
                 if square < nearest.0 {
                     *nearest = (square, i, j);
                 }
             }
         }
         for (square, i, j) in nearest.into_iter().filter(|(square, ..)| *square < f64::INFINITY) {
-            let way = sub(&spots[j].1, &spots[i].1);
-            let behind = -0.1 * square.sqrt();
-            if dot(&way, &spots[i].2) < behind || -dot(&way, &spots[j].2) < behind {
-                sets.join(spots[i].0, spots[j].0);
+            let offset = sub(&sample[j].1, &sample[i].1);
+            let behind = -CONTOUR_LEAN * square.sqrt();
+            if dot(&offset, &sample[i].2) < behind || -dot(&offset, &sample[j].2) < behind {
+                sets.join(sample[i].0, sample[j].0);
             }
         }
     }

@@ -1,4 +1,5 @@
-//! Sorts the pairs that meet into contact regions: segments, contours, what they enclose.
+//! Makes contact regions of the pairs of triangles that meet: segments, contours by union-find, sides of vertices, and a flood fill
+//! of what the contours enclose.
 
 use feeler_core::constants::NONE;
 use feeler_core::constants::WELD_SHARE;
@@ -8,6 +9,7 @@ use feeler_core::mesh::topology::disjoint_sets::DisjointSets;
 use feeler_core::Point;
 use feeler_lanes::WIDE_LANES;
 
+use crate::constants::{CAME_THROUGH_SHARE, COPLANAR_COSINE, MOST_THIN_NEIGHBOURS, SIDEWAYS_MOTION_SHARE};
 use crate::containers::counting_sort::lay_out;
 use crate::context::QueryContext;
 use crate::contour::connect::{connect_across_faces, connect_along_contour};
@@ -18,7 +20,7 @@ use crate::contour::vertex_side::{classify_vertices, LineOffsets, NearestSegment
 use crate::surface::Surface;
 
 impl ContactRegions {
-    /// Finds the normals of the faces, and which cuts are flat.
+    /// Finds the normals of the faces, and which segments are flat.
     fn find_normals(&mut self, context: &QueryContext<'_>) {
         for surface in Surface::BOTH {
             for faces in self.faces[surface].chunks_mut(WIDE_LANES) {
@@ -29,27 +31,22 @@ impl ContactRegions {
                 }
                 while thin != 0 {
                     let face = &mut faces[thin.trailing_zeros() as usize];
-                    face.normal = normal_beside(context, surface, face.id, self.thin[surface]).unwrap_or(face.normal);
+                    face.normal =
+                        normal_of_neighbour(context, surface, face.id, self.thin[surface]).unwrap_or(face.normal);
                     thin &= thin - 1;
                 }
             }
         }
         for segment in &mut self.segments {
             let [p, q] = Surface::BOTH.map(|surface| &self.faces[surface][segment.faces[surface] as usize].normal);
-            segment.flat = dot(p, q).abs() > 1.0 - 1e-12;
+            segment.flat = dot(p, q).abs() > 1.0 - COPLANAR_COSINE;
         }
     }
 
-    /// Puts what belongs to each zone together, in its order: the cuts, by their sets, and what was walked over.
+    /// Sorts segments, by their sets, and enclosed triangles by region; those of one region stay in their order.
     fn sort_by_region(&mut self, sets: &mut DisjointSets, region_of_root: &mut Vec<u32>, filled: &[Filled; 2]) {
         let ContactRegions {
-            regions,
-            region_segments,
-            region_inside,
-            region_of_segment,
-            place_of_segment,
-            by_face,
-            ..
+            regions, region_segments, region_inside, region_of_segment, index_in_region, by_face, ..
         } = self;
         let count = sets.0.len();
         region_of_root.clear();
@@ -62,25 +59,25 @@ impl ContactRegions {
             }
             let end = &mut regions[*region as usize].segments.1;
             region_of_segment.push(*region);
-            place_of_segment.push(*end);
+            index_in_region.push(*end);
             *end += 1;
         }
         lay_out(regions.iter_mut().map(|region| &mut region.segments));
         region_segments.iter_mut().for_each(|segments| segments.resize(count, 0));
-        for (i, (region, place)) in (0..).zip(region_of_segment.iter().zip(place_of_segment.iter())) {
-            region_segments[Surface::Tool][(regions[*region as usize].segments.0 + place) as usize] = i;
+        for (i, (region, index)) in (0..).zip(region_of_segment.iter().zip(index_in_region.iter())) {
+            region_segments[Surface::Tool][(regions[*region as usize].segments.0 + index) as usize] = i;
         }
         for i in by_face[Surface::Mockup].iter() {
             let end = &mut regions[region_of_segment[*i as usize] as usize].segments.1;
             region_segments[Surface::Mockup][*end as usize] = *i;
             *end += 1;
         }
-        for (surface, Filled { found: filled, .. }) in filled.iter().enumerate() {
+        for (surface, Filled { triangles, .. }) in filled.iter().enumerate() {
             let region_of = |segment: u32| region_of_segment[segment as usize] as usize;
-            filled.iter().for_each(|(_, segment)| regions[region_of(*segment)].inside[surface].1 += 1);
+            triangles.iter().for_each(|(_, segment)| regions[region_of(*segment)].inside[surface].1 += 1);
             lay_out(regions.iter_mut().map(|region| &mut region.inside[surface]));
-            region_inside[surface].resize(filled.len(), [0; 2]);
-            for (triangle, segment) in filled {
+            region_inside[surface].resize(triangles.len(), [0; 2]);
+            for (triangle, segment) in triangles {
                 let end = &mut regions[region_of(*segment)].inside[surface].1;
                 region_inside[surface][*end as usize] = [*triangle, *segment];
                 *end += 1;
@@ -94,33 +91,33 @@ impl ContactRegions {
 pub(crate) struct RegionScratch {
     filled: [Filled; 2],
     region_of_root: Vec<u32>,
-    stands: Vec<LineOffsets>,
-    judged: Vec<NearestSegments>,
+    offsets: Vec<LineOffsets>,
+    nearest: Vec<NearestSegments>,
     regions: ContactRegions,
 }
 
-/// Sorts the pairs of one part (sorted by tool triangle, then mock-up triangle) into zones, the tool on the side that the surfaces
-/// say or a `way` does.
+/// The contact regions of one part's pairs (sorted by tool triangle, then mock-up triangle). The surfaces tell the side that the
+/// tool is on, or `assumed_axis` does: see [`ContactRegions::assumed_axis`].
 pub(crate) fn find<'a>(
     context: &QueryContext<'_>,
     pairs: &[[u32; 2]],
-    way: Option<Point>,
+    assumed_axis: Option<Point>,
     scratch: &'a mut RegionScratch,
 ) -> &'a ContactRegions {
-    let RegionScratch { filled, region_of_root, stands, judged, regions } = scratch;
+    let RegionScratch { filled, region_of_root, offsets, nearest, regions } = scratch;
     regions.clear();
-    let mut places = std::mem::take(&mut regions.places);
-    places.clear(context);
-    regions.way = way;
+    let mut face_numbers = std::mem::take(&mut regions.face_numbers);
+    face_numbers.clear(context);
+    regions.assumed_axis = assumed_axis;
     let part = pairs.first().map_or(0, |p| context.mockup.part_of_face(p[1]));
     for pair in pairs {
         let faces = Surface::BOTH.map(|surface| {
-            let (place, is_new) = places.number(surface, pair[surface]);
+            let (number, is_new) = face_numbers.number(surface, pair[surface]);
             if is_new {
                 let closed = context.adjacency[surface].outward[pair[surface] as usize] != 0;
                 regions.faces[surface].push(Face::new(pair[surface], context.triangle(surface, pair[surface]), closed));
             }
-            place
+            number
         });
         regions.segments.push(Segment { faces, points: (0, 0), flat: false });
     }
@@ -132,24 +129,22 @@ pub(crate) fn find<'a>(
     regions.sort_by_face();
     connect_along_contour(context, regions, &mut sets);
     orient(context, regions);
-    classify_vertices(context, part, regions, stands, judged);
+    classify_vertices(context, part, regions, offsets, nearest);
     for surface in Surface::BOTH {
         connect_across_faces(surface, regions, &mut sets);
     }
     for surface in Surface::BOTH {
-        flood_fill(context, surface, part, regions, &mut places, &mut sets, &mut filled[surface]);
+        flood_fill(context, surface, part, regions, &mut face_numbers, &mut sets, &mut filled[surface]);
     }
-    regions.places = places;
+    regions.face_numbers = face_numbers;
     regions.complete = filled.iter().all(|filled| filled.complete);
     regions.sort_by_region(&mut sets, region_of_root, filled);
     regions
 }
 
-/// Most triangles among which [`normal_beside`] looks for one that is not thin.
-const MOST_BESIDE: usize = 16;
-
-/// The normal of the nearest triangle over long edges that is not thin: what a thin one is a part of.
-fn normal_beside(context: &QueryContext<'_>, surface: Surface, id: u32, thin: f64) -> Option<Point> {
+/// The normal of the first neighbour that is not thin, breadth-first over long edges first: a thin triangle lies in the surface of
+/// that, while its own normal is noise.
+fn normal_of_neighbour(context: &QueryContext<'_>, surface: Surface, id: u32, thin: f64) -> Option<Point> {
     let mut seen = vec![id];
     let mut next = 0;
     while next < seen.len() {
@@ -159,11 +154,11 @@ fn normal_beside(context: &QueryContext<'_>, surface: Surface, id: u32, thin: f6
             [0, 1, 2].map(|k| (dot(&edge(k), &edge(k)), context.adjacency[surface].neighbours[seen[next] as usize][k]));
         sides.sort_by(|p, q| q.0.total_cmp(&p.0));
         for (_, n) in sides.into_iter().filter(|(_, n)| *n != NONE) {
-            let beside = context.triangle(surface, n);
-            if !is_thin(&beside, thin) {
-                return normal(&beside).map(|normal| scaled(&normal, context.sense(surface, n)));
+            let neighbour = context.triangle(surface, n);
+            if !is_thin(&neighbour, thin) {
+                return normal(&neighbour).map(|normal| scaled(&normal, context.sense(surface, n)));
             }
-            if !seen.contains(&n) && seen.len() < MOST_BESIDE {
+            if !seen.contains(&n) && seen.len() < MOST_THIN_NEIGHBOURS {
                 seen.push(n);
             }
         }
@@ -172,22 +167,21 @@ fn normal_beside(context: &QueryContext<'_>, surface: Surface, id: u32, thin: f6
     None
 }
 
-/// Turns the normals of open surfaces to the side that counts as outside, and those of thin closed ones that the tool went
-/// right through since the reference.
+/// Turns the normals of open surfaces to the side that counts as outside, and those of closed ones thin enough for the tool to have
+/// come through since the reference.
 fn orient(context: &QueryContext<'_>, regions: &mut ContactRegions) {
-    // How far each face's part of the curve has come from where the tool was free, along its normal.
+    // For each face, summed over its segments: the displacement back to the reference along the normal, and its length.
     let mut back: [Vec<(f64, f64)>; 2] = Default::default();
     if context.reference.is_some() {
         back = Surface::BOTH.map(|surface| vec![(0.0, 0.0); regions.faces[surface].len()]);
         for segment in &regions.segments {
-            let middle = regions.points[segment.points.0 as usize];
-            let Some(way) = context.way_back(&middle) else { continue };
+            let Some(displacement) = context.way_back(&regions.points[segment.points.0 as usize]) else { continue };
             for surface in Surface::BOTH {
                 let (sum, length) = &mut back[surface][segment.faces[surface] as usize];
-                // Seen from the tool it is the mock-up that came.
+                // Relative to the tool the mock-up moves the other way.
                 let sense = if surface == Surface::Mockup { 1.0 } else { -1.0 };
-                *sum += sense * dot(&way, &regions.faces[surface][segment.faces[surface] as usize].normal);
-                *length += dot(&way, &way).sqrt();
+                *sum += sense * dot(&displacement, &regions.faces[surface][segment.faces[surface] as usize].normal);
+                *length += dot(&displacement, &displacement).sqrt();
             }
         }
     }
@@ -195,12 +189,12 @@ fn orient(context: &QueryContext<'_>, regions: &mut ContactRegions) {
         for (i, face) in regions.faces[surface].iter_mut().enumerate() {
             let (sum, length) = back[surface].get(i).copied().unwrap_or_default();
             let flip = if face.closed {
-                // It came out of the solid, and yet was free before: it went in on the other side.
-                surface == Surface::Mockup && sum < -0.5 * length
-            } else if sum.abs() > 1e-3 * length {
+                // The tool was free at the reference, yet comes from inside the solid: it went in on the other side.
+                surface == Surface::Mockup && sum < -CAME_THROUGH_SHARE * length
+            } else if sum.abs() > SIDEWAYS_MOTION_SHARE * length {
                 sum < 0.0
             } else {
-                // The mock-up's surface faces the tool's bulk, and the tool's faces away from it.
+                // The mock-up's surface faces the tool's centre of area, and the tool's faces away from it.
                 let towards = sub(&context.centre, &face.corners[0]);
                 (dot(&towards, &face.normal) < 0.0) == (surface == Surface::Mockup)
             };
@@ -221,8 +215,8 @@ mod tests {
     use feeler_shapes::{box_mesh, ridge};
 
     #[test]
-    fn a_walk_on_the_wrong_side_of_the_curve_is_dropped() {
-        // A block between the legs of a frame and a little in one of them: all of it is in the frame's box.
+    fn a_fill_on_the_wrong_side_of_the_contour_is_dropped() {
+        // A block between the legs of a frame, a little into one of them: all of it is in the frame's box, so no fill leaks.
         let line = [[-0.03, 0.0], [-0.02, 0.0], [-0.02 + 1e-9, 0.03], [0.02 - 1e-9, 0.03], [0.02, 0.0], [0.03, 0.0]];
         let block = scene(box_mesh([0.0, 0.0, 0.015], [0.01, 0.012, 0.014], 6));
         let frame = tool(ridge(&line, 0.04, 0.02, 3, 5));
@@ -234,19 +228,19 @@ mod tests {
         let regions = &mut scratch.regions;
         let found = |regions: &ContactRegions| {
             let mut sets = DisjointSets((0..regions.segments.len() as u32).collect());
-            let mut places = FaceNumbers::default();
-            places.clear(&context);
-            regions.faces[Surface::Mockup].iter().for_each(|face| _ = places.number(Surface::Mockup, face.id));
+            let mut numbers = FaceNumbers::default();
+            numbers.clear(&context);
+            regions.faces[Surface::Mockup].iter().for_each(|face| _ = numbers.number(Surface::Mockup, face.id));
             let mut filled = Filled::default();
-            flood_fill(&context, Surface::Mockup, 0, regions, &mut places, &mut sets, &mut filled);
-            let mut ids: Vec<u32> = filled.found.iter().map(|f| f.0).collect();
+            flood_fill(&context, Surface::Mockup, 0, regions, &mut numbers, &mut sets, &mut filled);
+            let mut ids: Vec<u32> = filled.triangles.iter().map(|f| f.0).collect();
             ids.sort_unstable();
             ids
         };
         let right = found(regions);
         assert!(!right.is_empty() && right.len() < 100, "{}", right.len());
         for i in 0..regions.faces[Surface::Mockup].len() {
-            // NearestSegments wrongly, as corners at an edge that is grazed may be.
+            // Wrong sides, as vertices at a grazed edge may have.
             let before = std::mem::replace(&mut regions.faces[Surface::Mockup][i].side, [Side::Inside; 3]);
             assert_eq!(found(regions), right, "{i}");
             regions.faces[Surface::Mockup][i].side = before;

@@ -1,7 +1,8 @@
-//! The walk over what a curve encloses.
+//! Breadth-first flood fill, over shared edges, of the triangles that contours enclose.
 
+use crate::constants::MOST_FILLED;
 use crate::context::QueryContext;
-use crate::contour::contact_region::{ContactRegions, FaceNumbers};
+use crate::contour::contact_region::{ContactRegions, FaceNumbers, Segment};
 use crate::surface::{Side, Surface};
 use feeler_core::constants::NONE;
 use feeler_core::geometry::vectors::{dot, sub};
@@ -9,31 +10,29 @@ use feeler_core::mesh::topology::adjacency::Adjacency;
 use feeler_core::mesh::topology::disjoint_sets::DisjointSets;
 use feeler_lanes::prefetch_at;
 
-/// Most triangles that are walked over beyond the curve, of each surface and in one part. What lies further counts for depth
-/// only by its nearer part; a result that stopped here is not called exact.
-const MOST_WALKED: usize = 1 << 16;
+/// How many triangles ahead in the queue the corners of the neighbours are prefetched.
+const FILL_PREFETCH: usize = 4;
 
-/// Triangles found before whose neighbours' corners are asked for.
-const AHEAD: usize = 4;
-
-/// What was found on walks over one surface. Kept as working memory.
+/// What fills of one surface found, and their working memory. A fill is known by the segment that it started from.
 #[derive(Debug, Default)]
 pub(crate) struct Filled {
-    /// The uncut triangles of the surface beyond the other, each with a cut of its zone, whose plane it was held against.
-    pub found: Vec<(u32, u32)>,
+    /// The enclosed triangles, each with the segment of its fill.
+    pub triangles: Vec<(u32, u32)>,
     /// Whether these are all.
     pub complete: bool,
-    /// Walks that met, walks that came to another curve, and walks that leak, all by their cuts.
+    /// Fills that met each other.
     met: Vec<(u32, u32)>,
+    /// Fills that came to a contour, and the segment there.
     bridged: Vec<(u32, u32)>,
+    /// Fills that came out of the other solid's box.
     leaks: Vec<u32>,
-    /// On which side the walks came to the curve, by their cuts.
+    /// Fills that came to a contour, and the sign of the side that they came from.
     votes: Vec<(u32, i32)>,
 }
 
 impl Filled {
     fn clear(&mut self) {
-        self.found.clear();
+        self.triangles.clear();
         self.met.clear();
         self.bridged.clear();
         self.leaks.clear();
@@ -41,74 +40,75 @@ impl Filled {
     }
 }
 
-/// From where a walk comes to a triangle.
+/// From where a fill comes to a triangle.
 #[derive(Clone, Copy)]
 struct Step {
     triangle: u32,
     is_on_contour: bool,
-    /// Whether the edge between the two is, both its ends.
+    /// Whether both ends of the edge between the two are inside.
     is_inside: bool,
 }
 
-/// Finds the uncut triangles of one surface beyond the other over shared edges.
+/// Finds the triangles of one surface that the contours enclose and that meet nothing themselves, and joins the segments of fills
+/// that meet or come to another contour.
 ///
-/// What lies inside a solid lies inside its box. A walk that comes out of there went through a gap in the curve, or started on
-/// the wrong side of it: what it found is dropped, and it joins nothing. So is what a walk found that comes to the curve from
-/// outside more often than from inside, by what the cuts say about the corners there: it is all on one side.
+/// A fill leaks through a gap in the contour, or starts on the wrong side of it. Two tests find that: what is inside a solid is
+/// inside its box, so a fill that comes out of the box leaks; and a fill is all on one side, so one that comes to contours from
+/// outside more often than from inside, by the sides of the vertices there, is outside. Such fills are dropped and join nothing.
 ///
-/// What was walked over has its places after those of the faces.
+/// Enclosed triangles are numbered after the faces.
 pub(crate) fn flood_fill(
     context: &QueryContext<'_>,
     surface: Surface,
     part: u32,
     regions: &ContactRegions,
-    places: &mut FaceNumbers,
+    face_numbers: &mut FaceNumbers,
     sets: &mut DisjointSets,
     out: &mut Filled,
 ) {
     out.clear();
-    let Filled { found, complete, met, bridged, leaks, votes } = out;
+    let Filled { triangles, complete, met, bridged, leaks, votes } = out;
     let adjacency: &Adjacency = context.adjacency[surface];
     let enclosure = context.enclosure(surface.other(), part);
     let first = regions.faces[surface].len();
     let mut is_refused = false;
-    let mut reach = |triangle: u32, from: Step, segment: u32, found: &mut Vec<(u32, u32)>| {
-        if triangle == NONE || found.len() >= MOST_WALKED {
+    let mut reach = |triangle: u32, from: Step, segment: u32, triangles: &mut Vec<(u32, u32)>| {
+        if triangle == NONE || triangles.len() >= MOST_FILLED {
             return;
         }
-        let known = places.get(surface, triangle).map(|place| place as usize);
-        if let Some(before) = known.and_then(|place| place.checked_sub(first)) {
-            // Mostly the walk that it is of.
-            let other = found[before].1;
+        let number = face_numbers.get(surface, triangle).map(|number| number as usize);
+        if let Some(before) = number.and_then(|number| number.checked_sub(first)) {
+            // Mostly of the same fill.
+            let other = triangles[before].1;
             if other != segment {
                 met.push((segment, other));
             }
             return;
         }
-        if let Some(place) = known {
-            let face = &regions.faces[surface][place];
-            // The ends of the edge over which it came.
+        if let Some(number) = number {
+            let face = &regions.faces[surface][number];
+            // The ends of the edge over which the fill came.
             let edge = adjacency.neighbours[triangle as usize].map(|n| n == from.triangle);
             let mut shared = (0..3).filter(|k| face.nearest[*k] != NONE && (edge[*k] || edge[(k + 2) % 3]));
             if !from.is_on_contour {
-                // Another curve: what was walked over lies between the two.
+                // The fill lies between two contours, or two parts of one.
                 bridged.extend(shared.clone().next().map(|k| (segment, face.nearest[k])));
-                let c = &regions.segments[segment as usize];
-                if regions.side_of(surface.other(), c.faces[surface.other()]).1 {
+                let other_face = regions.segments[segment as usize].faces[surface.other()];
+                if regions.outward(surface.other(), other_face).1 {
                     let side: i32 = shared.map(|k| face.side[k].sign()).sum();
                     votes.push((segment, side.signum()));
                 }
             } else if from.is_inside && shared.clone().all(|k| face.side[k] == Side::Inside) {
-                // Between the two is nothing but their edge.
+                // Two faces with an inside edge between them, and no triangle.
                 bridged.extend(shared.next().map(|k| (segment, face.nearest[k])));
             }
             return;
         }
-        let c = &regions.segments[segment as usize];
-        let ((normal, closed), at) =
-            (regions.side_of(surface.other(), c.faces[surface.other()]), &regions.points[c.points.0 as usize]);
+        let Segment { faces, points, .. } = &regions.segments[segment as usize];
+        let (normal, closed) = regions.outward(surface.other(), faces[surface.other()]);
+        let at = &regions.points[points.0 as usize];
         let t = context.triangle(surface, triangle);
-        // An open surface ends somewhere, and round its border the walk would come to the free side.
+        // An open surface has no inside: its plane at the segment keeps the fill from going around its border to the free side.
         if !closed && t.iter().any(|p| dot(&sub(p, at), &normal) > 0.0) {
             return;
         }
@@ -122,8 +122,8 @@ pub(crate) fn flood_fill(
             return;
         }
         adjacency.prefetch(triangle);
-        places.number(surface, triangle);
-        found.push((triangle, segment));
+        face_numbers.number(surface, triangle);
+        triangles.push((triangle, segment));
     };
     for face in &regions.faces[surface] {
         for k in 0..3 {
@@ -133,23 +133,23 @@ pub(crate) fn flood_fill(
                 let segment = face.nearest[if a == Side::Inside { k } else { l }];
                 let from =
                     Step { triangle: face.id, is_on_contour: true, is_inside: a == Side::Inside && b == Side::Inside };
-                reach(adjacency.neighbours[face.id as usize][k], from, segment, found);
+                reach(adjacency.neighbours[face.id as usize][k], from, segment, triangles);
             }
         }
     }
-    let faces = if surface == Surface::Mockup { context.mockup.mesh().faces() } else { context.tool.mesh().faces() };
+    let corners = if surface == Surface::Mockup { context.mockup.mesh().faces() } else { context.tool.mesh().faces() };
     let mut next = 0;
-    while next < found.len() {
-        let (triangle, segment) = found[next];
+    while next < triangles.len() {
+        let (triangle, segment) = triangles[next];
         next += 1;
-        if let Some((later, _)) = found.get(next + AHEAD) {
-            adjacency.neighbours[*later as usize].iter().for_each(|n| prefetch_at(faces, *n as usize));
+        if let Some((later, _)) = triangles.get(next + FILL_PREFETCH) {
+            adjacency.neighbours[*later as usize].iter().for_each(|n| prefetch_at(corners, *n as usize));
         }
         for n in adjacency.neighbours[triangle as usize] {
-            reach(n, Step { triangle, is_on_contour: false, is_inside: true }, segment, found);
+            reach(n, Step { triangle, is_on_contour: false, is_inside: true }, segment, triangles);
         }
     }
-    *complete = found.len() < MOST_WALKED && !is_refused;
+    *complete = triangles.len() < MOST_FILLED && !is_refused;
     if !leaks.is_empty() || votes.iter().any(|v| v.1 > 0) {
         let mut fills = DisjointSets((0..regions.segments.len() as u32).collect());
         met.iter().for_each(|(a, b)| fills.join(*a, *b));
@@ -158,7 +158,7 @@ pub(crate) fn flood_fill(
         votes.iter().for_each(|(segment, side)| outside[fills.of(*segment) as usize] += i64::from(*side));
         leaks.iter().for_each(|segment| outside[fills.of(*segment) as usize] = i64::MAX);
         let mut stays = |segment: u32| outside[fills.of(segment) as usize] <= 0;
-        found.retain(|f| stays(f.1));
+        triangles.retain(|t| stays(t.1));
         met.retain(|m| stays(m.0));
         bridged.retain(|b| stays(b.0));
     }

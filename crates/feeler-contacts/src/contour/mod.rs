@@ -1,4 +1,5 @@
-//! Contours: where the tool cuts a part, on which side of each other's surface corners are, and what the contours enclose.
+//! Intersection contours: the segments along which tool and part meet, the side of the other surface that vertices are on, and
+//! the triangles that contours enclose.
 
 mod connect;
 pub(crate) mod contact_region;

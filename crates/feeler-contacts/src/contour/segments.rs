@@ -1,20 +1,21 @@
-//! Where two triangles that meet do so: the segment, point or polygon that they share, in float64.
+//! What two triangles that meet share, in float64: the intersection of their intervals on the common line of their planes (Moller:
+//! *A fast triangle-triangle intersection test*, 1997), or of triangles in one plane the polygon of Sutherland and Hodgman
+//! (*Reentrant polygon clipping*, 1974). The pair is known to meet, by exact arithmetic; where rounding leaves the intervals apart, they
+//! touch in the middle.
 
+use crate::constants::PARALLEL_SINE;
 use crate::contour::contact_region::{Face, Segment};
 use crate::surface::Surface;
 use feeler_core::geometry::bounds::{Point, Triangle};
 use feeler_core::geometry::vectors::{along, cross, dot, sub};
 use feeler_lanes::{Arithmetic, Checked, Kernel, Simd, WIDE_LANES};
 
-/// Planes within this angle (radians) count as one: the line they share says nothing any more.
-const COPLANAR: f64 = 1e-9;
-
-/// Finds the points of all cuts, eight cuts at once.
+/// Finds the points of all segments, eight at once.
 pub(crate) fn find_points(lanes: Checked, faces: &[Vec<Face>; 2], segments: &mut [Segment], points: &mut Vec<Point>) {
     for eight in segments.chunks_mut(WIDE_LANES) {
         let face = |surface: Surface, i: usize| &faces[surface][eight[i.min(eight.len() - 1)].faces[surface] as usize];
         let both = Surface::BOTH.map(|surface| std::array::from_fn(|i| face(surface, i)));
-        let found = lanes.run(Crossing { faces: &both });
+        let found = lanes.run(Intersect { faces: &both });
         for (i, segment) in eight.iter_mut().enumerate() {
             let from = points.len() as u32;
             if found.doubt >> i & 1 != 0 {
@@ -28,36 +29,36 @@ pub(crate) fn find_points(lanes: Checked, faces: &[Vec<Face>; 2], segments: &mut
     }
 }
 
-/// Triangles that cross, eight pairs.
-struct Crossing<'a> {
+/// Intersects eight pairs of triangles.
+struct Intersect<'a> {
     faces: &'a [[&'a Face; WIDE_LANES]; 2],
 }
 
-/// The ends of what they share, by axis and lane.
-struct Crossed {
+/// Intersections of eight pairs of triangles.
+struct Intersections {
+    /// The two ends, by axis and lane.
     ends: [[[f64; WIDE_LANES]; 3]; 2],
-    /// Pairs that lie in one plane or have a corner in the plane of the other: [`push_shared`] does them.
+    /// Pairs in one plane, with a corner in the plane of the other, or apart by rounding: [`push_shared`] does them.
     doubt: u8,
 }
 
-impl Kernel for Crossing<'_> {
-    type Output = Crossed;
+impl Kernel for Intersect<'_> {
+    type Output = Intersections;
 
-    /// The same steps as in [`push_shared`], so the same points.
+    /// The same steps in the same order as [`push_shared`], so the same points.
     #[inline(always)]
-    fn run<S: Simd>(self, s: S) -> Crossed {
+    fn run<S: Simd>(self, s: S) -> Intersections {
         let [tool, mockup] = self.faces;
         let (p, n) = points_of(s, tool);
         let (q, m) = points_of(s, mockup);
         let line = [n[1] * m[2] - n[2] * m[1], n[2] * m[0] - n[0] * m[2], n[0] * m[1] - n[1] * m[0]];
-        let (a, b, is_first) = crossings(s, &p, &q[0], &m, &line);
-        let (c, d, is_second) = crossings(s, &q, &p[0], &n, &line);
-        // The later of the two beginnings, the earlier of the two ends.
+        let (a, b, is_first) = interval_lanes(s, &p, &q[0], &m, &line);
+        let (c, d, is_second) = interval_lanes(s, &q, &p[0], &n, &line);
         let from = chosen(s, s.wide_above(c.0, a.0), &c, &a);
         let to = chosen(s, s.wide_above(b.0, d.0), &d, &b);
-        let is_turned = s.wide_above(dot3::<S>(&line, &line), s.wide_splat(COPLANAR * COPLANAR));
+        let is_turned = s.wide_above(dot3::<S>(&line, &line), s.wide_splat(PARALLEL_SINE * PARALLEL_SINE));
         let fits = s.bits(s.both(s.both(is_first, is_second), is_turned)) & !s.bits(s.wide_above(from.0, to.0));
-        let mut found = Crossed { ends: [[[0.0; WIDE_LANES]; 3]; 2], doubt: !fits };
+        let mut found = Intersections { ends: [[[0.0; WIDE_LANES]; 3]; 2], doubt: !fits };
         for k in 0..3 {
             s.wide_store(from.1[k], &mut found.ends[0][k]);
             s.wide_store(to.1[k], &mut found.ends[1][k]);
@@ -66,10 +67,10 @@ impl Kernel for Crossing<'_> {
     }
 }
 
-/// By lane how far along the line that two planes share a point is, and the point.
+/// A point on the common line of two planes, by lane: its coordinate along the line, and the point.
 type Along<S> = (<S as Arithmetic>::F64, [<S as Arithmetic>::F64; 3]);
 
-/// Corners and normals by axis.
+/// Corners and normals of eight faces, by axis.
 #[inline(always)]
 fn points_of<S: Simd>(s: S, faces: &[&Face; WIDE_LANES]) -> ([[S::F64; 3]; 3], [S::F64; 3]) {
     let mut points = [[&faces[0].normal; WIDE_LANES]; 4];
@@ -82,9 +83,9 @@ fn points_of<S: Simd>(s: S, faces: &[&Face; WIDE_LANES]) -> ([[S::F64; 3]; 3], [
     ([s.wide_points(points[0]), s.wide_points(points[1]), s.wide_points(points[2])], s.wide_points(points[3]))
 }
 
-/// As [`ends`]: first and last along the line, and where one corner is clearly alone on its side of the plane.
+/// As [`interval`], and the lanes in which no corner lies in the plane and an edge passes through it.
 #[inline(always)]
-fn crossings<S: Simd>(
+fn interval_lanes<S: Simd>(
     s: S,
     t: &[[S::F64; 3]; 3],
     other: &[S::F64; 3],
@@ -99,17 +100,17 @@ fn crossings<S: Simd>(
     let below = [s.wide_above(zero, height[0]), s.wide_above(zero, height[1]), s.wide_above(zero, height[2])];
     let mut first = (s.wide_splat(f64::INFINITY), t[0]);
     let mut last = (s.wide_splat(f64::NEG_INFINITY), t[0]);
-    let (mut is_clear, mut is_on_contour) = (s.wide_above(s.wide_splat(1.0), zero), s.wide_above(zero, zero));
+    let (mut is_clear, mut is_crossing) = (s.wide_above(s.wide_splat(1.0), zero), s.wide_above(zero, zero));
     for i in 0..3 {
         let j = (i + 1) % 3;
         is_clear = s.both(is_clear, s.either(below[i], s.wide_above(height[i], zero)));
         let is_here = s.differing(below[i], below[j]);
-        is_on_contour = s.either(is_on_contour, is_here);
-        // The end that comes first by its coordinates.
+        is_crossing = s.either(is_crossing, is_here);
+        // From the lower end, by coordinates: see `interval`.
         let mut swap = s.wide_above(t[i][2], t[j][2]);
         for k in [1, 0] {
             let (over, under) = (s.wide_above(t[i][k], t[j][k]), s.wide_above(t[j][k], t[i][k]));
-            // Over, or as it was where neither is.
+            // Of equal coordinates the later ones decide.
             swap = s.either(over, s.differing(swap, s.both(swap, under)));
         }
         let (a, b) = (
@@ -125,7 +126,7 @@ fn crossings<S: Simd>(
         first = chosen(s, s.both(is_here, s.wide_above(first.0, at.0)), &at, &first);
         last = chosen(s, s.both(is_here, s.wide_above(at.0, last.0)), &at, &last);
     }
-    (first, last, s.both(is_clear, is_on_contour))
+    (first, last, s.both(is_clear, is_crossing))
 }
 
 #[inline(always)]
@@ -139,12 +140,12 @@ fn dot3<S: Simd>(a: &[S::F64; 3], b: &[S::F64; 3]) -> S::F64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// Appends the ends of what `p` and `q` share to `out`: two points for a segment, which may coincide, or the corners of a
-/// polygon for triangles in one plane. `n` and `m` are their unit normals. The pair is known to meet.
+/// Appends to `out` what `p` and `q`, which are known to meet, share: the two ends of a segment, which may coincide, or the corners of
+/// a polygon where they lie in one plane. `n` and `m` are their unit normals. The plain twin of [`find_points`].
 pub(crate) fn push_shared(p: &Triangle, n: &Point, q: &Triangle, m: &Point, out: &mut Vec<Point>) {
     let line = cross(n, m);
     let start = out.len();
-    if dot(&line, &line) <= COPLANAR * COPLANAR {
+    if dot(&line, &line) <= PARALLEL_SINE * PARALLEL_SINE {
         clip(p, q, m, out);
         if out.len() == start {
             let middle = |t: &Triangle| std::array::from_fn(|a| (t[0][a] + t[1][a] + t[2][a]) / 3.0);
@@ -155,24 +156,24 @@ pub(crate) fn push_shared(p: &Triangle, n: &Point, q: &Triangle, m: &Point, out:
         }
         return;
     }
-    let (first, second) = (ends(p, &q[0], m, &line), ends(q, &p[0], n, &line));
-    // The later of the two beginnings, the earlier of the two ends.
+    let (first, second) = (interval(p, &q[0], m, &line), interval(q, &p[0], n, &line));
     let from = if first[0].0 >= second[0].0 { first[0] } else { second[0] };
     let to = if first[1].0 <= second[1].0 { first[1] } else { second[1] };
     if from.0 <= to.0 {
         out.extend([from.1, to.1]);
     } else {
-        // Rounding: they touch in a point.
+        // Apart by rounding only: they touch in a point.
         let middle: Point = std::array::from_fn(|a| 0.5 * from.1[a] + 0.5 * to.1[a]);
         out.extend([middle, middle]);
     }
 }
 
-/// Where the border of `t` passes through the plane with normal `m` through `other`: first and last along `direction`.
-fn ends(t: &Triangle, other: &Point, m: &Point, direction: &Point) -> [(f64, Point); 2] {
+/// The interval of `t` on its line of intersection with the plane through `other` with normal `m`: the first and the last point
+/// along `direction`, each with its coordinate.
+fn interval(t: &Triangle, other: &Point, m: &Point, direction: &Point) -> [(f64, Point); 2] {
     let height = t.map(|p| dot(&sub(&p, other), m));
     let mut found = [(f64::INFINITY, t[0]), (f64::NEG_INFINITY, t[0])];
-    let take = |found: &mut [(f64, Point); 2], p: Point| {
+    let extend = |found: &mut [(f64, Point); 2], p: Point| {
         let s = dot(&p, direction);
         if s < found[0].0 {
             found[0] = (s, p);
@@ -184,24 +185,25 @@ fn ends(t: &Triangle, other: &Point, m: &Point, direction: &Point) -> [(f64, Poi
     for i in 0..3 {
         let j = (i + 1) % 3;
         if height[i] == 0.0 {
-            take(&mut found, t[i]);
+            extend(&mut found, t[i]);
         }
         if (height[i] < 0.0) != (height[j] < 0.0) && height[i] != height[j] {
-            // From the same end whichever triangle the edge is seen from, so that both have the same point.
+            // From the lower end, by coordinates: the two triangles of an edge then have the same point to the last bit.
             let (i, j) = if t[i] < t[j] { (i, j) } else { (j, i) };
             let share = height[i] / (height[i] - height[j]);
-            take(&mut found, along(&t[i], share, &sub(&t[j], &t[i])));
+            extend(&mut found, along(&t[i], share, &sub(&t[j], &t[i])));
         }
     }
     if found[0].0 > found[1].0 {
-        // Rounding took the plane off the triangle: the corner nearest to it.
+        // Apart by rounding only: the corner nearest to the plane.
         let nearest = (0..3).min_by(|a, b| height[*a].abs().total_cmp(&height[*b].abs())).unwrap_or(0);
-        take(&mut found, t[nearest]);
+        extend(&mut found, t[nearest]);
     }
     found
 }
 
-/// The part of `p` within `q`, both in one plane with normal `m` by the winding of `q`.
+/// Appends the polygon that two triangles of one plane share: `p` clipped by the edges of `q`, whose normal by its winding is `m`
+/// (Sutherland-Hodgman).
 fn clip(p: &Triangle, q: &Triangle, m: &Point, out: &mut Vec<Point>) {
     let mut polygon = [[0.0; 3]; 9];
     polygon[..3].copy_from_slice(p);
@@ -258,7 +260,7 @@ mod tests {
 
     #[test]
     fn eight_at_once_share_the_points_that_each_pair_does() {
-        // Small whole numbers: many corners in planes, triangles in one plane and edges across each other.
+        // Small integers: many corners in planes, triangles in one plane and edges that cross.
         let mut state = 1u64;
         let mut coordinate = |odd: f64| {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);

@@ -1,35 +1,23 @@
-//! On which side of the other surface a corner is where edges meet edges: where a cut is a point, or in line with the corner, or
-//! two cuts tell as much.
+//! Sides of vertices in degenerate cases, where edges meet edges: a segment has no length or is in line with the corner, or two segments
+//! are equally near and equally steep.
 
+use crate::constants::{EQUAL_SHARE, ON_PLANE_SHARE, PROBE_SHARE, SAME_FOOT_SHARE};
 use crate::contour::contact_region::ContactRegions;
 use crate::surface::Surface;
 use feeler_core::geometry::bounds::{Point, Triangle};
 use feeler_core::geometry::distance_triangle_triangle::closest_triangle_triangle;
 use feeler_core::geometry::vectors::{along, cross, dot, length, sub};
 
-/// Share of its distance from a cut up to which a corner is on the plane of the other face, or in line with the cut; and a cut's
-/// length that says nothing.
-pub(crate) const ON: f64 = 1e-9;
-
-/// Share of a corner's distance from a cut up to which two distances, and two angles, are one.
-pub(crate) const LEVEL: f64 = 1e-9;
-
-/// Share of a corner's distance up to which two of its nearest points are one.
-const HERE: f64 = 1e-6;
-
-/// Share of the shortest edge by which a spot is off the point that is touched.
-const BESIDE: f64 = 1e-3;
-
-/// What a cut says about a corner.
+/// What a segment tells about the side of a corner.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SideEvidence {
     pub segment: u32,
-    /// Where the cut is nearest to the corner, and the square of the distance.
+    /// The point of the segment nearest to the corner, and the square of the distance.
     foot: Point,
     square: f64,
-    /// How steeply the corner stands off the cut's line in the plane of its face; 0 where that has no side.
+    /// Square of the sine between the segment's line and the way from the foot to the corner; 0 where the corner is in line with it.
     steepness: f64,
-    /// How high it is over the plane of the other face.
+    /// Height of the corner over the plane of the other face.
     pub height: f64,
 }
 
@@ -41,40 +29,41 @@ impl SideEvidence {
         let share = if lengths > 0.0 { (dot(&from, &line) / lengths).clamp(0.0, 1.0) } else { 0.0 };
         let off = along(&from, -share, &line);
         let square = dot(&off, &off);
-        let steep = if lengths > ON * ON * square {
+        let steep = if lengths > ON_PLANE_SHARE * ON_PLANE_SHARE * square {
             let across = cross(&from, &line);
             dot(&across, &across) / lengths
         } else {
             0.0
         };
         let steepness = match square {
-            // It is on the surface, whatever other cuts tell.
+            // The corner is on the surface, whatever other segments tell.
             0.0 => 1.0,
-            _ if steep > ON * ON * square => steep / square,
+            _ if steep > ON_PLANE_SHARE * ON_PLANE_SHARE * square => steep / square,
             _ => 0.0,
         };
-        let (outward, _) = regions.side_of(surface.other(), regions.segments[segment as usize].faces[surface.other()]);
+        let (outward, _) = regions.outward(surface.other(), regions.segments[segment as usize].faces[surface.other()]);
         SideEvidence { segment, foot: along(&a, share, &line), square, steepness, height: dot(&from, &outward) }
     }
 
     /// Whether the corner is on the plane of the other face.
     pub fn is_on(&self) -> bool {
-        self.square == 0.0 || self.height * self.height < ON * ON * self.square
+        self.square == 0.0 || self.height * self.height < ON_PLANE_SHARE * ON_PLANE_SHARE * self.square
     }
 
+    /// Whether the corner is off the segment's line, on one side of it.
     fn has_side(&self) -> bool {
         self.steepness > 0.0
     }
 
     fn is_as_far_as(&self, other: &SideEvidence) -> bool {
-        is_level(self.square, other.square)
+        is_equal(self.square, other.square)
     }
 
     fn is_as_steep_as(&self, other: &SideEvidence) -> bool {
-        is_level(self.steepness, other.steepness)
+        is_equal(self.steepness, other.steepness)
     }
 
-    /// Cuts that have a side come first, then nearer ones, then steeper ones.
+    /// Segments that have a side come first, then nearer ones, then steeper ones.
     fn is_better_than(&self, other: &SideEvidence) -> bool {
         if self.has_side() != other.has_side() {
             self.has_side()
@@ -85,7 +74,7 @@ impl SideEvidence {
         }
     }
 
-    /// Whether the two are as near, and the angles do not tell which is right; and they do not say the same.
+    /// Whether the two are equally near, steepness does not tell which is right, and they tell different sides.
     fn contradicts(&self, other: &SideEvidence) -> bool {
         self.is_as_far_as(other)
             && (self.has_side() != other.has_side() || self.is_as_steep_as(other))
@@ -93,12 +82,12 @@ impl SideEvidence {
     }
 }
 
-fn is_level(x: f64, y: f64) -> bool {
-    x >= y * (1.0 - LEVEL) && x <= y * (1.0 + LEVEL)
+fn is_equal(x: f64, y: f64) -> bool {
+    x >= y * (1.0 - EQUAL_SHARE) && x <= y * (1.0 + EQUAL_SHARE)
 }
 
-/// What the best of a face's cuts says about its corner `k`, and whether another contradicts it. `None` where all are flat.
-pub(crate) fn best_of(
+/// The best evidence of a face's segments for its corner `k`, and whether another contradicts it. `None` where all are flat.
+pub(crate) fn best_evidence(
     regions: &ContactRegions,
     surface: Surface,
     segments: &[u32],
@@ -109,23 +98,23 @@ pub(crate) fn best_of(
         let this = SideEvidence::new(regions, surface, *segment, k);
         found = match found {
             None => Some((this, false)),
-            Some((best, torn)) if this.is_better_than(&best) => {
-                Some((this, this.contradicts(&best) || torn && this.is_as_far_as(&best)))
+            Some((best, contradicted)) if this.is_better_than(&best) => {
+                Some((this, this.contradicts(&best) || contradicted && this.is_as_far_as(&best)))
             }
-            Some((best, torn)) => Some((best, torn || this.contradicts(&best))),
+            Some((best, contradicted)) => Some((best, contradicted || this.contradicts(&best))),
         };
     }
     found
 }
 
-/// What the cuts of a face say about its corner `k`. Where two contradict each other the surface has an edge or a corner at their
-/// common foot, and the corner is on the side on which the way to it starts: that of the triangle which is nearest to a spot on
-/// this way, close to the foot. `None` where all cuts are flat.
-pub(crate) fn judge(regions: &ContactRegions, surface: Surface, face: usize, k: usize) -> Option<SideEvidence> {
+/// The evidence that decides the side of a face's corner `k`. Where two segments contradict each other the other surface has an edge
+/// or a vertex at their common foot, and the corner is on the side on which the way from the foot to it starts: that of the triangle
+/// nearest to a probe on this way, close to the foot. `None` where all segments are flat.
+pub(crate) fn resolve_side(regions: &ContactRegions, surface: Surface, face: usize, k: usize) -> Option<SideEvidence> {
     let segments = regions.of_face(surface, face);
-    let (first, torn) = best_of(regions, surface, segments, k)?;
-    // A corner that is on a cut has no way to it, and is on the surface.
-    if !torn || first.square == 0.0 {
+    let (first, contradicted) = best_evidence(regions, surface, segments, k)?;
+    // A corner on a segment is on the surface, and has no way to it.
+    if !contradicted || first.square == 0.0 {
         return Some(first);
     }
     let (foot, far) = (first.foot, first.square.sqrt());
@@ -135,21 +124,21 @@ pub(crate) fn judge(regions: &ContactRegions, surface: Surface, face: usize, k: 
         .map(|segment| {
             (SideEvidence::new(regions, surface, *segment, k), regions.face(surface.other(), *segment).corners)
         })
-        .filter(|(verdict, _)| length(&sub(&verdict.foot, &foot)) <= HERE * far)
+        .filter(|(evidence, _)| length(&sub(&evidence.foot, &foot)) <= SAME_FOOT_SHARE * far)
         .collect();
-    // As near to the foot as that only the triangles that meet there count.
+    // Close enough to the foot for the triangles that meet there to be the nearest.
     let edge = |t: &Triangle, k: usize| length(&sub(&t[(k + 1) % 3], &t[k]));
     let reach = here.iter().map(|(_, t)| edge(t, 0).min(edge(t, 1)).min(edge(t, 2))).fold(far, f64::min);
     let way = sub(&regions.faces[surface][face].corners[k], &foot);
-    let spot = along(&foot, BESIDE * reach / far, &way);
-    let level = HERE * BESIDE * reach;
+    let probe = along(&foot, PROBE_SHARE * reach / far, &way);
+    let noise = SAME_FOOT_SHARE * PROBE_SHARE * reach;
     let mut best = (f64::INFINITY, first);
-    for (verdict, t) in here {
-        let distance = closest_triangle_triangle(&[spot; 3], &t).distance;
-        // Of several as near that over whose plane the way rises or falls most.
-        let is_as_near = distance < best.0 + level;
-        if distance < best.0 - level || is_as_near && verdict.height.abs() > best.1.height.abs() {
-            best = (distance, verdict);
+    for (evidence, t) in here {
+        let distance = closest_triangle_triangle(&[probe; 3], &t).distance;
+        // Of several equally near the one over whose plane the way rises or falls most.
+        let is_as_near = distance < best.0 + noise;
+        if distance < best.0 - noise || is_as_near && evidence.height.abs() > best.1.height.abs() {
+            best = (distance, evidence);
         }
     }
     Some(best.1)
@@ -166,9 +155,9 @@ mod tests {
     use feeler_core::geometry::pose::Pose;
     use feeler_shapes::{box_mesh, ridge};
 
-    /// Boxes on a lattice, straight and turned by an eighth, in a body with steps up, down and slanted on the same lattice, all
-    /// turned by `all`. Tells how many corners off both surfaces there are of faces with cuts, how many have no side, and how many
-    /// the wrong one.
+    /// Cubes on a lattice, straight and turned by 45 degrees, in a body with steps up, down and slanted on the same lattice, all
+    /// turned by `all`. Of the corners off the other surface that have a segment: how many there are, how many are on no side, and how
+    /// many on the wrong one.
     fn corners_by_side(all: &[Point; 3]) -> [usize; 3] {
         let line =
             [[-4.0, 0.0], [-2.0, 0.0], [-1.5, 1.0], [0.0, 1.0], [1.0, 2.0], [2.0, 1.0], [3.0, 1.0], [4.0, 0.0f64]];
@@ -240,7 +229,7 @@ mod tests {
         let straight = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let [all, unknown, wrong] = corners_by_side(&straight);
         assert!(all > 100_000 && unknown == 0 && wrong == 0, "{unknown} and {wrong} of {all}");
-        // Rounding parts what touched, and lets what did not cut: what is left of a cut may be in line with the corner.
+        // Turned, rounding parts some of what touched and lets other meet: what is left of a segment may be in line with the corner.
         let turned = [[0.48, 0.64, -0.6], [-0.8, 0.6, 0.0], [0.36, 0.48, 0.8]];
         let [all, unknown, wrong] = corners_by_side(&turned);
         assert!(all > 100_000 && 50 * unknown < all && 2000 * wrong < all, "{unknown} and {wrong} of {all}");

@@ -48,7 +48,7 @@ impl ConvexBodies {
         self.middles.extend(patches.list.iter().map(|p| p.middle));
         self.under.clear(count, count);
         self.judge.judge(lanes, &self.middles, &mut self.over, &mut self.under);
-        self.below.turn(&self.over, count);
+        self.below.transpose(&self.over, count);
         self.corner_over.clear(patches.all_corners().len(), count);
         self.under.clear(patches.all_corners().len(), count);
         self.judge.judge(lanes, patches.all_corners(), &mut self.corner_over, &mut self.under);

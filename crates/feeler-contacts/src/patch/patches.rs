@@ -12,12 +12,11 @@ use crate::patch::connected_components::ConnectedComponents;
 use crate::patch::extents::{measure_extents, Extents};
 use crate::patch::surface_patch::{Fragment, Patch, MOST_CORNERS};
 use crate::surface::{Side, Surface};
-use feeler_core::constants::NONE;
+use feeler_core::constants::{NONE, ONE_PLANE};
 use feeler_core::geometry::bounds::Point;
 use feeler_core::geometry::triangle_normals::eight_normals;
 use feeler_core::geometry::vectors::{dot, normal, scaled};
 use feeler_core::mesh::topology::adjacency::Adjacency;
-use feeler_core::mesh::topology::smooth_regions::ONE_PLANE;
 use feeler_lanes::{Checked, Sorter, WIDE_LANES};
 
 /// Most patches of a surface in one zone, before those are parted that are not connected. Further regions join the patch with the
@@ -124,7 +123,7 @@ impl Patches {
         self.found(context, surface);
         self.group();
         let Patches { list, fragments, order, components, .. } = self;
-        if components.part(context, &regions.places, surface, list, fragments, order) {
+        if components.part(context, &regions.face_numbers, surface, list, fragments, order) {
             self.group();
         }
         self.gather();

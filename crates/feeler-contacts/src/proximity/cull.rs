@@ -1,6 +1,10 @@
-//! The pairs of one part that may be near, without those that planes hold apart as whole triangles: mostly few are left, and
-//! only those are measured.
+//! Culls the candidate pairs of one part before distances are measured: those that planes separate as whole triangles, that meet, that
+//! are farther than the margin, or behind the other surface. Mostly few are left.
+//!
+//! Each triangle is compared with each plane once, and the results are bits of a word: whether a plane separates a pair then costs one
+//! operation.
 
+use crate::constants::BEHIND_SHARE;
 use crate::contact_plane::ContactPlane;
 use crate::containers::interner::{BoundedInterner, Interner};
 use crate::context::QueryContext;
@@ -12,49 +16,49 @@ use feeler_core::geometry::vectors::{dot, normal, scaled, sub};
 use feeler_core::Gap;
 use feeler_lanes::{prefetch, Checked, Kernel, Simd, WIDE_LANES};
 
-/// Sine by which the way to the tool may point into the mock-up's side.
-const BEHIND: f64 = 1e-3;
+/// Planes that have a bit: as many full registers as fit below [`INSIDE_BITS`]. Others are compared pair by pair.
+const MOST_PLANE_BITS: usize = 56;
 
-/// Most planes that are looked at before there are pairs.
-const MOST_AT_ONCE: usize = 56;
+/// Meeting pairs of a triangle up to which a scan is faster than a binary search.
+const FEW_MEETING: usize = 16;
 
-/// Pairs that are looked through faster than they are searched.
-const FEW: usize = 16;
+/// By surface the bit of triangles that are wholly inside the other surface. Every triangle of the other has it, so that all pairs of
+/// such a triangle share it.
+const INSIDE_BITS: [u64; 2] = [1 << 62, 1 << 63];
 
-/// By surface the bit of triangles that are wholly inside the other surface; every triangle of the other has it too.
-const INSIDE: [u64; 2] = [1 << 62, 1 << 63];
-
-/// A pair of triangles with a bound on its distance, metres.
+/// A candidate pair.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Near {
+    /// Lower bound on the distance, metres.
     pub bound: f64,
     /// Tool triangle and mock-up triangle.
     pub pair: [u32; 2],
-    /// Their places among [`Cull::corners`].
-    pub places: [u32; 2],
+    /// Their numbers in [`Cull`].
+    pub numbers: [u32; 2],
 }
 
-/// Triangles of one surface, each once.
+/// The triangles of one surface that are in candidate pairs, by number.
 #[derive(Debug, Default)]
-struct Side {
+struct Triangles {
     ids: Vec<u32>,
     corners: Vec<Triangle>,
-    /// The planes on whose side a triangle is, one bit each; and [`INSIDE`]. A pair that shares a bit is not sought.
-    held: Vec<u64>,
-    /// Outward normals, zero where not known, and how high the triangles are along them, once they are asked for.
+    /// The planes on whose own side a triangle is wholly, one bit each; and [`INSIDE_BITS`]. A pair that shares a bit is dropped.
+    plane_bits: Vec<u64>,
+    /// Outward normals, zero where the surface is open, and the triangles' heights along them; computed when first needed.
     outward: Vec<Option<(Point, f64)>>,
 }
 
-impl Side {
-    fn take(&mut self, id: u32, (number, is_new): (u32, bool)) -> u32 {
+impl Triangles {
+    /// Adds a triangle that is new, and gives its number.
+    fn add(&mut self, id: u32, (number, is_new): (u32, bool)) -> u32 {
         if is_new {
             self.ids.push(id);
         }
         number
     }
 
-    fn outward(&mut self, context: &QueryContext<'_>, surface: Surface, place: u32) -> (Point, f64) {
-        let i = place as usize;
+    fn outward(&mut self, context: &QueryContext<'_>, surface: Surface, number: u32) -> (Point, f64) {
+        let i = number as usize;
         *self.outward[i].get_or_insert_with(|| {
             let n = match context.adjacency[surface].outward[self.ids[i] as usize] {
                 0 => [0.0; 3],
@@ -65,29 +69,31 @@ impl Side {
     }
 }
 
-/// What is asked of each pair, beside planes.
+/// What is asked of each pair, besides planes.
 pub(crate) struct NearQuery<'a> {
     /// Pairs that meet, sorted.
     pub meeting: &'a [[u32; 2]],
     /// Triangles of tool and mock-up that are wholly inside the other, sorted.
     pub inside: &'a [Vec<u32>; 2],
+    /// Metres.
     pub margin: f64,
-    /// By which a pair may miss a plane, metres.
+    /// Length by which a pair may violate a plane, metres.
     pub tolerance: f64,
 }
 
-/// Working memory.
+/// Culls pairs; its working memory, and the triangles of the pairs left.
 #[derive(Debug, Default)]
 pub(crate) struct Cull {
-    sides: [Side; 2],
-    /// FaceNumbers of triangles of the tool, and of the mock-up.
-    tool_places: BoundedInterner,
-    mockup_places: Interner,
-    places: Vec<[u32; 2]>,
-    /// For each triangle of the tool where its pairs that meet are.
+    triangles: [Triangles; 2],
+    /// Numbers of triangles of the tool, and of the mock-up.
+    tool_numbers: BoundedInterner,
+    mockup_numbers: Interner,
+    /// The numbers of each candidate's triangles.
+    numbers: Vec<[u32; 2]>,
+    /// For each triangle of the tool the range of its pairs that meet.
     meeting: Vec<Meeting>,
-    /// Pairs that mostly meet.
-    doubtful: Vec<Near>,
+    /// Pairs that may meet.
+    maybe_meeting: Vec<Near>,
 }
 
 /// The pairs of a triangle of the tool that meet.
@@ -95,12 +101,12 @@ pub(crate) struct Cull {
 struct Meeting {
     from: u32,
     to: u32,
-    /// A bit for each of their mock-up triangles, see [`Meeting::bit`].
+    /// The set of their mock-up triangles as a Bloom filter of one word, see [`Meeting::bit`].
     bits: u64,
 }
 
 impl Meeting {
-    /// Few triangles share it, so that a pair without it surely does not meet and one with it mostly does.
+    /// The bit that a mock-up triangle is hashed to: a pair whose bit is not set does not meet, one whose bit is mostly does.
     #[inline(always)]
     fn bit(mockup_triangle: u32) -> u64 {
         1 << (mockup_triangle.wrapping_mul(0x9e37_79b9) >> (u32::BITS - 6))
@@ -108,65 +114,65 @@ impl Meeting {
 }
 
 impl Cull {
-    fn corners(&self, surface: Surface, place: u32) -> &Triangle {
-        &self.sides[surface].corners[place as usize]
+    fn corners(&self, surface: Surface, number: u32) -> &Triangle {
+        &self.triangles[surface].corners[number as usize]
     }
 
     /// The triangles of a pair, the tool's first.
     pub fn corners_of(&self, near: &Near) -> (&Triangle, &Triangle) {
-        (self.corners(Surface::Tool, near.places[0]), self.corners(Surface::Mockup, near.places[1]))
+        (self.corners(Surface::Tool, near.numbers[0]), self.corners(Surface::Mockup, near.numbers[1]))
     }
 
-    /// Puts into `out` the candidates (of one part) that no plane holds apart, that are not clearly farther apart than the margin,
-    /// that do not meet, and that are not wholly behind each other or inside.
-    pub fn sift(
+    /// Puts into `out` the candidates (of one part) that no plane separates, that are not surely farther than the margin, that do not
+    /// meet, and of which no triangle is wholly behind or inside the other.
+    pub fn cull(
         &mut self,
         context: &QueryContext<'_>,
         candidates: &[Candidate],
         planes: &[ContactPlane],
-        sought: &NearQuery<'_>,
+        query: &NearQuery<'_>,
         out: &mut Vec<Near>,
     ) {
-        self.gather(context, candidates, sought);
-        let (first, more) = planes.split_at(planes.len().min(MOST_AT_ONCE));
-        for (surface, side) in Surface::BOTH.into_iter().zip(&mut self.sides) {
+        self.gather(context, candidates, query);
+        let (first, more) = planes.split_at(planes.len().min(MOST_PLANE_BITS));
+        for (surface, of) in Surface::BOTH.into_iter().zip(&mut self.triangles) {
             for (i, eight) in first.chunks(WIDE_LANES).enumerate() {
-                hold(context.lanes, eight, surface, sought.tolerance, &side.corners, &mut side.held, 8 * i);
+                set_plane_bits(context.lanes, eight, surface, query.tolerance, &of.corners, &mut of.plane_bits, 8 * i);
             }
         }
-        self.drop_held_and_meeting(candidates, sought, out);
-        self.drop_far(context.lanes, sought.margin, out);
-        out.retain(|near| !self.is_behind(context, near.places, sought));
+        self.drop_separated_and_meeting(candidates, query, out);
+        self.drop_far(context.lanes, query.margin, out);
+        out.retain(|near| !self.is_behind(context, near.numbers, query));
         for plane in more {
-            self.drop_held_apart(plane, sought.tolerance, out, |near| near.places);
+            self.drop_separated(plane, query.tolerance, out, |near| near.numbers);
         }
     }
 
-    /// Puts into `out` the candidates that no plane holds apart and that do not meet.
-    fn drop_held_and_meeting(&mut self, candidates: &[Candidate], sought: &NearQuery<'_>, out: &mut Vec<Near>) {
-        let [tool, mockup] = &self.sides;
-        let none = Near { bound: 0.0, pair: [0; 2], places: [0; 2] };
-        for list in [&mut *out, &mut self.doubtful] {
+    /// Puts into `out` the candidates that share no bit and do not meet.
+    fn drop_separated_and_meeting(&mut self, candidates: &[Candidate], query: &NearQuery<'_>, out: &mut Vec<Near>) {
+        let [tool, mockup] = &self.triangles;
+        let none = Near { bound: 0.0, pair: [0; 2], numbers: [0; 2] };
+        for list in [&mut *out, &mut self.maybe_meeting] {
             list.clear();
             list.resize(candidates.len() + 1, none);
         }
         let mut counts = [0; 2];
-        for (c, places) in candidates.iter().zip(&self.places) {
-            let [t, m] = places.map(|p| p as usize);
-            let near = Near { bound: c.bound, pair: [c.tool_triangle, c.mockup_triangle], places: *places };
-            // No branch: which are held apart and which meet is not to be foreseen.
-            let is_sought = tool.held[t] & mockup.held[m] == 0;
-            let is_doubtful = self.meeting[t].bits & Meeting::bit(c.mockup_triangle) != 0;
-            (out[counts[0]], self.doubtful[counts[1]]) = (near, near);
-            counts[0] += usize::from(is_sought & !is_doubtful);
-            counts[1] += usize::from(is_sought & is_doubtful);
+        for (c, numbers) in candidates.iter().zip(&self.numbers) {
+            let [t, m] = numbers.map(|number| number as usize);
+            let near = Near { bound: c.bound, pair: [c.tool_triangle, c.mockup_triangle], numbers: *numbers };
+            // No branch, which would be mispredicted: both lists are written, and the one that it belongs to grows.
+            let is_kept = tool.plane_bits[t] & mockup.plane_bits[m] == 0;
+            let may_meet = self.meeting[t].bits & Meeting::bit(c.mockup_triangle) != 0;
+            (out[counts[0]], self.maybe_meeting[counts[1]]) = (near, near);
+            counts[0] += usize::from(is_kept & !may_meet);
+            counts[1] += usize::from(is_kept & may_meet);
         }
         out.truncate(counts[0]);
-        self.doubtful.truncate(counts[1]);
-        for near in &self.doubtful {
-            let Meeting { from, to, .. } = self.meeting[near.places[0] as usize];
-            let meeting = &sought.meeting[from as usize..to as usize];
-            let is_meeting = if meeting.len() <= FEW {
+        self.maybe_meeting.truncate(counts[1]);
+        for near in &self.maybe_meeting {
+            let Meeting { from, to, .. } = self.meeting[near.numbers[0] as usize];
+            let meeting = &query.meeting[from as usize..to as usize];
+            let is_meeting = if meeting.len() <= FEW_MEETING {
                 meeting.iter().fold(false, |found, pair| found | (pair[1] == near.pair[1]))
             } else {
                 meeting.binary_search(&near.pair).is_ok()
@@ -177,14 +183,14 @@ impl Cull {
         }
     }
 
-    /// Drops pairs that are surely farther apart than the margin: mostly more than half.
+    /// Drops pairs that are surely farther than the margin: mostly more than half.
     fn drop_far(&self, lanes: Checked, margin: f64, list: &mut Vec<Near>) {
         let mut kept = 0;
         for from in (0..list.len()).step_by(WIDE_LANES) {
             let count = WIDE_LANES.min(list.len() - from);
             let far = held_apart(lanes, count, |i| self.corners_of(&list[from + i]), margin);
             for i in 0..count {
-                // No branch: which are dropped is not to be foreseen.
+                // No branch, which would be mispredicted.
                 list[kept] = list[from + i];
                 kept += usize::from(far >> i & 1 == 0);
             }
@@ -192,108 +198,110 @@ impl Cull {
         list.truncate(kept);
     }
 
-    /// Drops the pairs that a plane holds apart whatever their nearest points.
-    pub fn drop_held_apart<T>(
+    /// Drops the pairs that a plane separates as whole triangles.
+    pub fn drop_separated<T>(
         &self,
         plane: &ContactPlane,
         tolerance: f64,
         list: &mut Vec<T>,
-        places: impl Fn(&T) -> [u32; 2],
+        numbers: impl Fn(&T) -> [u32; 2],
     ) {
         let offset = dot(&plane.point, &plane.normal);
         let heights = |t: &Triangle| t.map(|p| dot(&p, &plane.normal) - offset);
         list.retain(|near| {
-            let [t, m] = places(near);
+            let [t, m] = numbers(near);
             !(heights(self.corners(Surface::Mockup, m)).iter().all(|h| *h <= tolerance)
                 && heights(self.corners(Surface::Tool, t)).iter().all(|h| *h >= plane.gap - tolerance))
         });
     }
 
-    /// Finds the triangles, each once, and where they are.
-    fn gather(&mut self, context: &QueryContext<'_>, candidates: &[Candidate], sought: &NearQuery<'_>) {
-        self.sides.iter_mut().for_each(|side| side.ids.clear());
-        self.tool_places.clear(context.tool.mesh().faces().len());
-        self.mockup_places.clear();
-        self.places.clear();
+    /// Numbers the triangles and collects their corners.
+    fn gather(&mut self, context: &QueryContext<'_>, candidates: &[Candidate], query: &NearQuery<'_>) {
+        self.triangles.iter_mut().for_each(|of| of.ids.clear());
+        self.tool_numbers.clear(context.tool.mesh().faces().len());
+        self.mockup_numbers.clear();
+        self.numbers.clear();
         let mut last = None;
         for c in candidates {
-            // Those of one mock-up triangle come one after the other.
+            // Pairs of one mock-up triangle are consecutive.
             let m = match last {
-                Some((id, place)) if id == c.mockup_triangle => place,
-                _ => self.sides[Surface::Mockup]
-                    .take(c.mockup_triangle, self.mockup_places.number(u64::from(c.mockup_triangle))),
+                Some((id, number)) if id == c.mockup_triangle => number,
+                _ => self.triangles[Surface::Mockup]
+                    .add(c.mockup_triangle, self.mockup_numbers.number(u64::from(c.mockup_triangle))),
             };
             last = Some((c.mockup_triangle, m));
-            let t = self.sides[Surface::Tool].take(c.tool_triangle, self.tool_places.number(c.tool_triangle));
-            self.places.push([t, m]);
+            let t = self.triangles[Surface::Tool].add(c.tool_triangle, self.tool_numbers.number(c.tool_triangle));
+            self.numbers.push([t, m]);
         }
-        self.find_meeting(sought.meeting);
-        // Loads that do not wait for each other: their cache misses overlap.
+        self.find_meeting(query.meeting);
+        // Independent loads first, so that their cache misses overlap.
         let mesh = context.mockup.mesh();
-        self.sides[Surface::Mockup].ids.iter().for_each(|m| prefetch(&mesh.faces()[*m as usize]));
-        for m in &self.sides[Surface::Mockup].ids {
+        self.triangles[Surface::Mockup].ids.iter().for_each(|m| prefetch(&mesh.faces()[*m as usize]));
+        for m in &self.triangles[Surface::Mockup].ids {
             mesh.faces()[*m as usize].iter().for_each(|v| prefetch(&mesh.vertices()[*v as usize]));
         }
-        for (surface, side) in Surface::BOTH.into_iter().zip(&mut self.sides) {
-            side.corners.clear();
-            side.corners.extend(side.ids.iter().map(|id| context.triangle(surface, *id)));
-            let is_inside = |id: &u32| sought.inside[surface].binary_search(id).is_ok();
-            side.held.clear();
-            side.held.extend(
-                side.ids.iter().map(|id| INSIDE[surface.other()] | if is_inside(id) { INSIDE[surface] } else { 0 }),
-            );
-            side.outward.clear();
-            side.outward.resize(side.ids.len(), None);
+        for (surface, of) in Surface::BOTH.into_iter().zip(&mut self.triangles) {
+            of.corners.clear();
+            of.corners.extend(of.ids.iter().map(|id| context.triangle(surface, *id)));
+            let is_inside = |id: &u32| query.inside[surface].binary_search(id).is_ok();
+            let inside_bits =
+                |id: &u32| INSIDE_BITS[surface.other()] | if is_inside(id) { INSIDE_BITS[surface] } else { 0 };
+            of.plane_bits.clear();
+            of.plane_bits.extend(of.ids.iter().map(inside_bits));
+            of.outward.clear();
+            of.outward.resize(of.ids.len(), None);
         }
     }
 
-    /// Finds, for each triangle of the tool, which of these pairs (sorted) are its own.
+    /// Finds the range of these pairs (sorted) for each triangle of the tool.
     fn find_meeting(&mut self, meeting: &[[u32; 2]]) {
         self.meeting.clear();
-        self.meeting.resize(self.sides[Surface::Tool].ids.len(), Meeting::default());
+        self.meeting.resize(self.triangles[Surface::Tool].ids.len(), Meeting::default());
         let mut from = 0;
         for same in meeting.chunk_by(|p, q| p[0] == q[0]) {
             let to = from + same.len() as u32;
-            if let Some(place) = self.tool_places.get(same[0][0]) {
+            if let Some(number) = self.tool_numbers.get(same[0][0]) {
                 let bits = same.iter().fold(0, |bits, pair| bits | Meeting::bit(pair[1]));
-                self.meeting[place as usize] = Meeting { from, to, bits };
+                self.meeting[number as usize] = Meeting { from, to, bits };
             }
             from = to;
         }
     }
 
-    /// Whether each of the two nearest points of a pair is on the outer side of the other's triangle, as far as that is known: what
-    /// is inside the other solid is near its surface, but not held off by it.
+    /// Whether neither of the nearest points of a pair is behind the other's triangle, where that is of a closed surface: what is
+    /// inside a solid is near its surface, but not kept off by it.
     pub fn is_in_front(&mut self, context: &QueryContext<'_>, near: &Near, gap: &Gap) -> bool {
-        let way = sub(&gap.on_tool, &gap.on_mockup);
+        let to_tool = sub(&gap.on_tool, &gap.on_mockup);
         let [of_tool, of_mockup] =
-            Surface::BOTH.map(|surface| self.sides[surface].outward(context, surface, near.places[surface]).0);
-        dot(&of_mockup, &way) >= -BEHIND * gap.distance && dot(&of_tool, &way) <= BEHIND * gap.distance
+            Surface::BOTH.map(|surface| self.triangles[surface].outward(context, surface, near.numbers[surface]).0);
+        let slack = BEHIND_SHARE * gap.distance;
+        dot(&of_mockup, &to_tool) >= -slack && dot(&of_tool, &to_tool) <= slack
     }
 
-    /// Whether one of two triangles is wholly behind the other: then it is near a surface, but not held off by it.
-    fn is_behind(&mut self, context: &QueryContext<'_>, places: [u32; 2], sought: &NearQuery<'_>) -> bool {
+    /// Whether one of two triangles is wholly behind the other.
+    fn is_behind(&mut self, context: &QueryContext<'_>, numbers: [u32; 2], query: &NearQuery<'_>) -> bool {
         let [of_tool, of_mockup] =
-            Surface::BOTH.map(|surface| self.sides[surface].outward(context, surface, places[surface]));
-        let [p, q] = Surface::BOTH.map(|surface| self.corners(surface, places[surface]));
+            Surface::BOTH.map(|surface| self.triangles[surface].outward(context, surface, numbers[surface]));
+        let [p, q] = Surface::BOTH.map(|surface| self.corners(surface, numbers[surface]));
         let highest = |t: &Triangle, n: &Point| dot(&t[0], n).max(dot(&t[1], n)).max(dot(&t[2], n));
-        let is_behind = |t: &Triangle, (n, height): (Point, f64)| highest(t, &n) - height < -BEHIND * sought.margin;
+        let is_behind =
+            |t: &Triangle, (n, height): (Point, f64)| highest(t, &n) - height < -BEHIND_SHARE * query.margin;
         is_behind(p, of_mockup) | is_behind(q, of_tool)
     }
 }
 
-/// BitSets a bit, from `shift` on, for each of at most eight planes on whose side a triangle is: of the tool's by no less than the
-/// plane's gap, of the mock-up's behind it.
-fn hold(
+/// Sets a bit, from `shift` on, for each of at most eight planes on whose own side a triangle is wholly: a tool's triangle above it by no
+/// less than the plane's gap, a mock-up's not above it.
+fn set_plane_bits(
     lanes: Checked,
     planes: &[ContactPlane],
     surface: Surface,
     tolerance: f64,
     corners: &[Triangle],
-    held: &mut [u64],
+    bits: &mut [u64],
     shift: usize,
 ) {
-    // The height along the normal for the mock-up, against it for the tool, is to be no more than a limit.
+    // The test is an upper limit on the height, of the tool against the normal.
     let sense = if surface == Surface::Tool { -1.0 } else { 1.0 };
     let plane = |i: usize| &planes[i.min(planes.len() - 1)];
     let normals: [Point; WIDE_LANES] = std::array::from_fn(|i| scaled(&plane(i).normal, sense));
@@ -302,32 +310,33 @@ fn hold(
         sense * offset + if surface == Surface::Tool { tolerance - plane(i).gap } else { tolerance }
     });
     let chosen = u64::from(u8::MAX >> (WIDE_LANES - planes.len())) << shift;
-    lanes.run(Hold { normals: &normals, limits: &limits, corners, held, shift, chosen });
+    lanes.run(SetPlaneBits { normals: &normals, limits: &limits, corners, bits, shift, chosen });
 }
 
-struct Hold<'a> {
+struct SetPlaneBits<'a> {
     normals: &'a [Point; WIDE_LANES],
     limits: &'a [f64; WIDE_LANES],
     corners: &'a [Triangle],
-    held: &'a mut [u64],
+    bits: &'a mut [u64],
     shift: usize,
+    /// The bits of the planes, since fewer than eight are repeated to eight.
     chosen: u64,
 }
 
-impl Kernel for Hold<'_> {
+impl Kernel for SetPlaneBits<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) {
         let n = s.wide_points(self.normals.each_ref());
         let limit = s.wide_load(self.limits);
-        for (t, held) in self.corners.iter().zip(self.held) {
+        for (t, bits) in self.corners.iter().zip(self.bits) {
             let mut highest = limit;
             for p in t {
                 let h = s.wide_splat(p[0]) * n[0] + s.wide_splat(p[1]) * n[1] + s.wide_splat(p[2]) * n[2];
                 highest = s.wide_max(highest, h);
             }
-            *held |= !(u64::from(s.bits(s.wide_above(highest, limit))) << self.shift) & self.chosen;
+            *bits |= !(u64::from(s.bits(s.wide_above(highest, limit))) << self.shift) & self.chosen;
         }
     }
 }
@@ -335,34 +344,70 @@ impl Kernel for Hold<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tests::{scene, tool};
+    use feeler_core::geometry::distance_triangle_triangle::closest_triangle_triangle;
+    use feeler_core::Pose;
+    use feeler_shapes::sheet;
 
     #[test]
-    fn pairs_that_meet_are_dropped_and_those_that_share_their_bit_are_not() {
-        // Tool triangles with few and with many pairs that meet, and one with none.
-        let (tools, mockups) = (6u32, 300u32);
-        let is_meeting = |t: u32, m: u32| t > 0 && (m * m + 7 * m * t) % 97 < [0, 1, 2, 5, 20, 60][t as usize];
-        let all = || (0..tools).flat_map(|t| (0..mockups).map(move |m| (t, m)));
-        let meeting: Vec<[u32; 2]> = all().filter(|(t, m)| is_meeting(*t, *m)).map(|(t, m)| [t, m]).collect();
-        let is_held = |t: u32, m: u32| t == 3 && m.is_multiple_of(5);
-        let mut sift = Cull::default();
-        sift.sides[Surface::Tool].held = (0..tools).map(|t| u64::from(is_held(t, 0))).collect();
-        sift.sides[Surface::Mockup].held = (0..mockups).map(|m| u64::from(is_held(3, m))).collect();
-        sift.places = all().map(|(t, m)| [t, m]).collect();
-        sift.tool_places.clear(tools as usize);
-        sift.sides[Surface::Tool].ids = (0..tools).collect();
-        (0..tools).for_each(|t| _ = sift.tool_places.number(t));
-        sift.find_meeting(&meeting);
-        let candidates: Vec<Candidate> =
-            all().map(|(t, m)| Candidate { bound: 0.5, part: 0, tool_triangle: t, mockup_triangle: m }).collect();
-        let sought = NearQuery { meeting: &meeting, inside: &[vec![], vec![]], margin: 1.0, tolerance: 0.0 };
-        let mut out = Vec::new();
-        sift.drop_held_and_meeting(&candidates, &sought, &mut out);
-        let mut found: Vec<[u32; 2]> = out.iter().map(|near| near.pair).collect();
-        found.sort_unstable();
-        let is_left = |t: u32, m: u32| !is_meeting(t, m) && !is_held(t, m);
-        let expected: Vec<[u32; 2]> = all().filter(|(t, m)| is_left(*t, *m)).map(|(t, m)| [t, m]).collect();
-        assert_eq!(found, expected);
-        // Some share a bit with one that meets, and so were in doubt.
-        assert!(sift.doubtful.len() > meeting.len() + 20, "{} {}", sift.doubtful.len(), meeting.len());
+    fn pairs_left_are_near_do_not_meet_and_no_plane_separates_them() {
+        // A coarse sheet that leans through a fine one: its triangles meet none, a few, or very many of the other.
+        let fine = scene(sheet(40, 40, |s, t| [s, t, 0.01 * (20.0 * s).sin()]));
+        let coarse = tool(sheet(3, 4, |s, t| [0.9 * s, t, 0.35 * t - 0.1]));
+        let (pose, margin, tolerance) = (Pose::IDENTITY, 0.06, 1e-4);
+        let pairs = fine.collide(&coarse, &pose).pairs;
+        let candidates = fine.near_candidates(&coarse, &pose, margin, &[], usize::MAX).unwrap();
+        let inside = [vec![7, 11], (700..800).collect()];
+        let plane = |i: usize| {
+            let turn = 0.7 * i as f64;
+            ContactPlane {
+                point: [0.5, 0.1 * (i % 10) as f64, 0.012],
+                normal: [0.28 * turn.sin(), 0.28 * turn.cos(), 0.96],
+                gap: 0.004 * (i % 3) as f64,
+                part: 0,
+                tool_triangles: Vec::new(),
+                mockup_triangles: Vec::new(),
+                id: 0,
+                carriers: [0; 2],
+                certain: true,
+                assumed: false,
+            }
+        };
+        let context = QueryContext::new(&fine, &coarse, &pose, None);
+        let mut counts = [0; 5];
+        for planes in [0, 3, 8, 60] {
+            let planes: Vec<ContactPlane> = (0..planes).map(plane).collect();
+            let query = NearQuery { meeting: &pairs, inside: &inside, margin, tolerance };
+            let (mut cull, mut out) = (Cull::default(), Vec::new());
+            cull.cull(&context, &candidates, &planes, &query, &mut out);
+            let mut found: Vec<[u32; 2]> = out.iter().map(|near| near.pair).collect();
+            found.sort_unstable();
+            found.dedup();
+            let mut expected: Vec<[u32; 2]> = Vec::new();
+            for pair in candidates.iter().map(|c| [c.tool_triangle, c.mockup_triangle]) {
+                let (p, q) = (context.tool_triangle(pair[0]), context.mockup_triangle(pair[1]));
+                let separates = |plane: &ContactPlane| {
+                    let height = |x: &Point| dot(&sub(x, &plane.point), &plane.normal);
+                    q.iter().all(|x| height(x) <= tolerance) && p.iter().all(|x| height(x) >= plane.gap - tolerance)
+                };
+                let is_meeting = pairs.contains(&pair);
+                let is_inside = inside[Surface::Tool].contains(&pair[0]) || inside[Surface::Mockup].contains(&pair[1]);
+                let is_separated = planes.iter().any(separates);
+                let is_far = !is_meeting && closest_triangle_triangle(&p, &q).distance > margin;
+                for (count, is) in counts.iter_mut().zip([is_meeting, is_inside, is_separated, is_far]) {
+                    *count += usize::from(is);
+                }
+                if is_meeting || is_inside || is_separated {
+                    assert!(found.binary_search(&pair).is_err(), "{pair:?}");
+                } else if !is_far {
+                    expected.push(pair);
+                }
+            }
+            expected.sort_unstable();
+            expected.dedup();
+            assert!(expected.iter().all(|pair| found.binary_search(pair).is_ok()), "{}", planes.len());
+            counts[4] += expected.len();
+        }
+        assert!(counts.iter().all(|count| *count > 100), "{counts:?}");
     }
 }

@@ -1,4 +1,4 @@
-//! Proximity: planes for what is near and does not meet.
+//! Proximity: planes between surfaces that are near and do not meet.
 
 mod cull;
 pub(crate) mod separating_planes;

@@ -1,4 +1,4 @@
-//! Meshes as files have them: the same planes as of clean ones.
+//! Meshes as files have them, with slivers, open seams and cracks: the same planes as of clean ones.
 
 use std::f64::consts::{PI, TAU};
 
@@ -8,7 +8,7 @@ use feeler_shapes::{ball, box_mesh, box_sides, joined, sheet, Arrays};
 
 use super::{at, moved, scene, tool, turned, Held};
 
-/// Every two triangles of a flat mesh's cells apart by a strip, so wide and off their plane by up to so much.
+/// A flat mesh with a strip of slivers between the two triangles of each cell, of this width and off their plane by up to `off`.
 fn with_slivers((mut vertices, faces): Arrays, width: f64, off: f64) -> Arrays {
     let mut out = Vec::new();
     for (i, two) in faces.chunks_exact(2).enumerate() {
@@ -31,7 +31,7 @@ fn with_slivers((mut vertices, faces): Arrays, width: f64, off: f64) -> Arrays {
 
 #[test]
 fn slivers_do_not_show() {
-    // Narrower than what they are off by, their normals look anywhere.
+    // Where they are narrower than they are off the plane, their normals point anywhere.
     for (width, off) in [(1e-5, 0.0), (1e-7, 1e-8), (1e-8, 1e-8), (1e-9, 1e-8)] {
         for cells in [1, 3, 8] {
             let block = |centre: Point, size: Point| with_slivers(box_mesh(centre, size, cells), width, off);
@@ -56,7 +56,7 @@ fn slivers_do_not_show() {
 
 #[test]
 fn seams_and_poles_that_are_nearly_closed_are_no_border() {
-    // As sines and cosines come, which are not nothing after half a turn.
+    // Rounded sines, which are not 0 after half a turn.
     let naive = |r: f64, n: usize| {
         sheet(2 * n, n, |s, t| {
             let (phi, theta) = (TAU * s, PI * t);
@@ -76,8 +76,8 @@ fn seams_and_poles_that_are_nearly_closed_are_no_border() {
 
 #[test]
 fn bodies_that_touch_along_an_edge_are_solid() {
-    // A block as it is, and with another at one of its upright edges. The tool is more than half inside: only that the block is
-    // solid says which way out is.
+    // A block alone, and with another that touches it along an upright edge. More than half of the tool is inside: it comes out on the
+    // right side only if the block is known to be solid.
     let block = || box_mesh([0.0, 0.0, -0.02], [0.04, 0.04, 0.04], 4);
     let both = joined([block(), box_mesh([0.04, 0.04, -0.02], [0.04, 0.04, 0.04], 4)]);
     let pin = tool(box_mesh([0.0; 3], [0.004, 0.005, 0.02], 2));
@@ -91,7 +91,7 @@ fn bodies_that_touch_along_an_edge_are_solid() {
     }
 }
 
-/// A box of which no two sides are cut alike.
+/// A box of which no two sides are triangulated alike.
 fn uneven_box(size: Point) -> [Arrays; 6] {
     box_sides([0.0; 3], size, |side| [[3, 4], [5, 7], [1, 11], [6, 13], [2, 9], [17, 8]][side])
 }
@@ -104,7 +104,7 @@ fn a_tool_at_a_crack_is_as_deep_as_without_it() {
         let frame = turned(angle, [0.3, -0.2, 0.1]);
         let place = |mesh: &Arrays| scene(moved(mesh.clone(), &frame));
         let (cracked, clean) = (place(&cracked), place(&clean));
-        // Into one side, and over edges, of which two and three sides meet at one.
+        // In one side, across edges, and at a corner.
         for by in [
             [0.003, 0.002, 0.0285],
             [0.0487, 0.003, 0.028],

@@ -1,4 +1,4 @@
-//! What is near: candidates, what planes hold apart before they are candidates, and where nothing near is asked for.
+//! Near surfaces: the candidates, those that separating planes leave out, and when the margin shrinks.
 
 use std::sync::Arc;
 
@@ -28,7 +28,7 @@ fn candidates_are_all_that_is_near_and_their_bounds_hold() {
 }
 
 #[test]
-fn a_pair_that_many_voxels_offer_takes_little_memory() {
+fn a_pair_that_many_voxels_offer_counts_once_against_the_memory_limit() {
     let (vertices, faces) = box_mesh([0.0; 3], [0.1, 0.1, 0.02], 1);
     let (parts, held) = (vec![0; faces.len()], tool(box_mesh([0.0; 3], [0.03, 0.02, 0.02], 1)));
     let mockup = Arc::new(Mockup::new(vertices, faces, parts, 1).unwrap());
@@ -40,10 +40,10 @@ fn a_pair_that_many_voxels_offer_takes_little_memory() {
 }
 
 #[test]
-fn dividers_leave_out_only_what_they_hold_apart() {
+fn dividers_leave_out_only_what_they_separate() {
     let plate = scene(box_mesh([0.0; 3], [0.1, 0.1, 0.02], 11));
     let held = tool(box_mesh([0.0; 3], [0.03, 0.02, 0.02], 9));
-    // One holds what is in a strip across the plate, one nothing, and one is of another part.
+    // One separates pairs in a strip across the plate, one none, and one is of another part.
     let divider = |part: u32, normal: Point, heights: [f64; 2]| Divider { part, normal, heights };
     let lean = [0.6, 0.0, 0.8];
     let dividers =
@@ -72,7 +72,7 @@ fn dividers_leave_out_only_what_they_hold_apart() {
     }
 }
 
-/// Blocks in a row, each in the one below by its own depth, and another part a little below the last.
+/// Blocks in a row, each in the one below by its own depth, and at the end one of another part, a millimetre off.
 fn row(deep: usize) -> (Held, Tool) {
     let blocks = |z: &dyn Fn(usize) -> f64| {
         let mut all: Arrays = Default::default();
@@ -94,8 +94,8 @@ fn row(deep: usize) -> (Held, Tool) {
 }
 
 #[test]
-fn beside_many_deep_planes_nothing_near_is_sought() {
-    // What is near is so by half of the margin.
+fn beside_many_deep_planes_nothing_near_is_searched() {
+    // The near block is at half of the margin.
     for (deep, near, omitted) in [
         (MOST_PLANES + 8, 0, 8),
         (MOST_PLANES - 1, 0, 0),
@@ -123,7 +123,7 @@ fn beside_many_deep_planes_nothing_near_is_sought() {
 fn the_margin_shrinks_beside_more_than_few_deep_planes() {
     for (deep, share) in [(1, 1.0), (FEW_DEEP, 1.0), (7, 5.0 / 6.0), (9, 0.5), (MANY_DEEP - 1, 1.0 / 6.0)] {
         let (lower, upper) = row(deep);
-        // One part is near, by a millimetre.
+        // The near block is a millimetre off.
         for (margin, planes) in [(0.00101 / share, deep + 1), (0.00099 / share, deep)] {
             let contacts = lower.contacts(&upper, &at(0.0, 0.0, 0.0), margin, None).unwrap();
             assert_eq!(contacts.planes.len(), planes, "{deep} {margin}");
@@ -133,7 +133,7 @@ fn the_margin_shrinks_beside_more_than_few_deep_planes() {
 
 #[test]
 fn near_planes_do_not_depend_on_the_order_in_which_pairs_are_measured() {
-    // Stores find pairs in orders of their own. Whole numbers, so that many are as near as each other.
+    // Stores list pairs in different orders. Integer coordinates make many pairs equally near.
     let mut state = 6_978_726_143_068_042_601u64;
     let mut whole = || {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -163,12 +163,12 @@ fn near_planes_do_not_depend_on_the_order_in_which_pairs_are_measured() {
 
 #[test]
 fn of_too_many_near_pairs_the_nearest_count() {
-    // Two fine plates, of which every two triangles are within the margin.
+    // Two fine plates: every pair of triangles is within the margin.
     let plate = |z: f64| sheet(110, 110, move |s, t| [0.011 * (s - 0.5), 0.011 * (t - 0.5), z]);
     let (below, above) = (scene(plate(0.0)), tool(plate(0.0)));
     let pose = at(0.0, 0.0, 0.0003);
     let near = |within: f64| below.near_candidates(&above, &pose, within, &[], MANY_NEAR).map(|near| near.len());
-    // A half of what is too much may be nothing.
+    // Halving may step from too many to none.
     assert_eq!((near(0.03), near(0.03 / 64.0), near(0.03 / 128.0)), (None, None, Some(0)));
     let planes = below.contacts(&above, &pose, 0.03, None).unwrap().planes;
     assert_eq!(planes.len(), 1, "{planes:?}");

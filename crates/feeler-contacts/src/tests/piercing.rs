@@ -1,4 +1,4 @@
-//! What goes right through the other has planes, on the side of the tool's bulk or of the reference, however finely it is cut.
+//! A piercing has planes on the side of the tool's centre of area or of the reference, however fine the meshes.
 
 use feeler_core::geometry::vectors::dot;
 use feeler_core::{Mockup, Point, Pose, Tool};
@@ -10,7 +10,7 @@ use crate::PenetrationKind;
 
 const CELLS: [(usize, usize); 4] = [(1, 1), (20, 1), (1, 12), (20, 12)];
 
-/// The planes of what meets, which are all along `normal`, and the deepest one's depth.
+/// The depth of the deepest plane, after checking that all deep planes are along `normal`.
 fn deepest_along(scene: &Held, tool: &Tool, pose: &Pose, reference: Option<&Pose>, normal: Point, what: &str) -> f64 {
     for margin in [0.0, 0.002] {
         let contacts = scene.contacts(tool, pose, margin, reference).unwrap();
@@ -22,7 +22,7 @@ fn deepest_along(scene: &Held, tool: &Tool, pose: &Pose, reference: Option<&Pose
 }
 
 #[test]
-fn a_rod_through_a_plate_belongs_to_the_side_of_its_bulk() {
+fn a_rod_through_a_plate_belongs_to_the_side_of_its_centre() {
     for (n, cells) in CELLS {
         let plate = scene(box_mesh([0.0; 3], [0.1, 0.1, 0.001], n));
         let rod = tool(box_mesh([0.0; 3], [0.005, 0.005, 0.1], cells));
@@ -31,16 +31,16 @@ fn a_rod_through_a_plate_belongs_to_the_side_of_its_bulk() {
             let expected = 0.05 - z * up + 0.0005;
             let depth = deepest_along(&plate, &rod, &pose, None, [0.0, 0.0, up], &what);
             assert!((depth - expected).abs() < 1e-9, "{what}: {depth}");
-            // Right out of it.
+            // The translation is the plane's depth along its normal.
             let out = plate.penetration(&rod, &pose, 0.002, None).unwrap();
             assert_eq!(out.kind, PenetrationKind::Bound, "{what}: {out:?}");
             assert!((out.depth - expected).abs() < 1e-6, "{what}: {out:?}");
         }
-        // The reference says otherwise.
+        // A reference overrides the centre.
         let depth =
             deepest_along(&plate, &rod, &at(0.001, 0.002, 0.03), Some(&at(0.0, 0.0, -0.08)), [0.0, 0.0, -1.0], "below");
         assert!((depth - 0.0805).abs() < 1e-9, "{n} {cells}: {depth}");
-        // Right in the middle either side is as good.
+        // With the centre in the plate either side will do.
         let planes = plate.contacts(&rod, &at(0.001, 0.002, 0.0), 0.0, None).unwrap().planes;
         assert_eq!(planes.len(), 1, "{n} {cells}: {planes:?}");
         assert!(planes[0].normal[2].abs() > 0.999 && (planes[0].gap + 0.0505).abs() < 1e-9, "{n} {cells}: {planes:?}");
@@ -90,7 +90,7 @@ fn a_bent_wire_across_a_finger_has_one_plane() {
         let (vertices, faces) = cylinder(0.002, 0.1, 12, 240);
         let wire = scene((vertices.iter().map(bend).collect(), faces));
         let finger = tool(box_mesh([0.0; 3], [0.02; 3], cells));
-        // Its ends are lower than its middle, by what the inner side of the bend makes of half the finger's width.
+        // At the sides of the finger the wire is lower than in the middle: the sagitta of its inner side over half the finger's width.
         let lower = 0.048 - (0.048f64.powi(2) - 0.01f64.powi(2)).sqrt();
         for (z, up, expected) in [(-0.005, -1.0, 0.007 + lower), (0.004, 1.0, 0.008)] {
             let what = format!("{cells} {z}");

@@ -1,7 +1,7 @@
-//! Which triangles share an edge, which surfaces are closed, and their regions of nearly one normal; made once for a mesh, when
-//! contacts are first asked for.
+//! Adjacency: which triangles share an edge, which surfaces are closed, and their smooth regions. Found once for a mesh, when contacts
+//! are first asked for.
 
-use crate::constants::{NONE, WELD_SHARE};
+use crate::constants::{EDGES_PER_OPEN_EDGE, NONE, WELD_SHARE};
 use crate::geometry::bounds::{Aabb, Point};
 use crate::geometry::triangle_normals::is_thin;
 use crate::geometry::vectors::{add, cross, dot, length, scaled, sub};
@@ -18,11 +18,11 @@ use feeler_lanes::prefetch_at;
 #[derive(Debug)]
 pub struct Adjacency {
     /// `neighbours[t][k]` lies across the edge from corner `k` to corner `k + 1` of `t`, within the same part; [`NONE`] at a
-    /// border and where more than two triangles share the edge, and not as many go one way along it as the other. Across a crack it
-    /// is the one of several that is nearest.
+    /// border, and where more than two triangles share the edge and not as many run one way along it as the other. Across a crack it
+    /// is the nearest of several.
     pub neighbours: Vec<[u32; 3]>,
     /// 1: the triangle belongs to a closed surface and its winding gives the outward normal; -1: the inward one; 0: the
-    /// surface is open, or twice in the same place, and the winding says nothing.
+    /// surface is open, or doubled, and the winding tells nothing.
     pub outward: Vec<i8>,
     /// The region of each triangle.
     pub smooth_regions: Vec<SmoothRegion>,
@@ -30,14 +30,14 @@ pub struct Adjacency {
     bodies: Vec<u32>,
     /// The centre of the surface's area, metres, in the mesh's own frame.
     pub centre: Point,
-    /// A triangle of each connected surface, with its part before it; sorted.
+    /// For each connected surface its part and one of its triangles; sorted.
     pub surfaces: Vec<(u32, u32)>,
-    /// Whether there are cracks: some triangles are not neighbours of all whose neighbours they are.
+    /// Whether there are cracks: across these, adjacency need not be mutual.
     pub has_cracks: bool,
 }
 
 impl Adjacency {
-    /// Asks for what is known of a triangle.
+    /// Prefetches all about a triangle.
     #[inline]
     pub fn prefetch(&self, triangle: u32) {
         prefetch_at(&self.neighbours, triangle as usize);
@@ -64,11 +64,10 @@ impl Adjacency {
         Adjacency::new(mesh, |_| 0, &[mesh.bounds()])
     }
 
-    /// Of a mesh in parts, with the box around each.
+    /// The adjacency of a mesh in parts, with the box around each.
     ///
-    /// Edges are matched by their corners' positions, so a mesh whose triangles share no vertices is as good as any. Those that
-    /// have no partner are matched once more by corners that are nearly in one place, as those of seams are that were computed
-    /// from both sides, and then across cracks.
+    /// Edges are matched by the positions of their ends, so triangles need not share vertices. Those without a partner are matched
+    /// again by ends that nearly coincide, as at seams that were computed from both sides, and then across cracks.
     pub fn new(mesh: &Mesh, part_of_face: impl Fn(u32) -> u32, bounds: &[Aabb]) -> Adjacency {
         let mut joined = Joined::new(mesh);
         let (unique, welded) = weld_vertices(mesh.vertices());
@@ -83,7 +82,7 @@ impl Adjacency {
         joined.close_gaps(&part_of_face, bounds);
         let Joined { neighbours, mut closed, has_cracks, .. } = joined;
         spread_openness(&neighbours, &mut closed);
-        // From a corner of the part: what lies far away counts for much where there are cracks.
+        // Six times the volume, from a corner of the part: with cracks the sum depends on the origin, the more the farther it is.
         let mut volume: Vec<(f64, Option<Point>)> = vec![(0.0, None); bounds.len()];
         let (mut centre, mut area) = ([0.0; 3], 0.0);
         let middle = scaled(&add(&mesh.bounds().lower, &mesh.bounds().upper), 0.5);
@@ -138,16 +137,13 @@ impl Adjacency {
     }
 }
 
-/// Parts with more than one edge in so many without a partner are loose triangles, and have no seams.
-const FEW_OPEN: usize = 2;
-
-/// Triangles joined over their edges, as far as they are.
+/// The adjacency so far, while edges are matched.
 struct Joined<'a> {
     mesh: &'a Mesh,
     neighbours: Vec<[u32; 3]>,
-    /// A triangle whose edge has no proper neighbour opens its whole surface.
+    /// For each triangle whether all its edges are closed so far; an open one opens its whole surface.
     closed: Vec<bool>,
-    /// Edges without a partner.
+    /// Half-edges without a partner.
     border: Vec<Edge>,
     has_cracks: bool,
     /// Working memory.
@@ -161,7 +157,7 @@ impl Joined<'_> {
         Joined { mesh, neighbours, closed, border: Vec::new(), has_cracks: false, same: Vec::new() }
     }
 
-    /// Joins what shares one edge, all of one part.
+    /// Links the half-edges of one edge, all of one part.
     fn join(&mut self, edges: impl Iterator<Item = Edge>) {
         let mut same = std::mem::take(&mut self.same);
         same.clear();
@@ -170,7 +166,7 @@ impl Joined<'_> {
             [edge] => self.border.push(edge),
             [edge, other] => self.link(&edge, &other),
             _ if 2 * same.iter().filter(|edge| edge.up).count() == same.len() => {
-                // Between those that lie on each other is nothing: they bound no solid, and none ends there.
+                // Doubled triangles have nothing between them: they bound no solid.
                 let doubles = take_doubles(self.mesh, &mut same);
                 for some in [&doubles, &same] {
                     for [i, j] in pair_around(self.mesh, some) {
@@ -193,24 +189,24 @@ impl Joined<'_> {
         }
     }
 
-    /// Joins what has no partner by corners that are nearly in one place, and across cracks. An edge whose ends are in one place opens
-    /// nothing. What is left is open.
+    /// Links half-edges without a partner by ends that nearly coincide, then across cracks; what is left is open. An edge whose own ends
+    /// coincide opens nothing. Parts with many border edges are loose triangles, and are not tried.
     fn close_gaps(&mut self, part_of_face: impl Fn(u32) -> u32, bounds: &[Aabb]) {
         let mesh = self.mesh;
         let (mut edges, mut open) = (vec![0; bounds.len()], vec![0; bounds.len()]);
         mesh.queried().for_each(|t| edges[part_of_face(t) as usize] += 3);
         let part_of = |edge: &Edge| part_of_face(edge.triangle);
-        self.border.iter().for_each(|edge| open[part_of(edge) as usize] += FEW_OPEN);
+        self.border.iter().for_each(|edge| open[part_of(edge) as usize] += EDGES_PER_OPEN_EDGE);
         let is_tried = |edge: &Edge| open[part_of(edge) as usize] <= edges[part_of(edge) as usize];
         let (tried, mut left): (Vec<Edge>, Vec<Edge>) =
             std::mem::take(&mut self.border).into_iter().partition(is_tried);
-        let place = |edge: &Edge| {
-            // Near is less than half.
+        let unit = |edge: &Edge| {
+            // `near_points` joins what is nearer than half a unit.
             (2.0 * WELD_SHARE * bounds[part_of(edge) as usize].longest()).max(f64::MIN_POSITIVE)
         };
         let ends = |edge: &Edge| {
-            let ([from, to, _], place) = (edge.corners(mesh), place(edge));
-            [from, to].map(|p| p.map(|x| x / place))
+            let ([from, to, _], unit) = (edge.corners(mesh), unit(edge));
+            [from, to].map(|p| p.map(|x| x / unit))
         };
         let ends = near_points(&tried.iter().flat_map(ends).collect::<Vec<_>>());
         let mut seams: Vec<(u32, u32, Edge)> = Vec::with_capacity(tried.len());
@@ -231,7 +227,7 @@ impl Joined<'_> {
         left.iter().for_each(|edge| self.closed[edge.triangle as usize] = false);
     }
 
-    /// Two that share two edges share all corners: nothing is between them.
+    /// Opens pairs of triangles that share two edges, and so all corners: nothing is between them.
     fn open_pairs(&mut self) {
         for (closed, [a, b, c]) in self.closed.iter_mut().zip(&self.neighbours) {
             *closed &= !((a == b || a == c) && *a != NONE || b == c && *b != NONE);
@@ -239,10 +235,10 @@ impl Joined<'_> {
     }
 }
 
-/// For each point a number that it shares with those less than half from it along each axis, and with those near these.
+/// Single-linkage clusters of points that are less than 0.5 apart along each axis: for each point the number of its cluster.
 ///
-/// Along an axis two such points lie in one cell of the grid of whole numbers, or of that shifted by half. So in one of eight
-/// grids they lie in one cell.
+/// Along an axis two such points lie in one cell of the integer grid, or of that grid shifted by half. So in one of eight grids they
+/// lie in one cell.
 fn near_points(points: &[Point]) -> Vec<u32> {
     let mut roots = DisjointSets((0..points.len() as u32).collect());
     for grid in 0..8 {
@@ -319,7 +315,7 @@ mod tests {
         fn neighbours_are_those_of_every_edge_with_every_other(
             faces in prop::collection::vec((prop::array::uniform3(0..9u32), 0..2u32), 1..60),
         ) {
-            // Points 7 and 8 are where 0 and 1 are; some triangles have no area.
+            // Points 7 and 8 coincide with 0 and 1; some triangles have no area.
             let place = |v: u32| f64::from(v % 7);
             let vertices = (0..9).map(|v| [place(v), place(v) * place(v), place(v).powi(3)]).collect();
             let parts: Vec<u32> = faces.iter().map(|(_, part)| *part).collect();
@@ -344,7 +340,7 @@ mod tests {
                 } else if 2 * against.clone().count() != others.len() + 1 {
                     prop_assert_eq!(n, NONE, "{} {}", t, k);
                 } else {
-                    // One of those that go the other way, each for one.
+                    // One of those that run the other way, and mutual.
                     let mutual = against.filter(|(u, l)| *u as u32 == n && adjacency.neighbours[*u][*l] == t as u32);
                     prop_assert_eq!(mutual.count(), 1, "{} {}", t, k);
                 }
@@ -359,7 +355,7 @@ mod tests {
     #[test]
     fn solids_that_touch_are_closed() {
         let cube = |x: f64, y: f64| box_mesh([x, y, 0.0], [2.0; 3], 2);
-        // Along an edge: the walk over one does not come to the other.
+        // Along an edge: no neighbour is of the other cube.
         let (vertices, faces) = joined([cube(0.0, 0.0), cube(2.0, 2.0)]);
         let (half, mesh) = (faces.len() / 2, Mesh::new("tool", vertices, faces).unwrap());
         let adjacency = Adjacency::of_one_part(&mesh);
@@ -367,7 +363,7 @@ mod tests {
         for (t, neighbours) in adjacency.neighbours.iter().enumerate() {
             assert!(neighbours.iter().all(|n| *n as usize / half == t / half), "{t}");
         }
-        // Along a face: what is between them is open, and the rest one solid.
+        // Along a face: the doubled triangles between them are open, and the rest is one solid.
         let (vertices, faces) = joined([cube(0.0, 0.0), cube(2.0, 0.0)]);
         let is_between = |face: &[u32; 3]| face.iter().all(|v| vertices[*v as usize][0] == 1.0);
         let expected: Vec<i8> = faces.iter().map(|face| i8::from(!is_between(face))).collect();
@@ -388,7 +384,7 @@ mod tests {
     #[test]
     fn seams_are_closed_and_gaps_are_not() {
         for n in [4, 7, 12, 31] {
-            // A ball as sines and cosines come: its poles are many places, and its seam is twice there, once a little larger.
+            // A ball with rounded sines: each pole is many points, and the seam is there twice, once a little larger.
             let ball = |larger: f64| {
                 sheet(n, n, |s, t| {
                     let (around, down, r) = (TAU * s, PI * t, if s == 1.0 { 1.0 + larger } else { 1.0 });
@@ -403,7 +399,7 @@ mod tests {
                 sense != 0 && (0..found.len() as u32).all(is_right)
             };
             assert_ne!(ball(0.0).0[1], ball(0.0).0[n * (n + 1) + 1], "the seam is one");
-            // By nothing but rounding, and by a step of float32.
+            // Larger by rounding only, and by a step of float32.
             assert!(is_closed(ball(0.0)) && is_closed(ball(1e-7)), "{n}");
             assert!(outward(ball(1e-4)).iter().all(|o| *o == 0), "{n}");
         }
@@ -415,7 +411,7 @@ mod tests {
             places in prop::collection::vec(prop::array::uniform3(-40i32..40), 1..30),
             shifts in prop::collection::vec(prop::array::uniform3(-0.249..0.249f64), 1..60),
         ) {
-            // About one place every three, each several times.
+            // Clusters three units apart, of several points each.
             let place = |i: usize| places[i % places.len()];
             let points: Vec<Point> = (0..).zip(&shifts)
                 .map(|(i, shift)| std::array::from_fn(|a| 3.1 * f64::from(place(i)[a]) + shift[a]))

@@ -1,37 +1,30 @@
-//! Cracks: where borders of a surface run along each other a little apart. Faces of a CAD model that were cut into triangles one
-//! by one, and triangles without area between others that have one, leave them; what is closed but for cracks is a solid.
+//! Crack stitching: joins borders of a surface that run along each other a little apart, as borders of a CAD model do whose faces
+//! were triangulated one by one, and those left by triangles without area. A surface that is closed but for cracks is a solid.
+//!
+//! Border edges are matched as in the repair of CAD models (Barequet and Kumar: *Repairing CAD models*, 1997), here with a hash grid;
+//! vertices stay where they are, and only adjacency is added.
 
 use std::collections::HashMap;
 
+use crate::constants::{CRACK_AREA, CRACK_SAMPLES, CRACK_WIDTH, MOST_EDGES_NEAR};
 use crate::geometry::bounds::{Aabb, Point};
 use crate::geometry::vectors::{along, cross, dot, length, scaled, square_to_segment, sub};
 use crate::mesh::topology::disjoint_sets::DisjointSets;
 use crate::mesh::topology::edges::Edge;
 use crate::mesh::triangle_mesh::Mesh;
 
-/// How wide a crack may be, as a share of its part's length. A circle as a polygon of 50 corners is off by that.
-const WIDTH: f64 = 1e-3;
-
-/// Share of a surface's area up to which its cracks may be together. A strip of sheet as narrow as a crack is all crack.
-const AREA: f64 = 0.01;
-
-/// Where on an edge the other border is sought: in the middle, and towards both ends.
-const SPOTS: [f64; 3] = [0.5, 0.2, 0.8];
-
-/// Most edges looked at from one spot. More lie within a crack's width only where there is no surface.
-const MOST_NEAR: usize = 256;
-
-/// The edge of another triangle that an edge runs along, the other way, and the area between the two, in a cube of length 1 around
-/// the part.
+/// What lies across a crack from a border edge.
 #[derive(Debug, Clone, Copy)]
-struct Beside {
+struct Across {
+    /// The edge of another triangle that runs along it the other way: an index into the border.
     other: usize,
+    /// The area between the two, with the part scaled to length 1.
     area: f64,
 }
 
-/// Joins edges without a partner over cracks, each with the edge that is nearest to its middle, on the surfaces that nothing else
-/// opens. So a long edge has one of several as its neighbour, and is that of all of them. `border` has those of each part
-/// together; what stays open is left in it. Returns whether there are cracks.
+/// Joins border edges across cracks, each with the edge nearest to its middle, on surfaces that nothing else opens. So a long edge
+/// has one of several short ones as its neighbour, and is the neighbour of all of them. `border` is grouped by part; what stays open
+/// is left in it. Returns whether there are cracks.
 pub fn close_cracks(
     mesh: &Mesh,
     closed: &[bool],
@@ -41,24 +34,24 @@ pub fn close_cracks(
     bounds: &[Aabb],
 ) -> bool {
     let part_of = |edge: &Edge| part_of_face(edge.triangle) as usize;
-    let mut beside: Vec<Option<Beside>> = Vec::with_capacity(border.len());
+    let mut across: Vec<Option<Across>> = Vec::with_capacity(border.len());
     for same in border.chunk_by(|x, y| part_of(x) == part_of(y)) {
-        push_beside(mesh, same, &bounds[part_of(&same[0])], &mut beside);
+        push_across(mesh, same, &bounds[part_of(&same[0])], &mut across);
     }
-    if beside.iter().all(Option::is_none) {
+    if across.iter().all(Option::is_none) {
         return false;
     }
     let mut surfaces = DisjointSets((0..neighbours.len() as u32).collect());
-    for (t, beside) in (0..).zip(&*neighbours) {
-        beside.iter().filter(|n| **n < t).for_each(|n| surfaces.join(t, *n));
+    for (t, of_triangle) in (0..).zip(&*neighbours) {
+        of_triangle.iter().filter(|n| **n < t).for_each(|n| surfaces.join(t, *n));
     }
-    for (edge, beside) in border.iter().zip(&beside) {
-        beside.iter().for_each(|b| surfaces.join(edge.triangle, border[b.other].triangle));
+    for (edge, across) in border.iter().zip(&across) {
+        across.iter().for_each(|a| surfaces.join(edge.triangle, border[a.other].triangle));
     }
-    // Of each surface with a border the area of its cracks, without end where something else opens it, and its own.
+    // For each surface with a border the area of its cracks, infinite where something else opens it, and its own area.
     let mut areas: HashMap<u32, (f64, f64)> = HashMap::new();
-    for (edge, beside) in border.iter().zip(&beside) {
-        areas.entry(surfaces.of(edge.triangle)).or_default().0 += beside.map_or(f64::INFINITY, |b| b.area);
+    for (edge, across) in border.iter().zip(&across) {
+        areas.entry(surfaces.of(edge.triangle)).or_default().0 += across.map_or(f64::INFINITY, |a| a.area);
     }
     for t in mesh.queried() {
         if let Some((cracks, own)) = areas.get_mut(&surfaces.of(t)) {
@@ -71,11 +64,11 @@ pub fn close_cracks(
     }
     let mut is_any = false;
     let mut left = Vec::new();
-    for (edge, beside) in border.iter().zip(&beside) {
+    for (edge, across) in border.iter().zip(&across) {
         let (cracks, own) = areas[&surfaces.of(edge.triangle)];
-        match beside {
-            Some(b) if cracks <= AREA * own => {
-                neighbours[edge.triangle as usize][usize::from(edge.side)] = border[b.other].triangle;
+        match across {
+            Some(a) if cracks <= CRACK_AREA * own => {
+                neighbours[edge.triangle as usize][usize::from(edge.side)] = border[a.other].triangle;
                 is_any = true;
             }
             _ => left.push(*edge),
@@ -85,31 +78,31 @@ pub fn close_cracks(
     is_any
 }
 
-/// A point of a part in a cube of length 1 around it: squares of lengths are good at any scale and far from the origin.
+/// A point of a part, moved and scaled to a cube of length 1: squares of lengths then neither overflow nor vanish.
 fn in_cube(p: &Point, bounds: &Aabb) -> Point {
     sub(p, &bounds.lower).map(|x| x / bounds.longest())
 }
 
-/// Adds for each edge of a part, whose box is given, what runs beside it.
-fn push_beside(mesh: &Mesh, edges: &[Edge], bounds: &Aabb, out: &mut Vec<Option<Beside>>) {
+/// Appends for each border edge of a part, whose box is given, what lies across the crack.
+fn push_across(mesh: &Mesh, edges: &[Edge], bounds: &Aabb, out: &mut Vec<Option<Across>>) {
     let ends = |edge: &Edge| {
         let [from, to, _] = edge.corners(mesh);
         [from, to].map(|p| in_cube(&p, bounds))
     };
     let ends: Vec<[Point; 2]> = edges.iter().map(ends).collect();
     let lengths: Vec<f64> = ends.iter().map(|[from, to]| length(&sub(to, from))).collect();
-    // With the width around it a step is in at most three cells along each axis.
-    let cell = (lengths.iter().sum::<f64>() / lengths.len() as f64).max(2.0 * WIDTH);
+    // A cell is no shorter than a step, and than twice the width: so a step, widened, is in at most three cells along each axis.
+    let cell = (lengths.iter().sum::<f64>() / lengths.len() as f64).max(2.0 * CRACK_WIDTH);
     let number = |p: &Point| p.map(|x| (x / cell).floor() as i64);
-    // Each edge in all cells that it may be looked for from, step by step along it.
+    // Each edge is listed in all cells within the width of it, step by step along it.
     let mut cells: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
     for (i, ([a, b], length)) in (0..).zip(ends.iter().zip(&lengths)) {
         let steps = (length / cell).ceil().max(1.0);
         for step in 0..steps as usize {
             let mut around = Aabb::EMPTY;
             [step, step + 1].map(|k| between(a, b, k as f64 / steps)).iter().for_each(|p| around.grow(p));
-            let low = number(&around.lower.map(|x| x - WIDTH));
-            let high = number(&around.upper.map(|x| x + WIDTH));
+            let low = number(&around.lower.map(|x| x - CRACK_WIDTH));
+            let high = number(&around.upper.map(|x| x + CRACK_WIDTH));
             for x in low[0]..=high[0] {
                 for y in low[1]..=high[1] {
                     for z in low[2]..=high[2] {
@@ -122,25 +115,25 @@ fn push_beside(mesh: &Mesh, edges: &[Edge], bounds: &Aabb, out: &mut Vec<Option<
             }
         }
     }
-    // How far away, and which, is what is nearest to a spot on an edge.
-    let nearest = |i: usize, spot: f64| {
+    // The distance and index of the edge nearest to a point of an edge.
+    let nearest = |i: usize, share: f64| {
         let ([a, b], id) = (&ends[i], edges[i].triangle);
-        let p = between(a, b, spot);
-        let near = cells.get(&number(&p)).filter(|near| near.len() <= MOST_NEAR)?;
+        let p = between(a, b, share);
+        let near = cells.get(&number(&p)).filter(|near| near.len() <= MOST_EDGES_NEAR)?;
         let is_against = |j: &&u32| {
             let [from, to] = &ends[**j as usize];
             edges[**j as usize].triangle != id && dot(&sub(b, a), &sub(to, from)) < 0.0
         };
         let square = |j: &u32| square_to_segment(&p, &ends[*j as usize][0], &ends[*j as usize][1]);
         let nearest = near.iter().filter(is_against).map(|j| (square(j), *j)).min_by(|p, q| p.0.total_cmp(&q.0))?;
-        (nearest.0 <= WIDTH * WIDTH).then_some((nearest.0.sqrt(), nearest.1 as usize))
+        (nearest.0 <= CRACK_WIDTH * CRACK_WIDTH).then_some((nearest.0.sqrt(), nearest.1 as usize))
     };
     let first = out.len();
     out.extend((0..edges.len()).map(|i| {
-        let [middle, before, after] = SPOTS.map(|spot| nearest(i, spot));
+        let [middle, before, after] = CRACK_SAMPLES.map(|share| nearest(i, share));
         let (middle, before, after) = (middle?, before?, after?);
-        let area = lengths[i] * (middle.0 + before.0 + after.0) / SPOTS.len() as f64;
-        Some(Beside { other: first + middle.1, area })
+        let area = lengths[i] * (middle.0 + before.0 + after.0) / CRACK_SAMPLES.len() as f64;
+        Some(Across { other: first + middle.1, area })
     }));
 }
 
@@ -175,7 +168,7 @@ mod tests {
         (mesh.0.iter().map(at).collect(), mesh.1.clone())
     }
 
-    /// A box of which no two sides are cut alike.
+    /// A box of which no two sides are triangulated alike.
     fn uneven_box(size: Point) -> [Arrays; 6] {
         box_sides([0.0; 3], size, |side| [[3, 4], [5, 7], [1, 11], [6, 13], [2, 9], [17, 8]][side])
     }
@@ -218,7 +211,7 @@ mod tests {
 
     #[test]
     fn triangles_without_area_open_nothing() {
-        // Where both halves of the edge of one triangle go on in one that is as long as both.
+        // A triangle without area between the two halves of an edge and the whole edge of a neighbour.
         let (mut vertices, mut faces) = box_mesh([0.0; 3], [1.0; 3], 1);
         let [a, b, c] = faces[0];
         let d = vertices.len() as u32;

@@ -1,45 +1,46 @@
-//! The edges of a mesh's triangles, and which of the triangles around an edge go on in each other.
+//! The edges of a mesh's triangles, and which of several triangles around an edge are neighbours.
 
+use crate::constants::SAME_ANGLE;
 use crate::geometry::bounds::Point;
 use crate::geometry::vectors::{cross, dot, sub, unit};
 use crate::mesh::triangle_mesh::Mesh;
 
-/// An edge of a triangle, but for its lower end.
+/// A half-edge: an edge as one triangle has it. Its lower end, the one with the smaller number, is known from where it is listed.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Edge {
-    /// The end with the higher number.
+    /// The higher end: the number of its vertex.
     pub end: u32,
     pub triangle: u32,
-    /// The edge is from this corner to the next.
+    /// The corner of the triangle that the edge starts from.
     pub side: u8,
-    /// Whether it goes from the end with the lower number to the other.
+    /// Whether it runs from its lower end to its higher one.
     pub up: bool,
 }
 
 impl Edge {
-    /// Where it begins and ends as the triangle goes round, and the triangle's third corner.
+    /// Its start and end by the triangle's winding, and the triangle's third corner.
     pub fn corners(&self, mesh: &Mesh) -> [Point; 3] {
         let (corners, side) = (mesh.triangle(self.triangle), usize::from(self.side));
         [corners[side], corners[(side + 1) % 3], corners[(side + 2) % 3]]
     }
 }
 
-/// The edges of all triangles, by their ends.
+/// The half-edges of all triangles, sorted by their ends.
 pub struct Edges {
-    /// Those of each lower end together.
+    /// Sorted by lower end, then higher end, then triangle.
     list: Vec<Edge>,
-    /// For each vertex where its own end, by those of the one before where they begin.
+    /// For each vertex the end of its range in the list, of the half-edges whose lower end it is; the range before it ends where it begins.
     ends: Vec<usize>,
 }
 
 impl Edges {
-    /// Of a mesh with so many vertices, by the three of each triangle.
+    /// The half-edges of a mesh whose corners are numbered below `vertices` by `corners`.
     pub fn new(mesh: &Mesh, vertices: usize, corners: impl Fn(u32) -> [u32; 3]) -> Edges {
         let edges = |t: u32| {
             let [a, b, c] = corners(t);
             [(a, b), (b, c), (c, a)]
         };
-        // From here on where the edges of each vertex begin; once they are put there, where they end.
+        // Counting sort: counts, then beginnings, and once the edges are placed, ends.
         let mut ends = vec![0; vertices];
         for t in mesh.queried() {
             edges(t).iter().for_each(|(a, b)| ends[*a.min(b) as usize] += 1);
@@ -49,9 +50,9 @@ impl Edges {
         let mut list = vec![Edge::default(); sum];
         for t in mesh.queried() {
             for (side, (a, b)) in (0..).zip(edges(t)) {
-                let place = &mut ends[a.min(b) as usize];
-                list[*place] = Edge { end: a.max(b), triangle: t, side, up: a < b };
-                *place += 1;
+                let end = &mut ends[a.min(b) as usize];
+                list[*end] = Edge { end: a.max(b), triangle: t, side, up: a < b };
+                *end += 1;
             }
         }
         let mut from = 0;
@@ -62,21 +63,19 @@ impl Edges {
         Edges { list, ends }
     }
 
-    /// Those with the same two ends, by the numbers of their triangles.
+    /// Lists of the half-edges with the same two ends, each sorted by triangle.
     pub fn iter(&self) -> impl Iterator<Item = &[Edge]> {
         let froms = std::iter::once(&0).chain(&self.ends);
         froms.zip(&self.ends).flat_map(|(from, to)| self.list[*from..*to].chunk_by(|e, f| e.end == f.end))
     }
 }
 
-/// A turn by less than this (radians) is none.
-const NO_TURN: f64 = 1e-9;
-
-/// Pairs the triangles around an edge, as many that go up as down, by their places in the list. Where solids only touch along
-/// it, a triangle goes on in the one on the other side of its own solid; where two sheets lie on each other, each goes on in itself.
+/// Pairs the triangles around an edge, of which as many run up as down; pairs are indices into the list. Where solids only touch
+/// along the edge, a triangle's neighbour is the one that bounds its own solid; where two sheets lie on each other, it is of its own
+/// sheet.
 ///
-/// The normal of a triangle that goes up is a quarter turn further around the edge than the triangle: its solid ends there,
-/// and that of one that goes down begins. So the pairs are brackets.
+/// Around the edge, a solid ends at a triangle that runs up, whose normal is a quarter turn further, and begins at one that runs
+/// down. So pairs match like brackets.
 pub fn pair_around(mesh: &Mesh, same: &[Edge]) -> Vec<[usize; 2]> {
     let Some(first) = same.first() else { return Vec::new() };
     let lowest_first = |edge: &Edge| {
@@ -89,26 +88,26 @@ pub fn pair_around(mesh: &Mesh, same: &[Edge]) -> Vec<[usize; 2]> {
     };
     let [from, to, _] = lowest_first(first);
     let axis = unit(&sub(&to, &from)).unwrap_or_default();
-    // Two directions across it: the first also across the axis of the frame that it is least along.
+    // Two directions perpendicular to the edge, the first also to the coordinate axis that it is least along.
     let least = (0..3).min_by(|i, j| axis[*i].abs().total_cmp(&axis[*j].abs())).unwrap_or(0);
     let x = unit(&cross(&axis, &std::array::from_fn(|a| f64::from(u8::from(a == least))))).unwrap_or_default();
     let y = cross(&axis, &x);
-    let half = (std::f64::consts::PI / NO_TURN).round();
+    let half = (std::f64::consts::PI / SAME_ANGLE).round();
     let turn = |edge: &Edge| {
         let [from, _, third] = lowest_first(edge);
-        let way = sub(&third, &from);
-        let turn = (dot(&way, &y).atan2(dot(&way, &x)) / NO_TURN).round() + 0.0;
-        // Half a turn either way is the same.
+        let spoke = sub(&third, &from);
+        let turn = (dot(&spoke, &y).atan2(dot(&spoke, &x)) / SAME_ANGLE).round() + 0.0;
+        // Half a turn either way is one angle.
         if turn <= -half {
             half
         } else {
             turn
         }
     };
-    // Of those in one place what ends before what begins.
+    // At one angle solids end before others begin.
     let mut order: Vec<(f64, bool, usize)> = (0..).zip(same).map(|(i, edge)| (turn(edge), !edge.up, i)).collect();
     order.sort_by(|p, q| p.0.total_cmp(&q.0).then((p.1, p.2).cmp(&(q.1, q.2))));
-    // From where on never more end than began before.
+    // Start after the lowest depth: from there on no solid ends that has not begun.
     let (mut depth, mut least, mut start) = (0i64, 0, 0);
     for (i, (_, begins, _)) in order.iter().enumerate() {
         depth += if *begins { 1 } else { -1 };
@@ -128,7 +127,7 @@ pub fn pair_around(mesh: &Mesh, same: &[Edge]) -> Vec<[usize; 2]> {
     pairs
 }
 
-/// Takes out of a list of edges in one place those whose triangles are one on the other, with opposite senses.
+/// Takes those half-edges out of a list with the same ends whose triangles coincide, with opposite windings.
 pub fn take_doubles(mesh: &Mesh, same: &mut Vec<Edge>) -> Vec<Edge> {
     let third = |edge: &Edge| edge.corners(mesh)[2].map(|x| (x + 0.0).to_bits());
     let mut by_third: Vec<([u64; 3], Edge)> = same.iter().map(|edge| (third(edge), *edge)).collect();
@@ -148,7 +147,7 @@ pub fn take_doubles(mesh: &Mesh, same: &mut Vec<Edge>) -> Vec<Edge> {
 mod tests {
     use super::*;
 
-    /// Triangles around the z axis, at angles in degrees, and whether they go up it.
+    /// Triangles around the z axis, at angles in degrees, and whether they run up it.
     fn around(fan: &[(f64, bool)]) -> (Mesh, Vec<Edge>) {
         let mut vertices = vec![[0.0; 3], [0.0, 0.0, 1.0]];
         vertices.extend(fan.iter().map(|(a, _)| [a.to_radians().cos(), a.to_radians().sin(), 0.3]));
@@ -167,7 +166,7 @@ mod tests {
 
     #[test]
     fn solids_that_touch_along_an_edge_are_paired_each_with_itself() {
-        // From 10 to 80 degrees, from 100 to 200, and over the place where angles begin again.
+        // From 10 to 80 degrees and from 100 to 200, also across the angle where turns wrap around.
         for turn in [0.0, 57.0, 123.4, 190.0, 260.0] {
             let at = |a: f64| (a + turn) % 360.0;
             assert_eq!(
@@ -188,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn sheets_that_lie_on_each_other_go_on_in_themselves() {
+    fn sheets_that_lie_on_each_other_are_paired_each_with_itself() {
         // The sheet at 0 and at 180 degrees, its upper side and its lower one.
         for (a, b) in [(0.0, 180.0), (-180.0, 0.0), (90.0, -90.0)] {
             let found = pairs(&[(a, false), (a, true), (b, true), (b, false)]);

@@ -1,22 +1,13 @@
-//! Regions: connected triangles of one plane, or of one turn of a curved surface. Found once for a mesh, so that no query has to
-//! look for what has nearly one normal.
+//! Smooth regions: connected triangles of nearly one normal, in one plane or on one curved surface. Found once for a mesh by region
+//! growing from seeds (Besl and Jain: *Segmentation through variable-order surface fitting*, 1988), of constant order and with the
+//! seed's plane as the fit, so that no query has to.
 
-use crate::constants::NONE;
+use crate::constants::{COORDINATE_ROUNDING, NONE, ONE_PLANE, REGION_PLANE_ROUNDING, SAME_REGION_COSINE};
 use crate::geometry::bounds::Triangle;
 use crate::geometry::vectors::{dot, normal, sub};
 use crate::mesh::triangle_mesh::Mesh;
 
-/// Triangles whose normals are within this angle of the first one's (cosine of 3 degrees) may share a region: on a curved surface of
-/// radius r that is off by r/700.
-const ONE_REGION: f64 = 0.998_63;
-
-/// Normals this close (1 - cosine) are of one plane.
-pub const ONE_PLANE: f64 = 1e-9;
-
-/// Share of their distance by which the planes of one surface may miss each other by rounding.
-const ROUNDING: f64 = 1e-6;
-
-/// What is known of a triangle beside the number of its region.
+/// Flags of a triangle, above the number of its region.
 const IN_PLANE: u32 = 1 << 31;
 const THIN: u32 = 1 << 30;
 
@@ -25,28 +16,28 @@ const THIN: u32 = 1 << 30;
 pub struct SmoothRegion(u32);
 
 impl SmoothRegion {
-    /// Of triangles that are not queried.
+    /// The region of triangles that are not queried.
     pub const NONE: SmoothRegion = SmoothRegion(THIN - 1);
 
-    /// Numbers are below as many as there are triangles.
+    /// The number of the region, less than the number of triangles.
     pub fn number(self) -> u32 {
         self.0 & !(IN_PLANE | THIN)
     }
 
-    /// Whether the triangle is in the plane of the region's first one.
+    /// Whether the triangle is in the plane of the region's seed.
     pub fn is_in_plane(self) -> bool {
         self.0 & IN_PLANE != 0
     }
 
-    /// Whether the triangle is so thin that its normal says nothing.
+    /// Whether the triangle is so thin that its normal is noise.
     pub fn is_thin(self) -> bool {
         self.0 & THIN != 0
     }
 }
 
-/// The region of each triangle. A thin one is in that from which it was come to, and passes it on.
+/// The region of each triangle. A thin triangle takes the region that reaches it first, and passes it on.
 ///
-/// The windings of what is open may differ from one triangle to the next, and then say nothing.
+/// Windings of an open surface may differ from one triangle to the next, so there the sign of a normal does not count.
 pub fn smooth_regions(
     mesh: &Mesh,
     neighbours: &[[u32; 3]],
@@ -55,7 +46,7 @@ pub fn smooth_regions(
 ) -> Vec<SmoothRegion> {
     let mut smooth_regions = vec![SmoothRegion::NONE; neighbours.len()];
     let (mut count, mut next) = (0, Vec::new());
-    // Thin ones found none as long as there are others.
+    // Thin triangles are seeds only after all others.
     for thin_too in [false, true] {
         for seed in mesh.queried() {
             let first = mesh.triangle(seed);
@@ -64,9 +55,9 @@ pub fn smooth_regions(
                 continue;
             }
             let (at, n) = (first[0], normal(&first).unwrap_or_default());
-            let rounding = 1e-12 * at[0].abs().max(at[1].abs()).max(at[2].abs());
+            let rounding = COORDINATE_ROUNDING * at[0].abs().max(at[1].abs()).max(at[2].abs());
             let number: u32 = count;
-            // Of a billion regions the last would share a number.
+            // Beyond a billion regions the last ones share a number.
             count = (count + 1).min(SmoothRegion::NONE.0 - 1);
             smooth_regions[seed as usize] = SmoothRegion(number | IN_PLANE | if thin { THIN } else { 0 });
             next.push(seed);
@@ -84,9 +75,10 @@ pub fn smooth_regions(
                         let along = if outward[t as usize] == 0 { dot(&m, &n).abs() } else { dot(&m, &n) };
                         let (turn, way) = ((1.0 - along).max(0.0), sub(&triangle[0], &at));
                         let off = (dot(&way, &n).abs() - rounding).max(0.0);
-                        // One's plane passes the other as near as a surface that turns so much would.
-                        let is_passing = off * off <= dot(&way, &way) * (2.0 * turn + ROUNDING * ROUNDING);
-                        if turn > 1.0 - ONE_REGION || !is_passing {
+                        // The seed's plane passes the triangle no farther off than the plane of an arc with that turn would.
+                        let is_passing =
+                            off * off <= dot(&way, &way) * (2.0 * turn + REGION_PLANE_ROUNDING * REGION_PLANE_ROUNDING);
+                        if turn > 1.0 - SAME_REGION_COSINE || !is_passing {
                             continue;
                         }
                         if turn <= ONE_PLANE {
@@ -135,12 +127,13 @@ mod tests {
             let count = (0..smooth_regions.len()).map(number).max().unwrap() + 1;
             let mut first = vec![usize::MAX; count];
             (0..smooth_regions.len()).rev().for_each(|t| first[number(t)] = t);
-            // Of those that came before a triangle was taken none may have it that it fits.
+            // No neighbouring region that was grown before may fit a triangle that it has not.
             let fits = |t: usize, region: usize| {
                 let [a, b] = [mesh.triangle(first[region] as u32), mesh.triangle(t as u32)];
                 let (n, m) = (normal(&a).unwrap(), normal(&b).unwrap());
                 let (turn, way) = (1.0 - dot(&n, &m), sub(&b[0], &a[0]));
-                turn < 1.0 - ONE_REGION - 1e-9 && dot(&way, &n).powi(2) < dot(&way, &way) * (2.0 * turn + 1e-12) * 0.999
+                turn < 1.0 - SAME_REGION_COSINE - 1e-9
+                    && dot(&way, &n).powi(2) < dot(&way, &way) * (2.0 * turn + 1e-12) * 0.999
             };
             let mut sizes = vec![0; count];
             for t in 0..smooth_regions.len() {
@@ -149,7 +142,7 @@ mod tests {
                 assert!(first[number(t)] == t || beside.iter().any(|n| number(*n) == number(t)), "{i} {t}");
                 assert!(beside.iter().all(|n| number(*n) >= number(t) || !fits(t, number(*n))), "{i} {t}");
                 let [n, m] = [first[number(t)], t].map(|t| normal(&mesh.triangle(t as u32)).unwrap());
-                assert!(dot(&n, &m) >= ONE_REGION, "{i} {t}");
+                assert!(dot(&n, &m) >= SAME_REGION_COSINE, "{i} {t}");
                 assert_eq!(smooth_regions[t].is_in_plane(), 1.0 - dot(&n, &m) <= ONE_PLANE, "{i} {t}");
             }
             assert!(sizes.iter().any(|size| *size > 2), "{i}");
@@ -166,8 +159,8 @@ mod tests {
     }
 
     #[test]
-    fn thin_triangles_belong_to_what_is_beside_them() {
-        // Two squares with a strip between them that is as good as nothing, and one that is alone.
+    fn thin_triangles_belong_to_their_neighbours_region() {
+        // Two squares with a strip of slivers between them, and a sliver alone.
         let strip = |from: f64, to: f64| sheet(1, 1, move |s, t| [from + s * (to - from), t, 0.0]);
         let alone = (vec![[0.0, 5.0, 0.0], [1.0, 5.0, 1e-9], [2.0, 5.0, 0.0]], vec![[0, 1, 2]]);
         let (mesh, Adjacency { smooth_regions, .. }) =
