@@ -4,7 +4,6 @@
 use crate::containers::bit_set::BitSets;
 use crate::patch::convex_bodies::ConvexBodies;
 use crate::patch::extents::largest;
-use crate::patch::half_spaces::HalfSpaces;
 use crate::patch::patches::Patches;
 use crate::patch::support::{highest, push_eights, Eight};
 use feeler_core::geometry::bounds::Point;
@@ -91,8 +90,6 @@ pub(crate) struct Bodies {
     normals: Vec<(Point, f64)>,
     /// For each body the set of its contour segments, by their indices in the contact region.
     pub segments: BitSets,
-    /// Half-spaces of the patches of one body.
-    own: HalfSpaces,
 }
 
 /// A convex body, as views of the lists of [`Bodies`].
@@ -228,8 +225,8 @@ impl Bodies {
                     self.points.extend_from_slice(patches.points(patch));
                     self.segments_of.extend_from_slice(patches.segments_of(patch));
                 }
-                self.own.set(own.iter().map(|p| &patches.list[*p as usize]));
-                let kept = self.own.keep_below(lanes, &mut self.points[whole..], &mut self.segments_of[whole..]);
+                let (points, with) = (&mut self.points[whole..], &mut self.segments_of[whole..]);
+                let kept = convex_bodies.planes.keep_below(lanes, i, points, with);
                 self.points.truncate(whole + kept);
                 self.segments_of.truncate(whole + kept);
             }

@@ -7,7 +7,7 @@
 //! since the depth search needs no more than a set of half-spaces and a set of points for each body.
 
 use crate::containers::bit_set::{is_meeting, BitSets};
-use crate::patch::half_space_filter::HalfSpaceFilter;
+use crate::patch::patch_lanes::PatchLanes;
 use crate::patch::patches::Patches;
 use feeler_core::geometry::bounds::Point;
 use feeler_lanes::Checked;
@@ -23,7 +23,8 @@ pub(crate) struct ConvexBodies {
     pub count: usize,
     /// For each body the set of its patches.
     members: BitSets,
-    filter: HalfSpaceFilter,
+    /// The planes of all patches; of the bodies those that have shared patches.
+    pub planes: PatchLanes,
     /// For each patch the patches above whose planes its middle is.
     planes_below: BitSets,
     /// For each patch those whose middles are above its plane: the transpose.
@@ -50,15 +51,15 @@ impl ConvexBodies {
         self.members.clear(count, count);
         self.planes_below.clear(count, count);
         self.straddling.clear();
-        self.filter.set(&patches.list);
+        self.planes.set(&patches.list);
         self.middles.clear();
         self.middles.extend(patches.list.iter().map(|p| p.middle));
         self.below.clear(count, count);
-        self.filter.classify(lanes, &self.middles, &mut self.planes_below, &mut self.below);
+        self.planes.classify(lanes, &self.middles, &mut self.planes_below, &mut self.below);
         self.middles_above.turn(&self.planes_below, count);
         self.corner_above.clear(patches.all_corners().len(), count);
         self.below.clear(patches.all_corners().len(), count);
-        self.filter.classify(lanes, patches.all_corners(), &mut self.corner_above, &mut self.below);
+        self.planes.classify(lanes, patches.all_corners(), &mut self.corner_above, &mut self.below);
         for (i, patch) in patches.list.iter().enumerate() {
             let corners = patches.corners(patch);
             if self.corner_above.is_meeting_union(&self.below, corners) {
@@ -92,6 +93,10 @@ impl ConvexBodies {
             }
         }
         self.straddling = straddling;
+        for (own, shared) in self.patches.iter().zip(&self.shared_patches).take(self.count) {
+            let is_asked = !shared.is_empty();
+            self.planes.push_body(own.iter().filter(|_| is_asked).map(|p| &patches.list[*p as usize]));
+        }
     }
 
     /// Adds a patch to the first body, from one on, with all of whose patches it is compatible, or founds a body.

@@ -3,66 +3,21 @@
 
 use crate::constants::HOLLOW;
 use crate::containers::bit_set::BitSets;
-use crate::patch::surface_patch::Patch;
+use crate::patch::patch_lanes::PatchLanes;
 use feeler_core::geometry::bounds::Point;
-use feeler_core::geometry::vectors::{dot, sub};
 use feeler_lanes::{Checked, Kernel, Simd, LANES};
 
-/// Sixteen float32 in one cache line.
-#[derive(Debug, Clone, Copy, Default)]
-#[repr(C, align(64))]
-struct Lanes([f32; LANES]);
-
-/// Planes of sixteen patches as a structure of arrays.
-#[derive(Debug, Clone, Copy, Default)]
-struct Sixteen {
-    normal: [Lanes; 3],
-    middle: [Lanes; 3],
-    /// Height of the middle over the patch's plane.
-    height: Lanes,
-}
-
-/// The planes of patches in float32, relative to a point among them and scaled to their size. Float32 suffices: a point
-/// is clearly above a plane only from [`HOLLOW`] of its distance on, which is far above the rounding.
-#[derive(Debug, Default)]
-pub(crate) struct HalfSpaceFilter {
-    sixteens: Vec<Sixteen>,
-    origin: Point,
-    scale: f64,
-}
-
-impl HalfSpaceFilter {
-    pub fn set(&mut self, patches: &[Patch]) {
-        self.sixteens.clear();
-        self.origin = patches.first().map_or([0.0; 3], |patch| patch.middle);
-        let farthest = |p: &Patch| sub(&p.middle, &self.origin).iter().fold(p.size, |m, x| m.max(x.abs()));
-        let largest = patches.iter().map(farthest).fold(0.0, f64::max);
-        self.scale = if largest.is_normal() { largest.recip() } else { 1.0 };
-        self.sixteens.resize(patches.len().div_ceil(LANES), Sixteen::default());
-        for (i, patch) in patches.iter().enumerate() {
-            let middle = self.local(&patch.middle);
-            let (sixteen, lane) = (&mut self.sixteens[i / LANES], i % LANES);
-            for a in 0..3 {
-                (sixteen.normal[a].0[lane], sixteen.middle[a].0[lane]) = (patch.normal[a] as f32, middle[a]);
-            }
-            sixteen.height.0[lane] = (dot(&sub(&patch.middle, &patch.at), &patch.normal) * self.scale) as f32;
-        }
-    }
-
-    /// A point relative to the origin, scaled.
-    fn local(&self, p: &Point) -> [f32; 3] {
-        sub(p, &self.origin).map(|x| (x * self.scale) as f32)
-    }
-
+impl PatchLanes {
     /// Writes to the sets `above` and `below` of each point the patches above and below whose planes it clearly is:
-    /// farther from the plane than [`HOLLOW`] times its distance from the patch's middle.
+    /// farther from the plane than [`HOLLOW`] times its distance from the patch's middle. Float32 suffices, since
+    /// [`HOLLOW`] is far above its rounding.
     pub fn classify(&self, lanes: Checked, points: &[Point], above: &mut BitSets, below: &mut BitSets) {
-        lanes.run(Classify { filter: self, points, above, below });
+        lanes.run(Classify { planes: self, points, above, below });
     }
 }
 
 struct Classify<'a> {
-    filter: &'a HalfSpaceFilter,
+    planes: &'a PatchLanes,
     points: &'a [Point],
     above: &'a mut BitSets,
     below: &'a mut BitSets,
@@ -75,10 +30,10 @@ impl Kernel for Classify<'_> {
     fn run<S: Simd>(self, s: S) {
         let (share, zero) = (s.splat((HOLLOW * HOLLOW) as f32), s.splat(0.0));
         for (k, p) in self.points.iter().enumerate() {
-            let p = self.filter.local(p);
+            let p = self.planes.local(p);
             let p = [s.splat(p[0]), s.splat(p[1]), s.splat(p[2])];
             let (above, below) = (self.above.get_mut(k), self.below.get_mut(k));
-            for (word, sixteens) in self.filter.sixteens.chunks(64 / LANES).enumerate() {
+            for (word, sixteens) in self.planes.sixteens.chunks(64 / LANES).enumerate() {
                 let (mut is_above, mut is_below) = (0, 0);
                 for (i, of) in sixteens.iter().enumerate() {
                     let mut from_middle = p;
@@ -104,7 +59,8 @@ impl Kernel for Classify<'_> {
 mod tests {
     use super::*;
     use crate::containers::bit_set::has;
-    use feeler_core::geometry::vectors::{add, scaled, unit};
+    use crate::patch::surface_patch::Patch;
+    use feeler_core::geometry::vectors::{add, dot, scaled, sub, unit};
     use feeler_lanes::Level;
 
     #[test]
@@ -122,14 +78,14 @@ mod tests {
                     patch
                 };
                 let patches: Vec<Patch> = (0..count).map(patch).collect();
-                let mut filter = HalfSpaceFilter::default();
-                filter.set(&patches);
+                let mut lanes = PatchLanes::default();
+                lanes.set(&patches);
                 let mut doubtful = 0;
                 for level in Level::available() {
                     let (mut above, mut below) = (BitSets::default(), BitSets::default());
                     above.clear(points.len(), count);
                     below.clear(points.len(), count);
-                    filter.classify(level.checked(), &points, &mut above, &mut below);
+                    lanes.classify(level.checked(), &points, &mut above, &mut below);
                     for (k, x) in points.iter().enumerate() {
                         for (i, p) in patches.iter().enumerate() {
                             let (from_middle, height) = (sub(x, &p.middle), dot(&sub(x, &p.at), &p.normal));

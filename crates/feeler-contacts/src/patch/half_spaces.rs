@@ -1,58 +1,21 @@
 //! Which points lie in the intersection of half-spaces: above none of the planes of some patches, eight patches at
 //! once.
 
-use crate::constants::{HOLLOW, HOLLOW_OF_PLANE};
-use crate::patch::surface_patch::Patch;
+use crate::patch::patch_lanes::{EightPlanes, PatchLanes};
 use feeler_core::geometry::bounds::Point;
-use feeler_lanes::{Checked, Kernel, Simd, Wide, WIDE_LANES};
+use feeler_lanes::{Checked, Kernel, Simd};
 
-/// Planes of eight patches as a structure of arrays.
-#[derive(Debug)]
-struct Eight {
-    normal: [Wide; 3],
-    at: [Wide; 3],
-    middle: [Wide; 3],
-    /// Square of the least sine, seen from the middle, of what stands out over the plane.
-    share: Wide,
-}
-
-/// The half-spaces below the planes of some patches.
-#[derive(Debug, Default)]
-pub(crate) struct HalfSpaces {
-    eights: Vec<Eight>,
-}
-
-impl HalfSpaces {
-    pub fn set<'a>(&mut self, patches: impl Iterator<Item = &'a Patch>) {
-        self.eights.clear();
-        for (i, patch) in patches.enumerate() {
-            let share = if patch.flat { HOLLOW_OF_PLANE } else { HOLLOW };
-            if i % WIDE_LANES == 0 {
-                let all = |x: &Point| x.map(|c| Wide([c; WIDE_LANES]));
-                let (normal, at, middle) = (all(&patch.normal), all(&patch.at), all(&patch.middle));
-                self.eights.push(Eight { normal, at, middle, share: Wide([share * share; WIDE_LANES]) });
-            } else if let Some(eight) = self.eights.last_mut() {
-                let lane = i % WIDE_LANES;
-                for a in 0..3 {
-                    eight.normal[a][lane] = patch.normal[a];
-                    eight.at[a][lane] = patch.at[a];
-                    eight.middle[a][lane] = patch.middle[a];
-                }
-                eight.share[lane] = share * share;
-            }
-        }
-    }
-
-    /// Moves the points that are above no plane to the front, each with its entry of `with`, and returns how many they
-    /// are. Above means by more than [`HOLLOW_OF_PLANE`] of the distance from the middle of a flat patch, and by more
-    /// than [`HOLLOW`] for others.
-    pub fn keep_below(&self, lanes: Checked, points: &mut [Point], with: &mut [(u32, u32)]) -> usize {
-        lanes.run(KeepBelow { half_spaces: self, points, with })
+impl PatchLanes {
+    /// Moves the points that are above the plane of no patch of a body to the front, each with its entry of `with`, and
+    /// returns how many they are. Above means by more than [`HOLLOW_OF_PLANE`](crate::constants::HOLLOW_OF_PLANE) of
+    /// the distance from the middle of a flat patch, and by more than [`HOLLOW`](crate::constants::HOLLOW) for others.
+    pub fn keep_below(&self, lanes: Checked, body: usize, points: &mut [Point], with: &mut [(u32, u32)]) -> usize {
+        lanes.run(KeepBelow { eights: self.eights_of(body), points, with })
     }
 }
 
 struct KeepBelow<'a> {
-    half_spaces: &'a HalfSpaces,
+    eights: &'a [EightPlanes],
     points: &'a mut [Point],
     with: &'a mut [(u32, u32)],
 }
@@ -62,7 +25,7 @@ impl Kernel for KeepBelow<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) -> usize {
-        let KeepBelow { half_spaces: HalfSpaces { eights }, points, with } = self;
+        let KeepBelow { eights, points, with } = self;
         let mut kept = 0;
         for i in 0..points.len() {
             let p = points[i];
@@ -81,7 +44,7 @@ impl Kernel for KeepBelow<'_> {
 
 /// A bit for each lane: whether a point stands out over the patch's plane.
 #[inline(always)]
-fn stands_out<S: Simd>(s: S, x: &[S::F64; 3], eight: &Eight) -> u8 {
+fn stands_out<S: Simd>(s: S, x: &[S::F64; 3], eight: &EightPlanes) -> u8 {
     let mut parts = [(x[0], x[0]); 3];
     for a in 0..3 {
         let from_middle = x[a] - s.wide_load(&eight.middle[a]);
@@ -96,6 +59,8 @@ fn stands_out<S: Simd>(s: S, x: &[S::F64; 3], eight: &Eight) -> u8 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::constants::{HOLLOW, HOLLOW_OF_PLANE};
+    use crate::patch::surface_patch::Patch;
     use feeler_core::geometry::vectors::{dot, sub, unit};
     use feeler_lanes::Level;
 
@@ -115,17 +80,21 @@ mod tests {
                 let (from_middle, height) = (sub(x, &p.middle), dot(&sub(x, &p.at), &p.normal));
                 height > 0.0 && height * height > share * share * dot(&from_middle, &from_middle)
             };
-            let mut half_spaces = HalfSpaces::default();
-            half_spaces.set(patches.iter());
-            for level in Level::available() {
-                let is_below = |x: &Point| !patches.iter().any(|p| stands_out(p, x));
+            let mut lanes = PatchLanes::default();
+            lanes.set(&patches);
+            // A body of all patches, and one of a few.
+            for (body, is_asked) in [|_: &usize| true, |i: &usize| (i * i) % 11 == 3].into_iter().enumerate() {
+                lanes.push_body((0..count).filter(is_asked).map(|i| &patches[i]));
+                let is_below = |x: &Point| !(0..count).filter(is_asked).any(|i| stands_out(&patches[i], x));
                 let numbered = |(k, x): (u32, &Point)| (*x, (k, k + 1));
                 let expected: Vec<_> = (0..).zip(&points).filter(|x| is_below(x.1)).map(numbered).collect();
-                assert!(expected.len() < 50 || count == 0);
-                let (mut kept, mut with): (Vec<Point>, Vec<(u32, u32)>) = (0..).zip(&points).map(numbered).unzip();
-                let left = half_spaces.keep_below(level.checked(), &mut kept, &mut with);
-                let kept: Vec<_> = kept[..left].iter().copied().zip(with[..left].iter().copied()).collect();
-                assert_eq!(kept, expected, "{level:?} {count}");
+                assert!(expected.len() < 50 || (0..count).filter(is_asked).count() == 0);
+                for level in Level::available() {
+                    let (mut kept, mut with): (Vec<Point>, Vec<(u32, u32)>) = (0..).zip(&points).map(numbered).unzip();
+                    let left = lanes.keep_below(level.checked(), body, &mut kept, &mut with);
+                    let kept: Vec<_> = kept[..left].iter().copied().zip(with[..left].iter().copied()).collect();
+                    assert_eq!(kept, expected, "{level:?} {count}");
+                }
             }
         }
     }

@@ -12,6 +12,7 @@ pub(crate) mod convex_bodies;
 mod extents;
 mod half_space_filter;
 mod half_spaces;
+mod patch_lanes;
 pub(crate) mod patches;
 pub(crate) mod support;
 mod surface_patch;
