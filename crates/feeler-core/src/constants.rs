@@ -70,3 +70,16 @@ pub const WELD_SHARE: f64 = 1.0 / (1 << 19) as f64;
 
 /// Stands for no triangle, and for no entry of any other list, where a number is kept: no list is so long.
 pub const NONE: u32 = u32::MAX;
+
+/// How far a smooth region may stand out over another's plane (share of the distance between them, no unit) and still bulge with it:
+/// below the turn between neighbouring regions of a hollow surface, above the noise of rounded corners. More makes fewer, less convex
+/// bodies.
+pub const BODY_HOLLOW: f64 = 0.02;
+
+/// Cosine of the turn between neighbouring smooth regions of an open surface up to which they are of one body: 30 degrees. What is
+/// rolled stays one, what is bent over an edge does not.
+pub const OPEN_TURN: f64 = 0.866;
+
+/// Cosine of the angle between the normals of two regions from which on both stand for a body's planes: 8 degrees. Less lets a body
+/// of many small regions become hollow unseen, more makes bodies of thousands of regions slow.
+pub const SAME_BODY_PLANE: f64 = 0.9903;

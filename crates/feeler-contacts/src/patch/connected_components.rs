@@ -222,14 +222,7 @@ mod tests {
             [before, other, after]
         };
         let neighbours: Vec<[u32; 3]> = (0..rows * long).map(beside).collect();
-        let adjacency = Adjacency {
-            outward: vec![1; neighbours.len()],
-            neighbours,
-            smooth_regions: Vec::new(),
-            centre: [0.0; 3],
-            surfaces: Vec::new(),
-            has_cracks: false,
-        };
+        let adjacency = Adjacency::of_neighbours(neighbours);
         // Two rows make a patch, of which every other triangle, or more, is a fragment; fragments come in any order.
         let mut fragments: Vec<Fragment> = (0..rows * long)
             .map(|i| i * 1009 % (rows * long))

@@ -5,6 +5,7 @@ use crate::constants::{NONE, WELD_SHARE};
 use crate::geometry::bounds::{Aabb, Point};
 use crate::geometry::triangle_normals::is_thin;
 use crate::geometry::vectors::{add, cross, dot, length, scaled, sub};
+use crate::mesh::topology::convex_bodies::convex_bodies;
 use crate::mesh::topology::crack_stitching::close_cracks;
 use crate::mesh::topology::disjoint_sets::DisjointSets;
 use crate::mesh::topology::edges::{pair_around, take_doubles, Edge, Edges};
@@ -25,6 +26,8 @@ pub struct Adjacency {
     pub outward: Vec<i8>,
     /// The region of each triangle.
     pub smooth_regions: Vec<SmoothRegion>,
+    /// The convex body of each smooth region: the number of the region that founded it.
+    bodies: Vec<u32>,
     /// The centre of the surface's area, metres, in the mesh's own frame.
     pub centre: Point,
     /// A triangle of each connected surface, with its part before it; sorted.
@@ -40,6 +43,20 @@ impl Adjacency {
         prefetch_at(&self.neighbours, triangle as usize);
         prefetch_at(&self.outward, triangle as usize);
         prefetch_at(&self.smooth_regions, triangle as usize);
+    }
+
+    /// Of given neighbours, all closed, with nothing else known; for tests of what walks over them.
+    #[doc(hidden)]
+    pub fn of_neighbours(neighbours: Vec<[u32; 3]>) -> Adjacency {
+        Adjacency {
+            outward: vec![1; neighbours.len()],
+            neighbours,
+            smooth_regions: Vec::new(),
+            bodies: Vec::new(),
+            centre: [0.0; 3],
+            surfaces: Vec::new(),
+            has_cracks: false,
+        }
     }
 
     /// Of a mesh that is one part.
@@ -94,7 +111,14 @@ impl Adjacency {
         surfaces.sort_unstable();
         let thin = |t: u32| WELD_SHARE * bounds[part_of_face(t) as usize].longest();
         let smooth_regions = smooth_regions(mesh, &neighbours, &outward, |t, triangle| is_thin(triangle, thin(t)));
-        Adjacency { neighbours, outward, smooth_regions, centre: add(&middle, &shift), surfaces, has_cracks }
+        let bodies = convex_bodies(mesh, &neighbours, &outward, &smooth_regions);
+        Adjacency { neighbours, outward, smooth_regions, bodies, centre: add(&middle, &shift), surfaces, has_cracks }
+    }
+
+    /// The convex body of a triangle; [`NONE`] of one that is not queried. Numbers are the same for the same mesh.
+    pub fn body_of(&self, triangle: u32) -> u32 {
+        let region = self.smooth_regions[triangle as usize].number();
+        self.bodies.get(region as usize).copied().unwrap_or(NONE)
     }
 
     /// Those of one part.
@@ -109,6 +133,7 @@ impl Adjacency {
         self.neighbours.capacity() * size_of::<[u32; 3]>()
             + self.outward.capacity()
             + self.smooth_regions.capacity() * size_of::<SmoothRegion>()
+            + self.bodies.capacity() * size_of::<u32>()
             + self.surfaces.capacity() * size_of::<(u32, u32)>()
     }
 }
