@@ -1,5 +1,7 @@
 //! Every tolerance and limit of the contacts, with its unit, its reason, and what moves when it changes.
 
+use feeler_lanes::WIDE_LANES;
+
 /// Most planes of an answer.
 pub const MOST_PLANES: usize = 32;
 
@@ -33,10 +35,6 @@ pub const DOMINATED_COSINE: f64 = 0.9063;
 
 /// Cosine of the angle within which planes of curved or hollow surfaces are one: 12 degrees. Wider: fewer planes.
 pub const SAME_DIRECTION: f64 = 0.978;
-
-/// How far a patch may stand out over another's plane (share of the distance between them) and still count as not: below the
-/// turn between neighbouring patches of a hollow surface, above the noise of rounded corners.
-pub const HOLLOW: f64 = 0.02;
 
 /// Share by which a later axis must be shallower to be preferred: above rounding, so that ties always fall to normals of the
 /// mock-up. Smaller: normals may flicker between poses.
@@ -140,6 +138,41 @@ pub const COORDINATE_NOISE: f64 = 1e-13;
 /// all of a triangle must, to be behind it: then it is near the surface, but not kept off by it. Above rounding; larger: what is just
 /// inside a solid has planes.
 pub const BEHIND_SHARE: f64 = 1e-3;
+
+// Patches and convex bodies.
+
+/// Most patches of one surface in a contact region, before patches that are not connected are split. Further smooth
+/// regions join the patch with the nearest normal. The half-space tests compare all patches with all: twice as many
+/// take four times as long; with fewer, finely curved surfaces are told apart less.
+pub const MOST_PATCHES: usize = 256;
+
+/// Points of a patch up to which all of them are its corners; a patch with more is represented by its extreme points
+/// along eight directions. More corners find more planes that a patch crosses between its extreme points, and each is
+/// one more point to test.
+pub const MOST_CORNERS: usize = 8;
+
+/// Fragments of a patch up to which connected components are found by comparing all with all: as many as one `u32` has
+/// bits. Larger patches are flood filled. The result is the same; it moves time alone.
+pub const FEW_FRAGMENTS: usize = u32::BITS as usize;
+
+/// Sine of the angle, seen from the middle of a patch, up to which a point may stand out over the patch's plane and
+/// still count as not above it: below the turn between neighbouring patches of a concave surface (3 degrees), above the
+/// noise of rounded corners. Larger values join concave patches into one body, which then counts as deeper than it is;
+/// smaller values break convex surfaces apart at corners that are rounded inward.
+pub const HOLLOW: f64 = 0.02;
+
+/// The same for a patch whose triangles all lie in one plane, where only rounding has to be allowed for: which points
+/// of a shared patch a body takes. Larger values lend a body points of its neighbour, smaller ones drop points on the
+/// common edge.
+pub const HOLLOW_OF_PLANE: f64 = 1e-6;
+
+/// Most facets of a body, the largest, whose normals are tried as axes: with the mean of all normals, three full
+/// registers of eight float64. Depths of bodies with more facets are not certain to be the least.
+pub const MOST_NORMALS: usize = 3 * WIDE_LANES - 1;
+
+/// Most pairs of an edge of one body and an edge of the other, an edge being any two facets, whose cross products are
+/// all tried. Beyond, the least depth is searched for by arcs and descent, and is not certain to be the least.
+pub const MOST_EDGES: usize = 100;
 
 // Depth: the axis of least depth of two bodies.
 

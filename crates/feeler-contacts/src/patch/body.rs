@@ -1,42 +1,38 @@
-//! Patches that belong together, seen as one bulging body.
+//! Convex bodies as the depth search reads them: facets, points in lanes, and how far the points reach along the
+//! facets' normals.
 
 use crate::containers::bit_set::BitSets;
 use crate::patch::convex_bodies::ConvexBodies;
 use crate::patch::extents::largest;
-use crate::patch::half_spaces::HalfSpaces;
 use crate::patch::patches::Patches;
 use crate::patch::support::{highest, push_eights, Eight};
 use feeler_core::geometry::bounds::Point;
 use feeler_core::geometry::vectors::{along, dot, unit};
 use feeler_lanes::{Checked, WIDE_LANES};
 
-/// Most facets of a body, the largest, whose normals are tried: with their mean as many as fill the lanes.
-pub(crate) const MOST_NORMALS: usize = 3 * WIDE_LANES - 1;
+pub(crate) use crate::constants::{MOST_EDGES, MOST_NORMALS};
 
-/// Most pairs of edges whose directions are tried.
-pub(crate) const MOST_EDGES: usize = 100;
-
-/// What is asked of a patch of a body.
+/// A patch as a face of a body.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Facet {
     pub normal: Point,
     pub size: f64,
     pub flat: bool,
-    /// Its triangles among those of all patches.
+    /// Range of its triangles in the list of all patches.
     triangles: (usize, usize),
 }
 
-/// Facets with their triangles: those of a body, or of all.
+/// Facets with their triangles: those of one body, or of all bodies.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Facets<'a> {
-    /// Which of the bodies it is; as many as there are where it is all.
+    /// Number of the body; the number of bodies if these are the facets of all.
     pub number: usize,
     list: &'a [Facet],
     triangles: &'a [u32],
 }
 
 impl<'a> Facets<'a> {
-    /// Its triangles, whole, each with the normal of its facet.
+    /// The triangles, whole, each with the normal of its facet.
     pub fn triangles(&self) -> impl Iterator<Item = (u32, &'a Point)> + 'a {
         let all = self.triangles;
         self.list.iter().flat_map(|f| all[f.triangles.0..f.triangles.1].iter().map(|id| (*id, &f.normal)))
@@ -45,11 +41,12 @@ impl<'a> Facets<'a> {
 
 #[cfg(test)]
 impl Facet {
+    /// Without triangles.
     pub fn looking(normal: Point) -> Facet {
         Facet::over(normal, 0..0)
     }
 
-    /// With triangles by their places.
+    /// With a range of triangles.
     pub fn over(normal: Point, triangles: std::ops::Range<usize>) -> Facet {
         Facet { normal, size: 1.0, flat: true, triangles: (triangles.start, triangles.end) }
     }
@@ -62,7 +59,7 @@ impl<'a> Facets<'a> {
     }
 }
 
-/// A body, its lists among those of [`Bodies`].
+/// A body as ranges of the lists of [`Bodies`].
 #[derive(Debug)]
 struct Entry {
     facets: (usize, usize),
@@ -74,52 +71,53 @@ struct Entry {
     largest: f64,
 }
 
-/// The bodies of one surface in a zone. Kept as working memory.
+/// The convex bodies of one surface in a contact region. Kept as working memory.
 #[derive(Debug, Default)]
 pub(crate) struct Bodies {
     list: Vec<Entry>,
-    /// All patches, and those of the bodies.
+    /// All patches as facets, each once.
     patches: Vec<Facet>,
+    /// Facets body by body; a shared patch is a facet of several.
     facets: Vec<Facet>,
     points: Vec<Point>,
-    /// For each point where its cuts are.
+    /// For each point the range of its contour segments in `point_segments`.
     segments_of: Vec<(u32, u32)>,
     point_segments: Vec<u32>,
-    /// For each patch its cuts, by their places in the zone.
+    /// For each patch the set of its contour segments, by their indices in the contact region.
     patch_segments: BitSets,
     eights: Vec<Eight>,
     triangles: Vec<u32>,
     normals: Vec<(Point, f64)>,
-    /// For each body the cuts it has a part in, by their places in the zone.
+    /// For each body the set of its contour segments, by their indices in the contact region.
     pub segments: BitSets,
-    /// The patches of one body.
-    own: HalfSpaces,
 }
 
-/// A body, to be read.
+/// A convex body, as views of the lists of [`Bodies`].
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Body<'a> {
-    /// Which of the bodies it is.
+    /// Number of the body in its contact region.
     pub number: usize,
     pub facets: &'a [Facet],
-    /// Each once, or once for each of its facets.
+    /// Points of its facets; one on the edge of several facets occurs once for each.
     pub points: &'a [Point],
     pub point_eights: &'a [Eight],
-    /// Of all patches.
+    /// Triangles of all patches, which the facets have ranges of.
     pub triangles: &'a [u32],
-    /// For each point where among `point_cuts` its cuts are: those of the curve have several, others none.
+    /// For each point the range of its segments in `point_segments`: points of the contour have several, others none.
     pub segments_of: &'a [(u32, u32)],
     pub point_segments: &'a [u32],
-    /// The normals of the first [`MOST_NORMALS`] facets and their mean, and how far the points reach along each.
+    /// The normals of the first [`MOST_NORMALS`] facets and the mean, and how far the points reach along each.
     pub normals: &'a [(Point, f64)],
-    /// Of the facets' normals, by area; zero where there is none.
+    /// Mean of the facets' normals weighted by size squared, unit; zero if they cancel out.
     pub mean: Point,
+    /// Size of the largest facet, metres.
     pub size: f64,
-    /// The largest coordinate.
+    /// The largest absolute coordinate, metres.
     pub largest: f64,
 }
 
 impl<'a> Body<'a> {
+    /// All its facets with their triangles.
     pub fn whole(&self) -> Facets<'a> {
         Facets { number: self.number, list: self.facets, triangles: self.triangles }
     }
@@ -134,7 +132,7 @@ impl<'a> Body<'a> {
 
 #[cfg(test)]
 impl<'a> Body<'a> {
-    /// Of facets alone.
+    /// With facets and nothing else.
     pub fn of_facets(facets: &'a [Facet]) -> Body<'a> {
         Body {
             number: 0,
@@ -157,7 +155,7 @@ impl Bodies {
         self.list.len()
     }
 
-    /// Whether a body has a part in any cut.
+    /// Whether a body has a segment of the contour.
     pub fn is_on_contour(&self, i: usize) -> bool {
         self.segments.get(i).iter().any(|word| *word != 0)
     }
@@ -179,19 +177,20 @@ impl Bodies {
         }
     }
 
-    /// What all bodies have, each patch once.
+    /// The patches of all bodies, each once.
     pub fn all(&self) -> Facets<'_> {
         Facets { number: self.list.len(), list: &self.patches, triangles: &self.triangles }
     }
 
-    /// Makes the bodies of a zone with so many cuts. `place_of_cut` tells where a cut is among them.
+    /// Lays out the bodies of a contact region with that many segments. `index_of_segment` gives the index of a segment
+    /// in the contact region.
     pub fn set(
         &mut self,
         lanes: Checked,
         patches: &Patches,
         convex_bodies: &ConvexBodies,
         segments: usize,
-        place_of_segment: impl Fn(u32) -> usize,
+        index_of_segment: impl Fn(u32) -> usize,
     ) {
         self.list.clear();
         self.patches.clear();
@@ -212,7 +211,7 @@ impl Bodies {
             patches
                 .segments(patch)
                 .iter()
-                .for_each(|segment| self.patch_segments.insert(p, place_of_segment(*segment)));
+                .for_each(|segment| self.patch_segments.insert(p, index_of_segment(*segment)));
         }
         for (i, (own, shared_patches)) in
             convex_bodies.patches.iter().zip(&convex_bodies.shared_patches).enumerate().take(convex_bodies.count)
@@ -227,14 +226,14 @@ impl Bodies {
                 self.segments_of.extend_from_slice(patches.segments_of(patch));
             }
             if !shared_patches.is_empty() {
-                // Of these the part that is below all of the body's own.
+                // The body takes the points of these that are below the planes of all its own patches.
                 let whole = self.points.len();
                 for patch in shared_patches.iter().map(|p| &patches.list[*p as usize]) {
                     self.points.extend_from_slice(patches.points(patch));
                     self.segments_of.extend_from_slice(patches.segments_of(patch));
                 }
-                self.own.set(own.iter().map(|p| &patches.list[*p as usize]));
-                let kept = self.own.keep_below(lanes, &mut self.points[whole..], &mut self.segments_of[whole..]);
+                let (points, with) = (&mut self.points[whole..], &mut self.segments_of[whole..]);
+                let kept = convex_bodies.planes.keep_below(lanes, i, points, with);
                 self.points.truncate(whole + kept);
                 self.segments_of.truncate(whole + kept);
             }
@@ -270,7 +269,7 @@ impl Bodies {
     }
 }
 
-/// Pairs of so many facets.
+/// Number of edges that so many facets can have: their pairs.
 pub(crate) fn edge_count(facets: usize) -> usize {
     facets * facets.saturating_sub(1) / 2
 }

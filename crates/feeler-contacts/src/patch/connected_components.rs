@@ -1,5 +1,6 @@
-//! Which pieces of a patch are connected.
+//! Connected components of the fragments of a patch, over shared edges.
 
+use crate::constants::FEW_FRAGMENTS;
 use crate::context::QueryContext;
 use crate::contour::contact_region::FaceNumbers;
 use crate::patch::surface_patch::{Fragment, Patch};
@@ -8,32 +9,31 @@ use feeler_core::constants::NONE;
 use feeler_core::mesh::topology::adjacency::Adjacency;
 use feeler_lanes::{Kernel, Simd, LANES};
 
-/// Most pieces that are compared each with each: as many as a set has bits.
-const FEW: usize = 2 * LANES;
-
-/// Working memory.
+/// Working memory of the split of patches into connected components.
 #[derive(Debug, Default)]
 pub(crate) struct ConnectedComponents {
-    /// For each piece the first of those it is connected with.
+    /// For each fragment the first one of its component, in the order of its patch.
     first: Vec<u32>,
-    /// Patches of many pieces.
+    /// Patches of more than [`FEW_FRAGMENTS`] fragments.
     large: Vec<u32>,
-    /// Pieces by the places of their triangles, where these are any's.
+    /// By face number, the fragment of that face; entries of faces without one are left over from other patches.
     fragment_of: Vec<u32>,
     stack: Vec<u32>,
-    /// Whether a piece of a patch has it.
+    /// For each patch whether one of its components has kept it.
     taken: Vec<bool>,
 }
 
 impl ConnectedComponents {
-    /// Gives each connected piece of a patch a patch of its own: two faces left and right of a slot have one plane, and yet
-    /// each belongs to its own side. Only where the surface is closed and so its edges are known.
+    /// Gives each connected component of a patch a patch of its own: the faces left and right of a slot lie in one
+    /// plane, but each belongs to its own side of the slot. Patches of open surfaces stay whole, since the neighbours
+    /// there are not all known.
     ///
-    /// `order` has the pieces patch by patch. Returns whether there are more patches now.
-    pub fn part(
+    /// `order` lists the fragments patch by patch, `numbers` the faces of the contact regions. Returns whether a patch
+    /// was split.
+    pub fn split(
         &mut self,
         context: &QueryContext<'_>,
-        places: &FaceNumbers,
+        numbers: &FaceNumbers,
         surface: Surface,
         list: &mut Vec<Patch>,
         fragments: &mut [Fragment],
@@ -49,9 +49,9 @@ impl ConnectedComponents {
         large.clear();
         context.lanes.run(Connect { adjacency, patches: list, fragments, order, first, large });
         if !self.large.is_empty() {
-            self.connect_large(adjacency, places, surface, list, fragments, order);
+            self.connect_large(adjacency, numbers, surface, list, fragments, order);
         }
-        // The first connected piece keeps the patch.
+        // The first component keeps the patch.
         let ConnectedComponents { first, taken, .. } = self;
         let count = list.len();
         taken.clear();
@@ -68,24 +68,24 @@ impl ConnectedComponents {
         list.len() > count
     }
 
-    /// The same for patches of many pieces, over shared edges from piece to piece.
+    /// The components of large patches, by flood fill over shared edges.
     fn connect_large(
         &mut self,
         adjacency: &Adjacency,
-        places: &FaceNumbers,
+        numbers: &FaceNumbers,
         surface: Surface,
         list: &[Patch],
         fragments: &[Fragment],
         order: &[u32],
     ) {
         let ConnectedComponents { first, large, fragment_of, stack, .. } = self;
-        // What the list has of other pieces stays there: whoever asks looks whether a piece is that of the triangle.
-        fragment_of.resize(places.len(surface).max(fragment_of.len()), 0);
+        // Left-over entries are not cleared: each use checks that the fragment is that of the triangle.
+        fragment_of.resize(numbers.len(surface).max(fragment_of.len()), 0);
         for patch in large.iter() {
-            let of = list[*patch as usize].range(order);
+            let of = list[*patch as usize].of_fragments(order);
             for i in of {
-                if let Some(place) = places.get(surface, fragments[*i as usize].id) {
-                    fragment_of[place as usize] = *i;
+                if let Some(number) = numbers.get(surface, fragments[*i as usize].id) {
+                    fragment_of[number as usize] = *i;
                 }
             }
             let mut left = of.len();
@@ -102,8 +102,8 @@ impl ConnectedComponents {
                     }
                     let beside = adjacency.neighbours[fragments[j as usize].id as usize];
                     for n in beside.into_iter().filter(|n| *n != NONE) {
-                        let Some(place) = places.get(surface, n) else { continue };
-                        let k = fragment_of[place as usize];
+                        let Some(number) = numbers.get(surface, n) else { continue };
+                        let k = fragment_of[number as usize];
                         let is_it = fragments
                             .get(k as usize)
                             .is_some_and(|fragment| fragment.id == n && fragment.patch == *patch);
@@ -119,7 +119,7 @@ impl ConnectedComponents {
     }
 }
 
-/// Finds the first of the pieces that each is connected with, for patches of few pieces; those of many it lists.
+/// Finds, for the fragments of small patches, the first one of their component; lists the large patches.
 struct Connect<'a> {
     adjacency: &'a Adjacency,
     patches: &'a [Patch],
@@ -136,7 +136,7 @@ impl Kernel for Connect<'_> {
     fn run<S: Simd>(self, _: S) {
         let Connect { adjacency, patches, fragments, order, first, large } = self;
         for (i, patch) in patches.iter().enumerate() {
-            let of = patch.range(order);
+            let of = patch.of_fragments(order);
             let mut is_closed = true;
             for i in of {
                 is_closed &= fragments[*i as usize].closed;
@@ -147,8 +147,8 @@ impl Kernel for Connect<'_> {
                 }
             } else if of.len() <= LANES {
                 connect::<LANES>(adjacency, fragments, of, first);
-            } else if of.len() <= FEW {
-                connect::<FEW>(adjacency, fragments, of, first);
+            } else if of.len() <= FEW_FRAGMENTS {
+                connect::<FEW_FRAGMENTS>(adjacency, fragments, of, first);
             } else {
                 large.push(i as u32);
             }
@@ -156,7 +156,8 @@ impl Kernel for Connect<'_> {
     }
 }
 
-/// At most `N` pieces of a patch: each is compared with the neighbours of each, a bit for one.
+/// Components of a patch of at most `N` fragments: a flood fill whose sets are bits of a `u32`, in which each fragment
+/// is compared with the neighbours of each.
 #[inline(always)]
 fn connect<const N: usize>(adjacency: &Adjacency, fragments: &[Fragment], of: &[u32], first: &mut [u32]) {
     let mut ids = [NONE; N];
@@ -188,7 +189,8 @@ mod tests {
     use crate::surface::Surface;
     use feeler_lanes::Level;
 
-    /// For each piece of a patch the first of those found from it over shared edges, or of all where one is open.
+    /// For each fragment of a patch the first one reached from it over shared edges; the first of all where one is
+    /// open.
     fn plainly_first(adjacency: &Adjacency, fragments: &[Fragment], of: &[u32]) -> Vec<u32> {
         if of.iter().any(|i| !fragments[*i as usize].closed) {
             return vec![of[0]; of.len()];
@@ -208,8 +210,8 @@ mod tests {
     }
 
     #[test]
-    fn pieces_are_connected_as_a_walk_finds_them() {
-        // Triangles in rows, each beside the next, with gaps; some have one neighbour more in another row.
+    fn components_are_those_a_flood_fill_finds() {
+        // Triangles in rows, each adjacent to the next, with gaps; some have another neighbour in the next row.
         let (rows, long) = (30u32, 90u32);
         let beside = |t: u32| {
             let (row, at) = (t / long, t % long);
@@ -221,7 +223,7 @@ mod tests {
         };
         let neighbours: Vec<[u32; 3]> = (0..rows * long).map(beside).collect();
         let adjacency = Adjacency::of_neighbours(neighbours);
-        // Two rows are a patch, of which every other triangle, or more, is a piece; the pieces come in any order.
+        // Two rows make a patch, of which every other triangle, or more, is a fragment; fragments come in any order.
         let mut fragments: Vec<Fragment> = (0..rows * long)
             .map(|i| i * 1009 % (rows * long))
             .filter(|t| t % long < 4 * (t / long / 2) && (t % long % 5 > 0 || (t / long).is_multiple_of(4)))
@@ -235,11 +237,11 @@ mod tests {
             if order.len() as u32 > from {
                 order[from as usize..].iter().for_each(|i| fragments[*i as usize].patch = patches.len() as u32);
                 patches.push(Patch::new([0.0; 3], [0.0; 3]));
-                patches.last_mut().unwrap().points = (from, order.len() as u32);
+                patches.last_mut().unwrap().fragments = (from, order.len() as u32);
             }
         }
-        let mut places = FaceNumbers::default();
-        fragments.iter().for_each(|fragment| _ = places.number(Surface::Mockup, fragment.id));
+        let mut numbers = FaceNumbers::default();
+        fragments.iter().for_each(|fragment| _ = numbers.number(Surface::Mockup, fragment.id));
         for level in Level::available() {
             let mut components =
                 ConnectedComponents { first: vec![NONE; fragments.len()], ..ConnectedComponents::default() };
@@ -253,14 +255,14 @@ mod tests {
                 large,
             });
             assert!(!large.is_empty() && large.len() < patches.len());
-            components.connect_large(&adjacency, &places, Surface::Mockup, &patches, &fragments, &order);
+            components.connect_large(&adjacency, &numbers, Surface::Mockup, &patches, &fragments, &order);
             let mut counts = [0; 2];
             for patch in &patches {
-                let of = patch.range(&order);
+                let of = patch.of_fragments(&order);
                 let expected = plainly_first(&adjacency, &fragments, of);
                 let found: Vec<u32> = of.iter().map(|i| components.first[*i as usize]).collect();
                 assert_eq!(found, expected, "{level:?} {}", of.len());
-                counts[usize::from(of.len() <= FEW && expected.iter().any(|i| *i != of[0]))] += 1;
+                counts[usize::from(of.len() <= FEW_FRAGMENTS && expected.iter().any(|i| *i != of[0]))] += 1;
             }
             assert!(counts.iter().all(|count| *count > 2), "{counts:?}");
         }

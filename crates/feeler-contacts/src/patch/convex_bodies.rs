@@ -1,60 +1,73 @@
-//! Patches that bulge the same way together.
+//! Patches grouped into convex bodies: a greedy cover of the patches by cliques of mutually compatible ones.
+//!
+//! Two patches are compatible if the middle of neither stands out over the plane of the other by more than
+//! [`HOLLOW`](crate::constants::HOLLOW). Patches are taken largest first, and each joins the first body with all of
+//! whose patches it is compatible. The result is an approximate convex decomposition of the surface (Lien & Amato 2004,
+//! who cut a solid along its notches until each part is convex enough); here patches are only grouped and never cut,
+//! since the depth search needs no more than a set of half-spaces and a set of points for each body.
+//!
+//! Bodies are grouped anew in each contact region, and are not those of the mesh (`Adjacency::body_of`), which give a
+//! contact its identity: two faces beside a convex edge bound one body there, although far away one of them may stand
+//! out over the plane of the other. With the bodies of the mesh, a tooth in its slot would get planes for parts of its
+//! walls, and waves that fit each other would lose theirs.
 
 use crate::containers::bit_set::{is_meeting, BitSets};
-use crate::patch::half_space_filter::HalfSpaceFilter;
+use crate::patch::patch_lanes::PatchLanes;
 use crate::patch::patches::Patches;
 use feeler_core::geometry::bounds::Point;
 use feeler_lanes::Checked;
 
-/// Patches of which none stands out over the plane of another: together, part of a convex body. The largest first. Kept as
-/// working memory.
+/// The convex bodies of one surface in a contact region, largest first. Kept as working memory.
 #[derive(Debug, Default)]
 pub(crate) struct ConvexBodies {
-    /// Patches of each.
+    /// For each body its patches. Entries from `count` on are left over.
     pub patches: Vec<Vec<u32>>,
-    /// Patches of which a part belongs to it.
+    /// For each body the straddling patches that share a part with it.
     pub shared_patches: Vec<Vec<u32>>,
-    /// How many there are; what lies behind in the lists is memory.
+    /// Number of bodies.
     pub count: usize,
+    /// For each body the set of its patches.
     members: BitSets,
-    judge: HalfSpaceFilter,
-    /// For each patch the patches over whose planes its middle stands out.
-    over: BitSets,
-    /// For each patch those whose middles stand out over its plane.
+    /// The planes of all patches; of the bodies those that have shared patches.
+    pub planes: PatchLanes,
+    /// For each patch the patches above whose planes its middle is.
+    planes_below: BitSets,
+    /// For each patch those whose middles are above its plane: the transpose.
+    middles_above: BitSets,
+    /// For each corner the patches above whose planes it is.
+    corner_above: BitSets,
+    /// For each corner, before that for each middle, the patches below whose planes it is.
     below: BitSets,
-    /// Over which planes each corner of a patch stands out.
-    corner_over: BitSets,
-    /// Those under whose planes the same corner or middle is.
-    under: BitSets,
-    /// Patches that a patch or a part of it is not with.
-    barred: Vec<u64>,
+    /// Patches that exclude a patch, or the shared part of one, from their body.
+    excluded: Vec<u64>,
     middles: Vec<Point>,
     straddling: Vec<u32>,
 }
 
 impl ConvexBodies {
-    /// Sorts patches, the largest first, into clusters.
+    /// Groups patches, which come largest first, into bodies.
     ///
-    /// A patch that reaches from behind another's plane to before it, as the end of an L does with both its legs, makes no body
-    /// of its own if it can help: it lends its nearer part to each.
+    /// A straddling patch has corners on both sides of another's plane, as the end face of an L has for both legs. It
+    /// founds a body only if it can share a part with none; otherwise each body takes the points of it that lie below
+    /// all planes of the body.
     pub fn set(&mut self, lanes: Checked, patches: &Patches) {
         let count = patches.list.len();
         self.count = 0;
         self.members.clear(count, count);
-        self.over.clear(count, count);
+        self.planes_below.clear(count, count);
         self.straddling.clear();
-        self.judge.set(&patches.list);
+        self.planes.set(&patches.list);
         self.middles.clear();
         self.middles.extend(patches.list.iter().map(|p| p.middle));
-        self.under.clear(count, count);
-        self.judge.judge(lanes, &self.middles, &mut self.over, &mut self.under);
-        self.below.transpose(&self.over, count);
-        self.corner_over.clear(patches.all_corners().len(), count);
-        self.under.clear(patches.all_corners().len(), count);
-        self.judge.judge(lanes, patches.all_corners(), &mut self.corner_over, &mut self.under);
+        self.below.clear(count, count);
+        self.planes.classify(lanes, &self.middles, &mut self.planes_below, &mut self.below);
+        self.middles_above.transpose(&self.planes_below, count);
+        self.corner_above.clear(patches.all_corners().len(), count);
+        self.below.clear(patches.all_corners().len(), count);
+        self.planes.classify(lanes, patches.all_corners(), &mut self.corner_above, &mut self.below);
         for (i, patch) in patches.list.iter().enumerate() {
             let corners = patches.corners(patch);
-            if self.corner_over.is_meeting_union(&self.under, corners) {
+            if self.corner_above.is_meeting_union(&self.below, corners) {
                 self.straddling.push(i as u32);
             }
         }
@@ -67,30 +80,38 @@ impl ConvexBodies {
         }
         let bodies = self.count;
         for i in straddling.drain(..) {
-            let mut shared_patches = false;
+            let mut is_shared = false;
             let corners = patches.corners(&patches.list[i as usize]);
-            self.barred.clear();
-            self.barred.extend_from_slice(self.below.get(i as usize));
-            self.corner_over.join_common(corners, &mut self.barred);
+            // A body is out of the question if one of its patches has its middle above this plane, or all these corners
+            // above its own.
+            self.excluded.clear();
+            self.excluded.extend_from_slice(self.middles_above.get(i as usize));
+            self.corner_above.join_common(corners, &mut self.excluded);
             for c in 0..bodies {
                 if self.is_partly_within(corners, c) {
-                    shared_patches = true;
+                    is_shared = true;
                     self.shared_patches[c].push(i);
                 }
             }
-            if !shared_patches {
+            if !is_shared {
                 self.join_or_found(i, bodies);
             }
         }
         self.straddling = straddling;
+        for (own, shared) in self.patches.iter().zip(&self.shared_patches).take(self.count) {
+            let is_asked = !shared.is_empty();
+            self.planes.push_body(own.iter().filter(|_| is_asked).map(|p| &patches.list[*p as usize]));
+        }
     }
 
-    /// Adds a patch to the first cluster, from one on, that it bulges with.
+    /// Adds a patch to the first body, from one on, with all of whose patches it is compatible, or founds a body.
     fn join_or_found(&mut self, i: u32, from: usize) {
-        self.barred.clear();
-        self.barred.extend(self.over.get(i as usize).iter().zip(self.below.get(i as usize)).map(|(o, b)| o | b));
-        let fits = |c: &usize| !is_meeting(&self.barred, self.members.get(*c));
-        let c = (from..self.count).find(fits).unwrap_or_else(|| {
+        let either =
+            self.planes_below.get(i as usize).iter().zip(self.middles_above.get(i as usize)).map(|(x, y)| x | y);
+        self.excluded.clear();
+        self.excluded.extend(either);
+        let is_compatible = |c: &usize| !is_meeting(&self.excluded, self.members.get(*c));
+        let c = (from..self.count).find(is_compatible).unwrap_or_else(|| {
             if self.patches.len() == self.count {
                 self.patches.push(Vec::new());
                 self.shared_patches.push(Vec::new());
@@ -104,10 +125,10 @@ impl ConvexBodies {
         self.members.insert(c, i as usize);
     }
 
-    /// Whether none of a cluster's patches is barred, and one of some corners is over none of them.
+    /// Whether none of a body's patches is excluded, and at least one of the corners is above none of their planes.
     fn is_partly_within(&self, corners: &[u32], c: usize) -> bool {
         let members = self.members.get(c);
-        !is_meeting(&self.barred, members)
-            && corners.iter().any(|k| !is_meeting(self.corner_over.get(*k as usize), members))
+        !is_meeting(&self.excluded, members)
+            && corners.iter().any(|k| !is_meeting(self.corner_above.get(*k as usize), members))
     }
 }

@@ -1,13 +1,15 @@
-//! Size, middle and outermost points of patches, and how large the coordinates of points are.
+//! Extents of patches: size, middle and extreme points; and the largest coordinate of points.
 
+use crate::constants::MOST_CORNERS;
 use crate::patch::support::Eight;
-use crate::patch::surface_patch::{Patch, MOST_CORNERS};
+use crate::patch::surface_patch::Patch;
 use feeler_core::geometry::bounds::Point;
 use feeler_core::geometry::vectors::{length, scaled, sub};
 use feeler_lanes::{Checked, Kernel, Simd, WIDE_LANES};
 
-/// DepthScratch along which the outermost points of a patch stand for all of them: axes and diagonals of a cube, and one again.
-const OUTERMOST: [Point; WIDE_LANES] = [
+/// Directions along which the extreme points of a patch represent all its points: the axes and diagonals of a cube, the
+/// last one twice to fill the lanes.
+const DIRECTIONS: [Point; WIDE_LANES] = [
     [1.0, 0.0, 0.0],
     [0.0, 1.0, 0.0],
     [0.0, 0.0, 1.0],
@@ -18,18 +20,19 @@ const OUTERMOST: [Point; WIDE_LANES] = [
     [1.0, 1.0, -1.0],
 ];
 
-/// What is asked of the points of a patch.
+/// Extents of the points of a patch.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Extents {
     /// Their mean.
     pub middle: Point,
-    /// Diagonal of the box around them.
+    /// Diagonal of their bounding box, metres.
     pub size: f64,
-    /// The places of the lowest and the highest along each of a few directions, where there are more than [`MOST_CORNERS`].
-    pub outermost: [[f64; WIDE_LANES]; 2],
+    /// Indices of the lowest and of the highest point along each of [`DIRECTIONS`]; zeros for at most [`MOST_CORNERS`]
+    /// points.
+    pub extreme: [[f64; WIDE_LANES]; 2],
 }
 
-/// The measure_extents of patches, whose points are among `points`.
+/// Writes the extents of each patch to `out`; `points` are the points of all patches.
 pub(crate) fn measure_extents(lanes: Checked, points: &[Point], patches: &[Patch], out: &mut Vec<Extents>) {
     lanes.run(MeasureExtents { points, patches, out });
 }
@@ -45,20 +48,23 @@ impl Kernel for MeasureExtents<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) {
-        let d = s.wide_points(OUTERMOST.each_ref());
+        let d = s.wide_points(DIRECTIONS.each_ref());
         self.out.clear();
         for patch in self.patches {
-            let points = patch.range(self.points);
-            let mut outermost = [[0.0; WIDE_LANES]; 2];
-            let [low, high, sum] =
-                if points.len() > MOST_CORNERS { reach(s, &d, points, &mut outermost) } else { bounds(points) };
+            let points = patch.of_points(self.points);
+            let mut extreme = [[0.0; WIDE_LANES]; 2];
+            let [low, high, sum] = if points.len() > MOST_CORNERS {
+                bounds_and_extremes(s, &d, points, &mut extreme)
+            } else {
+                bounds(points)
+            };
             let middle = scaled(&sum, 1.0 / points.len() as f64);
-            self.out.push(Extents { middle, size: length(&sub(&high, &low)), outermost });
+            self.out.push(Extents { middle, size: length(&sub(&high, &low)), extreme });
         }
     }
 }
 
-/// The lowest and the highest coordinates of points, and their sums.
+/// Minimum, maximum and sum of points, coordinate by coordinate.
 #[inline(always)]
 fn bounds(points: &[Point]) -> [Point; 3] {
     let (mut low, mut high, mut sum) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3], [0.0; 3]);
@@ -72,23 +78,29 @@ fn bounds(points: &[Point]) -> [Point; 3] {
     [low, high, sum]
 }
 
-/// The same, and which points are the lowest and the highest along all directions.
+/// The same, and the indices of the lowest and the highest point along eight directions, of which the first three are
+/// the axes.
 #[inline(always)]
-fn reach<S: Simd>(s: S, d: &[S::F64; 3], points: &[Point], outermost: &mut [[f64; WIDE_LANES]; 2]) -> [Point; 3] {
+fn bounds_and_extremes<S: Simd>(
+    s: S,
+    d: &[S::F64; 3],
+    points: &[Point],
+    extreme: &mut [[f64; WIDE_LANES]; 2],
+) -> [Point; 3] {
     let (zero, one) = (s.wide_splat(0.0), s.wide_splat(1.0));
     let (mut low, mut high) = (s.wide_splat(f64::INFINITY), s.wide_splat(f64::NEG_INFINITY));
-    let (mut low_at, mut high_at, mut sum, mut place) = (zero, zero, zero, zero);
+    let (mut low_at, mut high_at, mut sum, mut index) = (zero, zero, zero, zero);
     for p in points {
-        // Along the axes these are the coordinates.
+        // In the first three lanes, the axes, the height is the coordinate.
         let h = s.wide_splat(p[0]) * d[0] + s.wide_splat(p[1]) * d[1] + s.wide_splat(p[2]) * d[2];
-        low_at = s.choose(s.wide_above(h, low), low_at, place);
-        high_at = s.choose(s.wide_above(high, h), high_at, place);
+        low_at = s.choose(s.wide_above(h, low), low_at, index);
+        high_at = s.choose(s.wide_above(high, h), high_at, index);
         (low, high) = (s.wide_min(low, h), s.wide_max(high, h));
         sum = sum + h;
-        place = place + one;
+        index = index + one;
     }
-    s.wide_store(low_at, &mut outermost[0]);
-    s.wide_store(high_at, &mut outermost[1]);
+    s.wide_store(low_at, &mut extreme[0]);
+    s.wide_store(high_at, &mut extreme[1]);
     let mut stored = [[0.0; WIDE_LANES]; 3];
     for (x, to) in [low, high, sum].into_iter().zip(&mut stored) {
         s.wide_store(x, to);
@@ -96,7 +108,7 @@ fn reach<S: Simd>(s: S, d: &[S::F64; 3], points: &[Point], outermost: &mut [[f64
     stored.map(|x| [x[0], x[1], x[2]])
 }
 
-/// The largest coordinate of points, whatever its sign; 0 where there is none.
+/// The largest absolute coordinate of points; 0 without points.
 pub(crate) fn largest(lanes: Checked, points: &[Eight]) -> f64 {
     lanes.run(Largest { points })
 }
@@ -135,8 +147,8 @@ mod tests {
     use feeler_lanes::Level;
 
     #[test]
-    fn outlines_are_those_a_loop_finds() {
-        // Some points twice.
+    fn extents_are_those_a_loop_finds() {
+        // Some points occur twice.
         let wave = |i: usize| [(0.7 * i as f64).sin() - 0.4, (1.9 * i as f64).cos(), (0.3 * i as f64).sin() - 3.0];
         let points: Vec<Point> = (0..60).map(|i| wave(i % 17)).collect();
         for level in Level::available() {
@@ -152,8 +164,8 @@ mod tests {
                 let sum = points.iter().fold([0.0; 3], |s, p| add(&s, p));
                 assert_eq!(found.size, length(&bounds.extent()));
                 assert_eq!(found.middle, scaled(&sum, 1.0 / points.len() as f64));
-                for (i, d) in OUTERMOST.iter().enumerate().filter(|_| points.len() > MOST_CORNERS) {
-                    let [low, high] = found.outermost.map(|of| dot(&points[of[i] as usize], d));
+                for (i, d) in DIRECTIONS.iter().enumerate().filter(|_| points.len() > MOST_CORNERS) {
+                    let [low, high] = found.extreme.map(|of| dot(&points[of[i] as usize], d));
                     assert!(points.iter().all(|p| low <= dot(p, d) && dot(p, d) <= high), "{level:?} {d:?}");
                 }
                 let mut eights = Vec::new();

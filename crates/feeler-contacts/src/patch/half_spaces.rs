@@ -1,59 +1,21 @@
-//! Which points are over none of many patches, eight patches at once.
+//! Which points lie in the intersection of half-spaces: above none of the planes of some patches, eight patches at
+//! once.
 
-use crate::constants::HOLLOW;
-use crate::patch::surface_patch::Patch;
+use crate::patch::patch_lanes::{EightPlanes, PatchLanes};
 use feeler_core::geometry::bounds::Point;
-use feeler_lanes::{Checked, Kernel, Simd, Wide, WIDE_LANES};
+use feeler_lanes::{Checked, Kernel, Simd};
 
-/// The same as [`HOLLOW`] of a flat patch: points strictly over its plane.
-const OVER_A_PLANE: f64 = 1e-6;
-
-/// Eight patches by axis.
-#[derive(Debug)]
-struct Eight {
-    normal: [Wide; 3],
-    at: [Wide; 3],
-    middle: [Wide; 3],
-    /// Square of the share of the distance from its middle that a point must be over a patch's plane to stand out over it.
-    share: Wide,
-}
-
-/// Patches under whose planes points are to be.
-#[derive(Debug, Default)]
-pub(crate) struct HalfSpaces {
-    eights: Vec<Eight>,
-}
-
-impl HalfSpaces {
-    pub fn set<'a>(&mut self, patches: impl Iterator<Item = &'a Patch>) {
-        self.eights.clear();
-        for (i, patch) in patches.enumerate() {
-            let share = if patch.flat { OVER_A_PLANE } else { HOLLOW };
-            if i % WIDE_LANES == 0 {
-                let all = |x: &Point| x.map(|c| Wide([c; WIDE_LANES]));
-                let (normal, at, middle) = (all(&patch.normal), all(&patch.at), all(&patch.middle));
-                self.eights.push(Eight { normal, at, middle, share: Wide([share * share; WIDE_LANES]) });
-            } else if let Some(eight) = self.eights.last_mut() {
-                let lane = i % WIDE_LANES;
-                for a in 0..3 {
-                    eight.normal[a][lane] = patch.normal[a];
-                    eight.at[a][lane] = patch.at[a];
-                    eight.middle[a][lane] = patch.middle[a];
-                }
-                eight.share[lane] = share * share;
-            }
-        }
-    }
-
-    /// Moves the points that are over no patch's plane to the front, each with what belongs to it, and tells how many these are.
-    /// Over a flat patch is what is strictly so, over others what is clearly so.
-    pub fn keep_below(&self, lanes: Checked, points: &mut [Point], with: &mut [(u32, u32)]) -> usize {
-        lanes.run(KeepBelow { sides: self, points, with })
+impl PatchLanes {
+    /// Moves the points that are above the plane of no patch of a body to the front, each with its entry of `with`, and
+    /// returns how many they are. Above means by more than [`HOLLOW_OF_PLANE`](crate::constants::HOLLOW_OF_PLANE) of
+    /// the distance from the middle of a flat patch, and by more than [`HOLLOW`](crate::constants::HOLLOW) for others.
+    pub fn keep_below(&self, lanes: Checked, body: usize, points: &mut [Point], with: &mut [(u32, u32)]) -> usize {
+        lanes.run(KeepBelow { eights: self.eights_of(body), points, with })
     }
 }
 
 struct KeepBelow<'a> {
-    sides: &'a HalfSpaces,
+    eights: &'a [EightPlanes],
     points: &'a mut [Point],
     with: &'a mut [(u32, u32)],
 }
@@ -63,7 +25,7 @@ impl Kernel for KeepBelow<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) -> usize {
-        let KeepBelow { sides: HalfSpaces { eights }, points, with } = self;
+        let KeepBelow { eights, points, with } = self;
         let mut kept = 0;
         for i in 0..points.len() {
             let p = points[i];
@@ -72,7 +34,7 @@ impl Kernel for KeepBelow<'_> {
             for eight in eights {
                 above |= stands_out(s, &x, eight);
             }
-            // It is as good as random which are kept: no branch asks.
+            // Without a branch: which points are kept cannot be predicted.
             (points[kept], with[kept]) = (p, with[i]);
             kept += usize::from(above == 0);
         }
@@ -80,13 +42,13 @@ impl Kernel for KeepBelow<'_> {
     }
 }
 
-/// By lane whether a point stands out over a patch's plane: farther than a share of the distance from the patch's middle.
+/// A bit for each lane: whether a point stands out over the patch's plane.
 #[inline(always)]
-fn stands_out<S: Simd>(s: S, x: &[S::F64; 3], eight: &Eight) -> u8 {
+fn stands_out<S: Simd>(s: S, x: &[S::F64; 3], eight: &EightPlanes) -> u8 {
     let mut parts = [(x[0], x[0]); 3];
     for a in 0..3 {
-        let way = x[a] - s.wide_load(&eight.middle[a]);
-        parts[a] = ((x[a] - s.wide_load(&eight.at[a])) * s.wide_load(&eight.normal[a]), way * way);
+        let from_middle = x[a] - s.wide_load(&eight.middle[a]);
+        parts[a] = ((x[a] - s.wide_load(&eight.at[a])) * s.wide_load(&eight.normal[a]), from_middle * from_middle);
     }
     let height = parts[0].0 + parts[1].0 + parts[2].0;
     let square = parts[0].1 + parts[1].1 + parts[2].1;
@@ -97,6 +59,8 @@ fn stands_out<S: Simd>(s: S, x: &[S::F64; 3], eight: &Eight) -> u8 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::constants::{HOLLOW, HOLLOW_OF_PLANE};
+    use crate::patch::surface_patch::Patch;
     use feeler_core::geometry::vectors::{dot, sub, unit};
     use feeler_lanes::Level;
 
@@ -112,21 +76,25 @@ mod tests {
             };
             let patches: Vec<Patch> = (0..count).map(patch).collect();
             let stands_out = |p: &Patch, x: &Point| {
-                let share = if p.flat { OVER_A_PLANE } else { HOLLOW };
-                let (way, height) = (sub(x, &p.middle), dot(&sub(x, &p.at), &p.normal));
-                height > 0.0 && height * height > share * share * dot(&way, &way)
+                let share = if p.flat { HOLLOW_OF_PLANE } else { HOLLOW };
+                let (from_middle, height) = (sub(x, &p.middle), dot(&sub(x, &p.at), &p.normal));
+                height > 0.0 && height * height > share * share * dot(&from_middle, &from_middle)
             };
-            let mut sides = HalfSpaces::default();
-            sides.set(patches.iter());
-            for level in Level::available() {
-                let is_below = |x: &Point| !patches.iter().any(|p| stands_out(p, x));
+            let mut lanes = PatchLanes::default();
+            lanes.set(&patches);
+            // A body of all patches, and one of a few.
+            for (body, is_asked) in [|_: &usize| true, |i: &usize| (i * i) % 11 == 3].into_iter().enumerate() {
+                lanes.push_body((0..count).filter(is_asked).map(|i| &patches[i]));
+                let is_below = |x: &Point| !(0..count).filter(is_asked).any(|i| stands_out(&patches[i], x));
                 let numbered = |(k, x): (u32, &Point)| (*x, (k, k + 1));
                 let expected: Vec<_> = (0..).zip(&points).filter(|x| is_below(x.1)).map(numbered).collect();
-                assert!(expected.len() < 50 || count == 0);
-                let (mut kept, mut with): (Vec<Point>, Vec<(u32, u32)>) = (0..).zip(&points).map(numbered).unzip();
-                let left = sides.keep_below(level.checked(), &mut kept, &mut with);
-                let kept: Vec<_> = kept[..left].iter().copied().zip(with[..left].iter().copied()).collect();
-                assert_eq!(kept, expected, "{level:?} {count}");
+                assert!(expected.len() < 50 || (0..count).filter(is_asked).count() == 0);
+                for level in Level::available() {
+                    let (mut kept, mut with): (Vec<Point>, Vec<(u32, u32)>) = (0..).zip(&points).map(numbered).unzip();
+                    let left = lanes.keep_below(level.checked(), body, &mut kept, &mut with);
+                    let kept: Vec<_> = kept[..left].iter().copied().zip(with[..left].iter().copied()).collect();
+                    assert_eq!(kept, expected, "{level:?} {count}");
+                }
             }
         }
     }

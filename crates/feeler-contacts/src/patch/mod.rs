@@ -1,4 +1,10 @@
-//! Patches: the two surfaces of a contact region as a few planes and turns, and the convex bodies these make.
+//! Patches: each of the two surfaces of a contact region as a few planar or nearly planar patches, and the convex
+//! bodies that these patches make.
+//!
+//! From the triangles of a contact region to what the depth search reads: fragments ([`surface_patch`]) are grown into
+//! patches ([`patches`], [`connected_components`], [`extents`]), patches are grouped into convex bodies
+//! ([`convex_bodies`] by [`half_space_filter`] and [`half_spaces`]), and bodies are laid out in lanes ([`body`],
+//! [`support`]).
 
 pub(crate) mod body;
 mod connected_components;
@@ -6,6 +12,7 @@ pub(crate) mod convex_bodies;
 mod extents;
 mod half_space_filter;
 mod half_spaces;
+mod patch_lanes;
 pub(crate) mod patches;
 pub(crate) mod support;
 mod surface_patch;

@@ -1,8 +1,14 @@
-//! The two surfaces of a zone as a few patches: triangles of one plane, or of one turn of a curved surface, however many they
-//! are.
+//! One surface of a contact region as a few patches of nearly one normal, however many triangles it is cut into.
+//!
+//! The patches come from region growing: smooth regions are grown once for a mesh ([`smooth_regions`]), and a patch is
+//! what a contact region has of one of them. Variational shape approximation (Cohen-Steiner et al. 2004) would fit the
+//! patches better, but iterates, and its patches change from pose to pose; a smooth region is the same at every pose.
+//!
+//! [`smooth_regions`]: feeler_core::mesh::topology::smooth_regions
 
 use std::hint::select_unpredictable;
 
+use crate::constants::{MOST_CORNERS, MOST_PATCHES};
 use crate::containers::counting_sort::lay_out;
 use crate::containers::interner::Interner;
 use crate::containers::point_interner::PointInterner;
@@ -10,7 +16,7 @@ use crate::context::QueryContext;
 use crate::contour::contact_region::ContactRegions;
 use crate::patch::connected_components::ConnectedComponents;
 use crate::patch::extents::{measure_extents, Extents};
-use crate::patch::surface_patch::{Fragment, Patch, MOST_CORNERS};
+use crate::patch::surface_patch::{part, Fragment, Patch};
 use crate::surface::{Side, Surface};
 use feeler_core::constants::{NONE, ONE_PLANE};
 use feeler_core::geometry::bounds::Point;
@@ -19,38 +25,36 @@ use feeler_core::geometry::vectors::{dot, normal, scaled};
 use feeler_core::mesh::topology::adjacency::Adjacency;
 use feeler_lanes::{Checked, Sorter, WIDE_LANES};
 
-/// Most patches of a surface in one zone, before those are parted that are not connected. Further regions join the patch with the
-/// nearest normal.
-const MOST_PATCHES: usize = 256;
-
-/// The patches of one surface in a zone, largest first. Kept as working memory.
+/// The patches of one surface in a contact region, largest first. Kept as working memory.
 #[derive(Debug, Default)]
 pub(crate) struct Patches {
     pub list: Vec<Patch>,
-    /// Corners of what lies beyond the other surface, the curve's points included, each once, patch by patch.
+    /// Points of the fragments, those of the contour included, each once a patch, patch by patch.
     points: Vec<Point>,
-    /// Their numbers: what several patches share has one.
+    /// For each of them its number on the surface: the same in all patches that share the point.
     numbers: Vec<u32>,
-    /// For each of them where its cuts are: those of the curve have several, others none.
+    /// For each of them the range of its contour segments in `point_segments`: points of the contour have several,
+    /// others none.
     segments_of: Vec<(u32, u32)>,
-    /// Cuts, point by point.
+    /// Contour segments, point by point.
     pub point_segments: Vec<u32>,
-    /// Corners of patches by their places among the corners' points, each once.
+    /// Corners of patches, patch by patch, as indices of `corner_points`.
     corners: Vec<u32>,
+    /// The corners' points, each once.
     corner_points: Vec<Point>,
-    /// For each number of a point its place there, or [`NONE`].
+    /// For each number of a point its index in `corner_points`, or [`NONE`].
     corner_of: Vec<u32>,
     fragments: Vec<Fragment>,
-    /// Points piece by piece, with the cuts of those that are the curve's, or [`NONE`].
+    /// Points fragment by fragment, each with its segment if it is a point of the contour, or [`NONE`].
     fragment_points: Vec<(Point, u32)>,
-    /// Pieces that are whole triangles of curved closed surfaces.
+    /// Fragments that are whole triangles of curved closed surfaces.
     curved: Vec<u32>,
     founded: Founded,
     components: ConnectedComponents,
-    /// Pieces patch by patch.
+    /// Fragments patch by patch.
     order: Vec<u32>,
     gathering: Gathering,
-    measure_extents: Vec<Extents>,
+    extents: Vec<Extents>,
     by_size: Sorter,
     in_order: Vec<Patch>,
 }
@@ -58,39 +62,41 @@ pub(crate) struct Patches {
 /// Working memory of [`Patches::found`].
 #[derive(Debug, Default)]
 struct Founded {
-    /// Regions as this surface has them, and for each number the patch.
+    /// Smooth regions, numbered in the order of their first fragments.
     numbers: Interner,
+    /// For each number the patch.
     patches: Vec<u32>,
-    /// Whether what founded a patch is in its region's plane.
+    /// For each patch whether the fragment that founded it lies in the plane of its smooth region.
     in_plane: Vec<bool>,
 }
 
 /// Working memory of [`Patches::gather`].
 #[derive(Debug, Default)]
 struct Gathering {
-    /// Points of the surface, each once, and how many.
+    /// Numbers of the points of the surface.
     known: PointInterner,
+    /// How many points have a number.
     distinct: usize,
-    /// For each of [`Patches::piece_points`] its number.
+    /// For each of [`Patches::fragment_points`] its number.
     all_numbers: Vec<u32>,
-    /// For each number the last patch that has its point, from 1, and the point's place there.
+    /// For each number the last patch that has the point, counted from 1, and the index of the point there.
     latest: Vec<(u32, u32)>,
-    /// Points of the curve by their places, with their cuts.
-    curve: Vec<(u32, u32)>,
+    /// Points of the contour by their indices, each with a segment.
+    on_contour: Vec<(u32, u32)>,
 }
 
 impl Patches {
     /// The points of a patch, each once.
     pub fn points(&self, patch: &Patch) -> &[Point] {
-        patch.range(&self.points)
+        patch.of_points(&self.points)
     }
 
-    /// For each of them where its cuts are among [`point_cuts`](Self::point_cuts).
+    /// For each of them the range of its segments in [`point_segments`](Self::point_segments).
     pub fn segments_of(&self, patch: &Patch) -> &[(u32, u32)] {
-        patch.range(&self.segments_of)
+        patch.of_points(&self.segments_of)
     }
 
-    /// The cuts of a patch, each for every point of it that it has.
+    /// The contour segments of a patch; one occurs once for each of its points in the patch.
     pub fn segments(&self, patch: &Patch) -> &[u32] {
         let (first, last) = (self.segments_of[patch.points.0 as usize], self.segments_of[patch.points.1 as usize - 1]);
         &self.point_segments[first.0 as usize..last.1 as usize]
@@ -98,15 +104,13 @@ impl Patches {
 
     /// The triangles of a patch.
     pub fn triangles(&self, patch: &Patch) -> impl Iterator<Item = u32> + '_ {
-        self.order[patch.fragments.0 as usize..patch.fragments.1 as usize]
-            .iter()
-            .map(|i| self.fragments[*i as usize].id)
+        patch.of_fragments(&self.order).iter().map(|i| self.fragments[*i as usize].id)
     }
 
-    /// The outermost points of a patch along a few directions, by their places among [`all_corners`](Self::all_corners), some of
-    /// them several times.
+    /// The corners of a patch, some several times, as indices of [`all_corners`](Self::all_corners): all its points
+    /// where these are at most [`MOST_CORNERS`], else the extreme ones along a few directions.
     pub fn corners(&self, patch: &Patch) -> &[u32] {
-        &self.corners[patch.corners.0 as usize..patch.corners.1 as usize]
+        part(&self.corners, patch.corners)
     }
 
     /// The corners of all patches, each once.
@@ -114,7 +118,7 @@ impl Patches {
         &self.corner_points
     }
 
-    /// Makes the patches of a surface (`w`: the tool's or the mock-up's) in a zone.
+    /// Makes the patches of one surface in a contact region.
     pub fn set(&mut self, context: &QueryContext<'_>, regions: &ContactRegions, region: usize, surface: Surface) {
         self.fragments.clear();
         self.fragment_points.clear();
@@ -123,13 +127,15 @@ impl Patches {
         self.found(context, surface);
         self.group();
         let Patches { list, fragments, order, components, .. } = self;
-        if components.part(context, &regions.face_numbers, surface, list, fragments, order) {
+        if components.split(context, &regions.face_numbers, surface, list, fragments, order) {
             self.group();
         }
         self.gather();
         self.finish(context.lanes);
     }
 
+    /// Adds what the contour leaves of the triangles it crosses: the ends of their segments, and the corners inside the
+    /// other.
     fn push_contour_faces(&mut self, regions: &ContactRegions, region: usize, surface: Surface) {
         let face_of = |c: &u32| regions.segments[*c as usize].faces[surface];
         for same in regions.segments_of(region, surface).chunk_by(|x, y| face_of(x) == face_of(y)) {
@@ -152,11 +158,12 @@ impl Patches {
         }
     }
 
+    /// Adds the whole triangles that the contour encloses.
     fn push_inside(&mut self, context: &QueryContext<'_>, regions: &ContactRegions, region: usize, surface: Surface) {
         let Adjacency { smooth_regions, outward, .. } = context.adjacency[surface];
         self.curved.clear();
         for [t, segment] in regions.inside_of(region, surface) {
-            // The corners of thin ones are their neighbours' too.
+            // Thin triangles have no normal of their own, and their corners belong to their neighbours too.
             if smooth_regions[*t as usize].is_thin() {
                 continue;
             }
@@ -186,8 +193,8 @@ impl Patches {
         }
     }
 
-    /// Gives each piece the patch of its region, which the first of them founds. What faces the other way, as in open surfaces some
-    /// may, has one of its own.
+    /// Gives each fragment the patch of its smooth region, which the first fragment of the region founds. Fragments
+    /// that face the other way, as some of an open surface may, have a second patch.
     fn found(&mut self, context: &QueryContext<'_>, surface: Surface) {
         let Patches { list, fragments, founded: Founded { numbers, patches, in_plane }, .. } = self;
         list.clear();
@@ -225,110 +232,108 @@ impl Patches {
         }
     }
 
-    /// Puts the pieces of each patch together, in their order. Until the points are known, where they begin and end is where the
-    /// points do.
+    /// Lists the fragments patch by patch, in their order.
     fn group(&mut self) {
         let Patches { list, fragments, order, .. } = self;
-        list.iter_mut().for_each(|patch| patch.points = (0, 0));
-        fragments.iter().for_each(|fragment| list[fragment.patch as usize].points.1 += 1);
-        lay_out(list.iter_mut().map(|patch| &mut patch.points));
+        list.iter_mut().for_each(|patch| patch.fragments = (0, 0));
+        fragments.iter().for_each(|fragment| list[fragment.patch as usize].fragments.1 += 1);
+        lay_out(list.iter_mut().map(|patch| &mut patch.fragments));
         order.resize(fragments.len(), 0);
         for (i, fragment) in (0..).zip(fragments.iter()) {
-            let end = &mut list[fragment.patch as usize].points.1;
+            let end = &mut list[fragment.patch as usize].fragments.1;
             order[*end as usize] = i;
             *end += 1;
         }
-        list.iter_mut().for_each(|patch| patch.fragments = patch.points);
     }
 
-    /// Puts the points of each patch together, in the order of its pieces.
+    /// Lists the points patch by patch, each once a patch, in the order of the fragments.
     fn gather(&mut self) {
         let Patches { list, points, numbers, segments_of, point_segments, fragments, fragment_points, order, .. } =
             self;
-        let Gathering { known, distinct, all_numbers, latest, curve } = &mut self.gathering;
+        let Gathering { known, distinct, all_numbers, latest, on_contour } = &mut self.gathering;
         let most = fragment_points.len();
         let mut known = known.begin(most);
-        // Of all these only so many count as are written; what the lists had before is overwritten.
+        // The lists are long enough for any outcome; entries beyond those written below do not count.
         points.resize(most.max(points.len()), [0.0; 3]);
         numbers.resize(most.max(numbers.len()), 0);
-        curve.resize(most.max(curve.len()), (0, 0));
+        on_contour.resize(most.max(on_contour.len()), (0, 0));
         for pairs in [&mut *segments_of, &mut *latest] {
             pairs.clear();
             pairs.resize(most, (0, 0));
         }
-        // Interner one after the other: no branch, and few registers.
+        // The numbers first, in a loop of their own: without a branch, and in few registers.
         all_numbers.resize(most.max(all_numbers.len()), 0);
         for ((x, _), number) in fragment_points.iter().zip(&mut all_numbers[..most]) {
             *number = known.insert(x) as u32;
         }
         *distinct = known.len();
-        // Whether a point is new to its patch, and whether it is the curve's, is as good as random: no branch asks. Slices, which
-        // stay in registers.
-        let (mut count, mut on_curve) = (0, 0);
-        let (new_points, numbers, curve) = (&mut points[..], &mut numbers[..], &mut curve[..]);
+        // Without branches: neither whether a point is new to its patch nor whether it is on the contour can be
+        // predicted. Slices instead of vectors, which stay in registers.
+        let (mut count, mut contour_count) = (0, 0);
+        let (new_points, numbers, on_contour) = (&mut points[..], &mut numbers[..], &mut on_contour[..]);
         let (counts, latest, order, fragments) = (&mut segments_of[..], &mut latest[..], &order[..], &fragments[..]);
-        for (mark, of) in (1..).zip(list.iter_mut().map(|patch| &mut patch.points)) {
+        for (mark, Patch { points, fragments: of, .. }) in (1..).zip(list.iter_mut()) {
             let from = count as u32;
-            for i in &order[of.0 as usize..of.1 as usize] {
+            for i in part(order, *of) {
                 let range = fragments[*i as usize].points.0 as usize..fragments[*i as usize].points.1 as usize;
                 for ((x, segment), number) in fragment_points[range.clone()].iter().zip(&all_numbers[range]) {
-                    let (patch, place) = latest[*number as usize];
-                    let place = select_unpredictable(patch == mark, place, count as u32);
-                    latest[*number as usize] = (mark, place);
+                    let (patch, index) = latest[*number as usize];
+                    let index = select_unpredictable(patch == mark, index, count as u32);
+                    latest[*number as usize] = (mark, index);
                     (new_points[count], numbers[count]) = (*x, *number);
                     count += usize::from(patch != mark);
                     let has_segment = *segment != NONE;
-                    counts[place as usize].1 += u32::from(has_segment);
-                    curve[on_curve] = (place, *segment);
-                    on_curve += usize::from(has_segment);
+                    counts[index as usize].1 += u32::from(has_segment);
+                    on_contour[contour_count] = (index, *segment);
+                    contour_count += usize::from(has_segment);
                 }
             }
-            *of = (from, count as u32);
+            *points = (from, count as u32);
         }
         segments_of.truncate(count);
-        // The cuts of each point together: from here on each is filled from where it begins.
+        // A counting sort: each range is empty at first, and grows to its end.
         lay_out(segments_of.iter_mut());
-        point_segments.resize(on_curve, 0);
-        for (place, segment) in &curve[..on_curve] {
-            let end = &mut segments_of[*place as usize].1;
+        point_segments.resize(contour_count, 0);
+        for (index, segment) in &on_contour[..contour_count] {
+            let end = &mut segments_of[*index as usize].1;
             point_segments[*end as usize] = *segment;
             *end += 1;
         }
     }
 
-    /// BitSets what follows from the points.
+    /// Measures the patches, chooses their corners, and sorts them by size.
     fn finish(&mut self, lanes: Checked) {
         let Patches { list, points, numbers, corners, corner_points, corner_of, by_size, in_order, .. } = self;
-        let Patches { gathering, measure_extents: found, .. } = self;
+        let Patches { gathering, extents, .. } = self;
         let distinct = gathering.distinct;
         corners.clear();
         corner_points.resize(distinct + 1, [0.0; 3]);
         corner_of.clear();
         corner_of.resize(distinct, NONE);
         let mut count = 0;
-        measure_extents(lanes, points, list, found);
-        for (patch, found) in list.iter_mut().zip(&*found) {
+        measure_extents(lanes, points, list, extents);
+        for (patch, found) in list.iter_mut().zip(&*extents) {
             (patch.middle, patch.size) = (found.middle, found.size);
-            let (points, numbers) = (patch.range(points), patch.range(numbers));
+            let (points, numbers) = (patch.of_points(points), patch.of_points(numbers));
             patch.corners.0 = corners.len() as u32;
             let mut push = |i: usize| {
                 let known = corner_of[numbers[i] as usize];
-                let place = select_unpredictable(known == NONE, count as u32, known);
-                corner_of[numbers[i] as usize] = place;
+                let index = select_unpredictable(known == NONE, count as u32, known);
+                corner_of[numbers[i] as usize] = index;
                 corner_points[count] = points[i];
                 count += usize::from(known == NONE);
-                corners.push(place);
+                corners.push(index);
             };
             if points.len() <= MOST_CORNERS {
                 (0..points.len()).for_each(push);
             } else {
-                found.outermost.as_flattened().iter().for_each(|i| push(*i as usize));
+                found.extreme.as_flattened().iter().for_each(|i| push(*i as usize));
             }
             patch.corners.1 = corners.len() as u32;
         }
         corner_points.truncate(count);
-        // Largest first, of several as large the first. Patches are large: only their sizes and numbers go through the sort. Sizes
-        // are not negative, and so in the order of their bits; nearer than float32 tells they are as large as each other.
+        // Largest first, and equal ones in their order. Only sizes and numbers are sorted, since patches are large to
+        // move. Sizes are not negative, so their bits sort as they do; sizes that are equal in float32 count as equal.
         by_size.clear();
         let largest = list.iter().fold(0.0, |m: f64, p| m.max(p.size));
         let scale = if largest.is_normal() { largest.recip() } else { 1.0 };
@@ -350,8 +355,9 @@ mod tests {
     use feeler_shapes::{box_mesh, sheet};
 
     #[test]
-    fn regions_beyond_the_most_patches_join_what_looks_their_way() {
-        // Triangles apart from each other, each turned another way; one of them is there twice, the second time turned round.
+    fn regions_beyond_the_most_patches_join_the_nearest_normal() {
+        // Triangles apart from each other, each with another normal; one occurs twice, the second time facing the other
+        // way.
         let wave = |i: usize| [(0.7 * i as f64).sin(), (1.9 * i as f64).cos(), (0.3 * i as f64).sin()];
         let normals: Vec<Point> = (0..MOST_PATCHES + 40).map(|i| unit(&wave(i)).unwrap()).collect();
         let triangles = normals.iter().enumerate().flat_map(|(i, n)| {
@@ -378,14 +384,15 @@ mod tests {
             assert_eq!(fragment.patch as usize, if own < MOST_PATCHES { own } else { nearest }, "{k}");
             joined[fragment.patch as usize] += usize::from(own >= MOST_PATCHES);
         }
-        // What others joined is no plane any more.
+        // A patch that others joined is not flat any more.
         assert!(patches.list.iter().zip(&joined).all(|(patch, joined)| patch.flat == (*joined == 0)));
         assert_eq!(joined.iter().sum::<usize>(), 41);
     }
 
     #[test]
-    fn what_lies_in_one_plane_is_flat_wherever_its_region_begins() {
-        // A sheet whose first cell is turned a little: all of it is one region, and all but two triangles lie in a plane.
+    fn patches_in_one_plane_are_flat_wherever_their_region_begins() {
+        // A sheet whose first cell is tilted a little: all of it is one smooth region, and all but two triangles lie in
+        // one plane.
         let mockup = scene(sheet(9, 1, |s, t| [s, t, if s == 0.0 { 0.003 } else { 0.0 }]));
         let tool = tool(box_mesh([0.0; 3], [1.0; 3], 1));
         let pose = at(0.0, 0.0, 0.0);

@@ -1,9 +1,10 @@
-//! The highest and lowest of points along eight directions at once.
+//! Support functions of point sets: the highest and the lowest point along directions, eight directions or eight points
+//! at once.
 
 use feeler_core::geometry::bounds::Point;
 use feeler_lanes::{Checked, Kernel, Simd, Wide, WIDE_LANES};
 
-/// For each of eight directions how far points reach, and which of them does: the last of several.
+/// For each of eight directions how far points reach, and the index of the point that does: the last of several.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Reach {
     /// As [`dot`](feeler_core::geometry::vectors::dot) has it.
@@ -11,7 +12,7 @@ pub(crate) struct Reach {
     pub at: [f64; WIDE_LANES],
 }
 
-/// The highest of `above` and the lowest of `below`.
+/// The highest of the points `above` and the lowest of the points `below`, along each of eight directions.
 pub(crate) fn highest_and_lowest(
     lanes: Checked,
     above: &[Point],
@@ -21,21 +22,21 @@ pub(crate) fn highest_and_lowest(
     lanes.run(HighestAndLowest { above, below, directions })
 }
 
-/// How far some points reach along each of eight directions.
+/// How far points reach along each of eight directions.
 pub(crate) fn highest(lanes: Checked, points: &[Point], directions: &[Point; WIDE_LANES]) -> [f64; WIDE_LANES] {
     lanes.run(Highest { points, directions })
 }
 
-/// How far some points reach along one direction.
+/// How far points reach along one direction.
 pub(crate) fn highest_of_eights(lanes: Checked, points: &[Eight], d: &Point) -> f64 {
     let heights = lanes.run(HighestOfEights { points, d });
     heights.iter().fold(f64::NEG_INFINITY, |m, h| m.max(*h))
 }
 
-/// Eight points by axis.
+/// Eight points as a structure of arrays.
 pub(crate) type Eight = [Wide; 3];
 
-/// Points in eights; the last are filled up with the last point.
+/// Appends points in eights; the last eight is filled up with the last point.
 pub(crate) fn push_eights(points: &[Point], out: &mut Vec<Eight>) {
     let mut eight = Eight::default();
     let eights = points.chunks_exact(WIDE_LANES);
@@ -51,8 +52,8 @@ pub(crate) fn push_eights(points: &[Point], out: &mut Vec<Eight>) {
     }
 }
 
-/// The places of the points that reach a height along a direction, some of the last point's several times. `room` is working
-/// memory.
+/// Indices of the points that reach a height along a direction. Lanes that fill up the last eight count too, so an
+/// index may be beyond the last point and then means that one. `room` is working memory.
 pub(crate) fn places_above<'a>(
     lanes: Checked,
     points: &[Eight],
@@ -82,7 +83,8 @@ impl Kernel for PlacesAbove<'_> {
     fn run<S: Simd>(self, s: S) -> usize {
         let d = [s.wide_splat(self.d[0]), s.wide_splat(self.d[1]), s.wide_splat(self.d[2])];
         let least = s.wide_splat(self.height);
-        // A bit for each of 64 points, and then those that are set: few are, and which is not to be foreseen.
+        // A bit for each of 64 points, then a loop over the bits that are set: they are few, and which cannot be
+        // predicted.
         let (mut count, mut first) = (0, 0);
         for eights in self.points.chunks(WIDE_LANES) {
             let mut above = 0;
@@ -144,7 +146,7 @@ impl Kernel for HighestOfEights<'_> {
     }
 }
 
-/// How high eight points are.
+/// Heights of eight points along a direction.
 #[inline(always)]
 pub(crate) fn eight_heights<S: Simd>(s: S, p: &Eight, d: &[S::F64; 3]) -> S::F64 {
     s.wide_load(&p[0]) * d[0] + s.wide_load(&p[1]) * d[1] + s.wide_load(&p[2]) * d[2]
@@ -171,23 +173,23 @@ impl Kernel for HighestAndLowest<'_> {
     }
 }
 
-/// The best of some points, by lane.
-struct AxisSearch<S: Simd> {
+/// The highest point so far in each lane.
+struct HighestByLane<S: Simd> {
     height: S::F64,
     at: S::F64,
 }
 
-impl<S: Simd> AxisSearch<S> {
+impl<S: Simd> HighestByLane<S> {
     #[inline(always)]
-    fn new(s: S) -> AxisSearch<S> {
-        AxisSearch { height: s.wide_splat(f64::NEG_INFINITY), at: s.wide_splat(0.0) }
+    fn new(s: S) -> HighestByLane<S> {
+        HighestByLane { height: s.wide_splat(f64::NEG_INFINITY), at: s.wide_splat(0.0) }
     }
 
-    /// The heights do not wait for the places: those are looked for beside.
+    /// The chain of maxima does not wait for the indices, which are selected beside it.
     #[inline(always)]
-    fn offer(&mut self, s: S, p: &Point, d: &[S::F64; 3], place: S::F64) {
+    fn offer(&mut self, s: S, p: &Point, d: &[S::F64; 3], index: S::F64) {
         let h = height(s, p, d);
-        self.at = s.choose(s.wide_above(self.height, h), self.at, place);
+        self.at = s.choose(s.wide_above(self.height, h), self.at, index);
         self.height = s.wide_max(self.height, h);
     }
 }
@@ -197,19 +199,19 @@ fn height<S: Simd>(s: S, p: &Point, d: &[S::F64; 3]) -> S::F64 {
     s.wide_splat(p[0]) * d[0] + s.wide_splat(p[1]) * d[1] + s.wide_splat(p[2]) * d[2]
 }
 
-/// Two chains of comparisons, so that one does not wait for the other.
+/// Even and odd points in two chains of comparisons, so that one does not wait for the other.
 #[inline(always)]
 fn reach<S: Simd>(s: S, points: &[Point], d: &[S::F64; 3]) -> Reach {
-    let (mut even, mut odd) = (AxisSearch::new(s), AxisSearch::new(s));
-    let (mut place, one, two) = (s.wide_splat(0.0), s.wide_splat(1.0), s.wide_splat(2.0));
+    let (mut even, mut odd) = (HighestByLane::new(s), HighestByLane::new(s));
+    let (mut index, one, two) = (s.wide_splat(0.0), s.wide_splat(1.0), s.wide_splat(2.0));
     let mut pairs = points.chunks_exact(2);
     for pair in &mut pairs {
-        even.offer(s, &pair[0], d, place);
-        odd.offer(s, &pair[1], d, place + one);
-        place = place + two;
+        even.offer(s, &pair[0], d, index);
+        odd.offer(s, &pair[1], d, index + one);
+        index = index + two;
     }
     if let [last] = pairs.remainder() {
-        even.offer(s, last, d, place);
+        even.offer(s, last, d, index);
     }
     let (is_even, is_odd) = (s.wide_above(even.height, odd.height), s.wide_above(odd.height, even.height));
     let later = s.choose(is_even, even.at, s.choose(is_odd, odd.at, s.wide_max(even.at, odd.at)));
@@ -226,7 +228,7 @@ mod tests {
     use feeler_lanes::Level;
 
     #[test]
-    fn the_places_above_are_those_a_loop_finds() {
+    fn the_points_above_are_those_a_loop_finds() {
         let points: Vec<Point> = (0..29).map(|i| [f64::from(i % 7), f64::from(i % 3), f64::from(i)]).collect();
         let mut eights = Vec::new();
         push_eights(&points, &mut eights);
@@ -247,7 +249,7 @@ mod tests {
         let directions: [Point; WIDE_LANES] = std::array::from_fn(|i| wave(91 + 7 * i));
         for level in Level::available() {
             for count in [1, 2, 3, 8, 31, 100] {
-                // Some of them twice.
+                // Some points occur twice.
                 let wave = |i: usize| wave(i % 40);
                 let (above, below): (Vec<Point>, Vec<Point>) = (0..count).map(|i| (wave(i), wave(3 * i + 1))).unzip();
                 let (high, low) = highest_and_lowest(level.checked(), &above, &below, &directions);
