@@ -32,17 +32,17 @@ pub fn check_path(
     tolerance: f64,
     progress: Progress<'_>,
 ) -> Result<PathCheck> {
-    const WAVE: usize = 2048;
-    const TASK: usize = 8;
+    const PATH_WAVE: usize = 2048;
+    const PATH_TASK: usize = 8;
     check_tolerance(tolerance)?;
     let (Some(first), segments) = (poses.first(), poses.len().max(2) - 1) else { return Err(Error::EmptyPath) };
     let mut hits = Vec::new();
-    let numbers: Vec<usize> = (0..segments.min(WAVE)).collect();
-    for start in (0..segments).step_by(WAVE) {
+    let numbers: Vec<usize> = (0..segments.min(PATH_WAVE)).collect();
+    for start in (0..segments).step_by(PATH_WAVE) {
         report(progress, start as f64 / segments as f64, "casting")?;
-        let wave = &numbers[..WAVE.min(segments - start)];
+        let wave = &numbers[..PATH_WAVE.min(segments - start)];
         let found: Vec<Vec<(usize, Cast)>> = wave
-            .par_chunks(TASK)
+            .par_chunks(PATH_TASK)
             .map(|task| {
                 let mut scratch = pool.take();
                 let hits = task

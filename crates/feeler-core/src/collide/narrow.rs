@@ -70,19 +70,19 @@ const BATCH: usize = 128;
 const FIRST_BATCH: usize = 16;
 
 /// Places for candidate pairs: a batch, and what one more step may add.
-const PLACES: usize = BATCH + 2 * LANES;
+const PENDING_PLACES: usize = BATCH + 2 * LANES;
 
 /// Candidate pairs that wait for their test.
 #[derive(Debug)]
 pub struct Pending {
-    slots: [u32; PLACES],
-    mockup_triangles: [u32; PLACES],
+    slots: [u32; PENDING_PLACES],
+    mockup_triangles: [u32; PENDING_PLACES],
     count: usize,
     /// The mock-up triangles of these, most of them once.
-    asked: [u32; PLACES],
+    asked: [u32; PENDING_PLACES],
     asked_count: usize,
     /// Pairs that were proven to cross, by slot and triangle.
-    crossing: [u64; PLACES],
+    crossing: [u64; PENDING_PLACES],
     /// Pairs met lately, each at the place its hash gives; those of the last query until the first batch of this one.
     recent: [u64; RECENT],
     is_recent_old: bool,
@@ -100,12 +100,12 @@ const RECENT: usize = 1 << RECENT_BITS;
 impl Default for Pending {
     fn default() -> Pending {
         Pending {
-            slots: [0; PLACES],
-            mockup_triangles: [0; PLACES],
+            slots: [0; PENDING_PLACES],
+            mockup_triangles: [0; PENDING_PLACES],
             count: 0,
-            asked: [0; PLACES],
+            asked: [0; PENDING_PLACES],
             asked_count: 0,
-            crossing: [0; PLACES],
+            crossing: [0; PENDING_PLACES],
             recent: [u64::MAX; RECENT],
             is_recent_old: false,
             is_repeating: true,
@@ -138,7 +138,7 @@ impl Pending {
             recent.fill(u64::MAX);
         }
         let mut kept = 0;
-        for i in 0..(*count).min(PLACES) {
+        for i in 0..(*count).min(PENDING_PLACES) {
             let (t, m) = (slots[i], mockup_triangles[i]);
             let key = pair_key(t, m);
             let place = (key.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> (u64::BITS - RECENT_BITS)) as usize;
@@ -254,7 +254,7 @@ impl Narrow<'_> {
         self.stats.triangle_tests += count as u64;
         // Corners are asked for before they are used, so that their cache misses overlap: the mock-up's as the test goes.
         let lines = self.at.tool.lines();
-        let asked = &asked[..std::mem::take(asked_count).min(PLACES)];
+        let asked = &asked[..std::mem::take(asked_count).min(PENDING_PLACES)];
         slots[..count].iter().for_each(|slot| prefetch_at(lines, *slot as usize));
         if count == 0 {
             return false;
@@ -288,7 +288,7 @@ impl Narrow<'_> {
 
 /// Triangles whose corners are asked for before the first pair is looked at; those of the rest as the pairs go: more than a
 /// dozen lines at once do not come sooner.
-const AHEAD: usize = 24;
+const CORNERS_AHEAD: usize = 24;
 
 /// What can be proven of the first `count` pairs: lists those that cross, and moves those in doubt to the front; returns how many
 /// are of either. What follows the pairs, up to a multiple of [`LANES`], are pairs too.
@@ -296,12 +296,12 @@ struct Test<'a> {
     pose: &'a Pose,
     tool: &'a Tool,
     mesh: &'a Mesh,
-    slots: &'a mut [u32; PLACES],
-    triangles: &'a mut [u32; PLACES],
+    slots: &'a mut [u32; PENDING_PLACES],
+    triangles: &'a mut [u32; PENDING_PLACES],
     count: usize,
     /// Triangles whose corners are to be asked for, in about the order of the pairs.
     asked: &'a [u32],
-    crossing: &'a mut [u64; PLACES],
+    crossing: &'a mut [u64; PENDING_PLACES],
 }
 
 impl Kernel for Test<'_> {
@@ -318,7 +318,7 @@ impl Kernel for Test<'_> {
         let wide = 2 * S::Part::WIDE;
         let groups = count.div_ceil(wide);
         let each = asked.len().div_ceil(groups);
-        let (first, rest) = asked.split_at(asked.len().min(AHEAD));
+        let (first, rest) = asked.split_at(asked.len().min(CORNERS_AHEAD));
         let mut rest = rest.chunks(each.max(1));
         for m in first {
             prefetch_corners(vertices, &faces[*m as usize]);

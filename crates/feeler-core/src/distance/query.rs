@@ -32,7 +32,7 @@ impl DistanceScratch {
 
     /// The same, taken out where it is long: a long list is handed over, not held for ever.
     fn take_gaps(&mut self) -> Vec<Gap> {
-        if self.gaps.len() > LONG {
+        if self.gaps.len() > LONG_LIST {
             std::mem::take(&mut self.gaps)
         } else {
             self.gaps.clone()
@@ -49,7 +49,7 @@ impl DistanceScratch {
 }
 
 /// Gaps from which on a list is handed over.
-const LONG: usize = 4096;
+const LONG_LIST: usize = 4096;
 
 /// Candidates for which memory is kept.
 const MOST_HELD: usize = 1 << 16;

@@ -23,18 +23,10 @@
 //! product times a power of two that is above all sums of the terms, and by way of products above all cross products: where any
 //! of these could overflow, it is infinite, and nothing is certain.
 
+use crate::constants::{LEAST_ENTRY, MOCKUP_NORMAL_ROUNDING, PLACE_ROUNDING, TOOL_NORMAL_ROUNDING, UNIT_ROUNDOFF_F32};
 use crate::geometry::bounds::{Point, Triangle};
 use crate::geometry::pose::Pose;
 use feeler_lanes::{Arithmetic, CacheLine, Kernel, Level, LineLanes, Simd, LANES};
-
-/// Half the distance from 1 to the next float32.
-const UNIT_ROUNDOFF: f32 = f32::EPSILON / 2.0;
-
-/// No entry counts as less, metres: 2^-32.
-const LEAST: f32 = 1.0 / 4_294_967_296.0;
-
-/// What [`least_of`] takes of the size of the numbers that a corner's place is the sum of: 2^-20.
-const PLACE_ROUNDOFF: f64 = 1.0 / 1_048_576.0;
 
 /// What was proven of pairs, one bit each; in neither: in doubt.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -48,7 +40,7 @@ pub struct Verdict {
 /// What can be proven of up to 16 pairs with an instruction set (the best, where the CPU lacks it). Bits beyond the pairs given
 /// are zero.
 pub fn prove(lanes: Level, pairs: &[(Triangle, Triangle)]) -> Verdict {
-    prove_at(lanes, &Pose::IDENTITY, LEAST, pairs)
+    prove_at(lanes, &Pose::IDENTITY, LEAST_ENTRY, pairs)
 }
 
 /// The same for triangles of a tool at a pose. No entry counts as less than `least`.
@@ -137,7 +129,7 @@ impl Seen {
 /// What an entry must count as at least at a pose, for a tool with no larger coordinate.
 pub fn least_of(pose: &Pose, largest: f64) -> f32 {
     let size = 3.1 * largest + pose.largest_translation();
-    LEAST.max((PLACE_ROUNDOFF * size) as f32)
+    LEAST_ENTRY.max((PLACE_ROUNDING * size) as f32)
 }
 
 /// Pairs of triangles in lanes, by differences of their corners, as the tool sees them.
@@ -227,14 +219,14 @@ pub fn intersect<S: Arithmetic>(s: S, pairs: &Pairs<S::F32>, least: S::F32) -> V
 
     // Heights over the plane of q, 18.4 u N (W + P) off, and below that of p, as much with its own normal and Q.
     let (nw, nc, nd) = (dot(s, n, w), dot(s, n, c), dot(s, n, d));
-    let size_n = s.mul_add(s.splat(1.0 / 4_194_304.0) * size_a, size_b, largest(s, n, least * least));
+    let size_n = s.mul_add(s.splat(MOCKUP_NORMAL_ROUNDING) * size_a, size_b, largest(s, n, least * least));
     let most = s.splat(4.0) * size_n * (size_w + size_p);
-    let of_p = Sides::new(s, [nw, nw + nc, nw + nd], most * s.splat(5.0 * UNIT_ROUNDOFF));
+    let of_p = Sides::new(s, [nw, nw + nc, nw + nd], most * s.splat(5.0 * UNIT_ROUNDOFF_F32));
     let (mw, ma, mb) = (dot(s, m, w), dot(s, m, a), dot(s, m, b));
-    let share = s.mul_add(s.splat(1.0 / 1_048_576.0), size_p, s.splat(0.125) * least);
+    let share = s.mul_add(s.splat(TOOL_NORMAL_ROUNDING), size_p, s.splat(0.125) * least);
     let size_m = s.mul_add(share, size_p, largest(s, m, least * least));
     let most = s.splat(4.0) * size_m * (size_w + size_q);
-    let of_q = Sides::new(s, [mw, mw - ma, mw - mb], most * s.splat(5.0 * UNIT_ROUNDOFF));
+    let of_q = Sides::new(s, [mw, mw - ma, mw - mb], most * s.splat(5.0 * UNIT_ROUNDOFF_F32));
     let apart = of_p.known & !of_p.both | of_q.known & !of_q.both;
     let certain = of_p.known & of_q.known & of_p.both & of_q.both;
     if certain == 0 {
@@ -258,7 +250,7 @@ pub fn intersect<S: Arithmetic>(s: S, pairs: &Pairs<S::F32>, least: S::F32) -> V
     let (highest, lowest) = (s.max(s.max(x, y), s.max(z, t)), s.min(s.min(x, y), s.min(z, t)));
     // The product in this order, so that it is infinite too where an entry of w x c is.
     let most = s.splat(64.0) * size_p * (size_w + s.max(size_p, size_q)) * size_q;
-    let bound = most * s.splat(5.1 * UNIT_ROUNDOFF);
+    let bound = most * s.splat(5.1 * UNIT_ROUNDOFF_F32);
     let below = s.splat(0.0) - bound;
     // All ends of one before all of the other; or one before and one after.
     let separate = s.lanes(s.above(lowest, bound) | s.above(below, highest));

@@ -8,7 +8,7 @@
 
 use num_bigint::{BigInt, Sign as BigSign};
 
-use crate::constants::UNIT_ROUNDOFF;
+use crate::constants::{ORIENT2D_BOUND, ORIENT3D_BOUND, SAFE_LARGEST, SAFE_PERMANENT, SAFE_SMALLEST};
 use crate::geometry::bounds::Point;
 
 /// A sign: -1, 0 or 1.
@@ -40,27 +40,6 @@ impl Signs {
         })
     }
 }
-
-/// Error bound of the float64 evaluation of `orient3d`, relative to its permanent (the same sum with absolute values).
-///
-/// Shewchuk's stage-A bound: differences carry one rounding each, products and sums up to six more on any path, which
-/// gives (7 + 56 u) u with u the unit roundoff; the second term covers the higher orders and the rounding of the
-/// permanent itself.
-pub const ORIENT3D_BOUND: f64 = (7.0 + 56.0 * UNIT_ROUNDOFF) * UNIT_ROUNDOFF;
-
-/// The same for `orient2d`: (3 + 16 u) u.
-const ORIENT2D_BOUND: f64 = (3.0 + 16.0 * UNIT_ROUNDOFF) * UNIT_ROUNDOFF;
-
-/// Below this permanent the bounds above could be spoilt by underflow: a product that underflows loses at most 2^-1074,
-/// which a further factor of at most 2e100 and the sum of six terms bring to less than 1e-221; the bound itself is then
-/// 7e-216 or more.
-pub const SAFE_PERMANENT: f64 = 1e-200;
-
-/// Adaptive expansions are exact while every nonzero input has a binary exponent in this range (Shewchuk, section 5:
-/// [-142, 201] for `orient3d`).
-const SAFE_SMALLEST: f64 = 1.8e-43; // just above 2^-142
-/// See [`SAFE_SMALLEST`].
-const SAFE_LARGEST: f64 = 3.2e60; // just below 2^201
 
 /// Which side of the plane through `a`, `b`, `c` the point `d` lies on: the sign of `det[a-d; b-d; c-d]`.
 ///

@@ -1,14 +1,9 @@
 //! Arithmetic on points and vectors.
 
-use std::ops::Range;
-
+use crate::constants::VANISHING;
 use crate::geometry::bounds::{Point, Triangle};
 
-/// Squares of lengths that neither overflow nor lose digits, and whose products do not.
-pub const PLAIN: Range<f64> = 1e-140..1e140;
-
-/// Sums of products below that have lost too much to rounding towards 0.
-const VANISHING: f64 = 1e-280;
+pub use crate::constants::PLAIN;
 
 /// `a + b`.
 #[inline(always)]

@@ -5,6 +5,7 @@
 use rayon::prelude::*;
 
 use super::cost_constants::CostConstants;
+use crate::constants::{NO_COLLISION_PROBABILITY, TEST_TO_VISIT_RATIO};
 use crate::mesh::pieces::{edge_lengths, longest_edge, twice_area};
 use crate::mesh::triangle_mesh::Mesh;
 
@@ -21,12 +22,6 @@ pub enum Estimator {
     /// [`CostFunction`] of it is that of `Area`, where its search begins.
     Calibrated(CostConstants),
 }
-
-/// Probability that a pair of tool triangle and voxel does not collide (the paper's `pnc`).
-pub const NO_COLLISION_PROBABILITY: f64 = 0.99;
-
-/// Cost of a triangle test over the cost of a voxel visit (the paper's `rt`).
-pub const TEST_TO_VISIT_RATIO: f64 = 100.0;
 
 /// The mean figures of a static mesh that the cost function knows.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -50,12 +45,13 @@ pub struct CostFunction {
 /// Mean area and mean edge of the queried triangles.
 pub fn static_means(mesh: &Mesh) -> StaticMeans {
     // Sums of fixed runs of triangles, added up in order: the same for any number of threads.
-    const RUN: u32 = 4096;
+    const MEANS_RUN: u32 = 4096;
     let count = mesh.faces().len() as u32;
-    let sums: Vec<(f64, f64)> = (0..count.div_ceil(RUN))
+    let sums: Vec<(f64, f64)> = (0..count.div_ceil(MEANS_RUN))
         .into_par_iter()
         .map(|run| {
-            let ids = (run * RUN..count.min((run + 1).saturating_mul(RUN))).filter(|id| mesh.is_queried(*id));
+            let ids =
+                (run * MEANS_RUN..count.min((run + 1).saturating_mul(MEANS_RUN))).filter(|id| mesh.is_queried(*id));
             ids.fold((0.0, 0.0), |(area, edge), id| {
                 let t = mesh.triangle(id);
                 (area + 0.5 * twice_area(&t), edge + edge_lengths(&t).iter().sum::<f64>() / 3.0)

@@ -11,7 +11,7 @@
 
 use super::random::Random;
 use super::spread::{chosen, spread};
-use crate::constants::{CHOSEN_CUT_ALLOWANCE, MAX_CUT_DEPTH};
+use crate::constants::{CHOSEN_CUT_ALLOWANCE, CLUSTER_SHARE, MAX_CUT_DEPTH};
 use crate::geometry::bounds::{Aabb, Piece, Triangle};
 use crate::index::blocks::Blocks;
 use crate::mesh::pieces::{first_cut, grown_box, halves, least_piece_size, longest_edge};
@@ -19,15 +19,10 @@ use crate::mesh::triangle_mesh::Mesh;
 use crate::tool::moving_tool::{Tool, Widths};
 
 /// Triangles that are looked at, evenly spread over the mesh.
-const LOOKED_AT: usize = 25_000;
+const TRIANGLES_LOOKED_AT: usize = 25_000;
 
 /// Of these, the ones whose cutting is followed.
 const FOLLOWED: usize = 2000;
-
-/// What a pair of a tool's cluster and a piece costs, over what one of the sixteen pairs of pieces in it does if their boxes
-/// meet, per piece of the tool. Found on the samples carcass, differential and engine of 200,000 triangles; from half to twice of it
-/// the chosen size is within 6 % of the best on all (docs/voxel-size.md).
-const CLUSTER_SHARE: f64 = 0.04;
 
 /// What a query is expected to do at a piece size, per piece of the tool and in cubic metres: over the volume in which the tool
 /// may be it is how many meet. Only ratios between sizes mean something.
@@ -76,7 +71,7 @@ struct Followed {
 impl PiecePredictor {
     /// Looks at a sample of the mock-up: a millisecond for any. `None` for meshes near the limits of float64.
     pub fn new(mesh: &Mesh, tool: &Tool) -> Option<PiecePredictor> {
-        let ids = spread(mesh, LOOKED_AT);
+        let ids = spread(mesh, TRIANGLES_LOOKED_AT);
         let each = mesh.queried_count() as f64 / ids.len() as f64;
         let widths = *tool.widths();
         let mut longest = 0.0f64;

@@ -5,25 +5,16 @@
 //! far from its origin does not swing.
 //!
 //! Given poses are rigid only within 1e-6, and are used as given: what their matrices have beyond a rotation is added, and
-//! fades out within the first and the last [`FADE`] of the way. So the way begins and ends exactly at the given poses, and
+//! fades out within the first and the last `FADE` of the way. So the way begins and ends exactly at the given poses, and
 //! every pose on it is as rigid as they are.
 
-use crate::constants::UNIT_ROUNDOFF;
+use crate::constants::{ARC_ROUNDING, FADE, MOTION_ROUNDOFFS, UNIT_ROUNDOFF};
 use crate::geometry::bounds::{Aabb, Point, Triangle};
 use crate::geometry::pose::Pose;
 use crate::geometry::vectors::{add, any_length, cross, dot, length, scaled, sub};
 use crate::tool::moving_tool::Tool;
 
 type Matrix = [[f64; 3]; 3];
-
-/// Share of the way in which what a matrix has beyond a rotation fades out. A turn by the angle `a` changes an entry of
-/// `R R^T - I` by at most `6e-6 a`, and the shortest way turns by at most 3.15 in all: fading in 1/32 takes away more.
-const FADE: f64 = 1.0 / 32.0;
-
-/// Roundings, in unit roundoffs of the largest coordinate in play, by which a tool corner at a pose on the way may be off the
-/// way itself, per axis: some 40 for an entry of the rotation (sine, cosine, two products of matrices), three entries to a
-/// coordinate, twice (once for the pivot), and 10 for the sums; and 2 to spare.
-const MOTION_ROUNDOFFS: f64 = 512.0;
 
 /// A rigid motion of one tool; time runs from 0 to 1.
 #[derive(Debug, Clone)]
@@ -102,8 +93,8 @@ impl Motion {
             angle,
             axis_in_tool,
             beyond,
-            reach: reach * (1.0 + 1e-9),
-            bend: bend * (1.0 + 1e-9),
+            reach: reach * (1.0 + ARC_ROUNDING),
+            bend: bend * (1.0 + ARC_ROUNDING),
             rounding: rounding + f64::MIN_POSITIVE,
         }
     }
@@ -142,7 +133,7 @@ impl Motion {
         let angle = self.angle * (to - from);
         let arc = 0.125 * angle * angle * self.reach;
         let placing = tool.margin_at(&poses[0]).max(tool.margin_at(&poses[1]));
-        Window { poses, margin: (arc + 2.0 * self.bend) * (1.0 + 1e-9) + 2.0 * self.rounding + placing }
+        Window { poses, margin: (arc + 2.0 * self.bend) * (1.0 + ARC_ROUNDING) + 2.0 * self.rounding + placing }
     }
 
     /// How fast the given point of the tool moves when it is at `place` in the world, metres for the whole way.
@@ -160,7 +151,7 @@ impl Motion {
             .fold(0.0f64, |m, r| if r > m { r } else { m });
         let place = self.from.iter().chain(&self.velocity).fold(0.0f64, |m, x| m.max(x.abs()));
         Limits {
-            acceleration: self.angle * self.angle * radius * (1.0 + 1e-9),
+            acceleration: self.angle * self.angle * radius * (1.0 + ARC_ROUNDING),
             // The bend, and the rounding of a computed velocity.
             stray_velocity: self.bend / FADE
                 + 64.0 * UNIT_ROUNDOFF * (length(&self.velocity) + self.angle * (place + self.reach))
