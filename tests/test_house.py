@@ -10,6 +10,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tarfile
 from pathlib import Path
 from types import ModuleType
 
@@ -95,6 +96,30 @@ def test_only_maturin_tunes_for_a_cpu(root: Path, tmp_path: Path, monkeypatch: p
         assert "target-cpu" not in flags(where=where) and "target-feature" not in flags(where=where)
     if sys.platform == "linux" and platform.machine() == "x86_64":
         assert "-Ctarget-cpu=znver4" in flags("--config", tuning(root))
+
+
+def test_crates_can_be_published(root: Path, tmp_path: Path) -> None:
+    """The packages hold sources, README and licences, and no test that cannot run. `make package` compiles them, too."""
+    published = re.search(r"^PUBLISHED := (.*)$", (root / "Makefile").read_text(encoding="utf-8"), re.MULTILINE)
+    assert published is not None
+    manifests = [tomllib.loads(path.read_text(encoding="utf-8")) for path in root.glob("crates/*/Cargo.toml")]
+    packages = {data["package"]["name"]: data["package"] for data in manifests}
+    assert {name for name, package in packages.items() if package.get("publish", True)} == set(published[1].split())
+
+    crates = [word for name in published[1].split() for word in ("-p", name)]
+    options = ("--allow-dirty", "--no-verify", "--offline", "--target-dir", str(tmp_path))
+    made = run("cargo", "package", *options, *crates, cwd=root)
+    assert made.returncode == 0, made.stderr
+    for name in published[1].split():
+        (path,) = tmp_path.glob(f"package/{name}-*.crate")
+        with tarfile.open(path) as archive:
+            files = {member.name.split("/", 1)[1]: member for member in archive.getmembers()}
+            assert {"src/lib.rs", "README.md", "LICENSE-MIT", "LICENSE-APACHE"} <= files.keys()
+            assert not any(file.startswith("tests/") for file in files)
+            licence = archive.extractfile(files["LICENSE-MIT"])
+            assert licence is not None and licence.read() == (root / "LICENSE-MIT").read_bytes()
+        assert packages[name]["readme"] == "README.md"
+        assert "```rust" in (root / "crates" / name / "README.md").read_text(encoding="utf-8")
 
 
 def test_make_help_lists_every_target(root: Path) -> None:

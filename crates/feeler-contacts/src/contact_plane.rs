@@ -35,7 +35,7 @@ pub struct Contacts {
     /// Deepest first, at most [`MOST_PLANES`].
     pub planes: Vec<ContactPlane>,
     /// Planes found beyond [`MOST_PLANES`], the least deep or farthest, that were left out. What is only near is not sought where
-    /// [`MANY_DEEP`] are deep, nor all of it beside more than [`FEW_DEEP`].
+    /// [`MANY_DEEP`](crate::MANY_DEEP) are deep, nor all of it beside more than [`FEW_DEEP`](crate::FEW_DEEP).
     pub omitted: usize,
     /// Whether any triangles meet.
     pub is_meeting: bool,

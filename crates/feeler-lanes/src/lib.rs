@@ -19,3 +19,7 @@ pub use simd::{
     LineLanes, Simd, Wide, FEW, LANES, WIDE_LANES,
 };
 pub use sort::Sorter;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -11,8 +11,9 @@ use crate::progress::{report, Progress};
 use crate::scratch_pool::ScratchPool;
 use crate::tool::moving_tool::Tool;
 
-/// What a path meets.
+/// What a path meets; [`hits`](Self::hits) is empty where it is free.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct PathCheck {
     /// Segments: one less than poses; a path of one pose has one segment that stands still.
     pub segments: usize,
@@ -24,7 +25,7 @@ pub struct PathCheck {
 ///
 /// Every segment is looked at, also those after an impact. `progress` is told after each wave of segments. Errors: as
 /// `cast`, a path without a pose, and a request to stop.
-pub fn check_path(
+pub(crate) fn check_path(
     index: &Index,
     pool: &ScratchPool<CastScratch>,
     tool: &Tool,

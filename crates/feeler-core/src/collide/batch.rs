@@ -15,14 +15,15 @@ use crate::progress::{report, Progress};
 use crate::scratch_pool::ScratchPool;
 use crate::tool::moving_tool::Tool;
 
-/// The pairs of many poses, one after the other.
+/// The pairs of `n` poses, one after the other: `K` in all.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Batch {
-    /// Pose `i` has pairs `offsets[i]..offsets[i + 1]`.
+    /// `(n + 1,)`: pose `i` has the pairs from `offsets[i]` up to `offsets[i + 1]`.
     pub offsets: Vec<u64>,
-    /// As in [`Collision`](super::query::Collision).
+    /// `(K, 2)`, each pose's as in [`Collision`](super::query::Collision).
     pub pairs: Vec<[u32; 2]>,
-    /// As in [`Collision`](super::query::Collision).
+    /// `(K,)`, likewise.
     pub kinds: Vec<PairKind>,
 }
 
@@ -71,7 +72,7 @@ struct Task {
 ///
 /// What is found is put together at the end, so that for a moment a pair is held twice. `progress` is told after each few
 /// thousand poses. Errors when the result would outgrow the memory limit of the scene.
-pub fn collide_batch(
+pub(crate) fn collide_batch(
     index: &Index,
     pool: &ScratchPool<CollideScratch>,
     tool: &Tool,

@@ -1,4 +1,5 @@
-//! The narrow phase: candidate pairs go through two filters to the triangle test.
+//! The narrow phase: candidate pairs go through the paper's two filters (Borro et al. 2004: repeated pairs, boxes) to the triangle
+//! test, in batches: in lanes first, and one by one with exact signs what these leave in doubt.
 
 use crate::collide::hits::{Hit, Hits};
 use crate::geometry::bounds::Aabb;
@@ -30,7 +31,7 @@ impl Default for Filters {
 
 /// The boxes of a tool's triangles at a pose, each made when first needed.
 #[derive(Debug, Default)]
-pub struct PlacedBounds {
+pub(crate) struct PlacedBounds {
     bounds: Vec<Aabb>,
     /// `placed[t] == query` where triangle `t` is up to date.
     placed: Vec<u32>,
@@ -39,7 +40,7 @@ pub struct PlacedBounds {
 
 impl PlacedBounds {
     /// Forgets the last query.
-    pub fn begin(&mut self) {
+    pub(crate) fn begin(&mut self) {
         if self.query == u32::MAX {
             self.placed.fill(0);
             self.query = 0;
@@ -49,7 +50,7 @@ impl PlacedBounds {
 
     /// The box of a triangle at the pose.
     #[inline]
-    pub fn of(&mut self, tool: &Tool, pose: &Pose, slot: u32) -> Aabb {
+    pub(crate) fn of(&mut self, tool: &Tool, pose: &Pose, slot: u32) -> Aabb {
         let i = slot as usize;
         if self.placed.len() <= i {
             self.bounds.resize(tool.ids().len(), Aabb::EMPTY);
@@ -74,7 +75,7 @@ const PENDING_PLACES: usize = BATCH + 2 * LANES;
 
 /// Candidate pairs that wait for their test.
 #[derive(Debug)]
-pub struct Pending {
+pub(crate) struct Pending {
     slots: [u32; PENDING_PLACES],
     mockup_triangles: [u32; PENDING_PLACES],
     count: usize,
@@ -115,7 +116,7 @@ impl Default for Pending {
 
 impl Pending {
     /// Forgets the last query.
-    pub fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.count = 0;
         self.asked_count = 0;
         self.is_recent_old = true;
@@ -153,7 +154,7 @@ impl Pending {
 }
 
 /// One query's narrow phase. Stores offer candidate pairs to it.
-pub struct Narrow<'a> {
+pub(crate) struct Narrow<'a> {
     pub at: PlacedTool<'a>,
     pub filters: Filters,
     /// Stop at the first pair found.
@@ -239,7 +240,7 @@ impl Narrow<'_> {
 
     /// Tests the pairs kept so far; true when the query is over.
     #[inline(never)]
-    pub fn finish(&mut self) -> bool {
+    pub(crate) fn finish(&mut self) -> bool {
         if self.pending.count == 0 {
             return false;
         }

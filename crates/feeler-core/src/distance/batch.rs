@@ -19,17 +19,18 @@ const DISTANCE_WAVE: usize = 4096;
 /// Poses a task handles at a time.
 const DISTANCE_TASK: usize = 8;
 
-/// The gaps of many poses, one after the other.
+/// The gaps of `n` poses, one after the other.
 #[derive(Debug, Clone, Default, PartialEq)]
+#[non_exhaustive]
 pub struct GapBatch {
-    /// Pose `i` has gaps `offsets[i]..offsets[i + 1]`.
+    /// `(n + 1,)`: pose `i` has the gaps from `offsets[i]` up to `offsets[i + 1]`.
     pub offsets: Vec<u64>,
-    /// As of [`Scene::clearance`](crate::Scene::clearance).
+    /// Each pose's as [`Scene::clearance`](crate::Scene::clearance) gives them.
     pub gaps: Vec<Gap>,
 }
 
 /// The closest pair at each of many poses, in parallel on the current rayon pool.
-pub fn distance_batch(
+pub(crate) fn distance_batch(
     index: &Index,
     pool: &ScratchPool<DistanceScratch>,
     tool: &Tool,
@@ -56,7 +57,7 @@ pub fn distance_batch(
 
 /// The closest pair of each part within a distance at each of many poses, or with `pairs` every pair, in parallel on the current
 /// rayon pool. Errors when the result would outgrow the memory limit of the scene.
-pub fn clearance_batch(
+pub(crate) fn clearance_batch(
     index: &Index,
     pool: &ScratchPool<DistanceScratch>,
     tool: &Tool,

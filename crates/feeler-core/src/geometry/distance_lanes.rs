@@ -1,4 +1,4 @@
-//! The distance of eight pairs of triangles at once.
+//! The distance of eight pairs of triangles at once (after Ericson, as of one pair), and separating axes across two edges.
 //!
 //! The same steps as [`closest_within`] in the same order, so the same numbers; that works in units of the pair, a power of
 //! two, which changes no rounding. Slivers, which take it more steps, and very large or small numbers are left to it.

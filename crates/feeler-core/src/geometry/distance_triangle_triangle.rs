@@ -29,9 +29,18 @@ pub struct Closest {
 /// Where two triangles are closest. Corners must be finite, and at most 1e100 in size (a few times that at a pose).
 ///
 /// With L the largest difference of two of the corners' coordinates along one axis, the distance is right within
-/// [`DISTANCE_ROUNDOFFS`] roundings of L (about 1.4e-14 L), and so is each point's distance from its triangle, beside rounding
-/// its coordinates to float64; where they meet, the common point is within [`MEETING_ROUNDOFFS`](crate::constants::MEETING_ROUNDOFFS) (1e-9 L) of both. The distance is 0 if and only if the triangles meet, which is decided exactly. One of the two may
-/// have lost its area (a segment, a point), as a tool's triangle can at a pose.
+/// 1.4e-14 L, and so is each point's distance from its triangle, beside rounding its coordinates to float64; where they meet, the
+/// common point is within 1e-9 L of both. The distance is 0 if and only if the triangles meet, which is decided exactly. One of
+/// the two may have lost its area (a segment, a point), as a tool's triangle can at a pose.
+///
+/// ```
+/// use feeler_core::closest_triangle_triangle;
+///
+/// let p = [[0.0, 0.0, 0.5], [1.0, 0.0, 1.0], [0.0, 1.0, 1.0]];
+/// let q = [[-1.0, -1.0, 0.0], [2.0, -1.0, 0.0], [-1.0, 2.0, 0.0]];
+/// let closest = closest_triangle_triangle(&p, &q);
+/// assert_eq!((closest.distance, closest.on_q), (0.5, [0.0, 0.0, 0.0]));
+/// ```
 pub fn closest_triangle_triangle(p: &Triangle, q: &Triangle) -> Closest {
     closest_within(p, q, f64::INFINITY).unwrap_or(Closest { distance: f64::INFINITY, on_p: p[0], on_q: q[0] })
 }
@@ -76,7 +85,7 @@ pub fn closest_within(p: &Triangle, q: &Triangle, within: f64) -> Option<Closest
 /// A bound from below on the distance of two triangles (metres), from their boxes: no more than a dozen operations, and never
 /// above what [`closest_triangle_triangle`] gives.
 #[inline]
-pub fn distance_bound(p: &Aabb, q: &Aabb) -> f64 {
+pub(crate) fn distance_bound(p: &Aabb, q: &Aabb) -> f64 {
     let mut squared = 0.0;
     for a in 0..3 {
         // Each difference is rounded once, and so is what it is made of: leave a little.

@@ -1,12 +1,13 @@
 //! Triangle pairs side by side, as many as a register of float32 holds (16, eight or four): what can be proven of them.
 //!
-//! The same test as [`intersect_triangle_triangle`](crate::geometry::intersect_triangle_triangle), in float32. A sign counts where the
+//! The same test as [`intersect_triangle_triangle`](crate::geometry::intersect_triangle_triangle) (Möller 1997; Guigue and
+//! Devillers 2003), in float32 with a forward error bound as of a floating-point filter (Shewchuk 1997). A sign counts where the
 //! number is beyond what rounding may have done; a pair with any sign in doubt, about one in a hundred, is left to the test of
 //! one pair. So what is said here is exact.
 //!
 //! **Frame.** Pairs are tested as the tool sees them: g(x) = A (x - t), with the translation t of the pose and its rotation R
 //! inverted, A. A map that keeps what meets and what does not needs no more than to be invertible without mirroring, so A may be
-//! off. In that frame what the tool's triangles are does not depend on the pose and is kept ([`line_of`]), one cache line each;
+//! off. In that frame what the tool's triangles are does not depend on the pose and is kept (`line_of`), one cache line each;
 //! the mock-up's edges and one corner are taken there in float64. All is then rounded to float32.
 //!
 //! **Bounds.** With u = 2^-24, A, B, C, D, W the largest entries of the vectors below, each counted as at least `least`, P the
@@ -85,11 +86,11 @@ impl Kernel for Prove {
 }
 
 /// A point in lanes.
-pub type Vector<F> = [F; 3];
+pub(crate) type Vector<F> = [F; 3];
 
 /// A triangle of a tool in its own frame: the first corner; its edges to the second and to the third, a vector across it as long
 /// as their cross product, and the largest entry of the edges.
-pub fn line_of(t: &Triangle) -> CacheLine {
+pub(crate) fn line_of(t: &Triangle) -> CacheLine {
     let [c, d] = [1, 2].map(|i| minus(&t[i], &t[0]));
     let m = [c[1] * d[2] - c[2] * d[1], c[2] * d[0] - c[0] * d[2], c[0] * d[1] - c[1] * d[0]];
     let size = c.iter().chain(&d).fold(0.0, |size: f64, x| size.max(x.abs()));
@@ -100,7 +101,7 @@ pub fn line_of(t: &Triangle) -> CacheLine {
 }
 
 /// From where a tool at a pose sees the world.
-pub struct Seen {
+pub(crate) struct Seen {
     /// Its rotation inverted, and negative, row by row.
     against: [[f64; 3]; 3],
     /// Its translation.
@@ -108,7 +109,7 @@ pub struct Seen {
 }
 
 impl Seen {
-    pub fn at(pose: &Pose) -> Seen {
+    pub(crate) fn at(pose: &Pose) -> Seen {
         let r = pose.rotation();
         let minor = |i: usize, j: usize| {
             let ([i, k], [j, l]) = ([(i + 1) % 3, (i + 2) % 3], [(j + 1) % 3, (j + 2) % 3]);
@@ -127,13 +128,13 @@ impl Seen {
 }
 
 /// What an entry must count as at least at a pose, for a tool with no larger coordinate.
-pub fn least_of(pose: &Pose, largest: f64) -> f32 {
+pub(crate) fn least_of(pose: &Pose, largest: f64) -> f32 {
     let size = 3.1 * largest + pose.largest_translation();
     LEAST_ENTRY.max((PLACE_ROUNDING * size) as f32)
 }
 
 /// Pairs of triangles in lanes, by differences of their corners, as the tool sees them.
-pub struct Pairs<F> {
+pub(crate) struct Pairs<F> {
     /// From the first corner of `q` to that of `p`.
     between: Vector<F>,
     /// From the first corner to the second and to the third.
@@ -150,7 +151,7 @@ impl<F: Copy> Pairs<F> {
     /// As many pairs as a part has lanes of float32: lines of a tool (by their places) and triangles of a mock-up (by faces and
     /// vertices, and their places).
     #[inline(always)]
-    pub fn of<S: Simd>(
+    pub(crate) fn of<S: Simd>(
         s: S,
         seen: &Seen,
         (lines, p): (&[CacheLine], &[u32]),
@@ -211,7 +212,7 @@ impl<F: Copy> Turned<F> {
 
 /// What can be proven of a pair in each lane. No entry counts as less than `least`.
 #[inline(always)]
-pub fn intersect<S: Arithmetic>(s: S, pairs: &Pairs<S::F32>, least: S::F32) -> Verdict {
+pub(crate) fn intersect<S: Arithmetic>(s: S, pairs: &Pairs<S::F32>, least: S::F32) -> Verdict {
     let Pairs { between: w, p: [c, d], normal_p: m, size_p, q: [a, b], normal_q: n } = pairs;
     let (size_a, size_b) = (largest(s, a, least), largest(s, b, least));
     let size_w = largest(s, w, least);

@@ -4,7 +4,7 @@
 //! (J. R. Shewchuk, *Adaptive precision floating-point arithmetic and fast robust geometric predicates*, 1997; the
 //! `robust` crate), and big integers where expansions could under- or overflow.
 //!
-//! All coordinates must be finite and at most [`LARGEST_COORDINATE`](crate::constants::LARGEST_COORDINATE) in size.
+//! All coordinates must be finite and at most `LARGEST_COORDINATE` in size.
 
 use num_bigint::{BigInt, Sign as BigSign};
 
@@ -12,7 +12,7 @@ use crate::constants::{ORIENT2D_BOUND, ORIENT3D_BOUND, SAFE_LARGEST, SAFE_PERMAN
 use crate::geometry::bounds::Point;
 
 /// A sign: -1, 0 or 1.
-pub type Sign = i8;
+pub(crate) type Sign = i8;
 
 /// Orientation signs, with a count of those that float64 arithmetic could not decide.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -24,7 +24,7 @@ pub struct Signs {
 impl Signs {
     /// See [`orient3d`].
     #[inline]
-    pub fn orient3d(&mut self, a: &Point, b: &Point, c: &Point, d: &Point) -> Sign {
+    pub(crate) fn orient3d(&mut self, a: &Point, b: &Point, c: &Point, d: &Point) -> Sign {
         orient3d_filter(a, b, c, d).unwrap_or_else(|| {
             self.exact += 1;
             orient3d_exact(a, b, c, d)
@@ -33,7 +33,7 @@ impl Signs {
 
     /// See [`orient2d`].
     #[inline]
-    pub fn orient2d(&mut self, a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> Sign {
+    pub(crate) fn orient2d(&mut self, a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> Sign {
         orient2d_filter(a, b, c).unwrap_or_else(|| {
             self.exact += 1;
             orient2d_exact(a, b, c)
@@ -51,7 +51,7 @@ pub fn orient3d(a: &Point, b: &Point, c: &Point, d: &Point) -> Sign {
 
 /// The sign where float64 arithmetic can prove it, else `None`.
 #[inline]
-pub fn orient3d_filter(a: &Point, b: &Point, c: &Point, d: &Point) -> Option<Sign> {
+pub(crate) fn orient3d_filter(a: &Point, b: &Point, c: &Point, d: &Point) -> Option<Sign> {
     let [adx, ady, adz] = [a[0] - d[0], a[1] - d[1], a[2] - d[2]];
     let [bdx, bdy, bdz] = [b[0] - d[0], b[1] - d[1], b[2] - d[2]];
     let [cdx, cdy, cdz] = [c[0] - d[0], c[1] - d[1], c[2] - d[2]];
@@ -67,13 +67,13 @@ pub fn orient3d_filter(a: &Point, b: &Point, c: &Point, d: &Point) -> Option<Sig
 
 /// Which side of the directed line `a -> b` the point `c` lies on, in the plane: positive on the left.
 #[inline]
-pub fn orient2d(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> Sign {
+pub(crate) fn orient2d(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> Sign {
     Signs::default().orient2d(a, b, c)
 }
 
 /// The sign where float64 arithmetic can prove it, else `None`.
 #[inline]
-pub fn orient2d_filter(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> Option<Sign> {
+pub(crate) fn orient2d_filter(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> Option<Sign> {
     let left = (a[0] - c[0]) * (b[1] - c[1]);
     let right = (a[1] - c[1]) * (b[0] - c[0]);
     let permanent = left.abs() + right.abs();

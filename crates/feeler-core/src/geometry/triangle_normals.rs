@@ -1,4 +1,4 @@
-//! The normals of eight triangles at once.
+//! The unit normals of eight triangles at once, each by the cross product of two edges.
 
 use crate::geometry::bounds::{Point, Triangle};
 use crate::geometry::vectors::{cross, dot, normal, sub, PLAIN};

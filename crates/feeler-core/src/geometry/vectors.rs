@@ -49,7 +49,7 @@ pub fn length(a: &Point) -> f64 {
 
 /// The length, also of vectors whose square vanishes.
 #[inline]
-pub fn any_length(a: &Point) -> f64 {
+pub(crate) fn any_length(a: &Point) -> f64 {
     let squared = dot(a, a);
     if squared > VANISHING {
         return squared.sqrt();
@@ -60,7 +60,7 @@ pub fn any_length(a: &Point) -> f64 {
 
 /// The largest absolute entry.
 #[inline(always)]
-pub fn largest(a: &Point) -> f64 {
+pub(crate) fn largest(a: &Point) -> f64 {
     a[0].abs().max(a[1].abs()).max(a[2].abs())
 }
 

@@ -1,4 +1,4 @@
-//! Merging of equal vertices, without loss.
+//! Merging of equal vertices, without loss: a hash table of their bits.
 
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};

@@ -4,7 +4,7 @@
 //! `product(b + e_a)`, summed over them, over the space: `b` is the mean width of the tool's piece, `e` the sides of the box of
 //! the mock-up's. Cutting shrinks the boxes of long triangles, which are mostly empty, and adds `b^3` for each piece: the sum
 //! has a minimum, at smaller sizes for finer tools. The same sum with the tool's clusters of 16 pieces counts the comparisons
-//! before; it has its minimum at larger sizes, and a small weight ([`CLUSTER_SHARE`]).
+//! before; it has its minimum at larger sizes, and a small weight (`CLUSTER_SHARE`).
 //!
 //! The sum is estimated from a sample: triangles are chosen in proportion to what they add uncut, and of each halving one half
 //! is followed, at random, for both. So a sampled triangle of a thousand pieces costs ten halvings.
@@ -27,6 +27,7 @@ const FOLLOWED: usize = 2000;
 /// What a query is expected to do at a piece size, per piece of the tool and in cubic metres: over the volume in which the tool
 /// may be it is how many meet. Only ratios between sizes mean something.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[non_exhaustive]
 pub struct PieceWork {
     /// Pieces of the mock-up whose boxes that of a tool's piece meets.
     pub pairs: f64,
@@ -106,7 +107,7 @@ impl PiecePredictor {
         self.sum(&sample)
     }
 
-    /// The size (metres) with the least work, among those with about [`CHOSEN_CUT_ALLOWANCE`] extra pieces a triangle at most, and
+    /// The size (metres) with the least work, among those with about two extra pieces a triangle at most, and
     /// building which stays below `limit` bytes: one of a ladder of half octaves down from the longest edge.
     pub fn optimal_size(&self, limit: u64) -> f64 {
         // The number of pieces is an estimate.

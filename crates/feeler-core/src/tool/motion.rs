@@ -1,8 +1,8 @@
 //! A tool's way from one pose to another, and what is certain about it.
 //!
 //! The middle of the tool's box (the *pivot*) moves along a straight line at constant speed, and the tool turns about it at
-//! constant speed about a fixed axis, the shorter way round (slerp). The tool's own origin plays no part, so a tool modelled
-//! far from its origin does not swing.
+//! constant speed about a fixed axis, the shorter way round (slerp: K. Shoemake 1985). The tool's own origin plays no part, so a
+//! tool modelled far from its origin does not swing.
 //!
 //! Given poses are rigid only within 1e-6, and are used as given: what their matrices have beyond a rotation is added, and
 //! fades out within the first and the last `FADE` of the way. So the way begins and ends exactly at the given poses, and
@@ -17,6 +17,9 @@ use crate::tool::moving_tool::Tool;
 type Matrix = [[f64; 3]; 3];
 
 /// A rigid motion of one tool; time runs from 0 to 1.
+///
+/// The middle of the tool's box moves along a straight line at constant speed, and the tool turns about it at constant speed
+/// about a fixed axis, the shorter way round.
 #[derive(Debug, Clone)]
 pub struct Motion {
     ends: [Pose; 2],
@@ -42,7 +45,7 @@ pub struct Motion {
 /// Where the tool is during a span of time: everything the tool sweeps lies within `margin` (metres, per axis) of the straight
 /// lines between its places at the two poses.
 #[derive(Debug, Clone)]
-pub struct Window {
+pub(crate) struct Window {
     /// The poses at both ends.
     pub poses: [Pose; 2],
     /// See above. It covers rounding, too.
@@ -51,13 +54,13 @@ pub struct Window {
 
 impl Window {
     /// A box around all places of a triangle of the tool.
-    pub fn bounds_of(&self, triangle: &Triangle) -> Aabb {
+    pub(crate) fn bounds_of(&self, triangle: &Triangle) -> Aabb {
         let [a, b] = self.poses.each_ref().map(|pose| Aabb::of_triangle(&pose.apply_triangle(triangle)));
         grown(&a.union(&b), self.margin)
     }
 
     /// A box around all places of the whole tool.
-    pub fn bounds_of_box(&self, bounds: &Aabb) -> Aabb {
+    pub(crate) fn bounds_of_box(&self, bounds: &Aabb) -> Aabb {
         let [a, b] = self.poses.each_ref().map(|pose| pose.apply_box(bounds, self.margin));
         a.union(&b)
     }
@@ -117,7 +120,7 @@ impl Motion {
     }
 
     /// Whether the tool does not move at all.
-    pub fn is_still(&self) -> bool {
+    pub(crate) fn is_still(&self) -> bool {
         self.ends[0] == self.ends[1]
     }
 
@@ -127,7 +130,7 @@ impl Motion {
     }
 
     /// What the tool sweeps between two times.
-    pub fn window(&self, tool: &Tool, from: f64, to: f64) -> Window {
+    pub(crate) fn window(&self, tool: &Tool, from: f64, to: f64) -> Window {
         let poses = [self.at(from), self.at(to)];
         // A point on a circle, taken for one on the chord at the same time, is off by at most an eighth of its acceleration.
         let angle = self.angle * (to - from);
@@ -138,13 +141,13 @@ impl Motion {
 
     /// How fast the given point of the tool moves when it is at `place` in the world, metres for the whole way.
     #[inline]
-    pub fn velocity(&self, time: f64, place: &Point) -> Point {
+    pub(crate) fn velocity(&self, time: f64, place: &Point) -> Point {
         let spin = cross(&self.axis, &sub(place, &self.pivot_at(time)));
         add(&self.velocity, &scaled(&spin, self.angle))
     }
 
     /// Bounds that hold for all points of a triangle of the tool at all times.
-    pub fn limits(&self, triangle: &Triangle) -> Limits {
+    pub(crate) fn limits(&self, triangle: &Triangle) -> Limits {
         let radius = triangle
             .iter()
             .map(|p| any_length(&cross(&self.axis_in_tool, &sub(p, &self.pivot))))
@@ -162,7 +165,7 @@ impl Motion {
 
     /// The part of a direction that turning can act on: `n` without its component along the axis, as a length.
     #[inline]
-    pub fn across_axis(&self, n: &Point) -> f64 {
+    pub(crate) fn across_axis(&self, n: &Point) -> f64 {
         length(&cross(n, &self.axis))
     }
 
@@ -173,7 +176,7 @@ impl Motion {
 
 /// See [`Motion::limits`].
 #[derive(Debug, Clone, Copy)]
-pub struct Limits {
+pub(crate) struct Limits {
     /// Largest acceleration, metres for the whole time squared, in a direction across the axis.
     pub acceleration: f64,
     /// By how much a point's velocity may differ from what [`Motion::velocity`] says.

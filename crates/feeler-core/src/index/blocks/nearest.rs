@@ -1,4 +1,5 @@
-//! The search for what is near, in lanes: pairs of a tool entry and a node go down together, nearest first.
+//! The search for what is near, in lanes: branch and bound as in [`plain_search`](crate::index::plain_search), pairs of a tool
+//! entry and a node go down together, nearest first.
 //!
 //! Bounds are squares of distances in frame units, from boxes in float32 that cover what they stand for; they are compared with
 //! [`Search::limit`], which is rounded up, so nothing of interest is dropped.

@@ -1,4 +1,5 @@
-//! The last steps of the search for what is near: a cluster of the tool against a block.
+//! The last steps of the search for what is near: a cluster of the tool against a block, by gaps between boxes and along three
+//! separating axes; each is a bound from below.
 
 use super::nearest::{gaps, NearScratch, Search};
 use super::node::FANOUT;

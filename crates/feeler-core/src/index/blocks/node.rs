@@ -1,4 +1,4 @@
-//! Nodes that hold 32 boxes in bytes.
+//! Nodes that hold 32 boxes in bytes: sides as steps of a 255th of the node's own box, rounded outwards.
 
 use crate::constants::{HALF_STEP, UNPACK_ROUNDING};
 use crate::geometry::bounds::{Aabb, Point};

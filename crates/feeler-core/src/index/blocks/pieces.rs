@@ -1,4 +1,4 @@
-//! The pieces of a block: packed in ten bits a coordinate, and unpacked in lanes.
+//! The pieces of a block: quantised to ten bits a coordinate within the piece's box, and unpacked in lanes.
 
 use super::node::{Node, FANOUT};
 use crate::constants::{HALF_STEP, UNPACK_ROUNDING};
