@@ -99,7 +99,7 @@ def test_only_maturin_tunes_for_a_cpu(root: Path, tmp_path: Path, monkeypatch: p
 
 
 def test_crates_can_be_published(root: Path, tmp_path: Path) -> None:
-    """The packages hold sources, README and licences, and no test that cannot run. `make package` compiles them, too."""
+    """The packages hold sources, README and licences, no test that cannot run. `make package` compiles them, too."""
     published = re.search(r"^PUBLISHED := (.*)$", (root / "Makefile").read_text(encoding="utf-8"), re.MULTILINE)
     assert published is not None
     manifests = [tomllib.loads(path.read_text(encoding="utf-8")) for path in root.glob("crates/*/Cargo.toml")]
