@@ -34,6 +34,9 @@ export VIRTUAL_ENV := $(CURDIR)/$(VENV)
 export PYO3_PYTHON := $(CURDIR)/$(PY)
 unexport CONDA_PREFIX PYTHONHOME
 
+# The Rust crates that others may depend on; the rest has `publish = false`.
+PUBLISHED := feeler-lanes feeler-core feeler-contacts
+
 # In CI the lock file is law; at home cargo may bring it up to date with an edited Cargo.toml.
 LOCKED := $(if $(CI),--locked)
 
@@ -87,6 +90,11 @@ build: $(BUILT) ## compile the extension module into python/feeler
 .PHONY: wheel
 wheel: $(INSTALLED) ## build the wheel into dist/ (one for all Pythons from 3.10 on)
 	@$(PY) -m maturin build --release $(LOCKED) --out dist
+
+# What is published is compiled from its package, each against the packages below it.
+.PHONY: package
+package: ## make the packages of the Rust crates that are published, in target/package, and compile them
+	@cargo package --allow-dirty $(LOCKED) $(PUBLISHED:%=-p %)
 
 # An environment does not survive a move of the clone, nor the loss of its interpreter.
 ifneq ($(shell $(PY) -c "" 2>/dev/null && cat $(VENV)/.made-in 2>/dev/null),$(CURDIR))
@@ -159,11 +167,12 @@ lint: lint-rust lint-python lint-rules ## everything below
 	@echo "make lint: all clean"
 
 .PHONY: lint-rust
-lint-rust: $(INSTALLED) ## rustfmt and clippy (the lints are listed in Cargo.toml)
+lint-rust: $(INSTALLED) ## rustfmt, clippy (the lints are listed in Cargo.toml) and rustdoc
 	@cargo fmt --version >/dev/null 2>&1 || { echo "make lint: rustfmt not found (rustup component add rustfmt)" >&2; exit 1; }
 	@cargo clippy --version >/dev/null 2>&1 || { echo "make lint: clippy not found (rustup component add clippy)" >&2; exit 1; }
 	cargo fmt --all --check
 	cargo clippy --workspace --all-targets $(LOCKED) --quiet -- --deny warnings
+	RUSTDOCFLAGS="--deny warnings" cargo doc --workspace --no-deps $(LOCKED) --quiet
 
 .PHONY: lint-python
 lint-python: build ## ruff, mypy (strict), and the type stubs against the compiled module

@@ -10,6 +10,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tarfile
 from pathlib import Path
 from types import ModuleType
 
@@ -95,6 +96,30 @@ def test_only_maturin_tunes_for_a_cpu(root: Path, tmp_path: Path, monkeypatch: p
         assert "target-cpu" not in flags(where=where) and "target-feature" not in flags(where=where)
     if sys.platform == "linux" and platform.machine() == "x86_64":
         assert "-Ctarget-cpu=znver4" in flags("--config", tuning(root))
+
+
+def test_crates_can_be_published(root: Path, tmp_path: Path) -> None:
+    """The packages hold sources, README and licences, no test that cannot run. `make package` compiles them, too."""
+    published = re.search(r"^PUBLISHED := (.*)$", (root / "Makefile").read_text(encoding="utf-8"), re.MULTILINE)
+    assert published is not None
+    manifests = [tomllib.loads(path.read_text(encoding="utf-8")) for path in root.glob("crates/*/Cargo.toml")]
+    packages = {data["package"]["name"]: data["package"] for data in manifests}
+    assert {name for name, package in packages.items() if package.get("publish", True)} == set(published[1].split())
+
+    crates = [word for name in published[1].split() for word in ("-p", name)]
+    options = ("--allow-dirty", "--no-verify", "--offline", "--target-dir", str(tmp_path))
+    made = run("cargo", "package", *options, *crates, cwd=root)
+    assert made.returncode == 0, made.stderr
+    for name in published[1].split():
+        (path,) = tmp_path.glob(f"package/{name}-*.crate")
+        with tarfile.open(path) as archive:
+            files = {member.name.split("/", 1)[1]: member for member in archive.getmembers()}
+            assert {"src/lib.rs", "README.md", "LICENSE-MIT", "LICENSE-APACHE"} <= files.keys()
+            assert not any(file.startswith("tests/") for file in files)
+            licence = archive.extractfile(files["LICENSE-MIT"])
+            assert licence is not None and licence.read() == (root / "LICENSE-MIT").read_bytes()
+        assert packages[name]["readme"] == "README.md"
+        assert "```rust" in (root / "crates" / name / "README.md").read_text(encoding="utf-8")
 
 
 def test_make_help_lists_every_target(root: Path) -> None:
@@ -529,6 +554,11 @@ STUMBLES = {
     "unsafe without a reason": ("a.rs", "fn f() {\n    let x = unsafe { g() };\n}\n", "a.rs:2: unsafe without"),
     "a registry": ("notes.md", "see https" + "://pypi.example.org/simple\n", "package registry"),
     "somebody's disk": ("notes.md", "look in /ho" + "me/anna/models\n", "absolute path"),
+    "two constants of one name": (
+        "crates/hull/src/a.rs",
+        "const ON: f64 = 1e-9;\nfn f() {\n    const ON: u32 = 1;\n}\n",
+        "crates/hull/src/a.rs:3: constant ON has the name of the one in crates/hull/src/a.rs:1",
+    ),
 }
 
 
@@ -540,10 +570,49 @@ def test_files_are_clean(root: Path) -> None:
 @pytest.mark.parametrize("name", STUMBLES)
 def test_file_check_catches(name: str, root: Path, tmp_path: Path) -> None:
     where, text, complaint = STUMBLES[name]
+    (tmp_path / where).parent.mkdir(parents=True, exist_ok=True)
     (tmp_path / where).write_text(text, encoding="utf-8")
     checked = run(sys.executable, root / "tools" / "check_files.py", tmp_path, cwd=tmp_path)
     assert checked.returncode == 1
     assert complaint in checked.stdout
+
+
+def test_a_constant_has_its_name_alone_in_its_crate(root: Path, tmp_path: Path) -> None:
+    """Across files and visibilities; not where it belongs to a type, to tests, to another crate, or is a parameter."""
+    sources = {
+        "hull/src/constants.rs": "/// Said once.\npub(crate) const ON: f64 = 1e-9;\n",
+        "hull/src/a.rs": """
+struct Lane<const ON: usize>;
+impl<const ON: usize> Lane<
+    ON,
+> {
+    const ON: usize = ON;
+    const fn on() -> usize { const INNER: usize = 1; INNER }
+}
+impl Wide for [f64; 8] { const ON: bool = true; }
+trait Wide { const ON: bool; }
+// const ON: u8 = 0;
+const _: () = ();
+const _: () = ();
+#[cfg(test)]
+mod tests { const ON: u8 = 2; }
+fn f(on: *const ON) { let text = "; const ON: u8 = 3;"; }
+#[rustfmt::skip]
+pub const INNER: u8 = 4;
+""",
+        "hull/src/tests.rs": "const ON: u8 = 5;\n",
+        "hull/src/tests/deep.rs": "const ON: u8 = 6;\n",
+        "hull/tests/out.rs": "const ON: u8 = 7;\n",
+        "deck/src/lib.rs": "const ON: u8 = 8;\n",
+        "deck/src/impl_of.rs": "fn on(x: impl Fn(u8)) { const ON: u8 = 9; }\n",
+    }
+    for where, text in sources.items():
+        path = tmp_path / "crates" / where
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    checked = run(sys.executable, root / "tools" / "check_files.py", tmp_path, cwd=tmp_path)
+    found = [line.split(" ")[0] for line in checked.stdout.splitlines()]
+    assert found == ["crates/deck/src/lib.rs:1:", "crates/hull/src/a.rs:18:", "check_files:"], checked.stdout
 
 
 def test_file_check_accepts_a_reason(root: Path, tmp_path: Path) -> None:

@@ -2,8 +2,9 @@
 
     python tools/check_files.py [ROOT]
 
-Sources over 800 lines, files too big for a clone, `unsafe` without a SAFETY comment, left-over markers, and anything
-that ties the repository to one machine: a package registry's address, an absolute path of somebody's disk.
+Sources over 800 lines, files too big for a clone, `unsafe` without a SAFETY comment, left-over markers, two constants
+of one name in a Rust crate, and anything that ties the repository to one machine: a package registry's address, an
+absolute path of somebody's disk.
 """
 
 from __future__ import annotations
@@ -13,6 +14,8 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+
+from rust_modules import Token, tokens
 
 SOURCES = {".rs", ".py", ".pyi", ".ts", ".js", ".sh", ".h", ".c", ".cpp"}
 MAX_LINES = 800
@@ -28,6 +31,10 @@ MACHINE = {
     "an absolute path of one machine": re.compile(r"(?<![\w./~}-])/(work|root|home/\w+|Users/\w+)/"),
 }
 UNSAFE = re.compile(r"\bunsafe\s*(\{|impl\b)")
+
+# What may stand before `const`: the end of an item or attribute, or a visibility. Not `<`: that is a parameter.
+BEFORE_CONST = {"", ";", "{", "}", "]", "pub", ")"}
+FOR_TESTS = (["cfg", "(", "test"], ["[", "test", "]"])
 
 
 def files(root: Path) -> list[Path]:
@@ -86,13 +93,53 @@ def has_safety_comment(lines: list[str], index: int) -> bool:
     return False
 
 
+def names_given_twice(root: Path, paths: list[Path]) -> Iterator[tuple[Path, int, str]]:
+    """(file, line, complaint) of every constant whose name another one of the same crate's src/ has already."""
+    first: dict[tuple[str, str], str] = {}
+    for path in paths:
+        match path.relative_to(root).parts:
+            case ("crates", crate, "src", *inside) if path.suffix == ".rs":
+                if {"tests", "tests.rs"} & {*inside}:
+                    continue
+            case _:
+                continue
+        for name in constants(tokens(path.read_text(encoding="utf-8", errors="replace"))):
+            where = f"{path.relative_to(root).as_posix()}:{name.line}"
+            other = first.setdefault((crate, name.text), where)
+            if other != where:
+                yield path, name.line, f"constant {name.text} has the name of the one in {other}"
+
+
+def constants(code: list[Token]) -> Iterator[Token]:
+    """The names of a file's constants, those inside functions too; not those of a type or trait, nor of tests."""
+    blocks: list[str] = []  # what each block around the place is: "type", "tests" or "code"
+    header: list[str] = []  # the words since the last block or statement
+    depth = 0
+    for i, token in enumerate(code):
+        if token.text == "{":
+            if any(header[j : j + 3] in FOR_TESTS for j in range(len(header))):
+                blocks.append("tests")
+            else:
+                blocks.append("type" if {"impl", "trait"} & {*header} and "fn" not in header else "code")
+        elif token.text == "}" and blocks:
+            blocks.pop()
+        elif token.text == "const" and "tests" not in blocks and blocks[-1:] != ["type"]:
+            before = code[i - 1].text if i else ""
+            match code[i + 1 : i + 3]:
+                case [name, Token(text=":")] if name.text != "_" and before in BEFORE_CONST:
+                    yield name
+        depth += (token.text in "([") - (token.text in ")]")
+        header = [] if token.text in "{}" or (token.text == ";" and not depth) else [*header, token.text]
+
+
 def main() -> int:
     root = Path(sys.argv[1] if len(sys.argv) > 1 else Path(__file__).parent.parent).resolve()
     count = 0
-    for path in files(root):
-        for line, complaint in violations(path):
-            print(f"{path.relative_to(root).as_posix()}{f':{line}' if line else ''}: {complaint}")
-            count += 1
+    paths = files(root)
+    found = ((path, line, complaint) for path in paths for line, complaint in violations(path))
+    for path, line, complaint in (*found, *names_given_twice(root, paths)):
+        print(f"{path.relative_to(root).as_posix()}{f':{line}' if line else ''}: {complaint}")
+        count += 1
     if count:
         print(f"check_files: {count} violation(s)")
     return 1 if count else 0

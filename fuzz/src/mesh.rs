@@ -22,7 +22,7 @@ pub fn check(case: Case) {
     if let Ok(tool) = Tool::new(case.vertices.clone(), faces.clone()) {
         // Every triangle is queried or counted under exactly one reason.
         let excluded = DefectKind::ALL.iter().filter(|k| **k != DefectKind::Duplicate);
-        let counted: usize = excluded.map(|k| tool.mesh().defects().by_kind[*k as usize].count).sum();
+        let counted: usize = excluded.map(|k| tool.mesh().defects().of(*k).count).sum();
         assert_eq!(counted + tool.mesh().queried_count(), faces.len());
     }
     if let Ok(mockup) = Mockup::new(case.vertices, faces.clone(), parts, usize::from(case.part_count)) {

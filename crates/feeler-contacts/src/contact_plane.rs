@@ -9,6 +9,7 @@ use crate::constants::MOST_PLANES;
 
 /// A plane between the mock-up and the tool.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct ContactPlane {
     /// On the mock-up's surface, metres, world.
     pub point: Point,
@@ -36,11 +37,12 @@ pub struct ContactPlane {
 
 /// The contact planes at one pose.
 #[derive(Debug, Clone, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Contacts {
     /// Deepest first, at most [`MOST_PLANES`].
     pub planes: Vec<ContactPlane>,
     /// Planes found beyond [`MOST_PLANES`], the least deep or farthest, that were left out. What is only near is not sought where
-    /// [`MANY_DEEP`] are deep, nor all of it beside more than [`FEW_DEEP`].
+    /// [`MANY_DEEP`](crate::MANY_DEEP) are deep, nor all of it beside more than [`FEW_DEEP`](crate::FEW_DEEP).
     pub omitted: usize,
     /// Whether any triangles meet.
     pub is_meeting: bool,

@@ -5,12 +5,11 @@
 //! least depth ([`crate::depth`]). What is near and does not meet has planes by distance ([`crate::proximity`]).
 //! `docs/contacts.md` says what the numbers mean and where that ends.
 
-use feeler_core::collide::narrow::Filters;
 use feeler_core::distance::query::{near_candidates, DistanceScratch};
 use feeler_core::distance::wanted::Candidate;
 use feeler_core::index::sink::Divider;
 use feeler_core::scratch_pool::ScratchPool;
-use feeler_core::{Collision, Error, Pose, Result, Scene, Tool};
+use feeler_core::{Collision, Error, Filters, Pose, Result, Scene, Tool};
 use feeler_lanes::Sorter;
 
 use crate::constants::{

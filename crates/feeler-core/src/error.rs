@@ -1,7 +1,8 @@
 //! What can be wrong with what a caller passes in. Every message says what, where and what to do.
 
-/// An error of the core. `feeler-py` maps each variant to one Python exception class.
+/// What is wrong with what a caller passed in, or why a query stopped. Its message says what, where and what to do.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum Error {
     /// A mesh without a single triangle.
     #[error("the {what} has no triangles: give at least one face")]

@@ -1,14 +1,56 @@
-//! Exact collision detection of a moving tool against a large static mock-up.
+//! Exact collision detection of a moving tool against a large static mock-up of triangles.
 //!
-//! The flow: a [`Mockup`] and a [`Tool`] are checked meshes; a [`Scene`] is a mock-up with an index; a query takes a tool
-//! and a [`Pose`] and finds every pair of triangles that meets, exactly. The core knows no files, clocks or Python.
+//! A [`Mockup`] and a [`Tool`] are checked meshes; a [`Scene`] is a mock-up with an index; each query takes a tool and a [`Pose`]:
+//!
+//! | question | query | for many poses |
+//! |---|---|---|
+//! | which pairs of triangles meet | [`Scene::collide`] | [`Scene::collide_batch`] |
+//! | does anything meet | [`Scene::is_colliding`] | |
+//! | how far is the nearest part, or the `k` nearest | [`Scene::distance`], [`Scene::closest`] | [`Scene::distance_batch`] |
+//! | which parts, or pairs of triangles, are nearer than a limit | [`Scene::clearance`], [`Scene::near_pairs`] | [`Scene::clearance_batch`] |
+//! | where on the way between two poses is the first impact | [`Scene::cast`] | [`Scene::check_path`] |
+//!
+//! Contact planes and penetration are in the crate `feeler-contacts`.
+//!
+//! ```
+//! use std::sync::Arc;
+//!
+//! use feeler_core::{Mockup, PairKind, Pose, Scene, SceneOptions, Tool};
+//!
+//! # fn main() -> feeler_core::Result<()> {
+//! // A square plate of 2 m, and a spike of 20 cm with its tip at the tool's origin.
+//! let plate = vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
+//! let mockup = Mockup::new(plate, vec![[0, 1, 2], [0, 2, 3]], vec![], 1)?;
+//! let spike = vec![[0.0, 0.0, 0.0], [0.1, 0.0, 0.2], [-0.1, 0.1, 0.2], [-0.1, -0.1, 0.2]];
+//! let tool = Tool::new(spike, vec![[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]])?;
+//!
+//! let scene = Scene::build(Arc::new(mockup), &SceneOptions::default(), &|_, _| true)?;
+//!
+//! // The tip 5 cm below the plate: its three sides go through triangle 0.
+//! let pose = Pose::IDENTITY.translated(&[0.3, -0.3, -0.05])?;
+//! let hit = scene.collide(&tool, &pose);
+//! assert_eq!(hit.pairs, [[0, 0], [1, 0], [2, 0]]);
+//! assert!(hit.kinds.iter().all(|kind| *kind == PairKind::Crossing));
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # Conventions
+//!
+//! - Lengths are metres, frames right-handed; a pose is `world_from_tool`, and the world is the mock-up's frame.
+//! - A triangle's id is its place in the faces given; a part's id is its place among the parts.
+//! - A pair is reported if and only if exact rational arithmetic says that the two closed triangles meet, on the mock-up's
+//!   corners as given and the tool's corners as [`Pose::apply`] computes them. The order of results is part of each query's
+//!   promise; neither depends on the store, the voxel size, the number of threads or the instruction set.
+//! - Triangles that cannot be queried are listed in [`Mesh::defects`], never dropped in silence. Wrong input is an [`Error`] that
+//!   says what, where and what to do.
+//! - A scene is immutable: any number of threads may query it at once. Building and queries for many poses use the current rayon
+//!   pool. This crate knows no clock, no files and no global state.
 
 #![deny(unsafe_code)]
 
-#[doc(hidden)]
-pub mod cast;
-#[doc(hidden)]
-pub mod collide;
+mod cast;
+mod collide;
 #[doc(hidden)]
 pub mod constants;
 #[doc(hidden)]
@@ -24,22 +66,19 @@ mod progress;
 mod scene;
 #[doc(hidden)]
 pub mod scratch_pool;
-#[doc(hidden)]
-pub mod sizing;
+mod sizing;
 #[doc(hidden)]
 pub mod tool;
 
-pub use cast::brute::cast_all_pairs;
 pub use cast::impact::Cast;
 pub use cast::path::PathCheck;
 pub use collide::batch::Batch;
-pub use collide::brute::collide_all_pairs;
 pub use collide::narrow::Filters;
 pub use collide::query::Collision;
 pub use distance::batch::GapBatch;
-pub use distance::brute::gaps_of_all_pairs;
 pub use distance::gap::Gap;
 pub use error::{Error, Result};
+#[doc(inline)]
 pub use feeler_lanes::Level;
 pub use geometry::bounds::{Aabb, Point, Triangle};
 pub use geometry::distance_triangle_triangle::{closest_triangle_triangle, Closest};
@@ -56,7 +95,20 @@ pub use scene::{Scene, SceneOptions};
 pub use sizing::choice::{default_voxel_size, optimal_voxel_size};
 pub use sizing::cost::Estimator;
 pub use sizing::cost_constants::CostConstants;
-pub use sizing::piece_predictor::PiecePredictor;
+pub use sizing::piece_predictor::{PiecePredictor, PieceWork};
 pub use sizing::predictor::Predictor;
+pub use sizing::work::Work;
 pub use tool::motion::Motion;
 pub use tool::moving_tool::Tool;
+
+// Plain twins of the queries, for tests and judges.
+#[doc(hidden)]
+pub use cast::brute::cast_all_pairs;
+#[doc(hidden)]
+pub use collide::brute::collide_all_pairs;
+#[doc(hidden)]
+pub use distance::brute::gaps_of_all_pairs;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -25,16 +25,23 @@ use crate::sizing::choice::default_voxel_size;
 use crate::tool::moving_tool::Tool;
 use crate::{cast, collide, distance};
 
-/// How to build a scene.
+/// How to build a scene. Name what is to differ and take the rest from [`default`](Self::default), so that a later option leaves
+/// the code as it is:
+///
+/// ```
+/// use feeler_core::{SceneOptions, Storage};
+///
+/// let options = SceneOptions { storage: Storage::Dense, voxel_size: Some(0.02), ..Default::default() };
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct SceneOptions<'a> {
     /// Voxel edge (blocks: piece size), metres; `None` chooses, see [`default_voxel_size`].
     pub voxel_size: Option<f64>,
-    /// The store.
+    /// The store; [`Storage::Blocks`] by default.
     pub storage: Storage,
     /// The tool the voxel size is chosen for; any tool can be used with the scene.
     pub tool: Option<&'a Tool>,
-    /// Most bytes that building the index, or a batch's result, may take.
+    /// Most bytes that building the index, or a query's result, may take; by default there is no limit.
     pub memory_limit: u64,
 }
 
@@ -44,7 +51,9 @@ impl Default for SceneOptions<'_> {
     }
 }
 
-/// A mock-up with its index. Immutable: any number of threads may query it at once.
+/// A mock-up with its index, and the queries on it. Immutable: any number of threads may query it at once.
+///
+/// One scene serves any number of tools. It keeps the working memory of its queries for the next ones.
 #[derive(Debug)]
 pub struct Scene {
     index: Index,
@@ -54,9 +63,9 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Builds the index, in parallel on the current rayon pool.
+    /// Builds the index, in parallel on the current rayon pool. `progress` is told how far it is, and stops it by `false`.
     ///
-    /// Errors: a voxel size or hashing level out of range, or one that needs more memory than allowed; the latter before
+    /// Errors: a request to stop, a voxel size or hashing level out of range, or one that needs more memory than allowed; the latter before
     /// anything is allocated.
     pub fn build(mockup: Arc<Mockup>, options: &SceneOptions<'_>, progress: Progress<'_>) -> Result<Scene> {
         let SceneOptions { voxel_size, storage, tool, memory_limit } = *options;
@@ -80,61 +89,41 @@ impl Scene {
         &self.index
     }
 
-    /// Voxel edge, or the piece size of blocks, metres.
-    pub fn voxel_size(&self) -> f64 {
-        self.index.voxel_size()
-    }
-
-    /// The store.
-    pub fn storage(&self) -> Storage {
-        self.index.storage()
-    }
-
-    /// The instruction set that queries use.
-    pub fn lanes(&self) -> Level {
-        self.index.lanes().level()
-    }
-
-    /// Has queries use another instruction set than the best; where the CPU lacks it, the best. The answers are the same.
-    pub fn set_lanes(&mut self, lanes: Level) {
-        self.index.set_lanes(lanes);
-    }
-
-    /// Bytes by structure; "triangles" and "parts" are the mock-up's own arrays, which the index reads, "adjacency" what was found
-    /// of them when a query first needed it.
-    pub fn memory(&self) -> Vec<(&'static str, usize)> {
-        let mockup = self.mockup();
-        let mut structures = self.index.store().memory();
-        structures.push(("triangles", mockup.mesh().memory()));
-        structures.push(("parts", mockup.parts_memory()));
-        structures.extend(mockup.topology_memory().map(|bytes| ("adjacency", bytes)));
-        structures
-    }
-
-    /// Checks every invariant that queries rely on; for tests.
-    #[doc(hidden)]
-    pub fn validate(&self) -> std::result::Result<(), String> {
-        self.index.store().validate(self.mockup().mesh())
-    }
-
     /// Every pair of triangles that meets, sorted by tool triangle, then mock-up triangle. Exact.
+    ///
+    /// ```
+    /// # use feeler_core::*;
+    /// # let plate = vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
+    /// # let mockup = Mockup::new(plate, vec![[0, 1, 2], [0, 2, 3]], vec![], 1)?;
+    /// # let scene = Scene::build(mockup.into(), &SceneOptions::default(), &|_, _| true)?;
+    /// # let spike = vec![[0.0, 0.0, 0.0], [0.1, 0.0, 0.2], [-0.1, 0.1, 0.2], [-0.1, -0.1, 0.2]];
+    /// # let tool = Tool::new(spike, vec![[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]])?;
+    /// // The tip of the spike is 5 cm below the plate.
+    /// let hit = scene.collide(&tool, &Pose::IDENTITY.translated(&[0.3, -0.3, -0.05])?);
+    /// for ([t, m], kind) in hit.pairs.iter().zip(&hit.kinds) {
+    ///     println!("tool triangle {t}, mock-up triangle {m}: {kind:?}");
+    /// }
+    /// assert_eq!(hit.pairs.len(), 3);
+    /// # Ok::<(), Error>(())
+    /// ```
     pub fn collide(&self, tool: &Tool, pose: &Pose) -> Collision {
         self.collide_filtered(tool, pose, Filters::default())
     }
 
-    /// [`collide`](Self::collide) with filters switched off, to measure what they bring. The answer is the same.
-    pub fn collide_filtered(&self, tool: &Tool, pose: &Pose, filters: Filters) -> Collision {
-        let mut collision = Collision::default();
-        self.collide_into(tool, pose, filters, &mut collision);
-        collision
-    }
-
-    /// As [`collide_filtered`](Self::collide_filtered), into an existing result whose memory is used again.
-    pub fn collide_into(&self, tool: &Tool, pose: &Pose, filters: Filters, out: &mut Collision) {
-        self.collide.with(|scratch| collide::query::collide_into(&self.index, tool, pose, filters, scratch, out));
-    }
-
     /// Whether any two triangles meet; stops at the first pair.
+    ///
+    /// ```
+    /// # use feeler_core::*;
+    /// # let plate = vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
+    /// # let mockup = Mockup::new(plate, vec![[0, 1, 2], [0, 2, 3]], vec![], 1)?;
+    /// # let scene = Scene::build(mockup.into(), &SceneOptions::default(), &|_, _| true)?;
+    /// # let spike = vec![[0.0, 0.0, 0.0], [0.1, 0.0, 0.2], [-0.1, 0.1, 0.2], [-0.1, -0.1, 0.2]];
+    /// # let tool = Tool::new(spike, vec![[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]])?;
+    /// assert!(!scene.is_colliding(&tool, &Pose::IDENTITY.translated(&[0.3, -0.3, 0.001])?));
+    /// // Touching is meeting.
+    /// assert!(scene.is_colliding(&tool, &Pose::IDENTITY));
+    /// # Ok::<(), Error>(())
+    /// ```
     pub fn is_colliding(&self, tool: &Tool, pose: &Pose) -> bool {
         self.collide.with(|scratch| collide::query::any_pair(&self.index, tool, pose, scratch)).is_some()
     }
@@ -143,6 +132,21 @@ impl Scene {
     ///
     /// What is found is put together at the end, so that for a moment a pair is held twice. `progress` is told after each few
     /// thousand poses. Errors when the result would outgrow the memory limit of the scene.
+    ///
+    /// ```
+    /// # use feeler_core::*;
+    /// # let plate = vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
+    /// # let mockup = Mockup::new(plate, vec![[0, 1, 2], [0, 2, 3]], vec![], 1)?;
+    /// # let scene = Scene::build(mockup.into(), &SceneOptions::default(), &|_, _| true)?;
+    /// # let spike = vec![[0.0, 0.0, 0.0], [0.1, 0.0, 0.2], [-0.1, 0.1, 0.2], [-0.1, -0.1, 0.2]];
+    /// # let tool = Tool::new(spike, vec![[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]])?;
+    /// let at = |z: f64| Pose::IDENTITY.translated(&[0.3, -0.3, z]);
+    /// let batch = scene.collide_batch(&tool, &[at(0.1)?, at(-0.05)?, at(-0.1)?], &|_, _| true)?;
+    /// assert_eq!(batch.offsets, [0, 0, 3, 6]);
+    /// let second = &batch.pairs[batch.offsets[1] as usize..batch.offsets[2] as usize];
+    /// assert_eq!(second, [[0, 0], [1, 0], [2, 0]]);
+    /// # Ok::<(), Error>(())
+    /// ```
     pub fn collide_batch(&self, tool: &Tool, poses: &[Pose], progress: Progress<'_>) -> Result<Batch> {
         collide::batch::collide_batch(&self.index, &self.collide, tool, poses, progress)
     }
@@ -161,6 +165,20 @@ impl Scene {
     ///
     /// Of several pairs at the same distance, the one with the least ids; of several that meet, any. Errors: `within` negative
     /// or NaN.
+    ///
+    /// ```
+    /// # use feeler_core::*;
+    /// # let plate = vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
+    /// # let mockup = Mockup::new(plate, vec![[0, 1, 2], [0, 2, 3]], vec![], 1)?;
+    /// # let scene = Scene::build(mockup.into(), &SceneOptions::default(), &|_, _| true)?;
+    /// # let spike = vec![[0.0, 0.0, 0.0], [0.1, 0.0, 0.2], [-0.1, 0.1, 0.2], [-0.1, -0.1, 0.2]];
+    /// # let tool = Tool::new(spike, vec![[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]])?;
+    /// // The tip of the spike is 4 mm above the plate: is a clearance of 5 mm kept?
+    /// let too_near = scene.clearance(&tool, &Pose::IDENTITY.translated(&[0.3, -0.3, 0.004])?, 0.005)?;
+    /// assert_eq!(too_near.len(), 1);
+    /// assert_eq!((too_near[0].part, too_near[0].distance), (0, 0.004));
+    /// # Ok::<(), Error>(())
+    /// ```
     pub fn clearance(&self, tool: &Tool, pose: &Pose, within: f64) -> Result<Vec<Gap>> {
         check_distance("within", within)?;
         self.gaps(tool, pose, Goal::Parts, within)
@@ -171,6 +189,20 @@ impl Scene {
     ///
     /// Of several pairs at the same distance, the one with the least ids; of several that meet, any, and of more than `k`
     /// parts that meet the tool, any `k`. Errors: `max` negative or NaN, and `k` zero.
+    ///
+    /// ```
+    /// # use feeler_core::*;
+    /// # let plate = vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
+    /// # let mockup = Mockup::new(plate, vec![[0, 1, 2], [0, 2, 3]], vec![], 1)?;
+    /// # let scene = Scene::build(mockup.into(), &SceneOptions::default(), &|_, _| true)?;
+    /// # let spike = vec![[0.0, 0.0, 0.0], [0.1, 0.0, 0.2], [-0.1, 0.1, 0.2], [-0.1, -0.1, 0.2]];
+    /// # let tool = Tool::new(spike, vec![[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]])?;
+    /// let nearest = scene.distance(&tool, &Pose::IDENTITY.translated(&[0.3, -0.3, 0.25])?, f64::INFINITY, 1)?;
+    /// let gap = &nearest[0];
+    /// assert_eq!((gap.distance, gap.mockup_triangle), (0.25, 0));
+    /// assert_eq!((gap.on_tool, gap.on_mockup), ([0.3, -0.3, 0.25], [0.3, -0.3, 0.0]));
+    /// # Ok::<(), Error>(())
+    /// ```
     pub fn distance(&self, tool: &Tool, pose: &Pose, max: f64, k: usize) -> Result<Vec<Gap>> {
         check_distance("max", max)?;
         if k == 0 {
@@ -219,6 +251,22 @@ impl Scene {
     /// `tolerance` (metres): how far before the impact the pose given may lie, as a distance of the two triangles. A tool that
     /// passes by nearer than that may count as one that hits. Where the two poses are equal the answer is that of
     /// [`Scene::collide`], exact. Errors: a tolerance that is not positive and finite.
+    ///
+    /// ```
+    /// # use feeler_core::*;
+    /// # let plate = vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
+    /// # let mockup = Mockup::new(plate, vec![[0, 1, 2], [0, 2, 3]], vec![], 1)?;
+    /// # let scene = Scene::build(mockup.into(), &SceneOptions::default(), &|_, _| true)?;
+    /// # let spike = vec![[0.0, 0.0, 0.0], [0.1, 0.0, 0.2], [-0.1, 0.1, 0.2], [-0.1, -0.1, 0.2]];
+    /// # let tool = Tool::new(spike, vec![[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]])?;
+    /// let at = |z: f64| Pose::IDENTITY.translated(&[0.3, -0.3, z]);
+    /// // Half of the way from 1 m above the plate to 1 m below it is free.
+    /// let hit = scene.cast(&tool, &at(1.0)?, &at(-1.0)?, 1e-6)?.expect("the plate is in the way");
+    /// assert!(hit.fraction <= 0.5 && hit.fraction > 0.499_999);
+    /// assert_eq!(hit.normal, [0.0, 0.0, 1.0]);
+    /// assert!(scene.cast(&tool, &at(1.0)?, &at(0.1)?, 1e-6)?.is_none());
+    /// # Ok::<(), Error>(())
+    /// ```
     pub fn cast(&self, tool: &Tool, pose0: &Pose, pose1: &Pose, tolerance: f64) -> Result<Option<Cast>> {
         check_tolerance(tolerance)?;
         Ok(self.cast.with(|scratch| cast::query::cast(&self.index, tool, pose0, pose1, tolerance, scratch)))
@@ -228,7 +276,76 @@ impl Scene {
     ///
     /// Every segment is looked at, also those after an impact. `progress` is told after each wave of segments. Errors: as
     /// `cast`, a path without a pose, and a request to stop.
+    ///
+    /// ```
+    /// # use feeler_core::*;
+    /// # let plate = vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
+    /// # let mockup = Mockup::new(plate, vec![[0, 1, 2], [0, 2, 3]], vec![], 1)?;
+    /// # let scene = Scene::build(mockup.into(), &SceneOptions::default(), &|_, _| true)?;
+    /// # let spike = vec![[0.0, 0.0, 0.0], [0.1, 0.0, 0.2], [-0.1, 0.1, 0.2], [-0.1, -0.1, 0.2]];
+    /// # let tool = Tool::new(spike, vec![[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]])?;
+    /// let at = |z: f64| Pose::IDENTITY.translated(&[0.3, -0.3, z]);
+    /// let path = [at(1.0)?, at(0.5)?, at(-0.1)?, at(-1.0)?];
+    /// let check = scene.check_path(&tool, &path, 1e-6, &|_, _| true)?;
+    /// assert_eq!(check.segments, 3);
+    /// // The second segment runs into the plate; the third one begins in it.
+    /// assert_eq!(check.hits.iter().map(|(segment, _)| *segment).collect::<Vec<_>>(), [1, 2]);
+    /// # Ok::<(), Error>(())
+    /// ```
     pub fn check_path(&self, tool: &Tool, poses: &[Pose], tolerance: f64, progress: Progress<'_>) -> Result<PathCheck> {
         cast::path::check_path(&self.index, &self.cast, tool, poses, tolerance, progress)
+    }
+}
+
+/// What the scene is made of, and means to measure it.
+impl Scene {
+    /// Voxel edge, or the piece size of blocks, metres.
+    pub fn voxel_size(&self) -> f64 {
+        self.index.voxel_size()
+    }
+
+    /// The store.
+    pub fn storage(&self) -> Storage {
+        self.index.storage()
+    }
+
+    /// The instruction set that queries use.
+    pub fn lanes(&self) -> Level {
+        self.index.lanes().level()
+    }
+
+    /// Has queries use another instruction set than the best; where the CPU lacks it, the best. The answers are the same.
+    pub fn set_lanes(&mut self, lanes: Level) {
+        self.index.set_lanes(lanes);
+    }
+
+    /// Bytes by structure; "triangles" and "parts" are the mock-up's own arrays, which the index reads, "adjacency" what was found
+    /// of them when a query first needed it.
+    pub fn memory(&self) -> Vec<(&'static str, usize)> {
+        let mockup = self.mockup();
+        let mut structures = self.index.store().memory();
+        structures.push(("triangles", mockup.mesh().memory()));
+        structures.push(("parts", mockup.parts_memory()));
+        structures.extend(mockup.topology_memory().map(|bytes| ("adjacency", bytes)));
+        structures
+    }
+
+    /// Checks every invariant that queries rely on; for tests.
+    #[doc(hidden)]
+    pub fn validate(&self) -> std::result::Result<(), String> {
+        self.index.store().validate(self.mockup().mesh())
+    }
+
+    /// [`collide`](Self::collide) with filters switched off, to measure what they bring. The answer is the same.
+    pub fn collide_filtered(&self, tool: &Tool, pose: &Pose, filters: Filters) -> Collision {
+        let mut collision = Collision::default();
+        self.collide_into(tool, pose, filters, &mut collision);
+        collision
+    }
+
+    /// As [`collide_filtered`](Self::collide_filtered), into an existing result whose memory is used again: allocates nothing once
+    /// that and the working memory have grown to the need.
+    pub fn collide_into(&self, tool: &Tool, pose: &Pose, filters: Filters, out: &mut Collision) {
+        self.collide.with(|scratch| collide::query::collide_into(&self.index, tool, pose, filters, scratch, out));
     }
 }

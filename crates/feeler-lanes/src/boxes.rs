@@ -173,6 +173,3 @@ pub fn least4<S: Arithmetic>(s: S, x: &[S::F32; 4]) -> S::F32 {
 pub fn greatest4<S: Arithmetic>(s: S, x: &[S::F32; 4]) -> S::F32 {
     s.max(s.max(x[0], x[1]), s.max(x[2], x[3]))
 }
-
-/// Added to every slack: covers products that underflow, and makes axes of next to no length prove nothing.
-pub const TINY: f32 = 1e-36;

@@ -5,15 +5,21 @@
 //! pure crates of feeler is here. It knows no meshes.
 
 mod boxes;
+mod constants;
 mod simd;
 mod sort;
 
 pub use boxes::{
     along, boxes_apart, greatest, greatest4, least, least4, load3, load_few3, splat3, Box4, Lane32, LaneBoxes,
-    SpreadBoxes, TINY,
+    SpreadBoxes,
 };
+pub use constants::TINY;
 pub use simd::{
     few_lanes, part_lanes, prefetch, prefetch_at, Arithmetic, ByteBoxes, ByteLanes, CacheLine, Checked, Kernel, Level,
     LineLanes, Simd, Wide, FEW, LANES, WIDE_LANES,
 };
 pub use sort::Sorter;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

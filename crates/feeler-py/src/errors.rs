@@ -7,8 +7,6 @@ use pyo3::types::PyType;
 /// The Python exception for a core error.
 pub fn to_py(error: Error) -> PyErr {
     let class = match &error {
-        // The progress function raised; its own exception is what the caller gets (`scene::Reporter`).
-        Error::Cancelled => "FeelerError",
         Error::EmptyMesh { .. }
         | Error::NothingToQuery { .. }
         | Error::Length { .. }
@@ -24,6 +22,8 @@ pub fn to_py(error: Error) -> PyErr {
         Error::TooMany { .. } | Error::GridTooFine { .. } | Error::Memory { .. } | Error::TooManyEntries { .. } => {
             "LimitError"
         }
+        // `Cancelled`: the progress function raised, and its own exception is what the caller gets (`scene::Reporter`).
+        _ => "FeelerError",
     };
     raise(class, error.to_string())
 }

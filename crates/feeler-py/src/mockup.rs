@@ -95,7 +95,7 @@ pub(crate) fn bounds<'py>(py: Python<'py>, mesh: &core::Mesh) -> PyResult<Bound<
 pub(crate) fn defects<'py>(py: Python<'py>, mesh: &core::Mesh) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
     for kind in core::DefectKind::ALL {
-        let defect = &mesh.defects().by_kind[kind as usize];
+        let defect = mesh.defects().of(*kind);
         dict.set_item(kind.name(), (defect.count, defect.first.clone()))?;
     }
     Ok(dict)

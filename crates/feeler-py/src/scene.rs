@@ -108,11 +108,7 @@ impl Scene {
 
     #[getter]
     fn storage(&self) -> &'static str {
-        match self.core.storage() {
-            core::Storage::Dense => "dense",
-            core::Storage::Hashed { .. } => "hashed",
-            core::Storage::Blocks => "blocks",
-        }
+        self.core.storage().name()
     }
 
     #[getter]

@@ -7,8 +7,9 @@
 use crate::constants::AGAINST_NORMAL;
 use crate::patch::body::{Body, Facet};
 use crate::patch::support::{eight_heights, Eight};
+use feeler_core::constants::PLAIN;
 use feeler_core::geometry::bounds::Point;
-use feeler_core::geometry::vectors::{cross, scaled, unit, PLAIN};
+use feeler_core::geometry::vectors::{cross, scaled, unit};
 use feeler_lanes::{Checked, Kernel, Simd, WIDE_LANES};
 
 /// Where the planes of two facets meet.

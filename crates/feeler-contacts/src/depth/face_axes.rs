@@ -3,11 +3,11 @@
 use std::array::from_fn;
 use std::ops::Range;
 
-use crate::constants::SHALLOWER;
+use crate::constants::{MOST_EDGES, MOST_NORMALS, SHALLOWER};
 use crate::depth::axis::{is_leading_out, BodyPair, TriedAxis};
 use crate::depth::axis_blocked::BlockedAxes;
 use crate::depth::axis_search::AxisSearch;
-use crate::patch::body::{Body, MOST_EDGES, MOST_NORMALS};
+use crate::patch::body::Body;
 use crate::patch::support::highest;
 use crate::surface::Surface;
 use feeler_core::geometry::bounds::Point;

@@ -9,7 +9,7 @@
 
 use feeler_core::Point;
 
-use crate::constants::{FILLED_SHARE, FIRST_OVERLAP_SHARE, SHALLOWER};
+use crate::constants::{FILLED_SHARE, FIRST_OVERLAP_SHARE, MOST_EDGES, SHALLOWER};
 use crate::context::QueryContext;
 use crate::depth::axis::{BodyPair, TriedAxis};
 use crate::depth::axis_blocked::BlockedAxes;
@@ -18,7 +18,7 @@ use crate::depth::directional_overlap::DirectionalOverlap;
 use crate::depth::edge_axes::EdgeAxes;
 use crate::depth::face_axes::{FaceAxes, FaceDepth};
 use crate::depth::gauss_arcs::GaussArcs;
-use crate::patch::body::{Facets, MOST_EDGES};
+use crate::patch::body::Facets;
 
 /// The least depth of a tool body in a mock-up body.
 #[derive(Debug, Clone, Copy)]

@@ -32,6 +32,7 @@ pub enum PenetrationKind {
 
 /// A translation that frees a tool.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Penetration {
     /// Metres, world: add it to the pose's.
     pub translation: Point,

@@ -1,6 +1,7 @@
 //! Convex bodies as the depth search reads them: facets, points in lanes, and how far the points reach along the
 //! facets' normals.
 
+use crate::constants::MOST_NORMALS;
 use crate::containers::bit_set::BitSets;
 use crate::patch::convex_bodies::ConvexBodies;
 use crate::patch::extents::largest;
@@ -9,8 +10,6 @@ use crate::patch::support::{highest, push_eights, Eight};
 use feeler_core::geometry::bounds::Point;
 use feeler_core::geometry::vectors::{along, dot, unit};
 use feeler_lanes::{Checked, WIDE_LANES};
-
-pub(crate) use crate::constants::{MOST_EDGES, MOST_NORMALS};
 
 /// A patch as a face of a body.
 #[derive(Debug, Clone, Copy)]

@@ -1,4 +1,4 @@
-//! The plain twin of the cast: every pair, over the whole way.
+//! The plain twin of the cast: conservative advancement of every pair, over the whole way, no index.
 
 use super::impact::{check_tolerance, contact, Cast, Impact};
 use super::pair::Moving;

@@ -11,8 +11,9 @@ use crate::tool::moving_tool::Tool;
 
 /// The first impact on a way.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Cast {
-    /// The time, from 0 to 1.
+    /// The share of the way that is free, from 0 to 1: at no earlier time does anything meet.
     pub fraction: f64,
     /// The tool's pose then.
     pub pose: Pose,
@@ -55,7 +56,7 @@ pub(super) fn contact(tool: &Tool, mesh: &Mesh, motion: &Motion, impact: &Impact
 }
 
 /// Refuses a tolerance that is not positive and finite.
-pub fn check_tolerance(value: f64) -> Result<()> {
+pub(crate) fn check_tolerance(value: f64) -> Result<()> {
     if value.is_finite() && value > 0.0 {
         Ok(())
     } else {

@@ -6,28 +6,14 @@
 //! time that a quadratic equation gives, and so does the whole triangle, which is spanned by its corners. Then the next plane.
 //! Whatever plane it is, the bound holds: rounding can make a plane useless, never wrong.
 
-use crate::constants::UNIT_ROUNDOFF;
+use crate::constants::{
+    HEIGHT_ROUNDOFFS, LEAST_LENGTH, MAX_STEPS, SHORTEST_STEP, STEPS_WHEN_NEAR, TIME_ROUNDING, UNIT_ROUNDOFF,
+};
 use crate::geometry::bounds::{Point, Triangle};
 use crate::geometry::distance_triangle_triangle::closest_triangle_triangle;
 use crate::geometry::pose::Pose;
 use crate::geometry::vectors::{cross, dot, largest, length, scaled, sub, unit};
 use crate::tool::motion::{Limits, Motion};
-
-/// Most planes tried for one pair; then the time reached counts as the impact: early, not late.
-pub const MAX_STEPS: u32 = 10_000;
-
-/// Planes tried once a pair is nearer than the tolerance: most pairs that only pass by get past.
-const STEPS_WHEN_NEAR: u32 = 4;
-
-/// A share of the way that is lost in the rounding of a time.
-const SHORTEST_STEP: f64 = 16.0 * UNIT_ROUNDOFF;
-
-/// The square of a shorter normal, or of a slower rate, has lost too much to rounding towards 0.
-const SHORTEST: f64 = 1e-140;
-
-/// Roundings of a height above a plane relative to a corner of the triangle that stands still: differences, products, sums; and
-/// a factor of two to spare.
-const HEIGHT_ROUNDOFFS: f64 = 16.0;
 
 /// A moving triangle, in its tool's frame, with bounds on its motion.
 pub struct Moving<'a> {
@@ -60,7 +46,7 @@ impl<'a> Moving<'a> {
             let closest = closest_triangle_triangle(&view.p, q);
             let free = view.free_time(&sub(&closest.on_p, &closest.on_q), until - time);
             // A product rounds, and so does the sum: always down.
-            let next = (time + free * (1.0 - 1e-12)) * (1.0 - 4.0 * UNIT_ROUNDOFF);
+            let next = (time + free * (1.0 - TIME_ROUNDING)) * (1.0 - 4.0 * UNIT_ROUNDOFF);
             if next >= until {
                 return None;
             }
@@ -175,7 +161,7 @@ impl<'a> View<'a> {
         let size = length(n);
         let top = dot(n, &self.others[0]).max(dot(n, &self.others[1])).max(0.0);
         // Per axis, at both times. A normal too short to have a length holds nothing apart.
-        let rounding = if size > SHORTEST { self.rounding + 4.0 * limits.rounding } else { f64::INFINITY };
+        let rounding = if size > LEAST_LENGTH { self.rounding + 4.0 * limits.rounding } else { f64::INFINITY };
         let off = size * rounding + top.abs() * (4.0 * UNIT_ROUNDOFF);
         let height = |i: usize| dot(n, &self.corners[i]) - top - off;
         let stray = size * limits.stray_velocity;
@@ -190,7 +176,7 @@ impl<'a> View<'a> {
         let (heights, rates, acceleration) = self.heights(&self.facing(n));
         let bend = 0.5 * acceleration * span * span;
         // The bound curves downwards, so what is above zero at both ends is above it between them. Written so that NaN is not.
-        (0..3).all(|i| heights[i] > 0.0 && heights[i] + rates[i] * span > bend * (1.0 + 1e-12))
+        (0..3).all(|i| heights[i] > 0.0 && heights[i] + rates[i] * span > bend * (1.0 + TIME_ROUNDING))
     }
 
     /// For how long some plane surely holds the two apart, beginning with the one across `first`; more than `span` is as good
@@ -227,7 +213,7 @@ fn time_to_reach_zero(height: f64, rate: f64, acceleration: f64) -> f64 {
         return 0.0;
     }
     let mut root = (rate * rate + 2.0 * acceleration * height).sqrt();
-    if root < SHORTEST {
+    if root < LEAST_LENGTH {
         let size = height.max(rate.abs()).max(acceleration);
         let [h, r, a] = [height, rate, acceleration].map(|x| x / size);
         root = size * (r * r + 2.0 * a * h).sqrt();

@@ -11,8 +11,9 @@ use crate::progress::{report, Progress};
 use crate::scratch_pool::ScratchPool;
 use crate::tool::moving_tool::Tool;
 
-/// What a path meets.
+/// What a path meets; [`hits`](Self::hits) is empty where it is free.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct PathCheck {
     /// Segments: one less than poses; a path of one pose has one segment that stands still.
     pub segments: usize,
@@ -24,7 +25,7 @@ pub struct PathCheck {
 ///
 /// Every segment is looked at, also those after an impact. `progress` is told after each wave of segments. Errors: as
 /// `cast`, a path without a pose, and a request to stop.
-pub fn check_path(
+pub(crate) fn check_path(
     index: &Index,
     pool: &ScratchPool<CastScratch>,
     tool: &Tool,
@@ -32,17 +33,17 @@ pub fn check_path(
     tolerance: f64,
     progress: Progress<'_>,
 ) -> Result<PathCheck> {
-    const WAVE: usize = 2048;
-    const TASK: usize = 8;
+    const PATH_WAVE: usize = 2048;
+    const PATH_TASK: usize = 8;
     check_tolerance(tolerance)?;
     let (Some(first), segments) = (poses.first(), poses.len().max(2) - 1) else { return Err(Error::EmptyPath) };
     let mut hits = Vec::new();
-    let numbers: Vec<usize> = (0..segments.min(WAVE)).collect();
-    for start in (0..segments).step_by(WAVE) {
+    let numbers: Vec<usize> = (0..segments.min(PATH_WAVE)).collect();
+    for start in (0..segments).step_by(PATH_WAVE) {
         report(progress, start as f64 / segments as f64, "casting")?;
-        let wave = &numbers[..WAVE.min(segments - start)];
+        let wave = &numbers[..PATH_WAVE.min(segments - start)];
         let found: Vec<Vec<(usize, Cast)>> = wave
-            .par_chunks(TASK)
+            .par_chunks(PATH_TASK)
             .map(|task| {
                 let mut scratch = pool.take();
                 let hits = task

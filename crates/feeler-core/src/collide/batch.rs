@@ -15,14 +15,15 @@ use crate::progress::{report, Progress};
 use crate::scratch_pool::ScratchPool;
 use crate::tool::moving_tool::Tool;
 
-/// The pairs of many poses, one after the other.
+/// The pairs of `n` poses, one after the other: `K` in all.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Batch {
-    /// Pose `i` has pairs `offsets[i]..offsets[i + 1]`.
+    /// `(n + 1,)`: pose `i` has the pairs from `offsets[i]` up to `offsets[i + 1]`.
     pub offsets: Vec<u64>,
-    /// As in [`Collision`](super::query::Collision).
+    /// `(K, 2)`, each pose's as in [`Collision`](super::query::Collision).
     pub pairs: Vec<[u32; 2]>,
-    /// As in [`Collision`](super::query::Collision).
+    /// `(K,)`, likewise.
     pub kinds: Vec<PairKind>,
 }
 
@@ -58,40 +59,40 @@ impl Batch {
 }
 
 /// Poses of a batch that one thread works on at a time.
-const TASK: usize = 16;
+const COLLIDE_TASK: usize = 16;
 
 /// What they found.
 struct Task {
     hits: Vec<Hit>,
     /// Of each pose; the last task of a batch may have fewer poses.
-    counts: [usize; TASK],
+    counts: [usize; COLLIDE_TASK],
 }
 
 /// Every pair that meets at each of many poses, in parallel on the current rayon pool.
 ///
 /// What is found is put together at the end, so that for a moment a pair is held twice. `progress` is told after each few
 /// thousand poses. Errors when the result would outgrow the memory limit of the scene.
-pub fn collide_batch(
+pub(crate) fn collide_batch(
     index: &Index,
     pool: &ScratchPool<CollideScratch>,
     tool: &Tool,
     poses: &[Pose],
     progress: Progress<'_>,
 ) -> Result<Batch> {
-    const WAVE: usize = 4096;
+    const COLLIDE_WAVE: usize = 4096;
     // A pair takes 9 bytes in the result and 8 in its task, which may have room for as many more.
     let needed = |pairs: u64| 26 * pairs + 24 * poses.len() as u64;
     let fits = |pairs: u64| needed(pairs) <= index.memory_limit();
     let (pairs, done) = (AtomicU64::new(0), AtomicU64::new(0));
-    let mut tasks: Vec<Task> = Vec::with_capacity(poses.len().div_ceil(TASK));
-    for (n, wave) in poses.chunks(WAVE).enumerate() {
-        report(progress, (n * WAVE) as f64 / poses.len() as f64, "colliding")?;
-        tasks.par_extend(wave.par_chunks(TASK).map(|task| {
+    let mut tasks: Vec<Task> = Vec::with_capacity(poses.len().div_ceil(COLLIDE_TASK));
+    for (n, wave) in poses.chunks(COLLIDE_WAVE).enumerate() {
+        report(progress, (n * COLLIDE_WAVE) as f64 / poses.len() as f64, "colliding")?;
+        tasks.par_extend(wave.par_chunks(COLLIDE_TASK).map(|task| {
             let mut scratch = pool.take();
             // Room for a little more than tasks before found in the mean: an allocation or two a task, none a pose.
             let mean = pairs.load(Relaxed) / (done.load(Relaxed) + 1);
             let room = if fits(pairs.load(Relaxed)) { mean + mean / 4 } else { 0 };
-            let mut found = Task { hits: Vec::with_capacity(room as usize), counts: [0; TASK] };
+            let mut found = Task { hits: Vec::with_capacity(room as usize), counts: [0; COLLIDE_TASK] };
             for (pose, count) in task.iter().zip(&mut found.counts) {
                 if !fits(pairs.load(Relaxed) + found.hits.len() as u64) {
                     break;

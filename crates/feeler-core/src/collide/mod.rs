@@ -1,7 +1,7 @@
 //! Which triangles meet: candidate pairs of the index through the exact triangle test.
 
-pub mod batch;
-pub mod brute;
+pub(crate) mod batch;
+pub(crate) mod brute;
 mod hits;
 pub mod narrow;
-pub mod query;
+pub(crate) mod query;

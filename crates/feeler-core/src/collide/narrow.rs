@@ -1,4 +1,5 @@
-//! The narrow phase: candidate pairs go through two filters to the triangle test.
+//! The narrow phase: candidate pairs go through the paper's two filters (Borro et al. 2004: repeated pairs, boxes) to the triangle
+//! test, in batches: in lanes first, and one by one with exact signs what these leave in doubt.
 
 use crate::collide::hits::{Hit, Hits};
 use crate::geometry::bounds::Aabb;
@@ -30,7 +31,7 @@ impl Default for Filters {
 
 /// The boxes of a tool's triangles at a pose, each made when first needed.
 #[derive(Debug, Default)]
-pub struct PlacedBounds {
+pub(crate) struct PlacedBounds {
     bounds: Vec<Aabb>,
     /// `placed[t] == query` where triangle `t` is up to date.
     placed: Vec<u32>,
@@ -39,7 +40,7 @@ pub struct PlacedBounds {
 
 impl PlacedBounds {
     /// Forgets the last query.
-    pub fn begin(&mut self) {
+    pub(crate) fn begin(&mut self) {
         if self.query == u32::MAX {
             self.placed.fill(0);
             self.query = 0;
@@ -49,7 +50,7 @@ impl PlacedBounds {
 
     /// The box of a triangle at the pose.
     #[inline]
-    pub fn of(&mut self, tool: &Tool, pose: &Pose, slot: u32) -> Aabb {
+    pub(crate) fn of(&mut self, tool: &Tool, pose: &Pose, slot: u32) -> Aabb {
         let i = slot as usize;
         if self.placed.len() <= i {
             self.bounds.resize(tool.ids().len(), Aabb::EMPTY);
@@ -70,19 +71,19 @@ const BATCH: usize = 128;
 const FIRST_BATCH: usize = 16;
 
 /// Places for candidate pairs: a batch, and what one more step may add.
-const PLACES: usize = BATCH + 2 * LANES;
+const PENDING_PLACES: usize = BATCH + 2 * LANES;
 
 /// Candidate pairs that wait for their test.
 #[derive(Debug)]
-pub struct Pending {
-    slots: [u32; PLACES],
-    mockup_triangles: [u32; PLACES],
+pub(crate) struct Pending {
+    slots: [u32; PENDING_PLACES],
+    mockup_triangles: [u32; PENDING_PLACES],
     count: usize,
     /// The mock-up triangles of these, most of them once.
-    asked: [u32; PLACES],
+    asked: [u32; PENDING_PLACES],
     asked_count: usize,
     /// Pairs that were proven to cross, by slot and triangle.
-    crossing: [u64; PLACES],
+    crossing: [u64; PENDING_PLACES],
     /// Pairs met lately, each at the place its hash gives; those of the last query until the first batch of this one.
     recent: [u64; RECENT],
     is_recent_old: bool,
@@ -100,12 +101,12 @@ const RECENT: usize = 1 << RECENT_BITS;
 impl Default for Pending {
     fn default() -> Pending {
         Pending {
-            slots: [0; PLACES],
-            mockup_triangles: [0; PLACES],
+            slots: [0; PENDING_PLACES],
+            mockup_triangles: [0; PENDING_PLACES],
             count: 0,
-            asked: [0; PLACES],
+            asked: [0; PENDING_PLACES],
             asked_count: 0,
-            crossing: [0; PLACES],
+            crossing: [0; PENDING_PLACES],
             recent: [u64::MAX; RECENT],
             is_recent_old: false,
             is_repeating: true,
@@ -115,7 +116,7 @@ impl Default for Pending {
 
 impl Pending {
     /// Forgets the last query.
-    pub fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.count = 0;
         self.asked_count = 0;
         self.is_recent_old = true;
@@ -138,7 +139,7 @@ impl Pending {
             recent.fill(u64::MAX);
         }
         let mut kept = 0;
-        for i in 0..(*count).min(PLACES) {
+        for i in 0..(*count).min(PENDING_PLACES) {
             let (t, m) = (slots[i], mockup_triangles[i]);
             let key = pair_key(t, m);
             let place = (key.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> (u64::BITS - RECENT_BITS)) as usize;
@@ -153,7 +154,7 @@ impl Pending {
 }
 
 /// One query's narrow phase. Stores offer candidate pairs to it.
-pub struct Narrow<'a> {
+pub(crate) struct Narrow<'a> {
     pub at: PlacedTool<'a>,
     pub filters: Filters,
     /// Stop at the first pair found.
@@ -239,7 +240,7 @@ impl Narrow<'_> {
 
     /// Tests the pairs kept so far; true when the query is over.
     #[inline(never)]
-    pub fn finish(&mut self) -> bool {
+    pub(crate) fn finish(&mut self) -> bool {
         if self.pending.count == 0 {
             return false;
         }
@@ -254,7 +255,7 @@ impl Narrow<'_> {
         self.stats.triangle_tests += count as u64;
         // Corners are asked for before they are used, so that their cache misses overlap: the mock-up's as the test goes.
         let lines = self.at.tool.lines();
-        let asked = &asked[..std::mem::take(asked_count).min(PLACES)];
+        let asked = &asked[..std::mem::take(asked_count).min(PENDING_PLACES)];
         slots[..count].iter().for_each(|slot| prefetch_at(lines, *slot as usize));
         if count == 0 {
             return false;
@@ -288,7 +289,7 @@ impl Narrow<'_> {
 
 /// Triangles whose corners are asked for before the first pair is looked at; those of the rest as the pairs go: more than a
 /// dozen lines at once do not come sooner.
-const AHEAD: usize = 24;
+const CORNERS_AHEAD: usize = 24;
 
 /// What can be proven of the first `count` pairs: lists those that cross, and moves those in doubt to the front; returns how many
 /// are of either. What follows the pairs, up to a multiple of [`LANES`], are pairs too.
@@ -296,12 +297,12 @@ struct Test<'a> {
     pose: &'a Pose,
     tool: &'a Tool,
     mesh: &'a Mesh,
-    slots: &'a mut [u32; PLACES],
-    triangles: &'a mut [u32; PLACES],
+    slots: &'a mut [u32; PENDING_PLACES],
+    triangles: &'a mut [u32; PENDING_PLACES],
     count: usize,
     /// Triangles whose corners are to be asked for, in about the order of the pairs.
     asked: &'a [u32],
-    crossing: &'a mut [u64; PLACES],
+    crossing: &'a mut [u64; PENDING_PLACES],
 }
 
 impl Kernel for Test<'_> {
@@ -318,7 +319,7 @@ impl Kernel for Test<'_> {
         let wide = 2 * S::Part::WIDE;
         let groups = count.div_ceil(wide);
         let each = asked.len().div_ceil(groups);
-        let (first, rest) = asked.split_at(asked.len().min(AHEAD));
+        let (first, rest) = asked.split_at(asked.len().min(CORNERS_AHEAD));
         let mut rest = rest.chunks(each.max(1));
         for m in first {
             prefetch_corners(vertices, &faces[*m as usize]);

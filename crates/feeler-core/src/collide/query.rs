@@ -10,21 +10,22 @@ use crate::index::pair_set::PairSet;
 use crate::index::sink::{PlacedTool, Stats};
 use crate::tool::moving_tool::Tool;
 
-/// The pairs of triangles that meet at one pose.
+/// The pairs of triangles that meet at one pose: `k` pairs and their kinds, in one order.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Collision {
-    /// `[tool triangle, mock-up triangle]`, unique, sorted.
+    /// `(k, 2)`: `[tool triangle, mock-up triangle]`, unique, sorted.
     pub pairs: Vec<[u32; 2]>,
-    /// How each pair meets.
+    /// `(k,)`: how each pair meets.
     pub kinds: Vec<PairKind>,
-    /// What the query did.
+    /// What the query did, to measure it; not part of what stays the same from version to version.
     pub stats: Stats,
 }
 
 /// Working memory of one query at a time; queries allocate nothing once it has grown to their needs.
 #[derive(Debug, Default)]
 #[repr(align(128))] // two threads never write to one line, nor to the pair of lines that is fetched together
-pub struct CollideScratch {
+pub(crate) struct CollideScratch {
     placed: PlacedBounds,
     seen: PairSet,
     pending: Pending,
@@ -41,7 +42,7 @@ impl CollideScratch {
 }
 
 /// Every pair that meets, sorted by tool triangle, then mock-up triangle, into a result whose memory is used again. Exact.
-pub fn collide_into(
+pub(crate) fn collide_into(
     index: &Index,
     tool: &Tool,
     pose: &Pose,
@@ -57,7 +58,7 @@ pub fn collide_into(
 }
 
 /// Any pair that meets, `[tool triangle, mock-up triangle]`; stops at the first.
-pub fn any_pair(index: &Index, tool: &Tool, pose: &Pose, scratch: &mut CollideScratch) -> Option<[u32; 2]> {
+pub(crate) fn any_pair(index: &Index, tool: &Tool, pose: &Pose, scratch: &mut CollideScratch) -> Option<[u32; 2]> {
     run(index, tool, pose, Filters::default(), true, scratch);
     scratch.hits.sorted().next().map(Hit::pair)
 }

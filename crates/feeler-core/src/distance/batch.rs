@@ -15,21 +15,22 @@ use crate::scratch_pool::ScratchPool;
 use crate::tool::moving_tool::Tool;
 
 /// Poses between two reports of progress.
-const WAVE: usize = 4096;
+const DISTANCE_WAVE: usize = 4096;
 /// Poses a task handles at a time.
-const TASK: usize = 8;
+const DISTANCE_TASK: usize = 8;
 
-/// The gaps of many poses, one after the other.
+/// The gaps of `n` poses, one after the other.
 #[derive(Debug, Clone, Default, PartialEq)]
+#[non_exhaustive]
 pub struct GapBatch {
-    /// Pose `i` has gaps `offsets[i]..offsets[i + 1]`.
+    /// `(n + 1,)`: pose `i` has the gaps from `offsets[i]` up to `offsets[i + 1]`.
     pub offsets: Vec<u64>,
-    /// As of [`Scene::clearance`](crate::Scene::clearance).
+    /// Each pose's as [`Scene::clearance`](crate::Scene::clearance) gives them.
     pub gaps: Vec<Gap>,
 }
 
 /// The closest pair at each of many poses, in parallel on the current rayon pool.
-pub fn distance_batch(
+pub(crate) fn distance_batch(
     index: &Index,
     pool: &ScratchPool<DistanceScratch>,
     tool: &Tool,
@@ -39,9 +40,9 @@ pub fn distance_batch(
 ) -> Result<Vec<Option<Gap>>> {
     check_distance("max", max)?;
     let mut found = vec![None; poses.len()];
-    for (n, (wave, out)) in poses.chunks(WAVE).zip(found.chunks_mut(WAVE)).enumerate() {
-        report(progress, (n * WAVE) as f64 / poses.len() as f64, "measuring distances")?;
-        wave.par_chunks(TASK).zip(out.par_chunks_mut(TASK)).for_each(|(task, out)| {
+    for (n, (wave, out)) in poses.chunks(DISTANCE_WAVE).zip(found.chunks_mut(DISTANCE_WAVE)).enumerate() {
+        report(progress, (n * DISTANCE_WAVE) as f64 / poses.len() as f64, "measuring distances")?;
+        wave.par_chunks(DISTANCE_TASK).zip(out.par_chunks_mut(DISTANCE_TASK)).for_each(|(task, out)| {
             let mut scratch = pool.take();
             for (pose, out) in task.iter().zip(out) {
                 find_gaps(index, tool, pose, Goal::Nearest(1), max, &mut scratch);
@@ -56,7 +57,7 @@ pub fn distance_batch(
 
 /// The closest pair of each part within a distance at each of many poses, or with `pairs` every pair, in parallel on the current
 /// rayon pool. Errors when the result would outgrow the memory limit of the scene.
-pub fn clearance_batch(
+pub(crate) fn clearance_batch(
     index: &Index,
     pool: &ScratchPool<DistanceScratch>,
     tool: &Tool,
@@ -70,11 +71,11 @@ pub fn clearance_batch(
     let mut batch = GapBatch { offsets: Vec::with_capacity(poses.len() + 1), gaps: Vec::new() };
     batch.offsets.push(0);
     let most = most_gaps(index);
-    for (n, wave) in poses.chunks(WAVE).enumerate() {
-        report(progress, (n * WAVE) as f64 / poses.len() as f64, "measuring clearances")?;
+    for (n, wave) in poses.chunks(DISTANCE_WAVE).enumerate() {
+        report(progress, (n * DISTANCE_WAVE) as f64 / poses.len() as f64, "measuring clearances")?;
         let count = AtomicUsize::new(batch.gaps.len());
         let found: Vec<(Vec<Gap>, Vec<usize>)> = wave
-            .par_chunks(TASK)
+            .par_chunks(DISTANCE_TASK)
             .map(|task| {
                 let mut scratch = pool.take();
                 let (mut gaps, mut counts) = (Vec::new(), Vec::with_capacity(task.len()));

@@ -21,7 +21,7 @@ pub struct Gap {
 
 impl Gap {
     /// The order of results: by distance, then by ids.
-    pub fn order(&self, other: &Gap) -> std::cmp::Ordering {
+    pub(crate) fn order(&self, other: &Gap) -> std::cmp::Ordering {
         let ids = |gap: &Gap| (gap.tool_triangle, gap.mockup_triangle);
         self.distance.total_cmp(&other.distance).then_with(|| ids(self).cmp(&ids(other)))
     }

@@ -3,8 +3,8 @@
 //! One search serves all: tool tree and mock-up tree are descended together, nearest pairs of boxes first, and a pair of
 //! boxes farther apart than what is still of interest is dropped.
 
-pub mod batch;
-pub mod brute;
-pub mod gap;
+pub(crate) mod batch;
+pub(crate) mod brute;
+pub(crate) mod gap;
 pub mod query;
 pub mod wanted;

@@ -32,7 +32,7 @@ impl DistanceScratch {
 
     /// The same, taken out where it is long: a long list is handed over, not held for ever.
     fn take_gaps(&mut self) -> Vec<Gap> {
-        if self.gaps.len() > LONG {
+        if self.gaps.len() > LONG_LIST {
             std::mem::take(&mut self.gaps)
         } else {
             self.gaps.clone()
@@ -49,13 +49,13 @@ impl DistanceScratch {
 }
 
 /// Gaps from which on a list is handed over.
-const LONG: usize = 4096;
+const LONG_LIST: usize = 4096;
 
 /// Candidates for which memory is kept.
 const MOST_HELD: usize = 1 << 16;
 
 /// Every pair of triangles within a distance, or the closest of each part, as the goal says; sorted.
-pub fn gaps(
+pub(crate) fn gaps(
     index: &Index,
     tool: &Tool,
     pose: &Pose,
@@ -72,7 +72,7 @@ pub fn gaps(
 }
 
 /// The closest pair of triangles, `None` when all are farther than `max` (metres); allocates nothing.
-pub fn closest(index: &Index, tool: &Tool, pose: &Pose, max: f64, scratch: &mut DistanceScratch) -> Option<Gap> {
+pub(crate) fn closest(index: &Index, tool: &Tool, pose: &Pose, max: f64, scratch: &mut DistanceScratch) -> Option<Gap> {
     find_gaps(index, tool, pose, Goal::Nearest(1), max, scratch);
     scratch.gaps.first().copied()
 }
@@ -134,7 +134,7 @@ pub(super) fn too_many_gaps(index: &Index, count: usize) -> Error {
 }
 
 /// Refuses a distance that is negative or NaN.
-pub fn check_distance(what: &'static str, value: f64) -> Result<()> {
+pub(crate) fn check_distance(what: &'static str, value: f64) -> Result<()> {
     // Written so that NaN fails.
     if value >= 0.0 {
         return Ok(());

@@ -7,7 +7,7 @@ use crate::index::sink::{NearSink, NearTool};
 
 /// Which gaps are asked for.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Goal {
+pub(crate) enum Goal {
     /// Every pair up to a distance.
     Pairs,
     /// The closest pair of each part up to a distance.
@@ -33,7 +33,7 @@ pub struct Candidate {
 const MOST_UNMERGED: usize = 1 << 16;
 
 /// The state of one search.
-pub struct Wanted<'a> {
+pub(crate) struct Wanted<'a> {
     at: NearTool<'a>,
     goal: Goal,
     /// No more than this many gaps; beyond it the search stops.
@@ -115,7 +115,7 @@ impl NearSink for Wanted<'_> {
 
 impl<'a> Wanted<'a> {
     /// A new search; `gaps` is emptied.
-    pub fn new(
+    pub(crate) fn new(
         at: NearTool<'a>,
         goal: Goal,
         within: f64,
@@ -155,7 +155,7 @@ impl<'a> Wanted<'a> {
     }
 
     /// Into an empty list, whose memory is used, goes what was collected; back it comes.
-    pub fn collect_into(&mut self, list: Vec<Candidate>) -> Vec<Candidate> {
+    pub(crate) fn collect_into(&mut self, list: Vec<Candidate>) -> Vec<Candidate> {
         std::mem::replace(&mut self.candidates, list)
     }
 
@@ -195,7 +195,7 @@ impl<'a> Wanted<'a> {
     }
 
     /// Sorts what was found; true when there was room for all of it.
-    pub fn finish(self) -> bool {
+    pub(crate) fn finish(self) -> bool {
         if self.goal != Goal::Pairs {
             for gap in self.gaps.iter() {
                 self.places[gap.part as usize] = 0;

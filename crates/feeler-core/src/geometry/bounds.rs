@@ -1,13 +1,13 @@
-//! Axis-aligned bounding boxes.
+//! Axis-aligned bounding boxes, by least and greatest corner (C. Ericson, *Real-Time Collision Detection*, 2005, section 4.2).
 
 /// A point or vector, metres.
 pub type Point = [f64; 3];
 
-/// Three corners, metres.
+/// Three corners, metres; the winding plays no part in whether and how triangles meet.
 pub type Triangle = [Point; 3];
 
 /// A convex quadrilateral in the triangle's plane, metres; where two corners coincide, a triangle.
-pub type Piece = [Point; 4];
+pub(crate) type Piece = [Point; 4];
 
 /// A closed axis-aligned box. Empty when `lower > upper` on any axis.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,10 +1,11 @@
-//! The distance of eight pairs of triangles at once.
+//! The distance of eight pairs of triangles at once (after Ericson, as of one pair), and separating axes across two edges.
 //!
 //! The same steps as [`closest_within`] in the same order, so the same numbers; that works in units of the pair, a power of
 //! two, which changes no rounding. Slivers, which take it more steps, and very large or small numbers are left to it.
 
+use crate::constants::{GAP_ROUNDING, LANE_COORDINATES, LEAST_SQUARE, NARROW, OUTSIDE, SMALLEST, SQUARE_ROUNDING};
 use crate::geometry::bounds::{Point, Triangle};
-use crate::geometry::distance_triangle_triangle::{closest_within, Closest, LEAST_SQUARE, NARROW, SMALLEST};
+use crate::geometry::distance_triangle_triangle::{closest_within, Closest};
 use crate::geometry::intersect_lanes::Vector;
 use feeler_lanes::{Arithmetic, Checked, Kernel, Simd, WIDE_LANES};
 
@@ -49,10 +50,6 @@ pub fn held_apart<'a>(
     lanes.run(HeldApart { pairs: &pairs, within }) & (u8::MAX >> (WIDE_LANES - count))
 }
 
-/// Coordinates (metres, from the first corner) between which units make no difference.
-const LEAST: f64 = 1e-6;
-const MOST: f64 = 1e6;
-
 /// By lane; points are relative to the first corner of the first triangle.
 struct Found {
     squared: [f64; WIDE_LANES],
@@ -93,16 +90,14 @@ fn gathered<S: Simd>(s: S, pairs: &EightPairs<'_>) -> ([Corners<S>; 2], S::F64) 
 /// Where no product leaves the range.
 #[inline(always)]
 fn fits<S: Simd>(s: S, largest: S::F64) -> S::M64 {
-    s.both(s.wide_above(largest, s.wide_splat(LEAST)), s.wide_above(s.wide_splat(MOST), largest))
+    let (least, most) = (s.wide_splat(LANE_COORDINATES.start), s.wide_splat(LANE_COORDINATES.end));
+    s.both(s.wide_above(largest, least), s.wide_above(most, largest))
 }
 
 struct HeldApart<'a> {
     pairs: &'a EightPairs<'a>,
     within: f64,
 }
-
-/// Share of the largest coordinate by which a gap may be off: a few dozen roundings are less.
-const SLACK: f64 = 1e-9;
 
 impl Kernel for HeldApart<'_> {
     type Output = u8;
@@ -112,8 +107,8 @@ impl Kernel for HeldApart<'_> {
     fn run<S: Simd>(self, s: S) -> u8 {
         let ([p, q], largest) = gathered(s, self.pairs);
         // Each operation rounded once, so that every level drops the same pairs.
-        let within = largest * s.wide_splat(SLACK) + s.wide_splat(self.within);
-        let limit = within * within * s.wide_splat(1.0 + 1e-6);
+        let within = largest * s.wide_splat(GAP_ROUNDING) + s.wide_splat(self.within);
+        let limit = within * within * s.wide_splat(1.0 + SQUARE_ROUNDING);
         let (least, zero) = (s.wide_splat(LEAST_SQUARE), s.wide_splat(0.0));
         let mut found = 0;
         for i in 0..3 {
@@ -266,7 +261,7 @@ fn beyond<S: Simd>(s: S, p: &Side<S>, q: &Side<S>, within: f64) -> u8 {
     for side in [p, q] {
         let ((a, b), (c, d)) = (interval(s, &side.normal, &p.corners), interval(s, &side.normal, &q.corners));
         let gap = s.wide_max(c - b, a - d);
-        let limit = s.wide_splat(within * within * (1.0 + 1e-6)) * side.square;
+        let limit = s.wide_splat(within * within * (1.0 + SQUARE_ROUNDING)) * side.square;
         found |= s.bits(s.both(s.wide_above(gap, s.wide_splat(0.0)), s.wide_above(gap * gap, limit)));
     }
     found
@@ -284,7 +279,7 @@ fn corners_and_edges<S: Simd>(s: S, p: &Side<S>, q: &Side<S>, best: &mut Best<S:
 
 #[inline(always)]
 fn edges<S: Simd>(s: S, p: &Side<S>, q: &Side<S>, best: &mut Best<S::F64>) {
-    let (below, over) = (s.wide_splat(-1e-6), s.wide_splat(1.0 + 1e-6));
+    let (below, over) = (s.wide_splat(-OUTSIDE), s.wide_splat(1.0 + OUTSIDE));
     let (zero, least, narrow) = (s.wide_splat(0.0), s.wide_splat(LEAST_SQUARE), s.wide_splat(NARROW));
     for i in 0..3 {
         for j in 0..3 {
@@ -337,7 +332,7 @@ fn on_face<S: Simd>(s: S, side: &Side<S>, point: &Vector<S::F64>) -> Option<(Vec
     let (a, u) = (&side.corners[0], &side.edges[0]);
     let v = &[zero - side.edges[2][0], zero - side.edges[2][1], zero - side.edges[2][2]];
     let (x, y) = weights::<S>(&sub::<S>(point, a), u, v, &side.normal, inverse);
-    let (below, over) = (s.wide_splat(-1e-6), s.wide_splat(1.0 + 1e-6));
+    let (below, over) = (s.wide_splat(-OUTSIDE), s.wide_splat(1.0 + OUTSIDE));
     let outside = s.either(s.either(s.wide_above(below, x), s.wide_above(below, y)), s.wide_above(x + y, over));
     if s.bits(outside) == u8::MAX {
         return None;

@@ -7,7 +7,10 @@
 //! come from cross products, whose error grows with the inverse of the angle only as fast as its effect shrinks; and the foot on
 //! a face is corrected until slivers have it too. Whether the triangles meet is left to exact signs.
 
-use crate::constants::{DISTANCE_ROUNDOFFS, UNIT_ROUNDOFF};
+use crate::constants::{
+    CLOSE_ENOUGH, DISTANCE_ROUNDOFFS, LEAST_GAP, LEAST_SQUARE, MEASURABLE, NARROW, OUTSIDE, ROOT_ROUNDING, SMALLEST,
+    UNIT_ROUNDOFF,
+};
 use crate::geometry::bounds::{Aabb, Point, Triangle};
 use crate::geometry::intersect_triangle_triangle::intersect_triangle_triangle;
 use crate::geometry::vectors::{along, cross, dot, sub};
@@ -26,9 +29,18 @@ pub struct Closest {
 /// Where two triangles are closest. Corners must be finite, and at most 1e100 in size (a few times that at a pose).
 ///
 /// With L the largest difference of two of the corners' coordinates along one axis, the distance is right within
-/// [`DISTANCE_ROUNDOFFS`] roundings of L (about 1.4e-14 L), and so is each point's distance from its triangle, beside rounding
-/// its coordinates to float64; where they meet, the common point is within [`MEETING_ROUNDOFFS`](crate::constants::MEETING_ROUNDOFFS) (1e-9 L) of both. The distance is 0 if and only if the triangles meet, which is decided exactly. One of the two may
-/// have lost its area (a segment, a point), as a tool's triangle can at a pose.
+/// 1.4e-14 L, and so is each point's distance from its triangle, beside rounding its coordinates to float64; where they meet, the
+/// common point is within 1e-9 L of both. The distance is 0 if and only if the triangles meet, which is decided exactly. One of
+/// the two may have lost its area (a segment, a point), as a tool's triangle can at a pose.
+///
+/// ```
+/// use feeler_core::closest_triangle_triangle;
+///
+/// let p = [[0.0, 0.0, 0.5], [1.0, 0.0, 1.0], [0.0, 1.0, 1.0]];
+/// let q = [[-1.0, -1.0, 0.0], [2.0, -1.0, 0.0], [-1.0, 2.0, 0.0]];
+/// let closest = closest_triangle_triangle(&p, &q);
+/// assert_eq!((closest.distance, closest.on_q), (0.5, [0.0, 0.0, 0.0]));
+/// ```
 pub fn closest_triangle_triangle(p: &Triangle, q: &Triangle) -> Closest {
     closest_within(p, q, f64::INFINITY).unwrap_or(Closest { distance: f64::INFINITY, on_p: p[0], on_q: q[0] })
 }
@@ -37,7 +49,7 @@ pub fn closest_triangle_triangle(p: &Triangle, q: &Triangle) -> Closest {
 pub fn closest_within(p: &Triangle, q: &Triangle, within: f64) -> Option<Closest> {
     // Most pairs end here, before anything is divided.
     let placed = Placed::new(p, q);
-    let limit = within * placed.per_metre + ALLOWED;
+    let limit = within * placed.per_metre + DISTANCE_ROUNDOFFS * UNIT_ROUNDOFF;
     let (b, c) = (Aabb::of_triangle(&placed.p), Aabb::of_triangle(&placed.q));
     if distance_bound(&b, &c) > limit {
         return None;
@@ -73,7 +85,7 @@ pub fn closest_within(p: &Triangle, q: &Triangle, within: f64) -> Option<Closest
 /// A bound from below on the distance of two triangles (metres), from their boxes: no more than a dozen operations, and never
 /// above what [`closest_triangle_triangle`] gives.
 #[inline]
-pub fn distance_bound(p: &Aabb, q: &Aabb) -> f64 {
+pub(crate) fn distance_bound(p: &Aabb, q: &Aabb) -> f64 {
     let mut squared = 0.0;
     for a in 0..3 {
         // Each difference is rounded once, and so is what it is made of: leave a little.
@@ -81,26 +93,11 @@ pub fn distance_bound(p: &Aabb, q: &Aabb) -> f64 {
         squared += gap * gap;
     }
     // Squares of the smallest and largest gaps leave the range; then the largest of the three is a bound.
-    if squared > 1e-290 && squared < 1e290 {
-        return squared.sqrt() * (1.0 - 1e-13);
+    if MEASURABLE.contains(&squared) {
+        return squared.sqrt() * (1.0 - ROOT_ROUNDING);
     }
-    (0..3).map(|a| (q.lower[a] - p.upper[a]).max(p.lower[a] - q.upper[a])).fold(0.0, f64::max) * (1.0 - 1e-13)
+    (0..3).map(|a| (q.lower[a] - p.upper[a]).max(p.lower[a] - q.upper[a])).fold(0.0, f64::max) * (1.0 - ROOT_ROUNDING)
 }
-
-/// What a length may be off by, in units of the pair: coordinates are at most 2 there.
-const ALLOWED: f64 = DISTANCE_ROUNDOFFS * UNIT_ROUNDOFF;
-
-/// Square of the sine below which two directions count as near parallel, or a face as a sliver.
-pub const NARROW: f64 = 1e-6;
-
-/// Square of a gap, over that of the size, that rounding alone leaves where triangles meet.
-const CLOSE_ENOUGH: f64 = 64.0 * UNIT_ROUNDOFF * UNIT_ROUNDOFF;
-
-/// Below that, products and inverse of a square leave the range; such lengths are nothing beside 1.
-pub const LEAST_SQUARE: f64 = 1e-200;
-
-/// The smallest number above 0.
-pub const SMALLEST: f64 = f64::from_bits(1);
 
 struct Best {
     squared: f64,
@@ -169,7 +166,7 @@ impl Side {
             s += dot(&cross(&left, &v), n) * inverse;
             t += dot(&cross(&u, &left), n) * inverse;
             if !is_sliver {
-                if step == 0 && (s < -1e-6 || t < -1e-6 || s + t > 1.0 + 1e-6) {
+                if step == 0 && (s < -OUTSIDE || t < -OUTSIDE || s + t > 1.0 + OUTSIDE) {
                     return None;
                 }
                 if step == 1 {
@@ -247,7 +244,7 @@ impl Pair {
             let (gap, error) = self.gap_along(n);
             let nn = dot(n, n);
             // The square of a triangle that is a speck beside the pair vanishes.
-            if nn > LEAST_SQUARE && gap - error > limit * nn.sqrt() * (1.0 + 1e-13) {
+            if nn > LEAST_SQUARE && gap - error > limit * nn.sqrt() * (1.0 + ROOT_ROUNDING) {
                 return true;
             }
         }
@@ -270,7 +267,7 @@ impl Pair {
     fn is_held_apart_along(&self, axis: &Point) -> bool {
         let (gap, error) = self.gap_along(axis);
         // Products that underflow are no proof.
-        gap > error + 1e-300
+        gap > error + LEAST_GAP
     }
 
     #[inline(always)]
@@ -302,7 +299,7 @@ impl Pair {
                 let s = -dot(&rn, v) * inverse;
                 let t = -dot(&rn, u) * inverse;
                 let is_narrow = nn * self.p.inverse[i] * self.q.inverse[j] < NARROW;
-                let inside = -1e-6..=1.0 + 1e-6;
+                let inside = -OUTSIDE..=1.0 + OUTSIDE;
                 if !(is_narrow || inside.contains(&s) && inside.contains(&t)) {
                     continue;
                 }

@@ -1,12 +1,13 @@
 //! Triangle pairs side by side, as many as a register of float32 holds (16, eight or four): what can be proven of them.
 //!
-//! The same test as [`intersect_triangle_triangle`](crate::geometry::intersect_triangle_triangle), in float32. A sign counts where the
+//! The same test as [`intersect_triangle_triangle`](crate::geometry::intersect_triangle_triangle) (Möller 1997; Guigue and
+//! Devillers 2003), in float32 with a forward error bound as of a floating-point filter (Shewchuk 1997). A sign counts where the
 //! number is beyond what rounding may have done; a pair with any sign in doubt, about one in a hundred, is left to the test of
 //! one pair. So what is said here is exact.
 //!
 //! **Frame.** Pairs are tested as the tool sees them: g(x) = A (x - t), with the translation t of the pose and its rotation R
 //! inverted, A. A map that keeps what meets and what does not needs no more than to be invertible without mirroring, so A may be
-//! off. In that frame what the tool's triangles are does not depend on the pose and is kept ([`line_of`]), one cache line each;
+//! off. In that frame what the tool's triangles are does not depend on the pose and is kept (`line_of`), one cache line each;
 //! the mock-up's edges and one corner are taken there in float64. All is then rounded to float32.
 //!
 //! **Bounds.** With u = 2^-24, A, B, C, D, W the largest entries of the vectors below, each counted as at least `least`, P the
@@ -23,18 +24,10 @@
 //! product times a power of two that is above all sums of the terms, and by way of products above all cross products: where any
 //! of these could overflow, it is infinite, and nothing is certain.
 
+use crate::constants::{LEAST_ENTRY, MOCKUP_NORMAL_ROUNDING, PLACE_ROUNDING, TOOL_NORMAL_ROUNDING, UNIT_ROUNDOFF_F32};
 use crate::geometry::bounds::{Point, Triangle};
 use crate::geometry::pose::Pose;
 use feeler_lanes::{Arithmetic, CacheLine, Kernel, Level, LineLanes, Simd, LANES};
-
-/// Half the distance from 1 to the next float32.
-const UNIT_ROUNDOFF: f32 = f32::EPSILON / 2.0;
-
-/// No entry counts as less, metres: 2^-32.
-const LEAST: f32 = 1.0 / 4_294_967_296.0;
-
-/// What [`least_of`] takes of the size of the numbers that a corner's place is the sum of: 2^-20.
-const PLACE_ROUNDOFF: f64 = 1.0 / 1_048_576.0;
 
 /// What was proven of pairs, one bit each; in neither: in doubt.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -48,7 +41,7 @@ pub struct Verdict {
 /// What can be proven of up to 16 pairs with an instruction set (the best, where the CPU lacks it). Bits beyond the pairs given
 /// are zero.
 pub fn prove(lanes: Level, pairs: &[(Triangle, Triangle)]) -> Verdict {
-    prove_at(lanes, &Pose::IDENTITY, LEAST, pairs)
+    prove_at(lanes, &Pose::IDENTITY, LEAST_ENTRY, pairs)
 }
 
 /// The same for triangles of a tool at a pose. No entry counts as less than `least`.
@@ -93,11 +86,11 @@ impl Kernel for Prove {
 }
 
 /// A point in lanes.
-pub type Vector<F> = [F; 3];
+pub(crate) type Vector<F> = [F; 3];
 
 /// A triangle of a tool in its own frame: the first corner; its edges to the second and to the third, a vector across it as long
 /// as their cross product, and the largest entry of the edges.
-pub fn line_of(t: &Triangle) -> CacheLine {
+pub(crate) fn line_of(t: &Triangle) -> CacheLine {
     let [c, d] = [1, 2].map(|i| minus(&t[i], &t[0]));
     let m = [c[1] * d[2] - c[2] * d[1], c[2] * d[0] - c[0] * d[2], c[0] * d[1] - c[1] * d[0]];
     let size = c.iter().chain(&d).fold(0.0, |size: f64, x| size.max(x.abs()));
@@ -108,7 +101,7 @@ pub fn line_of(t: &Triangle) -> CacheLine {
 }
 
 /// From where a tool at a pose sees the world.
-pub struct Seen {
+pub(crate) struct Seen {
     /// Its rotation inverted, and negative, row by row.
     against: [[f64; 3]; 3],
     /// Its translation.
@@ -116,7 +109,7 @@ pub struct Seen {
 }
 
 impl Seen {
-    pub fn at(pose: &Pose) -> Seen {
+    pub(crate) fn at(pose: &Pose) -> Seen {
         let r = pose.rotation();
         let minor = |i: usize, j: usize| {
             let ([i, k], [j, l]) = ([(i + 1) % 3, (i + 2) % 3], [(j + 1) % 3, (j + 2) % 3]);
@@ -135,13 +128,13 @@ impl Seen {
 }
 
 /// What an entry must count as at least at a pose, for a tool with no larger coordinate.
-pub fn least_of(pose: &Pose, largest: f64) -> f32 {
+pub(crate) fn least_of(pose: &Pose, largest: f64) -> f32 {
     let size = 3.1 * largest + pose.largest_translation();
-    LEAST.max((PLACE_ROUNDOFF * size) as f32)
+    LEAST_ENTRY.max((PLACE_ROUNDING * size) as f32)
 }
 
 /// Pairs of triangles in lanes, by differences of their corners, as the tool sees them.
-pub struct Pairs<F> {
+pub(crate) struct Pairs<F> {
     /// From the first corner of `q` to that of `p`.
     between: Vector<F>,
     /// From the first corner to the second and to the third.
@@ -158,7 +151,7 @@ impl<F: Copy> Pairs<F> {
     /// As many pairs as a part has lanes of float32: lines of a tool (by their places) and triangles of a mock-up (by faces and
     /// vertices, and their places).
     #[inline(always)]
-    pub fn of<S: Simd>(
+    pub(crate) fn of<S: Simd>(
         s: S,
         seen: &Seen,
         (lines, p): (&[CacheLine], &[u32]),
@@ -219,7 +212,7 @@ impl<F: Copy> Turned<F> {
 
 /// What can be proven of a pair in each lane. No entry counts as less than `least`.
 #[inline(always)]
-pub fn intersect<S: Arithmetic>(s: S, pairs: &Pairs<S::F32>, least: S::F32) -> Verdict {
+pub(crate) fn intersect<S: Arithmetic>(s: S, pairs: &Pairs<S::F32>, least: S::F32) -> Verdict {
     let Pairs { between: w, p: [c, d], normal_p: m, size_p, q: [a, b], normal_q: n } = pairs;
     let (size_a, size_b) = (largest(s, a, least), largest(s, b, least));
     let size_w = largest(s, w, least);
@@ -227,14 +220,14 @@ pub fn intersect<S: Arithmetic>(s: S, pairs: &Pairs<S::F32>, least: S::F32) -> V
 
     // Heights over the plane of q, 18.4 u N (W + P) off, and below that of p, as much with its own normal and Q.
     let (nw, nc, nd) = (dot(s, n, w), dot(s, n, c), dot(s, n, d));
-    let size_n = s.mul_add(s.splat(1.0 / 4_194_304.0) * size_a, size_b, largest(s, n, least * least));
+    let size_n = s.mul_add(s.splat(MOCKUP_NORMAL_ROUNDING) * size_a, size_b, largest(s, n, least * least));
     let most = s.splat(4.0) * size_n * (size_w + size_p);
-    let of_p = Sides::new(s, [nw, nw + nc, nw + nd], most * s.splat(5.0 * UNIT_ROUNDOFF));
+    let of_p = Sides::new(s, [nw, nw + nc, nw + nd], most * s.splat(5.0 * UNIT_ROUNDOFF_F32));
     let (mw, ma, mb) = (dot(s, m, w), dot(s, m, a), dot(s, m, b));
-    let share = s.mul_add(s.splat(1.0 / 1_048_576.0), size_p, s.splat(0.125) * least);
+    let share = s.mul_add(s.splat(TOOL_NORMAL_ROUNDING), size_p, s.splat(0.125) * least);
     let size_m = s.mul_add(share, size_p, largest(s, m, least * least));
     let most = s.splat(4.0) * size_m * (size_w + size_q);
-    let of_q = Sides::new(s, [mw, mw - ma, mw - mb], most * s.splat(5.0 * UNIT_ROUNDOFF));
+    let of_q = Sides::new(s, [mw, mw - ma, mw - mb], most * s.splat(5.0 * UNIT_ROUNDOFF_F32));
     let apart = of_p.known & !of_p.both | of_q.known & !of_q.both;
     let certain = of_p.known & of_q.known & of_p.both & of_q.both;
     if certain == 0 {
@@ -258,7 +251,7 @@ pub fn intersect<S: Arithmetic>(s: S, pairs: &Pairs<S::F32>, least: S::F32) -> V
     let (highest, lowest) = (s.max(s.max(x, y), s.max(z, t)), s.min(s.min(x, y), s.min(z, t)));
     // The product in this order, so that it is infinite too where an entry of w x c is.
     let most = s.splat(64.0) * size_p * (size_w + s.max(size_p, size_q)) * size_q;
-    let bound = most * s.splat(5.1 * UNIT_ROUNDOFF);
+    let bound = most * s.splat(5.1 * UNIT_ROUNDOFF_F32);
     let below = s.splat(0.0) - bound;
     // All ends of one before all of the other; or one before and one after.
     let separate = s.lanes(s.above(lowest, bound) | s.above(below, highest));

@@ -24,7 +24,17 @@ pub enum PairKind {
     Touching = 2,
 }
 
-/// The kind of meeting of two closed triangles, `None` when they share no point. Exact.
+/// The kind of meeting of two closed triangles, `None` when they share no point. Exact. Corners must be finite, and at most 1e100
+/// in size (a few times that at a pose).
+///
+/// ```
+/// use feeler_core::{intersect_triangle_triangle, PairKind};
+///
+/// let floor = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]];
+/// let edge_on_it = [[0.5, 0.5, 0.0], [0.6, 0.5, 0.0], [0.5, 0.5, 1.0]];
+/// assert_eq!(intersect_triangle_triangle(&floor, &edge_on_it), Some(PairKind::Touching));
+/// assert_eq!(intersect_triangle_triangle(&floor, &edge_on_it.map(|[x, y, z]| [x, y, z + 5e-324])), None);
+/// ```
 #[inline]
 pub fn intersect_triangle_triangle(p: &Triangle, q: &Triangle) -> Option<PairKind> {
     intersect_with(&mut Signs::default(), p, q)

@@ -1,10 +1,22 @@
 //! Rigid poses and the one way a tool vertex is computed at a pose.
+//!
+//! A pose is a rotation matrix and a translation, used as given. What is rigid is told by the products of the matrix's rows and
+//! by its determinant.
 
 use crate::constants::{LARGEST_COORDINATE, POSE_TOLERANCE};
 use crate::error::{Error, Result};
 use crate::geometry::bounds::{Aabb, Point, Triangle};
 
-/// A rigid motion `world_from_tool`. The numbers are used as given: nothing is re-orthonormalised.
+/// A rigid motion `world_from_tool`, metres. The numbers are used as given: nothing is re-orthonormalised.
+///
+/// ```
+/// use feeler_core::Pose;
+///
+/// // A quarter of a turn about z, then 0.2 m along x.
+/// let pose = Pose::new(&[[0.0, -1.0, 0.0, 0.2], [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]])?;
+/// assert_eq!(pose.apply(&[0.1, 0.0, 0.0]), [0.2, 0.1, 0.0]);
+/// # Ok::<(), feeler_core::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pose {
     rotation: [[f64; 3]; 3],
@@ -30,7 +42,7 @@ impl Pose {
     }
 
     /// A pose known to be rigid.
-    pub fn unchecked(rotation: [[f64; 3]; 3], translation: Point) -> Pose {
+    pub(crate) fn unchecked(rotation: [[f64; 3]; 3], translation: Point) -> Pose {
         Pose { rotation, translation }
     }
 
@@ -63,7 +75,7 @@ impl Pose {
     }
 
     /// A box in the world around a box of the tool, grown by `margin` (metres) on every side.
-    pub fn apply_box(&self, b: &Aabb, margin: f64) -> Aabb {
+    pub(crate) fn apply_box(&self, b: &Aabb, margin: f64) -> Aabb {
         let centre: Point = std::array::from_fn(|a| 0.5 * b.lower[a] + 0.5 * b.upper[a]);
         let half: Point = std::array::from_fn(|a| (b.upper[a] - centre[a]).max(centre[a] - b.lower[a]));
         let c = self.apply(&centre);
@@ -94,6 +106,7 @@ impl Pose {
     }
 
     /// The largest absolute entry of the translation, metres.
+    #[doc(hidden)]
     pub fn largest_translation(&self) -> f64 {
         self.translation.iter().fold(0.0, |m, x| m.max(x.abs()))
     }

@@ -4,15 +4,15 @@
 //! (J. R. Shewchuk, *Adaptive precision floating-point arithmetic and fast robust geometric predicates*, 1997; the
 //! `robust` crate), and big integers where expansions could under- or overflow.
 //!
-//! All coordinates must be finite and at most [`LARGEST_COORDINATE`](crate::constants::LARGEST_COORDINATE) in size.
+//! All coordinates must be finite and at most `LARGEST_COORDINATE` in size.
 
 use num_bigint::{BigInt, Sign as BigSign};
 
-use crate::constants::UNIT_ROUNDOFF;
+use crate::constants::{ORIENT2D_BOUND, ORIENT3D_BOUND, SAFE_LARGEST, SAFE_PERMANENT, SAFE_SMALLEST};
 use crate::geometry::bounds::Point;
 
 /// A sign: -1, 0 or 1.
-pub type Sign = i8;
+pub(crate) type Sign = i8;
 
 /// Orientation signs, with a count of those that float64 arithmetic could not decide.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -24,7 +24,7 @@ pub struct Signs {
 impl Signs {
     /// See [`orient3d`].
     #[inline]
-    pub fn orient3d(&mut self, a: &Point, b: &Point, c: &Point, d: &Point) -> Sign {
+    pub(crate) fn orient3d(&mut self, a: &Point, b: &Point, c: &Point, d: &Point) -> Sign {
         orient3d_filter(a, b, c, d).unwrap_or_else(|| {
             self.exact += 1;
             orient3d_exact(a, b, c, d)
@@ -33,34 +33,13 @@ impl Signs {
 
     /// See [`orient2d`].
     #[inline]
-    pub fn orient2d(&mut self, a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> Sign {
+    pub(crate) fn orient2d(&mut self, a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> Sign {
         orient2d_filter(a, b, c).unwrap_or_else(|| {
             self.exact += 1;
             orient2d_exact(a, b, c)
         })
     }
 }
-
-/// Error bound of the float64 evaluation of `orient3d`, relative to its permanent (the same sum with absolute values).
-///
-/// Shewchuk's stage-A bound: differences carry one rounding each, products and sums up to six more on any path, which
-/// gives (7 + 56 u) u with u the unit roundoff; the second term covers the higher orders and the rounding of the
-/// permanent itself.
-pub const ORIENT3D_BOUND: f64 = (7.0 + 56.0 * UNIT_ROUNDOFF) * UNIT_ROUNDOFF;
-
-/// The same for `orient2d`: (3 + 16 u) u.
-const ORIENT2D_BOUND: f64 = (3.0 + 16.0 * UNIT_ROUNDOFF) * UNIT_ROUNDOFF;
-
-/// Below this permanent the bounds above could be spoilt by underflow: a product that underflows loses at most 2^-1074,
-/// which a further factor of at most 2e100 and the sum of six terms bring to less than 1e-221; the bound itself is then
-/// 7e-216 or more.
-pub const SAFE_PERMANENT: f64 = 1e-200;
-
-/// Adaptive expansions are exact while every nonzero input has a binary exponent in this range (Shewchuk, section 5:
-/// [-142, 201] for `orient3d`).
-const SAFE_SMALLEST: f64 = 1.8e-43; // just above 2^-142
-/// See [`SAFE_SMALLEST`].
-const SAFE_LARGEST: f64 = 3.2e60; // just below 2^201
 
 /// Which side of the plane through `a`, `b`, `c` the point `d` lies on: the sign of `det[a-d; b-d; c-d]`.
 ///
@@ -72,7 +51,7 @@ pub fn orient3d(a: &Point, b: &Point, c: &Point, d: &Point) -> Sign {
 
 /// The sign where float64 arithmetic can prove it, else `None`.
 #[inline]
-pub fn orient3d_filter(a: &Point, b: &Point, c: &Point, d: &Point) -> Option<Sign> {
+pub(crate) fn orient3d_filter(a: &Point, b: &Point, c: &Point, d: &Point) -> Option<Sign> {
     let [adx, ady, adz] = [a[0] - d[0], a[1] - d[1], a[2] - d[2]];
     let [bdx, bdy, bdz] = [b[0] - d[0], b[1] - d[1], b[2] - d[2]];
     let [cdx, cdy, cdz] = [c[0] - d[0], c[1] - d[1], c[2] - d[2]];
@@ -88,13 +67,13 @@ pub fn orient3d_filter(a: &Point, b: &Point, c: &Point, d: &Point) -> Option<Sig
 
 /// Which side of the directed line `a -> b` the point `c` lies on, in the plane: positive on the left.
 #[inline]
-pub fn orient2d(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> Sign {
+pub(crate) fn orient2d(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> Sign {
     Signs::default().orient2d(a, b, c)
 }
 
 /// The sign where float64 arithmetic can prove it, else `None`.
 #[inline]
-pub fn orient2d_filter(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> Option<Sign> {
+pub(crate) fn orient2d_filter(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> Option<Sign> {
     let left = (a[0] - c[0]) * (b[1] - c[1]);
     let right = (a[1] - c[1]) * (b[0] - c[0]);
     let permanent = left.abs() + right.abs();

@@ -1,7 +1,8 @@
-//! The normals of eight triangles at once.
+//! The unit normals of eight triangles at once, each by the cross product of two edges.
 
+use crate::constants::PLAIN;
 use crate::geometry::bounds::{Point, Triangle};
-use crate::geometry::vectors::{cross, dot, normal, sub, PLAIN};
+use crate::geometry::vectors::{cross, dot, normal, sub};
 use feeler_lanes::{Checked, Kernel, Simd, WIDE_LANES};
 
 /// The unit normals of so many triangles, up to eight, as [`normal`] has them, `None` in what is beyond; and which of the triangles

@@ -1,14 +1,9 @@
 //! Arithmetic on points and vectors.
 
-use std::ops::Range;
-
+use crate::constants::VANISHING;
 use crate::geometry::bounds::{Point, Triangle};
 
-/// Squares of lengths that neither overflow nor lose digits, and whose products do not.
-pub const PLAIN: Range<f64> = 1e-140..1e140;
-
-/// Sums of products below that have lost too much to rounding towards 0.
-const VANISHING: f64 = 1e-280;
+use crate::constants::PLAIN;
 
 /// `a + b`.
 #[inline(always)]
@@ -54,7 +49,7 @@ pub fn length(a: &Point) -> f64 {
 
 /// The length, also of vectors whose square vanishes.
 #[inline]
-pub fn any_length(a: &Point) -> f64 {
+pub(crate) fn any_length(a: &Point) -> f64 {
     let squared = dot(a, a);
     if squared > VANISHING {
         return squared.sqrt();
@@ -65,7 +60,7 @@ pub fn any_length(a: &Point) -> f64 {
 
 /// The largest absolute entry.
 #[inline(always)]
-pub fn largest(a: &Point) -> f64 {
+pub(crate) fn largest(a: &Point) -> f64 {
     a[0].abs().max(a[1].abs()).max(a[2].abs())
 }
 

@@ -1,4 +1,4 @@
-//! The paper's voxel array: 4 bytes a voxel.
+//! The voxel array of Borro et al. (2004): 4 bytes a voxel.
 
 use super::lists::{ListedMesh, VoxelLists};
 use super::sink::CandidateSink;

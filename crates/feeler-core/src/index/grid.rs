@@ -1,4 +1,5 @@
-//! The regular voxel grid: addressing, and the test of a triangle against a voxel.
+//! The regular voxel grid (Borro et al. 2004): addressing, and the test of a triangle against a voxel by separating axes
+//! (T. Akenine-Möller, *Fast 3D triangle-box overlap testing*, 2001).
 
 use crate::constants::{MAX_VOXELS_PER_AXIS, UNIT_ROUNDOFF};
 use crate::error::{Error, Result};

@@ -95,11 +95,11 @@ impl VoxelLists {
     }
 
     fn sort(&mut self) {
-        const RUN: usize = 1 << 14; // slots a task
+        const SORT_RUN: usize = 1 << 14; // slots a task
         let mut rest = self.entries.as_mut_slice();
         let mut tasks = Vec::new();
         let mut from = 0;
-        for run in self.starts.chunks(RUN) {
+        for run in self.starts.chunks(SORT_RUN) {
             // A run of slots ends where the next one starts.
             let next = self.starts[(from + run.len()).min(self.slots as usize)];
             let (head, tail) = rest.split_at_mut((next - run[0]) as usize);
@@ -109,7 +109,7 @@ impl VoxelLists {
         }
         tasks.into_par_iter().for_each(|(first, entries)| {
             let base = self.starts[first];
-            let last = (first + RUN).min(self.slots as usize);
+            let last = (first + SORT_RUN).min(self.slots as usize);
             for slot in first..last {
                 entries[(self.starts[slot] - base) as usize..(self.starts[slot + 1] - base) as usize].sort_unstable();
             }

@@ -25,7 +25,7 @@ impl Index {
     ///
     /// Errors: a voxel size or hashing level out of range, or one that needs more memory than allowed; the latter before
     /// anything is allocated.
-    pub fn build(
+    pub(crate) fn build(
         mockup: Arc<Mockup>,
         storage: Storage,
         voxel_size: f64,
@@ -45,22 +45,22 @@ impl Index {
     }
 
     /// Voxel edge, or the piece size of blocks, metres.
-    pub fn voxel_size(&self) -> f64 {
+    pub(crate) fn voxel_size(&self) -> f64 {
         self.voxel_size
     }
 
     /// How the triangles are stored.
-    pub fn storage(&self) -> Storage {
+    pub(crate) fn storage(&self) -> Storage {
         self.storage
     }
 
     /// Most bytes a result may take.
-    pub fn memory_limit(&self) -> u64 {
+    pub(crate) fn memory_limit(&self) -> u64 {
         self.memory_limit
     }
 
     /// Who offers candidate pairs.
-    pub fn store(&self) -> &Store {
+    pub(crate) fn store(&self) -> &Store {
         &self.store
     }
 
@@ -70,7 +70,7 @@ impl Index {
     }
 
     /// Has queries use another instruction set than the best; where the CPU lacks it, the best.
-    pub fn set_lanes(&mut self, lanes: Level) {
+    pub(crate) fn set_lanes(&mut self, lanes: Level) {
         self.lanes = lanes.checked();
     }
 }

@@ -1,4 +1,4 @@
-//! Which regions of a voxel grid hold anything: a tree of bits, for queries that look for what is near.
+//! Which regions of a voxel grid hold anything: an octree of bits, two levels at a step, for queries that look for what is near.
 //!
 //! The lowest bit stands for a block of 4 x 4 x 4 voxels, so all bits together take less than a 2000th of 4 bytes a voxel.
 

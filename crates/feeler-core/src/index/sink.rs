@@ -11,7 +11,7 @@ use crate::tool::moving_tool::Tool;
 
 /// A tool at a pose, and the mesh whose triangles it may meet.
 #[derive(Debug, Clone, Copy)]
-pub struct PlacedTool<'a> {
+pub(crate) struct PlacedTool<'a> {
     /// The mock-up's triangles.
     pub mesh: &'a Mesh,
     /// The tool.
@@ -23,7 +23,7 @@ pub struct PlacedTool<'a> {
 }
 
 /// Takes candidate pairs: those that the index cannot hold apart.
-pub trait CandidateSink {
+pub(crate) trait CandidateSink {
     /// Whether boxes are compared before a pair is offered.
     fn compares_boxes(&self) -> bool;
 
@@ -46,6 +46,7 @@ pub trait CandidateSink {
 
 /// What a query did, stage by stage.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Stats {
     /// Voxels looked up; with blocks, nodes tested: against one box their 32 children, against 16 their own box.
     pub voxels_visited: u64,
@@ -69,7 +70,7 @@ pub struct Stats {
 
 impl Stats {
     /// Names and values, in order of the stages.
-    pub fn entries(&self) -> [(&'static str, u64); 9] {
+    pub fn entries(&self) -> impl Iterator<Item = (&'static str, u64)> {
         [
             ("voxels_visited", self.voxels_visited),
             ("clusters_placed", self.clusters_placed),
@@ -81,12 +82,13 @@ impl Stats {
             ("exact_tests", self.exact_tests),
             ("pairs", self.pairs),
         ]
+        .into_iter()
     }
 }
 
 /// A tool at a pose, the mock-up that it may be near, and planes that hold some of it apart.
 #[derive(Debug, Clone, Copy)]
-pub struct NearTool<'a> {
+pub(crate) struct NearTool<'a> {
     /// The mock-up.
     pub mockup: &'a Mockup,
     /// The tool.
@@ -112,7 +114,7 @@ pub struct Divider {
 }
 
 /// Takes pairs that may be near.
-pub trait NearSink {
+pub(crate) trait NearSink {
     /// The largest distance (metres) still of interest; falls as the search goes on.
     fn bound(&self) -> f64;
 
@@ -135,7 +137,7 @@ pub trait NearSink {
 }
 
 /// A tool on its way through a window of time.
-pub struct Sweep<'a> {
+pub(crate) struct Sweep<'a> {
     /// The mock-up's triangles.
     pub mesh: &'a Mesh,
     /// The tool.
@@ -149,4 +151,4 @@ pub struct Sweep<'a> {
 }
 
 /// Takes a slot of the tool and a triangle of the mock-up; true to stop.
-pub type Offer<'a> = &'a mut dyn FnMut(u32, u32) -> bool;
+pub(crate) type Offer<'a> = &'a mut dyn FnMut(u32, u32) -> bool;

@@ -9,8 +9,9 @@ use crate::error::Result;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::progress::Progress;
 
-/// Which store a scene uses.
+/// Which store a scene uses. All give the same answers; they differ in memory and time.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum Storage {
     /// The paper's array: one 4-byte entry per voxel, to lists of triangles.
     Dense,
@@ -23,9 +24,20 @@ pub enum Storage {
     Blocks,
 }
 
+impl Storage {
+    /// Its name, in lower case.
+    pub fn name(self) -> &'static str {
+        match self {
+            Storage::Dense => "dense",
+            Storage::Hashed { .. } => "hashed",
+            Storage::Blocks => "blocks",
+        }
+    }
+}
+
 /// A built store.
 #[derive(Debug)]
-pub enum Store {
+pub(crate) enum Store {
     /// See [`Storage::Dense`].
     Dense(Dense),
     /// See [`Storage::Hashed`].
@@ -36,7 +48,7 @@ pub enum Store {
 
 impl Store {
     /// Builds the store with voxels (blocks: pieces) of `size` metres, within `limit` bytes.
-    pub fn build(mesh: &Mesh, storage: Storage, size: f64, limit: u64, progress: Progress<'_>) -> Result<Store> {
+    pub(crate) fn build(mesh: &Mesh, storage: Storage, size: f64, limit: u64, progress: Progress<'_>) -> Result<Store> {
         Ok(match storage {
             Storage::Dense => Store::Dense(Dense::build(mesh, size, limit, progress)?),
             Storage::Hashed { level } => Store::Hashed(Hashed::build(mesh, size, level, limit, progress)?),
@@ -45,7 +57,12 @@ impl Store {
     }
 
     /// Offers every pair that may meet to the narrow phase, until it says stop.
-    pub fn offer_candidates<N: CandidateSink>(&self, at: &PlacedTool<'_>, scratch: &mut BlocksScratch, narrow: &mut N) {
+    pub(crate) fn offer_candidates<N: CandidateSink>(
+        &self,
+        at: &PlacedTool<'_>,
+        scratch: &mut BlocksScratch,
+        narrow: &mut N,
+    ) {
         match self {
             Store::Dense(store) => store.offer_candidates(at.tool, narrow),
             Store::Hashed(store) => store.offer_candidates(at.tool, narrow),
@@ -54,7 +71,7 @@ impl Store {
     }
 
     /// Offers pairs of triangles that may be within the bound, nearest boxes first, until that says stop.
-    pub fn search<W: NearSink>(
+    pub(crate) fn search<W: NearSink>(
         &self,
         at: &NearTool<'_>,
         scratch: &mut SearchScratch,
@@ -73,7 +90,7 @@ impl Store {
     /// once, until `offer` says stop; false where it gave up.
     ///
     /// A pair that is not offered surely does not meet at any time in the window.
-    pub fn offer_swept(&self, sweep: &Sweep<'_>, scratch: &mut SweepScratch, offer: Offer<'_>) -> bool {
+    pub(crate) fn offer_swept(&self, sweep: &Sweep<'_>, scratch: &mut SweepScratch, offer: Offer<'_>) -> bool {
         match self {
             Store::Dense(store) => store.with(sweep.mesh).offer_swept(sweep, &mut scratch.seen, offer),
             Store::Hashed(store) => store.with(sweep.mesh).offer_swept(sweep, &mut scratch.seen, offer),
@@ -82,7 +99,7 @@ impl Store {
     }
 
     /// Bytes by structure.
-    pub fn memory(&self) -> Vec<(&'static str, usize)> {
+    pub(crate) fn memory(&self) -> Vec<(&'static str, usize)> {
         match self {
             Store::Dense(store) => store.memory(),
             Store::Hashed(store) => store.memory(),
@@ -91,7 +108,7 @@ impl Store {
     }
 
     /// Checks every invariant the queries rely on; for tests.
-    pub fn validate(&self, mesh: &Mesh) -> std::result::Result<(), String> {
+    pub(crate) fn validate(&self, mesh: &Mesh) -> std::result::Result<(), String> {
         match self {
             Store::Dense(store) => store.validate(mesh),
             Store::Hashed(store) => store.validate(mesh),

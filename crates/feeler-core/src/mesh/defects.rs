@@ -1,4 +1,5 @@
-//! Triangles that cannot be queried, and exact duplicates: found, counted and listed, never dropped in silence.
+//! Triangles that cannot be queried, and exact duplicates: found (zero area by exact signs, duplicates by a hash of the corners),
+//! counted and listed, never dropped in silence.
 
 use rayon::prelude::*;
 
@@ -9,12 +10,13 @@ use crate::geometry::predicates::is_collinear;
 /// What can be wrong with a triangle. A triangle is counted under the first that applies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
+#[non_exhaustive]
 pub enum DefectKind {
     /// A vertex index past the last vertex. Not queried.
     IndexOutOfRange = 0,
     /// A corner with NaN or an infinity. Not queried.
     NonFinite = 1,
-    /// A corner beyond [`LARGEST_COORDINATE`]. Not queried.
+    /// A corner with a coordinate beyond 1e100 m. Not queried.
     TooLarge = 2,
     /// Corners exactly on one line. Not queried.
     ZeroArea = 3,
@@ -24,7 +26,7 @@ pub enum DefectKind {
 
 impl DefectKind {
     /// All kinds, in the order they are reported.
-    pub const ALL: [DefectKind; 5] = [
+    pub const ALL: &'static [DefectKind] = &[
         DefectKind::IndexOutOfRange,
         DefectKind::NonFinite,
         DefectKind::TooLarge,
@@ -46,25 +48,32 @@ impl DefectKind {
 
 /// How many triangles have one kind of defect, and which come first.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Defect {
     /// Triangles with this defect.
     pub count: usize,
-    /// The first ids, sorted, at most [`DEFECT_IDS_KEPT`].
+    /// The first ids, sorted, at most 100.
     pub first: Vec<u32>,
 }
 
 /// The defects of a mesh.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Defects {
     /// One entry per [`DefectKind`], in its order.
-    pub by_kind: [Defect; 5],
+    by_kind: [Defect; DefectKind::ALL.len()],
     /// Ids of all triangles that are not queried, sorted.
     pub excluded: Vec<u32>,
 }
 
 impl Defects {
+    /// The triangles with one kind of defect.
+    pub fn of(&self, kind: DefectKind) -> &Defect {
+        &self.by_kind[kind as usize]
+    }
+
     /// Looks at every triangle.
-    pub fn find(vertices: &[Point], faces: &[[u32; 3]]) -> Defects {
+    pub(crate) fn find(vertices: &[Point], faces: &[[u32; 3]]) -> Defects {
         let mut bad: Vec<(u32, DefectKind)> = faces
             .par_iter()
             .enumerate()
@@ -82,7 +91,7 @@ impl Defects {
     }
 
     /// The counts in words, for messages.
-    pub fn summary(&self) -> String {
+    pub(crate) fn summary(&self) -> String {
         let words: Vec<String> = DefectKind::ALL
             .iter()
             .filter(|kind| self.by_kind[**kind as usize].count > 0)
@@ -122,7 +131,7 @@ fn defect_of(vertices: &[Point], face: &[u32; 3]) -> Option<DefectKind> {
 
 /// The corners of a face whose indices are in range.
 #[inline]
-pub fn corners(vertices: &[Point], face: &[u32; 3]) -> Triangle {
+pub(crate) fn corners(vertices: &[Point], face: &[u32; 3]) -> Triangle {
     let [a, b, c] = *face;
     [vertices[a as usize], vertices[b as usize], vertices[c as usize]]
 }
@@ -153,7 +162,7 @@ fn duplicates(vertices: &[Point], faces: &[[u32; 3]], excluded: &[u32]) -> Vec<u
 }
 
 /// A hash of a position in which 0.0 and -0.0 are the same.
-pub fn hash(p: &Point) -> u64 {
+pub(crate) fn hash(p: &Point) -> u64 {
     p.iter().fold(0x9e37_79b9_7f4a_7c15, |h, x| {
         let mixed = (h ^ (x + 0.0).to_bits()).wrapping_mul(0xff51_afd7_ed55_8ccd);
         mixed ^ mixed >> 32

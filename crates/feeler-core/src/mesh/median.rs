@@ -1,7 +1,8 @@
 //! An order in which neighbours in space are neighbours in memory, for trees whose nodes take a fixed number of entries.
 //!
-//! Entries are halved by the median of their middles along the axis that leaves the least surface, again and again, always
-//! between whole nodes. Compared with an order along a Morton curve the nodes' boxes overlap far less.
+//! Entries are halved by the median of their middles, as in a k-d tree (J. Bentley 1975), along the axis that leaves the least
+//! surface (the heuristic of J. Goldsmith and J. Salmon, 1987), again and again, always between whole nodes. Compared with an
+//! order along a Morton curve the nodes' boxes overlap far less.
 
 use crate::geometry::bounds::{Aabb, Point};
 use feeler_lanes::{greatest, least};

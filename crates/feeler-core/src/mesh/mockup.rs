@@ -23,7 +23,11 @@ pub struct Mockup {
 }
 
 impl Mockup {
-    /// `part_of_face` gives each triangle's part, 0 to `parts - 1`; empty means that all belong to part 0.
+    /// Checks the arrays: vertices in metres, world; faces as places among them. `part_of_face` gives each triangle's part, 0 to
+    /// `parts - 1`; empty means that all belong to part 0.
+    ///
+    /// Errors: no triangle at all, none that can be queried, more than 2^32 - 1 triangles, vertices or parts, no part, and a
+    /// `part_of_face` of another length or with a part that is not there. Other defects are listed in [`Mesh::defects`].
     pub fn new(vertices: Vec<Point>, faces: Vec<[u32; 3]>, part_of_face: Vec<u32>, parts: usize) -> Result<Mockup> {
         if !part_of_face.is_empty() && part_of_face.len() != faces.len() {
             return Err(Error::Length { what: "part_of_face", got: part_of_face.len(), expected: faces.len() });
@@ -80,7 +84,7 @@ impl Mockup {
     }
 
     /// Bytes held by the arrays that say which triangle belongs to which part.
-    pub fn parts_memory(&self) -> usize {
+    pub(crate) fn parts_memory(&self) -> usize {
         self.part_of_face.capacity() * size_of::<u32>()
             + self.part_bounds.capacity() * size_of::<Aabb>()
             + self.part_triangles.capacity() * size_of::<u32>()
@@ -100,8 +104,7 @@ impl Mockup {
     }
 
     /// Bytes held by what was found of how the triangles hang together; `None` before anybody asked.
-    #[doc(hidden)]
-    pub fn topology_memory(&self) -> Option<usize> {
+    pub(crate) fn topology_memory(&self) -> Option<usize> {
         self.adjacency.get().map(Adjacency::memory)
     }
 

@@ -1,9 +1,9 @@
 //! Meshes as given, what is wrong with them, how their triangles are cut and ordered, and how they hang together.
 
-pub mod defects;
-pub mod median;
+pub(crate) mod defects;
+pub(crate) mod median;
 pub mod mockup;
-pub mod pieces;
+pub(crate) mod pieces;
 pub mod topology;
-pub mod triangle_mesh;
-pub mod weld;
+pub(crate) mod triangle_mesh;
+pub(crate) mod weld;

@@ -1,4 +1,4 @@
-//! Triangle meshes as given, with what is wrong with them; mock-ups and their parts.
+//! Triangle meshes as given, with what is wrong with them.
 
 use rayon::prelude::*;
 
@@ -7,7 +7,8 @@ use crate::geometry::bounds::{Aabb, Point, Triangle};
 use crate::mesh::defects::{corners, Defects};
 use feeler_lanes::prefetch_at;
 
-/// An indexed triangle mesh, metres. Triangle ids are positions in the caller's `faces`.
+/// An indexed triangle mesh, metres, as a [`Mockup`](crate::Mockup) or a [`Tool`](crate::Tool) holds it. A triangle's id is its
+/// place in the caller's faces.
 #[derive(Debug)]
 pub struct Mesh {
     vertices: Vec<Point>,
@@ -20,7 +21,7 @@ impl Mesh {
     /// Takes the arrays as they are and looks for defects. `what` names the mesh in messages.
     ///
     /// Errors: no triangle at all, none that can be queried, or more than 32-bit ids can name.
-    pub fn new(what: &'static str, vertices: Vec<Point>, faces: Vec<[u32; 3]>) -> Result<Mesh> {
+    pub(crate) fn new(what: &'static str, vertices: Vec<Point>, faces: Vec<[u32; 3]>) -> Result<Mesh> {
         if faces.is_empty() {
             return Err(Error::EmptyMesh { what });
         }
@@ -61,7 +62,7 @@ impl Mesh {
         self.bounds
     }
 
-    /// The corners of a triangle that is queried.
+    /// The corners of a triangle that is queried; panics or gives something else for others.
     #[inline]
     pub fn triangle(&self, id: u32) -> Triangle {
         corners(&self.vertices, &self.faces[id as usize])
@@ -90,12 +91,12 @@ impl Mesh {
     }
 
     /// The same, in parallel.
-    pub fn par_queried(&self) -> impl ParallelIterator<Item = u32> + '_ {
+    pub(crate) fn par_queried(&self) -> impl ParallelIterator<Item = u32> + '_ {
         (0..self.faces.len() as u32).into_par_iter().filter(|id| self.is_queried(*id))
     }
 
     /// Bytes held by the vertex and face arrays.
-    pub fn memory(&self) -> usize {
+    pub(crate) fn memory(&self) -> usize {
         self.vertices.capacity() * size_of::<Point>()
             + self.faces.capacity() * size_of::<[u32; 3]>()
             + self.defects.excluded.capacity() * size_of::<u32>()
@@ -104,6 +105,6 @@ impl Mesh {
 
 /// Asks for the corners of a face whose indices are in range, before they are needed.
 #[inline(always)]
-pub fn prefetch_corners(vertices: &[Point], face: &[u32; 3]) {
+pub(crate) fn prefetch_corners(vertices: &[Point], face: &[u32; 3]) {
     face.iter().for_each(|v| prefetch_at(vertices, *v as usize));
 }

@@ -1,8 +1,9 @@
-//! Merging of equal vertices, without loss.
+//! Merging of equal vertices, without loss: a hash table of their bits.
 
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
 
+use crate::constants::NONE;
 use crate::geometry::bounds::Point;
 use crate::mesh::defects::hash;
 
@@ -16,7 +17,6 @@ pub fn weld_vertices(vertices: &[Point]) -> (Vec<Point>, Vec<u32>) {
     let mut last: HashMap<u64, u32, BuildHasherDefault<Identity>> =
         HashMap::with_capacity_and_hasher(vertices.len() / 4, BuildHasherDefault::default());
     let mut chain: Vec<u32> = Vec::new();
-    const NONE: u32 = u32::MAX;
     let bits = |p: &Point| p.map(|x| (x + 0.0).to_bits());
     let index = vertices
         .iter()

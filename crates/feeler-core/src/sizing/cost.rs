@@ -5,11 +5,13 @@
 use rayon::prelude::*;
 
 use super::cost_constants::CostConstants;
+use crate::constants::{NO_COLLISION_PROBABILITY, TEST_TO_VISIT_RATIO};
 use crate::mesh::pieces::{edge_lengths, longest_edge, twice_area};
 use crate::mesh::triangle_mesh::Mesh;
 
-/// How the static triangles per voxel are estimated.
+/// How the static triangles per voxel are estimated: the paper's three ways (equations 8 to 10), and a prediction.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum Estimator {
     /// From the mean area `As` of a static triangle: `fs = sqrt(3) d^2 / (2 As)`.
     Area,
@@ -17,20 +19,13 @@ pub enum Estimator {
     Diagonal,
     /// From the voxel's sides: `fs = (dx + dy + dz) / (3 Es) = d / Es`.
     Side,
-    /// Not the paper's: predicted from samples of both meshes and what each step costs ([`crate::sizing::predictor`]). A
-    /// [`CostFunction`] of it is that of `Area`, where its search begins.
+    /// Not the paper's: predicted from samples of both meshes and what each step costs, by a [`Predictor`](crate::Predictor).
     Calibrated(CostConstants),
 }
 
-/// Probability that a pair of tool triangle and voxel does not collide (the paper's `pnc`).
-pub const NO_COLLISION_PROBABILITY: f64 = 0.99;
-
-/// Cost of a triangle test over the cost of a voxel visit (the paper's `rt`).
-pub const TEST_TO_VISIT_RATIO: f64 = 100.0;
-
 /// The mean figures of a static mesh that the cost function knows.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct StaticMeans {
+pub(crate) struct StaticMeans {
     /// Mean triangle area, square metres.
     pub area: f64,
     /// Mean edge length, metres.
@@ -39,7 +34,7 @@ pub struct StaticMeans {
 
 /// The cost function `z(d)` for one pair of mock-up and tool.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CostFunction {
+pub(crate) struct CostFunction {
     /// Mean over the tool's triangles of each one's longest edge, metres (the paper's `l`).
     pub tool_edge: f64,
     /// `fs(d) = density * d^power`: static triangles per voxel.
@@ -48,14 +43,15 @@ pub struct CostFunction {
 }
 
 /// Mean area and mean edge of the queried triangles.
-pub fn static_means(mesh: &Mesh) -> StaticMeans {
+pub(crate) fn static_means(mesh: &Mesh) -> StaticMeans {
     // Sums of fixed runs of triangles, added up in order: the same for any number of threads.
-    const RUN: u32 = 4096;
+    const MEANS_RUN: u32 = 4096;
     let count = mesh.faces().len() as u32;
-    let sums: Vec<(f64, f64)> = (0..count.div_ceil(RUN))
+    let sums: Vec<(f64, f64)> = (0..count.div_ceil(MEANS_RUN))
         .into_par_iter()
         .map(|run| {
-            let ids = (run * RUN..count.min((run + 1).saturating_mul(RUN))).filter(|id| mesh.is_queried(*id));
+            let ids =
+                (run * MEANS_RUN..count.min((run + 1).saturating_mul(MEANS_RUN))).filter(|id| mesh.is_queried(*id));
             ids.fold((0.0, 0.0), |(area, edge), id| {
                 let t = mesh.triangle(id);
                 (area + 0.5 * twice_area(&t), edge + edge_lengths(&t).iter().sum::<f64>() / 3.0)
@@ -68,13 +64,13 @@ pub fn static_means(mesh: &Mesh) -> StaticMeans {
 }
 
 /// Mean over the queried triangles of each one's longest edge, metres.
-pub fn mean_longest_edge(mesh: &Mesh) -> f64 {
+pub(crate) fn mean_longest_edge(mesh: &Mesh) -> f64 {
     mesh.queried().map(|id| longest_edge(&mesh.triangle(id))).sum::<f64>() / mesh.queried_count() as f64
 }
 
 impl CostFunction {
     /// The cost function for a mock-up with the given means and a tool with the given mean longest edge.
-    pub fn new(statics: StaticMeans, tool_edge: f64, estimator: Estimator) -> CostFunction {
+    pub(crate) fn new(statics: StaticMeans, tool_edge: f64, estimator: Estimator) -> CostFunction {
         let (density, power) = match estimator {
             Estimator::Area | Estimator::Calibrated(_) => (3f64.sqrt() / (2.0 * statics.area), 2),
             Estimator::Diagonal => (3f64.sqrt() / statics.edge, 1),
@@ -83,27 +79,11 @@ impl CostFunction {
         CostFunction { tool_edge, density, power }
     }
 
-    /// Expected voxels visited by one tool triangle: `vo = (l/d + 2)^3`.
-    pub fn voxels_visited(&self, d: f64) -> f64 {
-        (self.tool_edge / d + 2.0).powi(3)
-    }
-
-    /// Expected static triangles in a voxel: `fs`.
-    pub fn triangles_per_voxel(&self, d: f64) -> f64 {
-        self.density * d.powi(self.power)
-    }
-
-    /// `z(d) = pnc vo + (1 - pnc) vo fs rt`, in units of a voxel visit.
-    pub fn cost(&self, d: f64) -> f64 {
-        let (pnc, vo) = (NO_COLLISION_PROBABILITY, self.voxels_visited(d));
-        pnc * vo + (1.0 - pnc) * vo * self.triangles_per_voxel(d) * TEST_TO_VISIT_RATIO
-    }
-
     /// The voxel size (metres) where `dz/dd = 0`.
     ///
     /// With `fs = f d^p`, `A = pnc` and `B = (1 - pnc) rt f` the condition is `B p d^p (l + 2 d) = 3 l (A + B d^p)`. Its left
     /// side minus its right is negative at 0 and grows without bound, with one sign change; found by bisection.
-    pub fn optimal_size(&self) -> f64 {
+    pub(crate) fn optimal_size(&self) -> f64 {
         let (a, b) = (NO_COLLISION_PROBABILITY, (1.0 - NO_COLLISION_PROBABILITY) * TEST_TO_VISIT_RATIO * self.density);
         let (l, p) = (self.tool_edge, self.power);
         let slope = |d: f64| {
@@ -136,6 +116,14 @@ impl CostFunction {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    impl CostFunction {
+        /// `z(d) = pnc vo + (1 - pnc) vo fs rt` with `vo = (l/d + 2)^3`, in units of a voxel visit.
+        fn cost(&self, d: f64) -> f64 {
+            let (pnc, vo) = (NO_COLLISION_PROBABILITY, (self.tool_edge / d + 2.0).powi(3));
+            pnc * vo + (1.0 - pnc) * vo * self.density * d.powi(self.power) * TEST_TO_VISIT_RATIO
+        }
+    }
 
     #[test]
     fn the_optimum_is_the_minimum_of_the_cost() {

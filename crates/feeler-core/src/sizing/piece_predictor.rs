@@ -4,14 +4,14 @@
 //! `product(b + e_a)`, summed over them, over the space: `b` is the mean width of the tool's piece, `e` the sides of the box of
 //! the mock-up's. Cutting shrinks the boxes of long triangles, which are mostly empty, and adds `b^3` for each piece: the sum
 //! has a minimum, at smaller sizes for finer tools. The same sum with the tool's clusters of 16 pieces counts the comparisons
-//! before; it has its minimum at larger sizes, and a small weight ([`CLUSTER_SHARE`]).
+//! before; it has its minimum at larger sizes, and a small weight (`CLUSTER_SHARE`).
 //!
 //! The sum is estimated from a sample: triangles are chosen in proportion to what they add uncut, and of each halving one half
 //! is followed, at random, for both. So a sampled triangle of a thousand pieces costs ten halvings.
 
 use super::random::Random;
 use super::spread::{chosen, spread};
-use crate::constants::{CHOSEN_CUT_ALLOWANCE, MAX_CUT_DEPTH};
+use crate::constants::{CHOSEN_CUT_ALLOWANCE, CLUSTER_SHARE, MAX_CUT_DEPTH};
 use crate::geometry::bounds::{Aabb, Piece, Triangle};
 use crate::index::blocks::Blocks;
 use crate::mesh::pieces::{first_cut, grown_box, halves, least_piece_size, longest_edge};
@@ -19,19 +19,15 @@ use crate::mesh::triangle_mesh::Mesh;
 use crate::tool::moving_tool::{Tool, Widths};
 
 /// Triangles that are looked at, evenly spread over the mesh.
-const LOOKED_AT: usize = 25_000;
+const TRIANGLES_LOOKED_AT: usize = 25_000;
 
 /// Of these, the ones whose cutting is followed.
 const FOLLOWED: usize = 2000;
 
-/// What a pair of a tool's cluster and a piece costs, over what one of the sixteen pairs of pieces in it does if their boxes
-/// meet, per piece of the tool. Found on the samples carcass, differential and engine of 200,000 triangles; from half to twice of it
-/// the chosen size is within 6 % of the best on all (docs/voxel-size.md).
-const CLUSTER_SHARE: f64 = 0.04;
-
 /// What a query is expected to do at a piece size, per piece of the tool and in cubic metres: over the volume in which the tool
 /// may be it is how many meet. Only ratios between sizes mean something.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[non_exhaustive]
 pub struct PieceWork {
     /// Pieces of the mock-up whose boxes that of a tool's piece meets.
     pub pairs: f64,
@@ -76,7 +72,7 @@ struct Followed {
 impl PiecePredictor {
     /// Looks at a sample of the mock-up: a millisecond for any. `None` for meshes near the limits of float64.
     pub fn new(mesh: &Mesh, tool: &Tool) -> Option<PiecePredictor> {
-        let ids = spread(mesh, LOOKED_AT);
+        let ids = spread(mesh, TRIANGLES_LOOKED_AT);
         let each = mesh.queried_count() as f64 / ids.len() as f64;
         let widths = *tool.widths();
         let mut longest = 0.0f64;
@@ -111,7 +107,7 @@ impl PiecePredictor {
         self.sum(&sample)
     }
 
-    /// The size (metres) with the least work, among those with about [`CHOSEN_CUT_ALLOWANCE`] extra pieces a triangle at most, and
+    /// The size (metres) with the least work, among those with about two extra pieces a triangle at most, and
     /// building which stays below `limit` bytes: one of a ladder of half octaves down from the longest edge.
     pub fn optimal_size(&self, limit: u64) -> f64 {
         // The number of pieces is an estimate.

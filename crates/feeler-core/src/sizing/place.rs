@@ -11,7 +11,7 @@ use crate::mesh::triangle_mesh::Mesh;
 const AT_WORK: [f64; 2] = [0.02, 0.1];
 
 /// Triangles of which one is chosen by area.
-const SPOTS: usize = 24;
+const SPOT_CHOICES: usize = 24;
 
 /// Tool triangles looked at for how many of them meet the mock-up.
 const PROBES: usize = 48;
@@ -20,7 +20,7 @@ const PROBES: usize = 48;
 const TILT: f64 = 0.9;
 
 /// Places tried on the way.
-const STEPS: usize = 12;
+const PLACES_TRIED: usize = 12;
 
 /// The tool turned and moved.
 #[derive(Debug)]
@@ -115,7 +115,7 @@ fn slide(pairs: impl Fn(f64) -> f64, first_step: f64) -> f64 {
     let (mut is_good, is_inside) = look(0.0);
     let way = if is_inside { 1.0 } else { -1.0 };
     let (mut last, mut s, mut step, mut is_past) = (0.0, 0.0, first_step, false);
-    for _ in 0..STEPS {
+    for _ in 0..PLACES_TRIED {
         if is_good {
             break;
         }
@@ -166,7 +166,7 @@ struct Spot {
 impl Spot {
     /// Anywhere on the surface: every other time on any triangle, else on one of a few, in proportion to their areas.
     fn new(triangle: impl Fn(usize) -> Triangle, triangles: usize, random: &mut Random) -> Spot {
-        let count = if random.unit() < 0.5 { 1 } else { SPOTS };
+        let count = if random.unit() < 0.5 { 1 } else { SPOT_CHOICES };
         let picked: Vec<Triangle> = (0..count).map(|_| triangle(random.below(triangles))).collect();
         let areas: Vec<f64> = picked.iter().map(twice_area).collect();
         let mut left = random.unit() * areas.iter().sum::<f64>();

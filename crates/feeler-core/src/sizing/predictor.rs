@@ -1,8 +1,9 @@
 //! The calibrated estimator: the voxel size that minimises the time this code will take on this machine.
 //!
 //! The paper's cost function knows means; this one knows the meshes. The tool is put at a few places at the mock-up's surface
-//! ([`place`], [`sample`]), and for any voxel size `d` the work of a query follows from the sampled boxes in closed form, averaged over
-//! all positions of the grid (integral geometry: a set `K` meets `volume(K + cube) / d^3` voxels on average):
+//! ([`place`](super::place), [`sample`](super::sample)), and for any voxel size `d` the work of a query follows from the sampled
+//! boxes in closed form, averaged over all positions of the grid (integral geometry: a set `K` meets `volume(K + cube) / d^3`
+//! voxels on average):
 //!
 //! - a tool triangle whose box has sides `b` visits `product(1 + b_a / d)` voxels; the paper has `(l/d + 2)^3`;
 //! - a mock-up triangle whose box has sides `e` and whose shadows have the areas `s` is listed in
@@ -12,8 +13,9 @@
 //!
 //! Two of them are met at most as often as their boxes share a voxel at all, `product(min(1, 1 + o_a / d))`.
 //!
-//! The work times what each step costs on the machine ([`CostConstants`]) is the time. Of the places it is the relative times that are
-//! averaged ([`sample::balance`]): each counts by how much longer a query takes there than at a likely size.
+//! The work times what each step costs on the machine ([`CostConstants`]) is the time. Of the places it is the relative times
+//! that are averaged ([`balance`](super::sample::balance)): each counts by how much longer a query takes there than at a likely
+//! size.
 
 use super::cost_constants::CostConstants;
 use super::sample::Sample;

@@ -8,13 +8,13 @@ use super::crowd::Crowd;
 use super::place::Place;
 use super::random::Random;
 use super::spread::chosen;
-use super::statics::{Statics, RUN};
+use super::statics::{Statics, STATICS_RUN};
 use super::work::{work_of, Meeting, Shape, Visitor};
 use crate::geometry::bounds::{Aabb, Point};
 use crate::mesh::triangle_mesh::Mesh;
 
 /// Places of the tool.
-const PLACES: u64 = 20;
+const TOOL_PLACES: u64 = 20;
 
 /// Tool triangles at each place whose voxels are counted.
 const VISITORS: usize = 128;
@@ -23,7 +23,7 @@ const VISITORS: usize = 128;
 const MEETERS: usize = 24;
 
 /// Mock-up triangles around one place that are looked at more closely.
-const LOOKED_AT: usize = 2000;
+const MOCKUP_TRIANGLES: usize = 2000;
 
 /// Mock-up triangles around one place that are paired with the tool's.
 const NEIGHBOURS: usize = 400;
@@ -49,7 +49,7 @@ impl Sample {
         let tool_ids: Vec<u32> = tool.queried().collect();
         let chosen = chosen_visitors(tool, &tool_ids);
         let crowd = Crowd::new(bounds, &statics.triangles, statics.each);
-        let mut found: Vec<(Vec<Visitor>, Vec<Meeting>)> = (0..PLACES)
+        let mut found: Vec<(Vec<Visitor>, Vec<Meeting>)> = (0..TOOL_PLACES)
             .into_par_iter()
             .map(|seed| {
                 let place = Place::at_work(statics, tool, &tool_ids, &crowd, seed);
@@ -116,8 +116,9 @@ fn near(statics: &Statics, place: &Place, tool: &Mesh, reach: f64) -> (Vec<usize
         }
     };
     let runs: Vec<usize> = (0..statics.runs.len()).filter(|run| around.is_overlapping(&statics.runs[*run])).collect();
-    let every = (runs.len() * RUN).div_ceil(LOOKED_AT).max(1);
-    let looked_at = (0..runs.len() * RUN).step_by(every).map(|i| runs[i / RUN] * RUN + i % RUN);
+    let every = (runs.len() * STATICS_RUN).div_ceil(MOCKUP_TRIANGLES).max(1);
+    let looked_at =
+        (0..runs.len() * STATICS_RUN).step_by(every).map(|i| runs[i / STATICS_RUN] * STATICS_RUN + i % STATICS_RUN);
     (looked_at.filter(|i| *i < statics.triangles.len()).filter(is_near).collect(), every)
 }
 

@@ -1,4 +1,4 @@
-//! Samples of triangles: evenly spread, or in proportion to a share.
+//! Systematic samples of triangles: evenly spread, or in proportion to a share.
 
 use crate::mesh::triangle_mesh::Mesh;
 

@@ -10,13 +10,13 @@ use crate::mesh::triangle_mesh::Mesh;
 
 /// Of so many mock-up triangles one is looked at: of fewer, a cell of the crowd would hold one of them or none, and the tool
 /// would find gaps that are not there.
-const STRIDE: usize = 16;
+const STATICS_STRIDE: usize = 16;
 
 /// Least and most that are looked at.
 const STATICS: [usize; 2] = [12_500, 200_000];
 
 /// Of these, in a run that is passed over at once.
-pub const RUN: usize = 32;
+pub const STATICS_RUN: usize = 32;
 
 /// A part of the mock-up's triangles.
 #[derive(Debug)]
@@ -33,7 +33,7 @@ pub struct Statics {
 impl Statics {
     /// Evenly spread over the mesh.
     pub fn new(mesh: &Mesh) -> Statics {
-        let ids = spread(mesh, (mesh.queried_count() / STRIDE).clamp(STATICS[0], STATICS[1]));
+        let ids = spread(mesh, (mesh.queried_count() / STATICS_STRIDE).clamp(STATICS[0], STATICS[1]));
         let mut triangles = Vec::new();
         ids.par_iter().map(|id| Measured::of(mesh.triangle(*id))).collect_into_vec(&mut triangles);
         let n = triangles.len() as f64;
@@ -42,7 +42,7 @@ impl Statics {
         Statics {
             each: mesh.queried_count() as f64 / n,
             means: StaticMeans { area: mean(|t| t.area), edge: mean(|t| t.outline / 3.0) },
-            runs: triangles.chunks(RUN).map(around).collect(),
+            runs: triangles.chunks(STATICS_RUN).map(around).collect(),
             triangles,
         }
     }

@@ -3,8 +3,9 @@
 use super::cost_constants::CostConstants;
 use crate::geometry::bounds::{Aabb, Point, Triangle};
 
-/// The work of one query, on average over the sampled places: see [`Predictor::work`].
+/// The work of one query, on average over the sampled places: see [`Predictor::work`](crate::Predictor::work).
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Work {
     /// Tool triangles placed.
     pub tool_triangles: f64,

@@ -1,14 +1,14 @@
 //! A tool's way from one pose to another, and what is certain about it.
 //!
 //! The middle of the tool's box (the *pivot*) moves along a straight line at constant speed, and the tool turns about it at
-//! constant speed about a fixed axis, the shorter way round (slerp). The tool's own origin plays no part, so a tool modelled
-//! far from its origin does not swing.
+//! constant speed about a fixed axis, the shorter way round (slerp: K. Shoemake 1985). The tool's own origin plays no part, so a
+//! tool modelled far from its origin does not swing.
 //!
 //! Given poses are rigid only within 1e-6, and are used as given: what their matrices have beyond a rotation is added, and
-//! fades out within the first and the last [`FADE`] of the way. So the way begins and ends exactly at the given poses, and
+//! fades out within the first and the last `FADE` of the way. So the way begins and ends exactly at the given poses, and
 //! every pose on it is as rigid as they are.
 
-use crate::constants::UNIT_ROUNDOFF;
+use crate::constants::{ARC_ROUNDING, FADE, MOTION_ROUNDOFFS, UNIT_ROUNDOFF};
 use crate::geometry::bounds::{Aabb, Point, Triangle};
 use crate::geometry::pose::Pose;
 use crate::geometry::vectors::{add, any_length, cross, dot, length, scaled, sub};
@@ -16,16 +16,10 @@ use crate::tool::moving_tool::Tool;
 
 type Matrix = [[f64; 3]; 3];
 
-/// Share of the way in which what a matrix has beyond a rotation fades out. A turn by the angle `a` changes an entry of
-/// `R R^T - I` by at most `6e-6 a`, and the shortest way turns by at most 3.15 in all: fading in 1/32 takes away more.
-const FADE: f64 = 1.0 / 32.0;
-
-/// Roundings, in unit roundoffs of the largest coordinate in play, by which a tool corner at a pose on the way may be off the
-/// way itself, per axis: some 40 for an entry of the rotation (sine, cosine, two products of matrices), three entries to a
-/// coordinate, twice (once for the pivot), and 10 for the sums; and 2 to spare.
-const MOTION_ROUNDOFFS: f64 = 512.0;
-
 /// A rigid motion of one tool; time runs from 0 to 1.
+///
+/// The middle of the tool's box moves along a straight line at constant speed, and the tool turns about it at constant speed
+/// about a fixed axis, the shorter way round.
 #[derive(Debug, Clone)]
 pub struct Motion {
     ends: [Pose; 2],
@@ -51,7 +45,7 @@ pub struct Motion {
 /// Where the tool is during a span of time: everything the tool sweeps lies within `margin` (metres, per axis) of the straight
 /// lines between its places at the two poses.
 #[derive(Debug, Clone)]
-pub struct Window {
+pub(crate) struct Window {
     /// The poses at both ends.
     pub poses: [Pose; 2],
     /// See above. It covers rounding, too.
@@ -60,13 +54,13 @@ pub struct Window {
 
 impl Window {
     /// A box around all places of a triangle of the tool.
-    pub fn bounds_of(&self, triangle: &Triangle) -> Aabb {
+    pub(crate) fn bounds_of(&self, triangle: &Triangle) -> Aabb {
         let [a, b] = self.poses.each_ref().map(|pose| Aabb::of_triangle(&pose.apply_triangle(triangle)));
         grown(&a.union(&b), self.margin)
     }
 
     /// A box around all places of the whole tool.
-    pub fn bounds_of_box(&self, bounds: &Aabb) -> Aabb {
+    pub(crate) fn bounds_of_box(&self, bounds: &Aabb) -> Aabb {
         let [a, b] = self.poses.each_ref().map(|pose| pose.apply_box(bounds, self.margin));
         a.union(&b)
     }
@@ -102,8 +96,8 @@ impl Motion {
             angle,
             axis_in_tool,
             beyond,
-            reach: reach * (1.0 + 1e-9),
-            bend: bend * (1.0 + 1e-9),
+            reach: reach * (1.0 + ARC_ROUNDING),
+            bend: bend * (1.0 + ARC_ROUNDING),
             rounding: rounding + f64::MIN_POSITIVE,
         }
     }
@@ -126,7 +120,7 @@ impl Motion {
     }
 
     /// Whether the tool does not move at all.
-    pub fn is_still(&self) -> bool {
+    pub(crate) fn is_still(&self) -> bool {
         self.ends[0] == self.ends[1]
     }
 
@@ -136,31 +130,31 @@ impl Motion {
     }
 
     /// What the tool sweeps between two times.
-    pub fn window(&self, tool: &Tool, from: f64, to: f64) -> Window {
+    pub(crate) fn window(&self, tool: &Tool, from: f64, to: f64) -> Window {
         let poses = [self.at(from), self.at(to)];
         // A point on a circle, taken for one on the chord at the same time, is off by at most an eighth of its acceleration.
         let angle = self.angle * (to - from);
         let arc = 0.125 * angle * angle * self.reach;
         let placing = tool.margin_at(&poses[0]).max(tool.margin_at(&poses[1]));
-        Window { poses, margin: (arc + 2.0 * self.bend) * (1.0 + 1e-9) + 2.0 * self.rounding + placing }
+        Window { poses, margin: (arc + 2.0 * self.bend) * (1.0 + ARC_ROUNDING) + 2.0 * self.rounding + placing }
     }
 
     /// How fast the given point of the tool moves when it is at `place` in the world, metres for the whole way.
     #[inline]
-    pub fn velocity(&self, time: f64, place: &Point) -> Point {
+    pub(crate) fn velocity(&self, time: f64, place: &Point) -> Point {
         let spin = cross(&self.axis, &sub(place, &self.pivot_at(time)));
         add(&self.velocity, &scaled(&spin, self.angle))
     }
 
     /// Bounds that hold for all points of a triangle of the tool at all times.
-    pub fn limits(&self, triangle: &Triangle) -> Limits {
+    pub(crate) fn limits(&self, triangle: &Triangle) -> Limits {
         let radius = triangle
             .iter()
             .map(|p| any_length(&cross(&self.axis_in_tool, &sub(p, &self.pivot))))
             .fold(0.0f64, |m, r| if r > m { r } else { m });
         let place = self.from.iter().chain(&self.velocity).fold(0.0f64, |m, x| m.max(x.abs()));
         Limits {
-            acceleration: self.angle * self.angle * radius * (1.0 + 1e-9),
+            acceleration: self.angle * self.angle * radius * (1.0 + ARC_ROUNDING),
             // The bend, and the rounding of a computed velocity.
             stray_velocity: self.bend / FADE
                 + 64.0 * UNIT_ROUNDOFF * (length(&self.velocity) + self.angle * (place + self.reach))
@@ -171,7 +165,7 @@ impl Motion {
 
     /// The part of a direction that turning can act on: `n` without its component along the axis, as a length.
     #[inline]
-    pub fn across_axis(&self, n: &Point) -> f64 {
+    pub(crate) fn across_axis(&self, n: &Point) -> f64 {
         length(&cross(n, &self.axis))
     }
 
@@ -182,7 +176,7 @@ impl Motion {
 
 /// See [`Motion::limits`].
 #[derive(Debug, Clone, Copy)]
-pub struct Limits {
+pub(crate) struct Limits {
     /// Largest acceleration, metres for the whole time squared, in a direction across the axis.
     pub acceleration: f64,
     /// By how much a point's velocity may differ from what [`Motion::velocity`] says.

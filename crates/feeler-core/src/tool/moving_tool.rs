@@ -16,7 +16,8 @@ use crate::mesh::triangle_mesh::Mesh;
 use crate::tool::placement::{BoxLanes, PieceLanes, ToolUnit};
 use feeler_lanes::{CacheLine, LANES};
 
-/// A moving tool in its own frame, metres: its triangles, and a shallow tree of boxes over their pieces.
+/// A moving tool in its own frame, metres: its triangles, and a shallow tree of boxes over their pieces. Made once, it serves any
+/// number of scenes and poses.
 #[derive(Debug)]
 pub struct Tool {
     mesh: Mesh,
@@ -42,7 +43,7 @@ pub struct Tool {
 
 /// Mean widths, over all directions, of what a tool consists of: the means of them, of their squares and of their cubes.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Widths {
+pub(crate) struct Widths {
     /// Of the pieces; metres, square metres, cubic metres.
     pub pieces: [f64; 3],
     /// Of the boxes of the clusters.
@@ -50,11 +51,11 @@ pub struct Widths {
 }
 
 /// Lanes of the shortest registers, those of plain code.
-pub const LEAST_LANES: usize = 4;
+pub(crate) const LEAST_LANES: usize = 4;
 
 /// Sixteen pieces that lie close together.
 #[derive(Debug, Clone)]
-pub struct Cluster {
+pub(crate) struct Cluster {
     /// Their corners.
     pub corners: PieceLanes,
     /// The slot of the triangle each was cut from.
@@ -67,9 +68,10 @@ struct CutPiece {
 }
 
 impl Tool {
-    /// Checks the arrays and builds the tree of boxes.
+    /// Checks the arrays and builds the tree of boxes: vertices in metres, tool frame; faces as places among them.
     ///
-    /// Errors: as [`Mesh::new`], and more than 2^30 triangles.
+    /// Errors: no triangle at all, none that can be queried, and more than 2^30 triangles or 2^32 - 1 vertices. Other defects are
+    /// listed in [`Mesh::defects`].
     pub fn new(vertices: Vec<Point>, faces: Vec<[u32; 3]>) -> Result<Tool> {
         if faces.len() > MAX_TOOL_TRIANGLES {
             let count = faces.len() as u64;
@@ -149,19 +151,18 @@ impl Tool {
     }
 
     /// Ways between its connected surfaces.
+    #[doc(hidden)]
     pub fn links(&self) -> &SurfaceLinks {
         self.links.get_or_init(|| SurfaceLinks::new(&self.mesh, self.adjacency()))
     }
 
     /// The corners of the queried triangles. Their places here are their slots.
-    #[doc(hidden)]
-    pub fn placeable(&self) -> &[Triangle] {
+    pub(crate) fn placeable(&self) -> &[Triangle] {
         &self.placeable
     }
 
     /// The same for the triangle test.
-    #[doc(hidden)]
-    pub fn lines(&self) -> &[CacheLine] {
+    pub(crate) fn lines(&self) -> &[CacheLine] {
         &self.lines
     }
 
@@ -172,32 +173,27 @@ impl Tool {
     }
 
     /// All pieces, 16 to a cluster; the last may be short.
-    #[doc(hidden)]
-    pub fn clusters(&self) -> &[Cluster] {
+    pub(crate) fn clusters(&self) -> &[Cluster] {
         &self.clusters
     }
 
     /// Levels of groups above the clusters, at least one.
-    #[doc(hidden)]
-    pub fn height(&self) -> usize {
+    pub(crate) fn height(&self) -> usize {
         self.groups.len()
     }
 
     /// For each entry of a level (1: groups of clusters) the boxes of its children.
-    #[doc(hidden)]
-    pub fn children(&self, level: usize) -> &[BoxLanes] {
+    pub(crate) fn children(&self, level: usize) -> &[BoxLanes] {
         &self.groups[level - 1]
     }
 
     /// How wide its pieces and clusters are.
-    #[doc(hidden)]
-    pub fn widths(&self) -> &Widths {
+    pub(crate) fn widths(&self) -> &Widths {
         &self.widths
     }
 
     /// The unit of the float32 coordinates.
-    #[doc(hidden)]
-    pub fn unit(&self) -> &ToolUnit {
+    pub(crate) fn unit(&self) -> &ToolUnit {
         &self.unit
     }
 
@@ -206,8 +202,9 @@ impl Tool {
     ///
     /// A triangle at a pose is spanned by its three computed corners. Each differs from the exact affine image by at most
     /// four roundings of numbers no larger than 3 `largest` (1 + 1e-6) + translation, and so does each computed corner of a
-    /// piece, which itself is off by [`cut_margin`] before the motion (three axes add up). A box's centre and reach take at
+    /// piece, which itself is off by `cut_margin` before the motion (three axes add up). A box's centre and reach take at
     /// most 16 roundings more.
+    #[doc(hidden)]
     pub fn margin_at(&self, pose: &Pose) -> f64 {
         let largest = 3.1 * self.largest + pose.largest_translation();
         TRANSFORM_ROUNDOFFS * UNIT_ROUNDOFF * largest + 4.0 * cut_margin(self.largest)

@@ -5,6 +5,7 @@
 
 use feeler_lanes::{along, greatest4, least4, load3, splat3, Box4, Lane32, LaneBoxes, Simd, LANES, TINY};
 
+use crate::constants::{LARGEST_PLACEMENT, LEAST_MARGIN, PLACEMENT_ROUNDING};
 use crate::geometry::bounds::{Aabb, Piece};
 use crate::geometry::pose::Pose;
 
@@ -273,9 +274,9 @@ impl Placement {
         let translation: [f64; 3] = std::array::from_fn(|a| (centre[a] - origin[a]) * scale);
         let matrix = pose.rotation().map(|row| row.map(|x| x * ratio));
         let size = 3.1 * ratio + translation.iter().fold(0.0f64, |m, x| m.max(x.abs()));
-        let margin = 1.001 * (margin * scale + size * 2f64.powi(-20) + 1e-30);
-        let slack = 1.001 * (margin + (size + 1.0) * 2f64.powi(-20));
-        if size < 1e30 && slack < 1e30 {
+        let margin = 1.001 * (margin * scale + size * PLACEMENT_ROUNDING + LEAST_MARGIN);
+        let slack = 1.001 * (margin + (size + 1.0) * PLACEMENT_ROUNDING);
+        if size < LARGEST_PLACEMENT && slack < LARGEST_PLACEMENT {
             Placement {
                 matrix: matrix.map(|row| row.map(|x| x as f32)),
                 translation: translation.map(|x| x as f32),

@@ -20,7 +20,7 @@ pub struct SurfaceLinks {
 
 impl SurfaceLinks {
     /// Between the surfaces of a tool's mesh.
-    pub fn new(mesh: &Mesh, adjacency: &Adjacency) -> SurfaceLinks {
+    pub(crate) fn new(mesh: &Mesh, adjacency: &Adjacency) -> SurfaceLinks {
         let first = |t: u32| mesh.triangle(t)[0];
         let mut ends: Vec<u32> = adjacency.surfaces.iter().map(|(_, t)| *t).collect();
         let place = |t: &u32| first(*t).map(|x| (x + 0.0).to_bits());

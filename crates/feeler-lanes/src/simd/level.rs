@@ -9,6 +9,7 @@ use super::{avx2, avx512};
 
 /// An instruction set the kernels are compiled for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
 pub enum Level {
     /// Plain code, as good as the compiler's own vectors for the baseline CPU.
     Portable,

@@ -4,7 +4,7 @@
 //! each instruction set and calls the one asked for; [`Level::best`] asks the CPU. All `unsafe` code of the core is here: each
 //! wrapper around an instruction relies on a token ([`Simd`]) that only [`Checked::run`] makes, for a level the CPU has.
 //!
-//! No level fuses a multiplication with an addition unless the kernel says so ([`Simd::mul_add`]), so float64 kernels give the
+//! No level fuses a multiplication with an addition unless the kernel says so ([`Arithmetic::mul_add`]), so float64 kernels give the
 //! same numbers on each.
 
 #![allow(unsafe_code, reason = "instructions a CPU may lack: the rest of the core is free of unsafe code")]

@@ -1,4 +1,4 @@
-//! Building the blocks.
+//! Building the blocks, bottom up: cut triangles, order the pieces by medians, pack each 32, then their boxes by 32 upwards.
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 

@@ -2,11 +2,9 @@
 
 use super::node::{Node, FANOUT};
 use super::tree::Blocks;
+use crate::constants::SIDE_ROUNDING;
 use crate::geometry::bounds::Aabb;
 use crate::index::plain_search::{Cells, Item};
-
-/// Frame units by which a float32 side may be off: coordinates are at most 1 and were rounded once; twice that.
-const ROUNDING: f64 = 1.0 / (1u32 << 23) as f64;
 
 impl Cells for Blocks {
     /// Level and node.
@@ -42,7 +40,7 @@ impl Blocks {
             let unit = (f64::from(upper[a]) - origin) / 255.0;
             let low = 254.49 - f64::from(boxes.sides[a][piece]);
             let high = f64::from(boxes.sides[a][FANOUT + piece]) + 0.51;
-            (origin + low * unit - ROUNDING, origin + high * unit + ROUNDING)
+            (origin + low * unit - SIDE_ROUNDING, origin + high * unit + SIDE_ROUNDING)
         })
     }
 
@@ -50,8 +48,8 @@ impl Blocks {
         let mut b = Aabb::EMPTY;
         for a in 0..3 {
             let (lower, upper) = sides(a);
-            b.lower[a] = (lower - ROUNDING) / self.frame.scale + self.frame.origin[a];
-            b.upper[a] = (upper + ROUNDING) / self.frame.scale + self.frame.origin[a];
+            b.lower[a] = (lower - SIDE_ROUNDING) / self.frame.scale + self.frame.origin[a];
+            b.upper[a] = (upper + SIDE_ROUNDING) / self.frame.scale + self.frame.origin[a];
         }
         b
     }

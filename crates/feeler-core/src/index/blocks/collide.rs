@@ -1,4 +1,6 @@
-//! The query: tool tree and block tree are descended together.
+//! The query: tool tree and block tree are descended together (two trees: S. Gottschalk, M. Lin and D. Manocha, *OBBTree*, 1996),
+//! here the tool's depth first, each of its entries with the list of nodes it meets, and one box against all children of a node
+//! in lanes.
 
 use super::node::Node;
 use super::node::FANOUT;
@@ -31,21 +33,21 @@ pub struct BlocksScratch {
 }
 
 /// Entries that lists of a query have room for from the start.
-const ROOM: usize = 2048;
+const SCRATCH_ROOM: usize = 2048;
 
 impl Default for BlocksScratch {
     fn default() -> BlocksScratch {
         BlocksScratch {
             // Small buffers of two threads' scratches could come to lie in one cache line, and would be fought for.
-            nodes: Vec::with_capacity(ROOM),
-            masks: Vec::with_capacity(ROOM),
+            nodes: Vec::with_capacity(SCRATCH_ROOM),
+            masks: Vec::with_capacity(SCRATCH_ROOM),
             children: Vec::new(),
             spread: Box::new(SpreadBoxes::ZERO),
-            reached: Box::new([Reached::new(ROOM), Reached::new(ROOM)]),
+            reached: Box::new([Reached::new(SCRATCH_ROOM), Reached::new(SCRATCH_ROOM)]),
             pieces: Box::new([PlacedPieces::ZERO; LANES]),
             halves: Box::new([HalfBlock::ZERO; 2]),
-            runs: Vec::with_capacity(ROOM),
-            found: vec![(0, 0); ROOM],
+            runs: Vec::with_capacity(SCRATCH_ROOM),
+            found: vec![(0, 0); SCRATCH_ROOM],
             pairs: Box::new([PiecePair::ZERO; PIECE_PAIRS]),
             rows: Box::default(),
         }
@@ -245,9 +247,9 @@ pub(super) struct Reach<'a, P> {
 
 /// Children of a node that are worth a closer look: to read one costs as much as comparing its place in the node with several
 /// boxes.
-const FEW: u32 = 2;
+const FEW_CHILDREN: u32 = 2;
 /// How many boxes a child is worth.
-const WORTH: u32 = 2;
+const BOXES_A_CHILD: u32 = 2;
 
 impl<P: PlaceBoxes> Kernel for Reach<'_, P> {
     type Output = usize;
@@ -268,9 +270,9 @@ impl<P: PlaceBoxes> Kernel for Reach<'_, P> {
                 placement.place_boxes(s, boxes, placed);
             }
             let count = hit.count_ones();
-            if count >= FEW {
+            if count >= FEW_CHILDREN {
                 let mut lanes = parent.overlapping_lanes(s, placed) & boxes.used;
-                if lanes.count_ones() <= WORTH * count {
+                if lanes.count_ones() <= BOXES_A_CHILD * count {
                     if !is_spread {
                         placed.spread(s, spread);
                         is_spread = true;

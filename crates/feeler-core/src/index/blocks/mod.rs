@@ -1,5 +1,8 @@
 //! The default store: blocks of 32 boxes close together, under a shallow tree.
 //!
+//! A wide bounding volume hierarchy of quantised boxes, as there are for rays (H. Ylitie, T. Karras and S. Laine, *Efficient
+//! incoherent ray traversal on GPUs through compressed wide BVHs*, 2017), with leaves that hold corners as well.
+//!
 //! Triangles are cut into pieces (for the index only), pieces are ordered by medians ([`crate::mesh::median`]), and 32 consecutive
 //! ones make a block, in which they are in order along its longest side. A block keeps its pieces' boxes as bytes relative to its
 //! own box, and their corners as steps within those. Blocks of blocks make the tree: the children of node `i` are the entries

@@ -1,4 +1,5 @@
-//! The search for what is near, in lanes: pairs of a tool entry and a node go down together, nearest first.
+//! The search for what is near, in lanes: branch and bound as in [`plain_search`](crate::index::plain_search), pairs of a tool
+//! entry and a node go down together, nearest first.
 //!
 //! Bounds are squares of distances in frame units, from boxes in float32 that cover what they stand for; they are compared with
 //! [`Search::limit`], which is rounded up, so nothing of interest is dropped.
@@ -9,6 +10,7 @@ use super::node::FANOUT;
 use super::pieces::HalfBlock;
 use super::separating_planes::{Above, Dividers};
 use super::tree::Blocks;
+use crate::constants::{BOUND_ROUNDING, FAR_MARGIN, LARGEST_BOUND, VANISHING_SQUARE};
 use crate::index::pair_set::PairSet;
 use crate::index::plain_search::{search, SearchScratch};
 use crate::index::sink::{NearSink, NearTool};
@@ -48,7 +50,7 @@ struct Waiting(Sorter);
 const MOST_WAITING: usize = if cfg!(test) { 16 } else { 4096 };
 
 /// Arrivals before which the pieces of a block are asked for.
-const AHEAD: usize = 12;
+const ARRIVALS_AHEAD: usize = 12;
 
 impl Waiting {
     fn push(&mut self, cluster: u32, block: u32) {
@@ -169,7 +171,7 @@ impl Blocks {
         let margin = wanted.margin();
         let NearTool { tool, pose, lanes, .. } = *at;
         let placement = Placement::new(tool.unit(), pose, margin, &self.frame.origin, self.frame.scale);
-        if placement.margin() > FAR {
+        if placement.margin() > FAR_MARGIN {
             return search(self, at, plain, wanted);
         }
         scratch.clusters.begin(tool.clusters().len());
@@ -202,9 +204,6 @@ impl Blocks {
     }
 }
 
-/// Margin of a placement (frame units) beyond which float32 tells too little: at some 64 times the mock-up's size.
-const FAR: f32 = 1.0 / 16384.0;
-
 /// What stays the same during a search, and the limit.
 pub struct Search<'a, W> {
     pub blocks: &'a Blocks,
@@ -225,7 +224,11 @@ impl<W: NearSink> Search<'_, W> {
         self.direction = self.wanted.direction();
         let bound = self.wanted.bound() * self.blocks.frame.scale;
         // Bounds have a few roundings of 2^-24 each; the last term covers squares that underflow.
-        self.limit = if bound < 1e15 { (bound * bound * (1.0 + 1e-5) + 1e-36) as f32 } else { f32::INFINITY };
+        self.limit = if bound < LARGEST_BOUND {
+            (bound * bound * (1.0 + BOUND_ROUNDING) + VANISHING_SQUARE) as f32
+        } else {
+            f32::INFINITY
+        };
     }
 }
 
@@ -309,9 +312,9 @@ impl<W: NearSink> Kernel for Collect<'_, '_, W> {
             }
             for at in 0..count {
                 let (cluster, block) = scratch.waiting.get(at);
-                if at + AHEAD < count {
-                    let (_, later) = scratch.waiting.get(at + AHEAD);
-                    if later != scratch.waiting.get(at + AHEAD - 1).1 {
+                if at + ARRIVALS_AHEAD < count {
+                    let (_, later) = scratch.waiting.get(at + ARRIVALS_AHEAD);
+                    if later != scratch.waiting.get(at + ARRIVALS_AHEAD - 1).1 {
                         prefetch_at(&run.blocks.pieces, later as usize);
                     }
                 }

@@ -1,9 +1,11 @@
-//! The last steps of the search for what is near: a cluster of the tool against a block.
+//! The last steps of the search for what is near: a cluster of the tool against a block, by gaps between boxes and along three
+//! separating axes; each is a bound from below.
 
 use super::nearest::{gaps, NearScratch, Search};
 use super::node::FANOUT;
 use super::pieces::HalfBlock;
 use super::separating_planes::Dividers;
+use crate::constants::{LEAF_ROUNDING, LEAST_AXIS_SQUARE};
 use crate::index::pair_set::pair_key;
 use crate::index::sink::NearSink;
 use crate::tool::placement::PlacedPieces;
@@ -97,7 +99,7 @@ pub fn scan<S: Simd, W: NearSink>(
     }
     if run.wanted.is_collecting() {
         // Rounded down: the scale and the root are.
-        let per_unit = (1.0 - 1e-4) / run.blocks.frame.scale;
+        let per_unit = (1.0 - LEAF_ROUNDING) / run.blocks.frame.scale;
         let mut collect = |c: &Candidate| run.wanted.collect(c.slot, c.triangle, f64::from(c.bound).sqrt() * per_unit);
         return candidates.iter().any(&mut collect);
     }
@@ -153,7 +155,7 @@ impl Planes {
         limit: f32,
     ) -> u16 {
         let zero = s.splat(0.0);
-        let limit = s.splat(limit * (1.0 + 1e-4));
+        let limit = s.splat(limit * (1.0 + LEAF_ROUNDING as f32));
         // The plane of the block's piece.
         let m = half.normal(s, piece);
         let (near, far) = placed.along(s, &m);
@@ -180,7 +182,7 @@ impl Planes {
         let gap = gap * gap;
         s.store(gap, &mut self.gaps[axis]);
         s.store(length, &mut self.lengths[axis]);
-        s.lanes(s.above(gap, limit * length)) & s.lanes(s.above(length, s.splat(SHORTEST)))
+        s.lanes(s.above(gap, limit * length)) & s.lanes(s.above(length, s.splat(LEAST_AXIS_SQUARE)))
     }
 
     /// The largest bound for a lane (a square), rounded down.
@@ -188,13 +190,10 @@ impl Planes {
         let mut bound = 0.0f32;
         for axis in 0..3 {
             let (gap, length) = (self.gaps[axis][lane], self.lengths[axis][lane]);
-            if length > SHORTEST {
+            if length > LEAST_AXIS_SQUARE {
                 bound = bound.max(gap / length);
             }
         }
-        bound * (1.0 - 1e-4)
+        bound * (1.0 - LEAF_ROUNDING as f32)
     }
 }
-
-/// Squares of axes shorter than that have lost too much to rounding towards 0.
-const SHORTEST: f32 = 1e-28;

@@ -1,5 +1,6 @@
-//! Nodes that hold 32 boxes in bytes.
+//! Nodes that hold 32 boxes in bytes: sides as steps of a 255th of the node's own box, rounded outwards.
 
+use crate::constants::{HALF_STEP, UNPACK_ROUNDING};
 use crate::geometry::bounds::{Aabb, Point};
 use feeler_lanes::{
     few_lanes, greatest, least, part_lanes, Arithmetic, Box4, ByteBoxes, Lane32, LaneBoxes, Simd, LANES,
@@ -7,12 +8,6 @@ use feeler_lanes::{
 
 /// Children of a node.
 pub const FANOUT: usize = 32;
-
-/// What unpacked coordinates may be off by rounding, frame units; coordinates are at most 1.
-pub const UNPACK_ROUNDING: f32 = 1.0 / (1u32 << 21) as f32;
-
-/// Half a byte, or half a step, and a little for the roundings on the way there.
-pub const HALF: f32 = 0.51;
 
 /// World to float32: the box of the mock-up scaled by a power of two to lengths of at most 1.
 #[derive(Debug, Clone, Copy)]
@@ -176,8 +171,8 @@ impl Node {
             for at in (first..first + few_lanes::<S>()).step_by(part_lanes::<S>()) {
                 let low = s.widen_bytes(sixteen(&self.boxes.sides[a], LANES * half), at);
                 let high = s.widen_bytes(sixteen(&self.boxes.sides[a], FANOUT + LANES * half), at);
-                s.store_part(part.mul_add(part.splat(255.0 - HALF) - low, unit, from), &mut lower[a], at);
-                s.store_part(part.mul_add(high + part.splat(HALF), unit, to), &mut upper[a], at);
+                s.store_part(part.mul_add(part.splat(255.0 - HALF_STEP) - low, unit, from), &mut lower[a], at);
+                s.store_part(part.mul_add(high + part.splat(HALF_STEP), unit, to), &mut upper[a], at);
             }
         }
     }

@@ -117,9 +117,9 @@ pub struct Rows<'a, N> {
 }
 
 /// Blocks at a group of clusters that make it worth asking how large they are.
-pub const MANY: usize = 8;
+pub const MANY_BLOCKS: usize = 8;
 /// How wide blocks may be, in the mean, to be small: in widths of the clusters. Measured; between 1 and 1.5 all within 5 %.
-const SMALL: f32 = 1.33;
+const SMALL_WIDTHS: f32 = 1.33;
 
 /// Whether blocks are small beside the clusters that were placed.
 #[inline(never)]
@@ -134,7 +134,7 @@ pub fn are_small(level: &[Node], nodes: &[u32], placed: &[PlacedPieces; LANES], 
         rest &= rest - 1;
     }
     let [blocks, clusters] = [of_blocks, of_clusters].map(|[x, y, z, _]| x + y + z);
-    blocks * needed.count_ones() as f32 <= SMALL * clusters * nodes.len() as f32
+    blocks * needed.count_ones() as f32 <= SMALL_WIDTHS * clusters * nodes.len() as f32
 }
 
 fn add_extent(sum: &mut [f32; 4], b: &Box4) {
@@ -241,10 +241,10 @@ impl<N: CandidateSink> Rows<'_, N> {
     fn offer<S: Simd>(&mut self, s: S) -> bool {
         let Rows { blocks, clusters, placed, half: pieces, scratch, slack, narrow, .. } = self;
         let RowsScratch { rows, runs, outlines, middles, kept, .. } = &mut **scratch;
-        for at in 0..AHEAD {
+        for at in 0..RUNS_AHEAD {
             ask::<S>(blocks, runs, at);
         }
-        let mut asked = AHEAD;
+        let mut asked = RUNS_AHEAD;
         let lanes = few_lanes::<S>();
         for part in 0..FANOUT / lanes {
             let (half, first) = (lanes * part / LANES, lanes * part % LANES);
@@ -289,7 +289,7 @@ impl<N: CandidateSink> Rows<'_, N> {
 }
 
 /// Runs that are asked for before they are come to. Not all at once: a core waits for a dozen lines or so at a time.
-const AHEAD: usize = 8;
+const RUNS_AHEAD: usize = 8;
 
 /// Asks for what a run needs, counted over all parts.
 #[inline(always)]

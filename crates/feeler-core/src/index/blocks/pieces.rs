@@ -1,6 +1,7 @@
-//! The pieces of a block: packed in ten bits a coordinate, and unpacked in lanes.
+//! The pieces of a block: quantised to ten bits a coordinate within the piece's box, and unpacked in lanes.
 
-use super::node::{Node, FANOUT, HALF, UNPACK_ROUNDING};
+use super::node::{Node, FANOUT};
+use crate::constants::{HALF_STEP, UNPACK_ROUNDING};
 use feeler_lanes::{
     boxes_apart, few_lanes, greatest, greatest4, least, least4, part_lanes, Arithmetic, Box4, Lane32, Simd, LANES, TINY,
 };
@@ -29,13 +30,13 @@ pub fn most_slack(node: &Node, slack: f32) -> [f32; 3] {
     let mut most = [0.0; 3];
     for a in 0..3 {
         let side = 1.01 * (upper[a] - lower[a]) + 4.0 * UNPACK_ROUNDING;
-        most[a] = side * (HALF / STEPS) + UNPACK_ROUNDING + slack;
+        most[a] = side * (HALF_STEP / CORNER_STEPS) + UNPACK_ROUNDING + slack;
     }
     most
 }
 
 /// Steps between the sides of a piece's box.
-const STEPS: f32 = 1023.0;
+const CORNER_STEPS: f32 = 1023.0;
 
 /// Sixteen pieces of a block, in the frame.
 #[derive(Debug, Clone)]
@@ -116,12 +117,12 @@ impl HalfBlock {
             let mut off = [rounding; 3];
             for a in 0..3 {
                 let lower = s.load_part(&self.lower[a], first);
-                let step = (s.load_part(&self.upper[a], first) - lower) * part.splat(1.0 / STEPS);
+                let step = (s.load_part(&self.upper[a], first) - lower) * part.splat(1.0 / CORNER_STEPS);
                 for c in 0..4 {
                     at[c][a] = part.mul_add(s.widen_field(&packed.corners[half][c], first, a as u32), step, lower);
                     s.store_part(at[c][a], &mut self.corners[c][a], first);
                 }
-                off[a] = part.mul_add(step, part.splat(HALF), rounding);
+                off[a] = part.mul_add(step, part.splat(HALF_STEP), rounding);
                 s.store_part(off[a], &mut self.slack[a], first);
             }
             // Across the diagonals.
@@ -190,14 +191,14 @@ impl HalfBlock {
         for a in 0..3 {
             let mut per_unit = [0.0; LANES];
             for lane in 0..LANES {
-                per_unit[lane] = STEPS / (self.upper[a][lane] - self.lower[a][lane]);
+                per_unit[lane] = CORNER_STEPS / (self.upper[a][lane] - self.lower[a][lane]);
             }
             for c in 0..4 {
                 for lane in 0..LANES {
                     let step = (corners[c][a][lane] - self.lower[a][lane]) * per_unit[lane];
-                    let step = least(greatest(step, 0.0), STEPS);
+                    let step = least(greatest(step, 0.0), CORNER_STEPS);
                     // Adding 2^23 rounds to a whole number, which then stands in the lowest bits.
-                    packed[c][lane] |= ((step + 8_388_608.0).to_bits() & STEPS as u32) << (10 * a);
+                    packed[c][lane] |= ((step + 8_388_608.0).to_bits() & CORNER_STEPS as u32) << (10 * a);
                 }
             }
         }

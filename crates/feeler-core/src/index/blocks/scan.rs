@@ -1,13 +1,13 @@
 //! The last steps of the descent: the clusters of a tool's group against the blocks the group reached.
 //!
-//! Stage by stage, each a loop that appends what passes to a list: which entries pass is not to be foreseen, so there is no
-//! branch.
+//! Separating axes in lanes: the boxes' three, then the normals of either piece. Stage by stage, each a loop that appends what
+//! passes to a list: which entries pass is not to be foreseen, so there is no branch.
 
 use std::ops::Range;
 
 use super::collide::{BlocksScratch, Reach};
 use super::node::{Node, FANOUT};
-use super::piece_scan::{are_small, offer_rows, Rows, MANY};
+use super::piece_scan::{are_small, offer_rows, Rows, MANY_BLOCKS};
 use super::pieces::{most_slack, HalfBlock};
 use super::plane_cull::Beside;
 use super::tree::Blocks;
@@ -156,7 +156,7 @@ impl<N: CandidateSink> Kernel for Scan<'_, N> {
         }
         let group_masks = masks.drain(first_mask..);
         let slack = placement.slack + blocks.slack;
-        if nodes.len() >= MANY && are_small(level, nodes, pieces, needed) {
+        if nodes.len() >= MANY_BLOCKS && are_small(level, nodes, pieces, needed) {
             let half = &mut halves[0];
             return offer_rows(Rows {
                 lanes,
