@@ -174,6 +174,76 @@ def test_the_same_answer_every_time_and_from_every_store(bench: ModuleType) -> N
     assert freed > 3
 
 
+def test_ids_stay_from_pose_to_pose_and_scene_to_scene(bench: ModuleType) -> None:
+    contact = bench.CASES["box in a plate"](5)
+    mockup, tool = feeler.Mockup(*contact.mockup), feeler.Tool(*contact.tool)
+    scenes = [feeler.Scene(mockup), feeler.Scene(feeler.Mockup(*contact.mockup), storage="dense")]
+    seen = set()
+    for step in range(30):
+        pose = contact.pose.copy()
+        pose[:3, 3] += (0.0002 * step, -0.0001 * step, 0.00008 * step)
+        found = [scene.contacts(tool, pose) for scene in (*scenes, scenes[0])]
+        assert all(len(contacts) == 1 and contacts.ids.dtype == np.uint64 for contacts in found)
+        seen |= {contacts.ids.item() for contacts in found}
+    assert len(seen) == 1
+
+
+def test_no_two_planes_share_an_id() -> None:
+    scene = feeler.Scene(feeler.sample("differential", triangles=20_000))
+    tool = feeler.sample_tool("hand")
+    kept = asked = 0
+    for pose in feeler.sample_poses(scene, tool, "nominal", 12):
+        found = scene.contacts(tool, pose)
+        assert len(set(found.ids.tolist())) == len(found)
+        nudged = pose.copy()
+        nudged[:3, 3] += 1e-6
+        kept += len(set(found.ids.tolist()) & set(scene.contacts(tool, nudged).ids.tolist()))
+        asked += len(found)
+    assert asked > 50 and kept > 0.9 * asked
+
+
+def test_a_flat_box_stands_on_its_corners(bench: ModuleType) -> None:
+    contact = bench.CASES["box in a plate"](4)
+    tool = feeler.Tool(*contact.tool)
+    found = feeler.Scene(feeler.Mockup(*contact.mockup)).contacts(tool, contact.pose)
+    assert found.footing.shape == (1, 4, 3) and found.footing_counts.tolist() == [4]
+    assert not found.footing.flags.writeable
+    vertices = np.asarray(contact.tool[0])
+    down = contact.pose[:3, :3].T @ -found.normals[0]
+    heights = vertices @ down
+    lowest = vertices[heights > heights.max() - 1e-9]
+    nearest = np.linalg.norm(found.footing[0][:, None] - lowest[None], axis=2)
+    assert nearest.min(axis=1).max() < 1e-6
+    assert np.ptp(found.footing[0], axis=0).max() == pytest.approx(np.ptp(lowest, axis=0).max())
+
+
+def test_one_plane_as_an_object(bench: ModuleType) -> None:
+    contact = bench.CASES["tooth in its slot"](4)
+    tool = feeler.Tool(*contact.tool)
+    scene = feeler.Scene(feeler.Mockup(*contact.mockup))
+    tracker = feeler.ContactTracker(scene, tool)
+    way_out = scene.penetration(tool, contact.pose)
+    for found in (scene.contacts(tool, contact.pose), tracker.contacts(contact.pose), way_out.contacts):
+        assert len(found) == len(list(found)) > 1
+        for i, plane in enumerate(found):
+            assert isinstance(plane, feeler.ContactPlane) and repr(plane).startswith("ContactPlane(gap ")
+            assert np.array_equal(plane.point, found.points[i]) and np.array_equal(plane.normal, found.normals[i])
+            assert (plane.gap, plane.part, plane.id) == (found.gaps[i], found.parts[i], found.ids[i])
+            count = found.footing_counts[i]
+            assert 1 <= count <= 4 and np.array_equal(plane.footing, found.footing[i, :count])
+            assert (found.footing[i, count:] == found.footing[i, count - 1]).all()
+            for name in ("tool", "mockup"):
+                offsets = getattr(found, f"{name}_offsets")
+                ids = getattr(found, f"{name}_triangles")[int(offsets[i]) : int(offsets[i + 1])]
+                assert np.array_equal(getattr(plane, f"{name}_triangles"), ids)
+        assert found[-1].id == found.ids[-1]
+        for index in (len(found), -len(found) - 1, sys.maxsize, -sys.maxsize - 1):
+            with pytest.raises(IndexError, match="plane"):
+                found[index]
+    nothing = scene.contacts(tool, bench.shifted(10.0, 0, 0))
+    assert not nothing and list(nothing) == [] and nothing.footing.shape == (0, 4, 3) and nothing.ids.shape == (0,)
+
+
 @pytest.mark.parametrize("margin", [-0.001, float("nan"), float("inf"), "near", None, True])
 def test_bad_margins(bench: ModuleType, margin: object) -> None:
     contact = bench.CASES["box in a plate"](1)

@@ -81,6 +81,7 @@ pub fn check(case: Case) {
             for contacts in &found {
                 assert_eq!(contacts.is_meeting, scene.is_colliding(&tool, &pose), "{what}");
                 check_planes(contacts, &mockup, &tool, case.margin, is_plain);
+                check_footing(contacts, &solver, &tool, &pose, is_plain);
             }
             match &first {
                 Some(first) => assert!(is_same(first, &found), "{what}: {found:?} for {first:?}"),
@@ -116,6 +117,17 @@ fn check_planes(contacts: &Contacts, mockup: &Mockup, tool: &Tool, margin: f64, 
             assert!((length(normal) - 1.0).abs() < 1e-9, "{plane:?}");
             assert!(gap.is_finite() && point.iter().all(|x| x.is_finite()), "{plane:?}");
         }
+    }
+}
+
+fn check_footing(contacts: &Contacts, solver: &ContactSolver, tool: &Tool, pose: &Pose, is_plain: bool) {
+    let mut ids: Vec<u64> = contacts.planes.iter().map(|plane| plane.id).collect();
+    ids.sort_unstable();
+    assert!(ids.is_sorted_by(|a, b| a < b), "two planes of one id: {contacts:?}");
+    for plane in &contacts.planes {
+        let footing = solver.footing(tool, pose, plane);
+        assert!((1..=4).contains(&footing.points().len()), "{plane:?} {footing:?}");
+        assert!(!is_plain || footing.points().iter().flatten().all(|x| x.is_finite()), "{plane:?} {footing:?}");
     }
 }
 

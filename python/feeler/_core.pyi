@@ -1,6 +1,6 @@
 """The compiled core. Use `feeler.Mockup`, `feeler.Tool` and `feeler.Scene`, which check what they pass on to it."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import final
 
 import numpy as np
@@ -15,6 +15,7 @@ __all__ = [
     "Clearance",
     "ClearanceBatch",
     "Collision",
+    "ContactPlane",
     "ContactTracker",
     "Contacts",
     "Distance",
@@ -163,7 +164,7 @@ class Scene:
 
 @final
 class Contacts:
-    """Contact planes, deepest first; false when there are none. All arrays are read-only."""
+    """Contact planes, deepest first; false when there are none. `contacts[i]` is one. All arrays are read-only."""
 
     @property
     def points(self) -> npt.NDArray[np.float64]:
@@ -178,6 +179,21 @@ class Contacts:
     @property
     def parts(self) -> npt.NDArray[np.uint32]:
         """`(k,)`: indices into `mockup.parts`."""
+    @property
+    def ids(self) -> npt.NDArray[np.uint64]:
+        """`(k,)`: the same for the same two surfaces of tool and mock-up at every pose, in every call, thread and run.
+        No two planes of one answer share one."""
+    @property
+    def footing(self) -> npt.NDArray[np.float64]:
+        """`(k, 4, 3)`: the points of the tool that carry each contact, tool frame, metres, in order around the normal.
+
+        Plane `i` has the first `footing_counts[i]`; the rest repeat the last. For turns up to one degree, holding
+        these points off the plane holds off it all of the tool that lies there, but for 1 % of how far the turn moves
+        it. Found when first asked for.
+        """
+    @property
+    def footing_counts(self) -> npt.NDArray[np.uint32]:
+        """`(k,)`: 1 for a corner, 2 for an edge, 3 or 4 for what is flat or round."""
     @property
     def tool_triangles(self) -> npt.NDArray[np.uint32]:
         """Tool triangles behind the planes; plane `i` has those from `tool_offsets[i]` to `tool_offsets[i + 1]`."""
@@ -198,6 +214,37 @@ class Contacts:
         """Whether any triangles meet."""
     def __len__(self) -> int: ...
     def __bool__(self) -> bool: ...
+    def __getitem__(self, index: int, /) -> ContactPlane: ...
+    def __iter__(self) -> Iterator[ContactPlane]: ...
+
+@final
+class ContactPlane:
+    """One contact plane of `Contacts`."""
+
+    @property
+    def point(self) -> npt.NDArray[np.float64]:
+        """`(3,)`: on the mock-up's surface, world, metres."""
+    @property
+    def normal(self) -> npt.NDArray[np.float64]:
+        """`(3,)`: unit, from the mock-up to the tool, world."""
+    @property
+    def gap(self) -> float:
+        """Metres; negative: depth."""
+    @property
+    def part(self) -> int:
+        """Index into `mockup.parts`."""
+    @property
+    def id(self) -> int:
+        """As in `Contacts.ids`."""
+    @property
+    def footing(self) -> npt.NDArray[np.float64]:
+        """`(n, 3)`, n from 1 to 4: as in `Contacts.footing`."""
+    @property
+    def tool_triangles(self) -> npt.NDArray[np.uint32]:
+        """`(t,)`: triangles of the tool behind it, ascending."""
+    @property
+    def mockup_triangles(self) -> npt.NDArray[np.uint32]:
+        """`(m,)`: triangles of the mock-up behind it, ascending."""
 
 @final
 class Penetration:

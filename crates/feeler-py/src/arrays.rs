@@ -1,9 +1,9 @@
 //! NumPy arrays in and out.
 
 use feeler_core::PairKind;
-use numpy::ndarray::{ArrayView1, ArrayView2};
+use numpy::ndarray::{ArrayView1, ArrayView2, ArrayView3};
 use numpy::npyffi::{_PyArray_GET_ITEM_DATA, NPY_ARRAY_WRITEABLE};
-use numpy::{Element, PyArray, PyArray1, PyArray2, PyReadonlyArray2, PyUntypedArrayMethods};
+use numpy::{Element, PyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
 use crate::errors::raise;
@@ -30,6 +30,23 @@ pub unsafe fn view_rows<'py, T: Element, const N: usize>(
     let view = unsafe { ArrayView2::from_shape_ptr((data.len(), N), flat.as_ptr()) };
     // SAFETY: the caller promises that `owner` keeps the data alive.
     let array = unsafe { PyArray2::borrow_from_array(&view, owner.clone()) };
+    set_read_only(&array);
+    array
+}
+
+/// The same for `(n, M, N)`.
+///
+/// # Safety
+/// `data` must stay valid and unchanged as long as `owner` lives.
+pub unsafe fn view_blocks<'py, T: Element, const N: usize, const M: usize>(
+    owner: &Bound<'py, PyAny>,
+    data: &[[[T; N]; M]],
+) -> Bound<'py, PyArray3<T>> {
+    let flat = data.as_flattened().as_flattened();
+    // SAFETY: the slice is contiguous and holds N * M * len elements.
+    let view = unsafe { ArrayView3::from_shape_ptr((data.len(), M, N), flat.as_ptr()) };
+    // SAFETY: the caller promises that `owner` keeps the data alive.
+    let array = unsafe { PyArray3::borrow_from_array(&view, owner.clone()) };
     set_read_only(&array);
     array
 }

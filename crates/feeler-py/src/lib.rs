@@ -45,7 +45,7 @@ mod _core {
     #[pymodule_export]
     use super::collision::{Batch, Collision};
     #[pymodule_export]
-    use super::contacts::{ContactTracker, Contacts, Penetration};
+    use super::contacts::{ContactPlane, ContactTracker, Contacts, Penetration};
     #[pymodule_export]
     use super::mockup::Mockup;
     #[pymodule_export]

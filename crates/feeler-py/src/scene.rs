@@ -13,7 +13,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use crate::arguments::{PoseArgument, PosesArgument, Switch, ToolArgument};
 use crate::cast::{Cast, PathCheck};
 use crate::collision::{Batch, Collision};
-use crate::contacts::{Contacts, Penetration};
+use crate::contacts::{Asked, Contacts, Penetration};
 use crate::errors::{raise, to_py};
 use crate::mockup::Mockup;
 use crate::proximity::{Clearance, ClearanceBatch, Distance, DistanceBatch};
@@ -22,15 +22,19 @@ use crate::proximity::{Clearance, ClearanceBatch, Distance, DistanceBatch};
 #[pyclass(subclass, frozen, module = "feeler._core")]
 pub struct Scene {
     core: Arc<core::Scene>,
-    solver: ContactSolver,
+    solver: Arc<ContactSolver>,
     mockup: Py<Mockup>,
     /// `None`: the process-wide pool.
     pool: Option<ThreadPool>,
 }
 
 impl Scene {
-    pub(crate) fn solver(&self) -> &ContactSolver {
+    pub(crate) fn solver(&self) -> &Arc<ContactSolver> {
         &self.solver
+    }
+
+    fn asked(&self, tool: &Arc<core::Tool>, pose: core::Pose) -> Asked {
+        Asked { solver: Arc::clone(&self.solver), tool: Arc::clone(tool), pose }
     }
 }
 
@@ -93,7 +97,7 @@ impl Scene {
         let mut core = built.map_err(to_py)?;
         core.set_lanes(lanes);
         let core = Arc::new(core);
-        Ok(Scene { solver: ContactSolver::new(Arc::clone(&core)), core, mockup, pool })
+        Ok(Scene { solver: Arc::new(ContactSolver::new(Arc::clone(&core))), core, mockup, pool })
     }
 
     #[getter]
@@ -217,7 +221,7 @@ impl Scene {
         let reference = reference.map(|pose| pose.0);
         let tool = tool.core();
         let found = py.detach(|| self.solver.contacts(tool, &world_from_tool.0, margin, reference.as_ref()));
-        Ok(Contacts::new(&found.map_err(to_py)?))
+        Ok(Contacts::new(found.map_err(to_py)?, self.asked(tool, world_from_tool.0)))
     }
 
     #[pyo3(signature = (tool, world_from_tool, margin, reference))]
@@ -232,7 +236,7 @@ impl Scene {
         let reference = reference.map(|pose| pose.0);
         let tool = tool.core();
         let found = py.detach(|| self.solver.penetration(tool, &world_from_tool.0, margin, reference.as_ref()));
-        Penetration::new(py, found.map_err(to_py)?)
+        Penetration::new(py, found.map_err(to_py)?, self.asked(tool, world_from_tool.0))
     }
 
     #[pyo3(signature = (tool, world_from_tool, max))]
