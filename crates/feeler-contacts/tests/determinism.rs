@@ -1,13 +1,14 @@
-//! One scene gives the same contact planes on any number of threads.
-
-#[path = "../../feeler-core/tests/common/mod.rs"]
-mod common;
+//! A golden hash of contact planes: the same scenes give the same planes, whatever the store, the voxel size, the instruction set, the
+//! number of threads and the state of the working memory; and in debug and release and on every machine, since all compare with the
+//! number in `testdata/golden.txt`.
 
 use std::sync::Arc;
 
-use common::cases::{cases, Case};
-use feeler_contacts::ContactSolver;
-use feeler_core::{Pose, Scene, SceneOptions, Storage};
+use feeler_contacts::{ContactPlane, ContactSolver, Contacts};
+use feeler_core::{Level, Mockup, Pose, Scene, SceneOptions, Storage, Tool};
+use feeler_shapes::cases::{cases, Case};
+use feeler_shapes::golden::Hash;
+use rayon::prelude::*;
 
 const STORES: [Storage; 5] = [
     Storage::Blocks,
@@ -17,34 +18,105 @@ const STORES: [Storage; 5] = [
     Storage::Hashed { level: 0.95 },
 ];
 
-fn near_and_far(case: &Case) -> Vec<Pose> {
-    let off = [0.25, 0.75, 1.5].map(|share| share * case.extent());
-    case.poses.iter().flat_map(|pose| [*pose, pose.translated(&off).unwrap()]).collect()
+/// A case as meshes, and what is asked of it: poses with margins and references.
+struct Asked {
+    name: &'static str,
+    mockup: Arc<Mockup>,
+    tool: Tool,
+    extent: f64,
+    queries: Vec<(Pose, f64, Option<Pose>)>,
+}
+
+impl Asked {
+    fn new(case: Case) -> Asked {
+        let (vertices, faces) = case.mockup;
+        let mockup = Arc::new(Mockup::new(vertices, faces, case.part_of_face, case.parts).unwrap());
+        let tool = Tool::new(case.tool.0, case.tool.1).unwrap();
+        let extent = mockup.mesh().bounds().extent().iter().fold(0.0f64, |m, x| m.max(*x));
+        let off = [0.25, 0.75, 1.5].map(|share| share * extent);
+        let queries = case.poses.iter().flat_map(|matrix| {
+            let pose = Pose::new(matrix).unwrap();
+            // From where most of the tool stands off, and it may have come.
+            let away = pose.translated(&off).unwrap();
+            [(pose, 0.01, None), (pose, 0.0, Some(away)), (away, 0.05, None)]
+        });
+        let queries = queries.map(|(pose, margin, reference)| (pose, margin * extent, reference)).collect();
+        Asked { name: case.name, mockup, tool, extent, queries }
+    }
+
+    fn scene(&self, storage: Storage, voxel_size: Option<f64>) -> Scene {
+        let options = SceneOptions { voxel_size, storage, ..SceneOptions::default() };
+        Scene::build(Arc::clone(&self.mockup), &options, &|_, _| true).unwrap()
+    }
+
+    fn answer(&self, solver: &ContactSolver, (pose, margin, reference): &(Pose, f64, Option<Pose>)) -> Contacts {
+        solver.contacts(&self.tool, pose, *margin, reference.as_ref()).unwrap()
+    }
+
+    /// One query after the other, with the working memory that the last one left.
+    fn answers(&self, solver: &ContactSolver) -> Vec<Contacts> {
+        self.queries.iter().map(|query| self.answer(solver, query)).collect()
+    }
+
+    /// Several at once, and some with the working memory of others than before.
+    fn answers_on(&self, solver: &ContactSolver, threads: usize) -> Vec<Contacts> {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let twice: Vec<_> = self.queries.iter().rev().chain(&self.queries).collect();
+        let mut found: Vec<_> =
+            pool.install(|| twice.into_par_iter().with_max_len(1).map(|query| self.answer(solver, query)).collect());
+        let second = found.split_off(self.queries.len());
+        found.reverse();
+        assert!(found == second, "{}: {threads} threads", self.name);
+        found
+    }
+}
+
+fn add_plane(hash: &mut Hash, plane: &ContactPlane) {
+    hash.add(plane.part);
+    plane.point.iter().chain(&plane.normal).chain([&plane.gap]).for_each(|x| hash.add_real(*x));
+    hash.add_long(plane.id);
+    for triangles in [&plane.tool_triangles, &plane.mockup_triangles] {
+        hash.add(triangles.len() as u32);
+        triangles.iter().for_each(|t| hash.add(*t));
+    }
 }
 
 #[test]
-fn contacts_of_one_scene_on_any_number_of_threads() {
-    let mut count = 0;
-    for case in cases() {
-        let (poses, extent) = (near_and_far(&case), case.extent());
+fn one_golden_hash_of_contacts() {
+    let mut golden = Hash::NEW;
+    // Deep planes and near ones; planes left out.
+    let (mut counts, mut omitted) = ([0, 0], 0);
+    for asked in cases().into_iter().map(Asked::new) {
+        let mut agreed: Option<Vec<Contacts>> = None;
+        let mut agree = |found: Vec<Contacts>, what: &dyn Fn() -> String| {
+            let first = agreed.get_or_insert_with(|| found.clone());
+            let same = first.iter().zip(&found).position(|(a, b)| a != b);
+            assert!(same.is_none() && first.len() == found.len(), "{}: {}, query {same:?}", asked.name, what());
+        };
         for storage in STORES {
-            for size in [None, Some(extent / 9.7)] {
-                let answer = |threads: usize| {
-                    rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(|| {
-                        let options = SceneOptions { voxel_size: size, storage, ..SceneOptions::default() };
-                        let scene = Scene::build(Arc::clone(&case.mockup), &options, &|_, _| true).unwrap();
-                        let solver = ContactSolver::new(Arc::new(scene));
-                        let planes = |pose: &Pose| solver.contacts(&case.tool, pose, 0.01 * extent, None).unwrap();
-                        poses.iter().map(planes).collect::<Vec<_>>()
-                    })
-                };
-                let one = answer(1);
-                count += one.iter().map(|contacts| contacts.planes.len()).sum::<usize>();
-                for threads in [2, 3, 8] {
-                    assert!(answer(threads) == one, "{}, {storage:?}, {size:?}, {threads} threads", case.name);
+            for size in [None, Some(asked.extent / 9.7)] {
+                let mut scene = Arc::new(asked.scene(storage, size));
+                for lanes in Level::available().into_iter().filter(|l| size.is_none() || *l == Level::best()) {
+                    Arc::get_mut(&mut scene).unwrap().set_lanes(lanes);
+                    let solver = ContactSolver::new(Arc::clone(&scene));
+                    let what = |how: &str| format!("{storage:?}, voxel size {size:?}, {}, {how}", lanes.name());
+                    agree(asked.answers(&solver), &|| what("cold"));
+                    if lanes == Level::best() {
+                        agree(asked.answers(&solver), &|| what("warm"));
+                        agree(asked.answers_on(&solver, 3), &|| what("on threads"));
+                    }
                 }
             }
         }
+        for contacts in agreed.unwrap() {
+            golden.add(contacts.planes.len() as u32);
+            golden.add(contacts.omitted as u32);
+            golden.add(u32::from(contacts.is_meeting));
+            contacts.planes.iter().for_each(|plane| add_plane(&mut golden, plane));
+            contacts.planes.iter().for_each(|plane| counts[usize::from(plane.gap > 0.0)] += 1);
+            omitted += contacts.omitted;
+        }
     }
-    assert!(count > 300, "{count} planes make no test");
+    assert!(counts.iter().all(|n| *n > 100) && omitted > 0, "{counts:?} planes, {omitted} omitted make no test");
+    golden.assert_golden("contacts");
 }

@@ -9,8 +9,7 @@ use std::sync::Arc;
 
 use common::cases::{cases, Case};
 use feeler_core::{Filters, Gap, Level, PairKind, Pose, Scene, SceneOptions, Storage};
-
-const GOLDEN: &str = include_str!("../../../testdata/golden.txt");
+use feeler_shapes::golden::Hash;
 
 const STORES: [Storage; 5] = [
     Storage::Blocks,
@@ -19,31 +18,6 @@ const STORES: [Storage; 5] = [
     Storage::Hashed { level: 0.5 },
     Storage::Hashed { level: 0.95 },
 ];
-
-/// FNV-1a.
-#[derive(Clone, Copy)]
-struct Hash(u64);
-
-impl Hash {
-    const NEW: Hash = Hash(0xcbf2_9ce4_8422_2325);
-
-    fn add(&mut self, word: u32) {
-        for byte in word.to_le_bytes() {
-            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3);
-        }
-    }
-
-    fn add_long(&mut self, word: u64) {
-        self.add(word as u32);
-        self.add((word >> 32) as u32);
-    }
-
-    /// Panics unless this is the number of that name in the file of golden hashes.
-    fn assert_golden(&self, name: &str) {
-        let written = GOLDEN.lines().find_map(|line| line.strip_prefix(name)).unwrap_or_default().trim();
-        assert_eq!(format!("{:016x}", self.0), written, "not the number of {name} in testdata/golden.txt");
-    }
-}
 
 /// The pairs and kinds at all poses, in order.
 fn hash<'a>(poses: impl Iterator<Item = (&'a [[u32; 2]], &'a [PairKind])>) -> u64 {
@@ -54,7 +28,7 @@ fn hash<'a>(poses: impl Iterator<Item = (&'a [[u32; 2]], &'a [PairKind])>) -> u6
             [*tool, *mockup, *kind as u32].iter().for_each(|word| hash.add(*word));
         }
     }
-    hash.0
+    hash.value()
 }
 
 /// The hash of one case when asked in every way at once; panics when two ways differ.
@@ -127,11 +101,10 @@ fn near_and_far(case: &Case) -> Vec<Pose> {
 fn add_gaps(hash: &mut Hash, gaps: &[Gap], pairs: bool) {
     hash.add(gaps.len() as u32);
     for gap in gaps {
-        // No negative zeros: which of two zeros is the larger is not the same everywhere.
-        hash.add_long((gap.distance + 0.0).to_bits());
+        hash.add_real(gap.distance);
         if pairs || gap.distance > 0.0 {
             [gap.tool_triangle, gap.mockup_triangle, gap.part].iter().for_each(|word| hash.add(*word));
-            gap.on_tool.iter().chain(&gap.on_mockup).for_each(|x| hash.add_long((x + 0.0).to_bits()));
+            gap.on_tool.iter().chain(&gap.on_mockup).for_each(|x| hash.add_real(*x));
         }
     }
 }
@@ -147,7 +120,7 @@ fn hash_of_gaps(scene: &Scene, case: &Case, poses: &[Pose]) -> u64 {
             add_gaps(&mut hash, &scene.distance(&case.tool, pose, f64::INFINITY, k).unwrap(), false);
         }
     }
-    hash.0
+    hash.value()
 }
 
 /// The same, at all poses at once.
@@ -165,7 +138,7 @@ fn hash_of_gap_batches(scene: &Scene, case: &Case, poses: &[Pose]) -> u64 {
         add_gaps(&mut hash, closest[i].as_slice(), false);
         add_gaps(&mut hash, &scene.distance(&case.tool, pose, f64::INFINITY, 3).unwrap(), false);
     }
-    hash.0
+    hash.value()
 }
 
 #[test]

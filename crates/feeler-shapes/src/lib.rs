@@ -1,9 +1,18 @@
-//! Surfaces of known form as plain arrays, each cut as finely as a test wants.
+//! What tests are made of, as plain arrays: surfaces of known form, each cut as finely as a test wants, [`soups`] of triangles,
+//! the [`cases`] behind the [golden hashes](golden), numbers from a seed.
+
+pub mod cases;
+pub mod golden;
+pub mod random;
+pub mod soups;
 
 use std::f64::consts::TAU;
 
 /// Metres.
 pub type Point = [f64; 3];
+
+/// A rigid motion, `(4, 4)` by rows.
+pub type Matrix = [[f64; 4]; 4];
 
 /// Vertices and faces.
 pub type Arrays = (Vec<Point>, Vec<[u32; 3]>);
@@ -132,8 +141,8 @@ pub fn ridge(line: &[[f64; 2]], far: f64, half: f64, n: usize, m: usize) -> Arra
     all
 }
 
-/// A rigid motion, `(4, 4)` by rows: a turn by an angle (radians) about the axis (1, 2, 3), then to a place.
-pub fn turned(angle: f64, place: Point) -> [[f64; 4]; 4] {
+/// A rigid motion: a turn by an angle (radians) about the axis (1, 2, 3), then to a place.
+pub fn turned(angle: f64, place: Point) -> Matrix {
     let k = [1.0, 2.0, 3.0].map(|x| x * (1.0 / 14f64.sqrt()));
     let (s, c) = angle.sin_cos();
     let mut m = [[0.0; 4]; 4];
