@@ -54,6 +54,8 @@ pub fn convex_bodies(
     }
     let pairs: Vec<(u32, u32)> = (0..count as u32).map(|r| (connected.of(r), r)).collect();
     let tasks = Lists::new(count, &pairs);
+    let mut places = vec![0; count];
+    (0..count).flat_map(|root| (0..).zip(tasks.of(root))).for_each(|(i, r)| places[*r as usize] = i);
     let found: Vec<Vec<(u32, u32)>> = (0..count)
         .into_par_iter()
         .filter(|root| tasks.of(*root).len() > 1)
@@ -62,11 +64,10 @@ pub fn convex_bodies(
             let is_closed = outward[triangles.of(of_task[0] as usize)[0] as usize] != 0;
             let regions: Vec<Region> =
                 of_task.iter().map(|r| Region::new(mesh, outward, triangles.of(*r as usize))).collect();
-            let place = |r: usize| of_task.binary_search(&(r as u32)).unwrap_or(0);
             let mut pairs: Vec<(u32, u32)> = Vec::new();
             for (i, r) in (0..).zip(of_task) {
                 let near = triangles.of(*r as usize).iter().flat_map(|t| beside(*t));
-                pairs.extend(near.map(|n| (i, place(n) as u32)));
+                pairs.extend(near.map(|n| (i, places[n])));
             }
             let beside = Lists::new(of_task.len(), &pairs);
             let founders = grow(&regions, &beside, is_closed);
@@ -80,13 +81,15 @@ pub fn convex_bodies(
 
 /// The founder of each region's body, by places.
 fn grow(regions: &[Region], beside: &Lists, is_closed: bool) -> Vec<usize> {
-    let mut order: Vec<usize> = (0..regions.len()).collect();
-    order.sort_by(|i, j| regions[*j].area.total_cmp(&regions[*i].area).then(i.cmp(j)));
+    // Areas are not negative, so their bits are in their order.
+    let mut order: Vec<(u64, u32)> = regions.iter().zip(0..).map(|(r, i)| (!r.area.to_bits(), i)).collect();
+    order.sort_unstable();
     let mut founders = vec![usize::MAX; regions.len()];
     // The last body that asked for a region: each asks once.
     let mut asked = vec![usize::MAX; regions.len()];
     let mut members: Vec<usize> = Vec::new();
-    for founder in order {
+    for (_, founder) in order {
+        let founder = founder as usize;
         if founders[founder] != usize::MAX {
             continue;
         }
@@ -128,11 +131,17 @@ struct Hull<'a> {
     planes: Vec<&'a Region>,
     /// Along each direction, and against it.
     outermost: [[Point; 2]; DIRECTIONS.len()],
+    /// How far along the direction these are.
+    reach: [[f64; 2]; DIRECTIONS.len()],
 }
 
 impl<'a> Hull<'a> {
     fn of(region: &'a Region) -> Hull<'a> {
-        let mut hull = Hull { planes: vec![region], outermost: [[region.outermost[0]; 2]; DIRECTIONS.len()] };
+        let mut hull = Hull {
+            planes: vec![region],
+            outermost: [[region.outermost[0]; 2]; DIRECTIONS.len()],
+            reach: DIRECTIONS.map(|d| [dot(&region.outermost[0], &d); 2]),
+        };
         hull.widen(region);
         hull
     }
@@ -145,11 +154,15 @@ impl<'a> Hull<'a> {
     }
 
     fn widen(&mut self, region: &Region) {
-        for (d, [high, low]) in DIRECTIONS.iter().zip(&mut self.outermost) {
-            for p in &region.outermost {
+        for p in &region.outermost {
+            for ((d, [high, low]), [most, least]) in DIRECTIONS.iter().zip(&mut self.outermost).zip(&mut self.reach) {
                 let height = dot(p, d);
-                *high = if height > dot(high, d) { *p } else { *high };
-                *low = if height < dot(low, d) { *p } else { *low };
+                if height > *most {
+                    (*most, *high) = (height, *p);
+                }
+                if height < *least {
+                    (*least, *low) = (height, *p);
+                }
             }
         }
     }
