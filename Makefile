@@ -24,6 +24,7 @@ PYTEST_ARGS ?=
 CARGO_ARGS ?=
 PAIRS ?= 10000000
 CASTS ?= 1000000
+CONTACTS ?= 5000
 FUZZ_SECONDS ?= 1200
 FUZZ ?= collide contacts distance mesh $(shell $(PY) fuzz/loaders.py --list 2>/dev/null)
 
@@ -131,10 +132,11 @@ test-python: build ## pytest: warnings are errors, every test has a time-out
 	@$(PY) -m pytest $(if $(QUICK),-m "not slow") $(PYTEST_ARGS)
 
 .PHONY: exact
-exact: ## ten million hard pairs, thousands of scenes, a million casts, against exact arithmetic (PAIRS=, CASTS=)
+exact: ## ten million hard pairs, thousands of scenes, a million casts, contacts of known depth (PAIRS=, CASTS=, CONTACTS=)
 	@cargo run --release $(LOCKED) -p feeler-exact -- mass --pairs $(PAIRS)
 	@cargo run --release $(LOCKED) -p feeler-exact -- casts --casts $(CASTS)
-	@cargo test --release $(LOCKED) -p feeler-core --test determinism
+	@cargo run --release $(LOCKED) -p feeler-exact -- contacts --cases $(CONTACTS)
+	@cargo test --release $(LOCKED) -p feeler-core -p feeler-contacts --test determinism
 
 .PHONY: fuzz
 fuzz: build ## fuzz collisions, distances and contacts, and every loader (FUZZ_SECONDS= each, FUZZ="collide stl")

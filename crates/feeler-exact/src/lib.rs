@@ -1,12 +1,16 @@
-//! Holds feeler-core to exact rational arithmetic.
+//! Holds feeler to exact arithmetic.
 //!
 //! The [`oracle`] decides any pair of triangles slowly and obviously. The [`corpus`] keeps hard pairs by name, made by
 //! [`families`] of cases. The [`mass`] aims millions of [`pairs`] and whole [`scenes`] at the core; what fails is shrunk by
 //! [`minimise`] to a line of the corpus. [`distance`] does for distances what the oracle does for meetings. A mass
-//! of [`casts`] is known to hit. No product code depends on this crate.
+//! of [`casts`] is known to hit. How deep [`concave`] solids of [`blocks`] are in each other is known to the judge of [`contacts`].
+//! No product code depends on this crate.
 
+pub mod blocks;
 pub mod casts;
 pub mod check;
+pub mod concave;
+pub mod contacts;
 pub mod corpus;
 pub mod distance;
 pub mod families;

@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 use feeler_core::intersect_triangle_triangle;
 use feeler_exact::corpus::{self, word};
-use feeler_exact::{casts, families, mass, oracle};
+use feeler_exact::{casts, contacts, families, mass, oracle};
 
 /// Holds feeler's triangle test and stores to exact rational arithmetic.
 #[derive(Parser)]
@@ -20,6 +20,8 @@ Examples:
   feeler-exact mass --only gears --only lattice   two generators only
   feeler-exact mass --json > figures.json         figures for a program
   feeler-exact casts --casts 100000               casts that must hit: none may tunnel or be late
+  feeler-exact contacts --cases 1000              contacts of concave solids of known depth, so many of each family
+  feeler-exact contacts --only rack --from 7 --cases 1    one of them once more
   feeler-exact corpus                             make testdata/triangle_pairs.txt anew; found cases stay
   feeler-exact pair 'x | 0 0 0 4 0 0 0 4 0 | 1 1 0 2 1 3 0 3 3 | touching'"
 )]
@@ -54,6 +56,25 @@ enum Command {
         #[arg(long, default_value_t = 1)]
         seed: u64,
     },
+    /// Judge contacts of concave solids whose depths are known; exit code 1 when a plane is missing, too deep or turned, or a way
+    /// out is too short.
+    Contacts {
+        /// How many of each family.
+        #[arg(long, default_value_t = 2000)]
+        cases: u64,
+        /// Another seed makes other contacts; the same seed the same ones on every machine.
+        #[arg(long, default_value_t = 1)]
+        seed: u64,
+        /// The number of the first.
+        #[arg(long, default_value_t = 0)]
+        from: u64,
+        /// Only this family (may be repeated).
+        #[arg(long, value_name = "NAME")]
+        only: Vec<String>,
+        /// Surfaces are cut into about as many triangles at most.
+        #[arg(long, default_value_t = 12_000)]
+        triangles: usize,
+    },
     /// Write the corpus of hard pairs, every answer checked; exit code 1 when `--check` finds the file out of date.
     Corpus {
         /// Where it is kept.
@@ -74,6 +95,7 @@ fn main() -> ExitCode {
     let done = match Arguments::parse().command {
         Command::Mass { pairs, seed, only, json } => run_mass(pairs, seed, &only, json),
         Command::Casts { casts, seed } => Ok(run_casts(casts, seed)),
+        Command::Contacts { cases, seed, from, only, triangles } => run_contacts(cases, seed, from, &only, triangles),
         Command::Corpus { file, check } => make_corpus(&file, check),
         Command::Pair { line } => judge_line(&line),
     };
@@ -87,20 +109,24 @@ fn main() -> ExitCode {
     }
 }
 
-fn run_mass(pairs: u64, seed: u64, only: &[String], json: bool) -> Result<bool, String> {
-    let is_live = std::io::stderr().is_terminal();
-    let progress = |name: &str, done: f64| {
-        if is_live {
-            eprint!("\r{name:<16}{:>4.0} %", 100.0 * done);
-        } else if done >= 1.0 {
-            eprintln!("{name} done");
-        }
-        std::io::stderr().flush().ok();
-    };
-    let rows = mass::run(pairs, seed, only, &progress)?;
-    if is_live {
+fn show_progress(name: &str, done: f64) {
+    if std::io::stderr().is_terminal() {
+        eprint!("\r{name:<16}{:>4.0} %", 100.0 * done);
+    } else if done >= 1.0 {
+        eprintln!("{name} done");
+    }
+    std::io::stderr().flush().ok();
+}
+
+fn clear_progress() {
+    if std::io::stderr().is_terminal() {
         eprint!("\r{:<24}\r", "");
     }
+}
+
+fn run_mass(pairs: u64, seed: u64, only: &[String], json: bool) -> Result<bool, String> {
+    let rows = mass::run(pairs, seed, only, &show_progress)?;
+    clear_progress();
     let total = mass::total(&rows);
     if json {
         print_json(&rows, &total, seed);
@@ -119,6 +145,37 @@ fn run_casts(count: u64, seed: u64) -> bool {
     );
     tally.faults.iter().for_each(|fault| println!("  {fault}"));
     tally.is_right()
+}
+
+fn run_contacts(cases: u64, seed: u64, from: u64, only: &[String], triangles: usize) -> Result<bool, String> {
+    let rows = contacts::run(cases, seed, from, only, triangles, &show_progress)?;
+    clear_progress();
+    println!(
+        "{:<10}{:>7}{:>11}{:>8}{:>8}{:>8}{:>8}{:>7}{:>10}{:>9}{:>8}{:>7}  what",
+        "family", "cases", "triangles", "deep", "near", "exact", "bound", "<1 %", "estimate", "longest", "off", "wrong"
+    );
+    for (family, t) in &rows {
+        let [exact, bound, estimate] = t.ways;
+        println!(
+            "{:<10}{:>7}{:>11}{:>8}{:>8}{exact:>8}{bound:>8}{:>7}{estimate:>10}{:>9.2}{:>8.3}{:>7}  {}",
+            family.name,
+            t.cases,
+            t.triangles,
+            t.deep,
+            t.near,
+            t.close_bounds,
+            t.longest,
+            t.worst,
+            t.fault_count,
+            family.about
+        );
+    }
+    println!(
+        "\nseed {seed}; deep, near: planes to be found; <1 %: bounds as close to the shortest way; longest: of the others, in \
+         shortest ways; off: the worst depth, as a share of what rounding may do"
+    );
+    rows.iter().flat_map(|(_, t)| &t.faults).for_each(|fault| println!("{fault}"));
+    Ok(rows.iter().all(|(_, t)| t.fault_count == 0))
 }
 
 fn print_table(rows: &[mass::Row], total: &mass::Row, seed: u64) {
