@@ -1,10 +1,12 @@
 //! Contacts of known surfaces.
 
+mod behaviours;
 mod convex;
 mod dirty;
 mod near;
 mod piercing;
 mod planes;
+mod ways_out;
 
 use std::ops::Deref;
 use std::sync::Arc;
