@@ -27,7 +27,7 @@ const PER_SCENE: u64 = 32;
 const EARLIER: u32 = 6;
 
 /// Faults kept with their words.
-const KEPT: usize = 20;
+pub(crate) const KEPT: usize = 20;
 
 /// What many casts gave.
 #[derive(Debug, Clone, Default, PartialEq)]

@@ -8,16 +8,14 @@ use feeler_core::{Level, Mockup, Point, Pose, Scene, SceneOptions, Tool};
 use rayon::prelude::*;
 
 use crate::blocks::{square, Solid, Spot, Surface};
+use crate::casts::KEPT;
 use crate::check::STORES;
 use crate::concave::{Contact, Family, Known, FAMILIES, SIZE};
 use crate::random::Random;
 use crate::shapes::Motion;
 
 /// Cases between two reports of progress.
-const WAVE: u64 = 64;
-
-/// Faults kept with their words.
-const KEPT: usize = 20;
+const CASES_BETWEEN_REPORTS: u64 = 64;
 
 /// Directions that differ in depth by less than these shares, of the depth and of the largest coordinate, are as deep as each other
 /// (`SHALLOWER` and the noise of the search for the least depth): the first tried is taken.
@@ -87,8 +85,8 @@ pub fn run(
     let mut rows = Vec::new();
     for family in chosen {
         let mut tally = Tally::default();
-        for first in (from..from + cases).step_by(WAVE as usize) {
-            let wave = first..(first + WAVE).min(from + cases);
+        for first in (from..from + cases).step_by(CASES_BETWEEN_REPORTS as usize) {
+            let wave = first..(first + CASES_BETWEEN_REPORTS).min(from + cases);
             let done = (wave.end - from) as f64 / cases as f64;
             let found: Vec<Tally> = wave.into_par_iter().map(|i| judge(family, seed, i, most_triangles)).collect();
             found.into_iter().for_each(|t| tally.add(t));
