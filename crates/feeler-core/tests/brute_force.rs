@@ -59,13 +59,14 @@ fn check(name: &str, mockup: &Arc<Mockup>, tool: &Tool, poses: &[Pose], thread_c
     let longest = mockup.mesh().bounds().extent().iter().fold(0.0f64, |m, x| m.max(*x));
     let sizes =
         [None, Some(longest / 60.0), Some(longest / 11.3), Some(longest / 4.0), Some(longest), Some(longest * 100.0)];
-    for &threads in thread_counts {
+    for (round, &threads) in thread_counts.iter().enumerate() {
         in_pool(threads, || {
             for storage in STORAGES {
                 for size in sizes {
                     let what = format!("{name}, {storage:?}, voxel size {size:?}, {threads} threads");
                     let mut scene = build(mockup, storage, size).unwrap_or_else(|e| panic!("{what}: {e}"));
-                    for lanes in Level::available() {
+                    // The index may differ by the number of threads that build it, and the queries by their lanes.
+                    for lanes in Level::available().into_iter().filter(|l| round == 0 || *l == Level::best()) {
                         scene.set_lanes(lanes);
                         check_scene(&format!("{what}, {}", lanes.name()), &scene, tool, poses, &expected);
                     }
@@ -120,7 +121,7 @@ fn long_thin_triangles() {
         let (mockup, tool) =
             (mockup_of(needles(seed, 150, width)), tool_of(placed(needles(seed + 10, 60, 1e-2), 0.8, -0.4)));
         let found = check("needles", &mockup, &tool, &poses(seed + 20, 4, 0.3, 0.5), &[1, 2]);
-        assert!(found > 10 || width < 1e-3, "{found} pairs make no test");
+        assert!(found > if width < 1e-3 { 0 } else { 10 }, "{found} pairs make no test");
     }
 }
 

@@ -254,6 +254,7 @@ fn a_path_is_its_segments() {
         assert_eq!(alone, found, "segment {i}");
     }
     assert!(hits.next().is_none() && check.segments == 4999);
+    assert!((500..4500).contains(&check.hits.len()), "{} hits", check.hits.len());
 }
 
 #[test]
@@ -343,7 +344,7 @@ fn a_spinning_tool_meets_a_speck() {
 }
 
 #[test]
-fn long_blades_are_stopped_where_they_meet() {
+fn a_long_blade_that_passes_is_not_stopped() {
     // A blade 1 m wide and 4.5e9 m long, whose own plane holds it off a small triangle by too little to go on with.
     let tool = tool_of(arrays_of([[[0.9, 1.0, 0.9], [1.0, 1.3, 1.3], [0.0, -4550284083.2, 1.2]]]));
     let mockup = mockup_of(arrays_of([[[0.8, 0.6, 0.6], [1.3, 0.8, 1.1], [1.1, 0.015237215161323548, 0.6]]]));
@@ -352,8 +353,7 @@ fn long_blades_are_stopped_where_they_meet() {
     let b = pose([[1.0, 0.0, 0.0, 0.5], [0.0, 0.0, 1.0, -0.2], [0.0, -1.0, 0.0, -0.4]]);
     let plain = cast_all_pairs(mockup.mesh(), &tool, &a, &b, TOLERANCE).unwrap();
     let found = STORAGES.map(|storage| scene_of(&mockup, storage).cast(&tool, &a, &b, TOLERANCE).unwrap());
-    for cast in found.into_iter().chain([plain]).flatten() {
-        // What rounding does to coordinates of 4.5e9 m.
-        assert!(cast.distance <= 2e-3, "{cast:?}");
-    }
+    // It passes: by less than the bounds for its length, and so far that no impact may be made of that.
+    assert_eq!((plain, found), (None, [None; 5]));
+    check(&mockup, &tool, (&a, &b), None, 20_000, "a long blade");
 }
