@@ -161,19 +161,6 @@ fn round_surfaces_have_the_least_depth_though_no_facet_looks_along_it() {
 }
 
 #[test]
-fn what_touches_has_the_one_normal_that_holds_it_apart() {
-    // All directions are as deep; the spike's faces come first or last, and look away.
-    let up = scene(spike(0.02, -1.0));
-    let plate = tool(box_mesh([0.003, 0.002, 0.01], [0.1, 0.1, 0.02], 1));
-    let contacts = up.contacts(&plate, &Pose::IDENTITY, 0.0, None).unwrap();
-    assert!(contacts.is_meeting);
-    assert_one(&contacts.planes, [0.0, 0.0, 1.0], 0.0, 1e-15, "plate on a spike");
-    let (under, down) = (scene(box_mesh([0.003, 0.002, -0.01], [0.1, 0.1, 0.02], 1)), tool(spike(0.02, 1.0)));
-    let contacts = under.contacts(&down, &Pose::IDENTITY, 0.0, None).unwrap();
-    assert_one(&contacts.planes, [0.0, 0.0, 1.0], 0.0, 1e-15, "spike on a plate");
-}
-
-#[test]
 fn of_two_faces_that_hold_as_well_the_mock_ups_counts() {
     // A block turned by so little that the depth along its own normal differs by rounding alone.
     for cells in [1, 6] {
