@@ -301,3 +301,19 @@ def test_every_part_that_is_met_has_a_plane(name: str, kind: str) -> None:
         assert set(met.tolist()) <= set(found.parts[found.gaps <= 0].tolist()), pose
         asked += len(met)
     assert asked > 100
+
+
+def test_a_fill_that_leaks_out_of_a_solid_does_not_count() -> None:
+    """A hand across a thin vane: were what the leaking fill found counted, the vane would be twice as deep in it."""
+    scene = feeler.Scene(feeler.sample("engine", 100_000))
+    pose = np.array(
+        [
+            [0.13138698, -0.98693067, 0.09330224, -0.31143477],
+            [-0.95550272, -0.10100175, 0.27715194, -0.10723861],
+            [-0.26410606, -0.1255647, -0.95628526, 0.57434058],
+            [0, 0, 0, 1],
+        ]
+    )
+    found = scene.contacts(feeler.sample_tool("hand"), pose)
+    assert scene.mockup.parts[int(found.parts[0])].name.endswith("vane_005")
+    assert -0.012 < found.gaps[0] < -0.011
