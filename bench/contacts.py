@@ -322,8 +322,8 @@ def time_table(triangles: int, count: int) -> str:
         "",
         f"Microseconds over {count} nominal poses of `engine` with {mockup.triangle_count:,} triangles, best of three "
         f"rounds, one core of {machine()['cpu']}; "
-        f"neighbours of the mock-up's triangles: {memory['adjacency'] / mockup.triangle_count:.0f} bytes a triangle, "
-        f"{first:.2f} s of the first call.",
+        f"what the first call finds of the surfaces: {memory['adjacency'] / mockup.triangle_count:.0f} bytes a triangle, "
+        f"{first:.2f} s on all cores.",
     ]
     return "\n".join(lines)
 

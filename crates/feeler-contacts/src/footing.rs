@@ -211,14 +211,22 @@ fn lowest(feet: &[Foot]) -> Vec<Foot> {
     };
     // What is higher than the slope over the whole width is lowest along none of them.
     let most = floor + slope * (reach(0) + reach(1));
-    let near: Vec<usize> = (0..feet.len()).filter(|i| feet[*i].height <= most).collect();
+    let mut near: Vec<usize> = (0..feet.len()).filter(|i| feet[*i].height <= most).collect();
+    // Triangles share their corners.
+    let place = |i: &usize| [feet[*i].at[0], feet[*i].at[1], feet[*i].height].map(f64::to_bits);
+    near.sort_unstable_by_key(|i| (place(i), *i));
+    near.dedup_by_key(|i| place(i));
+    // All that are as low: of a flat side its corners.
+    let noise = 1e-12 * (reach(0) + reach(1));
+    let mut heights = vec![0.0; near.len()];
     for k in 0..FOOTING_DIRECTIONS {
         let (sin, cos) = (TAU * k as f64 / FOOTING_DIRECTIONS as f64).sin_cos();
-        let over = |i: &usize| feet[*i].height - slope * (cos * feet[*i].at[0] + sin * feet[*i].at[1]);
-        let least = near.iter().map(over).fold(f64::INFINITY, f64::min);
-        // All that are as low: of a flat side its corners.
-        let noise = 1e-12 * (reach(0) + reach(1));
-        chosen.extend(near.iter().filter(|i| over(i) <= least + noise));
+        let mut least = f64::INFINITY;
+        for (height, i) in heights.iter_mut().zip(&near) {
+            *height = feet[*i].height - slope * (cos * feet[*i].at[0] + sin * feet[*i].at[1]);
+            least = least.min(*height);
+        }
+        chosen.extend(near.iter().zip(&heights).filter(|(_, height)| **height <= least + noise).map(|(i, _)| *i));
     }
     chosen.sort_unstable();
     chosen.dedup();
@@ -239,6 +247,17 @@ fn cut_to(feet: &[Foot], within: &[([f64; 2], f64)]) -> Vec<Foot> {
     let mut left = feet.to_vec();
     for (normal, limit) in within {
         let over = |foot: &Foot| normal[0] * foot.at[0] + normal[1] * foot.at[1] - limit;
+        let (mut is_all_in, mut is_all_out) = (true, true);
+        for foot in &left {
+            let is_in = over(foot) <= 0.0;
+            (is_all_in, is_all_out) = (is_all_in && is_in, is_all_out && !is_in);
+        }
+        if is_all_out {
+            return Vec::new();
+        }
+        if is_all_in {
+            continue;
+        }
         let before = std::mem::take(&mut left);
         for (i, p) in before.iter().enumerate() {
             let q = &before[(i + 1) % before.len()];
