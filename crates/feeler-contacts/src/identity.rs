@@ -59,7 +59,7 @@ fn hash([part, mockup, tool]: [u32; 3], number: u32) -> u64 {
 
 #[cfg(test)]
 mod tests {
-    use feeler_core::Mockup;
+    use feeler_core::{Mockup, Tool};
     use feeler_shapes::{ball, box_mesh, joined, ridge, Arrays};
 
     use crate::tests::{at, scene, tool, turned, Held};
@@ -101,6 +101,31 @@ mod tests {
         let (near, deep) = (ids(0.001), ids(-0.0005));
         assert_eq!(near, deep);
         assert!(near.len() == 2 && near[0] != near[1], "{near:?}");
+    }
+
+    #[test]
+    fn a_plane_keeps_its_id_when_others_come_and_go() {
+        // Floor and wall of one part, a block on one of them or on both; and a fork of which one prong or both touch the floor.
+        let floor = box_mesh([0.0, 0.0, -0.01], [0.1, 0.1, 0.02], 2);
+        let corner = scene(joined([floor, box_mesh([-0.06, 0.0, 0.05], [0.02, 0.1, 0.08], 2)]));
+        let block = tool(box_mesh([0.0; 3], [0.02; 3], 1));
+        let fork = tool(joined([-0.02, 0.02].map(|x| box_mesh([x, 0.0, 0.01 - 0.0125 * x], [0.01, 0.01, 0.02], 1))));
+        let ids = |tool: &Tool, x: f64, z: f64| {
+            let planes = corner.contacts(tool, &at(x, 0.0, z), 0.0, None).unwrap().planes;
+            planes.iter().map(|p| (p.normal.map(|x| x.round() as i32), p.point[0] > 0.0, p.id)).collect::<Vec<_>>()
+        };
+        let (on_floor, on_wall) = (ids(&block, 0.0, 0.0098), ids(&block, -0.0402, 0.02));
+        let on_both = ids(&block, -0.0402, 0.0098);
+        assert_eq!([on_floor.len(), on_wall.len(), on_both.len()], [1, 1, 2], "{on_both:?}");
+        assert_ne!(on_floor[0].2, on_wall[0].2);
+        for (normal, _, id) in on_both {
+            assert_eq!(id, if normal == [0, 0, 1] { on_floor[0].2 } else { on_wall[0].2 });
+        }
+        let (one, both) = (ids(&fork, 0.0, 0.0001), ids(&fork, 0.0, -0.0006));
+        assert_eq!([one.len(), both.len()], [1, 2], "{one:?} {both:?}");
+        for (_, is_right, id) in both {
+            assert_eq!(id == one[0].2, is_right == one[0].1);
+        }
     }
 
     #[test]
