@@ -53,6 +53,7 @@ pub(super) fn first_impact(
     scratch: &mut SweepMemory,
     collide: &mut CollideScratch,
 ) -> Option<Impact> {
+    let selection = index.selection();
     let few = FEW_PAIRS.max(tool.clusters().len());
     // Shorter than this a window is no use: all it holds is within the tolerance.
     let shortest = tolerance / motion.longest_way().max(tolerance);
@@ -73,6 +74,7 @@ pub(super) fn first_impact(
             tool,
             window: motion.window(tool, from, to),
             lanes: index.lanes(),
+            selection,
             may_give_up: may_cut && to > from,
         };
         let SweepMemory { store, pairs } = &mut *scratch;
@@ -80,6 +82,9 @@ pub(super) fn first_impact(
         let mut is_full = false;
         let whole = sweep(to);
         let all_seen = index.store().offer_swept(&whole, store, &mut |slot, triangle| {
+            if !selection.wants(tool, index.mockup(), slot, triangle) {
+                return false;
+            }
             pairs.push(pair_key(slot, triangle));
             if pairs.len() < limit {
                 return false;
@@ -101,8 +106,8 @@ pub(super) fn first_impact(
             }
             if is_full && cuts > coarse + CUTS_IN_CONTACT && still_at < from {
                 (still, still_at) = (0, from);
-                index.store().offer_swept(&sweep(from), store, &mut |_, _| {
-                    still += 1;
+                index.store().offer_swept(&sweep(from), store, &mut |slot, triangle| {
+                    still += usize::from(selection.wants(tool, index.mockup(), slot, triangle));
                     false
                 });
             }

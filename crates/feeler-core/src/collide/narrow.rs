@@ -238,11 +238,30 @@ impl Narrow<'_> {
         self.pending.count >= batch && self.finish()
     }
 
+    /// Leaves out pairs that are not asked for.
+    #[inline(never)]
+    fn keep_selected(&mut self) {
+        let PlacedTool { mockup, tool, selection, .. } = self.at;
+        let Pending { slots, mockup_triangles, count, .. } = &mut *self.pending;
+        let mut kept = 0;
+        for i in 0..(*count).min(PENDING_PLACES) {
+            let (t, m) = (slots[i], mockup_triangles[i]);
+            // No branch, as for repeats.
+            slots[kept] = t;
+            mockup_triangles[kept] = m;
+            kept += usize::from(selection.wants(tool, mockup, t, m));
+        }
+        *count = kept;
+    }
+
     /// Tests the pairs kept so far; true when the query is over.
     #[inline(never)]
     pub(crate) fn finish(&mut self) -> bool {
         if self.pending.count == 0 {
             return false;
+        }
+        if !self.at.selection.is_everything() {
+            self.keep_selected();
         }
         if self.filters.repeats && self.pending.is_repeating {
             let offered = self.pending.count;
@@ -264,7 +283,7 @@ impl Narrow<'_> {
         for i in count..count.next_multiple_of(LANES) {
             (slots[i], mockup_triangles[i]) = (slots[count - 1], mockup_triangles[count - 1]);
         }
-        let PlacedTool { mesh, tool, pose, lanes } = self.at;
+        let PlacedTool { mesh, tool, pose, lanes, .. } = self.at;
         let triangles = &mut *mockup_triangles;
         let (found, in_doubt) = lanes.run(Test { pose, tool, mesh, slots, triangles, count, asked, crossing });
         let hit = |key: &u64| Hit::new(tool.ids()[(key >> 32) as usize], *key as u32, PairKind::Crossing);

@@ -78,7 +78,9 @@ pub(super) fn run(
     pending.clear();
     hits.clear();
     *stats = Stats::default();
-    let at = PlacedTool { mesh: index.mockup().mesh(), tool, pose, lanes: index.lanes() };
+    let mockup = index.mockup();
+    let (mesh, lanes, selection) = (mockup.mesh(), index.lanes(), index.selection());
+    let at = PlacedTool { mockup, mesh, tool, pose, lanes, selection };
     let mut narrow = Narrow { at, filters, first_only, placed, seen, pending, hits, stats };
     index.store().offer_candidates(&at, blocks, &mut narrow);
     narrow.finish();
