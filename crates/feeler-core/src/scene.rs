@@ -118,6 +118,12 @@ impl Scene {
         self.with(self.index.selection().ignoring(Some(pairs)))
     }
 
+    /// The scene with no pairs ignored.
+    #[doc(hidden)]
+    pub fn asking_all_pairs(&self) -> Scene {
+        self.with(self.index.selection().ignoring(None))
+    }
+
     fn narrowed(&self, stays: impl Fn(u32) -> bool) -> Scene {
         let store = self.index.store();
         self.with(self.index.selection().narrowed(self.mockup(), stays, |is_there| store.children_there(is_there)))
