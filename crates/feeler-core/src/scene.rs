@@ -198,6 +198,29 @@ impl Scene {
         self.pools.collide.with(|scratch| collide::query::any_pair(&self.index, tool, pose, scratch)).is_some()
     }
 
+    /// Whether one body enters the other, rather than touching it: surfaces may lie on each other, slide along each other and be
+    /// seated without play. Stops at the first pair that crosses.
+    ///
+    /// Decided by the kinds of pairs; of coplanar pairs, and of triangles that touch from within, by exact sides, for which the
+    /// [adjacency](Self::memory) of both meshes is found once. Sheets have no inside: what touches them from both sides goes through.
+    /// Bodies that meet at corners of triangles of both alone are taken to touch.
+    ///
+    /// ```
+    /// # use feeler_core::*;
+    /// # let plate = vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
+    /// # let mockup = Mockup::new(plate, vec![[0, 1, 2], [0, 2, 3]], vec![], 1)?;
+    /// # let scene = Scene::build(mockup.into(), &SceneOptions::default(), &|_, _| true)?;
+    /// # let spike = vec![[0.0, 0.0, 0.0], [0.1, 0.0, 0.2], [-0.1, 0.1, 0.2], [-0.1, -0.1, 0.2]];
+    /// # let tool = Tool::new(spike, vec![[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]])?;
+    /// // The tip on the plate, and through it.
+    /// assert!(!scene.is_entering(&tool, &Pose::IDENTITY));
+    /// assert!(scene.is_entering(&tool, &Pose::IDENTITY.translated(&[0.3, -0.3, -0.05])?));
+    /// # Ok::<(), Error>(())
+    /// ```
+    pub fn is_entering(&self, tool: &Tool, pose: &Pose) -> bool {
+        self.pools.collide.with(|scratch| collide::query::entering_pair(&self.index, tool, pose, scratch)).is_some()
+    }
+
     /// [`collide`](Self::collide) at many poses, in parallel on the current rayon pool.
     ///
     /// What is found is put together at the end, so that for a moment a pair is held twice. `progress` is told after each few
