@@ -318,3 +318,6 @@ pub(crate) const SENSE_GRID_SIDE: usize = 512;
 pub(crate) const SENSE_LARGE_CELLS: usize = 256;
 /// Rays from a shell. Most of them decide: with cracks one may slip through.
 pub(crate) const SENSE_RAYS: usize = 5;
+
+/// The cosine from which on two unit normals are one plane's: a cast with contact takes a solid's own side then.
+pub(crate) const SAME_AXIS: f64 = 0.999_9;

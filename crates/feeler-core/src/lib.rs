@@ -70,7 +70,7 @@ mod sizing;
 #[doc(hidden)]
 pub mod tool;
 
-pub use cast::impact::Cast;
+pub use cast::impact::{Cast, Touching};
 pub use cast::path::PathCheck;
 pub use collide::batch::Batch;
 pub use collide::narrow::Filters;

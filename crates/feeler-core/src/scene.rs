@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use feeler_lanes::Level;
 
-use crate::cast::impact::{check_tolerance, Cast};
+use crate::cast::impact::{check_tolerance, Cast, Touching};
 use crate::cast::path::PathCheck;
 use crate::cast::query::CastScratch;
 use crate::collide::batch::Batch;
@@ -361,8 +361,22 @@ impl Scene {
     /// # Ok::<(), Error>(())
     /// ```
     pub fn cast(&self, tool: &Tool, pose0: &Pose, pose1: &Pose, tolerance: f64) -> Result<Option<Cast>> {
+        self.cast_touching(tool, pose0, pose1, tolerance, Touching::Ends)
+    }
+
+    /// [`cast`](Self::cast) that may pass over contacts: with [`Touching::Free`] it ends where one body enters the other, and
+    /// `tolerance` is also how far the two triangles at the impact may overlap by then.
+    pub fn cast_touching(
+        &self,
+        tool: &Tool,
+        pose0: &Pose,
+        pose1: &Pose,
+        tolerance: f64,
+        touching: Touching,
+    ) -> Result<Option<Cast>> {
         check_tolerance(tolerance)?;
-        Ok(self.pools.cast.with(|scratch| cast::query::cast(&self.index, tool, pose0, pose1, tolerance, scratch)))
+        let how = (tolerance, touching);
+        Ok(self.pools.cast.with(|scratch| cast::query::cast(&self.index, tool, pose0, pose1, how, scratch)))
     }
 
     /// [`cast`](Self::cast) from each pose of a path to the next, in parallel on the current rayon pool.
@@ -386,7 +400,19 @@ impl Scene {
     /// # Ok::<(), Error>(())
     /// ```
     pub fn check_path(&self, tool: &Tool, poses: &[Pose], tolerance: f64, progress: Progress<'_>) -> Result<PathCheck> {
-        cast::path::check_path(&self.index, &self.pools.cast, tool, poses, tolerance, progress)
+        self.check_path_touching(tool, poses, tolerance, Touching::Ends, progress)
+    }
+
+    /// [`check_path`](Self::check_path) that may pass over contacts, as [`cast_touching`](Self::cast_touching).
+    pub fn check_path_touching(
+        &self,
+        tool: &Tool,
+        poses: &[Pose],
+        tolerance: f64,
+        touching: Touching,
+        progress: Progress<'_>,
+    ) -> Result<PathCheck> {
+        cast::path::check_path(&self.index, &self.pools.cast, tool, poses, (tolerance, touching), progress)
     }
 }
 
