@@ -87,6 +87,10 @@ fn a_block_slides_over_a_table_and_off_its_edge() {
         assert!(into([at(0.0, 0.0, 0.0), at(0.0, 0.0, -0.3)]) <= 2e-5);
         assert!((into([at(0.0, 0.0, 0.1), at(0.0, 0.0, -0.3)]) - 0.25).abs() < 1e-4);
         assert!((into([at(1.3, 0.0, -0.15), at(0.7, 0.0, -0.15)]) - 1.0 / 3.0).abs() < 1e-4);
+        // As wide as the table: its sides go on along the table's, and only the faces between them are in the way.
+        let wide = tool_of(block([-1.0, -1.0, 0.0], [1.0, 1.0, 0.5], cells));
+        assert!(end(&scene, &wide, [at(0.0, 0.0, 0.0), at(0.0, 0.0, -0.25)]).unwrap() <= 2e-5);
+        assert_eq!(end(&scene, &wide, [at(0.0, 0.0, 0.0), at(0.0, 0.0, 0.25)]), None);
         // As high as the table: face on face, however far the way goes on.
         let flush = tool_of(block([-0.1, -0.1, -0.1], [0.1, 0.1, 0.0], cells));
         let stopped = end(&scene, &flush, [at(1.5, 0.0, 0.0), at(-9.0, 0.0, 0.0)]).unwrap();
