@@ -116,12 +116,13 @@ TWO_FILE_CIRCLES: dict[tuple[str, str], str] = {
 }
 
 # What each room of python/feeler may import from the package. `feeler` alone is the public face.
-BASE = {"_core", "calibrate", "errors", "mockup", "progress", "scene", "travel"}
+BASE = {"_core", "calibrate", "errors", "mockup", "poses", "progress", "scene", "travel"}
 ROOMS: dict[str, set[str]] = {
     "_core": set(),
     "errors": set(),
     "progress": {"errors"},
     "travel": {"_core", "errors"},
+    "poses": {"errors"},
     "mockup": {"_core", "errors", "travel"},
     "calibrate": {"_core", "errors"},
     "scene": {"_core", "calibrate", "errors", "mockup", "travel"},

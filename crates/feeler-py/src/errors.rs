@@ -35,7 +35,7 @@ pub const ROUNDING: f64 = 1e-2;
 pub fn message(error: &Error) -> String {
     match error {
         Error::PoseNotRigid { deviation, .. } if *deviation < ROUNDING => {
-            format!("{error}; feeler.nearest_rigid(pose) repairs rounding")
+            format!("{error}; feeler.nearest_rigid(pose) repairs rounding (on the command line --snap-pose)")
         }
         _ => error.to_string(),
     }
