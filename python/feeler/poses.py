@@ -54,7 +54,8 @@ def nearest_rigid(pose: npt.ArrayLike, max_deviation: float = MAX_DEVIATION) -> 
         u[:, :, 2] *= np.sign(np.linalg.det(u @ v))[:, None]
         repaired[loose, :3, :3] = u @ v
     repaired[:, 3] = 0.0, 0.0, 0.0, 1.0
-    return repaired.reshape(given.shape)
+    shaped: npt.NDArray[np.float64] = repaired.reshape(given.shape)
+    return shaped
 
 
 def _matrices(pose: npt.ArrayLike) -> npt.NDArray[np.float64]:
@@ -67,7 +68,8 @@ def _matrices(pose: npt.ArrayLike) -> npt.NDArray[np.float64]:
     if array.ndim not in (2, 3) or array.shape[-2:] != (4, 4):
         raise PoseError(f"a pose has shape {array.shape}: (4, 4) or (n, 4, 4) is needed")
     with np.errstate(over="ignore"):  # a long double beyond float64 becomes an infinity, which is refused
-        return array.astype(np.float64)
+        matrices: npt.NDArray[np.float64] = array.astype(np.float64)
+    return matrices
 
 
 def _deviation(poses: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
@@ -77,5 +79,6 @@ def _deviation(poses: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
         products = np.abs(rotations @ rotations.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2), initial=0.0)
         mirrors = np.linalg.det(rotations) < 0
     last = np.abs(poses[:, 3] - [0.0, 0.0, 0.0, 1.0]).max(axis=1, initial=0.0)
-    deviation = np.maximum(np.maximum(products, last), np.where(mirrors, 2.0, 0.0))
-    return np.where(np.isnan(deviation), np.inf, deviation)
+    deviation: npt.NDArray[np.float64] = np.maximum(np.maximum(products, last), np.where(mirrors, 2.0, 0.0))
+    deviation[np.isnan(deviation)] = np.inf
+    return deviation
