@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import copy
 import gc
 import itertools
-import pickle
+import signal
 import subprocess
 import sys
 import threading
@@ -514,14 +513,6 @@ def test_results_cannot_be_changed_or_made(mockup: feeler.Mockup, tool: feeler.T
             cls()
 
 
-def test_copies_are_refused_in_words(mockup: feeler.Mockup, tool: feeler.Tool) -> None:
-    scene = feeler.Scene(mockup)
-    for thing in (scene, scene.collide(tool, np.eye(4)), scene.collide_batch(tool, [np.eye(4)])):
-        for attempt in (pickle.dumps, copy.copy, copy.deepcopy):
-            with pytest.raises(TypeError, match="cannot pickle"):
-                attempt(thing)
-
-
 def test_subclassing(mockup: feeler.Mockup, tool: feeler.Tool) -> None:
     class Bay(feeler.Scene):
         """Counts its queries."""
@@ -555,3 +546,28 @@ def test_every_instruction_set_of_this_cpu_gives_the_same_answers(
             assert scene.is_colliding(tool, pose) == best.is_colliding(tool, pose)
     with pytest.raises(feeler.OptionError, match='simd is "mmx"'):
         feeler.Scene(mockup, simd="mmx")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="sends SIGINT to a child")
+@pytest.mark.parametrize("threads", ["None", "1"])
+def test_ctrl_c_stops_a_batch_that_reports_to_nobody(threads: str) -> None:
+    script = (
+        "import signal, numpy as np, feeler\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+        "tool = feeler.sample_tool('wrench')\n"
+        f"scene = feeler.Scene(feeler.sample('engine', 50_000), threads={threads})\n"
+        "poses = np.tile(np.eye(4), (400_000, 1, 1))\n"
+        "poses[:, 0, 3] = np.linspace(2, 3, len(poses))\n"
+        "print('asking', flush=True)\n"
+        "scene.distance_batch(tool, poses)\n"
+        "print('answered', flush=True)\n"
+    )
+    with subprocess.Popen(
+        [sys.executable, "-c", script], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "asking\n"
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate()
+    assert "answered" not in out
+    assert "KeyboardInterrupt" in err

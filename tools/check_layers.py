@@ -117,14 +117,16 @@ TWO_FILE_CIRCLES: dict[tuple[str, str], str] = {
 }
 
 # What each room of python/feeler may import from the package. `feeler` alone is the public face.
-BASE = {"_core", "calibrate", "errors", "mockup", "progress", "scene"}
+BASE = {"_core", "calibrate", "errors", "mockup", "poses", "progress", "scene", "travel"}
 ROOMS: dict[str, set[str]] = {
     "_core": set(),
     "errors": set(),
     "progress": {"errors"},
-    "mockup": {"_core", "errors"},
+    "travel": {"_core", "errors"},
+    "poses": {"errors"},
+    "mockup": {"_core", "errors", "travel"},
     "calibrate": {"_core", "errors"},
-    "scene": {"_core", "calibrate", "errors", "mockup"},
+    "scene": {"_core", "calibrate", "errors", "mockup", "travel"},
     "io": BASE,
     "picture": {*BASE, "io"},
     "samples": BASE,

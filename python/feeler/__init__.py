@@ -26,6 +26,7 @@ from feeler.errors import (
 )
 from feeler.io import load_mockup, load_tool
 from feeler.mockup import Mockup, Tool
+from feeler.poses import nearest_rigid
 from feeler.samples import sample, sample_path, sample_poses, sample_tool
 from feeler.scene import ContactTracker, PairKind, Scene, optimal_voxel_size
 
@@ -57,6 +58,7 @@ __all__ = [
     "Tool",
     "load_mockup",
     "load_tool",
+    "nearest_rigid",
     "optimal_voxel_size",
     "sample",
     "sample_path",

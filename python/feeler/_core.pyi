@@ -28,6 +28,7 @@ __all__ = [
     "Scene",
     "Tool",
     "optimal_voxel_size",
+    "restore",
     "weld_vertices",
 ]
 
@@ -530,3 +531,6 @@ def weld_vertices(vertices: npt.NDArray[np.float64]) -> tuple[npt.NDArray[np.flo
 
     Equal means equal coordinates, with 0.0 equal to -0.0.
     """
+
+def restore(kind: str, state: tuple[object, ...]) -> object:
+    """A result from what `feeler.travel` pickled of it. Raises `LoadError` for a state that no result has."""

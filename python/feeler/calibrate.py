@@ -40,6 +40,16 @@ _lock = threading.Lock()
 _known: Constants | None = None
 
 
+def _unlock() -> None:
+    """In a forked process, where the thread that holds the lock is not."""
+    global _lock
+    _lock = threading.Lock()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_unlock)
+
+
 def query_clock() -> Callable[[], float]:
     """The clock that queries are timed with, seconds.
 

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from feeler import _core
 from feeler.errors import MeshError
+from feeler.travel import reduced
 
 _OUT_OF_RANGE = np.iinfo(np.uint32).max
 
@@ -214,6 +215,16 @@ class Mockup(_core.Mockup):
         """What was loaded and what is wrong with it."""
         return _report(self, self.source, self.part_count)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Its arrays, and beside them all attributes, as in other Python objects."""
+        parts = self.part_of_face if self.part_count > 1 else None
+        state = (type(self), self.vertices, self.faces, parts, self.part_count)
+        return (*reduced("Mockup", state), dict(self.__dict__))
+
+    @classmethod
+    def _restore(cls, *state: Any) -> Mockup:
+        return super().__new__(cls, *state)
+
     def __repr__(self) -> str:
         return f"Mockup({self.triangle_count:,} triangles, {self.part_count:,} parts)"
 
@@ -248,6 +259,15 @@ class Tool(_core.Tool):
     def report(self) -> LoadReport:
         """What was loaded and what is wrong with it."""
         return _report(self, self.source, 1)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Its arrays, and beside them all attributes, as in other Python objects."""
+        state = (type(self), self.vertices, self.faces)
+        return (*reduced("Tool", state), dict(self.__dict__))
+
+    @classmethod
+    def _restore(cls, *state: Any) -> Tool:
+        return super().__new__(cls, *state)
 
     def __repr__(self) -> str:
         return f"Tool({self.name!r}, {self.triangle_count:,} triangles)"

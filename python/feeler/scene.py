@@ -7,7 +7,7 @@ import os
 import time
 from collections.abc import Callable
 from enum import IntEnum
-from typing import Literal, overload
+from typing import Any, Literal, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -27,6 +27,7 @@ from feeler._core import (
 from feeler.calibrate import machine_constants
 from feeler.errors import LimitError, MeshError, OptionError
 from feeler.mockup import Mockup, Tool
+from feeler.travel import reduced
 
 Progress = Callable[[float, str], object]
 
@@ -65,9 +66,13 @@ class Scene(_core.Scene):
 
     Raises `OptionError` for values out of range and `LimitError` for a voxel size that would need more memory, or more
     voxels, than allowed; that before anything is allocated.
+
+    Copies are the scene itself. A pickle takes the mock-up and the options along, `voxel_size` as it was chosen, and
+    the index is made anew where it arrives; with the best instruction set there, if that CPU lacks the given `simd`.
     """
 
     build_seconds: float
+    _given: dict[str, Any]
 
     def __new__(
         cls,
@@ -86,6 +91,7 @@ class Scene(_core.Scene):
             raise MeshError(f"a scene needs a feeler.Mockup, not {type(mockup).__name__}")
         if threads is not None and not 1 <= _integer("threads", threads) <= 1024:
             raise OptionError(f"threads is {threads}: choose 1 to 1024, or None for all")
+        given = {"threads": threads, "memory_limit": memory_limit, "simd": simd}
         memory_limit = _memory_limit(memory_limit)
         _check_progress(progress)
         if voxel_size is None and tool is not None and storage in ("dense", "hashed"):
@@ -108,6 +114,7 @@ class Scene(_core.Scene):
             None if simd is None else str(simd),
         )
         self.build_seconds = time.perf_counter() - start
+        self._given = given
         return self
 
     @property
@@ -249,6 +256,26 @@ class Scene(_core.Scene):
         """
         return super().penetration(tool, world_from_tool, _real("margin", margin), reference)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        built = {"voxel_size": self.voxel_size, "storage": self.storage, "hashing": self.hashing}
+        attributes = {name: value for name, value in self.__dict__.items() if name not in ("build_seconds", "_given")}
+        return (*reduced("Scene", (type(self), self.mockup, {**built, **self._given})), attributes)
+
+    @classmethod
+    def _restore(cls, mockup: Mockup, options: dict[str, Any]) -> Scene:
+        try:
+            return Scene.__new__(cls, mockup, **options)
+        except OptionError:
+            if options["simd"] is None:
+                raise
+            return Scene.__new__(cls, mockup, **{**options, "simd": None})
+
+    def __copy__(self) -> Scene:
+        return self
+
+    def __deepcopy__(self, _memo: object) -> Scene:
+        return self
+
     def __repr__(self) -> str:
         return f"Scene({self.mockup!r}, voxel_size={self.voxel_size:.4g}, storage={self.storage!r})"
 
@@ -259,11 +286,25 @@ class ContactTracker(_core.ContactTracker):
     Without such a pose, on the first call for a tool that starts inside, by the side on which the tool's bulk lies.
     """
 
+    _asked: tuple[Scene, _core.Tool]
+
     def __new__(cls, scene: Scene, tool: _core.Tool) -> ContactTracker:
         """See the class."""
         if not isinstance(scene, Scene):
             raise MeshError(f"a tracker needs a feeler.Scene, not {type(scene).__name__}")
-        return super().__new__(cls, scene, tool)
+        self = super().__new__(cls, scene, tool)
+        self._asked = (scene, tool)
+        return self
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        attributes = {name: value for name, value in self.__dict__.items() if name != "_asked"}
+        return (*reduced("ContactTracker", (type(self), *self._asked, self.last_free)), attributes)
+
+    @classmethod
+    def _restore(cls, scene: Scene, tool: _core.Tool, last_free: npt.NDArray[np.float64] | None) -> ContactTracker:
+        self = ContactTracker.__new__(cls, scene, tool)
+        self.last_free = last_free
+        return self
 
     def contacts(self, world_from_tool: npt.ArrayLike, margin: float = 0.002) -> Contacts:
         """`Scene.contacts` with the last free pose as reference; a pose at which nothing meets becomes the next."""

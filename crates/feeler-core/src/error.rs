@@ -73,6 +73,8 @@ pub enum Error {
     PoseNotRigid {
         /// Which condition failed, and by how much.
         why: String,
+        /// The most by which a condition fails: rows' lengths and right angles, the last row; 2 for a mirror.
+        deviation: f64,
     },
     /// A tolerance of a cast that is not a positive finite number.
     #[error("tolerance is {value:?}: it must be a positive, finite length in metres")]

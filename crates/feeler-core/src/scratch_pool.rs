@@ -1,12 +1,18 @@
 //! The working memory of past queries, for the next ones.
 
 use std::fmt;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 
 use crossbeam_utils::atomic::AtomicCell;
 
+/// How often a lock that is held is looked at.
+const LOOKS: usize = 100;
+
 /// What the last query left, and what others left that ran at the same time. One after the other they find the former with one
 /// atomic instruction; a lock takes several.
+///
+/// Nobody waits for the lock, since in a forked process it may be held by a thread that is not there: whoever finds it held goes
+/// without, and works with new memory.
 pub struct ScratchPool<T> {
     last: AtomicCell<Option<Box<T>>>,
     others: Mutex<Vec<Box<T>>>,
@@ -29,7 +35,9 @@ impl<T: Default> ScratchPool<T> {
     #[inline]
     pub fn put(&self, scratch: Box<T>) {
         if let Some(other) = self.last.swap(Some(scratch)) {
-            self.others.lock().unwrap_or_else(PoisonError::into_inner).push(other);
+            if let Some(mut others) = self.others() {
+                others.push(other);
+            }
         }
     }
 
@@ -46,13 +54,51 @@ impl<T: Default> ScratchPool<T> {
     #[cold]
     #[inline(never)]
     fn other(&self) -> Box<T> {
-        let other = self.others.lock().unwrap_or_else(PoisonError::into_inner).pop();
-        other.unwrap_or_default()
+        self.others().and_then(|mut others| others.pop()).unwrap_or_default()
+    }
+
+    /// What others left, unless somebody holds it. It is held for an instant, so another look or two nearly always helps.
+    fn others(&self) -> Option<MutexGuard<'_, Vec<Box<T>>>> {
+        for _ in 0..LOOKS {
+            match self.others.try_lock() {
+                Ok(others) => return Some(others),
+                Err(TryLockError::Poisoned(others)) => return Some(PoisonError::into_inner(others)),
+                Err(TryLockError::WouldBlock) => std::hint::spin_loop(),
+            }
+        }
+        None
     }
 }
 
 impl<T> fmt::Debug for ScratchPool<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("ScratchPool").finish_non_exhaustive()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn memory_is_used_again() {
+        let pool = ScratchPool::<Vec<u32>>::default();
+        let (mut a, mut b) = (pool.take(), pool.take());
+        a.push(1);
+        b.push(2);
+        pool.put(a);
+        pool.put(b);
+        let mut left = [pool.take()[0], pool.take()[0]];
+        left.sort_unstable();
+        assert_eq!(left, [1, 2]);
+    }
+
+    #[test]
+    fn a_lock_that_is_never_given_back_stops_nobody() {
+        let pool = ScratchPool::<Vec<u32>>::default();
+        let _held = pool.others.lock().unwrap();
+        let [a, b, c] = std::array::from_fn(|_| pool.take());
+        [a, b, c].into_iter().for_each(|scratch| pool.put(scratch));
+        assert!(pool.take().is_empty());
     }
 }

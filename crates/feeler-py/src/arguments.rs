@@ -7,7 +7,7 @@ use numpy::{PyArray, PyArrayMethods, PyReadonlyArray, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 
-use crate::errors::{raise, to_py};
+use crate::errors::{message, raise, to_py};
 use crate::tool::Tool;
 
 /// A `feeler.Tool`.
@@ -69,7 +69,8 @@ impl<'a, 'py> FromPyObject<'a, 'py> for PosesArgument {
         if array.shape()[1..] != [4, 4] {
             return Err(raise("PoseError", format!("poses have shape {:?}: (n, 4, 4) is needed", array.shape())));
         }
-        let named = |p, pose: core::Result<_>| pose.map_err(|e| raise("PoseError", format!("poses[{p}]: {e}")));
+        let named =
+            |p, pose: core::Result<_>| pose.map_err(|e| raise("PoseError", format!("poses[{p}]: {}", message(&e))));
         let array = array.as_array();
         // Room for all at once: a list that grows is copied over and over, on one thread.
         let mut poses = Vec::with_capacity(array.shape()[0]);

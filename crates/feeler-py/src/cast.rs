@@ -4,58 +4,114 @@ use std::sync::Arc;
 
 use feeler_core as core;
 use numpy::ndarray::{Array2, Array3};
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
+use pyo3::types::PyTuple;
+
+use crate::travel::{check_lengths, damaged, list, reduced, rows_of};
 
 /// The first impact of a tool on its way.
 #[pyclass(frozen, module = "feeler._core")]
+#[derive(Clone, Copy)]
 pub struct Cast {
-    core: core::Cast,
+    fraction: f64,
+    pose: [[f64; 4]; 4],
+    point: core::Point,
+    normal: core::Point,
+    distance: f64,
+    /// Of the tool and of the mock-up.
+    triangles: [u32; 2],
     part: u32,
 }
 
 impl Cast {
     pub fn new(core: core::Cast, mockup: &core::Mockup) -> Cast {
-        Cast { part: mockup.part_of_face(core.mockup_triangle), core }
+        let core::Cast { fraction, point, normal, distance, tool_triangle, mockup_triangle, .. } = core;
+        let part = mockup.part_of_face(mockup_triangle);
+        let triangles = [tool_triangle, mockup_triangle];
+        Cast { fraction, pose: core.pose.matrix(), point, normal, distance, triangles, part }
     }
+
+    /// All its numbers, and its ids.
+    fn state(&self) -> ([f64; 24], [u32; 3]) {
+        let mut numbers = [0.0; 24];
+        numbers[..2].copy_from_slice(&[self.fraction, self.distance]);
+        numbers[2..5].copy_from_slice(&self.point);
+        numbers[5..8].copy_from_slice(&self.normal);
+        numbers[8..].copy_from_slice(self.pose.as_flattened());
+        (numbers, [self.triangles[0], self.triangles[1], self.part])
+    }
+
+    fn of_state(numbers: &[f64; 24], ids: &[u32; 3]) -> Cast {
+        Cast {
+            fraction: numbers[0],
+            distance: numbers[1],
+            point: std::array::from_fn(|a| numbers[2 + a]),
+            normal: std::array::from_fn(|a| numbers[5 + a]),
+            pose: std::array::from_fn(|i| std::array::from_fn(|j| numbers[8 + 4 * i + j])),
+            triangles: [ids[0], ids[1]],
+            part: ids[2],
+        }
+    }
+
+    pub fn restore(state: &Bound<'_, PyTuple>) -> PyResult<Cast> {
+        match casts_of(state.extract()?)?[..] {
+            [cast] => Ok(cast),
+            _ => Err(damaged("it is not one impact")),
+        }
+    }
+}
+
+/// A row of numbers and one of ids for each impact.
+type Rows<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<u32>>);
+
+fn rows_for<'py>(py: Python<'py>, casts: &[Cast]) -> Rows<'py> {
+    let rows: Vec<_> = casts.iter().map(Cast::state).collect();
+    let numbers = Array2::from_shape_fn((rows.len(), 24), |(n, i)| rows[n].0[i]);
+    (numbers.into_pyarray(py), Array2::from_shape_fn((rows.len(), 3), |(n, i)| rows[n].1[i]).into_pyarray(py))
+}
+
+fn casts_of((numbers, ids): (PyReadonlyArray2<'_, f64>, PyReadonlyArray2<'_, u32>)) -> PyResult<Vec<Cast>> {
+    let (numbers, ids) = (rows_of(&numbers)?, rows_of(&ids)?);
+    check_lengths("rows of ids", ids.len(), numbers.len())?;
+    Ok(numbers.iter().zip(&ids).map(|(numbers, ids)| Cast::of_state(numbers, ids)).collect())
 }
 
 #[pymethods]
 impl Cast {
     #[getter]
     fn fraction(&self) -> f64 {
-        self.core.fraction
+        self.fraction
     }
 
     #[getter]
     fn pose<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
-        let m = self.core.pose.matrix();
-        Array2::from_shape_fn((4, 4), |(i, j)| m[i][j]).into_pyarray(py)
+        Array2::from_shape_fn((4, 4), |(i, j)| self.pose[i][j]).into_pyarray(py)
     }
 
     #[getter]
     fn point<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.core.point.to_vec().into_pyarray(py)
+        self.point.to_vec().into_pyarray(py)
     }
 
     #[getter]
     fn normal<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.core.normal.to_vec().into_pyarray(py)
+        self.normal.to_vec().into_pyarray(py)
     }
 
     #[getter]
     fn distance(&self) -> f64 {
-        self.core.distance
+        self.distance
     }
 
     #[getter]
     fn tool_triangle(&self) -> u32 {
-        self.core.tool_triangle
+        self.triangles[0]
     }
 
     #[getter]
     fn mockup_triangle(&self) -> u32 {
-        self.core.mockup_triangle
+        self.triangles[1]
     }
 
     #[getter]
@@ -64,33 +120,49 @@ impl Cast {
     }
 
     fn __repr__(&self) -> String {
-        format!("Cast(fraction={:?}, part={})", self.core.fraction, self.part)
+        format!("Cast(fraction={:?}, part={})", self.fraction, self.part)
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        reduced(py, "Cast", rows_for(py, &[*self]))
     }
 }
 
 /// What a path meets, segment by segment.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct PathCheck {
-    core: core::PathCheck,
-    mockup: Arc<core::Mockup>,
+    count: usize,
+    /// The segments that are hit, ascending, and the first impact on each.
+    hits: Vec<(usize, Cast)>,
 }
 
 impl PathCheck {
     pub fn new(core: core::PathCheck, mockup: Arc<core::Mockup>) -> PathCheck {
-        PathCheck { core, mockup }
+        let hits = core.hits.into_iter().map(|(segment, cast)| (segment, Cast::new(cast, &mockup))).collect();
+        PathCheck { count: core.segments, hits }
     }
 
-    fn points_of<'py>(&self, py: Python<'py>, of: impl Fn(&core::Cast) -> core::Point) -> Bound<'py, PyArray2<f64>> {
-        let hits = &self.core.hits;
-        Array2::from_shape_fn((hits.len(), 3), |(i, a)| of(&hits[i].1)[a]).into_pyarray(py)
+    pub fn restore(state: &Bound<'_, PyTuple>) -> PyResult<PathCheck> {
+        type State<'py> = (usize, PyReadonlyArray1<'py, u64>, PyReadonlyArray2<'py, f64>, PyReadonlyArray2<'py, u32>);
+        let (count, segments, numbers, ids): State<'_> = state.extract()?;
+        let (segments, casts) = (list(&segments), casts_of((numbers, ids))?);
+        check_lengths("segments that are hit", segments.len(), casts.len())?;
+        if segments.iter().any(|segment| *segment >= count as u64) {
+            return Err(damaged(format!("a segment is hit that is not among its {count}")));
+        }
+        Ok(PathCheck { count, hits: segments.iter().map(|segment| *segment as usize).zip(casts).collect() })
+    }
+
+    fn points_of<'py>(&self, py: Python<'py>, of: impl Fn(&Cast) -> core::Point) -> Bound<'py, PyArray2<f64>> {
+        Array2::from_shape_fn((self.hits.len(), 3), |(i, a)| of(&self.hits[i].1)[a]).into_pyarray(py)
     }
 
     fn column<'py, T: numpy::Element>(
         &self,
         py: Python<'py>,
-        of: impl Fn(&(usize, core::Cast)) -> T,
+        of: impl Fn(&(usize, Cast)) -> T,
     ) -> Bound<'py, PyArray1<T>> {
-        self.core.hits.iter().map(of).collect::<Vec<T>>().into_pyarray(py)
+        self.hits.iter().map(of).collect::<Vec<T>>().into_pyarray(py)
     }
 }
 
@@ -98,13 +170,13 @@ impl PathCheck {
 impl PathCheck {
     #[getter]
     fn free(&self) -> bool {
-        self.core.hits.is_empty()
+        self.hits.is_empty()
     }
 
     #[getter]
     fn fraction<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        let mut fraction = vec![f64::NAN; self.core.segments];
-        self.core.hits.iter().for_each(|(segment, cast)| fraction[*segment] = cast.fraction);
+        let mut fraction = vec![f64::NAN; self.count];
+        self.hits.iter().for_each(|(segment, cast)| fraction[*segment] = cast.fraction);
         fraction.into_pyarray(py)
     }
 
@@ -115,8 +187,7 @@ impl PathCheck {
 
     #[getter]
     fn poses<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray3<f64>> {
-        let matrices: Vec<[[f64; 4]; 4]> = self.core.hits.iter().map(|(_, cast)| cast.pose.matrix()).collect();
-        Array3::from_shape_fn((matrices.len(), 4, 4), |(n, i, j)| matrices[n][i][j]).into_pyarray(py)
+        Array3::from_shape_fn((self.hits.len(), 4, 4), |(n, i, j)| self.hits[n].1.pose[i][j]).into_pyarray(py)
     }
 
     #[getter]
@@ -131,29 +202,35 @@ impl PathCheck {
 
     #[getter]
     fn tool_triangles<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
-        self.column(py, |(_, cast)| cast.tool_triangle)
+        self.column(py, |(_, cast)| cast.triangles[0])
     }
 
     #[getter]
     fn mockup_triangles<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
-        self.column(py, |(_, cast)| cast.mockup_triangle)
+        self.column(py, |(_, cast)| cast.triangles[1])
     }
 
     #[getter]
     fn parts<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
-        self.column(py, |(_, cast)| self.mockup.part_of_face(cast.mockup_triangle))
+        self.column(py, |(_, cast)| cast.part)
     }
 
     #[getter]
     fn first(&self) -> Option<Cast> {
-        self.core.hits.first().map(|(_, cast)| Cast::new(*cast, &self.mockup))
+        self.hits.first().map(|(_, cast)| *cast)
     }
 
     fn __len__(&self) -> usize {
-        self.core.segments
+        self.count
     }
 
     fn __repr__(&self) -> String {
-        format!("PathCheck({} segments, {} hit)", self.core.segments, self.core.hits.len())
+        format!("PathCheck({} segments, {} hit)", self.count, self.hits.len())
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let casts: Vec<Cast> = self.hits.iter().map(|(_, cast)| *cast).collect();
+        let (numbers, ids) = rows_for(py, &casts);
+        reduced(py, "PathCheck", (self.count, self.segments(py), numbers, ids))
     }
 }

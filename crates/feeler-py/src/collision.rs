@@ -1,24 +1,71 @@
 //! Results of queries.
 
+use std::collections::HashMap;
+
 use feeler_core as core;
 use numpy::ndarray::Array2;
-use numpy::{IntoPyArray, PyArray1, PyArray2};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyTuple};
 
 use crate::arrays::{codes, view, view_rows};
 use crate::mockup::Mockup;
+use crate::travel::{check_lengths, check_offsets, damaged, kinds_of, list, reduced, rows_of};
 
 /// The pairs of triangles that meet at one pose.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct Collision {
     core: core::Collision,
-    mockup: Py<Mockup>,
+    parts: Parts,
+}
+
+/// The parts that are met.
+enum Parts {
+    /// To be looked up in the mock-up.
+    Of(Py<Mockup>),
+    /// As they were found where the result comes from: it travels without its mock-up.
+    Found(Vec<u32>),
 }
 
 impl Collision {
     pub fn new(core: core::Collision, mockup: Py<Mockup>) -> Collision {
-        Collision { core, mockup }
+        Collision { core, parts: Parts::Of(mockup) }
+    }
+
+    fn part_ids(&self) -> Vec<u32> {
+        let mockup = match &self.parts {
+            Parts::Of(mockup) => &mockup.get().core,
+            Parts::Found(parts) => return parts.clone(),
+        };
+        let mut parts: Vec<u32> = self.core.pairs.iter().map(|p| mockup.part_of_face(p[1])).collect();
+        parts.sort_unstable();
+        parts.dedup();
+        parts
+    }
+
+    pub fn restore(state: &Bound<'_, PyTuple>) -> PyResult<Collision> {
+        type State<'py> =
+            (PyReadonlyArray2<'py, u32>, PyReadonlyArray1<'py, u8>, PyReadonlyArray1<'py, u32>, HashMap<String, u64>);
+        let (pairs, kinds, parts, counts): State<'_> = state.extract()?;
+        let mut core = core::Collision::default();
+        (core.pairs, core.kinds) = (rows_of(&pairs)?, kinds_of(&kinds)?);
+        check_lengths("kinds", core.kinds.len(), core.pairs.len())?;
+        let stats = &mut core.stats;
+        for (name, count) in counts {
+            *match name.as_str() {
+                "voxels_visited" => &mut stats.voxels_visited,
+                "clusters_placed" => &mut stats.clusters_placed,
+                "pieces_scanned" => &mut stats.pieces_scanned,
+                "entries_scanned" => &mut stats.entries_scanned,
+                "box_survivors" => &mut stats.box_survivors,
+                "repeats_skipped" => &mut stats.repeats_skipped,
+                "triangle_tests" => &mut stats.triangle_tests,
+                "exact_tests" => &mut stats.exact_tests,
+                "pairs" => &mut stats.pairs,
+                other => return Err(damaged(format!("no figure is called {other:?}"))),
+            } = count;
+        }
+        Ok(Collision { core, parts: Parts::Found(list(&parts)) })
     }
 
     fn column(&self, column: usize) -> Vec<u32> {
@@ -55,10 +102,7 @@ impl Collision {
 
     #[getter]
     fn parts<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
-        let mut parts: Vec<u32> = self.core.pairs.iter().map(|p| self.mockup.get().core.part_of_face(p[1])).collect();
-        parts.sort_unstable();
-        parts.dedup();
-        parts.into_pyarray(py)
+        self.part_ids().into_pyarray(py)
     }
 
     #[getter]
@@ -81,6 +125,11 @@ impl Collision {
     fn __repr__(&self) -> String {
         format!("Collision({} pairs)", self.core.pairs.len())
     }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        let (py, this) = (slf.py(), slf.get());
+        reduced(py, "Collision", (Self::pairs(slf), Self::kinds(slf), this.parts(py), this.stats(py)?))
+    }
 }
 
 /// The pairs of many poses.
@@ -92,6 +141,16 @@ pub struct Batch {
 impl Batch {
     pub fn new(core: core::Batch) -> Batch {
         Batch { core }
+    }
+
+    pub fn restore(state: &Bound<'_, PyTuple>) -> PyResult<Batch> {
+        type State<'py> = (PyReadonlyArray1<'py, u64>, PyReadonlyArray2<'py, u32>, PyReadonlyArray1<'py, u8>);
+        let (offsets, pairs, kinds): State<'_> = state.extract()?;
+        let mut core = core::Batch::default();
+        (core.offsets, core.pairs, core.kinds) = (list(&offsets), rows_of(&pairs)?, kinds_of(&kinds)?);
+        check_lengths("kinds", core.kinds.len(), core.pairs.len())?;
+        check_offsets(&core.offsets, core.pairs.len())?;
+        Ok(Batch { core })
     }
 }
 
@@ -134,5 +193,9 @@ impl Batch {
 
     fn __repr__(&self) -> String {
         format!("Batch({} poses, {} pairs)", self.__len__(), self.core.pairs.len())
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        reduced(slf.py(), "Batch", (Self::offsets(slf), Self::pairs(slf), Self::kinds(slf)))
     }
 }

@@ -1,19 +1,22 @@
 //! `feeler._core.Contacts`, `ContactPlane`, `Penetration` and `ContactTracker`.
 
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use feeler_contacts as contacts;
 use feeler_core as core;
 use numpy::ndarray::Array2;
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
+use once_cell::race::OnceBox;
 use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
-use pyo3::types::{PyIterator, PyList};
+use pyo3::types::{PyIterator, PyList, PyTuple};
 
 use crate::arguments::{PoseArgument, ToolArgument};
 use crate::arrays::{view, view_blocks, view_rows};
 use crate::errors::to_py;
+use crate::pools::find_topology;
 use crate::scene::{pose_array, Scene};
+use crate::travel::{check_lengths, check_offsets, damaged, list, reduced, rows_of};
 
 /// The contact planes of a tool at a pose.
 #[pyclass(frozen, module = "feeler._core")]
@@ -28,16 +31,21 @@ pub struct Contacts {
     offsets: [Vec<u64>; 2],
     omitted: usize,
     meeting: bool,
-    asked: Asked,
-    planes: Vec<contacts::ContactPlane>,
-    footing: OnceLock<Footing>,
+    /// None of what travelled: its footings came with it.
+    asked: Option<Asked>,
+    /// Found when first asked for; by everyone who asks meanwhile, since nobody may wait for a thread that a fork leaves behind.
+    footing: OnceBox<Footing>,
 }
 
-/// What was asked of which scene; footings are found with it.
-pub struct Asked {
-    pub solver: Arc<contacts::ContactSolver>,
-    pub tool: Arc<core::Tool>,
-    pub pose: core::Pose,
+/// Who was asked, about which tool, at which pose.
+pub type Question = (Arc<contacts::ContactSolver>, Arc<core::Tool>, core::Pose);
+
+/// What was asked of which scene, and the answer; footings are found with it.
+struct Asked {
+    solver: Arc<contacts::ContactSolver>,
+    tool: Arc<core::Tool>,
+    pose: core::Pose,
+    planes: Vec<contacts::ContactPlane>,
 }
 
 /// The points that carry each plane, the last of fewer than four again and again, and how many there are.
@@ -47,7 +55,7 @@ struct Footing {
 }
 
 impl Contacts {
-    pub fn new(core: contacts::Contacts, asked: Asked) -> Contacts {
+    pub fn new(core: contacts::Contacts, (solver, asked_tool, pose): Question) -> Contacts {
         let planes = core.planes;
         let joined = |of: &dyn Fn(&contacts::ContactPlane) -> &Vec<u32>| {
             let mut offsets = vec![0];
@@ -70,10 +78,47 @@ impl Contacts {
             offsets: [tool_offsets, mockup_offsets],
             omitted: core.omitted,
             meeting: core.is_meeting,
-            asked,
-            planes,
-            footing: OnceLock::new(),
+            asked: Some(Asked { solver, tool: asked_tool, pose, planes }),
+            footing: OnceBox::new(),
         }
+    }
+
+    pub fn restore(state: &Bound<'_, PyTuple>) -> PyResult<Contacts> {
+        type Planes<'py> = (
+            PyReadonlyArray2<'py, f64>,
+            PyReadonlyArray2<'py, f64>,
+            PyReadonlyArray1<'py, f64>,
+            PyReadonlyArray1<'py, u32>,
+            PyReadonlyArray1<'py, u64>,
+        );
+        type Lists<'py> = (PyReadonlyArray1<'py, u32>, PyReadonlyArray1<'py, u64>);
+        type Footings<'py> = (PyReadonlyArray3<'py, f64>, PyReadonlyArray1<'py, u32>);
+        type State<'py> = (Planes<'py>, Lists<'py>, Lists<'py>, Footings<'py>, usize, bool);
+        let (planes, tool, mockup, footings, omitted, meeting): State<'_> = state.extract()?;
+        let (points, normals) = (rows_of(&planes.0)?, rows_of(&planes.1)?);
+        let (gaps, parts, ids) = (list(&planes.2), list(&planes.3), list(&planes.4));
+        let count = gaps.len();
+        let blocks = footings.0.as_array();
+        if blocks.shape()[1..] != [4, 3] {
+            return Err(damaged("its footings are not four points each"));
+        }
+        let block = |n| std::array::from_fn(|i| std::array::from_fn(|a| blocks[[n, i, a]]));
+        let footing = Footing { points: (0..blocks.shape()[0]).map(block).collect(), counts: list(&footings.1) };
+        let lengths = [points.len(), normals.len(), parts.len(), ids.len(), footing.points.len(), footing.counts.len()];
+        for length in lengths {
+            check_lengths("entries of a plane's", length, count)?;
+        }
+        if footing.counts.iter().any(|n| !(1..=4).contains(n)) {
+            return Err(damaged("a footing has no points, or more than four"));
+        }
+        let triangles = [list(&tool.0), list(&mockup.0)];
+        let offsets = [list(&tool.1), list(&mockup.1)];
+        for (triangles, offsets) in triangles.iter().zip(&offsets) {
+            check_lengths("offsets", offsets.len(), count + 1)?;
+            check_offsets(offsets, triangles.len())?;
+        }
+        let footing = OnceBox::with_value(Box::new(footing));
+        Ok(Contacts { points, normals, gaps, parts, ids, triangles, offsets, omitted, meeting, asked: None, footing })
     }
 
     /// Found when first asked for, without the interpreter's lock.
@@ -81,13 +126,15 @@ impl Contacts {
         py.detach(|| {
             self.footing.get_or_init(|| {
                 let mut footing = Footing { points: Vec::new(), counts: Vec::new() };
-                for plane in &self.planes {
-                    let found = self.asked.solver.footing(&self.asked.tool, &self.asked.pose, plane);
-                    let points = found.points();
-                    footing.points.push(std::array::from_fn(|i| points[i.min(points.len() - 1)]));
-                    footing.counts.push(points.len() as u32);
+                if let Some(Asked { solver, tool, pose, planes }) = &self.asked {
+                    for plane in planes {
+                        let found = solver.footing(tool, pose, plane);
+                        let points = found.points();
+                        footing.points.push(std::array::from_fn(|i| points[i.min(points.len() - 1)]));
+                        footing.counts.push(points.len() as u32);
+                    }
                 }
-                footing
+                Box::new(footing)
             })
         })
     }
@@ -180,7 +227,7 @@ impl Contacts {
     }
 
     fn __getitem__(slf: &Bound<'_, Self>, index: isize) -> PyResult<ContactPlane> {
-        let count = slf.get().planes.len();
+        let count = slf.get().gaps.len();
         let plane = if index < 0 { index.checked_add_unsigned(count) } else { Some(index) };
         let plane = plane.and_then(|i| usize::try_from(i).ok()).filter(|i| *i < count);
         let plane = plane.ok_or_else(|| PyIndexError::new_err(format!("plane {index} of {count}")))?;
@@ -188,7 +235,7 @@ impl Contacts {
     }
 
     fn __iter__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyIterator>> {
-        let planes = 0..slf.get().planes.len();
+        let planes = 0..slf.get().gaps.len();
         let planes = planes.map(|plane| ContactPlane { contacts: slf.clone().unbind(), plane }.into_pyobject(slf.py()));
         PyList::new(slf.py(), planes.collect::<PyResult<Vec<_>>>()?)?.try_iter()
     }
@@ -198,6 +245,16 @@ impl Contacts {
             Some(gap) => format!("Contacts({} planes, least gap {gap:.4e} m)", self.gaps.len()),
             None => "Contacts(0 planes)".into(),
         }
+    }
+
+    /// Its footings are found for it: where it goes there is no scene.
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        let this = slf.get();
+        let planes = (Self::points(slf), Self::normals(slf), Self::gaps(slf), Self::parts(slf), Self::ids(slf));
+        let tool = (Self::tool_triangles(slf), Self::tool_offsets(slf));
+        let mockup = (Self::mockup_triangles(slf), Self::mockup_offsets(slf));
+        let footings = (Self::footing(slf), Self::footing_counts(slf));
+        reduced(slf.py(), "Contacts", (planes, tool, mockup, footings, this.omitted, this.meeting))
     }
 }
 
@@ -209,8 +266,19 @@ pub struct ContactPlane {
 }
 
 impl ContactPlane {
-    fn core(&self) -> &contacts::ContactPlane {
-        &self.contacts.get().planes[self.plane]
+    /// Its triangles of the tool (0) or of the mock-up (1).
+    fn triangles(&self, of: usize) -> Vec<u32> {
+        let Contacts { triangles, offsets, .. } = self.contacts.get();
+        triangles[of][offsets[of][self.plane] as usize..offsets[of][self.plane + 1] as usize].to_vec()
+    }
+
+    pub fn restore(state: &Bound<'_, PyTuple>) -> PyResult<ContactPlane> {
+        let (contacts, plane): (Py<Contacts>, usize) = state.extract()?;
+        let count = contacts.get().gaps.len();
+        if plane >= count {
+            return Err(damaged(format!("it is plane {plane} of {count}")));
+        }
+        Ok(ContactPlane { contacts, plane })
     }
 }
 
@@ -218,27 +286,27 @@ impl ContactPlane {
 impl ContactPlane {
     #[getter]
     fn point<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.core().point.to_vec().into_pyarray(py)
+        self.contacts.get().points[self.plane].to_vec().into_pyarray(py)
     }
 
     #[getter]
     fn normal<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.core().normal.to_vec().into_pyarray(py)
+        self.contacts.get().normals[self.plane].to_vec().into_pyarray(py)
     }
 
     #[getter]
     fn gap(&self) -> f64 {
-        self.core().gap
+        self.contacts.get().gaps[self.plane]
     }
 
     #[getter]
     fn part(&self) -> u32 {
-        self.core().part
+        self.contacts.get().parts[self.plane]
     }
 
     #[getter]
     fn id(&self) -> u64 {
-        self.core().id
+        self.contacts.get().ids[self.plane]
     }
 
     #[getter]
@@ -250,31 +318,51 @@ impl ContactPlane {
 
     #[getter]
     fn tool_triangles<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
-        self.core().tool_triangles.clone().into_pyarray(py)
+        self.triangles(0).into_pyarray(py)
     }
 
     #[getter]
     fn mockup_triangles<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
-        self.core().mockup_triangles.clone().into_pyarray(py)
+        self.triangles(1).into_pyarray(py)
     }
 
     fn __repr__(&self) -> String {
-        let contacts::ContactPlane { gap, part, id, .. } = self.core();
+        let (gap, part, id) = (self.gap(), self.part(), self.id());
         format!("ContactPlane(gap {gap:.4e} m, part {part}, id {id:#018x})")
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        reduced(py, "ContactPlane", (&self.contacts, self.plane))
     }
 }
 
 /// A translation that frees a tool.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct Penetration {
-    core: contacts::Penetration,
+    translation: core::Point,
+    depth: f64,
+    kind: contacts::PenetrationKind,
     contacts: Py<Contacts>,
 }
 
+/// What a kind is called.
+const KINDS: [(contacts::PenetrationKind, &str); 3] = [
+    (contacts::PenetrationKind::Exact, "exact"),
+    (contacts::PenetrationKind::Bound, "bound"),
+    (contacts::PenetrationKind::Estimate, "estimate"),
+];
+
 impl Penetration {
-    pub fn new(py: Python<'_>, mut core: contacts::Penetration, asked: Asked) -> PyResult<Penetration> {
-        let contacts = Py::new(py, Contacts::new(std::mem::take(&mut core.contacts), asked))?;
-        Ok(Penetration { core, contacts })
+    pub fn new(py: Python<'_>, core: contacts::Penetration, asked: Question) -> PyResult<Penetration> {
+        let contacts::Penetration { translation, depth, kind, contacts, .. } = core;
+        Ok(Penetration { translation, depth, kind, contacts: Py::new(py, Contacts::new(contacts, asked))? })
+    }
+
+    pub fn restore(state: &Bound<'_, PyTuple>) -> PyResult<Penetration> {
+        let (translation, depth, called, contacts): (core::Point, f64, String, Py<Contacts>) = state.extract()?;
+        let kind = KINDS.iter().find(|(_, name)| *name == called);
+        let (kind, _) = *kind.ok_or_else(|| damaged(format!("no penetration is {called:?}")))?;
+        Ok(Penetration { translation, depth, kind, contacts })
     }
 }
 
@@ -282,21 +370,17 @@ impl Penetration {
 impl Penetration {
     #[getter]
     fn translation<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.core.translation.to_vec().into_pyarray(py)
+        self.translation.to_vec().into_pyarray(py)
     }
 
     #[getter]
     fn depth(&self) -> f64 {
-        self.core.depth
+        self.depth
     }
 
     #[getter]
     fn kind(&self) -> &'static str {
-        match self.core.kind {
-            contacts::PenetrationKind::Exact => "exact",
-            contacts::PenetrationKind::Bound => "bound",
-            contacts::PenetrationKind::Estimate => "estimate",
-        }
+        KINDS.iter().find(|(kind, _)| *kind == self.kind).map_or("estimate", |(_, name)| name)
     }
 
     #[getter]
@@ -305,7 +389,11 @@ impl Penetration {
     }
 
     fn __repr__(&self) -> String {
-        format!("Penetration({:.4e} m, {})", self.core.depth, self.kind())
+        format!("Penetration({:.4e} m, {})", self.depth, self.kind())
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        reduced(py, "Penetration", (self.translation, self.depth, self.kind(), &self.contacts))
     }
 }
 
@@ -326,17 +414,18 @@ impl ContactTracker {
 
     fn contacts(&self, py: Python<'_>, world_from_tool: PoseArgument, margin: f64) -> PyResult<Contacts> {
         let scene = self.scene.get();
+        // The lock is not held meanwhile: a second thread asks with what was known, and does not wait. It is held with the
+        // interpreter's alone, so that no thread holds it while another forks.
+        let mut tracker = *self.core.lock().unwrap_or_else(PoisonError::into_inner);
         let found = py.detach(|| {
-            // The lock is not held meanwhile: a second thread asks with what was known, and does not wait.
-            let mut tracker = *self.core.lock().unwrap_or_else(PoisonError::into_inner);
-            let found = tracker.contacts(scene.solver(), &self.tool, &world_from_tool.0, margin)?;
-            if !found.is_meeting {
-                *self.core.lock().unwrap_or_else(PoisonError::into_inner) = tracker;
-            }
-            Ok(found)
-        });
+            find_topology(scene.solver().scene().mockup(), &self.tool, false)?;
+            tracker.contacts(scene.solver(), &self.tool, &world_from_tool.0, margin).map_err(to_py)
+        })?;
+        if !found.is_meeting {
+            *self.core.lock().unwrap_or_else(PoisonError::into_inner) = tracker;
+        }
         let (solver, tool) = (Arc::clone(scene.solver()), Arc::clone(&self.tool));
-        found.map(|c| Contacts::new(c, Asked { solver, tool, pose: world_from_tool.0 })).map_err(to_py)
+        Ok(Contacts::new(found, (solver, tool, world_from_tool.0)))
     }
 
     #[getter]

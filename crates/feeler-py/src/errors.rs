@@ -22,10 +22,23 @@ pub fn to_py(error: Error) -> PyErr {
         Error::TooMany { .. } | Error::GridTooFine { .. } | Error::Memory { .. } | Error::TooManyEntries { .. } => {
             "LimitError"
         }
-        // `Cancelled`: the progress function raised, and its own exception is what the caller gets (`scene::Reporter`).
+        // `Cancelled`: the progress function raised, and its own exception is what the caller gets (`reporter::Reporter`).
         _ => "FeelerError",
     };
-    raise(class, error.to_string())
+    raise(class, message(&error))
+}
+
+/// Below this, what is wrong with a pose looks like rounding. `feeler.nearest_rigid` repairs as much without being asked to.
+pub const ROUNDING: f64 = 1e-2;
+
+/// What a core error says, and which function of the Python package helps.
+pub fn message(error: &Error) -> String {
+    match error {
+        Error::PoseNotRigid { deviation, .. } if *deviation < ROUNDING => {
+            format!("{error}; feeler.nearest_rigid(pose) repairs rounding (on the command line --snap-pose)")
+        }
+        _ => error.to_string(),
+    }
 }
 
 /// An exception of `feeler.errors` by its name.

@@ -8,10 +8,14 @@ mod contacts;
 mod errors;
 mod huge_pages;
 mod mockup;
+mod pools;
 mod predict;
 mod proximity;
+mod reporter;
+mod restore;
 mod scene;
 mod tool;
+mod travel;
 
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -53,9 +57,21 @@ mod _core {
     #[pymodule_export]
     use super::proximity::{Clearance, ClearanceBatch, Distance, DistanceBatch};
     #[pymodule_export]
+    use super::restore::restore;
+    #[pymodule_export]
     use super::scene::{optimal_voxel_size, Scene};
     #[pymodule_export]
     use super::tool::Tool;
     #[pymodule_export]
     use super::weld_vertices;
+
+    use pyo3::prelude::*;
+
+    #[pymodule_init]
+    fn init(_module: &Bound<'_, PyModule>) -> PyResult<()> {
+        super::pools::watch_forks();
+        // Found once, while nobody forks: a forked process would wait for a thread that was about to find it.
+        feeler_core::Level::best();
+        Ok(())
+    }
 }

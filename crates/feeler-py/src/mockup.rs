@@ -9,6 +9,7 @@ use pyo3::types::PyDict;
 
 use crate::arrays::{rows, view_rows};
 use crate::errors::to_py;
+use crate::pools::on_pool;
 
 /// A static mock-up. `feeler.Mockup` adds names and reports.
 #[pyclass(subclass, frozen, module = "feeler._core")]
@@ -30,8 +31,10 @@ impl Mockup {
         let vertices = rows("vertices", &vertices)?;
         let faces = rows("faces", &faces)?;
         let part_of_face = part_of_face.map_or_else(Vec::new, |p| p.as_array().to_vec());
-        let mockup = py.detach(|| core::Mockup::new(vertices, faces, part_of_face, part_count)).map_err(to_py)?;
-        Ok(Mockup { core: Arc::new(mockup) })
+        let made = py
+            .detach(|| on_pool(None, || core::Mockup::new(vertices, faces, part_of_face, part_count)))?
+            .map_err(to_py)?;
+        Ok(Mockup { core: Arc::new(made) })
     }
 
     #[getter]

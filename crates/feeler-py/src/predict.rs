@@ -6,6 +6,8 @@ use pyo3::prelude::*;
 use crate::arguments::ToolArgument;
 use crate::errors::{raise, to_py};
 use crate::mockup::Mockup;
+use crate::pools::on_pool;
+use crate::travel::stays;
 
 /// Predicts queries of a tool in a mock-up.
 #[pyclass(frozen, module = "feeler._core")]
@@ -39,7 +41,7 @@ impl Predictor {
             other => return Err(raise("OptionError", format!("storage is {other:?}: choose 'dense' or 'hashed'"))),
         };
         let (mockup, tool) = (&mockup.get().core, tool.core());
-        let made = py.detach(|| core::Predictor::new(mockup.mesh(), tool.mesh(), storage));
+        let made = py.detach(|| on_pool(None, || core::Predictor::new(mockup.mesh(), tool.mesh(), storage)))?;
         Ok(Predictor { core: made.ok_or_else(too_large_or_small)? })
     }
 
@@ -59,8 +61,12 @@ impl Predictor {
         Ok(self.core.bytes(voxel_size))
     }
 
-    fn optimal_size(&self, py: Python<'_>, constants: Constants, memory_limit: u64) -> f64 {
-        py.detach(|| self.core.optimal_size(&constants_of(constants), memory_limit))
+    fn optimal_size(&self, py: Python<'_>, constants: Constants, memory_limit: u64) -> PyResult<f64> {
+        py.detach(|| on_pool(None, || self.core.optimal_size(&constants_of(constants), memory_limit)))
+    }
+
+    fn __reduce__(&self) -> PyResult<()> {
+        Err(stays("Predictor", "make it anew from its mock-up and tool"))
     }
 }
 
@@ -82,8 +88,8 @@ impl PiecePredictor {
     #[new]
     fn new(py: Python<'_>, mockup: &Bound<'_, Mockup>, tool: ToolArgument<'_, '_>) -> PyResult<PiecePredictor> {
         let (mockup, tool) = (&mockup.get().core, tool.core());
-        let core = py.detach(|| core::PiecePredictor::new(mockup.mesh(), tool)).ok_or_else(too_large_or_small)?;
-        Ok(PiecePredictor { core })
+        let made = py.detach(|| on_pool(None, || core::PiecePredictor::new(mockup.mesh(), tool)))?;
+        Ok(PiecePredictor { core: made.ok_or_else(too_large_or_small)? })
     }
 
     /// The work at a piece size, in units of no meaning, and the pieces.
@@ -93,8 +99,12 @@ impl PiecePredictor {
         Ok((work.cost(), work.pieces))
     }
 
-    fn optimal_size(&self, py: Python<'_>, memory_limit: u64) -> f64 {
-        py.detach(|| self.core.optimal_size(memory_limit))
+    fn optimal_size(&self, py: Python<'_>, memory_limit: u64) -> PyResult<f64> {
+        py.detach(|| on_pool(None, || self.core.optimal_size(memory_limit)))
+    }
+
+    fn __reduce__(&self) -> PyResult<()> {
+        Err(stays("PiecePredictor", "make it anew from its mock-up and tool"))
     }
 }
 

@@ -2,14 +2,45 @@
 
 use feeler_core as core;
 use numpy::ndarray::Array2;
-use numpy::{IntoPyArray, PyArray1, PyArray2};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
+use pyo3::types::PyTuple;
+
+use crate::travel::{check_lengths, check_offsets, damaged, list, reduced, rows_of};
 
 /// Points as `(n, 3)`.
 fn points<'py>(py: Python<'py>, rows: impl ExactSizeIterator<Item = core::Point>) -> Bound<'py, PyArray2<f64>> {
     let count = rows.len();
     let flat: Vec<f64> = rows.flatten().collect();
     Array2::from_shape_vec((count, 3), flat).expect("three numbers a row").into_pyarray(py)
+}
+
+/// A row of ids and one of numbers for each gap.
+type Rows<'py> = (Bound<'py, PyArray2<u32>>, Bound<'py, PyArray2<f64>>);
+
+fn rows_for<'py>(py: Python<'py>, gaps: &[core::Gap]) -> Rows<'py> {
+    let ids = |gap: &core::Gap| [gap.tool_triangle, gap.mockup_triangle, gap.part];
+    let ids = Array2::from_shape_fn((gaps.len(), 3), |(n, i)| ids(&gaps[n])[i]);
+    let numbers = Array2::from_shape_fn((gaps.len(), 7), |(n, i)| match i {
+        0 => gaps[n].distance,
+        1..4 => gaps[n].on_tool[i - 1],
+        _ => gaps[n].on_mockup[i - 4],
+    });
+    (ids.into_pyarray(py), numbers.into_pyarray(py))
+}
+
+fn gaps_of(ids: &PyReadonlyArray2<'_, u32>, numbers: &PyReadonlyArray2<'_, f64>) -> PyResult<Vec<core::Gap>> {
+    let (ids, numbers) = (rows_of::<u32, 3>(ids)?, rows_of::<f64, 7>(numbers)?);
+    check_lengths("rows of ids", ids.len(), numbers.len())?;
+    let gap = |(ids, numbers): (&[u32; 3], &[f64; 7])| core::Gap {
+        tool_triangle: ids[0],
+        mockup_triangle: ids[1],
+        part: ids[2],
+        distance: numbers[0],
+        on_tool: std::array::from_fn(|a| numbers[1 + a]),
+        on_mockup: std::array::from_fn(|a| numbers[4 + a]),
+    };
+    Ok(ids.iter().zip(&numbers).map(gap).collect())
 }
 
 /// The minimum distance at one pose, or that of a part.
@@ -21,6 +52,15 @@ pub struct Distance {
 impl Distance {
     pub fn new(gap: Option<core::Gap>) -> Distance {
         Distance { gap }
+    }
+
+    pub fn restore(state: &Bound<'_, PyTuple>) -> PyResult<Distance> {
+        let (ids, numbers): (PyReadonlyArray2<'_, u32>, PyReadonlyArray2<'_, f64>) = state.extract()?;
+        match gaps_of(&ids, &numbers)?[..] {
+            [] => Ok(Distance { gap: None }),
+            [gap] => Ok(Distance { gap: Some(gap) }),
+            _ => Err(damaged("it is more than one distance")),
+        }
     }
 }
 
@@ -62,6 +102,10 @@ impl Distance {
             Some(gap) => format!("Distance({:?} m, part {})", gap.distance, gap.part),
         }
     }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        reduced(py, "Distance", rows_for(py, self.gap.as_slice()))
+    }
 }
 
 /// The minimum distance at each of many poses.
@@ -73,6 +117,15 @@ pub struct DistanceBatch {
 impl DistanceBatch {
     pub fn new(gaps: Vec<Option<core::Gap>>) -> DistanceBatch {
         DistanceBatch { gaps }
+    }
+
+    pub fn restore(state: &Bound<'_, PyTuple>) -> PyResult<DistanceBatch> {
+        type State<'py> = (PyReadonlyArray1<'py, bool>, PyReadonlyArray2<'py, u32>, PyReadonlyArray2<'py, f64>);
+        let (near, ids, numbers): State<'_> = state.extract()?;
+        let (near, found) = (list(&near), gaps_of(&ids, &numbers)?);
+        check_lengths("distances", found.len(), near.iter().filter(|near| **near).count())?;
+        let mut found = found.into_iter();
+        Ok(DistanceBatch { gaps: near.iter().map(|near| if *near { found.next() } else { None }).collect() })
     }
 
     fn ids<'py>(&self, py: Python<'py>, id: fn(&core::Gap) -> u32) -> Bound<'py, PyArray1<i64>> {
@@ -125,6 +178,13 @@ impl DistanceBatch {
     fn __repr__(&self) -> String {
         format!("DistanceBatch({} poses)", self.gaps.len())
     }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let near = self.gaps.iter().map(Option::is_some).collect::<Vec<bool>>().into_pyarray(py);
+        let found: Vec<core::Gap> = self.gaps.iter().flatten().copied().collect();
+        let (ids, numbers) = rows_for(py, &found);
+        reduced(py, "DistanceBatch", (near, ids, numbers))
+    }
 }
 
 /// What is near at one pose: a row a part, or a row a pair of triangles.
@@ -136,6 +196,11 @@ pub struct Clearance {
 impl Clearance {
     pub fn new(gaps: Vec<core::Gap>) -> Clearance {
         Clearance { gaps }
+    }
+
+    pub fn restore(state: &Bound<'_, PyTuple>) -> PyResult<Clearance> {
+        let (ids, numbers): (PyReadonlyArray2<'_, u32>, PyReadonlyArray2<'_, f64>) = state.extract()?;
+        Ok(Clearance { gaps: gaps_of(&ids, &numbers)? })
     }
 
     fn ids<'py>(&self, py: Python<'py>, id: fn(&core::Gap) -> u32) -> Bound<'py, PyArray1<u32>> {
@@ -185,6 +250,10 @@ impl Clearance {
             Some(gap) => format!("Clearance({} rows, least {:?} m)", self.gaps.len(), gap.distance),
         }
     }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        reduced(py, "Clearance", rows_for(py, &self.gaps))
+    }
 }
 
 /// What is near at each of many poses.
@@ -197,6 +266,14 @@ pub struct ClearanceBatch {
 impl ClearanceBatch {
     pub fn new(batch: core::GapBatch) -> ClearanceBatch {
         ClearanceBatch { offsets: batch.offsets, all: Clearance::new(batch.gaps) }
+    }
+
+    pub fn restore(state: &Bound<'_, PyTuple>) -> PyResult<ClearanceBatch> {
+        type State<'py> = (PyReadonlyArray1<'py, u64>, PyReadonlyArray2<'py, u32>, PyReadonlyArray2<'py, f64>);
+        let (offsets, ids, numbers): State<'_> = state.extract()?;
+        let (offsets, gaps) = (list(&offsets), gaps_of(&ids, &numbers)?);
+        check_offsets(&offsets, gaps.len())?;
+        Ok(ClearanceBatch { offsets, all: Clearance { gaps } })
     }
 }
 
@@ -248,6 +325,11 @@ impl ClearanceBatch {
 
     fn __repr__(&self) -> String {
         format!("ClearanceBatch({} poses, {} rows)", self.__len__(), self.all.gaps.len())
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let (ids, numbers) = rows_for(py, &self.all.gaps);
+        reduced(py, "ClearanceBatch", (self.offsets(py), ids, numbers))
     }
 }
 

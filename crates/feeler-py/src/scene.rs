@@ -1,6 +1,6 @@
 //! `feeler._core.Scene` and the voxel-size function.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use feeler_contacts::ContactSolver;
 use feeler_core as core;
@@ -8,15 +8,16 @@ use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::arguments::{PoseArgument, PosesArgument, Switch, ToolArgument};
 use crate::cast::{Cast, PathCheck};
 use crate::collision::{Batch, Collision};
-use crate::contacts::{Asked, Contacts, Penetration};
+use crate::contacts::{Contacts, Penetration, Question};
 use crate::errors::{raise, to_py};
 use crate::mockup::Mockup;
+use crate::pools::{find_topology, on_pool, Pool};
 use crate::proximity::{Clearance, ClearanceBatch, Distance, DistanceBatch};
+use crate::reporter::Reporter;
 
 /// A mock-up with its index. `feeler.Scene` adds defaults.
 #[pyclass(subclass, frozen, module = "feeler._core")]
@@ -24,8 +25,8 @@ pub struct Scene {
     core: Arc<core::Scene>,
     solver: Arc<ContactSolver>,
     mockup: Py<Mockup>,
-    /// `None`: the process-wide pool.
-    pool: Option<ThreadPool>,
+    /// `None`: the pool of the process.
+    pool: Option<Pool>,
 }
 
 impl Scene {
@@ -33,8 +34,8 @@ impl Scene {
         &self.solver
     }
 
-    fn asked(&self, tool: &Arc<core::Tool>, pose: core::Pose) -> Asked {
-        Asked { solver: Arc::clone(&self.solver), tool: Arc::clone(tool), pose }
+    fn asked(&self, tool: &Arc<core::Tool>, pose: core::Pose) -> Question {
+        (Arc::clone(&self.solver), Arc::clone(tool), pose)
     }
 }
 
@@ -77,24 +78,18 @@ impl Scene {
         if hashing != 0.0 && !matches!(storage, core::Storage::Hashed { .. }) {
             return Err(to_py(core::Error::HashingUnused { value: hashing }));
         }
-        let pool = match threads {
-            None => None,
-            Some(n) => {
-                let built = ThreadPoolBuilder::new().num_threads(n).build();
-                Some(built.map_err(|e| raise("OptionError", format!("cannot start {n} threads: {e}")))?)
-            }
-        };
+        let pool = threads.map(Pool::new);
         let core_mockup = Arc::clone(&mockup.get().core);
         let core_tool = tool.as_ref().map(|t| Arc::clone(t.core()));
         let options = core::SceneOptions { voxel_size, storage, tool: core_tool.as_deref(), memory_limit };
         let reporter = Reporter::new(progress);
         let built = py.detach(|| {
-            on_pool(pool.as_ref(), || {
+            reporter.watch(pool.as_ref(), || {
                 core::Scene::build(core_mockup, &options, &|done, stage| reporter.tell(done, stage))
             })
         });
         reporter.finish()?;
-        let mut core = built.map_err(to_py)?;
+        let mut core = built?.map_err(to_py)?;
         core.set_lanes(lanes);
         let core = Arc::new(core);
         Ok(Scene { solver: Arc::new(ContactSolver::new(Arc::clone(&core))), core, mockup, pool })
@@ -181,12 +176,12 @@ impl Scene {
         let tool = tool.core();
         let reporter = Reporter::new(progress);
         let batch = py.detach(|| {
-            on_pool(self.pool.as_ref(), || {
+            reporter.watch(self.pool.as_ref(), || {
                 self.core.collide_batch(tool, &poses.0, &|done, stage| reporter.tell(done, stage))
             })
         });
         reporter.finish()?;
-        Ok(Batch::new(batch.map_err(to_py)?))
+        Ok(Batch::new(batch?.map_err(to_py)?))
     }
 
     #[pyo3(signature = (tool, world_from_tool, within, triangles))]
@@ -220,8 +215,11 @@ impl Scene {
     ) -> PyResult<Contacts> {
         let reference = reference.map(|pose| pose.0);
         let tool = tool.core();
-        let found = py.detach(|| self.solver.contacts(tool, &world_from_tool.0, margin, reference.as_ref()));
-        Ok(Contacts::new(found.map_err(to_py)?, self.asked(tool, world_from_tool.0)))
+        let found = py.detach(|| {
+            find_topology(self.core.mockup(), tool, false)?;
+            self.solver.contacts(tool, &world_from_tool.0, margin, reference.as_ref()).map_err(to_py)
+        });
+        Ok(Contacts::new(found?, self.asked(tool, world_from_tool.0)))
     }
 
     #[pyo3(signature = (tool, world_from_tool, margin, reference))]
@@ -235,8 +233,13 @@ impl Scene {
     ) -> PyResult<Penetration> {
         let reference = reference.map(|pose| pose.0);
         let tool = tool.core();
-        let found = py.detach(|| self.solver.penetration(tool, &world_from_tool.0, margin, reference.as_ref()));
-        Penetration::new(py, found.map_err(to_py)?, self.asked(tool, world_from_tool.0))
+        let found = py.detach(|| {
+            find_topology(self.core.mockup(), tool, true)?;
+            // On a pool, since whether one is inside the other is found with tools of a triangle, which are made on one.
+            let ask = || self.solver.penetration(tool, &world_from_tool.0, margin, reference.as_ref());
+            on_pool(self.pool.as_ref(), ask)?.map_err(to_py)
+        });
+        Penetration::new(py, found?, self.asked(tool, world_from_tool.0))
     }
 
     #[pyo3(signature = (tool, world_from_tool, max))]
@@ -277,12 +280,12 @@ impl Scene {
         let tool = tool.core();
         let reporter = Reporter::new(progress);
         let gaps = py.detach(|| {
-            on_pool(self.pool.as_ref(), || {
+            reporter.watch(self.pool.as_ref(), || {
                 self.core.distance_batch(tool, &poses.0, max, &|done, stage| reporter.tell(done, stage))
             })
         });
         reporter.finish()?;
-        Ok(DistanceBatch::new(gaps.map_err(to_py)?))
+        Ok(DistanceBatch::new(gaps?.map_err(to_py)?))
     }
 
     #[pyo3(signature = (tool, poses, within, triangles, progress))]
@@ -298,12 +301,12 @@ impl Scene {
         let tool = tool.core();
         let reporter = Reporter::new(progress);
         let batch = py.detach(|| {
-            on_pool(self.pool.as_ref(), || {
+            reporter.watch(self.pool.as_ref(), || {
                 self.core.clearance_batch(tool, &poses.0, within, triangles, &|done, stage| reporter.tell(done, stage))
             })
         });
         reporter.finish()?;
-        Ok(ClearanceBatch::new(batch.map_err(to_py)?))
+        Ok(ClearanceBatch::new(batch?.map_err(to_py)?))
     }
 
     #[pyo3(signature = (tool, pose0, pose1, *, tolerance))]
@@ -332,12 +335,12 @@ impl Scene {
         let tool = tool.core();
         let reporter = Reporter::new(progress);
         let check = py.detach(|| {
-            on_pool(self.pool.as_ref(), || {
+            reporter.watch(self.pool.as_ref(), || {
                 self.core.check_path(tool, &poses.0, tolerance, &|done, stage| reporter.tell(done, stage))
             })
         });
         reporter.finish()?;
-        Ok(PathCheck::new(check.map_err(to_py)?, Arc::clone(self.core.mockup())))
+        Ok(PathCheck::new(check?.map_err(to_py)?, Arc::clone(self.core.mockup())))
     }
 }
 
@@ -361,14 +364,7 @@ pub fn optimal_voxel_size(
         }
     };
     let (mockup, tool) = (&mockup.get().core, tool.core());
-    Ok(py.detach(|| core::optimal_voxel_size(mockup.mesh(), tool, estimator)))
-}
-
-fn on_pool<R: Send>(pool: Option<&ThreadPool>, work: impl FnOnce() -> R + Send) -> R {
-    match pool {
-        Some(pool) => pool.install(work),
-        None => work(),
-    }
+    py.detach(|| on_pool(None, || core::optimal_voxel_size(mockup.mesh(), tool, estimator)))
 }
 
 /// A pose as `(4, 4) float64`.
@@ -380,34 +376,4 @@ pub(crate) fn pose_array<'py>(py: Python<'py>, pose: &core::Pose) -> Bound<'py, 
         _ => pose.rotation()[i][j],
     };
     Array2::from_shape_fn((4, 4), |(i, j)| entry(i, j)).into_pyarray(py)
-}
-
-/// Calls a Python progress function and looks for signals (Ctrl-C); keeps the exception that either raises, and stops the
-/// work then.
-struct Reporter {
-    callback: Option<Py<PyAny>>,
-    raised: Mutex<Option<PyErr>>,
-}
-
-impl Reporter {
-    fn new(callback: Option<Py<PyAny>>) -> Reporter {
-        Reporter { callback, raised: Mutex::new(None) }
-    }
-
-    /// Whether to go on.
-    fn tell(&self, done: f64, stage: &str) -> bool {
-        let told = Python::attach(|py| {
-            py.check_signals()?;
-            self.callback.as_ref().map_or(Ok(()), |callback| callback.call1(py, (done, stage)).map(drop))
-        });
-        let go_on = told.is_ok();
-        if let Err(error) = told {
-            *self.raised.lock().unwrap_or_else(PoisonError::into_inner) = Some(error);
-        }
-        go_on
-    }
-
-    fn finish(self) -> PyResult<()> {
-        self.raised.into_inner().unwrap_or_else(PoisonError::into_inner).map_or(Ok(()), Err)
-    }
 }

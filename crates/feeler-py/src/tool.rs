@@ -10,6 +10,7 @@ use pyo3::types::PyDict;
 use crate::arrays::{rows, view_rows};
 use crate::errors::to_py;
 use crate::mockup::{bounds, defects};
+use crate::pools::on_pool;
 
 /// A moving tool. `feeler.Tool` adds its name and report.
 #[pyclass(subclass, frozen, module = "feeler._core")]
@@ -23,7 +24,7 @@ impl Tool {
     fn new(py: Python<'_>, vertices: PyReadonlyArray2<'_, f64>, faces: PyReadonlyArray2<'_, u32>) -> PyResult<Tool> {
         let vertices = rows("vertices", &vertices)?;
         let faces = rows("faces", &faces)?;
-        let tool = py.detach(|| core::Tool::new(vertices, faces)).map_err(to_py)?;
+        let tool = py.detach(|| on_pool(None, || core::Tool::new(vertices, faces)))?.map_err(to_py)?;
         Ok(Tool { core: Arc::new(tool) })
     }
 

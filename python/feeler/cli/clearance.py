@@ -22,6 +22,7 @@ from feeler.cli.inputs import (
     MockupUnit,
     PoseFile,
     Rotate,
+    SnapPose,
     ToolFile,
     ToolUnit,
     poses_of_options,
@@ -54,6 +55,7 @@ def clearance(
     pose: PoseFile = None,
     at: At = None,
     rotate: Rotate = None,
+    snap_pose: SnapPose = False,
     within: Annotated[float, typer.Option(help="List parts up to so many metres away.")] = 0.005,
     require: Annotated[
         float | None, typer.Option(help="Metres of room that there must be: with less, the exit status is 1.")
@@ -79,7 +81,7 @@ def clearance(
     """
     from feeler.cli import outputs
 
-    poses = poses_of_options(pose, at, rotate)
+    poses = poses_of_options(pose, at, rotate, snap_pose)
     for option, value in (("--within", within), ("--require", require)):
         if value is not None and not value >= 0:
             raise OptionError(f"{option} is {value}: give a distance in metres, 0 or more")

@@ -21,6 +21,7 @@ from feeler.cli.inputs import (
     MockupUnit,
     PoseFile,
     Rotate,
+    SnapPose,
     ToolFile,
     ToolUnit,
     poses_of_options,
@@ -48,6 +49,7 @@ def collide(
     pose: PoseFile = None,
     at: At = None,
     rotate: Rotate = None,
+    snap_pose: SnapPose = False,
     unit: MockupUnit = None,
     tool_unit: ToolUnit = None,
     voxel_size: Annotated[
@@ -76,7 +78,7 @@ def collide(
     """
     from feeler.cli import outputs
 
-    poses = poses_of_options(pose, at, rotate)
+    poses = poses_of_options(pose, at, rotate, snap_pose)
     pixels = _pixels(picture_size)
     for target, ending in ((glb, ".glb"), (picture, ".png")):
         if target is not None:

@@ -41,6 +41,9 @@ MockupUnit = Annotated[
     str | None, typer.Option(help="Unit of mock-up files that do not say it: mm (default), cm, m, in, ...")
 ]
 ToolUnit = Annotated[str | None, typer.Option(help="Unit of the tool's file, likewise.")]
+SnapPose = Annotated[
+    bool, typer.Option("--snap-pose", help="Take the nearest rigid pose, where rounding made a pose not quite rigid.")
+]
 AsJson = Annotated[bool, typer.Option("--json", help="One JSON document on stdout.")]
 
 _SAMPLE = "sample:"
@@ -71,12 +74,12 @@ def read_tool(source: str, unit: str | None = None) -> feeler.Tool:
         return feeler.load_tool(source, unit, progress=progress)
 
 
-def poses_of_options(pose: Path | None, at: str | None, rotate: str | None) -> Poses:
-    """The poses, (n, 4, 4), that --pose, or --at and --rotate, ask for."""
+def poses_of_options(pose: Path | None, at: str | None, rotate: str | None, snap: bool = False) -> Poses:
+    """The poses, (n, 4, 4), that --pose, or --at and --rotate, ask for; with `snap` the nearest rigid ones."""
     if pose is not None:
         if at is not None or rotate is not None:
             raise OptionError("--pose and --at/--rotate exclude each other: give one of them")
-        return read_poses(pose)
+        return read_poses(pose, snap)
     if at is None and rotate is None:
         raise OptionError("where is the tool? Give --pose FILE, or --at X,Y,Z (and --rotate RX,RY,RZ)")
     matrix = np.eye(4)
@@ -96,8 +99,8 @@ def rotation_xyz(rx_deg: float, ry_deg: float, rz_deg: float) -> npt.NDArray[np.
     return result
 
 
-def read_poses(path: Path) -> Poses:
-    """Poses world_from_tool, metres, (n, 4, 4), from a file.
+def read_poses(path: Path, snap: bool = False) -> Poses:
+    """Poses world_from_tool, metres, (n, 4, 4), from a file; with `snap` the nearest rigid ones.
 
     `.npy`: (4, 4) or (n, 4, 4). `.json`: such an array as lists, alone or under "world_from_tool", "pose" or "poses".
     Anything else: 16 numbers a pose, row by row, split by blanks, commas or lines; `#` begins a comment.
@@ -124,6 +127,11 @@ def read_poses(path: Path) -> Poses:
         raise PoseError(f"pose file {path} holds an array of shape {poses.shape}; {_EXPECTED}")
     if len(poses) == 0:
         raise PoseError(f"pose file {path} holds no pose; {_EXPECTED}")
+    if snap:
+        try:
+            return feeler.nearest_rigid(poses)
+        except PoseError as error:
+            raise PoseError(f"pose file {path}: {error}") from None
     return poses
 
 

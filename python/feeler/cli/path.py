@@ -18,6 +18,7 @@ from feeler.cli.inputs import (
     AsJson,
     MockupFiles,
     MockupUnit,
+    SnapPose,
     ToolFile,
     ToolUnit,
     read_mockup,
@@ -51,6 +52,7 @@ def path(
     tolerance: Annotated[
         float, typer.Option(help="Metres by which an impact may be given too early; never too late.")
     ] = CAST_TOLERANCE,
+    snap_pose: SnapPose = False,
     unit: MockupUnit = None,
     tool_unit: ToolUnit = None,
     storage: Annotated[str, typer.Option(help="blocks, dense or hashed.")] = "blocks",
@@ -77,7 +79,7 @@ def path(
             if target.suffix.lower() != ending:
                 raise OptionError(f"{target}: the name must end in {ending}")
             check_target(target)
-    way = read_poses(poses)
+    way = read_poses(poses, snap_pose)
     world = read_mockup(mockup, unit)
     probe = read_tool(tool, tool_unit)
     with bar("indexing") as progress:

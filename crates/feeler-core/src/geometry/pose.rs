@@ -142,18 +142,20 @@ fn fault(m: &[[f64; 4]; 4], r: &[[f64; 3]; 3]) -> Error {
         return Error::PoseNotFinite { row: i / 4, column: i % 4, value: m[i / 4][i % 4] };
     }
     let too_far = |d: f64| d > POSE_TOLERANCE;
+    let most = (0..4).map(|c| of_last_row(m, c)).chain(ROWS.map(|[i, j]| deviation(r, i, j))).fold(0.0, f64::max);
+    let mirrors = determinant(r) < 0.0;
+    let fault = |why| Error::PoseNotRigid { why, deviation: if mirrors { most.max(2.0) } else { most } };
     if (0..4).any(|c| too_far(of_last_row(m, c))) {
-        return Error::PoseNotRigid { why: format!("the last row is {:?}, not [0, 0, 0, 1]", m[3]) };
+        return fault(format!("the last row is {:?}, not [0, 0, 0, 1]", m[3]));
     }
     for [i, j] in ROWS {
         let deviation = deviation(r, i, j);
         if too_far(deviation) {
             let what = if i == j { "length 1" } else { "right angles" };
-            let why = format!("rows {j} and {i} of the rotation miss {what} by {deviation:.3e}");
-            return Error::PoseNotRigid { why };
+            return fault(format!("rows {j} and {i} of the rotation miss {what} by {deviation:.3e}"));
         }
     }
-    Error::PoseNotRigid { why: "it mirrors (determinant -1)".into() }
+    fault("it mirrors (determinant -1)".into())
 }
 
 #[cfg(test)]
@@ -177,6 +179,23 @@ mod tests {
             m[row][column] = value;
             assert!(matches!(Pose::new(&m), Err(Error::PoseNotRigid { .. })), "{row} {column} {value}");
         }
+    }
+
+    #[test]
+    fn says_how_far_from_rigid_a_matrix_is() {
+        let fault = |row: usize, column: usize, value| {
+            let mut m = identity();
+            m[row][column] = value;
+            match Pose::new(&m) {
+                Err(Error::PoseNotRigid { deviation, .. }) => deviation,
+                other => panic!("{other:?}"),
+            }
+        };
+        assert!((fault(0, 0, 1.001) - 0.002001).abs() < 1e-12);
+        assert!((fault(0, 1, 0.01) - 0.01).abs() < 1e-12);
+        assert_eq!(fault(0, 0, 3.0), 8.0);
+        assert_eq!(fault(3, 0, 0.5), 0.5);
+        assert_eq!(fault(0, 0, -1.0), 2.0);
     }
 
     #[test]

@@ -1,8 +1,9 @@
 //! A static mock-up.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 use feeler_lanes::prefetch_at;
+use once_cell::race::OnceBox;
 
 use crate::error::Result;
 use crate::geometry::bounds::{Aabb, Point};
@@ -18,8 +19,9 @@ pub struct Mockup {
     part_of_face: Vec<u32>,
     part_bounds: Vec<Aabb>,
     part_triangles: Vec<u32>,
-    /// Made when first asked for.
-    adjacency: OnceLock<Adjacency>,
+    /// Made when first asked for, by everyone who asks meanwhile: whoever waits for another thread waits for ever in a forked
+    /// process, where that thread is not.
+    adjacency: OnceBox<Adjacency>,
     outlines: BodyOutlines,
 }
 
@@ -48,7 +50,7 @@ impl Mockup {
             part_of_face,
             part_bounds,
             part_triangles,
-            adjacency: OnceLock::new(),
+            adjacency: OnceBox::new(),
             outlines: BodyOutlines::default(),
         })
     }
@@ -88,11 +90,18 @@ impl Mockup {
             + self.part_triangles.capacity() * size_of::<u32>()
     }
 
-    /// Which triangles share edges, within each part; found when first asked for.
+    /// Which triangles share edges, within each part; found when first asked for, in parallel on the current rayon pool. Threads that
+    /// ask before it is found each find it.
     #[doc(hidden)]
     pub fn adjacency(&self) -> &Adjacency {
         let part = |face| self.part_of_face(face);
-        self.adjacency.get_or_init(|| Adjacency::new(&self.mesh, part, &self.part_bounds))
+        self.adjacency.get_or_init(|| Box::new(Adjacency::new(&self.mesh, part, &self.part_bounds)))
+    }
+
+    /// Whether [`adjacency`](Self::adjacency) is found.
+    #[doc(hidden)]
+    pub fn has_adjacency(&self) -> bool {
+        self.adjacency.get().is_some()
     }
 
     /// The points that span the convex body of a triangle, found when first asked for.

@@ -1,6 +1,6 @@
 //! A moving tool, prepared once for every scene it is used with.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 use super::surface_links::SurfaceLinks;
 use crate::constants::{MAX_TOOL_TRIANGLES, TOOL_CUT_PIECES, TOOL_CUT_PIECES_EACH, TRANSFORM_ROUNDOFFS, UNIT_ROUNDOFF};
@@ -16,6 +16,7 @@ use crate::mesh::topology::body_outlines::BodyOutlines;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::tool::placement::{BoxLanes, PieceLanes, ToolUnit};
 use feeler_lanes::{CacheLine, LANES};
+use once_cell::race::OnceBox;
 
 /// A moving tool in its own frame, metres: its triangles, and a shallow tree of boxes over their pieces. Made once, it serves any
 /// number of scenes and poses.
@@ -38,11 +39,11 @@ pub struct Tool {
     groups: Vec<Vec<BoxLanes>>,
     largest: f64,
     widths: Widths,
-    /// Made when contacts are first asked for.
-    adjacency: OnceLock<Adjacency>,
+    /// Made when contacts are first asked for; by everyone who asks meanwhile, as of a mock-up.
+    adjacency: OnceBox<Adjacency>,
     outlines: BodyOutlines,
     /// Made when penetration is first asked for where the tool meets nothing.
-    links: OnceLock<SurfaceLinks>,
+    links: OnceBox<SurfaceLinks>,
 }
 
 /// Mean widths, over all directions, of what a tool consists of: the means of them, of their squares and of their cubes.
@@ -142,9 +143,9 @@ impl Tool {
             groups,
             largest,
             widths,
-            adjacency: OnceLock::new(),
+            adjacency: OnceBox::new(),
             outlines: BodyOutlines::default(),
-            links: OnceLock::new(),
+            links: OnceBox::new(),
         })
     }
 
@@ -169,13 +170,13 @@ impl Tool {
     pub fn adjacency(&self) -> &Adjacency {
         self.adjacency.get_or_init(|| {
             if self.parts == 1 {
-                return Adjacency::of_one_part(&self.mesh);
+                return Box::new(Adjacency::of_one_part(&self.mesh));
             }
             let mut bounds = vec![Aabb::EMPTY; self.parts];
             for face in self.mesh.queried() {
                 self.mesh.triangle(face).iter().for_each(|p| bounds[self.part_of_face(face) as usize].grow(p));
             }
-            Adjacency::new(&self.mesh, |face| self.part_of_face(face), &bounds)
+            Box::new(Adjacency::new(&self.mesh, |face| self.part_of_face(face), &bounds))
         })
     }
 
@@ -188,7 +189,13 @@ impl Tool {
     /// Ways between its connected surfaces.
     #[doc(hidden)]
     pub fn links(&self) -> &SurfaceLinks {
-        self.links.get_or_init(|| SurfaceLinks::new(&self.mesh, self.adjacency()))
+        self.links.get_or_init(|| Box::new(SurfaceLinks::new(&self.mesh, self.adjacency())))
+    }
+
+    /// Whether [`adjacency`](Self::adjacency) and [`links`](Self::links) are found.
+    #[doc(hidden)]
+    pub fn has_topology(&self) -> [bool; 2] {
+        [self.adjacency.get().is_some(), self.links.get().is_some()]
     }
 
     /// The corners of the queried triangles. Their places here are their slots.

@@ -1,7 +1,7 @@
 //! The points that span a convex body, found when first asked for and kept.
 
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, RwLock};
 
 use super::adjacency::Adjacency;
 use crate::constants::NONE;
@@ -9,9 +9,10 @@ use crate::geometry::bounds::Point;
 use crate::geometry::vectors::{across, add, cross, dot, sub, unit};
 use crate::mesh::triangle_mesh::Mesh;
 
-/// The outlines of a mesh's bodies, as far as somebody asked.
+/// The outlines of a mesh's bodies, as far as somebody asked. Nobody waits for the lock: in a forked process it may be held by a
+/// thread that is not there.
 #[derive(Debug, Default)]
-pub struct BodyOutlines(Mutex<HashMap<u32, Arc<[Point]>>>);
+pub struct BodyOutlines(RwLock<HashMap<u32, Arc<[Point]>>>);
 
 impl BodyOutlines {
     /// The points of a triangle's body that may be outermost along any direction, in the mesh's frame: of each smooth region the
@@ -21,13 +22,15 @@ impl BodyOutlines {
         if body == NONE {
             return Arc::new([]);
         }
-        let known = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(points) = known().get(&body) {
-            return Arc::clone(points);
+        if let Some(points) = self.0.try_read().ok().and_then(|known| known.get(&body).cloned()) {
+            return points;
         }
         // Found without the lock: a second thread may find the same meanwhile.
         let points: Arc<[Point]> = outline(mesh, adjacency, triangle).into();
-        Arc::clone(known().entry(body).or_insert(points))
+        match self.0.try_write() {
+            Ok(mut known) => Arc::clone(known.entry(body).or_insert(points)),
+            Err(_) => points,
+        }
     }
 }
 

@@ -1,0 +1,134 @@
+//! Thread pools that know their process.
+//!
+//! A forked process has one thread, the one that forked: a pool it inherits has no threads, and whoever gives it work waits for
+//! ever. So has rayon's global pool, which nothing here uses. Each pool is made anew in a process that was forked since.
+
+use std::sync::atomic::{AtomicPtr, AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+use feeler_core as core;
+use pyo3::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+
+use crate::errors::raise;
+
+/// Forks between the process that loaded this module and the present one.
+static GENERATION: AtomicU64 = AtomicU64::new(0);
+
+/// Counts forks from now on; called once, when the module is loaded.
+pub fn watch_forks() {
+    #[cfg(unix)]
+    {
+        extern "C" fn count() {
+            GENERATION.fetch_add(1, Ordering::Relaxed);
+        }
+        // SAFETY: the function may run in a forked process: it only counts. Without memory for it no fork is noticed, as before.
+        unsafe { libc::pthread_atfork(None, None, Some(count)) };
+    }
+}
+
+fn generation() -> u64 {
+    GENERATION.load(Ordering::Relaxed)
+}
+
+/// What the threads of one process share, made when first asked for, and anew in each forked process. What the process before
+/// it had is left alone: to drop it, its threads would be waited for.
+struct PerProcess<T>(AtomicPtr<(u64, T)>);
+
+impl<T: Send + Sync> PerProcess<T> {
+    const fn new() -> PerProcess<T> {
+        PerProcess(AtomicPtr::new(std::ptr::null_mut()))
+    }
+
+    fn get<E>(&self, make: impl Fn() -> Result<T, E>) -> Result<&T, E> {
+        loop {
+            let at = self.0.load(Ordering::Acquire);
+            // SAFETY: null, or a box that is only freed when `self` is dropped.
+            if let Some((born, made)) = unsafe { at.as_ref() } {
+                if *born == generation() {
+                    return Ok(made);
+                }
+            }
+            let new = Box::into_raw(Box::new((generation(), make()?)));
+            if self.0.compare_exchange(at, new, Ordering::AcqRel, Ordering::Acquire).is_err() {
+                // SAFETY: made a moment ago, and nobody else has seen it.
+                drop(unsafe { Box::from_raw(new) });
+            }
+        }
+    }
+}
+
+impl<T> Drop for PerProcess<T> {
+    fn drop(&mut self) {
+        let at = *self.0.get_mut();
+        // SAFETY: null, or a box that nobody else frees.
+        if unsafe { at.as_ref() }.is_some_and(|(born, _)| *born == generation()) {
+            // SAFETY: likewise.
+            drop(unsafe { Box::from_raw(at) });
+        }
+    }
+}
+
+/// Threads for the work of a scene.
+pub struct Pool {
+    threads: usize,
+    made: PerProcess<ThreadPool>,
+}
+
+/// Those for all else, as many as there are CPUs (or `RAYON_NUM_THREADS` says).
+static DEFAULT: Pool = Pool::new(0);
+
+impl Pool {
+    /// Of so many threads; 0: as many as there are CPUs.
+    pub const fn new(threads: usize) -> Pool {
+        Pool { threads, made: PerProcess::new() }
+    }
+
+    fn threads(&self) -> PyResult<&ThreadPool> {
+        self.made.get(|| {
+            let builder = ThreadPoolBuilder::new().num_threads(self.threads).thread_name(|i| format!("feeler-{i}"));
+            builder.build().map_err(|error| {
+                let count = if self.threads == 0 { "its".to_string() } else { self.threads.to_string() };
+                raise("OptionError", format!("cannot start {count} threads: {error}"))
+            })
+        })
+    }
+}
+
+/// The threads of a pool, or of the process.
+pub fn threads_of(pool: Option<&Pool>) -> PyResult<&ThreadPool> {
+    pool.unwrap_or(&DEFAULT).threads()
+}
+
+/// Runs work that does not take long on the threads of a pool, or of the process; without the interpreter's lock. The thread that
+/// asks is never one of a pool: those do not enter the interpreter (`reporter.rs`).
+pub fn on_pool<R: Send>(pool: Option<&Pool>, work: impl FnOnce() -> R + Send) -> PyResult<R> {
+    Ok(threads_of(pool)?.install(work))
+}
+
+/// Finds how the triangles of both hang together, which contacts ask for, if nobody has; for `escape` also the ways between the
+/// tool's surfaces. One thread does, on all threads of the process, and the others wait for it; in a forked process for none that
+/// is not there.
+pub fn find_topology(mockup: &core::Mockup, tool: &core::Tool, escape: bool) -> PyResult<()> {
+    static ONE: PerProcess<Mutex<()>> = PerProcess::new();
+    let is_found = || {
+        let [adjacency, links] = tool.has_topology();
+        mockup.has_adjacency() && adjacency && (links || !escape)
+    };
+    if is_found() {
+        return Ok(());
+    }
+    let find = || {
+        mockup.adjacency();
+        tool.adjacency();
+        if escape {
+            tool.links();
+        }
+    };
+    let one = ONE.get(|| Ok::<_, PyErr>(Mutex::new(())))?;
+    let _alone = one.lock().unwrap_or_else(PoisonError::into_inner);
+    if is_found() {
+        return Ok(());
+    }
+    on_pool(None, find)
+}

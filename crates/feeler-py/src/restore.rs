@@ -1,0 +1,43 @@
+//! Results that travelled, made again.
+
+use pyo3::prelude::*;
+use pyo3::types::PyTuple;
+use pyo3::BoundObject;
+
+use crate::cast::{Cast, PathCheck};
+use crate::collision::{Batch, Collision};
+use crate::contacts::{ContactPlane, Contacts, Penetration};
+use crate::errors::raise;
+use crate::proximity::{Clearance, ClearanceBatch, Distance, DistanceBatch};
+use crate::travel::damaged;
+
+/// A result made again. Raises `LoadError` for a state that no result has.
+#[pyfunction]
+pub fn restore<'py>(py: Python<'py>, kind: &str, state: Bound<'py, PyTuple>) -> PyResult<Bound<'py, PyAny>> {
+    fn made<'py, T>(py: Python<'py>, result: PyResult<T>) -> PyResult<Bound<'py, PyAny>>
+    where
+        T: IntoPyObject<'py>,
+        PyErr: From<T::Error>,
+    {
+        Ok(result?.into_pyobject(py)?.into_bound().into_any())
+    }
+    let result = match kind {
+        "Batch" => made(py, Batch::restore(&state)),
+        "Cast" => made(py, Cast::restore(&state)),
+        "Clearance" => made(py, Clearance::restore(&state)),
+        "ClearanceBatch" => made(py, ClearanceBatch::restore(&state)),
+        "Collision" => made(py, Collision::restore(&state)),
+        "ContactPlane" => made(py, ContactPlane::restore(&state)),
+        "Contacts" => made(py, Contacts::restore(&state)),
+        "Distance" => made(py, Distance::restore(&state)),
+        "DistanceBatch" => made(py, DistanceBatch::restore(&state)),
+        "PathCheck" => made(py, PathCheck::restore(&state)),
+        "Penetration" => made(py, Penetration::restore(&state)),
+        other => Err(damaged(format!("nothing is called {other:?}"))),
+    };
+    result.map_err(|error| {
+        let raised = raise("LoadError", format!("the pickle of a {kind} is damaged: {}", error.value(py)));
+        raised.set_cause(py, Some(error));
+        raised
+    })
+}

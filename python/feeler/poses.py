@@ -1,0 +1,84 @@
+"""Poses that rounding made not quite rigid, repaired."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from feeler.errors import OptionError, PoseError
+
+MAX_DEVIATION = 0.01
+"""What `nearest_rigid` takes for rounding: three decimals are within it, a scale of 1 % is not."""
+
+_RIGID = 1e-14  # deviation of a rotation whose entries were rounded to float64: there is nothing to repair
+_LEAST_RANK = 1e-9  # second to first singular value; below it the rows are on one line, and say nothing of the turn
+
+
+def nearest_rigid(pose: npt.ArrayLike, max_deviation: float = MAX_DEVIATION) -> npt.NDArray[np.float64]:
+    """The pose, or each of many, with its rotation replaced by the nearest proper one, and 0, 0, 0, 1 as its last row.
+
+    `pose` is `(4, 4)` or `(n, 4, 4)`, world_from_tool, metres, and so is what comes back, float64; translations stay as
+    they are, and so does a pose that is rigid to rounding. Nearest: with the least sum of squared differences, from the
+    singular value decomposition (K. Arun, T. Huang, S. Blostein: Least-squares fitting of two 3-D point sets, 1987).
+
+    `max_deviation`: the most by which the product of two rows may miss 1 (of a row with itself) or 0 (of two), and the
+    last row 0, 0, 0, 1. A mirror counts as 2. Only more of it lets scales, shears and mirrors pass.
+
+    Raises `PoseError` for what deviates more, with its index, for entries that are not finite, for a rotation whose
+    rows are all on one line, and for another shape or dtype; `OptionError` where `max_deviation` is negative or NaN.
+    """
+    if isinstance(max_deviation, (bool, str, bytes)) or not max_deviation >= 0:
+        raise OptionError(f"max_deviation is {max_deviation!r}: it must be a number, at least 0")
+    given = _matrices(pose)
+    poses = given.reshape(-1, 4, 4)
+    names = ["the pose"] if given.ndim == 2 else [f"poses[{i}]" for i in range(len(poses))]
+    finite = np.isfinite(poses)
+    if not finite.all():
+        i, row, column = (int(x) for x in np.argwhere(~finite)[0])
+        raise PoseError(f"{names[i]}: entry [{row}, {column}] is {poses[i, row, column]}: every entry must be finite")
+    deviation = _deviation(poses)
+    bad = np.flatnonzero(~(deviation <= max_deviation))
+    if len(bad):
+        i = int(bad[0])
+        raise PoseError(
+            f"{names[i]} is not rigid, nor nearly so: it deviates by {deviation[i]:.3g} (max_deviation is "
+            f"{max_deviation:g}); give a rotation without scale, shear or mirror"
+        )
+    repaired = poses.copy()
+    loose = np.flatnonzero(deviation > _RIGID)
+    if len(loose):
+        u, sizes, v = np.linalg.svd(poses[loose, :3, :3])
+        for i, each in zip(loose.tolist(), sizes, strict=True):
+            if not each[1] > _LEAST_RANK * each[0]:
+                raise PoseError(f"{names[i]}: the rows of its rotation are on one line, so that no rotation is nearest")
+        u[:, :, 2] *= np.sign(np.linalg.det(u @ v))[:, None]
+        repaired[loose, :3, :3] = u @ v
+    repaired[:, 3] = 0.0, 0.0, 0.0, 1.0
+    shaped: npt.NDArray[np.float64] = repaired.reshape(given.shape)
+    return shaped
+
+
+def _matrices(pose: npt.ArrayLike) -> npt.NDArray[np.float64]:
+    try:
+        array = np.asarray(pose)
+    except (ValueError, TypeError) as error:
+        raise PoseError(f"a pose cannot be read as an array: {error}") from error
+    if array.dtype.kind not in "fiu":
+        raise PoseError(f"a pose has dtype {array.dtype}: real numbers are needed")
+    if array.ndim not in (2, 3) or array.shape[-2:] != (4, 4):
+        raise PoseError(f"a pose has shape {array.shape}: (4, 4) or (n, 4, 4) is needed")
+    with np.errstate(over="ignore"):  # a long double beyond float64 becomes an infinity, which is refused
+        matrices: npt.NDArray[np.float64] = array.astype(np.float64)
+    return matrices
+
+
+def _deviation(poses: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """How far each pose is from rigid, (n,): the same measure as of the poses that queries refuse."""
+    rotations = poses[:, :3, :3]
+    with np.errstate(over="ignore", invalid="ignore"):  # of enormous entries; NaN is more than any deviation allowed
+        products = np.abs(rotations @ rotations.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2), initial=0.0)
+        mirrors = np.linalg.det(rotations) < 0
+    last = np.abs(poses[:, 3] - [0.0, 0.0, 0.0, 1.0]).max(axis=1, initial=0.0)
+    deviation: npt.NDArray[np.float64] = np.maximum(np.maximum(products, last), np.where(mirrors, 2.0, 0.0))
+    deviation[np.isnan(deviation)] = np.inf
+    return deviation

@@ -1,0 +1,266 @@
+"""What tests/test_fork.py runs as a program of its own: `python forked.py CASE`.
+
+Threads keep the pools busy, the process forks again and again meanwhile, and each child is asked what the parent was
+asked. A child that does not end is the failure looked for: it is killed after GUARD_S, and the program ends with 1.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import feeler
+from feeler import _core, calibrate
+from feeler.io import body_of, write_stl
+from feeler.study.timing import mean_work
+
+GUARD_S = 60.0  # far longer than any child takes: a guard against waiting for ever, no measurement
+FORKS = 6
+
+MOCKUP = feeler.sample("differential", 20_000)
+TOOL = feeler.sample_tool("wrench")
+TOOL_AS_MOCKUP = feeler.Mockup(TOOL.vertices, TOOL.faces)
+SCENE = feeler.Scene(MOCKUP)
+OWN_POOL = feeler.Scene(MOCKUP, threads=2)
+POSES = feeler.sample_path(SCENE, TOOL, 40)
+HIT = POSES[int(np.argmax(np.diff(SCENE.collide_batch(TOOL, POSES).offsets.astype(np.int64))))]
+
+
+def arrays(result: Any, *names: str) -> list[bytes]:
+    return [np.asarray(getattr(result, name)).tobytes() for name in names]
+
+
+def built(storage: str, **options: Any) -> list[bytes]:
+    scene = feeler.Scene(feeler.Mockup(MOCKUP.vertices, MOCKUP.faces), storage=storage, **options)
+    return arrays(scene.collide_batch(TOOL, POSES), "offsets", "pairs")
+
+
+def contacts(result: feeler.Contacts) -> list[bytes]:
+    return arrays(result, "points", "gaps", "ids", "footing")
+
+
+def loaded() -> list[bytes]:
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "mockup.stl"
+        write_stl(path, body_of(MOCKUP))
+        return arrays(feeler.load_mockup(path, "m"), "vertices", "faces")
+
+
+def studied() -> Any:
+    """What studies are made of: scenes of many sizes, the work in them counted and predicted."""
+    scenes = [feeler.Scene(MOCKUP, size, "dense") for size in (0.004, 0.008)]
+    predictors = [_core.PiecePredictor(MOCKUP, TOOL), _core.Predictor(MOCKUP, TOOL, "dense", 0.0)]
+    return [mean_work(scene, TOOL, POSES[:4]) for scene in scenes], [each.work(0.004) for each in predictors]
+
+
+CASES: dict[str, Callable[[], Any]] = {
+    "mockup": lambda: arrays(feeler.Mockup(MOCKUP.vertices, MOCKUP.faces), "bounds"),
+    "tool": lambda: arrays(feeler.Tool(TOOL.vertices, TOOL.faces), "bounds"),
+    "blocks": lambda: built("blocks"),
+    "dense": lambda: built("dense", voxel_size=0.004),
+    "hashed": lambda: built("hashed", hashing=0.5, voxel_size=0.004),
+    "own pool": lambda: built("blocks", threads=2),
+    "calibrated": lambda: built("dense", tool=TOOL),
+    "sample": lambda: arrays(feeler.sample("turbine", 10_000), "vertices", "faces"),
+    "collide": lambda: arrays(SCENE.collide(TOOL, HIT), "pairs"),
+    "is_colliding": lambda: SCENE.is_colliding(TOOL, HIT),
+    "collide_batch": lambda: arrays(SCENE.collide_batch(TOOL, POSES), "pairs"),
+    "collide_batch, own pool": lambda: arrays(OWN_POOL.collide_batch(TOOL, POSES), "pairs"),
+    "clearance": lambda: arrays(SCENE.clearance(TOOL, HIT), "distances"),
+    "clearance_batch": lambda: arrays(SCENE.clearance_batch(TOOL, POSES), "distances"),
+    "distance": lambda: SCENE.distance(TOOL, POSES[0]).value,
+    "distances": lambda: [d.value for d in SCENE.distance(TOOL, POSES[0], k=3)],
+    "distance_batch": lambda: arrays(SCENE.distance_batch(TOOL, POSES), "values"),
+    "cast": lambda: SCENE.cast(TOOL, POSES[0], HIT).fraction,
+    "check_path": lambda: arrays(SCENE.check_path(TOOL, POSES), "points"),
+    "check_path, own pool": lambda: arrays(OWN_POOL.check_path(TOOL, POSES), "points"),
+    "contacts": lambda: contacts(SCENE.contacts(TOOL, HIT)),
+    "contacts of a new mock-up": lambda: contacts(fresh()[0].contacts(fresh()[1], HIT)),
+    "penetration": lambda: arrays(SCENE.penetration(TOOL, HIT), "translation"),
+    "penetration of a new mock-up": lambda: arrays(fresh()[0].penetration(fresh()[1], HIT), "translation"),
+    "tracker": lambda: contacts(feeler.ContactTracker(SCENE, TOOL).contacts(HIT)),
+    "optimal_voxel_size": lambda: feeler.optimal_voxel_size(MOCKUP, TOOL, "area"),
+    "predictor": lambda: _core.Predictor(MOCKUP, TOOL, "dense", 0.0).optimal_size(calibrate.TYPICAL, 2**30),
+    "piece predictor": lambda: _core.PiecePredictor(MOCKUP, TOOL).optimal_size(2**30),
+    "study": studied,
+    "load": loaded,
+}
+
+
+def fresh() -> tuple[feeler.Scene, feeler.Tool]:
+    """Nothing is known yet of how their triangles hang together."""
+    mockup = feeler.Mockup(MOCKUP.vertices, MOCKUP.faces, MOCKUP.part_of_face, MOCKUP.part_names)
+    return feeler.Scene(mockup), feeler.Tool(TOOL.vertices, TOOL.faces)
+
+
+def in_child(ask: Callable[[], Any], expected: Any) -> bool:
+    """Whether a forked child gets the answer that is expected, and ends."""
+    pid = os.fork()
+    if pid == 0:
+        try:
+            os._exit(0 if ask() == expected else 2)
+        finally:
+            os._exit(3)
+    until = time.monotonic() + GUARD_S
+    while time.monotonic() < until:
+        ended, status = os.waitpid(pid, os.WNOHANG)
+        if ended:
+            if status:
+                print(f"the child ended with {os.waitstatus_to_exitcode(status)}")
+            return status == 0
+        time.sleep(0.01)
+    os.kill(pid, signal.SIGKILL)
+    os.waitpid(pid, 0)
+    print("the child hangs")
+    return False
+
+
+def keep_busy(stop: threading.Event) -> list[threading.Thread]:
+    """Threads that use all pools, and all that one thread may wait for another for."""
+
+    def batches() -> None:
+        while not stop.is_set():
+            SCENE.collide_batch(TOOL, POSES)
+            OWN_POOL.distance_batch(TOOL, POSES)
+
+    def topology() -> None:
+        while not stop.is_set():
+            scene, tool = fresh()
+            scene.contacts(tool, HIT)
+            scene.penetration(tool, POSES[0])
+
+    def single() -> None:
+        while not stop.is_set():
+            for pose in POSES[::4]:
+                SCENE.collide(TOOL, pose)
+                SCENE.distance(TOOL, pose)
+                SCENE.contacts(TOOL, pose)
+
+    threads = [threading.Thread(target=work, daemon=True) for work in (batches, topology, single, single)]
+    for thread in threads:
+        thread.start()
+    return threads
+
+
+def busy(case: str) -> bool:
+    ask = CASES[case]
+    expected = ask()
+    stop = threading.Event()
+    threads = keep_busy(stop)
+    good = all(in_child(ask, expected) for _ in range(FORKS))
+    stop.set()
+    for thread in threads:
+        thread.join()
+    return good and ask() == expected
+
+
+def while_topology_is_found() -> bool:
+    """Forks at many moments of a first query for contacts, and asks the child for those of the same two."""
+    scene, tool = fresh()
+    begin = time.monotonic()
+    expected = contacts(scene.contacts(tool, HIT))
+    took = time.monotonic() - begin
+    for share in np.linspace(0.05, 0.95, 10):
+        scene, tool = fresh()
+        thread = threading.Thread(target=scene.contacts, args=(tool, HIT))
+        thread.start()
+        time.sleep(share * took)
+        good = in_child(lambda scene=scene, tool=tool: contacts(scene.contacts(tool, HIT)), expected)
+        thread.join()
+        if not good:
+            return False
+    return True
+
+
+def in_a_progress_function() -> bool:
+    """Forks while the pool works for the very thread that forks."""
+    answers: list[bool] = []
+    expected = CASES["collide_batch"]()
+
+    def fork_once(_share: float, _stage: str) -> None:
+        if not answers:
+            answers.append(in_child(CASES["collide_batch"], expected))
+
+    SCENE.distance_batch(TOOL, np.repeat(POSES, 20, axis=0), progress=fork_once)
+    return answers == [True]
+
+
+def while_pools_are_made() -> bool:
+    """Forks while other threads start and end pools, and threads of pools have something to tell."""
+    stop = threading.Event()
+
+    def make() -> None:
+        while not stop.is_set():
+            feeler.Scene(TOOL_AS_MOCKUP, threads=8, progress=lambda share, stage: None)
+
+    expected = CASES["check_path"]()
+    threads = [threading.Thread(target=make, daemon=True) for _ in range(2)]
+    for thread in threads:
+        thread.start()
+    good = all(in_child(CASES["check_path"], expected) for _ in range(200))
+    stop.set()
+    for thread in threads:
+        thread.join()
+    return good
+
+
+def grandchild() -> bool:
+    """A fork of a fork, each with pools of its own."""
+    expected = CASES["check_path"]()
+
+    def child() -> Any:
+        return CASES["check_path"]() == expected and in_child(CASES["check_path"], expected)
+
+    return in_child(child, True)
+
+
+def dropped() -> bool:
+    """A child that drops scenes and makes others: the pools that it inherits are not waited for."""
+
+    def child() -> Any:
+        global OWN_POOL, SCENE
+        OWN_POOL = SCENE = None
+        return built("blocks", threads=2) == expected
+
+    expected = built("blocks", threads=2)
+    OWN_POOL.collide_batch(TOOL, POSES)
+    return in_child(child, True)
+
+
+def no_global_pool() -> bool:
+    """After every case, all threads but Python's are of pools that know their process."""
+    for ask in CASES.values():
+        ask()
+    names = [path.read_text().strip() for path in Path("/proc/self/task").glob("*/comm")]
+    own = [name for name in names if name.startswith("feeler-")]
+    others = [name for name in names if not name.startswith("feeler-")]
+    print(names)
+    return len(own) >= 2 and len(others) == THREADS_BEFORE
+
+
+OTHERS: dict[str, Callable[[], bool]] = {
+    "while topology is found": while_topology_is_found,
+    "in a progress function": in_a_progress_function,
+    "while pools are made": while_pools_are_made,
+    "grandchild": grandchild,
+    "dropped": dropped,
+    "no global pool": no_global_pool,
+}
+if Path("/proc/self/task").is_dir():
+    THREADS_BEFORE = sum(not path.read_text().startswith("feeler-") for path in Path("/proc/self/task").glob("*/comm"))
+
+if __name__ == "__main__":
+    name = sys.argv[1]
+    if name == "--list":
+        print(*CASES, sep="\n")
+        sys.exit()
+    sys.exit(0 if (OTHERS[name]() if name in OTHERS else busy(name)) else 1)

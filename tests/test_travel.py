@@ -1,0 +1,284 @@
+"""Objects that travel: pickled and copied, to other processes and back, the same as before."""
+
+from __future__ import annotations
+
+import copy
+import inspect
+import multiprocessing
+import operator
+import pickle
+import sys
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import is_dataclass
+from enum import Enum
+from typing import Any
+
+import numpy as np
+import pytest
+
+import feeler
+from feeler import _core, travel
+from feeler.errors import FeelerError, LoadError
+
+PROTOCOLS = range(pickle.HIGHEST_PROTOCOL + 1)
+STAY = {"Predictor", "PiecePredictor"}
+"""What does not travel, and says so."""
+BASES = {"Mockup", "Tool", "Scene", "ContactTracker"}
+"""Classes of the core that only their feeler.* subclasses are used of."""
+WAYS: dict[str, Callable[[Any], Any]] = {
+    **{f"protocol {p}": lambda value, p=p: pickle.loads(pickle.dumps(value, p)) for p in PROTOCOLS},
+    "copy": copy.copy,
+    "deepcopy": copy.deepcopy,
+}
+
+
+def box(lower: tuple[float, float, float], size: float) -> tuple[np.ndarray, np.ndarray]:
+    corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float) * size + lower
+    faces = [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1]]
+    return corners, np.array([*faces, [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]])
+
+
+def mockup() -> feeler.Mockup:
+    """Three cubes, one of them without a triangle that can be queried, one triangle with an index that is not there."""
+    (a, faces), (b, _) = box((0, 0, 0), 1.0), box((1.3, 0, 0), 1.0)
+    bad = np.array([[0, 1, 99], [2, 2, 2]])
+    return feeler.Mockup(
+        np.concatenate([a, b, [[np.nan, 0, 0]]]),
+        np.concatenate([faces, faces + 8, bad]),
+        np.repeat([0, 1, 2], [12, 12, 2]),
+        ["left", "right", "odd"],
+        part_paths=["pair/left", "pair/right", "odd"],
+    )
+
+
+def pose(x: float, y: float = 0.3, z: float = 0.95) -> np.ndarray:
+    matrix = np.eye(4)
+    matrix[:3, 3] = x, y, z
+    return matrix
+
+
+POSES = np.array([pose(0.2), pose(1.1), pose(5.0), pose(1.5)])
+
+
+def samples() -> dict[str, list[Any]]:
+    """Of each class that travels, at least one object; those of results both with and without a find."""
+    mock = mockup()
+    tool = feeler.Tool(*box((0, 0, 0), 0.25), "probe")
+    scene = feeler.Scene(mock, voxel_size=0.1 + 0.2, storage="hashed", hashing=0.3, threads=2, simd="portable")
+    tracker = feeler.ContactTracker(scene, tool)
+    tracker.contacts(pose(0.2, z=3.0))
+    contacts = [scene.contacts(tool, pose(0.2)), scene.contacts(tool, pose(9.0))]
+    assert contacts[0] and not contacts[1]
+    path = [pose(0.2, z=3.0), pose(0.2, z=0.5), pose(0.2, z=3.0), pose(0.3, z=3.0)]
+    return {
+        "Mockup": [mock, feeler.Mockup(*box((0, 0, 0), 1.0))],
+        "Tool": [tool],
+        "Scene": [scene, feeler.Scene(mock, storage="dense", voxel_size=0.25), feeler.Scene(mock, tool=tool)],
+        "ContactTracker": [tracker, feeler.ContactTracker(scene, tool)],
+        "Collision": [scene.collide(tool, p) for p in POSES],
+        "Batch": [scene.collide_batch(tool, POSES), scene.collide_batch(tool, POSES[:0])],
+        "Distance": [scene.distance(tool, pose(5.0)), scene.distance(tool, pose(5.0), 0.1)],
+        "DistanceBatch": [scene.distance_batch(tool, POSES, 1.0)],
+        "Clearance": [scene.clearance(tool, p, 0.5, triangles=True) for p in POSES],
+        "ClearanceBatch": [scene.clearance_batch(tool, POSES, 0.5)],
+        "Cast": [scene.cast(tool, path[0], path[1])],
+        "PathCheck": [scene.check_path(tool, path), scene.check_path(tool, path[2:])],
+        "Contacts": contacts,
+        "ContactPlane": list(contacts[0]),
+        "Penetration": [scene.penetration(tool, pose(0.2)), scene.penetration(tool, pose(0.4, 0.4, 0.4))],
+        "PairKind": list(feeler.PairKind),
+    }
+
+
+SAMPLES = samples()
+
+
+def public_classes() -> dict[str, type]:
+    """Every class that feeler or its core shows, by name."""
+    shown = [(name, getattr(feeler, name)) for name in feeler.__all__]
+    shown += [(name, each) for name, each in inspect.getmembers(_core, inspect.isclass) if name not in BASES]
+    return {name: each for name, each in shown if inspect.isclass(each)}
+
+
+def facts(value: Any) -> Any:
+    """All that can be asked of an object without arguments, arrays as (dtype, shape, bytes)."""
+    if isinstance(value, np.ndarray):
+        return value.dtype.str, value.shape, value.tobytes()
+    if isinstance(value, (list, tuple)):
+        return [facts(each) for each in value]
+    if isinstance(value, dict):
+        return {key: facts(each) for key, each in value.items()}
+    if type(value).__module__.startswith("feeler") and not is_dataclass(value) and not isinstance(value, Enum):
+        names = [name for name in dir(value) if not name.startswith("_") and name != "build_seconds"]
+        asked = {name: getattr(value, name) for name in names}
+        found = {name: facts(answer) for name, answer in asked.items() if not callable(answer)}
+        if hasattr(value, "__getitem__"):
+            found["items"] = [facts(value[i]) for i in range(len(value))]
+        shown = "" if type(value).__repr__ is object.__repr__ else repr(value)
+        return {"class": type(value).__name__, "repr": shown, **found}
+    return repr(value)
+
+
+@pytest.mark.parametrize("name", sorted(public_classes()))
+def test_every_public_class_travels_or_says_that_it_does_not(name: str) -> None:
+    cls = public_classes()[name]
+    if issubclass(cls, FeelerError):
+        return  # below
+    if name in STAY:
+        mock, tool = mockup(), feeler.Tool(*box((0, 0, 0), 0.25))
+        made = cls(mock, tool, "dense", 0.0) if name == "Predictor" else cls(mock, tool)
+        for act in WAYS.values():
+            with pytest.raises(TypeError, match="make it anew"):
+                act(made)
+        return
+    assert name in SAMPLES, f"{name} is new: give samples() one, and see that it travels"
+    for value in SAMPLES[name]:
+        assert isinstance(value, cls)
+        before = facts(value)
+        for way, act in WAYS.items():
+            there = act(value)
+            assert type(there) is type(value), way
+            assert facts(there) == before, way
+
+
+@pytest.mark.parametrize("cls", [c for c in public_classes().values() if issubclass(c, FeelerError)])
+def test_errors_travel(cls: type[FeelerError]) -> None:
+    error = cls("voxel_size is -1: it must be positive")
+    error.add_note("seen on the way") if sys.version_info >= (3, 11) else None
+    for way, act in WAYS.items():
+        there = act(error)
+        assert type(there) is cls and str(there) == str(error) and there.args == error.args, way
+        assert getattr(there, "__notes__", None) == getattr(error, "__notes__", None), way
+
+
+def test_a_scene_that_travelled_answers_as_before() -> None:
+    tool = SAMPLES["Tool"][0]
+    for scene in SAMPLES["Scene"]:
+        there = pickle.loads(pickle.dumps(scene))
+        there.validate()
+        assert there.voxel_size == scene.voxel_size
+        for p in POSES:
+            assert facts(there.collide(tool, p)) == facts(scene.collide(tool, p))
+            assert facts(there.contacts(tool, p)) == facts(scene.contacts(tool, p))
+        assert there.memory() == scene.memory()
+        assert there.__reduce__()[1][3][2] == scene.__reduce__()[1][3][2], "its options"
+
+
+def test_a_scene_takes_no_index_along_and_a_result_no_mock_up() -> None:
+    mock = feeler.sample("differential", 20_000)
+    tool = feeler.sample_tool("wrench")
+    scene = feeler.Scene(mock)
+    scene.contacts(tool, np.eye(4))  # finds adjacency, leaves working memory
+    plain = len(pickle.dumps(mock))
+    assert plain < len(pickle.dumps(scene)) < plain + 1000
+    for result in (
+        scene.collide(tool, np.eye(4)),
+        scene.check_path(tool, [np.eye(4)]),
+        scene.contacts(tool, np.eye(4)),
+    ):
+        assert len(pickle.dumps(result)) < plain / 4
+
+
+def test_a_copy_of_a_scene_is_the_scene() -> None:
+    for scene in SAMPLES["Scene"]:
+        assert copy.copy(scene) is scene and copy.deepcopy([scene])[0] is scene
+
+
+def test_attributes_and_subclasses_travel() -> None:
+    tool = copy.copy(SAMPLES["Tool"][0])
+    tool.name = "renamed"
+    tool.serial = 17
+    there = pickle.loads(pickle.dumps(tool))
+    assert (there.name, there.serial, SAMPLES["Tool"][0].name) == ("renamed", 17, "probe")
+    for mine in (Marked(*box((0, 0, 0), 1.0)), Bay(mockup(), owner="me")):
+        there = pickle.loads(pickle.dumps(mine))
+        assert type(there) is type(mine) and getattr(there, "owner", None) == getattr(mine, "owner", None)
+        assert facts(there) == facts(mine)
+
+
+class Marked(feeler.Mockup):
+    """Somebody's own kind of mock-up."""
+
+
+class Bay(feeler.Scene):
+    """Somebody's own kind of scene, made in another way."""
+
+    def __new__(cls, mockup: feeler.Mockup, *, owner: str) -> Bay:
+        self = super().__new__(cls, mockup, voxel_size=0.5, threads=1)
+        self.owner = owner
+        return self
+
+
+def test_arrays_go_out_of_band() -> None:
+    mock = feeler.sample("differential", 20_000)
+    buffers: list[pickle.PickleBuffer] = []
+    head = pickle.dumps(mock, 5, buffer_callback=buffers.append)
+    arrays = mock.vertices.nbytes + mock.faces.nbytes + mock.part_of_face.nbytes
+    assert sum(len(buffer.raw()) for buffer in buffers) >= arrays
+    assert len(head) < 100_000
+    # As a transport may give them back: read-only, and wherever they came to lie.
+    odd = [memoryview(b"x" + bytes(buffer.raw()))[1:] for buffer in buffers]
+    assert facts(pickle.loads(head, buffers=odd)) == facts(mock)
+
+
+@pytest.mark.parametrize("method", ["spawn", "forkserver"])
+def test_processes_ask_for_each_other(method: str) -> None:
+    if method not in multiprocessing.get_all_start_methods():
+        pytest.skip(f"this system cannot {method}")
+    scene, tool = SAMPLES["Scene"][0], SAMPLES["Tool"][0]
+    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context(method)) as executor:
+        for name, arguments in {"collide": (POSES[0],), "check_path": (POSES,), "contacts": (POSES[0],)}.items():
+            asked = operator.methodcaller(name, tool, *arguments)
+            assert facts(executor.submit(asked, scene).result()) == facts(asked(scene))
+        failing = executor.submit(operator.methodcaller("collide", tool, 2 * np.eye(4)), scene)
+        with pytest.raises(feeler.PoseError, match="not rigid"):
+            failing.result()
+
+
+def test_another_format_says_which_feeler_wrote_it() -> None:
+    restore, (_, _, kind, state) = SAMPLES["Batch"][0].__reduce__()
+    with pytest.raises(LoadError, match=r"Batch was pickled by feeler 7\.1 in format 99, but this is feeler .* format"):
+        restore(99, "7.1", kind, state)
+
+
+def test_a_damaged_pickle_is_refused() -> None:
+    def broken(name: str, change: Callable[[list[Any]], None]) -> None:
+        restore, (written_in, by, kind, state) = SAMPLES[name][0].__reduce__()
+        changed = list(state)
+        change(changed)
+        with pytest.raises(LoadError, match=f"pickle of a {name} is damaged"):
+            restore(written_in, by, kind, tuple(changed))
+
+    def put(place: int, value: Any) -> Callable[[list[Any]], None]:
+        return lambda state: state.__setitem__(place, value)
+
+    assert len(SAMPLES["Batch"][0].pairs) > 0
+    broken("Batch", put(0, np.array([0, 10**6], dtype=np.uint64)))
+    broken("Batch", put(0, np.array([], dtype=np.uint64)))
+    broken("Batch", put(1, np.zeros((3, 3), dtype=np.uint32)))
+    broken("Batch", lambda state: state[2].setflags(write=False) or state.__setitem__(2, state[2] + 7))
+    broken("Batch", lambda state: state.pop())
+    broken("Collision", put(1, np.zeros(0, dtype=np.uint8)))
+    broken("Collision", put(3, {"nonsense": 1}))
+    broken("Cast", put(0, np.zeros((2, 24))))
+    broken("Cast", put(1, "text"))
+    broken("PathCheck", put(0, 0))
+    broken("Distance", put(1, np.zeros((1, 6))))
+    broken("DistanceBatch", put(0, np.zeros(4, dtype=bool)))
+    broken("ClearanceBatch", put(0, np.array([0, 1, 0], dtype=np.uint64)))
+    broken("ContactPlane", put(1, 99))
+    broken("Contacts", put(1, (np.zeros(2, dtype=np.uint32), np.array([0, 5], dtype=np.uint64))))
+    broken("Contacts", put(3, (np.zeros((1, 3, 3)), np.zeros(1, dtype=np.uint32))))
+    broken("Penetration", put(2, "certain"))
+    with pytest.raises(LoadError, match='nothing is called "Nonsense"'):
+        travel.restore(travel.FORMAT, "0", "Nonsense", ())
+
+
+def test_a_scene_goes_where_its_instruction_set_is_not(monkeypatch: pytest.MonkeyPatch) -> None:
+    restore, (written_in, by, kind, (cls, mock, options)), _ = SAMPLES["Scene"][0].__reduce__()
+    assert options["simd"] == "portable"
+    there = restore(written_in, by, kind, (cls, mock, {**options, "simd": "of another machine"}))
+    assert there.simd == SAMPLES["Scene"][2].simd
+    with pytest.raises(feeler.OptionError, match="voxel_size"):
+        restore(written_in, by, kind, (cls, mock, {**options, "voxel_size": -1.0}))
