@@ -729,10 +729,14 @@ def test_extreme_coordinates_are_kept(tmp_path, value):
 def test_everything_again_from_a_folder_with_one_bad_file(tmp_path):
     for name, content in GOOD.items():
         save(tmp_path, name, content)
-    assert load_mockup(tmp_path).triangle_count > 30
+    good = load_mockup(tmp_path)
+    assert good.triangle_count > 30
     save(tmp_path, "bad.ply", b"ply\n")
+    mockup = load_mockup(tmp_path)
+    assert np.array_equal(mockup.faces, good.faces) and mockup.part_paths == good.part_paths
+    assert any("bad.ply: the PLY header has no 'end_header'" in note for note in mockup.report.source.notes)
     with pytest.raises(LoadError, match=r"bad\.ply"):
-        load_mockup(tmp_path)
+        load_mockup([tmp_path, tmp_path / "bad.ply"])
 
 
 # --- real bad files, where there are some ----------------------------------------------------------------------------

@@ -17,7 +17,11 @@ _OUT_OF_RANGE = np.iinfo(np.uint32).max
 
 @dataclass(frozen=True)
 class Source:
-    """Where a mesh came from, as its loader saw it."""
+    """Where a mesh came from, as its loader saw it.
+
+    up: the axis that points up, "x", "y" or "z"; None if unknown. doubts: those of the notes that put answers about the
+    mesh in doubt: files left out, a size or axes that are hardly meant.
+    """
 
     files: tuple[str, ...] = ()
     format: str = "arrays"
@@ -25,6 +29,8 @@ class Source:
     unit_source: str = "arrays are metres"
     seconds: float = 0.0
     notes: tuple[str, ...] = ()
+    up: str | None = None
+    doubts: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -82,8 +88,10 @@ class LoadReport:
             "format": self.source.format,
             "unit": self.source.unit,
             "unit_source": self.source.unit_source,
+            "up": self.source.up,
             "seconds": self.source.seconds,
             "notes": list(self.source.notes),
+            "doubts": list(self.source.doubts),
             "triangles": self.triangles,
             "vertices": self.vertices,
             "parts": self.parts,
@@ -109,6 +117,8 @@ class LoadReport:
                 lines.append(f"{defect.count:,} {kind.replace('_', ' ')} triangles, {fate}: {ids}")
         if not any(defect.count for defect in self.defects.values()):
             lines.append("no defects")
+        if self.source.up:
+            lines.append(f"{self.source.up} is up")
         lines.extend(self.source.notes)
         return "\n".join(lines)
 

@@ -20,9 +20,9 @@ from feeler.cli.inputs import (
     MockupUnit,
     ToolFile,
     ToolUnit,
-    read_mockup,
+    Up,
+    read_both,
     read_poses,
-    read_tool,
 )
 from feeler.errors import OptionError
 from feeler.progress import bar
@@ -53,6 +53,7 @@ def path(
     ] = CAST_TOLERANCE,
     unit: MockupUnit = None,
     tool_unit: ToolUnit = None,
+    up: Up = None,
     storage: Annotated[str, typer.Option(help="blocks, dense or hashed.")] = "blocks",
     threads: Annotated[int | None, typer.Option(help="Default: all cores.")] = None,
     csv: Annotated[Path | None, typer.Option(help="Write a line per segment that is hit (CSV).")] = None,
@@ -78,8 +79,7 @@ def path(
                 raise OptionError(f"{target}: the name must end in {ending}")
             check_target(target)
     way = read_poses(poses)
-    world = read_mockup(mockup, unit)
-    probe = read_tool(tool, tool_unit)
+    world, probe = read_both(mockup, unit, tool, tool_unit, up)
     with bar("indexing") as progress:
         scene = feeler.Scene(world, storage=storage, tool=probe, threads=threads, progress=progress)
     start = time.perf_counter()
