@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, overload
 
 import numpy as np
@@ -130,8 +131,7 @@ class Parts(Sequence[Part]):
         """Reads the parts of `mockup`."""
         self._names = mockup.part_names
         self._paths = mockup.part_paths
-        self._triangles = mockup.part_triangles
-        self._bounds = mockup.part_bounds.reshape(-1, 2, 3)
+        self._triangles, self._bounds = mockup._part_facts
 
     def __len__(self) -> int:
         return len(self._names)
@@ -213,6 +213,11 @@ class Mockup(_core.Mockup):
         self.part_paths = list(paths)
         self.source = source or Source()
         return self
+
+    @cached_property
+    def _part_facts(self) -> tuple[npt.NDArray[Any], npt.NDArray[np.float64]]:
+        """Triangles (n,) and bounds (n, 2, 3) of the parts, kept: `parts[i]` in a loop would copy both every time."""
+        return self.part_triangles, self.part_bounds.reshape(-1, 2, 3)
 
     @property
     def parts(self) -> Parts:
