@@ -69,6 +69,16 @@ def describe(result: Triangulated) -> list[str]:
     return notes
 
 
+def _any_inside(left: NDArray[np.int64], a: int, b: int, c: int, plane: NDArray[np.float64]) -> bool:
+    """Tell whether a corner that is left lies in the triangle, or on it; those that equal its corners do not count."""
+    x, y = plane[left].T
+    inside = np.ones(len(left), dtype=bool)
+    for (from_x, from_y), (to_x, to_y) in zip(plane[[a, b, c]].tolist(), plane[[b, c, a]].tolist(), strict=True):
+        inside &= (to_x - from_x) * (y - from_y) - (to_y - from_y) * (x - from_x) >= 0
+        inside &= (x != from_x) | (y != from_y)
+    return bool(inside.any())
+
+
 def _reflex(block: NDArray[np.int64], vertices: NDArray[np.float64]) -> NDArray[np.bool_]:
     """Tell, for polygons (p, k), which corners turn back; none where a corner does not exist or is not finite."""
     reflex = np.zeros(block.shape, dtype=bool)
@@ -128,13 +138,3 @@ def _ears(corners: NDArray[np.int64], vertices: NDArray[np.float64]) -> NDArray[
     triangles += [[left[0], left[i], left[i + 1]] for i in range(1, len(left) - 1)]
     ears: NDArray[np.int64] = corners[np.array(triangles)]
     return ears
-
-
-def _any_inside(left: NDArray[np.int64], a: int, b: int, c: int, plane: NDArray[np.float64]) -> bool:
-    """Tell whether a corner that is left lies in the triangle, or on it; those that equal its corners do not count."""
-    x, y = plane[left].T
-    inside = np.ones(len(left), dtype=bool)
-    for (from_x, from_y), (to_x, to_y) in zip(plane[[a, b, c]].tolist(), plane[[b, c, a]].tolist(), strict=True):
-        inside &= (to_x - from_x) * (y - from_y) - (to_y - from_y) * (x - from_x) >= 0
-        inside &= (x != from_x) | (y != from_y)
-    return bool(inside.any())

@@ -46,8 +46,8 @@ class RawMesh:
     part_paths: list[str]
     unit: Unit | None = None
     in_metres: bool = False
-    up: Axis | None = None
     notes: list[str] = field(default_factory=list)
+    up: Axis | None = None
 
 
 def portion(progress: Progress, low: float, high: float) -> Progress:
