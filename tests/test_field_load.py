@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import itertools
 from dataclasses import dataclass
 from pathlib import Path
@@ -240,6 +241,26 @@ def test_different_up_axes_are_told_and_turned_alike(up_files):
     said = notes(mockup)
     assert "turned from y up to z up: a_y.obj, e_y.obj" in said and "turned from x up to z up: d_x.obj" in said
     assert "not turned to z up, as nothing says which axis is up there: c_.obj" in said
+
+
+@pytest.mark.skipif(importlib.util.find_spec("cascadio") is None, reason="cascadio is not installed")
+def test_a_post_as_step_and_as_gltf_stands_in_one_place(testdata, monkeypatch):
+    """A post of 10 x 20 x 300 mm, as STEP z up, and as every CAD system writes it into glTF: y up, metres."""
+
+    def read(path: Path, format_name: str, *more: Any) -> Any:
+        raw = readers.read(path, format_name, *more)
+        raw.up = {"STEP": "z", "glTF": "y"}[format_name]
+        return raw
+
+    monkeypatch.setattr("feeler.io.load.read", read)
+    files = [testdata / "files" / "up_axis.step", testdata / "files" / "up_axis.gltf"]
+    across = load_mockup(files)
+    assert np.allclose(across.bounds[1] - across.bounds[0], [0.01, 0.3, 0.32], atol=1e-7)
+    assert any("y up: up_axis.gltf; z up: up_axis.step" in doubt for doubt in across.report.source.doubts)
+    mockup = load_mockup(files, up="z")
+    for part in mockup.parts:
+        assert np.allclose([part.lower, part.upper], [[0, 0, 0], [0.01, 0.02, 0.3]], atol=1e-7)
+    assert mockup.report.source.up == "z"
 
 
 def test_one_up_axis_is_no_doubt(up_files):
