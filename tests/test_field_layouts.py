@@ -31,6 +31,8 @@ SPELLINGS = {
     "statements share lines": lambda t: t.replace("\n    outer", " outer").replace("\n    endloop\n", " endloop "),
     "a facet a line": lambda t: t.replace("\n    ", " ").replace("\n  endfacet", " endfacet"),
     "one line": lambda t: t.replace("\n", " "),
+    "two solids share a line": lambda t: t.replace("endsolid one\nsolid two", "endsolid one solid two"),
+    "a solid on one line": lambda t: t[: t.index("solid two")].replace("\n", " ") + "\n" + t[t.index("solid two") :],
     "one line and no blanks at its ends": lambda t: " ".join(t.split()),
     "broken vertices": lambda t: t.replace("vertex ", "vertex\n").replace(".0 ", ".0\n"),
     "no blanks ahead": lambda t: "\n".join(line.strip() for line in t.splitlines()),
@@ -119,6 +121,7 @@ def test_stl_cut_anywhere_is_refused_or_noted(tmp_path, layout):
 
 VERTICES = "".join(f"{x} {y} {z}\n" for x, y, z in CORNERS.tolist())
 POLYGONS = "".join(f"3 {a} {b} {c}\n" for a, b, c in FACES.tolist())
+WHOLE = VERTICES.replace(".0", "")
 PLAIN = VERTICES + POLYGONS
 
 
@@ -141,6 +144,8 @@ OFF_FILES = {
     "colours in a row": ("COFF\n4 4 6\n" + with_more(VERTICES, "255 0 0 255") + POLYGONS).replace("\n", " "),
     "three colours in a row": ("COFF\n4 4 6\n" + with_more(VERTICES, "0.5 0 0") + POLYGONS).replace("\n", " "),
     "colours on lines of their own": "COFF\n4 4 6\n" + VERTICES.replace("\n", "\n3 0 1 2\n") + POLYGONS,
+    "whole colours on lines of their own": "COFF\n4 4 6\n" + WHOLE.replace("\n", "\n3 0 1 2\n") + POLYGONS,
+    "whole coordinates, no edges": "OFF\n4 4\n" + WHOLE + POLYGONS,
     "colours of polygons": "OFF\n4 4 6\n" + VERTICES + with_more(POLYGONS, "0.5 0.5 0.5"),
     "colours of some": "OFF\n4 4 6\n" + PLAIN.replace("3 1 2 3", "3 1 2 3 7").replace("3 2 0 3", "3 2 0 3 1 1 1"),
     "normals": "NOFF\n4 4 6\n" + with_more(VERTICES, "0 0 1") + POLYGONS,
@@ -174,6 +179,7 @@ def test_off_points_and_lines_are_counted(tmp_path):
         ("OFF BINARY\n" + PLAIN, "binary OFF"),
         ("OFF\n4 5 6\n" + PLAIN, "truncated"),
         ("OFF 4 5 6 " + PLAIN.replace("\n", " "), "truncated"),
+        ("OFF 4 4 6 " + PLAIN.replace("3 0 1 3", "3 0 1 9").replace("\n", " "), "truncated"),  # words for no vertex
         ("OFF\n4 four 6\n" + PLAIN, "missing"),
         ("blob\n4 4 6\n" + PLAIN, "starts with 'OFF'"),
         ("OFF\n4 4 6\n" + PLAIN.replace("3 0 1 3", "5 0 1 3"), "line 8: the polygon promises 5 corners"),

@@ -94,6 +94,9 @@ def test_names_in_the_encoding_of_windows_stay_apart(tmp_path):
     text = obj_text().replace("left side", "Gehäuse").replace("g right", "g Gehöuse")
     mockup = load_mockup(save(tmp_path, "m.obj", text.encode("cp1252")))
     assert mockup.part_names == ["Gehäuse", "Gehöuse", "plate"]
+    assert load_mockup(save(tmp_path, "e.obj", TRIANGLE.encode() + b"g \x80 5\nf 1 2 3\n")).part_names == [
+        "\N{EURO SIGN} 5"
+    ]
     # 0x81 and 0x9d are no characters there.
     text = b"v 0 0 0\nv 1 0 0\nv 0 1 0\ng \x81\nf 1 2 3\ng \x9d\nf 1 2 3\n"
     assert load_mockup(save(tmp_path, "n.obj", text)).part_count == 2

@@ -194,12 +194,10 @@ def _joined(data: bytes) -> tuple[bytes, int]:
         return data, 0
     text: bytearray | None = None
     joined = 0
-    continues_at = -1  # where the line before was joined to this one
     for match in _CONTINUED.finditer(data):
         start = data.rfind(b"\n", 0, match.start()) + 1
-        if start != continues_at and (b"#" in data[start : match.start()] or _NAMING.match(data, start, match.start())):
+        if b"#" in data[start : match.start()] or _NAMING.match(data, start, match.start()):
             continue  # of a Windows path, most likely: the next line would be lost
-        continues_at = match.end()
         text = text if text is not None else bytearray(data)
         text[match.start() : match.end()] = b" " * (match.end() - match.start())
         joined += 1
