@@ -24,8 +24,8 @@ from feeler.errors import FeelerError, LoadError
 PROTOCOLS = range(pickle.HIGHEST_PROTOCOL + 1)
 STAY = {"Predictor", "PiecePredictor"}
 """What does not travel, and says so."""
-BASES = {"Mockup", "Tool", "Scene", "ContactTracker"}
-"""Classes of the core that only their feeler.* subclasses are used of."""
+BASES = {"Mockup", "Tool", "Scene", "ContactTracker", "IgnoredPairs", "Selected"}
+"""Classes of the core that only their feeler.* subclasses are used of, or that make these."""
 WAYS: dict[str, Callable[[Any], Any]] = {
     **{f"protocol {p}": lambda value, p=p: pickle.loads(pickle.dumps(value, p)) for p in PROTOCOLS},
     "copy": copy.copy,
@@ -73,8 +73,8 @@ def samples() -> dict[str, list[Any]]:
     path = [pose(0.2, z=3.0), pose(0.2, z=0.5), pose(0.2, z=3.0), pose(0.3, z=3.0)]
     return {
         "Mockup": [mock, feeler.Mockup(*box((0, 0, 0), 1.0))],
-        "Tool": [tool],
-        "Scene": [scene, feeler.Scene(mock, storage="dense", voxel_size=0.25), feeler.Scene(mock, tool=tool)],
+        "Tool": [tool, feeler.Tool.of_parts(mock)],
+        "Scene": [scene, scene.without("odd"), feeler.Scene(mock, storage="dense", voxel_size=0.25), feeler.Scene(mock, tool=tool)],
         "ContactTracker": [tracker, feeler.ContactTracker(scene, tool)],
         "Collision": [scene.collide(tool, p) for p in POSES],
         "Batch": [scene.collide_batch(tool, POSES), scene.collide_batch(tool, POSES[:0])],
@@ -86,6 +86,8 @@ def samples() -> dict[str, list[Any]]:
         "PathCheck": [scene.check_path(tool, path), scene.check_path(tool, path[2:])],
         "Contacts": contacts,
         "ContactPlane": list(contacts[0]),
+        "Containment": [scene.containment(tool, pose(0.4, 0.4, 0.4)), scene.containment(tool, pose(9.0))],
+        "IgnoredPairs": [feeler.IgnoredPairs(tool, mock, [("*", "pair")]), feeler.IgnoredPairs(tool, mock, [])],
         "Penetration": [scene.penetration(tool, pose(0.2)), scene.penetration(tool, pose(0.4, 0.4, 0.4))],
         "PairKind": list(feeler.PairKind),
     }
@@ -276,9 +278,9 @@ def test_a_damaged_pickle_is_refused() -> None:
 
 
 def test_a_scene_goes_where_its_instruction_set_is_not(monkeypatch: pytest.MonkeyPatch) -> None:
-    restore, (written_in, by, kind, (cls, mock, options)), _ = SAMPLES["Scene"][0].__reduce__()
+    restore, (written_in, by, kind, (cls, mock, options, mask)), _ = SAMPLES["Scene"][0].__reduce__()
     assert options["simd"] == "portable"
-    there = restore(written_in, by, kind, (cls, mock, {**options, "simd": "of another machine"}))
-    assert there.simd == SAMPLES["Scene"][2].simd
+    there = restore(written_in, by, kind, (cls, mock, {**options, "simd": "of another machine"}, mask))
+    assert there.simd == SAMPLES["Scene"][3].simd
     with pytest.raises(feeler.OptionError, match="voxel_size"):
-        restore(written_in, by, kind, (cls, mock, {**options, "voxel_size": -1.0}))
+        restore(written_in, by, kind, (cls, mock, {**options, "voxel_size": -1.0}, mask))

@@ -10,6 +10,7 @@ from feeler._core import (
     Collision,
     ContactPlane,
     Contacts,
+    Containment,
     Distance,
     DistanceBatch,
     PathCheck,
@@ -24,6 +25,7 @@ from feeler.errors import (
     OptionError,
     PoseError,
 )
+from feeler.ignored import IgnoredPairs
 from feeler.io import load_mockup, load_tool
 from feeler.mockup import Mockup, Tool
 from feeler.poses import nearest_rigid
@@ -41,9 +43,11 @@ __all__ = [
     "ContactPlane",
     "ContactTracker",
     "Contacts",
+    "Containment",
     "Distance",
     "DistanceBatch",
     "FeelerError",
+    "IgnoredPairs",
     "LimitError",
     "LoadError",
     "MeshError",

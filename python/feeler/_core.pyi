@@ -1,13 +1,15 @@
 """The compiled core. Use `feeler.Mockup`, `feeler.Tool` and `feeler.Scene`, which check what they pass on to it."""
 
 from collections.abc import Callable, Iterator, Sequence
-from typing import final
+from typing import Any, Literal, final
 
 import numpy as np
 import numpy.typing as npt
 from typing_extensions import Self, disjoint_base
 
 _Progress = Callable[[float, str], object]
+_Touching = Literal["counts", "free"]
+_Ignore = Any  # feeler.ignored.Ignore, which needs this module
 
 __all__ = [
     "Batch",
@@ -18,14 +20,17 @@ __all__ = [
     "ContactPlane",
     "ContactTracker",
     "Contacts",
+    "Containment",
     "Distance",
     "DistanceBatch",
+    "IgnoredPairs",
     "Mockup",
     "PathCheck",
     "Penetration",
     "PiecePredictor",
     "Predictor",
     "Scene",
+    "Selected",
     "Tool",
     "optimal_voxel_size",
     "restore",
@@ -71,13 +76,31 @@ class Mockup:
 
 @disjoint_base
 class Tool:
-    def __new__(cls, vertices: npt.NDArray[np.float64], faces: npt.NDArray[np.uint32]) -> Self: ...
+    def __new__(
+        cls,
+        vertices: npt.NDArray[np.float64],
+        faces: npt.NDArray[np.uint32],
+        part_of_face: npt.NDArray[np.uint32] | None,
+        part_count: int,
+    ) -> Self: ...
     @property
     def vertices(self) -> npt.NDArray[np.float64]:
         """`(n, 3)`, metres, read-only."""
     @property
     def faces(self) -> npt.NDArray[np.uint32]:
         """`(m, 3)`, read-only."""
+    @property
+    def part_of_face(self) -> npt.NDArray[np.uint32]:
+        """`(m,)`: the part of each triangle."""
+    @property
+    def part_triangles(self) -> npt.NDArray[np.uint32]:
+        """`(parts,)`: triangles of each part, defective ones included."""
+    @property
+    def part_bounds(self) -> npt.NDArray[np.float64]:
+        """`(2 * parts, 3)`: lower and upper corner of each part's box, metres; crossed if the part is empty."""
+    @property
+    def part_count(self) -> int:
+        """Parts, including those without triangles."""
     @property
     def bounds(self) -> npt.NDArray[np.float64]:
         """`(2, 3)`: lower and upper corner of the box around all queried triangles, tool frame, metres."""
@@ -89,18 +112,26 @@ class Tool:
         """Kind of defect -> count and first ids."""
 
 @disjoint_base
+class IgnoredPairs:
+    def __new__(cls, tool_parts: int, parts: int, pairs: npt.NDArray[np.uint32]) -> Self: ...
+
+@final
+class Selected:
+    """What a scene is made of that shares another's index."""
+
+@disjoint_base
 class Scene:
     def __new__(
         cls,
-        mockup: Mockup,
-        voxel_size: float | None,
-        storage: str,
-        hashing: float,
-        tool: Tool | None,
-        threads: int | None,
-        progress: _Progress | None,
-        memory_limit: int,
-        simd: str | None,
+        mockup: Mockup | Selected,
+        voxel_size: float | None = None,
+        storage: str = "blocks",
+        hashing: float = 0.0,
+        tool: Tool | None = None,
+        threads: int | None = None,
+        progress: _Progress | None = None,
+        memory_limit: int = ...,
+        simd: str | None = None,
     ) -> Self: ...
     @property
     def mockup(self) -> Mockup:
@@ -124,29 +155,88 @@ class Scene:
         """
     def validate(self) -> None:
         """Raises `FeelerError` if an invariant of the index does not hold; for tests."""
+    @property
+    def part_mask(self) -> npt.NDArray[np.bool_]:
+        """`(parts,)`: which parts of the mock-up are there; all but of a scene `without` some."""
+    def selected_without(self, parts: Sequence[int]) -> Selected: ...
+    def selected_only(self, parts: Sequence[int]) -> Selected: ...
     def collide(
-        self, tool: Tool, world_from_tool: npt.ArrayLike, *, repeat_filter: bool = True, box_filter: bool = True
+        self,
+        tool: Tool,
+        world_from_tool: npt.ArrayLike,
+        *,
+        repeat_filter: bool = True,
+        box_filter: bool = True,
+        ignore: _Ignore = None,
     ) -> Collision:
         """Every pair of triangles that meets, with the tool at a pose `(4, 4)`; exact.
 
         The filters (skip pairs met before; compare boxes first) never change the answer: switch one off to measure what
         it brings. Raises `PoseError` for a pose that is not rigid.
         """
-    def is_colliding(self, tool: Tool, world_from_tool: npt.ArrayLike) -> bool:
-        """Whether any two triangles meet, with the tool at a pose `(4, 4)`; stops at the first pair."""
-    def collide_batch(self, tool: Tool, poses: npt.ArrayLike, progress: _Progress | None) -> Batch: ...
-    def clearance(self, tool: Tool, world_from_tool: npt.ArrayLike, within: float, triangles: bool) -> Clearance: ...
-    def distance(self, tool: Tool, world_from_tool: npt.ArrayLike, max: float) -> Distance: ...
-    def distances(self, tool: Tool, world_from_tool: npt.ArrayLike, max: float, k: int) -> list[Distance]: ...
+    def is_colliding(
+        self, tool: Tool, world_from_tool: npt.ArrayLike, *, touching: _Touching = "counts", ignore: _Ignore = None
+    ) -> bool:
+        """Whether any two triangles meet, with the tool at a pose `(4, 4)`; stops at the first pair.
+
+        With `touching="free"`, whether one body enters the other: surfaces may lie on each other, and a pin be seated
+        without play. Pairs that cross enter; what is coplanar or touches is told by exact sides, for which it is found
+        once how both meshes hang together (below a second for a million triangles). Sheets have no inside: what touches
+        one from both sides goes through it. What meets at corners of triangles of both alone is taken to touch.
+        """
+    def is_free(self, tool: Tool, world_from_tool: npt.ArrayLike, *, ignore: _Ignore = None) -> bool:
+        """Whether, with the tool at a pose `(4, 4)`, nothing meets and nothing is inside: see `containment`."""
+    def containment(self, tool: Tool, world_from_tool: npt.ArrayLike, *, ignore: _Ignore = None) -> Containment:
+        """Which closed parts the tool is inside of, and which parts are inside the tool, at a pose `(4, 4)`.
+
+        Exact, by winding numbers, for each connected surface by itself: of a part of several solids some may hold the
+        tool, and a hollow holds nothing. A surface that crosses a part is not inside it; one that touches it may be.
+        """
+    def collide_batch(
+        self, tool: Tool, poses: npt.ArrayLike, progress: _Progress | None, *, ignore: _Ignore = None
+    ) -> Batch: ...
+    def clearance(
+        self, tool: Tool, world_from_tool: npt.ArrayLike, within: float, triangles: bool, *, ignore: _Ignore = None
+    ) -> Clearance: ...
+    def distance(
+        self, tool: Tool, world_from_tool: npt.ArrayLike, max: float, *, ignore: _Ignore = None
+    ) -> Distance: ...
+    def distances(
+        self, tool: Tool, world_from_tool: npt.ArrayLike, max: float, k: int, *, ignore: _Ignore = None
+    ) -> list[Distance]: ...
     def distance_batch(
-        self, tool: Tool, poses: npt.ArrayLike, max: float, progress: _Progress | None
+        self, tool: Tool, poses: npt.ArrayLike, max: float, progress: _Progress | None, *, ignore: _Ignore = None
     ) -> DistanceBatch: ...
     def clearance_batch(
-        self, tool: Tool, poses: npt.ArrayLike, within: float, triangles: bool, progress: _Progress | None
+        self,
+        tool: Tool,
+        poses: npt.ArrayLike,
+        within: float,
+        triangles: bool,
+        progress: _Progress | None,
+        *,
+        ignore: _Ignore = None,
     ) -> ClearanceBatch: ...
-    def cast(self, tool: Tool, pose0: npt.ArrayLike, pose1: npt.ArrayLike, *, tolerance: float) -> Cast | None: ...
+    def cast(
+        self,
+        tool: Tool,
+        pose0: npt.ArrayLike,
+        pose1: npt.ArrayLike,
+        *,
+        tolerance: float,
+        touching: _Touching,
+        ignore: _Ignore = None,
+    ) -> Cast | None: ...
     def check_path(
-        self, tool: Tool, poses: npt.ArrayLike, *, tolerance: float, progress: _Progress | None
+        self,
+        tool: Tool,
+        poses: npt.ArrayLike,
+        *,
+        tolerance: float,
+        touching: _Touching,
+        inside: bool,
+        progress: _Progress | None,
+        ignore: _Ignore = None,
     ) -> PathCheck: ...
     def contacts(
         self,
@@ -154,6 +244,8 @@ class Scene:
         world_from_tool: npt.ArrayLike,
         margin: float,
         reference: npt.ArrayLike | None,
+        *,
+        ignore: _Ignore = None,
     ) -> Contacts: ...
     def penetration(
         self,
@@ -161,6 +253,8 @@ class Scene:
         world_from_tool: npt.ArrayLike,
         margin: float,
         reference: npt.ArrayLike | None,
+        *,
+        ignore: _Ignore = None,
     ) -> Penetration: ...
 
 @final
@@ -180,6 +274,9 @@ class Contacts:
     @property
     def parts(self) -> npt.NDArray[np.uint32]:
         """`(k,)`: indices into `mockup.parts`."""
+    @property
+    def tool_parts(self) -> npt.NDArray[np.uint32]:
+        """`(k,)`: indices into `tool.parts`."""
     @property
     def ids(self) -> npt.NDArray[np.uint64]:
         """`(k,)`: the same for the same two surfaces of tool and mock-up at every pose, in every call, thread and run.
@@ -235,6 +332,9 @@ class ContactPlane:
     def part(self) -> int:
         """Index into `mockup.parts`."""
     @property
+    def tool_part(self) -> int:
+        """Index into `tool.parts`."""
+    @property
     def id(self) -> int:
         """As in `Contacts.ids`."""
     @property
@@ -246,6 +346,28 @@ class ContactPlane:
     @property
     def mockup_triangles(self) -> npt.NDArray[np.uint32]:
         """`(m,)`: triangles of the mock-up behind it, ascending."""
+
+@final
+class Containment:
+    """What is inside what, though it does not cross it; true where anything is."""
+
+    @property
+    def containing(self) -> npt.NDArray[np.uint32]:
+        """Indices into `mockup.parts` of closed parts that hold the tool, or one of its connected surfaces; sorted."""
+    @property
+    def contained(self) -> npt.NDArray[np.uint32]:
+        """Indices into `mockup.parts` of parts of which the tool holds a connected surface; sorted."""
+    @property
+    def containing_pairs(self) -> npt.NDArray[np.uint32]:
+        """`(k, 2)`: tool part that is held, and part that holds it; sorted."""
+    @property
+    def contained_pairs(self) -> npt.NDArray[np.uint32]:
+        """`(k, 2)`: tool part that holds, and part that it holds; sorted."""
+    @property
+    def unknown(self) -> npt.NDArray[np.uint32]:
+        """Parts of which it cannot be told, sorted: open ones with a corner of the tool in their box, and where the
+        tool is open those with a corner in its box."""
+    def __bool__(self) -> bool: ...
 
 @final
 class Penetration:
@@ -293,6 +415,9 @@ class Collision:
     @property
     def parts(self) -> npt.NDArray[np.uint32]:
         """Indices into `mockup.parts` of the parts that are met; unique, sorted."""
+    @property
+    def tool_parts(self) -> npt.NDArray[np.uint32]:
+        """Indices into `tool.parts` of the tool's parts that meet something; unique, sorted."""
     @property
     def stats(self) -> dict[str, int]:
         """What the query did, stage by stage.
@@ -349,6 +474,9 @@ class Distance:
     @property
     def part(self) -> int | None:
         """The index into `mockup.parts` of that triangle's part."""
+    @property
+    def tool_part(self) -> int | None:
+        """The index into `tool.parts` of the tool's part that the point lies on."""
 
 @final
 class DistanceBatch:
@@ -375,6 +503,9 @@ class DistanceBatch:
     @property
     def parts(self) -> npt.NDArray[np.int64]:
         """`(n,)`: indices into `mockup.parts`."""
+    @property
+    def tool_parts(self) -> npt.NDArray[np.int64]:
+        """`(n,)`: indices into `tool.parts`."""
     def __len__(self) -> int: ...
     def __getitem__(self, index: int, /) -> Distance: ...
 
@@ -385,6 +516,9 @@ class Clearance:
     @property
     def parts(self) -> npt.NDArray[np.uint32]:
         """`(k,)`: indices into `mockup.parts`."""
+    @property
+    def tool_parts(self) -> npt.NDArray[np.uint32]:
+        """`(k,)`: indices into `tool.parts`."""
     @property
     def distances(self) -> npt.NDArray[np.float64]:
         """`(k,)`: metres, ascending; 0 where they meet."""
@@ -412,6 +546,9 @@ class ClearanceBatch:
     @property
     def parts(self) -> npt.NDArray[np.uint32]:
         """`(K,)`: as of `Clearance`, and so are the others."""
+    @property
+    def tool_parts(self) -> npt.NDArray[np.uint32]:
+        """`(K,)`: parts of the tool."""
     @property
     def distances(self) -> npt.NDArray[np.float64]:
         """`(K,)`: metres."""
@@ -485,6 +622,9 @@ class Cast:
     @property
     def part(self) -> int:
         """Index into `mockup.parts` of the part that is met."""
+    @property
+    def tool_part(self) -> int:
+        """Index into `tool.parts` of the tool's part that meets it."""
 
 @final
 class PathCheck:
@@ -495,7 +635,10 @@ class PathCheck:
 
     @property
     def free(self) -> bool:
-        """Whether no segment meets anything."""
+        """Whether no segment meets anything, and the tool is not inside anything at the first pose."""
+    @property
+    def containment(self) -> Containment | None:
+        """What is inside what at the first pose; None where that was not asked for."""
     @property
     def fraction(self) -> npt.NDArray[np.float64]:
         """`(segments,)`: when each segment's first impact is, as a share of the segment; NaN where it is free."""
@@ -520,6 +663,9 @@ class PathCheck:
     @property
     def parts(self) -> npt.NDArray[np.uint32]:
         """`(k,)`: as `Cast.part`."""
+    @property
+    def tool_parts(self) -> npt.NDArray[np.uint32]:
+        """`(k,)`: as `Cast.tool_part`."""
     @property
     def first(self) -> Cast | None:
         """The impact of the first segment that has one: `segments[0]`."""

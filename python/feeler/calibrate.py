@@ -86,7 +86,7 @@ def measure_constants() -> Constants:
     mockup = _core.Mockup(*_clutter(60, 20), None, 1)
     rng = np.random.default_rng(5)
     poses = np.array([_pose(rng, 0.45) for _ in range(_POSES)])
-    tools = [_core.Tool(*_tube(0.3, 0.02, around, along)) for around, along in ((8, 12), (24, 40))]
+    tools = [_core.Tool(*_tube(0.3, 0.02, around, along), None, 1) for around, along in ((8, 12), (24, 40))]
     scenes = [_core.Scene(mockup, size, "dense", 0.0, None, None, None, 2**40, None) for size in _SIZES_M]
     steps, seconds, clock = [], [], query_clock()
     for tool in tools:

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, overload
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from feeler import _core
-from feeler.errors import MeshError
+from feeler.errors import MeshError, OptionError
+from feeler.parts import Parts, PartsLike
+from feeler.poses import placed
 from feeler.travel import reduced
 
 _OUT_OF_RANGE = np.iinfo(np.uint32).max
@@ -33,18 +35,6 @@ class Source:
     notes: tuple[str, ...] = ()
     up: str | None = None
     doubts: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True)
-class Part:
-    """One part of a mock-up. `lower` and `upper` bound its queried triangles (metres); NaN where it has none."""
-
-    index: int
-    name: str
-    path: str
-    triangles: int
-    lower: tuple[float, float, float]
-    upper: tuple[float, float, float]
 
 
 @dataclass(frozen=True)
@@ -125,44 +115,6 @@ class LoadReport:
         return "\n".join(lines)
 
 
-class Parts(Sequence[Part]):
-    """The parts of a mock-up, by index; `find` looks one up by path or name."""
-
-    def __init__(self, mockup: Mockup) -> None:
-        """Reads the parts of `mockup`."""
-        self._names = mockup.part_names
-        self._paths = mockup.part_paths
-        self._triangles, self._bounds = mockup._part_facts
-
-    def __len__(self) -> int:
-        return len(self._names)
-
-    @overload
-    def __getitem__(self, index: int) -> Part: ...
-    @overload
-    def __getitem__(self, index: slice) -> list[Part]: ...
-    def __getitem__(self, index: int | slice) -> Part | list[Part]:
-        if isinstance(index, slice):
-            return [self[i] for i in range(*index.indices(len(self)))]
-        i = range(len(self))[index]
-        lower, upper = self._bounds[i]
-        if lower[0] > upper[0]:
-            lower = upper = np.full(3, np.nan)
-        return Part(i, self._names[i], self._paths[i], int(self._triangles[i]), _xyz(lower), _xyz(upper))
-
-    def __iter__(self) -> Iterator[Part]:
-        return (self[i] for i in range(len(self)))
-
-    def find(self, path: str) -> list[Part]:
-        """Parts whose path or name equals `path`, or whose path lies below it."""
-        below = path.rstrip("/") + "/"
-        return [
-            self[i]
-            for i, (name, full) in enumerate(zip(self._names, self._paths, strict=True))
-            if path in (name, full) or full.startswith(below)
-        ]
-
-
 class Mockup(_core.Mockup):
     """A static mock-up: triangles in named parts, metres, right-handed.
 
@@ -191,39 +143,17 @@ class Mockup(_core.Mockup):
         """See the class."""
         points = _points(vertices)
         indices = _indices(faces, len(points))
-        parts = None
-        count = 1
-        if part_of_face is not None:
-            parts = _part_ids(part_of_face, len(indices))
-            count = int(parts.max(initial=0)) + 1
-        names = _names("part_names", part_names)
-        paths = _names("part_paths", part_paths)
-        if names is None:
-            names = paths
-        if names is None:
-            if count > max(len(indices), 1_000_000):
-                raise MeshError(f"part_of_face goes up to {count - 1}: give part_names, or number the parts from 0 on")
-            names = ["part"] if parts is None else [f"part_{i}" for i in range(count)]
-        if not names:
-            raise MeshError("part_names is empty: give at least one name")
-        paths = names if paths is None else paths
-        if len(paths) != len(names):
-            raise MeshError(f"part_paths has {len(paths)} entries but part_names has {len(names)}: give as many")
+        parts, names, paths = _named_parts(part_of_face, part_names, part_paths, len(indices), "part")
         self = super().__new__(cls, points, indices, parts, len(names))
-        self.part_names = list(names)
-        self.part_paths = list(paths)
+        self.part_names = names
+        self.part_paths = paths
         self.source = source or Source()
         return self
 
     @cached_property
-    def _part_facts(self) -> tuple[npt.NDArray[Any], npt.NDArray[np.float64]]:
-        """Triangles (n,) and bounds (n, 2, 3) of the parts, kept: `parts[i]` in a loop would copy both every time."""
-        return self.part_triangles, self.part_bounds.reshape(-1, 2, 3)
-
-    @property
     def parts(self) -> Parts:
         """The parts, a sequence of `Part`."""
-        return Parts(self)
+        return Parts(self.part_names, self.part_paths, self.part_triangles, self.part_bounds.reshape(-1, 2, 3))
 
     @property
     def report(self) -> LoadReport:
@@ -247,12 +177,16 @@ class Mockup(_core.Mockup):
 class Tool(_core.Tool):
     """A moving tool in its own frame, metres; prepared once, usable with any number of scenes and threads.
 
-    `vertices` is `(n, 3)`, any real dtype and memory order; `faces` `(m, 3)`, any integer dtype.
+    `vertices` is `(n, 3)`, any real dtype and memory order; `faces` `(m, 3)`, any integer dtype. It may have parts, as
+    a mock-up has: results name the one that is met, and `Scene` may ignore some of them. `Tool.of_parts` makes one of
+    parts of a mock-up, `Tool.assembly` one of several tools.
 
     Raises `MeshError` for wrong shapes or dtypes, or when no triangle can be queried.
     """
 
     name: str
+    part_names: list[str]
+    part_paths: list[str]
     source: Source
 
     def __new__(
@@ -260,24 +194,103 @@ class Tool(_core.Tool):
         vertices: npt.ArrayLike,
         faces: npt.ArrayLike,
         name: str = "tool",
+        part_of_face: npt.ArrayLike | None = None,
+        part_names: Sequence[str] | None = None,
         *,
+        part_paths: Sequence[str] | None = None,
         source: Source | None = None,
     ) -> Tool:
         """See the class."""
         points = _points(vertices)
-        self = super().__new__(cls, points, _indices(faces, len(points)))
+        indices = _indices(faces, len(points))
+        parts, names, paths = _named_parts(part_of_face, part_names, part_paths, len(indices), str(name))
+        self = super().__new__(cls, points, indices, parts, len(names))
         self.name = str(name)
+        self.part_names = names
+        self.part_paths = paths
         self.source = source or Source()
         return self
+
+    @classmethod
+    def of_parts(cls, mockup: Mockup, parts: PartsLike | None = None, name: str | None = None) -> Tool:
+        """Parts of a mock-up as a tool, in the mock-up's frame: at the identity it is where they are.
+
+        `parts` as `Parts.select` takes them; None: all. They stay parts of the tool, in the mock-up's order; vertices
+        that no triangle of theirs has are left out. `name` is by default the part's own, or how many they are.
+        Raises `OptionError` for parts that are not there, `MeshError` for parts of which no triangle can be queried.
+        """
+        if not isinstance(mockup, Mockup):
+            raise MeshError(f"parts are of a feeler.Mockup, not of {type(mockup).__name__}")
+        chosen = np.arange(mockup.part_count) if parts is None else mockup.parts.select(parts)
+        if not len(chosen):
+            raise OptionError("no part is named: a tool needs one at least")
+        place = np.full(mockup.part_count, -1)
+        place[chosen] = np.arange(len(chosen))
+        part_of_face = place[mockup.part_of_face]
+        faces = mockup.faces[part_of_face >= 0]
+        used = np.unique(faces)
+        used = used[used < len(mockup.vertices)]
+        index = np.full(len(mockup.vertices), _OUT_OF_RANGE, dtype=np.uint32)
+        index[used] = np.arange(len(used), dtype=np.uint32)
+        # What is out of range stays out of range.
+        index = np.append(index, np.uint32(_OUT_OF_RANGE))
+        faces = index[np.minimum(faces, len(mockup.vertices))]
+        names, paths = ([each[i] for i in chosen] for each in (mockup.part_names, mockup.part_paths))
+        if name is None:
+            name = names[0] if len(names) == 1 else f"{len(names)} parts"
+        if not len(faces):
+            raise MeshError(f"{', '.join(paths[:3])}: there is no triangle in what is to be a tool")
+        source = mockup.source
+        return cls(
+            mockup.vertices[used], faces, name, part_of_face[part_of_face >= 0], names, part_paths=paths, source=source
+        )
+
+    @classmethod
+    def assembly(cls, items: Mapping[str, Tool | tuple[Tool, npt.ArrayLike]], name: str = "assembly") -> Tool:
+        """Several tools as one that moves as a whole: a hand with a wrench.
+
+        `items` maps a name to a tool, or to a tool and its place `tool_from_item` `(4, 4)`: rigid, metres. Corners are
+        placed as a tool's are at a pose. The parts of an item are called by its name, or where it has several
+        `name/path`; triangles are numbered item by item. Raises `MeshError` where there is no item or one is no tool,
+        `PoseError` for a place that is not rigid.
+        """
+        given: object = items
+        if not isinstance(given, Mapping) or not items:
+            raise MeshError('an assembly is made of a dict of tools, such as {"hand": hand, "wrench": (wrench, place)}')
+        vertices, faces, parts = [], [], []
+        names: list[str] = []
+        paths: list[str] = []
+        vertex_count = 0
+        for label, item in items.items():
+            tool, place = item if isinstance(item, tuple) and len(item) == 2 else (item, np.eye(4))
+            if not isinstance(tool, Tool):
+                raise MeshError(f"assembly item {label!r} is {type(tool).__name__}: a feeler.Tool is needed")
+            vertices.append(placed(tool.vertices, place, f"assembly item {label!r}"))
+            outside = tool.faces >= len(tool.vertices)
+            faces.append(np.where(outside, _OUT_OF_RANGE, tool.faces.astype(np.int64) + vertex_count))
+            parts.append(tool.part_of_face.astype(np.int64) + len(names))
+            vertex_count += len(tool.vertices)
+            is_one = len(tool.part_names) == 1
+            names += [str(label)] if is_one else tool.part_names
+            paths += [str(label)] if is_one else [f"{label}/{path}" for path in tool.part_paths]
+        return cls(
+            np.concatenate(vertices), np.concatenate(faces), name, np.concatenate(parts), names, part_paths=paths
+        )
+
+    @cached_property
+    def parts(self) -> Parts:
+        """The parts, a sequence of `Part`; one, called as the tool, unless it was made of several."""
+        return Parts(self.part_names, self.part_paths, self.part_triangles, self.part_bounds.reshape(-1, 2, 3))
 
     @property
     def report(self) -> LoadReport:
         """What was loaded and what is wrong with it."""
-        return _report(self, self.source, 1)
+        return _report(self, self.source, self.part_count)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Its arrays, and beside them all attributes, as in other Python objects."""
-        state = (type(self), self.vertices, self.faces)
+        parts = self.part_of_face if self.part_count > 1 else None
+        state = (type(self), self.vertices, self.faces, parts, self.part_count)
         return (*reduced("Tool", state), dict(self.__dict__))
 
     @classmethod
@@ -323,6 +336,35 @@ def _indices(faces: npt.ArrayLike, vertices: int) -> npt.NDArray[np.uint32]:
         outside = (whole < 0) | (whole >= limit) if whole.dtype.kind == "i" else whole >= limit
         whole = np.where(outside, _OUT_OF_RANGE, whole)
     return np.ascontiguousarray(whole, dtype=np.uint32)
+
+
+def _named_parts(
+    part_of_face: npt.ArrayLike | None,
+    part_names: Sequence[str] | None,
+    part_paths: Sequence[str] | None,
+    triangles: int,
+    only: str,
+) -> tuple[npt.NDArray[np.uint32] | None, list[str], list[str]]:
+    """The part of each triangle, names and paths; a mesh of one part that has no name is called `only`."""
+    parts = None
+    count = 1
+    if part_of_face is not None:
+        parts = _part_ids(part_of_face, triangles)
+        count = int(parts.max(initial=0)) + 1
+    names = _names("part_names", part_names)
+    paths = _names("part_paths", part_paths)
+    if names is None:
+        names = paths
+    if names is None:
+        if count > max(triangles, 1_000_000):
+            raise MeshError(f"part_of_face goes up to {count - 1}: give part_names, or number the parts from 0 on")
+        names = [only] if parts is None else [f"part_{i}" for i in range(count)]
+    if not names:
+        raise MeshError("part_names is empty: give at least one name")
+    paths = names if paths is None else paths
+    if len(paths) != len(names):
+        raise MeshError(f"part_paths has {len(paths)} entries but part_names has {len(names)}: give as many")
+    return parts, list(names), list(paths)
 
 
 def _part_ids(part_of_face: npt.ArrayLike, triangles: int) -> npt.NDArray[np.uint32]:

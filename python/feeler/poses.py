@@ -11,6 +11,7 @@ MAX_DEVIATION = 0.01
 """What `nearest_rigid` takes for rounding: three decimals are within it, a scale of 1 % is not."""
 
 _RIGID = 1e-14  # deviation of a rotation whose entries were rounded to float64: there is nothing to repair
+_RIGID_ENOUGH = 1e-6  # what queries take a pose for rigid at
 _LEAST_RANK = 1e-9  # second to first singular value; below it the rows are on one line, and say nothing of the turn
 
 
@@ -56,6 +57,21 @@ def nearest_rigid(pose: npt.ArrayLike, max_deviation: float = MAX_DEVIATION) -> 
     repaired[:, 3] = 0.0, 0.0, 0.0, 1.0
     shaped: npt.NDArray[np.float64] = repaired.reshape(given.shape)
     return shaped
+
+
+def placed(points: npt.NDArray[np.float64], place: npt.ArrayLike, what: str) -> npt.NDArray[np.float64]:
+    """Points `(n, 3)` moved by a rigid matrix `(4, 4)`, each coordinate computed as that of a tool's corner at a pose.
+
+    Raises `PoseError` for a place that a query would refuse; `what` says of what it is.
+    """
+    matrix = _matrices(place)
+    if matrix.shape != (4, 4) or not np.isfinite(matrix).all() or not _deviation(matrix[None])[0] <= _RIGID_ENOUGH:
+        raise PoseError(
+            f"the place of {what} is not a rigid (4, 4) matrix: give a rotation without scale, shear or mirror; "
+            "feeler.nearest_rigid(place) repairs rounding"
+        )
+    (x, y, z), r = points.T, matrix[:3, :3]
+    return np.column_stack([((r[i, 0] * x + r[i, 1] * y) + r[i, 2] * z) + matrix[i, 3] for i in range(3)])
 
 
 def _matrices(pose: npt.ArrayLike) -> npt.NDArray[np.float64]:

@@ -26,7 +26,9 @@ from feeler._core import (
 )
 from feeler.calibrate import machine_constants
 from feeler.errors import LimitError, MeshError, OptionError
+from feeler.ignored import Ignore
 from feeler.mockup import Mockup, Tool
+from feeler.parts import PartsLike
 from feeler.travel import reduced
 
 Progress = Callable[[float, str], object]
@@ -67,11 +69,15 @@ class Scene(_core.Scene):
     Raises `OptionError` for values out of range and `LimitError` for a voxel size that would need more memory, or more
     voxels, than allowed; that before anything is allocated.
 
+    Queries take `ignore`: pairs of a tool's and a mock-up's part that are not asked, as a robot's matrix of allowed
+    collisions: `[("hand", "*gasket*")]`, or `IgnoredPairs` made of that once.
+
     Copies are the scene itself. A pickle takes the mock-up and the options along, `voxel_size` as it was chosen, and
     the index is made anew where it arrives; with the best instruction set there, if that CPU lacks the given `simd`.
     """
 
     build_seconds: float
+    """How long the index took; 0 for a scene made of another."""
     _given: dict[str, Any]
 
     def __new__(
@@ -119,22 +125,48 @@ class Scene(_core.Scene):
 
     @property
     def mockup(self) -> Mockup:
-        """The mock-up."""
+        """The mock-up, with all its parts."""
         mockup = super().mockup
         assert isinstance(mockup, Mockup)
         return mockup
 
-    def collide_batch(self, tool: _core.Tool, poses: npt.ArrayLike, progress: Progress | None = None) -> Batch:
+    def without(self, parts: PartsLike) -> Scene:
+        """The scene without some parts, which may move in it as a `Tool.of_parts` then; made in milliseconds.
+
+        `parts` as `Parts.select` takes them: indices, paths, patterns. It shares mock-up, index and threads: triangles
+        and parts keep their numbers, and every query answers as of a scene built without them. What is out already
+        stays out. Raises `OptionError` for parts that are not there.
+        """
+        return self._made_of(super().selected_without(self.mockup.parts.select(parts).tolist()))
+
+    def only(self, parts: PartsLike) -> Scene:
+        """The scene with no parts but these (and of these none that is out already), as `without` all others."""
+        return self._made_of(super().selected_only(self.mockup.parts.select(parts).tolist()))
+
+    def _made_of(self, selected: _core.Selected) -> Scene:
+        scene = _core.Scene.__new__(type(self), selected)
+        scene.build_seconds, scene._given = 0.0, self._given
+        return scene
+
+    def collide_batch(
+        self, tool: _core.Tool, poses: npt.ArrayLike, progress: Progress | None = None, *, ignore: Ignore = None
+    ) -> Batch:
         """`collide` at each of `(n, 4, 4)` poses, on all threads of the scene.
 
         Pose `i` has the pairs `batch.pairs[batch.offsets[i]:batch.offsets[i + 1]]`, also `batch[i]`. Raises `PoseError`
         naming the first pose that is not rigid, and `LimitError` when the pairs outgrow the scene's `memory_limit`.
         """
         _check_progress(progress)
-        return super().collide_batch(tool, poses, progress)
+        return super().collide_batch(tool, poses, progress, ignore=ignore)
 
     def clearance(
-        self, tool: _core.Tool, world_from_tool: npt.ArrayLike, within: float = 0.005, triangles: bool = False
+        self,
+        tool: _core.Tool,
+        world_from_tool: npt.ArrayLike,
+        within: float = 0.005,
+        triangles: bool = False,
+        *,
+        ignore: Ignore = None,
     ) -> Clearance:
         """What is nearer than `within` (metres) with the tool at a pose `(4, 4)`: a row for each part, nearest first.
 
@@ -143,18 +175,36 @@ class Scene(_core.Scene):
         distance, a part's row has the one with the least ids; of several that meet, any. Raises `OptionError` where
         `within` is negative or NaN (it may be infinite), `LimitError` when the rows outgrow the scene's `memory_limit`.
         """
-        return super().clearance(tool, world_from_tool, _real("within", within), bool(triangles))
+        return super().clearance(tool, world_from_tool, _real("within", within), bool(triangles), ignore=ignore)
 
     @overload
     def distance(
-        self, tool: _core.Tool, world_from_tool: npt.ArrayLike, max: float = math.inf, k: Literal[1] = 1
+        self,
+        tool: _core.Tool,
+        world_from_tool: npt.ArrayLike,
+        max: float = math.inf,
+        k: Literal[1] = 1,
+        *,
+        ignore: Ignore = None,
     ) -> Distance: ...
     @overload
     def distance(
-        self, tool: _core.Tool, world_from_tool: npt.ArrayLike, max: float = math.inf, *, k: int
+        self,
+        tool: _core.Tool,
+        world_from_tool: npt.ArrayLike,
+        max: float = math.inf,
+        *,
+        k: int,
+        ignore: Ignore = None,
     ) -> Distance | list[Distance]: ...
     def distance(
-        self, tool: _core.Tool, world_from_tool: npt.ArrayLike, max: float = math.inf, k: int = 1
+        self,
+        tool: _core.Tool,
+        world_from_tool: npt.ArrayLike,
+        max: float = math.inf,
+        k: int = 1,
+        *,
+        ignore: Ignore = None,
     ) -> Distance | list[Distance]:
         """The distance of tool and mock-up with the tool at a pose `(4, 4)`, with the two closest points.
 
@@ -166,15 +216,21 @@ class Scene(_core.Scene):
         if not 1 <= _integer("k", k) < 2**32:
             raise OptionError(f"k is {k}: ask for one part at least")
         if k == 1:
-            return super().distance(tool, world_from_tool, _real("max", max))
-        return super().distances(tool, world_from_tool, _real("max", max), int(k))
+            return super().distance(tool, world_from_tool, _real("max", max), ignore=ignore)
+        return super().distances(tool, world_from_tool, _real("max", max), int(k), ignore=ignore)
 
     def distance_batch(
-        self, tool: _core.Tool, poses: npt.ArrayLike, max: float = math.inf, progress: Progress | None = None
+        self,
+        tool: _core.Tool,
+        poses: npt.ArrayLike,
+        max: float = math.inf,
+        progress: Progress | None = None,
+        *,
+        ignore: Ignore = None,
     ) -> DistanceBatch:
         """`distance` at each of `(n, 4, 4)` poses, on all threads of the scene."""
         _check_progress(progress)
-        return super().distance_batch(tool, poses, _real("max", max), progress)
+        return super().distance_batch(tool, poses, _real("max", max), progress, ignore=ignore)
 
     def clearance_batch(
         self,
@@ -183,16 +239,25 @@ class Scene(_core.Scene):
         within: float = 0.005,
         triangles: bool = False,
         progress: Progress | None = None,
+        *,
+        ignore: Ignore = None,
     ) -> ClearanceBatch:
         """`clearance` at each of `(n, 4, 4)` poses, on all threads of the scene.
 
         Raises `LimitError` when the rows outgrow the scene's `memory_limit`.
         """
         _check_progress(progress)
-        return super().clearance_batch(tool, poses, _real("within", within), bool(triangles), progress)
+        return super().clearance_batch(tool, poses, _real("within", within), bool(triangles), progress, ignore=ignore)
 
     def cast(
-        self, tool: _core.Tool, pose0: npt.ArrayLike, pose1: npt.ArrayLike, *, tolerance: float = CAST_TOLERANCE
+        self,
+        tool: _core.Tool,
+        pose0: npt.ArrayLike,
+        pose1: npt.ArrayLike,
+        *,
+        tolerance: float = CAST_TOLERANCE,
+        touching: Literal["counts", "free"] = "counts",
+        ignore: Ignore = None,
     ) -> Cast | None:
         """The first impact on the way from one pose `(4, 4)` to another; None if the way is free.
 
@@ -202,8 +267,13 @@ class Scene(_core.Scene):
         as one that hits. A tool that meets something at `pose0` hits at 0; where both poses are equal the answer is
         that of `collide`. Raises `PoseError` for a pose that is not rigid, `OptionError` for a tolerance that is not
         positive and finite.
+
+        With `touching="free"` the way ends where one body enters the other: they may touch, slide along each other, and
+        be seated without play. At both poses that is decided exactly, as by `is_colliding`; between them two triangles
+        may overlap by `tolerance`, so that what rounding does to a motion is no impact.
         """
-        return super().cast(tool, pose0, pose1, tolerance=_real("tolerance", tolerance))
+        tolerance = _real("tolerance", tolerance)
+        return super().cast(tool, pose0, pose1, tolerance=tolerance, touching=touching, ignore=ignore)
 
     def check_path(
         self,
@@ -211,16 +281,30 @@ class Scene(_core.Scene):
         poses: npt.ArrayLike,
         *,
         tolerance: float = CAST_TOLERANCE,
+        touching: Literal["counts", "free"] = "counts",
+        inside: bool = True,
         progress: Progress | None = None,
+        ignore: Ignore = None,
     ) -> PathCheck:
         """`cast` from each of `(n, 4, 4)` poses to the next, on all threads of the scene.
 
         Each segment is looked at on its own, also those after an impact; a path of one pose is one segment that stands
         still. Raises `PoseError` naming the first pose that is not rigid, and for a path without a pose; `OptionError`
         as `cast`.
+
+        With `inside`, a tool that is inside a closed part at the first pose, or holds one, is not free, though it meets
+        nothing (`PathCheck.containment`). `touching` as in `cast`.
         """
         _check_progress(progress)
-        return super().check_path(tool, poses, tolerance=_real("tolerance", tolerance), progress=progress)
+        return super().check_path(
+            tool,
+            poses,
+            tolerance=_real("tolerance", tolerance),
+            touching=touching,
+            inside=bool(inside),
+            progress=progress,
+            ignore=ignore,
+        )
 
     def contacts(
         self,
@@ -228,6 +312,8 @@ class Scene(_core.Scene):
         world_from_tool: npt.ArrayLike,
         margin: float = 0.002,
         reference: npt.ArrayLike | None = None,
+        *,
+        ignore: Ignore = None,
     ) -> Contacts:
         """At most 32 contact planes, deepest first, with the tool at a pose `(4, 4)`.
 
@@ -239,7 +325,7 @@ class Scene(_core.Scene):
         tool belongs (see `ContactTracker`, and docs/contacts.md). Raises `OptionError` where `margin` is negative, NaN
         or infinite.
         """
-        return super().contacts(tool, world_from_tool, _real("margin", margin), reference)
+        return super().contacts(tool, world_from_tool, _real("margin", margin), reference, ignore=ignore)
 
     def penetration(
         self,
@@ -247,6 +333,8 @@ class Scene(_core.Scene):
         world_from_tool: npt.ArrayLike,
         margin: float = 0.002,
         reference: npt.ArrayLike | None = None,
+        *,
+        ignore: Ignore = None,
     ) -> Penetration:
         """The translation of least length that frees the tool where it is, over its contact planes.
 
@@ -254,21 +342,24 @@ class Scene(_core.Scene):
         is one for a tool that meets nothing since it is wholly inside a solid (or a solid inside it).
         Arguments and errors as `contacts`. `kind` says whether it is exact, a bound or an estimate.
         """
-        return super().penetration(tool, world_from_tool, _real("margin", margin), reference)
+        return super().penetration(tool, world_from_tool, _real("margin", margin), reference, ignore=ignore)
 
     def __reduce__(self) -> tuple[Any, ...]:
         built = {"voxel_size": self.voxel_size, "storage": self.storage, "hashing": self.hashing}
         attributes = {name: value for name, value in self.__dict__.items() if name not in ("build_seconds", "_given")}
-        return (*reduced("Scene", (type(self), self.mockup, {**built, **self._given})), attributes)
+        mask = self.part_mask
+        state = (type(self), self.mockup, {**built, **self._given}, None if mask.all() else mask)
+        return (*reduced("Scene", state), attributes)
 
     @classmethod
-    def _restore(cls, mockup: Mockup, options: dict[str, Any]) -> Scene:
+    def _restore(cls, mockup: Mockup, options: dict[str, Any], mask: npt.NDArray[np.bool_] | None) -> Scene:
         try:
-            return Scene.__new__(cls, mockup, **options)
+            scene = Scene.__new__(cls, mockup, **options)
         except OptionError:
             if options["simd"] is None:
                 raise
-            return Scene.__new__(cls, mockup, **{**options, "simd": None})
+            scene = Scene.__new__(cls, mockup, **{**options, "simd": None})
+        return scene if mask is None else scene.only(mask)
 
     def __copy__(self) -> Scene:
         return self
@@ -277,7 +368,9 @@ class Scene(_core.Scene):
         return self
 
     def __repr__(self) -> str:
-        return f"Scene({self.mockup!r}, voxel_size={self.voxel_size:.4g}, storage={self.storage!r})"
+        there = int(np.count_nonzero(self.part_mask))
+        some = "" if there == self.mockup.part_count else f", {there:,} parts there"
+        return f"Scene({self.mockup!r}, voxel_size={self.voxel_size:.4g}, storage={self.storage!r}{some})"
 
 
 class ContactTracker(_core.ContactTracker):

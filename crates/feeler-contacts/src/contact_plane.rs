@@ -2,7 +2,7 @@
 
 use std::cmp::Ordering;
 
-use feeler_core::Point;
+use feeler_core::{Point, Tool};
 use feeler_lanes::{Checked, Sorter};
 
 use crate::constants::MOST_PLANES;
@@ -54,6 +54,11 @@ pub(crate) fn by_coordinates(p: &Point, q: &Point) -> Ordering {
 }
 
 impl ContactPlane {
+    /// The tool's part that it is of.
+    pub fn tool_part(&self, tool: &Tool) -> u32 {
+        tool.part_of_face(self.carriers[0])
+    }
+
     pub(crate) fn order(&self, other: &ContactPlane) -> Ordering {
         (self.gap.total_cmp(&other.gap))
             .then(self.part.cmp(&other.part))

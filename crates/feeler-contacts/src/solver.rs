@@ -16,13 +16,18 @@ use crate::query::{ContactQuery, ContactScratch};
 #[derive(Debug)]
 pub struct ContactSolver {
     scene: Arc<Scene>,
-    pool: ScratchPool<ContactScratch>,
+    pool: Arc<ScratchPool<ContactScratch>>,
 }
 
 impl ContactSolver {
     /// A solver for a scene.
     pub fn new(scene: Arc<Scene>) -> ContactSolver {
-        ContactSolver { scene, pool: ScratchPool::default() }
+        ContactSolver { scene, pool: Arc::default() }
+    }
+
+    /// A solver for another scene with the same working memory, as for a scene without some parts.
+    pub fn with_scene(&self, scene: Arc<Scene>) -> ContactSolver {
+        ContactSolver { scene, pool: self.pool.clone() }
     }
 
     /// The scene.

@@ -321,3 +321,6 @@ pub(crate) const SENSE_RAYS: usize = 5;
 
 /// The cosine from which on two unit normals are one plane's: a cast with contact takes a solid's own side then.
 pub(crate) const SAME_AXIS: f64 = 0.999_9;
+
+/// Triangles below which a mesh is prepared on the thread that asks: less work than to wake another.
+pub(crate) const SMALL_MESH: usize = 512;

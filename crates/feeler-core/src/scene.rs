@@ -126,7 +126,7 @@ impl Scene {
 
     fn narrowed(&self, stays: impl Fn(u32) -> bool) -> Scene {
         let store = self.index.store();
-        self.with(self.index.selection().narrowed(self.mockup(), stays, |is_there| store.children_there(is_there)))
+        self.with(self.index.selection().narrowed(self.mockup(), stays, |there| store.children_there(there)))
     }
 
     fn with(&self, selection: Selection) -> Scene {

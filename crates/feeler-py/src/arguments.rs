@@ -13,7 +13,11 @@ use crate::tool::Tool;
 /// A `feeler.Tool`.
 pub struct ToolArgument<'a, 'py>(Borrowed<'a, 'py, Tool>);
 
-impl ToolArgument<'_, '_> {
+impl<'py> ToolArgument<'_, 'py> {
+    pub fn object(&self) -> &Bound<'py, PyAny> {
+        self.0.as_any()
+    }
+
     pub fn core(&self) -> &std::sync::Arc<core::Tool> {
         &self.0.get().core
     }
@@ -98,6 +102,21 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Switch {
 
     fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
         object.is_truthy().map(Switch)
+    }
+}
+
+/// What a touch is to a query: "counts" or "free".
+pub struct Touching(pub core::Touching);
+
+impl<'a, 'py> FromPyObject<'a, 'py> for Touching {
+    type Error = PyErr;
+
+    fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        match object.extract::<String>().as_deref() {
+            Ok("counts") => Ok(Touching(core::Touching::Ends)),
+            Ok("free") => Ok(Touching(core::Touching::Free)),
+            _ => Err(raise("OptionError", format!("touching is {}: choose 'counts' or 'free'", object.repr()?))),
+        }
     }
 }
 

@@ -1,13 +1,12 @@
 //! Results of continuous queries.
 
-use std::sync::Arc;
-
 use feeler_core as core;
 use numpy::ndarray::{Array2, Array3};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
+use crate::containment::Containment;
 use crate::travel::{check_lengths, damaged, list, reduced, rows_of};
 
 /// The first impact of a tool on its way.
@@ -21,28 +20,28 @@ pub struct Cast {
     distance: f64,
     /// Of the tool and of the mock-up.
     triangles: [u32; 2],
-    part: u32,
+    parts: [u32; 2],
 }
 
 impl Cast {
-    pub fn new(core: core::Cast, mockup: &core::Mockup) -> Cast {
+    pub fn new(core: core::Cast, mockup: &core::Mockup, tool: &core::Tool) -> Cast {
         let core::Cast { fraction, point, normal, distance, tool_triangle, mockup_triangle, .. } = core;
-        let part = mockup.part_of_face(mockup_triangle);
+        let parts = [tool.part_of_face(tool_triangle), mockup.part_of_face(mockup_triangle)];
         let triangles = [tool_triangle, mockup_triangle];
-        Cast { fraction, pose: core.pose.matrix(), point, normal, distance, triangles, part }
+        Cast { fraction, pose: core.pose.matrix(), point, normal, distance, triangles, parts }
     }
 
     /// All its numbers, and its ids.
-    fn state(&self) -> ([f64; 24], [u32; 3]) {
+    fn state(&self) -> ([f64; 24], [u32; 4]) {
         let mut numbers = [0.0; 24];
         numbers[..2].copy_from_slice(&[self.fraction, self.distance]);
         numbers[2..5].copy_from_slice(&self.point);
         numbers[5..8].copy_from_slice(&self.normal);
         numbers[8..].copy_from_slice(self.pose.as_flattened());
-        (numbers, [self.triangles[0], self.triangles[1], self.part])
+        (numbers, [self.triangles[0], self.triangles[1], self.parts[0], self.parts[1]])
     }
 
-    fn of_state(numbers: &[f64; 24], ids: &[u32; 3]) -> Cast {
+    fn of_state(numbers: &[f64; 24], ids: &[u32; 4]) -> Cast {
         Cast {
             fraction: numbers[0],
             distance: numbers[1],
@@ -50,7 +49,7 @@ impl Cast {
             normal: std::array::from_fn(|a| numbers[5 + a]),
             pose: std::array::from_fn(|i| std::array::from_fn(|j| numbers[8 + 4 * i + j])),
             triangles: [ids[0], ids[1]],
-            part: ids[2],
+            parts: [ids[2], ids[3]],
         }
     }
 
@@ -68,7 +67,7 @@ type Rows<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<u32>>);
 fn rows_for<'py>(py: Python<'py>, casts: &[Cast]) -> Rows<'py> {
     let rows: Vec<_> = casts.iter().map(Cast::state).collect();
     let numbers = Array2::from_shape_fn((rows.len(), 24), |(n, i)| rows[n].0[i]);
-    (numbers.into_pyarray(py), Array2::from_shape_fn((rows.len(), 3), |(n, i)| rows[n].1[i]).into_pyarray(py))
+    (numbers.into_pyarray(py), Array2::from_shape_fn((rows.len(), 4), |(n, i)| rows[n].1[i]).into_pyarray(py))
 }
 
 fn casts_of((numbers, ids): (PyReadonlyArray2<'_, f64>, PyReadonlyArray2<'_, u32>)) -> PyResult<Vec<Cast>> {
@@ -116,11 +115,16 @@ impl Cast {
 
     #[getter]
     fn part(&self) -> u32 {
-        self.part
+        self.parts[1]
+    }
+
+    #[getter]
+    fn tool_part(&self) -> u32 {
+        self.parts[0]
     }
 
     fn __repr__(&self) -> String {
-        format!("Cast(fraction={:?}, part={})", self.fraction, self.part)
+        format!("Cast(fraction={:?}, part={})", self.fraction, self.parts[1])
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
@@ -134,23 +138,32 @@ pub struct PathCheck {
     count: usize,
     /// The segments that are hit, ascending, and the first impact on each.
     hits: Vec<(usize, Cast)>,
+    /// Of the first pose; `None` where it was not asked for.
+    inside: Option<Containment>,
 }
 
 impl PathCheck {
-    pub fn new(core: core::PathCheck, mockup: Arc<core::Mockup>) -> PathCheck {
-        let hits = core.hits.into_iter().map(|(segment, cast)| (segment, Cast::new(cast, &mockup))).collect();
-        PathCheck { count: core.segments, hits }
+    pub fn new(
+        core: core::PathCheck,
+        mockup: &core::Mockup,
+        tool: &core::Tool,
+        inside: Option<Containment>,
+    ) -> PathCheck {
+        let hits = core.hits.into_iter().map(|(segment, cast)| (segment, Cast::new(cast, mockup, tool))).collect();
+        PathCheck { count: core.segments, hits, inside }
     }
 
     pub fn restore(state: &Bound<'_, PyTuple>) -> PyResult<PathCheck> {
-        type State<'py> = (usize, PyReadonlyArray1<'py, u64>, PyReadonlyArray2<'py, f64>, PyReadonlyArray2<'py, u32>);
-        let (count, segments, numbers, ids): State<'_> = state.extract()?;
+        type Inside<'py> = Option<PyRef<'py, Containment>>;
+        type Hits<'py> = (PyReadonlyArray1<'py, u64>, PyReadonlyArray2<'py, f64>, PyReadonlyArray2<'py, u32>);
+        let (count, (segments, numbers, ids), inside): (usize, Hits<'_>, Inside<'_>) = state.extract()?;
         let (segments, casts) = (list(&segments), casts_of((numbers, ids))?);
         check_lengths("segments that are hit", segments.len(), casts.len())?;
         if segments.iter().any(|segment| *segment >= count as u64) {
             return Err(damaged(format!("a segment is hit that is not among its {count}")));
         }
-        Ok(PathCheck { count, hits: segments.iter().map(|segment| *segment as usize).zip(casts).collect() })
+        let hits = segments.iter().map(|segment| *segment as usize).zip(casts).collect();
+        Ok(PathCheck { count, hits, inside: inside.map(|inside| inside.clone()) })
     }
 
     fn points_of<'py>(&self, py: Python<'py>, of: impl Fn(&Cast) -> core::Point) -> Bound<'py, PyArray2<f64>> {
@@ -170,7 +183,12 @@ impl PathCheck {
 impl PathCheck {
     #[getter]
     fn free(&self) -> bool {
-        self.hits.is_empty()
+        self.hits.is_empty() && !self.inside.as_ref().is_some_and(Containment::is_any)
+    }
+
+    #[getter]
+    fn containment(&self) -> Option<Containment> {
+        self.inside.clone()
     }
 
     #[getter]
@@ -212,7 +230,12 @@ impl PathCheck {
 
     #[getter]
     fn parts<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
-        self.column(py, |(_, cast)| cast.part)
+        self.column(py, |(_, cast)| cast.parts[1])
+    }
+
+    #[getter]
+    fn tool_parts<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
+        self.column(py, |(_, cast)| cast.parts[0])
     }
 
     #[getter]
@@ -231,6 +254,6 @@ impl PathCheck {
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let casts: Vec<Cast> = self.hits.iter().map(|(_, cast)| *cast).collect();
         let (numbers, ids) = rows_for(py, &casts);
-        reduced(py, "PathCheck", (self.count, self.segments(py), numbers, ids))
+        reduced(py, "PathCheck", (self.count, (self.segments(py), numbers, ids), self.inside.clone()))
     }
 }

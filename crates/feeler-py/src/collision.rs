@@ -1,6 +1,7 @@
 //! Results of queries.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use feeler_core as core;
 use numpy::ndarray::Array2;
@@ -21,23 +22,25 @@ pub struct Collision {
 
 /// The parts that are met.
 enum Parts {
-    /// To be looked up in the mock-up.
-    Of(Py<Mockup>),
-    /// As they were found where the result comes from: it travels without its mock-up.
-    Found(Vec<u32>),
+    /// To be looked up in mock-up and tool.
+    Of(Py<Mockup>, Arc<core::Tool>),
+    /// Of tool and mock-up, as they were found where the result comes from: it travels without these.
+    Found([Vec<u32>; 2]),
 }
 
 impl Collision {
-    pub fn new(core: core::Collision, mockup: Py<Mockup>) -> Collision {
-        Collision { core, parts: Parts::Of(mockup) }
+    pub fn new(core: core::Collision, mockup: Py<Mockup>, tool: Arc<core::Tool>) -> Collision {
+        Collision { core, parts: Parts::Of(mockup, tool) }
     }
 
-    fn part_ids(&self) -> Vec<u32> {
-        let mockup = match &self.parts {
-            Parts::Of(mockup) => &mockup.get().core,
-            Parts::Found(parts) => return parts.clone(),
+    /// Of the tool (0) or the mock-up (1).
+    fn part_ids(&self, column: usize) -> Vec<u32> {
+        let (mockup, tool) = match &self.parts {
+            Parts::Of(mockup, tool) => (&mockup.get().core, tool),
+            Parts::Found(parts) => return parts[column].clone(),
         };
-        let mut parts: Vec<u32> = self.core.pairs.iter().map(|p| mockup.part_of_face(p[1])).collect();
+        let part = |p: &[u32; 2]| if column == 0 { tool.part_of_face(p[0]) } else { mockup.part_of_face(p[1]) };
+        let mut parts: Vec<u32> = self.core.pairs.iter().map(part).collect();
         parts.sort_unstable();
         parts.dedup();
         parts
@@ -45,8 +48,9 @@ impl Collision {
 
     pub fn restore(state: &Bound<'_, PyTuple>) -> PyResult<Collision> {
         type State<'py> =
-            (PyReadonlyArray2<'py, u32>, PyReadonlyArray1<'py, u8>, PyReadonlyArray1<'py, u32>, HashMap<String, u64>);
-        let (pairs, kinds, parts, counts): State<'_> = state.extract()?;
+            (PyReadonlyArray2<'py, u32>, PyReadonlyArray1<'py, u8>, Ids<'py>, Ids<'py>, HashMap<String, u64>);
+        type Ids<'py> = PyReadonlyArray1<'py, u32>;
+        let (pairs, kinds, tool_parts, parts, counts): State<'_> = state.extract()?;
         let mut core = core::Collision::default();
         (core.pairs, core.kinds) = (rows_of(&pairs)?, kinds_of(&kinds)?);
         check_lengths("kinds", core.kinds.len(), core.pairs.len())?;
@@ -65,7 +69,7 @@ impl Collision {
                 other => return Err(damaged(format!("no figure is called {other:?}"))),
             } = count;
         }
-        Ok(Collision { core, parts: Parts::Found(list(&parts)) })
+        Ok(Collision { core, parts: Parts::Found([list(&tool_parts), list(&parts)]) })
     }
 
     fn column(&self, column: usize) -> Vec<u32> {
@@ -102,7 +106,12 @@ impl Collision {
 
     #[getter]
     fn parts<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
-        self.part_ids().into_pyarray(py)
+        self.part_ids(1).into_pyarray(py)
+    }
+
+    #[getter]
+    fn tool_parts<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
+        self.part_ids(0).into_pyarray(py)
     }
 
     #[getter]
@@ -128,7 +137,8 @@ impl Collision {
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         let (py, this) = (slf.py(), slf.get());
-        reduced(py, "Collision", (Self::pairs(slf), Self::kinds(slf), this.parts(py), this.stats(py)?))
+        let parts = (this.tool_parts(py), this.parts(py));
+        reduced(py, "Collision", (Self::pairs(slf), Self::kinds(slf), parts.0, parts.1, this.stats(py)?))
     }
 }
 

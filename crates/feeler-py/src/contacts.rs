@@ -25,6 +25,7 @@ pub struct Contacts {
     normals: Vec<[f64; 3]>,
     gaps: Vec<f64>,
     parts: Vec<u32>,
+    tool_parts: Vec<u32>,
     ids: Vec<u64>,
     /// The tool's and the mock-up's triangles of all planes one after the other, and where each plane's begin.
     triangles: [Vec<u32>; 2],
@@ -73,6 +74,7 @@ impl Contacts {
             normals: planes.iter().map(|p| p.normal).collect(),
             gaps: planes.iter().map(|p| p.gap).collect(),
             parts: planes.iter().map(|p| p.part).collect(),
+            tool_parts: planes.iter().map(|p| p.tool_part(&asked_tool)).collect(),
             ids: planes.iter().map(|p| p.id).collect(),
             triangles: [tool, mockup],
             offsets: [tool_offsets, mockup_offsets],
@@ -89,6 +91,7 @@ impl Contacts {
             PyReadonlyArray2<'py, f64>,
             PyReadonlyArray1<'py, f64>,
             PyReadonlyArray1<'py, u32>,
+            PyReadonlyArray1<'py, u32>,
             PyReadonlyArray1<'py, u64>,
         );
         type Lists<'py> = (PyReadonlyArray1<'py, u32>, PyReadonlyArray1<'py, u64>);
@@ -96,7 +99,7 @@ impl Contacts {
         type State<'py> = (Planes<'py>, Lists<'py>, Lists<'py>, Footings<'py>, usize, bool);
         let (planes, tool, mockup, footings, omitted, meeting): State<'_> = state.extract()?;
         let (points, normals) = (rows_of(&planes.0)?, rows_of(&planes.1)?);
-        let (gaps, parts, ids) = (list(&planes.2), list(&planes.3), list(&planes.4));
+        let (gaps, parts, tool_parts, ids) = (list(&planes.2), list(&planes.3), list(&planes.4), list(&planes.5));
         let count = gaps.len();
         let blocks = footings.0.as_array();
         if blocks.shape()[1..] != [4, 3] {
@@ -104,8 +107,8 @@ impl Contacts {
         }
         let block = |n| std::array::from_fn(|i| std::array::from_fn(|a| blocks[[n, i, a]]));
         let footing = Footing { points: (0..blocks.shape()[0]).map(block).collect(), counts: list(&footings.1) };
-        let lengths = [points.len(), normals.len(), parts.len(), ids.len(), footing.points.len(), footing.counts.len()];
-        for length in lengths {
+        let of_planes = [points.len(), normals.len(), parts.len(), tool_parts.len(), ids.len()];
+        for length in of_planes.into_iter().chain([footing.points.len(), footing.counts.len()]) {
             check_lengths("entries of a plane's", length, count)?;
         }
         if footing.counts.iter().any(|n| !(1..=4).contains(n)) {
@@ -118,7 +121,20 @@ impl Contacts {
             check_offsets(offsets, triangles.len())?;
         }
         let footing = OnceBox::with_value(Box::new(footing));
-        Ok(Contacts { points, normals, gaps, parts, ids, triangles, offsets, omitted, meeting, asked: None, footing })
+        Ok(Contacts {
+            points,
+            normals,
+            gaps,
+            parts,
+            tool_parts,
+            ids,
+            triangles,
+            offsets,
+            omitted,
+            meeting,
+            asked: None,
+            footing,
+        })
     }
 
     /// Found when first asked for, without the interpreter's lock.
@@ -164,6 +180,12 @@ impl Contacts {
     fn parts<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<u32>> {
         // SAFETY: as for the points.
         unsafe { view(slf.as_any(), &slf.get().parts) }
+    }
+
+    #[getter]
+    fn tool_parts<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<u32>> {
+        // SAFETY: as for the points.
+        unsafe { view(slf.as_any(), &slf.get().tool_parts) }
     }
 
     #[getter]
@@ -250,7 +272,8 @@ impl Contacts {
     /// Its footings are found for it: where it goes there is no scene.
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         let this = slf.get();
-        let planes = (Self::points(slf), Self::normals(slf), Self::gaps(slf), Self::parts(slf), Self::ids(slf));
+        let parts = (Self::parts(slf), Self::tool_parts(slf));
+        let planes = (Self::points(slf), Self::normals(slf), Self::gaps(slf), parts.0, parts.1, Self::ids(slf));
         let tool = (Self::tool_triangles(slf), Self::tool_offsets(slf));
         let mockup = (Self::mockup_triangles(slf), Self::mockup_offsets(slf));
         let footings = (Self::footing(slf), Self::footing_counts(slf));
@@ -302,6 +325,11 @@ impl ContactPlane {
     #[getter]
     fn part(&self) -> u32 {
         self.contacts.get().parts[self.plane]
+    }
+
+    #[getter]
+    fn tool_part(&self) -> u32 {
+        self.contacts.get().tool_parts[self.plane]
     }
 
     #[getter]

@@ -10,6 +10,7 @@ use crate::travel::{list, reduced, rows_of};
 
 /// What is inside what at a pose.
 #[pyclass(frozen, module = "feeler._core")]
+#[derive(Clone)]
 pub struct Containment {
     containing: Vec<[u32; 2]>,
     contained: Vec<[u32; 2]>,
@@ -30,6 +31,10 @@ fn rows<'py>(py: Python<'py>, pairs: &[[u32; 2]]) -> Bound<'py, PyArray2<u32>> {
 impl Containment {
     pub fn new(found: contacts::Containment) -> Containment {
         Containment { containing: found.containing, contained: found.contained, unknown: found.unknown }
+    }
+
+    pub fn is_any(&self) -> bool {
+        !self.containing.is_empty() || !self.contained.is_empty()
     }
 
     pub fn restore(state: &Bound<'_, PyTuple>) -> PyResult<Containment> {
@@ -67,7 +72,7 @@ impl Containment {
     }
 
     fn __bool__(&self) -> bool {
-        !self.containing.is_empty() || !self.contained.is_empty()
+        self.is_any()
     }
 
     fn __repr__(&self) -> String {

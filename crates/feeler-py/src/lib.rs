@@ -5,6 +5,7 @@ mod arrays;
 mod cast;
 mod collision;
 mod contacts;
+mod containment;
 mod errors;
 mod huge_pages;
 mod mockup;
@@ -14,6 +15,7 @@ mod proximity;
 mod reporter;
 mod restore;
 mod scene;
+mod selection;
 mod tool;
 mod travel;
 
@@ -51,6 +53,8 @@ mod _core {
     #[pymodule_export]
     use super::contacts::{ContactPlane, ContactTracker, Contacts, Penetration};
     #[pymodule_export]
+    use super::containment::Containment;
+    #[pymodule_export]
     use super::mockup::Mockup;
     #[pymodule_export]
     use super::predict::{PiecePredictor, Predictor};
@@ -60,6 +64,8 @@ mod _core {
     use super::restore::restore;
     #[pymodule_export]
     use super::scene::{optimal_voxel_size, Scene};
+    #[pymodule_export]
+    use super::selection::{IgnoredPairs, Selected};
     #[pymodule_export]
     use super::tool::Tool;
     #[pymodule_export]

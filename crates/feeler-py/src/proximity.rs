@@ -19,8 +19,8 @@ fn points<'py>(py: Python<'py>, rows: impl ExactSizeIterator<Item = core::Point>
 type Rows<'py> = (Bound<'py, PyArray2<u32>>, Bound<'py, PyArray2<f64>>);
 
 fn rows_for<'py>(py: Python<'py>, gaps: &[core::Gap]) -> Rows<'py> {
-    let ids = |gap: &core::Gap| [gap.tool_triangle, gap.mockup_triangle, gap.part];
-    let ids = Array2::from_shape_fn((gaps.len(), 3), |(n, i)| ids(&gaps[n])[i]);
+    let ids = |gap: &core::Gap| [gap.tool_triangle, gap.mockup_triangle, gap.tool_part, gap.part];
+    let ids = Array2::from_shape_fn((gaps.len(), 4), |(n, i)| ids(&gaps[n])[i]);
     let numbers = Array2::from_shape_fn((gaps.len(), 7), |(n, i)| match i {
         0 => gaps[n].distance,
         1..4 => gaps[n].on_tool[i - 1],
@@ -30,12 +30,13 @@ fn rows_for<'py>(py: Python<'py>, gaps: &[core::Gap]) -> Rows<'py> {
 }
 
 fn gaps_of(ids: &PyReadonlyArray2<'_, u32>, numbers: &PyReadonlyArray2<'_, f64>) -> PyResult<Vec<core::Gap>> {
-    let (ids, numbers) = (rows_of::<u32, 3>(ids)?, rows_of::<f64, 7>(numbers)?);
+    let (ids, numbers) = (rows_of::<u32, 4>(ids)?, rows_of::<f64, 7>(numbers)?);
     check_lengths("rows of ids", ids.len(), numbers.len())?;
-    let gap = |(ids, numbers): (&[u32; 3], &[f64; 7])| core::Gap {
+    let gap = |(ids, numbers): (&[u32; 4], &[f64; 7])| core::Gap {
         tool_triangle: ids[0],
         mockup_triangle: ids[1],
-        part: ids[2],
+        tool_part: ids[2],
+        part: ids[3],
         distance: numbers[0],
         on_tool: std::array::from_fn(|a| numbers[1 + a]),
         on_mockup: std::array::from_fn(|a| numbers[4 + a]),
@@ -94,6 +95,11 @@ impl Distance {
     #[getter]
     fn part(&self) -> Option<u32> {
         self.gap.map(|gap| gap.part)
+    }
+
+    #[getter]
+    fn tool_part(&self) -> Option<u32> {
+        self.gap.map(|gap| gap.tool_part)
     }
 
     fn __repr__(&self) -> String {
@@ -167,6 +173,11 @@ impl DistanceBatch {
         self.ids(py, |gap| gap.part)
     }
 
+    #[getter]
+    fn tool_parts<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
+        self.ids(py, |gap| gap.tool_part)
+    }
+
     fn __len__(&self) -> usize {
         self.gaps.len()
     }
@@ -213,6 +224,11 @@ impl Clearance {
     #[getter]
     fn parts<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
         self.ids(py, |gap| gap.part)
+    }
+
+    #[getter]
+    fn tool_parts<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
+        self.ids(py, |gap| gap.tool_part)
     }
 
     #[getter]
@@ -287,6 +303,11 @@ impl ClearanceBatch {
     #[getter]
     fn parts<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
         self.all.parts(py)
+    }
+
+    #[getter]
+    fn tool_parts<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
+        self.all.tool_parts(py)
     }
 
     #[getter]

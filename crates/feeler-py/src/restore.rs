@@ -7,6 +7,7 @@ use pyo3::BoundObject;
 use crate::cast::{Cast, PathCheck};
 use crate::collision::{Batch, Collision};
 use crate::contacts::{ContactPlane, Contacts, Penetration};
+use crate::containment::Containment;
 use crate::errors::raise;
 use crate::proximity::{Clearance, ClearanceBatch, Distance, DistanceBatch};
 use crate::travel::damaged;
@@ -27,6 +28,7 @@ pub fn restore<'py>(py: Python<'py>, kind: &str, state: Bound<'py, PyTuple>) -> 
         "Clearance" => made(py, Clearance::restore(&state)),
         "ClearanceBatch" => made(py, ClearanceBatch::restore(&state)),
         "Collision" => made(py, Collision::restore(&state)),
+        "Containment" => made(py, Containment::restore(&state)),
         "ContactPlane" => made(py, ContactPlane::restore(&state)),
         "Contacts" => made(py, Contacts::restore(&state)),
         "Distance" => made(py, Distance::restore(&state)),

@@ -5,19 +5,21 @@ use std::sync::Arc;
 use feeler_contacts::ContactSolver;
 use feeler_core as core;
 use numpy::ndarray::Array2;
-use numpy::{IntoPyArray, PyArray2};
+use numpy::{IntoPyArray, PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::arguments::{PoseArgument, PosesArgument, Switch, ToolArgument};
+use crate::arguments::{PoseArgument, PosesArgument, Switch, ToolArgument, Touching};
 use crate::cast::{Cast, PathCheck};
 use crate::collision::{Batch, Collision};
-use crate::contacts::{Contacts, Penetration, Question};
+use crate::contacts::{Contacts, Penetration};
+use crate::containment::Containment;
 use crate::errors::{raise, to_py};
 use crate::mockup::Mockup;
 use crate::pools::{find_topology, on_pool, Pool};
 use crate::proximity::{Clearance, ClearanceBatch, Distance, DistanceBatch};
 use crate::reporter::Reporter;
+use crate::selection::{ignored_of, Ignore, SceneSource, Selected};
 
 /// A mock-up with its index. `feeler.Scene` adds defaults.
 #[pyclass(subclass, frozen, module = "feeler._core")]
@@ -26,7 +28,7 @@ pub struct Scene {
     solver: Arc<ContactSolver>,
     mockup: Py<Mockup>,
     /// `None`: the pool of the process.
-    pool: Option<Pool>,
+    pool: Option<Arc<Pool>>,
 }
 
 impl Scene {
@@ -34,19 +36,30 @@ impl Scene {
         &self.solver
     }
 
-    fn asked(&self, tool: &Arc<core::Tool>, pose: core::Pose) -> Question {
-        (Arc::clone(&self.solver), Arc::clone(tool), pose)
+    /// The solver of the scene, or of one that ignores pairs of parts.
+    fn asked(&self, tool: &ToolArgument<'_, '_>, ignore: &Ignore<'_>) -> PyResult<Arc<ContactSolver>> {
+        let Some(ignore) = ignore else { return Ok(Arc::clone(&self.solver)) };
+        let pairs = ignored_of(ignore, tool, &self.mockup)?;
+        Ok(Arc::new(self.solver.with_scene(Arc::new(self.core.ignoring(pairs)))))
+    }
+
+    /// The scene with other parts there.
+    fn selected(&self, py: Python<'_>, core: core::Result<core::Scene>) -> PyResult<Selected> {
+        let core = Arc::new(core.map_err(to_py)?);
+        let solver = Arc::new(self.solver.with_scene(Arc::clone(&core)));
+        Ok(Selected { core, solver, mockup: self.mockup.clone_ref(py), pool: self.pool.clone() })
     }
 }
 
 #[pymethods]
 impl Scene {
     #[new]
-    #[pyo3(signature = (mockup, voxel_size, storage, hashing, tool, threads, progress, memory_limit, simd))]
+    #[pyo3(signature = (mockup, voxel_size = None, storage = "blocks", hashing = 0.0, tool = None, threads = None,
+                        progress = None, memory_limit = u64::MAX, simd = None))]
     #[allow(clippy::too_many_arguments, reason = "the Python signature")]
     fn new(
         py: Python<'_>,
-        mockup: Py<Mockup>,
+        mockup: SceneSource<'_>,
         voxel_size: Option<f64>,
         storage: &str,
         hashing: f64,
@@ -56,6 +69,14 @@ impl Scene {
         memory_limit: u64,
         simd: Option<&str>,
     ) -> PyResult<Scene> {
+        let mockup = match mockup {
+            SceneSource::Mockup(mockup) => mockup,
+            SceneSource::Selected(made) => {
+                let Selected { core, solver, mockup, pool } = &*made;
+                let (core, solver) = (Arc::clone(core), Arc::clone(solver));
+                return Ok(Scene { core, solver, mockup: mockup.clone_ref(py), pool: pool.clone() });
+            }
+        };
         let lanes = match simd {
             None => core::Level::best(),
             Some(name) => {
@@ -78,13 +99,13 @@ impl Scene {
         if hashing != 0.0 && !matches!(storage, core::Storage::Hashed { .. }) {
             return Err(to_py(core::Error::HashingUnused { value: hashing }));
         }
-        let pool = threads.map(Pool::new);
+        let pool = threads.map(|threads| Arc::new(Pool::new(threads)));
         let core_mockup = Arc::clone(&mockup.get().core);
         let core_tool = tool.as_ref().map(|t| Arc::clone(t.core()));
         let options = core::SceneOptions { voxel_size, storage, tool: core_tool.as_deref(), memory_limit };
         let reporter = Reporter::new(progress);
         let built = py.detach(|| {
-            reporter.watch(pool.as_ref(), || {
+            reporter.watch(pool.as_deref(), || {
                 core::Scene::build(core_mockup, &options, &|done, stage| reporter.tell(done, stage))
             })
         });
@@ -123,6 +144,23 @@ impl Scene {
         self.core.lanes().name()
     }
 
+    /// The scene without parts, and with no parts but these, by number: an argument for `Scene`.
+    fn selected_without(&self, py: Python<'_>, parts: Vec<u32>) -> PyResult<Selected> {
+        let core = py.detach(|| self.core.without(&parts));
+        self.selected(py, core)
+    }
+
+    fn selected_only(&self, py: Python<'_>, parts: Vec<u32>) -> PyResult<Selected> {
+        let core = py.detach(|| self.core.only(&parts));
+        self.selected(py, core)
+    }
+
+    #[getter]
+    fn part_mask<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
+        let parts = self.core.mockup().part_bounds().len() as u32;
+        (0..parts).map(|part| self.core.has_part(part)).collect::<Vec<bool>>().into_pyarray(py)
+    }
+
     fn memory<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let dict = PyDict::new(py);
         let mut total = 0;
@@ -139,12 +177,8 @@ impl Scene {
         py.detach(|| self.core.validate()).map_err(|why| raise("FeelerError", why))
     }
 
-    /// Every pair of triangles that meets, with the tool at a pose `(4, 4)`; exact.
-    ///
-    /// The filters (skip pairs met before; compare boxes first) never change the answer: switch one off to measure what
-    /// it brings. Raises `PoseError` for a pose that is not rigid.
-    #[pyo3(signature = (tool, world_from_tool, *, repeat_filter = Switch(true), box_filter = Switch(true)),
-           text_signature = "($self, tool, world_from_tool, *, repeat_filter=True, box_filter=True)")]
+    #[pyo3(signature = (tool, world_from_tool, *, repeat_filter = Switch(true), box_filter = Switch(true), ignore = None),
+           text_signature = "($self, tool, world_from_tool, *, repeat_filter=True, box_filter=True, ignore=None)")]
     fn collide(
         &self,
         py: Python<'_>,
@@ -152,39 +186,91 @@ impl Scene {
         world_from_tool: PoseArgument,
         repeat_filter: Switch,
         box_filter: Switch,
-    ) -> Collision {
+        ignore: Ignore<'_>,
+    ) -> PyResult<Collision> {
         let filters = core::Filters { repeats: repeat_filter.0, boxes: box_filter.0 };
+        let asked = self.asked(&tool, &ignore)?;
         let tool = tool.core();
-        let collision = py.detach(|| self.core.collide_filtered(tool, &world_from_tool.0, filters));
-        Collision::new(collision, self.mockup.clone_ref(py))
+        let collision = py.detach(|| asked.scene().collide_filtered(tool, &world_from_tool.0, filters));
+        Ok(Collision::new(collision, self.mockup.clone_ref(py), Arc::clone(tool)))
     }
 
-    /// Whether any two triangles meet, with the tool at a pose `(4, 4)`; stops at the first pair.
-    fn is_colliding(&self, py: Python<'_>, tool: ToolArgument<'_, '_>, world_from_tool: PoseArgument) -> bool {
+    #[pyo3(signature = (tool, world_from_tool, *, touching = Touching(core::Touching::Ends), ignore = None),
+           text_signature = "($self, tool, world_from_tool, *, touching='counts', ignore=None)")]
+    fn is_colliding(
+        &self,
+        py: Python<'_>,
+        tool: ToolArgument<'_, '_>,
+        world_from_tool: PoseArgument,
+        touching: Touching,
+        ignore: Ignore<'_>,
+    ) -> PyResult<bool> {
+        let asked = self.asked(&tool, &ignore)?;
         let tool = tool.core();
-        py.detach(|| self.core.is_colliding(tool, &world_from_tool.0))
+        py.detach(|| {
+            if touching.0 == core::Touching::Ends {
+                return Ok(asked.scene().is_colliding(tool, &world_from_tool.0));
+            }
+            find_topology(self.core.mockup(), tool, false)?;
+            Ok(asked.scene().is_entering(tool, &world_from_tool.0))
+        })
     }
 
-    #[pyo3(signature = (tool, poses, progress))]
+    #[pyo3(signature = (tool, world_from_tool, *, ignore = None))]
+    fn is_free(
+        &self,
+        py: Python<'_>,
+        tool: ToolArgument<'_, '_>,
+        world_from_tool: PoseArgument,
+        ignore: Ignore<'_>,
+    ) -> PyResult<bool> {
+        let asked = self.asked(&tool, &ignore)?;
+        let tool = tool.core();
+        py.detach(|| {
+            find_topology(self.core.mockup(), tool, true)?;
+            Ok(asked.is_free(tool, &world_from_tool.0))
+        })
+    }
+
+    #[pyo3(signature = (tool, world_from_tool, *, ignore = None))]
+    fn containment(
+        &self,
+        py: Python<'_>,
+        tool: ToolArgument<'_, '_>,
+        world_from_tool: PoseArgument,
+        ignore: Ignore<'_>,
+    ) -> PyResult<Containment> {
+        let asked = self.asked(&tool, &ignore)?;
+        let tool = tool.core();
+        let found = py.detach(|| {
+            find_topology(self.core.mockup(), tool, true)?;
+            Ok::<_, PyErr>(asked.containment(tool, &world_from_tool.0))
+        });
+        Ok(Containment::new(found?))
+    }
+
+    #[pyo3(signature = (tool, poses, progress, *, ignore = None))]
     fn collide_batch(
         &self,
         py: Python<'_>,
         tool: ToolArgument<'_, '_>,
         poses: PosesArgument,
         progress: Option<Py<PyAny>>,
+        ignore: Ignore<'_>,
     ) -> PyResult<Batch> {
+        let asked = self.asked(&tool, &ignore)?;
         let tool = tool.core();
         let reporter = Reporter::new(progress);
         let batch = py.detach(|| {
-            reporter.watch(self.pool.as_ref(), || {
-                self.core.collide_batch(tool, &poses.0, &|done, stage| reporter.tell(done, stage))
+            reporter.watch(self.pool.as_deref(), || {
+                asked.scene().collide_batch(tool, &poses.0, &|done, stage| reporter.tell(done, stage))
             })
         });
         reporter.finish()?;
         Ok(Batch::new(batch?.map_err(to_py)?))
     }
 
-    #[pyo3(signature = (tool, world_from_tool, within, triangles))]
+    #[pyo3(signature = (tool, world_from_tool, within, triangles, *, ignore = None))]
     fn clearance(
         &self,
         py: Python<'_>,
@@ -192,19 +278,21 @@ impl Scene {
         world_from_tool: PoseArgument,
         within: f64,
         triangles: bool,
+        ignore: Ignore<'_>,
     ) -> PyResult<Clearance> {
+        let asked = self.asked(&tool, &ignore)?;
         let tool = tool.core();
         let gaps = py.detach(|| {
             if triangles {
-                self.core.near_pairs(tool, &world_from_tool.0, within)
+                asked.scene().near_pairs(tool, &world_from_tool.0, within)
             } else {
-                self.core.clearance(tool, &world_from_tool.0, within)
+                asked.scene().clearance(tool, &world_from_tool.0, within)
             }
         });
         Ok(Clearance::new(gaps.map_err(to_py)?))
     }
 
-    #[pyo3(signature = (tool, world_from_tool, margin, reference))]
+    #[pyo3(signature = (tool, world_from_tool, margin, reference, *, ignore = None))]
     fn contacts(
         &self,
         py: Python<'_>,
@@ -212,17 +300,19 @@ impl Scene {
         world_from_tool: PoseArgument,
         margin: f64,
         reference: Option<PoseArgument>,
+        ignore: Ignore<'_>,
     ) -> PyResult<Contacts> {
         let reference = reference.map(|pose| pose.0);
+        let asked = self.asked(&tool, &ignore)?;
         let tool = tool.core();
         let found = py.detach(|| {
             find_topology(self.core.mockup(), tool, false)?;
-            self.solver.contacts(tool, &world_from_tool.0, margin, reference.as_ref()).map_err(to_py)
+            asked.contacts(tool, &world_from_tool.0, margin, reference.as_ref()).map_err(to_py)
         });
-        Ok(Contacts::new(found?, self.asked(tool, world_from_tool.0)))
+        Ok(Contacts::new(found?, (asked, Arc::clone(tool), world_from_tool.0)))
     }
 
-    #[pyo3(signature = (tool, world_from_tool, margin, reference))]
+    #[pyo3(signature = (tool, world_from_tool, margin, reference, *, ignore = None))]
     fn penetration(
         &self,
         py: Python<'_>,
@@ -230,31 +320,33 @@ impl Scene {
         world_from_tool: PoseArgument,
         margin: f64,
         reference: Option<PoseArgument>,
+        ignore: Ignore<'_>,
     ) -> PyResult<Penetration> {
         let reference = reference.map(|pose| pose.0);
+        let asked = self.asked(&tool, &ignore)?;
         let tool = tool.core();
         let found = py.detach(|| {
             find_topology(self.core.mockup(), tool, true)?;
-            // On a pool, since whether one is inside the other is found with tools of a triangle, which are made on one.
-            let ask = || self.solver.penetration(tool, &world_from_tool.0, margin, reference.as_ref());
-            on_pool(self.pool.as_ref(), ask)?.map_err(to_py)
+            asked.penetration(tool, &world_from_tool.0, margin, reference.as_ref()).map_err(to_py)
         });
-        Penetration::new(py, found?, self.asked(tool, world_from_tool.0))
+        Penetration::new(py, found?, (asked, Arc::clone(tool), world_from_tool.0))
     }
 
-    #[pyo3(signature = (tool, world_from_tool, max))]
+    #[pyo3(signature = (tool, world_from_tool, max, *, ignore = None))]
     fn distance(
         &self,
         py: Python<'_>,
         tool: ToolArgument<'_, '_>,
         world_from_tool: PoseArgument,
         max: f64,
+        ignore: Ignore<'_>,
     ) -> PyResult<Distance> {
+        let asked = self.asked(&tool, &ignore)?;
         let tool = tool.core();
-        Ok(Distance::new(py.detach(|| self.core.closest(tool, &world_from_tool.0, max)).map_err(to_py)?))
+        Ok(Distance::new(py.detach(|| asked.scene().closest(tool, &world_from_tool.0, max)).map_err(to_py)?))
     }
 
-    #[pyo3(signature = (tool, world_from_tool, max, k))]
+    #[pyo3(signature = (tool, world_from_tool, max, k, *, ignore = None))]
     fn distances(
         &self,
         py: Python<'_>,
@@ -262,13 +354,15 @@ impl Scene {
         world_from_tool: PoseArgument,
         max: f64,
         k: usize,
+        ignore: Ignore<'_>,
     ) -> PyResult<Vec<Distance>> {
+        let asked = self.asked(&tool, &ignore)?;
         let tool = tool.core();
-        let gaps = py.detach(|| self.core.distance(tool, &world_from_tool.0, max, k)).map_err(to_py)?;
+        let gaps = py.detach(|| asked.scene().distance(tool, &world_from_tool.0, max, k)).map_err(to_py)?;
         Ok(gaps.into_iter().map(|gap| Distance::new(Some(gap))).collect())
     }
 
-    #[pyo3(signature = (tool, poses, max, progress))]
+    #[pyo3(signature = (tool, poses, max, progress, *, ignore = None))]
     fn distance_batch(
         &self,
         py: Python<'_>,
@@ -276,19 +370,22 @@ impl Scene {
         poses: PosesArgument,
         max: f64,
         progress: Option<Py<PyAny>>,
+        ignore: Ignore<'_>,
     ) -> PyResult<DistanceBatch> {
+        let asked = self.asked(&tool, &ignore)?;
         let tool = tool.core();
         let reporter = Reporter::new(progress);
         let gaps = py.detach(|| {
-            reporter.watch(self.pool.as_ref(), || {
-                self.core.distance_batch(tool, &poses.0, max, &|done, stage| reporter.tell(done, stage))
+            reporter.watch(self.pool.as_deref(), || {
+                asked.scene().distance_batch(tool, &poses.0, max, &|done, stage| reporter.tell(done, stage))
             })
         });
         reporter.finish()?;
         Ok(DistanceBatch::new(gaps?.map_err(to_py)?))
     }
 
-    #[pyo3(signature = (tool, poses, within, triangles, progress))]
+    #[pyo3(signature = (tool, poses, within, triangles, progress, *, ignore = None))]
+    #[allow(clippy::too_many_arguments, reason = "the Python signature")]
     fn clearance_batch(
         &self,
         py: Python<'_>,
@@ -297,19 +394,24 @@ impl Scene {
         within: f64,
         triangles: bool,
         progress: Option<Py<PyAny>>,
+        ignore: Ignore<'_>,
     ) -> PyResult<ClearanceBatch> {
+        let asked = self.asked(&tool, &ignore)?;
         let tool = tool.core();
         let reporter = Reporter::new(progress);
         let batch = py.detach(|| {
-            reporter.watch(self.pool.as_ref(), || {
-                self.core.clearance_batch(tool, &poses.0, within, triangles, &|done, stage| reporter.tell(done, stage))
+            reporter.watch(self.pool.as_deref(), || {
+                asked
+                    .scene()
+                    .clearance_batch(tool, &poses.0, within, triangles, &|done, stage| reporter.tell(done, stage))
             })
         });
         reporter.finish()?;
         Ok(ClearanceBatch::new(batch?.map_err(to_py)?))
     }
 
-    #[pyo3(signature = (tool, pose0, pose1, *, tolerance))]
+    #[pyo3(signature = (tool, pose0, pose1, *, tolerance, touching, ignore = None))]
+    #[allow(clippy::too_many_arguments, reason = "the Python signature")]
     fn cast(
         &self,
         py: Python<'_>,
@@ -317,30 +419,50 @@ impl Scene {
         pose0: PoseArgument,
         pose1: PoseArgument,
         tolerance: f64,
+        touching: Touching,
+        ignore: Ignore<'_>,
     ) -> PyResult<Option<Cast>> {
+        let asked = self.asked(&tool, &ignore)?;
         let tool = tool.core();
-        let found = py.detach(|| self.core.cast(tool, &pose0.0, &pose1.0, tolerance)).map_err(to_py)?;
-        Ok(found.map(|cast| Cast::new(cast, self.core.mockup())))
+        let found = py.detach(|| {
+            if touching.0 == core::Touching::Free {
+                find_topology(self.core.mockup(), tool, false)?;
+            }
+            asked.scene().cast_touching(tool, &pose0.0, &pose1.0, tolerance, touching.0).map_err(to_py)
+        });
+        Ok(found?.map(|cast| Cast::new(cast, self.core.mockup(), tool)))
     }
 
-    #[pyo3(signature = (tool, poses, *, tolerance, progress))]
+    #[pyo3(signature = (tool, poses, *, tolerance, touching, inside, progress, ignore = None))]
+    #[allow(clippy::too_many_arguments, reason = "the Python signature")]
     fn check_path(
         &self,
         py: Python<'_>,
         tool: ToolArgument<'_, '_>,
         poses: PosesArgument,
         tolerance: f64,
+        touching: Touching,
+        inside: bool,
         progress: Option<Py<PyAny>>,
+        ignore: Ignore<'_>,
     ) -> PyResult<PathCheck> {
+        let asked = self.asked(&tool, &ignore)?;
         let tool = tool.core();
+        let inside = py.detach(|| {
+            if touching.0 == core::Touching::Free || inside {
+                find_topology(self.core.mockup(), tool, inside)?;
+            }
+            Ok::<_, PyErr>(poses.0.first().filter(|_| inside).map(|pose| asked.containment(tool, pose)))
+        })?;
         let reporter = Reporter::new(progress);
         let check = py.detach(|| {
-            reporter.watch(self.pool.as_ref(), || {
-                self.core.check_path(tool, &poses.0, tolerance, &|done, stage| reporter.tell(done, stage))
+            reporter.watch(self.pool.as_deref(), || {
+                let tell = |done: f64, stage: &str| reporter.tell(done, stage);
+                asked.scene().check_path_touching(tool, &poses.0, tolerance, touching.0, &tell)
             })
         });
         reporter.finish()?;
-        Ok(PathCheck::new(check?.map_err(to_py)?, Arc::clone(self.core.mockup())))
+        Ok(PathCheck::new(check?.map_err(to_py)?, self.core.mockup(), tool, inside.map(Containment::new)))
     }
 }
 

@@ -7,10 +7,11 @@ use feeler_core as core;
 use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
 
+use crate::arguments::ToolArgument;
 use crate::errors::raise;
 use crate::mockup::Mockup;
 use crate::pools::Pool;
-use crate::travel::rows_of;
+use crate::travel::{rows_of, stays};
 
 /// Pairs of parts that queries leave out. `feeler.IgnoredPairs` knows them by name.
 #[pyclass(subclass, frozen, module = "feeler._core")]
@@ -29,21 +30,28 @@ impl IgnoredPairs {
     }
 }
 
-/// Those given to a query, if any.
-pub type Ignored<'py> = Option<PyRef<'py, IgnoredPairs>>;
+/// What is given to a query for `ignore`: `None`, `IgnoredPairs`, or what `feeler.ignored` makes these of.
+pub type Ignore<'py> = Option<Bound<'py, PyAny>>;
 
-/// The pairs that a query of this tool and mock-up is to leave out; an error where they are of another.
+/// The pairs that a query is to leave out; an error where they are of another tool or mock-up.
 pub fn ignored_of(
-    ignore: &Ignored<'_>,
-    tool: &core::Tool,
-    mockup: &core::Mockup,
-) -> PyResult<Option<Arc<core::IgnoredPairs>>> {
-    let Some(pairs) = ignore else { return Ok(None) };
-    let own = [tool.parts(), mockup.part_bounds().len()];
-    if own == [pairs.tool_parts, pairs.parts] {
-        return Ok(Some(Arc::clone(&pairs.core)));
-    }
+    ignore: &Bound<'_, PyAny>,
+    tool: &ToolArgument<'_, '_>,
+    mockup: &Py<Mockup>,
+) -> PyResult<Arc<core::IgnoredPairs>> {
+    let made = match ignore.cast::<IgnoredPairs>() {
+        Ok(pairs) => pairs.clone(),
+        Err(_) => {
+            let of_names = ignore.py().import("feeler.ignored")?.getattr("ignored")?;
+            of_names.call1((ignore, tool.object(), mockup))?.cast_into::<IgnoredPairs>()?
+        }
+    };
+    let pairs = made.get();
+    let own = [tool.core().parts(), mockup.get().core.part_bounds().len()];
     let given = [pairs.tool_parts, pairs.parts];
+    if own == given {
+        return Ok(Arc::clone(&pairs.core));
+    }
     Err(raise(
         "OptionError",
         format!(
@@ -60,6 +68,13 @@ pub struct Selected {
     pub solver: Arc<ContactSolver>,
     pub mockup: Py<Mockup>,
     pub pool: Option<Arc<Pool>>,
+}
+
+#[pymethods]
+impl Selected {
+    fn __reduce__(&self) -> PyResult<()> {
+        Err(stays("Selected", "pickle the scene that is made of it"))
+    }
 }
 
 /// What a scene is made of.

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use feeler_core as core;
-use numpy::{PyArray2, PyReadonlyArray2};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -21,10 +21,20 @@ pub struct Tool {
 #[pymethods]
 impl Tool {
     #[new]
-    fn new(py: Python<'_>, vertices: PyReadonlyArray2<'_, f64>, faces: PyReadonlyArray2<'_, u32>) -> PyResult<Tool> {
+    #[pyo3(signature = (vertices, faces, part_of_face, part_count))]
+    fn new(
+        py: Python<'_>,
+        vertices: PyReadonlyArray2<'_, f64>,
+        faces: PyReadonlyArray2<'_, u32>,
+        part_of_face: Option<PyReadonlyArray1<'_, u32>>,
+        part_count: usize,
+    ) -> PyResult<Tool> {
         let vertices = rows("vertices", &vertices)?;
         let faces = rows("faces", &faces)?;
-        let tool = py.detach(|| on_pool(None, || core::Tool::new(vertices, faces)))?.map_err(to_py)?;
+        let part_of_face = part_of_face.map_or_else(Vec::new, |p| p.as_array().to_vec());
+        let tool = py
+            .detach(|| on_pool(None, || core::Tool::of_parts(vertices, faces, part_of_face, part_count)))?
+            .map_err(to_py)?;
         Ok(Tool { core: Arc::new(tool) })
     }
 
@@ -38,6 +48,37 @@ impl Tool {
     fn faces<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray2<u32>> {
         // SAFETY: as for the vertices.
         unsafe { view_rows(slf.as_any(), slf.get().core.mesh().faces()) }
+    }
+
+    #[getter]
+    fn part_of_face<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
+        let faces = self.core.mesh().faces().len() as u32;
+        (0..faces).map(|f| self.core.part_of_face(f)).collect::<Vec<u32>>().into_pyarray(py)
+    }
+
+    #[getter]
+    fn part_count(&self) -> usize {
+        self.core.parts()
+    }
+
+    #[getter]
+    fn part_triangles<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
+        let mut counts = vec![0u32; self.core.parts()];
+        let faces = self.core.mesh().faces().len() as u32;
+        (0..faces).for_each(|f| counts[self.core.part_of_face(f) as usize] += 1);
+        counts.into_pyarray(py)
+    }
+
+    /// `(2 * parts, 3)`: lower and upper corner of each part's box.
+    #[getter]
+    fn part_bounds<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let mut bounds = vec![core::Aabb::EMPTY; self.core.parts()];
+        let mesh = self.core.mesh();
+        for t in mesh.queried() {
+            mesh.triangle(t).iter().for_each(|p| bounds[self.core.part_of_face(t) as usize].grow(p));
+        }
+        let corners: Vec<Vec<f64>> = bounds.iter().flat_map(|b| [b.lower.to_vec(), b.upper.to_vec()]).collect();
+        Ok(PyArray2::from_vec2(py, &corners)?)
     }
 
     #[getter]

@@ -14,18 +14,22 @@ import typer
 
 import feeler
 from feeler.cli.app import FOUND, command
-from feeler.cli.findings import mesh_facts, scene_facts
+from feeler.cli.findings import containment_facts, containment_lines, mesh_facts, scene_facts
 from feeler.cli.inputs import (
     AsJson,
     At,
+    Choice,
     MockupFiles,
     MockupUnit,
+    Only,
+    PartOption,
     PoseFile,
     Rotate,
     SnapPose,
     ToolFile,
     ToolUnit,
     Up,
+    Without,
     poses_of_options,
     read_both,
 )
@@ -37,7 +41,7 @@ _SHOWN_POSES = 20
 _COLUMNS = (
     *("pose", "part", "path", "distance_m"),
     *("tool_x_m", "tool_y_m", "tool_z_m", "mockup_x_m", "mockup_y_m", "mockup_z_m"),
-    *("tool_triangle", "mockup_triangle"),
+    *("tool_triangle", "mockup_triangle", "tool_part"),
 )
 
 
@@ -46,12 +50,16 @@ _COLUMNS = (
 feeler clearance engine.step --tool wrench.stl --pose pose.json --within 0.01
 feeler clearance engine.glb --tool wrench.stl --tool-unit mm --at 0.42,-0.1,0.3 --require 0.002
 feeler clearance engine.glb --tool wrench.stl --pose path.npy --csv gaps.csv --glb tightest.glb
+feeler clearance engine.step --part "*fuel pump*" --at 0,0,0.02 --require 0.001
 feeler clearance sample:engine:200000 --tool sample:wrench --at 0,0,0 --json
 """
 )
 def clearance(
     mockup: MockupFiles,
-    tool: ToolFile,
+    tool: ToolFile = None,
+    part: PartOption = None,
+    without: Without = None,
+    only: Only = None,
     pose: PoseFile = None,
     at: At = None,
     rotate: Rotate = None,
@@ -78,20 +86,22 @@ def clearance(
 ) -> None:
     """Measures the distance of the tool to each part that is near, with the closest points.
 
-    Exit status: 0 fine, 1 less room than --require, 2 bad input.
+    A tool that is wholly inside a closed part, or around one, has no room: that is told. Exit status: 0 fine, 1 less
+    room than --require or something inside, 2 bad input.
     """
     from feeler.cli import outputs
 
-    poses = poses_of_options(pose, at, rotate, snap_pose)
+    poses = poses_of_options(pose, at, rotate, snap_pose, bool(part))
     for option, value in (("--within", within), ("--require", require)):
         if value is not None and not value >= 0:
             raise OptionError(f"{option} is {value}: give a distance in metres, 0 or more")
     for target, ending in ((glb, ".glb"), (csv_, ".csv")):
         if target is not None:
             _check_out(target, ending)
-    world, probe = read_both(mockup, unit, tool, tool_unit, up)
+    world, probe = read_both(mockup, unit, tool, tool_unit, up, part)
     with bar("indexing") as progress:
         scene = feeler.Scene(world, tool=probe, threads=threads, progress=progress)
+    scene = Choice(part, without, only).scene_of(scene)
     start = time.perf_counter()
     # What is required may reach farther than what is listed.
     least = _least(scene, probe, poses)
@@ -99,13 +109,18 @@ def clearance(
         found = scene.clearance_batch(probe, poses, within, progress=progress)
     seconds = time.perf_counter() - start
     worst = int(np.argmin(least))
+    inside = [containment_facts(world, scene.containment(probe, matrix)) for matrix in poses]
+    is_inside = np.array([bool(each["containing"] or each["contained"]) for each in inside])
+    if is_inside.any() and not is_inside[worst]:
+        worst = int(np.flatnonzero(is_inside)[np.argmin(least[is_inside])])
     results = [
         {
             "pose": i,
             "world_from_tool": poses[i],
             "distance_m": float(least[i]),
-            "met": None if require is None else bool(least[i] >= require),
-            "parts": _rows(world, found[i]),
+            "met": None if require is None else bool(least[i] >= require and not is_inside[i]),
+            "inside": inside[i],
+            "parts": _rows(world, probe, found[i]),
         }
         for i in range(len(poses))
     ]
@@ -119,7 +134,7 @@ def clearance(
         with bar(f"writing {glb}"):
             write_clearance_glb(glb, world, probe, poses[worst], found[worst], context=context)
         written["glb"] = str(glb)
-    is_met = require is None or bool((least >= require).all())
+    is_met = require is None or all(entry["met"] for entry in results)
     if as_json:
         outputs.print_json(
             {
@@ -137,7 +152,7 @@ def clearance(
         )
     else:
         _print(results, worst, within, require, written)
-    if not is_met:
+    if not is_met or is_inside.any():
         raise typer.Exit(FOUND)
 
 
@@ -147,21 +162,24 @@ def _least(scene: feeler.Scene, tool: feeler.Tool, poses: npt.NDArray[np.float64
         return np.asarray(scene.distance_batch(tool, poses, progress=progress).values)
 
 
-def _rows(mockup: feeler.Mockup, found: feeler.Clearance) -> list[dict[str, Any]]:
+def _rows(mockup: feeler.Mockup, tool: feeler.Tool, found: feeler.Clearance) -> list[dict[str, Any]]:
     """What is near at one pose, nearest part first."""
     return [
         {
             "part": int(part),
             "path": mockup.part_paths[int(part)],
             "name": mockup.part_names[int(part)],
+            "tool_part": int(tool_part),
+            "tool_path": tool.part_paths[int(tool_part)],
             "distance_m": float(distance),
             "point_on_tool_m": on_tool,
             "point_on_mockup_m": on_mockup,
             "tool_triangle": int(tool_triangle),
             "mockup_triangle": int(mockup_triangle),
         }
-        for part, distance, on_tool, on_mockup, tool_triangle, mockup_triangle in zip(
+        for part, tool_part, distance, on_tool, on_mockup, tool_triangle, mockup_triangle in zip(
             found.parts,
+            found.tool_parts,
             found.distances,
             found.points_on_tool,
             found.points_on_mockup,
@@ -199,6 +217,7 @@ def _write_csv(path: Path, results: list[dict[str, Any]]) -> None:
                             *(repr(float(x)) for x in row["point_on_mockup_m"]),
                             row["tool_triangle"],
                             row["mockup_triangle"],
+                            row["tool_path"],
                         ]
                     )
     except OSError as error:
@@ -221,6 +240,8 @@ def _print(
         if missing and len(results) > 1:
             text += f" at {missing:,} poses"
     out.print(text)
+    for line in containment_lines(entry["inside"]):
+        outputs.print_finding(out, line)
     out.print()
     parts = entry["parts"]
     outputs.print_table(

@@ -13,18 +13,31 @@ import typer
 
 import feeler
 from feeler.cli.app import FOUND, command
-from feeler.cli.findings import kind_counts, mesh_facts, part_findings, scene_facts
+from feeler.cli.findings import (
+    containment_facts,
+    containment_lines,
+    kind_counts,
+    mesh_facts,
+    part_findings,
+    scene_facts,
+)
 from feeler.cli.inputs import (
     AsJson,
     At,
+    Choice,
     MockupFiles,
     MockupUnit,
+    Only,
+    PartOption,
     PoseFile,
     Rotate,
     SnapPose,
     ToolFile,
     ToolUnit,
+    Touching,
     Up,
+    Without,
+    check_touching,
     poses_of_options,
     read_both,
 )
@@ -40,12 +53,17 @@ _SHOWN_POSES = 20
 feeler collide engine.step --tool wrench.stl --pose pose.json
 feeler collide engine.glb --tool wrench.stl --tool-unit mm --at 0.42,-0.1,0.3 --rotate 0,90,0
 feeler collide engine.glb --tool wrench.stl --pose pose.json --glb hit.glb --picture hit.png
+feeler collide engine.step --part "*fuel pump*" --without "*gasket*" --touching free --at 0,0,0.02
 feeler collide sample:engine:200000 --tool sample:wrench --at 0,0,0 --json
 """
 )
 def collide(
     mockup: MockupFiles,
-    tool: ToolFile,
+    tool: ToolFile = None,
+    part: PartOption = None,
+    without: Without = None,
+    only: Only = None,
+    touching: Touching = "counts",
     pose: PoseFile = None,
     at: At = None,
     rotate: Rotate = None,
@@ -75,16 +93,18 @@ def collide(
 ) -> None:
     """Finds every pair of triangles of tool and mock-up that meets, and names the parts.
 
-    Exit status: 0 nothing meets, 1 something does, 2 bad input.
+    A tool that is wholly inside a closed part, or around one, is told as well. Exit status: 0 nothing meets and nothing
+    is inside, 1 something is, 2 bad input.
     """
     from feeler.cli import outputs
 
-    poses = poses_of_options(pose, at, rotate, snap_pose)
+    poses = poses_of_options(pose, at, rotate, snap_pose, bool(part))
+    check_touching(touching)
     pixels = _pixels(picture_size)
     for target, ending in ((glb, ".glb"), (picture, ".png")):
         if target is not None:
             _check_out(target, ending)
-    world, probe = read_both(mockup, unit, tool, tool_unit, up)
+    world, probe = read_both(mockup, unit, tool, tool_unit, up, part)
     with bar("indexing") as progress:
         scene = feeler.Scene(
             world,
@@ -95,7 +115,8 @@ def collide(
             threads=threads,
             progress=progress,
         )
-    results = _query(scene, probe, poses)
+    scene = Choice(part, without, only).scene_of(scene)
+    results = _query(scene, probe, poses, touching == "free")
     worst = max(range(len(results)), key=lambda i: results[i]["pairs"])
     written = {}
     if glb is not None or picture is not None:
@@ -109,7 +130,8 @@ def collide(
                 entry["pair_kinds"] = [feeler.PairKind(kind).name.lower() for kind in hit.kinds]
         outputs.print_json(
             {
-                "colliding": any(entry["pairs"] for entry in results),
+                "colliding": any(entry["colliding"] for entry in results),
+                "free": all(entry["free"] for entry in results),
                 "mockup": mesh_facts(world),
                 "tool": mesh_facts(probe),
                 "scene": scene_facts(scene),
@@ -119,11 +141,25 @@ def collide(
         )
     else:
         _print(world, probe, scene, results, worst, written)
-    if any(entry["pairs"] for entry in results):
+    if not all(entry["free"] for entry in results):
         raise typer.Exit(FOUND)
 
 
-def _query(scene: feeler.Scene, tool: feeler.Tool, poses: npt.NDArray[np.float64]) -> list[dict[str, Any]]:
+def _query(
+    scene: feeler.Scene, tool: feeler.Tool, poses: npt.NDArray[np.float64], free_touch: bool
+) -> list[dict[str, Any]]:
+    """One entry per pose: its matrix, pairs, kinds, parts, what is inside what, and whether it is free."""
+    results = _meetings(scene, tool, poses)
+    for entry, pose in zip(results, poses, strict=True):
+        if free_touch and entry["pairs"]:
+            entry["colliding"] = scene.is_colliding(tool, pose, touching="free")
+        entry["inside"] = containment_facts(scene.mockup, scene.containment(tool, pose))
+        inside = entry["inside"]["containing"] or entry["inside"]["contained"]
+        entry["free"] = not entry["colliding"] and not inside
+    return results
+
+
+def _meetings(scene: feeler.Scene, tool: feeler.Tool, poses: npt.NDArray[np.float64]) -> list[dict[str, Any]]:
     """One entry per pose: its matrix, pairs, kinds, parts."""
     if len(poses) == 1:
         start = time.perf_counter()
@@ -241,14 +277,19 @@ def _print_one(out: Any, entry: dict[str, Any]) -> None:
     from feeler.cli import outputs
 
     query = f" (query: {outputs.duration(entry['query_us'] * 1e-6)})"
-    if not entry["pairs"]:
+    inside = containment_lines(entry["inside"])
+    if not entry["pairs"] and not inside:
         out.print(f"[bold green]No collision[/bold green]{query}")
+        return
+    for line in inside:
+        outputs.print_finding(out, line)
+    if not entry["pairs"]:
+        out.print(f"No triangles meet{query}")
         return
     parts = entry["parts"]
     kinds = ", ".join(f"{count:,} {kind}" for kind, count in entry["kinds"].items() if count)
-    out.print(
-        f"[bold red]Collision[/bold red]: {entry['pairs']:,} pairs ({kinds}) with {_count(len(parts), 'part')}{query}"
-    )
+    verdict = "[bold red]Collision[/bold red]" if entry["colliding"] else "[bold green]Nothing but touches[/bold green]"
+    out.print(f"{verdict}: {entry['pairs']:,} pairs ({kinds}) with {_count(len(parts), 'part')}{query}")
     out.print()
     outputs.print_table(
         out,
@@ -277,23 +318,26 @@ def _print_one(out: Any, entry: dict[str, Any]) -> None:
 def _print_many(out: Any, results: list[dict[str, Any]], worst: int) -> None:
     from feeler.cli import outputs
 
-    colliding = [entry for entry in results if entry["pairs"]]
-    colour = "red" if colliding else "green"
+    colliding = [entry for entry in results if entry["colliding"]]
+    inside = [entry for entry in results if not entry["colliding"] and not entry["free"]]
+    colour = "red" if colliding or inside else "green"
     out.print(
         f"[bold {colour}]{len(colliding):,} of {len(results):,} poses collide[/bold {colour}]"
+        + (f", and at {len(inside):,} more one is inside the other" if inside else "")
         + (f"; most pairs: {results[worst]['pairs']:,} at pose {worst}" if colliding else "")
     )
     out.print()
     outputs.print_table(
         out,
         "Poses",
-        [("pose", "right"), ("pairs", "right"), ("parts", "right"), ("most hit", "left")],
+        [("pose", "right"), ("pairs", "right"), ("parts", "right"), ("most hit", "left"), ("inside", "left")],
         [
             (
                 str(entry["pose"]),
                 f"{entry['pairs']:,}" if entry["pairs"] else "-",
                 str(len(entry["parts"])) if entry["pairs"] else "-",
                 entry["parts"][0]["path"] if entry["pairs"] else "",
+                "; ".join(containment_lines(entry["inside"])),
             )
             for entry in results[:_SHOWN_POSES]
         ],

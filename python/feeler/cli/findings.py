@@ -8,6 +8,8 @@ import numpy as np
 
 import feeler
 
+_SHOWN_PARTS = 5
+
 
 def kind_counts(kinds: Any) -> dict[str, int]:
     """How many pairs there are of each kind."""
@@ -41,6 +43,35 @@ def part_findings(mockup: feeler.Mockup, pairs: Any, kinds: Any) -> list[dict[st
             }
         )
     return sorted(found, key=lambda entry: (-entry["pairs"], entry["part"]))
+
+
+def part_names(mockup: feeler.Mockup, parts: Any) -> list[dict[str, Any]]:
+    """Parts by index, path and name."""
+    return [{"part": int(i), "path": mockup.part_paths[i], "name": mockup.part_names[i]} for i in parts]
+
+
+def containment_facts(mockup: feeler.Mockup, found: feeler.Containment) -> dict[str, Any]:
+    """What is inside what, as JSON says it."""
+    return {
+        "containing": part_names(mockup, found.containing),
+        "contained": part_names(mockup, found.contained),
+        "unknown": part_names(mockup, found.unknown),
+    }
+
+
+def containment_lines(facts: dict[str, Any]) -> list[str]:
+    """The same in words; nothing of what is unknown."""
+
+    def named(parts: list[dict[str, Any]]) -> str:
+        shown = ", ".join(part["path"] for part in parts[:_SHOWN_PARTS])
+        return shown + (f" and {len(parts) - _SHOWN_PARTS:,} more" if len(parts) > _SHOWN_PARTS else "")
+
+    lines = []
+    if facts["containing"]:
+        lines.append(f"the tool is inside {named(facts['containing'])}")
+    if facts["contained"]:
+        lines.append(f"inside the tool: {named(facts['contained'])}")
+    return lines
 
 
 def mesh_facts(mesh: feeler.Mockup | feeler.Tool) -> dict[str, Any]:

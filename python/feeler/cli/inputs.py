@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import math
+from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -25,7 +28,24 @@ MockupFiles = Annotated[
         metavar="MOCKUP", help="Files or folders (several are one mock-up), or sample:NAME[:TRIANGLES[:SEED]]."
     ),
 ]
-ToolFile = Annotated[str, typer.Option(help="A file, or sample:NAME or sample:NAME:fine.")]
+ToolFile = Annotated[str | None, typer.Option(help="A file, or sample:NAME or sample:NAME:fine.")]
+PartOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="PATTERN",
+        help="These parts of the mock-up are the tool, in its frame: they leave it and move. A path, a name, or "
+        "a pattern such as '*pump*'.",
+    ),
+]
+Without = Annotated[
+    list[str] | None, typer.Option(metavar="PATTERN", help="Leave these parts of the mock-up out. Several are allowed.")
+]
+Only = Annotated[
+    list[str] | None, typer.Option(metavar="PATTERN", help="Leave all parts of the mock-up out but these.")
+]
+Touching = Annotated[
+    str, typer.Option(metavar="counts|free", help="Whether bodies that only touch, or slide, meet; free: they do not.")
+]
 PoseFile = Annotated[
     Path | None,
     typer.Option(
@@ -58,19 +78,74 @@ _SAMPLE = "sample:"
 _DEFAULT_TRIANGLES = 100_000
 
 
+@dataclass(frozen=True)
+class Choice:
+    """Which parts of the mock-up move, stay and are left out."""
+
+    part: list[str] | None
+    without: list[str] | None
+    only: list[str] | None
+
+    def scene_of(self, scene: feeler.Scene) -> feeler.Scene:
+        """The scene with the parts that stay."""
+        for option, parts, select in (
+            ("--only", self.only, feeler.Scene.only),
+            ("--without", self.without, feeler.Scene.without),
+            ("--part", self.part, feeler.Scene.without),
+        ):
+            if parts:
+                with _named(option):
+                    scene = select(scene, parts)
+        if not scene.part_mask.any():
+            raise OptionError("no part of the mock-up is left: let --part, --only and --without leave one at least")
+        return scene
+
+
+@contextlib.contextmanager
+def _named(option: str) -> Iterator[None]:
+    """Put the option in front of what is said of its parts."""
+    try:
+        yield
+    except OptionError as error:
+        raise OptionError(f"{option}: {error}") from None
+
+
 def read_both(
-    mockup: list[str], unit: str | None, tool: str, tool_unit: str | None, up: str | None
+    mockup: list[str],
+    unit: str | None,
+    tool: str | None,
+    tool_unit: str | None,
+    up: str | None,
+    part: list[str] | None = None,
 ) -> tuple[feeler.Mockup, feeler.Tool]:
-    """Mock-up and tool. What makes an answer about them doubtful goes to stderr, a line each."""
-    world, probe = read_mockup(mockup, unit, up), read_tool(tool, tool_unit, up)
+    """Mock-up and tool, or the parts of the mock-up that are the tool.
+
+    What makes an answer about them doubtful goes to stderr, a line each.
+    """
+    if (tool is None) == (not part):
+        not_both = ", not both" if part else ""
+        raise OptionError(f"what moves? Give --tool FILE, or --part PATTERN for parts of the mock-up{not_both}")
+    world = read_mockup(mockup, unit, up)
+    if tool is None:
+        with _named("--part"):
+            probe = feeler.Tool.of_parts(world, part)
+    else:
+        probe = read_tool(tool, tool_unit, up)
     doubts = [f"mock-up: {doubt}" for doubt in world.source.doubts]
-    doubts += [f"tool: {doubt}" for doubt in probe.source.doubts]
+    doubts += [f"tool: {doubt}" for doubt in probe.source.doubts if tool is not None]
     ours, theirs = world.source.up, probe.source.up
     if ours and theirs and ours != theirs:
         doubts.append(f"the mock-up has {ours} up and the tool {theirs}; if both should stand alike, pass --up z")
     for doubt in doubts:
         warn(doubt)
     return world, probe
+
+
+def check_touching(touching: str) -> Literal["counts", "free"]:
+    """What --touching says."""
+    if touching not in ("counts", "free"):
+        raise OptionError(f"--touching is {touching!r}: choose counts or free")
+    return "free" if touching == "free" else "counts"
 
 
 def read_mockup(sources: list[str], unit: str | None = None, up: str | None = None) -> feeler.Mockup:
@@ -97,13 +172,18 @@ def read_tool(source: str, unit: str | None = None, up: str | None = None) -> fe
         return feeler.load_tool(source, unit, up=up, progress=progress)
 
 
-def poses_of_options(pose: Path | None, at: str | None, rotate: str | None, snap: bool = False) -> Poses:
-    """The poses, (n, 4, 4), that --pose, or --at and --rotate, ask for; with `snap` the nearest rigid ones."""
+def poses_of_options(
+    pose: Path | None, at: str | None, rotate: str | None, snap: bool = False, has_place: bool = False
+) -> Poses:
+    """The poses, (n, 4, 4), that --pose, or --at and --rotate, ask for; with `snap` the nearest rigid ones.
+
+    has_place: what moves has a place of its own, in the mock-up, where it is unless something else is asked for.
+    """
     if pose is not None:
         if at is not None or rotate is not None:
             raise OptionError("--pose and --at/--rotate exclude each other: give one of them")
         return read_poses(pose, snap)
-    if at is None and rotate is None:
+    if at is None and rotate is None and not has_place:
         raise OptionError("where is the tool? Give --pose FILE, or --at X,Y,Z (and --rotate RX,RY,RZ)")
     matrix = np.eye(4)
     matrix[:3, 3] = _triple(at, "--at") if at is not None else 0.0

@@ -64,6 +64,13 @@ def say(out: Console, text: str) -> None:
     out.print(text, soft_wrap=True, markup=False, highlight=False)
 
 
+def print_finding(out: Console, text: str) -> None:
+    """A finding in red, its text as it is."""
+    from rich.text import Text
+
+    out.print(Text(text[:1].upper() + text[1:], style="bold red"), soft_wrap=True)
+
+
 def warn(message: str) -> None:
     """One line to stderr, for what does not end the program."""
     print(f"feeler: warning: {' '.join(message.split())}", file=sys.stderr)

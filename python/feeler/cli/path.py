@@ -13,15 +13,21 @@ import typer
 
 import feeler
 from feeler.cli.app import FOUND, command
-from feeler.cli.findings import mesh_facts, scene_facts
+from feeler.cli.findings import containment_facts, containment_lines, mesh_facts, scene_facts
 from feeler.cli.inputs import (
     AsJson,
+    Choice,
     MockupFiles,
     MockupUnit,
+    Only,
+    PartOption,
     SnapPose,
     ToolFile,
     ToolUnit,
+    Touching,
     Up,
+    Without,
+    check_touching,
     read_both,
     read_poses,
 )
@@ -36,12 +42,18 @@ _SHOWN = 20
     examples="""
 feeler path engine.step --tool wrench.stl --poses way_out.npy
 feeler path engine.glb --tool wrench.stl --poses way_out.json --csv hits.csv --glb first.glb
+feeler path engine.step --part "*fuel pump*" --poses way_out.npy --touching free
 feeler path sample:engine:200000 --tool sample:wrench --poses way_out.csv --tolerance 1e-5 --json
 """
 )
 def path(
     mockup: MockupFiles,
-    tool: ToolFile,
+    *,
+    tool: ToolFile = None,
+    part: PartOption = None,
+    without: Without = None,
+    only: Only = None,
+    touching: Touching = "counts",
     poses: Annotated[
         Path,
         typer.Option(
@@ -70,6 +82,7 @@ def path(
     """Moves the tool from pose to pose, and finds the first impact of each segment: nothing is passed through.
 
     Between two poses the middle of the tool's box moves straight and the tool turns about it, the shorter way round.
+    At the first pose the tool may be inside a closed part, or around one: then it is not free, whatever it meets.
     Exit status: 0 the path is free, 1 it is not, 2 bad input.
     """
     from feeler.cli import outputs
@@ -80,15 +93,19 @@ def path(
             if target.suffix.lower() != ending:
                 raise OptionError(f"{target}: the name must end in {ending}")
             check_target(target)
+    how = check_touching(touching)
     way = read_poses(poses, snap_pose)
-    world, probe = read_both(mockup, unit, tool, tool_unit, up)
+    world, probe = read_both(mockup, unit, tool, tool_unit, up, part)
     with bar("indexing") as progress:
         scene = feeler.Scene(world, storage=storage, tool=probe, threads=threads, progress=progress)
+    scene = Choice(part, without, only).scene_of(scene)
     start = time.perf_counter()
     with bar(f"following {len(way):,} poses") as progress:
-        check = scene.check_path(probe, way, tolerance=tolerance, progress=progress)
+        check = scene.check_path(probe, way, tolerance=tolerance, touching=how, progress=progress)
     seconds = time.perf_counter() - start
-    hits = _hits(world, check)
+    hits = _hits(world, probe, check)
+    assert check.containment is not None
+    inside = containment_facts(world, check.containment)
     written = _write(world, probe, check, hits, csv, glb, context)
     if as_json:
         outputs.print_json(
@@ -97,6 +114,8 @@ def path(
                 "segments": len(check),
                 "segments_hit": len(hits),
                 "tolerance_m": tolerance,
+                "touching": touching,
+                "inside": inside,
                 "seconds": seconds,
                 "mockup": mesh_facts(world),
                 "tool": mesh_facts(probe),
@@ -107,17 +126,18 @@ def path(
             }
         )
     else:
-        _print(len(check), hits, seconds, written)
+        _print(len(check), hits, inside, seconds, written)
     if not check.free:
         raise typer.Exit(FOUND)
 
 
-def _hits(mockup: feeler.Mockup, check: feeler.PathCheck) -> list[dict[str, Any]]:
+def _hits(mockup: feeler.Mockup, tool: feeler.Tool, check: feeler.PathCheck) -> list[dict[str, Any]]:
     """One entry per segment that is hit."""
     columns = (
         check.segments,
         check.fraction[check.segments],
         check.parts,
+        check.tool_parts,
         check.tool_triangles,
         check.mockup_triangles,
         check.points,
@@ -130,13 +150,17 @@ def _hits(mockup: feeler.Mockup, check: feeler.PathCheck) -> list[dict[str, Any]
             "fraction": float(fraction),
             "part": int(part),
             "path": mockup.part_paths[int(part)],
+            "tool_part": int(tool_part),
+            "tool_path": tool.part_paths[int(tool_part)],
             "tool_triangle": int(tool_triangle),
             "mockup_triangle": int(mockup_triangle),
             "point": point.tolist(),
             "normal": normal.tolist(),
             "world_from_tool": pose.tolist(),
         }
-        for segment, fraction, part, tool_triangle, mockup_triangle, point, normal, pose in zip(*columns, strict=True)
+        for segment, fraction, part, tool_part, tool_triangle, mockup_triangle, point, normal, pose in zip(
+            *columns, strict=True
+        )
     ]
 
 
@@ -201,14 +225,20 @@ def _csv(hits: list[dict[str, Any]]) -> str:
     return out.getvalue()
 
 
-def _print(segments: int, hits: list[dict[str, Any]], seconds: float, written: dict[str, str]) -> None:
+def _print(
+    segments: int, hits: list[dict[str, Any]], inside: dict[str, Any], seconds: float, written: dict[str, str]
+) -> None:
     from feeler.cli import outputs
 
     out = outputs.console()
     took = f" ({outputs.duration(seconds)})"
     what = f"{segments:,} segment{'' if segments == 1 else 's'}"
+    lines = containment_lines(inside)
+    for line in lines:
+        outputs.print_finding(out, f"at the first pose, {line}")
     if not hits:
-        out.print(f"[bold green]The path is free[/bold green]: {what}{took}")
+        verdict = "Nothing is met" if lines else "[bold green]The path is free[/bold green]"
+        out.print(f"{verdict}: {what}{took}")
         _print_written(out, written)
         return
     first = hits[0]

@@ -80,7 +80,7 @@ def load_tool(
     chord_tolerance: float | None = None,
     progress: Progress = None,
 ) -> Tool:
-    """Load a tool, in metres: all triangles of the file as one body, called `name` (default: the file's name).
+    """Load a tool, in metres: all of the file moves as one, called `name` (default: the file's name); parts stay parts.
 
     Options and errors are those of `load_mockup`.
     """
@@ -90,7 +90,8 @@ def load_tool(
         progress(0.8, "checking triangles")
     label = name if name is not None else loaded.pieces[0].file.path.stem
     with loaded.named_in_errors():
-        tool = Tool(loaded.raw.vertices, loaded.raw.faces, label)
+        raw = loaded.raw
+        tool = Tool(raw.vertices, raw.faces, label, raw.part_of_face, raw.part_names, part_paths=raw.part_paths)
     tool.source = loaded.source(time.perf_counter() - started, tool)
     if progress:
         progress(1.0, "loaded")

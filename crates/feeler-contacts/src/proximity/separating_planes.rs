@@ -279,6 +279,8 @@ fn gap_of(pair: [u32; 2], part: u32, closest: &Closest) -> Gap {
         tool_triangle: pair[0],
         mockup_triangle: pair[1],
         part,
+        // A plane has it of the triangle that carries it.
+        tool_part: 0,
         distance: closest.distance,
         on_tool: closest.on_p,
         on_mockup: closest.on_q,

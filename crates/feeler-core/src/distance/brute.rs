@@ -19,6 +19,7 @@ pub fn gaps_of_all_pairs(mockup: &Mockup, tool: &Tool, pose: &Pose, within: f64)
                     tool_triangle: t,
                     mockup_triangle: m,
                     part: mockup.part_of_face(m),
+                    tool_part: tool.part_of_face(t),
                     distance: closest.distance,
                     on_tool: closest.on_p,
                     on_mockup: closest.on_q,

@@ -11,6 +11,8 @@ pub struct Gap {
     pub mockup_triangle: u32,
     /// The part the mock-up's triangle belongs to.
     pub part: u32,
+    /// The tool's part that its triangle belongs to.
+    pub tool_part: u32,
     /// Metres; 0 if and only if the triangles meet.
     pub distance: f64,
     /// The point of the tool's triangle that is closest to the other, world, metres.

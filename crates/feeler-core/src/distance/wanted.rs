@@ -108,10 +108,12 @@ impl NearSink for Wanted<'_> {
         let Some(closest) = closest_within(&p, &self.at.mockup.mesh().triangle(mockup_triangle), within) else {
             return false;
         };
+        let tool_triangle = self.at.tool.ids()[slot as usize];
         self.keep(Gap {
-            tool_triangle: self.at.tool.ids()[slot as usize],
+            tool_triangle,
             mockup_triangle,
             part,
+            tool_part: self.at.tool.part_of_face(tool_triangle),
             distance: closest.distance,
             on_tool: closest.on_p,
             on_mockup: closest.on_q,

@@ -59,7 +59,7 @@ impl IgnoredPairs {
 }
 
 impl Presence {
-    fn new(mockup: &Mockup, parts: Vec<bool>, children: impl FnOnce(&IsThere<'_>) -> Vec<Vec<u32>>) -> Presence {
+    fn new(mockup: &Mockup, parts: Vec<bool>, children: impl FnOnce(TrianglesThere<'_>) -> Vec<Vec<u32>>) -> Presence {
         let triangles: Vec<u64> = mockup
             .parts_of_faces()
             .chunks(64)
@@ -71,7 +71,7 @@ impl Presence {
         } else {
             triangles
         };
-        let children = children(&|triangle| is_set(&triangles, triangle));
+        let children = children(TrianglesThere(&triangles));
         Presence { parts, triangles, children }
     }
 
@@ -82,8 +82,17 @@ impl Presence {
     }
 }
 
-/// Whether a triangle is there.
-pub(crate) type IsThere<'a> = dyn Fn(u32) -> bool + 'a;
+/// A bit a triangle: whether it is there.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct TrianglesThere<'a>(&'a [u64]);
+
+impl TrianglesThere<'_> {
+    /// Whether a triangle is there.
+    #[inline(always)]
+    pub fn has(self, triangle: u32) -> bool {
+        is_set(self.0, triangle)
+    }
+}
 
 #[inline(always)]
 fn is_set(bits: &[u64], at: u32) -> bool {
@@ -96,7 +105,7 @@ impl Selection {
         &self,
         mockup: &Mockup,
         stays: impl Fn(u32) -> bool,
-        children: impl FnOnce(&IsThere<'_>) -> Vec<Vec<u32>>,
+        children: impl FnOnce(TrianglesThere<'_>) -> Vec<Vec<u32>>,
     ) -> Selection {
         let parts = (0..mockup.part_bounds().len() as u32).map(|part| self.has_part(part) && stays(part)).collect();
         Selection { presence: Some(Arc::new(Presence::new(mockup, parts, children))), ignored: self.ignored.clone() }

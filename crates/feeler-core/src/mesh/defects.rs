@@ -3,7 +3,7 @@
 
 use rayon::prelude::*;
 
-use crate::constants::{DEFECT_IDS_KEPT, LARGEST_COORDINATE};
+use crate::constants::{DEFECT_IDS_KEPT, LARGEST_COORDINATE, SMALL_MESH};
 use crate::geometry::bounds::{Point, Triangle};
 use crate::geometry::predicates::is_collinear;
 
@@ -74,11 +74,12 @@ impl Defects {
 
     /// Looks at every triangle.
     pub(crate) fn find(vertices: &[Point], faces: &[[u32; 3]]) -> Defects {
-        let mut bad: Vec<(u32, DefectKind)> = faces
-            .par_iter()
-            .enumerate()
-            .filter_map(|(id, face)| defect_of(vertices, face).map(|kind| (id as u32, kind)))
-            .collect();
+        let defect = |(id, face): (usize, &[u32; 3])| defect_of(vertices, face).map(|kind| (id as u32, kind));
+        let mut bad: Vec<(u32, DefectKind)> = if faces.len() < SMALL_MESH {
+            faces.iter().enumerate().filter_map(defect).collect()
+        } else {
+            faces.par_iter().enumerate().filter_map(defect).collect()
+        };
         bad.sort_unstable();
         let mut defects = Defects { excluded: bad.iter().map(|(id, _)| *id).collect(), ..Defects::default() };
         for (id, kind) in bad {
@@ -138,14 +139,21 @@ pub(crate) fn corners(vertices: &[Point], face: &[u32; 3]) -> Triangle {
 
 /// Ids of triangles with the same three corners as an earlier one, sorted. Compared by position, so that soups count too.
 fn duplicates(vertices: &[Point], faces: &[[u32; 3]], excluded: &[u32]) -> Vec<u32> {
-    let mut hashed: Vec<(u64, u32)> = faces
-        .par_iter()
-        .enumerate()
-        .filter(|(id, _)| excluded.binary_search(&(*id as u32)).is_err())
-        // A sum does not depend on the order of the corners.
-        .map(|(id, face)| (corners(vertices, face).iter().fold(0u64, |h, p| h.wrapping_add(hash(p))), id as u32))
-        .collect();
-    hashed.par_sort_unstable();
+    let hashed = |(id, face): (usize, &[u32; 3])| {
+        excluded.binary_search(&(id as u32)).is_err().then(|| {
+            // A sum does not depend on the order of the corners.
+            (corners(vertices, face).iter().fold(0u64, |h, p| h.wrapping_add(hash(p))), id as u32)
+        })
+    };
+    let hashed: Vec<(u64, u32)> = if faces.len() < SMALL_MESH {
+        let mut hashed: Vec<_> = faces.iter().enumerate().filter_map(hashed).collect();
+        hashed.sort_unstable();
+        hashed
+    } else {
+        let mut hashed: Vec<_> = faces.par_iter().enumerate().filter_map(hashed).collect();
+        hashed.par_sort_unstable();
+        hashed
+    };
     let key = |id: u32| {
         let mut k = corners(vertices, &faces[id as usize]).map(|p| p.map(|x| (x + 0.0).to_bits()));
         k.sort_unstable();

@@ -4,6 +4,7 @@
 //! surface (the heuristic of J. Goldsmith and J. Salmon, 1987), again and again, always between whole nodes. Compared with an
 //! order along a Morton curve the nodes' boxes overlap far less.
 
+use crate::constants::SMALL_MESH;
 use crate::geometry::bounds::{Aabb, Point};
 use feeler_lanes::{greatest, least};
 
@@ -70,7 +71,12 @@ pub fn order<E: Entry>(entries: &mut [E], fan_out: usize) {
         _ => entries.select_nth_unstable_by_key(middle, |entry| turned(entry, 2)),
     };
     let (left, right) = entries.split_at_mut(middle);
-    rayon::join(|| order(left, fan_out), || order(right, fan_out));
+    if left.len() + right.len() < SMALL_MESH {
+        order(left, fan_out);
+        order(right, fan_out);
+    } else {
+        rayon::join(|| order(left, fan_out), || order(right, fan_out));
+    }
 }
 
 /// The places of a leaf's entries, at most `N`, in order along the longest side of the box around their middles: its halves are

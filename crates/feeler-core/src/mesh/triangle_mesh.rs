@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use crate::constants::SMALL_MESH;
 use crate::error::{Error, Result};
 use crate::geometry::bounds::{Aabb, Point, Triangle};
 use crate::mesh::defects::{corners, Defects};
@@ -35,10 +36,12 @@ impl Mesh {
             return Err(Error::NothingToQuery { what, triangles: faces.len(), defects: defects.summary() });
         }
         let mut mesh = Mesh { vertices, faces, defects, bounds: Aabb::EMPTY };
-        mesh.bounds = mesh
-            .par_queried()
-            .fold(|| Aabb::EMPTY, |b, t| b.union(&Aabb::of_triangle(&mesh.triangle(t))))
-            .reduce(|| Aabb::EMPTY, |a, b| a.union(&b));
+        let with = |b: Aabb, t: u32| b.union(&Aabb::of_triangle(&mesh.triangle(t)));
+        mesh.bounds = if mesh.faces.len() < SMALL_MESH {
+            mesh.queried().fold(Aabb::EMPTY, with)
+        } else {
+            mesh.par_queried().fold(|| Aabb::EMPTY, with).reduce(|| Aabb::EMPTY, |a, b| a.union(&b))
+        };
         Ok(mesh)
     }
 

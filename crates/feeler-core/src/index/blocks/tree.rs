@@ -3,9 +3,12 @@
 use super::node::{Frame, Node, FANOUT};
 use super::pieces::PackedPieces;
 use crate::geometry::bounds::Aabb;
-use crate::index::selection::IsThere;
+use crate::index::selection::TrianglesThere;
 use crate::mesh::triangle_mesh::Mesh;
-use feeler_lanes::{Box4, Kernel, Level, Simd};
+use feeler_lanes::{prefetch, Box4, Kernel, Level, Simd, LANES};
+
+/// Blocks that are asked for before their triangles are looked at.
+const BLOCKS_AHEAD: usize = 16;
 
 /// See the module.
 #[derive(Debug)]
@@ -31,10 +34,17 @@ impl Blocks {
     }
 
     /// For each level of nodes a word a node: which of its children have a triangle below them that is there. None of blocks.
-    pub fn children_there(&self, is_there: &IsThere<'_>) -> Vec<Vec<u32>> {
-        let mut below: Vec<bool> = (self.levels[0].iter().zip(&self.pieces))
-            .map(|(node, pieces)| pieces.triangles[..node.valid.count_ones() as usize].iter().any(|t| is_there(*t)))
-            .collect();
+    pub fn children_there(&self, there: TrianglesThere<'_>) -> Vec<Vec<u32>> {
+        let is_any_there = |(block, node): (usize, &Node)| {
+            // Of each block little is read, and the next ones are asked for before they are come to.
+            if let Some(later) = self.pieces.get(block + BLOCKS_AHEAD) {
+                prefetch(&later.triangles[0]);
+                prefetch(&later.triangles[LANES]);
+            }
+            let count = node.valid.count_ones() as usize;
+            self.pieces[block].triangles[..count].iter().any(|t| there.has(*t))
+        };
+        let mut below: Vec<bool> = self.levels[0].iter().enumerate().map(is_any_there).collect();
         let mut words = vec![Vec::new()];
         for _ in 1..self.levels.len() {
             let word = |chunk: &[bool]| chunk.iter().rev().fold(0, |bits, there| bits << 1 | u32::from(*there));

@@ -1,0 +1,92 @@
+"""Pairs of parts that queries leave out: what may touch, as in a robot's matrix of allowed collisions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from feeler import _core
+from feeler.errors import MeshError, OptionError
+from feeler.mockup import Mockup, Tool
+from feeler.parts import PartsLike
+from feeler.travel import reduced
+
+
+class IgnoredPairs(_core.IgnoredPairs):
+    """Pairs of a tool's and a mock-up's part that queries are not to look at, for their `ignore=`.
+
+    `pairs`: of parts of the tool and parts of the mock-up, each as `Parts.select` takes them: `[("hand", "*gasket*"),
+    ("*", 17)]`; every pair of the two is meant. An integer array `(k, 2)` of indices will do as well. Queries take such
+    a list for `ignore=` too; made once, it need not be looked up for each.
+
+    Raises `OptionError` for parts that are not there, and for what is no pair.
+    """
+
+    pairs: npt.NDArray[np.uint32]
+    """`(k, 2)`: indices of tool part and mock-up part; unique, sorted, read-only."""
+
+    def __new__(
+        cls, tool: Tool, mockup: Mockup, pairs: Iterable[tuple[PartsLike, PartsLike]] | npt.NDArray[np.integer[Any]]
+    ) -> IgnoredPairs:
+        """See the class."""
+        given: tuple[object, object] = (tool, mockup)
+        if not isinstance(given[0], Tool) or not isinstance(given[1], Mockup):
+            raise MeshError("pairs to ignore are of a feeler.Tool and a feeler.Mockup")
+        rows = np.unique(np.concatenate([np.empty((0, 2), np.uint32), *_rows(tool, mockup, pairs)]), axis=0)
+        return cls._restore(tool.part_count, mockup.part_count, rows)
+
+    def __len__(self) -> int:
+        return len(self.pairs)
+
+    def __repr__(self) -> str:
+        return f"IgnoredPairs({len(self)} pairs)"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return reduced("IgnoredPairs", (type(self), *self._counts, self.pairs))
+
+    _counts: tuple[int, int]
+
+    @classmethod
+    def _restore(cls, tool_parts: int, parts: int, pairs: npt.NDArray[np.uint32]) -> IgnoredPairs:
+        pairs = np.require(pairs, np.uint32, "C")
+        self = super().__new__(cls, tool_parts, parts, pairs)
+        pairs.flags.writeable = False
+        self.pairs, self._counts = pairs, (tool_parts, parts)
+        return self
+
+
+Ignore = IgnoredPairs | Iterable[tuple[PartsLike, PartsLike]] | None
+
+
+def ignored(ignore: Ignore, tool: _core.Tool, mockup: Mockup) -> IgnoredPairs | None:
+    """What a query is given for `ignore=`, looked up."""
+    if ignore is None or isinstance(ignore, IgnoredPairs):
+        return ignore
+    if not isinstance(tool, Tool):
+        raise MeshError(f"a feeler.Tool is needed, not {type(tool).__name__}")
+    return IgnoredPairs(tool, mockup, ignore)
+
+
+def _rows(tool: Tool, mockup: Mockup, pairs: Any) -> list[npt.NDArray[np.uint32]]:
+    if isinstance(pairs, np.ndarray):
+        if pairs.ndim != 2 or pairs.shape[1] != 2 or pairs.dtype.kind not in "iu":
+            raise OptionError(
+                f"ignore has shape {pairs.shape} and dtype {pairs.dtype}: (k, 2) whole numbers are needed"
+            )
+        for column, count, of in ((0, tool.part_count, "tool"), (1, mockup.part_count, "mock-up")):
+            outside = (pairs[:, column] < 0) | (pairs[:, column] >= count)
+            if outside.any():
+                raise OptionError(f"the {of} has no part {pairs[outside][0, column]}: it has {count}, 0 to {count - 1}")
+        return [pairs.astype(np.uint32)]
+    if isinstance(pairs, (str, bytes)) or not isinstance(pairs, Iterable):
+        raise OptionError(f"ignore is {pairs!r}: give pairs of parts, such as [('hand', '*gasket*')]")
+    rows = []
+    for pair in pairs:
+        if isinstance(pair, (str, bytes)) or not hasattr(pair, "__len__") or len(pair) != 2:
+            raise OptionError(f"ignore holds {pair!r}: give pairs of a tool's and a mock-up's part")
+        ours, theirs = tool.parts.select(pair[0]), mockup.parts.select(pair[1])
+        rows.append(np.stack(np.meshgrid(ours, theirs, indexing="ij"), axis=-1).reshape(-1, 2).astype(np.uint32))
+    return rows

@@ -1,0 +1,113 @@
+"""The parts of a mock-up or tool, and how they are named in a query."""
+
+from __future__ import annotations
+
+import difflib
+import fnmatch
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, overload
+
+import numpy as np
+import numpy.typing as npt
+
+from feeler.errors import OptionError
+
+
+@dataclass(frozen=True)
+class Part:
+    """One part of a mock-up or tool. `lower` and `upper` bound its queried triangles, metres; NaN where it has none."""
+
+    index: int
+    name: str
+    path: str
+    triangles: int
+    lower: tuple[float, float, float]
+    upper: tuple[float, float, float]
+
+
+PartsLike = int | str | Part | Iterable["int | str | Part"] | npt.NDArray[Any]
+"""Parts as a caller names them: see `Parts.select`."""
+
+
+class Parts(Sequence[Part]):
+    """The parts of a mock-up or tool, by index; `find` and `select` look them up by path, name or pattern."""
+
+    def __init__(
+        self, names: list[str], paths: list[str], triangles: npt.NDArray[np.uint32], bounds: npt.NDArray[np.float64]
+    ) -> None:
+        """`bounds`: (parts, 2, 3), crossed where a part is empty."""
+        self._names, self._paths = names, paths
+        self._triangles, self._bounds = triangles, bounds
+
+    def __len__(self) -> int:
+        return len(self._names)
+
+    @overload
+    def __getitem__(self, index: int) -> Part: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[Part]: ...
+    def __getitem__(self, index: int | slice) -> Part | list[Part]:
+        if isinstance(index, slice):
+            return [self[i] for i in range(*index.indices(len(self)))]
+        i = range(len(self))[index]
+        lower, upper = self._bounds[i]
+        if lower[0] > upper[0]:
+            lower = upper = np.full(3, np.nan)
+        return Part(i, self._names[i], self._paths[i], int(self._triangles[i]), _xyz(lower), _xyz(upper))
+
+    def __iter__(self) -> Iterator[Part]:
+        return (self[i] for i in range(len(self)))
+
+    def find(self, path: str) -> list[Part]:
+        """Parts whose path or name equals `path`, or whose path lies below it."""
+        return [self[i] for i in self._called(path)]
+
+    def select(self, parts: PartsLike) -> npt.NDArray[np.uint32]:
+        """The indices of the parts named, ascending, each once.
+
+        An index; a `Part`; a path or name, with all below that path; a pattern with `*`, `?` or `[...]` that a path or
+        name matches as a whole (`*` matches `/` as well), case and all; or several of these. A boolean array with an
+        entry for each part is a mask. Raises `OptionError` for what is not there, and names what is spelt alike.
+        """
+        if isinstance(parts, np.ndarray) and parts.dtype == bool:
+            if parts.shape != (len(self),):
+                raise OptionError(f"a mask of shape {parts.shape} does not fit {len(self)} parts: give one entry each")
+            return np.flatnonzero(parts).astype(np.uint32)
+        one = isinstance(parts, (str, Part, int, np.integer))
+        if not one and not isinstance(parts, Iterable):
+            raise OptionError(f"{parts!r} names no part: give an index, a path or pattern, or several")
+        found: set[int] = set()
+        for each in [parts] if one else parts:  # type: ignore[union-attr]
+            found.update(self._selected(each))
+        return np.array(sorted(found), dtype=np.uint32)
+
+    def _selected(self, part: object) -> Iterable[int]:
+        if isinstance(part, Part):
+            part = part.index
+        if isinstance(part, (int, np.integer)) and not isinstance(part, bool):
+            if not 0 <= part < len(self):
+                raise OptionError(f"there is no part {part}: there are {len(self)}, 0 to {len(self) - 1}")
+            return [int(part)]
+        if not isinstance(part, str):
+            raise OptionError(f"{part!r} names no part: give an index, a path or a pattern")
+        called = self._called(part)
+        if not called and any(sign in part for sign in "*?["):
+            matches = re.compile(fnmatch.translate(part)).match
+            named = enumerate(zip(self._names, self._paths, strict=True))
+            called = [i for i, (name, path) in named if matches(path) or matches(name)]
+        if not called:
+            alike = difflib.get_close_matches(part, dict.fromkeys([*self._paths, *self._names]), 3, 0.6)
+            hint = f"; there is {', '.join(map(repr, alike))}" if alike else ""
+            raise OptionError(f"no part is called, or matches, {part!r}{hint}")
+        return called
+
+    def _called(self, path: str) -> list[int]:
+        below = path.rstrip("/") + "/"
+        named = enumerate(zip(self._names, self._paths, strict=True))
+        return [i for i, (name, full) in named if path in (name, full) or full.startswith(below)]
+
+
+def _xyz(v: npt.NDArray[np.float64]) -> tuple[float, float, float]:
+    return (float(v[0]), float(v[1]), float(v[2]))
