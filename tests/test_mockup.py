@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import copy
 import gc
 import json
-import pickle
 from typing import Any
 
 import numpy as np
@@ -278,11 +276,3 @@ def test_tools_have_names() -> None:
     assert feeler.Tool(CORNERS, FACES).name == "tool"
     assert "wrench" in repr(feeler.Tool(CORNERS, FACES, name="wrench"))
     assert "4 triangles" in repr(feeler.Mockup(CORNERS, FACES))
-
-
-def test_copies_are_refused_in_words() -> None:
-    # A mesh holds arrays of the core; pass its arrays on instead.
-    for mesh in (feeler.Mockup(CORNERS, FACES), feeler.Tool(CORNERS, FACES)):
-        for attempt in (pickle.dumps, copy.copy, copy.deepcopy):
-            with pytest.raises(TypeError, match=r"cannot pickle '(Mockup|Tool)' object"):
-                attempt(mesh)

@@ -24,6 +24,7 @@ from feeler.errors import (
     OptionError,
     PoseError,
 )
+from feeler.interchange import from_open3d, from_pyvista, from_trimesh, from_urdf
 from feeler.io import load_mockup, load_tool
 from feeler.mockup import Mockup, Tool
 from feeler.poses import nearest_rigid
@@ -56,6 +57,10 @@ __all__ = [
     "PoseError",
     "Scene",
     "Tool",
+    "from_open3d",
+    "from_pyvista",
+    "from_trimesh",
+    "from_urdf",
     "load_mockup",
     "load_tool",
     "nearest_rigid",
