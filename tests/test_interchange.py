@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -303,6 +304,12 @@ def test_each_function_takes_its_library() -> None:
         feeler.from_trimesh(open3d)
     with pytest.raises(feeler.MeshError, match=r"PointCloud .*points or curves"):
         feeler.from_trimesh(trimesh.PointCloud(CUBE))
+
+
+def test_a_path_names_the_loaders() -> None:
+    for held in ("cube.stl", Path("cube.stl")):
+        with pytest.raises(feeler.MeshError, match=r"feeler\.load_mockup"):
+            feeler.Mockup(held)
 
 
 def test_arrays_beside_a_mesh_object_are_refused() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
@@ -107,8 +108,13 @@ def _add(assembly: Assembly, held: Any, path: tuple[str, ...], library: str | No
             raise MeshError(f"faces are missing: a list of numbers has none; give them, or {ACCEPTED}")
     wanted = ACCEPTED if library is None else f"an object of {library}, or a list or dict of such"
     at = f"{'/'.join(path)}: " if path else ""
-    hint = trimesh.hint(held) or pyvista.hint(held) or ""
+    hint = trimesh.hint(held) or pyvista.hint(held) or _file_hint(held)
     raise MeshError(f"{at}{_describe(held)} cannot be made a mesh{hint}: give {wanted}")
+
+
+def _file_hint(held: Any) -> str:
+    is_path = isinstance(held, (str, os.PathLike))
+    return " (a file: feeler.load_mockup, load_tool or from_urdf reads it)" if is_path else ""
 
 
 def _add_ours(assembly: Assembly, mesh: _core.Mockup | _core.Tool, path: tuple[str, ...]) -> None:
