@@ -546,7 +546,7 @@ def test_a_folder_is_one_mockup_sorted_with_subfolders(tmp_path):
     assert [Path(f).name for f in source.files] == ["a.obj", "a.stl", "b.stl", "c.glb"]
     notes = " ".join(source.notes)
     assert "2 files of other kinds" in notes and "notes.md, sub/readme.txt" in notes
-    assert "empty.stl: the file holds no triangle" in notes
+    assert "empty.stl: the STL file holds no triangle" in notes
     assert seen == sorted(seen) and seen[-1] == 1.0
 
 

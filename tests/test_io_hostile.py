@@ -241,9 +241,13 @@ def test_truncated_says_so(tmp_path, name, length, words):
     refuse(save(tmp_path, name, GOOD[name][:length]), *words)
 
 
-def test_text_stl_cut_between_two_triangles(tmp_path):
+def test_text_stl_cut_between_two_triangles_is_noted(tmp_path):
     text = stl_text()
-    refuse(save(tmp_path, "a.stl", text[: text.index("endsolid")]), "endsolid", "truncated")
+    mockup = load_mockup(save(tmp_path, "a.stl", text[: text.index("endsolid")]))
+    assert mockup.triangle_count == 4
+    assert any("no 'endsolid'" in note and "truncated" in note for note in mockup.report.source.notes)
+    refuse(save(tmp_path, "b.stl", text[: text.index("endsolid") + 4]), "endsolid", "truncated")
+    refuse(save(tmp_path, "c.stl", text[: text.rindex("endfacet")]), "endsolid", "truncated")
 
 
 @pytest.mark.parametrize("name", GOOD)
@@ -281,7 +285,10 @@ def test_line_of_a_wrong_number_is_named(tmp_path):
     refuse(save(tmp_path, "a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 c\n"), "line 4", "'c'")
     refuse(save(tmp_path, "a.obj", "v 0 0 0\nv 1.0.5 0 0\nv 0 1 0\nf 1 2 3\n"), "line 2", "1.0.5")
     refuse(save(tmp_path, "a.stl", stl_text().replace("30.0", "30.0x", 1)), "line", "30.0x")
-    refuse(save(tmp_path, "a.stl", stl_text().replace("endloop", "end loop", 1)), "line 8")
+    refuse(
+        save(tmp_path, "a.stl", stl_text().replace("endfacet", "endfaucet", 1).replace("outer", "vertex 1 1 1 #", 1)),
+        "line 3",
+    )
     refuse(save(tmp_path, "a.off", off_text().replace("20.0", "twenty", 1)), "line 7", "twenty")
     refuse(save(tmp_path, "a.ply", ply("ascii").replace(b"20.0", b"twenty", 1)), "line 15", "twenty")
 
@@ -722,10 +729,14 @@ def test_extreme_coordinates_are_kept(tmp_path, value):
 def test_everything_again_from_a_folder_with_one_bad_file(tmp_path):
     for name, content in GOOD.items():
         save(tmp_path, name, content)
-    assert load_mockup(tmp_path).triangle_count > 30
+    good = load_mockup(tmp_path)
+    assert good.triangle_count > 30
     save(tmp_path, "bad.ply", b"ply\n")
+    mockup = load_mockup(tmp_path)
+    assert np.array_equal(mockup.faces, good.faces) and mockup.part_paths == good.part_paths
+    assert any("bad.ply: the PLY header has no 'end_header'" in note for note in mockup.report.source.notes)
     with pytest.raises(LoadError, match=r"bad\.ply"):
-        load_mockup(tmp_path)
+        load_mockup([tmp_path, tmp_path / "bad.ply"])
 
 
 # --- real bad files, where there are some ----------------------------------------------------------------------------

@@ -87,10 +87,11 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         "proximity": CONTACTS_BASE,
         "identity": CONTACTS_BASE,
         "query": {*CONTACTS_BASE, "contour", "patch", "depth", "proximity", "identity"},
-        "escape": {*CONTACTS_BASE, "query"},
+        "containment": CONTACTS_BASE,
+        "escape": {*CONTACTS_BASE, "query", "containment"},
         # Found of a plane when somebody asks, apart from the query.
         "footing": CONTACTS_BASE,
-        "solver": {*CONTACTS_BASE, "query", "escape", "footing"},
+        "solver": {*CONTACTS_BASE, "query", "escape", "footing", "containment"},
         "tracker": {*CONTACTS_BASE, "solver"},
     },
 }

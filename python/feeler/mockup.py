@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, NamedTuple, overload
 
 import numpy as np
@@ -18,7 +19,11 @@ _OUT_OF_RANGE = np.iinfo(np.uint32).max
 
 @dataclass(frozen=True)
 class Source:
-    """Where a mesh came from, as its loader saw it."""
+    """Where a mesh came from, as its loader saw it.
+
+    up: the axis that points up, "x", "y" or "z"; None if unknown. doubts: those of the notes that put answers about the
+    mesh in doubt: files left out, a size or axes that are hardly meant.
+    """
 
     files: tuple[str, ...] = ()
     format: str = "arrays"
@@ -26,6 +31,8 @@ class Source:
     unit_source: str = "arrays are metres"
     seconds: float = 0.0
     notes: tuple[str, ...] = ()
+    up: str | None = None
+    doubts: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -83,8 +90,10 @@ class LoadReport:
             "format": self.source.format,
             "unit": self.source.unit,
             "unit_source": self.source.unit_source,
+            "up": self.source.up,
             "seconds": self.source.seconds,
             "notes": list(self.source.notes),
+            "doubts": list(self.source.doubts),
             "triangles": self.triangles,
             "vertices": self.vertices,
             "parts": self.parts,
@@ -110,6 +119,8 @@ class LoadReport:
                 lines.append(f"{defect.count:,} {kind.replace('_', ' ')} triangles, {fate}: {ids}")
         if not any(defect.count for defect in self.defects.values()):
             lines.append("no defects")
+        if self.source.up:
+            lines.append(f"{self.source.up} is up")
         lines.extend(self.source.notes)
         return "\n".join(lines)
 
@@ -121,8 +132,7 @@ class Parts(Sequence[Part]):
         """Reads the parts of `mockup`."""
         self._names = mockup.part_names
         self._paths = mockup.part_paths
-        self._triangles = mockup.part_triangles
-        self._bounds = mockup.part_bounds.reshape(-1, 2, 3)
+        self._triangles, self._bounds = mockup._part_facts
 
     def __len__(self) -> int:
         return len(self._names)
@@ -242,6 +252,11 @@ class Mockup(_core.Mockup):
         self.part_paths = list(paths)
         self.source = source or Source()
         return self
+
+    @cached_property
+    def _part_facts(self) -> tuple[npt.NDArray[Any], npt.NDArray[np.float64]]:
+        """Triangles (n,) and bounds (n, 2, 3) of the parts, kept: `parts[i]` in a loop would copy both every time."""
+        return self.part_triangles, self.part_bounds.reshape(-1, 2, 3)
 
     @property
     def parts(self) -> Parts:

@@ -45,6 +45,7 @@
 mod constants;
 mod contact_plane;
 mod containers;
+mod containment;
 mod context;
 mod contour;
 mod depth;
@@ -62,6 +63,7 @@ mod tracker;
 
 pub use constants::{FEW_DEEP, MANY_DEEP, MOST_PLANES};
 pub use contact_plane::{ContactPlane, Contacts};
+pub use containment::find::Containment;
 pub use escape::penetration::{Penetration, PenetrationKind};
 pub use footing::Footing;
 pub use solver::ContactSolver;

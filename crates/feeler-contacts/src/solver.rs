@@ -6,6 +6,8 @@ use feeler_core::scratch_pool::ScratchPool;
 use feeler_core::{Pose, Result, Scene, Tool};
 
 use crate::contact_plane::{ContactPlane, Contacts};
+use crate::containment::find::{containment, Containment};
+use crate::escape::escape_probe::is_free_and_outside;
 use crate::escape::penetration::{penetration, Penetration};
 use crate::footing::{footing, Footing};
 use crate::query::{ContactQuery, ContactScratch};
@@ -52,6 +54,19 @@ impl ContactSolver {
     /// [`contacts`](Self::contacts).
     pub fn penetration(&self, tool: &Tool, pose: &Pose, margin: f64, reference: Option<&Pose>) -> Result<Penetration> {
         penetration(&self.query(), tool, pose, margin, reference)
+    }
+
+    /// What is inside what: parts of the mock-up that hold the tool, or one of its connected surfaces, though these do not cross them,
+    /// and parts that the tool holds. Closed surfaces have an inside, each wound as its own volume and its place within others say; of
+    /// open ones it is unknown. Exact but for the rounding of a point's turn into the tool's frame (of what the tool holds) and for
+    /// cracks, where most of three rays decide.
+    pub fn containment(&self, tool: &Tool, pose: &Pose) -> Containment {
+        containment(&self.scene, tool, pose)
+    }
+
+    /// Whether no triangles meet and nothing is inside anything.
+    pub fn is_free(&self, tool: &Tool, pose: &Pose) -> bool {
+        is_free_and_outside(&self.scene, tool, pose)
     }
 
     /// The footing of a plane that [`contacts`](Self::contacts) found for this tool at this pose: one to four points of the tool, in its

@@ -311,3 +311,13 @@ pub(crate) const TEST_TO_VISIT_RATIO: f64 = 100.0;
 /// meet, per piece of the tool (no unit). Found on the samples carcass, differential and engine of 200,000 triangles; from half to
 /// twice of it the chosen size is within 6 % of the best on all (docs/voxel-size.md).
 pub(crate) const CLUSTER_SHARE: f64 = 0.04;
+
+/// Cells along a side of the grid in which triangles are looked up by rays that tell which shells hold others.
+pub(crate) const SENSE_GRID_SIDE: usize = 512;
+/// A triangle in more cells than this is looked at for every ray, so that the grid stays small.
+pub(crate) const SENSE_LARGE_CELLS: usize = 256;
+/// Rays from a shell. Most of them decide: with cracks one may slip through.
+pub(crate) const SENSE_RAYS: usize = 5;
+
+/// The cosine from which on two unit normals are one plane's: a cast with contact takes a solid's own side then.
+pub(crate) const SAME_AXIS: f64 = 0.999_9;

@@ -40,6 +40,14 @@ pub enum Error {
         /// The length needed.
         expected: usize,
     },
+    /// A part that is asked for and is not there.
+    #[error("there is no part {part}: the mock-up has {parts} (0 to {last})", last = .parts - 1)]
+    NoSuchPart {
+        /// The part asked for.
+        part: u32,
+        /// Number of parts.
+        parts: usize,
+    },
     /// A part index past the last part.
     #[error("part_of_face[{face}] is {part}, but there are {parts} parts (0 to {last})", last = .parts - 1)]
     PartOutOfRange {

@@ -70,7 +70,7 @@ mod sizing;
 #[doc(hidden)]
 pub mod tool;
 
-pub use cast::impact::Cast;
+pub use cast::impact::{Cast, Touching};
 pub use cast::path::PathCheck;
 pub use collide::batch::Batch;
 pub use collide::narrow::Filters;
@@ -84,6 +84,7 @@ pub use geometry::bounds::{Aabb, Point, Triangle};
 pub use geometry::distance_triangle_triangle::{closest_triangle_triangle, Closest};
 pub use geometry::intersect_triangle_triangle::{intersect_triangle_triangle, PairKind};
 pub use geometry::pose::Pose;
+pub use index::selection::IgnoredPairs;
 pub use index::sink::Stats;
 pub use index::store::Storage;
 pub use mesh::defects::{Defect, DefectKind, Defects};

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use feeler_lanes::Level;
 
-use crate::cast::impact::{check_tolerance, Cast};
+use crate::cast::impact::{check_tolerance, Cast, Touching};
 use crate::cast::path::PathCheck;
 use crate::cast::query::CastScratch;
 use crate::collide::batch::Batch;
@@ -17,6 +17,7 @@ use crate::distance::wanted::Goal;
 use crate::error::{Error, Result};
 use crate::geometry::pose::Pose;
 use crate::index::mockup_index::Index;
+use crate::index::selection::{IgnoredPairs, Selection};
 use crate::index::store::Storage;
 use crate::mesh::mockup::Mockup;
 use crate::progress::Progress;
@@ -53,10 +54,17 @@ impl Default for SceneOptions<'_> {
 
 /// A mock-up with its index, and the queries on it. Immutable: any number of threads may query it at once.
 ///
-/// One scene serves any number of tools. It keeps the working memory of its queries for the next ones.
-#[derive(Debug)]
+/// One scene serves any number of tools. It keeps the working memory of its queries for the next ones. A copy shares all of it,
+/// and so do the scenes [without](Self::without) some parts.
+#[derive(Debug, Clone)]
 pub struct Scene {
     index: Index,
+    pools: Arc<Pools>,
+}
+
+/// Working memory of queries.
+#[derive(Debug, Default)]
+struct Pools {
     collide: ScratchPool<CollideScratch>,
     distance: ScratchPool<DistanceScratch>,
     cast: ScratchPool<CastScratch>,
@@ -70,12 +78,74 @@ impl Scene {
     pub fn build(mockup: Arc<Mockup>, options: &SceneOptions<'_>, progress: Progress<'_>) -> Result<Scene> {
         let SceneOptions { voxel_size, storage, tool, memory_limit } = *options;
         let size = voxel_size.unwrap_or_else(|| default_voxel_size(mockup.mesh(), tool, storage, memory_limit));
-        Ok(Scene {
-            index: Index::build(mockup, storage, size, memory_limit, progress)?,
-            collide: ScratchPool::default(),
-            distance: ScratchPool::default(),
-            cast: ScratchPool::default(),
-        })
+        Ok(Scene { index: Index::build(mockup, storage, size, memory_limit, progress)?, pools: Arc::default() })
+    }
+
+    /// The scene without some parts, on the same index: each query answers as a scene built without them does, and triangles and
+    /// parts keep their numbers. Parts that are out already stay out.
+    ///
+    /// Takes a bit of memory a triangle and a bit a block, and about as long as reading the triangles' parts. Errors: a part that
+    /// the mock-up does not have.
+    ///
+    /// ```
+    /// # use feeler_core::*;
+    /// // A plate of two parts, and a spike through the first.
+    /// # let plate = vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
+    /// let mockup = Mockup::new(plate, vec![[0, 1, 2], [0, 2, 3]], vec![0, 1], 2)?;
+    /// # let scene = Scene::build(mockup.into(), &SceneOptions::default(), &|_, _| true)?;
+    /// # let spike = vec![[0.0, 0.0, 0.0], [0.1, 0.0, 0.2], [-0.1, 0.1, 0.2], [-0.1, -0.1, 0.2]];
+    /// # let tool = Tool::new(spike, vec![[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]])?;
+    /// let pose = Pose::IDENTITY.translated(&[0.3, -0.3, -0.05])?;
+    /// assert!(scene.is_colliding(&tool, &pose));
+    /// assert!(!scene.without(&[0])?.is_colliding(&tool, &pose));
+    /// assert!(scene.only(&[0])?.is_colliding(&tool, &pose));
+    /// # Ok::<(), Error>(())
+    /// ```
+    pub fn without(&self, parts: &[u32]) -> Result<Scene> {
+        let out = self.marked(parts)?;
+        Ok(self.narrowed(|part| !out[part as usize]))
+    }
+
+    /// The scene with no parts but these, as [`without`](Self::without) all others.
+    pub fn only(&self, parts: &[u32]) -> Result<Scene> {
+        let stays = self.marked(parts)?;
+        Ok(self.narrowed(|part| stays[part as usize]))
+    }
+
+    /// The scene with some pairs of a tool's and a mock-up's part that are not asked, in place of those ignored so far; with parts
+    /// of a [tool](Tool::of_parts) by number.
+    pub fn ignoring(&self, pairs: Arc<IgnoredPairs>) -> Scene {
+        self.with(self.index.selection().ignoring(Some(pairs)))
+    }
+
+    /// The scene with no pairs ignored.
+    #[doc(hidden)]
+    pub fn asking_all_pairs(&self) -> Scene {
+        self.with(self.index.selection().ignoring(None))
+    }
+
+    fn narrowed(&self, stays: impl Fn(u32) -> bool) -> Scene {
+        let store = self.index.store();
+        self.with(self.index.selection().narrowed(self.mockup(), stays, |is_there| store.children_there(is_there)))
+    }
+
+    fn with(&self, selection: Selection) -> Scene {
+        Scene { index: self.index.with_selection(selection), pools: self.pools.clone() }
+    }
+
+    /// By part, whether it is in a list.
+    fn marked(&self, list: &[u32]) -> Result<Vec<bool>> {
+        let parts = self.mockup().part_bounds().len();
+        let mut marked = vec![false; parts];
+        for &part in list {
+            *marked.get_mut(part as usize).ok_or(Error::NoSuchPart { part, parts })? = true;
+        }
+        Ok(marked)
+    }
+
+    /// Whether a part is there; false also where the mock-up has no such part.
+    pub fn has_part(&self, part: u32) -> bool {
+        (part as usize) < self.mockup().part_bounds().len() && self.index.selection().has_part(part)
     }
 
     /// The mock-up.
@@ -125,7 +195,30 @@ impl Scene {
     /// # Ok::<(), Error>(())
     /// ```
     pub fn is_colliding(&self, tool: &Tool, pose: &Pose) -> bool {
-        self.collide.with(|scratch| collide::query::any_pair(&self.index, tool, pose, scratch)).is_some()
+        self.pools.collide.with(|scratch| collide::query::any_pair(&self.index, tool, pose, scratch)).is_some()
+    }
+
+    /// Whether one body enters the other, rather than touching it: surfaces may lie on each other, slide along each other and be
+    /// seated without play. Stops at the first pair that crosses.
+    ///
+    /// Decided by the kinds of pairs; of coplanar pairs, and of triangles that touch from within, by exact sides, for which the
+    /// [adjacency](Self::memory) of both meshes is found once. Sheets have no inside: what touches them from both sides goes through.
+    /// Bodies that meet at corners of triangles of both alone are taken to touch.
+    ///
+    /// ```
+    /// # use feeler_core::*;
+    /// # let plate = vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
+    /// # let mockup = Mockup::new(plate, vec![[0, 1, 2], [0, 2, 3]], vec![], 1)?;
+    /// # let scene = Scene::build(mockup.into(), &SceneOptions::default(), &|_, _| true)?;
+    /// # let spike = vec![[0.0, 0.0, 0.0], [0.1, 0.0, 0.2], [-0.1, 0.1, 0.2], [-0.1, -0.1, 0.2]];
+    /// # let tool = Tool::new(spike, vec![[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]])?;
+    /// // The tip on the plate, and through it.
+    /// assert!(!scene.is_entering(&tool, &Pose::IDENTITY));
+    /// assert!(scene.is_entering(&tool, &Pose::IDENTITY.translated(&[0.3, -0.3, -0.05])?));
+    /// # Ok::<(), Error>(())
+    /// ```
+    pub fn is_entering(&self, tool: &Tool, pose: &Pose) -> bool {
+        self.pools.collide.with(|scratch| collide::query::entering_pair(&self.index, tool, pose, scratch)).is_some()
     }
 
     /// [`collide`](Self::collide) at many poses, in parallel on the current rayon pool.
@@ -148,7 +241,7 @@ impl Scene {
     /// # Ok::<(), Error>(())
     /// ```
     pub fn collide_batch(&self, tool: &Tool, poses: &[Pose], progress: Progress<'_>) -> Result<Batch> {
-        collide::batch::collide_batch(&self.index, &self.collide, tool, poses, progress)
+        collide::batch::collide_batch(&self.index, &self.pools.collide, tool, poses, progress)
     }
 
     /// Every pair of triangles with a distance of at most `within` (metres), sorted by distance, then tool triangle, then
@@ -215,11 +308,11 @@ impl Scene {
     /// allocating nothing.
     pub fn closest(&self, tool: &Tool, pose: &Pose, max: f64) -> Result<Option<Gap>> {
         check_distance("max", max)?;
-        Ok(self.distance.with(|scratch| distance::query::closest(&self.index, tool, pose, max, scratch)))
+        Ok(self.pools.distance.with(|scratch| distance::query::closest(&self.index, tool, pose, max, scratch)))
     }
 
     fn gaps(&self, tool: &Tool, pose: &Pose, goal: Goal, within: f64) -> Result<Vec<Gap>> {
-        self.distance.with(|scratch| distance::query::gaps(&self.index, tool, pose, goal, within, scratch))
+        self.pools.distance.with(|scratch| distance::query::gaps(&self.index, tool, pose, goal, within, scratch))
     }
 
     /// [`closest`](Self::closest) at many poses, in parallel on the current rayon pool.
@@ -230,7 +323,7 @@ impl Scene {
         max: f64,
         progress: Progress<'_>,
     ) -> Result<Vec<Option<Gap>>> {
-        distance::batch::distance_batch(&self.index, &self.distance, tool, poses, max, progress)
+        distance::batch::distance_batch(&self.index, &self.pools.distance, tool, poses, max, progress)
     }
 
     /// [`clearance`](Self::clearance) at many poses, or with `pairs` [`near_pairs`](Self::near_pairs), in parallel on the current
@@ -243,7 +336,7 @@ impl Scene {
         pairs: bool,
         progress: Progress<'_>,
     ) -> Result<GapBatch> {
-        distance::batch::clearance_batch(&self.index, &self.distance, tool, poses, within, pairs, progress)
+        distance::batch::clearance_batch(&self.index, &self.pools.distance, tool, poses, within, pairs, progress)
     }
 
     /// The first impact of the tool on its [way](crate::Motion) between two poses; `None` if the way is free.
@@ -268,8 +361,22 @@ impl Scene {
     /// # Ok::<(), Error>(())
     /// ```
     pub fn cast(&self, tool: &Tool, pose0: &Pose, pose1: &Pose, tolerance: f64) -> Result<Option<Cast>> {
+        self.cast_touching(tool, pose0, pose1, tolerance, Touching::Ends)
+    }
+
+    /// [`cast`](Self::cast) that may pass over contacts: with [`Touching::Free`] it ends where one body enters the other, and
+    /// `tolerance` is also how far the two triangles at the impact may overlap by then.
+    pub fn cast_touching(
+        &self,
+        tool: &Tool,
+        pose0: &Pose,
+        pose1: &Pose,
+        tolerance: f64,
+        touching: Touching,
+    ) -> Result<Option<Cast>> {
         check_tolerance(tolerance)?;
-        Ok(self.cast.with(|scratch| cast::query::cast(&self.index, tool, pose0, pose1, tolerance, scratch)))
+        let how = (tolerance, touching);
+        Ok(self.pools.cast.with(|scratch| cast::query::cast(&self.index, tool, pose0, pose1, how, scratch)))
     }
 
     /// [`cast`](Self::cast) from each pose of a path to the next, in parallel on the current rayon pool.
@@ -293,7 +400,19 @@ impl Scene {
     /// # Ok::<(), Error>(())
     /// ```
     pub fn check_path(&self, tool: &Tool, poses: &[Pose], tolerance: f64, progress: Progress<'_>) -> Result<PathCheck> {
-        cast::path::check_path(&self.index, &self.cast, tool, poses, tolerance, progress)
+        self.check_path_touching(tool, poses, tolerance, Touching::Ends, progress)
+    }
+
+    /// [`check_path`](Self::check_path) that may pass over contacts, as [`cast_touching`](Self::cast_touching).
+    pub fn check_path_touching(
+        &self,
+        tool: &Tool,
+        poses: &[Pose],
+        tolerance: f64,
+        touching: Touching,
+        progress: Progress<'_>,
+    ) -> Result<PathCheck> {
+        cast::path::check_path(&self.index, &self.pools.cast, tool, poses, (tolerance, touching), progress)
     }
 }
 
@@ -327,6 +446,7 @@ impl Scene {
         structures.push(("triangles", mockup.mesh().memory()));
         structures.push(("parts", mockup.parts_memory()));
         structures.extend(mockup.topology_memory().map(|bytes| ("adjacency", bytes)));
+        structures.extend(self.index.selection().memory().map(|bytes| ("selection", bytes)));
         structures
     }
 
@@ -346,6 +466,6 @@ impl Scene {
     /// As [`collide_filtered`](Self::collide_filtered), into an existing result whose memory is used again: allocates nothing once
     /// that and the working memory have grown to the need.
     pub fn collide_into(&self, tool: &Tool, pose: &Pose, filters: Filters, out: &mut Collision) {
-        self.collide.with(|scratch| collide::query::collide_into(&self.index, tool, pose, filters, scratch, out));
+        self.pools.collide.with(|scratch| collide::query::collide_into(&self.index, tool, pose, filters, scratch, out));
     }
 }

@@ -11,7 +11,7 @@ import typer
 import feeler
 from feeler.cli.app import command
 from feeler.cli.findings import mesh_facts, scene_facts
-from feeler.cli.inputs import AsJson, ToolUnit, read_mockup, read_tool
+from feeler.cli.inputs import AsJson, MockupUnit, ToolUnit, Up, read_both
 from feeler.errors import OptionError
 from feeler.progress import bar
 
@@ -37,8 +37,9 @@ def bench(
     tool: Annotated[str, typer.Option(help="A file, or sample:NAME or sample:NAME:fine.")] = "sample:wrench",
     poses: Annotated[int, typer.Option(help="Poses of each kind.")] = 200,
     kinds: Annotated[str, typer.Option(help="Which poses, split by commas: nominal, near, deep.")] = "nominal,near",
-    unit: Annotated[str | None, typer.Option(help="Unit of mock-up files that do not say it.")] = None,
+    unit: MockupUnit = None,
     tool_unit: ToolUnit = None,
+    up: Up = None,
     voxel_size: Annotated[float | None, typer.Option(help="Metres; default: predicted.")] = None,
     storage: Annotated[str, typer.Option(help="blocks, dense or hashed.")] = "blocks",
     hashing: Annotated[float, typer.Option(help="Hashing level of hashed, 0 to 0.99.")] = 0.0,
@@ -57,8 +58,7 @@ def bench(
         raise OptionError(f"--kinds is {kinds!r}: choose from {', '.join(_KINDS)}, split by commas")
     if poses < 1:
         raise OptionError(f"--poses is {poses}: give 1 or more")
-    world = read_mockup(mockup or ["sample:engine:100000"], unit)
-    probe = read_tool(tool, tool_unit)
+    world, probe = read_both(mockup or ["sample:engine:100000"], unit, tool, tool_unit, up)
     with bar("indexing") as progress:
         scene = feeler.Scene(
             world,

@@ -25,9 +25,9 @@ from feeler.cli.inputs import (
     SnapPose,
     ToolFile,
     ToolUnit,
+    Up,
     poses_of_options,
-    read_mockup,
-    read_tool,
+    read_both,
 )
 from feeler.errors import OptionError
 from feeler.progress import bar
@@ -62,6 +62,7 @@ def clearance(
     ] = None,
     unit: MockupUnit = None,
     tool_unit: ToolUnit = None,
+    up: Up = None,
     threads: Annotated[
         int | None, typer.Option(help="For the build and for several poses; default: all cores.")
     ] = None,
@@ -88,8 +89,7 @@ def clearance(
     for target, ending in ((glb, ".glb"), (csv_, ".csv")):
         if target is not None:
             _check_out(target, ending)
-    world = read_mockup(mockup, unit)
-    probe = read_tool(tool, tool_unit)
+    world, probe = read_both(mockup, unit, tool, tool_unit, up)
     with bar("indexing") as progress:
         scene = feeler.Scene(world, tool=probe, threads=threads, progress=progress)
     start = time.perf_counter()

@@ -24,9 +24,9 @@ from feeler.cli.inputs import (
     SnapPose,
     ToolFile,
     ToolUnit,
+    Up,
     poses_of_options,
-    read_mockup,
-    read_tool,
+    read_both,
 )
 from feeler.errors import OptionError
 from feeler.progress import bar
@@ -52,6 +52,7 @@ def collide(
     snap_pose: SnapPose = False,
     unit: MockupUnit = None,
     tool_unit: ToolUnit = None,
+    up: Up = None,
     voxel_size: Annotated[
         float | None,
         typer.Option(help="Metres; default: predicted. With blocks it is the piece size."),
@@ -83,8 +84,7 @@ def collide(
     for target, ending in ((glb, ".glb"), (picture, ".png")):
         if target is not None:
             _check_out(target, ending)
-    world = read_mockup(mockup, unit)
-    probe = read_tool(tool, tool_unit)
+    world, probe = read_both(mockup, unit, tool, tool_unit, up)
     with bar("indexing") as progress:
         scene = feeler.Scene(
             world,

@@ -8,7 +8,7 @@ import typer
 
 import feeler
 from feeler.cli.app import command
-from feeler.cli.inputs import AsJson, read_mockup
+from feeler.cli.inputs import AsJson, Up, read_mockup
 
 _SHOWN = 12
 
@@ -25,8 +25,12 @@ def info(
         list[str], typer.Argument(metavar="FILE", help="Mesh files or folders, each described on its own.")
     ],
     unit: Annotated[
-        str | None, typer.Option(help="Unit of the numbers in files that do not say it: mm (default), cm, m, in, ...")
+        str | None,
+        typer.Option(
+            help="Unit of the numbers, whatever the files say: mm (default where they do not), cm, m, in, ..."
+        ),
     ] = None,
+    up: Up = None,
     all_parts: Annotated[bool, typer.Option("--parts", help="List every part, not only the largest.")] = False,
     as_json: AsJson = False,
 ) -> None:
@@ -35,7 +39,7 @@ def info(
 
     reports = []
     for number, file in enumerate(files):
-        mockup = read_mockup([file], unit)
+        mockup = read_mockup([file], unit, up)
         if as_json:
             reports.append({"file": file, **mockup.report.to_dict(), "part_list": _parts(mockup)})
         else:
@@ -71,6 +75,7 @@ def _print(mockup: feeler.Mockup, file: str, all_parts: bool) -> None:
         ("vertices", f"{report.vertices:,}"),
         ("parts", f"{report.parts:,}"),
         ("unit", f"{report.source.unit} ({report.source.unit_source})"),
+        ("up", report.source.up or "not said"),
         ("extent", outputs.extent(report.lower, report.upper)),
         ("lower, m", ", ".join(f"{value:.6g}" for value in report.lower)),
         ("upper, m", ", ".join(f"{value:.6g}" for value in report.upper)),

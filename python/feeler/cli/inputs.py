@@ -12,6 +12,7 @@ import numpy.typing as npt
 import typer
 
 import feeler
+from feeler.cli.outputs import warn
 from feeler.errors import MissingFileError, OptionError, PoseError
 from feeler.progress import bar
 
@@ -38,11 +39,18 @@ Rotate = Annotated[
     typer.Option(metavar="RX,RY,RZ", help="Degrees about the mock-up's x, then y, then z axis (fixed axes)."),
 ]
 MockupUnit = Annotated[
-    str | None, typer.Option(help="Unit of mock-up files that do not say it: mm (default), cm, m, in, ...")
+    str | None,
+    typer.Option(
+        help="Unit of the mock-up's numbers, whatever its files say: mm (default where they do not), cm, m, in, ..."
+    ),
 ]
 ToolUnit = Annotated[str | None, typer.Option(help="Unit of the tool's file, likewise.")]
 SnapPose = Annotated[
     bool, typer.Option("--snap-pose", help="Take the nearest rigid pose, where rounding made a pose not quite rigid.")
+]
+Up = Annotated[
+    str | None,
+    typer.Option(metavar="x|y|z", help="Turn files that are known to have another axis up, so that this one is."),
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="One JSON document on stdout.")]
 
@@ -50,7 +58,22 @@ _SAMPLE = "sample:"
 _DEFAULT_TRIANGLES = 100_000
 
 
-def read_mockup(sources: list[str], unit: str | None = None) -> feeler.Mockup:
+def read_both(
+    mockup: list[str], unit: str | None, tool: str, tool_unit: str | None, up: str | None
+) -> tuple[feeler.Mockup, feeler.Tool]:
+    """Mock-up and tool. What makes an answer about them doubtful goes to stderr, a line each."""
+    world, probe = read_mockup(mockup, unit, up), read_tool(tool, tool_unit, up)
+    doubts = [f"mock-up: {doubt}" for doubt in world.source.doubts]
+    doubts += [f"tool: {doubt}" for doubt in probe.source.doubts]
+    ours, theirs = world.source.up, probe.source.up
+    if ours and theirs and ours != theirs:
+        doubts.append(f"the mock-up has {ours} up and the tool {theirs}; if both should stand alike, pass --up z")
+    for doubt in doubts:
+        warn(doubt)
+    return world, probe
+
+
+def read_mockup(sources: list[str], unit: str | None = None, up: str | None = None) -> feeler.Mockup:
     """A mock-up from files or folders (several are one mock-up), or from `sample:NAME[:TRIANGLES[:SEED]]`."""
     if any(source.startswith(_SAMPLE) for source in sources):
         if len(sources) > 1:
@@ -60,10 +83,10 @@ def read_mockup(sources: list[str], unit: str | None = None) -> feeler.Mockup:
         with bar(f"making {name}") as progress:
             return feeler.sample(name, count, seed=arrangement, progress=progress)
     with bar("loading mock-up") as progress:
-        return feeler.load_mockup(sources if len(sources) > 1 else sources[0], unit, progress=progress)
+        return feeler.load_mockup(sources if len(sources) > 1 else sources[0], unit, up=up, progress=progress)
 
 
-def read_tool(source: str, unit: str | None = None) -> feeler.Tool:
+def read_tool(source: str, unit: str | None = None, up: str | None = None) -> feeler.Tool:
     """A tool from a file, or from `sample:NAME` or `sample:NAME:fine`."""
     if source.startswith(_SAMPLE):
         name, fine = _sample_words(source, ("", ""))
@@ -71,7 +94,7 @@ def read_tool(source: str, unit: str | None = None) -> feeler.Tool:
             raise OptionError(f"{source}: expected sample:NAME or sample:NAME:fine")
         return feeler.sample_tool(name, fine=fine == "fine")
     with bar("loading tool") as progress:
-        return feeler.load_tool(source, unit, progress=progress)
+        return feeler.load_tool(source, unit, up=up, progress=progress)
 
 
 def poses_of_options(pose: Path | None, at: str | None, rotate: str | None, snap: bool = False) -> Poses:

@@ -64,6 +64,11 @@ def say(out: Console, text: str) -> None:
     out.print(text, soft_wrap=True, markup=False, highlight=False)
 
 
+def warn(message: str) -> None:
+    """One line to stderr, for what does not end the program."""
+    print(f"feeler: warning: {' '.join(message.split())}", file=sys.stderr)
+
+
 def length(metres: float) -> str:
     """Metres in the unit that reads best."""
     if not np.isfinite(metres):

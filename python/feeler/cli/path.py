@@ -21,9 +21,9 @@ from feeler.cli.inputs import (
     SnapPose,
     ToolFile,
     ToolUnit,
-    read_mockup,
+    Up,
+    read_both,
     read_poses,
-    read_tool,
 )
 from feeler.errors import OptionError
 from feeler.progress import bar
@@ -55,6 +55,7 @@ def path(
     snap_pose: SnapPose = False,
     unit: MockupUnit = None,
     tool_unit: ToolUnit = None,
+    up: Up = None,
     storage: Annotated[str, typer.Option(help="blocks, dense or hashed.")] = "blocks",
     threads: Annotated[int | None, typer.Option(help="Default: all cores.")] = None,
     csv: Annotated[Path | None, typer.Option(help="Write a line per segment that is hit (CSV).")] = None,
@@ -80,8 +81,7 @@ def path(
                 raise OptionError(f"{target}: the name must end in {ending}")
             check_target(target)
     way = read_poses(poses, snap_pose)
-    world = read_mockup(mockup, unit)
-    probe = read_tool(tool, tool_unit)
+    world, probe = read_both(mockup, unit, tool, tool_unit, up)
     with bar("indexing") as progress:
         scene = feeler.Scene(world, storage=storage, tool=probe, threads=threads, progress=progress)
     start = time.perf_counter()

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from feeler.errors import LoadError, MissingFileError, OptionError
 from feeler.io.sniff import COMPANIONS, EXTENSIONS, known_formats
@@ -17,11 +17,20 @@ PathLike: TypeAlias = "str | os.PathLike[str]"
 _NAMES_SHOWN = 5
 
 
+class Found(NamedTuple):
+    """A file to read."""
+
+    path: Path
+    label: str  # heads the paths of its parts
+    shown: str  # its name in notes
+    is_named: bool  # by the caller, and not found in a folder
+
+
 @dataclass
 class FileList:
-    """The files of one load, each with the label that heads the paths of its parts."""
+    """The files of one load."""
 
-    files: list[tuple[Path, str]] = field(default_factory=list)
+    files: list[Found] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
 
 
@@ -48,7 +57,7 @@ def collect(paths: PathLike | Iterable[PathLike]) -> FileList:
         if is_folder:
             _add_folder(path, found)
         else:
-            found.files.append((path, path.stem or path.name))
+            found.files.append(Found(path, path.stem or path.name, path.name, True))
     return found
 
 
@@ -79,7 +88,8 @@ def _add_folder(folder: Path, found: FileList) -> None:
     if not meshes:
         raise MissingFileError(f"{folder}: the folder holds no mesh file ({known_formats()})")
     for path in sorted(meshes):
-        found.files.append((path, path.relative_to(folder).with_suffix("").as_posix()))
+        below = path.relative_to(folder)
+        found.files.append(Found(path, below.with_suffix("").as_posix(), below.as_posix(), False))
 
 
 def _raise(error: OSError) -> None:

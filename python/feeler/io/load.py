@@ -5,46 +5,34 @@ from __future__ import annotations
 import contextlib
 import math
 import time
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
-from pathlib import Path
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from feeler.errors import FeelerError, LoadError, MeshError, OptionError
-from feeler.io.collada import read_collada
-from feeler.io.files import PathLike, collect
-from feeler.io.gltf import read_gltf, shift_indices
-from feeler.io.limits import check_memory, check_mesh
-from feeler.io.obj import read_obj
-from feeler.io.off import read_off
-from feeler.io.ply import read_ply
-from feeler.io.raw import PathBook, Progress, RawMesh, portion, weld
+from feeler.errors import FeelerError, LimitError, LoadError, MeshError, OptionError
+from feeler.io import axes
+from feeler.io.files import Found, PathLike, collect
+from feeler.io.gltf import shift_indices
+from feeler.io.limits import check_mesh
+from feeler.io.plausible import LONGEST_M, size_note
+from feeler.io.raw import Axis, PathBook, Progress, RawMesh, portion
+from feeler.io.readers import Watched, read
 from feeler.io.sniff import identify
-from feeler.io.step import read_step
-from feeler.io.stl import read_stl
-from feeler.io.threemf import read_3mf
 from feeler.io.units import Unit, parse_unit
 from feeler.mockup import Mockup, Source, Tool
 
 DEFAULT_UNIT = "mm"
 """What a number means in a file that does not say (STL, OBJ, PLY, OFF) when no `unit=` is given."""
 
-_READERS: dict[str, Callable[[Path, Progress], RawMesh]] = {
-    "STL": read_stl,
-    "OBJ": read_obj,
-    "PLY": read_ply,
-    "OFF": read_off,
-    "glTF": read_gltf,
-    "3MF": read_3mf,
-    "COLLADA": read_collada,
-}
+_FAILURES_SHOWN = 20
 
 
 def load_mockup(
     path: PathLike | Iterable[PathLike],
     unit: str | None = None,
     *,
+    up: str | None = None,
     chord_tolerance: float | None = None,
     progress: Progress = None,
 ) -> Mockup:
@@ -54,25 +42,30 @@ def load_mockup(
                      and GLB, 3MF, STEP, and COLLADA with an extra package. Each file heads the paths of its parts:
                      `file/assembly/part`; a second part of the same path gets `#2`.
     unit             what a number in the files means: "mm", "m", "in" ... By default the unit the file states (glTF,
-                     3MF, STEP, COLLADA), else the millimetre. If given, it counts more than the file's own.
+                     3MF, STEP, COLLADA), else the millimetre. If given, it counts more than the file's own, the metre
+                     of glTF included.
+    up               "x", "y" or "z": turn each file that is known to have another axis up (glTF has y up, STEP and 3MF
+                     z, COLLADA says it) so that this one is; `(x, y, z)` with y up becomes `(x, -z, y)` with z up.
+                     Files of the other formats stay as they are. By default nothing is turned.
     chord_tolerance  metres, only for STEP: how far a triangle may be from its surface; default 0.0001.
     progress         called with (fraction 0..1, stage).
 
     Nothing is dropped: triangles that cannot be queried stay and are counted in the report, what is no triangle
     (points, lines) is counted in its notes. A coordinate is the file's number as float64 times the unit's metres
-    (`x * 0.001`).
+    (`x * 0.001`). A file of a folder that cannot be read is left out, with a note that says why; a file that is named
+    raises.
 
     Raises `MissingFileError`, `LoadError` (what, where, what to do), `OptionError` for the options, `LimitError` for
     what does not fit in memory, `MeshError` if no triangle can be queried.
     """
     started = time.perf_counter()
-    loaded = _load(path, unit, chord_tolerance, portion(progress, 0.0, 0.8))
+    loaded = _load(path, unit, up, chord_tolerance, portion(progress, 0.0, 0.8))
     raw = loaded.raw
     if progress:
         progress(0.8, "checking triangles")
     with loaded.named_in_errors():
         mockup = Mockup(raw.vertices, raw.faces, raw.part_of_face, raw.part_names, part_paths=raw.part_paths)
-    mockup.source = loaded.source(time.perf_counter() - started)
+    mockup.source = loaded.source(time.perf_counter() - started, mockup)
     if progress:
         progress(1.0, "loaded")
     return mockup
@@ -83,6 +76,7 @@ def load_tool(
     unit: str | None = None,
     *,
     name: str | None = None,
+    up: str | None = None,
     chord_tolerance: float | None = None,
     progress: Progress = None,
 ) -> Tool:
@@ -91,16 +85,28 @@ def load_tool(
     Options and errors are those of `load_mockup`.
     """
     started = time.perf_counter()
-    loaded = _load(path, unit, chord_tolerance, portion(progress, 0.0, 0.8))
+    loaded = _load(path, unit, up, chord_tolerance, portion(progress, 0.0, 0.8))
     if progress:
         progress(0.8, "checking triangles")
-    label = name if name is not None else Path(loaded.files[0]).stem
+    label = name if name is not None else loaded.pieces[0].file.path.stem
     with loaded.named_in_errors():
         tool = Tool(loaded.raw.vertices, loaded.raw.faces, label)
-    tool.source = loaded.source(time.perf_counter() - started)
+    tool.source = loaded.source(time.perf_counter() - started, tool)
     if progress:
         progress(1.0, "loaded")
     return tool
+
+
+@dataclass
+class _Piece:
+    """What the report tells of one file that was read."""
+
+    file: Found
+    format: str
+    up: Axis | None
+    unit: Unit
+    unit_source: str
+    triangles: slice  # in the joined mesh
 
 
 @dataclass
@@ -108,14 +114,40 @@ class _Loaded:
     """Files read, scaled to metres and joined."""
 
     raw: RawMesh
-    files: list[str]
-    format: str
-    unit: str
-    unit_source: str
+    pieces: list[_Piece]
+    up: Axis | None
+    notes: list[str] = field(default_factory=list)
+    doubts: list[str] = field(default_factory=list)
 
-    def source(self, seconds: float) -> Source:
-        """Return what the load report tells about the files."""
-        return Source(tuple(self.files), self.format, self.unit, self.unit_source, seconds, tuple(self.raw.notes))
+    def source(self, seconds: float, mesh: Mockup | Tool) -> Source:
+        """Return what the load report tells about the files. `mesh` is what was made of them."""
+        doubts = list(self.doubts)
+        lower, upper = mesh.bounds
+        if note := size_note(float(np.max(upper - lower)), [piece.unit for piece in self.pieces]):
+            doubts.append(note + self._culprits(mesh, float(np.max(upper - lower))))
+        return Source(
+            tuple(str(piece.file.path) for piece in self.pieces),
+            ", ".join(dict.fromkeys(piece.format for piece in self.pieces)),
+            ", ".join(dict.fromkeys(piece.unit.name for piece in self.pieces)),
+            "; ".join(dict.fromkeys(piece.unit_source for piece in self.pieces)),
+            seconds,
+            (*doubts, *self.notes),
+            self.up,
+            tuple(doubts),
+        )
+
+    def _culprits(self, mesh: Mockup | Tool, length: float) -> str:
+        """Return which files are too long by themselves, where there are several."""
+        if length <= LONGEST_M or len(self.pieces) == 1:
+            return ""
+        long = []
+        for piece in self.pieces:
+            used = np.unique(mesh.faces[piece.triangles])
+            points = mesh.vertices[used[used < len(mesh.vertices)]]
+            points = points[np.isfinite(points).all(axis=1)]
+            if len(points) and np.ptp(points, axis=0).max() > LONGEST_M:
+                long.append(piece.file.shown)
+        return f" (by themselves too long: {axes.listed(long)})" if long else " (no file is too long by itself)"
 
     @contextlib.contextmanager
     def named_in_errors(self) -> Iterator[None]:
@@ -123,62 +155,112 @@ class _Loaded:
         try:
             yield
         except MeshError as error:
-            more = f" and {len(self.files) - 1} more files" if len(self.files) > 1 else ""
-            raise MeshError(f"{self.files[0]}{more}: {error}") from error
+            more = f" and {len(self.pieces) - 1} more files" if len(self.pieces) > 1 else ""
+            raise MeshError(f"{self.pieces[0].file.path}{more}: {error}") from error
+
+
+class _Notes:
+    """What the readers say, each thing once, with the files that it is about."""
+
+    def __init__(self, several: bool) -> None:
+        self.several = several
+        self._said_by: dict[str, list[str]] = {}
+        self.failures: list[tuple[str, FeelerError]] = []
+
+    def add(self, file: Found, said: list[str]) -> None:
+        for note in said:
+            self._said_by.setdefault(note, []).append(file.shown)
+
+    def left_out(self) -> list[str]:
+        """Return which files could not be read, and why."""
+        lines = [f"left out, as it cannot be read: {error}" for _, error in self.failures[:_FAILURES_SHOWN]]
+        if len(self.failures) > _FAILURES_SHOWN:
+            lines.append(f"{len(self.failures) - _FAILURES_SHOWN:,} more files cannot be read and were left out")
+        return lines
+
+    def said(self) -> list[str]:
+        """Return the notes of the readers."""
+        return [_signed(note, names, self.several) for note, names in self._said_by.items()]
 
 
 def _load(
-    paths: PathLike | Iterable[PathLike], unit: str | None, chord_tolerance: float | None, progress: Progress
+    paths: PathLike | Iterable[PathLike],
+    unit: str | None,
+    up: str | None,
+    chord_tolerance: float | None,
+    progress: Progress,
 ) -> _Loaded:
     given = None if unit is None else parse_unit(unit)
+    wanted = axes.parse_axis(up)
     _check_tolerance(chord_tolerance)
     found = collect(paths)
-    sniffed = [(path, label, *identify(path)) for path, label in found.files]
-    sizes = np.cumsum([0, *(path.stat().st_size for path, *_ in sniffed)])
-    sizes = sizes / sizes[-1]  # share of the bytes before each file
-    notes = list(found.notes)
-    pieces: list[RawMesh] = []
-    units: list[tuple[str, str]] = []
-    formats: list[str] = []
-    files: list[str] = []
-    said_by: dict[str, list[str]] = {}
-    labels = PathBook()
-    for number, (path, label, format_name, told) in enumerate(sniffed):
-        share = portion(progress, float(sizes[number]), float(sizes[number + 1]))
-        raw = _read(path, format_name, chord_tolerance, given, share)
-        notes += told
-        for note in raw.notes:
-            said_by.setdefault(note, []).append(path.name)
-        if not len(raw.faces):
-            if len(sniffed) == 1:
-                raise LoadError(f"{path}: the {format_name} file holds no triangle; export it again with surfaces")
-            notes.append(f"{path.name}: the file holds no triangle and adds nothing")
-            continue
-        units.append(_scale(raw, given, format_name))
-        top = labels.claim_path(label)
-        raw.part_paths = [f"{top}/{below}" if below else top for below in raw.part_paths]
-        pieces.append(raw)
-        formats.append(format_name)
-        files.append(str(path))
-    notes += [_signed(note, names, len(sniffed)) for note, names in said_by.items()]
+    said = _Notes(len(found.files) > 1)
+    told: list[str] = []
+    sniffed: list[tuple[Found, str, int]] = []
+    for file in found.files:
+        with _left_out_if_it_fails(file, said, None):
+            format_name, notes = identify(file.path)
+            told += notes
+            sniffed.append((file, format_name, file.path.stat().st_size))
+    ends = np.cumsum([size for *_, size in sniffed]) / max(sum(size for *_, size in sniffed), 1)  # share of the bytes
+    pieces: list[_Piece] = []
+    meshes: list[RawMesh] = []
+    triangles, labels = 0, PathBook()
+    for number, (file, format_name, _) in enumerate(sniffed):
+        watched = Watched(portion(progress, float(ends[number - 1]) if number else 0.0, float(ends[number])))
+        with _left_out_if_it_fails(file, said, watched):
+            raw = read(file.path, format_name, chord_tolerance, given, watched)
+            if not len(raw.faces):
+                points = f" (but {len(raw.vertices):,} points)" if len(raw.vertices) else ""
+                said.add(file, [f"the {format_name} file holds no triangle{points}"])
+            said.add(file, raw.notes)
+            if not len(raw.faces):
+                continue
+            scale, source = _scale(raw, given, format_name)
+            axes.align(raw, wanted)
+            top = labels.claim_path(file.label)
+            raw.part_paths = [f"{top}/{below}" if below else top for below in raw.part_paths]
+            here = slice(triangles, triangles + len(raw.faces))
+            pieces.append(_Piece(file, format_name, raw.up, scale, source, here))
+            meshes.append(raw)
+            triangles = here.stop
     if not pieces:
-        raise LoadError(f"{sniffed[0][0]} and {len(sniffed) - 1} more files: none holds a triangle; export them again")
-    if chord_tolerance is not None and "STEP" not in formats:
+        raise _no_triangle(found.files, said)
+    ups = [(piece.file.shown, piece.up) for piece in pieces]
+    clash, turned = axes.describe(ups, wanted)
+    notes = [*found.notes, *told, *said.said(), *turned]
+    if chord_tolerance is not None and all(piece.format != "STEP" for piece in pieces):
         notes.append("chord_tolerance is for STEP, and no file was STEP: it had no effect")
-    joined = _join(pieces)
-    joined.notes = notes
-    return _Loaded(
-        joined,
-        files,
-        ", ".join(dict.fromkeys(formats)),
-        ", ".join(dict.fromkeys(name for name, _ in units)),
-        "; ".join(dict.fromkeys(source for _, source in units)),
-    )
+    common = axes.common_axis(ups, wanted)
+    return _Loaded(_join(meshes), pieces, common, notes, [*said.left_out(), *clash])
 
 
-def _signed(note: str, names: list[str], file_count: int) -> str:
+@contextlib.contextmanager
+def _left_out_if_it_fails(file: Found, said: _Notes, watched: Watched | None) -> Iterator[None]:
+    """Take the error of a file that lies in a folder into the notes. That of a file that was named is the caller's."""
+    try:
+        yield
+    except (LoadError, LimitError) as error:
+        if file.is_named or (watched and watched.raised is not None):
+            raise
+        said.failures.append((file.shown, error))
+
+
+def _no_triangle(files: list[Found], said: _Notes) -> LoadError:
+    """Return the error for a load that gave no triangle, with all that was said."""
+    if len(files) == 1 and said.failures:
+        error = said.failures[0][1]
+        return error if isinstance(error, LoadError) else LoadError(str(error))
+    lines = said.left_out() + said.said()
+    shown = "; ".join(lines[:_FAILURES_SHOWN]) + ("; ..." if len(lines) > _FAILURES_SHOWN else "")
+    if len(files) == 1:
+        return LoadError(f"{files[0].path}: {shown}; export it again with surfaces")
+    return LoadError(f"{files[0].path} and {len(files) - 1} more files: none holds a triangle: {shown}")
+
+
+def _signed(note: str, names: list[str], several: bool) -> str:
     """Return a note with the files it is about, where there is more than one file."""
-    if file_count == 1:
+    if not several:
         return note
     return f"{names[0]}: {note}" if len(names) == 1 else f"{len(names)} files, {names[0]} first: {note}"
 
@@ -192,59 +274,7 @@ def _check_tolerance(chord_tolerance: float | None) -> None:
         raise OptionError(f"chord_tolerance={chord_tolerance!r} should be a positive number of metres, such as 0.0001")
 
 
-def _read(
-    path: Path, format_name: str, chord_tolerance: float | None, given: Unit | None, progress: Progress
-) -> RawMesh:
-    """Read one file. Whatever goes wrong in a reader or library leaves here as a `FeelerError`, with its cause."""
-    watched = _Watched(progress)
-    progress = watched if progress else None
-    try:
-        check_memory(2 * path.stat().st_size, str(path))
-        if format_name == "STEP":
-            tolerance = None if chord_tolerance is None else float(chord_tolerance)
-            return read_step(path, progress, chord_tolerance=tolerance, given=given)
-        raw = _READERS[format_name](path, progress)
-    except FeelerError:
-        raise
-    except Exception as error:
-        if error is watched.raised:
-            raise  # the caller's own, to stop the load
-        raise _as_load_error(path, format_name, error) from error
-    if len(raw.vertices) > len(raw.faces) and format_name != "STL":
-        # A closed mesh has about half as many vertices as triangles; here every triangle has its own (STL is welded).
-        raw.vertices, raw.faces = weld(raw.vertices, raw.faces)
-    return raw
-
-
-def _as_load_error(path: Path, format_name: str, error: Exception) -> LoadError:
-    """Return what to tell of an error that a reader or library did not foresee."""
-    if isinstance(error, OSError):
-        return LoadError(f"{path}: cannot be read ({error.strerror or error}); check the file and its permissions")
-    if isinstance(error, MemoryError):
-        return LoadError(f"{path}: there is not enough memory to read this file; load fewer or coarser files")
-    what = f"{type(error).__name__}: {error}"[:200]
-    return LoadError(
-        f"{path}: this {format_name} file is damaged in a way that was not foreseen ({what}); export it again"
-    )
-
-
-class _Watched:
-    """A progress callable that remembers what the caller's raised, so that it is not taken for a damaged file."""
-
-    def __init__(self, progress: Progress) -> None:
-        self._progress = progress
-        self.raised: Exception | None = None
-
-    def __call__(self, fraction: float, stage: str) -> None:
-        try:
-            if self._progress:
-                self._progress(fraction, stage)
-        except Exception as error:
-            self.raised = error
-            raise
-
-
-def _scale(raw: RawMesh, given: Unit | None, format_name: str) -> tuple[str, str]:
+def _scale(raw: RawMesh, given: Unit | None, format_name: str) -> tuple[Unit, str]:
     """Bring the vertices to metres, in place; return (unit, where it came from)."""
     stated = raw.unit
     if given is not None:
@@ -264,7 +294,7 @@ def _scale(raw: RawMesh, given: Unit | None, format_name: str) -> tuple[str, str
     if factor != 1.0:
         with np.errstate(all="ignore"):  # what leaves the range of float64 is counted by the mock-up
             raw.vertices = np.multiply(raw.vertices, factor, out=raw.vertices if raw.vertices.flags.writeable else None)
-    return unit.name, source
+    return unit, source
 
 
 def _join(pieces: list[RawMesh]) -> RawMesh:

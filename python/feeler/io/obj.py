@@ -1,7 +1,13 @@
-"""OBJ (Wavefront), text. Every object (`o`) and group (`g`) is a part; materials, normals and textures are not used."""
+"""OBJ (Wavefront), text. Every object (`o`) and group (`g`) is a part; materials, normals and textures are not used.
+
+A name runs to the end of its line, blanks and `#` included: exporters number instances as `Bolt #1`, and names cut at
+the `#` would merge parts. Everywhere else a `#` begins a comment.
+"""
 
 from __future__ import annotations
 
+import re
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -10,9 +16,32 @@ from numpy.typing import NDArray
 from feeler.io import polygons
 from feeler.io.limits import check_mesh
 from feeler.io.raw import PathBook, Progress, RawMesh, clean_name, seal_indices
-from feeler.io.text import Chunk, chunks_of
+from feeler.io.text import Chunk, chunks_of, decoded
 
-_SKIPPED = {ord("p"): "points", ord("l"): "lines"}
+# What has a shape and is no triangle, by keyword.
+_SHAPES = {
+    b"p": "points",
+    b"l": "lines",
+    b"curv": "free-form curves (curv)",
+    b"curv2": "free-form curves on a surface (curv2)",
+    b"surf": "free-form surfaces (surf)",
+    **{word: f"free-form shapes of old ({word.decode()})" for word in (b"bsp", b"bzp", b"cdc", b"cdp", b"res")},
+    b"call": "calls of other files (call)",
+    b"csh": "commands of a shell (csh)",
+}  # fmt: skip
+# What belongs to free-form curves and surfaces, and is nothing without them.
+_OF_SHAPES = (
+    b"vp", b"cstype", b"deg", b"bmat", b"step", b"parm", b"trim", b"hole", b"scrv", b"sp", b"end", b"con", b"ctech",
+    b"stech",
+)  # fmt: skip
+# What is read, and looks: they neither make nor move a vertex. Words are cut at twelve letters.
+_KNOWN = (
+    b"v", b"vt", b"vn", b"f", b"fo", b"o", b"g", b"s", b"mg", b"usemtl", b"mtllib", b"usemap", b"maplib", b"bevel",
+    b"c_interp", b"d_interp", b"lod", b"shadow_obj", b"trace_obj",
+)  # fmt: skip
+_STRANGE_SHOWN = 5
+_CONTINUED = re.compile(rb"\\[ \t]*\n")
+_NAMING = re.compile(rb"\s*(?:[og]|usemtl|mtllib|usemap|maplib|shadow_obj|trace_obj)\s", re.IGNORECASE)
 
 
 class _Reader:
@@ -25,36 +54,47 @@ class _Reader:
         self.lines: list[NDArray[np.int64]] = []
         self.parts: list[NDArray[np.int64]] = []
         self.vertex_count = 0
+        self.weighted = 0  # vertices with a weight w other than 1
         self.object = self.group = ""
         self.part_of: dict[tuple[str, str], int] = {}
-        self.skipped: dict[str, int] = {}
+        self.skipped: Counter[bytes] = Counter()
+        self.first_strange = 0
 
     def take(self, chunk: Chunk) -> None:
         """Read one chunk."""
         rows = np.flatnonzero(chunk.tokens_in_line)
         first = chunk.first_token[rows]
-        word = np.where(chunk.length(first) == 1, chunk.letter(first), 0)
-        self._take_names_and_faces(chunk, rows, word)
+        length, letter = chunk.length(first), chunk.letter(first)
+        word = np.where(length == 1, letter, 0)
+        word[(length == 2) & (letter == ord("f")) & (chunk.letter(first, 1) == ord("o"))] = ord("f")
+        self._take_faces(chunk, rows, word)
         self._take_vertices(chunk, rows[word == ord("v")])
-        for letter, what in _SKIPPED.items():
-            if count := int((word == letter).sum()):
-                self.skipped[what] = self.skipped.get(what, 0) + count
-        curves = (
-            (chunk.length(first) == 4) & (chunk.letter(first, 1) == ord("u")) & (chunk.letter(first, 3) != ord("p"))
-        )
-        for row in rows[curves].tolist():
-            keyword = chunk.line_text(row).split()[0]
-            if keyword.lower() in ("curv", "surf"):
-                self.skipped["free-form curves and surfaces"] = self.skipped.get("free-form curves and surfaces", 0) + 1
+        plain = np.isin(word, np.frombuffer(b"vfog", dtype=np.uint8))
+        plain |= (length == 2) & (letter == ord("v")) & np.isin(chunk.letter(first, 1), np.frombuffer(b"nt", np.uint8))
+        self._count_others(chunk, rows[~plain])
+
+    def _count_others(self, chunk: Chunk, rows: NDArray[np.int64]) -> None:
+        words, where, counts = np.unique(chunk.words(chunk.first_token[rows]), return_index=True, return_counts=True)
+        strange = []
+        for word, at, count in zip(words.tolist(), where.tolist(), counts.tolist(), strict=True):
+            if word in _KNOWN:
+                continue
+            self.skipped[word] += count
+            if word not in _SHAPES and word not in _OF_SHAPES:
+                strange.append(chunk.first_line + int(rows[at]))
+        if strange and not self.first_strange:
+            self.first_strange = min(strange)
 
     def _take_vertices(self, chunk: Chunk, rows: NDArray[np.int64]) -> None:
-        short = chunk.tokens_in_line[rows] < 4
-        if short.any():
-            raise chunk.fail(int(rows[np.argmax(short)]), "a vertex needs three numbers; export the file again")
+        tokens = chunk.tokens_in_line[rows]
+        if (tokens < 4).any():
+            raise chunk.fail(int(rows[np.argmax(tokens < 4)]), "a vertex needs three numbers; export the file again")
         self.vertices.append(chunk.floats(chunk.line_tokens(rows, 1, 3)).reshape(-1, 3))
         self.vertex_count += len(rows)
+        # Four numbers are x y z w, six and more x y z and a colour.
+        self.weighted += int((chunk.floats(chunk.line_tokens(rows[tokens == 5], 4, 1)) != 1.0).sum())
 
-    def _take_names_and_faces(self, chunk: Chunk, rows: NDArray[np.int64], word: NDArray[np.int64]) -> None:
+    def _take_faces(self, chunk: Chunk, rows: NDArray[np.int64], word: NDArray[np.int64]) -> None:
         faces = rows[word == ord("f")]
         sizes = chunk.tokens_in_line[faces] - 1
         index = chunk.integers(chunk.line_tokens(faces, 1, sizes), until_slash=True)
@@ -70,35 +110,60 @@ class _Reader:
         self.corners.append(index)
         self.sizes.append(sizes)
         self.lines.append(chunk.first_line + faces)
-        part = np.empty(len(faces), dtype=np.int64)
-        done = 0
-        for row in rows[(word == ord("o")) | (word == ord("g"))].tolist():
-            upto = int(np.searchsorted(faces, row))
-            if upto > done:
-                part[done:upto] = self._part()
-                done = upto
-            name = chunk.line_text(row, skip_tokens=1)
-            if chunk.line_text(row)[:1].lower() == "o":
-                self.object, self.group = name, ""
-            else:
-                self.group = name
-        if done < len(faces):
-            part[done:] = self._part()
-        self.parts.append(part)
+        self.parts.append(self._parts_of(chunk, faces, rows, word))
 
-    def _part(self) -> int:
-        return self.part_of.setdefault((self.object, self.group), len(self.part_of))
+    def _parts_of(
+        self, chunk: Chunk, faces: NDArray[np.int64], rows: NDArray[np.int64], word: NDArray[np.int64]
+    ) -> NDArray[np.int64]:
+        """Return the part of each face, from the names between them."""
+        naming = (word == ord("o")) | (word == ord("g"))
+        upto = np.searchsorted(faces, rows[naming])
+        runs = np.diff(upto, prepend=0, append=len(faces)).tolist()  # faces in front of each name, and behind the last
+        part = np.empty(len(runs), dtype=np.int64)
+        names = zip(rows[naming].tolist(), (word[naming] == ord("o")).tolist(), strict=True)
+        for at, count in enumerate(runs):
+            # A part begins to exist with its first face.
+            part[at] = self.part_of.setdefault((self.object, self.group), len(self.part_of)) if count else 0
+            if at < len(runs) - 1:
+                row, is_object = next(names)
+                name = chunk.line_text(row, skip_tokens=1)
+                self.object, self.group = (name, "") if is_object else (self.object, name)
+        return np.repeat(part, runs)
+
+    def notes(self) -> list[str]:
+        """Return what was met and is in no triangle."""
+        notes = [
+            f"{self.skipped[word]:,} {what} were skipped: only triangles collide"
+            for word, what in _SHAPES.items()
+            if word in self.skipped
+        ]
+        if of_shapes := [f"{word.decode()} ({self.skipped[word]:,})" for word in _OF_SHAPES if word in self.skipped]:
+            notes.append("lines that describe free-form curves and surfaces were skipped: " + ", ".join(of_shapes))
+        strange = {w: n for w, n in self.skipped.items() if w not in _SHAPES and w not in _OF_SHAPES}
+        if strange:
+            shown = [
+                f"{clean_name(w.decode('latin-1'), '?')!r} ({n:,})" for w, n in list(strange.items())[:_STRANGE_SHOWN]
+            ]
+            notes.append(
+                f"{sum(strange.values()):,} lines with keywords that are not OBJ were ignored, the first is line "
+                f"{self.first_strange:,}: " + ", ".join(shown) + (", ..." if len(strange) > _STRANGE_SHOWN else "")
+            )
+        if self.weighted:
+            notes.append(
+                f"{self.weighted:,} vertices have a weight w other than 1, which counts for free-form curves only: "
+                "their x, y, z were taken as they are"
+            )
+        return notes
 
 
 def read_obj(path: Path, progress: Progress = None) -> RawMesh:
     """Read an OBJ file. A part is one pair of object and group; its path is `object/group`."""
     reader = _Reader()
-    data = path.read_bytes()
+    data, continued = _joined(decoded(path.read_bytes()))
     notes = []
-    if b"\\\n" in data or b"\\\r\n" in data:
-        data = data.replace(b"\\\r\n", b"   ").replace(b"\\\n", b"  ")
+    if continued:
         notes.append("lines continued with a backslash were joined: line numbers count joined lines once")
-    for done, chunk in chunks_of(data, path, comments=True):
+    for done, chunk in chunks_of(data, path, comments=True, names=b"og"):
         if progress:
             progress(0.9 * done, f"reading {path.name}")
         reader.take(chunk)
@@ -114,12 +179,29 @@ def read_obj(path: Path, progress: Progress = None) -> RawMesh:
         notes.append(
             f"{result.thin:,} faces with fewer than three corners hold no triangle, the first is line {line:,}"
         )
-    notes += [f"{count:,} {what} were skipped: only triangles collide" for what, count in reader.skipped.items()]
+    notes += reader.notes()
     parts = np.concatenate(reader.parts or none)[result.polygon]
     used, part_of_face = np.unique(parts, return_inverse=True)
-    names, paths = _names([list(reader.part_of)[part] for part in used.tolist()], path)
+    pairs = list(reader.part_of)
+    names, paths = _names([pairs[part] for part in used.tolist()], path)
     faces = seal_indices(result.faces, len(vertices))
     return RawMesh(vertices, faces, part_of_face.astype(np.uint32), names, paths, notes=notes)
+
+
+def _joined(data: bytes) -> tuple[bytes, int]:
+    """Return the text with continued lines in one, and how many were. A backslash ends comments and names as well."""
+    if b"\\" not in data:
+        return data, 0
+    text: bytearray | None = None
+    joined = 0
+    for match in _CONTINUED.finditer(data):
+        start = data.rfind(b"\n", 0, match.start()) + 1
+        if b"#" in data[start : match.start()] or _NAMING.match(data, start, match.start()):
+            continue  # of a Windows path, most likely: the next line would be lost
+        text = text if text is not None else bytearray(data)
+        text[match.start() : match.end()] = b" " * (match.end() - match.start())
+        joined += 1
+    return (data if text is None else bytes(text)), joined
 
 
 def _names(pairs: list[tuple[str, str]], path: Path) -> tuple[list[str], list[str]]:

@@ -1,9 +1,14 @@
-"""OFF (Geomview), text: a line `OFF`, the counts, then vertices and polygons. Colours and normals are not used."""
+"""OFF (Geomview), text: the word `OFF`, the counts, then vertices and polygons. Colours and normals are not used.
+
+An OFF file is a row of words. Most writers give every vertex and polygon a line of its own, and then what follows on
+the line (normals, colours) is passed over. A file that is laid out otherwise is read word by word.
+"""
 
 from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,25 +17,108 @@ from feeler.errors import LoadError
 from feeler.io import polygons
 from feeler.io.limits import check_mesh
 from feeler.io.raw import Progress, RawMesh, seal_indices
-from feeler.io.text import Chunk, chunks_of
+from feeler.io.text import Chunk, chunks_of, decoded
 
-_KEYWORD = re.compile(rb"(ST)?(C)?(N)?(4)?(n)?OFF(\s+BINARY)?", re.ASCII)
+_KEYWORD = re.compile(rb"((?:ST|[CN4n])*)(?:OFF|off)(\d+)?", re.ASCII)
+_SMALL = re.compile(rb"((?:st|[cn4])*)off(\d+)?", re.ASCII)
+_WHOLE_NUMBER = re.compile(rb"[+-]?\d+", re.ASCII)
+
+
+class _Header(NamedTuple):
+    flags: str  # what stands in front of OFF
+    vertices: int
+    polygons: int
+    body: int  # offset of the first word after the counts
+    line: int  # and its line
+
+
+class _Polygons(NamedTuple):
+    corners: NDArray[np.int64]
+    sizes: NDArray[np.int64]
 
 
 def read_off(path: Path, progress: Progress = None) -> RawMesh:
     """Read an OFF file as one part named after the file."""
-    data = path.read_bytes()
-    body, first_line, vertex_count, face_count = _read_header(path, data)
-    vertices = np.empty((vertex_count, 3))
-    corners: list[NDArray[np.int64]] = []
-    sizes: list[NDArray[np.int64]] = []
-    have_vertices = have_faces = 0
-    extra = 0
-    for done, chunk in chunks_of(data[body:], path, comments=True, first_line=first_line):
+    data = decoded(path.read_bytes())
+    header = _read_header(path, data)
+    try:
+        vertices, faces, extra = _by_lines(path, data, header, progress)
+    except LoadError:
+        free = _by_words(path, data, header)
+        if free is None:
+            raise  # its line is what helps
+        vertices, faces, extra = *free, 0
+    else:
+        if extra and (free := _by_words(path, data, header)):  # the lines fitted by chance
+            vertices, faces, extra = *free, 0
+    result = polygons.triangulate(faces.corners, faces.sizes, vertices)
+    check_mesh(header.vertices, len(result.faces), 1, str(path))
+    notes = polygons.describe(result)
+    for size, what in ((0, "polygons without a corner"), (1, "points"), (2, "lines")):
+        if count := int((faces.sizes == size).sum()):
+            notes.append(f"{count:,} {what} were skipped: only triangles collide")
+    if extra:
+        notes.append(f"{extra:,} lines after the last polygon were ignored")
+    sealed = seal_indices(result.faces, header.vertices)
+    return RawMesh(vertices, sealed, np.zeros(len(sealed), dtype=np.uint32), [path.stem], [""], notes=notes)
+
+
+def _read_header(path: Path, data: bytes) -> _Header:
+    """Read the keyword, which may be missing, and the counts; the number of edges may be missing as well."""
+    words: list[tuple[bytes, int, int]] = []  # word, line, offset behind it
+    at, line = 0, 0
+    while at < len(data) and len(words) < 5:
+        line += 1
+        end = data.find(b"\n", at) + 1 or len(data)
+        text = data[at:end].split(b"#", 1)[0]
+        for match in re.finditer(rb"\S+", text[:4096]):
+            words.append((match[0], line, at + match.end()))
+        at = end
+    if not words:
+        raise LoadError(f"{path}: an OFF file starts with 'OFF'; this one holds nothing")
+    first = words[0][0]
+    keyword = _KEYWORD.fullmatch(first) or _SMALL.fullmatch(first)
+    flags = keyword[1].decode() if keyword else ""
+    if keyword and words[1:2] and words[1][0].upper() == b"BINARY":
+        raise LoadError(f"{path}: binary OFF is not read; save it as text OFF, or as PLY")
+    if "4" in flags or ("n" in flags and b"OFF" in first):  # "noff" is NOFF in small letters
+        raise LoadError(f"{path}, line 1: OFF with more than three dimensions is not read; save it as plain OFF")
+    if keyword:
+        glued = [(keyword[2], *words[0][1:])] if keyword[2] else []
+        words = glued + words[1:]
+    elif not _WHOLE_NUMBER.fullmatch(first):
+        raise LoadError(f"{path}, line 1: an OFF file starts with 'OFF'; this one is something else")
+    if len(words) < 2 or not all(_WHOLE_NUMBER.fullmatch(word) for word, *_ in words[:2]):
+        raise LoadError(f"{path}, line {line}: the numbers of vertices and polygons are missing")
+    vertices, faces = int(words[0][0][:30]), int(words[1][0][:30])
+    # The shortest vertex is "0 0 0" and the shortest polygon "0": a count can be checked before it is believed.
+    if vertices < 0 or faces < 0 or 6 * vertices + 2 * faces > len(data) + 1:
+        raise LoadError(
+            f"{path}: the header promises {vertices:,} vertices and {faces:,} polygons, which do not fit into "
+            f"{len(data):,} bytes: the file is damaged or truncated; export it again"
+        )
+    last = words[1]
+    if len(words) > 2 and _WHOLE_NUMBER.fullmatch(words[2][0]):
+        # A number of edges stands on the line of the other counts, or on a line of its own; a vertex does neither.
+        alone = len(words) == 3 or words[3][1] > words[2][1]
+        if words[2][1] == last[1] or alone:
+            last = words[2]
+    return _Header(flags, vertices, faces, last[2], last[1])
+
+
+def _by_lines(
+    path: Path, data: bytes, header: _Header, progress: Progress
+) -> tuple[NDArray[np.float64], _Polygons, int]:
+    """Read a file with a line for each vertex and polygon; return also how many lines follow."""
+    vertices = np.empty((header.vertices, 3))
+    corners: list[NDArray[np.int64]] = [np.empty(0, dtype=np.int64)]
+    sizes: list[NDArray[np.int64]] = [np.empty(0, dtype=np.int64)]
+    have_vertices = have_faces = extra = 0
+    for done, chunk in chunks_of(data[header.body :], path, comments=True, first_line=header.line):
         if progress:
             progress(0.9 * done, f"reading {path.name}")
         rows = np.flatnonzero(chunk.tokens_in_line)
-        take = rows[: vertex_count - have_vertices]
+        take = rows[: header.vertices - have_vertices]
         if len(take):
             if (chunk.tokens_in_line[take] < 3).any():
                 line = int(take[np.argmax(chunk.tokens_in_line[take] < 3)])
@@ -40,56 +128,19 @@ def read_off(path: Path, progress: Progress = None) -> RawMesh:
             )
             have_vertices += len(take)
             rows = rows[len(take) :]
-        take = rows[: face_count - have_faces]
+        take = rows[: header.polygons - have_faces]
         if len(take):
             counts = _corner_counts(chunk, take)
             sizes.append(counts)
             corners.append(chunk.integers(chunk.line_tokens(take, 1, counts)))
             have_faces += len(take)
         extra += len(rows) - len(take)
-    if have_vertices < vertex_count or have_faces < face_count:
+    if have_vertices < header.vertices or have_faces < header.polygons:
         raise LoadError(
-            f"{path}: the header promises {vertex_count:,} vertices and {face_count:,} polygons, the file has "
+            f"{path}: the header promises {header.vertices:,} vertices and {header.polygons:,} polygons, the file has "
             f"{have_vertices:,} and {have_faces:,}: it is truncated; copy or export it again"
         )
-    no_rows = [np.empty(0, dtype=np.int64)]
-    result = polygons.triangulate(np.concatenate(corners or no_rows), np.concatenate(sizes or no_rows), vertices)
-    check_mesh(vertex_count, len(result.faces), 1, str(path))
-    notes = polygons.describe(result)
-    if result.thin:
-        notes.append(f"{result.thin:,} polygons with fewer than three corners hold no triangle")
-    if extra:
-        notes.append(f"{extra:,} lines after the last polygon were ignored")
-    faces = seal_indices(result.faces, vertex_count)
-    return RawMesh(vertices, faces, np.zeros(len(faces), dtype=np.uint32), [path.stem], [""], notes=notes)
-
-
-def _read_header(path: Path, data: bytes) -> tuple[int, int, int, int]:
-    """Return (offset and line of the first line after the counts, vertices, polygons)."""
-    words: list[bytes] = []
-    at, line = 0, 1
-    while at < len(data) and len(words) < 3:
-        end = data.find(b"\n", at) + 1 or len(data)
-        words += data[at:end].split(b"#", 1)[0].split()
-        if words[:1] and words[0].endswith(b"OFF") and words[1:2] == [b"BINARY"]:
-            raise LoadError(f"{path}: binary OFF is not read; save it as text OFF, or as PLY")
-        at, line = end, line + 1
-    keyword = _KEYWORD.fullmatch(words[0]) if words else None
-    if keyword is None:
-        raise LoadError(f"{path}, line 1: an OFF file starts with 'OFF'; this one is something else")
-    if keyword[4] or keyword[5]:
-        raise LoadError(f"{path}, line 1: OFF with more than three dimensions is not read; save it as plain OFF")
-    try:
-        vertex_count, face_count = int(words[1]), int(words[2])
-    except (IndexError, ValueError):
-        raise LoadError(f"{path}, line {line - 1}: the numbers of vertices and polygons are missing") from None
-    # The shortest vertex is "0 0 0" and the shortest polygon "0": a count can be checked before it is believed.
-    if vertex_count < 0 or face_count < 0 or 6 * vertex_count + 2 * face_count > len(data) + 1:
-        raise LoadError(
-            f"{path}: the header promises {vertex_count:,} vertices and {face_count:,} polygons, which do not fit into "
-            f"{len(data):,} bytes: the file is damaged or truncated; export it again"
-        )
-    return at, line, vertex_count, face_count
+    return vertices, _Polygons(np.concatenate(corners), np.concatenate(sizes)), extra
 
 
 def _corner_counts(chunk: Chunk, lines: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -99,3 +150,57 @@ def _corner_counts(chunk: Chunk, lines: NDArray[np.int64]) -> NDArray[np.int64]:
         line = int(lines[np.argmax(wrong)])
         raise chunk.fail(line, f"the polygon promises {int(counts[np.argmax(wrong)])} corners and the line has fewer")
     return counts
+
+
+def _by_words(path: Path, data: bytes, header: _Header) -> tuple[NDArray[np.float64], _Polygons] | None:
+    """Read a file whose lines mean nothing, or where only colours end a line; None if the words do not fit the counts.
+
+    All words have to be used up, by polygons of three corners or more that exist: else it is not sure which is which.
+    """
+    values, lines = [np.empty(0)], [np.empty(0, dtype=np.int64)]
+    try:
+        for _, chunk in chunks_of(data[header.body :], path, comments=True, first_line=header.line):
+            tokens = np.arange(len(chunk.starts))
+            values.append(chunk.floats(tokens))
+            lines.append(chunk.first_line + chunk.token_line(tokens))
+    except LoadError:
+        return None
+    words, line = np.concatenate(values), np.concatenate(lines)
+    extra = 3 * ("N" in header.flags.upper()) + 2 * ("ST" in header.flags.upper())
+    for colour in (4, 3) if "C" in header.flags.upper() else (0,):
+        width = 3 + extra + colour
+        body = header.vertices * width
+        if body > len(words):
+            continue
+        for colours_follow in (False, True):
+            faces = _walk(words[body:], line[body:], header.polygons, colours_follow)
+            if faces is not None and _exist(faces, header.vertices):
+                return np.ascontiguousarray(words[:body].reshape(-1, width)[:, :3]), faces
+    return None
+
+
+def _walk(words: NDArray[np.float64], line: NDArray[np.int64], count: int, colours_follow: bool) -> _Polygons | None:
+    """Read `count` polygons one after the other, each perhaps with a colour up to the end of its line."""
+    if not ((words == np.rint(words)) & (np.abs(words) < 2**53)).all() and not colours_follow:
+        return None
+    whole = np.where(np.abs(words) < 2**53, words, -1).astype(np.int64)
+    next_line = np.searchsorted(line, line, side="right").tolist() if colours_follow else []
+    plain = whole.tolist()
+    starts, at = [], 0
+    for _ in range(count):
+        if at >= len(plain) or not 3 <= plain[at] < len(plain) - at:
+            return None
+        starts.append(at)
+        at += 1 + plain[at]
+        if colours_follow:
+            at = next_line[at - 1]
+    if at != len(plain):
+        return None
+    begin = np.array(starts, dtype=np.int64)
+    sizes = whole[begin]
+    offsets = np.arange(int(sizes.sum())) - np.repeat(np.cumsum(sizes) - sizes, sizes)
+    return _Polygons(whole[np.repeat(begin + 1, sizes) + offsets], sizes)
+
+
+def _exist(faces: _Polygons, vertex_count: int) -> bool:
+    return not faces.corners.size or (int(faces.corners.min()) >= 0 and int(faces.corners.max()) < vertex_count)

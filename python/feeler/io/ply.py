@@ -1,11 +1,16 @@
-"""PLY (Stanford), text and binary of either byte order: vertices x, y, z; polygons; triangle strips."""
+"""PLY (Stanford), text and binary of either byte order: vertices x, y, z; polygons; triangle strips.
+
+Other properties of these are passed over, rows of other elements (edges, materials) are counted by name.
+"""
 
 from __future__ import annotations
 
+import codecs
+import re
 import struct
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +19,7 @@ from feeler.errors import LoadError
 from feeler.io import polygons
 from feeler.io.limits import check_mesh
 from feeler.io.raw import Progress, RawMesh, seal_indices
-from feeler.io.text import Chunk, chunks_of
+from feeler.io.text import Chunk, chunks_of, decoded
 
 _TYPES = {
     "char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": "i2", "int16": "i2", "ushort": "u2",
@@ -24,6 +29,9 @@ _TYPES = {
 _INDEX_NAMES = ("vertex_indices", "vertex_index")
 _ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 _MAX_HEADER = 2**20
+_FIRST_LINE = re.compile(rb"ply[ \t]*(\r?\n|\r)")
+_HEADER_END = re.compile(rb"(?<=[\r\n])[ \t]*end_header[ \t]*(\r?\n|\r)")
+_IGNORED = ("ply", "comment", "obj_info")
 
 
 class _Property(NamedTuple):
@@ -53,16 +61,28 @@ class _Body:
     vertices: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 3)))
     faces: _Lists = field(default_factory=lambda: _Lists(np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)))
     strips: _Lists = field(default_factory=lambda: _Lists(np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)))
+    rest: str = ""  # what follows the last row
+
+    def add(self, name: str, lists: list[_Lists]) -> None:
+        """Take the lists of all elements of that name, "face" or "tristrips", in order."""
+        if lists:
+            joined = _Lists(np.concatenate([found.values for found in lists]), np.concatenate([f.sizes for f in lists]))
+            if name == "face":
+                self.faces = joined
+            else:
+                self.strips = joined
 
 
 def read_ply(path: Path, progress: Progress = None) -> RawMesh:
     """Read a PLY file as one part named after the file."""
-    data = path.read_bytes()
-    order, elements, start = _read_header(path, data)
+    data = path.read_bytes().removeprefix(codecs.BOM_UTF8)
+    if not data.startswith(b"ply"):
+        data = decoded(data)  # a text in UTF-16
+    order, elements, start, line = _read_header(path, data)
     if progress:
         progress(0.1, f"reading {path.name}")
     body = (
-        _read_text(path, data, start, elements, progress)
+        _read_text(path, decoded(data[start:]), line, elements, progress)
         if not order
         else _read_binary(path, data, start, elements, order)
     )
@@ -74,41 +94,53 @@ def read_ply(path: Path, progress: Progress = None) -> RawMesh:
         notes.append(f"{result.thin:,} faces with fewer than three corners hold no triangle")
     if len(body.strips.sizes):
         notes.append(f"{len(body.strips.sizes):,} rows of triangle strips were cut into triangles")
+    for element in elements:
+        if element.name not in ("vertex", "face", "tristrips") and element.count and element.properties:
+            notes.append(f"{element.count:,} rows of {element.name[:80]!r} were skipped: only triangles collide")
+    if body.rest:
+        notes.append(body.rest)
     faces = seal_indices(triangles, len(body.vertices))
     return RawMesh(body.vertices, faces, np.zeros(len(faces), dtype=np.uint32), [path.stem], [""], notes=notes)
 
 
-def _read_header(path: Path, data: bytes) -> tuple[str, list[_Element], int]:
-    """Return (byte order, "" for text; elements; offset of the body)."""
-    end = data.find(b"end_header", 0, _MAX_HEADER)
-    stop = data.find(b"\n", end)
-    if data.startswith(b"ply\r") and not data.startswith(b"ply\r\n"):
-        stop = data.find(b"\r", end)  # line ends of the old Mac
-    if not data.startswith(b"ply") or end < 0 or stop < 0:
+def _read_header(path: Path, data: bytes) -> tuple[str, list[_Element], int, int]:
+    """Return (byte order, "" for text; elements; offset and line of the body)."""
+    first = _FIRST_LINE.match(data)
+    found = _HEADER_END.search(data, 0, _MAX_HEADER) if first else None
+    if not first or not found:
         raise LoadError(
             f"{path}: the PLY header has no 'end_header': the file is truncated or no PLY file; export it again"
         )
+    stop = found.end()
+    if first[1] == b"\r" and found[1] == b"\r\n":
+        stop -= 1  # lines end as on the old Mac: the other byte is the first of the body
     order: str | None = None
     elements: list[_Element] = []
-    for number, line in enumerate(data[:end].decode("ascii", "replace").splitlines(), start=1):
+    lines = re.split("\r\n|\r|\n", data[: found.start()].decode("ascii", "replace"))
+    for number, line in enumerate(lines, start=1):
         words = line.split()
         try:
             match words[:1]:
                 case ["format"]:
-                    order = _ORDERS[words[1]]
+                    order = _ORDERS[words[1].lower()]
                 case ["element"]:
                     elements.append(_Element(words[1], int(words[2])))
                     if elements[-1].count < 0:
                         raise ValueError
                 case ["property"] if words[1] == "list":
-                    elements[-1].properties.append(_Property(words[4], _TYPES[words[3]], _TYPES[words[2]]))
+                    count_type, value_type = (_TYPES[word.lower()] for word in words[2:4])
+                    elements[-1].properties.append(_Property(words[4], value_type, count_type))
                 case ["property"]:
-                    elements[-1].properties.append(_Property(words[2], _TYPES[words[1]], None))
+                    elements[-1].properties.append(_Property(words[2], _TYPES[words[1].lower()], None))
+                case [word] if word not in _IGNORED:
+                    raise ValueError  # passed over, it might move all that follows
         except (IndexError, KeyError, ValueError):
             raise LoadError(f"{path}, line {number}: {line.strip()[:80]!r} is no valid PLY header line") from None
     if order is None:
         raise LoadError(f"{path}: the PLY header has no 'format' line; export the file again")
-    left = len(data) - stop - 1
+    if sum(element.name == "vertex" for element in elements) > 1:
+        raise LoadError(f"{path}: the PLY file has several elements 'vertex': which one do faces mean? Export it again")
+    left = len(data) - stop
     # In text the shortest value is a digit and a space; checked before a count is believed.
     least = sum(e.count * sum(_least_bytes(p) if order else 2 for p in e.properties) for e in elements)
     if least > left + 1:
@@ -117,7 +149,7 @@ def _read_header(path: Path, data: bytes) -> tuple[str, list[_Element], int]:
             f"{path}: the header promises {promised}: at least {least:,} bytes, and {left:,} follow; "
             "the file is truncated or damaged; copy or export it again"
         )
-    return order, elements, stop + 1
+    return order, elements, stop, len(lines) + 1
 
 
 def _least_bytes(prop: _Property) -> int:
@@ -129,14 +161,14 @@ def _index_property(path: Path, element: _Element) -> int:
     lists = [at for at, prop in enumerate(element.properties) if prop.count_type]
     for at in lists:
         if element.properties[at].name in _INDEX_NAMES or len(lists) == 1:
-            if element.properties[at].type[0] == "f":
+            if element.properties[at].type[0] == "f" and element.properties[at].name not in _INDEX_NAMES:
                 break
             return at
     raise LoadError(f"{path}: element {element.name!r} has no list of integers 'vertex_indices'; export the file again")
 
 
 def _axes(path: Path, element: _Element) -> list[int]:
-    names = [prop.name for prop in element.properties]
+    names = [prop.name.lower() for prop in element.properties]
     if not all(axis in names for axis in "xyz"):
         raise LoadError(f"{path}: the vertices have no x, y and z (but {', '.join(names) or 'nothing'})")
     return [names.index(axis) for axis in "xyz"]
@@ -147,11 +179,12 @@ def _axes(path: Path, element: _Element) -> list[int]:
 
 def _read_binary(path: Path, data: bytes, at: int, elements: list[_Element], order: str) -> _Body:
     body = _Body()
+    lists: dict[str, list[_Lists]] = {"face": [], "tristrips": []}
     for element in elements:
         if not element.count or not element.properties:
             continue
         wanted: int | None = None
-        if element.name in ("face", "tristrips"):
+        if element.name in lists:
             wanted = _index_property(path, element)
         rows, values, at = _binary_rows(path, data, at, element, order, wanted)
         if element.name == "vertex":
@@ -161,10 +194,12 @@ def _read_binary(path: Path, data: bytes, at: int, elements: list[_Element], ord
             body.vertices = np.empty((element.count, 3))
             for axis, prop in enumerate(_axes(path, element)):
                 body.vertices[:, axis] = rows[f"f{prop}"]
-        elif element.name == "face" and values:
-            body.faces = values
-        elif element.name == "tristrips" and values:
-            body.strips = values
+        elif values:
+            lists[element.name].append(values)
+    for name, found in lists.items():
+        body.add(name, found)
+    if at < len(data):
+        body.rest = f"{len(data) - at:,} bytes after the last row were ignored"
     return body
 
 
@@ -189,11 +224,11 @@ def _binary_rows(
             values = None
             if wanted is not None:
                 size = np.full(element.count, sizes[wanted], dtype=np.int64)
-                values = _Lists(rows[f"f{wanted}"].astype(np.int64).ravel(), size)
+                values = _Lists(_whole(rows[f"f{wanted}"].ravel()), size)
             return rows, values, at + element.count * row.itemsize
     if not lists:
         raise _truncated(path, element)
-    found: list[NDArray[np.int64]] = []
+    found: list[NDArray[Any]] = []
     counts = np.empty(element.count, dtype=np.int64)
     for index in range(element.count):
         sizes, ends = _walk_row(path, data, at, element, order)
@@ -202,7 +237,7 @@ def _binary_rows(
             dtype = np.dtype(order + element.properties[wanted].type)
             found.append(np.frombuffer(data, dtype, sizes[wanted], ends[wanted] - sizes[wanted] * dtype.itemsize))
         at = ends[-1]
-    values = _Lists(np.concatenate(found).astype(np.int64), counts) if wanted is not None else None
+    values = _Lists(_whole(np.concatenate(found)), counts) if wanted is not None else None
     return None, values, at
 
 
@@ -229,6 +264,14 @@ def _walk_row(path: Path, data: bytes, at: int, element: _Element, order: str) -
     return sizes, ends
 
 
+def _whole(values: NDArray[Any]) -> NDArray[np.int64]:
+    """Return indices, which a few writers store as floating-point numbers, as integers; what is none is no index."""
+    if values.dtype.kind in "iu":
+        return values.astype(np.int64)
+    good = (values == np.rint(values)) & (np.abs(values) < 2**53)
+    return np.where(good, values, np.iinfo(np.int64).max // 2).astype(np.int64)
+
+
 def _truncated(path: Path, element: _Element) -> LoadError:
     return LoadError(
         f"{path}: the file ends, or is damaged, inside its {element.count:,} rows of {element.name!r}: "
@@ -239,13 +282,14 @@ def _truncated(path: Path, element: _Element) -> LoadError:
 # --- text --------------------------------------------------------------------------------------------------------
 
 
-def _read_text(path: Path, data: bytes, start: int, elements: list[_Element], progress: Progress) -> _Body:
+def _read_text(path: Path, data: bytes, first_line: int, elements: list[_Element], progress: Progress) -> _Body:
     body = _Body()
     vertices: list[NDArray[np.float64]] = []
     lists: dict[str, list[_Lists]] = {"face": [], "tristrips": []}
     pending = [element for element in elements if element.count and element.properties]
     left = pending[0].count if pending else 0
-    for done, chunk in chunks_of(data[start:], path, comments=False, first_line=data.count(b"\n", 0, start) + 1):
+    surplus = 0
+    for done, chunk in chunks_of(data, path, comments=False, first_line=first_line):
         if progress:
             progress(0.1 + 0.8 * done, f"reading {path.name}")
         rows = np.flatnonzero(chunk.tokens_in_line)
@@ -259,17 +303,15 @@ def _read_text(path: Path, data: bytes, start: int, elements: list[_Element], pr
             if not left:
                 pending.pop(0)
                 left = pending[0].count if pending else 0
+        surplus += len(rows)
     if pending:
         raise _truncated(path, pending[0])
     if vertices:
         body.vertices = np.concatenate(vertices)
     for name, found in lists.items():
-        if found:
-            joined = _Lists(np.concatenate([f.values for f in found]), np.concatenate([f.sizes for f in found]))
-            if name == "face":
-                body.faces = joined
-            else:
-                body.strips = joined
+        body.add(name, found)
+    if surplus:
+        body.rest = f"{surplus:,} lines after the last row were ignored"
     return body
 
 
@@ -303,19 +345,26 @@ def _text_lists(path: Path, chunk: Chunk, lines: NDArray[np.int64], element: _El
             raise chunk.fail(int(lines[np.argmax(wrong)]), f"the {element.name} promises more values than the line has")
         if at == wanted:
             offsets = np.arange(int(sizes.sum())) - np.repeat(np.cumsum(sizes) - sizes, sizes)
-            return _Lists(chunk.integers(np.repeat(chunk.first_token[lines] + place + 1, sizes) + offsets), sizes)
+            tokens = np.repeat(chunk.first_token[lines] + place + 1, sizes) + offsets
+            read = chunk.floats if prop.type[0] == "f" else chunk.integers
+            return _Lists(_whole(read(tokens)), sizes)
         place += 1 + sizes
     raise AssertionError("the wanted property is among those walked")
 
 
 def _strip_triangles(strips: _Lists) -> NDArray[np.int64]:
     """Cut triangle strips; a negative index starts a new strip. Every second triangle is turned, to keep its side."""
-    found = [np.empty((0, 3), dtype=np.int64)]
-    for row in np.split(strips.values, np.cumsum(strips.sizes)[:-1]) if len(strips.sizes) else []:
-        for strip in np.split(row, np.flatnonzero(row < 0)):
-            strip = strip[strip >= 0]
-            if len(strip) > 2:
-                triangles = np.stack([strip[:-2], strip[1:-1], strip[2:]], axis=1)
-                triangles[1::2, :2] = triangles[1::2, 1::-1]
-                found.append(triangles)
-    return np.concatenate(found)
+    values, count = strips.values, len(strips.values)
+    if count < 3:
+        return np.empty((0, 3), dtype=np.int64)
+    # The place at which the strip of each index begins: the first of its row, or behind the last negative index.
+    begins = np.zeros(count, dtype=np.int64)
+    row_starts = np.cumsum(strips.sizes) - strips.sizes
+    begins[row_starts[row_starts < count]] = row_starts[row_starts < count]
+    after = np.flatnonzero(values[:-1] < 0) + 1
+    begins[after] = after
+    place = np.arange(count) - np.maximum.accumulate(begins)
+    ends = np.flatnonzero((place >= 2) & (values >= 0))
+    turned = place[ends] % 2 == 1
+    first, second = np.where(turned, ends - 1, ends - 2), np.where(turned, ends - 2, ends - 1)
+    return np.stack([values[first], values[second], values[ends]], axis=1)

@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 MAX_EAR_CORNERS = 2000
 """Above this a polygon that is not convex is cut as a fan: looking for ears takes the cube of the corners at worst."""
 
+_MANY = 100  # corners from which on NumPy is faster than a loop over them
+
 
 class Triangulated(NamedTuple):
     """Triangles in the order of their polygons, and what was met on the way."""
@@ -67,6 +69,16 @@ def describe(result: Triangulated) -> list[str]:
     return notes
 
 
+def _any_inside(left: NDArray[np.int64], a: int, b: int, c: int, plane: NDArray[np.float64]) -> bool:
+    """Tell whether a corner that is left lies in the triangle, or on it; those that equal its corners do not count."""
+    x, y = plane[left].T
+    inside = np.ones(len(left), dtype=bool)
+    for (from_x, from_y), (to_x, to_y) in zip(plane[[a, b, c]].tolist(), plane[[b, c, a]].tolist(), strict=True):
+        inside &= (to_x - from_x) * (y - from_y) - (to_y - from_y) * (x - from_x) >= 0
+        inside &= (x != from_x) | (y != from_y)
+    return bool(inside.any())
+
+
 def _reflex(block: NDArray[np.int64], vertices: NDArray[np.float64]) -> NDArray[np.bool_]:
     """Tell, for polygons (p, k), which corners turn back; none where a corner does not exist or is not finite."""
     reflex = np.zeros(block.shape, dtype=bool)
@@ -101,12 +113,17 @@ def _ears(corners: NDArray[np.int64], vertices: NDArray[np.float64]) -> NDArray[
         return (xy[b][0] - xy[a][0]) * (xy[c][1] - xy[a][1]) - (xy[b][1] - xy[a][1]) * (xy[c][0] - xy[a][0])
 
     def is_ear(a: int, b: int, c: int) -> bool:
-        return turn(a, b, c) > 0 and not any(
+        if turn(a, b, c) <= 0:
+            return False
+        if len(left) > _MANY:
+            return not _any_inside(np.array(left), a, b, c, plane)
+        return not any(
             turn(a, b, p) >= 0 and turn(b, c, p) >= 0 and turn(c, a, p) >= 0
             for p in left
             if xy[p] not in (xy[a], xy[b], xy[c])
         )
 
+    plane = np.array(xy)
     left = list(range(len(corners)))
     triangles: list[list[int]] = []
     while len(left) > 3:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,9 @@ from feeler.io.units import Unit
 
 Progress: TypeAlias = Callable[[float, str], None] | None
 """None, or called with (fraction 0..1, what is being done)."""
+
+Axis: TypeAlias = Literal["x", "y", "z"]
+"""A coordinate axis, as the direction that a file calls up."""
 
 OUT_OF_RANGE = 0xFFFFFFFF
 """Stands in `faces` for an index that names no vertex. The triangle is kept and the mock-up reports it."""
@@ -33,6 +36,7 @@ class RawMesh:
     part_paths    path of each part inside the file; empty for a file that is one nameless part
     unit          the unit the file states, or None
     in_metres     the reader's library has converted `vertices` from `unit` to metres already (STEP)
+    up            the axis that points up by the format's standard or the file's word, or None if neither says so
     """
 
     vertices: NDArray[np.float64]
@@ -43,6 +47,7 @@ class RawMesh:
     unit: Unit | None = None
     in_metres: bool = False
     notes: list[str] = field(default_factory=list)
+    up: Axis | None = None
 
 
 def portion(progress: Progress, low: float, high: float) -> Progress:

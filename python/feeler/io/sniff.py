@@ -7,6 +7,7 @@ import stat
 from pathlib import Path
 
 from feeler.errors import LoadError, MissingFileError
+from feeler.io.text import decoded
 
 HEAD_BYTES = 4096
 
@@ -36,7 +37,12 @@ _PACKED = {
     b"Rar!": "RAR",
     b"Draco": "Draco",
 }
-_OFF = re.compile(rb"\s*(#[^\n]*\s+)*(ST)?C?N?4?n?OFF\s")
+_PLY = re.compile(rb"ply[ \t]*\n")
+# The number of vertices may follow at once, as in the files of ModelNet.
+_OFF = re.compile(rb"(?:#[^\n]*\n\s*)*(?:ST|[CN4n])*OFF(?=\s|\d+\s+\d+\s)")
+_SOLID = re.compile(rb"solid\b", re.I)
+_STL = re.compile(rb"\bfacet\s+normal\b|\bend\s*solid", re.I)
+_FACET = re.compile(rb"\bfacet\s+normal\s.*\bvertex\s", re.I | re.S)
 _OBJ = re.compile(rb"^[ \t]*(v[ \t]+[-+.\d]|f[ \t]+-?\d|(mtllib|usemtl|o|g|vn|vt)[ \t]+\S)", re.MULTILINE)
 
 
@@ -66,47 +72,50 @@ def identify(path: Path) -> tuple[str, list[str]]:
         if head.startswith(magic):
             raise LoadError(f"{path}: the file is compressed ({name}); unpack it first")
     named = EXTENSIONS.get(path.suffix.lower())
-    found = _by_content(head, status.st_size) or (None if named else _weak(head))
+    text = decoded(head).lstrip()
+    found = _by_content(head, text, status.st_size) or (None if named else _weak(text))
     if found and found != named:
         kind = f"named {path.suffix}" if path.suffix else "has no extension"
         return found, [f"{path.name} is {kind}, but its content is {found}: read as {found}"]
     if named is None:
         raise LoadError(f"{path}: neither the extension nor the content is a format feeler reads ({known_formats()})")
-    if named == "STL" and head[:5].lower() != b"solid" and _is_text(head) and _OBJ.search(head):
+    if named == "STL" and text[:5].lower() != b"solid" and _weak(text) == "OBJ":
         return "OBJ", [f"{path.name} is named {path.suffix}, but its content is OBJ: read as OBJ"]
     return named, []
 
 
-def _by_content(head: bytes, size: int) -> str | None:
-    """Return the format that the first bytes prove, or None."""
-    text = head.removeprefix(b"\xef\xbb\xbf").lstrip()
+def _by_content(head: bytes, text: bytes, size: int) -> str | None:
+    """Return the format that the first bytes, or these as text, prove; or None."""
     if head.startswith(b"glTF"):
         return "glTF"
-    if head.startswith((b"ply\n", b"ply\r")):
+    if _PLY.match(text):
         return "PLY"
     if head.startswith(b"PK\x03\x04"):
         return "3MF"
     if text.startswith(b"ISO-10303-21"):
         return "STEP"
-    if _OFF.match(head):
+    if _OFF.match(text):
         return "OFF"
     if text.startswith(b"{") and b'"' in text:
         return "glTF"
-    if text.startswith(b"<") and b"<COLLADA" in head:
+    if text.startswith(b"<") and b"<COLLADA" in text:
         return "COLLADA"
-    if size >= 84 and 84 + 50 * int.from_bytes(head[80:84], "little") == size:
+    if is_binary_stl(head, size):
         return "STL"
-    if text[:6].lower() in (b"solid ", b"solid\n", b"solid\r", b"solid\t") and re.search(
-        rb"facet\s+normal|endsolid", head, re.I
-    ):
+    if _SOLID.match(text) and _STL.search(text):
         return "STL"
     return None
 
 
-def _weak(head: bytes) -> str | None:
+def is_binary_stl(head: bytes, size: int) -> bool:
+    """Tell whether the count in the header of a binary STL fits the size of the file."""
+    return size >= 84 and 84 + 50 * int.from_bytes(head[80:84], "little") == size
+
+
+def _weak(text: bytes) -> str | None:
     """Return a guess for a file whose extension says nothing."""
-    return "OBJ" if _is_text(head) and _OBJ.search(head) else None
-
-
-def _is_text(head: bytes) -> bool:
-    return b"\0" not in head
+    if b"\0" in text:
+        return None
+    if _OBJ.search(text):
+        return "OBJ"
+    return "STL" if _FACET.search(text) else None

@@ -1,4 +1,4 @@
-"""Text meshes as arrays: tokens and lines found with NumPy, numbers read in bulk, errors told with their line.
+"""Text meshes as arrays: encodings undone, tokens and lines found with NumPy, numbers read in bulk, errors with lines.
 
 A file is cut into chunks of whole lines. In a chunk every token has a start, an end and a line; a reader picks the
 tokens it wants and gets them as numbers in one call. This reads about a hundred megabytes a second, keeps the order of
@@ -7,6 +7,7 @@ the file, and knows the line of every token.
 
 from __future__ import annotations
 
+import codecs
 import warnings
 from collections.abc import Iterator
 from pathlib import Path
@@ -19,11 +20,65 @@ from feeler.errors import LoadError
 CHUNK_BYTES = 16 * 2**20
 _HASH, _NEWLINE, _SPACE = 35, 10, 32
 
+# UTF-32 first: its little-endian mark begins with that of UTF-16.
+_MARKS = (
+    (codecs.BOM_UTF32_LE, "utf-32-le"),
+    (codecs.BOM_UTF32_BE, "utf-32-be"),
+    (codecs.BOM_UTF8, "utf-8"),
+    (codecs.BOM_UTF16_LE, "utf-16-le"),
+    (codecs.BOM_UTF16_BE, "utf-16-be"),
+)
+_WITHOUT_MARK = 4  # characters at the start that have to be ASCII in UTF-16 where no mark says so
+
+
+def decoded(data: bytes) -> bytes:
+    """Return a text, or the beginning of one, without its byte order mark, as UTF-8, and with `\\n` as line end.
+
+    UTF-16 and UTF-32 are known by their mark, UTF-16 also without one if it begins with ASCII characters. Bytes of any
+    other encoding stay as they are: keywords and numbers are ASCII in all of them, and `name_text` reads names.
+    """
+    for mark, encoding in _MARKS:
+        if data.startswith(mark):
+            data = data[len(mark) :]
+            if encoding != "utf-8":
+                data = data.decode(encoding, "replace").encode("utf-8", "replace")
+            break
+    else:
+        if wide := _utf16_without_mark(data):
+            data = data.decode(wide, "replace").encode("utf-8", "replace")
+    if b"\r" in data:
+        # A lone \r ends a line too (old Mac, files glued together): what follows would be lost as a line's surplus.
+        data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+    return data
+
+
+def _utf16_without_mark(data: bytes) -> str | None:
+    head = data[: 2 * _WITHOUT_MARK]
+    if len(head) < 2 * _WITHOUT_MARK:
+        return None
+    for encoding, letters, zeros in (("utf-16-le", head[::2], head[1::2]), ("utf-16-be", head[1::2], head[::2])):
+        if not any(zeros) and all(9 <= letter < 127 for letter in letters):
+            return encoding
+    return None
+
+
+def name_text(raw: bytes) -> str:
+    """Return a name in a file that does not say its encoding: UTF-8, or else that of Windows in the west.
+
+    No two different names of bytes become one.
+    """
+    for encoding in ("utf-8", "cp1252"):
+        try:
+            return raw.decode(encoding)
+        except UnicodeDecodeError:
+            continue
+    return raw.decode("latin-1")
+
 
 class Chunk:
     """Some whole lines of a text file, in tokens. Token and line numbers count from 0 within the chunk."""
 
-    def __init__(self, data: bytes, path: Path, first_line: int, comments: bool) -> None:
+    def __init__(self, data: bytes, path: Path, first_line: int, comments: bool, names: bytes = b"") -> None:
         self.path = path
         self.first_line = first_line  # counted from 1, as editors do
         buffer = np.frombuffer(data if data.endswith(b"\n") else data + b"\n", dtype=np.uint8)
@@ -33,6 +88,9 @@ class Chunk:
         if comments and b"#" in data:
             marks = np.flatnonzero(buffer == _HASH)
             lines, first = np.unique(np.searchsorted(self._line_starts, marks, side="right") - 1, return_index=True)
+            if names:
+                named = _begins_with(buffer, blank, self._line_starts[lines], names)
+                lines, first = lines[~named], first[~named]
             blank |= _ranges(marks[first], ends[lines], len(buffer))
         solid = ~blank
         solid[1:] &= blank[:-1]
@@ -56,6 +114,15 @@ class Chunk:
         letters: NDArray[np.uint8] = self._buffer[place] | np.uint8(0x20)
         return letters
 
+    def words(self, tokens: NDArray[np.int64], width: int = 12) -> NDArray[np.bytes_]:
+        """Return those tokens in lower case, cut at `width` bytes."""
+        place = self.starts[tokens][:, None] + np.arange(width)
+        inside = place < self.ends[tokens][:, None]
+        letters = np.where(inside, self._buffer[np.minimum(place, len(self._buffer) - 1)], 0).astype(np.uint8)
+        letters[(letters >= ord("A")) & (letters <= ord("Z"))] |= 0x20
+        words: NDArray[np.bytes_] = letters.view(f"S{width}").reshape(-1)
+        return words
+
     def length(self, tokens: NDArray[np.int64]) -> NDArray[np.int64]:
         """Return the length of each token in bytes."""
         return self.ends[tokens] - self.starts[tokens]
@@ -68,13 +135,13 @@ class Chunk:
         return tokens
 
     def line_text(self, line: int, skip_tokens: int = 0) -> str:
-        """Return the text of a line (after its first tokens, comment excluded)."""
+        """Return the text of a line (after its first tokens, comment excluded), as `name_text` reads it."""
         first = int(self.first_token[line])
         count = int(self.tokens_in_line[line])
         if count <= skip_tokens:
             return ""
         start, end = int(self.starts[first + skip_tokens]), int(self.ends[first + count - 1])
-        return self._buffer[start:end].tobytes().decode("utf-8", "replace")
+        return name_text(self._buffer[start:end].tobytes())
 
     def floats(self, tokens: NDArray[np.int64]) -> NDArray[np.float64]:
         """Read those tokens as float64 (correctly rounded; nan and inf are numbers here)."""
@@ -123,19 +190,34 @@ class Chunk:
         raise LoadError(f"{self.path}: numbers near line {self.first_line} run together; export the file again")
 
 
-def chunks_of(data: bytes, path: Path, comments: bool, first_line: int = 1) -> Iterator[tuple[float, Chunk]]:
-    """Cut a text into chunks of whole lines; yield (share of the text done before this chunk, chunk)."""
-    if b"\n" not in data[:CHUNK_BYTES] and b"\r" in data[:CHUNK_BYTES]:
-        data = data.replace(b"\r", b"\n")  # line ends of the old Mac
+def chunks_of(
+    data: bytes, path: Path, comments: bool, first_line: int = 1, names: bytes = b""
+) -> Iterator[tuple[float, Chunk]]:
+    """Cut a text, as `decoded` returns it, into chunks of whole lines; yield (share done before this chunk, chunk).
+
+    With `comments`, a `#` and what follows on its line is left out; not so on lines whose first word is one of the
+    letters in `names`.
+    """
     at, total = 0, max(len(data), 1)
     while at < len(data):
         end = len(data) if at + CHUNK_BYTES >= len(data) else data.rfind(b"\n", at, at + CHUNK_BYTES) + 1
         if end <= at:  # one line longer than a chunk
             end = data.find(b"\n", at) + 1 or len(data)
-        chunk = Chunk(data[at:end], path, first_line, comments)
+        chunk = Chunk(data[at:end], path, first_line, comments, names)
         yield at / total, chunk
         first_line += chunk.line_count
         at = end
+
+
+def _begins_with(
+    buffer: NDArray[np.uint8], blank: NDArray[np.bool_], line_starts: NDArray[np.int64], letters: bytes
+) -> NDArray[np.bool_]:
+    """Tell which of the lines, none of them empty, have one of the letters, of either case, as their first word."""
+    solid = np.flatnonzero(~blank)
+    at = solid[np.searchsorted(solid, line_starts)]
+    known = np.isin(buffer[at] | np.uint8(0x20), np.frombuffer(letters, dtype=np.uint8))
+    result: NDArray[np.bool_] = known & blank[np.minimum(at + 1, len(buffer) - 1)]
+    return result
 
 
 def _ranges(starts: NDArray[np.int64], ends: NDArray[np.int64], size: int) -> NDArray[np.bool_]:

@@ -9,7 +9,7 @@ use crate::constants::{
     LEAST_PROBE_SHARE, MOST_PROBE_TURNS, NEAREST_PARTS_GROWTH, PROBE_FIRST_SHARE, PROBE_GROWTH, PROBE_HALVINGS,
     PROBE_OTHER_SHORTER, PROBE_TURNED_SHORTER, PROBE_TURNS,
 };
-use crate::escape::containment::has_containment;
+use crate::containment::find::has_containment;
 
 /// Offsets of the directions around one, across it: a hexagon.
 const HEXAGON: [[f64; 2]; 6] =

@@ -13,7 +13,7 @@ use crate::constants::{
     MOST_PLANES, PARALLEL_ESCAPE_PLANES, TIGHT_SHARE,
 };
 use crate::contact_plane::{ContactPlane, Contacts};
-use crate::escape::containment::parts_in_containment;
+use crate::containment::find::parts_in_containment;
 use crate::escape::escape_probe::{cube_axes, escape_containment, is_free_and_outside, probe_axes};
 use crate::escape::min_norm::{min_norm, relaxed};
 use crate::query::ContactQuery;

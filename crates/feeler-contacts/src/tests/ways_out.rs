@@ -5,7 +5,7 @@ use feeler_core::{Mockup, Point, Pose};
 use feeler_shapes::{ball, box_mesh, box_sides, joined, sheet, Arrays};
 
 use super::{at, scene, tool, Held};
-use crate::escape::containment::parts_in_containment;
+use crate::containment::find::parts_in_containment;
 use crate::{Penetration, PenetrationKind};
 
 fn parts(meshes: Vec<Arrays>) -> Held {

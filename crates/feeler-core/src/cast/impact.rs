@@ -29,6 +29,17 @@ pub struct Cast {
     pub mockup_triangle: u32,
 }
 
+/// What ends a way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Touching {
+    /// The first pair of triangles that meets.
+    #[default]
+    Ends,
+    /// The first pair at which one body enters the other: surfaces may lie on each other and slide along each other, within the
+    /// tolerance. At the given poses it is decided exactly, as by [`Scene::is_entering`](crate::Scene::is_entering).
+    Free,
+}
+
 /// When a pair meets first.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Impact {

@@ -83,9 +83,10 @@ impl<'a> Moving<'a> {
 }
 
 /// A pair at a time: the corners relative to one of `q`'s, and the velocities.
-struct View<'a> {
+pub struct View<'a> {
     moving: &'a Moving<'a>,
-    p: Triangle,
+    /// The moving triangle.
+    pub p: Triangle,
     /// Relative to `q`'s first corner.
     corners: Triangle,
     /// `q`'s other two, likewise.
@@ -97,7 +98,7 @@ struct View<'a> {
 
 impl<'a> View<'a> {
     #[inline]
-    fn new(moving: &'a Moving<'a>, q: &Triangle, time: f64, pose: &Pose) -> View<'a> {
+    pub fn new(moving: &'a Moving<'a>, q: &Triangle, time: f64, pose: &Pose) -> View<'a> {
         let p = pose.apply_triangle(&moving.corners);
         let corners = [sub(&p[0], &q[0]), sub(&p[1], &q[0]), sub(&p[2], &q[0])];
         let others = [sub(&q[1], &q[0]), sub(&q[2], &q[0])];
@@ -117,14 +118,14 @@ impl<'a> View<'a> {
 
     /// The normals of the two triangles, of any length: of the one that stands still first.
     #[inline]
-    fn normals(&self) -> [Point; 2] {
+    pub fn normals(&self) -> [Point; 2] {
         let [a, b, c] = &self.corners;
         [cross(&self.others[0], &self.others[1]), cross(&sub(b, a), &sub(c, a))]
     }
 
     /// The other axes along which two triangles can be held apart: across an edge of each, and, for triangles in one plane,
     /// across an edge within it.
-    fn edge_axes(&self) -> impl Iterator<Item = Point> {
+    pub fn edge_axes(&self) -> impl Iterator<Item = Point> {
         let [a, b, c] = &self.corners;
         let [d, e] = &self.others;
         let of_p = [sub(b, a), sub(c, b), sub(a, c)];
@@ -200,9 +201,13 @@ impl<'a> View<'a> {
     }
 
     fn free_time_along(&self, n: &Point) -> f64 {
-        let Some(n) = unit(n) else { return 0.0 };
-        let (heights, rates, acceleration) = self.heights(&self.facing(&n));
-        (0..3).map(|i| time_to_reach_zero(heights[i], rates[i], acceleration)).fold(f64::INFINITY, f64::min)
+        unit(n).map_or(0.0, |n| self.free_time_above(&self.facing(&n), 0.0))
+    }
+
+    /// For how long the plane along a unit normal surely holds the two apart, where it may be overlapped by `slack` (metres).
+    pub fn free_time_above(&self, n: &Point, slack: f64) -> f64 {
+        let (heights, rates, acceleration) = self.heights(n);
+        (0..3).map(|i| time_to_reach_zero(heights[i] + slack, rates[i], acceleration)).fold(f64::INFINITY, f64::min)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::impact::{check_tolerance, Cast};
+use super::impact::{check_tolerance, Cast, Touching};
 use super::query::{cast, CastScratch};
 use crate::error::{Error, Result};
 use crate::geometry::pose::Pose;
@@ -30,7 +30,7 @@ pub(crate) fn check_path(
     pool: &ScratchPool<CastScratch>,
     tool: &Tool,
     poses: &[Pose],
-    tolerance: f64,
+    (tolerance, touching): (f64, Touching),
     progress: Progress<'_>,
 ) -> Result<PathCheck> {
     const PATH_WAVE: usize = 2048;
@@ -51,7 +51,7 @@ pub(crate) fn check_path(
                     .filter_map(|i| {
                         let segment = start + i;
                         let (from, to) = (&poses[segment], poses.get(segment + 1).unwrap_or(first));
-                        let found = cast(index, tool, from, to, tolerance, &mut scratch)?;
+                        let found = cast(index, tool, from, to, (tolerance, touching), &mut scratch)?;
                         Some((segment, found))
                     })
                     .collect();

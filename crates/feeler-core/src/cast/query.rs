@@ -1,7 +1,7 @@
 //! One cast.
 
-use super::impact::{contact, Cast};
-use super::sweep::{first_impact, impact_at_start, SweepMemory};
+use super::impact::{contact, Cast, Impact, Touching};
+use super::sweep::{first_impact, impact_at, SweepMemory};
 use crate::collide::query::CollideScratch;
 use crate::geometry::pose::Pose;
 use crate::index::mockup_index::Index;
@@ -22,15 +22,21 @@ pub fn cast(
     tool: &Tool,
     pose0: &Pose,
     pose1: &Pose,
-    tolerance: f64,
+    (tolerance, touching): (f64, Touching),
     scratch: &mut CastScratch,
 ) -> Option<Cast> {
     let CastScratch { sweep, collide } = scratch;
     let motion = Motion::new(tool, pose0, pose1);
-    let impact = if motion.is_still() {
-        impact_at_start(index, tool, &motion, collide)
+    let mut at = |time: f64| impact_at(index, tool, &motion, touching, time, collide);
+    let impact: Option<Impact> = if motion.is_still() {
+        at(0.0)
+    } else if touching == Touching::Ends {
+        first_impact(index, tool, &motion, (tolerance, touching), sweep, collide)
     } else {
-        first_impact(index, tool, &motion, tolerance, sweep, collide)
+        // Exact at both ends, and between them within the tolerance.
+        at(0.0)
+            .or_else(|| first_impact(index, tool, &motion, (tolerance, touching), sweep, collide))
+            .or_else(|| impact_at(index, tool, &motion, touching, 1.0, collide))
     };
     Some(contact(tool, index.mockup().mesh(), &motion, &impact?))
 }

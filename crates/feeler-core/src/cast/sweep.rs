@@ -3,9 +3,13 @@
 //! A long window is a loose one: boxes around the tool's whole way meet much that the tool passes by. A short one costs a
 //! descent for little progress. So a window that offers too many pairs is cut, and the next one after few pairs is longer.
 
-use super::impact::Impact;
+use std::collections::BTreeMap;
+
+use super::impact::{Impact, Touching};
 use super::pair::Moving;
-use crate::collide::query::{any_pair, CollideScratch};
+use super::sliding::Slide;
+use crate::collide::query::{any_pair, entering_pair, CollideScratch};
+use crate::geometry::bounds::Point;
 use crate::geometry::vectors::length;
 use crate::index::blocks::SweepScratch;
 use crate::index::mockup_index::Index;
@@ -49,15 +53,17 @@ pub(super) fn first_impact(
     index: &Index,
     tool: &Tool,
     motion: &Motion,
-    tolerance: f64,
+    (tolerance, touching): (f64, Touching),
     scratch: &mut SweepMemory,
     collide: &mut CollideScratch,
 ) -> Option<Impact> {
+    let selection = index.selection();
     let few = FEW_PAIRS.max(tool.clusters().len());
     // Shorter than this a window is no use: all it holds is within the tolerance.
     let shortest = tolerance / motion.longest_way().max(tolerance);
     let coarse = coarse_cuts(tool, motion);
     let mut from = 0.0;
+    let (mut before, mut after) = (BTreeMap::new(), BTreeMap::new());
     let mut cuts = coarse.saturating_sub(1);
     // Pairs offered with the tool standing still, and when.
     let (mut still, mut still_at) = (0, -1.0);
@@ -67,12 +73,24 @@ pub(super) fn first_impact(
         let fine = cuts.saturating_sub(coarse);
         let limit = (few << fine).max(TIMES_STILL * still);
         let may_cut = fine < MOST_CUTS && share > shortest;
-        let mut chase = Chase { index, tool, motion, tolerance, from, best: None, until: to };
+        let mut chase = Chase {
+            index,
+            tool,
+            motion,
+            tolerance,
+            touching,
+            from,
+            best: None,
+            until: to,
+            before: &before,
+            after: &mut after,
+        };
         let sweep = |to: f64| Sweep {
             mesh: index.mockup().mesh(),
             tool,
             window: motion.window(tool, from, to),
             lanes: index.lanes(),
+            selection,
             may_give_up: may_cut && to > from,
         };
         let SweepMemory { store, pairs } = &mut *scratch;
@@ -80,6 +98,9 @@ pub(super) fn first_impact(
         let mut is_full = false;
         let whole = sweep(to);
         let all_seen = index.store().offer_swept(&whole, store, &mut |slot, triangle| {
+            if !selection.wants(tool, index.mockup(), slot, triangle) {
+                return false;
+            }
             pairs.push(pair_key(slot, triangle));
             if pairs.len() < limit {
                 return false;
@@ -95,14 +116,14 @@ pub(super) fn first_impact(
         if is_full || !all_seen {
             cuts += 1;
             if from == 0.0 && cuts == coarse + CUTS_IN_CONTACT {
-                if let Some(impact) = impact_at_start(index, tool, motion, collide) {
+                if let Some(impact) = impact_at(index, tool, motion, touching, 0.0, collide) {
                     return Some(impact);
                 }
             }
             if is_full && cuts > coarse + CUTS_IN_CONTACT && still_at < from {
                 (still, still_at) = (0, from);
-                index.store().offer_swept(&sweep(from), store, &mut |_, _| {
-                    still += 1;
+                index.store().offer_swept(&sweep(from), store, &mut |slot, triangle| {
+                    still += usize::from(selection.wants(tool, index.mockup(), slot, triangle));
                     false
                 });
             }
@@ -113,21 +134,28 @@ pub(super) fn first_impact(
         if chase.best.is_some() {
             return chase.best;
         }
+        before = std::mem::take(&mut after);
         from = to;
         cuts = cuts.saturating_sub(u32::from(offered < limit / 4));
     }
     None
 }
 
-/// A pair that meets at the beginning, exactly.
-pub(super) fn impact_at_start(
+/// A pair that meets at a time, or where touching is free one that enters, exactly.
+pub(super) fn impact_at(
     index: &Index,
     tool: &Tool,
     motion: &Motion,
+    touching: Touching,
+    time: f64,
     scratch: &mut CollideScratch,
 ) -> Option<Impact> {
-    let [tool_triangle, mockup_triangle] = any_pair(index, tool, &motion.at(0.0), scratch)?;
-    Some(Impact { time: 0.0, tool_triangle, mockup_triangle })
+    let pose = motion.at(time);
+    let pair = match touching {
+        Touching::Ends => any_pair(index, tool, &pose, scratch),
+        Touching::Free => entering_pair(index, tool, &pose, scratch),
+    };
+    pair.map(|[tool_triangle, mockup_triangle]| Impact { time, tool_triangle, mockup_triangle })
 }
 
 /// Cuts that make a window no longer than a stride.
@@ -145,9 +173,13 @@ struct Chase<'a> {
     tool: &'a Tool,
     motion: &'a Motion,
     tolerance: f64,
+    touching: Touching,
     from: f64,
     until: f64,
     best: Option<Impact>,
+    /// Where touching is free: of pairs that touch at the beginning of the window, and at its end, the normals that hold them apart.
+    before: &'a BTreeMap<u64, Point>,
+    after: &'a mut BTreeMap<u64, Point>,
 }
 
 impl Chase<'_> {
@@ -155,7 +187,8 @@ impl Chase<'_> {
     fn follow(&mut self, pairs: &mut Vec<u64>, pose: &crate::geometry::pose::Pose) {
         pairs.sort_unstable();
         pairs.dedup();
-        let mesh = self.index.mockup().mesh();
+        let mockup = self.index.mockup();
+        let mesh = mockup.mesh();
         let mut moving: Option<(u32, Moving<'_>)> = None;
         for &pair in pairs.iter() {
             let (slot, triangle) = ((pair >> 32) as u32, pair as u32);
@@ -164,9 +197,23 @@ impl Chase<'_> {
             }
             let Some((_, moving)) = &moving else { continue };
             let q = mesh.triangle(triangle);
-            if let Some(time) = moving.first_impact(&q, self.from, self.until, pose, self.tolerance) {
+            let tool_triangle = self.tool.ids()[slot as usize];
+            let time = if self.touching == Touching::Ends {
+                moving.first_impact(&q, self.from, self.until, pose, self.tolerance)
+            } else {
+                let of_tool = self.tool.adjacency().outward[tool_triangle as usize];
+                let senses = [of_tool, mockup.adjacency().outward[triangle as usize]];
+                let span = (self.from, self.until);
+                match moving.slide(&q, senses, span, pose, self.before.get(&pair).copied(), self.tolerance) {
+                    Slide::Blocked(time) => Some(time),
+                    Slide::Free(normal) => {
+                        self.after.extend(normal.map(|normal| (pair, normal)));
+                        None
+                    }
+                }
+            };
+            if let Some(time) = time {
                 self.until = time;
-                let tool_triangle = self.tool.ids()[slot as usize];
                 self.best = Some(Impact { time, tool_triangle, mockup_triangle: triangle });
             }
         }

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use rayon::prelude::*;
 
 use super::hits::Hit;
-use super::narrow::Filters;
+use super::narrow::{Filters, Until};
 use super::query::{run, CollideScratch};
 use crate::error::{Error, Result};
 use crate::geometry::intersect_triangle_triangle::PairKind;
@@ -97,7 +97,7 @@ pub(crate) fn collide_batch(
                 if !fits(pairs.load(Relaxed) + found.hits.len() as u64) {
                     break;
                 }
-                run(index, tool, pose, Filters::default(), false, &mut scratch);
+                run(index, tool, pose, Filters::default(), Until::End, &mut scratch);
                 *count = scratch.sorted().len();
                 found.hits.extend(scratch.sorted());
             }

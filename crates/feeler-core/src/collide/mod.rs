@@ -5,3 +5,4 @@ pub(crate) mod brute;
 mod hits;
 pub mod narrow;
 pub(crate) mod query;
+pub(crate) mod touching;

@@ -153,12 +153,22 @@ impl Pending {
     }
 }
 
+/// How far a query goes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Until {
+    /// Until all pairs are found.
+    End,
+    /// To the first pair.
+    First,
+    /// To the first pair that crosses.
+    Crossing,
+}
+
 /// One query's narrow phase. Stores offer candidate pairs to it.
 pub(crate) struct Narrow<'a> {
     pub at: PlacedTool<'a>,
     pub filters: Filters,
-    /// Stop at the first pair found.
-    pub first_only: bool,
+    pub until: Until,
     pub placed: &'a mut PlacedBounds,
     pub seen: &'a mut PairSet,
     pub pending: &'a mut Pending,
@@ -234,8 +244,24 @@ impl CandidateSink for Narrow<'_> {
 impl Narrow<'_> {
     #[inline(always)]
     fn is_batch_over(&mut self) -> bool {
-        let batch = if self.first_only { FIRST_BATCH } else { BATCH };
+        let batch = if self.until == Until::First { FIRST_BATCH } else { BATCH };
         self.pending.count >= batch && self.finish()
+    }
+
+    /// Leaves out pairs that are not asked for.
+    #[inline(never)]
+    fn keep_selected(&mut self) {
+        let PlacedTool { mockup, tool, selection, .. } = self.at;
+        let Pending { slots, mockup_triangles, count, .. } = &mut *self.pending;
+        let mut kept = 0;
+        for i in 0..(*count).min(PENDING_PLACES) {
+            let (t, m) = (slots[i], mockup_triangles[i]);
+            // No branch, as for repeats.
+            slots[kept] = t;
+            mockup_triangles[kept] = m;
+            kept += usize::from(selection.wants(tool, mockup, t, m));
+        }
+        *count = kept;
     }
 
     /// Tests the pairs kept so far; true when the query is over.
@@ -243,6 +269,9 @@ impl Narrow<'_> {
     pub(crate) fn finish(&mut self) -> bool {
         if self.pending.count == 0 {
             return false;
+        }
+        if !self.at.selection.is_everything() {
+            self.keep_selected();
         }
         if self.filters.repeats && self.pending.is_repeating {
             let offered = self.pending.count;
@@ -264,9 +293,10 @@ impl Narrow<'_> {
         for i in count..count.next_multiple_of(LANES) {
             (slots[i], mockup_triangles[i]) = (slots[count - 1], mockup_triangles[count - 1]);
         }
-        let PlacedTool { mesh, tool, pose, lanes } = self.at;
+        let PlacedTool { mesh, tool, pose, lanes, .. } = self.at;
         let triangles = &mut *mockup_triangles;
         let (found, in_doubt) = lanes.run(Test { pose, tool, mesh, slots, triangles, count, asked, crossing });
+        let mut is_crossed = found > 0;
         let hit = |key: &u64| Hit::new(tool.ids()[(key >> 32) as usize], *key as u32, PairKind::Crossing);
         self.hits.extend(crossing[..found].iter().map(hit));
         for (slot, triangle) in slots[..in_doubt].iter().zip(&*mockup_triangles) {
@@ -280,10 +310,15 @@ impl Narrow<'_> {
             let meeting = intersect_with(&mut signs, &p, &mesh.triangle(*triangle));
             self.stats.exact_tests += u64::from(signs.exact > 0);
             if let Some(kind) = meeting {
+                is_crossed |= kind == PairKind::Crossing;
                 self.hits.push(Hit::new(tool.ids()[*slot as usize], *triangle, kind));
             }
         }
-        self.first_only && !self.hits.is_empty()
+        match self.until {
+            Until::End => false,
+            Until::First => !self.hits.is_empty(),
+            Until::Crossing => is_crossed,
+        }
     }
 }
 

@@ -1,7 +1,8 @@
 //! Every pair of triangles that meets at a pose, or any.
 
 use super::hits::{Hit, Hits};
-use super::narrow::{Filters, Narrow, Pending, PlacedBounds};
+use super::narrow::{Filters, Narrow, Pending, PlacedBounds, Until};
+use super::touching::Surfaces;
 use crate::geometry::intersect_triangle_triangle::PairKind;
 use crate::geometry::pose::Pose;
 use crate::index::blocks::BlocksScratch;
@@ -50,7 +51,7 @@ pub(crate) fn collide_into(
     scratch: &mut CollideScratch,
     out: &mut Collision,
 ) {
-    run(index, tool, pose, filters, false, scratch);
+    run(index, tool, pose, filters, Until::End, scratch);
     out.pairs.clear();
     out.kinds.clear();
     scratch.hits.unpack(index.lanes(), &mut out.pairs, &mut out.kinds);
@@ -59,8 +60,22 @@ pub(crate) fn collide_into(
 
 /// Any pair that meets, `[tool triangle, mock-up triangle]`; stops at the first.
 pub(crate) fn any_pair(index: &Index, tool: &Tool, pose: &Pose, scratch: &mut CollideScratch) -> Option<[u32; 2]> {
-    run(index, tool, pose, Filters::default(), true, scratch);
+    run(index, tool, pose, Filters::default(), Until::First, scratch);
     scratch.hits.sorted().next().map(Hit::pair)
+}
+
+/// Any pair at which one body enters the other, `[tool triangle, mock-up triangle]`; `None` where they only touch.
+pub(crate) fn entering_pair(index: &Index, tool: &Tool, pose: &Pose, scratch: &mut CollideScratch) -> Option<[u32; 2]> {
+    run(index, tool, pose, Filters::default(), Until::Crossing, scratch);
+    let mut hits = scratch.hits.sorted().peekable();
+    hits.peek()?;
+    let mockup = index.mockup();
+    let surfaces = Surfaces {
+        tool: &|t| pose.apply_triangle(&tool.mesh().triangle(t)),
+        mockup: &|m| mockup.mesh().triangle(m),
+        adjacency: [tool.adjacency(), mockup.adjacency()],
+    };
+    surfaces.entering(hits)
 }
 
 /// One query: `scratch.hits` afterwards holds the sorted, unique pairs.
@@ -69,7 +84,7 @@ pub(super) fn run(
     tool: &Tool,
     pose: &Pose,
     filters: Filters,
-    first_only: bool,
+    until: Until,
     scratch: &mut CollideScratch,
 ) {
     let CollideScratch { placed, seen, pending, blocks, hits, stats } = scratch;
@@ -78,8 +93,10 @@ pub(super) fn run(
     pending.clear();
     hits.clear();
     *stats = Stats::default();
-    let at = PlacedTool { mesh: index.mockup().mesh(), tool, pose, lanes: index.lanes() };
-    let mut narrow = Narrow { at, filters, first_only, placed, seen, pending, hits, stats };
+    let mockup = index.mockup();
+    let (mesh, lanes, selection) = (mockup.mesh(), index.lanes(), index.selection());
+    let at = PlacedTool { mockup, mesh, tool, pose, lanes, selection };
+    let mut narrow = Narrow { at, filters, until, placed, seen, pending, hits, stats };
     index.store().offer_candidates(&at, blocks, &mut narrow);
     narrow.finish();
     hits.sort(index.lanes());

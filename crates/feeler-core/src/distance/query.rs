@@ -92,7 +92,7 @@ pub fn near_candidates(
 ) -> Result<Option<Vec<Candidate>>> {
     let DistanceScratch { gaps, places, sorted, search, near, candidates } = scratch;
     let allowed = most_gaps(index);
-    let at = NearTool { mockup: index.mockup(), tool, pose, lanes: index.lanes(), dividers };
+    let at = near_tool(index, tool, pose, dividers);
     let mut wanted = Wanted::new(at, Goal::Candidates, within, most.min(allowed), (gaps, places, sorted));
     wanted.collect_into(std::mem::take(candidates));
     index.store().search(&at, search, near, &mut wanted);
@@ -113,10 +113,14 @@ pub(super) fn find_gaps(
     scratch: &mut DistanceScratch,
 ) -> bool {
     let DistanceScratch { gaps, places, sorted, search, near, .. } = scratch;
-    let at = NearTool { mockup: index.mockup(), tool, pose, lanes: index.lanes(), dividers: &[] };
+    let at = near_tool(index, tool, pose, &[]);
     let mut wanted = Wanted::new(at, goal, within, most_gaps(index), (gaps, places, sorted));
     index.store().search(&at, search, near, &mut wanted);
     wanted.finish()
+}
+
+fn near_tool<'a>(index: &'a Index, tool: &'a Tool, pose: &'a Pose, dividers: &'a [Divider]) -> NearTool<'a> {
+    NearTool { mockup: index.mockup(), tool, pose, lanes: index.lanes(), selection: index.selection(), dividers }
 }
 
 /// How many gaps a result may hold. Growing vectors hold up to three times their content.

@@ -77,6 +77,9 @@ impl NearSink for Wanted<'_> {
     }
 
     fn collect(&mut self, slot: u32, mockup_triangle: u32, bound: f64) -> bool {
+        if !self.at.selection.wants(self.at.tool, self.at.mockup, slot, mockup_triangle) {
+            return false;
+        }
         self.candidates.push(Candidate {
             bound,
             part: self.at.mockup.part_of_face(mockup_triangle),
@@ -87,6 +90,9 @@ impl NearSink for Wanted<'_> {
     }
 
     fn take(&mut self, slot: u32, mockup_triangle: u32) -> bool {
+        if !self.at.selection.wants(self.at.tool, self.at.mockup, slot, mockup_triangle) {
+            return false;
+        }
         let part = self.at.mockup.part_of_face(mockup_triangle);
         let within = match self.goal {
             Goal::Pairs => self.bound,

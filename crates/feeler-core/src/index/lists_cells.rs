@@ -5,6 +5,7 @@ use super::occupancy::SIDE;
 use crate::geometry::bounds::Aabb;
 use crate::index::grid::VoxelRange;
 use crate::index::plain_search::{Cells, Item};
+use crate::index::selection::Selection;
 
 /// A region of the grid.
 #[derive(Debug, Clone, Copy)]
@@ -24,7 +25,7 @@ impl Cells for ListedMesh<'_> {
         Region::Node(self.lists.occupancy().height() - 1, [0; 3])
     }
 
-    fn open(&self, region: Region, visit: &mut dyn FnMut(Item<Region>, Aabb)) {
+    fn open(&self, region: Region, selection: &Selection, visit: &mut dyn FnMut(Item<Region>, Aabb)) {
         let lists = self.lists;
         match region {
             Region::Node(level, node) => lists.occupancy().for_each_child(level, node, |child| {
@@ -46,7 +47,7 @@ impl Cells for ListedMesh<'_> {
                 }
             }
             Region::Voxel(voxel) => {
-                for &triangle in lists.of_voxel(voxel) {
+                for &triangle in lists.of_voxel(voxel).iter().filter(|triangle| selection.has(**triangle)) {
                     visit(Item::Triangle(triangle), Aabb::of_triangle(&self.mesh.triangle(triangle)));
                 }
             }

@@ -5,18 +5,20 @@ use std::sync::Arc;
 use feeler_lanes::{Checked, Level};
 
 use crate::error::{Error, Result};
+use crate::index::selection::Selection;
 use crate::index::store::{Storage, Store};
 use crate::mesh::mockup::Mockup;
 use crate::progress::Progress;
 
-/// A mock-up and its store. Immutable while it is queried.
-#[derive(Debug)]
+/// A mock-up and its store, and what of it is asked for. Immutable while it is queried; a copy shares mock-up and store.
+#[derive(Debug, Clone)]
 pub struct Index {
     mockup: Arc<Mockup>,
     voxel_size: f64,
     storage: Storage,
     memory_limit: u64,
-    store: Store,
+    store: Arc<Store>,
+    selection: Selection,
     lanes: Checked,
 }
 
@@ -35,8 +37,19 @@ impl Index {
         if !(voxel_size.is_finite() && voxel_size > 0.0) {
             return Err(Error::VoxelSize { value: voxel_size });
         }
-        let store = Store::build(mockup.mesh(), storage, voxel_size, memory_limit, progress)?;
-        Ok(Index { mockup, voxel_size, storage, memory_limit, store, lanes: Level::best().checked() })
+        let store = Arc::new(Store::build(mockup.mesh(), storage, voxel_size, memory_limit, progress)?);
+        let (selection, lanes) = (Selection::default(), Level::best().checked());
+        Ok(Index { mockup, voxel_size, storage, memory_limit, store, selection, lanes })
+    }
+
+    /// The same with another selection.
+    pub(crate) fn with_selection(&self, selection: Selection) -> Index {
+        Index { selection, ..self.clone() }
+    }
+
+    /// What is asked for.
+    pub fn selection(&self) -> &Selection {
+        &self.selection
     }
 
     /// The mock-up.

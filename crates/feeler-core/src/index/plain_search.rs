@@ -5,6 +5,7 @@
 //! with swept sphere volumes*, 1999).
 
 use super::pair_set::{pair_key, PairSet};
+use super::selection::Selection;
 use super::sink::{NearSink, NearTool};
 use crate::geometry::bounds::Aabb;
 use crate::geometry::distance_triangle_triangle::distance_bound;
@@ -19,8 +20,8 @@ pub trait Cells {
     fn root(&self) -> Self::Cell;
 
     /// Calls `visit` with what lies directly below a node and a box (world, metres) around it. Every triangle that reaches into
-    /// the node is below it, at least with the share that does.
-    fn open(&self, cell: Self::Cell, visit: &mut dyn FnMut(Item<Self::Cell>, Aabb));
+    /// the node is below it, at least with the share that does; what is not there may be left out.
+    fn open(&self, cell: Self::Cell, selection: &Selection, visit: &mut dyn FnMut(Item<Self::Cell>, Aabb));
 }
 
 /// What lies below a node.
@@ -111,7 +112,7 @@ pub fn search<C: Cells, W: NearSink>(cells: &C, at: &NearTool<'_>, scratch: &mut
             }
             (_, Item::Cell(cell)) => {
                 let limit = wanted.bound();
-                cells.open(cell, &mut |below, bounds| push(&mut stack, member, (below, bounds), limit));
+                cells.open(cell, at.selection, &mut |below, bounds| push(&mut stack, member, (below, bounds), limit));
             }
             (Member::Entry { .. }, Item::Triangle(_)) => unreachable!("an entry is opened for a triangle"),
         }

@@ -4,6 +4,7 @@ use feeler_lanes::{Checked, Simd, LANES};
 
 use crate::geometry::bounds::{Aabb, Point};
 use crate::geometry::pose::Pose;
+use crate::index::selection::Selection;
 use crate::mesh::mockup::Mockup;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::tool::motion::Window;
@@ -12,7 +13,9 @@ use crate::tool::moving_tool::Tool;
 /// A tool at a pose, and the mesh whose triangles it may meet.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PlacedTool<'a> {
-    /// The mock-up's triangles.
+    /// The mock-up.
+    pub mockup: &'a Mockup,
+    /// Its triangles.
     pub mesh: &'a Mesh,
     /// The tool.
     pub tool: &'a Tool,
@@ -20,6 +23,8 @@ pub(crate) struct PlacedTool<'a> {
     pub pose: &'a Pose,
     /// The instruction set.
     pub lanes: Checked,
+    /// What is asked for. A hint: what is not may be offered all the same.
+    pub selection: &'a Selection,
 }
 
 /// Takes candidate pairs: those that the index cannot hold apart.
@@ -97,6 +102,8 @@ pub(crate) struct NearTool<'a> {
     pub pose: &'a Pose,
     /// The instruction set.
     pub lanes: Checked,
+    /// What is asked for. A hint: what is not may be offered all the same.
+    pub selection: &'a Selection,
     /// Sorted by part. A hint: pairs they hold apart may be offered all the same.
     pub dividers: &'a [Divider],
 }
@@ -146,6 +153,8 @@ pub(crate) struct Sweep<'a> {
     pub window: Window,
     /// The instruction set.
     pub lanes: Checked,
+    /// What is asked for. A hint: what is not may be offered all the same.
+    pub selection: &'a Selection,
     /// Whether the store may give up where a shorter window would do better.
     pub may_give_up: bool,
 }

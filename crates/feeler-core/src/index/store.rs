@@ -4,6 +4,7 @@ use super::blocks::{Blocks, BlocksScratch, NearScratch, SweepScratch};
 use super::dense::Dense;
 use super::hashed::Hashed;
 use super::plain_search::{search, SearchScratch};
+use super::selection::IsThere;
 use super::sink::{CandidateSink, NearSink, NearTool, Offer, PlacedTool, Sweep};
 use crate::error::Result;
 use crate::mesh::triangle_mesh::Mesh;
@@ -95,6 +96,14 @@ impl Store {
             Store::Dense(store) => store.with(sweep.mesh).offer_swept(sweep, &mut scratch.seen, offer),
             Store::Hashed(store) => store.with(sweep.mesh).offer_swept(sweep, &mut scratch.seen, offer),
             Store::Blocks(store) => store.offer_swept(sweep, scratch, offer),
+        }
+    }
+
+    /// For each level of nodes a word a node: which children have a triangle below them that is there. Empty without nodes.
+    pub(crate) fn children_there(&self, is_there: &IsThere<'_>) -> Vec<Vec<u32>> {
+        match self {
+            Store::Dense(_) | Store::Hashed(_) => Vec::new(),
+            Store::Blocks(store) => store.children_there(is_there),
         }
     }
 

@@ -5,8 +5,9 @@ use std::sync::Arc;
 use feeler_lanes::prefetch_at;
 use once_cell::race::OnceBox;
 
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::geometry::bounds::{Aabb, Point};
+use crate::mesh::part_numbers::check_parts;
 use crate::mesh::topology::adjacency::Adjacency;
 use crate::mesh::topology::body_outlines::BodyOutlines;
 use crate::mesh::triangle_mesh::Mesh;
@@ -31,15 +32,7 @@ impl Mockup {
     /// Errors: no triangle at all, none that can be queried, more than 2^32 - 1 triangles, vertices or parts, no part, and a
     /// `part_of_face` of another length or with a part that is not there. Other defects are listed in [`Mesh::defects`].
     pub fn new(vertices: Vec<Point>, faces: Vec<[u32; 3]>, part_of_face: Vec<u32>, parts: usize) -> Result<Mockup> {
-        if !part_of_face.is_empty() && part_of_face.len() != faces.len() {
-            return Err(Error::Length { what: "part_of_face", got: part_of_face.len(), expected: faces.len() });
-        }
-        if parts == 0 || parts as u64 > u64::from(u32::MAX) {
-            return Err(Error::TooMany { what: "parts", count: parts as u64, limit: u64::from(u32::MAX) });
-        }
-        if let Some((face, &part)) = part_of_face.iter().enumerate().find(|(_, part)| **part as usize >= parts) {
-            return Err(Error::PartOutOfRange { face, part, parts });
-        }
+        check_parts(&part_of_face, faces.len(), parts)?;
         let mesh = Mesh::new("mock-up", vertices, faces)?;
         let mut part_bounds = vec![Aabb::EMPTY; parts];
         let mut part_triangles = vec![0; parts];
@@ -71,6 +64,11 @@ impl Mockup {
     #[inline]
     pub fn part_of_face(&self, face: u32) -> u32 {
         self.part_of_face.get(face as usize).copied().unwrap_or(0)
+    }
+
+    /// The part of each triangle; empty where all belong to part 0.
+    pub(crate) fn parts_of_faces(&self) -> &[u32] {
+        &self.part_of_face
     }
 
     /// Asks for what [`part_of_face`](Self::part_of_face) will read.

@@ -9,6 +9,7 @@ use crate::geometry::bounds::{Aabb, Piece, Point, Triangle};
 use crate::geometry::intersect_lanes::line_of;
 use crate::geometry::pose::Pose;
 use crate::mesh::median::{self, Cells};
+use crate::mesh::part_numbers::check_parts;
 use crate::mesh::pieces::{cut_margin, cut_triangle, default_piece_size, grown_box, outline};
 use crate::mesh::topology::adjacency::Adjacency;
 use crate::mesh::topology::body_outlines::BodyOutlines;
@@ -22,6 +23,9 @@ use once_cell::race::OnceBox;
 #[derive(Debug)]
 pub struct Tool {
     mesh: Mesh,
+    /// The part of each triangle; empty where all belong to part 0.
+    part_of_face: Vec<u32>,
+    parts: usize,
     /// The corners of the queried triangles, in the order of the clusters: neighbours in space are neighbours in memory.
     placeable: Vec<Triangle>,
     /// The same for the triangle test, each in one cache line.
@@ -74,6 +78,15 @@ impl Tool {
     /// Errors: no triangle at all, none that can be queried, and more than 2^30 triangles or 2^32 - 1 vertices. Other defects are
     /// listed in [`Mesh::defects`].
     pub fn new(vertices: Vec<Point>, faces: Vec<[u32; 3]>) -> Result<Tool> {
+        Tool::of_parts(vertices, faces, Vec::new(), 1)
+    }
+
+    /// The same of several parts that move as one. `part_of_face` gives each triangle's part, 0 to `parts - 1`; empty means that all
+    /// belong to part 0.
+    ///
+    /// Errors: as [`new`](Self::new), no part, and a `part_of_face` of another length or with a part that is not there.
+    pub fn of_parts(vertices: Vec<Point>, faces: Vec<[u32; 3]>, part_of_face: Vec<u32>, parts: usize) -> Result<Tool> {
+        check_parts(&part_of_face, faces.len(), parts)?;
         if faces.len() > MAX_TOOL_TRIANGLES {
             let count = faces.len() as u64;
             return Err(Error::TooMany { what: "tool triangles", count, limit: MAX_TOOL_TRIANGLES as u64 });
@@ -119,6 +132,8 @@ impl Tool {
         let largest = mesh.bounds().largest_coordinate();
         let placeable: Vec<Triangle> = ids.iter().map(|id| mesh.triangle(*id)).collect();
         Ok(Tool {
+            part_of_face,
+            parts,
             lines: placeable.iter().map(line_of).collect(),
             placeable,
             mesh,
@@ -139,10 +154,30 @@ impl Tool {
         &self.mesh
     }
 
-    /// Which triangles share edges.
+    /// Number of its parts.
+    pub fn parts(&self) -> usize {
+        self.parts
+    }
+
+    /// The part a triangle belongs to.
+    #[inline]
+    pub fn part_of_face(&self, face: u32) -> u32 {
+        self.part_of_face.get(face as usize).copied().unwrap_or(0)
+    }
+
+    /// Which triangles share edges, within each part.
     #[doc(hidden)]
     pub fn adjacency(&self) -> &Adjacency {
-        self.adjacency.get_or_init(|| Box::new(Adjacency::of_one_part(&self.mesh)))
+        self.adjacency.get_or_init(|| {
+            if self.parts == 1 {
+                return Box::new(Adjacency::of_one_part(&self.mesh));
+            }
+            let mut bounds = vec![Aabb::EMPTY; self.parts];
+            for face in self.mesh.queried() {
+                self.mesh.triangle(face).iter().for_each(|p| bounds[self.part_of_face(face) as usize].grow(p));
+            }
+            Box::new(Adjacency::new(&self.mesh, |face| self.part_of_face(face), &bounds))
+        })
     }
 
     /// The points that span the convex body of a triangle, in the tool's frame; found when first asked for.

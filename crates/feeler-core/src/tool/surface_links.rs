@@ -1,11 +1,14 @@
 //! Ways between the connected surfaces of a tool.
 
+use std::collections::BTreeMap;
+
 use super::moving_tool::Tool;
 use crate::constants::NEEDLE_WIDTH;
 use crate::geometry::bounds::Point;
 use crate::geometry::vectors::sub;
 use crate::mesh::median::{self, Cells};
 use crate::mesh::topology::adjacency::Adjacency;
+use crate::mesh::topology::closed_shells::Surfaces;
 use crate::mesh::triangle_mesh::Mesh;
 
 /// A corner of each connected surface of a tool, and ways from each to the next: where one meets nothing, both of its ends lie on
@@ -14,6 +17,12 @@ use crate::mesh::triangle_mesh::Mesh;
 pub struct SurfaceLinks {
     /// Triangles whose first corners these are; neighbours in space are neighbours here.
     pub ends: Vec<u32>,
+    /// The first triangle of each connected surface.
+    pub surfaces: Vec<u32>,
+    /// Where each of these is among the ends: several whose first corners coincide have one.
+    pub end_of: Vec<u32>,
+    /// The connected surface of each triangle.
+    pub surface_of: Vec<u32>,
     /// A triangle for each way, which is one of its edges; `None` where there are none.
     pub ways: Option<Box<Tool>>,
 }
@@ -22,7 +31,8 @@ impl SurfaceLinks {
     /// Between the surfaces of a tool's mesh.
     pub(crate) fn new(mesh: &Mesh, adjacency: &Adjacency) -> SurfaceLinks {
         let first = |t: u32| mesh.triangle(t)[0];
-        let mut ends: Vec<u32> = adjacency.surfaces.iter().map(|(_, t)| *t).collect();
+        let Surfaces { first: surfaces, of: surface_of } = Surfaces::new(mesh, &adjacency.neighbours);
+        let mut ends = surfaces.clone();
         let place = |t: &u32| first(*t).map(|x| (x + 0.0).to_bits());
         ends.sort_by_key(place);
         ends.dedup_by_key(|t| place(t));
@@ -32,7 +42,9 @@ impl SurfaceLinks {
         ends = order.into_iter().map(|(_, t)| t).collect();
         let vertices: Vec<Point> = ends.windows(2).flat_map(|pair| needle(&first(pair[0]), &first(pair[1]))).collect();
         let faces = (0..vertices.len() as u32 / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
-        SurfaceLinks { ends, ways: Tool::new(vertices, faces).ok().map(Box::new) }
+        let places: BTreeMap<[u64; 3], u32> = ends.iter().map(place).zip(0..).collect();
+        let end_of = surfaces.iter().map(|t| places[&place(t)]).collect();
+        SurfaceLinks { ends, surfaces, end_of, surface_of, ways: Tool::new(vertices, faces).ok().map(Box::new) }
     }
 }
 

@@ -5,6 +5,7 @@ use super::tree::Blocks;
 use crate::constants::SIDE_ROUNDING;
 use crate::geometry::bounds::Aabb;
 use crate::index::plain_search::{Cells, Item};
+use crate::index::selection::{there as selected, Selection};
 
 impl Cells for Blocks {
     /// Level and node.
@@ -14,13 +15,22 @@ impl Cells for Blocks {
         (self.levels.len() - 1, 0)
     }
 
-    fn open(&self, (level, index): (usize, u32), visit: &mut dyn FnMut(Item<(usize, u32)>, Aabb)) {
+    fn open(
+        &self,
+        (level, index): (usize, u32),
+        selection: &Selection,
+        visit: &mut dyn FnMut(Item<(usize, u32)>, Aabb),
+    ) {
         let node = &self.levels[level][index as usize];
+        let there = selected(selection.children(level), index, u32::MAX);
         for i in 0..FANOUT as u32 {
             if node.valid >> i & 1 == 0 {
                 break;
             }
             let child = FANOUT as u32 * index + i;
+            if there >> i & 1 == 0 || level == 0 && !selection.has(self.triangle(child as usize)) {
+                continue;
+            }
             if level > 0 {
                 let b = self.levels[level - 1][child as usize].bounds();
                 visit(Item::Cell((level - 1, child)), self.in_metres(|a| (b.lower[a].into(), b.upper[a].into())));

@@ -8,6 +8,7 @@ use super::piece_scan::RowsScratch;
 use super::pieces::HalfBlock;
 use super::scan::{Arrival, PiecePair, Reached, Run, Scan, PIECE_PAIRS};
 use super::tree::Blocks;
+use crate::index::selection::{there as selected, Selection};
 use crate::index::sink::{CandidateSink, PlacedTool};
 use crate::tool::moving_tool::Tool;
 use crate::tool::placement::{BoxLanes, PlaceBoxes, PlacedPieces, Placement};
@@ -57,7 +58,7 @@ impl Default for BlocksScratch {
 impl Blocks {
     /// Offers every pair of pieces that boxes and planes do not hold apart to the narrow phase, until it says stop.
     pub fn offer_candidates<N: CandidateSink>(&self, at: &PlacedTool<'_>, scratch: &mut BlocksScratch, narrow: &mut N) {
-        let PlacedTool { mesh, tool, pose, lanes } = *at;
+        let PlacedTool { mesh, tool, pose, lanes, selection, .. } = *at;
         let margin = tool.margin_at(pose);
         // In float64 first: a tool far away is done with.
         let whole = pose.apply_box(&tool.mesh().bounds(), margin);
@@ -69,7 +70,7 @@ impl Blocks {
         scratch.nodes.push(0);
         scratch.children.resize(tool.height() + 1, LaneBoxes::ZERO);
         let root = self.frame.to_box4(&whole);
-        let mut descent = Descent { blocks: self, tool, lanes, placement, scratch };
+        let mut descent = Descent { blocks: self, tool, lanes, placement, selection, scratch };
         descent.scratch.reached[1].group = None;
         if !descent.descend(tool.height(), 0, &root, self.levels.len() - 1, 0, narrow) {
             descent.scan(None, narrow);
@@ -82,6 +83,7 @@ struct Descent<'a> {
     tool: &'a Tool,
     lanes: Checked,
     placement: Placement,
+    selection: &'a Selection,
     /// `nodes` is a stack of node lists; each step of the descent reads the top one and pushes its own. `masks` is the same
     /// for the children of tool entries: which of the 16 meet each node of the list.
     scratch: &'a mut BlocksScratch,
@@ -90,8 +92,8 @@ struct Descent<'a> {
 impl Descent<'_> {
     /// Lets a group wait, and works on the one that waited. True when the query is over.
     fn scan<N: CandidateSink>(&mut self, arrival: Option<Arrival<'_>>, narrow: &mut N) -> bool {
-        let Descent { blocks, tool, lanes, placement, scratch } = self;
-        lanes.run(Scan { blocks, tool, lanes: *lanes, placement, scratch, arrival, narrow })
+        let Descent { blocks, tool, lanes, placement, selection, scratch } = self;
+        lanes.run(Scan { blocks, tool, lanes: *lanes, placement, selection, scratch, arrival, narrow })
     }
 
     /// Tests tool entry `entry` of `tool_level` (1: a group of clusters), inside `bounds`, against the nodes `nodes[from..]`
@@ -110,11 +112,12 @@ impl Descent<'_> {
     ) -> bool {
         let to = self.scratch.nodes.len();
         let (mut level, mut from) = (level, from);
-        let Descent { blocks, tool, lanes, placement, scratch } = &mut *self;
+        let Descent { blocks, tool, lanes, placement, selection, scratch } = &mut *self;
         while level > tool_level {
             narrow.stats().voxels_visited += (scratch.nodes.len() - from) as u64;
             let [below, own] = [level - 1, level].map(|l| &blocks.levels[l]);
-            from = lanes.run(Expand { level: own, below, bounds, nodes: &mut scratch.nodes, from });
+            let there = selection.children(level);
+            from = lanes.run(Expand { level: own, below, there, bounds, nodes: &mut scratch.nodes, from });
             level -= 1;
         }
         let is_above = level == tool_level;
@@ -128,7 +131,8 @@ impl Descent<'_> {
             if is_above {
                 narrow.stats().voxels_visited += (nodes.len() - from) as u64;
                 let [below, own] = [level - 1, level].map(|l| &blocks.levels[l]);
-                let reach = Reach { placement, boxes, level: own, below, bounds, nodes, from, placed, spread };
+                let there = selection.children(level);
+                let reach = Reach { placement, boxes, level: own, below, there, bounds, nodes, from, placed, spread };
                 from = lanes.run(reach);
                 level -= 1;
             } else {
@@ -188,6 +192,8 @@ impl Descent<'_> {
 pub(super) struct Expand<'a> {
     pub level: &'a [Node],
     pub below: &'a [Node],
+    /// Which children are there; see [`Selection::children`].
+    pub there: &'a [u32],
     pub bounds: &'a Box4,
     pub nodes: &'a mut Vec<u32>,
     pub from: usize,
@@ -198,11 +204,11 @@ impl Kernel for Expand<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) -> usize {
-        let Expand { level, below, bounds, nodes, from } = self;
+        let Expand { level, below, there, bounds, nodes, from } = self;
         let to = nodes.len();
         for at in from..to {
             let node = nodes[at];
-            let mut hit = level[node as usize].overlapping(s, bounds);
+            let mut hit = selected(there, node, level[node as usize].overlapping(s, bounds));
             while hit != 0 {
                 let child = FANOUT as u32 * node + hit.trailing_zeros();
                 hit &= hit - 1;
@@ -237,6 +243,8 @@ pub(super) struct Reach<'a, P> {
     pub boxes: &'a BoxLanes,
     pub level: &'a [Node],
     pub below: &'a [Node],
+    /// Which children are there; see [`Selection::children`].
+    pub there: &'a [u32],
     pub bounds: &'a Box4,
     pub nodes: &'a mut Vec<u32>,
     pub from: usize,
@@ -256,13 +264,13 @@ impl<P: PlaceBoxes> Kernel for Reach<'_, P> {
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) -> usize {
-        let Reach { placement, boxes, level, below, bounds, nodes, from, placed, spread } = self;
+        let Reach { placement, boxes, level, below, there, bounds, nodes, from, placed, spread } = self;
         let to = nodes.len();
         let mut is_spread = false;
         for at in from..to {
             let node = nodes[at];
             let parent = &level[node as usize];
-            let mut hit = parent.overlapping(s, bounds);
+            let mut hit = selected(there, node, parent.overlapping(s, bounds));
             if hit == 0 {
                 continue;
             }

@@ -13,6 +13,7 @@ use super::tree::Blocks;
 use crate::constants::{BOUND_ROUNDING, FAR_MARGIN, LARGEST_BOUND, VANISHING_SQUARE};
 use crate::index::pair_set::PairSet;
 use crate::index::plain_search::{search, SearchScratch};
+use crate::index::selection::there as selected;
 use crate::index::sink::{NearSink, NearTool};
 use crate::tool::placement::{PlaceBoxes, PlacedPieces, Placement};
 use feeler_lanes::{prefetch, prefetch_at, Box4, Checked, Kernel, LaneBoxes, Simd, Sorter, LANES};
@@ -279,7 +280,8 @@ impl<W: NearSink> Kernel for Descend<'_, '_, W> {
                     });
                 }
             } else {
-                let mut found = near.of_children(s, node, &pair.bounds, run.limit);
+                let there = run.at.selection.children(pair.level as usize);
+                let mut found = selected(there, pair.node, near.of_children(s, node, &pair.bounds, run.limit));
                 let count = near.list(&mut found);
                 for at in (0..count).rev() {
                     let i = near.order[at] as u32 as usize;
@@ -365,7 +367,7 @@ fn reach<S: Simd, W>(s: S, run: &Search<'_, W>, scratch: &mut NearScratch) {
                     let squared = gaps(s, &half.lower, &half.upper, &pair.bounds);
                     found |= u32::from(!s.lanes(s.above(squared, limit))) << (LANES * h);
                 }
-                found &= node.valid;
+                found = selected(run.at.selection.children(pair.level as usize), pair.node, found & node.valid);
                 while found != 0 {
                     let child = FANOUT as u32 * pair.node + found.trailing_zeros();
                     found &= found - 1;

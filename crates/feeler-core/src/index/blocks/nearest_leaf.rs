@@ -69,6 +69,9 @@ pub fn scan<S: Simd, W: NearSink>(
     for &(piece, mut lanes) in &near[..count] {
         let (h, lane) = (piece / LANES, piece % LANES);
         let triangle = packed.triangles[piece];
+        if !run.at.selection.has(triangle) {
+            continue;
+        }
         if !run.dividers.is_empty() {
             if unpacked.is_judged >> piece & 1 == 0 {
                 unpacked.is_judged |= 1 << piece;

@@ -11,6 +11,7 @@ use super::piece_scan::{are_small, offer_rows, Rows, MANY_BLOCKS};
 use super::pieces::{most_slack, HalfBlock};
 use super::plane_cull::Beside;
 use super::tree::Blocks;
+use crate::index::selection::Selection;
 use crate::index::sink::CandidateSink;
 use crate::tool::moving_tool::{Tool, LEAST_LANES};
 use crate::tool::placement::{PlaceBoxes, PlacedPieces, Placement};
@@ -58,6 +59,7 @@ pub struct Scan<'a, N> {
     pub tool: &'a Tool,
     pub lanes: Checked,
     pub placement: &'a Placement,
+    pub selection: &'a Selection,
     pub scratch: &'a mut BlocksScratch,
     /// `None` after the last one.
     pub arrival: Option<Arrival<'a>>,
@@ -69,7 +71,7 @@ impl<N: CandidateSink> Kernel for Scan<'_, N> {
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) -> bool {
-        let Scan { blocks, tool, lanes, placement, scratch, arrival, narrow } = self;
+        let Scan { blocks, tool, lanes, placement, selection, scratch, arrival, narrow } = self;
         let BlocksScratch { nodes, masks, reached, spread, pieces, halves, runs, found, pairs, rows, .. } = scratch;
         let (pieces, halves, pairs) = (&mut **pieces, &mut **halves, &mut **pairs);
         let level = &blocks.levels[0];
@@ -81,7 +83,9 @@ impl<N: CandidateSink> Kernel for Scan<'_, N> {
             let first = match blocks.levels.get(1) {
                 Some(above) if is_above => {
                     narrow.stats().voxels_visited += (nodes.len() - from) as u64;
-                    Reach { placement, boxes, level: above, below: level, bounds, nodes, from, placed, spread }.run(s)
+                    let there = selection.children(1);
+                    Reach { placement, boxes, level: above, below: level, there, bounds, nodes, from, placed, spread }
+                        .run(s)
                 }
                 _ => {
                     placement.place_boxes(s, boxes, placed);

@@ -81,14 +81,16 @@ impl Descent<'_, '_> {
         let SweepScratch { nodes, children, spread, .. } = &mut **scratch;
         while level > tool_level {
             let [below, own] = [level - 1, level].map(|l| &blocks.levels[l]);
-            from = sweep.lanes.run(Expand { level: own, below, bounds, nodes, from });
+            let there = sweep.selection.children(level);
+            from = sweep.lanes.run(Expand { level: own, below, there, bounds, nodes, from });
             level -= 1;
         }
         let (boxes, placed) = (&sweep.tool.children(tool_level)[entry], &mut children[tool_level]);
         let placement = &*placement;
         if level == tool_level {
             let [below, own] = [level - 1, level].map(|l| &blocks.levels[l]);
-            let reach = Reach { placement, boxes, level: own, below, bounds, nodes, from, placed, spread };
+            let there = sweep.selection.children(level);
+            let reach = Reach { placement, boxes, level: own, below, there, bounds, nodes, from, placed, spread };
             from = sweep.lanes.run(reach);
             level -= 1;
         } else {

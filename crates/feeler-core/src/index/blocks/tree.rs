@@ -3,6 +3,7 @@
 use super::node::{Frame, Node, FANOUT};
 use super::pieces::PackedPieces;
 use crate::geometry::bounds::Aabb;
+use crate::index::selection::IsThere;
 use crate::mesh::triangle_mesh::Mesh;
 use feeler_lanes::{Box4, Kernel, Level, Simd};
 
@@ -27,6 +28,21 @@ impl Blocks {
             ("tree", nodes(&self.levels[1..])),
             ("pieces", self.pieces.capacity() * size_of::<PackedPieces>()),
         ]
+    }
+
+    /// For each level of nodes a word a node: which of its children have a triangle below them that is there. None of blocks.
+    pub fn children_there(&self, is_there: &IsThere<'_>) -> Vec<Vec<u32>> {
+        let mut below: Vec<bool> = (self.levels[0].iter().zip(&self.pieces))
+            .map(|(node, pieces)| pieces.triangles[..node.valid.count_ones() as usize].iter().any(|t| is_there(*t)))
+            .collect();
+        let mut words = vec![Vec::new()];
+        for _ in 1..self.levels.len() {
+            let word = |chunk: &[bool]| chunk.iter().rev().fold(0, |bits, there| bits << 1 | u32::from(*there));
+            let level: Vec<u32> = below.chunks(FANOUT).map(word).collect();
+            below = level.iter().map(|word| *word != 0).collect();
+            words.push(level);
+        }
+        words
     }
 
     /// The triangle of a piece.

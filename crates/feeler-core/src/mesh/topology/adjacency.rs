@@ -4,7 +4,8 @@
 use crate::constants::{EDGES_PER_OPEN_EDGE, NONE, WELD_SHARE};
 use crate::geometry::bounds::{Aabb, Point};
 use crate::geometry::triangle_normals::is_thin;
-use crate::geometry::vectors::{add, cross, dot, length, scaled, sub};
+use crate::geometry::vectors::{add, cross, length, scaled, sub};
+use crate::mesh::topology::closed_shells::{closed_shells, ClosedShell, Surfaces};
 use crate::mesh::topology::convex_bodies::convex_bodies;
 use crate::mesh::topology::crack_stitching::close_cracks;
 use crate::mesh::topology::disjoint_sets::DisjointSets;
@@ -32,6 +33,8 @@ pub struct Adjacency {
     pub centre: Point,
     /// For each connected surface its part and one of its triangles; sorted.
     pub surfaces: Vec<(u32, u32)>,
+    /// The closed ones among them, sorted by part. Across a crack two surfaces are one shell.
+    shells: Vec<ClosedShell>,
     /// Whether there are cracks: across these, adjacency need not be mutual.
     pub has_cracks: bool,
 }
@@ -55,6 +58,7 @@ impl Adjacency {
             bodies: Vec::new(),
             centre: [0.0; 3],
             surfaces: Vec::new(),
+            shells: Vec::new(),
             has_cracks: false,
         }
     }
@@ -82,36 +86,33 @@ impl Adjacency {
         joined.close_gaps(&part_of_face, bounds);
         let Joined { neighbours, mut closed, has_cracks, .. } = joined;
         spread_openness(&neighbours, &mut closed);
-        // Six times the volume, from a corner of the part: with cracks the sum depends on the origin, the more the farther it is.
-        let mut volume: Vec<(f64, Option<Point>)> = vec![(0.0, None); bounds.len()];
         let (mut centre, mut area) = ([0.0; 3], 0.0);
         let middle = scaled(&add(&mesh.bounds().lower, &mesh.bounds().upper), 0.5);
         for t in mesh.queried() {
             let [a, b, c] = mesh.triangle(t).map(|p| sub(&p, &middle));
             let normal = cross(&sub(&b, &a), &sub(&c, &a));
-            if closed[t as usize] {
-                let (volume, corner) = &mut volume[part_of_face(t) as usize];
-                *volume += dot(&sub(&a, corner.get_or_insert(a)), &normal);
-            }
             let weight = length(&normal);
             area += weight;
             centre = add(&centre, &scaled(&add(&add(&a, &b), &c), weight / 3.0));
         }
-        let outward: Vec<i8> = (0..mesh.faces().len() as u32)
-            .map(|t| match closed[t as usize] && mesh.is_queried(t) {
-                true if volume[part_of_face(t) as usize].0 < 0.0 => -1,
-                true => 1,
-                false => 0,
-            })
-            .collect();
+        let connected = Surfaces::new(mesh, &neighbours);
+        let (outward, shells) = closed_shells(mesh, (&connected, &neighbours, has_cracks), &closed, &part_of_face);
         let shift = if area > 0.0 && area.is_finite() { scaled(&centre, 1.0 / area) } else { [0.0; 3] };
-        let mut surfaces: Vec<(u32, u32)> =
-            first_of_surfaces(mesh, &neighbours).into_iter().map(|t| (part_of_face(t), t)).collect();
+        let mut surfaces: Vec<(u32, u32)> = connected.first.into_iter().map(|t| (part_of_face(t), t)).collect();
         surfaces.sort_unstable();
         let thin = |t: u32| WELD_SHARE * bounds[part_of_face(t) as usize].longest();
         let smooth_regions = smooth_regions(mesh, &neighbours, &outward, |t, triangle| is_thin(triangle, thin(t)));
         let bodies = convex_bodies(mesh, &neighbours, &outward, &smooth_regions);
-        Adjacency { neighbours, outward, smooth_regions, bodies, centre: add(&middle, &shift), surfaces, has_cracks }
+        Adjacency {
+            neighbours,
+            outward,
+            smooth_regions,
+            bodies,
+            centre: add(&middle, &shift),
+            surfaces,
+            shells,
+            has_cracks,
+        }
     }
 
     /// The convex body of a triangle; [`NONE`] of one that is not queried. Numbers are the same for the same mesh.
@@ -127,6 +128,13 @@ impl Adjacency {
         &self.surfaces[from..from + count]
     }
 
+    /// The closed surfaces of one part.
+    pub fn shells_of(&self, part: u32) -> &[ClosedShell] {
+        let from = self.shells.partition_point(|shell| shell.part < part);
+        let count = self.shells[from..].partition_point(|shell| shell.part == part);
+        &self.shells[from..from + count]
+    }
+
     /// Bytes held.
     pub fn memory(&self) -> usize {
         self.neighbours.capacity() * size_of::<[u32; 3]>()
@@ -134,6 +142,7 @@ impl Adjacency {
             + self.smooth_regions.capacity() * size_of::<SmoothRegion>()
             + self.bodies.capacity() * size_of::<u32>()
             + self.surfaces.capacity() * size_of::<(u32, u32)>()
+            + self.shells.capacity() * size_of::<ClosedShell>()
     }
 }
 
@@ -266,27 +275,6 @@ fn spread_openness(neighbours: &[[u32; 3]], closed: &mut [bool]) {
             }
         }
     }
-}
-
-/// The first triangle of each connected surface.
-fn first_of_surfaces(mesh: &Mesh, neighbours: &[[u32; 3]]) -> Vec<u32> {
-    let mut is_seen = vec![false; neighbours.len()];
-    let (mut first, mut next) = (Vec::new(), Vec::new());
-    for t in mesh.queried() {
-        if std::mem::replace(&mut is_seen[t as usize], true) {
-            continue;
-        }
-        first.push(t);
-        next.push(t);
-        while let Some(t) = next.pop() {
-            for n in neighbours[t as usize].into_iter().filter(|n| *n != NONE) {
-                if !std::mem::replace(&mut is_seen[n as usize], true) {
-                    next.push(n);
-                }
-            }
-        }
-    }
-    first
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 pub mod adjacency;
 pub mod body_outlines;
+pub(crate) mod closed_shells;
 mod convex_bodies;
 mod crack_stitching;
 pub mod disjoint_sets;

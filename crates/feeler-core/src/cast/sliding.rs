@@ -1,0 +1,98 @@
+//! One triangle on its way against one that stands still, where they may touch: when they first overlap by more than a tolerance.
+//!
+//! As in [`pair`](super::pair) planes hold the two apart; once they are within the tolerance a plane may be overlapped by the
+//! tolerance. Two triangles that slide along each other are so held apart all the way. From one plane to the next the normal turns
+//! by no more than a right angle, and never to the inner side of a solid that lies in the plane: a flat face does not pass through
+//! another, however thin.
+
+use super::pair::{Moving, View};
+use crate::constants::{MAX_STEPS, SAME_AXIS, TIME_ROUNDING, UNIT_ROUNDOFF};
+use crate::geometry::bounds::{Point, Triangle};
+use crate::geometry::distance_triangle_triangle::closest_triangle_triangle;
+use crate::geometry::pose::Pose;
+use crate::geometry::vectors::{dot, scaled, sub, unit};
+
+/// What a pair is until a time.
+#[derive(Debug, Clone, Copy)]
+pub enum Slide {
+    /// Free; the normal that holds the two apart then, from the one that stands still, where they touch.
+    Free(Option<Point>),
+    /// From this time on no plane holds them apart.
+    Blocked(f64),
+}
+
+/// The senses of the moving triangle and of the one that stands still: 1 or -1 where its surface bounds a solid, 0 of a sheet.
+pub type Senses = [i8; 2];
+
+impl Moving<'_> {
+    /// Follows a pair from a time until another; `pose` is that at `from`, `held` the normal that held them apart until then.
+    pub fn slide(
+        &self,
+        q: &Triangle,
+        senses: Senses,
+        (from, until): (f64, f64),
+        pose: &Pose,
+        held: Option<Point>,
+        tolerance: f64,
+    ) -> Slide {
+        let mut view = View::new(self, q, from, pose);
+        let (mut time, mut held) = (from, held);
+        for _ in 0..MAX_STEPS {
+            let closest = closest_triangle_triangle(&view.p, q);
+            let first = sub(&closest.on_p, &closest.on_q);
+            let slack = if closest.distance <= tolerance { tolerance } else { 0.0 };
+            let Some((axis, free)) = view.longest_hold(&first, senses, held.filter(|_| slack > 0.0), slack) else {
+                return Slide::Blocked(time);
+            };
+            let next = (time + free * (1.0 - TIME_ROUNDING)) * (1.0 - 4.0 * UNIT_ROUNDOFF);
+            if next >= until {
+                // Where they are apart by then, the next plane may be any.
+                let is_near = slack > 0.0 || closest.distance <= tolerance + self.longest_way(until - time);
+                return Slide::Free(is_near.then_some(axis));
+            }
+            if next <= time {
+                return Slide::Blocked(time);
+            }
+            (time, held) = (next, Some(axis));
+            view = View::new(self, q, time, &self.motion.at(time));
+        }
+        Slide::Blocked(time)
+    }
+
+    /// How far any of its points may come in a span of time, metres.
+    fn longest_way(&self, span: f64) -> f64 {
+        self.motion.longest_way() * span
+    }
+}
+
+impl View<'_> {
+    /// The unit normal of the plane that holds the two apart for longest, when it may be overlapped by `slack` (metres), and for how
+    /// long; `None` where none does. With `held` none that leans away from that.
+    fn longest_hold(&self, first: &Point, senses: Senses, held: Option<Point>, slack: f64) -> Option<(Point, f64)> {
+        let [n, m] = self.normals();
+        let outward = [(&m, senses[0]), (&n, senses[1])].map(|(normal, sense)| {
+            let sense = f64::from(sense);
+            unit(normal).filter(|_| sense != 0.0).map(|normal| scaled(&normal, sense))
+        });
+        let mut best: Option<(Point, f64)> = None;
+        let mut consider = |axis: &Point| {
+            let Some(axis) = unit(axis) else { return };
+            for axis in [axis, scaled(&axis, -1.0)] {
+                // Out of the one that stands still, and into the moving one.
+                let is_inward =
+                    |normal: Option<Point>, sign: f64| normal.is_some_and(|n| sign * dot(&axis, &n) < -SAME_AXIS);
+                let is_turned = held.is_some_and(|held| dot(&held, &axis) < -1e-9);
+                if slack > 0.0 && (is_turned || is_inward(outward[1], 1.0) || is_inward(outward[0], -1.0)) {
+                    continue;
+                }
+                let free = self.free_time_above(&axis, slack);
+                if free > best.map_or(0.0, |(_, free)| free) {
+                    best = Some((axis, free));
+                }
+            }
+        };
+        [*first, n, m].iter().for_each(&mut consider);
+        self.edge_axes().for_each(|axis| consider(&axis));
+        best
+    }
+}

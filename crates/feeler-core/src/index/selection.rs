@@ -1,0 +1,166 @@
+//! What a query asks for: of the mock-up the parts that are there, and of pairs of parts those that are not ignored.
+//!
+//! Both are laid over one index, which stays as it is. Nodes with nothing below them that is there are not looked into, and what
+//! is offered is asked for its triangle: a bit a triangle, and a bit a node.
+
+use std::sync::Arc;
+
+use crate::mesh::mockup::Mockup;
+use crate::tool::moving_tool::Tool;
+
+/// A selection as queries carry it.
+#[derive(Debug, Clone, Default)]
+pub struct Selection {
+    presence: Option<Arc<Presence>>,
+    ignored: Option<Arc<IgnoredPairs>>,
+}
+
+/// Which parts of a mock-up are there.
+#[derive(Debug)]
+pub struct Presence {
+    /// By part.
+    parts: Vec<bool>,
+    /// A bit a triangle: whether its part is there.
+    triangles: Vec<u64>,
+    /// For each level of nodes a word a node: which of its children have anything below them that is there. Empty for the blocks
+    /// themselves, and for stores without nodes.
+    children: Vec<Vec<u32>>,
+}
+
+/// Pairs of a part of a tool and a part of the mock-up that are not asked, as a robot's matrix of allowed collisions.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct IgnoredPairs {
+    tool_parts: usize,
+    parts: usize,
+    /// A bit a pair, the tool's parts as rows.
+    bits: Vec<u64>,
+}
+
+impl IgnoredPairs {
+    /// The pairs `[tool part, mock-up part]`, of so many parts of each; pairs beyond these are left out.
+    pub fn new(tool_parts: usize, parts: usize, pairs: impl IntoIterator<Item = [u32; 2]>) -> IgnoredPairs {
+        let mut bits = vec![0; (tool_parts * parts).div_ceil(64)];
+        for [t, m] in pairs.into_iter().map(|pair| pair.map(|part| part as usize)) {
+            if t < tool_parts && m < parts {
+                let at = t * parts + m;
+                bits[at / 64] |= 1 << (at % 64);
+            }
+        }
+        IgnoredPairs { tool_parts, parts, bits }
+    }
+
+    /// Whether a pair is ignored.
+    #[inline]
+    pub fn contains(&self, tool_part: u32, part: u32) -> bool {
+        let (t, m) = (tool_part as usize, part as usize);
+        let at = t * self.parts + m;
+        t < self.tool_parts && m < self.parts && self.bits[at / 64] >> (at % 64) & 1 == 1
+    }
+}
+
+impl Presence {
+    fn new(mockup: &Mockup, parts: Vec<bool>, children: impl FnOnce(&IsThere<'_>) -> Vec<Vec<u32>>) -> Presence {
+        let triangles: Vec<u64> = mockup
+            .parts_of_faces()
+            .chunks(64)
+            .map(|chunk| chunk.iter().rev().fold(0, |bits, part| bits << 1 | u64::from(parts[*part as usize])))
+            .collect();
+        // A mock-up of one part says nothing of its triangles.
+        let triangles = if triangles.is_empty() {
+            vec![if parts[0] { u64::MAX } else { 0 }; mockup.mesh().faces().len().div_ceil(64)]
+        } else {
+            triangles
+        };
+        let children = children(&|triangle| is_set(&triangles, triangle));
+        Presence { parts, triangles, children }
+    }
+
+    fn memory(&self) -> usize {
+        self.parts.capacity()
+            + self.triangles.capacity() * size_of::<u64>()
+            + self.children.iter().map(|level| level.capacity() * size_of::<u32>()).sum::<usize>()
+    }
+}
+
+/// Whether a triangle is there.
+pub(crate) type IsThere<'a> = dyn Fn(u32) -> bool + 'a;
+
+#[inline(always)]
+fn is_set(bits: &[u64], at: u32) -> bool {
+    bits[at as usize / 64] >> (at % 64) & 1 == 1
+}
+
+impl Selection {
+    /// Of the parts that are there only those for which `stays` says so. `children` are the words of a store's nodes.
+    pub(crate) fn narrowed(
+        &self,
+        mockup: &Mockup,
+        stays: impl Fn(u32) -> bool,
+        children: impl FnOnce(&IsThere<'_>) -> Vec<Vec<u32>>,
+    ) -> Selection {
+        let parts = (0..mockup.part_bounds().len() as u32).map(|part| self.has_part(part) && stays(part)).collect();
+        Selection { presence: Some(Arc::new(Presence::new(mockup, parts, children))), ignored: self.ignored.clone() }
+    }
+
+    /// The same with other ignored pairs.
+    pub(crate) fn ignoring(&self, ignored: Option<Arc<IgnoredPairs>>) -> Selection {
+        Selection { presence: self.presence.clone(), ignored }
+    }
+
+    /// Whether everything is there and nothing is ignored.
+    #[inline(always)]
+    pub(crate) fn is_everything(&self) -> bool {
+        self.presence.is_none() && self.ignored.is_none()
+    }
+
+    /// Whether a part is there.
+    #[inline]
+    pub fn has_part(&self, part: u32) -> bool {
+        self.presence.as_ref().is_none_or(|presence| presence.parts[part as usize])
+    }
+
+    /// Whether a triangle of the mock-up is there.
+    #[inline(always)]
+    pub fn has(&self, triangle: u32) -> bool {
+        self.presence.as_ref().is_none_or(|presence| is_set(&presence.triangles, triangle))
+    }
+
+    /// Whether a pair of a tool's and a mock-up's part is asked for.
+    #[inline]
+    pub fn wants_parts(&self, tool_part: u32, part: u32) -> bool {
+        self.has_part(part) && self.ignored.as_ref().is_none_or(|ignored| !ignored.contains(tool_part, part))
+    }
+
+    /// Whether a pair of triangles is asked for: the tool's by slot.
+    #[inline(always)]
+    pub(crate) fn wants(&self, tool: &Tool, mockup: &Mockup, slot: u32, triangle: u32) -> bool {
+        if !self.has(triangle) {
+            return false;
+        }
+        let Some(ignored) = &self.ignored else { return true };
+        !ignored.contains(tool.part_of_face(tool.ids()[slot as usize]), mockup.part_of_face(triangle))
+    }
+
+    /// Words of the nodes of a level: which children have anything below them that is there. Empty: all.
+    #[inline(always)]
+    pub(crate) fn children(&self, level: usize) -> &[u32] {
+        match &self.presence {
+            Some(presence) => presence.children.get(level).map_or(&[], Vec::as_slice),
+            None => &[],
+        }
+    }
+
+    /// Bytes held, beyond those of the index.
+    pub(crate) fn memory(&self) -> Option<usize> {
+        self.presence.as_ref().map(|presence| presence.memory())
+    }
+}
+
+/// Of the children chosen those that are there, by the words of a level.
+#[inline(always)]
+pub(crate) fn there(words: &[u32], node: u32, chosen: u32) -> u32 {
+    match words.get(node as usize) {
+        Some(word) => chosen & word,
+        None => chosen,
+    }
+}

@@ -1,0 +1,151 @@
+//! Casts that may touch: bodies slide, are drawn out of seats and lifted off; they end where one enters another.
+
+mod common;
+
+use std::sync::Arc;
+
+use common::*;
+use feeler_core::{Mockup, Motion, Point, Pose, Scene, SceneOptions, Storage, Tool, Touching};
+use feeler_shapes::{box_mesh, joined};
+
+const TOLERANCE: f64 = 1e-6;
+
+fn scene_of((vertices, faces): Arrays, storage: Storage) -> Scene {
+    let mockup = Arc::new(Mockup::new(vertices, faces, Vec::new(), 1).unwrap());
+    Scene::build(mockup, &SceneOptions { storage, ..SceneOptions::default() }, &|_, _| true).unwrap()
+}
+
+fn block(lower: Point, upper: Point, cells: usize) -> Arrays {
+    let middle = std::array::from_fn(|a| 0.5 * (lower[a] + upper[a]));
+    box_mesh(middle, std::array::from_fn(|a| upper[a] - lower[a]), cells)
+}
+
+/// A square hole of 16 mm through a plate of 31 mm, of four walls; its top at z = 0. Numbers are such that nothing rounds.
+fn hole(cells: usize) -> Arrays {
+    let walls =
+        [([-3, -3, -2], [-1, 3, 0]), ([1, -3, -2], [3, 3, 0]), ([-1, -3, -2], [1, -1, 0]), ([-1, 1, -2], [1, 3, 0])];
+    joined(walls.map(|(lower, upper)| block(lower.map(in_128ths), upper.map(in_128ths), cells)))
+}
+
+fn in_128ths(x: i32) -> f64 {
+    f64::from(x) / 128.0
+}
+
+fn turned(angle: f64, at: Point) -> Pose {
+    let (s, c) = angle.sin_cos();
+    Pose::new(&[[c, -s, 0.0, at[0]], [s, c, 0.0, at[1]], [0.0, 0.0, 1.0, at[2]], [0.0, 0.0, 0.0, 1.0]]).unwrap()
+}
+
+/// The time at which a way ends, or `None`.
+fn end(scene: &Scene, tool: &Tool, way: [Pose; 2]) -> Option<f64> {
+    let found = scene.cast_touching(tool, &way[0], &way[1], TOLERANCE, Touching::Free).unwrap();
+    let path = scene.check_path_touching(tool, &way, TOLERANCE, Touching::Free, &|_, _| true).unwrap();
+    assert_eq!(path.hits.first().map(|(_, hit)| *hit), found);
+    found.map(|hit| hit.fraction)
+}
+
+#[test]
+fn a_seated_pin_is_drawn_out_and_put_back_and_not_turned() {
+    for storage in [Storage::Blocks, Storage::Dense] {
+        for cells in 1..4 {
+            let scene = scene_of(hole(1 << (3 - cells)), storage);
+            let pin = block([-1, -1, -2].map(in_128ths), [1, 1, 2].map(in_128ths), 1 << (cells - 1));
+            let pin = tool_of(pin);
+            let (seated, out) = (moved([0.0; 3]), moved([0.0, 0.0, 0.05]));
+            assert!(scene.cast(&pin, &seated, &out, TOLERANCE).unwrap().is_some_and(|hit| hit.fraction == 0.0));
+            assert_eq!(end(&scene, &pin, [seated, out]), None);
+            assert_eq!(end(&scene, &pin, [out, seated]), None);
+            // Turned in its seat it jams at once, where its edges are in the walls by the tolerance.
+            let jammed = end(&scene, &pin, [seated, turned(0.1, [0.0; 3])]).unwrap();
+            assert!((0.0..0.01).contains(&jammed), "{jammed}");
+            // Beside the hole it stops at the plate.
+            let beside = [moved([0.001, 0.0, 0.05]), moved([0.001, 0.0, 0.0])];
+            let stopped = end(&scene, &pin, beside).unwrap();
+            assert!((stopped - (1.0 - in_128ths(2) / 0.05)).abs() < 1e-4, "{stopped}");
+            // And pushed aside it stops at once.
+            let aside = end(&scene, &pin, [seated, moved([0.01, 0.0, 0.0])]).unwrap();
+            assert!((0.0..=1.1e-4).contains(&aside), "{aside}");
+        }
+    }
+}
+
+#[test]
+fn a_block_slides_over_a_table_and_off_its_edge() {
+    let table = block([-1.0, -1.0, -0.1], [1.0, 1.0, 0.0], 7);
+    let scene = scene_of(table, Storage::Blocks);
+    for cells in 1..4 {
+        let tool = tool_of(block([-0.1, -0.1, 0.0], [0.1, 0.1, 0.2], cells));
+        let at = |x: f64, y: f64, z: f64| moved([x, y, z]);
+        assert_eq!(end(&scene, &tool, [at(0.0, 0.0, 0.0), at(0.37, -0.21, 0.0)]), None);
+        assert_eq!(end(&scene, &tool, [at(0.0, 0.0, 0.0), at(3.0, 0.0, 0.0)]), None);
+        assert_eq!(end(&scene, &tool, [at(0.0, 0.0, 0.0), at(0.0, 0.0, 1.0)]), None);
+        assert_eq!(end(&scene, &tool, [at(0.0, 0.0, 0.0), turned(2.0, [0.5, 0.2, 0.0])]), None);
+        // Down along the side of the table, flush with it.
+        assert_eq!(end(&scene, &tool, [at(1.1, 0.0, 0.5), at(1.1, 0.0, -1.0)]), None);
+        // Into the table from where it stands, from above, and from flush beside it.
+        let into = |way: [Pose; 2]| end(&scene, &tool, way).unwrap();
+        assert!(into([at(0.0, 0.0, 0.0), at(0.0, 0.0, -0.3)]) <= 2e-5);
+        assert!((into([at(0.0, 0.0, 0.1), at(0.0, 0.0, -0.3)]) - 0.25).abs() < 1e-4);
+        assert!((into([at(1.3, 0.0, -0.15), at(0.7, 0.0, -0.15)]) - 1.0 / 3.0).abs() < 1e-4);
+        // As wide as the table: its sides go on along the table's, and only the faces between them are in the way.
+        let wide = tool_of(block([-1.0, -1.0, 0.0], [1.0, 1.0, 0.5], cells));
+        assert!(end(&scene, &wide, [at(0.0, 0.0, 0.0), at(0.0, 0.0, -0.25)]).unwrap() <= 2e-5);
+        assert_eq!(end(&scene, &wide, [at(0.0, 0.0, 0.0), at(0.0, 0.0, 0.25)]), None);
+        // As high as the table: face on face, however far the way goes on.
+        let flush = tool_of(block([-0.1, -0.1, -0.1], [0.1, 0.1, 0.0], cells));
+        let stopped = end(&scene, &flush, [at(1.5, 0.0, 0.0), at(-9.0, 0.0, 0.0)]).unwrap();
+        assert!((stopped - 0.4 / 10.5).abs() < 1e-4, "{stopped}");
+        // In the table, its top in the table's: nothing crosses, and it is inside.
+        assert_eq!(into([at(0.0, 0.0, -0.2), at(0.0, 0.0, 1.0)]), 0.0);
+    }
+}
+
+#[test]
+fn flat_faces_and_sheets_stop_each_other() {
+    let sheet = feeler_shapes::sheet(3, 3, |s, t| [4.0 * s - 2.0, 4.0 * t - 2.0, 0.0]);
+    let scene = scene_of(sheet.clone(), Storage::Blocks);
+    let plate = tool_of(sheet);
+    let small = tool_of(feeler_shapes::sheet(2, 2, |s, t| [s, t, 0.0]));
+    for tool in [&plate, &small] {
+        let stopped = end(&scene, tool, [moved([0.0, 0.0, 1.0]), moved([0.0, 0.0, -9.0])]).unwrap();
+        assert!((stopped - 0.1).abs() < 1e-6, "{stopped}");
+        // Flush, slid aside, and lifted off on either side.
+        let flush = moved([0.1, 0.2, 0.0]);
+        assert_eq!(end(&scene, tool, [flush, moved([0.7, -0.3, 0.0])]), None);
+        assert_eq!(end(&scene, tool, [flush, moved([0.1, 0.2, 1.0])]), None);
+        assert_eq!(end(&scene, tool, [flush, moved([0.1, 0.2, -1.0])]), None);
+    }
+}
+
+#[test]
+fn loose_triangles_end_a_way_where_they_cross() {
+    let mut r = Random::new(5);
+    let (mut ends, mut late) = (0, 0.0f64);
+    for storage in STORAGES {
+        let scene = scene_of(soup(1, 400, 0.05), storage);
+        let tool = tool_of(placed(soup(9, 12, 0.05), 0.15, 0.3));
+        for i in 0..60 {
+            let place = |r: &mut Random| {
+                let mut m = r.pose(0.0).matrix();
+                (0..3).for_each(|k| m[k][3] = r.real(0.0, 0.7));
+                Pose::new(&m).unwrap()
+            };
+            let way = [place(&mut r), place(&mut r)];
+            if scene.is_colliding(&tool, &way[0]) {
+                continue;
+            }
+            let first = scene.cast(&tool, &way[0], &way[1], TOLERANCE).unwrap().map(|hit| hit.fraction);
+            let free = end(&scene, &tool, way);
+            // What only passes by within the tolerance ends no way.
+            let (Some(first), Some(free)) = (first, free) else {
+                assert!(free.is_none(), "{i} {free:?}");
+                continue;
+            };
+            let motion = Motion::new(&tool, &way[0], &way[1]);
+            assert!(free >= first, "{i}: {free} {first}");
+            late = late.max((free - first) * motion.longest_way());
+            ends += 1;
+        }
+    }
+    assert!(ends > 50 && late < 0.02, "{ends} ends, {late} late");
+}

@@ -1,0 +1,33 @@
+"""Sizes that no mock-up has, which mostly come from a wrong unit, and the unit that would mend them."""
+
+from __future__ import annotations
+
+from feeler.io.units import Unit, parse_unit
+
+LONGEST_M = 500.0
+"""A large ship or plant; longer is asked about."""
+
+SHORTEST_M = 0.001
+"""Shorter is asked about: mock-ups are of things that people handle."""
+
+# In the order in which they are suggested. Any size that inches or centimetres would mend, one of these does.
+_USUAL = (("mm", "millimetres"), ("m", "metres"))
+
+
+def size_note(length_m: float, units: list[Unit]) -> str | None:
+    """Return what to ask about a mesh whose box is that long at its longest, read in these units; None if nothing."""
+    if SHORTEST_M <= length_m <= LONGEST_M:
+        return None
+    size = f"{_length(length_m)} long"
+    if len(set(units)) != 1:
+        return f"{size}: check the units of its files"
+    for name, words in _USUAL:
+        if SHORTEST_M <= length_m / units[0].metres * parse_unit(name).metres <= LONGEST_M:
+            return f"{size}: if the file is in {words}, pass unit='{name}'"
+    return f"{size}: check the unit ({units[0].name}), and the file for what lies far from the rest"
+
+
+def _length(metres: float) -> str:
+    if metres < 1.0:
+        return f"{metres * 1000.0:.3g} mm"
+    return f"{metres:,.0f} m" if 100.0 <= metres < 1e9 else f"{metres:.3g} m"

@@ -1,0 +1,188 @@
+"""Text files as people's programs write them: encodings, spellings, layouts."""
+
+from __future__ import annotations
+
+import base64
+
+import numpy as np
+import pytest
+from loading import notes, save, soup
+from test_io_builders import SOUP, Gltf, obj_text, off_text, ply, stl_binary, stl_text
+
+from feeler import Mockup
+from feeler.io import load_mockup
+from feeler.io.sniff import identify
+
+
+def volume(mockup: Mockup) -> float:
+    a, b, c = np.moveaxis(soup(mockup), 1, 0)
+    return float((a * np.cross(b, c)).sum() / 6)
+
+
+# --- cubes of 10 mm: 8 vertices, 12 triangles, closed ---------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "parts"),
+    [
+        ("obj_bom.obj", ["obj_bom"]),  # begins with a byte order mark, and at once with a vertex
+        ("obj_hash_names.obj", ["obj_hash_names/Bolt #1", "obj_hash_names/Bolt #2"]),  # named apart behind the #
+        ("off_free_lines.off", ["off_free_lines"]),  # all vertices on one line, all triangles on the next
+        ("off_modelnet.off", ["off_modelnet"]),  # "OFF8 12 0"
+        ("stl_end_loop.stl", ["stl_end_loop/box"]),  # "end loop", "end facet"
+        ("stl_end_solid.stl", ["stl_end_solid/box"]),  # "end solid box"
+        ("stl_endsolidname.stl", ["stl_endsolidname/box"]),  # "endsolidbox"
+    ],
+)
+def test_a_cube(testdata, name, parts):
+    mockup = load_mockup(testdata / "files" / name)
+    assert mockup.part_paths == parts
+    assert [part.triangles for part in mockup.parts] == [12 // len(parts)] * len(parts)
+    assert len(mockup.vertices) == 8
+    assert volume(mockup) == pytest.approx(1e-6, rel=1e-12)
+    assert mockup.report.not_queried == 0 and not mockup.report.source.notes
+
+
+# --- encodings ------------------------------------------------------------------------------------------------------
+
+TEXTS = {
+    "a.stl": stl_text({"Größe 5 мм": SOUP}),
+    "a.obj": obj_text().replace("left side", "Größe 5 мм"),
+    "a.off": off_text(),
+    "a.ply": ply("ascii").decode(),
+}
+
+
+@pytest.mark.parametrize("name", TEXTS)
+@pytest.mark.parametrize(
+    "encoding", ["utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "utf-16-be with a mark", "utf-32"]
+)
+def test_every_encoding_reads_as_plain_text_does(tmp_path, name, encoding):
+    plain = load_mockup(save(tmp_path, name, TEXTS[name]))
+    mark, _, _ = encoding.partition(" with")
+    content = (("\ufeff" if " with" in encoding else "") + TEXTS[name]).encode(mark)
+    assert content != TEXTS[name].encode()
+    (tmp_path / "other").mkdir()
+    mockup = load_mockup(save(tmp_path / "other", name, content))
+    assert np.array_equal(soup(mockup), soup(plain))
+    assert mockup.part_paths == plain.part_paths
+    if name in ("a.stl", "a.obj"):
+        assert any("Größe 5 мм" in path for path in mockup.part_paths)
+    # The content tells the format, whatever the name says (of OBJ, where it says nothing).
+    assert identify(save(tmp_path, "a" if name == "a.obj" else "a.glb", content))[0] == plain.report.source.format
+
+
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "utf-16-le"])
+@pytest.mark.parametrize(
+    ("text", "format_name"),
+    [
+        ("ISO-10303-21;\nHEADER;\n", "STEP"),
+        ('{"asset": {"version": "2.0"}}', "glTF"),
+        ('<?xml version="1.0"?>\n<COLLADA version="1.4.1">', "COLLADA"),
+    ],
+)
+def test_a_mark_does_not_hide_the_format(tmp_path, encoding, text, format_name):
+    assert identify(save(tmp_path, "a.bin", text.encode(encoding)))[0] == format_name
+
+
+def test_a_binary_stl_with_a_wide_header_is_binary(tmp_path):
+    header = "Größe, made by a program".encode("utf-16")
+    assert np.array_equal(soup(load_mockup(save(tmp_path, "a.stl", stl_binary(header=header)), unit="m")), SOUP)
+
+
+def test_names_in_the_encoding_of_windows_stay_apart(tmp_path):
+    text = obj_text().replace("left side", "Gehäuse").replace("g right", "g Gehöuse")
+    mockup = load_mockup(save(tmp_path, "m.obj", text.encode("cp1252")))
+    assert mockup.part_names == ["Gehäuse", "Gehöuse", "plate"]
+    assert load_mockup(save(tmp_path, "e.obj", TRIANGLE.encode() + b"g \x80 5\nf 1 2 3\n")).part_names == [
+        "\N{EURO SIGN} 5"
+    ]
+    # 0x81 and 0x9d are no characters there.
+    text = b"v 0 0 0\nv 1 0 0\nv 0 1 0\ng \x81\nf 1 2 3\ng \x9d\nf 1 2 3\n"
+    assert load_mockup(save(tmp_path, "n.obj", text)).part_count == 2
+
+
+@pytest.mark.parametrize("name", TEXTS)
+def test_line_ends_of_any_kind_even_mixed(tmp_path, name):
+    lines = TEXTS[name].splitlines()
+    mixed = "".join(line + ("\n", "\r\n", "\r")[i % 3] for i, line in enumerate(lines))
+    if name == "a.ply":
+        mixed = TEXTS[name].replace("\n", "\r\n")  # the first line of a PLY file says how the lines of its header end
+    plain = load_mockup(save(tmp_path, name, TEXTS[name]))
+    assert np.array_equal(soup(load_mockup(save(tmp_path, name, mixed))), soup(plain))
+
+
+def test_gltf_text_with_a_mark(tmp_path):
+    g = Gltf()
+    g.node(mesh=g.mesh(), name="part")
+    uri = "data:application/octet-stream;base64," + base64.b64encode(g.blob).decode()
+    mockup = load_mockup(save(tmp_path, "a.gltf", b"\xef\xbb\xbf" + g.gltf(uri)))
+    assert np.array_equal(soup(mockup), SOUP)
+
+
+# --- OBJ --------------------------------------------------------------------------------------------------------------
+
+TRIANGLE = "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
+
+
+def test_obj_names_keep_their_hash_and_other_lines_lose_it(tmp_path):
+    text = "# a comment\n  # another\n" + TRIANGLE.replace("0\n", "0 # corner\n")
+    text += "o Bolt #1 # left\ng #7\nf 1 2 3#first\no Bolt #2\ng\nf 1 3 2 # second\n#g none\nf 2 3 1\n"
+    mockup = load_mockup(save(tmp_path, "m.obj", text))
+    assert mockup.part_paths == ["m/Bolt #1 # left/#7", "m/Bolt #2"]
+    assert mockup.part_of_face.tolist() == [0, 1, 1]
+    assert not mockup.report.source.notes
+
+
+@pytest.mark.parametrize("end", ["\\\n", "\\ \t\r\n"])
+def test_obj_continued_lines(tmp_path, end):
+    text = f"v 0 0 {end} 0\nv 1{end}0 0\nv 0 1 0\nv 1 1 0\nf 1 {end} 2 {end} 3\nf 2 4 3\n"
+    mockup = load_mockup(save(tmp_path, "m.obj", text))
+    assert mockup.faces.tolist() == [[0, 1, 2], [1, 3, 2]]
+    assert "joined" in notes(mockup)
+
+
+def test_obj_a_windows_path_does_not_swallow_the_next_line(tmp_path):
+    text = (
+        f"# from C:\\models\\\n{TRIANGLE}mtllib C:\\models\\\nv 0 0 1\ng C:\\parts\\\nf 1 2 3\nf 1 2 4 # \\\nf 1 3 4\n"
+    )
+    mockup = load_mockup(save(tmp_path, "m.obj", text))
+    assert mockup.triangle_count == 3 and len(mockup.vertices) == 4
+    assert mockup.part_names == ["C:\\parts\\"]
+    assert mockup.report.not_queried == 0 and not mockup.report.source.notes
+
+
+def test_obj_colours_and_weights(tmp_path):
+    text = "v 0 0 0 1 0.5 0\nv 1 0 0 0 0 0 1\nv 0 1 0 1\nv 0 0 1 2.5\nv 1 1 1 1.0 0 0 1\nf 1 2 3\nf 2 3 4\nf 3 4 5\n"
+    mockup = load_mockup(save(tmp_path, "m.obj", text), unit="m")
+    expected = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1]])
+    assert np.array_equal(soup(mockup), expected[[[0, 1, 2], [1, 2, 3], [2, 3, 4]]])
+    assert notes(mockup).startswith("1 vertices have a weight w other than 1")
+
+
+def test_obj_group_of_several_names_is_one_part(tmp_path):
+    text = TRIANGLE + "g arm left\nf 1 2 3\ng left arm\nf 1 2 3\ng\nf 1 2 3\n"
+    assert load_mockup(save(tmp_path, "m.obj", text)).part_names == ["arm left", "left arm", "m"]
+
+
+def test_obj_old_word_for_a_face(tmp_path):
+    assert load_mockup(save(tmp_path, "m.obj", TRIANGLE + "fo 1 2 3\n")).triangle_count == 1
+
+
+@pytest.mark.parametrize("chunk_bytes", [None, 40])
+def test_obj_counts_by_name_what_is_no_triangle(tmp_path, monkeypatch, chunk_bytes):
+    if chunk_bytes:
+        monkeypatch.setattr("feeler.io.text.CHUNK_BYTES", chunk_bytes)
+    text = TRIANGLE + "s off\nusemtl red\nvn 0 0 1\nvt 0 0\nlod 1\nf 1 2 3\np 1 2\np 3\nl 1 2\nvp 0 1\nvp 1 1\n"
+    text += "cstype bezier\ndeg 3\nCurv 0 1 1 2 3\ncurv2 1 2\nparm u 0 1\nend\nsurf 0 1 0 1 1\nbzp 1\ncall other.obj\n"
+    text += "blob 5\nblob 6\nwhatnot\n"
+    said = notes(load_mockup(save(tmp_path, "m.obj", text)))
+    for words in (
+        "2 points were skipped", "1 lines were skipped", "1 free-form curves (curv) were skipped",
+        "1 free-form curves on a surface (curv2)", "1 free-form surfaces (surf)", "shapes of old (bzp)",
+        "1 calls of other files (call)", "vp (2), cstype (1), deg (1), parm (1), end (1)",
+        "3 lines with keywords that are not OBJ were ignored, the first is line 24: 'blob' (2), 'whatnot' (1)",
+    ):  # fmt: skip
+        assert words in said
+    for word in ("usemtl", "vn", "lod", "'s'"):
+        assert word not in said
