@@ -74,7 +74,12 @@ def samples() -> dict[str, list[Any]]:
     return {
         "Mockup": [mock, feeler.Mockup(*box((0, 0, 0), 1.0))],
         "Tool": [tool, feeler.Tool.of_parts(mock)],
-        "Scene": [scene, scene.without("odd"), feeler.Scene(mock, storage="dense", voxel_size=0.25), feeler.Scene(mock, tool=tool)],
+        "Scene": [
+            scene,
+            scene.without("odd"),
+            feeler.Scene(mock, storage="dense", voxel_size=0.25),
+            feeler.Scene(mock, tool=tool),
+        ],
         "ContactTracker": [tracker, feeler.ContactTracker(scene, tool)],
         "Collision": [scene.collide(tool, p) for p in POSES],
         "Batch": [scene.collide_batch(tool, POSES), scene.collide_batch(tool, POSES[:0])],

@@ -130,11 +130,12 @@ ROOMS: dict[str, set[str]] = {
     "calibrate": {"_core", "errors"},
     "scene": {"_core", "calibrate", "errors", "ignored", "mockup", "parts", "travel"},
     "io": BASE,
+    "interchange": {*BASE, "io"},
     "picture": {*BASE, "io"},
     "samples": BASE,
     "study": {*BASE, "samples"},
     "cli": {*BASE, "io", "picture", "samples", "study", "feeler"},
-    "__init__": {"_core", "ignored", *BASE, "io", "picture", "samples", "study"},
+    "__init__": {"_core", "ignored", *BASE, "interchange", "io", "picture", "samples", "study"},
     "__main__": {"cli"},
 }
 # Beside the package, and never imported by it.

@@ -26,6 +26,7 @@ from feeler.errors import (
     PoseError,
 )
 from feeler.ignored import IgnoredPairs
+from feeler.interchange import from_open3d, from_pyvista, from_trimesh, from_urdf
 from feeler.io import load_mockup, load_tool
 from feeler.mockup import Mockup, Tool
 from feeler.poses import nearest_rigid
@@ -60,6 +61,10 @@ __all__ = [
     "PoseError",
     "Scene",
     "Tool",
+    "from_open3d",
+    "from_pyvista",
+    "from_trimesh",
+    "from_urdf",
     "load_mockup",
     "load_tool",
     "nearest_rigid",

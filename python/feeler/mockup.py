@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -115,6 +115,33 @@ class LoadReport:
         return "\n".join(lines)
 
 
+class Meshes(NamedTuple):
+    """Meshes in one: what `Mockup` takes. Vertices are in metres."""
+
+    vertices: npt.NDArray[np.float64]
+    faces: npt.NDArray[Any]
+    part_of_face: npt.NDArray[Any]
+    part_names: list[str]
+    part_paths: list[str]
+    source: Source
+
+
+Converter = Callable[[object, str | None], Meshes]
+_converters: list[Converter] = []
+
+
+def register_converter(converter: Converter) -> None:
+    """Names who makes `Meshes` of an object and a unit, for `Mockup` and `Tool` of objects: `feeler.interchange`."""
+    _converters[:] = [converter]
+
+
+def _converted(held: object, unit: str | None, others: Mapping[str, object]) -> Meshes:
+    given = [name for name, value in others.items() if value is not None]
+    if given:
+        raise MeshError(f"{', '.join(given)} without faces: a mesh object has its own; give vertices and faces instead")
+    return _converters[0](held, unit)
+
+
 class Mockup(_core.Mockup):
     """A static mock-up: triangles in named parts, metres, right-handed.
 
@@ -122,6 +149,10 @@ class Mockup(_core.Mockup):
     `(m,)` with the part of each triangle, indexing `part_names`; `part_paths` are places in the assembly such as
     `"engine/fan/blade_03"` (default: the names). Triangle `i` of every result is `faces[i]`. An index outside the
     vertices may read back as 4294967295 in `.faces`.
+
+    Instead of arrays, the first argument may be a mesh or scene of trimesh, PyVista or Open3D, something else with
+    `.vertices` and `.faces`, or a list or dict of such (see `feeler.from_trimesh`, ...); `unit` is then what a number
+    in it means, by default what it states, else the metre.
 
     Raises `MeshError` for wrong shapes or dtypes, or when no triangle can be queried, and `LimitError` past 2^32 - 1.
     """
@@ -132,15 +163,22 @@ class Mockup(_core.Mockup):
 
     def __new__(
         cls,
-        vertices: npt.ArrayLike,
-        faces: npt.ArrayLike,
+        vertices: Any,
+        faces: npt.ArrayLike | None = None,
         part_of_face: npt.ArrayLike | None = None,
         part_names: Sequence[str] | None = None,
         *,
         part_paths: Sequence[str] | None = None,
         source: Source | None = None,
+        unit: str | None = None,
     ) -> Mockup:
         """See the class."""
+        if faces is None:
+            others = {"part_of_face": part_of_face, "part_names": part_names, "part_paths": part_paths}
+            vertices, faces, part_of_face, part_names, part_paths, origin = _converted(vertices, unit, others)
+            source = source or origin
+        elif unit is not None:
+            raise OptionError(f"unit={unit!r} is for mesh objects: arrays are in metres, so scale the vertices")
         points = _points(vertices)
         indices = _indices(faces, len(points))
         parts, names, paths = _named_parts(part_of_face, part_names, part_paths, len(indices), "part")
@@ -178,8 +216,10 @@ class Tool(_core.Tool):
     """A moving tool in its own frame, metres; prepared once, usable with any number of scenes and threads.
 
     `vertices` is `(n, 3)`, any real dtype and memory order; `faces` `(m, 3)`, any integer dtype. It may have parts, as
-    a mock-up has: results name the one that is met, and `Scene` may ignore some of them. `Tool.of_parts` makes one of
-    parts of a mock-up, `Tool.assembly` one of several tools.
+    a mock-up has: results name the one that is met, and queries may ignore some of them. `Tool.of_parts` makes one of
+    parts of a mock-up, `Tool.assembly` one of several tools. Instead of arrays, the first argument may be a mesh
+    object, as of `Mockup`, or a `Mockup`: all of it is one tool then.
+
 
     Raises `MeshError` for wrong shapes or dtypes, or when no triangle can be queried.
     """
@@ -191,16 +231,23 @@ class Tool(_core.Tool):
 
     def __new__(
         cls,
-        vertices: npt.ArrayLike,
-        faces: npt.ArrayLike,
+        vertices: Any,
+        faces: npt.ArrayLike | None = None,
         name: str = "tool",
         part_of_face: npt.ArrayLike | None = None,
         part_names: Sequence[str] | None = None,
         *,
         part_paths: Sequence[str] | None = None,
         source: Source | None = None,
+        unit: str | None = None,
     ) -> Tool:
         """See the class."""
+        if faces is None:
+            others = {"part_of_face": part_of_face, "part_names": part_names, "part_paths": part_paths}
+            vertices, faces, part_of_face, part_names, part_paths, origin = _converted(vertices, unit, others)
+            source = source or origin
+        elif unit is not None:
+            raise OptionError(f"unit={unit!r} is for mesh objects: arrays are in metres, so scale the vertices")
         points = _points(vertices)
         indices = _indices(faces, len(points))
         parts, names, paths = _named_parts(part_of_face, part_names, part_paths, len(indices), str(name))

@@ -1,0 +1,70 @@
+"""Boxes, cylinders and spheres as triangles, their middles at the origin; triangles face outwards."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+Mesh = tuple[npt.NDArray[np.float64], npt.NDArray[np.int64]]
+
+LEAST_SEGMENTS = 12
+MOST_SEGMENTS = 256
+"""Around a cylinder or sphere: 65,000 triangles of a sphere. Larger ones deviate by more than was asked for."""
+
+
+def box(size: npt.ArrayLike) -> Mesh:
+    """With sides of these lengths, (3,)."""
+    corners = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
+    faces = [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1]]
+    faces += [[2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]]
+    return corners * np.asarray(size, dtype=np.float64), np.array(faces)
+
+
+def cylinder(radius: float, length: float, tolerance: float) -> Mesh:
+    """Along z. Its corners are on the round one, its triangles within `tolerance` inside of it."""
+    n = segments(radius, tolerance)
+    ring = _ring(n) * radius
+    ends = [np.column_stack([ring, np.full(n, z)]) for z in (-0.5 * length, 0.5 * length)]
+    vertices = np.concatenate([*ends, [[0, 0, -0.5 * length], [0, 0, 0.5 * length]]])
+    i = np.arange(n)
+    j = (i + 1) % n
+    walls = [np.column_stack([i, j, n + j]), np.column_stack([i, n + j, n + i])]
+    lids = [np.column_stack([j, i, np.full(n, 2 * n)]), np.column_stack([n + i, n + j, np.full(n, 2 * n + 1)])]
+    return vertices, np.concatenate([*walls, *lids])
+
+
+def sphere(radius: float, tolerance: float) -> Mesh:
+    """Its corners are on the round one, its triangles within `tolerance` inside of it."""
+    n = segments(radius, 0.5 * tolerance)  # half as much around, half from pole to pole
+    rows = n // 2  # from pole to pole, as fine as around
+    heights = np.cos(np.pi * np.arange(1, rows) / rows)
+    widths = np.sin(np.pi * np.arange(1, rows) / rows)
+    rings = [np.column_stack([_ring(n) * w, np.full(n, h)]) for h, w in zip(heights, widths, strict=True)]
+    vertices = np.concatenate([*rings, [[0, 0, 1], [0, 0, -1]]]) * radius
+    i = np.arange(n)
+    j = (i + 1) % n
+    top, bottom = len(vertices) - 2, len(vertices) - 1
+    faces = [np.column_stack([i, j, np.full(n, top)])]
+    for row in range(rows - 2):
+        upper, lower = row * n, (row + 1) * n
+        faces += [
+            np.column_stack([upper + i, lower + i, lower + j]),
+            np.column_stack([upper + i, lower + j, upper + j]),
+        ]
+    last = (rows - 2) * n
+    faces.append(np.column_stack([last + j, last + i, np.full(n, bottom)]))
+    return vertices, np.concatenate(faces)
+
+
+def segments(radius: float, tolerance: float) -> int:
+    """How many straight pieces, an even number, are around a circle so that each is within `tolerance` of it."""
+    half = math.acos(max(1.0 - tolerance / radius, 0.0)) if tolerance < radius else math.pi
+    n = math.ceil(math.pi / half) if half > 0 else MOST_SEGMENTS
+    return min(max(n + n % 2, LEAST_SEGMENTS), MOST_SEGMENTS)
+
+
+def _ring(n: int) -> npt.NDArray[np.float64]:
+    angles = 2 * np.pi * np.arange(n) / n
+    return np.column_stack([np.cos(angles), np.sin(angles)])

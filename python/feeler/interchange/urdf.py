@@ -1,0 +1,168 @@
+"""Robots from URDF: the geometry of their links, where the joints put it."""
+
+from __future__ import annotations
+
+import math
+import os
+import time
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from urllib.parse import unquote
+
+import numpy as np
+
+from feeler.errors import FeelerError, LoadError, MissingFileError, OptionError
+from feeler.interchange import shapes
+from feeler.interchange.assembly import Assembly
+from feeler.interchange.kinematics import link_poses
+from feeler.interchange.urdf_file import Floats, Geometry, read_urdf
+from feeler.io import DEFAULT_CHORD_TOLERANCE, load_mockup
+from feeler.io.sniff import identify
+from feeler.mockup import Mockup
+
+PathLike = str | os.PathLike[str]
+
+_WITHOUT_UNIT = ("STL", "OBJ", "PLY", "OFF")
+_SCHEMES = ("package://", "model://")
+
+
+def from_urdf(
+    path: PathLike,
+    joints: Mapping[str, float] | None = None,
+    *,
+    geometry: str = "collision",
+    package_dirs: Iterable[PathLike] | Mapping[str, PathLike] = (),
+    chord_tolerance: float = DEFAULT_CHORD_TOLERANCE,
+) -> Mockup:
+    """A robot as a mock-up: each geometry of each link a part, `link/geometry`, where the joints put it, metres.
+
+    path             a URDF file; of xacro, what `xacro` makes of it.
+    joints           joint name -> value, radians or metres. Others are at 0, or at the limit next to it where 0 is
+                     beyond their limits; mimicking joints follow; floating and planar ones stay at their origins. A
+                     value beyond the limits is taken, and noted.
+    geometry         "collision" or "visual": which geometry of the links.
+    package_dirs     where packages are, for `package://NAME/...`: folders that contain them (or are them), or a dict
+                     of names and folders. Sought after those: beside the file and in the folders above it.
+    chord_tolerance  metres: how far the triangles of a cylinder or sphere may be inside of the round one.
+
+    The frame is that of the root link. Mesh files are read by `load_mockup` (a number in STL, OBJ, PLY and OFF is a
+    metre there, in others what the file states), times their `scale`; one that mirrors turns triangles over.
+    `feeler.Tool(feeler.from_urdf(...))` makes a tool. The report's notes say what was met.
+
+    Raises `LoadError` for a file that is no URDF or has no such geometry;
+    `MissingFileError` for it, or a mesh file, that is not there; `OptionError` for the options.
+    """
+    started = time.perf_counter()
+    if geometry not in ("collision", "visual"):
+        raise OptionError(f"geometry is {geometry!r}: choose 'collision' or 'visual'")
+    if isinstance(chord_tolerance, (bool, str)) or not 0 < chord_tolerance < math.inf:
+        raise OptionError(f"chord_tolerance={chord_tolerance!r} should be a positive number of metres, such as 0.0001")
+    file = Path(path)
+    links, hinges = read_urdf(file)
+    poses, notes = link_poses(links, hinges, joints, str(file))
+    assembly = Assembly("URDF", "m")
+    assembly.files.append(str(file))
+    assembly.notes += notes
+    finder = _Finder(file, package_dirs)
+    bare = 0
+    for link in links:
+        found = link.collision if geometry == "collision" else link.visual
+        bare += not found
+        for each in found:
+            placed = poses[link.name] @ each.link_from_geometry
+            _add(assembly, link.name, each, placed, finder, chord_tolerance, f"{file}: link {link.name!r}")
+    if bare:
+        assembly.notes.append(f"{bare:,} links without {geometry} geometry add nothing")
+    if assembly.is_empty:
+        other = "visual" if geometry == "collision" else "collision"
+        raise LoadError(f"{file}: no link has {geometry} geometry; try geometry={other!r}")
+    meshes = assembly.meshes(time.perf_counter() - started)
+    source = replace(meshes.source, unit_source="URDF is in metres")
+    return Mockup(*meshes[:4], part_paths=meshes.part_paths, source=source)
+
+
+def _add(
+    assembly: Assembly, link: str, shape: Geometry, placed: Floats, finder: _Finder, tolerance: float, where: str
+) -> None:
+    if shape.kind == "mesh":
+        _add_mesh(assembly, link, shape, placed, finder, where)
+        return
+    if shape.kind == "box":
+        mesh = shapes.box(shape.sizes)
+    else:
+        radius, is_sphere = shape.sizes[0], shape.kind == "sphere"
+        mesh = shapes.sphere(radius, tolerance) if is_sphere else shapes.cylinder(radius, shape.sizes[1], tolerance)
+        share = 0.5 if is_sphere else 1.0
+        off = radius * (1 - math.cos(math.pi / shapes.segments(radius, share * tolerance))) / share
+        if off > tolerance:
+            assembly.notes.append(f"link {link!r}: its {shape.kind} is up to {off:.2g} m inside of the round one")
+    assembly.add((link, shape.name or shape.kind), *mesh, matrix=placed, unit="m")
+
+
+def _add_mesh(assembly: Assembly, link: str, shape: Geometry, placed: Floats, finder: _Finder, where: str) -> None:
+    file = finder.find(shape.filename, where)
+    try:
+        unit = "m" if identify(file)[0] in _WITHOUT_UNIT else None
+        loaded = load_mockup(file, unit)
+    except FeelerError as error:
+        raise type(error)(f"{where}: {error}") from error
+    # The file heads the paths of its parts; here the link and the geometry do.
+    below = [tuple(path.split("/"))[1:] for path in loaded.part_paths] if loaded.part_count > 1 else [()]
+    matrix = placed @ np.diag([*shape.scale, 1.0])
+    path = (link, shape.name or file.stem)
+    assembly.add_parts(path, loaded.vertices, loaded.faces, loaded.part_of_face, below, matrix=matrix, unit="m")
+    if str(file) not in assembly.files:
+        assembly.files.append(str(file))
+        assembly.notes += [f"{file.name}: {note}" for note in loaded.source.notes]
+
+
+class _Finder:
+    """Finds the mesh files that a URDF names."""
+
+    def __init__(self, file: Path, package_dirs: Iterable[PathLike] | Mapping[str, PathLike]) -> None:
+        self._folder = file.parent
+        self._above = file.resolve().parent.parents
+        self._named: dict[str, Path] = {}
+        self._folders: list[Path] = []
+        if isinstance(package_dirs, Mapping):
+            self._named = {str(name): Path(folder) for name, folder in package_dirs.items()}
+        elif isinstance(package_dirs, (str, os.PathLike)):
+            self._folders = [Path(package_dirs)]
+        else:
+            self._folders = [Path(folder) for folder in package_dirs]
+
+    def find(self, name: str, where: str) -> Path:
+        """The file; raises `MissingFileError` with the places where it was sought."""
+        places = self._places(name, where)
+        for place in places:
+            if place.is_file():
+                return place
+        tried = ", ".join(str(place) for place in places[:4]) + (", ..." if len(places) > 4 else "")
+        raise MissingFileError(
+            f"{where}: its mesh {name!r} is not there (tried {tried}); name its folder in package_dirs"
+        )
+
+    def _places(self, name: str, where: str) -> list[Path]:
+        for scheme in _SCHEMES:
+            if name.startswith(scheme):
+                return self._in_packages(unquote(name[len(scheme) :]))
+        if name.startswith("file://"):
+            rest = unquote(name[len("file://") :])
+            return [Path(rest) if rest.startswith("/") else self._folder / rest]
+        if "://" in name:
+            raise LoadError(f"{where}: the mesh {name!r} is not on this machine; fetch it, and name the file")
+        plain = Path(name.replace("\\", "/"))
+        return [self._folder / plain, *(folder / plain for folder in self._folders)]
+
+    def _in_packages(self, name: str) -> list[Path]:
+        package, _, rest = name.partition("/")
+        if package in self._named:
+            return [self._named[package] / rest]
+        places = []
+        for folder in (*self._folders, self._folder, *self._above):
+            places.append(folder / package / rest)
+            if folder.resolve().name == package:
+                places.append(folder / rest)
+        # A package that was flattened, or renamed: its files beside the URDF, or beside the folder it is in.
+        return [*places, *(folder / rest for folder in (*self._folders, self._folder, *self._above[:1]))]
