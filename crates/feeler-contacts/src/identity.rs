@@ -18,21 +18,19 @@ pub(crate) fn set_ids(context: &QueryContext<'_>, planes: &mut [ContactPlane]) {
         [plane.part, mockup, tool]
     };
     let keys: Vec<[u32; 3]> = planes.iter().map(key).collect();
-    let mut same: Vec<usize> = Vec::new();
-    for first in 0..planes.len() {
-        if keys[..first].contains(&keys[first]) {
-            continue;
-        }
-        same.clear();
-        same.extend((first..planes.len()).filter(|i| keys[*i] == keys[first]));
+    let mut order: Vec<usize> = (0..planes.len()).collect();
+    order.sort_by_key(|i| keys[*i]);
+    for same in order.chunk_by_mut(|i, j| keys[*i] == keys[*j]) {
         if same.len() > 1 {
-            let points: Vec<Point> = planes.iter().map(|plane| context.in_tool(&plane.point)).collect();
-            let axis = widest(same.iter().map(|i| &points[*i]));
-            let at = |i: usize| (dot(&points[i], &axis), dot(&planes[i].normal, &[0.48, 0.6, 0.64]));
-            same.sort_by(|i, j| at(*i).0.total_cmp(&at(*j).0).then(at(*i).1.total_cmp(&at(*j).1)).then(i.cmp(j)));
+            let mut placed: Vec<(Point, usize)> =
+                same.iter().map(|i| (context.in_tool(&planes[*i].point), *i)).collect();
+            let axis = widest(placed.iter().map(|(point, _)| point));
+            let at = |(point, i): &(Point, usize)| (dot(point, &axis), dot(&planes[*i].normal, &[0.48, 0.6, 0.64]));
+            placed.sort_by(|x, y| at(x).0.total_cmp(&at(y).0).then(at(x).1.total_cmp(&at(y).1)).then(x.1.cmp(&y.1)));
+            same.iter_mut().zip(placed).for_each(|(place, (_, i))| *place = i);
         }
-        for (number, i) in (0..).zip(&same) {
-            planes[*i].id = hash(keys[first], number);
+        for (number, i) in (0..).zip(same) {
+            planes[*i].id = hash(keys[*i], number);
         }
     }
 }
