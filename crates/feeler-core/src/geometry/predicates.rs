@@ -100,6 +100,11 @@ fn certain_sign(det: f64, bound: f64, permanent: f64) -> Option<Sign> {
 
 #[cold]
 fn orient3d_exact(a: &Point, b: &Point, c: &Point, d: &Point) -> Sign {
+    // Surfaces that coincide, or lie flush in a plane across an axis, mostly ask for these: a row or a column of zeros.
+    let is_flat = |k: usize| a[k] == d[k] && b[k] == d[k] && c[k] == d[k];
+    if d == a || d == b || d == c || is_flat(0) || is_flat(1) || is_flat(2) {
+        return 0;
+    }
     if [a, b, c, d].iter().all(|p| is_safe(*p)) {
         let p = |p: &Point| robust::Coord3D { x: p[0], y: p[1], z: p[2] };
         return sign_of(robust::orient3d(p(a), p(b), p(c), p(d)));
