@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from feeler.errors import LoadError
-from feeler.io.gltf import shift_indices, transform
 from feeler.io.limits import MAX_DEPTH, MAX_PARTS, check_mesh
+from feeler.io.placing import shift_indices, transform
 from feeler.io.raw import PathBook, Progress, RawMesh, clean_name, seal_indices
 from feeler.io.units import Unit
 

@@ -33,6 +33,7 @@ class RawMesh:
     part_paths    path of each part inside the file; empty for a file that is one nameless part
     unit          the unit the file states, or None
     in_metres     the reader's library has converted `vertices` from `unit` to metres already (STEP)
+    up            the axis that the file or its standard says is up ("x", "y" or "z"), or None
     """
 
     vertices: NDArray[np.float64]
@@ -43,6 +44,7 @@ class RawMesh:
     unit: Unit | None = None
     in_metres: bool = False
     notes: list[str] = field(default_factory=list)
+    up: str | None = None
 
 
 def portion(progress: Progress, low: float, high: float) -> Progress:
