@@ -57,3 +57,34 @@ def test_morph_weights_of_the_mesh(testdata):
     mockup = load_mockup(testdata / "files" / "gltf_morph_weights.gltf")
     assert np.allclose(mockup.bounds, [[0, 0, 0.02], [0.01, 0.01, 0.03]], atol=1e-8)
     assert "morph targets" in notes(mockup)
+
+
+# --- COLLADA -----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [("dae_bad_colour", ("kind 'effect'", "'E'")), ("dae_bad_light", ("kind 'light'", "'lt'", "kind 'camera'", "'c'"))],
+)
+def test_looks_that_are_wrong_do_not_refuse_a_file(testdata, name, words):
+    """A colour with decimal commas; a light and a camera without a common technique (trimesh 1384)."""
+    mockup = load_mockup(testdata / "files" / f"{name}.dae")
+    assert mockup.triangle_count == 12
+    assert np.allclose(mockup.bounds, [[0, 0, 0], [0.01, 0.01, 0.01]], atol=1e-12)
+    for word in (*words, "do not move a vertex"):
+        assert word in notes(mockup)
+
+
+def test_a_hollow_polygon_of_collada(testdata):
+    """A flat U: 3 x 3 less a notch of 1 x 2."""
+    mockup = load_mockup(testdata / "files" / "dae_concave.dae")
+    corners = mockup.vertices[mockup.faces]
+    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    assert np.linalg.norm(cross, axis=1).sum() / 2 == pytest.approx(7)
+    assert "1 polygons with more than three corners were cut" in notes(mockup)
+
+
+def test_a_library_node_is_placed_once(testdata):
+    """At 10, then moved by 1 and turned by 90 degrees: x from 10 + 1 - 0.02."""
+    mockup = load_mockup(testdata / "files" / "dae_instance_node.dae")
+    assert np.allclose(mockup.bounds, [[10.98, 0, 0], [11, 0.01, 0.03]], atol=1e-12)

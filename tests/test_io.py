@@ -476,8 +476,6 @@ def collada_text() -> str:
 </library_visual_scenes><scene><instance_visual_scene url="#vs"/></scene></COLLADA>"""
 
 
-@pytest.mark.skipif(importlib.util.find_spec("collada") is None, reason="pycollada is not installed")
-@pytest.mark.filterwarnings("ignore::DeprecationWarning")
 def test_collada(tmp_path):
     mockup = load_mockup(save(tmp_path, "tool.dae", collada_text()))
     assert paths(mockup) == ["tool/left/bolt", "tool/right/bolt"]

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from feeler.io.gltf_deform import joint_matrices, skinned
+from feeler.io.gltf_deform import joint_matrices
 from feeler.io.gltf_document import Document
 from feeler.io.gltf_mesh import Mesh, MeshReader
 from feeler.io.gltf_nodes import Instance, SceneGraph, Shape
@@ -22,6 +22,7 @@ from feeler.io.limits import check_mesh
 from feeler.io.placing import facing, is_mirrored, transform, turned
 from feeler.io.placing import shift_indices as shift_indices
 from feeler.io.raw import OUT_OF_RANGE, Progress, RawMesh
+from feeler.io.skinning import skinned
 from feeler.io.tally import Tally
 from feeler.io.units import parse_unit
 

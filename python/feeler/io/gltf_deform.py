@@ -14,8 +14,6 @@ from numpy.typing import NDArray
 from feeler.io.gltf_document import Document
 from feeler.io.placing import IDENTITY, Matrix, multiply
 
-_CHUNK = 65536  # vertices that have their own matrix, 128 bytes each, at a time
-
 
 def morphed(
     document: Document, points: NDArray[np.float64], targets: Any, weights: tuple[float, ...]
@@ -67,21 +65,3 @@ def joint_matrices(document: Document, skin: int, worlds: dict[int, Matrix]) -> 
             raise document.fail(f"skins[{skin}] has joint {str(joint)[:20]}, which is no node of the scene")
         made.append(multiply(worlds[joint], IDENTITY if inverse is None else inverse[number]))
     return np.stack(made)
-
-
-def skinned(
-    points: NDArray[np.float64], joint: NDArray[Any], weight: NDArray[Any], matrices: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-    """Return (points (n, 3) where their joints put them, whether each is mirrored there)."""
-    placed = np.empty_like(points)
-    mirrored = np.empty(len(points), dtype=bool)
-    with np.errstate(all="ignore"):
-        for at in range(0, len(points), _CHUNK):
-            part = slice(at, at + _CHUNK)
-            blend = np.zeros((len(points[part]), 4, 4))
-            for column in range(joint.shape[1]):
-                blend += weight[part, column, None, None] * matrices[joint[part, column]]
-            x, y, z = (points[part, axis, None] for axis in range(3))
-            placed[part] = ((blend[:, :3, 0] * x + blend[:, :3, 1] * y) + blend[:, :3, 2] * z) + blend[:, :3, 3]
-            mirrored[part] = np.linalg.det(blend[:, :3, :3]) < 0
-    return placed, mirrored
