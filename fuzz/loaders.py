@@ -89,7 +89,7 @@ def fuzz(kind: str, options: list[str]) -> None:
     """Runs libFuzzer on the readers, instrumented; does not return."""
     import atheris
 
-    with atheris.instrument_imports(include=["feeler.io", "collada"]):
+    with atheris.instrument_imports(include=["feeler.io"]):
         from feeler.io import load_mockup
 
     corpus = ROOT / "build" / "fuzz" / kind

@@ -105,7 +105,7 @@ def test_help_loads_nothing_that_only_work_needs(words: list[str]) -> None:
     done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
     early, *loaded = done.stderr.split()
     assert early == "False" and "feeler.cli.app" in loaded
-    heavy = {"trimesh", "matplotlib", "cascadio", "collada", "coal", "fcl", "rich.progress", "feeler.picture"}
+    heavy = {"trimesh", "matplotlib", "cascadio", "DracoPy", "coal", "fcl", "rich.progress", "feeler.picture"}
     assert not heavy.intersection(loaded)
 
 

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from feeler.errors import LoadError
+from feeler.io import meshopt
 from feeler.io.limits import check_memory
 
 _GLB_MAGIC, _JSON_CHUNK, _BIN_CHUNK = b"glTF", 0x4E4F534A, 0x004E4942
@@ -25,16 +26,22 @@ _COMPONENTS: dict[int, np.dtype[Any]] = {
     5125: np.dtype("<u4"),
     5126: np.dtype("<f4"),
 }
-_WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
+_WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
 _SCHEME = re.compile(r"^[A-Za-z][A-Za-z0-9+.-]*:")
-_COMPRESSED = ("EXT_meshopt_compression", "KHR_meshopt_compression")
+_MESHOPT = ("EXT_meshopt_compression", "KHR_meshopt_compression")
 UNDERSTOOD = {
     "EXT_mesh_gpu_instancing",
+    "KHR_draco_mesh_compression",
     "KHR_mesh_quantization",
-    # Looks only: they do not move a vertex.
+    "KHR_node_visibility",
+    *_MESHOPT,
+    # Looks, sounds and data only: they do not move a vertex.
     "KHR_lights_punctual", "KHR_texture_transform", "KHR_texture_basisu", "EXT_texture_webp", "EXT_texture_avif",
-    "KHR_xmp_json_ld", "KHR_animation_pointer", "MSFT_texture_dds",
+    "KHR_xmp_json_ld", "KHR_animation_pointer", "MSFT_texture_dds", "KHR_node_selectability", "KHR_node_hoverability",
+    "EXT_lights_image_based", "EXT_lights_ies", "EXT_mesh_features", "EXT_instance_features",
+    "EXT_structural_metadata", "CESIUM_primitive_outline", "KHR_audio_emitter",
 }  # fmt: skip
+_LOOKS = ("KHR_materials_", "EXT_materials_", "ADOBE_materials_", "MSFT_packing_")
 
 
 class Document:
@@ -60,8 +67,9 @@ class Document:
         version = str(root["asset"].get("version"))
         if not version.startswith("2"):
             raise self.fail(f"this is glTF {version[:10]}, and only glTF 2 is read; convert it", damaged=False)
-        self._check_extensions()
+        self.required = self._check_extensions()
         self._buffers: dict[int, memoryview] = {}
+        self._unpacked: dict[int, memoryview] = {}
 
     def fail(self, what: str, damaged: bool = True) -> LoadError:
         """Return the error for this file."""
@@ -93,8 +101,11 @@ class Document:
                 raise self.fail(f"accessors[{index}] has {count:,} elements and its buffer view {length:,} bytes")
         return count
 
-    def array(self, index: object, width: int) -> NDArray[Any]:
-        """Return accessor `index` as (count, width), or (count,) for width 1; its own type, normalised ones float32."""
+    def array(self, index: object, width: int, *, normalise: bool = False) -> NDArray[Any]:
+        """Return accessor `index` as (count, width), or (count,) for width 1; its own type, normalised ones float32.
+
+        `normalise`: integers are, even if the accessor does not say so.
+        """
         accessor = self.item("accessors", index)
         where = f"accessors[{index}]"
         dtype = _COMPONENTS.get(accessor.get("componentType", -1))
@@ -116,9 +127,20 @@ class Document:
             )
         if "sparse" in accessor:
             values = self._with_sparse(values, accessor["sparse"], where)
-        if accessor.get("normalized") is True and dtype.kind in "iu":
+        if (normalise or accessor.get("normalized") is True) and dtype.kind in "iu":
             values = np.maximum(values / np.float32(np.iinfo(dtype).max), np.float32(-1.0)).astype(np.float32)
         return values[:, 0] if width == 1 else values
+
+    def numbers(self, value: Any, where: str, count: int | None = None) -> list[float]:
+        """Return a list of numbers out of the JSON, as float; raise if it is none, or not of that length."""
+        good = isinstance(value, list) and all(type(v) in (int, float) for v in value)
+        if not good or (count is not None and len(value) != count):
+            raise self.fail(f"{where} should be {'numbers' if count is None else f'{count} numbers'}")
+        return [float(v) for v in value]
+
+    def view_bytes(self, index: object) -> memoryview:
+        """Return the bytes of a buffer view."""
+        return self._view(index)[0]
 
     # --- the pieces ------------------------------------------------------------------------------------------------
 
@@ -145,25 +167,14 @@ class Document:
             raise self.fail("there is no JSON chunk")
         return text
 
-    def _check_extensions(self) -> None:
+    def _check_extensions(self) -> frozenset[str]:
+        """Return the extensions that the file requires; refuse one that is not read."""
         required = self.root.get("extensionsRequired", [])
-        for name in required if isinstance(required, list) else []:
-            if name == "KHR_draco_mesh_compression":
-                raise self.compressed("Draco")
-            if name in _COMPRESSED:
-                raise self.compressed("meshopt")
-            if name not in UNDERSTOOD and not str(name).startswith(("KHR_materials_", "ADOBE_materials_")):
-                raise self.fail(
-                    f"it requires the extension {str(name)[:60]!r}, which is not read; export without it", False
-                )
-
-    def compressed(self, how: str) -> LoadError:
-        """Return the error for geometry packed by an extension that is not read."""
-        return self.fail(
-            f"the geometry is compressed with {how}, which is not read; export it uncompressed "
-            "(for example: gltf-transform copy in.glb out.glb)",
-            damaged=False,
-        )
+        names = [str(name) for name in required] if isinstance(required, list) else []
+        for name in names:
+            if name not in UNDERSTOOD and not name.startswith(_LOOKS):
+                raise self.fail(f"it requires the extension {name[:60]!r}, which is not read; export without it", False)
+        return frozenset(names)
 
     def _natural(self, item: dict[str, Any], key: str, where: str, default: int | None = None) -> int:
         value = item.get(key, default)
@@ -175,14 +186,55 @@ class Document:
         """Return (bytes, stride or 0) of a buffer view."""
         view = self.item("bufferViews", index)
         where = f"bufferViews[{index}]"
-        extensions = view.get("extensions")
-        if isinstance(extensions, dict) and any(name in extensions for name in _COMPRESSED):
-            raise self.compressed("meshopt")
-        buffer = self._buffer(self._natural(view, "buffer", where))
-        offset, length = self._natural(view, "byteOffset", where, 0), self._natural(view, "byteLength", where)
+        stride = self._natural(view, "byteStride", where, 0)
+        packed = self._packed(view, where)
+        if packed is not None:
+            at = int(str(index))
+            if at not in self._unpacked:
+                self._unpacked[at] = self._unpack(packed, where)
+            return self._unpacked[at], stride
+        return self._slice(view, where), stride
+
+    def _slice(self, item: dict[str, Any], where: str) -> memoryview:
+        """Return the bytes of a buffer that a buffer view, or the extension in its place, names."""
+        buffer = self._buffer(self._natural(item, "buffer", where))
+        offset, length = self._natural(item, "byteOffset", where, 0), self._natural(item, "byteLength", where)
         if offset + length > len(buffer):
             raise self.fail(f"{where} ends at byte {offset + length:,} of a buffer of {len(buffer):,}")
-        return buffer[offset : offset + length], self._natural(view, "byteStride", where, 0)
+        return buffer[offset : offset + length]
+
+    def _packed(self, view: dict[str, Any], where: str) -> dict[str, Any] | None:
+        """Return the extension that packs a view with meshopt, or None where its plain bytes are in the file."""
+        extensions = view.get("extensions")
+        if not isinstance(extensions, dict):
+            return None
+        name = next((name for name in _MESHOPT if name in extensions), None)
+        if name is None:
+            return None
+        found = extensions[name]
+        if not isinstance(found, dict):
+            raise self.fail(f"{where}.extensions.{name} is no object")
+        if self.required.isdisjoint(_MESHOPT) and self._has_bytes(self._natural(view, "buffer", where)):
+            return None
+        return found
+
+    def _has_bytes(self, index: int) -> bool:
+        """Tell whether a buffer is in the file or beside it. One that only stands for what is packed has no bytes."""
+        try:
+            self._buffer(index)
+        except LoadError:
+            return False
+        return True
+
+    def _unpack(self, packed: dict[str, Any], where: str) -> memoryview:
+        where += " (meshopt)"
+        count, stride = self._natural(packed, "count", where), self._natural(packed, "byteStride", where)
+        check_memory(8 * count * stride, f"{self.path}: {where}")
+        data = self._slice(packed, where)
+        try:
+            return meshopt.decode(data, count, stride, str(packed.get("mode")), str(packed.get("filter", "NONE")))
+        except meshopt.DamagedError as error:
+            raise self.fail(f"{where}: {error}") from error
 
     def _strided(
         self,

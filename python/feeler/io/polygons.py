@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,10 @@ MAX_EAR_CORNERS = 2000
 """Above this a polygon that is not convex is cut as a fan: looking for ears takes the cube of the corners at worst."""
 
 _MANY = 100  # corners from which on NumPy is faster than a loop over them
+
+
+_Ring: TypeAlias = list[tuple[int, list[float]]]
+"""A polygon as (vertex, [x, y]) of each corner."""
 
 
 class Triangulated(NamedTuple):
@@ -99,15 +103,19 @@ def _area_vector(points: NDArray[np.float64]) -> NDArray[np.float64]:
     return area
 
 
-def _ears(corners: NDArray[np.int64], vertices: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Cut ears off one polygon, seen along its area vector. What has no ear left is cut as a fan."""
-    points = vertices[corners]
-    normal = _area_vector(points[None])[0]
+def _flat(points: NDArray[np.float64], normal: NDArray[np.float64]) -> list[list[float]]:
+    """Return points (n, 3) seen along a normal, as x and y: what runs around it runs counter-clockwise."""
     drop = int(np.argmax(np.abs(normal)))
     flat = np.delete(points, drop, axis=1)
     if (normal[drop] < 0) != (drop == 1):
-        flat = flat[:, ::-1]  # so that the polygon runs counter-clockwise
-    xy: list[list[float]] = flat.tolist()
+        flat = flat[:, ::-1]
+    rows: list[list[float]] = flat.tolist()
+    return rows
+
+
+def _ears(corners: NDArray[np.int64], vertices: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Cut ears off one polygon, seen along its area vector. What has no ear left is cut as a fan."""
+    xy = _flat(vertices[corners], _area_vector(vertices[corners][None])[0])
 
     def turn(a: int, b: int, c: int) -> float:
         return (xy[b][0] - xy[a][0]) * (xy[c][1] - xy[a][1]) - (xy[b][1] - xy[a][1]) * (xy[c][0] - xy[a][0])
@@ -138,3 +146,81 @@ def _ears(corners: NDArray[np.int64], vertices: NDArray[np.float64]) -> NDArray[
     triangles += [[left[0], left[i], left[i + 1]] for i in range(1, len(left) - 1)]
     ears: NDArray[np.int64] = corners[np.array(triangles)]
     return ears
+
+
+def bridged(
+    outline: NDArray[np.int64], holes: list[NDArray[np.int64]], vertices: NDArray[np.float64]
+) -> NDArray[np.int64]:
+    """Return one polygon for an outline with holes: it runs to each hole, around it, and back on the same line.
+
+    The hole whose corner lies farthest to the right goes first, and is tied to a corner of the polygon that it sees
+    (after Eberly). Holes with a corner that does not exist, or of fewer than three, are passed over.
+    """
+    count = len(vertices)
+    holes = [hole for hole in holes if len(hole) > 2 and ((hole >= 0) & (hole < count)).all()]
+    if not holes or len(outline) < 3 or not ((outline >= 0) & (outline < count)).all():
+        return outline
+    normal = _area_vector(vertices[outline][None])[0]
+    if not np.isfinite(normal).all():
+        return outline
+    rows = [list(zip(ring.tolist(), _flat(vertices[ring], normal), strict=True)) for ring in (outline, *holes)]
+    left, rings = rows[0], rows[1:]
+    for ring in sorted(rings, key=lambda ring: -max(at[0] for _, at in ring)):
+        if _area(ring) > 0:
+            ring.reverse()  # a hole runs against its outline
+        start = max(range(len(ring)), key=lambda i: ring[i][1][0])
+        ring = ring[start:] + ring[:start]
+        tie = _seen_from(ring[0][1], left)
+        left[tie + 1 : tie + 1] = [*ring, ring[0], left[tie]]
+    return np.array([corner for corner, _ in left], dtype=np.int64)
+
+
+def _area(ring: _Ring) -> float:
+    return sum(a[1][0] * b[1][1] - b[1][0] * a[1][1] for a, b in zip(ring, ring[1:] + ring[:1], strict=True))
+
+
+def _seen_from(point: list[float], ring: _Ring) -> int:
+    """Return the corner of a counter-clockwise ring that a point inside it sees: it looks to the right."""
+    x, y = point
+    best, at = float("inf"), -1
+    for i, (_, a) in enumerate(ring):
+        b = ring[(i + 1) % len(ring)][1]
+        # What lies ahead has the inside on its left, so it goes up.
+        if a[1] <= y < b[1] or (a[1] < y <= b[1]):
+            hit = a[0] + (y - a[1]) * (b[0] - a[0]) / (b[1] - a[1])
+            if x <= hit < best:
+                begins = y == a[1] or (y != b[1] and a[0] > b[0])
+                best, at = hit, i if begins else (i + 1) % len(ring)
+    if at < 0:
+        # The hole is not inside: the nearest corner is as good as any.
+        return min(range(len(ring)), key=lambda i: (ring[i][1][0] - x) ** 2 + (ring[i][1][1] - y) ** 2)
+    tip = ring[at][1]
+    if tip[1] == y:
+        return at
+    # Corners that turn back may stand in between, inside the triangle of point, hit and tip: the one of least angle.
+    corners = ([x, y], [best, y], tip) if tip[1] > y else ([x, y], tip, [best, y])
+    least, nearest = (abs(tip[1] - y) / max(tip[0] - x, 1e-300), (tip[0] - x) ** 2 + (tip[1] - y) ** 2), at
+    for i, (_, p) in enumerate(ring):
+        if i == at or p == tip or p[0] < x or not _inside(p, corners):
+            continue
+        angle = (abs(p[1] - y) / max(p[0] - x, 1e-300), (p[0] - x) ** 2 + (p[1] - y) ** 2)
+        if angle < least and _is_open(ring, i, point):
+            least, nearest = angle, i
+    return nearest
+
+
+def _turn(a: list[float], b: list[float], c: list[float]) -> float:
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+
+def _inside(p: list[float], corners: tuple[list[float], list[float], list[float]]) -> bool:
+    a, b, c = corners
+    return _turn(a, b, p) >= 0 and _turn(b, c, p) >= 0 and _turn(c, a, p) >= 0
+
+
+def _is_open(ring: _Ring, i: int, point: list[float]) -> bool:
+    """Tell whether the inside of the ring at its corner `i` is towards the point."""
+    before, at, after = ring[i - 1][1], ring[i][1], ring[(i + 1) % len(ring)][1]
+    if _turn(before, at, after) >= 0:
+        return _turn(before, at, point) >= 0 and _turn(at, after, point) >= 0
+    return _turn(before, at, point) >= 0 or _turn(at, after, point) >= 0

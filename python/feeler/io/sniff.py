@@ -23,6 +23,7 @@ EXTENSIONS: dict[str, str] = {
     ".stp": "STEP",
     ".p21": "STEP",
     ".dae": "COLLADA",
+    ".zae": "COLLADA",
 }
 
 COMPANIONS = frozenset({".bin", ".mtl", ".png", ".jpg", ".jpeg", ".ktx2", ".webp"})
@@ -74,6 +75,8 @@ def identify(path: Path) -> tuple[str, list[str]]:
     named = EXTENSIONS.get(path.suffix.lower())
     text = decoded(head).lstrip()
     found = _by_content(head, text, status.st_size) or (None if named else _weak(text))
+    if found == "3MF" and named == "COLLADA":
+        found = "COLLADA"  # in an archive, as 3MF always is
     if found and found != named:
         kind = f"named {path.suffix}" if path.suffix else "has no extension"
         return found, [f"{path.name} is {kind}, but its content is {found}: read as {found}"]

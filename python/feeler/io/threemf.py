@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from feeler.errors import LoadError
-from feeler.io.gltf import shift_indices, transform
 from feeler.io.limits import MAX_DEPTH, check_memory, check_mesh
+from feeler.io.placing import shift_indices, transform
 from feeler.io.raw import PathBook, Progress, RawMesh, clean_name, seal_indices
 from feeler.io.units import parse_unit
 

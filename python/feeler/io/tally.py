@@ -1,0 +1,33 @@
+"""What a reader meets and does not turn into triangles: counted by kind, with the first names."""
+
+from __future__ import annotations
+
+from feeler.io.raw import clean_name
+
+_NAMES_SHOWN = 5
+_NAME_LENGTH = 60
+
+
+class Tally:
+    """Counts by kind; `notes()` has a line for each kind, in the order in which they were met."""
+
+    def __init__(self) -> None:
+        self._counts: dict[str, int] = {}
+        self._names: dict[str, dict[str, None]] = {}
+
+    def add(self, kind: str, name: object = "", count: int = 1) -> None:
+        """Count something. `kind` is a plural with its verb: "lines were left out: only triangles collide"."""
+        self._counts[kind] = self._counts.get(kind, 0) + count
+        known = self._names.setdefault(kind, {})
+        label = clean_name(name, "")[:_NAME_LENGTH]
+        if label and len(known) <= _NAMES_SHOWN:
+            known[label] = None
+
+    def notes(self) -> list[str]:
+        """Return the notes: "3 hidden nodes were left out ('a', 'b', 'c')"."""
+        lines = []
+        for kind, count in self._counts.items():
+            shown = [f"'{name}'" for name in self._names[kind]]
+            more = ", ..." if len(shown) > _NAMES_SHOWN else ""
+            lines.append(f"{count:,} {kind}" + (f" ({', '.join(shown[:_NAMES_SHOWN])}{more})" if shown else ""))
+        return lines
