@@ -75,7 +75,7 @@ class Parts(Sequence[Part]):
             if parts.shape != (len(self),):
                 raise OptionError(f"a mask of shape {parts.shape} does not fit {len(self)} parts: give one entry each")
             return np.flatnonzero(parts).astype(np.uint32)
-        one = isinstance(parts, (str, Part, int, np.integer))
+        one = isinstance(parts, (str, bytes, Part, int, np.integer))
         if not one and not isinstance(parts, Iterable):
             raise OptionError(f"{parts!r} names no part: give an index, a path or pattern, or several")
         found: set[int] = set()
@@ -85,7 +85,10 @@ class Parts(Sequence[Part]):
 
     def _selected(self, part: object) -> Iterable[int]:
         if isinstance(part, Part):
-            part = part.index
+            i = part.index
+            if i >= len(self) or (part.name, part.path) != (self._names[i], self._paths[i]):
+                raise OptionError(f"part {i}, {part.path!r}, is of another mesh: give a part of this one, or its path")
+            return [i]
         if isinstance(part, (int, np.integer)) and not isinstance(part, bool):
             if not 0 <= part < len(self):
                 raise OptionError(f"there is no part {part}: there are {len(self)}, 0 to {len(self) - 1}")
