@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import fnmatch
+import itertools
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -13,6 +14,8 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler.errors import OptionError
+
+_MOST_COMPARED = 10_000  # names that a wrong one is compared with: a tenth of a second or so
 
 
 @dataclass(frozen=True)
@@ -101,10 +104,21 @@ class Parts(Sequence[Part]):
             named = enumerate(zip(self._names, self._paths, strict=True))
             called = [i for i, (name, path) in named if matches(path) or matches(name)]
         if not called:
-            alike = difflib.get_close_matches(part, dict.fromkeys([*self._paths, *self._names]), 3, 0.6)
+            alike = self._alike(part)
             hint = f"; there is {', '.join(map(repr, alike))}" if alike else ""
             raise OptionError(f"no part is called, or matches, {part!r}{hint}")
         return called
+
+    def _alike(self, part: str) -> list[str]:
+        """Names, and paths, that are spelt much as what was asked for, or have a word that is; letters of any case."""
+        known: dict[str, str] = {}
+        for name in itertools.islice(dict.fromkeys([*self._names, *self._paths]), _MOST_COMPARED):
+            plain = name.casefold()
+            for word in (plain, *re.findall(r"\w+", plain)):
+                known.setdefault(word, name)
+        asked = re.sub(r"\[.*?\]|[*?]", "", part).strip("/ ").casefold()
+        found = difflib.get_close_matches(asked, known, 3, 0.6)
+        return list(dict.fromkeys(known[word] for word in found))
 
     def _called(self, path: str) -> list[int]:
         below = path.rstrip("/") + "/"
