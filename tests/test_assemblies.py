@@ -294,7 +294,7 @@ def test_an_assembly_meets_what_its_items_meet(
 
 def test_defects_of_items_stay_defects() -> None:
     vertices, faces = cube((0, 0, 0), 1)
-    bad = feeler.Tool(vertices, [*faces.tolist(), [0, 1, 8]])
+    bad = feeler.Tool(vertices, np.array([*faces.tolist(), [0, 1, 8]], dtype=np.uint32))
     both = feeler.Tool.assembly({"a": bad, "b": bad})
     # 8 is beyond the first's vertices, and would be the first vertex of the second.
     assert both.report.defects["index_out_of_range"].count == 2
