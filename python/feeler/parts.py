@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import fnmatch
+import itertools
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -13,6 +14,8 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler.errors import OptionError
+
+_MOST_COMPARED = 10_000  # names that a wrong one is compared with: a tenth of a second or so
 
 
 @dataclass(frozen=True)
@@ -75,7 +78,7 @@ class Parts(Sequence[Part]):
             if parts.shape != (len(self),):
                 raise OptionError(f"a mask of shape {parts.shape} does not fit {len(self)} parts: give one entry each")
             return np.flatnonzero(parts).astype(np.uint32)
-        one = isinstance(parts, (str, Part, int, np.integer))
+        one = isinstance(parts, (str, bytes, Part, int, np.integer))
         if not one and not isinstance(parts, Iterable):
             raise OptionError(f"{parts!r} names no part: give an index, a path or pattern, or several")
         found: set[int] = set()
@@ -85,7 +88,10 @@ class Parts(Sequence[Part]):
 
     def _selected(self, part: object) -> Iterable[int]:
         if isinstance(part, Part):
-            part = part.index
+            i = part.index
+            if i >= len(self) or (part.name, part.path) != (self._names[i], self._paths[i]):
+                raise OptionError(f"part {i}, {part.path!r}, is of another mesh: give a part of this one, or its path")
+            return [i]
         if isinstance(part, (int, np.integer)) and not isinstance(part, bool):
             if not 0 <= part < len(self):
                 raise OptionError(f"there is no part {part}: there are {len(self)}, 0 to {len(self) - 1}")
@@ -98,10 +104,21 @@ class Parts(Sequence[Part]):
             named = enumerate(zip(self._names, self._paths, strict=True))
             called = [i for i, (name, path) in named if matches(path) or matches(name)]
         if not called:
-            alike = difflib.get_close_matches(part, dict.fromkeys([*self._paths, *self._names]), 3, 0.6)
+            alike = self._alike(part)
             hint = f"; there is {', '.join(map(repr, alike))}" if alike else ""
             raise OptionError(f"no part is called, or matches, {part!r}{hint}")
         return called
+
+    def _alike(self, part: str) -> list[str]:
+        """Names, and paths, that are spelt much as what was asked for, or have a word that is; letters of any case."""
+        known: dict[str, str] = {}
+        for name in itertools.islice(dict.fromkeys([*self._names, *self._paths]), _MOST_COMPARED):
+            plain = name.casefold()
+            for word in (plain, *re.findall(r"\w+", plain)):
+                known.setdefault(word, name)
+        asked = re.sub(r"\[.*?\]|[*?]", "", part).strip("/ ").casefold()
+        found = difflib.get_close_matches(asked, known, 3, 0.6)
+        return list(dict.fromkeys(known[word] for word in found))
 
     def _called(self, path: str) -> list[int]:
         below = path.rstrip("/") + "/"

@@ -368,8 +368,8 @@ class Scene(_core.Scene):
         return self
 
     def __repr__(self) -> str:
-        there = int(np.count_nonzero(self.part_mask))
-        some = "" if there == self.mockup.part_count else f", {there:,} parts there"
+        there, parts = int(np.count_nonzero(self.part_mask)), self.mockup.part_count
+        some = "" if there == parts else f", {there:,} of {parts:,} parts there"
         return f"Scene({self.mockup!r}, voxel_size={self.voxel_size:.4g}, storage={self.storage!r}{some})"
 
 
