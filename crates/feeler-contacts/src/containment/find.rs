@@ -242,8 +242,13 @@ impl<'a> Search<'a> {
         let mut solid = None;
         for part in self.nearby.clone() {
             let met = self.meeting.mockup_triangles.get(&part);
-            for (_, m) in self.context.adjacency[Surface::Mockup].surfaces_of(part) {
-                let asked = met.map_or(Some(*m), |met| self.unmet_triangle(*m, met));
+            let adjacency = self.context.adjacency[Surface::Mockup];
+            // What sticks out of the tool's box is not inside.
+            let shells = adjacency.shells_of(part).iter();
+            let shells = shells.filter(|s| is_in(&around, &s.bounds.lower) && is_in(&around, &s.bounds.upper));
+            let open = adjacency.open_surfaces_of(part).iter().map(|(_, m)| *m);
+            for m in shells.map(|shell| shell.first).chain(open) {
+                let asked = met.map_or(Some(m), |met| self.unmet_triangle(m, met));
                 let Some(p) = asked.map(|m| self.context.corner(Surface::Mockup, m)) else { continue };
                 if !is_in(&around, &p) {
                     continue;
@@ -283,16 +288,17 @@ impl<'a> Search<'a> {
     }
 
     fn look_for_unknown(&mut self) {
-        let is_open = |surface: Surface, t: u32| self.context.adjacency[surface].outward[t as usize] == 0;
+        let [of_tool, adjacency] = self.context.adjacency;
         let around = tool_box(self.tool, self.pose);
-        let is_tool_open = self.tool.links().surfaces.iter().any(|t| is_open(Surface::Tool, *t));
+        let is_tool_open = self.tool.links().surfaces.iter().any(|t| of_tool.outward[*t as usize] == 0);
         for &part in &self.nearby {
-            let surfaces = self.context.adjacency[Surface::Mockup].surfaces_of(part);
+            let open = adjacency.open_surfaces_of(part);
             let bounds = self.scene.mockup().part_bounds()[part as usize];
-            let is_part_open = || surfaces.iter().any(|(_, m)| is_open(Surface::Mockup, *m));
-            let may_hold = self.corners.iter().any(|p| is_in(&bounds, p)) && is_part_open();
+            let may_hold = !open.is_empty() && self.corners.iter().any(|p| is_in(&bounds, p));
             let corner = |m: u32| self.context.corner(Surface::Mockup, m);
-            if may_hold || is_tool_open && surfaces.iter().any(|(_, m)| is_in(&around, &corner(*m))) {
+            let mut first =
+                open.iter().map(|(_, m)| *m).chain(adjacency.shells_of(part).iter().map(|shell| shell.first));
+            if may_hold || is_tool_open && first.any(|m| is_in(&around, &corner(m))) {
                 self.found.unknown.push(part);
             }
         }
