@@ -289,7 +289,10 @@ def test_what_cannot_be_told_is_said(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["--part", "*pumb*"], "--part: no part is called, or matches, '*pumb*'; there is 'fuel pump'"),
+        (
+            ["--part", "*pumb*"],
+            "--part: no part is called, or matches, '*pumb*'; there is 'fuel pump' (feeler info --parts",
+        ),
         (["--part", "FUEL PUMP"], "there is 'fuel pump'"),
         ([*PUMP, "--without", "gaskets"], "--without: no part is called, or matches, 'gaskets'; there is 'gasket'"),
         ([*PUMP, "--only", "*zzzz*"], "--only: no part is called, or matches, '*zzzz*'"),

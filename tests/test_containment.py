@@ -203,6 +203,40 @@ def in_uneven_faces(cells: int = 4) -> Mesh:
     return joined(*meshes)
 
 
+SPAN = st.tuples(st.integers(-3, 2), st.integers(1, 4)).map(lambda x: (x[0], x[0] + x[1]))
+SPANS = st.tuples(SPAN, SPAN, SPAN)
+Spans = tuple[tuple[int, int], tuple[int, int], tuple[int, int]]
+
+
+@given(static=st.lists(SPANS, min_size=1, max_size=3), moving=st.lists(SPANS, min_size=1, max_size=2))
+def test_blocks_on_a_lattice_share_an_inside_or_are_told_apart(static: list[Spans], moving: list[Spans]) -> None:
+    """Whether flush, nested or crossing: what shares an inside enters, or is held; nothing else does."""
+
+    def mesh_of(spans: Spans) -> Mesh:
+        return box([low for low, _ in spans], [high for _, high in spans])
+
+    def overlap(a: Spans, b: Spans) -> bool:
+        return all(max(p[0], q[0]) < min(p[1], q[1]) for p, q in zip(a, b, strict=True))
+
+    def within(a: Spans, b: Spans) -> bool:
+        return all(q[0] <= p[0] and p[1] <= q[1] for p, q in zip(a, b, strict=True))
+
+    scene = feeler.Scene(mockup_of({f"p{i}": mesh_of(spans) for i, spans in enumerate(static)}))
+    tool = tool_of({f"t{i}": mesh_of(spans) for i, spans in enumerate(moving)})
+    found = scene.containment(tool, at())
+    shared = any(overlap(a, b) for a in static for b in moving)
+    assert shared == (scene.is_colliding(tool, at(), touching="free") or bool(found))
+    assert not (shared and scene.is_free(tool, at()))
+    # What is told is true; and what is within without touching is told.
+    assert all(within(moving[t], static[m]) for t, m in found.containing_pairs)
+    assert all(within(static[m], moving[t]) for t, m in found.contained_pairs)
+    for t, b in enumerate(moving):
+        for m, a in enumerate(static):
+            apart = not scene.only(m).is_colliding(feeler.Tool.of_parts(feeler.Mockup(tool), t), at())
+            assert ([t, m] in found.containing_pairs.tolist()) or not (apart and within(b, a))
+            assert ([t, m] in found.contained_pairs.tolist()) or not (apart and within(a, b))
+
+
 def test_cracks_are_no_holes() -> None:
     tool = feeler.Tool(*cube((0.1, 0.07, -0.03), 0.1))
     vertices, faces = in_uneven_faces()

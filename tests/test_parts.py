@@ -17,6 +17,7 @@ from hypothesis import strategies as st
 from shapes import at, box, cube, inverted, joined, mockup_of, tool_of
 
 import feeler
+from feeler.parts import Parts
 
 PATHS = [
     "engine/pump/housing",
@@ -117,6 +118,25 @@ def test_select(mockup: feeler.Mockup, parts: Any, expected: list[int] | None) -
     else:
         found = mockup.parts.select(parts)
         assert (found.tolist(), found.dtype) == (expected, np.uint32)
+
+
+# Beside what lies below a path, what only begins alike: "." comes before "/", "0" right after it.
+NAME = st.sampled_from(["", "/", "a", "a/", "a//", "a.", "a0", "a/b", "a/0", "a/b/c", "ab", "/a", "b", "a.b"])
+NAMES = st.lists(NAME, min_size=1, max_size=9)
+
+
+@given(paths=NAMES, asked=NAME, data=st.data())
+def test_what_is_called_so_or_lies_below(paths: list[str], asked: str, data: st.DataObject) -> None:
+    names = data.draw(st.lists(NAME, min_size=len(paths), max_size=len(paths)))
+    parts = Parts(names, paths, np.zeros(len(paths), np.uint32), np.zeros((len(paths), 2, 3)))
+    below = asked.rstrip("/") + "/"
+    expected = [
+        i
+        for i, (name, path) in enumerate(zip(names, paths, strict=True))
+        if asked in (name, path) or path.startswith(below)
+    ]
+    for there in (parts, pickle.loads(pickle.dumps(parts))):
+        assert [part.index for part in there.find(asked)] == expected
 
 
 def test_select_takes_parts_of_this_mesh_only(mockup: feeler.Mockup, tool: feeler.Tool) -> None:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import bisect
 import difflib
 import fnmatch
 import itertools
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, overload
 
 import numpy as np
@@ -121,9 +123,26 @@ class Parts(Sequence[Part]):
         return list(dict.fromkeys(known[word] for word in found))
 
     def _called(self, path: str) -> list[int]:
-        below = path.rstrip("/") + "/"
-        named = enumerate(zip(self._names, self._paths, strict=True))
-        return [i for i, (name, full) in named if path in (name, full) or full.startswith(below)]
+        base = path.rstrip("/")
+        # What starts with base + "/" is sorted before base + "0": that is the next character.
+        first, last = (bisect.bisect_left(self._sorted_paths, (base + end, -1)) for end in "/0")
+        return sorted({*self._by_name.get(path, ()), *(i for _, i in self._sorted_paths[first:last])})
+
+    @cached_property
+    def _by_name(self) -> dict[str, list[int]]:
+        """The parts of each name and path."""
+        found: dict[str, list[int]] = {}
+        for i, (name, path) in enumerate(zip(self._names, self._paths, strict=True)):
+            for called in {name, path}:
+                found.setdefault(called, []).append(i)
+        return found
+
+    @cached_property
+    def _sorted_paths(self) -> list[tuple[str, int]]:
+        return sorted(zip(self._paths, range(len(self)), strict=True))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (type(self), (self._names, self._paths, self._triangles, self._bounds))
 
 
 def _xyz(v: npt.NDArray[np.float64]) -> tuple[float, float, float]:

@@ -107,7 +107,7 @@ def _named(option: str) -> Iterator[None]:
     try:
         yield
     except OptionError as error:
-        raise OptionError(f"{option}: {error}") from None
+        raise OptionError(f"{option}: {error} (feeler info --parts lists all)") from None
 
 
 def read_both(
