@@ -158,3 +158,15 @@ def test_a_wrong_tool_is_told_first(scene: feeler.Scene) -> None:
     for query in QUERIES.values():
         with pytest.raises(feeler.MeshError):
             query(scene, "tool", [("a", "b")])  # type: ignore[arg-type]
+
+
+def test_a_tracker_ignores_what_it_is_told() -> None:
+    block = cube((0, 0, 0), 1)
+    mock, tool = mockup_of({"floor": block}), tool_of({"probe": block, "rest": block})
+    scene = feeler.Scene(mock)
+    assert feeler.ContactTracker(scene, tool).contacts(at(0, 0, 0.75)).is_meeting
+    tracker = feeler.ContactTracker(scene, tool, ignore=[("probe", "*"), ("rest", "floor")])
+    for each in (tracker, pickle.loads(pickle.dumps(tracker))):
+        assert not each.contacts(at(0, 0, 0.75))
+    with pytest.raises(feeler.OptionError, match="wrench"):
+        feeler.ContactTracker(scene, tool, ignore=[("wrench", "*")])
