@@ -14,7 +14,7 @@ from feeler import LoadError, Mockup
 from feeler.io import load_mockup
 from feeler.io.step_external import Named, find, referenced_files
 from feeler.io.step_names import Assembly
-from feeler.io.step_source import for_converter
+from feeler.io.step_source import for_converter, misplaced
 from feeler.io.step_text import entities, plain_text, string_text
 
 needs_step = pytest.mark.skipif(importlib.util.find_spec("cascadio") is None, reason="cascadio is not installed")
@@ -320,6 +320,20 @@ def test_a_part_is_called_by_its_product(tmp_path):
 
 
 @needs_step
+def test_several_shapes_of_a_product_have_its_name(tmp_path):
+    """A box as B-rep, and a tetrahedron as triangles (AP242)."""
+    tessellated = (
+        "#300=COORDINATES_LIST('',4,((0.,0.,0.),(10.,0.,0.),(0.,10.,0.),(0.,0.,10.)));\n"
+        "#301=TRIANGULATED_FACE('',#300,4,((0.,0.,1.)),$,(),((1,3,2),(1,2,4),(2,3,4),(1,4,3)));\n"
+        "#302=TESSELLATED_SOLID('',(#301),$);\n#303=TESSELLATED_SHAPE_REPRESENTATION('',(#302),#9);\n"
+        "#304=SHAPE_DEFINITION_REPRESENTATION(#13,#303);\n"
+    )
+    mockup = load_mockup(save(tmp_path, "a.step", COLOURS.replace("ENDSEC;\nEND", tessellated + "ENDSEC;\nEND")))
+    assert paths(mockup) == ["a/bracket/bracket", "a/bracket/bracket#2"]
+    assert mockup.triangle_count == 16 and "have no triangle" not in notes(mockup)
+
+
+@needs_step
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-32", "cp1252"])
 @pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
 def test_encodings(tmp_path, encoding, end):
@@ -347,6 +361,54 @@ def test_damaged_arguments_end_somewhere():
     assert assembly.name(1) == "" and assembly.name(99) == ""
     broken = b"DOCUMENT_FILE #4=DOCUMENT_FILE();#5=APPLIED_DOCUMENT_REFERENCE();#6=DOCUMENT_FILE('a.stp');"
     assert referenced_files(broken, assembly) == {}
+
+
+# --- placements --------------------------------------------------------------------------------------------------
+
+
+def placed_by(way: str, first: str, second: str, third: str, scale: str) -> str:
+    """The box or housing, placed by an operator at x = 50 mm: as a mapped item, or in the assembly."""
+    operator = (
+        f"#310=CARTESIAN_TRANSFORMATION_OPERATOR_3D('','','',{first},{second},#307,{scale},{third});\n"
+        "#307=CARTESIAN_POINT('',(50.,0.,0.));\n#321=DIRECTION('',(1.,0.,0.));\n#322=DIRECTION('',(0.,1.,0.));\n"
+        "#323=DIRECTION('',(0.,0.,1.));\n#324=DIRECTION('',(-1.,0.,0.));\n#325=DIRECTION('',(0.,-1.,0.));\n"
+    )
+    if way == "assembly":
+        text = ASSEMBLY.replace("#206=ITEM_DEFINED_TRANSFORMATION('','',#29,#25);", "")
+        text = text.replace("_WITH_TRANSFORMATION(#206)", "_WITH_TRANSFORMATION(#310)")
+    else:
+        text = COLOURS.replace("REPRESENTATION('',(#17,#167),#9)", "REPRESENTATION('',(#17,#312),#9)")
+        kind = "ADVANCED_BREP_SHAPE_REPRESENTATION" if way == "mapped" else "DRAUGHTING_SYMBOL_REPRESENTATION"
+        operator += (
+            f"#311={kind}('',(#17,#167),#9);\n#313=REPRESENTATION_MAP(#17,#311);\n#312=MAPPED_ITEM('',#313,#310);\n"
+        )
+    return text.replace("ENDSEC;\nEND", operator + "ENDSEC;\nEND")
+
+
+@needs_step
+@pytest.mark.parametrize("way", ["mapped", "assembly"])
+@pytest.mark.parametrize(
+    ("axes", "scale", "box"),
+    [
+        (("#321", "#322", "#323"), "1.", [[0.05, 0, 0], [0.06, 0.02, 0.03]]),
+        (("$", "$", "$"), "$", [[0.05, 0, 0], [0.06, 0.02, 0.03]]),
+        (("#324", "#325", "#323"), "1.0000000000001", [[0.04, -0.02, 0], [0.05, 0, 0.03]]),
+        (("#324", "#322", "#323"), "1.", None),
+        (("$", "#325", "$"), "1.", None),
+        (("#321", "#322", "#323"), "2.", None),
+    ],
+)
+def test_placements_by_an_operator(tmp_path, way, axes, scale, box):
+    path = save(tmp_path, "a.step", placed_by(way, *axes, scale))
+    if box is None:
+        fails(path, "1 placements mirror or scale a shape (#310)", "export the file again")
+    else:
+        assert np.allclose(boxes(load_mockup(path))[0], box, atol=1e-8)
+
+
+def test_operators_of_drawings_may_scale():
+    assert misplaced(placed_by("mapped", "$", "$", "$", "2.").encode()) == [310]
+    assert misplaced(placed_by("drawing", "$", "$", "$", "2.").encode()) == []
 
 
 # --- what is no surface ------------------------------------------------------------------------------------------

@@ -25,7 +25,7 @@ from feeler.io.raw import Progress, RawMesh, clean_name, portion
 from feeler.io.step_external import Named, find, referenced_files
 from feeler.io.step_names import Assembly, stated_units
 from feeler.io.step_parts import Library, ReadFile, Slot, fill
-from feeler.io.step_source import count_faces, curves_and_points, for_converter
+from feeler.io.step_source import count_faces, curves_and_points, for_converter, misplaced
 from feeler.io.step_text import plain_text
 from feeler.io.tally import Tally
 from feeler.io.text import decoded
@@ -92,6 +92,12 @@ def _read(
     read_part: ReadFile,
 ) -> RawMesh:
     """Read a file with the files of its parts; `tolerance` in the metres of the file, `chain` ends with this file."""
+    if wrong := misplaced(text):
+        named = ", ".join(f"#{number}" for number in wrong[:_NOTES_SHOWN]) + (", ..." if wrong[_NOTES_SHOWN:] else "")
+        raise LoadError(
+            f"{path}: {len(wrong):,} placements mirror or scale a shape ({named}), which OpenCASCADE would put in a "
+            "wrong place; export the file again with these parts as shapes of their own"
+        )
     assembly = Assembly(text)
     slots: list[Slot] = []
     shown: set[int] = set()  # definitions that the converter placed

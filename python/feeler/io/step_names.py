@@ -19,6 +19,7 @@ _CONVERTED = re.compile(rb"CONVERSION_BASED_UNIT\s*\(\s*'((?:[^']|'')*)'")
 _PREFIXES = {
     b"KILO": "km", b"DECI": "dm", b"CENTI": "cm", b"MILLI": "mm", b"MICRO": "um", b"NANO": "nm", b"": "m",
 }  # fmt: skip
+_NO_NAME = re.compile(r"(?:=>)?\[\d+(?::\d+)*\]$")  # where the converter keeps a shape that has no name
 _DEFINITIONS = ("PRODUCT_DEFINITION", "PRODUCT_DEFINITION_WITH_ASSOCIATED_DOCUMENTS")
 _FORMATIONS = ("PRODUCT_DEFINITION_FORMATION", "PRODUCT_DEFINITION_FORMATION_WITH_SPECIFIED_SOURCE")
 
@@ -86,16 +87,18 @@ class Assembly:
         """Give the nodes of a converted file the names of their products; return which definition each node is of."""
         nodes = root.get("nodes", [])
         definitions: dict[int, int] = {}
-        todo = [(scene.get("nodes", []), self._roots) for scene in root.get("scenes", [])]
+        todo = [(scene.get("nodes", []), self._roots, "") for scene in root.get("scenes", [])]
         while todo:
-            children, known = todo.pop()
+            children, known, above = todo.pop()
             for at, definition in zip(children, self._matched(children, nodes, known), strict=True):
                 node = nodes[at]
                 if definition:
                     definitions[at] = definition
-                    if self.name(definition):
-                        node["name"] = self.name(definition)
-                todo.append((node.get("children", []), self._below.get(definition, [])))
+                if self.name(definition):
+                    node["name"] = self.name(definition)
+                elif above and _NO_NAME.match(str(node.get("name", ""))):
+                    node["name"] = above  # one of several shapes of a product
+                todo.append((node.get("children", []), self._below.get(definition, []), str(node.get("name", ""))))
         return definitions
 
     def _matched(self, children: list[int], nodes: list[dict[str, Any]], known: list[Occurrence]) -> list[int]:

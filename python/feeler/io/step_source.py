@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from feeler.io.step_text import entities
+from feeler.io.step_text import Entity, entities
 from feeler.io.tally import Tally
 
 _FACE = re.compile(rb"=\s*(?:ADVANCED_FACE|FACE_SURFACE)\s*\(")
@@ -13,6 +13,9 @@ _REFERENCE = re.compile(rb"\b(APPLIED_DOCUMENT_REFERENCE)(?=\s*\()")
 _WITH_DOCUMENTS = "PRODUCT_DEFINITION_WITH_ASSOCIATED_DOCUMENTS"
 _SETS = ("GEOMETRIC_CURVE_SET", "GEOMETRIC_SET")
 _WIREFRAMES = ("EDGE_BASED_WIREFRAME_MODEL", "SHELL_BASED_WIREFRAME_MODEL")
+_OPERATOR = "CARTESIAN_TRANSFORMATION_OPERATOR_3D"
+_PLACED_BY = re.compile(rb"\bREPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION\s*\(\s*#(\d+)")
+_SCALE_SLACK = 1e-9  # of a scale of 1, which exporters compute
 _KEYWORD = re.compile(rb"#(\d+)\s*=\s*\(?\s*([A-Z0-9_]+)")
 _POINTS = (
     "CARTESIAN_POINT",
@@ -59,7 +62,7 @@ def curves_and_points(text: bytes) -> list[str]:
             tally.add("wireframe models were left out: only surfaces collide", entity.text(0))
             continue
         if not keywords:
-            keywords = {int(m[1]): m[2].decode("ascii") for m in _KEYWORD.finditer(text)}
+            keywords = _keywords(text)
         kinds = [keywords.get(item, "") for item in entity.all(1)]
         points = sum(kind in _POINTS for kind in kinds)
         curves = len(kinds) - points - sum(kind.endswith(("SURFACE", "PLANE")) for kind in kinds)
@@ -67,3 +70,48 @@ def curves_and_points(text: bytes) -> list[str]:
             if count:
                 tally.add(f"{kind} were left out: only surfaces collide", entity.text(0), count)
     return tally.notes()
+
+
+def misplaced(text: bytes) -> list[int]:
+    """Return the placements of shapes that mirror or scale, as entity numbers: OpenCASCADE puts these shapes elsewhere.
+
+    It makes a turn of a mirroring, and divides by a scale.
+    """
+    if _OPERATOR.encode("ascii") not in text:
+        return []
+    directions = {e.number: e.numbers(1) for e in entities(text, "DIRECTION")}
+    changing = {e.number for e in entities(text, _OPERATOR) if _mirrors_or_scales(e, directions)}
+    if not changing:
+        return []
+    keywords = _keywords(text)
+    shapes = {
+        entity.number
+        for entity in entities(text, "REPRESENTATION_MAP")
+        if keywords.get(entity.refers(1), "").endswith("SHAPE_REPRESENTATION")  # others are drawings and symbols
+    }
+    used = {e.refers(2) for e in entities(text, "MAPPED_ITEM") if e.refers(1) in shapes}
+    used |= {int(found[1]) for found in _PLACED_BY.finditer(text)}
+    return sorted(changing & used)
+
+
+def _mirrors_or_scales(operator: Entity, directions: dict[int, list[float]]) -> bool:
+    """Tell whether an operator does so. Its last five arguments are axis 1, axis 2, origin, scale and axis 3."""
+    at = len(operator.arguments) - 5
+    if at < 0:
+        return False
+    scale = operator.numbers(at + 3)
+    if scale and abs(scale[0] - 1.0) > _SCALE_SLACK:
+        return True
+    first, second, third = (
+        directions.get(operator.refers(place), default)
+        for place, default in ((at, [1.0, 0.0, 0.0]), (at + 1, []), (at + 4, [0.0, 0.0, 1.0]))
+    )
+    if not len(first) == len(second) == len(third) == 3:  # without the second it is that of a right hand
+        return False
+    (a, b, c), (d, e, f), (g, h, i) = first, second, third
+    return a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g) < 0
+
+
+def _keywords(text: bytes) -> dict[int, str]:
+    """Return the keyword of every entity; of one in several parts the first."""
+    return {int(m[1]): m[2].decode("ascii") for m in _KEYWORD.finditer(text)}

@@ -13,8 +13,8 @@ import numpy as np
 
 from feeler.io.text import name_text
 
-Argument: TypeAlias = "str | int | list[Argument] | None"
-"""A string, the number of an entity (`#7`), a list, or None for anything else ($, numbers, enumerations)."""
+Argument: TypeAlias = "str | int | float | list[Argument] | None"
+"""A string, the number of an entity (`#7`, an int), a number (a float), a list, or None for anything else ($, .T.)."""
 
 _STRING_OR_COMMENT = re.compile(rb"('[^']*')|/\*.*?(?:\*/|\Z)", re.DOTALL)
 _TOKEN = re.compile(rb"'(?:[^']|'')*'|#\d+|[(),;]|[^\s'#(),;]+")
@@ -38,6 +38,12 @@ class Entity(NamedTuple):
         """Return the number of the entity that argument names, 0 if it names none."""
         value = self.arguments[at] if at < len(self.arguments) else None
         return value if isinstance(value, int) else 0
+
+    def numbers(self, at: int) -> list[float]:
+        """Return the numbers in that argument, a list or one."""
+        value = self.arguments[at] if at < len(self.arguments) else None
+        items = value if isinstance(value, list) else [value]
+        return [item for item in items if isinstance(item, float)]
 
     def text(self, at: int) -> str:
         """Return the argument that is a string, "" if it is none."""
@@ -117,7 +123,16 @@ def _arguments(text: bytes, at: int) -> tuple[list[Argument], int]:
             value = string_text(word[1:-1])
         elif word[:1] == b"#":
             value = int(word[1:20])
+        elif word[0] in b"+-0123456789":
+            value = _number(word)
     return outer, at
+
+
+def _number(word: bytes) -> float | None:
+    try:
+        return float(word)
+    except ValueError:
+        return None
 
 
 def string_text(raw: bytes) -> str:
