@@ -319,16 +319,36 @@ def test_a_part_is_called_by_its_product(tmp_path):
     assert np.allclose(boxes(mockup), [BOX, moved(0.1, 0, 0)], atol=1e-8)
 
 
+TESSELLATED = (
+    "#300=COORDINATES_LIST('',4,((0.,0.,0.),(10.,0.,0.),(0.,10.,0.),(0.,0.,10.)));\n"
+    "#301=TRIANGULATED_FACE('',#300,4,((0.,0.,1.)),$,(),((1,3,2),(1,2,4),(2,3,4),(1,4,3)));\n"
+    "#302=TESSELLATED_SOLID('mesh',(#301),$);\n#303=TESSELLATED_SHAPE_REPRESENTATION('',(#302),#9);\n"
+    "#304=SHAPE_DEFINITION_REPRESENTATION(#13,#303);\nENDSEC;\nEND"
+)  # a tetrahedron as triangles (AP242), a shape of the product "bracket" beside the box
+
+
+@needs_step
+@pytest.mark.parametrize("plane", ["#64=PLANE(", "#64=PLAIN("])
+def test_a_mesh_that_is_the_copy_of_a_solid_is_left_out(tmp_path, plane):
+    text = COLOURS.replace("ENDSEC;\nEND", TESSELLATED.replace("(#301),$)", "(#301),#167)")).replace(
+        "#64=PLANE(", plane
+    )
+    mockup = load_mockup(save(tmp_path, "a.step", text))
+    assert paths(mockup) == ["a/bracket"]
+    assert "1 meshes of parts that are there as B-rep were left out: the B-rep was taken ('mesh')" in notes(mockup)
+    assert ("1 of the 6 faces" in notes(mockup)) == ("PLAIN" in plane) == (mockup.triangle_count == 10)
+
+
+@needs_step
+def test_a_missing_face_is_noted_also_beside_triangles(tmp_path):
+    text = COLOURS.replace("ENDSEC;\nEND", TESSELLATED).replace("#64=PLANE(", "#64=PLAIN(")
+    mockup = load_mockup(save(tmp_path, "a.step", text))
+    assert mockup.triangle_count == 14 and "1 of the 7 faces" in notes(mockup)
+
+
 @needs_step
 def test_several_shapes_of_a_product_have_its_name(tmp_path):
-    """A box as B-rep, and a tetrahedron as triangles (AP242)."""
-    tessellated = (
-        "#300=COORDINATES_LIST('',4,((0.,0.,0.),(10.,0.,0.),(0.,10.,0.),(0.,0.,10.)));\n"
-        "#301=TRIANGULATED_FACE('',#300,4,((0.,0.,1.)),$,(),((1,3,2),(1,2,4),(2,3,4),(1,4,3)));\n"
-        "#302=TESSELLATED_SOLID('',(#301),$);\n#303=TESSELLATED_SHAPE_REPRESENTATION('',(#302),#9);\n"
-        "#304=SHAPE_DEFINITION_REPRESENTATION(#13,#303);\n"
-    )
-    mockup = load_mockup(save(tmp_path, "a.step", COLOURS.replace("ENDSEC;\nEND", tessellated + "ENDSEC;\nEND")))
+    mockup = load_mockup(save(tmp_path, "a.step", COLOURS.replace("ENDSEC;\nEND", TESSELLATED)))
     assert paths(mockup) == ["a/bracket/bracket", "a/bracket/bracket#2"]
     assert mockup.triangle_count == 16 and "have no triangle" not in notes(mockup)
 

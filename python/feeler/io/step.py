@@ -25,7 +25,7 @@ from feeler.io.raw import Progress, RawMesh, clean_name, portion
 from feeler.io.step_external import Named, find, referenced_files
 from feeler.io.step_names import Assembly, stated_units
 from feeler.io.step_parts import Library, ReadFile, Slot, fill
-from feeler.io.step_source import count_faces, curves_and_points, for_converter, misplaced
+from feeler.io.step_source import count_faces, for_converter, left_out, misplaced
 from feeler.io.step_text import plain_text
 from feeler.io.tally import Tally
 from feeler.io.text import decoded
@@ -120,7 +120,7 @@ def _read(
         except LoadError as error:
             raise LoadError(f"{path}: OpenCASCADE made nothing usable of this STEP file; export it again") from error
     raw.unit, raw.in_metres, raw.up = _main_unit(text), True, "z"
-    raw.notes += curves_and_points(text)
+    raw.notes += left_out(text)
     if made_faces is not None and made_faces < stated_faces:
         raw.notes.append(
             f"{stated_faces - made_faces:,} of the {stated_faces:,} faces in the STEP file have no triangle: they are "

@@ -11,6 +11,7 @@ _FACE = re.compile(rb"=\s*(?:ADVANCED_FACE|FACE_SURFACE)\s*\(")
 _STYLED = re.compile(rb"\b((?:CONTEXT_DEPENDENT_)?(?:OVER_RIDING_)?STYLED_ITEM)(?=\s*\()")
 _REFERENCE = re.compile(rb"\b(APPLIED_DOCUMENT_REFERENCE)(?=\s*\()")
 _WITH_DOCUMENTS = "PRODUCT_DEFINITION_WITH_ASSOCIATED_DOCUMENTS"
+_TESSELLATED = ("TESSELLATED_SOLID", "TESSELLATED_SHELL")
 _SETS = ("GEOMETRIC_CURVE_SET", "GEOMETRIC_SET")
 _WIREFRAMES = ("EDGE_BASED_WIREFRAME_MODEL", "SHELL_BASED_WIREFRAME_MODEL")
 _OPERATOR = "CARTESIAN_TRANSFORMATION_OPERATOR_3D"
@@ -28,14 +29,21 @@ _POINTS = (
 
 
 def for_converter(text: bytes) -> bytes:
-    """Return the text (`plain_text`) as OpenCASCADE is to see it: without colours and without other files.
+    """Return the text (`plain_text`) as OpenCASCADE is to see it: without colours, other files, and copies.
 
     A mesh in several colours comes in several pieces, of which only the first tells the faces that it is made of. And
     OpenCASCADE would open whatever file a reference names, also outside of the folder.
     """
     text = _REFERENCE.sub(rb"LEFT_OUT_\1", _STYLED.sub(rb"LEFT_OUT_\1", text))
+    copies = {entity.number for entity in _tessellated(text)[1]}
     pieces, at = [], 0
-    for entity in entities(text, _WITH_DOCUMENTS):
+    for entity in entities(text, _WITH_DOCUMENTS, *_TESSELLATED):
+        if entity.keyword in _TESSELLATED:
+            if entity.number in copies:
+                keyword = text.index(entity.keyword.encode("ascii"), entity.start)
+                pieces += [text[at:keyword], b"LEFT_OUT_"]
+                at = keyword
+            continue
         whole = text[entity.start : entity.end]
         if whole.endswith(b")") and b"(" in whole[:-1]:
             # The documents are the last argument, a list: without it this is a plain PRODUCT_DEFINITION.
@@ -49,13 +57,32 @@ def for_converter(text: bytes) -> bytes:
 
 
 def count_faces(text: bytes) -> int:
-    """Return the number of faces of B-rep in the text."""
-    return len(_FACE.findall(text))
+    """Return the number of faces in the text, of B-rep and of triangles."""
+    return len(_FACE.findall(text)) + sum(len(entity.all(1)) for entity in _tessellated(text)[0])
 
 
-def curves_and_points(text: bytes) -> list[str]:
-    """Return notes on the curves, points and wireframes in the text: counted by kind, with the names of their sets."""
+def _tessellated(text: bytes) -> tuple[list[Entity], list[Entity]]:
+    """Return the solids and shells of triangles (AP242): (those by themselves, those that are copies of B-rep).
+
+    OpenCASCADE reads both, and the part would be there twice.
+    """
+    found = list(entities(text, *_TESSELLATED)) if b"TESSELLATED_S" in text else []
+    if not any(entity.refers(2) for entity in found):
+        return found, []
+    keywords = _keywords(text)
+    own: list[Entity] = []
+    copies: list[Entity] = []
+    for entity in found:
+        source = keywords.get(entity.refers(2), "")
+        (copies if source and source not in _TESSELLATED else own).append(entity)
+    return own, copies
+
+
+def left_out(text: bytes) -> list[str]:
+    """Return notes on curves, points, wireframes and copies in the text: counted by kind, with their names."""
     tally = Tally()
+    for entity in _tessellated(text)[1]:
+        tally.add("meshes of parts that are there as B-rep were left out: the B-rep was taken", entity.text(0))
     keywords: dict[int, str] = {}
     for entity in entities(text, *_SETS, *_WIREFRAMES):
         if entity.keyword in _WIREFRAMES:
