@@ -95,6 +95,22 @@ def test_a_part_whose_file_is_missing_is_named(tmp_path):
 
 
 @needs_step
+def test_many_missing_parts_leave_room_for_what_the_converter_says(tmp_path):
+    """Seven products without a shape, and a reference to an entity that is not there."""
+    more = "".join(
+        f"#{n}0=PRODUCT('p{n}','p{n}','',(#3));\n#{n}1=PRODUCT_DEFINITION_FORMATION('','',#{n}0);\n"
+        f"#{n}2=PRODUCT_DEFINITION('','',#{n}1,#4);\n#{n}3=PRODUCT_DEFINITION_SHAPE('','',#{n}2);\n"
+        f"#{n}4=SHAPE_REPRESENTATION('',(#193),#9);\n#{n}5=SHAPE_DEFINITION_REPRESENTATION(#{n}3,#{n}4);\n"
+        for n in range(31, 38)
+    )
+    text = ASSEMBLY.replace("ENDSEC;\nEND", more + "#999=VECTOR('',#998,1.);\nENDSEC;\nEND")
+    mockup = load_mockup(save(tmp_path, "main.step", text))
+    assert "7 parts have no surface in the file ('p31', 'p32', 'p33', 'p34', 'p35', ...)" in notes(mockup)
+    said = [note for note in mockup.report.source.notes if note.startswith("OpenCASCADE said")]
+    assert said and all("Unresolved" in note for note in said)
+
+
+@needs_step
 def test_no_part_in_the_file_and_none_found(tmp_path):
     fails(save(tmp_path, "main.step", without_housing(ASSEMBLY)), "main.step", NOT_FOUND, "put these files")
 
@@ -184,6 +200,8 @@ def test_a_file_in_a_subfolder_may_name_one_above_it(tmp_path):
     save(tmp_path, "b.step", "")
     assert find(Named(("../b.step",)), tmp_path / "sub", tmp_path).path == (tmp_path / "b.step").resolve()
     assert find(Named(("../b.step",)), tmp_path / "sub", tmp_path / "sub").path is None
+    (tmp_path / "loop.step").symlink_to("loop.step")
+    assert find(Named(("loop.step",)), tmp_path, tmp_path).path is None
     save(tmp_path, "b.prt", "")
     assert "no STEP file" in find(Named(("b.prt",)), tmp_path, tmp_path).why_not
 

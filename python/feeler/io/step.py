@@ -126,7 +126,7 @@ def _read(
             f"{stated_faces - made_faces:,} of the {stated_faces:,} faces in the STEP file have no triangle: they are "
             "damaged, of a kind that OpenCASCADE does not know, or in no part that is placed"
         )
-    raw.notes += [f"OpenCASCADE said: {line}" for line in said if not _EMPTY.match(line)]
+    raw.notes += [f"OpenCASCADE said: {line}" for line in said]
     units = stated_units(text)
     if len(units) > 1 or None in units:
         raw.notes.append(
@@ -261,7 +261,7 @@ def _lines(log: Path) -> list[str]:
     with log.open("rb") as file:
         text = _COLOUR.sub("", file.read(2**16).decode("utf-8", "replace"))
     lines = [clean_name(line, "").strip("* ")[:200] for line in text.splitlines()]
-    unique = list(dict.fromkeys(line for line in lines if line))
+    unique = list(dict.fromkeys(line for line in lines if line and not _EMPTY.match(line)))
     return unique[:_LINES_KEPT] + ([f"and {len(unique) - _LINES_KEPT} lines more"] if len(unique) > _LINES_KEPT else [])
 
 

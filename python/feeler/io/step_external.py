@@ -11,6 +11,7 @@ from pathlib import Path, PurePosixPath
 from typing import NamedTuple
 from urllib.parse import unquote
 
+from feeler.io.raw import clean_name
 from feeler.io.step_names import Assembly
 from feeler.io.step_text import Entity, entities
 
@@ -30,7 +31,7 @@ class Named(NamedTuple):
     @property
     def shown(self) -> str:
         """The name for messages."""
-        return self.spellings[0]
+        return clean_name(self.spellings[0], "?")
 
 
 class Place(NamedTuple):
@@ -160,7 +161,10 @@ def _find(spelling: str, folder: Path, within: Path) -> Place:
                 found = _child(at, part, number == len(parts) - 1)
             if found is None:
                 break
-            at = found.resolve()  # a link may lead elsewhere
+            try:
+                at = found.resolve()  # a link may lead elsewhere
+            except (OSError, RuntimeError):  # or around
+                break
             if at != root and root not in at.parents:
                 return Place(None, "which is outside of the folder of the assembly and so was not read; copy it there")
         else:
