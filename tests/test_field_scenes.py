@@ -88,3 +88,16 @@ def test_a_library_node_is_placed_once(testdata):
     """At 10, then moved by 1 and turned by 90 degrees: x from 10 + 1 - 0.02."""
     mockup = load_mockup(testdata / "files" / "dae_instance_node.dae")
     assert np.allclose(mockup.bounds, [[10.98, 0, 0], [11, 0.01, 0.03]], atol=1e-12)
+
+
+# --- 3MF ---------------------------------------------------------------------------------------------------------
+
+
+def test_a_required_extension_that_makes_one_item(testdata):
+    """The build has "cut", a cube less a cube by the boolean extension, and "other", a cube of 10 mm at x = 50 mm."""
+    mockup = load_mockup(testdata / "files" / "3mf_boolean.3mf")
+    assert [part.name for part in mockup.parts] == ["other"]
+    assert np.allclose(mockup.bounds, [[0.05, 0, 0], [0.06, 0.01, 0.01]], atol=1e-12)
+    assert volumes(mockup) == pytest.approx([1e-6])
+    assert "1 objects are boolean operations" in notes(mockup) and "is missing ('cut')" in notes(mockup)
+    assert mockup.report.source.up == "z"

@@ -70,6 +70,19 @@ def test_glb_comes_back_with_names_and_assembly(tmp_path: Path) -> None:
     np.testing.assert_array_equal(world_triangles(tmp_path / "a.glb"), expected_triangles(mockup))
 
 
+def test_glb_of_our_own_has_the_axes_of_the_mockup(tmp_path: Path) -> None:
+    """glTF says y up; what feeler wrote is not turned, and raises no doubt beside a file that is z up."""
+    mockup = cubes(["one"], shift=3.0)
+    write_glb(tmp_path / "a.glb", mockup)
+    again = feeler.load_mockup(tmp_path / "a.glb", up="z")
+    assert again.report.source.up is None
+    np.testing.assert_array_equal(again.bounds, mockup.bounds)
+    data = (tmp_path / "a.glb").read_bytes()
+    (tmp_path / "b.glb").write_bytes(data.replace(b'"generator":"feeler"', b'"generator":"others"'))
+    other = feeler.load_mockup(tmp_path / "b.glb", up="z")
+    assert other.report.source.up == "z" and other.bounds[0].tolist() == [3, -1, 0]
+
+
 def test_glb_orientation_survives(tmp_path: Path) -> None:
     write_glb(tmp_path / "a.glb", cubes(["one"]))
     mesh = trimesh.load(tmp_path / "a.glb", force="mesh")

@@ -21,6 +21,7 @@ import numpy.typing as npt
 from feeler.errors import MeshError, OptionError
 from feeler.io.atomic import atomic_file
 from feeler.io.body import Body, FloatArray, body_of
+from feeler.io.gltf_document import OWN_GENERATOR
 
 # Beyond this distance from the origin a part gets an origin of its own; float32 is spaced 0.5 micrometres below 8 m.
 OWN_ORIGIN_BEYOND_M = 8.0
@@ -148,7 +149,7 @@ class _Document:
         for accessor in self.accessors:
             accessor["bufferView"] = view_of_block[accessor["bufferView"]]
         document: dict[str, Any] = {
-            "asset": {"version": "2.0", "generator": "feeler"},
+            "asset": {"version": "2.0", "generator": OWN_GENERATOR},
             "scene": 0,
             "scenes": [{"nodes": self.roots}],
             "nodes": self.nodes,

@@ -2,7 +2,8 @@
 
 A node with a mesh is one part, so a mesh used by many nodes is as many parts. A vertex goes through the node transforms
 as `feeler.io.placing` says; a part that is mirrored has its faces turned, as the standard asks. Axes stay as in the
-file (y up by the standard). Morph targets and skins are taken at rest, animations are not played.
+file: y is up by the standard, but in files that feeler wrote, which have the axes of the mock-up. Morph targets and
+skins are taken at rest, animations are not played.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from feeler.io.gltf_deform import joint_matrices
-from feeler.io.gltf_document import Document
+from feeler.io.gltf_document import OWN_GENERATOR, Document
 from feeler.io.gltf_mesh import Mesh, MeshReader
 from feeler.io.gltf_nodes import Instance, SceneGraph, Shape
 from feeler.io.limits import check_mesh
@@ -72,7 +73,7 @@ def read_gltf(path: Path, progress: Progress = None, *, edit: Callable[[Document
         paths,
         unit=parse_unit("m"),
         notes=notes,
-        up="y",
+        up=None if document.root["asset"].get("generator") == OWN_GENERATOR else "y",
     )
 
 

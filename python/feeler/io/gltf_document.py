@@ -17,6 +17,9 @@ from feeler.errors import LoadError
 from feeler.io import meshopt
 from feeler.io.limits import check_memory
 
+OWN_GENERATOR = "feeler"
+"""`asset.generator` of the files that feeler writes."""
+
 _GLB_MAGIC, _JSON_CHUNK, _BIN_CHUNK = b"glTF", 0x4E4F534A, 0x004E4942
 _COMPONENTS: dict[int, np.dtype[Any]] = {
     5120: np.dtype("<i1"),

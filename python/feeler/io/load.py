@@ -39,7 +39,7 @@ def load_mockup(
     """Load one file, several, or a folder as one mock-up, in metres; its `.report` says what was met.
 
     path             a file, a folder (with subfolders, sorted by path) or several of either. STL, OBJ, PLY, OFF, glTF
-                     and GLB, 3MF, STEP, and COLLADA with an extra package. Each file heads the paths of its parts:
+                     and GLB, 3MF, STEP and COLLADA. Each file heads the paths of its parts:
                      `file/assembly/part`; a second part of the same path gets `#2`.
     unit             what a number in the files means: "mm", "m", "in" ... By default the unit the file states (glTF,
                      3MF, STEP, COLLADA), else the millimetre. If given, it counts more than the file's own, the metre
