@@ -101,6 +101,8 @@ NO_TRIANGLES = [
     (cube(2, "odd", inside="<x:bend/>"), "x", NAMESPACES["x"]),
     (cube(2, "odd", more='x:bend="3"'), "x", NAMESPACES["x"]),
     (cube(2, "odd").replace('v3="3"', 'v3="3" x:bulge="3"'), "x", NAMESPACES["x"]),
+    (cube(2, "odd").replace('z="0.0"', 'z="0.0" x:bulge="3"'), "x", NAMESPACES["x"]),
+    (group(2, use(1), name="odd").replace("</object>", "<x:bend/></object>"), "x", "('odd')"),
     (cube(2, "odd", inside="<b:grid/>"), "b", NAMESPACES["b"]),  # of an extension that is known, and yet unknown
     (bare(2, "odd", "<mesh><vertices/><triangles/></mesh>"), "", "objects hold no triangle"),
 ]  # fmt: skip
@@ -143,7 +145,7 @@ def test_a_required_extension_that_no_object_uses_is_told(tmp_path):
 
 
 def test_what_is_not_required_is_passed_over(tmp_path):
-    resource = cube(1, "plain", more='x:bend="3"', inside="<x:bend><x:vertex/></x:bend>")
+    resource = cube(1, "plain", more='x:bend="3"', inside="<x:bend><x:vertex/><x:arc/></x:bend>")
     mockup = load(tmp_path, model(resource, item(1)))
     assert mockup.triangle_count == 12
     assert "1 elements of objects are of no extension that is read, and were passed over ('bend')" in notes(mockup)
@@ -185,6 +187,12 @@ def test_triangles_with_more_beside_them_are_taken_and_counted(tmp_path, resourc
 def test_what_moves_no_surface_is_not_told(tmp_path, resource, required):
     mockup = load(tmp_path, model(resource, item(1), required))
     assert mockup.triangle_count == 12 and not mockup.report.source.notes
+
+
+def test_a_coarse_mesh_that_is_empty_was_not_taken(tmp_path):
+    sliced = bare(2, "odd", "<mesh><vertices/><triangles/></mesh>", 's:slicestackid="5" s:meshresolution="lowres"')
+    mockup = load(tmp_path, model(cube(1) + sliced, item(1) + item(2), "s"))
+    assert "slices alone" in notes(mockup) and "coarse" not in notes(mockup)
 
 
 def test_the_mesh_in_place_of_a_beam_lattice(tmp_path):
