@@ -389,6 +389,14 @@ def test_comments_are_no_entities(tmp_path):
     assert plain_text(b"'/*' /* ' */ '*/' /* open") == b"'/*'   '*/'  "
 
 
+def test_arguments():
+    (found,) = entities(b"#7 = PRODUCT ( $,'a''b',(#1,(.T.,#2),()),IDENTIFIER('c'),-1.5E0,($),*)", "PRODUCT")
+    assert found.arguments == [None, "a'b", [1, [None, 2], []], ["c"], -1.5, [], None]
+    assert found.all(2) == [1, 2] and found.text(3) == "c" and found.numbers(4) == [-1.5] and found.number == 7
+    (open_list,) = entities(b"#7=PRODUCT((,'a'", "PRODUCT")
+    assert open_list.text(0) == "" and open_list.all(0) == []
+
+
 def test_damaged_arguments_end_somewhere():
     for text in (b"#1=PRODUCT('a", b"#1=PRODUCT((((", b"#1=PRODUCT('a','b';\n#2=X()", b"#1=PRODUCT(" + b"(" * 10**5):
         found = list(entities(text, "PRODUCT"))
