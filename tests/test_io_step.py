@@ -14,7 +14,7 @@ from feeler import LoadError, Mockup
 from feeler.io import load_mockup
 from feeler.io.step_external import Named, find, referenced_files
 from feeler.io.step_names import Assembly
-from feeler.io.step_source import for_converter, misplaced
+from feeler.io.step_source import for_converter, left_out, misplaced
 from feeler.io.step_text import entities, plain_text, string_text
 
 needs_step = pytest.mark.skipif(importlib.util.find_spec("cascadio") is None, reason="cascadio is not installed")
@@ -458,6 +458,12 @@ def test_operators_of_drawings_may_scale():
 
 
 # --- what is no surface ------------------------------------------------------------------------------------------
+
+
+def test_references_of_edition_3_are_counted():
+    text = b"ENDSEC;\nREFERENCE;\n#1=<bolt.step#part>;\n#2 = <nut.step#part> ;\nENDSEC;\nDATA;\n"
+    said = "2 references by address (edition 3 of STEP) were not followed ('bolt.step#part', 'nut.step#part')"
+    assert left_out(text) == [said] and left_out(COLOURS.encode()) == []
 
 
 @needs_step
