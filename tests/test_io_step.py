@@ -14,7 +14,7 @@ from feeler import LoadError, Mockup
 from feeler.io import load_mockup
 from feeler.io.step_external import Named, find, referenced_files
 from feeler.io.step_names import Assembly
-from feeler.io.step_source import for_converter, misplaced
+from feeler.io.step_source import for_converter, left_out, misplaced
 from feeler.io.step_text import entities, plain_text, string_text
 
 needs_step = pytest.mark.skipif(importlib.util.find_spec("cascadio") is None, reason="cascadio is not installed")
@@ -389,6 +389,14 @@ def test_comments_are_no_entities(tmp_path):
     assert plain_text(b"'/*' /* ' */ '*/' /* open") == b"'/*'   '*/'  "
 
 
+def test_arguments():
+    (found,) = entities(b"#7 = PRODUCT ( $,'a''b',(#1,(.T.,#2),()),IDENTIFIER('c'),-1.5E0,($),*)", "PRODUCT")
+    assert found.arguments == [None, "a'b", [1, [None, 2], []], ["c"], -1.5, [], None]
+    assert found.all(2) == [1, 2] and found.text(3) == "c" and found.numbers(4) == [-1.5] and found.number == 7
+    (open_list,) = entities(b"#7=PRODUCT((,'a'", "PRODUCT")
+    assert open_list.text(0) == "" and open_list.all(0) == []
+
+
 def test_damaged_arguments_end_somewhere():
     for text in (b"#1=PRODUCT('a", b"#1=PRODUCT((((", b"#1=PRODUCT('a','b';\n#2=X()", b"#1=PRODUCT(" + b"(" * 10**5):
         found = list(entities(text, "PRODUCT"))
@@ -450,6 +458,12 @@ def test_operators_of_drawings_may_scale():
 
 
 # --- what is no surface ------------------------------------------------------------------------------------------
+
+
+def test_references_of_edition_3_are_counted():
+    text = b"ENDSEC;\nREFERENCE;\n#1=<bolt.step#part>;\n#2 = <nut.step#part> ;\nENDSEC;\nDATA;\n"
+    said = "2 references by address (edition 3 of STEP) were not followed ('bolt.step#part', 'nut.step#part')"
+    assert left_out(text) == [said] and left_out(COLOURS.encode()) == []
 
 
 @needs_step

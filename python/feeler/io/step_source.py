@@ -6,6 +6,7 @@ import re
 
 from feeler.io.step_text import Entity, entities
 from feeler.io.tally import Tally
+from feeler.io.text import name_text
 
 _FACE = re.compile(rb"=\s*(?:ADVANCED_FACE|FACE_SURFACE)\s*\(")
 _STYLED = re.compile(rb"\b((?:CONTEXT_DEPENDENT_)?(?:OVER_RIDING_)?STYLED_ITEM)(?=\s*\()")
@@ -17,6 +18,7 @@ _WIREFRAMES = ("EDGE_BASED_WIREFRAME_MODEL", "SHELL_BASED_WIREFRAME_MODEL")
 _OPERATOR = "CARTESIAN_TRANSFORMATION_OPERATOR_3D"
 _PLACED_BY = re.compile(rb"\bREPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION\s*\(\s*#(\d+)")
 _SCALE_SLACK = 1e-9  # of a scale of 1, which exporters compute
+_EDITION_3 = re.compile(rb"#\d+\s*=\s*<([^<>;]*)>\s*;")
 _KEYWORD = re.compile(rb"#(\d+)\s*=\s*\(?\s*([A-Z0-9_]+)")
 _POINTS = (
     "CARTESIAN_POINT",
@@ -83,6 +85,8 @@ def left_out(text: bytes) -> list[str]:
     tally = Tally()
     for entity in _tessellated(text)[1]:
         tally.add("meshes of parts that are there as B-rep were left out: the B-rep was taken", entity.text(0))
+    for found in _EDITION_3.finditer(text):
+        tally.add("references by address (edition 3 of STEP) were not followed", name_text(found[1]))
     keywords: dict[int, str] = {}
     for entity in entities(text, *_SETS, *_WIREFRAMES):
         if entity.keyword in _WIREFRAMES:

@@ -104,10 +104,10 @@ def _arguments(text: bytes, at: int) -> tuple[list[Argument], int]:
     while token := _TOKEN.search(text, at):
         word, at = token[0], token.end()
         if word == b"(":
-            value = []
             if len(stack) > _MAX_NESTED:
                 break
-            stack.append(value)
+            stack.append([])
+            value = None
         elif word in (b",", b")"):
             inner = stack[-1]
             if word == b"," or inner or value is not None:
@@ -125,6 +125,8 @@ def _arguments(text: bytes, at: int) -> tuple[list[Argument], int]:
             value = int(word[1:20])
         elif word[0] in b"+-0123456789":
             value = _number(word)
+        else:
+            value = None
     return outer, at
 
 
