@@ -32,7 +32,9 @@ TOOL_AS_MOCKUP = feeler.Mockup(TOOL.vertices, TOOL.faces)
 SCENE = feeler.Scene(MOCKUP)
 OWN_POOL = feeler.Scene(MOCKUP, threads=2)
 POSES = feeler.sample_path(SCENE, TOOL, 40)
+HOLDER = feeler.Tool.of_parts(MOCKUP, range(5))  # parts that hold others of the mock-up
 HIT = POSES[int(np.argmax(np.diff(SCENE.collide_batch(TOOL, POSES).offsets.astype(np.int64))))]
+HIT_PART = int(SCENE.collide(TOOL, HIT).parts[0])
 
 
 def arrays(result: Any, *names: str) -> list[bytes]:
@@ -42,6 +44,10 @@ def arrays(result: Any, *names: str) -> list[bytes]:
 def built(storage: str, **options: Any) -> list[bytes]:
     scene = feeler.Scene(feeler.Mockup(MOCKUP.vertices, MOCKUP.faces), storage=storage, **options)
     return arrays(scene.collide_batch(TOOL, POSES), "offsets", "pairs")
+
+
+def path(result: feeler.PathCheck) -> list[bytes]:
+    return [*arrays(result, "points", "fraction"), *arrays(result.containment, "containing_pairs", "contained_pairs")]
 
 
 def contacts(result: feeler.Contacts) -> list[bytes]:
@@ -83,6 +89,17 @@ CASES: dict[str, Callable[[], Any]] = {
     "cast": lambda: SCENE.cast(TOOL, POSES[0], HIT).fraction,
     "check_path": lambda: arrays(SCENE.check_path(TOOL, POSES), "points"),
     "check_path, own pool": lambda: arrays(OWN_POOL.check_path(TOOL, POSES), "points"),
+    "check_path of a new mock-up": lambda: path(fresh()[0].check_path(fresh()[1], POSES, touching="free")),
+    "is_colliding, touching free": lambda: fresh()[0].is_colliding(fresh()[1], HIT, touching="free"),
+    "cast, touching free": lambda: fresh()[0].cast(fresh()[1], POSES[0], HIT, touching="free").fraction,
+    "is_free": lambda: [fresh()[0].is_free(fresh()[1], pose) for pose in (POSES[0], HIT)],
+    "containment": lambda: arrays(
+        fresh()[0].containment(HOLDER, np.eye(4)), "containing_pairs", "contained_pairs", "unknown"
+    ),
+    "without": lambda: arrays(SCENE.without(HIT_PART).collide_batch(TOOL, POSES), "pairs"),
+    "only": lambda: arrays(OWN_POOL.only(HIT_PART).collide_batch(TOOL, POSES), "pairs"),
+    "ignore": lambda: arrays(SCENE.collide_batch(TOOL, POSES, ignore=[(0, HIT_PART)]), "pairs"),
+    "tool of parts": lambda: arrays(SCENE.without(3).contacts(feeler.Tool.of_parts(MOCKUP, 3), np.eye(4)), "gaps"),
     "contacts": lambda: contacts(SCENE.contacts(TOOL, HIT)),
     "contacts of a new mock-up": lambda: contacts(fresh()[0].contacts(fresh()[1], HIT)),
     "penetration": lambda: arrays(SCENE.penetration(TOOL, HIT), "translation"),

@@ -470,6 +470,15 @@ def test_growth_of_toy_engines(root: Path, bench: SimpleNamespace, tmp_path: Pat
     assert run(root, "growth.py", "--sizes", "10k").returncode == 2
 
 
+def test_selections_of_a_toy_engine(root: Path) -> None:
+    done = run(root, "selection.py", "--triangles", "10000", "--poses", "2", "--rounds", "1")
+    assert done.returncode == 0, done.stderr
+    first, head, *rows = done.stdout.splitlines()
+    assert "triangles" in first and "collide" in head and len(rows) == 4
+    for row in rows:
+        assert all(float(figure) > 0 for figure in row[28:].split())
+
+
 def test_peers_may_be_absent(root: Path, bench: SimpleNamespace, tmp_path: Path) -> None:
     (tmp_path / "absent").mkdir()
     for name in ("coal", "fcl"):

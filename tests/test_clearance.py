@@ -196,7 +196,7 @@ def test_the_command_takes_many_poses(files: tuple[str, str], tmp_path: Path) ->
     np.save(tmp_path / "path.npy", np.stack([at(1.1 + 0.1 * i, 0.25, 0.25) for i in range(10)]))
     words = [cubes, "--tool", die, "--pose", tmp_path / "path.npy", "--within", "0.5"]
     text = run(*words, "--require", "0.15", code=1)
-    assert "at pose 0 of 10" in text and "too little" in text and "at 1 poses" in text
+    assert "at pose 0 of 10" in text and "too little" in text and "at 1 pose\n" in text
     document = json.loads(run(*words, "--json"))
     assert len(document["poses"]) == 10 and document["poses"][3]["distance_m"] == pytest.approx(0.4)
 

@@ -91,6 +91,54 @@ def test_a_fine_tool_against_all_pairs() -> None:
         assert as_dict(hit.pairs, hit.kinds) == expected
 
 
+LANES: list[dict[str, Any]] = [{"simd": "avx2"}, {"simd": "avx512"}, {"simd": "portable"}]
+
+
+@pytest.mark.parametrize("options", [*STORES, *LANES], ids=str)
+def test_a_sample_without_parts_is_one_built_without_them(options: dict[str, Any]) -> None:
+    """30 thousand triangles: the index has several levels, and whole nodes of it are out."""
+    static, moving = mockup("differential", 30_000), tool("wrench")
+    options = {"voxel_size": 0.01, **options}
+    try:
+        scene = feeler.Scene(static, **options)
+    except feeler.OptionError:
+        pytest.skip(f"this CPU lacks {options['simd']}")
+    poses = poses_of_each_kind(scene, moving, 4)
+    hit = np.unique(static.part_of_face[scene.collide_batch(moving, poses).pairs[:, 1]])
+    assert len(hit) > 5
+    rng = np.random.default_rng(11)
+    for share in (0.02, 0.5, 0.95):
+        gone = np.flatnonzero(rng.random(static.part_count) < share)
+        gone = np.setdiff1d(np.union1d(gone, hit[::2]), hit[1::2])
+        left = scene.without(gone)
+        left.validate()
+        kept = np.flatnonzero(~np.isin(static.part_of_face, gone))
+        rest = feeler.Mockup(static.vertices, static.faces[kept], static.part_of_face[kept], static.part_names)
+        other = feeler.Scene(rest, **options)
+        ours, theirs = left.collide_batch(moving, poses), other.collide_batch(moving, poses)
+        assert len(ours.pairs) > 0 and 0 < len(gone) < static.part_count
+        assert ours.offsets.tolist() == theirs.offsets.tolist() and ours.kinds.tolist() == theirs.kinds.tolist()
+        assert ours.pairs[:, 1].tolist() == kept[theirs.pairs[:, 1]].tolist()
+        unfiltered = left.collide(moving, poses[-1], repeat_filter=False, box_filter=False)
+        assert unfiltered.pairs.tolist() == ours[len(poses) - 1].tolist()
+        assert [left.is_colliding(moving, pose) for pose in poses] == [len(ours[i]) > 0 for i in range(len(poses))]
+        values = left.distance_batch(moving, poses).values
+        assert values.tolist() == other.distance_batch(moving, poses).values.tolist()
+        rows, expected = (each.clearance_batch(moving, poses, 0.02) for each in (left, other))
+        assert rows.offsets.tolist() == expected.offsets.tolist()
+        assert rows.distances.tolist() == expected.distances.tolist()
+        for pose in poses[::3]:
+            planes, expected_planes = left.contacts(moving, pose), other.contacts(moving, pose)
+            np.testing.assert_allclose(planes.gaps, expected_planes.gaps, atol=1e-12)
+            inside, expected_inside = left.containment(moving, pose), other.containment(moving, pose)
+            assert inside.containing_pairs.tolist() == expected_inside.containing_pairs.tolist()
+            assert inside.contained_pairs.tolist() == expected_inside.contained_pairs.tolist()
+        for start, end in itertools.pairwise(poses[4:8]):  # near ones: nothing meets there
+            casts = [each.cast(moving, start, end) for each in (left, other)]
+            fractions = [1.0 if cast is None else cast.fraction for cast in casts]
+            assert fractions[0] == pytest.approx(fractions[1], abs=1e-4)
+
+
 @pytest.mark.slow
 def test_all_stores_agree_on_a_large_engine() -> None:
     """1.6 million triangles, 100 poses of each kind."""

@@ -86,7 +86,8 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         "depth": {*CONTACTS_BASE, "contour", "patch"},
         "proximity": CONTACTS_BASE,
         "identity": CONTACTS_BASE,
-        "query": {*CONTACTS_BASE, "contour", "patch", "depth", "proximity", "identity"},
+        "copies": CONTACTS_BASE,
+        "query": {*CONTACTS_BASE, "contour", "patch", "depth", "proximity", "identity", "copies"},
         "containment": CONTACTS_BASE,
         "escape": {*CONTACTS_BASE, "query", "containment"},
         # Found of a plane when somebody asks, apart from the query.

@@ -181,7 +181,7 @@ class Scene:
 
         With `touching="free"`, whether one body enters the other: surfaces may lie on each other, and a pin be seated
         without play. Pairs that cross enter; what is coplanar or touches is told by exact sides, for which it is found
-        once how both meshes hang together (below a second for a million triangles). Sheets have no inside: what touches
+        once how both meshes hang together. Sheets have no inside: what touches
         one from both sides goes through it. What meets at corners of triangles of both alone is taken to touch.
         """
     def is_free(self, tool: Tool, world_from_tool: npt.ArrayLike, *, ignore: _Ignore = None) -> bool:
@@ -388,7 +388,7 @@ class Penetration:
 
 @disjoint_base
 class ContactTracker:
-    def __new__(cls, scene: Scene, tool: Tool) -> Self: ...
+    def __new__(cls, scene: Scene, tool: Tool, *, ignore: _Ignore = None) -> Self: ...
     def contacts(self, world_from_tool: npt.ArrayLike, margin: float) -> Contacts: ...
     @property
     def last_free(self) -> npt.NDArray[np.float64] | None:

@@ -87,6 +87,14 @@ def _rows(tool: Tool, mockup: Mockup, pairs: Any) -> list[npt.NDArray[np.uint32]
     for pair in pairs:
         if isinstance(pair, (str, bytes)) or not hasattr(pair, "__len__") or len(pair) != 2:
             raise OptionError(f"ignore holds {pair!r}: give pairs of a tool's and a mock-up's part")
-        ours, theirs = tool.parts.select(pair[0]), mockup.parts.select(pair[1])
+        ours = _selected(tool, pair[0], "the tool")
+        theirs = _selected(mockup, pair[1], "the mock-up")
         rows.append(np.stack(np.meshgrid(ours, theirs, indexing="ij"), axis=-1).reshape(-1, 2).astype(np.uint32))
     return rows
+
+
+def _selected(mesh: Tool | Mockup, parts: PartsLike, of: str) -> npt.NDArray[np.uint32]:
+    try:
+        return mesh.parts.select(parts)
+    except OptionError as error:
+        raise OptionError(f"ignore, of {of}: {error}") from None

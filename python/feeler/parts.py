@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import bisect
 import difflib
 import fnmatch
+import itertools
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, overload
 
 import numpy as np
 import numpy.typing as npt
 
 from feeler.errors import OptionError
+
+_MOST_COMPARED = 10_000  # names that a wrong one is compared with: a tenth of a second or so
 
 
 @dataclass(frozen=True)
@@ -75,7 +80,7 @@ class Parts(Sequence[Part]):
             if parts.shape != (len(self),):
                 raise OptionError(f"a mask of shape {parts.shape} does not fit {len(self)} parts: give one entry each")
             return np.flatnonzero(parts).astype(np.uint32)
-        one = isinstance(parts, (str, Part, int, np.integer))
+        one = isinstance(parts, (str, bytes, Part, int, np.integer))
         if not one and not isinstance(parts, Iterable):
             raise OptionError(f"{parts!r} names no part: give an index, a path or pattern, or several")
         found: set[int] = set()
@@ -85,7 +90,10 @@ class Parts(Sequence[Part]):
 
     def _selected(self, part: object) -> Iterable[int]:
         if isinstance(part, Part):
-            part = part.index
+            i = part.index
+            if i >= len(self) or (part.name, part.path) != (self._names[i], self._paths[i]):
+                raise OptionError(f"part {i}, {part.path!r}, is of another mesh: give a part of this one, or its path")
+            return [i]
         if isinstance(part, (int, np.integer)) and not isinstance(part, bool):
             if not 0 <= part < len(self):
                 raise OptionError(f"there is no part {part}: there are {len(self)}, 0 to {len(self) - 1}")
@@ -98,15 +106,43 @@ class Parts(Sequence[Part]):
             named = enumerate(zip(self._names, self._paths, strict=True))
             called = [i for i, (name, path) in named if matches(path) or matches(name)]
         if not called:
-            alike = difflib.get_close_matches(part, dict.fromkeys([*self._paths, *self._names]), 3, 0.6)
+            alike = self._alike(part)
             hint = f"; there is {', '.join(map(repr, alike))}" if alike else ""
             raise OptionError(f"no part is called, or matches, {part!r}{hint}")
         return called
 
+    def _alike(self, part: str) -> list[str]:
+        """Names, and paths, that are spelt much as what was asked for, or have a word that is; letters of any case."""
+        known: dict[str, str] = {}
+        for name in itertools.islice(dict.fromkeys([*self._names, *self._paths]), _MOST_COMPARED):
+            plain = name.casefold()
+            for word in (plain, *re.findall(r"\w+", plain)):
+                known.setdefault(word, name)
+        asked = re.sub(r"\[.*?\]|[*?]", "", part).strip("/ ").casefold()
+        found = difflib.get_close_matches(asked, known, 3, 0.6)
+        return list(dict.fromkeys(known[word] for word in found))
+
     def _called(self, path: str) -> list[int]:
-        below = path.rstrip("/") + "/"
-        named = enumerate(zip(self._names, self._paths, strict=True))
-        return [i for i, (name, full) in named if path in (name, full) or full.startswith(below)]
+        base = path.rstrip("/")
+        # What starts with base + "/" is sorted before base + "0": that is the next character.
+        first, last = (bisect.bisect_left(self._sorted_paths, (base + end, -1)) for end in "/0")
+        return sorted({*self._by_name.get(path, ()), *(i for _, i in self._sorted_paths[first:last])})
+
+    @cached_property
+    def _by_name(self) -> dict[str, list[int]]:
+        """The parts of each name and path."""
+        found: dict[str, list[int]] = {}
+        for i, (name, path) in enumerate(zip(self._names, self._paths, strict=True)):
+            for called in {name, path}:
+                found.setdefault(called, []).append(i)
+        return found
+
+    @cached_property
+    def _sorted_paths(self) -> list[tuple[str, int]]:
+        return sorted(zip(self._paths, range(len(self)), strict=True))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (type(self), (self._names, self._paths, self._triangles, self._bounds))
 
 
 def _xyz(v: npt.NDArray[np.float64]) -> tuple[float, float, float]:

@@ -26,7 +26,7 @@ from feeler._core import (
 )
 from feeler.calibrate import machine_constants
 from feeler.errors import LimitError, MeshError, OptionError
-from feeler.ignored import Ignore
+from feeler.ignored import Ignore, IgnoredPairs, ignored
 from feeler.mockup import Mockup, Tool
 from feeler.parts import PartsLike
 from feeler.travel import reduced
@@ -131,7 +131,7 @@ class Scene(_core.Scene):
         return mockup
 
     def without(self, parts: PartsLike) -> Scene:
-        """The scene without some parts, which may move in it as a `Tool.of_parts` then; made in milliseconds.
+        """The scene without some parts, which may move in it as a `Tool.of_parts` then.
 
         `parts` as `Parts.select` takes them: indices, paths, patterns. It shares mock-up, index and threads: triangles
         and parts keep their numbers, and every query answers as of a scene built without them. What is out already
@@ -368,8 +368,8 @@ class Scene(_core.Scene):
         return self
 
     def __repr__(self) -> str:
-        there = int(np.count_nonzero(self.part_mask))
-        some = "" if there == self.mockup.part_count else f", {there:,} parts there"
+        there, parts = int(np.count_nonzero(self.part_mask)), self.mockup.part_count
+        some = "" if there == parts else f", {there:,} of {parts:,} parts there"
         return f"Scene({self.mockup!r}, voxel_size={self.voxel_size:.4g}, storage={self.storage!r}{some})"
 
 
@@ -379,14 +379,15 @@ class ContactTracker(_core.ContactTracker):
     Without such a pose, on the first call for a tool that starts inside, by the side on which the tool's bulk lies.
     """
 
-    _asked: tuple[Scene, _core.Tool]
+    _asked: tuple[Scene, _core.Tool, IgnoredPairs | None]
 
-    def __new__(cls, scene: Scene, tool: _core.Tool) -> ContactTracker:
+    def __new__(cls, scene: Scene, tool: _core.Tool, *, ignore: Ignore = None) -> ContactTracker:
         """See the class."""
         if not isinstance(scene, Scene):
             raise MeshError(f"a tracker needs a feeler.Scene, not {type(scene).__name__}")
-        self = super().__new__(cls, scene, tool)
-        self._asked = (scene, tool)
+        pairs = ignored(ignore, tool, scene.mockup)
+        self = super().__new__(cls, scene, tool, ignore=pairs)
+        self._asked = (scene, tool, pairs)
         return self
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -394,8 +395,10 @@ class ContactTracker(_core.ContactTracker):
         return (*reduced("ContactTracker", (type(self), *self._asked, self.last_free)), attributes)
 
     @classmethod
-    def _restore(cls, scene: Scene, tool: _core.Tool, last_free: npt.NDArray[np.float64] | None) -> ContactTracker:
-        self = ContactTracker.__new__(cls, scene, tool)
+    def _restore(
+        cls, scene: Scene, tool: _core.Tool, pairs: IgnoredPairs | None, last_free: npt.NDArray[np.float64] | None
+    ) -> ContactTracker:
+        self = ContactTracker.__new__(cls, scene, tool, ignore=pairs)
         self.last_free = last_free
         return self
 

@@ -23,6 +23,9 @@ pub const MOST_MARGIN_HALVINGS: usize = 10;
 /// Least that halving leaves of the margin, as a multiple of the least distance, so that what is nearest keeps its planes.
 pub const LEAST_MARGIN_OVER_NEAREST: f64 = 1.05;
 
+/// Pairs that meet from which on triangles are looked for that lie on each other: that costs less than a tenth of the rest.
+pub const MANY_PAIRS: usize = 1 << 16;
+
 /// Most pairs of triangles after which a query's working memory is kept for the next, since it grows with them. Moves memory only.
 pub const MOST_PAIRS_KEPT: usize = 1 << 16;
 

@@ -48,6 +48,7 @@ mod containers;
 mod containment;
 mod context;
 mod contour;
+mod copies;
 mod depth;
 mod escape;
 mod footing;

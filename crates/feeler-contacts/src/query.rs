@@ -13,13 +13,14 @@ use feeler_core::{Collision, Error, Filters, Pose, Result, Scene, Tool};
 use feeler_lanes::Sorter;
 
 use crate::constants::{
-    FEW_DEEP, LEAST_MARGIN_OVER_NEAREST, MANY_DEEP, MANY_NEAR, MOST_MARGIN_HALVINGS, MOST_PAIRS_KEPT,
+    FEW_DEEP, LEAST_MARGIN_OVER_NEAREST, MANY_DEEP, MANY_NEAR, MANY_PAIRS, MOST_MARGIN_HALVINGS, MOST_PAIRS_KEPT,
 };
 use crate::contact_plane::{ContactPlane, Contacts};
 use crate::containers::counting_sort::PartSort;
 use crate::context::QueryContext;
 use crate::contour::contact_region::ContactRegions;
 use crate::contour::find::{find, RegionScratch};
+use crate::copies::without_copies;
 use crate::depth::face_axes::FaceDepth;
 use crate::depth::least_depth::{Depth, DepthScratch};
 use crate::depth::piercing::Piercing;
@@ -125,6 +126,12 @@ impl ContactQuery<'_> {
         } = &mut *scratch;
         let (scene, mockup) = (self.scene, self.scene.mockup());
         scene.collide_into(tool, pose, Filters::default(), collision);
+        let context = QueryContext::new(scene, tool, pose, reference);
+        if collision.pairs.len() > MANY_PAIRS {
+            if let Some(pairs) = without_copies(&context, &collision.pairs) {
+                collision.pairs = pairs;
+            }
+        }
         let hits = &collision.pairs;
         // Parts and neighbours of the triangles lie far apart in memory: they are fetched all at once.
         for [_, triangle] in hits {
@@ -132,7 +139,6 @@ impl ContactQuery<'_> {
             mockup.adjacency().prefetch(*triangle);
         }
         let part_of = |pair: &[u32; 2]| mockup.part_of_face(pair[1]);
-        let context = QueryContext::new(scene, tool, pose, reference);
         let mut parts: Vec<PartContacts<'_>> = Vec::new();
         let mut piercings = Vec::new();
         for (part, pairs) in by_part.sort(hits, part_of, meeting) {

@@ -16,6 +16,7 @@ use crate::arrays::{view, view_blocks, view_rows};
 use crate::errors::to_py;
 use crate::pools::find_topology;
 use crate::scene::{pose_array, Scene};
+use crate::selection::Ignore;
 use crate::travel::{check_lengths, check_offsets, damaged, list, reduced, rows_of};
 
 /// The contact planes of a tool at a pose.
@@ -428,7 +429,7 @@ impl Penetration {
 /// A tool that moves in a scene, and where it was last free. `feeler.ContactTracker` checks what it is given.
 #[pyclass(subclass, frozen, module = "feeler._core")]
 pub struct ContactTracker {
-    scene: Py<Scene>,
+    solver: Arc<contacts::ContactSolver>,
     tool: Arc<core::Tool>,
     core: Mutex<contacts::ContactTracker>,
 }
@@ -436,23 +437,24 @@ pub struct ContactTracker {
 #[pymethods]
 impl ContactTracker {
     #[new]
-    fn new(scene: Py<Scene>, tool: ToolArgument<'_, '_>) -> ContactTracker {
-        ContactTracker { scene, tool: Arc::clone(tool.core()), core: Mutex::default() }
+    #[pyo3(signature = (scene, tool, *, ignore = None))]
+    fn new(scene: Py<Scene>, tool: ToolArgument<'_, '_>, ignore: Ignore<'_>) -> PyResult<ContactTracker> {
+        let solver = scene.get().asked(&tool, &ignore)?;
+        Ok(ContactTracker { solver, tool: Arc::clone(tool.core()), core: Mutex::default() })
     }
 
     fn contacts(&self, py: Python<'_>, world_from_tool: PoseArgument, margin: f64) -> PyResult<Contacts> {
-        let scene = self.scene.get();
         // The lock is not held meanwhile: a second thread asks with what was known, and does not wait. It is held with the
         // interpreter's alone, so that no thread holds it while another forks.
         let mut tracker = *self.core.lock().unwrap_or_else(PoisonError::into_inner);
         let found = py.detach(|| {
-            find_topology(scene.solver().scene().mockup(), &self.tool, false)?;
-            tracker.contacts(scene.solver(), &self.tool, &world_from_tool.0, margin).map_err(to_py)
+            find_topology(self.solver.scene().mockup(), &self.tool, false)?;
+            tracker.contacts(&self.solver, &self.tool, &world_from_tool.0, margin).map_err(to_py)
         })?;
         if !found.is_meeting {
             *self.core.lock().unwrap_or_else(PoisonError::into_inner) = tracker;
         }
-        let (solver, tool) = (Arc::clone(scene.solver()), Arc::clone(&self.tool));
+        let (solver, tool) = (Arc::clone(&self.solver), Arc::clone(&self.tool));
         Ok(Contacts::new(found, (solver, tool, world_from_tool.0)))
     }
 

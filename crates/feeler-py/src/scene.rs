@@ -32,12 +32,8 @@ pub struct Scene {
 }
 
 impl Scene {
-    pub(crate) fn solver(&self) -> &Arc<ContactSolver> {
-        &self.solver
-    }
-
     /// The solver of the scene, or of one that ignores pairs of parts.
-    fn asked(&self, tool: &ToolArgument<'_, '_>, ignore: &Ignore<'_>) -> PyResult<Arc<ContactSolver>> {
+    pub(crate) fn asked(&self, tool: &ToolArgument<'_, '_>, ignore: &Ignore<'_>) -> PyResult<Arc<ContactSolver>> {
         let Some(ignore) = ignore else { return Ok(Arc::clone(&self.solver)) };
         let pairs = ignored_of(ignore, tool, &self.mockup)?;
         Ok(Arc::new(self.solver.with_scene(Arc::new(self.core.ignoring(pairs)))))

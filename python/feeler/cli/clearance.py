@@ -14,7 +14,7 @@ import typer
 
 import feeler
 from feeler.cli.app import FOUND, command
-from feeler.cli.findings import containment_facts, containment_lines, mesh_facts, scene_facts
+from feeler.cli.findings import containment_facts, containment_lines, count, mesh_facts, scene_facts, unknown_lines
 from feeler.cli.inputs import (
     AsJson,
     At,
@@ -30,6 +30,7 @@ from feeler.cli.inputs import (
     ToolUnit,
     Up,
     Without,
+    check_moving,
     poses_of_options,
     read_both,
 )
@@ -91,6 +92,7 @@ def clearance(
     """
     from feeler.cli import outputs
 
+    check_moving(tool, tool_unit, part)
     poses = poses_of_options(pose, at, rotate, snap_pose, bool(part))
     for option, value in (("--within", within), ("--require", require)):
         if value is not None and not value >= 0:
@@ -132,7 +134,7 @@ def clearance(
         from feeler.picture import write_clearance_glb
 
         with bar(f"writing {glb}"):
-            write_clearance_glb(glb, world, probe, poses[worst], found[worst], context=context)
+            write_clearance_glb(glb, world, probe, poses[worst], found[worst], context=context, parts=scene.part_mask)
         written["glb"] = str(glb)
     is_met = require is None or all(entry["met"] for entry in results)
     if as_json:
@@ -151,7 +153,7 @@ def clearance(
             }
         )
     else:
-        _print(results, worst, within, require, written)
+        _print(results, worst, within, require, written, probe.part_count > 1)
     if not is_met or is_inside.any():
         raise typer.Exit(FOUND)
 
@@ -225,32 +227,76 @@ def _write_csv(path: Path, results: list[dict[str, Any]]) -> None:
 
 
 def _print(
-    results: list[dict[str, Any]], worst: int, within: float, require: float | None, written: dict[str, str]
+    results: list[dict[str, Any]],
+    worst: int,
+    within: float,
+    require: float | None,
+    written: dict[str, str],
+    has_tool_parts: bool,
 ) -> None:
     from feeler.cli import outputs
 
     out = outputs.console()
     entry = results[worst]
     where = "" if len(results) == 1 else f" at pose {worst} of {len(results):,}"
-    text = f"Least distance: {outputs.length(entry['distance_m'])}{where}"
+    inside = containment_lines(entry["inside"])
+    for line in inside:
+        outputs.print_finding(out, line + where)
+    text = f"Least distance{' of surfaces' if inside else ''}: {outputs.length(entry['distance_m'])}{where}"
     if require is not None:
         missing = sum(not each["met"] for each in results)
         verdict = "[bold green]enough[/bold green]" if not missing else "[bold red]too little[/bold red]"
+        if inside:
+            verdict = "[bold red]no room[/bold red]"
         text += f"; {outputs.length(require)} are required: {verdict}"
         if missing and len(results) > 1:
-            text += f" at {missing:,} poses"
+            text += f" at {count(missing, 'pose')}" if not inside else f"; too little at {count(missing, 'pose')}"
     out.print(text)
-    for line in containment_lines(entry["inside"]):
-        outputs.print_finding(out, line)
-    out.print()
+    for line in unknown_lines(entry["inside"]):
+        outputs.say(out, line[:1].upper() + line[1:])
     parts = entry["parts"]
+    if not parts:
+        out.print(f"No part is within {outputs.length(within)}{where}")
+    out.print()
+    if parts:
+        _print_parts(out, f"Parts within {outputs.length(within)}{where}", parts, has_tool_parts)
+    if len(results) > 1:
+        told = any(containment_lines(each["inside"]) for each in results)
+        outputs.print_table(
+            out,
+            "Poses",
+            [("pose", "right"), ("distance", "right"), ("parts", "right"), ("nearest", "left")]
+            + ([("inside", "left")] if told else []),
+            [
+                (
+                    str(each["pose"]),
+                    outputs.length(each["distance_m"]),
+                    str(len(each["parts"])),
+                    each["parts"][0]["path"] if each["parts"] else "",
+                    *(["; ".join(containment_lines(each["inside"]))] if told else []),
+                )
+                for each in results[:_SHOWN_POSES]
+            ],
+            more=len(results) - _SHOWN_POSES,
+        )
+    for kind, path in written.items():
+        outputs.say(out, f"{kind} written to {path}")
+
+
+def _print_parts(out: Any, title: str, parts: list[dict[str, Any]], has_tool_parts: bool) -> None:
+    from feeler.cli import outputs
+
+    columns = [("part", "left"), ("distance", "right"), ("on the tool, m", "right"), ("on the part, m", "right")]
+    if has_tool_parts:
+        columns.insert(1, ("tool part", "left"))
     outputs.print_table(
         out,
-        f"Parts within {outputs.length(within)}{where}",
-        [("part", "left"), ("distance", "right"), ("on the tool, m", "right"), ("on the part, m", "right")],
+        title,
+        columns,
         [
             (
                 row["path"],
+                *([row["tool_path"]] if has_tool_parts else []),
                 outputs.length(row["distance_m"]),
                 _point(row["point_on_tool_m"]),
                 _point(row["point_on_mockup_m"]),
@@ -259,24 +305,6 @@ def _print(
         ],
         more=len(parts) - _SHOWN_PARTS,
     )
-    if len(results) > 1:
-        outputs.print_table(
-            out,
-            "Poses",
-            [("pose", "right"), ("distance", "right"), ("parts", "right"), ("nearest", "left")],
-            [
-                (
-                    str(each["pose"]),
-                    outputs.length(each["distance_m"]),
-                    str(len(each["parts"])),
-                    each["parts"][0]["path"] if each["parts"] else "",
-                )
-                for each in results[:_SHOWN_POSES]
-            ],
-            more=len(results) - _SHOWN_POSES,
-        )
-    for kind, path in written.items():
-        outputs.say(out, f"{kind} written to {path}")
 
 
 def _point(point: Any) -> str:

@@ -16,10 +16,12 @@ from feeler.cli.app import FOUND, command
 from feeler.cli.findings import (
     containment_facts,
     containment_lines,
+    count,
     kind_counts,
     mesh_facts,
     part_findings,
     scene_facts,
+    unknown_lines,
 )
 from feeler.cli.inputs import (
     AsJson,
@@ -37,6 +39,7 @@ from feeler.cli.inputs import (
     Touching,
     Up,
     Without,
+    check_moving,
     check_touching,
     poses_of_options,
     read_both,
@@ -46,6 +49,7 @@ from feeler.progress import bar
 
 _SHOWN_PARTS = 40
 _SHOWN_POSES = 20
+_SHOWN_TOOL_PARTS = 3
 
 
 @command(
@@ -98,6 +102,7 @@ def collide(
     """
     from feeler.cli import outputs
 
+    check_moving(tool, tool_unit, part)
     poses = poses_of_options(pose, at, rotate, snap_pose, bool(part))
     check_touching(touching)
     pixels = _pixels(picture_size)
@@ -117,11 +122,11 @@ def collide(
         )
     scene = Choice(part, without, only).scene_of(scene)
     results = _query(scene, probe, poses, touching == "free")
-    worst = max(range(len(results)), key=lambda i: results[i]["pairs"])
+    worst = max(range(len(results)), key=lambda i: (results[i]["colliding"], results[i]["pairs"]))
     written = {}
     if glb is not None or picture is not None:
         collision = scene.collide(probe, poses[worst])
-        written = _write(world, probe, poses[worst], collision, glb, context, picture, pixels)
+        written = _write(scene, probe, poses[worst], collision, glb, context, picture, pixels)
     if as_json:
         if list_pairs:
             for entry, matrix in zip(results, poses, strict=True):
@@ -140,7 +145,7 @@ def collide(
             }
         )
     else:
-        _print(world, probe, scene, results, worst, written)
+        _print(probe, bool(part), scene, results, worst, written)
     if not all(entry["free"] for entry in results):
         raise typer.Exit(FOUND)
 
@@ -167,7 +172,7 @@ def _meetings(scene: feeler.Scene, tool: feeler.Tool, poses: npt.NDArray[np.floa
         seconds = time.perf_counter() - start
         return [
             {
-                **_entry(scene.mockup, 0, poses[0], hit.pairs, hit.kinds),
+                **_entry(scene.mockup, tool, 0, poses[0], hit.pairs, hit.kinds),
                 "query_us": seconds * 1e6,
                 "stats": dict(hit.stats),
             }
@@ -177,19 +182,21 @@ def _meetings(scene: feeler.Scene, tool: feeler.Tool, poses: npt.NDArray[np.floa
     offsets = np.asarray(batch.offsets).astype(np.int64)
     pairs, kinds = np.asarray(batch.pairs), np.asarray(batch.kinds)
     return [
-        _entry(scene.mockup, i, poses[i], pairs[begin:end], kinds[begin:end])
+        _entry(scene.mockup, tool, i, poses[i], pairs[begin:end], kinds[begin:end])
         for i, (begin, end) in enumerate(pairwise(offsets))
     ]
 
 
-def _entry(mockup: feeler.Mockup, number: int, matrix: Any, pairs: Any, kinds: Any) -> dict[str, Any]:
+def _entry(
+    mockup: feeler.Mockup, tool: feeler.Tool, number: int, matrix: Any, pairs: Any, kinds: Any
+) -> dict[str, Any]:
     return {
         "pose": number,
         "world_from_tool": matrix,
         "colliding": len(pairs) > 0,
         "pairs": len(pairs),
         "kinds": kind_counts(kinds),
-        "parts": part_findings(mockup, pairs, kinds) if len(pairs) else [],
+        "parts": part_findings(mockup, tool, pairs, kinds) if len(pairs) else [],
     }
 
 
@@ -209,7 +216,7 @@ def _check_out(target: Path, ending: str) -> None:
 
 
 def _write(
-    mockup: feeler.Mockup,
+    scene: feeler.Scene,
     tool: feeler.Tool,
     pose: npt.NDArray[np.float64],
     collision: Any,
@@ -221,20 +228,21 @@ def _write(
     from feeler.picture import render_collision, write_collision_glb
 
     written = {}
+    mockup, there = scene.mockup, scene.part_mask
     if glb is not None:
         with bar(f"writing {glb}"):
-            write_collision_glb(glb, mockup, tool, pose, collision, context=context)
+            write_collision_glb(glb, mockup, tool, pose, collision, context=context, parts=there)
         written["glb"] = str(glb)
     if picture is not None:
         with bar("rendering") as progress:
-            render_collision(picture, mockup, tool, pose, collision, size=pixels, progress=progress)
+            render_collision(picture, mockup, tool, pose, collision, size=pixels, parts=there, progress=progress)
         written["picture"] = str(picture)
     return written
 
 
 def _print(
-    mockup: feeler.Mockup,
     tool: feeler.Tool,
+    is_of_mockup: bool,
     scene: feeler.Scene,
     results: list[dict[str, Any]],
     worst: int,
@@ -244,13 +252,19 @@ def _print(
 
     out = outputs.console()
     facts = []
-    for role, mesh in (("mock-up", mockup), ("tool", tool)):
+    out_of_it = np.count_nonzero(~scene.part_mask) - (tool.part_count if is_of_mockup else 0)
+    for role, mesh in (("mock-up", scene.mockup), ("tool", tool)):
         report = mesh.report
-        text = f"{report.triangles:,} triangles"
-        if role == "mock-up":
-            text += f", {report.parts:,} parts"
+        text = count(report.triangles, "triangle")
+        if role == "mock-up" or report.parts > 1:
+            text += f", {count(report.parts, 'part')}"
+        if role == "mock-up" and out_of_it > 0:
+            text += f" ({out_of_it:,} left out)"
         text += f", {outputs.extent(report.lower, report.upper)}"
-        text += f"; unit {report.source.unit} ({report.source.unit_source})"
+        if role == "tool" and is_of_mockup:
+            text = f"{tool.part_paths[0] if report.parts == 1 else 'parts'} of the mock-up: {text}"
+        else:
+            text += f"; unit {report.source.unit} ({report.source.unit_source})"
         facts.append((role, text))
         if report.not_queried:
             facts.append(("", f"{report.not_queried:,} defective triangles are not queried (see feeler info)"))
@@ -265,7 +279,7 @@ def _print(
     outputs.print_facts(out, facts)
     out.print()
     if len(results) == 1:
-        _print_one(out, results[0])
+        _print_one(out, results[0], tool.part_count > 1)
     else:
         _print_many(out, results, worst)
     for kind, path in written.items():
@@ -273,29 +287,35 @@ def _print(
         outputs.say(out, f"{kind}{where} written to {path}")
 
 
-def _print_one(out: Any, entry: dict[str, Any]) -> None:
+def _print_one(out: Any, entry: dict[str, Any], has_tool_parts: bool) -> None:
     from feeler.cli import outputs
 
     query = f" (query: {outputs.duration(entry['query_us'] * 1e-6)})"
     inside = containment_lines(entry["inside"])
-    if not entry["pairs"] and not inside:
-        out.print(f"[bold green]No collision[/bold green]{query}")
-        return
     for line in inside:
         outputs.print_finding(out, line)
     if not entry["pairs"]:
-        out.print(f"No triangles meet{query}")
-        return
+        out.print(f"No triangles meet{query}" if inside else f"[bold green]No collision[/bold green]{query}")
+    else:
+        _print_parts(out, entry, has_tool_parts, query)
+    for line in unknown_lines(entry["inside"]):
+        outputs.say(out, line[:1].upper() + line[1:])
+
+
+def _print_parts(out: Any, entry: dict[str, Any], has_tool_parts: bool, query: str) -> None:
+    from feeler.cli import outputs
+
     parts = entry["parts"]
     kinds = ", ".join(f"{count:,} {kind}" for kind, count in entry["kinds"].items() if count)
     verdict = "[bold red]Collision[/bold red]" if entry["colliding"] else "[bold green]Nothing but touches[/bold green]"
-    out.print(f"{verdict}: {entry['pairs']:,} pairs ({kinds}) with {_count(len(parts), 'part')}{query}")
+    out.print(f"{verdict}: {entry['pairs']:,} pairs ({kinds}) with {count(len(parts), 'part')}{query}")
     out.print()
     outputs.print_table(
         out,
-        "Parts that are hit",
+        "Parts that are hit" if entry["colliding"] else "Parts that are touched",
         [
             ("part", "left"),
+            *([("by", "left")] if has_tool_parts else []),
             ("triangles hit", "right"),
             ("of the tool", "right"),
             ("pairs", "right"),
@@ -304,6 +324,7 @@ def _print_one(out: Any, entry: dict[str, Any]) -> None:
         [
             (
                 part["path"],
+                *([_listed(part["tool_parts"])] if has_tool_parts else []),
                 f"{part['mockup_triangles']:,}",
                 f"{part['tool_triangles']:,}",
                 f"{part['pairs']:,}",
@@ -320,24 +341,27 @@ def _print_many(out: Any, results: list[dict[str, Any]], worst: int) -> None:
 
     colliding = [entry for entry in results if entry["colliding"]]
     inside = [entry for entry in results if not entry["colliding"] and not entry["free"]]
+    inside_told = any(containment_lines(entry["inside"]) for entry in results)
     colour = "red" if colliding or inside else "green"
     out.print(
         f"[bold {colour}]{len(colliding):,} of {len(results):,} poses collide[/bold {colour}]"
-        + (f", and at {len(inside):,} more one is inside the other" if inside else "")
+        + (f", and at {len(inside):,}{' more' if colliding else ''} one is inside the other" if inside else "")
         + (f"; most pairs: {results[worst]['pairs']:,} at pose {worst}" if colliding else "")
     )
     out.print()
     outputs.print_table(
         out,
         "Poses",
-        [("pose", "right"), ("pairs", "right"), ("parts", "right"), ("most hit", "left"), ("inside", "left")],
+        [("pose", "right"), ("finding", "left"), ("pairs", "right"), ("parts", "right"), ("most pairs with", "left")]
+        + ([("inside", "left")] if inside_told else []),
         [
             (
                 str(entry["pose"]),
+                _verdict(entry),
                 f"{entry['pairs']:,}" if entry["pairs"] else "-",
                 str(len(entry["parts"])) if entry["pairs"] else "-",
                 entry["parts"][0]["path"] if entry["pairs"] else "",
-                "; ".join(containment_lines(entry["inside"])),
+                *(["; ".join(containment_lines(entry["inside"]))] if inside_told else []),
             )
             for entry in results[:_SHOWN_POSES]
         ],
@@ -345,5 +369,12 @@ def _print_many(out: Any, results: list[dict[str, Any]], worst: int) -> None:
     )
 
 
-def _count(number: int, noun: str) -> str:
-    return f"{number:,} {noun}{'' if number == 1 else 's'}"
+def _listed(paths: list[str]) -> str:
+    more = len(paths) - _SHOWN_TOOL_PARTS
+    return ", ".join(paths[:_SHOWN_TOOL_PARTS]) + (f" and {more:,} more" if more > 0 else "")
+
+
+def _verdict(entry: dict[str, Any]) -> str:
+    if entry["colliding"]:
+        return "collides"
+    return "inside" if not entry["free"] else "touches" if entry["pairs"] else "free"

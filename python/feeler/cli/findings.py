@@ -17,8 +17,8 @@ def kind_counts(kinds: Any) -> dict[str, int]:
     return {kind.name.lower(): int(np.count_nonzero(values == int(kind))) for kind in feeler.PairKind}
 
 
-def part_findings(mockup: feeler.Mockup, pairs: Any, kinds: Any) -> list[dict[str, Any]]:
-    """One entry per part that is hit, most pairs first.
+def part_findings(mockup: feeler.Mockup, tool: feeler.Tool, pairs: Any, kinds: Any) -> list[dict[str, Any]]:
+    """One entry per part that is hit, most pairs first; with the parts of the tool that hit it.
 
     pairs: (k, 2) (tool triangle, mock-up triangle); kinds: (k,).
     """
@@ -39,6 +39,7 @@ def part_findings(mockup: feeler.Mockup, pairs: Any, kinds: Any) -> list[dict[st
                 "pairs": int(end - begin),
                 "mockup_triangles": len(np.unique(here[:, 1])),
                 "tool_triangles": len(np.unique(here[:, 0])),
+                "tool_parts": [tool.part_paths[i] for i in np.unique(np.asarray(tool.part_of_face)[here[:, 0]])],
                 "kinds": kind_counts(kinds[begin:end]),
             }
         )
@@ -61,17 +62,29 @@ def containment_facts(mockup: feeler.Mockup, found: feeler.Containment) -> dict[
 
 def containment_lines(facts: dict[str, Any]) -> list[str]:
     """The same in words; nothing of what is unknown."""
-
-    def named(parts: list[dict[str, Any]]) -> str:
-        shown = ", ".join(part["path"] for part in parts[:_SHOWN_PARTS])
-        return shown + (f" and {len(parts) - _SHOWN_PARTS:,} more" if len(parts) > _SHOWN_PARTS else "")
-
     lines = []
     if facts["containing"]:
-        lines.append(f"the tool is inside {named(facts['containing'])}")
+        lines.append(f"the tool is inside {_named(facts['containing'])}")
     if facts["contained"]:
-        lines.append(f"inside the tool: {named(facts['contained'])}")
+        lines.append(f"inside the tool: {_named(facts['contained'])}")
     return lines
+
+
+def unknown_lines(facts: dict[str, Any]) -> list[str]:
+    """In words what cannot be told."""
+    if not facts["unknown"]:
+        return []
+    return [f"not known whether one is inside the other, since not all is closed: {_named(facts['unknown'])}"]
+
+
+def _named(parts: list[dict[str, Any]]) -> str:
+    shown = ", ".join(part["path"] for part in parts[:_SHOWN_PARTS])
+    return shown + (f" and {len(parts) - _SHOWN_PARTS:,} more" if len(parts) > _SHOWN_PARTS else "")
+
+
+def count(number: int, noun: str) -> str:
+    """A number of things."""
+    return f"{number:,} {noun}{'' if number == 1 else 's'}"
 
 
 def mesh_facts(mesh: feeler.Mockup | feeler.Tool) -> dict[str, Any]:

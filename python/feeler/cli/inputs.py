@@ -33,13 +33,11 @@ PartOption = Annotated[
     list[str] | None,
     typer.Option(
         metavar="PATTERN",
-        help="These parts of the mock-up are the tool, in its frame: they leave it and move. A path, a name, or "
-        "a pattern such as '*pump*'.",
+        help="These parts of the mock-up are the tool, in its frame: they leave it and move. A path with all below it, "
+        "a name, or a pattern such as '*pump*'. Several are allowed, here and below.",
     ),
 ]
-Without = Annotated[
-    list[str] | None, typer.Option(metavar="PATTERN", help="Leave these parts of the mock-up out. Several are allowed.")
-]
+Without = Annotated[list[str] | None, typer.Option(metavar="PATTERN", help="Leave these parts of the mock-up out.")]
 Only = Annotated[
     list[str] | None, typer.Option(metavar="PATTERN", help="Leave all parts of the mock-up out but these.")
 ]
@@ -88,6 +86,7 @@ class Choice:
 
     def scene_of(self, scene: feeler.Scene) -> feeler.Scene:
         """The scene with the parts that stay."""
+        chosen = scene
         for option, parts, select in (
             ("--only", self.only, feeler.Scene.only),
             ("--without", self.without, feeler.Scene.without),
@@ -95,10 +94,11 @@ class Choice:
         ):
             if parts:
                 with _named(option):
-                    scene = select(scene, parts)
-        if not scene.part_mask.any():
+                    chosen = select(chosen, parts)
+        if not chosen.part_mask.any():
             raise OptionError("no part of the mock-up is left: let --part, --only and --without leave one at least")
-        return scene
+        chosen.build_seconds = scene.build_seconds  # the index is that scene's
+        return chosen
 
 
 @contextlib.contextmanager
@@ -107,7 +107,7 @@ def _named(option: str) -> Iterator[None]:
     try:
         yield
     except OptionError as error:
-        raise OptionError(f"{option}: {error}") from None
+        raise OptionError(f"{option}: {error} (feeler info --parts lists all)") from None
 
 
 def read_both(
@@ -122,9 +122,7 @@ def read_both(
 
     What makes an answer about them doubtful goes to stderr, a line each.
     """
-    if (tool is None) == (not part):
-        not_both = ", not both" if part else ""
-        raise OptionError(f"what moves? Give --tool FILE, or --part PATTERN for parts of the mock-up{not_both}")
+    check_moving(tool, tool_unit, part)
     world = read_mockup(mockup, unit, up)
     if tool is None:
         with _named("--part"):
@@ -139,6 +137,15 @@ def read_both(
     for doubt in doubts:
         warn(doubt)
     return world, probe
+
+
+def check_moving(tool: str | None, tool_unit: str | None, part: list[str] | None) -> None:
+    """That it is said what moves, once."""
+    if (tool is None) == (not part):
+        not_both = ", not both" if part else ""
+        raise OptionError(f"what moves? Give --tool FILE, or --part PATTERN for parts of the mock-up{not_both}")
+    if tool is None and tool_unit is not None:
+        raise OptionError("--tool-unit is for --tool FILE: parts of the mock-up are in its unit, --unit")
 
 
 def check_touching(touching: str) -> Literal["counts", "free"]:

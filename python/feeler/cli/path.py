@@ -13,7 +13,7 @@ import typer
 
 import feeler
 from feeler.cli.app import FOUND, command
-from feeler.cli.findings import containment_facts, containment_lines, mesh_facts, scene_facts
+from feeler.cli.findings import containment_facts, containment_lines, count, mesh_facts, scene_facts, unknown_lines
 from feeler.cli.inputs import (
     AsJson,
     Choice,
@@ -27,6 +27,7 @@ from feeler.cli.inputs import (
     Touching,
     Up,
     Without,
+    check_moving,
     check_touching,
     read_both,
     read_poses,
@@ -93,6 +94,7 @@ def path(
             if target.suffix.lower() != ending:
                 raise OptionError(f"{target}: the name must end in {ending}")
             check_target(target)
+    check_moving(tool, tool_unit, part)
     how = check_touching(touching)
     way = read_poses(poses, snap_pose)
     world, probe = read_both(mockup, unit, tool, tool_unit, up, part)
@@ -106,7 +108,7 @@ def path(
     hits = _hits(world, probe, check)
     assert check.containment is not None
     inside = containment_facts(world, check.containment)
-    written = _write(world, probe, check, hits, csv, glb, context)
+    written = _write(scene, probe, check, hits, csv, glb, context)
     if as_json:
         outputs.print_json(
             {
@@ -126,7 +128,7 @@ def path(
             }
         )
     else:
-        _print(len(check), hits, inside, seconds, written)
+        _print(len(check), hits, inside, seconds, written, probe.part_count > 1)
     if not check.free:
         raise typer.Exit(FOUND)
 
@@ -186,7 +188,7 @@ class _Pair:
 
 
 def _write(
-    mockup: feeler.Mockup,
+    scene: feeler.Scene,
     tool: feeler.Tool,
     check: feeler.PathCheck,
     hits: list[dict[str, Any]],
@@ -206,7 +208,7 @@ def _write(
     if glb is not None and first is not None:
         pair = _Pair(*(np.array([i]) for i in (first.tool_triangle, first.mockup_triangle, first.part)))
         with bar(f"writing {glb}"):
-            write_collision_glb(glb, mockup, tool, first.pose, pair, context=context)
+            write_collision_glb(glb, scene.mockup, tool, first.pose, pair, context=context, parts=scene.part_mask)
         written["glb"] = str(glb)
     return written
 
@@ -218,24 +220,31 @@ def _csv(hits: list[dict[str, Any]]) -> str:
     out = io.StringIO()
     rows = csv.writer(out, lineterminator="\n")
     vectors = [f"{what}_{axis}" for what in ("point", "normal") for axis in "xyz"]
-    rows.writerow(["segment", "fraction", "part", "path", "tool_triangle", "mockup_triangle", *vectors])
+    rows.writerow(["segment", "fraction", "part", "path", "tool_triangle", "mockup_triangle", *vectors, "tool_part"])
     for hit in hits:
         values = [hit[name] for name in ("segment", "fraction", "part", "path", "tool_triangle", "mockup_triangle")]
-        rows.writerow([*values, *hit["point"], *hit["normal"]])
+        rows.writerow([*values, *hit["point"], *hit["normal"], hit["tool_path"]])
     return out.getvalue()
 
 
 def _print(
-    segments: int, hits: list[dict[str, Any]], inside: dict[str, Any], seconds: float, written: dict[str, str]
+    segments: int,
+    hits: list[dict[str, Any]],
+    inside: dict[str, Any],
+    seconds: float,
+    written: dict[str, str],
+    has_tool_parts: bool,
 ) -> None:
     from feeler.cli import outputs
 
     out = outputs.console()
     took = f" ({outputs.duration(seconds)})"
-    what = f"{segments:,} segment{'' if segments == 1 else 's'}"
+    what = count(segments, "segment")
     lines = containment_lines(inside)
     for line in lines:
-        outputs.print_finding(out, f"at the first pose, {line}")
+        outputs.print_finding(out, f"the path is not free: at the first pose {line}")
+    for line in unknown_lines(inside):
+        outputs.say(out, f"At the first pose it is {line}")
     if not hits:
         verdict = "Nothing is met" if lines else "[bold green]The path is free[/bold green]"
         out.print(f"{verdict}: {what}{took}")
@@ -251,18 +260,23 @@ def _print(
         out,
         "Parts that are hit",
         [("part", "left"), ("segments", "right"), ("first impact", "right")],
-        [(part["path"], f"{part['segments']:,}", f"segment {part['first']:.6g}") for part in _by_part(hits)[:_SHOWN]],
+        [(part["path"], f"{part['segments']:,}", _first_of(part, hits)) for part in _by_part(hits)[:_SHOWN]],
         more=len(_by_part(hits)) - _SHOWN,
     )
     outputs.print_table(
         out,
         "Segments that are hit",
-        [("segment", "right"), ("at", "right"), ("part", "left"), ("point, m", "right"), ("normal", "right")],
+        [
+            *(("segment", "right"), ("at", "right"), ("part", "left")),
+            *([("tool part", "left")] if has_tool_parts else []),
+            *(("point, m", "right"), ("normal", "right")),
+        ],
         [
             (
                 str(hit["segment"]),
                 f"{100 * hit['fraction']:.4g} %",
                 hit["path"],
+                *([hit["tool_path"]] if has_tool_parts else []),
                 " ".join(f"{x:.5g}" for x in hit["point"]),
                 " ".join(f"{x:.3g}" for x in hit["normal"]),
             )
@@ -271,6 +285,11 @@ def _print(
         more=len(hits) - _SHOWN,
     )
     _print_written(out, written)
+
+
+def _first_of(part: dict[str, Any], hits: list[dict[str, Any]]) -> str:
+    first = next(hit for hit in hits if hit["part"] == part["part"])
+    return f"{100 * first['fraction']:.3g} % of segment {first['segment']}"
 
 
 def _print_written(out: Any, written: dict[str, str]) -> None:

@@ -19,9 +19,16 @@ import numpy as np
 from feeler.errors import LoadError
 from feeler.io.gltf import read_gltf
 from feeler.io.gltf_document import Document
+from feeler.io.gltf_nodes import SceneGraph
 from feeler.io.limits import machine_memory
 from feeler.io.raw import Progress, RawMesh, clean_name, portion
-from feeler.io.step_names import ProductNames, stated_units
+from feeler.io.step_external import Named, find, referenced_files
+from feeler.io.step_names import Assembly, stated_units
+from feeler.io.step_parts import Library, ReadFile, Slot, fill
+from feeler.io.step_source import count_faces, for_converter, left_out, misplaced
+from feeler.io.step_text import plain_text
+from feeler.io.tally import Tally
+from feeler.io.text import decoded
 from feeler.io.units import Unit, parse_unit
 
 DEFAULT_CHORD_TOLERANCE = 1e-4
@@ -32,9 +39,10 @@ ANGLE_RAD = 0.5
 
 _WORKER = Path(__file__).with_name("_step_worker.py")
 _NOT_INSTALLED = 3
-_FACE = re.compile(rb"=\s*(?:ADVANCED_FACE|FACE_SURFACE)\s*\(")
+_EMPTY = re.compile("RWGltf_CafWriter skipped node .* without geometry data")  # told by name of the part instead
 _COLOUR = re.compile(r"\x1b\[[0-9;]*m")
 _LINES_KEPT = 5
+_NOTES_SHOWN = 10
 _POLL_SECONDS = 0.05
 _SECONDS_PER_MB = 60.0  # a time-out against hangs, about a hundred times what conversion takes
 _LEAST_SECONDS = 300.0
@@ -44,51 +52,147 @@ _EXPECTED_SECONDS_PER_MB = 0.4  # only for the progress bar
 def read_step(
     path: Path, progress: Progress = None, *, chord_tolerance: float | None = None, given: Unit | None = None
 ) -> RawMesh:
-    """Read a STEP file: one part for every occurrence of a product in the assembly, with names and paths.
+    """Read a STEP file: one part for every place of a product in the assembly, with names and paths.
 
-    `given` is the unit that the caller will scale to in place of the stated one, so that the tolerance holds after it.
+    Parts that are in other files beside it are read from there. `given` is the unit that the caller will scale to in
+    place of the stated one, so that the tolerance holds after it.
     """
-    text = path.read_bytes()
-    _check_frame(path, text)
-    names = ProductNames(text)
-    stated_faces = len(_FACE.findall(text))
-    units = stated_units(text)
-    megabytes = len(text) / 2**20
-    del text
-    unit = (units[0] if len(units) == 1 else None) or parse_unit("m")
+    text = _text_of(path)
     tolerance = DEFAULT_CHORD_TOLERANCE if chord_tolerance is None else chord_tolerance
-    stretch = given.metres / unit.metres if given else 1.0
+    stretch = given.metres / _main_unit(text).metres if given else 1.0
+    library = Library(path.parent)
+
+    def read_part(part: Path, chain: tuple[Path, ...]) -> RawMesh:
+        return _read(part, _text_of(part), tolerance / stretch, None, library, (*chain, part), read_part)
+
+    raw = _read(path, text, tolerance / stretch, progress, library, (path.resolve(),), read_part)
+    raw.notes.insert(0, f"triangulated from B-rep: chord tolerance {tolerance:g} m, angle {ANGLE_RAD:g} rad")
+    return raw
+
+
+def _text_of(path: Path) -> bytes:
+    """Return the text of a STEP file, in UTF-8, without comments."""
+    text = decoded(path.read_bytes())
+    _check_frame(path, text)
+    return plain_text(text)
+
+
+def _main_unit(text: bytes) -> Unit:
+    units = stated_units(text)
+    return (units[0] if len(units) == 1 else None) or parse_unit("m")
+
+
+def _read(
+    path: Path,
+    text: bytes,
+    tolerance: float,
+    progress: Progress,
+    library: Library,
+    chain: tuple[Path, ...],
+    read_part: ReadFile,
+) -> RawMesh:
+    """Read a file with the files of its parts; `tolerance` in the metres of the file, `chain` ends with this file."""
+    if wrong := misplaced(text):
+        named = ", ".join(f"#{number}" for number in wrong[:_NOTES_SHOWN]) + (", ..." if wrong[_NOTES_SHOWN:] else "")
+        raise LoadError(
+            f"{path}: {len(wrong):,} placements mirror or scale a shape ({named}), which OpenCASCADE would put in a "
+            "wrong place; export the file again with these parts as shapes of their own"
+        )
+    assembly = Assembly(text)
+    slots: list[Slot] = []
+    shown: set[int] = set()  # definitions that the converter placed
+    made_faces: int | None = None
+    stated_faces = count_faces(text)
+
+    def edit(document: Document) -> None:
+        nonlocal made_faces
+        definitions = assembly.give_names(document.root)
+        shown.update(definitions.values())
+        slots.extend(_empty_parts(document, definitions))
+        made_faces = _count_faces(document)
+
     with tempfile.TemporaryDirectory(prefix="feeler-") as folder:
-        target = Path(folder) / "converted.glb"
-        said = _convert(path, target, tolerance / stretch, megabytes, portion(progress, 0.0, 0.9))
-        made_faces = 0
-
-        def edit(document: Document) -> None:
-            nonlocal made_faces
-            names.edit(document.root)
-            made_faces = _count_faces(document)
-
+        source, target = Path(folder) / "source.step", Path(folder) / "converted.glb"
+        source.write_bytes(for_converter(text))
+        said = _convert(path, source, target, tolerance, portion(progress, 0.0, 0.9))
         try:
             raw = read_gltf(target, None, edit=edit)
         except LoadError as error:
             raise LoadError(f"{path}: OpenCASCADE made nothing usable of this STEP file; export it again") from error
-    if not len(raw.faces):
-        raise LoadError(f"{path}: OpenCASCADE found no surface in this STEP file; export it with solids or shells")
-    raw.notes.append(f"triangulated from B-rep: chord tolerance {tolerance:g} m, angle {ANGLE_RAD:g} rad")
-    if made_faces < stated_faces:
+    raw.unit, raw.in_metres, raw.up = _main_unit(text), True, "z"
+    raw.notes += left_out(text)
+    if made_faces is not None and made_faces < stated_faces:
         raw.notes.append(
             f"{stated_faces - made_faces:,} of the {stated_faces:,} faces in the STEP file have no triangle: they are "
             "damaged, of a kind that OpenCASCADE does not know, or in no part that is placed"
         )
     raw.notes += [f"OpenCASCADE said: {line}" for line in said]
+    units = stated_units(text)
     if len(units) > 1 or None in units:
         raw.notes.append(
             "the STEP file has parts in several units, each was converted: "
             + ", ".join(u.name if u else "other" for u in units)
         )
-    raw.unit = unit
-    raw.in_metres = True
-    return raw
+    files = referenced_files(text, assembly)
+    filled = fill(raw, slots, files, path, chain, library, read_part)
+    filled.missing.extend(_not_placed(assembly, files, shown))
+    filled.raw.notes += _own_shape(assembly, files, shown - {slot.definition for slot in slots}, path)
+    if not len(filled.raw.faces):
+        why = _some(filled.missing + filled.empty + filled.raw.notes)
+        if filled.missing:
+            raise LoadError(
+                f"{path}: its parts are in other files, and none was read: {why}; put these files beside it, as it "
+                "names them"
+            )
+        raise LoadError(
+            f"{path}: OpenCASCADE found no surface in this STEP file{f' ({why})' if why else ''}; export it with "
+            "solids or shells"
+        )
+    filled.raw.notes += filled.missing + filled.empty
+    return filled.raw
+
+
+def _some(notes: list[str]) -> str:
+    return "; ".join(notes[:_NOTES_SHOWN]) + (
+        f"; and {len(notes) - _NOTES_SHOWN:,} more" if notes[_NOTES_SHOWN:] else ""
+    )
+
+
+def _not_placed(assembly: Assembly, files: dict[int, list[Named]], shown: set[int]) -> list[str]:
+    """Return notes on parts of other files that the assembly has and the converter does not place."""
+    return [
+        f'part "{assembly.name(definition)}" is in the file {named[0].shown}, and was left out: where it is placed '
+        "could not be read"
+        for definition, named in files.items()
+        if definition in assembly.placed and definition not in shown
+    ]
+
+
+def _own_shape(assembly: Assembly, files: dict[int, list[Named]], shaped: set[int], path: Path) -> list[str]:
+    """Return notes on parts that name another STEP file and have a shape here too: that file is not read."""
+    tally = Tally()
+    for definition in sorted(shaped & files.keys()):
+        places = [find(named, path.parent, path.parent).path for named in files[definition]]
+        if any(place is not None and place != path.resolve() for place in places):
+            name = assembly.name(definition)
+            tally.add("parts name another STEP file and have a shape in this one: this one was taken", name)
+    return tally.notes()
+
+
+def _empty_parts(document: Document, definitions: dict[int, int]) -> list[Slot]:
+    """Return the parts without a surface. Each gets an empty mesh of its own, so that it has a path as others have."""
+    nodes, meshes = document.root.get("nodes", []), document.root.setdefault("meshes", [])
+    node_of: dict[int, int] = {}  # by mesh
+    for at, node in enumerate(nodes):
+        if "mesh" not in node and not node.get("children"):
+            node_of[len(meshes)] = at
+            node["mesh"] = len(meshes)
+            meshes.append({"primitives": []})
+    return [
+        Slot(part.name, part.path, part.world, definitions.get(node_of[part.shape.mesh], 0))
+        for part in SceneGraph(document, Tally()).instances
+        if part.shape.mesh in node_of
+    ]
 
 
 def _check_frame(path: Path, text: bytes) -> None:
@@ -103,10 +207,14 @@ def _check_frame(path: Path, text: bytes) -> None:
         raise LoadError(f"{path}: the STEP file has no DATA section; export it again")
 
 
-def _convert(path: Path, target: Path, tolerance: float, megabytes: float, progress: Progress) -> list[str]:
-    """Run the converter and wait, keeping the progress bar and Ctrl-C alive; return the lines it printed."""
+def _convert(path: Path, source: Path, target: Path, tolerance: float, progress: Progress) -> list[str]:
+    """Run the converter on `source`, made from `path`, and wait; return the lines it printed.
+
+    The progress bar and Ctrl-C stay alive.
+    """
+    megabytes = source.stat().st_size / 2**20
     millimetres = tolerance * 1000.0  # OpenCASCADE works in millimetres inside, whatever the file says
-    arguments = [str(path), str(target), repr(millimetres), repr(ANGLE_RAD), str(machine_memory())]
+    arguments = [str(source), str(target), repr(millimetres), repr(ANGLE_RAD), str(machine_memory())]
     limit = max(_LEAST_SECONDS, _SECONDS_PER_MB * megabytes)
     started = time.monotonic()
     log = target.with_suffix(".log")
@@ -153,18 +261,20 @@ def _lines(log: Path) -> list[str]:
     with log.open("rb") as file:
         text = _COLOUR.sub("", file.read(2**16).decode("utf-8", "replace"))
     lines = [clean_name(line, "").strip("* ")[:200] for line in text.splitlines()]
-    unique = list(dict.fromkeys(line for line in lines if line))
+    unique = list(dict.fromkeys(line for line in lines if line and not _EMPTY.match(line)))
     return unique[:_LINES_KEPT] + ([f"and {len(unique) - _LINES_KEPT} lines more"] if len(unique) > _LINES_KEPT else [])
 
 
-def _count_faces(document: Document) -> int:
-    """Return how many faces of the B-rep have triangles, from the extension in which the converter tells."""
+def _count_faces(document: Document) -> int | None:
+    """Return how many faces of the B-rep have triangles, None if the converter does not tell for all of them."""
     total = 0
     seen: set[int] = set()
     for mesh in document.root.get("meshes", []):
         for primitive in mesh.get("primitives", []):
             told = primitive.get("extensions", {}).get("TM_brep_faces", {}).get("faceIndices")
-            if told is not None and told not in seen:
+            if told is None:
+                return None
+            if told not in seen:
                 seen.add(told)
                 total += len(np.unique(document.array(told, 1)))
     return total

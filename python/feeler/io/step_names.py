@@ -1,45 +1,37 @@
-"""What a STEP file says in its text: units, and the product names that the converter leaves out.
+"""What a STEP file says in its text: units, the assembly, and the product names that the converter leaves out.
 
-The converter names a node after its occurrence. Where an occurrence has no name it takes its number ("130"), though the
-product it places has a name ("Blades"). The text has both.
+The converter names a node after its occurrence ("bolt-3"), or by a number where an occurrence has no name ("130"). Here
+parts are called what they are: by the name of their product. The text has both.
 """
 
 from __future__ import annotations
 
 import re
-from typing import Any
+from typing import Any, NamedTuple
 
+from feeler.io.step_text import Entity, entities
 from feeler.io.units import Unit, parse_unit
 
-_STRING = rb"'((?:[^']|'')*)'"
-_ANY = rb"(?:'(?:[^']|'')*'|\$)"
-_NEXT = rb"\s*,\s*"
-_OCCURRENCE = re.compile(
-    rb"NEXT_ASSEMBLY_USAGE_OCCURRENCE\s*\(\s*" + _NEXT.join([_STRING, _STRING, _ANY, rb"#(\d+)", rb"#(\d+)"])
-)
-_DEFINITION = re.compile(rb"#(\d+)\s*=\s*PRODUCT_DEFINITION\s*\(\s*" + _NEXT.join([_ANY, _ANY, rb"#(\d+)"]))
-_FORMATION = re.compile(
-    rb"#(\d+)\s*=\s*PRODUCT_DEFINITION_FORMATION(?:_WITH_SPECIFIED_SOURCE)?\s*\(\s*"
-    + _NEXT.join([_ANY, _ANY, rb"#(\d+)"])
-)
-_PRODUCT = re.compile(rb"#(\d+)\s*=\s*PRODUCT\s*\(\s*" + _NEXT.join([_STRING, _STRING]))
 _CONTEXT = re.compile(rb"GLOBAL_UNIT_ASSIGNED_CONTEXT\s*\(\s*\(([^)]*)\)")
 _LENGTH_UNIT = re.compile(rb"#(\d+)\s*=\s*\(([^;]*?\bLENGTH_UNIT\b[^;]*)\)\s*;")
 _SI = re.compile(rb"SI_UNIT\s*\(\s*(?:\.(\w+)\.|\$)\s*,\s*\.METRE\.")
-_CONVERTED = re.compile(rb"CONVERSION_BASED_UNIT\s*\(\s*" + _STRING)
+_CONVERTED = re.compile(rb"CONVERSION_BASED_UNIT\s*\(\s*'((?:[^']|'')*)'")
 _PREFIXES = {
     b"KILO": "km", b"DECI": "dm", b"CENTI": "cm", b"MILLI": "mm", b"MICRO": "um", b"NANO": "nm", b"": "m",
 }  # fmt: skip
+_NO_NAME = re.compile(r"(?:=>)?\[\d+(?::\d+)*\]$")  # where the converter keeps a shape that has no name
+_DEFINITIONS = ("PRODUCT_DEFINITION", "PRODUCT_DEFINITION_WITH_ASSOCIATED_DOCUMENTS")
+_FORMATIONS = ("PRODUCT_DEFINITION_FORMATION", "PRODUCT_DEFINITION_FORMATION_WITH_SPECIFIED_SOURCE")
 
 
 def stated_units(text: bytes) -> list[Unit | None]:
     """Return the length units the shapes of the file are in, each once; None for one that feeler has no name for."""
-    entities = {m[1]: m[2] for m in _LENGTH_UNIT.finditer(text)}
+    found_entities = {m[1]: m[2] for m in _LENGTH_UNIT.finditer(text)}
     found: list[Unit | None] = []
     for context in _CONTEXT.finditer(text):
         for reference in re.findall(rb"#(\d+)", context[1]):
-            if reference in entities:
-                unit = _unit_of(entities[reference])
+            if reference in found_entities:
+                unit = _unit_of(found_entities[reference])
                 if unit not in found:
                     found.append(unit)
     return found
@@ -56,51 +48,73 @@ def _unit_of(entity: bytes) -> Unit | None:
     return None
 
 
-class ProductNames:
-    """The assembly structure in the text of a STEP file."""
+class Occurrence(NamedTuple):
+    """One product placed in another."""
+
+    label: str  # what the converter calls it
+    definition: int  # the entity PRODUCT_DEFINITION of what is placed
+
+
+class Assembly:
+    """The products in the text of a STEP file, and which is placed in which. Numbers are those of entities."""
 
     def __init__(self, text: bytes) -> None:
-        products = {m[1]: _decode(m[3] or m[2]) for m in _PRODUCT.finditer(text)}
-        formations = {m[1]: m[2] for m in _FORMATION.finditer(text)}
-        self._name = {m[1]: products.get(formations.get(m[2], b""), "") for m in _DEFINITION.finditer(text)}
-        self._below: dict[bytes, dict[str, tuple[bytes, bool]]] = {}
-        placed: set[bytes] = set()
-        for number, name, above, below in (m.groups() for m in _OCCURRENCE.finditer(text)):
-            label = _decode(name) or _decode(number)
-            self._below.setdefault(above, {}).setdefault(label, (below, not name))
-            placed.add(below)
-        self._roots = {
-            self._name[definition]: definition for definition in reversed(self._name) if definition not in placed
+        """Read it. `text` is as `plain_text` returns it."""
+        found: dict[str, list[Entity]] = {}
+        for entity in entities(text, "PRODUCT", *_FORMATIONS, *_DEFINITIONS, "NEXT_ASSEMBLY_USAGE_OCCURRENCE"):
+            found.setdefault(entity.keyword, []).append(entity)
+        products = {e.number: e.text(1) or e.text(0) for e in found.get("PRODUCT", [])}
+        self.product_of = {e.number: e.refers(2) for key in _FORMATIONS for e in found.get(key, [])}
+        definitions = [e for key in _DEFINITIONS for e in found.get(key, [])]
+        self.formation_of = {e.number: e.refers(2) for e in sorted(definitions, key=lambda e: e.start)}
+        self._names = {
+            number: products.get(self.product_of.get(formation, 0), "")
+            for number, formation in self.formation_of.items()
         }
+        self._below: dict[int, list[Occurrence]] = {}
+        self.placed: set[int] = set()
+        for entity in found.get("NEXT_ASSEMBLY_USAGE_OCCURRENCE", []):
+            above, below = entity.refers(3), entity.refers(4)
+            self._below.setdefault(above, []).append(Occurrence(entity.text(1) or entity.text(0), below))
+            self.placed.add(below)
+        self._roots = [Occurrence(name, number) for number, name in self._names.items() if number not in self.placed]
 
-    def edit(self, root: dict[str, Any]) -> None:
-        """Give the nodes of a converted file the names of their products where they have only a number."""
+    def name(self, definition: int) -> str:
+        """Return the name of the product of that definition, "" if it has none."""
+        return self._names.get(definition, "")
+
+    def give_names(self, root: dict[str, Any]) -> dict[int, int]:
+        """Give the nodes of a converted file the names of their products; return which definition each node is of."""
         nodes = root.get("nodes", [])
-        todo: list[tuple[int, bytes | None, bool]] = [
-            (at, None, True) for scene in root.get("scenes", []) for at in scene.get("nodes", [])
-        ]
+        definitions: dict[int, int] = {}
+        todo = [(scene.get("nodes", []), self._roots, "") for scene in root.get("scenes", [])]
         while todo:
-            at, above, is_root = todo.pop()
-            node = nodes[at]
-            label = node.get("name", "")
-            here: bytes | None = None
-            if is_root:
-                here = self._roots.get(label)
-            elif above is not None and label in self._below.get(above, {}):
-                here, nameless = self._below[above][label]
-                if nameless and self._name.get(here):
-                    node["name"] = self._name[here]
-            todo.extend((child, here, False) for child in node.get("children", []))
+            children, known, above = todo.pop()
+            for at, definition in zip(children, self._matched(children, nodes, known), strict=True):
+                node = nodes[at]
+                if definition:
+                    definitions[at] = definition
+                if self.name(definition):
+                    node["name"] = self.name(definition)
+                elif above and _NO_NAME.match(str(node.get("name", ""))):
+                    node["name"] = above  # one of several shapes of a product
+                todo.append((node.get("children", []), self._below.get(definition, []), str(node.get("name", ""))))
+        return definitions
 
+    def _matched(self, children: list[int], nodes: list[dict[str, Any]], known: list[Occurrence]) -> list[int]:
+        """Return the definition that each node is of, 0 if that cannot be told.
 
-def _decode(text: bytes) -> str:
-    """Return a STEP string as text: doubled quotes, and the escapes for characters beyond ASCII."""
-    plain = text.replace(b"''", b"'").decode("latin-1")
-    if "\\" not in plain:
-        return plain
-    plain = re.sub(
-        r"\\X2\\((?:[0-9A-Fa-f]{4})+)\\X0\\", lambda m: bytes.fromhex(m[1]).decode("utf-16-be", "replace"), plain
-    )
-    plain = re.sub(r"\\X\\([0-9A-Fa-f]{2})", lambda m: chr(int(m[1], 16)), plain)
-    plain = re.sub(r"\\S\\(.)", lambda m: chr(ord(m[1]) + 128) if ord(m[1]) < 128 else m[1], plain)
-    return plain.replace("\\\\", "\\")
+        Nodes and occurrences come in one order, but some of either may lack the other. So labels count first, each
+        occurrence once; where they do not tell, the place does if there are as many of both.
+        """
+        free: dict[str, list[int]] = {}
+        for place, occurrence in enumerate(known):
+            free.setdefault(occurrence.label, []).append(place)
+        taken: list[int | None] = []
+        for at in children:
+            places = free.get(str(nodes[at].get("name", "")), [])
+            taken.append(places.pop(0) if places else None)
+        if len(children) == len(known):
+            left = set(range(len(known))) - {place for place in taken if place is not None}
+            taken = [here if here is not None or place not in left else place for place, here in enumerate(taken)]
+        return [0 if place is None else known[place].definition for place in taken]

@@ -8,23 +8,28 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from feeler.errors import OptionError
-from feeler.io.body import LIGHT_GREY, ORANGE, RED, STEEL_BLUE, TINT, Body, Mark, body_of, only_faces, with_marks
+from feeler.io.body import LIGHT_GREY, ORANGE, RED, STEEL_BLUE, TINT, Body, Mark, body_of, with_marks
 from feeler.io.export import write_glb
-from feeler.picture.collision import near_parts
+from feeler.picture.collision import drawn
 
 _THICKNESS_SHARE = 0.002  # of the tool's size
 _LEAST_THICKNESS_M = 2e-5
 
 
 def clearance_bodies(
-    mockup: Any, tool: Any, world_from_tool: npt.ArrayLike, clearance: Any, *, context: float | None = None
+    mockup: Any,
+    tool: Any,
+    world_from_tool: npt.ArrayLike,
+    clearance: Any,
+    *,
+    context: float | None = None,
+    parts: npt.ArrayLike | None = None,
 ) -> tuple[Body, ...]:
     """The mock-up, the tool at its pose, and the witness lines, coloured.
 
     Parts that are listed are tinted, the triangles that hold closest points red (mock-up) and orange (tool), lines red.
     A line is a bar of three sides, as thick as 0.2 % of the tool, so that any viewer shows it; where tool and part
-    meet, it has no length and is left out. context: as for `collision_bodies`.
+    meet, it has no length and is left out. context, parts: as for `collision_bodies`.
     """
     tool_body = body_of(tool, colours=STEEL_BLUE, pose=world_from_tool, cut=False)
     tool_body = with_marks(tool_body, [Mark(np.asarray(clearance.tool_triangles, dtype=np.int64), ORANGE, xray=0.6)])
@@ -34,10 +39,7 @@ def clearance_bodies(
     tinted = np.flatnonzero(near[body.part_of_face])
     triangles = np.asarray(clearance.mockup_triangles, dtype=np.int64)
     body = with_marks(body, [Mark(tinted, TINT), Mark(triangles, RED, xray=0.4)])
-    if context is not None:
-        if not context >= 0:
-            raise OptionError(f"context is {context}: give a distance in metres, 0 or more")
-        body = only_faces(body, near_parts(body, tool_body.bounds, context, near)[body.part_of_face])
+    body = drawn(body, tool_body, context, near, parts)
     size = float(np.linalg.norm(tool_body.bounds[1] - tool_body.bounds[0]))
     lines = _bars(clearance, max(_THICKNESS_SHARE * size, _LEAST_THICKNESS_M))
     return (body, tool_body) if lines is None else (body, tool_body, lines)
@@ -51,9 +53,10 @@ def write_clearance_glb(
     clearance: Any,
     *,
     context: float | None = None,
+    parts: npt.ArrayLike | None = None,
 ) -> int:
     """Writes `clearance_bodies` as GLB; returns its size in bytes. Raises `WriteError`, `OptionError`."""
-    return write_glb(path, *clearance_bodies(mockup, tool, world_from_tool, clearance, context=context))
+    return write_glb(path, *clearance_bodies(mockup, tool, world_from_tool, clearance, context=context, parts=parts))
 
 
 def _bars(clearance: Any, thickness: float) -> Body | None:

@@ -20,13 +20,15 @@ def collision_bodies(
     collision: Any,
     *,
     context: float | None = None,
+    parts: npt.ArrayLike | None = None,
     grey: bool = True,
 ) -> tuple[Body, Body]:
     """The mock-up and the tool at its pose, coloured: colliding triangles red (mock-up) and orange (tool).
 
     The parts that are hit are tinted, the tool is blue, the rest is light grey, or, where `grey` is false, coloured
     by assembly. context: None keeps every part; a distance in metres keeps only the parts whose box comes that near
-    to the tool's box (and all parts that are hit).
+    to the tool's box (and all parts that are hit). parts: which parts are drawn at all, (parts,) bool, such as
+    `scene.part_mask`; None: all.
     """
     tool_body = body_of(tool, colours=STEEL_BLUE, pose=world_from_tool, cut=False)
     tool_hit = np.asarray(collision.tool_triangles, dtype=np.int64)
@@ -38,11 +40,7 @@ def collision_bodies(
     tinted = np.flatnonzero(hit_part[body.part_of_face])
     hit_triangles = np.asarray(collision.mockup_triangles, dtype=np.int64)
     body = with_marks(body, [Mark(tinted, TINT), Mark(hit_triangles, RED, xray=0.4)])
-    if context is not None:
-        if not context >= 0:
-            raise OptionError(f"context is {context}: give a distance in metres, 0 or more")
-        body = only_faces(body, near_parts(body, tool_body.bounds, context, hit_part)[body.part_of_face])
-    return body, tool_body
+    return drawn(body, tool_body, context, hit_part, parts), tool_body
 
 
 def write_collision_glb(
@@ -53,10 +51,31 @@ def write_collision_glb(
     collision: Any,
     *,
     context: float | None = None,
+    parts: npt.ArrayLike | None = None,
 ) -> int:
     """Writes `collision_bodies` as GLB; returns its size in bytes. Raises `WriteError`, `OptionError`."""
-    body, tool_body = collision_bodies(mockup, tool, world_from_tool, collision, context=context)
+    body, tool_body = collision_bodies(mockup, tool, world_from_tool, collision, context=context, parts=parts)
     return write_glb(path, body, tool_body)
+
+
+def drawn(
+    body: Body,
+    tool_body: Body,
+    context: float | None,
+    always: npt.NDArray[np.bool_],
+    parts: npt.ArrayLike | None,
+) -> Body:
+    """What is drawn of a mock-up: near the tool, by `context`, or in `always`, and of `parts`."""
+    if context is not None and not context >= 0:
+        raise OptionError(f"context is {context}: give a distance in metres, 0 or more")
+    if context is None and parts is None:
+        return body
+    shown = np.ones(len(always), dtype=bool)
+    if context is not None:
+        shown &= near_parts(body, tool_body.bounds, context, always)
+    if parts is not None:
+        shown &= np.asarray(parts, dtype=bool)
+    return only_faces(body, shown[body.part_of_face])
 
 
 def near_parts(

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from feeler.io.body import Body
+from feeler.io.body import Body, only_faces
 from feeler.picture.camera import Camera, Section, usual_view
 from feeler.picture.collision import collision_bodies
 from feeler.picture.renderer import Inset, render
@@ -32,14 +32,18 @@ def render_collision(
     size: tuple[int, int] = (1600, 1000),
     direction: npt.ArrayLike | None = None,
     up: npt.ArrayLike | None = None,
+    parts: npt.ArrayLike | None = None,
     progress: Callable[[float, str], None] | None = None,
 ) -> npt.NDArray[np.uint8]:
     """The whole mock-up cut open at the tool, and a close view of what collides; returns the pixels.
 
-    direction, up: of the view, (3,); None: `usual_view` of the mock-up's box. Raises `WriteError`, `OptionError`.
+    direction, up: of the view, (3,); None: `usual_view` of the mock-up's box. parts: which are drawn, (parts,) bool,
+    such as `scene.part_mask`; None: all. Raises `WriteError`, `OptionError`.
     """
     body, tool_body = collision_bodies(mockup, tool, world_from_tool, collision, grey=False)
     views = collision_views(body, tool_body, collision, size, direction, up)
+    if parts is not None:
+        body = only_faces(body, np.asarray(parts, dtype=bool)[body.part_of_face])
     return render(path, body, tool_body, size=size, progress=progress, **views)
 
 

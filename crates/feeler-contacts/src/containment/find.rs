@@ -103,8 +103,8 @@ impl Meeting {
 /// One search.
 struct Search<'a> {
     scene: &'a Scene,
-    /// The same with no pairs ignored.
-    all: Scene,
+    /// The same with no pairs ignored, where it ignores some.
+    all: Option<Scene>,
     tool: &'a Tool,
     pose: &'a Pose,
     context: QueryContext<'a>,
@@ -126,7 +126,8 @@ impl<'a> Search<'a> {
         let nearby: Vec<u32> = overlapping.map(|(part, _)| part).filter(|part| is_asked(*part)).collect();
         let meeting = if hit.pairs.is_empty() { Meeting::default() } else { Meeting::new(scene, tool.links(), hit) };
         let context = QueryContext::new(scene, tool, pose, None);
-        let (all, corners, found) = (scene.asking_all_pairs(), Vec::new(), Containment::default());
+        let all = scene.index().selection().ignores_any().then(|| scene.asking_all_pairs());
+        let (corners, found) = (Vec::new(), Containment::default());
         Search { scene, all, tool, pose, context, nearby, meeting, corners, enough, found }
     }
 
@@ -141,6 +142,11 @@ impl<'a> Search<'a> {
         self.found.containing.len() + self.found.contained.len() >= self.enough
     }
 
+    /// The scene with no pairs ignored: rays and needles are of no part.
+    fn all(&self) -> &Scene {
+        self.all.as_ref().unwrap_or(self.scene)
+    }
+
     /// Whether a pair of a tool's and a mock-up's part is asked for.
     fn wants(&self, tool_part: u32, part: u32) -> bool {
         self.scene.index().selection().wants_parts(tool_part, part)
@@ -149,7 +155,7 @@ impl<'a> Search<'a> {
     /// Asks for a corner of each group of the tool's connected surfaces that nothing separates.
     fn look_for_containing(&mut self) {
         let links = self.tool.links();
-        let is_apart = is_apart(links, &self.all, self.pose);
+        let is_apart = is_apart(links, self.all(), self.pose);
         let mut group = 0;
         let groups: Vec<usize> = is_apart
             .iter()
@@ -159,17 +165,20 @@ impl<'a> Search<'a> {
             })
             .collect();
         // Those that meet something are asked for themselves, at a corner that does not.
-        let mut members: BTreeMap<usize, Vec<u32>> = BTreeMap::new();
+        let mut members: Vec<(usize, u32)> = Vec::new();
         let mut alone: BTreeSet<u32> = BTreeSet::new();
         for (surface, end) in (0..).zip(&links.end_of) {
             if self.meeting.has(surface) {
                 alone.insert(surface);
             } else {
-                members.entry(groups[*end as usize]).or_default().push(surface);
+                members.push((groups[*end as usize], surface));
             }
         }
-        let mut asked: Vec<(u32, Vec<u32>)> =
-            members.into_values().map(|m| (links.surfaces[m[0] as usize], m)).collect();
+        members.sort_unstable();
+        let mut asked: Vec<(u32, Vec<u32>)> = members
+            .chunk_by(|a, b| a.0 == b.0)
+            .map(|same| (links.surfaces[same[0].1 as usize], same.iter().map(|(_, surface)| *surface).collect()))
+            .collect();
         if !alone.is_empty() {
             for t in self.tool.mesh().queried() {
                 let surface = links.surface_of[t as usize];
@@ -198,7 +207,10 @@ impl<'a> Search<'a> {
     /// Those parts that hold a point.
     fn parts_around(&self, p: &Point) -> Vec<u32> {
         let adjacency = self.context.adjacency[Surface::Mockup];
-        let in_a_shell = |part: &u32| adjacency.shells_of(*part).iter().any(|shell| is_in(&shell.bounds, p));
+        let bounds = self.scene.mockup().part_bounds();
+        let in_a_shell = |part: &u32| {
+            is_in(&bounds[*part as usize], p) && adjacency.shells_of(*part).iter().any(|shell| is_in(&shell.bounds, p))
+        };
         let candidates: Vec<u32> = self.nearby.iter().copied().filter(in_a_shell).collect();
         if candidates.is_empty() {
             return candidates;
@@ -211,7 +223,7 @@ impl<'a> Search<'a> {
             let (q, wide) = (ray_end(p, &hull, offset), ray_end(p, &hull, &offset.map(|x| x + NEEDLE_WIDTH)));
             let needle = Tool::new(vec![*p, q, wide], vec![[0, 1, 2]]).ok()?;
             let mut windings = vec![0; candidates.len()];
-            for [_, m] in self.all.collide(&needle, &Pose::IDENTITY).pairs {
+            for [_, m] in self.all().collide(&needle, &Pose::IDENTITY).pairs {
                 let side = i32::from(outward[m as usize]);
                 if let (Ok(part), 1 | -1) = (candidates.binary_search(&mockup.part_of_face(m)), side) {
                     windings[part] += side * crossing(p, &q, &mockup.mesh().triangle(m))?;
@@ -230,8 +242,13 @@ impl<'a> Search<'a> {
         let mut solid = None;
         for part in self.nearby.clone() {
             let met = self.meeting.mockup_triangles.get(&part);
-            for (_, m) in self.context.adjacency[Surface::Mockup].surfaces_of(part) {
-                let asked = met.map_or(Some(*m), |met| self.unmet_triangle(*m, met));
+            let adjacency = self.context.adjacency[Surface::Mockup];
+            // What sticks out of the tool's box is not inside.
+            let shells = adjacency.shells_of(part).iter();
+            let shells = shells.filter(|s| is_in(&around, &s.bounds.lower) && is_in(&around, &s.bounds.upper));
+            let open = adjacency.open_surfaces_of(part).iter().map(|(_, m)| *m);
+            for m in shells.map(|shell| shell.first).chain(open) {
+                let asked = met.map_or(Some(m), |met| self.unmet_triangle(m, met));
                 let Some(p) = asked.map(|m| self.context.corner(Surface::Mockup, m)) else { continue };
                 if !is_in(&around, &p) {
                     continue;
@@ -271,16 +288,17 @@ impl<'a> Search<'a> {
     }
 
     fn look_for_unknown(&mut self) {
-        let is_open = |surface: Surface, t: u32| self.context.adjacency[surface].outward[t as usize] == 0;
+        let [of_tool, adjacency] = self.context.adjacency;
         let around = tool_box(self.tool, self.pose);
-        let is_tool_open = self.tool.links().surfaces.iter().any(|t| is_open(Surface::Tool, *t));
+        let is_tool_open = self.tool.links().surfaces.iter().any(|t| of_tool.outward[*t as usize] == 0);
         for &part in &self.nearby {
-            let surfaces = self.context.adjacency[Surface::Mockup].surfaces_of(part);
+            let open = adjacency.open_surfaces_of(part);
             let bounds = self.scene.mockup().part_bounds()[part as usize];
-            let is_part_open = || surfaces.iter().any(|(_, m)| is_open(Surface::Mockup, *m));
-            let may_hold = self.corners.iter().any(|p| is_in(&bounds, p)) && is_part_open();
+            let may_hold = !open.is_empty() && self.corners.iter().any(|p| is_in(&bounds, p));
             let corner = |m: u32| self.context.corner(Surface::Mockup, m);
-            if may_hold || is_tool_open && surfaces.iter().any(|(_, m)| is_in(&around, &corner(*m))) {
+            let mut first =
+                open.iter().map(|(_, m)| *m).chain(adjacency.shells_of(part).iter().map(|shell| shell.first));
+            if may_hold || is_tool_open && first.any(|m| is_in(&around, &corner(m))) {
                 self.found.unknown.push(part);
             }
         }

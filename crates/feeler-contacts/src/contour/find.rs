@@ -110,6 +110,8 @@ pub(crate) fn find<'a>(
     face_numbers.clear(context);
     regions.assumed_axis = assumed_axis;
     let part = pairs.first().map_or(0, |p| context.mockup.part_of_face(p[1]));
+    regions.segments.reserve(pairs.len());
+    regions.points.reserve(2 * pairs.len());
     for pair in pairs {
         let faces = Surface::BOTH.map(|surface| {
             let (number, is_new) = face_numbers.number(surface, pair[surface]);

@@ -122,6 +122,11 @@ impl Selection {
         self.presence.is_none() && self.ignored.is_none()
     }
 
+    /// Whether pairs of parts are ignored.
+    pub fn ignores_any(&self) -> bool {
+        self.ignored.is_some()
+    }
+
     /// Whether a part is there.
     #[inline]
     pub fn has_part(&self, part: u32) -> bool {

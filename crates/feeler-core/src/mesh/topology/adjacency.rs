@@ -31,9 +31,9 @@ pub struct Adjacency {
     bodies: Vec<u32>,
     /// The centre of the surface's area, metres, in the mesh's own frame.
     pub centre: Point,
-    /// For each connected surface its part and one of its triangles; sorted.
-    pub surfaces: Vec<(u32, u32)>,
-    /// The closed ones among them, sorted by part. Across a crack two surfaces are one shell.
+    /// For each connected surface that is open its part and its first triangle; sorted.
+    open_surfaces: Vec<(u32, u32)>,
+    /// The closed ones, sorted by part. Across a crack two surfaces are one shell.
     shells: Vec<ClosedShell>,
     /// Whether there are cracks: across these, adjacency need not be mutual.
     pub has_cracks: bool,
@@ -57,7 +57,7 @@ impl Adjacency {
             smooth_regions: Vec::new(),
             bodies: Vec::new(),
             centre: [0.0; 3],
-            surfaces: Vec::new(),
+            open_surfaces: Vec::new(),
             shells: Vec::new(),
             has_cracks: false,
         }
@@ -98,8 +98,9 @@ impl Adjacency {
         let connected = Surfaces::new(mesh, &neighbours);
         let (outward, shells) = closed_shells(mesh, (&connected, &neighbours, has_cracks), &closed, &part_of_face);
         let shift = if area > 0.0 && area.is_finite() { scaled(&centre, 1.0 / area) } else { [0.0; 3] };
-        let mut surfaces: Vec<(u32, u32)> = connected.first.into_iter().map(|t| (part_of_face(t), t)).collect();
-        surfaces.sort_unstable();
+        let open = connected.first.into_iter().filter(|t| outward[*t as usize] == 0);
+        let mut open_surfaces: Vec<(u32, u32)> = open.map(|t| (part_of_face(t), t)).collect();
+        open_surfaces.sort_unstable();
         let thin = |t: u32| WELD_SHARE * bounds[part_of_face(t) as usize].longest();
         let smooth_regions = smooth_regions(mesh, &neighbours, &outward, |t, triangle| is_thin(triangle, thin(t)));
         let bodies = convex_bodies(mesh, &neighbours, &outward, &smooth_regions);
@@ -109,7 +110,7 @@ impl Adjacency {
             smooth_regions,
             bodies,
             centre: add(&middle, &shift),
-            surfaces,
+            open_surfaces,
             shells,
             has_cracks,
         }
@@ -121,11 +122,11 @@ impl Adjacency {
         self.bodies.get(region as usize).copied().unwrap_or(NONE)
     }
 
-    /// Those of one part.
-    pub fn surfaces_of(&self, part: u32) -> &[(u32, u32)] {
-        let from = self.surfaces.partition_point(|(of, _)| *of < part);
-        let count = self.surfaces[from..].partition_point(|(of, _)| *of == part);
-        &self.surfaces[from..from + count]
+    /// The open surfaces of one part: the part, and the first triangle of each.
+    pub fn open_surfaces_of(&self, part: u32) -> &[(u32, u32)] {
+        let from = self.open_surfaces.partition_point(|(of, _)| *of < part);
+        let count = self.open_surfaces[from..].partition_point(|(of, _)| *of == part);
+        &self.open_surfaces[from..from + count]
     }
 
     /// The closed surfaces of one part.
@@ -141,7 +142,7 @@ impl Adjacency {
             + self.outward.capacity()
             + self.smooth_regions.capacity() * size_of::<SmoothRegion>()
             + self.bodies.capacity() * size_of::<u32>()
-            + self.surfaces.capacity() * size_of::<(u32, u32)>()
+            + self.open_surfaces.capacity() * size_of::<(u32, u32)>()
             + self.shells.capacity() * size_of::<ClosedShell>()
     }
 }

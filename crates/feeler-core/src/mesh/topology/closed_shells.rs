@@ -60,6 +60,8 @@ impl Surfaces {
 pub struct ClosedShell {
     /// Its part.
     pub part: u32,
+    /// The first of its triangles.
+    pub first: u32,
     /// The box around it, metres, in the mesh's own frame.
     pub bounds: Aabb,
 }
@@ -68,6 +70,7 @@ pub struct ClosedShell {
 #[derive(Debug, Clone, Copy)]
 struct Shell {
     part: u32,
+    first: u32,
     bounds: Aabb,
     /// Six times the volume by its winding, from a corner of its own: with cracks the sum depends on the origin, the more the
     /// farther it is.
@@ -78,7 +81,7 @@ struct Shell {
 }
 
 impl Shell {
-    const NONE: Shell = Shell { part: 0, bounds: Aabb::EMPTY, volume: 0.0, corner: None, sense: 1 };
+    const NONE: Shell = Shell { part: 0, first: NONE, bounds: Aabb::EMPTY, volume: 0.0, corner: None, sense: 1 };
 }
 
 /// For each triangle of a closed surface 1 where its winding gives the outward normal, -1 where the inward one, 0 of others; and the
@@ -101,6 +104,7 @@ pub fn closed_shells(
         let [a, b, c] = mesh.triangle(t);
         let normal = cross(&sub(&b, &a), &sub(&c, &a));
         shell.part = part_of_face(t);
+        shell.first = shell.first.min(t);
         [a, b, c].iter().for_each(|p| shell.bounds.grow(p));
         shell.volume += dot(&sub(&a, shell.corner.get_or_insert(a)), &normal);
     }
@@ -109,7 +113,10 @@ pub fn closed_shells(
     let senses = (0..mesh.faces().len() as u32).map(|t| shell_of(t).map_or(0, |shell| shells[shell].sense)).collect();
     shells.retain(|shell| shell.corner.is_some());
     shells.sort_by_key(|shell| shell.part);
-    (senses, shells.iter().map(|shell| ClosedShell { part: shell.part, bounds: shell.bounds }).collect())
+    (
+        senses,
+        shells.iter().map(|shell| ClosedShell { part: shell.part, first: shell.first, bounds: shell.bounds }).collect(),
+    )
 }
 
 /// Sets the senses of shells inside others, in parts whose shells are not all wound alike.

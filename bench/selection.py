@@ -1,0 +1,65 @@
+"""What queries cost in a scene without some parts, beside the whole one, and how long it takes to make.
+
+Prints for each query the ratio of its time to that in the whole scene, as the median over poses of the best of a few
+rounds, and what the scenes without parts take to make. One thread; the sample engine and a wrench.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from collections.abc import Callable, Sequence
+from functools import partial
+
+import numpy as np
+import numpy.typing as npt
+
+import feeler
+
+QUERIES = ("collide", "is_colliding", "clearance", "distance", "contacts")
+
+
+def best_of(calls: Sequence[Callable[[], object]], rounds: int) -> npt.NDArray[np.float64]:
+    """Seconds of each call, the best of some rounds; in turns, so that what disturbs one disturbs all."""
+    best = np.full(len(calls), np.inf)
+    for _ in range(rounds):
+        for i, call in enumerate(calls):
+            start = time.perf_counter()
+            call()
+            best[i] = min(best[i], time.perf_counter() - start)
+    return best
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
+    parser.add_argument("--triangles", type=int, default=1_600_000, help="of the sample engine")
+    parser.add_argument("--poses", type=int, default=60, help="at which some of the wrench's triangles meet")
+    parser.add_argument("--rounds", type=int, default=15, help="of each call, of which the best counts")
+    options = parser.parse_args()
+    mockup = feeler.sample("engine", options.triangles)
+    tool = feeler.sample_tool("wrench")
+    whole = feeler.Scene(mockup, tool=tool, threads=1)
+    nominal = feeler.sample_poses(whole, tool, "nominal", options.poses, seed=1)
+    few = np.arange(3, mockup.part_count, mockup.part_count // 5)
+    selections: dict[str, Callable[[], feeler.Scene]] = {
+        "without five parts": lambda: whole.without(few),
+        "without every second part": lambda: whole.without(np.arange(0, mockup.part_count, 2)),
+        "every hundredth part alone": lambda: whole.only(np.arange(0, mockup.part_count, 100)),
+        "five parts alone": lambda: whole.only(few),
+    }
+    print(f"{mockup.triangle_count:,} triangles, {mockup.part_count:,} parts, {len(nominal)} poses")
+    made = best_of(list(selections.values()), options.rounds)
+    print(f"{'':28s}{'made in, ms':>12s}" + "".join(f"{query:>14s}" for query in QUERIES))
+    for (name, make), seconds in zip(selections.items(), made, strict=True):
+        some = make()
+        ratios = []
+        for query in QUERIES:
+            asks = [getattr(scene, query) for scene in (whole, some)]
+            calls = [partial(ask, tool, pose) for pose in nominal for ask in asks]
+            times = best_of(calls, options.rounds).reshape(-1, 2)
+            ratios.append(np.median(times[:, 1]) / np.median(times[:, 0]))
+        print(f"{name:28s}{1e3 * seconds:12.2f}" + "".join(f"{ratio:14.3f}" for ratio in ratios))
+
+
+if __name__ == "__main__":
+    main()
