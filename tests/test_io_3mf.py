@@ -308,3 +308,57 @@ def test_z_is_up(tmp_path):
     assert mockup.report.source.up == "z"
     turned = load_mockup(tmp_path / "a.3mf", up="y")
     assert np.allclose(turned.bounds, [[0, 0, -0.01], [0.01, 0.01, 0]])
+
+
+# --- settings of slicers -------------------------------------------------------------------------------------------
+
+
+def load_sliced(folder: Path, root: str, config: str, file: str) -> Mockup:
+    members = {"3D/3dmodel.model": root.encode(), f"Metadata/{file}.config": config.encode()}
+    return load_mockup(save(folder, "a.3mf", zipped(members)))
+
+
+def test_parts_of_bambu_studio_and_orca(tmp_path):
+    """Objects have no name in their models; a part of the settings goes with a component by its id."""
+    config = (
+        '<config><object id="3">'
+        '<part id="1" subtype="normal_part"><metadata key="name" value="body"/></part>'
+        '<part id="2" subtype="negative_part"><metadata key="name" value="drill"/></part>'
+        '<metadata key="name" value="bracket"/></object><plate><metadata key="name" value="plate"/></plate></config>'
+    )
+    root = model(cube(1) + cube(2) + group(3, use(1), use(2, MOVED), name=""), item(3))
+    mockup = load_sliced(tmp_path, root, config, "model_settings")
+    assert [part.path for part in mockup.parts] == ["a/bracket/body", "a/bracket/drill"]
+    named = load_sliced(tmp_path, root.replace('id="1"', 'id="1" name="own"'), config, "model_settings")
+    assert [part.path for part in named.parts] == ["a/bracket/own", "a/bracket/drill"]
+    assert "1 parts are holes to the slicer" in notes(mockup) and "('drill')" in notes(mockup)
+    assert notes(mockup).count("to the slicer") == 1
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "kind"),
+    [
+        ("volume_type", "NegativeVolume", "holes"),
+        ("volume_type", "ParameterModifier", "modifiers"),
+        ("volume_type", "SupportBlocker", "support blockers"),
+        ("volume_type", "Unheard", "no bodies"),
+        ("modifier", "1", "modifiers"),
+    ],
+)
+def test_volumes_of_prusa_slicer(tmp_path, key, value, kind):
+    config = (
+        '<config><object id="1"><metadata type="object" key="name" value="bracket"/>'
+        '<volume firstid="0" lastid="5"><metadata key="name" value="body"/>'
+        '<metadata key="volume_type" value="ModelPart"/></volume><volume><metadata key="modifier" value="0"/></volume>'
+        f'<volume firstid="6" lastid="11"><metadata key="name" value="odd"/><metadata key="{key}" value="{value}"/>'
+        "</volume></object></config>"
+    )
+    mockup = load_sliced(tmp_path, model(cube(1, "named"), item(1)), config, "Slic3r_PE_model")
+    assert names(mockup) == ["named"] and mockup.triangle_count == 12
+    assert f"1 parts are {kind} to the slicer" in notes(mockup) and "('odd')" in notes(mockup)
+    assert notes(mockup).count("to the slicer") == 1
+
+
+def test_damaged_settings_refuse_no_file(tmp_path):
+    mockup = load_sliced(tmp_path, model(cube(1), item(1)), "<config><object", "model_settings")
+    assert mockup.triangle_count == 12 and "1 settings of slicers were not understood" in notes(mockup)

@@ -23,6 +23,7 @@ from feeler.io.raw import PathBook, Progress, RawMesh, clean_name
 from feeler.io.tally import Tally
 from feeler.io.threemf_model import Model, Object, ObjectKey, read_models
 from feeler.io.threemf_package import Package
+from feeler.io.threemf_slicers import apply_settings
 from feeler.io.units import parse_unit
 
 _UNREACHED = "objects with triangles are reached from no item of the build and were left out"
@@ -35,7 +36,9 @@ def read_3mf(path: Path, progress: Progress = None) -> RawMesh:
     try:
         with zipfile.ZipFile(path) as archive:
             model = Model(Package(path, archive), Tally())
-            read_models(model, model.package.root_model(), progress)
+            root = model.package.root_model()
+            read_models(model, root, progress)
+            apply_settings(model, root)
     except (zipfile.BadZipFile, zipfile.LargeZipFile, EOFError, NotImplementedError, RuntimeError) as error:
         raise LoadError(
             f"{path}: the archive is damaged, truncated or encrypted ({error}); export the file again"

@@ -70,6 +70,7 @@ class Object:
     lacks: dict[str, None] = field(default_factory=dict)
     needs: str = ""
     kind: str = "model"
+    is_named: bool = False
     is_sliced: bool = False
 
 
@@ -209,8 +210,9 @@ class ModelHandler:
         number = attributes["id"]
         if (self.key, number) in self.model.objects:
             raise self.package.fail(f"object {number[:20]!r} is defined twice in {self.name!r}")
-        name = clean_name(attributes.get("name"), "") or clean_name(attributes.get("partnumber"), f"object {number}")
-        self.object = self.model.objects[self.key, number] = Object(name)
+        name = clean_name(attributes.get("name"), "") or clean_name(attributes.get("partnumber"), "")
+        self.object = Object(name or clean_name(f"object {number}", "object"), is_named=bool(name))
+        self.model.objects[self.key, number] = self.object
         self.object.kind = attributes.get("type", "model")
         for key, value in attributes.items():
             uri, _, word = key.rpartition(SEPARATOR)
