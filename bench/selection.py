@@ -7,27 +7,15 @@ rounds, and what the scenes without parts take to make. One thread; the sample e
 from __future__ import annotations
 
 import argparse
-import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import partial
 
 import numpy as np
-import numpy.typing as npt
 
 import feeler
+from feeler.study.timing import least_in_turns
 
 QUERIES = ("collide", "is_colliding", "clearance", "distance", "contacts")
-
-
-def best_of(calls: Sequence[Callable[[], object]], rounds: int) -> npt.NDArray[np.float64]:
-    """Seconds of each call, the best of some rounds; in turns, so that what disturbs one disturbs all."""
-    best = np.full(len(calls), np.inf)
-    for _ in range(rounds):
-        for i, call in enumerate(calls):
-            start = time.perf_counter()
-            call()
-            best[i] = min(best[i], time.perf_counter() - start)
-    return best
 
 
 def main() -> None:
@@ -48,7 +36,7 @@ def main() -> None:
         "five parts alone": lambda: whole.only(few),
     }
     print(f"{mockup.triangle_count:,} triangles, {mockup.part_count:,} parts, {len(nominal)} poses")
-    made = best_of(list(selections.values()), options.rounds)
+    made = least_in_turns(*selections.values(), rounds=options.rounds)
     print(f"{'':28s}{'made in, ms':>12s}" + "".join(f"{query:>14s}" for query in QUERIES))
     for (name, make), seconds in zip(selections.items(), made, strict=True):
         some = make()
@@ -56,7 +44,7 @@ def main() -> None:
         for query in QUERIES:
             asks = [getattr(scene, query) for scene in (whole, some)]
             calls = [partial(ask, tool, pose) for pose in nominal for ask in asks]
-            times = best_of(calls, options.rounds).reshape(-1, 2)
+            times = np.array(least_in_turns(*calls, rounds=options.rounds)).reshape(-1, 2)
             ratios.append(np.median(times[:, 1]) / np.median(times[:, 0]))
         print(f"{name:28s}{1e3 * seconds:12.2f}" + "".join(f"{ratio:14.3f}" for ratio in ratios))
 

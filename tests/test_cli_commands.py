@@ -9,10 +9,10 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
+from commands import error_of, run, run_json
 from typer.testing import CliRunner
 
 import feeler
@@ -21,26 +21,6 @@ from feeler.io import write_glb, write_stl
 
 PROGRAM = [sys.executable, "-c", "from feeler.cli import main; main()"]
 COMMANDS = ["demo", "info", "collide", "clearance", "path", "sample", "bench"]
-
-
-def run(*words: str | Path, code: int = 0) -> Any:
-    """Runs the program in this process and checks its exit status."""
-    result = CliRunner().invoke(app, [str(word) for word in words])
-    assert result.exit_code == code, f"{result.output}\n{result.exception!r}"
-    return result
-
-
-def run_json(*words: str | Path, code: int = 0) -> Any:
-    """What `--json` says; everything on stdout is that one document."""
-    return json.loads(run(*words, "--json", code=code).stdout)
-
-
-def error_of(*words: str | Path) -> str:
-    """The one line on stderr of a run that ends with 2 and says nothing else."""
-    result = run(*words, code=2)
-    assert result.stdout == ""
-    assert result.stderr.count("\n") == 1 and result.stderr.startswith("feeler: "), result.stderr
-    return str(result.stderr)
 
 
 def box(lower: tuple[float, ...], upper: tuple[float, ...]) -> tuple[np.ndarray, np.ndarray]:

@@ -3,37 +3,18 @@
 from __future__ import annotations
 
 import csv
-import json
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from commands import error_of, run, run_json
 from shapes import box, cube, inverted, joined, mockup_of
-from typer.testing import CliRunner
 
 import feeler
-from feeler.cli import app
 from feeler.io import write_glb
 
 COMMANDS = ("collide", "clearance", "path")
-
-
-def run(*words: str | Path, code: int = 0) -> Any:
-    result = CliRunner().invoke(app, [str(word) for word in words])
-    assert result.exit_code == code, f"{result.output}\n{result.exception!r}"
-    return result
-
-
-def run_json(*words: str | Path, code: int = 0) -> Any:
-    return json.loads(run(*words, "--json", code=code).stdout)
-
-
-def error_of(*words: str | Path) -> str:
-    """The one line on stderr of a run that ends with 2 and says nothing else."""
-    result = run(*words, code=2)
-    assert result.stdout == "" and result.stderr.count("\n") == 1, result.output
-    return str(result.stderr)
 
 
 def rows_of(path: Path) -> list[dict[str, str]]:
