@@ -57,6 +57,7 @@ MAY_BE_UNSAFE = {"feeler-lanes", "feeler-py", "feeler-capi"}
 INDEX_BASE = {"constants", "error", "progress", "geometry", "mesh", "tool"}
 QUERY_BASE = {*INDEX_BASE, "index", "scratch_pool"}
 CONTACTS_BASE = {"constants", "surface", "context", "containers", "contact_plane"}
+HAPTICS_BASE = {"constants", "error"}
 RUST_ROOMS: dict[str, dict[str, set[str]]] = {
     "feeler-core": {
         "constants": set(),
@@ -94,6 +95,12 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         "footing": CONTACTS_BASE,
         "solver": {*CONTACTS_BASE, "query", "escape", "footing", "containment"},
         "tracker": {*CONTACTS_BASE, "solver"},
+    },
+    "feeler-haptics": {
+        "constants": set(),
+        "error": set(),
+        "screw": HAPTICS_BASE,
+        "device": {*HAPTICS_BASE, "screw"},
     },
 }
 

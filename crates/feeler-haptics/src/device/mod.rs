@@ -1,0 +1,117 @@
+//! Devices: what a hand holds. One trait for all, whatever they sense and drive.
+
+use feeler_core::Pose;
+
+use crate::screw::{Twist, Wrench};
+
+/// Which freedoms a device senses or drives.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Freedoms {
+    /// The three of translation.
+    pub translation: bool,
+    /// The three of rotation.
+    pub rotation: bool,
+}
+
+/// What a device can do and hold.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DeviceLimits {
+    /// Largest force, newtons; 0 where it drives none.
+    pub force_n: f64,
+    /// Largest torque, newton metres; 0 where it drives none.
+    pub torque_nm: f64,
+    /// Its own viscous damping, newton seconds a metre: what bounds the stiffness that it can hold (Colgate).
+    pub damping_n_s_per_m: f64,
+    /// The same in rotation, newton metre seconds a radian.
+    pub rotational_damping_nm_s_per_rad: f64,
+    /// Coulomb friction, newtons: with the resolution it bounds the stiffness (Abbott and Okamura).
+    pub friction_n: f64,
+    /// The same in rotation, newton metres.
+    pub rotational_friction_nm: f64,
+    /// Smallest step of position that it tells, metres.
+    pub resolution_m: f64,
+    /// Smallest step of rotation that it tells, radians.
+    pub rotational_resolution_rad: f64,
+    /// How often it takes a force and tells a pose, hertz.
+    pub rate_hz: f64,
+}
+
+/// What a device is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DeviceInfo {
+    /// Maker and model, or what the device says of itself.
+    pub name: String,
+    /// Told by it.
+    pub sensed: Freedoms,
+    /// Driven by it: a device of three driven freedoms gets force without torque.
+    pub driven: Freedoms,
+    /// Half the edges of the box that its handle can reach, around its origin, device axes, metres.
+    pub workspace: [f64; 3],
+    /// What it can do and hold.
+    pub limits: DeviceLimits,
+    /// Number of buttons.
+    pub buttons: u32,
+}
+
+/// What a device tells, in its own frame: origin in the middle of its workspace, right-handed, x to the right, y away from the hand's
+/// owner, z up.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DeviceState {
+    /// Of the handle; the rotation is the identity where none is sensed.
+    pub pose: Pose,
+    /// Velocity of the handle's origin, where the device tells it; else it is found from the poses.
+    pub twist: Option<Twist>,
+    /// A bit each, the first is the lowest.
+    pub buttons: u32,
+    /// When it was measured, seconds on the caller's clock; older than the time of asking where nothing new has come.
+    pub time: f64,
+}
+
+/// Why a device does not answer.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum DeviceError {
+    /// There is no such device, service or library, with what to do.
+    #[error("{device}: {why}")]
+    NotFound {
+        /// Which.
+        device: String,
+        /// What was tried, and what to do.
+        why: String,
+    },
+    /// The connection is lost.
+    #[error("{device} does not answer any more: {why}")]
+    Lost {
+        /// Which.
+        device: String,
+        /// What the system said.
+        why: String,
+    },
+    /// It told something that cannot be.
+    #[error("{device} told what cannot be: {what}")]
+    Nonsense {
+        /// Which.
+        device: String,
+        /// What.
+        what: String,
+    },
+}
+
+/// A haptic device, or any other thing that a hand moves.
+///
+/// Neither [`read`](Self::read) nor [`write`](Self::write) waits: they are called from a servo loop of 1 kHz and more. A driver that has
+/// to wait for a socket does so in a thread of its own, and keeps the newest.
+pub trait Device: Send {
+    /// What it is.
+    fn info(&self) -> &DeviceInfo;
+
+    /// The newest state. `now`: seconds on the caller's clock. Errors when the device is lost, or told what cannot be; the caller then
+    /// takes the force away.
+    fn read(&mut self, now: f64) -> Result<DeviceState, DeviceError>;
+
+    /// Sets the wrench on the hand from now on, at the handle's origin, device axes. What the device does not drive is left out.
+    fn write(&mut self, wrench: &Wrench, now: f64) -> Result<(), DeviceError>;
+
+    /// Lets go of the force, whatever else fails. Called when a session ends; also by dropping the device.
+    fn release(&mut self);
+}
