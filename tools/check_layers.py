@@ -88,11 +88,10 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         "proximity": CONTACTS_BASE,
         "identity": CONTACTS_BASE,
         "copies": CONTACTS_BASE,
-        "query": {*CONTACTS_BASE, "contour", "patch", "depth", "proximity", "identity", "copies"},
+        "query": {*CONTACTS_BASE, "contour", "patch", "depth", "proximity", "identity", "copies", "footing"},
         "containment": CONTACTS_BASE,
         "escape": {*CONTACTS_BASE, "query", "containment"},
-        # Found of a plane when somebody asks, apart from the query.
-        "footing": CONTACTS_BASE,
+        "footing": {*CONTACTS_BASE, "proximity"},
         "solver": {*CONTACTS_BASE, "query", "escape", "footing", "containment"},
         "tracker": {*CONTACTS_BASE, "solver"},
     },
@@ -101,6 +100,12 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         "error": set(),
         "screw": HAPTICS_BASE,
         "device": {*HAPTICS_BASE, "screw"},
+        "least_distance": HAPTICS_BASE,
+        "metric": {*HAPTICS_BASE, "screw", "least_distance"},
+        # What one side hands to the other, and the pose that it allows.
+        "constraint_set": {*HAPTICS_BASE, "screw", "least_distance", "metric"},
+        "environment": HAPTICS_BASE,
+        "proxy": {*HAPTICS_BASE, "screw", "metric", "constraint_set", "environment"},
     },
 }
 

@@ -7,6 +7,9 @@ pub enum Error {
     /// From the engine below.
     #[error(transparent)]
     Core(#[from] feeler_core::Error),
+    /// The tool meets the mock-up where a session is to start.
+    #[error("the tool starts in collision: start it where it is free, or along the way out")]
+    StartsInCollision,
     /// An option that is out of its range.
     #[error("{what} is {value}, but must be {range}")]
     Option {

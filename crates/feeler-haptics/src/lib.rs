@@ -4,8 +4,13 @@
 //! a clock.
 
 mod constants;
+pub mod constraint_set;
 pub mod device;
+pub mod environment;
 mod error;
+pub mod least_distance;
+pub mod metric;
+pub mod proxy;
 pub mod screw;
 
 pub use error::{Error, Result};
