@@ -337,6 +337,13 @@ pub const MOST_FOOTING: usize = 4;
 /// More: rounder, and as much slower.
 pub const MOST_MANIFOLD_POINTS: usize = 12;
 
+/// The turn (radians) up to which holding a manifold's points holds the tool off: what a hand turns in a millisecond or two at most.
+/// More takes in what leans away from the plane, and holds the tool off what it could turn to.
+pub const MANIFOLD_TURN: f64 = 0.004;
+
+/// Corners around which a polygon is cut into triangles to find the height over a place. More: nearer to the hull of its corners.
+pub const MOST_FANS: usize = 4;
+
 /// Most contact manifolds of a pose: two rounds of a hole, a plane every dozen degrees. More of them are within the margin only
 /// where all around is something, and then the nearest hold the tool.
 pub const MOST_MANIFOLDS: usize = 64;

@@ -67,7 +67,7 @@ pub use contact_plane::{ContactPlane, Contacts};
 pub use containment::find::Containment;
 pub use escape::penetration::{Penetration, PenetrationKind};
 pub use footing::find::Footing;
-pub use footing::manifold::{Manifold, Manifolds};
+pub use footing::manifold::{Manifold, ManifoldPoint, Manifolds};
 pub use solver::ContactSolver;
 pub use tracker::ContactTracker;
 

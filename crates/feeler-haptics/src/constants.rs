@@ -61,5 +61,37 @@ pub const CLEARANCE_SHARE: f64 = 0.5;
 /// Bisections of the clearance: to two per cent of it.
 pub const SKIN_HALVINGS: usize = 9;
 
+/// Longest way, in skins as asked for, that may be needed to have all rows off by a skin for it to fit: farther off is another place.
+pub const MOST_LIFT: f64 = 10.0;
+
+/// Share of the skin by which a motion must lead nearer to the device for another to follow in the same tick.
+pub const STUCK_SHARE: f64 = 0.1;
+
 /// By how much the longest motion shrinks after one that was stopped by what it knew of, and grows after a free one.
 pub const TRUST_GROWTH: f64 = 2.0;
+
+/// Share of the skin with which the proxy is tried where contacts hold it from several sides. Smaller: tighter fits are entered.
+pub const SQUEEZE_SHARE: f64 = 1.0 / 16.0;
+
+/// How much nearer to the device that must lead, in skins: more than any but a very sharp wedge gives by itself.
+pub const SQUEEZE_GAIN: f64 = 4.0;
+
+/// Most ticks between two such tries.
+pub const MOST_PATIENCE: u32 = 63;
+
+/// By how much the skin grows a tick, where it may.
+pub const SKIN_GROWTH: f64 = 2.0;
+
+/// How far a wider skin may push the tool, in skins: less than [`SQUEEZE_GAIN`], so that it does not push out of what was squeezed into.
+pub const SKIN_LIFT: f64 = 2.5;
+
+/// What is a contact: as far as so many of the longest of the last motions, and so many skins, lead. More: more planes, which are
+/// merged more coarsely where surfaces are curved; fewer: a fast tool is held back between two sets.
+pub const STRIDES: f64 = 2.0;
+pub const SKINS_IN_MARGIN: f64 = 20.0;
+
+/// What is a contact at least, in skins as asked for.
+pub const LEAST_MARGIN: f64 = 2.0;
+
+/// By how much the longest of the last motions is forgotten a tick.
+pub const STRIDE_DECAY: f64 = 0.8;

@@ -7,7 +7,7 @@ use crate::constants::{MOST_PLANES, MOST_ROWS, SOLVER_ROUNDS, SOLVER_STILL_SHARE
 use crate::error::Result;
 use crate::least_distance::{nearest, HalfSpace, Six, DIMENSIONS};
 use crate::metric::Metric;
-use crate::screw::{displaced, displacement, product, times, transposed, Twist};
+use crate::screw::{displaced, displacement, product, times, transposed};
 
 /// A point of the tool that is held off a plane.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -116,9 +116,9 @@ impl ConstraintSet {
         self.plane_count = 0;
     }
 
-    /// Adds a plane with the points of the tool (world) that are held off it. Planes come nearest first; one that does not fit any more
+    /// Adds a plane with the points of the tool (world) that are held off the mock-up there, and how far off they are. Planes come nearest first; one that does not fit any more
     /// shortens the margin to its gap.
-    pub fn push(&mut self, plane: Plane, points: &[Point]) {
+    pub fn push(&mut self, plane: Plane, points: impl ExactSizeIterator<Item = (Point, f64)>) {
         if self.plane_count == MOST_PLANES || self.row_count + points.len() > MOST_ROWS {
             self.margin = self.margin.min(plane.gap);
             return;
@@ -126,9 +126,8 @@ impl ConstraintSet {
         self.planes[self.plane_count] = plane;
         self.plane_count += 1;
         let centre = self.taken_at.apply(&self.metric.centre);
-        for p in points {
-            let gap = dot(&sub(p, &plane.point), &plane.normal);
-            self.rows[self.row_count] = Row { normal: plane.normal, arm: sub(p, &centre), gap, id: plane.id };
+        for (point, gap) in points {
+            self.rows[self.row_count] = Row { normal: plane.normal, arm: sub(&point, &centre), gap, id: plane.id };
             self.row_count += 1;
         }
     }
@@ -173,12 +172,12 @@ impl ConstraintSet {
         Ok(NearestPose { pose, is_feasible, is_at_bound })
     }
 
-    /// The displacement nearest to none, in coordinates, that has all rows off by `skin`; `None` where there is none.
-    pub(crate) fn lift(&self, skin: f64, solver: &mut Solver) -> Option<Twist> {
+    /// The length (in the metric, metres) of the shortest displacement that has all rows off by `skin`; `None` where there is none.
+    pub(crate) fn lift(&self, skin: f64, solver: &mut Solver) -> Option<f64> {
         let held = (solver.held, solver.held_count);
         let (lift, is_feasible) = self.step(&self.taken_at, &[0.0; DIMENSIONS], skin, solver);
         (solver.held, solver.held_count) = held;
-        is_feasible.then(|| self.metric.displacement(&self.taken_at, &lift))
+        is_feasible.then(|| lift.iter().map(|x| x * x).sum::<f64>().sqrt())
     }
 
     /// One program, linear at a pose.

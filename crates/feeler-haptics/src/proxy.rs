@@ -12,7 +12,8 @@ use feeler_core::{Motion, Pose, Tool};
 
 use crate::constants::{
     BACK_OFF_HALVINGS, BACK_OFF_SHARE, CAST_SHARE, CLEARANCE_SHARE, LARGEST_CAST_TOLERANCE, LEAST_CAST_TOLERANCE,
-    MOST_BLOCKERS, SKIN_HALVINGS, STILL_SHARE, TRUST_GROWTH,
+    LEAST_MARGIN, MOST_BLOCKERS, MOST_LIFT, MOST_PATIENCE, SKINS_IN_MARGIN, SKIN_GROWTH, SKIN_HALVINGS, SKIN_LIFT,
+    SQUEEZE_GAIN, SQUEEZE_SHARE, STILL_SHARE, STRIDES, STRIDE_DECAY, STUCK_SHARE, TRUST_GROWTH,
 };
 use crate::constraint_set::{ConstraintSet, Plane, Solver};
 use crate::environment::{Environment, Pair};
@@ -71,6 +72,12 @@ pub struct Proxy {
     solver: Solver,
     /// How far a motion may lead, metres: less after one that was stopped by what it knew of.
     trust: f64,
+    skin: f64,
+    /// The longest of its last motions, metres a tick.
+    stride: f64,
+    /// Ticks between two tries to squeeze through, and how many have passed.
+    patience: u32,
+    waited: u32,
 }
 
 impl Proxy {
@@ -88,6 +95,10 @@ impl Proxy {
             set,
             solver: Solver::default(),
             trust: f64::INFINITY,
+            skin: options.skin,
+            stride: options.margin,
+            patience: 0,
+            waited: 0,
         };
         proxy.look_around(environment, tool, start)?;
         Ok(proxy)
@@ -105,7 +116,20 @@ impl Proxy {
 
     /// Moves it towards the device's pose, and finds the contacts where it gets to.
     pub fn advance(&mut self, environment: &Environment, tool: &Tool, target: &Pose) -> Result<Advance> {
+        let start = self.set.taken_at;
         let mut done = Advance::default();
+        let is_stuck = self.approach(environment, tool, target, &mut done)?;
+        if is_stuck && self.is_time_to_squeeze() {
+            self.squeeze(environment, tool, target, &mut done)?;
+        }
+        let way = displacement(&start, &self.set.taken_at, &self.set.metric.centre).reach(self.set.metric.radius);
+        self.stride = way.max(STRIDE_DECAY * self.stride);
+        Ok(done)
+    }
+
+    /// Motions towards the target, each as far as it is free, until none leads on. Whether contacts hold it.
+    fn approach(&mut self, environment: &Environment, tool: &Tool, target: &Pose, done: &mut Advance) -> Result<bool> {
+        let mut distance = self.distance_to(target);
         for _ in 0..self.options.rounds {
             done.rounds += 1;
             let from = self.set.taken_at;
@@ -113,15 +137,15 @@ impl Proxy {
             let centre = self.set.metric.centre;
             let reach = displacement(&from, &goal.pose, &centre).reach(self.set.metric.radius);
             if reach <= STILL_SHARE * self.set.skin {
-                break;
+                return Ok(!self.solver.held().is_empty());
             }
             let tolerance = self.cast_tolerance();
             match environment.first_impact(tool, &from, &goal.pose, tolerance)? {
                 None => {
                     self.trust = if goal.is_at_bound { self.trust * TRUST_GROWTH } else { f64::INFINITY };
                     self.look_around(environment, tool, &goal.pose)?;
-                    if !goal.is_at_bound && self.set.rows().is_empty() {
-                        break;
+                    if !goal.is_at_bound && self.solver.held().is_empty() {
+                        return Ok(false);
                     }
                 }
                 Some(impact) => {
@@ -133,10 +157,49 @@ impl Proxy {
                     self.remember(impact.pair);
                     let reached = self.back_off(environment, tool, &goal.pose, impact.fraction, &impact.pair)?;
                     self.look_around(environment, tool, &reached)?;
+                    continue;
                 }
             }
+            let left = self.distance_to(target);
+            if distance - left <= STUCK_SHARE * self.set.skin {
+                return Ok(!self.solver.held().is_empty());
+            }
+            distance = left;
         }
-        Ok(done)
+        Ok(false)
+    }
+
+    /// Where contacts hold the tool from several sides, the skin may be what closes a way: a peg at the mouth of a hole that it fits. So
+    /// it is tried with less, and that is kept where it leads on by clearly more than the skin gave way.
+    fn squeeze(&mut self, environment: &Environment, tool: &Tool, target: &Pose, done: &mut Advance) -> Result<()> {
+        let before = (self.set, self.blockers.clone(), self.trust);
+        let distance = self.distance_to(target);
+        self.skin = (SQUEEZE_SHARE * self.options.skin).min(self.skin);
+        self.set.skin = self.skin;
+        self.approach(environment, tool, target, done)?;
+        let gain = distance - self.distance_to(target);
+        if gain > SQUEEZE_GAIN * self.options.skin {
+            self.patience = 0;
+            return Ok(());
+        }
+        self.skin = before.0.skin;
+        (self.set, self.blockers, self.trust) = before;
+        self.patience = (2 * self.patience + 1).min(MOST_PATIENCE);
+        self.waited = 0;
+        Ok(())
+    }
+
+    /// After each squeeze that led nowhere it is tried half as often.
+    fn is_time_to_squeeze(&mut self) -> bool {
+        self.waited += 1;
+        self.waited > self.patience && self.solver.held().len() > 1 && self.skin > SQUEEZE_SHARE * self.options.skin
+    }
+
+    /// In the metric, metres.
+    fn distance_to(&self, target: &Pose) -> f64 {
+        let (metric, pose) = (&self.set.metric, &self.set.taken_at);
+        let way = displacement(pose, target, &metric.centre);
+        metric.coordinates(pose, &way).iter().map(|x| x * x).sum::<f64>().sqrt()
     }
 
     /// Below the gaps there are, so that what is near at the start of a motion does not stop it.
@@ -177,7 +240,9 @@ impl Proxy {
 
     /// Finds the contacts at a free pose, and makes it the proxy's.
     fn look_around(&mut self, environment: &Environment, tool: &Tool, pose: &Pose) -> Result<()> {
-        environment.manifolds(tool, pose, self.options.margin, &mut self.manifolds)?;
+        let margin = STRIDES * self.stride + SKINS_IN_MARGIN * self.skin;
+        let margin = margin.max(LEAST_MARGIN * self.options.skin).min(self.options.margin);
+        environment.manifolds(tool, pose, margin, &mut self.manifolds)?;
         let number = self.set.number + 1;
         self.set.clear(pose, self.manifolds.margin);
         self.set.number = number;
@@ -189,16 +254,17 @@ impl Proxy {
                 part: manifold.part,
                 id: manifold.id,
             };
-            self.set.push(plane, manifold.points());
+            self.set.push(plane, manifold.points().iter().map(|p| (p.point, p.gap)));
         }
         self.push_blockers(environment, tool, pose);
-        self.set.skin = self.skin();
+        self.skin = self.fit_skin();
+        self.set.skin = self.skin;
         Ok(())
     }
 
     /// Adds the rows of what stopped a cast and is still near, where no plane stands for it.
     fn push_blockers(&mut self, environment: &Environment, tool: &Tool, pose: &Pose) {
-        let (set, margin) = (&mut self.set, self.options.margin);
+        let (set, margin) = (&mut self.set, self.manifolds.margin);
         self.blockers.retain(|pair| {
             let Some(closest) = environment.closest(tool, pose, pair).filter(|c| c.distance <= margin) else {
                 return false;
@@ -207,33 +273,37 @@ impl Proxy {
             let id = u64::from(pair.tool_triangle) << 32 ^ u64::from(pair.triangle) ^ 1 << 63;
             let part = environment.part_of(pair);
             let plane = Plane { point: closest.on_q, normal, gap: closest.distance, part, id };
-            set.push(plane, &[closest.on_p]);
+            set.push(plane, std::iter::once((closest.on_p, closest.distance)));
             true
         });
     }
 
-    /// The skin for the rows there are: the option, or half the clearance where that is less. The clearance is what all rows can be
-    /// off at once.
-    fn skin(&mut self) -> f64 {
-        let Proxy { set, solver, options, .. } = self;
-        let mut fits = |skin: f64| {
-            let lift = set.lift(skin, solver);
-            lift.is_some_and(|by| by.reach(set.metric.radius) <= set.margin)
-        };
-        if set.rows().is_empty() || fits(options.skin / CLEARANCE_SHARE) {
+    /// The skin for the rows there are: what it was, or half the clearance where that is less; and wider again where that does not push
+    /// the tool away. The clearance is what all rows can be off at once.
+    fn fit_skin(&mut self) -> f64 {
+        let Proxy { set, solver, options, skin, .. } = self;
+        if set.rows().is_empty() {
             return options.skin;
         }
+        let mut lift = |skin: f64| set.lift(skin, solver).unwrap_or(f64::INFINITY);
+        let (wider, most) = ((SKIN_GROWTH * *skin).min(options.skin), MOST_LIFT * options.skin);
+        if lift(wider / CLEARANCE_SHARE) <= most && (wider == *skin || lift(wider) <= SKIN_LIFT * wider) {
+            return wider;
+        }
+        if lift(*skin / CLEARANCE_SHARE) <= most {
+            return *skin;
+        }
         // Bisection of the logarithm; what there is at the pose fits.
-        let (mut low, mut high) = (set.least_gap().max(LEAST_CAST_TOLERANCE), options.skin / CLEARANCE_SHARE);
+        let (mut low, mut high) = (set.least_gap().max(LEAST_CAST_TOLERANCE), *skin / CLEARANCE_SHARE);
         for _ in 0..SKIN_HALVINGS {
             let middle = (low * high).sqrt();
-            if fits(middle) {
+            if lift(middle) <= most {
                 low = middle;
             } else {
                 high = middle;
             }
         }
-        (CLEARANCE_SHARE * low).min(options.skin)
+        (CLEARANCE_SHARE * low).min(*skin)
     }
 }
 

@@ -74,8 +74,29 @@ fn explore() {
         rounds += done.rounds;
         stopped += done.stopped;
         assert!(!hole.is_colliding(&peg, proxy.pose()), "{k}");
+        if std::env::var("TIMES").is_ok() && k % 100 == 0 && k > 0 {
+            let t = std::time::Instant::now();
+            let mut m = feeler_contacts::Manifolds::default();
+            for margin in [2e-3, 4e-4, 1e-4, 3e-5] {
+                let t = std::time::Instant::now();
+                hole.manifolds(&peg, proxy.pose(), margin, &mut m).unwrap();
+                eprintln!(
+                    "   manifolds {margin} {} us, {} pairs, {}",
+                    t.elapsed().as_micros(),
+                    hole.bodies[0].solver.scene().near_pairs(&peg, proxy.pose(), margin).unwrap().len(),
+                    m.manifolds.len()
+                );
+            }
+            let way = proxy.pose().translated(&[1e-7, 0.0, -6e-5]).unwrap();
+            for tol in [1e-6, 1e-7, 1e-8, 1e-9] {
+                let t = std::time::Instant::now();
+                let hit = hole.first_impact(&peg, proxy.pose(), &way, tol).unwrap();
+                eprintln!("   cast {tol} {} us {:?}", t.elapsed().as_micros(), hit.map(|h| h.fraction));
+            }
+            let _ = t;
+        }
         let _ = before;
-        if k % 50 == 0 {
+        if k % 25 == 0 {
             let t = proxy.pose().translation();
             let w = rotation_vector(proxy.pose().rotation());
             eprintln!(

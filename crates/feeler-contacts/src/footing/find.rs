@@ -15,8 +15,12 @@ use feeler_core::geometry::vectors::{across, add, along, dot, scaled, sub};
 use feeler_core::mesh::topology::adjacency::Adjacency;
 use feeler_core::{Mockup, Point, Pose, Scene, Tool, Triangle};
 
-use super::polygon::{across_hull, clipped, cut_to, half_planes, leave_out_an_edge, lowest, merge, Foot};
-use crate::constants::{FOOTING_FEW_ASKED, FOOTING_LOW, FOOTING_MOST_ASKED, FOOTING_OFF, FOOTING_WIDER, MOST_FOOTING};
+use super::polygon::{
+    across_hull, clipped, cut_to, half_planes, height_in_triangle, leave_out_an_edge, lowest, merge, Foot,
+};
+use crate::constants::{
+    FOOTING_FEW_ASKED, FOOTING_LOW, FOOTING_MOST_ASKED, FOOTING_OFF, FOOTING_TURN, FOOTING_WIDER, MOST_FOOTING,
+};
 use crate::contact_plane::ContactPlane;
 
 /// Points that carry a contact.
@@ -87,12 +91,12 @@ impl Frame<'_> {
             // A body that ends at the plane is asked as a whole; of others what is over the other's outline.
             let is_whole = ends(&whole[i], levels[i]);
             let over = || surface.over(&half_planes(&across_hull(&whole[1 - i]), wider));
-            sides[i] = if is_whole { lowest(&whole[i]) } else { lowest(&over()) };
+            sides[i] = if is_whole { lowest(&whole[i], FOOTING_TURN) } else { lowest(&over(), FOOTING_TURN) };
         }
         let mut feet = clipped(&sides[0], &sides[1], wider);
         if feet.is_empty() {
             let over = lower.over(&half_planes(&across_hull(&whole[1]), wider));
-            sides[0] = lowest(&over);
+            sides[0] = lowest(&over, FOOTING_TURN);
             feet = clipped(&sides[0], &sides[1], wider);
         }
         if !ends(&feet, levels[0]) || !ends(&sides[1], levels[1]) {
@@ -219,15 +223,12 @@ fn settle(feet: &mut [Foot], common: &[Foot], carried: &[Foot]) {
 
 /// The height of a footing of three or four points at a place, by the lower of its two ways of being cut into triangles.
 fn height_at(feet: &[Foot], at: &[f64; 2]) -> Option<f64> {
-    let of_three = |[a, b, c]: [&Foot; 3]| {
-        let (u, v) = ([b.at[0] - a.at[0], b.at[1] - a.at[1]], [c.at[0] - a.at[0], c.at[1] - a.at[1]]);
-        let (w, turn) = ([at[0] - a.at[0], at[1] - a.at[1]], u[0] * v[1] - u[1] * v[0]);
-        let (s, t) = ((w[0] * v[1] - w[1] * v[0]) / turn, (u[0] * w[1] - u[1] * w[0]) / turn);
-        (s.min(t).min(1.0 - s - t) >= -1e-9).then_some(a.height + s * (b.height - a.height) + t * (c.height - a.height))
-    };
     match feet {
-        [a, b, c] => of_three([a, b, c]),
-        [a, b, c, d] => [[a, b, c], [a, c, d], [a, b, d], [b, c, d]].into_iter().filter_map(of_three).reduce(f64::min),
+        [a, b, c] => height_in_triangle([a, b, c], at),
+        [a, b, c, d] => [[a, b, c], [a, c, d], [a, b, d], [b, c, d]]
+            .into_iter()
+            .filter_map(|three| height_in_triangle(three, at))
+            .reduce(f64::min),
         _ => None,
     }
 }
@@ -247,7 +248,6 @@ mod tests {
     use feeler_shapes::{ball, box_mesh, cylinder, Arrays};
 
     use super::*;
-    use crate::constants::FOOTING_TURN;
     use crate::contact_plane::by_coordinates;
     use crate::tests::{at, scene, tool, turned, Held};
 

@@ -1,15 +1,15 @@
 //! The contact manifolds of a free pose: the planes of all that is near, each with the points of the tool that it carries.
 //!
 //! A plane separates many pairs of triangles. What of the tool's triangles is over the mock-up's, and the other way round, has points
-//! that a turn by up to [`FOOTING_TURN`](crate::constants::FOOTING_TURN) can bring to the plane: the lowest along a ring of directions.
+//! that a turn by up to [`MANIFOLD_TURN`] can bring to the plane: the lowest along a ring of directions.
 //! Where both polygons overlap the plane is carried, and holding the corners there off it holds the surfaces apart. Unlike the footing
 //! of one plane (`find.rs`) nothing is asked of whole bodies: all that is needed was measured when the planes were found.
 
 use feeler_core::geometry::vectors::{across, add, along, dot, scaled, sub};
 use feeler_core::{Point, Triangle};
 
-use super::polygon::{across_hull, clipped, cut_to, half_planes, leave_out_an_edge, lowest, merge, Foot};
-use crate::constants::{FOOTING_WIDER, MOST_MANIFOLD_POINTS};
+use super::polygon::{across_hull, clipped, cut_to, half_planes, height_over, leave_out_an_edge, lowest, merge, Foot};
+use crate::constants::{FOOTING_WIDER, MANIFOLD_TURN, MOST_MANIFOLD_POINTS};
 use crate::contact_plane::ContactPlane;
 use crate::proximity::separating_planes::Separated;
 
@@ -29,14 +29,24 @@ pub struct Manifold {
     pub id: u64,
     /// A triangle of the tool and one of the mock-up that the plane is between.
     pub triangles: [u32; 2],
-    points: [Point; MOST_MANIFOLD_POINTS],
+    points: [ManifoldPoint; MOST_MANIFOLD_POINTS],
     count: usize,
 }
 
+/// A point of the tool that is carried.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[non_exhaustive]
+pub struct ManifoldPoint {
+    /// World, metres.
+    pub point: Point,
+    /// How far it is off the mock-up's surface there, along the manifold's normal, metres.
+    pub gap: f64,
+}
+
 impl Manifold {
-    /// One to [`MOST_MANIFOLD_POINTS`] points of the tool, world, metres: where they are held off the plane, so is the tool, for turns
-    /// up to one degree, as far as the mock-up's surface reaches.
-    pub fn points(&self) -> &[Point] {
+    /// One to [`MOST_MANIFOLD_POINTS`] points: where they are held off the mock-up, so is the tool, for small turns (4 mrad), as far as
+    /// the mock-up's surface reaches.
+    pub fn points(&self) -> &[ManifoldPoint] {
         &self.points[..self.count]
     }
 }
@@ -67,24 +77,25 @@ pub(crate) fn manifold(plane: &ContactPlane, separated: &Separated<'_>, margin: 
         part: plane.part,
         id: plane.id,
         triangles: plane.carriers,
-        points: [[0.0; 3]; MOST_MANIFOLD_POINTS],
+        points: [ManifoldPoint::default(); MOST_MANIFOLD_POINTS],
         count: feet.len(),
     };
-    for (point, foot) in manifold.points.iter_mut().zip(&feet) {
+    for (at, (foot, gap)) in manifold.points.iter_mut().zip(&feet) {
         let [u, v] = &frame;
-        *point = along(&add(&along(&plane.point, foot.at[0], u), &scaled(v, foot.at[1])), foot.height, &plane.normal);
+        let on_plane = add(&along(&plane.point, foot.at[0], u), &scaled(v, foot.at[1]));
+        *at = ManifoldPoint { point: along(&on_plane, foot.height, &plane.normal), gap: *gap };
     }
     manifold
 }
 
-/// The corners of what carries: where the lowest of the tool is over the highest of the mock-up.
+/// The corners of what carries, where the lowest of the tool is over the highest of the mock-up; with the gap between the two.
 fn feet(
     plane: &ContactPlane,
     separated: &Separated<'_>,
     margin: f64,
     size: f64,
     foot: impl Fn(&Point) -> Foot,
-) -> Vec<Foot> {
+) -> Vec<(Foot, f64)> {
     let wider = FOOTING_WIDER * size;
     let flipped = |p: &Point| {
         let foot = foot(p);
@@ -94,11 +105,12 @@ fn feet(
     let upper: Vec<Vec<Foot>> = separated.of_mockup().map(|t| low_part(t, margin, flipped)).collect();
     let over = |own: &[Vec<Foot>], other: &[Vec<Foot>]| {
         let around = half_planes(&across_hull(&other.concat()), wider);
-        lowest(&own.iter().flat_map(|polygon| cut_to(polygon, &around)).collect::<Vec<_>>())
+        lowest(&own.iter().flat_map(|polygon| cut_to(polygon, &around)).collect::<Vec<_>>(), MANIFOLD_TURN)
     };
-    let mut feet = clipped(&over(&lower, &upper), &over(&upper, &lower), wider);
+    let highest = over(&upper, &lower);
+    let mut feet = clipped(&over(&lower, &upper), &highest, wider);
     if feet.is_empty() {
-        return vec![Foot { at: [0.0; 2], height: plane.gap }];
+        return vec![(Foot { at: [0.0; 2], height: plane.gap }, plane.gap)];
     }
     // Between two of its lowest points a round surface is lower than their line.
     let above = feet.iter().map(|foot| foot.height).fold(f64::INFINITY, f64::min) - plane.gap;
@@ -108,7 +120,8 @@ fn feet(
     feet.truncate(MOST_MANIFOLD_POINTS);
     // Beyond what leans, lengthened edges lead below the plane.
     feet.iter_mut().for_each(|foot| foot.height = foot.height.max(plane.gap));
-    feet
+    // Where the mock-up leans away from the plane there is more room.
+    feet.into_iter().map(|foot| (foot, foot.height + height_over(&highest, &foot.at).max(0.0))).collect()
 }
 
 /// What of a triangle is no higher than a height.
@@ -148,7 +161,8 @@ mod tests {
     }
 
     fn assert_points(found: &Manifold, expected: &[Point], tolerance: f64) {
-        let mut points = found.points().to_vec();
+        assert!(found.points().iter().all(|p| (p.gap - found.gap).abs() < 1e-9), "{found:?}");
+        let mut points: Vec<Point> = found.points().iter().map(|p| p.point).collect();
         points.sort_by(by_coordinates);
         let is_near =
             points.len() == expected.len() && points.iter().zip(expected).all(|(p, q)| length(&sub(p, q)) < tolerance);
@@ -181,7 +195,7 @@ mod tests {
         // The other way up a ball carries no more than its lowest points: the plate may roll on it.
         let (round, plate) = (scene(ball(0.02, 24)), tool(box_mesh([0.0; 3], [0.1, 0.1, 0.01], 4)));
         let [found] = manifolds(&round, &plate, &at(0.0, 0.0, 0.0251), 0.002)[..] else { panic!() };
-        assert!(found.points().iter().all(|p| p[0].hypot(p[1]) < 0.003), "{found:?}");
+        assert!(found.points().iter().all(|p| p.point[0].hypot(p.point[1]) < 0.003), "{found:?}");
     }
 
     #[test]
@@ -197,7 +211,7 @@ mod tests {
         assert_eq!(found.len(), 4);
         for wall in &found {
             assert!((wall.gap - 1e-4).abs() < 1e-12);
-            let heights = wall.points().iter().map(|p| p[2]);
+            let heights = wall.points().iter().map(|p| p.point[2]);
             let [low, high] = [heights.clone().fold(1.0, f64::min), heights.fold(-1.0, f64::max)];
             // From the peg's end to the hole's.
             assert!((low + 0.01).abs() < 1e-6 && (high - 0.015).abs() < 1e-6 && wall.points().len() == 4, "{wall:?}");
@@ -214,7 +228,7 @@ mod tests {
         assert_eq!(found.points().len(), MOST_MANIFOLD_POINTS);
         for k in 0..64 {
             let (s, c) = (0.1 * f64::from(k)).sin_cos();
-            let reach = found.points().iter().map(|p| c * p[0] + s * p[1]).fold(0.0, f64::max);
+            let reach = found.points().iter().map(|p| c * p.point[0] + s * p.point[1]).fold(0.0, f64::max);
             // Not within the end, and not far beyond it.
             assert!((0.0099..0.0111).contains(&reach), "{k} {reach}");
         }
