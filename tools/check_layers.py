@@ -100,7 +100,15 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         "constants": set(),
         "error": set(),
         "screw": HAPTICS_BASE,
-        "device": {*HAPTICS_BASE, "screw"},
+        "saturation": {*HAPTICS_BASE, "screw"},
+        # A mapping bounds its wrenches as the force loop does.
+        "device": {*HAPTICS_BASE, "screw", "saturation"},
+        "coupling": {*HAPTICS_BASE, "screw", "device"},
+        "stability": {*HAPTICS_BASE, "coupling", "device"},
+        "passivity": {*HAPTICS_BASE, "screw"},
+        "velocity": {*HAPTICS_BASE, "screw"},
+        # All of them, once a tick.
+        "force": {*HAPTICS_BASE, "screw", "saturation", "device", "coupling", "passivity"},
     },
 }
 

@@ -4,8 +4,20 @@
 //! a clock.
 
 mod constants;
+mod coupling;
 pub mod device;
 mod error;
+mod force;
+mod passivity;
+mod saturation;
 pub mod screw;
+mod stability;
+mod velocity;
 
+pub use coupling::Coupling;
 pub use error::{Error, Result};
+pub use force::{ForceInput, ForceLoop};
+pub use passivity::Passivity;
+pub use saturation::{added_within, saturated};
+pub use stability::{Bound, Limitation, Limitations};
+pub use velocity::VelocityEstimate;
