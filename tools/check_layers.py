@@ -99,13 +99,21 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         "constants": set(),
         "error": set(),
         "screw": HAPTICS_BASE,
-        "device": {*HAPTICS_BASE, "screw"},
         "least_distance": HAPTICS_BASE,
         "metric": {*HAPTICS_BASE, "screw", "least_distance"},
         # What one side hands to the other, and the pose that it allows.
         "constraint_set": {*HAPTICS_BASE, "screw", "least_distance", "metric"},
         "environment": HAPTICS_BASE,
         "proxy": {*HAPTICS_BASE, "screw", "metric", "constraint_set", "environment"},
+        "saturation": {*HAPTICS_BASE, "screw"},
+        # A mapping bounds its wrenches as the force loop does.
+        "device": {*HAPTICS_BASE, "screw", "saturation"},
+        "coupling": {*HAPTICS_BASE, "screw", "device"},
+        "stability": {*HAPTICS_BASE, "coupling", "device"},
+        "passivity": {*HAPTICS_BASE, "screw"},
+        "velocity": {*HAPTICS_BASE, "screw"},
+        # All of them, once a tick.
+        "force": {*HAPTICS_BASE, "screw", "saturation", "device", "coupling", "passivity"},
     },
 }
 

@@ -23,4 +23,4 @@ pub enum Error {
 }
 
 /// Of this crate.
-pub type Result<T> = std::result::Result<T, Error>;
+pub type Result<T, E = Error> = std::result::Result<T, E>;
