@@ -104,7 +104,8 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         # What one side hands to the other, and the pose that it allows.
         "constraint_set": {*HAPTICS_BASE, "screw", "least_distance", "metric"},
         "environment": HAPTICS_BASE,
-        "proxy": {*HAPTICS_BASE, "screw", "metric", "constraint_set", "environment"},
+        "world": {*HAPTICS_BASE, "screw", "constraint_set", "environment"},
+        "proxy": {*HAPTICS_BASE, "screw", "metric", "constraint_set", "environment", "world"},
         "saturation": {*HAPTICS_BASE, "screw"},
         # A mapping bounds its wrenches as the force loop does.
         "device": {*HAPTICS_BASE, "screw", "saturation"},
@@ -114,6 +115,11 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         "velocity": {*HAPTICS_BASE, "screw"},
         # All of them, once a tick.
         "force": {*HAPTICS_BASE, "screw", "saturation", "device", "coupling", "passivity"},
+        "servo": {*HAPTICS_BASE, "screw", "device", "coupling", "force", "velocity", "constraint_set"},
+        "session": {
+            *HAPTICS_BASE,
+            *("screw", "device", "coupling", "servo", "metric", "constraint_set", "environment", "world", "proxy"),
+        },
     },
 }
 
@@ -152,11 +158,12 @@ ROOMS: dict[str, set[str]] = {
     "scene": {"_core", "calibrate", "errors", "ignored", "mockup", "parts", "travel"},
     "io": BASE,
     "interchange": {*BASE, "io"},
+    "haptics": BASE,
     "picture": {*BASE, "io"},
     "samples": BASE,
     "study": {*BASE, "samples"},
     "cli": {*BASE, "io", "picture", "samples", "study", "feeler"},
-    "__init__": {"_core", "ignored", *BASE, "interchange", "io", "picture", "samples", "study"},
+    "__init__": {"_core", "ignored", *BASE, "haptics", "interchange", "io", "picture", "samples", "study"},
     "__main__": {"cli"},
 }
 # Beside the package, and never imported by it.

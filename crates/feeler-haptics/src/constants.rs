@@ -5,8 +5,12 @@ pub const SMALL_ANGLE: f64 = 1e-4;
 
 // The least-distance program.
 
-/// Share of the scale by which a row may be violated: above rounding of six products, far below any skin.
-pub const QP_SLACK: f64 = 1e-11;
+/// Share of the scale, the skin, by which a row may be violated: above rounding in a mock-up of some metres. Larger: the proxy is that
+/// much nearer; smaller: rows that hold from both sides exclude each other by rounding.
+pub const QP_SLACK: f64 = 1e-5;
+
+/// How far a seat may give way, metres: above the slack of both of its sides.
+pub const SEAT_SLACK: f64 = 1e-8;
 
 /// Sine of the angle between a row and those that are active from which on it is not a combination of them: above rounding after two
 /// orthogonalisations. Larger: rows of nearly parallel faces exclude each other; smaller: multipliers without bound.
@@ -197,3 +201,15 @@ pub const WALL_DEPTH: f64 = 0.1;
 pub const WALL_SHARE: f64 = 0.15;
 /// Share of the device's largest force that the soft wall has at the border, at the most.
 pub const WALL_FORCE_SHARE: f64 = 0.5;
+
+// The servo side.
+
+/// Share of a set's margin that the proxy may move between two sets: what is left is for the arcs of turning points.
+pub const BOUND_SHARE: f64 = 0.95;
+
+/// Age (seconds) from which on constraints are not trusted, and the force is let go: some collision ticks at 10 Hz.
+pub const OLDEST_SET_S: f64 = 0.5;
+
+/// Changes of the proxy's pose (metres, radians) that are no motion: a hundredth of the skin.
+pub const PROXY_RESOLUTION_M: f64 = 2e-7;
+pub const PROXY_RESOLUTION_RAD: f64 = 2e-6;

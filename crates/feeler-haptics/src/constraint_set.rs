@@ -20,6 +20,8 @@ pub struct Row {
     pub gap: f64,
     /// Of its plane.
     pub id: u64,
+    /// Whether it is to be off by the skin; a seat may stay as near as it is.
+    pub has_skin: bool,
 }
 
 /// A plane of the contacts, for people and pictures.
@@ -119,6 +121,15 @@ impl ConstraintSet {
     /// Adds a plane with the points of the tool (world) that are held off the mock-up there, and how far off they are. Planes come nearest first; one that does not fit any more
     /// shortens the margin to its gap.
     pub fn push(&mut self, plane: Plane, points: impl ExactSizeIterator<Item = (Point, f64)>) {
+        self.push_rows(plane, points, true);
+    }
+
+    /// The same for a plane that the tool may stay on: its points are held where they are, not a skin off.
+    pub fn push_seat(&mut self, plane: Plane, points: impl ExactSizeIterator<Item = (Point, f64)>) {
+        self.push_rows(plane, points, false);
+    }
+
+    fn push_rows(&mut self, plane: Plane, points: impl ExactSizeIterator<Item = (Point, f64)>, has_skin: bool) {
         if self.plane_count == MOST_PLANES || self.row_count + points.len() > MOST_ROWS {
             self.margin = self.margin.min(plane.gap);
             return;
@@ -127,7 +138,8 @@ impl ConstraintSet {
         self.plane_count += 1;
         let centre = self.taken_at.apply(&self.metric.centre);
         for (point, gap) in points {
-            self.rows[self.row_count] = Row { normal: plane.normal, arm: sub(&point, &centre), gap, id: plane.id };
+            self.rows[self.row_count] =
+                Row { normal: plane.normal, arm: sub(&point, &centre), gap, id: plane.id, has_skin };
             self.row_count += 1;
         }
     }
@@ -144,7 +156,7 @@ impl ConstraintSet {
 
     /// The least gap of all rows, metres; the margin where there are none.
     pub fn least_gap(&self) -> f64 {
-        self.rows().iter().map(|row| row.gap).fold(self.margin, f64::min)
+        self.rows().iter().filter(|row| row.has_skin).map(|row| row.gap).fold(self.margin, f64::min)
     }
 
     /// The pose nearest to `target` that violates no row, found from the pose where the rows were taken, and no farther from it than
@@ -189,7 +201,7 @@ impl ConstraintSet {
         for (row, half_space) in rows.iter().zip(&mut solver.half_spaces) {
             let arm = times(&turn, &row.arm);
             let gap = row.gap + dot(&row.normal, &add(&moved, &sub(&arm, &row.arm)));
-            *half_space = metric.half_space(pose, &row.normal, &arm, skin - gap);
+            *half_space = metric.half_space(pose, &row.normal, &arm, if row.has_skin { skin - gap } else { -gap });
         }
         let (held, held_count) = (solver.held, solver.held_count);
         let was_held = |i: usize| held[..held_count].contains(&rows[i].id);
@@ -209,7 +221,9 @@ impl ConstraintSet {
         let turn = product(pose.rotation(), &transposed(self.taken_at.rotation()));
         let off = |row: &Row| {
             let arm = times(&turn, &row.arm);
-            self.skin - row.gap - dot(&row.normal, &add(&way.linear, &sub(&arm, &row.arm)))
+            (if row.has_skin { self.skin } else { 0.0 })
+                - row.gap
+                - dot(&row.normal, &add(&way.linear, &sub(&arm, &row.arm)))
         };
         self.rows().iter().map(off).fold(f64::NEG_INFINITY, f64::max)
     }

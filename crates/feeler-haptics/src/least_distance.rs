@@ -228,11 +228,11 @@ mod tests {
                 .iter()
                 .filter_map(|(n, slack)| half_space(*n, 0.0).map(|h| HalfSpace { offset: dot(&h.normal, &inside) - slack, ..h }))
                 .collect();
-            let found = nearest(&target, &rows, 1.0, |_| false);
+            let found = nearest(&target, &rows, 1e-6, |_| false);
             prop_assert!(found.is_feasible, "{found:?}");
             assert_is_nearest(&target, &rows, &found)?;
             // The order in which rows are looked at does not tell in the point.
-            let other = nearest(&target, &rows, 1.0, |i| i % 3 == 0);
+            let other = nearest(&target, &rows, 1e-6, |i| i % 3 == 0);
             let off: f64 = other.point.iter().zip(&found.point).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
             prop_assert!(off < 1e-7, "{off}");
         }
@@ -245,7 +245,7 @@ mod tests {
                 .filter_map(|j| half_space(std::array::from_fn(|k| first.normal[k] + size * j[k]), 0.25))
                 .chain([first, first])
                 .collect();
-            let found = nearest(&target, &rows, 1.0, |_| false);
+            let found = nearest(&target, &rows, 1e-6, |_| false);
             prop_assert!(found.is_feasible);
             for row in &rows {
                 prop_assert!(dot(&row.normal, &found.point) >= row.offset - 1e-9);
@@ -256,15 +256,15 @@ mod tests {
     #[test]
     fn rows_that_exclude_each_other_are_told() {
         let along = |x: f64| HalfSpace { normal: [x, 0.0, 0.0, 0.0, 0.0, 0.0], offset: 0.1 };
-        let found = nearest(&[0.0; 6], &[along(1.0), along(-1.0)], 1.0, |_| false);
+        let found = nearest(&[0.0; 6], &[along(1.0), along(-1.0)], 1e-6, |_| false);
         assert!(!found.is_feasible);
-        assert!(nearest(&[0.0; 6], &[along(1.0), along(1.0)], 1.0, |_| false).is_feasible);
+        assert!(nearest(&[0.0; 6], &[along(1.0), along(1.0)], 1e-6, |_| false).is_feasible);
     }
 
     #[test]
     fn a_row_of_zeros_is_left_out() {
         let none = HalfSpace { normal: [0.0; 6], offset: -1.0 };
-        let found = nearest(&[1.0; 6], &[none], 1.0, |_| false);
+        let found = nearest(&[1.0; 6], &[none], 1e-6, |_| false);
         assert_eq!((found.point, found.active().len()), ([1.0; 6], 0));
     }
 }

@@ -16,13 +16,18 @@ mod passivity;
 pub mod proxy;
 mod saturation;
 pub mod screw;
+mod servo;
+mod session;
 mod stability;
 mod velocity;
+pub mod world;
 
 pub use coupling::Coupling;
 pub use error::{Error, Result};
 pub use force::{ForceInput, ForceLoop};
 pub use passivity::Passivity;
 pub use saturation::{added_within, saturated};
+pub use servo::{Mode, Servo, ServoInput, ServoOutput};
+pub use session::{Session, SessionOptions, Start, Step};
 pub use stability::{Bound, Limitation, Limitations};
 pub use velocity::VelocityEstimate;

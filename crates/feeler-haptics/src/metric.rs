@@ -58,6 +58,12 @@ impl Metric {
         Metric { centre, radius, factor, inverse: inverse_lower(&factor) }
     }
 
+    /// The same metric for a tool that has grown, as by a part that it holds: only how far it reaches is another.
+    pub fn with_radius_of(&self, tool: &Tool) -> Metric {
+        let radius = tool.mesh().vertices().iter().map(|p| length(&sub(p, &self.centre))).fold(0.0, f64::max);
+        Metric { radius, ..*self }
+    }
+
     /// A displacement at the centre in coordinates in which its length is the metric's; the tool is at a pose.
     pub fn coordinates(&self, pose: &Pose, by: &Twist) -> Six {
         let in_tool = times(&transposed(pose.rotation()), &by.angular);

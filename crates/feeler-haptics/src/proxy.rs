@@ -7,19 +7,20 @@
 //! row of its own, and is asked again while it is near.
 
 use feeler_contacts::Manifolds;
-use feeler_core::geometry::vectors::{sub, unit};
-use feeler_core::{Motion, Pose, Tool};
+use feeler_core::geometry::vectors::{dot, sub, unit};
+use feeler_core::{Motion, Point, Pose, Tool};
 
 use crate::constants::{
     BACK_OFF_HALVINGS, BACK_OFF_SHARE, CAST_SHARE, CLEARANCE_SHARE, LARGEST_CAST_TOLERANCE, LEAST_CAST_TOLERANCE,
-    LEAST_MARGIN, MOST_BLOCKERS, MOST_LIFT, MOST_PATIENCE, SKINS_IN_MARGIN, SKIN_GROWTH, SKIN_HALVINGS, SKIN_LIFT,
-    SQUEEZE_GAIN, SQUEEZE_SHARE, STILL_SHARE, STRIDES, STRIDE_DECAY, STUCK_SHARE, TRUST_GROWTH,
+    LEAST_MARGIN, MOST_BLOCKERS, MOST_LIFT, MOST_PATIENCE, SEAT_SLACK, SKINS_IN_MARGIN, SKIN_GROWTH, SKIN_HALVINGS,
+    SKIN_LIFT, SQUEEZE_GAIN, SQUEEZE_SHARE, STILL_SHARE, STRIDES, STRIDE_DECAY, STUCK_SHARE, TRUST_GROWTH,
 };
 use crate::constraint_set::{ConstraintSet, Plane, Solver};
 use crate::environment::{Environment, Pair};
 use crate::error::{Error, Result};
 use crate::metric::Metric;
 use crate::screw::displacement;
+use crate::world::Seat;
 
 /// How the proxy is kept off.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -67,6 +68,7 @@ pub struct Proxy {
     options: ProxyOptions,
     /// Pairs that stopped a cast, the newest last.
     blockers: Vec<Pair>,
+    seats: Vec<Seat>,
     manifolds: Manifolds,
     set: ConstraintSet,
     solver: Solver,
@@ -82,15 +84,24 @@ pub struct Proxy {
 
 impl Proxy {
     /// A proxy at a pose, which must be free. Errors: options out of range, and [`Error::StartsInCollision`].
-    pub fn new(environment: &Environment, tool: &Tool, start: &Pose, options: ProxyOptions) -> Result<Proxy> {
+    ///
+    /// `metric`: what nearest means; mostly that of the tool.
+    pub fn new(
+        environment: &Environment,
+        tool: &Tool,
+        metric: Metric,
+        start: &Pose,
+        options: ProxyOptions,
+    ) -> Result<Proxy> {
         options.check()?;
         if environment.is_colliding(tool, start) {
             return Err(Error::StartsInCollision);
         }
-        let set = ConstraintSet::new(*start, Metric::new(tool), options.skin, options.margin);
+        let set = ConstraintSet::new(*start, metric, options.skin, options.margin);
         let mut proxy = Proxy {
             options,
             blockers: Vec::new(),
+            seats: Vec::new(),
             manifolds: Manifolds::default(),
             set,
             solver: Solver::default(),
@@ -112,6 +123,24 @@ impl Proxy {
     /// The contacts where it is.
     pub fn constraints(&self) -> &ConstraintSet {
         &self.set
+    }
+
+    /// When its contacts were found, seconds on the caller's clock.
+    pub fn set_time(&mut self, now: f64) {
+        self.set.time = now;
+    }
+
+    /// What there is and what moves has changed, at this pose: a part was gripped or let go. What nearest means stays, so that the proxy
+    /// does not move by it.
+    pub fn set_world(&mut self, environment: &Environment, tool: &Tool, seats: &[Seat]) -> Result<()> {
+        let pose = self.set.taken_at;
+        self.blockers.clear();
+        self.seats = seats.to_vec();
+        self.set.metric = self.set.metric.with_radius_of(tool);
+        let time = self.set.time;
+        self.look_around(environment, tool, &pose)?;
+        self.set.time = time;
+        Ok(())
     }
 
     /// Moves it towards the device's pose, and finds the contacts where it gets to.
@@ -256,6 +285,13 @@ impl Proxy {
             };
             self.set.push(plane, manifold.points().iter().map(|p| (p.point, p.gap)));
         }
+        for seat in &self.seats {
+            let off = |p: &Point| dot(&sub(&pose.apply(p), &seat.plane.point), &seat.plane.normal);
+            self.set.push_seat(
+                seat.plane,
+                seat.points.iter().map(|(p, at_grip)| (pose.apply(p), off(p) - at_grip + SEAT_SLACK)),
+            );
+        }
         self.push_blockers(environment, tool, pose);
         self.skin = self.fit_skin();
         self.set.skin = self.skin;
@@ -313,7 +349,7 @@ mod tests {
 
     use feeler_contacts::ContactSolver;
     use feeler_core::geometry::vectors::length;
-    use feeler_core::{Mockup, Point, Scene, SceneOptions};
+    use feeler_core::{Mockup, Scene, SceneOptions};
     use feeler_shapes::{box_mesh, Arrays};
 
     use super::*;
@@ -339,8 +375,14 @@ mod tests {
         for (plate_cells, cells) in [(1, 1), (8, 8), (1, 8), (30, 1)] {
             let plate = environment(box_mesh([0.0, 0.0, -0.01], [0.2, 0.15, 0.02], plate_cells));
             let block = tool(box_mesh([0.0; 3], [0.03, 0.04, 0.05], cells));
-            let mut proxy =
-                Proxy::new(&plate, &block, &at([0.0, 0.0, 0.04], [0.0; 3]), ProxyOptions::default()).unwrap();
+            let mut proxy = Proxy::new(
+                &plate,
+                &block,
+                Metric::new(&block),
+                &at([0.0, 0.0, 0.04], [0.0; 3]),
+                ProxyOptions::default(),
+            )
+            .unwrap();
             for k in 0..200 {
                 let k = f64::from(k);
                 let device = at([0.0002 * k, 0.0, 0.04 - 0.0001 * k], [0.1, 0.05, 0.0]);

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use feeler_contacts::ContactSolver;
 use feeler_core::{Mockup, Point, Pose, Scene, SceneOptions, Tool};
 use feeler_haptics::environment::{Body, Environment};
+use feeler_haptics::metric::Metric;
 use feeler_haptics::proxy::{Proxy, ProxyOptions};
 use feeler_haptics::screw::{pose_of, rotation_of, rotation_vector};
 use feeler_shapes::Arrays;
@@ -62,7 +63,8 @@ fn explore() {
     let peg = revolved(&[[1e-4, 0.0], [p - chamfer, 0.0], [p, chamfer], [p, 0.06], [1e-4, 0.06]], n, 1.0);
     let hole = environment(hole);
     let peg = Tool::new(peg.0, peg.1).unwrap();
-    let mut proxy = Proxy::new(&hole, &peg, &at([0.0, 0.0, 0.005], [0.0; 3]), ProxyOptions::default()).unwrap();
+    let mut proxy =
+        Proxy::new(&hole, &peg, Metric::new(&peg), &at([0.0, 0.0, 0.005], [0.0; 3]), ProxyOptions::default()).unwrap();
     let start = std::time::Instant::now();
     let mut rounds = 0;
     let mut stopped = 0;
