@@ -43,6 +43,11 @@ pub struct ForceInput {
 /// - Slew: the length of the change of force, and of torque, is bounded.
 /// - Watchdog: zero at once where the input is in doubt, not finite, `dt` is not between 0.01 and 20 ms, or the device
 ///   has jumped (50 m/s, 1000 rad/s). Coming back goes through bounds and slew.
+///
+/// Where torque is not driven, turning the tool about the handle changes the force at no cost, and a closed motion with
+/// turns in it can gain energy (F. Barbagli and K. Salisbury, *The Effect of Sensor/Actuator Asymmetries in Haptic
+/// Interfaces*, HAPTICS 2003). The bounds hold there as everywhere; that no motion gains energy is promised for
+/// translations, and for devices that drive all they sense.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ForceLoop {
     coupling: Coupling,
@@ -224,7 +229,7 @@ impl ForceLoop {
 
 impl ForceLoop {
     /// What the springs will give for nothing in the tick that this one's wrench acts in, joules: it is then old by the
-    /// delay and half a tick, while the stretch goes on as it does.
+    /// delay and half a tick, while the stretch goes on as it does. A spring that pulls with all it may gives less.
     fn expected_j(&self, coupling: &Coupling, input: &ForceInput, stored: f64) -> f64 {
         if stored == 0.0 {
             return 0.0;

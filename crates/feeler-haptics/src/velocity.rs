@@ -5,11 +5,11 @@
 //! resolution of every pose in it. Slow motions are averaged over many poses, fast ones are told from the last two,
 //! without a filter's lag.
 
-use feeler_core::geometry::vectors::{dot, scaled, sub};
+use feeler_core::geometry::vectors::{along, dot, length, scaled, sub};
 use feeler_core::{Point, Pose};
 
 use crate::constants::VELOCITY_WINDOW;
-use crate::screw::{product, rotation_vector, transposed, Twist};
+use crate::screw::{quaternion, Twist};
 
 /// Finds a twist from poses and their times. Translation and rotation have a window each.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,7 +17,9 @@ pub struct VelocityEstimate {
     resolution_m: f64,
     resolution_rad: f64,
     /// The newest is at `newest`, older ones before it, round and round.
-    poses: [Pose; VELOCITY_WINDOW],
+    places: [Point; VELOCITY_WINDOW],
+    /// Unit quaternions.
+    turns: [[f64; 4]; VELOCITY_WINDOW],
     times: [f64; VELOCITY_WINDOW],
     newest: usize,
     count: usize,
@@ -30,7 +32,8 @@ impl VelocityEstimate {
         VelocityEstimate {
             resolution_m,
             resolution_rad,
-            poses: [Pose::IDENTITY; VELOCITY_WINDOW],
+            places: [[0.0; 3]; VELOCITY_WINDOW],
+            turns: [[1.0, 0.0, 0.0, 0.0]; VELOCITY_WINDOW],
             times: [0.0; VELOCITY_WINDOW],
             newest: 0,
             count: 0,
@@ -45,26 +48,19 @@ impl VelocityEstimate {
             return self.twist;
         }
         self.newest = (self.newest + 1) % VELOCITY_WINDOW;
-        self.poses[self.newest] = *pose;
+        let (place, turn) = (*pose.translation(), quaternion(pose.rotation()));
+        self.places[self.newest] = place;
+        self.turns[self.newest] = turn;
         self.times[self.newest] = time;
         self.count = (self.count + 1).min(VELOCITY_WINDOW);
 
-        // What has happened since each pose, the newest first.
-        let mut since = [Twist::ZERO; VELOCITY_WINDOW];
-        let mut ages = [0.0; VELOCITY_WINDOW];
-        for i in 1..self.count {
-            let slot = (self.newest + VELOCITY_WINDOW - i) % VELOCITY_WINDOW;
-            let old = &self.poses[slot];
-            ages[i] = time - self.times[slot];
-            since[i] = Twist {
-                linear: sub(pose.translation(), old.translation()),
-                angular: rotation_vector(&product(pose.rotation(), &transposed(old.rotation()))),
-            };
-        }
-        let ages = &ages[..self.count];
+        // What has happened since, and how long ago that is, from one before the newest on.
+        let before = |i: usize| (self.newest + VELOCITY_WINDOW - i) % VELOCITY_WINDOW;
+        let moved = |i: usize| (sub(&place, &self.places[before(i)]), time - self.times[before(i)]);
+        let turned = |i: usize| (turn_between(&self.turns[before(i)], &turn), time - self.times[before(i)]);
         self.twist = Twist {
-            linear: end_fit(|i| since[i].linear, ages, self.resolution_m),
-            angular: end_fit(|i| since[i].angular, ages, self.resolution_rad),
+            linear: end_fit(moved, self.count, self.resolution_m),
+            angular: end_fit(turned, self.count, self.resolution_rad),
         };
         self.twist
     }
@@ -76,27 +72,42 @@ impl VelocityEstimate {
 }
 
 /// The slope of the longest chord from now into the past that no value between strays from by more than `resolution`.
-fn end_fit(since: impl Fn(usize) -> Point, ages: &[f64], resolution: f64) -> Point {
+fn end_fit(since: impl Fn(usize) -> (Point, f64), count: usize, resolution: f64) -> Point {
+    let mut seen = [([0.0; 3], 0.0); VELOCITY_WINDOW];
     let mut best = [0.0; 3];
-    for i in 1..ages.len() {
-        let slope = scaled(&since(i), 1.0 / ages[i]);
-        let strays = |j: usize| {
-            let off = sub(&scaled(&slope, ages[j]), &since(j));
+    for i in 1..count {
+        let (way, age) = since(i);
+        let slope = scaled(&way, 1.0 / age);
+        let strays = |(way, age): &(Point, f64)| {
+            let off = along(&scaled(way, -1.0), *age, &slope);
             dot(&off, &off) > resolution * resolution
         };
-        if (1..i).any(strays) {
+        if seen[1..i].iter().any(strays) {
             break;
         }
+        seen[i] = (way, age);
         best = slope;
     }
     best
+}
+
+/// The rotation vector from one unit quaternion to another, the shorter way round.
+fn turn_between(from: &[f64; 4], to: &[f64; 4]) -> Point {
+    let ([a, b, c, d], [w, x, y, z]) = (*from, *to);
+    // to times the inverse of from.
+    let cosine = w * a + x * b + y * c + z * d;
+    let axis = [x * a - w * b - y * d + z * c, y * a - w * c - z * b + x * d, z * a - w * d - x * c + y * b];
+    let sine = length(&axis);
+    if sine == 0.0 {
+        return [0.0; 3];
+    }
+    scaled(&axis, 2.0 * sine.atan2(cosine.abs()) * cosine.signum() / sine)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::screw::{pose_of, rotation_of};
-    use feeler_core::geometry::vectors::length;
 
     const STEP: f64 = 1e-5;
     const TURN: f64 = 1e-4;
@@ -141,6 +152,18 @@ mod tests {
         estimate.update(&told(1e-3, 0.01), 0.1);
         let found = estimate.update(&told(2e-3, 0.02), 0.101);
         assert!((found.linear[0] - 1.0).abs() < 0.011 && (found.angular[1] - 10.0).abs() < 0.11, "{found:?}");
+    }
+
+    #[test]
+    fn turns_between_quaternions_are_those_between_rotations() {
+        use crate::screw::{product, rotation_vector, transposed};
+        for (a, b) in [([0.3, -0.2, 0.9], [1.0, 0.4, -0.8]), ([3.0, 0.0, 0.1], [-3.0, 0.1, 0.0]), ([0.1; 3], [0.1; 3])]
+        {
+            let (from, to) = (rotation_of(&a), rotation_of(&b));
+            let found = turn_between(&quaternion(&from), &quaternion(&to));
+            let expected = rotation_vector(&product(&to, &transposed(&from)));
+            assert!(length(&sub(&found, &expected)) < 1e-12, "{found:?} {expected:?}");
+        }
     }
 
     #[test]

@@ -52,7 +52,7 @@ mod simulated {
         let options = SimulatedOptions {
             pose_delay_s: 1e-3,
             force_delay_s: 1e-3,
-            jitter_s: 1e-3,
+            jitter_s: 4e-3,
             seed,
             ..SimulatedOptions::desktop_6dof()
         };
