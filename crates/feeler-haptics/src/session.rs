@@ -115,9 +115,11 @@ pub struct Session {
 
 impl Session {
     /// A session that is not started. Errors where an option is out of its range.
-    pub fn new(scene: Arc<Scene>, tool: Arc<Tool>, options: SessionOptions) -> Result<Session> {
+    pub fn new(scene: Arc<Scene>, tool: Arc<Tool>, mut options: SessionOptions) -> Result<Session> {
         options.check()?;
-        let metric = Metric::new(&tool);
+        options.proxy = options.proxy.with_pull_of(&options.coupling);
+        let own = Metric::new(&tool);
+        let metric = own.with_springs_of(&options.coupling).unwrap_or(own);
         Ok(Session {
             options,
             world: World::new(scene, tool),
