@@ -25,31 +25,26 @@ from .poses import placed
 STIFFNESS_N_PER_M = 1000.0  # of a point
 SHARED_FROM = 10  # points: the paper's section 4.4 shares the stiffness beyond
 VOXELS_PER_TOOL = 30  # along the tool's diagonal, unless a size is given
-MOST_VOXELS = 40_000_000
-FREE, SURFACE, INTERIOR = 0, 1, 2
-
-Bytes = npt.NDArray[np.uint8]
-
-
-class GridError(ValueError):
-    """A grid that would be too large."""
+MOST_FLOODED = 8_000_000  # voxels
 
 
 class VoxelGrid:
-    """A mesh as voxels: its surface, and what it encloses."""
+    """A mesh as voxels: its surface, and what it encloses. Kept as sorted numbers of the voxels that hold anything.
+
+    What is enclosed is looked for in grids of up to `MOST_FLOODED` voxels; a larger one has its surface alone.
+    """
 
     def __init__(self, vertices: Floats, faces: npt.NDArray[np.integer], size: float) -> None:
         self.size = size
         self.origin = vertices.min(axis=0) - 2.5 * size
         self.shape = tuple(int(n) for n in np.ceil((vertices.max(axis=0) - self.origin) / size + 2.5))
-        if math.prod(self.shape) > MOST_VOXELS:
-            raise GridError(f"{self.shape} voxels of {size:.3g} m: choose a larger voxel_size")
-        self.cells = np.zeros(self.shape, dtype=np.uint8)
-        points = surface_samples(vertices, faces, 0.5 * size)
-        i, j, k = self.index(points).T
-        self.cells[i, j, k] = SURFACE
-        outside = flooded(self.cells == FREE)
-        self.cells[(self.cells == FREE) & ~outside] = INTERIOR
+        surface = np.unique(self._number(self.index(surface_samples(vertices, faces, 0.7 * size))))
+        if math.prod(self.shape) <= MOST_FLOODED:
+            free = np.ones(math.prod(self.shape), dtype=bool)
+            free[surface] = False
+            self.filled = np.flatnonzero(~flooded(free.reshape(self.shape)).ravel())
+        else:
+            self.filled = surface
 
     def index(self, points: Floats) -> npt.NDArray[np.int64]:
         """The voxels of points (n, 3)."""
@@ -59,13 +54,15 @@ class VoxelGrid:
         """The middles of voxels."""
         return np.asarray(self.origin + (index + 0.5) * self.size)
 
-    def at(self, index: npt.NDArray[np.int64]) -> Bytes:
-        """What voxels hold; beyond the grid nothing."""
+    def is_filled(self, index: npt.NDArray[np.int64]) -> npt.NDArray[np.bool_]:
+        """Whether voxels are of the surface or enclosed by it; beyond the grid nothing is."""
         inside = ((index >= 0) & (index < self.shape)).all(axis=1)
-        found = np.zeros(len(index), dtype=np.uint8)
-        i, j, k = index[inside].T
-        found[inside] = self.cells[i, j, k]
-        return found
+        number = np.where(inside, self._number(index), -1)
+        at = np.searchsorted(self.filled, number)
+        return np.asarray(self.filled[np.minimum(at, len(self.filled) - 1)] == number)
+
+    def _number(self, index: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
+        return np.asarray((index[:, 0] * self.shape[1] + index[:, 1]) * self.shape[2] + index[:, 2])
 
 
 def surface_samples(vertices: Floats, faces: npt.NDArray[np.integer], spacing: float) -> Floats:
@@ -76,18 +73,24 @@ def surface_samples(vertices: Floats, faces: npt.NDArray[np.integer], spacing: f
 def _samples(
     vertices: Floats, faces: npt.NDArray[np.integer], spacing: float
 ) -> tuple[Floats, npt.NDArray[np.int64]]:
-    corners = vertices[faces]
-    edges = np.sqrt(((corners - np.roll(corners, 1, axis=1)) ** 2).sum(axis=2)).max(axis=1)
-    steps = np.maximum(1, np.ceil(edges / spacing)).astype(int)
-    found, owner = [], []
-    for n in np.unique(steps):
-        chosen = np.flatnonzero(steps == n)
-        u, v = np.meshgrid(np.arange(n + 1) / n, np.arange(n + 1) / n, indexing="ij")
-        keep = u + v <= 1.0 + 1e-9
-        weights = np.stack([1.0 - u[keep] - v[keep], u[keep], v[keep]], axis=1)
-        found.append(np.einsum("wk,tkx->twx", weights, corners[chosen]).reshape(-1, 3))
-        owner.append(np.repeat(chosen, len(weights)))
-    return np.concatenate(found), np.concatenate(owner)
+    """Middles of the triangles halved at their longest edges until none is longer than `spacing`; and all corners.
+
+    Also the triangle that each is of.
+    """
+    corners, owner = vertices[faces], np.arange(len(faces))
+    found, whose = [corners.reshape(-1, 3)], [np.repeat(owner, 3)]
+    while len(corners):
+        edges = np.sqrt(((np.roll(corners, -1, axis=1) - corners) ** 2).sum(axis=2))
+        short = edges.max(axis=1) <= spacing
+        found.append(corners[short].mean(axis=1))
+        whose.append(owner[short])
+        corners, owner, longest = corners[~short], owner[~short], edges[~short].argmax(axis=1)
+        rows = np.arange(len(corners))
+        a, b, c = (corners[rows, (longest + k) % 3] for k in range(3))
+        middle = 0.5 * (a + b)
+        corners = np.concatenate([np.stack([a, middle, c], axis=1), np.stack([middle, b, c], axis=1)])
+        owner = np.concatenate([owner, owner])
+    return np.concatenate(found), np.concatenate(whose)
 
 
 def flooded(free: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
@@ -163,7 +166,7 @@ class PointShell:
         """Force and torque about the tool's middle at a pose, and how many points gave them."""
         points, inwards = placed(self.points, pose), self.inwards @ pose[:3, :3].T
         index = self.grid.index(points)
-        inside = self.grid.at(index) != FREE
+        inside = self.grid.is_filled(index)
         if not inside.any():
             return np.zeros(3), np.zeros(3), 0
         points, inwards = points[inside], inwards[inside]
