@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import math
+import importlib
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Protocol
@@ -63,9 +63,9 @@ class PlainCoupling:
     """Spring and damper between device and virtual tool (Colgate, Stanley, Brown 1995)."""
 
     stiffness_n_per_m: float = 1000.0
-    damping_ns_per_m: float = 2.0
+    damping_ns_per_m: float = 10.0
     rotational_stiffness_nm_per_rad: float = 1.0
-    rotational_damping_nms_per_rad: float = 0.002
+    rotational_damping_nms_per_rad: float = 0.005
     force_limit_n: float = 20.0
     torque_limit_nm: float = 1.0
 
@@ -74,7 +74,7 @@ class VirtualTool:
     """A tool with mass that follows the device through a spring and damper, and is pushed by contact forces.
 
     Semi-implicit Euler at the device's rate. The mass is `mass_kg`, the inertia that of a ball of the tool's size;
-    the virtual tool is damped critically against its spring.
+    spring and damper act on the device as they act on the tool.
     """
 
     def __init__(self, tool: feeler.Tool, coupling: PlainCoupling, mass_kg: float = 0.05) -> None:
@@ -83,7 +83,7 @@ class VirtualTool:
         self.middle = bounds.mean(axis=0)
         self.size = 0.5 * float(np.linalg.norm(bounds[1] - bounds[0]))
         self.inertia = 0.4 * mass_kg * self.size * self.size
-        self.pose = np.eye(4)
+        self.pose: Floats = np.eye(4)
         self.velocity, self.spin = np.zeros(3), np.zeros(3)
         self._device: Floats | None = None
 
@@ -95,7 +95,7 @@ class VirtualTool:
     @property
     def centre(self) -> Floats:
         """The middle of the tool's box, world."""
-        return placed(self.middle[None], self.pose)[0]
+        return np.asarray(placed(self.middle[None], self.pose)[0])
 
     def step(self, device: Floats, contact_force: Floats, contact_torque: Floats, dt: float) -> tuple[Floats, Floats]:
         """Move by one tick; the wrench on the hand, about the device's origin."""
@@ -105,24 +105,21 @@ class VirtualTool:
         device_velocity = (wanted - placed(self.middle[None], before)[0]) / dt
         device_spin = rotation_vector(device[:3, :3] @ before[:3, :3].T) / dt
         self._device = device.copy()
+        # what the hand feels is of now, before the tool moves on: the tool a tick ahead would pull the hand along
         reach, turn = wanted - self.centre, rotation_vector(device[:3, :3] @ self.pose[:3, :3].T)
         spring = c.stiffness_n_per_m * reach
         twist = c.rotational_stiffness_nm_per_rad * turn
-        # implicit in the damping, which is critical and would else be too much for a tick
-        damping = 2.0 * math.sqrt(c.stiffness_n_per_m * self.mass)
-        turning = 2.0 * math.sqrt(c.rotational_stiffness_nm_per_rad * self.inertia)
-        self.velocity = (self.velocity + dt / self.mass * (spring + damping * device_velocity + contact_force)) / (
-            1.0 + dt * damping / self.mass
-        )
-        self.spin = (self.spin + dt / self.inertia * (twist + turning * device_spin + contact_torque)) / (
-            1.0 + dt * turning / self.inertia
-        )
-        self.pose = moved(self.pose, dt * self.velocity, dt * self.spin, self.centre)
-        reach, turn = wanted - self.centre, rotation_vector(device[:3, :3] @ self.pose[:3, :3].T)
-        force = -c.stiffness_n_per_m * reach - c.damping_ns_per_m * (device_velocity - self.velocity)
-        torque = -c.rotational_stiffness_nm_per_rad * turn
-        torque = torque - c.rotational_damping_nms_per_rad * (device_spin - self.spin)
+        force = -spring - c.damping_ns_per_m * (device_velocity - self.velocity)
+        torque = -twist - c.rotational_damping_nms_per_rad * (device_spin - self.spin)
         torque = torque + np.cross(wanted - device[:3, 3], force)
+        # implicit in the tool's own velocity; the damper acts on both ends alike, or it would make energy
+        push = spring + c.damping_ns_per_m * device_velocity + contact_force
+        twist_by = twist + c.rotational_damping_nms_per_rad * device_spin + contact_torque
+        light = 1.0 + dt * c.damping_ns_per_m / self.mass
+        slow = 1.0 + dt * c.rotational_damping_nms_per_rad / self.inertia
+        self.velocity = (self.velocity + dt / self.mass * push) / light
+        self.spin = (self.spin + dt / self.inertia * twist_by) / slow
+        self.pose = moved(self.pose, dt * self.velocity, dt * self.spin, self.centre)
         return limited(force, c.force_limit_n), limited(torque, c.torque_limit_nm)
 
 
@@ -134,8 +131,7 @@ def limited(vector: Floats, most: float) -> Floats:
 
 def feeler_session(scene: feeler.Scene, tool: feeler.Tool, *, seed: int = 0, **options: Any) -> Face:
     """feeler's own."""
-    from feeler import haptics
-
+    haptics = importlib.import_module("feeler.haptics")
     made: Face = haptics.Session(scene, tool, seed=seed, **options)
     return made
 
@@ -145,4 +141,12 @@ def makers() -> dict[str, MakeFace]:
     from .penalty import Penalty
     from .point_shell import PointShell
 
-    return {"feeler": feeler_session, "penalty": Penalty, "point-shell": PointShell}
+    def without_skin(kind: MakeFace) -> MakeFace:
+        # the baselines have none
+        def make(scene: feeler.Scene, tool: feeler.Tool, *, seed: int = 0, skin: float | None = None) -> Face:
+            del skin
+            return kind(scene, tool, seed=seed)
+
+        return make
+
+    return {"feeler": feeler_session, "penalty": without_skin(Penalty), "point-shell": without_skin(PointShell)}

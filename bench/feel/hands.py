@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -16,7 +17,7 @@ SUBSTEPS = 10  # of a tick: the hand's own mechanics are continuous beside a dev
 
 
 def straight(start: Floats, velocity: npt.ArrayLike, spin: npt.ArrayLike, ticks: int, about: npt.ArrayLike) -> Floats:
-    """Poses (ticks, 4, 4) from `start` on, moving at m/s and turning at rad/s about a point of the tool that moves along."""
+    """Poses (ticks, 4, 4) from `start` on, at m/s, and turning at rad/s about a point of the tool that moves along."""
     v, w = np.asarray(velocity, dtype=np.float64), np.asarray(spin, dtype=np.float64)
     middle = start[:3, :3] @ np.asarray(about, dtype=np.float64) + start[:3, 3]
     return np.array([moved(start, v * (k * TICK_S), w * (k * TICK_S), middle) for k in range(ticks)])
@@ -42,7 +43,7 @@ def through(keys: Floats, seconds: npt.ArrayLike) -> Floats:
 def along(way: Floats, speed_m_per_s: float, spin_rad_per_s: float = 2.0) -> Floats:
     """Poses at each tick along a given way, no faster than either speed: the knots joined, without rests."""
     made = [way[0]]
-    for first, last in zip(way[:-1], way[1:], strict=True):
+    for first, last in itertools.pairwise(way):
         shift, turn = last[:3, 3] - first[:3, 3], rotation_vector(last[:3, :3] @ first[:3, :3].T)
         time = max(np.linalg.norm(shift) / speed_m_per_s, np.linalg.norm(turn) / spin_rad_per_s)
         count = max(1, int(np.ceil(time / TICK_S)))
@@ -68,7 +69,7 @@ def circle(start: Floats, across: npt.ArrayLike, down: npt.ArrayLike, radius: fl
 
 @dataclass(frozen=True)
 class Grip:
-    """A hand on a device: mass and stiffness of both together, per axis (Kuchenbecker, Park, Niemeyer 2003, rounded)."""
+    """A hand on a device, of the order that is usual: mass and stiffness of both together, alike along all axes."""
 
     mass_kg: float = 0.25
     stiffness_n_per_m: float = 300.0
@@ -78,8 +79,12 @@ class Grip:
     rotational_damping_nms_per_rad: float = 0.02
 
 
-LOOSE = Grip(stiffness_n_per_m=0.0, rotational_stiffness_nm_per_rad=0.0, damping_ns_per_m=0.3,
-             rotational_damping_nms_per_rad=1e-4)
+LOOSE = Grip(
+    stiffness_n_per_m=0.0,
+    rotational_stiffness_nm_per_rad=0.0,
+    damping_ns_per_m=0.3,
+    rotational_damping_nms_per_rad=1e-4,
+)
 """A device that nobody holds: its mass and a little friction."""
 
 
@@ -91,7 +96,7 @@ class Hand:
 
     def __init__(self, start: Floats, grip: Grip | None = None, delay_ticks: int = 0) -> None:
         self.grip = grip or Grip()
-        self.pose = start.copy()
+        self.pose: Floats = start.copy()
         self.velocity, self.spin = np.zeros(3), np.zeros(3)
         self._late: list[tuple[Floats, Floats]] = [(np.zeros(3), np.zeros(3))] * delay_ticks
 
@@ -139,7 +144,9 @@ def unsure(axis_top: Floats, depth: float, seed: int, *, above: float, speed: fl
     height, tick = above, 0
     while True:
         time = tick * TICK_S
-        circling = SEARCH_M * np.array([np.cos(2 * np.pi * SEARCH_HZ * time), np.sin(2 * np.pi * SEARCH_HZ * time), 0.0])
+        circling = SEARCH_M * np.array(
+            [np.cos(2 * np.pi * SEARCH_HZ * time), np.sin(2 * np.pi * SEARCH_HZ * time), 0.0]
+        )
         shaking = TREMOR_M * np.sin(2 * np.pi * TREMOR_HZ * time + phase + np.array([0.0, 2.0, 4.0]))
         yield axis_top @ pose(off + circling + shaking + np.array([0.0, 0.0, height]), tilt)
         height = max(height - speed * TICK_S, -depth - 0.003)

@@ -1,12 +1,14 @@
-"""A baseline: a point shell in a voxel grid, after W. A. McNeely, K. D. Puterbaugh and J. J. Troy, Six degree-of-freedom
-haptic rendering using voxel sampling, SIGGRAPH 1999.
+"""A baseline: a point shell in a voxel grid.
+
+After W. A. McNeely, K. D. Puterbaugh and J. J. Troy, Six degree-of-freedom haptic rendering using voxel sampling,
+SIGGRAPH 1999.
 
 The mock-up becomes a grid of voxels: free, surface, interior. The tool becomes points, one in the middle of each voxel
 of its own surface, with normals inwards. A point in a surface voxel (or inside) meets the plane through that voxel's
-middle across its own normal; the depth behind it gives the force (the paper's tangent-plane force). Of more than ten points in
-contact the stiffness is shared, as in the paper. As there, the surface that is felt is half a voxel to one voxel outside
-of the true one, and a motion of more than half a voxel a tick may miss a thin thing. Not taken over: the quasi-static
-coupling of later papers, the hierarchy of voxels, and the pre-contact braking. Written to be plain, not fast.
+middle across its own normal; the depth behind it gives the force (the paper's tangent-plane force). Of more than ten
+points in contact the stiffness is shared, as in the paper. As there, the surface that is felt is up to half a voxel off
+the true one, and a motion of more than half a voxel a tick may miss a thin thing. Not taken over: the layer of voxels
+about the surface that keeps the true surfaces apart, and the braking before a contact. Written to be plain, not fast.
 """
 
 from __future__ import annotations
@@ -23,7 +25,7 @@ from .meshes import Floats
 from .poses import placed
 
 STIFFNESS_N_PER_M = 1000.0  # of a point
-SHARED_FROM = 10  # points: the paper's section 4.4 shares the stiffness beyond
+SHARED_FROM = 10  # points; beyond, they share the stiffness
 VOXELS_PER_TOOL = 30  # along the tool's diagonal, unless a size is given
 MOST_FLOODED = 8_000_000  # voxels
 
@@ -48,7 +50,7 @@ class VoxelGrid:
 
     def index(self, points: Floats) -> npt.NDArray[np.int64]:
         """The voxels of points (n, 3)."""
-        return np.floor((points - self.origin) / self.size).astype(np.int64)
+        return np.asarray(np.floor((points - self.origin) / self.size), dtype=np.int64)
 
     def middle(self, index: npt.NDArray[np.int64]) -> Floats:
         """The middles of voxels."""
@@ -70,27 +72,25 @@ def surface_samples(vertices: Floats, faces: npt.NDArray[np.integer], spacing: f
     return _samples(vertices, faces, spacing)[0]
 
 
-def _samples(
-    vertices: Floats, faces: npt.NDArray[np.integer], spacing: float
-) -> tuple[Floats, npt.NDArray[np.int64]]:
-    """Middles of the triangles halved at their longest edges until none is longer than `spacing`; and all corners.
-
-    Also the triangle that each is of.
-    """
-    corners, owner = vertices[faces], np.arange(len(faces))
-    found, whose = [corners.reshape(-1, 3)], [np.repeat(owner, 3)]
-    while len(corners):
-        edges = np.sqrt(((np.roll(corners, -1, axis=1) - corners) ** 2).sum(axis=2))
-        short = edges.max(axis=1) <= spacing
-        found.append(corners[short].mean(axis=1))
-        whose.append(owner[short])
-        corners, owner, longest = corners[~short], owner[~short], edges[~short].argmax(axis=1)
-        rows = np.arange(len(corners))
-        a, b, c = (corners[rows, (longest + k) % 3] for k in range(3))
-        middle = 0.5 * (a + b)
-        corners = np.concatenate([np.stack([a, middle, c], axis=1), np.stack([middle, b, c], axis=1)])
-        owner = np.concatenate([owner, owner])
-    return np.concatenate(found), np.concatenate(whose)
+def _samples(vertices: Floats, faces: npt.NDArray[np.integer], spacing: float) -> tuple[Floats, npt.NDArray[np.int64]]:
+    """Points in rows along each triangle's longest edge, at most `spacing` apart, and the triangle that each is of."""
+    corners = vertices[faces]
+    edges = np.sqrt(((np.roll(corners, -1, axis=1) - corners) ** 2).sum(axis=2))
+    longest, which = edges.argmax(axis=1), np.arange(len(faces))
+    a, b, c = (corners[which, (longest + k) % 3] for k in range(3))
+    base = edges[which, longest]
+    height = np.sqrt((np.cross(b - a, c - a) ** 2).sum(axis=1)) / np.maximum(base, 1e-300)
+    # powers of two, so that there are few kinds of rows
+    counts = 2 ** np.ceil(np.log2(np.maximum(np.stack([base, height], axis=1) / spacing, 1.0))).astype(np.int64)
+    found, owner = [], []
+    for along, up in np.unique(counts, axis=0):
+        chosen = np.flatnonzero((counts == (along, up)).all(axis=1))
+        u, v = np.meshgrid(np.arange(along + 1) / along, np.arange(up + 1) / up)
+        weights = np.stack([(1 - v) * (1 - u), (1 - v) * u, v], axis=2).reshape(-1, 3)
+        own = np.stack([a[chosen], b[chosen], c[chosen]], axis=1)
+        found.append(np.einsum("wk,tkx->twx", weights, own).reshape(-1, 3))
+        owner.append(np.repeat(chosen, len(weights)))
+    return np.concatenate(found), np.concatenate(owner)
 
 
 def flooded(free: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:

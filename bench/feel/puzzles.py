@@ -33,7 +33,13 @@ class Puzzle:
 
 
 def alpha(
-    radius: float = 0.03, pitch: float = 0.024, rod: float = 0.004, leg: float = 0.06, *, steps: int = 48, sides: int = 12
+    radius: float = 0.03,
+    pitch: float = 0.024,
+    rod: float = 0.004,
+    leg: float = 0.06,
+    *,
+    steps: int = 48,
+    sides: int = 12,
 ) -> Puzzle:
     """Two rods bent like the letter alpha, each with its loop through the other's.
 
@@ -50,7 +56,13 @@ def alpha(
 
 
 def coils(
-    radius: float = 0.02, pitch: float = 0.016, rod: float = 0.003, turns: float = 2.0, *, steps: int = 48, sides: int = 12
+    radius: float = 0.02,
+    pitch: float = 0.016,
+    rod: float = 0.003,
+    turns: float = 2.0,
+    *,
+    steps: int = 48,
+    sides: int = 12,
 ) -> Puzzle:
     """Two coils, each between the turns of the other."""
     angle = np.linspace(0.0, turns * TURN, max(8, round(turns * steps)))
@@ -64,7 +76,7 @@ def _screwed(
     mesh = tube(curve, rod, sides)
     # turned by half a turn a rod lies on the surface half a pitch away, and its loop opens to the other side
     other = mesh[0] * np.array([-1.0, -1.0, 1.0]), mesh[1]
-    # between two screw surfaces half a pitch apart, where they are steepest; chords of the curves cut inside by a little
+    # of two screw surfaces half a pitch apart, where they are steepest; chords of the curves cut inside by a little
     slope = math.atan(pitch / (TURN * radius))
     clearance = 0.5 * pitch * math.cos(slope) - 2.0 * rod
     count = math.ceil(turns * 120)

@@ -1,4 +1,4 @@
-"""Mock-ups and tools to feel: things thin enough to be passed, and contacts whose force is known, at any tessellation."""
+"""Mock-ups and tools to feel: things thin enough to be passed, and contacts of known force at any tessellation."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def half_sheet(half: float = THIN_HALF_M, cells: int = 1) -> Mesh:
 
 
 def wires(half: float = THIN_HALF_M, pitch: float = WIRE_PITCH_M, radius: float = WIRE_RADIUS_M) -> Mesh:
-    """Parallel wires along y in the plane z = 0, closer than a tool is thick: prisms of three sides, each of one piece."""
+    """Parallel wires along y in the plane z = 0, closer than a tool is thick: prisms of three sides."""
     count = math.floor(half / pitch)
     made = []
     for k in range(-count, count + 1):
@@ -69,8 +69,15 @@ def strips(half: float = THIN_HALF_M, pitch: float = WIRE_PITCH_M, width: float 
 def thin_tools(size: float = TOOL_SIZE_M) -> dict[str, Mesh]:
     """Tools to throw at thin things, each about its middle and at least `WIRE_PITCH_M` thick."""
     angle = math.acos(1.0 / 3.0)
-    corners = np.array([(0.0, 0.0, 1.0), *((math.sin(angle) * math.cos(a), math.sin(angle) * math.sin(a), -1.0 / 3.0)
-                                           for a in (0.0, 2 * math.pi / 3, 4 * math.pi / 3))])
+    corners = np.array(
+        [
+            (0.0, 0.0, 1.0),
+            *(
+                (math.sin(angle) * math.cos(a), math.sin(angle) * math.sin(a), -1.0 / 3.0)
+                for a in (0.0, 2 * math.pi / 3, 4 * math.pi / 3)
+            ),
+        ]
+    )
     tetrahedron = corners * size, np.array([(0, 1, 2), (0, 2, 3), (0, 3, 1), (1, 3, 2)])
     return {
         "box": box((size, 0.8 * size, 0.6 * size), (0.0, 0.0, 0.0), 1),
@@ -105,7 +112,9 @@ def cylinder_on_plate(cells: int) -> Contact:
 
 def _resting(mockup: Mesh, tool: Mesh, height: float) -> Contact:
     # a little aside, so that corners and edges of the two do not lie on each other
-    return Contact(mockup, tool, pose((0.0031, 0.0017, height)), np.array([0.0, 0.0, -1.0]), len(mockup[1]) + len(tool[1]))
+    return Contact(
+        mockup, tool, pose((0.0031, 0.0017, height)), np.array([0.0, 0.0, -1.0]), len(mockup[1]) + len(tool[1])
+    )
 
 
 FLANK_RAD = math.radians(20.0)

@@ -29,7 +29,7 @@ FRAME_SHIFT_M = 0.2
 
 @dataclass(frozen=True)
 class Throw:
-    """One run: mock-up, tool, device poses; and of proxy poses, all in the frame of the thin thing, whether it passed."""
+    """One run: mock-up, tool, device poses; and whether it passed, by proxy poses in the frame of the thin thing."""
 
     kind: str
     tool_name: str
@@ -102,7 +102,9 @@ def _threaded(rng: np.random.Generator, speed: float) -> Made:
     """A ring on a wire, torn away: it passed if the wire's middle line ever does not go through it any more."""
     radius = 0.02
     tool = scenes.thread_ring(radius)
-    start = pose((0.0, rng.uniform(-0.02, 0.02), 0.0), (np.pi / 2 + rng.uniform(-0.4, 0.4), 0.0, rng.uniform(-0.4, 0.4)))
+    start = pose(
+        (0.0, rng.uniform(-0.02, 0.02), 0.0), (np.pi / 2 + rng.uniform(-0.4, 0.4), 0.0, rng.uniform(-0.4, 0.4))
+    )
     way = rng.normal(size=3) * np.array([1.0, 0.3, 1.0])
     path = _path(rng, start, way / np.sqrt(way @ way), speed, 2 * radius + BEYOND_M)
 
@@ -175,7 +177,9 @@ def one(make: Callable[..., Face], index: int, seed: int = 0) -> dict[str, Any]:
     }
 
 
-def run(make: Callable[..., Face], runs: int, seed: int = 0, tick: Callable[[], object] | None = None) -> dict[str, Any]:
+def run(
+    make: Callable[..., Face], runs: int, seed: int = 0, tick: Callable[[], object] | None = None
+) -> dict[str, Any]:
     """All runs; a row for each kind and speed, and the runs that passed or collided, to be done again alone."""
     found = []
     for index in range(runs):

@@ -1,0 +1,84 @@
+"""How long a step takes in the sample engine, along a way of a hand in and out. The one experiment with a clock."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+import feeler
+
+from ..faces import TICK_S, Face
+from .fitting import colliding
+
+TOOLS = ("hand", "wrench")  # hand: 4,908 triangles
+SERVO_ONLY_HZ = 0.001  # collision once at the first step, then never again in the run
+MARGIN_M = 0.002
+
+
+def run(
+    make: Callable[..., Face], triangles: int, steps: int, tools: tuple[str, ...] = TOOLS, seed: int = 0
+) -> dict[str, Any]:
+    """Times of a step with collision each time; of the contacts and the cast alone; of a step without collision."""
+    mockup = feeler.sample("engine", triangles)
+    scene = feeler.Scene(mockup, threads=1)
+    rows = []
+    for name in tools:
+        tool = feeler.sample_tool(name)
+        path = feeler.sample_path(scene, tool, steps, seed)
+        whole, proxies, planes = _timed(make(scene, tool, seed=seed), path)
+        servo, _, _ = _timed(make(scene, tool, seed=seed, collision_hz=SERVO_ONLY_HZ), path[: len(path) // 4])
+        alone = _contacts_alone(scene, tool, proxies)
+        rows.append(
+            {
+                "tool": name,
+                "tool_triangles": tool.triangle_count,
+                "triangles": mockup.triangle_count,
+                "steps": len(path),
+                "planes_mean": float(np.mean(planes)),
+                "step_us": quantiles(whole),
+                "contacts_us": quantiles(alone),
+                "servo_us": quantiles(servo),
+                "median_hz": 1.0 / float(np.median(whole)),
+                "p99_hz": 1.0 / float(np.percentile(whole, 99)),
+                "colliding_steps": colliding(scene, tool, proxies),
+                "trace_us": [round(1e6 * float(t), 1) for t in whole[:: max(1, len(whole) // 500)]],
+            }
+        )
+    return {"rows": rows, "sample": "engine", "triangles_asked": triangles}
+
+
+def quantiles(seconds: npt.NDArray[np.float64]) -> dict[str, float]:
+    """In microseconds."""
+    shares = {"median": 50.0, "p95": 95.0, "p99": 99.0, "p99.9": 99.9, "worst": 100.0}
+    return {name: 1e6 * float(np.percentile(seconds, share)) for name, share in shares.items()}
+
+
+def _timed(
+    face: Face, path: npt.NDArray[np.float64]
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], list[int]]:
+    """Seconds of each step, proxy poses, planes."""
+    face.start(path[0])
+    times, proxies, planes = np.empty(len(path)), np.empty((len(path), 4, 4)), []
+    clock = time.perf_counter
+    for k, at in enumerate(path):
+        begin = clock()
+        step = face.step(at, TICK_S)
+        times[k] = clock() - begin
+        proxies[k] = step.world_from_proxy
+        found = getattr(step, "planes", 0)
+        planes.append(found if isinstance(found, int) else len(found))
+    return times, proxies, planes
+
+
+def _contacts_alone(scene: feeler.Scene, tool: feeler.Tool, poses: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """Seconds of the contact query at each of the proxy's poses: what of a step is not the session's."""
+    times = np.empty(len(poses))
+    for k, at in enumerate(poses):
+        begin = time.perf_counter()
+        scene.contacts(tool, at, MARGIN_M)
+        times[k] = time.perf_counter() - begin
+    return times
