@@ -136,6 +136,12 @@ def feeler_session(scene: feeler.Scene, tool: feeler.Tool, *, seed: int = 0, **o
     return made
 
 
+def couplings(face: str) -> list[tuple[str, dict[str, Any]]]:
+    """Couplings to try of a face, by name, as options of its maker."""
+    del face
+    return [("default", {})]
+
+
 def makers() -> dict[str, MakeFace]:
     """Whatever can be felt, by name."""
     from .penalty import Penalty

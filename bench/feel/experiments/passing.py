@@ -177,16 +177,9 @@ def one(make: Callable[..., Face], index: int, seed: int = 0) -> dict[str, Any]:
     }
 
 
-def run(
-    make: Callable[..., Face], runs: int, seed: int = 0, tick: Callable[[], object] | None = None
-) -> dict[str, Any]:
-    """All runs; a row for each kind and speed, and the runs that passed or collided, to be done again alone."""
-    found = []
-    for index in range(runs):
-        found.append(one(make, index, seed))
-        if tick is not None:
-            tick()
-    return {"runs": runs, "seed": seed, "rows": list(_rows(found)), "bad": [r for r in found if _is_bad(r)][:100]}
+def summary(found: list[dict[str, Any]], seed: int = 0) -> dict[str, Any]:
+    """A row for each kind and speed, and the runs that passed or collided, to be done again alone (`one`)."""
+    return {"runs": len(found), "seed": seed, "rows": list(_rows(found)), "bad": [r for r in found if _is_bad(r)][:100]}
 
 
 def _is_bad(result: dict[str, Any]) -> bool:

@@ -21,6 +21,7 @@ PRESS_TICKS = 200
 SETTLE_TICKS = 200
 LOOKED_AT_TICKS = 50
 SLIDE_M_PER_S = 0.1
+FLAT_RAD = 1e-3  # off the normal of a flat face, at most
 FRAMES = {"flush": pose(), "turned": pose((0.02, -0.01, 0.03), (0.4, -0.7, 1.1))}
 
 
@@ -92,9 +93,9 @@ def _over_cylinder(make: Callable[..., Face], sides: int, seed: int) -> dict[str
     found = _felt(face, [pose(r * n + np.array([0.0013, 0.0, 0.0])) for r, n in zip(radii, normals, strict=True)])
     facet = 2.0 * math.pi / sides
     row = _jumps(found[-ticks:], normals[-ticks:])
-    # both facets lie askew to the true normal by half their angle at most, one after the other by the whole of it
-    row["direction_in_facets"] = row["direction_rad"] / (facet + math.pi / bands)
-    return {"surface": "cylinder", "triangles": scene.mockup.triangle_count, "facet_rad": facet, **row}
+    # a facet is askew to the true normal by half its angle, on the cylinder and on the ball
+    allowed = 0.5 * (facet + math.pi / bands)
+    return {"surface": "cylinder", "triangles": scene.mockup.triangle_count, "allowed_rad": allowed, **row}
 
 
 def _along_face(make: Callable[..., Face], seed: int) -> dict[str, Any]:
@@ -109,7 +110,7 @@ def _along_face(make: Callable[..., Face], seed: int) -> dict[str, Any]:
         face, [pose(s * way + np.array([0.0, 0.0, z]), (0.0, 0.0, 0.2)) for s, z in zip(along, heights, strict=True)]
     )
     row = _jumps(found[-ticks:], np.tile([0.0, 0.0, 1.0], (ticks, 1)))
-    return {"surface": "flat face", "triangles": len(plate[1]), "facet_rad": 0.0, **row}
+    return {"surface": "flat face", "triangles": len(plate[1]), "allowed_rad": FLAT_RAD, **row}
 
 
 def _felt(face: Face, path: Sequence[Floats]) -> Floats:
