@@ -105,13 +105,17 @@ class Hand:
         self._late.append((force, torque))
         force, torque = self._late.pop(0)
         g, h = self.grip, dt / SUBSTEPS
+        at, turned = self.pose[:3, 3].copy(), self.pose[:3, :3].copy()
         for _ in range(SUBSTEPS):
-            pull = g.stiffness_n_per_m * (wanted[:3, 3] - self.pose[:3, 3]) - g.damping_ns_per_m * self.velocity
-            turn = rotation_vector(wanted[:3, :3] @ self.pose[:3, :3].T)
+            pull = g.stiffness_n_per_m * (wanted[:3, 3] - at) - g.damping_ns_per_m * self.velocity
+            turn = rotation_vector(wanted[:3, :3] @ turned.T)
             twist = g.rotational_stiffness_nm_per_rad * turn - g.rotational_damping_nms_per_rad * self.spin
             self.velocity = self.velocity + h / g.mass_kg * (pull + force)
             self.spin = self.spin + h / g.inertia_kgm2 * (twist + torque)
-            self.pose = moved(self.pose, h * self.velocity, h * self.spin, self.pose[:3, 3])
+            at, turned = at + h * self.velocity, rotation(h * self.spin) @ turned
+        u, _, vt = np.linalg.svd(turned)  # what rounding did to it is undone
+        self.pose = np.eye(4)
+        self.pose[:3, :3], self.pose[:3, 3] = u @ vt, at
         return self.pose
 
     @property

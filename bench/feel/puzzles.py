@@ -136,7 +136,7 @@ def hexagon_key(fit: HexFit = M10, share: float = 0.5) -> Puzzle:
 
 def _bent_key(half: float, short: float, long: float) -> Mesh:
     """A hexagonal bar from z = 0 up, bent towards x by a quarter turn; its first corners cut a little."""
-    bend = 2.0 * half
+    bend, corner = 2.0 * half, half / math.cos(math.pi / 6.0)  # legs are measured over the corners
     quarter = np.linspace(0.0, 0.5 * math.pi, 9)
     hexagon = regular(1.0, 6, around=True)
     rows: list[tuple[Floats, float, float]] = [
@@ -144,9 +144,9 @@ def _bent_key(half: float, short: float, long: float) -> Mesh:
         (np.array([0.0, 0.0, KEY_CHAMFER_M]), 0.0, half),
     ]
     for a in quarter:
-        middle = np.array([bend - bend * math.cos(a), 0.0, short - half - bend + bend * math.sin(a)])
+        middle = np.array([bend - bend * math.cos(a), 0.0, short - corner - bend + bend * math.sin(a)])
         rows.append((middle, float(a), half))
-    rows.append((np.array([long - half, 0.0, short - half]), 0.5 * math.pi, half))
+    rows.append((np.array([long - corner, 0.0, short - corner]), 0.5 * math.pi, half))
     loops = []
     for middle, a, size in rows:
         across = np.array([math.cos(a), 0.0, -math.sin(a)])  # the section's x, turned towards the bend

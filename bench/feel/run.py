@@ -42,7 +42,7 @@ SIDES, QUICK_SIDES = (48, 96, 384), (96,)
 Result = dict[str, Any]
 
 
-def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
+def parse(arguments: Sequence[str]) -> argparse.Namespace:
     """The command line."""
     head, examples, tail = (__doc__ or "").split("\n\n")
     parser = argparse.ArgumentParser(
@@ -52,9 +52,8 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     )
     parser.add_argument("out", nargs="?", type=Path, default=OUT, help="folder of the results (target/feel)")
     parser.add_argument("--quick", action="store_true", help="the short form of each experiment")
-    parser.add_argument(
-        "--only", type=_listed(list(EXPERIMENTS)), default=list(EXPERIMENTS), help=",".join(EXPERIMENTS)
-    )
+    names = list(EXPERIMENTS)
+    parser.add_argument("--only", type=_listed(names), default=names, help=", ".join(names))
     names = list(faces.makers())
     parser.add_argument("--faces", type=_listed(names), default=names, help=f"what is felt ({','.join(names)})")
     parser.add_argument(
@@ -165,7 +164,7 @@ EXPERIMENTS: dict[str, Callable[[str, argparse.Namespace], Result | None]] = {
 }
 
 
-def run(options: argparse.Namespace) -> Result:
+def run(options: argparse.Namespace, given: Sequence[str] = ()) -> Result:
     """All that is asked for, as plain data."""
     found: dict[str, Result] = {}
     for face in options.faces:
@@ -182,7 +181,7 @@ def run(options: argparse.Namespace) -> Result:
     return {
         "when": host.now(),
         **host.commit(),
-        "args": [] if not sys.argv[1:] else host.arguments(sys.argv[1:]),
+        "args": [word for word in given if word not in (str(options.out), "--record")],
         "is_quick": options.quick,
         "machine": host.machine(),
         "versions": host.versions({}),
@@ -202,11 +201,12 @@ def write(result: Result, folder: Path) -> list[Path]:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run, write, judge."""
-    options = parse(arguments)
+    given = sys.argv[1:] if arguments is None else list(arguments)
+    options = parse(given)
     if "feeler" in options.faces and find_spec("feeler.haptics") is None:
         print("feeler.haptics is not in this build: choose --faces penalty,point-shell", file=sys.stderr)
         return 2
-    result = run(options)
+    result = run(options, given)
     for path in write(result, options.out):
         print(f"Written: {path}")
     if options.record:

@@ -21,6 +21,7 @@ PRESS_TICKS = 200
 SETTLE_TICKS = 200
 LOOKED_AT_TICKS = 50
 SLIDE_M_PER_S = 0.1
+START_TICKS = 200  # of a slide that are not looked at: a damper feels the start
 FLAT_RAD = 1e-3  # off the normal of a flat face, at most
 FRAMES = {"flush": pose(), "turned": pose((0.02, -0.01, 0.03), (0.4, -0.7, 1.1))}
 
@@ -83,12 +84,15 @@ def _over_cylinder(make: Callable[..., Face], sides: int, seed: int) -> dict[str
     scene = feeler.Scene(mockup_of(scenes.long_cylinder(sides, radius)), threads=1)
     face = make(scene, tool_of(ball(tool_radius, bands)), seed=seed)
     reach = radius + tool_radius - DEPTH_M
-    half = math.radians(30.0)
-    ticks = round(2 * half * reach / (SLIDE_M_PER_S * TICK_S))
-    angles = np.linspace(-half, half, ticks)
+    half, a_tick = math.radians(30.0), SLIDE_M_PER_S * TICK_S / reach
+    ticks = round(2 * half / a_tick)
+    angles = -half + a_tick * np.arange(-START_TICKS, ticks)
     # in along the normal first, then along the arc that is `DEPTH_M` deep
-    radii = [*np.linspace(reach + DEPTH_M + ABOVE_M, reach, PRESS_TICKS), *([reach] * (SETTLE_TICKS + ticks))]
-    angles = np.concatenate([np.full(PRESS_TICKS + SETTLE_TICKS, -half), angles])
+    radii = [
+        *np.linspace(reach + DEPTH_M + ABOVE_M, reach, PRESS_TICKS),
+        *([reach] * (SETTLE_TICKS + START_TICKS + ticks)),
+    ]
+    angles = np.concatenate([np.full(PRESS_TICKS + SETTLE_TICKS, angles[0]), angles])
     normals = np.stack([np.zeros(len(angles)), np.sin(angles), np.cos(angles)], axis=1)
     found = _felt(face, [pose(r * n + np.array([0.0013, 0.0, 0.0])) for r, n in zip(radii, normals, strict=True)])
     facet = 2.0 * math.pi / sides
@@ -104,8 +108,11 @@ def _along_face(make: Callable[..., Face], seed: int) -> dict[str, Any]:
     face = make(scene, tool_of(box((0.03, 0.02, 0.04), (0.0, 0.0, 0.02), 4)), seed=seed)
     ticks = 1000
     way = np.array([math.cos(0.37), math.sin(0.37), 0.0])
-    heights = [*np.linspace(ABOVE_M, -DEPTH_M, PRESS_TICKS), *([-DEPTH_M] * (SETTLE_TICKS + ticks))]
-    along = np.concatenate([np.zeros(PRESS_TICKS + SETTLE_TICKS), np.arange(ticks) * SLIDE_M_PER_S * TICK_S]) - 0.05
+    heights = [*np.linspace(ABOVE_M, -DEPTH_M, PRESS_TICKS), *([-DEPTH_M] * (SETTLE_TICKS + START_TICKS + ticks))]
+    along = (
+        np.concatenate([np.zeros(PRESS_TICKS + SETTLE_TICKS), np.arange(START_TICKS + ticks) * SLIDE_M_PER_S * TICK_S])
+        - 0.06
+    )
     found = _felt(
         face, [pose(s * way + np.array([0.0, 0.0, z]), (0.0, 0.0, 0.2)) for s, z in zip(along, heights, strict=True)]
     )
