@@ -31,7 +31,7 @@ def run(
         path = feeler.sample_path(scene, tool, steps, seed)
         whole, proxies, planes = _timed(make(scene, tool, seed=seed), path)
         servo, _, _ = _timed(make(scene, tool, seed=seed, collision_hz=SERVO_ONLY_HZ), path[: len(path) // 4])
-        alone = _contacts_alone(scene, tool, proxies)
+        alone, near = _contacts_alone(scene, tool, proxies)
         rows.append(
             {
                 "tool": name,
@@ -40,6 +40,8 @@ def run(
                 "steps": len(path),
                 "planes_mean": float(np.mean(planes)),
                 "step_us": quantiles(whole),
+                "near_steps": int(near.sum()),
+                "near_us": quantiles(whole[near]) if near.any() else None,
                 "contacts_us": quantiles(alone),
                 "servo_us": quantiles(servo),
                 "median_hz": 1.0 / float(np.median(whole)),
@@ -74,11 +76,14 @@ def _timed(
     return times, proxies, planes
 
 
-def _contacts_alone(scene: feeler.Scene, tool: feeler.Tool, poses: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-    """Seconds of the contact query at each of the proxy's poses: what of a step is not the session's."""
-    times = np.empty(len(poses))
+def _contacts_alone(
+    scene: feeler.Scene, tool: feeler.Tool, poses: npt.NDArray[np.float64]
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.bool_]]:
+    """Seconds of the contact query at each of the proxy's poses, and whether it found anything."""
+    times, near = np.empty(len(poses)), np.zeros(len(poses), dtype=bool)
     for k, at in enumerate(poses):
         begin = time.perf_counter()
-        scene.contacts(tool, at, MARGIN_M)
+        found = scene.contacts(tool, at, MARGIN_M)
         times[k] = time.perf_counter() - begin
-    return times
+        near[k] = len(found) > 0
+    return times, near

@@ -22,8 +22,8 @@ SKIN_M = 2e-5
 SKIN_SHARE = 0.2  # of the radial clearance, at most: a skin on both sides must fit in
 WAY_M_PER_S = 0.05
 WAY_RAD_PER_S = 2.0
-WAY_OFF = 1.2  # how far the hand is off a known way, aside, in clearances: it must be led
-WAY_OFF_LEAST_M = 0.0003
+WAY_OFF = 3.0  # how far the hand is off a known way, aside, in clearances: it must be led
+WAY_OFF_M = (0.0003, 0.008)  # and never less or more than this
 FADE_S = 0.3
 KEPT_UP_M = 0.002
 
@@ -112,7 +112,7 @@ def _there_and_back(
     rows = []
     for direction, knots in (("out", way), ("in", way[::-1])):
         face = make(scene, tool, seed=0, skin=skin_for(clearance))
-        path = _off(hands.along(knots, WAY_M_PER_S, WAY_RAD_PER_S), max(WAY_OFF * clearance, WAY_OFF_LEAST_M))
+        path = _off(hands.along(knots, WAY_M_PER_S, WAY_RAD_PER_S), float(np.clip(WAY_OFF * clearance, *WAY_OFF_M)))
         face.start(path[0])
         forces, proxies = [], []
         for at in [*path, *([path[-1]] * 50)]:
@@ -144,5 +144,5 @@ def _off(path: Floats, far: float) -> Floats:
     """A path that strays aside that far, slowly; at its ends it is as it was."""
     time = np.arange(len(path)) * TICK_S
     fade = np.minimum(1.0, np.minimum(time, time[::-1]) / FADE_S)
-    aside = far * fade[:, None] * np.stack([np.sin(9 * time), np.cos(9 * time), np.zeros_like(time)], axis=1)
+    aside = far * fade[:, None] * np.stack([np.sin(9 * time), np.cos(9 * time), np.sin(7 * time)], axis=1)
     return np.array([pose(shift) @ at for shift, at in zip(aside, path, strict=True)])
