@@ -30,7 +30,6 @@ figures = importlib.import_module("feel.figures")
 passing = importlib.import_module("feel.experiments.passing")
 energy = importlib.import_module("feel.experiments.energy")
 tessellation = importlib.import_module("feel.experiments.tessellation")
-fitting = importlib.import_module("feel.experiments.fitting")
 
 MOST_TICKS = 2000
 
@@ -309,8 +308,20 @@ def test_baselines_rest_on_a_plate_and_are_free_above(make: Any) -> None:
     assert -0.001 < step.world_from_proxy[2, 3] < 0.001
 
 
-def test_skins_fit_into_clearances() -> None:
-    assert fitting.skin_for(1e-3) == 2e-5 and fitting.skin_for(3.5e-6) == pytest.approx(0.7e-6)
+def test_a_hand_stays_at_rest_below_its_bound_and_swings_above() -> None:
+    """The bound that is asked of sessions is where the simulated hand itself has it."""
+    found = {}
+    for share in (0.9, 1.3):
+
+        class Wall(Spring):
+            def step(self, world_from_device: Any, dt: float = 0.001, share: float = share) -> Said:
+                stiffness = share * energy.bound_n_per_m(3)
+                push = np.array([0.0, 0.0, stiffness * max(0.0, -world_from_device[2, 3])])
+                return Said(world_from_device, push, np.zeros(3))
+
+        result = energy.step_response(Wall, lambda _stiffness: None, (3,))
+        found[share] = [goal.is_met for goal in goals.scorecard({"step_response": result})]
+    assert found == {0.9: [True], 1.3: [False]}
 
 
 def test_goals_tables_and_blocks_of_a_page() -> None:

@@ -136,10 +136,12 @@ def feeler_session(scene: feeler.Scene, tool: feeler.Tool, *, seed: int = 0, **o
     return made
 
 
-def couplings(face: str) -> list[tuple[str, dict[str, Any]]]:
-    """Couplings to try of a face, by name, as options of its maker."""
-    del face
-    return [("default", {})]
+def stiffened(face: str, stiffness_n_per_m: float) -> dict[str, Any] | None:
+    """Options of a face's maker with that stiffness; None where the bench does not vary it."""
+    if face != "feeler":
+        return None
+    haptics = importlib.import_module("feeler.haptics")
+    return {"coupling": haptics.Coupling(stiffness_n_per_m=stiffness_n_per_m)}
 
 
 def makers() -> dict[str, MakeFace]:
@@ -147,12 +149,4 @@ def makers() -> dict[str, MakeFace]:
     from .penalty import Penalty
     from .point_shell import PointShell
 
-    def without_skin(kind: MakeFace) -> MakeFace:
-        # the baselines have none
-        def make(scene: feeler.Scene, tool: feeler.Tool, *, seed: int = 0, skin: float | None = None) -> Face:
-            del skin
-            return kind(scene, tool, seed=seed)
-
-        return make
-
-    return {"feeler": feeler_session, "penalty": without_skin(Penalty), "point-shell": without_skin(PointShell)}
+    return {"feeler": feeler_session, "penalty": Penalty, "point-shell": PointShell}

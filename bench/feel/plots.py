@@ -98,7 +98,7 @@ def _step_response(faces: dict[str, Result]) -> Any:
         for face, found in faces.items():
             for row in (r for r in found["rows"] if r["delay_ticks"] == delay):
                 trace = row["trace_m"]
-                time = [1.5 * k / len(trace) for k in range(len(trace))]
+                time = [found["seconds"] * k / len(trace) for k in range(len(trace))]
                 own.plot(time, [1e3 * z for z in trace], color=_colour(face), lw=1, label=f"{face}, {row['coupling']}")
         own.set_title(f"{delay} ms late", fontsize=9)
         own.set_xlabel("s")

@@ -121,7 +121,7 @@ def _closed(face: str, options: argparse.Namespace) -> Result:
 
 def _step_response(face: str, options: argparse.Namespace) -> Result:
     del options
-    return energy.step_response(faces.makers()[face], faces.couplings(face))
+    return energy.step_response(faces.makers()[face], lambda stiffness: faces.stiffened(face, stiffness))
 
 
 def _release(face: str, options: argparse.Namespace) -> Result:

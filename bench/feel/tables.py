@@ -215,7 +215,9 @@ def _engine(faces: Faces) -> str:
             line = [row["tool"], f"{row['triangles']:,}", f"{row['planes_mean']:.1f}"]
             for name in ("step_us", "near_us", "contacts_us"):
                 line += [f"{row[name][share]:,.0f}" if row[name] else "–" for share in ("median", "p99", "worst")]
-            lines.append([*line, f"{row['servo_us']['median']:.1f}", f"{row['servo_us']['p99.9']:.1f}"])
+            servo = row["servo_us"]
+            line += [f"{servo['median']:.1f}", f"{servo['p99.9']:.1f}"] if servo else ["–", "–"]
+            lines.append(line)
     heads = ["tool", "triangles", "planes", "step, median", "p99", "worst", "near, median", "p99", "worst"]
     heads += ["contacts alone, median", "p99", "worst", "servo, median", "p99.9"]
     note = (

@@ -20,7 +20,8 @@ from ..faces import TICK_S, Face, limited
 from ..meshes import Floats, Mesh, ball, box, mockup_of, tool_of
 from ..poses import pose
 
-SETTLE_S = 1.5
+SETTLE_S = 3.0
+BOUND_SHARE = 0.9  # of the stiffness that the device can hold
 LOOKED_AT_S = 0.4
 RELEASE_DEPTHS_M = (0.002, 0.005)
 RELEASE_S = 0.6
@@ -81,38 +82,51 @@ def closed(make: Callable[..., Face], seed: int = 0) -> dict[str, Any]:
     return {"rows": rows}
 
 
+def bound_n_per_m(delay_ticks: int, grip: hands.Grip | None = None) -> float:
+    """The largest stiffness that a damped device can hold at 1 kHz, late by whole ticks.
+
+    From `b > K T / 2` (Colgate and Schenkel 1997) and what a delay adds, `K delay`, with the damping of device and hand.
+    """
+    return (grip or hands.Grip()).damping_ns_per_m / (0.5 * TICK_S + delay_ticks * TICK_S)
+
+
 def step_response(
     make: Callable[..., Face],
-    couplings: Sequence[tuple[str, dict[str, Any]]],
+    stiffened: Callable[[float], dict[str, Any] | None],
     delays_ticks: Sequence[int] = (0, 1, 3),
     seed: int = 0,
 ) -> dict[str, Any]:
     """A hand that suddenly wants to be 5 mm inside a wall: does the device come to rest?
 
-    `couplings`: names, and options of the session with each. `swing_m`: from top to bottom over the last ticks.
+    With the face's own coupling, and at `BOUND_SHARE` of what the device can hold (`stiffened`: options for that, or
+    None). `swing_m`: from top to bottom over the last ticks, `swing_before_m`: over as many before these.
     """
     rows = []
-    for name, options in couplings:
-        for delay in delays_ticks:
+    for delay in delays_ticks:
+        stiffness = BOUND_SHARE * bound_n_per_m(delay)
+        near_bound = stiffened(stiffness)
+        couplings: list[tuple[str, dict[str, Any]]] = [("its own", {})]
+        if near_bound is not None:
+            couplings.append((f"{stiffness:,.0f} N/m", near_bound))
+        for name, options in couplings:
             face = make(_wall(), _block(), seed=seed, **options)
             start, wanted = pose((0, 0, 0.002)), pose((0, 0, -0.005))
             hand = hands.Hand(start, delay_ticks=delay)
             heights, sizes = _held(face, hand, start, wanted, SETTLE_S)
             last = round(LOOKED_AT_S / TICK_S)
-            before = heights[-2 * last : -last]
             rows.append(
                 {
                     "coupling": name,
                     "delay_ticks": delay,
                     "swing_m": float(np.ptp(heights[-last:])),
-                    "swing_before_m": float(np.ptp(before)),
+                    "swing_before_m": float(np.ptp(heights[-2 * last : -last])),
                     "unrest_n": float(np.ptp(sizes[-last:])),
                     "force_n": float(sizes[-last:].mean()),
                     "overshoot_m": float(heights[-last:].mean() - heights.min()),
                     "trace_m": [round(float(z), 7) for z in heights[:: max(1, len(heights) // 300)]],
                 }
             )
-    return {"rows": rows, "hand": vars(hands.Grip())}
+    return {"rows": rows, "hand": vars(hands.Grip()), "seconds": SETTLE_S}
 
 
 def release(make: Callable[..., Face], seed: int = 0, delays_ticks: Sequence[int] = (0, 1, 3)) -> dict[str, Any]:
@@ -154,6 +168,7 @@ def release(make: Callable[..., Face], seed: int = 0, delays_ticks: Sequence[int
                     "sunk_m": sunk,
                     "stored_j": stored,
                     "largest_n": max(sizes),
+                    "bound_n": getattr(getattr(face, "coupling", None), "max_force_n", None),
                     "kinetic_j": max(kinetic),
                     "speed_m_per_s": math.sqrt(2.0 * max(kinetic) / hands.LOOSE.mass_kg),
                     "is_out": bool(heights[-1] > 0.0),

@@ -18,19 +18,12 @@ DEPTH_M = 0.03
 ABOVE_M = 0.004
 AT_BOTTOM_M = 0.0002
 PATIENCE_S = 6.0
-SKIN_M = 2e-5
-SKIN_SHARE = 0.2  # of the radial clearance, at most: a skin on both sides must fit in
 WAY_M_PER_S = 0.05
 WAY_RAD_PER_S = 2.0
 WAY_OFF = 3.0  # how far the hand is off a known way, aside, in clearances: it must be led
 WAY_OFF_M = (0.0003, 0.008)  # and never less or more than this
 FADE_S = 0.3
 KEPT_UP_M = 0.002
-
-
-def skin_for(radial_clearance: float) -> float:
-    """The skin to ask of a session, metres."""
-    return min(SKIN_M, max(SKIN_SHARE * radial_clearance, 1e-7))
 
 
 def pegs(
@@ -56,7 +49,7 @@ def pegs(
 def _pushed(
     make: Callable[..., Face], scene: feeler.Scene, tool: feeler.Tool, pair: fits.PegInHole, seed: int
 ) -> dict[str, Any]:
-    face = make(scene, tool, seed=seed, skin=skin_for(0.5 * pair.clearance))
+    face = make(scene, tool, seed=seed)
     wants = hands.unsure(np.eye(4), DEPTH_M, seed, above=ABOVE_M)
     start = next(wants)
     hand = hands.Hand(start)
@@ -111,7 +104,7 @@ def _there_and_back(
     is_free = bool(scene.check_path(tool, way).free)
     rows = []
     for direction, knots in (("out", way), ("in", way[::-1])):
-        face = make(scene, tool, seed=0, skin=skin_for(clearance))
+        face = make(scene, tool, seed=0)
         path = _off(hands.along(knots, WAY_M_PER_S, WAY_RAD_PER_S), float(np.clip(WAY_OFF * clearance, *WAY_OFF_M)))
         face.start(path[0])
         forces, proxies = [], []
