@@ -85,7 +85,7 @@ def closed(make: Callable[..., Face], seed: int = 0) -> dict[str, Any]:
 def bound_n_per_m(delay_ticks: int, grip: hands.Grip | None = None) -> float:
     """The largest stiffness that a damped device can hold at 1 kHz, late by whole ticks.
 
-    From `b > K T / 2` (Colgate and Schenkel 1997) and what a delay adds, `K delay`, with the damping of device and hand.
+    From `b > K T / 2` (Colgate and Schenkel 1997) and what a delay adds, `K delay`; `b` is that of device and hand.
     """
     return (grip or hands.Grip()).damping_ns_per_m / (0.5 * TICK_S + delay_ticks * TICK_S)
 
