@@ -17,18 +17,32 @@ from .fitting import colliding
 TOOLS = ("hand", "wrench")  # hand: 4,908 triangles
 SERVO_HZ = 100.0  # of collision, where the steps between are timed: ten ticks are old, yet not too old
 MARGIN_M = 0.002
+PEAK_M_PER_S = 0.9  # of a reach that takes 0.5 m/s in the mean and starts and ends at rest (minimum jerk)
+ROUGH_STEPS = 500
 
 
 def run(
-    make: Callable[..., Face], triangles: int, steps: int, tools: tuple[str, ...] = TOOLS, seed: int = 0
+    make: Callable[..., Face],
+    triangles: int,
+    most_steps: int | None = None,
+    tools: tuple[str, ...] = TOOLS,
+    seed: int = 0,
 ) -> dict[str, Any]:
-    """Times of a step with collision each time; of the contacts and the cast alone; of a step without collision."""
+    """Times of a step with collision each time; of the contacts alone; of a step without collision.
+
+    `most_steps`: not the whole way but as many ticks of its middle, where the tool works.
+    """
     mockup = feeler.sample("engine", triangles)
     scene = feeler.Scene(mockup, threads=1)
     rows = []
     for name in tools:
         tool = feeler.sample_tool(name)
-        path = feeler.sample_path(scene, tool, steps, seed)
+        path = hand_path(scene, tool, seed)
+        if most_steps is not None:
+            first = max(0, (len(path) - most_steps) // 2)
+            while first > 0 and not scene.is_free(tool, path[first]):
+                first -= 1  # a session begins where the tool is free
+            path = path[first : first + most_steps]
         whole, proxies, planes, _ = _timed(make(scene, tool, seed=seed), path)
         some, _, _, ages = _timed(make(scene, tool, seed=seed, collision_hz=SERVO_HZ), path)
         servo = some[ages > 0.0]
@@ -52,6 +66,13 @@ def run(
             }
         )
     return {"rows": rows, "sample": "engine", "triangles_asked": triangles}
+
+
+def hand_path(scene: feeler.Scene, tool: feeler.Tool, seed: int) -> npt.NDArray[np.float64]:
+    """The sample's way of a hand in and out, a pose a tick, at its own speed: about `PEAK_M_PER_S` at the most."""
+    rough = feeler.sample_path(scene, tool, ROUGH_STEPS, seed)
+    longest = float(np.sqrt((np.diff(rough[:, :3, 3], axis=0) ** 2).sum(axis=1)).max())
+    return feeler.sample_path(scene, tool, round(ROUGH_STEPS * longest / (PEAK_M_PER_S * TICK_S)), seed)
 
 
 def quantiles(seconds: npt.NDArray[np.float64]) -> dict[str, float]:
