@@ -99,12 +99,14 @@ def _step_response(faces: dict[str, Result]) -> Any:
             for row in (r for r in found["rows"] if r["delay_ticks"] == delay):
                 trace = row["trace_m"]
                 time = [found["seconds"] * k / len(trace) for k in range(len(trace))]
-                own.plot(time, [1e3 * z for z in trace], color=_colour(face), lw=1, label=f"{face}, {row['coupling']}")
+                line = "-" if row["coupling"] == "its own" else ":"
+                label = f"{face}, {row['coupling']}"
+                own.plot(time, [1e3 * z for z in trace], line, color=_colour(face), lw=1, label=label)
         own.set_title(f"{delay} ms late", fontsize=9)
         own.set_xlabel("s")
+        own.legend(fontsize=6)
     first = axes[0] if len(delays) > 1 else axes
     first.set_ylabel("device above the wall, mm")
-    first.legend(fontsize=6)
     return figure
 
 

@@ -123,7 +123,7 @@ def step_response(
                     "unrest_n": float(np.ptp(sizes[-last:])),
                     "force_n": float(sizes[-last:].mean()),
                     "overshoot_m": float(heights[-last:].mean() - heights.min()),
-                    "trace_m": [round(float(z), 7) for z in heights[:: max(1, len(heights) // 300)]],
+                    "trace_m": [round(float(z), 7) for z in heights[:: max(1, len(heights) // 600)]],
                 }
             )
     return {"rows": rows, "hand": vars(hands.Grip()), "seconds": SETTLE_S}
