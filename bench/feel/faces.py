@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Protocol
@@ -10,6 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 
 import feeler
+from feeler import haptics
 
 from .meshes import Floats
 from .poses import moved, placed, rotation_vector
@@ -131,16 +131,13 @@ def limited(vector: Floats, most: float) -> Floats:
 
 def feeler_session(scene: feeler.Scene, tool: feeler.Tool, *, seed: int = 0, **options: Any) -> Face:
     """feeler's own."""
-    haptics = importlib.import_module("feeler.haptics")
-    made: Face = haptics.Session(scene, tool, seed=seed, **options)
-    return made
+    return haptics.Session(scene, tool, seed=seed, **options)
 
 
 def stiffened(face: str, stiffness_n_per_m: float) -> dict[str, Any] | None:
     """Options of a face's maker with that stiffness; None where the bench does not vary it."""
     if face != "feeler":
         return None
-    haptics = importlib.import_module("feeler.haptics")
     return {"coupling": haptics.Coupling(stiffness_n_per_m=stiffness_n_per_m)}
 
 
