@@ -109,9 +109,14 @@ class Session(_core.HapticsSession):
         coupling = coupling or Coupling()
         if not isinstance(coupling, Coupling):
             raise OptionError(f"coupling is a {type(coupling).__name__}: pass a feeler.haptics.Coupling")
-        options = {"margin": float(margin), "skin": float(skin), "collision_hz": collision_hz, "seed": int(seed)}
-        rate = None if collision_hz is None else float(collision_hz)
-        self = super().__new__(cls, scene, tool, coupling.as_numbers(), options["margin"], options["skin"], rate)
+        options: dict[str, Any] = {
+            "margin": float(margin),
+            "skin": float(skin),
+            "collision_hz": None if collision_hz is None else float(collision_hz),
+            "seed": int(seed),
+        }
+        margin, skin, rate = options["margin"], options["skin"], options["collision_hz"]
+        self = super().__new__(cls, scene, tool, coupling.as_numbers(), margin, skin, rate)
         self.scene, self.tool, self.coupling = scene, tool, coupling
         self._options, self._recorder = options, None
         return self
