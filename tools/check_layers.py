@@ -90,11 +90,10 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         "proximity": CONTACTS_BASE,
         "identity": CONTACTS_BASE,
         "copies": CONTACTS_BASE,
-        "query": {*CONTACTS_BASE, "contour", "patch", "depth", "proximity", "identity", "copies"},
+        "query": {*CONTACTS_BASE, "contour", "patch", "depth", "proximity", "identity", "copies", "footing"},
         "containment": CONTACTS_BASE,
         "escape": {*CONTACTS_BASE, "query", "containment"},
-        # Found of a plane when somebody asks, apart from the query.
-        "footing": CONTACTS_BASE,
+        "footing": {*CONTACTS_BASE, "proximity"},
         "solver": {*CONTACTS_BASE, "query", "escape", "footing", "containment"},
         "tracker": {*CONTACTS_BASE, "solver"},
     },
@@ -102,7 +101,27 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         "constants": set(),
         "error": set(),
         "screw": HAPTICS_BASE,
-        "device": {*HAPTICS_BASE, "screw"},
+        "least_distance": HAPTICS_BASE,
+        "metric": {*HAPTICS_BASE, "screw", "least_distance"},
+        # What one side hands to the other, and the pose that it allows.
+        "constraint_set": {*HAPTICS_BASE, "screw", "least_distance", "metric"},
+        "environment": HAPTICS_BASE,
+        "world": {*HAPTICS_BASE, "screw", "constraint_set", "environment"},
+        "proxy": {*HAPTICS_BASE, "screw", "metric", "constraint_set", "environment", "world"},
+        "saturation": {*HAPTICS_BASE, "screw"},
+        # A mapping bounds its wrenches as the force loop does.
+        "device": {*HAPTICS_BASE, "screw", "saturation"},
+        "coupling": {*HAPTICS_BASE, "screw", "device"},
+        "stability": {*HAPTICS_BASE, "coupling", "device"},
+        "passivity": {*HAPTICS_BASE, "screw"},
+        "velocity": {*HAPTICS_BASE, "screw"},
+        # All of them, once a tick.
+        "force": {*HAPTICS_BASE, "screw", "saturation", "device", "coupling", "passivity"},
+        "servo": {*HAPTICS_BASE, "screw", "device", "coupling", "force", "velocity", "constraint_set"},
+        "session": {
+            *HAPTICS_BASE,
+            *("screw", "device", "coupling", "servo", "metric", "constraint_set", "environment", "world", "proxy"),
+        },
     },
     "feeler-devices": {
         "constants": set(),
@@ -155,11 +174,12 @@ ROOMS: dict[str, set[str]] = {
     "scene": {"_core", "calibrate", "errors", "ignored", "mockup", "parts", "travel"},
     "io": BASE,
     "interchange": {*BASE, "io"},
+    "haptics": BASE,
     "picture": {*BASE, "io"},
     "samples": BASE,
     "study": {*BASE, "samples"},
     "cli": {*BASE, "io", "picture", "samples", "study", "feeler"},
-    "__init__": {"_core", "ignored", *BASE, "interchange", "io", "picture", "samples", "study"},
+    "__init__": {"_core", "ignored", *BASE, "haptics", "interchange", "io", "picture", "samples", "study"},
     "__main__": {"cli"},
 }
 # Beside the package, and never imported by it.

@@ -2,6 +2,7 @@
 
 from importlib.metadata import version as _version
 
+from feeler import haptics
 from feeler._core import (
     Batch,
     Cast,
@@ -24,6 +25,7 @@ from feeler.errors import (
     MissingFileError,
     OptionError,
     PoseError,
+    SessionError,
 )
 from feeler.ignored import IgnoredPairs
 from feeler.interchange import from_open3d, from_pyvista, from_trimesh, from_urdf
@@ -60,11 +62,13 @@ __all__ = [
     "Penetration",
     "PoseError",
     "Scene",
+    "SessionError",
     "Tool",
     "from_open3d",
     "from_pyvista",
     "from_trimesh",
     "from_urdf",
+    "haptics",
     "load_mockup",
     "load_tool",
     "nearest_rigid",

@@ -680,3 +680,37 @@ def weld_vertices(vertices: npt.NDArray[np.float64]) -> tuple[npt.NDArray[np.flo
 
 def restore(kind: str, state: tuple[object, ...]) -> object:
     """A result from what `feeler.travel` pickled of it. Raises `LoadError` for a state that no result has."""
+
+class HapticsSession:
+    """One session; `feeler.haptics.Session` adds names and records."""
+
+    def __new__(
+        cls,
+        scene: Scene,
+        tool: Tool,
+        coupling: Sequence[float],
+        margin: float,
+        skin: float,
+        collision_hz: float | None,
+    ) -> Self: ...
+    def begin(self, pose: npt.ArrayLike) -> list[float] | None:
+        """Begins at a pose. Where that is in collision, the translation out, metres, world."""
+    def advance(
+        self, pose: npt.ArrayLike | None, dt: float
+    ) -> tuple[
+        npt.NDArray[np.float64], npt.NDArray[np.float64], npt.NDArray[np.float64], float, str
+    ]:
+        """One step: the proxy's pose `(4, 4)`, force and torque `(3,)`, age of the constraints (seconds), and mode."""
+    def planes(
+        self,
+    ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32], npt.NDArray[np.uint64], npt.NDArray[np.bool_]]:
+        """The newest planes, nearest first: `(k, 7)` point, normal and gap; parts, ids, and whether each holds."""
+    def take(self, part: int) -> None: ...
+    def put_down(self) -> None: ...
+    def put_back(self) -> None: ...
+    @property
+    def held_part(self) -> int | None: ...
+    @property
+    def moved_parts(self) -> npt.NDArray[np.uint32]: ...
+    @property
+    def last_rounds(self) -> tuple[int, int]: ...

@@ -28,6 +28,10 @@ class LimitError(FeelerError, MemoryError):
     """What was asked for would need more memory, or more voxels, than allowed. Raised before anything is allocated."""
 
 
+class SessionError(FeelerError, RuntimeError):
+    """A haptics session cannot do this now: it is not started, or holds no part to release."""
+
+
 class LoadError(FeelerError, ValueError):
     """A file cannot be read as the mesh it claims to be."""
 

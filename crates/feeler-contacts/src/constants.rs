@@ -333,6 +333,21 @@ pub const RAYS_WITH_CRACKS: usize = 3;
 /// Most points of a footing: three hold a plane, the fourth is what most parts have.
 pub const MOST_FOOTING: usize = 4;
 
+/// Most points of a contact manifold: a round face has as many around it that they stand out by a few per cent of its radius.
+/// More: rounder, and as much slower.
+pub const MOST_MANIFOLD_POINTS: usize = 12;
+
+/// The turn (radians) up to which holding a manifold's points holds the tool off: what a hand turns in a millisecond or two at most.
+/// More takes in what leans away from the plane, and holds the tool off what it could turn to.
+pub const MANIFOLD_TURN: f64 = 0.004;
+
+/// Corners around which a polygon is cut into triangles to find the height over a place. More: nearer to the hull of its corners.
+pub const MOST_FANS: usize = 4;
+
+/// Most contact manifolds of a pose: two rounds of a hole, a plane every dozen degrees. More of them are within the margin only
+/// where all around is something, and then the nearest hold the tool.
+pub const MOST_MANIFOLDS: usize = 64;
+
 /// The turn (radians) up to which holding a footing off a plane holds the tool off: one degree, far more than a tool turns between two
 /// answers of a control loop. More makes footings of curved surfaces wider than what touches.
 pub const FOOTING_TURN: f64 = 0.017_453_292_519_943_295;

@@ -62,11 +62,12 @@ mod surface;
 mod tests;
 mod tracker;
 
-pub use constants::{FEW_DEEP, MANY_DEEP, MOST_PLANES};
+pub use constants::{FEW_DEEP, MANY_DEEP, MOST_MANIFOLD_POINTS, MOST_PLANES};
 pub use contact_plane::{ContactPlane, Contacts};
 pub use containment::find::Containment;
 pub use escape::penetration::{Penetration, PenetrationKind};
-pub use footing::Footing;
+pub use footing::find::Footing;
+pub use footing::manifold::{Manifold, ManifoldPoint, Manifolds};
 pub use solver::ContactSolver;
 pub use tracker::ContactTracker;
 

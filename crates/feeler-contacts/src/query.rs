@@ -13,7 +13,8 @@ use feeler_core::{Collision, Error, Filters, Pose, Result, Scene, Tool};
 use feeler_lanes::Sorter;
 
 use crate::constants::{
-    FEW_DEEP, LEAST_MARGIN_OVER_NEAREST, MANY_DEEP, MANY_NEAR, MANY_PAIRS, MOST_MARGIN_HALVINGS, MOST_PAIRS_KEPT,
+    FEW_DEEP, LEAST_MARGIN_OVER_NEAREST, MANY_DEEP, MANY_NEAR, MANY_PAIRS, MOST_MANIFOLDS, MOST_MARGIN_HALVINGS,
+    MOST_PAIRS_KEPT,
 };
 use crate::contact_plane::{ContactPlane, Contacts};
 use crate::containers::counting_sort::PartSort;
@@ -26,6 +27,7 @@ use crate::depth::least_depth::{Depth, DepthScratch};
 use crate::depth::piercing::Piercing;
 use crate::depth::region_bodies::RegionBodies;
 use crate::depth::region_depths::{find_planes, AxisFilter};
+use crate::footing::manifold::{manifold, Manifolds};
 use crate::identity::set_ids;
 use crate::patch::body::Bodies;
 use crate::patch::convex_bodies::ConvexBodies;
@@ -76,6 +78,7 @@ pub(crate) struct ContactScratch {
     near: NearScratch,
     regions: RegionScratch,
     bodies: BodyScratch,
+    planes: Vec<ContactPlane>,
     sorter: Sorter,
 }
 
@@ -187,6 +190,37 @@ impl ContactQuery<'_> {
         }
         self.pool.put(scratch);
         Ok(contacts)
+    }
+
+    /// See [`ContactSolver::manifolds`](crate::ContactSolver::manifolds).
+    pub fn manifolds(&self, tool: &Tool, pose: &Pose, margin: f64, out: &mut Manifolds) -> Result<()> {
+        if !(margin.is_finite() && margin >= 0.0) {
+            return Err(Error::Margin { value: margin });
+        }
+        let mut scratch = self.pool.take();
+        let ContactScratch { by_part, candidates, near: near_scratch, distance, planes, .. } = &mut *scratch;
+        let context = QueryContext::new(self.scene, tool, pose, None);
+        let (margin, near) = self.near_pairs(tool, pose, margin, &[], distance)?;
+        let size = tool.mesh().bounds().longest();
+        out.manifolds.clear();
+        out.margin = margin;
+        let mut plane_search = PlaneSearch::new(&context, margin, near_scratch);
+        for (_, same) in by_part.sort(&near, |c| c.part, candidates) {
+            planes.clear();
+            plane_search.push_planes(same, &[], &[Vec::new(), Vec::new()], planes);
+            set_ids(&context, planes);
+            plane_search.each_separated(planes, |plane, separated| {
+                out.manifolds.push(manifold(plane, separated, margin, size));
+            });
+        }
+        distance.put_candidates(near);
+        self.pool.put(scratch);
+        out.manifolds.sort_by(|a, b| a.gap.total_cmp(&b.gap).then(a.id.cmp(&b.id)));
+        if let Some(first_left_out) = out.manifolds.get(MOST_MANIFOLDS) {
+            out.margin = out.margin.min(first_left_out.gap);
+            out.manifolds.truncate(MOST_MANIFOLDS);
+        }
+        Ok(())
     }
 
     /// The pairs within a margin, and the margin: halved while they are too many, but never below the least distance.

@@ -9,7 +9,8 @@ use crate::contact_plane::{ContactPlane, Contacts};
 use crate::containment::find::{containment, Containment};
 use crate::escape::escape_probe::is_free_and_outside;
 use crate::escape::penetration::{penetration, Penetration};
-use crate::footing::{footing, Footing};
+use crate::footing::find::{footing, Footing};
+use crate::footing::manifold::Manifolds;
 use crate::query::{ContactQuery, ContactScratch};
 
 /// Finds contacts in a scene. Owns the working memory of its queries; any number of threads may ask it at once.
@@ -79,6 +80,13 @@ impl ContactSolver {
     /// mock-up's surface reaches. An edge has two, a corner one; a round patch has four around it.
     pub fn footing(&self, tool: &Tool, pose: &Pose, plane: &ContactPlane) -> Footing {
         footing(&self.scene, tool, pose, plane)
+    }
+
+    /// The contact manifolds of a free pose: the planes of all that is within `margin` (metres), as [`contacts`](Self::contacts) has
+    /// them, each with up to [`MOST_MANIFOLD_POINTS`](crate::MOST_MANIFOLD_POINTS) points of the tool that it carries. For control
+    /// loops: it asks nothing of what meets, and is the faster for it. Errors as `contacts`.
+    pub fn manifolds(&self, tool: &Tool, pose: &Pose, margin: f64, out: &mut Manifolds) -> Result<()> {
+        self.query().manifolds(tool, pose, margin, out)
     }
 
     pub(crate) fn query(&self) -> ContactQuery<'_> {

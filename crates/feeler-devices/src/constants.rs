@@ -21,6 +21,11 @@ pub const FIRST_POSE_WAIT: Duration = Duration::from_secs(3);
 /// Pause between two looks at what a thread has done, while opening and releasing.
 pub const LOOK_AGAIN: Duration = Duration::from_millis(1);
 
+/// Rounds of a driver's thread between a motion of the handle and the force that answers it, beyond the servo's own tick: half a round
+/// until the thread takes the force, on average, and half a round until the servo takes the pose. An estimate: what the device and its
+/// connection add is not known. More takes stiffness away.
+pub const HANDOVER_ROUNDS: f64 = 1.0;
+
 /// Largest distance of a handle from its origin that is believed, metres. No device reaches a tenth of that.
 pub const LARGEST_REACH_M: f64 = 10.0;
 

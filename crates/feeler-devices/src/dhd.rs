@@ -13,7 +13,7 @@ use feeler_haptics::device::{Device, DeviceError, DeviceInfo, DeviceLimits, Devi
 use feeler_haptics::screw::{product, transposed, Matrix, Twist, Wrench};
 
 use crate::clip::{limit, told_pose, told_twist};
-use crate::constants::{DHD_HZ, DHD_ROTATIONAL_DAMPING_NM_S_PER_RAD, FORCE_DIMENSION};
+use crate::constants::{DHD_HZ, DHD_ROTATIONAL_DAMPING_NM_S_PER_RAD, FORCE_DIMENSION, HANDOVER_ROUNDS};
 use crate::exchange::{exchange, DeviceEnd, Measured, ServoEnd};
 use crate::machine::{raise_priority, MonotonicClock};
 use crate::vendor_library::dhd_calls::{DhdModel, OpenDhd};
@@ -131,6 +131,7 @@ fn info(options: &DhdOptions, model: &DhdModel) -> DeviceInfo {
             resolution_m: figures.resolution_m,
             rotational_resolution_rad: figures.rotational_resolution_rad,
             rate_hz: DHD_HZ,
+            delay_s: HANDOVER_ROUNDS / DHD_HZ,
         },
         buttons: u32::BITS,
     }

@@ -16,8 +16,8 @@ use feeler_haptics::screw::{product, transposed, Matrix, Twist, Wrench};
 
 use crate::clip::{limit, told_pose, told_twist};
 use crate::constants::{
-    OPENHAPTICS_FORCE_N, OPENHAPTICS_FRICTION_N, OPENHAPTICS_HZ, OPENHAPTICS_REACH_M, OPENHAPTICS_RESOLUTION_M,
-    OPENHAPTICS_RESOLUTION_RAD, OPENHAPTICS_STIFFNESS_N_PER_M,
+    HANDOVER_ROUNDS, OPENHAPTICS_FORCE_N, OPENHAPTICS_FRICTION_N, OPENHAPTICS_HZ, OPENHAPTICS_REACH_M,
+    OPENHAPTICS_RESOLUTION_M, OPENHAPTICS_RESOLUTION_RAD, OPENHAPTICS_STIFFNESS_N_PER_M,
 };
 use crate::exchange::{exchange, DeviceEnd, Measured, ServoEnd};
 use crate::vendor_library::hd_calls::{HdDoubles, OpenHd, Scheduled};
@@ -117,6 +117,7 @@ fn info(options: &OpenHapticsOptions, open: &OpenHd) -> (DeviceInfo, Point) {
             resolution_m: OPENHAPTICS_RESOLUTION_M,
             rotational_resolution_rad: OPENHAPTICS_RESOLUTION_RAD,
             rate_hz,
+            delay_s: HANDOVER_ROUNDS / rate_hz,
         },
         buttons: BUTTONS,
     };

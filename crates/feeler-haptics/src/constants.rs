@@ -2,3 +2,224 @@
 
 /// Angle (radians) below which the series of sine and cosine are exact to the last digit, and their quotients are not.
 pub const SMALL_ANGLE: f64 = 1e-4;
+
+// The least-distance program.
+
+/// Share of the scale, the skin, by which a row may be violated: above rounding in a mock-up of some metres. Larger: the proxy is that
+/// much nearer; smaller: rows that hold from both sides exclude each other by rounding.
+pub const QP_SLACK: f64 = 1e-5;
+
+/// How far a seat may give way, metres: above the slack of both of its sides.
+pub const SEAT_SLACK: f64 = 1e-8;
+
+/// Sine of the angle between a row and those that are active from which on it is not a combination of them: above rounding after two
+/// orthogonalisations. Larger: rows of nearly parallel faces exclude each other; smaller: multipliers without bound.
+pub const LEAST_SINE: f64 = 1e-7;
+
+/// Most steps of the program: each lets a row in or out, and few take more than three for each of the six coordinates. More: time.
+pub const MOST_QP_STEPS: usize = 96;
+
+/// Radius of gyration that every tool has at least about any axis, as a share of its radius: a straight wire has none of its own
+/// about itself. Larger: thin tools turn less easily about their length than they would.
+pub const LEAST_GYRATION_SHARE: f64 = 0.01;
+
+// Constraint sets.
+
+/// Most planes of a set: see [`MOST_ROWS`].
+pub const MOST_PLANES: usize = 64;
+
+/// Most rows of a set: 32 planes of eight points. More: a servo tick takes longer; fewer: planes beyond shorten how far a set is good
+/// for.
+pub const MOST_ROWS: usize = 256;
+
+/// Programs in a row for one pose, each linear at the last one's: two for what turns a degree, the third for rounding.
+pub const SOLVER_ROUNDS: usize = 4;
+
+/// Share of the skin below which a round moves nothing.
+pub const SOLVER_STILL_SHARE: f64 = 1e-4;
+
+// The proxy.
+
+/// Share of the skin below which a motion is none.
+pub const STILL_SHARE: f64 = 1e-4;
+
+/// Share of the least gap that a cast may end before the impact. Larger: motions along a surface are stopped by it; smaller: slower.
+pub const CAST_SHARE: f64 = 0.05;
+
+/// Bounds for that, metres: a micrometre, and what is above rounding in a mock-up of some metres.
+pub const LARGEST_CAST_TOLERANCE: f64 = 1e-6;
+pub const LEAST_CAST_TOLERANCE: f64 = 1e-10;
+
+/// Share of the skin that the pair which stopped a motion is left apart.
+pub const BACK_OFF_SHARE: f64 = 0.5;
+
+/// Most times that the way back is doubled to get there: from a share of the skin to all of a metre.
+pub const BACK_OFF_HALVINGS: usize = 16;
+
+/// Most pairs remembered that stopped a cast.
+pub const MOST_BLOCKERS: usize = 32;
+
+/// Share of the clearance that is the skin, where that is less than the option's.
+pub const CLEARANCE_SHARE: f64 = 0.5;
+
+/// Bisections of the clearance: to two per cent of it.
+pub const SKIN_HALVINGS: usize = 9;
+
+/// Longest way, in skins as asked for, that may be needed to have all rows off by a skin for it to fit: farther off is another place.
+pub const MOST_LIFT: f64 = 10.0;
+
+/// Share of the skin by which a motion must lead nearer to the device for another to follow in the same tick.
+pub const STUCK_SHARE: f64 = 0.1;
+
+/// By how much the longest motion shrinks after one that was stopped by what it knew of, and grows after a free one.
+pub const TRUST_GROWTH: f64 = 2.0;
+
+/// Share of the skin below which the tool is lifted before it is moved on: from a start that near, arcs are stopped at once.
+pub const LIFT_SHARE: f64 = 0.5;
+
+/// Longest turn beside rows: the square root of so many skins over the tool's radius (radians). A point's arc is then off its chord by
+/// an eighth of that: a quarter of the skin.
+pub const ARC_SKINS: f64 = 2.0;
+
+/// Shortest motion that the proxy is trusted with, in skins: for so little any row holds.
+pub const LEAST_TRUST: f64 = 0.5;
+
+/// Share of the skin with which the proxy is tried where contacts hold it from several sides. Smaller: tighter fits are entered.
+pub const SQUEEZE_SHARE: f64 = 1.0 / 16.0;
+
+/// How much nearer to the device that must lead, in skins: more than any but a very sharp wedge gives by itself.
+pub const SQUEEZE_GAIN: f64 = 4.0;
+
+/// Most ticks between two such tries.
+pub const MOST_PATIENCE: u32 = 63;
+
+/// By how much the skin grows a tick, where it may.
+pub const SKIN_GROWTH: f64 = 2.0;
+
+/// How far a wider skin may push the tool, in skins: less than [`SQUEEZE_GAIN`], so that it does not push out of what was squeezed into.
+pub const SKIN_LIFT: f64 = 2.5;
+
+/// What is a contact: as far as so many of the longest of the last motions, and so many skins, lead. More: more planes, which are
+/// merged more coarsely where surfaces are curved; fewer: a fast tool is held back between two sets.
+pub const STRIDES: f64 = 2.0;
+pub const SKINS_IN_MARGIN: f64 = 20.0;
+
+/// What is a contact at least, in skins as asked for.
+pub const LEAST_MARGIN: f64 = 2.0;
+
+/// By how much the longest of the last motions is forgotten a tick.
+pub const STRIDE_DECAY: f64 = 0.8;
+
+// The coupling's own ranges.
+
+/// Largest stiffness (newtons a metre, and newton metres a radian) that is taken for meant: steel parts give way less
+/// than devices do long before. More is refused as a slip of units.
+pub const LARGEST_STIFFNESS: f64 = 1e7;
+/// Largest damping (newton seconds a metre, and newton metre seconds a radian) that is taken for meant.
+pub const LARGEST_DAMPING: f64 = 1e5;
+/// Largest force (newtons) and torque (newton metres) that is taken for meant. A hand is hurt by less; a device's own
+/// bound is lower.
+pub const LARGEST_WRENCH: f64 = 1e4;
+/// Largest slew (newtons a second, and newton metres a second) that is taken for meant.
+pub const LARGEST_SLEW: f64 = 1e8;
+/// Stretch (metres) at which a preset's spring is at the device's largest force, before the device's bounds take
+/// stiffness away. Less feels harder, where the device can hold it.
+pub const FULL_FORCE_AT_M: f64 = 0.002;
+/// The same in rotation (radians).
+pub const FULL_TORQUE_AT_RAD: f64 = 0.05;
+/// Time (seconds) in which a preset's force may go from nothing to the device's largest. Below a few milliseconds it
+/// limits nothing that a hand can do against a spring; above ten, a hard contact begins softly, and the lag makes work
+/// for the passivity controller.
+pub const FULL_FORCE_IN_S: f64 = 0.004;
+
+// What a device holds.
+
+/// Share of the device's damping that spring and damper of the coupling may use up, by Colgate's bound. The rest is for
+/// what data sheets do not say, and for the soft wall of a workspace ([`WALL_SHARE`]). More is stiffer, and nearer to a
+/// limit cycle.
+pub const HELD_SHARE: f64 = 0.8;
+/// Share of it that the virtual damper may take of that: each newton second a metre of damping takes stiffness away.
+pub const VIRTUAL_DAMPING_SHARE: f64 = 0.2;
+/// Largest share of what the device holds in rotation that is left to the spring of translation, where the tool's
+/// centre is away from the handle: it turns the handle by its arm. More makes long tools stiffer in translation and
+/// softer in rotation.
+pub const ARM_SHARE: f64 = 0.5;
+/// How many times what an arm uses up at full translational stiffness is set apart for it, as long as that is less than
+/// [`ARM_SHARE`]: with 9, a short arm takes a tenth of the translational stiffness. More takes less there, and more of
+/// the rotational one.
+pub const ARM_ROOM: f64 = 9.0;
+
+// The passivity observer and controller.
+
+/// Time constant (seconds) at which energy that the coupling took from the hand for good is forgotten. Longer, and what
+/// was lost in one contact pays for energy made in a later one; shorter, and the controller damps a little more.
+pub const SURPLUS_LEAK_S: f64 = 0.1;
+/// Time constant (seconds) at which a deficit is forgiven while nothing is touched. Longer, and air feels thick after a
+/// contact; shorter, and bouncing off a wall may gain energy.
+pub const DEFICIT_LEAK_S: f64 = 0.05;
+/// Share of the device's damping that the controller's damping and the virtual damper may reach together. Colgate's
+/// bound for a damper without spring is 1.
+pub const CONTROLLER_SHARE: f64 = 0.9;
+/// Longest delay (ticks) that the observer can account for; a longer one counts as this.
+pub const LONGEST_DELAY_TICKS: usize = 64;
+
+// The force loop.
+
+/// Shortest tick (seconds) that is believed: 100 kHz.
+pub const SHORTEST_TICK_S: f64 = 1e-5;
+/// Longest tick (seconds) that is believed. Force that is held longer than this is not force that answers the hand any
+/// more.
+pub const LONGEST_TICK_S: f64 = 0.02;
+/// Speed (metres a second) above which a device is taken to have jumped. Hands move at 3 m/s, and a device of 100 Hz
+/// tells ten ticks' motion at once.
+pub const JUMP_SPEED: f64 = 50.0;
+/// The same in rotation (radians a second).
+pub const JUMP_RATE: f64 = 1000.0;
+/// Time (seconds) in which the bound of the force grows to its whole after letting go, and at the start. Shorter kicks;
+/// longer lets the hand sink in.
+pub const RETURN_S: f64 = 0.2;
+/// Poses that a velocity may be found over. More is quieter at rest, and costs its square in time.
+pub const VELOCITY_WINDOW: usize = 16;
+
+// Simulated devices.
+
+/// Inner step (seconds) of the physics of a simulated device: a twentieth of a servo tick at 1 kHz. Shorter is nearer
+/// to continuous time, and costs in proportion.
+pub const INNER_STEP_S: f64 = 5e-5;
+/// Longest delay (seconds) of a simulated device, jitter included.
+pub const LONGEST_DELAY_S: f64 = 0.05;
+/// Commands on their way to a simulated device at the most: 20 kHz over the longest delay.
+pub const COMMANDS_ON_THE_WAY: usize = 1024;
+/// Longest time (seconds) that a simulated device catches up with; the rest of a pause does not happen for it.
+pub const LONGEST_CATCH_UP_S: f64 = 1.0;
+
+// The mouse.
+
+/// Smallest and largest natural frequency (radians a second) of the smoothing of targets.
+pub const MOUSE_FREQUENCIES: [f64; 2] = [1.0, 1e3];
+/// Natural frequency (radians a second) of the smoothing: targets that come at 60 Hz are smooth at 1 kHz, 50 ms behind
+/// the hand. Higher follows faster, and shows the steps of the targets.
+pub const MOUSE_FREQUENCY: f64 = 40.0;
+
+// The mapping.
+
+/// Smallest and largest scale from the device's motions to the tool's.
+pub const SCALES: [f64; 2] = [1e-3, 1e3];
+/// Depth of the soft wall inside the workspace's border, as a share of half the workspace's edge.
+pub const WALL_DEPTH: f64 = 0.1;
+/// Share of the device's damping that the soft wall's spring may use up, beside [`HELD_SHARE`] of the coupling.
+pub const WALL_SHARE: f64 = 0.15;
+/// Share of the device's largest force that the soft wall has at the border, at the most.
+pub const WALL_FORCE_SHARE: f64 = 0.5;
+
+// The servo side.
+
+/// Share of a set's margin that the proxy may move between two sets: what is left is for the arcs of turning points.
+pub const BOUND_SHARE: f64 = 0.95;
+
+/// Age (seconds) from which on constraints are not trusted, and the force is let go: some collision ticks at 10 Hz.
+pub const OLDEST_SET_S: f64 = 0.5;
+
+/// Changes of the proxy's pose (metres, radians) that are no motion: a hundredth of the skin.
+pub const PROXY_RESOLUTION_M: f64 = 2e-7;
+pub const PROXY_RESOLUTION_RAD: f64 = 2e-6;

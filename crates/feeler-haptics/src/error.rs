@@ -7,6 +7,29 @@ pub enum Error {
     /// From the engine below.
     #[error(transparent)]
     Core(#[from] feeler_core::Error),
+    /// The tool meets the mock-up where a session is to start.
+    #[error("the tool starts in collision: start it where it is free, or along the way out")]
+    StartsInCollision,
+    /// A step before the start, or a grip while there is no proxy.
+    #[error("the session has no proxy yet: call start() at a pose where the tool is free")]
+    NotStarted,
+    /// A second grip.
+    #[error("the tool holds part {part} already: release it first")]
+    HoldsAlready {
+        /// What it holds.
+        part: u32,
+    },
+    /// A release without a grip.
+    #[error("the tool holds no part: grip one first")]
+    HoldsNothing,
+    /// A part cannot be put back since the tool is in its place.
+    #[error(
+        "part {part} cannot go back, the tool is in its place: move the tool away, or release the part where it is"
+    )]
+    PlaceIsTaken {
+        /// Which.
+        part: u32,
+    },
     /// An option that is out of its range.
     #[error("{what} is {value}, but must be {range}")]
     Option {
@@ -20,4 +43,4 @@ pub enum Error {
 }
 
 /// Of this crate.
-pub type Result<T> = std::result::Result<T, Error>;
+pub type Result<T, E = Error> = std::result::Result<T, E>;

@@ -4,8 +4,30 @@
 //! a clock.
 
 mod constants;
+pub mod constraint_set;
+mod coupling;
 pub mod device;
+pub mod environment;
 mod error;
+mod force;
+pub mod least_distance;
+pub mod metric;
+mod passivity;
+pub mod proxy;
+mod saturation;
 pub mod screw;
+mod servo;
+mod session;
+mod stability;
+mod velocity;
+pub mod world;
 
+pub use coupling::Coupling;
 pub use error::{Error, Result};
+pub use force::{ForceInput, ForceLoop};
+pub use passivity::Passivity;
+pub use saturation::{added_within, saturated};
+pub use servo::{Mode, Servo, ServoInput, ServoOutput};
+pub use session::{Session, SessionOptions, Start, Step};
+pub use stability::{Bound, Limitation, Limitations};
+pub use velocity::VelocityEstimate;

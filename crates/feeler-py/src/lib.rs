@@ -7,6 +7,7 @@ mod collision;
 mod contacts;
 mod containment;
 mod errors;
+mod haptics;
 mod huge_pages;
 mod mockup;
 mod pools;
@@ -54,6 +55,8 @@ mod _core {
     use super::contacts::{ContactPlane, ContactTracker, Contacts, Penetration};
     #[pymodule_export]
     use super::containment::Containment;
+    #[pymodule_export]
+    use super::haptics::HapticsSession;
     #[pymodule_export]
     use super::mockup::Mockup;
     #[pymodule_export]

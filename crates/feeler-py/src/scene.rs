@@ -32,6 +32,10 @@ pub struct Scene {
 }
 
 impl Scene {
+    pub(crate) fn core(&self) -> Arc<core::Scene> {
+        Arc::clone(&self.core)
+    }
+
     /// The solver of the scene, or of one that ignores pairs of parts.
     pub(crate) fn asked(&self, tool: &ToolArgument<'_, '_>, ignore: &Ignore<'_>) -> PyResult<Arc<ContactSolver>> {
         let Some(ignore) = ignore else { return Ok(Arc::clone(&self.solver)) };

@@ -215,6 +215,30 @@ impl Cull {
         });
     }
 
+    /// For each triangle of the tool and of the mock-up a bit for each of the first [`MOST_PLANE_BITS`] planes that separate it, as a
+    /// whole, from another that it was listed with.
+    pub fn separated(&mut self, lanes: Checked, planes: &[ContactPlane], tolerance: f64, out: &mut [Vec<u64>; 2]) {
+        for (surface, of) in Surface::BOTH.into_iter().zip(&mut self.triangles) {
+            of.plane_bits.fill(0);
+            for (i, eight) in planes[..planes.len().min(MOST_PLANE_BITS)].chunks(WIDE_LANES).enumerate() {
+                set_plane_bits(lanes, eight, surface, tolerance, &of.corners, &mut of.plane_bits, 8 * i);
+            }
+            out[surface].clear();
+            out[surface].resize(of.ids.len(), 0);
+        }
+        let [tool, mockup] = &self.triangles;
+        for [t, m] in self.numbers.iter().map(|numbers| numbers.map(|number| number as usize)) {
+            let shared = tool.plane_bits[t] & mockup.plane_bits[m];
+            out[Surface::Tool][t] |= shared;
+            out[Surface::Mockup][m] |= shared;
+        }
+    }
+
+    /// All triangles of one surface that are in candidate pairs, by number.
+    pub fn corners_of_all(&self, surface: Surface) -> &[Triangle] {
+        &self.triangles[surface].corners
+    }
+
     /// Numbers the triangles and collects their corners.
     fn gather(&mut self, context: &QueryContext<'_>, candidates: &[Candidate], query: &NearQuery<'_>) {
         self.triangles.iter_mut().for_each(|of| of.ids.clear());

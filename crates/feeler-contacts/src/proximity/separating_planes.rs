@@ -23,7 +23,7 @@ use feeler_core::geometry::distance_lanes::{closest_apart, held_apart};
 use feeler_core::geometry::distance_triangle_triangle::{closest_within, Closest};
 use feeler_core::geometry::vectors::{add, along, dot, length, normal, scaled, square_to_segment, sub, unit};
 use feeler_core::index::sink::Divider;
-use feeler_core::Gap;
+use feeler_core::{Gap, Triangle};
 use feeler_lanes::WIDE_LANES;
 
 /// Searches the separating planes of one part after the other.
@@ -43,6 +43,32 @@ pub(crate) struct NearScratch {
     /// The pairs measured, and their gaps: `None` where farther than the margin.
     measured: Interner,
     gaps: Vec<Option<Gap>>,
+    /// By surface and number of the triangle a bit for each plane that separates it.
+    separated: [Vec<u64>; 2],
+}
+
+/// The triangles that one plane separates, of those near each other.
+pub(crate) struct Separated<'a> {
+    cull: &'a Cull,
+    bits: &'a [Vec<u64>; 2],
+    plane: usize,
+}
+
+impl Separated<'_> {
+    /// World.
+    pub fn of_tool(&self) -> impl Iterator<Item = &Triangle> {
+        self.of(Surface::Tool)
+    }
+
+    /// World.
+    pub fn of_mockup(&self) -> impl Iterator<Item = &Triangle> {
+        self.of(Surface::Mockup)
+    }
+
+    fn of(&self, surface: Surface) -> impl Iterator<Item = &Triangle> {
+        let all = self.cull.corners_of_all(surface).iter().zip(&self.bits[surface]);
+        all.filter(|(_, bits)| *bits >> self.plane & 1 != 0).map(|(triangle, _)| triangle)
+    }
 }
 
 /// A measured pair in the heap.
@@ -141,6 +167,16 @@ impl<'a> PlaneSearch<'a> {
         }
         self.scratch.entries = heap.into_vec();
         self.scratch.near = near;
+    }
+
+    /// After [`push_planes`](Self::push_planes): what each of the planes it found separates.
+    pub fn each_separated(&mut self, planes: &[ContactPlane], mut emit: impl FnMut(&ContactPlane, &Separated<'_>)) {
+        let tolerance = SEPARATION_SLACK * self.margin;
+        let NearScratch { cull, separated, .. } = &mut *self.scratch;
+        cull.separated(self.context.lanes, planes, tolerance, separated);
+        for (i, plane) in planes.iter().enumerate() {
+            emit(plane, &Separated { cull, bits: separated, plane: i });
+        }
     }
 
     /// The gap of a pair that was measured and is within the margin.

@@ -1,7 +1,14 @@
 //! Devices: what a hand holds. One trait for all, whatever they sense and drive.
 
+pub mod hand;
+pub mod mapping;
+pub mod mouse;
+mod random;
+pub mod simulated;
+
 use feeler_core::Pose;
 
+use crate::error::Error;
 use crate::screw::{Twist, Wrench};
 
 /// Which freedoms a device senses or drives.
@@ -34,6 +41,43 @@ pub struct DeviceLimits {
     pub rotational_resolution_rad: f64,
     /// How often it takes a force and tells a pose, hertz.
     pub rate_hz: f64,
+    /// From a motion of the handle to the force that answers it, seconds, beyond the hold of one tick: the pose's way
+    /// in and the force's way out, of the device and its connection. It takes stiffness away, as the period does.
+    pub delay_s: f64,
+}
+
+impl DeviceLimits {
+    /// Errors when a number is not finite, or negative.
+    pub fn check(&self) -> Result<(), Error> {
+        let numbers = [
+            ("force_n", self.force_n),
+            ("torque_nm", self.torque_nm),
+            ("damping_n_s_per_m", self.damping_n_s_per_m),
+            ("rotational_damping_nm_s_per_rad", self.rotational_damping_nm_s_per_rad),
+            ("friction_n", self.friction_n),
+            ("rotational_friction_nm", self.rotational_friction_nm),
+            ("resolution_m", self.resolution_m),
+            ("rotational_resolution_rad", self.rotational_resolution_rad),
+            ("rate_hz", self.rate_hz),
+            ("delay_s", self.delay_s),
+        ];
+        match numbers.into_iter().find(|(_, value)| !(value.is_finite() && *value >= 0.0)) {
+            Some((what, value)) => Err(Error::Option { what, value, range: "finite, and not below 0" }),
+            None => Ok(()),
+        }
+    }
+
+    /// How old a force is on average when it acts, seconds: half a period of the slower of loop (`rate_hz`) and device,
+    /// and the delay. Infinite where the loop's rate is not above zero; a device's rate of zero is not known, and not
+    /// asked.
+    pub fn hold_s(&self, rate_hz: f64) -> f64 {
+        if rate_hz > 0.0 {
+            let rate = if self.rate_hz > 0.0 { rate_hz.min(self.rate_hz) } else { rate_hz };
+            0.5 / rate + self.delay_s.max(0.0)
+        } else {
+            f64::INFINITY
+        }
+    }
 }
 
 /// What a device is.
@@ -53,8 +97,8 @@ pub struct DeviceInfo {
     pub buttons: u32,
 }
 
-/// What a device tells, in its own frame: origin in the middle of its workspace, right-handed, x to the right, y away from the hand's
-/// owner, z up.
+/// What a device tells, in its own frame: origin in the middle of its workspace, right-handed, x to the right, y away
+/// from the hand's owner, z up.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DeviceState {
     /// Of the handle; the rotation is the identity where none is sensed.
@@ -99,17 +143,18 @@ pub enum DeviceError {
 
 /// A haptic device, or any other thing that a hand moves.
 ///
-/// Neither [`read`](Self::read) nor [`write`](Self::write) waits: they are called from a servo loop of 1 kHz and more. A driver that has
-/// to wait for a socket does so in a thread of its own, and keeps the newest.
+/// Neither [`read`](Self::read) nor [`write`](Self::write) waits: they are called from a servo loop of 1 kHz and more.
+/// A driver that has to wait for a socket does so in a thread of its own, and keeps the newest.
 pub trait Device: Send {
     /// What it is.
     fn info(&self) -> &DeviceInfo;
 
-    /// The newest state. `now`: seconds on the caller's clock. Errors when the device is lost, or told what cannot be; the caller then
-    /// takes the force away.
+    /// The newest state. `now`: seconds on the caller's clock. Errors when the device is lost, or told what cannot be;
+    /// the caller then takes the force away.
     fn read(&mut self, now: f64) -> Result<DeviceState, DeviceError>;
 
-    /// Sets the wrench on the hand from now on, at the handle's origin, device axes. What the device does not drive is left out.
+    /// Sets the wrench on the hand from now on, at the handle's origin, device axes. What the device does not drive is
+    /// left out.
     fn write(&mut self, wrench: &Wrench, now: f64) -> Result<(), DeviceError>;
 
     /// Lets go of the force, whatever else fails. Called when a session ends; also by dropping the device.

@@ -8,18 +8,18 @@
 //! what it stands for.
 
 use std::collections::HashSet;
-use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use feeler_core::constants::NONE;
 use feeler_core::geometry::vectors::{across, add, along, dot, scaled, sub};
 use feeler_core::mesh::topology::adjacency::Adjacency;
-use feeler_core::mesh::topology::body_outlines::hull;
 use feeler_core::{Mockup, Point, Pose, Scene, Tool, Triangle};
 
+use super::polygon::{
+    across_hull, clipped, cut_to, half_planes, height_in_triangle, leave_out_an_edge, lowest, merge, Foot,
+};
 use crate::constants::{
-    FOOTING_DIRECTIONS, FOOTING_FEW_ASKED, FOOTING_LOW, FOOTING_MERGED, FOOTING_MOST_ASKED, FOOTING_OFF, FOOTING_TURN,
-    FOOTING_WIDER, MOST_FOOTING,
+    FOOTING_FEW_ASKED, FOOTING_LOW, FOOTING_MOST_ASKED, FOOTING_OFF, FOOTING_TURN, FOOTING_WIDER, MOST_FOOTING,
 };
 use crate::contact_plane::ContactPlane;
 
@@ -35,13 +35,6 @@ impl Footing {
     pub fn points(&self) -> &[Point] {
         &self.points[..self.count]
     }
-}
-
-/// A point of a footing: two coordinates across the normal, and the height along it, both from the plane's point.
-#[derive(Debug, Clone, Copy)]
-struct Foot {
-    at: [f64; 2],
-    height: f64,
 }
 
 /// The footing of a plane that was found for a tool at a pose.
@@ -98,12 +91,12 @@ impl Frame<'_> {
             // A body that ends at the plane is asked as a whole; of others what is over the other's outline.
             let is_whole = ends(&whole[i], levels[i]);
             let over = || surface.over(&half_planes(&across_hull(&whole[1 - i]), wider));
-            sides[i] = if is_whole { lowest(&whole[i]) } else { lowest(&over()) };
+            sides[i] = if is_whole { lowest(&whole[i], FOOTING_TURN) } else { lowest(&over(), FOOTING_TURN) };
         }
         let mut feet = clipped(&sides[0], &sides[1], wider);
         if feet.is_empty() {
             let over = lower.over(&half_planes(&across_hull(&whole[1]), wider));
-            sides[0] = lowest(&over);
+            sides[0] = lowest(&over, FOOTING_TURN);
             feet = clipped(&sides[0], &sides[1], wider);
         }
         if !ends(&feet, levels[0]) || !ends(&sides[1], levels[1]) {
@@ -195,150 +188,6 @@ impl Carrier<'_> {
     }
 }
 
-/// The hull of all points across the normal.
-fn across_hull(feet: &[Foot]) -> Vec<Foot> {
-    hull(&feet.iter().map(|foot| foot.at).collect::<Vec<_>>()).into_iter().map(|i| feet[i]).collect()
-}
-
-/// The convex hull, across the normal, of the points that are lowest along the directions of a ring around it.
-fn lowest(feet: &[Foot]) -> Vec<Foot> {
-    let slope = FOOTING_TURN.tan();
-    let mut chosen: Vec<usize> = Vec::new();
-    let floor = feet.iter().map(|foot| foot.height).fold(f64::INFINITY, f64::min);
-    let reach = |axis: usize| {
-        let at = || feet.iter().map(|foot| foot.at[axis]);
-        at().fold(f64::NEG_INFINITY, f64::max) - at().fold(f64::INFINITY, f64::min)
-    };
-    // What is higher than the slope over the whole width is lowest along none of them.
-    let most = floor + slope * (reach(0) + reach(1));
-    let mut near: Vec<usize> = (0..feet.len()).filter(|i| feet[*i].height <= most).collect();
-    // Triangles share their corners.
-    let place = |i: &usize| [feet[*i].at[0], feet[*i].at[1], feet[*i].height].map(f64::to_bits);
-    near.sort_unstable_by_key(|i| (place(i), *i));
-    near.dedup_by_key(|i| place(i));
-    // All that are as low: of a flat side its corners.
-    let noise = 1e-12 * (reach(0) + reach(1));
-    let mut heights = vec![0.0; near.len()];
-    for k in 0..FOOTING_DIRECTIONS {
-        let (sin, cos) = (TAU * k as f64 / FOOTING_DIRECTIONS as f64).sin_cos();
-        let mut least = f64::INFINITY;
-        for (height, i) in heights.iter_mut().zip(&near) {
-            *height = feet[*i].height - slope * (cos * feet[*i].at[0] + sin * feet[*i].at[1]);
-            least = least.min(*height);
-        }
-        chosen.extend(near.iter().zip(&heights).filter(|(_, height)| **height <= least + noise).map(|(i, _)| *i));
-    }
-    chosen.sort_unstable();
-    chosen.dedup();
-    let places: Vec<[f64; 2]> = chosen.iter().map(|i| feet[*i].at).collect();
-    hull(&places).into_iter().map(|i| feet[chosen[i]]).collect()
-}
-
-/// What of a hull is over another, made wider by a little; heights are those of the first.
-fn clipped(feet: &[Foot], other: &[Foot], wider: f64) -> Vec<Foot> {
-    if other.is_empty() {
-        return Vec::new();
-    }
-    cut_to(feet, &half_planes(other, wider))
-}
-
-/// What of a convex polygon is within half-planes.
-fn cut_to(feet: &[Foot], within: &[([f64; 2], f64)]) -> Vec<Foot> {
-    let mut left = feet.to_vec();
-    for (normal, limit) in within {
-        let over = |foot: &Foot| normal[0] * foot.at[0] + normal[1] * foot.at[1] - limit;
-        let (mut is_all_in, mut is_all_out) = (true, true);
-        for foot in &left {
-            let is_in = over(foot) <= 0.0;
-            (is_all_in, is_all_out) = (is_all_in && is_in, is_all_out && !is_in);
-        }
-        if is_all_out {
-            return Vec::new();
-        }
-        if is_all_in {
-            continue;
-        }
-        let before = std::mem::take(&mut left);
-        for (i, p) in before.iter().enumerate() {
-            let q = &before[(i + 1) % before.len()];
-            let (x, y) = (over(p), over(q));
-            if x <= 0.0 {
-                left.push(*p);
-            }
-            if before.len() > 1 && (x < 0.0) != (y < 0.0) && x != 0.0 && y != 0.0 {
-                left.push(between(p, q, x / (x - y)));
-            }
-        }
-    }
-    left
-}
-
-fn between(p: &Foot, q: &Foot, share: f64) -> Foot {
-    let mix = |a: f64, b: f64| a + share * (b - a);
-    Foot { at: [mix(p.at[0], q.at[0]), mix(p.at[1], q.at[1])], height: mix(p.height, q.height) }
-}
-
-/// The sides of a convex polygon made wider, outward normals with limits; of a line or a point those of a box around it.
-fn half_planes(feet: &[Foot], wider: f64) -> Vec<([f64; 2], f64)> {
-    let side = |normal: [f64; 2], at: &[f64; 2]| (normal, normal[0] * at[0] + normal[1] * at[1] + wider);
-    let outward = |p: &Foot, q: &Foot| {
-        let way = [q.at[0] - p.at[0], q.at[1] - p.at[1]];
-        let length = way[0].hypot(way[1]);
-        [way[1] / length, -way[0] / length]
-    };
-    match feet {
-        [] => Vec::new(),
-        [p] => [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]].into_iter().map(|n| side(n, &p.at)).collect(),
-        [p, q] => {
-            let n = outward(p, q);
-            vec![side(n, &p.at), side([-n[0], -n[1]], &p.at), side([-n[1], n[0]], &q.at), side([n[1], -n[0]], &p.at)]
-        }
-        _ => (0..feet.len()).map(|i| side(outward(&feet[i], &feet[(i + 1) % feet.len()]), &feet[i].at)).collect(),
-    }
-}
-
-/// Leaves out what is next to a neighbour, or in line with both: nearer than a share of the whole, and than a length.
-fn merge(feet: &mut Vec<Foot>, least: f64) {
-    let apart = |p: &Foot, q: &Foot| (p.at[0] - q.at[0]).hypot(p.at[1] - q.at[1]);
-    let size = feet.iter().flat_map(|p| feet.iter().map(move |q| apart(p, q))).fold(0.0, f64::max);
-    let near = least.max(FOOTING_MERGED * size);
-    let mut i = 0;
-    while feet.len() > 1 && i < feet.len() {
-        let (p, q, r) = (feet[(i + feet.len() - 1) % feet.len()], feet[i], feet[(i + 1) % feet.len()]);
-        let base = apart(&p, &r);
-        let area = (q.at[0] - p.at[0]) * (r.at[1] - p.at[1]) - (q.at[1] - p.at[1]) * (r.at[0] - p.at[0]);
-        let is_in_line = feet.len() > 2 && area.abs() <= near * base && apart(&p, &q).max(apart(&q, &r)) <= base;
-        if apart(&q, &r) <= near || is_in_line {
-            feet.remove(i);
-            i = i.saturating_sub(1);
-        } else {
-            i += 1;
-        }
-    }
-}
-
-/// Leaves out the edge whose neighbours, lengthened until they meet, add the least area. False where none can be.
-fn leave_out_an_edge(feet: &mut Vec<Foot>) -> bool {
-    let n = feet.len();
-    let corner = |i: usize| {
-        let [a, b, c, d] = [0, 1, 2, 3].map(|k| &feet[(i + k) % n]);
-        let (u, v) = ([b.at[0] - a.at[0], b.at[1] - a.at[1]], [c.at[0] - d.at[0], c.at[1] - d.at[1]]);
-        let cross = |p: &[f64; 2], q: &[f64; 2]| p[0] * q[1] - p[1] * q[0];
-        let (w, turn) = ([c.at[0] - b.at[0], c.at[1] - b.at[1]], cross(&u, &v));
-        // Beyond b along the one, beyond c along the other.
-        let (s, t) = (cross(&w, &v) / turn, cross(&w, &u) / turn);
-        let is_beyond = s.is_finite() && t.is_finite() && s >= 0.0 && t >= 0.0;
-        let at = [b.at[0] + s * u[0], b.at[1] + s * u[1]];
-        let height = f64::min(b.height + s * (b.height - a.height), c.height + t * (c.height - d.height));
-        let area = cross(&w, &[at[0] - b.at[0], at[1] - b.at[1]]).abs();
-        is_beyond.then_some((area, i, Foot { at, height }))
-    };
-    let Some((_, i, foot)) = (0..n).filter_map(corner).min_by(|p, q| p.0.total_cmp(&q.0)) else { return false };
-    feet[(i + 1) % n] = foot;
-    feet.remove((i + 2) % n);
-    true
-}
-
 /// The rectangle around what carries, along the direction in which that rises most: two of its corners are as low as what is lowest.
 fn rectangle(feet: &[Foot]) -> Vec<Foot> {
     let mean = |of: &dyn Fn(&Foot) -> f64| feet.iter().map(of).sum::<f64>() / feet.len() as f64;
@@ -374,15 +223,12 @@ fn settle(feet: &mut [Foot], common: &[Foot], carried: &[Foot]) {
 
 /// The height of a footing of three or four points at a place, by the lower of its two ways of being cut into triangles.
 fn height_at(feet: &[Foot], at: &[f64; 2]) -> Option<f64> {
-    let of_three = |[a, b, c]: [&Foot; 3]| {
-        let (u, v) = ([b.at[0] - a.at[0], b.at[1] - a.at[1]], [c.at[0] - a.at[0], c.at[1] - a.at[1]]);
-        let (w, turn) = ([at[0] - a.at[0], at[1] - a.at[1]], u[0] * v[1] - u[1] * v[0]);
-        let (s, t) = ((w[0] * v[1] - w[1] * v[0]) / turn, (u[0] * w[1] - u[1] * w[0]) / turn);
-        (s.min(t).min(1.0 - s - t) >= -1e-9).then_some(a.height + s * (b.height - a.height) + t * (c.height - a.height))
-    };
     match feet {
-        [a, b, c] => of_three([a, b, c]),
-        [a, b, c, d] => [[a, b, c], [a, c, d], [a, b, d], [b, c, d]].into_iter().filter_map(of_three).reduce(f64::min),
+        [a, b, c] => height_in_triangle([a, b, c], at),
+        [a, b, c, d] => [[a, b, c], [a, c, d], [a, b, d], [b, c, d]]
+            .into_iter()
+            .filter_map(|three| height_in_triangle(three, at))
+            .reduce(f64::min),
         _ => None,
     }
 }

@@ -1,0 +1,197 @@
+//! Polygons across the normal of a plane, whose points have a height along it: what carries a contact.
+
+use std::f64::consts::TAU;
+
+use feeler_core::mesh::topology::body_outlines::hull;
+
+use crate::constants::{FOOTING_DIRECTIONS, FOOTING_MERGED, MOST_FANS};
+
+/// A point of a footing: two coordinates across the normal, and the height along it, both from the plane's point.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Foot {
+    pub at: [f64; 2],
+    pub height: f64,
+}
+
+impl Foot {
+    /// The point on the line to another, at a share of the way.
+    pub fn towards(&self, other: &Foot, share: f64) -> Foot {
+        let mix = |a: f64, b: f64| a + share * (b - a);
+        Foot {
+            at: [mix(self.at[0], other.at[0]), mix(self.at[1], other.at[1])],
+            height: mix(self.height, other.height),
+        }
+    }
+}
+
+/// The hull of all points across the normal.
+pub(crate) fn across_hull(feet: &[Foot]) -> Vec<Foot> {
+    hull(&feet.iter().map(|foot| foot.at).collect::<Vec<_>>()).into_iter().map(|i| feet[i]).collect()
+}
+
+/// The convex hull, across the normal, of the points that are lowest along the directions of a ring around it, which lean by `turn`
+/// (radians).
+pub(crate) fn lowest(feet: &[Foot], turn: f64) -> Vec<Foot> {
+    let slope = turn.tan();
+    let mut chosen: Vec<usize> = Vec::new();
+    let floor = feet.iter().map(|foot| foot.height).fold(f64::INFINITY, f64::min);
+    let reach = |axis: usize| {
+        let at = || feet.iter().map(|foot| foot.at[axis]);
+        at().fold(f64::NEG_INFINITY, f64::max) - at().fold(f64::INFINITY, f64::min)
+    };
+    // What is higher than the slope over the whole width is lowest along none of them.
+    let most = floor + slope * (reach(0) + reach(1));
+    let mut near: Vec<usize> = (0..feet.len()).filter(|i| feet[*i].height <= most).collect();
+    // Triangles share their corners.
+    let place = |i: &usize| [feet[*i].at[0], feet[*i].at[1], feet[*i].height].map(f64::to_bits);
+    near.sort_unstable_by_key(|i| (place(i), *i));
+    near.dedup_by_key(|i| place(i));
+    // All that are as low: of a flat side its corners.
+    let noise = 1e-12 * (reach(0) + reach(1));
+    let mut heights = vec![0.0; near.len()];
+    for k in 0..FOOTING_DIRECTIONS {
+        let (sin, cos) = (TAU * k as f64 / FOOTING_DIRECTIONS as f64).sin_cos();
+        let mut least = f64::INFINITY;
+        for (height, i) in heights.iter_mut().zip(&near) {
+            *height = feet[*i].height - slope * (cos * feet[*i].at[0] + sin * feet[*i].at[1]);
+            least = least.min(*height);
+        }
+        chosen.extend(near.iter().zip(&heights).filter(|(_, height)| **height <= least + noise).map(|(i, _)| *i));
+    }
+    chosen.sort_unstable();
+    chosen.dedup();
+    let places: Vec<[f64; 2]> = chosen.iter().map(|i| feet[*i].at).collect();
+    hull(&places).into_iter().map(|i| feet[chosen[i]]).collect()
+}
+
+/// What of a hull is over another, made wider by a little; heights are those of the first.
+pub(crate) fn clipped(feet: &[Foot], other: &[Foot], wider: f64) -> Vec<Foot> {
+    if other.is_empty() {
+        return Vec::new();
+    }
+    cut_to(feet, &half_planes(other, wider))
+}
+
+/// What of a convex polygon is within half-planes.
+pub(crate) fn cut_to(feet: &[Foot], within: &[([f64; 2], f64)]) -> Vec<Foot> {
+    let mut left = feet.to_vec();
+    for (normal, limit) in within {
+        let over = |foot: &Foot| normal[0] * foot.at[0] + normal[1] * foot.at[1] - limit;
+        let (mut is_all_in, mut is_all_out) = (true, true);
+        for foot in &left {
+            let is_in = over(foot) <= 0.0;
+            (is_all_in, is_all_out) = (is_all_in && is_in, is_all_out && !is_in);
+        }
+        if is_all_out {
+            return Vec::new();
+        }
+        if is_all_in {
+            continue;
+        }
+        let before = std::mem::take(&mut left);
+        for (i, p) in before.iter().enumerate() {
+            let q = &before[(i + 1) % before.len()];
+            let (x, y) = (over(p), over(q));
+            if x <= 0.0 {
+                left.push(*p);
+            }
+            if before.len() > 1 && (x < 0.0) != (y < 0.0) && x != 0.0 && y != 0.0 {
+                left.push(p.towards(q, x / (x - y)));
+            }
+        }
+    }
+    left
+}
+
+/// The sides of a convex polygon made wider, outward normals with limits; of a line or a point those of a box around it.
+pub(crate) fn half_planes(feet: &[Foot], wider: f64) -> Vec<([f64; 2], f64)> {
+    let side = |normal: [f64; 2], at: &[f64; 2]| (normal, normal[0] * at[0] + normal[1] * at[1] + wider);
+    let outward = |p: &Foot, q: &Foot| {
+        let way = [q.at[0] - p.at[0], q.at[1] - p.at[1]];
+        let length = way[0].hypot(way[1]);
+        [way[1] / length, -way[0] / length]
+    };
+    match feet {
+        [] => Vec::new(),
+        [p] => [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]].into_iter().map(|n| side(n, &p.at)).collect(),
+        [p, q] => {
+            let n = outward(p, q);
+            vec![side(n, &p.at), side([-n[0], -n[1]], &p.at), side([-n[1], n[0]], &q.at), side([n[1], -n[0]], &p.at)]
+        }
+        _ => (0..feet.len()).map(|i| side(outward(&feet[i], &feet[(i + 1) % feet.len()]), &feet[i].at)).collect(),
+    }
+}
+
+/// Leaves out what is next to a neighbour, or in line with both: nearer than a share of the whole, and than a length.
+pub(crate) fn merge(feet: &mut Vec<Foot>, least: f64) {
+    let apart = |p: &Foot, q: &Foot| (p.at[0] - q.at[0]).hypot(p.at[1] - q.at[1]);
+    let size = feet.iter().flat_map(|p| feet.iter().map(move |q| apart(p, q))).fold(0.0, f64::max);
+    let near = least.max(FOOTING_MERGED * size);
+    let mut i = 0;
+    while feet.len() > 1 && i < feet.len() {
+        let (p, q, r) = (feet[(i + feet.len() - 1) % feet.len()], feet[i], feet[(i + 1) % feet.len()]);
+        let base = apart(&p, &r);
+        let area = (q.at[0] - p.at[0]) * (r.at[1] - p.at[1]) - (q.at[1] - p.at[1]) * (r.at[0] - p.at[0]);
+        let is_in_line = feet.len() > 2 && area.abs() <= near * base && apart(&p, &q).max(apart(&q, &r)) <= base;
+        if apart(&q, &r) <= near || is_in_line {
+            feet.remove(i);
+            i = i.saturating_sub(1);
+        } else {
+            i += 1;
+        }
+    }
+}
+
+/// Leaves out the edge whose neighbours, lengthened until they meet, add the least area. False where none can be.
+pub(crate) fn leave_out_an_edge(feet: &mut Vec<Foot>) -> bool {
+    let n = feet.len();
+    let corner = |i: usize| {
+        let [a, b, c, d] = [0, 1, 2, 3].map(|k| &feet[(i + k) % n]);
+        let (u, v) = ([b.at[0] - a.at[0], b.at[1] - a.at[1]], [c.at[0] - d.at[0], c.at[1] - d.at[1]]);
+        let cross = |p: &[f64; 2], q: &[f64; 2]| p[0] * q[1] - p[1] * q[0];
+        let (w, turn) = ([c.at[0] - b.at[0], c.at[1] - b.at[1]], cross(&u, &v));
+        // Beyond b along the one, beyond c along the other.
+        let (s, t) = (cross(&w, &v) / turn, cross(&w, &u) / turn);
+        let is_beyond = s.is_finite() && t.is_finite() && s >= 0.0 && t >= 0.0;
+        let at = [b.at[0] + s * u[0], b.at[1] + s * u[1]];
+        let height = f64::min(b.height + s * (b.height - a.height), c.height + t * (c.height - d.height));
+        let area = cross(&w, &[at[0] - b.at[0], at[1] - b.at[1]]).abs();
+        is_beyond.then_some((area, i, Foot { at, height }))
+    };
+    let Some((_, i, foot)) = (0..n).filter_map(corner).min_by(|p, q| p.0.total_cmp(&q.0)) else { return false };
+    feet[(i + 1) % n] = foot;
+    feet.remove((i + 2) % n);
+    true
+}
+
+/// The least height, over a place, of the ways of cutting a convex polygon into triangles around one of its corners; of a line the
+/// height on it. The lowest corner's where the place is beyond the polygon.
+pub(crate) fn height_over(feet: &[Foot], at: &[f64; 2]) -> f64 {
+    let lowest = feet.iter().map(|foot| foot.height).fold(f64::INFINITY, f64::min);
+    let n = feet.len();
+    let mut least = f64::INFINITY;
+    if let [p, q] = feet {
+        let way = [q.at[0] - p.at[0], q.at[1] - p.at[1]];
+        let share = (way[0] * (at[0] - p.at[0]) + way[1] * (at[1] - p.at[1])) / (way[0] * way[0] + way[1] * way[1]);
+        least = p.towards(q, share.clamp(0.0, 1.0)).height;
+    }
+    for hub in (0..n).step_by(n.div_ceil(MOST_FANS).max(1)).filter(|_| n > 2) {
+        for k in 1..n - 1 {
+            let over = height_in_triangle([&feet[hub], &feet[(hub + k) % n], &feet[(hub + k + 1) % n]], at);
+            least = over.map_or(least, |height| least.min(height));
+        }
+    }
+    if least.is_finite() {
+        least
+    } else {
+        lowest
+    }
+}
+
+/// The height over a place in a triangle.
+pub(crate) fn height_in_triangle([a, b, c]: [&Foot; 3], at: &[f64; 2]) -> Option<f64> {
+    let (u, v) = ([b.at[0] - a.at[0], b.at[1] - a.at[1]], [c.at[0] - a.at[0], c.at[1] - a.at[1]]);
+    let (w, turn) = ([at[0] - a.at[0], at[1] - a.at[1]], u[0] * v[1] - u[1] * v[0]);
+    let (s, t) = ((w[0] * v[1] - w[1] * v[0]) / turn, (u[0] * w[1] - u[1] * w[0]) / turn);
+    (s.min(t).min(1.0 - s - t) >= -1e-9).then_some(a.height + s * (b.height - a.height) + t * (c.height - a.height))
+}

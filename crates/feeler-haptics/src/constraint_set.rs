@@ -1,0 +1,230 @@
+//! What the collision side hands to the servo side: contact rows, where they were taken, and how far they are good for.
+
+use feeler_core::geometry::vectors::{add, dot, sub};
+use feeler_core::{Point, Pose};
+
+use crate::constants::{MOST_PLANES, MOST_ROWS, SOLVER_ROUNDS, SOLVER_STILL_SHARE};
+use crate::error::Result;
+use crate::least_distance::{nearest, HalfSpace, Six, DIMENSIONS};
+use crate::metric::Metric;
+use crate::screw::{displaced, displacement, product, times, transposed};
+
+/// A point of the tool that is held off a plane.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Row {
+    /// Unit, world, from the mock-up to the tool.
+    pub normal: Point,
+    /// From the tool's centre to the point, world, at the pose where the rows were taken; metres.
+    pub arm: Point,
+    /// How far the point is off the plane there, metres.
+    pub gap: f64,
+    /// Of its plane.
+    pub id: u64,
+    /// Whether it is to be off by the skin; a seat may stay as near as it is.
+    pub has_skin: bool,
+}
+
+/// A plane of the contacts, for people and pictures.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Plane {
+    /// On the mock-up, world, metres.
+    pub point: Point,
+    /// Unit, from the mock-up to the tool.
+    pub normal: Point,
+    /// Distance of the tool at the pose where it was taken, metres.
+    pub gap: f64,
+    /// The part of the mock-up.
+    pub part: u32,
+    /// The same for the same two surfaces from tick to tick.
+    pub id: u64,
+}
+
+/// The contacts around the proxy at one moment. Of fixed size, so that it is handed over without allocating.
+#[derive(Debug, Clone, Copy)]
+pub struct ConstraintSet {
+    /// The proxy's pose where they were taken: free by the exact test.
+    pub taken_at: Pose,
+    /// When, seconds on the caller's clock.
+    pub time: f64,
+    /// Counts the sets.
+    pub number: u64,
+    /// How far the rows are to be held off, metres.
+    pub skin: f64,
+    /// All that no row stands for is at least so far off, metres.
+    pub margin: f64,
+    /// What nearest means for this tool.
+    pub metric: Metric,
+    rows: [Row; MOST_ROWS],
+    row_count: usize,
+    planes: [Plane; MOST_PLANES],
+    plane_count: usize,
+}
+
+/// Working memory of [`ConstraintSet::nearest_pose`], and what it held the last time.
+#[derive(Debug, Clone)]
+pub struct Solver {
+    half_spaces: [HalfSpace; MOST_ROWS],
+    held: [u64; DIMENSIONS],
+    held_count: usize,
+}
+
+impl Default for Solver {
+    fn default() -> Solver {
+        let none = HalfSpace { normal: [0.0; DIMENSIONS], offset: 0.0 };
+        Solver { half_spaces: [none; MOST_ROWS], held: [0; DIMENSIONS], held_count: 0 }
+    }
+}
+
+impl Solver {
+    /// The ids of the planes that held the proxy.
+    pub fn held(&self) -> &[u64] {
+        &self.held[..self.held_count]
+    }
+}
+
+/// The nearest pose that a set allows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NearestPose {
+    /// The pose.
+    pub pose: Pose,
+    /// Whether the rows allow any pose: false where they exclude each other at their skin.
+    pub is_feasible: bool,
+    /// Whether it was held back since the rows are good for no more.
+    pub is_at_bound: bool,
+}
+
+impl ConstraintSet {
+    /// Without rows: nothing is within the margin.
+    pub fn new(taken_at: Pose, metric: Metric, skin: f64, margin: f64) -> ConstraintSet {
+        ConstraintSet {
+            taken_at,
+            time: 0.0,
+            number: 0,
+            skin,
+            margin,
+            metric,
+            rows: [Row::default(); MOST_ROWS],
+            row_count: 0,
+            planes: [Plane::default(); MOST_PLANES],
+            plane_count: 0,
+        }
+    }
+
+    /// Starts anew at another pose.
+    pub fn clear(&mut self, taken_at: &Pose, margin: f64) {
+        self.taken_at = *taken_at;
+        self.margin = margin;
+        self.row_count = 0;
+        self.plane_count = 0;
+    }
+
+    /// Adds a plane with the points of the tool (world) that are held off the mock-up there, and how far off they are. Planes come nearest first; one that does not fit any more
+    /// shortens the margin to its gap.
+    pub fn push(&mut self, plane: Plane, points: impl ExactSizeIterator<Item = (Point, f64)>) {
+        self.push_rows(plane, points, true);
+    }
+
+    /// The same for a plane that the tool may stay on: its points are held where they are, not a skin off.
+    pub fn push_seat(&mut self, plane: Plane, points: impl ExactSizeIterator<Item = (Point, f64)>) {
+        self.push_rows(plane, points, false);
+    }
+
+    fn push_rows(&mut self, plane: Plane, points: impl ExactSizeIterator<Item = (Point, f64)>, has_skin: bool) {
+        if self.plane_count == MOST_PLANES || self.row_count + points.len() > MOST_ROWS {
+            self.margin = self.margin.min(plane.gap);
+            return;
+        }
+        self.planes[self.plane_count] = plane;
+        self.plane_count += 1;
+        let centre = self.taken_at.apply(&self.metric.centre);
+        for (point, gap) in points {
+            self.rows[self.row_count] =
+                Row { normal: plane.normal, arm: sub(&point, &centre), gap, id: plane.id, has_skin };
+            self.row_count += 1;
+        }
+    }
+
+    /// The rows.
+    pub fn rows(&self) -> &[Row] {
+        &self.rows[..self.row_count]
+    }
+
+    /// The planes, nearest first.
+    pub fn planes(&self) -> &[Plane] {
+        &self.planes[..self.plane_count]
+    }
+
+    /// The least gap of all rows, metres; the margin where there are none.
+    pub fn least_gap(&self) -> f64 {
+        self.rows().iter().filter(|row| row.has_skin).map(|row| row.gap).fold(self.margin, f64::min)
+    }
+
+    /// The pose nearest to `target` that violates no row, found from the pose where the rows were taken, and no farther from it than
+    /// `bound` (metres, of any point of the tool). Rows are planes and rigid points: their exact places at each round's pose make the
+    /// program of the next. Allocates nothing.
+    pub fn nearest_pose(&self, target: &Pose, bound: f64, solver: &mut Solver) -> Result<NearestPose> {
+        let metric = &self.metric;
+        let (mut pose, mut is_feasible) = (self.taken_at, true);
+        for _ in 0..SOLVER_ROUNDS {
+            let wish = displacement(&pose, target, &metric.centre);
+            let step = self.step(&pose, &metric.coordinates(&pose, &wish), self.skin, solver);
+            is_feasible = step.1;
+            let by = metric.displacement(&pose, &step.0);
+            pose = displaced(&pose, &by, &metric.centre)?;
+            if by.reach(metric.radius) <= SOLVER_STILL_SHARE * self.skin {
+                break;
+            }
+        }
+        let way = displacement(&self.taken_at, &pose, &metric.centre);
+        let reach = way.reach(metric.radius);
+        let is_at_bound = reach > bound;
+        if is_at_bound {
+            pose = displaced(&self.taken_at, &(way * (bound.max(0.0) / reach)), &metric.centre)?;
+        }
+        Ok(NearestPose { pose, is_feasible, is_at_bound })
+    }
+
+    /// The length (in the metric, metres) of the shortest displacement that has all rows off by `skin`; `None` where there is none.
+    pub(crate) fn lift(&self, skin: f64, solver: &mut Solver) -> Option<f64> {
+        let held = (solver.held, solver.held_count);
+        let (lift, is_feasible) = self.step(&self.taken_at, &[0.0; DIMENSIONS], skin, solver);
+        (solver.held, solver.held_count) = held;
+        is_feasible.then(|| lift.iter().map(|x| x * x).sum::<f64>().sqrt())
+    }
+
+    /// One program, linear at a pose.
+    fn step(&self, pose: &Pose, wish: &Six, skin: f64, solver: &mut Solver) -> (Six, bool) {
+        let metric = &self.metric;
+        let turn = product(pose.rotation(), &transposed(self.taken_at.rotation()));
+        let moved = sub(&pose.apply(&metric.centre), &self.taken_at.apply(&metric.centre));
+        let rows = self.rows();
+        for (row, half_space) in rows.iter().zip(&mut solver.half_spaces) {
+            let arm = times(&turn, &row.arm);
+            let gap = row.gap + dot(&row.normal, &add(&moved, &sub(&arm, &row.arm)));
+            *half_space = metric.half_space(pose, &row.normal, &arm, if row.has_skin { skin - gap } else { -gap });
+        }
+        let (held, held_count) = (solver.held, solver.held_count);
+        let was_held = |i: usize| held[..held_count].contains(&rows[i].id);
+        let found = nearest(wish, &solver.half_spaces[..rows.len()], self.skin, was_held);
+        solver.held_count = 0;
+        for (i, _) in found.active() {
+            solver.held[solver.held_count] = rows[*i].id;
+            solver.held_count += 1;
+        }
+        (found.point, found.is_feasible)
+    }
+
+    /// By how much a pose violates a row at most, metres: below zero where all are off by more than the skin.
+    pub fn violation(&self, pose: &Pose) -> f64 {
+        let centre = &self.metric.centre;
+        let way = displacement(&self.taken_at, pose, centre);
+        let turn = product(pose.rotation(), &transposed(self.taken_at.rotation()));
+        let off = |row: &Row| {
+            let arm = times(&turn, &row.arm);
+            (if row.has_skin { self.skin } else { 0.0 })
+                - row.gap
+                - dot(&row.normal, &add(&way.linear, &sub(&arm, &row.arm)))
+        };
+        self.rows().iter().map(off).fold(f64::NEG_INFINITY, f64::max)
+    }
+}

@@ -1,0 +1,212 @@
+//! From the device's frame to the world, and back: scale, clutch, and the border of the workspace.
+//!
+//! - **Motion.** The tool's frame is at the handle: `place = at + scale * B * handle`, `rotation = B * handle * H`.
+//!   `B`, which way the device's axes point in the world, is given; `at` and `H` are what the clutch changes.
+//! - **Clutch.** While its button is held the tool stays, and the hand moves the handle to where it has room. When it
+//!   is let go, the tool follows again from where it is, turned about the world's axes as the hand turns about the
+//!   device's. A wrench while the hand re-indexes would let it gain energy for nothing, so there is none:
+//!   [`Mapped::is_clutched`] belongs into [`ForceInput::in_doubt`](crate::ForceInput::in_doubt), and the force then
+//!   comes back gently.
+//! - **Force.** The transpose of the motion, divided by the scale: the force is *unscaled*, so that a part weighs the
+//!   same whatever the scale, and the torque is divided by the scale, as arms are in the hand's world. All six powers
+//!   are then one factor of the tool's (`1 / scale`), and what is passive at the tool is passive at the hand. The hand
+//!   feels `scale` times the stiffness; that is why the coupling is limited to [`Mapping::info_in_world`].
+//! - **Border.** A soft wall inside the workspace's border pushes the hand back, gently, before the mechanism does it
+//!   hard. Nothing drifts: the tool moves only when the hand does, which is what one relies on when clearances are
+//!   judged, and the clutch gives room.
+
+use feeler_core::geometry::vectors::{add, scaled, sub};
+use feeler_core::{Point, Pose};
+
+use super::{DeviceInfo, DeviceState};
+use crate::constants::{SCALES, WALL_DEPTH, WALL_FORCE_SHARE, WALL_SHARE};
+use crate::error::{Error, Result};
+use crate::saturation::{added_within, saturated};
+use crate::screw::{pose_of, product, times, transposed, Matrix, Twist, Wrench};
+
+/// What a device's state is in the world.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mapped {
+    /// Where the hand wants the tool.
+    pub world_from_tool: Pose,
+    /// How fast, at the tool frame's origin, world axes; where the device tells it. Zero while clutched.
+    pub twist: Option<Twist>,
+    /// The clutch is held.
+    pub is_clutched: bool,
+    /// Buttons that are held, a bit each.
+    pub held: u32,
+    /// Buttons that were not held the last time, and are.
+    pub pressed: u32,
+    /// Buttons that were held the last time, and are not.
+    pub released: u32,
+}
+
+/// See the [module](self).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mapping {
+    info: DeviceInfo,
+    scale: f64,
+    clutch: u32,
+    world_from_device: Matrix,
+    /// Where the device's origin is in the world.
+    at: Point,
+    handle_from_tool: Matrix,
+    /// Where the tool stays while the clutch is held.
+    kept: Option<Pose>,
+    handle: Pose,
+    held: u32,
+    walls: [Wall; 3],
+}
+
+/// The soft wall across one axis, on both sides.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Wall {
+    /// Where it begins, metres from the middle.
+    from: f64,
+    stiffness: f64,
+    most: f64,
+}
+
+impl Mapping {
+    /// `scale`: how far the tool moves in the world for a metre of the handle. `world_from_device`: where the device's
+    /// frame is in the world at the beginning, and which way it looks. `clutch_button`: number of the button (0 is the
+    /// first), `None` for no clutch. Errors where the scale is not between 1/1000 and 1000, the device has no such
+    /// button, or its limits are out of their ranges.
+    pub fn new(info: &DeviceInfo, scale: f64, world_from_device: &Pose, clutch_button: Option<u32>) -> Result<Mapping> {
+        let [least, most] = SCALES;
+        if !(least..=most).contains(&scale) {
+            return Err(Error::Option { what: "scale", value: scale, range: "between 0.001 and 1000" });
+        }
+        let clutch = match clutch_button {
+            Some(button) if button >= info.buttons.min(32) => {
+                let range = "less than the device's number of buttons";
+                return Err(Error::Option { what: "clutch button", value: button.into(), range });
+            }
+            Some(button) => 1 << button,
+            None => 0,
+        };
+        let limits = &info.limits;
+        limits.check()?;
+        let held = WALL_SHARE * limits.damping_n_s_per_m / limits.hold_s(limits.rate_hz);
+        let walls = info.workspace.map(|half| {
+            let depth = WALL_DEPTH * half;
+            let is_there = info.driven.translation && half.is_finite() && half > 0.0;
+            let most = WALL_FORCE_SHARE * limits.force_n;
+            Wall { from: half - depth, stiffness: if is_there { held.min(most / depth) } else { 0.0 }, most }
+        });
+        Ok(Mapping {
+            info: info.clone(),
+            scale,
+            clutch,
+            world_from_device: *world_from_device.rotation(),
+            at: *world_from_device.translation(),
+            handle_from_tool: *Pose::IDENTITY.rotation(),
+            kept: None,
+            handle: Pose::IDENTITY,
+            held: 0,
+            walls,
+        })
+    }
+
+    /// What the device is, as felt in the tool's world: what a coupling there is to be limited to.
+    pub fn info_in_world(&self) -> DeviceInfo {
+        let s = self.scale;
+        let mut info = self.info.clone();
+        info.workspace = info.workspace.map(|half| half * s);
+        let limits = &mut info.limits;
+        // The same force over s times the way, and s times the torque over the same turn.
+        limits.damping_n_s_per_m /= s;
+        limits.resolution_m *= s;
+        limits.torque_nm *= s;
+        limits.rotational_damping_nm_s_per_rad *= s;
+        limits.rotational_friction_nm *= s;
+        info
+    }
+
+    /// The device's state in the world. Call it once for each state, in their order. Errors where the tool would be
+    /// beyond the coordinate limit.
+    pub fn update(&mut self, state: &DeviceState) -> Result<Mapped> {
+        let before = self.held;
+        let was_clutched = self.kept.is_some();
+        let is_clutched = state.buttons & self.clutch != 0;
+        if is_clutched && !was_clutched {
+            // Where the tool was when the button was not yet held.
+            self.kept = Some(self.tool()?);
+        }
+        self.handle = state.pose;
+        self.held = state.buttons;
+        if !is_clutched {
+            if let Some(kept) = self.kept.take() {
+                self.set_tool(&kept);
+            }
+        }
+        let world_from_tool = match &self.kept {
+            Some(kept) => *kept,
+            None => self.tool()?,
+        };
+        let twist = state.twist.map(|twist| match is_clutched {
+            true => Twist::ZERO,
+            false => Twist {
+                linear: scaled(&times(&self.world_from_device, &twist.linear), self.scale),
+                angular: times(&self.world_from_device, &twist.angular),
+            },
+        });
+        Ok(Mapped {
+            world_from_tool,
+            twist,
+            is_clutched,
+            held: state.buttons,
+            pressed: state.buttons & !before,
+            released: before & !state.buttons,
+        })
+    }
+
+    /// Re-indexes, so that the tool is at a pose with the handle where it was told last; the way a clutch does it.
+    pub fn set_tool(&mut self, world_from_tool: &Pose) {
+        let turned = product(&self.world_from_device, self.handle.rotation());
+        self.handle_from_tool = product(&transposed(&turned), world_from_tool.rotation());
+        let way = scaled(&times(&self.world_from_device, self.handle.translation()), self.scale);
+        self.at = sub(world_from_tool.translation(), &way);
+        if self.kept.is_some() {
+            self.kept = Some(*world_from_tool);
+        }
+    }
+
+    /// The wrench for the device, at the handle's origin, device axes, within the device's bounds, of a wrench at the
+    /// tool frame's origin, world axes. The soft wall is in it, and nothing else while the clutch is held. What is not
+    /// finite is zero.
+    pub fn wrench_on_hand(&self, wrench: &Wrench) -> Wrench {
+        if !wrench.is_finite() {
+            return Wrench::ZERO;
+        }
+        let limits = &self.info.limits;
+        let back = transposed(&self.world_from_device);
+        let force = times(&back, &wrench.force);
+        let torque = scaled(&times(&back, &wrench.torque), 1.0 / self.scale);
+        let driven = self.info.driven;
+        let kept = |is: bool, v: Point| if is && self.kept.is_none() { v } else { [0.0; 3] };
+        let felt = Wrench { force: kept(driven.translation, force), torque: kept(driven.rotation, torque) };
+        let felt = saturated(&felt, limits.force_n, limits.torque_nm);
+        let wall = Wrench { force: self.wall(), torque: [0.0; 3] };
+        added_within(&felt, &wall, limits.force_n, limits.torque_nm)
+    }
+
+    /// The soft wall's force on the hand, device axes.
+    fn wall(&self) -> Point {
+        let place = self.handle.translation();
+        std::array::from_fn(|axis| {
+            let Wall { from, stiffness, most } = self.walls[axis];
+            let inside = (place[axis].abs() - from).max(0.0);
+            if stiffness == 0.0 || inside == 0.0 {
+                return 0.0;
+            }
+            -(stiffness * inside).min(most) * place[axis].signum()
+        })
+    }
+
+    fn tool(&self) -> Result<Pose> {
+        let rotation = product(&product(&self.world_from_device, self.handle.rotation()), &self.handle_from_tool);
+        let way = scaled(&times(&self.world_from_device, self.handle.translation()), self.scale);
+        pose_of(&rotation, &add(&self.at, &way))
+    }
+}

@@ -1,0 +1,423 @@
+//! The proxy (god-object): the tool as it would be if it could not enter the mock-up.
+//!
+//! After M. Ortega, S. Redon and S. Coquillart (*A six degree-of-freedom god-object method for haptic display of rigid bodies with
+//! surface properties*, 2007): the pose nearest to the device's that no contact forbids, reached by a free motion. Where it differs:
+//! contacts are planes that do not depend on the triangulation, taken where the proxy is, with the points that carry them; and each
+//! motion is cast, so that the proxy is never in collision by the exact test. What stops a cast though no plane forbade it becomes a
+//! row of its own, and is asked again while it is near.
+
+use feeler_contacts::Manifolds;
+use feeler_core::geometry::vectors::{dot, length, sub, unit};
+use feeler_core::{Motion, Point, Pose, Tool};
+
+use crate::constants::{
+    ARC_SKINS, BACK_OFF_HALVINGS, BACK_OFF_SHARE, CAST_SHARE, CLEARANCE_SHARE, LARGEST_CAST_TOLERANCE,
+    LEAST_CAST_TOLERANCE, LEAST_MARGIN, LEAST_TRUST, LIFT_SHARE, MOST_BLOCKERS, MOST_LIFT, MOST_PATIENCE, SEAT_SLACK,
+    SKINS_IN_MARGIN, SKIN_GROWTH, SKIN_HALVINGS, SKIN_LIFT, SQUEEZE_GAIN, SQUEEZE_SHARE, STILL_SHARE, STRIDES,
+    STRIDE_DECAY, STUCK_SHARE, TRUST_GROWTH,
+};
+use crate::constraint_set::{ConstraintSet, NearestPose, Plane, Solver};
+use crate::environment::{Environment, Pair};
+use crate::error::{Error, Result};
+use crate::metric::Metric;
+use crate::screw::{displaced, displacement};
+use crate::world::Seat;
+
+/// How the proxy is kept off.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ProxyOptions {
+    /// What is nearer than this is a contact, metres.
+    pub margin: f64,
+    /// How far the proxy stays off, metres; less where the clearance is less than twice as much.
+    pub skin: f64,
+    /// Most motions a tick: more follow a fast hand around corners in one tick, and take longer.
+    pub rounds: usize,
+}
+
+impl Default for ProxyOptions {
+    fn default() -> ProxyOptions {
+        ProxyOptions { margin: 0.002, skin: 2e-5, rounds: 4 }
+    }
+}
+
+impl ProxyOptions {
+    /// Errors: a margin or skin that is not positive and finite, a skin of half the margin or more, no rounds.
+    pub fn check(&self) -> Result<()> {
+        let option = |what, value: f64, is_good: bool, range| match value.is_finite() && is_good {
+            true => Ok(()),
+            false => Err(Error::Option { what, value, range }),
+        };
+        option("margin", self.margin, self.margin > 0.0, "positive (metres)")?;
+        option("skin", self.skin, self.skin > 0.0, "positive (metres)")?;
+        option("skin", self.skin, self.skin < 0.5 * self.margin, "less than half the margin")?;
+        option("rounds", self.rounds as f64, self.rounds > 0, "at least 1")
+    }
+}
+
+/// What one tick of the collision side did.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Advance {
+    /// Motions tried.
+    pub rounds: usize,
+    /// Of these, stopped by the cast.
+    pub stopped: usize,
+}
+
+/// The tool's constrained twin. Its pose is free by the exact test, and was reached by a free motion from the start.
+#[derive(Debug)]
+pub struct Proxy {
+    options: ProxyOptions,
+    /// Pairs that stopped a cast, the newest last.
+    blockers: Vec<Pair>,
+    seats: Vec<Seat>,
+    manifolds: Manifolds,
+    set: ConstraintSet,
+    solver: Solver,
+    /// How far a motion may lead, metres: less after one that was stopped by what it knew of.
+    trust: f64,
+    skin: f64,
+    /// The longest of its last motions, metres a tick.
+    stride: f64,
+    /// Ticks between two tries to squeeze through, and how many have passed.
+    patience: u32,
+    waited: u32,
+}
+
+impl Proxy {
+    /// A proxy at a pose, which must be free. Errors: options out of range, and [`Error::StartsInCollision`].
+    ///
+    /// `metric`: what nearest means; mostly that of the tool.
+    pub fn new(
+        environment: &Environment,
+        tool: &Tool,
+        metric: Metric,
+        start: &Pose,
+        options: ProxyOptions,
+    ) -> Result<Proxy> {
+        options.check()?;
+        if environment.is_colliding(tool, start) {
+            return Err(Error::StartsInCollision);
+        }
+        let set = ConstraintSet::new(*start, metric, options.skin, options.margin);
+        let mut proxy = Proxy {
+            options,
+            blockers: Vec::new(),
+            seats: Vec::new(),
+            manifolds: Manifolds::default(),
+            set,
+            solver: Solver::default(),
+            trust: f64::INFINITY,
+            skin: options.skin,
+            stride: options.margin,
+            patience: 0,
+            waited: 0,
+        };
+        proxy.look_around(environment, tool, start)?;
+        Ok(proxy)
+    }
+
+    /// Where it is.
+    pub fn pose(&self) -> &Pose {
+        &self.set.taken_at
+    }
+
+    /// The contacts where it is.
+    pub fn constraints(&self) -> &ConstraintSet {
+        &self.set
+    }
+
+    /// When its contacts were found, seconds on the caller's clock.
+    pub fn set_time(&mut self, now: f64) {
+        self.set.time = now;
+    }
+
+    /// What there is and what moves has changed, at this pose: a part was gripped or let go. What nearest means stays, so that the proxy
+    /// does not move by it.
+    pub fn set_world(&mut self, environment: &Environment, tool: &Tool, seats: &[Seat]) -> Result<()> {
+        let pose = self.set.taken_at;
+        self.blockers.clear();
+        self.seats = seats.to_vec();
+        self.set.metric = self.set.metric.with_radius_of(tool);
+        let time = self.set.time;
+        self.look_around(environment, tool, &pose)?;
+        self.set.time = time;
+        Ok(())
+    }
+
+    /// Moves it towards the device's pose, and finds the contacts where it gets to.
+    pub fn advance(&mut self, environment: &Environment, tool: &Tool, target: &Pose) -> Result<Advance> {
+        let start = self.set.taken_at;
+        let mut done = Advance::default();
+        let is_stuck = self.approach(environment, tool, target, &mut done)?;
+        if is_stuck && self.is_time_to_squeeze() {
+            self.squeeze(environment, tool, target, &mut done)?;
+        }
+        self.stride = self.reach_to(&start).max(STRIDE_DECAY * self.stride);
+        Ok(done)
+    }
+
+    /// Motions towards the target, each as far as it is free, until none leads on. Whether contacts hold it.
+    fn approach(&mut self, environment: &Environment, tool: &Tool, target: &Pose, done: &mut Advance) -> Result<bool> {
+        let mut distance = self.distance_to(target);
+        for _ in 0..self.options.rounds {
+            done.rounds += 1;
+            let from = self.set.taken_at;
+            let goal = self.next_pose(target)?;
+            let reach = self.reach_to(&goal.pose);
+            if reach <= STILL_SHARE * self.set.skin {
+                return Ok(!self.solver.held().is_empty());
+            }
+            let tolerance = self.cast_tolerance();
+            match environment.first_impact(tool, &from, &goal.pose, tolerance)? {
+                None => {
+                    self.trust = if goal.is_at_bound { self.trust * TRUST_GROWTH } else { f64::INFINITY };
+                    self.look_around(environment, tool, &goal.pose)?;
+                    if !goal.is_at_bound && self.solver.held().is_empty() {
+                        return Ok(false);
+                    }
+                }
+                Some(impact) => {
+                    done.stopped += 1;
+                    if self.blockers.contains(&impact.pair) {
+                        // What its row allowed it forbids: the motion was too long for a row.
+                        self.trust = (reach.min(self.trust) / TRUST_GROWTH).max(LEAST_TRUST * self.set.skin);
+                    }
+                    self.remember(impact.pair);
+                    let reached = self.back_off(environment, tool, &goal.pose, impact.fraction, &impact.pair)?;
+                    self.look_around(environment, tool, &reached)?;
+                    continue;
+                }
+            }
+            let left = self.distance_to(target);
+            if distance - left <= STUCK_SHARE * self.set.skin {
+                return Ok(!self.solver.held().is_empty());
+            }
+            distance = left;
+        }
+        Ok(false)
+    }
+
+    /// Where the next motion leads. It starts off the surface: where the tool is nearer than half the skin it is lifted first. And it
+    /// turns no more than keeps its points, which move on arcs, within a part of the skin of the straight ways between two poses that
+    /// satisfy the rows.
+    fn next_pose(&mut self, target: &Pose) -> Result<NearestPose> {
+        let (from, metric) = (self.set.taken_at, self.set.metric);
+        if self.set.least_gap() < LIFT_SHARE * self.set.skin {
+            return self.set.nearest_pose(&from, self.trust, &mut self.solver);
+        }
+        let goal = self.set.nearest_pose(target, self.trust, &mut self.solver)?;
+        let way = displacement(&from, &goal.pose, &metric.centre);
+        let (turn, most) = (length(&way.angular), (ARC_SKINS * self.set.skin / metric.radius).sqrt());
+        if self.set.rows().is_empty() || turn <= most {
+            return Ok(goal);
+        }
+        Ok(NearestPose { pose: displaced(&from, &(way * (most / turn)), &metric.centre)?, ..goal })
+    }
+
+    /// How far any point of the tool moves from here to a pose, metres.
+    fn reach_to(&self, pose: &Pose) -> f64 {
+        displacement(&self.set.taken_at, pose, &self.set.metric.centre).reach(self.set.metric.radius)
+    }
+
+    /// Where contacts hold the tool from several sides, the skin may be what closes a way: a peg at the mouth of a hole that it fits. So
+    /// it is tried with less, and that is kept where it leads on by clearly more than the skin gave way.
+    fn squeeze(&mut self, environment: &Environment, tool: &Tool, target: &Pose, done: &mut Advance) -> Result<()> {
+        let before = (self.set, self.blockers.clone(), self.trust);
+        let distance = self.distance_to(target);
+        self.skin = (SQUEEZE_SHARE * self.options.skin).min(self.skin);
+        self.set.skin = self.skin;
+        self.approach(environment, tool, target, done)?;
+        let gain = distance - self.distance_to(target);
+        if gain > SQUEEZE_GAIN * self.options.skin {
+            self.patience = 0;
+            return Ok(());
+        }
+        self.skin = before.0.skin;
+        (self.set, self.blockers, self.trust) = before;
+        self.patience = (2 * self.patience + 1).min(MOST_PATIENCE);
+        self.waited = 0;
+        Ok(())
+    }
+
+    /// After each squeeze that led nowhere it is tried half as often.
+    fn is_time_to_squeeze(&mut self) -> bool {
+        self.waited += 1;
+        self.waited > self.patience && self.solver.held().len() > 1 && self.skin > SQUEEZE_SHARE * self.options.skin
+    }
+
+    /// In the metric, metres.
+    fn distance_to(&self, target: &Pose) -> f64 {
+        let (metric, pose) = (&self.set.metric, &self.set.taken_at);
+        let way = displacement(pose, target, &metric.centre);
+        metric.coordinates(pose, &way).iter().map(|x| x * x).sum::<f64>().sqrt()
+    }
+
+    /// Below the gaps there are, so that what is near at the start of a motion does not stop it.
+    fn cast_tolerance(&self) -> f64 {
+        let least = self.set.least_gap().min(self.set.skin);
+        (CAST_SHARE * least).clamp(LEAST_CAST_TOLERANCE, LARGEST_CAST_TOLERANCE)
+    }
+
+    fn remember(&mut self, pair: Pair) {
+        self.blockers.retain(|known| *known != pair);
+        if self.blockers.len() == MOST_BLOCKERS {
+            self.blockers.remove(0);
+        }
+        self.blockers.push(pair);
+    }
+
+    /// The last pose on a free way, which ends at a fraction, at which the pair that ends it is as far apart as half the skin; where it
+    /// is nearer from the start, the start.
+    fn back_off(&self, environment: &Environment, tool: &Tool, to: &Pose, free: f64, pair: &Pair) -> Result<Pose> {
+        let from = self.set.taken_at;
+        let motion = Motion::new(tool, &from, to);
+        let least = BACK_OFF_SHARE * self.set.skin;
+        let mut back = least / motion.longest_way();
+        for _ in 0..BACK_OFF_HALVINGS {
+            let time = free - back;
+            if time <= 0.0 {
+                break;
+            }
+            let pose = motion.at(time);
+            let is_off = environment.closest(tool, &pose, pair).is_some_and(|c| c.distance >= least);
+            if is_off && !environment.is_colliding(tool, &pose) {
+                return Ok(pose);
+            }
+            back *= 2.0;
+        }
+        Ok(from)
+    }
+
+    /// Finds the contacts at a free pose, and makes it the proxy's.
+    fn look_around(&mut self, environment: &Environment, tool: &Tool, pose: &Pose) -> Result<()> {
+        let margin = STRIDES * self.stride + SKINS_IN_MARGIN * self.skin;
+        let margin = margin.max(LEAST_MARGIN * self.options.skin).min(self.options.margin);
+        environment.manifolds(tool, pose, margin, &mut self.manifolds)?;
+        let number = self.set.number + 1;
+        self.set.clear(pose, self.manifolds.margin);
+        self.set.number = number;
+        for manifold in &self.manifolds.manifolds {
+            let plane = Plane {
+                point: manifold.point,
+                normal: manifold.normal,
+                gap: manifold.gap,
+                part: manifold.part,
+                id: manifold.id,
+            };
+            self.set.push(plane, manifold.points().iter().map(|p| (p.point, p.gap)));
+        }
+        for seat in &self.seats {
+            let off = |p: &Point| dot(&sub(&pose.apply(p), &seat.plane.point), &seat.plane.normal);
+            self.set.push_seat(
+                seat.plane,
+                seat.points.iter().map(|(p, at_grip)| (pose.apply(p), off(p) - at_grip + SEAT_SLACK)),
+            );
+        }
+        self.push_blockers(environment, tool, pose);
+        self.skin = self.fit_skin();
+        self.set.skin = self.skin;
+        Ok(())
+    }
+
+    /// Adds the rows of what stopped a cast and is still near, where no plane stands for it.
+    fn push_blockers(&mut self, environment: &Environment, tool: &Tool, pose: &Pose) {
+        let (set, margin) = (&mut self.set, self.manifolds.margin);
+        self.blockers.retain(|pair| {
+            let Some(closest) = environment.closest(tool, pose, pair).filter(|c| c.distance <= margin) else {
+                return false;
+            };
+            let Some(normal) = unit(&sub(&closest.on_p, &closest.on_q)) else { return true };
+            let id = u64::from(pair.tool_triangle) << 32 ^ u64::from(pair.triangle) ^ 1 << 63;
+            let part = environment.part_of(pair);
+            let plane = Plane { point: closest.on_q, normal, gap: closest.distance, part, id };
+            set.push(plane, std::iter::once((closest.on_p, closest.distance)));
+            true
+        });
+    }
+
+    /// The skin for the rows there are: what it was, or half the clearance where that is less; and wider again where that does not push
+    /// the tool away. The clearance is what all rows can be off at once. In a wedge it is the less the deeper the tool is, so a skin
+    /// that rows allow at all is not less than that of a squeeze: it keeps the tool from the wedge's end.
+    fn fit_skin(&mut self) -> f64 {
+        let Proxy { set, solver, options, skin, .. } = self;
+        if set.rows().is_empty() {
+            return options.skin;
+        }
+        let mut lift = |skin: f64| set.lift(skin, solver).unwrap_or(f64::INFINITY);
+        let (wider, most) = ((SKIN_GROWTH * *skin).min(options.skin), MOST_LIFT * options.skin);
+        if lift(wider / CLEARANCE_SHARE) <= most && (wider == *skin || lift(wider) <= SKIN_LIFT * wider) {
+            return wider;
+        }
+        if lift(*skin / CLEARANCE_SHARE) <= most {
+            return *skin;
+        }
+        let least = SQUEEZE_SHARE * options.skin;
+        if *skin >= least && lift(least / CLEARANCE_SHARE).is_finite() {
+            return least;
+        }
+        // Bisection of the logarithm; what there is at the pose fits.
+        let (mut low, mut high) = (set.least_gap().max(LEAST_CAST_TOLERANCE), *skin / CLEARANCE_SHARE);
+        for _ in 0..SKIN_HALVINGS {
+            let middle = (low * high).sqrt();
+            if lift(middle).is_finite() {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        (CLEARANCE_SHARE * low).min(*skin)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use feeler_contacts::ContactSolver;
+    use feeler_core::{Mockup, Scene, SceneOptions};
+    use feeler_shapes::{box_mesh, Arrays};
+
+    use super::*;
+    use crate::environment::Body;
+    use crate::screw::{pose_of, rotation_of, rotation_vector};
+
+    fn environment((vertices, faces): Arrays) -> Environment {
+        let mockup = Mockup::new(vertices, faces, vec![], 1).unwrap();
+        let scene = Scene::build(Arc::new(mockup), &SceneOptions::default(), &|_, _| true).unwrap();
+        Environment { bodies: vec![Body { solver: ContactSolver::new(Arc::new(scene)), part: None }] }
+    }
+
+    fn tool((vertices, faces): Arrays) -> Tool {
+        Tool::new(vertices, faces).unwrap()
+    }
+
+    fn at(place: Point, turn: Point) -> Pose {
+        pose_of(&rotation_of(&turn), &place).unwrap()
+    }
+
+    #[test]
+    fn a_box_pressed_on_a_plate_lies_flat_a_skin_off_at_any_tessellation() {
+        for (plate_cells, cells) in [(1, 1), (8, 8), (1, 8), (30, 1)] {
+            let plate = environment(box_mesh([0.0, 0.0, -0.01], [0.2, 0.15, 0.02], plate_cells));
+            let block = tool(box_mesh([0.0; 3], [0.03, 0.04, 0.05], cells));
+            let mut proxy = Proxy::new(
+                &plate,
+                &block,
+                Metric::new(&block),
+                &at([0.0, 0.0, 0.04], [0.0; 3]),
+                ProxyOptions::default(),
+            )
+            .unwrap();
+            for k in 0..200 {
+                let k = f64::from(k);
+                let device = at([0.0002 * k, 0.0, 0.04 - 0.0001 * k], [0.1, 0.05, 0.0]);
+                proxy.advance(&plate, &block, &device).unwrap();
+                assert!(!plate.is_colliding(&block, proxy.pose()), "{k}");
+            }
+            let place = proxy.pose().translation();
+            assert!((place[2] - 0.02502).abs() < 1e-7, "{place:?}");
+            assert!((place[0] - 0.0398).abs() < 1e-5, "{place:?}");
+            assert!(length(&rotation_vector(proxy.pose().rotation())) < 1e-4);
+        }
+    }
+}

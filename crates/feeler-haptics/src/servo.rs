@@ -1,0 +1,134 @@
+//! One tick of the servo side: the pose nearest to the device's by the newest constraints, and the force of the coupling to it.
+//!
+//! Between two sets the proxy moves by the rows of the newest one, and no farther than that is good for: all that has no row is at least
+//! its margin off, so a tool of which no point moves farther cannot get there. Beyond, the proxy is held at the bound, and the coupling
+//! drags. Allocates nothing, and takes no lock.
+
+use feeler_core::{Point, Pose};
+
+use crate::constants::{BOUND_SHARE, OLDEST_SET_S, PROXY_RESOLUTION_M, PROXY_RESOLUTION_RAD};
+use crate::constraint_set::{ConstraintSet, Solver};
+use crate::coupling::Coupling;
+use crate::device::{DeviceLimits, Freedoms};
+use crate::error::Result;
+use crate::force::{ForceInput, ForceLoop};
+use crate::screw::{Twist, Wrench};
+use crate::velocity::VelocityEstimate;
+
+/// What a tick is given.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ServoInput {
+    /// Where the device wants the tool, `world_from_tool`.
+    pub device: Pose,
+    /// How fast, at the device frame's origin, where it tells; else it is found from the poses.
+    pub device_twist: Option<Twist>,
+    /// Seconds on the caller's clock.
+    pub now: f64,
+    /// Since the last tick, seconds.
+    pub dt: f64,
+    /// Something is wrong: no force.
+    pub in_doubt: bool,
+}
+
+/// What holds the proxy.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Mode {
+    /// Nothing: it is where the device is.
+    #[default]
+    Free,
+    /// Contacts.
+    Contact,
+    /// The constraints are not good for more: it moves on with the next set.
+    Bound,
+    /// There is no proxy: the device's pose was in collision since the start. It begins where that is free.
+    Colliding,
+    /// The force is let go: the device told nothing that can be, or the constraints are too old.
+    Doubt,
+}
+
+/// What a tick gives.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ServoOutput {
+    /// On the hand, world axes, at the device frame's origin.
+    pub wrench: Wrench,
+    /// Where the servo side has the proxy: near the collision side's, and not checked by it yet.
+    pub proxy: Pose,
+    /// Age of the constraints, seconds.
+    pub age: f64,
+    /// What holds the proxy.
+    pub mode: Mode,
+}
+
+/// The servo side.
+#[derive(Debug, Clone)]
+pub struct Servo {
+    force: ForceLoop,
+    solver: Solver,
+    /// Where the coupling's springs act, tool frame.
+    centre: Point,
+    device_velocity: VelocityEstimate,
+    proxy_velocity: VelocityEstimate,
+}
+
+impl Servo {
+    /// `coupling`, `driven`, `limits`, `rate_hz`: as of [`ForceLoop::new`]. `centre`: where the springs act, tool frame.
+    pub fn new(
+        coupling: Coupling,
+        driven: Freedoms,
+        limits: &DeviceLimits,
+        rate_hz: f64,
+        centre: Point,
+    ) -> Result<Servo> {
+        Ok(Servo {
+            force: ForceLoop::new(coupling, driven, limits, rate_hz)?,
+            solver: Solver::default(),
+            centre,
+            device_velocity: VelocityEstimate::new(limits.resolution_m, limits.rotational_resolution_rad),
+            proxy_velocity: VelocityEstimate::new(PROXY_RESOLUTION_M, PROXY_RESOLUTION_RAD),
+        })
+    }
+
+    /// The coupling in use.
+    pub fn coupling(&self) -> &Coupling {
+        self.force.coupling()
+    }
+
+    /// The ids of the planes that hold the proxy.
+    pub fn held(&self) -> &[u64] {
+        self.solver.held()
+    }
+
+    /// One tick.
+    pub fn tick(&mut self, set: &ConstraintSet, input: &ServoInput) -> ServoOutput {
+        let age = (input.now - set.time).max(0.0);
+        let bound = BOUND_SHARE * set.margin;
+        let nearest = set.nearest_pose(&input.device, bound, &mut self.solver).ok();
+        let in_doubt = input.in_doubt || age > OLDEST_SET_S || nearest.is_none();
+        let proxy = nearest.map_or(set.taken_at, |nearest| nearest.pose);
+        let mode = match nearest {
+            _ if in_doubt => Mode::Doubt,
+            Some(nearest) if nearest.is_at_bound => Mode::Bound,
+            _ if !self.solver.held().is_empty() => Mode::Contact,
+            _ => Mode::Free,
+        };
+        let found = self.device_velocity.update(&input.device, input.now);
+        let proxy_twist = self.proxy_velocity.update(&proxy, input.now);
+        let wrench = self.force.step(&ForceInput {
+            device: input.device,
+            device_twist: input.device_twist.unwrap_or(found),
+            proxy,
+            proxy_twist,
+            centre: self.centre,
+            dt: input.dt,
+            in_doubt,
+        });
+        ServoOutput { wrench, proxy, age, mode }
+    }
+
+    /// A tick without anything to go by: the force is let go.
+    pub fn let_go(&mut self) {
+        self.force.release();
+        self.device_velocity.reset();
+        self.proxy_velocity.reset();
+    }
+}

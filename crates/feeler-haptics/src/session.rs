@@ -1,0 +1,278 @@
+//! A session: proxy, servo and clock in one thread, deterministic. What threads do beside each other is done here one after the other.
+
+use std::sync::Arc;
+
+use feeler_contacts::Penetration;
+use feeler_core::{Pose, Scene, Tool};
+
+use crate::constraint_set::{ConstraintSet, Plane};
+use crate::coupling::Coupling;
+use crate::device::{DeviceLimits, Freedoms};
+use crate::error::{Error, Result};
+use crate::metric::Metric;
+use crate::proxy::{Advance, Proxy, ProxyOptions};
+use crate::screw::Wrench;
+use crate::servo::{Mode, Servo, ServoInput};
+use crate::world::World;
+
+/// How a session is to be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SessionOptions {
+    /// How the hand is held to the tool.
+    pub coupling: Coupling,
+    /// How the proxy is kept off.
+    pub proxy: ProxyOptions,
+    /// How often contacts are found, hertz; `None`: each step.
+    pub collision_hz: Option<f64>,
+    /// Which freedoms the device drives.
+    pub driven: Freedoms,
+    /// What the device holds; `None`: as much as the coupling asks.
+    pub limits: Option<DeviceLimits>,
+}
+
+impl Default for SessionOptions {
+    fn default() -> SessionOptions {
+        SessionOptions {
+            coupling: Coupling::default(),
+            proxy: ProxyOptions::default(),
+            collision_hz: None,
+            driven: Freedoms { translation: true, rotation: true },
+            limits: None,
+        }
+    }
+}
+
+impl SessionOptions {
+    /// What the device holds, or one that holds the coupling.
+    pub fn limits(&self) -> DeviceLimits {
+        self.limits.unwrap_or(DeviceLimits {
+            force_n: self.coupling.max_force_n,
+            torque_nm: self.coupling.max_torque_nm,
+            damping_n_s_per_m: 2.0 * self.coupling.damping_n_s_per_m,
+            rotational_damping_nm_s_per_rad: 2.0 * self.coupling.rotational_damping_nm_s_per_rad,
+            friction_n: 0.0,
+            rotational_friction_nm: 0.0,
+            resolution_m: 0.0,
+            rotational_resolution_rad: 0.0,
+            rate_hz: 0.0,
+            delay_s: 0.0,
+        })
+    }
+
+    /// Errors where a number is out of its range.
+    pub fn check(&self) -> Result<()> {
+        self.coupling.check()?;
+        self.proxy.check()?;
+        self.limits().check()?;
+        match self.collision_hz {
+            Some(value) if !(value.is_finite() && value > 0.0) => {
+                Err(Error::Option { what: "collision_hz", value, range: "positive (hertz)" })
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// How a session began.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Start {
+    /// The proxy is where the device is.
+    Free,
+    /// The pose is in collision. There is no force until the device is where it is free; the way out leads there.
+    Colliding(Penetration),
+}
+
+/// What a step gives.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Step {
+    /// `world_from_tool`, free by the exact test, and reached by a free motion. Where the session began in collision and is not free
+    /// yet: the device's.
+    pub proxy: Pose,
+    /// On the hand, world axes, at the device frame's origin.
+    pub wrench: Wrench,
+    /// Age of the constraints, seconds.
+    pub age: f64,
+    /// What holds the proxy.
+    pub mode: Mode,
+}
+
+/// See the [module](self).
+#[derive(Debug)]
+pub struct Session {
+    options: SessionOptions,
+    world: World,
+    metric: Metric,
+    proxy: Option<Proxy>,
+    servo: Option<Servo>,
+    dt: f64,
+    clock: f64,
+    /// Steps since contacts were found.
+    since: u64,
+    is_started: bool,
+    last_device: Option<Pose>,
+    advance: Advance,
+}
+
+impl Session {
+    /// A session that is not started. Errors where an option is out of its range.
+    pub fn new(scene: Arc<Scene>, tool: Arc<Tool>, options: SessionOptions) -> Result<Session> {
+        options.check()?;
+        let metric = Metric::new(&tool);
+        Ok(Session {
+            options,
+            world: World::new(scene, tool),
+            metric,
+            proxy: None,
+            servo: None,
+            dt: 0.0,
+            clock: 0.0,
+            since: 0,
+            is_started: false,
+            last_device: None,
+            advance: Advance::default(),
+        })
+    }
+
+    /// Begins, or begins anew, at a pose of the device (`world_from_tool`).
+    pub fn start(&mut self, device: &Pose) -> Result<Start> {
+        (self.is_started, self.clock, self.since, self.last_device) = (true, 0.0, 0, None);
+        (self.servo, self.dt) = (None, 0.0);
+        match self.proxy_at(device) {
+            Ok(proxy) => {
+                self.proxy = Some(proxy);
+                Ok(Start::Free)
+            }
+            Err(Error::StartsInCollision) => {
+                self.proxy = None;
+                let body = &self.world.environment().bodies[0];
+                let margin = self.options.proxy.margin;
+                Ok(Start::Colliding(body.solver.penetration(self.world.tool(), device, margin, None)?))
+            }
+            Err(error) => Err(error),
+        }
+    }
+
+    fn proxy_at(&self, pose: &Pose) -> Result<Proxy> {
+        Proxy::new(self.world.environment(), self.world.tool(), self.metric, pose, self.options.proxy)
+    }
+
+    /// One step of `dt` seconds with the device at a pose (`world_from_tool`), or `None` where it told nothing that can be: then the
+    /// force is let go, and the proxy stays.
+    ///
+    /// Errors: the session is not started, and `dt` out of range.
+    pub fn step(&mut self, device: Option<&Pose>, dt: f64) -> Result<Step> {
+        if !self.is_started {
+            return Err(Error::NotStarted);
+        }
+        if !(dt.is_finite() && dt > 0.0 && dt <= 1.0) {
+            return Err(Error::Option { what: "dt", value: dt, range: "above 0, and at most 1 (seconds)" });
+        }
+        self.clock += dt;
+        let Some(device) = device.or(self.last_device.as_ref()).copied().filter(|_| device.is_some()) else {
+            return Ok(self.step_in_doubt());
+        };
+        self.last_device = Some(device);
+        if self.proxy.is_none() {
+            match self.proxy_at(&device) {
+                Ok(proxy) => self.proxy = Some(proxy),
+                Err(Error::StartsInCollision) => {
+                    return Ok(Step { proxy: device, wrench: Wrench::ZERO, age: 0.0, mode: Mode::Colliding })
+                }
+                Err(error) => return Err(error),
+            }
+            self.since = 0;
+        }
+        let every = self.options.collision_hz.map_or(1, |hz| (1.0 / (hz * dt)).round().max(1.0) as u64);
+        if self.since.is_multiple_of(every) {
+            self.find_contacts(&device)?;
+        }
+        self.since += 1;
+        if self.servo.is_none() || self.dt != dt {
+            let SessionOptions { coupling, driven, .. } = self.options;
+            let servo = Servo::new(coupling, driven, &self.options.limits(), 1.0 / dt, self.metric.centre)?;
+            (self.servo, self.dt) = (Some(servo), dt);
+        }
+        let (Some(proxy), Some(servo)) = (&self.proxy, &mut self.servo) else { return Err(Error::NotStarted) };
+        let input = ServoInput { device, device_twist: None, now: self.clock, dt, in_doubt: false };
+        let output = servo.tick(proxy.constraints(), &input);
+        Ok(Step { proxy: *proxy.pose(), wrench: output.wrench, age: output.age, mode: output.mode })
+    }
+
+    fn step_in_doubt(&mut self) -> Step {
+        if let Some(servo) = &mut self.servo {
+            servo.let_go();
+        }
+        let age = self.proxy.as_ref().map_or(0.0, |proxy| self.clock - proxy.constraints().time);
+        let proxy = self.proxy.as_ref().map(|proxy| *proxy.pose()).or(self.last_device).unwrap_or(Pose::IDENTITY);
+        Step { proxy, wrench: Wrench::ZERO, age, mode: Mode::Doubt }
+    }
+
+    fn find_contacts(&mut self, device: &Pose) -> Result<()> {
+        let Some(proxy) = &mut self.proxy else { return Ok(()) };
+        let (environment, tool) = (self.world.environment(), self.world.tool());
+        self.advance = proxy.advance(environment, tool, device)?;
+        proxy.set_time(self.clock);
+        let skin = self.options.proxy.skin;
+        if self.world.unseat(&self.proxy.as_ref().map_or(Pose::IDENTITY, |proxy| *proxy.pose()), skin)? {
+            self.hand_over()?;
+        }
+        Ok(())
+    }
+
+    /// What the world is changed to is the proxy's from now on.
+    fn hand_over(&mut self) -> Result<()> {
+        let Some(proxy) = &mut self.proxy else { return Ok(()) };
+        let seats = self.world.grip().map_or(&[][..], |grip| &grip.seats);
+        proxy.set_world(self.world.environment(), self.world.tool(), seats)
+    }
+
+    /// Takes a part of the mock-up, or one that was put down: from now on it moves with the tool. The spring stays where it was, so the
+    /// force does not jump.
+    ///
+    /// Errors: not started or in collision, something is held already, no such part.
+    pub fn take(&mut self, part: u32) -> Result<()> {
+        let pose = *self.proxy.as_ref().ok_or(Error::NotStarted)?.pose();
+        self.world.take(part, &pose)?;
+        self.hand_over()
+    }
+
+    /// Lets go of the part where it is, a part of the scene again.
+    pub fn put_down(&mut self) -> Result<()> {
+        let pose = *self.proxy.as_ref().ok_or(Error::NotStarted)?.pose();
+        self.world.put_down(&pose)?;
+        self.hand_over()
+    }
+
+    /// Lets go of the part, which is back in its place in the mock-up. Errors where the tool is in it.
+    pub fn put_back(&mut self) -> Result<()> {
+        let pose = *self.proxy.as_ref().ok_or(Error::NotStarted)?.pose();
+        self.world.put_back(&pose)?;
+        self.hand_over()
+    }
+
+    /// What is held and what stands around.
+    pub fn world(&self) -> &World {
+        &self.world
+    }
+
+    /// The newest constraints; `None` before there is a proxy.
+    pub fn constraints(&self) -> Option<&ConstraintSet> {
+        self.proxy.as_ref().map(Proxy::constraints)
+    }
+
+    /// The planes that hold the proxy.
+    pub fn held(&self) -> impl Iterator<Item = &Plane> {
+        let held = self.servo.as_ref().map_or(&[][..], Servo::held);
+        self.constraints().into_iter().flat_map(|set| set.planes()).filter(|plane| held.contains(&plane.id))
+    }
+
+    /// What the last search for contacts took.
+    pub fn last_advance(&self) -> Advance {
+        self.advance
+    }
+
+    /// The options.
+    pub fn options(&self) -> &SessionOptions {
+        &self.options
+    }
+}

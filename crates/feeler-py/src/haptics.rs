@@ -1,0 +1,177 @@
+//! `feeler._core.HapticsSession`: what `feeler.haptics.Session` is made of.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use feeler_core as core;
+use feeler_haptics::{Coupling, Error, Mode, Session, SessionOptions, Start, Step};
+use numpy::ndarray::Array2;
+use numpy::{IntoPyArray, PyArray1, PyArray2};
+use pyo3::prelude::*;
+
+use crate::arguments::{PoseArgument, ToolArgument};
+use crate::errors::{raise, to_py};
+use crate::pools::{find_topology, on_pool};
+use crate::scene::Scene;
+use crate::travel::stays;
+
+/// One session; `feeler.haptics.Session` adds names and records.
+#[pyclass(subclass, frozen, module = "feeler._core")]
+pub struct HapticsSession {
+    session: Mutex<Session>,
+}
+
+/// The Python exception for an error of the haptics.
+fn haptics_to_py(error: Error) -> PyErr {
+    let class = match error {
+        Error::Core(error) => return to_py(error),
+        Error::Option { .. } => "OptionError",
+        _ => "SessionError",
+    };
+    raise(class, error.to_string())
+}
+
+/// The eight numbers of a coupling, in the order of its fields.
+fn coupling_of([k, d, rk, rd, force, torque, slew, rslew]: [f64; 8]) -> Coupling {
+    Coupling {
+        stiffness_n_per_m: k,
+        damping_n_s_per_m: d,
+        rotational_stiffness_nm_per_rad: rk,
+        rotational_damping_nm_s_per_rad: rd,
+        max_force_n: force,
+        max_torque_nm: torque,
+        slew_n_per_s: slew,
+        slew_nm_per_s: rslew,
+    }
+}
+
+fn name_of(mode: Mode) -> &'static str {
+    match mode {
+        Mode::Free => "free",
+        Mode::Contact => "contact",
+        Mode::Bound => "bound",
+        Mode::Colliding => "colliding",
+        Mode::Doubt => "doubt",
+    }
+}
+
+/// Pose, force, torque, age and mode.
+type StepParts<'py> =
+    (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, f64, &'static str);
+
+/// Numbers (point, normal, gap), parts, ids and whether each holds.
+type PlaneParts<'py> =
+    (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<u32>>, Bound<'py, PyArray1<u64>>, Bound<'py, PyArray1<bool>>);
+
+fn parts_of<'py>(py: Python<'py>, step: &Step) -> StepParts<'py> {
+    let matrix = step.proxy.matrix();
+    let pose = Array2::from_shape_fn((4, 4), |(i, j)| matrix[i][j]).into_pyarray(py);
+    let [force, torque] = [step.wrench.force, step.wrench.torque].map(|v| PyArray1::from_slice(py, &v));
+    (pose, force, torque, step.age, name_of(step.mode))
+}
+
+impl HapticsSession {
+    fn session(&self) -> MutexGuard<'_, Session> {
+        self.session.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Work that may need the threads of the process, as a grip on a large part does.
+    fn change(
+        &self,
+        py: Python<'_>,
+        work: impl FnOnce(&mut Session) -> feeler_haptics::Result<()> + Send,
+    ) -> PyResult<()> {
+        py.detach(|| on_pool(None, || work(&mut self.session())))?.map_err(haptics_to_py)
+    }
+}
+
+#[pymethods]
+impl HapticsSession {
+    #[new]
+    fn new(
+        py: Python<'_>,
+        scene: PyRef<'_, Scene>,
+        tool: ToolArgument<'_, '_>,
+        coupling: [f64; 8],
+        margin: f64,
+        skin: f64,
+        collision_hz: Option<f64>,
+    ) -> PyResult<HapticsSession> {
+        let mut options = SessionOptions { coupling: coupling_of(coupling), collision_hz, ..Default::default() };
+        (options.proxy.margin, options.proxy.skin) = (margin, skin);
+        let (scene, tool) = (scene.core(), Arc::clone(tool.core()));
+        py.detach(|| find_topology(scene.mockup(), &tool, true))?;
+        let session = Session::new(scene, tool, options).map_err(haptics_to_py)?;
+        Ok(HapticsSession { session: Mutex::new(session) })
+    }
+
+    /// Begins at a pose; where that is in collision, the way out: translation and kind.
+    fn begin(&self, py: Python<'_>, pose: PoseArgument) -> PyResult<Option<core::Point>> {
+        let start = py.detach(|| on_pool(None, || self.session().start(&pose.0)))?.map_err(haptics_to_py)?;
+        Ok(match start {
+            Start::Free => None,
+            Start::Colliding(out) => Some(out.translation),
+        })
+    }
+
+    /// One step; `None`: the device told nothing that can be.
+    #[pyo3(signature = (pose, dt))]
+    fn advance<'py>(&self, py: Python<'py>, pose: Option<PoseArgument>, dt: f64) -> PyResult<StepParts<'py>> {
+        let step = py.detach(|| self.session().step(pose.as_ref().map(|p| &p.0), dt)).map_err(haptics_to_py)?;
+        Ok(parts_of(py, &step))
+    }
+
+    /// The newest planes, nearest first.
+    fn planes<'py>(&self, py: Python<'py>) -> PlaneParts<'py> {
+        let session = self.session();
+        let planes = session.constraints().map_or(&[][..], |set| set.planes());
+        let held: Vec<u64> = session.held().map(|plane| plane.id).collect();
+        let number = |i: usize, j: usize| match j {
+            0..3 => planes[i].point[j],
+            3..6 => planes[i].normal[j - 3],
+            _ => planes[i].gap,
+        };
+        (
+            Array2::from_shape_fn((planes.len(), 7), |(i, j)| number(i, j)).into_pyarray(py),
+            PyArray1::from_iter(py, planes.iter().map(|plane| plane.part)),
+            PyArray1::from_iter(py, planes.iter().map(|plane| plane.id)),
+            PyArray1::from_iter(py, planes.iter().map(|plane| held.contains(&plane.id))),
+        )
+    }
+
+    fn take(&self, py: Python<'_>, part: u32) -> PyResult<()> {
+        self.change(py, |session| session.take(part))
+    }
+
+    fn put_down(&self, py: Python<'_>) -> PyResult<()> {
+        self.change(py, Session::put_down)
+    }
+
+    fn put_back(&self, py: Python<'_>) -> PyResult<()> {
+        self.change(py, Session::put_back)
+    }
+
+    /// The part that is held.
+    #[getter]
+    fn held_part(&self) -> Option<u32> {
+        self.session().world().grip().map(|grip| grip.part)
+    }
+
+    /// Parts that were put down elsewhere, sorted.
+    #[getter]
+    fn moved_parts<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
+        let mut parts: Vec<u32> = self.session().world().moved().collect();
+        parts.sort_unstable();
+        PyArray1::from_vec(py, parts)
+    }
+
+    /// Motions tried in the last search for contacts, and those stopped by the cast.
+    #[getter]
+    fn last_rounds(&self) -> (usize, usize) {
+        let advance = self.session().last_advance();
+        (advance.rounds, advance.stopped)
+    }
+
+    fn __reduce__(&self) -> PyResult<()> {
+        Err(stays("HapticsSession", "record it, and replay the record"))
+    }
+}

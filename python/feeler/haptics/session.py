@@ -1,0 +1,193 @@
+"""Sessions: proxy, coupling and clock, stepped by the caller."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from feeler import _core
+from feeler.errors import OptionError, PoseError
+from feeler.haptics.coupling import Coupling
+from feeler.haptics.record import Recorder
+from feeler.mockup import Tool
+from feeler.scene import Scene
+
+Floats = npt.NDArray[np.float64]
+MODES = ("free", "contact", "bound", "colliding", "doubt")
+
+
+@dataclass(frozen=True)
+class Planes:
+    """The contact planes at the proxy, nearest first."""
+
+    points: Floats
+    """`(k, 3)`: on the mock-up, metres, world."""
+    normals: Floats
+    """`(k, 3)`: unit, from the mock-up to the tool."""
+    gaps: Floats
+    """`(k,)`: how far the proxy is off, metres."""
+    parts: npt.NDArray[np.uint32]
+    """`(k,)`: indices into `mockup.parts`."""
+    ids: npt.NDArray[np.uint64]
+    """`(k,)`: the same for the same two surfaces from step to step."""
+    is_holding: npt.NDArray[np.bool_]
+    """`(k,)`: whether the plane holds the proxy back."""
+
+    def __len__(self) -> int:
+        return len(self.gaps)
+
+
+@dataclass(frozen=True)
+class Step:
+    """What one step gives."""
+
+    world_from_proxy: Floats
+    """`(4, 4)`: where the mock-up lets the tool be; free by the exact test, and reached by a free motion."""
+    force: Floats
+    """`(3,)`: on the hand, newtons, world axes."""
+    torque: Floats
+    """`(3,)`: on the hand, newton metres, world axes, at the origin of the device's frame."""
+    planes: Planes
+    age: float
+    """Of the contact planes, seconds."""
+    mode: str
+    """What holds the proxy: `free`, `contact`, `bound` (the planes are good for no more: it moves on with the next),
+    `colliding` (the session began in collision, and the device is not free yet), `doubt` (the force is let go: the pose
+    was not one, or the planes are too old)."""
+
+
+@dataclass(frozen=True)
+class Start:
+    """How a session began."""
+
+    is_free: bool
+    """False: the tool is in collision there. There is no force until the device is where it is free."""
+    way_out: Floats | None
+    """`(3,)`: the shortest translation found that frees it, metres, world; None where it is free."""
+
+    def __bool__(self) -> bool:
+        return self.is_free
+
+
+class Session(_core.HapticsSession):
+    """A tool held by a device, in one thread: deterministic, its clock is the `dt` of the steps.
+
+    - `coupling`: how the hand is held to the tool; default `Coupling()`.
+    - `margin`: what is nearer than this (metres) is a contact.
+    - `skin`: how far the proxy stays off (metres); where the clearance is less than twice that, half of it.
+    - `collision_hz`: how often contacts are found, every `round(1 / (collision_hz * dt))` steps; default: each step.
+    - `seed`: for what is random in a session. Nothing is at present; records keep it.
+
+    Raises `OptionError` for values out of range.
+    """
+
+    scene: Scene
+    tool: Tool
+    coupling: Coupling
+    _options: dict[str, Any]
+    _recorder: Recorder | None
+
+    def __new__(
+        cls,
+        scene: Scene,
+        tool: Tool,
+        *,
+        coupling: Coupling | None = None,
+        margin: float = 0.002,
+        skin: float = 2e-5,
+        collision_hz: float | None = None,
+        seed: int = 0,
+    ) -> Session:
+        """See the class."""
+        if not isinstance(scene, Scene):
+            raise OptionError(f"a session needs a feeler.Scene, not {type(scene).__name__}")
+        coupling = coupling or Coupling()
+        if not isinstance(coupling, Coupling):
+            raise OptionError(f"coupling is a {type(coupling).__name__}: pass a feeler.haptics.Coupling")
+        options = {"margin": float(margin), "skin": float(skin), "collision_hz": collision_hz, "seed": int(seed)}
+        rate = None if collision_hz is None else float(collision_hz)
+        self = super().__new__(cls, scene, tool, coupling.as_numbers(), options["margin"], options["skin"], rate)
+        self.scene, self.tool, self.coupling = scene, tool, coupling
+        self._options, self._recorder = options, None
+        return self
+
+    def start(self, pose: npt.ArrayLike) -> Start:
+        """Begins, or begins anew, with the device at `pose` (`world_from_tool`).
+
+        Where the tool is in collision there the result says so and has the way out; steps give no force until the
+        device is where the tool is free. Raises `PoseError` for what is no pose.
+        """
+        pose = np.array(pose, dtype=np.float64)
+        way_out = super().begin(pose)
+        if self._recorder:
+            self._recorder.start(pose)
+        return Start(way_out is None, None if way_out is None else np.array(way_out))
+
+    def step(self, world_from_device: npt.ArrayLike, dt: float = 0.001) -> Step:
+        """One step of `dt` seconds (above 0, at most 1) with the device at a pose (`world_from_tool`).
+
+        A pose that is not finite or not rigid, as a device may tell it, gives no force and mode `doubt`. Raises
+        `PoseError` for the wrong shape, `SessionError` before the start, `OptionError` for a `dt` out of range.
+        """
+        pose = np.array(world_from_device, dtype=np.float64)
+        if pose.shape != (4, 4):
+            raise PoseError(f"a pose has shape {pose.shape}: (4, 4) is needed")
+        dt = float(dt)
+        proxy, force, torque, age, mode = super().advance(pose if _is_rigid(pose) else None, dt)
+        numbers, parts, ids, is_holding = super().planes()
+        planes = Planes(numbers[:, :3], numbers[:, 3:6], numbers[:, 6], parts, ids, is_holding)
+        step = Step(proxy, force, torque, planes, age, mode)
+        if self._recorder:
+            self._recorder.step(pose, dt, step.world_from_proxy, step.force, step.torque, MODES.index(mode))
+        return step
+
+    def grip(self, part: int | str) -> None:
+        """Takes a part: it leaves the scene and joins the tool, without a jump of force.
+
+        `part`: index, path or pattern that names one part. A part that was put down elsewhere can be taken again.
+        What the part was seated on is not asked until it is off that by a skin; planes of the seat hold it until
+        then. Raises `OptionError` for a part that is not there, `SessionError` where one is held already.
+        """
+        chosen = self.scene.mockup.parts.select(part)
+        if len(chosen) != 1:
+            raise OptionError(f"{part!r} names {len(chosen)} parts: grip takes one")
+        super().take(int(chosen[0]))
+        if self._recorder:
+            self._recorder.grip(int(chosen[0]))
+
+    def release(self, *, put_back: bool = False) -> None:
+        """Lets go of the part that is held: it stays where it is, a part of the scene again.
+
+        `put_back`: it goes back to its place in the mock-up instead. Raises `SessionError` where nothing is held, or
+        the tool is in the part's place.
+        """
+        if put_back:
+            super().put_back()
+        else:
+            super().put_down()
+        if self._recorder:
+            self._recorder.release(put_back)
+
+    @property
+    def gripped(self) -> int | None:
+        """The part that is held, by its index in `mockup.parts`."""
+        return super().held_part
+
+    def record(self, path: str | Path) -> Recorder:
+        """Writes what happens from the next start on into a file, for `replay`; `.close()` or `with` ends it."""
+        self._recorder = Recorder(Path(path), self)
+        return self._recorder
+
+
+def _is_rigid(pose: Floats) -> bool:
+    """As the core judges it: within 1e-6."""
+    if not np.isfinite(pose).all() or np.abs(pose[:3, 3]).max() > 1e100:
+        return False
+    rotation = pose[:3, :3]
+    off = max(np.abs(rotation @ rotation.T - np.eye(3)).max(), np.abs(pose[3] - [0, 0, 0, 1]).max())
+    return bool(off <= 0.99e-6 and np.linalg.det(rotation) > 0 and math.isfinite(off))
