@@ -18,13 +18,13 @@ import numpy as np
 import pytest
 
 import feeler
-from feeler import _core, travel
+from feeler import _core, haptics, travel
 from feeler.errors import FeelerError, LoadError
 
 PROTOCOLS = range(pickle.HIGHEST_PROTOCOL + 1)
-STAY = {"Predictor", "PiecePredictor"}
+STAY = {"Predictor", "PiecePredictor", "Session"}
 """What does not travel, and says so."""
-BASES = {"Mockup", "Tool", "Scene", "ContactTracker", "IgnoredPairs", "Selected"}
+BASES = {"Mockup", "Tool", "Scene", "ContactTracker", "IgnoredPairs", "Selected", "HapticsSession"}
 """Classes of the core that only their feeler.* subclasses are used of, or that make these."""
 WAYS: dict[str, Callable[[Any], Any]] = {
     **{f"protocol {p}": lambda value, p=p: pickle.loads(pickle.dumps(value, p)) for p in PROTOCOLS},
@@ -71,7 +71,16 @@ def samples() -> dict[str, list[Any]]:
     contacts = [scene.contacts(tool, pose(0.2)), scene.contacts(tool, pose(9.0))]
     assert contacts[0] and not contacts[1]
     path = [pose(0.2, z=3.0), pose(0.2, z=0.5), pose(0.2, z=3.0), pose(0.3, z=3.0)]
+    session = haptics.Session(scene, tool)
+    begun = [session.start(pose(0.2, z=2.0)), session.start(pose(0.2))]
+    session.start(pose(0.2, z=1.0001))
+    step = session.step(pose(0.2, z=0.999))
     return {
+        "Coupling": [haptics.Coupling(), haptics.Coupling(stiffness_n_per_m=500.0)],
+        "Start": begun,
+        "Step": [step],
+        "Planes": [step.planes],
+        "Parted": [haptics.Parted(3, 1, 0.5)],
         "Mockup": [mock, feeler.Mockup(*box((0, 0, 0), 1.0))],
         "Tool": [tool, feeler.Tool.of_parts(mock)],
         "Scene": [
@@ -104,6 +113,7 @@ SAMPLES = samples()
 def public_classes() -> dict[str, type]:
     """Every class that feeler or its core shows, by name."""
     shown = [(name, getattr(feeler, name)) for name in feeler.__all__]
+    shown += [(name, getattr(haptics, name)) for name in haptics.__all__]
     shown += [(name, each) for name, each in inspect.getmembers(_core, inspect.isclass) if name not in BASES]
     return {name: each for name, each in shown if inspect.isclass(each)}
 
@@ -134,7 +144,8 @@ def test_every_public_class_travels_or_says_that_it_does_not(name: str) -> None:
         return  # below
     if name in STAY:
         mock, tool = mockup(), feeler.Tool(*box((0, 0, 0), 0.25))
-        made = cls(mock, tool, "dense", 0.0) if name == "Predictor" else cls(mock, tool)
+        given = {"Predictor": (mock, tool, "dense", 0.0), "Session": (feeler.Scene(mock), tool)}
+        made = cls(*given.get(name, (mock, tool)))
         for act in WAYS.values():
             with pytest.raises(TypeError, match="make it anew"):
                 act(made)

@@ -697,9 +697,7 @@ class HapticsSession:
         """Begins at a pose. Where that is in collision, the translation out, metres, world."""
     def advance(
         self, pose: npt.ArrayLike | None, dt: float
-    ) -> tuple[
-        npt.NDArray[np.float64], npt.NDArray[np.float64], npt.NDArray[np.float64], float, str
-    ]:
+    ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], npt.NDArray[np.float64], float, str]:
         """One step: the proxy's pose `(4, 4)`, force and torque `(3,)`, age of the constraints (seconds), and mode."""
     def planes(
         self,

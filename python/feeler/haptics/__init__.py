@@ -1,9 +1,9 @@
 """A hand that feels: a tool held by a device, kept out of the mock-up, and the force of that on the hand.
 
-    session = feeler.haptics.Session(scene, tool)
-    session.start(pose)
-    step = session.step(world_from_device, dt=0.001)
-    step.force, step.torque, step.world_from_proxy
+session = feeler.haptics.Session(scene, tool)
+session.start(pose)
+step = session.step(world_from_device, dt=0.001)
+step.force, step.torque, step.world_from_proxy
 """
 
 from feeler.haptics.coupling import Coupling

@@ -109,9 +109,14 @@ class Session(_core.HapticsSession):
         coupling = coupling or Coupling()
         if not isinstance(coupling, Coupling):
             raise OptionError(f"coupling is a {type(coupling).__name__}: pass a feeler.haptics.Coupling")
-        options = {"margin": float(margin), "skin": float(skin), "collision_hz": collision_hz, "seed": int(seed)}
-        rate = None if collision_hz is None else float(collision_hz)
-        self = super().__new__(cls, scene, tool, coupling.as_numbers(), options["margin"], options["skin"], rate)
+        options: dict[str, Any] = {
+            "margin": float(margin),
+            "skin": float(skin),
+            "collision_hz": None if collision_hz is None else float(collision_hz),
+            "seed": int(seed),
+        }
+        margin, skin, rate = options["margin"], options["skin"], options["collision_hz"]
+        self = super().__new__(cls, scene, tool, coupling.as_numbers(), margin, skin, rate)
         self.scene, self.tool, self.coupling = scene, tool, coupling
         self._options, self._recorder = options, None
         return self
@@ -189,5 +194,7 @@ def _is_rigid(pose: Floats) -> bool:
     if not np.isfinite(pose).all() or np.abs(pose[:3, 3]).max() > 1e100:
         return False
     rotation = pose[:3, :3]
+    if np.abs(rotation).max() > 2.0:
+        return False
     off = max(np.abs(rotation @ rotation.T - np.eye(3)).max(), np.abs(pose[3] - [0, 0, 0, 1]).max())
     return bool(off <= 0.99e-6 and np.linalg.det(rotation) > 0 and math.isfinite(off))
