@@ -1,4 +1,4 @@
-"""Feels a reach into an engine: where a hand leads the wrench, where the engine lets it be, and the force of that.
+"""Feels a reach into an engine: where the device leads a hand, where the engine lets it be, and the force of that.
 
 python examples/feel.py
 """
@@ -12,8 +12,8 @@ import feeler
 from feeler import haptics
 
 scene = feeler.Scene(feeler.sample("engine", triangles=100_000))
-tool = feeler.sample_tool("wrench")
-way = feeler.sample_path(scene, tool, 1500)  # where the hand leads the device, a pose a millisecond
+tool = feeler.sample_tool("hand")
+way = feeler.sample_path(scene, tool, 1500)  # of the device, a pose a millisecond
 
 session = haptics.Session(scene, tool)
 with TemporaryDirectory() as folder:
@@ -29,5 +29,7 @@ forces = np.array([np.linalg.norm(step.force) for step in steps])
 touched = {int(part) for step in steps for part in step.planes.parts[step.planes.is_holding]}
 print(f"a reach into the engine: {len(steps):,} steps, the device was inside something at {entered}")
 print(f"the tool was in collision at {colliding} of them; it touched {len(touched)} parts")
-print(f"the force was {forces.max():.1f} N at most, {forces[forces > 0].mean():.1f} N on average where it touched")
+print(
+    f"the force was {forces.max():.1f} N at most, {np.median(forces[forces > 0]):.1f} N in the median where it touched"
+)
 print(f"replayed {same.steps:,} steps: {'the same bit for bit' if same else f'another at step {same.at}'}")
