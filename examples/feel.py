@@ -25,11 +25,9 @@ with TemporaryDirectory() as folder:
 
 colliding = sum(scene.is_colliding(tool, step.world_from_proxy) for step in steps)
 entered = sum(scene.is_colliding(tool, world_from_device) for world_from_device in way)
-forces = np.array([np.linalg.norm(step.force) for step in steps])
+forces = np.array([np.linalg.norm(step.force) for step in steps if step.mode != "free"])
 touched = {int(part) for step in steps for part in step.planes.parts[step.planes.is_holding]}
 print(f"a reach into the engine: {len(steps):,} steps, the device was inside something at {entered}")
 print(f"the tool was in collision at {colliding} of them; it touched {len(touched)} parts")
-print(
-    f"the force was {forces.max():.1f} N at most, {np.median(forces[forces > 0]):.1f} N in the median where it touched"
-)
+print(f"the force was {forces.max():.1f} N at most, {np.median(forces):.1f} N in the median where it touched")
 print(f"replayed {same.steps:,} steps: {'the same bit for bit' if same else f'another at step {same.at}'}")
