@@ -188,7 +188,7 @@ def run(options: argparse.Namespace, given: Sequence[str] = ()) -> Result:
 
 
 def added(before: Path, result: Result) -> Result:
-    """A run in parts: what the folder has of other faces and experiments, and this. Each part's arguments stay beside it."""
+    """A run in parts: what the folder has of other faces and experiments, and this; the arguments of all."""
     if not before.is_file():
         return result
     old = json.loads(before.read_text(encoding="utf-8"))
