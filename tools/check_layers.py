@@ -120,6 +120,13 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
             *HAPTICS_BASE,
             *("screw", "device", "coupling", "servo", "metric", "constraint_set", "environment", "world", "proxy"),
         },
+        # The same with threads, whose clock is passed in.
+        "clock": set(),
+        "statistics": HAPTICS_BASE,
+        "runner": {
+            *HAPTICS_BASE,
+            *("screw", "device", "coupling", "stability", "servo", "constraint_set", "session", "clock", "statistics"),
+        },
     },
 }
 
