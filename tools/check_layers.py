@@ -1,4 +1,4 @@
-"""Checks who may know of whom: `lanes <- core <- contacts <- haptics <- py <- python/feeler`, never back.
+"""Checks who may know of whom: `lanes <- core <- contacts <- haptics <- devices <- py <- python/feeler`, never back.
 
     python tools/check_layers.py [ROOT]              the check
     python tools/check_layers.py --graph [CRATE]     which file imports which, and the circles
@@ -30,6 +30,7 @@ CRATES = [
     "feeler-core",
     "feeler-contacts",
     "feeler-haptics",
+    "feeler-devices",
     "feeler-py",
     "feeler-exact",
 ]
@@ -50,7 +51,7 @@ PURE_MAY_NOT_MENTION = {
 }
 
 # The only crates whose sources (not their tests) may say `unsafe`.
-MAY_BE_UNSAFE = {"feeler-lanes", "feeler-py", "feeler-capi"}
+MAY_BE_UNSAFE = {"feeler-lanes", "feeler-devices", "feeler-py", "feeler-capi"}
 
 # What each room of a crate (a folder or file of its src/) may import from the rooms of the same crate. `lib.rs` is the
 # public face: it may import every room, and none may import it. Code for tests may import anything.
@@ -58,6 +59,7 @@ INDEX_BASE = {"constants", "error", "progress", "geometry", "mesh", "tool"}
 QUERY_BASE = {*INDEX_BASE, "index", "scratch_pool"}
 CONTACTS_BASE = {"constants", "surface", "context", "containers", "contact_plane"}
 HAPTICS_BASE = {"constants", "error"}
+DEVICES_BASE = {"constants", "clip", "exchange", "machine"}
 RUST_ROOMS: dict[str, dict[str, set[str]]] = {
     "feeler-core": {
         "constants": set(),
@@ -127,6 +129,20 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
             *HAPTICS_BASE,
             *("screw", "device", "coupling", "stability", "servo", "constraint_set", "session", "clock", "statistics"),
         },
+    },
+    "feeler-devices": {
+        "constants": set(),
+        "machine": {"constants"},
+        "clip": {"constants"},
+        "exchange": {"constants", "clip"},
+        # All unsafe code of the crate.
+        "vendor_library": {"constants"},
+        # No driver knows of another.
+        "spacemouse": {"constants", "clip"},
+        "haply": DEVICES_BASE,
+        "dhd": {*DEVICES_BASE, "vendor_library"},
+        "openhaptics": {*DEVICES_BASE, "vendor_library"},
+        "open": {"spacemouse", "haply", "dhd", "openhaptics"},
     },
 }
 

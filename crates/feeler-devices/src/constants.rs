@@ -1,0 +1,161 @@
+//! Every limit and tolerance of this crate: its unit, why this value, and what moves if it is changed.
+
+use std::time::Duration;
+
+// All driven devices.
+
+/// How long a wrench holds if the servo does not write another. Fifty periods of a servo of 1 kHz: longer than any hiccup of a system
+/// that still runs, and so short that a hand feels a knock and no push. Smaller lets go of the force in hiccups.
+pub const WATCHDOG: Duration = Duration::from_millis(50);
+
+/// How old the newest pose may be before the device counts as lost. The slowest device here tells a hundred poses in that time.
+pub const SILENCE: Duration = Duration::from_millis(100);
+
+/// How long `release` waits until the device's thread says that the force is off. Much more than a round of any of the threads; it
+/// bounds how long a session takes to end when a vendor's library hangs.
+pub const RELEASE_WAIT: Duration = Duration::from_millis(500);
+
+/// How long `open` waits for the first pose.
+pub const FIRST_POSE_WAIT: Duration = Duration::from_secs(3);
+
+/// Pause between two looks at what a thread has done, while opening and releasing.
+pub const LOOK_AGAIN: Duration = Duration::from_millis(1);
+
+/// Largest distance of a handle from its origin that is believed, metres. No device reaches a tenth of that.
+pub const LARGEST_REACH_M: f64 = 10.0;
+
+/// Largest speed of a handle that is believed, metres a second: ten times what an arm can do.
+pub const LARGEST_SPEED_M_PER_S: f64 = 100.0;
+
+/// Largest rate of turning that is believed, radians a second.
+pub const LARGEST_TURN_RAD_PER_S: f64 = 1e3;
+
+/// How far a rotation that a device tells may be from a rotation (sum of squares of R^T R - 1). Devices compute theirs in float32, with
+/// errors of 1e-6; what is further off is broken.
+pub const ROTATION_TOLERANCE: f64 = 1e-3;
+
+// SpaceMouse.
+
+/// The device in errors.
+pub const SPACEMOUSE: &str = "SpaceMouse";
+
+/// Where the daemon of most distributions listens.
+pub const SPACENAVD_SOCKET: &str = "/var/run/spnav.sock";
+
+/// Counts of full deflection: what SpaceMouse devices tell at their stops (350 for those on USB, about 400 for serial ones), with the
+/// daemon's sensitivity of 1.
+pub const FULL_DEFLECTION_COUNTS: f64 = 350.0;
+
+/// Counts beyond which a motion is not believed: full deflection with the daemon's sensitivity at a thousand.
+pub const LARGEST_COUNTS: i32 = 350_000;
+
+/// Longest difference of two times of reading that moves the pose, seconds. After a longer break the tool does not leap.
+pub const LONGEST_STEP_S: f64 = 0.1;
+
+/// How long a read on the daemon's socket waits before the reader looks whether the device is being closed.
+pub const SOCKET_WAIT: Duration = Duration::from_millis(100);
+
+/// How long the daemon has to answer a request. The daemon's own library waits 0.3 to 0.4 s.
+pub const DAEMON_ANSWER_WAIT: Duration = Duration::from_millis(400);
+
+/// Pause before a lost daemon is tried again.
+pub const RECONNECT_PAUSE: Duration = Duration::from_millis(500);
+
+/// Highest event number that the daemon may use some day. Higher ones tell that the bytes are out of step.
+pub const LARGEST_EVENT: i32 = 63;
+
+/// Buttons that fit the bits of a state.
+pub const BUTTON_BITS: u32 = 32;
+
+/// How often a SpaceMouse tells its cap, hertz (USB, 8 ms).
+pub const SPACEMOUSE_HZ: f64 = 125.0;
+
+// Haply.
+
+/// The device in errors.
+pub const INVERSE3: &str = "Haply Inverse3";
+
+/// Where the Inverse Service listens.
+pub const INVERSE_SERVICE: &str = "localhost:10001";
+
+/// Largest message of the service that is read, bytes. Full states of eight devices have less than 20 kB.
+pub const LARGEST_MESSAGE_BYTES: usize = 1 << 20;
+
+/// How long connecting and the handshake may take.
+pub const CONNECT_WAIT: Duration = Duration::from_secs(1);
+
+/// How long a read waits for the service before the force is sent again: the service stops telling states when commands stop.
+pub const SERVICE_WAIT: Duration = Duration::from_millis(10);
+
+/// How long sending may block before the service counts as lost.
+pub const SEND_WAIT: Duration = Duration::from_millis(50);
+
+/// How long the service has to say that it took the preset, before poses are told without its word.
+pub const PRESET_WAIT: Duration = Duration::from_millis(500);
+
+/// Pause between two requests for the full state, which has the preset.
+pub const FULL_STATE_PAUSE: Duration = Duration::from_millis(50);
+
+/// Force of an Inverse3 unless told otherwise, newtons: half of the peak of 10 N that the maker states, since the peak cannot be held.
+pub const INVERSE3_FORCE_N: f64 = 5.0;
+
+/// Half the edges of an Inverse3's workspace, metres: the radius that the maker's tutorials keep to.
+pub const INVERSE3_REACH_M: f64 = 0.10;
+
+/// The same of a Minverse.
+pub const MINVERSE_REACH_M: f64 = 0.04;
+
+/// Smallest step that an Inverse3 tells, metres: its numbers are float32, its encoders are coarser. An estimate.
+pub const INVERSE3_RESOLUTION_M: f64 = 1e-5;
+
+/// Viscous damping of an Inverse3, newton seconds a metre: what holds 1000 N/m at 1 kHz by Colgate's `b > K T / 2`. An estimate until
+/// measured on a device; it bounds the stiffness.
+pub const INVERSE3_DAMPING_N_S_PER_M: f64 = 0.5;
+
+/// Rate of the service, hertz.
+pub const INVERSE3_HZ: f64 = 1000.0;
+
+/// Smallest step of rotation that a VerseGrip tells, radians (its quaternions have 14 bits a part).
+pub const VERSE_GRIP_RESOLUTION_RAD: f64 = 1.2e-4;
+
+// Force Dimension.
+
+/// The device in errors.
+pub const FORCE_DIMENSION: &str = "Force Dimension";
+
+/// Rate of the thread that talks to the vendor's library, hertz: what the maker states for its devices on USB.
+pub const DHD_HZ: f64 = 4000.0;
+
+/// Damping in rotation of devices that drive it, newton metre seconds a radian: what holds 5 Nm/rad at 4 kHz. An estimate.
+pub const DHD_ROTATIONAL_DAMPING_NM_S_PER_RAD: f64 = 6e-4;
+
+// 3D Systems.
+
+/// Rate of the vendor's scheduler where it does not tell it, hertz: its default.
+pub const OPENHAPTICS_HZ: f64 = 1000.0;
+
+/// Force of a device that tells no limit, newtons: that of the smallest of the line (Touch, 3.3 N).
+pub const OPENHAPTICS_FORCE_N: f64 = 3.3;
+
+/// Half the edges of the workspace of a device that tells none, metres (Touch, 160 x 120 x 70 mm as x, z, y).
+pub const OPENHAPTICS_REACH_M: [f64; 3] = [0.08, 0.035, 0.06];
+
+/// Stiffness that a device holds where it tells none, newtons a metre (Touch, its weakest axis 1.02 N/mm).
+pub const OPENHAPTICS_STIFFNESS_N_PER_M: f64 = 1020.0;
+
+/// Smallest step of position, metres (Touch, 450 dpi).
+pub const OPENHAPTICS_RESOLUTION_M: f64 = 5.5e-5;
+
+/// Smallest step of rotation, radians: potentiometers of the Touch's gimbal. An estimate.
+pub const OPENHAPTICS_RESOLUTION_RAD: f64 = 1e-3;
+
+/// Backdrive friction, newtons (Touch, less than 0.26 N).
+pub const OPENHAPTICS_FRICTION_N: f64 = 0.26;
+
+// The machine.
+
+/// Priority of real-time threads, of 0 to 99: above all that is ordinary, below the interrupt threads of a real-time kernel at 50.
+pub const REALTIME_PRIORITY: u8 = 45;
+
+/// Longest sleep, seconds; who asks for more is woken there, and the time is said to be past by nobody.
+pub const LONGEST_SLEEP_S: f64 = 3600.0;

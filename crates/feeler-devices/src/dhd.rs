@@ -1,0 +1,235 @@
+//! Devices of Force Dimension (omega, delta, sigma, lambda) and Novint's Falcon, through the maker's library `libdhd`, which is loaded
+//! when the device is opened.
+//!
+//! A thread talks to the library at 4 kHz, because its calls wait for the device. It takes the force away when the servo has not written
+//! for 50 ms. Devices with an active wrist get torques; a gripper gets no force. A call that fails is [`DeviceError::Lost`] until calls
+//! succeed again.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use feeler_core::Point;
+use feeler_haptics::device::{Device, DeviceError, DeviceInfo, DeviceLimits, DeviceState, Freedoms};
+use feeler_haptics::screw::{product, transposed, Matrix, Twist, Wrench};
+
+use crate::clip::{limit, told_pose, told_twist};
+use crate::constants::{DHD_HZ, DHD_ROTATIONAL_DAMPING_NM_S_PER_RAD, FORCE_DIMENSION};
+use crate::exchange::{exchange, DeviceEnd, Measured, ServoEnd};
+use crate::machine::{raise_priority, MonotonicClock};
+use crate::vendor_library::dhd_calls::{DhdModel, OpenDhd};
+
+/// Which library, and limits.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct DhdOptions {
+    /// The library's file. `None`: where the system looks for `libdhd`.
+    pub library: Option<PathBuf>,
+    /// Largest force, newtons, where less than the device has is wanted.
+    pub force_n: Option<f64>,
+    /// Largest torque, newton metres, where less than the device has is wanted.
+    pub torque_nm: Option<f64>,
+}
+
+/// A device of Force Dimension. See the [module](self).
+pub struct Dhd {
+    servo: ServoEnd,
+}
+
+impl Dhd {
+    /// Loads the library, opens the first device that is free, and waits for its first pose. Errors where there is no library or no
+    /// device, with what to do.
+    pub fn open(options: &DhdOptions) -> Result<Dhd, DeviceError> {
+        let open = OpenDhd::open(options.library.as_deref())?;
+        let model = open.model();
+        let (mut servo, end) = exchange(info(options, &model));
+        let mut talk = Talk { open, end, has_wrist: model.has_wrist };
+        std::thread::Builder::new().name("feeler-dhd".to_string()).spawn(move || talk.run()).map_err(|error| {
+            DeviceError::NotFound {
+                device: FORCE_DIMENSION.to_string(),
+                why: format!("no thread to talk to it with: {error}"),
+            }
+        })?;
+        servo.wait_for_first()?;
+        Ok(Dhd { servo })
+    }
+}
+
+impl Device for Dhd {
+    fn info(&self) -> &DeviceInfo {
+        self.servo.info()
+    }
+
+    fn read(&mut self, now: f64) -> Result<DeviceState, DeviceError> {
+        self.servo.read(now, Instant::now())
+    }
+
+    fn write(&mut self, wrench: &Wrench, _now: f64) -> Result<(), DeviceError> {
+        self.servo.write(wrench, Instant::now())
+    }
+
+    fn release(&mut self) {
+        self.servo.release();
+    }
+}
+
+/// Figures of the maker's data sheets.
+struct Figures {
+    force_n: f64,
+    torque_nm: f64,
+    /// Half the edges, device frame, metres.
+    workspace: Point,
+    resolution_m: f64,
+    rotational_resolution_rad: f64,
+    /// Stiffness that it holds at the maker's 4 kHz, newtons a metre: what damping it has at least, by Colgate's `b > K T / 2`.
+    stiffness_n_per_m: f64,
+}
+
+/// By `DHD_DEVICE_...` of `dhdc.h`.
+fn figures(kind: i32) -> Figures {
+    let figures = |force_n, torque_nm, workspace, resolution_m, rotational_resolution_rad, stiffness_n_per_m| Figures {
+        force_n,
+        torque_nm,
+        workspace,
+        resolution_m,
+        rotational_resolution_rad,
+        stiffness_n_per_m,
+    };
+    match kind {
+        // omega.3, .6, .7: a cylinder of 160 by 110 mm.
+        33..=37 => figures(12.0, 0.0, [0.080, 0.055, 0.080], 1e-5, 1.6e-3, 14_500.0),
+        // delta.3, delta.6: 400 by 260 mm.
+        63 | 64 => figures(20.0, 0.2, [0.200, 0.130, 0.200], 2e-5, 7e-4, 15_000.0),
+        // sigma.3, .7 and .7+: 190 by 130 mm.
+        104..=107 | 206 => figures(20.0, 0.4, [0.095, 0.065, 0.095], 1.5e-6, 2.3e-4, 15_000.0),
+        // lambda.3, .7: 240 by 170 mm.
+        108 | 109 | 203 => figures(20.0, 0.2, [0.120, 0.085, 0.120], 1.5e-6, 2.3e-4, 15_000.0),
+        // Novint Falcon: a cube of four inches, 400 dpi, 1 kHz.
+        60 => figures(8.9, 0.0, [0.050; 3], 6e-5, 1e-3, 8_000.0),
+        // Others of the maker: what the smallest of them has.
+        _ => figures(5.0, 0.1, [0.050; 3], 2e-5, 1e-3, 8_000.0),
+    }
+}
+
+fn info(options: &DhdOptions, model: &DhdModel) -> DeviceInfo {
+    let figures = figures(model.kind);
+    let name = if model.name.is_empty() { format!("device of type {}", model.kind) } else { model.name.clone() };
+    DeviceInfo {
+        name: format!("{FORCE_DIMENSION} {name}"),
+        sensed: Freedoms { translation: true, rotation: model.has_wrist },
+        driven: Freedoms { translation: true, rotation: model.has_active_wrist },
+        workspace: figures.workspace,
+        limits: DeviceLimits {
+            force_n: limit(figures.force_n, options.force_n),
+            torque_nm: if model.has_active_wrist { limit(figures.torque_nm, options.torque_nm) } else { 0.0 },
+            damping_n_s_per_m: 0.5 * figures.stiffness_n_per_m / DHD_HZ,
+            rotational_damping_nm_s_per_rad: if model.has_active_wrist {
+                DHD_ROTATIONAL_DAMPING_NM_S_PER_RAD
+            } else {
+                0.0
+            },
+            friction_n: 0.0,
+            rotational_friction_nm: 0.0,
+            resolution_m: figures.resolution_m,
+            rotational_resolution_rad: figures.rotational_resolution_rad,
+            rate_hz: DHD_HZ,
+        },
+        buttons: u32::BITS,
+    }
+}
+
+/// The library's axes (x towards the hand's owner, y right, z up) in those of a device here: row by row.
+const DEVICE_FROM_LIBRARY: Matrix = [[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
+
+fn device_from_library(v: &Point) -> Point {
+    [v[1], -v[0], v[2]]
+}
+
+fn library_from_device(v: &Point) -> Point {
+    [-v[1], v[0], v[2]]
+}
+
+struct Talk {
+    open: OpenDhd,
+    end: DeviceEnd,
+    has_wrist: bool,
+}
+
+impl Talk {
+    fn run(&mut self) {
+        // A thread without priority works too, with more jitter.
+        let _ = raise_priority();
+        // Where the motors cannot be switched on, the first force says why.
+        let _ = self.open.enable_force(true);
+        let clock = MonotonicClock::new();
+        let mut next = clock.now();
+        while !self.end.is_released() {
+            let measured = self.measured();
+            self.end.tell(measured);
+            let wrench = self.end.wrench(Instant::now());
+            if let Err(error) = self.set(&wrench) {
+                self.end.tell(Err(self.end.lost(error)));
+            }
+            // What was missed is not caught up.
+            next = (next + 1.0 / DHD_HZ).max(clock.now());
+            clock.sleep_until(next);
+        }
+        // Each on its own: one that fails must not keep the others from being tried.
+        let _ = self.set(&Wrench::ZERO);
+        let _ = self.open.enable_force(false);
+    }
+
+    fn measured(&self) -> Result<Measured, DeviceError> {
+        let lost = |error| self.end.lost(error);
+        let name = self.end.name();
+        let position = device_from_library(&self.open.position().map_err(lost)?);
+        let rotation = if self.has_wrist {
+            let rotation = self.open.rotation().map_err(lost)?;
+            product(&product(&DEVICE_FROM_LIBRARY, &rotation), &transposed(&DEVICE_FROM_LIBRARY))
+        } else {
+            [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+        };
+        let angular = if self.has_wrist { self.open.angular_velocity().map_err(lost)? } else { [0.0; 3] };
+        let twist = Twist {
+            linear: device_from_library(&self.open.linear_velocity().map_err(lost)?),
+            angular: device_from_library(&angular),
+        };
+        Ok(Measured {
+            pose: told_pose(name, &rotation, &position)?,
+            twist: Some(told_twist(name, twist)?),
+            buttons: self.open.buttons(),
+            at: Instant::now(),
+        })
+    }
+
+    fn set(&self, wrench: &Wrench) -> Result<(), String> {
+        self.open.set_wrench(&Wrench {
+            force: library_from_device(&wrench.force),
+            torque: library_from_device(&wrench.torque),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use feeler_haptics::screw::times;
+
+    #[test]
+    fn axes_are_changed_by_one_rotation_and_back() {
+        let v = [1.0, 2.0, 3.0];
+        assert_eq!(device_from_library(&v), times(&DEVICE_FROM_LIBRARY, &v));
+        assert_eq!(library_from_device(&device_from_library(&v)), v);
+        // Towards the hand's owner is not away.
+        assert_eq!(device_from_library(&[1.0, 0.0, 0.0]), [0.0, -1.0, 0.0]);
+        assert_eq!(device_from_library(&[0.0, 1.0, 0.0]), [1.0, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn only_an_active_wrist_is_driven() {
+        let model =
+            |kind, has_wrist, has_active_wrist| DhdModel { name: String::new(), kind, has_wrist, has_active_wrist };
+        let omega = info(&DhdOptions::default(), &model(34, true, false));
+        assert!(omega.sensed.rotation && !omega.driven.rotation && omega.limits.torque_nm == 0.0);
+        let sigma = info(&DhdOptions { force_n: Some(6.0), ..Default::default() }, &model(104, true, true));
+        assert_eq!((sigma.limits.force_n, sigma.limits.torque_nm, sigma.driven.rotation), (6.0, 0.4, true));
+    }
+}

@@ -1,0 +1,56 @@
+//! Haply's Inverse3, with the rotation of a VerseGrip where there is one, through the Inverse Service (3.5 or later) on this machine.
+//!
+//! A thread owns the websocket. It answers each state of the service with the newest force, sends the force again when no state comes
+//! (the service stops telling when commands stop), and sends no force when the servo has not written for 50 ms. The service is asked
+//! for the preset `arm_front_centered`, which puts the origin into the middle of the workspace: x right, y away, z up, as here.
+//!
+//! Three translations are driven. Rotation is sensed only if a VerseGrip told one while the device was opened; where it falls silent
+//! later, the rotation stays.
+//!
+//! A service that closes the connection, or does not read any more, is [`DeviceError::Lost`] for good: open the device again. A state
+//! that cannot be is [`DeviceError::Nonsense`] until the next good one.
+
+mod messages;
+mod options;
+mod service;
+
+use std::time::Instant;
+
+use feeler_haptics::device::{Device, DeviceError, DeviceInfo, DeviceState};
+use feeler_haptics::screw::Wrench;
+
+pub use options::HaplyOptions;
+
+use crate::exchange::ServoEnd;
+
+/// An Inverse3. See the [module](self).
+pub struct Haply {
+    servo: ServoEnd,
+}
+
+impl Haply {
+    /// Connects to the service and waits for the first pose, at most 3 s. Errors where there is no service or no device, with what to do.
+    pub fn open(options: &HaplyOptions) -> Result<Haply, DeviceError> {
+        let mut servo = service::start(options)?;
+        servo.wait_for_first()?;
+        Ok(Haply { servo })
+    }
+}
+
+impl Device for Haply {
+    fn info(&self) -> &DeviceInfo {
+        self.servo.info()
+    }
+
+    fn read(&mut self, now: f64) -> Result<DeviceState, DeviceError> {
+        self.servo.read(now, Instant::now())
+    }
+
+    fn write(&mut self, wrench: &Wrench, _now: f64) -> Result<(), DeviceError> {
+        self.servo.write(wrench, Instant::now())
+    }
+
+    fn release(&mut self) {
+        self.servo.release();
+    }
+}

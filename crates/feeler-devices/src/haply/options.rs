@@ -1,0 +1,30 @@
+//! Which Inverse3, and how it is driven.
+
+use crate::constants::INVERSE_SERVICE;
+
+/// Which device, and how.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HaplyOptions {
+    /// Host and port of the Inverse Service.
+    pub address: String,
+    /// The id of the Inverse3; `None`: the first that the service names.
+    pub device_id: Option<String>,
+    /// The id of the VerseGrip; `None`: the first that tells a rotation.
+    pub grip_id: Option<String>,
+    /// The preset that the service is asked for; `None`: it keeps what its user has set, and so its own origin.
+    pub preset: Option<String>,
+    /// Largest force, newtons; `None`: 5 N, half of the peak that the maker states. More than 10 N is never sent.
+    pub force_n: Option<f64>,
+}
+
+impl Default for HaplyOptions {
+    fn default() -> HaplyOptions {
+        HaplyOptions {
+            address: INVERSE_SERVICE.to_string(),
+            device_id: None,
+            grip_id: None,
+            preset: Some("arm_front_centered".to_string()),
+            force_n: None,
+        }
+    }
+}

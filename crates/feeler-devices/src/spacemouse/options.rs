@@ -1,0 +1,96 @@
+//! How the cap moves the pose, and what a SpaceMouse is with that.
+
+use std::path::PathBuf;
+
+use feeler_haptics::device::{DeviceError, DeviceInfo, DeviceLimits, Freedoms};
+
+use crate::constants::{FULL_DEFLECTION_COUNTS, SPACEMOUSE, SPACEMOUSE_HZ};
+
+/// How the cap moves the pose.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SpaceMouseOptions {
+    /// The daemon's socket. `None`: what the environment variable `SPNAV_SOCKET` says, else `/var/run/spnav.sock`.
+    pub socket: Option<PathBuf>,
+    /// Speed at full deflection, metres a second.
+    pub speed_m_per_s: f64,
+    /// Rate of turning at full deflection, radians a second.
+    pub turn_rad_per_s: f64,
+    /// Counts that the daemon tells at full deflection.
+    pub full_deflection_counts: f64,
+    /// Part of full deflection that counts as rest, from 0 to below 1, beside the daemon's own dead zone. What is beyond it begins at 0.
+    pub dead_zone: f64,
+    /// How far from its beginning the pose may go along each axis, metres.
+    pub reach_m: f64,
+    /// How long a motion holds without an event, seconds; infinite: until the daemon says otherwise.
+    pub silence_s: f64,
+}
+
+impl Default for SpaceMouseOptions {
+    fn default() -> SpaceMouseOptions {
+        SpaceMouseOptions {
+            socket: None,
+            speed_m_per_s: 0.1,
+            turn_rad_per_s: 1.0,
+            full_deflection_counts: FULL_DEFLECTION_COUNTS,
+            dead_zone: 0.05,
+            reach_m: 1.0,
+            silence_s: 5.0,
+        }
+    }
+}
+
+impl SpaceMouseOptions {
+    pub(super) fn check(&self) -> Result<(), DeviceError> {
+        let positive = |x: f64| x > 0.0 && x.is_finite();
+        let checks = [
+            ("speed_m_per_s", self.speed_m_per_s, positive(self.speed_m_per_s), "above 0"),
+            ("turn_rad_per_s", self.turn_rad_per_s, positive(self.turn_rad_per_s), "above 0"),
+            ("full_deflection_counts", self.full_deflection_counts, positive(self.full_deflection_counts), "above 0"),
+            ("dead_zone", self.dead_zone, (0.0..1.0).contains(&self.dead_zone), "from 0 to below 1"),
+            ("reach_m", self.reach_m, positive(self.reach_m), "above 0"),
+            ("silence_s", self.silence_s, self.silence_s > 0.0, "above 0"),
+        ];
+        match checks.iter().find(|(_, _, is_good, _)| !is_good) {
+            Some((name, value, _, what)) => {
+                Err(not_found(format!("option {name} is {value}; it must be a number {what}")))
+            }
+            None => Ok(()),
+        }
+    }
+
+    pub(super) fn info(&self, protocol: u8, buttons: u32) -> DeviceInfo {
+        let step = |speed: f64| speed / self.full_deflection_counts / SPACEMOUSE_HZ;
+        DeviceInfo {
+            name: format!("{SPACEMOUSE} (spacenavd, protocol {protocol})"),
+            sensed: Freedoms { translation: true, rotation: true },
+            driven: Freedoms::default(),
+            workspace: [self.reach_m; 3],
+            limits: DeviceLimits {
+                force_n: 0.0,
+                torque_nm: 0.0,
+                damping_n_s_per_m: 0.0,
+                rotational_damping_nm_s_per_rad: 0.0,
+                friction_n: 0.0,
+                rotational_friction_nm: 0.0,
+                resolution_m: step(self.speed_m_per_s),
+                rotational_resolution_rad: step(self.turn_rad_per_s),
+                rate_hz: SPACEMOUSE_HZ,
+            },
+            buttons,
+        }
+    }
+
+    /// Where the daemon listens.
+    #[cfg(unix)]
+    pub(super) fn socket(&self) -> PathBuf {
+        self.socket
+            .clone()
+            .or_else(|| std::env::var_os("SPNAV_SOCKET").filter(|path| !path.is_empty()).map(PathBuf::from))
+            .unwrap_or_else(|| PathBuf::from(crate::constants::SPACENAVD_SOCKET))
+    }
+}
+
+/// That there is none, with what to do.
+pub(super) fn not_found(why: String) -> DeviceError {
+    DeviceError::NotFound { device: SPACEMOUSE.to_string(), why }
+}

@@ -1,0 +1,363 @@
+//! The drivers of makers' libraries against stubs that are compiled here, by the calls that the makers document.
+
+mod common;
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::Mutex;
+
+use common::{eventually, Folder};
+use feeler_devices::dhd::{Dhd, DhdOptions};
+use feeler_devices::openhaptics::{OpenHaptics, OpenHapticsOptions};
+use feeler_haptics::device::{Device, DeviceError};
+use feeler_haptics::screw::{rotation_vector, Wrench};
+use libloading::{library_filename, Library};
+
+/// A stub's file, compiled once for all tests.
+fn compiled(name: &str, is_too_old: bool) -> PathBuf {
+    static DONE: Mutex<Vec<(PathBuf, Folder)>> = Mutex::new(vec![]);
+    let mut done = DONE.lock().unwrap();
+    let file = library_filename(if is_too_old { format!("{name}_too_old") } else { name.to_string() });
+    if let Some((path, _)) = done.iter().find(|(path, _)| path.file_name() == Some(&file)) {
+        return path.clone();
+    }
+    let folder = Folder::new("stub");
+    let path = folder.path.join(&file);
+    let mut rustc = Command::new(std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into()));
+    rustc.args([
+        "--edition",
+        "2021",
+        "--crate-type",
+        "cdylib",
+        "--crate-name",
+        name,
+        "-C",
+        "panic=abort",
+        "-A",
+        "warnings",
+    ]);
+    rustc.args(["--check-cfg", "cfg(too_old)"]).args(if is_too_old { &["--cfg", "too_old"][..] } else { &[] });
+    rustc
+        .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures").join(format!("{name}.rs")))
+        .arg("-o")
+        .arg(&path);
+    let output = rustc.output().expect("rustc compiles the stub");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    done.push((path.clone(), folder));
+    path
+}
+
+/// A stub of a test's own: a copy, so that its cells are its own.
+struct Stub {
+    path: PathBuf,
+    library: Library,
+    _folder: Folder,
+}
+
+impl Stub {
+    fn new(name: &str) -> Stub {
+        let folder = Folder::new("vendor");
+        let path = folder.path.join(library_filename(name));
+        std::fs::copy(compiled(name, false), &path).unwrap();
+        // SAFETY: the library was compiled from the stub above.
+        let library = unsafe { Library::new(&path) }.unwrap();
+        Stub { path, library, _folder: folder }
+    }
+
+    fn set(&self, cell: u32, value: f64) {
+        // SAFETY: the function has this type in tests/fixtures/cells.rs.
+        unsafe { self.library.get::<extern "C" fn(u32, f64)>("stub_set").unwrap()(cell, value) }
+    }
+
+    fn get(&self, cell: u32) -> f64 {
+        // SAFETY: the function has this type in tests/fixtures/cells.rs.
+        unsafe { self.library.get::<extern "C" fn(u32) -> f64>("stub_get").unwrap()(cell) }
+    }
+
+    fn many<const N: usize>(&self, first: u32) -> [f64; N] {
+        std::array::from_fn(|i| self.get(first + i as u32))
+    }
+
+    fn open_dhd(&self) -> Result<Dhd, DeviceError> {
+        Dhd::open(&DhdOptions { library: Some(self.path.clone()), ..Default::default() })
+    }
+
+    fn open_hd(&self) -> Result<OpenHaptics, DeviceError> {
+        OpenHaptics::open(&OpenHapticsOptions { library: Some(self.path.clone()), ..Default::default() })
+    }
+}
+
+/// A stub of an omega.6: type 34, a wrist without motors.
+fn omega() -> Stub {
+    let stub = Stub::new("stub_dhd");
+    stub.set(12, 34.0);
+    stub.set(13, 1.0);
+    stub
+}
+
+/// A stub of a Touch, in the middle of its workspace, unturned.
+fn touch() -> Stub {
+    let stub = Stub::new("stub_hd");
+    for diagonal in [0, 5, 10, 15] {
+        stub.set(diagonal, 1.0);
+    }
+    stub.set(13, 20.0);
+    stub
+}
+
+const PUSH: Wrench = Wrench { force: [1.0, 2.0, 3.0], torque: [0.1, 0.2, 0.3] };
+
+/// A force that is written until the stub has it: the watchdog takes back what is written once.
+fn push(device: &mut dyn Device, wrench: &Wrench, what: &str, mut has_it: impl FnMut() -> bool) {
+    eventually(what, || {
+        device.write(wrench, 0.0).unwrap();
+        has_it().then_some(())
+    });
+}
+
+#[test]
+fn dhd_tells_poses_and_gives_forces_in_device_axes() {
+    let stub = omega();
+    for (cell, value) in [0.01, 0.02, 0.03, 0.1, 0.2, 0.3, 1.0, 2.0, 3.0, 5.0].into_iter().enumerate() {
+        stub.set(cell as u32, value);
+    }
+    stub.set(14, 0.5);
+    let mut device = stub.open_dhd().unwrap();
+    assert_eq!(device.info().name, "Force Dimension omega.stub");
+    assert!(device.info().sensed.rotation && !device.info().driven.rotation);
+    let state = device.read(10.0).unwrap();
+    // The library's x is towards the hand's owner, its y to the right.
+    assert_eq!(*state.pose.translation(), [0.02, -0.01, 0.03]);
+    let twist = state.twist.unwrap();
+    assert_eq!((twist.linear, twist.angular), ([0.2, -0.1, 0.3], [2.0, -1.0, 3.0]));
+    let turned = rotation_vector(state.pose.rotation());
+    assert!(turned[0].abs() < 1e-12 && turned[1].abs() < 1e-12 && (turned[2] - 0.5).abs() < 1e-12, "{turned:?}");
+    assert_eq!(state.buttons, 5);
+    assert!(state.time <= 10.0 && state.time > 9.5);
+
+    assert_eq!(stub.get(27), 1.0, "the motors are on");
+    push(&mut device, &PUSH, "the force in the library's axes", || {
+        stub.many(20) == [-2.0, 1.0, 3.0, 0.0, 0.0, 0.0, 0.0]
+    });
+    // The servo writes no more: the thread takes the force away by itself.
+    eventually("the watchdog", || (stub.many(20) == [0.0; 6]).then_some(()));
+    device.release();
+    assert_eq!((stub.get(27), stub.get(28)), (0.0, 0.0), "the motors are off and the device is closed");
+}
+
+#[test]
+fn dhd_drives_an_active_wrist() {
+    let stub = Stub::new("stub_dhd");
+    stub.set(12, 104.0);
+    stub.set(13, 2.0);
+    let mut device = stub.open_dhd().unwrap();
+    assert!(device.info().driven.rotation);
+    push(&mut device, &PUSH, "the torque", || stub.many(20) == [-2.0, 1.0, 3.0, -0.2, 0.1, 0.3]);
+}
+
+#[test]
+fn dhd_clips_forces_and_gives_none_where_a_number_is_not_finite() {
+    let stub = omega();
+    let mut device = stub.open_dhd().unwrap();
+    let limit = device.info().limits.force_n;
+    let strong = Wrench { force: [0.0, 0.0, -1e6], torque: [0.0; 3] };
+    push(&mut device, &strong, "the largest force", || stub.get(22) == -limit);
+    let broken = Wrench { force: [f64::NAN, 1.0, 1.0], torque: [0.0; 3] };
+    push(&mut device, &broken, "no force", || stub.many(20) == [0.0; 3]);
+    assert!(stub.get(30) <= limit);
+}
+
+#[test]
+fn dhd_says_what_cannot_be_and_what_is_lost_and_goes_on() {
+    let stub = omega();
+    let mut device = stub.open_dhd().unwrap();
+    type Case = (u32, f64, fn(&DeviceError) -> bool);
+    let cases: [Case; 5] = [
+        (0, f64::NAN, |error| matches!(error, DeviceError::Nonsense { .. })),
+        (1, 1e9, |error| matches!(error, DeviceError::Nonsense { .. })),
+        (4, f64::INFINITY, |error| matches!(error, DeviceError::Nonsense { .. })),
+        (14, f64::NAN, |error| matches!(error, DeviceError::Nonsense { .. })),
+        (11, 1.0, |error| matches!(error, DeviceError::Lost { why, .. } if why.contains("communication error"))),
+    ];
+    for (cell, value, is_expected) in cases {
+        stub.set(cell, value);
+        let error = eventually("an error", || device.read(0.0).err());
+        assert!(is_expected(&error), "{error}");
+        stub.set(cell, 0.0);
+        eventually("a pose again", || device.read(0.0).ok());
+    }
+}
+
+#[test]
+fn dhd_lets_go_when_it_is_dropped() {
+    let stub = omega();
+    let mut device = stub.open_dhd().unwrap();
+    push(&mut device, &PUSH, "a force", || stub.get(22) == 3.0);
+    drop(device);
+    assert_eq!(stub.many(20), [0.0; 3]);
+    assert_eq!((stub.get(27), stub.get(28)), (0.0, 0.0));
+}
+
+#[test]
+fn dhd_says_what_is_missing() {
+    let nowhere = DhdOptions { library: Some("/nowhere/libdhd.so".into()), ..Default::default() };
+    let error = Dhd::open(&nowhere).err().unwrap();
+    assert!(
+        matches!(&error, DeviceError::NotFound { why, .. } if why.contains("/nowhere/libdhd.so") && why.contains("SDK")),
+        "{error}"
+    );
+
+    let too_old = DhdOptions { library: Some(compiled("stub_dhd", true)), ..Default::default() };
+    let error = Dhd::open(&too_old).err().unwrap();
+    let words = ["dhdSetForceAndTorqueAndGripperForce", "stub_dhd_too_old"];
+    assert!(
+        matches!(&error, DeviceError::NotFound { why, .. } if words.iter().all(|word| why.contains(word))),
+        "{error}"
+    );
+
+    let stub = omega();
+    stub.set(10, 1.0);
+    let error = stub.open_dhd().err().unwrap();
+    assert!(matches!(&error, DeviceError::NotFound { why, .. } if why.contains("no device found")), "{error}");
+    assert_eq!(stub.get(28), 0.0, "what was not opened is not closed");
+}
+
+#[test]
+fn openhaptics_tells_poses_and_gives_forces_in_device_axes() {
+    let stub = touch();
+    // A quarter of a turn about the library's y, which is up: column by column, x goes to -z.
+    for (cell, value) in
+        [0.0, 0.0, -1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 10.0, 40.0, 30.0, 1.0].into_iter().enumerate()
+    {
+        stub.set(cell as u32, value);
+    }
+    for (cell, value) in [(16, 100.0), (17, 200.0), (18, 300.0), (19, 1.0), (20, 2.0), (21, 3.0), (22, 2.0)] {
+        stub.set(cell, value);
+    }
+    let mut device = stub.open_hd().unwrap();
+    let info = device.info().clone();
+    assert_eq!(info.name, "3D Systems Stub Touch");
+    assert_eq!((info.limits.force_n, info.limits.rate_hz, info.workspace), (3.3, 1000.0, [0.08, 0.035, 0.08]));
+    assert!(info.sensed.rotation && !info.driven.rotation);
+    let state = device.read(10.0).unwrap();
+    // The middle of the workspace is at y = 20 mm; the library's z is towards the hand's owner.
+    let expected = [0.01, -0.03, 0.02];
+    assert!((0..3).all(|i| (state.pose.translation()[i] - expected[i]).abs() < 1e-12), "{state:?}");
+    let turned = rotation_vector(state.pose.rotation());
+    assert!(
+        turned[0].abs() < 1e-12 && turned[1].abs() < 1e-12 && (turned[2] - std::f64::consts::FRAC_PI_2).abs() < 1e-12,
+        "{turned:?}"
+    );
+    let twist = state.twist.unwrap();
+    let linear = [0.1, -0.3, 0.2];
+    assert!((0..3).all(|i| (twist.linear[i] - linear[i]).abs() < 1e-12), "{twist:?}");
+    assert_eq!((twist.angular, state.buttons), ([1.0, -3.0, 2.0], 2));
+
+    let push_wrench = Wrench { force: [0.5, 1.0, 2.0], torque: [1.0; 3] };
+    push(&mut device, &push_wrench, "the force in the library's axes", || stub.many(40) == [0.5, 2.0, -1.0]);
+    eventually("the watchdog", || (stub.many(40) == [0.0; 3]).then_some(()));
+    push(&mut device, &push_wrench, "the force again", || stub.get(41) == 2.0);
+    device.release();
+    assert_eq!(stub.many(40), [0.0; 3]);
+    drop(device);
+    assert_eq!(
+        (stub.get(43), stub.get(44), stub.get(47)),
+        (0.0, 0.0, 0.0),
+        "output off, device disabled, scheduler stopped"
+    );
+    assert_eq!(stub.get(48), 0.0, "nothing was set outside a frame");
+}
+
+#[test]
+fn openhaptics_clips_forces_and_gives_none_where_a_number_is_not_finite() {
+    let stub = touch();
+    let mut device = stub.open_hd().unwrap();
+    let strong = Wrench { force: [0.0, 0.0, 1e200], torque: [0.0; 3] };
+    push(&mut device, &strong, "the largest force", || stub.get(41) == 3.3);
+    let broken = Wrench { force: [1.0; 3], torque: [f64::INFINITY; 3] };
+    push(&mut device, &broken, "no force", || stub.many(40) == [0.0; 3]);
+    assert!(stub.get(46) <= 3.3);
+}
+
+#[test]
+fn openhaptics_says_what_cannot_be_and_what_is_lost_and_goes_on() {
+    let stub = touch();
+    let mut device = stub.open_hd().unwrap();
+    type Case = (u32, f64, f64, fn(&DeviceError) -> bool);
+    let cases: [Case; 4] = [
+        (12, f64::NAN, 0.0, |error| matches!(error, DeviceError::Nonsense { .. })),
+        (0, -1.0, 1.0, |error| matches!(error, DeviceError::Nonsense { .. })),
+        (17, 1e12, 0.0, |error| matches!(error, DeviceError::Nonsense { .. })),
+        (
+            24,
+            768.0,
+            0.0,
+            |error| matches!(error, DeviceError::Lost { why, .. } if why.contains("Device fault") && why.contains("0x0300")),
+        ),
+    ];
+    for (cell, bad, good, is_expected) in cases {
+        stub.set(cell, bad);
+        let error = eventually("an error", || device.read(0.0).err());
+        assert!(is_expected(&error), "{error}");
+        stub.set(cell, good);
+        eventually("a pose again", || device.read(0.0).ok());
+    }
+}
+
+#[test]
+fn openhaptics_lets_go_when_it_is_dropped() {
+    let stub = touch();
+    let mut device = stub.open_hd().unwrap();
+    push(&mut device, &Wrench { force: [0.0, 0.0, 1.0], torque: [0.0; 3] }, "a force", || stub.get(41) == 1.0);
+    drop(device);
+    assert_eq!(stub.many(40), [0.0; 3]);
+    assert_eq!((stub.get(43), stub.get(44), stub.get(47)), (0.0, 0.0, 0.0));
+}
+
+#[test]
+fn openhaptics_calibrates_or_says_who_has_to() {
+    let stub = touch();
+    stub.set(25, 1.0);
+    let mut device = eventually("a calibrated device", || stub.open_hd().ok());
+    assert!(device.read(0.0).is_ok() && stub.get(25) == 0.0);
+    drop(device);
+
+    let stub = touch();
+    stub.set(25, 2.0);
+    let error = stub.open_hd().err().unwrap();
+    assert!(matches!(&error, DeviceError::Nonsense { what, .. } if what.contains("inkwell")), "{error}");
+    assert_eq!((stub.get(44), stub.get(47)), (0.0, 0.0), "nothing is left open");
+}
+
+#[test]
+fn openhaptics_that_tells_nothing_of_itself_gets_the_smallest_limits() {
+    let stub = touch();
+    stub.set(26, 1.0);
+    let device = stub.open_hd().unwrap();
+    assert_eq!(device.info().name, "3D Systems device");
+    assert_eq!((device.info().limits.force_n, device.info().workspace), (3.3, [0.08, 0.035, 0.06]));
+}
+
+#[test]
+fn openhaptics_says_what_is_missing() {
+    let nowhere = OpenHapticsOptions { library: Some("/nowhere/libHD.so".into()), ..Default::default() };
+    let error = OpenHaptics::open(&nowhere).err().unwrap();
+    assert!(
+        matches!(&error, DeviceError::NotFound { why, .. } if why.contains("/nowhere/libHD.so") && why.contains("install")),
+        "{error}"
+    );
+
+    let too_old = OpenHapticsOptions { library: Some(compiled("stub_hd", true)), ..Default::default() };
+    let error = OpenHaptics::open(&too_old).err().unwrap();
+    assert!(matches!(&error, DeviceError::NotFound { why, .. } if why.contains("hdStopScheduler")), "{error}");
+
+    let stub = touch();
+    stub.set(23, 1.0);
+    let error = stub.open_hd().err().unwrap();
+    assert!(matches!(&error, DeviceError::NotFound { why, .. } if why.contains("Communication error")), "{error}");
+    assert_eq!(stub.get(44), 0.0, "what was not initialised is not disabled");
+
+    let named =
+        OpenHapticsOptions { library: Some(stub.path.clone()), device: Some("a\0b".to_string()), ..Default::default() };
+    assert!(matches!(OpenHaptics::open(&named), Err(DeviceError::NotFound { .. })));
+}
