@@ -74,6 +74,16 @@ pub const STUCK_SHARE: f64 = 0.1;
 /// By how much the longest motion shrinks after one that was stopped by what it knew of, and grows after a free one.
 pub const TRUST_GROWTH: f64 = 2.0;
 
+/// Share of the skin below which the tool is lifted before it is moved on: from a start that near, arcs are stopped at once.
+pub const LIFT_SHARE: f64 = 0.5;
+
+/// Longest turn beside rows: the square root of so many skins over the tool's radius (radians). A point's arc is then off its chord by
+/// an eighth of that: a quarter of the skin.
+pub const ARC_SKINS: f64 = 2.0;
+
+/// Shortest motion that the proxy is trusted with, in skins: for so little any row holds.
+pub const LEAST_TRUST: f64 = 0.5;
+
 /// Share of the skin with which the proxy is tried where contacts hold it from several sides. Smaller: tighter fits are entered.
 pub const SQUEEZE_SHARE: f64 = 1.0 / 16.0;
 

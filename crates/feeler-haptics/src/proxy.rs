@@ -7,19 +7,20 @@
 //! row of its own, and is asked again while it is near.
 
 use feeler_contacts::Manifolds;
-use feeler_core::geometry::vectors::{dot, sub, unit};
+use feeler_core::geometry::vectors::{dot, length, sub, unit};
 use feeler_core::{Motion, Point, Pose, Tool};
 
 use crate::constants::{
-    BACK_OFF_HALVINGS, BACK_OFF_SHARE, CAST_SHARE, CLEARANCE_SHARE, LARGEST_CAST_TOLERANCE, LEAST_CAST_TOLERANCE,
-    LEAST_MARGIN, MOST_BLOCKERS, MOST_LIFT, MOST_PATIENCE, SEAT_SLACK, SKINS_IN_MARGIN, SKIN_GROWTH, SKIN_HALVINGS,
-    SKIN_LIFT, SQUEEZE_GAIN, SQUEEZE_SHARE, STILL_SHARE, STRIDES, STRIDE_DECAY, STUCK_SHARE, TRUST_GROWTH,
+    ARC_SKINS, BACK_OFF_HALVINGS, BACK_OFF_SHARE, CAST_SHARE, CLEARANCE_SHARE, LARGEST_CAST_TOLERANCE,
+    LEAST_CAST_TOLERANCE, LEAST_MARGIN, LEAST_TRUST, LIFT_SHARE, MOST_BLOCKERS, MOST_LIFT, MOST_PATIENCE, SEAT_SLACK,
+    SKINS_IN_MARGIN, SKIN_GROWTH, SKIN_HALVINGS, SKIN_LIFT, SQUEEZE_GAIN, SQUEEZE_SHARE, STILL_SHARE, STRIDES,
+    STRIDE_DECAY, STUCK_SHARE, TRUST_GROWTH,
 };
-use crate::constraint_set::{ConstraintSet, Plane, Solver};
+use crate::constraint_set::{ConstraintSet, NearestPose, Plane, Solver};
 use crate::environment::{Environment, Pair};
 use crate::error::{Error, Result};
 use crate::metric::Metric;
-use crate::screw::displacement;
+use crate::screw::{displaced, displacement};
 use crate::world::Seat;
 
 /// How the proxy is kept off.
@@ -151,8 +152,7 @@ impl Proxy {
         if is_stuck && self.is_time_to_squeeze() {
             self.squeeze(environment, tool, target, &mut done)?;
         }
-        let way = displacement(&start, &self.set.taken_at, &self.set.metric.centre).reach(self.set.metric.radius);
-        self.stride = way.max(STRIDE_DECAY * self.stride);
+        self.stride = self.reach_to(&start).max(STRIDE_DECAY * self.stride);
         Ok(done)
     }
 
@@ -162,9 +162,8 @@ impl Proxy {
         for _ in 0..self.options.rounds {
             done.rounds += 1;
             let from = self.set.taken_at;
-            let goal = self.set.nearest_pose(target, self.trust, &mut self.solver)?;
-            let centre = self.set.metric.centre;
-            let reach = displacement(&from, &goal.pose, &centre).reach(self.set.metric.radius);
+            let goal = self.next_pose(target)?;
+            let reach = self.reach_to(&goal.pose);
             if reach <= STILL_SHARE * self.set.skin {
                 return Ok(!self.solver.held().is_empty());
             }
@@ -181,7 +180,7 @@ impl Proxy {
                     done.stopped += 1;
                     if self.blockers.contains(&impact.pair) {
                         // What its row allowed it forbids: the motion was too long for a row.
-                        self.trust = reach.min(self.trust) / TRUST_GROWTH;
+                        self.trust = (reach.min(self.trust) / TRUST_GROWTH).max(LEAST_TRUST * self.set.skin);
                     }
                     self.remember(impact.pair);
                     let reached = self.back_off(environment, tool, &goal.pose, impact.fraction, &impact.pair)?;
@@ -196,6 +195,28 @@ impl Proxy {
             distance = left;
         }
         Ok(false)
+    }
+
+    /// Where the next motion leads. It starts off the surface: where the tool is nearer than half the skin it is lifted first. And it
+    /// turns no more than keeps its points, which move on arcs, within a part of the skin of the straight ways between two poses that
+    /// satisfy the rows.
+    fn next_pose(&mut self, target: &Pose) -> Result<NearestPose> {
+        let (from, metric) = (self.set.taken_at, self.set.metric);
+        if self.set.least_gap() < LIFT_SHARE * self.set.skin {
+            return self.set.nearest_pose(&from, self.trust, &mut self.solver);
+        }
+        let goal = self.set.nearest_pose(target, self.trust, &mut self.solver)?;
+        let way = displacement(&from, &goal.pose, &metric.centre);
+        let (turn, most) = (length(&way.angular), (ARC_SKINS * self.set.skin / metric.radius).sqrt());
+        if self.set.rows().is_empty() || turn <= most {
+            return Ok(goal);
+        }
+        Ok(NearestPose { pose: displaced(&from, &(way * (most / turn)), &metric.centre)?, ..goal })
+    }
+
+    /// How far any point of the tool moves from here to a pose, metres.
+    fn reach_to(&self, pose: &Pose) -> f64 {
+        displacement(&self.set.taken_at, pose, &self.set.metric.centre).reach(self.set.metric.radius)
     }
 
     /// Where contacts hold the tool from several sides, the skin may be what closes a way: a peg at the mouth of a hole that it fits. So
@@ -315,7 +336,8 @@ impl Proxy {
     }
 
     /// The skin for the rows there are: what it was, or half the clearance where that is less; and wider again where that does not push
-    /// the tool away. The clearance is what all rows can be off at once.
+    /// the tool away. The clearance is what all rows can be off at once. In a wedge it is the less the deeper the tool is, so a skin
+    /// that rows allow at all is not less than that of a squeeze: it keeps the tool from the wedge's end.
     fn fit_skin(&mut self) -> f64 {
         let Proxy { set, solver, options, skin, .. } = self;
         if set.rows().is_empty() {
@@ -329,11 +351,15 @@ impl Proxy {
         if lift(*skin / CLEARANCE_SHARE) <= most {
             return *skin;
         }
+        let least = SQUEEZE_SHARE * options.skin;
+        if *skin >= least && lift(least / CLEARANCE_SHARE).is_finite() {
+            return least;
+        }
         // Bisection of the logarithm; what there is at the pose fits.
         let (mut low, mut high) = (set.least_gap().max(LEAST_CAST_TOLERANCE), *skin / CLEARANCE_SHARE);
         for _ in 0..SKIN_HALVINGS {
             let middle = (low * high).sqrt();
-            if lift(middle) <= most {
+            if lift(middle).is_finite() {
                 low = middle;
             } else {
                 high = middle;
@@ -348,7 +374,6 @@ mod tests {
     use std::sync::Arc;
 
     use feeler_contacts::ContactSolver;
-    use feeler_core::geometry::vectors::length;
     use feeler_core::{Mockup, Scene, SceneOptions};
     use feeler_shapes::{box_mesh, Arrays};
 
