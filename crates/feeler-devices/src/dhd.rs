@@ -131,6 +131,8 @@ fn info(options: &DhdOptions, model: &DhdModel) -> DeviceInfo {
             resolution_m: figures.resolution_m,
             rotational_resolution_rad: figures.rotational_resolution_rad,
             rate_hz: DHD_HZ,
+            // Its thread stands between: half a round on average for the pose, and half for the force.
+            delay_s: 1.0 / DHD_HZ,
         },
         buttons: u32::BITS,
     }

@@ -117,6 +117,8 @@ fn info(options: &OpenHapticsOptions, open: &OpenHd) -> (DeviceInfo, Point) {
             resolution_m: OPENHAPTICS_RESOLUTION_M,
             rotational_resolution_rad: OPENHAPTICS_RESOLUTION_RAD,
             rate_hz,
+            // Its thread stands between: half a round on average for the pose, and half for the force.
+            delay_s: 1.0 / rate_hz,
         },
         buttons: BUTTONS,
     };

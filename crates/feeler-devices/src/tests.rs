@@ -22,6 +22,7 @@ pub(crate) fn device(force_n: f64, torque_nm: f64) -> DeviceInfo {
             resolution_m: 1e-5,
             rotational_resolution_rad: 1e-4,
             rate_hz: 1000.0,
+            delay_s: 0.0,
         },
         buttons: 0,
     }

@@ -75,6 +75,8 @@ fn info(options: &HaplyOptions, id: &str, reach_m: f64, has_grip: bool) -> Devic
             resolution_m: INVERSE3_RESOLUTION_M,
             rotational_resolution_rad: VERSE_GRIP_RESOLUTION_RAD,
             rate_hz: INVERSE3_HZ,
+            // Its thread stands between: half a round on average for the pose, and half for the force.
+            delay_s: 1.0 / INVERSE3_HZ,
         },
         buttons: if has_grip { GRIP_BUTTONS } else { 0 },
     }

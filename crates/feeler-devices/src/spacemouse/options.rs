@@ -75,6 +75,7 @@ impl SpaceMouseOptions {
                 resolution_m: step(self.speed_m_per_s),
                 rotational_resolution_rad: step(self.turn_rad_per_s),
                 rate_hz: SPACEMOUSE_HZ,
+                delay_s: 0.0,
             },
             buttons,
         }
