@@ -185,7 +185,7 @@ ROOMS: dict[str, set[str]] = {
     "picture": {*BASE, "io"},
     "samples": BASE,
     "study": {*BASE, "samples"},
-    "cli": {*BASE, "io", "picture", "samples", "study", "feeler"},
+    "cli": {*BASE, "haptics", "io", "picture", "samples", "study", "feeler"},
     "__init__": {"_core", "ignored", *BASE, "haptics", "interchange", "io", "picture", "samples", "study"},
     "__main__": {"cli"},
 }

@@ -18,7 +18,7 @@ mod servo_side;
 mod trace;
 
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{channel, sync_channel, Receiver, Sender};
+use std::sync::mpsc::{channel, sync_channel, Receiver, Sender, SyncSender};
 use std::sync::Arc;
 use std::thread::{Builder, JoinHandle};
 
@@ -130,8 +130,8 @@ impl Sides {
             None => ConstraintSet::new(pose, session.metric(), session_options.proxy.skin, 0.0),
         };
         let (targets_in, targets_out) = triple_buffer(&Target { pose, number: 0, start: 0 });
-        // Without a proxy until the collision side has looked.
-        let (sets_in, sets_out) = triple_buffer(&Handed { set, has_proxy: false, start: 0, start_pose: pose });
+        let has_proxy = session.constraints().is_some();
+        let (sets_in, sets_out) = triple_buffer(&Handed { set, has_proxy, start: 0, start_pose: pose });
         let (views_in, views) = triple_buffer(&View::new(&pose));
         let (servo_in, servo_records) = triple_buffer(&ServoRecord::default());
         let (collision_in, collision_records) = triple_buffer(&CollisionRecord::default());
@@ -186,14 +186,19 @@ impl Runner {
         // The threads are given their sides when both are there, so that nothing is lost where one cannot be had.
         let (servo_in, servo_out) = sync_channel::<ServoSide>(1);
         let (collision_in, collision_out) = sync_channel::<CollisionSide>(1);
+        let (ready, has_begun) = sync_channel::<()>(2);
         let both = (|| {
-            let (over, own, its_clock) = (is_over.clone(), options.clone(), clock.clone());
+            let (over, own, its_clock, begun) = (is_over.clone(), options.clone(), clock.clone(), ready.clone());
             let servo = thread("feeler-servo", move || {
+                let _ending = Ending(over.clone());
+                begin(&own, ThreadKind::Servo, begun);
                 let side = servo_out.recv().ok()?;
                 Some(run_servo(side, &over, &*its_clock, &own))
             })?;
             let (over, own) = (is_over.clone(), options.clone());
             let collision = thread("feeler-collision", move || {
+                let _ending = Ending(over.clone());
+                begin(&own, ThreadKind::Collision, ready);
                 let side = collision_out.recv().ok()?;
                 Some(run_collision(side, &over, &*clock, &own, &asked))
             })?;
@@ -206,6 +211,10 @@ impl Runner {
                 return Err(Box::new(Refused { error, session, device: servo.into_device() }));
             }
         };
+        // Until both have done what is to be done at their start, or one has gone by it.
+        for _ in 0..2 {
+            let _ = has_begun.recv();
+        }
         // The threads wait for these; where one has gone already, joining it says so.
         let _ = collision_in.send(collision);
         let _ = servo_in.send(servo);
@@ -325,6 +334,13 @@ fn thread<T: Send + 'static>(name: &str, work: impl FnOnce() -> T + Send + 'stat
     Builder::new().name(name.into()).spawn(work).map_err(|error| Error::Thread { why: error.to_string() })
 }
 
+/// Of a thread, before its first tick.
+fn begin(options: &RunnerOptions, kind: ThreadKind, begun: SyncSender<()>) {
+    (options.on_thread_start)(kind);
+    // Who waits for it is there.
+    let _ = begun.send(());
+}
+
 /// How long something took: in the thread's own time where the clock tells it.
 fn timed(clock: &dyn Clock, work: impl FnOnce()) -> f64 {
     let time = || clock.thread_time().unwrap_or_else(|| clock.now());
@@ -333,11 +349,7 @@ fn timed(clock: &dyn Clock, work: impl FnOnce()) -> f64 {
     time() - before
 }
 
-fn run_servo(side: ServoSide, is_over: &Arc<AtomicBool>, clock: &dyn Clock, options: &RunnerOptions) -> ServoSide {
-    let _ending = Ending(is_over.clone());
-    // Dropped before the rest where a tick panics: the force is let go first.
-    let mut side = side;
-    (options.on_thread_start)(ThreadKind::Servo);
+fn run_servo(mut side: ServoSide, is_over: &AtomicBool, clock: &dyn Clock, options: &RunnerOptions) -> ServoSide {
     let period = 1.0 / options.rate_hz;
     let mut due = clock.now();
     loop {
@@ -357,13 +369,11 @@ fn run_servo(side: ServoSide, is_over: &Arc<AtomicBool>, clock: &dyn Clock, opti
 
 fn run_collision(
     mut side: CollisionSide,
-    is_over: &Arc<AtomicBool>,
+    is_over: &AtomicBool,
     clock: &dyn Clock,
     options: &RunnerOptions,
     commands: &Receiver<Command>,
 ) -> CollisionSide {
-    let _ending = Ending(is_over.clone());
-    (options.on_thread_start)(ThreadKind::Collision);
     let (mut last, mut due) = (f64::NEG_INFINITY, clock.now());
     while !is_over.load(Ordering::Acquire) {
         while let Ok(Command { wish, reply }) = commands.try_recv() {

@@ -118,7 +118,10 @@ impl ServoSide {
     /// One tick.
     pub fn tick(&mut self, now: f64) {
         let dt = self.last.map_or(self.period, |last| now - last);
-        self.last = Some(now);
+        if self.last.replace(now).is_none() {
+            // What the session had found stands until the collision side has looked; its time is on another clock.
+            self.ends.sets.output_buffer_mut().set.time = now;
+        }
         self.ends.sets.update();
         self.follow_starts();
         let mapped = self.read(now);
