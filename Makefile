@@ -70,6 +70,10 @@ demo: build ## index an engine of 1.6M triangles, drive a wrench through it, say
 bench: build ## measure feeler and its peers on the same poses, into bench/records (QUICK=1: into target)
 	@$(PY) bench/run.py $(if $(QUICK),--quick) $(BENCH_ARGS)
 
+.PHONY: feel-bench
+feel-bench: build ## feel without hardware: passing, tessellation, energy, fits, the engine (QUICK=1: minutes)
+	@$(PY) bench/feel/run.py $(if $(QUICK),--quick) $(BENCH_ARGS)
+
 .PHONY: figures
 figures: $(INSTALLED) ## make docs/figures.md and the figures in README.md from bench/records
 	@$(PY) bench/figures.py

@@ -102,12 +102,12 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         "error": set(),
         "screw": HAPTICS_BASE,
         "least_distance": HAPTICS_BASE,
-        "metric": {*HAPTICS_BASE, "screw", "least_distance"},
+        "metric": {*HAPTICS_BASE, "screw", "least_distance", "coupling"},
         # What one side hands to the other, and the pose that it allows.
         "constraint_set": {*HAPTICS_BASE, "screw", "least_distance", "metric"},
         "environment": HAPTICS_BASE,
         "world": {*HAPTICS_BASE, "screw", "constraint_set", "environment"},
-        "proxy": {*HAPTICS_BASE, "screw", "metric", "constraint_set", "environment", "world"},
+        "proxy": {*HAPTICS_BASE, "screw", "coupling", "metric", "constraint_set", "environment", "world"},
         "saturation": {*HAPTICS_BASE, "screw"},
         # A mapping bounds its wrenches as the force loop does.
         "device": {*HAPTICS_BASE, "screw", "saturation"},

@@ -33,7 +33,7 @@ fn run(planes: usize, points: usize, ticks: usize) -> Result<(Vec<f64>, f64), Bo
     let metric = Metric::new(&tool);
     let mut set = set_of(planes, points, metric);
     let options = SessionOptions::default();
-    let mut servo = Servo::new(Coupling::default(), options.driven, &options.limits(), 1000.0, metric.centre)?;
+    let mut servo = Servo::new(Coupling::default(), options.driven, &options.limits(1e-3), 1000.0, metric.centre)?;
     let (mut took, mut held) = (Vec::with_capacity(ticks), 0);
     for tick in 0..ticks {
         let t = tick as f64 * 1e-3;
@@ -52,7 +52,7 @@ fn run(planes: usize, points: usize, ticks: usize) -> Result<(Vec<f64>, f64), Bo
 
 /// Planes evenly around the tool, their points on its sides.
 fn set_of(planes: usize, points: usize, metric: Metric) -> ConstraintSet {
-    let mut set = ConstraintSet::new(Pose::IDENTITY, metric, 2e-5, 0.002);
+    let mut set = ConstraintSet::new(Pose::IDENTITY, metric, 2e-5, 0.002, [0.008, 0.15]);
     let golden = std::f64::consts::PI * (3.0 - 5.0f64.sqrt());
     for k in 0..planes {
         let z = 1.0 - 2.0 * (k as f64 + 0.5) / planes as f64;

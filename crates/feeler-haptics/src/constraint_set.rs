@@ -1,13 +1,13 @@
 //! What the collision side hands to the servo side: contact rows, where they were taken, and how far they are good for.
 
-use feeler_core::geometry::vectors::{add, dot, sub};
+use feeler_core::geometry::vectors::{add, dot, length, scaled, sub};
 use feeler_core::{Point, Pose};
 
 use crate::constants::{MOST_PLANES, MOST_ROWS, SOLVER_ROUNDS, SOLVER_STILL_SHARE};
 use crate::error::Result;
 use crate::least_distance::{nearest, HalfSpace, Six, DIMENSIONS};
 use crate::metric::Metric;
-use crate::screw::{displaced, displacement, product, times, transposed};
+use crate::screw::{displaced, displacement, product, times, transposed, Twist};
 
 /// A point of the tool that is held off a plane.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -54,6 +54,8 @@ pub struct ConstraintSet {
     pub margin: f64,
     /// What nearest means for this tool.
     pub metric: Metric,
+    /// Beside contacts the device pulls no farther than this (metres, radians): where the coupling's force is full.
+    pub pull: [f64; 2],
     rows: [Row; MOST_ROWS],
     row_count: usize,
     planes: [Plane; MOST_PLANES],
@@ -95,8 +97,9 @@ pub struct NearestPose {
 
 impl ConstraintSet {
     /// Without rows: nothing is within the margin.
-    pub fn new(taken_at: Pose, metric: Metric, skin: f64, margin: f64) -> ConstraintSet {
+    pub fn new(taken_at: Pose, metric: Metric, skin: f64, margin: f64, pull: [f64; 2]) -> ConstraintSet {
         ConstraintSet {
+            pull,
             taken_at,
             time: 0.0,
             number: 0,
@@ -166,7 +169,7 @@ impl ConstraintSet {
         let metric = &self.metric;
         let (mut pose, mut is_feasible) = (self.taken_at, true);
         for _ in 0..SOLVER_ROUNDS {
-            let wish = displacement(&pose, target, &metric.centre);
+            let wish = self.pulled(&displacement(&pose, target, &metric.centre));
             let step = self.step(&pose, &metric.coordinates(&pose, &wish), self.skin, solver);
             is_feasible = step.1;
             let by = metric.displacement(&pose, &step.0);
@@ -182,6 +185,20 @@ impl ConstraintSet {
             pose = displaced(&self.taken_at, &(way * (bound.max(0.0) / reach)), &metric.centre)?;
         }
         Ok(NearestPose { pose, is_feasible, is_at_bound })
+    }
+
+    /// A wish as the coupling pulls: a device that is far beyond a surface does not turn the tool by its distance alone.
+    fn pulled(&self, wish: &Twist) -> Twist {
+        if self.row_count == 0 {
+            return *wish;
+        }
+        let [most, most_turn] = self.pull;
+        let within = |v: &Point, most: f64| scaled(v, (most / length(v)).min(1.0));
+        let zero = |v: &Point| length(v) == 0.0;
+        Twist {
+            linear: if zero(&wish.linear) { wish.linear } else { within(&wish.linear, most) },
+            angular: if zero(&wish.angular) { wish.angular } else { within(&wish.angular, most_turn) },
+        }
     }
 
     /// The length (in the metric, metres) of the shortest displacement that has all rows off by `skin`; `None` where there is none.

@@ -88,7 +88,7 @@ impl ForceLoop {
             delay_ticks: ticks.min(LONGEST_DELAY_TICKS),
             sent: [Wrench::ZERO; LONGEST_DELAY_TICKS + 1],
             newest: 0,
-            share: 0.0,
+            share: 1.0,
             last: None,
         };
         made.set_coupling(coupling)?;

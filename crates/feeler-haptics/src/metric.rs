@@ -1,12 +1,16 @@
-//! What "nearest" means for poses: the tool's own inertia about its centre.
+//! What "nearest" means for poses: a length of motions at the tool's centre.
 //!
-//! A motion is as long as the root of the mean square way of the tool's surface (metres). In that metric the pose nearest to the
-//! device's is what Gauss's principle of least constraint gives a body that is let go of there.
+//! By the tool's own inertia a motion is as long as the root of the mean square way of its surface (metres). The pose nearest to the
+//! device's is then what Gauss's principle of least constraint gives a body that is let go of there. But what a hand feels is a coupling:
+//! where its springs weigh turns otherwise, their wrench at that pose has a part along the surface that no contact holds, and closed
+//! motions gain and lose energy. By the coupling's own springs the wrench is held by the contacts alone, and is the gradient of half
+//! the square of the distance: of a potential.
 
 use feeler_core::geometry::vectors::{add, cross, dot, length, scaled, sub};
 use feeler_core::{Point, Pose, Tool};
 
 use crate::constants::LEAST_GYRATION_SHARE;
+use crate::coupling::Coupling;
 use crate::least_distance::{HalfSpace, Six};
 use crate::screw::{times, transposed, Matrix, Twist};
 
@@ -56,6 +60,15 @@ impl Metric {
         });
         let factor = cholesky(&moment);
         Metric { centre, radius, factor, inverse: inverse_lower(&factor) }
+    }
+
+    /// The same centre, and turns as long as springs weigh them: `lever` (metres) is the root of the rotational stiffness over the
+    /// stiffness. `None` where the two make none, as where a coupling turns nothing: then the tool's own inertia stays.
+    pub fn with_springs_of(&self, coupling: &Coupling) -> Option<Metric> {
+        let lever = (coupling.rotational_stiffness_nm_per_rad / coupling.stiffness_n_per_m).sqrt();
+        let is_of_use = lever.is_finite() && lever > 0.0;
+        let diagonal = |x: f64| std::array::from_fn(|i| std::array::from_fn(|j| if i == j { x } else { 0.0 }));
+        is_of_use.then(|| Metric { factor: diagonal(lever), inverse: diagonal(1.0 / lever), ..*self })
     }
 
     /// The same metric for a tool that has grown, as by a part that it holds: only how far it reaches is another.

@@ -17,6 +17,7 @@ use crate::constants::{
     STRIDE_DECAY, STUCK_SHARE, TRUST_GROWTH,
 };
 use crate::constraint_set::{ConstraintSet, NearestPose, Plane, Solver};
+use crate::coupling::Coupling;
 use crate::environment::{Environment, Pair};
 use crate::error::{Error, Result};
 use crate::metric::Metric;
@@ -32,15 +33,35 @@ pub struct ProxyOptions {
     pub skin: f64,
     /// Most motions a tick: more follow a fast hand around corners in one tick, and take longer.
     pub rounds: usize,
+    /// Beside contacts the device pulls no farther than this, metres: where the coupling's force is full.
+    pub pull_m: f64,
+    /// The same in rotation, radians.
+    pub pull_rad: f64,
 }
 
 impl Default for ProxyOptions {
     fn default() -> ProxyOptions {
-        ProxyOptions { margin: 0.002, skin: 2e-5, rounds: 4 }
+        ProxyOptions { margin: 0.002, skin: 2e-5, rounds: 4, pull_m: 0.008, pull_rad: 0.15 }
     }
 }
 
 impl ProxyOptions {
+    /// With the pull of a coupling: as far as its springs stretch before they are at their bounds. A spring that pulls not at all, or is
+    /// not bounded, leaves what there is.
+    pub fn with_pull_of(mut self, coupling: &Coupling) -> ProxyOptions {
+        let full = |most: f64, stiffness: f64, else_is: f64| {
+            let stretch = most / stiffness;
+            if stretch.is_finite() && stretch > 0.0 {
+                stretch
+            } else {
+                else_is
+            }
+        };
+        self.pull_m = full(coupling.max_force_n, coupling.stiffness_n_per_m, self.pull_m);
+        self.pull_rad = full(coupling.max_torque_nm, coupling.rotational_stiffness_nm_per_rad, self.pull_rad);
+        self
+    }
+
     /// Errors: a margin or skin that is not positive and finite, a skin of half the margin or more, no rounds.
     pub fn check(&self) -> Result<()> {
         let option = |what, value: f64, is_good: bool, range| match value.is_finite() && is_good {
@@ -50,7 +71,9 @@ impl ProxyOptions {
         option("margin", self.margin, self.margin > 0.0, "positive (metres)")?;
         option("skin", self.skin, self.skin > 0.0, "positive (metres)")?;
         option("skin", self.skin, self.skin < 0.5 * self.margin, "less than half the margin")?;
-        option("rounds", self.rounds as f64, self.rounds > 0, "at least 1")
+        option("rounds", self.rounds as f64, self.rounds > 0, "at least 1")?;
+        option("pull_m", self.pull_m, self.pull_m > 0.0, "positive (metres)")?;
+        option("pull_rad", self.pull_rad, self.pull_rad > 0.0, "positive (radians)")
     }
 }
 
@@ -98,7 +121,7 @@ impl Proxy {
         if environment.is_colliding(tool, start) {
             return Err(Error::StartsInCollision);
         }
-        let set = ConstraintSet::new(*start, metric, options.skin, options.margin);
+        let set = ConstraintSet::new(*start, metric, options.skin, options.margin, [options.pull_m, options.pull_rad]);
         let mut proxy = Proxy {
             options,
             blockers: Vec::new(),
@@ -129,6 +152,15 @@ impl Proxy {
     /// When its contacts were found, seconds on the caller's clock.
     pub fn set_time(&mut self, now: f64) {
         self.set.time = now;
+    }
+
+    /// What nearest means, and how far the device pulls, from now on; the centre is the same.
+    pub(crate) fn set_metric(&mut self, metric: Metric, options: ProxyOptions) {
+        let radius = self.set.metric.radius;
+        self.set.metric = metric;
+        self.set.metric.radius = radius;
+        self.set.pull = [options.pull_m, options.pull_rad];
+        self.options = options;
     }
 
     /// What there is and what moves has changed, at this pose: a part was gripped or let go. What nearest means stays, so that the proxy

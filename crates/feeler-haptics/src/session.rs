@@ -5,6 +5,7 @@ use std::sync::Arc;
 use feeler_contacts::Penetration;
 use feeler_core::{Point, Pose, Scene, Tool};
 
+use crate::constants::HELD_SHARE;
 use crate::constraint_set::{ConstraintSet, Plane};
 use crate::coupling::Coupling;
 use crate::device::{DeviceLimits, Freedoms};
@@ -43,13 +44,16 @@ impl Default for SessionOptions {
 }
 
 impl SessionOptions {
-    /// What the device holds, or one that holds the coupling.
-    pub fn limits(&self) -> DeviceLimits {
+    /// What the device holds, or a device that just holds the coupling at ticks of `dt` seconds: its damping is what Colgate's bound asks.
+    pub fn limits(&self, dt: f64) -> DeviceLimits {
+        let Coupling { stiffness_n_per_m, damping_n_s_per_m, .. } = self.coupling;
+        let Coupling { rotational_stiffness_nm_per_rad, rotational_damping_nm_s_per_rad, .. } = self.coupling;
+        let asked = |stiffness: f64, damping: f64| (0.5 * stiffness * dt + damping) / HELD_SHARE;
         self.limits.unwrap_or(DeviceLimits {
             force_n: self.coupling.max_force_n,
             torque_nm: self.coupling.max_torque_nm,
-            damping_n_s_per_m: 2.0 * self.coupling.damping_n_s_per_m,
-            rotational_damping_nm_s_per_rad: 2.0 * self.coupling.rotational_damping_nm_s_per_rad,
+            damping_n_s_per_m: asked(stiffness_n_per_m, damping_n_s_per_m),
+            rotational_damping_nm_s_per_rad: asked(rotational_stiffness_nm_per_rad, rotational_damping_nm_s_per_rad),
             friction_n: 0.0,
             rotational_friction_nm: 0.0,
             resolution_m: 0.0,
@@ -63,7 +67,7 @@ impl SessionOptions {
     pub fn check(&self) -> Result<()> {
         self.coupling.check()?;
         self.proxy.check()?;
-        self.limits().check()?;
+        self.limits(1.0).check()?;
         match self.collision_hz {
             Some(value) if !(value.is_finite() && value > 0.0) => {
                 Err(Error::Option { what: "collision_hz", value, range: "positive (hertz)" })
@@ -101,6 +105,8 @@ pub struct Step {
 pub struct Session {
     options: SessionOptions,
     world: World,
+    /// What nearest means by the tool's own inertia, and what it does mean.
+    inertia: Metric,
     metric: Metric,
     proxy: Option<Proxy>,
     servo: Option<Servo>,
@@ -115,12 +121,15 @@ pub struct Session {
 
 impl Session {
     /// A session that is not started. Errors where an option is out of its range.
-    pub fn new(scene: Arc<Scene>, tool: Arc<Tool>, options: SessionOptions) -> Result<Session> {
+    pub fn new(scene: Arc<Scene>, tool: Arc<Tool>, mut options: SessionOptions) -> Result<Session> {
         options.check()?;
-        let metric = Metric::new(&tool);
+        options.proxy = options.proxy.with_pull_of(&options.coupling);
+        let inertia = Metric::new(&tool);
+        let metric = inertia.with_springs_of(&options.coupling).unwrap_or(inertia);
         Ok(Session {
             options,
             world: World::new(scene, tool),
+            inertia,
             metric,
             proxy: None,
             servo: None,
@@ -182,7 +191,7 @@ impl Session {
         self.since += 1;
         if self.servo.is_none() || self.dt != dt {
             let SessionOptions { coupling, driven, .. } = self.options;
-            let servo = Servo::new(coupling, driven, &self.options.limits(), 1.0 / dt, self.metric.centre)?;
+            let servo = Servo::new(coupling, driven, &self.options.limits(dt), 1.0 / dt, self.metric.centre)?;
             (self.servo, self.dt) = (Some(servo), dt);
         }
         let (Some(proxy), Some(servo)) = (&self.proxy, &mut self.servo) else { return Err(Error::NotStarted) };
@@ -213,6 +222,17 @@ impl Session {
         }
         self.find_contacts(device)?;
         Ok(true)
+    }
+
+    /// Another coupling from now on, as a device holds it: its springs say what nearest means.
+    pub(crate) fn set_coupling(&mut self, coupling: Coupling) {
+        self.options.coupling = coupling;
+        self.options.proxy = self.options.proxy.with_pull_of(&coupling);
+        self.metric = self.inertia.with_springs_of(&coupling).unwrap_or(self.inertia);
+        if let Some(proxy) = &mut self.proxy {
+            proxy.set_metric(self.metric, self.options.proxy);
+        }
+        (self.servo, self.dt) = (None, 0.0);
     }
 
     /// To be stepped after others have [tracked](Self::track): contacts are found by the first step.

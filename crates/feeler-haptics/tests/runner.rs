@@ -32,6 +32,11 @@ impl Clock for RealClock {
     }
 }
 
+/// As a session has them that is made with the defaults.
+fn options_of_a_session() -> SessionOptions {
+    *started(plate(), SessionOptions::default()).options()
+}
+
 fn clock() -> Arc<dyn Clock> {
     Arc::new(RealClock(Instant::now()))
 }
@@ -75,6 +80,8 @@ fn a_run_pushes_on_a_plate_and_ends_when_it_is_told() {
     let Stopped { session, device, statistics, error, .. } = runner.stop();
     assert_eq!(error, None);
     assert!(device.is_some());
+    // As it was made, whatever the device held of it.
+    assert_eq!(session.as_ref().map(|session| *session.options()), Some(options_of_a_session()));
     assert!(statistics.ticks >= trace.len() as u64 && statistics.sets > 0);
     assert_eq!(statistics.servo_tick.count, statistics.ticks);
     assert_eq!(statistics.collision_tick.count, statistics.sets);

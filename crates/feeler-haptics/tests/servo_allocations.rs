@@ -85,7 +85,7 @@ fn the_servo_alone_allocates_nothing() {
     }
     let set = *session.constraints().unwrap();
     assert!(!set.rows().is_empty());
-    let limits = options.limits();
+    let limits = options.limits(1e-3);
     let mut servo = Servo::new(Coupling::default(), options.driven, &limits, 1000.0, set.metric.centre).unwrap();
     for k in 0..1000 {
         let t = f64::from(k);

@@ -112,11 +112,11 @@ class Session(Runs):
         options: dict[str, Any] = {
             "margin": float(margin),
             "skin": float(skin),
-            "collision_hz": collision_hz,
+            "collision_hz": None if collision_hz is None else float(collision_hz),
             "seed": int(seed),
         }
-        rate = None if collision_hz is None else float(collision_hz)
-        self = super().__new__(cls, scene, tool, coupling.as_numbers(), options["margin"], options["skin"], rate)
+        margin, skin, rate = options["margin"], options["skin"], options["collision_hz"]
+        self = super().__new__(cls, scene, tool, coupling.as_numbers(), margin, skin, rate)
         self.scene, self.tool, self.coupling = scene, tool, coupling
         self._options, self._recorder = options, None
         return self

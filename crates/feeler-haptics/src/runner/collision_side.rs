@@ -8,6 +8,7 @@ use triple_buffer::{Input, Output};
 
 use super::exchange::{Handed, Target};
 use crate::constants::STATISTICS_PERIOD_S;
+use crate::coupling::Coupling;
 use crate::error::{Error, Result};
 use crate::session::{Session, Start};
 use crate::statistics::CollisionRecord;
@@ -37,6 +38,8 @@ pub(super) struct Command {
 #[derive(Debug)]
 pub struct CollisionSide {
     session: Session,
+    /// The session's own, when the device has gone.
+    coupling: Coupling,
     targets: Output<Target>,
     sets: Input<Handed>,
     record: CollisionRecord,
@@ -51,6 +54,7 @@ pub struct CollisionSide {
 impl CollisionSide {
     pub(super) fn new(
         session: Session,
+        coupling: Coupling,
         start_pose: Pose,
         targets: Output<Target>,
         sets: Input<Handed>,
@@ -58,6 +62,7 @@ impl CollisionSide {
     ) -> CollisionSide {
         CollisionSide {
             session,
+            coupling,
             targets,
             sets,
             record: CollisionRecord::default(),
@@ -158,6 +163,7 @@ impl CollisionSide {
     /// The session again, to be stepped or run.
     pub(super) fn into_session(mut self) -> Session {
         self.publish_record();
+        self.session.set_coupling(self.coupling);
         self.session.resume();
         self.session
     }

@@ -22,6 +22,7 @@ use std::sync::mpsc::{channel, sync_channel, Receiver, Sender, SyncSender};
 use std::sync::Arc;
 use std::thread::{Builder, JoinHandle};
 
+use feeler_core::geometry::vectors::length;
 use feeler_core::{Pose, Scene};
 use rtrb::{Consumer, RingBuffer};
 use triple_buffer::{triple_buffer, Output};
@@ -112,7 +113,7 @@ pub struct Sides {
 
 impl Sides {
     /// Of a session that is started, and a device. Errors: not started, an option out of its range.
-    pub fn new(session: Session, device: Box<dyn Device>, options: &RunnerOptions) -> Result<Sides, Box<Refused>> {
+    pub fn new(mut session: Session, device: Box<dyn Device>, options: &RunnerOptions) -> Result<Sides, Box<Refused>> {
         let refused =
             |error, session, device| Box::new(Refused { error, session: Some(session), device: Some(device) });
         let Some(pose) = session.pose().copied() else { return Err(refused(Error::NotStarted, session, device)) };
@@ -123,11 +124,17 @@ impl Sides {
             Ok(mapping) => mapping,
             Err(error) => return Err(refused(error, session, device)),
         };
-        let session_options = *session.options();
-        let centre = session.centre();
+        let (wanted, centre) = (session.options().coupling, session.centre());
+        let (coupling, limitations) = wanted.limited_at(&mapping.info_in_world(), options.rate_hz, length(&centre));
+        // What nearest means is for the springs that are felt.
+        session.set_coupling(coupling);
+        let proxy_options = session.options().proxy;
         let set = match session.constraints() {
             Some(set) => *set,
-            None => ConstraintSet::new(pose, session.metric(), session_options.proxy.skin, 0.0),
+            None => {
+                let pull = [proxy_options.pull_m, proxy_options.pull_rad];
+                ConstraintSet::new(pose, session.metric(), proxy_options.skin, 0.0, pull)
+            }
         };
         let (targets_in, targets_out) = triple_buffer(&Target { pose, number: 0, start: 0 });
         let has_proxy = session.constraints().is_some();
@@ -138,13 +145,16 @@ impl Sides {
         let (trace_in, trace) = RingBuffer::new(TRACE_TICKS);
         let ends =
             ServoEnds { targets: targets_in, sets: sets_out, views: views_in, records: servo_in, trace: trace_in };
-        let (coupling, rate_hz) = (session_options.coupling, options.rate_hz);
-        let setting = Setting { mapping, is_absolute, coupling, centre, start_pose: pose, rate_hz };
+        let rate_hz = options.rate_hz;
+        let setting = Setting { mapping, is_absolute, coupling, limitations, centre, start_pose: pose, rate_hz };
         let servo = match ServoSide::new(device, setting, ends) {
             Ok(servo) => servo,
-            Err((error, device)) => return Err(refused(error, session, device)),
+            Err((error, device)) => {
+                session.set_coupling(wanted);
+                return Err(refused(error, session, device));
+            }
         };
-        let collision = CollisionSide::new(session, pose, targets_out, sets_in, collision_in);
+        let collision = CollisionSide::new(session, wanted, pose, targets_out, sets_in, collision_in);
         let watch = Watch { views, servo: servo_records, collision: collision_records, trace };
         Ok(Sides { collision, servo, watch })
     }

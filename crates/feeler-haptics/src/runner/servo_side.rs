@@ -1,7 +1,6 @@
 //! The servo side: device, mapping, the newest constraints, force. Without a thread or a clock of its own; takes no lock, and
 //! allocates nothing unless the device fails.
 
-use feeler_core::geometry::vectors::length;
 use feeler_core::{Point, Pose};
 use rtrb::Producer;
 use triple_buffer::{Input, Output};
@@ -42,8 +41,9 @@ pub(super) struct ServoEnds {
 pub(super) struct Setting {
     pub mapping: Mapping,
     pub is_absolute: bool,
-    /// As wanted; it is limited to what the device holds at the rate.
+    /// As the device holds it, and what was taken away for that.
     pub coupling: Coupling,
+    pub limitations: Limitations,
     /// Where its springs act, tool frame.
     pub centre: Point,
     pub start_pose: Pose,
@@ -78,9 +78,8 @@ impl ServoSide {
         setting: Setting,
         ends: ServoEnds,
     ) -> std::result::Result<ServoSide, (Error, Box<dyn Device>)> {
-        let Setting { mapping, is_absolute, coupling, centre, start_pose, rate_hz } = setting;
+        let Setting { mapping, is_absolute, coupling, limitations, centre, start_pose, rate_hz } = setting;
         let info = mapping.info_in_world();
-        let (coupling, limitations) = coupling.limited_at(&info, rate_hz, length(&centre));
         let servo = match Servo::new(coupling, info.driven, &info.limits, rate_hz, centre) {
             Ok(servo) => servo,
             Err(error) => return Err((error, device)),

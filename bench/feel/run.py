@@ -1,0 +1,220 @@
+"""The acceptance of haptics without hardware: experiments, tables, plots.
+
+    python bench/feel/run.py                         the long form: 10,000 runs at thin things; an hour or so
+    python bench/feel/run.py --quick                 the short form, minutes
+    python bench/feel/run.py --only passing --runs 500 --faces feeler,penalty
+    python bench/feel/run.py --only engine --big     also at 11 million triangles
+    python bench/feel/run.py --record                and into bench/records/feel.json, for docs/haptics.md
+
+Written into the folder (target/feel): feel.json with all that was found, tables.md, and plots where matplotlib is. All
+but the engine's times is decided on simulated time: the same arguments give the same numbers on any machine. The exit
+status is 1 if a goal is missed (bench/feel/goals.py) that no clock decides. Which baselines stand beside: --faces.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import traceback
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+from typing import Any
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # this folder is a package of the bench's
+
+import host
+
+from feel import faces, goals, plots, scenes, tables
+from feel.experiments import energy, engine, fitting, passing, tessellation
+from feeler.progress import bar
+
+OUT = host.ROOT / "target" / "feel"
+RECORD = host.ROOT / "bench" / "records" / "feel.json"
+RUNS, QUICK_RUNS, MOST_BASELINE_RUNS = 10_000, 45, 450
+SEEDS, QUICK_SEEDS, BASELINE_SEEDS = 20, 2, 2
+SIZE, BIG_SIZE, QUICK_SIZE = 1_600_000, 11_000_000, 100_000
+QUICK_STEPS = 1500  # of the way in the engine; the long form goes all of it
+SIDES, QUICK_SIDES = (48, 96, 384), (96,)
+
+Result = dict[str, Any]
+
+
+def parse(arguments: Sequence[str]) -> argparse.Namespace:
+    """The command line."""
+    head, examples, tail = (__doc__ or "").split("\n\n")
+    parser = argparse.ArgumentParser(
+        description=f"{head}\n\n{tail}",
+        epilog="examples:\n" + examples,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("out", nargs="?", type=Path, default=OUT, help="folder of the results (target/feel)")
+    parser.add_argument("--quick", action="store_true", help="the short form of each experiment")
+    names = list(EXPERIMENTS)
+    parser.add_argument("--only", type=_listed(names), default=names, help=", ".join(names))
+    names = list(faces.makers())
+    parser.add_argument("--faces", type=_listed(names), default=names, help=f"what is felt ({','.join(names)})")
+    parser.add_argument(
+        "--runs", type=int, help=f"at thin things ({RUNS:,}; of a baseline at most {MOST_BASELINE_RUNS})"
+    )
+    parser.add_argument(
+        "--seeds", type=int, help=f"hands for each peg ({SEEDS}; of a baseline at most {BASELINE_SEEDS})"
+    )
+    parser.add_argument("--big", action="store_true", help=f"the engine at {BIG_SIZE:,} triangles, too")
+    parser.add_argument("--seed", type=int, default=0, help="of the runs at thin things (0)")
+    parser.add_argument("--jobs", type=int, default=1, help="processes for the runs at thin things (1)")
+    parser.add_argument("--record", action="store_true", help="also write bench/records/feel.json")
+    options = parser.parse_args(arguments)
+    options.runs = options.runs or (QUICK_RUNS if options.quick else RUNS)
+    options.seeds = options.seeds or (QUICK_SEEDS if options.quick else SEEDS)
+    return options
+
+
+def _listed(names: Sequence[str]) -> Callable[[str], list[str]]:
+    def parsed(text: str) -> list[str]:
+        chosen = [word.strip() for word in text.split(",") if word.strip()]
+        if unknown := [word for word in chosen if word not in names]:
+            raise argparse.ArgumentTypeError(f"no {', '.join(unknown)}; choose of {', '.join(names)}")
+        return chosen
+
+    return parsed
+
+
+def _passing(face: str, options: argparse.Namespace) -> Result:
+    runs = options.runs if face == "feeler" else min(options.runs, MOST_BASELINE_RUNS)
+    with bar(f"{face}: runs at thin things") as progress:
+        found = []
+        for result in _throws(face, runs, options.seed, options.jobs):
+            found.append(result)
+            progress(len(found) / runs, f"{len(found):,} of {runs:,}")
+    return passing.summary(found, options.seed)
+
+
+def _throws(face: str, runs: int, seed: int, jobs: int) -> Iterator[Result]:
+    asked = [(face, index, seed) for index in range(runs)]
+    if jobs <= 1:
+        yield from map(_throw, asked)
+        return
+    with ProcessPoolExecutor(jobs) as pool:
+        yield from pool.map(_throw, asked, chunksize=8)
+
+
+def _throw(asked: tuple[str, int, int]) -> Result:
+    face, index, seed = asked
+    return passing.one(faces.makers()[face], index, seed)
+
+
+def _forces(face: str, options: argparse.Namespace) -> Result:
+    return tessellation.forces(faces.makers()[face], scenes.QUICK_CELLS if options.quick else scenes.CELLS)
+
+
+def _sliding(face: str, options: argparse.Namespace) -> Result:
+    return tessellation.sliding(faces.makers()[face], QUICK_SIDES if options.quick else SIDES)
+
+
+def _closed(face: str, options: argparse.Namespace) -> Result:
+    del options
+    return energy.closed(faces.makers()[face])
+
+
+def _step_response(face: str, options: argparse.Namespace) -> Result:
+    del options
+    return energy.step_response(faces.makers()[face], lambda stiffness: faces.stiffened(face, stiffness))
+
+
+def _release(face: str, options: argparse.Namespace) -> Result:
+    del options
+    return energy.release(faces.makers()[face])
+
+
+def _pegs(face: str, options: argparse.Namespace) -> Result:
+    seeds = options.seeds if face == "feeler" else min(options.seeds, BASELINE_SEEDS)
+    names = (
+        ("H11/c11",) if options.quick else ("H11/c11", "H7/g6", "H7/h6") if face == "feeler" else ("H11/c11", "H7/g6")
+    )
+    return fitting.pegs(faces.makers()[face], seeds, names)
+
+
+def _ways(face: str, options: argparse.Namespace) -> Result:
+    # the baselines have no part of so large an engine: a grid of its own size would not fit
+    return fitting.ways(faces.makers()[face], SIZE if face == "feeler" and not options.quick else None)
+
+
+def _engine(face: str, options: argparse.Namespace) -> Result | None:
+    if face != "feeler":
+        return None
+    sizes = [QUICK_SIZE] if options.quick else [SIZE, *([BIG_SIZE] if options.big else [])]
+    steps = QUICK_STEPS if options.quick else None
+    found = [engine.run(faces.makers()[face], size, steps, seed=options.seed) for size in sizes]
+    return {"rows": [row for one in found for row in one["rows"]], "sample": "engine"}
+
+
+EXPERIMENTS: dict[str, Callable[[str, argparse.Namespace], Result | None]] = {
+    "passing": _passing,
+    "forces": _forces,
+    "sliding": _sliding,
+    "closed": _closed,
+    "step_response": _step_response,
+    "release": _release,
+    "pegs": _pegs,
+    "ways": _ways,
+    "engine": _engine,
+}
+
+
+def run(options: argparse.Namespace, given: Sequence[str] = ()) -> Result:
+    """All that is asked for, as plain data."""
+    found: dict[str, Result] = {}
+    for face in options.faces:
+        found[face] = {}
+        for name in options.only:
+            print(f"{face}: {name}", file=sys.stderr)
+            try:
+                result = EXPERIMENTS[name](face, options)
+            except Exception:  # one that stops must not take the others along, and is a finding
+                result = {"failed": traceback.format_exc()}
+                print(result["failed"], file=sys.stderr)
+            if result is not None:
+                found[face][name] = result
+    return {
+        "when": host.now(),
+        **host.commit(),
+        "args": [word for word in given if word not in (str(options.out), "--record")],
+        "is_quick": options.quick,
+        "machine": host.machine(),
+        "versions": host.versions({}),
+        "faces": found,
+    }
+
+
+def write(result: Result, folder: Path) -> list[Path]:
+    """feel.json, tables.md and the plots."""
+    folder.mkdir(parents=True, exist_ok=True)
+    data, page = folder / "feel.json", folder / "tables.md"
+    data.write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
+    made = [f"## {name.replace('_', ' ').capitalize()}\n\n{table}\n" for name, table in tables.tables(result).items()]
+    page.write_text("# Feel\n\n" + "\n".join(made), encoding="utf-8")
+    return [data, page, *plots.plots(result, folder)]
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run, write, judge."""
+    given = sys.argv[1:] if arguments is None else list(arguments)
+    options = parse(given)
+    result = run(options, given)
+    for path in write(result, options.out):
+        print(f"Written: {path}")
+    if options.record:
+        RECORD.write_text(json.dumps(result, separators=(",", ":")) + "\n", encoding="utf-8")
+        print(f"Written: {RECORD}")
+    missed = 0
+    for goal in goals.scorecard(result["faces"].get("feeler", {})):
+        missed += not goal.is_met and not goal.is_timed
+        word = "met   " if goal.is_met else "missed"
+        print(f"{word}  {goal.experiment}: {goal.goal}: {goal.found} (wanted: {goal.wanted})")
+    return 1 if missed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,279 @@
+//! Sessions as a device steps them: nothing is passed, the force is what the coupling says, and doubt lets go.
+
+use std::sync::Arc;
+
+use feeler_core::geometry::vectors::{length, sub};
+use feeler_core::{Mockup, Point, Pose, Scene, SceneOptions, Tool};
+use feeler_haptics::screw::{pose_of, rotation_of, rotation_vector, Wrench};
+use feeler_haptics::{Error, Mode, Session, SessionOptions, Start, Step};
+use feeler_shapes::{ball, box_mesh, cylinder, joined, sheet, Arrays};
+use proptest::prelude::*;
+
+fn scene(parts: impl IntoIterator<Item = Arrays>) -> Arc<Scene> {
+    let parts: Vec<Arrays> = parts.into_iter().collect();
+    let of_face = parts.iter().enumerate().flat_map(|(i, part)| vec![i as u32; part.1.len()]).collect();
+    let count = parts.len();
+    let (vertices, faces) = joined(parts);
+    let mockup = Mockup::new(vertices, faces, of_face, count).unwrap();
+    Arc::new(Scene::build(Arc::new(mockup), &SceneOptions::default(), &|_, _| true).unwrap())
+}
+
+fn tool((vertices, faces): Arrays) -> Arc<Tool> {
+    Arc::new(Tool::new(vertices, faces).unwrap())
+}
+
+fn at(place: Point, turn: Point) -> Pose {
+    pose_of(&rotation_of(&turn), &place).unwrap()
+}
+
+fn begun(scene: &Arc<Scene>, tool: &Arc<Tool>, pose: &Pose, options: SessionOptions) -> Session {
+    let mut session = Session::new(scene.clone(), tool.clone(), options).unwrap();
+    assert_eq!(session.start(pose).unwrap(), Start::Free);
+    session
+}
+
+/// A step, after which the proxy is free by the exact test.
+fn step(session: &mut Session, pose: &Pose) -> Step {
+    let step = session.step(Some(pose), 0.001).unwrap();
+    let (world, proxy) = (session.world(), step.proxy);
+    assert!(!world.environment().is_colliding(world.tool(), &proxy), "{proxy:?}");
+    step
+}
+
+fn flat(half: f64, cells: usize) -> Arrays {
+    sheet(cells, cells, |s, t| [half * (2.0 * s - 1.0), half * (2.0 * t - 1.0), 0.0])
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    /// A sheet without thickness, a tool that tumbles into it at any speed: all of it stays on its side.
+    #[test]
+    fn nothing_passes_a_sheet(speed in 0.1..3.0f64, spin in prop::array::uniform3(-60.0..60.0f64), aside in prop::array::uniform2(-1.0..1.0f64), cells in 1usize..12, hz in prop::option::of(10.0..300.0f64)) {
+        let (wall, block) = (scene([flat(3.0, cells)]), tool(box_mesh([0.01, 0.0, 0.0], [0.03, 0.04, 0.05], 2)));
+        let options = SessionOptions { collision_hz: hz, ..Default::default() };
+        let mut session = begun(&wall, &block, &at([0.0, 0.0, 0.1], [0.0; 3]), options);
+        for k in 0..300 {
+            let t = 0.001 * f64::from(k);
+            let device = at([aside[0] * t, aside[1] * t, 0.1 - speed * t], spin.map(|w| w * t));
+            let now = step(&mut session, &device);
+            let low = block.mesh().vertices().iter().map(|p| now.proxy.apply(p)[2]).fold(1.0, f64::min);
+            prop_assert!(low > 0.0, "{k}: {low}");
+        }
+    }
+
+    /// A grid of wires, thinner than any step, with meshes narrower than the tool: it is caught.
+    #[test]
+    fn nothing_passes_a_grid_of_wires(speed in 0.1..3.0f64, spin in prop::array::uniform3(-40.0..40.0f64), offset in 0.0..0.008f64) {
+        let places = || (-12..=12).map(|i| 0.008 * f64::from(i) + offset);
+        let along_x = places().map(|y| box_mesh([0.0, y, 0.0], [1.0, 2e-5, 2e-5], 1));
+        let along_y = places().map(|x| box_mesh([x, 0.0, 0.0], [2e-5, 1.0, 2e-5], 1));
+        let (grid, block) = (scene(along_x.chain(along_y)), tool(box_mesh([0.0; 3], [0.04, 0.03, 0.012], 3)));
+        let mut session = begun(&grid, &block, &at([0.0, 0.0, 0.06], [0.0; 3]), SessionOptions::default());
+        for k in 0..200 {
+            let t = 0.001 * f64::from(k);
+            let now = step(&mut session, &at([0.0, 0.0, 0.06 - speed * t], spin.map(|w| w * t)));
+            prop_assert!(now.proxy.translation()[2] > -0.001, "{k} {now:?}");
+        }
+    }
+}
+
+/// Pushed in, after the force has come up.
+fn pressed(scene: &Arc<Scene>, tool: &Arc<Tool>, high: f64, low: f64) -> Step {
+    let mut session = begun(scene, tool, &at([0.0, 0.0, high], [0.0; 3]), SessionOptions::default());
+    let mut last = None;
+    for k in 0..600 {
+        let z = high + (low - high) * (f64::from(k) / 300.0).min(1.0);
+        last = Some(step(&mut session, &at([0.0, 0.0, z], [0.0; 3])));
+    }
+    last.unwrap()
+}
+
+#[test]
+fn the_force_does_not_depend_on_the_triangles() {
+    let plate = |cells| box_mesh([0.0, 0.0, -0.01], [0.2, 0.2, 0.02], cells);
+    let block = |cells| tool(box_mesh([0.0, 0.0, 0.01], [0.02, 0.03, 0.02], cells));
+    // 2 mm deep, and the skin: 1000 N/m of it.
+    for (of_plate, of_block) in [(1, 1), (1, 12), (40, 1), (40, 12)] {
+        let force = pressed(&scene([plate(of_plate)]), &block(of_block), 0.005, -0.002).wrench.force;
+        assert!((force[2] - 2.02).abs() < 1e-4 && force[0].hypot(force[1]) < 1e-6, "{of_plate} {of_block}: {force:?}");
+    }
+    // A ball on a plate, at 0.1 % of its radius: the mean of its facets.
+    let mut forces = Vec::new();
+    for n in [24, 48, 96] {
+        forces.push(pressed(&scene([plate(3)]), &tool(ball(0.02, n)), 0.025, 0.018).wrench.force[2]);
+    }
+    assert!(forces.iter().all(|f| (f / forces[2] - 1.0).abs() < 0.05), "{forces:?}");
+}
+
+#[test]
+fn sliding_over_a_cylinder_and_along_a_flat_face_is_smooth() {
+    // The force changes by at most 2 % a tick, and by no more than a facet's angle in direction.
+    let n = 64;
+    let (vertices, faces) = cylinder(0.03, 0.2, n, 4);
+    let roller = scene([(vertices, faces)]);
+    let block = tool(box_mesh([0.0; 3], [0.02, 0.03, 0.02], 2));
+    let turn = std::f64::consts::TAU / n as f64;
+    let smooth = |scene: &Arc<Scene>, path: &dyn Fn(f64) -> Pose| {
+        let mut session = begun(scene, &block, &path(-0.5), SessionOptions::default());
+        let mut before: Option<Wrench> = None;
+        for k in 0..2400 {
+            let now = step(&mut session, &path(-0.5 + f64::from(k) / 2000.0)).wrench;
+            if let Some(before) = before.filter(|_| k > 1100) {
+                let (a, b) = (length(&before.force), length(&now.force));
+                assert!((b / a - 1.0).abs() < 0.02, "{k}: {a} {b}");
+                let cosine = before.force.iter().zip(now.force).map(|(x, y)| x * y).sum::<f64>() / (a * b);
+                assert!(cosine.min(1.0).acos() < turn, "{k}: {before:?} {now:?}");
+            }
+            before = Some(now);
+        }
+    };
+    // The axis is x: around it, 2 mm too deep.
+    smooth(&roller, &|t| {
+        let (angle, lift) = (0.4 * t.max(0.0), if t < 0.0 { -0.01 * t } else { 0.0 });
+        let r = 0.038 + lift;
+        at([0.0, r * angle.sin(), r * angle.cos()], [-angle, 0.0, 0.0])
+    });
+    let floor = scene([box_mesh([0.0, 0.0, -0.01], [0.3, 0.3, 0.02], 70)]);
+    smooth(&floor, &|t| at([0.1 * t, 0.03 * t, 0.008 + if t < 0.0 { -0.02 * t } else { 0.0 }], [0.0; 3]));
+}
+
+#[test]
+fn collision_at_ten_hertz_drags_and_does_not_give_way() {
+    let (wall, block) = (scene([flat(1.0, 7)]), tool(box_mesh([0.0; 3], [0.03, 0.04, 0.05], 2)));
+    let options = SessionOptions { collision_hz: Some(10.0), ..Default::default() };
+    let mut session = begun(&wall, &block, &at([0.0, 0.0, 0.06], [0.0; 3]), options);
+    let (mut bound, mut oldest) = (0, 0.0f64);
+    for k in 0..2000 {
+        let t = 0.001 * f64::from(k);
+        let now = step(&mut session, &at([0.05 * t, 0.0, 0.06 - 0.05 * t], [0.3 * t, 0.0, 0.0]));
+        bound += i32::from(now.mode == Mode::Bound);
+        oldest = oldest.max(now.age);
+        assert!(length(&now.wrench.force) <= 8.0 + 1e-9);
+    }
+    assert!(bound > 100 && (0.0985..0.1).contains(&oldest), "{bound} {oldest}");
+}
+
+#[test]
+fn what_cannot_be_lets_go() {
+    let (wall, block) = (scene([flat(1.0, 3)]), tool(box_mesh([0.0; 3], [0.03, 0.04, 0.05], 1)));
+    let high = at([0.0, 0.0, 0.06], [0.0; 3]);
+    let mut session = Session::new(wall.clone(), block.clone(), SessionOptions::default()).unwrap();
+    assert_eq!(session.step(Some(&high), 0.001).unwrap_err(), Error::NotStarted);
+    session.start(&high).unwrap();
+    for dt in [0.0, -1.0, f64::NAN, f64::INFINITY, 2.0] {
+        assert!(matches!(session.step(Some(&high), dt), Err(Error::Option { what: "dt", .. })), "{dt}");
+    }
+    let deep = at([0.0, 0.0, 0.02], [0.0; 3]);
+    let mut force = 0.0;
+    for k in 0..500 {
+        force = step(&mut session, &at([0.0, 0.0, 0.06 - 0.00008 * f64::from(k)], [0.0; 3])).wrench.force[2];
+    }
+    assert!(force > 4.0, "{force}");
+    // Nothing told: no force, the proxy stays; and it comes back slowly.
+    let silent = session.step(None, 0.001).unwrap();
+    assert_eq!((silent.wrench, silent.mode), (Wrench::ZERO, Mode::Doubt));
+    assert!(step(&mut session, &deep).wrench.force[2] < 0.1);
+    // A jump by a metre through the wall: no force in that tick, bounded after it, and the proxy stays on its side.
+    for k in 0..300 {
+        let now = step(&mut session, &at([0.0, 0.0, -1.0], [0.0; 3]));
+        assert!(length(&now.wrench.force) <= 8.0 + 1e-9 && now.proxy.translation()[2] > 0.025, "{k} {now:?}");
+        if k == 0 {
+            assert_eq!(now.wrench, Wrench::ZERO);
+        }
+    }
+}
+
+#[test]
+fn a_start_in_collision_has_a_way_out_and_waits() {
+    let (wall, block) =
+        (scene([box_mesh([0.0; 3], [0.2, 0.2, 0.02], 3)]), tool(box_mesh([0.0; 3], [0.03, 0.04, 0.05], 1)));
+    let mut session = Session::new(wall, block, SessionOptions::default()).unwrap();
+    let deep = at([0.0, 0.0, 0.03], [0.0; 3]);
+    let Start::Colliding(out) = session.start(&deep).unwrap() else { panic!() };
+    assert!((length(&out.translation) - 0.005).abs() < 1e-6, "{out:?}");
+    let waiting = session.step(Some(&deep), 0.001).unwrap();
+    assert_eq!((waiting.mode, waiting.wrench, waiting.proxy), (Mode::Colliding, Wrench::ZERO, deep));
+    let free = deep.translated(&out.translation).unwrap();
+    assert_ne!(step(&mut session, &free).mode, Mode::Colliding);
+    // From now on it is kept out.
+    let back = step(&mut session, &deep);
+    assert!(back.proxy.translation()[2] > 0.035, "{back:?}");
+}
+
+#[test]
+fn a_gripped_part_leaves_its_seat_and_is_kept_out_of_the_rest() {
+    // A block seated on a plate (they share a plane), a wall beside it, and a hand above the block.
+    let plate = box_mesh([0.0, 0.0, -0.01], [0.4, 0.4, 0.02], 4);
+    let block = box_mesh([0.0, 0.0, 0.02], [0.04, 0.04, 0.04], 2);
+    let wall = box_mesh([0.1, 0.0, 0.05], [0.02, 0.4, 0.1], 3);
+    let (scene, hand) = (scene([plate, block, wall]), tool(box_mesh([0.0, 0.0, 0.06], [0.02, 0.02, 0.0399], 1)));
+    let mut session = begun(&scene, &hand, &Pose::IDENTITY, SessionOptions::default());
+    let go = |session: &mut Session, from: Point, to: Point| {
+        let mut last = None;
+        for k in 0..=300 {
+            let share = f64::from(k) / 300.0;
+            last = Some(step(session, &at(std::array::from_fn(|a| from[a] + share * (to[a] - from[a])), [0.0; 3])));
+        }
+        last.unwrap()
+    };
+    assert!(matches!(session.take(3), Err(Error::Core(_))));
+    assert_eq!(session.put_down(), Err(Error::HoldsNothing));
+    let before = go(&mut session, [0.0; 3], [0.0; 3]).wrench;
+    session.take(1).unwrap();
+    assert_eq!(session.take(2), Err(Error::HoldsAlready { part: 1 }));
+    let after = step(&mut session, &Pose::IDENTITY);
+    assert!(length(&sub(&after.wrench.force, &before.force)) < 1e-3, "{before:?} {after:?}");
+    // Down it does not go: the seat holds it, though the plate is not asked.
+    let pressed = go(&mut session, [0.0; 3], [0.0, 0.0, -0.005]);
+    assert!(pressed.proxy.translation()[2] > -1e-6 && pressed.wrench.force[2] > 3.0, "{pressed:?}");
+    // Up, and it is off its seat: from now on the plate is asked, and the wall.
+    let up = go(&mut session, [0.0, 0.0, -0.005], [0.0, 0.0, 0.03]);
+    assert!((up.proxy.translation()[2] - 0.03).abs() < 1e-6 && session.world().grip().unwrap().seats.is_empty());
+    let aside = go(&mut session, [0.0, 0.0, 0.03], [0.075, 0.0, 0.03]);
+    // It leans on the wall, held above the place where it touches.
+    let vertices = session.world().tool().mesh().vertices().to_vec();
+    let far = vertices.iter().map(|p| aside.proxy.apply(p)[0]).fold(0.0, f64::max);
+    assert!((far - (0.09 - 2e-5)).abs() < 1e-6 && aside.mode == Mode::Contact, "{far} {aside:?}");
+    go(&mut session, [0.075, 0.0, 0.03], [0.05, 0.0, 0.03]);
+    let down = go(&mut session, [0.05, 0.0, 0.03], [0.05, 0.0, -0.02]);
+    assert!((down.proxy.translation()[2] - 2e-5).abs() < 1e-6, "{down:?}");
+    // Put down, the hand goes; the block is in its new place, and nowhere else.
+    session.put_down().unwrap();
+    assert_eq!(session.world().moved().collect::<Vec<_>>(), [1]);
+    go(&mut session, [0.05, 0.0, -0.02], [0.05, 0.0, 0.05]);
+    let over = go(&mut session, [0.05, 0.0, 0.05], [0.05, 0.0, -0.01]);
+    assert!(over.proxy.translation()[2] > -1e-4 && over.mode == Mode::Contact, "{over:?}");
+    go(&mut session, [0.05, 0.0, 0.05], [0.0, 0.0, 0.05]);
+    let empty = go(&mut session, [0.0, 0.0, 0.05], [0.0, 0.0, -0.039]);
+    assert!(empty.proxy.translation()[2] < -0.038, "{empty:?}");
+    // Where the hand is now the block cannot go back to; from above it can.
+    go(&mut session, [0.0, 0.0, -0.039], [0.0, 0.0, 0.05]);
+    go(&mut session, [0.0, 0.0, 0.05], [0.05, 0.0, 0.05]);
+    session.take(1).unwrap();
+    go(&mut session, [0.05, 0.0, 0.05], [0.05, 0.0, 0.08]);
+    session.put_back().unwrap();
+    assert!(session.world().moved().next().is_none() && session.world().grip().is_none());
+    go(&mut session, [0.05, 0.0, 0.08], [0.0, 0.0, 0.08]);
+    let again = go(&mut session, [0.0, 0.0, 0.08], [0.0, 0.0, -0.02]);
+    assert!(again.proxy.translation()[2] > -1e-4, "{again:?}");
+}
+
+#[test]
+fn a_box_on_edge_falls_flat_and_slides_over_the_border() {
+    let (plate, block) =
+        (scene([box_mesh([0.0, 0.0, -0.01], [0.1, 0.1, 0.02], 3)]), tool(box_mesh([0.0; 3], [0.02; 3], 2)));
+    let mut session = begun(&plate, &block, &at([0.0, 0.0, 0.05], [0.7, 0.0, 0.0]), SessionOptions::default());
+    for k in 0..400 {
+        // The hand tilts it, and presses: it lies down.
+        step(&mut session, &at([0.0, 0.0, 0.05 - 0.0002 * f64::from(k)], [0.7 - 0.0017 * f64::from(k), 0.0, 0.0]));
+    }
+    let flat = step(&mut session, &at([0.0, 0.0, -0.03], [0.02, 0.0, 0.0]));
+    assert!(length(&rotation_vector(flat.proxy.rotation())) < 0.01, "{flat:?}");
+    let mut last = flat;
+    for k in 0..400 {
+        last = step(&mut session, &at([0.0004 * f64::from(k), 0.0, -0.03], [0.02, 0.0, 0.0]));
+    }
+    // Past the border it falls, down to the device.
+    assert!(last.proxy.translation()[2] < -0.02, "{last:?}");
+}
