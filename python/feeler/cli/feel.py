@@ -260,8 +260,9 @@ def _say_granted(out: Console, device: devices.Device, granted: Granted) -> None
     for said in (granted.priority, granted.memory):
         if said:
             outputs.say(out, said[:1].upper() + said[1:])
-    if granted.limitations:
-        outputs.say(out, f"Coupling: {granted.limitations}")
+    coupling, less = granted.coupling, ", as much as the device holds" if granted.limitations else ""
+    stiffness = f"{coupling.stiffness_n_per_m:,.0f} N/m and {coupling.rotational_stiffness_nm_per_rad:,.2f} Nm/rad"
+    outputs.say(out, f"Coupling: {stiffness}{less}")
     outputs.say(out, "Ctrl-C lets go of the force and ends")
 
 
