@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 import feeler
-from feeler import _core, calibrate
+from feeler import _core, calibrate, haptics
 from feeler.io import body_of, write_stl
 from feeler.study.timing import mean_work
 
@@ -68,6 +68,29 @@ def studied() -> Any:
     return [mean_work(scene, TOOL, POSES[:4]) for scene in scenes], [each.work(0.004) for each in predictors]
 
 
+def felt() -> list[bytes]:
+    """A session of a new mock-up, and a grip in it."""
+    session = haptics.Session(*fresh())
+    session.start(POSES[0])
+    found = [session.step(pose).force.tobytes() for pose in POSES]
+    session.start(POSES[0])
+    session.grip(HIT_PART)
+    return [*found, session.step(POSES[0]).world_from_proxy.tobytes()]
+
+
+def ran() -> tuple[bool, int | None]:
+    """A run with threads of its own, and a grip in it."""
+    session = haptics.Session(*fresh())
+    session.start(POSES[0])
+    session.run(haptics.devices.Mouse(POSES[0]), realtime=False)
+    session.grip(HIT_PART)
+    while session.view().number == 0:
+        time.sleep(0.001)
+    view, gripped = session.view(), session.gripped
+    session.stop()
+    return bool(np.allclose(view.world_from_proxy, POSES[0], atol=1e-9)), gripped
+
+
 CASES: dict[str, Callable[[], Any]] = {
     "mockup": lambda: arrays(feeler.Mockup(MOCKUP.vertices, MOCKUP.faces), "bounds"),
     "tool": lambda: arrays(feeler.Tool(TOOL.vertices, TOOL.faces), "bounds"),
@@ -108,6 +131,8 @@ CASES: dict[str, Callable[[], Any]] = {
     "optimal_voxel_size": lambda: feeler.optimal_voxel_size(MOCKUP, TOOL, "area"),
     "predictor": lambda: _core.Predictor(MOCKUP, TOOL, "dense", 0.0).optimal_size(calibrate.TYPICAL, 2**30),
     "piece predictor": lambda: _core.PiecePredictor(MOCKUP, TOOL).optimal_size(2**30),
+    "haptics": felt,
+    "haptics, running": ran,
     "study": studied,
     "load": loaded,
 }

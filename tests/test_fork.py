@@ -54,6 +54,7 @@ CASES = [
     "optimal_voxel_size",
     "predictor",
     "piece predictor",
+    "haptics",
     "study",
     "load",
 ]

@@ -525,7 +525,9 @@ def test_unsafe_has_its_crates(layers: ModuleType, tmp_path: Path) -> None:
     expected = {f"crates/{name}/src/lib.rs:3" for name in {*layers.CRATES} - layers.MAY_BE_UNSAFE}
     found = [violation.split(": ") for violation in layers.source_violations(tmp_path)]
     assert {where for where, _ in found} == expected
-    assert {complaint for _, complaint in found} == {"no unsafe code but in feeler-capi, feeler-devices, feeler-lanes, feeler-py"}
+    assert {complaint for _, complaint in found} == {
+        "no unsafe code but in feeler-capi, feeler-devices, feeler-lanes, feeler-py"
+    }
 
 
 @pytest.mark.parametrize("crate", ["feeler-lanes", "feeler-core", "feeler-contacts", "feeler-haptics"])

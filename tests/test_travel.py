@@ -8,6 +8,7 @@ import multiprocessing
 import operator
 import pickle
 import sys
+import time
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import is_dataclass
@@ -18,13 +19,13 @@ import numpy as np
 import pytest
 
 import feeler
-from feeler import _core, travel
+from feeler import _core, haptics, travel
 from feeler.errors import FeelerError, LoadError
 
 PROTOCOLS = range(pickle.HIGHEST_PROTOCOL + 1)
-STAY = {"Predictor", "PiecePredictor", "HapticsDevice", "HapticsRun", "HapticsSession"}
+STAY = {"Predictor", "PiecePredictor", "HapticsDevice", "HapticsRun", "Session"}
 """What does not travel, and says so."""
-BASES = {"Mockup", "Tool", "Scene", "ContactTracker", "IgnoredPairs", "Selected"}
+BASES = {"Mockup", "Tool", "Scene", "ContactTracker", "IgnoredPairs", "Selected", "HapticsSession"}
 """Classes of the core that only their feeler.* subclasses are used of, or that make these."""
 WAYS: dict[str, Callable[[Any], Any]] = {
     **{f"protocol {p}": lambda value, p=p: pickle.loads(pickle.dumps(value, p)) for p in PROTOCOLS},
@@ -71,7 +72,26 @@ def samples() -> dict[str, list[Any]]:
     contacts = [scene.contacts(tool, pose(0.2)), scene.contacts(tool, pose(9.0))]
     assert contacts[0] and not contacts[1]
     path = [pose(0.2, z=3.0), pose(0.2, z=0.5), pose(0.2, z=3.0), pose(0.3, z=3.0)]
+    session = haptics.Session(scene, tool)
+    begun = [session.start(pose(0.2, z=2.0)), session.start(pose(0.2))]
+    session.start(pose(0.2, z=1.0001))
+    step = session.step(pose(0.2, z=0.999))
+    session.run(haptics.devices.Mouse(pose(0.2, z=1.0001)), realtime=False)
+    while session.view().number == 0:
+        time.sleep(0.001)
+    view, granted, trace, stats = session.view(), session.granted(), session.trace(), session.stop()
+    assert stats is not None
     return {
+        "View": [view],
+        "Granted": [granted],
+        "Trace": [trace],
+        "Statistics": [stats],
+        "Distribution": [stats.servo_tick],
+        "Coupling": [haptics.Coupling(), haptics.Coupling(stiffness_n_per_m=500.0)],
+        "Start": begun,
+        "Step": [step],
+        "Planes": [step.planes],
+        "Parted": [haptics.Parted(3, 1, 0.5)],
         "Mockup": [mock, feeler.Mockup(*box((0, 0, 0), 1.0))],
         "Tool": [tool, feeler.Tool.of_parts(mock)],
         "Scene": [
@@ -104,6 +124,7 @@ SAMPLES = samples()
 def public_classes() -> dict[str, type]:
     """Every class that feeler or its core shows, by name."""
     shown = [(name, getattr(feeler, name)) for name in feeler.__all__]
+    shown += [(name, getattr(haptics, name)) for name in haptics.__all__]
     shown += [(name, each) for name, each in inspect.getmembers(_core, inspect.isclass) if name not in BASES]
     return {name: each for name, each in shown if inspect.isclass(each)}
 
@@ -134,10 +155,10 @@ def staying(name: str) -> Any:
         return _core.Predictor(mock, tool, "dense", 0.0)
     if name == "PiecePredictor":
         return _core.PiecePredictor(mock, tool)
-    device = feeler.haptics.devices.Simulated()
+    device = haptics.devices.Simulated()
     if name == "HapticsDevice":
         return device._device
-    session = feeler.haptics.Session(feeler.Scene(mock), tool)
+    session = haptics.Session(feeler.Scene(mock), tool)
     if name == "HapticsRun":
         session.start(pose(5.0))
         session.run(device, realtime=False)

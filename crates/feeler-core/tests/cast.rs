@@ -357,3 +357,43 @@ fn a_long_blade_that_passes_is_not_stopped() {
     assert_eq!((plain, found), (None, [None; 5]));
     check(&mockup, &tool, (&a, &b), None, 20_000, "a long blade");
 }
+
+#[test]
+fn directions_that_hold_apart_tell_in_the_time_alone() {
+    // A fine wavy floor, a bar that slides over it, dips into it, turns and flies off: with the floor's normals, odd ones, and none.
+    let n = 24;
+    let height = |i: usize, j: usize| 0.01 * (0.9 * i as f64).sin() * (0.7 * j as f64).cos();
+    let vertices =
+        (0..=n).flat_map(|i| (0..=n).map(move |j| [0.05 * i as f64, 0.05 * j as f64, height(i, j)])).collect();
+    let at = |i: usize, j: usize| (i * (n + 1) + j) as u32;
+    let faces = (0..n)
+        .flat_map(|i| (0..n).map(move |j| (i, j)))
+        .flat_map(|(i, j)| [[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]])
+        .collect();
+    let mockup = Arc::new(Mockup::new(vertices, faces, vec![], 1).unwrap());
+    let scene = scene_of(&mockup, Storage::Blocks);
+    let (vertices, faces) = bar([0.3, 0.1, 0.05]);
+    let tool = Tool::new(vertices, faces).unwrap();
+    let slope = |x: f64, y: f64| [x, y, (1.0 - x * x - y * y).sqrt()];
+    let normals: Vec<Point> = (0..9).map(|i| slope(0.1 * f64::from(i % 3 - 1), 0.1 * f64::from(i / 3 - 1))).collect();
+    let odd = [[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.6, 0.0, 0.8], [0.0; 3]];
+    let (mut hits, mut free) = (0, 0);
+    for i in 0..400 {
+        let wave = |k: f64| (k * f64::from(i) + k).sin();
+        let low = 0.011 + 0.01 * wave(2.1);
+        let from =
+            turned((i % 3) as usize, 0.05 * wave(0.3), [0.4 + 0.2 * wave(1.3), 0.4 + 0.2 * wave(0.7), low + 0.02]);
+        let to = turned((i % 3) as usize, 0.3 * wave(1.9), [0.4 + 0.3 * wave(0.9), 0.4 + 0.3 * wave(1.1), low]);
+        let expected = scene.cast(&tool, &from, &to, TOLERANCE).unwrap();
+        for directions in [&normals[..], &odd[..], &[]] {
+            let found = scene.cast_beside(&tool, &from, &to, TOLERANCE, directions).unwrap();
+            assert_eq!(found.is_some(), expected.is_some(), "{i}");
+            if let (Some(found), Some(expected)) = (found, expected) {
+                assert!((found.fraction - expected.fraction).abs() < 1e-5, "{i} {found:?} {expected:?}");
+                check(&mockup, &tool, (&from, &to), Some(&found), 10, "beside");
+            }
+        }
+        *(if expected.is_some() { &mut hits } else { &mut free }) += 1;
+    }
+    assert!(hits > 50 && free > 50, "{hits} {free}");
+}

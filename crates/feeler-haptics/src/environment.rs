@@ -1,7 +1,7 @@
 //! What the tool may meet: the mock-up, and parts that were put down elsewhere, each a scene of its own; asked together.
 
 use feeler_contacts::{ContactSolver, Manifold, Manifolds};
-use feeler_core::{closest_triangle_triangle, Closest, Pose, Tool};
+use feeler_core::{closest_triangle_triangle, Closest, Point, Pose, Tool};
 
 use crate::error::Result;
 
@@ -64,11 +64,17 @@ impl Environment {
         Ok(())
     }
 
-    /// The first impact on the way between two poses, as [`Scene::cast`](feeler_core::Scene::cast).
-    pub fn first_impact(&self, tool: &Tool, from: &Pose, to: &Pose, tolerance: f64) -> Result<Option<Impact>> {
+    /// The first impact on the way between two poses, as [`Scene::cast_beside`](feeler_core::Scene::cast_beside) some directions.
+    pub fn first_impact(
+        &self,
+        tool: &Tool,
+        (from, to): (&Pose, &Pose),
+        tolerance: f64,
+        beside: &[Point],
+    ) -> Result<Option<Impact>> {
         let mut first: Option<Impact> = None;
         for (number, body) in (0..).zip(&self.bodies) {
-            let Some(cast) = body.solver.scene().cast(tool, from, to, tolerance)? else { continue };
+            let Some(cast) = body.solver.scene().cast_beside(tool, from, to, tolerance, beside)? else { continue };
             if first.is_none_or(|first| cast.fraction < first.fraction) {
                 let (tool_triangle, triangle) = (cast.tool_triangle, cast.mockup_triangle);
                 first = Some(Impact { fraction: cast.fraction, pair: Pair { body: number, tool_triangle, triangle } });

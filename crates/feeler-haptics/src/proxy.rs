@@ -94,6 +94,8 @@ pub struct Proxy {
     blockers: Vec<Pair>,
     seats: Vec<Seat>,
     manifolds: Manifolds,
+    /// Along which a motion is probably free.
+    normals: Vec<Point>,
     set: ConstraintSet,
     solver: Solver,
     /// How far a motion may lead, metres: less after one that was stopped by what it knew of.
@@ -127,6 +129,7 @@ impl Proxy {
             blockers: Vec::new(),
             seats: Vec::new(),
             manifolds: Manifolds::default(),
+            normals: Vec::new(),
             set,
             solver: Solver::default(),
             trust: f64::INFINITY,
@@ -200,7 +203,9 @@ impl Proxy {
                 return Ok(!self.solver.held().is_empty());
             }
             let tolerance = self.cast_tolerance();
-            match environment.first_impact(tool, &from, &goal.pose, tolerance)? {
+            self.normals.clear();
+            self.normals.extend(self.set.planes().iter().map(|plane| plane.normal));
+            match environment.first_impact(tool, (&from, &goal.pose), tolerance, &self.normals)? {
                 None => {
                     self.trust = if goal.is_at_bound { self.trust * TRUST_GROWTH } else { f64::INFINITY };
                     self.look_around(environment, tool, &goal.pose)?;

@@ -230,6 +230,6 @@ impl HapticsSession {
     }
 
     fn __reduce__(&self) -> PyResult<()> {
-        Err(stays("HapticsSession", "record it, and replay the record"))
+        Err(stays("Session", "make it anew; feeler.haptics.replay runs a record of it again"))
     }
 }

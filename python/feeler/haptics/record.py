@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import hashlib
 import json
+import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
+from zipfile import BadZipFile
 
 import numpy as np
 import numpy.typing as npt
@@ -135,7 +137,7 @@ def replay(path: str | Path, scene: Scene | None = None, tool: Tool | None = Non
                 if "tool.faces" not in record:
                     raise LoadError(f"{path} has no meshes with it: pass the scene and the tool it was made with")
                 scene, tool = Scene(_mockup_of(record)), _tool_of(record)
-        except (KeyError, ValueError, TypeError) as error:
+        except (KeyError, ValueError, TypeError, BadZipFile, zlib.error) as error:
             if isinstance(error, LoadError):
                 raise
             raise LoadError(f"{path} is no record of a session: {error}") from error
@@ -164,15 +166,18 @@ def replay(path: str | Path, scene: Scene | None = None, tool: Tool | None = Non
 @contextmanager
 def _opened(path: Path) -> Iterator[Any]:
     try:
-        file = np.load(path, allow_pickle=False)
+        opened = path.open("rb")
     except FileNotFoundError as error:
         raise LoadError(f"{path}: no such file") from error
-    except (OSError, ValueError, EOFError) as error:
-        raise LoadError(f"{path} is no record of a session: {error}") from error
-    if not isinstance(file, np.lib.npyio.NpzFile):
-        raise LoadError(f"{path} is no record of a session")
-    with file:
-        yield file
+    with opened:
+        try:
+            record = np.load(opened, allow_pickle=False)
+        except (OSError, ValueError, EOFError, BadZipFile) as error:
+            raise LoadError(f"{path} is no record of a session: {error}") from error
+        if not isinstance(record, np.lib.npyio.NpzFile):
+            raise LoadError(f"{path} is no record of a session")
+        with record:
+            yield record
 
 
 def _arrays(name: str, mesh: Mockup | Tool) -> dict[str, Any]:

@@ -215,5 +215,7 @@ def _is_rigid(pose: Floats) -> bool:
     if not np.isfinite(pose).all() or np.abs(pose[:3, 3]).max() > 1e100:
         return False
     rotation = pose[:3, :3]
+    if np.abs(rotation).max() > 2.0:
+        return False
     off = max(np.abs(rotation @ rotation.T - np.eye(3)).max(), np.abs(pose[3] - [0, 0, 0, 1]).max())
     return bool(off <= 0.99e-6 and np.linalg.det(rotation) > 0 and math.isfinite(off))

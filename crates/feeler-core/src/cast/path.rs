@@ -51,7 +51,7 @@ pub(crate) fn check_path(
                     .filter_map(|i| {
                         let segment = start + i;
                         let (from, to) = (&poses[segment], poses.get(segment + 1).unwrap_or(first));
-                        let found = cast(index, tool, from, to, (tolerance, touching), &mut scratch)?;
+                        let found = cast(index, tool, from, to, (tolerance, touching), &[], &mut scratch)?;
                         Some((segment, found))
                     })
                     .collect();

@@ -9,17 +9,23 @@ use super::impact::{Impact, Touching};
 use super::pair::Moving;
 use super::sliding::Slide;
 use crate::collide::query::{any_pair, entering_pair, CollideScratch};
-use crate::geometry::bounds::Point;
-use crate::geometry::vectors::length;
+use crate::geometry::bounds::{Point, Triangle};
+use crate::geometry::vectors::{dot, length};
 use crate::index::blocks::SweepScratch;
 use crate::index::mockup_index::Index;
 use crate::index::pair_set::pair_key;
 use crate::index::sink::Sweep;
-use crate::tool::motion::Motion;
+use crate::tool::motion::{Motion, Window};
 use crate::tool::moving_tool::Tool;
+
+/// Most directions that are tried for a pair. More: fewer pairs are followed, and each takes longer to try.
+const MOST_DIRECTIONS: usize = 16;
 
 /// Pairs that a window may offer before it is cut, for a small tool; a large one's descents cost more, and bring more.
 const FEW_PAIRS: usize = 96;
+
+/// So many times as many where directions are given, along which most are held apart without following them.
+const TIMES_BESIDE: usize = 8;
 
 /// What a cut leaves of a window.
 const CUT: f64 = 0.25;
@@ -40,6 +46,56 @@ const MOST_CUTS: u32 = 8;
 /// Cuts after which it pays to ask whether the tool begins in contact, which no cut would bring out.
 const CUTS_IN_CONTACT: u32 = 2;
 
+/// What a cast is asked for.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct How<'a> {
+    /// Metres.
+    pub tolerance: f64,
+    pub touching: Touching,
+    /// Units, world, along which tool and mock-up are probably apart all the time: pairs that are need not be followed.
+    pub directions: &'a [Point],
+}
+
+/// The triangles that some directions hold apart, for a whole window and by more than the tolerance, from one of the tool.
+struct HeldApart<'a> {
+    directions: &'a [Point],
+    tolerance: f64,
+    /// How low along each all that the tool's triangle sweeps is at least.
+    lowest: [f64; MOST_DIRECTIONS],
+    /// The one that held the last: mostly it holds the next.
+    last: usize,
+}
+
+impl HeldApart<'_> {
+    fn new(directions: &[Point], tolerance: f64) -> HeldApart<'_> {
+        let directions = &directions[..directions.len().min(MOST_DIRECTIONS)];
+        HeldApart { directions, tolerance, lowest: [0.0; MOST_DIRECTIONS], last: 0 }
+    }
+
+    fn set(&mut self, window: &Window, corners: &Triangle) {
+        if self.directions.is_empty() {
+            return;
+        }
+        let places = window.poses.each_ref().map(|pose| pose.apply_triangle(corners));
+        for (direction, lowest) in self.directions.iter().zip(&mut self.lowest) {
+            let low = places.as_flattened().iter().map(|p| dot(p, direction)).fold(f64::INFINITY, f64::min);
+            // The margin is for each axis; the heights have some roundings of their own, which it has much more than.
+            let slack = window.margin * direction.iter().map(|x| x.abs()).sum::<f64>();
+            *lowest = low - slack - self.tolerance;
+        }
+    }
+
+    fn contains(&mut self, q: &Triangle) -> bool {
+        let n = self.directions.len();
+        let found = (0..n).map(|i| (self.last + i) % n).find(|i| {
+            let direction = &self.directions[*i];
+            q.iter().all(|p| dot(p, direction) < self.lowest[*i])
+        });
+        self.last = found.unwrap_or(self.last);
+        found.is_some()
+    }
+}
+
 /// Working memory of a cast.
 #[derive(Debug, Default)]
 pub(super) struct SweepMemory {
@@ -53,12 +109,12 @@ pub(super) fn first_impact(
     index: &Index,
     tool: &Tool,
     motion: &Motion,
-    (tolerance, touching): (f64, Touching),
+    How { tolerance, touching, directions }: How<'_>,
     scratch: &mut SweepMemory,
     collide: &mut CollideScratch,
 ) -> Option<Impact> {
     let selection = index.selection();
-    let few = FEW_PAIRS.max(tool.clusters().len());
+    let few = FEW_PAIRS.max(tool.clusters().len()) * if directions.is_empty() { 1 } else { TIMES_BESIDE };
     // Shorter than this a window is no use: all it holds is within the tolerance.
     let shortest = tolerance / motion.longest_way().max(tolerance);
     let coarse = coarse_cuts(tool, motion);
@@ -79,6 +135,7 @@ pub(super) fn first_impact(
             motion,
             tolerance,
             touching,
+            directions,
             from,
             best: None,
             until: to,
@@ -109,7 +166,7 @@ pub(super) fn first_impact(
                 is_full = true;
                 return true;
             }
-            chase.follow(pairs, &whole.window.poses[0]);
+            chase.follow(pairs, &whole.window);
             // Nothing is earlier than the beginning.
             chase.until <= from
         });
@@ -130,7 +187,7 @@ pub(super) fn first_impact(
             continue;
         }
         let offered = pairs.len();
-        chase.follow(pairs, &whole.window.poses[0]);
+        chase.follow(pairs, &whole.window);
         if chase.best.is_some() {
             return chase.best;
         }
@@ -174,6 +231,7 @@ struct Chase<'a> {
     motion: &'a Motion,
     tolerance: f64,
     touching: Touching,
+    directions: &'a [Point],
     from: f64,
     until: f64,
     best: Option<Impact>,
@@ -184,19 +242,26 @@ struct Chase<'a> {
 
 impl Chase<'_> {
     /// Follows each pair once, and empties the list.
-    fn follow(&mut self, pairs: &mut Vec<u64>, pose: &crate::geometry::pose::Pose) {
+    fn follow(&mut self, pairs: &mut Vec<u64>, window: &Window) {
         pairs.sort_unstable();
         pairs.dedup();
+        let pose = &window.poses[0];
+        let mut held_apart = HeldApart::new(self.directions, self.tolerance);
         let mockup = self.index.mockup();
         let mesh = mockup.mesh();
         let mut moving: Option<(u32, Moving<'_>)> = None;
         for &pair in pairs.iter() {
             let (slot, triangle) = ((pair >> 32) as u32, pair as u32);
             if moving.as_ref().is_none_or(|(s, _)| *s != slot) {
-                moving = Some((slot, Moving::new(self.motion, self.tool.placeable()[slot as usize])));
+                let corners = self.tool.placeable()[slot as usize];
+                moving = Some((slot, Moving::new(self.motion, corners)));
+                held_apart.set(window, &corners);
             }
             let Some((_, moving)) = &moving else { continue };
             let q = mesh.triangle(triangle);
+            if held_apart.contains(&q) {
+                continue;
+            }
             let tool_triangle = self.tool.ids()[slot as usize];
             let time = if self.touching == Touching::Ends {
                 moving.first_impact(&q, self.from, self.until, pose, self.tolerance)

@@ -1,0 +1,202 @@
+"""Sessions from Python: the names of the issue, what comes of them, records, grips, and what is no input."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from shapes import box
+
+import feeler
+from feeler import haptics
+from feeler.errors import LoadError, OptionError, PoseError, SessionError
+
+
+def at(x: float = 0.0, y: float = 0.0, z: float = 0.0) -> np.ndarray:
+    pose = np.eye(4)
+    pose[:3, 3] = x, y, z
+    return pose
+
+
+@pytest.fixture
+def scene() -> feeler.Scene:
+    """A plate, and a block that stands on it 0.1 m off."""
+    plate, block = box((-0.2, -0.2, -0.02), (0.2, 0.2, 0.0)), box((0.08, -0.02, 0.0), (0.12, 0.02, 0.04))
+    vertices = np.concatenate([plate[0], block[0]])
+    faces = np.concatenate([plate[1], block[1] + len(plate[0])])
+    return feeler.Scene(feeler.Mockup(vertices, faces, np.repeat([0, 1], 12), ["plate", "block"]))
+
+
+@pytest.fixture
+def tool() -> feeler.Tool:
+    return feeler.Tool(*box((-0.01, -0.01, 0.0), (0.01, 0.01, 0.05)), "pad")
+
+
+def pressed(session: haptics.Session, depth: float, x: float = 0.0, floor: float = 0.0) -> haptics.Step:
+    """Down from 2 mm over a floor to a depth, and held there."""
+    for k in range(400):
+        step = session.step(at(x, 0.0, floor + 0.002 - (depth + 0.002) * min(1.0, k / 200)))
+    return step
+
+
+def test_a_step_says_where_the_proxy_is_and_what_the_hand_feels(scene: feeler.Scene, tool: feeler.Tool) -> None:
+    session = haptics.Session(scene, tool)
+    assert session.start(at(z=0.002)) and session.gripped is None
+    step = pressed(session, 0.003)
+    assert step.mode == "contact" and step.age == 0.0
+    np.testing.assert_allclose(step.world_from_proxy, at(z=2e-5), atol=1e-9)
+    np.testing.assert_allclose(step.force, [0, 0, 1000 * 0.00302], atol=1e-3)
+    assert step.torque.shape == (3,) and np.abs(step.torque).max() < 1e-6
+    assert len(step.planes) == 1 and step.planes.is_holding.tolist() == [True]
+    np.testing.assert_allclose(step.planes.normals, [[0, 0, 1]], atol=1e-12)
+    assert scene.mockup.parts[int(step.planes.parts[0])].name == "plate"
+    assert not scene.is_colliding(tool, step.world_from_proxy)
+    # Free again, and nothing is felt.
+    for k in range(300):
+        step = session.step(at(z=-0.003 + 0.0001 * min(k, 200)))
+    assert step.mode == "free" and not step.force.any()
+
+
+def test_the_coupling_is_what_is_felt(scene: feeler.Scene, tool: feeler.Tool) -> None:
+    soft = haptics.Session(scene, tool, coupling=haptics.Coupling(stiffness_n_per_m=200.0, max_force_n=0.5), skin=1e-5)
+    soft.start(at(z=0.002))
+    assert pressed(soft, 0.002).force[2] == pytest.approx(200 * 0.00201, abs=1e-4)
+    soft.start(at(z=0.002))
+    assert pressed(soft, 0.02).force[2] == pytest.approx(0.5, abs=1e-9)
+
+
+def test_contacts_may_be_found_more_seldom(scene: feeler.Scene, tool: feeler.Tool) -> None:
+    session = haptics.Session(scene, tool, collision_hz=100)
+    session.start(at(z=0.002))
+    ages = [session.step(at(z=0.002 - 0.0001 * k)).age for k in range(40)]
+    assert ages[:11] == pytest.approx([*(0.001 * k for k in range(10)), 0.0])
+
+
+def test_the_same_steps_give_the_same_bits(scene: feeler.Scene, tool: feeler.Tool, tmp_path: Path) -> None:
+    session = haptics.Session(scene, tool, collision_hz=300, margin=0.001)
+    path = tmp_path / "felt.npz"
+    with session.record(path):
+        session.start(at(z=0.05))
+        for k in range(300):
+            session.step(at(0.0004 * k, 0.0, 0.05 - 0.0003 * min(k, 170)))
+        session.start(at(0.1, 0.0, 0.045))
+        session.grip("block")
+        for k in range(100):
+            session.step(at(0.1, 0.0, 0.045 + 0.0005 * k))
+        session.release()
+        session.step(np.full((4, 4), np.nan))
+    same = haptics.replay(path)
+    assert same and same.steps == 401 and same.at is None
+    assert haptics.replay(path, scene, tool)
+    # Another session is told apart, and where.
+    with np.load(path) as file:
+        arrays = dict(file)
+    arrays["outputs"][123, 14] = np.nextafter(arrays["outputs"][123, 14], np.inf)
+    np.savez(path, **arrays)
+    parted = haptics.replay(path)
+    assert not parted and parted.at == 123 and 0 < parted.by < 1e-12
+    with pytest.raises(LoadError, match="another tool"):
+        haptics.replay(path, scene, feeler.sample_tool("wrench"))
+    for content in (b"", b"PK\x03\x04 no", b"\x93NUMPY"):
+        bad = tmp_path / "bad.npz"
+        bad.write_bytes(content)
+        with pytest.raises(LoadError, match="record"):
+            haptics.replay(bad)
+    with pytest.raises(LoadError, match="no such file"):
+        haptics.replay(tmp_path / "none.npz")
+
+
+def test_large_meshes_are_not_in_a_record(tool: feeler.Tool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("feeler.haptics.record.KEPT_TRIANGLES", 20)
+    scene = feeler.Scene(feeler.Mockup(*box((-1, -1, -1), (1, 1, 0))))
+    session = haptics.Session(scene, tool)
+    with session.record(tmp_path / "felt.npz"):
+        session.start(at(z=0.01))
+        session.step(at(z=-0.01))
+    with pytest.raises(LoadError, match="pass the scene and the tool"):
+        haptics.replay(tmp_path / "felt.npz")
+    assert haptics.replay(tmp_path / "felt.npz", scene, tool)
+
+
+def test_a_gripped_part_moves_with_the_tool(scene: feeler.Scene, tool: feeler.Tool) -> None:
+    session = haptics.Session(scene, tool)
+    session.start(at(0.1, 0.0, 0.0402))
+    for k in range(300):
+        before = session.step(at(0.1, 0.0, 0.0402 - 0.000005 * k))
+    session.grip("block")
+    after = session.step(at(0.1, 0.0, 0.0402 - 0.000005 * 299))
+    assert session.gripped == 1 and np.abs(after.force - before.force).max() < 0.02 * np.abs(before.force).max()
+    for k in range(400):
+        step = session.step(at(0.1 - 0.0002 * k, 0.0, 0.06))
+    assert step.mode == "free"
+    session.release()
+    # Where it was is nothing now, where it is it is felt.
+    session.start(at(0.1, 0.0, 0.002))
+    assert pressed(session, 0.003, x=0.1).mode == "contact"
+    with pytest.raises(SessionError, match="holds no part"):
+        session.release()
+    session.start(at(0.02, 0.0, 0.11))
+    assert pressed(session, 0.003, x=0.02, floor=0.0588).force[2] > 2.0
+    session.grip(1)
+    session.release(put_back=True)
+    assert session.gripped is None
+    with pytest.raises(OptionError, match="no part"):
+        session.grip("bolt")
+    with pytest.raises(OptionError, match="names 2 parts"):
+        session.grip("*")
+
+
+def test_a_start_in_collision_shows_the_way_out(scene: feeler.Scene, tool: feeler.Tool) -> None:
+    session = haptics.Session(scene, tool)
+    start = session.start(at(z=-0.005))
+    assert not start and start.way_out is not None
+    np.testing.assert_allclose(start.way_out, [0, 0, 0.005], atol=1e-6)
+    step = session.step(at(z=-0.005))
+    assert step.mode == "colliding" and not step.force.any() and not step.torque.any()
+    assert session.step(at(z=0.001)).mode != "colliding"
+
+
+def test_what_a_device_may_tell_lets_go_and_what_a_program_may_pass_is_an_error(
+    scene: feeler.Scene, tool: feeler.Tool
+) -> None:
+    session = haptics.Session(scene, tool)
+    with pytest.raises(SessionError, match="start"):
+        session.step(at())
+    with pytest.raises(SessionError, match="start"):
+        session.grip(1)
+    with pytest.raises(PoseError):
+        session.start(np.diag([2.0, 1.0, 1.0, 1.0]))
+    session.start(at(z=0.002))
+    assert pressed(session, 0.003).force[2] > 2.0
+    odd = [np.full((4, 4), np.nan), np.zeros((4, 4)), np.diag([1.0, 1.0, -1.0, 1.0]), 1e300 * np.eye(4)]
+    odd.append(at(x=np.inf))
+    for pose in odd:
+        step = session.step(pose)
+        assert step.mode == "doubt" and not step.force.any() and not step.torque.any()
+        np.testing.assert_allclose(step.world_from_proxy, at(z=2e-5), atol=1e-9)
+    for pose in (np.eye(3), [1.0, 2.0], at()[None]):
+        with pytest.raises(PoseError, match="shape"):
+            session.step(pose)
+    for dt in (0.0, -0.001, np.nan, np.inf, 1.5):
+        with pytest.raises(OptionError, match="dt"):
+            session.step(at(), dt)
+    # A jump through all of it: no more than the bound, and the proxy stays on its side.
+    for _ in range(300):
+        step = session.step(at(z=-1.0))
+        assert np.linalg.norm(step.force) <= 8.0 + 1e-9 and step.world_from_proxy[2, 3] > 0.0
+    options = [
+        {"margin": 0.0},
+        {"margin": np.nan},
+        {"skin": -1e-5},
+        {"skin": 0.001},
+        {"collision_hz": 0.0},
+        {"coupling": haptics.Coupling(stiffness_n_per_m=-1.0)},
+        {"coupling": haptics.Coupling(max_force_n=np.nan)},
+        {"coupling": 3},
+    ]
+    for wrong in options:
+        with pytest.raises(OptionError):
+            haptics.Session(scene, tool, **wrong)
+    with pytest.raises(OptionError, match=r"feeler\.Scene"):
+        haptics.Session(scene.mockup, tool)  # type: ignore[arg-type]
