@@ -78,6 +78,19 @@ def felt() -> list[bytes]:
     return [*found, session.step(POSES[0]).world_from_proxy.tobytes()]
 
 
+def ran() -> tuple[bool, int | None]:
+    """A run with threads of its own, and a grip in it."""
+    session = haptics.Session(*fresh())
+    session.start(POSES[0])
+    session.run(haptics.devices.Mouse(POSES[0]), realtime=False)
+    session.grip(HIT_PART)
+    while session.view().number == 0:
+        time.sleep(0.001)
+    view, gripped = session.view(), session.gripped
+    session.stop()
+    return bool(np.allclose(view.world_from_proxy, POSES[0], atol=1e-9)), gripped
+
+
 CASES: dict[str, Callable[[], Any]] = {
     "mockup": lambda: arrays(feeler.Mockup(MOCKUP.vertices, MOCKUP.faces), "bounds"),
     "tool": lambda: arrays(feeler.Tool(TOOL.vertices, TOOL.faces), "bounds"),
@@ -119,6 +132,7 @@ CASES: dict[str, Callable[[], Any]] = {
     "predictor": lambda: _core.Predictor(MOCKUP, TOOL, "dense", 0.0).optimal_size(calibrate.TYPICAL, 2**30),
     "piece predictor": lambda: _core.PiecePredictor(MOCKUP, TOOL).optimal_size(2**30),
     "haptics": felt,
+    "haptics, running": ran,
     "study": studied,
     "load": loaded,
 }

@@ -122,6 +122,13 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
             *HAPTICS_BASE,
             *("screw", "device", "coupling", "servo", "metric", "constraint_set", "environment", "world", "proxy"),
         },
+        # The same with threads, whose clock is passed in.
+        "clock": set(),
+        "statistics": HAPTICS_BASE,
+        "runner": {
+            *HAPTICS_BASE,
+            *("screw", "device", "coupling", "stability", "servo", "constraint_set", "session", "clock", "statistics"),
+        },
     },
     "feeler-devices": {
         "constants": set(),
@@ -178,7 +185,7 @@ ROOMS: dict[str, set[str]] = {
     "picture": {*BASE, "io"},
     "samples": BASE,
     "study": {*BASE, "samples"},
-    "cli": {*BASE, "io", "picture", "samples", "study", "feeler"},
+    "cli": {*BASE, "haptics", "io", "picture", "samples", "study", "feeler"},
     "__init__": {"_core", "ignored", *BASE, "haptics", "interchange", "io", "picture", "samples", "study"},
     "__main__": {"cli"},
 }

@@ -18,6 +18,7 @@ from feeler._core import (
     Penetration,
 )
 from feeler.errors import (
+    DeviceError,
     FeelerError,
     LimitError,
     LoadError,
@@ -47,6 +48,7 @@ __all__ = [
     "ContactTracker",
     "Contacts",
     "Containment",
+    "DeviceError",
     "Distance",
     "DistanceBatch",
     "FeelerError",

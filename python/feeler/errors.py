@@ -32,6 +32,10 @@ class SessionError(FeelerError, RuntimeError):
     """A haptics session cannot do this now: it is not started, or holds no part to release."""
 
 
+class DeviceError(FeelerError, OSError):
+    """A haptic device is not there, does not answer, or is in use."""
+
+
 class LoadError(FeelerError, ValueError):
     """A file cannot be read as the mesh it claims to be."""
 

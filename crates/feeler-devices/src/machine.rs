@@ -77,6 +77,20 @@ impl MonotonicClock {
     }
 }
 
+impl feeler_haptics::Clock for MonotonicClock {
+    fn now(&self) -> f64 {
+        MonotonicClock::now(self)
+    }
+
+    fn sleep_until(&self, time: f64) {
+        MonotonicClock::sleep_until(self, time);
+    }
+
+    fn thread_time(&self) -> Option<f64> {
+        Some(thread_time())
+    }
+}
+
 impl Default for MonotonicClock {
     fn default() -> MonotonicClock {
         MonotonicClock::new()

@@ -223,3 +223,33 @@ pub const OLDEST_SET_S: f64 = 0.5;
 /// Changes of the proxy's pose (metres, radians) that are no motion: a hundredth of the skin.
 pub const PROXY_RESOLUTION_M: f64 = 2e-7;
 pub const PROXY_RESOLUTION_RAD: f64 = 2e-6;
+
+// Threads.
+
+/// Age (seconds) of a device's state from which on it counts as silent, and the force is let go. Shorter: a hiccup of its connection
+/// drops the force; longer: an old force pushes on.
+pub const SILENT_S: f64 = 0.05;
+
+/// The same in periods of the device, where it tells its rate and they are longer: one of 20 Hz is not silent between two states.
+pub const SILENT_PERIODS: f64 = 3.0;
+
+/// How long (seconds) the collision thread rests where there is nothing new: a fifth of a servo tick at 1 kHz, so that news do not wait.
+pub const COLLISION_REST_S: f64 = 2e-4;
+
+/// How often (seconds) contacts are found again though nothing is new, so that a set's age says that the thread lives.
+pub const COLLISION_REFRESH_S: f64 = 1e-3;
+
+/// How often (seconds) the threads hand their counts over. Shorter: time of the servo thread; longer: older tables.
+pub const STATISTICS_PERIOD_S: f64 = 0.1;
+
+/// Longest duration that is counted, nanoseconds: ten seconds.
+pub const LONGEST_COUNTED_NS: u64 = 10_000_000_000;
+
+/// Significant digits of counted durations. A third costs eight times the memory, and time to hand it over.
+pub const HISTOGRAM_DIGITS: u8 = 2;
+
+/// Ticks that a trace has room for until they are taken: four seconds at 1 kHz.
+pub const TRACE_TICKS: usize = 4096;
+
+/// Planes that a view has: six hold a body with six freedoms.
+pub const VIEW_PLANES: usize = 6;

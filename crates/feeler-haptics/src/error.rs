@@ -30,6 +30,21 @@ pub enum Error {
         /// Which.
         part: u32,
     },
+    /// A wish to a run that has ended.
+    #[error("the run has ended: start another")]
+    Ended,
+    /// A thread of a run died by a fault in this program. The force was let go first.
+    #[error("the {thread} thread of the run failed, and the force was let go: start another session, and report this")]
+    Panicked {
+        /// Which: `servo` or `collision`.
+        thread: &'static str,
+    },
+    /// The system gave no thread.
+    #[error("no thread for the run: {why}")]
+    Thread {
+        /// What the system said.
+        why: String,
+    },
     /// An option that is out of its range.
     #[error("{what} is {value}, but must be {range}")]
     Option {

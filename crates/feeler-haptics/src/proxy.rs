@@ -157,6 +157,15 @@ impl Proxy {
         self.set.time = now;
     }
 
+    /// What nearest means, and how far the device pulls, from now on; the centre is the same.
+    pub(crate) fn set_metric(&mut self, metric: Metric, options: ProxyOptions) {
+        let radius = self.set.metric.radius;
+        self.set.metric = metric;
+        self.set.metric.radius = radius;
+        self.set.pull = [options.pull_m, options.pull_rad];
+        self.options = options;
+    }
+
     /// What there is and what moves has changed, at this pose: a part was gripped or let go. What nearest means stays, so that the proxy
     /// does not move by it.
     pub fn set_world(&mut self, environment: &Environment, tool: &Tool, seats: &[Seat]) -> Result<()> {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use feeler_contacts::Penetration;
-use feeler_core::{Pose, Scene, Tool};
+use feeler_core::{Point, Pose, Scene, Tool};
 
 use crate::constants::HELD_SHARE;
 use crate::constraint_set::{ConstraintSet, Plane};
@@ -105,6 +105,8 @@ pub struct Step {
 pub struct Session {
     options: SessionOptions,
     world: World,
+    /// What nearest means by the tool's own inertia, and what it does mean.
+    inertia: Metric,
     metric: Metric,
     proxy: Option<Proxy>,
     servo: Option<Servo>,
@@ -122,11 +124,12 @@ impl Session {
     pub fn new(scene: Arc<Scene>, tool: Arc<Tool>, mut options: SessionOptions) -> Result<Session> {
         options.check()?;
         options.proxy = options.proxy.with_pull_of(&options.coupling);
-        let own = Metric::new(&tool);
-        let metric = own.with_springs_of(&options.coupling).unwrap_or(own);
+        let inertia = Metric::new(&tool);
+        let metric = inertia.with_springs_of(&options.coupling).unwrap_or(inertia);
         Ok(Session {
             options,
             world: World::new(scene, tool),
+            inertia,
             metric,
             proxy: None,
             servo: None,
@@ -141,7 +144,7 @@ impl Session {
 
     /// Begins, or begins anew, at a pose of the device (`world_from_tool`).
     pub fn start(&mut self, device: &Pose) -> Result<Start> {
-        (self.is_started, self.clock, self.since, self.last_device) = (true, 0.0, 0, None);
+        (self.is_started, self.clock, self.since, self.last_device) = (true, 0.0, 0, Some(*device));
         (self.servo, self.dt) = (None, 0.0);
         match self.proxy_at(device) {
             Ok(proxy) => {
@@ -178,15 +181,8 @@ impl Session {
             return Ok(self.step_in_doubt());
         };
         self.last_device = Some(device);
-        if self.proxy.is_none() {
-            match self.proxy_at(&device) {
-                Ok(proxy) => self.proxy = Some(proxy),
-                Err(Error::StartsInCollision) => {
-                    return Ok(Step { proxy: device, wrench: Wrench::ZERO, age: 0.0, mode: Mode::Colliding })
-                }
-                Err(error) => return Err(error),
-            }
-            self.since = 0;
+        if !self.has_proxy_from(&device)? {
+            return Ok(Step { proxy: device, wrench: Wrench::ZERO, age: 0.0, mode: Mode::Colliding });
         }
         let every = self.options.collision_hz.map_or(1, |hz| (1.0 / (hz * dt)).round().max(1.0) as u64);
         if self.since.is_multiple_of(every) {
@@ -202,6 +198,76 @@ impl Session {
         let input = ServoInput { device, device_twist: None, now: self.clock, dt, in_doubt: false };
         let output = servo.tick(proxy.constraints(), &input);
         Ok(Step { proxy: *proxy.pose(), wrench: output.wrench, age: output.age, mode: output.mode })
+    }
+
+    /// Whether there is a proxy: where the session began in collision, from the first pose on that is free.
+    fn has_proxy_from(&mut self, device: &Pose) -> Result<bool> {
+        if self.proxy.is_some() {
+            return Ok(true);
+        }
+        match self.proxy_at(device) {
+            Ok(proxy) => self.proxy = Some(proxy),
+            Err(Error::StartsInCollision) => return Ok(false),
+            Err(error) => return Err(error),
+        }
+        self.since = 0;
+        Ok(true)
+    }
+
+    /// The collision side of a step alone: the proxy towards the device, and its contacts. Whether there is a proxy.
+    pub(crate) fn track(&mut self, device: &Pose, now: f64) -> Result<bool> {
+        (self.clock, self.last_device) = (now, Some(*device));
+        if !self.has_proxy_from(device)? {
+            return Ok(false);
+        }
+        self.find_contacts(device)?;
+        Ok(true)
+    }
+
+    /// Another coupling from now on, as a device holds it: its springs say what nearest means.
+    pub(crate) fn set_coupling(&mut self, coupling: Coupling) {
+        self.options.coupling = coupling;
+        self.options.proxy = self.options.proxy.with_pull_of(&coupling);
+        self.metric = self.inertia.with_springs_of(&coupling).unwrap_or(self.inertia);
+        if let Some(proxy) = &mut self.proxy {
+            proxy.set_metric(self.metric, self.options.proxy);
+        }
+        (self.servo, self.dt) = (None, 0.0);
+    }
+
+    /// To be stepped after others have [tracked](Self::track): contacts are found by the first step.
+    pub(crate) fn resume(&mut self) {
+        (self.since, self.servo, self.dt) = (0, None, 0.0);
+    }
+
+    /// Puts another scene in the place of the present one: what is held or was put down belongs to that one and is gone. The proxy stays
+    /// where it is; where that is in collision now, there is none until the device is where it is free.
+    pub fn set_scene(&mut self, scene: Arc<Scene>) -> Result<Start> {
+        self.world = World::new(scene, self.world.own_tool().clone());
+        let Some(pose) = self.pose().copied() else { return Ok(Start::Free) };
+        let clock = self.clock;
+        let start = self.start(&pose)?;
+        self.clock = clock;
+        if let Some(proxy) = &mut self.proxy {
+            proxy.set_time(clock);
+        }
+        Ok(start)
+    }
+
+    /// Where the proxy is, `world_from_tool`; where there is none, the device's last pose. `None` before the start.
+    pub fn pose(&self) -> Option<&Pose> {
+        let proxy = self.proxy.as_ref().map(Proxy::pose);
+        proxy.or(self.last_device.as_ref()).filter(|_| self.is_started)
+    }
+
+    /// What nearest means for the tool.
+    pub fn metric(&self) -> Metric {
+        self.metric
+    }
+
+    /// Where the coupling's springs act, tool frame.
+    pub fn centre(&self) -> Point {
+        self.metric.centre
     }
 
     fn step_in_doubt(&mut self) -> Step {

@@ -140,7 +140,8 @@ impl Coupling {
     pub fn limited_at(&self, info: &DeviceInfo, rate_hz: f64, arm_m: f64) -> (Coupling, Limitations) {
         let limits = &info.limits;
         let hold = limits.hold_s(rate_hz);
-        let arm = if info.driven.rotation { arm_m.abs() } else { 0.0 };
+        // An arm that the device cannot tell from none, as rounding leaves it, is none.
+        let arm = if info.driven.rotation && arm_m.abs() > limits.resolution_m { arm_m.abs() } else { 0.0 };
         let mut to = *self;
         let mut found = Limitations::default();
 
@@ -148,7 +149,13 @@ impl Coupling {
         let turning = HELD_SHARE * limits.rotational_damping_nm_s_per_rad;
         // What the arm's spring would use up of the rotation at full stiffness, and what is set apart for it.
         let lever = if info.driven.translation { arm * arm * inside } else { 0.0 };
-        let share = if lever > 0.0 { (ARM_ROOM * lever / turning).min(ARM_SHARE) } else { 0.0 };
+        // Of the rotation's friction too, as much as holds what the translation's does.
+        let rubbing = if limits.rotational_friction_nm > 0.0 {
+            arm * limits.friction_n / limits.rotational_friction_nm
+        } else {
+            0.0
+        };
+        let share = if lever > 0.0 { (ARM_ROOM * lever / turning).max(rubbing).min(ARM_SHARE) } else { 0.0 };
 
         let left = (1.0 - share) * turning;
         let driven = |is: bool| if is { Least(f64::INFINITY, Bound::Damping) } else { Least(0.0, Bound::NotDriven) };
@@ -214,6 +221,15 @@ mod tests {
 
     fn is_near(a: f64, b: f64) -> bool {
         (a - b).abs() <= 1e-9 * b
+    }
+
+    #[test]
+    fn a_short_arm_takes_little() {
+        let at_once = wanted().limited(&info(), 1000.0).0.stiffness_n_per_m;
+        for arm in [1e-19, 1e-6, 1.1e-5, 1e-4, 1e-3] {
+            let stiffness = wanted().limited_at(&info(), 1000.0, arm).0.stiffness_n_per_m;
+            assert!(stiffness > 0.85 * at_once, "{arm}: {stiffness} of {at_once}");
+        }
     }
 
     #[test]

@@ -68,6 +68,11 @@ impl World {
         &self.tool
     }
 
+    /// The tool without a part that it holds.
+    pub fn own_tool(&self) -> &Arc<Tool> {
+        &self.own_tool
+    }
+
     /// What it may meet.
     pub fn environment(&self) -> &Environment {
         &self.environment

@@ -17,11 +17,13 @@ use crate::travel::stays;
 /// One session; `feeler.haptics.Session` adds names and records.
 #[pyclass(subclass, frozen, module = "feeler._core")]
 pub struct HapticsSession {
-    session: Mutex<Session>,
+    /// `None` while it runs, and after a run whose thread failed.
+    session: Mutex<Option<Session>>,
+    tool: Arc<core::Tool>,
 }
 
 /// The Python exception for an error of the haptics.
-fn haptics_to_py(error: Error) -> PyErr {
+pub fn haptics_to_py(error: Error) -> PyErr {
     let class = match error {
         Error::Core(error) => return to_py(error),
         Error::Option { .. } => "OptionError",
@@ -44,7 +46,21 @@ fn coupling_of([k, d, rk, rd, force, torque, slew, rslew]: [f64; 8]) -> Coupling
     }
 }
 
-fn name_of(mode: Mode) -> &'static str {
+/// The reverse.
+pub fn numbers_of(coupling: &Coupling) -> [f64; 8] {
+    [
+        coupling.stiffness_n_per_m,
+        coupling.damping_n_s_per_m,
+        coupling.rotational_stiffness_nm_per_rad,
+        coupling.rotational_damping_nm_s_per_rad,
+        coupling.max_force_n,
+        coupling.max_torque_nm,
+        coupling.slew_n_per_s,
+        coupling.slew_nm_per_s,
+    ]
+}
+
+pub fn name_of(mode: Mode) -> &'static str {
     match mode {
         Mode::Free => "free",
         Mode::Contact => "contact",
@@ -69,19 +85,67 @@ fn parts_of<'py>(py: Python<'py>, step: &Step) -> StepParts<'py> {
     (pose, force, torque, step.age, name_of(step.mode))
 }
 
+/// The newest planes, nearest first.
+fn planes_of<'py>(py: Python<'py>, session: &Session) -> PlaneParts<'py> {
+    let planes = session.constraints().map_or(&[][..], |set| set.planes());
+    let held: Vec<u64> = session.held().map(|plane| plane.id).collect();
+    let number = |i: usize, j: usize| match j {
+        0..3 => planes[i].point[j],
+        3..6 => planes[i].normal[j - 3],
+        _ => planes[i].gap,
+    };
+    (
+        Array2::from_shape_fn((planes.len(), 7), |(i, j)| number(i, j)).into_pyarray(py),
+        PyArray1::from_iter(py, planes.iter().map(|plane| plane.part)),
+        PyArray1::from_iter(py, planes.iter().map(|plane| plane.id)),
+        PyArray1::from_iter(py, planes.iter().map(|plane| held.contains(&plane.id))),
+    )
+}
+
 impl HapticsSession {
-    fn session(&self) -> MutexGuard<'_, Session> {
+    fn locked(&self) -> MutexGuard<'_, Option<Session>> {
         self.session.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
+    /// The session, for a run.
+    pub fn take(&self) -> PyResult<Session> {
+        self.locked().take().ok_or_else(is_away)
+    }
+
+    /// The session after a run.
+    pub fn put_back(&self, session: Option<Session>) {
+        *self.locked() = session;
+    }
+
+    /// Without a part that it holds.
+    pub fn tool(&self) -> &Arc<core::Tool> {
+        &self.tool
+    }
+
+    fn with<R>(&self, work: impl FnOnce(&mut Session) -> R) -> PyResult<R> {
+        self.locked().as_mut().map(work).ok_or_else(is_away)
+    }
+
     /// Work that may need the threads of the process, as a grip on a large part does.
-    fn change(
+    fn change<R: Send>(
         &self,
         py: Python<'_>,
-        work: impl FnOnce(&mut Session) -> feeler_haptics::Result<()> + Send,
-    ) -> PyResult<()> {
-        py.detach(|| on_pool(None, || work(&mut self.session())))?.map_err(haptics_to_py)
+        work: impl FnOnce(&mut Session) -> feeler_haptics::Result<R> + Send,
+    ) -> PyResult<R> {
+        py.detach(|| on_pool(None, || self.locked().as_mut().map(work)))?.ok_or_else(is_away)?.map_err(haptics_to_py)
     }
+}
+
+/// The translation out of a start in collision.
+pub fn way_out(start: Start) -> Option<core::Point> {
+    match start {
+        Start::Free => None,
+        Start::Colliding(out) => Some(out.translation),
+    }
+}
+
+fn is_away() -> PyErr {
+    raise("SessionError", "the session runs, or its run failed: stop it first, or make another".into())
 }
 
 #[pymethods]
@@ -100,45 +164,38 @@ impl HapticsSession {
         (options.proxy.margin, options.proxy.skin) = (margin, skin);
         let (scene, tool) = (scene.core(), Arc::clone(tool.core()));
         py.detach(|| find_topology(scene.mockup(), &tool, true))?;
-        let session = Session::new(scene, tool, options).map_err(haptics_to_py)?;
-        Ok(HapticsSession { session: Mutex::new(session) })
+        let session = Session::new(scene, tool.clone(), options).map_err(haptics_to_py)?;
+        Ok(HapticsSession { session: Mutex::new(Some(session)), tool })
     }
 
     /// Begins at a pose; where that is in collision, the way out: translation and kind.
     fn begin(&self, py: Python<'_>, pose: PoseArgument) -> PyResult<Option<core::Point>> {
-        let start = py.detach(|| on_pool(None, || self.session().start(&pose.0)))?.map_err(haptics_to_py)?;
-        Ok(match start {
-            Start::Free => None,
-            Start::Colliding(out) => Some(out.translation),
-        })
+        self.change(py, |session| session.start(&pose.0)).map(way_out)
     }
 
     /// One step; `None`: the device told nothing that can be.
     #[pyo3(signature = (pose, dt))]
     fn advance<'py>(&self, py: Python<'py>, pose: Option<PoseArgument>, dt: f64) -> PyResult<StepParts<'py>> {
-        let step = py.detach(|| self.session().step(pose.as_ref().map(|p| &p.0), dt)).map_err(haptics_to_py)?;
+        let step = py.detach(|| self.locked().as_mut().map(|session| session.step(pose.as_ref().map(|p| &p.0), dt)));
+        let step = step.ok_or_else(is_away)?.map_err(haptics_to_py)?;
         Ok(parts_of(py, &step))
     }
 
     /// The newest planes, nearest first.
-    fn planes<'py>(&self, py: Python<'py>) -> PlaneParts<'py> {
-        let session = self.session();
-        let planes = session.constraints().map_or(&[][..], |set| set.planes());
-        let held: Vec<u64> = session.held().map(|plane| plane.id).collect();
-        let number = |i: usize, j: usize| match j {
-            0..3 => planes[i].point[j],
-            3..6 => planes[i].normal[j - 3],
-            _ => planes[i].gap,
-        };
-        (
-            Array2::from_shape_fn((planes.len(), 7), |(i, j)| number(i, j)).into_pyarray(py),
-            PyArray1::from_iter(py, planes.iter().map(|plane| plane.part)),
-            PyArray1::from_iter(py, planes.iter().map(|plane| plane.id)),
-            PyArray1::from_iter(py, planes.iter().map(|plane| held.contains(&plane.id))),
-        )
+    fn planes<'py>(&self, py: Python<'py>) -> PyResult<PlaneParts<'py>> {
+        self.with(|session| planes_of(py, session))
     }
 
-    fn take(&self, py: Python<'_>, part: u32) -> PyResult<()> {
+    /// Another scene; where the proxy is in collision there, the way out.
+    fn swap(&self, py: Python<'_>, scene: PyRef<'_, Scene>) -> PyResult<Option<core::Point>> {
+        let scene = scene.core();
+        py.detach(|| find_topology(scene.mockup(), &self.tool, true))?;
+        let start = self.change(py, |session| session.set_scene(scene))?;
+        Ok(way_out(start))
+    }
+
+    #[pyo3(name = "take")]
+    fn grip(&self, py: Python<'_>, part: u32) -> PyResult<()> {
         self.change(py, |session| session.take(part))
     }
 
@@ -146,29 +203,30 @@ impl HapticsSession {
         self.change(py, Session::put_down)
     }
 
-    fn put_back(&self, py: Python<'_>) -> PyResult<()> {
+    #[pyo3(name = "put_back")]
+    fn put_part_back(&self, py: Python<'_>) -> PyResult<()> {
         self.change(py, Session::put_back)
     }
 
     /// The part that is held.
     #[getter]
-    fn held_part(&self) -> Option<u32> {
-        self.session().world().grip().map(|grip| grip.part)
+    fn held_part(&self) -> PyResult<Option<u32>> {
+        self.with(|session| session.world().grip().map(|grip| grip.part))
     }
 
     /// Parts that were put down elsewhere, sorted.
     #[getter]
-    fn moved_parts<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
-        let mut parts: Vec<u32> = self.session().world().moved().collect();
+    fn moved_parts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<u32>>> {
+        let mut parts: Vec<u32> = self.with(|session| session.world().moved().collect())?;
         parts.sort_unstable();
-        PyArray1::from_vec(py, parts)
+        Ok(PyArray1::from_vec(py, parts))
     }
 
     /// Motions tried in the last search for contacts, and those stopped by the cast.
     #[getter]
-    fn last_rounds(&self) -> (usize, usize) {
-        let advance = self.session().last_advance();
-        (advance.rounds, advance.stopped)
+    fn last_rounds(&self) -> PyResult<(usize, usize)> {
+        let advance = self.with(|session| session.last_advance())?;
+        Ok((advance.rounds, advance.stopped))
     }
 
     fn __reduce__(&self) -> PyResult<()> {

@@ -8,6 +8,8 @@ mod contacts;
 mod containment;
 mod errors;
 mod haptics;
+mod haptics_device;
+mod haptics_run;
 mod huge_pages;
 mod mockup;
 mod pools;
@@ -57,6 +59,10 @@ mod _core {
     use super::containment::Containment;
     #[pymodule_export]
     use super::haptics::HapticsSession;
+    #[pymodule_export]
+    use super::haptics_device::HapticsDevice;
+    #[pymodule_export]
+    use super::haptics_run::HapticsRun;
     #[pymodule_export]
     use super::mockup::Mockup;
     #[pymodule_export]

@@ -4,9 +4,12 @@
 //! ever. So has rayon's global pool, which nothing here uses. Each pool is made anew in a process that was forked since.
 
 use std::sync::atomic::{AtomicPtr, AtomicU64, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use feeler_core as core;
+use feeler_devices::machine::MonotonicClock;
+use feeler_haptics::Clock;
+use once_cell::race::OnceBox;
 use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
@@ -27,8 +30,15 @@ pub fn watch_forks() {
     }
 }
 
-fn generation() -> u64 {
+/// Of this process: another in each that was forked since.
+pub fn generation() -> u64 {
     GENERATION.load(Ordering::Relaxed)
+}
+
+/// The clock of all runs: a device that is used in several sees one time, in a forked process too.
+pub fn machine_clock() -> Arc<dyn Clock> {
+    static CLOCK: OnceBox<Arc<MonotonicClock>> = OnceBox::new();
+    CLOCK.get_or_init(|| Box::new(Arc::new(MonotonicClock::new()))).clone()
 }
 
 /// What the threads of one process share, made when first asked for, and anew in each forked process. What the process before

@@ -4,10 +4,32 @@ session = feeler.haptics.Session(scene, tool)
 session.start(pose)
 step = session.step(world_from_device, dt=0.001)
 step.force, step.torque, step.world_from_proxy
+
+session.run(feeler.haptics.open_device("haply"))
+session.view().force, session.stats().servo_lateness.p99
+session.stop()
 """
 
+from feeler.haptics import devices
 from feeler.haptics.coupling import Coupling
+from feeler.haptics.devices import open_device
 from feeler.haptics.record import Parted, replay
+from feeler.haptics.running import Distribution, Granted, Statistics, Trace, View
 from feeler.haptics.session import Planes, Session, Start, Step
 
-__all__ = ["Coupling", "Parted", "Planes", "Session", "Start", "Step", "replay"]
+__all__ = [
+    "Coupling",
+    "Distribution",
+    "Granted",
+    "Parted",
+    "Planes",
+    "Session",
+    "Start",
+    "Statistics",
+    "Step",
+    "Trace",
+    "View",
+    "devices",
+    "open_device",
+    "replay",
+]

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import astuple, dataclass
 
+from feeler.haptics.devices import Device
+
 
 @dataclass(frozen=True)
 class Coupling:
@@ -23,6 +25,13 @@ class Coupling:
     slew_n_per_s: float = 2000.0
     """Largest change of the force a second."""
     slew_nm_per_s: float = 75.0
+
+    @classmethod
+    def for_device(cls, device: Device) -> Coupling:
+        """The stiffest coupling of use that a device holds, with the tool's centre at its handle: full force at 2 mm or
+        0.05 rad, less where the device's damping, friction, resolution, rate or delay do not hold that.
+        """
+        return cls(*device._device.coupling())
 
     def as_numbers(self) -> list[float]:
         """All eight, in this order."""

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from feeler import _core
-from feeler.errors import OptionError, PoseError
+from feeler.errors import OptionError, PoseError, SessionError
 from feeler.haptics.coupling import Coupling
 from feeler.haptics.record import Recorder
+from feeler.haptics.running import Runs
 from feeler.mockup import Tool
 from feeler.scene import Scene
 
@@ -74,8 +74,8 @@ class Start:
         return self.is_free
 
 
-class Session(_core.HapticsSession):
-    """A tool held by a device, in one thread: deterministic, its clock is the `dt` of the steps.
+class Session(Runs):
+    """A tool held by a device: stepped in one thread, deterministic, its clock is the `dt` of the steps; or run.
 
     - `coupling`: how the hand is held to the tool; default `Coupling()`.
     - `margin`: what is nearer than this (metres) is a contact.
@@ -128,7 +128,7 @@ class Session(_core.HapticsSession):
         device is where the tool is free. Raises `PoseError` for what is no pose.
         """
         pose = np.array(pose, dtype=np.float64)
-        way_out = super().begin(pose)
+        way_out = super().begin(pose) if self._run is None else self._run.begin(pose)
         if self._recorder:
             self._recorder.start(pose)
         return Start(way_out is None, None if way_out is None else np.array(way_out))
@@ -161,9 +161,14 @@ class Session(_core.HapticsSession):
         chosen = self.scene.mockup.parts.select(part)
         if len(chosen) != 1:
             raise OptionError(f"{part!r} names {len(chosen)} parts: grip takes one")
-        super().take(int(chosen[0]))
+        part = int(chosen[0])
+        if self._run is None:
+            super().take(part)
+        else:
+            self._run.take(part)
+            self._held = part
         if self._recorder:
-            self._recorder.grip(int(chosen[0]))
+            self._recorder.grip(part)
 
     def release(self, *, put_back: bool = False) -> None:
         """Lets go of the part that is held: it stays where it is, a part of the scene again.
@@ -171,17 +176,33 @@ class Session(_core.HapticsSession):
         `put_back`: it goes back to its place in the mock-up instead. Raises `SessionError` where nothing is held, or
         the tool is in the part's place.
         """
+        run = self._run
         if put_back:
-            super().put_back()
+            super().put_back() if run is None else run.put_back()
         else:
-            super().put_down()
+            super().put_down() if run is None else run.put_down()
+        self._held = None
         if self._recorder:
             self._recorder.release(put_back)
 
     @property
     def gripped(self) -> int | None:
         """The part that is held, by its index in `mockup.parts`."""
-        return super().held_part
+        return super().held_part if self._run is None else self._held
+
+    def set_scene(self, scene: Scene) -> Start:
+        """Puts another scene in the place of the present one; while the session runs, between two ticks.
+
+        What is held or was put down belongs to the old one, and is gone. The tool stays where it is; where it is in
+        collision there, there is no force until the device is where it is free.
+        """
+        if not isinstance(scene, Scene):
+            raise OptionError(f"a session needs a feeler.Scene, not {type(scene).__name__}")
+        if self._recorder:
+            raise SessionError("a record is of one scene: close it first")
+        way_out = super().swap(scene) if self._run is None else self._run.set_scene(scene)
+        self.scene, self._held = scene, None
+        return Start(way_out is None, None if way_out is None else np.array(way_out))
 
     def record(self, path: str | Path) -> Recorder:
         """Writes what happens from the next start on into a file, for `replay`; `.close()` or `with` ends it."""

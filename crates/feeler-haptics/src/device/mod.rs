@@ -1,10 +1,12 @@
 //! Devices: what a hand holds. One trait for all, whatever they sense and drive.
 
+pub mod faulty;
 pub mod hand;
 pub mod mapping;
 pub mod mouse;
 mod random;
 pub mod simulated;
+pub mod steered;
 
 use feeler_core::Pose;
 
@@ -159,4 +161,22 @@ pub trait Device: Send {
 
     /// Lets go of the force, whatever else fails. Called when a session ends; also by dropping the device.
     fn release(&mut self);
+}
+
+impl<D: Device + ?Sized> Device for Box<D> {
+    fn info(&self) -> &DeviceInfo {
+        (**self).info()
+    }
+
+    fn read(&mut self, now: f64) -> Result<DeviceState, DeviceError> {
+        (**self).read(now)
+    }
+
+    fn write(&mut self, wrench: &Wrench, now: f64) -> Result<(), DeviceError> {
+        (**self).write(wrench, now)
+    }
+
+    fn release(&mut self) {
+        (**self).release();
+    }
 }

@@ -1,0 +1,84 @@
+//! What the threads hand each other, each through a triple buffer: nobody waits for anybody, and everybody has the newest.
+
+use feeler_core::Pose;
+
+use crate::constants::VIEW_PLANES;
+use crate::constraint_set::{ConstraintSet, Plane};
+use crate::screw::Wrench;
+use crate::servo::Mode;
+
+/// From the servo side to the collision side: where the device wants the tool.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Target {
+    /// `world_from_tool`.
+    pub pose: Pose,
+    /// Counts the device's states; 0: there was none yet.
+    pub number: u64,
+    /// Of which start: a target from before the last one is not followed.
+    pub start: u64,
+}
+
+/// From the collision side to the servo side.
+#[derive(Debug, Clone, Copy)]
+pub struct Handed {
+    /// The newest constraints.
+    pub set: ConstraintSet,
+    /// Whether there is a proxy; without, the constraints say nothing.
+    pub has_proxy: bool,
+    /// Counts the starts.
+    pub start: u64,
+    /// Where the tool was put by the last start, `world_from_tool`.
+    pub start_pose: Pose,
+}
+
+/// For the picture: one tick of the servo side.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct View {
+    /// Counts the ticks; 0: there was none yet.
+    pub number: u64,
+    /// When, seconds on the caller's clock.
+    pub time: f64,
+    /// Where the collision side has the proxy, `world_from_tool`: free by the exact test. Where there is none, the device's pose.
+    pub proxy: Pose,
+    /// Where the servo side has it: ahead of that, by what the last constraints allow, and not checked yet.
+    pub ahead: Pose,
+    /// Where the device wants the tool, `world_from_tool`.
+    pub device: Pose,
+    /// On the hand, world axes, at the tool frame's origin; what the device was told, but for its own bounds and soft walls.
+    pub wrench: Wrench,
+    /// Of the constraints, seconds.
+    pub age: f64,
+    /// What holds the proxy.
+    pub mode: Mode,
+    /// Buttons that are held, a bit each.
+    pub buttons: u32,
+    /// Whether the clutch is held.
+    pub is_clutched: bool,
+    pub(super) held: [Plane; VIEW_PLANES],
+    pub(super) held_count: usize,
+}
+
+impl View {
+    /// Before the first tick.
+    pub(super) fn new(pose: &Pose) -> View {
+        View {
+            number: 0,
+            time: 0.0,
+            proxy: *pose,
+            ahead: *pose,
+            device: *pose,
+            wrench: Wrench::ZERO,
+            age: 0.0,
+            mode: Mode::Doubt,
+            buttons: 0,
+            is_clutched: false,
+            held: [Plane::default(); VIEW_PLANES],
+            held_count: 0,
+        }
+    }
+
+    /// The planes that hold the proxy.
+    pub fn held(&self) -> &[Plane] {
+        &self.held[..self.held_count]
+    }
+}

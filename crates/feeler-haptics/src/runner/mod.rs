@@ -1,0 +1,413 @@
+//! A session that runs: a servo thread and a collision thread, which hand each other the newest and never wait for each other.
+//!
+//! - **Servo thread**: at absolute times it reads the device, moves the proxy by the newest constraints, and sends the force. No lock,
+//!   no allocation.
+//! - **Collision thread**: the newest target, the proxy to there, its contacts. What changes the scene (a start, a grip) is done
+//!   between two ticks; meanwhile the servo thread goes on with what it has.
+//! - **Picture**: takes a [`View`] when it wants to; nobody waits for it.
+//!
+//! What happens when one stalls: the servo side holds the proxy at the bound of the last constraints, so the hand feels drag, and
+//! lets the force go when they are older than half a second. A servo thread that stalls leaves the force to the device's own watchdog,
+//! and begins anew from zero. A device that fails, is silent or tells what cannot be gets no force, and is asked again each tick.
+//! A thread that panics ends the run, the force is let go first.
+
+mod collision_side;
+mod exchange;
+mod options;
+mod servo_side;
+mod trace;
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{channel, sync_channel, Receiver, Sender, SyncSender};
+use std::sync::Arc;
+use std::thread::{Builder, JoinHandle};
+
+use feeler_core::geometry::vectors::length;
+use feeler_core::{Pose, Scene};
+use rtrb::{Consumer, RingBuffer};
+use triple_buffer::{triple_buffer, Output};
+
+use crate::clock::Clock;
+use crate::constants::{COLLISION_REFRESH_S, COLLISION_REST_S, TRACE_TICKS};
+use crate::constraint_set::ConstraintSet;
+use crate::coupling::Coupling;
+use crate::device::mapping::Mapping;
+use crate::device::{Device, DeviceError};
+use crate::error::{Error, Result};
+use crate::session::{Session, Start};
+use crate::stability::Limitations;
+use crate::statistics::{CollisionRecord, ServoRecord, Statistics};
+use collision_side::{Answer, Command, Wish};
+use servo_side::{ServoEnds, Setting};
+
+pub use collision_side::CollisionSide;
+pub use exchange::{Handed, Target, View};
+pub use options::{MappingOptions, RunnerOptions, ThreadKind};
+pub use servo_side::ServoSide;
+pub use trace::TraceTick;
+
+/// A run that did not begin: why, and what it was to begin with.
+pub struct Refused {
+    /// Why.
+    pub error: Error,
+    /// As it was.
+    pub session: Option<Session>,
+    /// As it was.
+    pub device: Option<Box<dyn Device>>,
+}
+
+/// What a run leaves.
+pub struct Stopped {
+    /// To be stepped or run again, the proxy where it was; `None` where the collision thread panicked.
+    pub session: Option<Session>,
+    /// Released; `None` where the servo thread panicked.
+    pub device: Option<Box<dyn Device>>,
+    /// Of the whole run.
+    pub statistics: Statistics,
+    /// Why it ended by itself, if it did.
+    pub error: Option<Error>,
+    /// Why the device failed the last time, if it did.
+    pub device_error: Option<DeviceError>,
+    /// Why the last search for contacts that failed did.
+    pub collision_error: Option<Error>,
+}
+
+/// What can be seen of a run by a third thread.
+pub struct Watch {
+    views: Output<View>,
+    servo: Output<ServoRecord>,
+    collision: Output<CollisionRecord>,
+    trace: Consumer<TraceTick>,
+}
+
+impl Watch {
+    /// The newest tick.
+    pub fn view(&mut self) -> &View {
+        self.views.read()
+    }
+
+    /// As of a tenth of a second ago at most.
+    pub fn statistics(&mut self) -> Statistics {
+        Statistics::of(self.servo.read(), self.collision.read())
+    }
+
+    /// Every tick since the last call, up to four seconds at 1 kHz: older ones are kept, newer ones lost.
+    pub fn trace(&mut self) -> Vec<TraceTick> {
+        let mut ticks = Vec::with_capacity(self.trace.slots());
+        while let Ok(tick) = self.trace.pop() {
+            ticks.push(tick);
+        }
+        ticks
+    }
+}
+
+/// Both sides of a session, connected, without threads: who wants to may drive them by hand.
+pub struct Sides {
+    /// What the collision thread does.
+    pub collision: CollisionSide,
+    /// What the servo thread does.
+    pub servo: ServoSide,
+    /// What others see.
+    pub watch: Watch,
+}
+
+impl Sides {
+    /// Of a session that is started, and a device. Errors: not started, an option out of its range.
+    pub fn new(mut session: Session, device: Box<dyn Device>, options: &RunnerOptions) -> Result<Sides, Box<Refused>> {
+        let refused =
+            |error, session, device| Box::new(Refused { error, session: Some(session), device: Some(device) });
+        let Some(pose) = session.pose().copied() else { return Err(refused(Error::NotStarted, session, device)) };
+        let MappingOptions { scale, world_from_device, is_absolute, clutch_button } = options.mapping;
+        let mapping =
+            options.check().and_then(|()| Mapping::new(device.info(), scale, &world_from_device, clutch_button));
+        let mapping = match mapping {
+            Ok(mapping) => mapping,
+            Err(error) => return Err(refused(error, session, device)),
+        };
+        let (wanted, centre) = (session.options().coupling, session.centre());
+        let (coupling, limitations) = wanted.limited_at(&mapping.info_in_world(), options.rate_hz, length(&centre));
+        // What nearest means is for the springs that are felt.
+        session.set_coupling(coupling);
+        let proxy_options = session.options().proxy;
+        let set = match session.constraints() {
+            Some(set) => *set,
+            None => {
+                let pull = [proxy_options.pull_m, proxy_options.pull_rad];
+                ConstraintSet::new(pose, session.metric(), proxy_options.skin, 0.0, pull)
+            }
+        };
+        let (targets_in, targets_out) = triple_buffer(&Target { pose, number: 0, start: 0 });
+        let has_proxy = session.constraints().is_some();
+        let (sets_in, sets_out) = triple_buffer(&Handed { set, has_proxy, start: 0, start_pose: pose });
+        let (views_in, views) = triple_buffer(&View::new(&pose));
+        let (servo_in, servo_records) = triple_buffer(&ServoRecord::default());
+        let (collision_in, collision_records) = triple_buffer(&CollisionRecord::default());
+        let (trace_in, trace) = RingBuffer::new(TRACE_TICKS);
+        let ends =
+            ServoEnds { targets: targets_in, sets: sets_out, views: views_in, records: servo_in, trace: trace_in };
+        let rate_hz = options.rate_hz;
+        let setting = Setting { mapping, is_absolute, coupling, limitations, centre, start_pose: pose, rate_hz };
+        let servo = match ServoSide::new(device, setting, ends) {
+            Ok(servo) => servo,
+            Err((error, device)) => {
+                session.set_coupling(wanted);
+                return Err(refused(error, session, device));
+            }
+        };
+        let collision = CollisionSide::new(session, wanted, pose, targets_out, sets_in, collision_in);
+        let watch = Watch { views, servo: servo_records, collision: collision_records, trace };
+        Ok(Sides { collision, servo, watch })
+    }
+}
+
+/// Ends both threads when it is dropped, however its own ends.
+struct Ending(Arc<AtomicBool>);
+
+impl Drop for Ending {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Release);
+    }
+}
+
+/// See the [module](self). Dropping it stops the run.
+pub struct Runner {
+    is_over: Arc<AtomicBool>,
+    commands: Sender<Command>,
+    watch: Watch,
+    servo: Option<JoinHandle<Option<ServoSide>>>,
+    collision: Option<JoinHandle<Option<CollisionSide>>>,
+    coupling: Coupling,
+    limitations: Limitations,
+}
+
+impl Runner {
+    /// Begins. The session must be started. Unless the mapping is absolute, the tool stays where it is, with the handle where it is.
+    pub fn start(
+        session: Session,
+        device: Box<dyn Device>,
+        clock: Arc<dyn Clock>,
+        options: &RunnerOptions,
+    ) -> Result<Runner, Box<Refused>> {
+        let Sides { collision, servo, watch } = Sides::new(session, device, options)?;
+        let (coupling, limitations) = servo.coupling();
+        let (coupling, limitations) = (*coupling, *limitations);
+        let is_over = Arc::new(AtomicBool::new(false));
+        let (commands, asked) = channel();
+        // The threads are given their sides when both are there, so that nothing is lost where one cannot be had.
+        let (servo_in, servo_out) = sync_channel::<ServoSide>(1);
+        let (collision_in, collision_out) = sync_channel::<CollisionSide>(1);
+        let (ready, has_begun) = sync_channel::<()>(2);
+        let both = (|| {
+            let (over, own, its_clock, begun) = (is_over.clone(), options.clone(), clock.clone(), ready.clone());
+            let servo = thread("feeler-servo", move || {
+                let _ending = Ending(over.clone());
+                begin(&own, ThreadKind::Servo, begun);
+                let side = servo_out.recv().ok()?;
+                Some(run_servo(side, &over, &*its_clock, &own))
+            })?;
+            let (over, own) = (is_over.clone(), options.clone());
+            let collision = thread("feeler-collision", move || {
+                let _ending = Ending(over.clone());
+                begin(&own, ThreadKind::Collision, ready);
+                let side = collision_out.recv().ok()?;
+                Some(run_collision(side, &over, &*clock, &own, &asked))
+            })?;
+            Ok((servo, collision))
+        })();
+        let (servo_thread, collision_thread) = match both {
+            Ok(both) => both,
+            Err(error) => {
+                let session = Some(collision.into_session());
+                return Err(Box::new(Refused { error, session, device: servo.into_device() }));
+            }
+        };
+        // Until both have done what is to be done at their start, or one has gone by it.
+        for _ in 0..2 {
+            let _ = has_begun.recv();
+        }
+        // The threads wait for these; where one has gone already, joining it says so.
+        let _ = collision_in.send(collision);
+        let _ = servo_in.send(servo);
+        let (servo, collision) = (Some(servo_thread), Some(collision_thread));
+        Ok(Runner { is_over, commands, watch, servo, collision, coupling, limitations })
+    }
+
+    /// Whether both threads are at work. One that panicked ends both.
+    pub fn is_running(&self) -> bool {
+        !self.is_over.load(Ordering::Acquire)
+    }
+
+    /// What can be seen of the run.
+    pub fn watch(&mut self) -> &mut Watch {
+        &mut self.watch
+    }
+
+    /// The coupling in use: what the device holds of the session's.
+    pub fn coupling(&self) -> &Coupling {
+        &self.coupling
+    }
+
+    /// What the device took away of it.
+    pub fn limitations(&self) -> &Limitations {
+        &self.limitations
+    }
+
+    fn ask(&self, wish: Wish) -> Result<Answer> {
+        let (reply, answer) = sync_channel(1);
+        self.commands.send(Command { wish, reply }).map_err(|_| Error::Ended)?;
+        answer.recv().map_err(|_| Error::Ended)?
+    }
+
+    /// Begins anew at a pose, as [`Session::start`]: the handle where it is means that pose from now on, unless the mapping is absolute.
+    pub fn begin(&self, pose: &Pose) -> Result<Start> {
+        self.ask_for_start(Wish::Start(*pose))
+    }
+
+    /// Puts another scene in the place of the present one: what is held or was put down belongs to that one and is gone. The proxy stays
+    /// where it is; where that is in collision there is no force until the device is where it is free.
+    pub fn set_scene(&self, scene: Arc<Scene>) -> Result<Start> {
+        self.ask_for_start(Wish::Scene(scene))
+    }
+
+    fn ask_for_start(&self, wish: Wish) -> Result<Start> {
+        match self.ask(wish)? {
+            Answer::Started(start) => Ok(start),
+            Answer::Done => Ok(Start::Free),
+        }
+    }
+
+    /// As [`Session::take`].
+    pub fn take(&self, part: u32) -> Result<()> {
+        self.ask(Wish::Take(part)).map(|_| ())
+    }
+
+    /// As [`Session::put_down`].
+    pub fn put_down(&self) -> Result<()> {
+        self.ask(Wish::PutDown).map(|_| ())
+    }
+
+    /// As [`Session::put_back`].
+    pub fn put_back(&self) -> Result<()> {
+        self.ask(Wish::PutBack).map(|_| ())
+    }
+
+    /// Lets go of the force, then ends the threads.
+    pub fn stop(mut self) -> Stopped {
+        self.end()
+    }
+
+    fn end(&mut self) -> Stopped {
+        self.is_over.store(true, Ordering::Release);
+        let mut error = None;
+        let mut ended = |thread: &'static str| {
+            error = Some(Error::Panicked { thread });
+        };
+        // The servo thread lets go as soon as it wakes; the collision thread may have a search to finish.
+        let servo = match self.servo.take().map(JoinHandle::join) {
+            Some(Ok(side)) => side,
+            Some(Err(_)) => {
+                ended("servo");
+                None
+            }
+            None => None,
+        };
+        let (device_error, device) = match servo {
+            Some(side) => (side.last_error().cloned(), side.into_device()),
+            None => (None, None),
+        };
+        let collision = match self.collision.take().map(JoinHandle::join) {
+            Some(Ok(side)) => side,
+            Some(Err(_)) => {
+                ended("collision");
+                None
+            }
+            None => None,
+        };
+        let (collision_error, session) = match collision {
+            Some(side) => (side.last_error().cloned(), Some(side.into_session())),
+            None => (None, None),
+        };
+        let statistics = self.watch.statistics();
+        Stopped { session, device, statistics, error, device_error, collision_error }
+    }
+}
+
+impl Drop for Runner {
+    fn drop(&mut self) {
+        if self.servo.is_some() || self.collision.is_some() {
+            self.end();
+        }
+    }
+}
+
+fn thread<T: Send + 'static>(name: &str, work: impl FnOnce() -> T + Send + 'static) -> Result<JoinHandle<T>> {
+    Builder::new().name(name.into()).spawn(work).map_err(|error| Error::Thread { why: error.to_string() })
+}
+
+/// Of a thread, before its first tick.
+fn begin(options: &RunnerOptions, kind: ThreadKind, begun: SyncSender<()>) {
+    (options.on_thread_start)(kind);
+    // Who waits for it is there.
+    let _ = begun.send(());
+}
+
+/// How long something took: in the thread's own time where the clock tells it.
+fn timed(clock: &dyn Clock, work: impl FnOnce()) -> f64 {
+    let time = || clock.thread_time().unwrap_or_else(|| clock.now());
+    let before = time();
+    work();
+    time() - before
+}
+
+fn run_servo(mut side: ServoSide, is_over: &AtomicBool, clock: &dyn Clock, options: &RunnerOptions) -> ServoSide {
+    let period = 1.0 / options.rate_hz;
+    let mut due = clock.now();
+    loop {
+        if is_over.load(Ordering::Acquire) {
+            side.release();
+            return side;
+        }
+        let now = clock.now();
+        let late = (now - due).max(0.0);
+        let took = timed(clock, || side.tick(now));
+        let misses = (late / period).floor();
+        side.took(late, took, misses as u64, now);
+        due += (misses + 1.0) * period;
+        clock.sleep_until(due);
+    }
+}
+
+fn run_collision(
+    mut side: CollisionSide,
+    is_over: &AtomicBool,
+    clock: &dyn Clock,
+    options: &RunnerOptions,
+    commands: &Receiver<Command>,
+) -> CollisionSide {
+    let (mut last, mut due) = (f64::NEG_INFINITY, clock.now());
+    while !is_over.load(Ordering::Acquire) {
+        while let Ok(Command { wish, reply }) = commands.try_recv() {
+            let (mut wish, mut answer) = (Some(wish), Err(Error::Ended));
+            (options.around_work)(&mut || {
+                if let Some(wish) = wish.take() {
+                    answer = side.apply(wish);
+                }
+            });
+            // Who asked may have gone.
+            let _ = reply.send(answer);
+        }
+        let now = clock.now();
+        if options.collision_hz.is_none() && !side.has_news() && now - last < COLLISION_REFRESH_S {
+            clock.sleep_until(now + COLLISION_REST_S);
+            continue;
+        }
+        let took = timed(clock, || side.tick(now));
+        side.took(took, now);
+        last = now;
+        if let Some(hz) = options.collision_hz {
+            due = (due + 1.0 / hz).max(clock.now());
+            clock.sleep_until(due);
+        }
+    }
+    side
+}

@@ -1,0 +1,282 @@
+//! The servo side: device, mapping, the newest constraints, force. Without a thread or a clock of its own; takes no lock, and
+//! allocates nothing unless the device fails.
+
+use feeler_core::{Point, Pose};
+use rtrb::Producer;
+use triple_buffer::{Input, Output};
+
+use super::exchange::{Handed, Target, View};
+use super::trace::TraceTick;
+use crate::constants::{SILENT_PERIODS, SILENT_S, STATISTICS_PERIOD_S, VIEW_PLANES};
+use crate::coupling::Coupling;
+use crate::device::mapping::{Mapped, Mapping};
+use crate::device::{Device, DeviceError, DeviceState};
+use crate::error::{Error, Result};
+use crate::screw::Wrench;
+use crate::servo::{Mode, Servo, ServoInput, ServoOutput};
+use crate::stability::Limitations;
+use crate::statistics::ServoRecord;
+
+/// Lets go of the force whatever happens: also where the thread that has it panics.
+pub(super) struct Held(Option<Box<dyn Device>>);
+
+impl Drop for Held {
+    fn drop(&mut self) {
+        if let Some(device) = &mut self.0 {
+            device.release();
+        }
+    }
+}
+
+/// The ends of the buffers that the servo side has.
+pub(super) struct ServoEnds {
+    pub targets: Input<Target>,
+    pub sets: Output<Handed>,
+    pub views: Input<View>,
+    pub records: Input<ServoRecord>,
+    pub trace: Producer<TraceTick>,
+}
+
+/// What a servo side is to do.
+pub(super) struct Setting {
+    pub mapping: Mapping,
+    pub is_absolute: bool,
+    /// As the device holds it, and what was taken away for that.
+    pub coupling: Coupling,
+    pub limitations: Limitations,
+    /// Where its springs act, tool frame.
+    pub centre: Point,
+    pub start_pose: Pose,
+    pub rate_hz: f64,
+}
+
+/// See the [module](self).
+pub struct ServoSide {
+    device: Held,
+    mapping: Mapping,
+    /// Where the device is in the world is as given, and a start does not change it.
+    is_absolute: bool,
+    /// Where the tool is to be with the handle where it is told next.
+    index_at: Option<Pose>,
+    servo: Servo,
+    limitations: Limitations,
+    ends: ServoEnds,
+    record: ServoRecord,
+    recorded: f64,
+    period: f64,
+    silent_s: f64,
+    start: u64,
+    target: Target,
+    last: Option<f64>,
+    last_error: Option<DeviceError>,
+}
+
+impl ServoSide {
+    /// Errors where the coupling is out of its ranges at the rate; the device comes back.
+    pub(super) fn new(
+        device: Box<dyn Device>,
+        setting: Setting,
+        ends: ServoEnds,
+    ) -> std::result::Result<ServoSide, (Error, Box<dyn Device>)> {
+        let Setting { mapping, is_absolute, coupling, limitations, centre, start_pose, rate_hz } = setting;
+        let info = mapping.info_in_world();
+        let servo = match Servo::new(coupling, info.driven, &info.limits, rate_hz, centre) {
+            Ok(servo) => servo,
+            Err(error) => return Err((error, device)),
+        };
+        let between = if info.limits.rate_hz > 0.0 { 1.0 / info.limits.rate_hz } else { 0.0 };
+        Ok(ServoSide {
+            device: Held(Some(device)),
+            mapping,
+            is_absolute,
+            index_at: (!is_absolute).then_some(start_pose),
+            servo,
+            limitations,
+            ends,
+            record: ServoRecord::default(),
+            recorded: f64::NEG_INFINITY,
+            period: 1.0 / rate_hz,
+            silent_s: SILENT_S.max(SILENT_PERIODS * between),
+            start: 0,
+            target: Target { pose: start_pose, number: 0, start: 0 },
+            last: None,
+            last_error: None,
+        })
+    }
+
+    /// The coupling in use, and what the device took away of the wanted one.
+    pub fn coupling(&self) -> (&Coupling, &Limitations) {
+        (self.servo.coupling(), &self.limitations)
+    }
+
+    /// Why the device last failed.
+    pub fn last_error(&self) -> Option<&DeviceError> {
+        self.last_error.as_ref()
+    }
+
+    /// One tick.
+    pub fn tick(&mut self, now: f64) {
+        let dt = self.last.map_or(self.period, |last| now - last);
+        if self.last.replace(now).is_none() {
+            // What the session had found stands until the collision side has looked; its time is on another clock.
+            self.ends.sets.output_buffer_mut().set.time = now;
+        }
+        self.ends.sets.update();
+        self.follow_starts();
+        let mapped = self.read(now);
+        if let Some(mapped) = &mapped {
+            let Target { number, .. } = self.target;
+            self.target = Target { pose: mapped.world_from_tool, number: number + 1, start: self.start };
+            *self.ends.targets.input_buffer_mut() = self.target;
+            self.ends.targets.publish();
+        }
+        let is_clutched = mapped.is_some_and(|mapped| mapped.is_clutched);
+        let output = self.answer(mapped.as_ref(), now, dt);
+        self.write(&output, now);
+        self.show(&output, mapped.as_ref(), is_clutched, now);
+        self.count(&output, now);
+    }
+
+    /// A start puts the tool elsewhere: the handle where it is means that place from now on.
+    fn follow_starts(&mut self) {
+        let handed = self.ends.sets.output_buffer();
+        if handed.start != self.start {
+            self.start = handed.start;
+            self.index_at = (!self.is_absolute).then_some(handed.start_pose);
+            self.target.pose = handed.start_pose;
+            self.servo.let_go();
+        }
+    }
+
+    /// What the device tells, in the world; `None` where it tells nothing that can be believed.
+    fn read(&mut self, now: f64) -> Option<Mapped> {
+        let read = self.device.0.as_mut()?.read(now);
+        let state = match read {
+            Ok(state) => state,
+            Err(error) => {
+                self.fail(error);
+                return None;
+            }
+        };
+        if !self.is_credible(&state, now) {
+            return None;
+        }
+        let mapped: Result<Mapped> = match self.index_at.take() {
+            Some(pose) => self.mapping.update(&state).and_then(|_| {
+                self.mapping.set_tool(&pose);
+                self.mapping.update(&state)
+            }),
+            None => self.mapping.update(&state),
+        };
+        mapped.ok()
+    }
+
+    /// Whether it is new enough, and all of it a number.
+    fn is_credible(&self, state: &DeviceState, now: f64) -> bool {
+        let is_new = now - state.time <= self.silent_s;
+        is_new && state.twist.is_none_or(|twist| twist.is_finite())
+    }
+
+    fn answer(&mut self, mapped: Option<&Mapped>, now: f64, dt: f64) -> ServoOutput {
+        let handed = self.ends.sets.output_buffer();
+        let device = mapped.map_or(self.target.pose, |mapped| mapped.world_from_tool);
+        if !handed.has_proxy {
+            self.servo.let_go();
+            let mode = if mapped.is_some() { Mode::Colliding } else { Mode::Doubt };
+            return ServoOutput { wrench: Wrench::ZERO, proxy: device, age: 0.0, mode };
+        }
+        // A clutch is no doubt, but it has no force either.
+        let in_doubt = mapped.is_none_or(|mapped| mapped.is_clutched);
+        let device_twist = mapped.and_then(|mapped| mapped.twist);
+        let mut output = self.servo.tick(&handed.set, &ServoInput { device, device_twist, now, dt, in_doubt });
+        if mapped.is_none() {
+            // Velocities over a gap are none.
+            self.servo.let_go();
+            output.mode = Mode::Doubt;
+        }
+        output
+    }
+
+    /// In doubt nothing is sent but zero, not even a soft wall.
+    fn write(&mut self, output: &ServoOutput, now: f64) {
+        let wrench = match output.mode {
+            Mode::Doubt => Wrench::ZERO,
+            _ => self.mapping.wrench_on_hand(&output.wrench),
+        };
+        if let Some(Err(error)) = self.device.0.as_mut().map(|device| device.write(&wrench, now)) {
+            self.fail(error);
+            self.servo.let_go();
+        }
+    }
+
+    fn fail(&mut self, error: DeviceError) {
+        self.record.device_errors += 1;
+        self.last_error = Some(error);
+    }
+
+    /// Writes the view in place, and a tick of the trace if there is room.
+    fn show(&mut self, output: &ServoOutput, mapped: Option<&Mapped>, is_clutched: bool, now: f64) {
+        let handed = self.ends.sets.output_buffer();
+        let device = self.target.pose;
+        let proxy = if handed.has_proxy { handed.set.taken_at } else { device };
+        let view = self.ends.views.input_buffer_mut();
+        view.number = self.record.ticks + 1;
+        (view.time, view.proxy, view.ahead, view.device) = (now, proxy, output.proxy, device);
+        (view.wrench, view.age, view.mode) = (output.wrench, output.age, output.mode);
+        (view.buttons, view.is_clutched) = (mapped.map_or(0, |mapped| mapped.held), is_clutched);
+        view.held_count = 0;
+        if handed.has_proxy {
+            let held = self.servo.held();
+            for plane in handed.set.planes().iter().filter(|plane| held.contains(&plane.id)).take(VIEW_PLANES) {
+                view.held[view.held_count] = *plane;
+                view.held_count += 1;
+            }
+        }
+        self.ends.views.publish();
+        let (wrench, mode) = (output.wrench, output.mode);
+        let tick = TraceTick { time: now, device, proxy, wrench, mode, has_device: mapped.is_some() };
+        if self.ends.trace.push(tick).is_err() {
+            self.record.trace_lost += 1;
+        }
+    }
+
+    fn count(&mut self, output: &ServoOutput, now: f64) {
+        let record = &mut self.record;
+        let first = if record.ticks == 0 { now } else { record.span[0] };
+        record.span = [first, now];
+        record.ticks += 1;
+        record.doubts += u64::from(output.mode == Mode::Doubt);
+        record.age.record(output.age);
+    }
+
+    /// Counts how late the last tick began, how long it took (seconds), and how many were left out.
+    pub fn took(&mut self, lateness: f64, seconds: f64, misses: u64, now: f64) {
+        let record = &mut self.record;
+        record.lateness.record(lateness);
+        record.tick.record(seconds);
+        record.misses += misses;
+        if now - self.recorded >= STATISTICS_PERIOD_S {
+            self.recorded = now;
+            self.publish_record();
+        }
+    }
+
+    fn publish_record(&mut self) {
+        self.ends.records.input_buffer_mut().copy_from(&self.record);
+        self.ends.records.publish();
+    }
+
+    /// Lets go of the force, for good.
+    pub fn release(&mut self) {
+        if let Some(device) = &mut self.device.0 {
+            device.release();
+        }
+        self.publish_record();
+    }
+
+    /// Lets go of the force, and gives the device back.
+    pub(super) fn into_device(mut self) -> Option<Box<dyn Device>> {
+        self.release();
+        self.device.0.take()
+    }
+}

@@ -1,0 +1,23 @@
+//! What happened in each tick of a run, through a queue of fixed length that the servo side never waits for.
+
+use feeler_core::Pose;
+
+use crate::screw::Wrench;
+use crate::servo::Mode;
+
+/// One tick of the servo side.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TraceTick {
+    /// Seconds on the caller's clock.
+    pub time: f64,
+    /// Where the device wanted the tool, `world_from_tool`; the last place it told where it told none.
+    pub device: Pose,
+    /// Where the collision side had the proxy, `world_from_tool`.
+    pub proxy: Pose,
+    /// On the hand, world axes, at the tool frame's origin.
+    pub wrench: Wrench,
+    /// What held the proxy.
+    pub mode: Mode,
+    /// Whether the device told something that can be believed.
+    pub has_device: bool,
+}

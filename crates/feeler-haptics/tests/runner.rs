@@ -1,0 +1,251 @@
+//! Runs with real threads. Nothing here depends on how fast the machine is: what is asserted holds at every tick, whenever it comes.
+
+mod common;
+
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+use common::*;
+use feeler_core::geometry::vectors::length;
+use feeler_core::{Mockup, Scene, SceneOptions};
+use feeler_haptics::device::mouse::Mouse;
+use feeler_haptics::device::steered::steered;
+use feeler_haptics::device::{Device, DeviceError, DeviceInfo, DeviceState};
+use feeler_haptics::runner::{MappingOptions, RunnerOptions, Stopped, ThreadKind, View};
+use feeler_haptics::screw::Wrench;
+use feeler_haptics::{Clock, Error, Mode, Runner, SessionOptions, Start};
+use feeler_shapes::box_mesh;
+
+struct RealClock(Instant);
+
+impl Clock for RealClock {
+    fn now(&self) -> f64 {
+        self.0.elapsed().as_secs_f64()
+    }
+
+    fn sleep_until(&self, time: f64) {
+        let left = time - self.now();
+        if left > 0.0 {
+            std::thread::sleep(Duration::from_secs_f64(left));
+        }
+    }
+}
+
+/// As a session has them that is made with the defaults.
+fn options_of_a_session() -> SessionOptions {
+    *started(plate(), SessionOptions::default()).options()
+}
+
+fn clock() -> Arc<dyn Clock> {
+    Arc::new(RealClock(Instant::now()))
+}
+
+fn run(device: impl Device + 'static, options: &RunnerOptions) -> Runner {
+    let session = started(plate(), SessionOptions::default());
+    Runner::start(session, Box::new(device), clock(), options).map_err(|refused| refused.error).unwrap()
+}
+
+/// Waits until a view is as wanted, or the run has ended; asserts what holds of every view.
+fn until(runner: &mut Runner, is_wanted: impl Fn(&View) -> bool) -> View {
+    let most = runner.coupling().max_force_n * (1.0 + 1e-9);
+    loop {
+        let view = *runner.watch().view();
+        assert!(length(&view.wrench.force) <= most, "{view:?}");
+        if view.number > 0 && is_wanted(&view) || !runner.is_running() {
+            return view;
+        }
+        std::thread::sleep(Duration::from_micros(300));
+    }
+}
+
+#[test]
+fn a_run_pushes_on_a_plate_and_ends_when_it_is_told() {
+    let kinds = Arc::new(Mutex::new(Vec::new()));
+    let told = kinds.clone();
+    let options = RunnerOptions {
+        on_thread_start: Arc::new(move |kind| told.lock().unwrap().push(kind)),
+        ..RunnerOptions::default()
+    };
+    let (world, tool) = (plate(), block());
+    let mut runner = run(device(pushing()), &options);
+    for _ in 0..50 {
+        let pressed = until(&mut runner, |view| view.mode == Mode::Contact && length(&view.wrench.force) > 1.0);
+        assert!(!world.is_colliding(&tool, &pressed.proxy));
+        assert!(pressed.held().iter().all(|plane| plane.normal[2] > 0.9));
+    }
+    let trace = runner.watch().trace();
+    assert!(trace.windows(2).all(|two| two[0].time < two[1].time));
+    assert!(trace.iter().all(|tick| !world.is_colliding(&tool, &tick.proxy)));
+    let Stopped { session, device, statistics, error, .. } = runner.stop();
+    assert_eq!(error, None);
+    assert!(device.is_some());
+    // As it was made, whatever the device held of it.
+    assert_eq!(session.as_ref().map(|session| *session.options()), Some(options_of_a_session()));
+    assert!(statistics.ticks >= trace.len() as u64 && statistics.sets > 0);
+    assert_eq!(statistics.servo_tick.count, statistics.ticks);
+    assert_eq!(statistics.collision_tick.count, statistics.sets);
+    let mut kinds = kinds.lock().unwrap().clone();
+    kinds.sort_by_key(|kind| *kind == ThreadKind::Collision);
+    assert_eq!(kinds, [ThreadKind::Servo, ThreadKind::Collision]);
+    // It goes on by steps from where it was.
+    let mut session = session.unwrap();
+    let pose = *session.pose().unwrap();
+    let step = session.step(Some(&pose), 1e-3).unwrap();
+    assert!(step.age == 0.0 && step.mode != Mode::Doubt, "{step:?}");
+}
+
+/// Says whether it was released, and panics at a tick.
+struct Panics<D> {
+    device: D,
+    at: u32,
+    is_released: Arc<AtomicBool>,
+    last_written: Arc<AtomicU32>,
+}
+
+impl<D: Device> Device for Panics<D> {
+    fn info(&self) -> &DeviceInfo {
+        self.device.info()
+    }
+
+    fn read(&mut self, now: f64) -> Result<DeviceState, DeviceError> {
+        let ticks = self.last_written.fetch_add(1, Ordering::SeqCst);
+        assert!(ticks < self.at, "a fault made on purpose");
+        self.device.read(now)
+    }
+
+    fn write(&mut self, wrench: &Wrench, now: f64) -> Result<(), DeviceError> {
+        assert!(!self.is_released.load(Ordering::SeqCst), "written to after the release");
+        self.device.write(wrench, now)
+    }
+
+    fn release(&mut self) {
+        self.is_released.store(true, Ordering::SeqCst);
+        self.device.release();
+    }
+}
+
+fn panicking(at: u32) -> (impl Device, Arc<AtomicBool>) {
+    let is_released = Arc::new(AtomicBool::new(false));
+    let device =
+        Panics { device: device(pushing()), at, is_released: is_released.clone(), last_written: Arc::default() };
+    (device, is_released)
+}
+
+#[test]
+fn a_servo_thread_that_panics_lets_go_and_ends_the_run_with_an_error() {
+    let (device, is_released) = panicking(100);
+    let mut runner = run(device, &RunnerOptions::default());
+    until(&mut runner, |_| false);
+    assert!(is_released.load(Ordering::SeqCst));
+    let Stopped { session, device, error, .. } = runner.stop();
+    assert_eq!(error, Some(Error::Panicked { thread: "servo" }));
+    assert!(session.is_some() && device.is_none());
+}
+
+#[test]
+fn a_collision_thread_that_panics_lets_go_and_ends_the_run_with_an_error() {
+    let (device, is_released) = panicking(u32::MAX);
+    let options =
+        RunnerOptions { around_work: Arc::new(|_| panic!("a fault made on purpose")), ..RunnerOptions::default() };
+    let mut runner = run(device, &options);
+    assert_eq!(runner.put_down(), Err(Error::Ended));
+    until(&mut runner, |_| false);
+    let Stopped { session, device, error, .. } = runner.stop();
+    assert!(is_released.load(Ordering::SeqCst));
+    assert_eq!(error, Some(Error::Panicked { thread: "collision" }));
+    assert!(session.is_none() && device.is_some());
+}
+
+#[test]
+fn stopping_and_dropping_release_the_device() {
+    for drops in [false, true] {
+        let (device, is_released) = panicking(u32::MAX);
+        let mut runner = run(device, &RunnerOptions::default());
+        until(&mut runner, |view| view.number > 20);
+        if drops {
+            drop(runner);
+        } else {
+            runner.stop();
+        }
+        assert!(is_released.load(Ordering::SeqCst));
+    }
+}
+
+#[test]
+fn a_mouse_is_steered_and_a_start_puts_the_tool_elsewhere() {
+    let (mouse, mut steering) = steered(Mouse::new(at([0.0; 3], [0.0; 3])), at([0.0; 3], [0.0; 3]));
+    let mut runner = run(mouse, &RunnerOptions::default());
+    steering.set_target(at([0.0, 0.0, -0.02], [0.0; 3]));
+    until(&mut runner, |view| view.mode == Mode::Contact && view.device.translation()[2] < 0.015);
+    // The handle stays 20 mm below where it began, the tool is 0.1 m above the plate.
+    assert_eq!(runner.begin(&at([0.0, 0.0, 0.1], [0.0; 3])), Ok(Start::Free));
+    let view = until(&mut runner, |view| view.mode == Mode::Free && view.proxy.translation()[2] > 0.09);
+    assert!((view.device.translation()[2] - 0.1).abs() < 0.01, "{view:?}");
+    steering.set_target(at([0.0, 0.0, -0.2], [0.0; 3]));
+    until(&mut runner, |view| view.mode == Mode::Contact);
+    assert!(matches!(runner.begin(&at([0.0; 3], [0.0; 3])), Ok(Start::Colliding(_))));
+    until(&mut runner, |view| view.mode == Mode::Colliding);
+}
+
+#[test]
+fn an_absolute_mapping_has_the_tool_where_the_handle_is() {
+    let place = at([0.01, 0.02, 0.05], [0.0; 3]);
+    let (mouse, _steering) = steered(Mouse::new(place), place);
+    let mapping = MappingOptions { is_absolute: true, ..MappingOptions::default() };
+    let mut runner = run(mouse, &RunnerOptions { mapping, ..RunnerOptions::default() });
+    until(&mut runner, |view| view.proxy == place);
+    assert!(runner.is_running());
+}
+
+#[test]
+fn parts_are_taken_and_scenes_swapped_while_it_runs() {
+    // A plate, and a small box beside where the block is.
+    let (mut vertices, mut faces) = box_mesh([0.0, 0.0, -0.01], [0.4, 0.4, 0.02], 1);
+    let (more, its) = box_mesh([0.1, 0.0, 0.03], [0.02; 3], 1);
+    let mut parts = vec![0; faces.len()];
+    parts.extend(std::iter::repeat_n(1, its.len()));
+    faces.extend(its.iter().map(|face| face.map(|v| v + vertices.len() as u32)));
+    vertices.extend(more);
+    let mockup = Arc::new(Mockup::new(vertices, faces, parts, 2).unwrap());
+    let scene = Arc::new(Scene::build(mockup, &SceneOptions::default(), &|_, _| true).unwrap());
+    let session = started(scene, SessionOptions::default());
+    let runner = Runner::start(session, Box::new(device(pushing())), clock(), &RunnerOptions::default());
+    let mut runner = runner.map_err(|refused| refused.error).unwrap();
+    until(&mut runner, |view| view.mode == Mode::Contact);
+    assert_eq!(runner.take(1), Ok(()));
+    assert_eq!(runner.take(0), Err(Error::HoldsAlready { part: 1 }));
+    assert_eq!(runner.put_down(), Ok(()));
+    assert_eq!(runner.put_down(), Err(Error::HoldsNothing));
+    assert!(matches!(runner.take(7), Err(Error::Core(_))));
+    assert_eq!(runner.set_scene(sheet()), Ok(Start::Free));
+    until(&mut runner, |view| view.mode == Mode::Contact);
+    let session = runner.stop().session.unwrap();
+    assert_eq!(session.world().environment().bodies.len(), 1);
+}
+
+#[test]
+fn what_cannot_run_comes_back() {
+    let unstarted = feeler_haptics::Session::new(plate(), block(), SessionOptions::default()).unwrap();
+    let refused = Runner::start(unstarted, Box::new(device(pushing())), clock(), &RunnerOptions::default());
+    assert!(matches!(refused.err().unwrap().error, Error::NotStarted));
+    let bad = [
+        RunnerOptions { rate_hz: 0.0, ..RunnerOptions::default() },
+        RunnerOptions { rate_hz: f64::NAN, ..RunnerOptions::default() },
+        RunnerOptions { collision_hz: Some(-1.0), ..RunnerOptions::default() },
+        RunnerOptions {
+            mapping: MappingOptions { scale: 0.0, ..MappingOptions::default() },
+            ..RunnerOptions::default()
+        },
+        RunnerOptions {
+            mapping: MappingOptions { clutch_button: Some(9), ..MappingOptions::default() },
+            ..RunnerOptions::default()
+        },
+    ];
+    for options in bad {
+        let session = started(plate(), SessionOptions::default());
+        let refused = Runner::start(session, Box::new(device(pushing())), clock(), &options).err().unwrap();
+        assert!(matches!(refused.error, Error::Option { .. }), "{options:?}: {}", refused.error);
+        assert!(refused.session.is_some() && refused.device.is_some());
+    }
+}

@@ -1,0 +1,220 @@
+//! The two sides of a run, driven by hand in simulated time: each stalls, and what then happens is what is said.
+
+mod common;
+
+use common::*;
+use feeler_core::geometry::vectors::length;
+use feeler_haptics::device::faulty::{Fault, Faulty};
+use feeler_haptics::device::hand::HandPath;
+use feeler_haptics::device::Device;
+use feeler_haptics::runner::{RunnerOptions, Sides, View};
+use feeler_haptics::screw::{displacement, Wrench};
+use feeler_haptics::{Mode, Session, SessionOptions};
+
+const TICK: f64 = 1e-3;
+
+/// A run of both sides in one thread, with what is promised of every tick asserted.
+struct Drive {
+    sides: Sides,
+    tick: u32,
+    views: Vec<View>,
+}
+
+impl Drive {
+    fn new(session: Session, device: impl Device + 'static) -> Drive {
+        let sides = Sides::new(session, Box::new(device), &RunnerOptions::default());
+        Drive { sides: sides.map_err(|refused| refused.error).unwrap(), tick: 0, views: Vec::new() }
+    }
+
+    fn now(&self) -> f64 {
+        f64::from(self.tick) * TICK
+    }
+
+    /// So many ticks; whether the servo and the collision side do theirs is asked at each.
+    fn run(&mut self, ticks: u32, servo: impl Fn(u32) -> bool, collision: impl Fn(u32) -> bool) -> &[View] {
+        let first = self.views.len();
+        for k in 0..ticks {
+            let now = self.now();
+            if collision(k) {
+                self.sides.collision.tick(now);
+                let session = self.sides.collision.session();
+                if let Some(pose) = session.pose().filter(|_| session.constraints().is_some()) {
+                    assert!(!session.world().environment().is_colliding(session.world().tool(), pose), "tick {k}");
+                }
+            }
+            if servo(k) {
+                self.sides.servo.tick(now);
+                let view = *self.sides.watch.view();
+                self.check(&view);
+                self.views.push(view);
+            }
+            self.tick += 1;
+        }
+        &self.views[first..]
+    }
+
+    fn check(&self, view: &View) {
+        let (coupling, _) = self.sides.servo.coupling();
+        let most = coupling.max_force_n * (1.0 + 1e-9);
+        assert!(length(&view.wrench.force) <= most, "{view:?}");
+        assert!(length(&view.wrench.torque) <= coupling.max_torque_nm * (1.0 + 1e-9), "{view:?}");
+        if view.mode == Mode::Doubt || view.mode == Mode::Colliding {
+            assert_eq!(view.wrench, Wrench::ZERO, "{view:?}");
+        }
+        let session = self.sides.collision.session();
+        if let (Some(set), true) = (session.constraints(), view.mode != Mode::Colliding) {
+            let metric = set.metric;
+            let ahead = displacement(&view.proxy, &view.ahead, &metric.centre).reach(metric.radius);
+            assert!(ahead <= set.margin, "{ahead} beyond {}: {view:?}", set.margin);
+        }
+    }
+}
+
+fn always(_: u32) -> bool {
+    true
+}
+
+fn never(_: u32) -> bool {
+    false
+}
+
+fn largest(views: &[View]) -> f64 {
+    views.iter().map(|view| length(&view.wrench.force)).fold(0.0, f64::max)
+}
+
+#[test]
+fn at_full_rate_the_block_stays_above_and_the_hand_feels_it() {
+    let mut drive = Drive::new(started(plate(), SessionOptions::default()), device(pushing()));
+    let views = drive.run(3000, always, always);
+    assert!(views.iter().all(|view| view.proxy.translation()[2] > 0.0));
+    let contact = views.iter().filter(|view| view.mode == Mode::Contact).count();
+    assert!(contact > 2000, "{contact}");
+    assert!(views[2000..].iter().all(|view| view.held().iter().all(|plane| plane.normal[2] > 0.999)));
+    // The hand presses with 400 N/m over some 15 mm.
+    assert!(largest(views) > 1.5, "{}", largest(views));
+}
+
+#[test]
+fn contacts_at_10_hz_drag_and_let_nothing_pass_a_sheet_of_no_thickness() {
+    for phase in [0, 33, 77] {
+        let mut drive = Drive::new(started(sheet(), SessionOptions::default()), device(pushing()));
+        let views = drive.run(5000, always, |k| (k + phase) % 100 == 0);
+        assert!(views.iter().all(|view| view.proxy.translation()[2] > 0.0 && view.ahead.translation()[2] > 0.0));
+        assert!(views.iter().any(|view| view.mode == Mode::Bound));
+        assert!(largest(views) > 1.5);
+        // The hand rests from 3.05 s on: no limit cycle.
+        let heights = views[4000..].iter().map(|view| view.device.translation()[2]);
+        let (low, high) = heights.fold((f64::MAX, f64::MIN), |(low, high), z| (low.min(z), high.max(z)));
+        assert!(high - low < 2e-4, "{}", high - low);
+    }
+}
+
+#[test]
+fn contacts_that_stay_away_for_a_second_hold_the_proxy_and_then_let_the_force_go() {
+    let mut drive = Drive::new(started(plate(), SessionOptions::default()), device(pushing()));
+    drive.run(400, always, always);
+    let views = drive.run(1000, always, never);
+    let proxy = views[0].proxy;
+    assert!(views.iter().all(|view| view.proxy == proxy));
+    assert!(views[..480].iter().all(|view| view.mode != Mode::Doubt && view.wrench != Wrench::ZERO));
+    assert!(views[510..].iter().all(|view| view.mode == Mode::Doubt && view.wrench == Wrench::ZERO));
+    // Back again: the force grows from nothing.
+    let views = drive.run(600, always, always);
+    assert!(length(&views[2].wrench.force) < 0.2, "{:?}", views[2].wrench);
+    assert!(largest(views) > 1.5);
+}
+
+#[test]
+fn a_servo_side_that_stalls_begins_from_nothing() {
+    let mut drive = Drive::new(started(plate(), SessionOptions::default()), device(pushing()));
+    let before = drive.run(400, always, always).to_vec();
+    assert!(length(&before[399].wrench.force) > 1.0);
+    drive.run(300, never, always);
+    let views = drive.run(600, always, always);
+    assert_eq!(views[0].wrench, Wrench::ZERO);
+    assert!(length(&views[5].wrench.force) < 0.5, "{:?}", views[5].wrench);
+    assert!(largest(views) > 1.5);
+}
+
+#[test]
+fn a_picture_that_never_looks_changes_nothing() {
+    let run = |looks: bool| {
+        let mut sides = Sides::new(
+            started(plate(), SessionOptions::default()),
+            Box::new(device(pushing())),
+            &RunnerOptions::default(),
+        )
+        .map_err(|refused| refused.error)
+        .unwrap();
+        // Longer than the trace has room.
+        for k in 0..5000 {
+            let now = f64::from(k) * TICK;
+            sides.collision.tick(now);
+            sides.servo.tick(now);
+            if looks {
+                sides.watch.view();
+                sides.watch.trace();
+            }
+        }
+        *sides.watch.view()
+    };
+    assert_eq!(run(true), run(false));
+}
+
+#[test]
+fn in_doubt_there_is_no_force_and_afterwards_there_is_again() {
+    let faults = [
+        (Fault::NotANumber, 0),
+        (Fault::Nonsense, 0),
+        (Fault::Lost, 0),
+        // Silent for 50 ms before it counts.
+        (Fault::Silent, 52),
+    ];
+    for (fault, until) in faults {
+        let faulty = Faulty::new(device(pushing()), fault, 0.4, 0.9).unwrap();
+        let mut drive = Drive::new(started(plate(), SessionOptions::default()), faulty);
+        let views = drive.run(1500, always, always);
+        assert!(length(&views[399].wrench.force) > 1.0, "{fault:?}");
+        for view in &views[400 + until..899] {
+            assert_eq!((view.mode, view.wrench), (Mode::Doubt, Wrench::ZERO), "{fault:?}");
+        }
+        let views = &views[902..];
+        assert!(views.iter().all(|view| view.mode != Mode::Doubt), "{fault:?}");
+        assert!(length(&views[0].wrench.force) < 0.2 && largest(views) > 1.5, "{fault:?}: {}", largest(views));
+    }
+}
+
+#[test]
+fn a_jump_of_a_metre_has_no_force_at_first_and_passes_nothing() {
+    let faulty = Faulty::new(device(pushing()), Fault::Jump([0.0, 0.0, -1.0]), 0.4, 0.9).unwrap();
+    let mut drive = Drive::new(started(sheet(), SessionOptions::default()), faulty);
+    let views = drive.run(1500, always, always);
+    assert_eq!(views[400].wrench, Wrench::ZERO);
+    assert!(length(&views[405].wrench.force) < 0.5);
+    assert!(views.iter().all(|view| view.proxy.translation()[2] > 0.0));
+}
+
+#[test]
+fn a_device_of_20_hz_is_bounded_and_passes_nothing() {
+    let faulty = Faulty::new(device(pushing()), Fault::Slow(20.0), 0.0, f64::INFINITY).unwrap();
+    let mut drive = Drive::new(started(sheet(), SessionOptions::default()), faulty);
+    let views = drive.run(3000, always, always);
+    assert!(views.iter().all(|view| view.proxy.translation()[2] > 0.0));
+    assert!(largest(views) > 0.5);
+}
+
+#[test]
+fn a_start_in_collision_has_no_force_until_the_device_is_free() {
+    let mut session = Session::new(plate(), block(), SessionOptions::default()).unwrap();
+    session.start(&at([0.0, 0.0, 0.02], [0.0; 3])).unwrap();
+    let up = HandPath::new(vec![
+        (0.2, at([0.0; 3], [0.0; 3])),
+        (0.4, at([0.0, 0.0, 0.02], [0.0; 3])),
+        (0.6, at([0.0; 3], [0.0; 3])),
+    ]);
+    let mut drive = Drive::new(session, device(up.unwrap()));
+    let views = drive.run(1500, always, always);
+    assert!(views[..200].iter().all(|view| view.mode == Mode::Colliding && view.proxy == view.device));
+    assert!(views[1400..].iter().all(|view| view.mode == Mode::Contact && view.proxy.translation()[2] > 0.025));
+    assert!(largest(views) > 0.5);
+}

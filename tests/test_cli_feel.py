@@ -1,0 +1,103 @@
+"""`feeler feel`: a hand in real time, from the command line."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from commands import error_of, run, run_json
+from shapes import Mesh, box
+
+import feeler
+from feeler.io import write_stl
+
+
+def sized(size: tuple[float, float, float], middle: tuple[float, float, float]) -> Mesh:
+    half = 0.5 * np.array(size)
+    return box(middle - half, middle + half)
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+    """A plate and a block as files."""
+    folder = tmp_path_factory.mktemp("feel")
+    mockup, tool = folder / "plate.stl", folder / "block.stl"
+    write_stl(mockup, feeler.Mockup(*sized((0.4, 0.4, 0.02), (0, 0, -0.01))))
+    write_stl(tool, feeler.Mockup(*sized((0.03, 0.04, 0.05), (0, 0, 0))))
+    return mockup, tool
+
+
+def words(files: tuple[Path, Path], *more: str) -> list[str | Path]:
+    mockup, tool = files
+    return ["feel", mockup, "--tool", tool, *more]
+
+
+def test_json_says_how_it_went(files: tuple[Path, Path]) -> None:
+    said = run_json(*words(files, "--seconds", "0.4"))
+    assert "simulated large device" in said["device"]["name"]
+    stats = said["stats_s"]
+    assert stats["ticks"] > 0 and stats["servo_tick"]["count"] == stats["ticks"]
+    assert said["largest_force_n"] <= 60.0
+    assert set(said["ticks_by_mode"]) <= {"free", "contact", "bound", "doubt", "colliding"}
+    assert "priority" in said["granted"]["priority_said"] and said["troubles"] == []
+
+
+def test_people_get_a_table(files: tuple[Path, Path]) -> None:
+    out = run(*words(files, "--seconds", "0.3", "--collision-hz", "100")).stdout
+    for word in ("servo tick", "collision tick", "lateness", "force", "touched", "Ctrl-C", "priority", "p99.9"):
+        assert word in out, out
+
+
+def test_a_record_can_be_replayed(files: tuple[Path, Path], tmp_path: Path) -> None:
+    target = tmp_path / "feel.npz"
+    said = run_json(*words(files, "--seconds", "0.3", "--record", str(target)))
+    assert said["written"] == str(target)
+    parted = feeler.haptics.replay(target)
+    assert parted and parted.steps > 0
+
+
+def test_parts_of_the_mock_up_can_be_the_tool(files: tuple[Path, Path], tmp_path: Path) -> None:
+    above = tmp_path / "above.stl"
+    write_stl(above, feeler.Mockup(*sized((0.03, 0.04, 0.05), (0, 0, 0.1))))
+    said = run_json("feel", files[0], above, "--part", "above", "--seconds", "0.2")
+    assert said["stats_s"]["ticks"] > 0
+    assert all(touched["path"] == "plate" for touched in said["touched"])
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        (["--device", "joystick"], "choose simulated, spacemouse, haply, dhd, openhaptics"),
+        (["--preset", "huge"], "choose desktop_3dof"),
+        (["--seconds", "0"], "--seconds"),
+        (["--hz", "5"], "rate_hz"),
+        (["--scale", "0"], "--scale"),
+        (["--record", "feel.txt"], ".npz"),
+        (["--collision-hz", "-1"], "collision_hz"),
+    ],
+)
+def test_bad_input_is_one_line(files: tuple[Path, Path], more: list[str], said: str) -> None:
+    assert said in error_of(*words(files, "--seconds", "0.1", *more))
+
+
+def test_a_device_that_is_not_there_is_said_at_once(files: tuple[Path, Path], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SPNAV_SOCKET", "/nowhere/spnav.sock")
+    assert "spacenavd" in error_of(*words(files, "--device", "spacemouse"))
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of Unix")
+def test_ctrl_c_prints_the_last_table_and_ends_with_0(files: tuple[Path, Path]) -> None:
+    program = [sys.executable, "-c", "from feeler.cli import main; main()", *map(str, words(files))]
+    with subprocess.Popen(program, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as running:
+        assert running.stdout is not None
+        for line in running.stdout:
+            if "Ctrl-C" in line:
+                break
+        running.send_signal(signal.SIGINT)
+        out, err = running.communicate(timeout=60)
+    assert running.returncode == 0, err
+    assert "servo tick" in out and "Traceback" not in err
