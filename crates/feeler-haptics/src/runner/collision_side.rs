@@ -34,7 +34,7 @@ pub(super) struct Command {
     pub reply: SyncSender<Result<Answer>>,
 }
 
-/// See the [module](self).
+/// The collision side of a run: moves the proxy, finds its contacts, hands them over. Has no thread of its own.
 #[derive(Debug)]
 pub struct CollisionSide {
     session: Session,

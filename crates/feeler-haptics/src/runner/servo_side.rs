@@ -50,7 +50,7 @@ pub(super) struct Setting {
     pub rate_hz: f64,
 }
 
-/// See the [module](self).
+/// The servo side of a run: a tick from the device to its force. Has no thread of its own.
 pub struct ServoSide {
     device: Held,
     mapping: Mapping,
