@@ -36,7 +36,7 @@ export PYO3_PYTHON := $(CURDIR)/$(PY)
 unexport CONDA_PREFIX PYTHONHOME
 
 # The Rust crates that others may depend on; the rest has `publish = false`.
-PUBLISHED := feeler-lanes feeler-core feeler-contacts
+PUBLISHED := feeler-lanes feeler-core feeler-contacts feeler-haptics feeler-devices
 
 # In CI the lock file is law; at home cargo may bring it up to date with an edited Cargo.toml.
 LOCKED := $(if $(CI),--locked)
@@ -122,7 +122,7 @@ $(BUILT): $(INSTALLED) pyproject.toml $(RUST_SOURCES)
 ##@ Check
 
 .PHONY: test
-test: test-rust test-python ## all tests
+test: test-rust test-haply test-python ## all tests
 	@echo "make test: cargo test and pytest passed"
 
 # feeler-py is a module for Python to load: it has no tests of its own, and would need libpython to link one.
@@ -130,6 +130,18 @@ test: test-rust test-python ## all tests
 test-rust: ## cargo test of all crates but the Python binding
 	@command -v cargo >/dev/null || { echo "make test: cargo not found. Install Rust (stable), or put cargo on the PATH." >&2; exit 1; }
 	@cargo test --workspace --exclude feeler-py $(LOCKED) $(CARGO_ARGS)
+
+# A project of its own: the maker's crate brings an HTTP client, which on Linux is compiled against OpenSSL.
+.PHONY: test-haply
+test-haply: ## the Haply driver's messages, judged by the maker's own crate (on Linux: needs OpenSSL's headers)
+	@command -v cargo >/dev/null || { echo "make test-haply: cargo not found. Install Rust (stable), or put cargo on the PATH." >&2; exit 1; }
+	@if [ "$$(uname -s)" != Linux ] || pkg-config --exists openssl 2>/dev/null; then \
+		cargo test --manifest-path tools/haply_judge/Cargo.toml --target-dir target/haply $(LOCKED) $(CARGO_ARGS); \
+	elif [ -n "$(CI)" ]; then \
+		echo "make test-haply: no OpenSSL headers, and CI may not leave it out (Debian: libssl-dev, pkg-config)" >&2; exit 1; \
+	else \
+		echo "make test-haply: left out, for it needs OpenSSL's headers (Debian: libssl-dev, pkg-config)"; \
+	fi
 
 .PHONY: test-python
 test-python: build ## pytest: warnings are errors, every test has a time-out

@@ -64,6 +64,7 @@ def parse(arguments: Sequence[str]) -> argparse.Namespace:
     parser.add_argument("--big", action="store_true", help=f"the engine at {BIG_SIZE:,} triangles, too")
     parser.add_argument("--seed", type=int, default=0, help="of the runs at thin things (0)")
     parser.add_argument("--jobs", type=int, default=1, help="processes for the runs at thin things (1)")
+    parser.add_argument("--add", action="store_true", help="keep what the folder has of other faces and experiments")
     parser.add_argument("--record", action="store_true", help="also write bench/records/feel.json")
     options = parser.parse_args(arguments)
     options.runs = options.runs or (QUICK_RUNS if options.quick else RUNS)
@@ -130,9 +131,7 @@ def _release(face: str, options: argparse.Namespace) -> Result:
 
 def _pegs(face: str, options: argparse.Namespace) -> Result:
     seeds = options.seeds if face == "feeler" else min(options.seeds, BASELINE_SEEDS)
-    names = (
-        ("H11/c11",) if options.quick else ("H11/c11", "H7/g6", "H7/h6") if face == "feeler" else ("H11/c11", "H7/g6")
-    )
+    names = ("H11/c11",) if options.quick else ("H11/c11", "H7/g6")
     return fitting.pegs(faces.makers()[face], seeds, names)
 
 
@@ -180,12 +179,24 @@ def run(options: argparse.Namespace, given: Sequence[str] = ()) -> Result:
     return {
         "when": host.now(),
         **host.commit(),
-        "args": [word for word in given if word not in (str(options.out), "--record")],
+        "args": [word for word in given if word not in (str(options.out), "--record", "--add")],
         "is_quick": options.quick,
         "machine": host.machine(),
         "versions": host.versions({}),
         "faces": found,
     }
+
+
+def added(before: Path, result: Result) -> Result:
+    """A run in parts: what the folder has of other faces and experiments, and this; the arguments of all."""
+    if not before.is_file():
+        return result
+    old = json.loads(before.read_text(encoding="utf-8"))
+    faces = {name: dict(found) for name, found in old["faces"].items()}
+    for face, found in result["faces"].items():
+        faces.setdefault(face, {}).update(found)
+    parts = [*old["args"], "and", *result["args"]]
+    return {**result, "faces": faces, "args": parts, "is_quick": result["is_quick"] or old["is_quick"]}
 
 
 def write(result: Result, folder: Path) -> list[Path]:
@@ -203,6 +214,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = sys.argv[1:] if arguments is None else list(arguments)
     options = parse(given)
     result = run(options, given)
+    if options.add:
+        result = added(options.out / "feel.json", result)
     for path in write(result, options.out):
         print(f"Written: {path}")
     if options.record:

@@ -23,6 +23,9 @@ __all__ = [
     "Containment",
     "Distance",
     "DistanceBatch",
+    "HapticsDevice",
+    "HapticsRun",
+    "HapticsSession",
     "IgnoredPairs",
     "Mockup",
     "PathCheck",
@@ -681,6 +684,7 @@ def weld_vertices(vertices: npt.NDArray[np.float64]) -> tuple[npt.NDArray[np.flo
 def restore(kind: str, state: tuple[object, ...]) -> object:
     """A result from what `feeler.travel` pickled of it. Raises `LoadError` for a state that no result has."""
 
+@disjoint_base
 class HapticsSession:
     """One session; `feeler.haptics.Session` adds names and records."""
 
@@ -715,6 +719,7 @@ class HapticsSession:
     @property
     def last_rounds(self) -> tuple[int, int]: ...
 
+@disjoint_base
 class HapticsDevice:
     """A device, until a run takes it; what the classes of `feeler.haptics.devices` are made of."""
 
@@ -750,6 +755,7 @@ class HapticsDevice:
     @property
     def limits(self) -> dict[str, float]: ...
 
+@final
 class HapticsRun:
     """One run of a session with a device."""
 

@@ -21,6 +21,11 @@ pub const FIRST_POSE_WAIT: Duration = Duration::from_secs(3);
 /// Pause between two looks at what a thread has done, while opening and releasing.
 pub const LOOK_AGAIN: Duration = Duration::from_millis(1);
 
+/// Rounds of a driver's thread between a motion of the handle and the force that answers it, beyond the servo's own tick: half a round
+/// until the thread takes the force, on average, and half a round until the servo takes the pose. An estimate: what the device and its
+/// connection add is not known. More takes stiffness away.
+pub const HANDOVER_ROUNDS: f64 = 1.0;
+
 /// Largest distance of a handle from its origin that is believed, metres. No device reaches a tenth of that.
 pub const LARGEST_REACH_M: f64 = 10.0;
 
@@ -123,10 +128,12 @@ pub const VERSE_GRIP_RESOLUTION_RAD: f64 = 1.2e-4;
 /// The device in errors.
 pub const FORCE_DIMENSION: &str = "Force Dimension";
 
-/// Rate of the thread that talks to the vendor's library, hertz: what the maker states for its devices on USB.
+/// Rate of the thread that talks to the vendor's library, hertz: as fast as the maker's devices answer on USB. An estimate; a
+/// device that is slower makes the library's calls wait.
 pub const DHD_HZ: f64 = 4000.0;
 
-/// Damping in rotation of devices that drive it, newton metre seconds a radian: what holds 5 Nm/rad at 4 kHz. An estimate.
+/// Damping in rotation of devices that drive it, newton metre seconds a radian. An estimate: a little less than what holds 1
+/// Nm/rad, CHAI3D's bound for these devices, at 1 kHz with the thread's round as a delay (7.5e-4).
 pub const DHD_ROTATIONAL_DAMPING_NM_S_PER_RAD: f64 = 6e-4;
 
 // 3D Systems.
@@ -134,22 +141,23 @@ pub const DHD_ROTATIONAL_DAMPING_NM_S_PER_RAD: f64 = 6e-4;
 /// Rate of the vendor's scheduler where it does not tell it, hertz: its default.
 pub const OPENHAPTICS_HZ: f64 = 1000.0;
 
-/// Force of a device that tells no limit, newtons: that of the smallest of the line (Touch, 3.3 N).
+/// Force of a device that tells no limit, newtons: that of the smallest of the line, the Touch (as in CHAI3D's driver).
 pub const OPENHAPTICS_FORCE_N: f64 = 3.3;
 
-/// Half the edges of the workspace of a device that tells none, metres (Touch, 160 x 120 x 70 mm as x, z, y).
+/// Half the edges of the workspace of a device that tells none, metres. An estimate, for the Touch: 160 x 120 x 70 mm as x, z, y.
 pub const OPENHAPTICS_REACH_M: [f64; 3] = [0.08, 0.035, 0.06];
 
-/// Stiffness that a device holds where it tells none, newtons a metre (Touch, its weakest axis 1.02 N/mm).
-pub const OPENHAPTICS_STIFFNESS_N_PER_M: f64 = 1020.0;
+/// Stiffness that a device holds where it tells none, newtons a metre: the largest that CHAI3D asks of a Touch. The damping of all
+/// is an estimate from it, or from what the device tells.
+pub const OPENHAPTICS_STIFFNESS_N_PER_M: f64 = 400.0;
 
-/// Smallest step of position, metres (Touch, 450 dpi).
+/// Smallest step of position, metres: 450 dpi. An estimate, for the Touch; others of the line are finer.
 pub const OPENHAPTICS_RESOLUTION_M: f64 = 5.5e-5;
 
 /// Smallest step of rotation, radians: potentiometers of the Touch's gimbal. An estimate.
 pub const OPENHAPTICS_RESOLUTION_RAD: f64 = 1e-3;
 
-/// Backdrive friction, newtons (Touch, less than 0.26 N).
+/// Backdrive friction, newtons. An estimate, for the Touch.
 pub const OPENHAPTICS_FRICTION_N: f64 = 0.26;
 
 // The machine.

@@ -13,7 +13,7 @@ use feeler_haptics::device::{Device, DeviceError, DeviceInfo, DeviceLimits, Devi
 use feeler_haptics::screw::{product, transposed, Matrix, Twist, Wrench};
 
 use crate::clip::{limit, told_pose, told_twist};
-use crate::constants::{DHD_HZ, DHD_ROTATIONAL_DAMPING_NM_S_PER_RAD, FORCE_DIMENSION};
+use crate::constants::{DHD_HZ, DHD_ROTATIONAL_DAMPING_NM_S_PER_RAD, FORCE_DIMENSION, HANDOVER_ROUNDS};
 use crate::exchange::{exchange, DeviceEnd, Measured, ServoEnd};
 use crate::machine::{raise_priority, MonotonicClock};
 use crate::vendor_library::dhd_calls::{DhdModel, OpenDhd};
@@ -71,15 +71,20 @@ impl Device for Dhd {
     }
 }
 
-/// Figures of the maker's data sheets.
+/// What a kind of device can do. No data sheet was at hand: force, torque and stiffness are the bounds of CHAI3D's driver,
+/// of which the maker is an author; everything else is an estimate, and so is all of a lambda.
 struct Figures {
+    /// CHAI3D's bound, newtons.
     force_n: f64,
+    /// CHAI3D's bound, newton metres.
     torque_nm: f64,
-    /// Half the edges, device frame, metres.
+    /// Half the edges, device frame, metres. An estimate; the Falcon's is the maker's cube of four inches.
     workspace: Point,
+    /// Smallest step of position that it tells, metres. An estimate; the Falcon's are the maker's 400 dpi.
     resolution_m: f64,
+    /// Smallest step of rotation that it tells, radians. An estimate.
     rotational_resolution_rad: f64,
-    /// Stiffness that it holds at the maker's 4 kHz, newtons a metre: what damping it has at least, by Colgate's `b > K T / 2`.
+    /// Largest stiffness that CHAI3D asks of it, newtons a metre. The damping of [`info`] is an estimate from it.
     stiffness_n_per_m: f64,
 }
 
@@ -94,18 +99,18 @@ fn figures(kind: i32) -> Figures {
         stiffness_n_per_m,
     };
     match kind {
-        // omega.3, .6, .7: a cylinder of 160 by 110 mm.
-        33..=37 => figures(12.0, 0.0, [0.080, 0.055, 0.080], 1e-5, 1.6e-3, 14_500.0),
-        // delta.3, delta.6: 400 by 260 mm.
-        63 | 64 => figures(20.0, 0.2, [0.200, 0.130, 0.200], 2e-5, 7e-4, 15_000.0),
-        // sigma.3, .7 and .7+: 190 by 130 mm.
-        104..=107 | 206 => figures(20.0, 0.4, [0.095, 0.065, 0.095], 1.5e-6, 2.3e-4, 15_000.0),
-        // lambda.3, .7: 240 by 170 mm.
-        108 | 109 | 203 => figures(20.0, 0.2, [0.120, 0.085, 0.120], 1.5e-6, 2.3e-4, 15_000.0),
-        // Novint Falcon: a cube of four inches, 400 dpi, 1 kHz.
-        60 => figures(8.9, 0.0, [0.050; 3], 6e-5, 1e-3, 8_000.0),
-        // Others of the maker: what the smallest of them has.
-        _ => figures(5.0, 0.1, [0.050; 3], 2e-5, 1e-3, 8_000.0),
+        // omega.3, .6, .7: workspace (a cylinder of 160 by 110 mm) and resolutions are estimates.
+        33..=37 => figures(12.0, 0.0, [0.080, 0.055, 0.080], 1e-5, 1.6e-3, 5_000.0),
+        // delta.3, delta.6: workspace (400 by 260 mm) and resolutions are estimates.
+        63 | 64 => figures(20.0, 0.2, [0.200, 0.130, 0.200], 2e-5, 7e-4, 5_000.0),
+        // sigma.3, .7 and .7+: workspace (190 by 130 mm) and resolutions are estimates.
+        104..=107 | 206 => figures(12.0, 0.2, [0.095, 0.065, 0.095], 1.5e-6, 2.3e-4, 4_000.0),
+        // lambda.3, .7: all estimates, those of a sigma with a workspace of 240 by 170 mm.
+        108 | 109 | 203 => figures(12.0, 0.2, [0.120, 0.085, 0.120], 1.5e-6, 2.3e-4, 4_000.0),
+        // Novint Falcon: it tells no rotation.
+        60 => figures(8.0, 0.0, [0.050; 3], 6e-5, 1e-3, 3_000.0),
+        // Others of the maker: estimates, not more than any of these.
+        _ => figures(5.0, 0.1, [0.050; 3], 2e-5, 1e-3, 3_000.0),
     }
 }
 
@@ -120,6 +125,7 @@ fn info(options: &DhdOptions, model: &DhdModel) -> DeviceInfo {
         limits: DeviceLimits {
             force_n: limit(figures.force_n, options.force_n),
             torque_nm: if model.has_active_wrist { limit(figures.torque_nm, options.torque_nm) } else { 0.0 },
+            // What holds that stiffness at the thread's rate, by Colgate's `b > K T / 2`: an estimate.
             damping_n_s_per_m: 0.5 * figures.stiffness_n_per_m / DHD_HZ,
             rotational_damping_nm_s_per_rad: if model.has_active_wrist {
                 DHD_ROTATIONAL_DAMPING_NM_S_PER_RAD
@@ -131,8 +137,7 @@ fn info(options: &DhdOptions, model: &DhdModel) -> DeviceInfo {
             resolution_m: figures.resolution_m,
             rotational_resolution_rad: figures.rotational_resolution_rad,
             rate_hz: DHD_HZ,
-            // Its thread stands between: half a round on average for the pose, and half for the force.
-            delay_s: 1.0 / DHD_HZ,
+            delay_s: HANDOVER_ROUNDS / DHD_HZ,
         },
         buttons: u32::BITS,
     }
@@ -232,6 +237,6 @@ mod tests {
         let omega = info(&DhdOptions::default(), &model(34, true, false));
         assert!(omega.sensed.rotation && !omega.driven.rotation && omega.limits.torque_nm == 0.0);
         let sigma = info(&DhdOptions { force_n: Some(6.0), ..Default::default() }, &model(104, true, true));
-        assert_eq!((sigma.limits.force_n, sigma.limits.torque_nm, sigma.driven.rotation), (6.0, 0.4, true));
+        assert_eq!((sigma.limits.force_n, sigma.limits.torque_nm, sigma.driven.rotation), (6.0, 0.2, true));
     }
 }

@@ -36,3 +36,7 @@ mod vendor_library;
 mod tests;
 
 pub use open::{open, Options, DRIVERS};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -16,8 +16,8 @@ use feeler_haptics::screw::{product, transposed, Matrix, Twist, Wrench};
 
 use crate::clip::{limit, told_pose, told_twist};
 use crate::constants::{
-    OPENHAPTICS_FORCE_N, OPENHAPTICS_FRICTION_N, OPENHAPTICS_HZ, OPENHAPTICS_REACH_M, OPENHAPTICS_RESOLUTION_M,
-    OPENHAPTICS_RESOLUTION_RAD, OPENHAPTICS_STIFFNESS_N_PER_M,
+    HANDOVER_ROUNDS, OPENHAPTICS_FORCE_N, OPENHAPTICS_FRICTION_N, OPENHAPTICS_HZ, OPENHAPTICS_REACH_M,
+    OPENHAPTICS_RESOLUTION_M, OPENHAPTICS_RESOLUTION_RAD, OPENHAPTICS_STIFFNESS_N_PER_M,
 };
 use crate::exchange::{exchange, DeviceEnd, Measured, ServoEnd};
 use crate::vendor_library::hd_calls::{HdDoubles, OpenHd, Scheduled};
@@ -89,7 +89,8 @@ impl Drop for OpenHaptics {
     }
 }
 
-/// What the device says of itself, and the middle of its workspace in the library's frame, metres.
+/// What the device says of itself, and the middle of its workspace in the library's frame, metres. Force, stiffness, workspace and
+/// rate are the device's own, or a Touch's where it tells none; damping, friction, resolutions and delay are estimates.
 fn info(options: &OpenHapticsOptions, open: &OpenHd) -> (DeviceInfo, Point) {
     let or = |told: f64, otherwise: f64| if told > 0.0 && told.is_finite() { told } else { otherwise };
     let force_n = or(open.doubles(HdDoubles::MostForce)[0], OPENHAPTICS_FORCE_N);
@@ -109,7 +110,7 @@ fn info(options: &OpenHapticsOptions, open: &OpenHd) -> (DeviceInfo, Point) {
         limits: DeviceLimits {
             force_n: limit(force_n, options.force_n),
             torque_nm: 0.0,
-            // What holds the stiffness that the maker states, by Colgate's `b > K T / 2`.
+            // What holds the stiffness that the device tells, by Colgate's `b > K T / 2`: an estimate.
             damping_n_s_per_m: 0.5 * stiffness_n_per_m / rate_hz,
             rotational_damping_nm_s_per_rad: 0.0,
             friction_n: OPENHAPTICS_FRICTION_N,
@@ -117,8 +118,7 @@ fn info(options: &OpenHapticsOptions, open: &OpenHd) -> (DeviceInfo, Point) {
             resolution_m: OPENHAPTICS_RESOLUTION_M,
             rotational_resolution_rad: OPENHAPTICS_RESOLUTION_RAD,
             rate_hz,
-            // Its thread stands between: half a round on average for the pose, and half for the force.
-            delay_s: 1.0 / rate_hz,
+            delay_s: HANDOVER_ROUNDS / rate_hz,
         },
         buttons: BUTTONS,
     };

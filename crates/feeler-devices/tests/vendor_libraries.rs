@@ -152,7 +152,12 @@ fn dhd_drives_an_active_wrist() {
     stub.set(13, 2.0);
     let mut device = stub.open_dhd().unwrap();
     assert!(device.info().driven.rotation);
-    push(&mut device, &PUSH, "the torque", || stub.many(20) == [-2.0, 1.0, 3.0, -0.2, 0.1, 0.3]);
+    let device_torque = device.info().limits.torque_nm;
+    let wrench = Wrench { torque: PUSH.torque.map(|x| 0.5 * x), ..PUSH };
+    push(&mut device, &wrench, "the torque", || stub.many(20) == [-2.0, 1.0, 3.0, -0.1, 0.05, 0.15]);
+    // No more than the device's, together.
+    let strong = Wrench { torque: [0.0, 0.0, 1e6], ..PUSH };
+    push(&mut device, &strong, "the largest torque", || stub.get(25) == device_torque);
 }
 
 #[test]

@@ -100,7 +100,7 @@ pub struct Step {
     pub mode: Mode,
 }
 
-/// See the [module](self).
+/// A device, a tool and a mock-up, stepped by who holds the clock. See the [crate](crate).
 #[derive(Debug)]
 pub struct Session {
     options: SessionOptions,

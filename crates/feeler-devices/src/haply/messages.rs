@@ -1,4 +1,4 @@
-//! The service's messages, as much of them as is needed: states in, commands out. The tests hold both to the types of the maker's crate.
+//! The service's messages, as much of them as is needed: states in, commands out. `make test-haply` holds both to the types of the maker's crate.
 
 use feeler_core::Point;
 use feeler_haptics::screw::Twist;

@@ -15,9 +15,9 @@ use super::messages::{Commands, State, GRIP_BUTTONS};
 use super::options::HaplyOptions;
 use crate::clip::{limit, told_pose, told_twist};
 use crate::constants::{
-    CONNECT_WAIT, FULL_STATE_PAUSE, INVERSE3, INVERSE3_DAMPING_N_S_PER_M, INVERSE3_FORCE_N, INVERSE3_HZ,
-    INVERSE3_REACH_M, INVERSE3_RESOLUTION_M, LARGEST_MESSAGE_BYTES, MINVERSE_REACH_M, PRESET_WAIT, SEND_WAIT,
-    SERVICE_WAIT, VERSE_GRIP_RESOLUTION_RAD,
+    CONNECT_WAIT, FULL_STATE_PAUSE, HANDOVER_ROUNDS, INVERSE3, INVERSE3_DAMPING_N_S_PER_M, INVERSE3_FORCE_N,
+    INVERSE3_HZ, INVERSE3_REACH_M, INVERSE3_RESOLUTION_M, LARGEST_MESSAGE_BYTES, MINVERSE_REACH_M, PRESET_WAIT,
+    SEND_WAIT, SERVICE_WAIT, VERSE_GRIP_RESOLUTION_RAD,
 };
 use crate::exchange::{exchange, DeviceEnd, Measured, ServoEnd};
 use crate::machine::raise_priority;
@@ -75,8 +75,7 @@ fn info(options: &HaplyOptions, id: &str, reach_m: f64, has_grip: bool) -> Devic
             resolution_m: INVERSE3_RESOLUTION_M,
             rotational_resolution_rad: VERSE_GRIP_RESOLUTION_RAD,
             rate_hz: INVERSE3_HZ,
-            // Its thread stands between: half a round on average for the pose, and half for the force.
-            delay_s: 1.0 / INVERSE3_HZ,
+            delay_s: HANDOVER_ROUNDS / INVERSE3_HZ,
         },
         buttons: if has_grip { GRIP_BUTTONS } else { 0 },
     }
