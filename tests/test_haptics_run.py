@@ -17,6 +17,8 @@ from feeler.errors import DeviceError, FeelerError, OptionError, PoseError, Sess
 from feeler.haptics import Coupling, Session, View, devices, open_device
 
 MOST_N = 12.0 * (1 + 1e-9)
+LOOKS = 30_000
+"""Half a minute on an idle machine: a guard against waiting for ever, no measurement."""
 
 
 def sized(size: tuple[float, float, float], middle: tuple[float, float, float]) -> Mesh:
@@ -55,7 +57,7 @@ def session(scene: feeler.Scene) -> Iterator[Session]:
 
 def until(session: Session, is_wanted: Callable[[View], bool]) -> View:
     """The first view that is as wanted, with what is promised of every view asserted."""
-    while True:
+    for _ in range(LOOKS):
         view = session.view()
         assert np.linalg.norm(view.force) <= MOST_N
         if view.mode in ("doubt", "colliding"):
@@ -66,6 +68,7 @@ def until(session: Session, is_wanted: Callable[[View], bool]) -> View:
             return view
         assert session.is_running
         time.sleep(0.001)
+    raise AssertionError(f"what is waited for does not come: {session.view()}")
 
 
 def run(session: Session, device: devices.Device, **options: object) -> None:
