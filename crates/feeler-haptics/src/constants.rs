@@ -35,8 +35,8 @@ pub const MOST_ROWS: usize = 256;
 /// Programs in a row for one pose, each linear at the last one's: two for what turns a degree, the third for rounding.
 pub const SOLVER_ROUNDS: usize = 4;
 
-/// Share of the skin below which a round moves nothing.
-pub const SOLVER_STILL_SHARE: f64 = 1e-4;
+/// Share of the skin below which a round's motion is the last: what the next would mend is its square.
+pub const SOLVER_STILL_SHARE: f64 = 0.02;
 
 // The proxy.
 

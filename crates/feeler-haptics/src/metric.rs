@@ -96,12 +96,9 @@ impl Metric {
     pub fn half_space(&self, pose: &Pose, normal: &Point, arm: &Point, least: f64) -> HalfSpace {
         let lever = times(&transposed(pose.rotation()), &cross(arm, normal));
         let turned = times(&self.inverse, &lever);
-        let size = (1.0 + dot(&turned, &turned)).sqrt();
-        let by = |x: f64| x / size;
-        HalfSpace {
-            normal: [by(normal[0]), by(normal[1]), by(normal[2]), by(turned[0]), by(turned[1]), by(turned[2])],
-            offset: least / size,
-        }
+        let by = 1.0 / (1.0 + dot(&turned, &turned)).sqrt();
+        let ([x, y, z], [u, v, w]) = (*normal, turned);
+        HalfSpace { normal: [by * x, by * y, by * z, by * u, by * v, by * w], offset: by * least }
     }
 }
 
