@@ -344,6 +344,12 @@ pub const MANIFOLD_TURN: f64 = 0.004;
 /// Corners around which a polygon is cut into triangles to find the height over a place. More: nearer to the hull of its corners.
 pub const MOST_FANS: usize = 4;
 
+/// Least barycentric coordinate of a place that is in a triangle: above rounding.
+pub const ON_BORDER: f64 = 1e-9;
+
+/// The same of one so little beyond a polygon that the nearest triangle's plane is taken to go on there: above what a clip is widened.
+pub const JUST_BEYOND: f64 = 0.01;
+
 /// Most contact manifolds of a pose: two rounds of a hole, a plane every dozen degrees. More of them are within the margin only
 /// where all around is something, and then the nearest hold the tool.
 pub const MOST_MANIFOLDS: usize = 64;

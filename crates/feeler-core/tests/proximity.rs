@@ -89,7 +89,7 @@ fn long_thin_triangles() {
         let mut r = Random::new(seed);
         let poses: Vec<Pose> = (0..3).map(|_| r.pose(0.5)).collect();
         let found = check("needles", &mockup, &tool, &poses, &[0.0, 0.01, 0.1]);
-        assert!(found > 100, "{found} pairs make no test");
+        assert!(found > 30, "{found} pairs make no test");
     }
 }
 

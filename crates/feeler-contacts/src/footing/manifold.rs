@@ -233,4 +233,31 @@ mod tests {
             assert!((0.0099..0.0111).contains(&reach), "{k} {reach}");
         }
     }
+
+    #[test]
+    fn room_behind_a_leaning_wall_is_counted() {
+        // A square peg that leans in its hole by less than a manifold's turn: its sides are off the walls by what it leans, deep down.
+        let walls = [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]].map(|[x, y]: [f64; 2]| {
+            let size = [if x == 0.0 { 0.0206 } else { 0.01 }, if y == 0.0 { 0.0206 } else { 0.01 }, 0.03];
+            box_mesh([0.01515 * x, 0.01515 * y, 0.0], size, 2)
+        });
+        let (hole, peg) = (scene(joined(walls)), tool(box_mesh([0.0; 3], [0.02, 0.02, 0.06], 3)));
+        let (a, mut leaning) = (0.0039f64, 0);
+        let (s, c) = a.sin_cos();
+        // About an axis across the hole's corners, so that both pairs of walls are leant against.
+        let (h, k) = (0.5f64.sqrt() * s, 0.5 * (1.0 - c));
+        let rows = [[1.0 - k, k, h, 0.0], [k, 1.0 - k, -h, 0.0], [-h, h, c, 0.025], [0.0, 0.0, 0.0, 1.0]];
+        let pose = Pose::new(&rows).unwrap().translated(&[-0.02 * h, 0.02 * h, 0.0]).unwrap();
+        assert!(!hole.is_colliding(&peg, &pose));
+        for found in manifolds(&hole, &peg, &pose, 0.001) {
+            for p in found.points() {
+                // Off the wall's own plane, which the peg's sides lean from.
+                let axis = usize::from(found.normal[1].abs() > 0.5);
+                let off = 0.01015 - p.point[axis].abs();
+                assert!((p.gap - off).abs() < 3e-6, "{off} {p:?} {found:?}");
+                leaning += usize::from(p.gap > found.gap + 2e-5);
+            }
+        }
+        assert!(leaning >= 8, "{leaning}");
+    }
 }

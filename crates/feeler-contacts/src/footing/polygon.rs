@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use feeler_core::mesh::topology::body_outlines::hull;
 
-use crate::constants::{FOOTING_DIRECTIONS, FOOTING_MERGED, MOST_FANS};
+use crate::constants::{FOOTING_DIRECTIONS, FOOTING_MERGED, JUST_BEYOND, MOST_FANS, ON_BORDER};
 
 /// A point of a footing: two coordinates across the normal, and the height along it, both from the plane's point.
 #[derive(Debug, Clone, Copy)]
@@ -165,33 +165,43 @@ pub(crate) fn leave_out_an_edge(feet: &mut Vec<Foot>) -> bool {
 }
 
 /// The least height, over a place, of the ways of cutting a convex polygon into triangles around one of its corners; of a line the
-/// height on it. The lowest corner's where the place is beyond the polygon.
+/// height on it. A place just beyond the border, as the widened one of a clip, has the height of the triangle that it is nearest to.
 pub(crate) fn height_over(feet: &[Foot], at: &[f64; 2]) -> f64 {
-    let lowest = feet.iter().map(|foot| foot.height).fold(f64::INFINITY, f64::min);
     let n = feet.len();
-    let mut least = f64::INFINITY;
+    let lowest = feet.iter().map(|foot| foot.height).fold(f64::INFINITY, f64::min);
     if let [p, q] = feet {
         let way = [q.at[0] - p.at[0], q.at[1] - p.at[1]];
         let share = (way[0] * (at[0] - p.at[0]) + way[1] * (at[1] - p.at[1])) / (way[0] * way[0] + way[1] * way[1]);
-        least = p.towards(q, share.clamp(0.0, 1.0)).height;
+        return p.towards(q, share.clamp(0.0, 1.0)).height;
     }
+    let (mut least, mut nearest) = (f64::INFINITY, (-JUST_BEYOND, lowest));
     for hub in (0..n).step_by(n.div_ceil(MOST_FANS).max(1)).filter(|_| n > 2) {
         for k in 1..n - 1 {
-            let over = height_in_triangle([&feet[hub], &feet[(hub + k) % n], &feet[(hub + k + 1) % n]], at);
-            least = over.map_or(least, |height| least.min(height));
+            let (inside, height) = height_on([&feet[hub], &feet[(hub + k) % n], &feet[(hub + k + 1) % n]], at);
+            if inside >= -ON_BORDER {
+                least = least.min(height);
+            } else if inside > nearest.0 {
+                nearest = (inside, height);
+            }
         }
     }
     if least.is_finite() {
         least
     } else {
-        lowest
+        nearest.1.max(lowest)
     }
 }
 
 /// The height over a place in a triangle.
-pub(crate) fn height_in_triangle([a, b, c]: [&Foot; 3], at: &[f64; 2]) -> Option<f64> {
+pub(crate) fn height_in_triangle(three: [&Foot; 3], at: &[f64; 2]) -> Option<f64> {
+    let (inside, height) = height_on(three, at);
+    (inside >= -ON_BORDER).then_some(height)
+}
+
+/// The height of a triangle's plane over a place, and the least of its barycentric coordinates there: not negative inside.
+fn height_on([a, b, c]: [&Foot; 3], at: &[f64; 2]) -> (f64, f64) {
     let (u, v) = ([b.at[0] - a.at[0], b.at[1] - a.at[1]], [c.at[0] - a.at[0], c.at[1] - a.at[1]]);
     let (w, turn) = ([at[0] - a.at[0], at[1] - a.at[1]], u[0] * v[1] - u[1] * v[0]);
     let (s, t) = ((w[0] * v[1] - w[1] * v[0]) / turn, (u[0] * w[1] - u[1] * w[0]) / turn);
-    (s.min(t).min(1.0 - s - t) >= -1e-9).then_some(a.height + s * (b.height - a.height) + t * (c.height - a.height))
+    (s.min(t).min(1.0 - s - t), a.height + s * (b.height - a.height) + t * (c.height - a.height))
 }
