@@ -91,13 +91,18 @@ def test_a_device_that_is_not_there_is_said_at_once(files: tuple[Path, Path], mo
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of Unix")
 def test_ctrl_c_prints_the_last_table_and_ends_with_0(files: tuple[Path, Path]) -> None:
-    program = [sys.executable, "-c", "from feeler.cli import main; main()", *map(str, words(files))]
+    # Where the tests run in the background, Ctrl-C is ignored unless the child asks for it.
+    heard = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
+    program = [sys.executable, "-c", f"{heard}from feeler.cli import main; main()", *map(str, words(files))]
     with subprocess.Popen(program, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as running:
-        assert running.stdout is not None
-        for line in running.stdout:
-            if "Ctrl-C" in line:
-                break
-        running.send_signal(signal.SIGINT)
-        out, err = running.communicate(timeout=60)
+        try:
+            assert running.stdout is not None
+            for line in running.stdout:
+                if "Ctrl-C" in line:
+                    break
+            running.send_signal(signal.SIGINT)
+            out, err = running.communicate(timeout=60)
+        finally:
+            running.kill()
     assert running.returncode == 0, err
     assert "servo tick" in out and "Traceback" not in err
