@@ -55,6 +55,7 @@ CASES = [
     "predictor",
     "piece predictor",
     "haptics",
+    "haptics, running",
     "study",
     "load",
 ]
