@@ -15,7 +15,6 @@ MOST_RELEASED = 1.05  # a force that holds for a tick gives some; of a hand that
 MOST_KICK = 0.01  # above the force before the release
 LEAST_MEDIAN_HZ = 1000.0
 LEAST_P99_HZ = 250.0
-MOST_SERVO_US = 50.0
 
 Result = dict[str, Any]
 
@@ -125,9 +124,6 @@ def _engine(result: Result) -> Iterator[Goal]:
             "engine", f"{where}: a step, median", "1,000 Hz", f"{median:,.0f} Hz", median >= LEAST_MEDIAN_HZ, True
         )
         yield Goal("engine", f"{where}: p99", "250 Hz", f"{p99:,.0f} Hz", p99 >= LEAST_P99_HZ, True)
-        if row["servo_us"]:
-            servo = row["servo_us"]["p99.9"]
-            yield Goal("engine", f"{where}: servo, p99.9", "50 us", f"{servo:,.1f} us", servo <= MOST_SERVO_US, True)
         hit = row["colliding_steps"]
         yield Goal("engine", f"{where}: steps in collision", "0", f"{hit}", hit == 0)
 

@@ -219,10 +219,11 @@ def _engine(faces: Faces) -> str:
             line += [f"{servo['median']:.1f}", f"{servo['p99.9']:.1f}"] if servo else ["–", "–"]
             lines.append(line)
     heads = ["tool", "triangles", "planes", "step, median", "p99", "worst", "near, median", "p99", "worst"]
-    heads += ["contacts alone, median", "p99", "worst", "servo, median", "p99.9"]
+    heads += ["contacts alone, median", "p99", "worst", "between, median", "p99.9"]
     note = (
         "Microseconds, from Python, one core, along a way of a hand in and out. Near: with planes within 2 mm. "
-        "Contacts: the one query at the proxy's poses. Servo: a step without collision."
+        "Contacts: the one query at the proxy's poses. Between: a step between two searches, wall time with Python's own; the "
+        "servo tick alone, in thread time: `cargo run --release -p feeler-devices --example servo_time`."
     )
     return markdown(heads, 1, lines, note)
 
