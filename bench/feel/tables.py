@@ -223,7 +223,8 @@ def _engine(faces: Faces) -> str:
     note = (
         "Microseconds, from Python, one core, along a way of a hand in and out. Near: with planes within 2 mm. "
         "Contacts: the one query at the proxy's poses. Between: a step "
-        "between two searches, wall time with Python's own; the servo tick alone, in thread time: `cargo run --release -p feeler-devices --example servo_time`."
+        "between two searches, wall time with Python's own; the servo tick "
+        "alone, in thread time: `cargo run --release -p feeler-devices --example servo_time`."
     )
     return markdown(heads, 1, lines, note)
 
