@@ -55,7 +55,7 @@ def visible_triangles(x: np.ndarray, y: np.ndarray, w: np.ndarray, width: int, h
     return buffer.seen()
 
 
-def plain_visible(x: np.ndarray, y: np.ndarray, w: np.ndarray, width: int, height: int) -> np.ndarray:
+def plain_visible(x: np.ndarray, y: np.ndarray, w: np.ndarray, width: int, height: int) -> tuple[Any, Any]:
     """What `DepthBuffer` does, pixel by pixel."""
     seen, best = np.full((height, width), -1), np.zeros((height, width))
     for t in range(len(x)):
@@ -73,7 +73,7 @@ def plain_visible(x: np.ndarray, y: np.ndarray, w: np.ndarray, width: int, heigh
                 depth = (1 - u - v) * w[t, 0] + v * w[t, 1] + u * w[t, 2]
                 if depth > best[row, column]:
                     best[row, column], seen[row, column] = depth, t
-    return seen
+    return seen, best
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -86,10 +86,11 @@ def test_visibility_equals_the_plain_rasteriser(seed: int) -> None:
     y = rng.uniform(-5, 30, (count, 1)) + rng.normal(size=(count, 3)) * spread
     w = rng.uniform(0.1, 1, (count, 1)) + rng.uniform(0, 0.05, (count, 3))
     seen, depth = visible_triangles(x, y, w, width, height)
-    expected = plain_visible(x, y, w, width, height)
+    expected, expected_depth = plain_visible(x, y, w, width, height)
     # Pixel centres within rounding of an edge may go either way.
     assert np.count_nonzero(seen != expected) <= 2
     assert ((depth > 0) == (seen >= 0)).all()
+    np.testing.assert_allclose(depth[seen == expected], expected_depth[seen == expected], rtol=2e-4)
 
 
 def test_hidden_triangles_are_never_seen_and_visible_ones_always() -> None:
@@ -156,12 +157,19 @@ def test_a_cut_is_even_and_wins_over_what_touches_it() -> None:
 def test_lines_part_what_has_one_colour() -> None:
     vertices = np.array([[x, 0, z] for x in (-1, 0, 1) for z in (-1, 1)], dtype=float)
     faces = np.array([[0, 2, 3], [0, 3, 1], [2, 4, 5], [2, 5, 3]])
-    looks = []
-    for parts in ([0, 0, 1, 1], [0, 0, 0, 0]):
-        mesh = SimpleNamespace(vertices=vertices, faces=faces, part_of_face=np.array(parts), part_paths=["a", "b"])
-        row = render(None, body_of(mesh, colours=(0.8, 0.8, 0.8)), camera=FRONT, size=SIZE)[50, 60:100, 0].astype(int)
-        looks.append(row.max() - row.min())
-    assert looks[0] > 20 and looks[1] < 4
+
+    def contrast(*bodies: Any) -> int:
+        grey = [body_of(body, colours=(0.8, 0.8, 0.8)) for body in bodies]
+        row = render(None, *grey, camera=FRONT, size=SIZE)[50, 60:100, 0].astype(int)
+        return int(row.max() - row.min())
+
+    sheets = [
+        SimpleNamespace(vertices=vertices, faces=faces, part_of_face=np.array(parts), part_paths=["a", "b"])
+        for parts in ([0, 0, 1, 1], [0, 0, 0, 0])
+    ]
+    assert contrast(sheets[0]) > 20 and contrast(sheets[1]) < 4
+    halves = [SimpleNamespace(vertices=vertices, faces=some) for some in (faces[:2], faces[2:])]
+    assert contrast(*halves) > 20
 
 
 def test_what_stands_before_a_wall_darkens_it_around_itself() -> None:
@@ -286,29 +294,37 @@ def test_collision_picture_shows_what_is_hit(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("direction", [(0, 1, 0), (-0.55, 0.75, -0.42), (1, 0.3, 0.2)])
-def test_the_close_view_never_covers_the_tool(
-    monkeypatch: pytest.MonkeyPatch, direction: tuple[float, float, float]
+@pytest.mark.parametrize("shape", ["box", "sheet aside"])
+def test_the_close_view_covers_next_to_nothing(
+    monkeypatch: pytest.MonkeyPatch, direction: tuple[float, float, float], shape: str
 ) -> None:
     views: list[dict[str, Any]] = []
-
-    def keep(*_meshes: Any, **view: Any) -> np.ndarray:
-        views.append(view)
-        return np.zeros((200, 320, 3), dtype=np.uint8)
-
-    monkeypatch.setattr("feeler.picture.views.render", keep)
-    mockup = feeler.Mockup(box(-1, 1).vertices, box(-1, 1).faces)
-    tool = feeler.Tool(box(0, 0.2).vertices, box(0, 0.2).faces, "probe")
-    found = SimpleNamespace(mockup_triangles=np.array([0]), tool_triangles=np.array([0]), parts=np.array([0]))
-    for x in (-1, 0.9):
-        for y in (-1, 0.9):
-            for z in (-1, 0.9):
-                pose = np.eye(4)
-                pose[:3, 3] = x, y, z
-                render_collision(None, mockup, tool, pose, found, size=(320, 200), direction=direction)
-                left, top, width, height = views[-1]["inset"].box
-                seen = views[-1]["camera"].shares(box(0, 0.2).vertices + pose[:3, 3], (320, 200)) - [left, top]
-                assert not ((seen > 0) & (seen < [width, height])).all(axis=1).any()
-                assert ((seen > [-left, -top]) & (seen < [1 - left, 1 - top])).all()
+    monkeypatch.setattr("feeler.picture.views.render", lambda *_meshes, **view: views.append(view))
+    block = box(-1, 1)
+    if shape == "sheet aside":  # so many vertices up and to the left that the tool's hardly count
+        x, z = (a.ravel() for a in np.meshgrid(np.linspace(-1, -0.9, 70), np.linspace(0.9, 1, 70)))
+        corners = np.stack([x, np.full(len(x), 0.95), z], axis=1)
+        block = SimpleNamespace(vertices=corners, faces=np.arange(len(x) - 1)[:, None] + [0, 1, 0])
+        block.faces[:, 2] = len(x) // 2
+    mockup, tool = feeler.Mockup(block.vertices, block.faces), feeler.Tool(box(0, 0.2).vertices, box(0, 0.2).faces)
+    found = SimpleNamespace(mockup_triangles=np.zeros(0), tool_triangles=np.zeros(0), parts=np.zeros(0))
+    for place in np.ndindex(2, 2, 2):
+        pose = np.eye(4)
+        pose[:3, 3] = np.array(place) * 1.8 - 1
+        render_collision(None, mockup, tool, pose, found, size=(320, 200), direction=direction)
+        camera, section, (left, top, width, height) = (
+            *map(views[-1].get, ("camera", "section")),
+            views[-1]["inset"].box,
+        )
+        normal, offset = section.plane()
+        kept = block.vertices[block.vertices @ normal <= offset]
+        for points, most in ((kept, 0.003), (box(0, 0.2).vertices + pose[:3, 3], 0)):
+            seen = camera.shares(points, (320, 200))
+            assert ((seen > 0) & (seen < 1)).all()
+            assert (
+                not len(seen)
+                or np.all((seen > [left, top]) & (seen < [left + width, top + height]), axis=1).mean() <= most
+            )
 
 
 def test_a_camera_inside_the_scene_is_no_trouble() -> None:
