@@ -180,7 +180,8 @@ class _View:
             (nx, ny, nz), offset = self.plane
             across = (np.arange(self.width) + 0.5 - self.width / 2) / self.focal * nx
             down = (self.height / 2 - 0.5 - np.arange(self.height)) / self.focal * ny - nz
-            in_plane = (across + down[:, None]).astype(np.float32) / np.float32(offset or 1)
+            in_plane = across.astype(np.float32) + down[:, None].astype(np.float32)
+            in_plane /= np.float32(offset or 1)
             depth = np.where(is_cut[row], np.maximum(in_plane, 0), depth)
         image = colour[row]
         np.copyto(image, shade.background(self.height), where=(row == len(wanted))[..., None])
