@@ -1,26 +1,10 @@
-// Vectors and rigid poses. A pose is sixteen numbers row by row (`world_from_tool`), metres; angles are radians.
+// Rigid poses: a pose is sixteen numbers row by row (`world_from_tool`), metres; angles are radians.
 
-export type Vec3 = [number, number, number];
+import { add, cross, dot, length, normalize, scale, subtract, type Vec3 } from "./scene/vectors";
+
 export type Pose = number[];
 
 export const IDENTITY: readonly number[] = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
-
-export const add = (a: Vec3, b: Vec3): Vec3 => [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
-export const subtract = (a: Vec3, b: Vec3): Vec3 => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
-export const scale = (a: Vec3, factor: number): Vec3 => [a[0] * factor, a[1] * factor, a[2] * factor];
-export const dot = (a: Vec3, b: Vec3): number => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-export const cross = (a: Vec3, b: Vec3): Vec3 => [
-  a[1] * b[2] - a[2] * b[1],
-  a[2] * b[0] - a[0] * b[2],
-  a[0] * b[1] - a[1] * b[0],
-];
-export const length = (a: Vec3): number => Math.hypot(a[0], a[1], a[2]);
-
-/** The unit vector along `a`; the zero vector stays zero. */
-export function normalize(a: Vec3): Vec3 {
-  const size = length(a);
-  return size > 0 ? scale(a, 1 / size) : [0, 0, 0];
-}
 
 /** The number at row `row`, column `column`. */
 export const at = (pose: ArrayLike<number>, row: number, column: number): number =>

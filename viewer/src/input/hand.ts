@@ -14,11 +14,10 @@ import {
   orthonormal,
   type Pose,
   rotationOf,
-  scale,
   translation,
   turn,
-  type Vec3,
-} from "../matrix.js";
+} from "../matrix";
+import { scale, type Vec3 } from "../scene/vectors";
 
 export type WishSource = "mouse" | "keys" | "gizmo" | "spacemouse" | "gamepad" | "xr" | "api";
 
