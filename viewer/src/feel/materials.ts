@@ -14,16 +14,16 @@ export interface MaterialProperties {
 }
 
 export const MATERIALS: Readonly<Record<Material, MaterialProperties>> = {
-  steel: { sound_m_per_s: 5050, loss: 0.003, contact_s: 6e-5, roughness_m: 5e-5 },
-  aluminium: { sound_m_per_s: 5100, loss: 0.006, contact_s: 9e-5, roughness_m: 6e-5 },
+  steel: { sound_m_per_s: 5050, loss: 0.0015, contact_s: 6e-5, roughness_m: 5e-5 },
+  aluminium: { sound_m_per_s: 5100, loss: 0.003, contact_s: 9e-5, roughness_m: 6e-5 },
   plastic: { sound_m_per_s: 1500, loss: 0.04, contact_s: 3e-4, roughness_m: 1e-4 },
   rubber: { sound_m_per_s: 100, loss: 0.25, contact_s: 3e-3, roughness_m: 4e-4 },
 };
 
 /** Words by which materials are named in parts lists, the more particular ones first. */
 const WORDS: readonly (readonly [Material, RegExp])[] = [
-  ["rubber", /rubber|gummi|epdm|nbr|fkm|viton|silicone|elastomer/],
-  ["plastic", /plast|nylon|abs|polyamid|polypropylen|polycarbonat|peek|pom|resin|\bp[aepc]\d*\b|\bpp\b/],
+  ["rubber", /rubber|gummi|\b(epdm|h?nbr|fkm|viton)\b|silicone|elastomer/],
+  ["plastic", /plast|nylon|polyamid|polypropylen|polycarbonat|resin|\b(abs|peek|pom|pp|p[aepc]\d*)\b/],
   ["aluminium", /alumin|\balu\b|\balsi|\ben aw\b|magnesium/],
 ];
 
