@@ -242,12 +242,17 @@ export class Sound {
   }
 
   set isMuted(isMuted: boolean) {
+    if (isMuted === this.isSilent) return;
     this.isSilent = isMuted;
     this.applyLevel();
-    if (isMuted) for (const voice of this.voices) voice.stop();
-    if (!this.context) return;
+    if (!isMuted) {
+      // Who unmutes does so by a gesture, and may have made none before.
+      void this.unlock();
+      return;
+    }
+    for (const voice of this.voices) voice.stop();
     // A context at work costs the machine a thread, heard or not.
-    void (isMuted ? this.context.suspend() : this.context.resume()).catch(() => {});
+    void this.context?.suspend().catch(() => {});
   }
 
   /** Whether something would be heard now. */
