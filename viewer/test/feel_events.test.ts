@@ -56,7 +56,7 @@ test("states that move along the contact slide at their speed, whatever the rate
 test("the age of a state counts: late arrivals are not fast ones", () => {
   const feel = new Feel();
   for (let k = 0; k < 60; k++) {
-    const age_ms = k % 2 === 0 ? 0 : 9;
+    const age_ms = k % 2 === 0 ? 0 : 5;
     feel.state({ ...state(0.001 * k), age_ms }, 1000 + 10 * k + age_ms);
   }
   assert.ok(Math.abs(feel.step(1600).slide.speed_m_per_s - 0.1) < 1e-6);

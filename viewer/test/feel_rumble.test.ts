@@ -46,9 +46,9 @@ test("a burst dies away and then the device is stopped, once", () => {
 test("a device is told at most every 40 ms, and a rise at once", () => {
   const output = new FakeOutput();
   const rumble = new Rumble(() => [output]);
-  run(rumble, 1000, 12, felt({ press_n: 10 }));
+  run(rumble, 1000, 10, felt({ press_n: 10 }));
   assert.equal(output.played.length, 3);
-  rumble.play(felt({ press_n: 10, impacts: [impact(1)] }), 1125);
+  rumble.play(felt({ press_n: 10, impacts: [impact(1)] }), 1095);
   assert.equal(output.played.length, 4);
 });
 

@@ -214,6 +214,21 @@ test("fields follow each other bit by bit, ids apart", () => {
   assert.equal(readField(second, data), -100);
 });
 
+test("constants are no fields whatever usage they bear, and the last usage stands for all that follow", () => {
+  const pair = { reportSize: 8, reportCount: 2, logicalMinimum: 0, logicalMaximum: 9 };
+  const items = [
+    { ...pair, usages: [0x10030], isConstant: true },
+    { ...pair, usages: [0x10031] },
+  ];
+  assert.deepEqual(
+    (fieldsOf([{ inputReports: [{ items }] }]).get(0) ?? []).map((field) => [field.usage, field.bit]),
+    [
+      [0x10031, 16],
+      [0x10031, 24],
+    ],
+  );
+});
+
 test("an unsigned range is centred, and one that the descriptor leaves out is taken from the bits", () => {
   const item = { reportSize: 8, reportCount: 1, usages: [0x10030] };
   const [wide] =

@@ -227,7 +227,6 @@ export class SpaceMouse {
     const device = this.current?.device ?? null;
     device?.removeEventListener("inputreport", this.onReport);
     this.current = null;
-    this.heard_ms = Number.NEGATIVE_INFINITY;
     return device;
   }
 

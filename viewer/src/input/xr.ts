@@ -349,7 +349,7 @@ export class XrRoom {
     renderer.xr.enabled = false;
     for (const source of [...this.models.keys()]) this.forget(source);
     this.held.clear();
-    rig.matrix.identity();
+    // The rig's own position, turn and scale were never touched.
     rig.matrixAutoUpdate = true;
     rig.updateMatrixWorld(true);
     if (this.isGripping) this.host.release();
