@@ -72,8 +72,8 @@ export function createApi({ wb, drawing, isReady, onState }: ApiSource): FeelerA
       return (drawing.state?.parts ?? []).map((part) => wb.path(part));
     },
     get force() {
-      const force = drawing.state?.force;
-      return force ? [...force] : [0, 0, 0];
+      const [x, y, z] = drawing.state?.force ?? [0, 0, 0];
+      return [x, y, z];
     },
     grip: (path) => run("grip", { parts: [path] }),
     release: () => run("release"),

@@ -81,12 +81,21 @@ export interface FindingGroup {
   readonly findings: readonly Finding[];
 }
 
+/** What a clash check says of two parts. */
 export interface Finding {
   readonly id: string;
-  readonly parts: readonly [number, number];
-  readonly kind: string;
-  readonly depth: number;
-  readonly point: Vec3;
+  /** Part paths, and the parts' ids where they are in this mock-up. */
+  readonly a: string;
+  readonly b: string;
+  readonly part_a: number | null;
+  readonly part_b: number | null;
+  readonly verdict: string;
+  /** Metres. */
+  readonly depth: number | null;
+  readonly gap: number | null;
+  readonly point_a: Vec3 | null;
+  readonly point_b: Vec3 | null;
+  readonly is_touching: boolean;
   readonly sentence: string;
 }
 

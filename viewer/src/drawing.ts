@@ -59,8 +59,11 @@ export class Drawing {
   private drawn_ms = Number.NEGATIVE_INFINITY;
   private shown_ms = Number.NEGATIVE_INFINITY;
   private spoken_ms = Number.NEGATIVE_INFINITY;
-  private base_states = new Uint8Array(0);
+  private base_states: Uint8Array = new Uint8Array(0);
+  private solid: ArrayLike<number> | null = null;
+  private wish: Pose | null = null;
   private lit = "";
+  private last_spoken = "";
   private gizmo_drawn = "";
 
   constructor(
@@ -115,7 +118,7 @@ export class Drawing {
   private schedule(): void {
     if (this.is_requested) return;
     this.is_requested = true;
-    this.browser.requestFrame((now) => this.frame(now));
+    this.browser.requestFrame((now) => this.onFrame(now));
   }
 
   private sendWish(): void {
@@ -129,8 +132,17 @@ export class Drawing {
     this.sent_ms.set(seq, wish.time_ms);
   }
 
-  private frame(now: number): void {
+  /** A frame at once: a headset has its own rhythm. */
+  drawNow(now: number): void {
+    this.frame(now);
+  }
+
+  private onFrame(now: number): void {
     this.is_requested = false;
+    this.frame(now);
+  }
+
+  private frame(now: number): void {
     this.is_sent = false;
     const { stage, hand } = this.wb;
     let isMore = false;
@@ -139,17 +151,24 @@ export class Drawing {
     const { state } = this;
     const isAnswer = this.is_state_new;
     if (isAnswer) this.takeState(now);
-    const solid = state?.pose ?? this.wb.document?.pose;
-    if (solid) stage.setPose(solid, ghostOf(hand.wish, solid));
+    this.setPose(state?.pose ?? this.wb.document?.pose ?? null, hand.wish);
     this.paintGizmo();
     const stats = stage.frame(now);
     this.pointer?.frame();
     const end = this.browser.now();
     if (isAnswer && state) this.countLatency(state, end);
     if (stats.drawn) this.countFrame(now, end);
-    if (stats.drawn || !stats.isWhole) this.active_ms = end;
+    if (stats.drawn || !stats.isSettled) this.active_ms = end;
     if (this.is_state_new || isMore || end - this.active_ms < LINGER_MS) this.schedule();
     else this.showState(now, true);
+  }
+
+  /** The stage draws anew for every pose it is told, so that it is told only others. */
+  private setPose(solid: ArrayLike<number> | null, wish: Pose | null): void {
+    if (!solid || (solid === this.solid && wish === this.wish)) return;
+    this.solid = solid;
+    this.wish = wish;
+    this.wb.stage.setPose(solid, ghostOf(wish, solid));
   }
 
   private takeState(now: number): void {
@@ -179,8 +198,6 @@ export class Drawing {
     this.spoken_ms = now;
     store.spoken.value = text;
   }
-
-  private last_spoken = "";
 
   private countLatency(state: State, end: number): void {
     const sent = this.sent_ms.get(state.pose_seq);

@@ -1,7 +1,7 @@
 // The findings in the order in which they are stepped through, and what looking at one does. Mostly pure.
 
 import type { Document, Finding, FindingGroup, Findings } from "./document";
-import { add, scale } from "./scene/vectors";
+import { add, centre, diagonal, isEmpty, scale, type Vec3 } from "./scene/vectors";
 import type { Workbench } from "./workbench";
 
 export type FindingOrder = "depth" | "group";
@@ -10,19 +10,24 @@ export type FindingOrder = "depth" | "group";
 export function shownGroups(findings: Findings, query: string, order: FindingOrder): FindingGroup[] {
   const words = query.toLowerCase().split(/\s+/).filter(Boolean);
   const isShown = (finding: Finding, group: FindingGroup): boolean => {
-    if (findings.is_touching_hidden && finding.kind === "touching") return false;
+    if (findings.is_touching_hidden && finding.is_touching) return false;
     const text = `${group.name} ${finding.sentence} ${findings.status[finding.id] ?? "new"}`.toLowerCase();
     return words.every((word) => text.includes(word));
   };
-  const deepest = (group: FindingGroup): number => Math.max(0, ...group.findings.map((finding) => finding.depth));
+  const deepest = (group: FindingGroup): number => Math.max(0, ...group.findings.map(depthOf));
   const groups = findings.groups
     .map((group) => ({
       ...group,
-      findings: group.findings.filter((finding) => isShown(finding, group)).sort((a, b) => b.depth - a.depth),
+      findings: group.findings.filter((finding) => isShown(finding, group)).sort((a, b) => depthOf(b) - depthOf(a)),
     }))
     .filter((group) => group.findings.length > 0);
   return order === "depth" ? groups.sort((a, b) => deepest(b) - deepest(a)) : groups;
 }
+
+const depthOf = (finding: Finding): number => finding.depth ?? 0;
+
+/** The two parts, as far as this mock-up has them. */
+export const partsOf = (finding: Finding): number[] => [finding.part_a, finding.part_b].filter((part) => part !== null);
 
 /** The finding `step` further on, round and round; null where there is none. */
 export function neighbour(groups: readonly FindingGroup[], current: string | null, step: 1 | -1): Finding | null {
@@ -46,36 +51,43 @@ export async function stepFinding(wb: Workbench, step: 1 | -1): Promise<void> {
 export async function lookAtFinding(wb: Workbench, finding: Finding): Promise<void> {
   wb.store.panel.value = "findings";
   wb.store.finding.value = finding.id;
-  wb.select(finding.parts);
-  const { camera } = wb.stage;
-  const size = reachOf(wb, finding);
-  const away = scale(camera.forward, -size);
-  camera.target = [...finding.point];
-  camera.position = add(finding.point, away);
-  camera.moved = true;
+  const parts = partsOf(finding);
+  wb.select(parts);
+  const point = placeOf(wb, finding);
+  if (point) {
+    const { camera } = wb.stage;
+    const away = scale(camera.forward, -reachOf(wb, parts, depthOf(finding)));
+    camera.target = point;
+    camera.position = add(point, away);
+    camera.moved = true;
+  } else wb.fit(parts);
   wb.redraw();
   wb.say(finding.sentence);
-  if (!wb.store.is_read_only.peek()) await ghostOthers(wb, wb.document, finding.parts);
+  if (!wb.store.is_read_only.peek() && parts.length > 0) await ghostOthers(wb, wb.document, parts);
+}
+
+/** The contact: the middle of both points where they are known. */
+function placeOf(wb: Workbench, finding: Finding): Vec3 | null {
+  const { point_a, point_b } = finding;
+  if (point_a && point_b) return scale(add(point_a, point_b), 0.5);
+  if (point_a ?? point_b) return point_a ?? point_b;
+  const box = wb.boxOf(partsOf(finding));
+  return isEmpty(box) ? null : centre(box);
 }
 
 /** How far away the eye stays: enough to see what is around, near enough to see the contact. */
-function reachOf(wb: Workbench, finding: Finding): number {
-  const sizes = finding.parts.map((part) => {
-    const box = wb.boxOf([part]);
-    return Math.hypot(...box.upper.map((value, k) => value - (box.lower[k] ?? 0)));
-  });
-  const smallest = Math.min(...sizes.filter((size) => Number.isFinite(size) && size > 0), 0.5);
-  return Math.max(2.5 * smallest, 20 * finding.depth, 1e-3);
+function reachOf(wb: Workbench, parts: readonly number[], depth: number): number {
+  const sizes = parts.map((part) => diagonal(wb.boxOf([part])));
+  const smallest = Math.min(...sizes.filter((size) => size > 0), 0.5);
+  return Math.max(2.5 * smallest, 20 * depth, 1e-3);
 }
 
 async function ghostOthers(wb: Workbench, document: Document | null, parts: readonly number[]): Promise<void> {
   if (!document) return;
-  const count = wb.store.paths.peek().length;
   const solid = new Set(parts);
-  const others = Array.from({ length: count }, (_, part) => part).filter((part) => !solid.has(part));
-  await wb.run("show", { parts });
+  if (document.hidden.some((part) => solid.has(part))) await wb.run("show", { parts });
   if (document.ghost.some((part) => solid.has(part))) await wb.run("ghost", { parts, is_on: false });
   const ghost = new Set(document.ghost);
-  const fresh = others.filter((part) => !ghost.has(part));
-  if (fresh.length > 0) await wb.run("ghost", { parts: fresh, is_on: true });
+  const others = [...wb.store.paths.peek().keys()].filter((part) => !solid.has(part) && !ghost.has(part));
+  if (others.length > 0) await wb.run("ghost", { parts: others, is_on: true });
 }

@@ -2,7 +2,7 @@
 
 import type { MeasureType } from "./document";
 import type { Point } from "./input/drag";
-import type { Vec3 } from "./scene/vectors";
+import { add, distance, dot, scale, subtract, type Vec3 } from "./scene/vectors";
 import type { MeasurePick } from "./store";
 import type { Workbench } from "./workbench";
 
@@ -27,7 +27,12 @@ interface Snapped {
   readonly type: "vertex" | "edge" | "face";
   readonly part: number;
   readonly triangle: number;
+  /** Of the triangle, where it is now. */
+  readonly corners: readonly [Vec3, Vec3, Vec3];
 }
+
+/** How near in the picture a corner or an edge draws the point to it. */
+const SNAP_PX = 10;
 
 /** Begins a measure, or ends measuring where the same one is under way. */
 export function startMeasuring(wb: Workbench, type: MeasureType): void {
@@ -70,7 +75,7 @@ export function hoverMeasure(wb: Workbench, at: Point): void {
 export async function clickMeasure(wb: Workbench, at: Point): Promise<void> {
   try {
     const snapped = await snapAt(wb, at);
-    if (snapped) await takePick(wb, { part: snapped.part, triangle: snapped.triangle, point: snapped.point });
+    if (snapped) await takePick(wb, pickOf(snapped));
     else wb.say("Nothing there to measure");
   } catch (error) {
     wb.tell(error);
@@ -93,16 +98,48 @@ async function takePick(wb: Workbench, pick: MeasurePick): Promise<void> {
   if (done && made) wb.say(`${made.name} measured`);
 }
 
+const pickOf = ({ part, triangle, point, corners }: Snapped): MeasurePick => ({
+  part,
+  triangle,
+  point,
+  edge: nearestEdge(corners, point),
+});
+
+/** The edge of a triangle that is nearest to a point in its plane. */
+export function nearestEdge(corners: readonly [Vec3, Vec3, Vec3], point: Vec3): [Vec3, Vec3] {
+  const edges: [Vec3, Vec3][] = [
+    [corners[0], corners[1]],
+    [corners[1], corners[2]],
+    [corners[2], corners[0]],
+  ];
+  const away = ([start, end]: [Vec3, Vec3]): number => {
+    const along = subtract(end, start);
+    const share = dot(subtract(point, start), along) / Math.max(dot(along, along), Number.MIN_VALUE);
+    return distance(point, add(start, scale(along, Math.min(1, Math.max(0, share)))));
+  };
+  return edges.reduce((best, edge) => (away(edge) < away(best) ? edge : best));
+}
+
 /** The arguments of `measure_add`. */
 export function measureArgs(type: MeasureType, picks: readonly MeasurePick[]): Record<string, unknown> {
-  if (type === "parts") return { type, parts: picks.map((pick) => pick.part) };
-  const points = picks.map((pick) => pick.point);
-  return type === "point" ? { type, points } : { type, points, triangles: picks.map((pick) => pick.triangle) };
+  switch (type) {
+    case "point":
+      return { type, points: picks.map((pick) => pick.point) };
+    case "edge":
+      return { type, points: picks[0]?.edge ?? [] };
+    case "angle":
+      return { type, triangles: picks.map((pick) => pick.triangle) };
+    case "parts":
+      return { type, parts: picks.map((pick) => pick.part) };
+  }
 }
 
 /** The exact point that a pixel sees, drawn to a corner or an edge that is near it in the picture. */
 async function snapAt(wb: Workbench, at: Point): Promise<Snapped | null> {
   const { camera } = wb.stage;
+  const picked = wb.stage.pick(at.x, at.y);
+  if (!picked) return null;
   const { origin, direction } = camera.ray(at.x, at.y);
-  return (await wb.ask("snap", { origin, direction })) as Snapped | null;
+  const within = SNAP_PX * camera.metresPerPixel(camera.project(picked.point).depth);
+  return (await wb.ask("snap", { origin, direction, within })) as Snapped | null;
 }

@@ -22,6 +22,8 @@ export interface MeasurePick {
   readonly part: number;
   readonly triangle: number;
   readonly point: Vec3;
+  /** The edge of the triangle that is nearest. */
+  readonly edge: readonly [Vec3, Vec3];
 }
 
 /** A job under way, as the status line shows it. */
@@ -74,6 +76,8 @@ export class Store {
   readonly settings = signal<Settings>(loadSettings());
   /** What the live region says. */
   readonly spoken = signal("");
+  /** A headset is there. */
+  readonly is_xr_there = signal(false);
   readonly is_system_dark = signal(true);
 
   readonly tree = computed(() => new PartTree(this.manifest.value?.parts.paths ?? []));

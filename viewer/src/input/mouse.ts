@@ -196,7 +196,7 @@ export class Pointer {
   private followTyped(event: PointerEvent, at: Point): void {
     const move = this.wb.store.typed.peek();
     this.typed_from ??= at;
-    if (!move || move.text !== "") return;
+    if (move?.text !== "") return;
     const pose = dragged(dragOf(move), this.wb.stage.camera, this.typed_from, at, this.snap(event));
     this.wb.hand.move(pose, "mouse", event.timeStamp);
   }

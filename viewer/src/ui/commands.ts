@@ -290,7 +290,7 @@ export const COMMANDS: readonly PageCommand[] = [
     "Enter VR",
     "",
     (wb) => wb.toggleXr?.(),
-    (wb) => wb.toggleXr !== null,
+    (wb) => wb.store.is_xr_there.value,
   ),
 
   ...AXES.map((name, k) =>

@@ -3,7 +3,7 @@
 import { useSignal } from "@preact/signals";
 import type { Finding, FindingGroup } from "../document";
 import { type FindingOrder, lookAtFinding, STATUSES, shownGroups } from "../findings";
-import { formatLength } from "../units";
+import { formatLength, type Unit } from "../units";
 import { useWorkbench } from "./context";
 import { Choice, CommandButton } from "./fields";
 
@@ -111,7 +111,7 @@ function FindingCard({ finding }: { finding: Finding }) {
     <li class={`card finding ${isCurrent ? "playing" : ""} status-${status}`} aria-current={isCurrent}>
       <button type="button" class="finding-text" onClick={() => lookAtFinding(wb, finding)}>
         <span>{finding.sentence}</span>
-        <span class="note">{`${finding.kind} · ${formatLength(finding.depth, store.unit.value)} deep`}</span>
+        <span class="note">{factsOf(finding, store.unit.value)}</span>
       </button>
       <select
         aria-label={`Status of ${finding.sentence}`}
@@ -127,4 +127,9 @@ function FindingCard({ finding }: { finding: Finding }) {
       </select>
     </li>
   );
+}
+
+function factsOf(finding: Finding, unit: Unit): string {
+  if (finding.depth) return `${finding.verdict} · ${formatLength(finding.depth, unit)} deep`;
+  return finding.gap ? `${finding.verdict} · ${formatLength(finding.gap, unit)} apart` : finding.verdict;
 }

@@ -21,6 +21,11 @@ export function ContextMenu() {
     box.style.left = `${Math.max(4, Math.min(menu.x, window.innerWidth - box.offsetWidth - 4))}px`;
     box.style.top = `${Math.max(4, Math.min(menu.y, window.innerHeight - box.offsetHeight - 4))}px`;
     box.querySelector<HTMLElement>("[role=menuitem]:not([disabled])")?.focus();
+    const onPress = (event: PointerEvent): void => {
+      if (!box.contains(event.target as Node)) store.menu.value = null;
+    };
+    window.addEventListener("pointerdown", onPress, true);
+    return () => window.removeEventListener("pointerdown", onPress, true);
   }, [menu]);
 
   if (!menu) return null;
@@ -48,55 +53,52 @@ export function ContextMenu() {
     event.stopPropagation();
   };
   return (
-    <>
-      <div class="menu-shade" onPointerDown={close} onContextMenu={(event) => event.preventDefault()} />
-      <div
-        ref={element}
-        class="menu"
-        role="menu"
-        tabIndex={-1}
-        aria-label={menu.part >= 0 ? wb.path(menu.part) : "Picture"}
-        onKeyDown={onKey}
-      >
-        {menu.part >= 0 && (
-          <div class="menu-title" role="presentation" title={wb.path(menu.part)}>
-            {store.selection.value.size > 1 ? `${store.selection.value.size} parts` : store.nameOf(menu.part)}
-          </div>
-        )}
-        {(menu.part >= 0 ? PART_ITEMS : EMPTY_ITEMS).map((id) => {
-          const command = commandOf(id);
-          const canRun = command.when?.(wb) ?? true;
-          return (
-            <button
-              type="button"
-              role="menuitem"
-              key={id}
-              disabled={!canRun}
-              onClick={() => {
-                close();
-                runCommand(wb, id);
-              }}
-            >
-              <span class="row-name">{command.title}</span>
-              {command.keys[0] && <kbd>{shownKey(command.keys[0])}</kbd>}
-            </button>
-          );
-        })}
-        {extra.map(({ text, run, isOff }) => (
+    <div
+      ref={element}
+      class="menu"
+      role="menu"
+      tabIndex={-1}
+      aria-label={menu.part >= 0 ? wb.path(menu.part) : "Picture"}
+      onKeyDown={onKey}
+    >
+      {menu.part >= 0 && (
+        <div class="menu-title" role="presentation" title={wb.path(menu.part)}>
+          {store.selection.value.size > 1 ? `${store.selection.value.size} parts` : store.nameOf(menu.part)}
+        </div>
+      )}
+      {(menu.part >= 0 ? PART_ITEMS : EMPTY_ITEMS).map((id) => {
+        const command = commandOf(id);
+        const canRun = command.when?.(wb) ?? true;
+        return (
           <button
             type="button"
             role="menuitem"
-            key={text}
-            disabled={isOff}
+            key={id}
+            disabled={!canRun}
             onClick={() => {
               close();
-              run();
+              runCommand(wb, id);
             }}
           >
-            <span class="row-name">{text}</span>
+            <span class="row-name">{command.title}</span>
+            {command.keys[0] && <kbd>{shownKey(command.keys[0])}</kbd>}
           </button>
-        ))}
-      </div>
-    </>
+        );
+      })}
+      {extra.map(({ text, run, isOff }) => (
+        <button
+          type="button"
+          role="menuitem"
+          key={text}
+          disabled={isOff}
+          onClick={() => {
+            close();
+            run();
+          }}
+        >
+          <span class="row-name">{text}</span>
+        </button>
+      ))}
+    </div>
   );
 }

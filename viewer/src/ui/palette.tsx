@@ -41,7 +41,7 @@ export function Palette() {
   const wb = useWorkbench();
   const query = useSignal("");
   const active = useSignal(0);
-  const list = useRef<HTMLUListElement>(null);
+  const list = useRef<HTMLDivElement>(null);
   const found = matchingCommands(query.value).slice(0, MOST);
   const canRun = (command: PageCommand): boolean => command.when?.(wb) ?? true;
   const current = Math.min(active.value, Math.max(0, found.length - 1));
@@ -80,12 +80,15 @@ export function Palette() {
           event.preventDefault();
         }}
       />
-      <ul ref={list} id="palette-list" class="palette-list" role="listbox" aria-label="Commands">
+      <div ref={list} id="palette-list" class="palette-list" role="listbox" aria-label="Commands">
         {found.map((command, k) => (
-          <li
+          // biome-ignore lint/a11y/useKeyWithClickEvents: the field has the focus, and its keys choose
+          <div
             key={command.id}
             id={`palette-${k}`}
             role="option"
+            tabIndex={-1}
+            class="palette-option"
             aria-selected={k === current}
             aria-disabled={!canRun(command)}
             onPointerMove={() => {
@@ -96,9 +99,9 @@ export function Palette() {
             <span class="palette-group">{command.group}</span>
             <span class="row-name">{command.title}</span>
             {command.keys[0] && <kbd>{shownKey(command.keys[0])}</kbd>}
-          </li>
+          </div>
         ))}
-      </ul>
+      </div>
       {found.length === 0 && <p class="note palette-none">No command is called that.</p>}
     </Dialog>
   );

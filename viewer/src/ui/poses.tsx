@@ -193,7 +193,7 @@ function ContactReport() {
   const unit = store.unit.value;
   if (!state) return null;
   const near: { part: number; distance: number }[] = [];
-  state.clearance_parts.forEach((part, k) => near.push({ part, distance: state.clearance[7 * k] ?? 0 }));
+  for (const [k, part] of state.clearance_parts.entries()) near.push({ part, distance: state.clearance[7 * k] ?? 0 });
   const turn = Math.hypot(...state.torque);
   return (
     <section>

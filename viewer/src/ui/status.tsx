@@ -21,7 +21,7 @@ export function StatusLine() {
   const { store } = wb;
   const connection = store.connection.value;
   return (
-    <footer class="status" aria-label="Status">
+    <footer class="status">
       <span class={`link-state ${connection}`}>
         <span class="dot" aria-hidden="true" />
         {CONNECTIONS[connection]}

@@ -265,6 +265,7 @@ function Row({ row, at, isActive, toggle, choose }: RowProps) {
   ];
   const isReadOnly = store.is_read_only.value;
   return (
+    // biome-ignore lint/a11y/useKeyWithClickEvents: the tree takes the keys of all its rows
     <div
       role="treeitem"
       class={classes.join(" ")}
