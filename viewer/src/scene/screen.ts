@@ -3,11 +3,11 @@
 import {
   BufferAttribute,
   BufferGeometry,
-  Camera,
   GLSL3,
   type IUniform,
   Mesh,
   NoBlending,
+  OrthographicCamera,
   RawShaderMaterial,
   Scene,
   type ShaderMaterialParameters,
@@ -20,7 +20,7 @@ export class ScreenPass {
   readonly material: RawShaderMaterial;
   readonly #scene = new Scene();
   readonly #geometry = new BufferGeometry();
-  readonly #camera = new Camera();
+  readonly #camera = new OrthographicCamera();
 
   constructor(fragmentShader: string, uniforms: Record<string, IUniform>, parameters: ShaderMaterialParameters = {}) {
     this.material = new RawShaderMaterial({

@@ -573,7 +573,7 @@ export class Stage {
       if (isMoving && this.#fence) return;
       this.#redraw(isMoving);
       stats.isKept = false;
-    } else if (!kept.isWhole && !isMoving && !this.#fence) {
+    } else if ((!kept.isWhole || kept.scale !== 1) && !isMoving && !this.#fence) {
       if (kept.isContinuable) this.#drawKept(this.#pace.triangles(SLICE_MS), false);
       else this.#redraw(false);
       stats.isKept = false;
