@@ -71,9 +71,9 @@ export function createApi({ wb, drawing, isReady, onState }: ApiSource): FeelerA
     get touched() {
       return (drawing.state?.parts ?? []).map((part) => wb.path(part));
     },
-    get force() {
-      const [x, y, z] = drawing.state?.force ?? [0, 0, 0];
-      return [x, y, z];
+    get force(): Vec3 {
+      const force: Vec3 = drawing.state?.force ?? [0, 0, 0];
+      return [...force];
     },
     grip: (path) => run("grip", { parts: [path] }),
     release: () => run("release"),

@@ -123,4 +123,6 @@ export interface ContextMenu {
   readonly y: number;
   readonly part: number;
   readonly point: Vec3 | null;
+  /** The pixel of the picture. */
+  readonly at: { readonly x: number; readonly y: number };
 }

@@ -74,15 +74,21 @@ export function followOutlines(wb: Workbench, drawing: Drawing): () => void {
     const mine = ++asked;
     wb.stage.setOutlines(null);
     if (isDragging || sections.length === 0 || wb.store.is_read_only.value || !wb.store.manifest.value) return;
-    const job = wb.link?.job("outline", { ids: sections.map((section) => section.id) });
-    job?.result
-      .then((result) => {
+    wb.link
+      ?.job("outline", {})
+      .result.then((result) => {
         if (mine !== asked) return;
-        wb.stage.setOutlines(Float32Array.from((result as { segments: number[][][] }).segments.flat(2)));
+        wb.stage.setOutlines(floatsOf((result as { segments: string }).segments));
         drawing.request();
       })
       .catch((error: unknown) => {
         if (mine === asked) wb.tell(error);
       });
   });
+}
+
+/** Little-endian float32 out of base64. */
+function floatsOf(text: string): Float32Array {
+  const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+  return new Float32Array(bytes.buffer);
 }

@@ -4,9 +4,18 @@
 // Commands, questions and jobs are answered by number. What waits when the link breaks fails, as nobody knows whether
 // it was done; the welcome that follows says how things stand.
 
-import { decode, encode } from "./frames";
+import { decodeFrame, encodeFrame } from "./frames";
 import type { Wish } from "./input/hand";
-import { type Event, type FromServer, NOT_ALLOWED, RELOAD, type State, VERSION, type Welcome } from "./protocol";
+import {
+  type FromPage,
+  type FromServer,
+  NOT_ALLOWED,
+  PROTOCOL_VERSION,
+  RELOAD,
+  type ServerEvent,
+  type State,
+  type Welcome,
+} from "./protocol";
 
 /** What was not done, where it failed, and what to do. */
 export class LinkError extends Error {
@@ -27,7 +36,7 @@ export interface LinkListener {
   /** Everything, after each connection: what was before no longer counts. */
   onWelcome(welcome: Welcome): void;
   onState(state: State): void;
-  onEvent(event: Event): void;
+  onEvent(event: ServerEvent): void;
 }
 
 /** The part of a WebSocket that the link uses. */
@@ -153,7 +162,13 @@ export class Link {
 
   private hello() {
     const { token } = this.options;
-    return { kind: "hello", protocol: VERSION, token, session: this.session, last_event: this.last_event } as const;
+    return {
+      kind: "hello",
+      protocol: PROTOCOL_VERSION,
+      token,
+      session: this.session,
+      last_event: this.last_event,
+    } as const;
   }
 
   private request(
@@ -175,14 +190,14 @@ export class Link {
     return { id, result };
   }
 
-  private send(socket: Socket, message: Parameters<typeof encode>[0]): void {
-    socket.send(encode(message));
+  private send(socket: Socket, message: FromPage): void {
+    socket.send(encodeFrame(message));
   }
 
   private receive(data: string | ArrayBuffer): void {
     let message: FromServer;
     try {
-      message = decode(data);
+      message = decodeFrame(data);
     } catch {
       // Whatever spoke is no server of this protocol: a new connection starts from a whole document.
       this.restart();
@@ -209,13 +224,8 @@ export class Link {
     }
   }
 
-  private receiveEvent(event: Event): void {
+  private receiveEvent(event: ServerEvent): void {
     if (event.n <= this.last_event) return;
-    if (event.n > this.last_event + 1) {
-      // One is missing: the server has it, and tells it again to whoever says what came last.
-      this.restart();
-      return;
-    }
     this.last_event = event.n;
     if (event.type === "progress") this.waiting.get(event.id)?.onProgress?.(event.share, event.stage);
     this.options.listener.onEvent(event);

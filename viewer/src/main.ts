@@ -13,7 +13,7 @@ import { listenToKeys } from "./input/keys";
 import { Pointer } from "./input/mouse";
 import { Link, LinkError, takeToken } from "./link";
 import { fromAxes } from "./matrix";
-import type { Event, State, Welcome } from "./protocol";
+import type { ServerEvent, State, Welcome } from "./protocol";
 import { Stage } from "./scene/stage";
 import { scale, type Vec3 } from "./scene/vectors";
 import { Store } from "./store";
@@ -64,7 +64,7 @@ class Page {
       onStatus: (status: Link["status"]) => this.onStatus(status),
       onWelcome: (welcome: Welcome) => this.onWelcome(welcome),
       onState: (state: State) => this.onState(state),
-      onEvent: (event: Event) => this.onEvent(event),
+      onEvent: (event: ServerEvent) => this.onEvent(event),
     };
     const url = `${base.protocol === "https:" ? "wss:" : "ws:"}//${base.host}${base.pathname}`;
     const link = token ? new Link({ url, token, listener }) : null;
@@ -130,14 +130,14 @@ class Page {
     for (const listener of [...this.state_listeners]) listener(state);
   }
 
-  private onEvent(event: Event): void {
+  private onEvent(event: ServerEvent): void {
     const { store } = this;
     switch (event.type) {
       case "patch": {
         const before = store.document.peek();
         store.undo_depth.value = event.undo_depth;
         store.redo_depth.value = event.redo_depth;
-        if (before) this.takeDocument(patched(before, event.fields as Partial<Document>));
+        if (before) this.takeDocument(patched(before, event.fields as unknown as Partial<Document>));
         break;
       }
       case "impact":

@@ -46,6 +46,13 @@ export function startMeasuring(wb: Workbench, type: MeasureType): void {
   wb.say(PICKS[type][0] ?? "");
 }
 
+/** Begins point to point with the first point at a pixel. */
+export async function measureFrom(wb: Workbench, at: Point): Promise<void> {
+  if (wb.store.measuring.peek()) stopMeasuring(wb);
+  startMeasuring(wb, "point");
+  await clickMeasure(wb, at);
+}
+
 export function stopMeasuring(wb: Workbench): void {
   wb.store.measuring.value = null;
   wb.store.snap.value = null;

@@ -11,6 +11,8 @@ import { PartTree } from "./ui/parts";
 
 /** How many notices are kept in sight. */
 const MOST_NOTICES = 4;
+/** What needs no answer goes by itself. */
+const INFO_MS = 10_000;
 
 /** What is being measured: the points clicked so far, and what is under the pointer. */
 export interface Measuring {
@@ -105,8 +107,10 @@ export class Store {
   }
 
   notify(level: Notice["level"], text: string): void {
+    const id = this.next_notice++;
     const others = this.notices.peek().filter((notice) => notice.text !== text);
-    this.notices.value = [...others, { id: this.next_notice++, level, text }].slice(-MOST_NOTICES);
+    this.notices.value = [...others, { id, level, text }].slice(-MOST_NOTICES);
+    if (level === "info") setTimeout(() => this.dismiss(id), INFO_MS);
   }
 
   dismiss(id: number): void {

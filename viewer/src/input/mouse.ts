@@ -242,7 +242,7 @@ export class Pointer {
     if (button === 2) {
       const part = picked && !picked.held ? picked.part : -1;
       if (part >= 0 && !wb.store.selection.peek().has(part)) wb.select([part]);
-      wb.store.menu.value = { x: event.clientX, y: event.clientY, part, point: picked?.point ?? null };
+      wb.store.menu.value = { x: event.clientX, y: event.clientY, part, point: picked?.point ?? null, at };
     } else if (button === 0 && wb.store.measuring.peek()) clickMeasure(wb, at);
     else if (button === 0 && !this.handle) {
       const isAdding = event.ctrlKey || event.metaKey || event.shiftKey;

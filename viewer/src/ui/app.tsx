@@ -41,7 +41,6 @@ export function App({ workbench, picture }: { workbench: Workbench; picture: Pic
         {are_panels_open && <Panels />}
         <StatusLine />
       </div>
-      <ContextMenu />
       <Tour />
       {dialog.value === "palette" && <Palette />}
       {dialog.value === "help" && <Help />}
@@ -72,6 +71,7 @@ function Picture({ picture }: { picture: PictureElements }) {
       </div>
       <Banner />
       <Covers />
+      <ContextMenu />
     </main>
   );
 }

@@ -110,21 +110,23 @@ function FindingCard({ finding }: { finding: Finding }) {
   return (
     <li class={`card finding ${isCurrent ? "playing" : ""} status-${status}`} aria-current={isCurrent}>
       <button type="button" class="finding-text" onClick={() => lookAtFinding(wb, finding)}>
-        <span>{finding.sentence}</span>
-        <span class="note">{factsOf(finding, store.unit.value)}</span>
+        {finding.sentence}
       </button>
-      <select
-        aria-label={`Status of ${finding.sentence}`}
-        value={status}
-        disabled={store.is_read_only.value}
-        onChange={(event) => wb.run("finding_status", { id: finding.id, status: event.currentTarget.value })}
-      >
-        {STATUSES.map((each) => (
-          <option key={each} value={each}>
-            {each}
-          </option>
-        ))}
-      </select>
+      <div class="finding-line">
+        <span class="note">{factsOf(finding, store.unit.value)}</span>
+        <select
+          aria-label={`Status of ${finding.sentence}`}
+          value={status}
+          disabled={store.is_read_only.value}
+          onChange={(event) => wb.run("finding_status", { id: finding.id, status: event.currentTarget.value })}
+        >
+          {STATUSES.map((each) => (
+            <option key={each} value={each}>
+              {each}
+            </option>
+          ))}
+        </select>
+      </div>
     </li>
   );
 }

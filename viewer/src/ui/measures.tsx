@@ -22,7 +22,7 @@ export function MeasurePanel() {
   return (
     <div class="panel-body">
       <section>
-        <h3>Measure</h3>
+        <h2>Measure</h2>
         <div class="button-grid">
           {TYPES.map((type) => (
             <button
@@ -56,7 +56,7 @@ export function MeasurePanel() {
         )}
       </section>
       <section>
-        <h3>Unit</h3>
+        <h2>Unit</h2>
         <Choice
           label="Unit of lengths"
           value={store.unit.value}
@@ -66,7 +66,7 @@ export function MeasurePanel() {
         />
       </section>
       <section>
-        <h3>Viewpoints</h3>
+        <h2>Viewpoints</h2>
         <div class="button-row">
           <CommandButton id="snapshot" icon="camera" text="Picture and viewpoint" />
         </div>

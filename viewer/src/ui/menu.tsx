@@ -1,7 +1,7 @@
 // The context menu of a part, or of what lies beside all parts.
 
 import { useLayoutEffect, useRef } from "preact/hooks";
-import { startMeasuring } from "../measuring";
+import { measureFrom } from "../measuring";
 import { addSection } from "../sectioning";
 import { commandOf, runCommand, shownKey } from "./commands";
 import { useWorkbench } from "./context";
@@ -39,7 +39,7 @@ export function ContextMenu() {
     menu.part >= 0 && point
       ? [
           { text: "Cut here", run: () => addSection(wb, undefined, point), isOff: isLocked },
-          { text: "Measure from here", run: () => startMeasuring(wb, "point"), isOff: isLocked },
+          { text: "Measure from here", run: () => measureFrom(wb, menu.at), isOff: isLocked },
         ]
       : [];
   const onKey = (event: KeyboardEvent): void => {

@@ -49,7 +49,7 @@ export function PosePanel() {
   return (
     <div class="panel-body">
       <section>
-        <h3>In the hand</h3>
+        <h2>In the hand</h2>
         <p class="held-name">
           {[document.tool?.name, held.length > 0 ? heldText : null].filter(Boolean).join(" and ")}
         </p>
@@ -60,7 +60,7 @@ export function PosePanel() {
         </div>
       </section>
       <section>
-        <h3>Contact</h3>
+        <h2>Contact</h2>
         <Choice
           label="Contact mode"
           value={document.mode}
@@ -71,7 +71,7 @@ export function PosePanel() {
         <p class="note">{MODE_TITLES[document.mode]}</p>
       </section>
       <section>
-        <h3>Position</h3>
+        <h2>Position</h2>
         <div class="figures">
           {([0, 1, 2] as const).map((axis) => (
             <div class={`axis-row axis-${axis}`} key={axis}>
@@ -101,9 +101,9 @@ export function PosePanel() {
         </div>
       </section>
       <section>
-        <h3>
+        <h2>
           Turned <span class="note">about X, then Y, then Z</span>
-        </h3>
+        </h2>
         <div class="figures">
           {([0, 1, 2] as const).map((axis) => (
             <div class={`axis-row axis-${axis}`} key={axis}>
@@ -133,7 +133,7 @@ export function PosePanel() {
         </div>
       </section>
       <section>
-        <h3>Steps</h3>
+        <h2>Steps</h2>
         <Choice
           label="Step of a length"
           value={String(settings.step_m)}
@@ -197,7 +197,7 @@ function ContactReport() {
   const turn = Math.hypot(...state.torque);
   return (
     <section>
-      <h3>Contact now</h3>
+      <h2>Contact now</h2>
       <dl class="facts">
         <dt>Force</dt>
         <dd>{formatForce(length(state.force))}</dd>

@@ -23,7 +23,7 @@ export function SectionPanel() {
   return (
     <div class="panel-body">
       <section>
-        <h3>Cut</h3>
+        <h2>Cut</h2>
         <div class="button-row">
           {AXES.map(([name, normal]) => (
             <button
@@ -58,7 +58,7 @@ export function SectionPanel() {
         )}
       </section>
       <section>
-        <h3>Explode</h3>
+        <h2>Explode</h2>
         <label class="slider">
           <input
             type="range"

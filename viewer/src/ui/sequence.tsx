@@ -14,7 +14,7 @@ export function SequencePanel() {
   return (
     <div class="panel-body">
       <section>
-        <h3>Removals</h3>
+        <h2>Removals</h2>
         {sequence.length === 0 && (
           <p class="note">
             Select a part, grip it with E, move it away, and release it with E: that is the first line here.
@@ -27,7 +27,7 @@ export function SequencePanel() {
         </ol>
       </section>
       <section>
-        <h3>Export</h3>
+        <h2>Export</h2>
         <div class="button-column">
           {FILES.map((name) => (
             <CommandButton key={name} id={name} icon="download" text={EXPORTS[name]} />

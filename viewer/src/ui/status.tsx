@@ -86,9 +86,11 @@ function Rates() {
   const { store } = useWorkbench();
   const state = store.state.value;
   if (!state) return null;
+  // Before the first wish there is none to count from.
+  const age = state.pose_seq > 0 ? ` · ${state.age_ms.toFixed(1)} ms old` : "";
   return (
     <span class="rates" title="Answers of the engine a second, its time for one, and the age of what is shown">
-      {`${Math.round(state.rate_hz)} Hz · ${formatTime(state.engine_us)} · ${state.age_ms.toFixed(1)} ms old`}
+      {`${Math.round(state.rate_hz)} Hz · ${formatTime(state.engine_us)}${age}`}
     </span>
   );
 }

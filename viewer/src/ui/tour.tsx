@@ -117,17 +117,17 @@ export function Tour() {
     <>
       <div ref={frame} class="tour-frame" aria-hidden="true" />
       <div ref={card} class="tour-card" role="dialog" aria-label={`Tour: ${step.title}`} tabIndex={-1}>
-        <header>
+        <div class="tour-line">
           <h2>{step.title}</h2>
           <IconButton icon="close" label="End the tour" run={() => go(null)} />
-        </header>
+        </div>
         <p>{step.text}</p>
         <p class="tour-keys">
           {step.keys.map((key) => (
             <kbd key={key}>{shownKey(key)}</kbd>
           ))}
         </p>
-        <footer>
+        <div class="tour-line">
           <span class="note">{`${at + 1} of ${TOUR.length}`}</span>
           {at > 0 && (
             <button type="button" class="button" onClick={() => go(at - 1)}>
@@ -137,7 +137,7 @@ export function Tour() {
           <button type="button" class="button main" onClick={() => go(at + 1)}>
             {at + 1 < TOUR.length ? "Next" : "Done"}
           </button>
-        </footer>
+        </div>
       </div>
     </>
   );

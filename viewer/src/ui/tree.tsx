@@ -264,6 +264,10 @@ function Row({ row, at, isActive, toggle, choose }: RowProps) {
     store.hover.value === node.part && node.part >= 0 ? "hovered" : "",
   ];
   const isReadOnly = store.is_read_only.value;
+  // Begins with what is to be seen of the row, so that it can be called by that.
+  const seen = [node.name, isHeld ? "held" : "", isOut ? "out" : "", row.isGroup ? formatCount(parts.length) : ""];
+  const states = [hidden === "all" ? "hidden" : "", ghost === "all" ? "ghost" : ""];
+  const label = [seen.filter(Boolean).join(" "), ...states.filter(Boolean)].join(", ");
   return (
     // biome-ignore lint/a11y/useKeyWithClickEvents: the tree takes the keys of all its rows
     <div
@@ -275,7 +279,7 @@ function Row({ row, at, isActive, toggle, choose }: RowProps) {
       aria-setsize={row.siblings}
       aria-selected={selected === "all"}
       aria-expanded={row.isGroup ? row.isOpen : undefined}
-      aria-label={`${node.name}${hidden === "all" ? ", hidden" : ""}${ghost === "all" ? ", ghost" : ""}${isHeld ? ", in the hand" : isOut ? ", taken out" : ""}`}
+      aria-label={label}
       title={node.path}
       style={{ transform: `translateY(${at * ROW_PX}px)`, paddingLeft: `${6 + row.depth * INDENT_PX}px` }}
       onClick={choose}
