@@ -21,6 +21,8 @@ import { hitFragment, hitVertex } from "./shaders";
 
 /** More are not drawn; the server sends no more. */
 export const MAX_HITS = 20_000;
+// Of more than these the outlines and the faint pass are left out: many triangles are seen without.
+const MAX_OUTLINED = 3000;
 
 const FILL = new Vector4(1.0, 0.55, 0.08, 0.85);
 const EDGE = new Vector4(1.0, 0.85, 0.45, 1.0);
@@ -33,10 +35,14 @@ class HitSet {
   #room = 0;
   readonly #meshes: (Mesh | LineSegments)[];
 
-  constructor(fills: RawShaderMaterial[], edges: RawShaderMaterial[]) {
+  readonly #front: RawShaderMaterial;
+
+  constructor(behind: RawShaderMaterial, front: RawShaderMaterial, edges: RawShaderMaterial) {
+    this.#front = front;
     this.#meshes = [
-      ...fills.map((material) => new Mesh(this.#geometry, material)),
-      ...edges.map((material) => new LineSegments(this.#edges, material)),
+      new Mesh(this.#geometry, behind),
+      new Mesh(this.#geometry, front),
+      new LineSegments(this.#edges, edges),
     ];
     this.#meshes.forEach((mesh, order) => {
       mesh.frustumCulled = false;
@@ -48,12 +54,13 @@ class HitSet {
   }
 
   get isEmpty(): boolean {
-    return !(this.#meshes[0] as Mesh).visible;
+    return !(this.#meshes[1] as Mesh).visible;
   }
 
   set(corners: Float32Array): void {
     const triangles = Math.min(MAX_HITS, corners.length / 9);
-    for (const mesh of this.#meshes) mesh.visible = triangles > 0;
+    for (const mesh of this.#meshes)
+      mesh.visible = triangles > 0 && (mesh.material === this.#front || triangles <= MAX_OUTLINED);
     if (triangles === 0) return;
     if (triangles > this.#room) this.#grow(Math.min(MAX_HITS, Math.max(256, 2 * triangles)));
     const positions = this.#geometry.getAttribute("position") as BufferAttribute;
@@ -116,11 +123,10 @@ export class Hits {
         blending: NormalBlending,
         side: DoubleSide,
       });
-    const fills = [material(FILL, true), material(FILL, false)];
-    const edges = [material(EDGE, false)];
-    this.#materials = [...fills, ...edges];
-    this.mockup = new HitSet(fills, edges);
-    this.held = new HitSet(fills, edges);
+    const [behind, front, edges] = [material(FILL, true), material(FILL, false), material(EDGE, false)];
+    this.#materials = [behind, front, edges];
+    this.mockup = new HitSet(behind, front, edges);
+    this.held = new HitSet(behind, front, edges);
     this.scene.add(...this.mockup.objects, ...this.held.objects);
   }
 

@@ -114,6 +114,8 @@ export class Kept {
   isWhole = false;
   /** How many redraws are averaged; 0 before the first. */
   samples = 0;
+  /** How many redraws are to be averaged. */
+  wanted = JITTER.length;
   /** The share of the resolution that is drawn. */
   scale = 1;
   /** Triangles drawn of the mock-up since `begin`. */
@@ -157,8 +159,9 @@ export class Kept {
     );
   }
 
-  get texture(): Texture {
-    return this.#shown.texture;
+  /** The kept picture; at a lower resolution, its lower left part. */
+  get picture(): WebGLRenderTarget {
+    return this.#shown;
   }
 
   get width(): number {
@@ -170,7 +173,7 @@ export class Kept {
   }
 
   get isRefined(): boolean {
-    return this.isWhole && this.samples >= JITTER.length;
+    return this.isWhole && this.samples >= this.wanted;
   }
 
   setSize(width: number, height: number): void {
@@ -241,6 +244,7 @@ export class Kept {
     this.isWhole = this.#missing.length === 0;
     this.#drawGhosts(eye, this.#raw, this.isWhole ? Infinity : budget);
     this.samples = 1;
+    define(this.#resolve.material, "CREASES", this.scale === 1 ? 1 : null);
     this.#drawResolved(this.#raw, 1);
     return this.triangles - before;
   }
@@ -335,7 +339,7 @@ export class Kept {
   }
 }
 
-function shownTarget(width: number, height: number): WebGLRenderTarget {
+export function shownTarget(width: number, height: number): WebGLRenderTarget {
   return new WebGLRenderTarget(width, height, {
     minFilter: LinearFilter,
     magFilter: LinearFilter,

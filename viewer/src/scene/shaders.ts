@@ -44,9 +44,9 @@ vec3 normalOf(vec3 view) {
 }
 vec3 lit(vec3 colour, vec3 n, vec3 view) {
   vec3 key = vec3(-0.45, 0.60, 0.66);
-  float shade = 0.40 + 0.20 * dot(n, sky) + 0.52 * max(dot(n, key), 0.0) + 0.16 * max(dot(n, vec3(0.8, -0.1, 0.59)), 0.0);
+  float shade = 0.52 + 0.16 * dot(n, sky) + 0.50 * max(dot(n, key), 0.0) + 0.22 * max(dot(n, vec3(0.75, -0.15, 0.64)), 0.0);
   vec3 halfway = normalize(key - normalize(view));
-  return colour * shade + 0.10 * pow(max(dot(n, halfway), 0.0), 24.0);
+  return colour * shade + 0.12 * pow(max(dot(n, halfway), 0.0), 24.0);
 }
 `;
 
@@ -158,7 +158,9 @@ void main() {
   ivec2 p = ivec2(gl_FragCoord.xy);
   vec4 colour = texelFetch(rawColour, p, 0);
   float height = gl_FragCoord.y / drawn.y;
-  vec3 back = mix(below, above, smoothstep(0.0, 1.0, height));
+  // A grain of less than one step of 8 bits: a slow gradient would show bands.
+  float grain = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715)))) - 0.5;
+  vec3 back = mix(below, above, smoothstep(0.0, 1.0, height)) + grain / 255.0;
   vec3 shown = colour.rgb + (1.0 - colour.a) * back;
   uint id = texelFetch(rawId, p, 0).r;
   ivec2 last = ivec2(drawn) - 1;
@@ -167,24 +169,26 @@ void main() {
   float edge = 0.0;
   if (id != idEast || id != idNorth) {
     edge = 0.62;
-  } else if (id != 0u && (id & 0x80000000u) == 0u) {
+  }
+#ifdef CREASES
+  else if (id != 0u && (id & 0x80000000u) == 0u) {
     ivec2 west = ivec2(max(p.x - 1, 0), p.y), south = ivec2(p.x, max(p.y - 1, 0));
     float w = nearness(p);
     float bend = max(abs(nearness(east) + nearness(west) - 2.0 * w), abs(nearness(north) + nearness(south) - 2.0 * w));
     edge = 0.45 * smoothstep(0.45, 1.6, bend / w * focal);
   }
+#endif
   outColour = vec4(mix(shown, line, edge), share);
 }
 `;
 
-// The kept picture on the screen. Lit parts are tinted here, by their ids, so that lighting one redraws nothing.
-export const showFragment = `${PRECISION}/* glsl */
+// The kept picture at the size of the screen, with its lit parts. They are tinted here, by their ids, so that lighting one redraws
+// nothing of the mock-up.
+export const tintFragment = `${PRECISION}/* glsl */
 uniform sampler2D kept;
 uniform vec2 keptScale;
-#ifdef TINT
 uniform usampler2D keptId;
 uniform usampler2D states;
-#endif
 layout(location = 0) out vec4 outColour;
 void main() {
   vec2 at = gl_FragCoord.xy * keptScale;
@@ -193,7 +197,6 @@ void main() {
 #else
   vec3 colour = texelFetch(kept, ivec2(at), 0).rgb;
 #endif
-#ifdef TINT
   uint id = texelFetch(keptId, ivec2(at), 0).r & 0x7fffffffu;
   if (id != 0u) {
     uint part = id - 1u;
@@ -206,7 +209,6 @@ void main() {
       if ((state & 8u) != 0u && mod(gl_FragCoord.x + gl_FragCoord.y, 10.0) < 2.0) colour *= 0.72;
     }
   }
-#endif
   outColour = vec4(colour, 1.0);
 }
 `;

@@ -8,10 +8,11 @@ import type { HeldManifest, Manifest } from "../geometry";
 import { Average } from "./average";
 import { CameraRig } from "./camera";
 import { type Piece, Pieces } from "./chunks";
+import { copyPicture } from "./copy";
 import { isCutAway, mayBeSeen, sidePlanes } from "./culling";
 import { Held } from "./held";
 import { Hits } from "./hits";
-import { JITTER, Kept, PieceMaterials } from "./kept";
+import { JITTER, Kept, PieceMaterials, shownTarget } from "./kept";
 import { LabelLayer } from "./labels";
 import { MarkLayer, type Marks, NO_MARKS } from "./marks";
 import { Pace, STILL_MS } from "./pace";
@@ -19,7 +20,7 @@ import { PartTable } from "./parts";
 import { Probe } from "./pick";
 import { define, ScreenPass } from "./screen";
 import { clipBox, SectionLines, type SectionPlane, writePlanes } from "./sections";
-import { backFragment, showFragment } from "./shaders";
+import { backFragment, tintFragment } from "./shaders";
 import { pngOf } from "./shot";
 import { coloursOf, type Theme } from "./theme";
 import { MAX_SECTIONS, setProjection, sharedUniforms } from "./uniforms";
@@ -64,6 +65,8 @@ const MOST_PIXELS = 2560 * 1440;
 const IDLE_MS = 300;
 const REFINE_MS = 12;
 const SLICE_MS = 60;
+// Where a redraw takes longer than this, edges are smoothed by half as many.
+const SLOW_REDRAW_MS = 250;
 // A picture for keeping is averaged from fewer redraws where they would take longer than this.
 const SHOT_MS = 2000;
 
@@ -81,10 +84,12 @@ export class Stage {
   readonly #materials: PieceMaterials;
   readonly #kept: Kept;
   readonly #average: Average;
+  // The kept picture with its lit parts.
+  readonly #lit = shownTarget(1, 1);
   readonly #probe: Probe;
   readonly #held: Held;
   readonly #hits: Hits;
-  readonly #show: ScreenPass;
+  readonly #tint: ScreenPass;
   readonly #back: ScreenPass;
   readonly #overlayScene = new Scene();
   readonly #pieceScene = new Scene();
@@ -111,6 +116,7 @@ export class Stage {
   #isViewNew = true;
   #isShapeNew = true;
   #isOverlayNew = true;
+  #isLitNew = true;
   #movedAt = -Infinity;
   #changedAt = -Infinity;
   #shapeVersion = 0;
@@ -139,7 +145,7 @@ export class Stage {
     this.#hits = new Hits(this.#uniforms);
     this.#marks = new MarkLayer(this.#uniforms, this.#middle);
     this.#lines = new SectionLines(this.#uniforms, this.#middle);
-    this.#show = new ScreenPass(showFragment, {
+    this.#tint = new ScreenPass(tintFragment, {
       kept: { value: null },
       keptScale: this.#uniforms.keptScale,
       keptId: this.#uniforms.keptId,
@@ -228,6 +234,7 @@ export class Stage {
   /** A byte a part, of the bits of `PartState`. Lighting parts redraws nothing; hiding them redraws the mock-up. */
   setPartStates(states: Uint8Array): void {
     this.#table?.setStates(states);
+    this.#isLitNew = true;
     this.#followTable();
   }
 
@@ -377,6 +384,7 @@ export class Stage {
     this.#resize();
     const kept = new Kept(this.renderer, this.#uniforms, this.#materials);
     const average = new Average(this.renderer);
+    const lit = shownTarget(width, height);
     const isOverlay = this.overlay.visible;
     try {
       this.overlay.visible = false;
@@ -390,12 +398,15 @@ export class Stage {
       const samples = Math.floor(SHOT_MS / Math.max(this.#pace.estimate(kept.triangles), 1));
       while (kept.samples < Math.max(1, Math.min(JITTER.length, samples))) kept.refine(this.eye, Infinity);
       this.#marks.build(this.camera);
-      while (average.samples < JITTER.length) this.#addSample(kept, average);
+      this.#isLitNew = true;
+      while (average.samples < JITTER.length) this.#addSample(kept, lit, average);
       // The pixels are read before the first wait: no frame of the page comes between.
       return pngOf(this.renderer, average.sum);
     } finally {
       kept.dispose();
       average.dispose();
+      lit.dispose();
+      this.#isLitNew = true;
       this.overlay.visible = isOverlay;
       this.renderer.setRenderTarget(null);
       this.#aimAtCanvas();
@@ -414,9 +425,18 @@ export class Stage {
     this.canvas.removeEventListener("webglcontextrestored", this.#onRestored);
     this.clear();
     this.#labels?.dispose();
-    for (const room of [this.#kept, this.#average, this.#probe, this.#held, this.#hits, this.#marks, this.#lines])
+    for (const room of [
+      this.#kept,
+      this.#average,
+      this.#lit,
+      this.#probe,
+      this.#held,
+      this.#hits,
+      this.#marks,
+      this.#lines,
+    ])
       room.dispose();
-    this.#show.dispose();
+    this.#tint.dispose();
     this.#back.dispose();
     this.#materials.dispose();
     this.renderer.dispose();
@@ -472,6 +492,7 @@ export class Stage {
     this.renderer.setPixelRatio(ratio);
     this.renderer.setSize(width, height, false);
     this.#kept.setSize(this.canvas.width, this.canvas.height);
+    this.#lit.setSize(this.canvas.width, this.canvas.height);
     Object.assign(this.camera, { width, height });
     this.#isViewNew = true;
     this.#aimAtCanvas();
@@ -554,13 +575,16 @@ export class Stage {
     this.#isViewNew = false;
     this.#isShapeNew = false;
     const { solid, ghosts } = this.#seen();
+    const triangles = solid.reduce((sum, piece) => sum + piece.triangles, 0);
     this.#kept.begin(solid, ghosts, isDraft ? this.#pace.scale : 1);
+    this.#kept.wanted = this.#pace.estimate(triangles) < SLOW_REDRAW_MS ? JITTER.length : JITTER.length / 2;
     this.#drawKept(isDraft ? this.#pace.draft : Infinity, isDraft);
   }
 
   #drawKept(budget: number, isDraft: boolean): void {
     const at = performance.now();
     const triangles = this.#kept.draw(this.eye, budget);
+    this.#isLitNew = true;
     this.#setFence(at, triangles, isDraft);
     this.#touch();
   }
@@ -586,12 +610,13 @@ export class Stage {
     } else if (isIdle && kept.isWhole && !kept.isRefined) {
       const before = kept.triangles;
       const at = performance.now();
-      if (kept.refine(this.eye, this.#pace.triangles(REFINE_MS))) this.#compose(kept, null);
+      this.#isLitNew = kept.refine(this.eye, this.#pace.triangles(REFINE_MS));
+      if (this.#isLitNew) this.#compose(kept, this.#lit, null);
       this.#setFence(at, kept.triangles - before, false);
       stats.drawn = true;
     } else if (isIdle && kept.isRefined && this.#average.samples < JITTER.length) {
       this.#average.setSize(this.canvas.width, this.canvas.height);
-      this.#addSample(kept, this.#average);
+      this.#addSample(kept, this.#lit, this.#average);
       // What was left on the canvas is shown until the mean is whole.
       if (this.#average.samples === JITTER.length) this.#average.show(null);
       stats.drawn = true;
@@ -604,30 +629,34 @@ export class Stage {
   #present(): void {
     this.#isOverlayNew = false;
     this.#marks.build(this.camera);
-    this.#compose(this.#kept, null);
+    this.#compose(this.#kept, this.#lit, null);
     this.#labels?.update(this.#marks.anchors, this.camera);
   }
 
   /** Adds a picture drawn a part of a pixel aside: what lies over the kept layer gets smooth edges as well. */
-  #addSample(kept: Kept, average: Average): void {
+  #addSample(kept: Kept, lit: WebGLRenderTarget, average: Average): void {
     const [x, y] = JITTER[average.samples] as [number, number];
     const { width, height } = average.sum;
     this.eye.setViewOffset(width, height, x, y, width, height);
-    this.#compose(kept, average.once);
+    this.#compose(kept, lit, average.once);
     this.eye.clearViewOffset();
     average.add();
   }
 
   /** The kept layer, and over it what the hand holds, what meets, and the marks. */
-  #compose(kept: Kept, target: WebGLRenderTarget | null): void {
+  #compose(kept: Kept, lit: WebGLRenderTarget, target: WebGLRenderTarget | null): void {
     const renderer = this.renderer;
-    renderer.setRenderTarget(target);
-    renderer.clear(true, true, false);
     kept.bind(target ? target.width : this.canvas.width);
-    define(this.#show.material, "TINT", this.#table?.isAnyLit ? 1 : null);
-    define(this.#show.material, "SCALED", this.#uniforms.keptScale.value.x === 1 ? null : 1);
-    (this.#show.material.uniforms.kept as { value: unknown }).value = kept.texture;
-    this.#show.draw(renderer, target);
+    const isTinted = this.#table?.isAnyLit === true;
+    if (isTinted && this.#isLitNew) {
+      define(this.#tint.material, "SCALED", kept.scale === 1 ? null : 1);
+      (this.#tint.material.uniforms.kept as { value: unknown }).value = kept.picture.texture;
+      this.#tint.draw(renderer, lit);
+    }
+    this.#isLitNew = false;
+    const { width, height } = target ?? this.canvas;
+    copyPicture(renderer, isTinted ? lit : kept.picture, target, width, height);
+    renderer.clear(false, true, false);
     this.#drawOver();
   }
 

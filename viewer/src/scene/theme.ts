@@ -19,7 +19,7 @@ const COLOURS: Record<Theme, Colours> = {
   light: {
     above: new Vector3(0.97, 0.98, 0.99),
     below: new Vector3(0.82, 0.85, 0.89),
-    line: new Vector3(0.1, 0.12, 0.15),
+    line: new Vector3(0.16, 0.18, 0.22),
   },
 };
 
