@@ -33,8 +33,13 @@ function contactMarks(state: State | null, unit: Unit): Pick<Marks, "planes" | "
   if (!state) return { planes: null, force: null, clearances: null, distance: null };
   const strength = length(state.force);
   const texts: string[] = [];
-  for (let k = 0; k < state.clearance.length; k += 7) texts.push(formatLength(state.clearance[k] ?? 0, unit));
+  for (let k = 0; k < state.clearance.length; k += 7) {
+    const value = state.clearance[k] ?? 0;
+    // What touches is lit: a figure for it would only cover the contact.
+    texts.push(value > 0 ? formatLength(value, unit) : "");
+  }
   const { distance } = state;
+  const isListed = distance !== null && state.clearance_parts.includes(distance.part);
   return {
     planes: state.planes,
     force:
@@ -43,7 +48,7 @@ function contactMarks(state: State | null, unit: Unit): Pick<Marks, "planes" | "
         : null,
     clearances: { rows: state.clearance, texts },
     distance:
-      distance && distance.value > 0
+      distance && distance.value > 0 && !isListed
         ? {
             from: [...distance.tool_point],
             to: [...distance.mockup_point],

@@ -6,6 +6,7 @@ import { formatCount, formatForce, formatLength, formatShare } from "../units";
 import { useWorkbench } from "./context";
 import { IconButton } from "./fields";
 import { poseHint } from "./typing-hint";
+import { touchedText } from "./words";
 
 const CONNECTIONS: Readonly<Record<Connection, string>> = {
   connecting: "Connecting",
@@ -65,9 +66,11 @@ function ContactFacts() {
         <>
           <span class="hit-count">
             <span class="swatch hit" aria-hidden="true" />
-            {`${formatCount(state.hit_count)} ${state.hit_count === 1 ? "triangle" : "triangles"}`}
+            {touchedText(state.parts.map((part) => store.nameOf(part)))}
           </span>
-          <span>{`${state.parts.length} ${state.parts.length === 1 ? "part" : "parts"}`}</span>
+          {state.hit_count > 0 && (
+            <span>{`${formatCount(state.hit_count)} ${state.hit_count === 1 ? "triangle" : "triangles"}`}</span>
+          )}
           {state.depth > 0 && <span>{`${formatLength(state.depth, unit)} deep`}</span>}
           {length(state.force) > 0 && <span>{formatForce(length(state.force))}</span>}
         </>

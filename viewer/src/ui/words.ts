@@ -23,6 +23,13 @@ export function spokenState(state: State, unit: Unit, nameOf: (part: number) => 
   return `free, ${formatLength(state.distance.value, unit)} to ${nameOf(state.distance.part)}`;
 }
 
+/** "touches cone, shell and 3 more". */
+export function touchedText(names: readonly string[]): string {
+  if (names.length === 0) return "inside";
+  const more = names.length - MOST_NAMES;
+  return `touches ${names.slice(0, MOST_NAMES).join(", ")}${more > 0 ? ` and ${more} more` : ""}`;
+}
+
 /** "1 part", "4 316 parts". */
 export const partsText = (count: number, format: (count: number) => string): string =>
   `${format(count)} ${count === 1 ? "part" : "parts"}`;
