@@ -100,6 +100,16 @@ export class Hand {
     return pose && carry(pose, this.pivot);
   }
 
+  /** A wish has not gone out yet. */
+  get isWaiting(): boolean {
+    return this.fresh !== null;
+  }
+
+  /** The number of the last wish that went out. */
+  get sentSeq(): number {
+    return this.sent_seq;
+  }
+
   /** Wishes the tool at `pose` (`world_from_tool`, row by row). */
   move(pose: ArrayLike<number>, source: WishSource, time_ms = this.now()): void {
     if (this.isLocked) return;
