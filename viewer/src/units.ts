@@ -44,11 +44,11 @@ export const formatForce = (newtons: number): string =>
 /** A share as per cent. */
 export const formatShare = (share: number): string => `${Math.round(100 * share)} %`;
 
-/** A count with thin spaces between thousands. */
+/** A count with narrow spaces between thousands, at which no line breaks. */
 export const formatCount = (count: number): string =>
   Math.round(count)
     .toString()
-    .replace(/\B(?=(\d{3})+$)/g, " ");
+    .replace(/\B(?=(\d{3})+$)/g, "\u202f");
 
 /**
  * A typed length as metres: a number, or a fraction such as `3/8`, and a unit; `unit` where none is typed.

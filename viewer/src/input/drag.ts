@@ -63,7 +63,7 @@ function alongAxis(center: Vec3, direction: Vec3, view: View, from: Point, to: P
   // An axis that points at the eye is a dot in the picture: the way up the picture then moves along it.
   if (Math.abs(dot(towards, direction)) > 0.995) {
     const moved = inViewPlane(center, view, from, { x: from.x, y: to.y });
-    return Math.hypot(...moved) * Math.sign(from.y - to.y) * -Math.sign(dot(towards, direction));
+    return Math.hypot(...moved) * Math.sign(from.y - to.y) * Math.sign(dot(towards, direction));
   }
   return placeOnAxis(center, direction, view, to) - placeOnAxis(center, direction, view, from);
 }
