@@ -63,9 +63,9 @@ export function createDevices(wb: Workbench, drawing: Drawing): Devices {
     const isCapMoving = cap.frame(now);
     const felt = feel.step(now);
     sound.play(felt);
-    rumble.play(felt, now);
-    // Impacts ring on by themselves; sliding and the hum last only as long as frames tell them.
-    return isPadMoving || isCapMoving || felt.press_n > 0 || felt.slide.speed_m_per_s > 0;
+    const isRumbling = rumble.play(felt, now);
+    // Impacts ring on by themselves; what rumbles and slides lasts only as long as frames tell it.
+    return isRumbling || isPadMoving || isCapMoving || felt.press_n > 0 || felt.slide.speed_m_per_s > 0;
   });
 
   if (browserHid()) {
@@ -127,6 +127,7 @@ function createRoom(wb: Workbench, drawing: Drawing): XrRoom {
   const { stage, hand } = wb;
   return new XrRoom({
     renderer: stage.renderer,
+    eye: stage.eye,
     rig: stage.rig,
     overlay: stage.overlay,
     hand,
@@ -135,7 +136,10 @@ function createRoom(wb: Workbench, drawing: Drawing): XrRoom {
     grip: (ray) => void gripAlong(wb, ray),
     release: () => void wb.run("release"),
     command: (command) => runCommand(wb, command),
-    ended: drawing.request,
+    ended: () => {
+      stage.camera.moved = true;
+      drawing.request();
+    },
   });
 }
 

@@ -34,8 +34,10 @@ function run(rumble: Rumble, from_ms: number, frames: number, each: Felt = felt(
 test("a burst dies away and then the device is stopped, once", () => {
   const output = new FakeOutput();
   const rumble = new Rumble(() => [output]);
-  rumble.play(felt({ impacts: [impact(0.8)] }), 1000);
+  assert.equal(rumble.play(felt({ impacts: [impact(0.8)] }), 1000), true);
+  assert.equal(rumble.play(felt(), 1005), true, "frames are wanted while it dies away");
   run(rumble, 1010, 100);
+  assert.equal(rumble.play(felt(), 2010), false);
   const strengths = output.played.map((each) => each.strong);
   assert.ok(strengths.length > 3);
   for (let k = 1; k < strengths.length; k++) assert.ok((strengths[k] ?? 1) < (strengths[k - 1] ?? 0));

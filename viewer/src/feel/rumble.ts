@@ -94,12 +94,12 @@ export class Rumble {
     return { strong: Math.min(1, strong), weak: Math.min(1, weak) };
   }
 
-  /** Plays what was felt; once a frame. */
-  play(felt: Felt, now_ms: number): void {
+  /** Plays what was felt; once a frame. Whether another frame is wanted: bursts die away frame by frame. */
+  play(felt: Felt, now_ms: number): boolean {
     if (!this.settings.isOn) {
       this.bursts = [];
       this.silence();
-      return;
+      return false;
     }
     if (this.settings.hasEvents) {
       for (const impact of felt.impacts) this.bursts.push(burstOf(impact, now_ms));
@@ -109,16 +109,17 @@ export class Rumble {
     const wanted = this.magnitudes(felt, now_ms);
     if (Math.max(wanted.strong, wanted.weak) < LEAST) {
       this.silence();
-      return;
+      return false;
     }
     const rise = Math.max(wanted.strong - this.told.strong, wanted.weak - this.told.weak);
-    if (rise < RISE && now_ms - this.told_ms < INTERVAL_MS) return;
+    if (rise < RISE && now_ms - this.told_ms < INTERVAL_MS) return true;
     this.told = wanted;
     this.told_ms = now_ms;
     const outputs = this.outputs();
     for (const output of this.running) if (!outputs.includes(output)) output.stop();
     for (const output of outputs) output.play(wanted, HOLD_MS);
     this.running = outputs;
+    return true;
   }
 
   /** Stops every device at once. */

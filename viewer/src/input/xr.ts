@@ -46,6 +46,8 @@ export type XrHand = Pick<Hand, "move" | "put" | "pose" | "pivot">;
 
 export interface XrHost {
   readonly renderer: WebGLRenderer;
+  /** The camera that draws; the session moves it, and its near and far planes are the session's meanwhile. */
+  readonly eye: PerspectiveCamera;
   /** Holds the camera. It is moved as the viewer walks; its own parent's frame is the scene's. */
   readonly rig: Object3D;
   /** Takes the models of the controllers, in world coordinates. */
@@ -59,7 +61,7 @@ export interface XrHost {
   grip(ray: WorldRay): void;
   release(): void;
   command(command: "mode" | "undo"): void;
-  /** The session is over. */
+  /** The session is over; the camera is where the headset was. */
   ended(): void;
 }
 
@@ -67,6 +69,9 @@ const STICK_BUTTON = 3;
 const COMMANDS: Readonly<Record<number, "mode" | "undo">> = { 4: "mode", 5: "undo" };
 const LONGEST_STEP_S = 0.05;
 const RAY_LENGTH_M = 3;
+/** Metres of the room, whatever the mock-up's scale: a tool may come close to the face, a hall has walls. */
+const NEAR_M = 0.02;
+const FAR_M = 200;
 const MODEL_COLOR = 0x9ecbff;
 
 /** WebXR's column by column as a pose row by row. */
@@ -146,6 +151,7 @@ export class XrRoom {
       await session.end();
       throw error;
     }
+    Object.assign(this.host.eye, { near: NEAR_M, far: FAR_M });
     renderer.setAnimationLoop(this.onFrame);
   }
 

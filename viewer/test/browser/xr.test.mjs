@@ -16,6 +16,7 @@ const PAGE = `
   const device = new XRDevice(metaQuest3);
   // Chromium has a navigator.xr of its own, without a headset.
   device.installRuntime({ forceInstall: true });
+  device.stereoEnabled = true;
   device.position.set(0, 1.6, 0);
   const controller = device.controllers.right;
   controller.position.set(0.2, 1.2, -0.4);
@@ -44,7 +45,7 @@ const PAGE = `
   hand.answered(IDENTITY, 0);
   const feel = new Feel();
   const xr = new XrRoom({
-    ...{ renderer, rig, overlay, hand },
+    ...{ renderer, eye, rig, overlay, hand },
     mockup: () => ({ lower: [9.8, -0.2, -0.2], upper: [10.2, 0.2, 0.2], up: "y", middle }),
     frame(now) {
       const wish = hand.take();
@@ -246,6 +247,71 @@ test("both walls are in the picture, the nearer one before the farther", { skip:
   assert.ok(greens > 100, `${greens} pixels of the nearer wall`);
   assert.ok(reds > greens, `${reds} pixels of the farther wall, ${greens} of the nearer one`);
   assert.ok(reds < 4 * greens, `${reds} pixels of the farther wall, ${greens} of the nearer one`);
+  assert.deepEqual(errors, []);
+});
+
+const STAGE = `
+  import { metaQuest3, XRDevice } from "iwer";
+  import { XrRoom } from "./src/input/xr";
+  import { Stage } from "./src/scene/stage";
+
+  const device = new XRDevice(metaQuest3);
+  device.installRuntime({ forceInstall: true });
+  device.stereoEnabled = true;
+  device.position.set(0, 1.6, 0);
+
+  // A sheet of 0.4 m across the viewer's way, far from the world's origin; 20 m at most of its size away at first.
+  const [lower, upper, middle] = [[9.8, -0.2, 0], [10.2, 0.2, 0], [10, 0, 0]];
+  const positions = [-0.2, -0.2, 0, 0.2, -0.2, 0, 0.2, 0.2, 0, -0.2, 0.2, 0];
+  const piece = new ArrayBuffer(48 + 8 + 12);
+  new Float32Array(piece, 0, 12).set(positions);
+  new Uint16Array(piece, 56, 6).set([0, 1, 2, 0, 2, 3]);
+  const manifest = {
+    ...{ hash: "0", name: "sheet", unit: "mm", up: "y", middle, lower, upper, triangles: 2, vertices: 4, part_bytes: 2 },
+    parts: { paths: ["sheet"], triangles: [2], lower: [lower], upper: [upper], small: [0] },
+    pieces: [{ triangles: 2, vertices: 4, first: 0, bytes: piece.byteLength, lower, upper, small: false, parts: 1 }],
+  };
+  const stage = new Stage(document.getElementById("canvas"), { pixelRatio: 1 });
+  stage.setManifest(manifest);
+  stage.addPiece(0, piece);
+  const gl = stage.renderer.getContext();
+  /** The colour at a share of the picture's width and height. */
+  const colour = (x, y) => {
+    const pixel = new Uint8Array(4);
+    const { drawingBufferWidth: width, drawingBufferHeight: height } = gl;
+    gl.readPixels(Math.floor(x * width), Math.floor(y * height), 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
+    return [...pixel];
+  };
+  let frames_drawn = 0;
+  const xr = new XrRoom({
+    renderer: stage.renderer,
+    ...{ eye: stage.eye, rig: stage.rig, overlay: stage.overlay },
+    hand: { pose: null, pivot: [0, 0, 0], move() {}, put() {} },
+    mockup: () => manifest,
+    frame(now) {
+      stage.frame(now);
+      frames_drawn++;
+      // The headset looks straight ahead, 1.6 m up; the sheet's middle is 1.1 m up and 0.5 m ahead.
+      window.colours = { left: colour(0.25, 0.1), right: colour(0.75, 0.1), above: colour(0.25, 0.9) };
+    },
+    ...{ grip() {}, release() {}, command() {}, ended() {} },
+  });
+  window.enter = async () => {
+    await xr.enter("real");
+    while (frames_drawn < 5) await new Promise((resolve) => setTimeout(resolve, 5));
+    return { colours: window.colours, near: stage.eye.near, far: stage.eye.far };
+  };
+  window.ready = true;
+`;
+
+test("the stage of the page draws the mock-up for both eyes", { skip: whySkipped }, async (t) => {
+  const { page, errors } = await openPage(t, STAGE);
+  await page.waitForFunction(() => window.ready === true);
+  const { colours, near: near_m, far } = await page.evaluate(() => window.enter());
+  const apart = (a, b) => Math.max(...a.map((value, k) => Math.abs(value - b[k])));
+  assert.ok(apart(colours.left, colours.above) > 40, JSON.stringify(colours));
+  assert.ok(apart(colours.right, colours.left) < 20, JSON.stringify(colours));
+  assert.deepEqual([near_m, far], [0.02, 200]);
   assert.deepEqual(errors, []);
 });
 
