@@ -211,6 +211,9 @@ export class Link {
       case "event":
         this.receiveEvent(message);
         break;
+      case "progress":
+        this.waiting.get(message.id)?.onProgress?.(message.share, message.stage);
+        break;
       case "reply":
         this.receiveReply(message);
         break;
@@ -227,7 +230,6 @@ export class Link {
   private receiveEvent(event: ServerEvent): void {
     if (event.n <= this.last_event) return;
     this.last_event = event.n;
-    if (event.type === "progress") this.waiting.get(event.id)?.onProgress?.(event.share, event.stage);
     this.options.listener.onEvent(event);
   }
 

@@ -84,6 +84,7 @@ function setUp() {
       protocol: 1,
       session,
       document: {},
+      held: null,
       event,
       device: false,
       recording: false,
@@ -139,6 +140,7 @@ test("events are told once and in order, also those that are said again after a 
     protocol: 1,
     session: "s",
     document: {},
+    held: null,
     event: 3,
     device: false,
     recording: false,
@@ -202,7 +204,7 @@ test("a job tells how far it is, and can be given up", async () => {
   welcome();
   const shares: number[] = [];
   const job = link.job("export_glb", {}, (share) => shares.push(share));
-  socket().say({ kind: "event", type: "progress", n: 1, id: job.id, share: 0.5, stage: "writing" });
+  socket().say({ kind: "progress", id: job.id, share: 0.5, stage: "writing" });
   job.cancel();
   assert.deepEqual(socket().last(), { kind: "cancel", id: job.id });
   socket().say({ kind: "reply", id: job.id, ok: true, result: { name: "a.glb" } });
