@@ -153,7 +153,13 @@ export class Page {
     this.loaded_hash = hash;
     this.is_whole = false;
     store.geometry_failed.value = null;
-    if (hash === null) return;
+    if (hash === null) {
+      this.geometry?.abort();
+      wb.stage.clear();
+      store.manifest.value = null;
+      store.geometry_share.value = null;
+      return;
+    }
     store.geometry_share.value = 0;
     this.geometry?.load({
       onManifest: (manifest) => {

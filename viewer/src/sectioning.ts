@@ -54,6 +54,12 @@ export async function settleSection(wb: Workbench): Promise<void> {
   if (wb.store.section_draft.peek() === draft) wb.store.section_draft.value = null;
 }
 
+/** 1 where a cut keeps what is farther along its axis, -1 for the near side: `sense * offset` is where it lies on it. */
+export function senseOf(normal: Vec3): 1 | -1 {
+  const sizes = normal.map(Math.abs);
+  return (normal[sizes.indexOf(Math.max(...sizes))] ?? 0) < 0 ? -1 : 1;
+}
+
 /** The least and the greatest offset at which a cut across `normal` meets the mock-up. */
 export function offsetRange(lower: Vec3, upper: Vec3, normal: Vec3): [number, number] {
   let least = 0;

@@ -9,7 +9,7 @@ import { measureArgs, nearestEdge } from "../src/measuring";
 import { partStates } from "../src/partstates";
 import type { State } from "../src/protocol";
 import { PartState } from "../src/scene/stage";
-import { axisAlong, drawnSections, offsetRange } from "../src/sectioning";
+import { axisAlong, drawnSections, offsetRange, senseOf } from "../src/sectioning";
 import { DEFAULTS, loadSettings } from "../src/settings";
 import { Store } from "../src/store";
 import { spokenState, touchedText } from "../src/ui/words";
@@ -128,6 +128,7 @@ test("a cut keeps what is farther along the view, and its range is that of the m
   assert.deepEqual(axisAlong([0, 0, 1]), [0, 0, 1]);
   assert.deepEqual(offsetRange([-1, -2, -3], [4, 5, 6], [0, -1, 0]), [-5, 2]);
   assert.deepEqual(offsetRange([-1, -2, -3], [4, 5, 6], [1, 0, 0]), [-1, 4]);
+  assert.deepEqual([senseOf([0, -1, 0]), senseOf([0.1, 0, 0.9])], [-1, 1]);
 });
 
 const finding = (id: string, depth: number | null, is_touching = false) => ({

@@ -2,11 +2,10 @@
 
 import type { Section } from "../document";
 import type { Vec3 } from "../scene/vectors";
-import { addSection, draftSection, flipSection, offsetRange, settleSection } from "../sectioning";
+import { addSection, draftSection, flipSection, offsetRange, senseOf, settleSection } from "../sectioning";
 import { formatShare } from "../units";
 import { useWorkbench } from "./context";
 import { CommandButton, Figure, IconButton } from "./fields";
-import { Icon } from "./icons";
 
 const AXES: readonly (readonly [string, Vec3])[] = [
   ["X", [1, 0, 0]],
@@ -33,8 +32,7 @@ export function SectionPanel() {
               disabled={isLocked}
               onClick={() => addSection(wb, [...normal])}
             >
-              <Icon name="plus" size={14} />
-              <span>Across {name}</span>
+              Across {name}
             </button>
           ))}
         </div>
@@ -85,6 +83,7 @@ function SectionCard({ section, name }: { section: Section; name: string }) {
   const draft = store.section_draft.value;
   const offset = draft?.id === section.id ? draft.offset : section.offset;
   const [least, most] = manifest ? offsetRange(manifest.lower, manifest.upper, section.normal) : [-1, 1];
+  const sense = senseOf(section.normal);
   const across = directionName(section.normal);
   return (
     <article class={`card ${section.is_on ? "" : "off"}`} aria-label={`${name}, ${across}`}>
@@ -115,13 +114,13 @@ function SectionCard({ section, name }: { section: Section; name: string }) {
       <label class="slider">
         <input
           type="range"
-          min={least}
-          max={most}
+          min={Math.min(sense * least, sense * most)}
+          max={Math.max(sense * least, sense * most)}
           step={(most - least) / 1000}
-          value={offset}
+          value={sense * offset}
           disabled={isLocked}
           aria-label={`${name}: where`}
-          onInput={(event) => draftSection(wb, section, Number(event.currentTarget.value))}
+          onInput={(event) => draftSection(wb, section, sense * Number(event.currentTarget.value))}
           onChange={() => settleSection(wb)}
         />
       </label>
@@ -129,10 +128,10 @@ function SectionCard({ section, name }: { section: Section; name: string }) {
         label="At"
         kind="length"
         unit={store.unit.value}
-        value={offset}
+        value={sense * offset}
         step={store.settings.value.step_m}
         disabled={isLocked}
-        change={(value) => wb.run("section_move", { id: section.id, normal: section.normal, offset: value })}
+        change={(value) => wb.run("section_move", { id: section.id, normal: section.normal, offset: sense * value })}
       />
     </article>
   );
