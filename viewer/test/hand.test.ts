@@ -1,7 +1,17 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { Hand } from "../src/input/hand";
-import { fromAxes, IDENTITY, isSamePose, multiply, type Pose, position, rotation, translation } from "../src/matrix";
+import {
+  axis,
+  fromAxes,
+  IDENTITY,
+  isSamePose,
+  multiply,
+  type Pose,
+  position,
+  rotation,
+  translation,
+} from "../src/matrix";
 
 function setUp() {
   const placed: Pose[] = [];
@@ -95,15 +105,24 @@ test("increments move along the frame's axes and turn about the pivot", () => {
   assert.ok(Math.abs(position(hand.pose ?? [])[1] - at[1] - 1) < 1e-12, "right of the picture is y");
 });
 
-test("many small turns stay rigid", () => {
+/** The pose times its turn back: the identity for one whose axes are of unit length at right angles. */
+const squared = (pose: Pose): Pose =>
+  multiply(fromAxes(axis(pose, 0), axis(pose, 1), axis(pose, 2), [0, 0, 0]), [
+    ...[...axis(pose, 0), 0, ...axis(pose, 1), 0],
+    ...[...axis(pose, 2), 0, 0, 0, 0, 1],
+  ]);
+
+test("many small turns, and a pose that is bent a little, go out rigid", () => {
   const { hand } = setUp();
   hand.answered(IDENTITY, 0);
   for (let k = 0; k < 20_000; k++) {
     hand.nudge({ translation: [0, 0, 0], rotation: [0.01, 0.02, 0.03] }, "tool", "spacemouse");
   }
-  const pose = hand.pose ?? [];
-  const transposed = [0, 4, 8, 3, 1, 5, 9, 7, 2, 6, 10, 11, 12, 13, 14, 15].map((k) => pose[k] ?? 0);
-  assert.ok(isSamePose(multiply(pose, transposed), IDENTITY, 1e-12));
+  assert.ok(isSamePose(squared(hand.pose ?? []), IDENTITY, 1e-12));
+  const bent = rotation([0.6, 0, 0.8], 1);
+  bent[1] = (bent[1] ?? 0) + 1e-4;
+  hand.move(bent, "api");
+  assert.ok(isSamePose(squared(hand.take()?.pose ?? []), IDENTITY, 1e-12));
 });
 
 test("a hand that is locked, and numbers that are none, move nothing", () => {
