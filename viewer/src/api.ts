@@ -18,7 +18,7 @@ export interface PageStats extends FrameStats {
 export interface FeelerApi {
   /** The first whole picture is drawn. */
   readonly ready: boolean;
-  /** Triangles drawn in the newest frame. */
+  /** Triangles of the mock-up's pieces that are in the picture. */
   readonly triangles: number;
   /** The tool's pose; null before the engine told one. */
   readonly pose: Pose | null;
@@ -49,11 +49,12 @@ export interface ApiSource {
   readonly wb: Workbench;
   readonly drawing: Drawing;
   readonly isReady: () => boolean;
+  readonly countTriangles: () => number;
   /** Calls back with every state; the function returned ends it. */
   readonly onState: (listener: (state: State) => void) => () => void;
 }
 
-export function createApi({ wb, drawing, isReady, onState }: ApiSource): FeelerApi {
+export function createApi({ wb, drawing, isReady, countTriangles, onState }: ApiSource): FeelerApi {
   const run = async (name: string, args: Record<string, unknown> = {}): Promise<void> => {
     await wb.send(name, args);
   };
@@ -62,7 +63,7 @@ export function createApi({ wb, drawing, isReady, onState }: ApiSource): FeelerA
       return isReady();
     },
     get triangles() {
-      return wb.stage.stats.triangles;
+      return countTriangles();
     },
     get pose() {
       return poseOf(wb, drawing.state);

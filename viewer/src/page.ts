@@ -31,6 +31,8 @@ export class Page {
   private readonly devices: Devices;
   private readonly geometry: Geometry | null;
   private readonly state_listeners = new Set<(state: State) => void>();
+  private come_triangles = 0;
+  private drawn_triangles = 0;
   private is_whole = false;
   private is_ready = false;
   private loaded_hash: string | null = null;
@@ -80,6 +82,7 @@ export class Page {
       wb: this.wb,
       drawing: this.drawing,
       isReady: () => this.is_ready,
+      countTriangles: () => this.drawn_triangles,
       onState: (listener) => {
         this.state_listeners.add(listener);
         return () => this.state_listeners.delete(listener);
@@ -164,6 +167,7 @@ export class Page {
     this.geometry?.load({
       onManifest: (manifest) => {
         wb.stage.setManifest(manifest);
+        this.come_triangles = 0;
         const camera = recallCamera(manifest.hash);
         if (camera) wb.stage.camera.fromJSON(camera);
         store.selection.value = new Set();
@@ -172,6 +176,7 @@ export class Page {
       },
       onPiece: (k, data, share) => {
         wb.stage.addPiece(k, data);
+        this.come_triangles += store.manifest.peek()?.pieces[k]?.triangles ?? 0;
         store.geometry_share.value = share;
         this.drawing.request();
       },
@@ -205,6 +210,7 @@ export class Page {
 
   /** Ready once the first picture with every piece in it is drawn. */
   private watchReady(): boolean {
+    this.drawn_triangles = this.come_triangles;
     if (this.is_ready) return false;
     this.is_ready = this.is_whole && this.wb.stage.stats.isWhole;
     if (this.is_ready && !this.store.settings.peek().has_seen_tour) this.greet();

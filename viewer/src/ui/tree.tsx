@@ -296,9 +296,9 @@ function Row({ row, at, isActive, toggle, choose }: RowProps) {
         {row.isGroup && <Icon name="chevron" size={12} />}
       </span>
       <span class="row-name">{node.name}</span>
-      {isHeld && <span class="tag held">held</span>}
-      {isOut && <span class="tag">out</span>}
-      {row.isGroup && <span class="row-count">{formatCount(parts.length)}</span>}
+      {isHeld && <span class="tag held"> held</span>}
+      {isOut && <span class="tag"> out</span>}
+      {row.isGroup && <span class="row-count"> {formatCount(parts.length)}</span>}
       <span class="row-tools">
         <IconButton
           icon="isolate"
