@@ -264,7 +264,7 @@ export interface Ask {
   args: Record<string, unknown>;
 }
 
-/** Something that takes a while: progress comes as events, the result as a reply. */
+/** Something that takes a while: progress comes by messages of the same id, the result as a reply. */
 export interface Job {
   kind: "job";
   id: number;
@@ -292,11 +292,14 @@ export interface Welcome {
   protocol: number;
   session: string;
   document: DocumentFields;
-  /** The newest that the document has in it; those that follow are greater. */
+  /** The newest event that the document has in it; those that follow are greater. */
   event: number;
   /** A haptic device moves the hand. */
   device: boolean;
   recording: boolean;
+  /** Of the mesh in hand; null: the hand is empty, or there is no mock-up yet. */
+  held: HeldManifest | null;
+  /** Of the server's software, by name. */
   versions: Record<string, string>;
 }
 
@@ -372,17 +375,6 @@ export interface Impact {
   force: number;
 }
 
-/** How far a job is. */
-export interface Progress {
-  kind: "event";
-  type: "progress";
-  n: number;
-  id: number;
-  /** 0 to 1. */
-  share: number;
-  stage: string;
-}
-
 /** Something to tell whoever looks at the page. */
 export interface Notice {
   kind: "event";
@@ -414,6 +406,15 @@ export interface HeldChanged {
   manifest: HeldManifest | null;
 }
 
+/** How far a job of this page is. A newer one replaces it; it is no event, as it means nothing to other pages. */
+export interface Progress {
+  kind: "progress";
+  id: number;
+  /** 0 to 1. */
+  share: number;
+  stage: string;
+}
+
 /** A command, question or job was done. */
 export interface Answer {
   kind: "reply";
@@ -433,9 +434,9 @@ export interface Refusal {
 
 export type FromPage = Hello | Pose | Ack | Command | Ask | Job | Cancel | Shot;
 
-export type ServerEvent = Patch | Impact | Progress | Notice | ShotWanted | HeldChanged;
+export type ServerEvent = Patch | Impact | Notice | ShotWanted | HeldChanged;
 
-export type FromServer = Welcome | State | ServerEvent | Answer | Refusal;
+export type FromServer = Welcome | State | ServerEvent | Progress | Answer | Refusal;
 
 /** Where the arrays of a binary message are: type, shape (a text is a free length) and the most rows. */
 export const ARRAYS = {
