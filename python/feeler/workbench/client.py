@@ -37,11 +37,11 @@ class Client:
         socket: ServerConnection,
         session: SessionLike,
         pool: Executor,
-        state_frame: Callable[[], tuple[int, bytes] | None],
+        state_frame: Callable[[Callable[[int], bool]], tuple[int, bytes] | None],
         limits: Limits,
         clock: Callable[[], float],
     ) -> None:
-        """state_frame: the newest state's number and frame; clock: seconds, for the rate limit."""
+        """state_frame: the newest state's number and frame, if the number is wanted. clock: seconds, for the limit."""
         self._socket = socket
         self._session = session
         self._pool = pool
@@ -126,8 +126,8 @@ class Client:
         frame = self._outbox.take()
         if frame is not None or self._early is not None:
             return frame
-        state = self._state_frame()
-        if state is None or not self._outbox.wants_state(state[0]):
+        state = self._state_frame(self._outbox.wants_state)
+        if state is None:
             return None
         self._outbox.sent_state(state[0])
         return state[1]

@@ -343,10 +343,10 @@ class Server:
         for client in self._clients:
             client.news()
 
-    def _state_frame(self) -> tuple[int, bytes] | None:
-        """The newest state, packed once for all pages."""
+    def _state_frame(self, is_wanted: Callable[[int], bool]) -> tuple[int, bytes] | None:
+        """The newest state, if its number is wanted; packed once for all pages."""
         snapshot = self._session.snapshot()
-        if snapshot is None:
+        if snapshot is None or not is_wanted(snapshot.number):
             return None
         number, frame = self._state
         if number != snapshot.number:
