@@ -187,15 +187,18 @@ class Page:
 
     def __init__(self, url: str, *, hello: str | None = "own", origin: str | None = None, **headers: str) -> None:
         at = urlsplit(url)
-        self.socket: ClientConnection = connect(
-            f"ws://{at.netloc}/",
-            origin=f"http://{at.netloc}" if origin is None else origin or None,  # type: ignore[arg-type]
-            additional_headers=headers or None,
-            compression=None,
-            proxy=None,
-            max_size=None,
-            open_timeout=WAIT_S,
-            close_timeout=WAIT_S,
+        self._end = contextlib.ExitStack()
+        self.socket: ClientConnection = self._end.enter_context(
+            connect(
+                f"ws://{at.netloc}/",
+                origin=f"http://{at.netloc}" if origin is None else origin or None,  # type: ignore[arg-type]
+                additional_headers=headers or None,
+                compression=None,
+                proxy=None,
+                max_size=None,
+                open_timeout=WAIT_S,
+                close_timeout=WAIT_S,
+            )
         )
         self._url = url
         if hello is not None:
@@ -227,7 +230,7 @@ class Page:
         return self.socket.close_code
 
     def close(self) -> None:
-        self.socket.close()
+        self._end.close()
 
     def __enter__(self) -> Page:
         return self
