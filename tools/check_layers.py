@@ -185,8 +185,10 @@ ROOMS: dict[str, set[str]] = {
     "picture": {*BASE, "io"},
     "samples": BASE,
     "study": {*BASE, "samples"},
-    "cli": {*BASE, "haptics", "io", "picture", "samples", "study", "feeler"},
-    "__init__": {"_core", "ignored", *BASE, "haptics", "interchange", "io", "picture", "samples", "study"},
+    # `feeler` for its version alone.
+    "workbench": {*BASE, "haptics", "ignored", "io", "parts", "picture", "feeler"},
+    "cli": {*BASE, "haptics", "io", "picture", "samples", "study", "workbench", "feeler"},
+    "__init__": {"_core", "ignored", *BASE, "haptics", "interchange", "io", "picture", "samples", "study", "workbench"},
     "__main__": {"cli"},
 }
 # Beside the package, and never imported by it.

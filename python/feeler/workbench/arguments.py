@@ -51,7 +51,7 @@ class Arguments:
 
     def number(self, name: str, low: float = -_LARGEST, high: float = _LARGEST) -> float:
         """A finite number within bounds."""
-        value = self.given.get(name)
+        value: Any = self.given.get(name)
         if not is_number(value) or not low <= value <= high:
             raise self.fail(name, f"{_shown(value)} is no number from {low:g} to {high:g}", "send one that is")
         return float(value)
@@ -83,7 +83,7 @@ class Arguments:
 
     def points(self, name: str, least: int, most: int) -> tuple[Point, ...]:
         """Several points."""
-        value = self.given.get(name)
+        value: Any = self.given.get(name)
         if not is_sequence(value) or not least <= len(value) <= most:
             count = f"{least}" if least == most else f"{least} to {most}"
             raise self.fail(name, f"{_shown(value)} is no list of {count} points", "send lists of three numbers")
@@ -103,7 +103,7 @@ class Arguments:
 
     def parts(self, name: str, parts: Parts, most: int | None = None) -> tuple[int, ...]:
         """Parts by indices, paths or patterns: their indices, ascending. Says what is spelt alike."""
-        value = self.given.get(name)
+        value: Any = self.given.get(name)
         if not isinstance(value, (int, str)) and not is_sequence(value):
             raise self.fail(name, f"{_shown(value)} names no part", "send indices, paths or patterns")
         try:

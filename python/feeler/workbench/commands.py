@@ -27,6 +27,7 @@ from feeler.workbench.document import (
     Removal,
     SectionPlane,
     ToolFacts,
+    Trip,
     Viewpoint,
 )
 from feeler.workbench.motion import Row
@@ -35,15 +36,6 @@ LEAST_MOVED_M = 1e-3
 """Parts that a release left less far from where they were gripped are no line of the sequence."""
 _GRID_M = 2.0**-10  # of the hand's place where it holds parts alone: subtracting it from a coordinate loses no digit
 _MOST_SECTIONS = 6
-
-
-@dataclass(frozen=True)
-class Trip:
-    """What the engine saw while parts were in the hand; see `document.Removal`."""
-
-    way: tuple[Row, ...]
-    least_clearance: float | None
-    touched: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -62,7 +54,8 @@ class Measured:
 class Known:
     """What commands know beside the document.
 
-    bounds: `(2, 3)` of the mock-up. tools: by name, their numbers of triangles. pose: where the hand is.
+    bounds: `(2, 3)` of the mock-up. tools: by name, their numbers of triangles. pose: where the hand is. trip: of the
+    parts in the hand, and their least clearance on it. absent: parts that were left out of the scene from the start.
     """
 
     parts: Parts
@@ -70,6 +63,8 @@ class Known:
     tools: Mapping[str, int]
     pose: Row = motion.HOME
     trip: Trip | None = None
+    least_clearance: float | None = None
+    absent: frozenset[int] = frozenset()
     measured: Measured | None = None
 
 
@@ -178,6 +173,9 @@ def grip(document: Document, given: Arguments, known: Known) -> Document:
     empty = [known.parts[part].path for part in parts if not np.isfinite(known.parts[part].lower[0])]
     if empty:
         raise WorkbenchError(f"{empty[0]} has no triangle that can be queried", given.command, "grip another part")
+    gone = [known.parts[part].path for part in parts if part in known.absent]
+    if gone:
+        raise WorkbenchError(f"{gone[0]} was left out of the scene", given.command, "grip a part that is there")
     places = {part: motion.matrix(document.moved.get(part, motion.HOME)) for part in parts}
     pose = motion.matrix(known.pose)
     if document.tool is None and not document.gripped:
@@ -200,6 +198,7 @@ def grip(document: Document, given: Arguments, known: Known) -> Document:
         gripped=_sorted({**document.gripped, **held}),
         moved=_sorted(moved),
         out=_less(document.out, parts),
+        trip=None,
     )
 
 
@@ -209,7 +208,7 @@ def release(document: Document, given: Arguments, known: Known) -> Document:
         raise WorkbenchError("the hand holds no part", given.command, "grip one first")
     pose = motion.matrix(known.pose)
     placed = {part: motion.row(pose @ motion.matrix(held)) for part, held in document.gripped.items()}
-    trip = known.trip or Trip((known.pose,), None, ())
+    trip = known.trip or Trip((known.pose,))
     first = motion.matrix(trip.way[0])
     boxes = {part: np.array([known.parts[part].lower, known.parts[part].upper]) for part in placed}
     outside = tuple(part for part, at in placed.items() if _is_outside(boxes[part], motion.matrix(at), known.bounds))
@@ -223,19 +222,22 @@ def release(document: Document, given: Arguments, known: Known) -> Document:
         gripped=_sorted({}),
         moved=_sorted({**document.moved, **placed}),
         out=_united(document.out, outside),
+        trip=None,
         replaying=None,
     )
     if moves <= LEAST_MOVED_M or document.replaying is not None:
         return changed
     names = [known.parts[part].name for part in placed]
-    away = {part: at for part, at in starts.items() if motion.carried(np.eye(4), at, motion.corners(boxes[part])) > 1e-9}
+    away = {
+        part: at for part, at in starts.items() if motion.carried(np.eye(4), at, motion.corners(boxes[part])) > 1e-9
+    }
     line = Removal(
         id=document.next_id,
         name=names[0] if len(names) == 1 else f"{names[0]} and {len(names) - 1} more",
         parts=tuple(placed),
         way=trip.way,
-        least_clearance=trip.least_clearance,
-        touched=trip.touched,
+        least_clearance=known.least_clearance,
+        touched=tuple(known.parts[part].path for part in trip.touched),
         tool=document.tool.name if document.tool else None,
         starts=tuple((part, motion.row(at)) for part, at in away.items()),
     )
@@ -255,6 +257,7 @@ def put_back(document: Document, given: Arguments, known: Known) -> Document:
         gripped=_sorted(gripped),
         moved=_sorted({part: at for part, at in document.moved.items() if part not in away}),
         out=_less(document.out, tuple(away)),
+        trip=document.trip if gripped == document.gripped else None,
         replaying=document.replaying if gripped else None,
     )
 
@@ -294,7 +297,9 @@ def viewpoint_add(document: Document, given: Arguments, _known: Known) -> Docume
     """A camera to come back to."""
     camera = given.given.get("camera")
     inner = Arguments(f"{given.command}, camera", camera, ("position", "target", "up", "fov_rad"))
-    seen = CameraView(inner.point("position"), inner.point("target"), inner.unit("up"), inner.number("fov_rad", 0.01, 3))
+    seen = CameraView(
+        inner.point("position"), inner.point("target"), inner.unit("up"), inner.number("fov_rad", 0.01, 3)
+    )
     name = given.text("name") if given.has("name") else f"view {document.next_id}"
     return document.with_id(viewpoints=(*document.viewpoints, Viewpoint(document.next_id, name, seen)))
 
@@ -372,9 +377,7 @@ COMMANDS: dict[str, Command] = {
     "release": Command(release, (), moves_hand=True),
     "put_back": Command(put_back, ("parts",), moves_hand=True),
     "take_tool": Command(take_tool, ("name",), moves_hand=True),
-    "measure_add": Command(
-        measure_add, ("type", "points", "parts", "triangles", "name"),
-    ),
+    "measure_add": Command(measure_add, ("type", "points", "parts", "triangles", "name")),
     "measure_edit": Command(measure_edit, ("id", "type", "points", "parts", "triangles", "name")),
     "measure_remove": Command(measure_remove, ("id",)),
     "viewpoint_add": Command(viewpoint_add, ("name", "camera")),

@@ -61,8 +61,9 @@ class Removal:
     """A line of the sequence: parts that were moved.
 
     way: poses of the hand, `world_from_hand`, from grip to release: `way[i] @ inverse(way[0])` carries the parts from
-    where they were gripped. starts: where that was, of those that were not at home. least_clearance: of what moved, on the way, to all it was
-    not seated on, metres; None where nothing was within reach. touched: paths of what it met or was stopped by.
+    where they were gripped. starts: where that was, of those that were not at home. least_clearance: of what moved, on
+    the way, to all it was not seated on, metres; None where nothing was within reach. touched: paths of what it met or
+    was stopped by.
     """
 
     id: int
@@ -77,7 +78,7 @@ class Removal:
 
 @dataclass(frozen=True)
 class Measure:
-    """Something measured. value: metres or radians, as `unit` says; is_exact: decided by the engine on the triangles."""
+    """Something measured. value: metres or radians, as `unit` says; is_exact: found by the engine on the triangles."""
 
     id: int
     name: str
@@ -118,6 +119,19 @@ class Findings:
 
 
 @dataclass(frozen=True)
+class Trip:
+    """What gripped parts went through so far.
+
+    way: poses of the hand, as of `Removal`. touched: parts that were met or stopped them, ascending. seated: pairs of
+    the hand's and the mock-up's parts that met at the grip, which count neither as clearance nor as touched.
+    """
+
+    way: tuple[Row, ...]
+    touched: tuple[int, ...] = ()
+    seated: frozenset[tuple[int, int]] = frozenset()
+
+
+@dataclass(frozen=True)
 class Isolation:
     """Which parts are isolated, and what was hidden before."""
 
@@ -154,6 +168,7 @@ class Document:
     moved: Mapping[int, Row] = field(default_factory=lambda: NOTHING)
     out: tuple[int, ...] = ()
     sequence: tuple[Removal, ...] = ()
+    trip: Trip | None = field(default=None, compare=False)
     replaying: int | None = None
     measures: tuple[Measure, ...] = ()
     viewpoints: tuple[Viewpoint, ...] = ()
@@ -171,7 +186,7 @@ class Document:
 
 
 # What the page is told. The rest is what commands have to remember.
-_KEPT_BACK = {"isolation", "next_id", "replaying"}
+_KEPT_BACK = {"isolation", "next_id", "replaying", "trip"}
 _KEPT_BACK_OF = {Removal: {"starts"}, Measure: {"parts"}}
 JSON_FIELDS = (*(f.name for f in fields(Document) if f.name not in _KEPT_BACK), "isolated")
 

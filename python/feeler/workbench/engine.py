@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,12 +17,25 @@ import numpy as np
 
 from feeler.mockup import Tool
 from feeler.workbench import motion, stopping
-from feeler.workbench.commands import Trip
+from feeler.workbench.document import Trip
 from feeler.workbench.gliding import MOST_STEPS, STEP_S, Glide
 from feeler.workbench.motion import Floats
 from feeler.workbench.snapshot import NO_FORCE, Places, Snapshot
-from feeler.workbench.trip import TripRecorder
-from feeler.workbench.world import NO_HITS, NO_PAIRS, NO_PLANES, NO_ROWS, Hits, Impact, Near, Pairs, Planes, Rows, World
+from feeler.workbench.trip import TripRecorder, least_clearance
+from feeler.workbench.world import (
+    NO_HITS,
+    NO_PAIRS,
+    NO_PLANES,
+    NO_ROWS,
+    Hits,
+    Impact,
+    Ints,
+    Near,
+    Pairs,
+    Planes,
+    Rows,
+    World,
+)
 
 MARGIN_M = 0.002
 """What is nearer is a contact plane."""
@@ -62,6 +76,25 @@ class Ticked:
 
 class Engine:
     """One hand in one world. Thread-safe: what changes it waits for the tick under way, and no longer."""
+
+    # What is forgotten when the hand is set elsewhere.
+    _seated: Pairs | None
+    _glide: Glide | None
+    _force: Floats
+    _torque: Floats
+    _impact: Impact | None
+    _held_by: dict[int, tuple[Floats, Floats | None]]
+    _touched: set[int]
+    _hits: Hits
+    _planes: Planes
+    _rows: Rows
+    _distance: Near | None
+    _contains: bool
+    _last_free: Floats | None
+    _stale: dict[str, bool]
+    _found_at: dict[str, float]
+    _is_settled: bool
+    _is_changed: bool
 
     def __init__(
         self,
@@ -105,12 +138,19 @@ class Engine:
         mode: str,
         places: Places = None,
         held_places: Places = None,
+        is_carrying: bool = False,
+        trip: Trip | None = None,
     ) -> None:
-        """Another world, tool, mode, or all of them, with the hand at a pose, however it came there."""
+        """Another world, tool, mode, or all of them, with the hand at a pose, however it came there.
+
+        is_carrying: from now on the way is kept, after that of `trip`, if there is one.
+        """
         with self._lock:
             self._world, self._tool, self._mode = world, tool, mode
             self._places, self._held_places = places, held_places
             self._jump(pose)
+            if is_carrying and world is not None and tool is not None:
+                self._trip = TripRecorder(tool, pose, trip, self._seated_now(world, tool) if trip is None else NO_PAIRS)
 
     def wish(self, pose: Floats, seq: int, source: str) -> None:
         """Where the hand wants to be. The newest counts; waits for nothing."""
@@ -141,7 +181,7 @@ class Engine:
             self._is_quiet = False
             return self._pose
 
-    def paused(self) -> threading.RLock:  # type: ignore[valid-type]
+    def paused(self) -> AbstractContextManager[Any]:
         """No tick is done while a `with` of this lasts."""
         return self._lock
 
@@ -167,19 +207,35 @@ class Engine:
         """The newest; None before the first tick."""
         return self._snapshot
 
-    def begin_trip(self) -> None:
-        """From now on the way of the hand is kept, for `end_trip`."""
+    def trip(self) -> Trip | None:
+        """What the gripped parts went through so far; None where the hand was not `set` to keep that."""
         with self._lock:
-            if self._tool is not None and self._world is not None:
-                seated = stopping.seated_at(self._world, self._tool, self._pose)
-                self._trip = TripRecorder(self._tool, self._pose, seated)
+            return self._trip.so_far(self._pose) if self._trip is not None else None
 
-    def end_trip(self) -> Trip | None:
-        """The way since `begin_trip`; None where there was none. It goes on until the engine is `set` anew."""
+    def least_clearance(self, trip: Trip) -> float | None:
+        """Of what the hand holds, on a trip; see `trip.least_clearance`."""
         with self._lock:
-            if self._trip is None or self._tool is None or self._world is None:
+            if self._world is None or self._tool is None:
                 return None
-            return self._trip.ended(self._world, self._tool, self._pose)
+            return least_clearance(self._world, self._tool, trip)
+
+    def jump(self, pose: Floats) -> None:
+        """The hand at a pose, however it came there."""
+        with self._lock:
+            self._jump(pose)
+
+    def show(self, pairs: Ints, kinds: Any) -> None:
+        """Shows pairs `(k, 2)` of tool and mock-up triangles, and their kinds, as what meets, until the hand moves."""
+        with self._lock:
+            world, tool = self._world, self._tool
+            if world is None or tool is None or not len(pairs):
+                self._hits = NO_HITS
+            else:
+                rows = np.asarray(pairs, dtype=np.int64)
+                met = np.column_stack([tool.part_of_face[rows[:, 0]], world.mockup.part_of_face[rows[:, 1]]])
+                part_pairs = tuple((int(ours), int(part)) for ours, part in np.unique(met, axis=0))
+                self._hits = Hits(rows, np.asarray(kinds, dtype=np.uint8), part_pairs)
+            self._is_changed = True
 
     def play(self, way: Sequence[Floats], on_played: Callable[[], None]) -> None:
         """Wishes the hand along a way at an even speed, then calls `on_played`, in the thread of the ticks."""
@@ -212,6 +268,7 @@ class Engine:
                 self._world.contacts(self._tool, self._pose, MARGIN_M)
                 self._world.distance(self._tool, self._pose, WITHIN_M)
                 self._world.clearance(self._tool, self._pose, WITHIN_M)
+                self._world.is_containing(self._tool, self._pose)
 
     # ---- one round ----
 
@@ -317,10 +374,9 @@ class Engine:
             part: (point, normal)
             for part, point, normal in zip(glided.parts, glided.points, glided.normals, strict=True)
         }
-        if glided.impact is not None or not self._held_by:
+        if glided.impact is not None or not glided.parts:
             return glided.impact
-        part, (point, normal) = next(iter(self._held_by.items()))
-        return Impact(1.0, self._pose, point, normal, part)
+        return Impact(1.0, self._pose, glided.points[0], glided.normals[0], glided.parts[0], -1)
 
     def _bumped(self, impact: Impact | None) -> None:
         """Tells of parts that are touched now and were not before, where the hand moves."""
@@ -389,20 +445,20 @@ class Engine:
     # ---- state ----
 
     def _forget(self) -> None:
-        self._seated: Pairs | None = NO_PAIRS if self._tool is None else None
-        self._glide: Glide | None = None
+        self._seated = NO_PAIRS if self._tool is None else None
+        self._glide = None
         self._force = self._torque = NO_FORCE
-        self._impact: Impact | None = None
-        self._held_by: dict[int, tuple[Floats, Floats | None]] = {}
-        self._touched: set[int] = set()
+        self._impact = None
+        self._held_by = {}
+        self._touched = set()
         self._hits = NO_HITS
-        self._planes: Planes = NO_PLANES
-        self._rows: Rows = NO_ROWS
-        self._distance: Near | None = None
+        self._planes = NO_PLANES
+        self._rows = NO_ROWS
+        self._distance = None
         self._contains = False
-        self._last_free: Floats | None = None
+        self._last_free = None
         self._stale = dict.fromkeys(_PERIODS_S, True)
-        self._found_at: dict[str, float] = {}
+        self._found_at = {}
         self._is_settled, self._is_changed = False, True
         self._hand_from, self._wish_elapsed = self._wish, 1.0
 

@@ -1,7 +1,7 @@
 """Findings of a clash check, as `feeler clash --json` writes them: in groups, the deepest first, a sentence each.
 
-    {"version": 1, "clashes": [{"id", "a", "b", "verdict", "depth", "gap", "point_a", "point_b", "box", "rule", "status",
-                                "group"}]}
+    {"version": 1, "clashes": [{"id", "a", "b", "verdict", "depth", "gap", "point_a", "point_b", "box", "rule",
+                                "status", "group"}]}
 
 Lengths are metres; `a` and `b` are part paths. Read tolerantly: a field that is missing or unknown does no harm, and
 unknown ones are kept.
@@ -40,7 +40,7 @@ def read_findings(path: str | Path, parts: Parts) -> Findings:
 
 def grouped(data: Any, parts: Parts, where: str = "findings") -> Findings:
     """Findings as `feeler clash --json` has them, for the document. Raises `LoadError` for what is none at all."""
-    clashes = data.get("clashes") if isinstance(data, Mapping) else None
+    clashes: Any = data.get("clashes") if isinstance(data, Mapping) else None
     if not is_sequence(clashes):
         raise LoadError(f'{where} holds no list "clashes": give what feeler clash --json wrote')
     if data.get("version", VERSION) != VERSION:

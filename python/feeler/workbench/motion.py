@@ -1,4 +1,4 @@
-"""Rigid motions as the workbench needs them: poses as rows of 16 numbers, what lies between two, how far one carries."""
+"""Rigid motions: poses as rows of 16 numbers, what lies between two, and how far one carries."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler.errors import WorkbenchError
-from feeler.poses import nearest_rigid
+from feeler.poses import nearest_rigid, quaternion
 
 Floats = npt.NDArray[np.float64]
 Row = tuple[float, ...]
@@ -66,7 +66,9 @@ def shifted(offset: npt.ArrayLike) -> Floats:
 
 def rotation_vector(turn: Floats) -> Floats:
     """Axis times angle (radians, at most pi) of a rotation `(3, 3)`."""
-    w, x, y, z = quaternion(turn)
+    x, y, z, w = quaternion(turn)
+    if w < 0.0:
+        x, y, z, w = -x, -y, -z, -w
     axis = np.array([x, y, z])
     sine = float(np.linalg.norm(axis))
     if sine < 1e-15:
@@ -83,32 +85,6 @@ def rotation(vector: Floats) -> Floats:
     k = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     turn: Floats = np.eye(3) + math.sin(angle) * k + (1.0 - math.cos(angle)) * (k @ k)
     return turn
-
-
-def quaternion(turn: Floats) -> tuple[float, float, float, float]:
-    """(w, x, y, z), w at least 0, of a rotation `(3, 3)`; by its largest component, so that no digit is lost."""
-    m = turn
-    squares = np.array(
-        [
-            1.0 + m[0, 0] + m[1, 1] + m[2, 2],
-            1.0 + m[0, 0] - m[1, 1] - m[2, 2],
-            1.0 - m[0, 0] + m[1, 1] - m[2, 2],
-            1.0 - m[0, 0] - m[1, 1] + m[2, 2],
-        ]
-    )
-    most = int(squares.argmax())
-    products = {
-        0: [squares[0], m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]],
-        1: [m[2, 1] - m[1, 2], squares[1], m[1, 0] + m[0, 1], m[0, 2] + m[2, 0]],
-        2: [m[0, 2] - m[2, 0], m[1, 0] + m[0, 1], squares[2], m[2, 1] + m[1, 2]],
-        3: [m[1, 0] - m[0, 1], m[0, 2] + m[2, 0], m[2, 1] + m[1, 2], squares[3]],
-    }[most]
-    q = np.array(products, dtype=np.float64)
-    q /= np.linalg.norm(q)
-    if q[0] < 0:
-        q = -q
-    w, x, y, z = q.tolist()
-    return w, x, y, z
 
 
 def between(start: Floats, end: Floats, centre: Floats, share: float) -> Floats:

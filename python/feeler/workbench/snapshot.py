@@ -71,7 +71,7 @@ class Snapshot:
         return max(0.0, -float(self.planes.gaps[0])) if self.hits and len(self.planes) else 0.0
 
     def packed_hits(self) -> tuple[npt.NDArray[np.uint32], npt.NDArray[np.uint32], int]:
-        """Packed triangles of mock-up and hand that meet, at most `MOST_HITS` each, and how many more of the mock-up."""
+        """Packed triangles of mock-up and hand that meet, at most `MOST_HITS` each, and how many more of the former."""
         hits = _packed(self.hits.mockup_triangles, self.places)
         ours = _packed(self.hits.tool_triangles, self.held_places)
         return hits[:MOST_HITS], ours[:MOST_HITS], max(0, len(hits) - MOST_HITS)

@@ -21,8 +21,11 @@ from feeler.workbench.world import NO_PAIRS, Impact, Pairs, Planes, World
 
 SEAT_M = 2e-5
 """A pair of parts that met at the start is seated until it is farther apart than this: the skin of `feeler.haptics`."""
+OFF_M = 5e-7
+"""The tool stops so far before an impact, along its way: where it rests, rounding cannot bring it into contact."""
+_TOLERANCE_M = 2.5e-7  # of the casts: with `OFF_M`, a stop is early by less than the tolerance of `Scene.cast`
+_STUCK_M = 1e-9  # so near to an impact that rounding decides which way is free; the planes tell better
 _SLACK_M = 1e-9  # what rounding may do to a height above a plane; in a second of pushing less than the skin
-_BACK_M = 1e-6  # where rounding put an impact's own pose into contact: so far before it, and farther
 _HALVINGS = 24
 
 
@@ -42,28 +45,39 @@ def seated_at(world: World, tool: Tool, pose: Floats) -> Pairs:
 
 def move(world: World, tool: Tool, pose: Floats, wish: Floats, seated: Pairs) -> Moved:
     """From a pose toward a wish. `seated`: pairs as of the last move, or of `seated_at`."""
+    found = _moved(world, tool, pose, wish, seated)
+    impact = found.impact
+    if impact is not None and (impact.tool_part, impact.part) not in seated:
+        way = motion.carried(pose, wish, motion.corners(tool.bounds))
+        if impact.fraction * way < _STUCK_M < way:
+            # As if they were seated; what is free stays free, by the exact test.
+            along = _moved(world, tool, pose, wish, seated | {(impact.tool_part, impact.part)})
+            if not world.is_colliding(tool, along.pose, seated):
+                found = along
+    return Moved(found.pose, _still(world, tool, found.pose, seated), found.impact)
+
+
+def _moved(world: World, tool: Tool, pose: Floats, wish: Floats, seated: Pairs) -> Moved:
     impact: Impact | None = None
     goal = wish
     if seated:
         goal, impact = _kept_out(world, tool, pose, wish, seated)
-    hit = world.cast(tool, pose, goal, seated)
+    hit = world.cast(tool, pose, goal, seated, _TOLERANCE_M)
     if hit is not None:
-        impact, goal = hit, _free_before(world, tool, pose, goal, hit, seated)
-    return Moved(goal, _still(world, tool, goal, seated), impact)
+        impact, goal = hit, _before(world, tool, pose, goal, hit, seated)
+    return Moved(goal, seated, impact)
 
 
-def _free_before(world: World, tool: Tool, pose: Floats, goal: Floats, hit: Impact, seated: Pairs) -> Floats:
-    """The pose of an impact, or the last before it that meets nothing by the exact test."""
-    if not world.is_colliding(tool, hit.pose, seated):
-        return hit.pose
+def _before(world: World, tool: Tool, pose: Floats, goal: Floats, hit: Impact, seated: Pairs) -> Floats:
+    """The pose `OFF_M` before an impact, from which on nothing meets by the exact test; or the one it came from."""
+    way = motion.carried(pose, goal, motion.corners(tool.bounds))
+    back = OFF_M / way if way > 0.0 else 1.0
     centre = tool.bounds.mean(axis=0)
-    way = max(motion.carried(pose, goal, motion.corners(tool.bounds)), _BACK_M)
-    back = _BACK_M / way
     while back < hit.fraction:
         candidate = motion.between(pose, goal, centre, hit.fraction - back)
-        if world.cast(tool, pose, candidate, seated) is None:
+        if world.cast(tool, pose, candidate, seated, _TOLERANCE_M) is None:
             return candidate
-        back *= 4
+        back *= 2
     return pose
 
 
@@ -72,9 +86,7 @@ def _still(world: World, tool: Tool, pose: Floats, seated: Pairs) -> Pairs:
     return frozenset(pair for pair in seated if world.is_near(tool, pose, pair, SEAT_M)) if seated else NO_PAIRS
 
 
-def _kept_out(
-    world: World, tool: Tool, pose: Floats, wish: Floats, seated: Pairs
-) -> tuple[Floats, Impact | None]:
+def _kept_out(world: World, tool: Tool, pose: Floats, wish: Floats, seated: Pairs) -> tuple[Floats, Impact | None]:
     """How far toward the wish no plane between seated parts gets deeper, and the plane that ends it."""
     planes = world.contacts(tool, pose, SEAT_M)
     holding = [i for i in range(len(planes)) if (int(planes.tool_parts[i]), int(planes.parts[i])) in seated]
@@ -99,7 +111,8 @@ def _kept_out(
         else:
             high, plane = middle, at
     goal = motion.between(pose, wish, centre, low)
-    return goal, Impact(low, goal, planes.points[plane], planes.normals[plane], int(planes.parts[plane]))
+    part, ours = int(planes.parts[plane]), int(planes.tool_parts[plane])
+    return goal, Impact(low, goal, planes.points[plane], planes.normals[plane], part, ours)
 
 
 def _deeper(planes: Planes, plane: int, before: Floats, after: Floats) -> float:

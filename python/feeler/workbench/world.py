@@ -64,13 +64,14 @@ NO_HITS = Hits(np.empty((0, 2), np.int64), np.empty(0, np.uint8), ())
 
 @dataclass(frozen=True)
 class Impact:
-    """Where a way ends: see `feeler.Cast`."""
+    """Where a way ends: see `feeler.Cast`. tool_part: -1 where it is not known."""
 
     fraction: float
     pose: Floats
     point: Floats
     normal: Floats
     part: int
+    tool_part: int
 
 
 @dataclass(frozen=True)
@@ -166,11 +167,7 @@ class _Body:
             return None
         key = (id(tool), pairs)
         if self._ignored[0] != key:
-            rows = [
-                (ours, own)
-                for ours, part in pairs
-                if (own := self.own(part)) is not None
-            ]
+            rows = [(ours, own) for ours, part in pairs if (own := self.own(part)) is not None]
             made = IgnoredPairs(tool, self.scene.mockup, np.array(rows, dtype=np.int64)) if rows else None
             self._ignored = (key, made)
         return self._ignored[1]
@@ -252,7 +249,7 @@ class World:
         if first is None:
             return None
         hit, part = first
-        return Impact(hit.fraction, hit.pose, hit.point, hit.normal, part)
+        return Impact(hit.fraction, hit.pose, hit.point, hit.normal, part, hit.tool_part)
 
     def distance(self, tool: Tool, pose: Floats, within: float, ignore: Pairs = NO_PAIRS) -> Near | None:
         """The least distance; None where nothing is as near as `within`."""
@@ -288,9 +285,7 @@ class World:
         for body in self._bodies:
             near = body.scene.clearance(tool, pose, within)
             if len(near):
-                rows.append(
-                    (near.distances, near.points_on_tool, near.points_on_mockup, body.parts(near.parts))
-                )
+                rows.append((near.distances, near.points_on_tool, near.points_on_mockup, body.parts(near.parts)))
         if not rows:
             return NO_ROWS
         distances, ours, theirs, parts = (np.concatenate(column) for column in zip(*rows, strict=True))
