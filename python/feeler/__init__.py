@@ -14,6 +14,8 @@ from feeler._core import (
     Containment,
     Distance,
     DistanceBatch,
+    Packed,
+    PackedPiece,
     PathCheck,
     Penetration,
 )
@@ -59,6 +61,8 @@ __all__ = [
     "MissingFileError",
     "Mockup",
     "OptionError",
+    "Packed",
+    "PackedPiece",
     "PairKind",
     "PathCheck",
     "Penetration",
