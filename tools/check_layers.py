@@ -75,6 +75,8 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         "distance": QUERY_BASE,
         "cast": {*QUERY_BASE, "collide"},
         "sizing": {*INDEX_BASE, "index"},
+        # For pictures; no query.
+        "chunks": INDEX_BASE,
         "scene": {*QUERY_BASE, "collide", "distance", "cast", "sizing"},
     },
     "feeler-contacts": {

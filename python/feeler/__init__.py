@@ -16,6 +16,8 @@ from feeler._core import (
     Containment,
     Distance,
     DistanceBatch,
+    Packed,
+    PackedPiece,
     PathCheck,
     Penetration,
 )
@@ -65,6 +67,8 @@ __all__ = [
     "MissingFileError",
     "Mockup",
     "OptionError",
+    "Packed",
+    "PackedPiece",
     "PairKind",
     "PathCheck",
     "Penetration",
