@@ -218,7 +218,7 @@ def test_a_gripped_part_leaves_moves_is_put_down_and_queried_where_it_lies() -> 
     assert line["parts"] == [PEG] and line["name"] == "peg" and line["tool"] == "cube" and line["touched"] == []
     assert len(line["way"]) > 20
     np.testing.assert_allclose(line["way"][0], at(0.0, 0.0, 0.2).ravel(), atol=1e-6)
-    # The peg is now at x 0.06875 to 0.13125, z 0.1 to 0.225, y 0.25 to 0.3125: it stops the hand there, and not at home.
+    # The peg is now at x 0.06875 to 0.13125, y 0.25 to 0.3125, z 0.1 to 0.225: it stops the hand there.
     bench.command("place", pose=at(-0.3, 0.28, 0.15).ravel().tolist())
     bench.drag(at(0.3, 0.28, 0.15), 1.0)
     assert bench.pose[0, 3] == pytest.approx(0.06875 - HALF, abs=1e-6)

@@ -102,7 +102,7 @@ class Bench:
                 pose[:3, 3] = start[:3, 3] + way * (step / steps)
             self.wish(pose, 1 / rate_hz)
 
-    def command(self, name: str, **args: object) -> dict:
+    def command(self, name: str, /, **args: object) -> dict:
         return self.session.command(name, args)
 
     @property

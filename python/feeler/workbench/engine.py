@@ -179,6 +179,7 @@ class Engine:
                 if self._carried(before, self._pose) < _REST_M:
                     break
             self._is_quiet = False
+            self._is_changed = True  # whoever waits for ticks is told of it by the next
             return self._pose
 
     def paused(self) -> AbstractContextManager[Any]:

@@ -115,7 +115,7 @@ class View:
         snapshot, mockup = self.session.snapshot(), self._scene.mockup
         return [] if snapshot is None else [mockup.part_paths[part] for part in snapshot.parts]
 
-    def command(self, name: str, **args: Any) -> dict[str, Any]:
+    def command(self, name: str, /, **args: Any) -> dict[str, Any]:
         """A command of the workbench, such as `view.command("hide", parts="*screw*")`. Raises `WorkbenchError`."""
         return self.session.command(name, args)
 
