@@ -17,7 +17,7 @@ import numpy as np
 from feeler.mockup import Tool
 from feeler.workbench import motion
 from feeler.workbench.motion import Floats
-from feeler.workbench.world import NO_PAIRS, Impact, Pairs, Planes, World
+from feeler.workbench.world import NO_PAIRS, Impact, Pairs, World
 
 SEAT_M = 2e-5
 """A pair of parts that met at the start is seated until it is farther apart than this: the skin of `feeler.haptics`."""
@@ -54,7 +54,8 @@ def move(world: World, tool: Tool, pose: Floats, wish: Floats, seated: Pairs) ->
             along = _moved(world, tool, pose, wish, seated | {(impact.tool_part, impact.part)})
             if not world.is_colliding(tool, along.pose, seated):
                 found = along
-    return Moved(found.pose, _still(world, tool, found.pose, seated), found.impact)
+    still = seated if np.array_equal(found.pose, pose) else _still(world, tool, found.pose, seated)
+    return Moved(found.pose, still, found.impact)
 
 
 def _moved(world: World, tool: Tool, pose: Floats, wish: Floats, seated: Pairs) -> Moved:
@@ -92,31 +93,41 @@ def _kept_out(world: World, tool: Tool, pose: Floats, wish: Floats, seated: Pair
     holding = [i for i in range(len(planes)) if (int(planes.tool_parts[i]), int(planes.parts[i])) in seated]
     if not holding:
         return wish, None
-    centre = tool.bounds.mean(axis=0)
-
-    def worst(share: float) -> tuple[float, int]:
-        """By how much the deepest-going plane is deeper than at the start, and which it is."""
-        at = motion.between(pose, wish, centre, share)
-        return max((_deeper(planes, i, pose, at), i) for i in holding)
-
-    deeper, plane = worst(1.0)
-    if deeper <= _SLACK_M:
+    normals, points, footing = planes.normals[holding], planes.points[holding], planes.footing[holding]
+    least = np.minimum(_heights(pose, normals, points, footing), 0.0) - _SLACK_M
+    below = _heights(wish, normals, points, footing) - least
+    if (below >= 0.0).all():
         return wish, None
-    low, high = 0.0, 1.0
-    for _ in range(_HALVINGS):
-        middle = (low + high) / 2
-        deeper, at = worst(middle)
-        if deeper <= _SLACK_M:
-            low = middle
-        else:
-            high, plane = middle, at
-    goal = motion.between(pose, wish, centre, low)
-    part, ours = int(planes.parts[plane]), int(planes.tool_parts[plane])
-    return goal, Impact(low, goal, planes.points[plane], planes.normals[plane], part, ours)
+    if np.array_equal(pose[:3, :3], wish[:3, :3]):
+        share, plane = _share_of_shift(_heights(pose, normals, points, footing) - least, below)
+        goal = pose.copy()
+        goal[:3, 3] += share * (wish[:3, 3] - pose[:3, 3])
+    else:
+        centre = tool.bounds.mean(axis=0)
+        share, high = 0.0, 1.0
+        for _ in range(_HALVINGS):
+            middle = (share + high) / 2
+            at = _heights(motion.between(pose, wish, centre, middle), normals, points, footing) - least
+            if (at >= 0.0).all():
+                share = middle
+            else:
+                high, below = middle, at
+        goal, plane = motion.between(pose, wish, centre, share), int(below.min(axis=1).argmin())
+    at_plane = holding[plane]
+    part, ours = int(planes.parts[at_plane]), int(planes.tool_parts[at_plane])
+    return goal, Impact(share, goal, planes.points[at_plane], planes.normals[at_plane], part, ours)
 
 
-def _deeper(planes: Planes, plane: int, before: Floats, after: Floats) -> float:
-    """How much deeper a contact's footing lies behind its plane, metres; what is in front of it may come to it."""
-    normal, point, footing = planes.normals[plane], planes.points[plane], planes.footing[plane]
-    was, now = ((footing @ p[:3, :3].T + p[:3, 3] - point) @ normal for p in (before, after))
-    return float((np.minimum(was, 0.0) - now).max())
+def _heights(pose: Floats, normals: Floats, points: Floats, footing: Floats) -> Floats:
+    """How far each point `(k, 4, 3)` of the contacts' footing is in front of its plane, metres, `(k, 4)`."""
+    placed = footing @ pose[:3, :3].T + pose[:3, 3] - points[:, None]
+    heights: Floats = np.einsum("kij,kj->ki", placed, normals)
+    return heights
+
+
+def _share_of_shift(before: Floats, after: Floats) -> tuple[float, int]:
+    """Of a motion without a turn: the share at which the first height is 0, and the plane it belongs to."""
+    falling = after < 0.0
+    shares = np.where(falling, before / np.where(falling, before - after, 1.0), np.inf).min(axis=1)
+    plane = int(shares.argmin())
+    return max(0.0, float(shares[plane])), plane

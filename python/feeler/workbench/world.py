@@ -147,6 +147,7 @@ class _Body:
         self._parts, self._triangles = parts, triangles
         self._own = None if parts is None else {part: own for own, part in enumerate(parts.tolist())}
         self._ignored: tuple[Any, IgnoredPairs | None] = (None, None)
+        self._alone: dict[int, Scene] = {}
 
     def part(self, own: int) -> int:
         return own if self._parts is None else int(self._parts[own])
@@ -155,6 +156,12 @@ class _Body:
         """The scene's number of a part of the mock-up; None where it is not there."""
         own = part if self._own is None else self._own.get(part)
         return own if own is not None and self.scene.part_mask[own] else None
+
+    def alone(self, own: int) -> Scene:
+        """The scene of one part of its own; kept, as it takes a look at every triangle to make one."""
+        if own not in self._alone:
+            self._alone[own] = self.scene.only([own])
+        return self._alone[own]
 
     def parts(self, own: npt.NDArray[Any]) -> Ints:
         return own.astype(np.int64) if self._parts is None else self._parts[own]
@@ -271,8 +278,7 @@ class World:
             own = body.own(part)
             if own is None:
                 continue
-            alone = body.scene.only([own])
-            return alone.distance(tool, pose, within, ignore=body.ignoring(tool, others)).part is not None
+            return body.alone(own).distance(tool, pose, within, ignore=body.ignoring(tool, others)).part is not None
         return False
 
     def is_containing(self, tool: Tool, pose: Floats) -> bool:
