@@ -113,10 +113,10 @@ DOCUMENT: protocol.DocumentFields = {
     "material": "steel",
 }
 TEXT_FROM_SERVER = [
-    protocol.Welcome(1, "s", DOCUMENT, 5, False, True, {"feeler": "0.1.0"}),
+    protocol.Welcome(1, "s", DOCUMENT, 5, False, True, None, {"feeler": "0.1.0"}),
     protocol.Patch(6, {"hidden": [1, 2], "explode": 0.25}, "hide", 3, 0),
     protocol.Impact(7, 3, 0.25, 0.125, (1.0, 2.0, 3.0), None, 4.5),
-    protocol.Progress(8, 2, 0.5, "cutting"),
+    protocol.Progress(2, 0.5, "cutting"),
     protocol.Notice(9, "warning", "the device is gone <b>"),
     protocol.ShotWanted(10, 1, 640, 360, {"position": [0, 0, 1], "target": [0, 0, 0], "up": [0, 1, 0], "fov_rad": 0.8}),
     protocol.HeldChanged(11, 2, None),
@@ -302,7 +302,7 @@ def test_a_document_is_checked_to_its_leaves() -> None:
     def refused(words: str, **changes: Any) -> None:
         document = {**DOCUMENT, **changes}
         with pytest.raises(ProtocolError, match=words):
-            decode_from_server(encode(protocol.Welcome(1, "s", document, 5, False, True, {})))  # type: ignore[arg-type]
+            decode_from_server(encode(protocol.Welcome(1, "s", document, 5, False, True, None, {})))  # type: ignore[arg-type]
 
     refused(r"Welcome.document.sections\[0\]: without is_on", sections=[{"id": 1, "normal": [], "offset": 0}])
     refused("Welcome.document.unit: is 'ft'", unit="ft")

@@ -327,7 +327,7 @@ class Ask:
 
 @dataclass(frozen=True)
 class Job:
-    """Something that takes a while: progress comes as events, the result as a reply."""
+    """Something that takes a while: progress comes by messages of the same id, the result as a reply."""
 
     KIND: ClassVar[str] = "job"
     id: int
@@ -365,11 +365,14 @@ class Welcome:
     session: str
     document: DocumentFields
     event: int
-    """The newest that the document has in it; those that follow are greater."""
+    """The newest event that the document has in it; those that follow are greater."""
     device: bool
     """A haptic device moves the hand."""
     recording: bool
+    held: HeldManifest | None
+    """Of the mesh in hand; null: the hand is empty, or there is no mock-up yet."""
     versions: dict[str, str]
+    """Of the server's software, by name."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -451,19 +454,6 @@ class Impact:
 
 
 @dataclass(frozen=True)
-class Progress:
-    """How far a job is."""
-
-    KIND: ClassVar[str] = "event"
-    TAG: ClassVar[dict[str, Any]] = {"type": "progress"}
-    n: int
-    id: int
-    share: float
-    """0 to 1."""
-    stage: str
-
-
-@dataclass(frozen=True)
 class Notice:
     """Something to tell whoever looks at the page."""
 
@@ -501,6 +491,17 @@ class HeldChanged:
 
 
 @dataclass(frozen=True)
+class Progress:
+    """How far a job of this page is. A newer one replaces it; it is no event, as it means nothing to other pages."""
+
+    KIND: ClassVar[str] = "progress"
+    id: int
+    share: float
+    """0 to 1."""
+    stage: str
+
+
+@dataclass(frozen=True)
 class Answer:
     """A command, question or job was done."""
 
@@ -522,12 +523,15 @@ class Refusal:
 
 
 FromPage = Hello | Pose | Ack | Command | Ask | Job | Cancel | Shot
-Event = Patch | Impact | Progress | Notice | ShotWanted | HeldChanged
-FromServer = Welcome | State | Event | Answer | Refusal
+Event = Patch | Impact | Notice | ShotWanted | HeldChanged
+FromServer = Welcome | State | Event | Progress | Answer | Refusal
 
 FROM_PAGE: tuple[type, ...] = (Hello, Pose, Ack, Command, Ask, Job, Cancel, Shot)
-EVENTS: tuple[type, ...] = (Patch, Impact, Progress, Notice, ShotWanted, HeldChanged)
-FROM_SERVER: tuple[type, ...] = (Welcome, State, *EVENTS, Answer, Refusal)
+FROM_SERVER: tuple[type, ...] = (
+    *(Welcome, State),
+    *(Patch, Impact, Notice, ShotWanted, HeldChanged),
+    *(Progress, Answer, Refusal),
+)
 
 
 def encode(message: FromPage | FromServer) -> str | bytes:
