@@ -3,6 +3,7 @@
 import {
   BufferAttribute,
   BufferGeometry,
+  type Camera,
   GLSL3,
   type IUniform,
   Mesh,
@@ -39,9 +40,10 @@ export class ScreenPass {
     this.#scene.add(mesh);
   }
 
-  draw(renderer: WebGLRenderer, target: WebGLRenderTarget | null): void {
+  /** The pass looks through no camera; three asks for one. */
+  draw(renderer: WebGLRenderer, target: WebGLRenderTarget | null, camera: Camera = this.#camera): void {
     renderer.setRenderTarget(target);
-    renderer.render(this.#scene, this.#camera);
+    renderer.render(this.#scene, camera);
   }
 
   dispose(): void {

@@ -163,8 +163,8 @@ export class Stage {
     this.#pieceScene.matrixWorldAutoUpdate = false;
     this.#labels = options.labels ? new LabelLayer(options.labels) : null;
     this.setTheme("dark");
-    // Three tells a camera of the reversed depth when it first draws with it.
-    this.renderer.render(new Scene(), this.eye);
+    // Three tells a camera of the reversed depth when it first draws something with it: too late for the first aim.
+    this.#back.draw(this.renderer, null, this.eye);
     this.#resizes = new ResizeObserver(() => {
       this.#isSizeNew = true;
     });
@@ -256,6 +256,7 @@ export class Stage {
     const count = this.#sections.length;
     for (const room of [this.#materials, this.#probe, this.#held, this.#hits, this.#marks]) room.setSections(count);
     this.#lines.setPlanes(this.#sections, this.#bounds);
+    this.#aimAtCanvas();
     this.#isShapeNew = true;
     this.#touch();
   }
@@ -373,6 +374,8 @@ export class Stage {
       this.#pollFence();
       this.#step(now, stats);
     }
+    stats.isWhole = this.#kept.isWhole && this.#kept.scale === 1 && !this.#isViewNew && !this.#isShapeNew;
+    stats.isSettled = stats.isWhole && this.#kept.isRefined && this.#average.samples === JITTER.length;
     const { calls, triangles } = this.renderer.info.render;
     Object.assign(stats, { calls, triangles, ms: performance.now() - start });
     return stats;
@@ -621,8 +624,6 @@ export class Stage {
       if (this.#average.samples === JITTER.length) this.#average.show(null);
       stats.drawn = true;
     }
-    stats.isWhole = kept.isWhole && kept.scale === 1 && !this.#isViewNew && !this.#isShapeNew;
-    stats.isSettled = stats.isWhole && kept.isRefined && this.#average.samples === JITTER.length;
   }
 
   /** The frame as it is now, on the canvas, with its figures. */
@@ -655,8 +656,10 @@ export class Stage {
     }
     this.#isLitNew = false;
     const { width, height } = target ?? this.canvas;
-    copyPicture(renderer, isTinted ? lit : kept.picture, target, width, height);
+    // First the clear: a browser that has shown the canvas clears its colour as well, at the first clear or draw after.
+    renderer.setRenderTarget(target);
     renderer.clear(false, true, false);
+    copyPicture(renderer, isTinted ? lit : kept.picture, target, width, height);
     this.#drawOver();
   }
 

@@ -18,14 +18,20 @@ async function frames(isEnough: () => boolean, most = 20_000): Promise<number> {
   throw new Error(`not there after ${most} frames: ${JSON.stringify(stage.stats)}`);
 }
 
-/** The colour at a pixel of the canvas, from its upper left corner: drawn again first, since a canvas forgets. */
-function colourAt(x: number, y: number): number[] {
+const whole = () => frames(() => stage.stats.isWhole);
+
+/** The colours at pixels of the canvas, from its upper left corner. */
+async function coloursAt(pixels: [number, number][]): Promise<number[][]> {
+  await whole();
+  // A canvas forgets what it showed: read in the turn in which it is drawn.
   stage.invalidate();
   stage.frame(performance.now());
   const gl = stage.renderer.getContext();
-  const pixel = new Uint8Array(4);
-  gl.readPixels(x, canvas.height - 1 - y, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
-  return Array.from(pixel.subarray(0, 3));
+  return pixels.map(([x, y]) => {
+    const pixel = new Uint8Array(4);
+    gl.readPixels(x, canvas.height - 1 - y, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
+    return Array.from(pixel.subarray(0, 3));
+  });
 }
 
 function load(): Promise<void> {
@@ -45,10 +51,10 @@ const harness = {
   NO_MARKS,
   PartState,
   frames,
-  colourAt,
+  coloursAt,
   load,
   settled: () => frames(() => stage.stats.isSettled),
-  whole: () => frames(() => stage.stats.isWhole && stage.stats.drawn),
+  whole,
 };
 
 declare global {

@@ -1,17 +1,13 @@
-// What the browser tests need around the page: the bundle, a server of it and of pieces, and a Chromium.
+// A server of the stage's test page and of pieces, and a Chromium that opens it.
 
-import { existsSync } from "node:fs";
 import { createServer } from "node:http";
 import { dirname } from "node:path";
 import { fileURLToPath } from "node:url";
 import * as esbuild from "esbuild";
 import { chromium } from "playwright-core";
+import { CHROMIUM } from "./browser.mjs";
 
 const HERE = dirname(fileURLToPath(import.meta.url));
-const CHROMIUMS = [process.env.CHROMIUM, "/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"];
-
-export const chromiumPath = CHROMIUMS.find((path) => path && existsSync(path)) ?? null;
-
 const HTML = `<!doctype html><html><head><style>
   body { margin: 0; } canvas { display: block; width: 100vw; height: 100vh; }
   #labels { position: absolute; inset: 0; overflow: hidden; pointer-events: none; font: 12px sans-serif; }
@@ -55,7 +51,7 @@ export async function serve(answer) {
 /** Opens the page at `url` in a Chromium with a software device. Errors of the page are thrown by `close`. */
 export async function open(url, { width = 640, height = 360 } = {}) {
   const browser = await chromium.launch({
-    executablePath: chromiumPath,
+    executablePath: CHROMIUM,
     args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
   });
   const page = await browser.newPage({ viewport: { width, height } });
