@@ -256,7 +256,7 @@ def test_patches_and_welcome_are_messages_of_the_protocol(bench: Bench) -> None:
         assert decode_from_server(encode(message)) == message
         shown |= event["fields"]
     assert shown == bench.document, "patches alone lead to the same document"
-    welcome = Welcome(1, "s", bench.document, bench.session.last_event, False, False, {})  # type: ignore[arg-type]
+    welcome = Welcome(1, "s", bench.document, bench.session.last_event, False, False, None, {})  # type: ignore[arg-type]
     assert decode_from_server(encode(welcome)) == welcome
     assert set(bench.document) == set(JSON_FIELDS) == set(Document().to_json())
     state = bench.session.snapshot().message()
