@@ -115,7 +115,10 @@ def samples() -> dict[str, list[Any]]:
         "IgnoredPairs": [feeler.IgnoredPairs(tool, mock, [("*", "pair")]), feeler.IgnoredPairs(tool, mock, [])],
         "Penetration": [scene.penetration(tool, pose(0.2)), scene.penetration(tool, pose(0.4, 0.4, 0.4))],
         "Packed": [mock.pack(), mock.pack(5, ["odd", "left"]), tool.pack()],
-        "PackedPiece": [*mock.pack(5).pieces, feeler.Mockup(*box((0, 0, 0), 1.0), np.zeros(12), ["p"] * 70_000).pack().pieces[0]],
+        "PackedPiece": [
+            *mock.pack(5).pieces,
+            feeler.Mockup(*box((0, 0, 0), 1.0), np.zeros(12), ["p"] * 70_000).pack().pieces[0],
+        ],
         "PairKind": list(feeler.PairKind),
     }
 

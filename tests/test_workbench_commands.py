@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import pickle
 from typing import Any
 
@@ -14,7 +15,8 @@ from workbench_scene import LEFT, PATHS, PEG, PLATE, RIGHT, SHEET, Bench, at, cu
 from feeler.errors import FeelerError, WorkbenchError
 from feeler.workbench.commands import COMMANDS
 from feeler.workbench.document import JSON_FIELDS, Document
-from feeler.workbench.protocol import Patch, Welcome, decode_from_server, encode
+from feeler.workbench.frames import check
+from feeler.workbench.protocol import DocumentFields, Patch, decode_from_server, encode
 
 
 @pytest.fixture
@@ -102,6 +104,26 @@ def test_place_is_where_contact_lets_the_hand_come(bench: Bench) -> None:
     np.testing.assert_array_equal(bench.pose, at(0, 0, 0.2))
     bench.command("redo")
     np.testing.assert_array_equal(bench.pose, reached)
+
+
+def test_a_new_command_ends_what_could_be_redone(bench: Bench) -> None:
+    bench.command("hide", parts=[PEG])
+    bench.command("undo")
+    assert bench.command("hide", parts=[LEFT])["redo_depth"] == 0
+    with pytest.raises(WorkbenchError, match="nothing to redo"):
+        bench.command("redo")
+
+
+def test_the_measure_of_two_parts_that_were_moved(bench: Bench) -> None:
+    for part in (LEFT, PEG):
+        bench.command("grip", parts=[part])
+        bench.command("place", pose=(bench.pose @ at(0, 0, 0.1)).ravel().tolist())
+        bench.command("release")
+    bench.command("measure_add", type="parts", parts=[PEG, LEFT])
+    (measure,) = bench.document["measures"]
+    assert measure["value"] == pytest.approx(np.hypot(0.25 - 0.03125, 0.25 - 0.0625), abs=1e-9)
+    heights = [point[2] for point in measure["points"]]
+    assert all(0.1 - 1e-9 <= height <= 0.35 for height in heights) and heights[0] == pytest.approx(heights[1])
 
 
 def test_undo_brings_the_hand_back_to_where_it_was(bench: Bench) -> None:
@@ -243,7 +265,7 @@ def test_undo_of_everything_is_the_document_and_the_answers_before(steps: list[t
     assert bench.session.current == last and answers(bench) == after
 
 
-def test_patches_and_welcome_are_messages_of_the_protocol(bench: Bench) -> None:
+def test_patches_and_document_are_messages_of_the_protocol(bench: Bench) -> None:
     shown: dict[str, Any] = bench.document
     bench.events.clear()
     bench.command("grip", parts=[PEG])
@@ -256,8 +278,7 @@ def test_patches_and_welcome_are_messages_of_the_protocol(bench: Bench) -> None:
         assert decode_from_server(encode(message)) == message
         shown |= event["fields"]
     assert shown == bench.document, "patches alone lead to the same document"
-    welcome = Welcome(1, "s", bench.document, bench.session.last_event, False, False, {})  # type: ignore[arg-type]
-    assert decode_from_server(encode(welcome)) == welcome
+    assert check(json.loads(json.dumps(shown)), DocumentFields, "document")
     assert set(bench.document) == set(JSON_FIELDS) == set(Document().to_json())
     state = bench.session.snapshot().message()
     assert decode_from_server(encode(state)).seq == state.seq

@@ -73,6 +73,18 @@ def test_a_tool_that_rests_on_something_moves_away_and_along() -> None:
     np.testing.assert_array_equal(bench.pose, at(0.1, 0.0, 0.2))
 
 
+def test_a_tool_nearer_than_rounding_can_tell_moves_away_and_along_and_stays_free() -> None:
+    pose = at(0.0, 0.0, np.nextafter(HALF, 1.0))
+    bench = Bench(cube(), pose=pose)
+    assert bench.session.snapshot().is_free and bench.session.snapshot().distance.value < 1e-16
+    for goal in ([0.0, 0.0, -0.1], [0.05, 0.0, -0.1], [0.1, 0.0, pose[2, 3]]):
+        bench.wish(at(*goal))
+        assert bench.session.snapshot().is_free and bench.pose[2, 3] == pytest.approx(HALF, abs=1e-6)
+    np.testing.assert_array_equal(bench.pose, bench.session.snapshot().wish)
+    bench.wish(at(0.1, 0.0, 0.2))
+    np.testing.assert_array_equal(bench.pose, at(0.1, 0.0, 0.2))
+
+
 def test_a_tool_that_begins_in_collision_says_so_and_moves_out_but_not_deeper() -> None:
     bench = Bench(cube(), pose=at(0.0, 0.0, 0.02))
     snapshot = bench.session.snapshot()
@@ -105,6 +117,14 @@ def test_pass_follows_the_hand_and_shows_what_is_cut() -> None:
     np.testing.assert_array_equal(message.hits, np.sort(places[expected.mockup_triangles]))
     assert message.hit_count == len(expected.mockup_triangles) and message.hit_more == 0
     assert {event["part"] for event in bench.of_type("impact")} == {PLATE, RIGHT}
+
+
+def test_what_it_meets_from_the_start_is_no_impact() -> None:
+    bench = Bench(cube(), pose=at(0.0, 0.0, 0.0), mode="pass")
+    bench.tick()
+    assert not bench.of_type("impact")
+    bench.wish(at(0.01, 0.0, 0.0))
+    assert not bench.of_type("impact")
 
 
 def test_hits_beyond_the_limit_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -259,7 +279,11 @@ def test_answers_of_both_scenes_are_merged_and_none_is_lost() -> None:
             assert impact.fraction == pytest.approx(cast.fraction, abs=1e-5)
         planes, contacts = world.contacts(tool, pose, 0.01), whole.contacts(tool, pose, 0.01)
         np.testing.assert_allclose(planes.gaps, contacts.gaps, atol=1e-9)
-        assert len(set(planes.ids.tolist())) == len(planes)
+    # The two scenes number their surfaces alike.
+    alone = World(scene, meshes, {PLATE: motion.row(np.eye(4))})
+    own = alone.put_down.contacts(tool, at(0.0, 0.0, 0.05), 0.01)
+    planes = alone.contacts(tool, at(0.0, 0.0, 0.05), 0.01)
+    assert len(own) and set(planes.ids.tolist()) == {int(each) ^ (1 << 63) for each in own.ids}
 
 
 def test_a_part_alone_is_gripped_without_a_tool_and_goes_out_of_the_mockup() -> None:
@@ -272,9 +296,33 @@ def test_a_part_alone_is_gripped_without_a_tool_and_goes_out_of_the_mockup() -> 
     np.testing.assert_array_equal(bench.pose, at(0.0, 0.8, 1.0))
     bench.command("release")
     assert bench.document["out"] == [PEG]
+    bench.command("grip", parts=[PEG])
+    assert bench.document["out"] == [] and bench.document["moved"] == {}
+    bench.command("undo")
     (line,) = bench.document["sequence"]
     np.testing.assert_allclose(line["way"][0], start.ravel(), atol=1e-9)
     assert line["tool"] is None and line["least_clearance"] is None, "nothing was within reach but the seat"
+
+
+@pytest.mark.parametrize("mode", ["stop", "glide"])
+def test_a_part_that_was_put_down_is_never_passed(mode: str) -> None:
+    bench = Bench(cube(), pose=at(0.0, 0.0, 0.2))
+    bench.command("grip", parts=[PEG])
+    bench.drag(at(0.0, 0.0, 0.3), 1.0)
+    bench.drag(at(0.1, 0.0, 0.3), 1.0)
+    bench.command("release")
+    bench.drag(at(-0.3, 0.28, 0.15), 1.0)
+    bench.command("set_mode", mode=mode)
+    bench.drag(at(0.3, 0.28, 0.15), 1.0)
+    for _ in range(60):
+        bench.tick()
+    snapshot = bench.session.snapshot()
+    assert bench.pose[0, 3] == pytest.approx(0.06875 - HALF, abs=1e-4) and snapshot.is_free
+    assert not np.any(snapshot.force)
+    bench.drag(at(-0.3, 0.28, 0.15), 1.0)
+    for _ in range(60):
+        bench.tick()
+    assert bench.pose[0, 3] == pytest.approx(-0.3, abs=1e-3)
 
 
 def test_the_least_clearance_is_that_of_the_way() -> None:

@@ -100,7 +100,9 @@ def test_sec_fetch_site(site: str, expected: int) -> None:
     assert status(("Sec-Fetch-Site", site)) == expected
 
 
-@pytest.mark.parametrize("method", ["POST", "PUT", "DELETE", "OPTIONS", "HEAD", "TRACE", "CONNECT", "get", "", "G" * 9999])
+@pytest.mark.parametrize(
+    "method", ["POST", "PUT", "DELETE", "OPTIONS", "HEAD", "TRACE", "CONNECT", "get", "", "G" * 9999]
+)
 def test_only_get(method: str) -> None:
     assert status(method=method) == 405
 
@@ -123,7 +125,15 @@ def test_tokens() -> None:
 def test_bearer() -> None:
     token = new_token()
     assert check_bearer([("authorization", f"Bearer {token}")], token) is None
-    bad = ["", token, f"bearer {token}", f"Bearer  {token}", f"Bearer {token} ", f"Basic {token}", f"Bearer {new_token()}"]
+    bad = [
+        "",
+        token,
+        f"bearer {token}",
+        f"Bearer  {token}",
+        f"Bearer {token} ",
+        f"Basic {token}",
+        f"Bearer {new_token()}",
+    ]
     for value in bad:
         refused = check_bearer([("Authorization", value)], token)
         assert refused is not None and refused.status == 401 and token not in refused.reason
@@ -172,7 +182,10 @@ def test_no_window_ever_has_more(times: list[float], most: int) -> None:
     assert all(later - earlier >= 1.0 for earlier, later in zip(allowed, allowed[most:], strict=False))
 
 
-@given(st.lists(st.tuples(st.sampled_from(["Host", "Origin", "Sec-Fetch-Site", "Cookie"]), st.text()), max_size=5), st.text())
+@given(
+    st.lists(st.tuples(st.sampled_from(["Host", "Origin", "Sec-Fetch-Site", "Cookie"]), st.text()), max_size=5),
+    st.text(),
+)
 def test_nothing_random_passes(headers: list[tuple[str, str]], method: str) -> None:
     refused = check_request(DOOR, method, headers)
     assert refused is not None and refused.status in (403, 405, 421)

@@ -308,9 +308,9 @@ def test_a_document_is_checked_to_its_leaves() -> None:
     refused("Welcome.document.unit: is 'ft'", unit="ft")
     refused("Welcome.document.mockup.parts", mockup={"name": "a", "hash": "b", "triangles": 1, "parts": None})
     refused("Welcome.document: has 'more'", more=1)
-    with pytest.raises(ProtocolError, match="Patch.fields: has 'colour'"):
+    with pytest.raises(ProtocolError, match=r"Patch.fields: has 'colour'"):
         decode_from_server(encode(protocol.Patch(1, {"colour": 1}, None, 0, 0)))
-    with pytest.raises(ProtocolError, match="Patch.fields.unit"):
+    with pytest.raises(ProtocolError, match=r"Patch.fields.unit"):
         decode_from_server(encode(protocol.Patch(1, {"unit": 1}, None, 0, 0)))
 
 
@@ -323,9 +323,13 @@ def test_numbers_of_numpy_may_be_sent() -> None:
 
 def test_version_and_id_are_found_in_what_is_wrong_otherwise() -> None:
     assert version_of('{"kind":"hello","protocol":9,"new":1}') == 9
-    assert [version_of(each) for each in ("", "{}", '{"kind":"ack","protocol":9}', b"a", '{"kind":"hello"}')] == [None] * 5
+    assert [version_of(each) for each in ("", "{}", '{"kind":"ack","protocol":9}', b"a", '{"kind":"hello"}')] == [
+        None
+    ] * 5
     assert id_of('{"kind":"nothing","id":12}') == 12
-    assert [id_of(each) for each in ("", '{"id":"a"}', '{"id":true}', '{"id":1e3}', b"", f'{{"id":{2**60}}}')] == [None] * 6
+    assert [id_of(each) for each in ("", '{"id":"a"}', '{"id":true}', '{"id":1e3}', b"", f'{{"id":{2**60}}}')] == [
+        None
+    ] * 6
 
 
 json_values = st.recursive(
@@ -334,7 +338,9 @@ json_values = st.recursive(
     max_leaves=20,
 )
 kinds = st.sampled_from(["hello", "pose", "ack", "command", "ask", "job", "cancel", "shot", "state"])
-fields = st.sampled_from(["seq", "id", "name", "args", "token", "protocol", "session", "last_event", "arrays", "source"])
+fields = st.sampled_from(
+    ["seq", "id", "name", "args", "token", "protocol", "session", "last_event", "arrays", "source"]
+)
 
 
 @given(st.binary(max_size=200) | st.text(max_size=200))

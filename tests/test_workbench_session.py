@@ -93,6 +93,7 @@ def test_geometry_is_the_mockup_in_pieces() -> None:
         bench.session.piece(99)
     held = bench.of_type("held")[-1]
     assert len(bench.session.held(held["version"])) == sum(piece["bytes"] for piece in held["manifest"]["pieces"])
+    assert bench.session.held_manifest(held["version"]) == held["manifest"] and bench.session.held_manifest(0) is None
     with pytest.raises(WorkbenchError, match="no version 12"):
         bench.session.held(12)
 

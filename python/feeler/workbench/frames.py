@@ -3,7 +3,7 @@
 A message is a frozen dataclass with a `KIND`. One without arrays is JSON text: its fields, and "kind". One with arrays
 is binary, little-endian:
 
-    u32 version | u32 header bytes | JSON header, padded with spaces to a multiple of 8 | arrays, each at a multiple of 8
+    u32 version | u32 header bytes | JSON header, padded with spaces | arrays, each at a multiple of 8
 
 The header has the other fields, "kind", and "arrays": name -> [type, shape, offset from the end of the header]. What is
 read is checked in full against the dataclass, as it comes from a page that may be anything: `ProtocolError` says what
@@ -74,7 +74,7 @@ class _Plan:
 
 
 @functools.cache
-def _plan(message: type) -> _Plan:
+def _plan(message: Any) -> _Plan:
     hints = get_type_hints(message, include_extras=True)
     plain: dict[str, Any] = {}
     arrays: dict[str, Array] = {}

@@ -50,8 +50,7 @@ class Glide:
         step = self._session.step(wish, STEP_S)
         for _ in range(steps - 1):
             step = self._session.step(wish, STEP_S)
-        is_sure = step.mode in ("free", "contact", "bound")
-        force, torque = (step.force, step.torque) if is_sure else (np.zeros(3), np.zeros(3))
+        force, torque = step.force, step.torque  # zero where the session is in doubt
         after, impact = step.world_from_proxy, self._stopped(pose, step.world_from_proxy)
         if impact is not None:
             after = impact.pose if not self._world.is_colliding(self._tool, impact.pose) else pose

@@ -76,7 +76,7 @@ def replay(
     with Session(has_threads=False, clock=lambda: 0.0) as session:
         try:
             options = record.header["options"]
-            session.open(mockup, scene, tool, pose=record.header["pose"], mode=options["mode"], is_replaying=True)
+            session.open(mockup, scene, tool, pose=record.header["pose"], mode=options["mode"])
             if options["unit"] != session.current.unit:
                 session.command("set_unit", {"unit": options["unit"]})
             return _Replay(record, session).run(progress)

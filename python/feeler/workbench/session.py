@@ -72,7 +72,6 @@ class Session:
         self._geometry: Geometry | None = None
         self._sight: tuple[object, measuring.Sight] | None = None
         self._exports: dict[str, bytes] = {}
-        self._is_replaying = False
         self.pages = 0
         """How many pages look at the session; the server keeps it."""
         self._shot_lock, self._shot_id = threading.Lock(), 0
@@ -105,13 +104,12 @@ class Session:
         mode: str = "stop",
         tools: Iterable[Tool] = (),
         name: str | None = None,
-        is_replaying: bool = False,
     ) -> None:
         """Begins with a mock-up: a document of its own, nothing to undo. Makes what the first answers need.
 
         tool: in the hand at first; tools: others that it may take. pose: where the hand begins, default above the
-        mock-up. packed: `mockup.pack(...)`. name: of the mock-up, default that of its file. is_replaying: what the
-        engine does by itself is left to a record. Raises `WorkbenchError`, `OptionError`.
+        mock-up. packed: `mockup.pack(...)`. name: of the mock-up, default that of its file. Raises `WorkbenchError`,
+        `OptionError`.
         """
         if scene.mockup is not mockup:
             raise OptionError("the scene is of another mock-up: index the one that is opened")
@@ -132,7 +130,7 @@ class Session:
         document = replace(document, held_version=hands.version(document))
         geometry = Geometry(mockup, content, name, packed)
         with self.engine.paused(), self._lock:
-            self._hands, self._geometry, self._is_replaying = hands, geometry, is_replaying
+            self._hands, self._geometry = hands, geometry
             self._undo, self._redo, self._exports, self._sight = [], [], {}, None
             if self._recorder is not None:
                 self._recorder.header(self._header(mockup, tool, start, mode, content))
@@ -232,10 +230,22 @@ class Session:
         except IndexError:
             raise WorkbenchError(f"there is no piece {number}", "scene", f"there are {geometry.piece_count}") from None
 
+    def held_manifest(self, version: int) -> dict[str, Any] | None:
+        """The manifest of what the hand held at a version; None: nothing. Raises `WorkbenchError`."""
+        if version == 0:
+            return None
+        with self._lock:
+            return dict(self._opened().geometry(version).manifest())
+
     def held(self, version: int) -> bytes:
         """What the hand held at a version, packed. Raises `WorkbenchError`."""
         with self._lock:
             return self._opened().geometry(version).data()
+
+    def held_manifest(self, version: int) -> dict[str, Any] | None:
+        """What is known of the mesh that `held` gives; None for version 0, the empty hand. Raises `WorkbenchError`."""
+        with self._lock:
+            return None if version == 0 else dict(self._opened().geometry(version).manifest())
 
     def export(self, name: str) -> bytes:
         """What a job wrote. Raises `WorkbenchError`."""
@@ -434,8 +444,6 @@ class Session:
         )
 
     def _play(self, document: Document) -> None:
-        if self._is_replaying:
-            return  # the record has the wishes of it
         line = next(each for each in document.sequence if each.id == document.replaying)
         way = [motion.matrix(each) for each in line.way]
         back = motion.inverse(way[0]) @ motion.matrix(document.pose)
@@ -462,8 +470,7 @@ class Session:
 
     def _tell_held(self, document: Document) -> None:
         version = document.held_version
-        manifest = None if version == 0 else dict(self._opened().geometry(version).manifest())
-        self._events.tell({"type": "held", "version": version, "manifest": manifest})
+        self._events.tell({"type": "held", "version": version, "manifest": self.held_manifest(version)})
 
     # ---- the engine's thread ----
 
