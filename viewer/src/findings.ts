@@ -63,7 +63,7 @@ export async function lookAtFinding(wb: Workbench, finding: Finding): Promise<vo
   } else wb.fit(parts);
   wb.redraw();
   wb.say(finding.sentence);
-  if (!wb.store.is_read_only.peek() && parts.length > 0) await ghostOthers(wb, wb.document, parts);
+  if (wb.store.can_look.peek() && parts.length > 0) await ghostOthers(wb, wb.document, parts);
 }
 
 /** The contact: the middle of both points where they are known. */

@@ -73,6 +73,8 @@ interface Waiting {
 
 const FIRST_DELAY_MS = 200;
 const MOST_DELAY_MS = 5000;
+/** Of a picture in one message; a multiple of 4, so that each piece is base64 by itself. */
+const SHOT_CHARACTERS = 1 << 19;
 const LOST = new LinkError("the connection broke before the answer came", "", "See how things stand, and try again");
 
 export class Link {
@@ -155,9 +157,15 @@ export class Link {
     return { id, result, cancel };
   }
 
-  /** Answers the server's wish for a picture. */
+  /** Answers the server's wish for a picture, in pieces that a message may have. */
   shot(id: number, name: string, png_base64: string): void {
-    if (this.status === "open" && this.socket) this.send(this.socket, { kind: "shot", id, name, png_base64 });
+    if (this.status !== "open" || !this.socket) return;
+    for (let from = 0; ; from += SHOT_CHARACTERS) {
+      const more = from + SHOT_CHARACTERS < png_base64.length;
+      const piece = png_base64.slice(from, from + SHOT_CHARACTERS);
+      this.send(this.socket, { kind: "shot", id, name, png_base64: piece, more });
+      if (!more) return;
+    }
   }
 
   private hello() {

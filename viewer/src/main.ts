@@ -3,6 +3,7 @@
 import { h, render } from "preact";
 import type { FeelerApi } from "./api";
 import { takeToken } from "./link";
+import { OfflineError, readOffline } from "./offline";
 import { Page } from "./page";
 import { App, type PictureElements } from "./ui/app";
 
@@ -28,25 +29,28 @@ function makePicture(): PictureElements {
   return { canvas, gizmo, labels };
 }
 
-function start(): void {
-  const root = document.getElementById("app");
-  if (!root) return;
-  try {
-    const picture = makePicture();
-    const page = new Page(picture, takeToken(location, history, sessionStorage));
-    const dark = matchMedia("(prefers-color-scheme: dark)");
-    const follow = (): void => {
-      page.store.is_system_dark.value = dark.matches;
-    };
-    follow();
-    dark.addEventListener("change", follow);
-    window.feeler = page.api();
-    render(h(App, { workbench: page.wb, picture }), root);
-  } catch (error) {
-    const text = error instanceof Error ? error.message : String(error);
-    root.textContent = `The workbench cannot start: ${text}. It needs a browser with WebGL 2.`;
-    root.className = "no-start";
-  }
+async function start(root: HTMLElement): Promise<void> {
+  const offline = await readOffline();
+  const picture = makePicture();
+  const page = new Page(picture, offline ? null : takeToken(location, history, sessionStorage));
+  const dark = matchMedia("(prefers-color-scheme: dark)");
+  const follow = (): void => {
+    page.store.is_system_dark.value = dark.matches;
+  };
+  follow();
+  dark.addEventListener("change", follow);
+  window.feeler = page.api();
+  render(h(App, { workbench: page.wb, picture }), root);
+  if (offline) page.showOffline(offline);
 }
 
-start();
+const root = document.getElementById("app");
+if (root) {
+  start(root).catch((error: unknown) => {
+    // Nothing of the page may be there: plain text is all that can be relied on.
+    const what = error instanceof Error ? error.message : String(error);
+    const advice = error instanceof OfflineError ? "" : " It needs a browser with WebGL 2.";
+    root.textContent = `The workbench cannot start. ${what}${advice}`;
+    root.className = "no-start";
+  });
+}

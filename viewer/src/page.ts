@@ -6,18 +6,20 @@ import { type Document, patched } from "./document";
 import { Drawing } from "./drawing";
 import { pictureFor } from "./exporting";
 import { feed, followOutlines } from "./feed";
-import { Geometry, type HeldManifest as PackedHeld } from "./geometry";
+import { Geometry, type HeldManifest as PackedHeld, type Manifest as PackedManifest } from "./geometry";
 import { Hand } from "./input/hand";
 import { listenToKeys } from "./input/keys";
 import { Pointer } from "./input/mouse";
 import { Link, LinkError } from "./link";
 import { fromAxes } from "./matrix";
+import type { OfflinePage } from "./offline";
 import type { HeldManifest, ServerEvent, State, Welcome } from "./protocol";
 import type { CameraState } from "./scene/camera";
 import { Stage } from "./scene/stage";
 import { scale, type Vec3 } from "./scene/vectors";
 import { Store } from "./store";
 import type { PictureElements } from "./ui/app";
+import { formatCount } from "./units";
 import { Workbench } from "./workbench";
 
 /** Of what the hand holds, before anything is known of it. */
@@ -75,6 +77,24 @@ export class Page {
     this.drawing.each_frame.add(() => this.watchReady());
     if (!link) store.connection.value = "refused";
     link?.connect();
+  }
+
+  /** Shows what one file carries, without a server. */
+  showOffline({ document, manifest, pieces, camera, left_out }: OfflinePage): void {
+    const { store, wb } = this;
+    store.connection.value = "offline";
+    // The hand and what it held stayed with the engine.
+    store.document.value = { ...(document as unknown as Document), tool: null, gripped: [], held_version: 0 };
+    wb.stage.setManifest(manifest as PackedManifest);
+    store.manifest.value = manifest as PackedManifest;
+    if (camera) wb.stage.camera.fromJSON(camera as unknown as CameraState);
+    for (const [k, piece] of pieces.entries()) wb.stage.addPiece(k, piece);
+    this.come_triangles = manifest.triangles;
+    this.is_whole = true;
+    if (left_out > 0) {
+      store.notify("warning", `${formatCount(left_out)} triangles of small parts had no room in this file`);
+    }
+    this.drawing.request();
   }
 
   api(): FeelerApi {

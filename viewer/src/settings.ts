@@ -39,10 +39,10 @@ export const DEFAULTS: Settings = {
 const KEY = "feeler.settings";
 
 /** The settings of this browser; a default for each that is absent or of another type. */
-export function loadSettings(storage: Pick<Storage, "getItem"> | undefined = globalThis.localStorage): Settings {
+export function loadSettings(storage: () => Pick<Storage, "getItem"> = () => localStorage): Settings {
   let kept: unknown;
   try {
-    kept = JSON.parse(storage?.getItem(KEY) ?? "{}");
+    kept = JSON.parse(storage().getItem(KEY) ?? "{}");
   } catch {
     return DEFAULTS;
   }
@@ -52,13 +52,10 @@ export function loadSettings(storage: Pick<Storage, "getItem"> | undefined = glo
 }
 
 /** Keeps the settings; a browser that forbids it keeps none. */
-export function saveSettings(
-  settings: Settings,
-  storage: Pick<Storage, "setItem"> | undefined = globalThis.localStorage,
-): void {
+export function saveSettings(settings: Settings, storage: () => Pick<Storage, "setItem"> = () => localStorage): void {
   try {
-    storage?.setItem(KEY, JSON.stringify(settings));
+    storage().setItem(KEY, JSON.stringify(settings));
   } catch {
-    // Private windows may refuse: the settings then last as long as the page.
+    // A private window or a file may refuse: the settings then last as long as the page.
   }
 }

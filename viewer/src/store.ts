@@ -92,6 +92,8 @@ export class Store {
   });
   /** Nothing can be changed: one file without a server, or the link is down. */
   readonly is_read_only = computed(() => this.connection.value !== "open");
+  /** What is seen can be changed: also in one file without a server. */
+  readonly can_look = computed(() => !this.is_read_only.value || this.connection.value === "offline");
   readonly hidden = computed(() => new Set(this.document.value?.hidden ?? []));
   readonly ghost = computed(() => new Set(this.document.value?.ghost ?? []));
   readonly has_hand = computed(() => {

@@ -3,6 +3,7 @@
 import type { Document } from "./document";
 import type { Hand } from "./input/hand";
 import { type Job, type Link, LinkError } from "./link";
+import { Looking } from "./looking";
 import { carry } from "./matrix";
 import type { Stage } from "./scene/stage";
 import { type Box, corners, emptyBox, include, isEmpty, type Vec3 } from "./scene/vectors";
@@ -30,6 +31,7 @@ export class Workbench {
   readonly link: Link | null;
   readonly redraw: () => void;
   readonly fetchFile: (name: string) => Promise<Blob>;
+  private readonly looking = new Looking();
   /** The canvas, to which the focus goes back; null in tests. */
   canvas: HTMLElement | null = null;
   /** Opens or closes WebXR; null where the browser has none. */
@@ -61,9 +63,14 @@ export class Workbench {
     }
   }
 
-  /** Sends a command; rejects where it is refused. */
+  /** Sends a command; rejects where it is refused. Without a server, what is seen is changed here. */
   send(name: string, args: Record<string, unknown> = {}): Promise<unknown> {
-    return this.link?.command(name, args) ?? Promise.reject(readOnly(name));
+    if (this.link) return this.link.command(name, args);
+    const document = this.document;
+    const looked = document && this.store.can_look.peek() ? this.looking.applied(document, name, args) : null;
+    if (!looked) return Promise.reject(readOnly(name));
+    this.store.document.value = looked;
+    return Promise.resolve(null);
   }
 
   ask(name: string, args: Record<string, unknown>): Promise<unknown> {

@@ -257,7 +257,7 @@ test("what is spoken names the contacts, the parts and the depth", () => {
 });
 
 test("settings of another kind, or none, are the defaults", () => {
-  const kept = (text: string | null) => loadSettings({ getItem: () => text });
+  const kept = (text: string | null) => loadSettings(() => ({ getItem: () => text }));
   assert.deepEqual(kept(null), DEFAULTS);
   assert.deepEqual(kept("no JSON"), DEFAULTS);
   assert.deepEqual(kept('"text"'), DEFAULTS);

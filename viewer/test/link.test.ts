@@ -265,6 +265,22 @@ test("a frame that is none closes the socket, and a new one is opened", () => {
   assert.equal(sockets.length, 2);
 });
 
+test("a large picture goes out in pieces", () => {
+  const { link, socket, welcome } = setUp();
+  welcome();
+  const png = "abcd".repeat(200_000);
+  link.shot(3, "shot-3", png);
+  const pieces = socket().sent.filter((message) => message.kind === "shot");
+  assert.deepEqual(
+    pieces.map((piece) => piece.more),
+    [true, false],
+  );
+  assert.equal(pieces.map((piece) => piece.png_base64).join(""), png);
+  assert.ok(
+    pieces.every((piece) => String(piece.png_base64).length % 4 === 0 && JSON.stringify(piece).length < 1 << 20),
+  );
+});
+
 test("a link that was closed stays closed", () => {
   const { link, sockets, wake } = setUp();
   link.close();

@@ -37,12 +37,14 @@ export interface PageCommand {
 }
 
 const canChange = (wb: Workbench): boolean => !wb.store.is_read_only.value;
+const canLook = (wb: Workbench): boolean => wb.store.can_look.value;
 const hasMockup = (wb: Workbench): boolean => wb.store.manifest.value !== null;
 const hasTargets = (wb: Workbench): boolean =>
-  canChange(wb) && (wb.store.selection.value.size > 0 || wb.store.hover.value >= 0);
+  canLook(wb) && (wb.store.selection.value.size > 0 || wb.store.hover.value >= 0);
+const canGrip = (wb: Workbench): boolean => canChange(wb) && (hasTargets(wb) || isGripping(wb));
 const hasHand = (wb: Workbench): boolean => canChange(wb) && wb.store.has_hand.value;
 const isGripping = (wb: Workbench): boolean => canChange(wb) && (wb.store.document.value?.gripped.length ?? 0) > 0;
-const hasSections = (wb: Workbench): boolean => canChange(wb) && (wb.store.document.value?.sections.length ?? 0) > 0;
+const hasSections = (wb: Workbench): boolean => canLook(wb) && (wb.store.document.value?.sections.length ?? 0) > 0;
 const hasFindings = (wb: Workbench): boolean => wb.store.document.value?.findings != null;
 const hasSequence = (wb: Workbench): boolean => canChange(wb) && (wb.store.document.value?.sequence.length ?? 0) > 0;
 
@@ -200,7 +202,7 @@ export const COMMANDS: readonly PageCommand[] = [
     "Explode the mock-up, or put it together",
     "",
     (wb) => wb.run("explode", { share: (wb.document?.explode ?? 0) > 0 ? 0 : 0.5 }),
-    canChange,
+    canLook,
   ),
 
   command("Parts", "hide", "Hide, or show again", "H", toggleHidden, hasTargets),
@@ -212,8 +214,8 @@ export const COMMANDS: readonly PageCommand[] = [
     (wb) => wb.run("isolate", { parts: wb.targets() }),
     hasTargets,
   ),
-  command("Parts", "show-all", "Show all", "Alt+H", (wb) => wb.run("show_all"), canChange),
-  command("Parts", "hide-all", "Hide all", "", (wb) => wb.run("hide_all"), canChange),
+  command("Parts", "show-all", "Show all", "Alt+H", (wb) => wb.run("show_all"), canLook),
+  command("Parts", "hide-all", "Hide all", "", (wb) => wb.run("hide_all"), canLook),
   command("Parts", "ghost", "Ghost, or solid again", "X", toggleGhost, hasTargets),
   command("Parts", "search", "Search parts", ["Ctrl+F", "/"], focusSearch, hasMockup),
   command(
@@ -227,14 +229,7 @@ export const COMMANDS: readonly PageCommand[] = [
 
   command("Tool", "move", "Move the tool", "G", (wb) => beginTyping(wb, "move"), hasHand),
   command("Tool", "turn", "Turn the tool", "R", (wb) => beginTyping(wb, "turn"), hasHand),
-  command(
-    "Tool",
-    "grip",
-    "Grip what is selected; release",
-    "E",
-    gripOrRelease,
-    (wb) => hasTargets(wb) || isGripping(wb),
-  ),
+  command("Tool", "grip", "Grip what is selected; release", "E", gripOrRelease, canGrip),
   command("Tool", "release", "Put down what is gripped", "", (wb) => wb.run("release"), isGripping),
   command(
     "Tool",
@@ -245,7 +240,7 @@ export const COMMANDS: readonly PageCommand[] = [
       const parts = wb.targets();
       return wb.run("put_back", { parts: parts.length > 0 ? parts : (wb.document?.gripped ?? []) });
     },
-    (wb) => hasTargets(wb) || isGripping(wb),
+    canGrip,
   ),
   command("Tool", "mode", "Contact: stop, glide, pass", "Space", nextMode, canChange),
   ...MODES.map((mode) =>
@@ -312,7 +307,7 @@ export const COMMANDS: readonly PageCommand[] = [
     "Cut through the selection; off, on",
     "S",
     toggleSections,
-    (wb) => canChange(wb) && hasMockup(wb),
+    (wb) => canLook(wb) && hasMockup(wb),
   ),
   ...AXES.map((name, k) =>
     command(
@@ -325,7 +320,7 @@ export const COMMANDS: readonly PageCommand[] = [
         normal[k] = 1;
         return addSection(wb, normal);
       },
-      (wb) => canChange(wb) && hasMockup(wb),
+      (wb) => canLook(wb) && hasMockup(wb),
     ),
   ),
   command(
@@ -370,7 +365,7 @@ export const COMMANDS: readonly PageCommand[] = [
     ),
   ),
   ...UNITS.map((unit) =>
-    command("Measures", `unit-${unit}`, `Show lengths in ${unit}`, "", (wb) => wb.run("set_unit", { unit }), canChange),
+    command("Measures", `unit-${unit}`, `Show lengths in ${unit}`, "", (wb) => wb.run("set_unit", { unit }), canLook),
   ),
 
   ...(Object.entries(EXPORTS) as [Export, string][]).map(([name, title]) =>

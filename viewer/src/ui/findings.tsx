@@ -60,7 +60,7 @@ export function FindingPanel() {
           <input
             type="checkbox"
             checked={findings.is_touching_hidden}
-            disabled={store.is_read_only.value}
+            disabled={!store.can_look.value}
             onChange={(event) => wb.run("finding_filter", { is_touching_hidden: event.currentTarget.checked })}
           />
           Hide what only touches

@@ -61,7 +61,7 @@ export function MeasurePanel() {
           label="Unit of lengths"
           value={store.unit.value}
           options={UNITS.map((unit) => ({ value: unit, text: unit }))}
-          disabled={isLocked}
+          disabled={!store.can_look.value}
           choose={(unit) => wb.run("set_unit", { unit })}
         />
       </section>

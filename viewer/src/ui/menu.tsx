@@ -38,7 +38,7 @@ export function ContextMenu() {
   const extra =
     menu.part >= 0 && point
       ? [
-          { text: "Cut here", run: () => addSection(wb, undefined, point), isOff: isLocked },
+          { text: "Cut here", run: () => addSection(wb, undefined, point), isOff: !store.can_look.value },
           { text: "Measure from here", run: () => measureFrom(wb, menu.at), isOff: isLocked },
         ]
       : [];

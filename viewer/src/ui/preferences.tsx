@@ -44,7 +44,7 @@ export function Preferences() {
         <Choice
           label="Unit"
           value={store.unit.value}
-          disabled={store.is_read_only.value}
+          disabled={!store.can_look.value}
           options={UNITS.map((unit) => ({ value: unit, text: unit }))}
           choose={(unit) => wb.run("set_unit", { unit })}
         />

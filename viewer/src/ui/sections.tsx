@@ -17,7 +17,7 @@ export function SectionPanel() {
   const wb = useWorkbench();
   const { store } = wb;
   const sections = store.document.value?.sections ?? [];
-  const isLocked = store.is_read_only.value;
+  const isLocked = !store.can_look.value;
   const explode = store.document.value?.explode ?? 0;
   return (
     <div class="panel-body">
@@ -78,7 +78,7 @@ export function SectionPanel() {
 function SectionCard({ section, name }: { section: Section; name: string }) {
   const wb = useWorkbench();
   const { store } = wb;
-  const isLocked = store.is_read_only.value;
+  const isLocked = !store.can_look.value;
   const manifest = store.manifest.value;
   const draft = store.section_draft.value;
   const offset = draft?.id === section.id ? draft.offset : section.offset;

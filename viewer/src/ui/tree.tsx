@@ -263,7 +263,7 @@ function Row({ row, at, isActive, toggle, choose }: RowProps) {
     ghost === "all" ? "is-ghost" : "",
     store.hover.value === node.part && node.part >= 0 ? "hovered" : "",
   ];
-  const isReadOnly = store.is_read_only.value;
+  const isLocked = !store.can_look.value;
   // Begins with what is to be seen of the row, so that it can be called by that.
   const seen = [node.name, isHeld ? "held" : "", isOut ? "out" : "", row.isGroup ? formatCount(parts.length) : ""];
   const states = [hidden === "all" ? "hidden" : "", ghost === "all" ? "ghost" : ""];
@@ -304,7 +304,7 @@ function Row({ row, at, isActive, toggle, choose }: RowProps) {
           icon="isolate"
           label={`Isolate ${node.name}`}
           tabIndex={-1}
-          disabled={isReadOnly}
+          disabled={isLocked}
           run={() => wb.run("isolate", { parts })}
         />
         <IconButton
@@ -312,7 +312,7 @@ function Row({ row, at, isActive, toggle, choose }: RowProps) {
           label={`Ghost ${node.name}`}
           tabIndex={-1}
           pressed={ghost === "all"}
-          disabled={isReadOnly}
+          disabled={isLocked}
           run={() => wb.run("ghost", { parts, is_on: ghost !== "all" })}
         />
         <IconButton
@@ -320,7 +320,7 @@ function Row({ row, at, isActive, toggle, choose }: RowProps) {
           label={`${hidden === "all" ? "Show" : "Hide"} ${node.name}`}
           tabIndex={-1}
           pressed={hidden === "all"}
-          disabled={isReadOnly}
+          disabled={isLocked}
           run={() => wb.run(hidden === "all" ? "show" : "hide", { parts })}
         />
       </span>

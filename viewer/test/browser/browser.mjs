@@ -1,18 +1,21 @@
 // What the tests in a real browser share: a Chromium, and a page made of modules of src.
 
+import { access } from "node:fs/promises";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 import * as esbuild from "esbuild";
 import { chromium } from "playwright-core";
-import { chromiumPath } from "./serve.mjs";
 
 const VIEWER = join(dirname(fileURLToPath(import.meta.url)), "..", "..");
+export const CHROMIUM = process.env.FEELER_CHROMIUM ?? "/usr/bin/chromium";
 const FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
 const ORIGIN = "http://localhost:8";
 
 /** Why the browser tests cannot run here; false where they can. */
-export const whySkipped =
-  chromiumPath === null && "NO CHROMIUM: the tests in a browser did not run (apt install chromium, or set CHROMIUM)";
+export const whySkipped = await access(CHROMIUM).then(
+  () => false,
+  () => `NO CHROMIUM at ${CHROMIUM}: the tests in a browser did not run (apt install chromium, or set FEELER_CHROMIUM)`,
+);
 if (whySkipped) console.error(whySkipped);
 
 /** Opens a page that runs `source` (TypeScript, relative to viewer/) and closes it when the test `t` ends. */
@@ -21,7 +24,7 @@ export async function openPage(t, source, flags = []) {
     stdin: { contents: source, resolveDir: VIEWER, loader: "ts" },
     ...{ bundle: true, write: false, format: "esm", target: "es2022", logLevel: "warning" },
   });
-  const browser = await chromium.launch({ executablePath: chromiumPath, args: [...FLAGS, ...flags] });
+  const browser = await chromium.launch({ executablePath: CHROMIUM, args: [...FLAGS, ...flags] });
   t.after(() => browser.close());
   const page = await browser.newPage();
   const errors = [];
