@@ -6,6 +6,7 @@ import { type FindingOrder, lookAtFinding, STATUSES, shownGroups } from "../find
 import { formatLength, type Unit } from "../units";
 import { useWorkbench } from "./context";
 import { Choice, CommandButton } from "./fields";
+import { counted } from "./words";
 
 /** So many findings of a group are in the page at once; more by a button. */
 const FIRST = 20;
@@ -65,7 +66,7 @@ export function FindingPanel() {
           />
           Hide what only touches
         </label>
-        <p class="note" role="status">{`${count} findings in ${groups.length} groups`}</p>
+        <p class="note" role="status">{`${counted(count, "finding")} in ${counted(groups.length, "group")}`}</p>
       </section>
       {groups.map((group) => (
         <Group key={group.name} group={group} />

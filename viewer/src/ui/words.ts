@@ -6,7 +6,8 @@ import { formatLength, type Unit } from "../units";
 /** At most so many part names are read out. */
 const MOST_NAMES = 3;
 
-const counted = (count: number, one: string, many = `${one}s`): string => `${count} ${count === 1 ? one : many}`;
+/** "1 contact", "4 contacts". */
+export const counted = (count: number, one: string, many = `${one}s`): string => `${count} ${count === 1 ? one : many}`;
 
 /** "4 contacts, fuel pump, 1.2 mm deep"; "free, 3 mm to bracket". */
 export function spokenState(state: State, unit: Unit, nameOf: (part: number) => string): string {
