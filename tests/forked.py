@@ -119,6 +119,8 @@ CASES: dict[str, Callable[[], Any]] = {
     "containment": lambda: arrays(
         fresh()[0].containment(HOLDER, np.eye(4)), "containing_pairs", "contained_pairs", "unknown"
     ),
+    "pack": lambda: [arrays(each, "positions", "parts", "indices") for each in MOCKUP.pack().pieces],
+    "pack, tool": lambda: arrays(TOOL.pack(), "order", "places"),
     "without": lambda: arrays(SCENE.without(HIT_PART).collide_batch(TOOL, POSES), "pairs"),
     "only": lambda: arrays(OWN_POOL.only(HIT_PART).collide_batch(TOOL, POSES), "pairs"),
     "ignore": lambda: arrays(SCENE.collide_batch(TOOL, POSES, ignore=[(0, HIT_PART)]), "pairs"),

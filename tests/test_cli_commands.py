@@ -20,7 +20,7 @@ from feeler.cli import app
 from feeler.io import write_glb, write_stl
 
 PROGRAM = [sys.executable, "-c", "from feeler.cli import main; main()"]
-COMMANDS = ["demo", "info", "collide", "clearance", "path", "feel", "sample", "bench"]
+COMMANDS = ["demo", "info", "collide", "clearance", "path", "feel", "view", "replay", "sample", "bench"]
 
 
 def box(lower: tuple[float, ...], upper: tuple[float, ...]) -> tuple[np.ndarray, np.ndarray]:
@@ -86,6 +86,7 @@ def test_help_loads_nothing_that_only_work_needs(words: list[str]) -> None:
     early, *loaded = done.stderr.split()
     assert early == "False" and "feeler.cli.app" in loaded
     heavy = {"trimesh", "matplotlib", "cascadio", "DracoPy", "coal", "fcl", "rich.progress", "feeler.picture"}
+    heavy |= {"feeler.workbench", "feeler.workbench.server", "websockets", "asyncio", "webbrowser"}
     assert not heavy.intersection(loaded)
 
 

@@ -42,6 +42,8 @@ CASES = [
     "cast, touching free",
     "is_free",
     "containment",
+    "pack",
+    "pack, tool",
     "without",
     "only",
     "ignore",

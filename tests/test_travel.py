@@ -114,6 +114,11 @@ def samples() -> dict[str, list[Any]]:
         "Containment": [scene.containment(tool, pose(0.4, 0.4, 0.4)), scene.containment(tool, pose(9.0))],
         "IgnoredPairs": [feeler.IgnoredPairs(tool, mock, [("*", "pair")]), feeler.IgnoredPairs(tool, mock, [])],
         "Penetration": [scene.penetration(tool, pose(0.2)), scene.penetration(tool, pose(0.4, 0.4, 0.4))],
+        "Packed": [mock.pack(), mock.pack(5, ["odd", "left"]), tool.pack()],
+        "PackedPiece": [
+            *mock.pack(5).pieces,
+            feeler.Mockup(*box((0, 0, 0), 1.0), np.zeros(12), ["p"] * 70_000).pack().pieces[0],
+        ],
         "PairKind": list(feeler.PairKind),
     }
 
@@ -316,6 +321,13 @@ def test_a_damaged_pickle_is_refused() -> None:
     broken("Contacts", put(1, (np.zeros(2, dtype=np.uint32), np.array([0, 5], dtype=np.uint64))))
     broken("Contacts", put(3, (np.zeros((1, 3, 3)), np.zeros(1, dtype=np.uint32))))
     broken("Penetration", put(2, "certain"))
+    broken("Packed", put(1, np.zeros(3, dtype=np.uint32)))
+    broken("Packed", put(2, np.zeros(26, dtype=np.uint32)))
+    broken("Packed", put(0, ()))
+    broken("PackedPiece", put(0, np.zeros((1, 3), dtype=np.float32)))
+    broken("PackedPiece", put(1, np.zeros(1, dtype=np.uint16)))
+    broken("PackedPiece", put(2, np.full((2, 3), 999, dtype=np.uint16)))
+    broken("PackedPiece", put(5, np.zeros((1, 3))))
     with pytest.raises(LoadError, match='nothing is called "Nonsense"'):
         travel.restore(travel.FORMAT, "0", "Nonsense", ())
 

@@ -75,6 +75,8 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         "distance": QUERY_BASE,
         "cast": {*QUERY_BASE, "collide"},
         "sizing": {*INDEX_BASE, "index"},
+        # For pictures; no query.
+        "chunks": INDEX_BASE,
         "scene": {*QUERY_BASE, "collide", "distance", "cast", "sizing"},
     },
     "feeler-contacts": {
@@ -185,8 +187,10 @@ ROOMS: dict[str, set[str]] = {
     "picture": {*BASE, "io"},
     "samples": BASE,
     "study": {*BASE, "samples"},
-    "cli": {*BASE, "haptics", "io", "picture", "samples", "study", "feeler"},
-    "__init__": {"_core", "ignored", *BASE, "haptics", "interchange", "io", "picture", "samples", "study"},
+    # `feeler` for its version alone.
+    "workbench": {*BASE, "haptics", "ignored", "io", "parts", "picture", "feeler"},
+    "cli": {*BASE, "haptics", "io", "picture", "samples", "study", "workbench", "feeler"},
+    "__init__": {"_core", "ignored", *BASE, "haptics", "interchange", "io", "picture", "samples", "study", "workbench"},
     "__main__": {"cli"},
 }
 # Beside the package, and never imported by it.

@@ -1,6 +1,8 @@
 """Exact collision detection of a moving tool against large digital mock-ups. SI units everywhere."""
 
 from importlib.metadata import version as _version
+from typing import TYPE_CHECKING as _TYPE_CHECKING
+from typing import Any as _Any
 
 from feeler import haptics
 from feeler._core import (
@@ -14,6 +16,8 @@ from feeler._core import (
     Containment,
     Distance,
     DistanceBatch,
+    Packed,
+    PackedPiece,
     PathCheck,
     Penetration,
 )
@@ -27,6 +31,7 @@ from feeler.errors import (
     OptionError,
     PoseError,
     SessionError,
+    WorkbenchError,
 )
 from feeler.ignored import IgnoredPairs
 from feeler.interchange import from_open3d, from_pyvista, from_trimesh, from_urdf
@@ -35,6 +40,9 @@ from feeler.mockup import Mockup, Tool
 from feeler.poses import nearest_rigid
 from feeler.samples import sample, sample_path, sample_poses, sample_tool
 from feeler.scene import ContactTracker, PairKind, Scene, optimal_voxel_size
+
+if _TYPE_CHECKING:
+    from feeler.workbench.scripting import View, view
 
 __version__ = _version("feeler")
 
@@ -59,6 +67,8 @@ __all__ = [
     "MissingFileError",
     "Mockup",
     "OptionError",
+    "Packed",
+    "PackedPiece",
     "PairKind",
     "PathCheck",
     "Penetration",
@@ -66,6 +76,8 @@ __all__ = [
     "Scene",
     "SessionError",
     "Tool",
+    "View",
+    "WorkbenchError",
     "from_open3d",
     "from_pyvista",
     "from_trimesh",
@@ -79,4 +91,14 @@ __all__ = [
     "sample_path",
     "sample_poses",
     "sample_tool",
+    "view",
 ]
+
+
+def __getattr__(name: str) -> _Any:
+    # The workbench is imported when it is asked for: scripts without a picture pay nothing for it.
+    if name in ("View", "view"):
+        from feeler.workbench import scripting
+
+        return getattr(scripting, name)
+    raise AttributeError(f"module 'feeler' has no attribute {name!r}")

@@ -28,6 +28,8 @@ __all__ = [
     "HapticsSession",
     "IgnoredPairs",
     "Mockup",
+    "Packed",
+    "PackedPiece",
     "PathCheck",
     "Penetration",
     "PiecePredictor",
@@ -76,6 +78,7 @@ class Mockup:
     @property
     def defects(self) -> dict[str, tuple[int, list[int]]]:
         """Kind of defect -> count and first ids."""
+    def pack(self, vertex_limit: int, small: Sequence[bool] | None) -> Packed: ...
 
 @disjoint_base
 class Tool:
@@ -113,6 +116,7 @@ class Tool:
     @property
     def defects(self) -> dict[str, tuple[int, list[int]]]:
         """Kind of defect -> count and first ids."""
+    def pack(self, vertex_limit: int, small: Sequence[bool] | None) -> Packed: ...
 
 @disjoint_base
 class IgnoredPairs:
@@ -451,6 +455,46 @@ class Batch:
         """`(K,)`: a `feeler.PairKind` for each pair, read-only."""
     def __len__(self) -> int: ...
     def __getitem__(self, index: int, /) -> npt.NDArray[np.uint32]: ...
+
+@final
+class Packed:
+    """A mesh in pieces for drawing. Packed triangles are numbered piece by piece. Arrays are read-only."""
+
+    @property
+    def pieces(self) -> list[PackedPiece]:
+        """Large parts first, small ones last."""
+    @property
+    def order(self) -> npt.NDArray[np.uint32]:
+        """`(m,)`: the triangle of the mesh that each packed one is."""
+    @property
+    def places(self) -> npt.NDArray[np.uint32]:
+        """`(triangles of the mesh,)`: the packed one of each; 2**32 - 1 for defects, which are not drawn."""
+    @property
+    def middle(self) -> npt.NDArray[np.float64]:
+        """`(3,)`: what positions are relative to, in the mesh's frame, metres: the middle of its box."""
+
+@final
+class PackedPiece:
+    """What is drawn at once: whole parts, or the share of a large one. Arrays are read-only."""
+
+    @property
+    def positions(self) -> npt.NDArray[np.float32]:
+        """`(v, 3)`: metres, from `Packed.middle`; of one part no two are the same, but where the part is cut."""
+    @property
+    def parts(self) -> npt.NDArray[np.uint16] | npt.NDArray[np.uint32]:
+        """`(v,)`: the part of each vertex; uint32 where the mesh has more than 65,535 parts, else uint16."""
+    @property
+    def indices(self) -> npt.NDArray[np.uint16]:
+        """`(t, 3)`: triangles, as places among the positions, wound as given."""
+    @property
+    def is_small(self) -> bool:
+        """Whether it has parts that were called small."""
+    @property
+    def first(self) -> int:
+        """The number of its first triangle among the packed ones."""
+    @property
+    def bounds(self) -> npt.NDArray[np.float64]:
+        """`(2, 3)`: lower and upper corner of the box around its triangles as given, in the mesh's frame, metres."""
 
 @final
 class Distance:

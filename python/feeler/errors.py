@@ -36,6 +36,20 @@ class DeviceError(FeelerError, OSError):
     """A haptic device is not there, does not answer, or is in use."""
 
 
+class WorkbenchError(FeelerError, RuntimeError):
+    """The workbench cannot do what a command, a question or a job asks.
+
+    what: is wrong; where: in which command and argument; do: what helps.
+    """
+
+    def __init__(self, what: str, where: str = "", do: str = "") -> None:
+        self.what, self.where, self.do = what, where, do
+        super().__init__((f"{where}: " if where else "") + what + (f"; {do}" if do else ""))
+
+    def __reduce__(self) -> tuple[type[WorkbenchError], tuple[str, str, str]]:
+        return (type(self), (self.what, self.where, self.do))
+
+
 class LoadError(FeelerError, ValueError):
     """A file cannot be read as the mesh it claims to be."""
 

@@ -11,12 +11,15 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler import _core
+from feeler._core import Packed
 from feeler.errors import MeshError, OptionError
 from feeler.parts import Parts, PartsLike
 from feeler.poses import placed
 from feeler.travel import reduced
 
 _OUT_OF_RANGE = np.iinfo(np.uint32).max
+VERTEX_LIMIT = 65_535
+"""Most vertices of a piece for drawing: its indices have 16 bits."""
 
 
 @dataclass(frozen=True)
@@ -198,6 +201,16 @@ class Mockup(_core.Mockup):
         """What was loaded and what is wrong with it."""
         return _report(self, self.source, self.part_count)
 
+    def pack(self, vertex_limit: int = VERTEX_LIMIT, small: PartsLike | None = None) -> Packed:
+        """The queried triangles in pieces for drawing, of at most `vertex_limit` (3 to 65,535) vertices each.
+
+        Parts come by the longest side of their box, large ones first; those that `small` names (as `Parts.select` takes
+        them: a mask, patterns) come last, in pieces of their own. A part larger than a piece spans several. Corners of
+        one part that are the same in float32 are one vertex, but where the part is cut. On all threads, and the same on
+        any number of them. Raises `OptionError` for a limit out of range and parts that are not there.
+        """
+        return super().pack(_vertex_limit(vertex_limit), _mask(self.parts, small))
+
     def __reduce__(self) -> tuple[Any, ...]:
         """Its arrays, and beside them all attributes, as in other Python objects."""
         parts = self.part_of_face if self.part_count > 1 else None
@@ -334,6 +347,10 @@ class Tool(_core.Tool):
         """What was loaded and what is wrong with it."""
         return _report(self, self.source, self.part_count)
 
+    def pack(self, vertex_limit: int = VERTEX_LIMIT, small: PartsLike | None = None) -> Packed:
+        """`Mockup.pack` of a tool, in its own frame."""
+        return super().pack(_vertex_limit(vertex_limit), _mask(self.parts, small))
+
     def __reduce__(self) -> tuple[Any, ...]:
         """Its arrays, and beside them all attributes, as in other Python objects."""
         parts = self.part_of_face if self.part_count > 1 else None
@@ -346,6 +363,21 @@ class Tool(_core.Tool):
 
     def __repr__(self) -> str:
         return f"Tool({self.name!r}, {self.triangle_count:,} triangles)"
+
+
+def _vertex_limit(limit: int) -> int:
+    if isinstance(limit, bool) or not isinstance(limit, (int, np.integer)) or not 3 <= limit <= VERTEX_LIMIT:
+        raise OptionError(f"vertex_limit is {limit!r}: a piece has 3 to {VERTEX_LIMIT} vertices")
+    return int(limit)
+
+
+def _mask(parts: Parts, chosen: PartsLike | None) -> list[bool] | None:
+    """By part, whether it is chosen."""
+    if chosen is None:
+        return None
+    mask = np.zeros(len(parts), dtype=bool)
+    mask[parts.select(chosen)] = True
+    return mask.tolist()  # type: ignore[no-any-return]
 
 
 def _report(mesh: _core.Mockup | _core.Tool, source: Source, parts: int) -> LoadReport:

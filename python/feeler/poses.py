@@ -74,6 +74,22 @@ def placed(points: npt.NDArray[np.float64], place: npt.ArrayLike, what: str) -> 
     return np.column_stack([((r[i, 0] * x + r[i, 1] * y) + r[i, 2] * z) + matrix[i, 3] for i in range(3)])
 
 
+def quaternion(turn: npt.NDArray[np.float64]) -> list[float]:
+    """(x, y, z, w) of a rotation `(3, 3)`, by its largest component, so that no digit is lost."""
+    m = turn
+    squares = [m[0, 0] - m[1, 1] - m[2, 2], m[1, 1] - m[0, 0] - m[2, 2], m[2, 2] - m[0, 0] - m[1, 1], m.trace()]
+    most = int(np.argmax(squares))
+    rows = [
+        [1 + squares[0], m[1, 0] + m[0, 1], m[0, 2] + m[2, 0], m[2, 1] - m[1, 2]],
+        [m[1, 0] + m[0, 1], 1 + squares[1], m[2, 1] + m[1, 2], m[0, 2] - m[2, 0]],
+        [m[0, 2] + m[2, 0], m[2, 1] + m[1, 2], 1 + squares[2], m[1, 0] - m[0, 1]],
+        [m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1], 1 + squares[3]],
+    ]
+    q = np.array(rows[most])
+    found: list[float] = (q / np.linalg.norm(q)).tolist()
+    return found
+
+
 def _matrices(pose: npt.ArrayLike) -> npt.NDArray[np.float64]:
     try:
         array = np.asarray(pose)

@@ -24,6 +24,12 @@ pub(crate) const MAX_TOOL_TRIANGLES: usize = 1 << 30;
 /// Most voxels along one axis: keeps a voxel's key `(i*Nj + j)*Nk + k` below 2^63.
 pub(crate) const MAX_VOXELS_PER_AXIS: u32 = 1 << 21;
 
+/// Fewest vertices of a piece for drawing: a triangle's.
+pub(crate) const LEAST_PIECE_VERTICES: usize = 3;
+
+/// Most vertices of a piece for drawing: indices of 16 bits name them, and leave out the one that restarts strips.
+pub(crate) const MOST_PIECE_VERTICES: usize = 65_535;
+
 /// Ids kept per kind of defect in a report. Counts are complete; more ids take memory.
 pub(crate) const DEFECT_IDS_KEPT: usize = 100;
 

@@ -150,6 +150,12 @@ pub enum Error {
         /// Which argument.
         what: &'static str,
     },
+    /// A number of vertices that no piece for drawing can have.
+    #[error("vertex_limit is {value}: a piece has 3 to 65535 vertices")]
+    VertexLimit {
+        /// The limit given.
+        value: usize,
+    },
     /// The progress function asked to stop.
     #[error("stopped on request")]
     Cancelled,

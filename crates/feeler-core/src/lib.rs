@@ -50,6 +50,7 @@
 #![deny(unsafe_code)]
 
 mod cast;
+mod chunks;
 mod collide;
 #[doc(hidden)]
 pub mod constants;
@@ -72,6 +73,7 @@ pub mod tool;
 
 pub use cast::impact::{Cast, Touching};
 pub use cast::path::PathCheck;
+pub use chunks::packed::{Packed, PackedPiece, PartNumbers};
 pub use collide::batch::Batch;
 pub use collide::narrow::Filters;
 pub use collide::query::Collision;

@@ -18,7 +18,8 @@ pub fn to_py(error: Error) -> PyErr {
         | Error::Tolerance { .. }
         | Error::Margin { .. }
         | Error::Distance { .. }
-        | Error::NoneAsked { .. } => "OptionError",
+        | Error::NoneAsked { .. }
+        | Error::VertexLimit { .. } => "OptionError",
         Error::TooMany { .. } | Error::GridTooFine { .. } | Error::Memory { .. } | Error::TooManyEntries { .. } => {
             "LimitError"
         }

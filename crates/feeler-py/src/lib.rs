@@ -12,6 +12,7 @@ mod haptics_device;
 mod haptics_run;
 mod huge_pages;
 mod mockup;
+mod packed;
 mod pools;
 mod predict;
 mod proximity;
@@ -65,6 +66,8 @@ mod _core {
     use super::haptics_run::HapticsRun;
     #[pymodule_export]
     use super::mockup::Mockup;
+    #[pymodule_export]
+    use super::packed::{Packed, PackedPiece};
     #[pymodule_export]
     use super::predict::{PiecePredictor, Predictor};
     #[pymodule_export]

@@ -9,6 +9,7 @@ use pyo3::types::PyDict;
 
 use crate::arrays::{rows, view_rows};
 use crate::errors::to_py;
+use crate::packed::Packed;
 use crate::pools::on_pool;
 
 /// A static mock-up. `feeler.Mockup` adds names and reports.
@@ -81,6 +82,10 @@ impl Mockup {
     #[getter]
     fn part_count(&self) -> usize {
         self.core.part_bounds().len()
+    }
+
+    fn pack(&self, py: Python<'_>, vertex_limit: usize, small: Option<Vec<bool>>) -> PyResult<Packed> {
+        Packed::new(py, || self.core.pack(vertex_limit, small.as_deref()))
     }
 
     /// Kind of defect -> (count, first ids).

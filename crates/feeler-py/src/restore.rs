@@ -9,6 +9,7 @@ use crate::collision::{Batch, Collision};
 use crate::contacts::{ContactPlane, Contacts, Penetration};
 use crate::containment::Containment;
 use crate::errors::raise;
+use crate::packed::{Packed, PackedPiece};
 use crate::proximity::{Clearance, ClearanceBatch, Distance, DistanceBatch};
 use crate::travel::damaged;
 
@@ -33,6 +34,8 @@ pub fn restore<'py>(py: Python<'py>, kind: &str, state: Bound<'py, PyTuple>) -> 
         "Contacts" => made(py, Contacts::restore(&state)),
         "Distance" => made(py, Distance::restore(&state)),
         "DistanceBatch" => made(py, DistanceBatch::restore(&state)),
+        "Packed" => made(py, Packed::restore(&state)),
+        "PackedPiece" => made(py, PackedPiece::restore(&state)),
         "PathCheck" => made(py, PathCheck::restore(&state)),
         "Penetration" => made(py, Penetration::restore(&state)),
         other => Err(damaged(format!("nothing is called {other:?}"))),

@@ -10,6 +10,7 @@ use pyo3::types::PyDict;
 use crate::arrays::{rows, view_rows};
 use crate::errors::to_py;
 use crate::mockup::{bounds, defects};
+use crate::packed::Packed;
 use crate::pools::on_pool;
 
 /// A moving tool. `feeler.Tool` adds its name and report.
@@ -89,6 +90,10 @@ impl Tool {
     #[getter]
     fn triangle_count(&self) -> usize {
         self.core.mesh().faces().len()
+    }
+
+    fn pack(&self, py: Python<'_>, vertex_limit: usize, small: Option<Vec<bool>>) -> PyResult<Packed> {
+        Packed::new(py, || self.core.pack(vertex_limit, small.as_deref()))
     }
 
     /// Kind of defect -> (count, first ids).

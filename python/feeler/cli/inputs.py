@@ -17,7 +17,7 @@ import typer
 import feeler
 from feeler.cli.outputs import warn
 from feeler.errors import MissingFileError, OptionError, PoseError
-from feeler.progress import bar
+from feeler.progress import Progress, bar
 
 Poses = npt.NDArray[np.float64]
 
@@ -155,16 +155,34 @@ def check_touching(touching: str) -> Literal["counts", "free"]:
     return "free" if touching == "free" else "counts"
 
 
-def read_mockup(sources: list[str], unit: str | None = None, up: str | None = None) -> feeler.Mockup:
-    """A mock-up from files or folders (several are one mock-up), or from `sample:NAME[:TRIANGLES[:SEED]]`."""
+@contextlib.contextmanager
+def telling(label: str, also: Progress | None = None) -> Iterator[Progress]:
+    """`bar(label)` for the terminal, and somebody else who is told of the same progress."""
+    with bar(label) as show:
+
+        def report(fraction: float, stage: str = "") -> None:
+            show(fraction, stage)
+            if also is not None:
+                also(fraction, stage or label)
+
+        yield report
+
+
+def read_mockup(
+    sources: list[str], unit: str | None = None, up: str | None = None, *, also: Progress | None = None
+) -> feeler.Mockup:
+    """A mock-up from files or folders (several are one mock-up), or from `sample:NAME[:TRIANGLES[:SEED]]`.
+
+    also: who else than the terminal is told of the progress.
+    """
     if any(source.startswith(_SAMPLE) for source in sources):
         if len(sources) > 1:
             raise OptionError(f"{', '.join(sources)}: a sample cannot be combined with other input")
         name, triangles, seed = _sample_words(sources[0], ("", str(_DEFAULT_TRIANGLES), "0"))
         count, arrangement = _whole(triangles, "triangles", sources[0]), _whole(seed, "seed", sources[0])
-        with bar(f"making {name}") as progress:
+        with telling(f"making {name}", also) as progress:
             return feeler.sample(name, count, seed=arrangement, progress=progress)
-    with bar("loading mock-up") as progress:
+    with telling("loading mock-up", also) as progress:
         return feeler.load_mockup(sources if len(sources) > 1 else sources[0], unit, up=up, progress=progress)
 
 

@@ -13,6 +13,7 @@ import json
 import os
 import struct
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,7 @@ from feeler.errors import MeshError, OptionError
 from feeler.io.atomic import atomic_file
 from feeler.io.body import Body, FloatArray, body_of
 from feeler.io.gltf_document import OWN_GENERATOR
+from feeler.poses import quaternion
 
 # Beyond this distance from the origin a part gets an origin of its own; float32 is spaced 0.5 micrometres below 8 m.
 OWN_ORIGIN_BEYOND_M = 8.0
@@ -50,6 +52,31 @@ def write_glb(path: str | os.PathLike[str], *meshes: Any, colours: Any = None) -
         for chunk in chunks:
             file.write(chunk)
     return size
+
+
+@dataclass(frozen=True)
+class Motion:
+    """How a part moves. times: `(k,)` seconds, ascending; poses: `(k, 4, 4)` world_from_part, the identity at home."""
+
+    part: int
+    times: FloatArray
+    poses: FloatArray
+
+
+def animated_glb(mesh: Any, motions: Sequence[Motion], *, colours: Any = None) -> bytes:
+    """A binary glTF 2.0 file of a mock-up, tool or body whose parts move; `part` of a motion is one of the mesh's.
+
+    As `write_glb`; between two poses a part moves straight, and turns the shorter way. Raises `MeshError`.
+    """
+    body = body_of(mesh, colours=colours)
+    document = _Document()
+    document.add(body)
+    for each in motions:
+        document.animate(each)
+    chunks = document.chunks()
+    if sum(len(chunk) for chunk in chunks) >= 2**32:
+        raise MeshError("the animation would have more than 4 GiB, where GLB ends: show fewer parts")
+    return b"".join(chunks)
 
 
 def write_stl(path: str | os.PathLike[str], mesh: Any, *, unit: str = "mm") -> int:
@@ -84,9 +111,12 @@ class _Document:
         self.meshes: list[dict[str, Any]] = []
         self.accessors: list[dict[str, Any]] = []
         self.materials: dict[tuple[float, ...], int] = {}
-        # Buffer views: positions, 32-bit indices, 16-bit indices, in this order so that each start is aligned.
-        self.blocks: list[list[bytes | memoryview]] = [[], [], []]
-        self.sizes = [0, 0, 0]
+        self.animation: dict[str, list[dict[str, Any]]] = {"samplers": [], "channels": []}
+        # The node of each part, and where its mesh has its origin.
+        self.part_nodes: list[tuple[int, FloatArray]] = []
+        # Buffer views: positions, 32-bit indices, 16-bit indices, and what moves; each start is aligned as written.
+        self.blocks: list[list[bytes | memoryview]] = [[], [], [], []]
+        self.sizes = [0, 0, 0, 0]
 
     def add(self, body: Body) -> None:
         """Adds the parts of a body under nodes that follow their paths."""
@@ -113,6 +143,7 @@ class _Document:
         folders: dict[str, int] = {}
         for part, path in enumerate(body.paths):
             node: dict[str, Any] = {"name": path.rpartition("/")[2]}
+            self.part_nodes.append((len(self.nodes), origins[part]))
             self._attach(node, path.rpartition("/")[0], folders)
             if not runs[part]:
                 continue
@@ -133,17 +164,37 @@ class _Document:
             node["mesh"] = len(self.meshes)
             self.meshes.append({"name": node["name"], "primitives": primitives})
 
+    def animate(self, motion: Motion) -> None:
+        """Moves a part's node; its children, were there any, with it."""
+        node, origin = self.part_nodes[motion.part]
+        times = np.asarray(motion.times, dtype=np.float32)
+        turns = np.array([quaternion(pose[:3, :3]) for pose in motion.poses])
+        for i in range(1, len(turns)):
+            # Both signs are the same turn; the nearer one is the shorter way.
+            if turns[i] @ turns[i - 1] < 0:
+                turns[i] = -turns[i]
+        shifts = motion.poses[:, :3, :3] @ origin + motion.poses[:, :3, 3]
+        moments = self._accessor(3, self._append(3, _bytes(times)), 5126, len(times), "SCALAR")
+        self.accessors[moments].update(min=[float(times.min())], max=[float(times.max())])
+        for path, values, kind in (("translation", shifts, "VEC3"), ("rotation", turns, "VEC4")):
+            offset = self._append(3, _bytes(values.astype(np.float32)))
+            output = self._accessor(3, offset, 5126, len(values), kind)
+            target = {"node": node, "path": path}
+            self.animation["channels"].append({"sampler": len(self.animation["samplers"]), "target": target})
+            self.animation["samplers"].append({"input": moments, "output": output, "interpolation": "LINEAR"})
+
     def chunks(self) -> list[bytes | memoryview]:
         """The file, in pieces to be written one after the other."""
         views: list[dict[str, int]] = []
+        targets = {0: {"target": 34962}, 1: {"target": 34963}, 2: {"target": 34963}, 3: {}}
         binary: list[bytes | memoryview] = []
         view_of_block: dict[int, int] = {}
         offset = 0
-        for block, target in ((0, 34962), (1, 34963), (2, 34963)):
+        for block in (0, 1, 3, 2):
             if not self.sizes[block]:
                 continue
             view_of_block[block] = len(views)
-            views.append({"buffer": 0, "byteOffset": offset, "byteLength": self.sizes[block], "target": target})
+            views.append({"buffer": 0, "byteOffset": offset, "byteLength": self.sizes[block], **targets[block]})
             binary += self.blocks[block]
             offset += self.sizes[block]
         for accessor in self.accessors:
@@ -162,6 +213,8 @@ class _Document:
                 buffers=[{"byteLength": offset}],
                 materials=[_material_json(colour) for colour in self.materials],
             )
+        if self.animation["channels"]:
+            document["animations"] = [self.animation]
         text = json.dumps(document, separators=(",", ":")).encode()
         text += b" " * (-len(text) % 4)
         padding = b"\0" * (-offset % 4)

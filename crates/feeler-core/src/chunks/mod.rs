@@ -1,0 +1,6 @@
+//! Meshes as pictures need them: few large pieces with 16-bit indices, the part of each vertex, positions in float32.
+
+pub mod pack;
+pub mod packed;
+mod runs;
+mod weld;

@@ -1,0 +1,170 @@
+//! `feeler._core.Packed` and its pieces.
+
+use std::sync::Arc;
+
+use feeler_core as core;
+use numpy::ndarray::Array2;
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArray};
+use pyo3::prelude::*;
+use pyo3::types::PyTuple;
+
+use crate::arrays::{view, view_rows};
+use crate::errors::to_py;
+use crate::pools::on_pool;
+use crate::travel::{check_lengths, damaged, list, reduced, rows_of};
+
+/// A mesh in pieces for drawing.
+#[pyclass(frozen, module = "feeler._core")]
+pub struct Packed {
+    pieces: Vec<Arc<core::PackedPiece>>,
+    order: Vec<u32>,
+    places: Vec<u32>,
+    middle: core::Point,
+}
+
+/// One of its pieces.
+#[pyclass(frozen, module = "feeler._core")]
+pub struct PackedPiece {
+    core: Arc<core::PackedPiece>,
+}
+
+impl Packed {
+    /// What `pack` gives, on the threads of the process.
+    pub fn new(py: Python<'_>, pack: impl FnOnce() -> core::Result<core::Packed> + Send) -> PyResult<Packed> {
+        let core::Packed { pieces, order, places, middle, .. } = py.detach(|| on_pool(None, pack))?.map_err(to_py)?;
+        Ok(Packed { pieces: pieces.into_iter().map(Arc::new).collect(), order, places, middle })
+    }
+
+    pub fn restore(state: &Bound<'_, PyTuple>) -> PyResult<Packed> {
+        type State<'py> =
+            (Vec<Bound<'py, PackedPiece>>, PyReadonlyArray1<'py, u32>, PyReadonlyArray1<'py, u32>, [f64; 3]);
+        let (pieces, order, places, middle): State<'_> = state.extract()?;
+        let pieces: Vec<_> = pieces.iter().map(|piece| Arc::clone(&piece.get().core)).collect();
+        let (order, places) = (list(&order), list(&places));
+        let mut triangles = 0;
+        for piece in &pieces {
+            if piece.first as usize != triangles {
+                return Err(damaged(format!("a piece begins at triangle {}, not {triangles}", piece.first)));
+            }
+            triangles += piece.indices.len();
+        }
+        check_lengths("packed triangles", order.len(), triangles)?;
+        if order.iter().enumerate().any(|(at, t)| places.get(*t as usize) != Some(&(at as u32))) {
+            return Err(damaged("its order and its places do not belong together"));
+        }
+        Ok(Packed { pieces, order, places, middle })
+    }
+}
+
+#[pymethods]
+impl Packed {
+    #[getter]
+    fn pieces(&self) -> Vec<PackedPiece> {
+        self.pieces.iter().map(|piece| PackedPiece { core: Arc::clone(piece) }).collect()
+    }
+
+    #[getter]
+    fn order<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<u32>> {
+        // SAFETY: the result is frozen and owns its order; the array keeps it alive.
+        unsafe { view(slf.as_any(), &slf.get().order) }
+    }
+
+    #[getter]
+    fn places<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<u32>> {
+        // SAFETY: as for the order.
+        unsafe { view(slf.as_any(), &slf.get().places) }
+    }
+
+    #[getter]
+    fn middle<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.middle.to_vec().into_pyarray(py)
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Packed({} triangles in {} pieces)", self.order.len(), self.pieces.len())
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        let pieces = PyTuple::new(slf.py(), slf.get().pieces())?;
+        reduced(slf.py(), "Packed", (pieces, Self::order(slf), Self::places(slf), slf.get().middle))
+    }
+}
+
+impl PackedPiece {
+    pub fn restore(state: &Bound<'_, PyTuple>) -> PyResult<PackedPiece> {
+        type State<'py> = (
+            PyReadonlyArray2<'py, f32>,
+            Bound<'py, PyUntypedArray>,
+            PyReadonlyArray2<'py, u16>,
+            bool,
+            u32,
+            PyReadonlyArray2<'py, f64>,
+        );
+        let (positions, parts, indices, is_small, first, bounds): State<'_> = state.extract()?;
+        let parts = match parts.extract::<PyReadonlyArray1<'_, u16>>() {
+            Ok(parts) => core::PartNumbers::Short(list(&parts)),
+            Err(_) => core::PartNumbers::Long(list(&parts.extract::<PyReadonlyArray1<'_, u32>>()?)),
+        };
+        let (positions, indices) = (rows_of(&positions)?, rows_of::<u16, 3>(&indices)?);
+        check_lengths("part numbers", parts.len(), positions.len())?;
+        if indices.as_flattened().iter().any(|at| usize::from(*at) >= positions.len()) {
+            return Err(damaged("an index is past its last vertex"));
+        }
+        let [lower, upper] = rows_of(&bounds)?[..] else { return Err(damaged("its bounds are not two corners")) };
+        let bounds = core::Aabb { lower, upper };
+        let core = core::PackedPiece { positions, parts, indices, is_small, first, bounds };
+        Ok(PackedPiece { core: Arc::new(core) })
+    }
+}
+
+#[pymethods]
+impl PackedPiece {
+    #[getter]
+    fn positions<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray2<f32>> {
+        // SAFETY: the piece is frozen and holds its positions; the array keeps it alive.
+        unsafe { view_rows(slf.as_any(), &slf.get().core.positions) }
+    }
+
+    #[getter]
+    fn parts<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyAny> {
+        match &slf.get().core.parts {
+            // SAFETY: as for the positions.
+            core::PartNumbers::Short(parts) => unsafe { view(slf.as_any(), parts) }.into_any(),
+            // SAFETY: likewise.
+            core::PartNumbers::Long(parts) => unsafe { view(slf.as_any(), parts) }.into_any(),
+        }
+    }
+
+    #[getter]
+    fn indices<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray2<u16>> {
+        // SAFETY: as for the positions.
+        unsafe { view_rows(slf.as_any(), &slf.get().core.indices) }
+    }
+
+    #[getter]
+    fn is_small(&self) -> bool {
+        self.core.is_small
+    }
+
+    #[getter]
+    fn first(&self) -> u32 {
+        self.core.first
+    }
+
+    #[getter]
+    fn bounds<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
+        let b = [self.core.bounds.lower, self.core.bounds.upper];
+        Array2::from_shape_fn((2, 3), |(i, a)| b[i][a]).into_pyarray(py)
+    }
+
+    fn __repr__(&self) -> String {
+        format!("PackedPiece({} triangles, {} vertices)", self.core.indices.len(), self.core.positions.len())
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        let core = &slf.get().core;
+        let (positions, parts, indices) = (Self::positions(slf), Self::parts(slf), Self::indices(slf));
+        let state = (positions, parts, indices, core.is_small, core.first, slf.get().bounds(slf.py()));
+        reduced(slf.py(), "PackedPiece", state)
+    }
+}

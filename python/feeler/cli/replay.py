@@ -1,0 +1,102 @@
+"""`feeler replay`: what was recorded in the workbench, done again, with the same hits or where they part."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+import feeler
+from feeler.cli.app import FOUND, command
+from feeler.cli.inputs import AsJson, MockupUnit, ToolUnit, Up, read_mockup, read_tool
+from feeler.progress import bar
+
+if TYPE_CHECKING:
+    from feeler.workbench.record import Record
+    from feeler.workbench.replaying import Replayed
+
+_SAMPLE = "sample:engine"
+
+
+@command(
+    examples="""
+feeler replay way.jsonl engine.step --tool wrench.stl
+feeler replay way.jsonl sample:engine:1600000 --tool sample:wrench --json
+"""
+)
+def replay(
+    record: Annotated[Path, typer.Argument(metavar="FILE", help="What feeler view --record wrote.")],
+    mockup: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="[MOCKUP]...", help="What it was made with; default: sample:engine."),
+    ] = None,
+    *,
+    tool: Annotated[
+        str | None, typer.Option(help="The tool it was made with: a file, or sample:NAME or sample:NAME:fine.")
+    ] = None,
+    unit: MockupUnit = None,
+    tool_unit: ToolUnit = None,
+    up: Up = None,
+    threads: Annotated[int | None, typer.Option(help="Default: all cores.")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Goes through a record of the workbench again: the same triangles meet to the last one, or where they part.
+
+    Exit status: 0 the same, 1 they part, 2 bad input, such as another mock-up than it was made with.
+    """
+    from feeler.cli import outputs
+    from feeler.workbench.record import read_record
+    from feeler.workbench.replaying import replay as go_through
+
+    read = read_record(record)
+    world = read_mockup(mockup or [_SAMPLE], unit, up)
+    probe = None if tool is None else read_tool(tool, tool_unit, up)
+    with bar("indexing") as progress:
+        scene = feeler.Scene(world, tool=probe, threads=threads, progress=progress)
+    with bar("replaying") as progress:
+        found = go_through(read, world, scene, probe, progress)
+    if found.is_torn:
+        outputs.warn(f"{record}: its last line was cut off, as by a crash, and is left out")
+    if as_json:
+        outputs.print_json(_facts(read, found, world))
+    else:
+        _show(read, found, world)
+    if not found:
+        raise typer.Exit(FOUND)
+
+
+def _facts(record: Record, found: Replayed, mockup: feeler.Mockup) -> dict[str, Any]:
+    from dataclasses import asdict
+
+    return {
+        "record": str(record.path),
+        "made_with": record.header.get("feeler"),
+        **asdict(found),
+        "touched": [mockup.part_paths[part] for part in found.touched],
+        "same": bool(found),
+    }
+
+
+def _show(record: Record, found: Replayed, mockup: feeler.Mockup) -> None:
+    from feeler.cli import outputs
+
+    out = outputs.console()
+    paths = [mockup.part_paths[part] for part in found.touched]
+    outputs.print_facts(
+        out,
+        [
+            ("record", f"{record.path}, made with feeler {record.header.get('feeler')}"),
+            ("rounds", f"{found.ticks:,}, {found.hits:,} of them with hits, {found.most_hits:,} triangles at most"),
+            ("commands", f"{found.commands:,}"),
+            ("touched", ", ".join(paths[:6]) + (f" and {len(paths) - 6} more" if len(paths) > 6 else "") or "nothing"),
+        ],
+    )
+    parted = found.parted
+    if parted is None:
+        outputs.say(out, "The same to the last triangle.")
+        return
+    outputs.print_finding(out, f"entry {parted.entry}: {parted.what}")
+    for word, ids in (("no longer", parted.missing), ("now", parted.added)):
+        if ids:
+            outputs.say(out, f"{word}: triangles {', '.join(map(str, ids))}")

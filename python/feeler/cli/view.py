@@ -1,0 +1,216 @@
+"""`feeler view`: the workbench in the browser, on a mock-up that is read while the page opens already."""
+
+from __future__ import annotations
+
+import contextlib
+import sys
+import threading
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+import feeler
+from feeler.cli.app import BAD_INPUT, command, fail
+from feeler.cli.inputs import AsJson, Choice, MockupUnit, Only, ToolUnit, Up, Without, read_mockup, read_tool, telling
+from feeler.errors import FeelerError, OptionError
+from feeler.haptics import devices
+
+if TYPE_CHECKING:
+    from feeler.workbench.server import Server
+    from feeler.workbench.session import Session
+
+_SAMPLE, _SAMPLE_TOOL = "sample:engine", "sample:wrench"
+_SHOWN = ("mm", "cm", "m", "in")
+_STEP = 0.01  # of what is told of the progress
+_LOOK_S = 0.1  # Ctrl-C is heard between two looks, on Windows too
+
+
+@command(
+    name="view",
+    examples="""
+feeler view
+feeler view engine.step --tool wrench.stl
+feeler view engine.step --without "*cover*" --record session.jsonl
+feeler view sample:turbine:1600000 --tool sample:blade --no-browser --port 8000
+feeler view engine.step --tool wrench.stl --device spacemouse
+""",
+)
+def view(
+    mockup: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="[MOCKUP]...",
+            help="Files or folders (several are one mock-up), or sample:NAME[:TRIANGLES[:SEED]] (sample:engine).",
+        ),
+    ] = None,
+    *,
+    tool: Annotated[
+        str | None,
+        typer.Option(
+            help="A file, or sample:NAME or sample:NAME:fine. Default: sample:wrench where the mock-up is the sample, "
+            "else an empty hand, which takes out parts."
+        ),
+    ] = None,
+    without: Without = None,
+    only: Only = None,
+    port: Annotated[int, typer.Option(help="Of the address. 0: any that is free.")] = 0,
+    browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page in the browser.")] = True,
+    device: Annotated[
+        str | None,
+        typer.Option(metavar="|".join(("spacemouse", "haply", "dhd", "openhaptics")), help="What moves the tool too."),
+    ] = None,
+    record: Annotated[
+        Path | None, typer.Option(help="Write down what is done, line by line, for feeler replay (.jsonl).")
+    ] = None,
+    unit: MockupUnit = None,
+    tool_unit: ToolUnit = None,
+    up: Up = None,
+    show_unit: Annotated[
+        str, typer.Option(metavar="|".join(_SHOWN), help="In which the page shows lengths at first.")
+    ] = "mm",
+    threads: Annotated[int | None, typer.Option(help="Default: all cores.")] = None,
+    host: Annotated[
+        str | None,
+        typer.Option(help="Name or address of this machine for others to reach it by. Default: this machine alone."),
+    ] = None,
+    allow_remote: Annotated[
+        bool, typer.Option("--allow-remote", help="Let other machines in by --host; with TLS only.")
+    ] = False,
+    tls_cert: Annotated[Path | None, typer.Option(help="Certificate of --host, PEM.")] = None,
+    tls_key: Annotated[Path | None, typer.Option(help="Its key, PEM.")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Opens the workbench: look around in a mock-up, move a tool in it, take parts out, measure, in the browser.
+
+    Prints the address, which has the key to it: nobody gets in without. The page opens at once and shows how far the
+    mock-up is. Ctrl-C ends it. Exit status: 0; 2 bad input, or a mock-up that could not be read.
+    """
+    from feeler.io import check_target
+    from feeler.workbench.listening import Place
+    from feeler.workbench.server import Server
+    from feeler.workbench.session import Session
+
+    if show_unit not in _SHOWN:
+        raise OptionError(f"--show-unit is {show_unit!r}: choose {', '.join(_SHOWN)}")
+    if tool is None:
+        if tool_unit is not None:
+            raise OptionError("--tool-unit is for --tool FILE")
+        tool = None if mockup else _SAMPLE_TOOL
+    if device is not None and tool is None:
+        raise OptionError("--device moves a tool: give --tool too")
+    place = Place(host, port, allow_remote, tls_cert, tls_key)
+    place.check()
+    if record is not None:
+        check_target(record)
+    # Before anything is loaded: a device that is not there is said at once.
+    held = None if device is None else devices.open_device(device)
+    with contextlib.ExitStack() as ends:
+        session = Session(unit=show_unit, record=record)
+        ends.callback(session.close)
+        server = Server(session, place=place, has_device=held is not None)
+        server.start()
+        ends.callback(server.close)
+        _say_where(server, place.is_remote, as_json)
+        if browser:
+            _open_browser(server.url)
+        opening = _Opening(session, mockup or [_SAMPLE], tool, Choice(None, without, only), held)
+        opening.begin(unit, tool_unit, up, threads)
+        ends.callback(opening.close)
+        with contextlib.suppress(KeyboardInterrupt):
+            while True:
+                time.sleep(_LOOK_S)
+    if opening.is_failed:
+        raise typer.Exit(BAD_INPUT)
+
+
+class _Opening:
+    """Reads and indexes in a thread of its own, and hands all to the session."""
+
+    def __init__(
+        self, session: Session, sources: list[str], tool: str | None, choice: Choice, held: devices.Device | None
+    ) -> None:
+        self.is_failed = False
+        self._session, self._sources, self._tool = session, sources, tool
+        self._choice, self._held = choice, held
+        self._hand: Any = None
+        self._is_over = False
+        self._told = ("", 0.0)
+
+    def begin(self, unit: str | None, tool_unit: str | None, up: str | None, threads: int | None) -> None:
+        """At once; whoever looks at the page sees how far it is."""
+        # A daemon: Ctrl-C does not wait until a large file is read.
+        threading.Thread(
+            target=self._run, args=(unit, tool_unit, up, threads), name="feeler opening", daemon=True
+        ).start()
+
+    def close(self) -> None:
+        """Lets go of the device."""
+        self._is_over = True
+        if self._hand is not None:
+            self._hand.close()
+
+    def _run(self, unit: str | None, tool_unit: str | None, up: str | None, threads: int | None) -> None:
+        try:
+            self._open(unit, tool_unit, up, threads)
+        except FeelerError as error:
+            self._fail(str(error))
+        except MemoryError:
+            self._fail("not enough memory: use a smaller mock-up")
+        except Exception as error:
+            # Whatever it is, a page that waits for ever says less.
+            self._fail(f"the mock-up cannot be opened ({type(error).__name__}: {error})")
+
+    def _fail(self, text: str) -> None:
+        self.is_failed = True
+        fail(text)
+        self._session.failed(text)
+
+    def _tell(self, share: float, stage: str) -> None:
+        """Readers report as often as they like; the pages are told of each stage and each hundredth."""
+        if stage != self._told[0] or abs(share - self._told[1]) >= _STEP:
+            self._told = (stage, share)
+            self._session.loading(stage, share)
+
+    def _open(self, unit: str | None, tool_unit: str | None, up: str | None, threads: int | None) -> None:
+        from feeler.cli.outputs import warn
+
+        session = self._session
+        world = read_mockup(self._sources, unit, up, also=lambda share, stage: self._tell(0.5 * share, stage))
+        probe = None if self._tool is None else read_tool(self._tool, tool_unit, up)
+        doubts = [f"mock-up: {doubt}" for doubt in world.source.doubts]
+        doubts += [f"tool: {doubt}" for doubt in probe.source.doubts] if probe is not None else []
+        for doubt in doubts:
+            warn(doubt)
+            session.tell({"type": "notice", "level": "warning", "text": doubt})
+        with telling("indexing", lambda share, stage: self._tell(0.5 + 0.5 * share, stage)) as progress:
+            scene = feeler.Scene(world, tool=probe, threads=threads, progress=progress)
+        scene = self._choice.scene_of(scene)
+        session.open(world, scene, probe)
+        if self._held is not None and probe is not None and not self._is_over:
+            from feeler.workbench.device import DeviceHand
+
+            self._hand = DeviceHand(session, scene, probe, self._held, session.engine.pose)
+
+
+def _say_where(server: Server, is_remote: bool, as_json: bool) -> None:
+    from feeler.cli import outputs
+
+    if is_remote:
+        outputs.warn(
+            f"open to other machines at {server.address}: whoever has the address below sees the mock-up and moves "
+            "the tool; give it to nobody else"
+        )
+    if as_json:
+        outputs.print_json({"url": server.url})
+    else:
+        outputs.say(outputs.console(), f"{server.url}\nCtrl-C ends it")
+    sys.stdout.flush()  # also where somebody reads it from a pipe
+
+
+def _open_browser(url: str) -> None:
+    import webbrowser
+
+    # Some browsers keep the call until they are closed.
+    threading.Thread(target=webbrowser.open, args=(url,), name="feeler browser", daemon=True).start()

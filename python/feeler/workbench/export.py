@@ -1,0 +1,131 @@
+"""The sequence of removals for others: as a table (CSV), as a page (HTML), as a film in three dimensions (GLB)."""
+
+from __future__ import annotations
+
+import csv
+import html
+import io
+
+import numpy as np
+
+from feeler.io.export import Motion, animated_glb
+from feeler.mockup import Mockup, Tool
+from feeler.progress import Progress
+from feeler.workbench import motion
+from feeler.workbench.document import UNITS, Document, Removal
+from feeler.workbench.motion import Floats
+
+CONTEXT_M = 0.1
+"""A film shows the parts that move, and those whose boxes are so near to where they begin."""
+_M_PER_S, _LEAST_S, _MOST_S, _PAUSE_S = 0.25, 1.0, 20.0, 0.5
+
+
+def sequence_csv(document: Document, mockup: Mockup, progress: Progress) -> bytes:
+    """A line for each removal, in order; lengths in the document's unit, UTF-8."""
+    progress(0.0, "table")
+    file = io.StringIO(newline="")
+    writer = csv.writer(file)
+    writer.writerow(_headings(document.unit))
+    for number, line in enumerate(document.sequence, start=1):
+        writer.writerow([_harmless(cell) for cell in _cells(number, line, document, mockup)])
+    return file.getvalue().encode("utf-8")
+
+
+def sequence_html(document: Document, mockup: Mockup, progress: Progress) -> bytes:
+    """A page with the same table; it loads nothing from elsewhere."""
+    progress(0.0, "page")
+    name = html.escape(document.mockup.name if document.mockup else "mock-up")
+    head = "".join(f"<th>{html.escape(each)}</th>" for each in _headings(document.unit))
+    rows = "\n".join(
+        "<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in _cells(number, line, document, mockup)) + "</tr>"
+        for number, line in enumerate(document.sequence, start=1)
+    )
+    return f"""<!doctype html>
+<html lang="en"><head><meta charset="utf-8"><title>Removal sequence: {name}</title>
+<meta http-equiv="Content-Security-Policy" content="default-src 'none'; style-src 'unsafe-inline'">
+<style>
+body {{ font: 15px/1.5 system-ui, sans-serif; margin: 2rem; color: #1c2024; background: #fff; }}
+table {{ border-collapse: collapse; }}
+th, td {{ border-bottom: 1px solid #ccd2d8; padding: .4rem .8rem; text-align: left; vertical-align: top; }}
+</style></head>
+<body><h1>Removal sequence: {name}</h1>
+<table><thead><tr>{head}</tr></thead>
+<tbody>
+{rows}
+</tbody></table></body></html>
+""".encode()
+
+
+def sequence_glb(document: Document, mockup: Mockup, progress: Progress) -> bytes:
+    """The removals one after the other as an animated glTF: the parts that move, and what is near them."""
+    progress(0.0, "parts")
+    moving = sorted({part for line in document.sequence for part in line.parts})
+    shown = _with_neighbours(mockup, moving)
+    body = Tool.of_parts(mockup, shown, "sequence")
+    place = {part: number for number, part in enumerate(shown)}
+    times: dict[int, list[float]] = {part: [0.0] for part in moving}
+    poses: dict[int, list[Floats]] = {part: [_first(document, part)] for part in moving}
+    now = 0.0
+    for number, line in enumerate(document.sequence):
+        progress(number / len(document.sequence), "way")
+        way = [motion.matrix(each) for each in line.way]
+        back = motion.inverse(way[0])
+        starts = dict(line.starts)
+        lasts = min(_MOST_S, max(_LEAST_S, _length(way) / _M_PER_S))
+        for part in line.parts:
+            start = motion.matrix(starts.get(part, motion.HOME))
+            for share, pose in zip(np.linspace(0.0, 1.0, len(way)).tolist(), way, strict=True):
+                if now + share * lasts > times[part][-1]:
+                    times[part].append(now + share * lasts)
+                    poses[part].append(pose @ back @ start)
+        now += lasts + _PAUSE_S
+        for part in line.parts:
+            # It rests until its next turn.
+            times[part].append(now)
+            poses[part].append(poses[part][-1])
+    motions = [Motion(place[part], np.array(times[part]), np.stack(poses[part])) for part in moving]
+    return animated_glb(body, motions)
+
+
+def _first(document: Document, part: int) -> Floats:
+    line = next(each for each in document.sequence if part in each.parts)
+    return motion.matrix(dict(line.starts).get(part, motion.HOME))
+
+
+def _headings(unit: str) -> list[str]:
+    return ["step", "name", "parts", f"way ({unit})", f"least clearance ({unit})", "touched", "tool"]
+
+
+def _cells(number: int, line: Removal, document: Document, mockup: Mockup) -> list[str]:
+    per_unit = UNITS[document.unit]
+    clearance = "" if line.least_clearance is None else f"{line.least_clearance / per_unit:.4g}"
+    return [
+        str(number),
+        line.name,
+        "; ".join(mockup.part_paths[part] for part in line.parts),
+        f"{_length([motion.matrix(each) for each in line.way]) / per_unit:.4g}",
+        clearance,
+        "; ".join(line.touched),
+        line.tool or "",
+    ]
+
+
+def _harmless(cell: str) -> str:
+    """A name that a spreadsheet would take for a formula is text."""
+    return "'" + cell if cell[:1] in ("=", "+", "-", "@", "\t", "\r") else cell
+
+
+def _length(way: list[Floats]) -> float:
+    places = np.array([pose[:3, 3] for pose in way])
+    return float(np.linalg.norm(np.diff(places, axis=0), axis=1).sum())
+
+
+def _with_neighbours(mockup: Mockup, parts: list[int]) -> list[int]:
+    boxes = mockup.part_bounds.reshape(-1, 2, 3)
+    near = np.zeros(len(boxes), dtype=bool)
+    for part in parts:
+        lower, upper = boxes[part, 0] - CONTEXT_M, boxes[part, 1] + CONTEXT_M
+        near |= ((boxes[:, 0] <= upper) & (boxes[:, 1] >= lower)).all(axis=1)
+    near[parts] = True
+    shown: list[int] = np.flatnonzero(near).tolist()
+    return shown

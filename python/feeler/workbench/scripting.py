@@ -1,0 +1,226 @@
+"""The workbench from scripts and notebooks: `feeler.view(scene, tool)` opens it, and the `View` drives it."""
+
+from __future__ import annotations
+
+import html
+import io
+import threading
+import webbrowser
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from feeler._core import Cast, Collision
+from feeler.errors import MeshError, OptionError, WorkbenchError
+from feeler.io.atomic import atomic_file
+from feeler.io.body import body_of, only_faces
+from feeler.mockup import Mockup, Tool
+from feeler.picture.png import write_png
+from feeler.picture.renderer import render_array
+from feeler.scene import Scene
+from feeler.workbench import motion
+from feeler.workbench.document import MODES
+from feeler.workbench.motion import Floats
+from feeler.workbench.session import Session
+
+_SHOT_S = 5.0
+_SHOT_SIZE = (1280, 800)
+
+
+def view(
+    scene: Scene | Mockup,
+    tool: Tool | None = None,
+    *,
+    port: int = 0,
+    browser: bool = True,
+    pose: npt.ArrayLike | None = None,
+    mode: str = "stop",
+    unit: str = "mm",
+) -> View:
+    """Opens the workbench on a scene, or on a mock-up which is indexed first, with a tool in hand.
+
+    - `port`: of 127.0.0.1; 0: any that is free.
+    - `browser`: opens the page; else `.url` says where it is.
+    - `pose`: `(4, 4)` world_from_tool where the hand begins; default above the mock-up.
+    - `mode`: what contact does to the hand: `"stop"`, `"glide"` or `"pass"`.
+    - `unit`: in which lengths are shown: `"mm"`, `"cm"`, `"m"` or `"in"`.
+
+    It runs until `close()`, or the end of a `with`. Raises `OptionError`, `MeshError`, and `WorkbenchError` for what is
+    no pose, or where the server cannot start.
+    """
+    given: object = scene
+    if not isinstance(given, (Scene, Mockup)):
+        raise MeshError(f"view needs a feeler.Scene or feeler.Mockup, not {type(given).__name__}")
+    if tool is not None and not isinstance(tool, Tool):
+        raise MeshError(f"the tool is a {type(tool).__name__}: pass a feeler.Tool, or None")
+    if mode not in MODES:
+        raise OptionError(f"mode is {mode!r}: choose {', '.join(MODES)}")
+    start = None if pose is None else motion.checked(pose, "pose")
+    session = Session(unit=unit)
+    try:
+        opened = View(session, _served(session, port))
+        if browser:
+            webbrowser.open(opened.url)
+        if isinstance(scene, Mockup):
+            scene = Scene(scene, tool=tool, progress=lambda share, stage: session.loading(stage, share))
+        session.open(scene.mockup, scene, tool, pose=start, mode=mode)
+    except BaseException:
+        session.close()
+        raise
+    return opened
+
+
+def _served(session: Session, port: int) -> Any:
+    try:
+        from feeler.workbench.server import Server
+    except ImportError as error:
+        raise WorkbenchError(f"the server needs {error.name}", "view", f"pip install {error.name}") from None
+    server = Server(session, port=port)
+    server.start()
+    return server
+
+
+class View:
+    """An open workbench. `feeler.view` makes one."""
+
+    def __init__(self, session: Session, server: Any) -> None:
+        """server: has `url` and `close()`."""
+        self.session = session
+        self._server = server
+        self._watchers: list[_Watcher] = []
+
+    @property
+    def url(self) -> str:
+        """Where the page is, with the token that lets it in."""
+        return str(self._server.url)
+
+    @property
+    def pose(self) -> Floats:
+        """Where the hand is, `(4, 4)` world_from_tool, metres. Set, it is a wish: contact stops it as the mode says.
+
+        Setting waits until the hand is there, and can be undone. Raises `WorkbenchError` for what is no pose.
+        """
+        return np.array(self.session.engine.pose)
+
+    @pose.setter
+    def pose(self, world_from_tool: npt.ArrayLike) -> None:
+        self.command("place", pose=motion.row(motion.checked(world_from_tool, "pose")))
+
+    @property
+    def touched(self) -> list[str]:
+        """Paths of the parts that the hand meets, or is stopped by."""
+        snapshot, mockup = self.session.snapshot(), self._scene.mockup
+        return [] if snapshot is None else [mockup.part_paths[part] for part in snapshot.parts]
+
+    def command(self, name: str, /, **args: Any) -> dict[str, Any]:
+        """A command of the workbench, such as `view.command("hide", parts="*screw*")`. Raises `WorkbenchError`."""
+        return self.session.command(name, args)
+
+    def show(self, hit: Collision | Cast | npt.ArrayLike) -> None:
+        """Shows an answer of the scene until the hand moves: what collides, where a cast ends, or a pose.
+
+        Of a `Collision` its triangles, at the pose where the hand is; of a `Cast`, or of a pose, the hand is there,
+        however it would come there. Raises `WorkbenchError` for what is none of these.
+        """
+        if isinstance(hit, Collision):
+            self.session.engine.show(np.asarray(hit.pairs), np.asarray(hit.kinds))
+            return
+        pose = hit.pose if isinstance(hit, Cast) else hit
+        self.session.engine.jump(motion.checked(pose, "show"))
+
+    def on_pose(self, watcher: Callable[[Floats], object]) -> Callable[[], None]:
+        """Calls a function with the pose `(4, 4)` whenever the hand came to another, the newest if it is slow.
+
+        In a thread of its own, which ends with the view, or by calling the result.
+        """
+        started = _Watcher(self.session, watcher)
+        self._watchers.append(started)
+        return started.end
+
+    def screenshot(self, path: str | Path | None = None, *, size: tuple[int, int] = _SHOT_SIZE) -> bytes:
+        """A picture as PNG, written to a file if one is named: what a page shows, or without a page one of our own.
+
+        size: width and height in pixels. Raises `WriteError`, `OptionError`.
+        """
+        width, height = (int(each) for each in size)
+        if not (16 <= width <= 8192 and 16 <= height <= 8192):
+            raise OptionError(f"size is {width} by {height}: choose 16 to 8192 pixels")
+        data = self.session.shot(width, height, _SHOT_S) or self._headless(width, height)
+        if path is not None:
+            with atomic_file(path) as file:
+                file.write(data)
+        return data
+
+    def close(self) -> None:
+        """Ends the server and the session; a second time does nothing."""
+        for watcher in self._watchers:
+            watcher.end()
+        self._watchers = []
+        self._server.close()
+        self.session.close()
+
+    def __enter__(self) -> View:
+        return self
+
+    def __exit__(self, *_error: object) -> None:
+        self.close()
+
+    def _repr_html_(self) -> str:
+        # A link and no frame: the page lets nobody frame it.
+        url = html.escape(self.url, quote=True)
+        return f'<a href="{url}" target="_blank" rel="noopener">Open the workbench</a>'
+
+    def __repr__(self) -> str:
+        return f"<feeler.View of {self._scene.mockup!r}>"
+
+    @property
+    def _scene(self) -> Scene:
+        return self.session.scene
+
+    def _headless(self, width: int, height: int) -> bytes:
+        document, mockup = self.session.current, self._scene.mockup
+        away = [*document.hidden, *document.moved, *document.gripped]
+        seen = self._scene.part_mask.copy()
+        seen[away] = False
+        body = body_of(mockup)
+        bodies = [only_faces(body, seen[body.part_of_face])]
+        held = self.session.held_tool()
+        if held is not None:
+            bodies.append(body_of(held, pose=self.pose, cut=False))
+        put_down = self.session.put_down()
+        if put_down is not None:
+            bodies.append(body_of(put_down))
+        file = io.BytesIO()
+        write_png(file, render_array(*bodies, size=(width, height)))
+        return file.getvalue()
+
+
+class _Watcher:
+    """Calls a function with the newest pose, so that a slow one holds nobody up."""
+
+    def __init__(self, session: Session, watcher: Callable[[Floats], object]) -> None:
+        self._session, self._watcher = session, watcher
+        self._news, self._is_ended = threading.Event(), False
+        self._end = session.on_snapshot(self._news.set)
+        self._thread = threading.Thread(target=self._loop, name="feeler view", daemon=True)
+        self._thread.start()
+
+    def end(self) -> None:
+        """No call begins after this."""
+        self._is_ended = True
+        self._end()
+        self._news.set()
+        if threading.current_thread() is not self._thread:
+            self._thread.join(timeout=10.0)
+
+    def _loop(self) -> None:
+        before: Floats | None = None
+        while self._news.wait() and not self._is_ended:
+            self._news.clear()
+            snapshot = self._session.snapshot()
+            if snapshot is not None and (before is None or not np.array_equal(before, snapshot.pose)):
+                before = snapshot.pose
+                self._watcher(before.copy())

@@ -1,0 +1,546 @@
+"""The session of a workbench: document, undo, engine, jobs and record. What a server and scripts talk to; no sockets.
+
+Every change goes through `command`. The pages get it as a patch event, the record as a line, and undo has the document
+before. Everything here may be called from any thread.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import threading
+import time
+from collections.abc import Callable, Iterable
+from concurrent.futures import Future
+from concurrent.futures import TimeoutError as FutureTimeoutError
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from feeler.errors import FeelerError, OptionError, WorkbenchError
+from feeler.mockup import Mockup, Tool
+from feeler.progress import Progress
+from feeler.scene import Scene
+from feeler.workbench import measuring, motion
+from feeler.workbench.arguments import Arguments, near
+from feeler.workbench.asking import ASKS, JOBS, Place
+from feeler.workbench.commands import COMMANDS, Known, applied
+from feeler.workbench.document import UNITS, Document, Loading, MockupFacts, ToolFacts, patch
+from feeler.workbench.engine import Bump, Engine, Ticked
+from feeler.workbench.events import Event, Events
+from feeler.workbench.findings import grouped, read_findings
+from feeler.workbench.geometry import Geometry
+from feeler.workbench.hand import Hands, held_key, world_key
+from feeler.workbench.jobs import Job, Jobs
+from feeler.workbench.motion import Floats
+from feeler.workbench.record import Recorder, digest
+from feeler.workbench.snapshot import Snapshot
+
+MOST_UNDO = 1000
+LEAST_TICK_S = 0.004
+"""The engine's thread begins no more than one round in this: 250 Hz."""
+_ABOVE_M = 0.005
+
+
+class Session:
+    """See the module. Raises `OptionError` for a unit that is not known."""
+
+    def __init__(
+        self,
+        *,
+        unit: str = "mm",
+        record: Path | None = None,
+        seed: int = 0,
+        clock: Callable[[], float] = time.monotonic,
+        has_threads: bool = True,
+    ) -> None:
+        """record: a file for `feeler replay`. clock: seconds. has_threads: False: `engine.tick()` is called by hand."""
+        if unit not in UNITS:
+            raise OptionError(f"unit is {unit!r}: {near(unit, UNITS)}")
+        self._lock = threading.RLock()
+        self._document = Document(unit=unit, loading=Loading("starting", 0.0))
+        self._undo: list[Document] = []
+        self._redo: list[Document] = []
+        self._events = Events()
+        self._clock, self._seed = clock, seed
+        self.engine = Engine(clock=clock, on_bump=self._bumped, on_tick=self._ticked)
+        self._recorder = None if record is None else Recorder(Path(record))
+        self._jobs: Jobs | None = None
+        self._hands: Hands | None = None
+        self._geometry: Geometry | None = None
+        self._sight: tuple[object, measuring.Sight] | None = None
+        self._exports: dict[str, bytes] = {}
+        self.pages = 0
+        """How many pages look at the session; the server keeps it."""
+        self._shot_lock, self._shot_id = threading.Lock(), 0
+        self._shot: tuple[int, Future[bytes]] = (0, Future())
+        self._snapshot_listeners: list[Callable[[], None]] = []
+        self._wake, self._is_closed = threading.Event(), False
+        self._thread: threading.Thread | None = None
+        if has_threads:
+            self._thread = threading.Thread(target=self._loop, name="feeler engine", daemon=True)
+            self._thread.start()
+
+    # ---- opening ----
+
+    def loading(self, stage: str, share: float) -> None:
+        """Tells how far the mock-up is."""
+        self._show(replace(self._document, loading=Loading(str(stage), min(1.0, max(0.0, float(share))))), None)
+
+    def failed(self, text: str) -> None:
+        """Tells why there is no mock-up."""
+        self._show(replace(self._document, loading=None, failed=str(text)), None)
+
+    def open(
+        self,
+        mockup: Mockup,
+        scene: Scene,
+        tool: Tool | None,
+        *,
+        packed: Any = None,
+        pose: npt.ArrayLike | None = None,
+        mode: str = "stop",
+        tools: Iterable[Tool] = (),
+        name: str | None = None,
+    ) -> None:
+        """Begins with a mock-up: a document of its own, nothing to undo. Makes what the first answers need.
+
+        tool: in the hand at first; tools: others that it may take. pose: where the hand begins, default above the
+        mock-up. packed: `mockup.pack(...)`. name: of the mock-up, default that of its file. Raises `WorkbenchError`,
+        `OptionError`.
+        """
+        if scene.mockup is not mockup:
+            raise OptionError("the scene is of another mock-up: index the one that is opened")
+        known = {each.name: each for each in (*tools, *([tool] if tool is not None else []))}
+        content = digest(mockup)
+        files = mockup.source.files
+        name = name or (Path(files[0]).name if files else mockup.source.format)
+        start = _above(mockup, tool) if pose is None else motion.checked(pose, "pose")
+        hands = Hands(scene, known)
+        document = Document(
+            mockup=MockupFacts(name, content, mockup.triangle_count, mockup.part_count),
+            tool=None if tool is None else ToolFacts(tool.name, tool.triangle_count),
+            unit=self._document.unit,
+            mode=mode,
+            pose=motion.row(start),
+            material=self._document.material,
+        )
+        document = replace(document, held_version=hands.version(document))
+        geometry = Geometry(mockup, content, name, packed)
+        with self.engine.paused(), self._lock:
+            self._hands, self._geometry = hands, geometry
+            self._undo, self._redo, self._exports, self._sight = [], [], {}, None
+            if self._recorder is not None:
+                self._recorder.header(self._header(mockup, tool, start, mode, content))
+            self._engine_to(document)
+            self.engine.warm_up()
+            self._show(document, None)
+            self._tell_held(document)
+
+    def _header(self, mockup: Mockup, tool: Tool | None, pose: Floats, mode: str, content: str) -> dict[str, Any]:
+        from feeler import __version__
+
+        files = list(mockup.source.files)
+        return {
+            "feeler": __version__,
+            "numpy": np.__version__,
+            "seed": self._seed,
+            "mockup": {
+                "name": Path(files[0]).name if files else mockup.source.format,
+                "hash": content,
+                "triangles": mockup.triangle_count,
+                "parts": mockup.part_count,
+            },
+            "tool": None if tool is None else {"name": tool.name, "hash": digest(tool)},
+            "options": {"unit": self._document.unit, "mode": mode},
+            "pose": motion.row(pose),
+        }
+
+    def load_findings(self, given: Any) -> None:
+        """What `feeler clash --json` wrote, a file or its content, for the findings panel. Raises `LoadError`."""
+        with self._lock:
+            parts = self._opened().scene.mockup.parts
+            is_path = isinstance(given, (str, Path))
+            found = read_findings(given, parts) if is_path else grouped(given, parts)
+            self._show(replace(self._document, findings=found), None)
+
+    # ---- what is so ----
+
+    def document(self) -> dict[str, Any]:
+        """The document as JSON."""
+        return self._document.to_json()
+
+    def document_and_event(self) -> tuple[dict[str, Any], int]:
+        """The document, and the number of the newest event that it has in it."""
+        with self._lock:
+            return self._document.to_json(), self._events.last
+
+    @property
+    def current(self) -> Document:
+        """The document itself."""
+        return self._document
+
+    @property
+    def last_event(self) -> int:
+        """The number of the newest event."""
+        return self._events.last
+
+    @property
+    def is_recording(self) -> bool:
+        """Whether what happens is written down."""
+        return self._recorder is not None and self._recorder.trouble is None
+
+    def subscribe(self, listener: Callable[[Event], None]) -> Callable[[], None]:
+        """Every event from now on, as JSON with its number `n`; in any thread, and it must not block."""
+        return self._events.subscribe(listener)
+
+    def events_since(self, number: int) -> list[Event] | None:
+        """The events after a number; None where a page needs the whole document."""
+        return self._events.since(number)
+
+    def tell(self, event: Event) -> None:
+        """An event of somebody else's, such as a notice or a wish for a picture."""
+        self._events.tell(event)
+
+    def snapshot(self) -> Snapshot | None:
+        """The engine's newest."""
+        return self.engine.snapshot()
+
+    def on_snapshot(self, listener: Callable[[], None]) -> Callable[[], None]:
+        """Told that there is a newer snapshot, in the engine's thread. Call the result to end that."""
+        self._snapshot_listeners.append(listener)
+
+        def end() -> None:
+            with contextlib.suppress(ValueError):
+                self._snapshot_listeners.remove(listener)
+
+        return end
+
+    def manifest(self) -> dict[str, Any]:
+        """The geometry's manifest. Raises `WorkbenchError` before a mock-up is open."""
+        return dict(self._packed().manifest())
+
+    def piece(self, number: int) -> bytes:
+        """A packed piece. Raises `WorkbenchError` where there is none."""
+        geometry = self._packed()
+        try:
+            return geometry.piece(number)
+        except IndexError:
+            raise WorkbenchError(f"there is no piece {number}", "scene", f"there are {geometry.piece_count}") from None
+
+    def held_manifest(self, version: int) -> dict[str, Any] | None:
+        """The manifest of what the hand held at a version; None: nothing. Raises `WorkbenchError`."""
+        if version == 0:
+            return None
+        with self._lock:
+            return dict(self._opened().geometry(version).manifest())
+
+    def held(self, version: int) -> bytes:
+        """What the hand held at a version, packed. Raises `WorkbenchError`."""
+        with self._lock:
+            return self._opened().geometry(version).data()
+
+    def held_manifest(self, version: int) -> dict[str, Any] | None:
+        """What is known of the mesh that `held` gives; None for version 0, the empty hand. Raises `WorkbenchError`."""
+        with self._lock:
+            return None if version == 0 else dict(self._opened().geometry(version).manifest())
+
+    def export(self, name: str) -> bytes:
+        """What a job wrote. Raises `WorkbenchError`."""
+        data = self._exports.get(name)
+        if data is None:
+            raise WorkbenchError(f"there is no {name!r}", "exports", near(name, self._exports, "start the job first"))
+        return data
+
+    # ---- what is asked ----
+
+    def wish(self, pose: npt.ArrayLike, seq: int, source: str) -> None:
+        """Where the hand wants to be; the newest counts. Raises `WorkbenchError` for what is no pose."""
+        self.engine.wish(motion.checked(pose, "pose"), int(seq), str(source))
+        self._wake.set()
+
+    def hand_gone(self) -> None:
+        """Nobody holds the hand any more: the tool stops where it is."""
+        with self.engine.paused():
+            self.engine.let_go()
+            if self._recorder is not None:
+                self._recorder.let_go(self._clock())
+        self._wake.set()
+
+    def command(self, name: str, args: dict[str, Any]) -> dict[str, Any]:
+        """Changes the document; see `commands.COMMANDS`, and `undo` and `redo`. Raises `WorkbenchError`.
+
+        The result: "id" of what was added, "pose" of the hand, "undo_depth", "redo_depth".
+        """
+        with self.engine.paused(), self._lock:
+            now = self._clock()
+            self.engine.flush()
+            try:
+                before = self._document
+                after = self._stepped(name, args) if name in ("undo", "redo") else self._changed(name, args)
+            except FeelerError as error:
+                if self._recorder is not None:
+                    self._recorder.command(now, str(name), args, None, str(error))
+                raise
+            self._show(after, name)
+            if after.held_version != before.held_version:
+                self._tell_held(after)
+            if self._recorder is not None:
+                self._recorder.command(now, name, args, after, None)
+            if name == "sequence_replay":
+                self._play(after)
+            added = {"id": before.next_id} if after.next_id > before.next_id else {}
+        self._wake.set()
+        return {**added, "pose": list(after.pose), "undo_depth": len(self._undo), "redo_depth": len(self._redo)}
+
+    def ask(self, name: str, args: dict[str, Any]) -> dict[str, Any] | None:
+        """A question that changes nothing; see `asking.ASKS`. Raises `WorkbenchError`."""
+        known = ASKS.get(name)
+        if known is None:
+            raise WorkbenchError(f"there is no question {name!r}", "ask", near(name, ASKS))
+        return known.work(self._place(), Arguments(name, args, known.arguments))
+
+    def job(self, name: str, args: dict[str, Any], on_progress: Progress | None = None) -> Job:
+        """Something that takes a while, in the jobs thread; see `asking.JOBS`. Raises `WorkbenchError`."""
+        known = JOBS.get(name)
+        if known is None:
+            raise WorkbenchError(f"there is no job {name!r}", "job", near(name, JOBS))
+        given = Arguments(name, args, known.arguments)
+        place = self._place()
+
+        def work(progress: Progress) -> Any:
+            return known.work(place, given, progress)
+
+        with self._lock:
+            if self._jobs is None:
+                self._jobs = Jobs()
+            return self._jobs.start(work, on_progress or (lambda share, stage: None))
+
+    def shot(self, width: int, height: int, wait_s: float, camera: dict[str, Any] | None = None) -> bytes | None:
+        """A picture by one of the pages, as PNG; None where none sends one in time. Pages send it to `shot_taken`."""
+        with self._shot_lock:
+            self._shot_id += 1
+            waiting: Future[bytes] = Future()
+            self._shot = (self._shot_id, waiting)
+            self._events.tell({"type": "shot", "id": self._shot_id, "width": width, "height": height, "camera": camera})
+            try:
+                return waiting.result(wait_s if self.pages else 0.0)
+            except FutureTimeoutError:
+                return None
+
+    def shot_taken(self, number: int, png: bytes) -> None:
+        """A page's picture. One that nobody waits for any more, and all but the first, are dropped."""
+        wanted, waiting = self._shot
+        if wanted == number and not waiting.done():
+            waiting.set_result(png)
+
+    @property
+    def scene(self) -> Scene:
+        """The scene that was opened. Raises `WorkbenchError` before that."""
+        return self._opened().scene
+
+    def held_tool(self) -> Tool | None:
+        """What the hand holds: the tool, gripped parts, or both as one."""
+        with self._lock:
+            return self._opened().held(self._document)
+
+    def put_down(self) -> Mockup | None:
+        """The parts that lie elsewhere than where they were loaded, where they lie."""
+        with self._lock:
+            scene = self._opened().world(self._document).put_down
+            return None if scene is None else scene.mockup
+
+    def close(self) -> None:
+        """Ends threads and record; a second time does nothing."""
+        self._is_closed = True
+        self._wake.set()
+        if self._thread is not None and threading.current_thread() is not self._thread:
+            self._thread.join(timeout=10.0)
+        if self._jobs is not None:
+            self._jobs.close()
+        if self._recorder is not None:
+            self.engine.flush()
+            self._recorder.close()
+
+    def __enter__(self) -> Session:
+        return self
+
+    def __exit__(self, *_error: object) -> None:
+        self.close()
+
+    # ---- changes ----
+
+    def _changed(self, name: str, args: Any) -> Document:
+        command = COMMANDS.get(name)
+        hands = self._opened()
+        before = self._document
+        known = self._known(hands)
+        if command is not None and command.moves_hand:
+            # Undo brings the hand back to where it was, not to where it was put down before that.
+            before = replace(before, pose=known.pose, trip=self.engine.trip())
+            given = Arguments(name, args, command.arguments)
+            if name == "place":
+                reached = self.engine.place(motion.matrix(given.pose("pose")))
+                known = replace(known, pose=motion.row(reached))
+            elif name == "release" and before.trip is not None:
+                least = self.engine.least_clearance(before.trip)
+                known = replace(known, trip=before.trip, least_clearance=least)
+        elif name in ("measure_add", "measure_edit") and command is not None:
+            given = Arguments(name, args, command.arguments)
+            if name == "measure_add" or given.has("type"):
+                found = measuring.measured(given, before, hands.scene, hands.meshes)
+                known = replace(known, measured=found)
+        after = applied(before, name, args, known)
+        after = replace(after, held_version=hands.version(after))
+        if name != "place":
+            self._engine_follows(before, after)
+        self._undo.append(before)
+        del self._undo[:-MOST_UNDO]
+        self._redo.clear()
+        return after
+
+    def _known(self, hands: Hands) -> Known:
+        mockup = hands.scene.mockup
+        return Known(
+            parts=mockup.parts,
+            bounds=mockup.bounds,
+            tools={name: tool.triangle_count for name, tool in hands.tools.items()},
+            pose=motion.row(self.engine.pose),
+            absent=frozenset(np.flatnonzero(~hands.scene.part_mask).tolist()),
+        )
+
+    def _stepped(self, name: str, args: Any) -> Document:
+        Arguments(name, args, ())
+        here, there = (self._undo, self._redo) if name == "undo" else (self._redo, self._undo)
+        if not here:
+            raise WorkbenchError(f"there is nothing to {name}", name, "change something first")
+        now, after = self._document, here.pop()
+        # What was opened meanwhile is no change of the user's.
+        findings = now.findings if after.findings is None else after.findings
+        after = replace(after, mockup=now.mockup, loading=now.loading, failed=now.failed, findings=findings)
+        self._engine_follows(now, after)
+        there.append(now)
+        return after
+
+    def _engine_follows(self, before: Document, after: Document) -> None:
+        same_hand = held_key(before) == held_key(after) and world_key(before) == world_key(after)
+        if not same_hand or before.mode != after.mode or before.pose != after.pose:
+            self._engine_to(after)
+
+    def _engine_to(self, document: Document) -> None:
+        hands = self._opened()
+        tool = hands.held(document)
+        self.engine.set(
+            hands.world(document),
+            tool,
+            motion.matrix(document.pose),
+            mode=document.mode,
+            places=self._packed().places,
+            held_places=hands.geometry(document.held_version).places if tool is not None else None,
+            is_carrying=bool(document.gripped),
+            trip=document.trip,
+        )
+
+    def _play(self, document: Document) -> None:
+        line = next(each for each in document.sequence if each.id == document.replaying)
+        way = [motion.matrix(each) for each in line.way]
+        back = motion.inverse(way[0]) @ motion.matrix(document.pose)
+        self.engine.play([pose @ back for pose in way[1:]], self._played)
+
+    def _played(self) -> None:
+        with contextlib.suppress(WorkbenchError):  # somebody has put them down already
+            self.command("release", {})
+
+    def _show(self, document: Document, command: str | None) -> None:
+        with self._lock:
+            before, self._document = self._document, document
+            fields = patch(before, document)
+            if fields or command is not None:
+                self._events.tell(
+                    {
+                        "type": "patch",
+                        "fields": fields,
+                        "command": command,
+                        "undo_depth": len(self._undo),
+                        "redo_depth": len(self._redo),
+                    }
+                )
+
+    def _tell_held(self, document: Document) -> None:
+        version = document.held_version
+        self._events.tell({"type": "held", "version": version, "manifest": self.held_manifest(version)})
+
+    # ---- the engine's thread ----
+
+    def _loop(self) -> None:
+        trouble = ""
+        while not self._is_closed:
+            begun = time.monotonic()
+            try:
+                has_news, text = self.engine.tick(), ""
+            except Exception as error:
+                # The hand must not die of one pose: it is let go, and whoever looks is told, once.
+                self.engine.let_go()
+                has_news, text = False, f"the engine: {error}"
+                if text != trouble:
+                    self._events.tell({"type": "notice", "level": "error", "text": text})
+            trouble = text
+            if has_news:
+                for listener in list(self._snapshot_listeners):
+                    listener()
+            self._wake.wait(timeout=LEAST_TICK_S)
+            self._wake.clear()
+            time.sleep(max(0.0, LEAST_TICK_S - (time.monotonic() - begun)))
+
+    def _bumped(self, bump: Bump) -> None:
+        hands = self._opened()
+        part = hands.scene.mockup.parts[bump.part]
+        size = float(np.linalg.norm(np.subtract(part.upper, part.lower)))
+        self._events.tell(
+            {
+                "type": "impact",
+                "part": bump.part,
+                "part_size_m": size,
+                "speed_m_per_s": bump.speed,
+                "point": bump.point.tolist(),
+                "material": self._document.material,
+                "force": bump.force,
+            }
+        )
+
+    def _ticked(self, ticked: Ticked) -> None:
+        if self._recorder is not None and self._document.mockup is not None:
+            self._recorder.ticked(ticked)
+
+    # ---- helpers ----
+
+    def _opened(self) -> Hands:
+        if self._hands is None:
+            raise WorkbenchError("no mock-up is open yet", "session", "wait until it is loaded")
+        return self._hands
+
+    def _packed(self) -> Geometry:
+        if self._geometry is None:
+            raise WorkbenchError("no mock-up is open yet", "scene", "wait until it is loaded")
+        return self._geometry
+
+    def _place(self) -> Place:
+        """What questions and jobs are asked of: all of it immutable, so that nothing waits for them."""
+        with self._lock:
+            hands, document = self._opened(), self._document
+            world = hands.world(document)
+            key = (world, document.hidden, document.sections)
+            if self._sight is None or self._sight[0] != key:
+                self._sight = (key, measuring.Sight(world, document))
+            return Place(document, hands.scene, hands.meshes, self._sight[1], self._exports)
+
+
+def _above(mockup: Mockup, tool: Tool | None) -> Floats:
+    """Upright, over the middle of the mock-up, a little above its box."""
+    low, high = mockup.bounds
+    bottom, top = (np.zeros(3), np.zeros(3)) if tool is None else tool.bounds
+    offset = 0.5 * (low + high - bottom - top)
+    offset[2] = high[2] - bottom[2] + _ABOVE_M
+    return motion.shifted(offset)

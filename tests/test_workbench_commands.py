@@ -1,0 +1,291 @@
+"""Commands: each checks its arguments, changes what it says, and is undone and redone without a trace."""
+
+from __future__ import annotations
+
+import json
+import pickle
+from typing import Any
+
+import hypothesis.strategies as st
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from workbench_scene import LEFT, PATHS, PEG, PLATE, RIGHT, SHEET, Bench, at, cube
+
+from feeler.errors import FeelerError, WorkbenchError
+from feeler.workbench.commands import COMMANDS
+from feeler.workbench.document import JSON_FIELDS, Document
+from feeler.workbench.frames import check
+from feeler.workbench.protocol import DocumentFields, Patch, decode_from_server, encode
+
+
+@pytest.fixture
+def bench() -> Bench:
+    return Bench(cube(), pose=at(0, 0, 0.2))
+
+
+def test_hide_show_and_patterns(bench: Bench) -> None:
+    bench.command("hide", parts="stand/posts")
+    assert bench.document["hidden"] == [LEFT, RIGHT]
+    bench.command("hide", parts=["*peg", SHEET])
+    assert bench.document["hidden"] == [LEFT, RIGHT, PEG, SHEET]
+    bench.command("show", parts=LEFT)
+    assert bench.document["hidden"] == [RIGHT, PEG, SHEET]
+    bench.command("hide_all")
+    assert len(bench.document["hidden"]) == 5
+    bench.command("show_all")
+    assert bench.document["hidden"] == []
+
+
+def test_isolate_again_is_the_state_before(bench: Bench) -> None:
+    bench.command("hide", parts=[PEG])
+    bench.command("isolate", parts="stand/posts")
+    assert bench.document["isolated"] and bench.document["hidden"] == [PLATE, PEG, SHEET]
+    bench.command("isolate", parts=[PLATE])
+    assert bench.document["hidden"] == [LEFT, RIGHT, PEG, SHEET]
+    bench.command("isolate", parts=[PLATE])
+    assert not bench.document["isolated"] and bench.document["hidden"] == [PEG]
+
+
+def test_hidden_parts_still_collide(bench: Bench) -> None:
+    bench.command("hide_all")
+    bench.drag(at(0, 0, 0), 1.0)
+    assert bench.session.snapshot().parts == [PLATE]
+
+
+def test_sections_measures_viewpoints_and_units(bench: Bench) -> None:
+    number = bench.command("section_add", normal=[0, 0, 2], offset=0.1)["id"]
+    assert bench.document["sections"] == [{"id": number, "normal": [0, 0, 1], "offset": 0.1, "is_on": True}]
+    bench.command("section_move", id=number, normal=[1, 0, 0], offset=0.2)
+    bench.command("section_switch", id=number, is_on=False)
+    assert bench.document["sections"] == [{"id": number, "normal": [1, 0, 0], "offset": 0.2, "is_on": False}]
+    bench.command("section_remove", id=number)
+    number = bench.command("measure_add", type="parts", parts=[LEFT, RIGHT])["id"]
+    (measure,) = bench.document["measures"]
+    assert measure["value"] == 0.5 and measure["is_exact"] and measure["unit"] == "m"
+    a, b = measure["points"]
+    assert sorted([a[0], b[0]]) == [-0.25, 0.25] and a[1:] == b[1:]
+    bench.command("measure_edit", id=number, name="between the posts")
+    assert bench.document["measures"][0] == {**measure, "name": "between the posts"}
+    bench.command("measure_edit", id=number, type="edge", points=[[0, 0, 0], [0, 3, 4]])
+    assert bench.document["measures"][0]["value"] == 5.0 and not bench.document["measures"][0]["is_exact"]
+    bench.command("measure_add", type="angle", points=[[1, 0, 0], [0, 0, 0], [0, 2, 0]])
+    assert bench.document["measures"][1]["value"] == pytest.approx(np.pi / 2)
+    bench.command("measure_remove", id=number)
+    camera = {"position": [1, 1, 1], "target": [0, 0, 0], "up": [0, 0, 1], "fov_rad": 0.5}
+    number = bench.command("viewpoint_add", name="front", camera=camera)["id"]
+    assert bench.document["viewpoints"] == [{"id": number, "name": "front", "camera": camera}]
+    bench.command("viewpoint_remove", id=number)
+    bench.command("set_unit", unit="in")
+    bench.command("ghost", parts=[PEG], is_on=True)
+    bench.command("explode", share=0.5)
+    document = bench.document
+    assert (document["unit"], document["ghost"], document["explode"]) == ("in", [PEG], 0.5)
+
+
+def test_the_measure_of_a_part_that_was_moved_is_where_it_lies(bench: Bench) -> None:
+    bench.command("grip", parts=[PEG])
+    bench.command("place", pose=at(0, 0, 0.3).ravel().tolist())
+    bench.command("place", pose=at(0.05, 0, 0.3).ravel().tolist())
+    bench.command("release")
+    bench.command("measure_add", type="parts", parts=[PLATE, PEG])
+    (measure,) = bench.document["measures"]
+    assert measure["value"] == pytest.approx(0.1, abs=1e-9)
+    assert {round(point[2], 6) for point in measure["points"]} == {0.0, 0.1}
+
+
+def test_place_is_where_contact_lets_the_hand_come(bench: Bench) -> None:
+    result = bench.command("place", pose=at(0, 0, -0.5).ravel().tolist())
+    reached = np.array(result["pose"]).reshape(4, 4)
+    assert reached[2, 3] == pytest.approx(0.03125, abs=1e-6)
+    np.testing.assert_array_equal(bench.pose, reached)
+    assert bench.document["pose"] == result["pose"]
+    bench.command("undo")
+    np.testing.assert_array_equal(bench.pose, at(0, 0, 0.2))
+    bench.command("redo")
+    np.testing.assert_array_equal(bench.pose, reached)
+
+
+def test_a_new_command_ends_what_could_be_redone(bench: Bench) -> None:
+    bench.command("hide", parts=[PEG])
+    bench.command("undo")
+    assert bench.command("hide", parts=[LEFT])["redo_depth"] == 0
+    with pytest.raises(WorkbenchError, match="nothing to redo"):
+        bench.command("redo")
+
+
+def test_the_measure_of_two_parts_that_were_moved(bench: Bench) -> None:
+    for part in (LEFT, PEG):
+        bench.command("grip", parts=[part])
+        bench.command("place", pose=(bench.pose @ at(0, 0, 0.1)).ravel().tolist())
+        bench.command("release")
+    bench.command("measure_add", type="parts", parts=[PEG, LEFT])
+    (measure,) = bench.document["measures"]
+    assert measure["value"] == pytest.approx(np.hypot(0.25 - 0.03125, 0.25 - 0.0625), abs=1e-9)
+    heights = [point[2] for point in measure["points"]]
+    assert all(0.1 - 1e-9 <= height <= 0.35 for height in heights) and heights[0] == pytest.approx(heights[1])
+
+
+def test_undo_brings_the_hand_back_to_where_it_was(bench: Bench) -> None:
+    bench.wish(at(0.1, 0, 0.2))
+    bench.command("grip", parts=[PEG])
+    bench.wish(at(0.1, 0, 0.4))
+    bench.command("undo")
+    np.testing.assert_array_equal(bench.pose, at(0.1, 0, 0.2))
+    assert bench.document["gripped"] == []
+    # What does not move the hand leaves it where it is.
+    bench.wish(at(0.15, 0, 0.2))
+    bench.command("hide", parts=[PEG])
+    bench.command("undo")
+    np.testing.assert_array_equal(bench.pose, at(0.15, 0, 0.2))
+
+
+def test_take_another_tool(bench: Bench) -> None:
+    bench.command("take_tool", name="small")
+    assert bench.document["tool"] == {"name": "small", "triangles": 12}
+    held = bench.of_type("held")[-1]
+    assert held["version"] == bench.document["held_version"] and held["manifest"]["triangles"] == 12
+    bench.command("place", pose=at(0, 0, -0.5).ravel().tolist())
+    assert bench.pose[2, 3] == pytest.approx(0.03125 / 2, abs=1e-6)
+    bench.command("take_tool")
+    assert bench.document["tool"] is None and bench.of_type("held")[-1]["manifest"] is None
+    bench.command("undo")
+    assert bench.document["tool"]["name"] == "small"
+
+
+@pytest.mark.parametrize(
+    ("name", "args", "words"),
+    [
+        ("hidde", {}, "do you mean hide"),
+        ("hide", {"parts": "stand/pig"}, "stand/peg"),
+        ("hide", {"parts": 7}, "there is no part 7"),
+        ("hide", {"parts": []}, "0 parts"),
+        ("hide", {"parts": None}, "names no part"),
+        ("hide", {"part": [1]}, "do you mean parts"),
+        ("hide", [1], "no object"),
+        ("hide", {"parts": [1], "more": 1}, "no argument 'more'"),
+        ("explode", {"share": 2}, "from 0 to 1"),
+        ("explode", {"share": float("nan")}, "from 0 to 1"),
+        ("explode", {"share": True}, "from 0 to 1"),
+        ("set_unit", {"unit": "furlong"}, "mm"),
+        ("set_mode", {"mode": "stopp"}, "do you mean stop"),
+        ("section_add", {"normal": [0, 0, 0], "offset": 0}, "no direction"),
+        ("section_add", {"normal": [0, 0], "offset": 0}, "not three numbers"),
+        ("section_move", {"id": 99, "normal": [0, 0, 1], "offset": 0}, "there is no 99"),
+        ("place", {"pose": [1] * 16}, "no pose"),
+        ("place", {"pose": [0] * 15}, "no pose"),
+        ("place", {"pose": "home"}, "no pose"),
+        ("release", {}, "holds no part"),
+        ("put_back", {"parts": [1]}, "where they were loaded"),
+        ("take_tool", {"name": "smal"}, "do you mean small"),
+        ("measure_add", {"type": "parts", "parts": [1]}, "name two"),
+        ("measure_add", {"type": "edge", "points": [[0, 0, 0]]}, "2 points"),
+        ("measure_add", {"type": "volume"}, "there is no 'volume'"),
+        ("viewpoint_add", {"name": "a", "camera": {"position": [0, 0, 0]}}, "target"),
+        ("finding_status", {"id": "1", "status": "new"}, "no findings"),
+        ("sequence_move", {"id": 1, "index": 0}, "none at all"),
+        ("undo", {}, "nothing to undo"),
+        ("undo", {"steps": 3}, "no argument"),
+    ],
+)
+def test_a_wrong_command_says_what_where_and_what_to_do(bench: Bench, name: str, args: Any, words: str) -> None:
+    before = bench.session.current
+    with pytest.raises(WorkbenchError) as caught:
+        bench.session.command(name, args)
+    error = caught.value
+    assert words in str(error) and error.what and error.where and error.do
+    assert bench.session.current is before, "nothing has changed"
+    again = pickle.loads(pickle.dumps(error))
+    assert (again.what, again.where, again.do) == (error.what, error.where, error.do)
+
+
+PARTS = st.one_of(st.integers(0, 4), st.sampled_from(PATHS), st.lists(st.integers(0, 4), min_size=1, max_size=5))
+POSES = st.tuples(*[st.floats(-0.6, 0.6)] * 3, st.floats(0, 3)).map(lambda each: at(*each).ravel().tolist())
+ARGUMENTS: dict[str, st.SearchStrategy[Any]] = {
+    "parts": PARTS,
+    "is_on": st.booleans(),
+    "share": st.floats(0, 1),
+    "normal": st.tuples(*[st.floats(-1, 1)] * 3).map(list),
+    "offset": st.floats(-1, 1),
+    "id": st.integers(1, 6),
+    "index": st.integers(0, 2),
+    "unit": st.sampled_from(["mm", "cm", "m", "in"]),
+    "mode": st.sampled_from(["stop", "pass"]),
+    "pose": POSES,
+    "name": st.sampled_from(["cube", "small", "a name"]),
+    "type": st.sampled_from(["parts", "point"]),
+    "points": st.lists(st.tuples(*[st.floats(-1, 1)] * 3).map(list), min_size=2, max_size=2),
+    "triangles": st.none(),
+    "camera": st.just({"position": [1, 1, 1], "target": [0, 0, 0], "up": [0, 0, 1], "fov_rad": 0.5}),
+    "status": st.sampled_from(["new", "resolved"]),
+    "is_touching_hidden": st.booleans(),
+}
+STEPS = st.sampled_from(sorted(COMMANDS)).flatmap(
+    lambda name: st.tuples(st.just(name), st.fixed_dictionaries({a: ARGUMENTS[a] for a in COMMANDS[name].arguments}))
+)
+
+
+def answers(bench: Bench) -> tuple[Any, ...]:
+    """What the engine says of the hand where it is."""
+    bench.tick(1.0)
+    snapshot = bench.session.snapshot()
+    near = snapshot.distance
+    return (
+        snapshot.pose.tolist(),
+        snapshot.mode,
+        snapshot.hits.pairs.tolist(),
+        snapshot.planes.gaps.tolist(),
+        None if near is None else (near.value, near.part),
+        snapshot.rows.distances.tolist(),
+        bench.document["held_version"],
+    )
+
+
+@settings(max_examples=150, deadline=None, suppress_health_check=list(HealthCheck))
+@given(steps=st.lists(st.one_of(STEPS, st.just(("undo", {})), st.just(("redo", {}))), max_size=25))
+def test_undo_of_everything_is_the_document_and_the_answers_before(steps: list[tuple[str, Any]]) -> None:
+    bench = Bench(cube(), pose=at(0, 0, 0.2))
+    first, before = bench.session.current, answers(bench)
+    for name, args in steps:
+        try:
+            bench.session.command(name, args)
+        except FeelerError:
+            continue
+    last, after, depth = bench.session.current, answers(bench), 0
+    while True:
+        try:
+            bench.command("undo")
+        except WorkbenchError:
+            break
+        depth += 1
+    assert bench.session.current == first and bench.session.current.to_json() == first.to_json()
+    assert answers(bench) == before
+    for _ in range(depth):
+        bench.command("redo")
+    assert bench.session.current == last and answers(bench) == after
+
+
+def test_patches_and_document_are_messages_of_the_protocol(bench: Bench) -> None:
+    shown: dict[str, Any] = bench.document
+    bench.events.clear()
+    bench.command("grip", parts=[PEG])
+    bench.wish(at(0, 0, 0.4))
+    bench.command("release")
+    bench.command("measure_add", type="parts", parts=[LEFT, RIGHT])
+    bench.command("undo")
+    for event in bench.of_type("patch"):
+        message = Patch(**{key: value for key, value in event.items() if key != "type"})
+        assert decode_from_server(encode(message)) == message
+        shown |= event["fields"]
+    assert shown == bench.document, "patches alone lead to the same document"
+    assert check(json.loads(json.dumps(shown)), DocumentFields, "document")
+    assert set(bench.document) == set(JSON_FIELDS) == set(Document().to_json())
+    state = bench.session.snapshot().message()
+    assert decode_from_server(encode(state)).seq == state.seq
+
+
+def test_a_document_shares_what_did_not_change(bench: Bench) -> None:
+    bench.command("hide", parts=[PEG])
+    before = bench.session.current
+    bench.command("set_unit", unit="m")
+    assert bench.session.current.hidden is before.hidden and bench.session.current.gripped is before.gripped

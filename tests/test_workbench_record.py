@@ -1,0 +1,198 @@
+"""Records: every line whole, read after a crash, and replayed to the same hits or to where they part."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from commands import run, run_json
+from workbench_scene import LEFT, PEG, PLATE, RIGHT, Bench, at, cube, stand
+
+import feeler
+from feeler.errors import LoadError, MissingFileError, WorkbenchError
+from feeler.io import write_glb, write_stl
+from feeler.workbench.record import read_record
+from feeler.workbench.replaying import replay
+
+
+def session_of(path: Path, mode: str = "stop") -> Bench:
+    """What a user does: comes into contact, takes a part out, makes a mistake, undoes, measures."""
+    bench = Bench(cube(), pose=at(0.0, 0.0, 0.2), mode=mode, record=path)
+    bench.drag(at(0.1, 0.0, 0.0), 0.5)
+    bench.command("hide", parts="stand/posts/left")
+    with pytest.raises(WorkbenchError):
+        bench.command("hide", parts="stand/pig")
+    bench.drag(at(0.1, 0.0, 0.2), 0.5)
+    bench.command("grip", parts=[PEG])
+    bench.drag(at(0.1, 0.0, 0.4), 0.5)
+    bench.drag(at(0.3, 0.1, 0.4), 0.5)
+    bench.command("release")
+    bench.session.hand_gone()
+    bench.tick()
+    bench.command("set_mode", mode="pass")
+    bench.drag(at(0.3, 0.0, 0.0), 1.0)
+    bench.command("undo")
+    bench.command("sequence_replay", id=bench.document["sequence"][0]["id"])
+    for _ in range(400):
+        bench.tick()
+    bench.command("place", pose=at(0.0, -0.3, 0.2).ravel().tolist())
+    bench.command("measure_add", type="parts", parts=[LEFT, RIGHT])
+    bench.session.close()
+    return bench
+
+
+@pytest.mark.parametrize("mode", ["stop", "glide", "pass"])
+def test_a_replay_is_the_same_to_the_last_triangle(tmp_path: Path, mode: str) -> None:
+    bench = session_of(tmp_path / "a.jsonl", mode)
+    record = read_record(tmp_path / "a.jsonl")
+    assert not record.is_torn and record.header["mockup"]["hash"] == bench.document["mockup"]["hash"]
+    found = replay(record, bench.mockup, feeler.Scene(bench.mockup), cube())
+    assert found and found.parted is None
+    assert found.commands == 10 and found.ticks > 100 and found.hits > 0
+    assert {PLATE, RIGHT} <= set(found.touched)
+
+
+def test_where_a_replay_parts_is_told(tmp_path: Path) -> None:
+    path = tmp_path / "a.jsonl"
+    bench = session_of(path)
+    lines = path.read_text().splitlines()
+    entries = [json.loads(line) for line in lines]
+    hit = next(i for i, entry in enumerate(entries) if entry["kind"] == "tick" and entry["came"])
+
+    def parted(change: int, **fields: object) -> feeler.workbench.replaying.Parted:  # type: ignore[name-defined]
+        changed = [json.dumps({**entries[change], **fields}) if i == change else line for i, line in enumerate(lines)]
+        (tmp_path / "b.jsonl").write_text("\n".join(changed) + "\n")
+        found = replay(read_record(tmp_path / "b.jsonl"), bench.mockup, feeler.Scene(bench.mockup), cube())
+        assert not found
+        return found.parted
+
+    first, *_ = came = entries[hit]["came"]
+    lost = parted(hit, came=came[1:])
+    assert (lost.entry, lost.added, lost.missing) == (hit, (first,), ())
+    more = parted(hit, came=[*came, 49])
+    assert (more.entry, more.added, more.missing) == (hit, (), (49,))
+    assert parted(hit, hits="0" * 32).entry == hit
+    pose = [*entries[hit]["pose"][:3], entries[hit]["pose"][3] + 1e-15, *entries[hit]["pose"][4:]]
+    assert "elsewhere" in parted(hit, pose=pose).what
+    first_command = next(i for i, entry in enumerate(entries) if entry["kind"] == "command")
+    assert "document is another" in parted(first_command, document="0").what
+    assert "ends otherwise" in parted(first_command, name="hidde").what
+
+
+def test_another_engine_answer_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    bench = session_of(tmp_path / "a.jsonl")
+    monkeypatch.setattr("feeler.workbench.stopping.OFF_M", 6e-7)
+    found = replay(read_record(tmp_path / "a.jsonl"), bench.mockup, feeler.Scene(bench.mockup), cube())
+    assert not found and "elsewhere" in found.parted.what
+
+
+def test_another_mockup_or_tool_is_told(tmp_path: Path) -> None:
+    bench = session_of(tmp_path / "a.jsonl")
+    record = read_record(tmp_path / "a.jsonl")
+    moved = feeler.Mockup(bench.mockup.vertices + 1e-9, bench.mockup.faces, bench.mockup.part_of_face)
+    with pytest.raises(LoadError, match="another mock-up"):
+        replay(record, moved, feeler.Scene(moved), cube())
+    renamed = stand(["stand/plate", "stand/posts/left", "stand/posts/right", "stand/pin", "sheet"])
+    with pytest.raises(LoadError, match="another mock-up"):
+        replay(record, renamed, feeler.Scene(renamed), cube())
+    for tool in (cube(0.06), None):
+        with pytest.raises(LoadError, match="another tool, 'cube'"):
+            replay(record, bench.mockup, feeler.Scene(bench.mockup), tool)
+
+
+def test_lines_are_whole_while_the_session_runs(tmp_path: Path) -> None:
+    path = tmp_path / "a.jsonl"
+    bench = Bench(cube(), pose=at(0, 0, 0.2), record=path)
+    for step in range(5):
+        bench.wish(at(0, 0, 0.2 - 0.01 * step))
+        text = path.read_text()
+        assert text.endswith("\n") and all(json.loads(line) for line in text.splitlines())
+    bench.session.close()
+
+
+def test_a_line_that_a_crash_cut_off_is_told_and_left_out(tmp_path: Path) -> None:
+    bench = session_of(tmp_path / "a.jsonl")
+    data = (tmp_path / "a.jsonl").read_bytes()
+    whole = read_record(tmp_path / "a.jsonl")
+    for cut in (1, 2, 17):
+        (tmp_path / "b.jsonl").write_bytes(data[:-cut])
+        record = read_record(tmp_path / "b.jsonl")
+        assert record.is_torn and record.entries == whole.entries[:-1]
+    found = replay(record, bench.mockup, feeler.Scene(bench.mockup), cube())
+    assert found and found.is_torn
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "no record"),
+        ("{}\n", "no record"),
+        ("no json\n{}\n", "line 1 is broken"),
+        ('{"kind": "header", "format": 99}\n', "format 99"),
+        ('{"kind": "header", "format": 1}\nbroken\n{"kind": "tick"}\n', "line 2 is broken"),
+    ],
+)
+def test_what_is_no_record_is_refused(tmp_path: Path, text: str, words: str) -> None:
+    (tmp_path / "a.jsonl").write_text(text)
+    with pytest.raises(LoadError, match=words):
+        read_record(tmp_path / "a.jsonl")
+    with pytest.raises(MissingFileError):
+        read_record(tmp_path / "none.jsonl")
+
+
+def test_entries_that_lack_something_are_told(tmp_path: Path) -> None:
+    session_of(tmp_path / "a.jsonl")
+    lines = (tmp_path / "a.jsonl").read_text().splitlines()
+    (tmp_path / "b.jsonl").write_text(lines[0] + '\n{"kind": "tick"}\n')
+    mockup = stand()
+    with pytest.raises(LoadError, match="no record this feeler can read"):
+        replay(read_record(tmp_path / "b.jsonl"), mockup, feeler.Scene(mockup), cube())
+
+
+def test_a_disk_that_is_full_does_not_stop_the_session(tmp_path: Path) -> None:
+    bench = Bench(cube(), pose=at(0, 0, 0.2), record=tmp_path / "a.jsonl")
+    recorder = bench.session._recorder
+
+    class Full:
+        closed = False
+
+        def write(self, text: str) -> None:
+            raise OSError(28, "No space left on device")
+
+        def close(self) -> None:
+            pass
+
+    recorder._file.close()
+    recorder._file = Full()
+    bench.wish(at(0, 0, 0.1))
+    np.testing.assert_array_equal(bench.pose, at(0, 0, 0.1))
+    assert not bench.session.is_recording and "No space left" in recorder.trouble
+    with pytest.raises(WorkbenchError, match="cannot be written"):
+        Bench(cube(), record=tmp_path / "none" / "a.jsonl")
+
+
+def test_replay_on_the_command_line(tmp_path: Path) -> None:
+    write_glb(tmp_path / "stand.glb", stand())
+    write_stl(tmp_path / "cube.stl", cube())
+    mockup, tool = feeler.load_mockup(tmp_path / "stand.glb"), feeler.load_tool(tmp_path / "cube.stl", "mm")
+    path = tmp_path / "a.jsonl"
+    bench = Bench(tool, pose=at(0, 0, 0.2), mode="pass", record=path, mockup=mockup)
+    bench.drag(at(0, 0, 0.0), 1.0)
+    bench.session.close()
+    words = ["replay", path, tmp_path / "stand.glb", "--tool", tmp_path / "cube.stl"]
+    text = run(*words).stdout
+    assert "The same to the last triangle" in text and "plate" in text
+    document = run_json(*words)
+    assert document["same"] is True and document["hits"] > 0 and document["parted"] is None
+    lines = path.read_text().splitlines()
+    hit = next(i for i, line in enumerate(lines) if json.loads(line).get("came"))
+    entry = json.loads(lines[hit])
+    lines[hit] = json.dumps({**entry, "came": entry["came"][1:]})
+    path.write_text("\n".join(lines) + "\n")
+    result = run(*words, code=1)
+    assert f"Entry {hit}: other triangles" in result.stdout and f"now: triangles {entry['came'][0]}" in result.stdout
+    assert run_json(*words, code=1)["parted"]["added"] == [entry["came"][0]]
+    run("replay", path, tmp_path / "stand.glb", code=2)
+    run("replay", path, "sample:engine:20000", "--tool", tmp_path / "cube.stl", code=2)
