@@ -140,9 +140,10 @@ class Session:
             if self._recorder is not None:
                 self._recorder.header(self._header(mockup, tool, start, mode, content))
             self._engine_to(document)
-            self.engine.warm_up()
             self._show(document, None)
             self._tell_held(document)
+        # The pages fetch and draw meanwhile: for large mock-ups it takes longer than all the rest.
+        self.engine.warm_up()
 
     def _header(self, mockup: Mockup, tool: Tool | None, pose: Floats, mode: str, content: str) -> dict[str, Any]:
         from feeler import __version__
