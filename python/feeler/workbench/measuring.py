@@ -224,8 +224,3 @@ def part_facts(part: int, document: Document, scene: Scene) -> dict[str, Any]:
         "state": state,
         "is_hidden": part in document.hidden,
     }
-
-
-def checked_ray(given: Arguments) -> tuple[Point, Point]:
-    """Origin and unit direction of a question. Raises `WorkbenchError`."""
-    return given.point("origin"), given.unit("direction")
