@@ -4,7 +4,7 @@
 //
 // Pieces come as the server sends them, so that whoever draws them sees no difference.
 
-import type { DocumentFields, Manifest } from "./protocol";
+import type { Camera, DocumentFields, Manifest } from "./protocol";
 
 const VERSION = 1;
 const PREFIX_BYTES = 8;
@@ -12,6 +12,8 @@ const PREFIX_BYTES = 8;
 /** What the file carries. */
 export interface OfflinePage {
   document: DocumentFields;
+  /** From where it is seen at first; null: as the page likes. */
+  camera: Camera | null;
   manifest: Manifest;
   /** In the manifest's order, as `GET /scene/pieces/K` answers. */
   pieces: ArrayBuffer[];
@@ -45,7 +47,7 @@ export function unpackOffline(data: ArrayBuffer): OfflinePage {
   const header: Omit<OfflinePage, "pieces"> & { grid: { lower: number[]; step: number } } = JSON.parse(
     new TextDecoder().decode(new Uint8Array(data, PREFIX_BYTES, start - PREFIX_BYTES)),
   );
-  const { document, manifest, left_out, grid } = header;
+  const { document, camera, manifest, left_out, grid } = header;
   let offset = start;
   const pieces = manifest.pieces.map(({ triangles, vertices }) => {
     const bytes = 13 * vertices + 6 * triangles;
@@ -56,7 +58,7 @@ export function unpackOffline(data: ArrayBuffer): OfflinePage {
     offset += bytes;
     return piece(planes, vertices, triangles, manifest.part_bytes, grid.lower, grid.step);
   });
-  return { document, manifest, pieces, left_out };
+  return { document, camera, manifest, pieces, left_out };
 }
 
 function piece(

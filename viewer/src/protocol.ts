@@ -278,12 +278,15 @@ export interface Cancel {
   id: number;
 }
 
-/** The picture that a "shot" event asked for. */
+/** The picture that a "shot" event asked for, or the next piece of it: a message may have 1 MiB, a picture more. */
 export interface Shot {
   kind: "shot";
   id: number;
   name: string;
+  /** Of a multiple of 4 characters in each piece but the last. */
   png_base64: string;
+  /** Another piece follows. */
+  more: boolean;
 }
 
 /** The answer to hello: everything. */
