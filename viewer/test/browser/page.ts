@@ -10,7 +10,7 @@ const stage = new Stage(canvas, { pixelRatio: 1, labels });
 const geometry = new Geometry(`${location.origin}/`, "token of the test");
 
 /** Draws frames, as fast as the device takes them, until `isEnough` or `most` frames. Returns how many were drawn. */
-async function frames(isEnough: () => boolean, most = 20_000): Promise<number> {
+async function frames(isEnough: () => boolean, most = 3000): Promise<number> {
   for (let k = 0; k < most; k++) {
     stage.frame(await new Promise<number>(requestAnimationFrame));
     if (isEnough()) return k + 1;
