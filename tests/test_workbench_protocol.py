@@ -130,7 +130,7 @@ TEXT_FROM_PAGE = [
     protocol.Ask(2, "ray", {"origin": [0, 0, 0]}),
     protocol.Job(3, "outline", {}),
     protocol.Cancel(3),
-    protocol.Shot(4, "view", "aGVsbG8="),
+    protocol.Shot(4, "view", "aGVsbG8=", False),
 ]
 
 

@@ -426,14 +426,24 @@ def test_jobs_end_with_their_page(server: Server, session: FakeSession) -> None:
     assert session.jobs[0].cancelled()
 
 
-def test_a_picture_comes_as_png(server: Server, session: FakeSession) -> None:
+def test_a_picture_comes_as_png_in_any_number_of_pieces(session: FakeSession) -> None:
     png = b"\x89PNG\r\n\x1a\n" + bytes(100)
-    with Page(server.url) as page:
-        for text in ("", "nonsense!", base64.b64encode(b"GIF89a").decode(), "\u00e9"):
-            page.send(protocol.Shot(1, "a", text))
+    text = base64.b64encode(png).decode()
+    with Server(session, files=FILES, limits=Limits(shot_bytes=200)) as server, Page(server.url) as page:
+        for wrong in ("", "nonsense!", base64.b64encode(b"GIF89a").decode(), "\u00e9"):
+            page.send(protocol.Shot(1, "a", wrong, False))
             assert "no PNG" in page.next(protocol.Refusal).error["what"]
-        page.send(protocol.Shot(2, "a", base64.b64encode(png).decode()))
+        page.send(protocol.Shot(2, "a", text, False))
         assert session.shots.get(timeout=WAIT_S) == (2, png)
+        for at in range(0, len(text), 8):
+            page.send(protocol.Shot(3, "a", text[at : at + 8], at + 8 < len(text)))
+        assert session.shots.get(timeout=WAIT_S) == (3, png)
+        page.send(protocol.Shot(4, "a", text, True))  # given up for another
+        page.send(protocol.Shot(5, "a", text, False))
+        assert session.shots.get(timeout=WAIT_S) == (5, png)
+        for _ in range(2):
+            page.send(protocol.Shot(6, "a", text, True))
+        assert "more than 200 bytes" in page.next(protocol.Refusal).error["what"]
 
 
 def test_events_go_to_all_pages_in_order(server: Server, session: FakeSession) -> None:

@@ -106,22 +106,22 @@ def view(
         check_target(record)
     # Before anything is loaded: a device that is not there is said at once.
     held = None if device is None else devices.open_device(device)
-    with contextlib.ExitStack() as ends:
+    opening: _Opening | None = None
+    with contextlib.suppress(KeyboardInterrupt), contextlib.ExitStack() as ends:
         session = Session(unit=show_unit, record=record)
         ends.callback(session.close)
         server = Server(session, place=place, has_device=held is not None)
         server.start()
         ends.callback(server.close)
+        opening = _Opening(session, mockup or [_SAMPLE], tool, Choice(None, without, only), held)
+        ends.callback(opening.close)
+        opening.begin(unit, tool_unit, up, threads)
         _say_where(server, place.is_remote, as_json)
         if browser:
             _open_browser(server.url)
-        opening = _Opening(session, mockup or [_SAMPLE], tool, Choice(None, without, only), held)
-        opening.begin(unit, tool_unit, up, threads)
-        ends.callback(opening.close)
-        with contextlib.suppress(KeyboardInterrupt):
-            while True:
-                time.sleep(_LOOK_S)
-    if opening.is_failed:
+        while True:
+            time.sleep(_LOOK_S)
+    if opening is not None and opening.is_failed:
         raise typer.Exit(BAD_INPUT)
 
 

@@ -12,11 +12,15 @@ import numpy as np
 from feeler.errors import WorkbenchError
 from feeler.progress import Progress
 from feeler.scene import Scene
-from feeler.workbench import export, measuring
+from feeler.workbench import export, measuring, page
 from feeler.workbench.arguments import Arguments
+from feeler.workbench.commands import camera_of
 from feeler.workbench.document import Document, plain
+from feeler.workbench.files import static_files
+from feeler.workbench.geometry import Geometry
 from feeler.workbench.world import PartMeshes
 
+PAGE = "mock-up.html"
 _SNAP_M = 0.005
 
 
@@ -96,6 +100,19 @@ def outline(place: Place, given: Arguments, progress: Progress) -> dict[str, Any
     }
 
 
+def page_file(place: Place, given: Arguments, progress: Progress) -> dict[str, Any]:
+    """One HTML file with the mock-up inside, to download; see `page`. `camera`: from where it is seen at first."""
+    document = place.document
+    assert document.mockup is not None, "a place has one"
+    camera = plain(camera_of(given)) if given.has("camera") else None
+    geometry = Geometry(place.scene.mockup, document.mockup.hash, document.mockup.name)
+    data, left_out = page.page(
+        document.to_json(), camera, geometry.manifest(), geometry.piece, static_files(), progress
+    )
+    place.exports[PAGE] = data
+    return {"name": PAGE, "bytes": len(data), "left_out": left_out}
+
+
 def _writing(name: str, write: Callable[..., bytes]) -> Work:
     def work(place: Place, given: Arguments, progress: Progress) -> dict[str, Any]:
         if not place.document.sequence:
@@ -122,4 +139,5 @@ JOBS: dict[str, Work] = {
     "export_csv": _writing("sequence.csv", export.sequence_csv),
     "export_html": _writing("sequence.html", export.sequence_html),
     "export_glb": _writing("sequence.glb", export.sequence_glb),
+    "page": Work(page_file, ("camera",)),
 }

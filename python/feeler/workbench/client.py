@@ -26,6 +26,8 @@ from feeler.workbench.serving import JobLike, Limits, SessionLike
 
 log = logging.getLogger("feeler.workbench")
 
+_NO_SHOT: tuple[None, list[str]] = (None, [])
+
 Request = protocol.Command | protocol.Ask | protocol.Job
 
 
@@ -56,6 +58,7 @@ class Client:
         self._asks: asyncio.Queue[Request] = asyncio.Queue()
         self._requests = 0
         self._jobs: dict[int, JobLike] = {}
+        self._shot: tuple[int | None, list[str]] = _NO_SHOT
         self._early: list[tuple[int, str]] | None = []  # events from before the welcome was ready
 
     # ---- what the server calls ----
@@ -156,11 +159,22 @@ class Client:
                 if (job := self._jobs.get(message.id)) is not None:
                     job.cancel()
             case protocol.Shot():
-                self._session.shot_taken(message.id, _png(message.png_base64))
+                self._take_shot(message)
             case protocol.Hello():
                 raise WorkbenchError("hello was said already", "hello", "say it once")
             case _:
                 self._queue(message)
+
+    def _take_shot(self, shot: protocol.Shot) -> None:
+        """A piece of a picture; the last one completes it."""
+        pieces = [] if self._shot[0] != shot.id else self._shot[1]
+        pieces.append(shot.png_base64)
+        if sum(map(len, pieces)) > self._limits.shot_bytes:
+            self._shot = _NO_SHOT
+            raise WorkbenchError(f"the picture has more than {self._limits.shot_bytes} bytes", "shot", "send less")
+        self._shot = (shot.id, pieces) if shot.more else _NO_SHOT
+        if not shot.more:
+            self._session.shot_taken(shot.id, _png("".join(pieces)))
 
     def _queue(self, request: Request) -> None:
         if self._requests >= self._limits.requests:

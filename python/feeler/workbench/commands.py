@@ -293,13 +293,17 @@ def measure_remove(document: Document, given: Arguments, _known: Known) -> Docum
     return replace(document, measures=without(document.measures, given.place_of(document.measures)))
 
 
-def viewpoint_add(document: Document, given: Arguments, _known: Known) -> Document:
-    """A camera to come back to."""
-    camera = given.given.get("camera")
-    inner = Arguments(f"{given.command}, camera", camera, ("position", "target", "up", "fov_rad"))
-    seen = CameraView(
+def camera_of(given: Arguments) -> CameraView:
+    """The argument "camera"."""
+    inner = Arguments(f"{given.command}, camera", given.given.get("camera"), ("position", "target", "up", "fov_rad"))
+    return CameraView(
         inner.point("position"), inner.point("target"), inner.unit("up"), inner.number("fov_rad", 0.01, 3)
     )
+
+
+def viewpoint_add(document: Document, given: Arguments, _known: Known) -> Document:
+    """A camera to come back to."""
+    seen = camera_of(given)
     name = given.text("name") if given.has("name") else f"view {document.next_id}"
     return document.with_id(viewpoints=(*document.viewpoints, Viewpoint(document.next_id, name, seen)))
 

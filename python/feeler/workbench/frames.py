@@ -94,7 +94,7 @@ def tag_of(message: type) -> dict[str, Any]:
 
 def pack(message: Any) -> str | bytes:
     """The frame of a message: text, or bytes where it has arrays. Raises `ProtocolError`."""
-    cls = type(message)
+    cls: Any = type(message)
     plan = _plan(cls)
     header = {**tag_of(cls), **{name: getattr(message, name) for name in plan.plain}}
     if not plan.arrays:

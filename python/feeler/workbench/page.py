@@ -5,16 +5,17 @@ base64 of a gzip of
 
     u32 version | u32 header bytes | JSON header, padded with spaces to a multiple of 8 | data
 
-little-endian. The header has "document", "manifest" (of the pieces that are inside), "left_out" (triangles that are
-not) and "grid": {"lower": [3], "step"}. The data are the pieces of the manifest, one after the other, each as planes of
-bytes: the lowest bytes of all numbers first, then the next, so that gzip finds what is alike. Of v vertices, in the
-order in which the triangles first name them, and t triangles:
+little-endian. The header has "document", "camera" (from where it is seen at first, or null), "manifest" (of the pieces
+that are inside), "left_out" (triangles that are not) and "grid": {"lower": [3], "step"}. The data are the pieces of the
+manifest, one after the other, each as planes of bytes: the lowest bytes of all numbers first, then the next, so that
+gzip finds what is alike. Of v vertices, in the order in which the triangles first name them, and t triangles:
 
     3 times (x, y, z)  3 planes of v   difference to the vertex before, zigzag: position = lower + number * step
     1 time (part)      4 planes of v   difference to the vertex before, zigzag
     3 times (corners)  2 planes of t   how far a corner is below the first vertex that no corner before it named
 
-where zigzag has 0, -1, 1, -2, 2 as 0, 1, 2, 3, 4, and the vertex before the first is 0. `viewer/src/offline.ts` reads it.
+where zigzag has 0, -1, 1, -2, 2 as 0, 1, 2, 3, 4, and before the first vertex there is 0. `viewer/src/offline.ts` reads
+it.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ from feeler.errors import WorkbenchError
 from feeler.progress import Progress
 from feeler.workbench.files import File
 from feeler.workbench.frames import dumps
-from feeler.workbench.protocol import DocumentFields, Manifest, ManifestPiece
+from feeler.workbench.protocol import Camera, Manifest, ManifestPiece
 
 VERSION = 1
 
@@ -48,7 +49,8 @@ Ints = npt.NDArray[np.int64]
 
 
 def page(
-    document: DocumentFields,
+    document: Mapping[str, Any],
+    camera: Camera | None,
     manifest: Manifest,
     piece: Callable[[int], bytes],
     files: Mapping[str, File],
@@ -59,13 +61,14 @@ def page(
 
     files: the page's own, `static_files()`. Raises `WorkbenchError` where its script is not among them.
     """
-    packed, left_out = container(document, manifest, piece, progress, most_bytes)
+    packed, left_out = container(document, camera, manifest, piece, progress, most_bytes)
     progress(0.9, "writing")
     return _document(manifest["name"], files, gzip.compress(packed, 9, mtime=0)), left_out
 
 
 def container(
-    document: DocumentFields,
+    document: Mapping[str, Any],
+    camera: Camera | None,
     manifest: Manifest,
     piece: Callable[[int], bytes],
     progress: Progress,
@@ -92,6 +95,7 @@ def container(
     triangles = sum(each["triangles"] for each in inside)
     header = {
         "document": {**document, "loading": None},
+        "camera": camera,
         "manifest": {
             **manifest,
             "triangles": triangles,
@@ -158,8 +162,8 @@ def _document(name: str, files: Mapping[str, File], compressed: bytes) -> bytes:
         if needed not in files:
             raise WorkbenchError(f"the page has no {needed[1:]}", "page", "run `make build` again")
     # A closing tag in a text of the script would end the script.
-    script = files["/main.js"].data.decode().replace("</script", "<\\/script").replace("<!--", "<\\!--")
-    style = files["/style.css"].data.decode().replace("</style", "<\\/style")
+    script = _lines(files["/main.js"]).replace("</script", "<\\/script").replace("<!--", "<\\!--")
+    style = _lines(files["/style.css"]).replace("</style", "<\\/style")
     policy = "; ".join(
         [
             "default-src 'none'",
@@ -188,6 +192,11 @@ def _document(name: str, files: Mapping[str, File], compressed: bytes) -> bytes:
 </body>
 </html>
 """.encode()
+
+
+def _lines(file: File) -> str:
+    """The text with the ends of lines that a browser makes of any, or the digests would differ."""
+    return file.data.decode().replace("\r\n", "\n").replace("\r", "\n")
 
 
 def _allowed(texts: Iterable[str]) -> str:

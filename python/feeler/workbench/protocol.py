@@ -345,12 +345,15 @@ class Cancel:
 
 @dataclass(frozen=True)
 class Shot:
-    """The picture that a "shot" event asked for."""
+    """The picture that a "shot" event asked for, or the next piece of it: a message may have 1 MiB, a picture more."""
 
     KIND: ClassVar[str] = "shot"
     id: int
     name: str
     png_base64: str
+    """Of a multiple of 4 characters in each piece but the last."""
+    more: bool
+    """Another piece follows."""
 
 
 # ---- server -> page ----

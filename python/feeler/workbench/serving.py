@@ -100,7 +100,8 @@ class Limits:
     """How much a page may ask of the server.
 
     hello_s: until the first message; message_bytes: of one; pages: at once; waiting: sockets that have not said hello;
-    messages_per_s; requests: commands, questions and jobs of a page that are not answered yet.
+    messages_per_s; requests: commands, questions and jobs of a page that are not answered yet; shot_bytes: of a picture
+    in base64, all pieces together.
     """
 
     hello_s: float = 2.0
@@ -109,3 +110,4 @@ class Limits:
     waiting: int = 16
     messages_per_s: int = 1000
     requests: int = 256
+    shot_bytes: int = 32 << 20

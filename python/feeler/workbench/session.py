@@ -248,11 +248,6 @@ class Session:
         with self._lock:
             return self._opened().geometry(version).data()
 
-    def held_manifest(self, version: int) -> dict[str, Any] | None:
-        """What is known of the mesh that `held` gives; None for version 0, the empty hand. Raises `WorkbenchError`."""
-        with self._lock:
-            return None if version == 0 else dict(self._opened().geometry(version).manifest())
-
     def export(self, name: str) -> bytes:
         """What a job wrote. Raises `WorkbenchError`."""
         data = self._exports.get(name)
