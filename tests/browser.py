@@ -82,6 +82,8 @@ def program(*words: str | Path, timeout_s: float = 60.0) -> Iterator[Program]:
             process.kill()
         process.wait(30)
         listener.join(30)
+        assert process.stdout is not None
+        process.stdout.close()
 
 
 def keep(picture: bytes, name: str, folders: Sequence[str] = ("target", "screenshots")) -> Path:

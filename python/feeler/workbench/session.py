@@ -383,8 +383,10 @@ class Session:
         before = self._document
         known = self._known(hands)
         if command is not None and command.moves_hand:
-            # Undo brings the hand back to where it was, not to where it was put down before that.
-            before = replace(before, pose=known.pose, trip=self.engine.trip())
+            # Undo brings the hand back to where it was, not to where it was put down before that; but of a motion, which
+            # ends with where the hand was put down, to where it began.
+            pose = before.pose if name == "place" else known.pose
+            before = replace(before, pose=pose, trip=self.engine.trip())
             given = Arguments(name, args, command.arguments)
             if name == "place":
                 reached = self.engine.place(motion.matrix(given.pose("pose")))
