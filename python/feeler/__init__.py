@@ -18,6 +18,8 @@ from feeler._core import (
     PackedPiece,
     PathCheck,
     Penetration,
+    Rays,
+    SectionOutline,
 )
 from feeler.errors import (
     DeviceError,
@@ -67,7 +69,9 @@ __all__ = [
     "PathCheck",
     "Penetration",
     "PoseError",
+    "Rays",
     "Scene",
+    "SectionOutline",
     "SessionError",
     "Tool",
     "from_open3d",
