@@ -177,7 +177,7 @@ fn rays_in_a_plane_come_upon_its_triangles() {
     assert_eq!(asked(&scene, [3.0, -0.5, 0.0], [-1.0, 0.0, 0.0]), Some((0, 2.0, up)));
     // Along the rim, beside it, over a corner, and away.
     assert_eq!(asked(&scene, [-3.0, -1.0, 0.0], [1.0, 0.0, 0.0]), Some((0, 2.0, up)));
-    assert_eq!(asked(&scene, [-3.0, -1.0f64.next_up().abs().next_up(), 0.0], [1.0, 0.0, 0.0]), None);
+    assert_eq!(asked(&scene, [-3.0, 1.0f64.next_up(), 0.0], [1.0, 0.0, 0.0]), None);
     assert_eq!(asked(&scene, [2.0, 0.0, 0.0], [-1.0, 1.0, 0.0]).map(|hit| hit.0), Some(0));
     assert_eq!(asked(&scene, [3.0, 0.5, 0.0], [1.0, 0.0, 0.0]), None);
 }
@@ -216,7 +216,8 @@ fn what_is_no_ray_is_refused() {
     let good = Ray { origin: [0.0; 3], direction: [1.0, 0.0, 0.0] };
     let none: &[HalfSpace] = &[];
     assert_eq!(scene.rays(&[], 1.0, none), Ok(vec![]));
-    for direction in [[0.0; 3], [f64::NAN, 1.0, 0.0], [f64::INFINITY, 0.0, 0.0], [1e-101, 0.0, 0.0], [1e101, 1.0, 0.0]] {
+    for direction in [[0.0; 3], [f64::NAN, 1.0, 0.0], [f64::INFINITY, 0.0, 0.0], [1e-101, 0.0, 0.0], [1e101, 1.0, 0.0]]
+    {
         let error = scene.rays(&[good, Ray { direction, ..good }], 1.0, none).unwrap_err();
         assert!(matches!(error, Error::Ray { what: "directions", ray: 1, .. }), "{error}");
     }

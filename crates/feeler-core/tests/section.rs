@@ -26,9 +26,8 @@ fn open_ends(outline: &SectionOutline) -> Vec<i32> {
 
 /// What an outline encloses, seen from where the normal (a unit) points to.
 fn area(outline: &SectionOutline, normal: &Point) -> f64 {
-    let cross = |a: &Point, b: &Point| {
-        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-    };
+    let cross =
+        |a: &Point, b: &Point| [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
     let twice = |[a, b]: &[Point; 2]| cross(a, b).iter().zip(normal).map(|(x, n)| x * n).sum::<f64>();
     outline.segments.iter().map(twice).sum::<f64>() / 2.0
 }
