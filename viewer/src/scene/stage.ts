@@ -72,7 +72,7 @@ const SHOT_MS = 2000;
 
 export class Stage {
   readonly camera = new CameraRig();
-  /** For WebXR: the session goes here, and `eye` is its camera, in `rig`. */
+  /** For WebXR: the session goes here, and `eye` is its camera, in `rig`, which stands in world coordinates less the middle. */
   readonly renderer: WebGLRenderer;
   readonly eye = new PerspectiveCamera();
   readonly rig = new Group();
@@ -366,6 +366,8 @@ export class Stage {
     this.renderer.info.reset();
     if (this.renderer.xr.isPresenting) {
       this.#drawDirect();
+      // Once the headset is left, its camera is not the page's.
+      this.camera.moved = true;
       stats.drawn = true;
       stats.isKept = false;
     } else {
@@ -680,6 +682,8 @@ export class Stage {
   #drawDirect(): void {
     const { renderer, eye } = this;
     const target = renderer.getRenderTarget();
+    // No scene holds the rig that would bring it up to date.
+    this.rig.updateMatrixWorld();
     renderer.clear(true, true, false);
     this.#uniforms.hasKept.value = false;
     this.#back.draw(renderer, target);

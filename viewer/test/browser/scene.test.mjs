@@ -307,6 +307,32 @@ scene("a lost context comes back with everything on it", async () => {
   assert.deepEqual(unexpected, []);
 });
 
+scene("a headset sees the mock-up and what is held with both eyes, and the page its own picture after", async () => {
+  const { was, is, eyes } = await inPage(
+    async ({ stage, geometry, colours, inHeadset, whole }, { manifest, pose }) => {
+      stage.setHeld({ piece: await geometry.loadHeld(1), manifest });
+      stage.setPose(pose, null);
+      const all = () => colours([0.21, -0.2, 0.22], [0.02, -0.7, 0.02]);
+      const was = await all();
+      const seen = await inHeadset([0, -2, 0]);
+      await whole();
+      const isTeal = (c) => c[1] > c[0] + 40 && c[2] > c[0] + 25;
+      const isGrey = (c) => c[0] > 90 && Math.max(...c) - Math.min(...c) < 40;
+      const eyes = seen.map((set) => {
+        const found = [...set].map((text) => text.split(",").map(Number));
+        return [found.some(isTeal), found.some(isGrey)];
+      });
+      return { was, is: await all(), eyes };
+    },
+    { manifest: HELD.manifest, pose: AT(0, -0.6, 0) },
+  );
+  assert.deepEqual(eyes, [
+    [true, true],
+    [true, true],
+  ]);
+  assert.deepEqual(is, was);
+});
+
 scene("the manifest asks for the token", async () => {
   const what = await tab.page.evaluate(
     () =>
