@@ -5,11 +5,13 @@
 
 import { Group, PerspectiveCamera, Scene, WebGLRenderer, type WebGLRenderTarget } from "three";
 import type { HeldManifest, Manifest } from "../geometry";
+import { aim, eyePlanes } from "./aim";
 import { Average } from "./average";
 import { CameraRig } from "./camera";
 import { type Piece, Pieces } from "./chunks";
 import { copyPicture } from "./copy";
-import { isCutAway, mayBeSeen, sidePlanes } from "./culling";
+import { isCutAway, mayBeSeen } from "./culling";
+import { DeviceWork } from "./devicework";
 import { Held } from "./held";
 import { Hits } from "./hits";
 import { JITTER, Kept, PieceMaterials, shownTarget } from "./kept";
@@ -23,8 +25,8 @@ import { clipBox, SectionLines, type SectionPlane, writePlanes } from "./section
 import { backFragment, tintFragment } from "./shaders";
 import { pngOf } from "./shot";
 import { coloursOf, type Theme } from "./theme";
-import { MAX_SECTIONS, setProjection, sharedUniforms } from "./uniforms";
-import { add, type Box, dot, emptyBox, include, isEmpty, scale, subtract, type Vec3 } from "./vectors";
+import { MAX_SECTIONS, sharedUniforms } from "./uniforms";
+import { add, type Box, dot, emptyBox, include, isEmpty, scale, type Vec3 } from "./vectors";
 
 export { PartState } from "./parts";
 export type { SectionPlane } from "./sections";
@@ -95,6 +97,7 @@ export class Stage {
   readonly #pieceScene = new Scene();
   readonly #labels: LabelLayer | null;
   readonly #pace = new Pace();
+  readonly #work: DeviceWork;
   readonly #restored: (() => void)[] = [];
   readonly #resizes: ResizeObserver;
 
@@ -120,7 +123,6 @@ export class Stage {
   #movedAt = -Infinity;
   #changedAt = -Infinity;
   #shapeVersion = 0;
-  #fence: { sync: WebGLSync; at: number; triangles: number; isDraft: boolean } | null = null;
 
   constructor(
     readonly canvas: HTMLCanvasElement,
@@ -140,6 +142,7 @@ export class Stage {
     this.#materials = new PieceMaterials(this.#uniforms);
     this.#kept = new Kept(this.renderer, this.#uniforms, this.#materials);
     this.#average = new Average(this.renderer);
+    this.#work = new DeviceWork(this.renderer);
     this.#probe = new Probe(this.renderer, this.#uniforms);
     this.#held = new Held(this.#uniforms);
     this.#hits = new Hits(this.#uniforms);
@@ -202,7 +205,7 @@ export class Stage {
   addPiece(k: number, data: ArrayBuffer): void {
     if (!this.#pieces) throw new RangeError("A piece came before its manifest: load again.");
     const piece = this.#pieces.add(k, data);
-    if (!this.#isShapeNew && !this.#isViewNew && this.#isSeen(piece, this.#eyePlanes())) {
+    if (!this.#isShapeNew && !this.#isViewNew && this.#isSeen(piece, eyePlanes(this.eye, this.#middle))) {
       if (piece.partIds.some((part) => this.#table?.isGhost(part)) || !this.#kept.append(piece))
         this.#isShapeNew = true;
     }
@@ -373,7 +376,8 @@ export class Stage {
     } else {
       this.#resize();
       this.#takeCamera(now);
-      this.#pollFence();
+      const done = this.#work.poll();
+      if (done) this.#pace.add(done.triangles, done.ms, done.isDraft);
       this.#step(now, stats);
     }
     stats.isWhole = this.#kept.isWhole && this.#kept.scale === 1 && !this.#isViewNew && !this.#isShapeNew;
@@ -451,7 +455,7 @@ export class Stage {
     // Else the browser would never give it back.
     event.preventDefault();
     this.#isLost = true;
-    this.#fence = null;
+    this.#work.forget();
   };
 
   readonly #onRestored = (): void => {
@@ -518,41 +522,23 @@ export class Stage {
     this.#marks.build(this.camera);
   }
 
-  /** Brings the camera to three's, and to the uniforms that follow from it. */
   #aim(width: number, height: number, pixelRatio: number): void {
-    const { camera, eye } = this;
-    const isReversed = this.renderer.capabilities.reversedDepthBuffer;
     const box = emptyBox();
     for (const part of [this.#bounds, this.#held.box()]) {
       if (isEmpty(part)) continue;
       include(box, part.lower);
       include(box, part.upper);
     }
-    const { near, far } = camera.range(box, isReversed);
-    const [position, target] = [subtract(camera.position, this.#middle), subtract(camera.target, this.#middle)];
-    Object.assign(eye, { fov: (camera.fov * 180) / Math.PI, aspect: width / height, near, far });
-    eye.position.set(...position);
-    eye.up.set(...camera.top);
-    eye.lookAt(...target);
-    eye.updateProjectionMatrix();
-    eye.updateMatrixWorld();
-    const uniforms = this.#uniforms;
-    setProjection(uniforms, eye.projectionMatrix, isReversed, width, height);
-    uniforms.pixelRatio.value = pixelRatio;
-    uniforms.nearest.value = near;
-    uniforms.sky.value.set(dot(camera.up, camera.right), dot(camera.up, camera.top), -dot(camera.up, camera.forward));
-    writePlanes(this.#sections, this.#middle, camera, uniforms.cutPlanes.value, uniforms.viewPlanes.value);
-  }
-
-  #eyePlanes(): Float64Array {
-    const clip = this.eye.projectionMatrix.clone().multiply(this.eye.matrixWorldInverse);
-    const planes = sidePlanes(clip.elements);
-    const [x, y, z] = this.#middle;
-    for (let k = 0; k < planes.length; k += 4) {
-      const along = (planes[k] as number) * x + (planes[k + 1] as number) * y + (planes[k + 2] as number) * z;
-      planes[k + 3] = (planes[k + 3] as number) - along;
-    }
-    return planes;
+    const isReversed = this.renderer.capabilities.reversedDepthBuffer;
+    const picture = { width, height, pixelRatio };
+    aim(this.eye, this.#uniforms, { camera: this.camera, box, middle: this.#middle, isReversed, picture });
+    writePlanes(
+      this.#sections,
+      this.#middle,
+      this.camera,
+      this.#uniforms.cutPlanes.value,
+      this.#uniforms.viewPlanes.value,
+    );
   }
 
   /** Whether some of the piece may be in the picture. A piece of parts that were moved may be anywhere. */
@@ -567,7 +553,7 @@ export class Stage {
     if (!this.#pieces || !table) return { solid: [], ghosts: [] };
     this.#uniforms.states.value = table.statesTexture;
     this.#uniforms.places.value = table.placesTexture;
-    const planes = this.#eyePlanes();
+    const planes = eyePlanes(this.eye, this.#middle);
     const seen = this.#pieces.all.filter((piece) => this.#isSeen(piece, planes));
     return {
       solid: seen.filter((piece) => piece.partIds.some((part) => table.isSolid(part))),
@@ -590,7 +576,7 @@ export class Stage {
     const at = performance.now();
     const triangles = this.#kept.draw(this.eye, budget);
     this.#isLitNew = true;
-    this.#setFence(at, triangles, isDraft);
+    this.#work.begin(at, triangles, isDraft);
     this.#touch();
   }
 
@@ -599,15 +585,15 @@ export class Stage {
     const isMoving = this.#isMoving(now);
     if (this.#isViewNew || this.#isShapeNew) {
       // The device is still busy with the frame before: another one would only wait behind it.
-      if (isMoving && this.#fence) return;
+      if (isMoving && this.#work.isRunning) return;
       this.#redraw(isMoving);
       stats.isKept = false;
-    } else if ((!kept.isWhole || kept.scale !== 1) && !isMoving && !this.#fence) {
+    } else if ((!kept.isWhole || kept.scale !== 1) && !isMoving && !this.#work.isRunning) {
       if (kept.isContinuable) this.#drawKept(this.#pace.triangles(SLICE_MS), false);
       else this.#redraw(false);
       stats.isKept = false;
     }
-    const isIdle = now - this.#changedAt >= IDLE_MS && !this.#fence;
+    const isIdle = now - this.#changedAt >= IDLE_MS && !this.#work.isRunning;
     if (this.#isOverlayNew) {
       this.#present();
       this.#changedAt = now;
@@ -617,7 +603,7 @@ export class Stage {
       const at = performance.now();
       this.#isLitNew = kept.refine(this.eye, this.#pace.triangles(REFINE_MS));
       if (this.#isLitNew) this.#compose(kept, this.#lit, null);
-      this.#setFence(at, kept.triangles - before, false);
+      this.#work.begin(at, kept.triangles - before, false);
       stats.drawn = true;
     } else if (isIdle && kept.isRefined && this.#average.samples < JITTER.length) {
       this.#average.setSize(this.canvas.width, this.canvas.height);
@@ -703,23 +689,5 @@ export class Stage {
       renderer.render(this.#pieceScene, eye);
     }
     this.#drawOver();
-  }
-
-  #setFence(at: number, triangles: number, isDraft: boolean): void {
-    const gl = this.renderer.getContext() as WebGL2RenderingContext;
-    const sync = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
-    gl.flush();
-    this.#fence = sync ? { sync, at, triangles, isDraft } : null;
-  }
-
-  /** Asks whether the device is done with the last draw of pieces, and learns what it took. */
-  #pollFence(): void {
-    if (!this.#fence) return;
-    const { sync, at, triangles, isDraft } = this.#fence;
-    const gl = this.renderer.getContext() as WebGL2RenderingContext;
-    if (gl.getSyncParameter(sync, gl.SYNC_STATUS) !== gl.SIGNALED) return;
-    gl.deleteSync(sync);
-    this.#fence = null;
-    this.#pace.add(triangles, performance.now() - at, isDraft);
   }
 }

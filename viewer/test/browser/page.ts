@@ -67,7 +67,9 @@ async function inHeadset(eye: [number, number, number]): Promise<Set<string>[]> 
   device.stereoEnabled = true;
   device.position.set(0, 0, 0);
   const { renderer, rig } = stage;
-  const session = await (navigator.xr as XRSystem).requestSession("immersive-vr", { requiredFeatures: ["local-floor"] });
+  const session = await (navigator.xr as XRSystem).requestSession("immersive-vr", {
+    requiredFeatures: ["local-floor"],
+  });
   renderer.xr.enabled = true;
   renderer.xr.setReferenceSpaceType("local-floor");
   await renderer.xr.setSession(session);
