@@ -20,6 +20,7 @@ import { MarkLayer, type Marks, NO_MARKS } from "./marks";
 import { Pace, STILL_MS } from "./pace";
 import { PartTable } from "./parts";
 import { Probe } from "./pick";
+import { isSame } from "./same";
 import { define, ScreenPass } from "./screen";
 import { clipBox, SectionLines, type SectionPlane, writePlanes } from "./sections";
 import { backFragment, tintFragment } from "./shaders";
@@ -101,7 +102,8 @@ export class Stage {
   readonly #restored: (() => void)[] = [];
   readonly #resizes: ResizeObserver;
 
-  #manifest: Manifest | null = null;
+  // Of the mock-up that was shown last: it may come again after a reconnect.
+  #hash: string | null = null;
   #pieces: Pieces | null = null;
   #table: PartTable | null = null;
   #marks: MarkLayer;
@@ -165,7 +167,7 @@ export class Stage {
     this.#overlayScene.add(this.overlay);
     this.#pieceScene.matrixWorldAutoUpdate = false;
     this.#labels = options.labels ? new LabelLayer(options.labels) : null;
-    this.setTheme("dark");
+    this.#colour();
     // Three tells a camera of the reversed depth when it first draws something with it: too late for the first aim.
     this.#back.draw(this.renderer, null, this.eye);
     this.#resizes = new ResizeObserver(() => {
@@ -178,9 +180,9 @@ export class Stage {
 
   /** Begins a mock-up; its pieces follow by `addPiece`. The camera looks at all of it, unless it is the one shown before. */
   setManifest(manifest: Manifest): void {
-    const isSame = this.#manifest?.hash === manifest.hash;
+    const isAnother = this.#hash !== manifest.hash;
     this.clear();
-    this.#manifest = manifest;
+    this.#hash = manifest.hash;
     this.#middle = manifest.middle;
     this.#bounds = { lower: manifest.lower, upper: manifest.upper };
     const { lower, upper } = manifest.parts;
@@ -195,9 +197,9 @@ export class Stage {
     this.#lines.dispose();
     this.#lines = new SectionLines(this.#uniforms, this.#middle);
     this.#held.setOrigin(this.#middle);
-    this.setSections(this.#sections);
+    this.#cut();
     this.setOutlines(this.#outlines);
-    if (!isSame) this.camera.view(7, this.#bounds, manifest.up);
+    if (isAnother) this.camera.view(7, this.#bounds, manifest.up);
     this.#touch();
   }
 
@@ -209,8 +211,7 @@ export class Stage {
       if (piece.partIds.some((part) => this.#table?.isGhost(part)) || !this.#kept.append(piece))
         this.#isShapeNew = true;
     }
-    this.setHits(this.#hitIds.mockup, this.#hitIds.held);
-    this.#touch();
+    this.#placeHits();
   }
 
   /** Takes the mock-up away. What the hand holds stays. */
@@ -219,7 +220,6 @@ export class Stage {
     this.#table?.dispose();
     this.#pieces = null;
     this.#table = null;
-    this.#manifest = null;
     this.#bounds = emptyBox();
     this.#kept.forget();
     this.#isShapeNew = true;
@@ -236,32 +236,30 @@ export class Stage {
 
   /** A byte a part, of the bits of `PartState`. Lighting parts redraws nothing; hiding them redraws the mock-up. */
   setPartStates(states: Uint8Array): void {
-    this.#table?.setStates(states);
+    if (!this.#table?.setStates(states)) return;
     this.#isLitNew = true;
     this.#followTable();
   }
 
   /** world_from_part, row by row, of every part that is not where it was loaded. */
   setMoved(moved: Map<number, number[]>): void {
-    this.#table?.setMoved(moved);
-    this.#followTable();
+    if (this.#table?.setMoved(moved)) this.#followTable();
   }
 
   /** Moves the parts apart, by `share` from 0 to 1. */
   setExplode(share: number): void {
-    this.#table?.setExplode(share);
+    if (!this.#table?.setExplode(share)) return;
     this.#followTable();
+    this.#stir();
   }
 
   /** The planes that cut the mock-up: at most six, the others are not cut. */
   setSections(sections: SectionPlane[]): void {
-    this.#sections = sections.slice(0, MAX_SECTIONS);
-    const count = this.#sections.length;
-    for (const room of [this.#materials, this.#probe, this.#held, this.#hits, this.#marks]) room.setSections(count);
-    this.#lines.setPlanes(this.#sections, this.#bounds);
-    this.#aimAtCanvas();
-    this.#isShapeNew = true;
-    this.#touch();
+    const next = sections.slice(0, MAX_SECTIONS);
+    if (isSame(next, this.#sections)) return;
+    this.#sections = structuredClone(next);
+    this.#cut();
+    this.#stir();
   }
 
   /** The engine's exact outlines of the sections: (k, 2, 3) world metres, null for none. */
@@ -273,35 +271,28 @@ export class Stage {
 
   /** world_from_tool, row by row: where the engine has it (solid), and where the hand wishes it (ghost; null: nowhere else). */
   setPose(pose: ArrayLike<number>, wish: ArrayLike<number> | null): void {
-    this.#held.setPose(pose, wish);
-    this.#touch();
+    if (this.#held.setPose(pose, wish)) this.#touch();
   }
 
   /** Packed triangles that meet: of the mock-up, and of the held mesh. */
   setHits(mockup: Uint32Array, held: Uint32Array): void {
-    this.#hitIds = { mockup, held };
-    this.#hits.mockup.set(
-      this.#pieces && this.#table ? this.#pieces.corners(mockup, this.#table) : new Float32Array(0),
-    );
-    this.#hits.held.set(this.#held.corners(held));
-    this.#touch();
+    const next = { mockup, held };
+    if (isSame(next, this.#hitIds)) return;
+    this.#hitIds = structuredClone(next);
+    this.#placeHits();
   }
 
   setMarks(marks: Marks): void {
-    this.#markValues = marks;
-    this.#marks.set(marks);
+    if (isSame(marks, this.#markValues)) return;
+    this.#markValues = structuredClone(marks);
+    this.#marks.set(this.#markValues);
     this.#touch();
   }
 
   setTheme(theme: Theme): void {
+    if (theme === this.#theme) return;
     this.#theme = theme;
-    const colours = coloursOf(theme);
-    this.#kept.setColours(colours);
-    const { above, below } = this.#back.material.uniforms as Record<string, { value: typeof colours.above }>;
-    above?.value.copy(colours.above);
-    below?.value.copy(colours.below);
-    this.#isShapeNew = true;
-    this.#touch();
+    this.#colour();
   }
 
   /** The box of what can be seen, sections and hidden parts obeyed: for `camera.fit` and `camera.view`. World metres. */
@@ -423,7 +414,7 @@ export class Stage {
     }
   }
 
-  /** Calls `f` whenever a lost graphics context came back and everything is on the device again. */
+  /** Calls `f` whenever a lost graphics context came back; the next frame draws everything anew. */
   onRestored(f: () => void): void {
     this.#restored.push(f);
   }
@@ -476,15 +467,49 @@ export class Stage {
     this.#changedAt = Infinity;
   }
 
+  #cut(): void {
+    const count = this.#sections.length;
+    for (const room of [this.#materials, this.#probe, this.#held, this.#hits, this.#marks]) room.setSections(count);
+    this.#lines.setPlanes(this.#sections, this.#bounds);
+    this.#aimAtCanvas();
+    this.#isShapeNew = true;
+    this.#touch();
+  }
+
+  #placeHits(): void {
+    const { mockup, held } = this.#hitIds;
+    this.#hits.mockup.set(
+      this.#pieces && this.#table ? this.#pieces.corners(mockup, this.#table) : new Float32Array(0),
+    );
+    this.#hits.held.set(this.#held.corners(held));
+    this.#touch();
+  }
+
+  #colour(): void {
+    const colours = coloursOf(this.#theme);
+    this.#kept.setColours(colours);
+    const { above, below } = this.#back.material.uniforms as Record<string, { value: typeof colours.above }>;
+    above?.value.copy(colours.above);
+    below?.value.copy(colours.below);
+    this.#isShapeNew = true;
+    this.#touch();
+  }
+
   #followTable(): void {
     if (!this.#table) return;
     if (this.#shapeVersion !== this.#table.shapeVersion) {
       this.#shapeVersion = this.#table.shapeVersion;
       this.#isShapeNew = true;
       // A triangle of a part that was hidden or moved is not where it was.
-      this.setHits(this.#hitIds.mockup, this.#hitIds.held);
+      this.#placeHits();
     }
     this.#touch();
+  }
+
+  /** A drag changes the shapes at every step: where a redraw is slow, they are drawn as while the camera moves. */
+  #stir(): void {
+    const triangles = this.#pieces?.all.reduce((sum, piece) => sum + piece.triangles, 0) ?? 0;
+    if (this.#pace.estimate(triangles) > SLOW_REDRAW_MS) this.#movedAt = performance.now();
   }
 
   #isMoving(now: number): boolean {
@@ -523,12 +548,8 @@ export class Stage {
   }
 
   #aim(width: number, height: number, pixelRatio: number): void {
-    const box = emptyBox();
-    for (const part of [this.#bounds, this.#held.box()]) {
-      if (isEmpty(part)) continue;
-      include(box, part.lower);
-      include(box, part.upper);
-    }
+    // Not of what moves: the kept layer's depths are read by the planes that it was drawn with.
+    const box = isEmpty(this.#bounds) ? this.#held.box() : this.#bounds;
     const isReversed = this.renderer.capabilities.reversedDepthBuffer;
     const picture = { width, height, pixelRatio };
     aim(this.eye, this.#uniforms, { camera: this.camera, box, middle: this.#middle, isReversed, picture });

@@ -148,6 +148,28 @@ scene("a frame in which only the tool moves draws the tool alone", async () => {
   }
 });
 
+scene("what is told again changes nothing: a picture that stands comes to rest", async () => {
+  const { first, again } = await inPage(
+    async ({ stage, geometry, settled, NO_MARKS }, { manifest, pose }) => {
+      stage.setHeld({ piece: await geometry.loadHeld(1), manifest });
+      const tell = () => {
+        stage.setPose([...pose], [...pose]);
+        stage.setHits(Uint32Array.of(12, 13), Uint32Array.of(1));
+        stage.setMarks({ ...NO_MARKS, distance: { from: [0, -0.3, 0], to: [0.1, -0.3, 0], text: "100 mm" } });
+        stage.setPartStates(Uint8Array.of(0, 4, 0));
+        stage.setSections([{ normal: [0, 0, 1], offset: -0.9 }]);
+        return stage.frame(performance.now()).drawn;
+      };
+      await settled();
+      const first = tell();
+      await settled();
+      return { first, again: tell() };
+    },
+    { manifest: HELD.manifest, pose: AT(0, -0.6, 0) },
+  );
+  assert.deepEqual([first, again], [true, false]);
+});
+
 scene("the held mesh hides and is hidden by distance, and is picked", async () => {
   const { before, inside, behind, beforeTint, cap } = await inPage(
     async ({ stage, geometry, pick, colour }, { manifest, poses }) => {
