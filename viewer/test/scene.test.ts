@@ -8,6 +8,7 @@ import { take } from "../src/scene/kept";
 import { arc, arrowLength } from "../src/scene/marks";
 import { Pace } from "../src/scene/pace";
 import { PartState, PartTable } from "../src/scene/parts";
+import { isSame } from "../src/scene/same";
 import { clipBox, planeInBox, writePlanes } from "../src/scene/sections";
 import { setProjection, sharedUniforms } from "../src/scene/uniforms";
 import { type Box, distance, dot, isEmpty, type Vec3 } from "../src/scene/vectors";
@@ -307,4 +308,28 @@ test("the arc of an angle goes from leg to leg", () => {
   assert.ok(distance(bow[0] as Vec3, [0.5, 0, 0]) < 1e-12);
   assert.ok(distance(bow.at(-1) as Vec3, [0, 0.5, 0]) < 1e-12);
   assert.deepEqual(arc([0, 0, 0], [0, 0, 0], [0, 3, 0], 0.5), []);
+});
+
+test("what says the same is the same, by value", () => {
+  const marks = { a: new Float32Array([1, 2]), b: [[1, 2, 3]], c: null, d: "x" };
+  assert.equal(isSame(marks, structuredClone(marks)), true);
+  for (const other of [
+    { ...marks, a: new Float32Array([1, 3]) },
+    { ...marks, a: [1, 2] },
+    { ...marks, b: [[1, 2]] },
+    { ...marks, c: undefined },
+    { ...marks, e: 1 },
+    { a: marks.a, b: marks.b, d: "x", f: null },
+  ]) {
+    assert.equal(isSame(marks, other), false);
+  }
+});
+
+test("a table told what it knows says so", () => {
+  const { table } = mockup([[0, 1]]);
+  assert.equal(table.setStates(new Uint8Array(2)), false);
+  assert.equal(table.setStates(Uint8Array.of(0, PartState.hit)), true);
+  const moved = () => new Map([[1, [1, 0, 0, 5, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]]]);
+  assert.deepEqual([table.setMoved(moved()), table.setMoved(moved()), table.setMoved(new Map())], [true, false, true]);
+  assert.deepEqual([table.setExplode(0), table.setExplode(0.5), table.setExplode(0.5)], [false, true, false]);
 });

@@ -3,6 +3,7 @@
 import { DoubleSide, GLSL3, Group, Matrix4, type Mesh, NormalBlending, RawShaderMaterial, Scene } from "three";
 import type { HeldManifest } from "../geometry";
 import { geometryOf, type PieceArrays, readPiece, standingMesh, writeCorners } from "./chunks";
+import { isSame } from "./same";
 import { define } from "./screen";
 import { heldFragment, heldVertex } from "./shaders";
 import type { SharedUniforms } from "./uniforms";
@@ -79,7 +80,7 @@ export class Held {
   /** Where the scene's origin lies, world metres. */
   setOrigin(middle: Vec3): void {
     this.#middle = middle;
-    this.setPose(this.#pose, this.#wish);
+    this.#placeBoth();
   }
 
   set(held: { piece: ArrayBuffer; manifest: HeldManifest } | null): void {
@@ -101,15 +102,17 @@ export class Held {
         this.#ghost.add(standingMesh(mesh.geometry, this.#ghostMaterial));
       }
     }
-    this.setPose(this.#pose, this.#wish);
+    this.#placeBoth();
   }
 
-  /** world_from_tool, row by row, of the solid and of the wish (null: none). */
-  setPose(pose: ArrayLike<number>, wish: ArrayLike<number> | null): void {
-    this.#pose = Array.from(pose);
-    this.#wish = wish ? Array.from(wish) : null;
-    this.#place(this.#solid, this.#pose);
-    if (this.#wish) this.#place(this.#ghost, this.#wish);
+  /** world_from_tool, row by row, of the solid and of the wish (null: none). Returns whether either is new. */
+  setPose(pose: ArrayLike<number>, wish: ArrayLike<number> | null): boolean {
+    const [next, nextWish] = [Array.from(pose), wish ? Array.from(wish) : null];
+    if (isSame([next, nextWish], [this.#pose, this.#wish])) return false;
+    this.#pose = next;
+    this.#wish = nextWish;
+    this.#placeBoth();
+    return true;
   }
 
   /** The box of the solid, world metres. */
@@ -146,6 +149,11 @@ export class Held {
   dispose(): void {
     this.set(null);
     for (const material of [this.#solidMaterial, this.#ghostMaterial, this.probeMaterial]) material.dispose();
+  }
+
+  #placeBoth(): void {
+    this.#place(this.#solid, this.#pose);
+    if (this.#wish) this.#place(this.#ghost, this.#wish);
   }
 
   #place(group: Group, pose: number[]): void {

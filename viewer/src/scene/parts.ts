@@ -9,6 +9,7 @@ import {
   type Texture,
   UnsignedByteType,
 } from "three";
+import { isSame } from "./same";
 import { add, type Box, centre, corners, emptyBox, include, scale, subtract, transform, type Vec3 } from "./vectors";
 
 /** The bits of a part's state. `away`: in the hand, or taken out of the mock-up. */
@@ -74,33 +75,37 @@ export class PartTable {
     return this.#placesTexture;
   }
 
-  /** Takes a byte a part. Parts beyond its end keep their state. */
-  setStates(states: Uint8Array): void {
+  /** Takes a byte a part. Parts beyond its end keep their state. Returns whether any changed. */
+  setStates(states: Uint8Array): boolean {
     const count = Math.min(this.#count, states.length);
-    let shape = 0;
+    let changed = 0;
     for (let part = 0; part < count; part++) {
       const old = this.#states[part] as number;
       const next = ((states[part] as number) & (SHAPE | LIT)) | (old & PLACED);
-      shape |= (old ^ next) & SHAPE;
+      changed |= old ^ next;
       this.#states[part] = next;
     }
-    if (shape !== 0) this.shapeVersion++;
+    if (changed === 0) return false;
+    if ((changed & SHAPE) !== 0) this.shapeVersion++;
     this.isAnyLit = this.#states.some((state) => (state & LIT) !== 0);
     this.#statesTexture.needsUpdate = true;
+    return true;
   }
 
-  /** Takes world_from_part, row by row, of each part that is not where it was loaded. */
-  setMoved(moved: Map<number, number[]>): void {
-    if (moved.size === 0 && this.#moved.size === 0) return;
-    this.#moved = new Map(moved);
+  /** Takes world_from_part, row by row, of each part that is not where it was loaded. Returns whether any changed. */
+  setMoved(moved: Map<number, number[]>): boolean {
+    if (isSame([...moved], [...this.#moved])) return false;
+    this.#moved = structuredClone(moved);
     this.#place();
+    return true;
   }
 
-  /** Moves every part away from the middle, by `share` (0 to 1) of what is furthest. */
-  setExplode(share: number): void {
-    if (share === this.#explode) return;
+  /** Moves every part away from the middle, by `share` (0 to 1) of what is furthest. Returns whether that is new. */
+  setExplode(share: number): boolean {
+    if (share === this.#explode) return false;
     this.#explode = share;
     this.#place();
+    return true;
   }
 
   isHidden(part: number): boolean {

@@ -204,7 +204,7 @@ void main() {
     if (state != 0u) {
       float light = dot(colour, vec3(0.30, 0.59, 0.11));
       vec3 tint = (state & 8u) != 0u ? vec3(1.0, 0.56, 0.10) : (state & 16u) != 0u ? vec3(1.0, 0.93, 0.62) : vec3(0.28, 0.60, 1.0);
-      colour = mix(colour, tint * (0.30 + 1.15 * light), 0.80);
+      colour = mix(colour, tint * (0.34 + 1.05 * light), (state & 8u) != 0u ? 0.62 : 0.74);
       // A hatch besides the colour: hit is told from near without seeing red.
       if ((state & 8u) != 0u && mod(gl_FragCoord.x + gl_FragCoord.y, 10.0) < 2.0) colour *= 0.72;
     }

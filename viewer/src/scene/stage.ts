@@ -5,11 +5,13 @@
 
 import { Group, PerspectiveCamera, Scene, WebGLRenderer, type WebGLRenderTarget } from "three";
 import type { HeldManifest, Manifest } from "../geometry";
+import { aim, eyePlanes } from "./aim";
 import { Average } from "./average";
 import { CameraRig } from "./camera";
 import { type Piece, Pieces } from "./chunks";
 import { copyPicture } from "./copy";
-import { isCutAway, mayBeSeen, sidePlanes } from "./culling";
+import { isCutAway, mayBeSeen } from "./culling";
+import { DeviceWork } from "./devicework";
 import { Held } from "./held";
 import { Hits } from "./hits";
 import { JITTER, Kept, PieceMaterials, shownTarget } from "./kept";
@@ -18,13 +20,14 @@ import { MarkLayer, type Marks, NO_MARKS } from "./marks";
 import { Pace, STILL_MS } from "./pace";
 import { PartTable } from "./parts";
 import { Probe } from "./pick";
+import { isSame } from "./same";
 import { define, ScreenPass } from "./screen";
 import { clipBox, SectionLines, type SectionPlane, writePlanes } from "./sections";
 import { backFragment, tintFragment } from "./shaders";
 import { pngOf } from "./shot";
 import { coloursOf, type Theme } from "./theme";
-import { MAX_SECTIONS, setProjection, sharedUniforms } from "./uniforms";
-import { add, type Box, dot, emptyBox, include, isEmpty, scale, subtract, type Vec3 } from "./vectors";
+import { MAX_SECTIONS, sharedUniforms } from "./uniforms";
+import { add, type Box, dot, emptyBox, include, isEmpty, scale, type Vec3 } from "./vectors";
 
 export { PartState } from "./parts";
 export type { SectionPlane } from "./sections";
@@ -72,7 +75,7 @@ const SHOT_MS = 2000;
 
 export class Stage {
   readonly camera = new CameraRig();
-  /** For WebXR: the session goes here, and `eye` is its camera, in `rig`. */
+  /** For WebXR: the session goes here, and `eye` is its camera, in `rig`, which stands in world coordinates less the middle. */
   readonly renderer: WebGLRenderer;
   readonly eye = new PerspectiveCamera();
   readonly rig = new Group();
@@ -95,10 +98,12 @@ export class Stage {
   readonly #pieceScene = new Scene();
   readonly #labels: LabelLayer | null;
   readonly #pace = new Pace();
+  readonly #work: DeviceWork;
   readonly #restored: (() => void)[] = [];
   readonly #resizes: ResizeObserver;
 
-  #manifest: Manifest | null = null;
+  // Of the mock-up that was shown last: it may come again after a reconnect.
+  #hash: string | null = null;
   #pieces: Pieces | null = null;
   #table: PartTable | null = null;
   #marks: MarkLayer;
@@ -120,7 +125,6 @@ export class Stage {
   #movedAt = -Infinity;
   #changedAt = -Infinity;
   #shapeVersion = 0;
-  #fence: { sync: WebGLSync; at: number; triangles: number; isDraft: boolean } | null = null;
 
   constructor(
     readonly canvas: HTMLCanvasElement,
@@ -140,6 +144,7 @@ export class Stage {
     this.#materials = new PieceMaterials(this.#uniforms);
     this.#kept = new Kept(this.renderer, this.#uniforms, this.#materials);
     this.#average = new Average(this.renderer);
+    this.#work = new DeviceWork(this.renderer);
     this.#probe = new Probe(this.renderer, this.#uniforms);
     this.#held = new Held(this.#uniforms);
     this.#hits = new Hits(this.#uniforms);
@@ -162,7 +167,7 @@ export class Stage {
     this.#overlayScene.add(this.overlay);
     this.#pieceScene.matrixWorldAutoUpdate = false;
     this.#labels = options.labels ? new LabelLayer(options.labels) : null;
-    this.setTheme("dark");
+    this.#colour();
     // Three tells a camera of the reversed depth when it first draws something with it: too late for the first aim.
     this.#back.draw(this.renderer, null, this.eye);
     this.#resizes = new ResizeObserver(() => {
@@ -175,9 +180,9 @@ export class Stage {
 
   /** Begins a mock-up; its pieces follow by `addPiece`. The camera looks at all of it, unless it is the one shown before. */
   setManifest(manifest: Manifest): void {
-    const isSame = this.#manifest?.hash === manifest.hash;
+    const isAnother = this.#hash !== manifest.hash;
     this.clear();
-    this.#manifest = manifest;
+    this.#hash = manifest.hash;
     this.#middle = manifest.middle;
     this.#bounds = { lower: manifest.lower, upper: manifest.upper };
     const { lower, upper } = manifest.parts;
@@ -192,9 +197,9 @@ export class Stage {
     this.#lines.dispose();
     this.#lines = new SectionLines(this.#uniforms, this.#middle);
     this.#held.setOrigin(this.#middle);
-    this.setSections(this.#sections);
+    this.#cut();
     this.setOutlines(this.#outlines);
-    if (!isSame) this.camera.view(7, this.#bounds, manifest.up);
+    if (isAnother) this.camera.view(7, this.#bounds, manifest.up);
     this.#touch();
   }
 
@@ -202,12 +207,11 @@ export class Stage {
   addPiece(k: number, data: ArrayBuffer): void {
     if (!this.#pieces) throw new RangeError("A piece came before its manifest: load again.");
     const piece = this.#pieces.add(k, data);
-    if (!this.#isShapeNew && !this.#isViewNew && this.#isSeen(piece, this.#eyePlanes())) {
+    if (!this.#isShapeNew && !this.#isViewNew && this.#isSeen(piece, eyePlanes(this.eye, this.#middle))) {
       if (piece.partIds.some((part) => this.#table?.isGhost(part)) || !this.#kept.append(piece))
         this.#isShapeNew = true;
     }
-    this.setHits(this.#hitIds.mockup, this.#hitIds.held);
-    this.#touch();
+    this.#placeHits();
   }
 
   /** Takes the mock-up away. What the hand holds stays. */
@@ -216,7 +220,6 @@ export class Stage {
     this.#table?.dispose();
     this.#pieces = null;
     this.#table = null;
-    this.#manifest = null;
     this.#bounds = emptyBox();
     this.#kept.forget();
     this.#isShapeNew = true;
@@ -233,32 +236,30 @@ export class Stage {
 
   /** A byte a part, of the bits of `PartState`. Lighting parts redraws nothing; hiding them redraws the mock-up. */
   setPartStates(states: Uint8Array): void {
-    this.#table?.setStates(states);
+    if (!this.#table?.setStates(states)) return;
     this.#isLitNew = true;
     this.#followTable();
   }
 
   /** world_from_part, row by row, of every part that is not where it was loaded. */
   setMoved(moved: Map<number, number[]>): void {
-    this.#table?.setMoved(moved);
-    this.#followTable();
+    if (this.#table?.setMoved(moved)) this.#followTable();
   }
 
   /** Moves the parts apart, by `share` from 0 to 1. */
   setExplode(share: number): void {
-    this.#table?.setExplode(share);
+    if (!this.#table?.setExplode(share)) return;
     this.#followTable();
+    this.#stir();
   }
 
   /** The planes that cut the mock-up: at most six, the others are not cut. */
   setSections(sections: SectionPlane[]): void {
-    this.#sections = sections.slice(0, MAX_SECTIONS);
-    const count = this.#sections.length;
-    for (const room of [this.#materials, this.#probe, this.#held, this.#hits, this.#marks]) room.setSections(count);
-    this.#lines.setPlanes(this.#sections, this.#bounds);
-    this.#aimAtCanvas();
-    this.#isShapeNew = true;
-    this.#touch();
+    const next = sections.slice(0, MAX_SECTIONS);
+    if (isSame(next, this.#sections)) return;
+    this.#sections = structuredClone(next);
+    this.#cut();
+    this.#stir();
   }
 
   /** The engine's exact outlines of the sections: (k, 2, 3) world metres, null for none. */
@@ -270,35 +271,28 @@ export class Stage {
 
   /** world_from_tool, row by row: where the engine has it (solid), and where the hand wishes it (ghost; null: nowhere else). */
   setPose(pose: ArrayLike<number>, wish: ArrayLike<number> | null): void {
-    this.#held.setPose(pose, wish);
-    this.#touch();
+    if (this.#held.setPose(pose, wish)) this.#touch();
   }
 
   /** Packed triangles that meet: of the mock-up, and of the held mesh. */
   setHits(mockup: Uint32Array, held: Uint32Array): void {
-    this.#hitIds = { mockup, held };
-    this.#hits.mockup.set(
-      this.#pieces && this.#table ? this.#pieces.corners(mockup, this.#table) : new Float32Array(0),
-    );
-    this.#hits.held.set(this.#held.corners(held));
-    this.#touch();
+    const next = { mockup, held };
+    if (isSame(next, this.#hitIds)) return;
+    this.#hitIds = structuredClone(next);
+    this.#placeHits();
   }
 
   setMarks(marks: Marks): void {
-    this.#markValues = marks;
-    this.#marks.set(marks);
+    if (isSame(marks, this.#markValues)) return;
+    this.#markValues = structuredClone(marks);
+    this.#marks.set(this.#markValues);
     this.#touch();
   }
 
   setTheme(theme: Theme): void {
+    if (theme === this.#theme) return;
     this.#theme = theme;
-    const colours = coloursOf(theme);
-    this.#kept.setColours(colours);
-    const { above, below } = this.#back.material.uniforms as Record<string, { value: typeof colours.above }>;
-    above?.value.copy(colours.above);
-    below?.value.copy(colours.below);
-    this.#isShapeNew = true;
-    this.#touch();
+    this.#colour();
   }
 
   /** The box of what can be seen, sections and hidden parts obeyed: for `camera.fit` and `camera.view`. World metres. */
@@ -366,12 +360,15 @@ export class Stage {
     this.renderer.info.reset();
     if (this.renderer.xr.isPresenting) {
       this.#drawDirect();
+      // Once the headset is left, its camera is not the page's.
+      this.camera.moved = true;
       stats.drawn = true;
       stats.isKept = false;
     } else {
       this.#resize();
       this.#takeCamera(now);
-      this.#pollFence();
+      const done = this.#work.poll();
+      if (done) this.#pace.add(done.triangles, done.ms, done.isDraft);
       this.#step(now, stats);
     }
     stats.isWhole = this.#kept.isWhole && this.#kept.scale === 1 && !this.#isViewNew && !this.#isShapeNew;
@@ -417,7 +414,7 @@ export class Stage {
     }
   }
 
-  /** Calls `f` whenever a lost graphics context came back and everything is on the device again. */
+  /** Calls `f` whenever a lost graphics context came back; the next frame draws everything anew. */
   onRestored(f: () => void): void {
     this.#restored.push(f);
   }
@@ -449,7 +446,7 @@ export class Stage {
     // Else the browser would never give it back.
     event.preventDefault();
     this.#isLost = true;
-    this.#fence = null;
+    this.#work.forget();
   };
 
   readonly #onRestored = (): void => {
@@ -470,15 +467,49 @@ export class Stage {
     this.#changedAt = Infinity;
   }
 
+  #cut(): void {
+    const count = this.#sections.length;
+    for (const room of [this.#materials, this.#probe, this.#held, this.#hits, this.#marks]) room.setSections(count);
+    this.#lines.setPlanes(this.#sections, this.#bounds);
+    this.#aimAtCanvas();
+    this.#isShapeNew = true;
+    this.#touch();
+  }
+
+  #placeHits(): void {
+    const { mockup, held } = this.#hitIds;
+    this.#hits.mockup.set(
+      this.#pieces && this.#table ? this.#pieces.corners(mockup, this.#table) : new Float32Array(0),
+    );
+    this.#hits.held.set(this.#held.corners(held));
+    this.#touch();
+  }
+
+  #colour(): void {
+    const colours = coloursOf(this.#theme);
+    this.#kept.setColours(colours);
+    const { above, below } = this.#back.material.uniforms as Record<string, { value: typeof colours.above }>;
+    above?.value.copy(colours.above);
+    below?.value.copy(colours.below);
+    this.#isShapeNew = true;
+    this.#touch();
+  }
+
   #followTable(): void {
     if (!this.#table) return;
     if (this.#shapeVersion !== this.#table.shapeVersion) {
       this.#shapeVersion = this.#table.shapeVersion;
       this.#isShapeNew = true;
       // A triangle of a part that was hidden or moved is not where it was.
-      this.setHits(this.#hitIds.mockup, this.#hitIds.held);
+      this.#placeHits();
     }
     this.#touch();
+  }
+
+  /** A drag changes the shapes at every step: where a redraw is slow, they are drawn as while the camera moves. */
+  #stir(): void {
+    const triangles = this.#pieces?.all.reduce((sum, piece) => sum + piece.triangles, 0) ?? 0;
+    if (this.#pace.estimate(triangles) > SLOW_REDRAW_MS) this.#movedAt = performance.now();
   }
 
   #isMoving(now: number): boolean {
@@ -516,41 +547,19 @@ export class Stage {
     this.#marks.build(this.camera);
   }
 
-  /** Brings the camera to three's, and to the uniforms that follow from it. */
   #aim(width: number, height: number, pixelRatio: number): void {
-    const { camera, eye } = this;
+    // Not of what moves: the kept layer's depths are read by the planes that it was drawn with.
+    const box = isEmpty(this.#bounds) ? this.#held.box() : this.#bounds;
     const isReversed = this.renderer.capabilities.reversedDepthBuffer;
-    const box = emptyBox();
-    for (const part of [this.#bounds, this.#held.box()]) {
-      if (isEmpty(part)) continue;
-      include(box, part.lower);
-      include(box, part.upper);
-    }
-    const { near, far } = camera.range(box, isReversed);
-    const [position, target] = [subtract(camera.position, this.#middle), subtract(camera.target, this.#middle)];
-    Object.assign(eye, { fov: (camera.fov * 180) / Math.PI, aspect: width / height, near, far });
-    eye.position.set(...position);
-    eye.up.set(...camera.top);
-    eye.lookAt(...target);
-    eye.updateProjectionMatrix();
-    eye.updateMatrixWorld();
-    const uniforms = this.#uniforms;
-    setProjection(uniforms, eye.projectionMatrix, isReversed, width, height);
-    uniforms.pixelRatio.value = pixelRatio;
-    uniforms.nearest.value = near;
-    uniforms.sky.value.set(dot(camera.up, camera.right), dot(camera.up, camera.top), -dot(camera.up, camera.forward));
-    writePlanes(this.#sections, this.#middle, camera, uniforms.cutPlanes.value, uniforms.viewPlanes.value);
-  }
-
-  #eyePlanes(): Float64Array {
-    const clip = this.eye.projectionMatrix.clone().multiply(this.eye.matrixWorldInverse);
-    const planes = sidePlanes(clip.elements);
-    const [x, y, z] = this.#middle;
-    for (let k = 0; k < planes.length; k += 4) {
-      const along = (planes[k] as number) * x + (planes[k + 1] as number) * y + (planes[k + 2] as number) * z;
-      planes[k + 3] = (planes[k + 3] as number) - along;
-    }
-    return planes;
+    const picture = { width, height, pixelRatio };
+    aim(this.eye, this.#uniforms, { camera: this.camera, box, middle: this.#middle, isReversed, picture });
+    writePlanes(
+      this.#sections,
+      this.#middle,
+      this.camera,
+      this.#uniforms.cutPlanes.value,
+      this.#uniforms.viewPlanes.value,
+    );
   }
 
   /** Whether some of the piece may be in the picture. A piece of parts that were moved may be anywhere. */
@@ -565,7 +574,7 @@ export class Stage {
     if (!this.#pieces || !table) return { solid: [], ghosts: [] };
     this.#uniforms.states.value = table.statesTexture;
     this.#uniforms.places.value = table.placesTexture;
-    const planes = this.#eyePlanes();
+    const planes = eyePlanes(this.eye, this.#middle);
     const seen = this.#pieces.all.filter((piece) => this.#isSeen(piece, planes));
     return {
       solid: seen.filter((piece) => piece.partIds.some((part) => table.isSolid(part))),
@@ -588,7 +597,7 @@ export class Stage {
     const at = performance.now();
     const triangles = this.#kept.draw(this.eye, budget);
     this.#isLitNew = true;
-    this.#setFence(at, triangles, isDraft);
+    this.#work.begin(at, triangles, isDraft);
     this.#touch();
   }
 
@@ -597,15 +606,15 @@ export class Stage {
     const isMoving = this.#isMoving(now);
     if (this.#isViewNew || this.#isShapeNew) {
       // The device is still busy with the frame before: another one would only wait behind it.
-      if (isMoving && this.#fence) return;
+      if (isMoving && this.#work.isRunning) return;
       this.#redraw(isMoving);
       stats.isKept = false;
-    } else if ((!kept.isWhole || kept.scale !== 1) && !isMoving && !this.#fence) {
+    } else if ((!kept.isWhole || kept.scale !== 1) && !isMoving && !this.#work.isRunning) {
       if (kept.isContinuable) this.#drawKept(this.#pace.triangles(SLICE_MS), false);
       else this.#redraw(false);
       stats.isKept = false;
     }
-    const isIdle = now - this.#changedAt >= IDLE_MS && !this.#fence;
+    const isIdle = now - this.#changedAt >= IDLE_MS && !this.#work.isRunning;
     if (this.#isOverlayNew) {
       this.#present();
       this.#changedAt = now;
@@ -615,7 +624,7 @@ export class Stage {
       const at = performance.now();
       this.#isLitNew = kept.refine(this.eye, this.#pace.triangles(REFINE_MS));
       if (this.#isLitNew) this.#compose(kept, this.#lit, null);
-      this.#setFence(at, kept.triangles - before, false);
+      this.#work.begin(at, kept.triangles - before, false);
       stats.drawn = true;
     } else if (isIdle && kept.isRefined && this.#average.samples < JITTER.length) {
       this.#average.setSize(this.canvas.width, this.canvas.height);
@@ -680,6 +689,8 @@ export class Stage {
   #drawDirect(): void {
     const { renderer, eye } = this;
     const target = renderer.getRenderTarget();
+    // No scene holds the rig that would bring it up to date.
+    this.rig.updateMatrixWorld();
     renderer.clear(true, true, false);
     this.#uniforms.hasKept.value = false;
     this.#back.draw(renderer, target);
@@ -699,23 +710,5 @@ export class Stage {
       renderer.render(this.#pieceScene, eye);
     }
     this.#drawOver();
-  }
-
-  #setFence(at: number, triangles: number, isDraft: boolean): void {
-    const gl = this.renderer.getContext() as WebGL2RenderingContext;
-    const sync = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
-    gl.flush();
-    this.#fence = sync ? { sync, at, triangles, isDraft } : null;
-  }
-
-  /** Asks whether the device is done with the last draw of pieces, and learns what it took. */
-  #pollFence(): void {
-    if (!this.#fence) return;
-    const { sync, at, triangles, isDraft } = this.#fence;
-    const gl = this.renderer.getContext() as WebGL2RenderingContext;
-    if (gl.getSyncParameter(sync, gl.SYNC_STATUS) !== gl.SIGNALED) return;
-    gl.deleteSync(sync);
-    this.#fence = null;
-    this.#pace.add(triangles, performance.now() - at, isDraft);
   }
 }

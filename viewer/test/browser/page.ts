@@ -1,5 +1,6 @@
 // The page of the browser tests: a stage alone, driven from outside.
 
+import { metaQuest3, XRDevice } from "iwer";
 import { Geometry } from "../../src/geometry";
 import { NO_MARKS } from "../../src/scene/marks";
 import { PartState, Stage } from "../../src/scene/stage";
@@ -45,6 +46,64 @@ function load(): Promise<void> {
   });
 }
 
+/** The eyes' projections with a reversed depth, which three leaves to who opens the session. */
+function reverseEyes(): void {
+  if (!stage.renderer.capabilities.reversedDepthBuffer) return;
+  const eyes = stage.renderer.xr.getCamera();
+  Reflect.set(eyes, "_reversedDepth", true);
+  for (const eye of eyes.cameras) {
+    Reflect.set(eye, "_reversedDepth", true);
+    const e = eye.projectionMatrix.elements;
+    for (const z of [2, 6, 10, 14]) e[z] = ((e[z + 1] as number) - (e[z] as number)) / 2;
+    eye.projectionMatrixInverse.copy(eye.projectionMatrix).invert();
+  }
+}
+
+/** Enters an emulated headset at the world point `eye`, draws a frame, leaves: the colours of each eye's picture. */
+async function inHeadset(eye: [number, number, number]): Promise<Set<string>[]> {
+  const device = new XRDevice(metaQuest3);
+  // Chromium has a navigator.xr of its own, without a headset.
+  device.installRuntime({ forceInstall: true });
+  device.stereoEnabled = true;
+  device.position.set(0, 0, 0);
+  const { renderer, rig } = stage;
+  const session = await (navigator.xr as XRSystem).requestSession("immersive-vr", {
+    requiredFeatures: ["local-floor"],
+  });
+  renderer.xr.enabled = true;
+  renderer.xr.setReferenceSpaceType("local-floor");
+  await renderer.xr.setSession(session);
+  rig.position.set(...eye);
+  rig.rotation.x = Math.PI / 2;
+  const seen = await new Promise<Set<string>[]>((resolve) => {
+    let count = 0;
+    renderer.setAnimationLoop((now) => {
+      reverseEyes();
+      stage.frame(now);
+      count++;
+      if (count < 3) return;
+      renderer.setAnimationLoop(null);
+      const gl = renderer.getContext();
+      const { drawingBufferWidth: width, drawingBufferHeight: height } = gl;
+      const half = Math.floor(width / 2);
+      const pixels = new Uint8Array(4 * half * height);
+      resolve(
+        [0, half].map((left) => {
+          gl.readPixels(left, 0, half, height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+          const found = new Set<string>();
+          for (let k = 0; k < pixels.length; k += 4) found.add(pixels.subarray(k, k + 3).join());
+          return found;
+        }),
+      );
+    });
+  });
+  await session.end();
+  rig.position.set(0, 0, 0);
+  rig.rotation.x = 0;
+  renderer.xr.enabled = false;
+  return seen;
+}
+
 const harness = {
   stage,
   geometry,
@@ -53,6 +112,7 @@ const harness = {
   frames,
   coloursAt,
   load,
+  inHeadset,
   settled: () => frames(() => stage.stats.isSettled),
   whole,
 };

@@ -148,6 +148,28 @@ scene("a frame in which only the tool moves draws the tool alone", async () => {
   }
 });
 
+scene("what is told again changes nothing: a picture that stands comes to rest", async () => {
+  const { first, again } = await inPage(
+    async ({ stage, geometry, settled, NO_MARKS }, { manifest, pose }) => {
+      stage.setHeld({ piece: await geometry.loadHeld(1), manifest });
+      const tell = () => {
+        stage.setPose([...pose], [...pose]);
+        stage.setHits(Uint32Array.of(12, 13), Uint32Array.of(1));
+        stage.setMarks({ ...NO_MARKS, distance: { from: [0, -0.3, 0], to: [0.1, -0.3, 0], text: "100 mm" } });
+        stage.setPartStates(Uint8Array.of(0, 4, 0));
+        stage.setSections([{ normal: [0, 0, 1], offset: -0.9 }]);
+        return stage.frame(performance.now()).drawn;
+      };
+      await settled();
+      const first = tell();
+      await settled();
+      return { first, again: tell() };
+    },
+    { manifest: HELD.manifest, pose: AT(0, -0.6, 0) },
+  );
+  assert.deepEqual([first, again], [true, false]);
+});
+
 scene("the held mesh hides and is hidden by distance, and is picked", async () => {
   const { before, inside, behind, beforeTint, cap } = await inPage(
     async ({ stage, geometry, pick, colour }, { manifest, poses }) => {
@@ -305,6 +327,32 @@ scene("a lost context comes back with everything on it", async () => {
   // Three says as an error that it was lost.
   const unexpected = tab.errors.splice(0).filter((error) => !/Context (Lost|Restored)/.test(error.message));
   assert.deepEqual(unexpected, []);
+});
+
+scene("a headset sees the mock-up and what is held with both eyes, and the page its own picture after", async () => {
+  const { was, is, eyes } = await inPage(
+    async ({ stage, geometry, colours, inHeadset, whole }, { manifest, pose }) => {
+      stage.setHeld({ piece: await geometry.loadHeld(1), manifest });
+      stage.setPose(pose, null);
+      const all = () => colours([0.21, -0.2, 0.22], [0.02, -0.7, 0.02]);
+      const was = await all();
+      const seen = await inHeadset([0, -2, 0]);
+      await whole();
+      const isTeal = (c) => c[1] > c[0] + 40 && c[2] > c[0] + 25;
+      const isGrey = (c) => c[0] > 90 && Math.max(...c) - Math.min(...c) < 40;
+      const eyes = seen.map((set) => {
+        const found = [...set].map((text) => text.split(",").map(Number));
+        return [found.some(isTeal), found.some(isGrey)];
+      });
+      return { was, is: await all(), eyes };
+    },
+    { manifest: HELD.manifest, pose: AT(0, -0.6, 0) },
+  );
+  assert.deepEqual(eyes, [
+    [true, true],
+    [true, true],
+  ]);
+  assert.deepEqual(is, was);
 });
 
 scene("the manifest asks for the token", async () => {
