@@ -71,6 +71,7 @@ def test_it_serves_while_it_loads_and_ends_cleanly(tmp_path: Path) -> None:
         with Page(url) as page:
             document = document_when(page, lambda document: document["mockup"])
             assert document["loading"] is None and document["tool"]["name"] == "wrench"
+            assert document["mockup"]["name"] == "engine"
             manifest = json.loads(fetch(url, "/scene", bearer(url))[2])
             assert manifest["hash"] == document["mockup"]["hash"]
             assert manifest["triangles"] == sum(piece["triangles"] for piece in manifest["pieces"]) > 10_000

@@ -187,11 +187,17 @@ class _Opening:
         with telling("indexing", lambda share, stage: self._tell(0.5 + 0.5 * share, stage)) as progress:
             scene = feeler.Scene(world, tool=probe, threads=threads, progress=progress)
         scene = self._choice.scene_of(scene)
-        session.open(world, scene, probe)
+        session.open(world, scene, probe, name=_name_of(self._sources))
         if self._held is not None and probe is not None and not self._is_over:
             from feeler.workbench.device import DeviceHand
 
             self._hand = DeviceHand(session, scene, probe, self._held, session.engine.pose)
+
+
+def _name_of(sources: list[str]) -> str:
+    """What the page calls the mock-up."""
+    first = sources[0].split(":")[1] if sources[0].startswith("sample:") else Path(sources[0]).resolve().name
+    return first if len(sources) == 1 else f"{first} and {len(sources) - 1} more"
 
 
 def _say_where(server: Server, is_remote: bool, as_json: bool) -> None:
