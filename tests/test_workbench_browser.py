@@ -286,8 +286,8 @@ def test_two_clicks_measure(context: Any, stand: Path, cube: Path) -> None:
         page.keyboard.press("m")
         area = page.locator("#picture").bounding_box()
         x, y = area["x"] + 0.5 * area["width"], area["y"] + 0.5 * area["height"]
-        page.mouse.click(x - 60, y)
-        page.mouse.click(x + 60, y)
+        page.mouse.click(x - 60, y + 100)
+        page.mouse.click(x + 60, y + 100)
         wait(page, "() => window.feeler.document.measures.length === 1")
         (measure,) = document(page)["measures"]
         ends = np.array(measure["points"])
