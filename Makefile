@@ -47,6 +47,9 @@ BUILT := $(VENV)/.built-$(PROFILE)
 RUST_SOURCES := Cargo.toml $(wildcard Cargo.lock) \
 	$(shell find crates -name Cargo.toml -o -name build.rs -o -name '*.rs' -path '*/src/*' 2>/dev/null)
 EXTENSION := $(wildcard python/feeler/_core*.so python/feeler/_core*.pyd)
+NODE_MODULES := viewer/node_modules/.package-lock.json
+PAGE := python/feeler/workbench/static/index.html
+PAGE_SOURCES := viewer/build.mjs viewer/tsconfig.json $(shell find viewer/src viewer/public -type f 2>/dev/null)
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
@@ -90,10 +93,13 @@ study: build ## repeat the paper's experiments (about ten minutes), write tables
 setup: $(INSTALLED) ## make .venv with everything of requirements.lock
 
 .PHONY: build
-build: $(BUILT) ## compile the extension module into python/feeler
+build: $(BUILT) $(PAGE) ## compile the extension module and the workbench's page into python/feeler
+
+.PHONY: page
+page: $(PAGE) ## build the workbench's page alone
 
 .PHONY: wheel
-wheel: $(INSTALLED) ## build the wheel into dist/ (one for all Pythons from 3.10 on)
+wheel: $(INSTALLED) $(PAGE) ## build the wheel into dist/ (one for all Pythons from 3.10 on)
 	@$(PY) -m maturin build --release $(LOCKED) --out dist
 
 # What is published is compiled from its package, each against the packages below it.
@@ -119,11 +125,20 @@ $(BUILT): $(INSTALLED) pyproject.toml $(RUST_SOURCES)
 	@rm -f $(VENV)/.built-*
 	@touch $@
 
+$(NODE_MODULES): viewer/package.json viewer/package-lock.json
+	@command -v npm >/dev/null || { echo "make build: npm not found. Install Node 20 or newer, or put it on the PATH." >&2; exit 1; }
+	@npm ci --prefix viewer --no-progress --loglevel=error
+	@touch $@
+
+$(PAGE): $(NODE_MODULES) $(PAGE_SOURCES)
+	@node viewer/build.mjs
+	@touch $@
+
 ##@ Check
 
 .PHONY: test
-test: test-rust test-haply test-python ## all tests
-	@echo "make test: cargo test and pytest passed"
+test: test-rust test-haply test-page test-python ## all tests
+	@echo "make test: cargo test, node --test and pytest passed"
 
 # feeler-py is a module for Python to load: it has no tests of its own, and would need libpython to link one.
 .PHONY: test-rust
@@ -142,6 +157,10 @@ test-haply: ## the Haply driver's messages, judged by the maker's own crate (on 
 	else \
 		echo "make test-haply: left out, for it needs OpenSSL's headers (Debian: libssl-dev, pkg-config)"; \
 	fi
+
+.PHONY: test-page
+test-page: $(NODE_MODULES) ## the workbench's page without a browser: node --test
+	@npm test --prefix viewer --silent
 
 .PHONY: test-python
 test-python: build ## pytest: warnings are errors, every test has a time-out
@@ -181,7 +200,7 @@ avx512: ## the core's kernels with AVX-512, emulated, where the CPU lacks it: th
 	cargo test --release $(LOCKED) -p feeler-lanes -p feeler-core -p feeler-contacts --lib $(CARGO_ARGS) -- --skip tests::convex
 
 .PHONY: lint
-lint: lint-rust lint-python lint-rules ## everything below
+lint: lint-rust lint-python lint-page lint-rules ## everything below
 	@echo "make lint: all clean"
 
 .PHONY: lint-rust
@@ -199,6 +218,11 @@ lint-python: build ## ruff, mypy (strict), and the type stubs against the compil
 	$(PY) -m mypy
 	MYPYPATH=python $(PY) -m mypy.stubtest feeler._core --mypy-config-file pyproject.toml
 
+.PHONY: lint-page
+lint-page: $(INSTALLED) $(NODE_MODULES) ## TypeScript (strict), Biome, and the messages' types against their source
+	npm run check --prefix viewer --silent
+	$(PY) tools/protocol_ts.py --check
+
 .PHONY: lint-rules
 lint-rules: $(INSTALLED) ## who may import whom; file sizes, SAFETY comments, left-overs
 	$(PY) tools/check_layers.py
@@ -207,10 +231,11 @@ lint-rules: $(INSTALLED) ## who may import whom; file sizes, SAFETY comments, le
 ##@ Care
 
 .PHONY: format
-format: $(INSTALLED) ## format Rust and Python, apply ruff's safe fixes
+format: $(INSTALLED) $(NODE_MODULES) ## format Rust, Python and TypeScript, apply ruff's safe fixes
 	@cargo fmt --all
 	@$(BIN)/ruff check --fix --quiet . || true
 	@$(BIN)/ruff format .
+	@npm run format --prefix viewer --silent
 
 .PHONY: lock
 lock: $(INSTALLED) ## make requirements.lock anew from pyproject.toml (newest versions)
@@ -224,6 +249,7 @@ lock: $(INSTALLED) ## make requirements.lock anew from pyproject.toml (newest ve
 
 .PHONY: clean
 clean: ## remove everything that make made
+	@rm -rf viewer/node_modules python/feeler/workbench/static
 	@rm -rf $(VENV) target build dist feeler-demo feeler-study .hypothesis .mypy_cache .pytest_cache .ruff_cache
 	@rm -f python/feeler/_core*.so python/feeler/_core*.pyd
 	@find . -name __pycache__ -type d -not -path './node_modules/*' -prune -exec rm -rf {} +

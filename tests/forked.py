@@ -34,6 +34,7 @@ OWN_POOL = feeler.Scene(MOCKUP, threads=2)
 POSES = feeler.sample_path(SCENE, TOOL, 40)
 HOLDER = feeler.Tool.of_parts(MOCKUP, range(5))  # parts that hold others of the mock-up
 HIT = POSES[int(np.argmax(np.diff(SCENE.collide_batch(TOOL, POSES).offsets.astype(np.int64))))]
+RAYS = (POSES[:, :3, 3], MOCKUP.bounds.mean(axis=0) - POSES[:, :3, 3])
 HIT_PART = int(SCENE.collide(TOOL, HIT).parts[0])
 
 
@@ -119,6 +120,10 @@ CASES: dict[str, Callable[[], Any]] = {
     "containment": lambda: arrays(
         fresh()[0].containment(HOLDER, np.eye(4)), "containing_pairs", "contained_pairs", "unknown"
     ),
+    "rays": lambda: arrays(SCENE.rays(*RAYS), "distances", "triangles"),
+    "rays, own pool": lambda: arrays(OWN_POOL.rays(*RAYS), "distances", "triangles"),
+    "section": lambda: arrays(SCENE.section(MOCKUP.bounds.mean(axis=0), [1, 2, 3]), "segments", "triangles"),
+    "section, own pool": lambda: arrays(OWN_POOL.section(MOCKUP.bounds.mean(axis=0), [1, 2, 3]), "segments"),
     "pack": lambda: [arrays(each, "positions", "parts", "indices") for each in MOCKUP.pack().pieces],
     "pack, tool": lambda: arrays(TOOL.pack(), "order", "places"),
     "without": lambda: arrays(SCENE.without(HIT_PART).collide_batch(TOOL, POSES), "pairs"),

@@ -235,6 +235,10 @@ def test_a_jump_over_an_edge_counts_as_passed() -> None:
     up, down, beside = poses.pose((-0.1, 0.0, 0.1)), poses.pose((-0.1, 0.0, -0.1)), poses.pose((0.1, 0.0, 0.0))
     assert run.has_passed(np.array([up, down]))
     assert not run.has_passed(np.array([up, beside, down])) and not run.has_passed(np.array([up, up]))
+    # The device begins beyond the edge, and pulls around it what reaches over it.
+    above, below = poses.pose((0.0, 0.0, 0.1)), poses.pose((0.0, 0.0, -0.1))
+    assert not run.has_passed(np.array([above, below]))
+    assert run.has_passed(np.array([above, poses.pose((-0.1, 0.0, -0.1))]))
 
 
 def test_energy_of_a_spring_and_of_one_that_gives() -> None:

@@ -67,6 +67,7 @@ def samples() -> dict[str, list[Any]]:
     mock = mockup()
     tool = feeler.Tool(*box((0, 0, 0), 0.25), "probe")
     scene = feeler.Scene(mock, voxel_size=0.1 + 0.2, storage="hashed", hashing=0.3, threads=2, simd="portable")
+    many = feeler.Mockup(*box((0, 0, 0), 1.0), np.full(12, 69_999), ["bolt"] * 70_000)
     tracker = feeler.ContactTracker(scene, tool)
     tracker.contacts(pose(0.2, z=3.0))
     contacts = [scene.contacts(tool, pose(0.2)), scene.contacts(tool, pose(9.0))]
@@ -115,10 +116,9 @@ def samples() -> dict[str, list[Any]]:
         "IgnoredPairs": [feeler.IgnoredPairs(tool, mock, [("*", "pair")]), feeler.IgnoredPairs(tool, mock, [])],
         "Penetration": [scene.penetration(tool, pose(0.2)), scene.penetration(tool, pose(0.4, 0.4, 0.4))],
         "Packed": [mock.pack(), mock.pack(5, ["odd", "left"]), tool.pack()],
-        "PackedPiece": [
-            *mock.pack(5).pieces,
-            feeler.Mockup(*box((0, 0, 0), 1.0), np.zeros(12), ["p"] * 70_000).pack().pieces[0],
-        ],
+        "PackedPiece": [*mock.pack(5).pieces, *many.pack().pieces],
+        "Rays": [scene.rays(np.tile([0.4, 0.4, 3.0], (3, 1)), [[0, 0, -1], [0, 0, 1], [1, 0, -2]]), scene.rays([], [])],
+        "SectionOutline": [scene.section([0.3, 0.2, 0.1], [1, 2, 3]), scene.section([0, 0, 9], [0, 0, 1])],
         "PairKind": list(feeler.PairKind),
     }
 
@@ -321,6 +321,11 @@ def test_a_damaged_pickle_is_refused() -> None:
     broken("Contacts", put(1, (np.zeros(2, dtype=np.uint32), np.array([0, 5], dtype=np.uint64))))
     broken("Contacts", put(3, (np.zeros((1, 3, 3)), np.zeros(1, dtype=np.uint32))))
     broken("Penetration", put(2, "certain"))
+    broken("Rays", put(0, np.zeros(3, dtype=bool)))
+    broken("Rays", put(2, np.zeros((1, 6))))
+    broken("SectionOutline", put(0, np.zeros((1, 3, 3))))
+    broken("SectionOutline", put(1, np.zeros(1, dtype=np.uint32)))
+    broken("SectionOutline", put(2, np.zeros(1, dtype=np.uint32)))
     broken("Packed", put(1, np.zeros(3, dtype=np.uint32)))
     broken("Packed", put(2, np.zeros(26, dtype=np.uint32)))
     broken("Packed", put(0, ()))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from workbench_scene import LEFT, PEG, PLATE, RIGHT, SHEET, Bench, at, cube
+from workbench_scene import LEFT, PEG, PLATE, RIGHT, SHEET, Bench, at, cube, stand
 
 import feeler
 from feeler.workbench import motion
@@ -368,3 +368,20 @@ def test_a_sequence_line_is_replayed_from_home_to_where_it_went() -> None:
         bench.tick()
     assert bench.document["gripped"] == [] and bench.document["sequence"] == lines
     np.testing.assert_allclose(bench.document["moved"][str(PEG)], moved[str(PEG)], atol=1e-6)
+
+
+def test_parts_of_a_mockup_in_any_order_with_defects_are_found() -> None:
+    whole = stand()
+    rng = np.random.default_rng(2)
+    order = rng.permutation(whole.triangle_count)
+    faces = np.concatenate([whole.faces[order], [[0, 1, 999]]])
+    owners = np.concatenate([whole.part_of_face[order], [PEG]])
+    mockup = feeler.Mockup(whole.vertices, faces, owners, whole.part_names, part_paths=whole.part_paths)
+    meshes = PartMeshes(mockup)
+    for part in range(5):
+        tool, ids = meshes.of(part)
+        expected = feeler.Tool.of_parts(mockup, [part])
+        np.testing.assert_array_equal(ids, np.flatnonzero(owners == part))
+        np.testing.assert_array_equal(tool.vertices, expected.vertices)
+        np.testing.assert_array_equal(tool.faces, expected.faces)
+        assert (tool.name, tool.part_paths) == (expected.name, expected.part_paths)

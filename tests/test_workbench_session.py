@@ -19,6 +19,7 @@ from workbench_scene import LEFT, PATHS, PEG, PLATE, RIGHT, SHEET, Bench, at, cu
 
 import feeler
 from feeler.errors import LoadError, MeshError, OptionError, WorkbenchError
+from feeler.workbench import measuring
 from feeler.workbench.events import MOST_KEPT
 from feeler.workbench.jobs import JobCancelledError, Jobs
 from feeler.workbench.session import Session
@@ -167,6 +168,17 @@ def test_outlines_of_sections() -> None:
     lengths = np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1)
     assert lengths[parts == PEG].sum() == pytest.approx(4 * 0.0625)
     bench.session.close()
+
+
+def test_an_outline_ends_where_another_section_cuts() -> None:
+    segments = np.array(
+        [[[-1.0, 0, 0], [1, 0, 0]], [[-2, 1, 0], [-1, 1, 0]], [[1, 2, 0], [0.5, 2, 0]], [[3, 0, 0], [-1, 0, 0]]]
+    )
+    kept, parts = measuring.clipped(segments, [4, 5, 6, 7], [((1.0, 0.0, 0.0), 0.25), ((-1.0, 0.0, 0.0), -2.0)])
+    assert parts == [4, 6, 7]
+    np.testing.assert_allclose(kept[:, :, 0], [[0.25, 1], [1, 0.5], [2, 0.25]])
+    kept, parts = measuring.clipped(segments[:0], [], [((1.0, 0.0, 0.0), 0.25)])
+    assert kept.shape == (0, 2, 3) and parts == []
 
 
 def test_part_and_measure_answer_without_a_change() -> None:

@@ -75,9 +75,11 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         "distance": QUERY_BASE,
         "cast": {*QUERY_BASE, "collide"},
         "sizing": {*INDEX_BASE, "index"},
-        # For pictures; no query.
+        # What is looked at: rays, sections, and pieces for drawing.
+        "rays": {*QUERY_BASE, "distance"},
+        "section": {*INDEX_BASE, "index"},
         "chunks": INDEX_BASE,
-        "scene": {*QUERY_BASE, "collide", "distance", "cast", "sizing"},
+        "scene": {*QUERY_BASE, "collide", "distance", "cast", "rays", "section", "sizing"},
     },
     "feeler-contacts": {
         "constants": set(),
@@ -171,7 +173,8 @@ TWO_FILE_CIRCLES: dict[tuple[str, str], str] = {
 # What each room of python/feeler may import from the package. `feeler` alone is the public face.
 BASE = {"_core", "calibrate", "errors", "mockup", "poses", "progress", "scene", "travel"}
 ROOMS: dict[str, set[str]] = {
-    "_core": set(),
+    "_core": {"_core_results"},
+    "_core_results": set(),  # a share of the stub
     "errors": set(),
     "progress": {"errors"},
     "travel": {"_core", "errors"},

@@ -20,6 +20,8 @@ from feeler._core import (
     PackedPiece,
     PathCheck,
     Penetration,
+    Rays,
+    SectionOutline,
 )
 from feeler.errors import (
     DeviceError,
@@ -73,7 +75,9 @@ __all__ = [
     "PathCheck",
     "Penetration",
     "PoseError",
+    "Rays",
     "Scene",
+    "SectionOutline",
     "SessionError",
     "Tool",
     "View",

@@ -7,6 +7,19 @@ import numpy as np
 import numpy.typing as npt
 from typing_extensions import Self, disjoint_base
 
+from feeler._core_results import (
+    Batch,
+    Clearance,
+    ClearanceBatch,
+    Collision,
+    Distance,
+    DistanceBatch,
+    Packed,
+    PackedPiece,
+    Rays,
+    SectionOutline,
+)
+
 _Progress = Callable[[float, str], object]
 _Touching = Literal["counts", "free"]
 _Ignore = Any  # feeler.ignored.Ignore, which needs this module
@@ -34,7 +47,9 @@ __all__ = [
     "Penetration",
     "PiecePredictor",
     "Predictor",
+    "Rays",
     "Scene",
+    "SectionOutline",
     "Selected",
     "Tool",
     "optimal_voxel_size",
@@ -263,6 +278,15 @@ class Scene:
         *,
         ignore: _Ignore = None,
     ) -> Penetration: ...
+    def rays(
+        self,
+        origins: npt.NDArray[np.float64],
+        directions: npt.NDArray[np.float64],
+        *,
+        max: float,
+        sections: npt.NDArray[np.float64],
+    ) -> Rays: ...
+    def section(self, point: Sequence[float], normal: Sequence[float]) -> SectionOutline: ...
 
 @final
 class Contacts:
@@ -402,217 +426,6 @@ class ContactTracker:
         """The last pose at which nothing met, `(4, 4)`."""
     def set_last_free(self, world_from_tool: npt.ArrayLike | None) -> None:
         """Takes a pose for free, or forgets it."""
-
-@final
-class Collision:
-    """The pairs of triangles that meet at one pose; false when there are none."""
-
-    @property
-    def pairs(self) -> npt.NDArray[np.uint32]:
-        """`(k, 2)`: tool triangle and mock-up triangle; unique, sorted by row, read-only."""
-    @property
-    def kinds(self) -> npt.NDArray[np.uint8]:
-        """`(k,)`: a `feeler.PairKind` for each pair, read-only."""
-    @property
-    def tool_triangles(self) -> npt.NDArray[np.uint32]:
-        """Triangles of the tool that meet something; unique, sorted."""
-    @property
-    def mockup_triangles(self) -> npt.NDArray[np.uint32]:
-        """Triangles of the mock-up that meet something; unique, sorted."""
-    @property
-    def parts(self) -> npt.NDArray[np.uint32]:
-        """Indices into `mockup.parts` of the parts that are met; unique, sorted."""
-    @property
-    def tool_parts(self) -> npt.NDArray[np.uint32]:
-        """Indices into `tool.parts` of the tool's parts that meet something; unique, sorted."""
-    @property
-    def stats(self) -> dict[str, int]:
-        """What the query did, stage by stage.
-
-        - `voxels_visited`: voxels looked up; with blocks, nodes whose 32 children were tested against a box.
-        - `entries_scanned`: pairs of tool triangle and list entry; with blocks, pairs of pieces whose boxes meet.
-        - `repeats_skipped`: pairs skipped because they had been seen.
-        - `box_survivors`: pairs whose triangles' boxes meet.
-        - `triangle_tests`: triangle tests.
-        - `exact_tests`: triangle tests that float64 arithmetic could not decide, so that exact arithmetic did.
-        - `pairs`: distinct pairs that meet.
-        """
-    def __len__(self) -> int: ...
-    def __bool__(self) -> bool: ...
-
-@final
-class Batch:
-    """The pairs of many poses; `batch[i]` are those of pose `i`, `(k, 2)`."""
-
-    @property
-    def offsets(self) -> npt.NDArray[np.uint64]:
-        """`(n + 1,)`: pose `i` has the pairs `offsets[i]:offsets[i + 1]`; read-only."""
-    @property
-    def pairs(self) -> npt.NDArray[np.uint32]:
-        """`(K, 2)`: tool triangle and mock-up triangle, sorted within each pose; read-only."""
-    @property
-    def kinds(self) -> npt.NDArray[np.uint8]:
-        """`(K,)`: a `feeler.PairKind` for each pair, read-only."""
-    def __len__(self) -> int: ...
-    def __getitem__(self, index: int, /) -> npt.NDArray[np.uint32]: ...
-
-@final
-class Packed:
-    """A mesh in pieces for drawing. Packed triangles are numbered piece by piece. Arrays are read-only."""
-
-    @property
-    def pieces(self) -> list[PackedPiece]:
-        """Large parts first, small ones last."""
-    @property
-    def order(self) -> npt.NDArray[np.uint32]:
-        """`(m,)`: the triangle of the mesh that each packed one is."""
-    @property
-    def places(self) -> npt.NDArray[np.uint32]:
-        """`(triangles of the mesh,)`: the packed one of each; 2**32 - 1 for defects, which are not drawn."""
-    @property
-    def middle(self) -> npt.NDArray[np.float64]:
-        """`(3,)`: what positions are relative to, in the mesh's frame, metres: the middle of its box."""
-
-@final
-class PackedPiece:
-    """What is drawn at once: whole parts, or the share of a large one. Arrays are read-only."""
-
-    @property
-    def positions(self) -> npt.NDArray[np.float32]:
-        """`(v, 3)`: metres, from `Packed.middle`; of one part no two are the same, but where the part is cut."""
-    @property
-    def parts(self) -> npt.NDArray[np.uint16] | npt.NDArray[np.uint32]:
-        """`(v,)`: the part of each vertex; uint32 where the mesh has more than 65,535 parts, else uint16."""
-    @property
-    def indices(self) -> npt.NDArray[np.uint16]:
-        """`(t, 3)`: triangles, as places among the positions, wound as given."""
-    @property
-    def is_small(self) -> bool:
-        """Whether it has parts that were called small."""
-    @property
-    def first(self) -> int:
-        """The number of its first triangle among the packed ones."""
-    @property
-    def bounds(self) -> npt.NDArray[np.float64]:
-        """`(2, 3)`: lower and upper corner of the box around its triangles as given, in the mesh's frame, metres."""
-
-@final
-class Distance:
-    """The distance of tool and mock-up, or of the tool and one part; 0 when they meet.
-
-    When nothing lies within `max`, `value` is infinite and all else is None.
-    """
-
-    @property
-    def value(self) -> float:
-        """Metres; 0 if and only if triangles meet, infinite when nothing lies within `max`."""
-    @property
-    def point_on_tool(self) -> npt.NDArray[np.float64] | None:
-        """`(3,)`: the point of the tool that is closest, world, metres."""
-    @property
-    def point_on_mockup(self) -> npt.NDArray[np.float64] | None:
-        """`(3,)`: the point of the mock-up that is closest, world, metres; where they meet, the same point."""
-    @property
-    def tool_triangle(self) -> int | None:
-        """The tool's triangle that the point lies on."""
-    @property
-    def mockup_triangle(self) -> int | None:
-        """The mock-up's triangle that the point lies on."""
-    @property
-    def part(self) -> int | None:
-        """The index into `mockup.parts` of that triangle's part."""
-    @property
-    def tool_part(self) -> int | None:
-        """The index into `tool.parts` of the tool's part that the point lies on."""
-
-@final
-class DistanceBatch:
-    """The distance at many poses; `batch[i]` is the `Distance` of pose `i`.
-
-    Where nothing lies within `max`, the value is infinite, points are NaN and ids -1.
-    """
-
-    @property
-    def values(self) -> npt.NDArray[np.float64]:
-        """`(n,)`: metres; 0 where they meet."""
-    @property
-    def points_on_tool(self) -> npt.NDArray[np.float64]:
-        """`(n, 3)`: world, metres."""
-    @property
-    def points_on_mockup(self) -> npt.NDArray[np.float64]:
-        """`(n, 3)`: world, metres."""
-    @property
-    def tool_triangles(self) -> npt.NDArray[np.int64]:
-        """`(n,)`: the tool's triangle that the point lies on."""
-    @property
-    def mockup_triangles(self) -> npt.NDArray[np.int64]:
-        """`(n,)`: the mock-up's triangle that the point lies on."""
-    @property
-    def parts(self) -> npt.NDArray[np.int64]:
-        """`(n,)`: indices into `mockup.parts`."""
-    @property
-    def tool_parts(self) -> npt.NDArray[np.int64]:
-        """`(n,)`: indices into `tool.parts`."""
-    def __len__(self) -> int: ...
-    def __getitem__(self, index: int, /) -> Distance: ...
-
-@final
-class Clearance:
-    """What is near at one pose: a row for each part, or for each pair of triangles; by distance, then by triangles."""
-
-    @property
-    def parts(self) -> npt.NDArray[np.uint32]:
-        """`(k,)`: indices into `mockup.parts`."""
-    @property
-    def tool_parts(self) -> npt.NDArray[np.uint32]:
-        """`(k,)`: indices into `tool.parts`."""
-    @property
-    def distances(self) -> npt.NDArray[np.float64]:
-        """`(k,)`: metres, ascending; 0 where they meet."""
-    @property
-    def points_on_tool(self) -> npt.NDArray[np.float64]:
-        """`(k, 3)`: the closest point of the tool, world, metres."""
-    @property
-    def points_on_mockup(self) -> npt.NDArray[np.float64]:
-        """`(k, 3)`: the closest point of the part or triangle, world, metres."""
-    @property
-    def tool_triangles(self) -> npt.NDArray[np.uint32]:
-        """`(k,)`: the tool's triangle that the point lies on."""
-    @property
-    def mockup_triangles(self) -> npt.NDArray[np.uint32]:
-        """`(k,)`: the mock-up's triangle that the point lies on."""
-    def __len__(self) -> int: ...
-
-@final
-class ClearanceBatch:
-    """What is near at many poses; `batch[i]` is the `Clearance` of pose `i`, its rows `offsets[i]:offsets[i + 1]`."""
-
-    @property
-    def offsets(self) -> npt.NDArray[np.uint64]:
-        """`(n + 1,)`: where the rows of each pose begin."""
-    @property
-    def parts(self) -> npt.NDArray[np.uint32]:
-        """`(K,)`: as of `Clearance`, and so are the others."""
-    @property
-    def tool_parts(self) -> npt.NDArray[np.uint32]:
-        """`(K,)`: parts of the tool."""
-    @property
-    def distances(self) -> npt.NDArray[np.float64]:
-        """`(K,)`: metres."""
-    @property
-    def points_on_tool(self) -> npt.NDArray[np.float64]:
-        """`(K, 3)`: world, metres."""
-    @property
-    def points_on_mockup(self) -> npt.NDArray[np.float64]:
-        """`(K, 3)`: world, metres."""
-    @property
-    def tool_triangles(self) -> npt.NDArray[np.uint32]:
-        """`(K,)`: triangles of the tool."""
-    @property
-    def mockup_triangles(self) -> npt.NDArray[np.uint32]:
-        """`(K,)`: triangles of the mock-up."""
-    def __len__(self) -> int: ...
-    def __getitem__(self, index: int, /) -> Clearance: ...
 
 @final
 class Predictor:

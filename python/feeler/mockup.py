@@ -365,7 +365,7 @@ class Tool(_core.Tool):
         return f"Tool({self.name!r}, {self.triangle_count:,} triangles)"
 
 
-def _vertex_limit(limit: int) -> int:
+def _vertex_limit(limit: object) -> int:
     if isinstance(limit, bool) or not isinstance(limit, (int, np.integer)) or not 3 <= limit <= VERTEX_LIMIT:
         raise OptionError(f"vertex_limit is {limit!r}: a piece has 3 to {VERTEX_LIMIT} vertices")
     return int(limit)

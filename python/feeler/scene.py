@@ -23,6 +23,8 @@ from feeler._core import (
     DistanceBatch,
     PathCheck,
     Penetration,
+    Rays,
+    SectionOutline,
 )
 from feeler.calibrate import machine_constants
 from feeler.errors import LimitError, MeshError, OptionError
@@ -344,6 +346,42 @@ class Scene(_core.Scene):
         """
         return super().penetration(tool, world_from_tool, _real("margin", margin), reference, ignore=ignore)
 
+    def rays(
+        self,
+        origins: npt.ArrayLike,
+        directions: npt.ArrayLike,
+        *,
+        max: float = math.inf,
+        sections: npt.ArrayLike | None = None,
+    ) -> Rays:
+        """What rays from `origins` `(n, 3)` along `directions` `(n, 3)`, of any length, meet first, on all threads.
+
+        Nothing farther than `max` (metres) is met, nor what `sections` cut away: rows `[nx, ny, nz, d]` `(k, 4)`, each
+        of which keeps the points with `n . x >= d`; what is in all of them is there. Whether a closed triangle is met
+        is exact, and so is which comes first; of several at the same place it is the lowest. Distances are right within
+        1e-12 of themselves. A ray that begins on a triangle meets it at 0; one that lies in a triangle's plane meets it
+        where it comes upon it.
+
+        Raises `OptionError` for other shapes, a direction or a section's normal of zero, numbers that are not finite or
+        beyond 1e100, and where `max` is negative or NaN.
+        """
+        starts, ways = _rows("origins", origins, 3), _rows("directions", directions, 3)
+        if len(starts) != len(ways):
+            raise OptionError(f"there are {len(starts)} origins but {len(ways)} directions: give as many")
+        kept = np.empty((0, 4)) if sections is None else _rows("sections", sections, 4)
+        return super().rays(starts, ways, max=_real("max", max), sections=kept)
+
+    def section(self, point: npt.ArrayLike, normal: npt.ArrayLike) -> SectionOutline:
+        """What the plane through `point` `(3,)` across `normal` `(3,)`, of any length, cuts: a segment a triangle.
+
+        On which side corners are is exact; what is exactly on the plane counts as behind it. So outlines of closed
+        surfaces are closed: they are those of what is in front of the plane. A triangle in the plane gives nothing;
+        those next to it that go on in front of the plane give its border. What touches the plane from behind gives
+        nothing. Raises `OptionError` for other shapes, a normal of zero, and numbers that are not finite or beyond
+        1e100.
+        """
+        return super().section(_vector("point", point), _vector("normal", normal))
+
     def __reduce__(self) -> tuple[Any, ...]:
         built = {"voxel_size": self.voxel_size, "storage": self.storage, "hashing": self.hashing}
         attributes = {name: value for name, value in self.__dict__.items() if name not in ("build_seconds", "_given")}
@@ -480,6 +518,29 @@ def _real(what: str, value: float) -> float:
         raise OptionError(f"{what} is {value!r}: a number is needed") from error
     except OverflowError as error:
         raise OptionError(f"{what} is beyond what a float64 can hold: a smaller number is needed") from error
+
+
+def _rows(what: str, values: npt.ArrayLike, columns: int) -> npt.NDArray[np.float64]:
+    """`(n, columns) float64`."""
+    try:
+        array = np.asarray(values)
+    except (TypeError, ValueError) as error:
+        raise OptionError(f"{what} cannot be read as an array: {error}") from error
+    if array.shape == (0,):
+        array = np.empty((0, columns))
+    if array.ndim != 2 or array.shape[1] != columns:
+        raise OptionError(f"{what} has shape {array.shape}: (n, {columns}) is needed")
+    if array.dtype.kind not in "fiu":
+        raise OptionError(f"{what} has dtype {array.dtype}: real numbers are needed")
+    with np.errstate(over="ignore"):  # what is beyond float64 becomes an infinity, which the core refuses
+        return np.ascontiguousarray(array, dtype=np.float64)
+
+
+def _vector(what: str, value: npt.ArrayLike) -> list[float]:
+    array = np.asarray(value, dtype=object)
+    if array.shape != (3,):
+        raise OptionError(f"{what} is {value!r}: three numbers are needed")
+    return [_real(what, each) for each in array]
 
 
 def _integer(what: str, value: int) -> int:

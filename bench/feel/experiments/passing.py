@@ -76,7 +76,11 @@ def _across(mockup: Mesh) -> Callable[[np.random.Generator, float], Made]:
 
 
 def _edge(rng: np.random.Generator, speed: float) -> Made:
-    """Onto the edge of a half sheet: it passed if it is on one side and then on the other, never in between."""
+    """Onto the edge of a half sheet: it passed if it is on one side and then on the other, never in between.
+
+    A tick may take it around the edge, where the device pulls it there: a change of sides counts where the device, or
+    the tool before or after, is wholly over the sheet, whose edge is then not in the way's reach.
+    """
     name, tool = _tool(rng)
     reach = float(np.sqrt((tool[0] ** 2).sum(axis=1)).max())
     slant, around = rng.uniform(0.0, SLANT_RAD), rng.uniform(0.0, 2 * np.pi)
@@ -85,14 +89,17 @@ def _edge(rng: np.random.Generator, speed: float) -> Made:
     start[:3, :3] = random_turn(rng)
     path = _path(rng, start, way, speed, (reach + BEYOND_M) / np.cos(slant))
 
+    def is_over(at: Floats) -> bool:
+        return bool(placed(tool[0], at)[:, 0].max() < 0.0)
+
     def passed(proxies: Floats) -> bool:
-        before = 0
-        for at in proxies:
+        before, last = 0, proxies[0]
+        for at, device in zip(proxies, path, strict=False):
             heights = placed(tool[0], at)[:, 2]
             side = 1 if heights.min() > 0.0 else -1 if heights.max() < 0.0 else 0
-            if side * before < 0:
+            if side * before < 0 and (is_over(device) or is_over(last) or is_over(at)):
                 return True
-            before = side
+            before, last = side, at
         return False
 
     return scenes.half_sheet(), name, tool, path, passed

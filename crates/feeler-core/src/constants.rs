@@ -72,6 +72,9 @@ pub(crate) const ORIENT3D_BOUND: f64 = (7.0 + 56.0 * UNIT_ROUNDOFF) * UNIT_ROUND
 /// The same for `orient2d`: (3 + 16 u) u.
 pub(crate) const ORIENT2D_BOUND: f64 = (3.0 + 16.0 * UNIT_ROUNDOFF) * UNIT_ROUNDOFF;
 
+/// The same for a scalar product with a difference of points: a difference, a product, two sums: (4 + 16 u) u.
+pub(crate) const DOT_BOUND: f64 = (4.0 + 16.0 * UNIT_ROUNDOFF) * UNIT_ROUNDOFF;
+
 /// Below this permanent (cubic metres) the bounds above could be spoilt by underflow: a product that underflows loses at most
 /// 2^-1074, which a further factor of at most 2e100 and the sum of six terms bring to less than 1e-221; the bound itself is
 /// then 7e-216 or more.
@@ -212,6 +215,30 @@ pub(crate) const LEAF_ROUNDING: f64 = 1e-4;
 
 /// Squares of axes shorter than that (square frame units) have lost too much to rounding towards 0; they prove nothing.
 pub(crate) const LEAST_AXIS_SQUARE: f32 = 1e-28;
+
+// --- Rays ---
+
+/// Relative error of where along a ray a triangle is met (no unit): 2^-40. Where float64 cannot say it as well it is found exactly,
+/// and places closer than that are compared exactly. Less makes more rays slow.
+pub(crate) const TIME_SURE: f64 = 1.0 / (1u64 << 40) as f64;
+
+/// By how much the end of what is of interest along a ray is rounded up, as a share of it: 2^-36, far above the former.
+pub(crate) const RAY_LIMIT_ROUNDING: f64 = 1.0 / (1u64 << 36) as f64;
+
+/// What the sides of boxes, seen from a ray's origin, may be off by in float64, in unit roundoffs of the largest coordinate in play:
+/// two roundings, and room to spare.
+pub(crate) const RAY_ROUNDOFFS: f64 = 16.0;
+
+/// By how much boxes grow for a ray in float32, frame units: 2^-19. Its origin, brought to the mock-up's box, and its direction are
+/// rounded once (2^-23 along the box), a place along it four times (2^-21), and what came before adds [`FAR_RAY`].
+pub(crate) const RAY_GROWTH: f32 = 1.0 / 524_288.0;
+
+/// What a ray's origin may be off by in float64 when brought to the mock-up's box, frame units: 2^-22. Beyond, the plain search
+/// takes over.
+pub(crate) const FAR_RAY: f64 = 1.0 / 4_194_304.0;
+
+/// The least entry of a unit direction in float32: smaller ones are taken for it, which moves no point by more.
+pub(crate) const LEAST_SLOPE: f32 = 1e-20;
 
 // --- Motion and casts ---
 

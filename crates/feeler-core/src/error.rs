@@ -150,6 +150,34 @@ pub enum Error {
         /// Which argument.
         what: &'static str,
     },
+    /// A ray with a number that is not finite or too large, or without a direction.
+    #[error("{what}[{ray}] is {value:?}: {must}")]
+    Ray {
+        /// "origins" or "directions".
+        what: &'static str,
+        /// The ray.
+        ray: usize,
+        /// The entries given.
+        value: [f64; 3],
+        /// What is needed.
+        must: &'static str,
+    },
+    /// A half space with a number that is not finite or too large, or without a normal.
+    #[error("sections[{section}] is {value:?}: give a normal that is not zero and an offset, finite and at most 1e100 in size")]
+    Section {
+        /// The section.
+        section: usize,
+        /// Normal and offset given.
+        value: [f64; 4],
+    },
+    /// A plane with a number that is not finite or too large, or without a normal.
+    #[error("{what} is {value:?}: every entry must be finite and at most 1e100 in size, and a normal not zero")]
+    Plane {
+        /// "point" or "normal".
+        what: &'static str,
+        /// The entries given.
+        value: [f64; 3],
+    },
     /// A number of vertices that no piece for drawing can have.
     #[error("vertex_limit is {value}: a piece has 3 to 65535 vertices")]
     VertexLimit {

@@ -9,8 +9,10 @@
 //! | how far is the nearest part, or the `k` nearest | [`Scene::distance`], [`Scene::closest`] | [`Scene::distance_batch`] |
 //! | which parts, or pairs of triangles, are nearer than a limit | [`Scene::clearance`], [`Scene::near_pairs`] | [`Scene::clearance_batch`] |
 //! | where on the way between two poses is the first impact | [`Scene::cast`] | [`Scene::check_path`] |
+//! | what does a ray meet first | [`Scene::ray`] | [`Scene::rays`] |
+//! | what does a plane cut | [`Scene::section`] | |
 //!
-//! Contact planes and penetration are in the crate `feeler-contacts`.
+//! [`Mockup::pack`] makes pieces for drawing. Contact planes and penetration are in the crate `feeler-contacts`.
 //!
 //! ```
 //! use std::sync::Arc;
@@ -64,9 +66,11 @@ pub mod index;
 #[doc(hidden)]
 pub mod mesh;
 mod progress;
+mod rays;
 mod scene;
 #[doc(hidden)]
 pub mod scratch_pool;
+mod section;
 mod sizing;
 #[doc(hidden)]
 pub mod tool;
@@ -94,7 +98,9 @@ pub use mesh::mockup::Mockup;
 pub use mesh::triangle_mesh::Mesh;
 pub use mesh::weld::weld_vertices;
 pub use progress::Progress;
+pub use rays::ray::{HalfSpace, Ray, RayHit};
 pub use scene::{Scene, SceneOptions};
+pub use section::outline::SectionOutline;
 pub use sizing::choice::{default_voxel_size, optimal_voxel_size};
 pub use sizing::cost::Estimator;
 pub use sizing::cost_constants::CostConstants;
@@ -111,6 +117,8 @@ pub use cast::brute::cast_all_pairs;
 pub use collide::brute::collide_all_pairs;
 #[doc(hidden)]
 pub use distance::brute::gaps_of_all_pairs;
+#[doc(hidden)]
+pub use rays::brute::first_of_all;
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

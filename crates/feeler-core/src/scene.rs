@@ -18,14 +18,17 @@ use crate::error::{Error, Result};
 use crate::geometry::bounds::Point;
 use crate::geometry::pose::Pose;
 use crate::index::mockup_index::Index;
+use crate::index::ray_search::RayScratch;
 use crate::index::selection::{IgnoredPairs, Selection};
 use crate::index::store::Storage;
 use crate::mesh::mockup::Mockup;
 use crate::progress::Progress;
+use crate::rays::ray::{HalfSpace, Ray, RayHit};
 use crate::scratch_pool::ScratchPool;
+use crate::section::outline::SectionOutline;
 use crate::sizing::choice::default_voxel_size;
 use crate::tool::moving_tool::Tool;
-use crate::{cast, collide, distance};
+use crate::{cast, collide, distance, rays, section};
 
 /// How to build a scene. Name what is to differ and take the rest from [`default`](Self::default), so that a later option leaves
 /// the code as it is:
@@ -69,6 +72,7 @@ struct Pools {
     collide: ScratchPool<CollideScratch>,
     distance: ScratchPool<DistanceScratch>,
     cast: ScratchPool<CastScratch>,
+    rays: ScratchPool<RayScratch>,
 }
 
 impl Scene {
@@ -430,6 +434,67 @@ impl Scene {
         progress: Progress<'_>,
     ) -> Result<PathCheck> {
         cast::path::check_path(&self.index, &self.pools.cast, tool, poses, (tolerance, touching), progress)
+    }
+}
+
+/// What is looked at, without a tool.
+impl Scene {
+    /// The first triangle that a ray meets, `None` where it meets none within `max` (metres) and all `sections`.
+    ///
+    /// Whether a closed triangle is met is exact, and so is which comes first; of several at the same place, the one with the least
+    /// id. A ray that begins on a triangle meets it there; of one that lies in its plane, the first point is the first that both have
+    /// in common. The distance is right within 1e-12 of itself. Sections keep what is in all of them: the first point is the first
+    /// that is kept.
+    ///
+    /// Errors: `max` negative or NaN, a direction or normal of zero, and numbers that are not finite or beyond 1e100 in size.
+    ///
+    /// ```
+    /// # use feeler_core::*;
+    /// # let plate = vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
+    /// # let mockup = Mockup::new(plate, vec![[0, 1, 2], [0, 2, 3]], vec![], 1)?;
+    /// # let scene = Scene::build(mockup.into(), &SceneOptions::default(), &|_, _| true)?;
+    /// // Down onto the plate.
+    /// let ray = Ray { origin: [0.5, -0.25, 3.0], direction: [0.0, 0.0, -2.0] };
+    /// let hit = scene.ray(&ray, f64::INFINITY, &[])?.expect("the plate is there");
+    /// assert_eq!((hit.triangle, hit.distance, hit.point), (0, 3.0, [0.5, -0.25, 0.0]));
+    /// assert_eq!(hit.normal, [0.0, 0.0, 1.0]);
+    /// // What lies to the right of a plane is cut away.
+    /// let section = HalfSpace { normal: [-1.0, 0.0, 0.0], offset: -0.4 };
+    /// assert!(scene.ray(&ray, f64::INFINITY, &[section])?.is_none());
+    /// # Ok::<(), Error>(())
+    /// ```
+    pub fn ray(&self, ray: &Ray, max: f64, sections: &[HalfSpace]) -> Result<Option<RayHit>> {
+        self.pools.rays.with(|scratch| rays::query::first(&self.index, ray, max, sections, scratch))
+    }
+
+    /// [`ray`](Self::ray) of many rays, in parallel on the current rayon pool.
+    pub fn rays(&self, rays: &[Ray], max: f64, sections: &[HalfSpace]) -> Result<Vec<Option<RayHit>>> {
+        rays::query::firsts(&self.index, &self.pools.rays, rays, max, sections)
+    }
+
+    /// What the plane through `point` across `normal` cuts, as a segment of each triangle, sorted by triangle; in parallel on the
+    /// current rayon pool.
+    ///
+    /// On which side corners are is exact. What lies exactly on the plane counts as behind it, so that outlines of closed surfaces are
+    /// closed: they are those of what is in front of the plane. A triangle in the plane gives nothing; where those next to it go on in
+    /// front of it, they give its border. What touches the plane from behind gives nothing. Segments of triangles that share an edge
+    /// share its point to the last bit, and run so that the body is on their left, seen from where the normal points to, where triangles
+    /// are wound outwards.
+    ///
+    /// Errors: a normal of zero, and numbers that are not finite or beyond 1e100 in size.
+    ///
+    /// ```
+    /// # use feeler_core::*;
+    /// # let plate = vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
+    /// # let mockup = Mockup::new(plate, vec![[0, 1, 2], [0, 2, 3]], vec![], 1)?;
+    /// # let scene = Scene::build(mockup.into(), &SceneOptions::default(), &|_, _| true)?;
+    /// let outline = scene.section(&[0.5, 0.0, 0.0], &[1.0, 0.0, 0.0])?;
+    /// assert_eq!(outline.triangles, [0, 1]);
+    /// assert_eq!(outline.segments[0], [[0.5, 0.5, 0.0], [0.5, -1.0, 0.0]]);
+    /// # Ok::<(), Error>(())
+    /// ```
+    pub fn section(&self, point: &Point, normal: &Point) -> Result<SectionOutline> {
+        section::cut::section(self.index.mockup(), self.index.selection(), point, normal)
     }
 }
 

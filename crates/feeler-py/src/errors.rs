@@ -19,6 +19,9 @@ pub fn to_py(error: Error) -> PyErr {
         | Error::Margin { .. }
         | Error::Distance { .. }
         | Error::NoneAsked { .. }
+        | Error::Plane { .. }
+        | Error::Ray { .. }
+        | Error::Section { .. }
         | Error::VertexLimit { .. } => "OptionError",
         Error::TooMany { .. } | Error::GridTooFine { .. } | Error::Memory { .. } | Error::TooManyEntries { .. } => {
             "LimitError"

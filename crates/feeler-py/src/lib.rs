@@ -16,6 +16,7 @@ mod packed;
 mod pools;
 mod predict;
 mod proximity;
+mod rays;
 mod reporter;
 mod restore;
 mod scene;
@@ -72,6 +73,8 @@ mod _core {
     use super::predict::{PiecePredictor, Predictor};
     #[pymodule_export]
     use super::proximity::{Clearance, ClearanceBatch, Distance, DistanceBatch};
+    #[pymodule_export]
+    use super::rays::{Rays, SectionOutline};
     #[pymodule_export]
     use super::restore::restore;
     #[pymodule_export]

@@ -9,7 +9,7 @@ use pyo3::types::PyTuple;
 use crate::travel::{check_lengths, check_offsets, damaged, list, reduced, rows_of};
 
 /// Points as `(n, 3)`.
-fn points<'py>(py: Python<'py>, rows: impl ExactSizeIterator<Item = core::Point>) -> Bound<'py, PyArray2<f64>> {
+pub fn points<'py>(py: Python<'py>, rows: impl ExactSizeIterator<Item = core::Point>) -> Bound<'py, PyArray2<f64>> {
     let count = rows.len();
     let flat: Vec<f64> = rows.flatten().collect();
     Array2::from_shape_vec((count, 3), flat).expect("three numbers a row").into_pyarray(py)

@@ -11,6 +11,7 @@ use crate::containment::Containment;
 use crate::errors::raise;
 use crate::packed::{Packed, PackedPiece};
 use crate::proximity::{Clearance, ClearanceBatch, Distance, DistanceBatch};
+use crate::rays::{Rays, SectionOutline};
 use crate::travel::damaged;
 
 /// A result made again. Raises `LoadError` for a state that no result has.
@@ -38,6 +39,8 @@ pub fn restore<'py>(py: Python<'py>, kind: &str, state: Bound<'py, PyTuple>) -> 
         "PackedPiece" => made(py, PackedPiece::restore(&state)),
         "PathCheck" => made(py, PathCheck::restore(&state)),
         "Penetration" => made(py, Penetration::restore(&state)),
+        "Rays" => made(py, Rays::restore(&state)),
+        "SectionOutline" => made(py, SectionOutline::restore(&state)),
         other => Err(damaged(format!("nothing is called {other:?}"))),
     };
     result.map_err(|error| {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use feeler_contacts::ContactSolver;
 use feeler_core as core;
 use numpy::ndarray::Array2;
-use numpy::{IntoPyArray, PyArray1, PyArray2};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -18,8 +18,10 @@ use crate::errors::{raise, to_py};
 use crate::mockup::Mockup;
 use crate::pools::{find_topology, on_pool, Pool};
 use crate::proximity::{Clearance, ClearanceBatch, Distance, DistanceBatch};
+use crate::rays::{Rays, SectionOutline};
 use crate::reporter::Reporter;
 use crate::selection::{ignored_of, Ignore, SceneSource, Selected};
+use crate::travel::rows_of;
 
 /// A mock-up with its index. `feeler.Scene` adds defaults.
 #[pyclass(subclass, frozen, module = "feeler._core")]
@@ -463,6 +465,35 @@ impl Scene {
         });
         reporter.finish()?;
         Ok(PathCheck::new(check?.map_err(to_py)?, self.core.mockup(), tool, inside.map(Containment::new)))
+    }
+
+    #[pyo3(signature = (origins, directions, *, max, sections))]
+    fn rays(
+        &self,
+        py: Python<'_>,
+        origins: PyReadonlyArray2<'_, f64>,
+        directions: PyReadonlyArray2<'_, f64>,
+        max: f64,
+        sections: PyReadonlyArray2<'_, f64>,
+    ) -> PyResult<Rays> {
+        let (origins, directions) = (rows_of(&origins)?, rows_of(&directions)?);
+        let rays: Vec<core::Ray> =
+            origins.into_iter().zip(directions).map(|(origin, direction)| core::Ray { origin, direction }).collect();
+        let sections: Vec<core::HalfSpace> = rows_of::<f64, 4>(&sections)?
+            .into_iter()
+            .map(|[x, y, z, offset]| core::HalfSpace { normal: [x, y, z], offset })
+            .collect();
+        let found = py.detach(|| match &rays[..] {
+            // Less work than to wake another thread.
+            [ray] => Ok(self.core.ray(ray, max, &sections).map(|hit| vec![hit])),
+            rays => on_pool(self.pool.as_deref(), || self.core.rays(rays, max, &sections)),
+        })?;
+        Ok(Rays::new(found.map_err(to_py)?))
+    }
+
+    fn section(&self, py: Python<'_>, point: [f64; 3], normal: [f64; 3]) -> PyResult<SectionOutline> {
+        let cut = py.detach(|| on_pool(self.pool.as_deref(), || self.core.section(&point, &normal)))?;
+        Ok(SectionOutline::new(cut.map_err(to_py)?))
     }
 }
 

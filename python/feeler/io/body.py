@@ -44,8 +44,7 @@ class Body:
 
     vertices: (n, 3) float64, metres. faces: (m, 3) integers. part_of_face: (m,) integers into `paths`.
     paths: "assembly/sub/part" of each part. palette: (k, 3) sRGB colours, 0 to 1.
-    colour_of_face: (m,) integers into `palette`. cut: whether a section plane cuts it. xray: (k,) how strongly each
-    colour shines through what hides it, 0 to 1 (pictures only); None: not at all.
+    colour_of_face: (m,) integers into `palette`. cut: whether a section plane cuts it (pictures only).
     """
 
     vertices: FloatArray
@@ -55,7 +54,6 @@ class Body:
     palette: FloatArray
     colour_of_face: npt.NDArray[Any]
     cut: bool = True
-    xray: npt.NDArray[Any] | None = None
 
     @property
     def points(self) -> FloatArray:
@@ -107,15 +105,14 @@ def body_of(
 
 @dataclass(frozen=True)
 class Mark:
-    """Triangles (face indices) to show in a colour of their own; xray: how strongly they shine through, 0 to 1."""
+    """Triangles (face indices) to show in a colour of their own."""
 
     faces: npt.NDArray[Any]
     colour: Colour
-    xray: float = 0.0
 
 
-def with_marks(body: Body, marks: Sequence[Mark], *, xray: float = 0.0) -> Body:
-    """`body` with marked triangles; where marks overlap the last one counts. xray: for what is not marked."""
+def with_marks(body: Body, marks: Sequence[Mark]) -> Body:
+    """`body` with marked triangles; where marks overlap the last one counts."""
     colour_of_face = np.array(body.colour_of_face, dtype=np.int64)
     for number, mark in enumerate(marks):
         colour_of_face[mark.faces] = len(body.palette) + number
@@ -123,7 +120,6 @@ def with_marks(body: Body, marks: Sequence[Mark], *, xray: float = 0.0) -> Body:
         body,
         palette=np.array([*body.palette, *(mark.colour for mark in marks)], dtype=np.float64).reshape(-1, 3),
         colour_of_face=colour_of_face,
-        xray=np.array([xray] * len(body.palette) + [mark.xray for mark in marks]),
     )
 
 

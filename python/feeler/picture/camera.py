@@ -61,7 +61,7 @@ class Camera:
         eye = centre - forward * distance
         for axis, low, high, least, most in bounds:
             eye = eye + axis * ((least - high * distance) + (most - low * distance)) / 2
-        return cls(_triple(eye), _triple(eye + forward * distance), _triple(up), fov_deg)
+        return cls(triple(eye), triple(eye + forward * distance), triple(up), fov_deg)
 
     def shares(self, points: npt.ArrayLike, size: tuple[int, int]) -> FloatArray:
         """Where points (n, 3) are seen, (n, 2): shares of width and height from the left and from the top."""
@@ -95,12 +95,12 @@ def usual_view(bounds: npt.ArrayLike) -> tuple[FloatArray, FloatArray]:
 class Section:
     """A cutting plane: what lies on the side the normal points to is taken away.
 
-    point: (3,) metres, on the plane. normal: (3,), need not have length 1. cap: close the solids that are cut.
+    point: (3,) metres, on the plane. normal: (3,), need not have length 1. Solids that
+    are cut are closed, in a dark shade of their colour.
     """
 
     point: tuple[float, float, float]
     normal: tuple[float, float, float]
-    cap: bool = True
 
     def plane(self) -> tuple[FloatArray, float]:
         """Unit normal n and offset d; what has n.x > d is taken away."""
@@ -124,6 +124,7 @@ def _right_up(forward: FloatArray, up: FloatArray) -> tuple[FloatArray, FloatArr
     return right, np.cross(right, forward)
 
 
-def _triple(vector: npt.ArrayLike) -> tuple[float, float, float]:
+def triple(vector: npt.ArrayLike) -> tuple[float, float, float]:
+    """Three numbers as a camera and a section hold them."""
     x, y, z = (float(c) for c in np.asarray(vector, dtype=np.float64))
     return x, y, z

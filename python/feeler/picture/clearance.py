@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from feeler.io.body import LIGHT_GREY, ORANGE, RED, STEEL_BLUE, TINT, Body, Mark, body_of, with_marks
+from feeler.io.body import RED, Body
 from feeler.io.export import write_glb
-from feeler.picture.collision import drawn
+from feeler.picture.collision import collision_bodies
 
 _THICKNESS_SHARE = 0.002  # of the tool's size
 _LEAST_THICKNESS_M = 2e-5
@@ -31,15 +31,7 @@ def clearance_bodies(
     A line is a bar of three sides, as thick as 0.2 % of the tool, so that any viewer shows it; where tool and part
     meet, it has no length and is left out. context, parts: as for `collision_bodies`.
     """
-    tool_body = body_of(tool, colours=STEEL_BLUE, pose=world_from_tool, cut=False)
-    tool_body = with_marks(tool_body, [Mark(np.asarray(clearance.tool_triangles, dtype=np.int64), ORANGE, xray=0.6)])
-    body = body_of(mockup, colours=LIGHT_GREY)
-    near = np.zeros(max(len(body.paths), 1), dtype=bool)
-    near[np.asarray(clearance.parts, dtype=np.int64)] = True
-    tinted = np.flatnonzero(near[body.part_of_face])
-    triangles = np.asarray(clearance.mockup_triangles, dtype=np.int64)
-    body = with_marks(body, [Mark(tinted, TINT), Mark(triangles, RED, xray=0.4)])
-    body = drawn(body, tool_body, context, near, parts)
+    body, tool_body = collision_bodies(mockup, tool, world_from_tool, clearance, context=context, parts=parts)
     size = float(np.linalg.norm(tool_body.bounds[1] - tool_body.bounds[0]))
     lines = _bars(clearance, max(_THICKNESS_SHARE * size, _LEAST_THICKNESS_M))
     return (body, tool_body) if lines is None else (body, tool_body, lines)

@@ -17,27 +17,14 @@ def clip_triangles(corners: FloatArray, normal: FloatArray, offset: float) -> tu
     """
     height = corners @ normal - offset
     outside = height > 0
-    count = outside.sum(axis=1)
-    whole = np.flatnonzero(count == 0)
-    pieces, sources = [corners[whole]], [whole]
-    for lost in (1, 2):
-        cut = np.flatnonzero(count == lost)
-        if not len(cut):
-            continue
-        # Turn each triangle so that the corner that stands alone (outside if one is lost, inside if two) is first.
-        alone = np.argmax(outside[cut] if lost == 1 else ~outside[cut], axis=1)
-        turn = (alone[:, None] + np.arange(3)) % 3
-        c = np.take_along_axis(corners[cut], turn[:, :, None], axis=1)
-        h = np.take_along_axis(height[cut], turn, axis=1)
-        along_b = (h[:, 0] / (h[:, 0] - h[:, 1]))[:, None]
-        along_c = (h[:, 0] / (h[:, 0] - h[:, 2]))[:, None]
-        at_b = c[:, 0] + along_b * (c[:, 1] - c[:, 0])
-        at_c = c[:, 0] + along_c * (c[:, 2] - c[:, 0])
-        if lost == 2:
-            pieces.append(np.stack([c[:, 0], at_b, at_c], axis=1))
-            sources.append(cut)
-        else:
-            pieces.append(np.stack([at_b, c[:, 1], c[:, 2]], axis=1))
-            pieces.append(np.stack([at_b, c[:, 2], at_c], axis=1))
-            sources += [cut, cut]
-    return np.concatenate(pieces), np.concatenate(sources)
+    lost = outside.sum(axis=1)
+    whole, cut = np.flatnonzero(lost == 0), np.flatnonzero((lost == 1) | (lost == 2))
+    # Turn each triangle so that the corner that stands alone (outside if one is lost, inside if two) is first.
+    blunt = lost[cut] == 1
+    turn = (np.argmax(outside[cut] == blunt[:, None], axis=1)[:, None] + np.arange(3)) % 3
+    a, b, c = np.take_along_axis(corners[cut], turn[:, :, None], axis=1).transpose(1, 0, 2)
+    at_a, at_b, at_c = np.take_along_axis(height[cut], turn, axis=1).T[:, :, None]
+    ab, ac = a + at_a / (at_a - at_b) * (b - a), a + at_a / (at_a - at_c) * (c - a)
+    tips, left, right = (np.stack(triangle, axis=1) for triangle in ((a, ab, ac), (ab, b, c), (ab, c, ac)))
+    pieces = np.concatenate([corners[whole], tips[~blunt], left[blunt], right[blunt]])
+    return pieces, np.concatenate([whole, cut[~blunt], cut[blunt], cut[blunt]])

@@ -30,17 +30,21 @@ def collision_bodies(
     to the tool's box (and all parts that are hit). parts: which parts are drawn at all, (parts,) bool, such as
     `scene.part_mask`; None: all.
     """
+    if context is not None and not context >= 0:
+        raise OptionError(f"context is {context}: give a distance in metres, 0 or more")
     tool_body = body_of(tool, colours=STEEL_BLUE, pose=world_from_tool, cut=False)
-    tool_hit = np.asarray(collision.tool_triangles, dtype=np.int64)
-    tool_body = with_marks(tool_body, [Mark(tool_hit, ORANGE, xray=0.6)], xray=0.3)
+    tool_body = with_marks(tool_body, [Mark(np.asarray(collision.tool_triangles, dtype=np.int64), ORANGE)])
     body = body_of(mockup, colours=LIGHT_GREY if grey else None)
-    hit_parts = np.asarray(collision.parts, dtype=np.int64)
-    hit_part = np.zeros(max(len(body.paths), 1), dtype=bool)
-    hit_part[hit_parts] = True
-    tinted = np.flatnonzero(hit_part[body.part_of_face])
-    hit_triangles = np.asarray(collision.mockup_triangles, dtype=np.int64)
-    body = with_marks(body, [Mark(tinted, TINT), Mark(hit_triangles, RED, xray=0.4)])
-    return drawn(body, tool_body, context, hit_part, parts), tool_body
+    is_hit = np.zeros(max(len(body.paths), 1), dtype=bool)
+    is_hit[np.asarray(collision.parts, dtype=np.int64)] = True
+    tinted = np.flatnonzero(is_hit[body.part_of_face])
+    body = with_marks(body, [Mark(tinted, TINT), Mark(np.asarray(collision.mockup_triangles, dtype=np.int64), RED)])
+    if context is None and parts is None:
+        return body, tool_body
+    shown = is_hit | True if context is None else is_hit | _near_parts(body, tool_body.bounds, context)
+    if parts is not None:
+        shown &= np.asarray(parts, dtype=bool)
+    return only_faces(body, shown[body.part_of_face]), tool_body
 
 
 def write_collision_glb(
@@ -58,40 +62,15 @@ def write_collision_glb(
     return write_glb(path, body, tool_body)
 
 
-def drawn(
-    body: Body,
-    tool_body: Body,
-    context: float | None,
-    always: npt.NDArray[np.bool_],
-    parts: npt.ArrayLike | None,
-) -> Body:
-    """What is drawn of a mock-up: near the tool, by `context`, or in `always`, and of `parts`."""
-    if context is not None and not context >= 0:
-        raise OptionError(f"context is {context}: give a distance in metres, 0 or more")
-    if context is None and parts is None:
-        return body
-    shown = np.ones(len(always), dtype=bool)
-    if context is not None:
-        shown &= near_parts(body, tool_body.bounds, context, always)
-    if parts is not None:
-        shown &= np.asarray(parts, dtype=bool)
-    return only_faces(body, shown[body.part_of_face])
-
-
-def near_parts(
-    body: Body, box: npt.NDArray[np.float64], distance: float, always: npt.NDArray[np.bool_]
-) -> npt.NDArray[np.bool_]:
-    """Which parts have a box nearer than `distance` to `box`, or are in `always`."""
+def _near_parts(body: Body, box: npt.NDArray[np.float64], distance: float) -> npt.NDArray[np.bool_]:
+    """Which parts have a box nearer than `distance` to `box`."""
     count = max(len(body.paths), 1)
-    lower = np.full((count, 3), np.inf)
-    upper = np.full((count, 3), -np.inf)
+    lower, upper = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
     order = np.argsort(body.part_of_face, kind="stable")
-    parts = body.part_of_face[order].astype(np.int64)
-    starts = np.flatnonzero(np.diff(parts, prepend=-1)) if len(parts) else np.zeros(0, dtype=np.int64)
-    corners = body.vertices[body.faces[order]]
+    parts, starts = np.unique(body.part_of_face[order], return_index=True)
     if len(starts):
-        lower[parts[starts]] = np.minimum.reduceat(corners.min(axis=1), starts, axis=0)
-        upper[parts[starts]] = np.maximum.reduceat(corners.max(axis=1), starts, axis=0)
+        corners = body.vertices[body.faces[order]]
+        lower[parts] = np.minimum.reduceat(corners.min(axis=1), starts, axis=0)
+        upper[parts] = np.maximum.reduceat(corners.max(axis=1), starts, axis=0)
     gap = np.maximum(np.maximum(lower - box[1], box[0] - upper), 0.0)
-    near: npt.NDArray[np.bool_] = (np.square(gap).sum(axis=1) <= distance * distance) | always
-    return near
+    return np.asarray(np.square(gap).sum(axis=1) <= distance * distance)

@@ -1,221 +1,103 @@
-"""Visibility: which triangle is seen at each pixel, in NumPy.
-
-A z-buffer with scanline spans. Triangles are taken front to back in slices; a coarse pyramid of the farthest depths
-drops those that are surely hidden before any pixel of theirs is made. A triangle that covers no pixel centre is
-dropped at once, which disposes of most triangles of a large mock-up; the rest become rows, the rows become pixels, all
-in arrays without a Python loop over triangles.
-"""
+"""Visibility: which triangle is seen at each pixel, in arrays without a Python loop over triangles."""
 
 from __future__ import annotations
 
-from itertools import pairwise
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 Float32 = npt.NDArray[np.float32]
+IntArray = npt.NDArray[np.int64]
 
-_SLICES = 14  # front-to-back slices; more cull better and cost more passes over the pyramid
-_TILE = 8  # pixels along a side of the finest level of the pyramid; `_hidden` halves three times
-_SPAN_CHUNK = 1 << 19  # pixels made at a time, so that the arrays stay in the cache
-
-
-def visible_triangles(
-    x: npt.NDArray[Any], y: npt.NDArray[Any], inverse_depth: npt.NDArray[Any], width: int, height: int
-) -> tuple[npt.NDArray[np.int64], Float32]:
-    """The triangle seen at each pixel, and its inverse depth there.
-
-    x, y: (m, 3) screen coordinates of the corners, pixels, y downwards. inverse_depth: (m, 3), 1 / metres, positive.
-    Returns (height, width) int64, -1 where nothing is seen, and (height, width) float32, 0 where nothing is seen.
-    Where two triangles are equally near, the later one is seen.
-    """
-    # One number a pixel, the depth's bits above the triangle's number: positive floats order as their bits do, so
-    # the maximum is the nearest triangle.
-    buffer = np.zeros(width * height, dtype=np.uint64)
-    x, y, w = (np.asarray(a, dtype=np.float32) for a in (x, y, inverse_depth))
-    kept = _covering(x, y, width, height)
-    if len(kept):
-        nearest = _largest(w[kept])
-        span = max(float(nearest.max() - nearest.min()), 1e-30)
-        level = ((float(nearest.max()) - nearest) * (65535.0 / span)).astype(np.uint16)
-        kept = kept[np.argsort(level, kind="stable")]
-        # The first slices fill the picture, the later ones are mostly hidden: let them grow.
-        edges = (np.linspace(0, 1, _SLICES + 1) ** 1.5 * len(kept)).astype(np.int64)
-        for begin, end in pairwise(edges):
-            ids = kept[begin:end]
-            if begin and len(ids):
-                ids = ids[~_hidden(buffer, x[ids], y[ids], w[ids], width, height)]
-            if len(ids):
-                _draw(buffer, x[ids], y[ids], w[ids], ids, width, height)
-    depth = (buffer >> np.uint64(32)).astype(np.uint32).view(np.float32).reshape(height, width)
-    seen = (buffer & np.uint64(0xFFFFFFFF)).astype(np.int64).reshape(height, width)
-    seen[depth == 0] = -1
-    return seen, depth
+_AT_ONCE = 1 << 19  # rows or pixels made at a time: bounds the memory, and the arrays stay near the cache
+_HALF = np.float32(0.5)
 
 
-def _covering(x: Float32, y: Float32, width: int, height: int) -> npt.NDArray[np.int64]:
-    """Triangles whose box holds a pixel centre of the picture."""
-    kept = np.ones(len(x), dtype=bool)
-    for a, size in ((x, width), (y, height)):
-        low, high = _smallest(a), _largest(a)
-        first = np.maximum(np.ceil(low - np.float32(0.5)), 0)
-        last = np.minimum(np.floor(high - np.float32(0.5)), size - 1)
-        kept &= first <= last
-    return np.flatnonzero(kept)
+class DepthBuffer:
+    """A z-buffer that triangles are drawn into by scanline spans: triangles become rows, rows become pixels."""
 
+    def __init__(self, width: int, height: int) -> None:
+        self.width, self.height = width, height
+        # One number a pixel, the depth's bits above the triangle's number: positive floats order as their bits do,
+        # so the maximum is the nearest triangle.
+        self._keys = np.zeros(width * height, dtype=np.uint64)
 
-def _hidden(
-    buffer: npt.NDArray[np.uint64], x: Float32, y: Float32, w: Float32, width: int, height: int
-) -> npt.NDArray[np.bool_]:
-    """Which triangles lie behind what is drawn, everywhere in their box (true only if sure)."""
-    depth = buffer.reshape(height, width).view(np.uint32)[:, _HIGH_WORD::2].view(np.float32)
-    rows, columns = -(-height // _TILE), -(-width // _TILE)
-    padded = np.zeros((rows * _TILE, columns * _TILE), dtype=np.float32)
-    padded[:height, :width] = depth
-    # The far side of a tile beyond the picture's edge is copied from inside, or it would never hide anything.
-    padded[height:, :width] = depth[-1]
-    padded[:, width:] = padded[:, width - 1 : width]
-    farthest = _halved(_halved(_halved(padded)))
-    nearest = _largest(w)
-    x0 = np.clip(_smallest(x), 0, width - 1).astype(np.int32) // _TILE
-    x1 = np.clip(_largest(x), 0, width - 1).astype(np.int32) // _TILE
-    y0 = np.clip(_smallest(y), 0, height - 1).astype(np.int32) // _TILE
-    y1 = np.clip(_largest(y), 0, height - 1).astype(np.int32) // _TILE
-    hidden = np.zeros(len(x), dtype=bool)
-    todo = np.arange(len(x))
-    while len(todo):
-        # At this level a box of at most 2 by 2 tiles is answered; larger ones wait for a coarser level.
-        small = (x1[todo] - x0[todo] <= 1) & (y1[todo] - y0[todo] <= 1)
-        t = todo[small]
-        far = np.minimum(
-            np.minimum(farthest[y0[t], x0[t]], farthest[y0[t], x1[t]]),
-            np.minimum(farthest[y1[t], x0[t]], farthest[y1[t], x1[t]]),
-        )
-        hidden[t] = nearest[t] < far
-        todo = todo[~small]
-        x0, x1, y0, y1 = x0 >> 1, x1 >> 1, y0 >> 1, y1 >> 1
-        r, c = -(-farthest.shape[0] // 2) * 2, -(-farthest.shape[1] // 2) * 2
-        farthest = _halved(np.pad(farthest, ((0, r - farthest.shape[0]), (0, c - farthest.shape[1])), mode="edge"))
-    return hidden
+    def draw(self, x: npt.NDArray[Any], y: npt.NDArray[Any], inverse_depth: npt.NDArray[Any], ids: IntArray) -> None:
+        """Draws triangles; where two are equally near, the one with the larger number is seen.
 
-
-def _halved(image: Float32) -> Float32:
-    """The smallest of each 2 by 2 pixels; much faster than a reduction along short axes."""
-    rows = np.minimum(image[0::2], image[1::2])
-    return np.minimum(rows[:, 0::2], rows[:, 1::2])
-
-
-def _smallest(a: Float32) -> Float32:
-    return np.minimum(np.minimum(a[:, 0], a[:, 1]), a[:, 2])
-
-
-def _largest(a: Float32) -> Float32:
-    return np.maximum(np.maximum(a[:, 0], a[:, 1]), a[:, 2])
-
-
-# Which half of a 64-bit word holds its upper 32 bits.
-_HIGH_WORD = int(np.array([1], dtype=np.uint64).view(np.uint32)[0])
-
-
-def _draw(
-    buffer: npt.NDArray[np.uint64],
-    x: Float32,
-    y: Float32,
-    w: Float32,
-    ids: npt.NDArray[np.int64],
-    width: int,
-    height: int,
-) -> None:
-    """Draws triangles: rows, then pixels."""
-    by_y = np.argsort(y, axis=1)
-    x, y, w = (np.take_along_axis(a, by_y, axis=1) for a in (x, y, w))
-    half = np.float32(0.5)
-    first = np.maximum(np.ceil(y[:, 0] - half), 0).astype(np.int32)
-    last = np.minimum(np.floor(y[:, 2] - half), height - 1).astype(np.int32)
-    rows = np.maximum(last - first + 1, 0)
-    (xa, xb, xc), (ya, yb, yc), (wa, wb, wc) = x.T, y.T, w.T
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        slope_ac = (xc - xa) / (yc - ya)
-        slope_ab = (xb - xa) / (yb - ya)
-        slope_bc = (xc - xb) / (yc - yb)
-        # The depth plane w = w_a + gx (x - x_a) + gy (y - y_a), in float64: slivers lose many digits.
-        ux, uy = (xb - xa).astype(np.float64), (yb - ya).astype(np.float64)
-        vx, vy = (xc - xa).astype(np.float64), (yc - ya).astype(np.float64)
-        determinant = ux * vy - uy * vx
-        du, dv = (wb - wa).astype(np.float64), (wc - wa).astype(np.float64)
-        gx = (du * vy - dv * uy) / determinant
-        gy = (dv * ux - du * vx) / determinant
-    flat = ~(np.isfinite(gx) & np.isfinite(gy))
-    gx[flat] = 0
-    gy[flat] = 0
-    low, high = _smallest(w), _largest(w)
-    gx32, gy32 = gx.astype(np.float32), gy.astype(np.float32)
-
-    ends = np.cumsum(rows)
-    begin = 0
-    while begin < len(rows):
-        # As many triangles as give about a chunk of rows, at least one.
-        done = int(ends[begin - 1]) if begin else 0
-        end = max(int(np.searchsorted(ends, done + _SPAN_CHUNK, side="right")), begin + 1)
-        n = rows[begin:end]
-        t = np.repeat(np.arange(begin, end), n)
-        row = np.arange(len(t)) - np.repeat(np.cumsum(n) - n, n) + first[t]
-        centre = row.astype(np.float32) + half
-        from_a = centre - ya[t]
-        long_edge = xa[t] + from_a * slope_ac[t]
-        with np.errstate(invalid="ignore", over="ignore"):
-            upper = xa[t] + from_a * slope_ab[t]
-            lower = xb[t] + (centre - yb[t]) * slope_bc[t]
-        short_edge = np.where(centre < yb[t], upper, lower)
-        np.nan_to_num(short_edge, copy=False, nan=0.0, posinf=float(width), neginf=-1.0)
-        left = np.maximum(np.ceil(np.minimum(long_edge, short_edge) - half), 0)
-        right = np.minimum(np.ceil(np.maximum(long_edge, short_edge) - half), width)
-        length = right - left
-        some = np.flatnonzero(length > 0)
-        if len(some):
-            t, left, centre = t[some], left[some], centre[some]
-            length = length[some].astype(np.int32)
-            base = row[some] * width + left.astype(np.int64)
+        x, y: (m, 3) screen coordinates of the corners, pixels, y downwards. inverse_depth: (m, 3), 1 / metres,
+        positive. ids: (m,) the triangles' numbers, 0 to 2^32 - 1.
+        """
+        corners = np.array([x, y, inverse_depth], dtype=np.float32)
+        kept = self._covering(corners)  # most triangles of a large mock-up cover no pixel centre
+        corners = np.take_along_axis(corners[:, kept], np.argsort(corners[1, kept], axis=1)[None], axis=2)
+        key = ids[kept].astype(np.uint64)
+        (xa, xb, xc), (ya, yb, yc), (wa, wb, wc) = corners.transpose(0, 2, 1)
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            slope_ac, slope_ab, slope_bc = (xc - xa) / (yc - ya), (xb - xa) / (yb - ya), (xc - xb) / (yc - yb)
+            # The depth plane w = w_a + gx (x - x_a) + gy (y - y_a), in float64: slivers lose many digits.
+            (ux, uy, du), (vx, vy, dv) = np.array(
+                [[xb - xa, yb - ya, wb - wa], [xc - xa, yc - ya, wc - wa]], np.float64
+            )
+            gradient = np.array([du * vy - dv * uy, dv * ux - du * vx]) / (ux * vy - uy * vx)
+        gx, gy = np.where(np.isfinite(gradient), gradient, 0).astype(np.float32)
+        low, high = _least(corners[2]), -_least(-corners[2])
+        first = np.maximum(np.ceil(ya - _HALF), 0).astype(np.int64)
+        last = np.minimum(np.floor(yc - _HALF), self.height - 1).astype(np.int64)
+        for t, step in _counted(last - first + 1):
+            row = first[t] + step
+            centre = row.astype(np.float32) + _HALF
+            with np.errstate(invalid="ignore", over="ignore"):
+                long = xa[t] + (centre - ya[t]) * slope_ac[t]
+                upper, lower = xa[t] + (centre - ya[t]) * slope_ab[t], xb[t] + (centre - yb[t]) * slope_bc[t]
+            short = np.where(centre < yb[t], upper, lower)
+            left = np.fmax(np.ceil(np.fmin(long, short) - _HALF), 0)
+            right = np.fmin(np.ceil(np.fmax(long, short) - _HALF), self.width)
+            some = np.flatnonzero(left < right)
+            t, left, length = t[some], left[some], (right - left)[some]
             # Depth at both ends, held within the triangle's own, then linear between.
-            w0 = wa[t] + gx32[t] * (left + half - xa[t]) + gy32[t] * (centre - ya[t])
-            w1 = w0 + gx32[t] * (length - 1).astype(np.float32)
-            w0 = np.clip(w0, low[t], high[t])
-            step = (np.clip(w1, low[t], high[t]) - w0) / np.maximum(length - 1, 1).astype(np.float32)
-            _fill(buffer, base, length, w0, step, ids[t])
-        begin = end
+            begin = wa[t] + gx[t] * (left + _HALF - xa[t]) + gy[t] * (centre[some] - ya[t])
+            end = np.clip(begin + gx[t] * (length - 1), low[t], high[t])
+            begin = np.clip(begin, low[t], high[t])
+            slope = (end - begin) / np.maximum(length - 1, 1)
+            base = row[some] * self.width + left.astype(np.int64)
+            for span, pixel in _counted(length.astype(np.int64)):
+                depth = begin[span] + slope[span] * pixel.astype(np.float32)
+                value = (depth.view(np.uint32).astype(np.uint64) << np.uint64(32)) | key[t[span]]
+                pixel += base[span]
+                better = value > self._keys[pixel]
+                np.maximum.at(self._keys, pixel[better], value[better])
+
+    def seen(self) -> tuple[IntArray, Float32]:
+        """The triangle at each pixel, (height, width) int64, -1: none, and its inverse depth, float32, 0: none."""
+        keys = self._keys.reshape(self.height, self.width)
+        depth = (keys >> np.uint64(32)).astype(np.uint32).view(np.float32)
+        return np.where(depth > 0, (keys & np.uint64(0xFFFFFFFF)).astype(np.int64), -1), depth
+
+    def _covering(self, corners: Float32) -> IntArray:
+        """Triangles whose box holds a pixel centre."""
+        kept = np.ones(corners.shape[1], dtype=bool)
+        for a, size in ((corners[0], self.width), (corners[1], self.height)):
+            first, last = np.ceil(_least(a) - _HALF), np.floor(-_least(-a) - _HALF)
+            kept &= np.maximum(first, 0) <= np.minimum(last, size - 1)
+        return np.flatnonzero(kept)
 
 
-def _fill(
-    buffer: npt.NDArray[np.uint64],
-    base: npt.NDArray[np.int64],
-    length: npt.NDArray[np.int32],
-    w0: Float32,
-    step: Float32,
-    ids: npt.NDArray[np.int64],
-) -> None:
-    """Writes spans: `length` pixels from `base` on, with depth w0 + i * step."""
-    key = ids.astype(np.uint64)
-    one = length == 1
-    if one.any():
-        _store(buffer, base[one], w0[one], key[one])
-        many = np.flatnonzero(~one)
-        base, length, w0, step, key = base[many], length[many], w0[many], step[many], key[many]
-    ends = np.cumsum(length, dtype=np.int64)
+def _least(a: Float32) -> Float32:
+    """Least of each triangle's three; much faster than a reduction along so short an axis."""
+    least: Float32 = np.minimum(np.minimum(a[:, 0], a[:, 1]), a[:, 2])
+    return least
+
+
+def _counted(counts: IntArray) -> Iterator[tuple[IntArray, IntArray]]:
+    """Counts from 0 within each group: the group's number and the step, `_AT_ONCE` at a time, or one group."""
+    ends = np.cumsum(counts)
     begin = 0
-    while begin < len(length):
+    while begin < len(counts):
         done = int(ends[begin - 1]) if begin else 0
-        end = max(int(np.searchsorted(ends, done + _SPAN_CHUNK, side="right")), begin + 1)
-        n = length[begin:end]
-        offset = np.arange(int(ends[end - 1]) - done) - np.repeat(ends[begin:end] - n - done, n)
-        depth = np.repeat(w0[begin:end], n) + np.repeat(step[begin:end], n) * offset.astype(np.float32)
-        _store(buffer, np.repeat(base[begin:end], n) + offset, depth, np.repeat(key[begin:end], n))
+        end = max(int(np.searchsorted(ends, done + _AT_ONCE, side="right")), begin + 1)
+        group = np.repeat(np.arange(begin, end), counts[begin:end])
+        yield group, np.arange(len(group)) + done - (ends - counts)[group]
         begin = end
-
-
-def _store(
-    buffer: npt.NDArray[np.uint64], index: npt.NDArray[np.int64], depth: Float32, key: npt.NDArray[np.uint64]
-) -> None:
-    value = (depth.view(np.uint32).astype(np.uint64) << np.uint64(32)) | key
-    better = value > buffer[index]
-    np.maximum.at(buffer, index[better], value[better])

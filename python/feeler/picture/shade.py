@@ -1,137 +1,105 @@
-"""Light: from what is seen at each pixel to a colour."""
+"""Light: from what is seen to colours."""
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 Float32 = npt.NDArray[np.float32]
+FloatArray = npt.NDArray[np.float64]
 
 # Lights stand still relative to the camera (x right, y up, z towards the viewer), so that every picture is well lit.
 _LIGHTS = (  # direction to the light, colour (linear), strength
     ((-0.52, 0.66, 0.54), (1.00, 0.97, 0.92), 0.78),
     ((0.86, 0.12, 0.50), (0.86, 0.92, 1.00), 0.26),
-    ((0.10, -0.75, 0.35), (1.00, 0.95, 0.90), 0.07),
 )
-_SKY = np.array((0.36, 0.38, 0.41), dtype=np.float32)
-_GROUND = np.array((0.20, 0.19, 0.18), dtype=np.float32)
+_SKY, _GROUND = np.array((0.36, 0.38, 0.41)), np.array((0.20, 0.19, 0.18))
 _SHINE = 0.22
-_AO_STRENGTH = 4.2
+_BACKGROUND = ((0.975, 0.98, 0.985), (0.83, 0.85, 0.875))  # top, bottom, sRGB
+_LINE = 0.55  # how dark the lines between parts are
+_HOLLOW, _DEEP, _REACH = 0.5, 150, 0.016  # hollows: how dark at most, how soon with depth, how far, share of the width
 
 
-def light(normal: Float32, albedo: Float32, to_viewer: Float32) -> Float32:
-    """Colour (n, 3), linear, of surface points: two-sided Lambert, a highlight, sky and ground.
+def light(normal: FloatArray, albedo: FloatArray, to_viewer: FloatArray) -> FloatArray:
+    """Colour (n, 3), linear, of facets: two-sided Lambert, a highlight, sky and ground.
 
     normal, to_viewer: (n, 3) unit, view space. albedo: (n, 3) linear.
     """
-    facing = np.einsum("ij,ij->i", normal, to_viewer)
-    normal = np.where(facing[:, None] < 0, -normal, normal)
-    facing = np.abs(facing)
-    up = (normal[:, 1:2] + 1) * np.float32(0.5)
-    total = up * _SKY + (1 - up) * _GROUND
-    gleam = np.zeros((len(normal), 3), dtype=np.float32)
+    normal = np.where(np.einsum("ij,ij->i", normal, to_viewer)[:, None] < 0, -normal, normal)
+    total = _GROUND + (normal[:, 1:2] + 1) / 2 * (_SKY - _GROUND)
+    gleam = np.zeros_like(total)
     for direction, colour, strength in _LIGHTS:
-        to_light = np.array(direction, dtype=np.float32) / np.float32(np.linalg.norm(direction))
-        amount = np.maximum(normal @ to_light, 0)
-        total += (amount * np.float32(strength))[:, None] * np.array(colour, dtype=np.float32)
-        if strength > 0.2:
-            between = to_viewer + to_light
-            cosine = np.einsum("ij,ij->i", normal, between) / np.sqrt(np.einsum("ij,ij->i", between, between))
-            power = np.maximum(cosine, 0)
-            for _ in range(5):  # to the 32nd
-                power = power * power
-            gleam += (power * np.float32(_SHINE * strength))[:, None] * np.array(colour, dtype=np.float32)
-    # Grazing surfaces catch light from behind: outlines of round parts stand out.
-    rim = np.float32(0.10) * (1 - facing) ** 3
-    result: Float32 = albedo * total + gleam + rim[:, None] * (np.float32(0.4) + albedo)
+        to_light = unit(np.array([direction]))
+        total += np.maximum(normal @ to_light.T, 0) * strength * np.array(colour)
+        cosine = np.einsum("ij,ij->i", normal, unit(to_viewer + to_light))
+        gleam += (_SHINE * strength * np.maximum(cosine, 0) ** 32)[:, None] * np.array(colour)
+    result: FloatArray = albedo * total + gleam
     return result
 
 
-def ambient_occlusion(
-    position: Float32, normal: Float32, solid: npt.NDArray[np.bool_], reach_m: float, radius_px: float
-) -> Float32:
-    """How much of the sky each pixel sees, (h, w), 0 to 1, from the picture's own depths.
-
-    position: (h, w, 3) view space, metres. normal: (h, w, 3) unit, towards the viewer. solid: (h, w), false for the
-    background. reach_m: what stands farther off does not shade. radius_px: how far to look around a pixel.
-    """
-    height, width = solid.shape
-    blocked = np.zeros((height, width), dtype=np.float32)
-    count = 26
-    for k in range(count):
-        angle = 2.399963 * k
-        radius = radius_px * ((k + 0.5) / count) ** 1.4 + 1.5
-        dx, dy = round(np.cos(angle) * radius), round(np.sin(angle) * radius)
-        here_y, there_y = _shifted(dy, height)
-        here_x, there_x = _shifted(dx, width)
-        if here_y.start >= here_y.stop or here_x.start >= here_x.stop:
-            continue
-        v = position[there_y, there_x] - position[here_y, here_x]
-        length = np.sqrt(np.einsum("ijk,ijk->ij", v, v)) + np.float32(1e-12)
-        cosine = np.einsum("ijk,ijk->ij", v, normal[here_y, here_x]) / length
-        fade = np.maximum(1 - length / np.float32(reach_m), 0)
-        amount = np.maximum(cosine - np.float32(0.08), 0) * fade
-        blocked[here_y, here_x] += np.where(solid[there_y, there_x], amount, 0)
-    # Each pixel looks at the same few neighbours, which shows as bands: a small mean hides them.
-    blocked = _box_mean(blocked, 5)
-    open_sky = 1 - np.minimum(blocked * np.float32(_AO_STRENGTH / count), np.float32(0.8))
-    result: Float32 = np.where(solid, open_sky, 1).astype(np.float32)
-    return result
+def background(height: int) -> Float32:
+    """Behind everything: (height, 1, 3), linear, brighter at the top."""
+    shares = (np.arange(height)[:, None, None] + 0.5) / height
+    top, bottom = linear_light(_BACKGROUND)
+    return np.asarray(top + shares * (bottom - top), dtype=np.float32)
 
 
-def outlines(part: npt.NDArray[np.int32], depth: Float32) -> Float32:
-    """How dark the lines between parts are, (h, w), 0 to 1; h and w even.
+def outlines(part: npt.NDArray[Any], depth: Float32) -> Float32:
+    """How dark the lines between parts are, (h / 2, w / 2), 0 to 1.
 
-    part: numbers that change across a line; depth: metres. Where lines crowd they fade, or a far bolt circle would
-    be a black blot.
+    part: (h, w), numbers that change across a line. depth: (h, w), 1 / metres.
     """
     line = np.zeros(part.shape, dtype=np.float32)
-    for axis in (0, 1):
-        a = (slice(None, -1), slice(None)) if axis == 0 else (slice(None), slice(None, -1))
-        b = (slice(1, None), slice(None)) if axis == 0 else (slice(None), slice(1, None))
-        iy, ix = np.nonzero(part[a] != part[b])
-        ja, jb = (iy, ix), (iy + (axis == 0), ix + (axis == 1))
-        da, db = depth[ja], depth[jb]
-        strength = np.where(np.abs(da - db) > np.float32(0.012) * np.minimum(da, db), 0.62, 0.40).astype(np.float32)
+    for here, there in ((np.s_[1:], np.s_[:-1]), (np.s_[:, 1:], np.s_[:, :-1])):
+        is_edge = part[here] != part[there]
         # The farther side carries the line: outlines lie on what is behind.
-        farther = da > db
-        line[ja] = np.maximum(line[ja], np.where(farther, strength, strength * np.float32(0.5)))
-        line[jb] = np.maximum(line[jb], np.where(farther, strength * np.float32(0.5), strength))
-    crowd = _box_mean((line[::2, ::2] + line[1::2, ::2] + line[::2, 1::2] + line[1::2, 1::2]) * np.float32(0.25), 5)
-    fade = np.clip(np.float32(1.25) - crowd * np.float32(4.5), np.float32(0.12), 1)
-    for dy in (0, 1):
-        for dx in (0, 1):
-            line[dy::2, dx::2] *= fade
-    return line
+        line[here][is_edge & (depth[here] <= depth[there])] = _LINE
+        line[there][is_edge & (depth[there] < depth[here])] = _LINE
+    small = halved(line)
+    # Where lines crowd they fade, or a far bolt circle would be a black blot.
+    return np.asarray(small * np.clip(1.25 - 4.5 * _box_mean(small, 5), 0.12, 1), dtype=np.float32)
+
+
+def hollows(depth: Float32) -> Float32:
+    """How dark pixels are for what stands before them, (h / 2, w / 2), 0 to 1. depth: (h, w), 1 / metres, 0: nothing.
+
+    Inverse depth is linear on the screen wherever a surface is plane: what lies below its own mean is a hollow.
+    """
+    mean = _box_mean(halved(depth), 2 * int(_REACH * depth.shape[1] / 4) + 1).repeat(2, axis=0).repeat(2, axis=1)
+    below = np.maximum(mean / np.maximum(depth, np.float32(1e-30)) - 1, 0)
+    return halved(np.where(depth > 0, _HOLLOW * (1 - np.exp(-_DEEP * below)), 0).astype(np.float32))
 
 
 def encode(linear: Float32) -> npt.NDArray[np.uint8]:
-    """Light, 0 to 1 and above, as sRGB bytes; bright highlights roll off instead of clipping."""
-    knee = np.float32(0.8)
-    over = np.maximum(linear - knee, 0)
-    soft = np.minimum(linear, knee) + (1 - knee) * (1 - np.exp(-over / (1 - knee)))
-    table = np.arange(4096, dtype=np.float64) / 4095
-    srgb = np.where(table <= 0.0031308, table * 12.92, 1.055 * table ** (1 / 2.4) - 0.055)
-    coded = np.round(srgb * 255).astype(np.uint8)
-    result: npt.NDArray[np.uint8] = coded[np.clip(soft * 4095 + np.float32(0.5), 0, 4095).astype(np.uint16)]
-    return result
+    """Light, 0 to 1, as sRGB bytes; more than 1 is white."""
+    clipped = np.clip(linear, 0, 1)
+    srgb = np.where(clipped <= 0.0031308, clipped * 12.92, 1.055 * clipped ** np.float32(1 / 2.4) - 0.055)
+    return np.round(srgb * 255).astype(np.uint8)
 
 
-def _shifted(step: int, size: int) -> tuple[slice, slice]:
-    """Slices of the pixels that have a neighbour `step` away, and of those neighbours."""
-    if step >= 0:
-        return slice(0, max(size - step, 0)), slice(min(step, size), size)
-    return slice(min(-step, size), size), slice(0, max(size + step, 0))
+def linear_light(srgb: npt.ArrayLike) -> FloatArray:
+    """sRGB values, 0 to 1, as amounts of light."""
+    value = np.asarray(srgb, dtype=np.float64)
+    return np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4)
+
+
+def unit(vectors: FloatArray) -> FloatArray:
+    """The vectors (n, 3) at length 1; zero stays zero."""
+    length = np.linalg.norm(vectors, axis=1, keepdims=True)
+    return vectors / np.where(length > 0, length, 1)
+
+
+def halved(image: Float32) -> Float32:
+    """The mean of each 2 by 2 pixels."""
+    total = image[::2, ::2] + image[1::2, ::2] + image[::2, 1::2] + image[1::2, 1::2]
+    return np.asarray(total * np.float32(0.25))
 
 
 def _box_mean(image: Float32, size: int) -> Float32:
-    """Mean over a size by size window, edges repeated."""
-    half = size // 2
-    for axis in (0, 1):
-        pad = [(0, 0), (0, 0)]
-        pad[axis] = (half + 1, half)
-        total = np.cumsum(np.pad(image, pad, mode="edge"), axis=axis, dtype=np.float64)
-        ahead = (slice(size, None), slice(None)) if axis == 0 else (slice(None), slice(size, None))
-        behind = (slice(None, -size), slice(None)) if axis == 0 else (slice(None), slice(None, -size))
-        image = ((total[ahead] - total[behind]) / size).astype(np.float32)
+    """Mean over a window of `size` by `size` pixels, `size` odd, edges repeated."""
+    for _axis in range(2):
+        total = np.cumsum(np.pad(image, ((size // 2 + 1, size // 2), (0, 0)), mode="edge"), axis=0, dtype=np.float64)
+        image = ((total[size:] - total[:-size]) / size).astype(np.float32).T
     return image

@@ -9,21 +9,19 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from feeler.io.body import Body, only_faces
-from feeler.picture.camera import Camera, Section, usual_view
+from feeler.io.body import only_faces
+from feeler.picture.camera import Camera, Section, triple, usual_view
 from feeler.picture.collision import collision_bodies
 from feeler.picture.renderer import Inset, render
 
-Box = tuple[float, float, float, float]
-
-_INSET = (0.36, 0.44)  # width and height of the close view, shares of the picture
-_MARGIN = 0.025
-_SAMPLED = 20_000  # points that stand for a mock-up while the layout is sought
-_COVERED = 0.003  # share of the points that the close view may hide
+_INSET = (0.615, 0.535, 0.36, 0.44)  # the close view's left, top, width and height, shares of the picture
+_WHOLES = ((0.025, 0.025, 0.79, 0.75), (0.025, 0.025, 0.565, 0.95))  # over which the close view lies; beside which
+_COVERED = 0.003  # share of the mock-up's vertices that the close view may hide
+_CLOSE = 0.28  # what the close view shows, share of the tool's diagonal
 
 
 def render_collision(
-    path: str | os.PathLike[str],
+    path: str | os.PathLike[str] | None,
     mockup: Any,
     tool: Any,
     world_from_tool: npt.ArrayLike,
@@ -37,90 +35,43 @@ def render_collision(
 ) -> npt.NDArray[np.uint8]:
     """The whole mock-up cut open at the tool, and a close view of what collides; returns the pixels.
 
+    The mock-up is cut upright through what collides, and what stands before the cut is taken away.
     direction, up: of the view, (3,); None: `usual_view` of the mock-up's box. parts: which are drawn, (parts,) bool,
-    such as `scene.part_mask`; None: all. Raises `WriteError`, `OptionError`.
+    such as `scene.part_mask`; None: all. path: None writes no file. Raises `WriteError`, `OptionError`.
     """
     body, tool_body = collision_bodies(mockup, tool, world_from_tool, collision, grey=False)
-    views = collision_views(body, tool_body, collision, size, direction, up)
-    if parts is not None:
-        body = only_faces(body, np.asarray(parts, dtype=bool)[body.part_of_face])
-    return render(path, body, tool_body, size=size, progress=progress, **views)
-
-
-def collision_views(
-    body: Body,
-    tool_body: Body,
-    collision: Any,
-    size: tuple[int, int] = (1600, 1000),
-    direction: npt.ArrayLike | None = None,
-    up: npt.ArrayLike | None = None,
-) -> dict[str, Any]:
-    """Camera, section and inset that show a collision: keyword arguments for `render`.
-
-    The mock-up is cut upright through what collides, and what stands before the cut is taken away. The inset shows
-    the place from near, in the corner of the picture that leaves the whole largest.
-    """
     hit = np.asarray(collision.mockup_triangles, dtype=np.int64)
-    tool_box = tool_body.bounds
-    focus = tool_box.mean(axis=0)
+    low, high = tool_body.bounds
+    focus = (low + high) / 2
     if len(hit):
-        focus = np.clip(body.vertices[body.faces[hit]].reshape(-1, 3).mean(axis=0), tool_box[0], tool_box[1])
+        focus = np.clip(body.vertices[body.faces[hit]].mean(axis=(0, 1)), low, high)
     usual = usual_view(body.bounds)
     forward = np.asarray(usual[0] if direction is None else direction, dtype=np.float64)
     upright = np.asarray(usual[1] if up is None else up, dtype=np.float64)
     across = forward - upright * (forward @ upright) / (upright @ upright)
     axis = int(np.argmax(np.abs(across)))
-    normal = np.zeros(3)
-    normal[axis] = -np.sign(across[axis])
-    section = Section(_xyz(focus), _xyz(normal))
-    points = body.points
-    points = points[points @ normal <= focus @ normal]
-    main_box, inset_box = _layout(points, tool_body.points, forward, upright, size)
-    points = np.concatenate([points, tool_body.points])
-    camera = Camera.framing(points, forward, upright, size=size, box=main_box)
-    reach = float(np.linalg.norm(tool_box[1] - tool_box[0])) * 0.28
-    close = Camera.framing(
-        np.stack([focus - reach / 2, focus + reach / 2]),
-        forward,
-        upright,
-        size=(int(size[0] * inset_box[2]), int(size[1] * inset_box[3])),
+    normal = -np.sign(across[axis]) * np.eye(3)[axis]
+    points, tool_points = body.points, tool_body.points
+    points = np.concatenate([points[points @ normal <= focus @ normal], tool_points])
+    for whole in _WHOLES:
+        camera = Camera.framing(points, forward, upright, size=size, box=whole)
+        seen = camera.shares(points, size)
+        covered = np.all(seen > np.array(_INSET[:2]) - 0.01, axis=1)
+        # Of the mock-up a little may be covered, of the tool nothing.
+        if covered.mean() <= _COVERED and not covered[-len(tool_points) :].any():
+            break
+    reach = float(np.linalg.norm(high - low)) * _CLOSE / 2
+    close_size = int(size[0] * _INSET[2]), int(size[1] * _INSET[3])
+    close = Camera.framing([focus - reach, focus + reach], forward, upright, size=close_size)
+    if parts is not None:
+        body = only_faces(body, np.asarray(parts, dtype=bool)[body.part_of_face])
+    return render(
+        path,
+        body,
+        tool_body,
+        camera=camera,
+        size=size,
+        section=Section(triple(focus), triple(normal)),
+        inset=Inset(close, _INSET),
+        progress=progress,
     )
-    return {"camera": camera, "section": section, "insets": [Inset(close, inset_box, section)]}
-
-
-def _layout(
-    points: npt.NDArray[np.float64],
-    tool_points: npt.NDArray[np.float64],
-    forward: npt.NDArray[np.float64],
-    up: npt.NDArray[np.float64],
-    size: tuple[int, int],
-) -> tuple[Box, Box]:
-    """The box for the whole and the box for the inset: the whole as large as it can be without being covered.
-
-    Of the mock-up a little may be covered, of the tool nothing.
-    """
-    few_of_tool = tool_points[:: max(len(tool_points) // _SAMPLED, 1)]
-    few = np.concatenate([points[:: max(len(points) // _SAMPLED, 1)], few_of_tool])
-    width, height = _INSET
-    best: tuple[float, Box, Box] | None = None
-    for right in (True, False):
-        for top in (True, False):
-            inset = (1 - _MARGIN - width if right else _MARGIN, _MARGIN if top else 1 - _MARGIN - height, width, height)
-            for w in (1.0, 0.92, 0.84, 0.76, 0.68, 1 - width - _MARGIN):
-                for h in (1.0, 0.9, 0.8, 0.7, 1 - height - _MARGIN):
-                    left, above = (0.0 if right else 1 - w), (1 - h if top else 0.0)
-                    main = (left + _MARGIN, above + _MARGIN, w - 2 * _MARGIN, h - 2 * _MARGIN)
-                    camera = Camera.framing(few, forward, up, size=size, box=main)
-                    seen = camera.shares(few, size)
-                    low = np.array(inset[:2]) - 0.01
-                    hidden = np.all((seen > low) & (seen < low + np.array(inset[2:]) + 0.02), axis=1)
-                    clear = hidden.mean() <= _COVERED and not hidden[-len(few_of_tool) :].any()
-                    distance = float(np.linalg.norm(np.subtract(camera.target, camera.eye)))
-                    if clear and (best is None or distance < best[0] * 0.995):
-                        best = (distance, main, inset)
-    assert best is not None  # the narrowest boxes beside the inset are never covered
-    return best[1], best[2]
-
-
-def _xyz(vector: npt.NDArray[np.float64]) -> tuple[float, float, float]:
-    return float(vector[0]), float(vector[1]), float(vector[2])

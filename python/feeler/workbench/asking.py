@@ -89,7 +89,8 @@ def outline(place: Place, given: Arguments, progress: Progress) -> dict[str, Any
     segments, owners = [np.empty((0, 2, 3))], []
     for number, (normal, offset) in enumerate(planes):
         progress(number / len(planes), "outlines")
-        found, parts = place.sight.outline(normal, offset)
+        others = [each for at, each in enumerate(planes) if at != number]
+        found, parts = measuring.clipped(*place.sight.outline(normal, offset), others)
         segments.append(found)
         owners += parts
     return {

@@ -44,7 +44,7 @@ WITHIN_M = 0.02
 BUDGET_S = 0.004
 """Of a tick, for what has lower rates."""
 _LONGEST_WAIT_S = 0.25  # even what costs more than the budget is found so often
-_PERIODS_S = {"planes": 0.0, "distance": 0.03, "rows": 0.1, "inside": 0.05}
+_PERIODS_S = {"planes": 0.0, "distance": 0.015, "rows": 0.1, "inside": 0.05}
 _PLACE_STEPS = 100  # ticks of the proxy that a placing waits for it to come to rest
 _REST_M = 1e-7
 _PLAY_M_PER_S = 0.25
@@ -200,9 +200,8 @@ class Engine:
 
     @property
     def pose(self) -> Floats:
-        """Where the hand is."""
-        with self._lock:
-            return self._pose
+        """Where the hand is. Waits for nothing."""
+        return self._pose
 
     def snapshot(self) -> Snapshot | None:
         """The newest; None before the first tick."""

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from feeler._core import Packed, PackedPiece
 from feeler.mockup import Mockup, Tool
 from feeler.workbench.motion import Floats
 from feeler.workbench.protocol import HeldManifest, Manifest, ManifestPiece, Vec3
@@ -27,11 +28,11 @@ def small_parts(mockup: Mockup) -> npt.NDArray[np.bool_]:
 class Geometry:
     """A mock-up, packed. places: its triangles -> packed triangles."""
 
-    def __init__(self, mockup: Mockup, content: str, name: str, packed: Any = None) -> None:
-        """content: the digest of the mock-up. packed: `mockup.pack(...)`, where it is there already."""
+    def __init__(self, mockup: Mockup, content: str, name: str, packed: Packed) -> None:
+        """content: the digest of the mock-up. packed: `mockup.pack(small=small_parts(mockup))`."""
         self._small = small_parts(mockup)
         self._mockup, self._content, self._name = mockup, content, name
-        self._packed = mockup.pack(small=self._small) if packed is None else packed
+        self._packed = packed
         self.places: npt.NDArray[np.uint32] = self._packed.places
 
     def manifest(self) -> Manifest:
@@ -79,7 +80,7 @@ class HeldGeometry:
 
     def __init__(self, tool: Tool, version: int) -> None:
         self._tool, self._version = tool, version
-        self._packed: Any = tool.pack()
+        self._packed = tool.pack()
         self.places: npt.NDArray[np.uint32] = self._packed.places
 
     def manifest(self) -> HeldManifest:
@@ -103,7 +104,7 @@ class HeldGeometry:
         return b"".join(_bytes(piece) for piece in self._packed.pieces)
 
 
-def _pieces(packed: Any) -> list[ManifestPiece]:
+def _pieces(packed: Packed) -> list[ManifestPiece]:
     found: list[ManifestPiece] = []
     first = 0
     for piece in packed.pieces:
@@ -124,7 +125,7 @@ def _pieces(packed: Any) -> list[ManifestPiece]:
     return found
 
 
-def _arrays(piece: Any) -> tuple[npt.NDArray[Any], ...]:
+def _arrays(piece: PackedPiece) -> tuple[npt.NDArray[Any], ...]:
     parts = "<u2" if piece.parts.dtype.itemsize == 2 else "<u4"
     return tuple(
         np.ascontiguousarray(array, dtype=dtype)
@@ -132,7 +133,7 @@ def _arrays(piece: Any) -> tuple[npt.NDArray[Any], ...]:
     )
 
 
-def _bytes(piece: Any) -> bytes:
+def _bytes(piece: PackedPiece) -> bytes:
     return b"".join(array.tobytes().ljust(_padded(array.nbytes), b"\0") for array in _arrays(piece))
 
 

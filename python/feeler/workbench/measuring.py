@@ -92,6 +92,22 @@ class Sight:
         return np.concatenate(segments), parts
 
 
+def clipped(segments: Floats, parts: list[int], planes: list[tuple[Point, float]]) -> tuple[Floats, list[int]]:
+    """What planes `(normal, offset)` leave of segments `(k, 2, 3)`, and of the part of each."""
+    owners = np.array(parts, dtype=np.int64)
+    for normal, offset in planes:
+        heights = segments @ np.array(normal) - offset
+        kept = (heights > 0.0).any(axis=1)
+        segments, heights, owners = segments[kept].copy(), heights[kept], owners[kept]
+        for end in (0, 1):
+            below = heights[:, end] < 0.0
+            low, high = heights[below, end], heights[below, 1 - end]
+            share = (low / (low - high))[:, None]
+            segments[below, end] += share * (segments[below, 1 - end] - segments[below, end])
+    left: list[int] = owners.tolist()
+    return segments, left
+
+
 def snapped(picked: Picked, within: float) -> dict[str, Any]:
     """What a picked point snaps to: the nearest corner, else the nearest edge, within some metres; else itself."""
     corners, point = picked.corners, picked.point
@@ -208,8 +224,3 @@ def part_facts(part: int, document: Document, scene: Scene) -> dict[str, Any]:
         "state": state,
         "is_hidden": part in document.hidden,
     }
-
-
-def checked_ray(given: Arguments) -> tuple[Point, Point]:
-    """Origin and unit direction of a question. Raises `WorkbenchError`."""
-    return given.point("origin"), given.unit("direction")

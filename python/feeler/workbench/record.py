@@ -22,7 +22,7 @@ from feeler.mockup import Mockup, Tool
 from feeler.workbench import motion
 from feeler.workbench.document import Document
 from feeler.workbench.engine import Ticked
-from feeler.workbench.world import Hits
+from feeler.workbench.world import NO_HITS, Hits
 
 FORMAT = 1
 
@@ -59,7 +59,7 @@ class Recorder:
         self.path = path
         self.trouble: str | None = None
         self._lock = threading.Lock()
-        self._before: set[int] = set()
+        self._before = NO_HITS.mockup_triangles
         try:
             self._file = path.open("w", encoding="utf-8", newline="\n")
         except OSError as error:
@@ -81,7 +81,7 @@ class Recorder:
 
     def ticked(self, ticked: Ticked) -> None:
         """A round of the engine."""
-        now = set(ticked.hits.mockup_triangles.tolist())
+        now = ticked.hits.mockup_triangles
         self._write(
             {
                 "kind": "tick",
@@ -93,8 +93,8 @@ class Recorder:
                 "wish": motion.row(ticked.wish),
                 "pose": motion.row(ticked.pose),
                 "hits": hits_digest(ticked.hits),
-                "came": sorted(now - self._before),
-                "went": sorted(self._before - now),
+                "came": np.setdiff1d(now, self._before, assume_unique=True).tolist(),
+                "went": np.setdiff1d(self._before, now, assume_unique=True).tolist(),
                 "parts": ticked.hits.parts,
             }
         )

@@ -19,7 +19,7 @@ from feeler.io.atomic import atomic_file
 from feeler.io.body import body_of, only_faces
 from feeler.mockup import Mockup, Tool
 from feeler.picture.png import write_png
-from feeler.picture.renderer import render_array
+from feeler.picture.renderer import render
 from feeler.scene import Scene
 from feeler.workbench import motion
 from feeler.workbench.document import MODES
@@ -194,7 +194,7 @@ class View:
         if put_down is not None:
             bodies.append(body_of(put_down))
         file = io.BytesIO()
-        write_png(file, render_array(*bodies, size=(width, height)))
+        write_png(file, render(None, *bodies, size=(width, height)))
         return file.getvalue()
 
 

@@ -10,7 +10,7 @@ import contextlib
 import threading
 import time
 from collections.abc import Callable, Iterable
-from concurrent.futures import Future
+from concurrent.futures import Future, ThreadPoolExecutor
 from concurrent.futures import TimeoutError as FutureTimeoutError
 from dataclasses import replace
 from pathlib import Path
@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from feeler._core import Packed
 from feeler.errors import FeelerError, OptionError, WorkbenchError
 from feeler.mockup import Mockup, Tool
 from feeler.progress import Progress
@@ -31,7 +32,7 @@ from feeler.workbench.document import UNITS, Document, Loading, MockupFacts, Too
 from feeler.workbench.engine import Bump, Engine, Ticked
 from feeler.workbench.events import Event, Events
 from feeler.workbench.findings import grouped, read_findings
-from feeler.workbench.geometry import Geometry
+from feeler.workbench.geometry import Geometry, small_parts
 from feeler.workbench.hand import Hands, held_key, world_key
 from feeler.workbench.jobs import Job, Jobs
 from feeler.workbench.motion import Floats
@@ -99,7 +100,7 @@ class Session:
         scene: Scene,
         tool: Tool | None,
         *,
-        packed: Any = None,
+        packed: Packed | None = None,
         pose: npt.ArrayLike | None = None,
         mode: str = "stop",
         tools: Iterable[Tool] = (),
@@ -114,7 +115,11 @@ class Session:
         if scene.mockup is not mockup:
             raise OptionError("the scene is of another mock-up: index the one that is opened")
         known = {each.name: each for each in (*tools, *([tool] if tool is not None else []))}
-        content = digest(mockup)
+        with ThreadPoolExecutor(1) as pool:
+            # Neither holds the lock of the interpreter: the longer one is what opening takes.
+            digested = pool.submit(digest, mockup)
+            packed = mockup.pack(small=small_parts(mockup)) if packed is None else packed
+            content = digested.result()
         files = mockup.source.files
         name = name or (Path(files[0]).name if files else mockup.source.format)
         start = _above(mockup, tool) if pose is None else motion.checked(pose, "pose")
@@ -135,9 +140,10 @@ class Session:
             if self._recorder is not None:
                 self._recorder.header(self._header(mockup, tool, start, mode, content))
             self._engine_to(document)
-            self.engine.warm_up()
             self._show(document, None)
             self._tell_held(document)
+        # The pages fetch and draw meanwhile: for large mock-ups it takes longer than all the rest.
+        self.engine.warm_up()
 
     def _header(self, mockup: Mockup, tool: Tool | None, pose: Floats, mode: str, content: str) -> dict[str, Any]:
         from feeler import __version__
@@ -269,9 +275,13 @@ class Session:
 
         The result: "id" of what was added, "pose" of the hand, "undo_depth", "redo_depth".
         """
-        with self.engine.paused(), self._lock:
+        known = COMMANDS.get(name)
+        moves_hand = name in ("undo", "redo") if known is None else known.moves_hand
+        # The engine's lock before the session's, always; without it where the hand stays, so that it goes on meanwhile.
+        with self.engine.paused() if moves_hand else contextlib.nullcontext(), self._lock:
             now = self._clock()
-            self.engine.flush()
+            if moves_hand:
+                self.engine.flush()
             try:
                 before = self._document
                 after = self._stepped(name, args) if name in ("undo", "redo") else self._changed(name, args)
@@ -373,8 +383,10 @@ class Session:
         before = self._document
         known = self._known(hands)
         if command is not None and command.moves_hand:
-            # Undo brings the hand back to where it was, not to where it was put down before that.
-            before = replace(before, pose=known.pose, trip=self.engine.trip())
+            # Undo brings the hand back to where it was, not to where it was put down before that; but of a motion, which
+            # ends with where the hand was put down, to where it began.
+            pose = before.pose if name == "place" else known.pose
+            before = replace(before, pose=pose, trip=self.engine.trip())
             given = Arguments(name, args, command.arguments)
             if name == "place":
                 reached = self.engine.place(motion.matrix(given.pose("pose")))

@@ -125,17 +125,30 @@ NO_PLANES = Planes(
 
 
 class PartMeshes:
-    """Parts of a mock-up as tools of their own, each made once."""
+    """Parts of a mock-up as tools of their own, each made once. Thread-safe."""
 
     def __init__(self, mockup: Mockup) -> None:
+        """Looks at every triangle once, so that no part has to."""
         self.mockup = mockup
+        owners = mockup.part_of_face
+        is_sorted = bool((owners[1:] >= owners[:-1]).all())
+        self._order = None if is_sorted else np.argsort(owners, kind="stable")
+        self._first = np.concatenate([[0], np.cumsum(mockup.part_triangles, dtype=np.int64)])
         self._kept: dict[int, tuple[Tool, Ints]] = {}
 
     def of(self, part: int) -> tuple[Tool, Ints]:
         """A part in the mock-up's frame, and which of the mock-up's triangles its triangles are."""
         if part not in self._kept:
-            ids = np.flatnonzero(self.mockup.part_of_face == part)
-            self._kept[part] = (Tool.of_parts(self.mockup, [part], self.mockup.part_names[part]), ids)
+            place = np.arange(self._first[part], self._first[part + 1])
+            ids = place if self._order is None else self._order[place]
+            faces, vertices = self.mockup.faces[ids], self.mockup.vertices
+            used = np.unique(faces)
+            used = used[used < len(vertices)]
+            # What is out of range stays out of range.
+            own = np.where(faces < len(vertices), np.searchsorted(used, faces), 2**32 - 1)
+            name, path = self.mockup.part_names[part], self.mockup.part_paths[part]
+            tool = Tool(vertices[used], own, name, part_paths=[path], source=self.mockup.source)
+            self._kept[part] = (tool, ids)
         return self._kept[part]
 
 

@@ -85,8 +85,9 @@ pub fn is_collinear(a: &Point, b: &Point, c: &Point) -> bool {
     [(0, 1), (1, 2), (2, 0)].iter().all(|&(u, v)| orient2d([a[u], a[v]], [b[u], b[v]], [c[u], c[v]]) == 0)
 }
 
+/// The sign of a number that may be off by `bound`, where it is certain.
 #[inline]
-fn certain_sign(det: f64, bound: f64, permanent: f64) -> Option<Sign> {
+pub(crate) fn certain_sign(det: f64, bound: f64, permanent: f64) -> Option<Sign> {
     if permanent > SAFE_PERMANENT {
         if det > bound {
             return Some(1);
@@ -133,6 +134,20 @@ fn orient3d_big(a: &Point, b: &Point, c: &Point, d: &Point) -> Sign {
     big_sign(&(&a[2] * minor(&b, &c) + &b[2] * minor(&c, &a) + &c[2] * minor(&a, &b)))
 }
 
+/// Numbers as whole ones, in units of a power of two that they have in common: no larger than need be.
+pub(crate) fn whole_numbers<const N: usize>(numbers: [f64; N]) -> [BigInt; N] {
+    let parts = numbers.map(|x| {
+        let bits = x.to_bits();
+        let exponent = (bits >> 52 & 0x7ff) as u32;
+        let fraction = (bits & ((1 << 52) - 1)) as i64;
+        let (mantissa, shift) = if exponent == 0 { (fraction, 0) } else { (fraction | 1 << 52, exponent - 1) };
+        let zeros = if mantissa == 0 { 0 } else { mantissa.trailing_zeros() };
+        (if x.is_sign_negative() { -(mantissa >> zeros) } else { mantissa >> zeros }, shift + zeros)
+    });
+    let unit = parts.iter().filter(|(mantissa, _)| *mantissa != 0).map(|(_, shift)| *shift).min().unwrap_or(0);
+    parts.map(|(mantissa, shift)| BigInt::from(mantissa) << shift.saturating_sub(unit))
+}
+
 /// The number in units of 2^-1074, the smallest float64: an integer for every finite float64.
 fn big(x: f64) -> BigInt {
     let bits = x.to_bits();
@@ -147,7 +162,7 @@ fn big(x: f64) -> BigInt {
     }
 }
 
-fn big_sign(x: &BigInt) -> Sign {
+pub(crate) fn big_sign(x: &BigInt) -> Sign {
     match x.sign() {
         BigSign::Minus => -1,
         BigSign::NoSign => 0,
@@ -204,6 +219,15 @@ mod tests {
             let flat = orient2d([a[0], a[1]], [b[0], b[1]], [c[0], c[1]]);
             prop_assert_eq!(flat, -orient3d_big(&lift(a), &lift(b), &lift(c), &apex));
         }
+    }
+
+    #[test]
+    fn whole_numbers_have_one_unit() {
+        assert_eq!(whole_numbers([0.75, -2.0, 0.0, -0.0]), [3, -8, 0, 0].map(BigInt::from));
+        assert_eq!(whole_numbers([0.0]), [BigInt::ZERO]);
+        let numbers = [5e-324, 1e100, -3e-120, f64::MIN_POSITIVE, 0.1];
+        let (small, same) = (whole_numbers(numbers), numbers.map(big));
+        assert_eq!(small, same, "the smallest is the unit");
     }
 
     #[test]

@@ -12,6 +12,7 @@ pub(crate) mod mockup_index;
 mod occupancy;
 pub(crate) mod pair_set;
 pub(crate) mod plain_search;
+pub(crate) mod ray_search;
 pub mod selection;
 pub mod sink;
 pub(crate) mod store;

@@ -143,6 +143,15 @@ pub(crate) trait NearSink {
     fn take(&mut self, slot: u32, mockup_triangle: u32) -> bool;
 }
 
+/// Takes triangles that a ray may meet.
+pub(crate) trait RaySink {
+    /// Where along the ray (shares of its direction) nothing is of interest any more; falls as the search goes on.
+    fn limit(&self) -> f64;
+
+    /// Takes triangles, the nearest boxes first; some come more than once, and some that are not asked for.
+    fn take(&mut self, triangles: &[u32]);
+}
+
 /// A tool on its way through a window of time.
 pub(crate) struct Sweep<'a> {
     /// The mock-up's triangles.

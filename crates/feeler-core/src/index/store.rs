@@ -4,8 +4,9 @@ use super::blocks::{Blocks, BlocksScratch, NearScratch, SweepScratch};
 use super::dense::Dense;
 use super::hashed::Hashed;
 use super::plain_search::{search, SearchScratch};
+use super::ray_search::{search_ray, RayPath, RayScratch};
 use super::selection::TrianglesThere;
-use super::sink::{CandidateSink, NearSink, NearTool, Offer, PlacedTool, Sweep};
+use super::sink::{CandidateSink, NearSink, NearTool, Offer, PlacedTool, RaySink, Sweep};
 use crate::error::Result;
 use crate::mesh::triangle_mesh::Mesh;
 use crate::progress::Progress;
@@ -84,6 +85,21 @@ impl Store {
             Store::Dense(store) => search(&store.with(mesh), at, scratch, wanted),
             Store::Hashed(store) => search(&store.with(mesh), at, scratch, wanted),
             Store::Blocks(store) => store.search(at, scratch, near, wanted),
+        }
+    }
+
+    /// Hands `wanted` every triangle that the ray may meet within its limit, nearest boxes first.
+    pub(crate) fn search_ray<W: RaySink>(
+        &self,
+        mesh: &Mesh,
+        path: &RayPath<'_>,
+        scratch: &mut RayScratch,
+        wanted: &mut W,
+    ) {
+        match self {
+            Store::Dense(store) => search_ray(&store.with(mesh), mesh, path, wanted),
+            Store::Hashed(store) => search_ray(&store.with(mesh), mesh, path, wanted),
+            Store::Blocks(store) => store.search_ray(mesh, path, scratch, wanted),
         }
     }
 

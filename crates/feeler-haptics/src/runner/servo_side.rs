@@ -8,6 +8,7 @@ use triple_buffer::{Input, Output};
 use super::exchange::{Handed, Target, View};
 use super::trace::TraceTick;
 use crate::constants::{SILENT_PERIODS, SILENT_S, STATISTICS_PERIOD_S, VIEW_PLANES};
+use crate::constraint_set::Plane;
 use crate::coupling::Coupling;
 use crate::device::mapping::{Mapped, Mapping};
 use crate::device::{Device, DeviceError, DeviceState};
@@ -224,7 +225,8 @@ impl ServoSide {
         (view.time, view.proxy, view.ahead, view.device) = (now, proxy, output.proxy, device);
         (view.wrench, view.age, view.mode) = (output.wrench, output.age, output.mode);
         (view.buttons, view.is_clutched) = (mapped.map_or(0, |mapped| mapped.held), is_clutched);
-        view.held_count = 0;
+        // A slot of the buffer has the planes of an earlier tick.
+        (view.held, view.held_count) = ([Plane::default(); VIEW_PLANES], 0);
         if handed.has_proxy {
             let held = self.servo.held();
             for plane in handed.set.planes().iter().filter(|plane| held.contains(&plane.id)).take(VIEW_PLANES) {

@@ -22,6 +22,7 @@ mod node;
 mod piece_scan;
 mod pieces;
 mod plane_cull;
+mod ray;
 mod scan;
 mod separating_planes;
 mod sweep;

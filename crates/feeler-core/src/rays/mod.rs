@@ -1,0 +1,8 @@
+//! Rays: the first triangle that each meets, decided exactly.
+
+pub mod brute;
+mod meeting;
+pub mod query;
+mod ratio;
+pub mod ray;
+mod span;

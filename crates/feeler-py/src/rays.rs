@@ -1,0 +1,154 @@
+//! `feeler._core.Rays` and `SectionOutline`: what is looked at without a tool.
+
+use feeler_core as core;
+use numpy::ndarray::Array2;
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
+use pyo3::prelude::*;
+use pyo3::types::PyTuple;
+
+use crate::arrays::{view, view_blocks};
+use crate::proximity::points;
+use crate::travel::{check_lengths, list, reduced, rows_of};
+
+/// What each of many rays meets first.
+#[pyclass(frozen, module = "feeler._core")]
+pub struct Rays {
+    hits: Vec<Option<core::RayHit>>,
+}
+
+impl Rays {
+    pub fn new(hits: Vec<Option<core::RayHit>>) -> Rays {
+        Rays { hits }
+    }
+
+    pub fn restore(state: &Bound<'_, PyTuple>) -> PyResult<Rays> {
+        type State<'py> = (PyReadonlyArray1<'py, bool>, PyReadonlyArray2<'py, u32>, PyReadonlyArray2<'py, f64>);
+        let (met, ids, numbers): State<'_> = state.extract()?;
+        let (met, ids, numbers) = (list(&met), rows_of::<u32, 2>(&ids)?, rows_of::<f64, 7>(&numbers)?);
+        check_lengths("rows of ids", ids.len(), met.iter().filter(|met| **met).count())?;
+        check_lengths("rows of numbers", numbers.len(), ids.len())?;
+        let mut found = ids.iter().zip(&numbers).map(|([triangle, part], n)| core::RayHit {
+            distance: n[0],
+            point: [n[1], n[2], n[3]],
+            normal: [n[4], n[5], n[6]],
+            triangle: *triangle,
+            part: *part,
+        });
+        Ok(Rays { hits: met.iter().map(|met| if *met { found.next() } else { None }).collect() })
+    }
+
+    fn ids<'py>(&self, py: Python<'py>, id: fn(&core::RayHit) -> u32) -> Bound<'py, PyArray1<i64>> {
+        let ids: Vec<i64> = self.hits.iter().map(|hit| hit.as_ref().map_or(-1, |hit| id(hit).into())).collect();
+        ids.into_pyarray(py)
+    }
+}
+
+#[pymethods]
+impl Rays {
+    #[getter]
+    fn distances<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        let distances: Vec<f64> = self.hits.iter().map(|hit| hit.map_or(f64::INFINITY, |hit| hit.distance)).collect();
+        distances.into_pyarray(py)
+    }
+
+    #[getter]
+    fn points<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
+        points(py, self.hits.iter().map(|hit| hit.map_or([f64::NAN; 3], |hit| hit.point)))
+    }
+
+    #[getter]
+    fn normals<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
+        points(py, self.hits.iter().map(|hit| hit.map_or([f64::NAN; 3], |hit| hit.normal)))
+    }
+
+    #[getter]
+    fn triangles<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
+        self.ids(py, |hit| hit.triangle)
+    }
+
+    #[getter]
+    fn parts<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
+        self.ids(py, |hit| hit.part)
+    }
+
+    fn __len__(&self) -> usize {
+        self.hits.len()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Rays({} rays, {} hit)", self.hits.len(), self.hits.iter().flatten().count())
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let met = self.hits.iter().map(Option::is_some).collect::<Vec<bool>>().into_pyarray(py);
+        let found: Vec<&core::RayHit> = self.hits.iter().flatten().collect();
+        let ids = Array2::from_shape_fn((found.len(), 2), |(n, i)| [found[n].triangle, found[n].part][i]);
+        let numbers = Array2::from_shape_fn((found.len(), 7), |(n, i)| match i {
+            0 => found[n].distance,
+            1..4 => found[n].point[i - 1],
+            _ => found[n].normal[i - 4],
+        });
+        reduced(py, "Rays", (met, ids.into_pyarray(py), numbers.into_pyarray(py)))
+    }
+}
+
+/// What a plane cuts.
+#[pyclass(frozen, module = "feeler._core")]
+pub struct SectionOutline {
+    segments: Vec<[core::Point; 2]>,
+    triangles: Vec<u32>,
+    parts: Vec<u32>,
+}
+
+impl SectionOutline {
+    pub fn new(outline: core::SectionOutline) -> SectionOutline {
+        SectionOutline { segments: outline.segments, triangles: outline.triangles, parts: outline.parts }
+    }
+
+    pub fn restore(state: &Bound<'_, PyTuple>) -> PyResult<SectionOutline> {
+        type State<'py> = (PyReadonlyArray3<'py, f64>, PyReadonlyArray1<'py, u32>, PyReadonlyArray1<'py, u32>);
+        let (segments, triangles, parts): State<'_> = state.extract()?;
+        let view = segments.as_array();
+        check_lengths("ends a segment", view.shape()[1], 2)?;
+        check_lengths("numbers an end", view.shape()[2], 3)?;
+        let end = |n: usize, i: usize| std::array::from_fn(|a| view[[n, i, a]]);
+        let segments: Vec<[core::Point; 2]> = (0..view.shape()[0]).map(|n| [end(n, 0), end(n, 1)]).collect();
+        let (triangles, parts) = (list(&triangles), list(&parts));
+        check_lengths("triangles", triangles.len(), segments.len())?;
+        check_lengths("parts", parts.len(), segments.len())?;
+        Ok(SectionOutline { segments, triangles, parts })
+    }
+}
+
+#[pymethods]
+impl SectionOutline {
+    #[getter]
+    fn segments<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray3<f64>> {
+        // SAFETY: the outline is frozen and owns its segments; the array keeps it alive.
+        unsafe { view_blocks(slf.as_any(), &slf.get().segments) }
+    }
+
+    #[getter]
+    fn triangles<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<u32>> {
+        // SAFETY: as for the segments.
+        unsafe { view(slf.as_any(), &slf.get().triangles) }
+    }
+
+    #[getter]
+    fn parts<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray1<u32>> {
+        // SAFETY: as for the segments.
+        unsafe { view(slf.as_any(), &slf.get().parts) }
+    }
+
+    fn __len__(&self) -> usize {
+        self.segments.len()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("SectionOutline({} segments)", self.segments.len())
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        reduced(slf.py(), "SectionOutline", (Self::segments(slf), Self::triangles(slf), Self::parts(slf)))
+    }
+}

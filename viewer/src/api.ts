@@ -1,0 +1,131 @@
+// `window.feeler`: the page for scripts and tests.
+
+import type { Document } from "./document";
+import type { Drawing } from "./drawing";
+import { SHOT_HEIGHT, SHOT_WIDTH } from "./exporting";
+import { isSamePose, type Pose } from "./matrix";
+import type { State } from "./protocol";
+import type { FrameStats } from "./scene/stage";
+import type { Vec3 } from "./scene/vectors";
+import type { Workbench } from "./workbench";
+
+export interface PageStats extends FrameStats {
+  /** Milliseconds from an input to the end of the frame that drew the engine's answer; the last 200. */
+  readonly input_to_drawn: readonly number[];
+}
+
+/** Everything in metres, newtons and radians; poses are `world_from_tool`, 16 numbers row by row. */
+export interface FeelerApi {
+  /** The first whole picture is drawn. */
+  readonly ready: boolean;
+  /** Triangles of the mock-up's pieces that are in the picture. */
+  readonly triangles: number;
+  /** The tool's pose; null before the engine told one. */
+  readonly pose: Pose | null;
+  /** Wishes the tool at `pose`; resolves with the pose that the tool reached, in mode glide once it stands. */
+  moveTo(pose: ArrayLike<number>): Promise<Pose>;
+  /** Paths of the parts that are touched. */
+  readonly touched: string[];
+  readonly force: Vec3;
+  /** Takes a part into the hand; rejects where it cannot be. */
+  grip(path: string): Promise<void>;
+  release(): Promise<void>;
+  undo(): Promise<void>;
+  /** Milliseconds from one drawn frame to the next, of the last 200. */
+  readonly frames: readonly number[];
+  readonly document: Document | null;
+  readonly state: State | null;
+  readonly stats: PageStats;
+  /** The picture as PNG. */
+  shot(width?: number, height?: number): Promise<Blob>;
+}
+
+/** The tool stands in mode glide when its pose has not changed for so long. */
+const STANDS_MS = 120;
+/** An answer that does not come is told, not waited for without end. */
+const ANSWER_MS = 10_000;
+
+export interface ApiSource {
+  readonly wb: Workbench;
+  readonly drawing: Drawing;
+  readonly isReady: () => boolean;
+  readonly countTriangles: () => number;
+  /** Calls back with every state; the function returned ends it. */
+  readonly onState: (listener: (state: State) => void) => () => void;
+}
+
+export function createApi({ wb, drawing, isReady, countTriangles, onState }: ApiSource): FeelerApi {
+  const run = async (name: string, args: Record<string, unknown> = {}): Promise<void> => {
+    await wb.send(name, args);
+  };
+  return {
+    get ready() {
+      return isReady();
+    },
+    get triangles() {
+      return countTriangles();
+    },
+    get pose() {
+      return poseOf(wb, drawing.state);
+    },
+    moveTo: (pose) => moveTo(wb, onState, pose),
+    get touched() {
+      return (drawing.state?.parts ?? []).map((part) => wb.path(part));
+    },
+    get force(): Vec3 {
+      const force: Vec3 = drawing.state?.force ?? [0, 0, 0];
+      return [...force];
+    },
+    grip: (path) => run("grip", { parts: [path] }),
+    release: () => run("release"),
+    undo: () => run("undo"),
+    get frames() {
+      return [...drawing.frames.values];
+    },
+    get document() {
+      return wb.document;
+    },
+    get state() {
+      return drawing.state;
+    },
+    get stats() {
+      return { ...wb.stage.stats, input_to_drawn: [...drawing.input_to_drawn.values] };
+    },
+    shot: (width = SHOT_WIDTH, height = SHOT_HEIGHT) => wb.stage.shot(width, height),
+  };
+}
+
+function poseOf(wb: Workbench, state: State | null): Pose | null {
+  const pose = state?.pose ?? wb.document?.pose;
+  return pose ? Array.from(pose) : null;
+}
+
+function moveTo(wb: Workbench, onState: ApiSource["onState"], pose: ArrayLike<number>): Promise<Pose> {
+  const { hand } = wb;
+  if (hand.isLocked) return Promise.reject(new Error("the hand is empty, or the page only reads"));
+  if (pose.length !== 16) return Promise.reject(new RangeError("a pose has 16 numbers, row by row"));
+  return new Promise((resolve, reject) => {
+    let standing: ReturnType<typeof setTimeout> | undefined;
+    let before: Pose | null = null;
+    const done = (run: () => void): void => {
+      clearTimeout(standing);
+      clearTimeout(late);
+      end();
+      run();
+    };
+    const late = setTimeout(() => done(() => reject(new Error("the engine did not answer"))), ANSWER_MS);
+    const end = onState((state) => {
+      if (hand.isWaiting || state.pose_seq < hand.sentSeq) return;
+      const reached = Array.from(state.pose);
+      if (state.mode !== "glide") {
+        done(() => resolve(reached));
+        return;
+      }
+      if (before && isSamePose(before, reached)) return;
+      before = reached;
+      clearTimeout(standing);
+      standing = setTimeout(() => done(() => resolve(reached)), STANDS_MS);
+    });
+    hand.move(pose, "api");
+  });
+}

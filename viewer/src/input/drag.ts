@@ -1,0 +1,90 @@
+// Where a pointer drags the hand: in the view plane, along an axis, or about one. Pixels in, poses out.
+
+import { movedBy, type Pose, turnedAbout } from "../matrix";
+import type { CameraRig } from "../scene/camera";
+import { add, dot, normalize, scale, subtract, type Vec3 } from "../scene/vectors";
+
+export interface Point {
+  readonly x: number;
+  readonly y: number;
+}
+
+/** The part of the camera that dragging needs. */
+export type View = Pick<CameraRig, "ray" | "project" | "forward" | "position">;
+
+/** What is dragged: a pose, about or through a world point, along a unit world direction or (null) in the view plane. */
+export interface Drag {
+  readonly kind: "move" | "turn";
+  readonly start: Pose;
+  readonly center: Vec3;
+  readonly direction: Vec3 | null;
+}
+
+/** Rounds a length (metres) or an angle (radians) to the step chosen; as it is where none is. */
+export type Snap = (value: number, kind: "length" | "angle") => number;
+
+/** The pose when the pointer has gone from one pixel to another. */
+export function dragged(drag: Drag, view: View, from: Point, to: Point, snap: Snap): Pose {
+  if (drag.kind === "turn") return turnedBy(drag, view, angleBetween(drag, view, from, to), snap);
+  const by = drag.direction
+    ? alongAxis(drag.center, drag.direction, view, from, to)
+    : inViewPlane(drag.center, view, from, to);
+  return movedAlong(drag, by, snap);
+}
+
+/** The drag's pose moved by `by` metres along its direction, or by a vector in the view plane. */
+function movedAlong(drag: Drag, by: number | Vec3, snap: Snap): Pose {
+  if (typeof by !== "number") {
+    const distance = Math.hypot(...by);
+    const snapped = snap(distance, "length");
+    return movedBy(drag.start, distance > 0 ? scale(by, snapped / distance) : by);
+  }
+  return movedBy(drag.start, scale(drag.direction ?? [0, 0, 0], snap(by, "length")));
+}
+
+function turnedBy(drag: Drag, view: View, angle_rad: number, snap: Snap): Pose {
+  const about = drag.direction ?? scale(view.forward, -1);
+  return turnedAbout(drag.start, drag.center, about, snap(angle_rad, "angle"));
+}
+
+/** The point on the plane through `center` across the view direction that a pixel sees. */
+function onViewPlane(center: Vec3, view: View, at: Point): Vec3 {
+  const { origin, direction } = view.ray(at.x, at.y);
+  const depth = dot(subtract(center, origin), view.forward);
+  return add(origin, scale(direction, depth / Math.max(dot(direction, view.forward), 1e-9)));
+}
+
+function inViewPlane(center: Vec3, view: View, from: Point, to: Point): Vec3 {
+  return subtract(onViewPlane(center, view, to), onViewPlane(center, view, from));
+}
+
+function alongAxis(center: Vec3, direction: Vec3, view: View, from: Point, to: Point): number {
+  const towards = normalize(subtract(center, view.position));
+  // An axis that points at the eye is a dot in the picture: the way up the picture then moves along it.
+  if (Math.abs(dot(towards, direction)) > 0.995) {
+    const moved = inViewPlane(center, view, from, { x: from.x, y: to.y });
+    return Math.hypot(...moved) * Math.sign(from.y - to.y) * Math.sign(dot(towards, direction));
+  }
+  return placeOnAxis(center, direction, view, to) - placeOnAxis(center, direction, view, from);
+}
+
+/** How far along the axis through `center` the point lies that is nearest to a pixel's ray, metres. */
+function placeOnAxis(center: Vec3, direction: Vec3, view: View, at: Point): number {
+  const ray = view.ray(at.x, at.y);
+  const between = subtract(center, ray.origin);
+  const cosine = dot(direction, ray.direction);
+  const apart = Math.max(1 - cosine * cosine, 1e-6);
+  return (cosine * dot(ray.direction, between) - dot(direction, between)) / apart;
+}
+
+/** The angle that the pointer went about the centre in the picture, as seen against the axis: radians. */
+function angleBetween(drag: Drag, view: View, from: Point, to: Point): number {
+  const middle = view.project(drag.center);
+  const angle = (at: Point): number => Math.atan2(middle.y - at.y, at.x - middle.x);
+  let turned = angle(to) - angle(from);
+  if (turned > Math.PI) turned -= 2 * Math.PI;
+  if (turned < -Math.PI) turned += 2 * Math.PI;
+  if (!drag.direction) return turned;
+  const towards = dot(drag.direction, normalize(subtract(view.position, drag.center)));
+  return towards < 0 ? -turned : turned;
+}

@@ -1,0 +1,321 @@
+// The pointer on the picture: turns, moves and zooms the view, selects, drags the tool. Styles say which buttons do it.
+
+import { clickMeasure, hoverMeasure } from "../measuring";
+import { distance, subtract, type Vec3 } from "../scene/vectors";
+import type { Workbench } from "../workbench";
+import { type Drag, dragged, type Point, type Snap } from "./drag";
+import { type Handle, hitGizmo, layGizmo } from "./gizmo";
+import type { WishSource } from "./hand";
+import { actionOf, type CameraAction, LEFT, styleOf } from "./styles";
+import { dragOf } from "./typed";
+import { cancelTyping, confirmTyping } from "./typing";
+
+/** A press that moves less is a click. */
+const CLICK_PX = 4;
+/** Half a turn of the view is as many pixels as the picture is high. */
+const HALF_TURN_RAD = Math.PI;
+const ZOOM_PER_PX = 0.0015;
+const ZOOM_PER_DRAGGED_PX = 0.006;
+/** One line and one page of a wheel that does not count in pixels. */
+const WHEEL_PX = [1, 32, 400] as const;
+/** While the wheel turns and the pointer rests, it zooms to the same point. */
+const WHEEL_REST_MS = 300;
+const FINE = 0.1;
+
+type Gesture =
+  | { readonly kind: "camera"; buttons: number; action: CameraAction | null; pivot: Vec3; last: Point }
+  | {
+      readonly kind: "tool";
+      readonly drag: Drag;
+      readonly source: WishSource;
+      readonly from: Point;
+      to: Point;
+      last: Point;
+    };
+
+export class Pointer {
+  /** Where the pointer is; null while it is elsewhere. */
+  at: Point | null = null;
+  /** The handle under it, or being dragged. */
+  handle: Handle | null = null;
+  private gesture: Gesture | null = null;
+  private pressed: { at: Point; button: number; time_ms: number } | null = null;
+  private readonly touches = new Map<number, Point>();
+  private typed_from: Point | null = null;
+  private wheel: { at: Point; time_ms: number; point: Vec3 } | null = null;
+  private is_hover_due = false;
+
+  constructor(
+    private readonly wb: Workbench,
+    private readonly canvas: HTMLElement,
+  ) {
+    const on = <K extends keyof HTMLElementEventMap>(name: K, run: (event: HTMLElementEventMap[K]) => void): void =>
+      canvas.addEventListener(name, run as EventListener, { passive: false });
+    on("pointerdown", (event) => this.down(event));
+    on("pointermove", (event) => this.move(event));
+    on("pointerup", (event) => this.up(event));
+    on("pointercancel", (event) => this.end(event));
+    on("pointerleave", () => this.leave());
+    on("wheel", (event) => this.turnWheel(event));
+    on("dblclick", (event) => this.center(event));
+    on("contextmenu", (event) => event.preventDefault());
+    on("auxclick", (event) => event.preventDefault());
+  }
+
+  /** The handles of what the hand holds, as they lie in the picture now. */
+  handles(): Handle[] {
+    const { hand, store, stage } = this.wb;
+    const { pose, center } = hand;
+    if (!pose || !center || hand.isLocked || !store.has_hand.peek()) return [];
+    return layGizmo(center, pose, store.settings.peek().frame, stage.camera);
+  }
+
+  /** What is under the pointer, at most once a frame and only while the view stands. */
+  frame(): void {
+    if (!this.is_hover_due || this.gesture || !this.at) return;
+    this.is_hover_due = false;
+    const { store, stage } = this.wb;
+    const picked = stage.pick(this.at.x, this.at.y);
+    store.hover.value = picked && !picked.held ? picked.part : -1;
+    hoverMeasure(this.wb, this.at);
+  }
+
+  private down(event: PointerEvent): void {
+    const { wb } = this;
+    const at = this.place(event);
+    this.canvas.focus({ preventScroll: true });
+    wb.store.menu.value = null;
+    if (wb.store.typed.peek()) {
+      if (event.button === 0) confirmTyping(wb);
+      else cancelTyping(wb);
+      this.typed_from = null;
+      return;
+    }
+    this.canvas.setPointerCapture(event.pointerId);
+    if (event.pointerType === "touch") {
+      this.touches.set(event.pointerId, at);
+      if (this.touches.size > 1) {
+        this.gesture = null;
+        this.pressed = null;
+        return;
+      }
+    }
+    this.pressed = { at, button: event.button, time_ms: event.timeStamp };
+    this.gesture = this.grab(event, at) ?? this.steer(event, at);
+    if (event.button === 1) event.preventDefault();
+  }
+
+  /** The gesture that begins on the gizmo or on what is held; null elsewhere. */
+  private grab(event: PointerEvent, at: Point): Gesture | null {
+    const { hand, stage, store } = this.wb;
+    const { pose, center } = hand;
+    if (event.buttons !== LEFT || event.altKey || !pose || !center || hand.isLocked) return null;
+    this.handle = hitGizmo(this.handles(), at);
+    if (this.handle) {
+      const { kind, direction } = this.handle;
+      return {
+        kind: "tool",
+        drag: { kind, start: pose, center, direction },
+        source: "gizmo",
+        from: at,
+        to: at,
+        last: at,
+      };
+    }
+    if (store.measuring.peek()) return null;
+    const picked = stage.pick(at.x, at.y);
+    if (!picked?.held) return null;
+    const drag: Drag = { kind: "move", start: pose, center: picked.point, direction: null };
+    return { kind: "tool", drag, source: "mouse", from: at, to: at, last: at };
+  }
+
+  private steer(event: PointerEvent, at: Point): Gesture {
+    const chord = event.pointerType === "touch" ? { ...keysOf(event), buttons: LEFT } : keysOf(event);
+    const style = styleOf(this.wb.store.settings.peek().style);
+    const action = event.pointerType === "touch" ? "orbit" : actionOf(style, chord);
+    return { kind: "camera", buttons: event.buttons, action, pivot: this.wb.pointAt(at.x, at.y), last: at };
+  }
+
+  private move(event: PointerEvent): void {
+    const at = this.place(event);
+    if (this.touches.size > 1 && this.touches.has(event.pointerId)) {
+      this.pinch(event.pointerId, at);
+      return;
+    }
+    if (this.wb.store.typed.peek()) {
+      this.followTyped(event, at);
+      return;
+    }
+    this.typed_from = null;
+    const { gesture } = this;
+    if (!gesture) {
+      this.hover(at);
+      return;
+    }
+    if (this.isClick(at)) return;
+    if (gesture.kind === "tool") this.dragTool(gesture, event, at);
+    else {
+      if (event.buttons !== gesture.buttons) {
+        // Another button joined or left: the chord may mean something else from here on.
+        gesture.buttons = event.buttons;
+        gesture.action = actionOf(styleOf(this.wb.store.settings.peek().style), keysOf(event));
+        gesture.last = at;
+      }
+      this.moveCamera(gesture, at);
+    }
+  }
+
+  private hover(at: Point): void {
+    const before = this.handle;
+    this.handle = hitGizmo(this.handles(), at);
+    this.is_hover_due = true;
+    if (before !== this.handle || !this.wb.stage.camera.moved) this.wb.redraw();
+  }
+
+  private moveCamera(gesture: Extract<Gesture, { kind: "camera" }>, at: Point): void {
+    const { camera } = this.wb.stage;
+    const [dx, dy] = [at.x - gesture.last.x, at.y - gesture.last.y];
+    gesture.last = at;
+    const turn = HALF_TURN_RAD / Math.max(camera.height, 1);
+    if (gesture.action === "orbit") camera.orbit(dx * turn, dy * turn, gesture.pivot);
+    else if (gesture.action === "pan") camera.pan(dx, dy, camera.project(gesture.pivot).depth);
+    else if (gesture.action === "zoom") camera.dolly(Math.exp(dy * ZOOM_PER_DRAGGED_PX), gesture.pivot);
+    else return;
+    this.wb.redraw();
+  }
+
+  private dragTool(gesture: Extract<Gesture, { kind: "tool" }>, event: PointerEvent, at: Point): void {
+    const factor = event.shiftKey ? FINE : 1;
+    const { to, last } = gesture;
+    gesture.to = { x: to.x + factor * (at.x - last.x), y: to.y + factor * (at.y - last.y) };
+    gesture.last = at;
+    const pose = dragged(gesture.drag, this.wb.stage.camera, gesture.from, gesture.to, this.snap(event));
+    this.wb.hand.move(pose, gesture.source, event.timeStamp);
+  }
+
+  private followTyped(event: PointerEvent, at: Point): void {
+    const move = this.wb.store.typed.peek();
+    this.typed_from ??= at;
+    if (move?.text !== "") return;
+    const pose = dragged(dragOf(move), this.wb.stage.camera, this.typed_from, at, this.snap(event));
+    this.wb.hand.move(pose, "mouse", event.timeStamp);
+  }
+
+  /** Steps where they are chosen; Ctrl means the other of the two. */
+  private snap(event: PointerEvent): Snap {
+    const { is_snapping, step_m, step_rad } = this.wb.store.settings.peek();
+    if (is_snapping === event.ctrlKey) return (value) => value;
+    return (value, kind) => {
+      const step = kind === "length" ? step_m : step_rad;
+      return Math.round(value / step) * step;
+    };
+  }
+
+  private up(event: PointerEvent): void {
+    const at = this.place(event);
+    const { gesture, pressed } = this;
+    if (event.pointerType === "touch") this.touches.delete(event.pointerId);
+    if (pressed && this.isClick(at)) this.click(event, at, pressed.button);
+    else if (gesture?.kind === "tool") this.wb.hand.put();
+    this.end(event);
+  }
+
+  private end(event: PointerEvent): void {
+    this.touches.delete(event.pointerId);
+    if (event.type === "pointercancel" && this.gesture?.kind === "tool") this.wb.hand.put();
+    this.gesture = null;
+    this.pressed = null;
+    this.is_hover_due = true;
+    this.wb.redraw();
+  }
+
+  private leave(): void {
+    this.at = null;
+    this.wb.store.hover.value = -1;
+    if (!this.gesture) this.handle = null;
+    this.wb.redraw();
+  }
+
+  private click(event: PointerEvent, at: Point, button: number): void {
+    const { wb } = this;
+    const picked = wb.stage.pick(at.x, at.y);
+    if (button === 2) {
+      const part = picked && !picked.held ? picked.part : -1;
+      if (part >= 0 && !wb.store.selection.peek().has(part)) wb.select([part]);
+      wb.store.menu.value = { x: event.clientX, y: event.clientY, part, point: picked?.point ?? null, at };
+    } else if (button === 0 && wb.store.measuring.peek()) clickMeasure(wb, at);
+    else if (button === 0 && !this.handle) {
+      const isAdding = event.ctrlKey || event.metaKey || event.shiftKey;
+      if (picked?.held === false) wb.select([picked.part], isAdding ? "toggle" : "only");
+      else if (!isAdding && !picked) wb.select([]);
+    }
+  }
+
+  private center(event: MouseEvent): void {
+    const at = this.place(event);
+    const picked = this.wb.stage.pick(at.x, at.y);
+    if (!picked || this.wb.store.measuring.peek()) return;
+    const { camera } = this.wb.stage;
+    camera.translate(subtract(picked.point, camera.target));
+    this.wb.redraw();
+  }
+
+  private turnWheel(event: WheelEvent): void {
+    event.preventDefault();
+    const { camera } = this.wb.stage;
+    const at = this.place(event);
+    const style = styleOf(this.wb.store.settings.peek().style);
+    const unit = WHEEL_PX[event.deltaMode as 0 | 1 | 2] ?? 1;
+    const anchor = this.wheelPoint(at, event.timeStamp);
+    if (style.wheel === "pan" && !event.ctrlKey) {
+      camera.pan(-event.deltaX * unit, -event.deltaY * unit, camera.project(anchor).depth);
+    } else {
+      // A pinch comes as small steps with Ctrl.
+      const pixels = event.deltaY * unit * (event.ctrlKey ? 6 : style.wheel_sense);
+      camera.dolly(Math.exp(Math.max(-300, Math.min(300, pixels)) * ZOOM_PER_PX), anchor);
+    }
+    this.wb.redraw();
+  }
+
+  private wheelPoint(at: Point, time_ms: number): Vec3 {
+    const last = this.wheel;
+    const isMoving = !last || time_ms - last.time_ms > WHEEL_REST_MS || !isNear(last.at, at);
+    const point = isMoving ? this.wb.pointAt(at.x, at.y) : last.point;
+    this.wheel = { at, time_ms, point };
+    return point;
+  }
+
+  /** Two fingers: their middle moves the view, their distance zooms. */
+  private pinch(id: number, at: Point): void {
+    const other = [...this.touches].find(([key]) => key !== id)?.[1];
+    const before = this.touches.get(id);
+    this.touches.set(id, at);
+    if (!other || !before) return;
+    const { camera } = this.wb.stage;
+    const spread = (a: Point): number => Math.max(Math.hypot(a.x - other.x, a.y - other.y), 1);
+    camera.pan((at.x - before.x) / 2, (at.y - before.y) / 2, distance(camera.position, camera.target));
+    camera.dolly(spread(before) / spread(at), this.wb.pointAt((at.x + other.x) / 2, (at.y + other.y) / 2));
+    this.wb.redraw();
+  }
+
+  private isClick(at: Point): boolean {
+    if (this.pressed && !isNear(this.pressed.at, at)) this.pressed = { ...this.pressed, at: FAR };
+    return this.pressed !== null && this.pressed.at !== FAR;
+  }
+
+  private place(event: MouseEvent): Point {
+    const box = this.canvas.getBoundingClientRect();
+    this.at = { x: event.clientX - box.left, y: event.clientY - box.top };
+    return this.at;
+  }
+}
+
+const FAR: Point = { x: Number.POSITIVE_INFINITY, y: Number.POSITIVE_INFINITY };
+const isNear = (a: Point, b: Point): boolean => Math.hypot(a.x - b.x, a.y - b.y) < CLICK_PX;
+
+const keysOf = (event: PointerEvent) => ({
+  buttons: event.buttons,
+  shiftKey: event.shiftKey,
+  ctrlKey: event.ctrlKey || event.metaKey,
+  altKey: event.altKey,
+});

@@ -1,0 +1,200 @@
+// What is drawn besides the shapes: contact planes, forces, clearances, measures, the snap marker, the figures by them.
+
+import { type IUniform, Scene } from "three";
+import type { CameraRig } from "./camera";
+import type { Anchor } from "./labels";
+import { Discs, Lines, type Tint } from "./strokes";
+import { add, cross, distance, length, normalize, perpendicular, scale, type Vec3 } from "./vectors";
+
+/** A measure as it is drawn: 1 point, 2 points of a line, or 3 of an angle with its corner in the middle. */
+export interface MeasureMark {
+  id: string | number;
+  points: Vec3[];
+  text: string;
+  isSelected: boolean;
+}
+
+/** What is drawn besides the shapes. World metres, newtons. A figure's text is the page's: it knows the unit chosen. */
+export interface Marks {
+  /** (p, 8): point 3, normal 3, gap, share of the force in N. */
+  planes: Float32Array | null;
+  /** The force on the hand, N, and where it acts. */
+  force: { at: Vec3; vector: Vec3; text: string } | null;
+  /** (c, 7): distance, point on the tool 3, point on the mock-up 3. One text a row. */
+  clearances: { rows: Float32Array; texts: string[] } | null;
+  distance: { from: Vec3; to: Vec3; text: string } | null;
+  measures: MeasureMark[];
+  snap: { point: Vec3; type: "vertex" | "edge" | "face" } | null;
+}
+
+export const NO_MARKS: Marks = {
+  planes: null,
+  force: null,
+  clearances: null,
+  distance: null,
+  measures: [],
+  snap: null,
+};
+
+// Orange is what meets, blue is what is near, yellow is what was measured: told apart without seeing red.
+const HIT: Tint = [1.0, 0.58, 0.12, 0.95];
+const NEAR: Tint = [0.33, 0.66, 1.0, 0.95];
+const MEASURE: Tint = [0.98, 0.86, 0.35, 0.95];
+const CHOSEN: Tint = [1.0, 1.0, 1.0, 1.0];
+const SNAP: Tint = [1.0, 1.0, 1.0, 0.95];
+
+// Sizes in CSS pixels: marks are as large from afar as from near.
+const DISC_RADIUS = 16;
+const LEAST_ARROW = 18;
+const LONGEST_ARROW = 90;
+const HEAD = 11;
+const SNAP_RADIUS = 7;
+// An arrow of this force is half of the longest: the eye tells 1 N from 5 N, and 50 N still fits.
+const HALF_FORCE_N = 8;
+const ARC_STEPS = 24;
+
+/** The length of a force's arrow, CSS pixels: grows with the force, and never beyond the longest. */
+export function arrowLength(force: number): number {
+  return LEAST_ARROW + (LONGEST_ARROW - LEAST_ARROW) * (force / (force + HALF_FORCE_N));
+}
+
+/** The arc of the angle at `corner` from `a` to `b`, `radius` metres away: points in order. Empty where a leg has no length. */
+export function arc(a: Vec3, corner: Vec3, b: Vec3, radius: number): Vec3[] {
+  const first = normalize(add(a, scale(corner, -1)));
+  const second = normalize(add(b, scale(corner, -1)));
+  const normal = normalize(cross(first, second), perpendicular(first));
+  if (length(first) === 0 || length(second) === 0) return [];
+  const across = cross(normal, first);
+  const angle = Math.atan2(
+    length(cross(first, second)),
+    first[0] * second[0] + first[1] * second[1] + first[2] * second[2],
+  );
+  return Array.from({ length: ARC_STEPS + 1 }, (_, k) => {
+    const turn = (angle * k) / ARC_STEPS;
+    return add(corner, add(scale(first, radius * Math.cos(turn)), scale(across, radius * Math.sin(turn))));
+  });
+}
+
+export class MarkLayer {
+  readonly scene = new Scene();
+  anchors: Anchor[] = [];
+  readonly #lines: Lines;
+  readonly #discs: Discs;
+  #marks: Marks = NO_MARKS;
+
+  constructor(uniforms: Record<string, IUniform>, middle: Vec3) {
+    this.#lines = new Lines(uniforms, middle, 0.4);
+    this.#discs = new Discs(uniforms, middle, 0.4);
+    this.scene.add(this.#discs.mesh, this.#lines.mesh);
+  }
+
+  get isEmpty(): boolean {
+    return !this.#lines.mesh.visible && !this.#discs.mesh.visible;
+  }
+
+  set(marks: Marks): void {
+    this.#marks = marks;
+  }
+
+  /** Builds the strokes for the camera: sizes in pixels become metres at each mark's depth. */
+  build(camera: CameraRig): void {
+    const { planes, force, clearances, distance: nearest, measures, snap } = this.#marks;
+    this.#lines.clear();
+    this.#discs.clear();
+    this.anchors = [];
+    const pixel = (at: Vec3) => camera.metresPerPixel(Math.max(camera.project(at).depth, 1e-6));
+    if (planes) this.#addPlanes(planes, pixel);
+    if (clearances) {
+      for (let row = 0; row < clearances.texts.length; row++) {
+        const [from, to] = [vec(clearances.rows, 7 * row + 1), vec(clearances.rows, 7 * row + 4)];
+        this.#addSpan(from, to, NEAR, 1.4, clearances.texts[row] as string, `clearance ${row}`, "near", 1);
+      }
+    }
+    if (nearest) this.#addSpan(nearest.from, nearest.to, NEAR, 2.2, nearest.text, "distance", "near", 3);
+    if (force && length(force.vector) > 0) {
+      const size = length(force.vector);
+      const tip = add(force.at, scale(force.vector, (arrowLength(size) * pixel(force.at)) / size));
+      this.#lines.addArrow(force.at, tip, HEAD * pixel(force.at), HIT, 3);
+      this.anchors.push({ key: "force", point: tip, text: force.text, kind: "hit", rank: 4 });
+    }
+    for (const measure of measures) this.#addMeasure(measure, pixel);
+    if (snap) this.#addSnap(snap.point, snap.type, camera, pixel(snap.point));
+    this.#lines.commit();
+    this.#discs.commit();
+  }
+
+  setSections(count: number): void {
+    this.#lines.setSections(count);
+    this.#discs.setSections(count);
+  }
+
+  dispose(): void {
+    this.#lines.dispose();
+    this.#discs.dispose();
+  }
+
+  #addPlanes(planes: Float32Array, pixel: (at: Vec3) => number): void {
+    for (let at = 0; at + 8 <= planes.length; at += 8) {
+      const point = vec(planes, at);
+      const normal = normalize(vec(planes, at + 3), [0, 0, 1]);
+      const share = planes[at + 7] as number;
+      const across = perpendicular(normal);
+      const radius = DISC_RADIUS * pixel(point);
+      const tint = share > 0 ? HIT : NEAR;
+      this.#discs.add(point, scale(across, radius), scale(cross(normal, across), radius), tint, 0);
+      if (share <= 0) continue;
+      const tip = add(point, scale(normal, arrowLength(share) * 0.8 * pixel(point)));
+      this.#lines.addArrow(point, tip, 0.7 * HEAD * pixel(point), HIT, 2);
+    }
+  }
+
+  #addSpan(
+    from: Vec3,
+    to: Vec3,
+    tint: Tint,
+    width: number,
+    text: string,
+    key: string,
+    kind: Anchor["kind"],
+    rank: number,
+  ): void {
+    this.#lines.add(from, to, tint, width);
+    for (const end of [from, to]) this.#lines.add(end, end, tint, 3.2 * width);
+    this.anchors.push({ key, point: scale(add(from, to), 0.5), text, kind, rank });
+  }
+
+  #addMeasure(measure: MeasureMark, pixel: (at: Vec3) => number): void {
+    const tint = measure.isSelected ? CHOSEN : MEASURE;
+    const { points } = measure;
+    for (let k = 0; k < points.length; k++) {
+      const point = points[k] as Vec3;
+      this.#lines.add(point, point, tint, 7);
+      if (k > 0) this.#lines.add(points[k - 1] as Vec3, point, tint, 2);
+    }
+    let label = points.reduce((sum, p) => add(sum, scale(p, 1 / points.length)), [0, 0, 0] as Vec3);
+    if (points.length === 3) {
+      const [a, corner, b] = points as [Vec3, Vec3, Vec3];
+      const radius = Math.min(40 * pixel(corner), 0.6 * Math.min(distance(a, corner), distance(b, corner)));
+      const bow = arc(a, corner, b, radius);
+      for (let k = 1; k < bow.length; k++) this.#lines.add(bow[k - 1] as Vec3, bow[k] as Vec3, tint, 2);
+      label = bow[bow.length >> 1] ?? corner;
+    }
+    const rank = measure.isSelected ? 5 : 2;
+    if (points.length > 0)
+      this.anchors.push({ key: `measure ${measure.id}`, point: label, text: measure.text, kind: "measure", rank });
+  }
+
+  /** A ring for a point of a face, a dot besides for an edge, a cross besides for a vertex; it faces the eye. */
+  #addSnap(point: Vec3, type: "vertex" | "edge" | "face", camera: CameraRig, pixel: number): void {
+    const [across, up] = [scale(camera.right, SNAP_RADIUS * pixel), scale(camera.top, SNAP_RADIUS * pixel)];
+    this.#discs.add(point, across, up, SNAP, 0.7);
+    if (type === "edge") this.#lines.add(point, point, SNAP, 4);
+    if (type !== "vertex") return;
+    for (const arm of [across, up])
+      this.#lines.add(add(point, scale(arm, -1.6)), add(point, scale(arm, 1.6)), SNAP, 1.6);
+  }
+}
+
+function vec(data: Float32Array, at: number): Vec3 {
+  return [data[at] as number, data[at + 1] as number, data[at + 2] as number];
+}

@@ -1,0 +1,44 @@
+// How much may be drawn while the camera moves, from what drawing was seen to cost. No clock: times are passed in.
+
+const START_MS_PER_TRIANGLE = 10 / 1e6;
+// While the camera moves, a frame aims at this; above `SLOW_MS` it draws less.
+const SLOW_MS = 20;
+const LEAST_TRIANGLES = 100_000;
+/** The camera stands when it has not moved for this long. */
+export const STILL_MS = 150;
+
+export class Pace {
+  #msPerTriangle = START_MS_PER_TRIANGLE;
+  #scale = 1;
+
+  /** A draw of `triangles` took `ms` on the device; `isDraft` when the camera was moving. */
+  add(triangles: number, ms: number, isDraft: boolean): void {
+    if (triangles < LEAST_TRIANGLES / 4) return;
+    // Of two alike measurements the quicker one is nearer the truth: others wait for the display or for other work.
+    const seen = ms / triangles;
+    this.#msPerTriangle += (seen - this.#msPerTriangle) * (seen < this.#msPerTriangle ? 0.6 : 0.3);
+    if (!isDraft) return;
+    if (ms > 2 * SLOW_MS && triangles <= 2 * LEAST_TRIANGLES) this.#scale = 0.5;
+    else if (ms < SLOW_MS) this.#scale = 1;
+  }
+
+  /** The triangles that `ms` allow; never so few that nothing could be told. */
+  triangles(ms: number): number {
+    return Math.max(LEAST_TRIANGLES, ms / this.#msPerTriangle);
+  }
+
+  /** What `triangles` will take, ms. */
+  estimate(triangles: number): number {
+    return triangles * this.#msPerTriangle;
+  }
+
+  /** The triangles of a frame while the camera moves. */
+  get draft(): number {
+    return this.triangles(SLOW_MS);
+  }
+
+  /** The share of the resolution while the camera moves. */
+  get scale(): number {
+    return this.#scale;
+  }
+}

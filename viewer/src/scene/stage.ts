@@ -1,0 +1,714 @@
+// The stage: all GL of the page behind one class.
+//
+// A frame redraws the mock-up only when the camera, a part or a section changed; else it shows the kept layer and draws
+// what moves over it. While nothing at all changes, the edges are smoothed, a little a frame.
+
+import { Group, PerspectiveCamera, Scene, WebGLRenderer, type WebGLRenderTarget } from "three";
+import type { HeldManifest, Manifest } from "../geometry";
+import { aim, eyePlanes } from "./aim";
+import { Average } from "./average";
+import { CameraRig } from "./camera";
+import { type Piece, Pieces } from "./chunks";
+import { copyPicture } from "./copy";
+import { isCutAway, mayBeSeen } from "./culling";
+import { DeviceWork } from "./devicework";
+import { Held } from "./held";
+import { Hits } from "./hits";
+import { JITTER, Kept, PieceMaterials, shownTarget } from "./kept";
+import { LabelLayer } from "./labels";
+import { MarkLayer, type Marks, NO_MARKS } from "./marks";
+import { Pace, STILL_MS } from "./pace";
+import { PartTable } from "./parts";
+import { Probe } from "./pick";
+import { isSame } from "./same";
+import { define, ScreenPass } from "./screen";
+import { clipBox, SectionLines, type SectionPlane, writePlanes } from "./sections";
+import { backFragment, tintFragment } from "./shaders";
+import { pngOf } from "./shot";
+import { coloursOf, type Theme } from "./theme";
+import { MAX_SECTIONS, sharedUniforms } from "./uniforms";
+import { add, type Box, dot, emptyBox, include, isEmpty, scale, type Vec3 } from "./vectors";
+
+export { PartState } from "./parts";
+export type { SectionPlane } from "./sections";
+export type { Theme } from "./theme";
+
+export interface StageOptions {
+  /** Device pixels a CSS pixel, at most. */
+  pixelRatio?: number;
+  /** Where the figures of the marks are put, over the canvas and as large; none without. */
+  labels?: HTMLElement;
+}
+
+export interface FrameStats {
+  /** Whether anything was drawn. */
+  drawn: boolean;
+  /** Milliseconds the page spent on the frame; the device's own are not in it. */
+  ms: number;
+  calls: number;
+  triangles: number;
+  /** Whether the mock-up came from the kept layer. */
+  isKept: boolean;
+  /** Whether every piece that came and can be seen is in the picture, at its full resolution. */
+  isWhole: boolean;
+  /** Whether the picture is final: whole, its edges smooth, nothing left to do. */
+  isSettled: boolean;
+}
+
+/** What is under a pixel: a part of the mock-up, or of the held mesh. */
+export interface Pick {
+  part: number;
+  point: Vec3;
+  held: boolean;
+}
+
+// Above this many pixels the picture is drawn coarser: the targets of a 4K screen would take 300 MB.
+const MOST_PIXELS = 2560 * 1440;
+// How long nothing may change before edges are smoothed, and what a frame may spend on it or on pieces that came late.
+const IDLE_MS = 300;
+const REFINE_MS = 12;
+const SLICE_MS = 60;
+// Where a redraw takes longer than this, edges are smoothed by half as many.
+const SLOW_REDRAW_MS = 250;
+// A picture for keeping is averaged from fewer redraws where they would take longer than this.
+const SHOT_MS = 2000;
+
+export class Stage {
+  readonly camera = new CameraRig();
+  /** For WebXR: the session goes here, and `eye` is its camera, in `rig`, which stands in world coordinates less the middle. */
+  readonly renderer: WebGLRenderer;
+  readonly eye = new PerspectiveCamera();
+  readonly rig = new Group();
+  /** What other modules draw over the picture (the gizmo): children in world coordinates. */
+  readonly overlay = new Group();
+  stats: FrameStats = { drawn: false, ms: 0, calls: 0, triangles: 0, isKept: false, isWhole: false, isSettled: false };
+
+  readonly #uniforms = sharedUniforms();
+  readonly #materials: PieceMaterials;
+  readonly #kept: Kept;
+  readonly #average: Average;
+  // The kept picture with its lit parts.
+  readonly #lit = shownTarget(1, 1);
+  readonly #probe: Probe;
+  readonly #held: Held;
+  readonly #hits: Hits;
+  readonly #tint: ScreenPass;
+  readonly #back: ScreenPass;
+  readonly #overlayScene = new Scene();
+  readonly #pieceScene = new Scene();
+  readonly #labels: LabelLayer | null;
+  readonly #pace = new Pace();
+  readonly #work: DeviceWork;
+  readonly #restored: (() => void)[] = [];
+  readonly #resizes: ResizeObserver;
+
+  // Of the mock-up that was shown last: it may come again after a reconnect.
+  #hash: string | null = null;
+  #pieces: Pieces | null = null;
+  #table: PartTable | null = null;
+  #marks: MarkLayer;
+  #lines: SectionLines;
+  #markValues: Marks = NO_MARKS;
+  #outlines: Float32Array | null = null;
+  #sections: SectionPlane[] = [];
+  #hitIds: { mockup: Uint32Array; held: Uint32Array } = { mockup: new Uint32Array(0), held: new Uint32Array(0) };
+  #middle: Vec3 = [0, 0, 0];
+  #bounds: Box = emptyBox();
+
+  #theme: Theme = "dark";
+  #isLost = false;
+  #isSizeNew = true;
+  #isViewNew = true;
+  #isShapeNew = true;
+  #isOverlayNew = true;
+  #isLitNew = true;
+  #movedAt = -Infinity;
+  #changedAt = -Infinity;
+  #shapeVersion = 0;
+
+  constructor(
+    readonly canvas: HTMLCanvasElement,
+    readonly options: StageOptions = {},
+  ) {
+    this.renderer = new WebGLRenderer({
+      canvas,
+      alpha: false,
+      antialias: false,
+      stencil: false,
+      powerPreference: "high-performance",
+      reversedDepthBuffer: true,
+    });
+    this.renderer.autoClear = false;
+    this.renderer.sortObjects = false;
+    this.renderer.info.autoReset = false;
+    this.#materials = new PieceMaterials(this.#uniforms);
+    this.#kept = new Kept(this.renderer, this.#uniforms, this.#materials);
+    this.#average = new Average(this.renderer);
+    this.#work = new DeviceWork(this.renderer);
+    this.#probe = new Probe(this.renderer, this.#uniforms);
+    this.#held = new Held(this.#uniforms);
+    this.#hits = new Hits(this.#uniforms);
+    this.#marks = new MarkLayer(this.#uniforms, this.#middle);
+    this.#lines = new SectionLines(this.#uniforms, this.#middle);
+    this.#tint = new ScreenPass(tintFragment, {
+      kept: { value: null },
+      keptScale: this.#uniforms.keptScale,
+      keptId: this.#uniforms.keptId,
+      states: this.#uniforms.states,
+    });
+    const { above, below } = coloursOf("dark");
+    const [high, low] = [above.clone(), below.clone()];
+    this.#back = new ScreenPass(backFragment, {
+      drawn: this.#uniforms.resolution,
+      above: { value: high },
+      below: { value: low },
+    });
+    this.rig.add(this.eye);
+    this.#overlayScene.add(this.overlay);
+    this.#pieceScene.matrixWorldAutoUpdate = false;
+    this.#labels = options.labels ? new LabelLayer(options.labels) : null;
+    this.#colour();
+    // Three tells a camera of the reversed depth when it first draws something with it: too late for the first aim.
+    this.#back.draw(this.renderer, null, this.eye);
+    this.#resizes = new ResizeObserver(() => {
+      this.#isSizeNew = true;
+    });
+    this.#resizes.observe(canvas);
+    canvas.addEventListener("webglcontextlost", this.#onLost);
+    canvas.addEventListener("webglcontextrestored", this.#onRestored);
+  }
+
+  /** Begins a mock-up; its pieces follow by `addPiece`. The camera looks at all of it, unless it is the one shown before. */
+  setManifest(manifest: Manifest): void {
+    const isAnother = this.#hash !== manifest.hash;
+    this.clear();
+    this.#hash = manifest.hash;
+    this.#middle = manifest.middle;
+    this.#bounds = { lower: manifest.lower, upper: manifest.upper };
+    const { lower, upper } = manifest.parts;
+    const boxes = lower.map((corner, part) => ({ lower: corner, upper: upper[part] as Vec3 }));
+    this.#table = new PartTable(boxes, manifest.middle);
+    this.#pieces = new Pieces(manifest, this.#materials.solid);
+    this.#shapeVersion = this.#table.shapeVersion;
+    this.overlay.position.set(-this.#middle[0], -this.#middle[1], -this.#middle[2]);
+    this.#marks.dispose();
+    this.#marks = new MarkLayer(this.#uniforms, this.#middle);
+    this.#marks.set(this.#markValues);
+    this.#lines.dispose();
+    this.#lines = new SectionLines(this.#uniforms, this.#middle);
+    this.#held.setOrigin(this.#middle);
+    this.#cut();
+    this.setOutlines(this.#outlines);
+    if (isAnother) this.camera.view(7, this.#bounds, manifest.up);
+    this.#touch();
+  }
+
+  /** Takes piece `k` of the manifest; the buffer stays the stage's. Throws RangeError for one that does not fit. */
+  addPiece(k: number, data: ArrayBuffer): void {
+    if (!this.#pieces) throw new RangeError("A piece came before its manifest: load again.");
+    const piece = this.#pieces.add(k, data);
+    if (!this.#isShapeNew && !this.#isViewNew && this.#isSeen(piece, eyePlanes(this.eye, this.#middle))) {
+      if (piece.partIds.some((part) => this.#table?.isGhost(part)) || !this.#kept.append(piece))
+        this.#isShapeNew = true;
+    }
+    this.#placeHits();
+  }
+
+  /** Takes the mock-up away. What the hand holds stays. */
+  clear(): void {
+    this.#pieces?.dispose();
+    this.#table?.dispose();
+    this.#pieces = null;
+    this.#table = null;
+    this.#bounds = emptyBox();
+    this.#kept.forget();
+    this.#isShapeNew = true;
+    this.setHits(new Uint32Array(0), this.#hitIds.held);
+    this.#touch();
+  }
+
+  /** What the hand holds: the pieces one behind the other in `piece`; null for an empty hand. */
+  setHeld(held: { piece: ArrayBuffer; manifest: HeldManifest } | null): void {
+    this.#held.set(held);
+    this.setHits(this.#hitIds.mockup, new Uint32Array(0));
+    this.#touch();
+  }
+
+  /** A byte a part, of the bits of `PartState`. Lighting parts redraws nothing; hiding them redraws the mock-up. */
+  setPartStates(states: Uint8Array): void {
+    if (!this.#table?.setStates(states)) return;
+    this.#isLitNew = true;
+    this.#followTable();
+  }
+
+  /** world_from_part, row by row, of every part that is not where it was loaded. */
+  setMoved(moved: Map<number, number[]>): void {
+    if (this.#table?.setMoved(moved)) this.#followTable();
+  }
+
+  /** Moves the parts apart, by `share` from 0 to 1. */
+  setExplode(share: number): void {
+    if (!this.#table?.setExplode(share)) return;
+    this.#followTable();
+    this.#stir();
+  }
+
+  /** The planes that cut the mock-up: at most six, the others are not cut. */
+  setSections(sections: SectionPlane[]): void {
+    const next = sections.slice(0, MAX_SECTIONS);
+    if (isSame(next, this.#sections)) return;
+    this.#sections = structuredClone(next);
+    this.#cut();
+    this.#stir();
+  }
+
+  /** The engine's exact outlines of the sections: (k, 2, 3) world metres, null for none. */
+  setOutlines(segments: Float32Array | null): void {
+    this.#outlines = segments;
+    this.#lines.setOutlines(segments);
+    this.#touch();
+  }
+
+  /** world_from_tool, row by row: where the engine has it (solid), and where the hand wishes it (ghost; null: nowhere else). */
+  setPose(pose: ArrayLike<number>, wish: ArrayLike<number> | null): void {
+    if (this.#held.setPose(pose, wish)) this.#touch();
+  }
+
+  /** Packed triangles that meet: of the mock-up, and of the held mesh. */
+  setHits(mockup: Uint32Array, held: Uint32Array): void {
+    const next = { mockup, held };
+    if (isSame(next, this.#hitIds)) return;
+    this.#hitIds = structuredClone(next);
+    this.#placeHits();
+  }
+
+  setMarks(marks: Marks): void {
+    if (isSame(marks, this.#markValues)) return;
+    this.#markValues = structuredClone(marks);
+    this.#marks.set(this.#markValues);
+    this.#touch();
+  }
+
+  setTheme(theme: Theme): void {
+    if (theme === this.#theme) return;
+    this.#theme = theme;
+    this.#colour();
+  }
+
+  /** The box of what can be seen, sections and hidden parts obeyed: for `camera.fit` and `camera.view`. World metres. */
+  visibleBox(): Box {
+    const box = emptyBox();
+    const table = this.#table;
+    const take = (isWanted: (part: number) => boolean) => {
+      for (let part = 0; table && part < table.count; part++) {
+        if (!isWanted(part)) continue;
+        const seen = clipBox(table.boxOf(part), this.#sections);
+        if (isEmpty(seen)) continue;
+        include(box, seen.lower);
+        include(box, seen.upper);
+      }
+    };
+    take((part) => table?.isSolid(part) === true);
+    if (isEmpty(box)) take((part) => table?.isGhost(part) === true);
+    const held = this.#held.box();
+    if (isEmpty(box) && !isEmpty(held)) return held;
+    return box;
+  }
+
+  /** The box of `part` where it is now, world metres; empty for one that is not of the mock-up. */
+  partBox(part: number): Box {
+    return this.#table && part < this.#table.count ? this.#table.boxOf(part) : emptyBox();
+  }
+
+  /** The box of what the hand holds, world metres; empty for an empty hand. */
+  heldBox(): Box {
+    return this.#held.box();
+  }
+
+  /** What is drawn at (`x`, `y`), CSS pixels from the canvas' upper left corner: never what is hidden or cut away. */
+  pick(x: number, y: number): Pick | null {
+    if (this.#isLost) return null;
+    this.#resize();
+    if (this.camera.moved || this.#isViewNew || this.#isShapeNew) {
+      this.#takeCamera(performance.now());
+      this.#redraw(this.#isMoving(performance.now()));
+    }
+    const { width, height } = this.#kept;
+    const ratio = width / this.camera.width;
+    const [column, row] = [Math.floor(x * ratio), height - 1 - Math.floor(y * ratio)];
+    if (column < 0 || row < 0 || column >= width || row >= height) return null;
+    this.#kept.bind(width);
+    const held = this.#held.isEmpty ? null : this.#held.scene;
+    const found = this.#probe.at(column, row, width, height, this.eye, held, this.#held.probeMaterial);
+    if (!found) return null;
+    const ray = this.camera.ray((column + 0.5) / ratio, (height - row - 0.5) / ratio);
+    const point = add(ray.origin, scale(ray.direction, found.depth / dot(ray.direction, this.camera.forward)));
+    return { part: found.part, point, held: found.held };
+  }
+
+  /** Asks for a new frame: what `overlay` holds has changed. */
+  invalidate(): void {
+    this.#touch();
+  }
+
+  /** Draws what has changed; to be called once an animation frame, `now` in ms as it gives it. */
+  frame(now: number): FrameStats {
+    const start = performance.now();
+    const stats: FrameStats = { ...this.stats, drawn: false, isKept: true, ms: 0, calls: 0, triangles: 0 };
+    this.stats = stats;
+    if (this.#isLost) return stats;
+    this.renderer.info.reset();
+    if (this.renderer.xr.isPresenting) {
+      this.#drawDirect();
+      // Once the headset is left, its camera is not the page's.
+      this.camera.moved = true;
+      stats.drawn = true;
+      stats.isKept = false;
+    } else {
+      this.#resize();
+      this.#takeCamera(now);
+      const done = this.#work.poll();
+      if (done) this.#pace.add(done.triangles, done.ms, done.isDraft);
+      this.#step(now, stats);
+    }
+    stats.isWhole = this.#kept.isWhole && this.#kept.scale === 1 && !this.#isViewNew && !this.#isShapeNew;
+    stats.isSettled = stats.isWhole && this.#kept.isRefined && this.#average.samples === JITTER.length;
+    const { calls, triangles } = this.renderer.info.render;
+    Object.assign(stats, { calls, triangles, ms: performance.now() - start });
+    return stats;
+  }
+
+  /** The picture as the camera has it at `width` x `height` pixels, as a PNG; without figures and gizmo. */
+  async shot(width: number, height: number): Promise<Blob> {
+    if (this.#isLost) throw new Error("The graphics context is lost: ask again once it is back.");
+    this.#resize();
+    const kept = new Kept(this.renderer, this.#uniforms, this.#materials);
+    const average = new Average(this.renderer);
+    const lit = shownTarget(width, height);
+    const isOverlay = this.overlay.visible;
+    try {
+      this.overlay.visible = false;
+      kept.setSize(width, height);
+      kept.setColours(coloursOf(this.#theme));
+      average.setSize(width, height);
+      this.#aim(width, height, height / this.camera.height);
+      const { solid, ghosts } = this.#seen();
+      kept.begin(solid, ghosts, 1);
+      kept.draw(this.eye, Infinity);
+      const samples = Math.floor(SHOT_MS / Math.max(this.#pace.estimate(kept.triangles), 1));
+      while (kept.samples < Math.max(1, Math.min(JITTER.length, samples))) kept.refine(this.eye, Infinity);
+      this.#marks.build(this.camera);
+      this.#isLitNew = true;
+      while (average.samples < JITTER.length) this.#addSample(kept, lit, average);
+      // The pixels are read before the first wait: no frame of the page comes between.
+      return pngOf(this.renderer, average.sum);
+    } finally {
+      kept.dispose();
+      average.dispose();
+      lit.dispose();
+      this.#isLitNew = true;
+      this.overlay.visible = isOverlay;
+      this.renderer.setRenderTarget(null);
+      this.#aimAtCanvas();
+      this.#touch();
+    }
+  }
+
+  /** Calls `f` whenever a lost graphics context came back; the next frame draws everything anew. */
+  onRestored(f: () => void): void {
+    this.#restored.push(f);
+  }
+
+  dispose(): void {
+    this.#resizes.disconnect();
+    this.canvas.removeEventListener("webglcontextlost", this.#onLost);
+    this.canvas.removeEventListener("webglcontextrestored", this.#onRestored);
+    this.clear();
+    this.#labels?.dispose();
+    for (const room of [
+      this.#kept,
+      this.#average,
+      this.#lit,
+      this.#probe,
+      this.#held,
+      this.#hits,
+      this.#marks,
+      this.#lines,
+    ])
+      room.dispose();
+    this.#tint.dispose();
+    this.#back.dispose();
+    this.#materials.dispose();
+    this.renderer.dispose();
+  }
+
+  readonly #onLost = (event: Event): void => {
+    // Else the browser would never give it back.
+    event.preventDefault();
+    this.#isLost = true;
+    this.#work.forget();
+  };
+
+  readonly #onRestored = (): void => {
+    // Three brings buffers, textures and programs back as they are drawn: every array is still on the page.
+    this.#isLost = false;
+    this.#kept.forget();
+    this.#average.samples = 0;
+    this.#isSizeNew = true;
+    this.#isShapeNew = true;
+    this.#touch();
+    for (const f of this.#restored) f();
+  };
+
+  /** What lies over the mock-up is to be drawn anew. */
+  #touch(): void {
+    this.#isOverlayNew = true;
+    this.#average.samples = 0;
+    this.#changedAt = Infinity;
+  }
+
+  #cut(): void {
+    const count = this.#sections.length;
+    for (const room of [this.#materials, this.#probe, this.#held, this.#hits, this.#marks]) room.setSections(count);
+    this.#lines.setPlanes(this.#sections, this.#bounds);
+    this.#aimAtCanvas();
+    this.#isShapeNew = true;
+    this.#touch();
+  }
+
+  #placeHits(): void {
+    const { mockup, held } = this.#hitIds;
+    this.#hits.mockup.set(
+      this.#pieces && this.#table ? this.#pieces.corners(mockup, this.#table) : new Float32Array(0),
+    );
+    this.#hits.held.set(this.#held.corners(held));
+    this.#touch();
+  }
+
+  #colour(): void {
+    const colours = coloursOf(this.#theme);
+    this.#kept.setColours(colours);
+    const { above, below } = this.#back.material.uniforms as Record<string, { value: typeof colours.above }>;
+    above?.value.copy(colours.above);
+    below?.value.copy(colours.below);
+    this.#isShapeNew = true;
+    this.#touch();
+  }
+
+  #followTable(): void {
+    if (!this.#table) return;
+    if (this.#shapeVersion !== this.#table.shapeVersion) {
+      this.#shapeVersion = this.#table.shapeVersion;
+      this.#isShapeNew = true;
+      // A triangle of a part that was hidden or moved is not where it was.
+      this.#placeHits();
+    }
+    this.#touch();
+  }
+
+  /** A drag changes the shapes at every step: where a redraw is slow, they are drawn as while the camera moves. */
+  #stir(): void {
+    const triangles = this.#pieces?.all.reduce((sum, piece) => sum + piece.triangles, 0) ?? 0;
+    if (this.#pace.estimate(triangles) > SLOW_REDRAW_MS) this.#movedAt = performance.now();
+  }
+
+  #isMoving(now: number): boolean {
+    return now - this.#movedAt < STILL_MS;
+  }
+
+  #resize(): void {
+    if (!this.#isSizeNew) return;
+    this.#isSizeNew = false;
+    const width = Math.max(1, this.canvas.clientWidth);
+    const height = Math.max(1, this.canvas.clientHeight);
+    const wanted = Math.min(window.devicePixelRatio, this.options.pixelRatio ?? 2);
+    const ratio = Math.min(wanted, Math.sqrt(MOST_PIXELS / (width * height)));
+    this.renderer.setPixelRatio(ratio);
+    this.renderer.setSize(width, height, false);
+    this.#kept.setSize(this.canvas.width, this.canvas.height);
+    this.#lit.setSize(this.canvas.width, this.canvas.height);
+    Object.assign(this.camera, { width, height });
+    this.#isViewNew = true;
+    this.#aimAtCanvas();
+    this.#touch();
+  }
+
+  #takeCamera(now: number): void {
+    if (!this.camera.moved) return;
+    this.camera.moved = false;
+    this.#movedAt = now;
+    this.#isViewNew = true;
+    this.#aimAtCanvas();
+    this.#touch();
+  }
+
+  #aimAtCanvas(): void {
+    this.#aim(this.canvas.width, this.canvas.height, this.canvas.height / this.camera.height);
+    this.#marks.build(this.camera);
+  }
+
+  #aim(width: number, height: number, pixelRatio: number): void {
+    // Not of what moves: the kept layer's depths are read by the planes that it was drawn with.
+    const box = isEmpty(this.#bounds) ? this.#held.box() : this.#bounds;
+    const isReversed = this.renderer.capabilities.reversedDepthBuffer;
+    const picture = { width, height, pixelRatio };
+    aim(this.eye, this.#uniforms, { camera: this.camera, box, middle: this.#middle, isReversed, picture });
+    writePlanes(
+      this.#sections,
+      this.#middle,
+      this.camera,
+      this.#uniforms.cutPlanes.value,
+      this.#uniforms.viewPlanes.value,
+    );
+  }
+
+  /** Whether some of the piece may be in the picture. A piece of parts that were moved may be anywhere. */
+  #isSeen(piece: Piece, planes: Float64Array): boolean {
+    if (piece.partIds.some((part) => this.#table?.isPlaced(part))) return true;
+    return mayBeSeen(piece.box, planes) && !isCutAway(piece.box, this.#sections);
+  }
+
+  /** The pieces with surfaces and with ghosts that may be in the picture, in their order. */
+  #seen(): { solid: Piece[]; ghosts: Piece[] } {
+    const table = this.#table;
+    if (!this.#pieces || !table) return { solid: [], ghosts: [] };
+    this.#uniforms.states.value = table.statesTexture;
+    this.#uniforms.places.value = table.placesTexture;
+    const planes = eyePlanes(this.eye, this.#middle);
+    const seen = this.#pieces.all.filter((piece) => this.#isSeen(piece, planes));
+    return {
+      solid: seen.filter((piece) => piece.partIds.some((part) => table.isSolid(part))),
+      ghosts: seen.filter((piece) => piece.partIds.some((part) => table.isGhost(part))),
+    };
+  }
+
+  /** Draws the mock-up anew: all of it, or while the camera moves what the pace allows. */
+  #redraw(isDraft: boolean): void {
+    this.#isViewNew = false;
+    this.#isShapeNew = false;
+    const { solid, ghosts } = this.#seen();
+    const triangles = solid.reduce((sum, piece) => sum + piece.triangles, 0);
+    this.#kept.begin(solid, ghosts, isDraft ? this.#pace.scale : 1);
+    this.#kept.wanted = this.#pace.estimate(triangles) < SLOW_REDRAW_MS ? JITTER.length : JITTER.length / 2;
+    this.#drawKept(isDraft ? this.#pace.draft : Infinity, isDraft);
+  }
+
+  #drawKept(budget: number, isDraft: boolean): void {
+    const at = performance.now();
+    const triangles = this.#kept.draw(this.eye, budget);
+    this.#isLitNew = true;
+    this.#work.begin(at, triangles, isDraft);
+    this.#touch();
+  }
+
+  #step(now: number, stats: FrameStats): void {
+    const kept = this.#kept;
+    const isMoving = this.#isMoving(now);
+    if (this.#isViewNew || this.#isShapeNew) {
+      // The device is still busy with the frame before: another one would only wait behind it.
+      if (isMoving && this.#work.isRunning) return;
+      this.#redraw(isMoving);
+      stats.isKept = false;
+    } else if ((!kept.isWhole || kept.scale !== 1) && !isMoving && !this.#work.isRunning) {
+      if (kept.isContinuable) this.#drawKept(this.#pace.triangles(SLICE_MS), false);
+      else this.#redraw(false);
+      stats.isKept = false;
+    }
+    const isIdle = now - this.#changedAt >= IDLE_MS && !this.#work.isRunning;
+    if (this.#isOverlayNew) {
+      this.#present();
+      this.#changedAt = now;
+      stats.drawn = true;
+    } else if (isIdle && kept.isWhole && !kept.isRefined) {
+      const before = kept.triangles;
+      const at = performance.now();
+      this.#isLitNew = kept.refine(this.eye, this.#pace.triangles(REFINE_MS));
+      if (this.#isLitNew) this.#compose(kept, this.#lit, null);
+      this.#work.begin(at, kept.triangles - before, false);
+      stats.drawn = true;
+    } else if (isIdle && kept.isRefined && this.#average.samples < JITTER.length) {
+      this.#average.setSize(this.canvas.width, this.canvas.height);
+      this.#addSample(kept, this.#lit, this.#average);
+      // What was left on the canvas is shown until the mean is whole.
+      if (this.#average.samples === JITTER.length) this.#average.show(null);
+      stats.drawn = true;
+    }
+  }
+
+  /** The frame as it is now, on the canvas, with its figures. */
+  #present(): void {
+    this.#isOverlayNew = false;
+    this.#marks.build(this.camera);
+    this.#compose(this.#kept, this.#lit, null);
+    this.#labels?.update(this.#marks.anchors, this.camera);
+  }
+
+  /** Adds a picture drawn a part of a pixel aside: what lies over the kept layer gets smooth edges as well. */
+  #addSample(kept: Kept, lit: WebGLRenderTarget, average: Average): void {
+    const [x, y] = JITTER[average.samples] as [number, number];
+    const { width, height } = average.sum;
+    this.eye.setViewOffset(width, height, x, y, width, height);
+    this.#compose(kept, lit, average.once);
+    this.eye.clearViewOffset();
+    average.add();
+  }
+
+  /** The kept layer, and over it what the hand holds, what meets, and the marks. */
+  #compose(kept: Kept, lit: WebGLRenderTarget, target: WebGLRenderTarget | null): void {
+    const renderer = this.renderer;
+    kept.bind(target ? target.width : this.canvas.width);
+    const isTinted = this.#table?.isAnyLit === true;
+    if (isTinted && this.#isLitNew) {
+      define(this.#tint.material, "SCALED", kept.scale === 1 ? null : 1);
+      (this.#tint.material.uniforms.kept as { value: unknown }).value = kept.picture.texture;
+      this.#tint.draw(renderer, lit);
+    }
+    this.#isLitNew = false;
+    const { width, height } = target ?? this.canvas;
+    // First the clear: a browser that has shown the canvas clears its colour as well, at the first clear or draw after.
+    renderer.setRenderTarget(target);
+    renderer.clear(false, true, false);
+    copyPicture(renderer, isTinted ? lit : kept.picture, target, width, height);
+    this.#drawOver();
+  }
+
+  #drawOver(): void {
+    const { renderer, eye } = this;
+    if (!this.#lines.isEmpty) renderer.render(this.#lines.scene, eye);
+    if (!this.#held.isEmpty) renderer.render(this.#held.scene, eye);
+    if (!this.#hits.isEmpty) {
+      this.#hits.held.place(this.#held.matrix);
+      renderer.render(this.#hits.scene, eye);
+    }
+    if (this.#held.isGhostShown) renderer.render(this.#held.ghostScene, eye);
+    if (!this.#marks.isEmpty) renderer.render(this.#marks.scene, eye);
+    if (this.overlay.visible && this.overlay.children.length > 0) renderer.render(this.#overlayScene, eye);
+  }
+
+  /** Everything at once, as a headset needs it: the head never stands, so nothing is worth keeping. */
+  #drawDirect(): void {
+    const { renderer, eye } = this;
+    const target = renderer.getRenderTarget();
+    // No scene holds the rig that would bring it up to date.
+    this.rig.updateMatrixWorld();
+    renderer.clear(true, true, false);
+    this.#uniforms.hasKept.value = false;
+    this.#back.draw(renderer, target);
+    const table = this.#table;
+    for (const [isGhost, material] of [
+      [false, null],
+      [true, this.#materials.ghost],
+    ] as const) {
+      const pieces = this.#pieces?.all.filter((piece) =>
+        piece.partIds.some((part) => (isGhost ? table?.isGhost(part) : table?.isSolid(part))),
+      );
+      if (!pieces?.length) continue;
+      this.#uniforms.states.value = table?.statesTexture ?? null;
+      this.#uniforms.places.value = table?.placesTexture ?? null;
+      this.#pieceScene.children = pieces.map((piece) => piece.mesh);
+      this.#pieceScene.overrideMaterial = material;
+      renderer.render(this.#pieceScene, eye);
+    }
+    this.#drawOver();
+  }
+}

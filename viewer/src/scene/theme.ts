@@ -1,0 +1,26 @@
+// The colours behind the shapes, and of their edges.
+
+import { Vector3 } from "three";
+
+export type Theme = "dark" | "light";
+
+export interface Colours {
+  above: Vector3;
+  below: Vector3;
+  line: Vector3;
+}
+
+const COLOURS: Record<Theme, Colours> = {
+  dark: {
+    above: new Vector3(0.17, 0.2, 0.24),
+    below: new Vector3(0.075, 0.085, 0.1),
+    line: new Vector3(0.03, 0.04, 0.05),
+  },
+  light: {
+    above: new Vector3(0.97, 0.98, 0.99),
+    below: new Vector3(0.82, 0.85, 0.89),
+    line: new Vector3(0.16, 0.18, 0.22),
+  },
+};
+
+export const coloursOf = (theme: Theme): Colours => COLOURS[theme];

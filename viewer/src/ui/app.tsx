@@ -1,0 +1,136 @@
+// The page: a grid of bar, tree, picture, panels and status line.
+
+import { useEffect, useRef } from "preact/hooks";
+import { PANELS, type Panel } from "../document";
+import type { Workbench } from "../workbench";
+import { Bar } from "./bar";
+import { hint } from "./commands";
+import { useWorkbench, WorkbenchContext } from "./context";
+import { Banner, Covers, Notices } from "./covers";
+import { CommandButton } from "./fields";
+import { FindingPanel } from "./findings";
+import { Help } from "./help";
+import { Icon, type IconName } from "./icons";
+import { MeasurePanel } from "./measures";
+import { ContextMenu } from "./menu";
+import { Palette } from "./palette";
+import { PosePanel } from "./poses";
+import { Preferences } from "./preferences";
+import { SectionPanel } from "./sections";
+import { SequencePanel } from "./sequence";
+import { StatusLine } from "./status";
+import { Tour } from "./tour";
+import { Tree } from "./tree";
+
+/** What the page draws on: made before the components, which only give it its place. */
+export interface PictureElements {
+  readonly canvas: HTMLCanvasElement;
+  readonly gizmo: HTMLCanvasElement;
+  readonly labels: HTMLElement;
+}
+
+export function App({ workbench, picture }: { workbench: Workbench; picture: PictureElements }) {
+  const { settings, dialog } = workbench.store;
+  const { is_tree_open, are_panels_open } = settings.value;
+  return (
+    <WorkbenchContext.Provider value={workbench}>
+      <div class={`page ${is_tree_open ? "" : "no-tree"} ${are_panels_open ? "" : "no-panels"}`}>
+        <Bar />
+        {is_tree_open && <Tree />}
+        <Picture picture={picture} />
+        {are_panels_open && <Panels />}
+        <StatusLine />
+      </div>
+      <Tour />
+      {dialog.value === "palette" && <Palette />}
+      {dialog.value === "help" && <Help />}
+      {dialog.value === "settings" && <Preferences />}
+      <Notices />
+    </WorkbenchContext.Provider>
+  );
+}
+
+function Picture({ picture }: { picture: PictureElements }) {
+  const wb = useWorkbench();
+  const place = useRef<HTMLDivElement>(null);
+  useEffect(() => {
+    place.current?.append(picture.canvas, picture.labels, picture.gizmo);
+    wb.redraw();
+  }, []);
+  const { store } = wb;
+  const sections = store.document.value?.sections ?? [];
+  return (
+    <main class="picture">
+      <div ref={place} class="picture-place" />
+      <div class="toolbar" role="toolbar" aria-label="View" aria-orientation="vertical">
+        <CommandButton id="fit" icon="fit" />
+        <CommandButton id="sections" icon="section" pressed={sections.some((section) => section.is_on)} />
+        <CommandButton id="measure" icon="measure" pressed={store.measuring.value !== null} />
+        <CommandButton id="explode" icon="explode" pressed={(store.document.value?.explode ?? 0) > 0} />
+        <CommandButton id="snapshot" icon="camera" />
+      </div>
+      <Banner />
+      <Covers />
+      <ContextMenu />
+    </main>
+  );
+}
+
+const TABS: Readonly<Record<Panel, { icon: IconName; text: string }>> = {
+  pose: { icon: "move", text: "Pose" },
+  sections: { icon: "section", text: "Sections" },
+  measures: { icon: "measure", text: "Measures" },
+  sequence: { icon: "list", text: "Sequence" },
+  findings: { icon: "alert", text: "Findings" },
+};
+
+const BODIES = {
+  pose: PosePanel,
+  sections: SectionPanel,
+  measures: MeasurePanel,
+  sequence: SequencePanel,
+  findings: FindingPanel,
+} as const;
+
+function Panels() {
+  const { store } = useWorkbench();
+  const current = store.panel.value;
+  const Body = BODIES[current];
+  const go = (event: KeyboardEvent): void => {
+    const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
+    if (!step) return;
+    event.preventDefault();
+    event.stopPropagation();
+    const next = PANELS[(PANELS.indexOf(current) + step + PANELS.length) % PANELS.length] ?? current;
+    store.panel.value = next;
+    document.getElementById(`tab-${next}`)?.focus();
+  };
+  return (
+    <aside id="panels" class="panels" aria-label="Panels">
+      <div class="tabs" role="tablist" aria-label="Panels" onKeyDown={go}>
+        {PANELS.map((panel) => (
+          <button
+            type="button"
+            key={panel}
+            id={`tab-${panel}`}
+            role="tab"
+            aria-selected={panel === current}
+            aria-controls="panel"
+            tabIndex={panel === current ? 0 : -1}
+            title={hint(`panel-${panel}`)}
+            onClick={() => {
+              store.panel.value = panel;
+            }}
+          >
+            <Icon name={TABS[panel].icon} size={16} />
+            <span>{TABS[panel].text}</span>
+          </button>
+        ))}
+      </div>
+      {/* biome-ignore lint/a11y/noNoninteractiveTabindex: a panel that scrolls has to be reached by keys */}
+      <div id="panel" class="panel" role="tabpanel" aria-labelledby={`tab-${current}`} tabIndex={0}>
+        <Body />
+      </div>
+    </aside>
+  );
+}

@@ -1,0 +1,69 @@
+// The bar at the top: what is open, contact mode, undo and redo, the way to every command.
+
+import { MODES } from "../document";
+import { formatCount } from "../units";
+import { hint } from "./commands";
+import { useWorkbench } from "./context";
+import { Choice, CommandButton } from "./fields";
+import { Icon } from "./icons";
+import { partsText } from "./words";
+
+export function Bar() {
+  const wb = useWorkbench();
+  const { store } = wb;
+  const document = store.document.value;
+  const mockup = document?.mockup;
+  const settings = store.settings.value;
+  return (
+    <header id="bar" class="bar">
+      <div class="brand">
+        <svg viewBox="0 0 32 32" width="24" height="24" aria-hidden="true">
+          <rect class="brand-back" width="32" height="32" rx="7" />
+          <path class="brand-line" d="M6 24h20" />
+          <path class="brand-tip" d="M9 8l7 12 7-12z" />
+        </svg>
+        <div class="brand-text">
+          <h1>{mockup?.name ?? "feeler"}</h1>
+          {mockup && (
+            <p>{`${formatCount(mockup.triangles)} triangles, ${partsText(mockup.parts, formatCount)}${document?.tool ? ` · ${document.tool.name}` : ""}`}</p>
+          )}
+        </div>
+      </div>
+      <div class="bar-group">
+        <CommandButton id="undo" icon="undo" />
+        <CommandButton id="redo" icon="redo" />
+      </div>
+      <div id="modes" class="bar-group" title={hint("mode")}>
+        <Choice
+          label="Contact"
+          value={document?.mode ?? "stop"}
+          disabled={store.is_read_only.value}
+          options={MODES.map((mode) => ({ value: mode, text: MODE_NAMES[mode] }))}
+          choose={(mode) => wb.run("set_mode", { mode })}
+        />
+      </div>
+      <button
+        type="button"
+        class="command-box"
+        title={hint("palette")}
+        onClick={() => {
+          store.dialog.value = "palette";
+        }}
+      >
+        <Icon name="search" size={14} />
+        <span>Search commands</span>
+        <kbd>Ctrl+K</kbd>
+      </button>
+      <div class="bar-group">
+        <CommandButton id="mute" icon={settings.is_muted ? "soundOff" : "sound"} pressed={settings.is_muted} />
+        <CommandButton id="theme" icon={store.theme.value === "dark" ? "sun" : "moon"} />
+        <CommandButton id="settings" icon="settings" />
+        <CommandButton id="help" icon="help" />
+        <CommandButton id="tree" icon="sidebar" pressed={settings.is_tree_open} />
+        <CommandButton id="panels" icon="panels" pressed={settings.are_panels_open} />
+      </div>
+    </header>
+  );
+}
+
+const MODE_NAMES = { stop: "Stop", glide: "Glide", pass: "Pass" } as const;

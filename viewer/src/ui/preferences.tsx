@@ -1,0 +1,107 @@
+// Settings of this browser: looks, navigation, keys, sound and touch.
+
+import { MODES } from "../document";
+import { STYLES } from "../input/styles";
+import { UNITS } from "../units";
+import { useWorkbench } from "./context";
+import { Dialog } from "./dialog";
+import { Choice, CommandButton } from "./fields";
+
+export function Preferences() {
+  const wb = useWorkbench();
+  const { store } = wb;
+  const settings = store.settings.value;
+  return (
+    <Dialog title="Settings" kind="settings">
+      <div class="setting">
+        <h3>Colours</h3>
+        <Choice
+          label="Colours"
+          value={settings.theme}
+          options={[
+            { value: "system", text: "As the system" },
+            { value: "dark", text: "Dark" },
+            { value: "light", text: "Light" },
+          ]}
+          choose={(theme) => store.set({ theme })}
+        />
+      </div>
+      <div class="setting">
+        <h3>Navigation</h3>
+        <label class="field">
+          As in
+          <select value={settings.style} onChange={(event) => store.set({ style: event.currentTarget.value })}>
+            {STYLES.map((style) => (
+              <option key={style.id} value={style.id}>
+                {style.title}
+              </option>
+            ))}
+          </select>
+        </label>
+      </div>
+      <div class="setting">
+        <h3>Unit and contact</h3>
+        <Choice
+          label="Unit"
+          value={store.unit.value}
+          disabled={!store.can_look.value}
+          options={UNITS.map((unit) => ({ value: unit, text: unit }))}
+          choose={(unit) => wb.run("set_unit", { unit })}
+        />
+        <Choice
+          label="Contact"
+          value={store.document.value?.mode ?? "stop"}
+          disabled={store.is_read_only.value}
+          options={MODES.map((mode) => ({ value: mode, text: mode }))}
+          choose={(mode) => wb.run("set_mode", { mode })}
+        />
+      </div>
+      <div class="setting">
+        <h3>Sound and touch</h3>
+        <label class="check">
+          <input
+            type="checkbox"
+            checked={!settings.is_muted}
+            onChange={(event) => store.set({ is_muted: !event.currentTarget.checked })}
+          />
+          Sound of contacts and sliding
+        </label>
+        <label class="field">
+          Volume
+          <input
+            type="range"
+            min="0"
+            max="1"
+            step="0.01"
+            value={settings.volume}
+            disabled={settings.is_muted}
+            onInput={(event) => store.set({ volume: Number(event.currentTarget.value) })}
+          />
+        </label>
+        <label class="check">
+          <input
+            type="checkbox"
+            checked={settings.has_rumble}
+            onChange={(event) => store.set({ has_rumble: event.currentTarget.checked })}
+          />
+          Rumble of gamepads and VR controllers
+        </label>
+        <div class="button-row">
+          <CommandButton id="spacemouse" icon="move" text="Connect a SpaceMouse" />
+          <CommandButton id="xr" icon="eye" text="Enter VR" />
+        </div>
+      </div>
+      <div class="setting">
+        <h3>Keyboard</h3>
+        <label class="check">
+          <input
+            type="checkbox"
+            checked={settings.has_single_keys}
+            onChange={(event) => store.set({ has_single_keys: event.currentTarget.checked })}
+          />
+          Single letters run commands (off: only keys with Ctrl or Alt, and the palette)
+        </label>
+      </div>
+    </Dialog>
+  );
+}

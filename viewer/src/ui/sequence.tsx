@@ -1,0 +1,103 @@
+// The sequence of removals: what was taken out in which order, how near it came to what, and its exports.
+
+import type { Removal } from "../document";
+import { EXPORTS, type Export } from "../exporting";
+import { formatLength } from "../units";
+import { useWorkbench } from "./context";
+import { CommandButton, IconButton, NameField } from "./fields";
+
+const FILES = Object.keys(EXPORTS) as Export[];
+
+export function SequencePanel() {
+  const wb = useWorkbench();
+  const sequence = wb.store.document.value?.sequence ?? [];
+  return (
+    <div class="panel-body">
+      <section>
+        <h2>Removals</h2>
+        {sequence.length === 0 && (
+          <p class="note">
+            Select a part, grip it with E, move it away, and release it with E: that is the first line here.
+          </p>
+        )}
+        <ol class="card-list sequence" aria-label="Removals">
+          {sequence.map((line, k) => (
+            <Line key={line.id} line={line} at={k} count={sequence.length} />
+          ))}
+        </ol>
+      </section>
+      <section>
+        <h2>Export</h2>
+        <div class="button-column">
+          {FILES.map((name) => (
+            <CommandButton key={name} id={name} icon="download" text={EXPORTS[name]} />
+          ))}
+        </div>
+      </section>
+    </div>
+  );
+}
+
+function Line({ line, at, count }: { line: Removal; at: number; count: number }) {
+  const wb = useWorkbench();
+  const { store } = wb;
+  const isLocked = store.is_read_only.value;
+  const isReplaying = store.document.value?.replaying === line.id;
+  const clearance =
+    line.least_clearance === null
+      ? "nothing near"
+      : `${formatLength(line.least_clearance, store.unit.value)} least clearance`;
+  return (
+    <li class={`card ${isReplaying ? "playing" : ""}`}>
+      <header>
+        <NameField
+          label={`Name of removal ${at + 1}`}
+          value={line.name}
+          disabled={isLocked}
+          change={(name) => wb.run("sequence_rename", { id: line.id, name })}
+        />
+        <IconButton
+          icon="play"
+          label={`Replay ${line.name}`}
+          disabled={isLocked || isReplaying}
+          run={() => wb.run("sequence_replay", { id: line.id })}
+        />
+        <IconButton
+          icon="up"
+          label={`Move ${line.name} up`}
+          disabled={isLocked || at === 0}
+          run={() => wb.run("sequence_move", { id: line.id, index: at - 1 })}
+        />
+        <IconButton
+          icon="down"
+          label={`Move ${line.name} down`}
+          disabled={isLocked || at === count - 1}
+          run={() => wb.run("sequence_move", { id: line.id, index: at + 1 })}
+        />
+        <IconButton
+          icon="trash"
+          label={`Remove ${line.name} from the sequence`}
+          disabled={isLocked}
+          run={() => wb.run("sequence_remove", { id: line.id })}
+        />
+      </header>
+      <p class="note">
+        <button type="button" class="link" onClick={() => wb.select(line.parts)}>
+          {line.parts.length === 1 ? "1 part" : `${line.parts.length} parts`}
+        </button>
+        {` · ${clearance}${line.tool ? ` · with ${line.tool}` : ""}`}
+      </p>
+      {line.touched.length > 0 && (
+        <p class="note touched">
+          <span class="swatch hit" aria-hidden="true" />
+          {`touched ${touchedText(line.touched)}`}
+        </p>
+      )}
+    </li>
+  );
+}
+
+const touchedText = (paths: readonly string[]): string => {
+  const names = paths.slice(0, 3).map((path) => path.split("/").at(-1) ?? path);
+  return names.join(", ") + (paths.length > 3 ? ` and ${paths.length - 3} more` : "");
+};

@@ -1,0 +1,101 @@
+// The line at the bottom: the link, the contact, what is under the pointer, and how fast the engine is.
+
+import type { Connection } from "../document";
+import { length } from "../scene/vectors";
+import { formatCount, formatForce, formatLength, formatShare } from "../units";
+import { useWorkbench } from "./context";
+import { IconButton } from "./fields";
+import { poseHint } from "./typing-hint";
+import { touchedText } from "./words";
+
+const CONNECTIONS: Readonly<Record<Connection, string>> = {
+  connecting: "Connecting",
+  open: "Connected",
+  lost: "Reconnecting",
+  refused: "Not allowed",
+  outdated: "Reload the page",
+  offline: "Read only",
+};
+
+export function StatusLine() {
+  const wb = useWorkbench();
+  const { store } = wb;
+  const connection = store.connection.value;
+  return (
+    <footer class="status">
+      <span class={`link-state ${connection}`}>
+        <span class="dot" aria-hidden="true" />
+        {CONNECTIONS[connection]}
+      </span>
+      {store.is_recording.value && (
+        <span class="recording">
+          <span class="dot" aria-hidden="true" />
+          Recording
+        </span>
+      )}
+      <ContactFacts />
+      <span class="status-path" title={wb.path(store.hover.value)}>
+        {store.hover.value >= 0 ? wb.path(store.hover.value) : poseHint(store)}
+      </span>
+      {store.jobs.value.map((job) => (
+        <span class="job" key={job.id}>
+          {`${job.title} ${formatShare(job.share)}`}
+          <progress value={job.share} max={1} aria-label={job.title} />
+          <IconButton icon="close" label={`Give up: ${job.title}`} run={job.cancel} />
+        </span>
+      ))}
+      <Rates />
+      <span class="visually-hidden" role="status" aria-live="polite">
+        {store.spoken.value}
+      </span>
+    </footer>
+  );
+}
+
+function ContactFacts() {
+  const { store } = useWorkbench();
+  const state = store.state.value;
+  const unit = store.unit.value;
+  if (!state || !store.has_hand.value) return null;
+  const nearest = state.distance;
+  const isTouching = state.hit_count > 0 || state.parts.length > 0;
+  return (
+    <span class="contact-facts">
+      <span class={`mode-tag ${state.mode}`}>{state.mode}</span>
+      {isTouching ? (
+        <>
+          <span class="hit-count">
+            <span class="swatch hit" aria-hidden="true" />
+            {touchedText(state.parts.map((part) => store.nameOf(part)))}
+          </span>
+          {state.hit_count > 0 && (
+            <span>{`${formatCount(state.hit_count)} ${state.hit_count === 1 ? "triangle" : "triangles"}`}</span>
+          )}
+          {state.depth > 0 && <span>{`${formatLength(state.depth, unit)} deep`}</span>}
+          {length(state.force) > 0 && <span>{formatForce(length(state.force))}</span>}
+        </>
+      ) : (
+        <span>
+          {nearest && <span class="swatch near" aria-hidden="true" />}
+          {nearest ? `${formatLength(nearest.value, unit)} to ${store.nameOf(nearest.part)}` : "free"}
+        </span>
+      )}
+    </span>
+  );
+}
+
+/** The engine's rate and how old the state is: small, for those who ask. */
+function Rates() {
+  const { store } = useWorkbench();
+  const state = store.state.value;
+  if (!state) return null;
+  // Before the first wish there is none to count from.
+  const age = state.pose_seq > 0 ? ` · ${state.age_ms.toFixed(1)} ms old` : "";
+  return (
+    <span class="rates" title="Answers of the engine a second, its time for one, and the age of what is shown">
+      {`${Math.round(state.rate_hz)} Hz · ${formatTime(state.engine_us)}${age}`}
+    </span>
+  );
+}
+
+const formatTime = (us: number): string => (us < 1000 ? `${Math.round(us)} µs` : `${(us / 1000).toFixed(1)} ms`);

@@ -1,0 +1,273 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { type Document, type Findings, patched } from "../src/document";
+import { base64 } from "../src/exporting";
+import { neighbour, shownGroups } from "../src/findings";
+import { marksOf } from "../src/marking";
+import { IDENTITY } from "../src/matrix";
+import { measureArgs, nearestEdge } from "../src/measuring";
+import { partStates } from "../src/partstates";
+import type { State } from "../src/protocol";
+import { PartState } from "../src/scene/stage";
+import { axisAlong, drawnSections, offsetRange, senseOf } from "../src/sectioning";
+import { DEFAULTS, loadSettings } from "../src/settings";
+import { Store } from "../src/store";
+import { spokenState, touchedText } from "../src/ui/words";
+
+const DOCUMENT: Document = {
+  mockup: { name: "engine", hash: "ab", triangles: 10, parts: 4 },
+  loading: null,
+  failed: null,
+  tool: null,
+  held_version: 0,
+  unit: "mm",
+  mode: "stop",
+  hidden: [],
+  ghost: [],
+  explode: 0,
+  isolated: false,
+  sections: [],
+  pose: [...IDENTITY],
+  gripped: [],
+  moved: {},
+  out: [],
+  sequence: [],
+  replaying: null,
+  measures: [],
+  viewpoints: [],
+  findings: null,
+  material: null,
+};
+
+const STATE: State = {
+  kind: "state",
+  seq: 1,
+  pose_seq: 1,
+  engine_us: 200,
+  age_ms: 1,
+  rate_hz: 250,
+  mode: "stop",
+  is_free: true,
+  blocked: false,
+  force: [0, 0, 0],
+  torque: [0, 0, 0],
+  depth: 0,
+  hit_count: 0,
+  hit_more: 0,
+  contact_more: 0,
+  distance: null,
+  parts: [],
+  pose: Float64Array.from(IDENTITY),
+  wish: Float64Array.from(IDENTITY),
+  hits: new Uint32Array(0),
+  tool_hits: new Uint32Array(0),
+  planes: new Float32Array(0),
+  plane_parts: new Uint32Array(0),
+  clearance: new Float32Array(0),
+  clearance_parts: new Uint32Array(0),
+};
+
+test("a patch changes its fields and shares the rest", () => {
+  const after = patched(DOCUMENT, { hidden: [1, 2], unit: "in" });
+  assert.deepEqual(after.hidden, [1, 2]);
+  assert.equal(after.unit, "in");
+  assert.equal(after.pose, DOCUMENT.pose);
+  assert.deepEqual(DOCUMENT.hidden, []);
+  assert.equal(patched(after, { findings: null }).findings, null);
+});
+
+test("the store follows the document", () => {
+  const store = new Store();
+  assert.equal(store.has_hand.value, false);
+  store.document.value = patched(DOCUMENT, { hidden: [3], unit: "cm", gripped: [1] });
+  assert.ok(store.hidden.value.has(3));
+  assert.equal(store.unit.value, "cm");
+  assert.equal(store.has_hand.value, true);
+  assert.equal(store.is_read_only.value, true, "until the link is open");
+  store.connection.value = "open";
+  assert.equal(store.is_read_only.value, false);
+});
+
+test("notices of the same text stand once, and not more than four", () => {
+  const store = new Store();
+  for (const text of ["a", "b", "c", "d", "e", "a"]) store.notify("warning", text);
+  assert.deepEqual(
+    store.notices.value.map((notice) => notice.text),
+    ["c", "d", "e", "a"],
+  );
+  store.dismiss(store.notices.value[0]?.id ?? -1);
+  assert.equal(store.notices.value.length, 3);
+});
+
+test("each part's byte says how it is drawn", () => {
+  const document = patched(DOCUMENT, { hidden: [0], ghost: [0, 1], gripped: [2, 9] });
+  assert.deepEqual(
+    [...partStates(4, document, new Set([1, 3]))],
+    [PartState.hidden | PartState.ghost, PartState.ghost | PartState.selected, PartState.away, PartState.selected],
+  );
+});
+
+test("a section that is dragged is drawn where it is dragged to, one that is off not at all", () => {
+  const sections = [
+    { id: 1, normal: [1, 0, 0], offset: 0.1, is_on: true },
+    { id: 2, normal: [0, 1, 0], offset: 0.2, is_on: false },
+    { id: 3, normal: [0, 0, 1], offset: 0.3, is_on: true },
+  ] as const;
+  const drawn = drawnSections(
+    sections.map((each) => ({ ...each, normal: [...each.normal] })),
+    { id: 3, normal: [0, 0, 1], offset: 0.5 },
+  );
+  assert.deepEqual(drawn, [
+    { normal: [1, 0, 0], offset: 0.1 },
+    { normal: [0, 0, 1], offset: 0.5 },
+  ]);
+});
+
+test("a cut keeps what is farther along the view, and its range is that of the mock-up", () => {
+  assert.deepEqual(axisAlong([0.2, -0.9, 0.1]), [0, -1, 0]);
+  assert.deepEqual(axisAlong([0, 0, 1]), [0, 0, 1]);
+  assert.deepEqual(offsetRange([-1, -2, -3], [4, 5, 6], [0, -1, 0]), [-5, 2]);
+  assert.deepEqual(offsetRange([-1, -2, -3], [4, 5, 6], [1, 0, 0]), [-1, 4]);
+  assert.deepEqual([senseOf([0, -1, 0]), senseOf([0.1, 0, 0.9])], [-1, 1]);
+});
+
+const finding = (id: string, depth: number | null, is_touching = false) => ({
+  id,
+  a: "x/a",
+  b: "x/b",
+  part_a: 0,
+  part_b: 1,
+  verdict: is_touching ? "touching" : "clash",
+  depth,
+  gap: is_touching ? 0 : null,
+  point_a: null,
+  point_b: null,
+  is_touching,
+  sentence: `sentence ${id}`,
+});
+const FINDINGS: Findings = {
+  groups: [
+    { name: "pumps", findings: [finding("p1", 0.001), finding("p2", 0.004)] },
+    { name: "brackets", findings: [finding("b1", 0.009), finding("b2", null, true)] },
+    { name: "seats", findings: [finding("s1", null, true)] },
+  ],
+  status: { p1: "approved" },
+  is_touching_hidden: true,
+};
+
+test("findings stand deepest first, what only touches is hidden until it is asked for", () => {
+  const ids = (groups: ReturnType<typeof shownGroups>) => groups.map((group) => group.findings.map((each) => each.id));
+  assert.deepEqual(ids(shownGroups(FINDINGS, "", "depth")), [["b1"], ["p2", "p1"]]);
+  assert.deepEqual(ids(shownGroups(FINDINGS, "", "group")), [["p2", "p1"], ["b1"]]);
+  assert.deepEqual(ids(shownGroups({ ...FINDINGS, is_touching_hidden: false }, "", "group")), [
+    ["p2", "p1"],
+    ["b1", "b2"],
+    ["s1"],
+  ]);
+  assert.deepEqual(ids(shownGroups(FINDINGS, "approved pumps", "depth")), [["p1"]]);
+});
+
+test("next and previous go round, and begin at an end", () => {
+  const groups = shownGroups(FINDINGS, "", "depth");
+  assert.equal(neighbour(groups, null, 1)?.id, "b1");
+  assert.equal(neighbour(groups, null, -1)?.id, "p1");
+  assert.equal(neighbour(groups, "b1", 1)?.id, "p2");
+  assert.equal(neighbour(groups, "p1", 1)?.id, "b1");
+  assert.equal(neighbour(groups, "b1", -1)?.id, "p1");
+  assert.equal(neighbour([], "b1", 1), null);
+});
+
+test("a measure asks for what its type needs", () => {
+  const pick = (part: number) =>
+    ({
+      part,
+      triangle: 10 + part,
+      point: [part, 0, 0],
+      edge: [
+        [0, 0, 0],
+        [part, 1, 0],
+      ],
+    }) as Parameters<typeof measureArgs>[1][number];
+  assert.deepEqual(measureArgs("point", [pick(1), pick(2)]), {
+    type: "point",
+    points: [
+      [1, 0, 0],
+      [2, 0, 0],
+    ],
+  });
+  assert.deepEqual(measureArgs("edge", [pick(1)]), {
+    type: "edge",
+    points: [
+      [0, 0, 0],
+      [1, 1, 0],
+    ],
+  });
+  assert.deepEqual(measureArgs("angle", [pick(1), pick(2)]), { type: "angle", triangles: [11, 12] });
+  assert.deepEqual(measureArgs("parts", [pick(1), pick(2)]), { type: "parts", parts: [1, 2] });
+  assert.deepEqual(
+    nearestEdge(
+      [
+        [0, 0, 0],
+        [1, 0, 0],
+        [0, 1, 0],
+      ],
+      [0.6, 0.3, 0],
+    ),
+    [
+      [1, 0, 0],
+      [0, 1, 0],
+    ],
+  );
+});
+
+test("figures of marks are in the unit chosen; what touches has none", () => {
+  const store = new Store();
+  store.document.value = patched(DOCUMENT, { unit: "in" });
+  const state: State = {
+    ...STATE,
+    clearance: Float32Array.from([0.0254, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0]),
+    clearance_parts: Uint32Array.from([4, 5]),
+    distance: { value: 0.0254, tool_point: [0, 0, 0], mockup_point: [0, 0, 1], part: 4 },
+    force: [0, 0, 2],
+    planes: Float32Array.from([1, 0, 0, 0, 0, 1, -0.001, 1.5, 3, 0, 0, 0, 0, 1, -0.001, 0.5]),
+  };
+  const marks = marksOf(store, state);
+  assert.deepEqual(marks.clearances?.texts, ["1 in", ""]);
+  assert.equal(marks.distance, null, "it is one of the rows");
+  assert.deepEqual(marks.force, { at: [1.5, 0, 0], vector: [0, 0, 2], text: "2 N" });
+  assert.equal(marksOf(store, { ...state, clearance_parts: Uint32Array.from([5, 6]) }).distance?.text, "1 in");
+  assert.equal(marksOf(store, null).force, null);
+});
+
+test("what is spoken names the contacts, the parts and the depth", () => {
+  const nameOf = (part: number): string => ["fuel pump", "bracket", "pipe", "bolt"][part] ?? "?";
+  const touching = { ...STATE, parts: [0], planes: new Float32Array(32), depth: 0.0012 };
+  assert.equal(spokenState(touching, "mm", nameOf), "4 contacts, fuel pump, 1.2 mm deep");
+  assert.equal(
+    spokenState({ ...STATE, parts: [0, 1, 2, 3] }, "mm", nameOf),
+    "touching, fuel pump, bracket, pipe, 1 more",
+  );
+  assert.equal(spokenState(STATE, "mm", nameOf), "free");
+  const near = {
+    ...STATE,
+    distance: { value: 0.003, tool_point: [0, 0, 0], mockup_point: [0, 0, 0], part: 1 },
+  } as State;
+  assert.equal(spokenState(near, "mm", nameOf), "free, 3 mm to bracket");
+  assert.equal(touchedText(["a", "b", "c", "d", "e"]), "touches a, b, c and 2 more");
+});
+
+test("settings of another kind, or none, are the defaults", () => {
+  const kept = (text: string | null) => loadSettings(() => ({ getItem: () => text }));
+  assert.deepEqual(kept(null), DEFAULTS);
+  assert.deepEqual(kept("no JSON"), DEFAULTS);
+  assert.deepEqual(kept('"text"'), DEFAULTS);
+  const some = kept('{"volume": 0.2, "style": 7, "unknown": true}');
+  assert.deepEqual(some, { ...DEFAULTS, volume: 0.2 });
+});
+
+test("base64 is that of any length", () => {
+  for (const count of [0, 1, 2, 3, 8192, 20_001]) {
+    const bytes = Uint8Array.from({ length: count }, (_, k) => (k * 37) & 255);
+    assert.equal(base64(bytes), Buffer.from(bytes).toString("base64"));
+  }
+});

@@ -1,0 +1,48 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { type Figure, layOut } from "../src/scene/labels";
+
+const SIZE = { width: 60, height: 18 };
+
+test("figures of one place do not cover one another, and stay in the picture", () => {
+  const figures: Figure[] = [200, 204, 210, 196, 2, 398].map((x, k) => ({ x, y: k === 4 ? 3 : 100, ...SIZE }));
+  const places = layOut(figures, 400, 300);
+  const found = places.filter((place) => place !== null);
+  assert.equal(found.length, figures.length);
+  found.forEach((a, k) => {
+    assert.ok(a.left >= 0 && a.top >= 0 && a.left + 60 <= 400 && a.top + 18 <= 300);
+    for (const b of found.slice(k + 1)) {
+      assert.ok(Math.abs(a.left - b.left) >= 60 || Math.abs(a.top - b.top) >= 18, "two figures overlap");
+    }
+  });
+});
+
+test("the first has the first choice", () => {
+  const alone = layOut([{ x: 100, y: 100, ...SIZE }], 400, 300)[0];
+  const crowd = layOut(
+    Array.from({ length: 5 }, () => ({ x: 100, y: 100, ...SIZE })),
+    400,
+    300,
+  );
+  assert.deepEqual(crowd[0], alone);
+});
+
+test("a figure whose point is out of the picture is left out, as is one without room", () => {
+  assert.deepEqual(
+    layOut(
+      [
+        { x: -1, y: 50, ...SIZE },
+        { x: 50, y: 301, ...SIZE },
+      ],
+      400,
+      300,
+    ),
+    [null, null],
+  );
+  const crowd = layOut(
+    Array.from({ length: 20 }, () => ({ x: 100, y: 150, ...SIZE })),
+    400,
+    300,
+  );
+  assert.equal(crowd.filter((place) => place !== null).length, 8);
+});

@@ -1,0 +1,305 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { Link, type LinkError, type Socket, takeToken } from "../src/link";
+import type { ServerEvent, State, Welcome } from "../src/protocol";
+
+/** A server that a test plays by hand. */
+class FakeSocket implements Socket {
+  binaryType = "";
+  onopen: ((event: never) => void) | null = null;
+  onmessage: ((event: { data: string | ArrayBuffer }) => void) | null = null;
+  onclose: ((event: { code: number }) => void) | null = null;
+  readonly sent: Record<string, unknown>[] = [];
+  readonly binary: ArrayBuffer[] = [];
+  closed: number | undefined;
+
+  send(data: string | ArrayBuffer): void {
+    if (typeof data === "string") this.sent.push(JSON.parse(data));
+    else this.binary.push(data);
+  }
+
+  close(code?: number): void {
+    this.closed = code ?? 1000;
+  }
+
+  open(): void {
+    this.onopen?.(undefined as never);
+  }
+
+  say(message: Record<string, unknown>): void {
+    this.onmessage?.({ data: JSON.stringify(message) });
+  }
+
+  sayRaw(data: string | ArrayBuffer): void {
+    this.onmessage?.({ data });
+  }
+
+  drop(code = 1006): void {
+    this.onclose?.({ code });
+  }
+
+  last(): Record<string, unknown> {
+    return this.sent.at(-1) ?? {};
+  }
+}
+
+function setUp() {
+  const sockets: FakeSocket[] = [];
+  const delays: number[] = [];
+  let waiting: (() => void) | null = null;
+  const told = {
+    status: [] as string[],
+    welcomes: [] as Welcome[],
+    states: [] as State[],
+    events: [] as ServerEvent[],
+  };
+  const link = new Link({
+    url: "ws://127.0.0.1:1/",
+    token: "secret",
+    listener: {
+      onStatus: (status) => told.status.push(status),
+      onWelcome: (welcome) => told.welcomes.push(welcome),
+      onState: (state) => told.states.push(state),
+      onEvent: (event) => told.events.push(event),
+    },
+    open: () => {
+      const socket = new FakeSocket();
+      sockets.push(socket);
+      return socket;
+    },
+    wait: (callback, delay_ms) => {
+      delays.push(delay_ms);
+      waiting = callback;
+      return 1;
+    },
+    stopWaiting: () => {
+      waiting = null;
+    },
+  });
+  const socket = (): FakeSocket => sockets.at(-1) ?? new FakeSocket();
+  const welcome = (event = 0, session = "s"): void => {
+    socket().open();
+    socket().say({
+      kind: "welcome",
+      protocol: 1,
+      session,
+      document: {},
+      held: null,
+      event,
+      device: false,
+      recording: false,
+      versions: {},
+    });
+  };
+  const wake = (): void => {
+    const callback = waiting;
+    waiting = null;
+    callback?.();
+  };
+  link.connect();
+  return { link, sockets, socket, welcome, wake, delays, told };
+}
+
+const notice = (n: number) => ({ kind: "event", type: "notice", n, level: "info", text: `${n}` });
+
+test("the first message has the token, and nothing else goes out before it", () => {
+  const { link, socket } = setUp();
+  assert.equal(link.pose({ pose: Array(16).fill(0), source: "mouse", time_ms: 0 }), null);
+  socket().open();
+  assert.deepEqual(socket().sent, [{ kind: "hello", protocol: 1, token: "secret", session: null, last_event: 0 }]);
+});
+
+test("a broken link is opened again, later and later, at most every five seconds", () => {
+  const { socket, wake, delays, told, welcome } = setUp();
+  for (let k = 0; k < 8; k++) {
+    socket().drop();
+    wake();
+  }
+  assert.deepEqual(delays, [200, 400, 800, 1600, 3200, 5000, 5000, 5000]);
+  welcome();
+  socket().drop();
+  assert.equal(delays.at(-1), 200, "a connection that was there starts anew");
+  assert.deepEqual(told.status, ["lost", "open", "lost"]);
+});
+
+test("on return it says which session and which event it had", () => {
+  const { socket, wake, welcome } = setUp();
+  welcome(41, "abc");
+  socket().say(notice(42));
+  socket().drop();
+  wake();
+  socket().open();
+  assert.deepEqual(socket().last(), { kind: "hello", protocol: 1, token: "secret", session: "abc", last_event: 42 });
+});
+
+test("events are told once and in order, also those that are said again after a break", () => {
+  const { socket, wake, told } = setUp();
+  socket().open();
+  socket().say({
+    kind: "welcome",
+    protocol: 1,
+    session: "s",
+    document: {},
+    held: null,
+    event: 3,
+    device: false,
+    recording: false,
+    versions: {},
+  });
+  for (const n of [3, 4, 5]) socket().say(notice(n));
+  socket().drop();
+  wake();
+  socket().open();
+  for (const n of [5, 6, 7]) socket().say(notice(n));
+  assert.deepEqual(
+    told.events.map((event) => event.n),
+    [4, 5, 6, 7],
+  );
+});
+
+test("what an old socket says after it was given up counts for nothing", () => {
+  const { sockets, socket, wake, welcome, told } = setUp();
+  welcome();
+  const [old] = sockets;
+  socket().drop();
+  wake();
+  old?.say(notice(9));
+  old?.drop();
+  assert.equal(told.events.length, 0);
+  assert.equal(sockets.length, 2);
+});
+
+test("commands are answered by number, whatever the order", async () => {
+  const { link, socket, welcome } = setUp();
+  welcome();
+  const first = link.command("hide", { parts: [1] });
+  const second = link.ask("ray", { origin: [0, 0, 0] });
+  const [a, b] = socket().sent.slice(-2);
+  assert.deepEqual([a?.kind, a?.name, b?.kind], ["command", "hide", "ask"]);
+  socket().say({ kind: "reply", id: b?.id, ok: true, result: 7 });
+  socket().say({
+    kind: "reply",
+    id: a?.id,
+    ok: false,
+    error: { what: "no part 1", where: "hide", do: "name another" },
+  });
+  assert.equal(await second, 7);
+  await assert.rejects(first, (error: LinkError) => {
+    assert.equal(error.message, "no part 1. name another");
+    return error.where === "hide";
+  });
+});
+
+test("what waits when the link breaks fails, and so does what is asked meanwhile", async () => {
+  const { link, socket, welcome } = setUp();
+  welcome();
+  const waiting = link.command("grip", { parts: [1] });
+  socket().drop();
+  await assert.rejects(waiting, /broke before the answer/);
+  await assert.rejects(link.command("grip", {}), /no connection/);
+});
+
+test("a job tells how far it is, and can be given up", async () => {
+  const { link, socket, welcome } = setUp();
+  welcome();
+  const shares: number[] = [];
+  const job = link.job("export_glb", {}, (share) => shares.push(share));
+  socket().say({ kind: "progress", id: job.id, share: 0.5, stage: "writing" });
+  job.cancel();
+  assert.deepEqual(socket().last(), { kind: "cancel", id: job.id });
+  socket().say({ kind: "reply", id: job.id, ok: true, result: { name: "a.glb" } });
+  assert.deepEqual(await job.result, { name: "a.glb" });
+  job.cancel();
+  assert.equal(
+    socket().sent.filter((message) => message.kind === "cancel").length,
+    1,
+    "what is done cannot be given up",
+  );
+  assert.deepEqual(shares, [0.5]);
+});
+
+test("each state is acknowledged as it comes", () => {
+  const { socket, welcome, told } = setUp();
+  welcome();
+  for (const seq of [1, 2]) socket().say({ kind: "state", seq });
+  assert.deepEqual(socket().sent.slice(1), [
+    { kind: "ack", seq: 1 },
+    { kind: "ack", seq: 2 },
+  ]);
+  assert.equal(told.states.length, 2);
+});
+
+test("wishes go out as binary frames with growing numbers", () => {
+  const { link, socket, welcome } = setUp();
+  welcome();
+  const wish = { pose: Array.from({ length: 16 }, (_, k) => k), source: "gizmo", time_ms: 12.5 } as const;
+  assert.deepEqual([link.pose(wish), link.pose(wish)], [1, 2]);
+  const frame = socket().binary[0] ?? new ArrayBuffer(8);
+  const size = new DataView(frame).getUint32(4, true);
+  const header = JSON.parse(new TextDecoder().decode(new Uint8Array(frame, 8, size)));
+  assert.deepEqual([header.kind, header.seq, header.source, header.time_ms], ["pose", 1, "gizmo", 12.5]);
+  assert.deepEqual([...new Float64Array(frame, 8 + size, 16)], wish.pose);
+});
+
+test("a page that is not allowed, or too old, does not try again", () => {
+  for (const [code, status] of [
+    [1008, "refused"],
+    [4001, "outdated"],
+  ] as const) {
+    const { socket, told, delays } = setUp();
+    socket().open();
+    socket().drop(code);
+    assert.deepEqual(told.status, [status]);
+    assert.deepEqual(delays, []);
+  }
+});
+
+test("a frame that is none closes the socket, and a new one is opened", () => {
+  const { socket, sockets, wake, welcome, told } = setUp();
+  welcome();
+  const first = socket();
+  first.sayRaw("{ no JSON");
+  assert.equal(first.closed, 1000);
+  assert.deepEqual(told.status, ["open", "lost"]);
+  wake();
+  assert.equal(sockets.length, 2);
+});
+
+test("a large picture goes out in pieces", () => {
+  const { link, socket, welcome } = setUp();
+  welcome();
+  const png = "abcd".repeat(200_000);
+  link.shot(3, "shot-3", png);
+  const pieces = socket().sent.filter((message) => message.kind === "shot");
+  assert.deepEqual(
+    pieces.map((piece) => piece.more),
+    [true, false],
+  );
+  assert.equal(pieces.map((piece) => piece.png_base64).join(""), png);
+  assert.ok(
+    pieces.every((piece) => String(piece.png_base64).length % 4 === 0 && JSON.stringify(piece).length < 1 << 20),
+  );
+});
+
+test("a link that was closed stays closed", () => {
+  const { link, sockets, wake } = setUp();
+  link.close();
+  link.connect();
+  wake();
+  assert.equal(sockets.length, 1);
+});
+
+test("the token is taken out of the address and kept for a reload of the tab", () => {
+  const kept = new Map<string, string>();
+  const storage = {
+    getItem: (key: string) => kept.get(key) ?? null,
+    setItem: (key: string, value: string) => kept.set(key, value),
+  };
+  const shown: unknown[] = [];
+  const history = { replaceState: (_data: unknown, _unused: string, url?: string | URL | null) => shown.push(url) };
+  assert.equal(takeToken({ hash: "#t=abc", pathname: "/", search: "?x" }, history, storage), "abc");
+  assert.deepEqual(shown, ["/?x"]);
+  assert.equal(takeToken({ hash: "", pathname: "/", search: "" }, history, storage), "abc");
+  kept.clear();
+  assert.equal(takeToken({ hash: "", pathname: "/", search: "" }, history, storage), null);
+});
