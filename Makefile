@@ -49,7 +49,7 @@ RUST_SOURCES := Cargo.toml $(wildcard Cargo.lock) \
 EXTENSION := $(wildcard python/feeler/_core*.so python/feeler/_core*.pyd)
 NODE_MODULES := viewer/node_modules/.package-lock.json
 PAGE := python/feeler/workbench/static/index.html
-PAGE_SOURCES := viewer/build.mjs viewer/tsconfig.json $(shell find viewer/src viewer/public -type f 2>/dev/null)
+PAGE_SOURCES := viewer/build.mjs viewer/licences.mjs viewer/tsconfig.json $(shell find viewer/src viewer/public -type f 2>/dev/null)
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
