@@ -9,8 +9,7 @@ import pytest
 
 import feeler
 from feeler.workbench.files import static_files
-from feeler.workbench.geometry import Geometry
-from feeler.workbench.page import page
+from feeler.workbench.session import Session
 
 PACKAGES = ("three", "preact", "@preact/signals", "@preact/signals-core")
 
@@ -38,7 +37,7 @@ def test_its_licence_is_in_the_wheel_the_script_and_the_file_to_send(root: Path,
     assert f"{package} {version['version']}, {version['license']}\n\n{text}" in listed
     assert text in script
     mockup = feeler.sample("carcass", 10_000)
-    made = Geometry(mockup, "00ff", "carcass")
-    document = {"mockup": {"name": "carcass"}}
-    data, _ = page(document, None, made.manifest(), made.piece, files, lambda share, stage: None)
-    assert text in data.decode("utf-8")
+    with Session(has_threads=False) as session:
+        session.open(mockup, feeler.Scene(mockup), None)
+        result = session.job("page", {}).result(60)
+        assert text in session.export(result["name"]).decode("utf-8")
