@@ -1,6 +1,6 @@
 """The workbench from a script: a wrench that stops, a pump that comes out, a picture; with --open to go on by hand.
 
-    python examples/workbench.py [--open]
+python examples/workbench.py [--open]
 """
 
 import sys

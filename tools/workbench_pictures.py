@@ -1,4 +1,4 @@
-"""Makes the pictures of docs/workbench.md: the workbench on the sample engine, in a real Chromium, used as people use it.
+"""Makes the pictures of docs/workbench.md: the workbench on the sample engine, in a real Chromium.
 
     python tools/workbench_pictures.py [NAME ...] [--out FOLDER] [--type png]
 
@@ -94,8 +94,8 @@ def contact(desk: Desk) -> None:
     """A wrench led onto a bolt, gliding: contact planes, the force, clearances."""
     desk.look(*AT_BOLT)
     desk.command("set_mode", mode="glide")
-    desk.move(wrench_at(BOLT + [0.0, -0.01, 0.004]))
-    desk.move(wrench_at(BOLT + [0.0, 0.006, -0.004]))
+    desk.move(wrench_at_bolt(0.0, -0.01, 0.004))
+    desk.move(wrench_at_bolt(0.0, 0.006, -0.004))
     desk.press("Alt+1")
 
 
@@ -103,7 +103,7 @@ def passing(desk: Desk) -> None:
     """The same wrench where it does not fit, in mode pass: what it cuts."""
     desk.look(*AT_BOLT)
     desk.command("set_mode", mode="pass")
-    desk.move(wrench_at(BOLT + [0.0, 0.004, -0.004]))
+    desk.move(wrench_at_bolt(0.0, 0.004, -0.004))
     desk.press("Alt+1")
 
 
@@ -177,11 +177,11 @@ PICTURES: dict[str, Callable[[Desk], None]] = {
 LIGHT = {"measures"}
 
 
-def wrench_at(point: Any) -> np.ndarray:
-    """world_from_tool (4, 4) of the wrench with its jaw at a point, flat on a flange, its handle outward."""
+def wrench_at_bolt(*beside: float) -> np.ndarray:
+    """world_from_tool (4, 4) of the wrench, flat on the flange, its handle outward, its jaw so far beside the bolt."""
     pose = np.eye(4)
     pose[:3, :3] = np.array([[-1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, -1.0, 0.0]])
-    pose[:3, 3] = point
+    pose[:3, 3] = BOLT + beside
     return pose
 
 
@@ -195,14 +195,16 @@ def chromium() -> str:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("names", nargs="*", choices=[*PICTURES, []], metavar="NAME", help=", ".join(PICTURES))
+    parser.add_argument("names", nargs="*", metavar="NAME", help=", ".join(PICTURES))
     parser.add_argument("--out", type=Path, default=Path(__file__).parent.parent / "docs" / "workbench")
-    parser.add_argument("--type", choices=("jpeg", "png"), default="jpeg", help="png: without loss, three times as large")
+    parser.add_argument("--type", choices=("jpeg", "png"), default="jpeg", help="png: without loss, larger")
     options = parser.parse_args()
+    if unknown := {*options.names} - PICTURES.keys():
+        parser.error(f"there is no picture {', '.join(sorted(unknown))}")
     options.out.mkdir(parents=True, exist_ok=True)
     mockup, tool = feeler.sample("engine", triangles=TRIANGLES), feeler.sample_tool("wrench")
     scene = feeler.Scene(mockup, tool=tool)
-    start = wrench_at(BOLT + [0.0, -0.05, 0.02])
+    start = wrench_at_bolt(0.0, -0.05, 0.02)
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=chromium(), args=list(FLAGS))
         for name in options.names or PICTURES:
