@@ -26,7 +26,7 @@ import feeler
 from feeler.errors import WorkbenchError
 from feeler.workbench import files as files_module
 from feeler.workbench.files import File
-from feeler.workbench.geometry import Geometry
+from feeler.workbench.geometry import Geometry, small_parts
 from feeler.workbench.page import GRID_BITS, container, packed_piece, page
 
 CAMERA = {"position": (0.0, -2.0, 1.0), "target": (0.0, 0.0, 0.0), "up": (0.0, 0.0, 1.0), "fov_rad": 0.75}
@@ -41,8 +41,9 @@ def quiet(_share: float, _stage: str) -> None:
     pass
 
 
-def geometry(name: str = "stand") -> Geometry:
-    return Geometry(stand(), "00ff", name)
+def geometry(name: str = "stand", mockup: feeler.Mockup | None = None) -> Geometry:
+    mockup = mockup or stand()
+    return Geometry(mockup, "00ff", name, mockup.pack(small=small_parts(mockup)))
 
 
 def packed(made: Geometry, most_bytes: int = 10**9) -> tuple[bytes, int]:
@@ -126,7 +127,7 @@ def test_any_piece_comes_back(data: st.DataObject) -> None:
 
 
 def test_what_has_no_room_is_left_out_smallest_last() -> None:
-    made = Geometry(feeler.sample("engine", 300_000), "00ff", "engine")
+    made = geometry("engine", feeler.sample("engine", 300_000))
     whole, none = packed(made)
     data, left_out = packed(made, len(whole) // 6)
     header, pieces = unpacked_header(data), made.manifest()["pieces"]
@@ -195,7 +196,7 @@ def test_a_page_that_is_not_built_is_said() -> None:
 
 
 def test_an_engine_of_1_6_million_triangles_has_room_in_5_mb() -> None:
-    made = Geometry(feeler.sample("engine", 1_600_000), "00ff", "engine")
+    made = geometry("engine", feeler.sample("engine", 1_600_000))
     data, left_out = page(DOCUMENT, None, made.manifest(), made.piece, FILES, quiet)
     assert left_out == 0
     # The script and the style take a megabyte at the most.

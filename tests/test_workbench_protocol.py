@@ -256,6 +256,7 @@ def test_a_pose_by_hand_is_read() -> None:
         (pose_frame(arrays={"pose": ["f8", [4, 4], -8]}), "out of bounds"),
         (pose_frame(arrays={"pose": ["f8", [4, 4], 4]}), "out of bounds"),
         (pose_frame(arrays={"pose": ["f8", [4, 4], 2**53]}), "out of bounds"),
+        (pose_frame(bytes(256), arrays={"pose": ["f8", [4, 4], 4]}), "out of bounds"),
         (pose_frame(turned().tobytes()[:-1]), "out of bounds"),
         (pose_frame(b""), "out of bounds"),
         (pose_frame(np.full((4, 4), np.nan).tobytes()), "NaN or infinite"),

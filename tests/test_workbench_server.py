@@ -478,6 +478,14 @@ def test_nothing_is_lost_while_pages_come(server: Server, session: FakeSession) 
         talker.join()
 
 
+def test_what_the_welcome_has_is_not_told_again(server: Server, session: FakeSession) -> None:
+    session.while_welcoming = lambda: session.notice("in the document")
+    with Page(server.url) as page:
+        assert page.receive().event == 1
+        session.notice("new")
+        assert page.receive().n == 2
+
+
 def test_a_page_that_comes_back_hears_what_it_missed(server: Server, session: FakeSession) -> None:
     with Page(server.url) as page:
         first = page.next(protocol.Welcome)

@@ -56,12 +56,14 @@ class FakeSession:
         self.began = threading.Event()
         self.jobs: list[Future[Any]] = []
         self.kept_from = 0
+        self.while_welcoming: Callable[[], None] = lambda: None
         self._lock = threading.Lock()
         self._listeners: list[Callable[[dict[str, Any]], None]] = []
         self._watchers: list[Callable[[], None]] = []
         self._snapshot: FakeSnapshot | None = None
 
     def document_and_event(self) -> tuple[dict[str, Any], int]:
+        self.while_welcoming()
         with self._lock:
             return {**DOCUMENT}, len(self.events)
 

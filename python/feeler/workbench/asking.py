@@ -32,6 +32,7 @@ class Place:
     scene: Scene
     meshes: PartMeshes
     sight: measuring.Sight
+    geometry: Geometry
     exports: dict[str, bytes]
 
 
@@ -102,10 +103,8 @@ def outline(place: Place, given: Arguments, progress: Progress) -> dict[str, Any
 
 def page_file(place: Place, given: Arguments, progress: Progress) -> dict[str, Any]:
     """One HTML file with the mock-up inside, to download; see `page`. `camera`: from where it is seen at first."""
-    document = place.document
-    assert document.mockup is not None, "a place has one"
+    document, geometry = place.document, place.geometry
     camera = plain(camera_of(given)) if given.has("camera") else None
-    geometry = Geometry(place.scene.mockup, document.mockup.hash, document.mockup.name)
     data, left_out = page.page(
         document.to_json(), camera, geometry.manifest(), geometry.piece, static_files(), progress
     )

@@ -165,9 +165,9 @@ class Server:
                 await asyncio.wait_for(asyncio.gather(*(each.wait_closed() for each in servers)), 2 * _CLOSE_S)
             self._pool.shutdown(wait=False, cancel_futures=True)
 
-    def _serve(self, listener: Any) -> serve:
+    async def _serve(self, listener: Any) -> SocketServer:
         assert self._listening is not None
-        return serve(
+        server: SocketServer = await serve(
             self._converse,
             sock=listener,
             ssl=self._listening.tls,
@@ -180,6 +180,7 @@ class Server:
             server_header=None,
             logger=_quiet,
         )
+        return server
 
     # ---- HTTP ----
 

@@ -397,8 +397,8 @@ class Session:
         before = self._document
         known = self._known(hands)
         if command is not None and command.moves_hand:
-            # Undo brings the hand back to where it was, not to where it was put down before that; but of a motion, which
-            # ends with where the hand was put down, to where it began.
+            # Undo brings the hand back to where it was, not to where it was put down before that; but of a motion, that
+            # ends where the hand is put down, to where it began.
             pose = before.pose if name == "place" else known.pose
             before = replace(before, pose=pose, trip=self.engine.trip())
             given = Arguments(name, args, command.arguments)
@@ -555,7 +555,8 @@ class Session:
             key = (world, document.hidden, document.sections)
             if self._sight is None or self._sight[0] != key:
                 self._sight = (key, measuring.Sight(world, document))
-            return Place(document, hands.scene, hands.meshes, self._sight[1], self._exports)
+            assert self._geometry is not None, "made with the hands"
+            return Place(document, hands.scene, hands.meshes, self._sight[1], self._geometry, self._exports)
 
 
 def _above(mockup: Mockup, tool: Tool | None) -> Floats:
