@@ -75,10 +75,8 @@ def rows(written: Mapping[str, Any]) -> list[tuple[str, str]]:
             ("picture", f"{page['width']} × {page['height']} pixels"),
             ("mock-up", f"{written['mockup']}, {page['triangles']:,} triangles, {page['parts']:,} parts"),
             ("read and indexed in", f"{written['read_s']:.2f} s, {written['index_s']:.2f} s"),
-            (
-                "first picture, whole picture after",
-                f"{_s(written['first_picture_s'])}, {_s(written['whole_picture_s'])}",
-            ),
+            ("first picture after", _s(written["first_picture_s"])),
+            ("whole picture after", _s(written["whole_picture_s"])),
             ("camera moving", _motion(page["camera"])),
         ]
         if page["tool"] is not None:

@@ -343,7 +343,7 @@ class Session:
             waiting.set_result(png)
 
     def benchmark(self) -> Future[dict[str, Any]]:
-        """Asks the pages to measure what they draw; of which the first answer counts. `benchmark.py` has the figures."""
+        """Asks the pages to measure what they draw; the first answer counts. `benchmark.py` has the figures."""
         number, _ = self._benchmark
         self._benchmark = (number + 1, Future())
         self._events.tell({"type": "benchmark", "id": number + 1})
