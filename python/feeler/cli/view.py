@@ -35,6 +35,7 @@ feeler view engine.step --tool wrench.stl
 feeler view engine.step --without "*cover*" --record session.jsonl
 feeler view sample:turbine:1600000 --tool sample:blade --no-browser --port 8000
 feeler view engine.step --tool wrench.stl --device spacemouse
+feeler view engine.step --findings clashes.json
 """,
 )
 def view(
@@ -64,6 +65,9 @@ def view(
     record: Annotated[
         Path | None, typer.Option(help="Write down what is done, line by line, for feeler replay (.jsonl).")
     ] = None,
+    findings: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="What feeler clash --json wrote, to step through.")
+    ] = None,
     unit: MockupUnit = None,
     tool_unit: ToolUnit = None,
     up: Up = None,
@@ -88,6 +92,7 @@ def view(
     mock-up is. Ctrl-C ends it. Exit status: 0; 2 bad input, or a mock-up that could not be read.
     """
     from feeler.io import check_target
+    from feeler.workbench.findings import read_findings
     from feeler.workbench.listening import Place
     from feeler.workbench.server import Server
     from feeler.workbench.session import Session
@@ -104,6 +109,7 @@ def view(
     place.check()
     if record is not None:
         check_target(record)
+    found = None if findings is None else read_findings(findings)
     # Before anything is loaded: a device that is not there is said at once.
     held = None if device is None else devices.open_device(device)
     opening: _Opening | None = None
@@ -113,25 +119,38 @@ def view(
         server = Server(session, place=place, has_device=held is not None)
         server.start()
         ends.callback(server.close)
-        opening = _Opening(session, mockup or [_SAMPLE], tool, Choice(None, without, only), held)
+        opening = _Opening(session, mockup or [_SAMPLE], tool, Choice(None, without, only), held, found)
         ends.callback(opening.close)
         opening.begin(unit, tool_unit, up, threads)
-        _say_where(server, place.is_remote, as_json)
+        say_where(server, place.is_remote, as_json)
         if browser:
-            _open_browser(server.url)
-        while True:
-            time.sleep(_LOOK_S)
+            open_browser(server.url)
+        wait_for_ctrl_c()
     if opening is not None and opening.is_failed:
         raise typer.Exit(BAD_INPUT)
+
+
+def wait_for_ctrl_c() -> None:
+    """For ever: until `KeyboardInterrupt`."""
+    while True:
+        time.sleep(_LOOK_S)
 
 
 class _Opening:
     """Reads and indexes in a thread of its own, and hands all to the session."""
 
     def __init__(
-        self, session: Session, sources: list[str], tool: str | None, choice: Choice, held: devices.Device | None
+        self,
+        session: Session,
+        sources: list[str],
+        tool: str | None,
+        choice: Choice,
+        held: devices.Device | None,
+        findings: Any = None,
     ) -> None:
+        """findings: as `read_findings` has them."""
         self.is_failed = False
+        self._findings = findings
         self._session, self._sources, self._tool = session, sources, tool
         self._choice, self._held = choice, held
         self._hand: Any = None
@@ -187,20 +206,23 @@ class _Opening:
         with telling("indexing", lambda share, stage: self._tell(0.5 + 0.5 * share, stage)) as progress:
             scene = feeler.Scene(world, tool=probe, threads=threads, progress=progress)
         scene = self._choice.scene_of(scene)
-        session.open(world, scene, probe, name=_name_of(self._sources))
+        session.open(world, scene, probe, name=name_of(self._sources))
+        if self._findings is not None:
+            session.load_findings(self._findings)
         if self._held is not None and probe is not None and not self._is_over:
             from feeler.workbench.device import DeviceHand
 
             self._hand = DeviceHand(session, scene, probe, self._held, session.engine.pose)
 
 
-def _name_of(sources: list[str]) -> str:
+def name_of(sources: list[str]) -> str:
     """What the page calls the mock-up."""
     first = sources[0].split(":")[1] if sources[0].startswith("sample:") else Path(sources[0]).resolve().name
     return first if len(sources) == 1 else f"{first} and {len(sources) - 1} more"
 
 
-def _say_where(server: Server, is_remote: bool, as_json: bool) -> None:
+def say_where(server: Server, is_remote: bool, as_json: bool) -> None:
+    """Prints the address."""
     from feeler.cli import outputs
 
     if is_remote:
@@ -215,7 +237,8 @@ def _say_where(server: Server, is_remote: bool, as_json: bool) -> None:
     sys.stdout.flush()  # also where somebody reads it from a pipe
 
 
-def _open_browser(url: str) -> None:
+def open_browser(url: str) -> None:
+    """Opens the page, without waiting for the browser."""
     import webbrowser
 
     # Some browsers keep the call until they are closed.
