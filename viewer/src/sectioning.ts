@@ -76,9 +76,9 @@ export function offsetRange(lower: Vec3, upper: Vec3, normal: Vec3): [number, nu
 export function drawnSections(
   sections: readonly Section[],
   draft: { id: number; normal: Vec3; offset: number } | null,
-): { normal: Vec3; offset: number }[] {
+): { id: number; normal: Vec3; offset: number }[] {
   return sections
     .filter((section) => section.is_on)
     .map((section) => (draft?.id === section.id ? draft : section))
-    .map(({ normal, offset }) => ({ normal: [...normal] as Vec3, offset }));
+    .map(({ id, normal, offset }) => ({ id, normal: [...normal] as Vec3, offset }));
 }

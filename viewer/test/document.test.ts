@@ -19,6 +19,8 @@ const DOCUMENT: Document = {
   loading: null,
   failed: null,
   tool: null,
+  tools: [],
+  record: null,
   held_version: 0,
   unit: "mm",
   mode: "stop",
