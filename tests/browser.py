@@ -10,7 +10,7 @@ import subprocess
 import sys
 import threading
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -42,7 +42,7 @@ def chromium() -> str:
 
 @dataclass
 class Program:
-    """`feeler view` while it runs."""
+    """`feeler view` or `feeler replay --page` while it runs."""
 
     process: subprocess.Popen[str]
     url: str
@@ -54,10 +54,19 @@ class Program:
         return self.process.wait(30)
 
 
-@contextmanager
-def program(*words: str | Path, timeout_s: float = 60.0) -> Iterator[Program]:
+def program(*words: str | Path) -> AbstractContextManager[Program]:
     """`feeler view WORDS --no-browser`, with the address that it prints."""
-    command = [*PROGRAM, "view", *map(str, words), "--no-browser"]
+    return _started("view", *words)
+
+
+def replayed_program(*words: str | Path) -> AbstractContextManager[Program]:
+    """`feeler replay WORDS --page --no-browser`, likewise."""
+    return _started("replay", *words, "--page")
+
+
+@contextmanager
+def _started(*words: str | Path, timeout_s: float = 60.0) -> Iterator[Program]:
+    command = [*PROGRAM, *map(str, words), "--no-browser"]
     process = subprocess.Popen(
         command,
         stdout=subprocess.PIPE,

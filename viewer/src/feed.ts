@@ -16,11 +16,14 @@ export function feed(wb: Workbench, drawing: Drawing): () => void {
       if (document) drawing.setPartStates(partStates(count, document, store.selection.value));
     }),
     effect(() => {
+      // Another mock-up in the stage has its parts at home.
+      void store.manifest.value;
       const moved = store.document.value?.moved ?? {};
       stage.setMoved(new Map(Object.entries(moved).map(([part, pose]) => [Number(part), [...pose]])));
       drawing.request();
     }),
     effect(() => {
+      void store.manifest.value;
       stage.setExplode(store.document.value?.explode ?? 0);
       drawing.request();
     }),
