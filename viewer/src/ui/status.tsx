@@ -84,13 +84,17 @@ function ContactFacts() {
   );
 }
 
+/** The hand rests when it has wished nothing for so long. */
+const REST_MS = 1000;
+
 /** The engine's rate and how old the state is: small, for those who ask. */
 function Rates() {
   const { store } = useWorkbench();
   const state = store.state.value;
   if (!state) return null;
-  // Before the first wish there is none to count from.
-  const age = state.pose_seq > 0 ? ` · ${state.age_ms.toFixed(1)} ms old` : "";
+  // The age counts from the hand's last wish: before the first, and while the hand rests, it says nothing.
+  const is_at_rest = state.pose_seq === 0 || state.age_ms > REST_MS;
+  const age = is_at_rest ? "" : ` · ${state.age_ms.toFixed(1)} ms old`;
   return (
     <span class="rates" title="Answers of the engine a second, its time for one, and the age of what is shown">
       {`${Math.round(state.rate_hz)} Hz · ${formatTime(state.engine_us)}${age}`}
