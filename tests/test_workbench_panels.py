@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import re
+import time
 from pathlib import Path
 from typing import Any
 
@@ -75,7 +76,9 @@ def test_a_cut_is_dragged_by_its_arrow_and_then_outlined(context: Any, stand: Pa
         assert document(page)["sections"][0]["offset"] == pytest.approx(0.0, abs=1e-9)
         assert differing(picture(page), whole) > 0.01
         keep(page.screenshot(), "cut_dragged.png")
+        dragged = picture(page)
         page.mouse.up()
+        page.mouse.move(x, y + 250)
         wait(page, "() => Math.abs(window.feeler.document.sections[0].offset) > 0.01")
         offset = document(page)["sections"][0]["offset"]
         new = arrow(page)
@@ -85,7 +88,10 @@ def test_a_cut_is_dragged_by_its_arrow_and_then_outlined(context: Any, stand: Pa
         wait(page, "() => Math.abs(window.feeler.document.sections[0].offset) < 1e-9")
         press(page, "Control+y")
         wait(page, "at => window.feeler.document.sections[0].offset === at", offset)
-        page.wait_for_timeout(500)
+        # Then the engine's exact outline comes over it.
+        deadline = time.monotonic() + 60.0
+        while differing(picture(page), dragged) < 0.0008:
+            assert time.monotonic() < deadline, "no outline came"
         keep(page.screenshot(), "cut_outlined.png")
         assert troubles(page) == []
 
