@@ -1,4 +1,4 @@
-"""A real Chromium, and `feeler view` as people start it."""
+"""A real Chromium, `feeler view` as people start it, and a small stand to try both on."""
 
 from __future__ import annotations
 
@@ -10,14 +10,22 @@ import subprocess
 import sys
 import threading
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
+from shapes import Mesh, box
+
+import feeler
+from feeler.io import write_glb, write_stl
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 FLAGS = ("--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist")
+SLOW_MS = 60_000  # a software renderer on a loaded machine
+HALF_TOOL_M, CAST_M = 0.02, 1e-5  # of the cube; how near a stop comes
 PROGRAM = [sys.executable, "-c", "from feeler.cli import main; main()"]
 
 
@@ -34,7 +42,7 @@ def chromium() -> str:
 
 @dataclass
 class Program:
-    """`feeler view` while it runs."""
+    """`feeler view` or `feeler replay --page` while it runs."""
 
     process: subprocess.Popen[str]
     url: str
@@ -46,10 +54,19 @@ class Program:
         return self.process.wait(30)
 
 
-@contextmanager
-def program(*words: str | Path, timeout_s: float = 60.0) -> Iterator[Program]:
+def program(*words: str | Path) -> AbstractContextManager[Program]:
     """`feeler view WORDS --no-browser`, with the address that it prints."""
-    command = [*PROGRAM, "view", *map(str, words), "--no-browser"]
+    return _started("view", *words)
+
+
+def replayed_program(*words: str | Path) -> AbstractContextManager[Program]:
+    """`feeler replay WORDS --page --no-browser`, likewise."""
+    return _started("replay", *words, "--page")
+
+
+@contextmanager
+def _started(*words: str | Path, timeout_s: float = 60.0) -> Iterator[Program]:
+    command = [*PROGRAM, *map(str, words), "--no-browser"]
     process = subprocess.Popen(
         command,
         stdout=subprocess.PIPE,
@@ -93,3 +110,116 @@ def keep(picture: bytes, name: str, folders: Sequence[str] = ("target", "screens
     path = folder / name
     path.write_bytes(picture)
     return path
+
+
+def sized(size: tuple[float, float, float], middle: tuple[float, float, float]) -> Mesh:
+    half = 0.5 * np.array(size)
+    return box(middle - half, middle + half)
+
+
+def stand() -> feeler.Mockup:
+    """A plate, two posts on it, and a pump between them with a millimetre around."""
+    shapes = {
+        "plate": sized((0.4, 0.2, 0.02), (0.0, 0.0, 0.01)),
+        "posts/left": sized((0.04, 0.1, 0.2), (-0.1, 0.0, 0.121)),
+        "posts/right": sized((0.04, 0.1, 0.2), (0.1, 0.0, 0.121)),
+        "pump": sized((0.158, 0.08, 0.06), (0.0, 0.0, 0.051)),
+    }
+    return feeler.Mockup(
+        np.concatenate([points for points, _ in shapes.values()]),
+        np.concatenate([faces + 8 * i for i, (_, faces) in enumerate(shapes.values())]),
+        np.repeat(np.arange(len(shapes)), 12),
+        [path.split("/")[-1] for path in shapes],
+        part_paths=list(shapes),
+    )
+
+
+@pytest.fixture(scope="module", name="stand")
+def stand_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("stand") / "stand.glb"
+    write_glb(path, stand())
+    return path
+
+
+@pytest.fixture(scope="module")
+def cube(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("cube") / "cube.stl"
+    write_stl(path, feeler.Tool(*sized((2 * HALF_TOOL_M,) * 3, (0.0, 0.0, 0.0)), name="cube"))
+    return path
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    path = chromium()
+    sync_api = pytest.importorskip("playwright.sync_api")
+    with sync_api.sync_playwright() as playwright:
+        started = playwright.chromium.launch(executable_path=path, args=list(FLAGS))
+        yield started
+        started.close()
+
+
+@pytest.fixture
+def context(browser: Any) -> Iterator[Any]:
+    made = browser.new_context(viewport={"width": 1280, "height": 720}, color_scheme="dark", reduced_motion="reduce")
+    made.set_default_timeout(SLOW_MS)
+    yield made
+    made.close()
+
+
+def opened(context: Any, started: Program) -> Any:
+    """A page of the workbench, with its whole first picture. What it writes on the console is in `page.said`."""
+    page = context.new_page()
+    page.said = []
+    page.on("console", lambda message: page.said.append(f"{message.type}: {message.text}"))
+    page.on("pageerror", lambda error: page.said.append(f"error: {error}"))
+    page.goto(started.url)
+    ready(page)
+    return page
+
+
+def ready(page: Any) -> None:
+    page.wait_for_function("() => window.feeler && window.feeler.ready")
+
+
+def troubles(page: Any) -> list[str]:
+    return [line for line in page.said if line.startswith(("error", "warning"))]
+
+
+def held_at(x: float, y: float, z: float) -> list[float]:
+    pose = np.eye(4)
+    pose[:3, 3] = x, y, z
+    return [float(number) for number in pose.ravel()]
+
+
+def move(page: Any, x: float, y: float, z: float) -> np.ndarray:
+    """Where the tool comes to (4, 4) when the hand wants it there."""
+    return np.reshape(page.evaluate("pose => window.feeler.moveTo(pose)", held_at(x, y, z)), (4, 4))
+
+
+def document(page: Any) -> dict[str, Any]:
+    found: dict[str, Any] = page.evaluate("() => JSON.parse(JSON.stringify(window.feeler.document))")
+    return found
+
+
+def wait(page: Any, condition: str, argument: Any = None) -> None:
+    """Until a function of the page is true."""
+    page.wait_for_function(condition, arg=argument)
+
+
+PICTURE = """async () => {
+    const bitmap = await createImageBitmap(await window.feeler.shot(320, 180));
+    const canvas = new OffscreenCanvas(320, 180);
+    const context = canvas.getContext("2d");
+    context.drawImage(bitmap, 0, 0);
+    return Array.from(context.getImageData(0, 0, 320, 180).data);
+}"""
+
+
+def picture(page: Any) -> np.ndarray:
+    """The picture (180, 320, 3) as the page draws it now."""
+    return np.array(page.evaluate(PICTURE), dtype=np.int16).reshape(180, 320, 4)[..., :3]
+
+
+def differing(one: np.ndarray, other: np.ndarray) -> float:
+    """The share of pixels that are clearly not the same."""
+    return float((np.abs(one - other).max(axis=2) > 24).mean())

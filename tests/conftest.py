@@ -11,6 +11,8 @@ import numpy.typing as npt
 import pytest
 from hypothesis import HealthCheck, settings
 
+pytest_plugins = ("browser",)
+
 ROOT = Path(__file__).resolve().parent.parent
 
 # `ci`, the default: the same examples on every run, no deadline (machines differ).

@@ -126,3 +126,5 @@ def test_options_that_cannot_be(tmp_path: Path) -> None:
     assert "needs TLS" in error_of("view", "--host", "box.example", "--allow-remote")
     assert "does not exist" in error_of("view", "--record", tmp_path / "no" / "a.jsonl")
     assert "nonsense" in error_of("view", "--device", "nonsense")
+    (tmp_path / "clashes.json").write_text('{"rows": []}')
+    assert 'no list "clashes"' in error_of("view", "--findings", tmp_path / "clashes.json")

@@ -6,131 +6,31 @@ import functools
 import http.server
 import subprocess
 import threading
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from browser import FLAGS, PROGRAM, Program, chromium, keep, program
-from shapes import Mesh, box
+from browser import (
+    CAST_M,
+    HALF_TOOL_M,
+    PROGRAM,
+    SLOW_MS,
+    Program,
+    differing,
+    document,
+    held_at,
+    keep,
+    move,
+    opened,
+    picture,
+    program,
+    ready,
+    troubles,
+    wait,
+)
 
 import feeler
-from feeler.io import write_glb, write_stl
-
-sync_api = pytest.importorskip("playwright.sync_api")
-
-SLOW_MS = 60_000  # a software renderer on a loaded machine
-TOP_M, HALF_TOOL_M, CAST_M = 0.02, 0.02, 1e-5  # of the plate; of the tool; how near a stop comes
-
-
-def sized(size: tuple[float, float, float], middle: tuple[float, float, float]) -> Mesh:
-    half = 0.5 * np.array(size)
-    return box(middle - half, middle + half)
-
-
-@pytest.fixture(scope="module")
-def stand(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A plate, two posts on it, and a pump between them with a millimetre around."""
-    shapes = {
-        "plate": sized((0.4, 0.2, TOP_M), (0.0, 0.0, 0.5 * TOP_M)),
-        "posts/left": sized((0.04, 0.1, 0.2), (-0.1, 0.0, 0.121)),
-        "posts/right": sized((0.04, 0.1, 0.2), (0.1, 0.0, 0.121)),
-        "pump": sized((0.158, 0.08, 0.06), (0.0, 0.0, 0.051)),
-    }
-    mockup = feeler.Mockup(
-        np.concatenate([points for points, _ in shapes.values()]),
-        np.concatenate([faces + 8 * i for i, (_, faces) in enumerate(shapes.values())]),
-        np.repeat(np.arange(len(shapes)), 12),
-        [path.split("/")[-1] for path in shapes],
-        part_paths=list(shapes),
-    )
-    path = tmp_path_factory.mktemp("stand") / "stand.glb"
-    write_glb(path, mockup)
-    return path
-
-
-@pytest.fixture(scope="module")
-def cube(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    path = tmp_path_factory.mktemp("cube") / "cube.stl"
-    write_stl(path, feeler.Tool(*sized((2 * HALF_TOOL_M,) * 3, (0.0, 0.0, 0.0)), name="cube"))
-    return path
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    path = chromium()
-    with sync_api.sync_playwright() as playwright:
-        started = playwright.chromium.launch(executable_path=path, args=list(FLAGS))
-        yield started
-        started.close()
-
-
-@pytest.fixture
-def context(browser: Any) -> Iterator[Any]:
-    made = browser.new_context(viewport={"width": 1280, "height": 720}, color_scheme="dark", reduced_motion="reduce")
-    made.set_default_timeout(SLOW_MS)
-    yield made
-    made.close()
-
-
-def opened(context: Any, started: Program) -> Any:
-    """A page of the workbench, with its whole first picture. What it writes on the console is in `page.said`."""
-    page = context.new_page()
-    page.said = []
-    page.on("console", lambda message: page.said.append(f"{message.type}: {message.text}"))
-    page.on("pageerror", lambda error: page.said.append(f"error: {error}"))
-    page.goto(started.url)
-    ready(page)
-    return page
-
-
-def ready(page: Any) -> None:
-    page.wait_for_function("() => window.feeler && window.feeler.ready")
-
-
-def troubles(page: Any) -> list[str]:
-    return [line for line in page.said if line.startswith(("error", "warning"))]
-
-
-def held_at(x: float, y: float, z: float) -> list[float]:
-    pose = np.eye(4)
-    pose[:3, 3] = x, y, z
-    return [float(number) for number in pose.ravel()]
-
-
-def move(page: Any, x: float, y: float, z: float) -> np.ndarray:
-    """Where the tool comes to (4, 4) when the hand wants it there."""
-    return np.reshape(page.evaluate("pose => window.feeler.moveTo(pose)", held_at(x, y, z)), (4, 4))
-
-
-def document(page: Any) -> dict[str, Any]:
-    found: dict[str, Any] = page.evaluate("() => JSON.parse(JSON.stringify(window.feeler.document))")
-    return found
-
-
-def wait(page: Any, condition: str, argument: Any = None) -> None:
-    """Until a function of the page is true."""
-    page.wait_for_function(condition, arg=argument)
-
-
-PICTURE = """async () => {
-    const bitmap = await createImageBitmap(await window.feeler.shot(320, 180));
-    const canvas = new OffscreenCanvas(320, 180);
-    const context = canvas.getContext("2d");
-    context.drawImage(bitmap, 0, 0);
-    return Array.from(context.getImageData(0, 0, 320, 180).data);
-}"""
-
-
-def picture(page: Any) -> np.ndarray:
-    """The picture (180, 320, 3) as the page draws it now."""
-    return np.array(page.evaluate(PICTURE), dtype=np.int16).reshape(180, 320, 4)[..., :3]
-
-
-def differing(one: np.ndarray, other: np.ndarray) -> float:
-    """The share of pixels that are clearly not the same."""
-    return float((np.abs(one - other).max(axis=2) > 24).mean())
 
 
 def test_the_engine_is_seen_and_nothing_is_asked_of_other_hosts(context: Any) -> None:
@@ -216,10 +116,10 @@ def test_a_dragged_tool_stops_at_contact(context: Any, stand: Path, cube: Path) 
         on_pump = 0.081 + HALF_TOOL_M
         assert on_pump <= pose[2, 3] < on_pump + CAST_M
         assert page.evaluate("() => window.feeler.touched") == ["stand/pump"]
-        # Undo takes the hand back to before the drag.
+        # Undo takes the hand back to where it was put down before the drag.
         page.locator("#picture").focus()
         page.keyboard.press("Control+z")
-        wait(page, "() => window.feeler.pose[11] > 0.25")
+        wait(page, "() => window.feeler.pose[11] > 0.24")
         assert troubles(page) == []
 
 

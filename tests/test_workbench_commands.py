@@ -12,6 +12,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from workbench_scene import LEFT, PATHS, PEG, PLATE, RIGHT, SHEET, Bench, at, cube
 
+import feeler
 from feeler.errors import FeelerError, WorkbenchError
 from feeler.workbench.commands import COMMANDS
 from feeler.workbench.document import JSON_FIELDS, Document
@@ -153,6 +154,35 @@ def test_take_another_tool(bench: Bench) -> None:
     assert bench.document["tool"]["name"] == "small"
 
 
+def test_the_samples_can_be_taken_and_a_tool_never_begins_in_the_mockup(bench: Bench) -> None:
+    assert bench.document["tools"] == ["cube", "small", "torque", "wrench", "square", "hand"]
+    bench.command("place", pose=at(0, 0, -0.5).ravel().tolist())
+    on_plate = bench.pose
+    bench.command("take_tool", name="small")
+    np.testing.assert_array_equal(bench.pose, on_plate)
+    # The wrench reaches lower than the small cube: here it would be in the plate.
+    bench.command("place", pose=at(0, 0, -0.5).ravel().tolist())
+    on_plate = bench.pose
+    bench.command("take_tool", name="wrench")
+    wrench = feeler.sample_tool("wrench")
+    assert bench.document["tool"] == {"name": "wrench", "triangles": wrench.triangle_count}
+    assert not bench.scene.is_colliding(wrench, bench.pose)
+    assert bench.pose[2, 3] + wrench.bounds[0, 2] > 0.5, "above the sheet"
+    bench.command("undo")
+    assert bench.document["tool"]["name"] == "small"
+    np.testing.assert_array_equal(bench.pose, on_plate)
+
+
+def test_what_the_mockup_is_made_of(bench: Bench) -> None:
+    bench.command("set_material", material="rubber")
+    bench.wish(at(0, 0, -0.5))
+    assert bench.document["material"] == "rubber" and bench.of_type("impact")[-1]["material"] == "rubber"
+    bench.command("set_material")
+    assert bench.document["material"] is None
+    bench.command("undo")
+    assert bench.document["material"] == "rubber"
+
+
 @pytest.mark.parametrize(
     ("name", "args", "words"),
     [
@@ -184,6 +214,7 @@ def test_take_another_tool(bench: Bench) -> None:
         ("viewpoint_add", {"name": "a", "camera": {"position": [0, 0, 0]}}, "target"),
         ("finding_status", {"id": "1", "status": "new"}, "no findings"),
         ("sequence_move", {"id": 1, "index": 0}, "none at all"),
+        ("set_material", {"material": "stel"}, "do you mean steel"),
         ("undo", {}, "nothing to undo"),
         ("undo", {"steps": 3}, "no argument"),
     ],
@@ -219,6 +250,8 @@ ARGUMENTS: dict[str, st.SearchStrategy[Any]] = {
     "camera": st.just({"position": [1, 1, 1], "target": [0, 0, 0], "up": [0, 0, 1], "fov_rad": 0.5}),
     "status": st.sampled_from(["new", "resolved"]),
     "is_touching_hidden": st.booleans(),
+    "material": st.sampled_from(["steel", "rubber", None]),
+    "findings": st.just({"clashes": [{"id": "1", "a": PATHS[0], "b": PATHS[1], "depth": 0.01}]}),
 }
 STEPS = st.sampled_from(sorted(COMMANDS)).flatmap(
     lambda name: st.tuples(st.just(name), st.fixed_dictionaries({a: ARGUMENTS[a] for a in COMMANDS[name].arguments}))

@@ -13,8 +13,11 @@ from workbench_scene import LEFT, PEG, PLATE, RIGHT, Bench, at, cube, stand
 import feeler
 from feeler.errors import LoadError, MissingFileError, WorkbenchError
 from feeler.io import write_glb, write_stl
+from feeler.workbench import replaying
+from feeler.workbench.jobs import JobCancelledError
 from feeler.workbench.record import read_record
-from feeler.workbench.replaying import replay
+from feeler.workbench.replaying import Player, replay
+from feeler.workbench.session import Session
 
 
 def session_of(path: Path, mode: str = "stop") -> Bench:
@@ -171,6 +174,72 @@ def test_a_disk_that_is_full_does_not_stop_the_session(tmp_path: Path) -> None:
     assert not bench.session.is_recording and "No space left" in recorder.trouble
     with pytest.raises(WorkbenchError, match="cannot be written"):
         Bench(cube(), record=tmp_path / "none" / "a.jsonl")
+
+
+def test_pages_are_shown_a_replay_and_cannot_disturb_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "a.jsonl"
+    bench = session_of(path)
+    monkeypatch.setattr(replaying, "_LONGEST_REST_S", 0.0)
+    monkeypatch.setattr(replaying, "_TOLD_S", 0.0)
+    with Session() as session:
+        Player(read_record(path), session, bench.mockup, bench.scene, cube(), name="stand")
+        assert session.document()["record"]["name"] == "a.jsonl" and session.document()["record"]["verdict"] is None
+        seen: list[tuple[float, ...]] = []
+        session.on_snapshot(lambda: seen.append(tuple(session.snapshot().pose[:3, 3])))
+        refused: list[str] = []
+
+        def disturb(_share: float, _stage: str) -> None:
+            session.wish(at(0.4, 0.4, 0.4), 7, "mouse")
+            session.hand_gone()
+            with pytest.raises(WorkbenchError, match="being replayed") as caught:
+                session.command("undo", {})
+            refused.append(str(caught.value))
+            assert session.document()["record"]["is_playing"]
+
+        for _ in range(2):
+            told = session.job("replay", {}, disturb).result(60)
+            assert told["is_same"] and "to the last triangle" in told["verdict"]
+            assert session.document()["record"] == {"name": "a.jsonl", "is_playing": False, **told}
+            assert session.document()["sequence"] == bench.document["sequence"]
+        assert refused and len(set(seen)) > 100, "each round is shown"
+        # Then it is a session like any other.
+        session.command("undo", {})
+        session.wish(at(0.0, -0.3, 0.3), 8, "mouse")
+        session.engine.tick()
+
+
+def test_a_replay_in_pages_tells_where_it_parts_and_can_be_given_up(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "a.jsonl"
+    bench = session_of(path)
+    monkeypatch.setattr(replaying, "_LONGEST_REST_S", 0.0)
+    lines = path.read_text().splitlines()
+    hit = next(i for i, line in enumerate(lines) if json.loads(line).get("came"))
+    entry = json.loads(lines[hit])
+    lines[hit] = json.dumps({**entry, "came": entry["came"][1:]})
+    path.write_text("\n".join(lines) + "\n")
+    with Session() as session:
+        Player(read_record(path), session, bench.mockup, bench.scene, cube())
+        told = session.job("replay", {}).result(60)
+        assert not told["is_same"] and f"parts at entry {hit}" in told["verdict"]
+        assert f"Now: triangles {entry['came'][0]}" in told["verdict"]
+
+        def give_up(_share: float, _stage: str) -> None:
+            raise JobCancelledError
+
+        with pytest.raises(JobCancelledError):
+            session.job("replay", {}, give_up).result(60)
+        assert session.document()["record"] == {
+            **{"name": "a.jsonl", "is_playing": False},
+            **{"is_same": None, "verdict": None},
+        }
+    with Session() as session:
+        with pytest.raises(LoadError, match="another tool"):
+            Player(read_record(path), session, bench.mockup, bench.scene, None)
+        session.open(bench.mockup, bench.scene, None)
+        with pytest.raises(WorkbenchError, match="no record"):
+            session.job("replay", {}).result(60)
 
 
 def test_replay_on_the_command_line(tmp_path: Path) -> None:

@@ -129,7 +129,21 @@ def test_a_ray_meets_what_is_in_sight() -> None:
     assert hit["part"] == RIGHT and hit["point"] == pytest.approx([0.3, 0.0, 0.25])
     assert bench.mockup.part_of_face[hit["triangle"]] == RIGHT
     bench.command("section_add", normal=[0, 0, -1], offset=-0.125)
-    assert ray(*down)["point"][2] < 0.125, "what is cut away is not met"
+    fill = ray(*down)
+    assert fill["point"] == pytest.approx([0.3, 0.0, 0.125]), "what is cut away is not met, but the fill of the cut"
+    assert fill["part"] == RIGHT and fill["triangle"] == -1
+    assert ray([0.1, 0.1, 1.0], [0, 0, -1])["point"][2] == 0.0, "where nothing is cut, it is the first face"
+    within = {"origin": [0.252, 0.0, 1.0], "direction": [0, 0, -1]}
+    snapped = bench.session.ask("snap", within)
+    assert snapped["type"] == "edge" and snapped["point"] == pytest.approx([0.25, 0.0, 0.125])
+    assert np.array(snapped["corners"])[:, 2] == pytest.approx([0.125] * 3), "the outline of the cut"
+    snapped = bench.session.ask("snap", {**within, "origin": [0.3, 0.0, 1.0]})
+    assert snapped["type"] == "face" and snapped["point"] == pytest.approx([0.3, 0.0, 0.125])
+    # The other cut bounds the first one's outline.
+    bench.command("section_add", normal=[1, 0, 0], offset=0.3)
+    snapped = bench.session.ask("snap", {**within, "origin": [0.302, 0.0, 1.0]})
+    assert snapped["type"] == "face" and snapped["corners"][0][0] >= 0.3
+    bench.command("undo")
     bench.command("undo")
     assert ray([0, 0, 1], [0, 0, 1]) is None
     snapped = bench.session.ask("snap", {"origin": [0.252, 0.0, 1.0], "direction": [0, 0, -1]})
@@ -342,6 +356,21 @@ def test_findings_in_groups_the_deepest_first() -> None:
     assert bench.document["findings"] == findings
     with pytest.raises(WorkbenchError, match="there is no finding 'z'"):
         bench.command("finding_status", id="z", status="new")
+
+
+def test_findings_that_a_page_opens_are_a_change_and_those_at_the_start_are_none() -> None:
+    bench = Bench(cube())
+    bench.command("hide", parts=[PEG])
+    bench.session.load_findings(CLASHES)
+    bench.command("undo")
+    assert bench.document["findings"] is not None and bench.document["hidden"] == []
+    other = {"clashes": [{"id": "only", "a": "sheet", "b": "stand/plate", "depth": 0.5}]}
+    bench.command("findings_open", findings=other)
+    assert [group["findings"][0]["id"] for group in bench.document["findings"]["groups"]] == ["only"]
+    bench.command("undo")
+    assert len(bench.document["findings"]["groups"]) == 3
+    with pytest.raises(WorkbenchError, match="holds no list"):
+        bench.command("findings_open", findings={"rows": []})
 
 
 @pytest.mark.parametrize("text", ["", "[]", '{"clashes": 3}', '{"version": 2, "clashes": []}', "{"])

@@ -6,6 +6,7 @@ import type { Drawing } from "./drawing";
 import { SHOT_HEIGHT, SHOT_WIDTH } from "./exporting";
 import { isSamePose, type Pose } from "./matrix";
 import type { State } from "./protocol";
+import type { CameraState } from "./scene/camera";
 import type { FrameStats } from "./scene/stage";
 import type { Vec3 } from "./scene/vectors";
 import type { Workbench } from "./workbench";
@@ -37,6 +38,10 @@ export interface FeelerApi {
   readonly document: Document | null;
   readonly state: State | null;
   readonly stats: PageStats;
+  /** From where the picture is seen. */
+  readonly camera: CameraState;
+  /** Where a world point lies in the picture: CSS pixels from its upper left corner; null: behind the eye. */
+  pixel(point: Vec3): [number, number] | null;
   /** The picture as PNG. */
   shot(width?: number, height?: number): Promise<Blob>;
   /** What this machine draws, camera and tool moving for `seconds` each; waits until the page is ready. */
@@ -100,6 +105,13 @@ export function createApi(source: ApiSource): FeelerApi {
     },
     get stats() {
       return { ...wb.stage.stats, ...drawn(), input_to_drawn: [...drawing.input_to_drawn.values] };
+    },
+    get camera() {
+      return wb.stage.camera.toJSON();
+    },
+    pixel: (point) => {
+      const { x, y, depth } = wb.stage.camera.project(point);
+      return depth > 0 ? [x, y] : null;
     },
     shot: (width = SHOT_WIDTH, height = SHOT_HEIGHT) => wb.stage.shot(width, height),
     benchmark: async (seconds = BENCHMARK_S) => {

@@ -1,6 +1,6 @@
 // Sound, touch and devices in their places: what the engine says goes to ear and hand, what devices do goes to the tool.
 
-import { effect } from "@preact/signals";
+import { computed, effect } from "@preact/signals";
 import type { Drawing } from "./drawing";
 import { Feel } from "./feel/events";
 import { outputsOf, Rumble } from "./feel/rumble";
@@ -50,10 +50,16 @@ export function createDevices(wb: Workbench, drawing: Drawing): Devices {
   sound.unlockOn(window);
   window.addEventListener("gamepadconnected", drawing.request);
   effect(() => {
-    const { is_muted, volume, has_rumble } = store.settings.value;
+    const { is_muted, volume, has_rumble, has_event_rumble, has_force_rumble, dead_zone } = store.settings.value;
     sound.isMuted = is_muted;
     sound.volume = volume;
-    rumble.settings.isOn = has_rumble;
+    Object.assign(rumble.settings, { isOn: has_rumble, hasEvents: has_event_rumble, hasForce: has_force_rumble });
+    pads.settings.dead_zone = dead_zone;
+  });
+  const vr_size = computed(() => store.settings.value.vr_size);
+  effect(() => {
+    const kind = vr_size.value;
+    room?.place(kind);
   });
   effect(() => {
     feel.material = store.document.value?.material ?? null;
@@ -76,7 +82,7 @@ export function createDevices(wb: Workbench, drawing: Drawing): Devices {
     if (!isThere) return;
     room = createRoom(wb, drawing);
     wb.toggleXr = () => {
-      const turned = room?.isPresenting ? room.leave() : room?.enter();
+      const turned = room?.isPresenting ? room.leave() : room?.enter(vr_size.peek());
       turned?.catch((error: unknown) => wb.tell(error));
     };
     store.is_xr_there.value = true;

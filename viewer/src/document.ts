@@ -1,6 +1,7 @@
 // The document: what the server draws and knows, as it comes over the link, and how a patch changes it.
 
 import type { Pose } from "./matrix";
+import type { RecordFacts } from "./protocol";
 import type { CameraState } from "./scene/camera";
 import type { Vec3 } from "./scene/vectors";
 import type { Unit } from "./units";
@@ -50,6 +51,9 @@ export interface Document {
   readonly loading: { stage: string; share: number } | null;
   readonly failed: string | null;
   readonly tool: { name: string; triangles: number } | null;
+  /** Names of what can be taken in hand. */
+  readonly tools: readonly string[];
+  readonly record: RecordFacts | null;
   readonly held_version: number;
   readonly unit: Unit;
   readonly mode: ContactMode;

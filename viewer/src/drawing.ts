@@ -1,6 +1,7 @@
 // The drawing loop: a frame only when something asks for one. Wishes go out, the newest state and the hand's ghost are
 // drawn, and the time from an input to the picture of its answer is measured.
 
+import { type CutHandle, drawCuts } from "./input/cuts";
 import { drawGizmo, GIZMO_RADIUS_PX, type Handle } from "./input/gizmo";
 import type { Pointer } from "./input/mouse";
 import { marksOf } from "./marking";
@@ -69,11 +70,12 @@ export class Drawing {
   private lit = "";
   private last_spoken = "";
   private gizmo_drawn = "";
+  private cuts_drawn = "";
 
   constructor(
     private readonly wb: Workbench,
     private readonly pointer: Pointer | null,
-    private readonly gizmo: HTMLCanvasElement | null,
+    private readonly over: { readonly gizmo: HTMLCanvasElement; readonly cuts: HTMLElement } | null,
     private readonly browser: Browser = BROWSER,
   ) {}
 
@@ -157,6 +159,7 @@ export class Drawing {
     if (isAnswer) this.takeState(now);
     this.setPose(state?.pose ?? this.wb.document?.pose ?? null, hand.wish);
     this.paintGizmo();
+    this.paintCuts();
     const stats = stage.frame(now);
     this.pointer?.frame();
     const end = this.browser.now();
@@ -216,8 +219,19 @@ export class Drawing {
     this.drawn_ms = now;
   }
 
+  private paintCuts(): void {
+    const { over, pointer } = this;
+    if (!over || !pointer) return;
+    const handles = pointer.cuts();
+    const key = `${pointer.cut}|${handles.map(describeCut).join(";")}`;
+    if (key === this.cuts_drawn) return;
+    this.cuts_drawn = key;
+    drawCuts(over.cuts, handles, pointer.cut);
+  }
+
   private paintGizmo(): void {
-    const { gizmo, pointer } = this;
+    const { pointer } = this;
+    const gizmo = this.over?.gizmo;
     const context = gizmo?.getContext("2d");
     if (!gizmo || !pointer || !context) return;
     const handles = pointer.handles();
@@ -255,6 +269,9 @@ function withLit(base: Uint8Array, state: State | null): Uint8Array {
   }
   return states;
 }
+
+const describeCut = ({ id, line: [a, b] }: CutHandle): string =>
+  `${id},${[a.x, a.y, b.x, b.y].map((value) => value.toFixed(1)).join()}`;
 
 const describe = (handles: readonly Handle[], lit: Handle | null): string =>
   `${lit?.kind}${lit?.axis}|${handles.map(({ line }) => `${line[0]?.x.toFixed(1)},${line[0]?.y.toFixed(1)},${line.at(-1)?.x.toFixed(1)},${line.at(-1)?.y.toFixed(1)}`).join(";")}`;

@@ -3,7 +3,6 @@
 import { effect } from "@preact/signals";
 import type { Drawing } from "./drawing";
 import { partStates } from "./partstates";
-import { drawnSections } from "./sectioning";
 import { saveSettings } from "./settings";
 import type { Workbench } from "./workbench";
 
@@ -17,16 +16,19 @@ export function feed(wb: Workbench, drawing: Drawing): () => void {
       if (document) drawing.setPartStates(partStates(count, document, store.selection.value));
     }),
     effect(() => {
+      // Another mock-up in the stage has its parts at home.
+      void store.manifest.value;
       const moved = store.document.value?.moved ?? {};
       stage.setMoved(new Map(Object.entries(moved).map(([part, pose]) => [Number(part), [...pose]])));
       drawing.request();
     }),
     effect(() => {
+      void store.manifest.value;
       stage.setExplode(store.document.value?.explode ?? 0);
       drawing.request();
     }),
     effect(() => {
-      stage.setSections(drawnSections(store.document.value?.sections ?? [], store.section_draft.value));
+      stage.setSections(store.drawn_sections.value.map(({ normal, offset }) => ({ normal, offset })));
       drawing.request();
     }),
     effect(() => {
@@ -69,11 +71,13 @@ export function followOutlines(wb: Workbench, drawing: Drawing): () => void {
     const document = wb.store.document.value;
     const isDragging = wb.store.section_draft.value !== null;
     const sections = (document?.sections ?? []).filter((section) => section.is_on);
-    // What is hidden has no outline: the engine is asked again.
-    void [document?.hidden, document?.gripped];
+    // What is hidden has no outline, and what was put down has its own: the engine is asked again.
+    void [document?.hidden, document?.gripped, document?.moved];
     const mine = ++asked;
     wb.stage.setOutlines(null);
-    if (isDragging || sections.length === 0 || wb.store.is_read_only.value || !wb.store.manifest.value) return;
+    // Outlines are of parts where they are: an exploded mock-up has none.
+    if (isDragging || sections.length === 0 || (document?.explode ?? 0) > 0) return;
+    if (wb.store.is_read_only.value || !wb.store.manifest.value) return;
     wb.link
       ?.job("outline", {})
       .result.then((result) => {

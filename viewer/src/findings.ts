@@ -39,11 +39,47 @@ export function neighbour(groups: readonly FindingGroup[], current: string | nul
 
 export const STATUSES = ["new", "active", "reviewed", "approved", "resolved"] as const;
 
+/** A message to the server holds 1 MiB, and some of it is not the file's. */
+const MOST_BYTES = 1_000_000;
+
+/** Asks for a file that `feeler clash --json` wrote, and opens it. */
+export function openFindings(wb: Workbench): void {
+  const input = document.createElement("input");
+  input.type = "file";
+  input.accept = ".json,application/json";
+  input.addEventListener("change", () => {
+    const file = input.files?.[0];
+    if (file) void takeFindings(wb, file);
+  });
+  input.click();
+}
+
+async function takeFindings(wb: Workbench, file: File): Promise<void> {
+  try {
+    if (file.size > MOST_BYTES) {
+      throw new RangeError(`${file.name} is too large to open here: start by feeler view MOCKUP --findings FILE`);
+    }
+    const findings: unknown = parsed(await file.text(), file.name);
+    if (await wb.run("findings_open", { findings })) wb.store.panel.value = "findings";
+  } catch (error) {
+    wb.tell(error);
+  }
+}
+
+function parsed(text: string, name: string): unknown {
+  try {
+    return JSON.parse(text);
+  } catch {
+    throw new SyntaxError(`${name} is no JSON: choose what feeler clash --json wrote`);
+  }
+}
+
 /** N and P. */
 export async function stepFinding(wb: Workbench, step: 1 | -1): Promise<void> {
   const findings = wb.document?.findings;
   if (!findings) return;
-  const next = neighbour(shownGroups(findings, "", "depth"), wb.store.finding.peek(), step);
+  const { finding, finding_query, finding_order } = wb.store;
+  const next = neighbour(shownGroups(findings, finding_query.peek(), finding_order.peek()), finding.peek(), step);
   if (next) await lookAtFinding(wb, next);
 }
 

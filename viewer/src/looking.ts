@@ -2,10 +2,10 @@
 // that the page has. What needs the engine is refused.
 
 import type { Document, Section } from "./document";
-import type { Vec3 } from "./scene/vectors";
+import { distance, type Vec3 } from "./scene/vectors";
 
 type Args = Record<string, unknown>;
-type Change = (document: Document, args: Args) => Document;
+type Change = (document: Document, args: Args) => Document | null;
 
 const ids = (args: Args): number[] => args.parts as number[];
 const united = (parts: readonly number[], more: readonly number[]): number[] =>
@@ -19,6 +19,14 @@ const withSection = (document: Document, id: unknown, change: (section: Section)
   ...document,
   sections: document.sections.map((section) => (section.id === id ? change(section) : section)),
 });
+
+/** From the picture's depth: near, and not exact. */
+function withMeasure(document: Document, points: readonly [Vec3, Vec3]): Document {
+  const id = 1 + Math.max(0, ...document.measures.map((each) => each.id));
+  const value = distance(...points);
+  const measure = { id, name: `point ${id}`, type: "point", points, value, unit: "m", is_exact: false } as const;
+  return { ...document, measures: [...document.measures, measure] };
+}
 
 const CHANGES: Readonly<Record<string, Change>> = {
   hide: (document, args) => ({ ...document, hidden: united(document.hidden, ids(args)) }),
@@ -48,6 +56,17 @@ const CHANGES: Readonly<Record<string, Change>> = {
     ...document,
     sections: document.sections.filter((section) => section.id !== args.id),
   }),
+  measure_add: (document, args) =>
+    args.type === "point" ? withMeasure(document, args.points as readonly [Vec3, Vec3]) : null,
+  measure_edit: (document, args) => ({
+    ...document,
+    measures: document.measures.map((each) => (each.id === args.id ? { ...each, name: args.name as string } : each)),
+  }),
+  measure_remove: (document, args) => ({
+    ...document,
+    measures: document.measures.filter((each) => each.id !== args.id),
+  }),
+  sequence_replay: (document, args) => ({ ...document, replaying: args.id as number }),
   finding_filter: (document, args) => ({
     ...document,
     findings: document.findings && { ...document.findings, is_touching_hidden: args.is_touching_hidden as boolean },

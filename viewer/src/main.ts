@@ -26,7 +26,11 @@ function makePicture(): PictureElements {
   const labels = document.createElement("div");
   labels.className = "labels";
   labels.setAttribute("aria-hidden", "true");
-  return { canvas, gizmo, labels };
+  const cuts = document.createElement("div");
+  cuts.className = "cuts";
+  // The panel of the cuts has the same by keys.
+  cuts.setAttribute("aria-hidden", "true");
+  return { canvas, gizmo, labels, cuts };
 }
 
 async function start(root: HTMLElement): Promise<void> {

@@ -141,11 +141,22 @@ export function measureArgs(type: MeasureType, picks: readonly MeasurePick[]): R
   }
 }
 
+/** Without a server: the point by the picture's depth, on no face that is known. */
+const seenAt = (part: number, point: Vec3): Snapped => ({
+  point,
+  type: "face",
+  part,
+  triangle: -1,
+  corners: [point, point, point],
+});
+
 /** The exact point that a pixel sees, drawn to a corner or an edge that is near it in the picture. */
 async function snapAt(wb: Workbench, at: Point): Promise<Snapped | null> {
   const { camera } = wb.stage;
+  if ((wb.document?.explode ?? 0) > 0) throw new Error("Parts are drawn apart: put the mock-up together to measure it");
   const picked = wb.stage.pick(at.x, at.y);
   if (!picked) return null;
+  if (!wb.link) return picked.held ? null : seenAt(picked.part, picked.point);
   const { origin, direction } = camera.ray(at.x, at.y);
   const within = SNAP_PX * camera.metresPerPixel(camera.project(picked.point).depth);
   return (await wb.ask("snap", { origin, direction, within })) as Snapped | null;

@@ -13,6 +13,7 @@ import { Pointer } from "./input/mouse";
 import { Link, LinkError } from "./link";
 import { fromAxes } from "./matrix";
 import type { OfflinePage } from "./offline";
+import { OfflineReplay } from "./offline-replay";
 import type { HeldManifest, ServerEvent, State, Welcome } from "./protocol";
 import type { CameraState } from "./scene/camera";
 import { Stage } from "./scene/stage";
@@ -68,7 +69,7 @@ export class Page {
     this.wb = new Workbench({ store, stage, hand, link, redraw, fetchFile: (name) => fetchFile(base, token, name) });
     this.wb.canvas = picture.canvas;
     const pointer = new Pointer(this.wb, picture.canvas);
-    this.drawing = new Drawing(this.wb, pointer, picture.gizmo);
+    this.drawing = new Drawing(this.wb, pointer, picture);
     this.devices = createDevices(this.wb, this.drawing);
     feed(this.wb, this.drawing);
     followOutlines(this.wb, this.drawing);
@@ -86,6 +87,8 @@ export class Page {
   showOffline({ document, manifest, pieces, camera, left_out }: OfflinePage): void {
     const { store, wb } = this;
     store.connection.value = "offline";
+    const replay = new OfflineReplay(store);
+    this.drawing.each_frame.add((now) => replay.frame(now));
     // The hand and what it held stayed with the engine.
     store.document.value = { ...(document as unknown as Document), tool: null, gripped: [], held_version: 0 };
     wb.stage.setManifest(manifest as PackedManifest);

@@ -42,6 +42,16 @@ export interface ToolFacts {
   triangles: number;
 }
 
+/** A record that the job "replay" goes through. */
+export interface RecordFacts {
+  name: string;
+  is_playing: boolean;
+  /** Whether all of it came out as it was recorded; null before that is known. */
+  is_same: boolean | null;
+  /** The same as a sentence. */
+  verdict: string | null;
+}
+
 /** How far reading and indexing are. */
 export interface Loading {
   stage: string;
@@ -117,6 +127,9 @@ export interface DocumentFields {
   /** Why there is no mock-up. */
   failed: string | null;
   tool: ToolFacts | null;
+  /** Names of what can be taken in hand. */
+  tools: string[];
+  record: RecordFacts | null;
   /** Of the mesh in hand: fetch `/held/VERSION` when it changes; 0: the hand is empty. */
   held_version: number;
   unit: Unit;
@@ -135,6 +148,8 @@ export interface DocumentFields {
   /** Parts taken out of the mock-up. */
   out: number[];
   sequence: SequenceLine[];
+  /** The line of the sequence that is being replayed. */
+  replaying: number | null;
   measures: Measure[];
   viewpoints: Viewpoint[];
   findings: Findings | null;

@@ -13,15 +13,20 @@ export function axisAlong(forward: Vec3): Vec3 {
   return normal;
 }
 
-/** A cut across an axis through a point, the selection's middle or that of all. */
+/** A cut across an axis through a point, the selection's middle or that of all. The near side is cut away. */
 export function addSection(wb: Workbench, normal?: Vec3, through?: Vec3): Promise<boolean> {
   const box = wb.boxOf([...wb.store.selection.peek()]);
   const whole = wb.store.manifest.peek();
   const middle = through ?? (isEmpty(box) ? (whole ? centre(whole) : ([0, 0, 0] as Vec3)) : centre(box));
-  const across = normal ?? axisAlong(wb.stage.camera.forward);
+  const { forward } = wb.stage.camera;
+  const across = normal ? towards(normal, forward) : axisAlong(forward);
   wb.store.panel.value = "sections";
   return wb.run("section_add", { normal: across, offset: dot(across, middle) });
 }
+
+/** The normal, or its opposite, that points the way that the view looks. */
+const towards = (normal: Vec3, forward: Vec3): Vec3 =>
+  dot(normal, forward) < 0 ? (normal.map((value) => (value === 0 ? 0 : -value)) as Vec3) : normal;
 
 /** S: the first cut where there is none; else all off, or on again. */
 export async function toggleSections(wb: Workbench): Promise<void> {
@@ -76,9 +81,9 @@ export function offsetRange(lower: Vec3, upper: Vec3, normal: Vec3): [number, nu
 export function drawnSections(
   sections: readonly Section[],
   draft: { id: number; normal: Vec3; offset: number } | null,
-): { normal: Vec3; offset: number }[] {
+): { id: number; normal: Vec3; offset: number }[] {
   return sections
     .filter((section) => section.is_on)
     .map((section) => (draft?.id === section.id ? draft : section))
-    .map(({ normal, offset }) => ({ normal: [...normal] as Vec3, offset }));
+    .map(({ id, normal, offset }) => ({ id, normal: [...normal] as Vec3, offset }));
 }

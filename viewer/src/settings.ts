@@ -1,6 +1,7 @@
 // What a person chose for this browser: kept over reloads, never sent.
 
 import type { Frame } from "./input/hand";
+import type { PlacementKind } from "./input/room";
 
 export interface Settings {
   readonly theme: "system" | "dark" | "light";
@@ -15,6 +16,12 @@ export interface Settings {
   readonly volume: number;
   readonly is_muted: boolean;
   readonly has_rumble: boolean;
+  /** Of these by which it rumbles. */
+  readonly has_event_rumble: boolean;
+  readonly has_force_rumble: boolean;
+  /** Share of a gamepad stick's deflection that counts as rest. */
+  readonly dead_zone: number;
+  readonly vr_size: PlacementKind;
   readonly has_seen_tour: boolean;
   readonly is_tree_open: boolean;
   readonly are_panels_open: boolean;
@@ -31,6 +38,10 @@ export const DEFAULTS: Settings = {
   volume: 0.6,
   is_muted: false,
   has_rumble: true,
+  has_event_rumble: true,
+  has_force_rumble: true,
+  dead_zone: 0.12,
+  vr_size: "table",
   has_seen_tour: false,
   is_tree_open: true,
   are_panels_open: true,

@@ -2,10 +2,12 @@
 
 import { computed, signal } from "@preact/signals";
 import type { Connection, ContextMenu, Dialog, Document, MeasureType, Notice, Panel } from "./document";
+import type { FindingOrder } from "./findings";
 import type { Manifest } from "./geometry";
 import type { TypedMove } from "./input/typed";
 import type { State } from "./protocol";
 import type { Vec3 } from "./scene/vectors";
+import { drawnSections } from "./sectioning";
 import { loadSettings, type Settings } from "./settings";
 import { PartTree } from "./ui/parts";
 
@@ -74,6 +76,9 @@ export class Store {
   readonly snap = signal<{ point: Vec3; type: "vertex" | "edge" | "face" } | null>(null);
   readonly section_draft = signal<SectionDraft | null>(null);
   readonly finding = signal<string | null>(null);
+  /** Which findings are shown and stepped through, and in which order. */
+  readonly finding_query = signal("");
+  readonly finding_order = signal<FindingOrder>("depth");
   readonly jobs = signal<readonly JobShown[]>([]);
   readonly settings = signal<Settings>(loadSettings());
   /** What the live region says. */
@@ -90,10 +95,16 @@ export class Store {
     if (chosen !== "system") return chosen;
     return this.is_system_dark.value ? "dark" : "light";
   });
-  /** Nothing can be changed: one file without a server, or the link is down. */
-  readonly is_read_only = computed(() => this.connection.value !== "open");
+  /** A record is being gone through. */
+  readonly is_replaying = computed(() => this.document.value?.record?.is_playing ?? false);
+  /** Nothing can be changed: one file without a server, the link is down, or a record is replayed. */
+  readonly is_read_only = computed(() => this.connection.value !== "open" || this.is_replaying.value);
   /** What is seen can be changed: also in one file without a server. */
   readonly can_look = computed(() => !this.is_read_only.value || this.connection.value === "offline");
+  /** The cuts that are drawn, the dragged one where it is dragged to. */
+  readonly drawn_sections = computed(() =>
+    drawnSections(this.document.value?.sections ?? [], this.section_draft.value),
+  );
   readonly hidden = computed(() => new Set(this.document.value?.hidden ?? []));
   readonly ghost = computed(() => new Set(this.document.value?.ghost ?? []));
   readonly has_hand = computed(() => {

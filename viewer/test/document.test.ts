@@ -19,6 +19,8 @@ const DOCUMENT: Document = {
   loading: null,
   failed: null,
   tool: null,
+  tools: [],
+  record: null,
   held_version: 0,
   unit: "mm",
   mode: "stop",
@@ -118,8 +120,8 @@ test("a section that is dragged is drawn where it is dragged to, one that is off
     { id: 3, normal: [0, 0, 1], offset: 0.5 },
   );
   assert.deepEqual(drawn, [
-    { normal: [1, 0, 0], offset: 0.1 },
-    { normal: [0, 0, 1], offset: 0.5 },
+    { id: 1, normal: [1, 0, 0], offset: 0.1 },
+    { id: 3, normal: [0, 0, 1], offset: 0.5 },
   ]);
 });
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -23,6 +24,7 @@ _SAMPLE = "sample:engine"
     examples="""
 feeler replay way.jsonl engine.step --tool wrench.stl
 feeler replay way.jsonl sample:engine:1600000 --tool sample:wrench --json
+feeler replay way.jsonl engine.step --tool wrench.stl --page
 """
 )
 def replay(
@@ -39,11 +41,19 @@ def replay(
     tool_unit: ToolUnit = None,
     up: Up = None,
     threads: Annotated[int | None, typer.Option(help="Default: all cores.")] = None,
+    page: Annotated[
+        bool,
+        typer.Option("--page", help="Show it in the workbench, at the speed at which it was done, and go on there."),
+    ] = False,
+    browser: Annotated[
+        bool, typer.Option("--browser/--no-browser", help="With --page: open the page in the browser.")
+    ] = True,
     as_json: AsJson = False,
 ) -> None:
     """Goes through a record of the workbench again: the same triangles meet to the last one, or where they part.
 
-    Exit status: 0 the same, 1 they part, 2 bad input, such as another mock-up than it was made with.
+    Exit status: 0 the same, 1 they part, 2 bad input, such as another mock-up than it was made with. With --page it
+    prints the address, Ctrl-C ends it, and the status is 0.
     """
     from feeler.cli import outputs
     from feeler.workbench.record import read_record
@@ -54,6 +64,9 @@ def replay(
     probe = None if tool is None else read_tool(tool, tool_unit, up)
     with bar("indexing") as progress:
         scene = feeler.Scene(world, tool=probe, threads=threads, progress=progress)
+    if page:
+        _show_page(read, mockup or [_SAMPLE], scene, probe, browser, as_json)
+        return
     with bar("replaying") as progress:
         found = go_through(read, world, scene, probe, progress)
     if found.is_torn:
@@ -64,6 +77,24 @@ def replay(
         _show(read, found, world)
     if not found:
         raise typer.Exit(FOUND)
+
+
+def _show_page(
+    record: Record, sources: list[str], scene: feeler.Scene, tool: feeler.Tool | None, browser: bool, as_json: bool
+) -> None:
+    from feeler.cli.view import name_of, open_browser, say_where, wait_for_ctrl_c
+    from feeler.workbench.replaying import Player
+    from feeler.workbench.server import Server
+    from feeler.workbench.session import Session
+
+    with contextlib.suppress(KeyboardInterrupt), Session() as session:
+        Player(record, session, scene.mockup, scene, tool, name=name_of(sources))
+        with contextlib.closing(Server(session)) as server:
+            server.start()
+            say_where(server, False, as_json)
+            if browser:
+                open_browser(server.url)
+            wait_for_ctrl_c()
 
 
 def _facts(record: Record, found: Replayed, mockup: feeler.Mockup) -> dict[str, Any]:

@@ -39,6 +39,7 @@ feeler view engine.step --without "*cover*" --record session.jsonl
 feeler view sample:turbine:1600000 --tool sample:blade --no-browser --port 8000
 feeler view engine.step --tool wrench.stl --device spacemouse
 feeler view sample:engine:10000000 --benchmark
+feeler view engine.step --findings clashes.json
 """,
 )
 def view(
@@ -75,6 +76,9 @@ def view(
             help="Measure what this machine draws, write it into feeler-benchmark.json, print it, and end.",
         ),
     ] = False,
+    findings: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="What feeler clash --json wrote, to step through.")
+    ] = None,
     unit: MockupUnit = None,
     tool_unit: ToolUnit = None,
     up: Up = None,
@@ -103,6 +107,7 @@ def view(
     """
     from feeler.io import check_target
     from feeler.workbench.benchmark import FILE
+    from feeler.workbench.findings import read_findings
     from feeler.workbench.listening import Place
     from feeler.workbench.server import Server
     from feeler.workbench.session import Session
@@ -120,6 +125,7 @@ def view(
     for target in (record, Path(FILE) if benchmark else None):
         if target is not None:
             check_target(target)
+    found = None if findings is None else read_findings(findings)
     # Before anything is loaded: a device that is not there is said at once.
     held = None if device is None else devices.open_device(device)
     opening: _Opening | None = None
@@ -129,28 +135,44 @@ def view(
         server = Server(session, place=place, has_device=held is not None)
         server.start()
         ends.callback(server.close)
-        opening = _Opening(session, mockup or [_SAMPLE], tool, Choice(None, without, only), held)
+        opening = _Opening(session, mockup or [_SAMPLE], tool, Choice(None, without, only), held, found)
         ends.callback(opening.close)
         opening.begin(unit, tool_unit, up, threads)
-        _say_where(server, place.is_remote, as_json)
+        say_where(server, place.is_remote, as_json)
         if browser:
-            _open_browser(server.url)
-        measured = _Measured(session, opening, as_json) if benchmark else None
-        while measured is None or not (measured.is_done() or opening.is_failed):
+            open_browser(server.url)
+        if not benchmark:
+            wait_for_ctrl_c()
+        measured = _Measured(session, opening, as_json)
+        while not (measured.is_done() or opening.is_failed):
             time.sleep(_LOOK_S)
     if opening is not None and opening.is_failed:
         raise typer.Exit(BAD_INPUT)
+
+
+def wait_for_ctrl_c() -> None:
+    """For ever: until `KeyboardInterrupt`."""
+    while True:
+        time.sleep(_LOOK_S)
 
 
 class _Opening:
     """Reads and indexes in a thread of its own, and hands all to the session."""
 
     def __init__(
-        self, session: Session, sources: list[str], tool: str | None, choice: Choice, held: devices.Device | None
+        self,
+        session: Session,
+        sources: list[str],
+        tool: str | None,
+        choice: Choice,
+        held: devices.Device | None,
+        findings: Any = None,
     ) -> None:
+        """findings: as `read_findings` has them."""
         self.is_failed = False
         self.opened: Opened | None = None
         """Once the mock-up is read and indexed."""
+        self._findings = findings
         self._session, self._sources, self._tool = session, sources, tool
         self._choice, self._held = choice, held
         self._hand: Any = None
@@ -210,7 +232,9 @@ class _Opening:
             scene = feeler.Scene(world, tool=probe, threads=threads, progress=progress)
         self.opened = Opened(read - begun, time.perf_counter() - read, time.time())
         scene = self._choice.scene_of(scene)
-        session.open(world, scene, probe, name=_name_of(self._sources))
+        session.open(world, scene, probe, name=name_of(self._sources))
+        if self._findings is not None:
+            session.load_findings(self._findings)
         if self._held is not None and probe is not None and not self._is_over:
             from feeler.workbench.device import DeviceHand
 
@@ -251,13 +275,14 @@ class _Measured:
             outputs.print_facts(outputs.console(), [*facts, ("written", benchmark.FILE)])
 
 
-def _name_of(sources: list[str]) -> str:
+def name_of(sources: list[str]) -> str:
     """What the page calls the mock-up."""
     first = sources[0].split(":")[1] if sources[0].startswith("sample:") else Path(sources[0]).resolve().name
     return first if len(sources) == 1 else f"{first} and {len(sources) - 1} more"
 
 
-def _say_where(server: Server, is_remote: bool, as_json: bool) -> None:
+def say_where(server: Server, is_remote: bool, as_json: bool) -> None:
+    """Prints the address."""
     from feeler.cli import outputs
 
     if is_remote:
@@ -272,7 +297,8 @@ def _say_where(server: Server, is_remote: bool, as_json: bool) -> None:
     sys.stdout.flush()  # also where somebody reads it from a pipe
 
 
-def _open_browser(url: str) -> None:
+def open_browser(url: str) -> None:
+    """Opens the page, without waiting for the browser."""
     import webbrowser
 
     # Some browsers keep the call until they are closed.

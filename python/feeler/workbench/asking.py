@@ -26,7 +26,10 @@ _SNAP_M = 0.005
 
 @dataclass(frozen=True)
 class Place:
-    """What is asked about. exports: where jobs leave what they wrote, by name."""
+    """What is asked about.
+
+    exports: where jobs leave what they wrote, by name. replay: goes through the record, where there is one.
+    """
 
     document: Document
     scene: Scene
@@ -34,6 +37,7 @@ class Place:
     sight: measuring.Sight
     geometry: Geometry
     exports: dict[str, bytes]
+    replay: Callable[[Progress], dict[str, Any]] | None = None
 
 
 @dataclass(frozen=True)
@@ -62,7 +66,7 @@ def snap(place: Place, given: Arguments) -> dict[str, Any] | None:
     """As `ray`, with what the point snaps to: "type" vertex, edge or face, and its "corners"; `within` in metres."""
     within = given.number("within", 0.0, 1e3) if given.has("within") else _SNAP_M
     picked = place.sight.pick(given.point("origin"), given.unit("direction"))
-    return None if picked is None else measuring.snapped(picked, within)
+    return None if picked is None else measuring.snapped(picked, within, place.sight)
 
 
 def measure(place: Place, given: Arguments) -> dict[str, Any]:
@@ -112,6 +116,13 @@ def page_file(place: Place, given: Arguments, progress: Progress) -> dict[str, A
     return {"name": PAGE, "bytes": len(data), "left_out": left_out}
 
 
+def replay(place: Place, given: Arguments, progress: Progress) -> dict[str, Any]:
+    """Goes through the record that the workbench was opened with: {"is_same", "verdict"}."""
+    if place.replay is None:
+        raise WorkbenchError("there is no record", given.command, "start by feeler replay FILE --page")
+    return place.replay(progress)
+
+
 def _writing(name: str, write: Callable[..., bytes]) -> Work:
     def work(place: Place, given: Arguments, progress: Progress) -> dict[str, Any]:
         if not place.document.sequence:
@@ -139,4 +150,5 @@ JOBS: dict[str, Work] = {
     "export_html": _writing("sequence.html", export.sequence_html),
     "export_glb": _writing("sequence.glb", export.sequence_glb),
     "page": Work(page_file, ("camera",)),
+    "replay": Work(replay),
 }

@@ -13,11 +13,12 @@ from typing import Any
 
 import numpy as np
 
-from feeler.errors import WorkbenchError
+from feeler.errors import LoadError, WorkbenchError
 from feeler.parts import Parts
 from feeler.workbench import findings, motion
 from feeler.workbench.arguments import Arguments, near, replaced, without
 from feeler.workbench.document import (
+    MATERIALS,
     MODES,
     UNITS,
     CameraView,
@@ -54,14 +55,16 @@ class Measured:
 class Known:
     """What commands know beside the document.
 
-    bounds: `(2, 3)` of the mock-up. tools: by name, their numbers of triangles. pose: where the hand is. trip: of the
-    parts in the hand, and their least clearance on it. absent: parts that were left out of the scene from the start.
+    bounds: `(2, 3)` of the mock-up. tools: by name, the triangles of those that were made. pose: where the hand is.
+    tool_pose: where a tool that is taken is free. trip: of the parts in the hand, and their least clearance on it.
+    absent: parts that were left out of the scene from the start.
     """
 
     parts: Parts
     bounds: motion.Floats
     tools: Mapping[str, int]
     pose: Row = motion.HOME
+    tool_pose: Row = motion.HOME
     trip: Trip | None = None
     least_clearance: float | None = None
     absent: frozenset[int] = frozenset()
@@ -152,6 +155,11 @@ def section_remove(document: Document, given: Arguments, _known: Known) -> Docum
 def set_unit(document: Document, given: Arguments, _known: Known) -> Document:
     """In which lengths are shown."""
     return replace(document, unit=given.choice("unit", UNITS))
+
+
+def set_material(document: Document, given: Arguments, _known: Known) -> Document:
+    """What the mock-up sounds like; null: as steel."""
+    return replace(document, material=given.choice("material", MATERIALS) if given.has("material") else None)
 
 
 def set_mode(document: Document, given: Arguments, known: Known) -> Document:
@@ -263,13 +271,13 @@ def put_back(document: Document, given: Arguments, known: Known) -> Document:
 
 
 def take_tool(document: Document, given: Arguments, known: Known) -> Document:
-    """Another tool in the hand, or none. Gripped parts are put down first."""
+    """Another tool in the hand, or none; where it would meet something, it is above the mock-up."""
     if document.gripped:
         raise WorkbenchError("the hand holds parts", given.command, "release them first")
     if not given.has("name"):
         return replace(document, tool=None, pose=known.pose)
     name = given.choice("name", known.tools)
-    return replace(document, tool=ToolFacts(name, known.tools[name]), pose=known.pose)
+    return replace(document, tool=ToolFacts(name, known.tools[name]), pose=known.tool_pose)
 
 
 def measure_add(document: Document, given: Arguments, known: Known) -> Document:
@@ -346,6 +354,14 @@ def sequence_replay(document: Document, given: Arguments, known: Known) -> Docum
     return replace(grip(home, inner, known), replaying=line.id)
 
 
+def findings_open(document: Document, given: Arguments, known: Known) -> Document:
+    """Findings in place of those that were open; as `feeler clash --json` writes them."""
+    try:
+        return replace(document, findings=findings.grouped(given.given.get("findings"), known.parts))
+    except LoadError as error:
+        raise given.fail("findings", str(error), "choose another file") from None
+
+
 def finding_status(document: Document, given: Arguments, _known: Known) -> Document:
     """What was decided about a finding."""
     found = _findings(document, given)
@@ -375,6 +391,7 @@ COMMANDS: dict[str, Command] = {
     "section_switch": Command(section_switch, ("id", "is_on")),
     "section_remove": Command(section_remove, ("id",)),
     "set_unit": Command(set_unit, ("unit",)),
+    "set_material": Command(set_material, ("material",)),
     "set_mode": Command(set_mode, ("mode",), moves_hand=True),
     "place": Command(place, ("pose",), moves_hand=True),
     "grip": Command(grip, ("parts",), moves_hand=True),
@@ -390,6 +407,7 @@ COMMANDS: dict[str, Command] = {
     "sequence_move": Command(sequence_move, ("id", "index")),
     "sequence_remove": Command(sequence_remove, ("id",)),
     "sequence_replay": Command(sequence_replay, ("id",), moves_hand=True),
+    "findings_open": Command(findings_open, ("findings",)),
     "finding_status": Command(finding_status, ("id", "status")),
     "finding_filter": Command(finding_filter, ("is_touching_hidden",)),
 }

@@ -18,6 +18,8 @@ UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254}
 """Metres of each unit that can be shown."""
 MODES = ("stop", "glide", "pass")
 MEASURES = ("point", "edge", "angle", "parts")
+MATERIALS = ("steel", "aluminium", "plastic", "rubber")
+"""Of which parts may be, as far as they are heard."""
 
 
 @dataclass(frozen=True)
@@ -36,6 +38,16 @@ class ToolFacts:
 
     name: str
     triangles: int
+
+
+@dataclass(frozen=True)
+class RecordFacts:
+    """A record that can be replayed. is_playing: now. is_same, verdict: what came of it; None before that."""
+
+    name: str
+    is_playing: bool = False
+    is_same: bool | None = None
+    verdict: str | None = None
 
 
 @dataclass(frozen=True)
@@ -148,13 +160,16 @@ class Document:
 
     hidden: only out of sight; such parts still collide. gripped: parts in the hand, and where there (`hand_from_part`).
     moved: where parts are that were put down elsewhere (`world_from_part`). out: those of them that lie outside the
-    mock-up's box. pose: where the hand was last put down by a command (`world_from_tool`).
+    mock-up's box. tools: names of what `take_tool` can take. pose: where the hand was last put down by a command
+    (`world_from_tool`).
     """
 
     mockup: MockupFacts | None = None
     loading: Loading | None = None
     failed: str | None = None
     tool: ToolFacts | None = None
+    tools: tuple[str, ...] = ()
+    record: RecordFacts | None = None
     held_version: int = 0
     unit: str = "mm"
     mode: str = "stop"
@@ -186,7 +201,7 @@ class Document:
 
 
 # What the page is told. The rest is what commands have to remember.
-_KEPT_BACK = {"isolation", "next_id", "replaying", "trip"}
+_KEPT_BACK = {"isolation", "next_id", "trip"}
 _KEPT_BACK_OF = {Removal: {"starts"}, Measure: {"parts"}}
 JSON_FIELDS = (*(f.name for f in fields(Document) if f.name not in _KEPT_BACK), "isolated")
 

@@ -8,8 +8,8 @@ nothing depends on, are found within a budget, at lower rates where they cost mo
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -125,6 +125,7 @@ class Engine:
         self._trip: TripRecorder | None = None
         self._idle: Ticked | None = None
         self._is_quiet = False
+        self._is_held = False
         self._way: list[Floats] = []
         self._on_played: Callable[[], None] | None = None
         self._forget()
@@ -191,6 +192,23 @@ class Engine:
         with self._lock:
             self._flush_idle()
 
+    @contextmanager
+    def held(self) -> Iterator[None]:
+        """No round but those of `replayed` is done while a `with` of this lasts; then the hand stays where it is."""
+        with self._lock:
+            self._is_held = True
+        try:
+            yield
+        finally:
+            with self._lock:
+                self._is_held = False
+                self.let_go()
+
+    @property
+    def is_held(self) -> bool:
+        """Whether only what was recorded moves the hand."""
+        return self._is_held
+
     def replayed(self, wish: Floats, seq: int, source: str, steps: int) -> Ticked:
         """A round as a record has it."""
         with self._lock:
@@ -245,6 +263,8 @@ class Engine:
     def tick(self) -> bool:
         """One round. Whether there is a new snapshot."""
         with self._lock:
+            if self._is_held:
+                return False
             now = self._clock()
             elapsed, self._last_tick = max(0.0, now - self._last_tick), now
             self._play_on(elapsed)

@@ -26,8 +26,8 @@ TOUCHING = ("touching", "touch", "contact")
 """Verdicts of parts that only touch."""
 
 
-def read_findings(path: str | Path, parts: Parts) -> Findings:
-    """The findings in a file. Raises `MissingFileError`, and `LoadError` for what is no such file."""
+def read_findings(path: str | Path) -> Any:
+    """What a file holds, for `grouped`. Raises `MissingFileError`, and `LoadError` for what is no such file."""
     file = Path(path)
     try:
         data = json.loads(file.read_text(encoding="utf-8"))
@@ -35,16 +35,13 @@ def read_findings(path: str | Path, parts: Parts) -> Findings:
         raise MissingFileError(f"{file} does not exist: give what feeler clash --json wrote") from None
     except (OSError, ValueError, RecursionError) as error:
         raise LoadError(f"{file} cannot be read as JSON: {error}") from None
-    return grouped(data, parts, str(file))
+    _clashes(data, str(file))
+    return data
 
 
 def grouped(data: Any, parts: Parts, where: str = "findings") -> Findings:
     """Findings as `feeler clash --json` has them, for the document. Raises `LoadError` for what is none at all."""
-    clashes: Any = data.get("clashes") if isinstance(data, Mapping) else None
-    if not is_sequence(clashes):
-        raise LoadError(f'{where} holds no list "clashes": give what feeler clash --json wrote')
-    if data.get("version", VERSION) != VERSION:
-        raise LoadError(f"{where} is of version {data.get('version')!r}: this feeler reads {VERSION}")
+    clashes = _clashes(data, where)
     found = [_finding(each, number, parts) for number, each in enumerate(clashes) if isinstance(each, Mapping)]
     by_group: dict[str, list[dict[str, Any]]] = {}
     for each in found:
@@ -64,6 +61,15 @@ def grouped(data: Any, parts: Parts, where: str = "findings") -> Findings:
     groups.sort(key=_worst_first)
     status = {each["id"]: each["status"] for each in found if each["status"] != STATUS[0]}
     return Findings(tuple(groups), MappingProxyType(status))
+
+
+def _clashes(data: Any, where: str) -> Any:
+    found: Any = data.get("clashes") if isinstance(data, Mapping) else None
+    if not is_sequence(found):
+        raise LoadError(f'{where} holds no list "clashes": give what feeler clash --json wrote')
+    if data.get("version", VERSION) != VERSION:
+        raise LoadError(f"{where} is of version {data.get('version')!r}: this feeler reads {VERSION}")
+    return found
 
 
 def ids(groups: Iterable[Mapping[str, Any]]) -> list[str]:

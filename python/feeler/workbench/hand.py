@@ -8,6 +8,7 @@ from typing import TypeVar
 
 from feeler.errors import WorkbenchError
 from feeler.mockup import Tool
+from feeler.samples import sample_tool, sample_tool_names
 from feeler.scene import Scene
 from feeler.workbench import motion
 from feeler.workbench.document import Document
@@ -16,6 +17,7 @@ from feeler.workbench.motion import Row
 from feeler.workbench.world import PartMeshes, World
 
 _KEPT = 16
+
 
 HeldKey = tuple[str | None, tuple[tuple[int, Row], ...]]
 WorldKey = tuple[tuple[tuple[int, Row], ...], tuple[int, ...]]
@@ -37,13 +39,25 @@ class Hands:
     """Tools, worlds and what pages get of the hand, for documents of one scene."""
 
     def __init__(self, scene: Scene, tools: dict[str, Tool]) -> None:
-        self.scene, self.tools = scene, tools
+        """tools: those at hand; the built-in ones can be taken as well, but for their names, and are made only then."""
+        self.scene, self._tools = scene, dict(tools)
+        self.names = (*tools, *(name for name in sample_tool_names() if name not in tools))
         self.meshes = PartMeshes(scene.mockup)
         self._held: OrderedDict[HeldKey, Tool] = OrderedDict()
         self._worlds: OrderedDict[WorldKey, World] = OrderedDict()
         self._geometries: OrderedDict[int, HeldGeometry] = OrderedDict()
         self._versions: dict[HeldKey, int] = {}
         self._keys: dict[int, HeldKey] = {}
+
+    def tool(self, name: str) -> Tool:
+        """One of those in `names`."""
+        if name not in self._tools:
+            self._tools[name] = sample_tool(name)
+        return self._tools[name]
+
+    def counts(self) -> dict[str, int]:
+        """Triangles of all tools by name; 0 of those that nobody has taken yet."""
+        return {name: self._tools[name].triangle_count if name in self._tools else 0 for name in self.names}
 
     def version(self, document: Document) -> int:
         """The number of the hand's content, the same whenever it is the same; 0: it is empty."""
@@ -73,13 +87,13 @@ class Hands:
     def _tool(self, key: HeldKey) -> Tool:
         name, gripped = key
         if not gripped and name is not None:
-            return self.tools[name]
+            return self.tool(name)
         return _kept(self._held, key, lambda: self._assembled(name, gripped))
 
     def _assembled(self, name: str | None, gripped: tuple[tuple[int, Row], ...]) -> Tool:
         items: dict[str, Tool | tuple[Tool, motion.Floats]] = {}
         if name is not None:
-            items[name] = self.tools[name]
+            items[name] = self.tool(name)
         for part, place in gripped:
             path = self.scene.mockup.part_paths[part]
             # Paths need not be unique, and one may be called as the tool.

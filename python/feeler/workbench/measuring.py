@@ -21,11 +21,16 @@ from feeler.workbench.motion import Floats
 from feeler.workbench.world import PartMeshes, World
 
 _PARALLEL = 1e-9
+Plane = tuple[Point, float]
+"""Normal and offset."""
 
 
 @dataclass(frozen=True)
 class Picked:
-    """What a ray meets first. triangle, part: of the mock-up; corners: `(3, 3)`, where the triangle is now."""
+    """What a ray meets first. triangle, part: of the mock-up; corners: `(3, 3)`, where the triangle is now.
+
+    cut: the section whose fill it is, the inside of a part that it cuts; a fill has no triangle, -1.
+    """
 
     distance: float
     point: Floats
@@ -33,6 +38,7 @@ class Picked:
     triangle: int
     part: int
     corners: Floats
+    cut: Plane | None = None
 
     def to_json(self) -> dict[str, Any]:
         """As the page gets it."""
@@ -57,16 +63,34 @@ class Sight:
             own = {world.part_of_put_down(i): i for i in range(self._put_down.mockup.part_count)}
             away = [own[part] for part in document.hidden if part in own]
             self._put_down = self._put_down.without(away) if away else self._put_down
-        planes = [[*each.normal, each.offset] for each in document.sections if each.is_on]
-        self.sections = np.array(planes, dtype=np.float64).reshape(-1, 4) if planes else None
+        self.planes: list[Plane] = [(each.normal, each.offset) for each in document.sections if each.is_on]
+        rows = [[*normal, offset] for normal, offset in self.planes]
+        self.sections = np.array(rows, dtype=np.float64) if rows else None
+        self._outlines: dict[Plane, Floats] = {}
 
     def pick(self, origin: Point, direction: Point) -> Picked | None:
         """The first thing on a ray; `distance` in metres, `direction` a unit."""
+        start, way = np.array(origin), np.array(direction)
+        entry = self._entry(start, way)
+        seen = self._first(start, way, self.sections)
+        if entry is None:
+            return seen
+        plane, distance = entry
+        point = start + distance * way
+        # The ray is in a solid where it enters what the sections leave if the face that it then meets, or the one that
+        # it left before, is met from inside. One would do but for parts that touch: of two faces in one place either
+        # may be the first. What is seen then is the fill.
+        for met, towards in ((seen, way), (self._first(point, -way, None), -way)):
+            if met is not None and _is_from_inside(met, towards):
+                return Picked(distance, point, -np.array(plane[0]), -1, met.part, met.corners, plane)
+        return seen
+
+    def _first(self, origin: Floats, direction: Floats, sections: Floats | None) -> Picked | None:
         best: Picked | None = None
         for scene in (self._in_place, self._put_down):
             if scene is None:
                 continue
-            rays = scene.rays(np.array([origin]), np.array([direction]), sections=self.sections)
+            rays = scene.rays(origin[None], direction[None], sections=sections)
             own = int(rays.triangles[0])
             if own < 0 or (best is not None and rays.distances[0] >= best.distance):
                 continue
@@ -76,6 +100,24 @@ class Sight:
             corners = scene.mockup.vertices[scene.mockup.faces[own]]
             best = Picked(float(rays.distances[0]), rays.points[0], rays.normals[0], triangle, part, corners)
         return best
+
+    def _entry(self, origin: Floats, direction: Floats) -> tuple[Plane, float] | None:
+        """Through which section a ray enters what all of them leave, and how far along; None: it begins in there."""
+        last: tuple[Plane, float] | None = None
+        for plane in self.planes:
+            normal, offset = np.array(plane[0]), plane[1]
+            before, speed = offset - float(normal @ origin), float(normal @ direction)
+            if before > 0.0 and speed > 0.0 and (last is None or before / speed > last[1]):
+                last = (plane, before / speed)
+        return last
+
+    def cut_lines(self, plane: Plane) -> Floats:
+        """The outline of a section that is on, `(k, 2, 3)`, as far as the others leave it; found once."""
+        found = self._outlines.get(plane)
+        if found is None:
+            others = [each for each in self.planes if each != plane]
+            found = self._outlines[plane] = clipped(*self.outline(*plane), others)[0]
+        return found
 
     def outline(self, normal: Point, offset: float) -> tuple[Floats, list[int]]:
         """Where a plane cuts what is in sight: segments `(k, 2, 3)`, and the part of each."""
@@ -92,7 +134,12 @@ class Sight:
         return np.concatenate(segments), parts
 
 
-def clipped(segments: Floats, parts: list[int], planes: list[tuple[Point, float]]) -> tuple[Floats, list[int]]:
+def _is_from_inside(picked: Picked, direction: Floats) -> bool:
+    a, b, c = picked.corners
+    return float(np.cross(b - a, c - a) @ direction) > 0.0
+
+
+def clipped(segments: Floats, parts: list[int], planes: list[Plane]) -> tuple[Floats, list[int]]:
     """What planes `(normal, offset)` leave of segments `(k, 2, 3)`, and of the part of each."""
     owners = np.array(parts, dtype=np.int64)
     for normal, offset in planes:
@@ -108,8 +155,13 @@ def clipped(segments: Floats, parts: list[int], planes: list[tuple[Point, float]
     return segments, left
 
 
-def snapped(picked: Picked, within: float) -> dict[str, Any]:
-    """What a picked point snaps to: the nearest corner, else the nearest edge, within some metres; else itself."""
+def snapped(picked: Picked, within: float, sight: Sight) -> dict[str, Any]:
+    """What a picked point snaps to: the nearest corner, else the nearest edge, within some metres; else itself.
+
+    On the fill of a section it is the section's outline.
+    """
+    if picked.cut is not None:
+        return _snapped_to_outline(picked, within, sight.cut_lines(picked.cut))
     corners, point = picked.corners, picked.point
     off = np.linalg.norm(corners - point, axis=1)
     nearest = int(off.argmin())
@@ -124,6 +176,23 @@ def snapped(picked: Picked, within: float) -> dict[str, Any]:
         edge = [corner.tolist() for corner in edges[best]]
         return {**found, "type": "edge", "point": feet[best].tolist(), "edge": edge}
     return found
+
+
+def _snapped_to_outline(picked: Picked, within: float, lines: Floats) -> dict[str, Any]:
+    found = {**picked.to_json(), "type": "face", "corners": picked.corners.tolist()}
+    if not len(lines):
+        return found
+    along = lines[:, 1] - lines[:, 0]
+    squared = np.maximum((along * along).sum(axis=1), np.finfo(np.float64).tiny)
+    share = np.clip(((picked.point - lines[:, 0]) * along).sum(axis=1) / squared, 0.0, 1.0)
+    feet = lines[:, 0] + share[:, None] * along
+    offs = np.linalg.norm(feet - picked.point, axis=1)
+    best = int(offs.argmin())
+    start, end = lines[best].tolist()
+    found["corners"] = [start, end, end]
+    if offs[best] > within:
+        return found
+    return {**found, "type": "edge", "point": feet[best].tolist(), "edge": [start, end]}
 
 
 def measured(given: Arguments, document: Document, scene: Scene, meshes: PartMeshes) -> Measured:

@@ -77,6 +77,17 @@ class ToolFacts(TypedDict):
     triangles: int
 
 
+class RecordFacts(TypedDict):
+    """A record that the job "replay" goes through."""
+
+    name: str
+    is_playing: bool
+    is_same: bool | None
+    """Whether all of it came out as it was recorded; null before that is known."""
+    verdict: str | None
+    """The same as a sentence."""
+
+
 class Loading(TypedDict):
     """How far reading and indexing are."""
 
@@ -160,6 +171,9 @@ class DocumentFields(TypedDict):
     failed: str | None
     """Why there is no mock-up."""
     tool: ToolFacts | None
+    tools: list[str]
+    """Names of what can be taken in hand."""
+    record: RecordFacts | None
     held_version: int
     """Of the mesh in hand: fetch `/held/VERSION` when it changes; 0: the hand is empty."""
     unit: Unit
@@ -178,6 +192,8 @@ class DocumentFields(TypedDict):
     out: list[int]
     """Parts taken out of the mock-up."""
     sequence: list[SequenceLine]
+    replaying: int | None
+    """The line of the sequence that is being replayed."""
     measures: list[Measure]
     viewpoints: list[Viewpoint]
     findings: Findings | None

@@ -2,21 +2,29 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from feeler._core import Packed
 from feeler.errors import FeelerError, LoadError
 from feeler.mockup import Mockup, Tool
 from feeler.progress import Progress
 from feeler.scene import Scene
 from feeler.workbench import motion
+from feeler.workbench.document import RecordFacts
 from feeler.workbench.engine import Ticked
 from feeler.workbench.record import Record, digest, document_digest, hits_digest
 from feeler.workbench.session import Session
 
 _MOST_IDS = 20
+_LONGEST_REST_S = 0.5
+"""Pages are shown what was done at the speed at which it was; of rests so much."""
+_TOLD_S = 0.1
 
 
 @dataclass(frozen=True)
@@ -74,46 +82,84 @@ def replay(
     """
     check_meshes(record, mockup, tool)
     with Session(has_threads=False, clock=lambda: 0.0) as session:
-        try:
-            options = record.header["options"]
-            session.open(mockup, scene, tool, pose=record.header["pose"], mode=options["mode"])
-            if options["unit"] != session.current.unit:
-                session.command("set_unit", {"unit": options["unit"]})
-            return _Replay(record, session).run(progress)
-        except (KeyError, TypeError, ValueError) as error:
-            if isinstance(error, FeelerError):
-                raise
-            raise LoadError(f"{record.path} is no record this feeler can read: {error!r}") from None
+        gone = Replay(record, session)
+        gone.open(mockup, scene, tool)
+        for number, _ in gone.steps():
+            if number % 100 == 0:
+                progress(number / len(record.entries), "replay")
+        return gone.found
 
 
-class _Replay:
+class Replay:
+    """A record, and a session that goes through it."""
+
     def __init__(self, record: Record, session: Session) -> None:
         self._record, self._session = record, session
         self._recorded: set[int] = set()
         self._ticks = self._commands = self._hits = self._most = 0
         self._touched: set[int] = set()
+        self._parted: Parted | None = None
 
-    def run(self, progress: Progress) -> Replayed:
-        entries = self._record.entries
-        parted: Parted | None = None
-        for number, entry in enumerate(entries, start=1):
-            if number % 100 == 0:
-                progress(number / len(entries), "replay")
-            kind = entry["kind"]
-            if kind == "tick":
-                parted = self._tick(number, entry)
-            elif kind == "command":
-                parted = self._command(number, entry)
-            elif kind == "let_go":
-                self._session.engine.let_go()
-            if parted is not None:
-                break
+    def open(
+        self, mockup: Mockup, scene: Scene, tool: Tool | None, packed: Packed | None = None, name: str | None = None
+    ) -> None:
+        """Begins as the record does. Raises `LoadError`."""
+        with self._readable():
+            header = self._record.header
+            unit, mode = header["options"]["unit"], header["options"]["mode"]
+            self._session.open(
+                mockup,
+                scene,
+                tool,
+                packed=packed,
+                pose=header["pose"],
+                mode=mode,
+                unit=unit,
+                name=name,
+            )
+
+    def steps(self) -> Iterator[tuple[int, float]]:
+        """Goes through the entries, up to where it parts: the number and the time (s) of each that comes next.
+
+        Raises `LoadError`.
+        """
+        for number, entry in enumerate(self._record.entries, start=1):
+            yield number, float(entry.get("time", 0.0))
+            with self._readable():
+                self._parted = self._step(number, entry)
+            if self._parted is not None:
+                return
+
+    @property
+    def found(self) -> Replayed:
+        """What came of it so far."""
         touched = tuple(sorted(self._touched))
-        return Replayed(self._ticks, self._commands, self._hits, self._most, touched, self._record.is_torn, parted)
+        return Replayed(
+            self._ticks, self._commands, self._hits, self._most, touched, self._record.is_torn, self._parted
+        )
+
+    @contextmanager
+    def _readable(self) -> Iterator[None]:
+        try:
+            yield
+        except (KeyError, TypeError, ValueError) as error:
+            if isinstance(error, FeelerError):
+                raise
+            raise LoadError(f"{self._record.path} is no record this feeler can read: {error!r}") from None
+
+    def _step(self, number: int, entry: dict[str, Any]) -> Parted | None:
+        kind = entry["kind"]
+        if kind == "tick":
+            return self._tick(number, entry)
+        if kind == "command":
+            return self._command(number, entry)
+        if kind == "let_go":
+            self._session.engine.let_go()
+        return None
 
     def _tick(self, number: int, entry: dict[str, Any]) -> Parted | None:
         wish = np.array(entry["wish"], dtype=np.float64).reshape(4, 4)
-        ticked = self._session.engine.replayed(wish, int(entry["seq"]), str(entry["source"]), int(entry["steps"]))
+        ticked = self._session.replayed(wish, int(entry["seq"]), str(entry["source"]), int(entry["steps"]))
         self._ticks += 1
         self._hits += bool(ticked.hits)
         self._most = max(self._most, len(ticked.hits.mockup_triangles))
@@ -137,7 +183,7 @@ class _Replay:
         self._commands += 1
         trouble: str | None = None
         try:
-            self._session.command(entry["name"], entry["args"])
+            self._session.command(entry["name"], entry["args"], is_recorded=True)
         except FeelerError as error:
             trouble = str(error)
         if (trouble is None) != ("error" not in entry):
@@ -146,3 +192,59 @@ class _Replay:
         if trouble is None and document_digest(self._session.current) != entry["document"]:
             return Parted(number, f"after the command {entry['name']} the document is another")
         return None
+
+
+class Player:
+    """Goes through a record in a session that pages look at, at the speed of the record; as often as they like."""
+
+    def __init__(
+        self,
+        record: Record,
+        session: Session,
+        mockup: Mockup,
+        scene: Scene,
+        tool: Tool | None,
+        *,
+        packed: Packed | None = None,
+        name: str | None = None,
+    ) -> None:
+        """Opens the session as the record begins, and offers the record. Raises `LoadError` for other meshes."""
+        check_meshes(record, mockup, tool)
+        self._record, self._session = record, session
+        self._meshes = (mockup, scene, tool, packed, name)
+        self._facts = RecordFacts(record.path.name)
+        Replay(record, session).open(*self._meshes)
+        session.offer(self._facts, self.play)
+
+    def play(self, progress: Progress) -> dict[str, Any]:
+        """From the beginning to the end, or to where it parts: {"is_same", "verdict"}."""
+        session, entries = self._session, self._record.entries
+        gone = Replay(self._record, session)
+        shown = self._facts
+        with session.replaying():
+            try:
+                session.show_record(replace(self._facts, is_playing=True))
+                gone.open(*self._meshes)
+                told = before = float("-inf")
+                for number, at in gone.steps():
+                    time.sleep(min(_LONGEST_REST_S, max(0.0, at - before)) if before > float("-inf") else 0.0)
+                    before = at
+                    if time.monotonic() - told > _TOLD_S:
+                        told = time.monotonic()
+                        progress(number / len(entries), "replay")
+                found = gone.found
+                shown = replace(self._facts, is_same=bool(found), verdict=sentence(found))
+            finally:
+                session.show_record(shown)
+        return {"is_same": shown.is_same, "verdict": shown.verdict}
+
+
+def sentence(found: Replayed) -> str:
+    """What came of a record, for people."""
+    if found.parted is None:
+        return f"The same hits to the last triangle: {found.ticks:,} rounds, {found.commands:,} commands."
+    text = f"It parts at entry {found.parted.entry}: {found.parted.what}."
+    for word, ids in (("No longer", found.parted.missing), ("Now", found.parted.added)):
+        if ids:
+            text += f" {word}: triangles {', '.join(map(str, ids))}."
+    return text

@@ -12,6 +12,7 @@ import time
 from collections.abc import Callable, Iterable
 from concurrent.futures import Future, ThreadPoolExecutor
 from concurrent.futures import TimeoutError as FutureTimeoutError
+from contextlib import AbstractContextManager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -28,7 +29,7 @@ from feeler.workbench import measuring, motion
 from feeler.workbench.arguments import Arguments, near
 from feeler.workbench.asking import ASKS, JOBS, Place
 from feeler.workbench.commands import COMMANDS, Known, applied
-from feeler.workbench.document import UNITS, Document, Loading, MockupFacts, ToolFacts, patch
+from feeler.workbench.document import UNITS, Document, Loading, MockupFacts, RecordFacts, ToolFacts, patch
 from feeler.workbench.engine import Bump, Engine, Ticked
 from feeler.workbench.events import Event, Events
 from feeler.workbench.findings import grouped, read_findings
@@ -58,8 +59,7 @@ class Session:
         has_threads: bool = True,
     ) -> None:
         """record: a file for `feeler replay`. clock: seconds. has_threads: False: `engine.tick()` is called by hand."""
-        if unit not in UNITS:
-            raise OptionError(f"unit is {unit!r}: {near(unit, UNITS)}")
+        _checked_unit(unit)
         self._lock = threading.RLock()
         self._document = Document(unit=unit, loading=Loading("starting", 0.0))
         self._undo: list[Document] = []
@@ -73,6 +73,7 @@ class Session:
         self._geometry: Geometry | None = None
         self._sight: tuple[object, measuring.Sight] | None = None
         self._exports: dict[str, bytes] = {}
+        self._replay: Callable[[Progress], dict[str, Any]] | None = None
         self.pages = 0
         """How many pages look at the session; the server keeps it."""
         self._shot_lock, self._shot_id = threading.Lock(), 0
@@ -104,18 +105,22 @@ class Session:
         packed: Packed | None = None,
         pose: npt.ArrayLike | None = None,
         mode: str = "stop",
+        unit: str | None = None,
         tools: Iterable[Tool] = (),
         name: str | None = None,
     ) -> None:
         """Begins with a mock-up: a document of its own, nothing to undo. Makes what the first answers need.
 
         tool: in the hand at first; tools: others that it may take. pose: where the hand begins, default above the
-        mock-up. packed: `mockup.pack(...)`. name: of the mock-up, default that of its file. Raises `WorkbenchError`,
-        `OptionError`.
+        mock-up. packed: `mockup.pack(...)`. unit: default as before. name: of the mock-up, default that of its file.
+        Raises `WorkbenchError`, `OptionError`.
         """
+        unit = self._document.unit if unit is None else _checked_unit(unit)
         if scene.mockup is not mockup:
             raise OptionError("the scene is of another mock-up: index the one that is opened")
-        known = {each.name: each for each in (*tools, *([tool] if tool is not None else []))}
+        known = {tool.name: tool} if tool is not None else {}
+        for each in tools:
+            known.setdefault(each.name, each)
         with ThreadPoolExecutor(1) as pool:
             # Neither holds the lock of the interpreter: the longer one is what opening takes.
             digested = pool.submit(digest, mockup)
@@ -128,7 +133,9 @@ class Session:
         document = Document(
             mockup=MockupFacts(name, content, mockup.triangle_count, mockup.part_count),
             tool=None if tool is None else ToolFacts(tool.name, tool.triangle_count),
-            unit=self._document.unit,
+            tools=hands.names,
+            record=self._document.record,
+            unit=unit,
             mode=mode,
             pose=motion.row(start),
             material=self._document.material,
@@ -167,11 +174,35 @@ class Session:
 
     def load_findings(self, given: Any) -> None:
         """What `feeler clash --json` wrote, a file or its content, for the findings panel. Raises `LoadError`."""
+        data = read_findings(given) if isinstance(given, (str, Path)) else given
         with self._lock:
-            parts = self._opened().scene.mockup.parts
-            is_path = isinstance(given, (str, Path))
-            found = read_findings(given, parts) if is_path else grouped(given, parts)
+            found = grouped(data, self._opened().scene.mockup.parts)
+            # It is no change of the user's: undo does not take it away.
+            self._undo = [each if each.findings else replace(each, findings=found) for each in self._undo]
             self._show(replace(self._document, findings=found), None)
+
+    # ---- a record that is gone through again ----
+
+    def offer(self, record: RecordFacts, replay: Callable[[Progress], dict[str, Any]]) -> None:
+        """Lets pages go through a record, by the job "replay", which calls `replay`."""
+        with self._lock:
+            self._replay = replay
+            self.show_record(record)
+
+    def show_record(self, record: RecordFacts) -> None:
+        """Tells what is known of the record."""
+        with self._lock:
+            self._show(replace(self._document, record=record), None)
+
+    def replaying(self) -> AbstractContextManager[None]:
+        """While a `with` of this lasts, only `replayed` and commands of a record change anything."""
+        return self.engine.held()
+
+    def replayed(self, wish: Floats, seq: int, source: str, steps: int) -> Ticked:
+        """A round of the engine as a record has it; the pages are shown it."""
+        ticked = self.engine.replayed(wish, seq, source, steps)
+        self._tell_snapshot()
+        return ticked
 
     # ---- what is so ----
 
@@ -260,22 +291,30 @@ class Session:
 
     def wish(self, pose: npt.ArrayLike, seq: int, source: str) -> None:
         """Where the hand wants to be; the newest counts. Raises `WorkbenchError` for what is no pose."""
-        self.engine.wish(motion.checked(pose, "pose"), int(seq), str(source))
+        wished = motion.checked(pose, "pose")
+        if self.engine.is_held:
+            return
+        self.engine.wish(wished, int(seq), str(source))
         self._wake.set()
 
     def hand_gone(self) -> None:
         """Nobody holds the hand any more: the tool stops where it is."""
         with self.engine.paused():
+            if self.engine.is_held:
+                return
             self.engine.let_go()
             if self._recorder is not None:
                 self._recorder.let_go(self._clock())
         self._wake.set()
 
-    def command(self, name: str, args: dict[str, Any]) -> dict[str, Any]:
+    def command(self, name: str, args: dict[str, Any], *, is_recorded: bool = False) -> dict[str, Any]:
         """Changes the document; see `commands.COMMANDS`, and `undo` and `redo`. Raises `WorkbenchError`.
 
-        The result: "id" of what was added, "pose" of the hand, "undo_depth", "redo_depth".
+        The result: "id" of what was added, "pose" of the hand, "undo_depth", "redo_depth". is_recorded: it is
+        of a record that is gone through; others are refused meanwhile.
         """
+        if self.engine.is_held and not is_recorded:
+            raise WorkbenchError("a record is being replayed", str(name), "wait until it has ended, or give it up")
         known = COMMANDS.get(name)
         moves_hand = name in ("undo", "redo") if known is None else known.moves_hand
         # The engine's lock before the session's, always; without it where the hand stays, so that it goes on meanwhile.
@@ -395,6 +434,8 @@ class Session:
         command = COMMANDS.get(name)
         hands = self._opened()
         before = self._document
+        if name == "take_tool" and isinstance(args, dict) and args.get("name") in hands.names:
+            hands.tool(args["name"])
         known = self._known(hands)
         if command is not None and command.moves_hand:
             # Undo brings the hand back to where it was, not to where it was put down before that; but of a motion, that
@@ -405,6 +446,8 @@ class Session:
             if name == "place":
                 reached = self.engine.place(motion.matrix(given.pose("pose")))
                 known = replace(known, pose=motion.row(reached))
+            elif name == "take_tool" and given.has("name"):
+                known = replace(known, tool_pose=motion.row(self._free_pose(hands, before, given.given["name"])))
             elif name == "release" and before.trip is not None:
                 least = self.engine.least_clearance(before.trip)
                 known = replace(known, trip=before.trip, least_clearance=least)
@@ -427,10 +470,19 @@ class Session:
         return Known(
             parts=mockup.parts,
             bounds=mockup.bounds,
-            tools={name: tool.triangle_count for name, tool in hands.tools.items()},
+            tools=hands.counts(),
             pose=motion.row(self.engine.pose),
             absent=frozenset(np.flatnonzero(~hands.scene.part_mask).tolist()),
         )
+
+    def _free_pose(self, hands: Hands, document: Document, name: object) -> Floats:
+        """Where a tool that is taken is: at the hand, where it meets nothing there; else above the mock-up."""
+        pose = self.engine.pose
+        if name not in hands.names:
+            return pose
+        tool = hands.tool(str(name))
+        is_free = document.tool is not None and not hands.world(document).is_colliding(tool, pose)
+        return pose if is_free else _above(hands.scene.mockup, tool)
 
     def _stepped(self, name: str, args: Any) -> Document:
         Arguments(name, args, ())
@@ -439,8 +491,7 @@ class Session:
             raise WorkbenchError(f"there is nothing to {name}", name, "change something first")
         now, after = self._document, here.pop()
         # What was opened meanwhile is no change of the user's.
-        findings = now.findings if after.findings is None else after.findings
-        after = replace(after, mockup=now.mockup, loading=now.loading, failed=now.failed, findings=findings)
+        after = replace(after, mockup=now.mockup, loading=now.loading, failed=now.failed, record=now.record)
         self._engine_follows(now, after)
         there.append(now)
         return after
@@ -509,11 +560,14 @@ class Session:
                     self._events.tell({"type": "notice", "level": "error", "text": text})
             trouble = text
             if has_news:
-                for listener in list(self._snapshot_listeners):
-                    listener()
+                self._tell_snapshot()
             self._wake.wait(timeout=LEAST_TICK_S)
             self._wake.clear()
             time.sleep(max(0.0, LEAST_TICK_S - (time.monotonic() - begun)))
+
+    def _tell_snapshot(self) -> None:
+        for listener in list(self._snapshot_listeners):
+            listener()
 
     def _bumped(self, bump: Bump) -> None:
         hands = self._opened()
@@ -556,7 +610,14 @@ class Session:
             if self._sight is None or self._sight[0] != key:
                 self._sight = (key, measuring.Sight(world, document))
             assert self._geometry is not None, "made with the hands"
-            return Place(document, hands.scene, hands.meshes, self._sight[1], self._geometry, self._exports)
+            sight, geometry = self._sight[1], self._geometry
+            return Place(document, hands.scene, hands.meshes, sight, geometry, self._exports, self._replay)
+
+
+def _checked_unit(unit: str) -> str:
+    if unit not in UNITS:
+        raise OptionError(f"unit is {unit!r}: {near(unit, UNITS)}")
+    return unit
 
 
 def _above(mockup: Mockup, tool: Tool | None) -> Floats:

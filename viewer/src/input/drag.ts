@@ -58,7 +58,8 @@ function inViewPlane(center: Vec3, view: View, from: Point, to: Point): Vec3 {
   return subtract(onViewPlane(center, view, to), onViewPlane(center, view, from));
 }
 
-function alongAxis(center: Vec3, direction: Vec3, view: View, from: Point, to: Point): number {
+/** How far along an axis through `center` the pointer went, metres. */
+export function alongAxis(center: Vec3, direction: Vec3, view: View, from: Point, to: Point): number {
   const towards = normalize(subtract(center, view.position));
   // An axis that points at the eye is a dot in the picture: the way up the picture then moves along it.
   if (Math.abs(dot(towards, direction)) > 0.995) {

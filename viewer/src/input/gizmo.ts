@@ -84,7 +84,8 @@ export function hitGizmo(handles: readonly Handle[], at: Point): Handle | null {
   return found;
 }
 
-function distanceToLine(line: readonly Point[], at: Point): number {
+/** How far a pixel is from a line of pixels. */
+export function distanceToLine(line: readonly Point[], at: Point): number {
   let least = Number.POSITIVE_INFINITY;
   for (const [k, end] of line.entries()) {
     const start = line[k - 1] ?? end;

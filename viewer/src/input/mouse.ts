@@ -2,8 +2,10 @@
 
 import { clickMeasure, hoverMeasure } from "../measuring";
 import { distance, subtract, type Vec3 } from "../scene/vectors";
+import { draftSection, settleSection } from "../sectioning";
 import type { Workbench } from "../workbench";
-import { type Drag, dragged, type Point, type Snap } from "./drag";
+import { type CutHandle, hitCut, layCuts } from "./cuts";
+import { alongAxis, type Drag, dragged, type Point, type Snap } from "./drag";
 import { type Handle, hitGizmo, layGizmo } from "./gizmo";
 import type { WishSource } from "./hand";
 import { actionOf, type CameraAction, LEFT, styleOf } from "./styles";
@@ -24,6 +26,7 @@ const FINE = 0.1;
 
 type Gesture =
   | { readonly kind: "camera"; buttons: number; action: CameraAction | null; pivot: Vec3; last: Point }
+  | { readonly kind: "cut"; readonly cut: CutHandle; readonly from: Point; to: Point; last: Point }
   | {
       readonly kind: "tool";
       readonly drag: Drag;
@@ -38,6 +41,8 @@ export class Pointer {
   at: Point | null = null;
   /** The handle under it, or being dragged. */
   handle: Handle | null = null;
+  /** The cut whose arrow is under it, or being dragged; null: none. */
+  cut: number | null = null;
   private gesture: Gesture | null = null;
   private pressed: { at: Point; button: number; time_ms: number } | null = null;
   private readonly touches = new Map<number, Point>();
@@ -68,6 +73,14 @@ export class Pointer {
     const { pose, center } = hand;
     if (!pose || !center || hand.isLocked || !store.has_hand.peek()) return [];
     return layGizmo(center, pose, store.settings.peek().frame, stage.camera);
+  }
+
+  /** The arrows of the cuts, as they lie in the picture now. */
+  cuts(): CutHandle[] {
+    const { store, stage } = this.wb;
+    const manifest = store.manifest.peek();
+    if (!manifest || !store.can_look.peek()) return [];
+    return layCuts(store.drawn_sections.peek(), manifest, stage.camera);
   }
 
   /** What is under the pointer, at most once a frame and only while the view stands. */
@@ -105,12 +118,16 @@ export class Pointer {
     if (event.button === 1) event.preventDefault();
   }
 
-  /** The gesture that begins on the gizmo or on what is held; null elsewhere. */
+  /** The gesture that begins on the gizmo, on a cut's arrow or on what is held; null elsewhere. */
   private grab(event: PointerEvent, at: Point): Gesture | null {
     const { hand, stage, store } = this.wb;
     const { pose, center } = hand;
-    if (event.buttons !== LEFT || event.altKey || !pose || !center || hand.isLocked) return null;
+    if (event.buttons !== LEFT || event.altKey) return null;
     this.handle = hitGizmo(this.handles(), at);
+    const cut = this.handle ? null : hitCut(this.cuts(), at);
+    this.cut = cut?.id ?? null;
+    if (cut) return { kind: "cut", cut, from: at, to: at, last: at };
+    if (!pose || !center || hand.isLocked) return null;
     if (this.handle) {
       const { kind, direction } = this.handle;
       return {
@@ -154,6 +171,7 @@ export class Pointer {
     }
     if (this.isClick(at)) return;
     if (gesture.kind === "tool") this.dragTool(gesture, event, at);
+    else if (gesture.kind === "cut") this.dragCut(gesture, event, at);
     else {
       if (event.buttons !== gesture.buttons) {
         // Another button joined or left: the chord may mean something else from here on.
@@ -168,7 +186,9 @@ export class Pointer {
   private hover(at: Point): void {
     const before = this.handle;
     this.handle = hitGizmo(this.handles(), at);
+    this.cut = this.handle ? null : (hitCut(this.cuts(), at)?.id ?? null);
     this.is_hover_due = true;
+    this.canvas.style.cursor = this.handle || this.cut !== null ? "grab" : "";
     if (before !== this.handle || !this.wb.stage.camera.moved) this.wb.redraw();
   }
 
@@ -184,11 +204,18 @@ export class Pointer {
     this.wb.redraw();
   }
 
+  /** The cut follows in the picture at once; the server is told at the end. */
+  private dragCut(gesture: Extract<Gesture, { kind: "cut" }>, event: PointerEvent, at: Point): void {
+    goOn(gesture, event, at);
+    const { center, id, normal, offset } = gesture.cut;
+    const section = this.wb.document?.sections.find((each) => each.id === id);
+    if (!section) return;
+    const by = alongAxis(center, normal, this.wb.stage.camera, gesture.from, gesture.to);
+    draftSection(this.wb, section, offset + this.snap(event)(by, "length"));
+  }
+
   private dragTool(gesture: Extract<Gesture, { kind: "tool" }>, event: PointerEvent, at: Point): void {
-    const factor = event.shiftKey ? FINE : 1;
-    const { to, last } = gesture;
-    gesture.to = { x: to.x + factor * (at.x - last.x), y: to.y + factor * (at.y - last.y) };
-    gesture.last = at;
+    goOn(gesture, event, at);
     const pose = dragged(gesture.drag, this.wb.stage.camera, gesture.from, gesture.to, this.snap(event));
     this.wb.hand.move(pose, gesture.source, event.timeStamp);
   }
@@ -216,13 +243,19 @@ export class Pointer {
     const { gesture, pressed } = this;
     if (event.pointerType === "touch") this.touches.delete(event.pointerId);
     if (pressed && this.isClick(at)) this.click(event, at, pressed.button);
-    else if (gesture?.kind === "tool") this.wb.hand.put();
+    else this.settle(gesture);
     this.end(event);
+  }
+
+  /** What was dragged stays where it is. */
+  private settle(gesture: Gesture | null): void {
+    if (gesture?.kind === "tool") this.wb.hand.put();
+    else if (gesture?.kind === "cut") void settleSection(this.wb);
   }
 
   private end(event: PointerEvent): void {
     this.touches.delete(event.pointerId);
-    if (event.type === "pointercancel" && this.gesture?.kind === "tool") this.wb.hand.put();
+    if (event.type === "pointercancel") this.settle(this.gesture);
     this.gesture = null;
     this.pressed = null;
     this.is_hover_due = true;
@@ -232,7 +265,7 @@ export class Pointer {
   private leave(): void {
     this.at = null;
     this.wb.store.hover.value = -1;
-    if (!this.gesture) this.handle = null;
+    if (!this.gesture) this.handle = this.cut = null;
     this.wb.redraw();
   }
 
@@ -244,7 +277,7 @@ export class Pointer {
       if (part >= 0 && !wb.store.selection.peek().has(part)) wb.select([part]);
       wb.store.menu.value = { x: event.clientX, y: event.clientY, part, point: picked?.point ?? null, at };
     } else if (button === 0 && wb.store.measuring.peek()) clickMeasure(wb, at);
-    else if (button === 0 && !this.handle) {
+    else if (button === 0 && !this.handle && this.cut === null) {
       const isAdding = event.ctrlKey || event.metaKey || event.shiftKey;
       if (picked?.held === false) wb.select([picked.part], isAdding ? "toggle" : "only");
       else if (!isAdding && !picked) wb.select([]);
@@ -308,6 +341,13 @@ export class Pointer {
     this.at = { x: event.clientX - box.left, y: event.clientY - box.top };
     return this.at;
   }
+}
+
+/** The pointer goes on; with Shift what is dragged follows it finely. */
+function goOn(drag: { to: Point; last: Point }, event: PointerEvent, at: Point): void {
+  const factor = event.shiftKey ? FINE : 1;
+  drag.to = { x: drag.to.x + factor * (at.x - drag.last.x), y: drag.to.y + factor * (at.y - drag.last.y) };
+  drag.last = at;
 }
 
 const FAR: Point = { x: Number.POSITIVE_INFINITY, y: Number.POSITIVE_INFINITY };

@@ -53,7 +53,7 @@ export function layOut(
   });
 }
 
-/** Keeps one element a figure in `container`, which lies over the canvas. Classes: `figure`, `figure-` + kind. */
+/** Keeps one element a figure in `container`, which lies over the canvas. Classes: `mark`, `mark-` + kind. */
 export class LabelLayer {
   readonly #container: HTMLElement;
   readonly #elements = new Map<string, { element: HTMLElement; width: number; height: number }>();
@@ -98,7 +98,7 @@ export class LabelLayer {
       known = { element, width: 0, height: 0 };
       this.#elements.set(anchor.key, known);
     }
-    const className = `figure figure-${anchor.kind}`;
+    const className = `mark mark-${anchor.kind}`;
     if (known.element.textContent !== anchor.text || known.element.className !== className) {
       // Measured only when the text changes: asking for the size makes the browser lay out the page.
       const isLonger =

@@ -6,7 +6,7 @@ import type { Workbench } from "../workbench";
 import { Bar } from "./bar";
 import { hint } from "./commands";
 import { useWorkbench, WorkbenchContext } from "./context";
-import { Banner, Covers, Notices } from "./covers";
+import { Banner, Covers, Notices, RecordBar } from "./covers";
 import { CommandButton } from "./fields";
 import { FindingPanel } from "./findings";
 import { Help } from "./help";
@@ -27,6 +27,7 @@ export interface PictureElements {
   readonly canvas: HTMLCanvasElement;
   readonly gizmo: HTMLCanvasElement;
   readonly labels: HTMLElement;
+  readonly cuts: HTMLElement;
 }
 
 export function App({ workbench, picture }: { workbench: Workbench; picture: PictureElements }) {
@@ -54,7 +55,7 @@ function Picture({ picture }: { picture: PictureElements }) {
   const wb = useWorkbench();
   const place = useRef<HTMLDivElement>(null);
   useEffect(() => {
-    place.current?.append(picture.canvas, picture.labels, picture.gizmo);
+    place.current?.append(picture.canvas, picture.labels, picture.cuts, picture.gizmo);
     wb.redraw();
   }, []);
   const { store } = wb;
@@ -70,6 +71,7 @@ function Picture({ picture }: { picture: PictureElements }) {
         <CommandButton id="snapshot" icon="camera" />
       </div>
       <Banner />
+      <RecordBar />
       <Covers />
       <ContextMenu />
     </main>

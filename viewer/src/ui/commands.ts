@@ -3,7 +3,7 @@
 
 import { MODES, PANELS, type Panel } from "../document";
 import { EXPORTS, type Export, exportFile, takeSnapshot } from "../exporting";
-import { stepFinding } from "../findings";
+import { openFindings, stepFinding } from "../findings";
 import { STYLES } from "../input/styles";
 import { beginTyping, cancelTyping, chooseAxis, confirmTyping, stepTyping } from "../input/typing";
 import { MEASURE_TITLES, startMeasuring, stopMeasuring } from "../measuring";
@@ -46,6 +46,7 @@ const hasHand = (wb: Workbench): boolean => canChange(wb) && wb.store.has_hand.v
 const isGripping = (wb: Workbench): boolean => canChange(wb) && (wb.store.document.value?.gripped.length ?? 0) > 0;
 const hasSections = (wb: Workbench): boolean => canLook(wb) && (wb.store.document.value?.sections.length ?? 0) > 0;
 const hasFindings = (wb: Workbench): boolean => wb.store.document.value?.findings != null;
+const hasRecord = (wb: Workbench): boolean => canChange(wb) && wb.store.document.value?.record != null;
 const hasSequence = (wb: Workbench): boolean => canChange(wb) && (wb.store.document.value?.sequence.length ?? 0) > 0;
 
 const command = (
@@ -157,6 +158,11 @@ function nextRegion(): void {
     ? next
     : next?.querySelector<HTMLElement>("[tabindex='0'], button:not([disabled]), input, select");
   target?.focus();
+}
+
+/** The server goes through the record that it was opened with; the picture follows. */
+function replayRecord(wb: Workbench): void {
+  wb.job("replay", {}, "Replay")?.result.catch((error: unknown) => wb.tell(error));
 }
 
 const toggleTheme = (wb: Workbench): void =>
@@ -352,7 +358,7 @@ export const COMMANDS: readonly PageCommand[] = [
     "Measure point to point",
     "M",
     (wb) => startMeasuring(wb, "point"),
-    (wb) => canChange(wb) && hasMockup(wb),
+    (wb) => canLook(wb) && hasMockup(wb),
   ),
   ...(["edge", "angle", "parts"] as const).map((type) =>
     command(
@@ -379,6 +385,9 @@ export const COMMANDS: readonly PageCommand[] = [
     ),
   ),
 
+  command("Sequence", "replay", "Replay the record", "", replayRecord, hasRecord),
+
+  command("Findings", "open-findings", "Open findings of a clash check", "", openFindings, canChange),
   command("Findings", "next-finding", "Next finding", "N", (wb) => stepFinding(wb, 1), hasFindings),
   command("Findings", "previous-finding", "Previous finding", "P", (wb) => stepFinding(wb, -1), hasFindings),
 

@@ -2,7 +2,7 @@
 
 import { formatShare } from "../units";
 import { useWorkbench } from "./context";
-import { IconButton } from "./fields";
+import { CommandButton, IconButton } from "./fields";
 import { Icon } from "./icons";
 
 /** Why there is nothing to work on, and what to do; null where there is. */
@@ -102,6 +102,23 @@ export function Banner() {
         Try now
       </button>
     </div>
+  );
+}
+
+/** A record that the workbench was opened with: replayed by a button, and what came of it. */
+export function RecordBar() {
+  const { store } = useWorkbench();
+  const record = store.document.value?.record;
+  if (!record || store.connection.value !== "open") return null;
+  const state = record.is_playing ? "playing" : record.is_same === null ? "" : record.is_same ? "same" : "parted";
+  return (
+    <section class={`record-bar ${state}`} aria-label="Record">
+      <p role="status">
+        <strong>{record.name}</strong>
+        {record.is_playing ? " is being replayed." : (record.verdict && ` ${record.verdict}`) || " can be replayed."}
+      </p>
+      <CommandButton id="replay" icon="play" text={record.verdict ? "Replay again" : "Replay"} />
+    </section>
   );
 }
 

@@ -2,7 +2,7 @@
 
 import { useSignal } from "@preact/signals";
 import type { Finding, FindingGroup } from "../document";
-import { type FindingOrder, lookAtFinding, STATUSES, shownGroups } from "../findings";
+import { lookAtFinding, STATUSES, shownGroups } from "../findings";
 import { formatLength, type Unit } from "../units";
 import { useWorkbench } from "./context";
 import { Choice, CommandButton } from "./fields";
@@ -14,8 +14,7 @@ const FIRST = 20;
 export function FindingPanel() {
   const wb = useWorkbench();
   const { store } = wb;
-  const query = useSignal("");
-  const order = useSignal<FindingOrder>("depth");
+  const { finding_query: query, finding_order: order } = store;
   const findings = store.document.value?.findings;
   if (!findings) {
     return (
@@ -24,6 +23,7 @@ export function FindingPanel() {
         <p class="note">
           A clash check writes them (feeler clash MOCKUP --json); the workbench then steps through them.
         </p>
+        <CommandButton id="open-findings" icon="list" text="Open a file" />
       </div>
     );
   }
@@ -35,6 +35,7 @@ export function FindingPanel() {
         <div class="button-row">
           <CommandButton id="previous-finding" icon="up" text="Previous" />
           <CommandButton id="next-finding" icon="down" text="Next" />
+          <CommandButton id="open-findings" icon="list" text="Open" />
         </div>
         <input
           type="search"

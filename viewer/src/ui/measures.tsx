@@ -30,7 +30,7 @@ export function MeasurePanel() {
               class="button"
               key={type}
               aria-pressed={measuring?.type === type}
-              disabled={isLocked}
+              disabled={type === "point" ? !store.can_look.value : isLocked}
               onClick={() => startMeasuring(wb, type)}
             >
               <Icon name="measure" size={14} />
@@ -94,7 +94,7 @@ export function MeasurePanel() {
 function MeasureCard({ measure }: { measure: Measure }) {
   const wb = useWorkbench();
   const { store } = wb;
-  const isLocked = store.is_read_only.value;
+  const isLocked = !store.can_look.value;
   return (
     <li class="line">
       <NameField

@@ -50,6 +50,7 @@ export function PosePanel() {
     <div class="panel-body">
       <section>
         <h2>In the hand</h2>
+        <ToolChoice />
         <p class="held-name">
           {[document.tool?.name, held.length > 0 ? heldText : null].filter(Boolean).join(" and ")}
         </p>
@@ -176,11 +177,38 @@ const MODE_TITLES = {
   pass: "The tool goes through; what it cuts is shown.",
 } as const;
 
+const NO_TOOL = "";
+
+/** What is taken in hand. */
+function ToolChoice() {
+  const wb = useWorkbench();
+  const { store } = wb;
+  const document = store.document.value;
+  return (
+    <label class="field">
+      Tool
+      <select
+        value={document?.tool?.name ?? NO_TOOL}
+        disabled={store.is_read_only.value || (document?.gripped.length ?? 0) > 0}
+        onChange={(event) => wb.run("take_tool", { name: event.currentTarget.value || null })}
+      >
+        <option value={NO_TOOL}>none</option>
+        {document?.tools.map((name) => (
+          <option key={name} value={name}>
+            {name}
+          </option>
+        ))}
+      </select>
+    </label>
+  );
+}
+
 function EmptyHand() {
   return (
     <div class="panel-body empty">
       <p>The hand is empty.</p>
-      <p class="note">Select a part and grip it with E, or start with a tool: feeler view MOCKUP --tool TOOL.</p>
+      <p class="note">Select a part and grip it with E, or take a tool. Your own: feeler view MOCKUP --tool TOOL.</p>
+      <ToolChoice />
       <CommandButton id="grip" icon="grip" text="Grip the selection" />
     </div>
   );

@@ -1,8 +1,9 @@
 // Settings of this browser: looks, navigation, keys, sound and touch.
 
 import { MODES } from "../document";
+import { MATERIALS, materialOf } from "../feel/materials";
 import { STYLES } from "../input/styles";
-import { UNITS } from "../units";
+import { formatShare, UNITS } from "../units";
 import { useWorkbench } from "./context";
 import { Dialog } from "./dialog";
 import { Choice, CommandButton } from "./fields";
@@ -86,6 +87,62 @@ export function Preferences() {
           />
           Rumble of gamepads and VR controllers
         </label>
+        <label class="check">
+          <input
+            type="checkbox"
+            checked={settings.has_event_rumble}
+            disabled={!settings.has_rumble}
+            onChange={(event) => store.set({ has_event_rumble: event.currentTarget.checked })}
+          />
+          Rumble at each contact
+        </label>
+        <label class="check">
+          <input
+            type="checkbox"
+            checked={settings.has_force_rumble}
+            disabled={!settings.has_rumble}
+            onChange={(event) => store.set({ has_force_rumble: event.currentTarget.checked })}
+          />
+          Rumble with the force
+        </label>
+        <label class="field">
+          Mock-up sounds like
+          <select
+            value={materialOf(store.document.value?.material ?? null)}
+            disabled={store.is_read_only.value}
+            onChange={(event) => wb.run("set_material", { material: event.currentTarget.value })}
+          >
+            {Object.keys(MATERIALS).map((name) => (
+              <option key={name} value={name}>
+                {name}
+              </option>
+            ))}
+          </select>
+        </label>
+      </div>
+      <div class="setting">
+        <h3>Devices</h3>
+        <label class="field">
+          Gamepad: rest of the sticks
+          <input
+            type="range"
+            min="0.02"
+            max="0.4"
+            step="0.01"
+            value={settings.dead_zone}
+            onInput={(event) => store.set({ dead_zone: Number(event.currentTarget.value) })}
+          />
+          <span class="figure-unit">{formatShare(settings.dead_zone)}</span>
+        </label>
+        <Choice
+          label="In VR"
+          value={settings.vr_size}
+          options={[
+            { value: "table", text: "On a table" },
+            { value: "real", text: "At its size" },
+          ]}
+          choose={(vr_size) => store.set({ vr_size })}
+        />
         <div class="button-row">
           <CommandButton id="spacemouse" icon="move" text="Connect a SpaceMouse" />
           <CommandButton id="xr" icon="eye" text="Enter VR" />

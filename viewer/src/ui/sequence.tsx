@@ -59,7 +59,7 @@ function Line({ line, at, count }: { line: Removal; at: number; count: number })
         <IconButton
           icon="play"
           label={`Replay ${line.name}`}
-          disabled={isLocked || isReplaying}
+          disabled={!store.can_look.value || isReplaying}
           run={() => wb.run("sequence_replay", { id: line.id })}
         />
         <IconButton

@@ -11,7 +11,7 @@ const HERE = dirname(fileURLToPath(import.meta.url));
 const HTML = `<!doctype html><html><head><style>
   body { margin: 0; } canvas { display: block; width: 100vw; height: 100vh; }
   #labels { position: absolute; inset: 0; overflow: hidden; pointer-events: none; font: 12px sans-serif; }
-  .figure { padding: 1px 5px; border-radius: 4px; background: #111c; color: #fff; white-space: nowrap; }
+  .mark { padding: 1px 5px; border-radius: 4px; background: #111c; color: #fff; white-space: nowrap; }
 </style></head><body><canvas></canvas><div id="labels"></div><script type="module" src="page.js"></script></body></html>`;
 
 async function bundle() {
