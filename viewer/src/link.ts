@@ -56,6 +56,7 @@ export interface LinkOptions {
   open?: (url: string) => Socket;
   wait?: (callback: () => void, delay_ms: number) => number;
   stopWaiting?: (handle: number) => void;
+  now?: () => number;
 }
 
 /** A job under way. */
@@ -72,7 +73,11 @@ interface Waiting {
 }
 
 const FIRST_DELAY_MS = 200;
+/** Slowly enough that a cut of two seconds is over within another one. */
+const DELAY_GROWTH = 1.5;
 const MOST_DELAY_MS = 5000;
+/** The server waits two seconds for hello: one that came later was refused for that, and not for what it says. */
+const LATE_MS = 1500;
 /** Of a picture in one message; a multiple of 4, so that each piece is base64 by itself. */
 const SHOT_CHARACTERS = 1 << 19;
 const LOST = new LinkError("the connection broke before the answer came", "", "See how things stand, and try again");
@@ -88,6 +93,7 @@ export class Link {
   private next_id = 1;
   private next_seq = 1;
   private isClosed = false;
+  private isLate = false;
   private readonly waiting = new Map<number, Waiting>();
 
   constructor(options: LinkOptions) {
@@ -95,6 +101,7 @@ export class Link {
       open: (url) => new WebSocket(url) as unknown as Socket,
       wait: (callback, delay_ms) => setTimeout(callback, delay_ms) as unknown as number,
       stopWaiting: (handle) => clearTimeout(handle),
+      now: () => performance.now(),
       ...options,
     };
   }
@@ -102,10 +109,15 @@ export class Link {
   connect(): void {
     if (this.socket || this.isClosed) return;
     this.retry = null;
+    const asked_ms = this.options.now();
     const socket = this.options.open(this.options.url);
     this.socket = socket;
     socket.binaryType = "arraybuffer";
-    socket.onopen = () => this.send(socket, this.hello());
+    socket.onopen = () => {
+      // A page that was busy, compiling its shaders on a slow machine.
+      this.isLate = this.options.now() - asked_ms > LATE_MS;
+      this.send(socket, this.hello());
+    };
     socket.onmessage = (event) => {
       if (socket === this.socket) this.receive(event.data);
     };
@@ -232,6 +244,7 @@ export class Link {
         break;
       case "welcome":
         this.session = message.session;
+        this.isLate = false;
         this.last_event = message.event;
         this.delay_ms = FIRST_DELAY_MS;
         this.options.listener.onWelcome(message);
@@ -264,11 +277,11 @@ export class Link {
     this.socket = null;
     this.failAll();
     if (code === RELOAD) this.setStatus("outdated");
-    else if (code === NOT_ALLOWED) this.setStatus("refused");
+    else if (code === NOT_ALLOWED && !this.isLate) this.setStatus("refused");
     else {
       this.setStatus("lost");
       this.retry = this.options.wait(() => this.connect(), this.delay_ms);
-      this.delay_ms = Math.min(2 * this.delay_ms, MOST_DELAY_MS);
+      this.delay_ms = Math.min(DELAY_GROWTH * this.delay_ms, MOST_DELAY_MS);
     }
   }
 

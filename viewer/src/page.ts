@@ -246,9 +246,9 @@ export class Page {
   private watchReady(): boolean {
     this.drawn_triangles = this.come_triangles;
     if (this.is_ready) return false;
-    const { isWhole, isBusy, isPictured } = this.wb.stage.stats;
+    const { isShown, isPictured } = this.wb.stage.stats;
     if (isPictured) this.first_picture_ms ??= epochMs();
-    this.is_ready = this.is_whole && isWhole && !isBusy;
+    this.is_ready = this.is_whole && isShown;
     if (this.is_ready) {
       this.whole_picture_ms = epochMs();
       for (const tell of this.when_ready.splice(0)) tell();

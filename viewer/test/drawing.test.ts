@@ -29,7 +29,7 @@ function setUp() {
     isKept: true,
     isWhole: true,
     isSettled: true,
-    isBusy: false,
+    isShown: true,
     isPictured: true,
   };
   const poses: (readonly [number[], number[] | null])[] = [];

@@ -46,6 +46,7 @@ class FakeSocket implements Socket {
 function setUp() {
   const sockets: FakeSocket[] = [];
   const delays: number[] = [];
+  const clock = { now: 0 };
   let waiting: (() => void) | null = null;
   const told = {
     status: [] as string[],
@@ -75,6 +76,7 @@ function setUp() {
     stopWaiting: () => {
       waiting = null;
     },
+    now: () => clock.now,
   });
   const socket = (): FakeSocket => sockets.at(-1) ?? new FakeSocket();
   const welcome = (event = 0, session = "s"): void => {
@@ -97,7 +99,7 @@ function setUp() {
     callback?.();
   };
   link.connect();
-  return { link, sockets, socket, welcome, wake, delays, told };
+  return { link, sockets, socket, welcome, wake, delays, told, clock };
 }
 
 const notice = (n: number) => ({ kind: "event", type: "notice", n, level: "info", text: `${n}` });
@@ -115,7 +117,12 @@ test("a broken link is opened again, later and later, at most every five seconds
     socket().drop();
     wake();
   }
-  assert.deepEqual(delays, [200, 400, 800, 1600, 3200, 5000, 5000, 5000]);
+  const exact = [200, 300, 450, 675, 1012.5, 1518.75];
+  assert.deepEqual(delays.slice(0, 6), exact);
+  assert.ok(delays.slice(6).every((delay) => delay > 2000 && delay <= 5000));
+  // A cut of two seconds is over within the next one, wherever in it the link noticed.
+  const tries = exact.map((_delay, k) => exact.slice(0, k + 1).reduce((sum, each) => sum + each, 0));
+  assert.ok(tries.some((at) => at > 2000 && at < 3000));
   welcome();
   socket().drop();
   assert.equal(delays.at(-1), 200, "a connection that was there starts anew");
@@ -252,6 +259,19 @@ test("a page that is not allowed, or too old, does not try again", () => {
     assert.deepEqual(told.status, [status]);
     assert.deepEqual(delays, []);
   }
+});
+
+test("a page that was too busy to say hello in time tries again, and only then", () => {
+  const { socket, wake, told, delays, clock } = setUp();
+  clock.now = 2500;
+  socket().open();
+  socket().drop(1008);
+  assert.deepEqual([told.status, delays], [["lost"], [200]]);
+  wake();
+  clock.now += 100;
+  socket().open();
+  socket().drop(1008);
+  assert.deepEqual([told.status, delays], [["lost", "refused"], [200]]);
 });
 
 test("a frame that is none closes the socket, and a new one is opened", () => {

@@ -9,6 +9,7 @@ export const STILL_MS = 150;
 
 export class Pace {
   #msPerTriangle = START_MS_PER_TRIANGLE;
+  #isKnown = false;
   #scale = 1;
 
   /** A draw of `triangles` took `ms` on the device; `isDraft` when the camera was moving. */
@@ -16,15 +17,16 @@ export class Pace {
     if (triangles < LEAST_TRIANGLES / 4) return;
     // Of two alike measurements the quicker one is nearer the truth: others wait for the display or for other work.
     const seen = ms / triangles;
+    this.#isKnown = true;
     this.#msPerTriangle += (seen - this.#msPerTriangle) * (seen < this.#msPerTriangle ? 0.6 : 0.3);
     if (!isDraft) return;
     if (ms > 2 * SLOW_MS && triangles <= 2 * LEAST_TRIANGLES) this.#scale = 0.5;
     else if (ms < SLOW_MS) this.#scale = 1;
   }
 
-  /** The triangles that `ms` allow; never so few that nothing could be told. */
+  /** The triangles that `ms` allow; never so few that nothing could be told, and so few until something was. */
   triangles(ms: number): number {
-    return Math.max(LEAST_TRIANGLES, ms / this.#msPerTriangle);
+    return this.#isKnown ? Math.max(LEAST_TRIANGLES, ms / this.#msPerTriangle) : LEAST_TRIANGLES;
   }
 
   /** What `triangles` will take, ms. */

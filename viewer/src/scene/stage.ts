@@ -53,8 +53,8 @@ export interface FrameStats {
   isWhole: boolean;
   /** Whether the picture is final: whole, its edges smooth, nothing left to do. */
   isSettled: boolean;
-  /** Whether the device is still at pieces that it was asked to draw. */
-  isBusy: boolean;
+  /** Whether the device has drawn all that `isWhole` speaks of. */
+  isShown: boolean;
   /** Whether the device has drawn some of this mock-up. */
   isPictured: boolean;
 }
@@ -71,7 +71,7 @@ const MOST_PIXELS = 2560 * 1440;
 // How long nothing may change before edges are smoothed, and what a frame may spend on it or on pieces that came late.
 const IDLE_MS = 300;
 const REFINE_MS = 12;
-const SLICE_MS = 60;
+const SLICE_MS = 120;
 // Where a redraw takes longer than this, edges are smoothed by half as many.
 const SLOW_REDRAW_MS = 250;
 // A picture for keeping is averaged from fewer redraws where they would take longer than this.
@@ -93,7 +93,7 @@ export class Stage {
     isKept: false,
     isWhole: false,
     isSettled: false,
-    isBusy: false,
+    isShown: false,
     isPictured: false,
   };
 
@@ -132,6 +132,7 @@ export class Stage {
   #theme: Theme = "dark";
   #isLost = false;
   #isPictured = false;
+  #isShown = false;
   #isSizeNew = true;
   #isViewNew = true;
   #isShapeNew = true;
@@ -388,13 +389,14 @@ export class Stage {
       if (done) {
         this.#pace.add(done.triangles, done.ms, done.isDraft);
         this.#isPictured ||= done.triangles > 0;
+        this.#isShown = this.#kept.isWhole;
       }
       this.#step(now, stats);
     }
     stats.isWhole = this.#kept.isWhole && this.#kept.scale === 1 && !this.#isViewNew && !this.#isShapeNew;
-    stats.isSettled = stats.isWhole && this.#kept.isRefined && this.#average.samples === JITTER.length;
-    stats.isBusy = this.#work.isRunning;
+    stats.isShown = stats.isWhole && this.#isShown;
     stats.isPictured = this.#isPictured;
+    stats.isSettled = stats.isWhole && this.#kept.isRefined && this.#average.samples === JITTER.length;
     const { calls, triangles } = this.renderer.info.render;
     Object.assign(stats, { calls, triangles, ms: performance.now() - start });
     return stats;
@@ -612,12 +614,15 @@ export class Stage {
     const triangles = solid.reduce((sum, piece) => sum + piece.triangles, 0);
     this.#kept.begin(solid, ghosts, isDraft ? this.#pace.scale : 1);
     this.#kept.wanted = this.#pace.estimate(triangles) < SLOW_REDRAW_MS ? JITTER.length : JITTER.length / 2;
-    this.#drawKept(isDraft ? this.#pace.draft : Infinity, isDraft);
+    // While there was no picture yet, a part of it at once is better than all of it later.
+    const whole = this.#isPictured ? Infinity : this.#pace.triangles(SLICE_MS);
+    this.#drawKept(isDraft ? this.#pace.draft : whole, isDraft);
   }
 
   #drawKept(budget: number, isDraft: boolean): void {
     const at = performance.now();
     const triangles = this.#kept.draw(this.eye, budget);
+    this.#isShown = false;
     this.#isLitNew = true;
     this.#work.begin(at, triangles, isDraft);
     this.#touch();
