@@ -206,6 +206,12 @@ def wait(page: Any, condition: str, argument: Any = None) -> None:
     page.wait_for_function(condition, arg=argument)
 
 
+def settled(page: Any) -> None:
+    """Until the picture shows what was asked for last: what is clicked at is what is seen."""
+    page.evaluate("() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+    wait(page, "() => window.feeler.stats.isWhole")
+
+
 PICTURE = """async () => {
     const bitmap = await createImageBitmap(await window.feeler.shot(320, 180));
     const canvas = new OffscreenCanvas(320, 180);

@@ -26,6 +26,7 @@ from browser import (
     picture,
     program,
     ready,
+    settled,
     troubles,
     wait,
 )
@@ -102,6 +103,7 @@ def test_a_dragged_tool_stops_at_contact(context: Any, stand: Path, cube: Path) 
         page.locator("#picture").focus()
         page.keyboard.press("1")  # from the front: down in the picture is down in the world
         page.keyboard.press("Shift+F")
+        settled(page)
         area = page.locator("#picture").bounding_box()
         x, y = area["x"] + 0.5 * area["width"], area["y"] + 0.5 * area["height"]
         # On the tool, beside the middle of the gizmo.
@@ -184,6 +186,7 @@ def test_two_clicks_measure(context: Any, stand: Path, cube: Path) -> None:
         page.locator("#picture").focus()
         page.keyboard.press("1")
         page.keyboard.press("m")
+        settled(page)
         area = page.locator("#picture").bounding_box()
         x, y = area["x"] + 0.5 * area["width"], area["y"] + 0.5 * area["height"]
         page.mouse.click(x - 60, y + 100)
