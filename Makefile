@@ -14,9 +14,10 @@ PY := $(BIN)/python
 # make PYTHON=python3.12 ...: the Python that .venv is made from. PROFILE=dev: an extension module for debugging.
 PYTHON ?=
 PROFILE ?= release
-# make QUICK=1 bench | test: the short form. DEMO_ARGS, BENCH_ARGS, STUDY_ARGS, PYTEST_ARGS, CARGO_ARGS are passed on.
+# make QUICK=1 bench | test: the short form. DEMO_ARGS, VIEW_ARGS, BENCH_ARGS, STUDY_ARGS, PYTEST_ARGS, CARGO_ARGS are passed on.
 QUICK ?=
 DEMO_ARGS ?=
+VIEW_ARGS ?= sample:engine:1600000 --tool sample:wrench
 BENCH_ARGS ?=
 STUDY_ARGS ?=
 STUDY_OUT ?= feeler-study
@@ -49,7 +50,7 @@ RUST_SOURCES := Cargo.toml $(wildcard Cargo.lock) \
 EXTENSION := $(wildcard python/feeler/_core*.so python/feeler/_core*.pyd)
 NODE_MODULES := viewer/node_modules/.package-lock.json
 PAGE := python/feeler/workbench/static/index.html
-PAGE_SOURCES := viewer/build.mjs viewer/tsconfig.json $(shell find viewer/src viewer/public -type f 2>/dev/null)
+PAGE_SOURCES := viewer/build.mjs viewer/licences.mjs viewer/tsconfig.json $(shell find viewer/src viewer/public -type f 2>/dev/null)
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
@@ -63,11 +64,15 @@ help: ## list the targets
 		/^##@ / { printf "\n%s\n", substr($$0, 5) } \
 		/^[a-z][a-z0-9-]*:.*## / { printf "  make %-14s %s\n", $$1, $$2 }' Makefile
 	@printf '\nVariables: PYTHON=python3.12 (the Python to use)  QUICK=1 (bench, test: the short form)\n'
-	@printf '           DEMO_ARGS= BENCH_ARGS= PYTEST_ARGS= CARGO_ARGS= (passed on)  PROFILE=dev (unoptimised extension)\n'
+	@printf '           DEMO_ARGS= VIEW_ARGS= BENCH_ARGS= PYTEST_ARGS= CARGO_ARGS= (passed on)  PROFILE=dev (unoptimised extension)\n'
 
 .PHONY: demo
 demo: build ## index an engine of 1.6M triangles, drive a wrench through it, say what it hits
 	@$(BIN)/feeler demo $(DEMO_ARGS)
+
+.PHONY: view
+view: build ## the same engine in the browser, to fly through and to take apart (VIEW_ARGS="engine.step --tool wrench.stl")
+	@$(BIN)/feeler view $(VIEW_ARGS)
 
 .PHONY: bench
 bench: build ## measure feeler and its peers on the same poses, into bench/records (QUICK=1: into target)
@@ -137,7 +142,7 @@ $(PAGE): $(NODE_MODULES) $(PAGE_SOURCES)
 ##@ Check
 
 .PHONY: test
-test: test-rust test-haply test-page test-python ## all tests
+test: test-rust test-haply test-page test-browser test-python ## all tests
 	@echo "make test: cargo test, node --test and pytest passed"
 
 # feeler-py is a module for Python to load: it has no tests of its own, and would need libpython to link one.
@@ -161,6 +166,11 @@ test-haply: ## the Haply driver's messages, judged by the maker's own crate (on 
 .PHONY: test-page
 test-page: $(NODE_MODULES) ## the workbench's page without a browser: node --test
 	@npm test --prefix viewer --silent
+
+# In pytest there are those that use the whole workbench.
+.PHONY: test-browser
+test-browser: $(NODE_MODULES) ## the page's picture, sound and VR in a Chromium (FEELER_CHROMIUM=: another than /usr/bin/chromium)
+	@npm run test:browser --prefix viewer --silent
 
 .PHONY: test-python
 test-python: build ## pytest: warnings are errors, every test has a time-out

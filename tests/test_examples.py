@@ -22,6 +22,7 @@ SAYS = {
         "inside/filter is held by inside/pump\ninside/pump is held by lid\nlid is held by latch\nlatch goes out\n",
         "lid goes out\ninside/filter is held by inside/pump\ninside/pump goes out\ninside/filter goes out\n",
     ],
+    "workbench.py": ["stopped by engine/", "there it would meet the pump", "9 parts came out"],
     "assembly_report.py": ["poses collide", "report.png"],
 }
 
@@ -39,6 +40,8 @@ def test_example_runs(name: str, tmp_path: Path) -> None:
     assert done.stderr == ""
     for words in SAYS[name]:
         assert words in done.stdout
+    if name == "workbench.py":
+        assert (tmp_path / "workbench.png").read_bytes().startswith(b"\x89PNG")
     if name == "assembly_report.py":
         assert {path.name for path in tmp_path.iterdir()} == {"report.csv", "report.glb", "report.png"}
 

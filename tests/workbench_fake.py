@@ -50,6 +50,7 @@ class FakeSession:
         self.wishes: queue.Queue[tuple[np.ndarray, int, str]] = queue.Queue()
         self.done: list[tuple[str, dict[str, Any]]] = []
         self.shots: queue.Queue[tuple[int, bytes]] = queue.Queue()
+        self.figures: queue.Queue[tuple[int, dict[str, Any]]] = queue.Queue()
         self.gone = threading.Event()
         self.go_on = threading.Event()
         self.began = threading.Event()
@@ -129,6 +130,9 @@ class FakeSession:
 
     def shot_taken(self, number: int, png: bytes) -> None:
         self.shots.put((number, png))
+
+    def benchmarked(self, number: int, figures: dict[str, Any]) -> None:
+        self.figures.put((number, figures))
 
     def manifest(self) -> dict[str, Any]:
         return {"hash": "00ff", "pieces": []}

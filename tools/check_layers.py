@@ -191,7 +191,7 @@ ROOMS: dict[str, set[str]] = {
     "samples": BASE,
     "study": {*BASE, "samples"},
     # `feeler` for its version alone.
-    "workbench": {*BASE, "haptics", "ignored", "io", "parts", "picture", "feeler"},
+    "workbench": {*BASE, "haptics", "ignored", "io", "parts", "picture", "samples", "feeler"},
     "cli": {*BASE, "haptics", "io", "picture", "samples", "study", "workbench", "feeler"},
     "__init__": {"_core", "ignored", *BASE, "haptics", "interchange", "io", "picture", "samples", "study", "workbench"},
     "__main__": {"cli"},

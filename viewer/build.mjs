@@ -11,6 +11,7 @@ import { dirname, join, relative } from "node:path";
 import { fileURLToPath } from "node:url";
 import { gzipSync } from "node:zlib";
 import * as esbuild from "esbuild";
+import { licences } from "./licences.mjs";
 
 const HERE = dirname(fileURLToPath(import.meta.url));
 const STATIC = join(HERE, "..", "python", "feeler", "workbench", "static");
@@ -32,6 +33,8 @@ const page = {
   entryPoints: { main: "src/main.ts", geometry: "src/geometry.worker.ts", style: "src/ui/style.css" },
   outdir: STATIC,
   minify: true,
+  metafile: true,
+  plugins: [licences(HERE)],
 };
 
 async function files(folder) {

@@ -1,5 +1,6 @@
 // `window.feeler`: the page for scripts and tests.
 
+import { benchmark, type Drawn, type Figures, type ToolMotion, toolMotion } from "./benchmark";
 import type { Document } from "./document";
 import type { Drawing } from "./drawing";
 import { SHOT_HEIGHT, SHOT_WIDTH } from "./exporting";
@@ -10,7 +11,7 @@ import type { FrameStats } from "./scene/stage";
 import type { Vec3 } from "./scene/vectors";
 import type { Workbench } from "./workbench";
 
-export interface PageStats extends FrameStats {
+export interface PageStats extends FrameStats, Drawn {
   /** Milliseconds from an input to the end of the frame that drew the engine's answer; the last 200. */
   readonly input_to_drawn: readonly number[];
 }
@@ -43,23 +44,32 @@ export interface FeelerApi {
   pixel(point: Vec3): [number, number] | null;
   /** The picture as PNG. */
   shot(width?: number, height?: number): Promise<Blob>;
+  /** What this machine draws, camera and tool moving for `seconds` each; waits until the page is ready. */
+  benchmark(seconds?: number): Promise<Figures>;
+  /** The same of the tool alone, on a circle about where the hand wishes it. */
+  moveAround(seconds?: number): Promise<ToolMotion>;
 }
 
 /** The tool stands in mode glide when its pose has not changed for so long. */
 const STANDS_MS = 120;
 /** An answer that does not come is told, not waited for without end. */
 const ANSWER_MS = 10_000;
+/** How long camera and tool move for `benchmark`. */
+const BENCHMARK_S = 4;
 
 export interface ApiSource {
   readonly wb: Workbench;
   readonly drawing: Drawing;
   readonly isReady: () => boolean;
+  readonly whenReady: () => Promise<void>;
+  readonly drawn: () => Drawn;
   readonly countTriangles: () => number;
   /** Calls back with every state; the function returned ends it. */
   readonly onState: (listener: (state: State) => void) => () => void;
 }
 
-export function createApi({ wb, drawing, isReady, countTriangles, onState }: ApiSource): FeelerApi {
+export function createApi(source: ApiSource): FeelerApi {
+  const { wb, drawing, isReady, whenReady, drawn, countTriangles, onState } = source;
   const run = async (name: string, args: Record<string, unknown> = {}): Promise<void> => {
     await wb.send(name, args);
   };
@@ -94,7 +104,7 @@ export function createApi({ wb, drawing, isReady, countTriangles, onState }: Api
       return drawing.state;
     },
     get stats() {
-      return { ...wb.stage.stats, input_to_drawn: [...drawing.input_to_drawn.values] };
+      return { ...wb.stage.stats, ...drawn(), input_to_drawn: [...drawing.input_to_drawn.values] };
     },
     get camera() {
       return wb.stage.camera.toJSON();
@@ -104,6 +114,14 @@ export function createApi({ wb, drawing, isReady, countTriangles, onState }: Api
       return depth > 0 ? [x, y] : null;
     },
     shot: (width = SHOT_WIDTH, height = SHOT_HEIGHT) => wb.stage.shot(width, height),
+    benchmark: async (seconds = BENCHMARK_S) => {
+      await whenReady();
+      return benchmark(wb, drawing, drawn(), seconds);
+    },
+    moveAround: async (seconds = BENCHMARK_S) => {
+      await whenReady();
+      return toolMotion(wb, drawing, seconds);
+    },
   };
 }
 

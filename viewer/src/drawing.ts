@@ -29,6 +29,10 @@ export class Recent {
     this.values.push(value);
     if (this.values.length > KEPT) this.values.shift();
   }
+
+  clear(): void {
+    this.values.length = 0;
+  }
 }
 
 export interface Browser {

@@ -168,6 +168,11 @@ export class Link {
     }
   }
 
+  /** Answers the server's wish for figures. */
+  benchmarked(id: number, figures: Record<string, unknown>): void {
+    if (this.status === "open" && this.socket) this.send(this.socket, { kind: "benchmarked", id, figures });
+  }
+
   private hello() {
     const { token } = this.options;
     return {

@@ -38,6 +38,9 @@ export class Page {
   private drawn_triangles = 0;
   private is_whole = false;
   private is_ready = false;
+  private readonly when_ready: (() => void)[] = [];
+  private first_picture_ms: number | null = null;
+  private whole_picture_ms: number | null = null;
   private loaded_hash: string | null = null;
   private held_version = NO_VERSION;
 
@@ -105,6 +108,8 @@ export class Page {
       wb: this.wb,
       drawing: this.drawing,
       isReady: () => this.is_ready,
+      whenReady: () => (this.is_ready ? Promise.resolve() : new Promise((resolve) => this.when_ready.push(resolve))),
+      drawn: () => ({ first_picture_ms: this.first_picture_ms, whole_picture_ms: this.whole_picture_ms }),
       countTriangles: () => this.drawn_triangles,
       onState: (listener) => {
         this.state_listeners.add(listener);
@@ -160,6 +165,12 @@ export class Page {
       case "shot":
         pictureFor(this.wb, event.width, event.height, event.camera as never)
           .then((png) => this.wb.link?.shot(event.id, `shot-${event.id}`, png))
+          .catch((error: unknown) => this.wb.tell(error));
+        break;
+      case "benchmark":
+        this.api()
+          .benchmark()
+          .then((figures) => this.wb.link?.benchmarked(event.id, { ...figures }))
           .catch((error: unknown) => this.wb.tell(error));
         break;
       case "held":
@@ -231,12 +242,18 @@ export class Page {
     }
   }
 
-  /** Ready once the first picture with every piece in it is drawn. */
+  /** Ready once the first picture with every piece in it is drawn, by the device as well. */
   private watchReady(): boolean {
     this.drawn_triangles = this.come_triangles;
     if (this.is_ready) return false;
-    this.is_ready = this.is_whole && this.wb.stage.stats.isWhole;
-    if (this.is_ready && !this.store.settings.peek().has_seen_tour) this.greet();
+    const { isWhole, isBusy, isPictured } = this.wb.stage.stats;
+    if (isPictured) this.first_picture_ms ??= epochMs();
+    this.is_ready = this.is_whole && isWhole && !isBusy;
+    if (this.is_ready) {
+      this.whole_picture_ms = epochMs();
+      for (const tell of this.when_ready.splice(0)) tell();
+      if (!this.store.settings.peek().has_seen_tour) this.greet();
+    }
     return this.is_whole && !this.is_ready;
   }
 
@@ -245,6 +262,9 @@ export class Page {
     this.store.set({ has_seen_tour: true });
   }
 }
+
+/** Milliseconds since 1970, to fractions of one. */
+const epochMs = (): number => performance.timeOrigin + performance.now();
 
 /** The hand turns about its own origin where that lies in what it holds, else about the middle of that. */
 function pivotOf(manifest: HeldManifest): Vec3 {

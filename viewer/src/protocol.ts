@@ -304,6 +304,14 @@ export interface Shot {
   more: boolean;
 }
 
+/** What a page measured, as a "benchmark" event asked for. */
+export interface Benchmarked {
+  kind: "benchmarked";
+  id: number;
+  /** As `Figures` of `viewer/src/benchmark.ts`. */
+  figures: Record<string, unknown>;
+}
+
 /** The answer to hello: everything. */
 export interface Welcome {
   kind: "welcome";
@@ -414,6 +422,14 @@ export interface ShotWanted {
   camera: Camera | null;
 }
 
+/** A page is to measure what it draws: it answers by a "benchmarked" message of the same id. */
+export interface BenchmarkWanted {
+  kind: "event";
+  type: "benchmark";
+  n: number;
+  id: number;
+}
+
 /** The hand holds something else: fetch `/held/VERSION`. */
 export interface HeldChanged {
   kind: "event";
@@ -450,9 +466,9 @@ export interface Refusal {
   error: Trouble;
 }
 
-export type FromPage = Hello | Pose | Ack | Command | Ask | Job | Cancel | Shot;
+export type FromPage = Hello | Pose | Ack | Command | Ask | Job | Cancel | Shot | Benchmarked;
 
-export type ServerEvent = Patch | Impact | Notice | ShotWanted | HeldChanged;
+export type ServerEvent = Patch | Impact | Notice | ShotWanted | BenchmarkWanted | HeldChanged;
 
 export type FromServer = Welcome | State | ServerEvent | Progress | Answer | Refusal;
 

@@ -29,6 +29,8 @@ function setUp() {
     isKept: true,
     isWhole: true,
     isSettled: true,
+    isBusy: false,
+    isPictured: true,
   };
   const poses: (readonly [number[], number[] | null])[] = [];
   const lit: Uint8Array[] = [];

@@ -96,6 +96,15 @@ fn the_size_of_the_numbers_plays_no_part() {
 }
 
 #[test]
+fn a_corner_on_the_plane_is_on_it_though_float64_says_behind() {
+    // Exactly 1 + t - 1 - t; float64 drops the first t.
+    let t = 2.0f64.powi(-60);
+    let triangle = (vec![[1.0, 0.0, -t], [3.0, 3.0, 3.0], [4.0, 3.0, 3.0]], vec![[0, 1, 2]]);
+    let outline = scene_of(mockup_of(triangle)).section(&[-t, 1.0, 0.0], &[1.0; 3]).unwrap();
+    assert_eq!(outline, SectionOutline::default());
+}
+
+#[test]
 fn selections_are_obeyed_and_defects_are_not_cut() {
     let (vertices, faces) = with_defects(soup(5, 900, 0.3));
     let parts = (0..faces.len() as u32).map(|t| t % 5).collect();

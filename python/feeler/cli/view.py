@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+import json
 import sys
 import threading
 import time
+from concurrent.futures import Future
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -18,6 +20,7 @@ from feeler.errors import FeelerError, OptionError
 from feeler.haptics import devices
 
 if TYPE_CHECKING:
+    from feeler.workbench.benchmark import Opened
     from feeler.workbench.server import Server
     from feeler.workbench.session import Session
 
@@ -35,6 +38,7 @@ feeler view engine.step --tool wrench.stl
 feeler view engine.step --without "*cover*" --record session.jsonl
 feeler view sample:turbine:1600000 --tool sample:blade --no-browser --port 8000
 feeler view engine.step --tool wrench.stl --device spacemouse
+feeler view sample:engine:10000000 --benchmark
 feeler view engine.step --findings clashes.json
 """,
 )
@@ -65,6 +69,13 @@ def view(
     record: Annotated[
         Path | None, typer.Option(help="Write down what is done, line by line, for feeler replay (.jsonl).")
     ] = None,
+    benchmark: Annotated[
+        bool,
+        typer.Option(
+            "--benchmark",
+            help="Measure what this machine draws, write it into feeler-benchmark.json, print it, and end.",
+        ),
+    ] = False,
     findings: Annotated[
         Path | None, typer.Option(metavar="FILE", help="What feeler clash --json wrote, to step through.")
     ] = None,
@@ -90,8 +101,12 @@ def view(
 
     Prints the address, which has the key to it: nobody gets in without. The page opens at once and shows how far the
     mock-up is. Ctrl-C ends it. Exit status: 0; 2 bad input, or a mock-up that could not be read.
+
+    --benchmark moves camera and tool in the page and says how many frames a second the renderer drew; keep the page in
+    sight meanwhile, as browsers draw nothing in hidden ones.
     """
     from feeler.io import check_target
+    from feeler.workbench.benchmark import FILE
     from feeler.workbench.findings import read_findings
     from feeler.workbench.listening import Place
     from feeler.workbench.server import Server
@@ -107,8 +122,9 @@ def view(
         raise OptionError("--device moves a tool: give --tool too")
     place = Place(host, port, allow_remote, tls_cert, tls_key)
     place.check()
-    if record is not None:
-        check_target(record)
+    for target in (record, Path(FILE) if benchmark else None):
+        if target is not None:
+            check_target(target)
     found = None if findings is None else read_findings(findings)
     # Before anything is loaded: a device that is not there is said at once.
     held = None if device is None else devices.open_device(device)
@@ -125,7 +141,11 @@ def view(
         say_where(server, place.is_remote, as_json)
         if browser:
             open_browser(server.url)
-        wait_for_ctrl_c()
+        if not benchmark:
+            wait_for_ctrl_c()
+        measured = _Measured(session, opening, as_json)
+        while not (measured.is_done() or opening.is_failed):
+            time.sleep(_LOOK_S)
     if opening is not None and opening.is_failed:
         raise typer.Exit(BAD_INPUT)
 
@@ -150,6 +170,8 @@ class _Opening:
     ) -> None:
         """findings: as `read_findings` has them."""
         self.is_failed = False
+        self.opened: Opened | None = None
+        """Once the mock-up is read and indexed."""
         self._findings = findings
         self._session, self._sources, self._tool = session, sources, tool
         self._choice, self._held = choice, held
@@ -194,8 +216,10 @@ class _Opening:
 
     def _open(self, unit: str | None, tool_unit: str | None, up: str | None, threads: int | None) -> None:
         from feeler.cli.outputs import warn
+        from feeler.workbench.benchmark import Opened
 
         session = self._session
+        begun = time.perf_counter()
         world = read_mockup(self._sources, unit, up, also=lambda share, stage: self._tell(0.5 * share, stage))
         probe = None if self._tool is None else read_tool(self._tool, tool_unit, up)
         doubts = [f"mock-up: {doubt}" for doubt in world.source.doubts]
@@ -203,8 +227,10 @@ class _Opening:
         for doubt in doubts:
             warn(doubt)
             session.tell({"type": "notice", "level": "warning", "text": doubt})
+        read = time.perf_counter()
         with telling("indexing", lambda share, stage: self._tell(0.5 + 0.5 * share, stage)) as progress:
             scene = feeler.Scene(world, tool=probe, threads=threads, progress=progress)
+        self.opened = Opened(read - begun, time.perf_counter() - read, time.time())
         scene = self._choice.scene_of(scene)
         session.open(world, scene, probe, name=name_of(self._sources))
         if self._findings is not None:
@@ -213,6 +239,40 @@ class _Opening:
             from feeler.workbench.device import DeviceHand
 
             self._hand = DeviceHand(session, scene, probe, self._held, session.engine.pose)
+
+
+class _Measured:
+    """What a page measures, once there is one and the mock-up is open; written and printed when it is there."""
+
+    def __init__(self, session: Session, opening: _Opening, as_json: bool) -> None:
+        self._session, self._opening, self._as_json = session, opening, as_json
+        self._figures: Future[dict[str, Any]] | None = None
+
+    def is_done(self) -> bool:
+        """Whether all is written. Raises `WorkbenchError`, `WriteError`."""
+        opened = self._opening.opened
+        if opened is None or self._session.current.mockup is None or not self._session.pages:
+            return False
+        if self._figures is None:
+            self._figures = self._session.benchmark()
+        if not self._figures.done():
+            return False
+        self._write(self._figures.result(), opened)
+        return True
+
+    def _write(self, figures: dict[str, Any], opened: Opened) -> None:
+        from feeler.cli import outputs
+        from feeler.io.atomic import atomic_file
+        from feeler.workbench import benchmark
+
+        written = benchmark.report(figures, self._session.document(), opened)
+        facts = benchmark.rows(written)
+        with atomic_file(benchmark.FILE) as file:
+            file.write((json.dumps(written, indent=1) + "\n").encode())
+        if self._as_json:
+            outputs.print_json(written)
+        else:
+            outputs.print_facts(outputs.console(), [*facts, ("written", benchmark.FILE)])
 
 
 def name_of(sources: list[str]) -> str:

@@ -160,6 +160,8 @@ class Client:
                     job.cancel()
             case protocol.Shot():
                 self._take_shot(message)
+            case protocol.Benchmarked():
+                self._session.benchmarked(message.id, message.figures)
             case protocol.Hello():
                 raise WorkbenchError("hello was said already", "hello", "say it once")
             case _:

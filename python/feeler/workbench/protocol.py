@@ -372,6 +372,16 @@ class Shot:
     """Another piece follows."""
 
 
+@dataclass(frozen=True)
+class Benchmarked:
+    """What a page measured, as a "benchmark" event asked for."""
+
+    KIND: ClassVar[str] = "benchmarked"
+    id: int
+    figures: dict[str, Any]
+    """As `Figures` of `viewer/src/benchmark.ts`."""
+
+
 # ---- server -> page ----
 
 
@@ -498,6 +508,16 @@ class ShotWanted:
 
 
 @dataclass(frozen=True)
+class BenchmarkWanted:
+    """A page is to measure what it draws: it answers by a "benchmarked" message of the same id."""
+
+    KIND: ClassVar[str] = "event"
+    TAG: ClassVar[dict[str, Any]] = {"type": "benchmark"}
+    n: int
+    id: int
+
+
+@dataclass(frozen=True)
 class HeldChanged:
     """The hand holds something else: fetch `/held/VERSION`."""
 
@@ -541,14 +561,14 @@ class Refusal:
     error: Trouble
 
 
-FromPage = Hello | Pose | Ack | Command | Ask | Job | Cancel | Shot
-Event = Patch | Impact | Notice | ShotWanted | HeldChanged
+FromPage = Hello | Pose | Ack | Command | Ask | Job | Cancel | Shot | Benchmarked
+Event = Patch | Impact | Notice | ShotWanted | BenchmarkWanted | HeldChanged
 FromServer = Welcome | State | Event | Progress | Answer | Refusal
 
-FROM_PAGE: tuple[type, ...] = (Hello, Pose, Ack, Command, Ask, Job, Cancel, Shot)
+FROM_PAGE: tuple[type, ...] = (Hello, Pose, Ack, Command, Ask, Job, Cancel, Shot, Benchmarked)
 FROM_SERVER: tuple[type, ...] = (
     *(Welcome, State),
-    *(Patch, Impact, Notice, ShotWanted, HeldChanged),
+    *(Patch, Impact, Notice, ShotWanted, BenchmarkWanted, HeldChanged),
     *(Progress, Answer, Refusal),
 )
 

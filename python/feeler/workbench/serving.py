@@ -79,6 +79,9 @@ class SessionLike(Protocol):
     def shot_taken(self, number: int, png: bytes, /) -> None:
         """A page's picture."""
 
+    def benchmarked(self, number: int, figures: dict[str, Any], /) -> None:
+        """What a page measured."""
+
     def manifest(self) -> dict[str, Any]:
         """Of the geometry."""
 

@@ -78,6 +78,7 @@ class Session:
         """How many pages look at the session; the server keeps it."""
         self._shot_lock, self._shot_id = threading.Lock(), 0
         self._shot: tuple[int, Future[bytes]] = (0, Future())
+        self._benchmark: tuple[int, Future[dict[str, Any]]] = (0, Future())
         self._snapshot_listeners: list[Callable[[], None]] = []
         self._wake, self._is_closed = threading.Event(), False
         self._thread: threading.Thread | None = None
@@ -379,6 +380,19 @@ class Session:
         wanted, waiting = self._shot
         if wanted == number and not waiting.done():
             waiting.set_result(png)
+
+    def benchmark(self) -> Future[dict[str, Any]]:
+        """Asks the pages to measure what they draw; the first answer counts. `benchmark.py` has the figures."""
+        number, _ = self._benchmark
+        self._benchmark = (number + 1, Future())
+        self._events.tell({"type": "benchmark", "id": number + 1})
+        return self._benchmark[1]
+
+    def benchmarked(self, number: int, figures: dict[str, Any]) -> None:
+        """What a page measured. What nobody waits for any more, and all but the first, is dropped."""
+        wanted, waiting = self._benchmark
+        if wanted == number and not waiting.done():
+            waiting.set_result(figures)
 
     @property
     def scene(self) -> Scene:

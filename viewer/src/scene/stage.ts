@@ -53,6 +53,10 @@ export interface FrameStats {
   isWhole: boolean;
   /** Whether the picture is final: whole, its edges smooth, nothing left to do. */
   isSettled: boolean;
+  /** Whether the device is still at pieces that it was asked to draw. */
+  isBusy: boolean;
+  /** Whether the device has drawn some of this mock-up. */
+  isPictured: boolean;
 }
 
 /** What is under a pixel: a part of the mock-up, or of the held mesh. */
@@ -81,7 +85,17 @@ export class Stage {
   readonly rig = new Group();
   /** What other modules draw over the picture (the gizmo): children in world coordinates. */
   readonly overlay = new Group();
-  stats: FrameStats = { drawn: false, ms: 0, calls: 0, triangles: 0, isKept: false, isWhole: false, isSettled: false };
+  stats: FrameStats = {
+    drawn: false,
+    ms: 0,
+    calls: 0,
+    triangles: 0,
+    isKept: false,
+    isWhole: false,
+    isSettled: false,
+    isBusy: false,
+    isPictured: false,
+  };
 
   readonly #uniforms = sharedUniforms();
   readonly #materials: PieceMaterials;
@@ -117,6 +131,7 @@ export class Stage {
 
   #theme: Theme = "dark";
   #isLost = false;
+  #isPictured = false;
   #isSizeNew = true;
   #isViewNew = true;
   #isShapeNew = true;
@@ -222,6 +237,8 @@ export class Stage {
     this.#table = null;
     this.#bounds = emptyBox();
     this.#kept.forget();
+    this.#work.forget();
+    this.#isPictured = false;
     this.#isShapeNew = true;
     this.setHits(new Uint32Array(0), this.#hitIds.held);
     this.#touch();
@@ -368,11 +385,16 @@ export class Stage {
       this.#resize();
       this.#takeCamera(now);
       const done = this.#work.poll();
-      if (done) this.#pace.add(done.triangles, done.ms, done.isDraft);
+      if (done) {
+        this.#pace.add(done.triangles, done.ms, done.isDraft);
+        this.#isPictured ||= done.triangles > 0;
+      }
       this.#step(now, stats);
     }
     stats.isWhole = this.#kept.isWhole && this.#kept.scale === 1 && !this.#isViewNew && !this.#isShapeNew;
     stats.isSettled = stats.isWhole && this.#kept.isRefined && this.#average.samples === JITTER.length;
+    stats.isBusy = this.#work.isRunning;
+    stats.isPictured = this.#isPictured;
     const { calls, triangles } = this.renderer.info.render;
     Object.assign(stats, { calls, triangles, ms: performance.now() - start });
     return stats;

@@ -16,6 +16,7 @@ export const whySkipped = await access(CHROMIUM).then(
   () => false,
   () => `NO CHROMIUM at ${CHROMIUM}: the tests in a browser did not run (apt install chromium, or set FEELER_CHROMIUM)`,
 );
+if (whySkipped && process.env.CI) throw new Error(`${whySkipped}; CI may not leave them out`);
 if (whySkipped) console.error(whySkipped);
 
 /** Opens a page that runs `source` (TypeScript, relative to viewer/) and closes it when the test `t` ends. */

@@ -1,0 +1,143 @@
+"""The tables of a run, as Markdown: the scorecard, what the page draws, what it weighs and stands."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from . import goals
+
+Result = dict[str, Any]
+
+
+def markdown(heads: Sequence[str], texts: int, lines: Sequence[Sequence[str]], note: str = "") -> str:
+    """A table: the first columns are text, the others numbers."""
+    rule = "|---" * texts + "|---:" * (len(heads) - texts) + "|"
+    rows = [f"| {' | '.join(line)} |" for line in (heads, *lines)]
+    return "\n".join([rows[0], rule, *rows[1:], *(["", note] if note else [])])
+
+
+def tables(result: Result) -> dict[str, str]:
+    """All tables of a run, by name."""
+    return {
+        "goals": scorecard(result),
+        "drawing": drawing(result),
+        "page": standing(result),
+        "origin": origin(result),
+    }
+
+
+def page(result: Result) -> str:
+    """All of them, one behind the other, as a section of the documentation has them."""
+    made = tables(result)
+    return "\n\n".join(made[name] for name in ("origin", "goals", "drawing", "page"))
+
+
+def origin(result: Result) -> str:
+    """When, where and of what."""
+    short = "; a short run" if result["is_quick"] else ""
+    changed = " with changes" if result["dirty"] else ""
+    command = " ".join(["python bench/workbench/run.py", *result["args"]])
+    loads = [result["load_average"], result["load_average_after"]]
+    busy = "" if None in loads else f", load average {loads[0][0]:.1f} before and {loads[1][0]:.1f} after"
+    core = "on any core" if result["core"] is None else "on one core"
+    return (
+        f"`{command}`, {result['when'][:10]}, commit {str(result['commit'])[:7]}{changed}, {result['machine']['cpu']}, "
+        f"{result['browser']}, SwiftShader {core}{busy}{short}."
+    )
+
+
+def scorecard(result: Result) -> str:
+    """Every goal; missed ones bold."""
+    lines = []
+    for goal in goals.scorecard(result):
+        said = goal.found if goal.is_met else f"**{goal.found}**"
+        lines.append([goal.experiment, goal.goal, goal.wanted, said])
+    return markdown(["mock-up, experiment", "goal", "at most", "found"], 2, lines, "Bold: missed.")
+
+
+def drawing(result: Result) -> str:
+    """What the page draws, at each size of the picture."""
+    lines = []
+    for mockup, experiments in result["mockups"].items():
+        for name in ("large", "small", "parts"):
+            found = experiments.get(name)
+            if found is not None and "failed" not in found:
+                lines += [[mockup, _size(found["page"]), *line] for line in _drawn(found["page"])]
+    return markdown(["mock-up", "picture", "what", "p50", "p99", "draw calls"], 3, lines)
+
+
+def _size(page: Mapping[str, Any]) -> str:
+    return f"{page['width']}x{page['height']}"
+
+
+def _drawn(page: Mapping[str, Any]) -> Iterator[list[str]]:
+    for name, what in (("camera", "camera moving"), ("tool", "tool moving")):
+        if page[name] is not None:
+            rate = f"{what}, {page[name]['frames_per_s']:.1f} frames/s: frame to frame"
+            yield [rate, *_spread(page[name]["interval_ms"]), ""]
+    if page["tool"] is not None:
+        yield ["input to drawn", *_spread(page["tool"]["input_to_drawn_ms"]), ""]
+        yield ["engine", *_spread(page["tool"]["engine_us"], "us"), ""]
+    for name, what in (
+        ("tool_frame", "a frame of the tool"),
+        ("camera_frame", "a frame of the camera"),
+        ("section_frame", "a frame of a section dragged"),
+        ("whole_frame", "a frame of everything"),
+    ):
+        if page[name] is not None:
+            yield [what, *_spread(page[name]), str(page[name]["calls"])]
+    for name, what in (
+        ("pick_ms", "part under the pointer"),
+        ("hide_all_ms", "all parts hidden"),
+        ("filter_all_ms", "all parts filtered"),
+    ):
+        yield [what, *_spread(page[name]), ""]
+
+
+def _spread(spread: Mapping[str, Any], unit: str = "ms") -> list[str]:
+    digits = 0 if unit == "us" else 1
+    return [f"{spread['p50']:.{digits}f} {unit}", f"{spread['p99']:.{digits}f} {unit}"]
+
+
+def standing(result: Result) -> str:
+    """What the page and the engine weigh, and what they stand."""
+    lines = []
+    for mockup, experiments in result["mockups"].items():
+        for name, rows in (("large", _opening), ("page", _weight), ("engine", _engine)):
+            found = experiments.get(name)
+            if found is not None and "failed" not in found:
+                lines += [[mockup, *line] for line in rows(found)]
+    return markdown(["mock-up", "what", "found"], 2, lines)
+
+
+def _opening(found: Result) -> Iterator[list[str]]:
+    yield ["read", f"{found['read_s']:.2f} s"]
+    yield ["indexed", f"{found['index_s']:.2f} s"]
+    for name in ("first", "whole"):
+        seconds = found[f"{name}_picture_s"]
+        yield [f"{name} picture, after that", "not seen" if seconds is None else f"{seconds:.2f} s"]
+
+
+def _weight(found: Result) -> Iterator[list[str]]:
+    soak, stops = found["soak"], found["stops"]
+    yield ["pieces", f"{found['pieces']}"]
+    yield ["manifest", f"{found['manifest_bytes'] / 1e3:.0f} kB"]
+    yield ["wire, bytes a triangle", f"{found['wire_bytes_per_triangle']:.2f}"]
+    yield ["heap of the page, bytes a triangle", f"{found['heap_bytes_per_triangle']:.1f}"]
+    yield ["in contact: input to drawn, p50 and p99", " and ".join(_spread(found["contact"]["input_to_drawn_ms"]))]
+    yield ["in contact: engine, p50 and p99", " and ".join(_spread(found["contact"]["engine_us"], "us"))]
+    speeds = ", ".join(f"{speed:g}" for speed in stops["speeds_m_per_s"])
+    yield [f"stops at {speeds} m/s lie apart", f"{1e6 * stops['spread_m']:.3f} um"]
+    yield [f"soak of {soak['seconds'] / 60:.1f} minutes: frames a second", f"{soak['frames_per_s']:.1f}"]
+    yield ["soak: the page's heap grew by", f"{soak['heap_growth_bytes'] / 1e6:.2f} MB"]
+    yield ["soak: the server's memory grew by", f"{soak['server_growth_bytes'] / 1e6:.2f} MB"]
+    yield ["soak: wishes unanswered, at most", f"{soak['most_unanswered']}"]
+
+
+def _engine(found: Result) -> Iterator[list[str]]:
+    yield ["outline of a section", f"{found['outline_ms']:.1f} ms"]
+    yield ["a ray", f"{found['ray_us']:.1f} us"]
+    left = found["page_left_out"]
+    more = f", {left:,} triangles left out" if left else ""
+    yield ["one file to send", f"{found['page_bytes'] / 1e6:.2f} MB{more}, opens in {found['page_opens_s']:.2f} s"]
