@@ -118,7 +118,8 @@ def test_a_dragged_tool_stops_at_contact(context: Any, stand: Path, cube: Path) 
         on_pump = 0.081 + HALF_TOOL_M
         assert on_pump <= pose[2, 3] < on_pump + CAST_M
         assert page.evaluate("() => window.feeler.touched") == ["stand/pump"]
-        # Undo takes the hand back to where it was put down before the drag.
+        # Where it came to is where it was put down; undo takes it back to where that was before.
+        wait(page, "() => window.feeler.document.pose[11] < 0.11")
         page.locator("#picture").focus()
         page.keyboard.press("Control+z")
         wait(page, "() => window.feeler.pose[11] > 0.24")

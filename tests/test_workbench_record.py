@@ -196,12 +196,21 @@ def test_pages_are_shown_a_replay_and_cannot_disturb_it(tmp_path: Path, monkeypa
             refused.append(str(caught.value))
             assert session.document()["record"]["is_playing"]
 
+        rounds = session.engine._round
+
+        def disturbed(steps: int, elapsed: float = 0.0) -> bool:
+            # The latest that a page's wish can come: when the recorded one was given already.
+            session.wish(at(0.4, 0.4, 0.4), 7, "mouse")
+            return rounds(steps, elapsed)
+
+        monkeypatch.setattr(session.engine, "_round", disturbed)
         for _ in range(2):
             told = session.job("replay", {}, disturb).result(60)
             assert told["is_same"] and "to the last triangle" in told["verdict"]
             assert session.document()["record"] == {"name": "a.jsonl", "is_playing": False, **told}
             assert session.document()["sequence"] == bench.document["sequence"]
         assert refused and len(set(seen)) > 100, "each round is shown"
+        monkeypatch.setattr(session.engine, "_round", rounds)
         # Then it is a session like any other.
         session.command("undo", {})
         session.wish(at(0.0, -0.3, 0.3), 8, "mouse")

@@ -142,9 +142,13 @@ function endNearest(wb: Workbench): void {
 }
 
 function focusSearch(wb: Workbench): void {
-  wb.store.set({ is_tree_open: true });
-  // The field may only be there once the tree is open.
-  requestAnimationFrame(() => document.querySelector<HTMLInputElement>("#search")?.select());
+  const field = document.querySelector<HTMLInputElement>("#search");
+  // At once: what is typed next is meant for it.
+  if (field) field.select();
+  else {
+    wb.store.set({ is_tree_open: true });
+    requestAnimationFrame(() => document.querySelector<HTMLInputElement>("#search")?.select());
+  }
 }
 
 const REGIONS = ["#picture", "#tree", "#panels", "#bar"] as const;
