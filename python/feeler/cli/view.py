@@ -206,7 +206,15 @@ class _Opening:
     def _fail(self, text: str) -> None:
         self.is_failed = True
         fail(text)
-        self._session.failed(text)
+        self._session.failed(self._for_pages(text))
+
+    def _for_pages(self, text: str) -> str:
+        """A text with files by their names: a page names no path of the disk."""
+        for source in filter(None, (*self._sources, self._tool)):
+            for path in (str(Path(source).resolve()), source):
+                if len(Path(path).parts) > 1:  # a bare name stays
+                    text = text.replace(path, Path(source).resolve().name)
+        return text
 
     def _tell(self, share: float, stage: str) -> None:
         """Readers report as often as they like; the pages are told of each stage and each hundredth."""
@@ -226,7 +234,7 @@ class _Opening:
         doubts += [f"tool: {doubt}" for doubt in probe.source.doubts] if probe is not None else []
         for doubt in doubts:
             warn(doubt)
-            session.tell({"type": "notice", "level": "warning", "text": doubt})
+            session.tell({"type": "notice", "level": "warning", "text": self._for_pages(doubt)})
         read = time.perf_counter()
         with telling("indexing", lambda share, stage: self._tell(0.5 + 0.5 * share, stage)) as progress:
             scene = feeler.Scene(world, tool=probe, threads=threads, progress=progress)
