@@ -23,6 +23,7 @@ from browser import (
     picture,
     program,
     replayed_program,
+    settled,
     troubles,
     wait,
 )
@@ -54,6 +55,7 @@ def pixel(page: Any, point: tuple[float, float, float]) -> tuple[float, float]:
 
 def arrow(page: Any) -> tuple[float, float]:
     """The middle of the arrow of the only cut."""
+    settled(page)
     box = page.locator(".cut-arrow").bounding_box()
     return box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"]
 
@@ -394,6 +396,7 @@ def test_a_record_is_replayed_in_the_page(context: Any, stand: Path, cube: Path,
         page = opened(context, started)
         move(page, 0.0, 0.0, 0.3)
         move(page, 0.0, 0.0, 0.05)
+        page.wait_for_timeout(600)  # it rests there when it is replayed, too
         page.evaluate("() => window.feeler.grip('stand/posts/left')")
         page.evaluate("() => window.feeler.undo()")
         move(page, 0.0, 0.0, 0.3)
@@ -402,8 +405,15 @@ def test_a_record_is_replayed_in_the_page(context: Any, stand: Path, cube: Path,
     with replayed_program(record, stand, "--tool", cube) as started:
         page = opened(context, started)
         page.get_by_text("way.jsonl can be replayed").wait_for()
+        # What is shown meanwhile may be over before anybody looks.
+        page.evaluate(
+            """() => {
+                window.shown = new Set();
+                setInterval(() => window.feeler.touched.forEach((part) => window.shown.add(part)), 10);
+            }"""
+        )
         page.get_by_role("button", name="Replay", exact=True).click()
-        wait(page, "() => window.feeler.touched.includes('stand/pump')")
+        wait(page, "() => window.shown.has('stand/pump')")
         keep(page.screenshot(), "replaying.png")
         page.get_by_text("The same hits to the last triangle").wait_for()
         keep(page.screenshot(), "replayed.png")
