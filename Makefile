@@ -82,6 +82,10 @@ bench: build ## measure feeler and its peers on the same poses, into bench/recor
 feel-bench: build ## feel without hardware: passing, tessellation, energy, fits, the engine (QUICK=1: minutes)
 	@$(PY) bench/feel/run.py $(if $(QUICK),--quick) $(BENCH_ARGS)
 
+.PHONY: view-bench
+view-bench: build ## the workbench in a headless Chromium, against its goals (QUICK=1: minutes)
+	@$(PY) bench/workbench/run.py $(if $(QUICK),--quick) $(BENCH_ARGS)
+
 .PHONY: figures
 figures: $(INSTALLED) ## make docs/figures.md and the figures in README.md from bench/records
 	@$(PY) bench/figures.py

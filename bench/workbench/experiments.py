@@ -70,13 +70,18 @@ def boxes(count: int) -> feeler.Mockup:
     )
 
 
-def page(browser: Any, mockup: str, soak_s: float) -> Result:
+def page(browser: Any, mockup: str, soak_s: float, move_s: float) -> Result:
     """One page at 640x360: memory, the tool in contact, stops, a cut, a lost context, a soak."""
     with (
         stand.viewing(mockup, "--tool", "sample:wrench") as program,
         stand.opened(browser, program.url, *SMALL, script=_CUTTER) as opened,
     ):
         stand.ready(opened)
+        # Again, now that nothing has to be read or indexed: what is left is the page's own work.
+        begun = stand.cpu_s(program)
+        opened.reload()
+        stand.ready(opened)
+        opening_cpu_s = stand.cpu_s(program) - begun
         manifest, manifest_bytes = stand.manifest(program.url)
         triangles = manifest["triangles"]
         found: Result = {
@@ -85,9 +90,15 @@ def page(browser: Any, mockup: str, soak_s: float) -> Result:
             "wire_bytes_per_triangle": sum(piece["bytes"] for piece in manifest["pieces"]) / triangles,
             "manifest_bytes": manifest_bytes,
             "heap_bytes_per_triangle": stand.heap_bytes(opened) / triangles,
+            "opening_cpu_s": opening_cpu_s,
         }
+        opened.wait_for_function("() => window.feeler.stats.isSettled")
+        begun = stand.cpu_s(program)
+        moved = opened.evaluate(_MOVE, move_s)
+        found["tool_cpu_ms"] = 1e3 * (stand.cpu_s(program) - begun) / max(1, moved["frames"])
+        found["free"] = moved
         contact = opened.evaluate(_DOWN, float(manifest["upper"][2] - manifest["lower"][2]))
-        found["contact"] = contacts(opened, contact)
+        found["contact"] = contacts(opened, contact, move_s)
         found["stops"] = stops(opened, contact)
         found["reconnect"] = opened.evaluate(_CUT, CUT_MS)
         found["lost_context_s"] = opened.evaluate(_LOSE) / 1000
@@ -95,12 +106,12 @@ def page(browser: Any, mockup: str, soak_s: float) -> Result:
         return found
 
 
-def contacts(opened: Any, contact: list[float]) -> Result:
+def contacts(opened: Any, contact: list[float], move_s: float) -> Result:
     """The tool pressed into what it touches, and moved around there."""
     pressed = [*contact]
     pressed[11] -= PRESS_M
     opened.evaluate("pose => window.feeler.moveTo(pose)", pressed)
-    return dict(opened.evaluate("() => window.feeler.moveAround()"))
+    return dict(opened.evaluate(_MOVE, move_s))
 
 
 def stops(opened: Any, contact: list[float]) -> Result:
@@ -126,7 +137,7 @@ def soak(opened: Any, program: stand.Viewing, seconds: float) -> Result:
     frames = 0
     begun = time.monotonic()
     while not heaps or time.monotonic() - begun < seconds:
-        moved = opened.evaluate("s => window.feeler.moveAround(s)", min(SOAK_CHUNK_S, max(1.0, seconds)))
+        moved = opened.evaluate(_MOVE, min(SOAK_CHUNK_S, max(1.0, seconds)))
         frames += moved["frames"]
         unanswered.append(moved["most_unanswered"])
         heaps.append(stand.heap_bytes(opened))
@@ -192,6 +203,8 @@ def _best_s(work: Any, repeats: int = 3) -> float:
         times.append(time.perf_counter() - begun)
     return min(times)
 
+
+_MOVE = "seconds => window.feeler.moveAround(seconds)"
 
 # Down from where the hand begins, through all of the mock-up: where the tool stops.
 _DOWN = """height => {

@@ -34,6 +34,7 @@ OUT = host.ROOT / "target" / "workbench"
 RECORD = host.ROOT / "bench" / "records" / "workbench.json"
 SIZE, BIG_SIZE, QUICK_SIZE = 1_600_000, 10_000_000, 100_000
 REPEATS, SOAK_MINUTES, QUICK_SOAK_MINUTES = 3, 1.0, 0.1
+MOVE_S, QUICK_MOVE_S = 4.0, 1.0
 NAMES = ("large", "small", "parts", "page", "engine")
 
 Result = dict[str, Any]
@@ -108,7 +109,7 @@ def _measured(
         "large": lambda: best(experiments.pictures(browser, mockup, experiments.LARGE, repeats)),
         "small": lambda: best(experiments.pictures(browser, mockup, experiments.SMALL, repeats)),
         "parts": lambda: best(experiments.parts(browser, repeats)),
-        "page": lambda: experiments.page(browser, mockup, 60 * options.soak),
+        "page": lambda: experiments.page(browser, mockup, 60 * options.soak, QUICK_MOVE_S if options.quick else MOVE_S),
         "engine": lambda: experiments.engine(browser, mockup),
     }
     found: dict[str, Result] = {}

@@ -125,6 +125,8 @@ def _weight(found: Result) -> Iterator[list[str]]:
     yield ["manifest", f"{found['manifest_bytes'] / 1e3:.0f} kB"]
     yield ["wire, bytes a triangle", f"{found['wire_bytes_per_triangle']:.2f}"]
     yield ["heap of the page, bytes a triangle", f"{found['heap_bytes_per_triangle']:.1f}"]
+    yield ["opened again: processor time of the browser", f"{found['opening_cpu_s']:.2f} s"]
+    yield ["tool moving: processor time of the browser a frame", f"{found['tool_cpu_ms']:.1f} ms"]
     yield ["in contact: input to drawn, p50 and p99", " and ".join(_spread(found["contact"]["input_to_drawn_ms"]))]
     yield ["in contact: engine, p50 and p99", " and ".join(_spread(found["contact"]["engine_us"], "us"))]
     speeds = ", ".join(f"{speed:g}" for speed in stops["speeds_m_per_s"])

@@ -46,7 +46,7 @@ export interface FeelerApi {
   shot(width?: number, height?: number): Promise<Blob>;
   /** What this machine draws, camera and tool moving for `seconds` each; waits until the page is ready. */
   benchmark(seconds?: number): Promise<Figures>;
-  /** The same of the tool alone, on a circle about where the hand wishes it. */
+  /** The same of the tool alone, to and fro about where the hand wishes it. */
   moveAround(seconds?: number): Promise<ToolMotion>;
 }
 

@@ -73,8 +73,8 @@ export interface Drawn {
 }
 
 const ORBIT_RAD = 0.01; // a frame
-const CIRCLE = 0.003; // the tool's, of the mock-up's diagonal
-const TURN_S = 1.5;
+const SWING = 0.003; // of the tool to either side, of the mock-up's diagonal
+const SWING_S = 1.5;
 const COSTS = 40;
 const WHOLE_COSTS = 4;
 const STEPS = 20;
@@ -117,7 +117,7 @@ export async function benchmark(wb: Workbench, drawing: Drawing, drawn: Drawn, s
   return figures;
 }
 
-/** The tool on a circle about where the hand wishes it, a wish a frame. */
+/** The tool to and fro in the picture, about where the hand wishes it, a wish a frame. */
 export async function toolMotion(wb: Workbench, drawing: Drawing, seconds: number): Promise<ToolMotion> {
   const { hand } = wb;
   const from = hand.pose ?? wb.document?.pose;
@@ -141,7 +141,7 @@ export async function toolMotion(wb: Workbench, drawing: Drawing, seconds: numbe
         if (state.blocked) blocked++;
         if (state.pose_seq > 0) most_unanswered = Math.max(most_unanswered, hand.sentSeq - state.pose_seq);
       }
-      hand.move(onCircle(wb, start, time_s), "api");
+      hand.move(swung(wb, start, time_s), "api");
     },
     (stats) => stats.drawn,
   );
@@ -158,13 +158,9 @@ export async function toolMotion(wb: Workbench, drawing: Drawing, seconds: numbe
   return found;
 }
 
-function onCircle(wb: Workbench, start: Pose, time_s: number): Pose {
-  const { right, top } = wb.stage.camera;
-  const radius = CIRCLE * sizeOf(wb);
-  const angle = (2 * Math.PI * time_s) / TURN_S;
-  const across = scale(right, radius * Math.sin(angle));
-  const up = scale(top, radius * (1 - Math.cos(angle)));
-  return movedBy(start, [across[0] + up[0], across[1] + up[1], across[2] + up[2]]);
+function swung(wb: Workbench, start: Pose, time_s: number): Pose {
+  const way = SWING * sizeOf(wb) * Math.sin((2 * Math.PI * time_s) / SWING_S);
+  return movedBy(start, scale(wb.stage.camera.right, way));
 }
 
 function sizeOf(wb: Workbench): number {
@@ -246,7 +242,7 @@ function finish(wb: Workbench): void {
 
 async function toolCost(wb: Workbench): Promise<Cost> {
   const start = Array.from(wb.hand.pose ?? wb.document?.pose ?? []);
-  const found = await cost(wb, COSTS, (k) => wb.stage.setPose(onCircle(wb, start, k / 60), start));
+  const found = await cost(wb, COSTS, (k) => wb.stage.setPose(swung(wb, start, k / 60), start));
   wb.stage.setPose(start, null);
   return found;
 }
