@@ -134,6 +134,7 @@ TEXT_FROM_PAGE = [
     protocol.Job(3, "outline", {}),
     protocol.Cancel(3),
     protocol.Shot(4, "view", "aGVsbG8=", False),
+    protocol.Benchmarked(5, {"moving_ms": [16.5, 17.0]}),
 ]
 
 
