@@ -123,6 +123,7 @@ TEXT_FROM_SERVER = [
     protocol.Notice(9, "warning", "the device is gone <b>"),
     protocol.ShotWanted(10, 1, 640, 360, {"position": [0, 0, 1], "target": [0, 0, 0], "up": [0, 1, 0], "fov_rad": 0.8}),
     protocol.HeldChanged(11, 2, None),
+    protocol.BenchmarkWanted(12, 5),
     protocol.Answer(4, {"distance": 1.5}),
     protocol.Refusal(None, {"what": "is wrong", "where": "here", "do": "that"}),
 ]
@@ -134,6 +135,7 @@ TEXT_FROM_PAGE = [
     protocol.Job(3, "outline", {}),
     protocol.Cancel(3),
     protocol.Shot(4, "view", "aGVsbG8=", False),
+    protocol.Benchmarked(5, {"moving_ms": [16.5, 17.0]}),
 ]
 
 
