@@ -46,8 +46,8 @@ class WorkbenchError(FeelerError, RuntimeError):
         self.what, self.where, self.do = what, where, do
         super().__init__((f"{where}: " if where else "") + what + (f"; {do}" if do else ""))
 
-    def __reduce__(self) -> tuple[type[WorkbenchError], tuple[str, str, str]]:
-        return (type(self), (self.what, self.where, self.do))
+    def __reduce__(self) -> tuple[type[WorkbenchError], tuple[str, str, str], dict[str, object]]:
+        return (type(self), (self.what, self.where, self.do), vars(self))  # notes are among these
 
 
 class LoadError(FeelerError, ValueError):
