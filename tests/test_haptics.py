@@ -150,7 +150,8 @@ def test_a_gripped_part_moves_with_the_tool(scene: feeler.Scene, tool: feeler.To
 
 def lying(shift: float) -> feeler.Scene:
     """The block alone, moved along x."""
-    return feeler.Scene(feeler.Mockup(*box((0.08 + shift, -0.02, 0.0), (0.12 + shift, 0.02, 0.04)), part_names=["block"]))
+    vertices, faces = box((0.08 + shift, -0.02, 0.0), (0.12 + shift, 0.02, 0.04))
+    return feeler.Scene(feeler.Mockup(vertices, faces, part_names=["block"]))
 
 
 def test_a_part_that_lies_elsewhere_is_felt_there_as_in_its_place(scene: feeler.Scene, tool: feeler.Tool) -> None:
@@ -179,7 +180,7 @@ def test_a_part_that_lies_elsewhere_is_felt_there_as_in_its_place(scene: feeler.
     with pytest.raises(SessionError, match="part 1 has no place"):
         session.release(put_back=True)
     session.release()
-    with pytest.raises(OptionError, match="'bolt'|no part"):
+    with pytest.raises(OptionError, match="no part"):
         haptics.Session(scene, tool, put_down={"bolt": lying(0.0)})
     with pytest.raises(SessionError, match="part 1 is put down twice, or as a scene of 2 parts"):
         haptics.Session(scene, tool, put_down={1: scene})
@@ -210,6 +211,7 @@ def test_a_record_has_the_parts_that_lay_elsewhere(
         with pytest.raises(LoadError, match=r"other parts put down elsewhere: it has parts \[1\]"):
             haptics.replay(path, scene, tool, other)
     # What is older knows nothing of it; what is newer is not guessed at.
+    monkeypatch.undo()
     plain = haptics.Session(scene, tool)
     with plain.record(path):
         plain.start(at(z=0.002))

@@ -318,7 +318,7 @@ def test_a_part_that_was_put_down_is_never_passed(mode: str) -> None:
         bench.tick()
     snapshot = bench.session.snapshot()
     assert bench.pose[0, 3] == pytest.approx(0.06875 - HALF, abs=1e-4) and snapshot.is_free
-    assert not np.any(snapshot.force)
+    assert np.any(snapshot.force) == (mode == "glide") and snapshot.parts == [PEG]
     bench.drag(at(-0.3, 0.28, 0.15), 1.0)
     for _ in range(60):
         bench.tick()
@@ -385,3 +385,30 @@ def test_parts_of_a_mockup_in_any_order_with_defects_are_found() -> None:
         np.testing.assert_array_equal(tool.vertices, expected.vertices)
         np.testing.assert_array_equal(tool.faces, expected.faces)
         assert (tool.name, tool.part_paths) == (expected.name, expected.part_paths)
+@pytest.mark.parametrize("turn", [0.0, 0.7])
+def test_glide_slides_along_a_part_that_was_put_down_as_in_its_place(turn: float) -> None:
+    """Pushed 4 mm into the left post's side and 60 mm along it: in place, and put down elsewhere, turned."""
+    moved = at(0.0625, -0.3, 0.0625, turn)
+    found = []
+    for place in (np.eye(4), moved):
+        bench = Bench(cube(), pose=at(-0.2, 0.0, 0.125))
+        if place is moved:
+            bench.command("grip", parts=[LEFT])
+            bench.command("place", pose=motion.row(place @ bench.pose))
+            bench.command("release")
+            assert list(bench.document["moved"]) == [str(LEFT)]
+        bench.command("set_mode", mode="glide")
+        bench.drag(place @ at(-0.25 + HALF - 0.004, 0.0, 0.125), 0.2)
+        bench.drag(place @ at(-0.25 + HALF - 0.004, 0.03, 0.18), 0.2)
+        for _ in range(60):
+            bench.tick()
+        snapshot = bench.session.snapshot()
+        assert snapshot.is_free and snapshot.blocked and snapshot.parts == [LEFT]
+        found.append((np.linalg.inv(place) @ bench.pose, place[:3, :3].T @ snapshot.force))
+    (pose, force), (other_pose, other_force) = found
+    np.testing.assert_allclose(pose[:3, 3], [-0.25 + HALF + 2e-5, 0.03, 0.18], atol=1e-4)
+    assert force[0] > 3.0
+    np.testing.assert_allclose(other_pose, pose, atol=1e-6)
+    np.testing.assert_allclose(other_force, force, atol=1e-3)
+
+

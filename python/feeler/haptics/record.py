@@ -82,7 +82,8 @@ class Recorder:
             "put_down": [[part, _digest(each)] for part, each in lying.items()],
         }
         meshes: dict[str, Any] = {}
-        if sum(len(mesh.faces) for mesh in (mockup, tool, *lying.values())) <= KEPT_TRIANGLES:
+        count = len(mockup.faces) + len(tool.faces) + sum(len(each.faces) for each in lying.values())
+        if count <= KEPT_TRIANGLES:
             meshes = {**_arrays("mockup", mockup), **_arrays("tool", tool)}
             for part, each in lying.items():
                 meshes |= _arrays(f"put_down.{part}", each)

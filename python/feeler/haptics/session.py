@@ -87,8 +87,8 @@ class Session(Runs):
       can be gripped, and is not where it was.
     - `seed`: for what is random in a session. Nothing is at present; records keep it.
 
-    Raises `OptionError` for values out of range, `SessionError` for a part that is put down twice, or as a scene that is
-    not of one part.
+    Raises `OptionError` for values out of range and parts that are not there, `SessionError` for a part that is put
+    down twice, or as a scene that is not of one part.
     """
 
     scene: Scene
@@ -108,7 +108,7 @@ class Session(Runs):
         skin: float = 2e-5,
         collision_hz: float | None = None,
         seed: int = 0,
-        put_down: Mapping[int | str, Scene] | None = None,
+        put_down: Mapping[int, Scene] | Mapping[str, Scene] | None = None,
     ) -> Session:
         """See the class."""
         if not isinstance(scene, Scene):

@@ -388,14 +388,14 @@ class Engine:
 
     def _glide_on(self, steps: int) -> Impact | None:
         assert self._glide is not None
-        glided = self._glide.step(self._pose, self._wish, steps)
+        glided = self._glide.step(self._wish, steps)
         self._pose, self._force, self._torque = glided.pose, glided.force, glided.torque
         self._held_by = {
             part: (point, normal)
             for part, point, normal in zip(glided.parts, glided.points, glided.normals, strict=True)
         }
-        if glided.impact is not None or not glided.parts:
-            return glided.impact
+        if not glided.parts:
+            return None
         return Impact(1.0, self._pose, glided.points[0], glided.normals[0], glided.parts[0], -1)
 
     def _bumped(self, impact: Impact | None) -> None:

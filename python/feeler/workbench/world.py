@@ -149,6 +149,7 @@ class PartMeshes:
             name, path = self.mockup.part_names[part], self.mockup.part_paths[part]
             tool = Tool(vertices[used], own, name, part_paths=[path], source=self.mockup.source)
             self._kept[part] = (tool, ids)
+        self._lying: dict[int, tuple[Row, Scene]] = {}
         return self._kept[part]
 
 
@@ -164,6 +165,27 @@ class _Body:
 
     def part(self, own: int) -> int:
         return own if self._parts is None else int(self._parts[own])
+
+    def owners(self, triangles: Ints) -> Ints:
+        """The parts of some triangles. The mock-up's own list is made anew whenever it is asked for."""
+        if self._owners is not None:
+            return self._owners[triangles].astype(np.int64)
+        return np.searchsorted(self._first, triangles, side="right") - 1
+
+    def at(self, part: int, place: Row) -> tuple[Floats, Ints]:
+        """Vertices and faces of a part at a `world_from_part`."""
+        mesh, _ = self.of(part)
+        faces = np.where(mesh.faces < len(mesh.vertices), mesh.faces.astype(np.int64), 2**32 - 1)
+        return placed(mesh.vertices, motion.matrix(place), "a part that was put down"), faces
+
+    def lying(self, part: int, place: Row) -> Scene:
+        """The scene of a part alone at a `world_from_part`; each part's last one is kept."""
+        kept = self._lying.get(part)
+        if kept is None or kept[0] != place:
+            vertices, faces = self.at(part, place)
+            kept = (place, Scene(Mockup(vertices, faces, part_names=[self.mockup.part_names[part]])))
+            self._lying[part] = kept
+        return kept[1]
 
     def own(self, part: int) -> int | None:
         """The scene's number of a part of the mock-up; None where it is not there."""
@@ -216,6 +238,7 @@ class World:
         return self._bodies[1].scene if len(self._bodies) > 1 else None
 
     def part_of_put_down(self, own: int) -> int:
+        self._meshes = meshes
         """The part of the mock-up that a part of `put_down` is."""
         return self._bodies[1].part(own)
 
@@ -229,6 +252,10 @@ class World:
         for body in self._bodies:
             hit = body.scene.collide(tool, pose)
             if not hit:
+    def each_put_down(self) -> dict[int, Scene]:
+        """The parts that lie elsewhere, each with the scene of it alone."""
+        return {part: self._meshes.lying(part, place) for part, place in self.moved.items()}
+
                 continue
             own = hit.pairs
             pairs.append(np.column_stack([own[:, 0].astype(np.int64), body.triangles(own[:, 1])]))
@@ -251,18 +278,8 @@ class World:
         self, tool: Tool, start: Floats, end: Floats, ignore: Pairs = NO_PAIRS, tolerance: float = CAST_TOLERANCE
     ) -> Impact | None:
         """The first impact on the way; None if it is free."""
-        return self._cast(self._bodies, tool, start, end, ignore, tolerance)
-
-    def cast_put_down(self, tool: Tool, start: Floats, end: Floats) -> Impact | None:
-        """`cast` in `put_down` alone."""
-        return self._cast(self._bodies[1:], tool, start, end, NO_PAIRS, CAST_TOLERANCE)
-
-    @staticmethod
-    def _cast(
-        bodies: list[_Body], tool: Tool, start: Floats, end: Floats, ignore: Pairs, tolerance: float
-    ) -> Impact | None:
         first: tuple[Cast, int] | None = None
-        for body in bodies:
+        for body in self._bodies:
             hit = body.scene.cast(tool, start, end, tolerance=tolerance, ignore=body.ignoring(tool, ignore))
             if hit is not None and (first is None or hit.fraction < first[0].fraction):
                 first = (hit, body.part(hit.part))
@@ -335,13 +352,14 @@ class World:
 def _moved_body(meshes: PartMeshes, moved: Mapping[int, Row]) -> _Body:
     vertices, faces, owners, triangles = [], [], [], []
     count = 0
-    for own, (part, at) in enumerate(moved.items()):
-        mesh, ids = meshes.of(part)
-        vertices.append(placed(mesh.vertices, motion.matrix(at), "a part that was put down"))
-        faces.append(np.where(mesh.faces < len(mesh.vertices), mesh.faces.astype(np.int64) + count, 2**32 - 1))
+    for own, (part, place) in enumerate(moved.items()):
+        corners, indices = meshes.at(part, place)
+        _, ids = meshes.of(part)
+        vertices.append(corners)
+        faces.append(np.where(indices < len(corners), indices + count, 2**32 - 1))
         owners.append(np.full(len(ids), own, dtype=np.int64))
         triangles.append(ids)
-        count += len(mesh.vertices)
+        count += len(corners)
     names = meshes.mockup.part_names
     mockup = Mockup(
         np.concatenate(vertices), np.concatenate(faces), np.concatenate(owners), [names[part] for part in moved]
