@@ -7,8 +7,8 @@ distance the lesser. Parts and triangles are those of the mock-up throughout, wh
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -20,6 +20,7 @@ from feeler.poses import placed
 from feeler.scene import CAST_TOLERANCE, Scene
 from feeler.workbench import motion
 from feeler.workbench.motion import Floats, Row
+from feeler.workbench.protocol import DepthKind
 
 Ints = npt.NDArray[np.int64]
 Pairs = frozenset[tuple[int, int]]
@@ -85,6 +86,18 @@ class Near:
 
 
 @dataclass(frozen=True)
+class WayOut:
+    """The shortest translation found that frees the tool: metres `(3,)`, world, and its length.
+
+    kind: "exact": none is shorter; "bound": there may be a shorter one; "estimate": the tool meets something there too.
+    """
+
+    translation: Floats
+    depth: float
+    kind: DepthKind
+
+
+@dataclass(frozen=True)
 class Rows:
     """What is near, nearest first: distances `(k,)`, points `(k, 3)` on tool and mock-up, parts `(k,)`."""
 
@@ -133,8 +146,10 @@ class PartMeshes:
         owners = mockup.part_of_face
         is_sorted = bool((owners[1:] >= owners[:-1]).all())
         self._order = None if is_sorted else np.argsort(owners, kind="stable")
+        self._owners = None if is_sorted else owners
         self._first = np.concatenate([[0], np.cumsum(mockup.part_triangles, dtype=np.int64)])
         self._kept: dict[int, tuple[Tool, Ints]] = {}
+        self._lying: dict[int, tuple[Row, Scene]] = {}
 
     def of(self, part: int) -> tuple[Tool, Ints]:
         """A part in the mock-up's frame, and which of the mock-up's triangles its triangles are."""
@@ -149,22 +164,7 @@ class PartMeshes:
             name, path = self.mockup.part_names[part], self.mockup.part_paths[part]
             tool = Tool(vertices[used], own, name, part_paths=[path], source=self.mockup.source)
             self._kept[part] = (tool, ids)
-        self._lying: dict[int, tuple[Row, Scene]] = {}
         return self._kept[part]
-
-
-class _Body:
-    """A scene, and which parts and triangles of the mock-up its own are; None: the same."""
-
-    def __init__(self, scene: Scene, parts: Ints | None = None, triangles: Ints | None = None) -> None:
-        self.scene = scene
-        self._parts, self._triangles = parts, triangles
-        self._own = None if parts is None else {part: own for own, part in enumerate(parts.tolist())}
-        self._ignored: tuple[Any, IgnoredPairs | None] = (None, None)
-        self._alone: dict[int, Scene] = {}
-
-    def part(self, own: int) -> int:
-        return own if self._parts is None else int(self._parts[own])
 
     def owners(self, triangles: Ints) -> Ints:
         """The parts of some triangles. The mock-up's own list is made anew whenever it is asked for."""
@@ -186,6 +186,20 @@ class _Body:
             kept = (place, Scene(Mockup(vertices, faces, part_names=[self.mockup.part_names[part]])))
             self._lying[part] = kept
         return kept[1]
+
+
+class _Body:
+    """A scene, and which parts and triangles of the mock-up its own are; None: the same."""
+
+    def __init__(self, scene: Scene, parts: Ints | None = None, triangles: Ints | None = None) -> None:
+        self.scene = scene
+        self._parts, self._triangles = parts, triangles
+        self._own = None if parts is None else {part: own for own, part in enumerate(parts.tolist())}
+        self._ignored: tuple[Any, IgnoredPairs | None] = (None, None)
+        self._alone: dict[int, Scene] = {}
+
+    def part(self, own: int) -> int:
+        return own if self._parts is None else int(self._parts[own])
 
     def own(self, part: int) -> int | None:
         """The scene's number of a part of the mock-up; None where it is not there."""
@@ -224,6 +238,7 @@ class World:
         self._bodies = [_Body(scene.without(absent) if absent else scene)]
         self.mockup = scene.mockup
         self.moved = moved
+        self._meshes = meshes
         if moved:
             self._bodies.append(_moved_body(meshes, moved))
 
@@ -237,8 +252,11 @@ class World:
         """The scene of the parts that lie elsewhere."""
         return self._bodies[1].scene if len(self._bodies) > 1 else None
 
+    def each_put_down(self) -> dict[int, Scene]:
+        """The parts that lie elsewhere, each with the scene of it alone."""
+        return {part: self._meshes.lying(part, place) for part, place in self.moved.items()}
+
     def part_of_put_down(self, own: int) -> int:
-        self._meshes = meshes
         """The part of the mock-up that a part of `put_down` is."""
         return self._bodies[1].part(own)
 
@@ -248,27 +266,31 @@ class World:
 
     def collide(self, tool: Tool, pose: Floats) -> Hits:
         """Every pair of triangles that meets."""
-        pairs, kinds, part_pairs = [], [], set()
+        pairs, kinds = [], []
         for body in self._bodies:
             hit = body.scene.collide(tool, pose)
             if not hit:
-    def each_put_down(self) -> dict[int, Scene]:
-        """The parts that lie elsewhere, each with the scene of it alone."""
-        return {part: self._meshes.lying(part, place) for part, place in self.moved.items()}
-
                 continue
             own = hit.pairs
             pairs.append(np.column_stack([own[:, 0].astype(np.int64), body.triangles(own[:, 1])]))
             kinds.append(hit.kinds)
-            met = np.column_stack([tool.part_of_face[own[:, 0]], body.scene.mockup.part_of_face[own[:, 1]]])
-            part_pairs |= {(ours, body.part(theirs)) for ours, theirs in np.unique(met, axis=0).tolist()}
         if not pairs:
             return NO_HITS
         rows, their_kinds = np.concatenate(pairs), np.concatenate(kinds)
         if len(pairs) > 1:
             order = np.lexsort((rows[:, 1], rows[:, 0]))
             rows, their_kinds = rows[order], their_kinds[order]
-        return Hits(rows, their_kinds, tuple(sorted(part_pairs)))
+        return Hits(rows, their_kinds, self.part_pairs(tool, rows))
+
+    def part_pairs(self, tool: Tool, pairs: Ints) -> tuple[tuple[int, int], ...]:
+        """The tool part and mock-up part of pairs of triangles `(k, 2)`: unique, sorted."""
+        count = self.mockup.part_count
+        met = np.unique(tool.part_of_face[pairs[:, 0]].astype(np.int64) * count + self.owners(pairs[:, 1]))
+        return tuple(divmod(each, count) for each in met.tolist())
+
+    def owners(self, triangles: Ints) -> Ints:
+        """The parts of some triangles of the mock-up."""
+        return self._meshes.owners(triangles)
 
     def is_colliding(self, tool: Tool, pose: Floats, ignore: Pairs = NO_PAIRS) -> bool:
         """Whether anything meets."""
@@ -314,6 +336,23 @@ class World:
     def is_containing(self, tool: Tool, pose: Floats) -> bool:
         """Whether the tool is inside something, or something inside it."""
         return any(bool(body.scene.containment(tool, pose)) for body in self._bodies)
+
+    def way_out(self, tool: Tool, pose: Floats, margin: float) -> WayOut | None:
+        """How deep the tool is in what it meets, or is inside of; None where it is in nothing.
+
+        Whichever side it came from: a tool that is all but through a sheet is near its way out. Of parts in place and
+        parts that lie elsewhere it is the longer way; "estimate" where the other is then met.
+        """
+        deepest: WayOut | None = None
+        for body in self._bodies:
+            found = body.scene.penetration(tool, pose, margin)
+            if found.depth > (0.0 if deepest is None else deepest.depth):
+                deepest = WayOut(found.translation, found.depth, cast(DepthKind, found.kind))
+        if deepest is None or deepest.kind == "estimate" or len(self._bodies) == 1:
+            return deepest
+        moved = pose.copy()
+        moved[:3, 3] += deepest.translation
+        return replace(deepest, kind="estimate") if self.is_colliding(tool, moved) else deepest
 
     def clearance(self, tool: Tool, pose: Floats, within: float) -> Rows:
         """The parts nearer than `within`, nearest first."""
