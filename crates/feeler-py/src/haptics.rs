@@ -169,8 +169,8 @@ impl HapticsSession {
         let put_down: Vec<PutDown> =
             put_down.iter().map(|(part, scene)| PutDown { part: *part, scene: scene.core() }).collect();
         py.detach(|| {
-            let scenes = std::iter::once(&scene).chain(put_down.iter().map(|part| &part.scene));
-            scenes.map(|scene| find_topology(scene.mockup(), &tool, true)).collect::<PyResult<()>>()
+            let mut scenes = std::iter::once(&scene).chain(put_down.iter().map(|part| &part.scene));
+            scenes.try_for_each(|scene| find_topology(scene.mockup(), &tool, true))
         })?;
         let session = Session::with_put_down(scene, tool.clone(), put_down, options).map_err(haptics_to_py)?;
         Ok(HapticsSession { session: Mutex::new(Some(session)), tool })
