@@ -14,7 +14,7 @@ const less = (parts: readonly number[], fewer: readonly number[]): number[] => {
   const gone = new Set(fewer);
   return parts.filter((part) => !gone.has(part));
 };
-const allOf = (document: Document): number[] => [...Array(document.mockup?.parts ?? 0).keys()];
+const allOf = (document: Document): number[] => less([...Array(document.mockup?.parts ?? 0).keys()], document.absent);
 const withSection = (document: Document, id: unknown, change: (section: Section) => Section): Document => ({
   ...document,
   sections: document.sections.map((section) => (section.id === id ? change(section) : section)),

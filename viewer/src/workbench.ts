@@ -146,8 +146,9 @@ export class Workbench {
 
   /** Those of the parts that are in sight. */
   visible(parts: readonly number[]): number[] {
-    const hidden = this.store.hidden.peek();
-    return parts.filter((part) => !hidden.has(part));
+    const { hidden, absent } = this.store;
+    const unseen = new Set([...hidden.peek(), ...absent.peek()]);
+    return parts.filter((part) => !unseen.has(part));
   }
 
   /** The box of parts where they are now; empty for none. */

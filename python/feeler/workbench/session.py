@@ -20,7 +20,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from feeler._core import Packed
 from feeler.errors import FeelerError, OptionError, WorkbenchError
 from feeler.mockup import Mockup, Tool
 from feeler.progress import Progress
@@ -33,7 +32,7 @@ from feeler.workbench.document import UNITS, Document, Loading, MockupFacts, Rec
 from feeler.workbench.engine import Bump, Engine, Ticked
 from feeler.workbench.events import Event, Events
 from feeler.workbench.findings import grouped, read_findings
-from feeler.workbench.geometry import Geometry, small_parts
+from feeler.workbench.geometry import Geometry, absent_parts, pack_scene, scene_bounds
 from feeler.workbench.hand import Hands, held_key, world_key
 from feeler.workbench.jobs import Job, Jobs
 from feeler.workbench.motion import Floats
@@ -102,7 +101,6 @@ class Session:
         scene: Scene,
         tool: Tool | None,
         *,
-        packed: Packed | None = None,
         pose: npt.ArrayLike | None = None,
         mode: str = "stop",
         unit: str | None = None,
@@ -112,7 +110,7 @@ class Session:
         """Begins with a mock-up: a document of its own, nothing to undo. Makes what the first answers need.
 
         tool: in the hand at first; tools: others that it may take. pose: where the hand begins, default above the
-        mock-up. packed: `mockup.pack(...)`. unit: default as before. name: of the mock-up, default that of its file.
+        parts of the scene. unit: default as before. name: of the mock-up, default that of its file.
         Raises `WorkbenchError`, `OptionError`.
         """
         unit = self._document.unit if unit is None else _checked_unit(unit)
@@ -124,38 +122,40 @@ class Session:
         with ThreadPoolExecutor(1) as pool:
             # Neither holds the lock of the interpreter: the longer one is what opening takes.
             digested = pool.submit(digest, mockup)
-            packed = mockup.pack(small=small_parts(mockup)) if packed is None else packed
+            packed = pack_scene(scene)
             content = digested.result()
         files = mockup.source.files
         name = name or (Path(files[0]).name if files else mockup.source.format)
-        start = _above(mockup, tool) if pose is None else motion.checked(pose, "pose")
+        start = _above(scene, tool) if pose is None else motion.checked(pose, "pose")
         hands = Hands(scene, known)
         document = Document(
-            mockup=MockupFacts(name, content, mockup.triangle_count, mockup.part_count),
+            mockup=MockupFacts(name, content, _triangles(scene), mockup.part_count),
             tool=None if tool is None else ToolFacts(tool.name, tool.triangle_count),
             tools=hands.names,
             record=self._document.record,
+            absent=absent_parts(scene),
             unit=unit,
             mode=mode,
             pose=motion.row(start),
             material=self._document.material,
         )
         document = replace(document, held_version=hands.version(document))
-        geometry = Geometry(mockup, content, name, packed)
+        geometry = Geometry(scene, content, name, packed)
         with self.engine.paused(), self._lock:
             self._hands, self._geometry = hands, geometry
             self._undo, self._redo, self._exports, self._sight = [], [], {}, None
             if self._recorder is not None:
-                self._recorder.header(self._header(mockup, tool, start, mode, content))
+                self._recorder.header(self._header(scene, tool, start, mode, content))
             self._engine_to(document)
             self._show(document, None)
             self._tell_held(document)
         # The pages fetch and draw meanwhile: for large mock-ups it takes longer than all the rest.
         self.engine.warm_up()
 
-    def _header(self, mockup: Mockup, tool: Tool | None, pose: Floats, mode: str, content: str) -> dict[str, Any]:
+    def _header(self, scene: Scene, tool: Tool | None, pose: Floats, mode: str, content: str) -> dict[str, Any]:
         from feeler import __version__
 
+        mockup = scene.mockup
         files = list(mockup.source.files)
         return {
             "feeler": __version__,
@@ -166,6 +166,7 @@ class Session:
                 "hash": content,
                 "triangles": mockup.triangle_count,
                 "parts": mockup.part_count,
+                "absent": list(absent_parts(scene)),
             },
             "tool": None if tool is None else {"name": tool.name, "hash": digest(tool)},
             "options": {"unit": self._document.unit, "mode": mode},
@@ -176,7 +177,7 @@ class Session:
         """What `feeler clash --json` wrote, a file or its content, for the findings panel. Raises `LoadError`."""
         data = read_findings(given) if isinstance(given, (str, Path)) else given
         with self._lock:
-            found = grouped(data, self._opened().scene.mockup.parts)
+            found = grouped(data, self._opened().scene.mockup.parts, self._document.absent)
             # It is no change of the user's: undo does not take it away.
             self._undo = [each if each.findings else replace(each, findings=found) for each in self._undo]
             self._show(replace(self._document, findings=found), None)
@@ -466,13 +467,12 @@ class Session:
         return after
 
     def _known(self, hands: Hands) -> Known:
-        mockup = hands.scene.mockup
         return Known(
-            parts=mockup.parts,
-            bounds=mockup.bounds,
+            parts=hands.scene.mockup.parts,
+            bounds=scene_bounds(hands.scene),
             tools=hands.counts(),
             pose=motion.row(self.engine.pose),
-            absent=frozenset(np.flatnonzero(~hands.scene.part_mask).tolist()),
+            absent=frozenset(self._document.absent),
         )
 
     def _free_pose(self, hands: Hands, document: Document, name: object) -> Floats:
@@ -482,7 +482,7 @@ class Session:
             return pose
         tool = hands.tool(str(name))
         is_free = document.tool is not None and not hands.world(document).is_colliding(tool, pose)
-        return pose if is_free else _above(hands.scene.mockup, tool)
+        return pose if is_free else _above(hands.scene, tool)
 
     def _stepped(self, name: str, args: Any) -> Document:
         Arguments(name, args, ())
@@ -620,9 +620,14 @@ def _checked_unit(unit: str) -> str:
     return unit
 
 
-def _above(mockup: Mockup, tool: Tool | None) -> Floats:
-    """Upright, over the middle of the mock-up, a little above its box."""
-    low, high = mockup.bounds
+def _triangles(scene: Scene) -> int:
+    """Of the parts that are in a scene."""
+    return int(np.count_nonzero(scene.part_mask[scene.mockup.part_of_face]))
+
+
+def _above(scene: Scene, tool: Tool | None) -> Floats:
+    """Upright, over the middle of what is in the scene, a little above its box."""
+    low, high = scene_bounds(scene)
     bottom, top = (np.zeros(3), np.zeros(3)) if tool is None else tool.bounds
     offset = 0.5 * (low + high - bottom - top)
     offset[2] = high[2] - bottom[2] + _ABOVE_M
