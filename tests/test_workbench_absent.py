@@ -83,6 +83,8 @@ def test_commands_leave_them_alone() -> None:
     assert made.document["ghost"] == [LEFT, RIGHT, PEG]
     made.command("hide_all")
     assert made.document["hidden"] == [LEFT, RIGHT, PEG]
+    made.command("single_out", parts=[PLATE, PEG])
+    assert (made.document["hidden"], made.document["ghost"]) == ([LEFT, RIGHT], [LEFT, RIGHT])
     for name, parts in (("grip", [PLATE]), ("measure_add", [PLATE, PEG])):
         with pytest.raises(WorkbenchError, match="stand/plate was left out of the scene"):
             made.command(name, parts=parts, **({"type": "parts"} if name == "measure_add" else {}))

@@ -37,6 +37,11 @@ const CHANGES: Readonly<Record<string, Change>> = {
     ...document,
     ghost: args.is_on ? united(document.ghost, ids(args)) : less(document.ghost, ids(args)),
   }),
+  single_out: (document, args) => ({
+    ...document,
+    hidden: less(document.hidden, ids(args)),
+    ghost: less(allOf(document), ids(args)),
+  }),
   explode: (document, args) => ({ ...document, explode: args.share as number }),
   set_unit: (document, args) => ({ ...document, unit: args.unit as Document["unit"] }),
   section_add: (document, args) => {

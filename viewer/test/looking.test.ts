@@ -40,6 +40,12 @@ test("isolating the same parts again brings back what was seen before", () => {
   assert.deepEqual(shown.hidden, [0, 2, 3], "after all were shown it isolates anew");
 });
 
+test("singled out parts are solid and in sight, and all others ghosts", () => {
+  const before: [string, Record<string, unknown>] = ["ghost", { parts: [1, 2], is_on: true }];
+  const { hidden, ghost } = after(before, ["single_out", { parts: [2, 3] }]);
+  assert.deepEqual([hidden, ghost], [[], [0, 1]]);
+});
+
 test("parts that were left out are not hidden with all others", () => {
   const document = { ...DOCUMENT, hidden: [], absent: [0, 2] };
   const looking = new Looking();

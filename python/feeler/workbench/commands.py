@@ -125,6 +125,12 @@ def ghost(document: Document, given: Arguments, known: Known) -> Document:
     return replace(document, ghost=change(document.ghost, _there(given, known)))
 
 
+def single_out(document: Document, given: Arguments, known: Known) -> Document:
+    """These in sight and solid, all others see-through."""
+    parts = _there(given, known)
+    return replace(document, hidden=_less(document.hidden, parts), ghost=_less(known.there, parts))
+
+
 def explode(document: Document, given: Arguments, _known: Known) -> Document:
     """How far apart the parts are drawn, 0 to 1."""
     return replace(document, explode=given.number("share", 0.0, 1.0))
@@ -390,6 +396,7 @@ COMMANDS: dict[str, Command] = {
     "hide_all": Command(hide_all),
     "isolate": Command(isolate, ("parts",)),
     "ghost": Command(ghost, ("parts", "is_on")),
+    "single_out": Command(single_out, ("parts",)),
     "explode": Command(explode, ("share",)),
     "section_add": Command(section_add, ("normal", "offset")),
     "section_move": Command(section_move, ("id", "normal", "offset")),
