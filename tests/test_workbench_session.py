@@ -19,6 +19,7 @@ from workbench_scene import LEFT, PATHS, PEG, PLATE, RIGHT, SHEET, Bench, at, cu
 
 import feeler
 from feeler.errors import LoadError, MeshError, OptionError, WorkbenchError
+from feeler.io import write_glb
 from feeler.workbench import measuring
 from feeler.workbench.events import MOST_KEPT
 from feeler.workbench.jobs import JobCancelledError, Jobs
@@ -44,6 +45,22 @@ def test_before_a_mockup_is_open_it_says_how_far_it_is() -> None:
                 ask()
     with pytest.raises(OptionError, match="do you mean mm"):
         Session(unit="mmm", has_threads=False)
+
+
+def test_a_mockup_is_called_as_its_file_or_as_what_all_its_parts_lie_in(tmp_path: Path) -> None:
+    write_glb(tmp_path / "stand v2.glb", stand())
+    shafts = stand(["gear/a", "gear/b", "gear/c/d", "gear/c/e", "gear"])
+    for mockup, name in (
+        (feeler.sample("differential", 10_000), "differential"),
+        (feeler.load_mockup(tmp_path / "stand v2.glb"), "stand v2.glb"),
+        (shafts, "gear"),
+        (stand(), "arrays"),
+    ):
+        with Session(has_threads=False) as session:
+            session.open(mockup, feeler.Scene(mockup), None)
+            assert session.document()["mockup"]["name"] == session.manifest()["name"] == name
+            session.open(mockup, feeler.Scene(mockup), None, name="mine")
+            assert session.document()["mockup"]["name"] == "mine"
 
 
 def test_events_are_numbered_and_kept_for_those_who_come_back() -> None:
