@@ -44,6 +44,7 @@ from feeler.workbench.wanted import Wanted
 
 LEAST_TICK_S = 0.004
 """The engine's thread begins no more than one round in this: 250 Hz."""
+_CLOSE_S = 10.0  # for a round of the engine that is under way
 
 
 class Session:
@@ -74,7 +75,7 @@ class Session:
         self.pages = 0
         """How many pages look at the session; the server keeps it."""
         self._snapshot_listeners: list[Callable[[], None]] = []
-        self._wake, self._is_closed = threading.Event(), False
+        self._wake, self._is_closed, self._is_warming = threading.Event(), False, False
         self._thread: threading.Thread | None = None
         if has_threads:
             self._thread = threading.Thread(target=self._loop, name="feeler engine", daemon=True)
@@ -125,7 +126,11 @@ class Session:
             self._show(begun.document, None)
             self._tell_held(begun.document)
         # The pages fetch and draw meanwhile: for large mock-ups it takes longer than all the rest.
-        self.engine.warm_up()
+        self._is_warming = True
+        try:
+            self.engine.warm_up()
+        finally:
+            self._is_warming = False
 
     def load_findings(self, given: Any) -> None:
         """What `feeler clash --json` wrote, a file or its content, for the findings panel. Raises `LoadError`."""
@@ -336,11 +341,15 @@ class Session:
         """Ends threads and record; a second time does nothing."""
         self._is_closed = True
         self._wake.set()
-        if self._thread is not None and threading.current_thread() is not self._thread:
-            self._thread.join(timeout=10.0)
+        # What the first answers need is made with the engine's lock held, for seconds in large mock-ups, and cannot be
+        # stopped: its thread, a daemon, ends behind it. Nothing was done meanwhile that a record would lack.
+        is_engine_free = not self._is_warming
+        if is_engine_free and self._thread is not None and threading.current_thread() is not self._thread:
+            self._thread.join(timeout=_CLOSE_S)
         self._requests.close()
         if self._recorder is not None:
-            self.engine.flush()
+            if is_engine_free:
+                self.engine.flush()
             self._recorder.close()
 
     def __enter__(self) -> Session:
