@@ -79,7 +79,7 @@ export class Page {
     new ResizeObserver(redraw).observe(picture.canvas);
     document.addEventListener("visibilitychange", redraw);
     window.addEventListener("pagehide", () => keepCamera(store.manifest.peek()?.hash, stage.camera.toJSON()));
-    this.drawing.each_frame.add(() => this.watchReady());
+    this.drawing.after_frame.add(() => this.watchReady());
     if (!link) store.connection.value = "refused";
     link?.connect();
   }

@@ -28,6 +28,7 @@ import { pngOf } from "./shot";
 import { coloursOf, type Theme } from "./theme";
 import { MAX_SECTIONS, sharedUniforms } from "./uniforms";
 import { add, type Box, dot, emptyBox, include, isEmpty, scale, type Vec3 } from "./vectors";
+import { warmUp } from "./warmup";
 
 export { PartState } from "./parts";
 export type { SectionPlane } from "./sections";
@@ -186,6 +187,7 @@ export class Stage {
     this.#colour();
     // Three tells a camera of the reversed depth when it first draws something with it: too late for the first aim.
     this.#back.draw(this.renderer, null, this.eye);
+    warmUp(this.#kept, this.#materials, this.#uniforms, this.eye);
     this.#resizes = new ResizeObserver(() => {
       this.#isSizeNew = true;
     });
@@ -637,7 +639,8 @@ export class Stage {
       this.#redraw(isMoving);
       stats.isKept = false;
     } else if ((!kept.isWhole || kept.scale !== 1) && !isMoving && !this.#work.isRunning) {
-      if (kept.isContinuable) this.#drawKept(this.#pace.triangles(SLICE_MS), false);
+      // At least as many as are drawn already: each slice shades the whole picture anew.
+      if (kept.isContinuable) this.#drawKept(Math.max(this.#pace.triangles(SLICE_MS), kept.triangles), false);
       else this.#redraw(false);
       stats.isKept = false;
     }
