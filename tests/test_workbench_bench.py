@@ -216,7 +216,7 @@ def test_a_soak_leaves_nothing_behind() -> None:
         events: list[dict[str, Any]] = []
         session.subscribe(lambda event: events.append(event))
         before = session.document()
-        kept = len(session._undo)
+        kept = session._history.undo_depth
         for k in range(10_000):
             clock.now += 1 / 60
             angle = 0.01 * k
@@ -233,7 +233,7 @@ def test_a_soak_leaves_nothing_behind() -> None:
                 outbox.acknowledged(late.pop(0)[1])
         assert most == MOST_STATES and states > 1000
         assert session.snapshot() is not None and session.snapshot().blocked
-        assert session.document() == before and len(session._undo) == kept, "moving alone is no change"
+        assert session.document() == before and session._history.undo_depth == kept, "moving alone is no change"
         assert [event["type"] for event in events] == ["impact"], "it stays in one contact"
         assert len(session.engine._touched) <= mockup.part_count
         assert session.engine._newest is None and session.engine._idle is None

@@ -59,7 +59,8 @@ export class Page {
     this.geometry = token ? new Geometry(base.href, token) : null;
     const hand = new Hand({
       moved: () => this.drawing.wished(),
-      placed: (pose) => void this.wb.run("place", { pose }),
+      placed: (pose) => void this.wb.place(pose),
+      ended: () => this.wb.goOn(),
     });
     hand.viewAxes = () => {
       const { right, top, forward } = stage.camera;

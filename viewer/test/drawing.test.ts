@@ -51,7 +51,11 @@ function setUp() {
   const sent: Wish[] = [];
   const link = { pose: (wish: Wish) => sent.push(wish) } as unknown as Link;
   let drawing: Drawing;
-  const hand = new Hand({ moved: () => drawing.wished(), placed() {} }, { set: () => 0, clear() {} }, () => now);
+  const hand = new Hand(
+    { moved: () => drawing.wished(), placed() {}, ended() {} },
+    { set: () => 0, clear() {} },
+    () => now,
+  );
   const store = new Store();
   const wb = new Workbench({
     store,
