@@ -19,6 +19,7 @@ pub fn to_py(error: Error) -> PyErr {
         | Error::Margin { .. }
         | Error::Distance { .. }
         | Error::NoneAsked { .. }
+        | Error::NoSuchPart { .. }
         | Error::Plane { .. }
         | Error::Ray { .. }
         | Error::Section { .. }
