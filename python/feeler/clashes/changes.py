@@ -1,0 +1,76 @@
+"""What changed from one check to the next."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from feeler.clashes.table import Clashes
+from feeler.clashes.tracking import Mark, Marks, followed, part_keys
+from feeler.errors import LoadError, OptionError
+
+
+@dataclass(frozen=True)
+class Changes:
+    """The findings of a check by their status, each a table; `resolved` has rows of the check before."""
+
+    new: Clashes
+    active: Clashes
+    reviewed: Clashes
+    approved: Clashes
+    resolved: Clashes
+
+    def counts(self) -> dict[str, int]:
+        """How many there are of each status."""
+        return {name: len(getattr(self, name)) for name in ("new", "active", "reviewed", "approved", "resolved")}
+
+
+def changes(now: Clashes, before: Clashes, growth: float) -> Changes:
+    """See `Clashes.diff`."""
+    if not isinstance(before, Clashes):
+        raise OptionError(f"previous is {type(before).__name__}: give Clashes, such as of feeler.load_clashes")
+    if not isinstance(growth, (int, float)) or isinstance(growth, bool) or not 0 <= growth < math.inf:
+        raise OptionError(f"growth is {growth!r}: give metres, 0 or more")
+    known = _with_earlier(before)
+    _check_mockup(now, known)
+    marks = {each: known.marks[each] for each in known.ids}
+    here = set(now.ids)
+    after: dict[str, Mark] = {}
+    for each, depth in zip(now.ids, (now.depth - now.gap).tolist(), strict=True):
+        after[each] = followed(marks.get(each), depth, growth)
+    gone = known[np.array([each not in here for each in known.ids], dtype=bool)]
+    # A check that was stopped has not looked everywhere: what it did not find stays as it was.
+    status = None if now.is_partial else "resolved"
+    left: Mapping[str, Mark] = {
+        each: marks[each] if status is None else replace(marks[each], status=status) for each in gone.ids
+    }
+    now.marks.replace(after)
+    now.set_earlier(
+        Clashes(gone.columns, gone.part_paths, gone.rules, marks=Marks(left), facts=gone.facts, is_partial=False)
+    )
+    found = {name: now.where(status=name) for name in ("new", "active", "reviewed", "approved")}
+    return Changes(**found, resolved=now.earlier.where(status="resolved"))
+
+
+def _with_earlier(table: Clashes) -> Clashes:
+    """The rows of a table, and those of its `earlier` ones that nobody has called resolved."""
+    from feeler.clashes.joining import joined
+
+    waiting = table.earlier
+    waiting = waiting[waiting.status != "resolved"]
+    return joined([table, waiting]) if len(waiting) else table
+
+
+def _check_mockup(now: Clashes, known: Clashes) -> None:
+    """Raises `LoadError` where nothing that was found before can be of the same mock-up."""
+    parts = set(known.a.tolist()) | set(known.b.tolist())
+    keys = part_keys(known.part_paths)
+    names = {keys[part] for part in parts}
+    if names and names.isdisjoint(part_keys(now.part_paths)):
+        raise LoadError(
+            f"the previous clashes are of another mock-up: none of their {len(names):,} parts, such as "
+            f"{min(names)!r}, is in this one of {len(now.part_paths):,} parts; give those of this mock-up"
+        )
