@@ -16,6 +16,7 @@ import numpy.typing as npt
 import feeler
 from feeler import Verdict
 from feeler.clashes.part_meshes import PartMeshes
+from feeler.clashes.table import SHAPES
 
 HERE = np.eye(4)
 KINDS = ("exact", "bound", "estimate")
@@ -37,8 +38,8 @@ class Rows:
     def __getattr__(self, name: str) -> npt.NDArray[Any]:
         if name not in NAMES:
             raise AttributeError(name)
-        shapes = {"translation": (-1, 3), "point_a": (-1, 3), "point_b": (-1, 3), "box": (-1, 2, 3)}
-        return np.array([row[name] for row in self.rows], dtype=float).reshape(shapes.get(name, (-1,)))
+        kind, shape = SHAPES[name]
+        return np.array([row[name] for row in self.rows], dtype=kind).reshape(-1, *shape)
 
 
 def clash(

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from feeler.clashes.rules import check_length
 from feeler.clashes.table import Clashes
 from feeler.clashes.tracking import Mark, Marks, followed, part_keys
 from feeler.errors import LoadError, OptionError
@@ -30,10 +30,10 @@ class Changes:
 
 def changes(now: Clashes, before: Clashes, growth: float) -> Changes:
     """See `Clashes.diff`."""
-    if not isinstance(before, Clashes):
-        raise OptionError(f"previous is {type(before).__name__}: give Clashes, such as of feeler.load_clashes")
-    if not isinstance(growth, (int, float)) or isinstance(growth, bool) or not 0 <= growth < math.inf:
-        raise OptionError(f"growth is {growth!r}: give metres, 0 or more")
+    given: object = before
+    if not isinstance(given, Clashes):
+        raise OptionError(f"previous is {type(given).__name__}: give Clashes, such as of feeler.load_clashes")
+    check_length("growth", growth)
     known = _with_earlier(before)
     _check_mockup(now, known)
     marks = {each: known.marks[each] for each in known.ids}

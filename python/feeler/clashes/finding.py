@@ -132,8 +132,9 @@ def _pairs(mockup: Mockup, exclude: Exclude | None) -> npt.NDArray[np.uint32]:
         return np.empty((0, 2), dtype=np.uint32)
     from feeler.ignored import pairs_of_parts
 
-    pairs = np.sort(pairs_of_parts(mockup, mockup, exclude, "exclude", ("mock-up", "mock-up")), axis=1)
-    return pairs[pairs[:, 0] != pairs[:, 1]]
+    given = pairs_of_parts(mockup, mockup, exclude, "exclude", ("mock-up", "mock-up"))
+    pairs: npt.NDArray[np.uint32] = np.sort(given, axis=1)
+    return np.asarray(pairs[pairs[:, 0] != pairs[:, 1]])
 
 
 def _columns(answer: Any, found: Limits) -> Columns:

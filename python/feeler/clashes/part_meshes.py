@@ -23,6 +23,6 @@ class PartMeshes:
         return self._order[self._starts[part] : self._starts[part + 1]]
 
     def corners(self, part: int) -> npt.NDArray[np.float64]:
-        """`(k, 3, 3)`: the corners of a part's triangles, metres; those with an index that is not there are left out."""
+        """`(k, 3, 3)`: the corners of a part's triangles, metres; none of those with an index out of range."""
         faces = self._faces[self.triangles(part)]
         return np.asarray(self.vertices[faces[(faces < len(self.vertices)).all(axis=1)]])

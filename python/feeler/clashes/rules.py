@@ -33,7 +33,7 @@ LISTED_PAIRS = 10_000_000
 """Most pairs of one sub-assembly that are listed for the core, 80 MB; beyond, they are asked and left out after."""
 
 FASTENERS = re.compile(
-    r"(?<![a-z])(m\d+ ?x ?\d+|bolts?|screws?|nuts?|washers?|rivets?|studs?|circlips?|dowels?|cotters?|setscrews?|capscrews?|"
+    r"(?<![a-z])(m\d+ ?x ?\d+|bolts?|(set|cap)?screws?|nuts?|washers?|rivets?|studs?|circlips?|dowels?|cotters?|"
     r"schrauben?|muttern?|scheiben?|niete?n?|tornillos?|tuercas?|arandelas?|(din|iso|asme|ansi)[ _-]?b?\d[\d._-]*)"
     r"(?![a-z])",
     re.IGNORECASE,
@@ -148,7 +148,7 @@ class Limits:
     def rule_of(self, a: npt.NDArray[np.uint32], b: npt.NDArray[np.uint32]) -> npt.NDArray[np.int32]:
         """The rule of each pair of parts; -1 where it is not asked, also for those of a sub-assembly that is too large
         to be listed."""
-        found = self.of_classes[self.class_of_part[a], self.class_of_part[b]].copy()
+        found = np.array(self.of_classes[self.class_of_part[a], self.class_of_part[b]])
         for rule, key in self._levels:
             same = (key[a] == key[b]) & (key[a] >= 0)
             found[same & ((found == rule) if rule >= 0 else True)] = -1
@@ -245,7 +245,7 @@ def _meets(kinds: npt.NDArray[np.bool_], number: int) -> npt.NDArray[np.bool_]:
 def _listed(
     rule: int, key: npt.NDArray[np.int64], of_classes: npt.NDArray[np.int32], class_of_part: npt.NDArray[Any]
 ) -> npt.NDArray[np.uint32]:
-    """The pairs of parts of one sub-assembly that a rule, or -1 for all, has: `(k, 2)`; none where they are too many."""
+    """The pairs of one sub-assembly that a rule has, for -1 any, as parts `(k, 2)`; none where they are too many."""
     order = np.argsort(key, kind="stable")
     order = order[key[order] >= 0]
     starts = np.flatnonzero(np.diff(key[order], prepend=-1))

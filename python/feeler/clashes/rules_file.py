@@ -1,29 +1,29 @@
 """Rules as TOML: read, and started from what a check found.
 
-    version = 1
-    others = true                     # pairs that no rule names are asked, too
+version = 1
+others = true                     # pairs that no rule names are asked, too
 
-    [[rule]]
-    name = "rotor against casing"
-    a = "*rotor*"                     # a pattern of paths, a path with all below it, or several
-    b = ["*casing*", "re:.*/vane_[0-9]+"]
-    clearance = 0.005                 # metres
-    contact = 0.0001                  # metres, or "chord"
-    severity = "critical"             # critical, major (default), minor
-    level = 2                         # not within one sub-assembly, two steps down the paths
+[[rule]]
+name = "rotor against casing"
+a = "*rotor*"                     # a pattern of paths, a path with all below it, or several
+b = ["*casing*", "re:.*/vane_[0-9]+"]
+clearance = 0.005                 # metres
+contact = 0.0001                  # metres, or "chord"
+severity = "critical"             # critical, major (default), minor
+level = 2                         # not within one sub-assembly, two steps down the paths
 
-    [[exclude]]
-    name = "seals in their grooves"
-    a = "*o-ring*"
-    b = "*housing*"                   # default: everything
+[[exclude]]
+name = "seals in their grooves"
+a = "*o-ring*"
+b = "*housing*"                   # default: everything
 
-    [[exclude]]
-    name = "welded"
-    same_assembly = 3
+[[exclude]]
+name = "welded"
+same_assembly = 3
 
-    [[exclude]]
-    name = "standard parts"
-    fasteners = true
+[[exclude]]
+name = "standard parts"
+fasteners = true
 """
 
 from __future__ import annotations
@@ -36,7 +36,6 @@ from collections.abc import Mapping
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
-
 
 from feeler.clashes.rules import Exclusion, Rule, Rules, is_fastener, near
 from feeler.clashes.table import Clashes

@@ -191,7 +191,10 @@ class _Reader:
         triangles = int(line["triangles"])
         if not 0 <= triangles < _TRIANGLE_PAIRS:
             raise ValueError(f"triangles is {triangles}")
-        row = {
+        box = [_triple(corner, "box") for corner in line["box"]]
+        if len(box) != 2:
+            raise ValueError("box is not two corners")
+        row: dict[str, Any] = {
             "a": keys.setdefault(a, len(keys)),
             "b": keys.setdefault(b, len(keys)),
             "verdict": Verdict[line["verdict"].upper()],
@@ -203,11 +206,9 @@ class _Reader:
             "is_open": sum(bit for bit, is_open in zip((1, 2), line["open"], strict=True) if is_open),
             "rule": rules.setdefault(rule, len(rules)),
             "severity": SEVERITIES.index(line["severity"]),
-            "box": [_triple(corner, "box") for corner in line["box"]],
+            "box": box,
             **{name: _triple(line[name], name) for name in ("translation", "point_a", "point_b")},
         }
-        if len(row["box"]) != 2:
-            raise ValueError("box is not two corners")
         for column, value in row.items():
             values[column].append(value)
 

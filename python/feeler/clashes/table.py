@@ -255,17 +255,18 @@ class Clashes(Sequence[Clash]):
     def _keys(self) -> list[str]:
         return part_keys(self.part_paths)
 
-    def where(self, **where: str) -> Clashes:
+    def where(self, **where: object) -> Clashes:
         """The rows of a verdict, a severity, a status or a rule: `clashes.where(verdict="clash", rule="default")`."""
         return self[self._mask(where)]
 
-    def _mask(self, where: dict[str, str]) -> npt.NDArray[np.bool_]:
+    def _mask(self, where: dict[str, object]) -> npt.NDArray[np.bool_]:
         mask = np.ones(len(self), dtype=bool)
         for name, value in where.items():
             if name == "verdict":
-                if not isinstance(value, Verdict) and str(value).upper() not in Verdict.__members__:
+                wanted = value if isinstance(value, Verdict) else Verdict.__members__.get(str(value).upper())
+                if wanted is None:
                     raise OptionError(f"there is no verdict {value!r}: choose {', '.join(Verdict.__members__).lower()}")
-                mask &= self.verdict == (value if isinstance(value, Verdict) else Verdict[str(value).upper()])
+                mask &= self.verdict == wanted
             elif name in ("severity", "status", "rule"):
                 mask &= getattr(self, name) == value
             else:

@@ -85,7 +85,7 @@ class Marks:
     def set(self, clash: str, status: object, depth: float, by: object, note: object) -> None:
         """Says what somebody thinks of a finding. Raises `OptionError` for another status, or one that is no text."""
         if status not in SETTABLE:
-            raise OptionError(f"status is {status!r}: choose {', '.join(SETTABLE)}; resolved is what is not found again")
+            raise OptionError(f"status is {status!r}: choose {', '.join(SETTABLE)} (resolved is what is gone)")
         if not isinstance(by, str) or not isinstance(note, str):
             raise OptionError("by and note are texts: who says so, and why")
         self._by_id[clash] = Mark(str(status), by, note, depth if status == "approved" else None)
