@@ -58,8 +58,8 @@ def check_same(mockup: Mockup, clashes: Clashes) -> None:
     """Raises `OptionError` where the findings do not count the parts of this mock-up."""
     if tuple(mockup.part_paths) != clashes.part_paths:
         raise OptionError(
-            "the clashes are of other parts than the mock-up's: give the mock-up that was checked, and what feeler.clash "
-            "said of it (those of a file have no part numbers)"
+            "the clashes are of other parts than the mock-up's: give the mock-up that was checked, and what "
+            "feeler.clash said of it (clashes of a file have no part numbers)"
         )
 
 

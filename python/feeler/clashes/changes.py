@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -35,7 +35,7 @@ def changes(now: Clashes, before: Clashes, growth: float) -> Changes:
         raise OptionError(f"previous is {type(given).__name__}: give Clashes, such as of feeler.load_clashes")
     check_length("growth", growth)
     known = _with_earlier(before)
-    _check_mockup(now, known)
+    check_mockup(now.part_paths, known)
     marks = {each: known.marks[each] for each in known.ids}
     here = set(now.ids)
     after: dict[str, Mark] = {}
@@ -64,13 +64,13 @@ def _with_earlier(table: Clashes) -> Clashes:
     return joined([table, waiting]) if len(waiting) else table
 
 
-def _check_mockup(now: Clashes, known: Clashes) -> None:
-    """Raises `LoadError` where nothing that was found before can be of the same mock-up."""
+def check_mockup(part_paths: Sequence[str], known: Clashes) -> None:
+    """Raises `LoadError` where nothing that was found before can be of a mock-up with these parts."""
     parts = set(known.a.tolist()) | set(known.b.tolist())
     keys = part_keys(known.part_paths)
     names = {keys[part] for part in parts}
-    if names and names.isdisjoint(part_keys(now.part_paths)):
+    if names and names.isdisjoint(part_keys(part_paths)):
         raise LoadError(
             f"the previous clashes are of another mock-up: none of their {len(names):,} parts, such as "
-            f"{min(names)!r}, is in this one of {len(now.part_paths):,} parts; give those of this mock-up"
+            f"{min(names)!r}, is in this one of {len(part_paths):,} parts; give those of this mock-up"
         )

@@ -13,7 +13,7 @@ dt { opacity: .7; } dd { margin: 0; overflow-wrap: anywhere; }
 .partial { border-left: 4px solid #d33; padding: .4em .8em; background: #d331; }
 .groups { display: grid; grid-template-columns: repeat(auto-fill, minmax(270px, 1fr)); gap: 1em; }
 .group { border: 1px solid var(--line); border-radius: 6px; overflow: hidden; background: none; color: inherit;
-  font: inherit; text-align: left; padding: 0; cursor: pointer; }
+  font: inherit; text-align: left; padding: 0; cursor: pointer; display: flex; flex-direction: column; }
 .group[aria-pressed=true] { outline: 3px solid #38f; }
 .group img { display: block; width: 100%; aspect-ratio: 8 / 5; background: #fff; }
 .group span { display: block; padding: .5em .8em; overflow-wrap: anywhere; } .group b { display: block; }

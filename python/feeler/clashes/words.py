@@ -47,6 +47,8 @@ def length(metres: float) -> str:
     if not math.isfinite(metres):
         return "an unknown length"
     for factor, unit in ((1.0, "m"), (1e3, "mm"), (1e6, "µm"), (1e9, "nm")):
-        if abs(metres) * factor >= 1.0:
-            return f"{metres * factor:.4g} {unit}"
+        # Rounded first: a micrometre less than a millimetre is no "1000 µm".
+        shown = float(f"{metres * factor:.4g}")
+        if abs(shown) >= 1.0:
+            return f"{shown:.6g} {unit}"
     return f"{metres:.4g} m"
