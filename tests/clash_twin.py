@@ -109,7 +109,9 @@ def pair_of(
         ]
         point = np.mean(row["box"], axis=0)
         row["point_a"] = row["point_b"] = point.tolist()
-        if enters or bool(inside):
+        crosses = bool((hit.kinds == feeler.PairKind.CROSSING).any())
+        held = not same and not crosses and (holds(meshes, a, b) or holds(meshes, b, a))
+        if enters or held:
             planes = scene.contacts(tool, HERE, 0.0)
             way = scene.penetration(tool, HERE)
             deepest = -float(planes.gaps[0]) if len(planes) and planes.gaps[0] < 0 else 0.0
@@ -117,7 +119,7 @@ def pair_of(
             row.update(depth=depth, depth_kind=KINDS.index(way.kind), translation=way.translation.tolist())
         if same:
             verdict = Verdict.DUPLICATE
-        elif bool(inside) and not enters:
+        elif held:
             verdict = Verdict.CONTAINED
         elif enters and row["depth"] > touch:
             verdict = Verdict.CLASH
@@ -151,6 +153,33 @@ def same_triangles(one: npt.NDArray[np.float64], other: npt.NDArray[np.float64])
         return sorted(tuple(sorted(map(tuple, triangle))) for triangle in (corners + 0.0).tolist())
 
     return told(one) == told(other)
+
+
+def holds(meshes: PartMeshes, outer: int, inner: int) -> bool:
+    """Whether a closed part has corners and middles of another's triangles inside, and none outside."""
+    if is_open(meshes, outer):
+        return False
+    triangles = meshes.corners(inner)
+    points = np.unique(np.concatenate([triangles.reshape(-1, 3), triangles.mean(axis=1)]), axis=0)
+    is_inside, surface = False, meshes.corners(outer)
+    for point in points:
+        around = abs(winding(surface, point))
+        if around < 0.1:
+            return False
+        # On the surface it is neither.
+        is_inside |= around > 0.9
+    return is_inside
+
+
+def winding(triangles: npt.NDArray[np.float64], point: npt.NDArray[np.float64]) -> float:
+    """How often a surface goes around a point, by solid angles (van Oosterom and Strackee 1983)."""
+    a, b, c = np.moveaxis(triangles - point, 1, 0)
+    la, lb, lc = (np.linalg.norm(x, axis=1) for x in (a, b, c))
+    top = np.einsum("ij,ij->i", a, np.cross(b, c))
+    bottom = la * lb * lc + (a * b).sum(1) * lc + (b * c).sum(1) * la + (c * a).sum(1) * lb
+    # A triangle in line with the point covers nothing, or half of all around if the point is on it.
+    flat = np.abs(top) <= 1e-12 * la * lb * lc
+    return float((np.where(flat, np.where(bottom < 0, np.pi, 0.0), np.arctan2(top, bottom))).sum() / (2 * np.pi))
 
 
 def is_open(meshes: PartMeshes, part: int) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
@@ -312,7 +313,8 @@ class Clashes(Sequence[Clash]):
             gap=float(c.gap[row]),
             point_a=_point(c.point_a[row]),
             point_b=_point(c.point_b[row]),
-            volume=float(c.volume[row]),
+            # One and the same NaN, so that equal rows are equal.
+            volume=math.nan if np.isnan(c.volume[row]) else float(c.volume[row]),
             triangles=int(c.triangles[row]),
             box=(_point(c.box[row, 0]), _point(c.box[row, 1])),
             is_open_a=bool(c.is_open[row] & 1),
