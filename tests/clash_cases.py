@@ -1,4 +1,4 @@
-"""The hard pairs of testdata/clash as meshes, and what is right of them, by rational arithmetic where they are boxes."""
+"""The hard pairs of testdata/clash as meshes, and what is right of them: of boxes by rational arithmetic."""
 
 from __future__ import annotations
 
@@ -50,8 +50,13 @@ def cases(testdata: Path) -> list[Case]:
 def rational(mockup: feeler.Mockup) -> tuple[str, float]:
     """The verdict on two boxes and its figure, by their corners as they are, without rounding."""
     corners = mockup.vertices[mockup.faces]
-    low, high = ([[Fraction(x) for x in end(corners[mockup.part_of_face == part].reshape(-1, 3), axis=0).tolist()]
-                  for part in (0, 1)] for end in (np.min, np.max))
+    low, high = (
+        [
+            [Fraction(x) for x in end(corners[mockup.part_of_face == part].reshape(-1, 3), axis=0).tolist()]
+            for part in (0, 1)
+        ]
+        for end in (np.min, np.max)
+    )
     apart = [max(low[1][i] - high[0][i], low[0][i] - high[1][i], Fraction(0)) for i in range(3)]
     if any(apart):
         square = sum(each * each for each in apart)

@@ -208,10 +208,10 @@ def test_wrong_arguments(mockup: feeler.Mockup) -> None:
     with pytest.raises(MeshError, match=r"needs a feeler\.Mockup, not list"):
         asked([])
     for value in (-1.0, math.nan, math.inf, "2 mm", True, None):
-        with pytest.raises(OptionError, match="clearance is .*: give metres, 0 or more"):
+        with pytest.raises(OptionError, match=r"clearance is .*: give metres, 0 or more"):
             asked(mockup, clearance=value)
     for value in (-1e-9, math.nan, "chrod", None):
-        with pytest.raises(OptionError, match='contact is .*: give metres, 0 or more, or "chord"'):
+        with pytest.raises(OptionError, match=r'contact is .*: give metres, 0 or more, or "chord"'):
             asked(mockup, contact=value)
     with pytest.raises(OptionError, match="scene is of another mock-up"):
         asked(mockup, scene=feeler.Scene(house()))
