@@ -82,9 +82,9 @@ def test_a_file_gives_back_what_was_saved(tmp_path: Path, mockup: feeler.Mockup)
 
     assert told(read) == told(found)
     assert read.depth.tolist() == found.depth.tolist() and read.gap.tolist() == found.gap.tolist()
-    assert read.marks[found.ids[0]] == found.marks[found.ids[0]]
+    assert read.marks.of(found.ids[0]) == found.marks.of(found.ids[0])
     assert (read.facts.clearance, read.facts.contact, read.facts.parts) == (0.002, 0.0, 7)
-    assert not read.is_partial and len(read.earlier) == 0
+    assert not read.is_partial and len(read.earlier()) == 0
     read.save(tmp_path / "again.json")
     assert (tmp_path / "again.json").read_bytes() == (tmp_path / "now.json").read_bytes()
 
@@ -122,12 +122,12 @@ def test_new_active_resolved_and_back(tmp_path: Path, mockup: feeler.Mockup) -> 
     assert {frozenset((row.path_a, row.path_b)) for row in change.resolved} == {frozenset(pair) for pair in gone}
     assert set(change.resolved.status.tolist()) == {"resolved"} and set(second.status.tolist()) == {"active"}
     second.save(tmp_path / "2.json")
-    assert len(feeler.load_clashes(tmp_path / "2.json").earlier) == len(gone)
+    assert len(feeler.load_clashes(tmp_path / "2.json").earlier()) == len(gone)
 
     third = feeler.clash(mockup)
     change = third.diff(feeler.load_clashes(tmp_path / "2.json"))
     assert {(row.path_a, row.path_b) for row in change.new} == gone, "what was resolved and comes back is new"
-    assert change.counts()["resolved"] == 0 and len(third.earlier) == 0
+    assert change.counts()["resolved"] == 0 and len(third.earlier()) == 0
 
 
 @pytest.mark.parametrize("status", ["active", "reviewed"])
@@ -197,7 +197,7 @@ def test_a_partial_check_resolves_nothing(tmp_path: Path, mockup: feeler.Mockup)
     part.is_partial = True
     change = part.diff(feeler.load_clashes(tmp_path / "1.json"))
     assert len(change.resolved) == 0 and len(change.active) == 3
-    assert len(part.earlier) == len(FOUND) - 3 and set(part.earlier.status.tolist()) == {"new", "approved"}
+    assert len(part.earlier()) == len(FOUND) - 3 and set(part.earlier().status.tolist()) == {"new", "approved"}
     part.save(tmp_path / "2.json")
     assert feeler.load_clashes(tmp_path / "2.json").is_partial
     # The next whole check goes on from there.
@@ -254,7 +254,7 @@ def test_a_file_of_another_mock_up(saved: Path) -> None:
     other = feeler.clash(mockup_of({"ship/hull": box((0, 0, 0), (1, 1, 1)), "ship/mast": box((0.5, 0, 0), (2, 1, 1))}))
     with pytest.raises(LoadError, match=r"of another mock-up: none of their 7 parts, such as 'house/copy/left'"):
         other.diff(feeler.load_clashes(saved))
-    assert set(other.status.tolist()) == {"new"} and len(other.earlier) == 0
+    assert set(other.status.tolist()) == {"new"} and len(other.earlier()) == 0
 
 
 def test_other_files(tmp_path: Path, saved: Path) -> None:
@@ -332,7 +332,7 @@ def test_tables_travel(mockup: feeler.Mockup) -> None:
     now = feeler.clash(without("yard/flush"))
     now.diff(before)
     for there in (pickle.loads(pickle.dumps(now)), copy.deepcopy(now)):
-        assert list(there) == list(now) and there.facts == now.facts and list(there.earlier) == list(now.earlier)
+        assert list(there) == list(now) and there.facts == now.facts and list(there.earlier()) == list(now.earlier())
         assert pairs(there) == pairs(now) and there.part_paths == now.part_paths
         there.set_status(there.ids[1], "reviewed")
         assert now[1].status == "active", "a copy has a status of its own"

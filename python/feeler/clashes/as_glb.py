@@ -13,7 +13,6 @@ from feeler.errors import OptionError
 from feeler.io.body import LIGHT_GREY, ORANGE, RED, STEEL_BLUE, Body, Colour, body_of
 from feeler.io.export import write_glb
 from feeler.mockup import Mockup
-from feeler.picture.bars import LEAST_THICKNESS_M, bars
 
 VIOLET: Colour = (0.55, 0.25, 0.70)
 GREEN: Colour = (0.30, 0.62, 0.36)
@@ -34,6 +33,8 @@ def clash_bodies(mockup: Mockup, clashes: Clashes) -> tuple[Body, ...]:
     A part has the colour of its worst finding, the rest is light grey. A line goes from the point of one part to that
     of the other; where they are in each other, along the least way out.
     """
+    from feeler.picture.bars import LEAST_THICKNESS_M, bars
+
     check_same(mockup, clashes)
     colours = np.tile(np.array(LIGHT_GREY), (mockup.part_count, 1))
     for row in range(len(clashes) - 1, -1, -1):

@@ -27,11 +27,11 @@ def report(clashes: Clashes, *, by: str = "part") -> dict[str, Any]:
             for group in groups
         ],
         "clashes": [{**row, "group": group_of[place]} for place, row in enumerate(saving.rows(clashes))],
-        "earlier": list(saving.rows(clashes.earlier)),
+        "earlier": list(saving.rows(clashes.earlier())),
     }
 
 
 def statuses(clashes: Clashes) -> dict[str, int]:
     """How many findings there are of each status, those that are resolved included."""
     found = {name: len(clashes.where(status=name)) for name in ("new", "active", "reviewed", "approved")}
-    return {**found, "resolved": len(clashes.earlier.where(status="resolved"))}
+    return {**found, "resolved": len(clashes.earlier().where(status="resolved"))}

@@ -36,7 +36,7 @@ def changes(now: Clashes, before: Clashes, growth: float) -> Changes:
     check_length("growth", growth)
     known = _with_earlier(before)
     check_mockup(now.part_paths, known)
-    marks = {each: known.marks[each] for each in known.ids}
+    marks = {each: known.marks.of(each) for each in known.ids}
     here = set(now.ids)
     after: dict[str, Mark] = {}
     for each, depth in zip(now.ids, (now.depth - now.gap).tolist(), strict=True):
@@ -52,14 +52,14 @@ def changes(now: Clashes, before: Clashes, growth: float) -> Changes:
         Clashes(gone.columns, gone.part_paths, gone.rules, marks=Marks(left), facts=gone.facts, is_partial=False)
     )
     found = {name: now.where(status=name) for name in ("new", "active", "reviewed", "approved")}
-    return Changes(**found, resolved=now.earlier.where(status="resolved"))
+    return Changes(**found, resolved=now.earlier().where(status="resolved"))
 
 
 def _with_earlier(table: Clashes) -> Clashes:
     """The rows of a table, and those of its `earlier` ones that nobody has called resolved."""
     from feeler.clashes.joining import joined
 
-    waiting = table.earlier
+    waiting = table.earlier()
     waiting = waiting[waiting.status != "resolved"]
     return joined([table, waiting]) if len(waiting) else table
 

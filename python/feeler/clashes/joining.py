@@ -25,7 +25,7 @@ def joined(tables: Sequence[Clashes]) -> Clashes:
         of_rule = np.array([rules.setdefault(name, len(rules)) for name in table.rules], dtype=np.uint32)
         columns = table.columns
         moved.append(replace(columns, a=of_part[columns.a], b=of_part[columns.b], rule=of_rule[columns.rule]))
-        marks.update({each: table.marks[each] for each in table.ids})
+        marks.update({each: table.marks.of(each) for each in table.ids})
     rows = Columns(*(np.concatenate([getattr(each, f.name) for each in moved]) for f in fields(Columns)))
     return Clashes(rows, list(keys), list(rules), marks=Marks(marks), facts=tables[0].facts)
 

@@ -49,7 +49,7 @@ def rows(clashes: Clashes) -> Iterator[dict[str, Any]]:
     """The findings in the order of the table; what is NaN is None."""
     keys = part_keys(clashes.part_paths)
     for clash in clashes:
-        approved = clashes.marks[clash.id].approved_depth
+        approved = clashes.marks.of(clash.id).approved_depth
         yield {
             "id": clash.id,
             "rule": clash.rule,
@@ -81,7 +81,7 @@ def _number(value: float) -> float | None:
 def save(clashes: Clashes, path: str | os.PathLike[str]) -> None:
     """See `Clashes.save`."""
     texts = [f"{json.dumps(name)}: {json.dumps(value)}" for name, value in head(clashes).items()]
-    for name, table in (("clashes", clashes), ("earlier", clashes.earlier)):
+    for name, table in (("clashes", clashes), ("earlier", clashes.earlier())):
         lines = sorted(rows(table), key=lambda row: (row["rule"], sorted((row["a"], row["b"])), row["id"]))
         inside = ",\n".join("  " + json.dumps(line, allow_nan=False) for line in lines)
         texts.append(f'"{name}": [\n{inside}\n ]' if lines else f'"{name}": []')

@@ -250,7 +250,7 @@ class Clashes(Sequence[Clash]):
     @property
     def status(self) -> npt.NDArray[np.str_]:
         """`(n,)`: each finding's status."""
-        return np.array([self.marks[each].status for each in self.ids], dtype="U8")
+        return np.array([self.marks.of(each).status for each in self.ids], dtype="U8")
 
     @cached_property
     def _keys(self) -> list[str]:
@@ -299,7 +299,7 @@ class Clashes(Sequence[Clash]):
     def _row(self, row: int) -> Clash:
         c = self.columns
         a, b = int(c.a[row]), int(c.b[row])
-        mark = self.marks[self.ids[row]]
+        mark = self.marks.of(self.ids[row])
         return Clash(
             id=self.ids[row],
             a=a,
@@ -397,7 +397,6 @@ class Clashes(Sequence[Clash]):
 
         save(self, path)
 
-    @property
     def earlier(self) -> Clashes:
         """What the check before found and this one did not, as `diff` told: resolved, but where this one is partial."""
         return self._earlier if self._earlier is not None else self[:0]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import uuid
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from feeler.errors import OptionError
@@ -79,7 +79,8 @@ class Marks:
     def __init__(self, marks: Mapping[str, Mark] | None = None) -> None:
         self._by_id = dict(marks or {})
 
-    def __getitem__(self, clash: str) -> Mark:
+    def of(self, clash: str) -> Mark:
+        """What is known of a finding."""
         return self._by_id.get(clash, NEW)
 
     def set(self, clash: str, status: object, depth: float, by: object, note: object) -> None:
@@ -106,8 +107,3 @@ def followed(before: Mark | None, depth: float, growth: float) -> Mark:
             return Mark("new", before.by, f"{before.note}; {grown}" if before.note else grown)
         return before
     return replace(before, status="active") if before.status == "new" else before
-
-
-def with_status(ids: Iterable[str], marks: Marks, status: str) -> list[int]:
-    """Which of the ids have a status, as places."""
-    return [place for place, each in enumerate(ids) if marks[each].status == status]
