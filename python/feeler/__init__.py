@@ -23,6 +23,7 @@ from feeler._core import (
     Rays,
     SectionOutline,
 )
+from feeler.clash.verdict import Verdict
 from feeler.errors import (
     DeviceError,
     FeelerError,
@@ -80,6 +81,7 @@ __all__ = [
     "SectionOutline",
     "SessionError",
     "Tool",
+    "Verdict",
     "View",
     "WorkbenchError",
     "from_open3d",

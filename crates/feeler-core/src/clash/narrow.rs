@@ -2,7 +2,7 @@
 //! doubt; no more of two parts than is needed to tell whether they cross.
 
 use super::asked::{in_order, PairLimits};
-use super::meeting::Meets;
+use super::meeting::{Meets, Touch};
 use super::pair_table::PairTable;
 use crate::constants::LEAST_ENTRY;
 use crate::geometry::intersect_lanes::{intersect, line_of, Pairs, Seen};
@@ -67,8 +67,10 @@ pub(crate) struct MeetingNarrow<'a> {
     pub decided: &'a [[u32; 2]],
     pub lanes: Checked,
     pub scratch: &'a mut NarrowScratch,
-    /// What this share of the search found.
+    /// Parts that meet, as far as this share of the search found out.
     pub found: Vec<([u32; 2], Meets)>,
+    /// Pairs of triangles that touch, of parts of which none was known to cross.
+    pub touches: Vec<Touch>,
 }
 
 impl SelfSink for MeetingNarrow<'_> {
@@ -83,7 +85,7 @@ impl SelfSink for MeetingNarrow<'_> {
     }
 
     #[inline(always)]
-    fn offer<S: Simd>(&mut self, s: S, piece: u32, triangle: u32, chosen: u32, others: &[u32; 2 * LANES]) -> bool {
+    fn offer<S: Simd>(&mut self, s: S, piece: u32, triangle: u32, chosen: u32, others: &[u32; 2 * LANES]) {
         let mesh = self.mockup.mesh();
         let NarrowScratch { lines, places, firsts, seconds, owners, count, .. } = &mut *self.scratch;
         let place = &mut places[piece as usize];
@@ -105,7 +107,6 @@ impl SelfSink for MeetingNarrow<'_> {
         if *count >= BATCH {
             self.finish();
         }
-        false
     }
 }
 
@@ -162,7 +163,10 @@ impl MeetingNarrow<'_> {
                 }
                 match intersect_triangle_triangle(&mesh.triangle(a), &mesh.triangle(b)) {
                     Some(PairKind::Crossing) => self.note(a, b, Meets::Crossing),
-                    Some(_) => self.note(a, b, Meets::Touching),
+                    Some(kind) => {
+                        self.note(a, b, Meets::Touching);
+                        self.touches.push(Touch::new(self.mockup, [a, b], kind));
+                    }
                     None => {}
                 }
             }

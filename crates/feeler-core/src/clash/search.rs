@@ -2,12 +2,13 @@
 
 use rayon::prelude::*;
 
+use crate::constants::MOCKUP_CUT_ALLOWANCE;
 use crate::error::Result;
 use crate::index::blocks::{BlockParts, Blocks, SelfSearch, SelfTask};
 use crate::index::mockup_index::Index;
-use crate::index::store::{Storage, Store};
+use crate::index::store::Store;
+use crate::mesh::pieces::default_piece_size;
 use crate::progress::Progress;
-use crate::sizing::choice::default_voxel_size;
 
 /// Shares of which is told, and after which a search may be stopped.
 const WAVE: usize = 128;
@@ -36,8 +37,9 @@ impl<'a> SelfIndex<'a> {
         let built = match index.store() {
             Store::Blocks(_) => None,
             _ => {
-                let size = default_voxel_size(mockup.mesh(), None, Storage::Blocks, limit);
-                Some(Blocks::build(mockup.mesh(), size, limit, &|_, _| true)?)
+                let (mesh, ids) = (mockup.mesh(), mockup.mesh().queried().collect::<Vec<u32>>());
+                let size = default_piece_size(ids.len(), |i| mesh.triangle(ids[i]), MOCKUP_CUT_ALLOWANCE);
+                Some(Blocks::build(mesh, size, limit, &|_, _| true)?)
             }
         };
         let selection = index.selection();
@@ -45,7 +47,8 @@ impl<'a> SelfIndex<'a> {
         Ok(SelfIndex { index, built, parts })
     }
 
-    pub(crate) fn index(&self) -> &'a Index {
+    /// The index.
+    pub fn index(&self) -> &'a Index {
         self.index
     }
 

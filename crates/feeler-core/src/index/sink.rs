@@ -160,8 +160,20 @@ pub(crate) trait SelfSink {
     /// Says that a block's pieces come next: their numbers mean others now.
     fn begin_block(&mut self);
 
-    /// Takes a triangle (of the piece of this number of the block) and those chosen of others; true when the search is over.
-    fn offer<S: Simd>(&mut self, s: S, piece: u32, triangle: u32, chosen: u32, others: &[u32; 2 * LANES]) -> bool;
+    /// Takes a triangle (of the piece of this number of the block) and those chosen of others.
+    fn offer<S: Simd>(&mut self, s: S, piece: u32, triangle: u32, chosen: u32, others: &[u32; 2 * LANES]);
+}
+
+/// Takes pairs of triangles of different parts of one mock-up that may be near.
+pub(crate) trait SelfNearSink {
+    /// How far a pair of parts (any order) may be apart to be of interest, still: the square, in frame units; negative: not at all.
+    fn limit(&mut self, part: u32, other: u32) -> f32;
+
+    /// Takes a pair of triangles, and the square of a bound on their distance, in frame units.
+    fn offer(&mut self, bound: f32, triangle: u32, other: u32);
+
+    /// Says that a block is done.
+    fn end_block(&mut self);
 }
 
 /// A tool on its way through a window of time.

@@ -12,8 +12,8 @@ use feeler_lanes::{Box4, Checked, Kernel, Simd};
 
 /// Takes the blocks of the tree that reach each other, as kernels do.
 pub trait BlockSink {
-    /// Takes a block, and those after it (it may be the first of them itself) that are near enough; true when the search is over.
-    fn take<S: Simd>(&mut self, s: S, block: u32, others: &[u32]) -> bool;
+    /// Takes a block, and those after it (it may be the first of them itself) that are near enough.
+    fn take<S: Simd>(&mut self, s: S, block: u32, others: &[u32]);
 }
 
 /// A share of the search: a node, and the nodes of its level that it is held against.
@@ -55,7 +55,7 @@ impl SelfSearch<'_> {
         tasks
     }
 
-    /// Works on a share, until `sink` says that it is over.
+    /// Works on a share.
     pub fn run(&self, task: &SelfTask, sink: &mut impl BlockSink) {
         self.lanes.run(Descend { search: self, task, sink });
     }
@@ -149,9 +149,7 @@ impl<B: BlockSink> Kernel for Descend<'_, '_, B> {
             // What stands behind belongs to nodes that are done.
             lists.truncate(list.end);
             if level == 0 {
-                if sink.take(s, node, &lists[list]) {
-                    return;
-                }
+                sink.take(s, node, &lists[list]);
                 continue;
             }
             for child in 0..search.blocks.levels[level][node as usize].valid.count_ones() {

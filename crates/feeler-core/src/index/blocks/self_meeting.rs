@@ -32,7 +32,7 @@ impl Default for MeetingScratch {
 
 impl<N: SelfSink> BlockSink for MeetingBlocks<'_, N> {
     #[inline(always)]
-    fn take<S: Simd>(&mut self, s: S, block: u32, others: &[u32]) -> bool {
+    fn take<S: Simd>(&mut self, s: S, block: u32, others: &[u32]) {
         let MeetingBlocks { blocks, parts, narrow, scratch } = self;
         let MeetingScratch { own, other: unpacked } = &mut **scratch;
         let (node, packed) = (&blocks.levels[0][block as usize], &blocks.pieces[block as usize]);
@@ -109,12 +109,11 @@ impl<N: SelfSink> BlockSink for MeetingBlocks<'_, N> {
                         kept |= u32::from(met) << (LANES * other_half);
                     }
                 }
-                if kept != 0 && narrow.offer(s, piece, packed.triangles[piece as usize], kept, &other_packed.triangles) {
-                    return true;
+                if kept != 0 {
+                    narrow.offer(s, piece, packed.triangles[piece as usize], kept, &other_packed.triangles);
                 }
             }
         }
-        false
     }
 }
 
