@@ -44,11 +44,12 @@ class Rows:
 
 def clash(
     scene: feeler.Scene,
-    class_of_part: npt.NDArray[np.uint32],
     clearance: npt.NDArray[np.float64],
     contact: npt.NDArray[np.float64],
+    *,
+    class_of_part: npt.NDArray[np.uint32],
     exclude: npt.NDArray[np.uint32],
-    _threads: int | None = None,
+    threads: int | None = None,
     progress: Callable[[float, str], object] | None = None,
 ) -> Rows:
     """As `feeler._core.clash`."""
@@ -96,7 +97,7 @@ def pair_of(
     inside = scene.containment(tool, HERE)
     row: dict[str, Any] = {
         **{"a": a, "b": b, "depth": 0.0, "depth_kind": 0, "gap": 0.0, "translation": [0.0] * 3},
-        **{"triangles": len(hit.pairs), "is_open": is_open(meshes, a) | 2 * is_open(meshes, b)},
+        **{"triangles": len(hit.pairs), "is_open": [is_open(meshes, a), is_open(meshes, b)]},
     }
     if len(hit.pairs):
         same = same_triangles(meshes.corners(a), meshes.corners(b))
@@ -182,14 +183,14 @@ def winding(triangles: npt.NDArray[np.float64], point: npt.NDArray[np.float64]) 
     return float((np.where(flat, np.where(bottom < 0, np.pi, 0.0), np.arctan2(top, bottom))).sum() / (2 * np.pi))
 
 
-def is_open(meshes: PartMeshes, part: int) -> int:
+def is_open(meshes: PartMeshes, part: int) -> bool:
     """Whether an edge of the part, by the coordinates of its ends, has no partner the other way round."""
     edges: dict[Any, int] = {}
     for triangle in (meshes.corners(part) + 0.0).tolist():
         corners = [tuple(corner) for corner in triangle]
         for start, end in zip(corners, corners[1:] + corners[:1], strict=True):
             edges[start, end] = edges.get((start, end), 0) + 1
-    return int(any(edges.get((end, start), 0) != count for (start, end), count in edges.items()))
+    return any(edges.get((end, start), 0) != count for (start, end), count in edges.items())
 
 
 def _boxes_apart(one: npt.NDArray[np.float64], other: npt.NDArray[np.float64]) -> float:

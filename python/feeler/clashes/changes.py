@@ -39,7 +39,7 @@ def changes(now: Clashes, before: Clashes, growth: float) -> Changes:
     marks = {each: known.marks.of(each) for each in known.ids}
     here = set(now.ids)
     after: dict[str, Mark] = {}
-    for each, depth in zip(now.ids, (now.depth - now.gap).tolist(), strict=True):
+    for each, depth in zip(now.ids, now.signed_depth.tolist(), strict=True):
         after[each] = followed(marks.get(each), depth, growth)
     gone = known[np.array([each not in here for each in known.ids], dtype=bool)]
     # A check that was stopped has not looked everywhere: what it did not find stays as it was.

@@ -22,6 +22,7 @@ Progress = Callable[[float, str], object]
 RulesLike = Rules | Mapping[str, Any] | str | Any
 Exclude = Iterable[tuple[PartsLike, PartsLike]] | npt.NDArray[np.integer[Any]]
 
+_STAGES = ("finding parts that meet", "measuring clearances", "measuring depths")
 _INDEXED, _FOUND = 0.2, 0.9  # shares of the progress: until the index is there, until the pairs are
 
 
@@ -82,12 +83,12 @@ def clash(
     indexed = time.perf_counter()
     answer = _core.clash(
         scene,
-        found.class_of_part,
         found.clearance,
         found.contact,
-        found.exclude,
-        threads,
-        _share(progress, _INDEXED, _FOUND if volume else 1.0),
+        class_of_part=found.class_of_part,
+        exclude=found.exclude,
+        threads=threads,
+        progress=_staged(progress, _INDEXED, _FOUND if volume else 1.0),
     )
     seconds = {"index": indexed - started, **answer.seconds}
     columns = _columns(answer, found)
@@ -160,6 +161,22 @@ def _with_volumes(mockup: Mockup, columns: Columns, progress: Progress | None) -
     except KeyboardInterrupt:
         is_partial = True
     return replace(columns, volume=volumes), time.perf_counter() - started, is_partial
+
+
+def _staged(progress: Progress | None, begin: float, end: float) -> Progress | None:
+    """The core's progress, each of whose stages goes from 0 to 1, as a share of the whole."""
+    if progress is None:
+        return None
+    whole, width = progress, (end - begin) / len(_STAGES)
+    last = begin
+
+    def report(fraction: float, stage: str) -> None:
+        nonlocal last
+        if stage in _STAGES:
+            last = max(last, begin + width * (_STAGES.index(stage) + fraction))
+        whole(last, stage)
+
+    return report
 
 
 def _share(progress: Progress | None, begin: float, end: float) -> Progress | None:

@@ -203,7 +203,7 @@ class _Reader:
             "gap": _real(line["gap"], "gap"),
             "volume": _real(line["volume"], "volume"),
             "triangles": triangles,
-            "is_open": sum(bit for bit, is_open in zip((1, 2), line["open"], strict=True) if is_open),
+            "is_open": _flags(line["open"]),
             "rule": rules.setdefault(rule, len(rules)),
             "severity": SEVERITIES.index(line["severity"]),
             "box": box,
@@ -226,6 +226,12 @@ def _real(value: Any, name: str) -> float:
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not abs(value) <= _LARGEST_M:
         raise ValueError(f"{name} is {value!r}")
     return float(value)
+
+
+def _flags(value: Any) -> list[bool]:
+    if not isinstance(value, list) or len(value) != 2 or not all(isinstance(each, bool) for each in value):
+        raise ValueError("open is not two of true and false")
+    return value
 
 
 def _triple(value: Any, name: str) -> list[float]:

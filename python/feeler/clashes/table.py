@@ -38,13 +38,13 @@ class Clash:
     path_b: str
     verdict: Verdict
     depth: float
-    """How deep they are in each other; 0 for what only touches or is apart."""
+    """How deep they are in each other; 0 for what only touches or is apart; NaN where Ctrl-C came before it was measured."""
     depth_kind: str
     """`"exact"`, `"bound"` (no deeper than that) or `"estimate"`."""
     translation: Point
     """The least way by which `a` comes out of `b`; zero where nothing has to."""
     gap: float
-    """How far they are apart; 0 where they meet."""
+    """How far their surfaces are apart; 0 where they meet."""
     point_a: Point
     """A point of `a` that is closest to `b`, or in contact with it where it is deepest."""
     point_b: Point
@@ -66,11 +66,6 @@ class Clash:
     """Who set the status; empty where nobody did."""
     note: str
 
-    @property
-    def signed_depth(self) -> float:
-        """Metres: the depth, or where they are apart the gap, negative."""
-        return self.depth - self.gap
-
 
 @dataclass(frozen=True)
 class Columns:
@@ -88,7 +83,7 @@ class Columns:
     volume: Floats
     triangles: npt.NDArray[np.uint32]
     box: Floats
-    is_open: npt.NDArray[np.uint8]
+    is_open: npt.NDArray[np.bool_]
     rule: npt.NDArray[np.uint32]
     severity: npt.NDArray[np.uint8]
 
@@ -117,7 +112,7 @@ SHAPES: dict[str, tuple[type, tuple[int, ...]]] = {
     "volume": (np.float64, ()),
     "triangles": (np.uint32, ()),
     "box": (np.float64, (2, 3)),
-    "is_open": (np.uint8, ()),
+    "is_open": (np.bool_, (2,)),
     "rule": (np.uint32, ()),
     "severity": (np.uint8, ()),
 }
@@ -222,6 +217,11 @@ class Clashes(Sequence[Clash]):
         return self.columns.volume
 
     @property
+    def signed_depth(self) -> Floats:
+        """`(n,)`: the depth, metres; of what is apart the gap, negative: what is compared from check to check."""
+        return np.where(self.depth > 0.0, self.depth, -self.gap)
+
+    @property
     def triangles(self) -> npt.NDArray[np.uint32]:
         """`(n,)`: how many pairs of triangles meet."""
         return self.columns.triangles
@@ -317,8 +317,8 @@ class Clashes(Sequence[Clash]):
             volume=math.nan if np.isnan(c.volume[row]) else float(c.volume[row]),
             triangles=int(c.triangles[row]),
             box=(_point(c.box[row, 0]), _point(c.box[row, 1])),
-            is_open_a=bool(c.is_open[row] & 1),
-            is_open_b=bool(c.is_open[row] & 2),
+            is_open_a=bool(c.is_open[row, 0]),
+            is_open_b=bool(c.is_open[row, 1]),
             rule=self.rules[c.rule[row]],
             severity=SEVERITIES[c.severity[row]],
             status=mark.status,
@@ -370,7 +370,7 @@ class Clashes(Sequence[Clash]):
         if clash not in self._row_of:
             raise OptionError(f"there is no clash {clash!r} in this table: give one of its ids")
         row = self._row_of[clash]
-        self.marks.set(clash, status, float(self.depth[row] - self.gap[row]), by, note)
+        self.marks.set(clash, status, float(self.signed_depth[row]), by, note)
 
     @cached_property
     def _row_of(self) -> dict[str, int]:

@@ -34,7 +34,7 @@ def shared_volumes(
     a: npt.NDArray[np.uint32],
     b: npt.NDArray[np.uint32],
     verdict: npt.NDArray[np.uint8],
-    is_open: npt.NDArray[np.uint8],
+    is_open: npt.NDArray[np.bool_],
     progress: Callable[[float, str], object] | None = None,
 ) -> npt.NDArray[np.float64]:
     """Cubic metres that each pair shares, `(n,)`.
@@ -43,8 +43,9 @@ def shared_volumes(
     surface runs through itself, or edges have more than two triangles).
     """
     solids = _Solids(mockup, solids_library())
-    found = np.where(is_open != 0, math.nan, 0.0)
-    wanted = np.flatnonzero(np.isin(verdict, OVERLAPS) & (is_open == 0))
+    are_closed = ~is_open.any(axis=1)
+    found = np.where(are_closed, 0.0, math.nan)
+    wanted = np.flatnonzero(np.isin(verdict, OVERLAPS) & are_closed)
     # By part, so that the solid of one is made once for all its pairs.
     for number, row in enumerate(wanted[np.lexsort((b[wanted], a[wanted]))]):
         one, other = solids.of(int(a[row])), solids.of(int(b[row]))
