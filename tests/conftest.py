@@ -49,17 +49,6 @@ def models() -> Path:
     return folder
 
 
-@pytest.fixture(autouse=True)
-def clash_in_the_core(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The plain twin, where the core has no clash check."""
-    from feeler import _core
-
-    if not hasattr(_core, "clash"):
-        import clash_twin
-
-        monkeypatch.setattr(_core, "clash", clash_twin.clash, raising=False)
-
-
 @pytest.fixture
 def rng() -> np.random.Generator:
     """Random numbers, the same on every run."""

@@ -10,13 +10,14 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import clash_twin
 import numpy as np
 import pytest
 from clash_scene import FOUND, PARTS, house, mockup_of, open_box, pairs, table
 from shapes import box
 
 import feeler
-from feeler import Verdict
+from feeler import Verdict, _core
 from feeler.clashes import ClashInterrupted
 from feeler.errors import MeshError, OptionError
 
@@ -34,7 +35,7 @@ def test_each_kind_is_found_and_told_apart(mockup: feeler.Mockup) -> None:
     assert all(each.a < each.b for each in found)
     for each in found:
         assert (each.depth > 0) == (each.verdict in (Verdict.CLASH, Verdict.CONTAINED, Verdict.DUPLICATE))
-        assert (each.gap > 0) == (each.verdict == Verdict.CLEARANCE)
+        assert (each.gap > 0) == (each.verdict in (Verdict.CLEARANCE, Verdict.CONTAINED))
         assert (each.triangles > 0) == (each.verdict not in (Verdict.CLEARANCE, Verdict.CONTAINED))
         assert not each.is_open_a and not each.is_open_b
         assert all(low <= high for low, high in zip(*each.box, strict=True))
@@ -286,9 +287,12 @@ def test_progress_ends_with_1_and_never_goes_back(mockup: feeler.Mockup, volume:
     assert told == sorted(told) and told[-1] == 1.0
 
 
-def test_an_interrupted_check_leaves_what_it_found(mockup: feeler.Mockup) -> None:
+def test_an_interrupted_check_leaves_what_it_found(mockup: feeler.Mockup, monkeypatch: pytest.MonkeyPatch) -> None:
+    # By the plain twin: the core may be done before it hears.
+    monkeypatch.setattr(_core, "clash", clash_twin.clash)
+
     def stop(fraction: float, stage: str) -> None:
-        if fraction > 0.6:
+        if fraction > 0.35:  # some way into the first stage
             raise KeyboardInterrupt
 
     with pytest.raises(ClashInterrupted) as caught:
@@ -299,6 +303,18 @@ def test_an_interrupted_check_leaves_what_it_found(mockup: feeler.Mockup) -> Non
     assert isinstance(caught.value, KeyboardInterrupt)
     there = pickle.loads(pickle.dumps(caught.value))
     assert pairs(there.clashes) == pairs(found) and there.clashes.is_partial
+
+
+@pytest.mark.parametrize("share", [0.0, 0.3, 0.9, 1.0])
+def test_ctrl_c_at_any_moment_keeps_what_there_is(mockup: feeler.Mockup, share: float) -> None:
+    def stop(fraction: float, stage: str) -> None:
+        if fraction >= share:
+            raise KeyboardInterrupt
+
+    scene = feeler.Scene(mockup)
+    with pytest.raises(ClashInterrupted) as caught:
+        feeler.clash(mockup, scene=scene, progress=stop)
+    assert pairs(caught.value.clashes).keys() <= FOUND.keys()
 
 
 def test_what_a_progress_function_raises_is_raised(mockup: feeler.Mockup) -> None:

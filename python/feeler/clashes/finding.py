@@ -27,7 +27,7 @@ _INDEXED, _FOUND = 0.2, 0.9  # shares of the progress: until the index is there,
 
 
 class ClashInterrupted(KeyboardInterrupt):
-    """Ctrl-C, with what was found until then: `.clashes`, whose `is_partial` is true."""
+    """Ctrl-C, with what was found until then: `.clashes`, whose `is_partial` says whether anything is missing."""
 
     def __init__(self, clashes: Clashes) -> None:
         self.clashes = clashes
@@ -108,7 +108,10 @@ def clash(
     if is_partial:
         raise ClashInterrupted(clashes)
     if progress is not None:
-        progress(1.0, "done")
+        try:
+            progress(1.0, "done")
+        except KeyboardInterrupt:
+            raise ClashInterrupted(clashes) from None
     return clashes
 
 

@@ -38,7 +38,7 @@ class Clash:
     path_b: str
     verdict: Verdict
     depth: float
-    """How deep they are in each other; 0 for what only touches or is apart; NaN where Ctrl-C came before it was measured."""
+    """How deep they are in each other; 0 for what only touches or is apart; NaN where Ctrl-C came before that."""
     depth_kind: str
     """`"exact"`, `"bound"` (no deeper than that) or `"estimate"`."""
     translation: Point

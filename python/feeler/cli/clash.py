@@ -133,7 +133,7 @@ def clash(
     else:
         _print(found, by, before is not None, written)
     if is_interrupted:
-        fail("interrupted: what was found until then is partial")
+        fail("interrupted: what was found until then is told")
         raise typer.Exit(INTERRUPTED)
     if is_found:
         raise typer.Exit(FOUND)
