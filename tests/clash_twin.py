@@ -20,6 +20,7 @@ from feeler.clashes.table import SHAPES
 
 HERE = np.eye(4)
 KINDS = ("exact", "bound", "estimate")
+NONE = 1e-6  # of a turn: what rounding makes of none
 NAMES = (
     *("a", "b", "verdict", "depth", "depth_kind", "translation", "gap", "point_a", "point_b", "triangles", "box"),
     "is_open",
@@ -157,30 +158,37 @@ def same_triangles(one: npt.NDArray[np.float64], other: npt.NDArray[np.float64])
 
 
 def holds(meshes: PartMeshes, outer: int, inner: int) -> bool:
-    """Whether a closed part has corners and middles of another's triangles inside, and none outside."""
+    """Whether a closed part holds another: nothing of its surface is outside, what is just behind it is inside, and nothing of
+    the outer one's (a hollow's) is within it."""
     if is_open(meshes, outer):
         return False
-    triangles = meshes.corners(inner)
-    points = np.unique(np.concatenate([triangles.reshape(-1, 3), triangles.mean(axis=1)]), axis=0)
-    is_inside, surface = False, meshes.corners(outer)
-    for point in points:
-        around = abs(winding(surface, point))
-        if around < 0.1:
-            return False
-        # On the surface it is neither.
-        is_inside |= around > 0.9
-    return is_inside
+    surface, other = meshes.corners(outer), meshes.corners(inner)
+    if any(abs(winding(surface, point)) < NONE for point in points_of(other)):
+        return False
+    if is_open(meshes, inner):
+        return any(abs(winding(surface, point)) > 1 - NONE for point in points_of(other))
+    middles, normals = other.mean(axis=1), np.cross(other[:, 1] - other[:, 0], other[:, 2] - other[:, 0])
+    step = 1e-4 * np.sqrt(np.linalg.norm(normals, axis=1, keepdims=True))
+    behind = [middles + sign * step * normals / np.linalg.norm(normals, axis=1, keepdims=True) for sign in (-1, 1)]
+    within = [point for point in np.concatenate(behind) if abs(winding(other, point)) > 1 - NONE]
+    is_behind_inside = all(abs(winding(surface, point)) > 1 - NONE for point in within)
+    return is_behind_inside and not any(abs(winding(other, point)) > 1 - NONE for point in points_of(surface))
+
+
+def points_of(triangles: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """Corners and middles."""
+    return np.unique(np.concatenate([triangles.reshape(-1, 3), triangles.mean(axis=1)]), axis=0)
 
 
 def winding(triangles: npt.NDArray[np.float64], point: npt.NDArray[np.float64]) -> float:
-    """How often a surface goes around a point, by solid angles (van Oosterom and Strackee 1983)."""
+    """How often a surface goes around a point, by solid angles (van Oosterom and Strackee 1983); a share on the surface."""
     a, b, c = np.moveaxis(triangles - point, 1, 0)
     la, lb, lc = (np.linalg.norm(x, axis=1) for x in (a, b, c))
     top = np.einsum("ij,ij->i", a, np.cross(b, c))
     bottom = la * lb * lc + (a * b).sum(1) * lc + (b * c).sum(1) * la + (c * a).sum(1) * lb
-    # A triangle in line with the point covers nothing, or half of all around if the point is on it.
-    flat = np.abs(top) <= 1e-12 * la * lb * lc
-    return float((np.where(flat, np.where(bottom < 0, np.pi, 0.0), np.arctan2(top, bottom))).sum() / (2 * np.pi))
+    # Triangles in whose plane the point is cover nothing; of those that it is on, the other side is as good as this one.
+    is_flat = np.abs(top) <= 1e-12 * la * lb * lc
+    return float(np.where(is_flat, 0.0, np.arctan2(top, bottom)).sum() / (2 * np.pi))
 
 
 def is_open(meshes: PartMeshes, part: int) -> bool:

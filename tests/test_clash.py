@@ -150,7 +150,10 @@ def test_limits(mockup: feeler.Mockup) -> None:
     assert pairs(feeler.clash(mockup, clearance=0.0)) == meeting
     assert pairs(feeler.clash(mockup, clearance=0.0009)) == meeting
     assert len(feeler.clash(mockup, clearance=3.0)) == len(PARTS) * (len(PARTS) - 1) // 2
-    deep = pairs(feeler.clash(mockup, contact=0.0625 + 1e-9))
+    found = feeler.clash(mockup, contact=0.0625 + 1e-9)
+    touching = found.where(verdict="contact")
+    assert not touching.depth.any() and not touching.translation.any() and set(touching.depth_kind) == {"exact"}
+    deep = pairs(found)
     # What is no deeper than that touches.
     assert {pair: verdict for pair, verdict in deep.items() if FOUND[pair] != verdict} == {
         ("house/walls/left", "house/walls/right"): "contact",
