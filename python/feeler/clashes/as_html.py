@@ -19,7 +19,7 @@ from feeler.io.atomic import atomic_file
 from feeler.mockup import Mockup
 
 MOST_PICTURES = 24
-"""Groups that get a picture, the worst first: about 40 kB and 0.2 s each."""
+"""Groups that get a picture, the worst first: about 30 kB and 0.2 s each."""
 MOST_GROUPS = 200
 """Groups that are shown; the table has all findings."""
 

@@ -18,7 +18,7 @@ from feeler.picture.png import write_png
 
 Floats = npt.NDArray[np.float64]
 
-SIZE = (640, 400)
+SIZE = (480, 300)
 """Width and height, pixels."""
 
 FOV_DEG = 45.0
