@@ -13,12 +13,14 @@ from typing import Any
 import clash_twin
 import numpy as np
 import pytest
+from clash_cases import cut_box
 from clash_scene import FOUND, PARTS, house, mockup_of, open_box, pairs, table
 from shapes import box
 
 import feeler
 from feeler import Verdict, _core
 from feeler.clashes import ClashInterrupted
+from feeler.clashes.pictures import Pictures
 from feeler.errors import MeshError, OptionError
 
 RANK = {"clash": 0, "duplicate": 0, "contained": 0, "contact": 1, "clearance": 2}
@@ -205,6 +207,39 @@ def test_many_coincident_parts() -> None:
     assert len(found) == number * (number - 1) // 2 and set(found.verdict.tolist()) == {Verdict.DUPLICATE}
     assert len(set(found.ids)) == len(found)
     assert sum(len(group) for group in found.groups()) == len(found) == len(found.groups("cluster")[0])
+
+
+def copies(number: int) -> feeler.Mockup:
+    vertices, faces = box((0, 0, 0), (1, 1, 1))
+    return feeler.Mockup(
+        np.tile(vertices, (number, 1)),
+        np.concatenate([faces + 8 * i for i in range(number)]),
+        np.repeat(np.arange(number), 12),
+        [f"copy {i}" for i in range(number)],
+    )
+
+
+def test_a_thousand_coincident_parts() -> None:
+    found = feeler.clash(copies(1000))
+    assert len(found) == 1000 * 999 // 2 and set(found.verdict.tolist()) == {Verdict.DUPLICATE}
+    assert len(np.unique(np.stack([found.a, found.b]), axis=1).T) == len(found)
+    assert set(found[:1000].rule.tolist()) == {"default"} and found[499_499].b == 999
+
+
+@pytest.mark.slow
+def test_a_part_of_millions_against_bolts(rng: np.random.Generator) -> None:
+    vertices, faces = cut_box([0, 0, 0], [1, 1, 1], 650)
+    meshes = [(vertices, faces)]
+    for x, y in rng.uniform(0.05, 0.95, (200, 2)):
+        meshes.append(box((x - 0.01, y - 0.01, 0.9), (x + 0.01, y + 0.01, 1.05)))
+    mockup = mockup_of({f"part {i}": mesh for i, mesh in enumerate(meshes)})
+    assert mockup.part_triangles[0] > 5_000_000
+    found = feeler.clash(mockup, clearance=0.0)
+    against = found[found.a == 0]
+    assert len(against) == 200 and set(against.verdict.tolist()) == {Verdict.CLASH}
+    assert against.depth == pytest.approx(0.1, abs=1e-12) and set(against.depth_kind.tolist()) == {"exact"}
+    # A picture of one needs no picture of all.
+    assert Pictures(mockup).png(against[0]).startswith(b"\x89PNG")
 
 
 def test_wrong_arguments(mockup: feeler.Mockup) -> None:

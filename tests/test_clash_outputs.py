@@ -18,7 +18,7 @@ from shapes import box
 
 import feeler
 from feeler import Verdict
-from feeler.clashes import report, write_bcf, write_clash_glb, write_csv, write_html
+from feeler.clashes import as_html, report, write_bcf, write_clash_glb, write_csv, write_html
 from feeler.clashes.as_csv import COLUMNS
 from feeler.clashes.as_glb import COLOUR_OF
 from feeler.clashes.words import extent, length, sentence, title
@@ -211,6 +211,14 @@ def test_a_partial_check_is_told(tmp_path: Path, mockup: feeler.Mockup) -> None:
         encoding="utf-8"
     )
     assert report(found)["partial"] is True
+
+
+def test_a_page_has_a_stated_cap(tmp_path: Path, mockup: feeler.Mockup, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(as_html, "MOST_ROWS", 5)
+    found = feeler.clash(mockup)
+    write_html(tmp_path / "a.html", found)
+    page = (tmp_path / "a.html").read_text(encoding="utf-8")
+    assert [row["id"] for row in data_of(page)] == list(found.ids[:5]) and "The 5 worst of 9 findings are in" in page
 
 
 def test_a_page_of_nothing(tmp_path: Path, mockup: feeler.Mockup) -> None:

@@ -21,7 +21,9 @@ from feeler.mockup import Mockup
 MOST_PICTURES = 24
 """Groups that get a picture, the worst first: about 30 kB and 0.2 s each."""
 MOST_GROUPS = 200
-"""Groups that are shown; the table has all findings."""
+"""Groups that are shown; the table has their findings, too."""
+MOST_ROWS = 20_000
+"""Findings that the table has, the worst first: 6 MB. CSV and JSON have all."""
 
 
 def write_html(
@@ -35,7 +37,7 @@ def write_html(
 ) -> None:
     """Writes the page; it loads nothing from anywhere.
 
-    mockup: for pictures, of the worst of each of the first `pictures` groups; None: none. by: how groups are made.
+    The table has the `MOST_ROWS` worst. mockup: for pictures, of the worst of each of the first `pictures` groups; None: none. by: how groups are made.
     Raises `WriteError`, and `OptionError` where the clashes are of another mock-up.
     """
     groups = clashes.groups(by)
@@ -132,6 +134,9 @@ def _table(clashes: Clashes) -> list[str]:
         f"<table><thead><tr>{''.join(f'<th>{head}</th>' for head in heads)}</tr></thead>",
         "<tbody id=rows></tbody></table>",
         "<p><button type=button id=more hidden></button></p>",
+        f"<p>The {MOST_ROWS:,} worst of {len(clashes):,} findings are in this page.</p>"
+        if len(clashes) > MOST_ROWS
+        else "",
         "<noscript><p>The table needs scripts, which this page carries itself.</p></noscript>",
     ]
 
@@ -153,7 +158,7 @@ def _data(clashes: Clashes, group_of: dict[int, str]) -> str:
             "note": clash.note,
             "group": group_of[row],
         }
-        for row, clash in enumerate(clashes)
+        for row, clash in enumerate(clashes[:MOST_ROWS])
     ]
     text = json.dumps(found, separators=(",", ":"))
     return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
