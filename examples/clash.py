@@ -20,9 +20,8 @@ rules = {
 found = feeler.clash(mockup, clearance=0.001, rules=rules)
 print(f"{len(found)} findings among {mockup.part_count} parts: {found!r}")
 for group in found.groups("part")[:5]:
-    print(
-        f"{group.name}: {len(group)} findings, the worst {group.worst.verdict.name.lower()} {group.worst.depth * 1e3:.2f} mm"
-    )
+    worst = group.worst
+    print(f"{group.name}: {len(group)} findings, the worst {worst.verdict.name.lower()} {worst.depth * 1e3:.2f} mm")
 
 # Somebody looks at the worst, and says that it is meant to be so. The next check remembers.
 found.set_status(found.ids[0], "approved", by="ada", note="pressed together")

@@ -56,7 +56,7 @@ def clash(
     """As `feeler._core.clash`."""
     mockup = scene.mockup
     meshes = PartMeshes(mockup)
-    left_out = {tuple(pair) for pair in exclude.tolist()}
+    left_out = {tuple(sorted(pair)) for pair in exclude.tolist()}
     bounds = mockup.part_bounds.reshape(-1, 2, 3)
     there = [part for part in np.flatnonzero(scene.part_mask).tolist() if bounds[part, 0, 0] <= bounds[part, 1, 0]]
     found = Rows()
@@ -69,7 +69,7 @@ def clash(
                 progress(number / len(pairs), "finding parts that meet")
             classes = int(class_of_part[a]), int(class_of_part[b])
             near, touch = float(clearance[classes]), float(contact[classes])
-            if near < 0 or (a, b) in left_out or _boxes_apart(bounds[a], bounds[b]) > near:
+            if near < 0 or (a, b) in left_out or _boxes_apart(bounds[a], bounds[b]) > max(near, touch):
                 continue
             for part in (a, b):
                 if part not in tools:
@@ -158,8 +158,8 @@ def same_triangles(one: npt.NDArray[np.float64], other: npt.NDArray[np.float64])
 
 
 def holds(meshes: PartMeshes, outer: int, inner: int) -> bool:
-    """Whether a closed part holds another: nothing of its surface is outside, what is just behind it is inside, and nothing of
-    the outer one's (a hollow's) is within it."""
+    """Whether a closed part holds another: nothing of its surface is outside, what is just behind it is inside, and
+    nothing of the outer one's (a hollow's) is within it."""
     if is_open(meshes, outer):
         return False
     surface, other = meshes.corners(outer), meshes.corners(inner)
@@ -181,12 +181,12 @@ def points_of(triangles: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
 
 
 def winding(triangles: npt.NDArray[np.float64], point: npt.NDArray[np.float64]) -> float:
-    """How often a surface goes around a point, by solid angles (van Oosterom and Strackee 1983); a share on the surface."""
+    """How often a surface goes around a point, by solid angles (van Oosterom and Strackee 1983); on it, a share."""
     a, b, c = np.moveaxis(triangles - point, 1, 0)
     la, lb, lc = (np.linalg.norm(x, axis=1) for x in (a, b, c))
     top = np.einsum("ij,ij->i", a, np.cross(b, c))
     bottom = la * lb * lc + (a * b).sum(1) * lc + (b * c).sum(1) * la + (c * a).sum(1) * lb
-    # Triangles in whose plane the point is cover nothing; of those that it is on, the other side is as good as this one.
+    # Triangles in whose plane the point is cover nothing; of those that it is on, either side is as good.
     is_flat = np.abs(top) <= 1e-12 * la * lb * lc
     return float(np.where(is_flat, 0.0, np.arctan2(top, bottom)).sum() / (2 * np.pi))
 

@@ -1,4 +1,4 @@
-"""The core's one pass against the plain loop over parts (clash_twin.py), on scenes full of flush faces and odd turns."""
+"""The core's one pass against the plain loop over parts (clash_twin.py): flush faces, odd turns, a gearbox."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def same(mockup: feeler.Mockup, limits: tuple[Any, Any] = LIMITS) -> dict[tuple[
 
 
 def random_boxes(rng: np.random.Generator, number: int) -> dict[str, Mesh]:
-    """Boxes on a lattice of quarters, so that most that meet are flush somewhere; some turned, open, hollow or mirrored."""
+    """Boxes on a lattice of quarters: most that meet are flush somewhere. Some are turned, open, hollow or mirrored."""
     shapes = {}
     for i in range(number):
         low = rng.integers(0, 6, 3) / 4

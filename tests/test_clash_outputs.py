@@ -286,10 +286,17 @@ def test_bcf_is_the_same_for_the_same_findings(tmp_path: Path, mockup: feeler.Mo
             markup = ElementTree.fromstring(archive.read(f"{folder}/markup.bcf"))
             assert markup.find("Topic").attrib["Guid"] == folder  # type: ignore[union-attr]
             assert archive.read(f"{folder}/snapshot.png").startswith(b"\x89PNG")
+        assert {info.date_time for info in archive.infolist()} == {(1980, 1, 1, 0, 0, 0)}
     # A group that stays is the same topic, whatever else is found.
-    write_bcf(tmp_path / "c.bcf", found.where(verdict="clash"), mockup, when=WHEN)
-    with zipfile.ZipFile(tmp_path / "c.bcf") as archive:
-        assert {name.split("/")[0] for name in archive.namelist()[3:]} <= folders
+    last = found.groups()[-1]
+    write_bcf(tmp_path / "c.bcf", last.clashes, mockup, when=WHEN)
+    guids = []
+    for name in ("a.bcf", "c.bcf"):
+        with zipfile.ZipFile(tmp_path / name) as archive:
+            markups = [ElementTree.fromstring(archive.read(n)) for n in archive.namelist() if n.endswith(".bcf")]
+        topics = {topic.findtext("Title"): topic.attrib["Guid"] for each in markups for topic in each.iter("Topic")}
+        guids.append(topics[title(last)])
+    assert guids[0] == guids[1]
 
 
 def test_bcf_has_a_stated_cap(tmp_path: Path, mockup: feeler.Mockup) -> None:

@@ -289,7 +289,7 @@ def test_a_file_is_started_from_what_was_found(tmp_path: Path, mockup: feeler.Mo
 
 
 def test_names_from_files_are_quoted(tmp_path: Path) -> None:
-    name = 'he said "x"\\ \u00e4\x07\x7f'
+    name = 'he said "x"\\ \u00e4\x07\x7f\U0001d11e'
     mockup = mockup_of(
         {name: box((0, 0, 0), (1, 1, 1)), "[b]": box((0.5, 0, 0), (2, 1, 1)), "c": box((9, 9, 9), (10, 10, 10))}
     )

@@ -124,10 +124,22 @@ def test_new_active_resolved_and_back(tmp_path: Path, mockup: feeler.Mockup) -> 
     second.save(tmp_path / "2.json")
     assert len(feeler.load_clashes(tmp_path / "2.json").earlier()) == len(gone)
 
+    again = feeler.clash(without("house/copy/left"))
+    change = again.diff(feeler.load_clashes(tmp_path / "2.json"))
+    assert change.counts()["resolved"] == 0 and len(again.earlier()) == 0, "what is gone is told once"
+
     third = feeler.clash(mockup)
     change = third.diff(feeler.load_clashes(tmp_path / "2.json"))
     assert {(row.path_a, row.path_b) for row in change.new} == gone, "what was resolved and comes back is new"
     assert change.counts()["resolved"] == 0 and len(third.earlier()) == 0
+
+
+def test_what_somebody_wrote_into_a_file_as_resolved_comes_back_as_new(tmp_path: Path) -> None:
+    one().save(tmp_path / "1.json")
+    text = (tmp_path / "1.json").read_text()
+    (tmp_path / "1.json").write_text(text.replace('"status": "new"', '"status": "resolved"'))
+    now = one()
+    assert len(now.diff(feeler.load_clashes(tmp_path / "1.json")).new) == 1
 
 
 @pytest.mark.parametrize("status", ["active", "reviewed"])

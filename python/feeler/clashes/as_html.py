@@ -37,8 +37,8 @@ def write_html(
 ) -> None:
     """Writes the page; it loads nothing from anywhere.
 
-    The table has the `MOST_ROWS` worst. mockup: for pictures, of the worst of each of the first `pictures` groups; None: none. by: how groups are made.
-    Raises `WriteError`, and `OptionError` where the clashes are of another mock-up.
+    The table has the `MOST_ROWS` worst. mockup: for pictures, of the worst of each of the first `pictures` groups;
+    None: none. by: how groups are made. Raises `WriteError`, and `OptionError` for clashes of another mock-up.
     """
     groups = clashes.groups(by)
     drawn = _drawn(clashes, mockup, groups[:pictures], progress) if mockup is not None else []

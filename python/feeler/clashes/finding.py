@@ -132,14 +132,12 @@ def _limits(
 
 
 def _pairs(mockup: Mockup, exclude: Exclude | None) -> npt.NDArray[np.uint32]:
-    """What is excluded as pairs of parts, the lower first: `(k, 2)`."""
+    """What is excluded as pairs of parts, in whatever order: `(k, 2)`."""
     if exclude is None:
         return np.empty((0, 2), dtype=np.uint32)
     from feeler.ignored import pairs_of_parts
 
-    given = pairs_of_parts(mockup, mockup, exclude, "exclude", ("mock-up", "mock-up"))
-    pairs: npt.NDArray[np.uint32] = np.sort(given, axis=1)
-    return np.asarray(pairs[pairs[:, 0] != pairs[:, 1]])
+    return pairs_of_parts(mockup, mockup, exclude, "exclude", ("mock-up", "mock-up"))
 
 
 def _columns(answer: Any, found: Limits) -> Columns:
@@ -182,7 +180,7 @@ def _staged(progress: Progress | None, begin: float, end: float) -> Progress | N
     def report(fraction: float, stage: str) -> None:
         nonlocal last
         if stage in _STAGES:
-            last = max(last, begin + width * (_STAGES.index(stage) + fraction))
+            last = begin + width * (_STAGES.index(stage) + fraction)
         whole(last, stage)
 
     return report

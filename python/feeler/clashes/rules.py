@@ -212,7 +212,7 @@ def limits(
         np.array([SEVERITIES.index(rule.severity) for rule in every], dtype=np.uint8),
         of_classes,
         class_of_part.reshape(-1).astype(np.uint32),
-        np.where(asked, np.maximum(near[of_classes], touch[of_classes]), NOT_ASKED),
+        np.where(asked, near[of_classes], NOT_ASKED),
         np.where(asked, touch[of_classes], 0.0),
         np.unique(pairs, axis=0).astype(np.uint32),
         tuple(levels),
