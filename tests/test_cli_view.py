@@ -16,7 +16,10 @@ import pytest
 from commands import error_of
 from workbench_fake import WAIT_S, Page, bearer, fetch
 
+from feeler.cli.inputs import Choice
+from feeler.cli.view import _Opening
 from feeler.workbench import protocol
+from feeler.workbench.session import Session
 
 PROGRAM = (
     "import signal, sys\n"
@@ -90,6 +93,21 @@ def test_it_serves_while_it_loads_and_ends_cleanly(tmp_path: Path) -> None:
             assert again.next(protocol.State).mode == "stop"
     assert said == [""]
     assert (tmp_path / "a.jsonl").read_text().count("\n") > 1
+
+
+def test_the_page_is_told_what_is_done_and_how_far_it_is() -> None:
+    told: list[dict[str, Any]] = []
+    with Session(has_threads=False) as session:
+        session.subscribe(told.append)
+        opening = _Opening(session, ["sample:engine:100000"], None, Choice(None, None, None), None)
+        opening._open(None, None, None, None)
+    loading = [event["fields"]["loading"] for event in told if "loading" in event.get("fields", {})]
+    assert loading.pop() is None, "the last is the mock-up"
+    shares = [each["share"] for each in loading]
+    assert shares == sorted(shares) and len(set(shares)) >= 12 and shares[-1] == 0.95
+    stages = [each["stage"] for each in loading]
+    assert stages[0] == "tessellating" and stages[-1] == "packing the picture"
+    assert {"cutting triangles", "sorting pieces", "building blocks"} < set(stages) and "done" not in stages
 
 
 def test_an_empty_hand(tmp_path: Path) -> None:

@@ -78,10 +78,13 @@ def page_result() -> dict[str, Any]:
         "stops": {"speeds_m_per_s": [0.01, 10.0], "heights_m": [0.5, 0.5], "spread_m": 2e-7},
         "reconnect": {"seconds": 0.7, "is_same": True},
         "lost_context_s": 1.5,
-        "soak": {
-            **{"seconds": 60.0, "frames_per_s": 60.0, "heap_growth_bytes": 100_000},
-            **{"server_growth_bytes": 0, "most_unanswered": 2},
-        },
+    }
+
+
+def soak_result() -> dict[str, Any]:
+    return {
+        **{"seconds": 60.0, "frames_per_s": 60.0, "heap_growth_bytes": 100_000},
+        **{"server_growth_bytes": 0, "most_unanswered": 2},
     }
 
 
@@ -90,7 +93,8 @@ def result() -> dict[str, Any]:
         **{"triangles": 1_600_000, "outline_ms": 50.0, "ray_us": 15.0},
         **{"page_bytes": 4_000_000, "page_left_out": 0, "page_written_s": 3.0, "page_opens_s": 1.8},
     }
-    found = {"large": written(), "small": written(), "parts": written(), "page": page_result(), "engine": sent}
+    pictures = {"large": written(), "small": written(), "parts": written()}
+    found = {**pictures, "page": page_result(), "engine": sent, "soak": soak_result()}
     return {
         **{"when": "2026-12-01T00:00:00+00:00", "commit": "0123456789", "dirty": False, "args": ["--quick"]},
         **{"is_quick": True, "machine": {"cpu": "a processor"}, "browser": "Chromium 1", "core": 1},
@@ -212,7 +216,7 @@ def test_a_soak_leaves_nothing_behind() -> None:
         events: list[dict[str, Any]] = []
         session.subscribe(lambda event: events.append(event))
         before = session.document()
-        kept = len(session._undo)
+        kept = session._history.undo_depth
         for k in range(10_000):
             clock.now += 1 / 60
             angle = 0.01 * k
@@ -229,7 +233,7 @@ def test_a_soak_leaves_nothing_behind() -> None:
                 outbox.acknowledged(late.pop(0)[1])
         assert most == MOST_STATES and states > 1000
         assert session.snapshot() is not None and session.snapshot().blocked
-        assert session.document() == before and len(session._undo) == kept, "moving alone is no change"
+        assert session.document() == before and session._history.undo_depth == kept, "moving alone is no change"
         assert [event["type"] for event in events] == ["impact"], "it stays in one contact"
         assert len(session.engine._touched) <= mockup.part_count
         assert session.engine._newest is None and session.engine._idle is None
@@ -262,13 +266,13 @@ def test_feeler_view_benchmark_writes_what_the_page_saw(tmp_path: Path) -> None:
 
 def test_the_bench_runs_on_a_small_mock_up(tmp_path: Path) -> None:
     chromium()
-    asked = ["--quick", "--size", "20000", "--only", "page", "--soak", "0", str(tmp_path)]
+    asked = ["--quick", "--size", "20000", "--only", "page,soak", "--soak", "0", str(tmp_path)]
     assert run.main(asked) in (0, 1)
     found = json.loads((tmp_path / "workbench.json").read_text(encoding="utf-8"))
     (experiment,) = found["mockups"].values()
     page_found = experiment["page"]
     assert "failed" not in page_found, page_found
     assert page_found["stops"]["spread_m"] < 1e-6 and page_found["contact"]["blocked"] > 0.0
-    assert page_found["reconnect"]["is_same"] and page_found["soak"]["most_unanswered"] >= 0
+    assert page_found["reconnect"]["is_same"] and experiment["soak"]["most_unanswered"] >= 0
     assert 12.0 < page_found["wire_bytes_per_triangle"] < 16.0
     assert "input to drawn, p99" in (tmp_path / "tables.md").read_text(encoding="utf-8")

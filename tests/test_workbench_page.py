@@ -26,7 +26,7 @@ import feeler
 from feeler.errors import WorkbenchError
 from feeler.workbench import files as files_module
 from feeler.workbench.files import File
-from feeler.workbench.geometry import Geometry, small_parts
+from feeler.workbench.geometry import Geometry
 from feeler.workbench.page import GRID_BITS, container, packed_piece, page
 
 CAMERA = {"position": (0.0, -2.0, 1.0), "target": (0.0, 0.0, 0.0), "up": (0.0, 0.0, 1.0), "fov_rad": 0.75}
@@ -43,7 +43,7 @@ def quiet(_share: float, _stage: str) -> None:
 
 def geometry(name: str = "stand", mockup: feeler.Mockup | None = None) -> Geometry:
     mockup = mockup or stand()
-    return Geometry(mockup, "00ff", name, mockup.pack(small=small_parts(mockup)))
+    return Geometry(feeler.Scene(mockup), "00ff", name)
 
 
 def packed(made: Geometry, most_bytes: int = 10**9) -> tuple[bytes, int]:

@@ -96,6 +96,7 @@ DOCUMENT: protocol.DocumentFields = {
     "tool": {"name": "wrench", "triangles": 4},
     "tools": ["wrench", "hand"],
     "record": None,
+    "absent": [],
     "held_version": 1,
     "unit": "mm",
     "mode": "stop",

@@ -19,9 +19,12 @@ from workbench_scene import LEFT, PATHS, PEG, PLATE, RIGHT, SHEET, Bench, at, cu
 
 import feeler
 from feeler.errors import LoadError, MeshError, OptionError, WorkbenchError
+from feeler.io import write_glb
 from feeler.workbench import measuring
+from feeler.workbench.engine import Engine
 from feeler.workbench.events import MOST_KEPT
 from feeler.workbench.jobs import JobCancelledError, Jobs
+from feeler.workbench.record import read_record
 from feeler.workbench.session import Session
 
 WAIT_S = 60.0  # for a thread that is known to come
@@ -44,6 +47,46 @@ def test_before_a_mockup_is_open_it_says_how_far_it_is() -> None:
                 ask()
     with pytest.raises(OptionError, match="do you mean mm"):
         Session(unit="mmm", has_threads=False)
+
+
+def test_a_mockup_is_called_as_its_file_or_as_what_all_its_parts_lie_in(tmp_path: Path) -> None:
+    write_glb(tmp_path / "stand v2.glb", stand())
+    shafts = stand(["gear/a", "gear/b", "gear/c/d", "gear/c/e", "gear"])
+    for mockup, name in (
+        (feeler.sample("differential", 10_000), "differential"),
+        (feeler.load_mockup(tmp_path / "stand v2.glb"), "stand v2.glb"),
+        (shafts, "gear"),
+        (stand(), "arrays"),
+    ):
+        with Session(has_threads=False) as session:
+            session.open(mockup, feeler.Scene(mockup), None)
+            assert session.document()["mockup"]["name"] == session.manifest()["name"] == name
+            session.open(mockup, feeler.Scene(mockup), None, name="mine")
+            assert session.document()["mockup"]["name"] == "mine"
+
+
+def test_closing_does_not_wait_for_what_the_first_answers_need(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    is_warming, goes_on = threading.Event(), threading.Event()
+
+    def warm_up(engine: Engine) -> None:
+        with engine.paused():
+            is_warming.set()
+            goes_on.wait(WAIT_S)
+
+    monkeypatch.setattr(Engine, "warm_up", warm_up)
+    mockup = stand()
+    session = Session(record=tmp_path / "a.jsonl")
+    opening = threading.Thread(target=session.open, args=(mockup, feeler.Scene(mockup), cube()))
+    opening.start()
+    assert is_warming.wait(WAIT_S)
+    closing = threading.Thread(target=session.close, daemon=True)
+    closing.start()
+    closing.join(WAIT_S / 2)
+    is_closed = not closing.is_alive()
+    goes_on.set()
+    opening.join(WAIT_S)
+    assert is_closed
+    assert not read_record(tmp_path / "a.jsonl").is_torn
 
 
 def test_events_are_numbered_and_kept_for_those_who_come_back() -> None:

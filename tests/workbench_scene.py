@@ -71,13 +71,15 @@ class Bench:
         mode: str = "stop",
         record: Path | None = None,
         mockup: feeler.Mockup | None = None,
+        absent: list[int] | None = None,
     ) -> None:
+        """absent: parts that are left out of the scene."""
         self.clock = Clock()
         self.session = Session(clock=self.clock, has_threads=False, record=record)
         self.events: list[dict] = []
         self.session.subscribe(self.events.append)
         self.mockup = mockup or stand()
-        self.scene = feeler.Scene(self.mockup)
+        self.scene = feeler.Scene(self.mockup).without(absent or [])
         self.session.open(self.mockup, self.scene, tool, pose=pose, mode=mode, tools=[cube(0.03125, "small")])
         self.seq = 0
         self.tick()

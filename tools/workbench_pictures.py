@@ -27,7 +27,13 @@ TRIANGLES = 1_600_000
 SIZE = (1280, 800)
 SHARP_MS = 6000  # in which a view that stands is drawn again and again, and averaged
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
-FLAGS = ("--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist")
+FLAGS = (
+    "--no-sandbox",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--disable-gpu-rasterization",
+    "--disable-gpu-compositing",
+)
 SETTINGS = '{"has_seen_tour": true, "is_muted": true}'
 
 GEARBOX = "engine/externals/accessory_gearbox"

@@ -70,8 +70,8 @@ def boxes(count: int) -> feeler.Mockup:
     )
 
 
-def page(browser: Any, mockup: str, soak_s: float, move_s: float) -> Result:
-    """One page at 640x360: memory, the tool in contact, stops, a cut, a lost context, a soak."""
+def page(browser: Any, mockup: str, move_s: float) -> Result:
+    """One page at 640x360: memory, the tool in contact, stops, a cut, a lost context."""
     with (
         stand.viewing(mockup, "--tool", "sample:wrench") as program,
         stand.opened(browser, program.url, *SMALL, script=_CUTTER) as opened,
@@ -102,7 +102,6 @@ def page(browser: Any, mockup: str, soak_s: float, move_s: float) -> Result:
         found["stops"] = stops(opened, contact)
         found["reconnect"] = opened.evaluate(_CUT, CUT_MS)
         found["lost_context_s"] = opened.evaluate(_LOSE) / 1000
-        found["soak"] = soak(opened, program, soak_s)
         return found
 
 
@@ -129,8 +128,18 @@ def stops(opened: Any, contact: list[float]) -> Result:
     }
 
 
-def soak(opened: Any, program: stand.Viewing, seconds: float) -> Result:
+def soak(browser: Any, mockup: str, seconds: float) -> Result:
     """The tool moves on and on: what page and server hold at the end above what they held near the beginning."""
+    with (
+        stand.viewing(mockup, "--tool", "sample:wrench") as program,
+        stand.opened(browser, program.url, *SMALL) as opened,
+    ):
+        stand.ready(opened)
+        opened.wait_for_function("() => window.feeler.stats.isSettled")
+        return _soaked(opened, program, seconds)
+
+
+def _soaked(opened: Any, program: stand.Viewing, seconds: float) -> Result:
     heaps: list[int] = []
     servers: list[int] = []
     unanswered: list[int] = []

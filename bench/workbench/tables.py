@@ -104,7 +104,7 @@ def standing(result: Result) -> str:
     """What the page and the engine weigh, and what they stand."""
     lines = []
     for mockup, experiments in result["mockups"].items():
-        for name, rows in (("large", _opening), ("page", _weight), ("engine", _engine)):
+        for name, rows in (("large", _opening), ("page", _weight), ("soak", _soak), ("engine", _engine)):
             found = experiments.get(name)
             if found is not None and "failed" not in found:
                 lines += [[mockup, *line] for line in rows(found)]
@@ -120,7 +120,7 @@ def _opening(found: Result) -> Iterator[list[str]]:
 
 
 def _weight(found: Result) -> Iterator[list[str]]:
-    soak, stops = found["soak"], found["stops"]
+    stops = found["stops"]
     yield ["pieces", f"{found['pieces']}"]
     yield ["manifest", f"{found['manifest_bytes'] / 1e3:.0f} kB"]
     yield ["wire, bytes a triangle", f"{found['wire_bytes_per_triangle']:.2f}"]
@@ -131,10 +131,13 @@ def _weight(found: Result) -> Iterator[list[str]]:
     yield ["in contact: engine, p50 and p99", " and ".join(_spread(found["contact"]["engine_us"], "us"))]
     speeds = ", ".join(f"{speed:g}" for speed in stops["speeds_m_per_s"])
     yield [f"stops at {speeds} m/s lie apart", f"{1e6 * stops['spread_m']:.3f} um"]
-    yield [f"soak of {soak['seconds'] / 60:.1f} minutes: frames a second", f"{soak['frames_per_s']:.1f}"]
-    yield ["soak: the page's heap grew by", f"{soak['heap_growth_bytes'] / 1e6:.2f} MB"]
-    yield ["soak: the server's memory grew by", f"{soak['server_growth_bytes'] / 1e6:.2f} MB"]
-    yield ["soak: wishes unanswered, at most", f"{soak['most_unanswered']}"]
+
+
+def _soak(found: Result) -> Iterator[list[str]]:
+    yield [f"soak of {found['seconds'] / 60:.1f} minutes: frames a second", f"{found['frames_per_s']:.1f}"]
+    yield ["soak: the page's heap grew by", f"{found['heap_growth_bytes'] / 1e6:.2f} MB"]
+    yield ["soak: the server's memory grew by", f"{found['server_growth_bytes'] / 1e6:.2f} MB"]
+    yield ["soak: wishes unanswered, at most", f"{found['most_unanswered']}"]
 
 
 def _engine(found: Result) -> Iterator[list[str]]:

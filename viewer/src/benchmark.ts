@@ -100,7 +100,7 @@ export async function benchmark(wb: Workbench, drawing: Drawing, drawn: Drawn, s
     width: stage.canvas.width,
     height: stage.canvas.height,
     triangles: store.manifest.peek()?.triangles ?? 0,
-    parts: store.paths.peek().length,
+    parts: store.part_count.peek(),
     opened_ms: performance.timeOrigin,
     ...drawn,
     camera: cameraMotion,

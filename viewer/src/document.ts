@@ -54,6 +54,8 @@ export interface Document {
   /** Names of what can be taken in hand. */
   readonly tools: readonly string[];
   readonly record: RecordFacts | null;
+  /** Parts that were left out of the scene from the start: they have no geometry here, and no path. */
+  readonly absent: readonly number[];
   readonly held_version: number;
   readonly unit: Unit;
   readonly mode: ContactMode;

@@ -54,6 +54,8 @@ export class Drawing {
   readonly input_to_drawn = new Recent();
   /** Called in each frame; true: another frame is due. Devices that have to be polled, sound and rumble. */
   readonly each_frame = new Set<(now: number) => boolean>();
+  /** Called when a frame is drawn; true: another frame is due. What waits for a picture. */
+  readonly after_frame = new Set<() => boolean>();
   state: State | null = null;
 
   private readonly sent_ms = new Map<number, number>();
@@ -162,6 +164,7 @@ export class Drawing {
     this.paintCuts();
     const stats = stage.frame(now);
     this.pointer?.frame();
+    for (const each of this.after_frame) isMore = each() || isMore;
     const end = this.browser.now();
     if (isAnswer && state) this.countLatency(state, end);
     if (stats.drawn) this.countFrame(now, end);

@@ -1,6 +1,6 @@
 // The findings in the order in which they are stepped through, and what looking at one does. Mostly pure.
 
-import type { Document, Finding, FindingGroup, Findings } from "./document";
+import type { Finding, FindingGroup, Findings } from "./document";
 import { add, centre, diagonal, isEmpty, scale, type Vec3 } from "./scene/vectors";
 import type { Workbench } from "./workbench";
 
@@ -99,7 +99,7 @@ export async function lookAtFinding(wb: Workbench, finding: Finding): Promise<vo
   } else wb.fit(parts);
   wb.redraw();
   wb.say(finding.sentence);
-  if (wb.store.can_look.peek() && parts.length > 0) await ghostOthers(wb, wb.document, parts);
+  if (wb.store.can_look.peek() && parts.length > 0) await wb.run("single_out", { parts });
 }
 
 /** The contact: the middle of both points where they are known. */
@@ -116,14 +116,4 @@ function reachOf(wb: Workbench, parts: readonly number[], depth: number): number
   const sizes = parts.map((part) => diagonal(wb.boxOf([part])));
   const smallest = Math.min(...sizes.filter((size) => size > 0), 0.5);
   return Math.max(2.5 * smallest, 20 * depth, 1e-3);
-}
-
-async function ghostOthers(wb: Workbench, document: Document | null, parts: readonly number[]): Promise<void> {
-  if (!document) return;
-  const solid = new Set(parts);
-  if (document.hidden.some((part) => solid.has(part))) await wb.run("show", { parts });
-  if (document.ghost.some((part) => solid.has(part))) await wb.run("ghost", { parts, is_on: false });
-  const ghost = new Set(document.ghost);
-  const others = [...wb.store.paths.peek().keys()].filter((part) => !solid.has(part) && !ghost.has(part));
-  if (others.length > 0) await wb.run("ghost", { parts: others, is_on: true });
 }

@@ -14,6 +14,7 @@ export interface Manifest {
   triangles: number;
   vertices: number;
   part_bytes: 2 | 4;
+  /** By part; those that were left out have no path and no triangles. */
   parts: { paths: string[]; triangles: number[]; lower: Vec3[]; upper: Vec3[]; small: number[] };
   pieces: PieceManifest[];
 }

@@ -23,10 +23,14 @@ async function get(url: string, token: string, signal: AbortSignal): Promise<Res
 
 async function loadScene(wish: GeometryWish & { kind: "scene" }, signal: AbortSignal): Promise<void> {
   const { base, token, load } = wish;
+  const fetchPiece = async (k: number) => (await get(`${base}scene/pieces/${k}`, token, signal)).arrayBuffer();
+  // The first picture waits for both.
+  const first = fetchPiece(0);
+  first.catch(() => undefined);
   const manifest = (await (await get(`${base}scene`, token, signal)).json()) as Manifest;
   scope.postMessage({ kind: "manifest", load, manifest });
-  const fetchPiece = async (k: number) => (await get(`${base}scene/pieces/${k}`, token, signal)).arrayBuffer();
-  for await (const [k, data] of inOrder(manifest.pieces.length, AT_ONCE, fetchPiece)) {
+  const piece = (k: number) => (k === 0 ? first : fetchPiece(k));
+  for await (const [k, data] of inOrder(manifest.pieces.length, AT_ONCE, piece)) {
     scope.postMessage({ kind: "piece", load, k, data }, [data]);
   }
   scope.postMessage({ kind: "done", load });

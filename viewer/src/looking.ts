@@ -14,7 +14,7 @@ const less = (parts: readonly number[], fewer: readonly number[]): number[] => {
   const gone = new Set(fewer);
   return parts.filter((part) => !gone.has(part));
 };
-const allOf = (document: Document): number[] => [...Array(document.mockup?.parts ?? 0).keys()];
+const allOf = (document: Document): number[] => less([...Array(document.mockup?.parts ?? 0).keys()], document.absent);
 const withSection = (document: Document, id: unknown, change: (section: Section) => Section): Document => ({
   ...document,
   sections: document.sections.map((section) => (section.id === id ? change(section) : section)),
@@ -36,6 +36,11 @@ const CHANGES: Readonly<Record<string, Change>> = {
   ghost: (document, args) => ({
     ...document,
     ghost: args.is_on ? united(document.ghost, ids(args)) : less(document.ghost, ids(args)),
+  }),
+  single_out: (document, args) => ({
+    ...document,
+    hidden: less(document.hidden, ids(args)),
+    ghost: less(allOf(document), ids(args)),
   }),
   explode: (document, args) => ({ ...document, explode: args.share as number }),
   set_unit: (document, args) => ({ ...document, unit: args.unit as Document["unit"] }),

@@ -1,8 +1,8 @@
 // Work that runs a few at a time and comes back in order.
 
 /**
- * Runs `work(k)` for k = 0 to `count` - 1, at most `atOnce` at a time, and gives [k, result] in order of k. The first failure
- * ends it.
+ * Runs `work(k)` for k = 0 to `count` - 1, the first alone, so that it comes soon, then at most `atOnce` at a time, and gives
+ * [k, result] in order of k. The first failure ends it.
  */
 export async function* inOrder<T>(
   count: number,
@@ -11,7 +11,7 @@ export async function* inOrder<T>(
 ): AsyncGenerator<[number, T]> {
   const begun: Promise<T>[] = [];
   for (let k = 0; k < count; k++) {
-    while (begun.length < Math.min(count, k + atOnce)) {
+    while (begun.length < Math.min(count, k === 0 ? 1 : k + atOnce)) {
       const promise = work(begun.length);
       // One that fails behind the first failure is never awaited.
       promise.catch(() => undefined);

@@ -59,7 +59,8 @@ export class Page {
     this.geometry = token ? new Geometry(base.href, token) : null;
     const hand = new Hand({
       moved: () => this.drawing.wished(),
-      placed: (pose) => void this.wb.run("place", { pose }),
+      placed: (pose) => void this.wb.place(pose),
+      ended: () => this.wb.goOn(),
     });
     hand.viewAxes = () => {
       const { right, top, forward } = stage.camera;
@@ -78,7 +79,7 @@ export class Page {
     new ResizeObserver(redraw).observe(picture.canvas);
     document.addEventListener("visibilitychange", redraw);
     window.addEventListener("pagehide", () => keepCamera(store.manifest.peek()?.hash, stage.camera.toJSON()));
-    this.drawing.each_frame.add(() => this.watchReady());
+    this.drawing.after_frame.add(() => this.watchReady());
     if (!link) store.connection.value = "refused";
     link?.connect();
   }

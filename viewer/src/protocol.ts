@@ -32,7 +32,9 @@ export interface MockupFacts {
   name: string;
   /** Of its content, hex: the address of its geometry. */
   hash: string;
+  /** Of the parts that are in the scene. */
   triangles: number;
+  /** All, also those that were left out: the number of every part is below it. */
   parts: number;
 }
 
@@ -130,6 +132,8 @@ export interface DocumentFields {
   /** Names of what can be taken in hand. */
   tools: string[];
   record: RecordFacts | null;
+  /** Parts that were left out of the scene from the start: nothing meets them, and nobody sees them. */
+  absent: number[];
   /** Of the mesh in hand: fetch `/held/VERSION` when it changes; 0: the hand is empty. */
   held_version: number;
   unit: Unit;
@@ -158,9 +162,10 @@ export interface DocumentFields {
 
 /** The parts of a mock-up by column. */
 export interface ManifestParts {
+  /** Empty for those that were left out. */
   paths: string[];
   triangles: number[];
-  /** Of each part's box, metres; an empty part has lower above upper. */
+  /** Of each part's box, metres; an empty part, or one that was left out, has lower above upper. */
   lower: Vec3[];
   upper: Vec3[];
   /** 1: so small beside the mock-up that it may be left out while the camera moves. */

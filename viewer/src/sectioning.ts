@@ -2,7 +2,7 @@
 
 import type { Section } from "./document";
 import { centre, dot, isEmpty, type Vec3 } from "./scene/vectors";
-import type { Workbench } from "./workbench";
+import type { Request, Workbench } from "./workbench";
 
 /** The world axis that is nearest to the view direction, towards what is farther: the near side is cut away. */
 export function axisAlong(forward: Vec3): Vec3 {
@@ -15,13 +15,17 @@ export function axisAlong(forward: Vec3): Vec3 {
 
 /** A cut across an axis through a point, the selection's middle or that of all. The near side is cut away. */
 export function addSection(wb: Workbench, normal?: Vec3, through?: Vec3): Promise<boolean> {
+  return wb.run(...sectionAdded(wb, normal, through));
+}
+
+function sectionAdded(wb: Workbench, normal?: Vec3, through?: Vec3): Request {
   const box = wb.boxOf([...wb.store.selection.peek()]);
   const whole = wb.store.manifest.peek();
   const middle = through ?? (isEmpty(box) ? (whole ? centre(whole) : ([0, 0, 0] as Vec3)) : centre(box));
   const { forward } = wb.stage.camera;
   const across = normal ? towards(normal, forward) : axisAlong(forward);
   wb.store.panel.value = "sections";
-  return wb.run("section_add", { normal: across, offset: dot(across, middle) });
+  return ["section_add", { normal: across, offset: dot(across, middle) }];
 }
 
 /** The normal, or its opposite, that points the way that the view looks. */
@@ -29,21 +33,20 @@ const towards = (normal: Vec3, forward: Vec3): Vec3 =>
   dot(normal, forward) < 0 ? (normal.map((value) => (value === 0 ? 0 : -value)) as Vec3) : normal;
 
 /** S: the first cut where there is none; else all off, or on again. */
-export async function toggleSections(wb: Workbench): Promise<void> {
-  const sections = wb.document?.sections ?? [];
-  if (sections.length === 0) {
-    await addSection(wb);
-    return;
-  }
-  const is_on = !sections.some((section) => section.is_on);
-  for (const section of sections)
-    if (section.is_on !== is_on) await wb.run("section_switch", { id: section.id, is_on });
+export function toggleSections(wb: Workbench): Promise<boolean> {
+  return wb.runOf(({ sections }) => {
+    if (sections.length === 0) return [sectionAdded(wb)];
+    const is_on = !sections.some((section) => section.is_on);
+    return sections
+      .filter((section) => section.is_on !== is_on)
+      .map((section) => ["section_switch", { id: section.id, is_on }]);
+  });
 }
 
-/** The other side is kept. */
-export function flipSection(wb: Workbench, section: Section): Promise<boolean> {
+/** What keeps the other side. */
+export function flipped(section: Section): Request {
   const normal = section.normal.map((value) => (value === 0 ? 0 : -value));
-  return wb.run("section_move", { id: section.id, normal, offset: -section.offset });
+  return ["section_move", { id: section.id, normal, offset: -section.offset }];
 }
 
 /** Moves a cut in the picture only; `settleSection` tells the server, one step of undo. */

@@ -6,6 +6,7 @@ import type { FindingOrder } from "./findings";
 import type { Manifest } from "./geometry";
 import type { TypedMove } from "./input/typed";
 import type { State } from "./protocol";
+import { isSame } from "./scene/same";
 import type { Vec3 } from "./scene/vectors";
 import { drawnSections } from "./sectioning";
 import { loadSettings, type Settings } from "./settings";
@@ -87,8 +88,17 @@ export class Store {
   readonly is_xr_there = signal(false);
   readonly is_system_dark = signal(true);
 
-  readonly tree = computed(() => new PartTree(this.manifest.value?.parts.paths ?? []));
+  /** The parts that were left out of the scene: nobody sees them. */
+  readonly absent = computed(() => {
+    const absent = this.document.value?.absent ?? [];
+    // A document that came anew has the same ones in another array: the tree stays as it was opened.
+    if (!isSame(absent, this.last_absent)) this.last_absent = absent;
+    return this.last_absent;
+  });
+  readonly tree = computed(() => new PartTree(this.manifest.value?.parts.paths ?? [], new Set(this.absent.value)));
   readonly paths = computed(() => this.manifest.value?.parts.paths ?? []);
+  /** How many parts are in the scene. */
+  readonly part_count = computed(() => this.paths.value.length - this.absent.value.length);
   readonly unit = computed(() => this.document.value?.unit ?? "mm");
   readonly theme = computed(() => {
     const chosen = this.settings.value.theme;
@@ -113,6 +123,7 @@ export class Store {
   });
 
   private next_notice = 1;
+  private last_absent: readonly number[] = [];
 
   /** The name to show for a part. */
   nameOf(part: number): string {

@@ -4,10 +4,14 @@ import type { Document } from "./document";
 import type { Hand } from "./input/hand";
 import { type Job, type Link, LinkError } from "./link";
 import { Looking } from "./looking";
-import { carry } from "./matrix";
+import { carry, type Pose } from "./matrix";
 import type { Stage } from "./scene/stage";
 import { type Box, corners, emptyBox, include, isEmpty, type Vec3 } from "./scene/vectors";
 import type { Store } from "./store";
+import { Turns } from "./turns";
+
+/** What is asked of the engine: the name of a command and its arguments. */
+export type Request = readonly [name: string, args?: Record<string, unknown>];
 
 /** How a click changes the selection. */
 export type SelectHow = "only" | "toggle" | "add";
@@ -32,6 +36,7 @@ export class Workbench {
   readonly redraw: () => void;
   readonly fetchFile: (name: string) => Promise<Blob>;
   private readonly looking = new Looking();
+  private readonly turns: Turns;
   /** The canvas, to which the focus goes back; null in tests. */
   canvas: HTMLElement | null = null;
   /** Opens or closes WebXR; null where the browser has none. */
@@ -46,16 +51,51 @@ export class Workbench {
     this.link = parts.link;
     this.redraw = parts.redraw;
     this.fetchFile = parts.fetchFile;
+    const { hand } = parts;
+    this.turns = new Turns({ isOpen: () => hand.isPutting, end: () => hand.finish() });
   }
 
   get document(): Document | null {
     return this.store.document.peek();
   }
 
-  /** Sends a command; whether it was done. What was refused is told as a notice. */
-  async run(name: string, args: Record<string, unknown> = {}): Promise<boolean> {
+  /** Something that was asked for is not in the document yet. */
+  get isBusy(): boolean {
+    return this.turns.isBusy;
+  }
+
+  /** Sends a command in its turn; whether it was done. What was refused is told as a notice. */
+  run(name: string, args: Record<string, unknown> = {}): Promise<boolean> {
+    return this.told(this.send(name, args));
+  }
+
+  /** Sends what `choose` makes of the document, once all that was asked for before is in it; whether it was done. */
+  runOf(choose: (document: Document) => readonly Request[]): Promise<boolean> {
+    const work = async (): Promise<void> => {
+      const { document } = this;
+      if (document) await Promise.all(choose(document).map(([name, args]) => this.sendNow(name, args)));
+    };
+    return this.told(this.turns.take(work, true));
+  }
+
+  /** The tool is put down at `pose`: before all that waits for it. */
+  place(pose: Pose): Promise<boolean> {
+    return this.told(this.turns.first(() => this.sendNow("place", { pose })));
+  }
+
+  /** What waited for the tool to be put down goes on. */
+  goOn(): void {
+    this.turns.go();
+  }
+
+  /** Sends a command in its turn; rejects where it is refused. Without a server, what is seen is changed here. */
+  send(name: string, args: Record<string, unknown> = {}): Promise<unknown> {
+    return this.turns.take(() => this.sendNow(name, args));
+  }
+
+  private async told(done: Promise<unknown>): Promise<boolean> {
     try {
-      await this.send(name, args);
+      await done;
       return true;
     } catch (error) {
       this.tell(error);
@@ -63,8 +103,7 @@ export class Workbench {
     }
   }
 
-  /** Sends a command; rejects where it is refused. Without a server, what is seen is changed here. */
-  send(name: string, args: Record<string, unknown> = {}): Promise<unknown> {
+  private sendNow(name: string, args: Record<string, unknown> = {}): Promise<unknown> {
     if (this.link) return this.link.command(name, args);
     const document = this.document;
     const looked = document && this.store.can_look.peek() ? this.looking.applied(document, name, args) : null;
@@ -146,8 +185,9 @@ export class Workbench {
 
   /** Those of the parts that are in sight. */
   visible(parts: readonly number[]): number[] {
-    const hidden = this.store.hidden.peek();
-    return parts.filter((part) => !hidden.has(part));
+    const { hidden, absent } = this.store;
+    const unseen = new Set([...hidden.peek(), ...absent.peek()]);
+    return parts.filter((part) => !unseen.has(part));
   }
 
   /** The box of parts where they are now; empty for none. */

@@ -3,6 +3,7 @@ import { test } from "node:test";
 import { type Document, type Findings, patched } from "../src/document";
 import { base64 } from "../src/exporting";
 import { neighbour, shownGroups } from "../src/findings";
+import type { Manifest } from "../src/geometry";
 import { marksOf } from "../src/marking";
 import { IDENTITY } from "../src/matrix";
 import { measureArgs, nearestEdge } from "../src/measuring";
@@ -21,6 +22,7 @@ const DOCUMENT: Document = {
   tool: null,
   tools: [],
   record: null,
+  absent: [],
   held_version: 0,
   unit: "mm",
   mode: "stop",
@@ -68,6 +70,24 @@ const STATE: State = {
   clearance: new Float32Array(0),
   clearance_parts: new Uint32Array(0),
 };
+
+test("the tree has the parts of the scene, and stays as it is where the same ones are left out again", () => {
+  const store = new Store();
+  const parts = { paths: ["a", "", "c"], triangles: [1, 0, 1], lower: [], upper: [], small: [] };
+  store.manifest.value = { parts } as unknown as Manifest;
+  store.document.value = { ...DOCUMENT, absent: [1] };
+  const tree = store.tree.value;
+  assert.deepEqual(
+    tree.nodes.map((node) => node.part),
+    [0, 2],
+  );
+  assert.equal(store.part_count.value, 2);
+  // As after a reconnect.
+  store.document.value = { ...DOCUMENT, absent: [1], hidden: [2] };
+  assert.equal(store.tree.value, tree);
+  store.document.value = { ...DOCUMENT, absent: [] };
+  assert.equal(store.tree.value.nodes.length, 3);
+});
 
 test("a patch changes its fields and shares the rest", () => {
   const after = patched(DOCUMENT, { hidden: [1, 2], unit: "in" });

@@ -34,6 +34,7 @@ function setUp() {
   };
   const poses: (readonly [number[], number[] | null])[] = [];
   const lit: Uint8Array[] = [];
+  const frames = { count: 0 };
   const stage = {
     setPose: (pose: ArrayLike<number>, wish: ArrayLike<number> | null) => {
       poses.push([Array.from(pose), wish && Array.from(wish)]);
@@ -41,13 +42,20 @@ function setUp() {
     setPartStates: (states: Uint8Array) => lit.push(states),
     setHits() {},
     setMarks() {},
-    frame: () => stats,
+    frame: () => {
+      frames.count++;
+      return stats;
+    },
     stats,
   } as unknown as Stage;
   const sent: Wish[] = [];
   const link = { pose: (wish: Wish) => sent.push(wish) } as unknown as Link;
   let drawing: Drawing;
-  const hand = new Hand({ moved: () => drawing.wished(), placed() {} }, { set: () => 0, clear() {} }, () => now);
+  const hand = new Hand(
+    { moved: () => drawing.wished(), placed() {}, ended() {} },
+    { set: () => 0, clear() {} },
+    () => now,
+  );
   const store = new Store();
   const wb = new Workbench({
     store,
@@ -65,6 +73,7 @@ function setUp() {
     sent,
     poses,
     lit,
+    frames,
     stats,
     hide: () => {
       is_hidden = true;
@@ -210,6 +219,20 @@ test("what is polled keeps the frames coming only as long as it wants", () => {
   let frames = 0;
   while (page.step(16)) frames++;
   assert.ok(frames >= 100 && frames < 140);
+});
+
+test("what waits for a picture is asked once it is drawn, and gets another as long as it wants", () => {
+  const page = setUp();
+  const seen: number[] = [];
+  page.drawing.after_frame.add(() => seen.push(page.frames.count) < 100);
+  page.stats.drawn = false;
+  page.drawing.request();
+  while (page.step(16)) {}
+  assert.deepEqual(
+    seen.slice(0, 100),
+    Array.from({ length: 100 }, (_, k) => k + 1),
+  );
+  assert.ok(seen.length < 140);
 });
 
 test("the last two hundred are kept", () => {

@@ -17,12 +17,16 @@ function setUp() {
   const placed: Pose[] = [];
   const waiting: (() => void)[] = [];
   let moves = 0;
+  let ends = 0;
   const hand = new Hand(
     {
       moved: () => {
         moves++;
       },
       placed: (pose) => placed.push(pose),
+      ended: () => {
+        ends++;
+      },
     },
     { set: (callback) => waiting.push(callback), clear: (handle) => waiting.splice(handle - 1, 1, () => {}) },
     () => 5,
@@ -30,7 +34,7 @@ function setUp() {
   const settle = (): void => {
     for (const callback of waiting.splice(0)) callback();
   };
-  return { hand, placed, settle, moves: () => moves };
+  return { hand, placed, settle, moves: () => moves, ends: () => ends };
 }
 
 test("a wish goes out once, with the earliest input's time and the last pose", () => {
@@ -87,6 +91,33 @@ test("a movement that is given up goes back and places nothing", () => {
   settle();
   assert.equal(placed.length, 0);
   assert.equal(hand.wish, null);
+});
+
+test("who waits for a movement to be put down is told once that it is over, after it was placed", () => {
+  const { hand, placed, settle, ends } = setUp();
+  hand.answered(IDENTITY, 0);
+  const put = (): void => {
+    hand.move(translation([1, 0, 0]), "mouse");
+    hand.take();
+    hand.sentAs(1);
+    hand.put();
+    assert.ok(hand.isPutting);
+  };
+  put();
+  settle();
+  assert.deepEqual([hand.isPutting, placed.length, ends()], [false, 1, 1]);
+  put();
+  hand.finish();
+  assert.deepEqual([hand.isPutting, placed.length, ends()], [false, 2, 2]);
+  hand.finish();
+  hand.drop();
+  assert.equal(ends(), 2, "there is nothing to end");
+  put();
+  hand.drop();
+  assert.deepEqual([hand.isPutting, placed.length, ends()], [false, 2, 3]);
+  put();
+  hand.move(translation([2, 0, 0]), "mouse");
+  assert.deepEqual([hand.isPutting, placed.length, ends()], [false, 2, 4]);
 });
 
 test("increments move along the frame's axes and turn about the pivot", () => {

@@ -5,6 +5,7 @@ import { Looking } from "../src/looking";
 
 const DOCUMENT = {
   mockup: { name: "engine", hash: "ab", triangles: 10, parts: 4 },
+  absent: [],
   unit: "mm",
   hidden: [3],
   ghost: [],
@@ -37,6 +38,19 @@ test("isolating the same parts again brings back what was seen before", () => {
   assert.deepEqual([other.hidden, other.isolated], [[3], false]);
   const shown = after(["isolate", { parts: [1] }], ["show_all", {}], ["isolate", { parts: [1] }]);
   assert.deepEqual(shown.hidden, [0, 2, 3], "after all were shown it isolates anew");
+});
+
+test("singled out parts are solid and in sight, and all others ghosts", () => {
+  const before: [string, Record<string, unknown>] = ["ghost", { parts: [1, 2], is_on: true }];
+  const { hidden, ghost } = after(before, ["single_out", { parts: [2, 3] }]);
+  assert.deepEqual([hidden, ghost], [[], [0, 1]]);
+});
+
+test("parts that were left out are not hidden with all others", () => {
+  const document = { ...DOCUMENT, hidden: [], absent: [0, 2] };
+  const looking = new Looking();
+  assert.deepEqual(looking.applied(document, "hide_all", {})?.hidden, [1, 3]);
+  assert.deepEqual(looking.applied(document, "isolate", { parts: [3] })?.hidden, [1]);
 });
 
 test("cuts are made, moved, switched and removed", () => {

@@ -56,6 +56,16 @@ test("a search finds parts by every word of the path, and shows the groups above
   );
 });
 
+test("parts that were left out of the scene have no line, nor has a group of them alone", () => {
+  const tree = new PartTree(["a/b/one", "", "a/three", ""], new Set([1, 3]));
+  assert.deepEqual(
+    tree.nodes.map((node) => node.name),
+    ["a", "b", "one", "three"],
+  );
+  assert.equal(tree.nodeOf(1), -1);
+  assert.deepEqual(tree.matching(""), [0, 2]);
+});
+
 test("paths that are the same, empty or odd make no part vanish", () => {
   const tree = new PartTree(["a/b", "a/b", "", "/", "a", "a//c"]);
   assert.deepEqual(

@@ -10,7 +10,7 @@ import typer
 
 import feeler
 from feeler.cli.app import FOUND, command
-from feeler.cli.inputs import AsJson, MockupUnit, ToolUnit, Up, read_mockup, read_tool
+from feeler.cli.inputs import AsJson, Choice, MockupUnit, Only, ToolUnit, Up, Without, read_mockup, read_tool
 from feeler.progress import bar
 
 if TYPE_CHECKING:
@@ -24,6 +24,7 @@ _SAMPLE = "sample:engine"
     examples="""
 feeler replay way.jsonl engine.step --tool wrench.stl
 feeler replay way.jsonl sample:engine:1600000 --tool sample:wrench --json
+feeler replay way.jsonl engine.step --without "*cover*"
 feeler replay way.jsonl engine.step --tool wrench.stl --page
 """
 )
@@ -37,6 +38,8 @@ def replay(
     tool: Annotated[
         str | None, typer.Option(help="The tool it was made with: a file, or sample:NAME or sample:NAME:fine.")
     ] = None,
+    without: Without = None,
+    only: Only = None,
     unit: MockupUnit = None,
     tool_unit: ToolUnit = None,
     up: Up = None,
@@ -53,7 +56,8 @@ def replay(
     """Goes through a record of the workbench again: the same triangles meet to the last one, or where they part.
 
     Exit status: 0 the same, 1 they part, 2 bad input, such as another mock-up than it was made with. With --page it
-    prints the address, Ctrl-C ends it, and the status is 0.
+    prints the address, Ctrl-C ends it, and the status is 0. Parts that were left out then are left out again, by the
+    same --without and --only.
     """
     from feeler.cli import outputs
     from feeler.workbench.record import read_record
@@ -64,6 +68,7 @@ def replay(
     probe = None if tool is None else read_tool(tool, tool_unit, up)
     with bar("indexing") as progress:
         scene = feeler.Scene(world, tool=probe, threads=threads, progress=progress)
+    scene = Choice(None, without, only).scene_of(scene)
     if page:
         _show_page(read, mockup or [_SAMPLE], scene, probe, browser, as_json)
         return

@@ -18,6 +18,7 @@ from feeler.cli.app import BAD_INPUT, command, fail
 from feeler.cli.inputs import AsJson, Choice, MockupUnit, Only, ToolUnit, Up, Without, read_mockup, read_tool, telling
 from feeler.errors import FeelerError, OptionError
 from feeler.haptics import devices
+from feeler.progress import Progress
 
 if TYPE_CHECKING:
     from feeler.workbench.benchmark import Opened
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 _SAMPLE, _SAMPLE_TOOL = "sample:engine", "sample:wrench"
 _SHOWN = ("mm", "cm", "m", "in")
 _STEP = 0.01  # of what is told of the progress
+_READ, _INDEXED = 0.6, 0.95  # the shares at which the mock-up is read, and indexed
 _LOOK_S = 0.1  # Ctrl-C is heard between two looks, on Windows too
 
 
@@ -216,11 +218,18 @@ class _Opening:
                     text = text.replace(path, Path(source).resolve().name)
         return text
 
-    def _tell(self, share: float, stage: str) -> None:
-        """Readers report as often as they like; the pages are told of each stage and each hundredth."""
-        if stage != self._told[0] or abs(share - self._told[1]) >= _STEP:
-            self._told = (stage, share)
-            self._session.loading(stage, share)
+    def _telling(self, start: float, end: float) -> Progress:
+        """Tells of what makes the loading a share further."""
+
+        def tell(share: float, stage: str) -> None:
+            # The end of a stage is no stage: something else begins.
+            stage, so_far = self._told[0] if share >= 1.0 else stage, start + (end - start) * share
+            # Readers report as often as they like; the pages are told of each stage and each hundredth.
+            if stage != self._told[0] or abs(so_far - self._told[1]) >= _STEP:
+                self._told = (stage, so_far)
+                self._session.loading(stage, so_far)
+
+        return tell
 
     def _open(self, unit: str | None, tool_unit: str | None, up: str | None, threads: int | None) -> None:
         from feeler.cli.outputs import warn
@@ -228,7 +237,7 @@ class _Opening:
 
         session = self._session
         begun = time.perf_counter()
-        world = read_mockup(self._sources, unit, up, also=lambda share, stage: self._tell(0.5 * share, stage))
+        world = read_mockup(self._sources, unit, up, also=self._telling(0.0, _READ))
         probe = None if self._tool is None else read_tool(self._tool, tool_unit, up)
         doubts = [f"mock-up: {doubt}" for doubt in world.source.doubts]
         doubts += [f"tool: {doubt}" for doubt in probe.source.doubts] if probe is not None else []
@@ -236,10 +245,11 @@ class _Opening:
             warn(doubt)
             session.tell({"type": "notice", "level": "warning", "text": self._for_pages(doubt)})
         read = time.perf_counter()
-        with telling("indexing", lambda share, stage: self._tell(0.5 + 0.5 * share, stage)) as progress:
+        with telling("indexing", self._telling(_READ, _INDEXED)) as progress:
             scene = feeler.Scene(world, tool=probe, threads=threads, progress=progress)
         self.opened = Opened(read - begun, time.perf_counter() - read, time.time())
         scene = self._choice.scene_of(scene)
+        self._telling(_INDEXED, 1.0)(0.0, "packing the picture")
         session.open(world, scene, probe, name=name_of(self._sources))
         if self._findings is not None:
             session.load_findings(self._findings)

@@ -42,8 +42,12 @@ def sample(name: str, triangles: int = 1_600_000, seed: int = 0, *, progress: Pr
     Raises OptionError for an unknown name, a size out of range or a negative seed, LimitError for a size that the named
     mock-up cannot be tessellated to.
     """
-    parts = sample_parts(name, triangles, seed, progress=progress)
-    return Mockup(
+    parts = sample_parts(
+        name, triangles, seed, progress=progress and (lambda share, stage: progress(0.75 * share, stage))
+    )
+    if progress:
+        progress(0.75, "checking triangles")
+    mockup = Mockup(
         parts.vertices,
         parts.faces,
         parts.part_of_face,
@@ -51,6 +55,9 @@ def sample(name: str, triangles: int = 1_600_000, seed: int = 0, *, progress: Pr
         part_paths=parts.part_paths,
         source=Source(format="sample", unit_source="samples are metres", notes=(f"{name}, seed {seed}",)),
     )
+    if progress:
+        progress(1.0, "done")
+    return mockup
 
 
 def sample_names() -> tuple[str, ...]:

@@ -17,6 +17,8 @@ from .mesh import Floats, Ints, Mesh, MeshParts, snapped
 from .tessellation import Tolerance
 
 Progress = Callable[[float, str], None]
+Told = Callable[[float], None]
+"""Hears how much of something is done, 0 to 1."""
 
 COARSEST_CHORD_M = 0.024
 LEVEL_RATIO = 2.0**0.5
@@ -99,9 +101,15 @@ class Plan:
         """Parts without fillers."""
         return sum(len(item.poses) for item in self.items)
 
-    def count(self, level: int) -> int:
+    def count(self, level: int, told: Told = lambda share: None) -> int:
         """Triangles of all items at one level."""
-        return sum(len(item.poses) * item.shape.mesh(level).triangle_count for item in self.items)
+        total = 0
+        for number, item in enumerate(self.items, start=1):
+            total += len(item.poses) * item.shape.mesh(level).triangle_count
+            if number % 256 == 0:
+                told(number / len(self.items))
+        told(1.0)
+        return total
 
     def least_count(self) -> int:
         """Triangles at the coarsest level."""
@@ -109,9 +117,13 @@ class Plan:
 
     def build(self, triangles: int, progress: Progress | None = None) -> MeshParts:
         """The mock-up with as nearly `triangles` triangles as the plan allows, never more."""
-        if progress:
-            progress(0.0, "tessellating")
-        levels = self._choose_levels(triangles)
+
+        def told(share: float) -> None:
+            if progress:
+                progress(0.3 * share, "tessellating")
+
+        told(0.0)
+        levels = self._choose_levels(triangles, told)
         if progress:
             progress(0.3, "placing parts")
         chosen = [(item, level, len(item.poses)) for item, level in zip(self.items, levels, strict=True)]
@@ -132,8 +144,8 @@ class Plan:
             item.shape.forget(level, level + 1, level - 1)
         return _assemble(self.root, chosen, progress)
 
-    def _choose_levels(self, triangles: int) -> Ints:
-        level = self._level_below(triangles)
+    def _choose_levels(self, triangles: int, told: Told) -> Ints:
+        level = self._level_below(triangles, told)
         copies = np.array([len(item.poses) for item in self.items])
         total = self.count(level)
         levels = np.full(len(self.items), level)
@@ -149,8 +161,16 @@ class Plan:
                 total += step
         return levels
 
-    def _level_below(self, triangles: int) -> int:
+    def _level_below(self, triangles: int, told: Told) -> int:
         """The finest level that does not exceed `triangles`: guessed on a twelfth of the items, then counted."""
+        counts = 0
+
+        def counted(level: int) -> int:
+            # Nobody knows how many counts there will be: each is half of what is left.
+            nonlocal counts
+            counts += 1
+            return self.count(level, lambda share: told(1.0 - 0.5 ** (counts - 1 + share)))
+
         if self.least_count() > triangles:
             raise LimitError(f"{self.root}: even the coarsest tessellation has more than {triangles} triangles")
         some = Plan(self.root, self.rng, self.items[::12])
@@ -158,9 +178,9 @@ class Plan:
         level = 0
         while level < LEVELS and some.count(level + 1) <= share * triangles:
             level += 1
-        while level > 0 and self.count(level) > triangles:
+        while level > 0 and counted(level) > triangles:
             level -= 1
-        while level < LEVELS and self.count(level + 1) <= triangles:
+        while level < LEVELS and counted(level + 1) <= triangles:
             level += 1
             for item in self.items:
                 item.shape.forget(level)
@@ -191,7 +211,7 @@ def _assemble(root: str, chosen: list[tuple[Item, int, int]], progress: Progress
         v, f = v + n * k, f + m * k
         if progress and number % 256 == 255:
             progress(0.3 + 0.6 * f / face_total, "placing parts")
-    snapped(vertices)
     if progress:
-        progress(1.0, "done")
+        progress(0.9, "placing parts")
+    snapped(vertices)
     return MeshParts(vertices, faces, part_of_face, names, [f"{root}/{name}" for name in names])

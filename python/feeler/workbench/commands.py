@@ -55,9 +55,9 @@ class Measured:
 class Known:
     """What commands know beside the document.
 
-    bounds: `(2, 3)` of the mock-up. tools: by name, the triangles of those that were made. pose: where the hand is.
-    tool_pose: where a tool that is taken is free. trip: of the parts in the hand, and their least clearance on it.
-    absent: parts that were left out of the scene from the start.
+    bounds: `(2, 3)` of the parts in the scene. tools: by name, the triangles of those that were made. pose: where the
+    hand is. tool_pose: where a tool that is taken is free. trip: of the parts in the hand, and their least clearance on
+    it. absent: parts that were left out of the scene from the start.
     """
 
     parts: Parts
@@ -69,6 +69,11 @@ class Known:
     least_clearance: float | None = None
     absent: frozenset[int] = frozenset()
     measured: Measured | None = None
+
+    @property
+    def there(self) -> tuple[int, ...]:
+        """The parts that are in the scene."""
+        return tuple(part for part in range(len(self.parts)) if part not in self.absent)
 
 
 Change = Callable[[Document, Arguments, Known], Document]
@@ -85,7 +90,7 @@ class Command:
 
 def hide(document: Document, given: Arguments, known: Known) -> Document:
     """Out of sight; they still collide."""
-    return replace(document, hidden=_united(document.hidden, given.parts("parts", known.parts)))
+    return replace(document, hidden=_united(document.hidden, _there(given, known)))
 
 
 def show(document: Document, given: Arguments, known: Known) -> Document:
@@ -100,24 +105,30 @@ def show_all(document: Document, _given: Arguments, _known: Known) -> Document:
 
 def hide_all(document: Document, _given: Arguments, known: Known) -> Document:
     """Everything hidden."""
-    return replace(document, hidden=tuple(range(len(known.parts))), isolation=None)
+    return replace(document, hidden=known.there, isolation=None)
 
 
 def isolate(document: Document, given: Arguments, known: Known) -> Document:
     """These alone in sight; the same again brings back what was hidden before."""
-    parts = given.parts("parts", known.parts)
+    parts = _there(given, known)
     before = document.isolation
     if before is not None and before.parts == parts:
         return replace(document, hidden=before.hidden_before, isolation=None)
     hidden_before = document.hidden if before is None else before.hidden_before
-    hidden = _less(tuple(range(len(known.parts))), parts)
+    hidden = _less(known.there, parts)
     return replace(document, hidden=hidden, isolation=Isolation(parts, hidden_before))
 
 
 def ghost(document: Document, given: Arguments, known: Known) -> Document:
     """See-through, or not."""
     change = _united if given.flag("is_on") else _less
-    return replace(document, ghost=change(document.ghost, given.parts("parts", known.parts)))
+    return replace(document, ghost=change(document.ghost, _there(given, known)))
+
+
+def single_out(document: Document, given: Arguments, known: Known) -> Document:
+    """These in sight and solid, all others see-through."""
+    parts = _there(given, known)
+    return replace(document, hidden=_less(document.hidden, parts), ghost=_less(known.there, parts))
 
 
 def explode(document: Document, given: Arguments, _known: Known) -> Document:
@@ -357,7 +368,7 @@ def sequence_replay(document: Document, given: Arguments, known: Known) -> Docum
 def findings_open(document: Document, given: Arguments, known: Known) -> Document:
     """Findings in place of those that were open; as `feeler clash --json` writes them."""
     try:
-        return replace(document, findings=findings.grouped(given.given.get("findings"), known.parts))
+        return replace(document, findings=findings.grouped(given.given.get("findings"), known.parts, known.absent))
     except LoadError as error:
         raise given.fail("findings", str(error), "choose another file") from None
 
@@ -385,6 +396,7 @@ COMMANDS: dict[str, Command] = {
     "hide_all": Command(hide_all),
     "isolate": Command(isolate, ("parts",)),
     "ghost": Command(ghost, ("parts", "is_on")),
+    "single_out": Command(single_out, ("parts",)),
     "explode": Command(explode, ("share",)),
     "section_add": Command(section_add, ("normal", "offset")),
     "section_move": Command(section_move, ("id", "normal", "offset")),
@@ -420,6 +432,11 @@ def applied(document: Document, name: str, args: Any, known: Known) -> Document:
     if command is None:
         raise WorkbenchError(f"there is no command {name!r}", "command", near(name, [*COMMANDS, "undo", "redo"]))
     return command.change(document, Arguments(name, args, command.arguments), known)
+
+
+def _there(given: Arguments, known: Known) -> tuple[int, ...]:
+    """The argument "parts", those of them that are in the scene."""
+    return tuple(part for part in given.parts("parts", known.parts) if part not in known.absent)
 
 
 def _united(parts: tuple[int, ...], more: tuple[int, ...]) -> tuple[int, ...]:

@@ -24,7 +24,7 @@ MATERIALS = ("steel", "aluminium", "plastic", "rubber")
 
 @dataclass(frozen=True)
 class MockupFacts:
-    """What is open."""
+    """What is open. triangles: of the parts that are in the scene; parts: all, so that every part's number is below."""
 
     name: str
     hash: str
@@ -158,10 +158,10 @@ NOTHING: Mapping[int, Row] = MappingProxyType({})
 class Document:
     """All that is drawn and known.
 
-    hidden: only out of sight; such parts still collide. gripped: parts in the hand, and where there (`hand_from_part`).
-    moved: where parts are that were put down elsewhere (`world_from_part`). out: those of them that lie outside the
-    mock-up's box. tools: names of what `take_tool` can take. pose: where the hand was last put down by a command
-    (`world_from_tool`).
+    absent: parts that were left out of the scene from the start. hidden: only out of sight; such parts still collide.
+    gripped: parts in the hand, and where there (`hand_from_part`). moved: where parts are that were put down elsewhere
+    (`world_from_part`). out: those of them that lie outside the box of what is in the scene. tools: names of what
+    `take_tool` can take. pose: where the hand was last put down by a command (`world_from_tool`).
     """
 
     mockup: MockupFacts | None = None
@@ -170,6 +170,7 @@ class Document:
     tool: ToolFacts | None = None
     tools: tuple[str, ...] = ()
     record: RecordFacts | None = None
+    absent: tuple[int, ...] = ()
     held_version: int = 0
     unit: str = "mm"
     mode: str = "stop"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import html
 import io
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -60,7 +61,7 @@ def sequence_glb(document: Document, mockup: Mockup, progress: Progress) -> byte
     """The removals one after the other as an animated glTF: the parts that move, and what is near them."""
     progress(0.0, "parts")
     moving = sorted({part for line in document.sequence for part in line.parts})
-    shown = _with_neighbours(mockup, moving)
+    shown = _with_neighbours(mockup, moving, document.absent)
     body = Tool.of_parts(mockup, shown, "sequence")
     place = {part: number for number, part in enumerate(shown)}
     times: dict[int, list[float]] = {part: [0.0] for part in moving}
@@ -120,12 +121,13 @@ def _length(way: list[Floats]) -> float:
     return float(np.linalg.norm(np.diff(places, axis=0), axis=1).sum())
 
 
-def _with_neighbours(mockup: Mockup, parts: list[int]) -> list[int]:
+def _with_neighbours(mockup: Mockup, parts: list[int], absent: Sequence[int]) -> list[int]:
     boxes = mockup.part_bounds.reshape(-1, 2, 3)
     near = np.zeros(len(boxes), dtype=bool)
     for part in parts:
         lower, upper = boxes[part, 0] - CONTEXT_M, boxes[part, 1] + CONTEXT_M
         near |= ((boxes[:, 0] <= upper) & (boxes[:, 1] >= lower)).all(axis=1)
     near[parts] = True
+    near[list(absent)] = False
     shown: list[int] = np.flatnonzero(near).tolist()
     return shown

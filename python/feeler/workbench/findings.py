@@ -10,7 +10,7 @@ unknown ones are kept.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -39,10 +39,13 @@ def read_findings(path: str | Path) -> Any:
     return data
 
 
-def grouped(data: Any, parts: Parts, where: str = "findings") -> Findings:
-    """Findings as `feeler clash --json` has them, for the document. Raises `LoadError` for what is none at all."""
+def grouped(data: Any, parts: Parts, absent: Collection[int] = (), where: str = "findings") -> Findings:
+    """Findings as `feeler clash --json` has them, for the document. Raises `LoadError` for what is none at all.
+
+    absent: parts that were left out of the scene; findings name them, but nothing can be looked at.
+    """
     clashes = _clashes(data, where)
-    found = [_finding(each, number, parts) for number, each in enumerate(clashes) if isinstance(each, Mapping)]
+    found = [_finding(each, number, parts, absent) for number, each in enumerate(clashes) if isinstance(each, Mapping)]
     by_group: dict[str, list[dict[str, Any]]] = {}
     for each in found:
         by_group.setdefault(each["group"], []).append(each)
@@ -77,7 +80,7 @@ def ids(groups: Iterable[Mapping[str, Any]]) -> list[str]:
     return [each["id"] for group in groups for each in group["findings"]]
 
 
-def _finding(given: Mapping[str, Any], number: int, parts: Parts) -> dict[str, Any]:
+def _finding(given: Mapping[str, Any], number: int, parts: Parts, absent: Collection[int]) -> dict[str, Any]:
     a, b = (str(given.get(side, "")) for side in "ab")
     depth, gap = (float(given[name]) if is_number(given.get(name)) else None for name in ("depth", "gap"))
     verdict = str(given.get("verdict", "clash"))
@@ -87,8 +90,8 @@ def _finding(given: Mapping[str, Any], number: int, parts: Parts) -> dict[str, A
         "id": str(given.get("id", number)),
         "a": a,
         "b": b,
-        "part_a": _part(a, parts),
-        "part_b": _part(b, parts),
+        "part_a": _part(a, parts, absent),
+        "part_b": _part(b, parts, absent),
         "verdict": verdict,
         "depth": depth,
         "gap": gap,
@@ -120,12 +123,12 @@ def _worst_first(entry: Mapping[str, Any]) -> tuple[float, float]:
     return (-(entry["depth"] or 0.0), entry["gap"] if entry["gap"] is not None else 0.0)
 
 
-def _part(path: str, parts: Parts) -> int | None:
+def _part(path: str, parts: Parts, absent: Collection[int]) -> int | None:
     try:
         found = parts.select(path)
     except OptionError:
         return None
-    return int(found[0]) if len(found) == 1 else None
+    return int(found[0]) if len(found) == 1 and found[0] not in absent else None
 
 
 def _point(given: Any) -> list[float] | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -9,38 +10,76 @@ import numpy.typing as npt
 
 from feeler._core import Packed, PackedPiece
 from feeler.mockup import Mockup, Tool
+from feeler.scene import Scene
 from feeler.workbench.motion import Floats
 from feeler.workbench.protocol import HeldManifest, Manifest, ManifestPiece, Vec3
+from feeler.workbench.snapshot import NOT_DRAWN
 
 SMALL_SHARE = 0.01
 """A part is small where its box's diagonal is less than this share of the mock-up's."""
 
 
-def small_parts(mockup: Mockup) -> npt.NDArray[np.bool_]:
+def absent_parts(scene: Scene) -> tuple[int, ...]:
+    """The parts that were left out of a scene, ascending."""
+    return tuple(np.flatnonzero(~scene.part_mask).tolist())
+
+
+def scene_bounds(scene: Scene) -> Floats:
+    """`(2, 3)`: the box of the parts that are in a scene."""
+    boxes = scene.mockup.part_bounds.reshape(-1, 2, 3)[scene.part_mask]
+    return np.stack([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])
+
+
+def small_parts(scene: Scene) -> npt.NDArray[np.bool_]:
     """`(parts,)`: which parts may be left out while the camera moves."""
-    boxes = mockup.part_bounds.reshape(-1, 2, 3)
+    boxes = scene.mockup.part_bounds.reshape(-1, 2, 3)
     sizes = np.linalg.norm(np.maximum(0.0, boxes[:, 1] - boxes[:, 0]), axis=1)
-    whole = float(np.linalg.norm(mockup.bounds[1] - mockup.bounds[0]))
-    small: npt.NDArray[np.bool_] = sizes < SMALL_SHARE * whole
+    lower, upper = scene_bounds(scene)
+    small: npt.NDArray[np.bool_] = sizes < SMALL_SHARE * float(np.linalg.norm(upper - lower))
     return small
 
 
-class Geometry:
-    """A mock-up, packed. places: its triangles -> packed triangles."""
+@dataclass(frozen=True)
+class PackedScene:
+    """The parts of a scene in pieces. places: triangles of the mock-up -> packed triangles, or `NOT_DRAWN`."""
 
-    def __init__(self, mockup: Mockup, content: str, name: str, packed: Packed) -> None:
-        """content: the digest of the mock-up. packed: `mockup.pack(small=small_parts(mockup))`."""
-        self._small = small_parts(mockup)
-        self._mockup, self._content, self._name = mockup, content, name
-        self._packed = packed
-        self.places: npt.NDArray[np.uint32] = self._packed.places
+    packed: Packed
+    places: npt.NDArray[np.uint32]
+
+
+def pack_scene(scene: Scene) -> PackedScene:
+    """What is in a scene, for drawing: of parts that were left out nothing leaves this process."""
+    mockup, small = scene.mockup, small_parts(scene)
+    if scene.part_mask.all():
+        packed = mockup.pack(small=small)
+        return PackedScene(packed, packed.places)
+    kept = np.flatnonzero(scene.part_mask[mockup.part_of_face])
+    names, paths = mockup.part_names, mockup.part_paths
+    rest = Mockup(mockup.vertices, mockup.faces[kept], mockup.part_of_face[kept], names, part_paths=paths)
+    packed = rest.pack(small=small)
+    places = np.full(mockup.triangle_count, NOT_DRAWN, dtype=np.uint32)
+    places[kept] = packed.places
+    return PackedScene(packed, places)
+
+
+class Geometry:
+    """A scene, packed. places: triangles of its mock-up -> packed triangles."""
+
+    def __init__(self, scene: Scene, content: str, name: str, packed: PackedScene | None = None) -> None:
+        """content: the digest of the mock-up. packed: default `pack_scene(scene)`."""
+        self._scene, self._content, self._name = scene, content, name
+        self._small = small_parts(scene)
+        made = pack_scene(scene) if packed is None else packed
+        self._packed, self.places = made.packed, made.places
 
     def manifest(self) -> Manifest:
         """What `GET /scene` says."""
-        mockup, (lower, upper) = self._mockup, self._mockup.bounds
+        mockup, there = self._scene.mockup, self._scene.part_mask
+        lower, upper = scene_bounds(self._scene)
         boxes = mockup.part_bounds.reshape(-1, 2, 3)
-        # An empty part's box is crossed, and infinite: JSON has no infinity.
-        boxes = np.where(np.isfinite(boxes), boxes, [[[1.0] * 3, [0.0] * 3]])
+        # An empty part's box is crossed, and infinite: JSON has no infinity. To pages, one that was left out is empty.
+        is_seen = np.isfinite(boxes) & there[:, None, None]
+        boxes = np.where(is_seen, boxes, [[[1.0] * 3, [0.0] * 3]])
         pieces = _pieces(self._packed)
         return {
             "hash": self._content,
@@ -54,8 +93,8 @@ class Geometry:
             "vertices": sum(piece["vertices"] for piece in pieces),
             "part_bytes": 4 if mockup.part_count > 65_535 else 2,
             "parts": {
-                "paths": list(mockup.part_paths),
-                "triangles": mockup.part_triangles.tolist(),
+                "paths": [path if is_there else "" for path, is_there in zip(mockup.part_paths, there, strict=True)],
+                "triangles": np.where(there, mockup.part_triangles, 0).tolist(),
                 "lower": [_triple(each) for each in boxes[:, 0]],
                 "upper": [_triple(each) for each in boxes[:, 1]],
                 "small": self._small.astype(int).tolist(),

@@ -215,6 +215,9 @@ def _between_parts(given: Arguments, document: Document, scene: Scene, meshes: P
     parts = given.parts("parts", scene.mockup.parts, most=2)
     if len(parts) != 2:
         raise given.fail("parts", "one part is named", "name two")
+    gone = [scene.mockup.part_paths[part] for part in parts if part in document.absent]
+    if gone:
+        raise given.fail("parts", f"{gone[0]} was left out of the scene", "name a part that is there")
     held = [scene.mockup.part_paths[part] for part in parts if part in document.gripped]
     if held:
         raise given.fail("parts", f"{held[0]} is in the hand", "release it first")

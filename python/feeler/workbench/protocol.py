@@ -67,7 +67,9 @@ class MockupFacts(TypedDict):
     hash: str
     """Of its content, hex: the address of its geometry."""
     triangles: int
+    """Of the parts that are in the scene."""
     parts: int
+    """All, also those that were left out: the number of every part is below it."""
 
 
 class ToolFacts(TypedDict):
@@ -174,6 +176,8 @@ class DocumentFields(TypedDict):
     tools: list[str]
     """Names of what can be taken in hand."""
     record: RecordFacts | None
+    absent: list[int]
+    """Parts that were left out of the scene from the start: nothing meets them, and nobody sees them."""
     held_version: int
     """Of the mesh in hand: fetch `/held/VERSION` when it changes; 0: the hand is empty."""
     unit: Unit
@@ -204,9 +208,10 @@ class ManifestParts(TypedDict):
     """The parts of a mock-up by column."""
 
     paths: list[str]
+    """Empty for those that were left out."""
     triangles: list[int]
     lower: list[Vec3]
-    """Of each part's box, metres; an empty part has lower above upper."""
+    """Of each part's box, metres; an empty part, or one that was left out, has lower above upper."""
     upper: list[Vec3]
     small: list[int]
     """1: so small beside the mock-up that it may be left out while the camera moves."""

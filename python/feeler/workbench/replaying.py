@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 
-from feeler._core import Packed
 from feeler.errors import FeelerError, LoadError
 from feeler.mockup import Mockup, Tool
 from feeler.progress import Progress
@@ -18,6 +17,7 @@ from feeler.scene import Scene
 from feeler.workbench import motion
 from feeler.workbench.document import RecordFacts
 from feeler.workbench.engine import Ticked
+from feeler.workbench.geometry import absent_parts
 from feeler.workbench.record import Record, digest, document_digest, hits_digest
 from feeler.workbench.session import Session
 
@@ -58,8 +58,9 @@ class Replayed:
         return self.parted is None
 
 
-def check_meshes(record: Record, mockup: Mockup, tool: Tool | None) -> None:
-    """Raises `LoadError` where a record was made with another mock-up or tool."""
+def check_meshes(record: Record, scene: Scene, tool: Tool | None) -> None:
+    """Raises `LoadError` where a record was made with another mock-up or tool, or with other parts left out."""
+    mockup = scene.mockup
     facts: Any = record.header.get("mockup")
     if not isinstance(facts, dict) or facts.get("hash") != digest(mockup):
         made = facts if isinstance(facts, dict) else {}
@@ -67,10 +68,25 @@ def check_meshes(record: Record, mockup: Mockup, tool: Tool | None) -> None:
             f"{record.path} was made with another mock-up: {made.get('name')!r}, {made.get('triangles')} triangles in "
             f"{made.get('parts')} parts; this one has {mockup.triangle_count} in {mockup.part_count}"
         )
+    # Records of before this was written down say nothing of it: such a replay parts where it matters.
+    absent = facts.get("absent", list(absent_parts(scene)))
+    if absent != list(absent_parts(scene)):
+        raise LoadError(f"{record.path} was made with other parts left out: {_difference(absent, scene)}")
     held: Any = record.header.get("tool")
     if (held is None) != (tool is None) or (tool is not None and held.get("hash") != digest(tool)):
         name = held.get("name") if isinstance(held, dict) else None
         raise LoadError(f"{record.path} was made with {'no tool' if held is None else f'another tool, {name!r}'}")
+
+
+def _difference(absent: Any, scene: Scene) -> str:
+    then, now = set(absent) if isinstance(absent, list) else set(), set(absent_parts(scene))
+    told = []
+    for word, parts in (("only then", then - now), ("only now", now - then)):
+        known = sorted(part for part in parts if isinstance(part, int) and 0 <= part < scene.mockup.part_count)
+        if known:
+            more = f" and {len(known) - 1} more" if len(known) > 1 else ""
+            told.append(f"{scene.mockup.part_paths[known[0]]}{more} {word}")
+    return f"{', '.join(told) or 'it is broken'}; give --without and --only as then"
 
 
 def replay(
@@ -80,7 +96,7 @@ def replay(
 
     What `stop` and `pass` decide is exact, and so is the proxy of `glide` with the steps that it was recorded with.
     """
-    check_meshes(record, mockup, tool)
+    check_meshes(record, scene, tool)
     with Session(has_threads=False, clock=lambda: 0.0) as session:
         gone = Replay(record, session)
         gone.open(mockup, scene, tool)
@@ -100,23 +116,12 @@ class Replay:
         self._touched: set[int] = set()
         self._parted: Parted | None = None
 
-    def open(
-        self, mockup: Mockup, scene: Scene, tool: Tool | None, packed: Packed | None = None, name: str | None = None
-    ) -> None:
+    def open(self, mockup: Mockup, scene: Scene, tool: Tool | None, name: str | None = None) -> None:
         """Begins as the record does. Raises `LoadError`."""
         with self._readable():
             header = self._record.header
             unit, mode = header["options"]["unit"], header["options"]["mode"]
-            self._session.open(
-                mockup,
-                scene,
-                tool,
-                packed=packed,
-                pose=header["pose"],
-                mode=mode,
-                unit=unit,
-                name=name,
-            )
+            self._session.open(mockup, scene, tool, pose=header["pose"], mode=mode, unit=unit, name=name)
 
     def steps(self) -> Iterator[tuple[int, float]]:
         """Goes through the entries, up to where it parts: the number and the time (s) of each that comes next.
@@ -205,13 +210,12 @@ class Player:
         scene: Scene,
         tool: Tool | None,
         *,
-        packed: Packed | None = None,
         name: str | None = None,
     ) -> None:
         """Opens the session as the record begins, and offers the record. Raises `LoadError` for other meshes."""
-        check_meshes(record, mockup, tool)
+        check_meshes(record, scene, tool)
         self._record, self._session = record, session
-        self._meshes = (mockup, scene, tool, packed, name)
+        self._meshes = (mockup, scene, tool, name)
         self._facts = RecordFacts(record.path.name)
         Replay(record, session).open(*self._meshes)
         session.offer(self._facts, self.play)

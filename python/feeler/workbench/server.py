@@ -297,7 +297,8 @@ class Server:
         finally:
             self._clients.discard(client)
             self._session.pages = len(self._clients)
-            if not self._clients:
+            # At the end of the server there is no hand any more; a thread that waits for the engine would hold that up.
+            if not self._clients and self._stop is not None and not self._stop.is_set():
                 self._pool.submit(self._session.hand_gone)
 
     def _welcome(self) -> protocol.Welcome:

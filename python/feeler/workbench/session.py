@@ -10,8 +10,7 @@ import contextlib
 import threading
 import time
 from collections.abc import Callable, Iterable
-from concurrent.futures import Future, ThreadPoolExecutor
-from concurrent.futures import TimeoutError as FutureTimeoutError
+from concurrent.futures import Future
 from contextlib import AbstractContextManager
 from dataclasses import replace
 from pathlib import Path
@@ -20,30 +19,32 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from feeler._core import Packed
 from feeler.errors import FeelerError, OptionError, WorkbenchError
 from feeler.mockup import Mockup, Tool
 from feeler.progress import Progress
 from feeler.scene import Scene
 from feeler.workbench import measuring, motion
 from feeler.workbench.arguments import Arguments, near
-from feeler.workbench.asking import ASKS, JOBS, Place
+from feeler.workbench.asking import Place
 from feeler.workbench.commands import COMMANDS, Known, applied
-from feeler.workbench.document import UNITS, Document, Loading, MockupFacts, RecordFacts, ToolFacts, patch
+from feeler.workbench.document import UNITS, Document, Loading, RecordFacts, patch
 from feeler.workbench.engine import Bump, Engine, Ticked
 from feeler.workbench.events import Event, Events
 from feeler.workbench.findings import grouped, read_findings
-from feeler.workbench.geometry import Geometry, small_parts
+from feeler.workbench.geometry import Geometry, scene_bounds
 from feeler.workbench.hand import Hands, held_key, world_key
-from feeler.workbench.jobs import Job, Jobs
+from feeler.workbench.history import History
+from feeler.workbench.jobs import Job
 from feeler.workbench.motion import Floats
-from feeler.workbench.record import Recorder, digest
+from feeler.workbench.opening import above, opening
+from feeler.workbench.record import Recorder
+from feeler.workbench.requests import Requests
 from feeler.workbench.snapshot import Snapshot
+from feeler.workbench.wanted import Wanted
 
-MOST_UNDO = 1000
 LEAST_TICK_S = 0.004
 """The engine's thread begins no more than one round in this: 250 Hz."""
-_ABOVE_M = 0.005
+_CLOSE_S = 10.0  # for a round of the engine that is under way
 
 
 class Session:
@@ -62,25 +63,19 @@ class Session:
         _checked_unit(unit)
         self._lock = threading.RLock()
         self._document = Document(unit=unit, loading=Loading("starting", 0.0))
-        self._undo: list[Document] = []
-        self._redo: list[Document] = []
+        self._history = History()
         self._events = Events()
+        self._wanted = Wanted(self._events.tell)
+        self._requests = Requests()
         self._clock, self._seed = clock, seed
         self.engine = Engine(clock=clock, on_bump=self._bumped, on_tick=self._ticked)
         self._recorder = None if record is None else Recorder(Path(record))
-        self._jobs: Jobs | None = None
         self._hands: Hands | None = None
         self._geometry: Geometry | None = None
-        self._sight: tuple[object, measuring.Sight] | None = None
-        self._exports: dict[str, bytes] = {}
-        self._replay: Callable[[Progress], dict[str, Any]] | None = None
         self.pages = 0
         """How many pages look at the session; the server keeps it."""
-        self._shot_lock, self._shot_id = threading.Lock(), 0
-        self._shot: tuple[int, Future[bytes]] = (0, Future())
-        self._benchmark: tuple[int, Future[dict[str, Any]]] = (0, Future())
         self._snapshot_listeners: list[Callable[[], None]] = []
-        self._wake, self._is_closed = threading.Event(), False
+        self._wake, self._is_closed, self._is_warming = threading.Event(), False, False
         self._thread: threading.Thread | None = None
         if has_threads:
             self._thread = threading.Thread(target=self._loop, name="feeler engine", daemon=True)
@@ -102,7 +97,6 @@ class Session:
         scene: Scene,
         tool: Tool | None,
         *,
-        packed: Packed | None = None,
         pose: npt.ArrayLike | None = None,
         mode: str = "stop",
         unit: str | None = None,
@@ -112,73 +106,39 @@ class Session:
         """Begins with a mock-up: a document of its own, nothing to undo. Makes what the first answers need.
 
         tool: in the hand at first; tools: others that it may take. pose: where the hand begins, default above the
-        mock-up. packed: `mockup.pack(...)`. unit: default as before. name: of the mock-up, default that of its file.
+        parts of the scene. unit: default as before. name: of the mock-up, default that of its file.
         Raises `WorkbenchError`, `OptionError`.
         """
         unit = self._document.unit if unit is None else _checked_unit(unit)
         if scene.mockup is not mockup:
             raise OptionError("the scene is of another mock-up: index the one that is opened")
-        known = {tool.name: tool} if tool is not None else {}
-        for each in tools:
-            known.setdefault(each.name, each)
-        with ThreadPoolExecutor(1) as pool:
-            # Neither holds the lock of the interpreter: the longer one is what opening takes.
-            digested = pool.submit(digest, mockup)
-            packed = mockup.pack(small=small_parts(mockup)) if packed is None else packed
-            content = digested.result()
-        files = mockup.source.files
-        name = name or (Path(files[0]).name if files else mockup.source.format)
-        start = _above(mockup, tool) if pose is None else motion.checked(pose, "pose")
-        hands = Hands(scene, known)
-        document = Document(
-            mockup=MockupFacts(name, content, mockup.triangle_count, mockup.part_count),
-            tool=None if tool is None else ToolFacts(tool.name, tool.triangle_count),
-            tools=hands.names,
-            record=self._document.record,
-            unit=unit,
-            mode=mode,
-            pose=motion.row(start),
-            material=self._document.material,
+        start = None if pose is None else motion.checked(pose, "pose")
+        begun = opening(
+            self._document, scene, tool, tools, pose=start, mode=mode, unit=unit, name=name, seed=self._seed
         )
-        document = replace(document, held_version=hands.version(document))
-        geometry = Geometry(mockup, content, name, packed)
         with self.engine.paused(), self._lock:
-            self._hands, self._geometry = hands, geometry
-            self._undo, self._redo, self._exports, self._sight = [], [], {}, None
+            self._hands, self._geometry = begun.hands, begun.geometry
+            self._history = History()
+            self._requests.forget()
             if self._recorder is not None:
-                self._recorder.header(self._header(mockup, tool, start, mode, content))
-            self._engine_to(document)
-            self._show(document, None)
-            self._tell_held(document)
+                self._recorder.header(begun.header)
+            self._engine_to(begun.document)
+            self._show(begun.document, None)
+            self._tell_held(begun.document)
         # The pages fetch and draw meanwhile: for large mock-ups it takes longer than all the rest.
-        self.engine.warm_up()
-
-    def _header(self, mockup: Mockup, tool: Tool | None, pose: Floats, mode: str, content: str) -> dict[str, Any]:
-        from feeler import __version__
-
-        files = list(mockup.source.files)
-        return {
-            "feeler": __version__,
-            "numpy": np.__version__,
-            "seed": self._seed,
-            "mockup": {
-                "name": Path(files[0]).name if files else mockup.source.format,
-                "hash": content,
-                "triangles": mockup.triangle_count,
-                "parts": mockup.part_count,
-            },
-            "tool": None if tool is None else {"name": tool.name, "hash": digest(tool)},
-            "options": {"unit": self._document.unit, "mode": mode},
-            "pose": motion.row(pose),
-        }
+        self._is_warming = True
+        try:
+            self.engine.warm_up()
+        finally:
+            self._is_warming = False
 
     def load_findings(self, given: Any) -> None:
         """What `feeler clash --json` wrote, a file or its content, for the findings panel. Raises `LoadError`."""
         data = read_findings(given) if isinstance(given, (str, Path)) else given
         with self._lock:
-            found = grouped(data, self._opened().scene.mockup.parts)
+            found = grouped(data, self._opened().scene.mockup.parts, self._document.absent)
             # It is no change of the user's: undo does not take it away.
-            self._undo = [each if each.findings else replace(each, findings=found) for each in self._undo]
+            self._history.revise(lambda each: each if each.findings else replace(each, findings=found))
             self._show(replace(self._document, findings=found), None)
 
     # ---- a record that is gone through again ----
@@ -186,7 +146,7 @@ class Session:
     def offer(self, record: RecordFacts, replay: Callable[[Progress], dict[str, Any]]) -> None:
         """Lets pages go through a record, by the job "replay", which calls `replay`."""
         with self._lock:
-            self._replay = replay
+            self._requests.replay = replay
             self.show_record(record)
 
     def show_record(self, record: RecordFacts) -> None:
@@ -282,10 +242,7 @@ class Session:
 
     def export(self, name: str) -> bytes:
         """What a job wrote. Raises `WorkbenchError`."""
-        data = self._exports.get(name)
-        if data is None:
-            raise WorkbenchError(f"there is no {name!r}", "exports", near(name, self._exports, "start the job first"))
-        return data
+        return self._requests.export(name)
 
     # ---- what is asked ----
 
@@ -338,61 +295,31 @@ class Session:
                 self._play(after)
             added = {"id": before.next_id} if after.next_id > before.next_id else {}
         self._wake.set()
-        return {**added, "pose": list(after.pose), "undo_depth": len(self._undo), "redo_depth": len(self._redo)}
+        return {**added, "pose": list(after.pose), **self._depths()}
 
     def ask(self, name: str, args: dict[str, Any]) -> dict[str, Any] | None:
         """A question that changes nothing; see `asking.ASKS`. Raises `WorkbenchError`."""
-        known = ASKS.get(name)
-        if known is None:
-            raise WorkbenchError(f"there is no question {name!r}", "ask", near(name, ASKS))
-        return known.work(self._place(), Arguments(name, args, known.arguments))
+        return self._requests.ask(self._place, name, args)
 
     def job(self, name: str, args: dict[str, Any], on_progress: Progress | None = None) -> Job:
         """Something that takes a while, in the jobs thread; see `asking.JOBS`. Raises `WorkbenchError`."""
-        known = JOBS.get(name)
-        if known is None:
-            raise WorkbenchError(f"there is no job {name!r}", "job", near(name, JOBS))
-        given = Arguments(name, args, known.arguments)
-        place = self._place()
-
-        def work(progress: Progress) -> Any:
-            return known.work(place, given, progress)
-
-        with self._lock:
-            if self._jobs is None:
-                self._jobs = Jobs()
-            return self._jobs.start(work, on_progress or (lambda share, stage: None))
+        return self._requests.job(self._place, name, args, on_progress)
 
     def shot(self, width: int, height: int, wait_s: float, camera: dict[str, Any] | None = None) -> bytes | None:
         """A picture by one of the pages, as PNG; None where none sends one in time. Pages send it to `shot_taken`."""
-        with self._shot_lock:
-            self._shot_id += 1
-            waiting: Future[bytes] = Future()
-            self._shot = (self._shot_id, waiting)
-            self._events.tell({"type": "shot", "id": self._shot_id, "width": width, "height": height, "camera": camera})
-            try:
-                return waiting.result(wait_s if self.pages else 0.0)
-            except FutureTimeoutError:
-                return None
+        return self._wanted.shot(width, height, wait_s if self.pages else 0.0, camera)
 
     def shot_taken(self, number: int, png: bytes) -> None:
         """A page's picture. One that nobody waits for any more, and all but the first, are dropped."""
-        wanted, waiting = self._shot
-        if wanted == number and not waiting.done():
-            waiting.set_result(png)
+        self._wanted.shot_taken(number, png)
 
     def benchmark(self) -> Future[dict[str, Any]]:
         """Asks the pages to measure what they draw; the first answer counts. `benchmark.py` has the figures."""
-        number, _ = self._benchmark
-        self._benchmark = (number + 1, Future())
-        self._events.tell({"type": "benchmark", "id": number + 1})
-        return self._benchmark[1]
+        return self._wanted.benchmark()
 
     def benchmarked(self, number: int, figures: dict[str, Any]) -> None:
         """What a page measured. What nobody waits for any more, and all but the first, is dropped."""
-        wanted, waiting = self._benchmark
-        if wanted == number and not waiting.done():
-            waiting.set_result(figures)
+        self._wanted.benchmarked(number, figures)
 
     @property
     def scene(self) -> Scene:
@@ -414,12 +341,15 @@ class Session:
         """Ends threads and record; a second time does nothing."""
         self._is_closed = True
         self._wake.set()
-        if self._thread is not None and threading.current_thread() is not self._thread:
-            self._thread.join(timeout=10.0)
-        if self._jobs is not None:
-            self._jobs.close()
+        # What the first answers need is made with the engine's lock held, for seconds in large mock-ups, and cannot be
+        # stopped: its thread, a daemon, ends behind it. Nothing was done meanwhile that a record would lack.
+        is_engine_free = not self._is_warming
+        if is_engine_free and self._thread is not None and threading.current_thread() is not self._thread:
+            self._thread.join(timeout=_CLOSE_S)
+        self._requests.close()
         if self._recorder is not None:
-            self.engine.flush()
+            if is_engine_free:
+                self.engine.flush()
             self._recorder.close()
 
     def __enter__(self) -> Session:
@@ -460,19 +390,16 @@ class Session:
         after = replace(after, held_version=hands.version(after))
         if name != "place":
             self._engine_follows(before, after)
-        self._undo.append(before)
-        del self._undo[:-MOST_UNDO]
-        self._redo.clear()
+        self._history.changed(before)
         return after
 
     def _known(self, hands: Hands) -> Known:
-        mockup = hands.scene.mockup
         return Known(
-            parts=mockup.parts,
-            bounds=mockup.bounds,
+            parts=hands.scene.mockup.parts,
+            bounds=scene_bounds(hands.scene),
             tools=hands.counts(),
             pose=motion.row(self.engine.pose),
-            absent=frozenset(np.flatnonzero(~hands.scene.part_mask).tolist()),
+            absent=frozenset(self._document.absent),
         )
 
     def _free_pose(self, hands: Hands, document: Document, name: object) -> Floats:
@@ -482,18 +409,15 @@ class Session:
             return pose
         tool = hands.tool(str(name))
         is_free = document.tool is not None and not hands.world(document).is_colliding(tool, pose)
-        return pose if is_free else _above(hands.scene.mockup, tool)
+        return pose if is_free else above(hands.scene, tool)
 
     def _stepped(self, name: str, args: Any) -> Document:
         Arguments(name, args, ())
-        here, there = (self._undo, self._redo) if name == "undo" else (self._redo, self._undo)
-        if not here:
-            raise WorkbenchError(f"there is nothing to {name}", name, "change something first")
-        now, after = self._document, here.pop()
+        now, after = self._document, self._history.next(name)
         # What was opened meanwhile is no change of the user's.
         after = replace(after, mockup=now.mockup, loading=now.loading, failed=now.failed, record=now.record)
         self._engine_follows(now, after)
-        there.append(now)
+        self._history.stepped(name, now)
         return after
 
     def _engine_follows(self, before: Document, after: Document) -> None:
@@ -530,15 +454,10 @@ class Session:
             before, self._document = self._document, document
             fields = patch(before, document)
             if fields or command is not None:
-                self._events.tell(
-                    {
-                        "type": "patch",
-                        "fields": fields,
-                        "command": command,
-                        "undo_depth": len(self._undo),
-                        "redo_depth": len(self._redo),
-                    }
-                )
+                self._events.tell({"type": "patch", "fields": fields, "command": command, **self._depths()})
+
+    def _depths(self) -> dict[str, int]:
+        return {"undo_depth": self._history.undo_depth, "redo_depth": self._history.redo_depth}
 
     def _tell_held(self, document: Document) -> None:
         version = document.held_version
@@ -602,28 +521,11 @@ class Session:
         return self._geometry
 
     def _place(self) -> Place:
-        """What questions and jobs are asked of: all of it immutable, so that nothing waits for them."""
         with self._lock:
-            hands, document = self._opened(), self._document
-            world = hands.world(document)
-            key = (world, document.hidden, document.sections)
-            if self._sight is None or self._sight[0] != key:
-                self._sight = (key, measuring.Sight(world, document))
-            assert self._geometry is not None, "made with the hands"
-            sight, geometry = self._sight[1], self._geometry
-            return Place(document, hands.scene, hands.meshes, sight, geometry, self._exports, self._replay)
+            return self._requests.place(self._document, self._opened(), self._packed())
 
 
 def _checked_unit(unit: str) -> str:
     if unit not in UNITS:
         raise OptionError(f"unit is {unit!r}: {near(unit, UNITS)}")
     return unit
-
-
-def _above(mockup: Mockup, tool: Tool | None) -> Floats:
-    """Upright, over the middle of the mock-up, a little above its box."""
-    low, high = mockup.bounds
-    bottom, top = (np.zeros(3), np.zeros(3)) if tool is None else tool.bounds
-    offset = 0.5 * (low + high - bottom - top)
-    offset[2] = high[2] - bottom[2] + _ABOVE_M
-    return motion.shifted(offset)

@@ -18,6 +18,7 @@ import {
   turn,
 } from "../matrix";
 import { scale, type Vec3 } from "../scene/vectors";
+import type { Timers } from "../turns";
 
 export type WishSource = "mouse" | "keys" | "gizmo" | "spacemouse" | "gamepad" | "xr" | "api";
 
@@ -42,11 +43,8 @@ export interface HandListener {
   moved(): void;
   /** The movement ended with the tool at `pose`. */
   placed(pose: Pose): void;
-}
-
-export interface Timers {
-  set(callback: () => void, delay_ms: number): number;
-  clear(handle: number): void;
+  /** The movement that was put down is over: after `placed`, or without it where it was given up. */
+  ended(): void;
 }
 
 const BROWSER_TIMERS: Timers = {
@@ -74,7 +72,7 @@ export class Hand {
   private solid: Pose | null = null;
   private fresh: Wish | null = null;
   private sent_seq = 0;
-  private isPutting = false;
+  private is_putting = false;
   private isGivenUp = false;
   private putting_timer: number | null = null;
 
@@ -105,6 +103,11 @@ export class Hand {
     return this.fresh !== null;
   }
 
+  /** The movement was put down, and the tool is not at rest yet. */
+  get isPutting(): boolean {
+    return this.is_putting;
+  }
+
   /** The number of the last wish that went out. */
   get sentSeq(): number {
     return this.sent_seq;
@@ -115,7 +118,7 @@ export class Hand {
     if (this.isLocked) return;
     const wish = orthonormal(pose);
     if (!wish.every(Number.isFinite)) return;
-    this.stopPutting();
+    this.endPutting();
     this.current = wish;
     // The earliest input of a frame counts for the latency, the last one for the pose.
     this.fresh = { pose: wish, source, time_ms: this.fresh?.time_ms ?? time_ms };
@@ -153,9 +156,20 @@ export class Hand {
   /** The movement ends: the pose that the tool reaches becomes one step of undo. */
   put(): void {
     if (!this.current) return;
-    this.isPutting = true;
+    this.is_putting = true;
     this.isGivenUp = false;
     if (!this.fresh) this.startSettling();
+  }
+
+  /** The movement that was put down is over, wherever the tool is now. */
+  finish(): void {
+    if (!this.is_putting) return;
+    this.stopPutting();
+    const pose = this.solid;
+    this.current = null;
+    if (pose && !this.isGivenUp) this.listener.placed(pose);
+    this.listener.ended();
+    this.listener.moved();
   }
 
   /** The movement is given up: the tool goes back to `pose`, and nothing is placed. */
@@ -167,9 +181,9 @@ export class Hand {
 
   /** Nobody moves the hand any more; the ghost goes. */
   drop(): void {
-    this.stopPutting();
     this.current = null;
     this.fresh = null;
+    this.endPutting();
     this.listener.moved();
   }
 
@@ -189,7 +203,7 @@ export class Hand {
   answered(pose: ArrayLike<number>, pose_seq: number): void {
     const isMoving = !this.solid || !isSamePose(this.solid, pose);
     this.solid = Array.from(pose);
-    if (!this.isPutting || this.fresh || pose_seq < this.sent_seq) return;
+    if (!this.is_putting || this.fresh || pose_seq < this.sent_seq) return;
     if (this.current && isSamePose(this.current, pose)) this.finish();
     else if (isMoving || this.putting_timer === null) this.startSettling();
   }
@@ -199,17 +213,15 @@ export class Hand {
     this.putting_timer = this.timers.set(() => this.finish(), SETTLE_MS);
   }
 
-  private stopPutting(): void {
-    this.isPutting = false;
-    if (this.putting_timer !== null) this.timers.clear(this.putting_timer);
-    this.putting_timer = null;
+  private endPutting(): void {
+    const isOver = this.is_putting;
+    this.stopPutting();
+    if (isOver) this.listener.ended();
   }
 
-  private finish(): void {
-    this.stopPutting();
-    const pose = this.solid;
-    this.current = null;
-    if (pose && !this.isGivenUp) this.listener.placed(pose);
-    this.listener.moved();
+  private stopPutting(): void {
+    this.is_putting = false;
+    if (this.putting_timer !== null) this.timers.clear(this.putting_timer);
+    this.putting_timer = null;
   }
 }

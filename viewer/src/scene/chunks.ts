@@ -94,7 +94,7 @@ export class Pieces {
   readonly all: Piece[] = [];
 
   constructor(
-    readonly manifest: Manifest,
+    readonly manifest: Pick<Manifest, "pieces" | "part_bytes">,
     readonly material: Material,
   ) {}
 

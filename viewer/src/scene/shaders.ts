@@ -105,6 +105,14 @@ in vec3 vWorld;
 #endif
 layout(location = 0) out vec4 outColour;
 layout(location = 1) out uint outId;
+#if SECTIONS > 0 && !defined(GHOST)
+uniform vec2 depthLine;
+// A fill is drawn nearer. Of two faces in one place, as flush parts have, the back face is met first: the ray is in its part
+// before it is in the other. Their depths differ where they are cut into other triangles: by rounding, a share of the
+// distance, and by corners that the device puts on a grid of pixels, of 1/16 in the coarsest, which matters by the slope.
+const float FILL_NEARER = 1e-5;
+const float FILL_PIXELS = 0.125;
+#endif
 void main() {
   uint id = vPart + 1u;
 #if SECTIONS > 0
@@ -118,6 +126,8 @@ void main() {
 #else
   outColour = vec4(lit(vColour, n, vView), 1.0);
   #if SECTIONS > 0
+  float slope = fwidth(gl_FragCoord.z);
+  gl_FragDepth = gl_FragCoord.z;
   // The eye is in what is cut away: a back face is then the inside of something solid.
   if (!gl_FrontFacing && isCut(cameraPosition)) {
     uint h = hashOf(vPart + 1u);
@@ -125,6 +135,7 @@ void main() {
     float line = smoothstep(1.4, 0.6, abs(mod(across, 9.0) - 4.5));
     outColour.rgb = mix(mix(vColour, vec3(0.93, 0.86, 0.72), 0.55), vec3(0.24, 0.22, 0.20), 0.55 * line);
     id |= 0x80000000u;
+    gl_FragDepth += FILL_NEARER * (gl_FragCoord.z + depthLine.y / depthLine.x) + sign(depthLine.x) * FILL_PIXELS * slope;
   }
   #endif
 #endif

@@ -3,31 +3,29 @@
 // A frame redraws the mock-up only when the camera, a part or a section changed; else it shows the kept layer and draws
 // what moves over it. While nothing at all changes, the edges are smoothed, a little a frame.
 
-import { Group, PerspectiveCamera, Scene, WebGLRenderer, type WebGLRenderTarget } from "three";
+import { Group, PerspectiveCamera, type RawShaderMaterial, Scene, WebGLRenderer } from "three";
 import type { HeldManifest, Manifest } from "../geometry";
-import { aim, eyePlanes } from "./aim";
+import { aim } from "./aim";
 import { Average } from "./average";
 import { CameraRig } from "./camera";
-import { type Piece, Pieces } from "./chunks";
-import { copyPicture } from "./copy";
-import { isCutAway, mayBeSeen } from "./culling";
+import type { Piece } from "./chunks";
+import { Composer } from "./composer";
 import { DeviceWork } from "./devicework";
-import { Held } from "./held";
-import { Hits } from "./hits";
 import { JITTER, Kept, PieceMaterials, shownTarget } from "./kept";
-import { LabelLayer } from "./labels";
-import { MarkLayer, type Marks, NO_MARKS } from "./marks";
+import type { Marks } from "./marks";
+import { Model } from "./model";
+import { Over } from "./over";
 import { Pace, STILL_MS } from "./pace";
-import { PartTable } from "./parts";
 import { Probe } from "./pick";
 import { isSame } from "./same";
-import { define, ScreenPass } from "./screen";
-import { clipBox, SectionLines, type SectionPlane, writePlanes } from "./sections";
-import { backFragment, tintFragment } from "./shaders";
+import { ScreenPass } from "./screen";
+import { type SectionPlane, writePlanes } from "./sections";
+import { backFragment } from "./shaders";
 import { pngOf } from "./shot";
 import { coloursOf, type Theme } from "./theme";
 import { MAX_SECTIONS, sharedUniforms } from "./uniforms";
-import { add, type Box, dot, emptyBox, include, isEmpty, scale, type Vec3 } from "./vectors";
+import { add, type Box, dot, isEmpty, scale, type Vec3 } from "./vectors";
+import { warmUp } from "./warmup";
 
 export { PartState } from "./parts";
 export type { SectionPlane } from "./sections";
@@ -104,30 +102,15 @@ export class Stage {
   // The kept picture with its lit parts.
   readonly #lit = shownTarget(1, 1);
   readonly #probe: Probe;
-  readonly #held: Held;
-  readonly #hits: Hits;
-  readonly #tint: ScreenPass;
+  readonly #model: Model;
+  readonly #over: Over;
+  readonly #composer: Composer;
   readonly #back: ScreenPass;
-  readonly #overlayScene = new Scene();
   readonly #pieceScene = new Scene();
-  readonly #labels: LabelLayer | null;
   readonly #pace = new Pace();
   readonly #work: DeviceWork;
   readonly #restored: (() => void)[] = [];
   readonly #resizes: ResizeObserver;
-
-  // Of the mock-up that was shown last: it may come again after a reconnect.
-  #hash: string | null = null;
-  #pieces: Pieces | null = null;
-  #table: PartTable | null = null;
-  #marks: MarkLayer;
-  #lines: SectionLines;
-  #markValues: Marks = NO_MARKS;
-  #outlines: Float32Array | null = null;
-  #sections: SectionPlane[] = [];
-  #hitIds: { mockup: Uint32Array; held: Uint32Array } = { mockup: new Uint32Array(0), held: new Uint32Array(0) };
-  #middle: Vec3 = [0, 0, 0];
-  #bounds: Box = emptyBox();
 
   #theme: Theme = "dark";
   #isLost = false;
@@ -137,10 +120,8 @@ export class Stage {
   #isViewNew = true;
   #isShapeNew = true;
   #isOverlayNew = true;
-  #isLitNew = true;
   #movedAt = -Infinity;
   #changedAt = -Infinity;
-  #shapeVersion = 0;
 
   constructor(
     readonly canvas: HTMLCanvasElement,
@@ -162,16 +143,9 @@ export class Stage {
     this.#average = new Average(this.renderer);
     this.#work = new DeviceWork(this.renderer);
     this.#probe = new Probe(this.renderer, this.#uniforms);
-    this.#held = new Held(this.#uniforms);
-    this.#hits = new Hits(this.#uniforms);
-    this.#marks = new MarkLayer(this.#uniforms, this.#middle);
-    this.#lines = new SectionLines(this.#uniforms, this.#middle);
-    this.#tint = new ScreenPass(tintFragment, {
-      kept: { value: null },
-      keptScale: this.#uniforms.keptScale,
-      keptId: this.#uniforms.keptId,
-      states: this.#uniforms.states,
-    });
+    this.#model = new Model(this.#uniforms);
+    this.#over = new Over(this.#uniforms, this.overlay, options.labels ?? null);
+    this.#composer = new Composer(this.renderer, this.#uniforms, this.eye, this.#over);
     const { above, below } = coloursOf("dark");
     const [high, low] = [above.clone(), below.clone()];
     this.#back = new ScreenPass(backFragment, {
@@ -180,12 +154,11 @@ export class Stage {
       below: { value: low },
     });
     this.rig.add(this.eye);
-    this.#overlayScene.add(this.overlay);
     this.#pieceScene.matrixWorldAutoUpdate = false;
-    this.#labels = options.labels ? new LabelLayer(options.labels) : null;
     this.#colour();
     // Three tells a camera of the reversed depth when it first draws something with it: too late for the first aim.
     this.#back.draw(this.renderer, null, this.eye);
+    warmUp(this.#kept, this.#materials, this.#uniforms, this.eye);
     this.#resizes = new ResizeObserver(() => {
       this.#isSizeNew = true;
     });
@@ -196,77 +169,57 @@ export class Stage {
 
   /** Begins a mock-up; its pieces follow by `addPiece`. The camera looks at all of it, unless it is the one shown before. */
   setManifest(manifest: Manifest): void {
-    const isAnother = this.#hash !== manifest.hash;
+    const isAnother = this.#model.hash !== manifest.hash;
     this.clear();
-    this.#hash = manifest.hash;
-    this.#middle = manifest.middle;
-    this.#bounds = { lower: manifest.lower, upper: manifest.upper };
-    const { lower, upper } = manifest.parts;
-    const boxes = lower.map((corner, part) => ({ lower: corner, upper: upper[part] as Vec3 }));
-    this.#table = new PartTable(boxes, manifest.middle);
-    this.#pieces = new Pieces(manifest, this.#materials.solid);
-    this.#shapeVersion = this.#table.shapeVersion;
-    this.overlay.position.set(-this.#middle[0], -this.#middle[1], -this.#middle[2]);
-    this.#marks.dispose();
-    this.#marks = new MarkLayer(this.#uniforms, this.#middle);
-    this.#marks.set(this.#markValues);
-    this.#lines.dispose();
-    this.#lines = new SectionLines(this.#uniforms, this.#middle);
-    this.#held.setOrigin(this.#middle);
+    this.#model.begin(manifest, this.#materials.solid);
+    this.#over.setOrigin(this.#model);
     this.#cut();
-    this.setOutlines(this.#outlines);
-    if (isAnother) this.camera.view(7, this.#bounds, manifest.up);
+    if (isAnother) this.camera.view(7, this.#model.bounds, manifest.up);
     this.#touch();
   }
 
   /** Takes piece `k` of the manifest; the buffer stays the stage's. Throws RangeError for one that does not fit. */
   addPiece(k: number, data: ArrayBuffer): void {
-    if (!this.#pieces) throw new RangeError("A piece came before its manifest: load again.");
-    const piece = this.#pieces.add(k, data);
-    if (!this.#isShapeNew && !this.#isViewNew && this.#isSeen(piece, eyePlanes(this.eye, this.#middle))) {
-      if (piece.partIds.some((part) => this.#table?.isGhost(part)) || !this.#kept.append(piece))
-        this.#isShapeNew = true;
+    const piece = this.#model.add(k, data);
+    if (!this.#isShapeNew && !this.#isViewNew && this.#model.isSeen(piece, this.eye)) {
+      if (this.#model.hasGhost(piece) || !this.#kept.append(piece)) this.#isShapeNew = true;
     }
     this.#placeHits();
   }
 
   /** Takes the mock-up away. What the hand holds stays. */
   clear(): void {
-    this.#pieces?.dispose();
-    this.#table?.dispose();
-    this.#pieces = null;
-    this.#table = null;
-    this.#bounds = emptyBox();
+    this.#model.clear();
     this.#kept.forget();
     this.#work.forget();
     this.#isPictured = false;
     this.#isShapeNew = true;
-    this.setHits(new Uint32Array(0), this.#hitIds.held);
+    this.#over.setHits({ mockup: new Uint32Array(0) }, this.#model);
     this.#touch();
   }
 
   /** What the hand holds: the pieces one behind the other in `piece`; null for an empty hand. */
   setHeld(held: { piece: ArrayBuffer; manifest: HeldManifest } | null): void {
-    this.#held.set(held);
-    this.setHits(this.#hitIds.mockup, new Uint32Array(0));
+    this.#over.held.set(held);
+    this.#over.setHits({ held: new Uint32Array(0) }, this.#model);
     this.#touch();
   }
 
   /** A byte a part, of the bits of `PartState`. Lighting parts redraws nothing; hiding them redraws the mock-up. */
   setPartStates(states: Uint8Array): void {
-    if (!this.#table?.setStates(states)) return;
-    this.#isLitNew = true;
+    if (!this.#model.table?.setStates(states)) return;
+    this.#composer.isLitNew = true;
     this.#followTable();
   }
 
   /** world_from_part, row by row, of every part that is not where it was loaded. */
   setMoved(moved: Map<number, number[]>): void {
-    if (this.#table?.setMoved(moved)) this.#followTable();
+    if (this.#model.table?.setMoved(moved)) this.#followTable();
   }
 
   /** Moves the parts apart, by `share` from 0 to 1. */
   setExplode(share: number): void {
-    if (!this.#table?.setExplode(share)) return;
+    if (!this.#model.table?.setExplode(share)) return;
     this.#followTable();
     this.#stir();
   }
@@ -274,37 +227,30 @@ export class Stage {
   /** The planes that cut the mock-up: at most six, the others are not cut. */
   setSections(sections: SectionPlane[]): void {
     const next = sections.slice(0, MAX_SECTIONS);
-    if (isSame(next, this.#sections)) return;
-    this.#sections = structuredClone(next);
+    if (isSame(next, this.#model.sections)) return;
+    this.#model.sections = structuredClone(next);
     this.#cut();
     this.#stir();
   }
 
   /** The engine's exact outlines of the sections: (k, 2, 3) world metres, null for none. */
   setOutlines(segments: Float32Array | null): void {
-    this.#outlines = segments;
-    this.#lines.setOutlines(segments);
+    this.#over.setOutlines(segments);
     this.#touch();
   }
 
   /** world_from_tool, row by row: where the engine has it (solid), and where the hand wishes it (ghost; null: nowhere else). */
   setPose(pose: ArrayLike<number>, wish: ArrayLike<number> | null): void {
-    if (this.#held.setPose(pose, wish)) this.#touch();
+    if (this.#over.held.setPose(pose, wish)) this.#touch();
   }
 
   /** Packed triangles that meet: of the mock-up, and of the held mesh. */
   setHits(mockup: Uint32Array, held: Uint32Array): void {
-    const next = { mockup, held };
-    if (isSame(next, this.#hitIds)) return;
-    this.#hitIds = structuredClone(next);
-    this.#placeHits();
+    if (this.#over.setHits({ mockup, held }, this.#model)) this.#touch();
   }
 
   setMarks(marks: Marks): void {
-    if (isSame(marks, this.#markValues)) return;
-    this.#markValues = structuredClone(marks);
-    this.#marks.set(this.#markValues);
-    this.#touch();
+    if (this.#over.setMarks(marks)) this.#touch();
   }
 
   setTheme(theme: Theme): void {
@@ -315,32 +261,19 @@ export class Stage {
 
   /** The box of what can be seen, sections and hidden parts obeyed: for `camera.fit` and `camera.view`. World metres. */
   visibleBox(): Box {
-    const box = emptyBox();
-    const table = this.#table;
-    const take = (isWanted: (part: number) => boolean) => {
-      for (let part = 0; table && part < table.count; part++) {
-        if (!isWanted(part)) continue;
-        const seen = clipBox(table.boxOf(part), this.#sections);
-        if (isEmpty(seen)) continue;
-        include(box, seen.lower);
-        include(box, seen.upper);
-      }
-    };
-    take((part) => table?.isSolid(part) === true);
-    if (isEmpty(box)) take((part) => table?.isGhost(part) === true);
-    const held = this.#held.box();
-    if (isEmpty(box) && !isEmpty(held)) return held;
-    return box;
+    const box = this.#model.visibleBox();
+    const held = this.#over.held.box();
+    return isEmpty(box) && !isEmpty(held) ? held : box;
   }
 
   /** The box of `part` where it is now, world metres; empty for one that is not of the mock-up. */
   partBox(part: number): Box {
-    return this.#table && part < this.#table.count ? this.#table.boxOf(part) : emptyBox();
+    return this.#model.partBox(part);
   }
 
   /** The box of what the hand holds, world metres; empty for an empty hand. */
   heldBox(): Box {
-    return this.#held.box();
+    return this.#over.held.box();
   }
 
   /** What is drawn at (`x`, `y`), CSS pixels from the canvas' upper left corner: never what is hidden or cut away. */
@@ -356,8 +289,9 @@ export class Stage {
     const [column, row] = [Math.floor(x * ratio), height - 1 - Math.floor(y * ratio)];
     if (column < 0 || row < 0 || column >= width || row >= height) return null;
     this.#kept.bind(width);
-    const held = this.#held.isEmpty ? null : this.#held.scene;
-    const found = this.#probe.at(column, row, width, height, this.eye, held, this.#held.probeMaterial);
+    const { held } = this.#over;
+    const scene = held.isEmpty ? null : held.scene;
+    const found = this.#probe.at(column, row, width, height, this.eye, scene, held.probeMaterial);
     if (!found) return null;
     const ray = this.camera.ray((column + 0.5) / ratio, (height - row - 0.5) / ratio);
     const point = add(ray.origin, scale(ray.direction, found.depth / dot(ray.direction, this.camera.forward)));
@@ -416,21 +350,21 @@ export class Stage {
       kept.setColours(coloursOf(this.#theme));
       average.setSize(width, height);
       this.#aim(width, height, height / this.camera.height);
-      const { solid, ghosts } = this.#seen();
+      const { solid, ghosts } = this.#model.pieces(this.eye);
       kept.begin(solid, ghosts, 1);
       kept.draw(this.eye, Infinity);
       const samples = Math.floor(SHOT_MS / Math.max(this.#pace.estimate(kept.triangles), 1));
       while (kept.samples < Math.max(1, Math.min(JITTER.length, samples))) kept.refine(this.eye, Infinity);
-      this.#marks.build(this.camera);
-      this.#isLitNew = true;
-      while (average.samples < JITTER.length) this.#addSample(kept, lit, average);
+      this.#over.build(this.camera);
+      this.#composer.isLitNew = true;
+      while (average.samples < JITTER.length) this.#composer.addSample(kept, lit, this.#isAnyLit, average);
       // The pixels are read before the first wait: no frame of the page comes between.
       return pngOf(this.renderer, average.sum);
     } finally {
       kept.dispose();
       average.dispose();
       lit.dispose();
-      this.#isLitNew = true;
+      this.#composer.isLitNew = true;
       this.overlay.visible = isOverlay;
       this.renderer.setRenderTarget(null);
       this.#aimAtCanvas();
@@ -448,19 +382,7 @@ export class Stage {
     this.canvas.removeEventListener("webglcontextlost", this.#onLost);
     this.canvas.removeEventListener("webglcontextrestored", this.#onRestored);
     this.clear();
-    this.#labels?.dispose();
-    for (const room of [
-      this.#kept,
-      this.#average,
-      this.#lit,
-      this.#probe,
-      this.#held,
-      this.#hits,
-      this.#marks,
-      this.#lines,
-    ])
-      room.dispose();
-    this.#tint.dispose();
+    for (const room of [this.#kept, this.#average, this.#lit, this.#probe, this.#over, this.#composer]) room.dispose();
     this.#back.dispose();
     this.#materials.dispose();
     this.renderer.dispose();
@@ -492,20 +414,16 @@ export class Stage {
   }
 
   #cut(): void {
-    const count = this.#sections.length;
-    for (const room of [this.#materials, this.#probe, this.#held, this.#hits, this.#marks]) room.setSections(count);
-    this.#lines.setPlanes(this.#sections, this.#bounds);
+    const count = this.#model.sections.length;
+    for (const room of [this.#materials, this.#probe]) room.setSections(count);
+    this.#over.setSections(this.#model);
     this.#aimAtCanvas();
     this.#isShapeNew = true;
     this.#touch();
   }
 
   #placeHits(): void {
-    const { mockup, held } = this.#hitIds;
-    this.#hits.mockup.set(
-      this.#pieces && this.#table ? this.#pieces.corners(mockup, this.#table) : new Float32Array(0),
-    );
-    this.#hits.held.set(this.#held.corners(held));
+    this.#over.placeHits(this.#model);
     this.#touch();
   }
 
@@ -520,9 +438,7 @@ export class Stage {
   }
 
   #followTable(): void {
-    if (!this.#table) return;
-    if (this.#shapeVersion !== this.#table.shapeVersion) {
-      this.#shapeVersion = this.#table.shapeVersion;
+    if (this.#model.takeShapes()) {
       this.#isShapeNew = true;
       // A triangle of a part that was hidden or moved is not where it was.
       this.#placeHits();
@@ -532,8 +448,7 @@ export class Stage {
 
   /** A drag changes the shapes at every step: where a redraw is slow, they are drawn as while the camera moves. */
   #stir(): void {
-    const triangles = this.#pieces?.all.reduce((sum, piece) => sum + piece.triangles, 0) ?? 0;
-    if (this.#pace.estimate(triangles) > SLOW_REDRAW_MS) this.#movedAt = performance.now();
+    if (this.#pace.estimate(this.#model.triangles) > SLOW_REDRAW_MS) this.#movedAt = performance.now();
   }
 
   #isMoving(now: number): boolean {
@@ -568,49 +483,24 @@ export class Stage {
 
   #aimAtCanvas(): void {
     this.#aim(this.canvas.width, this.canvas.height, this.canvas.height / this.camera.height);
-    this.#marks.build(this.camera);
+    this.#over.build(this.camera);
   }
 
   #aim(width: number, height: number, pixelRatio: number): void {
     // Not of what moves: the kept layer's depths are read by the planes that it was drawn with.
-    const box = isEmpty(this.#bounds) ? this.#held.box() : this.#bounds;
+    const { bounds, middle, sections } = this.#model;
+    const box = isEmpty(bounds) ? this.#over.held.box() : bounds;
     const isReversed = this.renderer.capabilities.reversedDepthBuffer;
     const picture = { width, height, pixelRatio };
-    aim(this.eye, this.#uniforms, { camera: this.camera, box, middle: this.#middle, isReversed, picture });
-    writePlanes(
-      this.#sections,
-      this.#middle,
-      this.camera,
-      this.#uniforms.cutPlanes.value,
-      this.#uniforms.viewPlanes.value,
-    );
-  }
-
-  /** Whether some of the piece may be in the picture. A piece of parts that were moved may be anywhere. */
-  #isSeen(piece: Piece, planes: Float64Array): boolean {
-    if (piece.partIds.some((part) => this.#table?.isPlaced(part))) return true;
-    return mayBeSeen(piece.box, planes) && !isCutAway(piece.box, this.#sections);
-  }
-
-  /** The pieces with surfaces and with ghosts that may be in the picture, in their order. */
-  #seen(): { solid: Piece[]; ghosts: Piece[] } {
-    const table = this.#table;
-    if (!this.#pieces || !table) return { solid: [], ghosts: [] };
-    this.#uniforms.states.value = table.statesTexture;
-    this.#uniforms.places.value = table.placesTexture;
-    const planes = eyePlanes(this.eye, this.#middle);
-    const seen = this.#pieces.all.filter((piece) => this.#isSeen(piece, planes));
-    return {
-      solid: seen.filter((piece) => piece.partIds.some((part) => table.isSolid(part))),
-      ghosts: seen.filter((piece) => piece.partIds.some((part) => table.isGhost(part))),
-    };
+    aim(this.eye, this.#uniforms, { camera: this.camera, box, middle, isReversed, picture });
+    writePlanes(sections, middle, this.camera, this.#uniforms.cutPlanes.value, this.#uniforms.viewPlanes.value);
   }
 
   /** Draws the mock-up anew: all of it, or while the camera moves what the pace allows. */
   #redraw(isDraft: boolean): void {
     this.#isViewNew = false;
     this.#isShapeNew = false;
-    const { solid, ghosts } = this.#seen();
+    const { solid, ghosts } = this.#model.pieces(this.eye);
     const triangles = solid.reduce((sum, piece) => sum + piece.triangles, 0);
     this.#kept.begin(solid, ghosts, isDraft ? this.#pace.scale : 1);
     this.#kept.wanted = this.#pace.estimate(triangles) < SLOW_REDRAW_MS ? JITTER.length : JITTER.length / 2;
@@ -623,7 +513,7 @@ export class Stage {
     const at = performance.now();
     const triangles = this.#kept.draw(this.eye, budget);
     this.#isShown = false;
-    this.#isLitNew = true;
+    this.#composer.isLitNew = true;
     this.#work.begin(at, triangles, isDraft);
     this.#touch();
   }
@@ -637,7 +527,8 @@ export class Stage {
       this.#redraw(isMoving);
       stats.isKept = false;
     } else if ((!kept.isWhole || kept.scale !== 1) && !isMoving && !this.#work.isRunning) {
-      if (kept.isContinuable) this.#drawKept(this.#pace.triangles(SLICE_MS), false);
+      // At least as many as are drawn already: each slice shades the whole picture anew.
+      if (kept.isContinuable) this.#drawKept(Math.max(this.#pace.triangles(SLICE_MS), kept.triangles), false);
       else this.#redraw(false);
       stats.isKept = false;
     }
@@ -649,13 +540,13 @@ export class Stage {
     } else if (isIdle && kept.isWhole && !kept.isRefined) {
       const before = kept.triangles;
       const at = performance.now();
-      this.#isLitNew = kept.refine(this.eye, this.#pace.triangles(REFINE_MS));
-      if (this.#isLitNew) this.#compose(kept, this.#lit, null);
+      this.#composer.isLitNew = kept.refine(this.eye, this.#pace.triangles(REFINE_MS));
+      if (this.#composer.isLitNew) this.#composer.compose(kept, this.#lit, this.#isAnyLit, null);
       this.#work.begin(at, kept.triangles - before, false);
       stats.drawn = true;
     } else if (isIdle && kept.isRefined && this.#average.samples < JITTER.length) {
       this.#average.setSize(this.canvas.width, this.canvas.height);
-      this.#addSample(kept, this.#lit, this.#average);
+      this.#composer.addSample(kept, this.#lit, this.#isAnyLit, this.#average);
       // What was left on the canvas is shown until the mean is whole.
       if (this.#average.samples === JITTER.length) this.#average.show(null);
       stats.drawn = true;
@@ -665,51 +556,13 @@ export class Stage {
   /** The frame as it is now, on the canvas, with its figures. */
   #present(): void {
     this.#isOverlayNew = false;
-    this.#marks.build(this.camera);
-    this.#compose(this.#kept, this.#lit, null);
-    this.#labels?.update(this.#marks.anchors, this.camera);
+    this.#over.build(this.camera);
+    this.#composer.compose(this.#kept, this.#lit, this.#isAnyLit, null);
+    this.#over.label(this.camera);
   }
 
-  /** Adds a picture drawn a part of a pixel aside: what lies over the kept layer gets smooth edges as well. */
-  #addSample(kept: Kept, lit: WebGLRenderTarget, average: Average): void {
-    const [x, y] = JITTER[average.samples] as [number, number];
-    const { width, height } = average.sum;
-    this.eye.setViewOffset(width, height, x, y, width, height);
-    this.#compose(kept, lit, average.once);
-    this.eye.clearViewOffset();
-    average.add();
-  }
-
-  /** The kept layer, and over it what the hand holds, what meets, and the marks. */
-  #compose(kept: Kept, lit: WebGLRenderTarget, target: WebGLRenderTarget | null): void {
-    const renderer = this.renderer;
-    kept.bind(target ? target.width : this.canvas.width);
-    const isTinted = this.#table?.isAnyLit === true;
-    if (isTinted && this.#isLitNew) {
-      define(this.#tint.material, "SCALED", kept.scale === 1 ? null : 1);
-      (this.#tint.material.uniforms.kept as { value: unknown }).value = kept.picture.texture;
-      this.#tint.draw(renderer, lit);
-    }
-    this.#isLitNew = false;
-    const { width, height } = target ?? this.canvas;
-    // First the clear: a browser that has shown the canvas clears its colour as well, at the first clear or draw after.
-    renderer.setRenderTarget(target);
-    renderer.clear(false, true, false);
-    copyPicture(renderer, isTinted ? lit : kept.picture, target, width, height);
-    this.#drawOver();
-  }
-
-  #drawOver(): void {
-    const { renderer, eye } = this;
-    if (!this.#lines.isEmpty) renderer.render(this.#lines.scene, eye);
-    if (!this.#held.isEmpty) renderer.render(this.#held.scene, eye);
-    if (!this.#hits.isEmpty) {
-      this.#hits.held.place(this.#held.matrix);
-      renderer.render(this.#hits.scene, eye);
-    }
-    if (this.#held.isGhostShown) renderer.render(this.#held.ghostScene, eye);
-    if (!this.#marks.isEmpty) renderer.render(this.#marks.scene, eye);
-    if (this.overlay.visible && this.overlay.children.length > 0) renderer.render(this.#overlayScene, eye);
+  get #isAnyLit(): boolean {
+    return this.#model.table?.isAnyLit === true;
   }
 
   /** Everything at once, as a headset needs it: the head never stands, so nothing is worth keeping. */
@@ -721,21 +574,16 @@ export class Stage {
     renderer.clear(true, true, false);
     this.#uniforms.hasKept.value = false;
     this.#back.draw(renderer, target);
-    const table = this.#table;
-    for (const [isGhost, material] of [
-      [false, null],
-      [true, this.#materials.ghost],
-    ] as const) {
-      const pieces = this.#pieces?.all.filter((piece) =>
-        piece.partIds.some((part) => (isGhost ? table?.isGhost(part) : table?.isSolid(part))),
-      );
-      if (!pieces?.length) continue;
-      this.#uniforms.states.value = table?.statesTexture ?? null;
-      this.#uniforms.places.value = table?.placesTexture ?? null;
-      this.#pieceScene.children = pieces.map((piece) => piece.mesh);
-      this.#pieceScene.overrideMaterial = material;
-      renderer.render(this.#pieceScene, eye);
-    }
-    this.#drawOver();
+    const { solid, ghosts } = this.#model.pieces(null);
+    this.#drawMeshes(solid, null);
+    this.#drawMeshes(ghosts, this.#materials.ghost);
+    this.#over.draw(renderer, eye);
+  }
+
+  #drawMeshes(pieces: Piece[], material: RawShaderMaterial | null): void {
+    if (pieces.length === 0) return;
+    this.#pieceScene.children = pieces.map((piece) => piece.mesh);
+    this.#pieceScene.overrideMaterial = material;
+    this.renderer.render(this.#pieceScene, this.eye);
   }
 }

@@ -25,7 +25,7 @@ export function Bar() {
         <div class="brand-text">
           <h1>{mockup?.name ?? "feeler"}</h1>
           {mockup && (
-            <p>{`${formatCount(mockup.triangles)} triangles, ${partsText(mockup.parts, formatCount)}${document?.tool ? ` · ${document.tool.name}` : ""}`}</p>
+            <p>{`${formatCount(mockup.triangles)} triangles, ${partsText(mockup.parts - (document?.absent.length ?? 0), formatCount)}${document?.tool ? ` · ${document.tool.name}` : ""}`}</p>
           )}
         </div>
       </div>

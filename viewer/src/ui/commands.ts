@@ -8,7 +8,7 @@ import { STYLES } from "../input/styles";
 import { beginTyping, cancelTyping, chooseAxis, confirmTyping, stepTyping } from "../input/typing";
 import { MEASURE_TITLES, startMeasuring, stopMeasuring } from "../measuring";
 import type { Vec3 } from "../scene/vectors";
-import { addSection, flipSection, toggleSections } from "../sectioning";
+import { addSection, flipped, toggleSections } from "../sectioning";
 import { UNITS } from "../units";
 import type { Workbench } from "../workbench";
 
@@ -100,35 +100,44 @@ function zoom(wb: Workbench, factor: number): void {
 
 /** E: what is selected joins the hand; with parts in it and nothing else selected, they are put down. */
 function gripOrRelease(wb: Workbench): Promise<boolean> {
-  const held = new Set(wb.document?.gripped ?? []);
-  const parts = wb.targets().filter((part) => !held.has(part));
-  if (held.size > 0 && parts.every((part) => !wb.store.selection.peek().has(part))) return wb.run("release");
-  if (parts.length === 0) {
-    wb.store.notify("info", "Select a part to grip first");
-    return Promise.resolve(false);
-  }
-  wb.store.selection.value = new Set();
-  return wb.run("grip", { parts });
+  const targets = wb.targets();
+  const selection = wb.store.selection.peek();
+  return wb.runOf(({ gripped }) => {
+    const held = new Set(gripped);
+    const parts = targets.filter((part) => !held.has(part));
+    if (held.size > 0 && parts.every((part) => !selection.has(part))) return [["release"]];
+    if (parts.length === 0) {
+      wb.store.notify("info", "Select a part to grip first");
+      return [];
+    }
+    wb.store.selection.value = new Set();
+    return [["grip", { parts }]];
+  });
 }
 
 /** Space: stop, glide, pass, and round again. */
 function nextMode(wb: Workbench): Promise<boolean> {
-  const at = MODES.indexOf(wb.document?.mode ?? "stop");
-  const mode = MODES[(at + 1) % MODES.length] ?? "stop";
-  wb.say(`Contact: ${mode}`);
-  return wb.run("set_mode", { mode });
+  return wb.runOf((document) => {
+    const mode = MODES[(MODES.indexOf(document.mode) + 1) % MODES.length] ?? "stop";
+    wb.say(`Contact: ${mode}`);
+    return [["set_mode", { mode }]];
+  });
 }
 
 function toggleGhost(wb: Workbench): Promise<boolean> {
   const parts = wb.targets();
-  const ghost = wb.store.ghost.peek();
-  return wb.run("ghost", { parts, is_on: parts.some((part) => !ghost.has(part)) });
+  return wb.runOf((document) => {
+    const ghost = new Set(document.ghost);
+    return [["ghost", { parts, is_on: parts.some((part) => !ghost.has(part)) }]];
+  });
 }
 
 function toggleHidden(wb: Workbench): Promise<boolean> {
   const parts = wb.targets();
-  const hidden = wb.store.hidden.peek();
-  return wb.run(parts.every((part) => hidden.has(part)) ? "show" : "hide", { parts });
+  return wb.runOf((document) => {
+    const hidden = new Set(document.hidden);
+    return [[parts.every((part) => hidden.has(part)) ? "show" : "hide", { parts }]];
+  });
 }
 
 /** Esc: what is nearest to the person ends first. */
@@ -147,7 +156,8 @@ function focusSearch(wb: Workbench): void {
   if (field) field.select();
   else {
     wb.store.set({ is_tree_open: true });
-    requestAnimationFrame(() => document.querySelector<HTMLInputElement>("#search")?.select());
+    // The components are drawn anew in a microtask of their own, which is before this one.
+    queueMicrotask(() => document.querySelector<HTMLInputElement>("#search")?.select());
   }
 }
 
@@ -211,7 +221,7 @@ export const COMMANDS: readonly PageCommand[] = [
     "explode",
     "Explode the mock-up, or put it together",
     "",
-    (wb) => wb.run("explode", { share: (wb.document?.explode ?? 0) > 0 ? 0 : 0.5 }),
+    (wb) => wb.runOf(({ explode }) => [["explode", { share: explode > 0 ? 0 : 0.5 }]]),
     canLook,
   ),
 
@@ -248,7 +258,7 @@ export const COMMANDS: readonly PageCommand[] = [
     "Shift+E",
     (wb) => {
       const parts = wb.targets();
-      return wb.run("put_back", { parts: parts.length > 0 ? parts : (wb.document?.gripped ?? []) });
+      return wb.runOf(({ gripped }) => [["put_back", { parts: parts.length > 0 ? parts : gripped }]]);
     },
     canGrip,
   ),
@@ -338,10 +348,11 @@ export const COMMANDS: readonly PageCommand[] = [
     "section-flip",
     "Keep the other side of the last cut",
     "Shift+S",
-    (wb) => {
-      const last = wb.document?.sections.at(-1);
-      return last && flipSection(wb, last);
-    },
+    (wb) =>
+      wb.runOf(({ sections }) => {
+        const last = sections.at(-1);
+        return last ? [flipped(last)] : [];
+      }),
     hasSections,
   ),
   command(
@@ -349,10 +360,11 @@ export const COMMANDS: readonly PageCommand[] = [
     "section-remove",
     "Remove the last cut",
     "",
-    (wb) => {
-      const last = wb.document?.sections.at(-1);
-      return last && wb.run("section_remove", { id: last.id });
-    },
+    (wb) =>
+      wb.runOf(({ sections }) => {
+        const last = sections.at(-1);
+        return last ? [["section_remove", { id: last.id }]] : [];
+      }),
     hasSections,
   ),
 
@@ -401,7 +413,7 @@ export const COMMANDS: readonly PageCommand[] = [
     "Undo",
     "Ctrl+Z",
     (wb) => wb.run("undo"),
-    (wb) => canChange(wb) && wb.store.undo_depth.value !== 0,
+    (wb) => canChange(wb) && (wb.store.undo_depth.value !== 0 || wb.isBusy),
   ),
   command(
     "Edit",
@@ -409,7 +421,7 @@ export const COMMANDS: readonly PageCommand[] = [
     "Redo",
     ["Ctrl+Y", "Ctrl+Shift+Z"],
     (wb) => wb.run("redo"),
-    (wb) => canChange(wb) && wb.store.redo_depth.value !== 0,
+    (wb) => canChange(wb) && (wb.store.redo_depth.value !== 0 || wb.isBusy),
   ),
   command("Edit", "escape", "End what is under way; select nothing", "Escape", endNearest),
 

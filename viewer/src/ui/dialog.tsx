@@ -1,14 +1,15 @@
 // A dialog over the page: the browser's own, which keeps the focus inside and gives it back.
 
 import type { ComponentChildren } from "preact";
-import { useEffect, useRef } from "preact/hooks";
+import { useLayoutEffect, useRef } from "preact/hooks";
 import { useWorkbench } from "./context";
 import { IconButton } from "./fields";
 
 export function Dialog(props: { title: string; kind: string; bare?: boolean; children: ComponentChildren }) {
   const wb = useWorkbench();
   const element = useRef<HTMLDialogElement>(null);
-  useEffect(() => {
+  // Before the browser does anything else: what is typed next is meant for the dialog.
+  useLayoutEffect(() => {
     const dialog = element.current;
     dialog?.showModal();
     return () => dialog?.close();

@@ -27,10 +27,12 @@ export class PartTree {
   private readonly searched: string[] = [];
   private readonly node_of_part: Int32Array;
 
-  constructor(paths: readonly string[]) {
+  /** `absent`: parts that have no line. */
+  constructor(paths: readonly string[], absent: ReadonlySet<number> = new Set()) {
     this.node_of_part = new Int32Array(paths.length).fill(-1);
     const groups = new Map<string, number>();
     for (const [part, path] of paths.entries()) {
+      if (absent.has(part)) continue;
       const names = path.split("/").filter((name) => name !== "");
       if (names.length === 0) names.push(`part ${part}`);
       let parent = -1;

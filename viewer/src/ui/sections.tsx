@@ -2,7 +2,7 @@
 
 import type { Section } from "../document";
 import type { Vec3 } from "../scene/vectors";
-import { addSection, draftSection, flipSection, offsetRange, senseOf, settleSection } from "../sectioning";
+import { addSection, draftSection, flipped, offsetRange, senseOf, settleSection } from "../sectioning";
 import { formatShare } from "../units";
 import { useWorkbench } from "./context";
 import { CommandButton, Figure, IconButton } from "./fields";
@@ -102,7 +102,7 @@ function SectionCard({ section, name }: { section: Section; name: string }) {
           icon="flip"
           label={`${name}: keep the other side`}
           disabled={isLocked}
-          run={() => flipSection(wb, section)}
+          run={() => wb.run(...flipped(section))}
         />
         <IconButton
           icon="trash"

@@ -200,8 +200,8 @@ export function Tree() {
         </div>
         <p class="tree-count" aria-live="polite">
           {found.value
-            ? `${formatCount(found.value.length)} of ${formatCount(store.paths.value.length)} found`
-            : `${formatCount(store.paths.value.length)} parts${store.hidden.value.size > 0 ? `, ${formatCount(store.hidden.value.size)} hidden` : ""}`}
+            ? `${formatCount(found.value.length)} of ${formatCount(store.part_count.value)} found`
+            : `${formatCount(store.part_count.value)} parts${store.hidden.value.size > 0 ? `, ${formatCount(store.hidden.value.size)} hidden` : ""}`}
         </p>
       </div>
       <div

@@ -8,7 +8,14 @@ import { chromium } from "playwright-core";
 
 const VIEWER = join(dirname(fileURLToPath(import.meta.url)), "..", "..");
 export const CHROMIUM = process.env.FEELER_CHROMIUM ?? "/usr/bin/chromium";
-const FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
+const FLAGS = [
+  "--no-sandbox",
+  "--use-angle=swiftshader",
+  "--enable-unsafe-swiftshader",
+  // Else the software renderer also composes the page, and copies each frame.
+  "--disable-gpu-rasterization",
+  "--disable-gpu-compositing",
+];
 const ORIGIN = "http://localhost:8";
 
 /** Why the browser tests cannot run here; false where they can. */

@@ -129,6 +129,32 @@ scene("a section is filled, and picked where its plane is", async () => {
   assert.ok(filled.some((c) => Math.abs(c[0] - plain[0]) > 25));
 });
 
+scene("of flush parts that are cut, each is filled as far as it goes", async () => {
+  const wrong = await inPage(async ({ stage, pick, whole }) => {
+    // The small block lies flat on the large one's side: two faces in one place, of other triangles.
+    stage.setMoved(new Map([[2, [1, 0, 0, -0.2, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]]]));
+    stage.setSections([{ normal: [0, 1, 0], offset: 0 }]);
+    const found = [];
+    for (const position of [
+      [-1.1, -1.3, 0.3],
+      [-0.4, -0.6, 0.02],
+      [-2.3, -0.9, -0.7],
+    ]) {
+      Object.assign(stage.camera, { position, target: [0.4, 0, 0], moved: true });
+      await whole();
+      // Behind these points the eye's rays go from the large block into the small one.
+      for (let x = 0.33; x < 0.395; x += 0.004) {
+        for (let z = -0.07; z < 0.08; z += 0.01) {
+          const hit = pick([x, 0, z]);
+          if (hit?.part !== 1 || Math.abs(hit.point[1]) > 1e-5) found.push({ position, x, z, hit });
+        }
+      }
+    }
+    return found;
+  });
+  assert.deepEqual(wrong.slice(0, 3), [], `${wrong.length} points are of another part than they lie in`);
+});
+
 scene("a frame in which only the tool moves draws the tool alone", async () => {
   const stats = await inPage(
     async ({ stage, geometry, settled }, { manifest, poses }) => {

@@ -40,7 +40,7 @@ const PAGE = `
 
   const log = [];
   const pictures = [];
-  const hand = new Hand({ moved() {}, placed: (pose) => log.push(["placed", pose]) });
+  const hand = new Hand({ moved() {}, ended() {}, placed: (pose) => log.push(["placed", pose]) });
   // The engine of this page lets the tool go wherever it is wished.
   hand.answered(IDENTITY, 0);
   const feel = new Feel();

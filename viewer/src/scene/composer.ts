@@ -1,0 +1,59 @@
+// From the kept layer to a whole picture: its lit parts, and over it what lies over the mock-up.
+
+import type { PerspectiveCamera, WebGLRenderer, WebGLRenderTarget } from "three";
+import type { Average } from "./average";
+import { copyPicture } from "./copy";
+import { JITTER, type Kept } from "./kept";
+import type { Over } from "./over";
+import { define, ScreenPass } from "./screen";
+import { tintFragment } from "./shaders";
+import type { SharedUniforms } from "./uniforms";
+
+export class Composer {
+  /** What is lit is to be tinted anew. */
+  isLitNew = true;
+  readonly #renderer: WebGLRenderer;
+  readonly #eye: PerspectiveCamera;
+  readonly #over: Over;
+  readonly #tint: ScreenPass;
+
+  constructor(renderer: WebGLRenderer, uniforms: SharedUniforms, eye: PerspectiveCamera, over: Over) {
+    this.#renderer = renderer;
+    this.#eye = eye;
+    this.#over = over;
+    const { keptScale, keptId, states } = uniforms;
+    this.#tint = new ScreenPass(tintFragment, { kept: { value: null }, keptScale, keptId, states });
+  }
+
+  /** Draws the picture into `target`, null: the canvas. `lit`: room for the kept picture with its lit parts, if there are any. */
+  compose(kept: Kept, lit: WebGLRenderTarget, isAnyLit: boolean, target: WebGLRenderTarget | null): void {
+    const renderer = this.#renderer;
+    const { width, height } = target ?? renderer.domElement;
+    kept.bind(width);
+    if (isAnyLit && this.isLitNew) {
+      define(this.#tint.material, "SCALED", kept.scale === 1 ? null : 1);
+      (this.#tint.material.uniforms.kept as { value: unknown }).value = kept.picture.texture;
+      this.#tint.draw(renderer, lit);
+    }
+    this.isLitNew = false;
+    // First the clear: a browser that has shown the canvas clears its colour as well, at the first clear or draw after.
+    renderer.setRenderTarget(target);
+    renderer.clear(false, true, false);
+    copyPicture(renderer, isAnyLit ? lit : kept.picture, target, width, height);
+    this.#over.draw(renderer, this.#eye);
+  }
+
+  /** Adds a picture drawn a part of a pixel aside: what lies over the kept layer gets smooth edges as well. */
+  addSample(kept: Kept, lit: WebGLRenderTarget, isAnyLit: boolean, average: Average): void {
+    const [x, y] = JITTER[average.samples] as [number, number];
+    const { width, height } = average.sum;
+    this.#eye.setViewOffset(width, height, x, y, width, height);
+    this.compose(kept, lit, isAnyLit, average.once);
+    this.#eye.clearViewOffset();
+    average.add();
+  }
+
+  dispose(): void {
+    this.#tint.dispose();
+  }
+}

@@ -1,0 +1,115 @@
+// What lies over the mock-up: lines of sections, what the hand holds, what meets, marks with their figures, and what other
+// modules draw.
+
+import { type Group, type PerspectiveCamera, Scene, type WebGLRenderer } from "three";
+import type { CameraRig } from "./camera";
+import { Held } from "./held";
+import { Hits } from "./hits";
+import { LabelLayer } from "./labels";
+import { MarkLayer, type Marks, NO_MARKS } from "./marks";
+import type { Model } from "./model";
+import { isSame } from "./same";
+import { SectionLines } from "./sections";
+import type { SharedUniforms } from "./uniforms";
+
+const NONE = new Uint32Array(0);
+
+export class Over {
+  readonly held: Held;
+  readonly #hits: Hits;
+  readonly #scene = new Scene();
+  readonly #labels: LabelLayer | null;
+  #marks: MarkLayer;
+  #lines: SectionLines;
+  #markValues: Marks = NO_MARKS;
+  #outlines: Float32Array | null = null;
+  #hitIds: { mockup: Uint32Array; held: Uint32Array } = { mockup: NONE, held: NONE };
+
+  /** `group`: what other modules draw. `labels`: where figures are put; null: none are. */
+  constructor(
+    readonly uniforms: SharedUniforms,
+    readonly group: Group,
+    labels: HTMLElement | null,
+  ) {
+    this.held = new Held(uniforms);
+    this.#hits = new Hits(uniforms);
+    this.#marks = new MarkLayer(uniforms, [0, 0, 0]);
+    this.#lines = new SectionLines(uniforms, [0, 0, 0]);
+    this.#labels = labels ? new LabelLayer(labels) : null;
+    this.#scene.add(group);
+  }
+
+  /** The scene's origin lies elsewhere: in the middle of another mock-up. */
+  setOrigin({ middle }: Model): void {
+    this.group.position.set(-middle[0], -middle[1], -middle[2]);
+    this.#marks.dispose();
+    this.#marks = new MarkLayer(this.uniforms, middle);
+    this.#marks.set(this.#markValues);
+    this.#lines.dispose();
+    this.#lines = new SectionLines(this.uniforms, middle);
+    this.#lines.setOutlines(this.#outlines);
+    this.held.setOrigin(middle);
+  }
+
+  setSections({ sections, bounds }: Model): void {
+    for (const room of [this.held, this.#hits, this.#marks]) room.setSections(sections.length);
+    this.#lines.setPlanes(sections, bounds);
+  }
+
+  /** The engine's outlines of the sections: (k, 2, 3) world metres, null for none. */
+  setOutlines(segments: Float32Array | null): void {
+    this.#outlines = segments;
+    this.#lines.setOutlines(segments);
+  }
+
+  /** Packed triangles that meet, of the mock-up and of what is held; without an entry they stay. Whether they are others. */
+  setHits(ids: { mockup?: Uint32Array; held?: Uint32Array }, model: Model): boolean {
+    const next = { ...this.#hitIds, ...ids };
+    if (isSame(next, this.#hitIds)) return false;
+    this.#hitIds = structuredClone(next);
+    this.placeHits(model);
+    return true;
+  }
+
+  /** Puts what meets where it is now. */
+  placeHits(model: Model): void {
+    const { mockup, held } = this.#hitIds;
+    this.#hits.mockup.set(model.corners(mockup));
+    this.#hits.held.set(this.held.corners(held));
+  }
+
+  /** Whether they are others than before. */
+  setMarks(marks: Marks): boolean {
+    if (isSame(marks, this.#markValues)) return false;
+    this.#markValues = structuredClone(marks);
+    this.#marks.set(this.#markValues);
+    return true;
+  }
+
+  /** Makes the marks as large as the camera asks for. */
+  build(camera: CameraRig): void {
+    this.#marks.build(camera);
+  }
+
+  /** Puts the figures to their marks. */
+  label(camera: CameraRig): void {
+    this.#labels?.update(this.#marks.anchors, camera);
+  }
+
+  draw(renderer: WebGLRenderer, eye: PerspectiveCamera): void {
+    if (!this.#lines.isEmpty) renderer.render(this.#lines.scene, eye);
+    if (!this.held.isEmpty) renderer.render(this.held.scene, eye);
+    if (!this.#hits.isEmpty) {
+      this.#hits.held.place(this.held.matrix);
+      renderer.render(this.#hits.scene, eye);
+    }
+    if (this.held.isGhostShown) renderer.render(this.held.ghostScene, eye);
+    if (!this.#marks.isEmpty) renderer.render(this.#marks.scene, eye);
+    if (this.group.visible && this.group.children.length > 0) renderer.render(this.#scene, eye);
+  }
+
+  dispose(): void {
+    this.#labels?.dispose();
+    for (const room of [this.held, this.#hits, this.#marks, this.#lines]) room.dispose();
+  }
+}

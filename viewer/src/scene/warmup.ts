@@ -1,0 +1,24 @@
+// The programs of the first picture, made while the mock-up is still being read: a device compiles at the first draw.
+
+import type { PerspectiveCamera } from "three";
+import { Pieces, pieceBytes } from "./chunks";
+import type { Kept, PieceMaterials } from "./kept";
+import { PartTable } from "./parts";
+import type { SharedUniforms } from "./uniforms";
+import type { Box } from "./vectors";
+
+/** Draws a triangle without a size into `kept`, and forgets it. */
+export function warmUp(kept: Kept, materials: PieceMaterials, uniforms: SharedUniforms, eye: PerspectiveCamera): void {
+  const box: Box = { lower: [0, 0, 0], upper: [0, 0, 0] };
+  const size = { triangles: 1, vertices: 1, first: 0, small: false, parts: 1, ...box };
+  const table = new PartTable([box], [0, 0, 0]);
+  const pieces = new Pieces({ pieces: [{ ...size, bytes: pieceBytes(size, 2) }], part_bytes: 2 }, materials.solid);
+  const piece = pieces.add(0, new ArrayBuffer(pieceBytes(size, 2)));
+  uniforms.states.value = table.statesTexture;
+  uniforms.places.value = table.placesTexture;
+  kept.begin([piece], [], 1);
+  kept.draw(eye, Number.POSITIVE_INFINITY);
+  kept.forget();
+  pieces.dispose();
+  table.dispose();
+}
