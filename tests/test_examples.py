@@ -11,7 +11,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
 EXAMPLES = ROOT / "examples"
-PAGES = ["docs/parts.md"]
+PAGES = ["docs/clash.md", "docs/parts.md"]
 SAYS = {
     "quick_start.py": ["triangles in", "indexed in", "pose"],
     "batch_of_poses.py": ["20,000 poses in", "of the poses are free", "most often in the way"],
@@ -21,6 +21,13 @@ SAYS = {
         "inside/pump/shaft is inside inside/pump",
         "inside/filter is held by inside/pump\ninside/pump is held by lid\nlid is held by latch\nlatch goes out\n",
         "lid goes out\ninside/filter is held by inside/pump\ninside/pump goes out\ninside/filter goes out\n",
+    ],
+    "clash.py": [
+        "findings among",
+        "the worst",
+        "since the last check: {'new': 0",
+        "'approved': 1",
+        "6 topics in clashes.bcf",
     ],
     "workbench.py": ["stopped by engine/", "there it would meet the pump", "9 parts came out"],
     "assembly_report.py": ["poses collide", "report.png"],
@@ -42,6 +49,8 @@ def test_example_runs(name: str, tmp_path: Path) -> None:
         assert words in done.stdout
     if name == "workbench.py":
         assert (tmp_path / "workbench.png").read_bytes().startswith(b"\x89PNG")
+    if name == "clash.py":
+        assert {path.name for path in tmp_path.iterdir()} == {"clashes.html", "clashes.bcf", "clashes.json"}
     if name == "assembly_report.py":
         assert {path.name for path in tmp_path.iterdir()} == {"report.csv", "report.glb", "report.png"}
 

@@ -13,6 +13,7 @@ from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import is_dataclass
 from enum import Enum
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -60,6 +61,12 @@ def pose(x: float, y: float = 0.3, z: float = 0.95) -> np.ndarray:
 
 
 POSES = np.array([pose(0.2), pose(1.1), pose(5.0), pose(1.5)])
+
+
+def clashes() -> feeler.Clashes:
+    """One finding, which somebody approved."""
+    path = Path(__file__).parent.parent / "testdata" / "clash" / "found.json"
+    return feeler.load_clashes(path)
 
 
 def samples() -> dict[str, list[Any]]:
@@ -120,6 +127,9 @@ def samples() -> dict[str, list[Any]]:
         "Rays": [scene.rays(np.tile([0.4, 0.4, 3.0], (3, 1)), [[0, 0, -1], [0, 0, 1], [1, 0, -2]]), scene.rays([], [])],
         "SectionOutline": [scene.section([0.3, 0.2, 0.1], [1, 2, 3]), scene.section([0, 0, 9], [0, 0, 1])],
         "PairKind": list(feeler.PairKind),
+        "Verdict": list(feeler.Verdict),
+        "Clashes": [clashes(), clashes()[:0]],
+        "Clash": list(clashes()),
     }
 
 

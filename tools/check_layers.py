@@ -188,12 +188,17 @@ ROOMS: dict[str, set[str]] = {
     "interchange": {*BASE, "io"},
     "haptics": BASE,
     "picture": {*BASE, "io"},
+    # The package of `feeler.clash`, which is a function.
+    "clashes": {*BASE, "ignored", "io", "parts", "picture"},
     "samples": BASE,
     "study": {*BASE, "samples"},
     # `feeler` for its version alone.
     "workbench": {*BASE, "haptics", "ignored", "io", "parts", "picture", "samples", "feeler"},
-    "cli": {*BASE, "haptics", "io", "picture", "samples", "study", "workbench", "feeler"},
-    "__init__": {"_core", "ignored", *BASE, "haptics", "interchange", "io", "picture", "samples", "study", "workbench"},
+    "cli": {*BASE, "clashes", "haptics", "io", "picture", "samples", "study", "workbench", "feeler"},
+    "__init__": {
+        *("_core", "ignored", *BASE, "clashes", "haptics", "interchange", "io", "picture", "samples", "study"),
+        "workbench",
+    },
     "__main__": {"cli"},
 }
 # Beside the package, and never imported by it.

@@ -23,6 +23,7 @@ from feeler._core import (
     Rays,
     SectionOutline,
 )
+from feeler.clashes import Clash, Clashes, Verdict, clash, load_clashes
 from feeler.errors import (
     DeviceError,
     FeelerError,
@@ -51,6 +52,8 @@ __version__ = _version("feeler")
 __all__ = [
     "Batch",
     "Cast",
+    "Clash",
+    "Clashes",
     "Clearance",
     "ClearanceBatch",
     "Collision",
@@ -80,13 +83,16 @@ __all__ = [
     "SectionOutline",
     "SessionError",
     "Tool",
+    "Verdict",
     "View",
     "WorkbenchError",
+    "clash",
     "from_open3d",
     "from_pyvista",
     "from_trimesh",
     "from_urdf",
     "haptics",
+    "load_clashes",
     "load_mockup",
     "load_tool",
     "nearest_rigid",

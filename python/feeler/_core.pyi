@@ -9,6 +9,7 @@ from typing_extensions import Self, disjoint_base
 
 from feeler._core_results import (
     Batch,
+    ClashRows,
     Clearance,
     ClearanceBatch,
     Collision,
@@ -27,6 +28,7 @@ _Ignore = Any  # feeler.ignored.Ignore, which needs this module
 __all__ = [
     "Batch",
     "Cast",
+    "ClashRows",
     "Clearance",
     "ClearanceBatch",
     "Collision",
@@ -52,6 +54,7 @@ __all__ = [
     "SectionOutline",
     "Selected",
     "Tool",
+    "clash",
     "optimal_voxel_size",
     "restore",
     "weld_vertices",
@@ -532,6 +535,30 @@ class PathCheck:
     def __len__(self) -> int: ...
 
 def optimal_voxel_size(mockup: Mockup, tool: Tool, estimator: str) -> float: ...
+def clash(
+    scene: Scene,
+    clearance: npt.NDArray[np.float64],
+    contact: npt.NDArray[np.float64],
+    *,
+    class_of_part: npt.NDArray[np.uint32] | None = None,
+    contact_of_part: npt.NDArray[np.float64] | None = None,
+    exclude: npt.NDArray[np.uint32] | None = None,
+    threads: int | None = None,
+    progress: _Progress | None = None,
+) -> ClashRows:
+    """Every pair of parts that are there and are too near each other.
+
+    - `clearance`, `contact`: `(classes, classes)`, metres, symmetric. How near parts of two classes may come (negative: such
+      pairs are not asked), and how deep they may be in each other, or how far apart, and still count as in contact.
+    - `class_of_part`: `(parts,)`; default: all are of class 0.
+    - `contact_of_part`: `(parts,)`, metres: what each part adds to the contact of its pairs.
+    - `exclude`: `(k, 2)`: pairs of parts that are never asked.
+    - `threads`: default: those of the scene.
+
+    Ctrl-C ends it early: what was found so far comes back, and `is_partial` is true. Pairs whose depth was not measured by then
+    have NaN. Raises `OptionError` for tables of other shapes and lengths that are none, `MeshError` for other lengths of arrays.
+    """
+
 def weld_vertices(vertices: npt.NDArray[np.float64]) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]]:
     """Distinct vertices in order of first appearance, `(k, 3)`, and each given vertex's index among them, `(n,)`.
 

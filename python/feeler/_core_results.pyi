@@ -253,3 +253,56 @@ class SectionOutline:
     def parts(self) -> npt.NDArray[np.uint32]:
         """`(k,)`: indices into `mockup.parts`."""
     def __len__(self) -> int: ...
+
+@final
+class ClashRows:
+    """Pairs of parts that are too near each other, as columns of one length, sorted by `a`, then `b`."""
+
+    def __len__(self) -> int: ...
+    @property
+    def a(self) -> npt.NDArray[np.uint32]:
+        """`(n,)`: one part, the lesser."""
+    @property
+    def b(self) -> npt.NDArray[np.uint32]:
+        """`(n,)`: the other."""
+    @property
+    def verdict(self) -> npt.NDArray[np.uint8]:
+        """`(n,)`: a `feeler.Verdict` for each pair."""
+    @property
+    def depth(self) -> npt.NDArray[np.float64]:
+        """`(n,)`: how deep they are in each other, metres: the deepest of their contacts; of one that holds the other, the length of
+        `translation`. 0 where they only touch or are apart; NaN where it was not measured."""
+    @property
+    def depth_kind(self) -> npt.NDArray[np.uint8]:
+        """`(n,)`: how much `depth` and `translation` may be trusted: 0 exact, 1 bound, 2 estimate, as `Penetration.kind`."""
+    @property
+    def translation(self) -> npt.NDArray[np.float64]:
+        """`(n, 3)`: moves `a` out of `b`, metres, world: the shortest way known (`b` moves the other way). Zero where they only
+        touch or are apart."""
+    @property
+    def gap(self) -> npt.NDArray[np.float64]:
+        """`(n,)`: how far their surfaces are apart, metres; 0 where they meet."""
+    @property
+    def point_a(self) -> npt.NDArray[np.float64]:
+        """`(n, 3)`: on `a`, metres: where they are closest, touch, or are deepest in each other."""
+    @property
+    def point_b(self) -> npt.NDArray[np.float64]:
+        """`(n, 3)`: the same on `b`."""
+    @property
+    def triangles(self) -> npt.NDArray[np.uint32]:
+        """`(n,)`: how many pairs of triangles meet."""
+    @property
+    def box(self) -> npt.NDArray[np.float64]:
+        """`(n, 2, 3)`: lower and upper corner of the box around where they meet, metres; where they do not, around the points."""
+    @property
+    def is_open(self) -> npt.NDArray[np.bool_]:
+        """`(n, 2)`: whether `a`, and `b`, has no inside: none of its surfaces is closed."""
+    @property
+    def counts(self) -> dict[str, int]:
+        """Pairs by what was found first: `crossing`, `touching`, `contained`, `duplicates`, `near`."""
+    @property
+    def seconds(self) -> dict[str, float]:
+        """What the stages took: `verdicts`, `clearance`, `depths`."""
+    @property
+    def is_partial(self) -> bool:
+        """Whether it was stopped."""

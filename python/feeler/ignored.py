@@ -35,7 +35,7 @@ class IgnoredPairs(_core.IgnoredPairs):
         given: tuple[object, object] = (tool, mockup)
         if not isinstance(given[0], Tool) or not isinstance(given[1], Mockup):
             raise MeshError("pairs to ignore are of a feeler.Tool and a feeler.Mockup")
-        rows = np.unique(np.concatenate([np.empty((0, 2), np.uint32), *_rows(tool, mockup, pairs)]), axis=0)
+        rows = pairs_of_parts(tool, mockup, pairs)
         return cls._restore(tool.part_count, mockup.part_count, rows)
 
     def __len__(self) -> int:
@@ -70,31 +70,41 @@ def ignored(ignore: Ignore, tool: _core.Tool, mockup: Mockup) -> IgnoredPairs | 
     return IgnoredPairs(tool, mockup, ignore)
 
 
-def _rows(tool: Tool, mockup: Mockup, pairs: Any) -> list[npt.NDArray[np.uint32]]:
+def pairs_of_parts(
+    one: Tool | Mockup,
+    other: Mockup,
+    pairs: Any,
+    option: str = "ignore",
+    whose: tuple[str, str] = ("tool", "mock-up"),
+) -> npt.NDArray[np.uint32]:
+    """Pairs of parts as `IgnoredPairs` takes them, as indices `(k, 2)`; unique, sorted.
+
+    option, whose: how an error calls the argument and the two. Raises `OptionError`.
+    """
     if isinstance(pairs, np.ndarray):
         if pairs.ndim != 2 or pairs.shape[1] != 2 or pairs.dtype.kind not in "iu":
             raise OptionError(
-                f"ignore has shape {pairs.shape} and dtype {pairs.dtype}: (k, 2) whole numbers are needed"
+                f"{option} has shape {pairs.shape} and dtype {pairs.dtype}: (k, 2) whole numbers are needed"
             )
-        for column, count, of in ((0, tool.part_count, "tool"), (1, mockup.part_count, "mock-up")):
+        for column, count, of in ((0, one.part_count, whose[0]), (1, other.part_count, whose[1])):
             outside = (pairs[:, column] < 0) | (pairs[:, column] >= count)
             if outside.any():
                 raise OptionError(f"the {of} has no part {pairs[outside][0, column]}: it has {count}, 0 to {count - 1}")
-        return [pairs.astype(np.uint32)]
+        return np.unique(pairs.astype(np.uint32), axis=0)
     if isinstance(pairs, (str, bytes)) or not isinstance(pairs, Iterable):
-        raise OptionError(f"ignore is {pairs!r}: give pairs of parts, such as [('hand', '*gasket*')]")
-    rows = []
+        raise OptionError(f"{option} is {pairs!r}: give pairs of parts, such as [('hand', '*gasket*')]")
+    rows = [np.empty((0, 2), np.uint32)]
     for pair in pairs:
         if isinstance(pair, (str, bytes)) or not hasattr(pair, "__len__") or len(pair) != 2:
-            raise OptionError(f"ignore holds {pair!r}: give pairs of a tool's and a mock-up's part")
-        ours = _selected(tool, pair[0], "the tool")
-        theirs = _selected(mockup, pair[1], "the mock-up")
+            raise OptionError(f"{option} holds {pair!r}: give pairs of a {whose[0]}'s and a {whose[1]}'s part")
+        ours = _selected(one, pair[0], f"{option}, of the {whose[0]}")
+        theirs = _selected(other, pair[1], f"{option}, of the {whose[1]}")
         rows.append(np.stack(np.meshgrid(ours, theirs, indexing="ij"), axis=-1).reshape(-1, 2).astype(np.uint32))
-    return rows
+    return np.unique(np.concatenate(rows), axis=0)
 
 
-def _selected(mesh: Tool | Mockup, parts: PartsLike, of: str) -> npt.NDArray[np.uint32]:
+def _selected(mesh: Tool | Mockup, parts: PartsLike, where: str) -> npt.NDArray[np.uint32]:
     try:
         return mesh.parts.select(parts)
     except OptionError as error:
-        raise OptionError(f"ignore, of {of}: {error}") from None
+        raise OptionError(f"{where}: {error}") from None

@@ -27,7 +27,8 @@ class Source:
     """Where a mesh came from, as its loader saw it.
 
     up: the axis that points up, "x", "y" or "z"; None if unknown. doubts: those of the notes that put answers about the
-    mesh in doubt: files left out, a size or axes that are hardly meant.
+    mesh in doubt: files left out, a size or axes that are hardly meant. chord_tolerance: how far a triangle may be from
+    the surface that it stands for, metres; None where that is not known.
     """
 
     files: tuple[str, ...] = ()
@@ -38,6 +39,7 @@ class Source:
     notes: tuple[str, ...] = ()
     up: str | None = None
     doubts: tuple[str, ...] = ()
+    chord_tolerance: float | None = None
 
 
 @dataclass(frozen=True)

@@ -322,12 +322,6 @@ pub const PROBE_TURNED_SHORTER: f64 = 0.02;
 /// Factor by which more of the nearest parts are asked for, until one of those wanted is among them. Moves time only.
 pub const NEAREST_PARTS_GROWTH: usize = 8;
 
-/// How much longer a ray is than the line to the border of the box that it leaves, as a share of the box: it ends clearly outside.
-pub const RAY_EXCESS: f64 = 0.01;
-
-/// Rays that decide by their median where a surface has cracks, which one ray may go through. Fewer: such surfaces may seem open.
-pub const RAYS_WITH_CRACKS: usize = 3;
-
 // Footing: the points of the tool that carry a contact.
 
 /// Most points of a footing: three hold a plane, the fourth is what most parts have.

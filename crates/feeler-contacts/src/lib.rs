@@ -42,6 +42,7 @@
 //! Lengths are metres; points and normals are in the world, the mock-up's frame; normals point from the mock-up to the tool, and
 //! a gap is negative where the tool is that deep behind the plane.
 
+mod clash;
 mod constants;
 mod contact_plane;
 mod containers;
@@ -62,6 +63,8 @@ mod surface;
 mod tests;
 mod tracker;
 
+pub use clash::row::{Clash, Verdict};
+pub use clash::search::{ClashCounts, ClashSearch};
 pub use constants::{FEW_DEEP, MANY_DEEP, MOST_MANIFOLD_POINTS, MOST_PLANES};
 pub use contact_plane::{ContactPlane, Contacts};
 pub use containment::find::Containment;

@@ -112,6 +112,19 @@ impl ContactQuery<'_> {
         margin: f64,
         reference: Option<&Pose>,
     ) -> Result<Contacts> {
+        self.contacts_showing(near_margin, tool, pose, margin, reference, &mut |_| {})
+    }
+
+    /// The same, showing the pairs of triangles that meet.
+    pub fn contacts_showing(
+        &self,
+        near_margin: impl Fn(usize) -> Option<f64>,
+        tool: &Tool,
+        pose: &Pose,
+        margin: f64,
+        reference: Option<&Pose>,
+        show: &mut dyn FnMut(&[[u32; 2]]),
+    ) -> Result<Contacts> {
         if !(margin.is_finite() && margin >= 0.0) {
             return Err(Error::Margin { value: margin });
         }
@@ -129,6 +142,7 @@ impl ContactQuery<'_> {
         } = &mut *scratch;
         let (scene, mockup) = (self.scene, self.scene.mockup());
         scene.collide_into(tool, pose, Filters::default(), collision);
+        show(&collision.pairs);
         let context = QueryContext::new(scene, tool, pose, reference);
         if collision.pairs.len() > MANY_PAIRS {
             if let Some(pairs) = without_copies(&context, &collision.pairs) {

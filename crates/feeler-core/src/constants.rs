@@ -282,6 +282,12 @@ pub(crate) const STEPS_WHEN_NEAR: u32 = 4;
 /// meet more that the way itself does not.
 pub const NEEDLE_WIDTH: f64 = 0.01;
 
+/// How much longer a ray is than the line to the border of the box that it leaves, as a share of the box: it ends clearly outside.
+pub const RAY_EXCESS: f64 = 0.01;
+
+/// Rays that decide by their median where a surface has cracks, which one ray may go through. Fewer: such surfaces may seem open.
+pub const RAYS_WITH_CRACKS: usize = 3;
+
 /// Share of a surface's length by which its corners may be off (no unit): a few steps of float32, in which many files have their
 /// numbers. Corners as near as that may be one, and triangles as thin have normals that say nothing. More closes wider seams and
 /// distrusts more slivers.

@@ -130,6 +130,18 @@ pub enum Error {
         /// What to do.
         advice: &'static str,
     },
+    /// A table of pairs that says another thing of a pair than of the same pair the other way round.
+    #[error("{what}[{row}, {column}] is {:?} and {what}[{column}, {row}] is {:?}: a pair has one limit", .values[0], .values[1])]
+    NotSymmetric {
+        /// Which table.
+        what: &'static str,
+        /// Row of the entry.
+        row: usize,
+        /// Its column.
+        column: usize,
+        /// The entry, and the one across.
+        values: [f64; 2],
+    },
     /// A distance that is negative or not a number.
     #[error("{what} is {value:?}: it must be a distance of 0 metres or more (infinity is allowed)")]
     Distance {

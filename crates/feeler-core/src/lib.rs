@@ -53,6 +53,8 @@
 
 mod cast;
 mod chunks;
+#[doc(hidden)]
+pub mod clash;
 mod collide;
 #[doc(hidden)]
 pub mod constants;

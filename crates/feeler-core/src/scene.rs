@@ -123,6 +123,12 @@ impl Scene {
         self.with(self.index.selection().ignoring(Some(pairs)))
     }
 
+    /// The scene with one part alone of those that are there, and no pairs ignored: made in no time, and right for tools near that part.
+    #[doc(hidden)]
+    pub fn of_one_part(&self, part: u32) -> Scene {
+        self.with(self.index.selection().of_one_part(self.mockup(), part))
+    }
+
     /// The scene with no pairs ignored.
     #[doc(hidden)]
     pub fn asking_all_pairs(&self) -> Scene {

@@ -374,8 +374,8 @@ pub struct Penetration {
     contacts: Py<Contacts>,
 }
 
-/// What a kind is called.
-const KINDS: [(contacts::PenetrationKind, &str); 3] = [
+/// What a kind is called; its number in arrays is its place.
+pub const KINDS: [(contacts::PenetrationKind, &str); 3] = [
     (contacts::PenetrationKind::Exact, "exact"),
     (contacts::PenetrationKind::Bound, "bound"),
     (contacts::PenetrationKind::Estimate, "estimate"),

@@ -18,6 +18,7 @@ pub fn to_py(error: Error) -> PyErr {
         | Error::Tolerance { .. }
         | Error::Margin { .. }
         | Error::Distance { .. }
+        | Error::NotSymmetric { .. }
         | Error::NoneAsked { .. }
         | Error::NoSuchPart { .. }
         | Error::Plane { .. }

@@ -3,6 +3,7 @@
 mod arguments;
 mod arrays;
 mod cast;
+mod clash;
 mod collision;
 mod contacts;
 mod containment;
@@ -53,6 +54,8 @@ fn weld_vertices<'py>(py: Python<'py>, vertices: PyReadonlyArray2<'py, f64>) -> 
 mod _core {
     #[pymodule_export]
     use super::cast::{Cast, PathCheck};
+    #[pymodule_export]
+    use super::clash::{clash, ClashRows};
     #[pymodule_export]
     use super::collision::{Batch, Collision};
     #[pymodule_export]

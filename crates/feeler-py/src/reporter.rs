@@ -7,6 +7,7 @@ use std::collections::VecDeque;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
+use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 
 use crate::pools::{threads_of, Pool};
@@ -66,6 +67,14 @@ impl Reporter {
     pub fn finish(self) -> PyResult<()> {
         let state = self.state.into_inner().unwrap_or_else(PoisonError::into_inner);
         state.raised.map_or(Ok(()), Err)
+    }
+
+    /// The same of work that is worth having where Ctrl-C stopped it: whether that did.
+    pub fn finish_interrupted(self) -> PyResult<bool> {
+        match self.finish() {
+            Err(error) if Python::attach(|py| error.is_instance_of::<PyKeyboardInterrupt>(py)) => Ok(true),
+            finished => finished.map(|()| false),
+        }
     }
 
     /// Until the work is done and all it told is heard, or Python raised.

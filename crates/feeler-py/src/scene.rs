@@ -38,6 +38,14 @@ impl Scene {
         Arc::clone(&self.core)
     }
 
+    pub(crate) fn solver(&self) -> &Arc<ContactSolver> {
+        &self.solver
+    }
+
+    pub(crate) fn pool(&self) -> Option<&Arc<Pool>> {
+        self.pool.as_ref()
+    }
+
     /// The solver of the scene, or of one that ignores pairs of parts.
     pub(crate) fn asked(&self, tool: &ToolArgument<'_, '_>, ignore: &Ignore<'_>) -> PyResult<Arc<ContactSolver>> {
         let Some(ignore) = ignore else { return Ok(Arc::clone(&self.solver)) };

@@ -19,6 +19,7 @@ from feeler.io.plausible import LONGEST_M, size_note
 from feeler.io.raw import Axis, PathBook, Progress, RawMesh, portion
 from feeler.io.readers import Watched, read
 from feeler.io.sniff import identify
+from feeler.io.step import DEFAULT_CHORD_TOLERANCE
 from feeler.io.units import Unit, parse_unit
 from feeler.mockup import Mockup, Source, Tool
 
@@ -117,6 +118,7 @@ class _Loaded:
     raw: RawMesh
     pieces: list[_Piece]
     up: Axis | None
+    chord_tolerance: float | None = None
     notes: list[str] = field(default_factory=list)
     doubts: list[str] = field(default_factory=list)
 
@@ -135,6 +137,7 @@ class _Loaded:
             (*doubts, *self.notes),
             self.up,
             tuple(doubts),
+            self.chord_tolerance,
         )
 
     def _culprits(self, mesh: Mockup | Tool, length: float) -> str:
@@ -233,7 +236,10 @@ def _load(
     if chord_tolerance is not None and all(piece.format != "STEP" for piece in pieces):
         notes.append("chord_tolerance is for STEP, and no file was STEP: it had no effect")
     common = axes.common_axis(ups, wanted)
-    return _Loaded(_join(meshes), pieces, common, notes, [*said.left_out(), *clash])
+    # Of other formats nobody says how far their triangles are from what they stand for.
+    is_step = all(piece.format == "STEP" for piece in pieces)
+    tolerance = (DEFAULT_CHORD_TOLERANCE if chord_tolerance is None else float(chord_tolerance)) if is_step else None
+    return _Loaded(_join(meshes), pieces, common, tolerance, notes, [*said.left_out(), *clash])
 
 
 @contextlib.contextmanager

@@ -1,5 +1,6 @@
 """What a result looks like: coloured bodies, as GLB or as a picture from a renderer that needs no display."""
 
+from feeler.picture.bars import bars
 from feeler.picture.camera import Camera, Section
 from feeler.picture.clearance import clearance_bodies, write_clearance_glb
 from feeler.picture.collision import collision_bodies, write_collision_glb
@@ -10,6 +11,7 @@ __all__ = [
     "Camera",
     "Inset",
     "Section",
+    "bars",
     "clearance_bodies",
     "collision_bodies",
     "render",

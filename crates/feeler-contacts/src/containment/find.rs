@@ -8,11 +8,11 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use feeler_core::constants::NEEDLE_WIDTH;
+use feeler_core::geometry::ray_crossings::{crossing, median, ray_count, ray_end, RAY_OFFSETS};
 use feeler_core::mesh::topology::adjacency::Adjacency;
 use feeler_core::tool::surface_links::SurfaceLinks;
 use feeler_core::{Aabb, Collision, PairKind, Point, Pose, Scene, Tool};
 
-use super::ray_crossings::{crossing, median, ray_count, ray_end, RAY_OFFSETS};
 use super::tool_solid::ToolSolid;
 use crate::context::QueryContext;
 use crate::surface::Surface;

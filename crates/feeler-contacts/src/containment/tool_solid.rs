@@ -1,9 +1,9 @@
 //! The closed surfaces of a tool, asked for points of the mock-up.
 
+use feeler_core::geometry::ray_crossings::{crossing, median, ray_count, ray_end, RAY_OFFSETS};
 use feeler_core::mesh::topology::adjacency::Adjacency;
 use feeler_core::{Aabb, Mesh, Point, Tool};
 
-use super::ray_crossings::{crossing, median, ray_count, ray_end, RAY_OFFSETS};
 
 /// Triangles of a tool under one box, in the order of its clusters.
 const TRIANGLES_PER_BOX: usize = 16;

@@ -2,7 +2,7 @@
 
 pub(crate) mod batch;
 pub(crate) mod brute;
-mod hits;
+pub(crate) mod hits;
 pub mod narrow;
 pub(crate) mod query;
 pub(crate) mod touching;

@@ -74,6 +74,7 @@ pub(crate) fn entering_pair(index: &Index, tool: &Tool, pose: &Pose, scratch: &m
         tool: &|t| pose.apply_triangle(&tool.mesh().triangle(t)),
         mockup: &|m| mockup.mesh().triangle(m),
         adjacency: [tool.adjacency(), mockup.adjacency()],
+        is_turned: [false; 2],
     };
     surfaces.entering(hits)
 }

@@ -42,6 +42,8 @@ pub(crate) struct Surfaces<'a> {
     pub mockup: &'a dyn Fn(u32) -> Triangle,
     /// How each hangs together.
     pub adjacency: [&'a Adjacency; 2],
+    /// Whether of each that is closed the material is taken to be outside.
+    pub is_turned: [bool; 2],
 }
 
 impl Surfaces<'_> {
@@ -72,7 +74,12 @@ impl Surfaces<'_> {
     }
 
     fn sense(&self, surface: usize, id: u32) -> i8 {
-        self.adjacency[surface].outward[id as usize]
+        let sense = self.adjacency[surface].outward[id as usize];
+        if self.is_turned[surface] {
+            -sense
+        } else {
+            sense
+        }
     }
 
     fn overlap_on_one_side(&self, t: u32, m: u32) -> bool {

@@ -7,5 +7,6 @@ pub mod intersect_lanes;
 pub mod intersect_triangle_triangle;
 pub mod pose;
 pub mod predicates;
+pub mod ray_crossings;
 pub mod triangle_normals;
 pub mod vectors;

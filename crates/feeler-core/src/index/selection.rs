@@ -13,6 +13,15 @@ use crate::tool::moving_tool::Tool;
 pub struct Selection {
     presence: Option<Arc<Presence>>,
     ignored: Option<Arc<IgnoredPairs>>,
+    /// Of all parts one alone.
+    only: Option<OnlyPart>,
+}
+
+/// One part of a mock-up: costs nothing to choose, where a bit a triangle takes as long as reading all of them.
+#[derive(Debug, Clone)]
+struct OnlyPart {
+    part: u32,
+    mockup: Arc<Mockup>,
 }
 
 /// Which parts of a mock-up are there.
@@ -108,18 +117,25 @@ impl Selection {
         children: impl FnOnce(TrianglesThere<'_>) -> Vec<Vec<u32>>,
     ) -> Selection {
         let parts = (0..mockup.part_bounds().len() as u32).map(|part| self.has_part(part) && stays(part)).collect();
-        Selection { presence: Some(Arc::new(Presence::new(mockup, parts, children))), ignored: self.ignored.clone() }
+        let presence = Some(Arc::new(Presence::new(mockup, parts, children)));
+        Selection { presence, ignored: self.ignored.clone(), only: None }
     }
 
     /// The same with other ignored pairs.
     pub(crate) fn ignoring(&self, ignored: Option<Arc<IgnoredPairs>>) -> Selection {
-        Selection { presence: self.presence.clone(), ignored }
+        Selection { ignored, ..self.clone() }
+    }
+
+    /// Of the parts that are there one alone, and all pairs: made in no time. Each triangle that is looked at is asked for its part, so
+    /// this is for tools that are near little else.
+    pub(crate) fn of_one_part(&self, mockup: &Arc<Mockup>, part: u32) -> Selection {
+        Selection { ignored: None, only: Some(OnlyPart { part, mockup: mockup.clone() }), ..self.clone() }
     }
 
     /// Whether everything is there and nothing is ignored.
     #[inline(always)]
     pub(crate) fn is_everything(&self) -> bool {
-        self.presence.is_none() && self.ignored.is_none()
+        self.presence.is_none() && self.ignored.is_none() && self.only.is_none()
     }
 
     /// Whether pairs of parts are ignored.
@@ -130,13 +146,15 @@ impl Selection {
     /// Whether a part is there.
     #[inline]
     pub fn has_part(&self, part: u32) -> bool {
-        self.presence.as_ref().is_none_or(|presence| presence.parts[part as usize])
+        self.only.as_ref().is_none_or(|only| only.part == part)
+            && self.presence.as_ref().is_none_or(|presence| presence.parts[part as usize])
     }
 
     /// Whether a triangle of the mock-up is there.
     #[inline(always)]
     pub fn has(&self, triangle: u32) -> bool {
-        self.presence.as_ref().is_none_or(|presence| is_set(&presence.triangles, triangle))
+        self.only.as_ref().is_none_or(|only| only.mockup.part_of_face(triangle) == only.part)
+            && self.presence.as_ref().is_none_or(|presence| is_set(&presence.triangles, triangle))
     }
 
     /// Whether a pair of a tool's and a mock-up's part is asked for.

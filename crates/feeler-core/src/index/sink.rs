@@ -159,6 +159,30 @@ pub(crate) trait RaySink {
     fn take(&mut self, triangles: &[u32]);
 }
 
+/// Takes pairs of triangles of different parts of one mock-up that may meet.
+pub(crate) trait SelfSink {
+    /// Whether a pair of parts (any order) is asked for, still.
+    fn wants(&mut self, part: u32, other: u32) -> bool;
+
+    /// Says that a block's pieces come next: their numbers mean others now.
+    fn begin_block(&mut self);
+
+    /// Takes a triangle (of the piece of this number of the block) and those chosen of others.
+    fn offer<S: Simd>(&mut self, s: S, piece: u32, triangle: u32, chosen: u32, others: &[u32; 2 * LANES]);
+}
+
+/// Takes pairs of triangles of different parts of one mock-up that may be near.
+pub(crate) trait SelfNearSink {
+    /// How far a pair of parts (any order) may be apart to be of interest, still: the square, in frame units; negative: not at all.
+    fn limit(&mut self, part: u32, other: u32) -> f32;
+
+    /// Takes a pair of triangles, and the square of a bound on their distance, in frame units.
+    fn offer(&mut self, bound: f32, triangle: u32, other: u32);
+
+    /// Says that a block is done.
+    fn end_block(&mut self);
+}
+
 /// A tool on its way through a window of time.
 pub(crate) struct Sweep<'a> {
     /// The mock-up's triangles.

@@ -45,6 +45,13 @@ impl Mesh {
         Ok(mesh)
     }
 
+    /// Of triangles that can all be queried.
+    pub(crate) fn of_checked(vertices: Vec<Point>, faces: Vec<[u32; 3]>) -> Mesh {
+        let mut bounds = Aabb::EMPTY;
+        faces.iter().flatten().for_each(|v| bounds.grow(&vertices[*v as usize]));
+        Mesh { vertices, faces, defects: Defects::default(), bounds }
+    }
+
     /// The vertices given.
     pub fn vertices(&self) -> &[Point] {
         &self.vertices

@@ -12,6 +12,7 @@
 //! alike, and `x <= y` implies `f(x) <= f(y)`: boxes that meet are never found apart, whatever the rounding. Where numbers are
 //! unpacked instead, their uncertainty is added.
 
+mod block_parts;
 mod build;
 mod cells;
 mod collide;
@@ -24,12 +25,19 @@ mod pieces;
 mod plane_cull;
 mod ray;
 mod scan;
+mod self_descent;
+mod self_meeting;
+mod self_near;
 mod separating_planes;
 mod sweep;
 mod swept_bounds;
 mod tree;
 
+pub use block_parts::BlockParts;
 pub use collide::BlocksScratch;
 pub use nearest::NearScratch;
+pub use self_descent::{SelfSearch, SelfTask};
+pub use self_meeting::{MeetingBlocks, MeetingScratch};
+pub use self_near::{NearBlocks, SelfNearScratch};
 pub use sweep::SweepScratch;
 pub use tree::Blocks;

@@ -3,7 +3,7 @@
 use super::node::{Node, FANOUT};
 use crate::constants::{HALF_STEP, UNPACK_ROUNDING};
 use feeler_lanes::{
-    boxes_apart, few_lanes, greatest, greatest4, least, least4, part_lanes, Arithmetic, Box4, Lane32, Simd, LANES, TINY,
+    along, boxes_apart, few_lanes, greatest, greatest4, least, least4, load3, part_lanes, Arithmetic, Box4, Lane32, Simd, LANES, TINY,
 };
 
 /// A block's pieces, but for their boxes. All that a query reads of a block after these lies side by side.
@@ -166,6 +166,32 @@ impl HalfBlock {
             d[c] = s.mul_add(n[0], s.splat(at[0][piece]), s.mul_add(n[1], s.splat(at[1][piece]), last));
         }
         (least4(s, &d), greatest4(s, &d))
+    }
+
+    /// Which of another half's pieces the plane of either holds apart from one of this half's.
+    #[inline(always)]
+    pub fn held_apart<S: Simd>(&self, s: S, piece: usize, others: &HalfBlock) -> u16 {
+        let (near, far) = others.interval(s, &self.normal(s, piece));
+        let apart = s.above(near, s.splat(self.far[piece])) | s.above(s.splat(self.near[piece]), far);
+        let n = load3(s, &others.normals);
+        let (near, far) = self.along(s, piece, &n);
+        s.lanes(apart | s.above(near, s.load(&others.far)) | s.above(s.load(&others.near), far))
+    }
+
+    /// The intervals of all pieces along an axis, grown by all slack.
+    #[inline(always)]
+    pub fn interval<S: Simd>(&self, s: S, n: &[S::F32; 3]) -> (S::F32, S::F32) {
+        let corners = [
+            load3(s, &self.corners[0]),
+            load3(s, &self.corners[1]),
+            load3(s, &self.corners[2]),
+            load3(s, &self.corners[3]),
+        ];
+        let (near, far) = along(s, &corners, n);
+        let slack = s.mul_add(s.abs(n[2]), s.load(&self.slack[2]), s.splat(TINY));
+        let slack = s.mul_add(s.abs(n[1]), s.load(&self.slack[1]), slack);
+        let slack = s.mul_add(s.abs(n[0]), s.load(&self.slack[0]), slack);
+        (near - slack, far + slack)
     }
 
     /// The axis across a piece's plane, in all lanes.

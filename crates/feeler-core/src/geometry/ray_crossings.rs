@@ -1,9 +1,8 @@
 //! Rays out of a surface: how they cross triangles, by exact signs.
 
-use feeler_core::geometry::predicates::orient3d;
-use feeler_core::{Aabb, Point, Triangle};
-
 use crate::constants::{RAYS_WITH_CRACKS, RAY_EXCESS};
+use crate::geometry::bounds::{Aabb, Point, Triangle};
+use crate::geometry::predicates::orient3d;
 
 /// Rays to the outside that are tried, each off the straight one by these shares of its length: odd ones, since a ray that meets an
 /// edge is undecided, and edges lie along axes and diagonals.

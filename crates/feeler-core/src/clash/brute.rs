@@ -1,0 +1,29 @@
+//! The plain twins of the searches: every pair of triangles of every pair of parts.
+
+use std::collections::BTreeMap;
+
+use super::asked::{in_order, PairLimits};
+use super::meeting::{MeetingParts, Meets};
+use crate::geometry::intersect_triangle_triangle::{intersect_triangle_triangle, PairKind};
+use crate::mesh::mockup::Mockup;
+
+/// See [`meeting_parts`](super::meeting::meeting_parts).
+pub fn meeting_of_all_pairs(mockup: &Mockup, limits: &PairLimits) -> Vec<MeetingParts> {
+    let mesh = mockup.mesh();
+    let mut met: BTreeMap<[u32; 2], Meets> = BTreeMap::new();
+    for t in mesh.queried() {
+        for u in mesh.queried().skip_while(|u| *u <= t) {
+            let parts = in_order([t, u].map(|face| mockup.part_of_face(face)));
+            if limits.clearance(parts[0], parts[1]).is_none() {
+                continue;
+            }
+            let how = match intersect_triangle_triangle(&mesh.triangle(t), &mesh.triangle(u)) {
+                Some(PairKind::Crossing) => Meets::Crossing,
+                Some(_) => Meets::Touching,
+                None => continue,
+            };
+            met.entry(parts).and_modify(|meets| *meets = how.max(*meets)).or_insert(how);
+        }
+    }
+    met.into_iter().map(|(parts, meets)| MeetingParts { parts, meets }).collect()
+}

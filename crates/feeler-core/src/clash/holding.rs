@@ -1,0 +1,91 @@
+//! Parts that hold others without touching them: a connected surface that meets nothing of a closed part lies inside it or outside,
+//! and one of its corners tells.
+
+use rayon::prelude::*;
+
+use super::asked::{in_order, PairLimits};
+use super::location::{is_within, locate, Location, LocationScratch};
+use super::solids::{connected_surfaces, Solids};
+use crate::geometry::bounds::Aabb;
+use crate::index::mockup_index::Index;
+use crate::scratch_pool::ScratchPool;
+
+/// One part, which is closed, holds another.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Held {
+    /// The one that is held.
+    pub part: u32,
+    /// The one that holds it.
+    pub by: u32,
+}
+
+/// Every pair of parts that is asked, does not meet (those in `meeting`, sorted, the lesser part first, do) and of which one holds a
+/// connected surface of the other; in order. In parallel on the current rayon pool.
+pub fn held_parts(index: &Index, solids: &Solids<'_>, limits: &PairLimits, meeting: &[[u32; 2]]) -> Vec<Held> {
+    let (mockup, selection) = (index.mockup(), index.selection());
+    let there: Vec<u32> = (0..mockup.part_bounds().len() as u32)
+        .filter(|part| selection.has_part(*part) && !mockup.part_bounds()[*part as usize].is_empty())
+        .collect();
+    let boxes = Boxes::new(there.iter().map(|part| &mockup.part_bounds()[*part as usize]));
+    let pool: ScratchPool<LocationScratch> = ScratchPool::default();
+    let mut found: Vec<Held> = there
+        .par_iter()
+        .flat_map_iter(|&part| {
+            let around = boxes.around(&mockup.part_bounds()[part as usize]);
+            let mut around: Vec<u32> = around.into_iter().map(|i| there[i as usize]).collect();
+            around.retain(|by| {
+                *by != part
+                    && limits.clearance(part, *by).is_some()
+                    && meeting.binary_search(&in_order([part, *by])).is_err()
+            });
+            if around.is_empty() {
+                return Vec::new();
+            }
+            let mut held = Vec::new();
+            pool.with(|scratch| {
+                for surface in connected_surfaces(mockup.mesh(), solids.faces(part)) {
+                    let may_hold = |by: &u32| is_covering(&mockup.part_bounds()[*by as usize], &surface.bounds);
+                    let around: Vec<u32> = around.iter().copied().filter(may_hold).collect();
+                    if around.is_empty() {
+                        continue;
+                    }
+                    let located = locate((index, solids), &surface.corner, &around, scratch);
+                    let inside = around.iter().zip(located).filter(|(_, location)| *location == Location::Inside);
+                    held.extend(inside.map(|(by, _)| Held { part, by: *by }));
+                }
+            });
+            held
+        })
+        .collect();
+    found.sort_unstable();
+    found.dedup();
+    found
+}
+
+/// Whether a box covers all of another.
+fn is_covering(bounds: &Aabb, other: &Aabb) -> bool {
+    is_within(bounds, &other.lower) && is_within(bounds, &other.upper)
+}
+
+/// Boxes side by side.
+struct Boxes {
+    lower: [Vec<f64>; 3],
+    upper: [Vec<f64>; 3],
+}
+
+impl Boxes {
+    fn new<'a>(boxes: impl Iterator<Item = &'a Aabb> + Clone) -> Boxes {
+        let [lower, upper] = [0, 1].map(|side| {
+            [0, 1, 2].map(|a| boxes.clone().map(|b| if side == 0 { b.lower[a] } else { b.upper[a] }).collect())
+        });
+        Boxes { lower, upper }
+    }
+
+    /// The places of those that a box overlaps.
+    fn around(&self, b: &Aabb) -> Vec<u32> {
+        let is_near = |i: usize| {
+            (0..3).fold(true, |near, a| near & (self.lower[a][i] <= b.upper[a]) & (b.lower[a] <= self.upper[a][i]))
+        };
+        (0..self.lower[0].len()).filter(|i| is_near(*i)).map(|i| i as u32).collect()
+    }
+}

@@ -1,0 +1,100 @@
+//! Which pairs of parts meet, and whether they cross or only touch: the index held against itself once.
+
+use super::asked::{in_order, merged, PairLimits};
+use super::narrow::{MeetingNarrow, NarrowScratch};
+use super::search::{Found, SelfIndex};
+use crate::geometry::intersect_triangle_triangle::PairKind;
+use crate::index::blocks::{MeetingBlocks, MeetingScratch};
+use crate::mesh::mockup::Mockup;
+use crate::progress::Progress;
+use crate::scratch_pool::ScratchPool;
+
+/// How two parts meet.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Meets {
+    /// Triangles touch or lie in one plane, and none cross.
+    Touching,
+    /// Some cross.
+    Crossing,
+}
+
+/// Two parts that meet.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct MeetingParts {
+    /// The lesser first.
+    pub parts: [u32; 2],
+    /// How.
+    pub meets: Meets,
+}
+
+/// Two triangles that touch or lie in one plane.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Touch {
+    /// The lesser first.
+    pub parts: [u32; 2],
+    /// A triangle of each.
+    pub triangles: [u32; 2],
+    /// How they meet: not crossing.
+    pub kind: PairKind,
+}
+
+/// What [`meeting_parts`] found.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Meeting {
+    /// In order.
+    pub pairs: Vec<MeetingParts>,
+    /// All pairs of triangles of the parts that only touch, in order, each once.
+    pub touches: Vec<Touch>,
+    /// False where the search was stopped.
+    pub is_complete: bool,
+}
+
+impl Touch {
+    pub(crate) fn new(mockup: &Mockup, triangles: [u32; 2], kind: PairKind) -> Touch {
+        let [a, b] = triangles.map(|t| mockup.part_of_face(t));
+        let [t, u] = triangles;
+        Touch { parts: in_order([a, b]), triangles: if a < b { [t, u] } else { [u, t] }, kind }
+    }
+}
+
+impl Meeting {
+    /// The touches of two parts.
+    pub fn touches_of(&self, parts: [u32; 2]) -> &[Touch] {
+        let from = self.touches.partition_point(|touch| touch.parts < parts);
+        let count = self.touches[from..].partition_point(|touch| touch.parts == parts);
+        &self.touches[from..from + count]
+    }
+}
+
+/// Every pair of parts that is asked and meets, without those `decided` beforehand (sorted, the lesser part first). Exact: parts meet
+/// where two of their triangles do, and cross where two of them cross. In parallel on the current rayon pool.
+pub fn meeting_parts(
+    index: &SelfIndex<'_>,
+    limits: &PairLimits,
+    decided: &[[u32; 2]],
+    progress: Progress<'_>,
+) -> Meeting {
+    let (mockup, lanes) = (index.index().mockup(), index.index().lanes());
+    let pool: ScratchPool<(NarrowScratch, MeetingScratch)> = ScratchPool::default();
+    let Found { all, is_complete } = index.search(0.0, (progress, "finding parts that meet"), |search, task| {
+        pool.with(|(scratch, of_blocks)| {
+            let (found, touches) = (Vec::new(), Vec::new());
+            let mut narrow = MeetingNarrow { mockup, limits, decided, lanes, scratch, found, touches };
+            let (blocks, parts) = (index.blocks(), index.parts());
+            search.run(task, &mut MeetingBlocks { blocks, parts, narrow: &mut narrow, scratch: of_blocks });
+            narrow.finish();
+            vec![(narrow.found, narrow.touches)]
+        })
+    });
+    let pairs = merged(all.iter().flat_map(|(found, _)| found).copied(), Meets::max);
+    let pairs: Vec<MeetingParts> = pairs.into_iter().map(|(parts, meets)| MeetingParts { parts, meets }).collect();
+    let is_touching = |touch: &&Touch| {
+        let at = pairs.binary_search_by_key(&touch.parts, |pair| pair.parts);
+        at.is_ok_and(|at| pairs[at].meets == Meets::Touching)
+    };
+    let mut touches: Vec<Touch> =
+        all.iter().flat_map(|(_, touches)| touches).filter(is_touching).copied().collect();
+    touches.sort_unstable_by_key(|touch| (touch.parts, touch.triangles));
+    touches.dedup();
+    Meeting { pairs, touches, is_complete }
+}

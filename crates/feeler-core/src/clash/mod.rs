@@ -1,0 +1,14 @@
+//! The mock-up against itself: which pairs of its parts meet, which are near, which hold each other, and which are one and the same.
+
+pub mod asked;
+pub mod brute;
+pub mod duplicates;
+pub mod holding;
+pub mod location;
+pub mod meeting;
+mod narrow;
+pub mod near;
+mod pair_table;
+pub mod search;
+pub mod solids;
+pub mod touch;

@@ -1,0 +1,97 @@
+//! Two parts whose triangles touch or lie in one plane, and none cross: whether one enters the other, holds it, or only touches it.
+//!
+//! By sides first, as of a tool ([`crate::collide::touching`]): where triangles meet, whether the one goes on into the other's
+//! material. The same with the material outside tells whether it goes on out of it. What the sides leave open (corners that meet
+//! corners, surfaces that meet nothing) points tell: each connected piece of a surface that meets nothing of the other is on one side.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::location::{locate, Location, LocationScratch};
+use super::meeting::Touch;
+use super::solids::{sets_by_corners, Solid, Solids};
+use crate::collide::hits::Hit;
+use crate::collide::touching::Surfaces;
+use crate::geometry::bounds::Point;
+use crate::index::mockup_index::Index;
+
+/// What two parts do to each other that meet and do not cross.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Touching {
+    /// They are outside each other.
+    Beside,
+    /// Each has something inside the other, and something outside.
+    Entering,
+    /// The first of them, which is closed, holds all of the second.
+    Holding,
+    /// The other way round.
+    Held,
+}
+
+/// See the module; `touches` are all of the two, each once.
+pub fn judge(
+    (index, solids): (&Index, &Solids<'_>),
+    parts: [u32; 2],
+    touches: &[Touch],
+    scratch: &mut LocationScratch,
+) -> Touching {
+    let [p, q] = parts.map(|part| solids.of(part));
+    let is_entering = |is_turned: [bool; 2]| {
+        let hits = touches.iter().map(|touch| Hit::new(p.own(touch.triangles[0]), q.own(touch.triangles[1]), touch.kind));
+        let surfaces = Surfaces {
+            tool: &|t| p.triangle(t),
+            mockup: &|t| q.triangle(t),
+            adjacency: [p.adjacency(), q.adjacency()],
+            is_turned,
+        };
+        surfaces.entering(hits).is_some()
+    };
+    // Of each, whether points of it lie inside the other, and outside.
+    let mut lies = [[false; 2]; 2];
+    for i in 0..2 {
+        let (own, other) = (if i == 0 { p } else { q }, parts[1 - i]);
+        if !solids.of(other).is_closed() {
+            lies[i][1] = true;
+            continue;
+        }
+        let met: BTreeSet<u32> = touches.iter().map(|touch| own.own(touch.triangles[i])).collect();
+        for point in points_aside(&own, &met) {
+            match locate((index, solids), &point, &[other], scratch)[0] {
+                Location::Inside => lies[i][0] = true,
+                Location::Outside => lies[i][1] = true,
+                Location::On => {}
+            }
+        }
+    }
+    let is_inside = is_entering([false; 2]) || lies[0][0] || lies[1][0];
+    // What holds another has nothing inside it, and nothing of the other is outside: nor does it go there from where they meet.
+    let holds = |i: usize| {
+        let is_turned = if i == 0 { [true, false] } else { [false, true] };
+        !lies[1 - i][1] && !lies[i][0] && !is_entering(is_turned)
+    };
+    match is_inside {
+        false => Touching::Beside,
+        true if holds(0) => Touching::Holding,
+        true if holds(1) => Touching::Held,
+        true => Touching::Entering,
+    }
+}
+
+/// Points of a part of which some lie wherever it does: a corner of each connected piece of its surface without the triangles that meet the other part,
+/// and the corners that only those have.
+fn points_aside(solid: &Solid<'_>, met: &BTreeSet<u32>) -> Vec<Point> {
+    let rest: Vec<u32> = (0..solid.len() as u32).filter(|t| !met.contains(t)).collect();
+    let sets = sets_by_corners(rest.iter().map(|t| solid.triangle(*t)));
+    let firsts = rest.iter().zip(&sets).zip(0..).filter(|((_, set), i)| **set == *i);
+    let mut points: Vec<Point> = firsts.map(|((t, _), _)| solid.triangle(*t)[0]).collect();
+    let key = |corner: &Point| corner.map(|x| (x + 0.0).to_bits());
+    // A corner of a piece that is asked for already needs no asking.
+    let mut alone: BTreeMap<[u64; 3], Point> = BTreeMap::new();
+    for corner in met.iter().flat_map(|t| solid.triangle(*t)) {
+        alone.insert(key(&corner), corner);
+    }
+    for corner in rest.iter().flat_map(|t| solid.triangle(*t)) {
+        alone.remove(&key(&corner));
+    }
+    points.extend(alone.into_values());
+    points
+}

@@ -1,0 +1,205 @@
+//! `feeler._core.clash`: a mock-up against itself.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use feeler_contacts as contacts;
+use feeler_core as core;
+use feeler_core::clash::asked::{PairLimitTables, PairLimits};
+use numpy::ndarray::{Array2, Array3};
+use numpy::{Element, IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::contacts::KINDS;
+use crate::errors::{raise, to_py};
+use crate::pools::Pool;
+use crate::proximity::points;
+use crate::reporter::Reporter;
+use crate::scene::Scene;
+use crate::travel::{list, rows_of};
+
+/// Pairs of parts that are too near each other, as columns.
+#[pyclass(frozen, module = "feeler._core")]
+pub struct ClashRows {
+    rows: Vec<contacts::Clash>,
+    counts: contacts::ClashCounts,
+    seconds: [f64; 3],
+    is_partial: bool,
+}
+
+impl ClashRows {
+    fn column<'py, T: Element>(
+        &self,
+        py: Python<'py>,
+        of: impl Fn(&contacts::Clash) -> T,
+    ) -> Bound<'py, PyArray1<T>> {
+        self.rows.iter().map(of).collect::<Vec<T>>().into_pyarray(py)
+    }
+
+    fn points<'py>(&self, py: Python<'py>, of: impl Fn(&contacts::Clash) -> core::Point) -> Bound<'py, PyArray2<f64>> {
+        points(py, self.rows.iter().map(of))
+    }
+}
+
+#[pymethods]
+impl ClashRows {
+    #[getter]
+    fn a<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
+        self.column(py, |row| row.parts[0])
+    }
+
+    #[getter]
+    fn b<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
+        self.column(py, |row| row.parts[1])
+    }
+
+    #[getter]
+    fn verdict<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u8>> {
+        self.column(py, |row| row.verdict as u8)
+    }
+
+    #[getter]
+    fn depth<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.column(py, |row| row.depth)
+    }
+
+    #[getter]
+    fn depth_kind<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u8>> {
+        let code = |row: &contacts::Clash| KINDS.iter().position(|(kind, _)| *kind == row.kind);
+        self.column(py, |row| code(row).unwrap_or(KINDS.len() - 1) as u8)
+    }
+
+    #[getter]
+    fn translation<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
+        self.points(py, |row| row.translation)
+    }
+
+    #[getter]
+    fn gap<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.column(py, |row| row.gap)
+    }
+
+    #[getter]
+    fn point_a<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
+        self.points(py, |row| row.points[0])
+    }
+
+    #[getter]
+    fn point_b<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
+        self.points(py, |row| row.points[1])
+    }
+
+    #[getter]
+    fn triangles<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
+        self.column(py, |row| row.triangles)
+    }
+
+    #[getter(r#box)]
+    fn bounds<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray3<f64>> {
+        let side = |row: &contacts::Clash, i: usize| if i == 0 { row.bounds.lower } else { row.bounds.upper };
+        Array3::from_shape_fn((self.rows.len(), 2, 3), |(n, i, axis)| side(&self.rows[n], i)[axis]).into_pyarray(py)
+    }
+
+    #[getter]
+    fn is_open<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<bool>> {
+        Array2::from_shape_fn((self.rows.len(), 2), |(n, i)| self.rows[n].is_open[i]).into_pyarray(py)
+    }
+
+    #[getter]
+    fn counts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let dict = PyDict::new(py);
+        let counts = &self.counts;
+        for (name, count) in [
+            ("crossing", counts.crossing),
+            ("touching", counts.touching),
+            ("contained", counts.held),
+            ("duplicates", counts.duplicates),
+            ("near", counts.near),
+        ] {
+            dict.set_item(name, count)?;
+        }
+        Ok(dict)
+    }
+
+    #[getter]
+    fn seconds<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let dict = PyDict::new(py);
+        for (name, seconds) in ["verdicts", "clearance", "depths"].iter().zip(self.seconds) {
+            dict.set_item(name, seconds)?;
+        }
+        Ok(dict)
+    }
+
+    #[getter]
+    fn is_partial(&self) -> bool {
+        self.is_partial
+    }
+
+    fn __len__(&self) -> usize {
+        self.rows.len()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("ClashRows({} pairs of parts{})", self.rows.len(), if self.is_partial { ", partial" } else { "" })
+    }
+}
+
+/// A table of classes, row by row.
+fn table(what: &str, array: &PyReadonlyArray2<'_, f64>) -> PyResult<Vec<f64>> {
+    let view = array.as_array();
+    if view.nrows() != view.ncols() {
+        let shape = view.shape();
+        return Err(raise("OptionError", format!("{what} has shape {shape:?}: (classes, classes) is needed")));
+    }
+    Ok(view.iter().copied().collect())
+}
+
+/// The mock-up of a scene against itself, in parallel on `threads` threads (`None`: those of the scene).
+#[pyfunction]
+#[pyo3(signature = (scene, clearance, contact, *, class_of_part = None, contact_of_part = None, exclude = None, threads = None,
+                    progress = None))]
+#[allow(clippy::too_many_arguments, reason = "the Python signature")]
+pub fn clash(
+    py: Python<'_>,
+    scene: &Scene,
+    clearance: PyReadonlyArray2<'_, f64>,
+    contact: PyReadonlyArray2<'_, f64>,
+    class_of_part: Option<PyReadonlyArray1<'_, u32>>,
+    contact_of_part: Option<PyReadonlyArray1<'_, f64>>,
+    exclude: Option<PyReadonlyArray2<'_, u32>>,
+    threads: Option<usize>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<ClashRows> {
+    let tables = PairLimitTables {
+        class_of_part: class_of_part.map_or_else(Vec::new, |classes| list(&classes)),
+        clearance: table("clearance", &clearance)?,
+        contact: table("contact", &contact)?,
+        contact_of_part: contact_of_part.map_or_else(Vec::new, |contacts| list(&contacts)),
+        excluded: exclude.map_or_else(|| Ok(Vec::new()), |pairs| rows_of::<u32, 2>(&pairs))?,
+    };
+    let solver = Arc::clone(scene.solver());
+    let limits = PairLimits::new(tables, solver.scene().mockup().part_bounds().len()).map_err(to_py)?;
+    let own = threads.map(|threads| Arc::new(Pool::new(threads)));
+    let pool = own.as_deref().or(scene.pool().map(Arc::as_ref));
+    let reporter = Reporter::new(progress);
+    let found = py.detach(|| {
+        reporter.watch(pool, || {
+            let tell = |done: f64, stage: &str| reporter.tell(done, stage);
+            let mut seconds = [0.0; 3];
+            let start = Instant::now();
+            let mut search = contacts::ClashSearch::new(&solver, &limits)?;
+            search.find_verdicts(&tell);
+            seconds[0] = start.elapsed().as_secs_f64();
+            if search.is_complete() {
+                search.find_gaps(&tell);
+                seconds[1] = start.elapsed().as_secs_f64() - seconds[0];
+            }
+            let rows = search.measure(&tell)?;
+            seconds[2] = start.elapsed().as_secs_f64() - seconds[0] - seconds[1];
+            Ok(ClashRows { rows, counts: search.counts(), seconds, is_partial: !search.is_complete() })
+        })
+    });
+    reporter.finish_interrupted()?;
+    found?.map_err(to_py)
+}

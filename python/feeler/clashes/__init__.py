@@ -1,0 +1,40 @@
+"""Clash: every pair of parts of a mock-up, told apart, measured, tracked, reported.
+
+    Mockup, rules -> finding (the core's rows) -> Clashes (table) -> groups; diff, save; CSV, JSON, HTML, BCF, GLB
+
+The package is called `clashes` because `feeler.clash` is the function.
+"""
+
+from feeler.clashes.as_bcf import write_bcf
+from feeler.clashes.as_csv import write_csv
+from feeler.clashes.as_glb import write_clash_glb
+from feeler.clashes.as_html import write_html
+from feeler.clashes.as_json import report
+from feeler.clashes.changes import Changes
+from feeler.clashes.finding import ClashInterrupted, clash
+from feeler.clashes.grouping import Group
+from feeler.clashes.rules import Exclusion, Rule, Rules
+from feeler.clashes.rules_file import write_rules
+from feeler.clashes.saving import load_clashes
+from feeler.clashes.table import Clash, Clashes
+from feeler.clashes.verdict import Verdict
+
+__all__ = [
+    "Changes",
+    "Clash",
+    "ClashInterrupted",
+    "Clashes",
+    "Exclusion",
+    "Group",
+    "Rule",
+    "Rules",
+    "Verdict",
+    "clash",
+    "load_clashes",
+    "report",
+    "write_bcf",
+    "write_clash_glb",
+    "write_csv",
+    "write_html",
+    "write_rules",
+]

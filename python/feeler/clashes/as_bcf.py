@@ -1,0 +1,215 @@
+"""Findings as BCF 3.0, the BIM Collaboration Format of buildingSMART: a topic for each group.
+
+A zip with `bcf.version`, `project.bcfp`, `extensions.xml` and a folder for each topic: `markup.bcf`, `viewpoint.bcfv`
+and `snapshot.png`. GUIDs follow from the names of groups, so that the same group is the same topic in every file.
+"""
+
+from __future__ import annotations
+
+import datetime
+import os
+import re
+import zipfile
+from collections.abc import Callable, Iterable, Mapping
+from typing import TYPE_CHECKING
+from xml.etree import ElementTree
+
+from feeler.clashes.grouping import Group
+from feeler.clashes.table import Clash, Clashes
+from feeler.clashes.tracking import derived_id
+from feeler.clashes.verdict import SEVERITIES, Verdict
+from feeler.clashes.words import sentence, title
+from feeler.errors import OptionError
+from feeler.io.atomic import atomic_file
+from feeler.mockup import Mockup
+
+if TYPE_CHECKING:
+    from feeler.clashes.pictures import View
+
+MOST_TOPICS = 100
+"""Topics of a file, the worst groups: a tracker of issues that is given thousands is not read."""
+MOST_LINES = 50
+"""Findings that a topic tells one by one."""
+
+SYSTEM = "feeler"
+_STATUSES = ("new", "active", "reviewed", "approved")
+_COLOURS = ("4580CC", "FF850D")  # of the first and the second part, as in the picture
+_EPOCH = (1980, 1, 1, 0, 0, 0)  # the first moment that a zip can tell: the same findings give the same bytes
+_NO_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+
+
+def write_bcf(
+    path: str | os.PathLike[str],
+    clashes: Clashes,
+    mockup: Mockup,
+    *,
+    by: str = "part",
+    most: int = MOST_TOPICS,
+    author: str = SYSTEM,
+    when: datetime.datetime | None = None,
+    progress: Callable[[float, str], object] | None = None,
+) -> int:
+    """Writes a topic for each of the first `most` groups, with the view and the picture of its worst; returns how many.
+
+    by: how groups are made, as of `Clashes.groups`. author, when: of the topics; now, unless told otherwise. Parts are
+    named by their paths, as `AuthoringToolId`. Raises `WriteError`, and `OptionError` where the clashes are of another
+    mock-up, or `most` is no number of topics.
+    """
+    from feeler.clashes.as_glb import check_same
+    from feeler.clashes.pictures import Pictures
+
+    if most < 1:
+        raise OptionError(f"most is {most!r}: give a number of topics, 1 or more")
+    check_same(mockup, clashes)
+    date = (when or datetime.datetime.now(datetime.timezone.utc)).isoformat(timespec="seconds")
+    groups = clashes.groups(by)[:most]
+    pictures = Pictures(mockup)
+    files = {
+        "bcf.version": _xml(_element("Version", {"VersionId": "3.0"})),
+        "project.bcfp": _xml(_project(clashes)),
+        "extensions.xml": _xml(_extensions(author)),
+    }
+    for number, group in enumerate(groups):
+        if progress is not None:
+            progress(number / len(groups), f"topic {number + 1} of {len(groups)}")
+        guid = derived_id("topic", by, group.name)
+        view = derived_id("viewpoint", by, group.name)
+        files[f"{guid}/markup.bcf"] = _xml(_markup(group, clashes, number, guid, view, author, date))
+        files[f"{guid}/viewpoint.bcfv"] = _xml(_viewpoint(group.worst, pictures.view(group.worst), view))
+        files[f"{guid}/snapshot.png"] = pictures.png(group.worst)
+    with atomic_file(path) as out, zipfile.ZipFile(out, "w") as archive:
+        for name, data in files.items():
+            kind = zipfile.ZIP_STORED if name.endswith(".png") else zipfile.ZIP_DEFLATED
+            archive.writestr(zipfile.ZipInfo(name, _EPOCH), data, kind)
+    return len(groups)
+
+
+Element = ElementTree.Element
+
+
+def _element(name: str, attributes: Mapping[str, str] | None = None, *inside: Element | str) -> Element:
+    """An element with what is in it: text or elements. Characters that XML cannot have become question marks."""
+    made = Element(name, {key: _NO_XML.sub("?", value) for key, value in (attributes or {}).items()})
+    for each in inside:
+        if isinstance(each, str):
+            made.text = _NO_XML.sub("?", each)
+        else:
+            made.append(each)
+    return made
+
+
+def _xml(root: Element) -> bytes:
+    ElementTree.indent(root)
+    text: bytes = ElementTree.tostring(root, encoding="utf-8", xml_declaration=True)
+    return text
+
+
+def _project(clashes: Clashes) -> Element:
+    name = ", ".join(file.replace("\\", "/").rpartition("/")[2] for file in clashes.facts.files) or "mock-up"
+    return _element(
+        "ProjectInfo", {}, _element("Project", {"ProjectId": derived_id("project", name)}, _element("Name", {}, name))
+    )
+
+
+def _extensions(author: str) -> Element:
+    def words(several: str, one: str, values: Iterable[str]) -> Element:
+        return _element(several, {}, *(_element(one, {}, value) for value in values))
+
+    return _element(
+        "Extensions",
+        {},
+        words("TopicTypes", "TopicType", ["Clash"]),
+        words("TopicStatuses", "TopicStatus", _STATUSES),
+        words("Priorities", "Priority", SEVERITIES),
+        words("TopicLabels", "TopicLabel", [each.name.lower() for each in Verdict]),
+        words("Users", "User", [author]),
+    )
+
+
+def _markup(group: Group, clashes: Clashes, number: int, guid: str, view: str, author: str, date: str) -> Element:
+    members = group.clashes
+    statuses = set(members.status.tolist())
+    labels = sorted(set(members.verdict.tolist()))
+    lines = [f"{sentence(clash)} ({clash.path_a}; {clash.path_b}; {clash.id})" for clash in members[:MOST_LINES]]
+    if len(members) > MOST_LINES:
+        lines.append(f"... and {len(members) - MOST_LINES:,} more")
+    files = [
+        _element("File", {"IsExternal": "true"}, _element("Filename", {}, file.replace("\\", "/").rpartition("/")[2]))
+        for file in clashes.facts.files
+    ]
+    topic = _element(
+        "Topic",
+        {
+            "Guid": guid,
+            "TopicType": "Clash",
+            # What nobody has looked at is said first.
+            "TopicStatus": next((each for each in _STATUSES if each in statuses), "new"),
+        },
+        _element("Title", {}, title(group)),
+        _element("Priority", {}, group.worst.severity),
+        _element("Index", {}, str(number)),
+        _element("Labels", {}, *(_element("Label", {}, Verdict(each).name.lower()) for each in labels)),
+        _element("CreationDate", {}, date),
+        _element("CreationAuthor", {}, author),
+        _element("Description", {}, "\n".join(lines)),
+        _element(
+            "Viewpoints",
+            {},
+            _element(
+                "ViewPoint",
+                {"Guid": view},
+                _element("Viewpoint", {}, "viewpoint.bcfv"),
+                _element("Snapshot", {}, "snapshot.png"),
+                _element("Index", {}, "0"),
+            ),
+        ),
+    )
+    header = [_element("Header", {}, _element("Files", {}, *files))] if files else []
+    return _element("Markup", {}, *header, topic)
+
+
+def _viewpoint(clash: Clash, view: View, guid: str) -> Element:
+    camera = view.camera
+    _, up, forward = camera.axes()
+
+    def part(path: str) -> Element:
+        return _element(
+            "Component", {}, _element("OriginatingSystem", {}, SYSTEM), _element("AuthoringToolId", {}, path)
+        )
+
+    def vector(name: str, values: Iterable[float]) -> Element:
+        axes = [_element(axis, {}, repr(float(value))) for axis, value in zip("XYZ", values, strict=True)]
+        return _element(name, {}, *axes)
+
+    paths = (clash.path_a, clash.path_b)
+    colours = [
+        _element("Color", {"Color": colour}, _element("Components", {}, part(path)))
+        for colour, path in zip(_COLOURS, paths, strict=True)
+    ]
+    from feeler.clashes.pictures import SIZE
+
+    return _element(
+        "VisualizationInfo",
+        {"Guid": guid},
+        _element(
+            "Components",
+            {},
+            _element("Selection", {}, *(part(path) for path in paths)),
+            _element("Visibility", {"DefaultVisibility": "true"}),
+            _element("Coloring", {}, *colours),
+        ),
+        _element(
+            "PerspectiveCamera",
+            {},
+            vector("CameraViewPoint", camera.eye),
+            vector("CameraDirection", forward),
+            vector("CameraUpVector", up),
+            _element("FieldOfView", {}, repr(camera.fov_deg)),
+            _element("AspectRatio", {}, repr(SIZE[0] / SIZE[1])),
+        ),
+        _element(
+            "ClippingPlanes",
+            {},
+            _element("ClippingPlane", {}, vector("Location", view.point), vector("Direction", view.normal)),
+        ),
+    )

@@ -1,0 +1,68 @@
+"""Findings as GLB: the parts of pairs in the colour of their worst verdict, with a line each."""
+
+from __future__ import annotations
+
+import os
+
+import numpy as np
+import numpy.typing as npt
+
+from feeler.clashes.table import Clashes
+from feeler.clashes.verdict import Verdict
+from feeler.errors import OptionError
+from feeler.io.body import LIGHT_GREY, ORANGE, RED, STEEL_BLUE, Body, Colour, body_of
+from feeler.io.export import write_glb
+from feeler.mockup import Mockup
+
+VIOLET: Colour = (0.55, 0.25, 0.70)
+GREEN: Colour = (0.30, 0.62, 0.36)
+
+COLOUR_OF: dict[Verdict, Colour] = {
+    Verdict.CLASH: RED,
+    Verdict.CONTACT: GREEN,
+    Verdict.CLEARANCE: STEEL_BLUE,
+    Verdict.CONTAINED: VIOLET,
+    Verdict.DUPLICATE: ORANGE,
+}
+_THICKNESS_SHARE = 0.0005  # of the mock-up's size
+
+
+def clash_bodies(mockup: Mockup, clashes: Clashes) -> tuple[Body, ...]:
+    """The mock-up and the lines of its findings, coloured.
+
+    A part has the colour of its worst finding, the rest is light grey. A line goes from the point of one part to that
+    of the other; where they are in each other, along the least way out.
+    """
+    from feeler.picture.bars import LEAST_THICKNESS_M, bars
+
+    check_same(mockup, clashes)
+    colours = np.tile(np.array(LIGHT_GREY), (mockup.part_count, 1))
+    for row in range(len(clashes) - 1, -1, -1):
+        colour = COLOUR_OF[Verdict(int(clashes.verdict[row]))]
+        colours[[clashes.a[row], clashes.b[row]]] = colour
+    body = body_of(mockup, colours=colours)
+    is_deep = clashes.depth > 0.0
+    start = np.nan_to_num(clashes.point_a)
+    end = np.nan_to_num(np.where(is_deep[:, None], clashes.point_a + clashes.translation, clashes.point_b))
+    size = float(np.linalg.norm(mockup.bounds[1] - mockup.bounds[0]))
+    paths = [f"witness lines/{name} {i}" for i, name in enumerate(_verdicts(clashes.verdict))]
+    lines = bars(start, end, max(_THICKNESS_SHARE * size, LEAST_THICKNESS_M), paths)
+    return (body,) if lines is None else (body, lines)
+
+
+def write_clash_glb(path: str | os.PathLike[str], mockup: Mockup, clashes: Clashes) -> int:
+    """Writes `clash_bodies` as GLB; returns its size in bytes. Raises `WriteError`, `OptionError`."""
+    return write_glb(path, *clash_bodies(mockup, clashes))
+
+
+def check_same(mockup: Mockup, clashes: Clashes) -> None:
+    """Raises `OptionError` where the findings do not count the parts of this mock-up."""
+    if tuple(mockup.part_paths) != clashes.part_paths:
+        raise OptionError(
+            "the clashes are of other parts than the mock-up's: give the mock-up that was checked, and what "
+            "feeler.clash said of it (clashes of a file have no part numbers)"
+        )
+
+
+def _verdicts(verdict: npt.NDArray[np.uint8]) -> list[str]:
+    return [Verdict(each).name.lower() for each in verdict.tolist()]

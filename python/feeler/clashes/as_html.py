@@ -1,0 +1,164 @@
+"""Findings as one page that needs nothing else: summary, groups with pictures, a table to filter."""
+
+from __future__ import annotations
+
+import base64
+import json
+import os
+from collections.abc import Callable
+from html import escape
+from typing import Any
+
+from feeler.clashes.as_json import statuses
+from feeler.clashes.grouping import Group
+from feeler.clashes.html_page import POLICY, SCRIPT, STYLE
+from feeler.clashes.table import Clashes
+from feeler.clashes.verdict import Verdict
+from feeler.clashes.words import extent, length, sentence
+from feeler.io.atomic import atomic_file
+from feeler.mockup import Mockup
+
+MOST_PICTURES = 24
+"""Groups that get a picture, the worst first: about 30 kB and 0.2 s each."""
+MOST_GROUPS = 200
+"""Groups that are shown; the table has their findings, too."""
+MOST_ROWS = 20_000
+"""Findings that the table has, the worst first: 6 MB. CSV and JSON have all."""
+
+
+def write_html(
+    path: str | os.PathLike[str],
+    clashes: Clashes,
+    mockup: Mockup | None = None,
+    *,
+    by: str = "part",
+    pictures: int = MOST_PICTURES,
+    progress: Callable[[float, str], object] | None = None,
+) -> None:
+    """Writes the page; it loads nothing from anywhere.
+
+    The table has the `MOST_ROWS` worst. mockup: for pictures, of the worst of each of the first `pictures` groups;
+    None: none. by: how groups are made. Raises `WriteError`, and `OptionError` for clashes of another mock-up.
+    """
+    groups = clashes.groups(by)
+    drawn = _drawn(clashes, mockup, groups[:pictures], progress) if mockup is not None else []
+    group_of = {int(row): group.name for group in groups for row in group.rows}
+    page = "\n".join(
+        [
+            '<!doctype html><html lang="en"><head><meta charset="utf-8">',
+            f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">',
+            '<meta name="viewport" content="width=device-width, initial-scale=1">',
+            f"<title>{escape(_title(clashes))}</title><style>{STYLE}</style></head><body>",
+            f"<h1>{escape(_title(clashes))}</h1>",
+            *_summary(clashes, groups),
+            *_groups(groups, drawn),
+            *_table(clashes),
+            f'<script type="application/json" id="data">{_data(clashes, group_of)}</script>',
+            f"<script>{SCRIPT}</script></body></html>\n",
+        ]
+    )
+    with atomic_file(path) as file:
+        file.write(page.encode("utf-8", errors="replace"))
+
+
+def _drawn(
+    clashes: Clashes, mockup: Mockup, groups: list[Group], progress: Callable[[float, str], object] | None
+) -> list[str]:
+    """The picture of each group's worst, as what an image's source takes."""
+    from feeler.clashes.as_glb import check_same
+    from feeler.clashes.pictures import Pictures
+
+    check_same(mockup, clashes)
+    pictures = Pictures(mockup)
+    found = []
+    for number, group in enumerate(groups):
+        if progress is not None:
+            progress(number / len(groups), f"picture {number + 1} of {len(groups)}")
+        found.append("data:image/png;base64," + base64.b64encode(pictures.png(group.worst)).decode("ascii"))
+    return found
+
+
+def _title(clashes: Clashes) -> str:
+    files = [file.replace("\\", "/").rpartition("/")[2] for file in clashes.facts.files]
+    return f"Clashes of {', '.join(files[:3])}{' ...' if len(files) > 3 else ''}" if files else "Clashes"
+
+
+def _summary(clashes: Clashes, groups: list[Group]) -> list[str]:
+    facts = clashes.facts
+    contact = facts.contact if isinstance(facts.contact, str) else length(facts.contact) if facts.contact else "0"
+    verdicts = [(each.name.lower(), len(clashes.where(verdict=each.name))) for each in Verdict]
+    lines = [
+        ("mock-up", f"{facts.parts:,} parts, {facts.triangles:,} triangles"),
+        ("looked for", f"clearance {length(facts.clearance) if facts.clearance else '0'}, contact {contact}"),
+        ("findings", ", ".join(f"{count:,} {name}" for name, count in verdicts if count) or "none"),
+        ("status", ", ".join(f"{count:,} {name}" for name, count in statuses(clashes).items() if count) or "none"),
+        ("groups", f"{len(groups):,}"),
+    ]
+    partial = ["<p class=partial>The check was stopped: this is what was found until then.</p>"]
+    items = "".join(f"<dt>{escape(name)}</dt><dd>{escape(value)}</dd>" for name, value in lines)
+    return [*(partial if clashes.is_partial else []), f"<dl>{items}</dl>"]
+
+
+def _groups(groups: list[Group], drawn: list[str]) -> list[str]:
+    if not groups:
+        return []
+    lines = ["<h2>Groups</h2><div class=groups>"]
+    for number, group in enumerate(groups[:MOST_GROUPS]):
+        image = f'<img alt="" src="{drawn[number]}">' if number < len(drawn) else ""
+        more = f"{len(group):,} finding{'' if len(group) == 1 else 's'}"
+        lines.append(
+            f'<button type=button class=group aria-pressed=false data-group="{escape(group.name)}">{image}<span>'
+            f"<b>{escape(group.name)}</b>{more}; {escape(sentence(group.worst))}</span></button>"
+        )
+    left = len(groups) - MOST_GROUPS
+    return [*lines, "</div>", f"<p>... and {left:,} groups more, in the table</p>" if left > 0 else ""]
+
+
+def _table(clashes: Clashes) -> list[str]:
+    choices = {
+        "verdict": [each.name.lower() for each in Verdict],
+        "status": ["new", "active", "reviewed", "approved"],
+        "severity": ["critical", "major", "minor"],
+        "rule": list(dict.fromkeys(clashes.rule.tolist())),
+    }
+    filters = []
+    for name, values in choices.items():
+        options = "".join(f'<option value="{escape(value)}">{escape(value)}</option>' for value in values)
+        filters.append(f'<label>{name} <select id={name}><option value="">any</option>{options}</select></label>')
+    heads = ["verdict", "depth or gap", "part", "other part", "at, m", "rule", "status"]
+    return [
+        "<h2>Findings</h2><div class=filters>",
+        *filters,
+        "<label>text <input type=search id=text></label>",
+        "<button type=button id=clear>All</button><span id=count></span></div>",
+        f"<table><thead><tr>{''.join(f'<th>{head}</th>' for head in heads)}</tr></thead>",
+        "<tbody id=rows></tbody></table>",
+        "<p><button type=button id=more hidden></button></p>",
+        f"<p>The {MOST_ROWS:,} worst of {len(clashes):,} findings are in this page.</p>"
+        if len(clashes) > MOST_ROWS
+        else "",
+        "<noscript><p>The table needs scripts, which this page carries itself.</p></noscript>",
+    ]
+
+
+def _data(clashes: Clashes, group_of: dict[int, str]) -> str:
+    """The table's rows as JSON that may stand in a page: nothing in it ends the element."""
+    found: list[dict[str, Any]] = [
+        {
+            "id": clash.id,
+            "verdict": clash.verdict.name.lower(),
+            "extent": extent(clash),
+            "a": clash.path_a,
+            "b": clash.path_b,
+            "place": " ".join(f"{value:.4f}" for value in clash.point_a),
+            "rule": clash.rule,
+            "severity": clash.severity,
+            "status": clash.status,
+            "by": clash.by,
+            "note": clash.note,
+            "group": group_of[row],
+        }
+        for row, clash in enumerate(clashes[:MOST_ROWS])
+    ]
+    text = json.dumps(found, separators=(",", ":"))
+    return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")

@@ -1,0 +1,37 @@
+"""Findings as one JSON document: what `feeler clash --json` prints, `feeler view` shows and `load_clashes` reads."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from feeler.clashes import saving
+from feeler.clashes.table import Clashes
+from feeler.clashes.verdict import Verdict
+
+
+def report(clashes: Clashes, *, by: str = "part") -> dict[str, Any]:
+    """Counts, groups and findings, the worst first, as plain Python values; each finding with the name of its group.
+
+    by: how groups are made, as of `Clashes.groups`.
+    """
+    groups = clashes.groups(by)
+    group_of = {int(row): group.name for group in groups for row in group.rows}
+    return {
+        **saving.head(clashes),
+        "seconds": dict(clashes.facts.seconds),
+        "looked_at": dict(clashes.facts.counts),
+        "counts": {each.name.lower(): len(clashes.where(verdict=each.name)) for each in Verdict},
+        "statuses": statuses(clashes),
+        "groups": [
+            {"name": group.name, "findings": len(group), "worst": group.worst.id, "depth": group.worst.depth}
+            for group in groups
+        ],
+        "clashes": [{**row, "group": group_of[place]} for place, row in enumerate(saving.rows(clashes))],
+        "earlier": list(saving.rows(clashes.earlier())),
+    }
+
+
+def statuses(clashes: Clashes) -> dict[str, int]:
+    """How many findings there are of each status, those that are resolved included."""
+    found = {name: len(clashes.where(status=name)) for name in ("new", "active", "reviewed", "approved")}
+    return {**found, "resolved": len(clashes.earlier().where(status="resolved"))}

@@ -1,0 +1,149 @@
+"""Findings in groups: by the part that is in the way, by rule, by where they are."""
+
+from __future__ import annotations
+
+import heapq
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from feeler.clashes.rules import check_length
+from feeler.clashes.table import Clash, Clashes
+from feeler.clashes.tracking import part_keys
+from feeler.errors import OptionError
+
+Ints = npt.NDArray[np.intp]
+
+REACH_SHARE = 0.01
+"""How far findings of one cluster are from the next, of the diagonal of the box around all."""
+
+_COMPARED = 1_000_000
+"""Distances of two crowded cells that are compared at once, 24 MB."""
+
+
+@dataclass(frozen=True)
+class Group:
+    """Some findings, the worst first. name: a part's key, a rule, or what the cluster is called."""
+
+    name: str
+    rows: Ints
+    clashes: Clashes
+
+    @property
+    def worst(self) -> Clash:
+        """The first finding."""
+        return self.clashes[0]
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+
+def groups(clashes: Clashes, by: str, reach: float | None) -> list[Group]:
+    """See `Clashes.groups`. The table's order is kept: in each group, and of the groups by their first row."""
+    if by not in _MADE:
+        raise OptionError(f"groups are not made by {by!r}: choose {', '.join(_MADE)}")
+    if reach is not None:
+        check_length("reach", reach)
+        if by != "cluster":
+            raise OptionError(f'reach is for groups by "cluster", not by {by!r}')
+    if not len(clashes):
+        return []
+    label, name = _MADE[by](clashes, reach)
+    order = np.argsort(label, kind="stable")
+    starts = np.flatnonzero(np.diff(label[order], prepend=-1))
+    members = sorted(np.split(order, starts[1:]), key=lambda rows: int(rows[0]))
+    return [
+        Group(name(int(label[rows[0]]), number), rows, clashes[rows]) for number, rows in enumerate(members, start=1)
+    ]
+
+
+Labels = tuple[Ints, Callable[[int, int], str]]
+"""The group of each row, and the name of a group by its label and its place."""
+
+
+def _by_rule(clashes: Clashes, _reach: float | None) -> Labels:
+    return clashes.columns.rule.astype(np.intp), lambda label, _number: clashes.rules[label]
+
+
+def _by_part(clashes: Clashes, _reach: float | None) -> Labels:
+    """Each row goes to the part that has most of those left: greedy cover, ties to the lower part."""
+    label = np.full(len(clashes), -1, dtype=np.intp)
+    rows_of: dict[int, list[int]] = {}
+    pairs = list(zip(clashes.a.tolist(), clashes.b.tolist(), strict=True))
+    for row, pair in enumerate(pairs):
+        for part in pair:
+            rows_of.setdefault(part, []).append(row)
+    left = {part: len(rows) for part, rows in rows_of.items()}
+    # The largest first; what has been taken meanwhile is put back with what it has left.
+    heap = [(-count, part) for part, count in left.items()]
+    heapq.heapify(heap)
+    while heap:
+        count, part = heapq.heappop(heap)
+        if left[part] != -count:
+            if left[part]:
+                heapq.heappush(heap, (-left[part], part))
+            continue
+        for row in rows_of[part]:
+            if label[row] < 0:
+                label[row] = part
+                for each in pairs[row]:
+                    left[each] -= 1
+    keys = part_keys(clashes.part_paths)
+    return label, lambda part, _number: keys[part]
+
+
+def _by_cluster(clashes: Clashes, reach: float | None) -> Labels:
+    """What is within reach of each other, by way of others: single linkage."""
+    points = np.nan_to_num((clashes.point_a + clashes.point_b) / 2)
+    if reach is None:
+        reach = REACH_SHARE * float(np.linalg.norm(np.ptp(points, axis=0)))
+    label = _linked(points, reach)
+    return label, lambda _label, number: f"cluster {number}"
+
+
+def _linked(points: npt.NDArray[np.float64], reach: float) -> Ints:
+    """A label each, `(n,)`, the same for points that are linked by steps of at most `reach`."""
+    # Points of one cell are within reach of each other; those of cells farther than two away are not.
+    side = max(reach / np.sqrt(3.0), float(np.abs(points).max()) * 1e-12, 1e-300)
+    cells, cell_of = np.unique(np.floor(points / side), axis=0, return_inverse=True)
+    cell_of = cell_of.reshape(-1)
+    order = np.argsort(cell_of, kind="stable")
+    bounds = np.searchsorted(cell_of[order], np.arange(len(cells) + 1))
+    members = [order[bounds[i] : bounds[i + 1]] for i in range(len(cells))]
+    place = {tuple(cell): number for number, cell in enumerate(cells.tolist())}
+    parent = list(range(len(cells)))
+
+    def root(cell: int) -> int:
+        while parent[cell] != cell:
+            parent[cell] = parent[parent[cell]]
+            cell = parent[cell]
+        return cell
+
+    steps = [step for step in np.ndindex(5, 5, 5) if step > (2, 2, 2)]
+    for cell, number in place.items():
+        for step in steps:
+            other = place.get((cell[0] + step[0] - 2, cell[1] + step[1] - 2, cell[2] + step[2] - 2))
+            if other is None or root(number) == root(other):
+                continue
+            if _within(points[members[number]], points[members[other]], reach):
+                parent[root(other)] = root(number)
+    return np.array([root(cell) for cell in range(len(cells))], dtype=np.intp)[cell_of]
+
+
+def _within(one: npt.NDArray[np.float64], other: npt.NDArray[np.float64], reach: float) -> bool:
+    """Whether any two points are that near."""
+    step = max(_COMPARED // len(other), 1)
+    for begin in range(0, len(one), step):
+        away = one[begin : begin + step, None] - other[None]
+        if (np.einsum("ijk,ijk->ij", away, away) <= reach * reach).any():
+            return True
+    return False
+
+
+_MADE: dict[str, Callable[[Clashes, float | None], Labels]] = {
+    "part": _by_part,
+    "rule": _by_rule,
+    "cluster": _by_cluster,
+}

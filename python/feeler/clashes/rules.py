@@ -1,0 +1,346 @@
+"""Which parts are asked against which, how near they may come, and what is left out.
+
+The first rule that names a pair decides it; what no rule names has the `clearance` and `contact` of the call. What an
+exclusion names is not asked at all.
+"""
+
+from __future__ import annotations
+
+import difflib
+import math
+import os
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from feeler.clashes.verdict import DEFAULT_RULE, DEFAULT_SEVERITY, SEVERITIES
+from feeler.errors import OptionError
+from feeler.parts import Parts
+
+Words = tuple[str, ...]
+
+NOT_ASKED = -1.0
+"""The clearance, in the core's tables, of pairs of classes that are not asked."""
+
+CLASS_LIMIT = 2_048
+"""Most classes of parts: the tables of their pairs have as many rows and columns, 80 MB in all."""
+
+LISTED_PAIRS = 10_000_000
+"""Most pairs of one sub-assembly that are listed for the core, 80 MB; beyond, they are asked and left out after."""
+
+FASTENERS = re.compile(
+    r"(?<![a-z])(m\d+ ?x ?\d+|bolts?|(set|cap)?screws?|nuts?|washers?|rivets?|studs?|circlips?|dowels?|cotters?|"
+    r"schrauben?|muttern?|scheiben?|niete?n?|tornillos?|tuercas?|arandelas?|(din|iso|asme|ansi)[ _-]?b?\d[\d._-]*)"
+    r"(?![a-z])",
+    re.IGNORECASE,
+)
+"""What names of fasteners have in them, as a word: what they are, in three languages, a thread with its length, or the
+number of a standard."""
+
+_NAMELESS = re.compile(r"(body|solid|shell|part|mesh|shape|compound|object|volume)?[ _#-]*\d*", re.IGNORECASE)
+"""What CAD systems call a solid that nobody named: its parent has the name."""
+
+EVERYTHING: Words = ("*",)
+
+
+@dataclass(frozen=True)
+class Rule:
+    """How near some parts may come to others.
+
+    a, b: patterns as `Parts.select` takes them, or `re:` and a regular expression that a path matches as a whole; which
+    of the two a part is named by does not matter. clearance: metres. contact: metres, or "chord". level: parts of the
+    same sub-assembly, so many steps down the paths, are not asked against each other; 0: all are. optional: patterns
+    may match nothing.
+    """
+
+    name: str
+    a: Words = EVERYTHING
+    b: Words = EVERYTHING
+    clearance: float | None = None
+    contact: float | str | None = None
+    severity: str = DEFAULT_SEVERITY
+    level: int = 0
+    optional: bool = False
+
+    def __post_init__(self) -> None:
+        who = f"rule {self.name!r}"
+        _check_words(self, who)
+        if self.clearance is not None:
+            check_length(f"{who}: clearance", self.clearance)
+        if self.contact is not None and self.contact != "chord":
+            check_length(f"{who}: contact", self.contact, ', or "chord"')
+        if self.severity not in SEVERITIES:
+            raise OptionError(f"{who}: severity is {self.severity!r}: {near(self.severity, SEVERITIES)}")
+        _check_level(f"{who}: level", self.level)
+
+
+@dataclass(frozen=True)
+class Exclusion:
+    """What is not asked: parts against others, those of one sub-assembly, or fasteners against everything.
+
+    a, b: as of `Rule`; empty where it is one of the other two. same_assembly: steps down the paths; 0: not meant.
+    """
+
+    name: str
+    a: Words = ()
+    b: Words = EVERYTHING
+    same_assembly: int = 0
+    fasteners: bool = False
+    optional: bool = False
+
+    def __post_init__(self) -> None:
+        who = f"exclusion {self.name!r}"
+        _check_words(self, who)
+        _check_level(f"{who}: same_assembly", self.same_assembly)
+        if bool(self.a) + bool(self.same_assembly) + bool(self.fasteners) != 1:
+            raise OptionError(f"{who}: give one of a, same_assembly and fasteners, to say what is left out")
+
+
+@dataclass(frozen=True)
+class Rules:
+    """Rules in the order in which they are tried, and exclusions.
+
+    others: whether pairs that no rule names are asked. where: what a message calls the rules, such as their file.
+    """
+
+    rules: tuple[Rule, ...] = ()
+    exclusions: tuple[Exclusion, ...] = ()
+    others: bool = True
+    where: str = "rules"
+
+    def __post_init__(self) -> None:
+        names = [each.name for each in self.rules]
+        for name in names:
+            if not name or name == DEFAULT_RULE or names.count(name) > 1:
+                why = "is that of the pairs that no rule names" if name == DEFAULT_RULE else "must be there, and once"
+                raise OptionError(f"{self.where}: the name of a rule {why}: {name!r}")
+
+    @classmethod
+    def read(cls, path: str | os.PathLike[str]) -> Rules:
+        """The rules of a TOML file. Raises `MissingFileError`, and `LoadError` for what is none, or says it wrong."""
+        from feeler.clashes.rules_file import read_rules
+
+        return read_rules(path)
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What the rules come to for one mock-up.
+
+    names, severities: of each rule, the one for all other pairs last. of_classes: `(classes, classes)` the rule of each
+    pair of classes, -1 where they are not asked. class_of_part: `(parts,)`. clearance, contact: `(classes, classes)`
+    metres. exclude: `(k, 2)` pairs of parts that are not asked.
+    """
+
+    names: tuple[str, ...]
+    severities: npt.NDArray[np.uint8]
+    of_classes: npt.NDArray[np.int32]
+    class_of_part: npt.NDArray[np.uint32]
+    clearance: npt.NDArray[np.float64]
+    contact: npt.NDArray[np.float64]
+    exclude: npt.NDArray[np.uint32]
+    _levels: tuple[tuple[int, npt.NDArray[np.int64]], ...] = ()
+
+    def rule_of(self, a: npt.NDArray[np.uint32], b: npt.NDArray[np.uint32]) -> npt.NDArray[np.int32]:
+        """The rule of each pair of parts; -1 where it is not asked, also for those of a sub-assembly that is too large
+        to be listed."""
+        found = np.array(self.of_classes[self.class_of_part[a], self.class_of_part[b]])
+        for rule, key in self._levels:
+            same = (key[a] == key[b]) & (key[a] >= 0)
+            found[same & ((found == rule) if rule >= 0 else True)] = -1
+        return found
+
+
+def limits(
+    rules: Rules,
+    parts: Parts,
+    paths: Sequence[str],
+    clearance: float,
+    contact: float | str,
+    chord: float | None,
+    exclude: npt.NDArray[np.uint32],
+) -> Limits:
+    """What the rules come to. chord: how far a triangle may be from its surface, metres, for `contact="chord"`.
+
+    Raises `OptionError` for names that no part has, with what is near; for "chord" where that is not known; and for
+    rules that put the parts into more than `CLASS_LIMIT` classes.
+    """
+    every = [*rules.rules, Rule(DEFAULT_RULE)]
+    named = _Named(parts, paths, rules.where)
+    sides = [named.both(f"rule {rule.name!r}", rule) for rule in every]
+    cuts = [
+        named.both(f"exclusion {each.name!r}", each)
+        for each in rules.exclusions
+        if not each.same_assembly and not each.fasteners
+    ]
+    if any(each.fasteners for each in rules.exclusions):
+        cuts.append((np.array([is_fastener(path) for path in paths], dtype=bool), np.ones(len(paths), dtype=bool)))
+    signature = np.array([side for pair in (*sides, *cuts) for side in pair], dtype=bool).T
+    kinds, class_of_part = np.unique(signature, axis=0, return_inverse=True)
+    if len(kinds) > CLASS_LIMIT:
+        raise OptionError(
+            f"{rules.where}: the patterns put the parts into {len(kinds):,} classes, and {CLASS_LIMIT:,} are the most; "
+            "use fewer rules, or patterns that overlap less"
+        )
+    of_classes = np.full((len(kinds), len(kinds)), -1, dtype=np.int32)
+    for number in range(len(every) - 1 if not rules.others else len(every)):
+        of_classes[_meets(kinds, number) & (of_classes < 0)] = number
+    for number in range(len(every), len(every) + len(cuts)):
+        of_classes[_meets(kinds, number)] = -1
+    near = np.array([clearance if rule.clearance is None else rule.clearance for rule in every])
+    least = [contact if rule.contact is None else rule.contact for rule in every]
+    doubled = _chord_of(least, chord, len(paths), of_classes, rules.where)
+    touch = np.array([0.0 if isinstance(each, str) else each for each in least]) + doubled
+    keys: dict[int, npt.NDArray[np.int64]] = {}
+    levels: list[tuple[int, npt.NDArray[np.int64]]] = []
+    for number, level in [
+        *((number, rule.level) for number, rule in enumerate(every)),
+        *((-1, each.same_assembly) for each in rules.exclusions),
+    ]:
+        if level:
+            if level not in keys:
+                keys[level] = sub_assemblies(paths, level)
+            levels.append((number, keys[level]))
+    asked = of_classes >= 0
+    pairs = np.concatenate([exclude, *(_listed(number, key, of_classes, class_of_part) for number, key in levels)])
+    return Limits(
+        tuple(rule.name for rule in every),
+        np.array([SEVERITIES.index(rule.severity) for rule in every], dtype=np.uint8),
+        of_classes,
+        class_of_part.reshape(-1).astype(np.uint32),
+        np.where(asked, near[of_classes], NOT_ASKED),
+        np.where(asked, touch[of_classes], 0.0),
+        np.unique(pairs, axis=0).astype(np.uint32),
+        tuple(levels),
+    )
+
+
+def is_fastener(path: str) -> bool:
+    """Whether a part is called as fasteners are; one that nobody named ("Body", "Solid1") by what it is in."""
+    folder, _, name = path.rpartition("/")
+    return FASTENERS.search(folder.rpartition("/")[2] if _NAMELESS.fullmatch(name) else name) is not None
+
+
+def sub_assemblies(paths: Sequence[str], level: int) -> npt.NDArray[np.int64]:
+    """A number for the first `level` steps of each path, `(parts,)`; -1 where that is the part itself."""
+    keys: dict[tuple[str, ...], int] = {}
+    found = np.empty(len(paths), dtype=np.int64)
+    for place, path in enumerate(paths):
+        steps = path.split("/")
+        found[place] = keys.setdefault(tuple(steps[:level]), len(keys)) if len(steps) > level else -1
+    return found
+
+
+def _meets(kinds: npt.NDArray[np.bool_], number: int) -> npt.NDArray[np.bool_]:
+    """Which pairs of classes the rule or exclusion of that number names, either way round."""
+    one, other = kinds[:, 2 * number], kinds[:, 2 * number + 1]
+    found = one[:, None] & other[None, :]
+    return np.asarray(found | found.T)
+
+
+def _listed(
+    rule: int, key: npt.NDArray[np.int64], of_classes: npt.NDArray[np.int32], class_of_part: npt.NDArray[Any]
+) -> npt.NDArray[np.uint32]:
+    """The pairs of one sub-assembly that a rule has, for -1 any, as parts `(k, 2)`; none where they are too many."""
+    order = np.argsort(key, kind="stable")
+    order = order[key[order] >= 0]
+    starts = np.flatnonzero(np.diff(key[order], prepend=-1))
+    sizes = np.diff([*starts, len(order)])
+    if int((sizes * (sizes - 1) // 2).sum()) > LISTED_PAIRS:
+        return np.empty((0, 2), dtype=np.uint32)
+    found = [np.empty((0, 2), dtype=np.uint32)]
+    for start, size in zip(starts, sizes, strict=True):
+        members = order[start : start + size]
+        one, other = np.triu_indices(size, 1)
+        pairs = np.stack([members[one], members[other]], axis=1)
+        if rule >= 0:
+            pairs = pairs[of_classes[class_of_part[pairs[:, 0]], class_of_part[pairs[:, 1]]] == rule]
+        found.append(pairs.astype(np.uint32))
+    return np.concatenate(found)
+
+
+def _chord_of(
+    contacts: Sequence[float | str], chord: float | None, parts: int, of_classes: npt.NDArray[np.int32], where: str
+) -> npt.NDArray[np.float64]:
+    """What "chord" comes to for each rule, metres: the errors of both parts; 0 where the rule gives a number."""
+    is_chord = np.array([isinstance(each, str) for each in contacts])
+    if is_chord[np.unique(of_classes[of_classes >= 0])].any() and chord is None:
+        raise OptionError(
+            f'contact="chord" ({where}): how far the triangles are from their surfaces is known only of STEP files, '
+            "which feeler triangulates itself; give contact in metres"
+        )
+    return np.where(is_chord, 2.0 * (chord or 0.0), 0.0)
+
+
+def check_length(what: str, value: object, other: str = "") -> float:
+    """A length in metres. Raises `OptionError` for what is none."""
+    good = isinstance(value, (int, float, np.floating, np.integer)) and not isinstance(value, bool)
+    if not good or not 0 <= value < math.inf:  # type: ignore[operator]
+        raise OptionError(f"{what} is {value!r}: give metres, 0 or more{other}")
+    return float(value)  # type: ignore[arg-type]
+
+
+def near(asked: object, known: Iterable[str]) -> str:
+    """What is spelt alike, or all there is."""
+    words = list(known)
+    alike = difflib.get_close_matches(str(asked), words, 3, 0.5)
+    return f"do you mean {' or '.join(alike)}?" if alike else f"choose {', '.join(words)}"
+
+
+def _check_words(each: Rule | Exclusion, who: str) -> None:
+    """Takes one pattern for several of one. Raises `OptionError` for what are no texts."""
+    for side in ("a", "b"):
+        words: object = getattr(each, side)
+        if isinstance(words, str):
+            words = (words,)
+        if not isinstance(words, (list, tuple)) or not all(isinstance(word, str) and word for word in words):
+            raise OptionError(f"{who}: {side} is {words!r}: give a pattern of paths, or several")
+        object.__setattr__(each, side, tuple(words))
+
+
+def _check_level(what: str, value: object) -> None:
+    if isinstance(value, bool) or not isinstance(value, int) or value < 0:
+        raise OptionError(f"{what} is {value!r}: give a number of steps down the paths, 1 or more; 0 for none")
+
+
+class _Named:
+    """Which parts patterns name, as masks."""
+
+    def __init__(self, parts: Parts, paths: Sequence[str], where: str) -> None:
+        self.parts, self.paths, self.where = parts, paths, where
+
+    def both(self, who: str, each: Rule | Exclusion) -> tuple[npt.NDArray[np.bool_], npt.NDArray[np.bool_]]:
+        """The masks of `a` and of `b`."""
+        return self._mask(who, "a", each.a, each.optional), self._mask(who, "b", each.b, each.optional)
+
+    def _mask(self, who: str, side: str, patterns: Iterable[str], optional: bool) -> npt.NDArray[np.bool_]:
+        mask = np.zeros(len(self.paths), dtype=bool)
+        for pattern in patterns:
+            if pattern == "*":
+                mask[:] = True
+                continue
+            try:
+                mask[self._matching(pattern)] = True
+            except OptionError as error:
+                if not optional:
+                    raise OptionError(
+                        f"{self.where}, {who}, {side}: {error} (optional = true lets it match nothing)"
+                    ) from None
+        return mask
+
+    def _matching(self, pattern: str) -> npt.NDArray[Any]:
+        if not pattern.startswith("re:"):
+            return self.parts.select(pattern)
+        try:
+            matches = re.compile(pattern[3:]).fullmatch
+        except re.error as error:
+            raise OptionError(f"{pattern!r} is no regular expression: {error}") from None
+        found = np.flatnonzero([matches(path) is not None for path in self.paths])
+        if not len(found):
+            near = self.paths[0] if self.paths else ""
+            raise OptionError(f"no path matches {pattern!r} as a whole; paths are such as {near!r}")
+        return found

@@ -1,0 +1,240 @@
+"""Findings as JSON, to the file and back.
+
+    {"format": "feeler clash", "version": 1, "clearance": m, "contact": m or "chord", "parts": n, "triangles": n,
+     "files": [...], "partial": bool, "clashes": [one a line], "earlier": [likewise]}
+
+A finding has the fields of `Clash`, its parts by their keys, and no part numbers: a part that is inserted changes
+nothing. Lines are sorted by rule and parts, so that what git shows is what changed. `feeler clash --json` has the same
+fields in the order of the table; `feeler view` reads both.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from feeler.clashes.table import SHAPES, Clashes, Columns, Facts
+from feeler.clashes.tracking import STATUSES, Mark, Marks, clash_id, part_keys
+from feeler.clashes.verdict import DEPTH_KINDS, SEVERITIES, Verdict
+from feeler.errors import LoadError, MissingFileError
+from feeler.io.atomic import atomic_file
+
+FORMAT, VERSION = "feeler clash", 1
+_LARGEST_M = 1e100
+_TRIANGLE_PAIRS = 2**32
+
+
+def head(clashes: Clashes) -> dict[str, Any]:
+    """What stands before the findings."""
+    facts = clashes.facts
+    return {
+        "format": FORMAT,
+        "version": VERSION,
+        "clearance": facts.clearance,
+        "contact": facts.contact,
+        "parts": facts.parts,
+        "triangles": facts.triangles,
+        "files": list(facts.files),
+        "partial": clashes.is_partial,
+    }
+
+
+def rows(clashes: Clashes) -> Iterator[dict[str, Any]]:
+    """The findings in the order of the table; what is NaN is None."""
+    keys = part_keys(clashes.part_paths)
+    for clash in clashes:
+        approved = clashes.marks.of(clash.id).approved_depth
+        yield {
+            "id": clash.id,
+            "rule": clash.rule,
+            "a": keys[clash.a],
+            "b": keys[clash.b],
+            "verdict": clash.verdict.name.lower(),
+            "severity": clash.severity,
+            "status": clash.status,
+            **({"by": clash.by} if clash.by else {}),
+            **({"note": clash.note} if clash.note else {}),
+            **({"approved_depth": approved} if approved is not None else {}),
+            "depth": _number(clash.depth),
+            "depth_kind": clash.depth_kind,
+            "translation": list(map(_number, clash.translation)),
+            "gap": _number(clash.gap),
+            "point_a": list(map(_number, clash.point_a)),
+            "point_b": list(map(_number, clash.point_b)),
+            "volume": _number(clash.volume),
+            "triangles": clash.triangles,
+            "box": [list(map(_number, corner)) for corner in clash.box],
+            "open": [clash.is_open_a, clash.is_open_b],
+        }
+
+
+def _number(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+def save(clashes: Clashes, path: str | os.PathLike[str]) -> None:
+    """See `Clashes.save`."""
+    texts = [f"{json.dumps(name)}: {json.dumps(value)}" for name, value in head(clashes).items()]
+    for name, table in (("clashes", clashes), ("earlier", clashes.earlier())):
+        lines = sorted(rows(table), key=lambda row: (row["rule"], sorted((row["a"], row["b"])), row["id"]))
+        inside = ",\n".join("  " + json.dumps(line, allow_nan=False) for line in lines)
+        texts.append(f'"{name}": [\n{inside}\n ]' if lines else f'"{name}": []')
+    with atomic_file(path) as file:
+        file.write(("{\n " + ",\n ".join(texts) + "\n}\n").encode("ascii"))
+
+
+def load_clashes(path: str | os.PathLike[str]) -> Clashes:
+    """Findings that `Clashes.save` or `feeler clash --json` wrote, the worst first.
+
+    Their parts are numbered within the table, as in its `part_paths`. Raises `MissingFileError` where there is no such
+    file, `LoadError` for what is no such JSON, is cut short, or is of a version that this feeler does not read.
+    """
+    file = Path(path)
+    try:
+        text = file.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        raise MissingFileError(f"{file} does not exist: give what Clashes.save wrote") from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise LoadError(f"{file} cannot be read: {error}") from None
+    try:
+        data = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        cut = "it is cut short, or " if not text.rstrip().endswith("}") else ""
+        raise LoadError(f"{file}: {cut}no JSON ({error}): give what Clashes.save wrote, whole") from None
+    if not isinstance(data, Mapping) or data.get("format") != FORMAT:
+        raise LoadError(f'{file} is no file of clashes ("format" is not "{FORMAT}"): give what Clashes.save wrote')
+    if data.get("version") != VERSION:
+        raise LoadError(
+            f"{file} is of version {data.get('version')!r}, and this feeler reads {VERSION}: run the check again, or "
+            "use the feeler that wrote it"
+        )
+    reader = _Reader(file)
+    found = reader.table(data, "clashes")
+    if data.get("earlier"):
+        found.set_earlier(reader.table(data, "earlier"))
+    return found
+
+
+class _Reader:
+    """Turns what JSON has into tables, and says which line is wrong."""
+
+    def __init__(self, file: Path) -> None:
+        self.file = file
+
+    def table(self, data: Mapping[str, Any], name: str) -> Clashes:
+        lines = data.get(name)
+        if not isinstance(lines, list):
+            raise LoadError(f'{self.file} holds no list "{name}": give what Clashes.save wrote')
+        keys: dict[str, int] = {}
+        rules: dict[str, int] = {}
+        marks: dict[str, Mark] = {}
+        values: dict[str, list[Any]] = {column: [] for column in SHAPES}
+        for number, line in enumerate(lines):
+            try:
+                self._add(line, values, keys, rules, marks)
+            except (KeyError, TypeError, ValueError, OverflowError) as error:
+                what = f"it has no {error}" if isinstance(error, KeyError) else str(error)
+                raise LoadError(f"{self.file}: {name}[{number}] is no finding: {what}") from None
+        columns = Columns(
+            **{
+                column: np.array(values[column], dtype=kind).reshape(-1, *shape)
+                for column, (kind, shape) in SHAPES.items()
+            }
+        )
+        if len(marks) < len(lines):
+            raise LoadError(f"{self.file}: {name} holds a finding twice: give what Clashes.save wrote")
+        facts = Facts(
+            clearance=_real(data.get("clearance"), "clearance") if data.get("clearance") is not None else 0.0,
+            contact=data["contact"] if data.get("contact") == "chord" else _real(data.get("contact") or 0.0, "contact"),
+            parts=int(data.get("parts") or 0),
+            triangles=int(data.get("triangles") or 0),
+            files=tuple(map(str, data.get("files") or ())),
+        )
+        order = columns.order()
+        is_partial = bool(data.get("partial", False)) and name == "clashes"
+        return Clashes(
+            columns.rows(order), list(keys), list(rules), marks=Marks(marks), facts=facts, is_partial=is_partial
+        )
+
+    def _add(
+        self,
+        line: Any,
+        values: dict[str, list[Any]],
+        keys: dict[str, int],
+        rules: dict[str, int],
+        marks: dict[str, Mark],
+    ) -> None:
+        """Appends a finding. Raises `KeyError`, `TypeError`, `ValueError` for what is none."""
+        if not isinstance(line, Mapping):
+            raise TypeError("it is no object")
+        a, b, rule = (_text(line, name) for name in ("a", "b", "rule"))
+        if line["id"] != clash_id(rule, a, b):
+            raise ValueError(f"its id {line['id']!r} is not that of its rule and parts")
+        status = line["status"]
+        if status not in STATUSES:
+            raise ValueError(f"status is {status!r}")
+        if line["verdict"] not in [each.name.lower() for each in Verdict]:
+            raise ValueError(f"verdict is {line['verdict']!r}")
+        approved = line.get("approved_depth")
+        marks[line["id"]] = Mark(
+            status,
+            str(line.get("by", "")),
+            str(line.get("note", "")),
+            None if approved is None else _real(approved, "approved_depth"),
+        )
+        triangles = int(line["triangles"])
+        if not 0 <= triangles < _TRIANGLE_PAIRS:
+            raise ValueError(f"triangles is {triangles}")
+        box = [_triple(corner, "box") for corner in line["box"]]
+        if len(box) != 2:
+            raise ValueError("box is not two corners")
+        row: dict[str, Any] = {
+            "a": keys.setdefault(a, len(keys)),
+            "b": keys.setdefault(b, len(keys)),
+            "verdict": Verdict[line["verdict"].upper()],
+            "depth": _real(line["depth"], "depth"),
+            "depth_kind": DEPTH_KINDS.index(line["depth_kind"]),
+            "gap": _real(line["gap"], "gap"),
+            "volume": _real(line["volume"], "volume"),
+            "triangles": triangles,
+            "is_open": _flags(line["open"]),
+            "rule": rules.setdefault(rule, len(rules)),
+            "severity": SEVERITIES.index(line["severity"]),
+            "box": box,
+            **{name: _triple(line[name], name) for name in ("translation", "point_a", "point_b")},
+        }
+        for column, value in row.items():
+            values[column].append(value)
+
+
+def _text(line: Mapping[str, Any], name: str) -> str:
+    if not isinstance(line[name], str):
+        raise TypeError(f"{name} is no text")
+    return str(line[name])
+
+
+def _real(value: Any, name: str) -> float:
+    """A number; what JSON lacks is null there, and NaN here."""
+    if value is None:
+        return math.nan
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not abs(value) <= _LARGEST_M:
+        raise ValueError(f"{name} is {value!r}")
+    return float(value)
+
+
+def _flags(value: Any) -> list[bool]:
+    if not isinstance(value, list) or len(value) != 2 or not all(isinstance(each, bool) for each in value):
+        raise ValueError("open is not two of true and false")
+    return value
+
+
+def _triple(value: Any, name: str) -> list[float]:
+    if not isinstance(value, list) or len(value) != 3:
+        raise ValueError(f"{name} is not three numbers")
+    return [_real(each, name) for each in value]

@@ -1,0 +1,90 @@
+"""The volume that two closed parts share, by manifold3d: an extra, `feeler[volume]`."""
+
+from __future__ import annotations
+
+import importlib
+import math
+from collections import OrderedDict
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from feeler import _core
+from feeler.clashes.part_meshes import PartMeshes
+from feeler.clashes.verdict import OVERLAPS
+from feeler.errors import OptionError
+from feeler.mockup import Mockup
+
+_KEPT_TRIANGLES = 5_000_000
+"""Most triangles of solids that are kept for the next pair, about 2 GB as manifold3d holds them."""
+
+
+def solids_library() -> Any:
+    """manifold3d. Raises `OptionError` where it is not installed."""
+    try:
+        return importlib.import_module("manifold3d")
+    except ImportError:
+        raise OptionError('volumes need manifold3d: pip install "feeler[volume]", or leave volume out') from None
+
+
+def shared_volumes(
+    mockup: Mockup,
+    a: npt.NDArray[np.uint32],
+    b: npt.NDArray[np.uint32],
+    verdict: npt.NDArray[np.uint8],
+    is_open: npt.NDArray[np.bool_],
+    progress: Callable[[float, str], object] | None = None,
+) -> npt.NDArray[np.float64]:
+    """Cubic metres that each pair shares, `(n,)`.
+
+    0 for what only touches or is apart; NaN where one of the two is not closed, or is no solid to manifold3d (its
+    surface runs through itself, or edges have more than two triangles).
+    """
+    solids = _Solids(mockup, solids_library())
+    are_closed = ~is_open.any(axis=1)
+    found = np.where(are_closed, 0.0, math.nan)
+    wanted = np.flatnonzero(np.isin(verdict, OVERLAPS) & are_closed)
+    # By part, so that the solid of one is made once for all its pairs.
+    for number, row in enumerate(wanted[np.lexsort((b[wanted], a[wanted]))]):
+        one, other = solids.of(int(a[row])), solids.of(int(b[row]))
+        found[row] = math.nan if one is None or other is None else float((one ^ other).volume())
+        if progress is not None and number % 64 == 0:
+            progress(number / len(wanted), f"volume {number:,} of {len(wanted):,}")
+    return found
+
+
+class _Solids:
+    """Solids of parts, the newest kept. Around the middle of the mock-up: far from the origin digits would be lost."""
+
+    def __init__(self, mockup: Mockup, library: Any) -> None:
+        self._meshes, self._library = PartMeshes(mockup), library
+        self._middle = mockup.bounds.mean(axis=0)
+        self._kept: OrderedDict[int, tuple[Any, int]] = OrderedDict()
+        self._held = 0
+
+    def of(self, part: int) -> Any:
+        """The solid of a part, or None where it is none."""
+        if part in self._kept:
+            self._kept.move_to_end(part)
+            return self._kept[part][0]
+        corners = self._meshes.corners(part)
+        solid = self._made(corners)
+        self._kept[part] = (solid, len(corners))
+        self._held += len(corners)
+        while self._held > _KEPT_TRIANGLES and len(self._kept) > 2:
+            _, (_, size) = self._kept.popitem(last=False)
+            self._held -= size
+        return solid
+
+    def _made(self, corners: npt.NDArray[np.float64]) -> Any:
+        vertices, index = _core.weld_vertices(np.ascontiguousarray(corners.reshape(-1, 3)))
+        faces = index.reshape(-1, 3).astype(np.uint64)
+        # Two corners welded: the triangle is a line, and its neighbours close over it.
+        faces = faces[(faces != np.roll(faces, 1, axis=1)).all(axis=1)]
+        solid = self._library.Manifold(self._library.Mesh64(vertices - self._middle, faces))
+        if solid.status() == self._library.Error.NoError and solid.volume() < 0.0:
+            # Wound inwards, by a mirror: the solid is meant, and not all that is around it.
+            solid = self._library.Manifold(self._library.Mesh64(vertices - self._middle, faces[:, ::-1]))
+        return solid if solid.status() == self._library.Error.NoError and solid.volume() > 0.0 else None

@@ -1,0 +1,54 @@
+"""Findings in words, for tables, pages and topics."""
+
+from __future__ import annotations
+
+import math
+
+from feeler.clashes.grouping import Group
+from feeler.clashes.table import Clash
+from feeler.clashes.verdict import Verdict
+
+
+def sentence(clash: Clash) -> str:
+    """What one finding says, with the last names of both paths."""
+    one, other = (path.rpartition("/")[2] or "a part" for path in (clash.path_a, clash.path_b))
+    if clash.verdict == Verdict.CLASH:
+        return f"{one} is {deep(clash)} deep in {other}"
+    if clash.verdict == Verdict.CONTAINED:
+        return f"{one} and {other}: one is inside the other, {deep(clash)} from coming out"
+    if clash.verdict == Verdict.DUPLICATE:
+        return f"{one} and {other} are the same triangles, twice"
+    if clash.verdict == Verdict.CONTACT and clash.gap == 0.0:
+        return f"{one} touches {other}"
+    return f"{one} is {length(clash.gap)} from {other}"
+
+
+def deep(clash: Clash) -> str:
+    """The depth as far as it is known."""
+    said = {"exact": "", "bound": "at most ", "estimate": "about "}[clash.depth_kind]
+    return said + length(clash.depth)
+
+
+def extent(clash: Clash) -> str:
+    """How deep, or how far: what a table has in one column."""
+    if clash.verdict in (Verdict.CLASH, Verdict.CONTAINED, Verdict.DUPLICATE):
+        return deep(clash)
+    return f"{length(clash.gap)} apart" if clash.gap > 0.0 else "touching"
+
+
+def title(group: Group) -> str:
+    """A group in a line: its name, how many it has, and the worst."""
+    more = f"{len(group):,} findings" if len(group) > 1 else "1 finding"
+    return f"{group.name}: {more}; {sentence(group.worst)}"
+
+
+def length(metres: float) -> str:
+    """Metres in the unit that reads best."""
+    if not math.isfinite(metres):
+        return "an unknown length"
+    for factor, unit in ((1.0, "m"), (1e3, "mm"), (1e6, "µm"), (1e9, "nm")):
+        # Rounded first: a micrometre less than a millimetre is no "1000 µm".
+        shown = float(f"{metres * factor:.4g}")
+        if abs(shown) >= 1.0:
+            return f"{shown:.6g} {unit}"
+    return f"{metres:.4g} m"

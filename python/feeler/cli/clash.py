@@ -1,0 +1,275 @@
+"""`feeler clash`: which parts of a mock-up are in each other, touch, or are too near?"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+import feeler
+from feeler.cli.app import FOUND, INTERRUPTED, command, fail
+from feeler.cli.findings import count, mesh_facts
+from feeler.cli.inputs import AsJson, Choice, MockupFiles, MockupUnit, Only, Up, Without, read_mockup
+from feeler.errors import OptionError
+from feeler.progress import bar
+
+_SHOWN_GROUPS = 12
+_SHOWN = 20
+_ENDINGS = {"csv": ".csv", "html": ".html", "bcf": ".bcf", "glb": ".glb", "save": ".json", "write-rules": ".toml"}
+_GROUPED_BY = ("part", "rule", "cluster")
+
+
+@command(
+    examples="""
+feeler clash engine.step
+feeler clash engine.step --clearance 0.005 --contact chord --html clashes.html --bcf clashes.bcf
+feeler clash engine.step --write-rules clash.toml
+feeler clash engine.step --rules clash.toml --previous last.json --save now.json --fail-on new
+feeler clash sample:engine:100000 --clearance 0 --fail-on clash,duplicate,contained --json
+"""
+)
+def clash(
+    mockup: MockupFiles,
+    clearance: Annotated[float, typer.Option(help="Metres that parts must be apart; 0: only what meets.")] = 0.002,
+    contact: Annotated[
+        str,
+        typer.Option(
+            metavar="METRES|chord",
+            help="How deep parts may be in each other and still only touch; chord: the chordal errors of both (STEP).",
+        ),
+    ] = "0",
+    rules: Annotated[
+        Path | None, typer.Option(help="Which parts against which, how near, and what is left out (TOML).")
+    ] = None,
+    write_rules: Annotated[
+        Path | None, typer.Option("--write-rules", help="Start such a file with what is found.")
+    ] = None,
+    previous: Annotated[
+        Path | None, typer.Option(help="What --save wrote before: statuses are taken over, and what is gone is told.")
+    ] = None,
+    save: Annotated[Path | None, typer.Option(help="Write the findings with their status, for the next time.")] = None,
+    growth: Annotated[
+        float | None,
+        typer.Option(help="Metres by which an approved finding may get deeper and stay approved; default 0.0001."),
+    ] = None,
+    fail_on: Annotated[
+        str | None,
+        typer.Option(
+            "--fail-on",
+            metavar="WORDS",
+            help="End with 1 where there are such findings: any, or words with commas: statuses (new, active, ...), "
+            "verdicts (clash, contact, clearance, contained, duplicate), severities (critical, major, minor). Of a "
+            "kind one must hold, of several kinds each: new,clash,contained.",
+        ),
+    ] = None,
+    volume: Annotated[
+        bool, typer.Option("--volume", help="Measure what closed parts share (needs feeler[volume]).")
+    ] = False,
+    by: Annotated[str, typer.Option(metavar="part|rule|cluster", help="How findings are put into groups.")] = "part",
+    without: Without = None,
+    only: Only = None,
+    unit: MockupUnit = None,
+    up: Up = None,
+    threads: Annotated[int | None, typer.Option(help="Default: all cores.")] = None,
+    csv: Annotated[Path | None, typer.Option(help="Write a line for each finding.")] = None,
+    html: Annotated[
+        Path | None, typer.Option(help="Write one page with pictures and filters, which needs no network.")
+    ] = None,
+    bcf: Annotated[Path | None, typer.Option(help="Write a BCF 3.0 topic for each of the worst groups.")] = None,
+    glb: Annotated[Path | None, typer.Option(help="Write the mock-up with the parts found coloured, as GLB.")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Finds every pair of parts that is in each other, touches, or is too near; told apart exactly, and measured.
+
+    Exit status: 0 fine, 1 findings that --fail-on asks for, 2 bad input. Ctrl-C leaves what was found until then,
+    marked as partial, and ends with 130.
+    """
+    from feeler import clashes as room
+    from feeler.clashes.changes import check_mockup
+    from feeler.clashes.rules import near
+
+    targets = {"csv": csv, "html": html, "bcf": bcf, "glb": glb, "save": save, "write-rules": write_rules}
+    _check_targets(targets)
+    if by not in _GROUPED_BY:
+        raise OptionError(f"--by is {by!r}: {near(by, _GROUPED_BY)}")
+    if growth is not None and previous is None:
+        raise OptionError("--growth is for --previous FILE: without a check before nothing has grown")
+    wanted = _wanted(fail_on)
+    given = None if rules is None else room.Rules.read(rules)
+    before = None if previous is None else room.load_clashes(previous)
+    world = read_mockup(mockup, unit, up)
+    if before is not None:
+        check_mockup(world.part_paths, before)
+    with bar("indexing") as progress:
+        scene = feeler.Scene(world, threads=threads, progress=progress)
+    if without or only:
+        scene = Choice(None, without, only).scene_of(scene)
+    is_interrupted = False
+    try:
+        with bar("looking for clashes") as progress:
+            found = feeler.clash(
+                world,
+                clearance,
+                _contact(contact),
+                given,
+                volume=volume,
+                scene=scene,
+                threads=threads,
+                progress=progress,
+            )
+    except room.ClashInterrupted as stop:
+        found, is_interrupted = stop.clashes, True
+    if before is not None:
+        found.diff(before, **({} if growth is None else {"growth": growth}))
+    written = _write(world, found, targets, by)
+    is_found = wanted is not None and wanted(found)
+    if as_json:
+        from feeler.cli import outputs
+
+        facts = {"mockup": mesh_facts(world), "written": written, "failed": is_found}
+        outputs.print_json({**room.report(found, by=by), **facts})
+    else:
+        _print(found, by, before is not None, written)
+    if is_interrupted:
+        fail("interrupted: what was found until then is told")
+        raise typer.Exit(INTERRUPTED)
+    if is_found:
+        raise typer.Exit(FOUND)
+
+
+def _check_targets(targets: dict[str, Path | None]) -> None:
+    from feeler.io import check_target
+
+    for option, target in targets.items():
+        if target is None:
+            continue
+        if target.suffix.lower() != _ENDINGS[option]:
+            raise OptionError(f"--{option} {target}: the name must end in {_ENDINGS[option]}")
+        check_target(target)
+
+
+def _contact(text: str) -> float | str:
+    """What --contact says; `feeler.clash` checks the number."""
+    if text == "chord":
+        return text
+    try:
+        return float(text)
+    except ValueError:
+        raise OptionError(f"--contact is {text!r}: give metres, or chord") from None
+
+
+def _wanted(fail_on: str | None) -> Callable[[feeler.Clashes], bool] | None:
+    """Whether findings are such as --fail-on asks for; None where it asks for none."""
+    if fail_on is None:
+        return None
+    from feeler.clashes.rules import near
+    from feeler.clashes.tracking import SETTABLE
+    from feeler.clashes.verdict import SEVERITIES, Verdict
+
+    kinds = {
+        "verdict": [each.name.lower() for each in Verdict],
+        "status": [*SETTABLE],
+        "severity": [*SEVERITIES],
+    }
+    every = ["any", *(word for known in kinds.values() for word in known)]
+    asked: dict[str, list[str]] = {}
+    words = [word.strip().lower() for word in fail_on.split(",")]
+    for word in words:
+        kind = next((name for name, known in kinds.items() if word in known), None)
+        if kind is None and word != "any":
+            raise OptionError(f"--fail-on has {word!r}: {near(word, every)}")
+        if kind is not None:
+            asked.setdefault(kind, []).append(word)
+
+    def is_found(found: feeler.Clashes) -> bool:
+        return any(all(_value(row, kind) in known for kind, known in asked.items()) for row in found)
+
+    return is_found
+
+
+def _value(row: feeler.Clash, kind: str) -> str:
+    return row.verdict.name.lower() if kind == "verdict" else str(getattr(row, kind))
+
+
+def _write(world: feeler.Mockup, found: feeler.Clashes, targets: dict[str, Path | None], by: str) -> dict[str, str]:
+    """Writes what was asked for; returns the names by kind."""
+    from feeler import clashes as room
+
+    topics = 0
+    written = {}
+    for kind, target in targets.items():
+        if target is None:
+            continue
+        with bar(f"writing {target}") as progress:
+            if kind == "csv":
+                room.write_csv(target, found, by=by)
+            elif kind == "html":
+                room.write_html(target, found, world, by=by, progress=progress)
+            elif kind == "bcf":
+                topics = room.write_bcf(target, found, world, by=by, progress=progress)
+            elif kind == "glb":
+                room.write_clash_glb(target, world, found)
+            elif kind == "save":
+                found.save(target)
+            else:
+                room.write_rules(target, found)
+        written[kind] = str(target)
+    if "bcf" in written and topics < len(found.groups(by)):
+        from feeler.cli.outputs import warn
+
+        warn(f"{written['bcf']} has the {topics:,} worst of {len(found.groups(by)):,} groups")
+    return written
+
+
+def _print(found: feeler.Clashes, by: str, has_previous: bool, written: dict[str, str]) -> None:
+    from feeler.clashes.as_json import statuses
+    from feeler.clashes.words import extent, sentence
+    from feeler.cli import outputs
+
+    out = outputs.console()
+    if found.is_partial:
+        outputs.print_finding(out, "interrupted: this is what was found until then")
+    counts = [(len(found.where(verdict=each)), each.name.lower()) for each in feeler.Verdict]
+    said = ", ".join(f"{number:,} {name}" for number, name in counts if number)
+    seconds = outputs.duration(sum(value for _, value in found.facts.seconds))
+    outputs.say(out, f"{count(len(found), 'finding')} among {found.facts.parts:,} parts ({seconds})")
+    if said:
+        outputs.say(out, f"  {said}")
+    if has_previous:
+        outputs.say(out, "  " + ", ".join(f"{number:,} {name}" for name, number in statuses(found).items()))
+    open_parts = {row.a for row in found if row.is_open_a} | {row.b for row in found if row.is_open_b}
+    if open_parts:
+        outputs.say(out, f"  {count(len(open_parts), 'part')} of these are not closed: nothing is inside them")
+    out.print()
+    groups = found.groups(by)
+    if groups:
+        outputs.print_table(
+            out,
+            f"Groups by {by}",
+            [(by, "left"), ("findings", "right"), ("the worst", "left")],
+            [(group.name, f"{len(group):,}", sentence(group.worst)) for group in groups[:_SHOWN_GROUPS]],
+            more=len(groups) - _SHOWN_GROUPS,
+        )
+        rows: list[Any] = [
+            (
+                *(row.verdict.name.lower(), extent(row), row.path_a, row.path_b),
+                *([row.rule] if len(found.rules) > 1 else []),
+                *([row.status] if has_previous else []),
+            )
+            for row in found[:_SHOWN]
+        ]
+        outputs.print_table(
+            out,
+            "Findings, the worst first",
+            [
+                *(("verdict", "left"), ("depth or gap", "right"), ("part", "left"), ("other part", "left")),
+                *([("rule", "left")] if len(found.rules) > 1 else []),
+                *([("status", "left")] if has_previous else []),
+            ],
+            rows,
+            more=len(found) - _SHOWN,
+        )
+    for kind, target in written.items():
+        outputs.say(out, f"{kind} written to {target}")

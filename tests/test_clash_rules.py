@@ -1,0 +1,321 @@
+"""Rules of a clash check: which pairs, how near, what is left out; and what a file of them says wrong."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from clash_scene import FOUND, house, mockup_of, pairs
+from shapes import box
+
+import feeler
+from feeler.clashes import Exclusion, Rule, Rules, rules, write_rules
+from feeler.clashes.rules import is_fastener, sub_assemblies
+from feeler.errors import LoadError, MissingFileError, OptionError
+
+
+@pytest.fixture(scope="module")
+def mockup() -> feeler.Mockup:
+    return house()
+
+
+def ruled(mockup: feeler.Mockup, *each: Rule, **more: Any) -> dict[tuple[str, str], str]:
+    found = feeler.clash(mockup, rules=Rules(each, **more))
+    return {(row.path_a, row.path_b): row.rule for row in found}
+
+
+def left_out(mockup: feeler.Mockup, *each: Exclusion) -> set[tuple[str, str]]:
+    """What exclusions take away from all that is found; nothing else changes."""
+    found = pairs(feeler.clash(mockup, rules=Rules(exclusions=each)))
+    assert found.items() <= FOUND.items()
+    return FOUND.keys() - found.keys()
+
+
+def test_the_first_rule_that_names_a_pair_decides(mockup: feeler.Mockup) -> None:
+    found = ruled(mockup, Rule("copies", "house/copy", "house/walls"), Rule("house", "house", "house"))
+    assert {rule for pair, rule in found.items() if "house/copy/left" in pair and "walls" in pair[0]} == {"copies"}
+    assert found["house/walls/left", "house/walls/right"] == "house"
+    assert found["house/walls/left", "yard/flush"] == "default"
+    assert found.keys() == FOUND.keys()
+    turned = ruled(mockup, Rule("copies", "house/walls", "house/copy"), Rule("house", "house", "house"))
+    assert turned == found, "which of the two is named first does not matter"
+
+
+def test_rules_have_their_own_limits_and_severity(mockup: feeler.Mockup) -> None:
+    each = [
+        Rule("yard", "yard", clearance=0.0),
+        Rule("walls", "house/walls", "house/walls", contact=0.1, severity="minor"),
+        Rule("pins", "house/pins", severity="critical"),
+    ]
+    found = feeler.clash(mockup, rules=Rules(tuple(each)))
+    said = {(row.path_a, row.path_b): (row.verdict.name.lower(), row.severity) for row in found}
+    assert ("house/walls/right", "yard/near") not in said
+    assert said["house/walls/left", "house/walls/right"] == ("contact", "minor")
+    assert said["house/walls/right", "house/pins/core"] == ("contained", "critical")
+    order = ["critical", "major", "minor"]
+    assert [order.index(row.severity) for row in found] == sorted(order.index(row.severity) for row in found)
+    wide = feeler.clash(mockup, clearance=0.0, rules=Rules((Rule("near", "yard/near", clearance=0.002),)))
+    assert pairs(wide).keys() == FOUND.keys(), "the rule's clearance, where the call asks for none"
+
+
+def test_others_need_not_be_asked(mockup: feeler.Mockup) -> None:
+    found = ruled(mockup, Rule("pins", "house/pins"), others=False)
+    assert found == {pair: "pins" for pair in FOUND if "pins" in "".join(pair)}
+
+
+@pytest.mark.parametrize(
+    ("pattern", "named"),
+    [
+        ("house/pins", {"bolt M8x30", "core"}),
+        ("*core*", {"core"}),
+        ("core", {"core"}),
+        ("re:house/p.*/[a-c].*", {"bolt M8x30", "core"}),
+        ("re:.*M8.*", {"bolt M8x30"}),
+    ],
+)
+def test_patterns(mockup: feeler.Mockup, pattern: str, named: set[str]) -> None:
+    gone = left_out(mockup, Exclusion("it", pattern))
+    assert gone == {pair for pair in FOUND if {path.split("/")[-1] for path in pair} & named}
+
+
+def test_several_patterns_on_both_sides(mockup: feeler.Mockup) -> None:
+    gone = left_out(mockup, Exclusion("mates", ("*bolt*", "*core*"), ("house/copy", "house/walls/right")))
+    assert gone == {("house/pins/bolt M8x30", "house/copy/left"), ("house/walls/right", "house/pins/core")}
+
+
+@pytest.mark.parametrize("listed", [rules.LISTED_PAIRS, 0])
+def test_one_sub_assembly_is_left_out(mockup: feeler.Mockup, monkeypatch: pytest.MonkeyPatch, listed: int) -> None:
+    """The same whether its pairs are listed for the core, or taken out of what it found."""
+    monkeypatch.setattr(rules, "LISTED_PAIRS", listed)
+    assert left_out(mockup, Exclusion("house", same_assembly=1)) == {
+        pair for pair in FOUND if all(path.startswith("house/") for path in pair)
+    }
+    assert left_out(mockup, Exclusion("rooms", same_assembly=2)) == {("house/walls/left", "house/walls/right")}
+    assert left_out(mockup, Exclusion("parts", same_assembly=3)) == set()
+
+
+@pytest.mark.parametrize("listed", [rules.LISTED_PAIRS, 0])
+def test_the_level_of_a_rule(mockup: feeler.Mockup, monkeypatch: pytest.MonkeyPatch, listed: int) -> None:
+    monkeypatch.setattr(rules, "LISTED_PAIRS", listed)
+    found = ruled(mockup, Rule("walls", "house/walls", "house", level=2))
+    assert ("house/walls/left", "house/walls/right") not in found
+    assert found["house/walls/left", "house/copy/left"] == "walls"
+    assert found.keys() == FOUND.keys() - {("house/walls/left", "house/walls/right")}
+    found = ruled(mockup, Rule("pins", "house/pins", level=1), Rule("house", "house", "house"))
+    assert {pair for pair in FOUND if pair not in found} == {pair for pair in FOUND if "pins" in "".join(pair)}, (
+        "a rule decides its pairs: no later one is asked"
+    )
+
+
+def test_sub_assemblies() -> None:
+    assert sub_assemblies(["a/b/c", "a/b/d", "a/e", "a", "f/b/c"], 1).tolist() == [0, 0, 0, -1, 1]
+    assert sub_assemblies(["a/b/c", "a/b/d", "a/e", "a", "f/b/c"], 2).tolist() == [0, 0, -1, -1, 1]
+
+
+@pytest.mark.parametrize(
+    ("path", "expected"),
+    [
+        ("engine/bolt_12", True),
+        ("engine/M8x25 screw", True),
+        ("engine/DIN 912 M6", True),
+        ("engine/ISO4014-M8", True),
+        ("engine/Unterlegscheibe", False),
+        ("engine/Mutter M8", True),
+        ("engine/hex nut/Solid1", True),
+        ("engine/hex nut/Body", True),
+        ("bolts/pump", False),
+        ("engine/donut", False),
+        ("engine/nutrient tank", False),
+        ("engine/M8 housing", False),
+        ("engine/M8 x 30", True),
+        ("engine/studio", False),
+    ],
+)
+def test_fasteners_by_name(path: str, expected: bool) -> None:
+    assert is_fastener(path) == expected
+
+
+def test_fasteners_are_left_out(mockup: feeler.Mockup) -> None:
+    gone = left_out(mockup, Exclusion("standard parts", fasteners=True))
+    assert gone == {pair for pair in FOUND if "bolt" in "".join(pair)}
+
+
+def test_names_that_are_not_there_are_told_with_near_ones(mockup: feeler.Mockup) -> None:
+    with pytest.raises(
+        OptionError, match=r"rules, rule 'x', b: no part is called.*'\*blot\*'; there is 'bolt M8x30' \(optional = true"
+    ):
+        ruled(mockup, Rule("x", "*", "*blot*"))
+    with pytest.raises(OptionError, match=r"exclusion 'y', a: no path matches 're:walls/\.\*' as a whole"):
+        left_out(mockup, Exclusion("y", "re:walls/.*"))
+    with pytest.raises(OptionError, match=r"'re:\(' is no regular expression"):
+        ruled(mockup, Rule("x", "re:("))
+    assert left_out(mockup, Exclusion("y", "*blot*", optional=True)) == set()
+    assert ruled(mockup, Rule("x", "*blot*", optional=True)).keys() == FOUND.keys()
+
+
+def test_too_many_classes_are_refused(monkeypatch: pytest.MonkeyPatch, mockup: feeler.Mockup) -> None:
+    monkeypatch.setattr(rules, "CLASS_LIMIT", 2)
+    with pytest.raises(OptionError, match="patterns put the parts into 3 classes, and 2 are the most"):
+        ruled(mockup, Rule("x", "house/walls", "house/pins"))
+
+
+def test_wrong_rules() -> None:
+    make: Any = Rule
+    for words, message in [
+        ({"clearance": -1.0}, "rule 'x': clearance is -1.0: give metres"),
+        ({"clearance": True}, "clearance is True"),
+        ({"contact": "chrod"}, "contact is 'chrod': give metres, 0 or more, or \"chord\""),
+        ({"severity": "mayor"}, "severity is 'mayor': do you mean major"),
+        ({"level": -1}, "level is -1"),
+        ({"level": 1.5}, "level is 1.5"),
+        ({"a": 3}, "a is 3: give a pattern of paths, or several"),
+        ({"b": ["x", ""]}, "give a pattern of paths"),
+    ]:
+        with pytest.raises(OptionError, match=re.escape(message)):
+            make("x", **words)
+    for words in ({}, {"a": "x", "fasteners": True}, {"same_assembly": 1, "fasteners": True}):
+        with pytest.raises(OptionError, match="exclusion 'y': give one of a, same_assembly and fasteners"):
+            Exclusion("y", **words)  # type: ignore[arg-type]
+    for names in (("x", "x"), ("",), ("default",)):
+        with pytest.raises(OptionError, match="the name of a rule"):
+            Rules(tuple(Rule(name) for name in names))
+
+
+FILE = """
+version = 1
+others = false
+
+[[rule]]
+name = "walls against pins"
+a = "house/walls"
+b = ["*bolt*", "re:.*/core"]
+clearance = 0.005
+contact = 0.0001
+severity = "critical"
+level = 3
+
+[[exclude]]
+name = "copies"
+a = "*copy*"
+
+[[exclude]]
+name = "rooms"
+same_assembly = 2
+
+[[exclude]]
+name = "standard parts"
+fasteners = true
+"""
+
+
+def test_a_file_is_read(tmp_path: Path, mockup: feeler.Mockup) -> None:
+    path = tmp_path / "clash.toml"
+    path.write_text(FILE, encoding="utf-8")
+    read = Rules.read(path)
+    (rule,) = read.rules
+    assert rule == Rule(
+        "walls against pins", ("house/walls",), ("*bolt*", "re:.*/core"), 0.005, 0.0001, "critical", level=3
+    )
+    assert [each.name for each in read.exclusions] == ["copies", "rooms", "standard parts"] and not read.others
+    found = feeler.clash(mockup, rules=path)
+    assert pairs(found) == {("house/walls/right", "house/pins/core"): "contained"}
+    assert found.ids == feeler.clash(mockup, rules=str(path)).ids == feeler.clash(mockup, rules=read).ids
+    same = {
+        "rule": [{"name": "walls against pins", "a": "house/walls", "b": ["*bolt*", "*core*"], "clearance": 0.005}],
+        "exclude": [{"name": "copies", "a": "*copy*"}, {"name": "f", "fasteners": True}],
+        "others": False,
+    }
+    assert feeler.clash(mockup, rules=same).ids == found.ids
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("version = 1", "version = 2", "is of version 2, and this feeler reads 1"),
+        ("others = false", 'others = "no"', "others is 'no': give true or false"),
+        ("clearance =", "clearence =", "rule 1: there is no 'clearence': do you mean clearance"),
+        ("[[rule]]", "[[rules]]", "there is no 'rules': do you mean rule"),
+        ("[[rule]]", "[rule]", r"rule is no list of tables: write \[\[rule\]\] above each"),
+        ('"critical"', '"crit"', "rule 1, rule 'walls against pins': severity is 'crit': do you mean critical"),
+        ("0.005", "-0.005", "clearance is -0.005: give metres"),
+        ('name = "copies"', "", "exclude 1: it has no name"),
+        ("fasteners = true", "fasteners = 1", "exclude 3: fasteners is 1: give true or false"),
+        ("level = 3", "level = ", "is no TOML"),
+        ("same_assembly = 2", "same_assembly = 0", "give one of a, same_assembly and fasteners"),
+        ('name = "walls against pins"', 'name = "default"', "the name of a rule is that of the pairs"),
+    ],
+)
+def test_what_a_file_says_wrong(tmp_path: Path, old: str, new: str, message: str) -> None:
+    path = tmp_path / "clash.toml"
+    assert old in FILE
+    path.write_text(FILE.replace(old, new), encoding="utf-8")
+    with pytest.raises(LoadError, match=message) as caught:
+        Rules.read(path)
+    assert "clash.toml" in str(caught.value)
+
+
+def test_files_that_cannot_be_read(tmp_path: Path, mockup: feeler.Mockup) -> None:
+    with pytest.raises(MissingFileError, match=r"none\.toml does not exist: feeler clash --write-rules"):
+        feeler.clash(mockup, rules=tmp_path / "none.toml")
+    (tmp_path / "binary.toml").write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(LoadError, match="cannot be read"):
+        Rules.read(tmp_path / "binary.toml")
+    with pytest.raises(LoadError, match="cannot be read"):
+        Rules.read(tmp_path)
+    (tmp_path / "deep.toml").write_text("x = " + "[" * 100_000)
+    with pytest.raises(LoadError, match="is no TOML"):
+        Rules.read(tmp_path / "deep.toml")
+
+
+def test_a_file_is_started_from_what_was_found(tmp_path: Path, mockup: feeler.Mockup) -> None:
+    found = feeler.clash(mockup, contact=0.001)
+    write_rules(tmp_path / "clash.toml", found)
+    text = (tmp_path / "clash.toml").read_text(encoding="utf-8")
+    again = feeler.clash(mockup, clearance=0.0, rules=tmp_path / "clash.toml")
+    assert pairs(again) == pairs(found), "nothing is lost when it is read"
+    assert set(again.rule.tolist()) == {"within house", "house against yard"}
+    # What is left out by hand is there as a comment, ready to be used.
+    commented = "".join(line[2:] if line.startswith("# ") else "" for line in text.splitlines(keepends=True))
+    exclusions = commented[commented.index("[[exclude]]") :]
+    exclusions = "\n".join(line for line in exclusions.splitlines() if line.startswith(("[[", "name", "a", "b", "f")))
+    (tmp_path / "left.toml").write_text(text + "\n" + exclusions, encoding="utf-8")
+    rest = pairs(feeler.clash(mockup, contact=0.001, rules=tmp_path / "left.toml"))
+    assert rest == {
+        pair: verdict for pair, verdict in pairs(found).items() if verdict != "contact" and "bolt" not in "".join(pair)
+    }
+
+
+def test_names_from_files_are_quoted(tmp_path: Path) -> None:
+    name = 'he said "x"\\ \u00e4\x07\x7f\U0001d11e'
+    mockup = mockup_of(
+        {name: box((0, 0, 0), (1, 1, 1)), "[b]": box((0.5, 0, 0), (2, 1, 1)), "c": box((9, 9, 9), (10, 10, 10))}
+    )
+    write_rules(tmp_path / "clash.toml", feeler.clash(mockup))
+    found = feeler.clash(mockup, rules=tmp_path / "clash.toml")
+    assert len(found) == 1 and found.rule[0] != "default"
+
+
+def test_two_rules_may_share_their_last_names(tmp_path: Path) -> None:
+    shapes = {f"r/{i}/x": box((3 * i, 0, 0), (3 * i + 1, 1, 1)) for i in range(2)}
+    shapes |= {f"r/{i}/y": box((3 * i + 0.5, 0, 0), (3 * i + 2, 1, 1)) for i in range(2)}
+    mockup = mockup_of(shapes)
+    write_rules(tmp_path / "clash.toml", feeler.clash(mockup))
+    assert len(set(feeler.clash(mockup, rules=tmp_path / "clash.toml").rule.tolist())) == 2
+
+
+def test_classes_are_as_few_as_the_patterns_tell_apart(mockup: feeler.Mockup) -> None:
+    made = rules.limits(
+        Rules((Rule("x", "house/walls", "house/pins"), Rule("y", "*left*"))),
+        mockup.parts,
+        mockup.part_paths,
+        0.002,
+        0.0,
+        None,
+        np.empty((0, 2), np.uint32),
+    )
+    assert made.clearance.shape == (5, 5) and (made.clearance == made.clearance.T).all()
+    a, b = np.array([0, 0, 1], np.uint32), np.array([2, 6, 6], np.uint32)
+    assert [made.names[i] for i in made.rule_of(a, b)] == ["x", "y", "default"]

@@ -1,0 +1,350 @@
+"""Findings over time: ids, statuses, what is saved, and files that are not what they should be."""
+
+from __future__ import annotations
+
+import copy
+import json
+import pickle
+import uuid
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from clash_scene import FOUND, house, mockup_of, moved, pairs, table, without
+from shapes import box
+
+import feeler
+from feeler import Verdict
+from feeler.clashes.tracking import DEPTH_GROWTH_M, clash_id, part_keys
+from feeler.errors import LoadError, MissingFileError, OptionError
+from feeler.io import WriteError
+from feeler.workbench.findings import grouped, read_findings
+
+
+@pytest.fixture(scope="module")
+def mockup() -> feeler.Mockup:
+    return house()
+
+
+def one(depth: float = 0.001, gap: float = 0.0, **more: Any) -> feeler.Clashes:
+    """A table of one pair, x/a and x/b."""
+    verdict = Verdict.CLASH if depth > 0 else Verdict.CLEARANCE
+    return table([{"a": 0, "b": 1, "verdict": verdict, "depth": depth, "gap": gap}], **more)
+
+
+def test_ids_are_the_same_on_every_machine() -> None:
+    assert clash_id("default", "x/a", "x/b") == "71dda261-d157-511d-a6ac-18eac4ea78ef"
+    assert uuid.UUID(clash_id("default", "x/ä", "x/b")).version == 5
+    assert clash_id("r", "b", "a") == clash_id("r", "a", "b") != clash_id("s", "a", "b")
+    assert clash_id("r", "a", "b") != clash_id("r", "a b", "") != clash_id("r a", "b", "")
+
+
+def test_ids_follow_names_and_not_coordinates(mockup: feeler.Mockup) -> None:
+    ids = {(each.path_a, each.path_b): each.id for each in feeler.clash(mockup)}
+    nudged = feeler.clash(moved(1e-12))
+    assert {(each.path_a, each.path_b): each.id for each in nudged} == ids
+    # Parts that come in between, or in another order, change no id.
+    shapes = {f"new/{i}": box((50 + 2 * i, 0, 0), (51 + 2 * i, 1, 1)) for i in range(3)}
+    from clash_scene import PARTS
+
+    more = feeler.clash(mockup_of(shapes | dict(reversed(PARTS.items()))))
+    assert {frozenset((each.path_a, each.path_b)): each.id for each in more} == {
+        frozenset(pair): each for pair, each in ids.items()
+    }
+
+
+def test_parts_of_one_path_are_told_apart() -> None:
+    assert part_keys(["a", "b", "a", "a"]) == ["a", "b", "a#2", "a#3"]
+    assert part_keys(["a", "a", "a#2", "a"]) == ["a", "a#3", "a#2", "a#4"]
+    assert part_keys([]) == []
+    vertices, faces = box((0, 0, 0), (1, 1, 1))
+    shapes = [vertices, vertices + np.array([0.5, 0, 0]), vertices + np.array([0, 0.75, 0])]
+    mockup = feeler.Mockup(
+        np.concatenate(shapes), np.concatenate([faces + 8 * i for i in range(3)]), np.repeat([0, 1, 2], 12), ["box"] * 3
+    )
+    found = feeler.clash(mockup)
+    assert len(found) == 3 == len(set(found.ids))
+    assert set(found.ids) == {
+        clash_id("default", *pair) for pair in (("box", "box#2"), ("box", "box#3"), ("box#2", "box#3"))
+    }
+
+
+def test_a_file_gives_back_what_was_saved(tmp_path: Path, mockup: feeler.Mockup) -> None:
+    found = feeler.clash(mockup)
+    found.set_status(found.ids[0], "approved", by="ada", note='as "drawn"')
+    found.save(tmp_path / "now.json")
+    read = feeler.load_clashes(tmp_path / "now.json")
+
+    def told(table: feeler.Clashes) -> list[dict[str, Any]]:
+        rows = [{**row, "a": 0, "b": 0, "volume": 0} for row in table.to_dicts()]
+        return sorted(rows, key=lambda row: row["id"])
+
+    assert told(read) == told(found)
+    assert read.depth.tolist() == found.depth.tolist() and read.gap.tolist() == found.gap.tolist()
+    assert read.marks.of(found.ids[0]) == found.marks.of(found.ids[0])
+    assert (read.facts.clearance, read.facts.contact, read.facts.parts) == (0.002, 0.0, 7)
+    assert not read.is_partial and len(read.earlier()) == 0
+    read.save(tmp_path / "again.json")
+    assert (tmp_path / "again.json").read_bytes() == (tmp_path / "now.json").read_bytes()
+
+
+def test_git_can_diff_a_file(tmp_path: Path, mockup: feeler.Mockup) -> None:
+    """A line a finding, in an order that hangs on names alone."""
+    found = feeler.clash(mockup)
+    found.save(tmp_path / "a.json")
+    found[::-1].save(tmp_path / "b.json")
+    lines = (tmp_path / "a.json").read_text(encoding="ascii").splitlines()
+    assert (tmp_path / "b.json").read_text(encoding="ascii").splitlines() == lines
+    assert sum('"id"' in line for line in lines) == len(FOUND)
+    found.set_status(found.ids[3], "reviewed")
+    found.save(tmp_path / "b.json")
+    changed = (tmp_path / "b.json").read_text(encoding="ascii").splitlines()
+    assert len(changed) == len(lines) and sum(a != b for a, b in zip(lines, changed, strict=True)) == 1
+    feeler.clash(without("house/walls/left")).save(tmp_path / "b.json")
+    fewer = (tmp_path / "b.json").read_text(encoding="ascii").splitlines()
+    kept = {line.rstrip(",") for line in fewer if '"id"' in line}
+    assert kept < {line.rstrip(",") for line in lines}, "what stays is the same, though parts have other numbers"
+
+
+def test_new_active_resolved_and_back(tmp_path: Path, mockup: feeler.Mockup) -> None:
+    first = feeler.clash(mockup)
+    assert set(first.status.tolist()) == {"new"}
+    first.save(tmp_path / "1.json")
+
+    second = feeler.clash(without("house/copy/left"))
+    change = second.diff(feeler.load_clashes(tmp_path / "1.json"))
+    gone = {pair for pair in FOUND if "house/copy/left" in pair}
+    assert change.counts() == {
+        **{"new": 0, "active": len(FOUND) - len(gone), "reviewed": 0, "approved": 0},
+        "resolved": len(gone),
+    }
+    assert {frozenset((row.path_a, row.path_b)) for row in change.resolved} == {frozenset(pair) for pair in gone}
+    assert set(change.resolved.status.tolist()) == {"resolved"} and set(second.status.tolist()) == {"active"}
+    second.save(tmp_path / "2.json")
+    assert len(feeler.load_clashes(tmp_path / "2.json").earlier()) == len(gone)
+
+    again = feeler.clash(without("house/copy/left"))
+    change = again.diff(feeler.load_clashes(tmp_path / "2.json"))
+    assert change.counts()["resolved"] == 0 and len(again.earlier()) == 0, "what is gone is told once"
+
+    third = feeler.clash(mockup)
+    change = third.diff(feeler.load_clashes(tmp_path / "2.json"))
+    assert {(row.path_a, row.path_b) for row in change.new} == gone, "what was resolved and comes back is new"
+    assert change.counts()["resolved"] == 0 and len(third.earlier()) == 0
+
+
+def test_what_somebody_wrote_into_a_file_as_resolved_comes_back_as_new(tmp_path: Path) -> None:
+    one().save(tmp_path / "1.json")
+    text = (tmp_path / "1.json").read_text()
+    (tmp_path / "1.json").write_text(text.replace('"status": "new"', '"status": "resolved"'))
+    now = one()
+    assert len(now.diff(feeler.load_clashes(tmp_path / "1.json")).new) == 1
+
+
+@pytest.mark.parametrize("status", ["active", "reviewed"])
+def test_what_was_said_stays(tmp_path: Path, status: str) -> None:
+    first = one()
+    first.set_status(first.ids[0], status, by="ada", note="later")
+    first.save(tmp_path / "1.json")
+    second = one(depth=0.9)
+    second.diff(feeler.load_clashes(tmp_path / "1.json"))
+    assert (second[0].status, second[0].by, second[0].note) == (status, "ada", "later")
+
+
+def approved(depth: float, gap: float = 0.0) -> feeler.Clashes:
+    table = one(depth, gap)
+    table.set_status(table.ids[0], "approved", by="ada", note="by design")
+    return table
+
+
+@pytest.mark.parametrize(
+    ("was", "now", "status"),
+    [
+        ((0.001, 0.0), (0.001, 0.0), "approved"),
+        ((0.001, 0.0), (0.0005, 0.0), "approved"),
+        ((0.001, 0.0), (0.001 + 0.9 * DEPTH_GROWTH_M, 0.0), "approved"),
+        ((0.001, 0.0), (0.001 + 1.1 * DEPTH_GROWTH_M, 0.0), "new"),
+        ((0.0, 0.0015), (0.0, 0.001), "new"),
+        ((0.0, 0.0015), (0.0, 0.0019), "approved"),
+        ((0.0, 0.00005), (0.00004, 0.0), "approved"),
+        ((0.0, 0.00005), (0.00006, 0.0), "new"),
+    ],
+)
+def test_an_approval_is_of_a_depth(was: tuple[float, float], now: tuple[float, float], status: str) -> None:
+    before, after = approved(*was), one(*now)
+    change = after.diff(before)
+    assert after[0].status == status and len(getattr(change, status)) == 1
+    if status == "new":
+        assert "by design; approved at" in after[0].note and "now" in after[0].note and after[0].by == "ada"
+
+
+def test_an_approved_depth_does_not_creep(tmp_path: Path) -> None:
+    """What counts is the depth at the approval, not that of the check before."""
+    step = 0.6 * DEPTH_GROWTH_M
+    approved(0.001).save(tmp_path / "last.json")
+    for number, status in ((1, "approved"), (2, "new")):
+        now = one(0.001 + number * step)
+        now.diff(feeler.load_clashes(tmp_path / "last.json"))
+        assert now[0].status == status
+        now.save(tmp_path / "last.json")
+
+
+def test_growth_is_the_callers(mockup: feeler.Mockup) -> None:
+    after = one(0.003)
+    assert len(after.diff(approved(0.001), growth=0.01).approved) == 1
+    assert len(after.diff(approved(0.001), growth=0.0).new) == 1
+    for growth in (-1.0, float("nan"), "1", True):
+        with pytest.raises(OptionError, match="growth is"):
+            after.diff(approved(0.001), growth=growth)  # type: ignore[arg-type]
+    with pytest.raises(OptionError, match="previous is str: give Clashes"):
+        after.diff("last.json")  # type: ignore[arg-type]
+
+
+def test_a_partial_check_resolves_nothing(tmp_path: Path, mockup: feeler.Mockup) -> None:
+    first = feeler.clash(mockup)
+    first.set_status(first.ids[-1], "approved", by="ada")
+    first.save(tmp_path / "1.json")
+    part = feeler.clash(mockup)[:3]
+    part.is_partial = True
+    change = part.diff(feeler.load_clashes(tmp_path / "1.json"))
+    assert len(change.resolved) == 0 and len(change.active) == 3
+    assert len(part.earlier()) == len(FOUND) - 3 and set(part.earlier().status.tolist()) == {"new", "approved"}
+    part.save(tmp_path / "2.json")
+    assert feeler.load_clashes(tmp_path / "2.json").is_partial
+    # The next whole check goes on from there.
+    whole = feeler.clash(mockup)
+    change = whole.diff(feeler.load_clashes(tmp_path / "2.json"))
+    assert change.counts() == {"new": 0, "active": len(FOUND) - 1, "reviewed": 0, "approved": 1, "resolved": 0}
+
+
+def test_a_rule_of_another_name_is_another_finding(mockup: feeler.Mockup) -> None:
+    before = feeler.clash(mockup)
+    now = feeler.clash(mockup, rules={"rule": [{"name": "all"}]})
+    assert now.diff(before).counts() == {
+        **{"new": len(FOUND), "active": 0, "reviewed": 0, "approved": 0},
+        "resolved": len(FOUND),
+    }
+
+
+def test_wrong_statuses(mockup: feeler.Mockup) -> None:
+    found = one()
+    with pytest.raises(OptionError, match=r"status is 'resolved': choose new, active, reviewed, approved"):
+        found.set_status(found.ids[0], "resolved")
+    with pytest.raises(OptionError, match="there is no clash 'nonsense'"):
+        found.set_status("nonsense", "active")
+    with pytest.raises(OptionError, match="by and note are texts"):
+        found.set_status(found.ids[0], "active", by=7)  # type: ignore[arg-type]
+    assert found[0].status == "new"
+
+
+# --- files that are not what they should be ---------------------------------------------------------------------------
+
+
+@pytest.fixture
+def saved(tmp_path: Path, mockup: feeler.Mockup) -> Path:
+    path = tmp_path / "last.json"
+    feeler.clash(mockup).save(path)
+    return path
+
+
+def test_another_version(saved: Path) -> None:
+    saved.write_text(saved.read_text().replace('"version": 1', '"version": 2'))
+    with pytest.raises(LoadError, match=r"last\.json is of version 2, and this feeler reads 1: run the check again"):
+        feeler.load_clashes(saved)
+
+
+def test_a_truncated_file(saved: Path) -> None:
+    text = saved.read_text()
+    for share in (0.0, 0.1, 0.5, 0.9, 0.999):
+        saved.write_text(text[: int(share * len(text))])
+        with pytest.raises(LoadError, match=r"last\.json: it is cut short, or no JSON"):
+            feeler.load_clashes(saved)
+
+
+def test_a_file_of_another_mock_up(saved: Path) -> None:
+    other = feeler.clash(mockup_of({"ship/hull": box((0, 0, 0), (1, 1, 1)), "ship/mast": box((0.5, 0, 0), (2, 1, 1))}))
+    with pytest.raises(LoadError, match=r"of another mock-up: none of their 7 parts, such as 'house/copy/left'"):
+        other.diff(feeler.load_clashes(saved))
+    assert set(other.status.tolist()) == {"new"} and len(other.earlier()) == 0
+
+
+def test_other_files(tmp_path: Path, saved: Path) -> None:
+    with pytest.raises(MissingFileError, match=r"none\.json does not exist"):
+        feeler.load_clashes(tmp_path / "none.json")
+    with pytest.raises(LoadError, match="cannot be read"):
+        feeler.load_clashes(tmp_path)
+    for content, message in [
+        ("[1, 2]", "is no file of clashes"),
+        ('{"version": 1, "clashes": []}', "is no file of clashes"),
+        ('{"format": "feeler clash", "version": 1}', 'holds no list "clashes"'),
+        ('{"format": "feeler clash", "version": 1, "clashes": [3]}', r"clashes\[0\] is no finding: it is no object"),
+        ('{"format": "feeler clash", "version": 1, "clashes": [{"a": "x", "b": "y"}]}', "it has no 'rule'"),
+        ("[" * 100_000, "no JSON"),
+        ("\x00", "no JSON"),
+    ]:
+        (tmp_path / "odd.json").write_text(content)
+        with pytest.raises(LoadError, match=message):
+            feeler.load_clashes(tmp_path / "odd.json")
+    (tmp_path / "odd.json").write_bytes(b"\xff\xfe")
+    with pytest.raises(LoadError, match="cannot be read"):
+        feeler.load_clashes(tmp_path / "odd.json")
+    with pytest.raises(WriteError):
+        one().save(tmp_path / "no" / "x.json")
+
+
+DAMAGE: dict[str, Any] = {
+    "id": "f0000000-0000-5000-8000-000000000000",
+    "rule": 3,
+    "a": None,
+    "status": "gone",
+    "verdict": "crash",
+    "severity": "mayor",
+    "depth": "deep",
+    "depth_kind": "certain",
+    "gap": 1e300,
+    "triangles": -1,
+    "point_a": [1, 2],
+    "translation": "none",
+    "box": [[0, 0, 0]],
+    "open": [True],
+    "approved_depth": "x",
+}
+
+
+@pytest.mark.parametrize("name", DAMAGE)
+def test_damaged_findings(saved: Path, name: str) -> None:
+    data = json.loads(saved.read_text())
+    data["clashes"][2][name] = DAMAGE[name]
+    saved.write_text(json.dumps(data))
+    with pytest.raises(LoadError, match=r"clashes\[2\] is no finding: "):
+        feeler.load_clashes(saved)
+
+
+def test_a_finding_twice(saved: Path) -> None:
+    data = json.loads(saved.read_text())
+    data["clashes"].append(data["clashes"][0])
+    saved.write_text(json.dumps(data))
+    with pytest.raises(LoadError, match="holds a finding twice"):
+        feeler.load_clashes(saved)
+
+
+def test_the_workbench_reads_a_file(saved: Path, mockup: feeler.Mockup) -> None:
+    shown = grouped(read_findings(saved), mockup.parts)
+    members = [each for group in shown.groups for each in group["findings"]]
+    assert len(members) == len(FOUND) and all(each["part_a"] is not None for each in members)
+    assert {(each["a"], each["b"]): each["verdict"] for each in members} == FOUND
+    touching = {(each["a"], each["b"]) for each in members if each["is_touching"]}
+    assert touching == {pair for pair, verdict in FOUND.items() if verdict == "contact"}
+
+
+def test_tables_travel(mockup: feeler.Mockup) -> None:
+    before = feeler.clash(mockup)
+    before.set_status(before.ids[0], "approved", by="ada")
+    now = feeler.clash(without("yard/flush"))
+    now.diff(before)
+    for there in (pickle.loads(pickle.dumps(now)), copy.deepcopy(now)):
+        assert list(there) == list(now) and there.facts == now.facts and list(there.earlier()) == list(now.earlier())
+        assert pairs(there) == pairs(now) and there.part_paths == now.part_paths
+        there.set_status(there.ids[1], "reviewed")
+        assert now[1].status == "active", "a copy has a status of its own"
