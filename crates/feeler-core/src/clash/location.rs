@@ -26,6 +26,19 @@ pub enum Location {
 pub struct LocationScratch {
     ray: RayScratch,
     triangles: Vec<u32>,
+    /// By triangle, of a flood; none between two.
+    pub(super) marks: Vec<Mark>,
+}
+
+/// What a flood over a surface knows of a triangle.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(super) enum Mark {
+    #[default]
+    None,
+    /// It meets the other part.
+    Met,
+    /// The flood came to it.
+    Seen,
 }
 
 /// A ray that ends, in shares of its length; a little more, for the rounding of the direction.

@@ -55,7 +55,7 @@ pub fn near_parts(
 }
 
 impl PartGap {
-    fn order(&self, other: &PartGap) -> std::cmp::Ordering {
+    pub(super) fn order(&self, other: &PartGap) -> std::cmp::Ordering {
         self.distance.total_cmp(&other.distance).then(self.triangles.cmp(&other.triangles))
     }
 }
