@@ -74,6 +74,8 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         "collide": QUERY_BASE,
         "distance": QUERY_BASE,
         "cast": {*QUERY_BASE, "collide"},
+        # The mock-up against itself.
+        "clash": {*QUERY_BASE, "collide"},
         "sizing": {*INDEX_BASE, "index"},
         # What is looked at: rays, sections, and pieces for drawing.
         "rays": {*QUERY_BASE, "distance"},
@@ -100,6 +102,8 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         "footing": {*CONTACTS_BASE, "proximity"},
         "solver": {*CONTACTS_BASE, "query", "escape", "footing", "containment"},
         "tracker": {*CONTACTS_BASE, "solver"},
+        # The mock-up against itself: what is one part to another, and how deep.
+        "clash": {*CONTACTS_BASE, "query", "escape", "solver"},
     },
     "feeler-haptics": {
         "constants": set(),
@@ -184,6 +188,7 @@ ROOMS: dict[str, set[str]] = {
     "ignored": {"_core", "errors", "mockup", "parts", "travel"},
     "calibrate": {"_core", "errors"},
     "scene": {"_core", "calibrate", "errors", "ignored", "mockup", "parts", "travel"},
+    "clash": set(),
     "io": BASE,
     "interchange": {*BASE, "io"},
     "haptics": BASE,
@@ -193,7 +198,19 @@ ROOMS: dict[str, set[str]] = {
     # `feeler` for its version alone.
     "workbench": {*BASE, "haptics", "ignored", "io", "parts", "picture", "samples", "feeler"},
     "cli": {*BASE, "haptics", "io", "picture", "samples", "study", "workbench", "feeler"},
-    "__init__": {"_core", "ignored", *BASE, "haptics", "interchange", "io", "picture", "samples", "study", "workbench"},
+    "__init__": {
+        "_core",
+        "ignored",
+        *BASE,
+        "clash",
+        "haptics",
+        "interchange",
+        "io",
+        "picture",
+        "samples",
+        "study",
+        "workbench",
+    },
     "__main__": {"cli"},
 }
 # Beside the package, and never imported by it.

@@ -6,7 +6,8 @@ use std::sync::Arc;
 
 use common::{ball, lattice, placed, soup, with_defects, Arrays, Random, STORAGES};
 use feeler_core::clash::brute::{gaps_of_all_parts, meeting_of_all_pairs};
-use feeler_core::clash::meeting::{meeting_parts, Meets, MeetingParts};
+use feeler_core::clash::meeting::meeting_parts;
+use feeler_core::clash::meets::{MeetingParts, Meets};
 use feeler_core::clash::near::{near_parts, PartGap};
 use feeler_core::clash::search::SelfIndex;
 use feeler_core::{
@@ -31,21 +32,28 @@ fn strewn((vertices, faces): Arrays, parts: u32) -> Arc<Mockup> {
 fn mockups() -> Vec<(&'static str, Arc<Mockup>)> {
     let mut random = Random::new(49);
     let boxes = |random: &mut Random, step: f64| {
-        (0..30).map(|_| {
-            let corner: [f64; 3] = std::array::from_fn(|_| random.below(7) as f64);
-            let size: [f64; 3] = std::array::from_fn(|_| 1.0 + random.below(3) as f64);
-            let middle = std::array::from_fn(|a| step * (corner[a] + 0.5 * size[a]));
-            box_mesh(middle, size.map(|x| step * x), 1 + random.below(3) as usize)
-        }).collect::<Vec<_>>()
+        (0..30)
+            .map(|_| {
+                let corner: [f64; 3] = std::array::from_fn(|_| random.below(7) as f64);
+                let size: [f64; 3] = std::array::from_fn(|_| 1.0 + random.below(3) as f64);
+                let middle = std::array::from_fn(|a| step * (corner[a] + 0.5 * size[a]));
+                box_mesh(middle, size.map(|x| step * x), 1 + random.below(3) as usize)
+            })
+            .collect::<Vec<_>>()
     };
-    let balls = (0..20).map(|i| {
-        let place = random.point(-1.0, 1.0);
-        let (vertices, faces) = ball(4 + i % 3, random.real(0.1, 0.5));
-        (vertices.into_iter().map(|p| std::array::from_fn(|a| p[a] + place[a])).collect(), faces)
-    }).collect();
+    let balls = (0..20)
+        .map(|i| {
+            let place = random.point(-1.0, 1.0);
+            let (vertices, faces) = ball(4 + i % 3, random.real(0.1, 0.5));
+            (vertices.into_iter().map(|p| std::array::from_fn(|a| p[a] + place[a])).collect(), faces)
+        })
+        .collect();
     vec![
         ("boxes on a lattice", assembly(boxes(&mut random, 1.0))),
-        ("boxes far off", assembly(boxes(&mut random, 0.1).into_iter().map(|part| placed(part, 1.0, 3000.0)).collect())),
+        (
+            "boxes far off",
+            assembly(boxes(&mut random, 0.1).into_iter().map(|part| placed(part, 1.0, 3000.0)).collect()),
+        ),
         ("balls", assembly(balls)),
         ("a soup of few parts", strewn(soup(3, 400, 0.2), 3)),
         ("a soup of many parts", strewn(soup(4, 400, 0.2), 100)),
@@ -88,7 +96,8 @@ fn what_meets_and_what_is_near_is_that_of_all_pairs_of_triangles() {
         }
         // Pieces of triangles: some pairs come up many times.
         for voxel_size in [0.03 * size, 0.2 * size] {
-            let mut scene = scene_of(&mockup, &SceneOptions { voxel_size: Some(voxel_size), ..SceneOptions::default() });
+            let mut scene =
+                scene_of(&mockup, &SceneOptions { voxel_size: Some(voxel_size), ..SceneOptions::default() });
             for level in Level::available() {
                 scene.set_lanes(level);
                 assert_eq!(search(&scene, &limits), (meeting.clone(), near.clone()), "{name} {}", level.name());
@@ -111,7 +120,8 @@ fn touches_are_all_pairs_of_triangles_of_parts_that_only_touch() {
     let meeting = meeting_parts(&index, &limits, &[], &|_, _| true);
     let mut expected = Vec::new();
     for pair in meeting.pairs.iter().filter(|pair| pair.meets == Meets::Touching) {
-        let of_part = |part: u32| mockup.mesh().queried().filter(|t| mockup.part_of_face(*t) == part).collect::<Vec<_>>();
+        let of_part =
+            |part: u32| mockup.mesh().queried().filter(|t| mockup.part_of_face(*t) == part).collect::<Vec<_>>();
         for t in of_part(pair.parts[0]) {
             for u in of_part(pair.parts[1]) {
                 let [p, q] = [t, u].map(|face| mockup.mesh().triangle(face));

@@ -28,11 +28,7 @@ pub struct ClashRows {
 }
 
 impl ClashRows {
-    fn column<'py, T: Element>(
-        &self,
-        py: Python<'py>,
-        of: impl Fn(&contacts::Clash) -> T,
-    ) -> Bound<'py, PyArray1<T>> {
+    fn column<'py, T: Element>(&self, py: Python<'py>, of: impl Fn(&contacts::Clash) -> T) -> Bound<'py, PyArray1<T>> {
         self.rows.iter().map(of).collect::<Vec<T>>().into_pyarray(py)
     }
 

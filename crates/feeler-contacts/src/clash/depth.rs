@@ -98,7 +98,6 @@ impl Pair<'_> {
         // What lies in the other is not out of it where a plane says so.
         let over_planes = if is_within { None } else { self.over_planes(&contacts, scratch)? };
         let way = match over_planes {
-            Some(way) if way.kind == PenetrationKind::Exact => way,
             Some(way) => self.shorter(way, self.beyond(self.is_far(&way), &contacts)),
             None => self.beyond(true, &contacts),
         };
@@ -148,7 +147,8 @@ impl Pair<'_> {
 
     /// By how much a translation is longer than it need be.
     fn excess(&self, length: f64) -> f64 {
-        ESCAPE_EXCESS * length + ESCAPE_ROUNDING * self.scene.mockup().mesh().bounds().largest_coordinate()
+        ESCAPE_EXCESS * length
+            + ESCAPE_ROUNDING * self.scene.mockup().mesh().bounds().largest_coordinate()
             + self.tool.margin_at(&Pose::IDENTITY)
     }
 
@@ -206,7 +206,10 @@ impl Pair<'_> {
             let own = self.tool.mesh();
             let of_tool = (0..own.faces().len() as u32).step_by(1 + own.faces().len() / FACES_SAMPLED);
             let mut normals: Vec<Point> = contacts.planes.iter().map(|plane| plane.normal).collect();
-            add_face_normals(faces.iter().step_by(1 + faces.len() / FACES_SAMPLED).map(|f| mesh.triangle(*f)), &mut normals);
+            add_face_normals(
+                faces.iter().step_by(1 + faces.len() / FACES_SAMPLED).map(|f| mesh.triangle(*f)),
+                &mut normals,
+            );
             add_face_normals(of_tool.map(|t| own.triangle(t)), &mut normals);
             for n in normals {
                 let [lowest, highest] = heights(own.vertices(), &n);
@@ -247,7 +250,10 @@ fn add_face_normals(triangles: impl Iterator<Item = Triangle>, normals: &mut Vec
 
 /// The lowest and the highest point along a normal.
 fn heights(points: &[Point], n: &Point) -> [f64; 2] {
-    points.iter().map(|p| dot(n, p)).fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], h| [low.min(h), high.max(h)])
+    points
+        .iter()
+        .map(|p| dot(n, p))
+        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], h| [low.min(h), high.max(h)])
 }
 
 /// Of the tool the one that is deepest, of the part where the plane runs.

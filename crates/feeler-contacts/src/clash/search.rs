@@ -7,7 +7,8 @@ use feeler_core::clash::asked::in_order;
 use feeler_core::clash::duplicates::{duplicate_pairs, same_parts};
 use feeler_core::clash::holding::held_parts;
 use feeler_core::clash::location::LocationScratch;
-use feeler_core::clash::meeting::{meeting_parts, Meeting, Meets};
+use feeler_core::clash::meeting::{meeting_parts, Meeting};
+use feeler_core::clash::meets::Meets;
 use feeler_core::clash::near::{near_parts, PartGap};
 use feeler_core::clash::search::SelfIndex;
 use feeler_core::clash::solids::Solids;
@@ -30,6 +31,9 @@ enum Relation {
     /// Nothing meets, and one holds the other.
     Held,
 }
+
+/// Two parts, and what they are to each other.
+type Related = ([u32; 2], Relation);
 
 impl Relation {
     /// Whether one is wholly in the other.
@@ -106,7 +110,7 @@ impl<'a> ClashSearch<'a> {
         self.relations = duplicates.iter().map(|pair| (*pair, Relation::Duplicate)).collect();
         self.meeting = meeting_parts(&self.index, limits, &duplicates, progress);
         let (meeting, solids) = (&self.meeting, &self.solids);
-        let found: Vec<([u32; 2], Relation)> = meeting
+        let found: Vec<Related> = meeting
             .pairs
             .par_iter()
             .map(|pair| {
@@ -169,7 +173,7 @@ impl<'a> ClashSearch<'a> {
             |parts: [u32; 2]| parts.map(|part| adjacency.is_some_and(|adjacency| adjacency.shells_of(part).is_empty()));
         self.is_measuring = !is_stopped;
         let mut rows = Vec::new();
-        let mut deep: BTreeMap<u32, Vec<([u32; 2], Relation)>> = BTreeMap::new();
+        let mut deep: BTreeMap<u32, Vec<Related>> = BTreeMap::new();
         for (pair, relation) in &self.relations {
             match relation {
                 Relation::Touching(Touching::Beside) => rows.push(self.contact(*pair, is_open(*pair))),
@@ -179,7 +183,7 @@ impl<'a> ClashSearch<'a> {
             }
         }
         rows.extend(self.gaps.iter().map(|gap| self.apart(gap, is_open(gap.parts))));
-        let groups: Vec<(u32, Vec<([u32; 2], Relation)>)> = deep.into_iter().collect();
+        let groups: Vec<(u32, Vec<Related>)> = deep.into_iter().collect();
         const WAVE: usize = 256;
         for (n, wave) in groups.chunks(WAVE).enumerate() {
             if !self.is_measuring || !progress((n * WAVE) as f64 / groups.len() as f64, STAGE) {

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::asked::{in_order, PairLimits};
-use super::meeting::{MeetingParts, Meets};
+use super::meets::{MeetingParts, Meets};
 use super::near::PartGap;
 use crate::geometry::distance_triangle_triangle::closest_triangle_triangle;
 use crate::geometry::intersect_triangle_triangle::{intersect_triangle_triangle, PairKind};

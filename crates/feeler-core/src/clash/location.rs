@@ -69,9 +69,10 @@ pub fn locate(
     if !parts.iter().any(is_in) {
         return found;
     }
-    let hull = parts.iter().filter(|part| is_in(part)).fold(Aabb::EMPTY, |hull, part| {
-        hull.union(&mockup.part_bounds()[*part as usize])
-    });
+    let hull = parts
+        .iter()
+        .filter(|part| is_in(part))
+        .fold(Aabb::EMPTY, |hull, part| hull.union(&mockup.part_bounds()[*part as usize]));
     // By part the windings that rays counted.
     let mut windings: Vec<Vec<i32>> = vec![Vec::new(); parts.len()];
     let mut needed: Vec<usize> = parts.iter().map(|part| if is_in(part) { 1 } else { 0 }).collect();
@@ -82,7 +83,13 @@ pub fn locate(
         let q = ray_end(p, &hull, offset);
         let triangles = &mut scratch.triangles;
         triangles.clear();
-        let path = RayPath { origin: *p, direction: sub(&q, p), from: 0.0, selection: index.selection(), lanes: index.lanes() };
+        let path = RayPath {
+            origin: *p,
+            direction: sub(&q, p),
+            from: 0.0,
+            selection: index.selection(),
+            lanes: index.lanes(),
+        };
         index.store().search_ray(mockup.mesh(), &path, &mut scratch.ray, &mut Along(triangles));
         triangles.sort_unstable();
         triangles.dedup();

@@ -199,7 +199,8 @@ pub fn connected_surfaces(mesh: &Mesh, faces: &[u32]) -> Vec<ConnectedSurface> {
 fn sets_by_corners(mesh: &Mesh, faces: &[u32]) -> Vec<u32> {
     let mut sets = DisjointSets((0..faces.len() as u32).collect());
     // Open addressing by coordinates: for each corner the first triangle that has it, and as which of its three.
-    let corner = |entry: u32| mesh.vertices()[mesh.faces()[faces[entry as usize / 3] as usize][entry as usize % 3] as usize];
+    let corner =
+        |entry: u32| mesh.vertices()[mesh.faces()[faces[entry as usize / 3] as usize][entry as usize % 3] as usize];
     let slots = (4 * faces.len().max(1)).next_power_of_two();
     let mut table = vec![u32::MAX; slots];
     for entry in 0..3 * faces.len() as u32 {

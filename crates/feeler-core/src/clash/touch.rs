@@ -7,7 +7,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::location::{is_within, locate, Location, LocationScratch, Mark};
-use super::meeting::Touch;
+use super::meets::Touch;
 use super::solids::{Solid, Solids};
 use crate::collide::hits::Hit;
 use crate::collide::touching::Surfaces;
@@ -37,7 +37,8 @@ pub fn judge(
 ) -> Touching {
     let [p, q] = parts.map(|part| solids.of(part));
     let is_entering = |is_turned: [bool; 2]| {
-        let hits = touches.iter().map(|touch| Hit::new(p.own(touch.triangles[0]), q.own(touch.triangles[1]), touch.kind));
+        let hits =
+            touches.iter().map(|touch| Hit::new(p.own(touch.triangles[0]), q.own(touch.triangles[1]), touch.kind));
         let surfaces = Surfaces {
             tool: &|t| p.triangle(t),
             mockup: &|t| q.triangle(t),
