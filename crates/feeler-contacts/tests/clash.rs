@@ -259,3 +259,21 @@ fn a_hollow_part_holds_what_is_in_its_material_and_not_what_is_in_its_hollow() {
     let found = clashes_of(vec![hollow, inside, in_hollow], 0.0, 0.0);
     assert_eq!(found.iter().map(|row| (row.parts, row.verdict)).collect::<Vec<_>>(), [([0, 1], Verdict::Contained)]);
 }
+
+#[test]
+fn what_touches_is_judged_by_all_of_it() {
+    let cube = block([0.0; 3], [2.0; 3], 2, 0.0);
+    let flush = block([0.5, 0.6, 0.0], [1.0, 1.1, 1.2], 1, 0.0);
+    let verdict = |p: &Arrays, q: Arrays| clashes_of(vec![p.clone(), q], 0.0, 0.0)[0].verdict;
+    // Beside the cube, with a surface of its own inside it.
+    let beside = block([2.0, 0.0, 0.0], [3.0, 1.0, 1.0], 1, 0.0);
+    assert_eq!(verdict(&cube, beside.clone()), Verdict::Contact);
+    assert_eq!(verdict(&cube, joined([beside, block([0.5; 3], [1.0; 3], 1, 0.0)])), Verdict::Clash);
+    // Inside it, with one outside.
+    assert_eq!(verdict(&cube, flush.clone()), Verdict::Contained);
+    assert_eq!(verdict(&cube, joined([flush, block([5.0; 3], [6.0; 3], 1, 0.0)])), Verdict::Clash);
+    // A bar from one cheek to the next, with corners where it leaves the one and enters the other and none between.
+    let cheeks =
+        joined([block([-2.0, 0.0, 0.0], [1.0, 3.0, 3.0], 1, 0.0), block([3.0, 0.0, 0.0], [6.0, 3.0, 3.0], 1, 0.0)]);
+    assert_eq!(verdict(&cheeks, block([-1.0, 1.0, 1.0], [5.0, 2.0, 2.0], 3, 0.0)), Verdict::Clash);
+}
