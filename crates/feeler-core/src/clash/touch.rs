@@ -1,6 +1,6 @@
 //! Two parts whose triangles touch or lie in one plane, and none cross: whether one enters the other, holds it, or only touches it.
 //!
-//! By sides first, as of a tool ([`crate::collide::touching`]): where triangles meet, whether the one goes on into the other's
+//! By sides first, as of a tool (`collide::touching`): where triangles meet, whether the one goes on into the other's
 //! material. The same with the material outside tells whether it goes on out of it. What the sides leave open (corners that meet
 //! corners, surfaces that meet nothing) points tell: each connected piece of a surface that meets nothing of the other is on one side.
 
