@@ -84,9 +84,14 @@ class FclEngine:
 
 
 def collision_object(vertices: Floats, faces: Any) -> Any:
-    """A mesh as FCL has it, in place."""
+    """A mesh in place."""
+    return fcl.CollisionObject(bvh_model(vertices, faces), fcl.Transform())
+
+
+def bvh_model(vertices: Floats, faces: Any) -> Any:
+    """A mesh and its tree."""
     model = fcl.BVHModel()
     model.beginModel(len(faces), len(vertices))
     model.addSubModel(vertices, faces)
     model.endModel()
-    return fcl.CollisionObject(model, fcl.Transform())
+    return model
