@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -145,6 +146,88 @@ def test_a_gripped_part_moves_with_the_tool(scene: feeler.Scene, tool: feeler.To
         session.grip("bolt")
     with pytest.raises(OptionError, match="names 2 parts"):
         session.grip("*")
+
+
+def lying(shift: float) -> feeler.Scene:
+    """The block alone, moved along x."""
+    vertices, faces = box((0.08 + shift, -0.02, 0.0), (0.12 + shift, 0.02, 0.04))
+    return feeler.Scene(feeler.Mockup(vertices, faces, part_names=["block"]))
+
+
+def test_a_part_that_lies_elsewhere_is_felt_there_as_in_its_place(scene: feeler.Scene, tool: feeler.Tool) -> None:
+    in_place = haptics.Session(scene, tool)
+    in_place.start(at(0.1, 0.0, 0.042))
+    expected = pressed(in_place, 0.003, x=0.1, floor=0.04)
+    session = haptics.Session(scene, tool, put_down={"block": lying(-0.25)})
+    session.start(at(-0.15, 0.0, 0.042))
+    found = pressed(session, 0.003, x=-0.15, floor=0.04)
+    assert found.mode == "contact" and found.planes.parts.tolist() == [1]
+    np.testing.assert_allclose(found.force, expected.force, atol=1e-6)
+    np.testing.assert_allclose(found.world_from_proxy, at(-0.25) @ expected.world_from_proxy, atol=1e-9)
+    # Along it, and over its border.
+    for k in range(100):
+        along = session.step(at(-0.15 + 0.0001 * k, 0.0, 0.037))
+    assert along.mode == "contact" and along.world_from_proxy[0, 3] == pytest.approx(-0.1401, abs=1e-4)
+    assert along.force[2] == pytest.approx(expected.force[2], rel=1e-2)
+    # It is not where it was; and it is where it lies after another scene, and when it was taken from there.
+    assert session.start(at(0.1, 0.0, 0.01))
+    assert not session.start(at(-0.15, 0.0, 0.035)) and not session.set_scene(scene.without("block"))
+    way_out = session.start(at(-0.15, 0.0, 0.035)).way_out
+    np.testing.assert_allclose(way_out, [0.0, 0.0, 0.005], atol=1e-6)
+    session.start(at(-0.15, 0.0, 0.0402))
+    session.grip("block")
+    assert session.gripped == 1
+    with pytest.raises(SessionError, match="part 1 has no place"):
+        session.release(put_back=True)
+    session.release()
+    with pytest.raises(OptionError, match="no part"):
+        haptics.Session(scene, tool, put_down={"bolt": lying(0.0)})
+    with pytest.raises(SessionError, match="part 1 is put down twice, or as a scene of 2 parts"):
+        haptics.Session(scene, tool, put_down={1: scene})
+    with pytest.raises(OptionError, match=r"put_down has a Mockup for part 1: pass a feeler.Scene"):
+        haptics.Session(scene, tool, put_down={1: lying(0.0).mockup})  # type: ignore[dict-item]
+    with pytest.raises(OptionError):
+        session.set_scene(lying(0.0))
+    assert session.scene.mockup is scene.mockup
+
+
+def test_a_record_has_the_parts_that_lay_elsewhere(
+    scene: feeler.Scene, tool: feeler.Tool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path, large = tmp_path / "felt.npz", tmp_path / "large.npz"
+    for file, most in ((path, 1000), (large, 10)):
+        monkeypatch.setattr("feeler.haptics.record.KEPT_TRIANGLES", most)
+        session = haptics.Session(scene, tool, put_down={1: lying(-0.25)})
+        with session.record(file):
+            session.start(at(-0.15, 0.0, 0.042))
+            assert pressed(session, 0.003, x=-0.15, floor=0.04).mode == "contact"
+            session.grip(1)
+            session.step(at(-0.15, 0.0, 0.05))
+    assert haptics.replay(path) and haptics.replay(path, scene, tool)
+    assert haptics.replay(large, scene, tool, {1: lying(-0.25)})
+    with pytest.raises(LoadError, match="pass put_down"):
+        haptics.replay(large, scene, tool)
+    for other in ({1: lying(-0.2)}, {}, {0: lying(-0.25)}):
+        with pytest.raises(LoadError, match=r"other parts put down elsewhere: it has parts \[1\]"):
+            haptics.replay(path, scene, tool, other)
+    # What is older knows nothing of it; what is newer is not guessed at.
+    monkeypatch.undo()
+    plain = haptics.Session(scene, tool)
+    with plain.record(path):
+        plain.start(at(z=0.002))
+        plain.step(at())
+    with np.load(path) as file:
+        arrays = dict(file)
+    head = json.loads(str(arrays["head"]))
+    del head["put_down"]
+    for number in (1, 2, 3):
+        arrays["head"] = np.array(json.dumps({**head, "format": number}))
+        np.savez(path, **arrays)
+        if number < 3:
+            assert haptics.replay(path)
+        else:
+            with pytest.raises(LoadError, match="format 3, this feeler reads 2"):
+                haptics.replay(path)
 
 
 def test_a_start_in_collision_shows_the_way_out(scene: feeler.Scene, tool: feeler.Tool) -> None:

@@ -144,7 +144,9 @@ def test_modes_stop_glide_and_pass(context: Any, stand: Path, cube: Path) -> Non
         inside = move(page, 0.02, 0.0, 0.09)
         assert inside[2, 3] == pytest.approx(0.09, abs=1e-9)
         assert page.evaluate("() => window.feeler.touched") == ["stand/pump"]
-        wait(page, "() => window.feeler.state.hit_count > 0")
+        wait(page, "() => window.feeler.state.hit_count > 0 && window.feeler.state.depth > 0")
+        assert page.evaluate("() => window.feeler.state.depth") == pytest.approx(top - 0.09, abs=1e-5)
+        wait(page, "() => /[0-9] mm deep/.test(document.querySelector('.contact-facts').textContent)")
         keep(page.screenshot(), "pass.png")
         assert troubles(page) == []
 

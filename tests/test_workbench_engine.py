@@ -4,14 +4,25 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from workbench_scene import LEFT, PEG, PLATE, RIGHT, SHEET, Bench, at, cube, stand
+from workbench_scene import FACES, LEFT, PEG, PLATE, RIGHT, SHEET, Bench, at, corners, cube, stand
 
 import feeler
 from feeler.workbench import motion
 from feeler.workbench.engine import Engine
+from feeler.workbench.session import LEAST_TICK_S
+from feeler.workbench.snapshot import Snapshot
 from feeler.workbench.world import PartMeshes, World
 
 HALF = 0.03125  # of the cube
+
+
+def settled(bench: Bench) -> Snapshot:
+    """After half a second at rest: everything is found."""
+    for _ in range(30):
+        bench.tick()
+    snapshot = bench.session.snapshot()
+    assert snapshot is not None and snapshot.is_current
+    return snapshot
 
 
 @pytest.mark.parametrize("goal", [at(0.0, 0.0, -0.5), at(0.2, -0.1, -0.3)])
@@ -88,7 +99,7 @@ def test_a_tool_nearer_than_rounding_can_tell_moves_away_and_along_and_stays_fre
 def test_a_tool_that_begins_in_collision_says_so_and_moves_out_but_not_deeper() -> None:
     bench = Bench(cube(), pose=at(0.0, 0.0, 0.02))
     snapshot = bench.session.snapshot()
-    assert not snapshot.is_free and snapshot.depth == pytest.approx(HALF - 0.02) and snapshot.parts == [PLATE]
+    assert not snapshot.is_free and snapshot.depth == pytest.approx(HALF - 0.02, abs=1e-6) and snapshot.parts == [PLATE]
     bench.drag(at(0.0, 0.0, -0.2), 0.5)
     assert bench.pose[2, 3] == pytest.approx(0.02, abs=1e-6)
     bench.drag(at(0.1, 0.0, 0.02), 0.5)
@@ -117,6 +128,67 @@ def test_pass_follows_the_hand_and_shows_what_is_cut() -> None:
     np.testing.assert_array_equal(message.hits, np.sort(places[expected.mockup_triangles]))
     assert message.hit_count == len(expected.mockup_triangles) and message.hit_more == 0
     assert {event["part"] for event in bench.of_type("impact")} == {PLATE, RIGHT}
+
+
+def test_the_depth_is_the_shortest_way_out_and_not_a_contact_planes() -> None:
+    """A bar pushed through a sheet, but for its last 20 mm: its plane says 280 mm, back to where it came from."""
+    bar = feeler.Tool(corners((-0.01, -0.01, -0.15), (0.01, 0.01, 0.15)), FACES, "bar")
+    bench = Bench(bar, pose=at(0.0, 0.0, 0.8), mode="pass")
+    bench.drag(at(0.0, 0.0, 0.37), 1.0)
+    snapshot = settled(bench)
+    assert snapshot.planes.gaps[0] == pytest.approx(-0.28) and snapshot.parts == [SHEET]
+    assert snapshot.depth == pytest.approx(0.02, abs=1e-6) and snapshot.depth_kind == "exact"
+    message = snapshot.message()
+    assert message.depth == snapshot.depth and message.depth_kind == "exact"
+    # Free again, it is in nothing at once; wholly inside a solid it meets nothing, and is in it.
+    bench.wish(at(0.0, 0.0, 0.3))
+    assert bench.session.snapshot().depth == 0.0
+    bench = Bench(cube(0.03125), pose=at(0.0, 0.0, -0.03125), mode="pass")
+    snapshot = settled(bench)
+    assert not snapshot.hits and not snapshot.is_free and snapshot.depth == pytest.approx(0.046875, abs=1e-4)
+
+
+def test_a_way_out_of_one_scene_that_leads_into_the_other_is_none() -> None:
+    mockup = stand()
+    scene, meshes, tool = feeler.Scene(mockup), PartMeshes(mockup), cube()
+    pose = at(0.0, 0.0, HALF - 0.005)
+    way = World(scene, meshes, {}).way_out(tool, pose, 0.002)
+    assert way is not None and way.kind == "exact" and way.depth == pytest.approx(0.005, abs=1e-6)
+    np.testing.assert_allclose(way.translation, [0.0, 0.0, 0.005], atol=1e-6)
+    assert World(scene, meshes, {}).way_out(tool, at(0.0, 0.0, 0.1), 0.002) is None
+    for above, kind in ((0.002, "estimate"), (0.006, "exact")):
+        over = at(0.0, -0.28125, 2 * HALF - 0.005 + above)
+        found = World(scene, meshes, {PEG: motion.row(over)}).way_out(tool, pose, 0.002)
+        assert found is not None and found.kind == kind and found.depth == pytest.approx(0.005, abs=1e-6)
+    # In both, it is the longer way.
+    for deep, longer in ((0.008, 0.008), (0.003, 0.005)):
+        within = World(scene, meshes, {PEG: motion.row(at(HALF + 0.03125 - deep, -0.28125, 0.0))})
+        found = within.way_out(tool, pose, 0.002)
+        assert found is not None and found.depth == pytest.approx(longer, abs=1e-6) and found.kind == "estimate"
+
+
+def test_a_costly_depth_takes_a_small_share_of_the_time() -> None:
+    bench = Bench()
+    clock, calls = bench.clock, []
+
+    class Slow(World):
+        def way_out(self, *args: object) -> object:
+            calls.append(clock.now)
+            clock.now += 0.04
+            return super().way_out(*args)  # type: ignore[arg-type]
+
+    engine = Engine(clock=clock)
+    engine.set(Slow(bench.scene, PartMeshes(bench.mockup), {}), cube(), at(0, 0, 0.01), mode="pass")
+    begun = clock.now
+    for step in range(1000):
+        clock.now += 0.004
+        engine.wish(at(0.0001 * step, 0, 0.01), step, "mouse")
+        engine.tick()
+    assert 2 < len(calls) <= 1 + 0.05 * (clock.now - begun) / 0.04
+    for _ in range(300):
+        clock.now += 0.004
+        engine.tick()
+    assert engine.snapshot().is_current and engine.snapshot().depth > 0.0
 
 
 def test_what_it_meets_from_the_start_is_no_impact() -> None:
@@ -208,6 +280,80 @@ def test_what_costs_more_than_the_budget_comes_at_a_lower_rate() -> None:
         clock.now += 0.01
         engine.tick()
     assert engine.snapshot().is_current, "a hand at rest has all of it"
+
+
+def test_what_is_costly_is_found_between_wishes_and_no_later_than_it_is_due() -> None:
+    """Wishes at 60 Hz, rounds at 250 Hz: no wish waits for all of it, and no answer is older than its period."""
+    bench = Bench(cube())
+    clock = bench.clock
+    found: dict[str, list[float]] = {"contacts": [], "distance": [], "clearance": [], "collide": []}
+
+    class Timed(World):
+        pass
+
+    for name, cost in (("contacts", 0.0002), ("distance", 0.0001), ("clearance", 0.0015), ("collide", 0.0002)):
+
+        def slow(self: World, *args: object, name: str = name, cost: float = cost) -> object:
+            clock.now += cost
+            found[name].append(clock.now)
+            return getattr(World, name)(self, *args)
+
+        setattr(Timed, name, slow)
+    engine = Engine(clock=clock)
+    engine.set(Timed(bench.scene, PartMeshes(bench.mockup), {}), cube(), at(0, 0, 0.2), mode="pass")
+    rounds = []
+    for step in range(1000):
+        if step % 4 == 0:
+            engine.wish(at(0.0001 * step, 0, 0.2), step, "mouse")
+        begun = clock.now
+        engine.tick()
+        rounds.append(clock.now - begun)
+        clock.now = begun + 0.004
+    # The costly one has rounds of its own, and the rest fits into the others.
+    assert {round(each, 4) for each in rounds[100:] if each > 0.0006} == {0.0015}
+    for name, longest in (("contacts", 0.016), ("distance", 0.016), ("clearance", 0.1)):
+        times = np.array(found[name][10:])
+        assert len(times) > 20 and np.diff(times).max() < longest + 0.001, name
+
+
+def test_the_rate_is_how_many_rounds_a_second_there_are() -> None:
+    """Rounds in pairs, one short and one long: the mean of their rates would be 571 Hz."""
+    bench = Bench(cube(), pose=at(0.0, 0.0, 0.2))
+    for step in range(200):
+        bench.wish(at(0.0001 * step, 0.0, 0.2), 0.001 if step % 2 else 0.007)
+    assert bench.session.snapshot().rate_hz == pytest.approx(250.0, rel=0.06)
+
+
+def test_no_two_rounds_begin_within_the_least_time_however_long_one_waits(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A command that holds the engine lets a round begin late; the one after begins no sooner for it."""
+    bench = Bench(cube(), pose=at(0.0, 0.0, 0.2))
+    session, clock = bench.session, bench.clock
+    begun: list[float] = []
+    tick = session.engine.tick
+
+    class Wake:
+        """Somebody wishes at once, always."""
+
+        def wait(self, timeout: float) -> None:
+            pass
+
+        def clear(self) -> None:
+            pass
+
+    def sleep(seconds: float) -> None:
+        clock.now += seconds
+
+    def waited_for() -> bool:
+        clock.now += 0.03 if len(begun) % 3 == 1 else 0.0001
+        begun.append(clock.now)
+        session._is_closed = len(begun) == 30
+        return tick()
+
+    monkeypatch.setattr("feeler.workbench.session.time.sleep", sleep)
+    monkeypatch.setattr(session, "_wake", Wake())
+    monkeypatch.setattr(session.engine, "tick", waited_for)
+    session._loop()
+    assert len(begun) == 30 and np.diff(begun).min() >= LEAST_TICK_S - 1e-9
 
 
 def test_a_hand_at_rest_makes_no_news() -> None:
@@ -318,11 +464,38 @@ def test_a_part_that_was_put_down_is_never_passed(mode: str) -> None:
         bench.tick()
     snapshot = bench.session.snapshot()
     assert bench.pose[0, 3] == pytest.approx(0.06875 - HALF, abs=1e-4) and snapshot.is_free
-    assert not np.any(snapshot.force)
+    assert np.any(snapshot.force) == (mode == "glide") and snapshot.parts == [PEG]
     bench.drag(at(-0.3, 0.28, 0.15), 1.0)
     for _ in range(60):
         bench.tick()
     assert bench.pose[0, 3] == pytest.approx(-0.3, abs=1e-3)
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.7])
+def test_glide_slides_along_a_part_that_was_put_down_as_in_its_place(turn: float) -> None:
+    """Pushed 4 mm into the left post's side and 60 mm along it: in place, and put down elsewhere, turned."""
+    moved = at(0.0625, -0.3, 0.0625, turn)
+    found = []
+    for place in (np.eye(4), moved):
+        bench = Bench(cube(), pose=at(-0.2, 0.0, 0.125))
+        if place is moved:
+            bench.command("grip", parts=[LEFT])
+            bench.command("place", pose=motion.row(place @ bench.pose))
+            bench.command("release")
+            assert list(bench.document["moved"]) == [str(LEFT)]
+        bench.command("set_mode", mode="glide")
+        bench.drag(place @ at(-0.25 + HALF - 0.004, 0.0, 0.125), 0.2)
+        bench.drag(place @ at(-0.25 + HALF - 0.004, 0.03, 0.18), 0.2)
+        for _ in range(60):
+            bench.tick()
+        snapshot = bench.session.snapshot()
+        assert snapshot.is_free and snapshot.blocked and snapshot.parts == [LEFT]
+        found.append((np.linalg.inv(place) @ bench.pose, place[:3, :3].T @ snapshot.force))
+    (pose, force), (other_pose, other_force) = found
+    np.testing.assert_allclose(pose[:3, 3], [-0.25 + HALF + 2e-5, 0.03, 0.18], atol=1e-4)
+    assert force[0] > 3.0
+    np.testing.assert_allclose(other_pose, pose, atol=1e-6)
+    np.testing.assert_allclose(other_force, force, atol=1e-3)
 
 
 def test_the_least_clearance_is_that_of_the_way() -> None:

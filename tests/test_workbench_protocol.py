@@ -52,6 +52,7 @@ def state(**changes: Any) -> protocol.State:
         "force": (0.5, -1.5, 2.25),
         "torque": (0.0625, 0.5, -0.125),
         "depth": 0.0015,
+        "depth_kind": "bound",
         "hit_count": 20_003,
         "hit_more": 20_000,
         "contact_more": 0,

@@ -198,10 +198,10 @@ def test_pages_are_shown_a_replay_and_cannot_disturb_it(tmp_path: Path, monkeypa
 
         rounds = session.engine._round
 
-        def disturbed(steps: int, elapsed: float = 0.0) -> bool:
+        def disturbed(steps: int) -> bool:
             # The latest that a page's wish can come: when the recorded one was given already.
             session.wish(at(0.4, 0.4, 0.4), 7, "mouse")
-            return rounds(steps, elapsed)
+            return rounds(steps)
 
         monkeypatch.setattr(session.engine, "_round", disturbed)
         for _ in range(2):

@@ -580,7 +580,9 @@ class HapticsSession:
         margin: float,
         skin: float,
         collision_hz: float | None,
-    ) -> Self: ...
+        put_down: Sequence[tuple[int, Scene]],
+    ) -> Self:
+        """`put_down`: parts of the scene's mock-up that lie elsewhere, each with the scene of it alone."""
     def begin(self, pose: npt.ArrayLike) -> list[float] | None:
         """Begins at a pose. Where that is in collision, the translation out, metres, world."""
     def advance(

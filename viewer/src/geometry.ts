@@ -53,6 +53,8 @@ export type GeometryMessage =
 export type GeometryWish =
   | { kind: "scene"; load: number; base: string; token: string }
   | { kind: "held"; load: number; base: string; token: string; version: number }
+  /** The first piece is drawn. */
+  | { kind: "go_on"; load: number }
   | { kind: "abort"; load: number };
 
 export interface GeometryListener {
@@ -71,7 +73,8 @@ export class Geometry {
   readonly #token: string;
   readonly #held = new Map<number, { resolve: (data: ArrayBuffer) => void; reject: (error: Error) => void }>();
   #loads = 0;
-  #scene: { load: number; listener: GeometryListener; bytes: number; come: number } | null = null;
+  #scene: { load: number; listener: GeometryListener; bytes: number; come: number; isFirstDrawn: boolean } | null =
+    null;
 
   constructor(base: string, token: string, script = "geometry.js") {
     this.#base = base;
@@ -87,7 +90,7 @@ export class Geometry {
   load(listener: GeometryListener): void {
     this.abort();
     this.#loads++;
-    this.#scene = { load: this.#loads, listener, bytes: 0, come: 0 };
+    this.#scene = { load: this.#loads, listener, bytes: 0, come: 0, isFirstDrawn: false };
     this.#send({ kind: "scene", load: this.#loads, base: this.#base, token: this.#token });
   }
 
@@ -97,6 +100,13 @@ export class Geometry {
     const load = this.#loads;
     this.#send({ kind: "held", load, base: this.#base, token: this.#token, version });
     return new Promise((resolve, reject) => this.#held.set(load, { resolve, reject }));
+  }
+
+  /** The first piece is drawn: the others, which would have kept the machine from that, are fetched. */
+  firstDrawn(): void {
+    if (!this.#scene || this.#scene.isFirstDrawn) return;
+    this.#scene.isFirstDrawn = true;
+    this.#send({ kind: "go_on", load: this.#scene.load });
   }
 
   /** Gives up the mock-up that is being loaded: its listener hears no more. */

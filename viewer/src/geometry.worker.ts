@@ -11,7 +11,19 @@ const scope = self as unknown as {
   onmessage: ((event: MessageEvent<GeometryWish>) => void) | null;
 };
 
+// A page that does not draw, as it is hidden, does not say that it has drawn the first piece.
+const LONGEST_PAUSE_MS = 500;
+
 const running = new Map<number, AbortController>();
+const paused = new Map<number, () => void>();
+
+/** Until the page has drawn the first piece. */
+function firstDrawn(load: number): Promise<void> {
+  return new Promise((resolve) => {
+    paused.set(load, resolve);
+    setTimeout(resolve, LONGEST_PAUSE_MS);
+  });
+}
 
 async function get(url: string, token: string, signal: AbortSignal): Promise<Response> {
   const headers = token === "" ? {} : { Authorization: `Bearer ${token}` };
@@ -30,7 +42,7 @@ async function loadScene(wish: GeometryWish & { kind: "scene" }, signal: AbortSi
   const manifest = (await (await get(`${base}scene`, token, signal)).json()) as Manifest;
   scope.postMessage({ kind: "manifest", load, manifest });
   const piece = (k: number) => (k === 0 ? first : fetchPiece(k));
-  for await (const [k, data] of inOrder(manifest.pieces.length, AT_ONCE, piece)) {
+  for await (const [k, data] of inOrder(manifest.pieces.length, AT_ONCE, piece, () => firstDrawn(load))) {
     scope.postMessage({ kind: "piece", load, k, data }, [data]);
   }
   scope.postMessage({ kind: "done", load });
@@ -47,6 +59,10 @@ scope.onmessage = ({ data: wish }) => {
     running.get(wish.load)?.abort();
     return;
   }
+  if (wish.kind === "go_on") {
+    paused.get(wish.load)?.();
+    return;
+  }
   const controller = new AbortController();
   running.set(wish.load, controller);
   const work = wish.kind === "scene" ? loadScene(wish, controller.signal) : loadHeld(wish, controller.signal);
@@ -60,5 +76,8 @@ scope.onmessage = ({ data: wish }) => {
         what: error instanceof Error ? error.message : String(error),
       });
     })
-    .finally(() => running.delete(wish.load));
+    .finally(() => {
+      running.delete(wish.load);
+      paused.delete(wish.load);
+    });
 };

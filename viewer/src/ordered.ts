@@ -1,13 +1,14 @@
 // Work that runs a few at a time and comes back in order.
 
 /**
- * Runs `work(k)` for k = 0 to `count` - 1, the first alone, so that it comes soon, then at most `atOnce` at a time, and gives
- * [k, result] in order of k. The first failure ends it.
+ * Runs `work(k)` for k = 0 to `count` - 1, the first alone, so that it comes soon; after `hasFirst`, which whoever takes it may
+ * delay, at most `atOnce` at a time. Gives [k, result] in order of k. The first failure ends it.
  */
 export async function* inOrder<T>(
   count: number,
   atOnce: number,
   work: (k: number) => Promise<T>,
+  hasFirst: () => Promise<void> = () => Promise.resolve(),
 ): AsyncGenerator<[number, T]> {
   const begun: Promise<T>[] = [];
   for (let k = 0; k < count; k++) {
@@ -20,5 +21,6 @@ export async function* inOrder<T>(
     const result = await (begun[k] as Promise<T>);
     delete begun[k];
     yield [k, result];
+    if (k === 0) await hasFirst();
   }
 }

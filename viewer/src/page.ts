@@ -246,8 +246,9 @@ export class Page {
   /** Ready once the first picture with every piece in it is drawn, by the device as well. */
   private watchReady(): boolean {
     this.drawn_triangles = this.come_triangles;
-    if (this.is_ready) return false;
     const { isShown, isPictured } = this.wb.stage.stats;
+    if (isPictured) this.geometry?.firstDrawn();
+    if (this.is_ready) return false;
     if (isPictured) this.first_picture_ms ??= epochMs();
     this.is_ready = this.is_whole && isShown;
     if (this.is_ready) {

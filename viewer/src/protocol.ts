@@ -25,6 +25,8 @@ export type Unit = "mm" | "cm" | "m" | "in";
 
 export type Mode = "stop" | "glide" | "pass";
 
+export type DepthKind = "exact" | "bound" | "estimate";
+
 export type Source = "mouse" | "keys" | "gizmo" | "spacemouse" | "gamepad" | "xr" | "api";
 
 /** What is known of the mock-up. */
@@ -353,7 +355,10 @@ export interface State {
   force: Vec3;
   /** About the tool's origin, N m. */
   torque: Vec3;
+  /** How far the tool is out of what it is in; 0: in nothing, or not found yet. */
   depth: number;
+  /** Of the depth: no way out is shorter, one may be, or this one does not free it. */
+  depth_kind: DepthKind;
   /** Colliding triangles of the mock-up, listed or not. */
   hit_count: number;
   /** Of them, those not listed. */

@@ -13,7 +13,7 @@ import { PartState } from "../src/scene/stage";
 import { axisAlong, drawnSections, offsetRange, senseOf } from "../src/sectioning";
 import { DEFAULTS, loadSettings } from "../src/settings";
 import { Store } from "../src/store";
-import { spokenState, touchedText } from "../src/ui/words";
+import { depthText, spokenState, touchedText } from "../src/ui/words";
 
 const DOCUMENT: Document = {
   mockup: { name: "engine", hash: "ab", triangles: 10, parts: 4 },
@@ -56,6 +56,7 @@ const STATE: State = {
   force: [0, 0, 0],
   torque: [0, 0, 0],
   depth: 0,
+  depth_kind: "exact",
   hit_count: 0,
   hit_more: 0,
   contact_more: 0,
@@ -263,8 +264,15 @@ test("figures of marks are in the unit chosen; what touches has none", () => {
 
 test("what is spoken names the contacts, the parts and the depth", () => {
   const nameOf = (part: number): string => ["fuel pump", "bracket", "pipe", "bolt"][part] ?? "?";
-  const touching = { ...STATE, parts: [0], planes: new Float32Array(32), depth: 0.0012 };
+  const touching: State = { ...STATE, is_free: false, parts: [0], planes: new Float32Array(32), depth: 0.0012 };
   assert.equal(spokenState(touching, "mm", nameOf), "4 contacts, fuel pump, 1.2 mm deep");
+  const bound: State = { ...touching, depth_kind: "bound" };
+  assert.equal(spokenState(bound, "mm", nameOf), "4 contacts, fuel pump, at most 1.2 mm deep");
+  const stuck: State = { ...touching, depth_kind: "estimate" };
+  assert.equal(spokenState(stuck, "mm", nameOf), "4 contacts, fuel pump, no way out found");
+  assert.equal(depthText({ ...touching, depth: 0 }, "mm"), "");
+  const inside: State = { ...STATE, is_free: false, depth: 0.008 };
+  assert.equal(spokenState(inside, "mm", nameOf), "inside, 8 mm deep");
   assert.equal(
     spokenState({ ...STATE, parts: [0, 1, 2, 3] }, "mm", nameOf),
     "touching, fuel pump, bracket, pipe, 1 more",

@@ -102,6 +102,7 @@ const state = (pose: readonly number[], pose_seq: number, parts: number[] = []):
     parts,
     force: [0, 0, 0],
     depth: 0,
+    depth_kind: "exact",
     distance: null,
     contact_more: 0,
     hits: new Uint32Array(0),

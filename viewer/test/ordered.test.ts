@@ -57,3 +57,28 @@ test("the first failure ends it, and those behind it are not left unhandled", as
   }, /piece 1/);
   assert.deepEqual(got, [0]);
 });
+
+test("the others wait until the first has been dealt with", async () => {
+  const begun: number[] = [];
+  let go = (): void => {};
+  const hasFirst = () => new Promise<void>((resolve) => (go = resolve));
+  const work = (k: number) => {
+    begun.push(k);
+    return Promise.resolve(k);
+  };
+  const got: number[] = [];
+  const all = (async () => {
+    for await (const [k] of inOrder(3, 4, work, hasFirst)) got.push(k);
+  })();
+  await new Promise((resolve) => setImmediate(resolve));
+  assert.deepEqual([begun, got], [[0], [0]]);
+  go();
+  await all;
+  assert.deepEqual(
+    [begun, got],
+    [
+      [0, 1, 2],
+      [0, 1, 2],
+    ],
+  );
+});

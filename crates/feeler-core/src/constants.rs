@@ -30,6 +30,10 @@ pub(crate) const LEAST_PIECE_VERTICES: usize = 3;
 /// Most vertices of a piece for drawing: indices of 16 bits name them, and leave out the one that restarts strips.
 pub(crate) const MOST_PIECE_VERTICES: usize = 65_535;
 
+/// Of several pieces for drawing, the first has a share of 1 / this of the vertices allowed: it is drawn while the others are still
+/// on their way, and a picture of the largest shapes alone is there the sooner.
+pub(crate) const FIRST_PIECE_SHARE: usize = 4;
+
 /// Ids kept per kind of defect in a report. Counts are complete; more ids take memory.
 pub(crate) const DEFECT_IDS_KEPT: usize = 100;
 

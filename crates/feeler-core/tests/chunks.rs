@@ -105,9 +105,18 @@ fn a_part_of_many_pieces_is_cut_compactly() {
     let mockup = sheets(&[300]);
     let packed = mockup.pack(65_535, None).unwrap();
     check(&packed, &mockup, 65_535, &[false; 2]);
-    assert_eq!(packed.pieces.len(), 2);
+    assert_eq!(packed.pieces.len(), 3);
     let vertices: usize = packed.pieces.iter().map(|piece| piece.positions.len()).sum();
     assert!(vertices < 95_000, "{vertices} vertices: few are on borders");
+}
+
+#[test]
+fn the_first_of_several_pieces_is_small() {
+    let mockup = sheets(&[60, 40, 20]);
+    let packed = mockup.pack(1000, None).unwrap();
+    let sizes: Vec<usize> = packed.pieces.iter().map(|piece| piece.positions.len()).collect();
+    assert!(sizes.len() > 5 && sizes[0] <= 250 && sizes[1] > 750, "{sizes:?}");
+    assert_eq!(mockup.pack(10_000, None).unwrap().pieces.len(), 1);
 }
 
 #[test]

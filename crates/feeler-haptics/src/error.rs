@@ -30,6 +30,22 @@ pub enum Error {
         /// Which.
         part: u32,
     },
+    /// A part cannot be put back since the scene was given without it.
+    #[error("part {part} has no place to go back to: the scene was given without it. Release it where it is")]
+    HasNoPlace {
+        /// Which.
+        part: u32,
+    },
+    /// A part that is put down elsewhere twice, or as a scene that is not of one part.
+    #[error(
+        "part {part} is put down twice, or as a scene of {parts} parts: give it once, as a scene of that part alone"
+    )]
+    PutDown {
+        /// Which.
+        part: u32,
+        /// Of its scene.
+        parts: usize,
+    },
     /// A wish to a run that has ended.
     #[error("the run has ended: start another")]
     Ended,

@@ -72,6 +72,7 @@ pub use session::{Session, SessionOptions, Start, Step};
 pub use stability::{Bound, Limitation, Limitations};
 pub use statistics::Statistics;
 pub use velocity::VelocityEstimate;
+pub use world::PutDown;
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -9,12 +9,13 @@ use crate::constants::HELD_SHARE;
 use crate::constraint_set::{ConstraintSet, Plane};
 use crate::coupling::Coupling;
 use crate::device::{DeviceLimits, Freedoms};
+use crate::environment::Body;
 use crate::error::{Error, Result};
 use crate::metric::Metric;
 use crate::proxy::{Advance, Proxy, ProxyOptions};
 use crate::screw::Wrench;
 use crate::servo::{Mode, Servo, ServoInput};
-use crate::world::World;
+use crate::world::{PutDown, World};
 
 /// How a session is to be.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -82,7 +83,8 @@ impl SessionOptions {
 pub enum Start {
     /// The proxy is where the device is.
     Free,
-    /// The pose is in collision. There is no force until the device is where it is free; the way out leads there.
+    /// The pose is in collision. There is no force until the device is where it is free; the way out leads there, or, where parts lie
+    /// elsewhere, out of the one of them, or the mock-up, that the tool is deepest in.
     Colliding(Penetration),
 }
 
@@ -105,6 +107,8 @@ pub struct Step {
 pub struct Session {
     options: SessionOptions,
     world: World,
+    /// What lies elsewhere from the beginning.
+    put_down: Vec<PutDown>,
     /// What nearest means by the tool's own inertia, and what it does mean.
     inertia: Metric,
     metric: Metric,
@@ -121,14 +125,28 @@ pub struct Session {
 
 impl Session {
     /// A session that is not started. Errors where an option is out of its range.
-    pub fn new(scene: Arc<Scene>, tool: Arc<Tool>, mut options: SessionOptions) -> Result<Session> {
+    pub fn new(scene: Arc<Scene>, tool: Arc<Tool>, options: SessionOptions) -> Result<Session> {
+        Session::with_put_down(scene, tool, Vec::new(), options)
+    }
+
+    /// The same with parts of the mock-up that lie elsewhere, as if the session had put them down: each is felt where it lies, under its
+    /// number, can be taken, and is not where it was.
+    ///
+    /// Errors beside those of options: no such part, one that is given twice, a scene that is not of one part.
+    pub fn with_put_down(
+        scene: Arc<Scene>,
+        tool: Arc<Tool>,
+        put_down: Vec<PutDown>,
+        mut options: SessionOptions,
+    ) -> Result<Session> {
         options.check()?;
         options.proxy = options.proxy.with_pull_of(&options.coupling);
         let inertia = Metric::new(&tool);
         let metric = inertia.with_springs_of(&options.coupling).unwrap_or(inertia);
         Ok(Session {
             options,
-            world: World::new(scene, tool),
+            world: World::new(scene, tool, &put_down)?,
+            put_down,
             inertia,
             metric,
             proxy: None,
@@ -153,12 +171,24 @@ impl Session {
             }
             Err(Error::StartsInCollision) => {
                 self.proxy = None;
-                let body = &self.world.environment().bodies[0];
-                let margin = self.options.proxy.margin;
-                Ok(Start::Colliding(body.solver.penetration(self.world.tool(), device, margin, None)?))
+                Ok(Start::Colliding(self.way_out(device)?))
             }
             Err(error) => Err(error),
         }
+    }
+
+    /// Of the body that the tool is deepest in.
+    fn way_out(&self, pose: &Pose) -> Result<Penetration> {
+        let (bodies, margin) = (&self.world.environment().bodies, self.options.proxy.margin);
+        let way = |body: &Body| body.solver.penetration(self.world.tool(), pose, margin, None);
+        let mut deepest = way(&bodies[0])?;
+        for body in &bodies[1..] {
+            let other = way(body)?;
+            if other.depth > deepest.depth {
+                deepest = other;
+            }
+        }
+        Ok(deepest)
     }
 
     fn proxy_at(&self, pose: &Pose) -> Result<Proxy> {
@@ -240,10 +270,13 @@ impl Session {
         (self.since, self.servo, self.dt) = (0, None, 0.0);
     }
 
-    /// Puts another scene in the place of the present one: what is held or was put down belongs to that one and is gone. The proxy stays
-    /// where it is; where that is in collision now, there is none until the device is where it is free.
+    /// Puts another scene in the place of the present one: what is held or was put down belongs to that one and is gone, but for parts
+    /// that lay elsewhere when the session was made, which lie there again. The proxy stays where it is; where that is in collision now,
+    /// there is none until the device is where it is free.
+    ///
+    /// Errors where a part that lies elsewhere is none of the new mock-up: the scene is the present one then.
     pub fn set_scene(&mut self, scene: Arc<Scene>) -> Result<Start> {
-        self.world = World::new(scene, self.world.own_tool().clone());
+        self.world = World::new(scene, self.world.own_tool().clone(), &self.put_down)?;
         let Some(pose) = self.pose().copied() else { return Ok(Start::Free) };
         let clock = self.clock;
         let start = self.start(&pose)?;

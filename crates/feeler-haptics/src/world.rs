@@ -41,6 +41,15 @@ pub struct Grip {
     ignored: Vec<(usize, u32)>,
 }
 
+/// A part of the mock-up that lies elsewhere.
+#[derive(Debug, Clone)]
+pub struct PutDown {
+    /// Its number in the mock-up.
+    pub part: u32,
+    /// Of this part alone, where it lies.
+    pub scene: Arc<Scene>,
+}
+
 /// See the [module](self).
 #[derive(Debug)]
 pub struct World {
@@ -55,12 +64,29 @@ pub struct World {
 }
 
 impl World {
-    /// A scene and a tool, nothing gripped.
-    pub fn new(scene: Arc<Scene>, tool: Arc<Tool>) -> World {
-        let solver = ContactSolver::new(scene.clone());
-        let body = Body { solver: solver.with_scene(scene.clone()), part: None };
-        let environment = Environment { bodies: vec![body] };
-        World { scene, solver, own_tool: tool.clone(), tool, environment, grip: None, out: Vec::new() }
+    /// A scene and a tool, nothing gripped, and parts that lie elsewhere: these leave their place in the scene, if they are there.
+    ///
+    /// Errors: no such part, one that is given twice, a scene that is not of one part.
+    pub fn new(scene: Arc<Scene>, tool: Arc<Tool>, put_down: &[PutDown]) -> Result<World> {
+        let (solver, parts) = (ContactSolver::new(scene.clone()), scene.mockup().part_bounds().len());
+        let mut bodies = vec![Body { solver: solver.with_scene(scene.clone()), part: None }];
+        let mut out = Vec::with_capacity(put_down.len());
+        for PutDown { part, scene: alone } in put_down {
+            let in_all = alone.mockup().part_bounds().len();
+            if *part as usize >= parts {
+                return Err(feeler_core::Error::NoSuchPart { part: *part, parts }.into());
+            }
+            if in_all != 1 || !alone.has_part(0) || out.contains(part) {
+                return Err(Error::PutDown { part: *part, parts: in_all });
+            }
+            out.push(*part);
+            bodies.push(Body { solver: ContactSolver::new(alone.clone()), part: Some(*part) });
+        }
+        if out.iter().any(|part| scene.has_part(*part)) {
+            bodies[0].solver = solver.with_scene(Arc::new(scene.without(&out)?));
+        }
+        let environment = Environment { bodies };
+        Ok(World { scene, solver, own_tool: tool.clone(), tool, environment, grip: None, out })
     }
 
     /// What moves: the tool, with the part that it holds.
@@ -131,10 +157,13 @@ impl World {
         self.let_go()
     }
 
-    /// Puts the part back where it was in the mock-up, wherever it is. Errors where the tool is in its place.
+    /// Puts the part back where it was in the mock-up, wherever it is. Errors where the tool is in its place, or the scene never had it.
     pub fn put_back(&mut self, pose: &Pose) -> Result<()> {
         let Some(grip) = &self.grip else { return Err(Error::HoldsNothing) };
         let part = grip.part;
+        if !self.scene.has_part(part) {
+            return Err(Error::HasNoPlace { part });
+        }
         if self.scene.only(&[part])?.is_colliding(&self.own_tool, pose) {
             return Err(Error::PlaceIsTaken { part });
         }

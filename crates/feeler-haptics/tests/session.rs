@@ -5,7 +5,7 @@ use std::sync::Arc;
 use feeler_core::geometry::vectors::{length, sub};
 use feeler_core::{Mockup, Point, Pose, Scene, SceneOptions, Tool};
 use feeler_haptics::screw::{pose_of, rotation_of, rotation_vector, Wrench};
-use feeler_haptics::{Error, Mode, Session, SessionOptions, Start, Step};
+use feeler_haptics::{Error, Mode, PutDown, Session, SessionOptions, Start, Step};
 use feeler_shapes::{ball, box_mesh, cylinder, joined, sheet, Arrays};
 use proptest::prelude::*;
 
@@ -257,6 +257,83 @@ fn a_gripped_part_leaves_its_seat_and_is_kept_out_of_the_rest() {
     go(&mut session, [0.05, 0.0, 0.08], [0.0, 0.0, 0.08]);
     let again = go(&mut session, [0.0, 0.0, 0.08], [0.0, 0.0, -0.02]);
     assert!(again.proxy.translation()[2] > -1e-4, "{again:?}");
+}
+
+#[test]
+fn a_part_that_lies_elsewhere_from_the_beginning_is_felt_there_as_in_its_place() {
+    // The block is 0.25 m aside, and turned by nothing, so that all that it does is the same.
+    let aside = [0.25, 0.0, 0.0];
+    let (plate, block) = (box_mesh([0.0, 0.0, -0.51], [0.4, 0.4, 0.02], 4), box_mesh([0.0, 0.0, 0.02], [0.04; 3], 2));
+    let mockup = scene([plate.clone(), block.clone()]);
+    let moved = (block.0.iter().map(|p| std::array::from_fn(|a| p[a] + aside[a])).collect(), block.1.clone());
+    let put_down = || vec![PutDown { part: 1, scene: scene([moved.clone()]) }];
+    let hand = tool(box_mesh([0.0; 3], [0.02; 3], 1));
+    let start = |from: &Pose, scene: &Arc<Scene>, put_down: Vec<PutDown>| {
+        let mut session =
+            Session::with_put_down(scene.clone(), hand.clone(), put_down, SessionOptions::default()).unwrap();
+        assert_eq!(session.start(from).unwrap(), Start::Free);
+        session
+    };
+    // Down onto the block, 5 mm deep, and along it.
+    let way = |k: i32| {
+        let (along, down) = (f64::from((k - 200).max(0)), f64::from(k.min(200)));
+        at([-0.01 + 1e-4 * along, 0.0, 0.055 - 1e-4 * down], [0.0; 3])
+    };
+    let shifted = |pose: &Pose| pose.translated(&aside).unwrap();
+    let mut in_place = start(&way(0), &mockup, vec![]);
+    let mut elsewhere = start(&shifted(&way(0)), &mockup, put_down());
+    assert_eq!(elsewhere.world().moved().collect::<Vec<_>>(), [1]);
+    for k in 0..300 {
+        let (one, other) = (step(&mut in_place, &way(k)), step(&mut elsewhere, &shifted(&way(k))));
+        assert!(length(&sub(&one.wrench.force, &other.wrench.force)) < 1e-6, "{k} {one:?} {other:?}");
+        let (there, here) = (other.proxy.translation(), one.proxy.translation());
+        assert!(length(&sub(&sub(there, here), &aside)) < 1e-8, "{k} {here:?} {there:?}");
+        assert_eq!(one.mode, other.mode);
+    }
+    assert!(step(&mut in_place, &way(299)).wrench.force[2] > 4.0);
+    assert_eq!(elsewhere.held().map(|plane| plane.part).collect::<Vec<_>>(), [1]);
+
+    // It is there only; and after another scene there still, also where that scene never had it.
+    let in_top = at([0.0, 0.0, 0.045], [0.0; 3]);
+    let lacking = Arc::new(mockup.without(&[1]).unwrap());
+    for scene in [&mockup, &lacking] {
+        elsewhere.set_scene(scene.clone()).unwrap();
+        assert_eq!(elsewhere.start(&in_top).unwrap(), Start::Free);
+        let Start::Colliding(out) = elsewhere.start(&shifted(&in_top)).unwrap() else { panic!() };
+        assert!((out.depth - 0.005).abs() < 1e-6, "{out:?}");
+    }
+    // It can be taken, and goes back to a place that it has.
+    elsewhere.start(&shifted(&way(0))).unwrap();
+    elsewhere.take(1).unwrap();
+    assert!(elsewhere.world().moved().next().is_none());
+    assert_eq!(elsewhere.put_back(), Err(Error::HasNoPlace { part: 1 }));
+    elsewhere.set_scene(mockup.clone()).unwrap();
+    elsewhere.take(1).unwrap();
+    elsewhere.put_back().unwrap();
+    assert!(matches!(elsewhere.start(&in_top).unwrap(), Start::Colliding(_)));
+}
+
+#[test]
+fn what_lies_elsewhere_is_one_part_of_the_mockup_once() {
+    let mockup = scene([box_mesh([0.0; 3], [0.02; 3], 1), box_mesh([0.1; 3], [0.02; 3], 1)]);
+    let hand = tool(box_mesh([0.0; 3], [0.02; 3], 1));
+    let alone = || scene([box_mesh([0.2; 3], [0.02; 3], 1)]);
+    let refused = |put_down: Vec<PutDown>| {
+        Session::with_put_down(mockup.clone(), hand.clone(), put_down, SessionOptions::default()).err()
+    };
+    let part = |part, scene| PutDown { part, scene };
+    assert!(matches!(refused(vec![part(2, alone())]), Some(Error::Core(_))));
+    assert_eq!(refused(vec![part(0, mockup.clone())]), Some(Error::PutDown { part: 0, parts: 2 }));
+    assert_eq!(refused(vec![part(1, alone()), part(1, alone())]), Some(Error::PutDown { part: 1, parts: 1 }));
+    let gone = Arc::new(alone().without(&[0]).unwrap());
+    assert_eq!(refused(vec![part(0, gone)]), Some(Error::PutDown { part: 0, parts: 1 }));
+    assert_eq!(refused(vec![part(1, alone()), part(0, alone())]), None);
+    // Another mock-up, that has no such part, changes nothing.
+    let options = SessionOptions::default();
+    let mut session = Session::with_put_down(mockup.clone(), hand.clone(), vec![part(1, alone())], options).unwrap();
+    session.start(&at([0.0, 0.0, 0.1], [0.0; 3])).unwrap();
+    assert!(matches!(session.set_scene(alone()), Err(Error::Core(_))));
+    assert_eq!(session.world().moved().collect::<Vec<_>>(), [1]);
 }
 
 #[test]

@@ -20,6 +20,7 @@ pub fn to_py(error: Error) -> PyErr {
         | Error::Distance { .. }
         | Error::NotSymmetric { .. }
         | Error::NoneAsked { .. }
+        | Error::NoSuchPart { .. }
         | Error::Plane { .. }
         | Error::Ray { .. }
         | Error::Section { .. }

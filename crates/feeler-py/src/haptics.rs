@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use feeler_core as core;
-use feeler_haptics::{Coupling, Error, Mode, Session, SessionOptions, Start, Step};
+use feeler_haptics::{Coupling, Error, Mode, PutDown, Session, SessionOptions, Start, Step};
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyArray1, PyArray2};
 use pyo3::prelude::*;
@@ -150,7 +150,9 @@ fn is_away() -> PyErr {
 
 #[pymethods]
 impl HapticsSession {
+    /// `put_down`: parts of the scene's mock-up that lie elsewhere, each with the scene of it alone.
     #[new]
+    #[allow(clippy::too_many_arguments, reason = "the Python class beside it has names and defaults for all")]
     fn new(
         py: Python<'_>,
         scene: PyRef<'_, Scene>,
@@ -159,12 +161,18 @@ impl HapticsSession {
         margin: f64,
         skin: f64,
         collision_hz: Option<f64>,
+        put_down: Vec<(u32, PyRef<'_, Scene>)>,
     ) -> PyResult<HapticsSession> {
         let mut options = SessionOptions { coupling: coupling_of(coupling), collision_hz, ..Default::default() };
         (options.proxy.margin, options.proxy.skin) = (margin, skin);
         let (scene, tool) = (scene.core(), Arc::clone(tool.core()));
-        py.detach(|| find_topology(scene.mockup(), &tool, true))?;
-        let session = Session::new(scene, tool.clone(), options).map_err(haptics_to_py)?;
+        let put_down: Vec<PutDown> =
+            put_down.iter().map(|(part, scene)| PutDown { part: *part, scene: scene.core() }).collect();
+        py.detach(|| {
+            let mut scenes = std::iter::once(&scene).chain(put_down.iter().map(|part| &part.scene));
+            scenes.try_for_each(|scene| find_topology(scene.mockup(), &tool, true))
+        })?;
+        let session = Session::with_put_down(scene, tool.clone(), put_down, options).map_err(haptics_to_py)?;
         Ok(HapticsSession { session: Mutex::new(Some(session)), tool })
     }
 

@@ -18,10 +18,8 @@ from feeler.clashes.words import extent, length, sentence
 from feeler.io.atomic import atomic_file
 from feeler.mockup import Mockup
 
-MOST_PICTURES = 24
-"""Groups that get a picture, the worst first: about 30 kB and 0.2 s each."""
 MOST_GROUPS = 200
-"""Groups that are shown; the table has their findings, too."""
+"""Groups that are shown, the worst first, each with a picture: about 30 kB and 0.2 s. The table has all findings."""
 MOST_ROWS = 20_000
 """Findings that the table has, the worst first: 6 MB. CSV and JSON have all."""
 
@@ -32,7 +30,7 @@ def write_html(
     mockup: Mockup | None = None,
     *,
     by: str = "part",
-    pictures: int = MOST_PICTURES,
+    pictures: int = MOST_GROUPS,
     progress: Callable[[float, str], object] | None = None,
 ) -> None:
     """Writes the page; it loads nothing from anywhere.
@@ -41,7 +39,7 @@ def write_html(
     None: none. by: how groups are made. Raises `WriteError`, and `OptionError` for clashes of another mock-up.
     """
     groups = clashes.groups(by)
-    drawn = _drawn(clashes, mockup, groups[:pictures], progress) if mockup is not None else []
+    drawn = _drawn(clashes, mockup, groups[: min(pictures, MOST_GROUPS)], progress) if mockup is not None else []
     group_of = {int(row): group.name for group in groups for row in group.rows}
     page = "\n".join(
         [
@@ -102,13 +100,13 @@ def _summary(clashes: Clashes, groups: list[Group]) -> list[str]:
 def _groups(groups: list[Group], drawn: list[str]) -> list[str]:
     if not groups:
         return []
-    lines = ["<h2>Groups</h2><div class=groups>"]
+    lines = ["<h2>Groups</h2><div class=groups tabindex=0 role=group aria-label=Groups>"]
     for number, group in enumerate(groups[:MOST_GROUPS]):
-        image = f'<img alt="" src="{drawn[number]}">' if number < len(drawn) else ""
+        image = f'<img alt="" loading=lazy src="{drawn[number]}">' if number < len(drawn) else ""
         more = f"{len(group):,} finding{'' if len(group) == 1 else 's'}"
         lines.append(
             f'<button type=button class=group aria-pressed=false data-group="{escape(group.name)}">{image}<span>'
-            f"<b>{escape(group.name)}</b>{more}; {escape(sentence(group.worst))}</span></button>"
+            f"<b>{escape(group.name).replace('/', '/<wbr>')}</b>{more}; {escape(sentence(group.worst))}</span></button>"
         )
     left = len(groups) - MOST_GROUPS
     return [*lines, "</div>", f"<p>... and {left:,} groups more, in the table</p>" if left > 0 else ""]

@@ -65,7 +65,7 @@ def clash(
         ),
     ] = None,
     volume: Annotated[
-        bool, typer.Option("--volume", help="Measure what closed parts share (needs feeler[volume]).")
+        bool, typer.Option("--volume", help="Measure what closed parts share (needs feeler\\[volume]).")
     ] = False,
     by: Annotated[str, typer.Option(metavar="part|rule|cluster", help="How findings are put into groups.")] = "part",
     without: Without = None,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -24,7 +24,8 @@ from feeler.scene import Scene
 if TYPE_CHECKING:
     from feeler.haptics.session import Session
 
-FORMAT = 1
+FORMAT = 2
+_READ = (1, 2)  # in 1 no parts lie elsewhere from the beginning
 KEPT_TRIANGLES = 200_000
 """Up to so many triangles of mock-up and tool a record has them with it; beyond, `replay` is given scene and tool."""
 
@@ -71,19 +72,21 @@ class Recorder:
             return
         session._recorder = None
         mockup, tool = session.scene.mockup, session.tool
+        lying = {part: scene.mockup for part, scene in session._put_down.items()}
         head = {
             "format": FORMAT,
             "options": session._options,
             "coupling": asdict(session.coupling),
             "mockup": _digest(mockup),
             "tool": _digest(tool),
+            "put_down": [[part, _digest(each)] for part, each in lying.items()],
         }
         meshes: dict[str, Any] = {}
-        if len(mockup.faces) + len(tool.faces) <= KEPT_TRIANGLES:
-            meshes = {
-                **_arrays("mockup", mockup),
-                **_arrays("tool", tool),
-            }
+        count = len(mockup.faces) + len(tool.faces) + sum(len(each.faces) for each in lying.values())
+        if count <= KEPT_TRIANGLES:
+            meshes = {**_arrays("mockup", mockup), **_arrays("tool", tool)}
+            for part, each in lying.items():
+                meshes |= _arrays(f"put_down.{part}", each)
         with self.path.open("wb") as file:
             np.savez_compressed(
                 file,
@@ -118,11 +121,16 @@ class Parted:
         return self.at is None
 
 
-def replay(path: str | Path, scene: Scene | None = None, tool: Tool | None = None) -> Parted:
+def replay(
+    path: str | Path,
+    scene: Scene | None = None,
+    tool: Tool | None = None,
+    put_down: Mapping[int, Scene] | None = None,
+) -> Parted:
     """Runs the steps of a record again, and says whether they come out the same bit for bit, or where they part.
 
-    A record of large meshes has none with it: pass the `scene` and the `tool` it was made with. Raises `LoadError` for
-    what is no record, or of other meshes.
+    A record of large meshes has none with it: pass the `scene` and the `tool` it was made with, and the parts that lay
+    elsewhere (`put_down`, as of `Session`). Raises `LoadError` for what is no record, or of other meshes.
     """
     from feeler.haptics.session import MODES, Session
 
@@ -130,13 +138,20 @@ def replay(path: str | Path, scene: Scene | None = None, tool: Tool | None = Non
         try:
             head = json.loads(str(record["head"]))
             events, inputs, outputs = record["events"], record["inputs"], record["outputs"]
-            if head["format"] != FORMAT:
+            if head["format"] not in _READ:
                 raise LoadError(f"{path}: format {head['format']}, this feeler reads {FORMAT}")
             options, coupling = head["options"], Coupling(**head["coupling"])
+            lying = {int(part): str(digest) for part, digest in head.get("put_down", [])}
+            has_meshes = "tool.faces" in record
             if scene is None or tool is None:
-                if "tool.faces" not in record:
+                if not has_meshes:
                     raise LoadError(f"{path} has no meshes with it: pass the scene and the tool it was made with")
-                scene, tool = Scene(_mockup_of(record)), _tool_of(record)
+                scene, tool = Scene(_mockup_of(record, "mockup")), _tool_of(record)
+            if put_down is None and lying:
+                if not has_meshes:
+                    raise LoadError(f"{path} has no meshes with it: pass put_down, the parts that lay elsewhere")
+                put_down = {part: Scene(_mockup_of(record, f"put_down.{part}")) for part in lying}
+            put_down = put_down or {}
         except (KeyError, ValueError, TypeError, BadZipFile, zlib.error) as error:
             if isinstance(error, LoadError):
                 raise
@@ -144,7 +159,9 @@ def replay(path: str | Path, scene: Scene | None = None, tool: Tool | None = Non
     for what, mesh in (("mockup", scene.mockup), ("tool", tool)):
         if _digest(mesh) != head[what]:
             raise LoadError(f"{path} was made with another {what}")
-    session = Session(scene, tool, coupling=coupling, **options)
+    if {part: _digest(each.mockup) for part, each in put_down.items()} != lying:
+        raise LoadError(f"{path} was made with other parts put down elsewhere: it has parts {sorted(lying)}")
+    session = Session(scene, tool, coupling=coupling, put_down={part: put_down[part] for part in lying}, **options)
     steps = 0
     for (kind, number), row in zip(events.tolist(), inputs, strict=True):
         pose = row[:16].reshape(4, 4)
@@ -189,9 +206,9 @@ def _arrays(name: str, mesh: Mockup | Tool) -> dict[str, Any]:
     }
 
 
-def _mockup_of(record: Any) -> Mockup:
-    names = record["mockup.part_names"].tolist()
-    return Mockup(record["mockup.vertices"], record["mockup.faces"], record["mockup.part_of_face"], names)
+def _mockup_of(record: Any, name: str) -> Mockup:
+    vertices, faces, owners = (record[f"{name}.{each}"] for each in ("vertices", "faces", "part_of_face"))
+    return Mockup(vertices, faces, owners, record[f"{name}.part_names"].tolist())
 
 
 def _tool_of(record: Any) -> Tool:

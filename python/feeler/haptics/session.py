@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -81,15 +82,20 @@ class Session(Runs):
     - `margin`: what is nearer than this (metres) is a contact.
     - `skin`: how far the proxy stays off (metres); where the clearance is less than twice that, half of it.
     - `collision_hz`: how often contacts are found, every `round(1 / (collision_hz * dt))` steps; default: each step.
+    - `put_down`: parts that lie elsewhere than in the mock-up from the beginning, as if the session had put them down:
+      by part (index, path or pattern that names one), a scene of that part alone, where it lies. Each is felt there,
+      can be gripped, and is not where it was.
     - `seed`: for what is random in a session. Nothing is at present; records keep it.
 
-    Raises `OptionError` for values out of range.
+    Raises `OptionError` for values out of range and parts that are not there, `SessionError` for a part that is put
+    down twice, or as a scene that is not of one part.
     """
 
     scene: Scene
     tool: Tool
     coupling: Coupling
     _options: dict[str, Any]
+    _put_down: dict[int, Scene]
     _recorder: Recorder | None
 
     def __new__(
@@ -102,6 +108,7 @@ class Session(Runs):
         skin: float = 2e-5,
         collision_hz: float | None = None,
         seed: int = 0,
+        put_down: Mapping[int, Scene] | Mapping[str, Scene] | None = None,
     ) -> Session:
         """See the class."""
         if not isinstance(scene, Scene):
@@ -115,17 +122,22 @@ class Session(Runs):
             "collision_hz": None if collision_hz is None else float(collision_hz),
             "seed": int(seed),
         }
+        lying = [(_one_part(scene, part, "put_down"), alone) for part, alone in (put_down or {}).items()]
+        for part, alone in lying:
+            if not isinstance(alone, Scene):
+                raise OptionError(f"put_down has a {type(alone).__name__} for part {part}: pass a feeler.Scene of it")
         margin, skin, rate = options["margin"], options["skin"], options["collision_hz"]
-        self = super().__new__(cls, scene, tool, coupling.as_numbers(), margin, skin, rate)
+        self = super().__new__(cls, scene, tool, coupling.as_numbers(), margin, skin, rate, lying)
         self.scene, self.tool, self.coupling = scene, tool, coupling
-        self._options, self._recorder = options, None
+        self._options, self._put_down, self._recorder = options, dict(lying), None
         return self
 
     def start(self, pose: npt.ArrayLike) -> Start:
         """Begins, or begins anew, with the device at `pose` (`world_from_tool`).
 
         Where the tool is in collision there the result says so and has the way out; steps give no force until the
-        device is where the tool is free. Raises `PoseError` for what is no pose.
+        device is where the tool is free. Where parts lie elsewhere, the way out is out of the one of them, or the
+        mock-up, that the tool is deepest in. Raises `PoseError` for what is no pose.
         """
         pose = np.array(pose, dtype=np.float64)
         way_out = super().begin(pose) if self._run is None else self._run.begin(pose)
@@ -158,10 +170,7 @@ class Session(Runs):
         What the part was seated on is not asked until it is off that by a skin; planes of the seat hold it until
         then. Raises `OptionError` for a part that is not there, `SessionError` where one is held already.
         """
-        chosen = self.scene.mockup.parts.select(part)
-        if len(chosen) != 1:
-            raise OptionError(f"{part!r} names {len(chosen)} parts: grip takes one")
-        part = int(chosen[0])
+        part = _one_part(self.scene, part, "grip")
         if self._run is None:
             super().take(part)
         else:
@@ -193,8 +202,10 @@ class Session(Runs):
     def set_scene(self, scene: Scene) -> Start:
         """Puts another scene in the place of the present one; while the session runs, between two ticks.
 
-        What is held or was put down belongs to the old one, and is gone. The tool stays where it is; where it is in
-        collision there, there is no force until the device is where it is free.
+        What is held or was put down belongs to the old one, and is gone, but for the parts that the session began with
+        (`put_down`): these lie there again. The tool stays where it is; where it is in collision there, there is no
+        force until the device is where it is free. Raises `OptionError` where a part that lies elsewhere is none of the
+        new mock-up.
         """
         if not isinstance(scene, Scene):
             raise OptionError(f"a session needs a feeler.Scene, not {type(scene).__name__}")
@@ -208,6 +219,13 @@ class Session(Runs):
         """Writes what happens from the next start on into a file, for `replay`; `.close()` or `with` ends it."""
         self._recorder = Recorder(Path(path), self)
         return self._recorder
+
+
+def _one_part(scene: Scene, part: int | str, where: str) -> int:
+    chosen = scene.mockup.parts.select(part)
+    if len(chosen) != 1:
+        raise OptionError(f"{part!r} names {len(chosen)} parts: {where} takes one")
+    return int(chosen[0])
 
 
 def _is_rigid(pose: Floats) -> bool:

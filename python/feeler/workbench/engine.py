@@ -1,8 +1,9 @@
 """The engine: the newest wish of the hand in, an immutable snapshot of what it meets out.
 
 `tick()` does one round, on a clock that is passed in; a thread only calls it in a loop. What the hand does and what it
-meets is decided in full every round, so that it can be replayed. Contact planes, distances and clearances, which
-nothing depends on, are found within a budget, at lower rates where they cost more than that.
+meets is decided in full every round, so that it can be replayed. Contact planes, distances, clearances and the depth,
+which nothing depends on, are found within a budget, at lower rates where they cost more than that. What is not asked
+for every round is found a little early where that leaves a round short, so that no wish waits for all of it at once.
 """
 
 from __future__ import annotations
@@ -34,6 +35,7 @@ from feeler.workbench.world import (
     Pairs,
     Planes,
     Rows,
+    WayOut,
     World,
 )
 
@@ -43,8 +45,13 @@ WITHIN_M = 0.02
 """What is nearer is a clearance row."""
 BUDGET_S = 0.004
 """Of a tick, for what has lower rates."""
+ROUND_S = 0.001
+"""What is early makes no round longer, but for one in which nothing else is done."""
 _LONGEST_WAIT_S = 0.25  # even what costs more than the budget is found so often
-_PERIODS_S = {"planes": 0.0, "distance": 0.015, "rows": 0.1, "inside": 0.05}
+_PERIODS_S = {"planes": 0.0, "distance": 0.015, "rows": 0.1, "inside": 0.05, "depth": 0.1}
+_EARLY = 0.75  # of a period: from then on what is due next is found where a round has time for it
+_DEPTH_SHARE = 0.05  # of all time at most: deep in a dense mock-up the way out takes tens of milliseconds
+_RATE_SHARE = 0.1  # of the newest round in the mean length of rounds
 _PLACE_STEPS = 100  # ticks of the proxy that a placing waits for it to come to rest
 _REST_M = 1e-7
 _PLAY_M_PER_S = 0.25
@@ -90,6 +97,7 @@ class Engine:
     _rows: Rows
     _distance: Near | None
     _contains: bool
+    _way_out: WayOut | None
     _last_free: Floats | None
     _stale: dict[str, bool]
     _found_at: dict[str, float]
@@ -120,7 +128,7 @@ class Engine:
         self._snapshot: Snapshot | None = None
         self._last_tick = clock()
         self._owed_s = 0.0  # time of the clock that the proxy has not yet been stepped for
-        self._rate_hz = 0.0
+        self._period_s = 0.0
         self._cost: dict[str, float] = {}
         self._trip: TripRecorder | None = None
         self._idle: Ticked | None = None
@@ -217,6 +225,11 @@ class Engine:
             return self._ticked(steps)
 
     @property
+    def ticked_at(self) -> float:
+        """When the last round began, on the engine's clock."""
+        return self._last_tick
+
+    @property
     def pose(self) -> Floats:
         """Where the hand is. Waits for nothing."""
         return self._pose
@@ -250,9 +263,7 @@ class Engine:
                 self._hits = NO_HITS
             else:
                 rows = np.asarray(pairs, dtype=np.int64)
-                met = np.column_stack([tool.part_of_face[rows[:, 0]], world.mockup.part_of_face[rows[:, 1]]])
-                part_pairs = tuple((int(ours), int(part)) for ours, part in np.unique(met, axis=0))
-                self._hits = Hits(rows, np.asarray(kinds, dtype=np.uint8), part_pairs)
+                self._hits = Hits(rows, np.asarray(kinds, dtype=np.uint8), world.part_pairs(tool, rows))
             self._is_changed = True
 
     def play(self, way: Sequence[Floats], on_played: Callable[[], None]) -> None:
@@ -263,17 +274,20 @@ class Engine:
     def tick(self) -> bool:
         """One round. Whether there is a new snapshot."""
         with self._lock:
-            if self._is_held:
-                return False
             now = self._clock()
             elapsed, self._last_tick = max(0.0, now - self._last_tick), now
+            if self._is_held:
+                return False
+            # The mean of the lengths, and not of the rates: these are few and huge where rounds come in pairs.
+            share = _RATE_SHARE if self._period_s > 0.0 else 1.0
+            self._period_s += share * (elapsed - self._period_s)
             self._play_on(elapsed)
             steps = 0
             if self._mode == "glide":
                 self._owed_s = min(self._owed_s + elapsed, MOST_STEPS * STEP_S)
                 steps = int(self._owed_s / STEP_S + 1e-9)
                 self._owed_s -= steps * STEP_S
-            has_moved = self._round(steps, elapsed)
+            has_moved = self._round(steps)
             played = self._on_played if self._on_played and not self._way and self._newest is None else None
             if played is not None:
                 self._on_played = None
@@ -289,10 +303,11 @@ class Engine:
                 self._world.distance(self._tool, self._pose, WITHIN_M)
                 self._world.clearance(self._tool, self._pose, WITHIN_M)
                 self._world.is_containing(self._tool, self._pose)
+                self._world.way_out(self._tool, self._pose, MARGIN_M)
 
     # ---- one round ----
 
-    def _round(self, steps: int, elapsed: float = 0.0) -> bool:
+    def _round(self, steps: int) -> bool:
         begun = self._clock()
         is_new = self._take_wish()
         before = self._pose
@@ -303,11 +318,11 @@ class Engine:
             self._is_settled = True
         if is_moved or not np.array_equal(before, self._pose):
             self._stale = dict.fromkeys(_PERIODS_S, True)
-        has_found = self._look_around(begun)
+        has_found = self._look_around(begun, is_new or is_moved)
         if not (is_new or is_moved or has_found or self._is_changed):
             return False
         self._is_changed = False
-        self._publish(begun, elapsed)
+        self._publish(begun)
         return True
 
     def _take_wish(self) -> bool:
@@ -388,14 +403,14 @@ class Engine:
 
     def _glide_on(self, steps: int) -> Impact | None:
         assert self._glide is not None
-        glided = self._glide.step(self._pose, self._wish, steps)
+        glided = self._glide.step(self._wish, steps)
         self._pose, self._force, self._torque = glided.pose, glided.force, glided.torque
         self._held_by = {
             part: (point, normal)
             for part, point, normal in zip(glided.parts, glided.points, glided.normals, strict=True)
         }
-        if glided.impact is not None or not glided.parts:
-            return glided.impact
+        if not glided.parts:
+            return None
         return Impact(1.0, self._pose, glided.points[0], glided.normals[0], glided.parts[0], -1)
 
     def _bumped(self, impact: Impact | None) -> None:
@@ -415,7 +430,7 @@ class Engine:
         """The parts that are met, each with a corner of the tool that meets it."""
         if self._world is None or self._tool is None:
             return {}
-        owners = self._world.mockup.part_of_face[self._hits.pairs[:, 1]]
+        owners = self._world.owners(self._hits.pairs[:, 1])
         found: dict[int, tuple[Floats, Floats | None]] = {}
         for part in self._hits.parts:
             triangle = self._hits.pairs[int(np.argmax(owners == part)), 0]
@@ -432,18 +447,24 @@ class Engine:
 
     # ---- what has lower rates ----
 
-    def _look_around(self, begun: float) -> bool:
-        """Finds what is stale and due, as far as the budget lasts. Whether anything was found."""
+    def _look_around(self, begun: float, is_busy: bool) -> bool:
+        """Finds what is stale and due, as far as the budget lasts; then what soon is. Whether anything was found.
+
+        is_busy: the hand was moved in this round.
+        """
         world, tool = self._world, self._tool
         if world is None or tool is None:
             return False
         found = False
-        for name in sorted(_PERIODS_S, key=lambda each: (self._found_at.get(each, -1e9), each)):
+        for name, is_due in self._wanted():
             now = self._clock()
-            waited = now - self._found_at.get(name, -1e9)
-            if not self._stale[name] or waited < _PERIODS_S[name]:
-                continue
-            if now - begun + self._cost.get(name, 0.0) > self._budget_s and waited < _LONGEST_WAIT_S:
+            length = now - begun + self._cost.get(name, 0.0)
+            is_alone = not (is_busy or found)
+            if is_due:
+                is_time = length <= self._budget_s or self._waited(name) >= _LONGEST_WAIT_S
+            else:
+                is_time = length <= ROUND_S or is_alone
+            if not is_time:
                 continue
             self._find(name, world, tool)
             after = self._clock()
@@ -452,6 +473,21 @@ class Engine:
             self._cost[name] = cost + 0.3 * (after - now - cost)
         return found
 
+    def _wanted(self) -> list[tuple[str, bool]]:
+        """What is stale and due, the longest waiting first; then what is so soon."""
+        waited = {name: self._waited(name) for name, is_stale in self._stale.items() if is_stale}
+        order = sorted(waited, key=lambda name: (-waited[name], name))
+        due = [name for name in order if waited[name] >= self._period(name)]
+        soon = [name for name in order if name not in due and waited[name] >= _EARLY * self._period(name)]
+        return [(name, True) for name in due] + [(name, False) for name in soon]
+
+    def _waited(self, name: str) -> float:
+        return self._clock() - self._found_at.get(name, -1e9)
+
+    def _period(self, name: str) -> float:
+        period = _PERIODS_S[name]
+        return max(period, self._cost.get(name, 0.0) / _DEPTH_SHARE) if name == "depth" else period
+
     def _find(self, name: str, world: World, tool: Tool) -> None:
         if name == "planes":
             self._planes = world.contacts(tool, self._pose, MARGIN_M, self._last_free)
@@ -459,8 +495,13 @@ class Engine:
             self._distance = world.distance(tool, self._pose, np.inf)
         elif name == "rows":
             self._rows = world.clearance(tool, self._pose, WITHIN_M)
+        elif name == "depth":
+            is_in = bool(self._hits) or self._contains
+            self._way_out = world.way_out(tool, self._pose, MARGIN_M) if is_in else None
         else:
+            before = self._contains
             self._contains = not self._hits and world.is_containing(tool, self._pose)
+            self._stale["depth"] |= self._contains != before  # of what is inside there is a depth as well
 
     # ---- state ----
 
@@ -476,6 +517,7 @@ class Engine:
         self._rows = NO_ROWS
         self._distance = None
         self._contains = False
+        self._way_out = None
         self._last_free = None
         self._stale = dict.fromkeys(_PERIODS_S, True)
         self._found_at = {}
@@ -504,10 +546,8 @@ class Engine:
             self._way.pop(0)
         self.wish(goal, self._seq, "api")
 
-    def _publish(self, begun: float, elapsed: float) -> None:
+    def _publish(self, begun: float) -> None:
         now = self._clock()
-        if elapsed > 0.0:
-            self._rate_hz += 0.1 * (1.0 / elapsed - self._rate_hz)
         self._number += 1
         self._snapshot = Snapshot(
             number=self._number,
@@ -526,10 +566,11 @@ class Engine:
             rows=self._rows,
             distance=self._distance,
             contains=self._contains,
+            way_out=self._way_out,
             stopped_by=None if self._impact is None else self._impact.part,
             is_current=not any(self._stale.values()),
             engine_us=1e6 * (now - begun),
-            rate_hz=self._rate_hz,
+            rate_hz=1.0 / self._period_s if self._period_s > 0.0 else 0.0,
             places=self._places,
             held_places=self._held_places,
         )

@@ -54,6 +54,7 @@ U4 = npt.NDArray[np.uint32]
 Vec3 = tuple[float, float, float]
 Unit = Literal["mm", "cm", "m", "in"]
 Mode = Literal["stop", "glide", "pass"]
+DepthKind = Literal["exact", "bound", "estimate"]
 Source = Literal["mouse", "keys", "gizmo", "spacemouse", "gamepad", "xr", "api"]
 
 
@@ -431,6 +432,9 @@ class State:
     torque: Vec3
     """About the tool's origin, N m."""
     depth: float
+    """How far the tool is out of what it is in; 0: in nothing, or not found yet."""
+    depth_kind: DepthKind
+    """Of the depth: no way out is shorter, one may be, or this one does not free it."""
     hit_count: int
     """Colliding triangles of the mock-up, listed or not."""
     hit_more: int

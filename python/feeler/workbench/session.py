@@ -468,7 +468,6 @@ class Session:
     def _loop(self) -> None:
         trouble = ""
         while not self._is_closed:
-            begun = time.monotonic()
             try:
                 has_news, text = self.engine.tick(), ""
             except Exception as error:
@@ -482,7 +481,9 @@ class Session:
                 self._tell_snapshot()
             self._wake.wait(timeout=LEAST_TICK_S)
             self._wake.clear()
-            time.sleep(max(0.0, LEAST_TICK_S - (time.monotonic() - begun)))
+            # From when the round began, not from when it was called: it may have waited for a command.
+            gone = self._clock() - self.engine.ticked_at
+            time.sleep(min(LEAST_TICK_S, max(0.0, LEAST_TICK_S - gone)))
 
     def _tell_snapshot(self) -> None:
         for listener in list(self._snapshot_listeners):

@@ -9,8 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler.workbench.motion import Floats
-from feeler.workbench.protocol import MOST_CLEARANCES, MOST_HITS, Mode, State
-from feeler.workbench.world import NO_HITS, NO_PLANES, NO_ROWS, Hits, Ints, Near, Planes, Rows
+from feeler.workbench.protocol import MOST_CLEARANCES, MOST_HITS, DepthKind, Mode, State
+from feeler.workbench.world import NO_HITS, NO_PLANES, NO_ROWS, Hits, Ints, Near, Planes, Rows, WayOut
 
 NOT_DRAWN = np.uint32(2**32 - 1)
 
@@ -27,8 +27,8 @@ class Snapshot:
 
     number: grows. pose: where the engine lets the tool be; wish: where the hand wants it. blocked: contact keeps the
     two apart. force, torque: on the hand, N and Nm, world axes, at the pose's origin; zero in stop and pass, and in
-    doubt. contains: it is wholly inside something, or something inside it. is_current: planes, rows and distance are of
-    this pose, and not of one a moment ago.
+    doubt. contains: it is wholly inside something, or something inside it. is_current: planes, rows, distance and the
+    way out are of this pose, and not of one a moment ago.
     """
 
     number: int
@@ -47,6 +47,7 @@ class Snapshot:
     rows: Rows = field(default_factory=lambda: NO_ROWS)
     distance: Near | None = None
     contains: bool = False
+    way_out: WayOut | None = None
     stopped_by: int | None = None
     is_current: bool = True
     engine_us: float = 0.0
@@ -67,8 +68,16 @@ class Snapshot:
 
     @property
     def depth(self) -> float:
-        """How deep the deepest contact plane is, metres; 0 where nothing meets."""
-        return max(0.0, -float(self.planes.gaps[0])) if self.hits and len(self.planes) else 0.0
+        """How far it is out, metres; 0 where nothing is met, and until that is found. `depth_kind` says what it is.
+
+        A contact plane's gap is no such depth: a sheet across the tool has one as deep as the tool is long from there.
+        """
+        return 0.0 if self.is_free or self.way_out is None else self.way_out.depth
+
+    @property
+    def depth_kind(self) -> DepthKind:
+        """As of `WayOut`."""
+        return "exact" if self.is_free or self.way_out is None else self.way_out.kind
 
     def packed_hits(self) -> tuple[npt.NDArray[np.uint32], npt.NDArray[np.uint32], int]:
         """Packed triangles of mock-up and hand that meet, at most `MOST_HITS` each, and how many more of the former."""
@@ -104,6 +113,7 @@ class Snapshot:
             force=_triple(self.force),
             torque=_triple(self.torque),
             depth=self.depth,
+            depth_kind=self.depth_kind,
             hit_count=len(hits) + more,
             hit_more=more,
             contact_more=planes.omitted,

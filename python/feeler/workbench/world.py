@@ -7,8 +7,8 @@ distance the lesser. Parts and triangles are those of the mock-up throughout, wh
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -20,6 +20,7 @@ from feeler.poses import placed
 from feeler.scene import CAST_TOLERANCE, Scene
 from feeler.workbench import motion
 from feeler.workbench.motion import Floats, Row
+from feeler.workbench.protocol import DepthKind
 
 Ints = npt.NDArray[np.int64]
 Pairs = frozenset[tuple[int, int]]
@@ -85,6 +86,18 @@ class Near:
 
 
 @dataclass(frozen=True)
+class WayOut:
+    """The shortest translation found that frees the tool: metres `(3,)`, world, and its length.
+
+    kind: "exact": none is shorter; "bound": there may be a shorter one; "estimate": the tool meets something there too.
+    """
+
+    translation: Floats
+    depth: float
+    kind: DepthKind
+
+
+@dataclass(frozen=True)
 class Rows:
     """What is near, nearest first: distances `(k,)`, points `(k, 3)` on tool and mock-up, parts `(k,)`."""
 
@@ -133,8 +146,10 @@ class PartMeshes:
         owners = mockup.part_of_face
         is_sorted = bool((owners[1:] >= owners[:-1]).all())
         self._order = None if is_sorted else np.argsort(owners, kind="stable")
+        self._owners = None if is_sorted else owners
         self._first = np.concatenate([[0], np.cumsum(mockup.part_triangles, dtype=np.int64)])
         self._kept: dict[int, tuple[Tool, Ints]] = {}
+        self._lying: dict[int, tuple[Row, Scene]] = {}
 
     def of(self, part: int) -> tuple[Tool, Ints]:
         """A part in the mock-up's frame, and which of the mock-up's triangles its triangles are."""
@@ -150,6 +165,27 @@ class PartMeshes:
             tool = Tool(vertices[used], own, name, part_paths=[path], source=self.mockup.source)
             self._kept[part] = (tool, ids)
         return self._kept[part]
+
+    def owners(self, triangles: Ints) -> Ints:
+        """The parts of some triangles. The mock-up's own list is made anew whenever it is asked for."""
+        if self._owners is not None:
+            return self._owners[triangles].astype(np.int64)
+        return np.searchsorted(self._first, triangles, side="right") - 1
+
+    def at(self, part: int, place: Row) -> tuple[Floats, Ints]:
+        """Vertices and faces of a part at a `world_from_part`."""
+        mesh, _ = self.of(part)
+        faces = np.where(mesh.faces < len(mesh.vertices), mesh.faces.astype(np.int64), 2**32 - 1)
+        return placed(mesh.vertices, motion.matrix(place), "a part that was put down"), faces
+
+    def lying(self, part: int, place: Row) -> Scene:
+        """The scene of a part alone at a `world_from_part`; each part's last one is kept."""
+        kept = self._lying.get(part)
+        if kept is None or kept[0] != place:
+            vertices, faces = self.at(part, place)
+            kept = (place, Scene(Mockup(vertices, faces, part_names=[self.mockup.part_names[part]])))
+            self._lying[part] = kept
+        return kept[1]
 
 
 class _Body:
@@ -202,6 +238,7 @@ class World:
         self._bodies = [_Body(scene.without(absent) if absent else scene)]
         self.mockup = scene.mockup
         self.moved = moved
+        self._meshes = meshes
         if moved:
             self._bodies.append(_moved_body(meshes, moved))
 
@@ -215,6 +252,10 @@ class World:
         """The scene of the parts that lie elsewhere."""
         return self._bodies[1].scene if len(self._bodies) > 1 else None
 
+    def each_put_down(self) -> dict[int, Scene]:
+        """The parts that lie elsewhere, each with the scene of it alone."""
+        return {part: self._meshes.lying(part, place) for part, place in self.moved.items()}
+
     def part_of_put_down(self, own: int) -> int:
         """The part of the mock-up that a part of `put_down` is."""
         return self._bodies[1].part(own)
@@ -225,7 +266,7 @@ class World:
 
     def collide(self, tool: Tool, pose: Floats) -> Hits:
         """Every pair of triangles that meets."""
-        pairs, kinds, part_pairs = [], [], set()
+        pairs, kinds = [], []
         for body in self._bodies:
             hit = body.scene.collide(tool, pose)
             if not hit:
@@ -233,15 +274,23 @@ class World:
             own = hit.pairs
             pairs.append(np.column_stack([own[:, 0].astype(np.int64), body.triangles(own[:, 1])]))
             kinds.append(hit.kinds)
-            met = np.column_stack([tool.part_of_face[own[:, 0]], body.scene.mockup.part_of_face[own[:, 1]]])
-            part_pairs |= {(ours, body.part(theirs)) for ours, theirs in np.unique(met, axis=0).tolist()}
         if not pairs:
             return NO_HITS
         rows, their_kinds = np.concatenate(pairs), np.concatenate(kinds)
         if len(pairs) > 1:
             order = np.lexsort((rows[:, 1], rows[:, 0]))
             rows, their_kinds = rows[order], their_kinds[order]
-        return Hits(rows, their_kinds, tuple(sorted(part_pairs)))
+        return Hits(rows, their_kinds, self.part_pairs(tool, rows))
+
+    def part_pairs(self, tool: Tool, pairs: Ints) -> tuple[tuple[int, int], ...]:
+        """The tool part and mock-up part of pairs of triangles `(k, 2)`: unique, sorted."""
+        count = self.mockup.part_count
+        met = np.unique(tool.part_of_face[pairs[:, 0]].astype(np.int64) * count + self.owners(pairs[:, 1]))
+        return tuple(divmod(each, count) for each in met.tolist())
+
+    def owners(self, triangles: Ints) -> Ints:
+        """The parts of some triangles of the mock-up."""
+        return self._meshes.owners(triangles)
 
     def is_colliding(self, tool: Tool, pose: Floats, ignore: Pairs = NO_PAIRS) -> bool:
         """Whether anything meets."""
@@ -251,18 +300,8 @@ class World:
         self, tool: Tool, start: Floats, end: Floats, ignore: Pairs = NO_PAIRS, tolerance: float = CAST_TOLERANCE
     ) -> Impact | None:
         """The first impact on the way; None if it is free."""
-        return self._cast(self._bodies, tool, start, end, ignore, tolerance)
-
-    def cast_put_down(self, tool: Tool, start: Floats, end: Floats) -> Impact | None:
-        """`cast` in `put_down` alone."""
-        return self._cast(self._bodies[1:], tool, start, end, NO_PAIRS, CAST_TOLERANCE)
-
-    @staticmethod
-    def _cast(
-        bodies: list[_Body], tool: Tool, start: Floats, end: Floats, ignore: Pairs, tolerance: float
-    ) -> Impact | None:
         first: tuple[Cast, int] | None = None
-        for body in bodies:
+        for body in self._bodies:
             hit = body.scene.cast(tool, start, end, tolerance=tolerance, ignore=body.ignoring(tool, ignore))
             if hit is not None and (first is None or hit.fraction < first[0].fraction):
                 first = (hit, body.part(hit.part))
@@ -297,6 +336,23 @@ class World:
     def is_containing(self, tool: Tool, pose: Floats) -> bool:
         """Whether the tool is inside something, or something inside it."""
         return any(bool(body.scene.containment(tool, pose)) for body in self._bodies)
+
+    def way_out(self, tool: Tool, pose: Floats, margin: float) -> WayOut | None:
+        """How deep the tool is in what it meets, or is inside of; None where it is in nothing.
+
+        Whichever side it came from: a tool that is all but through a sheet is near its way out. Of parts in place and
+        parts that lie elsewhere it is the longer way; "estimate" where the other is then met.
+        """
+        deepest: WayOut | None = None
+        for body in self._bodies:
+            found = body.scene.penetration(tool, pose, margin)
+            if found.depth > (0.0 if deepest is None else deepest.depth):
+                deepest = WayOut(found.translation, found.depth, cast(DepthKind, found.kind))
+        if deepest is None or deepest.kind == "estimate" or len(self._bodies) == 1:
+            return deepest
+        moved = pose.copy()
+        moved[:3, 3] += deepest.translation
+        return replace(deepest, kind="estimate") if self.is_colliding(tool, moved) else deepest
 
     def clearance(self, tool: Tool, pose: Floats, within: float) -> Rows:
         """The parts nearer than `within`, nearest first."""
@@ -335,13 +391,14 @@ class World:
 def _moved_body(meshes: PartMeshes, moved: Mapping[int, Row]) -> _Body:
     vertices, faces, owners, triangles = [], [], [], []
     count = 0
-    for own, (part, at) in enumerate(moved.items()):
-        mesh, ids = meshes.of(part)
-        vertices.append(placed(mesh.vertices, motion.matrix(at), "a part that was put down"))
-        faces.append(np.where(mesh.faces < len(mesh.vertices), mesh.faces.astype(np.int64) + count, 2**32 - 1))
+    for own, (part, place) in enumerate(moved.items()):
+        corners, indices = meshes.at(part, place)
+        _, ids = meshes.of(part)
+        vertices.append(corners)
+        faces.append(np.where(indices < len(corners), indices + count, 2**32 - 1))
         owners.append(np.full(len(ids), own, dtype=np.int64))
         triangles.append(ids)
-        count += len(mesh.vertices)
+        count += len(corners)
     names = meshes.mockup.part_names
     mockup = Mockup(
         np.concatenate(vertices), np.concatenate(faces), np.concatenate(owners), [names[part] for part in moved]

@@ -6,6 +6,7 @@ import { length, type Vec3 } from "../scene/vectors";
 import { angleFigure, formatAngle, formatForce, formatLength, lengthFigure } from "../units";
 import { useWorkbench } from "./context";
 import { Choice, CommandButton, Figure, IconButton } from "./fields";
+import { depthText } from "./words";
 
 const AXES = ["X", "Y", "Z"] as const;
 const STEPS_M = [1e-4, 1e-3, 1e-2] as const;
@@ -232,7 +233,7 @@ function ContactReport() {
         <dt>Torque</dt>
         <dd>{turn > 0 ? `${turn.toPrecision(2)} N m` : "0 N m"}</dd>
         <dt>Depth</dt>
-        <dd>{formatLength(state.depth, unit)}</dd>
+        <dd>{depthText(state, unit) || "none"}</dd>
         <dt>Held back</dt>
         <dd>{state.blocked ? heldBack(state.pose, state.wish, unit) : "no"}</dd>
       </dl>

@@ -6,7 +6,7 @@ import { formatCount, formatForce, formatLength, formatShare } from "../units";
 import { useWorkbench } from "./context";
 import { IconButton } from "./fields";
 import { poseHint } from "./typing-hint";
-import { touchedText } from "./words";
+import { depthText, isTouching, touchedText } from "./words";
 
 const CONNECTIONS: Readonly<Record<Connection, string>> = {
   connecting: "Connecting",
@@ -58,11 +58,11 @@ function ContactFacts() {
   const unit = store.unit.value;
   if (!state || !store.has_hand.value) return null;
   const nearest = state.distance;
-  const isTouching = state.hit_count > 0 || state.parts.length > 0;
+  const depth = depthText(state, unit);
   return (
     <span class="contact-facts">
       <span class={`mode-tag ${state.mode}`}>{state.mode}</span>
-      {isTouching ? (
+      {isTouching(state) ? (
         <>
           <span class="hit-count">
             <span class="swatch hit" aria-hidden="true" />
@@ -71,7 +71,7 @@ function ContactFacts() {
           {state.hit_count > 0 && (
             <span>{`${formatCount(state.hit_count)} ${state.hit_count === 1 ? "triangle" : "triangles"}`}</span>
           )}
-          {state.depth > 0 && <span>{`${formatLength(state.depth, unit)} deep`}</span>}
+          {depth && <span>{depth}</span>}
           {length(state.force) > 0 && <span>{formatForce(length(state.force))}</span>}
         </>
       ) : (

@@ -9,16 +9,26 @@ const MOST_NAMES = 3;
 /** "1 contact", "4 contacts". */
 export const counted = (count: number, one: string, many = `${one}s`): string => `${count} ${count === 1 ? one : many}`;
 
-/** "4 contacts, fuel pump, 1.2 mm deep"; "free, 3 mm to bracket". */
+/** "1.2 mm deep", "at most 1.2 mm deep" where there may be a shorter way out; "" where nothing is met. */
+export function depthText(state: State, unit: Unit): string {
+  if (state.depth <= 0) return "";
+  if (state.depth_kind === "estimate") return "no way out found";
+  return `${state.depth_kind === "bound" ? "at most " : ""}${formatLength(state.depth, unit)} deep`;
+}
+
+/** Whether the tool meets something, or is inside of it. */
+export const isTouching = (state: State): boolean => !state.is_free || state.parts.length > 0;
+
+/** "4 contacts, fuel pump, 1.2 mm deep"; "inside, 8 mm deep"; "free, 3 mm to bracket". */
 export function spokenState(state: State, unit: Unit, nameOf: (part: number) => string): string {
   const contacts = state.planes.length / 8 + state.contact_more;
   const names = state.parts.slice(0, MOST_NAMES).map(nameOf);
   const more = state.parts.length - names.length;
   if (more > 0) names.push(`${more} more`);
-  if (state.parts.length > 0 || contacts > 0) {
-    const words = [contacts > 0 ? counted(contacts, "contact") : "touching", ...names];
-    if (state.depth > 0) words.push(`${formatLength(state.depth, unit)} deep`);
-    return words.join(", ");
+  if (isTouching(state) || contacts > 0) {
+    const how = contacts > 0 ? counted(contacts, "contact") : names.length > 0 ? "touching" : "inside";
+    const depth = depthText(state, unit);
+    return [how, ...names, ...(depth ? [depth] : [])].join(", ");
   }
   if (!state.distance) return "free";
   return `free, ${formatLength(state.distance.value, unit)} to ${nameOf(state.distance.part)}`;

@@ -17,7 +17,7 @@ impl Mockup {
     /// The queried triangles in pieces for drawing, of at most `vertex_limit` vertices (3 to 65,535) each.
     ///
     /// Parts come by the longest side of their box, large ones first; those that `small` names (by part) come last, in pieces of
-    /// their own. A part larger than a piece spans several, each compact in space. Corners of one part that are the same in float32
+    /// their own. The first of several pieces has a quarter of the vertices at most, unless a run of triangles takes more. A part larger than a piece spans several, each compact in space. Corners of one part that are the same in float32
     /// are one vertex, but where the part is cut. The same on any number of threads; in parallel on the current rayon pool.
     ///
     /// Errors: a limit out of range, and a `small` of another length than there are parts.

@@ -1,7 +1,7 @@
 //! One run of triangles with its vertices welded: each position once.
 
 use super::runs::Run;
-use crate::constants::NONE;
+use crate::constants::{FIRST_PIECE_SHARE, NONE};
 use crate::geometry::bounds::{Aabb, Point};
 use crate::mesh::triangle_mesh::Mesh;
 
@@ -67,12 +67,14 @@ fn hash(p: &[f32; 3]) -> u64 {
     ((mixed ^ mixed >> 32) ^ z).wrapping_mul(0xff51_afd7_ed55_8ccd)
 }
 
-/// The runs that go into one piece: as many as its vertices allow, all of them small or none.
+/// The runs that go into one piece: as many as its vertices allow, all of them small or none; the first of several is smaller.
 pub fn pieces(runs: &[Run], welded: &[WeldedRun], vertex_limit: usize) -> Vec<std::ops::Range<usize>> {
     let mut pieces = Vec::new();
     let (mut first, mut vertices) = (0, 0);
+    let all: usize = welded.iter().map(|run| run.positions.len()).sum();
+    let first_limit = if all > vertex_limit { vertex_limit / FIRST_PIECE_SHARE } else { vertex_limit };
     for (at, run) in welded.iter().enumerate() {
-        let is_full = vertices + run.positions.len() > vertex_limit;
+        let is_full = vertices + run.positions.len() > if first == 0 { first_limit } else { vertex_limit };
         if at > first && (is_full || runs[at].is_small != runs[first].is_small) {
             pieces.push(first..at);
             (first, vertices) = (at, 0);

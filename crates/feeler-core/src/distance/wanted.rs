@@ -58,6 +58,25 @@ impl NearSink for Wanted<'_> {
         self.bound
     }
 
+    #[inline(always)]
+    fn has_bounds_of_parts(&self) -> bool {
+        matches!(self.goal, Goal::Parts) || matches!(self.goal, Goal::Nearest(k) if k > 1)
+    }
+
+    #[inline(always)]
+    fn bound_of(&self, mockup_triangle: u32) -> Option<f64> {
+        if matches!(self.goal, Goal::Pairs | Goal::Candidates) {
+            return Some(self.bound);
+        }
+        match self.places[self.at.mockup.part_of_face(mockup_triangle) as usize] {
+            0 => Some(self.bound),
+            place => {
+                let within = self.bound.min(self.gaps[place as usize - 1].distance);
+                (within > 0.0).then_some(within)
+            }
+        }
+    }
+
     /// By how much (metres, per axis) the tool's boxes must grow, so that no bound from boxes is above the distance that the
     /// triangle test computes: what is uncertain about the tool's place, and what that test may be off by.
     fn margin(&self) -> f64 {
@@ -93,17 +112,7 @@ impl NearSink for Wanted<'_> {
         if !self.at.selection.wants(self.at.tool, self.at.mockup, slot, mockup_triangle) {
             return false;
         }
-        let part = self.at.mockup.part_of_face(mockup_triangle);
-        let within = match self.goal {
-            Goal::Pairs => self.bound,
-            _ => match self.places[part as usize] {
-                0 => self.bound,
-                place => self.bound.min(self.gaps[place as usize - 1].distance),
-            },
-        };
-        if within == 0.0 && self.goal != Goal::Pairs && self.places[part as usize] != 0 {
-            return false;
-        }
+        let Some(within) = self.bound_of(mockup_triangle) else { return false };
         let p = self.at.pose.apply_triangle(&self.at.tool.placeable()[slot as usize]);
         let Some(closest) = closest_within(&p, &self.at.mockup.mesh().triangle(mockup_triangle), within) else {
             return false;
@@ -112,7 +121,7 @@ impl NearSink for Wanted<'_> {
         self.keep(Gap {
             tool_triangle,
             mockup_triangle,
-            part,
+            part: self.at.mockup.part_of_face(mockup_triangle),
             tool_part: self.at.tool.part_of_face(tool_triangle),
             distance: closest.distance,
             on_tool: closest.on_p,

@@ -125,6 +125,13 @@ pub(crate) trait NearSink {
     /// The largest distance (metres) still of interest; falls as the search goes on.
     fn bound(&self) -> f64;
 
+    /// Whether [`bound_of`](Self::bound_of) may be less than the bound.
+    fn has_bounds_of_parts(&self) -> bool;
+
+    /// The same for pairs with one triangle of the mock-up; `None` where none of them is of interest. A hint: others may be offered
+    /// all the same.
+    fn bound_of(&self, mockup_triangle: u32) -> Option<f64>;
+
     /// By how much (metres, per axis) the tool's boxes must grow, so that no bound from boxes is above the distance that the
     /// triangle test computes.
     fn margin(&self) -> f64;

@@ -263,8 +263,7 @@ impl Runner {
         self.ask_for_start(Wish::Start(*pose))
     }
 
-    /// Puts another scene in the place of the present one: what is held or was put down belongs to that one and is gone. The proxy stays
-    /// where it is; where that is in collision there is no force until the device is where it is free.
+    /// As [`Session::set_scene`]. Where the proxy is in collision now, there is no force until the device is where it is free.
     pub fn set_scene(&self, scene: Arc<Scene>) -> Result<Start> {
         self.ask_for_start(Wish::Scene(scene))
     }

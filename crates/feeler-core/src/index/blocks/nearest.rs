@@ -223,13 +223,19 @@ impl<W: NearSink> Search<'_, W> {
     #[inline(always)]
     pub fn update_limit(&mut self) {
         self.direction = self.wanted.direction();
-        let bound = self.wanted.bound() * self.blocks.frame.scale;
+        self.limit = self.limit_at(self.wanted.bound());
+    }
+
+    /// The limit for a largest distance, metres.
+    #[inline(always)]
+    pub fn limit_at(&self, bound: f64) -> f32 {
+        let bound = bound * self.blocks.frame.scale;
         // Bounds have a few roundings of 2^-24 each; the last term covers squares that underflow.
-        self.limit = if bound < LARGEST_BOUND {
+        if bound < LARGEST_BOUND {
             (bound * bound * (1.0 + BOUND_ROUNDING) + VANISHING_SQUARE) as f32
         } else {
             f32::INFINITY
-        };
+        }
     }
 }
 

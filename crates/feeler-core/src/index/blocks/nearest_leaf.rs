@@ -66,11 +66,22 @@ pub fn scan<S: Simd, W: NearSink>(
         }
     }
     let mut planes = Planes::ZERO;
+    let has_bounds_of_parts = run.wanted.has_bounds_of_parts();
     for &(piece, mut lanes) in &near[..count] {
         let (h, lane) = (piece / LANES, piece % LANES);
         let triangle = packed.triangles[piece];
         if !run.at.selection.has(triangle) {
             continue;
+        }
+        let mut limit = run.limit;
+        if has_bounds_of_parts {
+            let Some(bound) = run.wanted.bound_of(triangle) else { continue };
+            limit = run.limit_at(bound);
+            let squared = gaps(s, &placed.boxes.lower, &placed.boxes.upper, &halves[h].boxes_lane(lane));
+            lanes &= u32::from(!s.lanes(s.above(squared, s.splat(limit))));
+            if lanes == 0 {
+                continue;
+            }
         }
         if !run.dividers.is_empty() {
             if unpacked.is_judged >> piece & 1 == 0 {
@@ -85,7 +96,7 @@ pub fn scan<S: Simd, W: NearSink>(
             }
         }
         placed.need_normals(s);
-        lanes &= u32::from(planes.of(s, placed, &halves[h], lane, &run.direction, run.limit));
+        lanes &= u32::from(planes.of(s, placed, &halves[h], lane, &run.direction, limit));
         if lanes == 0 {
             continue;
         }
