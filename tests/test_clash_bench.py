@@ -159,6 +159,8 @@ def test_ifcclash_is_asked_rightly(root: Path) -> None:
     found = ifcclash.whole(mockup, 2)
     assert found.pairs == {query: {(0, 1)} for query in checkers.QUERIES}
     assert found.seconds.keys() == {"index", *checkers.QUERIES}
+    flush = ifcclash.whole(case_of("flush, faces of unequal size", root).mockup(), 1)
+    assert flush.pairs == {"verdicts": {(0, 1)}, "clearance": {(0, 1)}, "depths": set()}
 
 
 def test_figures_are_filled_where_the_markers_are(tmp_path: Path, root: Path, result: Any) -> None:
@@ -203,13 +205,13 @@ def test_a_record_keeps_what_a_run_leaves_out(monkeypatch: pytest.MonkeyPatch, t
     assert record["cases"] == result["cases"] and record["times"]["args"] == asked[:-2]
 
 
-@pytest.mark.skipif(not hasattr(os, "sched_getaffinity"), reason="the system does not tell its cores")
-def test_one_core_is_given_and_taken_back() -> None:
-    before = host.affinity()
-    core = min(before)
-    with pytest.raises(KeyError), host.on_core(core):
-        assert host.affinity() == {core}
+def test_one_core_is_given_and_taken_back(monkeypatch: pytest.MonkeyPatch) -> None:
+    given: list[set[int]] = []
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: {2, 5}, raising=False)
+    monkeypatch.setattr(os, "sched_setaffinity", lambda _, cores: given.append(cores), raising=False)
+    assert host.last_core() == 5
+    with pytest.raises(KeyError), host.on_core(5):
+        assert given == [{5}]
         raise KeyError
-    assert host.affinity() == before
     with host.on_core(None):
-        assert host.affinity() == before
+        assert given == [{5}, {2, 5}]
