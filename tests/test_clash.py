@@ -232,14 +232,18 @@ def test_a_thousand_coincident_parts() -> None:
 def test_a_part_of_millions_against_bolts(rng: np.random.Generator) -> None:
     vertices, faces = cut_box([0, 0, 0], [1, 1, 1], 650)
     meshes = [(vertices, faces)]
-    for x, y in rng.uniform(0.05, 0.95, (200, 2)):
+    places = rng.uniform(0.05, 0.95, (200, 2))
+    for x, y in places:
         meshes.append(box((x - 0.01, y - 0.01, 0.9), (x + 0.01, y + 0.01, 1.05)))
     mockup = mockup_of({f"part {i}": mesh for i, mesh in enumerate(meshes)})
     assert mockup.part_triangles[0] > 5_000_000
     found = feeler.clash(mockup, clearance=0.0)
     against = found[found.a == 0]
     assert len(against) == 200 and set(against.verdict.tolist()) == {Verdict.CLASH}
-    assert against.depth == pytest.approx(0.1, abs=1e-12) and set(against.depth_kind.tolist()) == {"exact"}
+    # Out of the top, or of a side that is nearer.
+    least = np.minimum(0.1, np.minimum(places, 1.0 - places).min(axis=1) + 0.01)
+    assert against.depth[np.argsort(against.b)] == pytest.approx(least, rel=2e-6)
+    assert set(against.depth_kind.tolist()) <= {"exact", "bound"}
     # A picture of one needs no picture of all.
     assert Pictures(mockup).png(against[0]).startswith(b"\x89PNG")
 

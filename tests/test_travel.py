@@ -26,7 +26,7 @@ from feeler.errors import FeelerError, LoadError
 PROTOCOLS = range(pickle.HIGHEST_PROTOCOL + 1)
 STAY = {"Predictor", "PiecePredictor", "HapticsDevice", "HapticsRun", "Session"}
 """What does not travel, and says so."""
-BASES = {"Mockup", "Tool", "Scene", "ContactTracker", "IgnoredPairs", "Selected", "HapticsSession"}
+BASES = {"Mockup", "Tool", "Scene", "ContactTracker", "IgnoredPairs", "Selected", "HapticsSession", "ClashRows"}
 """Classes of the core that only their feeler.* subclasses are used of, or that make these."""
 WAYS: dict[str, Callable[[Any], Any]] = {
     **{f"protocol {p}": lambda value, p=p: pickle.loads(pickle.dumps(value, p)) for p in PROTOCOLS},

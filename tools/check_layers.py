@@ -74,6 +74,8 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         "collide": QUERY_BASE,
         "distance": QUERY_BASE,
         "cast": {*QUERY_BASE, "collide"},
+        # The mock-up against itself.
+        "clash": {*QUERY_BASE, "collide"},
         "sizing": {*INDEX_BASE, "index"},
         # What is looked at: rays, sections, and pieces for drawing.
         "rays": {*QUERY_BASE, "distance"},
@@ -100,6 +102,8 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         "footing": {*CONTACTS_BASE, "proximity"},
         "solver": {*CONTACTS_BASE, "query", "escape", "footing", "containment"},
         "tracker": {*CONTACTS_BASE, "solver"},
+        # The mock-up against itself: what is one part to another, and how deep.
+        "clash": {*CONTACTS_BASE, "query", "escape", "solver"},
     },
     "feeler-haptics": {
         "constants": set(),

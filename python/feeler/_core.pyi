@@ -548,15 +548,16 @@ def clash(
 ) -> ClashRows:
     """Every pair of parts that are there and are too near each other.
 
-    - `clearance`, `contact`: `(classes, classes)`, metres, symmetric. How near parts of two classes may come (negative: such
-      pairs are not asked), and how deep they may be in each other, or how far apart, and still count as in contact.
+    - `clearance`, `contact`: `(classes, classes)`, metres, symmetric. How near parts of two classes may come (negative:
+      such pairs are not asked), and how deep they may be in each other, or how far apart, and still be in contact.
     - `class_of_part`: `(parts,)`; default: all are of class 0.
     - `contact_of_part`: `(parts,)`, metres: what each part adds to the contact of its pairs.
     - `exclude`: `(k, 2)`: pairs of parts that are never asked.
     - `threads`: default: those of the scene.
 
-    Ctrl-C ends it early: what was found so far comes back, and `is_partial` is true. Pairs whose depth was not measured by then
-    have NaN. Raises `OptionError` for tables of other shapes and lengths that are none, `MeshError` for other lengths of arrays.
+    Ctrl-C ends it early: what was found so far comes back, and `is_partial` is true. Pairs whose depth was not measured
+    by then have NaN. Raises `OptionError` for tables of other shapes and lengths that are none, `MeshError` for arrays
+    of other lengths.
     """
 
 def weld_vertices(vertices: npt.NDArray[np.float64]) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]]:

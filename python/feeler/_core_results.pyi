@@ -270,15 +270,15 @@ class ClashRows:
         """`(n,)`: a `feeler.Verdict` for each pair."""
     @property
     def depth(self) -> npt.NDArray[np.float64]:
-        """`(n,)`: how deep they are in each other, metres: the deepest of their contacts; of one that holds the other, the length of
-        `translation`. 0 where they only touch or are apart; NaN where it was not measured."""
+        """`(n,)`: how deep they are in each other, metres: the deepest of their contacts; of one that holds the other,
+        the length of `translation`. 0 where they only touch or are apart; NaN where it was not measured."""
     @property
     def depth_kind(self) -> npt.NDArray[np.uint8]:
-        """`(n,)`: how much `depth` and `translation` may be trusted: 0 exact, 1 bound, 2 estimate, as `Penetration.kind`."""
+        """`(n,)`: how much `depth` and `translation` may be trusted: 0 exact, 1 bound, 2 estimate, as penetrations."""
     @property
     def translation(self) -> npt.NDArray[np.float64]:
-        """`(n, 3)`: moves `a` out of `b`, metres, world: the shortest way known (`b` moves the other way). Zero where they only
-        touch or are apart."""
+        """`(n, 3)`: moves `a` out of `b`, metres, world: the shortest way known (`b` moves the other way). Zero where
+        they only touch or are apart."""
     @property
     def gap(self) -> npt.NDArray[np.float64]:
         """`(n,)`: how far their surfaces are apart, metres; 0 where they meet."""
@@ -293,7 +293,7 @@ class ClashRows:
         """`(n,)`: how many pairs of triangles meet."""
     @property
     def box(self) -> npt.NDArray[np.float64]:
-        """`(n, 2, 3)`: lower and upper corner of the box around where they meet, metres; where they do not, around the points."""
+        """`(n, 2, 3)`: lower and upper corner of the box around where they meet, metres; else around the points."""
     @property
     def is_open(self) -> npt.NDArray[np.bool_]:
         """`(n, 2)`: whether `a`, and `b`, has no inside: none of its surfaces is closed."""

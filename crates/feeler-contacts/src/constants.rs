@@ -378,3 +378,15 @@ pub const FOOTING_FEW_ASKED: usize = 64;
 
 /// Most triangles of a body that are asked: beyond, what carries is taken for what was found by then. More takes longer.
 pub const FOOTING_MOST_ASKED: usize = 1 << 14;
+
+// Parts of a mock-up against each other.
+
+/// Face normals of each of two parts along which a way out is looked for where contact planes show none. More: shorter ways out of round
+/// parts; as many times all corners are looked at.
+pub const MOST_FACE_NORMALS: usize = 32;
+
+/// Faces of each whose normals are looked at. More takes as long as it finds more directions.
+pub const FACES_SAMPLED: usize = 256;
+
+/// The cosine from which on two face normals count as one there: about eight degrees.
+pub const SAME_FACE_NORMAL: f64 = 0.99;

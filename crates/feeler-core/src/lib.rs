@@ -80,6 +80,7 @@ pub mod tool;
 pub use cast::impact::{Cast, Touching};
 pub use cast::path::PathCheck;
 pub use chunks::packed::{Packed, PackedPiece, PartNumbers};
+pub use clash::asked::{PairLimitTables, PairLimits};
 pub use collide::batch::Batch;
 pub use collide::narrow::Filters;
 pub use collide::query::Collision;

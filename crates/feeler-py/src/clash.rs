@@ -5,7 +5,6 @@ use std::time::Instant;
 
 use feeler_contacts as contacts;
 use feeler_core as core;
-use feeler_core::clash::asked::{PairLimitTables, PairLimits};
 use numpy::ndarray::{Array2, Array3};
 use numpy::{Element, IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -29,11 +28,7 @@ pub struct ClashRows {
 }
 
 impl ClashRows {
-    fn column<'py, T: Element>(
-        &self,
-        py: Python<'py>,
-        of: impl Fn(&contacts::Clash) -> T,
-    ) -> Bound<'py, PyArray1<T>> {
+    fn column<'py, T: Element>(&self, py: Python<'py>, of: impl Fn(&contacts::Clash) -> T) -> Bound<'py, PyArray1<T>> {
         self.rows.iter().map(of).collect::<Vec<T>>().into_pyarray(py)
     }
 
@@ -171,7 +166,7 @@ pub fn clash(
     threads: Option<usize>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<ClashRows> {
-    let tables = PairLimitTables {
+    let tables = core::PairLimitTables {
         class_of_part: class_of_part.map_or_else(Vec::new, |classes| list(&classes)),
         clearance: table("clearance", &clearance)?,
         contact: table("contact", &contact)?,
@@ -179,7 +174,7 @@ pub fn clash(
         excluded: exclude.map_or_else(|| Ok(Vec::new()), |pairs| rows_of::<u32, 2>(&pairs))?,
     };
     let solver = Arc::clone(scene.solver());
-    let limits = PairLimits::new(tables, solver.scene().mockup().part_bounds().len()).map_err(to_py)?;
+    let limits = core::PairLimits::new(tables, solver.scene().mockup().part_bounds().len()).map_err(to_py)?;
     let own = threads.map(|threads| Arc::new(Pool::new(threads)));
     let pool = own.as_deref().or(scene.pool().map(Arc::as_ref));
     let reporter = Reporter::new(progress);

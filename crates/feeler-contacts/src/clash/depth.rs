@@ -1,11 +1,22 @@
 //! How deep two parts are in each other: the smaller one as a tool, where it is, against the other alone.
+//!
+//! The depth is that of the deepest contact plane, which does not depend on how the parts are cut. The translation is the shortest over
+//! all planes, if it frees the tool; else one that takes it beyond the other part along an axis or a face normal, which always does. The
+//! shorter of the two is a bound on the depth: where something is pierced, the planes say too much.
 
-use feeler_core::geometry::vectors::{along, length, scaled};
-use feeler_core::{closest_triangle_triangle, Aabb, Point, Pose, Result, Tool, Triangle};
+use feeler_core::clash::location::{locate, Location, LocationScratch};
+use feeler_core::clash::solids::Solids;
+use feeler_core::geometry::vectors::{add, along, dot, length, normal, scaled};
+use feeler_core::{closest_triangle_triangle, Aabb, Point, Pose, Result, Scene, Tool, Triangle};
 
-use crate::contact_plane::ContactPlane;
-use crate::escape::penetration::{way_out, PenetrationKind};
-use crate::query::ContactQuery;
+use crate::constants::{
+    ESCAPE_EXCESS, ESCAPE_ROUNDING, FACES_SAMPLED, LEAST_ESCAPE_LEAN, MOST_FACE_NORMALS, SAME_FACE_NORMAL, TIGHT_SHARE,
+};
+use crate::contact_plane::{ContactPlane, Contacts};
+use crate::escape::min_norm::{min_norm, relaxed};
+use crate::escape::penetration::PenetrationKind;
+use crate::query::{ContactQuery, ContactScratch};
+use feeler_core::scratch_pool::ScratchPool;
 
 /// What was measured of a tool and a part.
 #[derive(Debug, Clone)]
@@ -26,54 +37,6 @@ pub struct Depth {
     pub gap: f64,
 }
 
-/// Of a tool that meets the only part of a scene, or is in it, or the part in the tool.
-pub fn measure(query: &ContactQuery<'_>, tool: &Tool) -> Result<Depth> {
-    let (scene, pose) = (query.scene, &Pose::IDENTITY);
-    let mockup = scene.mockup();
-    let (mut triangles, mut bounds, mut first) = (0, Aabb::EMPTY, None);
-    let mut show = |pairs: &[[u32; 2]]| {
-        triangles = pairs.len();
-        for pair in pairs {
-            let both = [tool.mesh().triangle(pair[0]), mockup.mesh().triangle(pair[1])];
-            bounds = bounds.union(&shared_box(&both));
-            first.get_or_insert(both);
-        }
-    };
-    let contacts = query.contacts_showing(|_| None, tool, pose, 0.0, None, &mut show)?;
-    let deepest = contacts.planes.first().map(|plane| (points_of(plane), (-plane.gap).max(0.0)));
-    let way = way_out(query, tool, pose, 0.0, None, contacts)?;
-    let (points, gap, depth) = match (deepest, first) {
-        (Some((points, depth)), _) if depth > 0.0 => (points, 0.0, depth),
-        (_, Some([p, q])) => {
-            let closest = closest_triangle_triangle(&p, &q);
-            ([closest.on_p, closest.on_q], 0.0, way.depth)
-        }
-        (_, None) => match scene.closest(tool, pose, f64::INFINITY)? {
-            Some(gap) => {
-                let points = [gap.on_tool, gap.on_mockup];
-                points.iter().for_each(|p| bounds.grow(p));
-                (points, gap.distance, way.depth)
-            }
-            None => ([[0.0; 3]; 2], 0.0, way.depth),
-        },
-    };
-    Ok(Depth { depth, kind: way.kind, translation: way.translation, points, triangles, bounds, gap })
-}
-
-/// Of the tool the one that is deepest, of the part where the plane runs.
-fn points_of(plane: &ContactPlane) -> [Point; 2] {
-    [along(&plane.point, plane.gap, &plane.normal), plane.point]
-}
-
-/// Where the boxes of two triangles overlap.
-pub fn shared_box([p, q]: &[Triangle; 2]) -> Aabb {
-    let (p, q) = (Aabb::of_triangle(p), Aabb::of_triangle(q));
-    Aabb {
-        lower: std::array::from_fn(|a| p.lower[a].max(q.lower[a])),
-        upper: std::array::from_fn(|a| p.upper[a].min(q.upper[a])),
-    }
-}
-
 impl Depth {
     /// Of what was not measured.
     pub const UNKNOWN: Depth = Depth {
@@ -91,9 +54,218 @@ impl Depth {
         let [p, q] = self.points;
         Depth { translation: scaled(&self.translation, -1.0), points: [q, p], ..self }
     }
+}
 
-    /// Whether the translation is as long as the contact is deep.
-    pub fn length(&self) -> f64 {
-        length(&self.translation)
+/// A part as a tool, where it is, and another.
+pub struct Pair<'a> {
+    /// The scene with all parts.
+    pub scene: &'a Scene,
+    /// The same with the other part alone.
+    pub other_alone: &'a Scene,
+    pub solids: &'a Solids<'a>,
+    pub tool: &'a Tool,
+    /// Of the tool, and the other.
+    pub parts: [u32; 2],
+}
+
+/// A translation out of the other part.
+#[derive(Debug, Clone, Copy)]
+struct Way {
+    translation: Point,
+    kind: PenetrationKind,
+}
+
+impl Pair<'_> {
+    /// Measures two parts that meet, or of which one is in the other (`is_within`).
+    pub fn measure(
+        &self,
+        is_within: bool,
+        pool: &ScratchPool<ContactScratch>,
+        scratch: &mut LocationScratch,
+    ) -> Result<Depth> {
+        let query = ContactQuery { scene: self.other_alone, pool };
+        let mesh = self.scene.mockup().mesh();
+        let (mut triangles, mut bounds, mut first) = (0, Aabb::EMPTY, None);
+        let mut show = |pairs: &[[u32; 2]]| {
+            triangles = pairs.len();
+            for [t, m] in pairs {
+                let both = [self.tool.mesh().triangle(*t), mesh.triangle(*m)];
+                bounds = bounds.union(&shared_box(&both));
+                first.get_or_insert(both);
+            }
+        };
+        let contacts = query.contacts_showing(|_| None, self.tool, &Pose::IDENTITY, 0.0, None, &mut show)?;
+        // What lies in the other is not out of it where a plane says so.
+        let over_planes = if is_within { None } else { self.over_planes(&contacts, scratch)? };
+        let way = match over_planes {
+            Some(way) => self.shorter(way, self.beyond(self.is_far(&way), &contacts)),
+            None => self.beyond(true, &contacts),
+        };
+        let way_length = length(&way.translation);
+        let deepest = contacts.planes.first().filter(|plane| plane.gap < 0.0);
+        let depth = match deepest {
+            Some(plane) if !is_within => (-plane.gap).min(way_length),
+            _ => way_length,
+        };
+        let (points, gap) = match (deepest, first) {
+            (Some(plane), _) => (points_of(plane), 0.0),
+            (None, Some([p, q])) => {
+                let closest = closest_triangle_triangle(&p, &q);
+                ([closest.on_p, closest.on_q], 0.0)
+            }
+            (None, None) => {
+                let closest = self.other_alone.closest(self.tool, &Pose::IDENTITY, f64::INFINITY)?;
+                let points = closest.map_or([[0.0; 3]; 2], |gap| [gap.on_tool, gap.on_mockup]);
+                points.iter().for_each(|p| bounds.grow(p));
+                (points, closest.map_or(0.0, |gap| gap.distance))
+            }
+        };
+        Ok(Depth { depth, kind: way.kind, translation: way.translation, points, triangles, bounds, gap })
+    }
+
+    /// The shortest translation over the planes, where it frees the tool.
+    fn over_planes(&self, contacts: &Contacts, scratch: &mut LocationScratch) -> Result<Option<Way>> {
+        let counting: Vec<&ContactPlane> = contacts.planes.iter().filter(|plane| !plane.assumed).collect();
+        if counting.is_empty() {
+            return Ok(None);
+        }
+        let planes: Vec<(Point, f64)> = counting.iter().map(|plane| (plane.normal, -plane.gap)).collect();
+        let (escape, active) = min_norm(&planes).unwrap_or_else(|| (relaxed(&planes), Vec::new()));
+        let size = length(&escape);
+        let outward = if size > 0.0 { scaled(&escape, 1.0 / size) } else { planes[0].0 };
+        // Off the planes, and by as much the more as they are left at a grazing angle.
+        let lean = active.iter().map(|i| dot(&outward, &planes[*i].0)).fold(1.0, f64::min).max(LEAST_ESCAPE_LEAN);
+        let translation = add(&escape, &scaled(&outward, self.excess(size) / lean));
+        if !self.is_freed(&translation, scratch)? {
+            return Ok(None);
+        }
+        let is_certain = active.len() == 1 && counting[active[0]].certain;
+        let is_exact = is_certain && self.is_meeting(&scaled(&escape, TIGHT_SHARE))?;
+        let kind = if is_exact { PenetrationKind::Exact } else { PenetrationKind::Bound };
+        Ok(Some(Way { translation, kind }))
+    }
+
+    /// By how much a translation is longer than it need be.
+    fn excess(&self, length: f64) -> f64 {
+        ESCAPE_EXCESS * length
+            + ESCAPE_ROUNDING * self.scene.mockup().mesh().bounds().largest_coordinate()
+            + self.tool.margin_at(&Pose::IDENTITY)
+    }
+
+    fn is_meeting(&self, translation: &Point) -> Result<bool> {
+        Ok(self.other_alone.is_colliding(self.tool, &Pose::IDENTITY.translated(translation)?))
+    }
+
+    /// Whether the moved tool meets nothing, and neither is inside the other.
+    fn is_freed(&self, translation: &Point, scratch: &mut LocationScratch) -> Result<bool> {
+        if self.is_meeting(translation)? {
+            return Ok(false);
+        }
+        for (i, by) in [(0, 1.0), (1, -1.0)] {
+            for corner in self.solids.of(self.parts[i]).corners_of_surfaces() {
+                let moved = along(&corner, by, translation);
+                let at = locate((self.scene.index(), self.solids), &moved, &[self.parts[1 - i]], scratch);
+                if at[0] == Location::Inside {
+                    return Ok(false);
+                }
+            }
+        }
+        Ok(true)
+    }
+
+    /// Whether a translation is so long that there may well be a shorter one aside of all planes.
+    fn is_far(&self, way: &Way) -> bool {
+        let least = self.tool.mesh().bounds().extent().into_iter().fold(f64::INFINITY, f64::min);
+        length(&way.translation) > 0.5 * least
+    }
+
+    fn shorter(&self, one: Way, other: Way) -> Way {
+        if length(&other.translation) < length(&one.translation) {
+            other
+        } else {
+            one
+        }
+    }
+
+    /// The shortest translation along some normals after which a plane across it has all of the tool on one side and all of the other
+    /// part on the other: along the axes, or with `all` also along the normals of contacts and of the faces of both.
+    fn beyond(&self, all: bool, contacts: &Contacts) -> Way {
+        let other = self.scene.mockup().part_bounds()[self.parts[1] as usize];
+        let own = self.tool.mesh().bounds();
+        let mut least = (f64::INFINITY, [0.0, 0.0, 1.0]);
+        for a in 0..3 {
+            for (length, sign) in [(other.upper[a] - own.lower[a], 1.0), (own.upper[a] - other.lower[a], -1.0)] {
+                if length < least.0 {
+                    least = (length, std::array::from_fn(|b| if a == b { sign } else { 0.0 }));
+                }
+            }
+        }
+        if all {
+            let mesh = self.scene.mockup().mesh();
+            let faces = self.solids.faces(self.parts[1]);
+            let own = self.tool.mesh();
+            let of_tool = (0..own.faces().len() as u32).step_by(1 + own.faces().len() / FACES_SAMPLED);
+            let mut normals: Vec<Point> = contacts.planes.iter().map(|plane| plane.normal).collect();
+            add_face_normals(
+                faces.iter().step_by(1 + faces.len() / FACES_SAMPLED).map(|f| mesh.triangle(*f)),
+                &mut normals,
+            );
+            add_face_normals(of_tool.map(|t| own.triangle(t)), &mut normals);
+            for n in normals {
+                let [lowest, highest] = heights(own.vertices(), &n);
+                let most = least.0;
+                // Corner by corner, until neither way would be shorter than the best.
+                let (mut up, mut down) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
+                for corner in faces.iter().flat_map(|face| mesh.triangle(*face)) {
+                    let height = dot(&n, &corner);
+                    (up, down) = (up.max(height - lowest), down.max(highest - height));
+                    if up >= most && down >= most {
+                        break;
+                    }
+                }
+                for (length, sign) in [(up, 1.0), (down, -1.0)] {
+                    if length < least.0 {
+                        least = (length, scaled(&n, sign));
+                    }
+                }
+            }
+        }
+        let (length, normal) = least;
+        Way { translation: scaled(&normal, length + self.excess(length)), kind: PenetrationKind::Bound }
+    }
+}
+
+/// Adds the normals of some faces, those in nearly one direction once, up to a number.
+fn add_face_normals(triangles: impl Iterator<Item = Triangle>, normals: &mut Vec<Point>) {
+    let most = normals.len() + MOST_FACE_NORMALS;
+    for n in triangles.filter_map(|triangle| normal(&triangle)) {
+        if normals.len() == most {
+            return;
+        }
+        if !normals.iter().any(|other| dot(other, &n).abs() > SAME_FACE_NORMAL) {
+            normals.push(n);
+        }
+    }
+}
+
+/// The lowest and the highest point along a normal.
+fn heights(points: &[Point], n: &Point) -> [f64; 2] {
+    points
+        .iter()
+        .map(|p| dot(n, p))
+        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], h| [low.min(h), high.max(h)])
+}
+
+/// Of the tool the one that is deepest, of the part where the plane runs.
+fn points_of(plane: &ContactPlane) -> [Point; 2] {
+    [along(&plane.point, plane.gap, &plane.normal), plane.point]
+}
+
+/// Where the boxes of two triangles overlap.
+pub fn shared_box([p, q]: &[Triangle; 2]) -> Aabb {
+    let (p, q) = (Aabb::of_triangle(p), Aabb::of_triangle(q));
+    Aabb {
+        lower: std::array::from_fn(|a| p.lower[a].max(q.lower[a])),
+        upper: std::array::from_fn(|a| p.upper[a].min(q.upper[a])),
     }
 }

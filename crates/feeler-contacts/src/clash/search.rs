@@ -3,23 +3,23 @@
 
 use std::collections::BTreeMap;
 
-use feeler_core::clash::asked::{in_order, PairLimits};
+use feeler_core::clash::asked::in_order;
 use feeler_core::clash::duplicates::{duplicate_pairs, same_parts};
 use feeler_core::clash::holding::held_parts;
 use feeler_core::clash::location::LocationScratch;
-use feeler_core::clash::meeting::{meeting_parts, Meeting, Meets};
+use feeler_core::clash::meeting::{meeting_parts, Meeting};
+use feeler_core::clash::meets::Meets;
 use feeler_core::clash::near::{near_parts, PartGap};
 use feeler_core::clash::search::SelfIndex;
-use feeler_core::clash::solids::{arrays_of, Solids};
+use feeler_core::clash::solids::Solids;
 use feeler_core::clash::touch::{judge, Touching};
 use feeler_core::scratch_pool::ScratchPool;
-use feeler_core::{closest_triangle_triangle, Aabb, Progress, Result, Scene, Tool};
+use feeler_core::{closest_triangle_triangle, Aabb, PairLimits, Progress, Result, Scene, Tool};
 use rayon::prelude::*;
 
-use super::depth::{measure, shared_box, Depth};
+use super::depth::{shared_box, Depth, Pair};
 use super::row::{Clash, Verdict};
 use crate::escape::penetration::PenetrationKind;
-use crate::query::ContactQuery;
 use crate::solver::ContactSolver;
 
 /// What two parts are to each other, before anything is measured.
@@ -30,6 +30,16 @@ enum Relation {
     Touching(Touching),
     /// Nothing meets, and one holds the other.
     Held,
+}
+
+/// Two parts, and what they are to each other.
+type Related = ([u32; 2], Relation);
+
+impl Relation {
+    /// Whether one is wholly in the other.
+    fn is_within(self) -> bool {
+        matches!(self, Relation::Duplicate | Relation::Held | Relation::Touching(Touching::Holding | Touching::Held))
+    }
 }
 
 /// A search in steps, each of which may be stopped; what was found until then can be told.
@@ -46,6 +56,8 @@ pub struct ClashSearch<'a> {
     gaps: Vec<PartGap>,
     is_complete: bool,
     is_measuring: bool,
+    /// Working memory.
+    locations: ScratchPool<LocationScratch>,
 }
 
 const STAGE: &str = "measuring depths";
@@ -82,6 +94,7 @@ impl<'a> ClashSearch<'a> {
             gaps: Vec::new(),
             is_complete: true,
             is_measuring: true,
+            locations: ScratchPool::default(),
         })
     }
 
@@ -96,15 +109,14 @@ impl<'a> ClashSearch<'a> {
         let duplicates = duplicate_pairs(&self.sets, limits);
         self.relations = duplicates.iter().map(|pair| (*pair, Relation::Duplicate)).collect();
         self.meeting = meeting_parts(&self.index, limits, &duplicates, progress);
-        let pool: ScratchPool<LocationScratch> = ScratchPool::default();
         let (meeting, solids) = (&self.meeting, &self.solids);
-        let found: Vec<([u32; 2], Relation)> = meeting
+        let found: Vec<Related> = meeting
             .pairs
             .par_iter()
             .map(|pair| {
                 let relation = match pair.meets {
                     Meets::Crossing => Relation::Crossing,
-                    Meets::Touching => pool.with(|scratch| {
+                    Meets::Touching => self.locations.with(|scratch| {
                         let touches = meeting.touches_of(pair.parts);
                         Relation::Touching(judge((index, solids), pair.parts, touches, scratch))
                     }),
@@ -161,7 +173,7 @@ impl<'a> ClashSearch<'a> {
             |parts: [u32; 2]| parts.map(|part| adjacency.is_some_and(|adjacency| adjacency.shells_of(part).is_empty()));
         self.is_measuring = !is_stopped;
         let mut rows = Vec::new();
-        let mut deep: BTreeMap<u32, Vec<([u32; 2], Relation)>> = BTreeMap::new();
+        let mut deep: BTreeMap<u32, Vec<Related>> = BTreeMap::new();
         for (pair, relation) in &self.relations {
             match relation {
                 Relation::Touching(Touching::Beside) => rows.push(self.contact(*pair, is_open(*pair))),
@@ -171,7 +183,7 @@ impl<'a> ClashSearch<'a> {
             }
         }
         rows.extend(self.gaps.iter().map(|gap| self.apart(gap, is_open(gap.parts))));
-        let groups: Vec<(u32, Vec<([u32; 2], Relation)>)> = deep.into_iter().collect();
+        let groups: Vec<(u32, Vec<Related>)> = deep.into_iter().collect();
         const WAVE: usize = 256;
         for (n, wave) in groups.chunks(WAVE).enumerate() {
             if !self.is_measuring || !progress((n * WAVE) as f64 / groups.len() as f64, STAGE) {
@@ -183,19 +195,12 @@ impl<'a> ClashSearch<'a> {
             let measured: Vec<Result<Vec<Clash>>> = wave
                 .par_iter()
                 .map(|(part, pairs)| {
-                    let (vertices, faces) = arrays_of(self.scene().mockup().mesh(), self.solids.faces(*part));
-                    let tool = Tool::new(vertices, faces)?;
-                    pairs
-                        .iter()
-                        .map(|(pair, relation)| {
-                            let other = if pair[0] == *part { pair[1] } else { pair[0] };
-                            let scene = self.scene().of_one_part(other);
-                            let query = ContactQuery { scene: &scene, ..self.solver.query() };
-                            let depth = measure(&query, &tool)?;
-                            let depth = if pair[0] == *part { depth } else { depth.turned() };
-                            Ok(self.met(*pair, *relation, depth, is_open(*pair)))
-                        })
-                        .collect()
+                    let tool = self.solids.tool(*part)?;
+                    let measured = pairs.iter().map(|(pair, relation)| {
+                        let depth = self.depth_of(&tool, *part, *pair, *relation)?;
+                        Ok(self.met(*pair, *relation, depth, is_open(*pair)))
+                    });
+                    measured.collect()
                 })
                 .collect();
             for found in measured {
@@ -205,6 +210,17 @@ impl<'a> ClashSearch<'a> {
         self.add_duplicates(&mut rows);
         rows.sort_unstable_by_key(|row| row.parts);
         Ok(rows)
+    }
+
+    /// How deep one part of a pair, as a tool, is in the other.
+    fn depth_of(&self, tool: &Tool, part: u32, pair: [u32; 2], relation: Relation) -> Result<Depth> {
+        let other = if pair[0] == part { pair[1] } else { pair[0] };
+        let (scene, solids) = (self.scene(), &self.solids);
+        let alone = scene.of_one_part(other);
+        let measured = Pair { scene, other_alone: &alone, solids, tool, parts: [part, other] };
+        let pool = self.solver.query().pool;
+        let depth = self.locations.with(|scratch| measured.measure(relation.is_within(), pool, scratch))?;
+        Ok(if pair[0] == part { depth } else { depth.turned() })
     }
 
     /// The part of a pair that serves as the tool: the smaller one.
@@ -290,16 +306,14 @@ impl<'a> ClashSearch<'a> {
         let contact = self.limits.contact(parts[0], parts[1]);
         let verdict = match relation {
             Relation::Duplicate => Verdict::Duplicate,
-            Relation::Held | Relation::Touching(Touching::Holding | Touching::Held) => Verdict::Contained,
+            relation if relation.is_within() => Verdict::Contained,
             _ if contact > 0.0 && measured.depth <= contact => Verdict::Contact,
             _ => Verdict::Clash,
         };
-        let is_way = verdict == Verdict::Contained && !measured.depth.is_nan();
-        let depth = if is_way { measured.length() } else { measured.depth };
         Clash {
             parts,
             verdict,
-            depth,
+            depth: measured.depth,
             kind: measured.kind,
             translation: measured.translation,
             gap: measured.gap,

@@ -4,7 +4,6 @@ use feeler_core::geometry::ray_crossings::{crossing, median, ray_count, ray_end,
 use feeler_core::mesh::topology::adjacency::Adjacency;
 use feeler_core::{Aabb, Mesh, Point, Tool};
 
-
 /// Triangles of a tool under one box, in the order of its clusters.
 const TRIANGLES_PER_BOX: usize = 16;
 

@@ -1,5 +1,5 @@
 //! Escape: the shortest translation that frees the tool, and what lies wholly inside a solid.
 
 pub(crate) mod escape_probe;
-mod min_norm;
+pub(crate) mod min_norm;
 pub(crate) mod penetration;

@@ -62,21 +62,9 @@ pub(crate) fn penetration(
     margin: f64,
     reference: Option<&Pose>,
 ) -> Result<Penetration> {
+    let scene = query.scene;
     let near_margin = |deep: usize| (deep < MOST_PLANES).then_some(margin);
     let contacts = query.contacts_within(near_margin, tool, pose, margin, reference)?;
-    way_out(query, tool, pose, margin, reference, contacts)
-}
-
-/// The same, of the contacts at the pose.
-pub(crate) fn way_out(
-    query: &ContactQuery<'_>,
-    tool: &Tool,
-    pose: &Pose,
-    margin: f64,
-    reference: Option<&Pose>,
-    contacts: Contacts,
-) -> Result<Penetration> {
-    let scene = query.scene;
     if !contacts.is_meeting {
         let parts = parts_in_containment(scene, tool, pose);
         let (translation, kind) = if parts.is_empty() {

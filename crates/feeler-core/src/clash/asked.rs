@@ -40,7 +40,8 @@ pub struct PairLimitTables {
 impl PairLimits {
     /// One clearance and one contact for all pairs, metres.
     pub fn uniform(clearance: f64, contact: f64) -> Result<PairLimits> {
-        let tables = PairLimitTables { clearance: vec![clearance], contact: vec![contact], ..PairLimitTables::default() };
+        let tables =
+            PairLimitTables { clearance: vec![clearance], contact: vec![contact], ..PairLimitTables::default() };
         PairLimits::new(tables, 0)
     }
 
@@ -52,15 +53,20 @@ impl PairLimits {
         let PairLimitTables { class_of_part, clearance, contact, contact_of_part, excluded } = tables;
         let classes = class_of_part.iter().map(|class| *class as usize + 1).max().unwrap_or(1);
         let classes = classes.max((clearance.len() as f64).sqrt() as usize);
-        let expected = [("clearance", clearance.len(), classes * classes), ("contact", contact.len(), classes * classes)];
+        let expected =
+            [("clearance", clearance.len(), classes * classes), ("contact", contact.len(), classes * classes)];
         let of_parts = [("class_of_part", class_of_part.len()), ("contact_of_part", contact_of_part.len())];
         let of_parts = of_parts.into_iter().filter(|(_, got)| *got != 0).map(|(what, got)| (what, got, parts));
-        if let Some((what, got, expected)) = expected.into_iter().chain(of_parts).find(|(_, got, expected)| got != expected) {
+        if let Some((what, got, expected)) =
+            expected.into_iter().chain(of_parts).find(|(_, got, expected)| got != expected)
+        {
             return Err(Error::Length { what, got, expected });
         }
-        for (what, table, least) in
-            [("clearance", &clearance, f64::NEG_INFINITY), ("contact", &contact, 0.0), ("contact_of_part", &contact_of_part, 0.0)]
-        {
+        for (what, table, least) in [
+            ("clearance", &clearance, f64::NEG_INFINITY),
+            ("contact", &contact, 0.0),
+            ("contact_of_part", &contact_of_part, 0.0),
+        ] {
             if let Some(value) = table.iter().copied().find(|x| !x.is_finite() || *x < least) {
                 return Err(Error::Distance { what, value });
             }
@@ -125,7 +131,10 @@ pub fn in_order([a, b]: [u32; 2]) -> [u32; 2] {
 }
 
 /// Pairs of parts with what is known of them, by key; for results that were found by several tasks.
-pub(crate) fn merged<T: Copy>(found: impl Iterator<Item = ([u32; 2], T)>, merge: impl Fn(T, T) -> T) -> Vec<([u32; 2], T)> {
+pub(crate) fn merged<T: Copy>(
+    found: impl Iterator<Item = ([u32; 2], T)>,
+    merge: impl Fn(T, T) -> T,
+) -> Vec<([u32; 2], T)> {
     let mut of_pair: HashMap<u64, T> = HashMap::new();
     for (pair, new) in found {
         of_pair.entry(pair_key(pair[0], pair[1])).and_modify(|old| *old = merge(*old, new)).or_insert(new);

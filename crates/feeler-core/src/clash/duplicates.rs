@@ -45,9 +45,9 @@ pub fn same_parts(mockup: &Mockup, is_there: impl Fn(u32) -> bool) -> Vec<Vec<u3
 
 /// The pairs of parts of such sets that are asked, the lesser part first; sorted.
 pub fn duplicate_pairs(sets: &[Vec<u32>], limits: &PairLimits) -> Vec<[u32; 2]> {
-    let pairs = sets.iter().flat_map(|same| {
-        (0..same.len()).flat_map(move |i| same[i + 1..].iter().map(move |b| [same[i], *b]))
-    });
+    let pairs = sets
+        .iter()
+        .flat_map(|same| (0..same.len()).flat_map(move |i| same[i + 1..].iter().map(move |b| [same[i], *b])));
     let mut pairs: Vec<[u32; 2]> = pairs.filter(|[a, b]| limits.clearance(*a, *b).is_some()).collect();
     pairs.sort_unstable();
     pairs

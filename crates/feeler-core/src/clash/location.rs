@@ -26,6 +26,19 @@ pub enum Location {
 pub struct LocationScratch {
     ray: RayScratch,
     triangles: Vec<u32>,
+    /// By triangle, of a flood; none between two.
+    pub(super) marks: Vec<Mark>,
+}
+
+/// What a flood over a surface knows of a triangle.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(super) enum Mark {
+    #[default]
+    None,
+    /// It meets the other part.
+    Met,
+    /// The flood came to it.
+    Seen,
 }
 
 /// A ray that ends, in shares of its length; a little more, for the rounding of the direction.
@@ -56,9 +69,10 @@ pub fn locate(
     if !parts.iter().any(is_in) {
         return found;
     }
-    let hull = parts.iter().filter(|part| is_in(part)).fold(Aabb::EMPTY, |hull, part| {
-        hull.union(&mockup.part_bounds()[*part as usize])
-    });
+    let hull = parts
+        .iter()
+        .filter(|part| is_in(part))
+        .fold(Aabb::EMPTY, |hull, part| hull.union(&mockup.part_bounds()[*part as usize]));
     // By part the windings that rays counted.
     let mut windings: Vec<Vec<i32>> = vec![Vec::new(); parts.len()];
     let mut needed: Vec<usize> = parts.iter().map(|part| if is_in(part) { 1 } else { 0 }).collect();
@@ -69,7 +83,13 @@ pub fn locate(
         let q = ray_end(p, &hull, offset);
         let triangles = &mut scratch.triangles;
         triangles.clear();
-        let path = RayPath { origin: *p, direction: sub(&q, p), from: 0.0, selection: index.selection(), lanes: index.lanes() };
+        let path = RayPath {
+            origin: *p,
+            direction: sub(&q, p),
+            from: 0.0,
+            selection: index.selection(),
+            lanes: index.lanes(),
+        };
         index.store().search_ray(mockup.mesh(), &path, &mut scratch.ray, &mut Along(triangles));
         triangles.sort_unstable();
         triangles.dedup();

@@ -1,42 +1,12 @@
 //! Which pairs of parts meet, and whether they cross or only touch: the index held against itself once.
 
-use super::asked::{in_order, merged, PairLimits};
+use super::asked::{merged, PairLimits};
+use super::meets::{MeetingParts, Meets, Touch};
 use super::narrow::{MeetingNarrow, NarrowScratch};
 use super::search::{Found, SelfIndex};
-use crate::geometry::intersect_triangle_triangle::PairKind;
 use crate::index::blocks::{MeetingBlocks, MeetingScratch};
-use crate::mesh::mockup::Mockup;
 use crate::progress::Progress;
 use crate::scratch_pool::ScratchPool;
-
-/// How two parts meet.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Meets {
-    /// Triangles touch or lie in one plane, and none cross.
-    Touching,
-    /// Some cross.
-    Crossing,
-}
-
-/// Two parts that meet.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct MeetingParts {
-    /// The lesser first.
-    pub parts: [u32; 2],
-    /// How.
-    pub meets: Meets,
-}
-
-/// Two triangles that touch or lie in one plane.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Touch {
-    /// The lesser first.
-    pub parts: [u32; 2],
-    /// A triangle of each.
-    pub triangles: [u32; 2],
-    /// How they meet: not crossing.
-    pub kind: PairKind,
-}
 
 /// What [`meeting_parts`] found.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -47,14 +17,6 @@ pub struct Meeting {
     pub touches: Vec<Touch>,
     /// False where the search was stopped.
     pub is_complete: bool,
-}
-
-impl Touch {
-    pub(crate) fn new(mockup: &Mockup, triangles: [u32; 2], kind: PairKind) -> Touch {
-        let [a, b] = triangles.map(|t| mockup.part_of_face(t));
-        let [t, u] = triangles;
-        Touch { parts: in_order([a, b]), triangles: if a < b { [t, u] } else { [u, t] }, kind }
-    }
 }
 
 impl Meeting {
@@ -92,8 +54,7 @@ pub fn meeting_parts(
         let at = pairs.binary_search_by_key(&touch.parts, |pair| pair.parts);
         at.is_ok_and(|at| pairs[at].meets == Meets::Touching)
     };
-    let mut touches: Vec<Touch> =
-        all.iter().flat_map(|(_, touches)| touches).filter(is_touching).copied().collect();
+    let mut touches: Vec<Touch> = all.iter().flat_map(|(_, touches)| touches).filter(is_touching).copied().collect();
     touches.sort_unstable_by_key(|touch| (touch.parts, touch.triangles));
     touches.dedup();
     Meeting { pairs, touches, is_complete }

@@ -6,6 +6,7 @@ pub mod duplicates;
 pub mod holding;
 pub mod location;
 pub mod meeting;
+pub mod meets;
 mod narrow;
 pub mod near;
 mod pair_table;

@@ -2,7 +2,7 @@
 //! doubt; no more of two parts than is needed to tell whether they cross.
 
 use super::asked::{in_order, PairLimits};
-use super::meeting::{Meets, Touch};
+use super::meets::{Meets, Touch};
 use super::pair_table::PairTable;
 use crate::constants::LEAST_ENTRY;
 use crate::geometry::intersect_lanes::{intersect, line_of, Pairs, Seen};
@@ -14,10 +14,10 @@ use crate::mesh::triangle_mesh::{prefetch_corners, Mesh};
 use feeler_lanes::{prefetch_at, Arithmetic, CacheLine, Checked, Kernel, Simd, LANES};
 
 /// Pairs tested at a time, as for a tool.
-const BATCH: usize = 128;
+const PAIRS_A_BATCH: usize = 128;
 /// What one step may add.
 const STEP: usize = 2 * LANES;
-const PLACES: usize = BATCH + STEP;
+const PLACES: usize = PAIRS_A_BATCH + STEP;
 
 /// What is known of a pair of parts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -104,7 +104,7 @@ impl SelfSink for MeetingNarrow<'_> {
         for other in &seconds[from..*count] {
             prefetch_at(mesh.faces(), *other as usize);
         }
-        if *count >= BATCH {
+        if *count >= PAIRS_A_BATCH {
             self.finish();
         }
     }
@@ -196,7 +196,7 @@ struct Test<'a> {
 }
 
 /// Triangles whose corners are asked for ahead of their test.
-const CORNERS_AHEAD: usize = 2 * LANES;
+const TRIANGLES_AHEAD: usize = 2 * LANES;
 
 impl Kernel for Test<'_> {
     type Output = ();
@@ -209,11 +209,11 @@ impl Kernel for Test<'_> {
         // Nothing is moved, so no place is rounded, and the smallest entries count as what they are.
         let (least, seen) = (part.splat(LEAST_ENTRY), Seen::at(&Pose::IDENTITY));
         let wide = 2 * S::Part::WIDE;
-        for m in &seconds[..given.min(CORNERS_AHEAD)] {
+        for m in &seconds[..given.min(TRIANGLES_AHEAD)] {
             prefetch_corners(vertices, &faces[*m as usize]);
         }
         for from in (0..given).step_by(wide) {
-            for m in seconds[..given].iter().skip(from + CORNERS_AHEAD).take(wide) {
+            for m in seconds[..given].iter().skip(from + TRIANGLES_AHEAD).take(wide) {
                 prefetch_corners(vertices, &faces[*m as usize]);
             }
             let pairs = Pairs::of(s, &seen, (lines, &firsts[from..]), (faces, vertices, &seconds[from..]));

@@ -43,8 +43,7 @@ pub fn near_parts(
     let found = index.search(reach, (progress, "measuring clearances"), |search, task| {
         pool.with(|(nearest, scratch)| {
             nearest.share += 1;
-            let mut wanted =
-                NearParts { mockup, blocks, limits, decided, lanes, margin, nearest, found: Vec::new() };
+            let mut wanted = NearParts { mockup, blocks, limits, decided, lanes, margin, nearest, found: Vec::new() };
             search.run(task, &mut NearBlocks { blocks, parts: index.parts(), wanted: &mut wanted, scratch });
             wanted.found.into_iter().map(|gap| (gap.parts, gap)).collect()
         })
@@ -55,7 +54,7 @@ pub fn near_parts(
 }
 
 impl PartGap {
-    fn order(&self, other: &PartGap) -> std::cmp::Ordering {
+    pub(super) fn order(&self, other: &PartGap) -> std::cmp::Ordering {
         self.distance.total_cmp(&other.distance).then(self.triangles.cmp(&other.triangles))
     }
 }

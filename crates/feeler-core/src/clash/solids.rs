@@ -2,11 +2,13 @@
 
 use once_cell::race::OnceBox;
 
+use crate::error::Result;
 use crate::geometry::bounds::{Aabb, Point, Triangle};
 use crate::mesh::mockup::Mockup;
 use crate::mesh::topology::adjacency::Adjacency;
 use crate::mesh::topology::disjoint_sets::DisjointSets;
 use crate::mesh::triangle_mesh::Mesh;
+use crate::tool::moving_tool::Tool;
 
 /// The triangles of each part that can be queried.
 #[derive(Debug)]
@@ -42,7 +44,7 @@ impl PartFaces {
 }
 
 /// Vertices and faces of one part alone, in the order of its faces.
-pub fn arrays_of(mesh: &Mesh, faces: &[u32]) -> (Vec<Point>, Vec<[u32; 3]>) {
+fn arrays_of(mesh: &Mesh, faces: &[u32]) -> (Vec<Point>, Vec<[u32; 3]>) {
     let mut used: Vec<u32> = faces.iter().flat_map(|face| mesh.faces()[*face as usize]).collect();
     used.sort_unstable();
     used.dedup();
@@ -51,38 +53,70 @@ pub fn arrays_of(mesh: &Mesh, faces: &[u32]) -> (Vec<Point>, Vec<[u32; 3]>) {
     (used.iter().map(|vertex| mesh.vertices()[*vertex as usize]).collect(), own)
 }
 
-/// One part: triangle `i` is the mock-up's `faces[i]`.
+/// One part: its triangles by their own numbers, in which its adjacency has them.
 #[derive(Debug, Clone, Copy)]
 pub struct Solid<'a> {
     mockup: &'a Mockup,
+    part: u32,
     faces: &'a [u32],
     adjacency: &'a Adjacency,
+    /// Whether that is the whole mock-up's, and own numbers are the mock-up's.
+    is_whole: bool,
 }
 
-impl Solid<'_> {
-    /// The corners of a triangle, by its own number.
-    pub fn triangle(&self, own: u32) -> Triangle {
-        self.mockup.mesh().triangle(self.faces[own as usize])
-    }
-
+impl<'a> Solid<'a> {
     /// The own number of one of the mock-up's triangles, of this part.
     pub fn own(&self, face: u32) -> u32 {
-        self.faces.partition_point(|f| *f < face) as u32
+        if self.is_whole {
+            face
+        } else {
+            self.faces.partition_point(|f| *f < face) as u32
+        }
     }
 
-    /// How many triangles it has.
-    pub fn len(&self) -> usize {
-        self.faces.len()
+    fn face(&self, own: u32) -> u32 {
+        if self.is_whole {
+            own
+        } else {
+            self.faces[own as usize]
+        }
+    }
+
+    /// The corners of a triangle, by its own number.
+    pub fn triangle(&self, own: u32) -> Triangle {
+        self.mockup.mesh().triangle(self.face(own))
+    }
+
+    /// The own numbers of all its triangles.
+    pub fn triangles(&self) -> impl Iterator<Item = u32> + 'a {
+        let is_whole = self.is_whole;
+        self.faces.iter().zip(0..).map(move |(face, own)| if is_whole { *face } else { own })
     }
 
     /// How its triangles hang together, by their own numbers.
-    pub fn adjacency(&self) -> &Adjacency {
+    pub fn adjacency(&self) -> &'a Adjacency {
         self.adjacency
+    }
+
+    fn number(&self) -> u32 {
+        if self.is_whole {
+            self.part
+        } else {
+            0
+        }
     }
 
     /// Whether it has an inside.
     pub fn is_closed(&self) -> bool {
-        !self.adjacency.shells_of(0).is_empty()
+        !self.adjacency.shells_of(self.number()).is_empty()
+    }
+
+    /// A corner of each of its connected surfaces.
+    pub fn corners_of_surfaces(&self) -> impl Iterator<Item = Point> + 'a {
+        let (solid, adjacency) = (*self, self.adjacency);
+        let open = adjacency.open_surfaces_of(self.number()).iter().map(|(_, own)| *own);
+        let closed = adjacency.shells_of(self.number()).iter().map(|shell| shell.first);
+        open.chain(closed).map(move |own| solid.triangle(own)[0])
     }
 }
 
@@ -106,14 +140,27 @@ impl<'a> Solids<'a> {
         self.mockup
     }
 
-    /// A part that has triangles that can be queried.
+    /// A part that has triangles that can be queried. Where the adjacency of the whole mock-up is found, that is used.
     pub fn of(&self, part: u32) -> Solid<'_> {
-        let (mesh, faces) = (self.mockup.mesh(), self.faces.of(part));
+        let (mockup, mesh, faces) = (self.mockup, self.mockup.mesh(), self.faces.of(part));
+        if mockup.has_adjacency() {
+            return Solid { mockup, part, faces, adjacency: mockup.adjacency(), is_whole: true };
+        }
         let adjacency = self.adjacencies[part as usize].get_or_init(|| {
             let (vertices, own) = arrays_of(mesh, faces);
-            Box::new(Adjacency::of_one_part(&Mesh::of_checked(vertices, own)))
+            Box::new(Adjacency::of_surfaces(&Mesh::of_checked(vertices, own)))
         });
-        Solid { mockup: self.mockup, faces, adjacency }
+        Solid { mockup, part, faces, adjacency, is_whole: false }
+    }
+
+    /// A part as a tool, where it is.
+    pub fn tool(&self, part: u32) -> Result<Tool> {
+        let (vertices, faces) = arrays_of(self.mockup.mesh(), self.faces.of(part));
+        let tool = Tool::new(vertices, faces)?;
+        if self.mockup.has_adjacency() {
+            tool.take_adjacency(self.mockup.adjacency().of_part(tool.mesh(), part, self.faces.of(part)));
+        }
+        Ok(tool)
     }
 
     /// The triangles of a part that can be queried, ascending.
@@ -133,7 +180,7 @@ pub struct ConnectedSurface {
 
 /// The connected surfaces of some triangles.
 pub fn connected_surfaces(mesh: &Mesh, faces: &[u32]) -> Vec<ConnectedSurface> {
-    let (sets, mut found) = (sets_by_corners(faces.iter().map(|face| mesh.triangle(*face))), Vec::new());
+    let (sets, mut found) = (sets_by_corners(mesh, faces), Vec::new());
     let mut places = vec![u32::MAX; faces.len()];
     for (i, face) in faces.iter().enumerate() {
         let triangle = mesh.triangle(*face);
@@ -149,27 +196,23 @@ pub fn connected_surfaces(mesh: &Mesh, faces: &[u32]) -> Vec<ConnectedSurface> {
 }
 
 /// For each triangle the first one that it hangs together with over corners of equal coordinates.
-pub fn sets_by_corners(triangles: impl ExactSizeIterator<Item = Triangle>) -> Vec<u32> {
-    let count = triangles.len();
-    let mut sets = DisjointSets((0..count as u32).collect());
-    // Open addressing by coordinates: each slot the first triangle with a corner there, and the corner.
-    let slots = (6 * count.max(1)).next_power_of_two();
-    let mut table: Vec<(u32, Point)> = vec![(u32::MAX, [0.0; 3]); slots];
-    for (i, triangle) in (0..).zip(triangles) {
-        for corner in triangle {
-            let mut at = hash(&corner) as usize & (slots - 1);
-            loop {
-                let slot = &mut table[at];
-                if slot.0 == u32::MAX {
-                    *slot = (i, corner);
-                    break;
-                }
-                if slot.1 == corner {
-                    sets.join(slot.0, i);
-                    break;
-                }
-                at = (at + 1) & (slots - 1);
-            }
+fn sets_by_corners(mesh: &Mesh, faces: &[u32]) -> Vec<u32> {
+    let mut sets = DisjointSets((0..faces.len() as u32).collect());
+    // Open addressing by coordinates: for each corner the first triangle that has it, and as which of its three.
+    let corner =
+        |entry: u32| mesh.vertices()[mesh.faces()[faces[entry as usize / 3] as usize][entry as usize % 3] as usize];
+    let slots = (4 * faces.len().max(1)).next_power_of_two();
+    let mut table = vec![u32::MAX; slots];
+    for entry in 0..3 * faces.len() as u32 {
+        let own = corner(entry);
+        let mut at = hash(&own) as usize & (slots - 1);
+        while table[at] != u32::MAX && corner(table[at]) != own {
+            at = (at + 1) & (slots - 1);
+        }
+        if table[at] == u32::MAX {
+            table[at] = entry;
+        } else {
+            sets.join(table[at] / 3, entry / 3);
         }
     }
     sets.flatten();

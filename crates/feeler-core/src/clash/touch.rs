@@ -6,12 +6,13 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::location::{locate, Location, LocationScratch};
-use super::meeting::Touch;
-use super::solids::{sets_by_corners, Solid, Solids};
+use super::location::{is_within, locate, Location, LocationScratch, Mark};
+use super::meets::Touch;
+use super::solids::{Solid, Solids};
 use crate::collide::hits::Hit;
 use crate::collide::touching::Surfaces;
-use crate::geometry::bounds::Point;
+use crate::constants::NONE;
+use crate::geometry::bounds::{Aabb, Point};
 use crate::index::mockup_index::Index;
 
 /// What two parts do to each other that meet and do not cross.
@@ -36,7 +37,8 @@ pub fn judge(
 ) -> Touching {
     let [p, q] = parts.map(|part| solids.of(part));
     let is_entering = |is_turned: [bool; 2]| {
-        let hits = touches.iter().map(|touch| Hit::new(p.own(touch.triangles[0]), q.own(touch.triangles[1]), touch.kind));
+        let hits =
+            touches.iter().map(|touch| Hit::new(p.own(touch.triangles[0]), q.own(touch.triangles[1]), touch.kind));
         let surfaces = Surfaces {
             tool: &|t| p.triangle(t),
             mockup: &|t| q.triangle(t),
@@ -54,7 +56,7 @@ pub fn judge(
             continue;
         }
         let met: BTreeSet<u32> = touches.iter().map(|touch| own.own(touch.triangles[i])).collect();
-        for point in points_aside(&own, &met) {
+        for point in points_aside(&own, &met, &mut scratch.marks) {
             match locate((index, solids), &point, &[other], scratch)[0] {
                 Location::Inside => lies[i][0] = true,
                 Location::Outside => lies[i][1] = true,
@@ -76,21 +78,44 @@ pub fn judge(
     }
 }
 
-/// Points of a part of which some lie wherever it does: a corner of each connected piece of its surface without the triangles that meet the other part,
-/// and the corners that only those have.
-fn points_aside(solid: &Solid<'_>, met: &BTreeSet<u32>) -> Vec<Point> {
-    let rest: Vec<u32> = (0..solid.len() as u32).filter(|t| !met.contains(t)).collect();
-    let sets = sets_by_corners(rest.iter().map(|t| solid.triangle(*t)));
-    let firsts = rest.iter().zip(&sets).zip(0..).filter(|((_, set), i)| **set == *i);
-    let mut points: Vec<Point> = firsts.map(|((t, _), _)| solid.triangle(*t)[0]).collect();
-    let key = |corner: &Point| corner.map(|x| (x + 0.0).to_bits());
+/// Points of a part of which some lie wherever it does: a corner of each connected piece of its surface without the triangles that meet
+/// the other part, and the corners that only those have.
+fn points_aside(solid: &Solid<'_>, met: &BTreeSet<u32>, marks: &mut Vec<Mark>) -> Vec<Point> {
+    let neighbours = &solid.adjacency().neighbours;
+    marks.resize(neighbours.len().max(marks.len()), Mark::None);
+    met.iter().for_each(|t| marks[*t as usize] = Mark::Met);
+    let mut points = Vec::new();
+    let mut next = Vec::new();
+    for first in solid.triangles() {
+        if marks[first as usize] != Mark::None {
+            continue;
+        }
+        points.push(solid.triangle(first)[0]);
+        marks[first as usize] = Mark::Seen;
+        next.push(first);
+        while let Some(t) = next.pop() {
+            for beside in neighbours[t as usize] {
+                if beside != NONE && marks[beside as usize] == Mark::None {
+                    marks[beside as usize] = Mark::Seen;
+                    next.push(beside);
+                }
+            }
+        }
+    }
     // A corner of a piece that is asked for already needs no asking.
+    let key = |corner: &Point| corner.map(|x| (x + 0.0).to_bits());
     let mut alone: BTreeMap<[u64; 3], Point> = BTreeMap::new();
+    let mut around = Aabb::EMPTY;
     for corner in met.iter().flat_map(|t| solid.triangle(*t)) {
+        around.grow(&corner);
         alone.insert(key(&corner), corner);
     }
-    for corner in rest.iter().flat_map(|t| solid.triangle(*t)) {
-        alone.remove(&key(&corner));
+    for t in solid.triangles() {
+        if std::mem::take(&mut marks[t as usize]) == Mark::Seen {
+            for corner in solid.triangle(t).iter().filter(|corner| is_within(&around, corner)) {
+                alone.remove(&key(corner));
+            }
+        }
     }
     points.extend(alone.into_values());
     points

@@ -180,6 +180,12 @@ impl Tool {
         })
     }
 
+    /// Takes what is known of how its triangles share edges, unless that was found already.
+    pub(crate) fn take_adjacency(&self, adjacency: Adjacency) {
+        // Whoever found it meanwhile found the same.
+        let _ = self.adjacency.set(Box::new(adjacency));
+    }
+
     /// The points that span the convex body of a triangle, in the tool's frame; found when first asked for.
     #[doc(hidden)]
     pub fn body_outline(&self, triangle: u32) -> Arc<[Point]> {

@@ -14,9 +14,9 @@ pub(super) const MANY: u32 = u32::MAX;
 pub(super) const NOTHING: u32 = u32::MAX - 1;
 
 /// Blocks that a task looks at.
-const CHUNK: usize = 1024;
+const BLOCKS_A_TASK: usize = 1024;
 /// Blocks that are asked for before they are looked at.
-const BLOCKS_AHEAD: usize = 8;
+const TASK_BLOCKS_AHEAD: usize = 8;
 
 /// The pieces of one part in a block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -40,10 +40,10 @@ impl BlockParts {
     /// Of the parts for which `is_asked` says so.
     pub fn new(blocks: &Blocks, mockup: &Mockup, is_asked: impl Fn(u32) -> bool + Sync) -> BlockParts {
         let chunks: Vec<(Vec<u32>, Vec<PartPieces>)> = (0..blocks.pieces.len())
-            .step_by(CHUNK)
+            .step_by(BLOCKS_A_TASK)
             .collect::<Vec<_>>()
             .into_par_iter()
-            .map(|from| of_chunk(blocks, mockup, &is_asked, from..(from + CHUNK).min(blocks.pieces.len())))
+            .map(|from| of_chunk(blocks, mockup, &is_asked, from..(from + BLOCKS_A_TASK).min(blocks.pieces.len())))
             .collect();
         let mut starts = vec![0];
         let mut entries: Vec<PartPieces> = Vec::new();
@@ -97,7 +97,7 @@ fn of_chunk(
 ) -> (Vec<u32>, Vec<PartPieces>) {
     let (mut counts, mut entries) = (Vec::with_capacity(range.len()), Vec::with_capacity(2 * range.len()));
     for block in range {
-        if let Some(later) = blocks.pieces.get(block + BLOCKS_AHEAD) {
+        if let Some(later) = blocks.pieces.get(block + TASK_BLOCKS_AHEAD) {
             prefetch(&later.triangles[0]);
             prefetch(&later.triangles[LANES]);
         }

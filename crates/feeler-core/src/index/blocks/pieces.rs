@@ -3,7 +3,8 @@
 use super::node::{Node, FANOUT};
 use crate::constants::{HALF_STEP, UNPACK_ROUNDING};
 use feeler_lanes::{
-    along, boxes_apart, few_lanes, greatest, greatest4, least, least4, load3, part_lanes, Arithmetic, Box4, Lane32, Simd, LANES, TINY,
+    along, boxes_apart, few_lanes, greatest, greatest4, least, least4, load3, part_lanes, Arithmetic, Box4, Lane32,
+    Simd, LANES, TINY,
 };
 
 /// A block's pieces, but for their boxes. All that a query reads of a block after these lies side by side.

@@ -90,7 +90,7 @@ impl<N: SelfSink> BlockSink for MeetingBlocks<'_, N> {
             }
             let other_packed = &blocks.pieces[other as usize];
             for half in 0..2 {
-                if reached >> (LANES * half) & HALF_MASK != 0 {
+                if reached >> (LANES * half) & LOWER_HALF != 0 {
                     unpacked[half].unpack_boxes(s, other_node, half);
                     unpacked[half].unpack_corners(s, other_packed, half, blocks.slack);
                 }
@@ -118,4 +118,4 @@ impl<N: SelfSink> BlockSink for MeetingBlocks<'_, N> {
 }
 
 /// Half of a block's pieces.
-const HALF_MASK: u32 = 0xffff;
+const LOWER_HALF: u32 = 0xffff;

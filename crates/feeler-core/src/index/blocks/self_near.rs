@@ -7,7 +7,9 @@ use super::node::FANOUT;
 use super::pieces::HalfBlock;
 use super::self_descent::BlockSink;
 use super::tree::Blocks;
-use crate::constants::{BOUND_ROUNDING, LARGEST_BOUND, LEAF_ROUNDING, LEAST_AXIS_SQUARE, UNPACK_ROUNDING, VANISHING_SQUARE};
+use crate::constants::{
+    BOUND_ROUNDING, LARGEST_BOUND, LEAF_ROUNDING, LEAST_AXIS_SQUARE, UNPACK_ROUNDING, VANISHING_SQUARE,
+};
 use crate::index::sink::SelfNearSink;
 use feeler_lanes::{load3, Box4, Simd, LANES};
 
@@ -139,10 +141,7 @@ fn grown_by_rounding(b: &Box4) -> Box4 {
 
 /// The square of the gap between two boxes.
 fn gap_of(p: &Box4, q: &Box4) -> f32 {
-    (0..3)
-        .map(|a| (p.lower[a] - q.upper[a]).max(q.lower[a] - p.upper[a]).max(0.0))
-        .map(|gap| gap * gap)
-        .sum::<f32>()
+    (0..3).map(|a| (p.lower[a] - q.upper[a]).max(q.lower[a] - p.upper[a]).max(0.0)).map(|gap| gap * gap).sum::<f32>()
         * (1.0 - LEAF_ROUNDING as f32)
 }
 

@@ -73,6 +73,21 @@ impl Adjacency {
     /// Edges are matched by the positions of their ends, so triangles need not share vertices. Those without a partner are matched
     /// again by ends that nearly coincide, as at seams that were computed from both sides, and then across cracks.
     pub fn new(mesh: &Mesh, part_of_face: impl Fn(u32) -> u32, bounds: &[Aabb]) -> Adjacency {
+        let mut adjacency = Adjacency::without_regions(mesh, &part_of_face, bounds);
+        let Adjacency { neighbours, outward, .. } = &adjacency;
+        let thin = |t: u32| WELD_SHARE * bounds[part_of_face(t) as usize].longest();
+        let smooth_regions = smooth_regions(mesh, neighbours, outward, |t, triangle| is_thin(triangle, thin(t)));
+        adjacency.bodies = convex_bodies(mesh, neighbours, outward, &smooth_regions);
+        adjacency.smooth_regions = smooth_regions;
+        adjacency
+    }
+
+    /// Of a mesh that is one part, without smooth regions and convex bodies.
+    pub(crate) fn of_surfaces(mesh: &Mesh) -> Adjacency {
+        Adjacency::without_regions(mesh, &|_| 0, &[mesh.bounds()])
+    }
+
+    fn without_regions(mesh: &Mesh, part_of_face: &impl Fn(u32) -> u32, bounds: &[Aabb]) -> Adjacency {
         let mut joined = Joined::new(mesh);
         let (unique, welded) = weld_vertices(mesh.vertices());
         let corners = |t: u32| mesh.faces()[t as usize].map(|v| welded[v as usize]);
@@ -83,36 +98,46 @@ impl Adjacency {
             by_part.sort_by_key(|(part, _)| *part);
             by_part.chunk_by(|x, y| x.0 == y.0).for_each(|same| joined.join(same.iter().map(|(_, edge)| *edge)));
         }
-        joined.close_gaps(&part_of_face, bounds);
+        joined.close_gaps(part_of_face, bounds);
         let Joined { neighbours, mut closed, has_cracks, .. } = joined;
         spread_openness(&neighbours, &mut closed);
-        let (mut centre, mut area) = ([0.0; 3], 0.0);
-        let middle = scaled(&add(&mesh.bounds().lower, &mesh.bounds().upper), 0.5);
-        for t in mesh.queried() {
-            let [a, b, c] = mesh.triangle(t).map(|p| sub(&p, &middle));
-            let normal = cross(&sub(&b, &a), &sub(&c, &a));
-            let weight = length(&normal);
-            area += weight;
-            centre = add(&centre, &scaled(&add(&add(&a, &b), &c), weight / 3.0));
-        }
         let connected = Surfaces::new(mesh, &neighbours);
-        let (outward, shells) = closed_shells(mesh, (&connected, &neighbours, has_cracks), &closed, &part_of_face);
-        let shift = if area > 0.0 && area.is_finite() { scaled(&centre, 1.0 / area) } else { [0.0; 3] };
+        let (outward, shells) = closed_shells(mesh, (&connected, &neighbours, has_cracks), &closed, part_of_face);
         let open = connected.first.into_iter().filter(|t| outward[*t as usize] == 0);
         let mut open_surfaces: Vec<(u32, u32)> = open.map(|t| (part_of_face(t), t)).collect();
         open_surfaces.sort_unstable();
-        let thin = |t: u32| WELD_SHARE * bounds[part_of_face(t) as usize].longest();
-        let smooth_regions = smooth_regions(mesh, &neighbours, &outward, |t, triangle| is_thin(triangle, thin(t)));
-        let bodies = convex_bodies(mesh, &neighbours, &outward, &smooth_regions);
         Adjacency {
             neighbours,
             outward,
-            smooth_regions,
-            bodies,
-            centre: add(&middle, &shift),
+            smooth_regions: Vec::new(),
+            bodies: Vec::new(),
+            centre: centre_of_area(mesh),
             open_surfaces,
             shells,
             has_cracks,
+        }
+    }
+
+    /// Of one part alone, as a mesh whose triangle `i` is this one's `faces[i]`; these are all of the part that are queried, ascending.
+    pub(crate) fn of_part(&self, mesh: &Mesh, part: u32, faces: &[u32]) -> Adjacency {
+        let own = |face: u32| faces.partition_point(|f| *f < face) as u32;
+        let own_or_none = |face: u32| if face == NONE { NONE } else { own(face) };
+        // Regions are numbered by their first triangles, and so are those of the part alone.
+        let mut numbers: Vec<u32> = faces.iter().map(|face| self.smooth_regions[*face as usize].number()).collect();
+        numbers.sort_unstable();
+        numbers.dedup();
+        let number = |of_all: u32| numbers.partition_point(|n| *n < of_all) as u32;
+        let regions = faces.iter().map(|face| self.smooth_regions[*face as usize]);
+        let shells = self.shells_of(part).iter();
+        Adjacency {
+            neighbours: faces.iter().map(|face| self.neighbours[*face as usize].map(own_or_none)).collect(),
+            outward: faces.iter().map(|face| self.outward[*face as usize]).collect(),
+            smooth_regions: regions.map(|region| region.numbered(number(region.number()))).collect(),
+            bodies: numbers.iter().map(|n| self.bodies.get(*n as usize).map_or(NONE, |body| number(*body))).collect(),
+            centre: centre_of_area(mesh),
+            open_surfaces: self.open_surfaces_of(part).iter().map(|(_, face)| (0, own(*face))).collect(),
+            shells: shells.map(|shell| ClosedShell { part: 0, first: own(shell.first), ..*shell }).collect(),
+            has_cracks: self.has_cracks,
         }
     }
 
@@ -145,6 +170,21 @@ impl Adjacency {
             + self.open_surfaces.capacity() * size_of::<(u32, u32)>()
             + self.shells.capacity() * size_of::<ClosedShell>()
     }
+}
+
+/// The centre of a surface's area, metres.
+fn centre_of_area(mesh: &Mesh) -> Point {
+    let (mut centre, mut area) = ([0.0; 3], 0.0);
+    let middle = scaled(&add(&mesh.bounds().lower, &mesh.bounds().upper), 0.5);
+    for t in mesh.queried() {
+        let [a, b, c] = mesh.triangle(t).map(|p| sub(&p, &middle));
+        let normal = cross(&sub(&b, &a), &sub(&c, &a));
+        let weight = length(&normal);
+        area += weight;
+        centre = add(&centre, &scaled(&add(&add(&a, &b), &c), weight / 3.0));
+    }
+    let shift = if area > 0.0 && area.is_finite() { scaled(&centre, 1.0 / area) } else { [0.0; 3] };
+    add(&middle, &shift)
 }
 
 /// The adjacency so far, while edges are matched.

@@ -24,6 +24,11 @@ impl SmoothRegion {
         self.0 & !(IN_PLANE | THIN)
     }
 
+    /// The same with another number for the region.
+    pub fn numbered(self, number: u32) -> SmoothRegion {
+        SmoothRegion(self.0 & (IN_PLANE | THIN) | number)
+    }
+
     /// Whether the triangle is in the plane of the region's seed.
     pub fn is_in_plane(self) -> bool {
         self.0 & IN_PLANE != 0

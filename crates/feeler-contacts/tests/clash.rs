@@ -1,0 +1,279 @@
+//! The verdicts on pairs of parts, and how deep they are in each other, against what integers say of boxes.
+
+use std::sync::Arc;
+
+use feeler_contacts::{Clash, ClashSearch, ContactSolver, PenetrationKind, Verdict};
+use feeler_core::{Mockup, PairLimits, Point, Scene, SceneOptions};
+use feeler_shapes::random::Random;
+use feeler_shapes::{box_mesh, cylinder, joined, sheet, Arrays};
+
+fn mockup_of(parts: Vec<Arrays>) -> Arc<Mockup> {
+    let count = parts.len();
+    let part_of_face = parts.iter().zip(0..).flat_map(|(part, i)| vec![i; part.1.len()]).collect();
+    let (vertices, faces) = joined(parts);
+    Arc::new(Mockup::new(vertices, faces, part_of_face, count).unwrap())
+}
+
+fn clashes_of(parts: Vec<Arrays>, clearance: f64, contact: f64) -> Vec<Clash> {
+    let scene = Scene::build(mockup_of(parts), &SceneOptions::default(), &|_, _| true).unwrap();
+    let limits = PairLimits::uniform(clearance, contact).unwrap();
+    let solver = ContactSolver::new(Arc::new(scene));
+    let mut search = ClashSearch::new(&solver, &limits).unwrap();
+    assert!(search.find_verdicts(&|_, _| true) && search.find_gaps(&|_, _| true));
+    search.measure(&|_, _| true).unwrap()
+}
+
+/// A box by its corners, moved; its corners are sums of these and `off`, the same for whoever shares them.
+fn block(lower: Point, upper: Point, cells: usize, off: f64) -> Arrays {
+    let (vertices, faces) = box_mesh([0.0; 3], [2.0; 3], cells);
+    let place = |p: Point| {
+        std::array::from_fn(|a| {
+            let share = 0.5 * (p[a] + 1.0);
+            off + if share == 1.0 { upper[a] } else { lower[a] + share * (upper[a] - lower[a]) }
+        })
+    };
+    (vertices.into_iter().map(place).collect(), faces)
+}
+
+/// What two boxes on a lattice are to each other, and how deep, by their sides alone.
+fn expected(p: [[i64; 3]; 2], q: [[i64; 3]; 2], same_mesh: bool) -> Option<(Verdict, Option<i64>)> {
+    let shared: [i64; 3] = std::array::from_fn(|a| p[1][a].min(q[1][a]) - p[0][a].max(q[0][a]));
+    let least = *shared.iter().min()?;
+    let way = (0..3).map(|a| (p[1][a] - q[0][a]).min(q[1][a] - p[0][a])).min();
+    let is_in = |p: [[i64; 3]; 2], q: [[i64; 3]; 2]| (0..3).all(|a| q[0][a] <= p[0][a] && p[1][a] <= q[1][a]);
+    match least {
+        ..=-1 => None,
+        0 => Some((Verdict::Contact, Some(0))),
+        _ if p == q && same_mesh => Some((Verdict::Duplicate, way)),
+        _ if is_in(p, q) || is_in(q, p) => Some((Verdict::Contained, way)),
+        _ => Some((Verdict::Clash, way)),
+    }
+}
+
+#[test]
+fn boxes_on_a_lattice_are_to_each_other_what_integers_say() {
+    let mut random = Random::new(7);
+    let mut counts = [0; 5];
+    for n in 0..600 {
+        let off = if n % 2 == 0 { 0.0 } else { 3000.0 };
+        let [p, q]: [[[i64; 3]; 2]; 2] = std::array::from_fn(|_| {
+            let lower: [i64; 3] = std::array::from_fn(|_| random.below(4) as i64);
+            [lower, std::array::from_fn(|a| lower[a] + 1 + random.below(4) as i64)]
+        });
+        let q = if n % 20 == 0 { p } else { q };
+        let cells: [usize; 2] = [1 << random.below(3), 1 << random.below(3)];
+        let real = |x: [i64; 3]| x.map(|x| x as f64);
+        let parts = [p, q].iter().zip(cells).map(|(b, cells)| block(real(b[0]), real(b[1]), cells, off)).collect();
+        let found = clashes_of(parts, 0.0, 0.0);
+        let what = format!("{p:?} {q:?} {cells:?} at {off}: {found:?}");
+        let Some((verdict, depth)) = expected(p, q, cells[0] == cells[1]) else {
+            assert!(found.is_empty(), "{what}");
+            continue;
+        };
+        counts[verdict as usize] += 1;
+        assert_eq!(found.len(), 1, "{what}");
+        assert_eq!(found[0].verdict, verdict, "{what}");
+        let depth = depth.unwrap_or(0) as f64;
+        assert!((found[0].depth - depth).abs() < 1e-5, "{depth}, {what}");
+        let length = found[0].translation.iter().map(|x| x * x).sum::<f64>().sqrt();
+        assert!(length >= depth && length < depth + 1e-4, "{depth}, {what}");
+        assert_eq!((found[0].gap, found[0].is_open), (0.0, [false; 2]), "{what}");
+    }
+    assert!(counts.iter().zip([100, 100, 0, 10, 5]).all(|(count, least)| *count >= least), "{counts:?}");
+}
+
+/// A name, two boxes, what they are to each other, depth and gap.
+type Case = (&'static str, [Point; 2], [Point; 2], Option<Verdict>, f64, f64);
+
+/// The cases of which tools are mostly wrong: two boxes, what they are to each other, depth and gap.
+const CASES: [Case; 15] = {
+    const CUBE: [Point; 2] = [[0.0; 3], [2.0; 3]];
+    [
+        ("apart by 0.5", CUBE, [[2.5, 0.0, 0.0], [4.0, 2.0, 2.0]], None, 0.0, 0.0),
+        ("a gap of 1e-3", CUBE, [[2.001, 0.0, 0.0], [4.0, 2.0, 2.0]], Some(Verdict::Clearance), 0.0, 1e-3),
+        ("a gap of 1e-6", CUBE, [[2.000_001, 0.0, 0.0], [4.0, 2.0, 2.0]], Some(Verdict::Clearance), 0.0, 1e-6),
+        ("an overlap of 1e-6", CUBE, [[1.999_999, 0.5, 0.5], [4.0, 1.5, 1.5]], Some(Verdict::Clash), 1e-6, 0.0),
+        ("flush, equal", CUBE, [[2.0, 0.0, 0.0], [4.0, 2.0, 2.0]], Some(Verdict::Contact), 0.0, 0.0),
+        ("flush, unequal", CUBE, [[2.0, 0.5, 0.3], [4.0, 1.5, 1.2]], Some(Verdict::Contact), 0.0, 0.0),
+        ("an edge", CUBE, [[2.0, 2.0, 0.0], [4.0, 4.0, 2.0]], Some(Verdict::Contact), 0.0, 0.0),
+        ("a vertex", CUBE, [[2.0; 3], [4.0; 3]], Some(Verdict::Contact), 0.0, 0.0),
+        (
+            "walls in line",
+            [[0.0; 3], [4.0, 0.2, 3.0]],
+            [[3.95, 0.0, 0.0], [8.0, 0.2, 3.0]],
+            Some(Verdict::Clash),
+            0.05,
+            0.0,
+        ),
+        ("1.5 deep", CUBE, [[0.5, 0.3, 0.3], [2.5, 1.7, 1.7]], Some(Verdict::Clash), 1.5, 0.0),
+        ("1.5 deep, flush", CUBE, [[0.5, 0.0, 0.0], [2.5, 2.0, 2.0]], Some(Verdict::Clash), 1.5, 0.0),
+        ("contained", CUBE, [[0.5, 0.6, 0.7], [1.0, 1.1, 1.2]], Some(Verdict::Contained), 1.0, 0.5),
+        ("contained, flush", CUBE, [[0.5, 0.6, 0.0], [1.0, 1.1, 1.2]], Some(Verdict::Contained), 1.0, 0.0),
+        ("a bar right through", CUBE, [[-1.0, 0.9, 0.9], [3.0, 1.1, 1.1]], Some(Verdict::Clash), 1.1, 0.0),
+        ("a corner in", CUBE, [[1.9, 1.8, 1.7], [3.0; 3]], Some(Verdict::Clash), 0.1, 0.0),
+    ]
+};
+
+#[test]
+fn cases_of_which_tools_are_mostly_wrong() {
+    for (name, p, q, verdict, depth, gap) in CASES {
+        for off in [0.0, 3000.0] {
+            // 12, 48, 300 and 3,072 triangles a box.
+            for cells in [[1, 1], [2, 2], [5, 5], [16, 16], [1, 16], [5, 2]] {
+                for [i, j] in [[0, 1], [1, 0]] {
+                    let both = [block(p[0], p[1], cells[0], off), block(q[0], q[1], cells[1], off)];
+                    let found = clashes_of(vec![both[i].clone(), both[j].clone()], 0.002, 0.0);
+                    let what = format!("{name}, {cells:?} cells at {off}: {found:?}");
+                    assert_eq!(found.first().map(|row| row.verdict), verdict, "{what}");
+                    for row in found {
+                        assert!((row.depth - depth).abs() < 1e-5 * depth + 1e-11, "{what}");
+                        assert!((row.gap - gap).abs() < 1e-11, "{what}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// A ring of so many sides around z, of height 2.
+fn ring(inner: f64, outer: f64, sides: u32, off: f64) -> Arrays {
+    let around = |radius: f64, z: f64| {
+        (0..sides).map(move |i| {
+            let (s, c) = (std::f64::consts::TAU * f64::from(i) / f64::from(sides)).sin_cos();
+            [off + radius * c, off + radius * s, off + z]
+        })
+    };
+    let vertices =
+        [(inner, 0.0), (inner, 2.0), (outer, 2.0), (outer, 0.0)].map(|(r, z)| around(r, z).collect::<Vec<_>>());
+    let at = |circle: u32, i: u32| circle % 4 * sides + i % sides;
+    let quad = |[a, b, c, d]: [u32; 4]| [[a, b, c], [a, c, d]];
+    let sides_of = |circle| {
+        (0..sides).flat_map(move |i| quad([at(circle, i), at(circle, i + 1), at(circle + 1, i + 1), at(circle + 1, i)]))
+    };
+    (vertices.concat(), (0..4).flat_map(sides_of).collect())
+}
+
+/// A pin with such sides, from `low` to `high`.
+fn pin(radius: f64, sides: u32, [low, high]: [f64; 2], off: f64) -> Arrays {
+    let (mut vertices, mut faces) = (Vec::new(), Vec::new());
+    for z in [low, high] {
+        vertices.extend((0..sides).map(|i| {
+            let (s, c) = (std::f64::consts::TAU * f64::from(i) / f64::from(sides)).sin_cos();
+            [off + radius * c, off + radius * s, off + z]
+        }));
+    }
+    vertices.extend([[off, off, off + low], [off, off, off + high]]);
+    for i in 0..sides {
+        let j = (i + 1) % sides;
+        faces.extend([
+            [i, j, sides + j],
+            [i, sides + j, sides + i],
+            [2 * sides, j, i],
+            [2 * sides + 1, sides + i, sides + j],
+        ]);
+    }
+    (vertices, faces)
+}
+
+#[test]
+fn a_pin_in_its_hole_is_in_contact_and_not_deep() {
+    for off in [0.0, 3000.0] {
+        for ends in [[-1.0, 3.0], [0.0, 2.0], [0.5, 1.5]] {
+            let found = clashes_of(vec![pin(0.5, 64, ends, off), ring(0.5, 1.5, 64, off)], 0.0, 0.0);
+            assert_eq!(found.len(), 1);
+            let row = &found[0];
+            assert_eq!((row.verdict, row.depth, row.translation), (Verdict::Contact, 0.0, [0.0; 3]), "{ends:?} {off}");
+            assert!(row.triangles >= 64 && row.kind == PenetrationKind::Exact, "{row:?}");
+        }
+        // A little too thick.
+        let found = clashes_of(vec![pin(0.501, 64, [-1.0, 3.0], off), ring(0.5, 1.5, 64, off)], 0.0, 0.0);
+        assert_eq!(found[0].verdict, Verdict::Clash);
+        assert!(found[0].depth > 0.9e-3, "{found:?}");
+    }
+}
+
+#[test]
+fn what_is_no_deeper_than_contact_allows_is_contact() {
+    let both = || vec![block([0.0; 3], [1.0; 3], 2, 0.0), block([0.999, 0.2, 0.2], [2.0, 0.9, 0.9], 1, 0.0)];
+    for (contact, verdict) in [(0.0, Verdict::Clash), (0.0009, Verdict::Clash), (0.0011, Verdict::Contact)] {
+        let row = &clashes_of(both(), 0.0, contact)[0];
+        assert_eq!(row.verdict, verdict);
+        assert!((row.depth - 0.001).abs() < 1e-9 && row.gap == 0.0, "{row:?}");
+    }
+}
+
+#[test]
+fn a_gap_that_contact_allows_is_contact() {
+    let both = || vec![block([0.0; 3], [1.0; 3], 2, 0.0), block([1.001, 0.0, 0.0], [2.0, 1.0, 1.0], 1, 0.0)];
+    assert!(clashes_of(both(), 0.0, 0.0).is_empty());
+    assert_eq!(clashes_of(both(), 0.002, 0.0)[0].verdict, Verdict::Clearance);
+    for clearance in [0.0, 0.01] {
+        let row = &clashes_of(both(), clearance, 0.002)[0];
+        assert_eq!((row.verdict, row.depth), (Verdict::Contact, 0.0));
+        assert!((row.gap - 0.001).abs() < 1e-12, "{row:?}");
+    }
+}
+
+#[test]
+fn open_surfaces_are_told_and_hold_nothing() {
+    let cube = block([0.0; 3], [2.0; 3], 3, 0.0);
+    let square =
+        |half: f64, z: f64| sheet(4, 4, move |s, t| [1.0 + half * (2.0 * s - 1.0), 1.0 + half * (2.0 * t - 1.0), z]);
+    // Through the box, within it, on its face.
+    for (sheet, verdict) in [
+        (square(1.5, 0.9), Verdict::Clash),
+        (square(0.5, 0.9), Verdict::Contained),
+        (square(0.5, 2.0), Verdict::Contact),
+    ] {
+        let row = &clashes_of(vec![sheet, cube.clone()], 0.0, 0.0)[0];
+        assert_eq!((row.verdict, row.is_open), (verdict, [true, false]), "{row:?}");
+    }
+    // A box without one face, with a small one in it, and on its floor.
+    let mut open = cube;
+    open.1.truncate(open.1.len() - 2);
+    assert!(clashes_of(vec![open.clone(), block([0.5; 3], [1.0; 3], 1, 0.0)], 0.0, 0.0).is_empty());
+    let on_floor = block([0.5, 0.5, 0.0], [1.0; 3], 1, 0.0);
+    assert_ne!(clashes_of(vec![open, on_floor], 0.0, 0.0)[0].verdict, Verdict::Contained);
+}
+
+#[test]
+fn parts_are_the_same_whatever_the_order_and_all_their_pairs_are_told() {
+    let (vertices, mut faces) = cylinder(0.3, 1.0, 12, 2);
+    faces.reverse();
+    let parts =
+        vec![(vertices, faces), cylinder(0.3, 1.0, 12, 2), box_mesh([5.0; 3], [1.0; 3], 1), cylinder(0.3, 1.0, 12, 2)];
+    let found = clashes_of(parts, 0.0, 0.0);
+    assert_eq!(found.iter().map(|row| row.parts).collect::<Vec<_>>(), [[0, 1], [0, 3], [1, 3]]);
+    assert!(found
+        .iter()
+        .all(|row| row.verdict == Verdict::Duplicate && row.depth == found[0].depth && row.triangles > 100));
+}
+
+#[test]
+fn a_hollow_part_holds_what_is_in_its_material_and_not_what_is_in_its_hollow() {
+    let (vertices, faces) = block([1.0; 3], [3.0; 3], 2, 0.0);
+    let hollow =
+        joined([block([0.0; 3], [4.0; 3], 2, 0.0), (vertices, faces.into_iter().map(|[a, b, c]| [a, c, b]).collect())]);
+    let inside = block([0.2; 3], [0.7; 3], 1, 0.0);
+    let in_hollow = block([1.5; 3], [2.0; 3], 1, 0.0);
+    let found = clashes_of(vec![hollow, inside, in_hollow], 0.0, 0.0);
+    assert_eq!(found.iter().map(|row| (row.parts, row.verdict)).collect::<Vec<_>>(), [([0, 1], Verdict::Contained)]);
+}
+
+#[test]
+fn what_touches_is_judged_by_all_of_it() {
+    let cube = block([0.0; 3], [2.0; 3], 2, 0.0);
+    let flush = block([0.5, 0.6, 0.0], [1.0, 1.1, 1.2], 1, 0.0);
+    let verdict = |p: &Arrays, q: Arrays| clashes_of(vec![p.clone(), q], 0.0, 0.0)[0].verdict;
+    // Beside the cube, with a surface of its own inside it.
+    let beside = block([2.0, 0.0, 0.0], [3.0, 1.0, 1.0], 1, 0.0);
+    assert_eq!(verdict(&cube, beside.clone()), Verdict::Contact);
+    assert_eq!(verdict(&cube, joined([beside, block([0.5; 3], [1.0; 3], 1, 0.0)])), Verdict::Clash);
+    // Inside it, with one outside.
+    assert_eq!(verdict(&cube, flush.clone()), Verdict::Contained);
+    assert_eq!(verdict(&cube, joined([flush, block([5.0; 3], [6.0; 3], 1, 0.0)])), Verdict::Clash);
+    // A bar from one cheek to the next, with corners where it leaves the one and enters the other and none between.
+    let cheeks =
+        joined([block([-2.0, 0.0, 0.0], [1.0, 3.0, 3.0], 1, 0.0), block([3.0, 0.0, 0.0], [6.0, 3.0, 3.0], 1, 0.0)]);
+    assert_eq!(verdict(&cheeks, block([-1.0, 1.0, 1.0], [5.0, 2.0, 2.0], 3, 0.0)), Verdict::Clash);
+}
