@@ -48,7 +48,7 @@ class FclEngine:
 
         def build() -> None:
             self._mockup = None
-            self._mockup = _object(vertices, faces)
+            self._mockup = collision_object(vertices, faces)
 
         seconds, growth, peak = build_times(build, runs)
         return Build(self.name, runs, seconds, None, None, growth, peak)
@@ -56,7 +56,7 @@ class FclEngine:
     def prepare(self, tool: feeler.Tool) -> float:
         vertices, faces = np.array(tool.vertices), tool.faces.astype(np.int64)
         start = time.perf_counter()
-        self._tool = _object(vertices, faces)
+        self._tool = collision_object(vertices, faces)
         return time.perf_counter() - start
 
     def aim(self, query: str, world_from_tool: Floats) -> Callable[[], Any]:
@@ -83,9 +83,15 @@ class FclEngine:
         return float(result)
 
 
-def _object(vertices: Floats, faces: Any) -> Any:
+def collision_object(vertices: Floats, faces: Any) -> Any:
+    """A mesh in place."""
+    return fcl.CollisionObject(bvh_model(vertices, faces), fcl.Transform())
+
+
+def bvh_model(vertices: Floats, faces: Any) -> Any:
+    """A mesh and its tree."""
     model = fcl.BVHModel()
     model.beginModel(len(faces), len(vertices))
     model.addSubModel(vertices, faces)
     model.endModel()
-    return fcl.CollisionObject(model, fcl.Transform())
+    return model

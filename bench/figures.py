@@ -16,6 +16,7 @@ from pathlib import Path
 
 import goals
 from host import ROOT
+from pages import markdown
 from record import RECORDS, RecordError, Row, newest
 
 README = ROOT / "README.md"
@@ -51,10 +52,7 @@ class Table:
 
     def markdown(self) -> str:
         """With its title as a heading."""
-        rule = "|---" * self.texts + "|---:" * (len(self.heads) - self.texts) + "|"
-        rows = [f"| {' | '.join(line)} |" for line in (self.heads, *self.lines)]
-        parts = [f"## {self.title}", "\n".join([rows[0], rule, *rows[1:]]), *([self.note] if self.note else [])]
-        return "\n\n".join(parts)
+        return f"## {self.title}\n\n{markdown(self.heads, self.texts, self.lines, self.note)}"
 
 
 def page(records: Sequence[Sequence[Row]]) -> str:

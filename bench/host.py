@@ -8,7 +8,7 @@ import platform
 import re
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from datetime import datetime, timezone
 from importlib import metadata
 from pathlib import Path
@@ -76,6 +76,31 @@ def arguments(given: list[str]) -> list[str]:
             kept.append(word)
         skip = not skip and word in ("--out", "--json")
     return kept
+
+
+def affinity() -> set[int] | None:
+    """The cores that this program may use; None where the system does not say."""
+    return os.sched_getaffinity(0) if hasattr(os, "sched_getaffinity") else None
+
+
+def last_core() -> int | None:
+    """A core for what is measured: the last one, where there are several and the system can tell."""
+    cores = affinity()
+    return max(cores) if cores is not None and len(cores) > 1 else None
+
+
+@contextlib.contextmanager
+def on_core(core: int | None) -> Iterator[None]:
+    """This thread on one core, and with it all threads and programs that it starts meanwhile; None: on any."""
+    before = affinity()
+    if core is None or before is None:
+        yield
+        return
+    os.sched_setaffinity(0, {core})
+    try:
+        yield
+    finally:
+        os.sched_setaffinity(0, before)
 
 
 def load_average() -> list[float] | None:

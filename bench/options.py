@@ -29,11 +29,11 @@ def parse(arguments: list[str], said: str) -> argparse.Namespace:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--quick", action="store_true", help=f"sizes {QUICK_SIZES}; 40 poses, 3 rounds, one build")
-    parser.add_argument("--sizes", type=_listed(triangles), help=f"triangles of the mock-up ({SIZES})")
-    parser.add_argument("--tools", type=_listed(str), default=TOOLS, help=f"sample tools; -fine: about 50k ({TOOLS})")
-    parser.add_argument("--kinds", type=_listed(_one_of("kind of poses", KINDS)), default=",".join(KINDS), help="(all)")
+    parser.add_argument("--sizes", type=listed(triangles), help=f"triangles of the mock-up ({SIZES})")
+    parser.add_argument("--tools", type=listed(str), default=TOOLS, help=f"sample tools; -fine: about 50k ({TOOLS})")
+    parser.add_argument("--kinds", type=listed(one_of("kind of poses", KINDS)), default=",".join(KINDS), help="(all)")
     parser.add_argument(
-        "--queries", type=_listed(_one_of("query", QUERIES)), default=",".join(QUERIES), help=f"({','.join(QUERIES)})"
+        "--queries", type=listed(one_of("query", QUERIES)), default=",".join(QUERIES), help=f"({','.join(QUERIES)})"
     )
     parser.add_argument("--poses", type=_count, help="in each cell (100)")
     parser.add_argument(
@@ -48,12 +48,12 @@ def parse(arguments: list[str], said: str) -> argparse.Namespace:
     parser.add_argument("--batch", type=_count_or_none, metavar="N", help="poses in a batch (5000); 0: skip")
     parser.add_argument("--seed", type=int, default=0, help="of mock-ups and poses (0)")
     names = list(peers.PEERS)
-    parser.add_argument("--peers", type=_listed(_one_of("peer", names)), default=",".join(names), help="(all)")
+    parser.add_argument("--peers", type=listed(one_of("peer", names)), default=",".join(names), help="(all)")
     parser.add_argument("--no-peers", dest="peers", action="store_const", const=[], help="feeler alone")
     parser.add_argument("--out", type=Path, help="folder of the record, whatever this run is worth")
     parser.add_argument("--json", type=Path, help="all that was found, too: single poses of pairs that differ")
     options = parser.parse_args(arguments)
-    options.sizes = options.sizes or _listed(triangles)(QUICK_SIZES if options.quick else SIZES)
+    options.sizes = options.sizes or listed(triangles)(QUICK_SIZES if options.quick else SIZES)
     options.short = []
     options.most_rounds = 0 if options.quick or options.rounds else MOST_ROUNDS
     for name, quick, full in (
@@ -81,14 +81,14 @@ def parse(arguments: list[str], said: str) -> argparse.Namespace:
     return options
 
 
-def _listed(kind: Callable[[str], Any]) -> Callable[[str], list[Any]]:
+def listed(kind: Callable[[str], Any]) -> Callable[[str], list[Any]]:
     def values(text: str) -> list[Any]:
         return [kind(word.strip()) for word in text.split(",") if word.strip()]
 
     return values
 
 
-def _one_of(what: str, known: Any) -> Callable[[str], str]:
+def one_of(what: str, known: Any) -> Callable[[str], str]:
     def check(text: str) -> str:
         if text not in known:
             raise argparse.ArgumentTypeError(f"{text!r} is no {what}: choose of {', '.join(known)}")

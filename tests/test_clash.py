@@ -13,7 +13,7 @@ from typing import Any
 import clash_twin
 import numpy as np
 import pytest
-from clash_cases import cut_box
+from clash.cases import cut_box
 from clash_scene import FOUND, PARTS, house, mockup_of, open_box, pairs, table
 from shapes import box
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from clash_cases import CUTS, FAR_M, Case, cases, rational
+from clash.cases import CUTS, FAR_M, Case, cases, rational
 
 import feeler
 from feeler import Verdict

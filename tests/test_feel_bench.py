@@ -25,6 +25,7 @@ faces = importlib.import_module("feel.faces")
 penalty = importlib.import_module("feel.penalty")
 point_shell = importlib.import_module("feel.point_shell")
 goals = importlib.import_module("feel.goals")
+pages = importlib.import_module("pages")
 tables = importlib.import_module("feel.tables")
 figures = importlib.import_module("feel.figures")
 passing = importlib.import_module("feel.experiments.passing")
@@ -351,9 +352,9 @@ def test_goals_tables_and_blocks_of_a_page() -> None:
     filled = figures.filled(page, result)
     assert made["passing"] in filled and "old" not in filled and filled.endswith("\n\nafter\n")
     assert figures.filled(filled, result) == filled
-    with pytest.raises(figures.PageError, match="has no end"):
+    with pytest.raises(pages.PageError, match="has no end"):
         figures.filled(page.replace("end of feel: passing", "end of feel: passed"), result)
-    with pytest.raises(figures.PageError, match="'pegs'"):
+    with pytest.raises(pages.PageError, match="'pegs'"):
         figures.filled(page.replace("passing", "pegs"), result)
 
 

@@ -26,10 +26,12 @@ best = importlib.import_module("workbench.best")
 experiments = importlib.import_module("workbench.experiments")
 figures = importlib.import_module("workbench.figures")
 goals = importlib.import_module("workbench.goals")
+pages = importlib.import_module("pages")
 run = importlib.import_module("workbench.run")
 tables = importlib.import_module("workbench.tables")
 bench_stand = importlib.import_module("workbench.stand")
 
+BEGIN, END = "<!-- workbench: figures -->", "<!-- end of workbench: figures -->"
 OPENED = benchmark.Opened(read_s=1.5, index_s=0.5, indexed_at=1000.0)
 DOCUMENT = {"mockup": {"name": "engine"}, "tool": {"name": "wrench"}}
 
@@ -175,13 +177,13 @@ def test_of_several_runs_each_figure_is_the_best() -> None:
 
 
 def test_figures_are_filled_where_the_markers_are(tmp_path: Path, root: Path) -> None:
-    text = f"# Workbench\n\n{figures.BEGIN}\nwhat was here\n{figures.END}\n\nThe end.\n"
+    text = f"# Workbench\n\n{BEGIN}\nwhat was here\n{END}\n\nThe end.\n"
     filled = figures.filled(text, result())
     assert "what was here" not in filled and "| **41.0 ms** |" in filled and filled.endswith("The end.\n")
     assert figures.filled(filled, result()) == filled
     assert figures.filled("# Nothing\n", result()) == "# Nothing\n"
-    with pytest.raises(figures.PageError, match="no end"):
-        figures.filled(text.replace(figures.END, ""), result())
+    with pytest.raises(pages.PageError, match="no end"):
+        figures.filled(text.replace(END, ""), result())
     record, there = tmp_path / "record.json", tmp_path / "page.md"
     record.write_text(json.dumps(result()))
     there.write_text(text)

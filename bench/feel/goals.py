@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Any
+
+from pages import Goal
 
 MOST_SPREAD = 0.01  # of the force of one contact, over tessellations and frames
 MOST_SIZE_JUMP = 0.02  # of the force, a tick
@@ -17,18 +18,6 @@ LEAST_MEDIAN_HZ = 1000.0
 LEAST_P99_HZ = 250.0
 
 Result = dict[str, Any]
-
-
-@dataclass(frozen=True)
-class Goal:
-    """One line of the scorecard."""
-
-    experiment: str
-    goal: str
-    wanted: str
-    found: str
-    is_met: bool
-    is_timed: bool = False
 
 
 def scorecard(found: Result) -> list[Goal]:

@@ -25,6 +25,7 @@ from typing import Any
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # this folder is a package of the bench's
 
 import host
+import pages
 
 from feel import faces, goals, plots, scenes, tables
 from feel.experiments import energy, engine, fitting, passing, tessellation
@@ -201,12 +202,9 @@ def added(before: Path, result: Result) -> Result:
 
 def write(result: Result, folder: Path) -> list[Path]:
     """feel.json, tables.md and the plots."""
-    folder.mkdir(parents=True, exist_ok=True)
-    data, page = folder / "feel.json", folder / "tables.md"
-    data.write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
     made = [f"## {name.replace('_', ' ').capitalize()}\n\n{table}\n" for name, table in tables.tables(result).items()]
-    page.write_text("# Feel\n\n" + "\n".join(made), encoding="utf-8")
-    return [data, page, *plots.plots(result, folder)]
+    paths = pages.written(result, folder, "feel", "# Feel\n\n" + "\n".join(made))
+    return [*paths, *plots.plots(result, folder)]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -219,14 +217,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for path in write(result, options.out):
         print(f"Written: {path}")
     if options.record:
-        RECORD.write_text(json.dumps(result, separators=(",", ":")) + "\n", encoding="utf-8")
+        pages.recorded(result, RECORD)
         print(f"Written: {RECORD}")
-    missed = 0
-    for goal in goals.scorecard(result["faces"].get("feeler", {})):
-        missed += not goal.is_met and not goal.is_timed
-        word = "met   " if goal.is_met else "missed"
-        print(f"{word}  {goal.experiment}: {goal.goal}: {goal.found} (wanted: {goal.wanted})")
-    return 1 if missed else 0
+    return pages.judged(goals.scorecard(result["faces"].get("feeler", {})))
 
 
 if __name__ == "__main__":

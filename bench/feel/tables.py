@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any
+
+import pages
+from pages import markdown
 
 from . import goals
 
 Result = dict[str, Any]
 Faces = dict[str, Result]
 """Of each face, its experiments by name."""
-
-
-def markdown(heads: Sequence[str], texts: int, lines: Sequence[Sequence[str]], note: str = "") -> str:
-    """A table: the first columns are text, the others numbers."""
-    rule = "|---" * texts + "|---:" * (len(heads) - texts) + "|"
-    rows = [f"| {' | '.join(line)} |" for line in (heads, *lines)]
-    return "\n".join([rows[0], rule, *rows[1:], *(["", note] if note else [])])
 
 
 def tables(result: Result) -> dict[str, str]:
@@ -38,19 +34,14 @@ def tables(result: Result) -> dict[str, str]:
 
 def origin(result: Result) -> str:
     """When, where and of what."""
-    short = "; a short run" if result["is_quick"] else ""
-    changed = " with changes" if result["dirty"] else ""
-    return (
-        f"`python bench/feel/run.py {' '.join(result['args'])}`".replace(" `", "`")
-        + f", {result['when'][:10]}, commit {str(result['commit'])[:7]}{changed}, {result['machine']['cpu']}{short}."
-    )
+    return pages.origin("bench/feel/run.py", result)
 
 
 def scorecard(found: Result) -> str:
     """Every goal; missed ones bold."""
     lines = []
     for goal in goals.scorecard(found):
-        said = goal.found if goal.is_met else f"**{goal.found}**"
+        said = pages.bold(goal.found, goal.is_met)
         lines.append([goal.experiment.replace("_", " "), goal.goal, goal.wanted, said])
     return markdown(["experiment", "goal", "wanted", "found"], 4, lines, "Bold: missed.")
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
 from typing import Any
+
+from pages import Goal
 
 Result = dict[str, Any]
 
@@ -26,18 +27,6 @@ PAGE_BYTES, PAGE_OPENS_S = 5_000_000, 2.0
 STOP_SPREAD_M = 1e-6
 RECONNECT_S, REBUILT_S = 1.0, 2.0
 SOAK_BYTES = 10_000_000
-
-
-@dataclass(frozen=True)
-class Goal:
-    """One line of the scorecard."""
-
-    experiment: str
-    goal: str
-    wanted: str
-    found: str
-    is_met: bool
-    is_timed: bool = False
 
 
 def scorecard(found: Mapping[str, Any]) -> list[Goal]:

@@ -26,6 +26,7 @@ from typing import Any
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # this folder is a package of the bench's
 
 import host
+import pages
 
 from workbench import experiments, goals, stand, tables
 from workbench.best import best
@@ -62,7 +63,7 @@ def parse(arguments: Sequence[str]) -> argparse.Namespace:
     options.size = options.size or (QUICK_SIZE if options.quick else SIZE)
     options.repeats = options.repeats or (1 if options.quick else REPEATS)
     options.soak = (QUICK_SOAK_MINUTES if options.quick else SOAK_MINUTES) if options.soak is None else options.soak
-    options.core = stand.last_core() if options.core is None else options.core
+    options.core = host.last_core() if options.core is None else options.core
     return options
 
 
@@ -140,11 +141,7 @@ def added(before: Path, result: Result) -> Result:
 
 def write(result: Result, folder: Path) -> list[Path]:
     """workbench.json and tables.md."""
-    folder.mkdir(parents=True, exist_ok=True)
-    data, page = folder / "workbench.json", folder / "tables.md"
-    data.write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
-    page.write_text(f"# The workbench\n\n{tables.page(result)}\n", encoding="utf-8")
-    return [data, page]
+    return pages.written(result, folder, "workbench", f"# The workbench\n\n{tables.page(result)}\n")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -161,14 +158,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for path in write(result, options.out):
         print(f"Written: {path}")
     if options.record:
-        RECORD.write_text(json.dumps(result, separators=(",", ":")) + "\n", encoding="utf-8")
+        pages.recorded(result, RECORD)
         print(f"Written: {RECORD}")
-    missed = 0
-    for goal in goals.scorecard(result):
-        missed += not goal.is_met and not goal.is_timed
-        word = "met   " if goal.is_met else "missed"
-        print(f"{word}  {goal.experiment}: {goal.goal}: {goal.found} (wanted: {goal.wanted})")
-    return 1 if missed else 0
+    return pages.judged(goals.scorecard(result))
 
 
 if __name__ == "__main__":

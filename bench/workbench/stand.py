@@ -17,6 +17,8 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+import host
+
 CHROMIUMS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 FLAGS = (
     "--no-sandbox",
@@ -117,31 +119,14 @@ def browser(core: int | None) -> Iterator[Any]:
     except ImportError:
         raise StandError("playwright is missing: pip install playwright") from None
     path = chromium()
-    before = affinity()
-    if core is not None and before is not None:
-        os.sched_setaffinity(0, {core})  # whatever is started from here inherits it
-    try:
+    with host.on_core(core):
         playwright = sync_playwright().start()
         started = playwright.chromium.launch(executable_path=path, args=list(FLAGS))
-    finally:
-        if before is not None:
-            os.sched_setaffinity(0, before)
     try:
         yield started
     finally:
         started.close()
         playwright.stop()
-
-
-def affinity() -> set[int] | None:
-    """The cores that this program may use; None where the system does not say."""
-    return os.sched_getaffinity(0) if hasattr(os, "sched_getaffinity") else None
-
-
-def last_core() -> int | None:
-    """The core that the page gets: the last one, where there are several."""
-    cores = affinity()
-    return max(cores) if cores is not None and len(cores) > 1 else None
 
 
 @contextlib.contextmanager

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from typing import Any
+
+import pages
+from pages import markdown
 
 from . import goals
 
 Result = dict[str, Any]
-
-
-def markdown(heads: Sequence[str], texts: int, lines: Sequence[Sequence[str]], note: str = "") -> str:
-    """A table: the first columns are text, the others numbers."""
-    rule = "|---" * texts + "|---:" * (len(heads) - texts) + "|"
-    rows = [f"| {' | '.join(line)} |" for line in (heads, *lines)]
-    return "\n".join([rows[0], rule, *rows[1:], *(["", note] if note else [])])
 
 
 def tables(result: Result) -> dict[str, str]:
@@ -35,24 +31,16 @@ def page(result: Result) -> str:
 
 def origin(result: Result) -> str:
     """When, where and of what."""
-    short = "; a short run" if result["is_quick"] else ""
-    changed = " with changes" if result["dirty"] else ""
-    command = " ".join(["python bench/workbench/run.py", *result["args"]])
-    loads = [result["load_average"], result["load_average_after"]]
-    busy = "" if None in loads else f", load average {loads[0][0]:.1f} before and {loads[1][0]:.1f} after"
     core = "on any core" if result["core"] is None else "on one core"
-    return (
-        f"`{command}`, {result['when'][:10]}, commit {str(result['commit'])[:7]}{changed}, {result['machine']['cpu']}, "
-        f"{result['browser']}, SwiftShader {core}{busy}{short}."
-    )
+    about = [result["browser"], f"SwiftShader {core}", *pages.busy(result)]
+    return pages.origin("bench/workbench/run.py", result, *about)
 
 
 def scorecard(result: Result) -> str:
     """Every goal; missed ones bold."""
     lines = []
     for goal in goals.scorecard(result):
-        said = goal.found if goal.is_met else f"**{goal.found}**"
-        lines.append([goal.experiment, goal.goal, goal.wanted, said])
+        lines.append([goal.experiment, goal.goal, goal.wanted, pages.bold(goal.found, goal.is_met)])
     return markdown(["mock-up, experiment", "goal", "at most", "found"], 2, lines, "Bold: missed.")
 
 

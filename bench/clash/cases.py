@@ -7,7 +7,7 @@ from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
-from shapes import Floats, Mesh, joined
+from contacts import Floats, Mesh, joined
 
 import feeler
 

@@ -1,0 +1,46 @@
+"""What is aimed at, and what a run makes of it. Times are goals too, but no run fails by its clock."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from pages import Goal
+
+from . import hard_cases
+
+Result = dict[str, Any]
+
+ONE_CORE_S = {
+    100_000: {"verdicts": 0.07},
+    1_600_000: {"verdicts": 1.0, "clearance": 4.0, "depths": 5.0, "volumes": 10.0},
+}
+"""By triangles asked of the sample engine and stage: seconds on one core, after the index, each beside the others."""
+
+
+def scorecard(result: Result) -> list[Goal]:
+    """Every goal of what was run."""
+    goals: list[Goal] = []
+    if "cases" in result:
+        goals.append(_verdicts(result["cases"]))
+    if "times" in result:
+        goals += _times(result["times"])
+    return goals
+
+
+def _verdicts(found: Result) -> Goal:
+    told = [
+        hard_cases.is_verdict_right(case, "feeler", hard_cases.answer_of(run["answers"]["feeler"]))
+        for case in found["cases"]
+        for run in case["runs"]
+    ]
+    return Goal("hard pairs", "verdicts", f"all {len(told)}", f"{sum(told)}", all(told))
+
+
+def _times(found: Result) -> Iterator[Goal]:
+    for row in found["sizes"]:
+        for stage, wanted in ONE_CORE_S.get(row["size"], {}).items():
+            seconds = row["one_core_s"].get(stage)
+            said = "not measured" if seconds is None else f"{seconds:.3g} s"
+            is_met = seconds is not None and seconds <= wanted
+            yield Goal(f"engine, {row['triangles']:,} triangles, one core", stage, f"{wanted:g} s", said, is_met, True)

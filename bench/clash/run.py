@@ -1,0 +1,108 @@
+"""Clash checks: the pairs that they get wrong, and what a whole assembly takes; feeler and its peers.
+
+    python bench/clash/run.py                    everything; some ten minutes, most of them those of one peer
+    python bench/clash/run.py --quick            the short form, a minute or two
+    python bench/clash/run.py --only times --sizes 1.6M --peers none
+    python bench/clash/run.py --record           and into bench/records/clash.json, for docs/clash.md
+
+Written into the folder (target/clash): clash.json with all that was found, and tables.md. The exit status is 1 if a
+goal is missed (bench/clash/goals.py) that no clock decides: a verdict of feeler's. `--only`: cases (the pairs of
+testdata/clash), times (the sample engine; peers on the smallest size). A record keeps what a run leaves out. Peers are
+of `pip install "feeler[bench]"`; one that is not there is left out, and the tables say why.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # this folder is a package of the bench's
+
+import host
+import pages
+from options import listed, one_of, triangles
+
+from clash import goals, hard_cases, tables, timings
+from clash.checkers import PEERS, Checker, FeelerChecker, peers
+
+OUT = host.ROOT / "target" / "clash"
+RECORD = host.ROOT / "bench" / "records" / "clash.json"
+SIZES, QUICK_SIZES = "100k,1.6M", "20k"
+REPEATS, QUICK_REPEATS = 3, 1
+
+Result = dict[str, Any]
+
+
+def parse(arguments: Sequence[str]) -> argparse.Namespace:
+    """The command line."""
+    head, examples, tail = (__doc__ or "").split("\n\n")
+    parser = argparse.ArgumentParser(
+        description=f"{head}\n\n{tail}",
+        epilog="examples:\n" + examples,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("out", nargs="?", type=Path, default=OUT, help="folder of the results (target/clash)")
+    parser.add_argument("--quick", action="store_true", help=f"{QUICK_SIZES} triangles, coarse boxes, everything once")
+    parser.add_argument("--only", type=listed(one_of("experiment", tables.NAMES)), help=", ".join(tables.NAMES))
+    parser.add_argument("--sizes", type=listed(triangles), help=f"triangles of the sample engine ({SIZES})")
+    parser.add_argument("--repeats", type=int, help=f"of each stage; the least time counts ({REPEATS})")
+    names = list(PEERS)
+    parser.add_argument("--peers", type=listed(one_of("peer", [*names, "none"])), help=f"{', '.join(names)}; none")
+    parser.add_argument("--record", action="store_true", help="also write bench/records/clash.json")
+    options = parser.parse_args(arguments)
+    options.only = options.only or list(tables.NAMES)
+    options.sizes = options.sizes or listed(triangles)(QUICK_SIZES if options.quick else SIZES)
+    options.repeats = options.repeats or (QUICK_REPEATS if options.quick else REPEATS)
+    options.peers = [name for name in options.peers or names if name != "none"]
+    return options
+
+
+def run(options: argparse.Namespace, given: Sequence[str] = ()) -> Result:
+    """All that is asked for, as plain data: each experiment by name, with where it comes from."""
+    there, absent = peers(options.peers)
+    for name, reason in absent.items():
+        print(f"{name} is left out: {reason}", file=sys.stderr)
+    checkers: list[Checker] = [FeelerChecker(), *there]
+    ways: dict[str, Callable[[], Result]] = {
+        "cases": lambda: hard_cases.asked(checkers, options.quick),
+        "times": lambda: timings.measured(options.sizes, there, options.repeats),
+    }
+    result: Result = {}
+    for name in options.only:
+        before = host.load_average()
+        found = ways[name]()
+        result[name] = {
+            "when": host.now(),
+            **host.commit(),
+            "args": [word for word in given if word not in (str(options.out), "--record")],
+            "is_quick": options.quick,
+            "machine": host.machine(),
+            "versions": host.versions({checker.name: checker.version for checker in checkers}),
+            "load_average": before,
+            "load_average_after": host.load_average(),
+            "absent": absent,
+            **found,
+        }
+    return result
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run, write, judge."""
+    given = sys.argv[1:] if arguments is None else list(arguments)
+    options = parse(given)
+    result = run(options, given)
+    for path in pages.written(result, options.out, "clash", tables.page(result)):
+        print(f"Written: {path}")
+    if options.record:
+        before = json.loads(RECORD.read_text(encoding="utf-8")) if RECORD.is_file() else {}
+        pages.recorded({**before, **result}, RECORD)
+        print(f"Written: {RECORD}")
+    return pages.judged(goals.scorecard(result))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

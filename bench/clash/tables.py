@@ -1,0 +1,152 @@
+"""The tables of a run, as Markdown: the hard pairs, each checker beside what is right, and times."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from typing import Any
+
+import pages
+from pages import bold, markdown
+
+from feeler.clashes.words import length
+
+from . import goals, hard_cases
+from .checkers import QUERIES, Answer
+
+Result = dict[str, Any]
+
+PROGRAM = "bench/clash/run.py"
+NAMES = ("cases", "times")
+MOST_WRONG = 2
+"""Wrong answers that a cell quotes."""
+STAGES = {
+    "index": "index; trees",
+    "verdicts": "which meet",
+    "clearance": "which are within 2 mm",
+    "depths": "how deep",
+    "volumes": "shared volumes",
+}
+WORDS = {"verdicts": "meet", "clearance": "within 2 mm", "depths": "clash"}
+
+
+def tables(result: Result) -> dict[str, str]:
+    """All tables, by name; of what a record does not have, a line that says so."""
+    makers = {"cases": cases, "times": times}
+    return {name: makers[name](result[name]) if name in result else "Not measured yet." for name in NAMES}
+
+
+def page(result: Result) -> str:
+    """What a run found, as a page of its own."""
+    heads = {"cases": "Hard pairs", "times": "Times"}
+    made = tables(result)
+    return "# Clash\n\n" + "\n".join(f"## {heads[name]}\n\n{made[name]}\n" for name in NAMES if name in result)
+
+
+def cases(found: Result) -> str:
+    """Each pair, and what each checker makes of it."""
+    checkers = _checkers(found)
+    lines = [[case["name"], _right(case), *(_cell(case, name) for name in checkers)] for case in found["cases"]]
+    for what, judge in (("verdicts", hard_cases.is_verdict_right), ("verdicts and figures", hard_cases.is_right)):
+        told = [
+            [judge(case, name, each) for case in found["cases"] for each in _answers(case, name)] for name in checkers
+        ]
+        lines.append([f"**right: {what}**", "", *(f"{sum(said)} of {len(said)}" for said in told)])
+    heads = ["pair", "is", *(f"{name} {found['versions'][name]}" for name in checkers)]
+    finest = max(12 * run["cut"] ** 2 for case in found["cases"] for run in case["runs"])
+    notes = [
+        f"Each pair is asked at the origin and {hard_cases.OFFSETS_M[1]:,.0f} m off, with boxes of 12 to {finest:,} "
+        f"triangles. Bold: in how many of these the answer is right, and what is said else, most often first.",
+        "A depth or gap is right within 1 %. Of what is contained or there twice, a peer is right to say that it "
+        "clashes.",
+        *_left_out(found),
+    ]
+    return f"{pages.origin(PROGRAM, found)}\n\n{markdown(heads, len(heads), lines, ' '.join(notes))}"
+
+
+def _checkers(found: Result) -> list[str]:
+    return list(found["cases"][0]["runs"][0]["answers"])
+
+
+def _answers(case: Result, checker: str) -> list[Answer]:
+    return [hard_cases.answer_of(run["answers"][checker]) for run in case["runs"]]
+
+
+def _right(case: Result) -> str:
+    """What is right of a pair. Of a contact nobody asks how far."""
+    has_figure = case["figure"] is not None and case["verdict"] != "contact"
+    return f"{case['verdict']}, {length(case['figure'])}" if has_figure else str(case["verdict"])
+
+
+def _cell(case: Result, checker: str) -> str:
+    answers = _answers(case, checker)
+    wrong = [each for each in answers if not hard_cases.is_right(case, checker, each)]
+    if not wrong:
+        return "right"
+    said = [words for words, _ in Counter(_said(each) for each in wrong).most_common()]
+    more = ", ..." if len(said) > MOST_WRONG else ""
+    return f"**{len(answers) - len(wrong)} of {len(answers)}**: {'; '.join(said[:MOST_WRONG])}{more}"
+
+
+def _said(answer: Answer) -> str:
+    if answer.verdict in ("none", "contact"):
+        return answer.verdict
+    if answer.figure is None:
+        return f"{answer.verdict}, no depth"
+    sure = {"bound": "at most ", "estimate": "about "}.get(answer.kind or "", "")
+    return f"{answer.verdict}, {sure}{length(answer.figure)}"
+
+
+def times(found: Result) -> str:
+    """What each stage takes, and what the peers find."""
+    peers: dict[str, Result] = found["sizes"][0]["peers"]
+    lines = []
+    for row in found["sizes"]:
+        wanted = goals.ONE_CORE_S.get(row["size"], {})
+        for stage, what in STAGES.items():
+            if stage in row["one_core_s"]:
+                seconds, goal = row["one_core_s"][stage], wanted.get(stage)
+                mine = bold(_seconds(seconds), goal is None or seconds <= goal)
+                theirs = [_seconds(row["peers"].get(name, {}).get("one_core_s", {}).get(stage)) for name in peers]
+                goal_s = "" if goal is None else f"{goal:g} s"
+                lines.append([_mockup(row), what, goal_s, mine, _seconds(row["all_cores_s"][stage]), *theirs])
+    versions = [f"{name} {found['versions'][name]}" for name in peers]
+    heads = ["sample engine", "stage", "goal", "feeler, one core", f"all {found['machine']['cores']} cores", *versions]
+    notes = [
+        "Bold: misses its goal, which is for one core. feeler's stages come one after the other, each with what the "
+        "one before it found; the queries of a peer start anew.",
+        f"Of each stage the least of {found['repeats']}, of volumes and of ifcclash's index the first.",
+        *([] if found["has_volumes"] else ["Volumes: manifold3d was not installed."]),
+        *_left_out(found),
+    ]
+    made = [f"{pages.origin(PROGRAM, found, *pages.busy(found))}\n\n{markdown(heads, 2, lines, ' '.join(notes))}"]
+    if peers:
+        made.append(_pairs(found["sizes"][0], peers))
+    return "\n\n".join(made)
+
+
+def _pairs(row: Result, peers: Mapping[str, Result]) -> str:
+    lines = []
+    for query in QUERIES:
+        theirs = [_found(peer["pairs"][query]) for peer in peers.values()]
+        lines.append([f"{_mockup(row)}: {WORDS[query]}", f"{row['pairs'][query]:,}", *theirs])
+    note = "Missed and made up: beside feeler's pairs, which the tests hold to exact tests of all pairs of triangles."
+    return markdown(["pairs of parts", "feeler", *peers], 1, lines, note)
+
+
+def _found(pairs: Mapping[str, int]) -> str:
+    wrong = [f"{pairs[key]:,} {what}" for key, what in (("missed", "missed"), ("made_up", "made up")) if pairs[key]]
+    return f"{pairs['found']:,}" + (f" ({', '.join(wrong)})" if wrong else "")
+
+
+def _mockup(row: Result) -> str:
+    return f"{row['triangles']:,} triangles, {row['parts']:,} parts"
+
+
+def _seconds(seconds: float | None) -> str:
+    return "" if seconds is None else f"{seconds:.3g} s"
+
+
+def _left_out(found: Mapping[str, Any]) -> list[str]:
+    """Peers that are not in the table, and why."""
+    return [f"{name}: {reason}." for name, reason in found["absent"].items()]
