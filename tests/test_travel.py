@@ -23,7 +23,7 @@ from feeler import _core, haptics, travel
 from feeler.errors import FeelerError, LoadError
 
 PROTOCOLS = range(pickle.HIGHEST_PROTOCOL + 1)
-STAY = {"Predictor", "PiecePredictor", "HapticsDevice", "HapticsRun", "Session"}
+STAY = {"ClashRows", "Predictor", "PiecePredictor", "HapticsDevice", "HapticsRun", "Session"}
 """What does not travel, and says so."""
 BASES = {"Mockup", "Tool", "Scene", "ContactTracker", "IgnoredPairs", "Selected", "HapticsSession"}
 """Classes of the core that only their feeler.* subclasses are used of, or that make these."""
@@ -120,6 +120,7 @@ def samples() -> dict[str, list[Any]]:
         "Rays": [scene.rays(np.tile([0.4, 0.4, 3.0], (3, 1)), [[0, 0, -1], [0, 0, 1], [1, 0, -2]]), scene.rays([], [])],
         "SectionOutline": [scene.section([0.3, 0.2, 0.1], [1, 2, 3]), scene.section([0, 0, 9], [0, 0, 1])],
         "PairKind": list(feeler.PairKind),
+        "Verdict": list(feeler.Verdict),
     }
 
 
@@ -160,6 +161,8 @@ def staying(name: str) -> Any:
         return _core.Predictor(mock, tool, "dense", 0.0)
     if name == "PiecePredictor":
         return _core.PiecePredictor(mock, tool)
+    if name == "ClashRows":
+        return _core.clash(feeler.Scene(mock), np.zeros((1, 1)), np.zeros((1, 1)))
     device = haptics.devices.Simulated()
     if name == "HapticsDevice":
         return device._device
