@@ -24,9 +24,9 @@ from feeler import _core, haptics, travel
 from feeler.errors import FeelerError, LoadError
 
 PROTOCOLS = range(pickle.HIGHEST_PROTOCOL + 1)
-STAY = {"Predictor", "PiecePredictor", "HapticsDevice", "HapticsRun", "Session"}
+STAY = {"ClashRows", "Predictor", "PiecePredictor", "HapticsDevice", "HapticsRun", "Session"}
 """What does not travel, and says so."""
-BASES = {"Mockup", "Tool", "Scene", "ContactTracker", "IgnoredPairs", "Selected", "HapticsSession", "ClashRows"}
+BASES = {"Mockup", "Tool", "Scene", "ContactTracker", "IgnoredPairs", "Selected", "HapticsSession"}
 """Classes of the core that only their feeler.* subclasses are used of, or that make these."""
 WAYS: dict[str, Callable[[Any], Any]] = {
     **{f"protocol {p}": lambda value, p=p: pickle.loads(pickle.dumps(value, p)) for p in PROTOCOLS},
@@ -170,6 +170,8 @@ def staying(name: str) -> Any:
         return _core.Predictor(mock, tool, "dense", 0.0)
     if name == "PiecePredictor":
         return _core.PiecePredictor(mock, tool)
+    if name == "ClashRows":
+        return _core.clash(feeler.Scene(mock), np.zeros((1, 1)), np.zeros((1, 1)))
     device = haptics.devices.Simulated()
     if name == "HapticsDevice":
         return device._device

@@ -16,7 +16,7 @@ use crate::pools::Pool;
 use crate::proximity::points;
 use crate::reporter::Reporter;
 use crate::scene::Scene;
-use crate::travel::{list, rows_of};
+use crate::travel::{list, rows_of, stays};
 
 /// Pairs of parts that are too near each other, as columns.
 #[pyclass(frozen, module = "feeler._core")]
@@ -133,6 +133,10 @@ impl ClashRows {
 
     fn __len__(&self) -> usize {
         self.rows.len()
+    }
+
+    fn __reduce__(&self) -> PyResult<()> {
+        Err(stays("ClashRows", "take its columns, which are arrays"))
     }
 
     fn __repr__(&self) -> String {
