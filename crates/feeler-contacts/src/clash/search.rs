@@ -1,6 +1,7 @@
 //! The search for all pairs of parts that are too near each other: first what each pair is, then how near those are that do not meet,
 //! then how deep those are that do.
 
+use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
 use feeler_core::clash::asked::in_order;
@@ -13,6 +14,7 @@ use feeler_core::clash::near::{near_parts, PartGap};
 use feeler_core::clash::search::SelfIndex;
 use feeler_core::clash::solids::Solids;
 use feeler_core::clash::touch::{judge, Touching};
+use feeler_core::geometry::vectors::dot;
 use feeler_core::scratch_pool::ScratchPool;
 use feeler_core::{closest_triangle_triangle, Aabb, PairLimits, Progress, Result, Scene, Tool};
 use rayon::prelude::*;
@@ -179,7 +181,7 @@ impl<'a> ClashSearch<'a> {
                 Relation::Touching(Touching::Beside) => rows.push(self.contact(*pair, is_open(*pair))),
                 // Of parts that are the same all pairs are as the first.
                 Relation::Duplicate if !self.is_first_of_its_set(*pair) => {}
-                _ => deep.entry(self.tool_of(*pair)).or_default().push((*pair, *relation)),
+                _ => deep.entry(self.tool_of(*pair, *relation)).or_default().push((*pair, *relation)),
             }
         }
         rows.extend(self.gaps.iter().map(|gap| self.apart(gap, is_open(gap.parts))));
@@ -223,9 +225,15 @@ impl<'a> ClashSearch<'a> {
         Ok(if pair[0] == part { depth } else { depth.turned() })
     }
 
-    /// The part of a pair that serves as the tool: the smaller one.
-    fn tool_of(&self, [a, b]: [u32; 2]) -> u32 {
-        if self.solids.faces(b).len() < self.solids.faces(a).len() {
+    /// The part of a pair that serves as the tool: the one of fewer triangles; where one is within the other, the one in the smaller
+    /// box, as it is near little else.
+    fn tool_of(&self, [a, b]: [u32; 2], relation: Relation) -> u32 {
+        let extent = |part: u32| {
+            let extent = self.scene().mockup().part_bounds()[part as usize].extent();
+            dot(&extent, &extent)
+        };
+        let by_box = if relation.is_within() { extent(b).total_cmp(&extent(a)) } else { Ordering::Equal };
+        if by_box.then(self.solids.faces(b).len().cmp(&self.solids.faces(a).len())).is_lt() {
             b
         } else {
             a
