@@ -18,9 +18,10 @@ from pathlib import Path
 
 import figures
 import numpy as np
+from command_line import triangles
 from engines import Floats
 from measure import clock_once, find_poses
-from options import TOOLS, triangles
+from options import TOOLS
 from record import Origin, Row, elsewhere, keep
 
 import feeler

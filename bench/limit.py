@@ -29,7 +29,8 @@ import host
 import measure
 import native
 import numpy as np
-from options import TOOLS, triangles
+from command_line import triangles
+from options import TOOLS
 from record import Origin, Row, elsewhere, keep
 
 import feeler

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import re
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
+import command_line
 import peers
+from command_line import listed, one_of, triangles
 from engines import QUERIES
 
 import feeler
@@ -22,12 +21,7 @@ TOOLS = "torque,wrench,square,hand,hand-fine"
 
 def parse(arguments: list[str], said: str) -> argparse.Namespace:
     """Options, with the quick form's where none are given."""
-    head, examples, tail = said.split("\n\n")
-    parser = argparse.ArgumentParser(
-        description=f"{head}\n\n{tail}",
-        epilog="examples:\n" + examples,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
+    parser = command_line.parser(said)
     parser.add_argument("--quick", action="store_true", help=f"sizes {QUICK_SIZES}; 40 poses, 3 rounds, one build")
     parser.add_argument("--sizes", type=listed(triangles), help=f"triangles of the mock-up ({SIZES})")
     parser.add_argument("--tools", type=listed(str), default=TOOLS, help=f"sample tools; -fine: about 50k ({TOOLS})")
@@ -79,32 +73,6 @@ def parse(arguments: list[str], said: str) -> argparse.Namespace:
     except feeler.OptionError as error:
         parser.error(str(error))
     return options
-
-
-def listed(kind: Callable[[str], Any]) -> Callable[[str], list[Any]]:
-    def values(text: str) -> list[Any]:
-        return [kind(word.strip()) for word in text.split(",") if word.strip()]
-
-    return values
-
-
-def one_of(what: str, known: Any) -> Callable[[str], str]:
-    def check(text: str) -> str:
-        if text not in known:
-            raise argparse.ArgumentTypeError(f"{text!r} is no {what}: choose of {', '.join(known)}")
-        return text
-
-    return check
-
-
-def triangles(text: str) -> int:
-    found = re.fullmatch(r"(\d+(?:\.\d+)?)([kM]?)", text.replace("_", ""))
-    if not found:
-        raise argparse.ArgumentTypeError(f"{text!r} is no size: write 100000, 100k or 1.6M")
-    size = round(float(found[1]) * {"": 1, "k": 1_000, "M": 1_000_000}[found[2]])
-    if size < 10_000:
-        raise argparse.ArgumentTypeError(f"{text!r}: a sample has at least 10,000 triangles")
-    return size
 
 
 def _count(text: str) -> int:

@@ -23,6 +23,7 @@ from pathlib import Path
 from typing import Any
 
 import agreement
+import command_line
 import engines
 import host
 import measure
@@ -221,12 +222,7 @@ class Run:
 
 def parse(arguments: list[str]) -> argparse.Namespace:
     """Options."""
-    head, examples, tail = (__doc__ or "").split("\n\n")
-    parser = argparse.ArgumentParser(
-        description=f"{head}\n\n{tail}",
-        epilog="examples:\n" + examples,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
+    parser = command_line.parser(__doc__ or "")
     parser.add_argument(
         "folder", type=Path, nargs="?", default=os.environ.get("FEELER_MODELS"), help="of models (FEELER_MODELS)"
     )

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-import shutil
 import signal
 import subprocess
 import sys
@@ -17,20 +16,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from chromium import FLAGS
+from chromium import found as find_chromium
 from shapes import Mesh, box
 
 import feeler
 from feeler.io import write_glb, write_stl
 
-NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
-FLAGS = (
-    "--no-sandbox",
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
-    # Else the software renderer also composes the page, and copies each frame.
-    "--disable-gpu-rasterization",
-    "--disable-gpu-compositing",
-)
 SLOW_MS = 60_000  # a software renderer on a loaded machine
 HALF_TOOL_M, CAST_M = 0.02, 1e-5  # of the cube; how near a stop comes
 PROGRAM = [sys.executable, "-c", "from feeler.cli import main; main()"]
@@ -38,8 +30,7 @@ PROGRAM = [sys.executable, "-c", "from feeler.cli import main; main()"]
 
 def chromium() -> str:
     """The path of a Chromium: $FEELER_CHROMIUM, or one on the PATH. Skips the test where there is none, but in CI."""
-    named = os.environ.get("FEELER_CHROMIUM")
-    found = named or next((path for name in NAMES if (path := shutil.which(name))), None)
+    found = find_chromium()
     if found is None:
         if os.environ.get("CI"):
             pytest.fail("no Chromium, and CI may not leave these tests out (Debian: chromium)")

@@ -11,7 +11,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from browser import FLAGS, PROGRAM, chromium
+from browser import PROGRAM, chromium
+from chromium import FLAGS
 from workbench_scene import Clock, at, cube, stand
 
 import feeler

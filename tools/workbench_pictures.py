@@ -9,8 +9,6 @@ on two cores, without a graphics card.
 from __future__ import annotations
 
 import argparse
-import os
-import shutil
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -23,17 +21,13 @@ import feeler
 from feeler.workbench.server import Server
 from feeler.workbench.session import Session
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "bench"))
+
+import chromium
+
 TRIANGLES = 1_600_000
 SIZE = (1280, 800)
 SHARP_MS = 6000  # in which a view that stands is drawn again and again, and averaged
-BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
-FLAGS = (
-    "--no-sandbox",
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
-    "--disable-gpu-rasterization",
-    "--disable-gpu-compositing",
-)
 SETTINGS = '{"has_seen_tour": true, "is_muted": true}'
 
 GEARBOX = "engine/externals/accessory_gearbox"
@@ -191,14 +185,6 @@ def wrench_at_bolt(*beside: float) -> np.ndarray:
     return pose
 
 
-def chromium() -> str:
-    """The path of a Chromium."""
-    found = os.environ.get("FEELER_CHROMIUM") or next((path for name in BROWSERS if (path := shutil.which(name))), None)
-    if found is None:
-        sys.exit("no Chromium: install one, or name it by FEELER_CHROMIUM")
-    return found
-
-
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("names", nargs="*", metavar="NAME", help=", ".join(PICTURES))
@@ -207,12 +193,15 @@ def main() -> None:
     options = parser.parse_args()
     if unknown := {*options.names} - PICTURES.keys():
         parser.error(f"there is no picture {', '.join(sorted(unknown))}")
+    path = chromium.found()
+    if path is None:
+        sys.exit("no Chromium: install one, or name it by FEELER_CHROMIUM")
     options.out.mkdir(parents=True, exist_ok=True)
     mockup, tool = feeler.sample("engine", triangles=TRIANGLES), feeler.sample_tool("wrench")
     scene = feeler.Scene(mockup, tool=tool)
     start = wrench_at_bolt(0.0, -0.05, 0.02)
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=chromium(), args=list(FLAGS))
+        browser = playwright.chromium.launch(executable_path=path, args=list(chromium.FLAGS))
         for name in options.names or PICTURES:
             with Session() as session, Server(session) as server:
                 session.open(mockup, scene, tool, pose=start, name="engine")

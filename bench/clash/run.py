@@ -22,9 +22,10 @@ from typing import Any
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # this folder is a package of the bench's
 
+import command_line
 import host
 import pages
-from options import listed, one_of, triangles
+from command_line import listed, one_of, triangles
 
 from clash import goals, hard_cases, tables, timings
 from clash.checkers import PEERS, Checker, FeelerChecker, peers
@@ -39,12 +40,7 @@ Result = dict[str, Any]
 
 def parse(arguments: Sequence[str]) -> argparse.Namespace:
     """The command line."""
-    head, examples, tail = (__doc__ or "").split("\n\n")
-    parser = argparse.ArgumentParser(
-        description=f"{head}\n\n{tail}",
-        epilog="examples:\n" + examples,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
+    parser = command_line.parser(__doc__ or "")
     parser.add_argument("out", nargs="?", type=Path, default=OUT, help="folder of the results (target/clash)")
     parser.add_argument("--quick", action="store_true", help=f"{QUICK_SIZES} triangles, coarse boxes, everything once")
     parser.add_argument("--only", type=listed(one_of("experiment", tables.NAMES)), help=", ".join(tables.NAMES))

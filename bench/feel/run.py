@@ -24,8 +24,10 @@ from typing import Any
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # this folder is a package of the bench's
 
+import command_line
 import host
 import pages
+from command_line import listed, one_of
 
 from feel import faces, goals, plots, scenes, tables
 from feel.experiments import energy, engine, fitting, passing, tessellation
@@ -44,18 +46,15 @@ Result = dict[str, Any]
 
 def parse(arguments: Sequence[str]) -> argparse.Namespace:
     """The command line."""
-    head, examples, tail = (__doc__ or "").split("\n\n")
-    parser = argparse.ArgumentParser(
-        description=f"{head}\n\n{tail}",
-        epilog="examples:\n" + examples,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
+    parser = command_line.parser(__doc__ or "")
     parser.add_argument("out", nargs="?", type=Path, default=OUT, help="folder of the results (target/feel)")
     parser.add_argument("--quick", action="store_true", help="the short form of each experiment")
     names = list(EXPERIMENTS)
-    parser.add_argument("--only", type=_listed(names), default=names, help=", ".join(names))
+    parser.add_argument("--only", type=listed(one_of("experiment", names)), default=names, help=", ".join(names))
     names = list(faces.makers())
-    parser.add_argument("--faces", type=_listed(names), default=names, help=f"what is felt ({','.join(names)})")
+    parser.add_argument(
+        "--faces", type=listed(one_of("face", names)), default=names, help=f"what is felt ({','.join(names)})"
+    )
     parser.add_argument(
         "--runs", type=int, help=f"at thin things ({RUNS:,}; of a baseline at most {MOST_BASELINE_RUNS})"
     )
@@ -71,16 +70,6 @@ def parse(arguments: Sequence[str]) -> argparse.Namespace:
     options.runs = options.runs or (QUICK_RUNS if options.quick else RUNS)
     options.seeds = options.seeds or (QUICK_SEEDS if options.quick else SEEDS)
     return options
-
-
-def _listed(names: Sequence[str]) -> Callable[[str], list[str]]:
-    def parsed(text: str) -> list[str]:
-        chosen = [word.strip() for word in text.split(",") if word.strip()]
-        if unknown := [word for word in chosen if word not in names]:
-            raise argparse.ArgumentTypeError(f"no {', '.join(unknown)}; choose of {', '.join(names)}")
-        return chosen
-
-    return parsed
 
 
 def _passing(face: str, options: argparse.Namespace) -> Result:

@@ -25,8 +25,10 @@ from typing import Any
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # this folder is a package of the bench's
 
+import command_line
 import host
 import pages
+from command_line import listed, one_of
 
 from workbench import experiments, goals, stand, tables
 from workbench.best import best
@@ -43,15 +45,10 @@ Result = dict[str, Any]
 
 def parse(arguments: Sequence[str]) -> argparse.Namespace:
     """The command line."""
-    head, examples, tail = (__doc__ or "").split("\n\n")
-    parser = argparse.ArgumentParser(
-        description=f"{head}\n\n{tail}",
-        epilog="examples:\n" + examples,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
+    parser = command_line.parser(__doc__ or "")
     parser.add_argument("out", nargs="?", type=Path, default=OUT, help="folder of the results (target/workbench)")
     parser.add_argument("--quick", action="store_true", help=f"{QUICK_SIZE:,} triangles, everything once")
-    parser.add_argument("--only", type=_listed, default=list(NAMES), help=", ".join(NAMES))
+    parser.add_argument("--only", type=listed(one_of("experiment", NAMES)), default=list(NAMES), help=", ".join(NAMES))
     parser.add_argument("--size", type=int, help=f"triangles of the sample engine ({SIZE:,})")
     parser.add_argument("--big", action="store_true", help=f"the engine at {BIG_SIZE:,} triangles, too, once")
     parser.add_argument("--repeats", type=int, help=f"of large, small and parts ({REPEATS})")
@@ -65,13 +62,6 @@ def parse(arguments: Sequence[str]) -> argparse.Namespace:
     options.soak = (QUICK_SOAK_MINUTES if options.quick else SOAK_MINUTES) if options.soak is None else options.soak
     options.core = host.last_core() if options.core is None else options.core
     return options
-
-
-def _listed(text: str) -> list[str]:
-    chosen = [word.strip() for word in text.split(",") if word.strip()]
-    if unknown := [word for word in chosen if word not in NAMES]:
-        raise argparse.ArgumentTypeError(f"no {', '.join(unknown)}; choose of {', '.join(NAMES)}")
-    return chosen
 
 
 def run(options: argparse.Namespace, given: Sequence[str] = ()) -> Result:

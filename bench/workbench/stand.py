@@ -6,7 +6,6 @@ import contextlib
 import json
 import os
 import re
-import shutil
 import signal
 import subprocess
 import sys
@@ -17,16 +16,9 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+import chromium
 import host
 
-CHROMIUMS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
-FLAGS = (
-    "--no-sandbox",
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
-    "--disable-gpu-rasterization",
-    "--disable-gpu-compositing",
-)
 PROGRAM = (sys.executable, "-c", "from feeler.cli import main; main()")
 READY_MS = 600_000  # ten million triangles on a core that others use as well
 START_S = 60.0
@@ -103,14 +95,6 @@ def viewing(*words: str, folder: Path | None = None) -> Iterator[Viewing]:
             program.close()
 
 
-def chromium() -> str:
-    """The path of a Chromium: $FEELER_CHROMIUM, or one on the PATH. Raises `StandError`."""
-    found = os.environ.get("FEELER_CHROMIUM") or next((p for name in CHROMIUMS if (p := shutil.which(name))), None)
-    if found is None:
-        raise StandError("no Chromium: install it, or name one by FEELER_CHROMIUM")
-    return found
-
-
 @contextlib.contextmanager
 def browser(core: int | None) -> Iterator[Any]:
     """A headless Chromium with a software renderer, all its processes on one core; None: on any."""
@@ -118,10 +102,12 @@ def browser(core: int | None) -> Iterator[Any]:
         from playwright.sync_api import sync_playwright
     except ImportError:
         raise StandError("playwright is missing: pip install playwright") from None
-    path = chromium()
+    path = chromium.found()
+    if path is None:
+        raise StandError("no Chromium: install it, or name one by FEELER_CHROMIUM")
     with host.on_core(core):
         playwright = sync_playwright().start()
-        started = playwright.chromium.launch(executable_path=path, args=list(FLAGS))
+        started = playwright.chromium.launch(executable_path=path, args=list(chromium.FLAGS))
     try:
         yield started
     finally:
