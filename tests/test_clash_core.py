@@ -175,6 +175,20 @@ def test_ctrl_c_leaves_what_was_found(engine: feeler.Scene) -> None:
         assert pairs <= {*verdicts(clash(engine))}
 
 
+def test_ctrl_c_at_the_last_word_is_told(engine: feeler.Scene) -> None:
+    # On one thread the same is told each time. The last of it is heard when the rows are done.
+    told: list[float] = []
+    clash(engine, threads=1, progress=lambda share, _: told.append(share))
+    heard: list[float] = []
+
+    def progress(share: float, stage: str) -> None:
+        heard.append(share)
+        if len(heard) == len(told):
+            raise KeyboardInterrupt
+
+    assert clash(engine, threads=1, progress=progress).is_partial
+
+
 def test_a_progress_that_raises_is_heard(engine: feeler.Scene) -> None:
     def progress(share: float, stage: str) -> None:
         raise ZeroDivisionError

@@ -555,7 +555,7 @@ def clash(
     - `exclude`: `(k, 2)`: pairs of parts that are never asked.
     - `threads`: default: those of the scene.
 
-    Ctrl-C ends it early: what was found so far comes back, and `is_partial` is true. Pairs whose depth was not measured
+    Ctrl-C ends it early: what was found so far comes back, and `is_partial` is true (all of it, where the last row was done). Pairs whose depth was not measured
     by then have NaN. Raises `OptionError` for tables of other shapes and lengths that are none, `MeshError` for arrays
     of other lengths.
     """

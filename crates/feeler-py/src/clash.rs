@@ -199,6 +199,9 @@ pub fn clash(
             Ok(ClashRows { rows, counts: search.counts(), seconds, is_partial: !search.is_complete() })
         })
     });
-    reporter.finish_interrupted()?;
-    found?.map_err(to_py)
+    let is_interrupted = reporter.finish_interrupted()?;
+    let mut rows = found?.map_err(to_py)?;
+    // Ctrl-C may be heard when the last row is done: who pressed it is told so all the same.
+    rows.is_partial |= is_interrupted;
+    Ok(rows)
 }

@@ -28,7 +28,7 @@ _INDEXED, _FOUND = 0.2, 0.9  # shares of the progress: until the index is there,
 
 
 class ClashInterrupted(KeyboardInterrupt):
-    """Ctrl-C, with what was found until then: `.clashes`, whose `is_partial` says whether anything is missing."""
+    """Ctrl-C, with what was found until then: `.clashes`, whose `is_partial` says whether anything may be missing."""
 
     def __init__(self, clashes: Clashes) -> None:
         self.clashes = clashes
