@@ -1,4 +1,4 @@
-"""Checks who may know of whom: `lanes <- core <- contacts <- haptics <- devices <- py <- python/feeler`, never back.
+"""Checks who may know of whom: `lanes <- core <- contacts <- plan, haptics <- devices <- py <- python/feeler`, never back.
 
     python tools/check_layers.py [ROOT]              the check
     python tools/check_layers.py --graph [CRATE]     which file imports which, and the circles
@@ -29,6 +29,7 @@ CRATES = [
     "feeler-lanes",
     "feeler-core",
     "feeler-contacts",
+    "feeler-plan",
     "feeler-haptics",
     "feeler-devices",
     "feeler-py",
@@ -38,7 +39,7 @@ CRATES = [
 FOR_TESTS = {"feeler-shapes", "feeler-exact"}
 
 # No Python, clock, files, environment, network, processes, and nothing printed: whoever needs one passes it in.
-PURE = {"feeler-lanes", "feeler-core", "feeler-contacts", "feeler-haptics"}
+PURE = {"feeler-lanes", "feeler-core", "feeler-contacts", "feeler-plan", "feeler-haptics"}
 PURE_MAY_NOT_DEPEND_ON = {"pyo3", "numpy", "tokio", "log", "tracing"}
 PURE_MAY_NOT_MENTION = {
     "pyo3": re.compile(r"\bpyo3\b"),
@@ -105,6 +106,7 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         # The mock-up against itself: what is one part to another, and how deep.
         "clash": {*CONTACTS_BASE, "query", "escape", "solver"},
     },
+    "feeler-plan": {},  # a row a room
     "feeler-haptics": {
         "constants": set(),
         "error": set(),
@@ -194,13 +196,15 @@ ROOMS: dict[str, set[str]] = {
     "picture": {*BASE, "io"},
     # The package of `feeler.clash`, which is a function.
     "clashes": {*BASE, "ignored", "io", "parts", "picture"},
+    # Removal, order, access, swept volumes.
+    "plan": {*BASE, "ignored", "io", "parts", "picture"},
     "samples": BASE,
     "study": {*BASE, "samples"},
     # `feeler` for its version alone.
     "workbench": {*BASE, "haptics", "ignored", "io", "parts", "picture", "samples", "feeler"},
-    "cli": {*BASE, "clashes", "haptics", "io", "picture", "samples", "study", "workbench", "feeler"},
+    "cli": {*BASE, "clashes", "haptics", "io", "picture", "plan", "samples", "study", "workbench", "feeler"},
     "__init__": {
-        *("_core", "ignored", *BASE, "clashes", "haptics", "interchange", "io", "picture", "samples", "study"),
+        *("_core", "ignored", *BASE, "clashes", "haptics", "interchange", "io", "picture", "plan", "samples", "study"),
         "workbench",
     },
     "__main__": {"cli"},

@@ -1,0 +1,1 @@
+//! Ways out: removal of a part from a large triangle mock-up, and the volume that a motion sweeps.
