@@ -555,9 +555,9 @@ def clash(
     - `exclude`: `(k, 2)`: pairs of parts that are never asked.
     - `threads`: default: those of the scene.
 
-    Ctrl-C ends it early: what was found so far comes back, and `is_partial` is true (all of it, where the last row was done). Pairs whose depth was not measured
-    by then have NaN. Raises `OptionError` for tables of other shapes and lengths that are none, `MeshError` for arrays
-    of other lengths.
+    Ctrl-C ends it early: what was found so far comes back (all of it, where the last row was done), and `is_partial` is
+    true. Pairs whose depth was not measured by then have NaN. Raises `OptionError` for tables of other shapes and for
+    lengths that are none, `MeshError` for arrays of other lengths.
     """
 
 def weld_vertices(vertices: npt.NDArray[np.float64]) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]]:
