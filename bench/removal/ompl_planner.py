@@ -58,7 +58,8 @@ class OmplPlanner:
         information = setup.getSpaceInformation()
         information.setStateValidityCheckingResolution(self.step / space.getMaximumExtent())
         start, goal = space.allocState(), space.allocState()
-        for state, at in ((start, problem.pivot), (goal, problem.middle + (0.9 * reach, 0.0, 0.0))):
+        outside = problem.middle + np.array([0.9 * reach, 0.0, 0.0])
+        for state, at in ((start, problem.pivot), (goal, outside)):
             state.setXYZ(*at.tolist())
             state.rotation().setIdentity()
         setup.setStartAndGoalStates(start, goal)

@@ -25,7 +25,7 @@ class Answer:
 class Problem:
     """A mock-up of which some parts are to be taken out; the index is there before any clock starts."""
 
-    def __init__(self, mockup: feeler.Mockup, parts: Sequence[str] | Sequence[int]) -> None:
+    def __init__(self, mockup: feeler.Mockup, parts: Sequence[str | int]) -> None:
         self.whole = feeler.Scene(mockup, threads=1)
         self.parts = list(parts)
         self.scene = self.whole.without(self.parts)

@@ -11,6 +11,7 @@ import numpy as np
 from feeler.io.export import Motion, animated_glb
 from feeler.io.film import PAUSE_S, seconds_of, way_length, with_neighbours
 from feeler.mockup import Mockup, Tool
+from feeler.poses import inverse
 from feeler.progress import Progress
 from feeler.workbench import motion
 from feeler.workbench.document import UNITS, Document, Removal
@@ -66,7 +67,7 @@ def sequence_glb(document: Document, mockup: Mockup, progress: Progress) -> byte
     for number, line in enumerate(document.sequence):
         progress(number / len(document.sequence), "way")
         way = [motion.matrix(each) for each in line.way]
-        back = motion.inverse(way[0])
+        back = inverse(way[0])
         starts = dict(line.starts)
         lasts = seconds_of(way_length(way))
         for part in line.parts:
