@@ -16,10 +16,14 @@ import feeler
 
 @dataclass(frozen=True)
 class Answer:
-    """Seconds, and the way that was found: poses `(n, 4, 4)`, a motion of the part in the world; None for none."""
+    """Seconds, and the way that was found: poses `(n, 4, 4)`, a motion of the part in the world; None for none.
+
+    blocked_by: names of the parts that stopped it, the worst first, of a planner that says so.
+    """
 
     seconds: float
     poses: Floats | None
+    blocked_by: tuple[str, ...] = ()
 
 
 class Problem:
@@ -62,7 +66,10 @@ class FeelerPlanner:
         """A way out."""
         begun = time.perf_counter()
         found = feeler.removal(problem.whole, problem.parts, seconds=seconds, seed=seed, threads=1)
-        return Answer(time.perf_counter() - begun, found.poses if found.found else None)
+        taken = time.perf_counter() - begun
+        names = problem.whole.mockup.part_names
+        blocked = tuple(names[each.part] for each in found.blocked_by)
+        return Answer(taken, found.poses if found.found else None, blocked)
 
 
 OMPL = {
