@@ -22,7 +22,8 @@ def straight_ways(size: int, every: int) -> Result:
     mockup = feeler.sample("engine", size)
     scene = feeler.Scene(mockup, threads=1)
     print(f"{mockup.triangle_count:,} triangles: straight ways", file=sys.stderr)
-    straight, others = [], []
+    straight: list[float] = []
+    others: list[float] = []
     with host.on_core(host.last_core()):
         for part in range(0, mockup.part_count, every):
             found, seconds = _timed(scene, part, LEAST_S)
