@@ -8,11 +8,7 @@ pass. The robot's pose is the identity: its vertices are where it is linked.
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
-
-Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
-Mesh = tuple[Floats, Ints]
+from feel.meshes import Floats, Mesh, tube
 
 RADIUS = 0.005  # of a tube, metres
 LOOP = 0.035  # radius of the loop
@@ -23,7 +19,7 @@ RINGS, AROUND = 54, 9
 
 def alpha(stretch: float) -> tuple[Mesh, Mesh]:
     """The obstacle, stretched, and the robot where it is linked with it: (vertices, faces) of 972 triangles each."""
-    vertices, faces = tube(centre_line())
+    vertices, faces = tube(centre_line(), RADIUS, AROUND)
     # The robot's loop stands upright in the obstacle's, and its prongs point away.
     turn = np.array([[0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [-1.0, 0.0, 0.0]])
     robot = vertices @ turn.T + (LOOP, 0.0, 0.0)
@@ -50,27 +46,3 @@ def centre_line() -> Floats:
     y = LOOP * np.sin(angle) + over * np.cos(angle)
     crossing = 0.5 * arc + LOOP  # where the prongs cross, along the line
     return np.stack([x, y, 0.5 * RISE * np.clip(lengths / crossing, -1.6, 1.6)], axis=1)
-
-
-def tube(line: Floats) -> Mesh:
-    """A closed tube around a line, its rings turned as little as possible from one to the next."""
-    tangents = np.gradient(line, axis=0)
-    tangents /= np.linalg.norm(tangents, axis=1, keepdims=True)
-    side = np.cross(tangents[0], (0.0, 0.0, 1.0))
-    rings = []
-    turns = 2.0 * np.pi * np.arange(AROUND) / AROUND
-    for point, along in zip(line, tangents, strict=True):
-        side = side - along * (along @ side)
-        side /= np.linalg.norm(side)
-        up = np.cross(along, side)
-        rings.append(point + RADIUS * (np.outer(np.cos(turns), side) + np.outer(np.sin(turns), up)))
-    count = len(line)
-    vertices = np.concatenate([*rings, line[:1], line[-1:]])
-    i, j = np.meshgrid(np.arange(count - 1), np.arange(AROUND), indexing="ij")
-    a, b = i * AROUND + j, i * AROUND + (j + 1) % AROUND
-    sides = np.stack([a, b, b + AROUND, a, b + AROUND, a + AROUND], axis=-1).reshape(-1, 3)
-    k = np.arange(AROUND)
-    first = np.stack([np.full(AROUND, count * AROUND), (k + 1) % AROUND, k], axis=1)
-    top = (count - 1) * AROUND
-    last = np.stack([np.full(AROUND, count * AROUND + 1), top + k, top + (k + 1) % AROUND], axis=1)
-    return vertices, np.concatenate([sides, first, last])

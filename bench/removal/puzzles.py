@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
+from feel.meshes import Floats, Mesh, box, polygon, regular, stack
 
 import feeler
 
-from .alpha import Floats, Mesh, alpha
+from .alpha import alpha
 
 MOVING = "moving"
 PEG_RADIUS, PEG_LENGTH = 0.01, 0.04
@@ -32,15 +32,13 @@ def peg(share: float) -> feeler.Mockup:
     """A peg at the bottom of a blind hole, wider by a share of its radius all around, and as much below."""
     gap = share * PEG_RADIUS
     wall = PEG_RADIUS + gap
-    outline = [(0.0, -gap), (wall, -gap), (wall, PEG_LENGTH), (3.0 * wall, PEG_LENGTH), (3.0 * wall, -2.0 * wall)]
-    block = turned_around([*outline, (0.0, -2.0 * wall)])
-    moving = turned_around([(0.0, 1.5 * PEG_LENGTH), (PEG_RADIUS, 1.5 * PEG_LENGTH), (PEG_RADIUS, 0.0), (0.0, 0.0)])
-    return mockup_of(block, moving)
+    block = [(wall, -gap), (wall, PEG_LENGTH), (3.0 * wall, PEG_LENGTH), (3.0 * wall, -2.0 * wall)]
+    return mockup_of(turned_around(block), turned_around([(PEG_RADIUS, 0.0), (PEG_RADIUS, 1.5 * PEG_LENGTH)]))
 
 
 def closed_box() -> feeler.Mockup:
     """A box in the hollow of another that has room to turn in, and no opening."""
-    outer, inner, moving = cuboid(0.1), cuboid(0.09), cuboid(0.03)
+    outer, inner, moving = (cube(side) for side in (0.1, 0.09, 0.03))
     walls = np.concatenate([outer[1], inner[1][:, ::-1] + len(outer[0])])
     return mockup_of((np.concatenate([outer[0], inner[0]]), walls), moving)
 
@@ -71,28 +69,14 @@ def rotation(angles: tuple[float, float, float]) -> Floats:
     return turn
 
 
-def turned_around(outline: list[tuple[float, float]]) -> Mesh:
-    """An outline of radius and height, from axis to axis, turned around z in `SIDES` steps."""
-    turns = 2.0 * np.pi * np.arange(SIDES) / SIDES
-    rings = [np.stack([r * np.cos(turns), r * np.sin(turns), np.full(SIDES, z)], axis=1) for r, z in outline[1:-1]]
-    ends = np.array([(0.0, 0.0, outline[0][1]), (0.0, 0.0, outline[-1][1])])
-    vertices = np.concatenate([*rings, ends])
-    k = np.arange(SIDES)
-    after = (k + 1) % SIDES
-    faces: list[npt.NDArray[np.int64]] = [np.stack([np.full(SIDES, len(vertices) - 2), k, after], axis=1)]
-    for ring in range(len(rings) - 1):
-        a, b, up = ring * SIDES + k, ring * SIDES + after, SIDES
-        faces += [np.stack([a, a + up, b + up], axis=1), np.stack([a, b + up, b], axis=1)]
-    top = (len(rings) - 1) * SIDES
-    faces.append(np.stack([np.full(SIDES, len(vertices) - 1), top + after, top + k], axis=1))
-    return vertices, np.concatenate(faces)
+def turned_around(outline: Sequence[tuple[float, float]]) -> Mesh:
+    """An outline of radius and height, turned around z; a flat closes each end."""
+    return stack(np.array([polygon(regular(radius, SIDES).tolist(), height) for radius, height in outline]))
 
 
-def cuboid(side: float) -> Mesh:
-    """About the origin, outside outwards."""
-    corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * (0.5 * side)
-    quads = np.array([[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]])
-    return corners, np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+def cube(side: float) -> Mesh:
+    """About the origin."""
+    return box((side, side, side), (0.0, 0.0, 0.0), 1)
 
 
 PUZZLES = [
