@@ -1,0 +1,90 @@
+"""What has to go before a part comes out."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+
+import numpy as np
+import pytest
+from shapes import box, cube, inverted, joined, mockup_of
+
+import feeler
+from feeler.errors import OptionError
+
+# A chest of five walls, a lid that lies inside the rim of it, a beam across the lid, and a thing in the chest; metres.
+CHEST = {
+    "chest/floor": box((0, 0, 0), (0.5, 0.5, 0.03125)),
+    "chest/west": box((0, 0, 0.03125), (0.03125, 0.5, 0.375)),
+    "chest/east": box((0.46875, 0, 0.03125), (0.5, 0.5, 0.375)),
+    "chest/south": box((0.03125, 0, 0.03125), (0.46875, 0.03125, 0.375)),
+    "chest/north": box((0.03125, 0.46875, 0.03125), (0.46875, 0.5, 0.375)),
+    "lid": box((0.046875, 0.046875, 0.25), (0.453125, 0.453125, 0.28125)),
+    "beam": box((-0.25, 0.21875, 0.375), (0.75, 0.28125, 0.4375)),
+    "thing": box((0.125, 0.125, 0.0625), (0.25, 0.25, 0.1875)),
+}
+
+
+@pytest.fixture(scope="module")
+def chest() -> feeler.Scene:
+    return feeler.Scene(mockup_of(CHEST), threads=1)
+
+
+def names(scene: feeler.Scene, parts: tuple[int, ...]) -> list[str]:
+    return [scene.mockup.part_names[part] for part in parts]
+
+
+def test_what_is_over_it_goes_first(chest: feeler.Scene) -> None:
+    order = feeler.removal_order(chest, "thing", seconds=60.0, threads=1)
+    assert order.found and names(chest, order.parts) == ["beam", "lid", "thing"]
+    # Each way is free of all that is still there.
+    gone: list[int] = []
+    for step in order:
+        scene = chest.without(gone) if gone else chest
+        tool = feeler.Tool.of_parts(chest.mockup, list(step.parts))
+        check = scene.without(list(step.parts)).check_path(tool, step.removal.poses, touching="free")
+        assert step.removal.found and check.free
+        gone += step.parts
+
+
+def test_what_comes_out_by_itself_is_one_step(chest: feeler.Scene) -> None:
+    order = feeler.removal_order(chest, "beam", threads=1)
+    assert order.found and len(order) == 1 and names(chest, order.parts) == ["beam"]
+
+
+def test_the_scene_says_what_is_there(chest: feeler.Scene) -> None:
+    order = feeler.removal_order(chest.without("beam"), "thing", seconds=60.0, threads=1)
+    assert order.found and names(chest, order.parts) == ["lid", "thing"]
+
+
+def test_what_cannot_come_out_is_not_claimed_to() -> None:
+    closed = feeler.Scene(closed_box(), threads=1)
+    order = feeler.removal_order(closed, "inner", seconds=2.0, threads=1)
+    assert not order.found
+    assert [closed.mockup.part_names[each.part] for each in order.steps[-1].removal.blocked_by] == ["outer"]
+
+
+def closed_box() -> feeler.Mockup:
+    """A box within another that has no opening."""
+    hollow = inverted(box((0.125, 0.125, 0.125), (0.875, 0.875, 0.875)))
+    return mockup_of(
+        {"inner": cube((0.3125, 0.3125, 0.3125), 0.125), "outer": joined(box((0, 0, 0), (1, 1, 1)), hollow)}
+    )
+
+
+@pytest.mark.parametrize("seconds", [0.0, -1.0, float("nan")])
+def test_no_time_is_said(chest: feeler.Scene, seconds: float) -> None:
+    with pytest.raises(OptionError, match="seconds"):
+        feeler.removal_order(chest, "thing", seconds=seconds)
+
+
+def test_parts_that_are_not_there_are_named(chest: feeler.Scene) -> None:
+    with pytest.raises(OptionError, match="'thong'"):
+        feeler.removal_order(chest, "thong")
+
+
+def test_an_order_travels(chest: feeler.Scene) -> None:
+    order = feeler.removal_order(chest, "beam", threads=1)
+    for other in (pickle.loads(pickle.dumps(order)), copy.deepcopy(order)):
+        assert other.parts == order.parts
+        np.testing.assert_array_equal(other.steps[0].removal.poses, order.steps[0].removal.poses)
