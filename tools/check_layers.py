@@ -106,7 +106,15 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         # The mock-up against itself: what is one part to another, and how deep.
         "clash": {*CONTACTS_BASE, "query", "escape", "solver"},
     },
-    "feeler-plan": {},  # a row a room
+    "feeler-plan": {
+        "constants": set(),
+        "error": set(),
+        # Who stopped the tool.
+        "blocked": {"constants"},
+        # How far it moves freely, and what it may touch.
+        "surroundings": {"constants", "error", "blocked"},
+        "removal": {"constants", "error", "blocked", "surroundings"},
+    },
     "feeler-haptics": {
         "constants": set(),
         "error": set(),
