@@ -113,7 +113,8 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         "blocked": {"constants"},
         # How far it moves freely, and what it may touch.
         "surroundings": {"constants", "error", "blocked"},
-        "removal": {"constants", "error", "blocked", "surroundings"},
+        "random": set(),
+        "removal": {"constants", "error", "random", "blocked", "surroundings"},
     },
     "feeler-haptics": {
         "constants": set(),

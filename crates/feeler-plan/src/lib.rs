@@ -6,6 +6,7 @@
 mod blocked;
 mod constants;
 mod error;
+mod random;
 mod removal;
 mod surroundings;
 

@@ -36,9 +36,10 @@ fn poses(poses: &[core::Pose]) -> Array3<f64> {
 fn as_dict(py: Python<'_>, found: &Removal) -> PyResult<Py<PyDict>> {
     let dict = PyDict::new(py);
     let method = match found.method {
-        None => "none",
-        Some(Method::Out) => "out",
-        Some(Method::Straight) => "straight",
+        None => "none".to_string(),
+        Some(Method::Out) => "out".to_string(),
+        Some(Method::Straight) => "straight".to_string(),
+        Some(Method::Tree(number)) => format!("tree {number}"),
     };
     dict.set_item("method", method)?;
     dict.set_item("poses", poses(&found.poses).into_pyarray(py))?;

@@ -1,21 +1,30 @@
 //! How a part comes out of a mock-up.
 //!
-//! Straight ways first, along directions that the contacts and the shapes suggest. What is given was verified; where nothing is found
-//! it says what was in the way, and never that there is none.
+//! Straight ways first, along directions that the contacts and the shapes suggest; then random trees. What is given was verified; where
+//! nothing is found it says what was in the way, and never that there is none.
 
 mod directions;
 mod straight;
+mod tree;
+mod verify;
 
 use std::sync::Arc;
+
+use rayon::prelude::*;
 
 use feeler_contacts::ContactSolver;
 use feeler_core::geometry::screw::displacement;
 use feeler_core::geometry::vectors::{length, unit};
 use feeler_core::{Point, Pose, Progress, Tool};
 
+use self::directions::directions;
+use self::straight::straight_way;
+use self::tree::Tree;
+use self::verify::{verified, Verified};
 use crate::blocked::{Blocker, Tally};
+use crate::constants::{ROUND_CASTS, TREES};
 use crate::error::{Error, Result};
-use crate::surroundings::{Allowed, Care, Span, Surroundings};
+use crate::surroundings::{Allowed, Surroundings};
 
 /// What is to come out.
 #[derive(Debug, Clone)]
@@ -43,6 +52,8 @@ pub enum Method {
     Out,
     /// Straight.
     Straight,
+    /// By a random tree, of this number.
+    Tree(u64),
 }
 
 /// A way out, or what was in the way.
@@ -87,24 +98,50 @@ pub fn removal(
     let RemovalTask { tool, own_parts, start, allowed, clearance, .. } = task;
     let surroundings = Surroundings::new(solver, tool.clone(), *own_parts, start, allowed, *clearance)?;
     let mut tally = Tally::default();
-    if surroundings.is_out(start) {
-        return told(&surroundings, Some(Method::Out), vec![*start], &tally, false);
+    if let Some(way) = verified(&surroundings, vec![*start], &mut tally)? {
+        return told(&surroundings, Ok((Method::Out, way)), &tally);
     }
     for [_, part] in surroundings.refused() {
         tally.note(*part, 0.0, start);
     }
     if !surroundings.refused().is_empty() {
-        return told(&surroundings, None, vec![*start], &tally, false);
+        return told(&surroundings, Err(false), &tally);
     }
     let first: Vec<Point> = task.directions.iter().filter_map(unit).collect();
+    let others = directions(&surroundings)?;
     let goes_on = || {
         report(0.0, "straight ways")?;
         Ok(has_time())
     };
-    if let Some(way) = straight::straight_way(&surroundings, &first, &mut tally, &goes_on)? {
-        return told(&surroundings, Some(Method::Straight), way, &tally, false);
+    if let Some(way) = straight_way(&surroundings, (&first, &others), &mut tally, &goes_on)? {
+        return told(&surroundings, Ok((Method::Straight, way)), &tally);
     }
-    told(&surroundings, None, vec![*start], &tally, !has_time())
+    let directions: Vec<Point> = first.into_iter().chain(others).collect();
+    let mut trees: Vec<Tree> = (0..TREES).map(|tree| Tree::new(&surroundings, &directions, task.seed, tree)).collect();
+    let found = loop {
+        report(0.0, "random trees")?;
+        if !has_time() {
+            break None;
+        }
+        trees.par_iter_mut().try_for_each(|tree| tree.grow(ROUND_CASTS))?;
+        if let Some(found) = first_way(&surroundings, &mut trees)? {
+            break Some(found);
+        }
+    };
+    trees.iter().for_each(|tree| tally.add(&tree.tally));
+    told(&surroundings, found.ok_or(true), &tally)
+}
+
+/// The way of the tree with the least number that has one. One that is not free by finer steps is forgotten, and its tree grows on.
+fn first_way(surroundings: &Surroundings, trees: &mut [Tree<'_>]) -> Result<Option<(Method, Verified)>> {
+    for (number, tree) in (0..).zip(trees) {
+        if let Some(poses) = tree.way.take() {
+            if let Some(way) = verified(surroundings, poses, &mut tree.tally)? {
+                return Ok(Some((Method::Tree(number), way)));
+            }
+        }
+    }
+    Ok(None)
 }
 
 fn check(task: &RemovalTask) -> Result<()> {
@@ -125,36 +162,26 @@ fn check(task: &RemovalTask) -> Result<()> {
     }
 }
 
-/// What there is to say of a way.
+/// What there is to say of a way; or, where there is none, whether time was up.
 fn told(
     surroundings: &Surroundings,
-    method: Option<Method>,
-    poses: Vec<Pose>,
+    found: std::result::Result<(Method, Verified), bool>,
     tally: &Tally,
-    is_out_of_time: bool,
 ) -> Result<Removal> {
+    let is_out_of_time = matches!(found, Err(true));
+    let (method, poses, clearance) = match found {
+        Err(_) => (None, vec![*surroundings.start()], f64::INFINITY),
+        Ok((method, Verified { poses, spans })) => {
+            let least = |least, span| surroundings.least_distance(span, least);
+            (Some(method), poses, spans.iter().try_fold(f64::INFINITY, least)?)
+        }
+    };
     let (mut path_length, mut rotation) = (0.0, 0.0);
     for pair in poses.windows(2) {
         let by = displacement(&pair[0], &pair[1], surroundings.middle());
         path_length += length(&by.linear);
         rotation += length(&by.angular);
     }
-    let clearance = if method.is_some() { least_distance(surroundings, &poses)? } else { 0.0 };
     let blockers = tally.blockers();
     Ok(Removal { method, poses, path_length, rotation, clearance, blockers, casts: tally.casts, is_out_of_time })
-}
-
-/// Along a way, of what is not seated.
-fn least_distance(surroundings: &Surroundings, poses: &[Pose]) -> Result<f64> {
-    let mut seated = surroundings.seated_at_start();
-    let (mut spans, mut tally) = (Vec::new(), Tally::default());
-    for pair in poses.windows(2) {
-        let ends = (&pair[0], &pair[1]);
-        let note = &mut |span| spans.push(span);
-        seated = surroundings.walk_in_spans(&seated, ends, Care::Verify, &mut tally, note)?.seated;
-    }
-    if let [only] = poses {
-        spans.push(Span { seated, from: *only, to: *only });
-    }
-    spans.iter().try_fold(f64::INFINITY, |least, span| surroundings.least_distance(span, least))
 }

@@ -1,22 +1,22 @@
 //! Straight ways out.
 
-use feeler_core::{Point, Pose};
+use feeler_core::Point;
 
-use super::directions::directions;
+use super::verify::{verified, Verified};
 use crate::blocked::Tally;
 use crate::error::Result;
 use crate::surroundings::{Care, Surroundings};
 
-/// The poses of the shortest straight way out that is free: along one of the caller's directions, or else along one of those that
-/// contacts and shapes suggest.
+/// The poses of the shortest straight way out that is free, verified: along one of the caller's directions, or else along one of those
+/// that contacts and shapes suggest.
 pub fn straight_way(
     surroundings: &Surroundings,
-    first: &[Point],
+    (first, others): (&[Point], &[Point]),
     tally: &mut Tally,
     goes_on: &dyn Fn() -> Result<bool>,
-) -> Result<Option<Vec<Pose>>> {
+) -> Result<Option<Verified>> {
     let (start, seated) = (*surroundings.start(), surroundings.seated_at_start());
-    let mut try_all = |directions: &[Point]| -> Result<Option<Vec<Pose>>> {
+    let mut try_all = |directions: &[Point]| -> Result<Option<Verified>> {
         let mut ways: Vec<(f64, &Point)> =
             directions.iter().map(|direction| (surroundings.way_out(&start, direction), direction)).collect();
         ways.retain(|(length, _)| length.is_finite());
@@ -27,11 +27,8 @@ pub fn straight_way(
             }
             let end = surroundings.moved(&start, direction, length)?;
             if surroundings.walk(&seated, (&start, &end), Care::Search, tally)?.stop.is_none() {
-                let mut verify = Tally::default();
-                let is_free = surroundings.walk(&seated, (&start, &end), Care::Verify, &mut verify)?.stop.is_none();
-                tally.add(&verify);
-                if is_free {
-                    return Ok(Some(vec![start, end]));
+                if let Some(way) = verified(surroundings, vec![start, end], tally)? {
+                    return Ok(Some(way));
                 }
             }
         }
@@ -40,5 +37,5 @@ pub fn straight_way(
     if let Some(way) = try_all(first)? {
         return Ok(Some(way));
     }
-    try_all(&directions(surroundings)?)
+    try_all(others)
 }

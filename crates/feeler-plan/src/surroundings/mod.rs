@@ -5,5 +5,5 @@ mod seats;
 mod walk;
 
 pub use seated::Seated;
-pub use seats::{Allowed, Seat, SeatKind};
-pub use walk::{Care, Span, Stop, Surroundings, Walk};
+pub use seats::Allowed;
+pub use walk::{Care, Span, Surroundings};

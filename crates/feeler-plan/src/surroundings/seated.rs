@@ -18,8 +18,9 @@ pub struct Seated {
     pub(super) clear: Scene,
     /// Those that touch.
     pub(super) flush: Option<Scene>,
-    /// Those that are in each other.
+    /// Those that are in each other, and how many.
     pub(super) deep: Option<ContactSolver>,
+    pub(super) deep_pairs: usize,
     /// All that are seated.
     pub(super) all: Option<Scene>,
 }
@@ -70,6 +71,7 @@ impl Makings {
             clear: without(held(&|_| true)),
             flush: alone(held(&|kind| kind == SeatKind::Flush)),
             deep: alone(held(&|kind| kind == SeatKind::Deep)).map(|scene| self.solver.with_scene(Arc::new(scene))),
+            deep_pairs: held(&|kind| kind == SeatKind::Deep).len(),
             all: alone(held(&|_| true)),
             holds,
         }

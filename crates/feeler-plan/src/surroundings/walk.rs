@@ -11,7 +11,7 @@ use super::seated::{Makings, Seated};
 use super::seats::{find_seats, Allowed, Seat};
 use crate::blocked::Tally;
 use crate::constants::{
-    CLEARANCE_SLACK, CLEARANCE_STEP, EXIT_MARGIN, SEAT_TOLERANCE, STEPS_A_LENGTH, TOUCH, VERIFY_FINER,
+    CLEARANCE_SHARE, CLEARANCE_SLACK, CLEARANCE_STEP, EXIT_MARGIN, SEAT_TOLERANCE, STEPS_A_LENGTH, TOUCH, VERIFY_FINER,
 };
 use crate::error::Result;
 
@@ -80,6 +80,17 @@ pub struct Surroundings {
 struct Part {
     fraction: f64,
     end: End,
+}
+
+/// Pairs that are in each other, at a pose.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Depth {
+    /// All that were are.
+    Held,
+    /// Some have no plane any more.
+    Parting,
+    /// One is deeper than it may be.
+    TooDeep(Stop),
 }
 
 enum End {
@@ -160,6 +171,11 @@ impl Surroundings {
     /// The middle of its box, tool frame, metres.
     pub fn middle(&self) -> &Point {
         &self.middle
+    }
+
+    /// Around all that is there, world.
+    pub fn bounds(&self) -> &Aabb {
+        &self.bounds
     }
 
     /// Pairs `[tool part, part]` that meet at the start though nothing allows it.
@@ -296,7 +312,7 @@ impl Surroundings {
         // What is in each other mostly goes deeper at once: that costs less than a cast.
         if measures {
             let end = first.map_or(1.0, |(end, _)| end);
-            if let Some(stop) = self.too_deep(seated, &motion.at(end.min(1.0 / steps)))? {
+            if let Depth::TooDeep(stop) = self.depth(seated, &motion.at(end.min(1.0 / steps)))? {
                 return stopped(0.0, stop);
             }
         }
@@ -321,16 +337,20 @@ impl Surroundings {
             for step in 1.. {
                 let time = (f64::from(step) / steps).min(end);
                 let pose = motion.at(time);
-                if let Some(stop) = if measures { self.too_deep(seated, &pose)? } else { None } {
+                let depth = if measures { self.depth(seated, &pose)? } else { Depth::Parting };
+                if let Depth::TooDeep(stop) = depth {
                     return stopped(last, stop);
                 }
                 if time >= end {
                     break;
                 }
+                last = time;
+                if depth == Depth::Held {
+                    continue;
+                }
                 if let Some(left) = self.left_at(seated, &pose)? {
                     return Ok(Part { fraction: time, end: End::Parted(left) });
                 }
-                last = time;
             }
         }
         match stop {
@@ -342,31 +362,43 @@ impl Surroundings {
         }
     }
 
-    /// A pair that is deeper than it may be.
-    fn too_deep(&self, seated: &Seated, pose: &Pose) -> Result<Option<Stop>> {
+    /// How deep the pairs are that are in each other.
+    fn depth(&self, seated: &Seated, pose: &Pose) -> Result<Depth> {
         let tool = &self.tool;
+        let mut held = 0;
         if let Some(deep) = &seated.deep {
+            let mut pairs: Vec<[u32; 2]> = Vec::new();
             for plane in deep.contacts(tool, pose, 0.0, None)?.planes {
                 let pair = [plane.tool_part(tool), plane.part];
                 let seat = self.makings.seats.iter().find(|seat| [seat.tool_part, seat.part] == pair);
                 if -plane.gap > seat.map_or(0.0, |seat| seat.depth) + SEAT_TOLERANCE {
-                    return Ok(Some(Stop { part: plane.part, triangles: None }));
+                    return Ok(Depth::TooDeep(Stop { part: plane.part, triangles: None }));
                 }
+                pairs.push(pair);
             }
+            pairs.sort_unstable();
+            pairs.dedup();
+            held = pairs.len();
         }
         if self.overlap > 0.0 && seated.ordinary.is_colliding(tool, pose) {
             let solver = self.makings.solver.with_scene(Arc::new(seated.ordinary.clone()));
             let contacts = solver.contacts(tool, pose, 0.0, None)?;
-            let deepest = contacts.planes.first().filter(|plane| -plane.gap > self.overlap + SEAT_TOLERANCE);
-            return Ok(deepest.map(|plane| Stop { part: plane.part, triangles: None }));
+            if let Some(plane) = contacts.planes.first().filter(|plane| -plane.gap > self.overlap + SEAT_TOLERANCE) {
+                return Ok(Depth::TooDeep(Stop { part: plane.part, triangles: None }));
+            }
         }
-        Ok(None)
+        Ok(if held > 0 && held == seated.deep_pairs { Depth::Held } else { Depth::Parting })
     }
 
     /// What is still seated at a pose; `None`: all that was.
     fn left_at(&self, seated: &Seated, pose: &Pose) -> Result<Option<Arc<Seated>>> {
         let Some(all) = &seated.all else { return Ok(None) };
-        let near = all.near_pairs(&self.tool, pose, TOUCH.max(self.clearance))?;
+        let within = TOUCH.max(self.clearance);
+        // The nearest of a part may be another part of the tool: then all pairs are needed.
+        let near = match self.tool.parts() {
+            1 => all.clearance(&self.tool, pose, within)?,
+            _ => all.near_pairs(&self.tool, pose, within)?,
+        };
         let mut pairs: Vec<[u32; 2]> = near.iter().map(|gap| [gap.tool_part, gap.part]).collect();
         pairs.sort_unstable();
         pairs.dedup();
@@ -388,7 +420,9 @@ impl Surroundings {
                 break;
             }
             // Nothing comes as near as the least before the tool has moved by what is beyond it.
-            time = (time + beyond.max(CLEARANCE_STEP * self.size) / long.max(f64::MIN_POSITIVE)).min(1.0);
+            time = (time
+                + beyond.max(CLEARANCE_STEP * self.size).max(CLEARANCE_SHARE * least) / long.max(f64::MIN_POSITIVE))
+            .min(1.0);
         }
         Ok(least)
     }
