@@ -106,38 +106,44 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         # The mock-up against itself: what is one part to another, and how deep.
         "clash": {*CONTACTS_BASE, "query", "escape", "solver"},
     },
-    "feeler-plan": {},  # a row a room
+    "feeler-plan": {
+        "constants": set(),
+        "error": set(),
+        # Who stopped the tool.
+        "blocked": {"constants"},
+        # How far it moves freely, and what it may touch.
+        "surroundings": {"constants", "error", "blocked"},
+        "random": set(),
+        "removal": {"constants", "error", "random", "blocked", "surroundings"},
+    },
     "feeler-haptics": {
         "constants": set(),
         "error": set(),
-        "screw": HAPTICS_BASE,
-        "least_distance": HAPTICS_BASE,
-        "metric": {*HAPTICS_BASE, "screw", "least_distance", "coupling"},
         # What one side hands to the other, and the pose that it allows.
-        "constraint_set": {*HAPTICS_BASE, "screw", "least_distance", "metric"},
+        "constraint_set": HAPTICS_BASE,
         "environment": HAPTICS_BASE,
-        "world": {*HAPTICS_BASE, "screw", "constraint_set", "environment"},
-        "proxy": {*HAPTICS_BASE, "screw", "coupling", "metric", "constraint_set", "environment", "world"},
-        "saturation": {*HAPTICS_BASE, "screw"},
+        "world": {*HAPTICS_BASE, "constraint_set", "environment"},
+        "proxy": {*HAPTICS_BASE, "coupling", "constraint_set", "environment", "world"},
+        "saturation": HAPTICS_BASE,
         # A mapping bounds its wrenches as the force loop does.
-        "device": {*HAPTICS_BASE, "screw", "saturation"},
-        "coupling": {*HAPTICS_BASE, "screw", "device"},
+        "device": {*HAPTICS_BASE, "saturation"},
+        "coupling": {*HAPTICS_BASE, "device"},
         "stability": {*HAPTICS_BASE, "coupling", "device"},
-        "passivity": {*HAPTICS_BASE, "screw"},
-        "velocity": {*HAPTICS_BASE, "screw"},
+        "passivity": HAPTICS_BASE,
+        "velocity": HAPTICS_BASE,
         # All of them, once a tick.
-        "force": {*HAPTICS_BASE, "screw", "saturation", "device", "coupling", "passivity"},
-        "servo": {*HAPTICS_BASE, "screw", "device", "coupling", "force", "velocity", "constraint_set"},
+        "force": {*HAPTICS_BASE, "saturation", "device", "coupling", "passivity"},
+        "servo": {*HAPTICS_BASE, "device", "coupling", "force", "velocity", "constraint_set"},
         "session": {
             *HAPTICS_BASE,
-            *("screw", "device", "coupling", "servo", "metric", "constraint_set", "environment", "world", "proxy"),
+            *("device", "coupling", "servo", "constraint_set", "environment", "world", "proxy"),
         },
         # The same with threads, whose clock is passed in.
         "clock": set(),
         "statistics": HAPTICS_BASE,
         "runner": {
             *HAPTICS_BASE,
-            *("screw", "device", "coupling", "stability", "servo", "constraint_set", "session", "clock", "statistics"),
+            *("device", "coupling", "stability", "servo", "constraint_set", "session", "clock", "statistics"),
         },
     },
     "feeler-devices": {

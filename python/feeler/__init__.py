@@ -40,6 +40,7 @@ from feeler.ignored import IgnoredPairs
 from feeler.interchange import from_open3d, from_pyvista, from_trimesh, from_urdf
 from feeler.io import load_mockup, load_tool
 from feeler.mockup import Mockup, Tool
+from feeler.plan.removal import Blocker, Certificate, Removal, removal
 from feeler.poses import nearest_rigid
 from feeler.samples import sample, sample_path, sample_poses, sample_tool
 from feeler.scene import ContactTracker, PairKind, Scene, optimal_voxel_size
@@ -51,7 +52,9 @@ __version__ = _version("feeler")
 
 __all__ = [
     "Batch",
+    "Blocker",
     "Cast",
+    "Certificate",
     "Clash",
     "Clashes",
     "Clearance",
@@ -79,6 +82,7 @@ __all__ = [
     "Penetration",
     "PoseError",
     "Rays",
+    "Removal",
     "Scene",
     "SectionOutline",
     "SessionError",
@@ -97,6 +101,7 @@ __all__ = [
     "load_tool",
     "nearest_rigid",
     "optimal_voxel_size",
+    "removal",
     "sample",
     "sample_path",
     "sample_poses",

@@ -535,6 +535,28 @@ class PathCheck:
     def __len__(self) -> int: ...
 
 def optimal_voxel_size(mockup: Mockup, tool: Tool, estimator: str) -> float: ...
+def removal(
+    scene: Scene,
+    tool: Tool,
+    start: npt.ArrayLike,
+    *,
+    own_parts: int,
+    allow_start: bool,
+    allow_overlap: float,
+    allow_parts: list[int],
+    directions: npt.NDArray[np.float64],
+    clearance: float,
+    seconds: float,
+    seed: int,
+    threads: int | None = None,
+    progress: _Progress | None = None,
+) -> dict[str, Any]:
+    """A way of a tool out of a scene, and who was in the way; the tool's first `own_parts` parts are of the mock-up.
+
+    `method`, `poses` `(n, 4, 4)`, `path_length`, `rotation`, `clearance`, `casts`, `is_out_of_time`; a row a part that stopped it:
+    `blockers` its index, `blocker_counts`, `blocker_reaches`, `blocker_poses` `(k, 4, 4)`.
+    """
+
 def clash(
     scene: Scene,
     clearance: npt.NDArray[np.float64],

@@ -18,6 +18,7 @@ mod pools;
 mod predict;
 mod proximity;
 mod rays;
+mod removal;
 mod reporter;
 mod restore;
 mod scene;
@@ -78,6 +79,8 @@ mod _core {
     use super::proximity::{Clearance, ClearanceBatch, Distance, DistanceBatch};
     #[pymodule_export]
     use super::rays::{Rays, SectionOutline};
+    #[pymodule_export]
+    use super::removal::removal;
     #[pymodule_export]
     use super::restore::restore;
     #[pymodule_export]

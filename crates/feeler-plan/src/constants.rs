@@ -1,0 +1,76 @@
+//! Every limit and tolerance of this crate: its unit, why this value, and what moves if it is changed.
+
+// What may touch.
+
+/// Bodies nearer than this (metres) touch; it is also the tolerance of casts. Above rounding in a mock-up of a kilometre, and far below
+/// what is made. Larger: casts end earlier, and more of what is flush counts as seated.
+pub const TOUCH: f64 = 1e-6;
+
+/// How much deeper than at the start a seated pair may be, metres: contact gaps of curved surfaces vary by as much from facet to facet.
+/// Larger: parts are drawn through bumps of that height.
+pub const SEAT_TOLERANCE: f64 = 1e-5;
+
+/// Steps at which seated pairs are measured while the tool moves by its own length. More: thinner ribs within a seat are seen, and it
+/// takes longer.
+pub const STEPS_A_LENGTH: f64 = 32.0;
+
+/// Times as many steps where a way is verified.
+pub const VERIFY_FINER: f64 = 2.0;
+
+/// Share of a clearance by which a way may come nearer: where less is left above it, the next step is that long.
+pub const CLEARANCE_SLACK: f64 = 0.02;
+
+/// The least distance along a way is refined to this share of the tool's length, or to the next of itself, whichever is more.
+pub const CLEARANCE_STEP: f64 = 1.0 / 256.0;
+/// See above. Smaller: a query more for each share of the tool's length.
+pub const CLEARANCE_SHARE: f64 = 0.05;
+
+// Straight ways.
+
+/// How far beyond the box of the mock-up the tool is out, as a share of its length.
+pub const EXIT_MARGIN: f64 = 0.01;
+
+/// Contact planes within this share of the tool's length give directions.
+pub const DIRECTION_MARGIN: f64 = 0.02;
+
+/// Most contact planes of which sums and cross products are taken: they are quadratic.
+pub const MOST_NORMALS: usize = 10;
+
+/// Cosine from which on two directions are one: two degrees. Smaller: fewer ways are tried.
+pub const SAME_DIRECTION: f64 = 0.9994;
+
+/// Most directions tried.
+pub const MOST_DIRECTIONS: usize = 96;
+
+// Trees.
+
+/// How many trees there are: each thread takes some. Fixed, so that the answer does not depend on the threads.
+pub const TREES: u64 = 8;
+
+/// Casts that each tree makes in a round. Time is asked for, and ways are looked for, after each. More: less to wait for others; fewer:
+/// nearer to the time limit.
+pub const ROUND_CASTS: u64 = 16;
+
+/// Longest motion towards a sample, in lengths of the tool.
+pub const STEP: f64 = 0.5;
+
+/// What a turn weighs when the nearest node is sought: a lever, as a share of the tool's radius.
+pub const TURN_WEIGHT: f64 = 0.5;
+
+/// Most times that a motion slides on.
+pub const MOST_SLIDES: usize = 4;
+
+/// Longest motion on a slide, in lengths of the tool: contacts are taken for planes along it.
+pub const LONGEST_SLIDE: f64 = 0.25;
+
+/// How far a slide stays off what stopped it, in lengths of the tool.
+pub const SLIDE_SKIN: f64 = 1e-4;
+
+/// What stopped a motion stands in the way of the next ones while it is nearer than this, in lengths of the tool.
+pub const BLOCKER_MARGIN: f64 = 0.05;
+
+/// A motion shorter than this, in lengths of the tool, makes no node.
+pub const SHORTEST_STEP: f64 = 1e-3;
+
+/// Of so many new nodes one tries straight ways out.
+pub const EXIT_EVERY: u64 = 4;
