@@ -40,6 +40,7 @@ from feeler.ignored import IgnoredPairs
 from feeler.interchange import from_open3d, from_pyvista, from_trimesh, from_urdf
 from feeler.io import load_mockup, load_tool
 from feeler.mockup import Mockup, Tool
+from feeler.plan.order import RemovalOrder, RemovalStep, removal_order
 from feeler.plan.removal import Blocker, Certificate, Removal, removal
 from feeler.poses import nearest_rigid
 from feeler.samples import sample, sample_path, sample_poses, sample_tool
@@ -83,6 +84,8 @@ __all__ = [
     "PoseError",
     "Rays",
     "Removal",
+    "RemovalOrder",
+    "RemovalStep",
     "Scene",
     "SectionOutline",
     "SessionError",
@@ -102,6 +105,7 @@ __all__ = [
     "nearest_rigid",
     "optimal_voxel_size",
     "removal",
+    "removal_order",
     "sample",
     "sample_path",
     "sample_poses",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from dataclasses import dataclass
 from pathlib import Path
@@ -44,7 +45,7 @@ _ENDINGS = {"csv": (".csv",), "way": (".npy", ".json"), "glb": (".glb",)}
 feeler remove engine.step --part "*fuel pump*"
 feeler remove engine.step --part "*fuel pump*" --hand sample:hand --at 0.8,0.1,0.3 --clearance 0.002 --glb way.glb
 feeler remove engine.step --part "*bolt*" --each --csv bolts.csv
-feeler remove engine.step --part "*pump*" --order --seconds 120 --json
+feeler remove engine.step --part "*pump*" --order --keep "*casing*" --seconds 120 --json
 feeler remove engine.step --part "*pump*" --way out.npy && feeler path engine.step --part "*pump*" --poses out.npy
 """
 )
@@ -65,6 +66,9 @@ def remove(
     order: Annotated[
         bool, typer.Option("--order", help="Also find which parts have to go before it, and how each of them goes.")
     ] = False,
+    keep: Annotated[
+        list[str] | None, typer.Option(metavar="PATTERN", help="With --order: parts that must not go (several).")
+    ] = None,
     hand: Annotated[
         str | None,
         typer.Option(help="What grips it and moves with it: a file, or sample:NAME; where: --at, --rotate or --pose."),
@@ -78,7 +82,7 @@ def remove(
         typer.Option(
             metavar="start|METRES|PATTERN",
             help="What it may meet on its way. start (default): what it meets where it is, no deeper than there, until "
-            "they part; metres of overlap; or parts by name, all along (several are allowed).",
+            "they part; metres of overlap; parts by name, all along. Several are allowed.",
         ),
     ] = None,
     direction: Annotated[
@@ -109,7 +113,7 @@ def remove(
     Exit status: 0 all come out, 1 some do not, 2 bad input. Ctrl-C leaves what was found until then, and ends with 130.
     """
     targets = {"csv": csv, "way": way, "glb": glb}
-    _check(targets, part, each, order, hand, hand_unit, (at, rotate, pose))
+    _check(targets, part, each, order, keep, hand, hand_unit, (at, rotate, pose))
     assert part is not None
     options: dict[str, Any] = {
         "allow": _allow(allow),
@@ -127,7 +131,7 @@ def remove(
     with bar("indexing") as progress:
         scene = feeler.Scene(world, threads=threads, progress=progress)
     scene = Choice(None, without, only).scene_of(scene) if without or only else scene
-    asked = _Asked(scene, held, start[0], options)
+    asked = _Asked(scene, held, start[0], keep, options)
     chosen = world.parts.select(part)
     if each:
         answers, is_interrupted = _each(asked, chosen.tolist())
@@ -182,6 +186,7 @@ class _Asked:
     scene: feeler.Scene
     hand: feeler.Tool | None
     start: npt.NDArray[np.float64]
+    keep: list[str] | None
     options: dict[str, Any]
 
     def answer(self, parts: npt.NDArray[np.uint32], order: bool) -> _Answer:
@@ -192,7 +197,9 @@ class _Asked:
         grip = {"tool": self.hand, "start": None if self.hand is None else self.start}
         with bar(f"taking out {name}") as progress:
             if order:
-                found = feeler.removal_order(self.scene, parts, **grip, **self.options, progress=progress)
+                found = feeler.removal_order(
+                    self.scene, parts, **grip, **self.options, progress=progress, keep=self.keep
+                )
                 return _Answer(gone, found.found, found.steps)
             one = feeler.removal(self.scene, parts, **grip, **self.options, progress=progress)
         return _Answer(gone, one.found, (feeler.RemovalStep(gone, one),))
@@ -218,6 +225,7 @@ def _check(
     part: list[str] | None,
     each: bool,
     order: bool,
+    keep: list[str] | None,
     hand: str | None,
     hand_unit: str | None,
     place: tuple[Any, ...],
@@ -234,23 +242,22 @@ def _check(
         raise OptionError("what is to come out? Give --part PATTERN (feeler info --parts lists all)")
     if each and (order or targets["way"] is not None or targets["glb"] is not None or hand is not None):
         raise OptionError("--each is for parts one by one: it goes without --order, --hand, --way and --glb")
+    if keep and not order:
+        raise OptionError("--keep says which parts must not go before the wanted ones: it is for --order")
     if hand is None and (hand_unit is not None or any(given is not None for given in place)):
         raise OptionError("--at, --rotate, --pose and --tool-unit are for --hand: there is none")
 
 
-def _allow(given: list[str] | None) -> Any:
-    """start, metres, or names."""
-    words = given or ["start"]
-    if words == ["start"]:
-        return "start"
-    if len(words) == 1:
+def _allow(given: list[str] | None) -> list[str | float]:
+    """start, metres, names."""
+
+    def value(word: str) -> str | float:
         try:
-            return float(words[0])
+            return float(word)
         except ValueError:
-            return words
-    if "start" in words:
-        raise OptionError("--allow is either start, or metres, or names of parts: give one kind")
-    return words
+            return word
+
+    return [value(word) for word in given or ["start"]]
 
 
 def _directions(given: list[str] | None) -> npt.NDArray[np.float64] | None:
@@ -313,7 +320,7 @@ def _step_facts(mockup: feeler.Mockup, step: feeler.RemovalStep) -> dict[str, An
         "blocked_by": [
             {"part": each.part, "path": mockup.part_paths[each.part], "count": each.count} for each in one.blocked_by
         ],
-        "certificate": one.certificate,
+        "certificate": dataclasses.asdict(one.certificate),
         "seconds": one.seconds,
     }
     if one.found:

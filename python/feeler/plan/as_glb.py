@@ -13,6 +13,7 @@ from feeler.io.export import Motion, animated_glb
 from feeler.io.film import PAUSE_S, seconds_of, with_neighbours
 from feeler.mockup import Mockup, Tool
 from feeler.plan.order import RemovalStep
+from feeler.plan.removal import Removal
 
 TURN_M_PER_RAD = 0.1
 """A turn by a radian takes as long as so many metres."""
@@ -50,7 +51,7 @@ def write_removal_glb(
     motions = []
     now = 0.0
     for number, step in enumerate(steps):
-        poses = step.removal.poses if step.removal.found else step.removal.best
+        poses = shown_way(step.removal)
         times = now + moments(poses)
         together = [place[part] for part in step.parts] + (held if number == len(steps) - 1 else [])
         # Before its turn a part rests, and after it.
@@ -62,6 +63,13 @@ def write_removal_glb(
         data = animated_glb(body_of(scene, colours=colours), motions)
         file.write(data)
     return len(data)
+
+
+def shown_way(removal: Removal) -> FloatArray:
+    """The way `(n, 4, 4)`; where none was found, from where the part is to where its best try ended."""
+    if removal.found or not removal.blocked_by:
+        return removal.poses
+    return np.stack([np.eye(4), max(removal.blocked_by, key=lambda each: each.reach).pose])
 
 
 def moments(poses: FloatArray) -> FloatArray:

@@ -7,13 +7,14 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 import numpy.typing as npt
 
 from feeler.errors import OptionError
 from feeler.mockup import Tool
-from feeler.parts import PartsLike
-from feeler.plan.removal import Allow, Removal, moving_tool, removal
-from feeler.scene import Progress, Scene
+from feeler.parts import Part, PartsLike
+from feeler.plan.removal import Allow, Progress, Removal, alone, removal
+from feeler.scene import Scene
 
 TRY_SHARE = 0.1
 """One try to find a way takes at most so much of all the time: blockers of blockers want theirs."""
@@ -71,24 +72,24 @@ def removal_order(
     seed: int = 0,
     threads: int | None = None,
     progress: Progress | None = None,
+    keep: PartsLike | None = None,
 ) -> RemovalOrder:
     """Which parts have to go before these come out, and the way of each.
 
     Arguments as of `feeler.removal`; `part` comes out together, with the tool; what goes before it goes without. Parts
     that blocked the most tries are left out first, until there is a way; of these only those stay on the list that
     this way meets, each with a way of its own, found in the same manner. So the list is short, with no promise that it
-    is the shortest. `seconds` is for all of it.
+    is the shortest. `seconds` is for all of it; `keep` are parts that must not go, as `Parts.select` takes them.
 
     Raises what `feeler.removal` raises; Ctrl-C ends it.
     """
     if not seconds > 0.0:
         raise OptionError(f"seconds is {seconds}: give the time there is, more than 0")
     wanted = tuple(int(each) for each in scene.mockup.parts.select(part))
-    search = _Search(
-        scene, seconds, progress, {"allow": allow, "clearance": clearance, "seed": seed, "threads": threads}
-    )
+    kept = frozenset() if keep is None else frozenset(scene.mockup.parts.select(keep).tolist())
+    search = _Search(scene, seconds, progress, allow, {"clearance": clearance, "seed": seed, "threads": threads})
     own = {"tool": tool, "start": start, "directions": directions}
-    out = search.take_out(wanted, frozenset(), frozenset(wanted), own, 0)
+    out = search.take_out(wanted, frozenset(), kept.union(wanted), own, 0)
     return RemovalOrder(out.found, tuple(out.steps), time.monotonic() - search.begun)
 
 
@@ -105,8 +106,12 @@ class _Out:
 
 
 class _Search:
-    def __init__(self, scene: Scene, seconds: float, progress: Progress | None, options: dict[str, Any]) -> None:
+    def __init__(
+        self, scene: Scene, seconds: float, progress: Progress | None, allow: Allow, options: dict[str, Any]
+    ) -> None:
         self.scene, self.seconds, self.progress, self.options = scene, seconds, progress, options
+        given = [] if allow is None else [allow] if isinstance(allow, (str, float, int, Part)) else [*allow]
+        self.allow: list[str | float | Part] = given
         self.begun = time.monotonic()
         self.tries = 0
 
@@ -124,8 +129,8 @@ class _Search:
             relaxed = self._without_blockers(parts, gone, fixed, own, first)
             if relaxed is None:
                 return failed
-            way, left_out = relaxed
-            needed, way = self._needed(parts, gone, left_out, way, own)
+            way, through = relaxed
+            needed, way = self._needed(parts, gone, through, way, own)
             before = self._all_out(needed, gone, fixed | frozenset(parts), deep)
             if before.found:
                 return self._last(parts, gone, before, way, own)
@@ -137,37 +142,40 @@ class _Search:
     def _without_blockers(
         self, parts: tuple[int, ...], gone: frozenset[int], fixed: frozenset[int], own: dict[str, Any], first: Removal
     ) -> tuple[Removal, list[int]] | None:
-        """A way with some blockers left out, and these; the worst first, twice as many each time."""
-        left_out: list[int] = []
+        """A way through some blockers, and these; the worst first, twice as many each time."""
+        through: list[int] = []
         tried, most = first, 1
         while not self._is_over():
             worst = [int(each.part) for each in tried.blocked_by]
-            more = [each for each in worst if each not in fixed and each not in left_out][:most]
+            more = [each for each in worst if each not in fixed and each not in through][:most]
             if not more:
                 return None
-            left_out += more
-            tried = self._try(parts, gone | frozenset(left_out), own)
+            through += more
+            tried = self._try(parts, gone, own, through=through)
             if tried.found:
-                return tried, left_out
+                return tried, through
             most *= 2
         return None
 
     def _needed(
-        self, parts: tuple[int, ...], gone: frozenset[int], left_out: Sequence[int], way: Removal, own: dict[str, Any]
+        self, parts: tuple[int, ...], gone: frozenset[int], through: Sequence[int], way: Removal, own: dict[str, Any]
     ) -> tuple[list[int], Removal]:
-        """Of the parts left out those that the way meets; of these not those without which there is a way as well."""
-        needed = [each for each in left_out if self._is_met(parts, each, way, own)]
+        """Of the parts that it may go through those that the way meets, less those without which there is a way too."""
+        needed = [each for each in through if self._is_met(parts, each, way, own)]
         for each in list(reversed(needed)):
             if len(needed) == 1 or self._is_over():
                 break
             rest = [other for other in needed if other != each]
-            tried = self._try(parts, gone | frozenset(rest), own)
+            tried = self._try(parts, gone, own, through=rest)
             if tried.found:
                 needed, way = rest, tried
         return needed, way
 
     def _is_met(self, parts: tuple[int, ...], other: int, way: Removal, own: dict[str, Any]) -> bool:
-        moving = moving_tool(self.scene, parts, own["tool"], own["start"])
+        moving = Tool.of_parts(self.scene.mockup, list(parts))
+        if own["tool"] is not None:
+            place = np.eye(4) if own["start"] is None else own["start"]
+            moving = Tool.assembly({"parts": moving, "tool": (own["tool"], place)})
         return not self.scene.only([other]).check_path(moving, way.poses, touching="free").free
 
     def _all_out(self, needed: Sequence[int], gone: frozenset[int], fixed: frozenset[int], deep: int) -> _Out:
@@ -196,14 +204,19 @@ class _Search:
         again = self._try(parts, gone | before.gone, own)
         return _Out(True, [*before.steps, RemovalStep(parts, again if again.found else way)])
 
-    def _try(self, parts: tuple[int, ...], gone: frozenset[int], own: dict[str, Any]) -> Removal:
+    def _try(
+        self, parts: tuple[int, ...], gone: frozenset[int], own: dict[str, Any], through: Sequence[int] = ()
+    ) -> Removal:
         left = self.seconds - (time.monotonic() - self.begun)
         budget = max(LEAST_TRY_S, min(left, TRY_SHARE * self.seconds))
         self.tries += 1
         if self.progress is not None:
-            self.progress(min(1.0, 1.0 - left / self.seconds), f"try {self.tries}: {len(gone)} parts gone")
+            self.progress(min(1.0, 1.0 - left / self.seconds), f"try {self.tries}, {len(gone)} parts gone")
         scene = self.scene.without(sorted(gone)) if gone else self.scene
-        return removal(scene, list(parts), seconds=budget, **own, **self.options)
+        if int(scene.part_mask.sum()) == len(parts):
+            return alone(int(self.options["seed"]))
+        allow = [*self.allow, *(scene.mockup.parts[part] for part in through)]
+        return removal(scene, list(parts), allow=allow, seconds=budget, **own, **self.options)
 
     def _is_over(self) -> bool:
         return time.monotonic() - self.begun >= self.seconds

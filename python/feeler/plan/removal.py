@@ -15,14 +15,15 @@ import numpy.typing as npt
 from feeler import _core
 from feeler.errors import MeshError, OptionError, PoseError
 from feeler.mockup import Mockup, Tool
-from feeler.parts import PartsLike
+from feeler.parts import Part, PartsLike
 from feeler.scene import Scene
 
 Progress = Callable[[float, str], object]
-Allow = str | float | Iterable["str | float"] | None
+Allow = str | float | Part | Iterable["str | float | Part"] | None
 """What may meet: see `removal`."""
 
 _START = "start"
+_VERSIONS = (("feeler", version("feeler")),)
 _LARGEST_SEED = 2**64 - 1
 
 
@@ -106,9 +107,9 @@ def removal(
     - `scene`: with these parts in their places. `parts`: as `Parts.select` takes them; they move as one.
     - `tool`: what grips them and moves with them, at the pose `start` (`world_from_tool`, by default the identity). It
       must be free there.
-    - `allow`: what may meet. `"start"`: pairs of a moving part and another that meet where they are may meet until they
-      part, no deeper than there. A name or pattern: these parts may be met all along. A number: each pair may be so many
-      metres in each other. Several of these in a list; `None`: nothing may meet.
+    - `allow`: what may meet. `"start"`: pairs of a moving part and another that meet where they are may meet until
+      they part, no deeper than there. A `Part`, name or pattern: these parts may be met all along. A number: each pair
+      may be so many metres in each other. Several of these in a list; `None`: nothing may meet.
     - `directions`: `(k, 3)`, world, to be tried first.
     - `clearance`: metres that the way stays off all that is not seated, within 2 %.
     - `seconds`: after these nothing more is tried. A way that is found does not depend on it, nor on `threads`.
@@ -163,11 +164,17 @@ def removal(
         rotation=answer["rotation"],
         clearance=answer["clearance"] if found else math.nan,
         free=found,
-        certificate=Certificate(int(seed), answer["method"], answer["casts"], (("feeler", version("feeler")),)),
+        certificate=Certificate(int(seed), answer["method"], answer["casts"], _VERSIONS),
         blocked_by=tuple(blockers),
         is_out_of_time=answer["is_out_of_time"],
         seconds=time.perf_counter() - begin,
     )
+
+
+def alone(seed: int) -> Removal:
+    """Of parts that are all there is: they are out."""
+    certificate = Certificate(seed, "out", 0, _VERSIONS)
+    return Removal(True, np.eye(4)[None], 0.0, 0.0, math.inf, True, certificate, (), False, 0.0)
 
 
 def _chosen(scene: object, parts: PartsLike) -> tuple[npt.NDArray[np.uint32], Scene]:
@@ -196,7 +203,7 @@ class _Allowed:
 
     @classmethod
     def of(cls, allow: object, mockup: Mockup) -> _Allowed:
-        one = allow is None or isinstance(allow, (str, bytes, int, float, np.number))
+        one = allow is None or isinstance(allow, (str, bytes, int, float, np.number, Part))
         if not one and not isinstance(allow, Iterable):
             raise OptionError(f'allow is {allow!r}: give "start", names of parts, metres, or a list of these')
         given: list[Any] = [] if allow is None else [allow] if one else list(allow)  # type: ignore[call-overload]
@@ -204,7 +211,7 @@ class _Allowed:
         if len(lengths) > 1:
             raise OptionError(f"allow has {len(lengths)} lengths: give one")
         overlap = _number("allow", lengths[0], "metres, 0 or more", at_least=0.0) if lengths else 0.0
-        names = [each for each in given if isinstance(each, str)]
+        names = [each for each in given if isinstance(each, (str, Part))]
         if len(names) + len(lengths) < len(given):
             raise OptionError(f'allow is {allow!r}: give "start", names of parts, metres, or a list of these')
         patterns = [name for name in names if name != _START]
