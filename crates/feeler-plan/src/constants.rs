@@ -51,6 +51,10 @@ pub const TREES: u64 = 8;
 /// nearer to the time limit.
 pub const ROUND_CASTS: u64 = 16;
 
+/// Nodes until a tree begins anew the first time. A tree that starts badly may take a thousand times as long as another. More: more of
+/// a long way is found in one life; fewer: less is lost by bad luck.
+pub const NODES_A_LIFE: u64 = 60;
+
 /// Longest motion towards a sample, in lengths of the tool.
 pub const STEP: f64 = 0.5;
 
@@ -74,3 +78,11 @@ pub const SHORTEST_STEP: f64 = 1e-3;
 
 /// Of so many new nodes one tries straight ways out.
 pub const EXIT_EVERY: u64 = 4;
+
+// Shortcuts.
+
+/// Shortcuts that are tried between random places of a way.
+pub const CUT_TRIES: u32 = 60;
+
+/// A shortcut saves this at least, in lengths of the tool.
+pub const LEAST_CUT: f64 = 0.01;

@@ -1,7 +1,5 @@
 //! Random numbers that are the same on every machine and any number of threads.
 
-use feeler_core::Point;
-
 /// SplitMix64 (G. Steele, D. Lea and C. Flood, 2014): a counter whose bits are mixed.
 #[derive(Debug, Clone)]
 pub struct Random(u64);
@@ -36,13 +34,6 @@ impl Random {
         ((self.share() * count as f64) as usize).min(count - 1)
     }
 
-    /// A direction, each alike.
-    pub fn direction(&mut self) -> Point {
-        let (z, angle) = (self.between(-1.0, 1.0), self.between(0.0, std::f64::consts::TAU));
-        let r = (1.0 - z * z).max(0.0).sqrt();
-        [r * angle.cos(), r * angle.sin(), z]
-    }
-
     /// A rotation as a quaternion (w, x, y, z), each alike (K. Shoemake, 1992).
     pub fn quaternion(&mut self) -> [f64; 4] {
         let (u, v, w) =
@@ -74,13 +65,11 @@ mod tests {
         for _ in 0..n {
             let share = random.share();
             assert!((0.0..1.0).contains(&share));
-            let [x, y, z] = random.direction();
-            assert!((x * x + y * y + z * z - 1.0).abs() < 1e-12);
             let q = random.quaternion();
             assert!((q.iter().map(|x| x * x).sum::<f64>() - 1.0).abs() < 1e-12);
             assert!(random.below(3) < 3);
             sums[0] += share - 0.5;
-            sums[1] += z;
+            sums[1] += q[3];
             sums[2] += q[0];
         }
         assert!(sums.iter().all(|sum| sum.abs() < 0.03 * f64::from(n)), "{sums:?}");

@@ -4,6 +4,7 @@
 //! nothing is found it says what was in the way, and never that there is none.
 
 mod directions;
+mod shortcut;
 mod straight;
 mod tree;
 mod verify;
@@ -18,6 +19,7 @@ use feeler_core::geometry::vectors::{length, unit};
 use feeler_core::{Point, Pose, Progress, Tool};
 
 use self::directions::directions;
+use self::shortcut::shortened;
 use self::straight::straight_way;
 use self::tree::Tree;
 use self::verify::{verified, Verified};
@@ -124,7 +126,7 @@ pub fn removal(
             break None;
         }
         trees.par_iter_mut().try_for_each(|tree| tree.grow(ROUND_CASTS))?;
-        if let Some(found) = first_way(&surroundings, &mut trees)? {
+        if let Some(found) = first_way(&surroundings, task.seed, &mut trees)? {
             break Some(found);
         }
     };
@@ -133,10 +135,18 @@ pub fn removal(
 }
 
 /// The way of the tree with the least number that has one. One that is not free by finer steps is forgotten, and its tree grows on.
-fn first_way(surroundings: &Surroundings, trees: &mut [Tree<'_>]) -> Result<Option<(Method, Verified)>> {
+fn first_way(surroundings: &Surroundings, seed: u64, trees: &mut [Tree<'_>]) -> Result<Option<(Method, Verified)>> {
     for (number, tree) in (0..).zip(trees) {
         if let Some(poses) = tree.way.take() {
-            if let Some(way) = verified(surroundings, poses, &mut tree.tally)? {
+            let mut tally = Tally::default();
+            let short = shortened(surroundings, poses.clone(), seed, &mut tally)?;
+            let way = match verified(surroundings, short, &mut tally)? {
+                None => verified(surroundings, poses, &mut tally)?,
+                way => way,
+            };
+            // Shortcuts that are blocked say nothing of what is in the way out.
+            tree.tally.casts += tally.casts;
+            if let Some(way) = way {
                 return Ok(Some((Method::Tree(number), way)));
             }
         }

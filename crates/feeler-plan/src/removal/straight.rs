@@ -26,7 +26,7 @@ pub fn straight_way(
                 return Ok(None);
             }
             let end = surroundings.moved(&start, direction, length)?;
-            if surroundings.walk(&seated, (&start, &end), Care::Search, tally)?.stop.is_none() {
+            if surroundings.walk(&seated, (&start, &end), Care::Search(&[]), tally)?.stop.is_none() {
                 if let Some(way) = verified(surroundings, vec![start, end], tally)? {
                     return Ok(Some(way));
                 }

@@ -14,11 +14,21 @@ use feeler_core::{closest_triangle_triangle, Motion, Point, Pose};
 
 use crate::blocked::Tally;
 use crate::constants::{
-    BLOCKER_MARGIN, EXIT_EVERY, LONGEST_SLIDE, MOST_SLIDES, SHORTEST_STEP, SLIDE_SKIN, STEP, TURN_WEIGHT,
+    BLOCKER_MARGIN, EXIT_EVERY, LONGEST_SLIDE, MOST_SLIDES, NODES_A_LIFE, SHORTEST_STEP, SLIDE_SKIN, STEP, TURN_WEIGHT,
 };
 use crate::error::Result;
 use crate::random::Random;
 use crate::surroundings::{Care, Seated, Surroundings};
+
+/// How long the lives of a search are that may take long by bad luck, in the unit of the first: 1, 1, 2, 1, 1, 2, 4, and so on. No other
+/// sequence takes less but for a factor, whatever the luck is like (M. Luby, A. Sinclair and D. Zuckerman, 1993).
+fn luby(life: u64) -> u64 {
+    let whole = (life + 1).next_power_of_two();
+    match whole == life + 1 {
+        true => whole / 2,
+        false => luby(life + 1 - whole / 2),
+    }
+}
 
 /// One tree.
 #[derive(Debug)]
@@ -30,7 +40,8 @@ pub struct Tree<'a> {
     directions: &'a [Point],
     random: Random,
     nodes: Vec<Node>,
-    samples: u64,
+    /// How often it began anew, and once more.
+    lives: u64,
     /// What was tried.
     pub tally: Tally,
     /// The poses of a way out.
@@ -60,7 +71,7 @@ impl<'a> Tree<'a> {
             directions,
             random: Random::new(seed, number),
             nodes: Vec::new(),
-            samples: 0,
+            lives: 1,
             tally: Tally::default(),
             way: None,
         };
@@ -72,6 +83,10 @@ impl<'a> Tree<'a> {
     pub fn grow(&mut self, casts: u64) -> Result<()> {
         let until = self.tally.casts + casts;
         while self.way.is_none() && self.tally.casts < until {
+            if self.nodes.len() as u64 > NODES_A_LIFE * luby(self.lives) {
+                self.nodes.truncate(1);
+                self.lives += 1;
+            }
             self.extend()?;
         }
         Ok(())
@@ -85,17 +100,17 @@ impl<'a> Tree<'a> {
 
     /// One sample: the nearest node towards it, sliding where it is stopped.
     fn extend(&mut self) -> Result<()> {
-        self.samples += 1;
         let (place, q) = self.sample();
         let mut at = self.nearest(&place, &q);
         let rotation = rotation_of_quaternion(&q);
         let target = pose_of(&rotation, &sub(&place, &times(&rotation, &self.metric.centre)))?;
         let mut target = self.no_farther_than(&self.nodes[at].pose, &target);
         let mut blockers: Vec<[u32; 2]> = Vec::new();
+        let mut normals: Vec<Point> = Vec::new();
         for _ in 0..=MOST_SLIDES {
             let from = self.nodes[at].pose;
             let seated = self.nodes[at].seated.clone();
-            let walk = self.around.walk(&seated, (&from, &target), Care::Search, &mut self.tally)?;
+            let walk = self.around.walk(&seated, (&from, &target), Care::Search(&normals), &mut self.tally)?;
             let moved = Motion::new(self.around.tool(), &from, &walk.pose).longest_way();
             if moved > SHORTEST_STEP * self.around.size() {
                 at = self.push(walk.pose, walk.seated, at);
@@ -111,7 +126,9 @@ impl<'a> Tree<'a> {
             } else if moved <= SHORTEST_STEP * self.around.size() {
                 return Ok(());
             }
-            let Some(next) = self.slid(&self.nodes[at].pose, &target, &mut blockers)? else { return Ok(()) };
+            let Some(next) = self.slid(&self.nodes[at].pose, &target, &mut blockers, &mut normals)? else {
+                return Ok(());
+            };
             target = next;
         }
         Ok(())
@@ -149,12 +166,20 @@ impl<'a> Tree<'a> {
     }
 
     /// Where a motion goes on from a pose where pairs of triangles are in its way: the pose nearest to the target that keeps these off.
-    fn slid(&self, from: &Pose, target: &Pose, blockers: &mut Vec<[u32; 2]>) -> Result<Option<Pose>> {
+    /// `normals` become those of the contacts.
+    fn slid(
+        &self,
+        from: &Pose,
+        target: &Pose,
+        blockers: &mut Vec<[u32; 2]>,
+        normals: &mut Vec<Point>,
+    ) -> Result<Option<Pose>> {
         let (tool, size) = (self.around.tool(), self.around.size());
         let mesh = self.around.solver().scene().mockup().mesh();
         let centre = from.apply(&self.metric.centre);
         let skin = SLIDE_SKIN * size;
         let mut rows: Vec<HalfSpace> = Vec::new();
+        normals.clear();
         blockers.retain(|[t, m]| {
             let closest =
                 closest_triangle_triangle(&from.apply_triangle(&tool.mesh().triangle(*t)), &mesh.triangle(*m));
@@ -162,6 +187,7 @@ impl<'a> Tree<'a> {
                 return false;
             }
             if let Some(normal) = unit(&sub(&closest.on_p, &closest.on_q)) {
+                normals.push(normal);
                 let arm = sub(&closest.on_p, &centre);
                 rows.push(self.metric.half_space(from, &normal, &arm, skin - closest.distance));
             }
@@ -201,7 +227,7 @@ impl<'a> Tree<'a> {
                 continue;
             }
             let end = around.moved(&pose, &direction, way)?;
-            let walk = around.walk(&seated, (&pose, &end), Care::Search, &mut self.tally)?;
+            let walk = around.walk(&seated, (&pose, &end), Care::Search(&[]), &mut self.tally)?;
             if walk.stop.is_none() {
                 let mut way = self.way_to(at);
                 way.push(end);
@@ -220,5 +246,15 @@ impl<'a> Tree<'a> {
         }
         way.reverse();
         way
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lives_are_those_of_luby() {
+        assert_eq!((1..16).map(luby).collect::<Vec<_>>(), [1, 1, 2, 1, 1, 2, 4, 1, 1, 2, 1, 1, 2, 4, 8]);
     }
 }

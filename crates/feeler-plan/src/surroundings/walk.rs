@@ -16,10 +16,10 @@ use crate::constants::{
 use crate::error::Result;
 
 /// How closely seated pairs are measured.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Care {
-    /// While ways are sought.
-    Search,
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Care<'a> {
+    /// While ways are sought. Along these directions (units, world) the tool is probably off what is near: casts take less time.
+    Search(&'a [Point]),
     /// Before a way is given.
     Verify,
 }
@@ -29,8 +29,6 @@ pub enum Care {
 pub struct Walk {
     /// Where it ends.
     pub pose: Pose,
-    /// The share of the motion until then.
-    pub fraction: f64,
     /// What is still seated there.
     pub seated: Arc<Seated>,
     /// The part that ends it; `None` where all of it is free.
@@ -183,9 +181,9 @@ impl Surroundings {
         &self.refused
     }
 
-    /// Pairs that are together at the start.
-    pub fn seats(&self) -> &[Seat] {
-        &self.makings.seats
+    /// Whether any pair is together at the start.
+    pub fn has_seats(&self) -> bool {
+        !self.makings.seats.is_empty()
     }
 
     /// All seats as at the start.
@@ -254,7 +252,7 @@ impl Surroundings {
         &self,
         seated: &Arc<Seated>,
         (from, to): (&Pose, &Pose),
-        care: Care,
+        care: Care<'_>,
         tally: &mut Tally,
     ) -> Result<Walk> {
         self.walk_in_spans(seated, (from, to), care, tally, &mut |_| ())
@@ -265,7 +263,7 @@ impl Surroundings {
         &self,
         seated: &Arc<Seated>,
         (from, to): (&Pose, &Pose),
-        care: Care,
+        care: Care<'_>,
         tally: &mut Tally,
         span: &mut dyn FnMut(Span),
     ) -> Result<Walk> {
@@ -278,29 +276,34 @@ impl Surroundings {
             span(Span { seated: seated.clone(), from: here, to: motion.at(part.fraction) });
             done = if part.fraction < 1.0 { done + (1.0 - done) * part.fraction } else { 1.0 };
             match part.end {
-                End::Arrived => return Ok(Walk { pose: *to, fraction: 1.0, seated, stop: None }),
-                End::Parted(left) if part.fraction >= 1.0 => {
-                    return Ok(Walk { pose: *to, fraction: 1.0, seated: left, stop: None })
-                }
+                End::Arrived => return Ok(Walk { pose: *to, seated, stop: None }),
+                End::Parted(left) if part.fraction >= 1.0 => return Ok(Walk { pose: *to, seated: left, stop: None }),
                 End::Parted(left) => seated = left,
                 End::Stopped(stop) => {
                     let pose = motion.at(part.fraction);
                     let seated = self.left_at(&seated, &pose)?.unwrap_or(seated);
                     tally.note(stop.part, self.reach(&pose), &pose);
-                    return Ok(Walk { pose, fraction: done, seated, stop: Some(stop) });
+                    return Ok(Walk { pose, seated, stop: Some(stop) });
                 }
             }
         }
     }
 
     /// The same until a seat parts.
-    fn part(&self, seated: &Arc<Seated>, (from, to): (&Pose, &Pose), care: Care, tally: &mut Tally) -> Result<Part> {
+    fn part(
+        &self,
+        seated: &Arc<Seated>,
+        (from, to): (&Pose, &Pose),
+        care: Care<'_>,
+        tally: &mut Tally,
+    ) -> Result<Part> {
+        // Also of a motion that ends before it is cast: a search that is bounded by casts ends.
+        tally.casts += 1;
         let tool = &self.tool;
         let motion = Motion::new(tool, from, to);
         let mut first: Option<(f64, Stop)> = None;
         let stopped = |fraction: f64, stop: Stop| Ok(Part { fraction, end: End::Stopped(stop) });
         if let Some(flush) = &seated.flush {
-            tally.casts += 1;
             first = flush.cast_touching(tool, from, to, TOUCH, Touching::Within)?.map(|cast| ended(&cast, flush));
             if let Some((0.0, stop)) = first {
                 return stopped(0.0, stop);
@@ -316,11 +319,13 @@ impl Surroundings {
                 return stopped(0.0, stop);
             }
         }
-        tally.casts += 1;
-        let (tolerance, touching) =
-            if self.overlap > 0.0 { (self.overlap, Touching::Within) } else { (TOUCH, Touching::Ends) };
-        let cast = seated.ordinary.cast_touching(tool, from, to, tolerance, touching)?;
-        let ordinary = cast.map(|cast| ended(&cast, &seated.ordinary));
+        let scene = &seated.ordinary;
+        let cast = match care {
+            _ if self.overlap > 0.0 => scene.cast_touching(tool, from, to, self.overlap, Touching::Within)?,
+            Care::Search(beside) => scene.cast_beside(tool, from, to, TOUCH, beside)?,
+            Care::Verify => scene.cast(tool, from, to, TOUCH)?,
+        };
+        let ordinary = cast.map(|cast| ended(&cast, scene));
         first = [first, ordinary].into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0));
         if let Some((0.0, stop)) = first {
             return stopped(0.0, stop);
