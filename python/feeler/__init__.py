@@ -40,6 +40,8 @@ from feeler.ignored import IgnoredPairs
 from feeler.interchange import from_open3d, from_pyvista, from_trimesh, from_urdf
 from feeler.io import load_mockup, load_tool
 from feeler.mockup import Mockup, Tool
+from feeler.plan.fasteners import Fastener, Fasteners, find_fasteners
+from feeler.plan.reaching import Access, Blocker, Reach, access
 from feeler.poses import nearest_rigid
 from feeler.samples import sample, sample_path, sample_poses, sample_tool
 from feeler.scene import ContactTracker, PairKind, Scene, optimal_voxel_size
@@ -50,7 +52,9 @@ if _TYPE_CHECKING:
 __version__ = _version("feeler")
 
 __all__ = [
+    "Access",
     "Batch",
+    "Blocker",
     "Cast",
     "Clash",
     "Clashes",
@@ -64,6 +68,8 @@ __all__ = [
     "DeviceError",
     "Distance",
     "DistanceBatch",
+    "Fastener",
+    "Fasteners",
     "FeelerError",
     "IgnoredPairs",
     "LimitError",
@@ -79,6 +85,7 @@ __all__ = [
     "Penetration",
     "PoseError",
     "Rays",
+    "Reach",
     "Scene",
     "SectionOutline",
     "SessionError",
@@ -86,7 +93,9 @@ __all__ = [
     "Verdict",
     "View",
     "WorkbenchError",
+    "access",
     "clash",
+    "find_fasteners",
     "from_open3d",
     "from_pyvista",
     "from_trimesh",

@@ -1,8 +1,8 @@
 """What a shape looks like as a fastener: its axis, its head, its shank, its bore.
 
-A shape is looked at along each axis about which it could be one. Its walls (triangles along the axis) are put together by
-their distance from it: six directions are a hexagon, more of them a cylinder, and those that face inwards a socket or a
-bore. What is beyond the head tells a bolt from a nut.
+A shape is looked at along each axis about which it could be one. Its walls (triangles along the axis) are put together
+by their distance from it: six directions are a hexagon, more of them a cylinder, and those that face inwards a socket
+or a bore. What is beyond the head tells a bolt from a nut.
 """
 
 from __future__ import annotations
@@ -45,7 +45,8 @@ NUT_HEIGHT = (0.15, 1.6)
 PRISM_HEIGHT = (0.25, 1.0)
 """The same of a prism that stands for a head or a nut in a coarse mesh."""
 WIDEST_WEAK_M = 0.04
-"""The widest shank, and width across flats, of shapes that other things have as well: larger ones are seldom fasteners."""
+"""The widest shank, and width across flats, of shapes that other things have as well: larger ones are seldom
+fasteners."""
 HEAD_TO_SHANK = (1.25, 2.4)
 """Diameter of a round head by its shank's: 1.5 for socket heads, 2 for pan heads."""
 HEAD_HEIGHT = (0.45, 1.2)
@@ -57,7 +58,8 @@ class Looks:
     """What a shape looks like, in the frame of its corners, metres; NaN where the mesh does not show it."""
 
     kind: str
-    """"bolt", "screw" or "nut"; "head": bolt or screw, the mesh does not tell; "prism": or nut; "rod": another shape."""
+    """"bolt", "screw" or "nut"; where the mesh does not tell "head" (bolt or screw) or "prism" (or nut); "rod": another
+    shape."""
     axis: Floats
     """Unit; out of the joint, unless `is_two_sided`."""
     top: Floats
@@ -218,9 +220,7 @@ def _axes(corners: Floats, area: Floats, normals: Floats, centre: Floats) -> Ite
 def _surface_moment(corners: Floats, area: Floats) -> Floats:
     """The second moment (3, 3) of a surface of triangles (n, 3, 3) about the origin, but for a factor."""
     total = corners.sum(axis=1)
-    return np.asarray(
-        np.einsum("n,nki,nkj->ij", area, corners, corners) + np.einsum("n,ni,nj->ij", area, total, total)
-    )
+    return np.asarray(np.einsum("n,nki,nkj->ij", area, corners, corners) + np.einsum("n,ni,nj->ij", area, total, total))
 
 
 def _view(corners: Floats, area: Floats, normals: Floats, centre: Floats, axis: Floats) -> _View | None:
@@ -300,7 +300,7 @@ _Found = tuple[str, float, float, float, float, float, bool, bool, str]
 
 
 def _shank(view: _View, under: float, wide: float) -> tuple[float, float] | None:
-    """Radius and length of what goes on below a head that ends at `under`, and is `wide` across its walls (a radius)."""
+    """Radius and length of what goes on below a head that ends at `under` and whose walls are `wide` off the axis."""
     length = under - view.low
     below = view.r[view.z < under - 0.35 * length]
     if not len(below) or length <= 0:
@@ -372,7 +372,9 @@ def _nut(view: _View) -> _Found | None:
     flats, ring = 2.0 * body.radius, 0.5 * (bore.radius + body.radius)
     size = 2.0 * float(view.r.min())
     because = f"a hexagon, {_mm(flats)} across flats, with a bore of {_mm(size)}"
-    above, below = (float(view.r[near].max()) for near in (view.z > view.high - 0.05 * full, view.z < view.low + 0.05 * full))
+    above, below = (
+        float(view.r[near].max()) for near in (view.z > view.high - 0.05 * full, view.z < view.low + 0.05 * full)
+    )
     is_two_sided = below < 1.1 * above
     if above > 1.1 * below:
         return None  # a flange: the other way round it is on the joint's side

@@ -35,8 +35,8 @@ AGREED = 0.99
 NAMED = 0.6
 """Confidence where the name says so and the shape is only about as wide both ways."""
 DOUBTED = 0.3
-"""What is left of the confidence in a strong shape whose name says that it is another thing, and in a weak one without a
-name among parts that are named fasteners."""
+"""What is left of the confidence where the name says that it is another thing, and in a weak shape without such a name
+among parts that are named fasteners."""
 LEAST_CONFIDENCE = 0.5
 """What is found is at least so sure."""
 
@@ -161,9 +161,9 @@ def find_fasteners(
 ) -> Fasteners:
     """Which parts are bolts, screws, nuts and studs, where their heads are, and of what size: a guess, by part.
 
-    Shapes are told by their walls: a hexagon on a shank, a hexagon socket in a round head, a hexagon with a bore. A name
-    that says so makes it surer; where the mesh is too coarse to tell, it decides. What lies around the ends of nuts, and
-    of heads without a shank, says which end is outside. Parts of one shape are looked at once.
+    Shapes are told by their walls: a hexagon on a shank, a hexagon socket in a round head, a hexagon with a bore. A
+    name that says so makes it surer; where the mesh is too coarse to tell, it decides. What lies around the ends of
+    nuts, and of heads without a shank, says which end is outside. Parts of one shape are looked at once.
 
     `mockup`: also a `Scene`, of which only the parts that are there are looked at. `parts`: only these, as
     `Parts.select` takes them. A part is one fastener at most: several in one part, and those made of several parts, are
@@ -174,7 +174,8 @@ def find_fasteners(
     if progress is not None and not callable(progress):
         raise OptionError(f"progress is {progress!r}: give a function of (fraction, stage)")
     world = mockup.mockup if isinstance(mockup, Scene) else mockup
-    chosen = np.arange(world.part_count) if parts is None else world.parts.select(parts)
+    named = np.arange(world.part_count) if parts is None else world.parts.select(parts)
+    chosen = named.astype(np.int64)
     if isinstance(mockup, Scene):
         chosen = chosen[mockup.part_mask[chosen]]
     said = [kind_said(name) for name in world.part_names]
@@ -209,9 +210,7 @@ def _small(world: Mockup, chosen: npt.NDArray[np.int64]) -> npt.NDArray[np.int64
     return np.asarray(chosen[is_small & (triangles >= 8)], dtype=np.int64)
 
 
-def _of_shape(
-    world: Mockup, shape: SameShape, said: list[str | None], is_naming: bool
-) -> list[tuple[Fastener, Looks]]:
+def _of_shape(world: Mockup, shape: SameShape, said: list[str | None], is_naming: bool) -> list[tuple[Fastener, Looks]]:
     """The parts of one shape as fasteners, those that are one."""
     looks = looks_of(shape.vertices, shape.faces)
     names = [said[part] for part in shape.parts]
@@ -227,8 +226,16 @@ def _of_shape(
         kind = _kind(seen, name)
         voice = "; its name says another thing" if name == "other" else f"; its name says {name}" if name else ""
         row = Fastener(
-            *(part, world.part_paths[part], kind, place @ _frame(seen.top, seen.axis)),
-            *(seen.size, seen.across_flats, seen.length, seen.head_height, confidence, seen.because + voice),
+            part=part,
+            path=world.part_paths[part],
+            kind=kind,
+            frame=place @ _frame(seen.top, seen.axis),
+            size=seen.size,
+            across_flats=seen.across_flats,
+            length=seen.length,
+            head_height=seen.head_height,
+            confidence=confidence,
+            because=seen.because + voice,
         )
         found.append((row, seen))
     return found

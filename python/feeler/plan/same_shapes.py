@@ -18,6 +18,8 @@ SAME_SHARE = 1e-3
 guess at what a part is does not turn on so little."""
 BATCH_NUMBERS = 3_000_000
 """Numbers that are aligned at once: 24 MB a copy."""
+HELD_NUMBERS = 30_000_000
+"""Numbers that are held of parts with the same triangles: 240 MB."""
 
 
 @dataclass(frozen=True)
@@ -46,8 +48,8 @@ class PartMeshes:
     def __getitem__(self, part: int) -> tuple[Floats, Ints]:
         """Corners (n, 3) that the part's triangles have, in the mock-up's order, and its triangles (m, 3)."""
         begin, end = int(self._starts[part]), int(self._starts[part + 1])
-        faces = self._faces[begin:end] if self._order is None else self._faces[self._order[begin:end]]
-        faces = faces[(faces < len(self._vertices)).all(axis=1)].astype(np.int64)
+        given = self._faces[begin:end] if self._order is None else self._faces[self._order[begin:end]]
+        faces = given[(given < len(self._vertices)).all(axis=1)].astype(np.int64)
         if not len(faces):
             return np.empty((0, 3)), faces
         low, high = int(faces.min()), int(faces.max()) + 1
@@ -55,9 +57,9 @@ class PartMeshes:
             used = np.zeros(high - low, dtype=bool)
             used[faces - low] = True
             index = np.cumsum(used) - 1
-            return self._vertices[low:high][used], index[faces - low]
+            return self._vertices[low:high][used], np.asarray(index[faces - low], dtype=np.int64)
         used_ids, index = np.unique(faces, return_inverse=True)
-        return self._vertices[used_ids], index.reshape(-1, 3)
+        return self._vertices[used_ids], index.reshape(-1, 3).astype(np.int64)
 
 
 def same_shapes(mockup: Mockup, parts: Ints) -> Iterator[SameShape]:
@@ -71,9 +73,13 @@ def same_shapes(mockup: Mockup, parts: Ints) -> Iterator[SameShape]:
         vertices, faces = meshes[part]
         if len(faces) and np.isfinite(vertices).all():
             alike.setdefault((len(vertices), len(faces), hash(faces.tobytes())), []).append(part)
-    for group in alike.values():
-        corners = np.stack([meshes[part][0] for part in group])
-        yield from _told_apart(corners, meshes[group[0]][1], np.array(group))
+    for (count, _, _), group in alike.items():
+        # Of very many parts, shares one after the other: a shape may then come more than once.
+        step = max(1, HELD_NUMBERS // (3 * count))
+        for begin in range(0, len(group), step):
+            share = group[begin : begin + step]
+            corners = np.stack([meshes[part][0] for part in share])
+            yield from _told_apart(corners, meshes[share[0]][1], np.array(share))
 
 
 def _told_apart(corners: Floats, faces: Ints, parts: Ints) -> Iterator[SameShape]:
