@@ -309,7 +309,8 @@ class _Question:
             while ahead[seats[-1]] >= self._step:
                 seats.append((seats[-1] + 1) % count)
             span = behind[first] + (len(seats) - 1) * self._step + ahead[seats[-1]]
-            arcs.append(_Arc((first * self._step - behind[first]) % 360.0, float(span), seats))
+            start = float(first * self._step - behind[first]) % 360.0
+            arcs.append(_Arc(start, float(span), seats))
         return sorted(arcs, key=lambda arc: (-arc.span, arc.start))
 
     def _swung(self, pose0: Floats, pose1: Floats, ignore: Any, blocked: Counter[int]) -> float:
