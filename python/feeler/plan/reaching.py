@@ -253,8 +253,6 @@ class _Question:
         found: _Arc | None = None
         way = np.empty((0, 4, 4))
         for arc in arcs:
-            if found is not None and arc.span < self._needed:
-                break
             way = self._way_in(frame, poses, arc, part, ignore, blocked)
             if len(way):
                 found = arc
