@@ -164,6 +164,10 @@ def test_under_a_roof_a_jaw_comes_in_sideways_and_a_ring_does_not() -> None:
     assert row.reachable and row.swing == 360.0
     out = row.way[1][:3, :3].T @ (row.way[0] - row.way[1])[:3, 3]
     assert np.allclose(out, [0.1, 0, 0])
+    vertices, faces = jaw()
+    aslant = asked(roof, feeler.Tool(vertices @ at(degrees=100.0)[:3, :3].T, faces, "open"))
+    out = aslant.way[1][:3, :3].T @ (aslant.way[0] - aslant.way[1])[:3, 3]
+    assert aslant.reachable and np.allclose(out, 0.1 * at(degrees=100.0)[:3, 0])
     ring = joined(jaw(), box((-0.02, -0.012, -0.004), (-0.012, 0.012, -0.001)))
     row = asked(roof, feeler.Tool(*ring, "ring"))
     assert not row.reachable and row.swing == 360.0 and not len(row.way)
@@ -186,11 +190,12 @@ def test_a_jaw_without_play_slides_off() -> None:
 
 
 def test_what_is_wholly_inside_something_is_no_way() -> None:
-    """The tool is drawn out into a block that holds it, without meeting its surface at either end."""
-    scene = feeler.Scene(mockup_of({"bolt": bolt(), "block": box((-1, -1, 0.05), (1, 1, 3.0))}))
-    tool = feeler.Tool(*box((-0.002, -0.002, 0.0), (0.002, 0.002, 0.01)), "bit")
-    (row,) = feeler.access(scene, tool, TOP, approach=1.0)
-    assert all(np.allclose(each[2, 3], HEAD_TOP) for each in row.way)
+    """A block without a hollow: nothing is met in it."""
+    row = asked({"block": box((-1, -1, -1), (1, 1, 1))}, bar())
+    assert row.swing == 360.0 and not row.reachable and not len(row.way)
+    assert [each.path for each in row.blockers] == ["block"]
+    # Out of the block its surface is met.
+    assert asked({"block": box((-1, -1, -1), (1, 1, 1))}, bar(), approach=1.5).blockers[0].path == "block"
 
 
 def test_ways_are_those_of_the_tool_as_given() -> None:
@@ -260,7 +265,9 @@ def test_frames_and_fasteners_say_the_same() -> None:
 def test_parts_that_are_out_are_not_in_the_way() -> None:
     mockup = mockup_of({"bolt": bolt(), "wall": box((0.05, -0.2, -0.1), (0.06, 0.2, 0.1))})
     scene = feeler.Scene(mockup)
-    assert feeler.access(scene, bar(), TOP)[0].swing < 360.0
+    stopped = feeler.access(scene, bar(), TOP)
+    assert stopped.reachable.all() and stopped[0].swing < 360.0
+    assert stopped[0].blockers and stopped.blockers == (), "nothing is in the way of what is reachable"
     assert feeler.access(scene.without("wall"), bar(), TOP)[0].swing == 360.0
     assert feeler.access(scene.without("bolt"), bar(), feeler.find_fasteners(mockup))[0].part == 0
 

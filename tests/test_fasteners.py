@@ -17,7 +17,8 @@ from feeler.plan.fastener_names import kind_said
 from feeler.plan.same_shapes import PartMeshes, same_shapes
 from feeler.samples import hardware
 from feeler.samples.mesh import Mesh
-from feeler.samples.tessellation import Tolerance
+from feeler.samples.shapes import skin_loops
+from feeler.samples.tessellation import Tolerance, circle, hexagon
 
 Floats = npt.NDArray[np.float64]
 
@@ -108,12 +109,17 @@ def test_a_nut_points_away_from_the_joint(tolerance: Tolerance, is_under: bool) 
         assert row.size == pytest.approx(0.008, rel=0.1) and row.length == pytest.approx(0.0064, rel=1e-6)
     (row,) = feeler.find_fasteners(feeler.Scene(mockup).without("plate"))
     assert row.part == 0
+    assert not feeler.find_fasteners(feeler.Scene(mockup).without("nut"))
 
 
 def test_a_flanged_nut_has_its_flange_on_the_joint() -> None:
     nut, flange = hardware.nut(0.008, USUAL), hardware.ring(0.004, 0.009, 0.001, USUAL)
     mesh = Mesh(*joined((nut.vertices + np.array([0, 0, 0.001]), nut.faces), (flange.vertices, flange.faces)))
     check_frame(found_of(mesh, tilted(4)), tilted(4) @ at(z=0.0074))
+    # Whatever is near its other end.
+    parts = {"nut": placed(mesh, np.eye(4)), "plate": plate_under(0.0075, 0.01)}
+    (row,) = feeler.find_fasteners(mockup_of(parts))
+    check_frame(row, at(z=0.0074))
 
 
 def test_a_head_without_a_shank_is_buried_in_the_joint() -> None:
@@ -138,9 +144,28 @@ def test_of_a_stud_the_name_says_what_it_is() -> None:
     assert not feeler.find_fasteners(mockup_of({"pin": parts["stud"], "plate": parts["plate"]}))
 
 
+def hollow_bolt() -> Mesh:
+    """A hexagon on a tube: a union's nut."""
+    outside = [circle(0.004, 24, -0.03), circle(0.004, 24), hexagon(0.0132), hexagon(0.0132, 0.005)]
+    return skin_loops([*outside, circle(0.002, 24, 0.005), circle(0.002, 24, -0.03)], closed=True)
+
+
+def on_a_square() -> Mesh:
+    """A hexagon bolt that is one part with a square plate."""
+    bolt = hardware.hex_bolt(0.008, 0.05, USUAL)
+    return Mesh(*joined((bolt.vertices, bolt.faces), box((-0.02, -0.02, -0.004), (0.02, 0.02, 0.0))))
+
+
 @pytest.mark.parametrize(
     "mesh",
     [
+        hollow_bolt(),
+        on_a_square(),
+        hardware.hex_bolt(0.03, 0.05, Tolerance(6e-3)),
+        Mesh(
+            hardware.cap_screw(0.006, 0.02, Tolerance(4.2e-4)).vertices * 8.0,
+            hardware.cap_screw(0.006, 0.02, Tolerance(4.2e-4)).faces,
+        ),
         Mesh(*cube((0, 0, 0), 0.01)),
         Mesh(*box((0, 0, 0), (0.01, 0.02, 0.03))),
         hardware.washer(0.008, USUAL),

@@ -328,21 +328,28 @@ class _Question:
         for i in seats:
             out = _shifted(poses[i], self._approach * frame[:3, 2])
             impact = scene.cast(tool, poses[i], out, ignore=ignore)
-            if impact is None and not scene.containment(tool, out, ignore=ignore):
-                return np.stack([out, poses[i]])
             if impact is not None:
                 blocked[impact.part] += 1
+            elif not self._is_inside(out, ignore, blocked):
+                return np.stack([out, poses[i]])
         for i in seats:
             for side in self._sideways:
                 out = _shifted(poses[i], self._approach * (poses[i][:3, :3] @ side))
                 impact = scene.cast(tool, poses[i], out)
                 if impact is not None and impact.part == part and impact.fraction == 0.0:
                     impact = scene.cast(tool, poses[i], out, touching="free")  # a jaw without play slides off
-                if impact is None and not scene.containment(tool, out):
+                if impact is not None:
+                    if impact.part != part:
+                        blocked[impact.part] += 1
+                elif not self._is_inside(out, None, blocked):
                     return np.stack([out, poses[i]])
-                if impact is not None and impact.part != part:
-                    blocked[impact.part] += 1
         return np.empty((0, 4, 4))
+
+    def _is_inside(self, pose: Floats, ignore: Any, blocked: Counter[int]) -> bool:
+        """Whether the tool meets nothing since it is inside something, or something in it."""
+        found = self._scene.containment(self._seated.tool, pose, ignore=ignore)
+        blocked.update([*found.containing.tolist(), *found.contained.tolist()])
+        return bool(found)
 
 
 def _targets(scene: Scene, targets: Fasteners | npt.ArrayLike) -> tuple[Floats, list[int | None]]:
