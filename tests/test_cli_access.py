@@ -83,6 +83,8 @@ def test_options_are_passed_on(stand: Path, bar: Path, tmp_path: Path) -> None:
     assert run_json(*words, "--kind", "bolt", "--targets", "*open*")["targets"] == 1
     assert run_json(*words, "--without", "*roof/box")["reachable"] == 3
     assert run_json(*words, "--only", "*/bolt")["targets"] == 2
+    below = run_json(*words, "--targets", "stand/open", "--targets", "stand/wall")
+    assert [row["path"] for row in below["rows"]] == ["stand/open/bolt", "stand/wall/bolt"]
     assert run_json(*words, "--targets", "*/bolt", "--swing", "359", code=1)["reachable"] == 1
     assert run_json(*words, "--targets", "*open*", "--lift", "-0.01", code=1)["reachable"] == 0
     turned = run_json(*words, "--targets", "*open*", "--grip", "-z", "--lift", "0.01")["rows"][0]
@@ -118,8 +120,9 @@ def test_everything_is_written(stand: Path, bar: Path, tmp_path: Path) -> None:
 
 def test_bad_input(stand: Path, bar: Path, tmp_path: Path) -> None:
     words = ["access", stand, "--tool", bar]
-    assert "--targets '*blot*': no such fastener among Fasteners(3 bolts)" in error_of(*words, "--targets", "*blot*")
-    assert "--kind nut: no such fastener" in error_of(*words, "--kind", "nut")
+    assert "--targets: no part is called, or matches, '*blot*'" in error_of(*words, "--targets", "*blot*")
+    assert "of the 1 that --targets names looks like a fastener" in error_of(*words, "--targets", "*plate")
+    assert "looks like a nut: what is found is Fasteners(3 bolts)" in error_of(*words, "--kind", "nut")
     assert "kind is 'rivet'" in error_of(*words, "--kind", "rivet")
     assert "--frames are targets themselves" in error_of(*words, "--frames", bar, "--kind", "nut")
     assert "pose file" in error_of(*words, "--frames", tmp_path / "no.npy")

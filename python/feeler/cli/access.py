@@ -50,7 +50,11 @@ def access(
     ],
     targets: Annotated[
         list[str] | None,
-        typer.Option(metavar="PATTERN", help="Only fasteners whose path or name matches; several are allowed."),
+        typer.Option(
+            metavar="PATTERN",
+            help="Only fasteners among these parts: a path with all below it, a name, or a pattern. Several are "
+            "allowed.",
+        ),
     ] = None,
     kind: Annotated[str | None, typer.Option(help="Only bolts, screws, nuts or studs: bolt, screw, nut, stud.")] = None,
     frames: Annotated[
@@ -182,19 +186,17 @@ def _grip(text: str | None) -> str | npt.NDArray[np.float64] | None:
 
 def _fasteners(scene: feeler.Scene, patterns: list[str] | None, kind: str | None) -> feeler.Fasteners:
     """The fasteners that are asked for."""
+    try:
+        parts = None if not patterns else scene.mockup.parts.select(patterns)
+    except OptionError as error:
+        raise OptionError(f"--targets: {error} (feeler info --parts lists all)") from None
     with bar("looking for fasteners") as progress:
-        found = feeler.find_fasteners(scene, progress=progress)
-    if not len(found):
-        raise OptionError("no part of the mock-up looks like a fastener: give --frames FILE")
+        found = feeler.find_fasteners(scene, parts, progress=progress)
     chosen = found if kind is None else found.where(kind=kind)
-    if patterns:
-        paths = {row.path for pattern in patterns for row in chosen.where(pattern)}
-        chosen = feeler.Fasteners(row for row in chosen if row.path in paths)
     if not len(chosen):
-        wanted = " ".join(
-            [*(f"--targets {pattern!r}" for pattern in patterns or []), *([f"--kind {kind}"] if kind else [])]
-        )
-        raise OptionError(f"{wanted}: no such fastener among {found!r}; feeler info --parts lists all parts")
+        among = "of the mock-up" if parts is None else f"of the {len(parts):,} that --targets names"
+        what = "fastener" if kind is None else kind
+        raise OptionError(f"no part {among} looks like a {what}: what is found is {found!r}; or give --frames FILE")
     return chosen
 
 

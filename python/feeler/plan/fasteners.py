@@ -49,7 +49,7 @@ _NEARER = 0.88  # the nearest of one end by that of the other, for a clear answe
 _POINT = np.array([[0.0, 0.0, 0.0], [1e-6, 0.0, 0.0], [0.0, 1e-6, 0.0]])  # a tool as small as a point, metres
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)  # it holds arrays
 class Fastener:
     """One fastener, as it is guessed. Metres; NaN where the mesh does not show it."""
 

@@ -49,7 +49,7 @@ class Blocker:
     """Seats at which the tool meets it, and casts that end at it."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)  # it holds arrays
 class Reach:
     """What was found for one target."""
 
