@@ -60,7 +60,7 @@ class Fastener:
     """"bolt" (hexagon head), "screw" (round head, or a socket without one), "nut" or "stud"."""
     frame: Floats
     """`(4, 4)` world_from_fastener: the origin in the middle of the top of head or nut, z along the axis out of the
-    joint, where the tool comes from."""
+    joint, where the tool comes from. x is across that coordinate axis of the world which is least along z."""
     size: float
     """Diameter of the thread as the mesh has it; of a nut its bore's."""
     across_flats: float
@@ -229,7 +229,7 @@ def _of_shape(world: Mockup, shape: SameShape, said: list[str | None], is_naming
             part=part,
             path=world.part_paths[part],
             kind=kind,
-            frame=place @ _frame(seen.top, seen.axis),
+            frame=_frame(place[:3, :3] @ seen.top + place[:3, 3], place[:3, :3] @ seen.axis),
             size=seen.size,
             across_flats=seen.across_flats,
             length=seen.length,
