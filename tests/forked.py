@@ -141,6 +141,8 @@ CASES: dict[str, Callable[[], Any]] = {
     "haptics": felt,
     "haptics, running": ran,
     "study": studied,
+    "fasteners": lambda: feeler.find_fasteners(SCENE).frames.tobytes(),
+    "access": lambda: arrays(feeler.access(SCENE, TOOL, POSES[:4], threads=2), "swing", "reachable"),
     "load": loaded,
 }
 

@@ -63,6 +63,8 @@ CASES = [
     "haptics",
     "haptics, running",
     "study",
+    "fasteners",
+    "access",
     "load",
 ]
 

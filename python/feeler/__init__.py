@@ -40,8 +40,10 @@ from feeler.ignored import IgnoredPairs
 from feeler.interchange import from_open3d, from_pyvista, from_trimesh, from_urdf
 from feeler.io import load_mockup, load_tool
 from feeler.mockup import Mockup, Tool
+from feeler.plan.fasteners import Fastener, Fasteners, find_fasteners
 from feeler.plan.order import RemovalOrder, RemovalStep, removal_order
-from feeler.plan.removal import Blocker, Certificate, Removal, removal
+from feeler.plan.reaching import Access, Blocker, Reach, access
+from feeler.plan.removal import Certificate, Removal, RemovalBlocker, removal
 from feeler.poses import nearest_rigid
 from feeler.samples import sample, sample_path, sample_poses, sample_tool
 from feeler.scene import ContactTracker, PairKind, Scene, optimal_voxel_size
@@ -52,6 +54,7 @@ if _TYPE_CHECKING:
 __version__ = _version("feeler")
 
 __all__ = [
+    "Access",
     "Batch",
     "Blocker",
     "Cast",
@@ -68,6 +71,8 @@ __all__ = [
     "DeviceError",
     "Distance",
     "DistanceBatch",
+    "Fastener",
+    "Fasteners",
     "FeelerError",
     "IgnoredPairs",
     "LimitError",
@@ -83,7 +88,9 @@ __all__ = [
     "Penetration",
     "PoseError",
     "Rays",
+    "Reach",
     "Removal",
+    "RemovalBlocker",
     "RemovalOrder",
     "RemovalStep",
     "Scene",
@@ -93,7 +100,9 @@ __all__ = [
     "Verdict",
     "View",
     "WorkbenchError",
+    "access",
     "clash",
+    "find_fasteners",
     "from_open3d",
     "from_pyvista",
     "from_trimesh",

@@ -16,6 +16,7 @@ from feeler import _core
 from feeler.errors import MeshError, OptionError, PoseError
 from feeler.mockup import Mockup, Tool
 from feeler.parts import Part, PartsLike
+from feeler.plan.blocked import Blocker
 from feeler.scene import Scene
 
 Progress = Callable[[float, str], object]
@@ -28,17 +29,11 @@ _LARGEST_SEED = 2**64 - 1
 
 
 @dataclass(frozen=True, eq=False)
-class Blocker:
-    """A part that was in the way."""
+class RemovalBlocker(Blocker):
+    """A part that was in the way, how often, and the best try that it stopped."""
 
-    part: int
-    """Its index in `mockup.parts`."""
-    name: str
-    path: str
-    count: int
-    """Tries that it stopped."""
     reach: float
-    """How far from the start the middle of what moves was in the best of these, metres."""
+    """How far from the start the middle of what moves was in the best of these tries, metres."""
     pose: npt.NDArray[np.float64]
     """`(4, 4)`: the motion of the part then."""
 
@@ -75,7 +70,7 @@ class Removal:
     free: bool
     """Whether each leg was verified by casts with the same allowances, as `check_path` does it; so is each way found."""
     certificate: Certificate
-    blocked_by: tuple[Blocker, ...]
+    blocked_by: tuple[RemovalBlocker, ...]
     """The parts that stopped a try, the one that stopped most first; also where a way was found."""
     is_out_of_time: bool
     """Whether `seconds` were over before all was tried."""
@@ -154,8 +149,7 @@ def removal(
         strict=True,
     )
     blockers = (
-        Blocker(part, mockup.part_names[part], mockup.part_paths[part], count, reach, np.array(pose))
-        for part, count, reach, pose in rows
+        RemovalBlocker(part, mockup.part_paths[part], count, reach, np.array(pose)) for part, count, reach, pose in rows
     )
     return Removal(
         found=found,
