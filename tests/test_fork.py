@@ -65,6 +65,7 @@ CASES = [
     "study",
     "fasteners",
     "access",
+    "removal",
     "load",
 ]
 

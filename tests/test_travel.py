@@ -93,6 +93,30 @@ def reached() -> dict[str, list[Any]]:
     }
 
 
+def removed() -> dict[str, list[Any]]:
+    """A part that comes out of a corner after another, and what was in its way."""
+    low, high = box((0, 0, 0), 0.5), box((0, 0, 0.5), 0.5)
+    wall = box((0.5, 0, 0), 1.0)
+    mock = feeler.Mockup(
+        np.concatenate([low[0], high[0], wall[0]]),
+        np.concatenate([faces + 8 * i for i, (_, faces) in enumerate([low, high, wall])]),
+        np.repeat([0, 1, 2], 12),
+        ["low", "high", "wall"],
+    )
+    scene = feeler.Scene(mock)
+    straight = feeler.removal(scene, "high", threads=1)
+    stopped = feeler.removal(scene, "low", directions=[[1, 0, 0]], threads=1)
+    assert stopped.blocked_by
+    order = feeler.removal_order(scene, "high", threads=1)
+    return {
+        "Removal": [straight, stopped],
+        "RemovalBlocker": list(stopped.blocked_by),
+        "Certificate": [straight.certificate],
+        "RemovalOrder": [order],
+        "RemovalStep": list(order),
+    }
+
+
 def samples() -> dict[str, list[Any]]:
     """Of each class that travels, at least one object; those of results both with and without a find."""
     mock = mockup()
@@ -155,6 +179,7 @@ def samples() -> dict[str, list[Any]]:
         "Clashes": [clashes(), clashes()[:0]],
         "Clash": list(clashes()),
         **reached(),
+        **removed(),
     }
 
 

@@ -63,5 +63,5 @@ def _engine(found: Result) -> Iterator[Goal]:
     yield Goal(name, "parts a minute", f"{PARTS_A_MINUTE}", f"{a_minute:.3g}", a_minute >= PARTS_A_MINUTE, True)
     yield Goal(name, "ways that are free", "all that are found", f"{rate['free']}", rate["free"] == rate["found"])
     what = f"{access['targets']} bolts x {access['angles']} angles"
-    is_met = access["total_s"] <= ACCESS_S
-    yield Goal(name, what, f"{ACCESS_S:g} s", f"{access['total_s']:.3g} s", is_met, True)
+    is_met = access["worst_s"] <= ACCESS_S
+    yield Goal(name, what, f"{ACCESS_S:g} s", f"{access['worst_s']:.3g} s at most", is_met, True)

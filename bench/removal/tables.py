@@ -81,16 +81,19 @@ def engine(found: Result) -> str:
                 minute >= goals.PARTS_A_MINUTE,
             ),
         ],
+        *(
+            [
+                f"a wrench {row['where']}: {access['targets']} bolts x {access['angles']} angles, "
+                f"{access['triangles']:,} triangles",
+                f"{goals.ACCESS_S:g} s",
+                bold(
+                    f"{_seconds(row['total_s'])}; {row['reachable']} can be reached", row["total_s"] <= goals.ACCESS_S
+                ),
+            ]
+            for row in access["rows"]
+        ),
         [
-            f"a wrench at {access['targets']} bolts x {access['angles']} angles, {access['triangles']:,} triangles",
-            f"{goals.ACCESS_S:g} s",
-            bold(
-                f"{_seconds(access['total_s'])}; {access['reachable']} can be reached",
-                access["total_s"] <= goals.ACCESS_S,
-            ),
-        ],
-        [
-            f"finding the bolts, {access['triangles']:,} triangles",
+            f"finding the fasteners, {access['triangles']:,} triangles",
             "",
             f"{_seconds(access['finding_s'])}; {access['fasteners']:,} found",
         ],

@@ -40,9 +40,10 @@ from feeler.ignored import IgnoredPairs
 from feeler.interchange import from_open3d, from_pyvista, from_trimesh, from_urdf
 from feeler.io import load_mockup, load_tool
 from feeler.mockup import Mockup, Tool
+from feeler.plan.blocked import Blocker
 from feeler.plan.fasteners import Fastener, Fasteners, find_fasteners
 from feeler.plan.order import RemovalOrder, RemovalStep, removal_order
-from feeler.plan.reaching import Access, Blocker, Reach, access
+from feeler.plan.reaching import Access, Reach, access
 from feeler.plan.removal import Certificate, Removal, RemovalBlocker, removal
 from feeler.poses import nearest_rigid
 from feeler.samples import sample, sample_path, sample_poses, sample_tool

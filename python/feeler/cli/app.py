@@ -100,19 +100,3 @@ def feeler(
 
 
 # Each registers itself with `app`, in the order in which --help lists them.
-from feeler.cli import (
-    demo,
-    info,
-    collide,
-    clearance,
-    path,
-    clash,
-    remove,
-    access,
-    feel,
-    view,
-    replay,
-    sample,
-    bench,
-    study,
-)  # noqa: E402, F401, I001

@@ -194,7 +194,7 @@ class _Asked:
         mockup = self.scene.mockup
         name = mockup.part_paths[int(parts[0])] if len(parts) == 1 else count(len(parts), "part")
         gone = tuple(parts.tolist())
-        grip = {"tool": self.hand, "start": None if self.hand is None else self.start}
+        grip: dict[str, Any] = {"tool": self.hand, "start": None if self.hand is None else self.start}
         with bar(f"taking out {name}") as progress:
             if order:
                 found = feeler.removal_order(
