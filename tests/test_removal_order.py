@@ -7,10 +7,11 @@ import pickle
 
 import numpy as np
 import pytest
-from shapes import box, cube, inverted, joined, mockup_of
+from shapes import at, box, cube, inverted, joined, mockup_of
 
 import feeler
 from feeler.errors import OptionError
+from feeler.plan.as_glb import in_steps, moments
 
 # A chest, a lid that lies inside the rim of it, a cover on the rim, and a thing in the chest; metres.
 CHEST = {
@@ -90,3 +91,18 @@ def test_an_order_travels(chest: feeler.Scene) -> None:
     for other in (pickle.loads(pickle.dumps(order)), copy.deepcopy(order)):
         assert other.parts == order.parts
         np.testing.assert_array_equal(other.steps[0].removal.poses, order.steps[0].removal.poses)
+
+
+def test_a_film_turns_as_the_way_does() -> None:
+    poses = np.stack([np.eye(4), at(0.5, 0.25, 0.125, degrees=90)])
+    middle = np.array([1.0, 2.0, 3.0])
+    way = in_steps(poses, middle)
+    np.testing.assert_array_equal(way[[0, -1]], poses)
+    assert len(way) == 17  # a quarter turn in steps of at most 0.1 rad
+    middles = way[:, :3, :3] @ middle + way[:, :3, 3]
+    steps = np.diff(middles, axis=0)
+    np.testing.assert_allclose(steps, np.broadcast_to(steps[0], steps.shape), atol=1e-12)
+    times = moments(way)
+    assert times[0] == 0.0 and (np.diff(times) > 0.0).all()
+    # Of a way that leads nowhere the moments differ, too.
+    assert (np.diff(moments(np.tile(np.eye(4), (3, 1, 1)))) > 0.0).all()

@@ -15,7 +15,7 @@ Result = dict[str, Any]
 
 WRENCH_GRIP = "y"
 LIFTS = {"at the heads": 0.0, "40 mm above them": 0.04, "in free space": 5.0}
-"""Where the wrench is held, metres above the heads. In free space each swing goes all the way round, which costs most."""
+"""Where the wrench is held, metres above the heads. In free space each swing goes all the way round: the most work."""
 LEAST_S = 0.25
 """Time for a part of the small engine: a straight way is found long before."""
 
@@ -73,7 +73,7 @@ def access(size: int, count: int, angles: int) -> Result:
     finding = time.perf_counter() - begun
     bolts = fasteners.where("*bolt*")
     targets = bolts[:: max(1, len(bolts) // count)][:count]
-    rows = []
+    rows: list[Result] = []
     with host.on_core(host.last_core()):
         for where, lift in LIFTS.items():
             begun = time.perf_counter()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+import math
 import os
 from collections.abc import Sequence
 
@@ -14,9 +16,12 @@ from feeler.io.film import PAUSE_S, seconds_of, with_neighbours
 from feeler.mockup import Mockup, Tool
 from feeler.plan.order import RemovalStep
 from feeler.plan.removal import Removal
+from feeler.poses import between, rotation_vector
 
 TURN_M_PER_RAD = 0.1
 """A turn by a radian takes as long as so many metres."""
+STEP_RAD = 0.1
+"""A film turns by no more from pose to pose: of 0.1 rad, what lies between is off by a 1/800 of the radius."""
 MOST_BLOCKERS = 20
 
 
@@ -51,7 +56,8 @@ def write_removal_glb(
     motions = []
     now = 0.0
     for number, step in enumerate(steps):
-        poses = shown_way(step.removal)
+        held_here = tool if number == len(steps) - 1 else None
+        poses = in_steps(shown_way(step.removal), middle_of(mockup, step.parts, held_here, start))
         times = now + moments(poses)
         together = [place[part] for part in step.parts] + (held if number == len(steps) - 1 else [])
         # Before its turn a part rests, and after it.
@@ -70,6 +76,25 @@ def shown_way(removal: Removal) -> FloatArray:
     if removal.found or not removal.blocked_by:
         return removal.poses
     return np.stack([np.eye(4), max(removal.blocked_by, key=lambda each: each.reach).pose])
+
+
+def middle_of(mockup: Mockup, parts: Sequence[int], tool: Tool | None, start: FloatArray | None) -> FloatArray:
+    """The middle of the box of what moves, which goes straight from pose to pose."""
+    moving = Tool.of_parts(mockup, list(parts))
+    if tool is not None:
+        moving = Tool.assembly({"parts": moving, "tool": (tool, np.eye(4) if start is None else start)})
+    middle: FloatArray = moving.bounds.mean(axis=0)
+    return middle
+
+
+def in_steps(poses: FloatArray, middle: FloatArray) -> FloatArray:
+    """The way with poses between, where it turns: a film moves the origin straight, a way the middle."""
+    way = [poses[0]]
+    for before, after in itertools.pairwise(poses):
+        angle = float(np.linalg.norm(rotation_vector(after[:3, :3] @ before[:3, :3].T)))
+        steps = max(1, math.ceil(angle / STEP_RAD))
+        way += [between(before, after, middle, step / steps) for step in range(1, steps + 1)]
+    return np.stack(way)
 
 
 def moments(poses: FloatArray) -> FloatArray:
