@@ -5,9 +5,10 @@
 //! measure, that of contact planes, and is taken at steps.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use feeler_contacts::ContactSolver;
-use feeler_core::{Pose, Scene, Tool};
+use feeler_core::{IgnoredPairs, Pose, Scene, Tool};
 
 use crate::constants::TOUCH;
 use crate::error::{Error, Result};
@@ -73,23 +74,27 @@ pub fn find_seats(
     }
     let mut depths: BTreeMap<[u32; 2], f64> = BTreeMap::new();
     if nearest.values().any(|distance| *distance <= TOUCH) {
-        for plane in solver.contacts(tool, start, 0.0, None)?.planes {
-            let depth = depths.entry([plane.tool_part(tool), plane.part]).or_insert(0.0);
-            *depth = depth.max(-plane.gap);
-        }
+        depths = depths_of(solver, tool, start)?;
     }
     let mut found = Start::default();
     for (pair, distance) in nearest {
         let [tool_part, part] = pair;
-        let depth = depths.get(&pair).copied().unwrap_or(0.0);
         let meets = distance <= TOUCH;
-        let kind = match depth > TOUCH {
-            _ if !meets => SeatKind::Near,
-            true => SeatKind::Deep,
-            false => SeatKind::Flush,
-        };
         if meets && tool_part >= own_parts {
             return Err(Error::StartsInCollision { tool_part, part });
+        }
+        let mut depth = depths.get(&pair).copied().unwrap_or(0.0);
+        let mut kind = if meets { SeatKind::Flush } else { SeatKind::Near };
+        if meets {
+            // Planes of one pair may stand for those of others: a pair of several is measured alone, too.
+            let alone = || alone(scene, tool, pair);
+            if depth > TOUCH || alone().is_entering(tool, start) {
+                kind = SeatKind::Deep;
+                if tool.parts() > 1 || depth <= TOUCH {
+                    let solver = solver.with_scene(Arc::new(alone()));
+                    depth = depths_of(&solver, tool, start)?.get(&pair).copied().unwrap_or(0.0).max(depth);
+                }
+            }
         }
         if !meets || allowed.start {
             found.seats.push(Seat { tool_part, part, kind, depth: depth.max(allowed.overlap) });
@@ -98,4 +103,21 @@ pub fn find_seats(
         }
     }
     Ok(found)
+}
+
+/// The deepest contact gap of each pair, metres.
+fn depths_of(solver: &ContactSolver, tool: &Tool, pose: &Pose) -> Result<BTreeMap<[u32; 2], f64>> {
+    let mut depths: BTreeMap<[u32; 2], f64> = BTreeMap::new();
+    for plane in solver.contacts(tool, pose, 0.0, None)?.planes {
+        let depth = depths.entry([plane.tool_part(tool), plane.part]).or_insert(0.0);
+        *depth = depth.max(-plane.gap);
+    }
+    Ok(depths)
+}
+
+/// The scene of one pair.
+fn alone(scene: &Scene, tool: &Tool, [tool_part, part]: [u32; 2]) -> Scene {
+    let others = (0..tool.parts() as u32).filter(|other| *other != tool_part).map(|other| [other, part]);
+    let parts = scene.mockup().part_bounds().len();
+    scene.of_one_part(part).ignoring(Arc::new(IgnoredPairs::new(tool.parts(), parts, others)))
 }
