@@ -186,6 +186,8 @@ class _Search:
         free: dict[str, Any] = {"tool": None, "start": None, "directions": None}
         while pending:
             for each in pending:
+                if self._is_over():
+                    return _Out(False, steps)
                 out = self.take_out((each,), away, fixed | {each}, free, deep + 1)
                 if out.found:
                     steps += out.steps
