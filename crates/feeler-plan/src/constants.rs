@@ -6,9 +6,25 @@
 /// what is made. Larger: casts end earlier, and more of what is flush counts as seated.
 pub const TOUCH: f64 = 1e-6;
 
-/// How much deeper than at the start a seated pair may be, metres: contact gaps of curved surfaces vary by as much from facet to facet.
+/// How far a seated pair that is in each other may go deeper, or leave its place, metres: facets of curved surfaces differ by as much.
 /// Larger: parts are drawn through bumps of that height.
 pub const SEAT_TOLERANCE: f64 = 1e-5;
+
+/// What seems to touch is looked at again a little beside: along this direction (unit, askew to all that is made), both ways,
+pub const BESIDE: [f64; 3] = [0.485_071_250_072_666, -0.727_606_875_108_999, 0.485_071_250_072_666];
+/// by this share of the tool's length; above rounding, and below what is modelled.
+pub const BESIDE_SHARE: f64 = 1e-5;
+/// Times the step beside by which a pair is in each other on both sides if it really is. What touches is at most one deep.
+pub const MOST_BESIDE: f64 = 3.0;
+
+/// Depth at the start, in lengths of the tool, up to which a pair is a fit, as of what is pressed into a hole: it may be as deep on all of
+/// its way. A deeper one has no hole, and is drawn out of the place it has. Larger: thicker walls are passed through sideways.
+pub const FIT_DEPTH: f64 = 0.02;
+
+/// Triangles of the tool times crossings of surfaces that are looked at, at a step. Fewer: of large parts fewer crossings are asked for.
+pub const MOST_CROSSING_WORK: usize = 20_000;
+/// Least crossings looked at, however large the tool is.
+pub const LEAST_CROSSINGS: usize = 8;
 
 /// Steps at which seated pairs are measured while the tool moves by its own length. More: thinner ribs within a seat are seen, and it
 /// takes longer.
@@ -36,8 +52,9 @@ pub const DIRECTION_MARGIN: f64 = 0.02;
 /// Most contact planes of which sums and cross products are taken: they are quadratic.
 pub const MOST_NORMALS: usize = 10;
 
-/// Cosine from which on two directions are one: two degrees. Smaller: fewer ways are tried.
-pub const SAME_DIRECTION: f64 = 0.9994;
+/// Cosine from which on two directions are one: 1.4 urad, which over a tenth of a metre is less than what touches. Smaller: a direction
+/// along a face may be taken for one that leads into it.
+pub const SAME_DIRECTION: f64 = 1.0 - 1e-12;
 
 /// Most directions tried.
 pub const MOST_DIRECTIONS: usize = 96;
@@ -57,6 +74,9 @@ pub const NODES_A_LIFE: u64 = 60;
 
 /// Longest motion towards a sample, in lengths of the tool.
 pub const STEP: f64 = 0.5;
+
+/// The share of samples towards which the nearest node moves without a turn.
+pub const STRAIGHT_SHARE: f64 = 0.3;
 
 /// What a turn weighs when the nearest node is sought: a lever, as a share of the tool's radius.
 pub const TURN_WEIGHT: f64 = 0.5;

@@ -127,10 +127,10 @@ mod tests {
     fn the_axis_of_a_cylinder_is_among_a_parts_own_axes() {
         let (vertices, faces) = cylinder(0.01, 0.01, 24, 3);
         let along = unit(&[0.3, -0.5, 0.8]).unwrap();
-        // z to `along`, by two reflections.
+        // x to `along`, by two reflections.
         let mirror = |p: &Point, n: &Point| sub(p, &scaled(n, 2.0 * dot(p, n) / dot(n, n)));
-        let half = sub(&along, &[0.0, 0.0, 1.0]);
-        let vertices = vertices.iter().map(|p| mirror(&mirror(p, &[1.0, 0.0, 0.0]), &half)).collect();
+        let half = sub(&along, &[1.0, 0.0, 0.0]);
+        let vertices = vertices.iter().map(|p| mirror(&mirror(p, &[0.0, 1.0, 0.0]), &half)).collect();
         let tool = Tool::new(vertices, faces).unwrap();
         assert!(own_axes(&tool).iter().any(|axis| dot(axis, &along).abs() > 1.0 - 1e-9));
     }

@@ -14,7 +14,8 @@ use feeler_core::{closest_triangle_triangle, Motion, Point, Pose};
 
 use crate::blocked::Tally;
 use crate::constants::{
-    BLOCKER_MARGIN, EXIT_EVERY, LONGEST_SLIDE, MOST_SLIDES, NODES_A_LIFE, SHORTEST_STEP, SLIDE_SKIN, STEP, TURN_WEIGHT,
+    BLOCKER_MARGIN, EXIT_EVERY, LONGEST_SLIDE, MOST_SLIDES, NODES_A_LIFE, SHORTEST_STEP, SLIDE_SKIN, STEP,
+    STRAIGHT_SHARE, TURN_WEIGHT,
 };
 use crate::error::Result;
 use crate::random::Random;
@@ -100,11 +101,16 @@ impl<'a> Tree<'a> {
 
     /// One sample: the nearest node towards it, sliding where it is stopped.
     fn extend(&mut self) -> Result<()> {
-        let (place, q) = self.sample();
+        let (place, mut q) = self.sample();
         let mut at = self.nearest(&place, &q);
+        let turns = self.random.share() >= STRAIGHT_SHARE;
+        if !turns {
+            // Ducts are passed without a turn, and along walls, in long motions.
+            q = self.nodes[at].quaternion;
+        }
         let rotation = rotation_of_quaternion(&q);
         let target = pose_of(&rotation, &sub(&place, &times(&rotation, &self.metric.centre)))?;
-        let mut target = self.no_farther_than(&self.nodes[at].pose, &target);
+        let mut target = if turns { self.no_farther_than(&self.nodes[at].pose, &target) } else { target };
         let mut blockers: Vec<[u32; 2]> = Vec::new();
         let mut normals: Vec<Point> = Vec::new();
         for _ in 0..=MOST_SLIDES {
@@ -126,7 +132,7 @@ impl<'a> Tree<'a> {
             } else if moved <= SHORTEST_STEP * self.around.size() {
                 return Ok(());
             }
-            let Some(next) = self.slid(&self.nodes[at].pose, &target, &mut blockers, &mut normals)? else {
+            let Some(next) = self.slid((&self.nodes[at].pose, &target), turns, &mut blockers, &mut normals)? else {
                 return Ok(());
             };
             target = next;
@@ -165,31 +171,33 @@ impl<'a> Tree<'a> {
         motion.at((STEP * self.around.size() / motion.longest_way()).min(1.0))
     }
 
-    /// Where a motion goes on from a pose where pairs of triangles are in its way: the pose nearest to the target that keeps these off.
+    /// Where a motion goes on from a pose where pairs of triangles are in its way: the pose nearest to the target that keeps these off,
+    /// turned by them or not.
     /// `normals` become those of the contacts.
     fn slid(
         &self,
-        from: &Pose,
-        target: &Pose,
+        (from, target): (&Pose, &Pose),
+        turns: bool,
         blockers: &mut Vec<[u32; 2]>,
         normals: &mut Vec<Point>,
     ) -> Result<Option<Pose>> {
         let (tool, size) = (self.around.tool(), self.around.size());
         let mesh = self.around.solver().scene().mockup().mesh();
         let centre = from.apply(&self.metric.centre);
-        let skin = SLIDE_SKIN * size;
+        let (skin, clearance) = (SLIDE_SKIN * size, self.around.clearance());
         let mut rows: Vec<HalfSpace> = Vec::new();
         normals.clear();
         blockers.retain(|[t, m]| {
             let closest =
                 closest_triangle_triangle(&from.apply_triangle(&tool.mesh().triangle(*t)), &mesh.triangle(*m));
-            if closest.distance > BLOCKER_MARGIN * size {
+            if closest.distance > BLOCKER_MARGIN * size + clearance {
                 return false;
             }
             if let Some(normal) = unit(&sub(&closest.on_p, &closest.on_q)) {
                 normals.push(normal);
-                let arm = sub(&closest.on_p, &centre);
-                rows.push(self.metric.half_space(from, &normal, &arm, skin - closest.distance));
+                // Without an arm a contact turns nothing.
+                let arm = if turns { sub(&closest.on_p, &centre) } else { [0.0; 3] };
+                rows.push(self.metric.half_space(from, &normal, &arm, skin + clearance - closest.distance));
             }
             true
         });
@@ -201,7 +209,8 @@ impl<'a> Tree<'a> {
         if !found.is_feasible || reach < SHORTEST_STEP * size {
             return Ok(None);
         }
-        let by = by * (LONGEST_SLIDE * size / reach).min(1.0);
+        let longest = if turns { LONGEST_SLIDE * size } else { f64::INFINITY };
+        let by = by * (longest / reach).min(1.0);
         Ok(Some(displaced(from, &by, &self.metric.centre)?))
     }
 

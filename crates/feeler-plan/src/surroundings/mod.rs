@@ -1,5 +1,6 @@
 //! What a part is taken out of: how far it moves freely, and what it may touch on the way.
 
+mod place;
 mod seated;
 mod seats;
 mod walk;

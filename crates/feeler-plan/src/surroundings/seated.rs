@@ -21,6 +21,8 @@ pub struct Seated {
     /// Those that are in each other, and how many.
     pub(super) deep: Option<ContactSolver>,
     pub(super) deep_pairs: usize,
+    /// Whether any of them has no hole.
+    pub(super) has_sunk: bool,
     /// All that are seated.
     pub(super) all: Option<Scene>,
 }
@@ -70,8 +72,9 @@ impl Makings {
             ordinary: without(held(&meets)),
             clear: without(held(&|_| true)),
             flush: alone(held(&|kind| kind == SeatKind::Flush)),
-            deep: alone(held(&|kind| kind == SeatKind::Deep)).map(|scene| self.solver.with_scene(Arc::new(scene))),
-            deep_pairs: held(&|kind| kind == SeatKind::Deep).len(),
+            deep: alone(held(&SeatKind::is_deep)).map(|scene| self.solver.with_scene(Arc::new(scene))),
+            deep_pairs: held(&SeatKind::is_deep).len(),
+            has_sunk: !held(&|kind| kind == SeatKind::Sunk).is_empty(),
             all: alone(held(&|_| true)),
             holds,
         }

@@ -1,16 +1,19 @@
 //! Pairs that may meet: those that do where the part is, and those that are named.
 //!
-//! Parts of an assembly touch, and in models of one many are in each other. A pair that meets at the start may meet until it parts, and
-//! never deeper than then. A pair that only touches is followed by casts that may slide; of one that is in each other the depth is a
-//! measure, that of contact planes, and is taken at steps.
+//! Parts of an assembly touch, and in models of one many are in each other. A pair that meets at the start may meet until it parts. One
+//! that touches is followed by casts that may slide. Of one that is in each other the depth is a measure, that of contact planes, and is
+//! taken at steps: a fit may be as deep as at the start. What is deeper has no hole in the model: bolts in plates. The least depth is then
+//! the way through, or the way back, and says nothing; so the part may not move against a plane that it is behind, and the surfaces
+//! cross nowhere but in the place that the part has at the start.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use feeler_contacts::ContactSolver;
+use feeler_core::geometry::vectors::{length, scaled};
 use feeler_core::{IgnoredPairs, Pose, Scene, Tool};
 
-use crate::constants::TOUCH;
+use crate::constants::{BESIDE, BESIDE_SHARE, FIT_DEPTH, MOST_BESIDE, TOUCH};
 use crate::error::{Error, Result};
 
 /// What may meet.
@@ -31,8 +34,17 @@ pub enum SeatKind {
     Near,
     /// It touches.
     Flush,
-    /// One is in the other.
-    Deep,
+    /// One is a little in the other.
+    Fit,
+    /// One is in the other, as if there were no hole.
+    Sunk,
+}
+
+impl SeatKind {
+    /// Whether one is in the other.
+    pub fn is_deep(self) -> bool {
+        matches!(self, SeatKind::Fit | SeatKind::Sunk)
+    }
 }
 
 /// A part of the tool and one of the mock-up that are together at the start.
@@ -72,29 +84,51 @@ pub fn find_seats(
     if nearest.is_empty() {
         return Ok(Start::default());
     }
-    let mut depths: BTreeMap<[u32; 2], f64> = BTreeMap::new();
-    if nearest.values().any(|distance| *distance <= TOUCH) {
-        depths = depths_of(solver, tool, start)?;
+    let meets = nearest.values().any(|distance| *distance <= TOUCH);
+    let mut depths = if meets { depths_at(solver, tool, start)? } else { BTreeMap::new() };
+    if tool.parts() > 1 {
+        // Planes of one pair may stand for those of others: each is measured alone, too.
+        for pair in nearest.iter().filter(|(_, distance)| **distance <= TOUCH).map(|(pair, _)| *pair) {
+            let alone = alone(scene, tool, pair);
+            if alone.is_entering(tool, start) {
+                let own = depths_at(&solver.with_scene(Arc::new(alone)), tool, start)?;
+                let depth = own.get(&pair).copied().unwrap_or(0.0);
+                depths.entry(pair).and_modify(|known| *known = known.max(depth)).or_insert(depth);
+            }
+        }
+    }
+    let size = length(&tool.mesh().bounds().extent());
+    // Where edges lie in faces, contacts may miss that one is in the other: a little beside they do not.
+    let is_flush = |pair: &[u32; 2]| nearest[pair] <= TOUCH && depths.get(pair).is_none_or(|depth| *depth <= TOUCH);
+    if nearest.keys().any(is_flush) {
+        let mut beside: BTreeMap<[u32; 2], f64> = BTreeMap::new();
+        for sign in [1.0, -1.0] {
+            let by = scaled(&BESIDE, sign * BESIDE_SHARE * size);
+            for (pair, depth) in depths_at(solver, tool, &start.translated(&by)?)? {
+                let least = beside.entry(pair).or_insert(f64::INFINITY);
+                *least = least.min(depth);
+            }
+        }
+        for (pair, depth) in beside {
+            if nearest.contains_key(&pair) && depth > MOST_BESIDE * BESIDE_SHARE * size {
+                let known = depths.entry(pair).or_insert(depth);
+                *known = known.max(depth);
+            }
+        }
     }
     let mut found = Start::default();
     for (pair, distance) in nearest {
         let [tool_part, part] = pair;
         let meets = distance <= TOUCH;
+        let depth = depths.get(&pair).copied().unwrap_or(0.0);
+        let kind = match depth {
+            _ if !meets => SeatKind::Near,
+            depth if depth <= TOUCH => SeatKind::Flush,
+            depth if depth <= FIT_DEPTH * size => SeatKind::Fit,
+            _ => SeatKind::Sunk,
+        };
         if meets && tool_part >= own_parts {
             return Err(Error::StartsInCollision { tool_part, part });
-        }
-        let mut depth = depths.get(&pair).copied().unwrap_or(0.0);
-        let mut kind = if meets { SeatKind::Flush } else { SeatKind::Near };
-        if meets {
-            // Planes of one pair may stand for those of others: a pair of several is measured alone, too.
-            let alone = || alone(scene, tool, pair);
-            if depth > TOUCH || alone().is_entering(tool, start) {
-                kind = SeatKind::Deep;
-                if tool.parts() > 1 || depth <= TOUCH {
-                    let solver = solver.with_scene(Arc::new(alone()));
-                    depth = depths_of(&solver, tool, start)?.get(&pair).copied().unwrap_or(0.0).max(depth);
-                }
-            }
         }
         if !meets || allowed.start {
             found.seats.push(Seat { tool_part, part, kind, depth: depth.max(allowed.overlap) });
@@ -105,8 +139,8 @@ pub fn find_seats(
     Ok(found)
 }
 
-/// The deepest contact gap of each pair, metres.
-fn depths_of(solver: &ContactSolver, tool: &Tool, pose: &Pose) -> Result<BTreeMap<[u32; 2], f64>> {
+/// How deep each pair is at a pose, metres.
+fn depths_at(solver: &ContactSolver, tool: &Tool, pose: &Pose) -> Result<BTreeMap<[u32; 2], f64>> {
     let mut depths: BTreeMap<[u32; 2], f64> = BTreeMap::new();
     for plane in solver.contacts(tool, pose, 0.0, None)?.planes {
         let depth = depths.entry([plane.tool_part(tool), plane.part]).or_insert(0.0);

@@ -3,12 +3,13 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use feeler_contacts::ContactSolver;
-use feeler_core::geometry::vectors::{length, scaled, sub};
+use feeler_contacts::{ContactPlane, ContactSolver};
+use feeler_core::geometry::vectors::{dot, length, scaled, sub};
 use feeler_core::{Aabb, Cast, Motion, Point, Pose, Scene, Tool, Touching};
 
+use super::place::crossing_outside;
 use super::seated::{Makings, Seated};
-use super::seats::{find_seats, Allowed, Seat};
+use super::seats::{find_seats, Allowed, Seat, SeatKind};
 use crate::blocked::Tally;
 use crate::constants::{
     CLEARANCE_SHARE, CLEARANCE_SLACK, CLEARANCE_STEP, EXIT_MARGIN, SEAT_TOLERANCE, STEPS_A_LENGTH, TOUCH, VERIFY_FINER,
@@ -166,6 +167,11 @@ impl Surroundings {
         self.size
     }
 
+    /// How far it stays off what is not seated, metres.
+    pub fn clearance(&self) -> f64 {
+        self.clearance
+    }
+
     /// The middle of its box, tool frame, metres.
     pub fn middle(&self) -> &Point {
         &self.middle
@@ -321,12 +327,19 @@ impl Surroundings {
         }
         let scene = &seated.ordinary;
         let cast = match care {
-            _ if self.overlap > 0.0 => scene.cast_touching(tool, from, to, self.overlap, Touching::Within)?,
+            // Followed in steps below, where it meets something.
+            _ if self.overlap > 0.0 && scene.is_colliding(tool, from) => None,
             Care::Search(beside) => scene.cast_beside(tool, from, to, TOUCH, beside)?,
             Care::Verify => scene.cast(tool, from, to, TOUCH)?,
         };
         let ordinary = cast.map(|cast| ended(&cast, scene));
-        first = [first, ordinary].into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0));
+        // From when on what is not seated meets it, which an overlap allows.
+        let mut meets = None;
+        if self.overlap > 0.0 {
+            meets = ordinary.map(|(time, _)| time).or(scene.is_colliding(tool, from).then_some(0.0));
+        } else {
+            first = [first, ordinary].into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0));
+        }
         if let Some((0.0, stop)) = first {
             return stopped(0.0, stop);
         }
@@ -337,7 +350,7 @@ impl Surroundings {
             }
         }
         let has_seats = seated.all.is_some();
-        if measures || has_seats && self.clearance > 0.0 {
+        if seated.deep.is_some() || meets.is_some() || has_seats && self.clearance > 0.0 {
             let mut last = 0.0;
             for step in 1.. {
                 let time = (f64::from(step) / steps).min(end);
@@ -350,6 +363,10 @@ impl Surroundings {
                     break;
                 }
                 last = time;
+                if meets.is_some_and(|meets| meets < time) && !scene.is_colliding(tool, &pose) {
+                    // Off what it met: from here on it is cast again.
+                    return Ok(Part { fraction: time, end: End::Parted(seated.clone()) });
+                }
                 if depth == Depth::Held {
                     continue;
                 }
@@ -367,6 +384,23 @@ impl Surroundings {
         }
     }
 
+    /// What a pair `[tool part, part]` is at the start, and how deep it may be.
+    fn kind_of(&self, pair: [u32; 2]) -> Option<(SeatKind, f64)> {
+        let seat = self.makings.seats.iter().find(|seat| [seat.tool_part, seat.part] == pair)?;
+        Some((seat.kind, seat.depth))
+    }
+
+    /// Whether the tool has moved, since the start, against the normal of a plane that it is behind.
+    fn goes_in(&self, plane: &ContactPlane, pose: &Pose) -> bool {
+        let mesh = self.tool.mesh();
+        let moved = |p: &Point| dot(&sub(&pose.apply(p), &self.start.apply(p)), &plane.normal);
+        // The corner that is deepest behind it.
+        let corners = plane.tool_triangles.iter().flat_map(|t| mesh.triangle(*t));
+        let height = |p: &Point| dot(&pose.apply(p), &plane.normal);
+        let deepest = corners.min_by(|a, b| height(a).total_cmp(&height(b)));
+        deepest.is_some_and(|p| moved(&p) < -SEAT_TOLERANCE)
+    }
+
     /// How deep the pairs are that are in each other.
     fn depth(&self, seated: &Seated, pose: &Pose) -> Result<Depth> {
         let tool = &self.tool;
@@ -375,11 +409,23 @@ impl Surroundings {
             let mut pairs: Vec<[u32; 2]> = Vec::new();
             for plane in deep.contacts(tool, pose, 0.0, None)?.planes {
                 let pair = [plane.tool_part(tool), plane.part];
-                let seat = self.makings.seats.iter().find(|seat| [seat.tool_part, seat.part] == pair);
-                if -plane.gap > seat.map_or(0.0, |seat| seat.depth) + SEAT_TOLERANCE {
+                let is_too_deep = match self.kind_of(pair) {
+                    Some((SeatKind::Sunk, _)) => -plane.gap > SEAT_TOLERANCE && self.goes_in(&plane, pose),
+                    seat => -plane.gap > SEAT_TOLERANCE + seat.map_or(0.0, |(_, depth)| depth),
+                };
+                if is_too_deep {
                     return Ok(Depth::TooDeep(Stop { part: plane.part, triangles: None }));
                 }
                 pairs.push(pair);
+            }
+            if seated.has_sunk {
+                let mockup = deep.scene().mockup();
+                let mut hit = deep.scene().collide(tool, pose).pairs;
+                let kind = |[t, m]: &[u32; 2]| self.kind_of([tool.part_of_face(*t), mockup.part_of_face(*m)]);
+                hit.retain(|pair| kind(pair).is_some_and(|(kind, _)| kind == SeatKind::Sunk));
+                if let Some(part) = crossing_outside(tool, &self.start, mockup, &hit, pose) {
+                    return Ok(Depth::TooDeep(Stop { part, triangles: None }));
+                }
             }
             pairs.sort_unstable();
             pairs.dedup();
