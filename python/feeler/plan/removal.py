@@ -64,7 +64,7 @@ class Removal:
     rotation: float
     """How far it turns in all, radians."""
     clearance: float
-    """The least distance along the way of all that is not seated, metres, found within 1/256 of the size of what moves;
+    """The least distance along the way of all that is not seated, metres, taken every 1/64 of the size of what moves;
     infinite where nothing else is there, NaN where no way was found. Pairs that are together at the start are left out
     until they part, and parts that may be met all along."""
     free: bool
@@ -112,7 +112,7 @@ def removal(
 
     Touching ends a way, but for what is allowed. Pairs that touch at the start (nearer than 1e-6 m) are cast and may
     slide on each other; of pairs that are in each other the depth is the deepest contact gap, and is taken every 1/32
-    of the size of what moves (1/128 before a way is given), within 1e-5 m.
+    of the size of what moves (1/64 before a way is given), within 1e-5 m.
 
     Raises `OptionError` for parts that are not there, or that are all there are, and for numbers that cannot be;
     `PoseError` for a `start` that is not rigid or where the tool meets something; `MeshError` for what is no scene or tool.

@@ -26,7 +26,11 @@ pub fn straight_way(
                 return Ok(None);
             }
             let end = surroundings.moved(&start, direction, length)?;
-            if surroundings.walk(&seated, (&start, &end), Care::Search(&[]), tally)?.stop.is_none() {
+            // Where casts decide, one is enough.
+            let mut is_free = || -> Result<bool> {
+                Ok(surroundings.walk(&seated, (&start, &end), Care::Search(&[]), tally)?.stop.is_none())
+            };
+            if surroundings.casts_decide() || is_free()? {
                 if let Some(way) = verified(surroundings, vec![start, end], tally)? {
                     return Ok(Some(way));
                 }

@@ -192,6 +192,12 @@ impl Surroundings {
         !self.makings.seats.is_empty()
     }
 
+    /// Whether casts decide it all: then verifying a motion is casting it once more.
+    pub fn casts_decide(&self) -> bool {
+        let is_cast = |seat: &Seat| matches!(seat.kind, SeatKind::Near | SeatKind::Flush);
+        self.overlap == 0.0 && self.makings.seats.iter().all(is_cast)
+    }
+
     /// All seats as at the start.
     pub fn seated_at_start(&self) -> Arc<Seated> {
         self.seated(vec![true; self.makings.seats.len()])
