@@ -122,6 +122,7 @@ CASES: dict[str, Callable[[], Any]] = {
     ),
     "rays": lambda: arrays(SCENE.rays(*RAYS), "distances", "triangles"),
     "rays, own pool": lambda: arrays(OWN_POOL.rays(*RAYS), "distances", "triangles"),
+    "removal": lambda: arrays(feeler.removal(SCENE, 0, allow="*"), "poses"),
     "section": lambda: arrays(SCENE.section(MOCKUP.bounds.mean(axis=0), [1, 2, 3]), "segments", "triangles"),
     "section, own pool": lambda: arrays(OWN_POOL.section(MOCKUP.bounds.mean(axis=0), [1, 2, 3]), "segments"),
     "pack": lambda: [arrays(each, "positions", "parts", "indices") for each in MOCKUP.pack().pieces],

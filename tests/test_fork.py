@@ -44,6 +44,7 @@ CASES = [
     "containment",
     "rays",
     "rays, own pool",
+    "removal",
     "section",
     "section, own pool",
     "pack",

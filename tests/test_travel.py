@@ -69,6 +69,16 @@ def clashes() -> feeler.Clashes:
     return feeler.load_clashes(path)
 
 
+def removals() -> list[feeler.Removal]:
+    """A cube that comes out from beside another, and one that does not out of another."""
+    (a, faces), (b, _), (c, _) = box((0, 0, 0), 1.0), box((1.3, 0, 0), 1.0), box((0.4, 0.4, 0.4), 0.1)
+    parts = feeler.Mockup(
+        np.concatenate([a, b, c]), np.concatenate([faces, faces + 8, faces + 16]), np.repeat([0, 1, 2], 12)
+    )
+    scene = feeler.Scene(parts)
+    return [feeler.removal(scene, 1), feeler.removal(scene, 2, seconds=1e-9)]
+
+
 def samples() -> dict[str, list[Any]]:
     """Of each class that travels, at least one object; those of results both with and without a find."""
     mock = mockup()
@@ -130,6 +140,9 @@ def samples() -> dict[str, list[Any]]:
         "Verdict": list(feeler.Verdict),
         "Clashes": [clashes(), clashes()[:0]],
         "Clash": list(clashes()),
+        "Removal": removals(),
+        "Certificate": [each.certificate for each in removals()],
+        "Blocker": list(removals()[1].blocked_by),
     }
 
 
