@@ -107,9 +107,11 @@ def removed() -> dict[str, list[Any]]:
     straight = feeler.removal(scene, "high", threads=1)
     stopped = feeler.removal(scene, "low", directions=[[1, 0, 0]], threads=1)
     assert stopped.blocked_by
+    within = feeler.removal(scene, "wall", directions=[[-1, 0, 0]], seconds=1e-9)
+    assert not within.found
     order = feeler.removal_order(scene, "high", threads=1)
     return {
-        "Removal": [straight, stopped],
+        "Removal": [straight, stopped, within],
         "RemovalBlocker": list(stopped.blocked_by),
         "Certificate": [straight.certificate],
         "RemovalOrder": [order],

@@ -553,8 +553,8 @@ def removal(
 ) -> dict[str, Any]:
     """A way of a tool out of a scene, and who was in the way; the tool's first `own_parts` parts are of the mock-up.
 
-    `method`, `poses` `(n, 4, 4)`, `path_length`, `rotation`, `clearance`, `casts`, `is_out_of_time`; a row a part that stopped it:
-    `blockers` its index, `blocker_counts`, `blocker_reaches`, `blocker_poses` `(k, 4, 4)`.
+    `method`, `poses` `(n, 4, 4)`, `path_length`, `rotation`, `clearance`, `casts`, `is_out_of_time`; a row a part that
+    stopped it: `blockers` its index, `blocker_counts`, `blocker_reaches`, `blocker_poses` `(k, 4, 4)`.
     """
 
 def clash(

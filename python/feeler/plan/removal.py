@@ -56,19 +56,19 @@ class Removal:
 
     found: bool
     poses: npt.NDArray[np.float64]
-    """`(n, 4, 4)`: the motion of the parts in the world, from the identity, where they are, until they are out: a corner
-    of theirs, as the mock-up has it, is at `poses[i] @ corner`. Between two poses they move as `Scene.cast` does. Where
+    """`(n, 4, 4)`: the motion of the parts in the world, from the identity, where they are, until they are out: their
+    corner, as the mock-up has it, is at `poses[i] @ corner`. Between two poses they move as `Scene.cast` does. Where
     nothing was found, the identity alone."""
     path_length: float
     """How far the middle of the box of what moves goes, metres."""
     rotation: float
     """How far it turns in all, radians."""
     clearance: float
-    """The least distance along the way of all that is not seated, metres, taken every 1/64 of the size of what moves;
-    infinite where nothing else is there, NaN where no way was found. Pairs that are together at the start are left out
-    until they part, and parts that may be met all along."""
+    """The least distance along the way of all that is not seated, metres, right within 1/20 of itself or 1/64 of the
+    size of what moves, whichever is more; infinite where nothing else is there, NaN where no way was found. Pairs that
+    are together at the start are left out until they part, and parts that may be met all along."""
     free: bool
-    """Whether each leg was verified by casts with the same allowances, as `check_path` does it; so is each way found."""
+    """Whether each leg was verified by casts with the same allowances, as `check_path` does; so is each way found."""
     certificate: Certificate
     blocked_by: tuple[RemovalBlocker, ...]
     """The parts that stopped a try, the one that stopped most first; also where a way was found."""
@@ -110,12 +110,15 @@ def removal(
     - `seconds`: after these nothing more is tried. A way that is found does not depend on it, nor on `threads`.
     - `progress`: called with the share done (0 to 1) and the stage.
 
-    Touching ends a way, but for what is allowed. Pairs that touch at the start (nearer than 1e-6 m) are cast and may
-    slide on each other; of pairs that are in each other the depth is the deepest contact gap, and is taken every 1/32
-    of the size of what moves (1/64 before a way is given), within 1e-5 m.
+    Touching ends a way, but for what is allowed. Of pairs that meet at the start, those that touch (nearer than 1e-6 m)
+    are cast, and may slide on each other. What is in each other is measured every 1/32 of the size of what moves (1/64
+    before a way is given), within 1e-5 m, by the gaps of its contacts: up to 1/50 of that size it is a fit, and no
+    deeper than at the start. What is deeper has no hole in the model: it does not move against a contact that it is
+    behind, and its surface goes through the other's only where the part itself was.
 
     Raises `OptionError` for parts that are not there, or that are all there are, and for numbers that cannot be;
-    `PoseError` for a `start` that is not rigid or where the tool meets something; `MeshError` for what is no scene or tool.
+    `PoseError` for a `start` that is not rigid or where the tool meets something; `MeshError` for what is no scene or
+    tool.
     """
     begin = time.perf_counter()
     chosen, rest = _chosen(scene, parts)

@@ -222,7 +222,7 @@ impl<'a> Tree<'a> {
             self.way = Some(self.way_to(at));
             return Ok(true);
         }
-        if self.nodes.len() as u64 % EXIT_EVERY != 0 {
+        if !(self.nodes.len() as u64).is_multiple_of(EXIT_EVERY) {
             return Ok(false);
         }
         let last = unit(&sub(&self.nodes[at].place, &self.nodes[parent].place));
