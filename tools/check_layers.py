@@ -106,7 +106,7 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         # The mock-up against itself: what is one part to another, and how deep.
         "clash": {*CONTACTS_BASE, "query", "escape", "solver"},
     },
-    "feeler-plan": {},  # a row a room
+    "feeler-plan": {"swept": set()},
     "feeler-haptics": {
         "constants": set(),
         "error": set(),

@@ -1,1 +1,5 @@
 //! Ways out: removal of a part from a large triangle mock-up, and the volume that a motion sweeps.
+
+mod swept;
+
+pub use swept::sweep::{swept, Swept};

@@ -1,0 +1,61 @@
+//! Space, halved down to blocks with the steps that are near each.
+
+use feeler_core::Point;
+
+use super::block::{square_to_box, Field};
+use super::constants::BLOCK;
+use super::hull::{distance_point_hull, is_near_hull};
+use super::steps::box_around;
+
+/// A cube of the grid.
+pub struct Cube {
+    /// Its lowest node.
+    pub at: [u32; 3],
+    /// Cells along a side: those of a block, doubled some times.
+    pub side: u32,
+    /// Steps whose hulls may be near it.
+    pub near: Vec<u32>,
+}
+
+impl Cube {
+    pub fn is_block(&self) -> bool {
+        self.side == BLOCK as u32
+    }
+
+    /// Its eight halves in which the surface may be.
+    pub fn halves(&self, field: &Field<'_>) -> Vec<Cube> {
+        let side = self.side / 2;
+        let half = |c: u32| {
+            let at = std::array::from_fn(|a| self.at[a] + side * (c >> a & 1));
+            Some(Cube { at, side, near: near(field, at, side, &self.near)? })
+        };
+        (0..8).filter_map(half).filter(|cube| !cube.near.is_empty()).collect()
+    }
+}
+
+/// Those steps whose hulls are near a cube, of some; `None` where it lies in one of them.
+fn near(field: &Field<'_>, at: [u32; 3], side: u32, steps: &[u32]) -> Option<Vec<u32>> {
+    let [low, high] = [at, at.map(|x| x + side)].map(|node| field.place(node));
+    let middle: Point = std::array::from_fn(|a| 0.5 * (low[a] + high[a]));
+    let radius = 0.5 * feeler_core::geometry::vectors::length(&std::array::from_fn(|a| high[a] - low[a]));
+    let mut near = Vec::new();
+    for &number in steps {
+        let step = &field.steps.steps[number as usize];
+        let (corners, slack) = (field.steps.corners(step), f64::from(step.slack));
+        let reach = radius + field.far + slack + field.tolerance;
+        if square_to_box(&middle, &box_around(&corners)) >= reach * reach {
+            continue;
+        }
+        let distance = distance_point_hull(&middle, &corners, reach, field.tolerance);
+        if distance >= reach {
+            continue;
+        }
+        let node = |c: usize| std::array::from_fn(|a| if c >> a & 1 == 0 { low[a] } else { high[a] });
+        // All values in the cube are 0 then: distances are at most those of its corners.
+        if distance <= slack && (0..8).all(|c| is_near_hull(&node(c), &corners, slack)) {
+            return None;
+        }
+        near.push(number);
+    }
+    Some(near)
+}
