@@ -1,16 +1,17 @@
 //! One block: values at its nodes, what of them is inside the tool, and the surface between.
 
-use feeler_core::{Aabb, Point, Pose};
 use feeler_contacts::ToolSolid;
+use feeler_core::geometry::vectors::{add, cross, dot, scaled, sub};
+use feeler_core::{Aabb, Point, Pose, Tool};
 
-use super::cells::{node, surface, Piece, NODES, NODE_COUNT};
+use super::cells::{node, place_of, surface, Piece, NODES, NODE_COUNT};
 use super::constants::BLOCK;
-use super::hull::distance_point_hull;
-use super::steps::{box_around, Steps};
+use super::hull::{Hull, Plane, Until};
+use super::steps::Steps;
 
 /// Lengths in metres.
 pub struct Field<'a> {
-    pub steps: &'a Steps<'a>,
+    pub steps: &'a Steps,
     /// The grid's origin, from the steps' origin.
     pub corner: Point,
     pub spacing: f64,
@@ -33,72 +34,156 @@ pub struct Solid<'a> {
 
 /// Working memory.
 pub struct Scratch {
+    /// Hulls near the block and what is taken off distances to them, those first that are nearest its middle.
+    hulls: Vec<(Hull, f64)>,
+    order: Vec<(f64, u32)>,
     values: [f64; NODE_COUNT],
+    is_inside: [bool; NODE_COUNT],
+    is_wanted: [bool; NODE_COUNT],
     vertex_of: Vec<u32>,
     /// Nodes of one component.
     next: Vec<usize>,
-    is_seen: [bool; NODE_COUNT],
 }
 
 impl Default for Scratch {
     fn default() -> Scratch {
-        Scratch { values: [0.0; NODE_COUNT], vertex_of: Vec::new(), next: Vec::new(), is_seen: [false; NODE_COUNT] }
+        Scratch {
+            hulls: Vec::new(),
+            order: Vec::new(),
+            values: [0.0; NODE_COUNT],
+            is_inside: [false; NODE_COUNT],
+            is_wanted: [false; NODE_COUNT],
+            vertex_of: Vec::new(),
+            next: Vec::new(),
+        }
     }
 }
 
 impl Field<'_> {
     /// A node of the grid, from the steps' origin.
     pub fn place(&self, node: [u32; 3]) -> Point {
-        std::array::from_fn(|a| self.corner[a] + f64::from(node[a]) * self.spacing)
+        let ([i, j, k], [x, y, z]) = (node, self.corner);
+        let along = |from: f64, n: u32| from + f64::from(n) * self.spacing;
+        [along(x, i), along(y, j), along(z, k)]
     }
 
     /// The surface in the block at a node, with the steps that are near it.
     pub fn piece(&self, at: [u32; 3], near: &[u32], scratch: &mut Scratch) -> Piece {
-        scratch.values.fill(self.far);
-        for step in near {
-            self.apply(at, *step, &mut scratch.values);
-        }
-        let inside = scratch.values.iter().filter(|value| **value < self.level).count();
-        if inside == 0 || inside == NODE_COUNT {
-            return Piece::default();
-        }
+        self.gather(at, near, scratch);
+        let Some(()) = self.tell_sides(at, scratch) else { return Piece::default() };
+        self.refine(at, scratch);
         if let Some(solid) = &self.solid {
             self.fill(at, solid, scratch);
         }
         surface(&scratch.values, self.level, at, &mut scratch.vertex_of)
     }
 
-    /// Lowers the values at the nodes near a hull to the distance to it.
-    fn apply(&self, at: [u32; 3], step: u32, values: &mut [f64; NODE_COUNT]) {
-        let step = &self.steps.steps[step as usize];
-        let (corners, slack) = (self.steps.corners(step), f64::from(step.slack));
-        let bounds = box_around(&corners);
+    /// The hulls, in an order in which most nodes find one that they are in soon.
+    fn gather(&self, at: [u32; 3], near: &[u32], scratch: &mut Scratch) {
+        let [low, high] = [at, at.map(|x| x + BLOCK as u32)].map(|node| self.place(node));
+        let middle: Point = std::array::from_fn(|a| 0.5 * (low[a] + high[a]));
+        let until = Until { enough: f64::INFINITY, little: 0.0, tolerance: self.spacing };
+        scratch.order.clear();
+        scratch.order.extend(near.iter().map(|step| (self.steps.hull(*step).0.distance(&middle, &until).lower, *step)));
+        scratch.order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        scratch.hulls.clear();
+        scratch.hulls.extend(scratch.order.iter().map(|(_, step)| self.steps.hull(*step)));
+    }
+
+    /// Which nodes are below the level, and the values of those that are not; `None` where all are on one side.
+    fn tell_sides(&self, at: [u32; 3], scratch: &mut Scratch) -> Option<()> {
+        let Scratch { hulls, values, is_inside, .. } = scratch;
+        values.fill(self.far);
+        is_inside.fill(false);
+        let mut outside = NODE_COUNT;
+        for (hull, slack) in hulls {
+            let little = self.level + *slack;
+            let mut plane = Plane::default();
+            self.visit(at, hull, *slack, |n, p| {
+                if is_inside[n] {
+                    return;
+                }
+                let enough = values[n] + *slack;
+                if self.is_clear(hull, &plane, p, enough) {
+                    return;
+                }
+                let distance = hull.distance(p, &Until { enough, little, tolerance: self.tolerance });
+                plane = distance.plane;
+                values[n] = values[n].min((distance.lower - *slack).max(0.0));
+                if values[n] < self.level {
+                    is_inside[n] = true;
+                    outside -= 1;
+                }
+            });
+            if outside == 0 {
+                return None;
+            }
+        }
+        (outside < NODE_COUNT).then_some(())
+    }
+
+    /// The values of nodes inside that have one outside around them; of others inside it does not matter.
+    fn refine(&self, at: [u32; 3], scratch: &mut Scratch) {
+        let Scratch { hulls, values, is_inside, is_wanted, .. } = scratch;
+        is_wanted.fill(false);
+        for n in (0..NODE_COUNT).filter(|n| !is_inside[*n]) {
+            let [i, j, k] = place_of(n);
+            let around = |x: usize| x.saturating_sub(1)..=(x + 1).min(BLOCK);
+            for i in around(i) {
+                for j in around(j) {
+                    for k in around(k) {
+                        let m = node(i, j, k);
+                        if is_inside[m] && !is_wanted[m] {
+                            is_wanted[m] = true;
+                            values[m] = self.level;
+                        }
+                    }
+                }
+            }
+        }
+        for (hull, slack) in hulls {
+            let mut plane = Plane::default();
+            self.visit(at, hull, *slack, |n, p| {
+                if !is_wanted[n] || values[n] == 0.0 {
+                    return;
+                }
+                let enough = values[n] + *slack;
+                if self.is_clear(hull, &plane, p, enough) {
+                    return;
+                }
+                let until = Until { enough, little: 0.0, tolerance: self.tolerance };
+                let distance = hull.distance(p, &until);
+                plane = distance.plane;
+                values[n] = values[n].min((distance.lower - *slack).max(0.0));
+            });
+        }
+    }
+
+    /// Whether a point is so far from a hull that a bound of its distance would be at least `enough`, in whatever block it is asked
+    /// for: values must not depend on that, nor on the order of hulls. `plane`: of a point beside it.
+    #[inline(always)]
+    fn is_clear(&self, hull: &Hull, plane: &Plane, p: &Point, enough: f64) -> bool {
+        // Bounds are less than distances by up to the tolerance; and a little more for rounding.
+        let clear = enough + 1.125 * self.tolerance;
+        plane.least_distance(p) >= clear || hull.square_to_box(p) >= clear * clear
+    }
+
+    /// All nodes of a block that may be nearer to a hull than values reach.
+    #[inline]
+    fn visit(&self, at: [u32; 3], hull: &Hull, slack: f64, mut visit: impl FnMut(usize, &Point)) {
         // Of nodes beyond, the box itself is too far.
         let reach = self.far + slack;
         let range = |a: usize| {
-            let [low, high] = [bounds.lower[a] - reach, bounds.upper[a] + reach]
+            let [low, high] = [hull.bounds.lower[a] - reach, hull.bounds.upper[a] + reach]
                 .map(|x| (x - self.corner[a]) / self.spacing - f64::from(at[a]));
-            (low.ceil().max(0.0) as usize, high.floor().min(BLOCK as f64))
+            // Casts saturate.
+            (low.ceil().max(0.0) as usize, (high.floor() + 1.0).min(NODES as f64).max(0.0) as usize)
         };
-        let ranges: [_; 3] = std::array::from_fn(range);
-        if ranges.iter().any(|(low, high)| *high < *low as f64) {
-            return;
-        }
-        let ranges = ranges.map(|(low, high)| low..=high as usize);
-        for i in ranges[0].clone() {
-            for j in ranges[1].clone() {
-                for k in ranges[2].clone() {
-                    let value = &mut values[node(i, j, k)];
-                    if *value == 0.0 {
-                        continue;
-                    }
-                    let p = self.place([at[0] + i as u32, at[1] + j as u32, at[2] + k as u32]);
-                    let enough = *value + slack;
-                    if square_to_box(&p, &bounds) >= enough * enough {
-                        continue;
-                    }
-                    let distance = distance_point_hull(&p, &corners, enough, self.tolerance);
-                    *value = value.min((distance - slack).max(0.0));
+        let [is, js, ks] = std::array::from_fn(|a| range(a)).map(|(low, high)| low..high);
+        for i in is {
+            for j in js.clone() {
+                for k in ks.clone() {
+                    visit(node(i, j, k), &self.place([at[0] + i as u32, at[1] + j as u32, at[2] + k as u32]));
                 }
             }
         }
@@ -106,34 +191,26 @@ impl Field<'_> {
 
     /// Counts nodes outside as swept where they are inside the tool: of those that hang together, one is asked.
     fn fill(&self, at: [u32; 3], solid: &Solid<'_>, scratch: &mut Scratch) {
-        let Scratch { values, next, is_seen, .. } = scratch;
-        for (seen, value) in is_seen.iter_mut().zip(values.iter()) {
-            *seen = *value < self.level;
-        }
-        for i in 0..NODES {
-            for j in 0..NODES {
-                for k in 0..NODES {
-                    if is_seen[node(i, j, k)] {
-                        continue;
-                    }
-                    let place = self.place([at[0] + i as u32, at[1] + j as u32, at[2] + k as u32]);
-                    let origin = &self.steps.origin;
-                    let is_inside = solid.holds(&std::array::from_fn(|a| place[a] + origin[a]));
-                    is_seen[node(i, j, k)] = true;
-                    next.push(node(i, j, k));
-                    while let Some(n) = next.pop() {
-                        if is_inside {
-                            values[n] = 0.0;
-                        }
-                        let place = [n / (NODES * NODES), n / NODES % NODES, n % NODES];
-                        for (along, stride) in place.into_iter().zip([NODES * NODES, NODES, 1]) {
-                            let around = [(along > 0).then(|| n - stride), (along < BLOCK).then(|| n + stride)];
-                            for m in around.into_iter().flatten() {
-                                if !is_seen[m] {
-                                    is_seen[m] = true;
-                                    next.push(m);
-                                }
-                            }
+        // What is inside the mesh need not be asked, nor what was seen.
+        let Scratch { values, next, is_inside: is_seen, .. } = scratch;
+        for first in 0..NODE_COUNT {
+            if is_seen[first] {
+                continue;
+            }
+            let place = self.place(std::array::from_fn(|a| at[a] + place_of(first)[a] as u32));
+            let is_inside = solid.holds(&add(&place, &self.steps.origin));
+            is_seen[first] = true;
+            next.push(first);
+            while let Some(n) = next.pop() {
+                if is_inside {
+                    values[n] = 0.0;
+                }
+                for (along, stride) in place_of(n).into_iter().zip([NODES * NODES, NODES, 1]) {
+                    let around = [(along > 0).then(|| n - stride), (along < BLOCK).then(|| n + stride)];
+                    for m in around.into_iter().flatten() {
+                        if !is_seen[m] {
+                            is_seen[m] = true;
+                            next.push(m);
                         }
                     }
                 }
@@ -144,8 +221,7 @@ impl Field<'_> {
 
 impl<'a> Solid<'a> {
     /// `None` where the tool has no closed surface.
-    pub fn new(tool: &'a feeler_core::Tool, pose: &Pose) -> Option<Solid<'a>> {
-        use feeler_core::geometry::vectors::{cross, dot, scaled};
+    pub fn new(tool: &'a Tool, pose: &Pose) -> Option<Solid<'a>> {
         if tool.adjacency().outward.iter().all(|side| *side == 0) {
             return None;
         }
@@ -160,14 +236,9 @@ impl<'a> Solid<'a> {
 
     /// Whether a point of the world is inside.
     fn holds(&self, p: &Point) -> bool {
-        let off: Point = std::array::from_fn(|a| p[a] - self.translation[a]);
-        let own: Point = std::array::from_fn(|i| (0..3).map(|j| self.inverse[i][j] * off[j]).sum());
+        let off = sub(p, &self.translation);
+        let own: Point = self.inverse.map(|row| dot(&row, &off));
         (0..3).all(|a| self.around.lower[a] <= own[a] && own[a] <= self.around.upper[a])
             && !self.solid.parts_around(&own).is_empty()
     }
-}
-
-/// The squared distance of a point to a box.
-pub fn square_to_box(p: &Point, b: &Aabb) -> f64 {
-    (0..3).map(|a| (b.lower[a] - p[a]).max(p[a] - b.upper[a]).max(0.0).powi(2)).sum()
 }

@@ -60,6 +60,11 @@ pub fn node(i: usize, j: usize, k: usize) -> usize {
     (i * NODES + j) * NODES + k
 }
 
+/// The place of a node in its block.
+pub fn place_of(node: usize) -> [usize; 3] {
+    [node / (NODES * NODES), node / NODES % NODES, node % NODES]
+}
+
 /// The surface where the values at the nodes of a block are the level. `at`: the block's lowest node. `vertex_of`: working memory.
 pub fn surface(values: &[f64; NODE_COUNT], level: f64, at: [u32; 3], vertex_of: &mut Vec<u32>) -> Piece {
     let mut march = March { values, level, at, vertex_of, piece: Piece::default() };

@@ -1,11 +1,11 @@
 //! How an error is shared out, and limits, of swept volumes.
 
 /// Spacing of the grid, in errors. Twice what interpolation may be off ([`INTERPOLATION`]) and [`HULL_SHARE`] must be below 1.
-pub const SPACING: f64 = 0.45;
+pub const SPACING: f64 = 0.44;
 
 /// The level of the surface, in spacings: in the middle between [`INTERPOLATION`], below which the swept set could reach the surface,
 /// and what is left of the error above it.
-pub const LEVEL: f64 = 1.0;
+pub const LEVEL: f64 = 0.895;
 
 /// By how much a distance that is interpolated in a tetrahedron of a cell may be off, in spacings: half the cell's diagonal, and
 /// what [`EDGE_SHARE`] moves.
@@ -19,16 +19,22 @@ pub const EDGE_SHARE: f64 = 1.0 / 64.0;
 pub const LONGEST_EDGE: f64 = 1.732_051;
 
 /// What hulls of places may be off, in errors: the more, the fewer steps.
-pub const HULL_SHARE: f64 = 0.08;
+pub const HULL_SHARE: f64 = 0.19;
 
 /// How exactly distances to hulls are found, in errors.
-pub const DISTANCE_TOLERANCE: f64 = 0.005;
+pub const DISTANCE_TOLERANCE: f64 = 0.01;
 
 /// Cells along a side of a block. Larger blocks have fewer nodes twice, and end the search for empty space sooner.
 pub const BLOCK: usize = 8;
 
 /// Most cells along an axis: an edge's number, of three coordinates and a direction, fits 64 bits.
 pub const MOST_CELLS: u32 = 1 << 20;
+
+/// Triangles narrower than this, in errors, are not cut: their hulls would be smaller than what is near them.
+pub const LEAST_WIDTH: f64 = 6.0;
+
+/// Bytes of memory for a step of a triangle: itself, and its number in the lists of the cubes that it is near.
+pub const BYTES_PER_STEP: f64 = 64.0;
 
 /// Most halvings of a segment of the way.
 pub const MOST_HALVINGS: u32 = 24;

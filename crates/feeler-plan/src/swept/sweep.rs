@@ -57,7 +57,7 @@ pub fn swept(tool: &Tool, poses: &[Pose], error: f64, memory: u64, progress: Pro
     let far = level + LONGEST_EDGE * spacing + (HULL_SHARE + 4.0 * DISTANCE_TOLERANCE) * error;
     // A cell of room around all that is nearer than `far`.
     let margin = far + spacing;
-    let bounds = steps.bounds();
+    let bounds = &steps.bounds;
     let corner: Point = std::array::from_fn(|a| bounds.lower[a] - margin);
     let cells = (bounds.longest() + 2.0 * margin) / spacing;
     if cells > f64::from(MOST_CELLS) {
@@ -67,7 +67,7 @@ pub fn swept(tool: &Tool, poses: &[Pose], error: f64, memory: u64, progress: Pro
     let side = (cells.ceil() as u32).max(BLOCK as u32).next_power_of_two();
     let solid = Solid::new(tool, steps.first());
     let field = Field { steps: &steps, corner, spacing, level, far, tolerance, solid };
-    let near = (0..steps.steps.len() as u32).collect();
+    let near = (0..steps.count()).collect();
     let shares = shared_out(&field, Cube { at: [0; 3], side, near }, progress)?;
     check_memory(&shares, error, memory)?;
     let pieces = pieces(&field, shares, progress)?;

@@ -1,11 +1,11 @@
 //! Space, halved down to blocks with the steps that are near each.
 
+use feeler_core::geometry::vectors::{length, sub};
 use feeler_core::Point;
 
-use super::block::{square_to_box, Field};
+use super::block::Field;
 use super::constants::BLOCK;
-use super::hull::{distance_point_hull, is_near_hull};
-use super::steps::box_around;
+use super::hull::Until;
 
 /// A cube of the grid.
 pub struct Cube {
@@ -37,22 +37,22 @@ impl Cube {
 fn near(field: &Field<'_>, at: [u32; 3], side: u32, steps: &[u32]) -> Option<Vec<u32>> {
     let [low, high] = [at, at.map(|x| x + side)].map(|node| field.place(node));
     let middle: Point = std::array::from_fn(|a| 0.5 * (low[a] + high[a]));
-    let radius = 0.5 * feeler_core::geometry::vectors::length(&std::array::from_fn(|a| high[a] - low[a]));
+    let radius = 0.5 * length(&sub(&high, &low));
     let mut near = Vec::new();
     for &number in steps {
-        let step = &field.steps.steps[number as usize];
-        let (corners, slack) = (field.steps.corners(step), f64::from(step.slack));
+        let (hull, slack) = field.steps.hull(number);
         let reach = radius + field.far + slack + field.tolerance;
-        if square_to_box(&middle, &box_around(&corners)) >= reach * reach {
+        if hull.square_to_box(&middle) >= reach * reach {
             continue;
         }
-        let distance = distance_point_hull(&middle, &corners, reach, field.tolerance);
-        if distance >= reach {
+        let until = Until { enough: reach, little: slack, tolerance: field.tolerance };
+        let distance = hull.distance(&middle, &until);
+        if distance.lower >= reach {
             continue;
         }
-        let node = |c: usize| std::array::from_fn(|a| if c >> a & 1 == 0 { low[a] } else { high[a] });
+        let corner = |c: usize| std::array::from_fn(|a| if c >> a & 1 == 0 { low[a] } else { high[a] });
         // All values in the cube are 0 then: distances are at most those of its corners.
-        if distance <= slack && (0..8).all(|c| is_near_hull(&node(c), &corners, slack)) {
+        if distance.upper <= slack && (0..8).all(|c| hull.is_within(&corner(c), slack)) {
             return None;
         }
         near.push(number);
