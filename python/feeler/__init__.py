@@ -40,6 +40,7 @@ from feeler.ignored import IgnoredPairs
 from feeler.interchange import from_open3d, from_pyvista, from_trimesh, from_urdf
 from feeler.io import load_mockup, load_tool
 from feeler.mockup import Mockup, Tool
+from feeler.plan.swept import swept
 from feeler.poses import nearest_rigid
 from feeler.samples import sample, sample_path, sample_poses, sample_tool
 from feeler.scene import ContactTracker, PairKind, Scene, optimal_voxel_size
@@ -101,6 +102,7 @@ __all__ = [
     "sample_path",
     "sample_poses",
     "sample_tool",
+    "swept",
     "view",
 ]
 

@@ -100,4 +100,4 @@ def feeler(
 
 
 # Each registers itself with `app`, in the order in which --help lists them.
-from feeler.cli import demo, info, collide, clearance, path, clash, feel, view, replay, sample, bench, study  # noqa: E402, F401, I001
+from feeler.cli import demo, info, collide, clearance, path, swept, clash, feel, view, replay, sample, bench, study  # noqa: E402, F401, I001

@@ -5,20 +5,47 @@ use feeler_core::geometry::vectors::{add, cross, dot, scaled, sub};
 use feeler_core::{Aabb, Point, Pose, Tool};
 
 use super::cells::{node, place_of, surface, Piece, NODES, NODE_COUNT};
-use super::constants::BLOCK;
+use super::constants::{BLOCK, DISTANCE_TOLERANCE, HULL_SHARE, LEVEL, LONGEST_EDGE, SPACING};
 use super::hull::{Hull, Plane, Until};
 use super::steps::Steps;
 
-/// Lengths in metres.
-pub struct Field<'a> {
-    pub steps: &'a Steps,
-    /// The grid's origin, from the steps' origin.
+/// Where nodes are, and what their values mean. Metres.
+pub struct Grid {
+    /// Its lowest node, from the steps' origin.
     pub corner: Point,
     pub spacing: f64,
-    pub level: f64,
+    level: f64,
     /// Values beyond are not told apart: no cell that the surface passes has one.
     pub far: f64,
+    /// Of distances.
     pub tolerance: f64,
+}
+
+impl Grid {
+    /// Around a box, and how many cells along its longest side.
+    pub fn around(bounds: &Aabb, error: f64) -> (Grid, f64) {
+        let spacing = SPACING * error;
+        let level = LEVEL * spacing;
+        let tolerance = DISTANCE_TOLERANCE * error;
+        let far = level + LONGEST_EDGE * spacing + HULL_SHARE * error + 4.0 * tolerance;
+        // A cell of room around all that is nearer than `far`.
+        let margin = far + spacing;
+        let corner = std::array::from_fn(|a| bounds.lower[a] - margin);
+        (Grid { corner, spacing, level, far, tolerance }, (bounds.longest() + 2.0 * margin) / spacing)
+    }
+
+    /// A node, from the steps' origin.
+    pub fn place(&self, node: [u32; 3]) -> Point {
+        let ([i, j, k], [x, y, z]) = (node, self.corner);
+        let along = |from: f64, n: u32| from + f64::from(n) * self.spacing;
+        [along(x, i), along(y, j), along(z, k)]
+    }
+}
+
+/// The hulls on a grid.
+pub struct Field<'a> {
+    pub steps: &'a Steps,
+    pub grid: &'a Grid,
     /// Where the tool has closed surfaces.
     pub solid: Option<Solid<'a>>,
 }
@@ -60,13 +87,6 @@ impl Default for Scratch {
 }
 
 impl Field<'_> {
-    /// A node of the grid, from the steps' origin.
-    pub fn place(&self, node: [u32; 3]) -> Point {
-        let ([i, j, k], [x, y, z]) = (node, self.corner);
-        let along = |from: f64, n: u32| from + f64::from(n) * self.spacing;
-        [along(x, i), along(y, j), along(z, k)]
-    }
-
     /// The surface in the block at a node, with the steps that are near it.
     pub fn piece(&self, at: [u32; 3], near: &[u32], scratch: &mut Scratch) -> Piece {
         self.gather(at, near, scratch);
@@ -75,14 +95,14 @@ impl Field<'_> {
         if let Some(solid) = &self.solid {
             self.fill(at, solid, scratch);
         }
-        surface(&scratch.values, self.level, at, &mut scratch.vertex_of)
+        surface(&scratch.values, self.grid.level, at, &mut scratch.vertex_of)
     }
 
     /// The hulls, in an order in which most nodes find one that they are in soon.
     fn gather(&self, at: [u32; 3], near: &[u32], scratch: &mut Scratch) {
-        let [low, high] = [at, at.map(|x| x + BLOCK as u32)].map(|node| self.place(node));
+        let [low, high] = [at, at.map(|x| x + BLOCK as u32)].map(|node| self.grid.place(node));
         let middle: Point = std::array::from_fn(|a| 0.5 * (low[a] + high[a]));
-        let until = Until { enough: f64::INFINITY, little: 0.0, tolerance: self.spacing };
+        let until = Until { enough: f64::INFINITY, little: 0.0, tolerance: self.grid.spacing };
         scratch.order.clear();
         scratch.order.extend(near.iter().map(|step| (self.steps.hull(*step).0.distance(&middle, &until).lower, *step)));
         scratch.order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
@@ -93,11 +113,11 @@ impl Field<'_> {
     /// Which nodes are below the level, and the values of those that are not; `None` where all are on one side.
     fn tell_sides(&self, at: [u32; 3], scratch: &mut Scratch) -> Option<()> {
         let Scratch { hulls, values, is_inside, .. } = scratch;
-        values.fill(self.far);
+        values.fill(self.grid.far);
         is_inside.fill(false);
         let mut outside = NODE_COUNT;
         for (hull, slack) in hulls {
-            let little = self.level + *slack;
+            let little = self.grid.level + *slack;
             let mut plane = Plane::default();
             self.visit(at, hull, *slack, |n, p| {
                 if is_inside[n] {
@@ -107,10 +127,10 @@ impl Field<'_> {
                 if self.is_clear(hull, &plane, p, enough) {
                     return;
                 }
-                let distance = hull.distance(p, &Until { enough, little, tolerance: self.tolerance });
+                let distance = hull.distance(p, &Until { enough, little, tolerance: self.grid.tolerance });
                 plane = distance.plane;
                 values[n] = values[n].min((distance.lower - *slack).max(0.0));
-                if values[n] < self.level {
+                if values[n] < self.grid.level {
                     is_inside[n] = true;
                     outside -= 1;
                 }
@@ -135,7 +155,7 @@ impl Field<'_> {
                         let m = node(i, j, k);
                         if is_inside[m] && !is_wanted[m] {
                             is_wanted[m] = true;
-                            values[m] = self.level;
+                            values[m] = self.grid.level;
                         }
                     }
                 }
@@ -151,7 +171,7 @@ impl Field<'_> {
                 if self.is_clear(hull, &plane, p, enough) {
                     return;
                 }
-                let until = Until { enough, little: 0.0, tolerance: self.tolerance };
+                let until = Until { enough, little: 0.0, tolerance: self.grid.tolerance };
                 let distance = hull.distance(p, &until);
                 plane = distance.plane;
                 values[n] = values[n].min((distance.lower - *slack).max(0.0));
@@ -164,7 +184,7 @@ impl Field<'_> {
     #[inline(always)]
     fn is_clear(&self, hull: &Hull, plane: &Plane, p: &Point, enough: f64) -> bool {
         // Bounds are less than distances by up to the tolerance; and a little more for rounding.
-        let clear = enough + 1.125 * self.tolerance;
+        let clear = enough + 1.125 * self.grid.tolerance;
         plane.least_distance(p) >= clear || hull.square_to_box(p) >= clear * clear
     }
 
@@ -172,10 +192,10 @@ impl Field<'_> {
     #[inline]
     fn visit(&self, at: [u32; 3], hull: &Hull, slack: f64, mut visit: impl FnMut(usize, &Point)) {
         // Of nodes beyond, the box itself is too far.
-        let reach = self.far + slack;
+        let reach = self.grid.far + slack;
         let range = |a: usize| {
             let [low, high] = [hull.bounds.lower[a] - reach, hull.bounds.upper[a] + reach]
-                .map(|x| (x - self.corner[a]) / self.spacing - f64::from(at[a]));
+                .map(|x| (x - self.grid.corner[a]) / self.grid.spacing - f64::from(at[a]));
             // Casts saturate.
             (low.ceil().max(0.0) as usize, (high.floor() + 1.0).min(NODES as f64).max(0.0) as usize)
         };
@@ -183,7 +203,7 @@ impl Field<'_> {
         for i in is {
             for j in js.clone() {
                 for k in ks.clone() {
-                    visit(node(i, j, k), &self.place([at[0] + i as u32, at[1] + j as u32, at[2] + k as u32]));
+                    visit(node(i, j, k), &self.grid.place([at[0] + i as u32, at[1] + j as u32, at[2] + k as u32]));
                 }
             }
         }
@@ -197,7 +217,7 @@ impl Field<'_> {
             if is_seen[first] {
                 continue;
             }
-            let place = self.place(std::array::from_fn(|a| at[a] + place_of(first)[a] as u32));
+            let place = self.grid.place(std::array::from_fn(|a| at[a] + place_of(first)[a] as u32));
             let is_inside = solid.holds(&add(&place, &self.steps.origin));
             is_seen[first] = true;
             next.push(first);
@@ -231,7 +251,12 @@ impl<'a> Solid<'a> {
         let determinant = dot(x, &columns[0]);
         let columns = columns.map(|c| scaled(&c, 1.0 / determinant));
         let inverse = std::array::from_fn(|i| std::array::from_fn(|j| columns[j][i]));
-        Some(Solid { solid: ToolSolid::new(tool), around: tool.mesh().bounds(), inverse, translation: *pose.translation() })
+        Some(Solid {
+            solid: ToolSolid::new(tool),
+            around: tool.mesh().bounds(),
+            inverse,
+            translation: *pose.translation(),
+        })
     }
 
     /// Whether a point of the world is inside.

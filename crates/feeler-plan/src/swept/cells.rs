@@ -91,7 +91,8 @@ struct March<'a> {
 
 impl March<'_> {
     fn cell(&mut self, cell: [usize; 3]) {
-        let corners: [usize; 8] = std::array::from_fn(|c| node(cell[0] + (c & 1), cell[1] + (c >> 1 & 1), cell[2] + (c >> 2)));
+        let corners: [usize; 8] =
+            std::array::from_fn(|c| node(cell[0] + (c & 1), cell[1] + (c >> 1 & 1), cell[2] + (c >> 2)));
         let inside = corners.map(|n| self.values[n] < self.level);
         if inside == [true; 8] || inside == [false; 8] {
             return;
@@ -106,7 +107,8 @@ impl March<'_> {
             for (vertex, ends) in ring.iter_mut().zip(edges) {
                 *vertex = self.vertex(cell, ends.map(|c| tetrahedron[c]));
             }
-            let mut add = |a: u32, b: u32, c: u32| self.piece.faces.push(if *is_turned { [a, c, b] } else { [a, b, c] });
+            let mut add =
+                |a: u32, b: u32, c: u32| self.piece.faces.push(if *is_turned { [a, c, b] } else { [a, b, c] });
             add(ring[0], ring[1], ring[2]);
             if edges.len() == 4 {
                 add(ring[0], ring[2], ring[3]);

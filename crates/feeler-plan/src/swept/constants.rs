@@ -36,6 +36,12 @@ pub const LEAST_WIDTH: f64 = 6.0;
 /// Bytes of memory for a step of a triangle: itself, and its number in the lists of the cubes that it is near.
 pub const BYTES_PER_STEP: f64 = 64.0;
 
+/// Most steps of triangles: a search among more takes an hour.
+pub const MOST_STEPS: f64 = 8_388_608.0;
+
+/// Errors that are tried for one that fits, where the one given does not: each is three times the one before, or nearer.
+pub const MOST_TRIALS: usize = 40;
+
 /// Most halvings of a segment of the way.
 pub const MOST_HALVINGS: u32 = 24;
 

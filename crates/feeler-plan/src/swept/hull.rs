@@ -10,7 +10,7 @@ use feeler_core::{Aabb, Point};
 pub type Corners = [Point; 6];
 
 /// Steps after which the bounds are as good as rounding allows: most often there are three.
-const MOST_STEPS: usize = 48;
+const SEARCH_STEPS: usize = 48;
 
 /// A hull, and the box around it.
 #[derive(Debug, Clone)]
@@ -92,7 +92,7 @@ impl Hull {
         let mut nearest = place(0);
         let mut simplex = Simplex { points: [nearest; 4], count: 1 };
         let mut found = Bounds { lower: 0.0, upper: f64::INFINITY, plane: Plane::default() };
-        for _ in 0..MOST_STEPS {
+        for _ in 0..SEARCH_STEPS {
             let length = dot(&nearest, &nearest).sqrt();
             found.upper = found.upper.min(length);
             if found.upper < until.little || found.upper <= until.tolerance {
@@ -258,13 +258,19 @@ mod tests {
                 2 => corners.iter_mut().for_each(|q| q[2] = 0.25),
                 3 => corners.iter_mut().for_each(|q| (q[1], q[2]) = (0.5 * q[0], 0.0)),
                 4 => corners = [corners[0]; 6],
-                5 => corners = std::array::from_fn(|i| if i < 3 { corners[i] } else { add(&corners[i - 3], &[30.0, 1.0, 0.0]) }),
+                5 => {
+                    corners =
+                        std::array::from_fn(
+                            |i| if i < 3 { corners[i] } else { add(&corners[i - 3], &[30.0, 1.0, 0.0]) },
+                        )
+                }
                 _ => {}
             }
             let p = random.point(-2.0, 2.0);
             let (truth, slack) = (by_trial(&p, &corners), 2e-3);
             let hull = Hull::new(&corners);
-            let lower = |enough: f64, tolerance: f64| hull.distance(&p, &Until { enough, little: 0.0, tolerance }).lower;
+            let lower =
+                |enough: f64, tolerance: f64| hull.distance(&p, &Until { enough, little: 0.0, tolerance }).lower;
             let found = lower(f64::INFINITY, 1e-9);
             assert!((found - truth).abs() < slack, "case {case}: {found} {truth}");
             let coarse = lower(f64::INFINITY, 0.1);

@@ -3,7 +3,7 @@
 use feeler_core::geometry::vectors::{dot, sub};
 use feeler_core::{Aabb, Error, Motion, Point, Pose, Result, Tool, Triangle};
 
-use super::constants::{BYTES_PER_STEP, HULL_SHARE, LEAST_WIDTH, MOST_HALVINGS};
+use super::constants::{BYTES_PER_STEP, HULL_SHARE, LEAST_WIDTH, MOST_HALVINGS, MOST_STEPS};
 use super::hull::{Corners, Hull};
 
 /// A triangle at the ends of a step.
@@ -98,12 +98,12 @@ impl Steps {
     fn check_memory(&self, added: f64, share: f64, limits: &Limits) -> Result<()> {
         let (steps, triangles) = (self.steps.len() as f64 + added, self.triangles.len() as f64);
         let bytes = (steps * BYTES_PER_STEP + triangles * size_of::<Triangle>() as f64) / share;
-        let most = limits.most_bytes.min(f64::from(u32::MAX) * BYTES_PER_STEP);
+        let most = limits.most_bytes.min(MOST_STEPS * BYTES_PER_STEP);
         if bytes <= most {
             return Ok(());
         }
-        let needed = format!("{bytes:.1e} bytes for its steps where {most:.1e} are allowed");
-        Err(Error::SweptTooFine { error: limits.error, needed, least: limits.error * 1.1 * bytes / most })
+        let needed = format!("{bytes:.1e} bytes or more for its steps where {most:.1e} are allowed");
+        Err(Error::SweptTooFine { error: limits.error, needed, least: limits.error * 3.0 })
     }
 
     fn add(&mut self, motion: &Motion, cuts: &[Cut]) {

@@ -3,13 +3,14 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::Mutex;
 
-use feeler_core::{Error, Point, Pose, Progress, Result, Tool};
+use feeler_core::geometry::vectors::{cross, length, sub};
+use feeler_core::{Aabb, Error, Point, Pose, Progress, Result, Tool};
 use rayon::prelude::*;
 
-use super::block::{Field, Scratch, Solid};
+use super::block::{Field, Grid, Scratch, Solid};
 use super::cells::Piece;
 use super::constants::{
-    BLOCK, BYTES_PER_TRIANGLE, DISTANCE_TOLERANCE, HULL_SHARE, INTERPOLATION, LEVEL, LONGEST_EDGE, MOST_CELLS, SHARES,
+    BLOCK, BYTES_PER_TRIANGLE, DISTANCE_TOLERANCE, HULL_SHARE, INTERPOLATION, LEVEL, MOST_CELLS, MOST_TRIALS, SHARES,
     SPACING, TRIANGLES_PER_CELL,
 };
 use super::join::joined;
@@ -47,35 +48,95 @@ pub fn swept(tool: &Tool, poses: &[Pose], error: f64, memory: u64, progress: Pro
     if poses.is_empty() {
         return Err(Error::EmptyPath);
     }
-    if !progress(0.0, "cutting the way into steps") {
-        return Err(Error::Cancelled);
-    }
-    let tolerance = DISTANCE_TOLERANCE * error;
-    let steps = Steps::new(tool, poses, error, tolerance, memory / 4)?;
-    let spacing = SPACING * error;
-    let level = LEVEL * spacing;
-    let far = level + LONGEST_EDGE * spacing + (HULL_SHARE + 4.0 * DISTANCE_TOLERANCE) * error;
-    // A cell of room around all that is nearer than `far`.
-    let margin = far + spacing;
-    let bounds = &steps.bounds;
-    let corner: Point = std::array::from_fn(|a| bounds.lower[a] - margin);
-    let cells = (bounds.longest() + 2.0 * margin) / spacing;
-    if cells > f64::from(MOST_CELLS) {
-        let needed = format!("{cells:.1e} cells along one axis where {MOST_CELLS} are allowed");
-        return Err(Error::SweptTooFine { error, needed, least: error * 1.1 * cells / f64::from(MOST_CELLS) });
-    }
-    let side = (cells.ceil() as u32).max(BLOCK as u32).next_power_of_two();
+    let plan = match Plan::new(tool, poses, error, memory, progress) {
+        Err(Error::SweptTooFine { needed, least, .. }) => {
+            let least = fitting(tool, poses, least, memory, progress)?;
+            return Err(Error::SweptTooFine { error, needed, least });
+        }
+        plan => plan?,
+    };
+    let Plan { steps, grid, cubes } = plan;
     let solid = Solid::new(tool, steps.first());
-    let field = Field { steps: &steps, corner, spacing, level, far, tolerance, solid };
-    let near = (0..steps.count()).collect();
-    let shares = shared_out(&field, Cube { at: [0; 3], side, near }, progress)?;
-    check_memory(&shares, error, memory)?;
-    let pieces = pieces(&field, shares, progress)?;
-    let (mut vertices, faces) = joined(pieces)?;
+    let field = Field { steps: &steps, grid: &grid, solid };
+    let (mut vertices, faces) = joined(pieces(&field, cubes, progress)?)?;
     for p in &mut vertices {
-        *p = std::array::from_fn(|a| steps.origin[a] + (corner[a] + p[a] * spacing));
+        *p = std::array::from_fn(|a| steps.origin[a] + (grid.corner[a] + p[a] * grid.spacing));
     }
     Ok(Swept { vertices, faces })
+}
+
+/// Steps, and where the surface may be: what an error needs is known by then.
+struct Plan {
+    steps: Steps,
+    grid: Grid,
+    cubes: Vec<Cube>,
+}
+
+impl Plan {
+    fn new(tool: &Tool, poses: &[Pose], error: f64, memory: u64, progress: Progress<'_>) -> Result<Plan> {
+        if !progress(0.0, "cutting the way into steps") {
+            return Err(Error::Cancelled);
+        }
+        check_at_once(tool, poses, error, memory)?;
+        let steps = Steps::new(tool, poses, error, DISTANCE_TOLERANCE * error, memory / 4)?;
+        let (grid, cells) = Grid::around(&steps.bounds, error);
+        check_cells(cells, error)?;
+        let side = (cells.ceil() as u32).max(BLOCK as u32).next_power_of_two();
+        let near = (0..steps.count()).collect();
+        let field = Field { steps: &steps, grid: &grid, solid: None };
+        let cubes = shared_out(&field, Cube { at: [0; 3], side, near }, progress)?;
+        check_surface(cubes.iter().map(|cube| f64::from(cube.side).powi(2)).sum(), error, memory)?;
+        Ok(Plan { steps, grid, cubes })
+    }
+}
+
+/// An error that fits, found by trial from one that may.
+fn fitting(tool: &Tool, poses: &[Pose], from: f64, memory: u64, progress: Progress<'_>) -> Result<f64> {
+    let mut error = from;
+    for _ in 0..MOST_TRIALS {
+        match Plan::new(tool, poses, error, memory, progress) {
+            Err(Error::SweptTooFine { least, .. }) => error = least,
+            other => return other.map(|_| error),
+        }
+    }
+    Ok(error)
+}
+
+/// What can be told without a step: the box around the tool at the poses, and twice the largest triangle, are parts of it all.
+fn check_at_once(tool: &Tool, poses: &[Pose], error: f64, memory: u64) -> Result<()> {
+    let mesh = tool.mesh();
+    let mut bounds = Aabb::EMPTY;
+    for pose in poses {
+        bounds.grow(&pose.apply(&mesh.corner(mesh.queried().next().unwrap_or(0))));
+    }
+    let largest = mesh.queried().fold(0.0, |most: f64, t| {
+        let [a, b, c] = mesh.triangle(t);
+        most.max(length(&cross(&sub(&b, &a), &sub(&c, &a))))
+    });
+    let (grid, cells) = Grid::around(&bounds, error);
+    check_cells(cells, error)?;
+    check_surface(largest / (grid.spacing * grid.spacing), error, memory)
+}
+
+fn check_cells(cells: f64, error: f64) -> Result<()> {
+    if cells <= f64::from(MOST_CELLS) {
+        return Ok(());
+    }
+    let needed = format!("{cells:.1e} cells along one axis where {MOST_CELLS} are allowed");
+    Err(Error::SweptTooFine { error, needed, least: error * 1.1 * (cells / f64::from(MOST_CELLS)) })
+}
+
+/// `cells`: those that the surface passes, about.
+fn check_surface(cells: f64, error: f64, memory: u64) -> Result<()> {
+    let triangles = cells * TRIANGLES_PER_CELL;
+    let bytes = triangles * BYTES_PER_TRIANGLE;
+    let allowed = (memory as f64).min(f64::from(u32::MAX) * BYTES_PER_TRIANGLE);
+    if bytes <= allowed {
+        return Ok(());
+    }
+    let needed =
+        format!("about {triangles:.1e} triangles, {bytes:.1e} bytes of memory where {allowed:.1e} are allowed");
+    Err(Error::SweptTooFine { error, needed, least: error * 1.1 * (bytes / allowed.max(1.0)).sqrt() })
 }
 
 /// The cubes of one size that the surface may be in, so many that each thread has its share; blocks where there are few.
@@ -88,22 +149,6 @@ fn shared_out(field: &Field<'_>, whole: Cube, progress: Progress<'_>) -> Result<
         cubes = cubes.into_par_iter().flat_map_iter(|cube| cube.halves(field)).collect();
     }
     Ok(cubes)
-}
-
-/// A cube that the surface passes has about as many cells of it as its side has.
-fn check_memory(cubes: &[Cube], error: f64, memory: u64) -> Result<()> {
-    let cells: f64 = cubes.iter().map(|cube| f64::from(cube.side) * f64::from(cube.side)).sum();
-    let needed = cells * TRIANGLES_PER_CELL * BYTES_PER_TRIANGLE;
-    if needed <= memory as f64 {
-        return Ok(());
-    }
-    let least = error * 1.1 * (needed / (memory as f64).max(1.0)).sqrt();
-    let needed = format!(
-        "about {:.1e} triangles, {needed:.1e} bytes of memory where {:.1e} are allowed",
-        cells * TRIANGLES_PER_CELL,
-        memory as f64
-    );
-    Err(Error::SweptTooFine { error, needed, least })
 }
 
 /// The surface in all cubes, in their order.

@@ -35,17 +35,17 @@ impl Cube {
 
 /// Those steps whose hulls are near a cube, of some; `None` where it lies in one of them.
 fn near(field: &Field<'_>, at: [u32; 3], side: u32, steps: &[u32]) -> Option<Vec<u32>> {
-    let [low, high] = [at, at.map(|x| x + side)].map(|node| field.place(node));
+    let [low, high] = [at, at.map(|x| x + side)].map(|node| field.grid.place(node));
     let middle: Point = std::array::from_fn(|a| 0.5 * (low[a] + high[a]));
     let radius = 0.5 * length(&sub(&high, &low));
     let mut near = Vec::new();
     for &number in steps {
         let (hull, slack) = field.steps.hull(number);
-        let reach = radius + field.far + slack + field.tolerance;
+        let reach = radius + field.grid.far + slack + field.grid.tolerance;
         if hull.square_to_box(&middle) >= reach * reach {
             continue;
         }
-        let until = Until { enough: reach, little: slack, tolerance: field.tolerance };
+        let until = Until { enough: reach, little: slack, tolerance: field.grid.tolerance };
         let distance = hull.distance(&middle, &until);
         if distance.lower >= reach {
             continue;
