@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -67,7 +68,7 @@ def between(tool: feeler.Tool, poses: list[Floats], apart: float) -> list[Floats
     middle = np.append(tool.bounds.mean(axis=0), 1.0)
     reach = np.linalg.norm(np.ptp(tool.bounds, axis=0)) / 2
     found = [poses[0]]
-    for first, last in zip(poses, poses[1:], strict=False):
+    for first, last in pairwise(poses):
         turn = last[:3, :3] @ first[:3, :3].T
         axis = np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
         angle = np.arctan2(np.linalg.norm(axis) / 2, (np.trace(turn) - 1) / 2)
@@ -130,14 +131,14 @@ def test_progress_is_told_and_may_stop_it() -> None:
     assert shares == sorted(shares) and shares[-1] > 0.99
     assert {stage for _, stage in told} >= {"cutting the way into steps", "finding the surface"}
 
-    class Enough(Exception):
+    class EnoughError(Exception):
         pass
 
     def stop(done: float, _stage: str) -> None:
         if done > 0.2:
-            raise Enough
+            raise EnoughError
 
-    with pytest.raises(Enough):
+    with pytest.raises(EnoughError):
         feeler.swept(BAR, WAYS["straight"], 0.004, progress=stop)
 
 
@@ -199,7 +200,7 @@ def test_the_command_writes_what_it_says(files: Path) -> None:
         assert read.triangle_count == said["triangles"] > 1000
         assert said["volume_m3"] == pytest.approx(measures(read)[0], rel=1e-4)
     text = run(*words, "--poses", files / "way.json").stdout
-    assert f"{said['triangles']:,}" in text and "cm³" in text and "8 mm at most" in text and "written" not in text
+    assert f"{said['triangles']:,}" in text and "volume" in text and "8 mm at most" in text and "written" not in text
 
 
 def test_the_command_refuses_bad_input(files: Path) -> None:

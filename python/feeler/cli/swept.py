@@ -72,8 +72,8 @@ def swept(
         rounding = _FLOAT32 * float(np.abs(mesh.bounds).max())
         if out.suffix.lower() == ".stl" and rounding > _ROUNDING_SHARE * length:
             outputs.warn(
-                f"{out}: numbers in an STL are rounded, here by up to {outputs.length(rounding)}; write a .glb, which has "
-                "an origin near the mesh"
+                f"{out}: numbers in an STL are rounded, here by up to {outputs.length(rounding)}; write a .glb, which "
+                "has an origin near the mesh"
             )
         with bar(f"writing {out}"):
             size = _write(out, mesh)

@@ -28,7 +28,7 @@ def swept(
     progress: Callable[[float, str], None] | None = None,
     memory_limit: int | None = None,
 ) -> Mockup:
-    """A closed mesh that contains all that the tool sweeps from pose to pose, and nothing farther than `error` from that.
+    """A closed mesh around all that the tool sweeps from pose to pose, and nothing farther than `error` from that.
 
     - `poses`: `(n, 4, 4)`, world_from_tool, metres; between two of them the tool moves as in `Scene.cast`. One pose is
       the tool where it is, grown.

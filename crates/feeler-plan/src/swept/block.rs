@@ -199,7 +199,7 @@ impl Field<'_> {
             // Casts saturate.
             (low.ceil().max(0.0) as usize, (high.floor() + 1.0).min(NODES as f64).max(0.0) as usize)
         };
-        let [is, js, ks] = std::array::from_fn(|a| range(a)).map(|(low, high)| low..high);
+        let [is, js, ks] = std::array::from_fn(range).map(|(low, high)| low..high);
         for i in is {
             for j in js.clone() {
                 for k in ks.clone() {
