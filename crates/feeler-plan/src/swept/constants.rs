@@ -42,6 +42,9 @@ pub const MOST_STEPS: f64 = 8_388_608.0;
 /// Errors that are tried for one that fits, where the one given does not: each is three times the one before, or nearer.
 pub const MOST_TRIALS: usize = 40;
 
+/// The least error, in lengths of the tool, with which is looked how large the surface is.
+pub const COARSE: f64 = 1.0 / 64.0;
+
 /// Most halvings of a segment of the way.
 pub const MOST_HALVINGS: u32 = 24;
 

@@ -10,8 +10,8 @@ use rayon::prelude::*;
 use super::block::{Field, Grid, Scratch, Solid};
 use super::cells::Piece;
 use super::constants::{
-    BLOCK, BYTES_PER_TRIANGLE, DISTANCE_TOLERANCE, HULL_SHARE, INTERPOLATION, LEVEL, MOST_CELLS, MOST_TRIALS, SHARES,
-    SPACING, TRIANGLES_PER_CELL,
+    BLOCK, BYTES_PER_TRIANGLE, COARSE, DISTANCE_TOLERANCE, HULL_SHARE, INTERPOLATION, LEVEL, MOST_CELLS, MOST_TRIALS,
+    SHARES, SPACING, TRIANGLES_PER_CELL,
 };
 use super::join::joined;
 use super::steps::Steps;
@@ -77,24 +77,38 @@ impl Plan {
         if !progress(0.0, "cutting the way into steps") {
             return Err(Error::Cancelled);
         }
-        check_at_once(tool, poses, error, memory)?;
-        let steps = Steps::new(tool, poses, error, DISTANCE_TOLERANCE * error, memory / 4)?;
+        let steps = checked_steps(tool, poses, error, memory, progress)?;
         let (grid, cells) = Grid::around(&steps.bounds, error);
         check_cells(cells, error)?;
-        let side = (cells.ceil() as u32).max(BLOCK as u32).next_power_of_two();
-        let near = (0..steps.count()).collect();
-        let field = Field { steps: &steps, grid: &grid, solid: None };
-        let cubes = shared_out(&field, Cube { at: [0; 3], side, near }, progress)?;
-        check_surface(cubes.iter().map(|cube| f64::from(cube.side).powi(2)).sum(), error, memory)?;
+        let cubes = shared_out(&steps, &grid, cells, progress)?;
+        check_surface(surface_cells(&cubes), error, memory)?;
         Ok(Plan { steps, grid, cubes })
     }
+}
+
+/// Steps, after a look with a larger error at how large the surface is: that is soon told.
+fn checked_steps(tool: &Tool, poses: &[Pose], error: f64, memory: u64, progress: Progress<'_>) -> Result<Steps> {
+    check_at_once(tool, poses, error, memory)?;
+    let steps = |error: f64| Steps::new(tool, poses, error, DISTANCE_TOLERANCE * error, memory / 4);
+    let coarse = error.max(tool.mesh().bounds().longest() * COARSE);
+    let few = steps(coarse)?;
+    let (grid, cells) = Grid::around(&few.bounds, coarse);
+    check_cells(cells, coarse)?;
+    let cubes = shared_out(&few, &grid, cells, progress)?;
+    check_surface(surface_cells(&cubes) * (coarse / error).powi(2), error, memory)?;
+    steps(error)
+}
+
+/// Of cubes: one that the surface passes has about as many cells of it as its side.
+fn surface_cells(cubes: &[Cube]) -> f64 {
+    cubes.iter().map(|cube| f64::from(cube.side).powi(2)).sum()
 }
 
 /// An error that fits, found by trial from one that may.
 fn fitting(tool: &Tool, poses: &[Pose], from: f64, memory: u64, progress: Progress<'_>) -> Result<f64> {
     let mut error = from;
     for _ in 0..MOST_TRIALS {
-        match Plan::new(tool, poses, error, memory, progress) {
+        match checked_steps(tool, poses, error, memory, progress) {
             Err(Error::SweptTooFine { least, .. }) => error = least,
             other => return other.map(|_| error),
         }
@@ -140,13 +154,15 @@ fn check_surface(cells: f64, error: f64, memory: u64) -> Result<()> {
 }
 
 /// The cubes of one size that the surface may be in, so many that each thread has its share; blocks where there are few.
-fn shared_out(field: &Field<'_>, whole: Cube, progress: Progress<'_>) -> Result<Vec<Cube>> {
-    let mut cubes = vec![whole];
+fn shared_out(steps: &Steps, grid: &Grid, cells: f64, progress: Progress<'_>) -> Result<Vec<Cube>> {
+    let field = Field { steps, grid, solid: None };
+    let side = (cells.ceil() as u32).max(BLOCK as u32).next_power_of_two();
+    let mut cubes = vec![Cube { at: [0; 3], side, near: (0..steps.count()).collect() }];
     while cubes.len() < SHARES && cubes.iter().any(|cube| !cube.is_block()) {
         if !progress(0.0, "looking where the tool comes") {
             return Err(Error::Cancelled);
         }
-        cubes = cubes.into_par_iter().flat_map_iter(|cube| cube.halves(field)).collect();
+        cubes = cubes.into_par_iter().flat_map_iter(|cube| cube.halves(&field)).collect();
     }
     Ok(cubes)
 }
