@@ -62,6 +62,8 @@ CASES = [
     "piece predictor",
     "haptics",
     "haptics, running",
+    "swept",
+    "swept, own pool",
     "study",
     "fasteners",
     "access",

@@ -115,6 +115,8 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         "surroundings": {"constants", "error", "blocked"},
         "random": set(),
         "removal": {"constants", "error", "random", "blocked", "surroundings"},
+        # The volume of a motion.
+        "swept": {"constants"},
     },
     "feeler-haptics": {
         "constants": set(),

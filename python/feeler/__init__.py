@@ -45,6 +45,7 @@ from feeler.plan.fasteners import Fastener, Fasteners, find_fasteners
 from feeler.plan.order import RemovalOrder, RemovalStep, removal_order
 from feeler.plan.reaching import Access, Reach, access
 from feeler.plan.removal import Certificate, Removal, RemovalBlocker, removal
+from feeler.plan.swept import swept
 from feeler.poses import nearest_rigid
 from feeler.samples import sample, sample_path, sample_poses, sample_tool
 from feeler.scene import ContactTracker, PairKind, Scene, optimal_voxel_size
@@ -120,6 +121,7 @@ __all__ = [
     "sample_path",
     "sample_poses",
     "sample_tool",
+    "swept",
     "view",
 ]
 

@@ -57,6 +57,7 @@ __all__ = [
     "clash",
     "optimal_voxel_size",
     "restore",
+    "swept",
     "weld_vertices",
 ]
 
@@ -580,6 +581,20 @@ def clash(
     Ctrl-C ends it early: what was found so far comes back (all of it, where the last row was done), and `is_partial` is
     true. Pairs whose depth was not measured by then have NaN. Raises `OptionError` for tables of other shapes and for
     lengths that are none, `MeshError` for arrays of other lengths.
+    """
+
+def swept(
+    tool: Tool,
+    poses: npt.ArrayLike,
+    error: float,
+    *,
+    threads: int | None = None,
+    memory_limit: int = ...,
+    progress: _Progress | None = None,
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]]:
+    """The closed mesh around what a tool sweeps: vertices `(n, 3)`, metres, world, and faces `(m, 3)`, wound outwards.
+
+    Raises `PoseError`, `OptionError` for an error that is no positive length, `LimitError` for one that is too small.
     """
 
 def weld_vertices(vertices: npt.NDArray[np.float64]) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]]:

@@ -9,8 +9,10 @@ mod error;
 mod random;
 mod removal;
 mod surroundings;
+mod swept;
 
 pub use blocked::Blocker;
 pub use error::{Error, Result};
 pub use removal::{removal, Method, Removal, RemovalTask};
 pub use surroundings::Allowed;
+pub use swept::sweep::{swept, Swept};

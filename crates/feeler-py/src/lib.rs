@@ -23,6 +23,7 @@ mod reporter;
 mod restore;
 mod scene;
 mod selection;
+mod swept;
 mod tool;
 mod travel;
 
@@ -87,6 +88,8 @@ mod _core {
     use super::scene::{optimal_voxel_size, Scene};
     #[pymodule_export]
     use super::selection::{IgnoredPairs, Selected};
+    #[pymodule_export]
+    use super::swept::swept;
     #[pymodule_export]
     use super::tool::Tool;
     #[pymodule_export]
