@@ -37,7 +37,7 @@ pub const VERIFY_FINER: f64 = 2.0;
 pub const CLEARANCE_SLACK: f64 = 0.02;
 
 /// The least distance along a way is refined to this share of the tool's length, or to the next of itself, whichever is more.
-pub const CLEARANCE_STEP: f64 = 1.0 / 256.0;
+pub const CLEARANCE_STEP: f64 = 1.0 / 64.0;
 /// See above. Smaller: a query more for each share of the tool's length.
 pub const CLEARANCE_SHARE: f64 = 0.05;
 
@@ -102,7 +102,7 @@ pub const EXIT_EVERY: u64 = 4;
 // Shortcuts.
 
 /// Shortcuts that are tried between random places of a way.
-pub const CUT_TRIES: u32 = 60;
+pub const CUT_TRIES: u32 = 40;
 
 /// A shortcut saves this at least, in lengths of the tool.
 pub const LEAST_CUT: f64 = 0.01;

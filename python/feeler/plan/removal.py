@@ -68,7 +68,7 @@ class Removal:
     rotation: float
     """How far it turns in all, radians."""
     clearance: float
-    """The least distance along the way of all that is not seated, metres, right within 1/20 of itself or 1/256 of the
+    """The least distance along the way of all that is not seated, metres, right within 1/20 of itself or 1/64 of the
     size of what moves, whichever is more; infinite where nothing else is there, NaN where no way was found. Pairs that
     are together at the start are left out until they part, and parts that may be met all along."""
     free: bool
