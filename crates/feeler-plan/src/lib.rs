@@ -14,3 +14,7 @@ pub use blocked::Blocker;
 pub use error::{Error, Result};
 pub use removal::{removal, Method, Removal, RemovalTask};
 pub use surroundings::Allowed;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
