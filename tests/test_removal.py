@@ -87,7 +87,7 @@ def test_the_way_is_free_by_another_look(duct: feeler.Scene, found: feeler.Remov
     batch = rest.collide_batch(cube, np.array([feeler.nearest_rigid(pose) for pose in poses]))
     assert len(batch.pairs) == 0
     gaps = [rest.distance(cube, feeler.nearest_rigid(pose)).value for pose in poses[::10]]
-    assert min(gaps) >= found.clearance - 2e-4 and found.clearance > 0.0
+    assert min(gaps) >= found.clearance - 3e-4 and found.clearance > 0.0
     end = cube.vertices @ found.poses[-1][:3, :3].T + found.poses[-1][:3, 3]
     assert end[:, 1].min() > 0.08 or (np.abs(end - (0.025, 0.03, 0.0)) > 0.05).all(axis=0).any()
 

@@ -56,6 +56,7 @@ __all__ = [
     "Tool",
     "clash",
     "optimal_voxel_size",
+    "removal",
     "restore",
     "swept",
     "weld_vertices",

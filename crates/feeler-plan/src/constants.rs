@@ -102,7 +102,7 @@ pub const EXIT_EVERY: u64 = 4;
 // Shortcuts.
 
 /// Shortcuts that are tried between random places of a way.
-pub const CUT_TRIES: u32 = 60;
+pub const CUT_TRIES: u32 = 40;
 
 /// A shortcut saves this at least, in lengths of the tool.
 pub const LEAST_CUT: f64 = 0.01;

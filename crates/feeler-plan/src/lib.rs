@@ -16,3 +16,7 @@ pub use error::{Error, Result};
 pub use removal::{removal, Method, Removal, RemovalTask};
 pub use surroundings::Allowed;
 pub use swept::sweep::{swept, Swept};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -237,7 +237,7 @@ fn a_way_keeps_its_clearance() {
         for i in 0..=100 {
             let pose = motion.at(f64::from(i) / 100.0);
             let gap = scene.closest(&tool, &pose, 1.0).unwrap().unwrap();
-            assert!(gap.distance >= 0.98 * 0.0015 && gap.distance >= found.clearance - 2e-4, "{gap:?}");
+            assert!(gap.distance >= 0.98 * 0.0015 && gap.distance >= found.clearance - 3e-4, "{gap:?}");
         }
     }
     // The last wall is never that far: there the duct is 4 mm wider than the cube. Walls that are nearer at the start may stay so.
