@@ -3,3 +3,7 @@
 mod swept;
 
 pub use swept::sweep::{swept, Swept};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
