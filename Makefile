@@ -37,7 +37,7 @@ export PYO3_PYTHON := $(CURDIR)/$(PY)
 unexport CONDA_PREFIX PYTHONHOME
 
 # The Rust crates that others may depend on; the rest has `publish = false`.
-PUBLISHED := feeler-lanes feeler-core feeler-contacts feeler-haptics feeler-devices
+PUBLISHED := feeler-lanes feeler-core feeler-contacts feeler-plan feeler-haptics feeler-devices
 
 # In CI the lock file is law; at home cargo may bring it up to date with an edited Cargo.toml.
 LOCKED := $(if $(CI),--locked)
@@ -78,10 +78,15 @@ view: build ## the same engine in the browser, to fly through and to take apart 
 bench: build ## measure feeler and its peers on the same poses, into bench/records (QUICK=1: into target)
 	@$(PY) bench/run.py $(if $(QUICK),--quick) $(BENCH_ARGS)
 	@$(PY) bench/clash/run.py $(if $(QUICK),--quick)
+	@$(PY) bench/removal/run.py $(if $(QUICK),--quick)
 
 .PHONY: clash-bench
 clash-bench: build ## clash checks alone: hard pairs and times, beside ifcclash and python-fcl (QUICK=1: a minute or two)
 	@$(PY) bench/clash/run.py $(if $(QUICK),--quick) $(BENCH_ARGS)
+
+.PHONY: removal-bench
+removal-bench: build ## ways out and access alone: puzzles, the engine, beside OMPL (QUICK=1: a minute)
+	@$(PY) bench/removal/run.py $(if $(QUICK),--quick) $(BENCH_ARGS)
 
 .PHONY: feel-bench
 feel-bench: build ## feel without hardware: passing, tessellation, energy, fits, the engine (QUICK=1: minutes)

@@ -140,7 +140,12 @@ CASES: dict[str, Callable[[], Any]] = {
     "piece predictor": lambda: _core.PiecePredictor(MOCKUP, TOOL).optimal_size(2**30),
     "haptics": felt,
     "haptics, running": ran,
+    "swept": lambda: arrays(feeler.swept(fresh()[1], POSES[:3], 0.01), "vertices", "faces"),
+    "swept, own pool": lambda: arrays(feeler.swept(TOOL, POSES[:3], 0.01, threads=2), "vertices", "faces"),
     "study": studied,
+    "fasteners": lambda: feeler.find_fasteners(SCENE).frames.tobytes(),
+    "access": lambda: arrays(feeler.access(SCENE, TOOL, POSES[:4], threads=2), "swing", "reachable"),
+    "removal": lambda: arrays(feeler.removal(SCENE, HIT_PART, seconds=600.0, threads=2), "poses"),
     "load": loaded,
 }
 

@@ -20,7 +20,8 @@ from feeler.cli import app
 from feeler.io import write_glb, write_stl
 
 PROGRAM = [sys.executable, "-c", "from feeler.cli import main; main()"]
-COMMANDS = ["demo", "info", "collide", "clearance", "path", "clash", "feel", "view", "replay", "sample", "bench"]
+COMMANDS = ["demo", "info", "collide", "clearance", "path", "clash", "remove", "access", "swept"]
+COMMANDS += ["feel", "view", "replay", "sample", "bench"]
 
 
 def box(lower: tuple[float, ...], upper: tuple[float, ...]) -> tuple[np.ndarray, np.ndarray]:

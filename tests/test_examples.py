@@ -11,7 +11,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
 EXAMPLES = ROOT / "examples"
-PAGES = ["docs/clash.md", "docs/parts.md"]
+PAGES = ["docs/access.md", "docs/clash.md", "docs/parts.md", "docs/removal.md"]
 SAYS = {
     "quick_start.py": ["triangles in", "indexed in", "pose"],
     "batch_of_poses.py": ["20,000 poses in", "of the poses are free", "most often in the way"],

@@ -62,7 +62,12 @@ CASES = [
     "piece predictor",
     "haptics",
     "haptics, running",
+    "swept",
+    "swept, own pool",
     "study",
+    "fasteners",
+    "access",
+    "removal",
     "load",
 ]
 

@@ -22,6 +22,8 @@ import pytest
 import feeler
 from feeler import _core, haptics, travel
 from feeler.errors import FeelerError, LoadError
+from feeler.samples import hardware
+from feeler.samples.tessellation import Tolerance
 
 PROTOCOLS = range(pickle.HIGHEST_PROTOCOL + 1)
 STAY = {"ClashRows", "Predictor", "PiecePredictor", "HapticsDevice", "HapticsRun", "Session"}
@@ -67,6 +69,54 @@ def clashes() -> feeler.Clashes:
     """One finding, which somebody approved."""
     path = Path(__file__).parent.parent / "testdata" / "clash" / "found.json"
     return feeler.load_clashes(path)
+
+
+def reached() -> dict[str, list[Any]]:
+    """A bolt, and what a tool met on its way to it."""
+    bolt = hardware.hex_bolt(0.008, 0.03, Tolerance(1e-4))
+    wall, faces = box((0.03, -0.1, -0.1), 0.2)
+    mock = feeler.Mockup(
+        np.concatenate([bolt.vertices, wall]),
+        np.concatenate([bolt.faces, faces + len(bolt.vertices)]),
+        np.repeat([0, 1], [len(bolt.faces), len(faces)]),
+        ["bolt", "wall"],
+    )
+    found = feeler.find_fasteners(mock)
+    reach = feeler.access(feeler.Scene(mock), feeler.Tool(*box((0.02, 0.0, 0.0), 0.03), "probe"), found, swing=300.0)
+    assert len(found) == 1 and reach.blockers
+    return {
+        "Fasteners": [found, found[:0]],
+        "Fastener": list(found),
+        "Access": [reach],
+        "Reach": list(reach),
+        "Blocker": list(reach.blockers),
+    }
+
+
+def removed() -> dict[str, list[Any]]:
+    """A part that comes out of a corner after another, and what was in its way."""
+    low, high = box((0, 0, 0), 0.5), box((0, 0, 0.5), 0.5)
+    wall = box((0.5, 0, 0), 1.0)
+    mock = feeler.Mockup(
+        np.concatenate([low[0], high[0], wall[0]]),
+        np.concatenate([faces + 8 * i for i, (_, faces) in enumerate([low, high, wall])]),
+        np.repeat([0, 1, 2], 12),
+        ["low", "high", "wall"],
+    )
+    scene = feeler.Scene(mock)
+    straight = feeler.removal(scene, "high", threads=1)
+    stopped = feeler.removal(scene, "low", directions=[[1, 0, 0]], threads=1)
+    assert stopped.blocked_by
+    within = feeler.removal(scene, "wall", directions=[[-1, 0, 0]], seconds=1e-9)
+    assert not within.found
+    order = feeler.removal_order(scene, "high", threads=1)
+    return {
+        "Removal": [straight, stopped, within],
+        "RemovalBlocker": list(stopped.blocked_by),
+        "Certificate": [straight.certificate],
+        "RemovalOrder": [order],
+        "RemovalStep": list(order),
+    }
 
 
 def samples() -> dict[str, list[Any]]:
@@ -130,6 +180,8 @@ def samples() -> dict[str, list[Any]]:
         "Verdict": list(feeler.Verdict),
         "Clashes": [clashes(), clashes()[:0]],
         "Clash": list(clashes()),
+        **reached(),
+        **removed(),
     }
 
 

@@ -1,4 +1,4 @@
-"""Checks who may know of whom: `lanes <- core <- contacts <- haptics <- devices <- py <- python/feeler`, never back.
+"""Checks who may know of whom: `lanes <- core <- contacts <- plan, haptics <- devices <- py <- python`, never back.
 
     python tools/check_layers.py [ROOT]              the check
     python tools/check_layers.py --graph [CRATE]     which file imports which, and the circles
@@ -29,6 +29,7 @@ CRATES = [
     "feeler-lanes",
     "feeler-core",
     "feeler-contacts",
+    "feeler-plan",
     "feeler-haptics",
     "feeler-devices",
     "feeler-py",
@@ -38,7 +39,7 @@ CRATES = [
 FOR_TESTS = {"feeler-shapes", "feeler-exact"}
 
 # No Python, clock, files, environment, network, processes, and nothing printed: whoever needs one passes it in.
-PURE = {"feeler-lanes", "feeler-core", "feeler-contacts", "feeler-haptics"}
+PURE = {"feeler-lanes", "feeler-core", "feeler-contacts", "feeler-plan", "feeler-haptics"}
 PURE_MAY_NOT_DEPEND_ON = {"pyo3", "numpy", "tokio", "log", "tracing"}
 PURE_MAY_NOT_MENTION = {
     "pyo3": re.compile(r"\bpyo3\b"),
@@ -105,37 +106,46 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         # The mock-up against itself: what is one part to another, and how deep.
         "clash": {*CONTACTS_BASE, "query", "escape", "solver"},
     },
+    "feeler-plan": {
+        "constants": set(),
+        "error": set(),
+        # Who stopped the tool.
+        "blocked": {"constants"},
+        # How far it moves freely, and what it may touch.
+        "surroundings": {"constants", "error", "blocked"},
+        "random": set(),
+        "removal": {"constants", "error", "random", "blocked", "surroundings"},
+        # The volume of a motion.
+        "swept": {"constants"},
+    },
     "feeler-haptics": {
         "constants": set(),
         "error": set(),
-        "screw": HAPTICS_BASE,
-        "least_distance": HAPTICS_BASE,
-        "metric": {*HAPTICS_BASE, "screw", "least_distance", "coupling"},
         # What one side hands to the other, and the pose that it allows.
-        "constraint_set": {*HAPTICS_BASE, "screw", "least_distance", "metric"},
+        "constraint_set": HAPTICS_BASE,
         "environment": HAPTICS_BASE,
-        "world": {*HAPTICS_BASE, "screw", "constraint_set", "environment"},
-        "proxy": {*HAPTICS_BASE, "screw", "coupling", "metric", "constraint_set", "environment", "world"},
-        "saturation": {*HAPTICS_BASE, "screw"},
+        "world": {*HAPTICS_BASE, "constraint_set", "environment"},
+        "proxy": {*HAPTICS_BASE, "coupling", "constraint_set", "environment", "world"},
+        "saturation": HAPTICS_BASE,
         # A mapping bounds its wrenches as the force loop does.
-        "device": {*HAPTICS_BASE, "screw", "saturation"},
-        "coupling": {*HAPTICS_BASE, "screw", "device"},
+        "device": {*HAPTICS_BASE, "saturation"},
+        "coupling": {*HAPTICS_BASE, "device"},
         "stability": {*HAPTICS_BASE, "coupling", "device"},
-        "passivity": {*HAPTICS_BASE, "screw"},
-        "velocity": {*HAPTICS_BASE, "screw"},
+        "passivity": HAPTICS_BASE,
+        "velocity": HAPTICS_BASE,
         # All of them, once a tick.
-        "force": {*HAPTICS_BASE, "screw", "saturation", "device", "coupling", "passivity"},
-        "servo": {*HAPTICS_BASE, "screw", "device", "coupling", "force", "velocity", "constraint_set"},
+        "force": {*HAPTICS_BASE, "saturation", "device", "coupling", "passivity"},
+        "servo": {*HAPTICS_BASE, "device", "coupling", "force", "velocity", "constraint_set"},
         "session": {
             *HAPTICS_BASE,
-            *("screw", "device", "coupling", "servo", "metric", "constraint_set", "environment", "world", "proxy"),
+            *("device", "coupling", "servo", "constraint_set", "environment", "world", "proxy"),
         },
         # The same with threads, whose clock is passed in.
         "clock": set(),
         "statistics": HAPTICS_BASE,
         "runner": {
             *HAPTICS_BASE,
-            *("screw", "device", "coupling", "stability", "servo", "constraint_set", "session", "clock", "statistics"),
+            *("device", "coupling", "stability", "servo", "constraint_set", "session", "clock", "statistics"),
         },
     },
     "feeler-devices": {
@@ -194,13 +204,15 @@ ROOMS: dict[str, set[str]] = {
     "picture": {*BASE, "io"},
     # The package of `feeler.clash`, which is a function.
     "clashes": {*BASE, "ignored", "io", "parts", "picture"},
+    # Removal, order, access, swept volumes.
+    "plan": {*BASE, "ignored", "io", "parts", "picture"},
     "samples": BASE,
     "study": {*BASE, "samples"},
     # `feeler` for its version alone.
     "workbench": {*BASE, "haptics", "ignored", "io", "parts", "picture", "samples", "feeler"},
-    "cli": {*BASE, "clashes", "haptics", "io", "picture", "samples", "study", "workbench", "feeler"},
+    "cli": {*BASE, "clashes", "haptics", "io", "picture", "plan", "samples", "study", "workbench", "feeler"},
     "__init__": {
-        *("_core", "ignored", *BASE, "clashes", "haptics", "interchange", "io", "picture", "samples", "study"),
+        *("_core", "ignored", *BASE, "clashes", "haptics", "interchange", "io", "picture", "plan", "samples", "study"),
         "workbench",
     },
     "__main__": {"cli"},

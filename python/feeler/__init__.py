@@ -40,6 +40,12 @@ from feeler.ignored import IgnoredPairs
 from feeler.interchange import from_open3d, from_pyvista, from_trimesh, from_urdf
 from feeler.io import load_mockup, load_tool
 from feeler.mockup import Mockup, Tool
+from feeler.plan.blocked import Blocker
+from feeler.plan.fasteners import Fastener, Fasteners, find_fasteners
+from feeler.plan.order import RemovalOrder, RemovalStep, removal_order
+from feeler.plan.reaching import Access, Reach, access
+from feeler.plan.removal import Certificate, Removal, RemovalBlocker, removal
+from feeler.plan.swept import swept
 from feeler.poses import nearest_rigid
 from feeler.samples import sample, sample_path, sample_poses, sample_tool
 from feeler.scene import ContactTracker, PairKind, Scene, optimal_voxel_size
@@ -50,8 +56,11 @@ if _TYPE_CHECKING:
 __version__ = _version("feeler")
 
 __all__ = [
+    "Access",
     "Batch",
+    "Blocker",
     "Cast",
+    "Certificate",
     "Clash",
     "Clashes",
     "Clearance",
@@ -64,6 +73,8 @@ __all__ = [
     "DeviceError",
     "Distance",
     "DistanceBatch",
+    "Fastener",
+    "Fasteners",
     "FeelerError",
     "IgnoredPairs",
     "LimitError",
@@ -79,6 +90,11 @@ __all__ = [
     "Penetration",
     "PoseError",
     "Rays",
+    "Reach",
+    "Removal",
+    "RemovalBlocker",
+    "RemovalOrder",
+    "RemovalStep",
     "Scene",
     "SectionOutline",
     "SessionError",
@@ -86,7 +102,9 @@ __all__ = [
     "Verdict",
     "View",
     "WorkbenchError",
+    "access",
     "clash",
+    "find_fasteners",
     "from_open3d",
     "from_pyvista",
     "from_trimesh",
@@ -97,10 +115,13 @@ __all__ = [
     "load_tool",
     "nearest_rigid",
     "optimal_voxel_size",
+    "removal",
+    "removal_order",
     "sample",
     "sample_path",
     "sample_poses",
     "sample_tool",
+    "swept",
     "view",
 ]
 

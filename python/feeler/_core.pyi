@@ -56,7 +56,9 @@ __all__ = [
     "Tool",
     "clash",
     "optimal_voxel_size",
+    "removal",
     "restore",
+    "swept",
     "weld_vertices",
 ]
 
@@ -535,6 +537,28 @@ class PathCheck:
     def __len__(self) -> int: ...
 
 def optimal_voxel_size(mockup: Mockup, tool: Tool, estimator: str) -> float: ...
+def removal(
+    scene: Scene,
+    tool: Tool,
+    start: npt.ArrayLike,
+    *,
+    own_parts: int,
+    allow_start: bool,
+    allow_overlap: float,
+    allow_parts: list[int],
+    directions: npt.NDArray[np.float64],
+    clearance: float,
+    seconds: float,
+    seed: int,
+    threads: int | None = None,
+    progress: _Progress | None = None,
+) -> dict[str, Any]:
+    """A way of a tool out of a scene, and who was in the way; the tool's first `own_parts` parts are of the mock-up.
+
+    `method`, `poses` `(n, 4, 4)`, `path_length`, `rotation`, `clearance`, `casts`, `is_out_of_time`; a row a part that
+    stopped it: `blockers` its index, `blocker_counts`, `blocker_reaches`, `blocker_poses` `(k, 4, 4)`.
+    """
+
 def clash(
     scene: Scene,
     clearance: npt.NDArray[np.float64],
@@ -558,6 +582,20 @@ def clash(
     Ctrl-C ends it early: what was found so far comes back (all of it, where the last row was done), and `is_partial` is
     true. Pairs whose depth was not measured by then have NaN. Raises `OptionError` for tables of other shapes and for
     lengths that are none, `MeshError` for arrays of other lengths.
+    """
+
+def swept(
+    tool: Tool,
+    poses: npt.ArrayLike,
+    error: float,
+    *,
+    threads: int | None = None,
+    memory_limit: int = ...,
+    progress: _Progress | None = None,
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]]:
+    """The closed mesh around what a tool sweeps: vertices `(n, 3)`, metres, world, and faces `(m, 3)`, wound outwards.
+
+    Raises `PoseError`, `OptionError` for an error that is no positive length, `LimitError` for one that is too small.
     """
 
 def weld_vertices(vertices: npt.NDArray[np.float64]) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]]:

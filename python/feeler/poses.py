@@ -1,11 +1,15 @@
-"""Poses that rounding made not quite rigid, repaired."""
+"""Poses that rounding made not quite rigid, repaired; turns as vectors, and what lies between two poses."""
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 import numpy.typing as npt
 
 from feeler.errors import OptionError, PoseError
+
+Floats = npt.NDArray[np.float64]
 
 MAX_DEVIATION = 0.01
 """What `nearest_rigid` takes for rounding: three decimals are within it, a scale of 1 % is not."""
@@ -15,7 +19,7 @@ _RIGID_ENOUGH = 1e-6  # what queries take a pose for rigid at
 _LEAST_RANK = 1e-9  # second to first singular value; below it the rows are on one line, and say nothing of the turn
 
 
-def nearest_rigid(pose: npt.ArrayLike, max_deviation: float = MAX_DEVIATION) -> npt.NDArray[np.float64]:
+def nearest_rigid(pose: npt.ArrayLike, max_deviation: float = MAX_DEVIATION) -> Floats:
     """The pose, or each of many, with its rotation replaced by the nearest proper one, and 0, 0, 0, 1 as its last row.
 
     `pose` is `(4, 4)` or `(n, 4, 4)`, world_from_tool, metres, and so is what comes back, float64; translations stay as
@@ -55,11 +59,11 @@ def nearest_rigid(pose: npt.ArrayLike, max_deviation: float = MAX_DEVIATION) -> 
         u[:, :, 2] *= np.sign(np.linalg.det(u @ v))[:, None]
         repaired[loose, :3, :3] = u @ v
     repaired[:, 3] = 0.0, 0.0, 0.0, 1.0
-    shaped: npt.NDArray[np.float64] = repaired.reshape(given.shape)
+    shaped: Floats = repaired.reshape(given.shape)
     return shaped
 
 
-def placed(points: npt.NDArray[np.float64], place: npt.ArrayLike, what: str) -> npt.NDArray[np.float64]:
+def placed(points: Floats, place: npt.ArrayLike, what: str) -> Floats:
     """Points `(n, 3)` moved by a rigid matrix `(4, 4)`, each coordinate computed as that of a tool's corner at a pose.
 
     Raises `PoseError` for a place that a query would refuse; `what` says of what it is.
@@ -74,7 +78,7 @@ def placed(points: npt.NDArray[np.float64], place: npt.ArrayLike, what: str) -> 
     return np.column_stack([((r[i, 0] * x + r[i, 1] * y) + r[i, 2] * z) + matrix[i, 3] for i in range(3)])
 
 
-def quaternion(turn: npt.NDArray[np.float64]) -> list[float]:
+def quaternion(turn: Floats) -> list[float]:
     """(x, y, z, w) of a rotation `(3, 3)`, by its largest component, so that no digit is lost."""
     m = turn
     squares = [m[0, 0] - m[1, 1] - m[2, 2], m[1, 1] - m[0, 0] - m[2, 2], m[2, 2] - m[0, 0] - m[1, 1], m.trace()]
@@ -90,7 +94,55 @@ def quaternion(turn: npt.NDArray[np.float64]) -> list[float]:
     return found
 
 
-def _matrices(pose: npt.ArrayLike) -> npt.NDArray[np.float64]:
+def inverse(pose: Floats) -> Floats:
+    """The rigid inverse."""
+    back = np.eye(4)
+    back[:3, :3] = pose[:3, :3].T
+    back[:3, 3] = -(pose[:3, :3].T @ pose[:3, 3])
+    return back
+
+
+def rotation_vector(turn: Floats) -> Floats:
+    """Axis times angle (radians, at most pi) of a rotation `(3, 3)`."""
+    x, y, z, w = quaternion(turn)
+    if w < 0.0:
+        x, y, z, w = -x, -y, -z, -w
+    axis = np.array([x, y, z])
+    sine = float(np.linalg.norm(axis))
+    if sine < 1e-15:
+        return np.zeros(3)
+    return axis / sine * (2.0 * math.atan2(sine, w))
+
+
+def rotation(vector: Floats) -> Floats:
+    """The rotation `(3, 3)` of an axis times an angle (Rodrigues)."""
+    angle = float(np.linalg.norm(vector))
+    if angle < 1e-300:
+        return np.eye(3)
+    x, y, z = vector / angle
+    k = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    turn: Floats = np.eye(3) + math.sin(angle) * k + (1.0 - math.cos(angle)) * (k @ k)
+    return turn
+
+
+def between(start: Floats, end: Floats, centre: Floats, share: float) -> Floats:
+    """The pose at a share of the way: `centre` (of the tool, its frame) moves straight, the tool turns the shorter way.
+
+    The motion that `Scene.cast` goes along.
+    """
+    if share <= 0.0:
+        return start
+    if share >= 1.0:
+        return end
+    turn = rotation_vector(end[:3, :3] @ start[:3, :3].T)
+    pose = np.eye(4)
+    pose[:3, :3] = rotation(share * turn) @ start[:3, :3]
+    first, last = (p[:3, :3] @ centre + p[:3, 3] for p in (start, end))
+    pose[:3, 3] = first + share * (last - first) - pose[:3, :3] @ centre
+    return nearest_rigid(pose)
+
+
+def _matrices(pose: npt.ArrayLike) -> Floats:
     try:
         array = np.asarray(pose)
     except (ValueError, TypeError) as error:
@@ -100,17 +152,17 @@ def _matrices(pose: npt.ArrayLike) -> npt.NDArray[np.float64]:
     if array.ndim not in (2, 3) or array.shape[-2:] != (4, 4):
         raise PoseError(f"a pose has shape {array.shape}: (4, 4) or (n, 4, 4) is needed")
     with np.errstate(over="ignore"):  # a long double beyond float64 becomes an infinity, which is refused
-        matrices: npt.NDArray[np.float64] = array.astype(np.float64)
+        matrices: Floats = array.astype(np.float64)
     return matrices
 
 
-def _deviation(poses: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+def _deviation(poses: Floats) -> Floats:
     """How far each pose is from rigid, (n,): the same measure as of the poses that queries refuse."""
     rotations = poses[:, :3, :3]
     with np.errstate(over="ignore", invalid="ignore"):  # of enormous entries; NaN is more than any deviation allowed
         products = np.abs(rotations @ rotations.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2), initial=0.0)
         mirrors = np.linalg.det(rotations) < 0
     last = np.abs(poses[:, 3] - [0.0, 0.0, 0.0, 1.0]).max(axis=1, initial=0.0)
-    deviation: npt.NDArray[np.float64] = np.maximum(np.maximum(products, last), np.where(mirrors, 2.0, 0.0))
+    deviation: Floats = np.maximum(np.maximum(products, last), np.where(mirrors, 2.0, 0.0))
     deviation[np.isnan(deviation)] = np.inf
     return deviation

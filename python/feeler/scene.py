@@ -498,7 +498,7 @@ def _calibrated_size(mockup: Mockup, tool: _core.Tool, storage: str, hashing: fl
 
 def _memory_limit(memory_limit: int | None) -> int:
     if memory_limit is None:
-        return _free_memory() * 4 // 5
+        return free_memory() * 4 // 5
     if not 0 <= _integer("memory_limit", memory_limit) < 2**64:
         raise OptionError(f"memory_limit is {memory_limit}: a number of bytes is needed")
     return memory_limit
@@ -549,7 +549,7 @@ def _integer(what: str, value: int) -> int:
     return int(value)
 
 
-def _free_memory() -> int:
+def free_memory() -> int:
     """Bytes that can be had without swapping, as far as the system tells; else without a limit."""
     try:
         with open("/proc/meminfo", encoding="ascii") as lines:

@@ -74,6 +74,10 @@ pub use footing::manifold::{Manifold, ManifoldPoint, Manifolds};
 pub use solver::ContactSolver;
 pub use tracker::ContactTracker;
 
+// For plans: where a point lies to a tool.
+#[doc(hidden)]
+pub use containment::tool_solid::ToolSolid;
+
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;

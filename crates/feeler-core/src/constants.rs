@@ -367,3 +367,23 @@ pub(crate) const SAME_AXIS: f64 = 0.999_9;
 
 /// Triangles below which a mesh is prepared on the thread that asks: less work than to wake another.
 pub(crate) const SMALL_MESH: usize = 512;
+
+// --- Motions, and the least-distance program of motions that rows forbid ---
+
+/// Angle (radians) below which the series of sine and cosine are exact to the last digit, and their quotients are not.
+pub const SMALL_ANGLE: f64 = 1e-4;
+
+/// Share of the scale, the skin, by which a row may be violated: above rounding in a mock-up of some metres. Larger: the proxy is that
+/// much nearer; smaller: rows that hold from both sides exclude each other by rounding.
+pub(crate) const QP_SLACK: f64 = 1e-5;
+
+/// Sine of the angle between a row and those that are active from which on it is not a combination of them: above rounding after two
+/// orthogonalisations. Larger: rows of nearly parallel faces exclude each other; smaller: multipliers without bound.
+pub(crate) const LEAST_SINE: f64 = 1e-7;
+
+/// Most steps of the program: each lets a row in or out, and few take more than three for each of the six coordinates. More: time.
+pub(crate) const MOST_QP_STEPS: usize = 96;
+
+/// Radius of gyration that every tool has at least about any axis, as a share of its radius: a straight wire has none of its own
+/// about itself. Larger: thin tools turn less easily about their length than they would.
+pub(crate) const LEAST_GYRATION_SHARE: f64 = 0.01;

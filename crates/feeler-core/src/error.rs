@@ -196,6 +196,22 @@ pub enum Error {
         /// The limit given.
         value: usize,
     },
+    /// An error of a swept volume that is not a positive finite number.
+    #[error("error is {value:?}: it must be a positive, finite length in metres")]
+    SweptError {
+        /// The error given.
+        value: f64,
+    },
+    /// An error of a swept volume that is too small for the tool and its way.
+    #[error("an error of {error:?} m would need {needed}: choose at least {least:.1e} m")]
+    SweptTooFine {
+        /// The error given, metres.
+        error: f64,
+        /// What it would need, and what there is.
+        needed: String,
+        /// An error that should fit, metres.
+        least: f64,
+    },
     /// The progress function asked to stop.
     #[error("stopped on request")]
     Cancelled,

@@ -110,7 +110,7 @@ pub use sizing::cost_constants::CostConstants;
 pub use sizing::piece_predictor::{PiecePredictor, PieceWork};
 pub use sizing::predictor::Predictor;
 pub use sizing::work::Work;
-pub use tool::motion::Motion;
+pub use tool::motion::{Chord, Motion};
 pub use tool::moving_tool::Tool;
 
 // Plain twins of the queries, for tests and judges.

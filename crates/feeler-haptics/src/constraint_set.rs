@@ -1,13 +1,13 @@
 //! What the collision side hands to the servo side: contact rows, where they were taken, and how far they are good for.
 
+use feeler_core::geometry::least_distance::{nearest, HalfSpace, Six, DIMENSIONS};
+use feeler_core::geometry::screw::{displaced, displacement, product, times, transposed, Twist};
 use feeler_core::geometry::vectors::{add, dot, length, scaled, sub};
+use feeler_core::tool::metric::Metric;
 use feeler_core::{Point, Pose};
 
 use crate::constants::{MOST_PLANES, MOST_ROWS, SOLVER_ROUNDS, SOLVER_STILL_SHARE};
 use crate::error::Result;
-use crate::least_distance::{nearest, HalfSpace, Six, DIMENSIONS};
-use crate::metric::Metric;
-use crate::screw::{displaced, displacement, product, times, transposed, Twist};
 
 /// A point of the tool that is held off a plane.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

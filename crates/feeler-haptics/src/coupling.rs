@@ -4,6 +4,7 @@
 //! is along the rotation vector between the two (the logarithm of the quaternion), which is minus the gradient of `k
 //! |v|^2 / 2`, so that no closed motion gains or loses energy by it.
 
+use feeler_core::geometry::screw::{displacement, Twist, Wrench};
 use feeler_core::geometry::vectors::{length, scaled, sub};
 use feeler_core::{Point, Pose};
 
@@ -13,7 +14,6 @@ use crate::constants::{
 };
 use crate::device::DeviceInfo;
 use crate::error::{Error, Result};
-use crate::screw::{displacement, Twist, Wrench};
 
 /// How the hand is held to the tool. The default suits a desktop device of 8 N at 1 kHz;
 /// [`for_device`](Self::for_device) suits another, and [`limited`](Self::limited) cuts any coupling to what a device
@@ -54,6 +54,11 @@ impl Default for Coupling {
 }
 
 impl Coupling {
+    /// How far from the centre a turn is as stiff as a way, metres; not finite, or 0, where one of the two springs pulls not at all.
+    pub fn lever_m(&self) -> f64 {
+        (self.rotational_stiffness_nm_per_rad / self.stiffness_n_per_m).sqrt()
+    }
+
     /// Errors when a number is not finite, negative, or so large that its unit must be wrong; slews may not be zero.
     pub fn check(&self) -> Result<()> {
         let ranges = [
@@ -160,7 +165,7 @@ fn stored(stiffness: f64, most: f64, stretch: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::screw::{displaced, pose_of, rotation_of};
+    use feeler_core::geometry::screw::{displaced, pose_of, rotation_of};
     use feeler_core::geometry::vectors::dot;
     use proptest::prelude::*;
 

@@ -1,5 +1,6 @@
 //! From two poses to a wrench that may go to a hand, once a tick: coupling, saturation, passivity, slew, watchdog.
 
+use feeler_core::geometry::screw::{displacement, Twist, Wrench};
 use feeler_core::geometry::vectors::{add, dot, length, scaled, sub};
 use feeler_core::{Point, Pose};
 
@@ -11,7 +12,6 @@ use crate::device::{DeviceLimits, Freedoms};
 use crate::error::{Error, Result};
 use crate::passivity::Passivity;
 use crate::saturation::{added_within, saturated};
-use crate::screw::{displacement, Twist, Wrench};
 
 /// What a tick is given.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -261,7 +261,7 @@ fn slewed(from: &Point, to: &Point, most: f64) -> Point {
 mod tests {
     use super::*;
     use crate::device::simulated::SimulatedOptions;
-    use crate::screw::{pose_of, rotation_of};
+    use feeler_core::geometry::screw::{pose_of, rotation_of};
     use proptest::prelude::*;
 
     const TICK: f64 = 1e-3;

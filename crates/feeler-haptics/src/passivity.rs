@@ -15,10 +15,10 @@
 //! touched, is forgiven quickly in the air, so that air does not feel thick, and is never larger than what the springs
 //! hold at full force. The damping is bounded, so that its force goes to zero with the velocity: no chatter at rest.
 
+use feeler_core::geometry::screw::{Twist, Wrench};
 use feeler_core::geometry::vectors::{dot, scaled};
 
 use crate::constants::{DEFICIT_LEAK_S, SURPLUS_LEAK_S};
-use crate::screw::{Twist, Wrench};
 
 /// The books of one port, and the damper that balances them.
 #[derive(Debug, Clone, Copy, PartialEq)]

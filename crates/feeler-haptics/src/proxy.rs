@@ -7,7 +7,9 @@
 //! row of its own, and is asked again while it is near.
 
 use feeler_contacts::Manifolds;
+use feeler_core::geometry::screw::{displaced, displacement};
 use feeler_core::geometry::vectors::{dot, length, sub, unit};
+use feeler_core::tool::metric::Metric;
 use feeler_core::{Motion, Point, Pose, Tool};
 
 use crate::constants::{
@@ -20,8 +22,6 @@ use crate::constraint_set::{ConstraintSet, NearestPose, Plane, Solver};
 use crate::coupling::Coupling;
 use crate::environment::{Environment, Pair};
 use crate::error::{Error, Result};
-use crate::metric::Metric;
-use crate::screw::{displaced, displacement};
 use crate::world::Seat;
 
 /// How the proxy is kept off.
@@ -416,7 +416,7 @@ mod tests {
 
     use super::*;
     use crate::environment::Body;
-    use crate::screw::{pose_of, rotation_of, rotation_vector};
+    use feeler_core::geometry::screw::{pose_of, rotation_of, rotation_vector};
 
     fn environment((vertices, faces): Arrays) -> Environment {
         let mockup = Mockup::new(vertices, faces, vec![], 1).unwrap();

@@ -1,9 +1,8 @@
 //! Wrenches within bounds of force and torque.
 
+use feeler_core::geometry::screw::Wrench;
 use feeler_core::geometry::vectors::{dot, length, scaled};
 use feeler_core::Point;
-
-use crate::screw::Wrench;
 
 /// Within both bounds (newtons, newton metres), by one factor for both: the wrench keeps its line of action.
 pub fn saturated(wrench: &Wrench, max_force: f64, max_torque: f64) -> Wrench {

@@ -4,6 +4,7 @@
 //! its margin off, so a tool of which no point moves farther cannot get there. Beyond, the proxy is held at the bound, and the coupling
 //! drags. Allocates nothing, and takes no lock.
 
+use feeler_core::geometry::screw::{Twist, Wrench};
 use feeler_core::{Point, Pose};
 
 use crate::constants::{BOUND_SHARE, OLDEST_SET_S, PROXY_RESOLUTION_M, PROXY_RESOLUTION_RAD};
@@ -12,7 +13,6 @@ use crate::coupling::Coupling;
 use crate::device::{DeviceLimits, Freedoms};
 use crate::error::Result;
 use crate::force::{ForceInput, ForceLoop};
-use crate::screw::{Twist, Wrench};
 use crate::velocity::VelocityEstimate;
 
 /// What a tick is given.

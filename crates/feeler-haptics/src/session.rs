@@ -3,6 +3,8 @@
 use std::sync::Arc;
 
 use feeler_contacts::Penetration;
+use feeler_core::geometry::screw::Wrench;
+use feeler_core::tool::metric::Metric;
 use feeler_core::{Point, Pose, Scene, Tool};
 
 use crate::constants::HELD_SHARE;
@@ -11,9 +13,7 @@ use crate::coupling::Coupling;
 use crate::device::{DeviceLimits, Freedoms};
 use crate::environment::Body;
 use crate::error::{Error, Result};
-use crate::metric::Metric;
 use crate::proxy::{Advance, Proxy, ProxyOptions};
-use crate::screw::Wrench;
 use crate::servo::{Mode, Servo, ServoInput};
 use crate::world::{PutDown, World};
 
@@ -142,7 +142,7 @@ impl Session {
         options.check()?;
         options.proxy = options.proxy.with_pull_of(&options.coupling);
         let inertia = Metric::new(&tool);
-        let metric = inertia.with_springs_of(&options.coupling).unwrap_or(inertia);
+        let metric = inertia.with_lever(options.coupling.lever_m()).unwrap_or(inertia);
         Ok(Session {
             options,
             world: World::new(scene, tool, &put_down)?,
@@ -258,7 +258,7 @@ impl Session {
     pub(crate) fn set_coupling(&mut self, coupling: Coupling) {
         self.options.coupling = coupling;
         self.options.proxy = self.options.proxy.with_pull_of(&coupling);
-        self.metric = self.inertia.with_springs_of(&coupling).unwrap_or(self.inertia);
+        self.metric = self.inertia.with_lever(coupling.lever_m()).unwrap_or(self.inertia);
         if let Some(proxy) = &mut self.proxy {
             proxy.set_metric(self.metric, self.options.proxy);
         }

@@ -7,13 +7,13 @@
 use std::sync::Arc;
 
 use feeler_contacts::ContactSolver;
+use feeler_core::geometry::screw::{times, transposed};
 use feeler_core::geometry::vectors::{dot, sub};
 use feeler_core::{IgnoredPairs, Mockup, Point, Pose, Scene, SceneOptions, Tool};
 
 use crate::constraint_set::Plane;
 use crate::environment::{Body, Environment};
 use crate::error::{Error, Result};
-use crate::screw::{times, transposed};
 
 /// A plane of a seat: the neighbour's surface, and points of the tool that are on it.
 #[derive(Debug, Clone, PartialEq)]

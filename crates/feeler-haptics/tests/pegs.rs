@@ -70,7 +70,7 @@ fn height_reached(n: usize, play: f64, seed: u32) -> f64 {
     let (u, v) = (1.7 * f64::from(seed) + 0.3).sin_cos();
     let off = |z: f64| at([0.001 * s, 0.001 * c, z], [0.01745 * u, 0.01745 * v, 0.0]);
     let start = at([0.0, 0.0, 0.005], [0.0; 3]);
-    let metric = Metric::new(&peg).with_springs_of(&Coupling::default()).unwrap();
+    let metric = Metric::new(&peg).with_lever(Coupling::default().lever_m()).unwrap();
     let mut proxy = Proxy::new(&hole, &peg, metric, &start, ProxyOptions::default()).unwrap();
     for k in 0..250 {
         let reached = proxy.pose().translation()[2];

@@ -18,6 +18,7 @@ pub fn to_py(error: Error) -> PyErr {
         | Error::Tolerance { .. }
         | Error::Margin { .. }
         | Error::Distance { .. }
+        | Error::SweptError { .. }
         | Error::NotSymmetric { .. }
         | Error::NoneAsked { .. }
         | Error::NoSuchPart { .. }
@@ -25,9 +26,11 @@ pub fn to_py(error: Error) -> PyErr {
         | Error::Ray { .. }
         | Error::Section { .. }
         | Error::VertexLimit { .. } => "OptionError",
-        Error::TooMany { .. } | Error::GridTooFine { .. } | Error::Memory { .. } | Error::TooManyEntries { .. } => {
-            "LimitError"
-        }
+        Error::TooMany { .. }
+        | Error::GridTooFine { .. }
+        | Error::Memory { .. }
+        | Error::TooManyEntries { .. }
+        | Error::SweptTooFine { .. } => "LimitError",
         // `Cancelled`: the progress function raised, and its own exception is what the caller gets (`reporter::Reporter`).
         _ => "FeelerError",
     };

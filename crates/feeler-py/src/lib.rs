@@ -18,10 +18,12 @@ mod pools;
 mod predict;
 mod proximity;
 mod rays;
+mod removal;
 mod reporter;
 mod restore;
 mod scene;
 mod selection;
+mod swept;
 mod tool;
 mod travel;
 
@@ -79,11 +81,15 @@ mod _core {
     #[pymodule_export]
     use super::rays::{Rays, SectionOutline};
     #[pymodule_export]
+    use super::removal::removal;
+    #[pymodule_export]
     use super::restore::restore;
     #[pymodule_export]
     use super::scene::{optimal_voxel_size, Scene};
     #[pymodule_export]
     use super::selection::{IgnoredPairs, Selected};
+    #[pymodule_export]
+    use super::swept::swept;
     #[pymodule_export]
     use super::tool::Tool;
     #[pymodule_export]

@@ -100,4 +100,5 @@ def feeler(
 
 
 # Each registers itself with `app`, in the order in which --help lists them.
-from feeler.cli import demo, info, collide, clearance, path, clash, feel, view, replay, sample, bench, study  # noqa: E402, F401, I001
+from feeler.cli import demo, info, collide, clearance, path, clash, remove, access, swept  # noqa: E402, F401, I001
+from feeler.cli import feel, view, replay, sample, bench, study  # noqa: E402, F401

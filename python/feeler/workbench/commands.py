@@ -15,6 +15,7 @@ import numpy as np
 
 from feeler.errors import LoadError, WorkbenchError
 from feeler.parts import Parts
+from feeler.poses import inverse
 from feeler.workbench import findings, motion
 from feeler.workbench.arguments import Arguments, near, replaced, without
 from feeler.workbench.document import (
@@ -208,7 +209,7 @@ def grip(document: Document, given: Arguments, known: Known) -> Document:
         )
         middle = (around.min(axis=0) + around.max(axis=0)) / 2
         pose = motion.shifted(np.round(middle / _GRID_M) * _GRID_M)
-    back = motion.inverse(pose)
+    back = inverse(pose)
     held = {part: motion.row(back @ place) for part, place in places.items()}
     moved = {part: place for part, place in document.moved.items() if part not in held}
     return replace(

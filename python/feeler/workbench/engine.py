@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from feeler.mockup import Tool
+from feeler.poses import between
 from feeler.workbench import motion, stopping
 from feeler.workbench.document import Trip
 from feeler.workbench.gliding import MOST_STEPS, STEP_S, Glide
@@ -541,7 +542,7 @@ class Engine:
             return
         goal, step = self._way[0], _PLAY_M_PER_S * elapsed
         if self._tool is not None and (far := self._carried(self._wish, goal)) > step:
-            goal = motion.between(self._wish, goal, self._tool.bounds.mean(axis=0), step / far)
+            goal = between(self._wish, goal, self._tool.bounds.mean(axis=0), step / far)
         else:
             self._way.pop(0)
         self.wish(goal, self._seq, "api")

@@ -5,20 +5,17 @@ from __future__ import annotations
 import csv
 import html
 import io
-from collections.abc import Sequence
 
 import numpy as np
 
 from feeler.io.export import Motion, animated_glb
+from feeler.io.film import PAUSE_S, seconds_of, way_length, with_neighbours
 from feeler.mockup import Mockup, Tool
+from feeler.poses import inverse
 from feeler.progress import Progress
 from feeler.workbench import motion
 from feeler.workbench.document import UNITS, Document, Removal
 from feeler.workbench.motion import Floats
-
-CONTEXT_M = 0.1
-"""A film shows the parts that move, and those whose boxes are so near to where they begin."""
-_M_PER_S, _LEAST_S, _MOST_S, _PAUSE_S = 0.25, 1.0, 20.0, 0.5
 
 
 def sequence_csv(document: Document, mockup: Mockup, progress: Progress) -> bytes:
@@ -61,7 +58,7 @@ def sequence_glb(document: Document, mockup: Mockup, progress: Progress) -> byte
     """The removals one after the other as an animated glTF: the parts that move, and what is near them."""
     progress(0.0, "parts")
     moving = sorted({part for line in document.sequence for part in line.parts})
-    shown = _with_neighbours(mockup, moving, document.absent)
+    shown = with_neighbours(mockup, moving, document.absent)
     body = Tool.of_parts(mockup, shown, "sequence")
     place = {part: number for number, part in enumerate(shown)}
     times: dict[int, list[float]] = {part: [0.0] for part in moving}
@@ -70,16 +67,16 @@ def sequence_glb(document: Document, mockup: Mockup, progress: Progress) -> byte
     for number, line in enumerate(document.sequence):
         progress(number / len(document.sequence), "way")
         way = [motion.matrix(each) for each in line.way]
-        back = motion.inverse(way[0])
+        back = inverse(way[0])
         starts = dict(line.starts)
-        lasts = min(_MOST_S, max(_LEAST_S, _length(way) / _M_PER_S))
+        lasts = seconds_of(way_length(way))
         for part in line.parts:
             start = motion.matrix(starts.get(part, motion.HOME))
             for share, pose in zip(np.linspace(0.0, 1.0, len(way)).tolist(), way, strict=True):
                 if now + share * lasts > times[part][-1]:
                     times[part].append(now + share * lasts)
                     poses[part].append(pose @ back @ start)
-        now += lasts + _PAUSE_S
+        now += lasts + PAUSE_S
         for part in line.parts:
             # It rests until its next turn.
             times[part].append(now)
@@ -104,7 +101,7 @@ def _cells(number: int, line: Removal, document: Document, mockup: Mockup) -> li
         str(number),
         line.name,
         "; ".join(mockup.part_paths[part] for part in line.parts),
-        f"{_length([motion.matrix(each) for each in line.way]) / per_unit:.4g}",
+        f"{way_length([motion.matrix(each) for each in line.way]) / per_unit:.4g}",
         clearance,
         "; ".join(line.touched),
         line.tool or "",
@@ -114,20 +111,3 @@ def _cells(number: int, line: Removal, document: Document, mockup: Mockup) -> li
 def _harmless(cell: str) -> str:
     """A name that a spreadsheet would take for a formula is text."""
     return "'" + cell if cell[:1] in ("=", "+", "-", "@", "\t", "\r") else cell
-
-
-def _length(way: list[Floats]) -> float:
-    places = np.array([pose[:3, 3] for pose in way])
-    return float(np.linalg.norm(np.diff(places, axis=0), axis=1).sum())
-
-
-def _with_neighbours(mockup: Mockup, parts: list[int], absent: Sequence[int]) -> list[int]:
-    boxes = mockup.part_bounds.reshape(-1, 2, 3)
-    near = np.zeros(len(boxes), dtype=bool)
-    for part in parts:
-        lower, upper = boxes[part, 0] - CONTEXT_M, boxes[part, 1] + CONTEXT_M
-        near |= ((boxes[:, 0] <= upper) & (boxes[:, 1] >= lower)).all(axis=1)
-    near[parts] = True
-    near[list(absent)] = False
-    shown: list[int] = np.flatnonzero(near).tolist()
-    return shown

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from feeler.poses import inverse
 from feeler.scene import Scene
 from feeler.workbench import motion
 from feeler.workbench.arguments import Arguments
@@ -224,7 +225,7 @@ def _between_parts(given: Arguments, document: Document, scene: Scene, meshes: P
     one, other = parts
     at_one, at_other = (motion.matrix(document.moved.get(part, motion.HOME)) for part in parts)
     # In the frame in which the first is where it was loaded, so that the scene's own index answers.
-    near = scene.only([one]).distance(meshes.of(other)[0], motion.inverse(at_one) @ at_other)
+    near = scene.only([one]).distance(meshes.of(other)[0], inverse(at_one) @ at_other)
     if near.point_on_mockup is None or near.point_on_tool is None:
         raise given.fail("parts", "one of the two has no triangle that can be queried", "measure another part")
     ends = [_in(at_one, near.point_on_mockup), _in(at_one, near.point_on_tool)]

@@ -1,15 +1,14 @@
-"""Rigid motions: poses as rows of 16 numbers, what lies between two, and how far one carries."""
+"""Rigid motions: poses as rows of 16 numbers, and how far one carries."""
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from feeler.errors import WorkbenchError
-from feeler.poses import nearest_rigid, quaternion
+from feeler.poses import nearest_rigid
 
 Floats = npt.NDArray[np.float64]
 Row = tuple[float, ...]
@@ -49,59 +48,11 @@ def checked(given: Any, where: str) -> Floats:
         raise WorkbenchError(f"this is no pose: {error}", where, "give 16 numbers, row by row, rigid, metres") from None
 
 
-def inverse(pose: Floats) -> Floats:
-    """The rigid inverse."""
-    back = np.eye(4)
-    back[:3, :3] = pose[:3, :3].T
-    back[:3, 3] = -(pose[:3, :3].T @ pose[:3, 3])
-    return back
-
-
 def shifted(offset: npt.ArrayLike) -> Floats:
     """A pose that only moves."""
     pose = np.eye(4)
     pose[:3, 3] = offset
     return pose
-
-
-def rotation_vector(turn: Floats) -> Floats:
-    """Axis times angle (radians, at most pi) of a rotation `(3, 3)`."""
-    x, y, z, w = quaternion(turn)
-    if w < 0.0:
-        x, y, z, w = -x, -y, -z, -w
-    axis = np.array([x, y, z])
-    sine = float(np.linalg.norm(axis))
-    if sine < 1e-15:
-        return np.zeros(3)
-    return axis / sine * (2.0 * math.atan2(sine, w))
-
-
-def rotation(vector: Floats) -> Floats:
-    """The rotation `(3, 3)` of an axis times an angle (Rodrigues)."""
-    angle = float(np.linalg.norm(vector))
-    if angle < 1e-300:
-        return np.eye(3)
-    x, y, z = vector / angle
-    k = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    turn: Floats = np.eye(3) + math.sin(angle) * k + (1.0 - math.cos(angle)) * (k @ k)
-    return turn
-
-
-def between(start: Floats, end: Floats, centre: Floats, share: float) -> Floats:
-    """The pose at a share of the way: `centre` (of the tool, its frame) moves straight, the tool turns the shorter way.
-
-    The motion that `Scene.cast` goes along.
-    """
-    if share <= 0.0:
-        return start
-    if share >= 1.0:
-        return end
-    turn = rotation_vector(end[:3, :3] @ start[:3, :3].T)
-    pose = np.eye(4)
-    pose[:3, :3] = rotation(share * turn) @ start[:3, :3]
-    first, last = (p[:3, :3] @ centre + p[:3, 3] for p in (start, end))
-    pose[:3, 3] = first + share * (last - first) - pose[:3, :3] @ centre
-    return nearest_rigid(pose)
 
 
 def corners(bounds: Floats) -> Floats:

@@ -21,6 +21,7 @@ import numpy.typing as npt
 
 from feeler.errors import FeelerError, OptionError, WorkbenchError
 from feeler.mockup import Mockup, Tool
+from feeler.poses import inverse
 from feeler.progress import Progress
 from feeler.scene import Scene
 from feeler.workbench import measuring, motion
@@ -442,7 +443,7 @@ class Session:
     def _play(self, document: Document) -> None:
         line = next(each for each in document.sequence if each.id == document.replaying)
         way = [motion.matrix(each) for each in line.way]
-        back = motion.inverse(way[0]) @ motion.matrix(document.pose)
+        back = inverse(way[0]) @ motion.matrix(document.pose)
         self.engine.play([pose @ back for pose in way[1:]], self._played)
 
     def _played(self) -> None:

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from feeler.mockup import Tool
+from feeler.poses import between
 from feeler.workbench import motion
 from feeler.workbench.motion import Floats
 from feeler.workbench.world import NO_PAIRS, Impact, Pairs, World
@@ -75,7 +76,7 @@ def _before(world: World, tool: Tool, pose: Floats, goal: Floats, hit: Impact, s
     back = OFF_M / way if way > 0.0 else 1.0
     centre = tool.bounds.mean(axis=0)
     while back < hit.fraction:
-        candidate = motion.between(pose, goal, centre, hit.fraction - back)
+        candidate = between(pose, goal, centre, hit.fraction - back)
         if world.cast(tool, pose, candidate, seated, _TOLERANCE_M) is None:
             return candidate
         back *= 2
@@ -107,12 +108,12 @@ def _kept_out(world: World, tool: Tool, pose: Floats, wish: Floats, seated: Pair
         share, high = 0.0, 1.0
         for _ in range(_HALVINGS):
             middle = (share + high) / 2
-            at = _heights(motion.between(pose, wish, centre, middle), normals, points, footing) - least
+            at = _heights(between(pose, wish, centre, middle), normals, points, footing) - least
             if (at >= 0.0).all():
                 share = middle
             else:
                 high, below = middle, at
-        goal, plane = motion.between(pose, wish, centre, share), int(below.min(axis=1).argmin())
+        goal, plane = between(pose, wish, centre, share), int(below.min(axis=1).argmin())
     at_plane = holding[plane]
     part, ours = int(planes.parts[at_plane]), int(planes.tool_parts[at_plane])
     return goal, Impact(share, goal, planes.points[at_plane], planes.normals[at_plane], part, ours)

@@ -1,4 +1,4 @@
 //! What is inside what, though no triangles meet.
 
 pub(crate) mod find;
-mod tool_solid;
+pub mod tool_solid;

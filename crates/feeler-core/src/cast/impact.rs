@@ -38,6 +38,9 @@ pub enum Touching {
     /// The first pair at which one body enters the other: surfaces may lie on each other and slide along each other, within the
     /// tolerance. At the given poses it is decided exactly, as by [`Scene::is_entering`](crate::Scene::is_entering).
     Free,
+    /// As [`Free`](Self::Free), and at the given poses, too, it is decided within the tolerance: for ways that begin or end where bodies
+    /// are in each other by rounding, as those that lie on each other do at most poses.
+    Within,
 }
 
 /// When a pair meets first.

@@ -34,7 +34,7 @@ pub fn cast(
     let mut at = |time: f64| impact_at(index, tool, &motion, touching, time, collide);
     let impact: Option<Impact> = if motion.is_still() {
         at(0.0)
-    } else if touching == Touching::Ends {
+    } else if touching != Touching::Free {
         first_impact(index, tool, &motion, how, sweep, collide)
     } else {
         // Exact at both ends, and between them within the tolerance.

@@ -211,6 +211,8 @@ pub(super) fn impact_at(
     let pair = match touching {
         Touching::Ends => any_pair(index, tool, &pose, scratch),
         Touching::Free => entering_pair(index, tool, &pose, scratch),
+        // Where nothing moves, nothing goes deeper.
+        Touching::Within => None,
     };
     pair.map(|[tool_triangle, mockup_triangle]| Impact { time, tool_triangle, mockup_triangle })
 }

@@ -1,5 +1,6 @@
 //! A moving tool: its triangles under a shallow tree of boxes, its places at a pose, its way between two.
 
+pub mod metric;
 pub(crate) mod motion;
 pub(crate) mod moving_tool;
 pub(crate) mod placement;

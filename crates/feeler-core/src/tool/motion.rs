@@ -129,6 +129,27 @@ impl Motion {
         length(&self.velocity) + self.angle * self.reach + 2.0 * self.bend
     }
 
+    /// How well the convex hull of a triangle's places at the ends of a span of time stands for its places in between; `share` is
+    /// the length of the span.
+    ///
+    /// A point of the hull is `l A q + (1 - l) B r` with points `q`, `r` of the triangle and the poses `A`, `B` at both ends. Off the
+    /// place that `l q + (1 - l) r` has at the time `1 - l` it is by the arc's height, and by `l (1 - l) (A - B) (q - r)`, which is
+    /// at most a quarter of the angle times the triangle's width across the axis.
+    pub fn chord(&self, triangle: &Triangle, share: f64) -> Chord {
+        let across = |p: &Point, q: &Point| any_length(&cross(&self.axis_in_tool, &sub(p, q)));
+        let radius = triangle.iter().map(|p| across(p, &self.pivot)).fold(0.0, f64::max);
+        let [a, b, c] = triangle;
+        let width = across(a, b).max(across(b, c)).max(across(c, a));
+        let angle = self.angle * share;
+        // Per axis at a place; at two.
+        let stray = 2.0 * self.bend + 4.0 * self.rounding;
+        let arc = 0.125 * angle * angle * radius;
+        Chord {
+            short: arc * (1.0 + ARC_ROUNDING) + stray,
+            wide: (arc + 0.25 * angle * width) * (1.0 + ARC_ROUNDING) + stray,
+        }
+    }
+
     /// What the tool sweeps between two times.
     pub(crate) fn window(&self, tool: &Tool, from: f64, to: f64) -> Window {
         let poses = [self.at(from), self.at(to)];
@@ -172,6 +193,15 @@ impl Motion {
     fn pivot_at(&self, time: f64) -> Point {
         add(&self.from, &scaled(&self.velocity, time))
     }
+}
+
+/// See [`Motion::chord`]. Metres.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Chord {
+    /// No place of the triangle is farther from the hull.
+    pub short: f64,
+    /// No point of the hull is farther from all places of the triangle.
+    pub wide: f64,
 }
 
 /// See [`Motion::limits`].

@@ -1,10 +1,10 @@
 //! A device with something wrong with it for a while: to see what becomes of the force.
 
+use feeler_core::geometry::screw::{Twist, Wrench};
 use feeler_core::Pose;
 
 use super::{Device, DeviceError, DeviceInfo, DeviceState};
 use crate::error::{Error, Result};
-use crate::screw::{Twist, Wrench};
 
 /// What is wrong.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,10 +1,10 @@
 //! A hand on a simulated device: where it wants to be, and how it gives way.
 
+use feeler_core::geometry::screw::{displaced, displacement, Twist};
 use feeler_core::Pose;
 
 use crate::constants::LARGEST_STIFFNESS;
 use crate::error::{Error, Result};
-use crate::screw::{displaced, displacement, Twist};
 
 /// Where a hand wants the handle to be over time, `device_from_handle`: poses at times, between them a straight way and
 /// an even turn, before the first and after the last at rest.
@@ -125,7 +125,7 @@ impl Hand {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::screw::{pose_of, rotation_of};
+    use feeler_core::geometry::screw::{pose_of, rotation_of};
 
     #[test]
     fn a_path_is_even_between_its_poses_and_at_rest_outside() {

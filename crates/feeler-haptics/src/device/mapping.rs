@@ -15,6 +15,7 @@
 //!   hard. Nothing drifts: the tool moves only when the hand does, which is what one relies on when clearances are
 //!   judged, and the clutch gives room.
 
+use feeler_core::geometry::screw::{pose_of, product, times, transposed, Matrix, Twist, Wrench};
 use feeler_core::geometry::vectors::{add, scaled, sub};
 use feeler_core::{Point, Pose};
 
@@ -22,7 +23,6 @@ use super::{DeviceInfo, DeviceState};
 use crate::constants::{SCALES, WALL_DEPTH, WALL_FORCE_SHARE, WALL_SHARE};
 use crate::error::{Error, Result};
 use crate::saturation::{added_within, saturated};
-use crate::screw::{pose_of, product, times, transposed, Matrix, Twist, Wrench};
 
 /// What a device's state is in the world.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -207,6 +207,6 @@ impl Mapping {
     fn tool(&self) -> Result<Pose> {
         let rotation = product(&product(&self.world_from_device, self.handle.rotation()), &self.handle_from_tool);
         let way = scaled(&times(&self.world_from_device, self.handle.translation()), self.scale);
-        pose_of(&rotation, &add(&self.at, &way))
+        Ok(pose_of(&rotation, &add(&self.at, &way))?)
     }
 }

@@ -8,10 +8,10 @@ mod random;
 pub mod simulated;
 pub mod steered;
 
+use feeler_core::geometry::screw::{Twist, Wrench};
 use feeler_core::Pose;
 
 use crate::error::Error;
-use crate::screw::{Twist, Wrench};
 
 /// Which freedoms a device senses or drives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

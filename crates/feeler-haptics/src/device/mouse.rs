@@ -4,13 +4,14 @@
 //! seldom targets come and however unevenly it is read, pose and twist are continuous, and never overshoot a target
 //! that rests.
 
+use feeler_core::constants::SMALL_ANGLE;
+use feeler_core::geometry::screw::{pose_of, product, rotation_of, rotation_vector, transposed, Twist, Wrench};
 use feeler_core::geometry::vectors::{add, along, cross, dot, scaled, sub};
 use feeler_core::{Point, Pose};
 
 use super::{Device, DeviceError, DeviceInfo, DeviceLimits, DeviceState, Freedoms};
-use crate::constants::{MOUSE_FREQUENCIES, MOUSE_FREQUENCY, SMALL_ANGLE};
+use crate::constants::{MOUSE_FREQUENCIES, MOUSE_FREQUENCY};
 use crate::error::{Error, Result};
-use crate::screw::{pose_of, product, rotation_of, rotation_vector, transposed, Twist, Wrench};
 
 /// See the [module](self). Whoever has targets from another thread hands them over before a read.
 #[derive(Debug, Clone, PartialEq)]

@@ -4,6 +4,7 @@
 //! told, so that the same calls give the same motion, bit for bit. Handle and hand are one rigid mass and one rigid
 //! inertia, the same in all directions and about all axes. Gravity is balanced.
 
+use feeler_core::geometry::screw::{displaced, displacement, pose_of, rotation_of, rotation_vector, Twist, Wrench};
 use feeler_core::geometry::vectors::{along, length, scaled};
 use feeler_core::{Point, Pose};
 
@@ -12,7 +13,6 @@ use super::random::Random;
 use super::{Device, DeviceError, DeviceInfo, DeviceLimits, DeviceState, Freedoms};
 use crate::constants::{COMMANDS_ON_THE_WAY, INNER_STEP_S, LONGEST_CATCH_UP_S, LONGEST_DELAY_S};
 use crate::error::{Error, Result};
-use crate::screw::{displaced, displacement, pose_of, rotation_of, rotation_vector, Twist, Wrench};
 
 /// What a simulated device is made of.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,11 +1,11 @@
 //! A [`Mouse`] that another thread steers, through a triple buffer: neither waits for the other.
 
+use feeler_core::geometry::screw::Wrench;
 use feeler_core::Pose;
 use triple_buffer::{triple_buffer, Input, Output};
 
 use super::mouse::Mouse;
 use super::{Device, DeviceError, DeviceInfo, DeviceState};
-use crate::screw::Wrench;
 
 /// What is asked of it.
 #[derive(Debug, Clone, Copy, PartialEq)]

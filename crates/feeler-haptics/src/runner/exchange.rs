@@ -1,10 +1,10 @@
 //! What the threads hand each other, each through a triple buffer: nobody waits for anybody, and everybody has the newest.
 
+use feeler_core::geometry::screw::Wrench;
 use feeler_core::Pose;
 
 use crate::constants::VIEW_PLANES;
 use crate::constraint_set::{ConstraintSet, Plane};
-use crate::screw::Wrench;
 use crate::servo::Mode;
 
 /// From the servo side to the collision side: where the device wants the tool.

@@ -1,6 +1,7 @@
 //! The servo side: device, mapping, the newest constraints, force. Without a thread or a clock of its own; takes no lock, and
 //! allocates nothing unless the device fails.
 
+use feeler_core::geometry::screw::Wrench;
 use feeler_core::{Point, Pose};
 use rtrb::Producer;
 use triple_buffer::{Input, Output};
@@ -13,7 +14,6 @@ use crate::coupling::Coupling;
 use crate::device::mapping::{Mapped, Mapping};
 use crate::device::{Device, DeviceError, DeviceState};
 use crate::error::{Error, Result};
-use crate::screw::Wrench;
 use crate::servo::{Mode, Servo, ServoInput, ServoOutput};
 use crate::stability::Limitations;
 use crate::statistics::ServoRecord;

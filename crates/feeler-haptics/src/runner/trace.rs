@@ -1,8 +1,8 @@
 //! What happened in each tick of a run, through a queue of fixed length that the servo side never waits for.
 
+use feeler_core::geometry::screw::Wrench;
 use feeler_core::Pose;
 
-use crate::screw::Wrench;
 use crate::servo::Mode;
 
 /// One tick of the servo side.

@@ -2,11 +2,11 @@
 
 use std::ops::{Add, Mul, Neg, Sub};
 
-use feeler_core::geometry::vectors::{add, cross, dot, length, scaled, sub};
-use feeler_core::{Point, Pose};
-
 use crate::constants::SMALL_ANGLE;
 use crate::error::Result;
+use crate::geometry::bounds::Point;
+use crate::geometry::pose::Pose;
+use crate::geometry::vectors::{add, cross, dot, length, scaled, sub};
 
 /// A linear and an angular part, world axes: of a displacement (metres, radians as a rotation vector) or a velocity (per second), at
 /// a reference point that the function it is passed to names.
@@ -189,7 +189,7 @@ pub fn pose_of(rotation: &Matrix, translation: &Point) -> Result<Pose> {
         let [x, y, z] = rotation[i];
         [x, y, z, translation[i]]
     };
-    Ok(Pose::new(&[row(0), row(1), row(2), [0.0, 0.0, 0.0, 1.0]])?)
+    Pose::new(&[row(0), row(1), row(2), [0.0, 0.0, 0.0, 1.0]])
 }
 
 /// The displacement that takes one pose to another, at a point of the tool (`centre`, tool frame): that point's way in the world, and

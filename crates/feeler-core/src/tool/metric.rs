@@ -6,13 +6,13 @@
 //! motions gain and lose energy. By the coupling's own springs the wrench is held by the contacts alone, and is the gradient of half
 //! the square of the distance: of a potential.
 
-use feeler_core::geometry::vectors::{add, cross, dot, length, scaled, sub};
-use feeler_core::{Point, Pose, Tool};
-
 use crate::constants::LEAST_GYRATION_SHARE;
-use crate::coupling::Coupling;
-use crate::least_distance::{HalfSpace, Six};
-use crate::screw::{times, transposed, Matrix, Twist};
+use crate::geometry::bounds::Point;
+use crate::geometry::least_distance::{HalfSpace, Six};
+use crate::geometry::pose::Pose;
+use crate::geometry::screw::{times, transposed, Matrix, Twist};
+use crate::geometry::vectors::{add, cross, dot, length, scaled, sub};
+use crate::tool::moving_tool::Tool;
 
 /// The inertia of a tool's surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,10 +62,9 @@ impl Metric {
         Metric { centre, radius, factor, inverse: inverse_lower(&factor) }
     }
 
-    /// The same centre, and turns as long as springs weigh them: `lever` (metres) is the root of the rotational stiffness over the
-    /// stiffness. `None` where the two make none, as where a coupling turns nothing: then the tool's own inertia stays.
-    pub fn with_springs_of(&self, coupling: &Coupling) -> Option<Metric> {
-        let lever = (coupling.rotational_stiffness_nm_per_rad / coupling.stiffness_n_per_m).sqrt();
+    /// The same centre, and a turn about any axis as long as its angle times `lever` (metres): for springs the root of the rotational
+    /// stiffness over the stiffness. `None` where it is not positive and finite, as where a coupling turns nothing.
+    pub fn with_lever(&self, lever: f64) -> Option<Metric> {
         let is_of_use = lever.is_finite() && lever > 0.0;
         let diagonal = |x: f64| std::array::from_fn(|i| std::array::from_fn(|j| if i == j { x } else { 0.0 }));
         is_of_use.then(|| Metric { factor: diagonal(lever), inverse: diagonal(1.0 / lever), ..*self })
@@ -132,7 +131,7 @@ mod tests {
     use feeler_shapes::box_mesh;
 
     use super::*;
-    use crate::screw::{displaced, pose_of, rotation_of};
+    use crate::geometry::screw::{displaced, pose_of, rotation_of};
 
     fn tool(size: [f64; 3], at: Point, cells: usize) -> Tool {
         let (vertices, faces) = box_mesh(at, size, cells);

@@ -1,0 +1,115 @@
+"""The tables of a run, as Markdown: puzzles, everyone beside each other, and the engine."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pages
+from pages import bold, markdown
+
+from . import goals
+
+Result = dict[str, Any]
+
+PROGRAM = "bench/removal/run.py"
+NAMES = ("puzzles", "engine")
+
+
+def tables(result: Result) -> dict[str, str]:
+    """All tables, by name; of what a record does not have, a line that says so."""
+    makers = {"puzzles": puzzles, "engine": engine}
+    return {name: makers[name](result[name]) if name in result else "Not measured yet." for name in NAMES}
+
+
+def page(result: Result) -> str:
+    """What a run found, as a page of its own."""
+    heads = {"puzzles": "Puzzles", "engine": "The sample engine"}
+    made = tables(result)
+    return "# Removal\n\n" + "\n".join(f"## {heads[name]}\n\n{made[name]}\n" for name in NAMES if name in result)
+
+
+def puzzles(found: Result) -> str:
+    """Each puzzle, and what everyone makes of it."""
+    lines = []
+    for row in found["puzzles"]:
+        for one in row["tries"]:
+            wanted = goals.MEDIAN_S.get(row["name"]) if one is row["tries"][0] else None
+            median = _seconds(one["median_s"])
+            lines.append(
+                [
+                    *(row["name"], one["planner"], f"{one['found']} of {one['seeds']}"),
+                    f"{one['free']}" if one["found"] else "",
+                    bold(median, wanted is None or one["median_s"] <= wanted),
+                    _seconds(one["worst_s"]),
+                ]
+            )
+    heads = ["puzzle", "planner", "found", "of these free", "median", "worst"]
+    versions = found["versions"]
+    notes = [
+        f"One core, and {found['seconds']:g} s a try at most; one row of seeds for everyone. Free: no triangle is met "
+        "all along, by `check_path`. Bold: misses its goal.",
+        *(
+            [f"OMPL {versions['OMPL']}, with feeler's exact test of a pose as its checker."]
+            if "OMPL" in versions
+            else []
+        ),
+        *(f"{name}: {reason}." for name, reason in found["absent"].items()),
+    ]
+    return f"{_origin(found)}\n\n{markdown(heads, 2, lines, ' '.join(notes))}"
+
+
+def engine(found: Result) -> str:
+    """Straight ways, parts a minute, access."""
+    straight, rate, access = found["straight"], found["rate"], found["access"]
+    worst = straight["straight_s"].get("worst")
+    straight_said = (
+        f"{straight['straight']:,} of {straight['parts']:,} parts have one; median "
+        f"{_seconds(straight['straight_s'].get('median'))}, the slowest {_seconds(worst)}"
+    )
+    minute = 60.0 * rate["parts"] / rate["total_s"]
+    lines = [
+        [
+            f"a straight way, {straight['triangles']:,} triangles",
+            f"{_seconds(goals.STRAIGHT_S)} each",
+            bold(straight_said, worst is not None and worst <= goals.STRAIGHT_S),
+        ],
+        [
+            f"{rate['parts']} of {rate['all_parts']:,} parts, {rate['triangles']:,} triangles",
+            f"{goals.PARTS_A_MINUTE} a minute",
+            bold(
+                f"{minute:.3g} a minute; {rate['found']} come out, {rate['straight']} of them straight",
+                minute >= goals.PARTS_A_MINUTE,
+            ),
+        ],
+        *(
+            [
+                f"a wrench {row['where']}: {access['targets']} bolts x {access['angles']} angles, "
+                f"{access['triangles']:,} triangles",
+                f"{goals.ACCESS_S:g} s",
+                bold(
+                    f"{_seconds(row['total_s'])}; {row['reachable']} can be reached", row["total_s"] <= goals.ACCESS_S
+                ),
+            ]
+            for row in access["rows"]
+        ),
+        [
+            f"finding the fasteners, {access['triangles']:,} triangles",
+            "",
+            f"{_seconds(access['finding_s'])}; {access['fasteners']:,} found",
+        ],
+    ]
+    note = (
+        f"One core. A part has {_seconds(rate['limit_s'])} at most, {_seconds(straight['limit_s'])} where only "
+        "straight ways are looked for; all other parts are in place. Bold: misses its goal."
+    )
+    return f"{_origin(found)}\n\n{markdown(['what', 'goal', 'found'], 3, lines, note)}"
+
+
+def _origin(found: Result) -> str:
+    return pages.origin(PROGRAM, found, *pages.busy(found))
+
+
+def _seconds(seconds: float | None) -> str:
+    if seconds is None:
+        return ""
+    return f"{1e3 * seconds:.3g} ms" if seconds < 1.0 else f"{seconds:.3g} s"

@@ -1,0 +1,137 @@
+//! Along which directions a part may come straight out: what its contacts, its own shape and its neighbours' shapes suggest.
+
+use feeler_core::geometry::vectors::{add, cross, dot, length, scaled, sub, unit};
+use feeler_core::{Point, Tool};
+
+use crate::constants::{DIRECTION_MARGIN, MOST_DIRECTIONS, MOST_NORMALS, SAME_DIRECTION};
+use crate::error::Result;
+use crate::surroundings::Surroundings;
+
+/// Candidates (units, world), the likely ones first.
+///
+/// In this order: the contact normals; the axes of the part's own faces, of its area, and of the world, both ways; what is along two
+/// contact planes, as the axis of a bore is, both ways; between two contact normals.
+pub fn directions(surroundings: &Surroundings) -> Result<Vec<Point>> {
+    let (tool, start) = (surroundings.tool(), surroundings.start());
+    let margin = DIRECTION_MARGIN * surroundings.size();
+    let contacts = surroundings.solver().contacts(tool, start, margin, None)?;
+    let mut normals = Distinct::default();
+    for plane in &contacts.planes {
+        normals.push(&plane.normal);
+    }
+    normals.0.truncate(MOST_NORMALS);
+    let normals = normals.0;
+    let mut all = Distinct::default();
+    normals.iter().for_each(|normal| all.push(normal));
+    for axis in own_axes(tool) {
+        all.push_both(&turned(start.rotation(), &axis));
+    }
+    (0..3).for_each(|a| all.push_both(&std::array::from_fn(|b| if a == b { 1.0 } else { 0.0 })));
+    let pairs = || normals.iter().enumerate().flat_map(|(i, n)| normals[i + 1..].iter().map(move |m| (n, m)));
+    pairs().for_each(|(n, m)| all.push_both(&cross(n, m)));
+    pairs().for_each(|(n, m)| all.push(&add(n, m)));
+    if let Some(sum) = normals.iter().copied().reduce(|sum, n| add(&sum, &n)) {
+        all.push(&sum);
+    }
+    all.0.truncate(MOST_DIRECTIONS);
+    Ok(all.0)
+}
+
+/// Units, none twice.
+#[derive(Default)]
+struct Distinct(Vec<Point>);
+
+impl Distinct {
+    fn push(&mut self, direction: &Point) {
+        // Rounding along an axis of the world would lead off a plane that is along it.
+        let Some(direction) = unit(direction).map(|d| d.map(|x| if x.abs() < 1e-9 { 0.0 } else { x })) else { return };
+        if self.0.iter().all(|known| dot(known, &direction) < SAME_DIRECTION) {
+            self.0.push(direction);
+        }
+    }
+
+    fn push_both(&mut self, direction: &Point) {
+        if length(direction) > 1e-6 {
+            self.push(direction);
+            self.push(&scaled(direction, -1.0));
+        }
+    }
+}
+
+fn turned(rotation: &[[f64; 3]; 3], axis: &Point) -> Point {
+    rotation.map(|row| dot(&row, axis))
+}
+
+/// The principal axes of the faces' normals, among which are those of cylinders, and of the area; tool frame.
+fn own_axes(tool: &Tool) -> Vec<Point> {
+    let mesh = tool.mesh();
+    let (mut area, mut first) = (0.0, [0.0; 3]);
+    for t in mesh.queried() {
+        let [a, b, c] = mesh.triangle(t);
+        let weight = length(&cross(&sub(&b, &a), &sub(&c, &a)));
+        area += weight;
+        first = add(&first, &scaled(&add(&add(&a, &b), &c), weight / 3.0));
+    }
+    let centre = scaled(&first, 1.0 / area.max(f64::MIN_POSITIVE));
+    let (mut faces, mut places) = ([[0.0; 3]; 3], [[0.0; 3]; 3]);
+    for t in mesh.queried() {
+        let [a, b, c] = mesh.triangle(t);
+        let across = cross(&sub(&b, &a), &sub(&c, &a));
+        let weight = length(&across);
+        let middle = sub(&scaled(&add(&add(&a, &b), &c), 1.0 / 3.0), &centre);
+        for i in 0..3 {
+            for j in 0..3 {
+                faces[i][j] += across[i] * across[j] / weight.max(f64::MIN_POSITIVE);
+                places[i][j] += weight * middle[i] * middle[j];
+            }
+        }
+    }
+    [faces, places].iter().flat_map(principal_axes).collect()
+}
+
+/// The eigenvectors of a symmetric matrix, by Jacobi's rotations.
+fn principal_axes(matrix: &[[f64; 3]; 3]) -> [Point; 3] {
+    const SWEEPS: usize = 12;
+    let (mut m, mut axes) = (*matrix, [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+    for _ in 0..SWEEPS {
+        for (p, q) in [(0, 1), (0, 2), (1, 2)] {
+            if m[p][q].abs() <= 1e-15 * (m[p][p].abs() + m[q][q].abs()) {
+                continue;
+            }
+            let theta = (m[q][q] - m[p][p]) / (2.0 * m[p][q]);
+            let t = theta.signum() / (theta.abs() + (theta * theta + 1.0).sqrt());
+            let c = 1.0 / (t * t + 1.0).sqrt();
+            let s = t * c;
+            for k in 0..3 {
+                (m[k][p], m[k][q]) = (c * m[k][p] - s * m[k][q], s * m[k][p] + c * m[k][q]);
+            }
+            for k in 0..3 {
+                (m[p][k], m[q][k]) = (c * m[p][k] - s * m[q][k], s * m[p][k] + c * m[q][k]);
+            }
+            // The axes are rows.
+            for k in 0..3 {
+                (axes[p][k], axes[q][k]) = (c * axes[p][k] - s * axes[q][k], s * axes[p][k] + c * axes[q][k]);
+            }
+        }
+    }
+    axes
+}
+
+#[cfg(test)]
+mod tests {
+    use feeler_shapes::cylinder;
+
+    use super::*;
+
+    #[test]
+    fn the_axis_of_a_cylinder_is_among_a_parts_own_axes() {
+        let (vertices, faces) = cylinder(0.01, 0.01, 24, 3);
+        let along = unit(&[0.3, -0.5, 0.8]).unwrap();
+        // x to `along`, by two reflections.
+        let mirror = |p: &Point, n: &Point| sub(p, &scaled(n, 2.0 * dot(p, n) / dot(n, n)));
+        let half = sub(&along, &[1.0, 0.0, 0.0]);
+        let vertices = vertices.iter().map(|p| mirror(&mirror(p, &[0.0, 1.0, 0.0]), &half)).collect();
+        let tool = Tool::new(vertices, faces).unwrap();
+        assert!(own_axes(&tool).iter().any(|axis| dot(axis, &along).abs() > 1.0 - 1e-9));
+    }
+}

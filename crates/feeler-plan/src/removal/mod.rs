@@ -1,0 +1,197 @@
+//! How a part comes out of a mock-up.
+//!
+//! Straight ways first, along directions that the contacts and the shapes suggest; then random trees. What is given was verified; where
+//! nothing is found it says what was in the way, and never that there is none.
+
+mod directions;
+mod shortcut;
+mod straight;
+mod tree;
+mod verify;
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use feeler_contacts::ContactSolver;
+use feeler_core::geometry::screw::displacement;
+use feeler_core::geometry::vectors::{length, unit};
+use feeler_core::{Point, Pose, Progress, Tool};
+
+use self::directions::directions;
+use self::shortcut::shortened;
+use self::straight::straight_way;
+use self::tree::Tree;
+use self::verify::{verified, Verified};
+use crate::blocked::{Blocker, Tally};
+use crate::constants::{ROUND_CASTS, TREES};
+use crate::error::{Error, Result};
+use crate::surroundings::{Allowed, Surroundings};
+
+/// What is to come out.
+#[derive(Debug, Clone)]
+pub struct RemovalTask {
+    /// What moves: parts of the mock-up, and what grips them.
+    pub tool: Arc<Tool>,
+    /// How many of its parts are the mock-up's: those before what grips.
+    pub own_parts: u32,
+    /// Its pose where the parts are.
+    pub start: Pose,
+    /// What may meet.
+    pub allowed: Allowed,
+    /// Directions to try first, world; of any length.
+    pub directions: Vec<Point>,
+    /// How far it stays off what is not seated, metres.
+    pub clearance: f64,
+    /// Of the random samples.
+    pub seed: u64,
+}
+
+/// How a way was found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Method {
+    /// It was out already.
+    Out,
+    /// Straight.
+    Straight,
+    /// By a random tree, of this number.
+    Tree(u64),
+}
+
+/// A way out, or what was in the way.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Removal {
+    /// How the way was found; `None` where none was.
+    pub method: Option<Method>,
+    /// The way, from the start until the tool is out; the start alone where none was found. Between two poses it moves as
+    /// [`Motion`](feeler_core::Motion) does.
+    pub poses: Vec<Pose>,
+    /// How far the middle of the tool's box moves, metres.
+    pub path_length: f64,
+    /// How far the tool turns in all, radians.
+    pub rotation: f64,
+    /// The least distance along the way of what is not seated, metres; infinite where nothing is there.
+    pub clearance: f64,
+    /// What stopped it, the worst first.
+    pub blockers: Vec<Blocker>,
+    /// Casts made.
+    pub casts: u64,
+    /// Whether time was up before all was tried.
+    pub is_out_of_time: bool,
+}
+
+/// Takes a tool out of the scene that a solver is of, in parallel on the current rayon pool.
+///
+/// `progress` stops it; `has_time` says whether to try more: a way that is found does not depend on it. Errors: numbers that cannot be,
+/// a tool that grips and meets something at the start, a request to stop.
+pub fn removal(
+    solver: &ContactSolver,
+    task: &RemovalTask,
+    progress: Progress<'_>,
+    has_time: &(dyn Fn() -> bool + Sync),
+) -> Result<Removal> {
+    check(task)?;
+    let report = |done: f64, stage: &str| match progress(done, stage) {
+        true => Ok(()),
+        false => Err(Error::Core(feeler_core::Error::Cancelled)),
+    };
+    report(0.0, "straight ways")?;
+    let RemovalTask { tool, own_parts, start, allowed, clearance, .. } = task;
+    let surroundings = Surroundings::new(solver, tool.clone(), *own_parts, start, allowed, *clearance)?;
+    let mut tally = Tally::default();
+    if let Some(way) = verified(&surroundings, vec![*start], &mut tally)? {
+        return told(&surroundings, Ok((Method::Out, way)), &tally);
+    }
+    for [_, part] in surroundings.refused() {
+        tally.note(*part, 0.0, start);
+    }
+    if !surroundings.refused().is_empty() {
+        return told(&surroundings, Err(false), &tally);
+    }
+    let first: Vec<Point> = task.directions.iter().filter_map(unit).collect();
+    let others = directions(&surroundings)?;
+    let goes_on = || {
+        report(0.0, "straight ways")?;
+        Ok(has_time())
+    };
+    if let Some(way) = straight_way(&surroundings, (&first, &others), &mut tally, &goes_on)? {
+        return told(&surroundings, Ok((Method::Straight, way)), &tally);
+    }
+    let directions: Vec<Point> = first.into_iter().chain(others).collect();
+    let mut trees: Vec<Tree> = (0..TREES).map(|tree| Tree::new(&surroundings, &directions, task.seed, tree)).collect();
+    let found = loop {
+        report(0.0, "random trees")?;
+        if !has_time() {
+            break None;
+        }
+        trees.par_iter_mut().try_for_each(|tree| tree.grow(ROUND_CASTS))?;
+        if let Some(found) = first_way(&surroundings, task.seed, &mut trees)? {
+            break Some(found);
+        }
+    };
+    trees.iter().for_each(|tree| tally.add(&tree.tally));
+    told(&surroundings, found.ok_or(true), &tally)
+}
+
+/// The way of the tree with the least number that has one. One that is not free by finer steps is forgotten, and its tree grows on.
+fn first_way(surroundings: &Surroundings, seed: u64, trees: &mut [Tree<'_>]) -> Result<Option<(Method, Verified)>> {
+    for (number, tree) in (0..).zip(trees) {
+        if let Some(poses) = tree.way.take() {
+            let mut tally = Tally::default();
+            let short = shortened(surroundings, poses.clone(), seed, &mut tally)?;
+            let way = match verified(surroundings, short, &mut tally)? {
+                None => verified(surroundings, poses, &mut tally)?,
+                way => way,
+            };
+            // Shortcuts that are blocked say nothing of what is in the way out.
+            tree.tally.casts += tally.casts;
+            if let Some(way) = way {
+                return Ok(Some((Method::Tree(number), way)));
+            }
+        }
+    }
+    Ok(None)
+}
+
+fn check(task: &RemovalTask) -> Result<()> {
+    let length = |what, value: f64| match value.is_finite() && value >= 0.0 {
+        true => Ok(()),
+        false => Err(Error::Option { what, value, must: "it must be a finite distance of 0 metres or more" }),
+    };
+    length("clearance", task.clearance)?;
+    length("allow", task.allowed.overlap)?;
+    let numbers = task.directions.iter().find(|d| unit(d).is_none() || d.iter().any(|x| !x.is_finite()));
+    match numbers {
+        Some(d) => Err(Error::Option {
+            what: "directions",
+            value: d.iter().sum(),
+            must: "each must be three finite numbers, not all zero",
+        }),
+        None => Ok(()),
+    }
+}
+
+/// What there is to say of a way; or, where there is none, whether time was up.
+fn told(
+    surroundings: &Surroundings,
+    found: std::result::Result<(Method, Verified), bool>,
+    tally: &Tally,
+) -> Result<Removal> {
+    let is_out_of_time = matches!(found, Err(true));
+    let (method, poses, clearance) = match found {
+        Err(_) => (None, vec![*surroundings.start()], f64::INFINITY),
+        Ok((method, Verified { poses, spans })) => {
+            let least = |least, span| surroundings.least_distance(span, least);
+            (Some(method), poses, spans.iter().try_fold(f64::INFINITY, least)?)
+        }
+    };
+    let (mut path_length, mut rotation) = (0.0, 0.0);
+    for pair in poses.windows(2) {
+        let by = displacement(&pair[0], &pair[1], surroundings.middle());
+        path_length += length(&by.linear);
+        rotation += length(&by.angular);
+    }
+    let blockers = tally.blockers();
+    Ok(Removal { method, poses, path_length, rotation, clearance, blockers, casts: tally.casts, is_out_of_time })
+}

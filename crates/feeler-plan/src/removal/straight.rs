@@ -1,0 +1,45 @@
+//! Straight ways out.
+
+use feeler_core::Point;
+
+use super::verify::{verified, Verified};
+use crate::blocked::Tally;
+use crate::error::Result;
+use crate::surroundings::{Care, Surroundings};
+
+/// The poses of the shortest straight way out that is free, verified: along one of the caller's directions, or else along one of those
+/// that contacts and shapes suggest.
+pub fn straight_way(
+    surroundings: &Surroundings,
+    (first, others): (&[Point], &[Point]),
+    tally: &mut Tally,
+    goes_on: &dyn Fn() -> Result<bool>,
+) -> Result<Option<Verified>> {
+    let (start, seated) = (*surroundings.start(), surroundings.seated_at_start());
+    let mut try_all = |directions: &[Point]| -> Result<Option<Verified>> {
+        let mut ways: Vec<(f64, &Point)> =
+            directions.iter().map(|direction| (surroundings.way_out(&start, direction), direction)).collect();
+        ways.retain(|(length, _)| length.is_finite());
+        ways.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for (length, direction) in ways {
+            if !goes_on()? {
+                return Ok(None);
+            }
+            let end = surroundings.moved(&start, direction, length)?;
+            // Where casts decide, one is enough.
+            let mut is_free = || -> Result<bool> {
+                Ok(surroundings.walk(&seated, (&start, &end), Care::Search(&[]), tally)?.stop.is_none())
+            };
+            if surroundings.casts_decide() || is_free()? {
+                if let Some(way) = verified(surroundings, vec![start, end], tally)? {
+                    return Ok(Some(way));
+                }
+            }
+        }
+        Ok(None)
+    };
+    if let Some(way) = try_all(first)? {
+        return Ok(Some(way));
+    }
+    try_all(others)
+}

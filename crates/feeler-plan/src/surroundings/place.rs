@@ -1,0 +1,93 @@
+//! The place of the tool at the start, as if its neighbours had a hole there.
+//!
+//! In many models bolts have no holes: bolt and plate are in each other. The bolt may leave, and where it goes through the plate's surface
+//! it has to be within its own place, as it would be in a hole. So each point that a crossing of the two surfaces passes through lies in
+//! the tool as it was at the start, or on it.
+
+use feeler_core::geometry::vectors::{add, cross, dot, length, scaled, sub};
+use feeler_core::{closest_triangle_triangle, Mockup, Point, Pose, Tool, Triangle};
+
+use crate::constants::{LEAST_CROSSINGS, MOST_CROSSING_WORK, SEAT_TOLERANCE};
+
+/// The part of the mock-up at a crossing that is outside of the tool's place, world, as it was at the start.
+pub fn crossing_outside(tool: &Tool, start: &Pose, mockup: &Mockup, pairs: &[[u32; 2]], pose: &Pose) -> Option<u32> {
+    let mesh = tool.mesh();
+    let triangles = mesh.faces().len();
+    // As many crossings as fit the work, spread over all.
+    let most = (MOST_CROSSING_WORK / triangles.max(1)).max(LEAST_CROSSINGS);
+    let stride = pairs.len().div_ceil(most).max(1);
+    let mut pairs = pairs.iter().step_by(stride);
+    let outside = |[t, m]: &&[u32; 2]| {
+        let p = pose.apply_triangle(&mesh.triangle(*t));
+        let crossings = crossings(&p, &mockup.mesh().triangle(*m));
+        let own = tool.part_of_face(*t);
+        crossings.iter().any(|x| !is_in(tool, own, start, x))
+    };
+    pairs.find(outside).map(|[_, m]| mockup.part_of_face(*m))
+}
+
+/// Where edges of one triangle go through the other.
+fn crossings(p: &Triangle, q: &Triangle) -> Vec<Point> {
+    let mut found = Vec::new();
+    for (edges, face) in [(p, q), (q, p)] {
+        let normal = cross(&sub(&face[1], &face[0]), &sub(&face[2], &face[0]));
+        for i in 0..3 {
+            let (a, b) = (&edges[i], &edges[(i + 1) % 3]);
+            let (above, below) = (dot(&normal, &sub(a, &face[0])), dot(&normal, &sub(b, &face[0])));
+            if above * below >= 0.0 {
+                continue;
+            }
+            let at = add(a, &scaled(&sub(b, a), above / (above - below)));
+            let is_inside = (0..3).all(|k| {
+                let side = cross(&sub(&face[(k + 1) % 3], &face[k]), &sub(&at, &face[k]));
+                dot(&side, &normal) >= 0.0
+            });
+            if is_inside {
+                found.push(at);
+            }
+        }
+    }
+    found
+}
+
+/// Whether a point of the world is in, or on, a part of the tool at a pose: by its winding number, the sum of solid angles.
+fn is_in(tool: &Tool, part: u32, pose: &Pose, at: &Point) -> bool {
+    let mut angle = 0.0;
+    for t in tool.mesh().queried().filter(|t| tool.part_of_face(*t) == part) {
+        let corners = pose.apply_triangle(&tool.mesh().triangle(t));
+        if closest_triangle_triangle(&[*at; 3], &corners).distance <= SEAT_TOLERANCE {
+            return true;
+        }
+        let [a, b, c] = corners.each_ref().map(|p| sub(p, at));
+        let [x, y, z] = [&a, &b, &c].map(length);
+        let below = x * y * z + dot(&a, &b) * z + dot(&b, &c) * x + dot(&c, &a) * y;
+        angle += 2.0 * dot(&a, &cross(&b, &c)).atan2(below);
+    }
+    angle.abs() > std::f64::consts::TAU
+}
+
+#[cfg(test)]
+mod tests {
+    use feeler_shapes::box_mesh;
+
+    use super::*;
+
+    #[test]
+    fn a_point_is_in_a_box_or_not() {
+        let (vertices, faces) = box_mesh([0.0; 3], [0.02; 3], 2);
+        let tool = Tool::new(vertices, faces).unwrap();
+        let there = Pose::IDENTITY.translated(&[1.0, 0.0, 0.0]).unwrap();
+        let is_in = |x: f64| is_in(&tool, 0, &there, &[x, 0.003, -0.002]);
+        assert!(is_in(1.0) && is_in(1.0099) && is_in(1.010005) && !is_in(1.0102) && !is_in(0.0));
+    }
+
+    #[test]
+    fn two_triangles_cross_at_two_points() {
+        let p = [[0.0, 0.0, -1.0], [0.0, 0.0, 1.0], [0.0, 5.0, 0.5]];
+        let q = [[-1.0, -1.0, 0.0], [2.0, -1.0, 0.0], [-0.5, 2.0, 0.0]];
+        let mut found = crossings(&p, &q);
+        found.sort_by(|a, b| a[1].total_cmp(&b[1]));
+        assert_eq!(found.len(), 2);
+        assert!(length(&found[0]) < 1e-12 && length(&sub(&found[1], &[0.0, 1.4, 0.0])) < 1e-12, "{found:?}");
+    }
+}

@@ -1,0 +1,286 @@
+//! Parts that come out, parts that do not, and ways that are free by another look.
+
+use std::f64::consts::TAU;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::Arc;
+
+use feeler_contacts::ContactSolver;
+use feeler_core::{Mockup, Motion, Pose, Scene, SceneOptions, Tool};
+use feeler_plan::{removal, Allowed, Error, Method, Removal, RemovalTask};
+use feeler_shapes::{ball, box_mesh, cylinder, joined, sheet, turned, Arrays, Point};
+
+/// Parts, each alone as a tool.
+struct Assembly {
+    parts: Vec<Arrays>,
+    scene: Scene,
+}
+
+impl Assembly {
+    /// Of parts, all moved to where no face is along an axis of the world.
+    fn new(parts: Vec<Arrays>) -> Assembly {
+        let askew = Pose::new(&turned(0.7, [0.31, -0.17, 0.23])).unwrap();
+        Assembly::as_given(
+            parts
+                .into_iter()
+                .map(|(vertices, faces)| (vertices.iter().map(|p| askew.apply(p)).collect(), faces))
+                .collect(),
+        )
+    }
+
+    fn as_given(parts: Vec<Arrays>) -> Assembly {
+        let numbers = (0..).zip(&parts).flat_map(|(part, (_, faces))| vec![part; faces.len()]).collect();
+        let (vertices, faces) = joined(parts.clone());
+        let mockup = Mockup::new(vertices, faces, numbers, parts.len()).unwrap();
+        let scene = Scene::build(Arc::new(mockup), &SceneOptions::default(), &|_, _| true).unwrap();
+        Assembly { parts, scene }
+    }
+
+    fn task(&self, part: usize) -> RemovalTask {
+        let (vertices, faces) = self.parts[part].clone();
+        RemovalTask {
+            tool: Arc::new(Tool::new(vertices, faces).unwrap()),
+            own_parts: 1,
+            start: Pose::IDENTITY,
+            allowed: Allowed { start: true, ..Default::default() },
+            directions: vec![],
+            clearance: 0.0,
+            seed: 0,
+        }
+    }
+
+    fn rest(&self, part: usize) -> ContactSolver {
+        ContactSolver::new(Arc::new(self.scene.without(&[part as u32]).unwrap()))
+    }
+
+    fn remove(&self, part: usize, change: impl FnOnce(&mut RemovalTask)) -> Removal {
+        let mut task = self.task(part);
+        change(&mut task);
+        removal_in(&self.rest(part), &task, 150)
+    }
+
+    /// Whether a part meets nothing at many poses along a way, by the exact test; but for some parts.
+    fn is_free(&self, part: usize, poses: &[Pose], but: &[u32]) -> bool {
+        let (tool, scene) = (self.task(part).tool, self.scene.without(&[&[part as u32], but].concat()).unwrap());
+        let places = |pair: &[Pose]| {
+            let motion = Motion::new(&tool, &pair[0], &pair[1]);
+            (0..=200).map(move |i| motion.at(f64::from(i) / 200.0)).collect::<Vec<_>>()
+        };
+        poses.windows(2).flat_map(places).all(|pose| !scene.is_colliding(&tool, &pose))
+    }
+}
+
+/// With time for so many directions and rounds.
+fn removal_in(solver: &ContactSolver, task: &RemovalTask, rounds: u32) -> Removal {
+    let asked = AtomicU32::new(0);
+    removal(solver, task, &|_, _| true, &|| asked.fetch_add(1, Ordering::Relaxed) < rounds).unwrap()
+}
+
+/// A closed tube along x with a hole that a cylinder of as many sides fits.
+fn ring(hole: f64, outer: f64, long: f64, sides: usize) -> Arrays {
+    let at = |r: f64, s: f64, x: f64| {
+        let angle = TAU * if s == 1.0 { 0.0 } else { s };
+        [x, angle.sin() * r, -angle.cos() * r]
+    };
+    let (low, high) = (-0.5 * long, 0.5 * long);
+    joined([
+        sheet(sides, 4, |s, t| at(outer, s, low + t * long)),
+        sheet(4, sides, |t, s| at(hole, s, low + t * long)),
+        sheet(1, sides, |t, s| at(outer + t * (hole - outer), s, low)),
+        sheet(1, sides, |t, s| at(hole + t * (outer - hole), s, high)),
+    ])
+}
+
+fn block(lower: Point, upper: Point) -> Arrays {
+    let centre = std::array::from_fn(|a| 0.5 * (lower[a] + upper[a]));
+    box_mesh(centre, std::array::from_fn(|a| upper[a] - lower[a]), 1)
+}
+
+/// A cube of 10 mm in a duct of 14 mm: 46 mm along x, then around a corner, and out along y.
+fn duct(is_open: bool) -> Assembly {
+    let (w, far) = (0.007, 0.08);
+    let mut parts = vec![
+        block([-0.005; 3], [0.005; 3]),
+        block([-0.02, -0.02, -0.02], [0.07, far, -w]),
+        block([-0.02, -0.02, w], [0.07, far, 0.02]),
+        block([-0.02, -0.02, -w], [-0.01, 0.02, w]),
+        block([-0.01, -0.02, -w], [0.07, -w, w]),
+        block([-0.01, w, -w], [0.046, far, w]),
+        block([0.06, -w, -w], [0.07, far, w]),
+    ];
+    if !is_open {
+        parts.push(block([0.04, far, -0.02], [0.07, far + 0.01, 0.02]));
+    }
+    Assembly::new(parts)
+}
+
+#[test]
+fn a_peg_is_drawn_out_of_its_hole() {
+    for play in [0.01, 0.001] {
+        let assembly = Assembly::new(vec![cylinder(0.005 * (1.0 - play), 0.04, 24, 2), ring(0.005, 0.02, 0.05, 24)]);
+        let found = assembly.remove(0, |_| ());
+        assert_eq!(found.method, Some(Method::Straight), "{play}");
+        assert!(found.rotation < 1e-12 && found.path_length < 0.08, "{found:?}");
+        assert!(assembly.is_free(0, &found.poses, &[]));
+        // Facet to facet.
+        let gap = 0.005 * play * (TAU / 48.0).cos();
+        assert!((found.clearance / gap - 1.0).abs() < 1e-3, "{} {gap}", found.clearance);
+    }
+}
+
+#[test]
+fn what_is_flush_on_five_sides_slides_out_on_the_sixth() {
+    let parts = vec![
+        block([-0.013, -0.017, -0.011], [0.013, 0.017, 0.011]),
+        block([-0.03, -0.03, -0.03], [-0.013, 0.017, 0.03]),
+        block([0.013, -0.03, -0.03], [0.03, 0.017, 0.03]),
+        block([-0.013, -0.03, -0.03], [0.013, 0.017, -0.011]),
+        block([-0.013, -0.03, 0.011], [0.013, 0.017, 0.03]),
+        block([-0.013, -0.03, -0.011], [0.013, -0.017, 0.011]),
+    ];
+    for assembly in [Assembly::new(parts.clone()), Assembly::as_given(parts)] {
+        let found = assembly.remove(0, |_| ());
+        assert_eq!(found.method, Some(Method::Straight));
+        // Nothing may meet: it touches what it is to slide on.
+        let refused = assembly.remove(0, |task| task.allowed.start = false);
+        assert_eq!(refused.method, None);
+        assert_eq!(refused.blockers.len(), 5);
+    }
+}
+
+#[test]
+fn a_bolt_without_a_hole_goes_no_deeper_than_it_is() {
+    // A head on a plate, and a shank that the plate and a block below have no hole for.
+    let bolt = joined([cylinder(0.004, 0.03, 12, 2), cylinder(0.008, 0.006, 12, 1)].map(|(vertices, faces)| {
+        let up = if vertices.iter().any(|p| p[0] > 0.01) { 0.0 } else { 0.018 };
+        (vertices.iter().map(|p| [p[1], p[2], p[0] + up]).collect::<Vec<Point>>(), faces)
+    }));
+    let assembly = Assembly::new(vec![
+        bolt,
+        block([-0.03, -0.03, 0.0], [0.03, 0.03, 0.015]),
+        block([-0.03, -0.03, -0.04], [0.03, 0.03, -0.001]),
+    ]);
+    let found = assembly.remove(0, |_| ());
+    assert_eq!(found.method, Some(Method::Straight), "{found:?}");
+    // Along its axis, and not through the plates, which is as deep.
+    let askew = Pose::new(&turned(0.7, [0.31, -0.17, 0.23])).unwrap();
+    let (way, length) = (found.poses[1].translation(), found.path_length);
+    assert!((0..3).all(|a| (way[a] / length - askew.rotation()[a][2]).abs() < 1e-6), "{way:?}");
+    // By its name a neighbour may be met all along, and then any way is good.
+    let all = assembly.remove(0, |task| task.allowed = Allowed { parts: vec![1, 2], ..Default::default() });
+    assert!(all.method.is_some() && all.clearance == f64::INFINITY);
+}
+
+#[test]
+fn so_many_metres_of_overlap_are_allowed() {
+    // 0.1 mm too wide for its slot.
+    let assembly = Assembly::new(vec![
+        block([-0.0101, -0.01, -0.01], [0.0101, 0.01, 0.01]),
+        block([0.01, -0.012, -0.03], [0.03, 0.012, 0.02]),
+        block([-0.03, -0.012, -0.03], [-0.01, 0.012, 0.02]),
+        block([-0.0099, -0.012, -0.03], [0.0099, 0.012, -0.0101]),
+    ]);
+    let with = |overlap| assembly.remove(0, |task| task.allowed = Allowed { overlap, ..Default::default() });
+    assert_eq!(with(1.5e-4).method, Some(Method::Straight));
+    let less = with(5e-5);
+    assert_eq!((less.method, less.blockers.len()), (None, 2));
+}
+
+#[test]
+fn around_a_corner_it_takes_a_tree_and_the_way_is_free() {
+    let assembly = duct(true);
+    for seed in 0..4 {
+        let found = assembly.remove(0, |task| task.seed = seed);
+        assert!(matches!(found.method, Some(Method::Tree(_))), "{seed} {found:?}");
+        assert_eq!(found.poses[0], Pose::IDENTITY);
+        assert!(assembly.is_free(0, &found.poses, &[]), "{seed}");
+        assert!(found.clearance > 0.0 && found.path_length > 0.12 && found.path_length < 0.3, "{found:?}");
+    }
+}
+
+#[test]
+fn the_answer_does_not_depend_on_threads() {
+    let assembly = duct(true);
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| assembly.remove(0, |task| task.seed = 7))
+    };
+    let one = with(1);
+    assert!(one.method.is_some());
+    assert_eq!(one, with(2));
+    assert_eq!(one, with(5));
+}
+
+#[test]
+fn in_a_closed_box_it_ends_in_time_and_says_what_is_in_the_way() {
+    let assembly = duct(false);
+    let found = assembly.remove(0, |_| ());
+    assert_eq!((found.method, found.is_out_of_time), (None, true));
+    assert_eq!(found.poses, [Pose::IDENTITY]);
+    assert!(found.blockers.iter().any(|blocker| blocker.part == 7), "{:?}", found.blockers);
+    assert!(found.blockers.windows(2).all(|pair| pair[0].count >= pair[1].count));
+    // The lid was reached around the corner.
+    let lid = found.blockers.iter().find(|blocker| blocker.part == 7).unwrap();
+    assert!(lid.reach > 0.06, "{lid:?}");
+    let tool = assembly.task(0).tool;
+    let gap = assembly.scene.only(&[7]).unwrap().closest(&tool, &lid.pose, 1.0).unwrap().unwrap();
+    assert!(gap.distance < 2e-6, "{gap:?}");
+}
+
+#[test]
+fn a_way_keeps_its_clearance() {
+    let assembly = duct(true);
+    let found = assembly.remove(0, |task| task.clearance = 0.0015);
+    assert!(found.method.is_some() && found.clearance >= 0.98 * 0.0015, "{found:?}");
+    let (tool, scene) = (assembly.task(0).tool, assembly.scene.without(&[0]).unwrap());
+    for pair in found.poses.windows(2) {
+        let motion = Motion::new(&tool, &pair[0], &pair[1]);
+        for i in 0..=100 {
+            let pose = motion.at(f64::from(i) / 100.0);
+            let gap = scene.closest(&tool, &pose, 1.0).unwrap().unwrap();
+            assert!(gap.distance >= 0.98 * 0.0015 && gap.distance >= found.clearance - 3e-4, "{gap:?}");
+        }
+    }
+    // The last wall is never that far: there the duct is 4 mm wider than the cube. Walls that are nearer at the start may stay so.
+    assert_eq!(assembly.remove(0, |task| task.clearance = 0.0045).method, None);
+}
+
+#[test]
+fn a_callers_direction_comes_first() {
+    let apart = Assembly::as_given(vec![ball(0.01, 8), block([-0.5, -0.5, -0.5], [0.5, 0.5, -0.01])]);
+    let found = apart.remove(0, |task| task.directions = vec![[0.0, 3.0, 1.0]]);
+    let way = found.poses[1].translation();
+    assert!((way[1] / way[2] - 3.0).abs() < 1e-9, "{way:?}");
+    let shortest = apart.remove(0, |_| ());
+    assert!(shortest.path_length < 0.05);
+}
+
+#[test]
+fn what_is_out_needs_no_way() {
+    let apart = Assembly::as_given(vec![ball(0.01, 8), block([-0.5, -0.5, -0.5], [0.5, 0.5, -0.05])]);
+    let found = apart.remove(0, |_| ());
+    assert_eq!((found.method, found.poses.len(), found.path_length), (Some(Method::Out), 1, 0.0));
+    assert!((found.clearance - 0.04).abs() < 1e-12);
+}
+
+#[test]
+fn what_cannot_be_is_refused() {
+    let assembly = duct(true);
+    let (solver, task) = (assembly.rest(0), assembly.task(0));
+    let error = |task: RemovalTask| removal(&solver, &task, &|_, _| true, &|| true).unwrap_err();
+    for clearance in [-1.0, f64::NAN, f64::INFINITY] {
+        let refused = error(RemovalTask { clearance, ..task.clone() });
+        assert!(matches!(refused, Error::Option { what: "clearance", .. }), "{refused}");
+    }
+    for direction in [[0.0; 3], [f64::NAN, 0.0, 1.0], [f64::INFINITY, 0.0, 0.0]] {
+        let refused = error(RemovalTask { directions: vec![direction], ..task.clone() });
+        assert!(matches!(refused, Error::Option { what: "directions", .. }), "{refused}");
+    }
+    let allowed = Allowed { overlap: -0.1, ..Default::default() };
+    assert!(matches!(error(RemovalTask { allowed, ..task.clone() }), Error::Option { what: "allow", .. }));
+    // All of the tool grips, and none of it is the mock-up's: it may not start in what it meets.
+    let start = Pose::IDENTITY.translated(&[0.0, 0.0, 0.004]).unwrap();
+    let refused = error(RemovalTask { start, own_parts: 0, ..task.clone() });
+    assert!(matches!(refused, Error::StartsInCollision { tool_part: 0, .. }), "{refused}");
+    let stopped = removal(&solver, &task, &|_, _| false, &|| true).unwrap_err();
+    assert_eq!(stopped, Error::Core(feeler_core::Error::Cancelled));
+}

@@ -1,0 +1,105 @@
+//! `feeler._core.removal`: the way of a part out of a mock-up.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use feeler_core as core;
+use feeler_plan::{Allowed, Error, Method, Removal, RemovalTask};
+use numpy::ndarray::Array3;
+use numpy::{IntoPyArray, PyArray1, PyReadonlyArray2};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::arguments::{PoseArgument, ToolArgument};
+use crate::errors::{raise, to_py};
+use crate::pools::{find_topology, Pool};
+use crate::reporter::Reporter;
+use crate::scene::Scene;
+use crate::travel::rows_of;
+
+/// The Python exception for an error of a plan.
+fn plan_to_py(error: Error) -> PyErr {
+    let class = match error {
+        Error::Core(error) => return to_py(error),
+        Error::StartsInCollision { .. } => "PoseError",
+        _ => "OptionError",
+    };
+    raise(class, error.to_string())
+}
+
+fn poses(poses: &[core::Pose]) -> Array3<f64> {
+    let matrices: Vec<_> = poses.iter().map(core::Pose::matrix).collect();
+    Array3::from_shape_fn((poses.len(), 4, 4), |(n, i, j)| matrices[n][i][j])
+}
+
+/// What was found, as arrays and numbers by name.
+fn as_dict(py: Python<'_>, found: &Removal) -> PyResult<Py<PyDict>> {
+    let dict = PyDict::new(py);
+    let method = match found.method {
+        None => "none".to_string(),
+        Some(Method::Out) => "out".to_string(),
+        Some(Method::Straight) => "straight".to_string(),
+        Some(Method::Tree(number)) => format!("tree {number}"),
+    };
+    dict.set_item("method", method)?;
+    dict.set_item("poses", poses(&found.poses).into_pyarray(py))?;
+    dict.set_item("path_length", found.path_length)?;
+    dict.set_item("rotation", found.rotation)?;
+    dict.set_item("clearance", found.clearance)?;
+    dict.set_item("casts", found.casts)?;
+    dict.set_item("is_out_of_time", found.is_out_of_time)?;
+    dict.set_item("blockers", PyArray1::from_iter(py, found.blockers.iter().map(|b| b.part)))?;
+    dict.set_item("blocker_counts", PyArray1::from_iter(py, found.blockers.iter().map(|b| b.count)))?;
+    dict.set_item("blocker_reaches", PyArray1::from_iter(py, found.blockers.iter().map(|b| b.reach)))?;
+    let stopped: Vec<core::Pose> = found.blockers.iter().map(|b| b.pose).collect();
+    dict.set_item("blocker_poses", poses(&stopped).into_pyarray(py))?;
+    Ok(dict.unbind())
+}
+
+/// Takes a tool out of a scene, in parallel on `threads` threads (`None`: those of the scene). The tool's first `own_parts` parts are
+/// of the mock-up, the others grip them.
+#[pyfunction]
+#[pyo3(signature = (scene, tool, start, *, own_parts, allow_start, allow_overlap, allow_parts, directions, clearance, seconds, seed,
+                    threads = None, progress = None))]
+#[allow(clippy::too_many_arguments, reason = "the Python signature")]
+pub fn removal(
+    py: Python<'_>,
+    scene: &Scene,
+    tool: ToolArgument<'_, '_>,
+    start: PoseArgument,
+    own_parts: u32,
+    allow_start: bool,
+    allow_overlap: f64,
+    allow_parts: Vec<u32>,
+    directions: PyReadonlyArray2<'_, f64>,
+    clearance: f64,
+    seconds: f64,
+    seed: u64,
+    threads: Option<usize>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Py<PyDict>> {
+    let task = RemovalTask {
+        tool: Arc::clone(tool.core()),
+        own_parts,
+        start: start.0,
+        allowed: Allowed { start: allow_start, overlap: allow_overlap, parts: allow_parts },
+        directions: rows_of(&directions)?,
+        clearance,
+        seed,
+    };
+    let solver = Arc::clone(scene.solver());
+    let own = threads.map(|threads| Arc::new(Pool::new(threads)));
+    let pool = own.as_deref().or(scene.pool().map(Arc::as_ref));
+    let limit = Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX);
+    let reporter = Reporter::new(progress);
+    let found = py.detach(|| {
+        find_topology(solver.scene().mockup(), &task.tool, false)?;
+        let begin = Instant::now();
+        reporter.watch(pool, || {
+            let tell = |done: f64, stage: &str| reporter.tell(done, stage);
+            feeler_plan::removal(&solver, &task, &tell, &|| begin.elapsed() < limit)
+        })
+    });
+    reporter.finish()?;
+    as_dict(py, &found?.map_err(plan_to_py)?)
+}

@@ -1,0 +1,346 @@
+"""`feeler access`: does a tool reach the fasteners, and how far can it be swung there?"""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import numpy.typing as npt
+import typer
+
+import feeler
+from feeler.cli.app import FOUND, INTERRUPTED, command, fail
+from feeler.cli.findings import count, mesh_facts
+from feeler.cli.inputs import (
+    AsJson,
+    Choice,
+    MockupFiles,
+    MockupUnit,
+    Only,
+    ToolUnit,
+    Up,
+    Without,
+    read_both,
+    read_poses,
+    read_tool,
+)
+from feeler.errors import OptionError
+from feeler.progress import bar
+
+_SHOWN = 30
+_SHOWN_BLOCKERS = 10
+_ENDINGS = {"csv": ".csv", "glb": ".glb"}
+
+
+@command(
+    examples="""
+feeler access engine.step --tool socket.stl
+feeler access engine.step --tool wrench.stl --grip y --targets "*pump*bolt*" --csv bolts.csv --glb bolts.glb
+feeler access engine.glb --tool wrench.stl --hand hand.stl --targets "*bolt*" --swing 30 --json
+feeler access sample:engine:100000 --tool sample:hand --targets "*cover_screw*"
+"""
+)
+def access(
+    mockup: MockupFiles,
+    *,
+    tool: Annotated[
+        str, typer.Option(help="A file, or sample:NAME or sample:NAME:fine. Its z axis points out of the joint.")
+    ],
+    targets: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="PATTERN",
+            help="Only fasteners among these parts: a path with all below it, a name, or a pattern. Several are "
+            "allowed.",
+        ),
+    ] = None,
+    kind: Annotated[str | None, typer.Option(help="Only bolts, screws, nuts or studs: bolt, screw, nut, stud.")] = None,
+    frames: Annotated[
+        Path | None,
+        typer.Option(
+            help="Instead of fasteners that are found: world_from_target, metres, z out of the joint; (n, 4, 4), as "
+            "--poses of feeler path.",
+        ),
+    ] = None,
+    hand: Annotated[
+        str | None, typer.Option(help="What holds the tool and moves with it: a file, or sample:NAME, in its frame.")
+    ] = None,
+    grip: Annotated[
+        str | None,
+        typer.Option(
+            metavar="AXIS|FILE",
+            help="How the tool is put on: its axis that points out of the joint (x, y, z, -x, -y, -z), or "
+            "tool_from_target, (4, 4), in a file; y for sample:wrench.",
+        ),
+    ] = None,
+    lift: Annotated[
+        float, typer.Option(help="Metres by which the tool sits above the top of the head; negative: below.")
+    ] = 0.0,
+    swing: Annotated[float, typer.Option(help="Degrees that it has to be swung.")] = 60.0,
+    angles: Annotated[int, typer.Option(help="Seats that are tried around the axis.")] = 72,
+    approach: Annotated[float, typer.Option(help="Metres of the way in.")] = 0.1,
+    without: Without = None,
+    only: Only = None,
+    unit: MockupUnit = None,
+    tool_unit: ToolUnit = None,
+    up: Up = None,
+    threads: Annotated[int | None, typer.Option(help="Default: all cores.")] = None,
+    csv: Annotated[Path | None, typer.Option(help="Write a line for each target.")] = None,
+    glb: Annotated[
+        Path | None,
+        typer.Option(help="Write the mock-up with the tool at each target as GLB, what is in the way coloured."),
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Tries the tool on each fastener: is there a seat, a swing that is large enough, and a way in?
+
+    Fasteners are found by their shape and their names: a guess. Swings are never said to be larger than they are.
+    Exit status: 0 all are reachable, 1 one is not, 2 bad input. Ctrl-C tells what was found until then, and ends
+    with 130.
+    """
+    from feeler.io import check_target
+    from feeler.plan.reaching import AccessInterrupted
+
+    outputs_wanted = {"csv": csv, "glb": glb}
+    for option, target in outputs_wanted.items():
+        if target is not None:
+            if target.suffix.lower() != _ENDINGS[option]:
+                raise OptionError(f"--{option} {target}: the name must end in {_ENDINGS[option]}")
+            check_target(target)
+    if frames is not None and (targets or kind is not None):
+        raise OptionError("--frames are targets themselves: leave --targets and --kind away")
+    places = None if frames is None else read_poses(frames)
+    grasp = _grip(grip)
+    world, probe = read_both(mockup, unit, tool, tool_unit, up)
+    holding = None if hand is None else read_tool(hand, tool_unit, up)
+    with bar("indexing") as progress:
+        scene = feeler.Scene(world, tool=probe, threads=threads, progress=progress)
+    scene = Choice(None, without, only).scene_of(scene)
+    asked: feeler.Fasteners | npt.NDArray[np.float64]
+    asked = _fasteners(scene, targets, kind) if places is None else places
+    start = time.perf_counter()
+    is_interrupted = False
+    try:
+        with bar(f"reaching {count(len(asked), 'target')}") as progress:
+            found = feeler.access(
+                scene,
+                probe,
+                asked,
+                swing,
+                angles,
+                holding,
+                approach,
+                grip=grasp,
+                lift=lift,
+                threads=threads,
+                progress=progress,
+            )
+    except AccessInterrupted as stop:
+        found, is_interrupted = stop.access, True
+    seconds = time.perf_counter() - start
+    rows = _rows(asked, found)
+    written = _write(world, probe, holding, found, rows, outputs_wanted)
+    if as_json:
+        from feeler.cli import outputs
+
+        outputs.print_json(
+            {
+                "reachable": int(found.reachable.sum()),
+                "targets": len(asked),
+                "partial": found.is_partial,
+                "swing_deg": swing,
+                "angles": angles,
+                "approach_m": approach,
+                "seconds": seconds,
+                "rows": rows,
+                "blockers": _blockers(found.blockers),
+                "mockup": mesh_facts(world),
+                "tool": mesh_facts(probe),
+                "written": written,
+            }
+        )
+    else:
+        _print(found, rows, len(asked), seconds, written)
+    if is_interrupted:
+        fail("interrupted: what was found until then is told")
+        raise typer.Exit(INTERRUPTED)
+    if not found.reachable.all():
+        raise typer.Exit(FOUND)
+
+
+def _grip(text: str | None) -> str | npt.NDArray[np.float64] | None:
+    from feeler.plan.tool_seat import AXES
+
+    if text is None or text in AXES:
+        return text
+    if not Path(text).is_file():
+        raise OptionError(f"--grip is {text!r}: give one of {', '.join(AXES)}, or a file with a (4, 4) matrix")
+    poses = read_poses(Path(text))
+    if len(poses) != 1:
+        raise OptionError(f"--grip {text}: one matrix is needed, not {len(poses)}")
+    matrix: npt.NDArray[np.float64] = poses[0]
+    return matrix
+
+
+def _fasteners(scene: feeler.Scene, patterns: list[str] | None, kind: str | None) -> feeler.Fasteners:
+    """The fasteners that are asked for."""
+    try:
+        parts = None if not patterns else scene.mockup.parts.select(patterns)
+    except OptionError as error:
+        raise OptionError(f"--targets: {error} (feeler info --parts lists all)") from None
+    with bar("looking for fasteners") as progress:
+        found = feeler.find_fasteners(scene, parts, progress=progress)
+    chosen = found if kind is None else found.where(kind=kind)
+    if not len(chosen):
+        among = "of the mock-up" if parts is None else f"of the {len(parts):,} that --targets names"
+        what = "fastener" if kind is None else kind
+        raise OptionError(f"no part {among} looks like a {what}: what is found is {found!r}; or give --frames FILE")
+    return chosen
+
+
+def _rows(asked: feeler.Fasteners | npt.NDArray[np.float64], found: feeler.Access) -> list[dict[str, Any]]:
+    """One entry a target."""
+    rows = []
+    for reach in found:
+        row: dict[str, Any] = {"target": reach.target, "part": reach.part, "path": reach.path}
+        if isinstance(asked, feeler.Fasteners):
+            fastener = asked[reach.target]
+            row |= {
+                "kind": fastener.kind,
+                "size_m": fastener.size,
+                "across_flats_m": fastener.across_flats,
+                "confidence": fastener.confidence,
+                "fastener_because": fastener.because,
+                "world_from_target": fastener.frame.tolist(),
+            }
+        else:
+            row["world_from_target"] = asked[reach.target].tolist()
+        rows.append(
+            {
+                **row,
+                "reachable": reach.reachable,
+                "swing_deg": reach.swing,
+                "angle_deg": reach.angle,
+                "because": reach.because,
+                "blockers": _blockers(reach.blockers),
+                "world_from_tool": reach.pose.tolist(),
+                "way": reach.way.tolist(),
+            }
+        )
+    return rows
+
+
+def _blockers(blockers: tuple[feeler.Blocker, ...]) -> list[dict[str, Any]]:
+    return [{"part": each.part, "path": each.path, "count": each.count} for each in blockers]
+
+
+def _write(
+    world: feeler.Mockup,
+    tool: feeler.Tool,
+    hand: feeler.Tool | None,
+    found: feeler.Access,
+    rows: list[dict[str, Any]],
+    targets: dict[str, Path | None],
+) -> dict[str, str]:
+    """Writes what was asked for; returns the names by kind."""
+    from feeler.io.atomic import atomic_file
+    from feeler.plan.access_glb import write_access_glb
+
+    written = {}
+    if targets["csv"] is not None:
+        with atomic_file(targets["csv"]) as file:
+            file.write(_csv(rows).encode())
+        written["csv"] = str(targets["csv"])
+    if targets["glb"] is not None:
+        whole = tool if hand is None else feeler.Tool.assembly({"tool": tool, "hand": hand}, name=tool.name)
+        with bar(f"writing {targets['glb']}"):
+            write_access_glb(targets["glb"], world, whole, found)
+        written["glb"] = str(targets["glb"])
+    return written
+
+
+def _csv(rows: list[dict[str, Any]]) -> str:
+    import csv
+    import io
+
+    out = io.StringIO()
+    lines = csv.writer(out, lineterminator="\n")
+    columns = ["target", "part", "path", "kind", "size_m", "across_flats_m", "reachable", "swing_deg", "angle_deg"]
+    lines.writerow([*columns, "because", "blockers", "blocked"])
+    for row in rows:
+        values = [row.get(column) for column in columns]
+        blockers = [each["path"] for each in row["blockers"]]
+        blocked = sum(each["count"] for each in row["blockers"])
+        cells = ["" if value is None or value != value else value for value in values]
+        cells[columns.index("reachable")] = "yes" if row["reachable"] else "no"
+        lines.writerow([*cells, row["because"], "; ".join(blockers[:3]), blocked])
+    return out.getvalue()
+
+
+def _print(
+    found: feeler.Access, rows: list[dict[str, Any]], targets: int, seconds: float, written: dict[str, str]
+) -> None:
+    from feeler.cli import outputs
+
+    out = outputs.console()
+    if found.is_partial:
+        outputs.print_finding(out, "interrupted: this is what was found until then")
+    reached = int(found.reachable.sum())
+    line = f"{reached:,} of {count(len(found), 'target')} reachable ({outputs.duration(seconds)})"
+    if found.is_partial:
+        line += f"; {targets - len(found):,} were not tried"
+    if reached == len(found):
+        outputs.say(out, line)
+    else:
+        outputs.print_finding(out, line)
+    out.print()
+    has_kind = any("kind" in row for row in rows)
+    # What is not reachable comes first.
+    order = sorted(rows, key=lambda row: (row["reachable"], row["target"]))
+    outputs.print_table(
+        out,
+        "Targets",
+        [
+            ("target", "left"),
+            *([("kind", "left"), ("flats", "right")] if has_kind else []),
+            *(("reachable", "left"), ("swing", "right"), ("from", "right"), ("most in the way", "left")),
+        ],
+        [
+            (
+                row["path"] or f"target {row['target']}",
+                *([row["kind"], _length(row["across_flats_m"])] if has_kind else []),
+                "yes" if row["reachable"] else "no",
+                f"{row['swing_deg']:.1f}°",
+                "" if row["angle_deg"] != row["angle_deg"] else f"{row['angle_deg']:.1f}°",
+                _in_the_way(row),
+            )
+            for row in order[:_SHOWN]
+        ],
+        more=len(rows) - _SHOWN,
+    )
+    blockers = found.blockers
+    if blockers:
+        outputs.print_table(
+            out,
+            "In the way",
+            [("part", "left"), ("times", "right")],
+            [(each.path, f"{each.count:,}") for each in blockers[:_SHOWN_BLOCKERS]],
+            more=len(blockers) - _SHOWN_BLOCKERS,
+        )
+    for kind, target in written.items():
+        outputs.say(out, f"{kind} written to {target}")
+
+
+def _length(metres: float) -> str:
+    from feeler.cli import outputs
+
+    return "" if metres != metres else outputs.length(metres)
+
+
+def _in_the_way(row: dict[str, Any]) -> str:
+    if row["reachable"]:
+        return ""
+    blockers = row["blockers"]
+    return str(blockers[0]["path"] if blockers else row["because"])

@@ -1,0 +1,443 @@
+"""`feeler remove`: can this part be taken out, and which way?"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import numpy.typing as npt
+import typer
+
+import feeler
+from feeler.cli.app import FOUND, INTERRUPTED, command, fail
+from feeler.cli.findings import count, mesh_facts, scene_facts
+from feeler.cli.inputs import (
+    AsJson,
+    At,
+    Choice,
+    MockupFiles,
+    MockupUnit,
+    Only,
+    PoseFile,
+    Rotate,
+    SnapPose,
+    ToolUnit,
+    Up,
+    Without,
+    poses_of_options,
+    read_mockup,
+    read_tool,
+)
+from feeler.errors import OptionError
+from feeler.progress import bar
+
+_SHOWN = 20
+_SHOWN_BLOCKERS = 3
+_ENDINGS = {"csv": (".csv",), "way": (".npy", ".json"), "glb": (".glb",)}
+
+
+@command(
+    examples="""
+feeler remove engine.step --part "*fuel pump*"
+feeler remove engine.step --part "*fuel pump*" --hand sample:hand --at 0.8,0.1,0.3 --clearance 0.002 --glb way.glb
+feeler remove engine.step --part "*bolt*" --each --csv bolts.csv
+feeler remove engine.step --part "*pump*" --order --keep "*casing*" --seconds 120 --json
+feeler remove engine.step --part "*pump*" --way out.npy && feeler path engine.step --part "*pump*" --poses out.npy
+"""
+)
+def remove(
+    mockup: MockupFiles,
+    *,
+    part: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="PATTERN",
+            help="What is to come out: a path with all below it, a name, or a pattern such as '*pump*'. All that match "
+            "come out together, as one.",
+        ),
+    ] = None,
+    each: Annotated[bool, typer.Option("--each", help="Each of the parts for itself instead, all others in place.")] = (
+        False
+    ),
+    order: Annotated[
+        bool, typer.Option("--order", help="Also find which parts have to go before it, and how each of them goes.")
+    ] = False,
+    keep: Annotated[
+        list[str] | None, typer.Option(metavar="PATTERN", help="With --order: parts that must not go (several).")
+    ] = None,
+    hand: Annotated[
+        str | None,
+        typer.Option(help="What grips it and moves with it: a file, or sample:NAME; where: --at, --rotate or --pose."),
+    ] = None,
+    hand_unit: ToolUnit = None,
+    at: At = None,
+    rotate: Rotate = None,
+    pose: PoseFile = None,
+    allow: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="start|METRES|PATTERN",
+            help="What it may meet on its way. start (default): what it meets where it is, no deeper than there, until "
+            "they part; metres of overlap; parts by name, all along. Several are allowed.",
+        ),
+    ] = None,
+    direction: Annotated[
+        list[str] | None, typer.Option(metavar="X,Y,Z", help="Try this way first (several are allowed).")
+    ] = None,
+    clearance: Annotated[float, typer.Option(help="Metres to keep from all that it does not sit on.")] = 0.0,
+    seconds: Annotated[float, typer.Option(help="Time for a part; with --order, for all.")] = 30.0,
+    seed: Annotated[int, typer.Option(help="Of the random tries; the same seed finds the same way.")] = 0,
+    snap_pose: SnapPose = False,
+    without: Without = None,
+    only: Only = None,
+    unit: MockupUnit = None,
+    up: Up = None,
+    threads: Annotated[int | None, typer.Option(help="Default: all cores. The way does not depend on it.")] = None,
+    csv: Annotated[Path | None, typer.Option(help="Write a line for each part, or step.")] = None,
+    way: Annotated[
+        Path | None, typer.Option(help="Write the way's poses, (n, 4, 4), as .npy or .json, for path and swept.")
+    ] = None,
+    glb: Annotated[
+        Path | None, typer.Option(help="Write a film as GLB: what moves in blue, what blocked it in red.")
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Finds a way out for parts of a mock-up: straight where one leads out, else around what is in the way.
+
+    A way that is told was checked as `feeler path` checks. Where none was found it is said what blocked the tries;
+    this is no proof that there is none.
+    Exit status: 0 all come out, 1 some do not, 2 bad input. Ctrl-C leaves what was found until then, and ends with 130.
+    """
+    targets = {"csv": csv, "way": way, "glb": glb}
+    _check(targets, part, each, order, keep, hand, hand_unit, (at, rotate, pose))
+    assert part is not None
+    options: dict[str, Any] = {
+        "allow": _allow(allow),
+        "directions": _directions(direction),
+        "clearance": clearance,
+        "seconds": seconds,
+        "seed": seed,
+        "threads": threads,
+    }
+    held = None if hand is None else read_tool(hand, hand_unit, up)
+    start = poses_of_options(pose, at, rotate, snap_pose, has_place=True)
+    if len(start) > 1:
+        raise OptionError(f"--pose {pose} has {len(start)} poses: where the hand grips is one")
+    world = read_mockup(mockup, unit, up)
+    with bar("indexing") as progress:
+        scene = feeler.Scene(world, threads=threads, progress=progress)
+    scene = Choice(None, without, only).scene_of(scene) if without or only else scene
+    asked = _Asked(scene, held, start[0], keep, options)
+    chosen = world.parts.select(part)
+    if each:
+        answers, is_interrupted = _each(asked, chosen.tolist())
+    else:
+        answers, is_interrupted = [asked.answer(chosen, order)], False
+    written = _write(asked, answers, targets)
+    is_found = all(answer.found for answer in answers) and not is_interrupted
+    if as_json:
+        from feeler.cli import outputs
+
+        outputs.print_json(
+            {
+                "found": is_found,
+                "parts": [answer.facts(world) for answer in answers],
+                "clearance_m": clearance,
+                "seed": seed,
+                "mockup": mesh_facts(world),
+                "scene": scene_facts(scene),
+                "written": written,
+            }
+        )
+    else:
+        _print(world, answers, written)
+    if is_interrupted:
+        fail("interrupted: what was found until then is told")
+        raise typer.Exit(INTERRUPTED)
+    if not is_found:
+        raise typer.Exit(FOUND)
+
+
+@dataclass(frozen=True)
+class _Answer:
+    """What was asked for, and the steps that lead there; with one step if no order was asked for."""
+
+    parts: tuple[int, ...]
+    found: bool
+    steps: tuple[feeler.RemovalStep, ...]
+
+    @property
+    def last(self) -> feeler.Removal:
+        return self.steps[-1].removal
+
+    def facts(self, mockup: feeler.Mockup) -> dict[str, Any]:
+        """As JSON says it."""
+        return {"found": self.found, "steps": [_step_facts(mockup, step) for step in self.steps]}
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """What is the same for every part."""
+
+    scene: feeler.Scene
+    hand: feeler.Tool | None
+    start: npt.NDArray[np.float64]
+    keep: list[str] | None
+    options: dict[str, Any]
+
+    def answer(self, parts: npt.NDArray[np.uint32], order: bool) -> _Answer:
+        """One question."""
+        mockup = self.scene.mockup
+        name = mockup.part_paths[int(parts[0])] if len(parts) == 1 else count(len(parts), "part")
+        gone = tuple(parts.tolist())
+        grip: dict[str, Any] = {"tool": self.hand, "start": None if self.hand is None else self.start}
+        with bar(f"taking out {name}") as progress:
+            if order:
+                found = feeler.removal_order(
+                    self.scene, parts, **grip, **self.options, progress=progress, keep=self.keep
+                )
+                return _Answer(gone, found.found, found.steps)
+            one = feeler.removal(self.scene, parts, **grip, **self.options, progress=progress)
+        return _Answer(gone, one.found, (feeler.RemovalStep(gone, one),))
+
+
+def _each(asked: _Asked, parts: list[int]) -> tuple[list[_Answer], bool]:
+    """Every part for itself, until Ctrl-C: whether that came."""
+    answers: list[_Answer] = []
+    try:
+        with bar(f"taking out {count(len(parts), 'part')}") as progress:
+            for number, part in enumerate(parts):
+                progress(number / len(parts), asked.scene.mockup.part_paths[part])
+                answers.append(asked.answer(np.array([part], np.uint32), order=False))
+    except KeyboardInterrupt:
+        if not answers:
+            raise
+        return answers, True
+    return answers, False
+
+
+def _check(
+    targets: dict[str, Path | None],
+    part: list[str] | None,
+    each: bool,
+    order: bool,
+    keep: list[str] | None,
+    hand: str | None,
+    hand_unit: str | None,
+    place: tuple[Any, ...],
+) -> None:
+    from feeler.io import check_target
+
+    for option, target in targets.items():
+        if target is None:
+            continue
+        if target.suffix.lower() not in _ENDINGS[option]:
+            raise OptionError(f"--{option} {target}: the name must end in {' or '.join(_ENDINGS[option])}")
+        check_target(target)
+    if not part:
+        raise OptionError("what is to come out? Give --part PATTERN (feeler info --parts lists all)")
+    if each and (order or targets["way"] is not None or targets["glb"] is not None or hand is not None):
+        raise OptionError("--each is for parts one by one: it goes without --order, --hand, --way and --glb")
+    if keep and not order:
+        raise OptionError("--keep says which parts must not go before the wanted ones: it is for --order")
+    if hand is None and (hand_unit is not None or any(given is not None for given in place)):
+        raise OptionError("--at, --rotate, --pose and --tool-unit are for --hand: there is none")
+
+
+def _allow(given: list[str] | None) -> list[str | float]:
+    """start, metres, names."""
+
+    def value(word: str) -> str | float:
+        try:
+            return float(word)
+        except ValueError:
+            return word
+
+    return [value(word) for word in given or ["start"]]
+
+
+def _directions(given: list[str] | None) -> npt.NDArray[np.float64] | None:
+    if not given:
+        return None
+    rows = []
+    for text in given:
+        try:
+            values = [float(word) for word in text.replace(",", " ").split()]
+        except ValueError:
+            values = []
+        if len(values) != 3:
+            raise OptionError(f"--direction is {text!r}: give three numbers, such as 0,0,1")
+        rows.append(values)
+    return np.array(rows)
+
+
+def _write(asked: _Asked, answers: list[_Answer], targets: dict[str, Path | None]) -> dict[str, str]:
+    from feeler.io.atomic import atomic_file
+
+    mockup = asked.scene.mockup
+    written = {}
+    for kind, target in targets.items():
+        last = answers[0].last
+        if target is None or (kind == "way" and not last.found):
+            continue
+        with bar(f"writing {target}"):
+            if kind == "csv":
+                with atomic_file(target) as file:
+                    file.write(_csv(mockup, answers).encode())
+            elif kind == "way":
+                with atomic_file(target) as file:
+                    file.write(_poses(target, last.poses))
+            else:
+                from feeler.plan.as_glb import write_removal_glb
+
+                write_removal_glb(target, mockup, answers[0].steps, asked.hand, asked.start)
+        written[kind] = str(target)
+    return written
+
+
+def _poses(target: Path, poses: npt.NDArray[np.float64]) -> bytes:
+    if target.suffix.lower() == ".json":
+        import json
+
+        return json.dumps({"poses": poses.tolist()}).encode()
+    import io
+
+    out = io.BytesIO()
+    np.save(out, poses)
+    return out.getvalue()
+
+
+def _step_facts(mockup: feeler.Mockup, step: feeler.RemovalStep) -> dict[str, Any]:
+    one = step.removal
+    facts: dict[str, Any] = {
+        "parts": [{"part": part, "path": mockup.part_paths[part]} for part in step.parts],
+        "found": one.found,
+        "free": one.free,
+        "blocked_by": [
+            {"part": each.part, "path": mockup.part_paths[each.part], "count": each.count} for each in one.blocked_by
+        ],
+        "certificate": dataclasses.asdict(one.certificate),
+        "seconds": one.seconds,
+    }
+    if one.found:
+        facts |= {
+            "path_length_m": one.path_length,
+            "rotation_rad": one.rotation,
+            "clearance_m": one.clearance,
+            "poses": one.poses,
+        }
+    return facts
+
+
+_COLUMNS = (
+    *("part", "path", "step", "found", "free", "way", "poses", "path_length_m", "rotation_deg", "clearance_m"),
+    *("blocked_by", "seconds"),
+)
+
+
+def _csv(mockup: feeler.Mockup, answers: list[_Answer]) -> str:
+    import csv
+    import io
+
+    out = io.StringIO()
+    rows = csv.writer(out, lineterminator="\n")
+    rows.writerow(_COLUMNS)
+    for answer in answers:
+        for number, step in enumerate(answer.steps, start=1):
+            one = step.removal
+            measured = (
+                (len(one.poses), one.path_length, math.degrees(one.rotation), _known(one.clearance))
+                if one.found
+                else ("", "", "", "")
+            )
+            blockers = "; ".join(mockup.part_paths[each.part] for each in one.blocked_by)
+            for part in step.parts:
+                rows.writerow(
+                    [
+                        *(part, mockup.part_paths[part], number, int(one.found), int(one.free), _kind(one)),
+                        *(*measured, blockers, f"{one.seconds:.4g}"),
+                    ]
+                )
+    return out.getvalue()
+
+
+def _known(value: float) -> float | str:
+    return value if math.isfinite(value) else ""
+
+
+def _kind(one: feeler.Removal) -> str:
+    """What kind of way it is."""
+    if not one.found:
+        return ""
+    return "straight" if len(one.poses) == 2 and one.rotation == 0.0 else "bent"
+
+
+def _print(mockup: feeler.Mockup, answers: list[_Answer], written: dict[str, str]) -> None:
+    from feeler.cli import outputs
+
+    out = outputs.console()
+    steps = [(answer, number, step) for answer in answers for number, step in enumerate(answer.steps, start=1)]
+    has_order = any(len(answer.steps) > 1 for answer in answers)
+    came = sum(answer.found for answer in answers)
+    whole = len(answers) > 1
+    if whole:
+        outputs.say(out, f"{came:,} of {count(len(answers), 'part')} come out")
+    elif answers[0].found:
+        before = len(answers[0].steps) - 1
+        after = f" after {count(before, 'other step')}" if before else ""
+        out.print(f"[bold green]It comes out[/bold green]{after}: {_kind(answers[0].last)} way")
+    else:
+        outputs.print_finding(out, "no way out was found; that is no proof that there is none")
+    out.print()
+    outputs.print_table(
+        out,
+        "Steps" if has_order else "Ways out",
+        [
+            *([("step", "right")] if has_order else []),
+            *(("part", "left"), ("way", "left"), ("length", "right"), ("turned", "right")),
+            *(("clearance", "right"), ("blocked by", "left"), ("took", "right")),
+        ],
+        [
+            (*([str(number)] if has_order else []), *_row(mockup, step))
+            for _, number, step in steps[: _SHOWN if not whole else 2 * _SHOWN]
+        ],
+        more=len(steps) - (_SHOWN if not whole else 2 * _SHOWN),
+    )
+    if not whole and not answers[0].found:
+        blocked = answers[0].last.blocked_by
+        outputs.print_table(
+            out,
+            "What blocked it",
+            [("part", "left"), ("tries that it stopped", "right")],
+            [(mockup.part_paths[each.part], f"{each.count:,}") for each in blocked[:_SHOWN]],
+            more=len(blocked) - _SHOWN,
+        )
+    for kind, target in written.items():
+        outputs.say(out, f"{kind} written to {target}")
+
+
+def _row(mockup: feeler.Mockup, step: feeler.RemovalStep) -> tuple[str, ...]:
+    from feeler.cli import outputs
+
+    one = step.removal
+    first = mockup.part_paths[step.parts[0]]
+    name = first if len(step.parts) == 1 else f"{first} and {len(step.parts) - 1:,} more"
+    took = outputs.duration(one.seconds)
+    if one.found:
+        clear = outputs.length(one.clearance) if math.isfinite(one.clearance) else "nothing near"
+        return (
+            name,
+            _kind(one),
+            outputs.length(one.path_length),
+            f"{math.degrees(one.rotation):.3g}°",
+            clear,
+            "",
+            took,
+        )
+    names = [mockup.part_paths[each.part].rpartition("/")[2] for each in one.blocked_by]
+    more = f", {len(names) - _SHOWN_BLOCKERS:,} more" if len(names) > _SHOWN_BLOCKERS else ""
+    return (name, "not found", "", "", "", ", ".join(names[:_SHOWN_BLOCKERS]) + more, took)

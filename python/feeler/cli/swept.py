@@ -1,0 +1,149 @@
+"""`feeler swept`: the volume that a tool sweeps on its way, as a closed mesh in a file."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import typer
+
+import feeler
+from feeler.cli.app import command
+from feeler.cli.findings import mesh_facts
+from feeler.cli.inputs import AsJson, SnapPose, ToolUnit, Up, read_poses, read_tool
+from feeler.errors import OptionError
+from feeler.progress import bar
+
+_UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "in": 0.0254, "": 1.0}
+_FLOAT32 = float(np.finfo(np.float32).eps)
+_ROUNDING_SHARE = 0.1  # of the error: more rounding in a file is worth a warning
+
+
+@command(
+    examples="""
+feeler swept wrench.stl --poses way_out.npy --error 1mm --out swept.glb
+feeler swept sample:wrench --poses way_out.csv --error 0.002 --out swept.stl --json
+"""
+)
+def swept(
+    tool: Annotated[str, typer.Argument(help="Mesh file, or sample:NAME[:fine].")],
+    *,
+    poses: Annotated[
+        Path,
+        typer.Option(
+            help="world_from_tool, metres, one after the other: (n, 4, 4) as .npy or JSON, or as text or CSV with 16 "
+            "numbers a pose, row by row.",
+        ),
+    ],
+    error: Annotated[
+        str,
+        typer.Option(help="By how much the mesh may be larger than what is swept: metres, or with a unit, as 0.5mm."),
+    ] = "1mm",
+    snap_pose: SnapPose = False,
+    tool_unit: ToolUnit = None,
+    up: Up = None,
+    threads: Annotated[int | None, typer.Option(help="Default: all cores.")] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", "-o", help="Write it: .glb in metres, .stl in millimetres. Without it: figures alone."),
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Makes a closed mesh that contains all that a tool sweeps from pose to pose, to plan room with.
+
+    Between two poses the middle of the tool's box moves straight and the tool turns about it, the shorter way round.
+    Half the error makes four times the triangles. Exit status: 0 made, 2 bad input.
+    """
+    from feeler.cli import outputs
+
+    length = _length(error)
+    if out is not None:
+        _check_out(out)
+    way = read_poses(poses, snap_pose)
+    probe = read_tool(tool, tool_unit, up)
+    for doubt in probe.source.doubts:
+        outputs.warn(f"tool: {doubt}")
+    with bar(f"sweeping along {len(way):,} poses") as progress:
+        mesh = feeler.swept(probe, way, length, threads=threads, progress=progress)
+    size = None
+    if out is not None:
+        rounding = _FLOAT32 * float(np.abs(mesh.bounds).max())
+        if out.suffix.lower() == ".stl" and rounding > _ROUNDING_SHARE * length:
+            outputs.warn(
+                f"{out}: numbers in an STL are rounded, here by up to {outputs.length(rounding)}; write a .glb, which "
+                "has an origin near the mesh"
+            )
+        with bar(f"writing {out}"):
+            size = _write(out, mesh)
+    volume, area = measures(mesh)
+    facts = mesh_facts(mesh)
+    if as_json:
+        outputs.print_json(
+            {
+                "triangles": mesh.triangle_count,
+                "volume_m3": volume,
+                "area_m2": area,
+                "lower": mesh.bounds[0],
+                "upper": mesh.bounds[1],
+                "error_m": length,
+                "poses": len(way),
+                "seconds": mesh.source.seconds,
+                "tool": mesh_facts(probe),
+                "mesh": facts,
+                "out": None if out is None else str(out),
+                "bytes": size,
+            }
+        )
+        return
+    rows = [
+        ("poses", f"{len(way):,}"),
+        ("triangles", f"{mesh.triangle_count:,} ({outputs.duration(mesh.source.seconds)})"),
+        ("volume", _volume(volume)),
+        ("extent", outputs.extent(mesh.bounds[0], mesh.bounds[1])),
+        ("error", f"{outputs.length(length)} at most, outwards alone"),
+    ]
+    if size is not None:
+        rows.append(("written", f"{out} ({outputs.size(size)})"))
+    outputs.print_facts(outputs.console(), rows)
+
+
+def measures(mesh: feeler.Mockup) -> tuple[float, float]:
+    """Volume (cubic metres) and area (square metres) of a closed mesh, wound outwards."""
+    middle = mesh.bounds.mean(axis=0)  # near the mesh: nothing is lost far from the origin
+    a, b, c = np.moveaxis((mesh.vertices - middle)[mesh.faces], 1, 0)
+    normals = np.cross(b - a, c - a)
+    return float(np.einsum("ij,ij->", a, normals)) / 6, float(np.linalg.norm(normals, axis=1).sum()) / 2
+
+
+def _length(text: str) -> float:
+    """Metres of a number with a unit or without."""
+    match = re.fullmatch(r"\s*([-+0-9.eE]+|nan|inf)\s*([a-zµ]*)\s*", text)
+    try:
+        if match and match[2] in _UNITS:
+            return float(match[1]) * _UNITS[match[2]]
+    except ValueError:
+        pass
+    raise OptionError(f"--error is {text!r}: give metres, or a number with m, cm, mm, um or in, such as 0.5mm")
+
+
+def _volume(cubic_metres: float) -> str:
+    for factor, unit in ((1.0, "m³"), (1e3, "l"), (1e6, "cm³")):
+        if cubic_metres * factor >= 1:
+            return f"{cubic_metres * factor:.4g} {unit}"
+    return f"{cubic_metres * 1e9:.4g} mm³"
+
+
+def _check_out(out: Path) -> None:
+    from feeler.io import check_target
+
+    if out.suffix.lower() not in (".glb", ".stl"):
+        raise OptionError(f"--out {out}: the name must end in .glb or .stl")
+    check_target(out)
+
+
+def _write(out: Path, mesh: Any) -> int:
+    from feeler.io import write_glb, write_stl
+
+    return write_glb(out, mesh) if out.suffix.lower() == ".glb" else write_stl(out, mesh)

@@ -1,0 +1,112 @@
+"""Ways out as an animated GLB: what moves, what blocked it, and what is near."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import os
+from collections.abc import Sequence
+
+import numpy as np
+
+from feeler.io.atomic import atomic_file
+from feeler.io.body import LIGHT_GREY, RED, STEEL_BLUE, FloatArray, body_of
+from feeler.io.export import Motion, animated_glb
+from feeler.io.film import PAUSE_S, seconds_of, with_neighbours
+from feeler.mockup import Mockup, Tool
+from feeler.plan.order import RemovalStep
+from feeler.plan.removal import Removal
+from feeler.poses import between, rotation_vector
+
+TURN_M_PER_RAD = 0.1
+"""A turn by a radian takes as long as so many metres."""
+STEP_RAD = 0.1
+"""A film turns by no more from pose to pose: of 0.1 rad, what lies between is off by a 1/800 of the radius."""
+MOST_BLOCKERS = 20
+
+
+def write_removal_glb(
+    path: str | os.PathLike[str],
+    mockup: Mockup,
+    steps: Sequence[RemovalStep],
+    tool: Tool | None = None,
+    start: FloatArray | None = None,
+) -> int:
+    """Writes the steps one after the other as a binary glTF 2.0 film; returns its size in bytes.
+
+    What moves is blue, what blocked a part that did not come out is red, what is near is grey. Of a part that did not
+    come out its best try is shown. tool: what moves with the parts of the last step, at the pose `start` in the world.
+    Raises `WriteError`, `MeshError`.
+    """
+    moving = sorted({part for step in steps for part in step.parts})
+    blockers = sorted(
+        {int(each.part) for step in steps if not step.removal.found for each in step.removal.blocked_by[:MOST_BLOCKERS]}
+    )
+    shown = sorted({*with_neighbours(mockup, moving), *blockers})
+    place = {part: number for number, part in enumerate(shown)}
+    colours = np.tile(np.array(LIGHT_GREY), (len(shown), 1))
+    colours[[place[part] for part in blockers]] = RED
+    colours[[place[part] for part in moving]] = STEEL_BLUE
+    scene = Tool.of_parts(mockup, shown, "removal")
+    held = [] if tool is None else list(range(len(shown), len(shown) + tool.part_count))
+    if tool is not None:
+        at = np.eye(4) if start is None else start
+        scene = Tool.assembly({"removal": scene, "tool": (tool, at)}, "removal")
+        colours = np.concatenate([colours, np.tile(np.array(STEEL_BLUE), (len(held), 1))])
+    motions = []
+    now = 0.0
+    for number, step in enumerate(steps):
+        held_here = tool if number == len(steps) - 1 else None
+        poses = in_steps(shown_way(step.removal), middle_of(mockup, step.parts, held_here, start))
+        times = now + moments(poses)
+        together = [place[part] for part in step.parts] + (held if number == len(steps) - 1 else [])
+        # Before its turn a part rests, and after it.
+        whole = np.concatenate([[0.0], times]) if now > 0.0 else times
+        path_of = np.concatenate([np.eye(4)[None], poses]) if now > 0.0 else poses
+        motions += [Motion(each, whole, path_of) for each in together]
+        now = float(times[-1]) + PAUSE_S
+    with atomic_file(path) as file:
+        data = animated_glb(body_of(scene, colours=colours), motions)
+        file.write(data)
+    return len(data)
+
+
+def shown_way(removal: Removal) -> FloatArray:
+    """The way `(n, 4, 4)`; where none was found, from where the part is to where its best try ended."""
+    if removal.found or not removal.blocked_by:
+        return removal.poses
+    return np.stack([np.eye(4), max(removal.blocked_by, key=lambda each: each.reach).pose])
+
+
+def middle_of(mockup: Mockup, parts: Sequence[int], tool: Tool | None, start: FloatArray | None) -> FloatArray:
+    """The middle of the box of what moves, which goes straight from pose to pose."""
+    moving = Tool.of_parts(mockup, list(parts))
+    if tool is not None:
+        moving = Tool.assembly({"parts": moving, "tool": (tool, np.eye(4) if start is None else start)})
+    middle: FloatArray = moving.bounds.mean(axis=0)
+    return middle
+
+
+def in_steps(poses: FloatArray, middle: FloatArray) -> FloatArray:
+    """The way with poses between, where it turns: a film moves the origin straight, a way the middle."""
+    way = [poses[0]]
+    for before, after in itertools.pairwise(poses):
+        angle = float(np.linalg.norm(rotation_vector(after[:3, :3] @ before[:3, :3].T)))
+        steps = max(1, math.ceil(angle / STEP_RAD))
+        way += [between(before, after, middle, step / steps) for step in range(1, steps + 1)]
+    return np.stack(way)
+
+
+def moments(poses: FloatArray) -> FloatArray:
+    """When a film is at each pose `(n, 4, 4)`, seconds from 0 on: at an even pace, turns counted in."""
+    steps = np.linalg.norm(np.diff(poses[:, :3, 3], axis=0), axis=1)
+    turns = poses[1:, :3, :3] @ np.swapaxes(poses[:-1, :3, :3], 1, 2)
+    angles = np.arccos(np.clip(0.5 * (np.trace(turns, axis1=1, axis2=2) - 1.0), -1.0, 1.0))
+    lengths = steps + TURN_M_PER_RAD * angles
+    gone = np.concatenate([[0.0], np.cumsum(lengths)])
+    if gone[-1] == 0.0:
+        return np.arange(len(poses), dtype=np.float64)
+    # Two poses are never shown at one moment.
+    shares = gone / gone[-1]
+    even = np.arange(len(poses)) / max(len(poses) - 1, 1)
+    return np.asarray(seconds_of(float(gone[-1])) * (0.99 * shares + 0.01 * even), dtype=np.float64)

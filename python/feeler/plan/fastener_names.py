@@ -1,0 +1,61 @@
+"""What names say of fasteners: words of several languages, and the numbers of standards."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+
+KINDS = {
+    "bolt": "bolt bolts hexbolt setbolt bolzen sechskantschraube perno tornillo boulon bullone",
+    "screw": "screw screws capscrew setscrew grubscrew machinescrew schraube zylinderschraube vis vite shcs",
+    "nut": "nut nuts hexnut locknut mutter sechskantmutter ecrou tuerca dado",
+    "stud": "stud studs stiftschraube gewindestange goujon",
+}
+"""Words, in lower case, by the kind of fastener that they name."""
+
+STANDARDS = {
+    "bolt": "931 933 960 961 4014 4016 4017 4018 6921 8765 8676",
+    "screw": "84 912 913 914 915 916 963 964 965 966 1207 1580 2009 4026 4029 4762 7045 7046 7047 7380 7984 7985 7991 "
+    "10642",
+    "nut": "934 936 439 555 985 982 1587 4032 4033 4034 4035 6923 7040 10511",
+    "stud": "835 938 939 976",
+}
+"""Numbers of DIN and ISO standards by the kind of fastener."""
+
+SUPPORTING = "plug plugs"
+"""Words that make a likely shape surer, but no fastener of another one: a plug with a hexagon is screwed in."""
+
+OTHERS = (
+    "washer washers plate hole holes boss union pipe tube clamp bracket housing cover wrench driver screwdriver socket "
+    "key spanner gear shaft bearing spring ring gasket seal insert pin rivet"
+)
+"""Words that name something else, where they come last: a bolt ring is no bolt."""
+
+_KIND_OF_WORD = {word: kind for kind, words in KINDS.items() for word in words.split()}
+_KIND_OF_STANDARD = {number: kind for kind, numbers in STANDARDS.items() for number in numbers.split()}
+_OTHERS = frozenset(OTHERS.split())
+_SUPPORTING = frozenset(SUPPORTING.split())
+_STANDARD = re.compile(r"(?:din|iso|en)[ _\-]*(?:en[ _\-]*)?(?:iso[ _\-]*)?(\d{2,5})(?!\d)", re.IGNORECASE)
+_WORD = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])")
+
+
+def kind_said(name: str) -> str | None:
+    """The kind of fastener that a name says: "bolt", "screw", "nut", "stud"; None where it says nothing.
+
+    "other" where it says another thing, "plug" where it makes a likely shape surer.
+    """
+    standard = _STANDARD.search(name)
+    if standard is not None and standard.group(1) in _KIND_OF_STANDARD:
+        return _KIND_OF_STANDARD[standard.group(1)]
+    plain = "".join(each for each in unicodedata.normalize("NFKD", name) if not unicodedata.combining(each))
+    words = [word.lower() for word in _WORD.findall(plain)]
+    words = [word for word in words if len(word) > 2]
+    said = None
+    for word in words:
+        if word in _KIND_OF_WORD:
+            said = _KIND_OF_WORD[word]
+        elif word in _OTHERS:
+            said = "other"
+        elif word in _SUPPORTING:
+            said = "plug"
+    return said

@@ -1,0 +1,324 @@
+"""`find_fasteners`: bolts, screws, nuts and studs of a mock-up, by geometry, and by name as a second voice."""
+
+from __future__ import annotations
+
+import fnmatch
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, overload
+
+import numpy as np
+import numpy.typing as npt
+
+from feeler.errors import MeshError, OptionError
+from feeler.mockup import Mockup, Tool
+from feeler.parts import PartsLike
+from feeler.plan.fastener_names import kind_said
+from feeler.plan.fastener_shape import Looks, looks_of, rod_of
+from feeler.plan.same_shapes import SameShape, same_shapes
+from feeler.scene import Scene
+
+Progress = Callable[[float, str], object]
+Floats = npt.NDArray[np.float64]
+
+KINDS = ("bolt", "screw", "nut", "stud")
+
+LARGEST_M = 0.6
+"""The longest side of the box of a part that is looked at: longer bolts are rare, and large parts cost time."""
+MOST_TRIANGLES = 100_000
+"""Triangles of a part that is looked at; a bolt with a finely cut thread has some ten thousand."""
+
+STRONG, WEAK = 0.9, 0.5
+"""Confidence in a shape that hardly anything else has, and in one that other things have as well."""
+AGREED = 0.99
+"""Confidence where the name says so too."""
+NAMED = 0.6
+"""Confidence where the name says so and the shape is only about as wide both ways."""
+DOUBTED = 0.3
+"""What is left of the confidence where the name says that it is another thing, and in a weak shape without such a name
+among parts that are named fasteners."""
+LEAST_CONFIDENCE = 0.5
+"""What is found is at least so sure."""
+
+_AROUND = 12  # rays from each end, around the axis
+_RAY_BEGIN = 1e-3  # how far off the end they begin, as a share of the height
+_FAR = 5.0  # heights beyond which what rays meet need not be the joint
+_INSIDE = 0.15  # what room counts for to an end that is inside something
+_BESIDE = 0.3  # heights from each end, where it is then asked what is nearest
+_NEARER = 0.88  # the nearest of one end by that of the other, for a clear answer
+_POINT = np.array([[0.0, 0.0, 0.0], [1e-6, 0.0, 0.0], [0.0, 1e-6, 0.0]])  # a tool as small as a point, metres
+
+
+@dataclass(frozen=True, eq=False)  # it holds arrays
+class Fastener:
+    """One fastener, as it is guessed. Metres; NaN where the mesh does not show it."""
+
+    part: int
+    """Index into `mockup.parts`."""
+    path: str
+    kind: str
+    """"bolt" (hexagon head), "screw" (round head, or a socket without one), "nut" or "stud"."""
+    frame: Floats
+    """`(4, 4)` world_from_fastener: the origin in the middle of the top of head or nut, z along the axis out of the
+    joint, where the tool comes from. x is across that coordinate axis of the world which is least along z."""
+    size: float
+    """Diameter of the thread as the mesh has it; of a nut its bore's."""
+    across_flats: float
+    """Width across flats: of the hexagon, of a socket screw's socket."""
+    length: float
+    """From where the head bears to the tip; of a nut its height."""
+    head_height: float
+    confidence: float
+    """0 to 1; not a probability: an order. `because` says what it comes from."""
+    because: str
+
+    @property
+    def axis(self) -> Floats:
+        """`(3,)`, unit, out of the joint."""
+        return self.frame[:3, 2]
+
+
+class Fasteners(Sequence[Fastener]):
+    """What `find_fasteners` found, by part."""
+
+    def __init__(self, rows: Iterable[Fastener]) -> None:
+        self._rows = tuple(rows)
+
+    def __len__(self) -> int:
+        return len(self._rows)
+
+    @overload
+    def __getitem__(self, index: int) -> Fastener: ...
+    @overload
+    def __getitem__(self, index: slice) -> Fasteners: ...
+    def __getitem__(self, index: int | slice) -> Fastener | Fasteners:
+        return Fasteners(self._rows[index]) if isinstance(index, slice) else self._rows[index]
+
+    def __iter__(self) -> Iterator[Fastener]:
+        return iter(self._rows)
+
+    @property
+    def parts(self) -> npt.NDArray[np.int64]:
+        """`(n,)`: indices into `mockup.parts`."""
+        return np.array([row.part for row in self._rows], dtype=np.int64)
+
+    @property
+    def frames(self) -> Floats:
+        """`(n, 4, 4)`: world_from_fastener, metres; see `Fastener.frame`."""
+        return np.array([row.frame for row in self._rows]).reshape(-1, 4, 4)
+
+    @property
+    def axes(self) -> Floats:
+        """`(n, 3)`, unit, out of the joint."""
+        return self.frames[:, :3, 2]
+
+    def where(
+        self,
+        pattern: str | None = None,
+        *,
+        kind: str | None = None,
+        across_flats: float | tuple[float, float] | None = None,
+    ) -> Fasteners:
+        """Those whose path or its last step matches a pattern (`*bolt*`), of a kind, and of a width across flats.
+
+        `across_flats`: metres, within 3 %; or from, to. Raises `OptionError` for a kind that there is not.
+        """
+        if kind is not None and kind not in KINDS:
+            raise OptionError(f"kind is {kind!r}: choose one of {', '.join(KINDS)}")
+        low, high = -np.inf, np.inf
+        if isinstance(across_flats, tuple):
+            low, high = across_flats
+        elif across_flats is not None:
+            low, high = 0.97 * across_flats, 1.03 * across_flats
+        return Fasteners(
+            row
+            for row in self._rows
+            if (kind is None or row.kind == kind)
+            and (across_flats is None or low <= row.across_flats <= high)
+            and (pattern is None or any(fnmatch.fnmatchcase(n, pattern) for n in (row.path, row.path.split("/")[-1])))
+        )
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Fasteners) or len(self) != len(other):
+            return NotImplemented if not isinstance(other, Fasteners) else False
+        return all(_key(a) == _key(b) for a, b in zip(self, other, strict=True))
+
+    __hash__ = None  # type: ignore[assignment]  # it holds arrays
+
+    def __repr__(self) -> str:
+        counts = [(sum(row.kind == kind for row in self._rows), kind) for kind in KINDS]
+        said = ", ".join(f"{count:,} {kind}{'' if count == 1 else 's'}" for count, kind in counts if count)
+        return f"Fasteners({said or 'none'})"
+
+
+def _key(row: Fastener) -> tuple[Any, ...]:
+    numbers = [row.size, row.across_flats, row.length, row.head_height, row.confidence]
+    return (row.part, row.path, row.kind, row.because, row.frame.tobytes(), np.array(numbers).tobytes())
+
+
+def find_fasteners(
+    mockup: Mockup | Scene, parts: PartsLike | None = None, progress: Progress | None = None
+) -> Fasteners:
+    """Which parts are bolts, screws, nuts and studs, where their heads are, and of what size: a guess, by part.
+
+    Shapes are told by their walls: a hexagon on a shank, a hexagon socket in a round head, a hexagon with a bore. A
+    name that says so makes it surer; where the mesh is too coarse to tell, it decides. What lies around the ends of
+    nuts, and of heads without a shank, says which end is outside. Parts of one shape are looked at once.
+
+    `mockup`: also a `Scene`, of which only the parts that are there are looked at. `parts`: only these, as
+    `Parts.select` takes them. A part is one fastener at most: several in one part, and those made of several parts, are
+    not found. Raises `OptionError` for parts that are not there.
+    """
+    if not isinstance(mockup, (Mockup, Scene)):
+        raise MeshError(f"fasteners are of a feeler.Mockup or a feeler.Scene, not of {type(mockup).__name__}")
+    if progress is not None and not callable(progress):
+        raise OptionError(f"progress is {progress!r}: give a function of (fraction, stage)")
+    world = mockup.mockup if isinstance(mockup, Scene) else mockup
+    named = np.arange(world.part_count) if parts is None else world.parts.select(parts)
+    chosen = named.astype(np.int64)
+    if isinstance(mockup, Scene):
+        chosen = chosen[mockup.part_mask[chosen]]
+    said = [kind_said(name) for name in world.part_names]
+    is_naming = any(kind in KINDS for kind in said)
+    small = _small(world, chosen)
+    found: list[tuple[Fastener, Looks]] = []
+    done = 0
+    for shape in same_shapes(world, small):
+        found += _of_shape(world, shape, said, is_naming)
+        done += len(shape.parts)
+        if progress is not None:
+            progress(0.8 * done / len(small), "looking at parts")
+    unsure = [i for i, (_, looks) in enumerate(found) if looks.is_two_sided]
+    rows = [row for row, _ in found]
+    if unsure:
+        if progress is not None:
+            progress(0.8, "looking which end is outside")
+        scene = mockup if isinstance(mockup, Scene) else Scene(world)
+        for i, row in zip(unsure, _turned_out(scene, [found[i] for i in unsure]), strict=True):
+            rows[i] = row
+    if progress is not None:
+        progress(1.0, "done")
+    return Fasteners(sorted(rows, key=lambda row: row.part))
+
+
+def _small(world: Mockup, chosen: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
+    """The parts that may be fasteners, by size."""
+    bounds = world.part_bounds.reshape(-1, 2, 3)[chosen]
+    sides = bounds[:, 1] - bounds[:, 0]
+    triangles = world.part_triangles[chosen]
+    is_small = (sides.max(axis=1) <= LARGEST_M) & (sides.min(axis=1) > 0) & (triangles <= MOST_TRIANGLES)
+    return np.asarray(chosen[is_small & (triangles >= 8)], dtype=np.int64)
+
+
+def _of_shape(world: Mockup, shape: SameShape, said: list[str | None], is_naming: bool) -> list[tuple[Fastener, Looks]]:
+    """The parts of one shape as fasteners, those that are one."""
+    looks = looks_of(shape.vertices, shape.faces)
+    names = [said[part] for part in shape.parts]
+    rod = rod_of(shape.vertices, shape.faces) if looks is None and any(kind in KINDS for kind in names) else None
+    found = []
+    for part, place, name in zip(shape.parts.tolist(), shape.places, names, strict=True):
+        seen = looks or (rod if name in KINDS else None)
+        if seen is None:
+            continue
+        confidence = _confidence(seen, name, is_naming)
+        if confidence < LEAST_CONFIDENCE:
+            continue
+        kind = _kind(seen, name)
+        voice = "; its name says another thing" if name == "other" else f"; its name says {name}" if name else ""
+        row = Fastener(
+            part=part,
+            path=world.part_paths[part],
+            kind=kind,
+            frame=_frame(place[:3, :3] @ seen.top + place[:3, 3], place[:3, :3] @ seen.axis),
+            size=seen.size,
+            across_flats=seen.across_flats,
+            length=seen.length,
+            head_height=seen.head_height,
+            confidence=confidence,
+            because=seen.because + voice,
+        )
+        found.append((row, seen))
+    return found
+
+
+def _confidence(looks: Looks, name: str | None, is_naming: bool) -> float:
+    if name in KINDS or name == "plug":
+        return NAMED if looks.kind == "rod" else AGREED
+    if name == "other":
+        return DOUBTED
+    if looks.is_strong:
+        return STRONG
+    return DOUBTED if is_naming else WEAK
+
+
+def _kind(looks: Looks, name: str | None) -> str:
+    """A strong shape knows what it is, but for studs; of others the name, if it says so."""
+    if name == "stud" and looks.kind != "nut":
+        return "stud"
+    if looks.kind == "head":
+        return "screw" if name == "screw" else "bolt"
+    if looks.is_strong:
+        return looks.kind
+    if name in KINDS:
+        return str(name)
+    return "bolt" if looks.kind == "prism" else looks.kind
+
+
+def _frame(origin: Floats, axis: Floats) -> Floats:
+    """A frame with z along an axis; x is across the coordinate axis that is least along it."""
+    x = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
+    x /= np.linalg.norm(x)
+    frame = np.eye(4)
+    frame[:3, 0], frame[:3, 1], frame[:3, 2], frame[:3, 3] = x, np.cross(axis, x), axis, origin
+    return frame
+
+
+def _turned_out(scene: Scene, found: list[tuple[Fastener, Looks]]) -> list[Fastener]:
+    """With their frames at the end that is outside: rays from both ends, around the axis.
+
+    The joint's end is the one before which there is less room; what is left of something that the end is inside of
+    counts for less. Where rays meet something from both, but far away, it is the one that is nearer to anything.
+    """
+    turn = np.arange(_AROUND) * (2.0 * np.pi / _AROUND)
+    circle = np.stack([np.cos(turn), np.sin(turn), np.zeros(_AROUND), np.ones(_AROUND)], axis=1)
+    origins, directions = [], []
+    for row, looks in found:
+        ring = (circle * [looks.ring, looks.ring, 0.0, 1.0]) @ row.frame.T
+        begin = _RAY_BEGIN * looks.height
+        for z, way in ((begin, 1.0), (-looks.height - begin, -1.0)):
+            origins.append(ring[:, :3] + z * row.axis)
+            directions.append(np.broadcast_to(way * row.axis, (_AROUND, 3)))
+    ways = np.concatenate(directions)
+    rays = scene.rays(np.concatenate(origins), ways)
+    room = np.median(rays.distances.reshape(-1, 2, _AROUND), axis=2)
+    is_inside = _from_inside(scene.mockup, rays.triangles, ways).reshape(-1, 2, _AROUND).mean(axis=2) > 0.5
+    room[is_inside] *= _INSIDE
+    rows = []
+    for (row, looks), (above, below), inside in zip(found, room.tolist(), is_inside.tolist(), strict=True):
+        is_turned = below > above
+        if not any(inside) and _FAR * looks.height < min(above, below) and max(above, below) < np.inf:
+            is_turned = _nearer_end(scene, row, looks, is_turned)
+        if is_turned:
+            frame = row.frame @ np.diag([1.0, -1.0, -1.0, 1.0])
+            frame[:3, 3] = row.frame[:3, 3] - looks.height * row.axis
+            row = replace(row, frame=frame)
+        rows.append(row)
+    return rows
+
+
+def _nearer_end(scene: Scene, row: Fastener, looks: Looks, unless: bool) -> bool:
+    """Whether the end at the frame is clearly nearer to other parts than the other one; `unless` neither is."""
+    point = Tool(_POINT, [[0, 1, 2]], name="point")
+    near = []
+    for z in (_BESIDE, -1.0 - _BESIDE):
+        pose = np.eye(4)
+        pose[:3, 3] = row.frame[:3, 3] + z * looks.height * row.axis
+        near.append(scene.distance(point, pose, ignore=[("point", row.part)]).value)
+    return near[0] < near[1] if min(near) < _NEARER * max(near) else unless
+
+
+def _from_inside(world: Mockup, triangles: npt.NDArray[np.int64], ways: Floats) -> npt.NDArray[np.bool_]:
+    """Whether rays along `ways` meet the triangles (-1: none) from behind, as they are wound."""
+    corners = world.vertices[world.faces[np.maximum(triangles, 0)]]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return np.asarray((triangles >= 0) & (np.einsum("ij,ij->i", normals, ways) > 0))

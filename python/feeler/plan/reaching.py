@@ -1,0 +1,422 @@
+"""`access`: can a tool reach fasteners, and how far can it be swung there?"""
+
+from __future__ import annotations
+
+import os
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import Any, overload
+
+import numpy as np
+import numpy.typing as npt
+
+from feeler.errors import MeshError, OptionError, PoseError
+from feeler.mockup import Tool
+from feeler.plan.blocked import Blocker
+from feeler.plan.fasteners import Fasteners
+from feeler.plan.tool_seat import SeatedTool, seated_tool
+from feeler.poses import nearest_rigid, placed
+from feeler.scene import Scene
+
+Progress = Callable[[float, str], object]
+Floats = npt.NDArray[np.float64]
+Hand = Tool | tuple[Tool, npt.ArrayLike]
+
+LEAST_ANGLES, MOST_ANGLES = 4, 3600
+"""Seats around the axis. From one to the next is a cast, which turns the shorter way round: less than half a turn."""
+MOST_THREADS = 1024
+WAY_ANGLES = 24
+"""Angles of each free swing from which a way in is sought: evenly spread, the middle first."""
+SIDEWAYS = (0.0, 45.0, -45.0, 90.0, -90.0, 135.0, -135.0, 180.0)
+"""Directions across the axis, degrees from where the handle is, in which the tool is drawn off sideways."""
+NEAR_M = 0.02
+"""How far from the origin of a bare frame its fastener is sought, metres."""
+UNDER_M = 1e-4
+"""How far under that origin, so that of what meets there the head comes first."""
+_BEFORE_ALL = float(np.nextafter(1.0, 0.0))  # the largest fraction that is not all of a step
+_POINT = np.array([[0.0, 0.0, 0.0], [1e-6, 0.0, 0.0], [0.0, 1e-6, 0.0]])  # a tool as small as a point, metres
+
+
+@dataclass(frozen=True, eq=False)  # it holds arrays
+class Reach:
+    """What was found for one target."""
+
+    target: int
+    """Which it is."""
+    part: int | None
+    """Its fastener, index into `mockup.parts`: the tool may meet it. None: nothing is near the target."""
+    path: str | None
+    reachable: bool
+    """Whether there is a way in, to a free swing that is large enough."""
+    swing: float
+    """The largest free swing, degrees, 360 for a full turn: the largest that has a way in, if one has. Never too
+    large."""
+    angle: float
+    """Where it begins, degrees about the target's z from its x axis, 0 to 360. NaN where there is none."""
+    pose: Floats
+    """`(4, 4)` world_from_tool: the tool seated in the middle of the swing; at angle 0 where there is none."""
+    way: Floats
+    """`(k, 4, 4)` world_from_tool: the way in, to a seat within the swing; `(0, 4, 4)` where none was found."""
+    because: str
+    """In words what the answer comes from."""
+    blockers: tuple[Blocker, ...]
+    """What was in the way, the most frequent first."""
+
+
+class Access(Sequence[Reach]):
+    """The answers of `access`, one a target, in their order."""
+
+    def __init__(self, rows: Sequence[Reach], is_partial: bool = False) -> None:
+        self._rows = tuple(rows)
+        self.is_partial = is_partial
+        """Whether it was interrupted, so that the last targets are missing."""
+
+    def __len__(self) -> int:
+        return len(self._rows)
+
+    @overload
+    def __getitem__(self, index: int) -> Reach: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[Reach]: ...
+    def __getitem__(self, index: int | slice) -> Reach | list[Reach]:
+        return list(self._rows[index]) if isinstance(index, slice) else self._rows[index]
+
+    def __iter__(self) -> Iterator[Reach]:
+        return iter(self._rows)
+
+    @property
+    def reachable(self) -> npt.NDArray[np.bool_]:
+        """`(n,)`."""
+        return np.array([row.reachable for row in self._rows], dtype=bool)
+
+    @property
+    def swing(self) -> Floats:
+        """`(n,)`, degrees."""
+        return np.array([row.swing for row in self._rows], dtype=np.float64)
+
+    @property
+    def angle(self) -> Floats:
+        """`(n,)`, degrees; NaN where there is no swing."""
+        return np.array([row.angle for row in self._rows], dtype=np.float64)
+
+    @property
+    def blockers(self) -> tuple[Blocker, ...]:
+        """What was in the way of targets that are not reachable, over all of these, the most frequent first."""
+        counts: Counter[tuple[int, str]] = Counter()
+        for row in self._rows:
+            if not row.reachable:
+                counts.update({(each.part, each.path): each.count for each in row.blockers})
+        return tuple(Blocker(part, path, count) for (part, path), count in _worst_first(counts))
+
+    def __repr__(self) -> str:
+        partial = ", interrupted" if self.is_partial else ""
+        return f"Access({int(self.reachable.sum()):,} of {len(self):,} reachable{partial})"
+
+
+class AccessInterrupted(KeyboardInterrupt):
+    """Ctrl-C, with what was found until then: `.access`, the answers for the first targets."""
+
+    def __init__(self, access: Access) -> None:
+        self.access = access
+        super().__init__(f"interrupted: {access!r}")
+
+    def __reduce__(self) -> tuple[type[AccessInterrupted], tuple[Access]]:
+        return (type(self), (self.access,))
+
+
+def access(
+    scene: Scene,
+    tool: Tool,
+    targets: Fasteners | npt.ArrayLike,
+    swing: float = 60.0,
+    angles: int = 72,
+    hand: Hand | None = None,
+    approach: float = 0.1,
+    *,
+    grip: str | npt.ArrayLike | None = None,
+    lift: float | npt.ArrayLike = 0.0,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> Access:
+    """Whether the tool gets to each target, and how far it can be swung there, about the target's z axis.
+
+    The tool's frame is laid on the target's: origin on origin, z along z, turned about z by each of `angles` even
+    steps. Where the seat is free, casts about z to its neighbours tell how far it can be swung: nothing is jumped over,
+    and no swing is said to be larger than it is. Then a way in is sought: straight along z over `approach` metres, or
+    else sideways, across z. It never says that there is no way: only that none of these is one.
+
+    - `targets`: `Fasteners`, or frames `(n, 4, 4)`, world_from_target, metres, z out of the joint. The fastener itself
+      may be met at the seat, when swung, and on a straight way; not when the tool is drawn off sideways, so that a ring
+      is not drawn off through the head. Of a bare frame it is the part nearest to its origin, up to 20 mm away.
+    - `swing`: degrees that are needed, above 0 up to 360.
+    - `hand`: a tool in the tool's frame that moves with it, or `(hand, tool_from_hand)`.
+    - `grip`: where the target's frame is in the tool's: `tool_from_target` `(4, 4)`, or the tool's axis that is to
+      point out of the joint, about its origin: "y" for `sample_tool("wrench")`, whose jaw turns about y.
+    - `lift`: metres by which the tool sits above the target's origin, one or one a target; negative: below.
+    - `threads`: default: all. The answer does not depend on it.
+
+    Raises `OptionError` where there is no target, a number is out of range, or fasteners are of another mock-up,
+    `PoseError` for frames that are not rigid, `MeshError` for what is no tool, and `AccessInterrupted`, a
+    `KeyboardInterrupt`, with what was found until Ctrl-C.
+    """
+    if not isinstance(scene, Scene):
+        raise MeshError(f"access needs a feeler.Scene, not {type(scene).__name__}")
+    needed = _number("swing", swing, 360.0, "degrees, above 0 up to 360")
+    way = _number("approach", approach, np.inf, "metres, above 0")
+    steps = _whole("angles", angles, (LEAST_ANGLES, MOST_ANGLES))
+    workers = (os.cpu_count() or 1) if threads is None else _whole("threads", threads, (1, MOST_THREADS))
+    if progress is not None and not callable(progress):
+        raise OptionError(f"progress is {progress!r}: give a function of (fraction, stage)")
+    seated = seated_tool(tool, hand, grip)
+    frames, parts = _targets(scene, targets)
+    frames = _lifted(frames, lift)
+    ask = _Question(scene, seated, needed, steps, way)
+    count = min(workers, len(frames))
+    rows: list[Reach] = []
+
+    def told(row: Reach) -> None:
+        rows.append(row)
+        if progress is not None:
+            progress(len(rows) / len(frames), "reaching targets")
+
+    try:
+        if count == 1:
+            for i, (frame, part) in enumerate(zip(frames, parts, strict=True)):
+                told(ask.reach(i, frame, part))
+        else:
+            _in_threads(count, ask, frames, parts, told)
+    except KeyboardInterrupt:
+        raise AccessInterrupted(Access(rows, is_partial=len(rows) < len(frames))) from None
+    return Access(rows)
+
+
+def _in_threads(
+    count: int,
+    ask: _Question,
+    frames: Floats,
+    parts: list[int | None],
+    told: Callable[[Reach], None],
+) -> None:
+    pool = ThreadPoolExecutor(count, thread_name_prefix="feeler-access")
+    try:
+        targets = enumerate(zip(frames, parts, strict=True))
+        waiting = [pool.submit(ask.reach, i, frame, part) for i, (frame, part) in targets]
+        for each in waiting:
+            told(each.result())
+    finally:
+        pool.shutdown(wait=True, cancel_futures=True)
+
+
+@dataclass(frozen=True)
+class _Arc:
+    """A free swing, degrees: from `start`, over `span`; `seats`: the free angles in it, by number."""
+
+    start: float
+    span: float
+    seats: list[int]
+
+
+class _Question:
+    """What is asked of each target."""
+
+    def __init__(self, scene: Scene, seated: SeatedTool, needed: float, angles: int, approach: float) -> None:
+        self._scene, self._seated, self._needed, self._approach = scene, seated, needed, approach
+        turn = 2.0 * np.pi * np.arange(angles) / angles
+        self._step = 360.0 / angles
+        self._turns = np.stack([_turned(float(angle)) for angle in turn])
+        self._sideways = [_turned(np.radians(side))[:3, :3] @ seated.outward for side in SIDEWAYS]
+
+    def reach(self, target: int, frame: Floats, part: int | None) -> Reach:
+        """The answer for one target."""
+        scene, seated = self._scene, self._seated
+        ignore = seated.ignoring(scene.mockup, part)
+        poses = frame @ self._turns
+        blocked: Counter[int] = Counter()
+        is_free = np.array([not scene.is_colliding(seated.tool, pose, ignore=ignore) for pose in poses])
+        for pose in poses[~is_free]:
+            blocked.update(scene.collide(seated.tool, pose, ignore=ignore).parts.tolist())
+        arcs: list[_Arc] = []
+        if is_free.any():
+            arcs = self._arcs(poses, is_free, seated.ignoring_turning(scene.mockup, part), blocked)
+        found: _Arc | None = None
+        way = np.empty((0, 4, 4))
+        for arc in arcs:
+            way = self._way_in(frame, poses, arc, part, ignore, blocked)
+            if len(way):
+                found = arc
+                break
+        shown = found or (arcs[0] if arcs else None)
+        reachable = found is not None and found.span >= self._needed
+        paths = scene.mockup.part_paths
+        return Reach(
+            target=target,
+            part=part,
+            path=None if part is None else paths[part],
+            reachable=reachable,
+            swing=0.0 if shown is None else shown.span,
+            angle=float("nan") if shown is None else shown.start,
+            pose=self._pose_at(frame, 0.0 if shown is None else shown.start + 0.5 * shown.span),
+            way=way @ seated.seat_from_tool if len(way) else way,
+            because=self._because(shown, found),
+            blockers=tuple(Blocker(i, paths[i], count) for i, count in _worst_first(blocked)),
+        )
+
+    def _because(self, shown: _Arc | None, found: _Arc | None) -> str:
+        if shown is None:
+            return "the tool meets something at every angle"
+        if found is None:
+            return f"a swing of {shown.span:.1f} degrees is free, but no way in was found"
+        enough = "" if found.span >= self._needed else f", of {self._needed:g} that are needed"
+        return f"{found.span:.1f} degrees are free{enough}"
+
+    def _pose_at(self, frame: Floats, angle: float) -> Floats:
+        pose: Floats = frame @ _turned(np.radians(angle)) @ self._seated.seat_from_tool
+        return pose
+
+    def _arcs(self, poses: Floats, is_free: npt.NDArray[np.bool_], ignore: Any, blocked: Counter[int]) -> list[_Arc]:
+        """The free swings, the largest first."""
+        count = len(poses)
+        ahead, behind = np.zeros(count), np.zeros(count)  # degrees that are free from each free seat
+        for i in np.flatnonzero(is_free).tolist():
+            after = (i + 1) % count
+            ahead[i] = self._swung(poses[i], poses[after], ignore, blocked)
+            if ahead[i] < self._step and is_free[after]:
+                behind[after] = self._swung(poses[after], poses[i], ignore, blocked)
+            before = (i - 1) % count
+            if not is_free[before]:
+                behind[i] = self._swung(poses[i], poses[before], ignore, blocked)
+        if is_free.all() and (ahead >= self._step).all():
+            return [_Arc(0.0, 360.0, list(range(count)))]
+        arcs = []
+        for first in np.flatnonzero(is_free).tolist():
+            if is_free[first - 1] and ahead[first - 1] >= self._step:
+                continue  # it is in the swing of the seat before
+            seats = [first]
+            while ahead[seats[-1]] >= self._step:
+                seats.append((seats[-1] + 1) % count)
+            span = behind[first] + (len(seats) - 1) * self._step + ahead[seats[-1]]
+            start = float(first * self._step - behind[first]) % 360.0
+            arcs.append(_Arc(start, float(span), seats))
+        return sorted(arcs, key=lambda arc: (-arc.span, arc.start))
+
+    def _swung(self, pose0: Floats, pose1: Floats, ignore: Any, blocked: Counter[int]) -> float:
+        """Degrees that are free from a seat to its neighbour; `_step` where all are."""
+        impact = self._scene.cast(self._seated.turning, pose0, pose1, ignore=ignore)
+        if impact is None:
+            return self._step
+        blocked[impact.part] += 1
+        return min(impact.fraction, _BEFORE_ALL) * self._step
+
+    def _way_in(
+        self, frame: Floats, poses: Floats, arc: _Arc, part: int | None, ignore: Any, blocked: Counter[int]
+    ) -> Floats:
+        """The way to a seat of the swing, (2, 4, 4); (0, 4, 4) where none was found. It is cast outwards."""
+        scene, tool = self._scene, self._seated.tool
+        seats = _middle_first(arc.seats, WAY_ANGLES)
+        for i in seats:
+            out = _shifted(poses[i], self._approach * frame[:3, 2])
+            impact = scene.cast(tool, poses[i], out, ignore=ignore)
+            if impact is not None:
+                blocked[impact.part] += 1
+            elif not self._is_inside(out, ignore, blocked):
+                return np.stack([out, poses[i]])
+        for i in seats:
+            for side in self._sideways:
+                out = _shifted(poses[i], self._approach * (poses[i][:3, :3] @ side))
+                impact = scene.cast(tool, poses[i], out)
+                if impact is not None and impact.part == part and impact.fraction == 0.0:
+                    impact = scene.cast(tool, poses[i], out, touching="free")  # a jaw without play slides off
+                if impact is not None:
+                    if impact.part != part:
+                        blocked[impact.part] += 1
+                elif not self._is_inside(out, None, blocked):
+                    return np.stack([out, poses[i]])
+        return np.empty((0, 4, 4))
+
+    def _is_inside(self, pose: Floats, ignore: Any, blocked: Counter[int]) -> bool:
+        """Whether the tool meets nothing since it is inside something, or something in it."""
+        found = self._scene.containment(self._seated.tool, pose, ignore=ignore)
+        blocked.update([*found.containing.tolist(), *found.contained.tolist()])
+        return bool(found)
+
+
+def _targets(scene: Scene, targets: Fasteners | npt.ArrayLike) -> tuple[Floats, list[int | None]]:
+    """Frames (n, 4, 4), and the fastener of each."""
+    mockup = scene.mockup
+    if isinstance(targets, Fasteners):
+        if not len(targets):
+            raise OptionError("there are no targets: no fastener is among these; give frames (n, 4, 4) instead")
+        for row in targets:
+            if not (row.part < mockup.part_count and mockup.part_paths[row.part] == row.path):
+                raise OptionError(f"fastener {row.path!r} is of another mock-up: find those of the scene's")
+        return targets.frames, [row.part for row in targets]
+    try:
+        frames = np.asarray(targets, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise PoseError(f"targets cannot be read as frames: {error}; give feeler.Fasteners or (n, 4, 4)") from None
+    if frames.size == 0:
+        raise OptionError("there are no targets: give feeler.Fasteners or frames (n, 4, 4)")
+    if frames.shape == (4, 4):
+        frames = frames[None]
+    if frames.ndim != 3 or frames.shape[1:] != (4, 4):
+        raise PoseError(f"targets have shape {frames.shape}: give feeler.Fasteners or frames (n, 4, 4)")
+    for i, frame in enumerate(frames):
+        placed(np.zeros((1, 3)), frame, f"target {i}")
+    frames = nearest_rigid(frames)
+    point = Tool(_POINT, [[0, 1, 2]])
+    parts: list[int | None] = []
+    for frame in frames:
+        under = _shifted(frame, -UNDER_M * frame[:3, 2])
+        parts.append(scene.distance(point, under, max=NEAR_M).part)
+    return frames, parts
+
+
+def _lifted(frames: Floats, lift: float | npt.ArrayLike) -> Floats:
+    try:
+        heights = np.asarray(lift, dtype=np.float64)
+    except (TypeError, ValueError):
+        heights = np.array(np.nan)
+    if heights.shape not in ((), (len(frames),)) or not np.isfinite(heights).all():
+        raise OptionError(f"lift is {lift!r}: give metres, one number or one for each of {len(frames)} targets")
+    lifted = frames.copy()
+    lifted[:, :3, 3] += np.broadcast_to(heights, len(frames))[:, None] * frames[:, :3, 2]
+    return np.asarray(lifted)
+
+
+def _number(what: str, value: object, most: float, range_: str) -> float:
+    is_number = isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
+    if not is_number or not 0 < value <= most or not np.isfinite(value):  # type: ignore[operator, call-overload]
+        raise OptionError(f"{what} is {value!r}: give {range_}")
+    return float(value)  # type: ignore[arg-type]
+
+
+def _whole(what: str, value: object, span: tuple[int, int]) -> int:
+    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or not span[0] <= value <= span[1]:
+        raise OptionError(f"{what} is {value!r}: give a whole number from {span[0]} to {span[1]}")
+    return int(value)
+
+
+def _turned(angle: float) -> Floats:
+    turn = np.eye(4)
+    turn[:2, :2] = [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
+    return turn
+
+
+def _shifted(pose: Floats, by: Floats) -> Floats:
+    shifted: Floats = pose.copy()
+    shifted[:3, 3] += by
+    return shifted
+
+
+def _middle_first(seats: list[int], most: int) -> list[int]:
+    """At most so many of them, evenly spread, from the middle outwards."""
+    if len(seats) > most:
+        seats = [seats[round(i * (len(seats) - 1) / (most - 1))] for i in range(most)]
+    middle = (len(seats) - 1) / 2.0
+    return [seats[i] for i in sorted(range(len(seats)), key=lambda i: (abs(i - middle), i))]
+
+
+def _worst_first(counts: Counter[Any]) -> list[tuple[Any, int]]:
+    return sorted(counts.items(), key=lambda item: (-item[1], item[0]))

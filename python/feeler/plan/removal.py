@@ -1,0 +1,274 @@
+"""`feeler.removal`: the way of parts out of a mock-up, or what was in their way."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from importlib.metadata import version
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from feeler import _core
+from feeler.errors import MeshError, OptionError, PoseError
+from feeler.mockup import Mockup, Tool
+from feeler.parts import Part, PartsLike
+from feeler.plan.blocked import Blocker
+from feeler.scene import Scene
+
+Progress = Callable[[float, str], object]
+Allow = str | float | Part | Iterable["str | float | Part"] | None
+"""What may meet: see `removal`."""
+
+_START = "start"
+_VERSIONS = (("feeler", version("feeler")),)
+_LARGEST_SEED = 2**64 - 1
+
+
+@dataclass(frozen=True, eq=False)
+class RemovalBlocker(Blocker):
+    """A part that was in the way, how often, and the best try that it stopped."""
+
+    reach: float
+    """How far from the start the middle of what moves was in the best of these tries, metres."""
+    pose: npt.NDArray[np.float64]
+    """`(4, 4)`: the motion of the part then."""
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """What leads to the same answer again: with these versions, the same scene and arguments."""
+
+    seed: int
+    method: str
+    """How the way was found: "straight", "tree 3" (of random trees, by number), "out" (it was out already), "none"."""
+    casts: int
+    """Motions that were followed."""
+    versions: tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Removal:
+    """A way of parts out of a mock-up; or what was in the way, which does not say that there is none."""
+
+    found: bool
+    poses: npt.NDArray[np.float64]
+    """`(n, 4, 4)`: the motion of the parts in the world, from the identity, where they are, until they are out: their
+    corner, as the mock-up has it, is at `poses[i] @ corner`. Between two poses they move as `Scene.cast` does. Where
+    nothing was found, the identity alone."""
+    path_length: float
+    """How far the middle of the box of what moves goes, metres."""
+    rotation: float
+    """How far it turns in all, radians."""
+    clearance: float
+    """The least distance along the way of all that is not seated, metres, right within 1/20 of itself or 1/64 of the
+    size of what moves, whichever is more; infinite where nothing else is there, NaN where no way was found. Pairs that
+    are together at the start are left out until they part, and parts that may be met all along."""
+    free: bool
+    """Whether each leg was verified by casts with the same allowances, as `check_path` does; so is each way found."""
+    certificate: Certificate
+    blocked_by: tuple[RemovalBlocker, ...]
+    """The parts that stopped a try, the one that stopped most first; also where a way was found."""
+    is_out_of_time: bool
+    """Whether `seconds` were over before all was tried."""
+    seconds: float
+
+    def __repr__(self) -> str:
+        if self.found:
+            how = f"{len(self.poses)} poses, {self.path_length:.4g} m, {math.degrees(self.rotation):.4g} deg"
+        else:
+            how = "not found, blocked by " + (", ".join(b.path for b in self.blocked_by[:3]) or "nothing")
+        return f"Removal({how}; {self.certificate.method}, {self.certificate.casts} casts, {self.seconds:.3g} s)"
+
+
+def removal(
+    scene: Scene,
+    parts: PartsLike,
+    tool: Tool | None = None,
+    start: npt.ArrayLike | None = None,
+    allow: Allow = _START,
+    directions: npt.ArrayLike | None = None,
+    clearance: float = 0.0,
+    seconds: float = 30.0,
+    seed: int = 0,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> Removal:
+    """A way by which parts come out of the mock-up of a scene.
+
+    - `scene`: with these parts in their places. `parts`: as `Parts.select` takes them; they move as one.
+    - `tool`: what grips them and moves with them, at the pose `start` (`world_from_tool`, by default the identity). It
+      must be free there.
+    - `allow`: what may meet. `"start"`: pairs of a moving part and another that meet where they are may meet until
+      they part, no deeper than there. A `Part`, name or pattern: these parts may be met all along. A number: each pair
+      may be so many metres in each other. Several of these in a list; `None`: nothing may meet.
+    - `directions`: `(k, 3)`, world, to be tried first.
+    - `clearance`: metres that the way stays off all that is not seated, within 2 %.
+    - `seconds`: after these nothing more is tried. A way that is found does not depend on it, nor on `threads`.
+    - `progress`: called with the share done (0 to 1) and the stage.
+
+    Touching ends a way, but for what is allowed. Of pairs that meet at the start, those that touch (nearer than 1e-6 m)
+    are cast, and may slide on each other. What is in each other is measured every 1/32 of the size of what moves (1/64
+    before a way is given), within 1e-5 m, by the gaps of its contacts: up to 1/50 of that size it is a fit, and no
+    deeper than at the start. What is deeper has no hole in the model: it does not move against a contact that it is
+    behind, and its surface goes through the other's only where the part itself was.
+
+    Raises `OptionError` for parts that are not there, or that are all there are, and for numbers that cannot be;
+    `PoseError` for a `start` that is not rigid or where the tool meets something; `MeshError` for what is no scene or
+    tool.
+    """
+    begin = time.perf_counter()
+    chosen, rest = _chosen(scene, parts)
+    mockup = scene.mockup
+    own = Tool.of_parts(mockup, chosen)
+    allowed = _Allowed.of(allow, mockup)
+    moving = own if tool is None else _gripped(own, tool, start, rest, allowed)
+    if tool is None and start is not None:
+        raise OptionError("start is where the tool is, but there is none: give a tool, or leave start out")
+    answer = _core.removal(
+        rest,
+        moving,
+        np.eye(4),
+        own_parts=own.part_count,
+        allow_start=allowed.start,
+        allow_overlap=allowed.overlap,
+        allow_parts=allowed.parts,
+        directions=_directions(directions),
+        clearance=_number("clearance", clearance, "metres, 0 or more", at_least=0.0),
+        seconds=_seconds(seconds),
+        seed=_whole("seed", seed, 0, _LARGEST_SEED),
+        threads=None if threads is None else _whole("threads", threads, 1, 1024),
+        progress=_checked(progress),
+    )
+    found = answer["method"] != "none"
+    rows = zip(
+        answer["blockers"].tolist(),
+        answer["blocker_counts"].tolist(),
+        answer["blocker_reaches"].tolist(),
+        answer["blocker_poses"],
+        strict=True,
+    )
+    blockers = (
+        RemovalBlocker(part, mockup.part_paths[part], count, reach, np.array(pose)) for part, count, reach, pose in rows
+    )
+    return Removal(
+        found=found,
+        poses=answer["poses"],
+        path_length=answer["path_length"],
+        rotation=answer["rotation"],
+        clearance=answer["clearance"] if found else math.nan,
+        free=found,
+        certificate=Certificate(int(seed), answer["method"], answer["casts"], _VERSIONS),
+        blocked_by=tuple(blockers),
+        is_out_of_time=answer["is_out_of_time"],
+        seconds=time.perf_counter() - begin,
+    )
+
+
+def alone(seed: int) -> Removal:
+    """Of parts that are all there is: they are out."""
+    certificate = Certificate(seed, "out", 0, _VERSIONS)
+    return Removal(True, np.eye(4)[None], 0.0, 0.0, math.inf, True, certificate, (), False, 0.0)
+
+
+def _chosen(scene: object, parts: PartsLike) -> tuple[npt.NDArray[np.uint32], Scene]:
+    """The parts that move, and the scene without them."""
+    if not isinstance(scene, Scene):
+        raise MeshError(f"removal needs a feeler.Scene, not {type(scene).__name__}")
+    chosen = scene.mockup.parts.select(parts)
+    if not len(chosen):
+        raise OptionError("parts names no part: name one at least")
+    there = scene.part_mask
+    away = chosen[~there[chosen]]
+    if len(away):
+        raise OptionError(f"part {scene.mockup.part_paths[away[0]]!r} is not in the scene: it is out already")
+    if there.sum() == len(chosen):
+        raise OptionError(
+            f"parts are all {len(chosen)} that the scene has: nothing is left that they could be taken out of"
+        )
+    return chosen, scene.without(chosen)
+
+
+@dataclass(frozen=True)
+class _Allowed:
+    start: bool
+    overlap: float
+    parts: list[int]
+
+    @classmethod
+    def of(cls, allow: object, mockup: Mockup) -> _Allowed:
+        one = allow is None or isinstance(allow, (str, bytes, int, float, np.number, Part))
+        if not one and not isinstance(allow, Iterable):
+            raise OptionError(f'allow is {allow!r}: give "start", names of parts, metres, or a list of these')
+        given: list[Any] = [] if allow is None else [allow] if one else list(allow)  # type: ignore[call-overload]
+        lengths = [each for each in given if isinstance(each, (int, float, np.number)) and not isinstance(each, bool)]
+        if len(lengths) > 1:
+            raise OptionError(f"allow has {len(lengths)} lengths: give one")
+        overlap = _number("allow", lengths[0], "metres, 0 or more", at_least=0.0) if lengths else 0.0
+        names = [each for each in given if isinstance(each, (str, Part))]
+        if len(names) + len(lengths) < len(given):
+            raise OptionError(f'allow is {allow!r}: give "start", names of parts, metres, or a list of these')
+        patterns = [name for name in names if name != _START]
+        parts = mockup.parts.select(patterns).tolist() if patterns else []
+        return cls(_START in names, overlap, parts)
+
+
+def _gripped(own: Tool, tool: object, start: npt.ArrayLike | None, rest: Scene, allowed: _Allowed) -> Tool:
+    """The parts with what grips them."""
+    if not isinstance(tool, Tool):
+        raise MeshError(f"tool is a feeler.Tool that grips the parts, not {type(tool).__name__}")
+    place = np.eye(4) if start is None else start
+    ignore = [("*", allowed.parts)] if allowed.parts else None
+    hit = rest.collide(tool, place, ignore=ignore)
+    met = {int(part) for part in hit.parts}
+    if not met:
+        met = set(rest.containment(tool, place).containing.tolist()) - set(allowed.parts)
+    if met:
+        names = ", ".join(repr(rest.mockup.part_paths[part]) for part in sorted(met)[:3])
+        raise PoseError(
+            f"start: the tool {tool.name!r} meets {names} there: start it where it is free, or allow these by name"
+        )
+    return Tool.assembly({"parts": own, "tool": (tool, place)}, own.name)
+
+
+def _directions(directions: npt.ArrayLike | None) -> npt.NDArray[np.float64]:
+    if directions is None:
+        return np.empty((0, 3))
+    try:
+        rows = np.atleast_2d(np.asarray(directions, dtype=np.float64))
+    except (TypeError, ValueError) as error:
+        raise OptionError(f"directions cannot be read as (k, 3) numbers: {error}") from error
+    if rows.ndim != 2 or rows.shape[1] != 3:
+        raise OptionError(f"directions have shape {rows.shape}: (k, 3) is needed")
+    if not np.isfinite(rows).all() or not np.linalg.norm(rows, axis=1).all():
+        raise OptionError("directions have a row that is zero or not finite: give three numbers that lead somewhere")
+    return np.ascontiguousarray(rows)
+
+
+def _seconds(seconds: float) -> float:
+    limit = _number("seconds", seconds, "more than 0", at_least=0.0, endless=True)
+    if limit == 0.0:
+        raise OptionError("seconds is 0: nothing can be tried in no time, so give more")
+    return limit
+
+
+def _number(what: str, value: object, wanted: str, at_least: float, endless: bool = False) -> float:
+    good = isinstance(value, (int, float, np.floating, np.integer)) and not isinstance(value, bool)
+    if not good or not at_least <= value or (math.isinf(value) and not endless):  # type: ignore[operator, arg-type]
+        raise OptionError(f"{what} is {value!r}: give {wanted}")
+    return float(value)  # type: ignore[arg-type]
+
+
+def _whole(what: str, value: object, least: int, most: int) -> int:
+    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or not least <= value <= most:
+        raise OptionError(f"{what} is {value!r}: give a whole number, {least} to {most}")
+    return int(value)
+
+
+def _checked(progress: Progress | None) -> Progress | None:
+    if progress is not None and not callable(progress):
+        raise OptionError(f"progress is {progress!r}: a function (share done, stage) or None is needed")
+    return progress

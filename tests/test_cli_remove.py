@@ -1,0 +1,127 @@
+"""`feeler remove`: as people type it, and as machines read it."""
+
+from __future__ import annotations
+
+import csv
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from shapes import box, cube, joined, mockup_of
+
+import feeler
+from feeler.io import write_glb
+
+PROGRAM = [sys.executable, "-c", "from feeler.cli import main; main()"]
+
+# An open chest with a thing in it under a lid, and a second thing on the lid; metres.
+PARTS = {
+    "chest": joined(
+        box((0, 0, 0), (0.5, 0.5, 0.03125)),
+        box((0, 0, 0.03125), (0.03125, 0.5, 0.375)),
+        box((0.46875, 0, 0.03125), (0.5, 0.5, 0.375)),
+        box((0.03125, 0, 0.03125), (0.46875, 0.03125, 0.375)),
+        box((0.03125, 0.46875, 0.03125), (0.46875, 0.5, 0.375)),
+    ),
+    "lid": box((0.046875, 0.046875, 0.25), (0.453125, 0.453125, 0.28125)),
+    "things/[1] lower": cube((0.1875, 0.1875, 0.125), 0.125),
+    "things/upper": cube((0.25, 0.25, 0.34375), 0.125),
+}
+
+
+def run(*words: object, status: int = 0) -> subprocess.CompletedProcess[str]:
+    done = subprocess.run([*PROGRAM, "remove", *map(str, words)], capture_output=True, text=True, check=False)
+    assert done.returncode == status, done.stdout + done.stderr
+    return done
+
+
+@pytest.fixture(scope="module")
+def chest(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("chest") / "chest.glb"
+    write_glb(path, mockup_of(PARTS))
+    return path
+
+
+def test_a_part_that_comes_out(chest: Path, tmp_path: Path) -> None:
+    way, glb = tmp_path / "way.npy", tmp_path / "way.glb"
+    text = run(chest, "--part", "upper", "--way", way, "--glb", glb, "--threads", 1).stdout
+    assert "It comes out: straight way" in text and "things/upper" in text
+    poses = np.load(way)
+    np.testing.assert_array_equal(poses[0], np.eye(4))
+    # What was written is a way for `feeler path`.
+    done = subprocess.run(
+        [*PROGRAM, "path", chest, "--part", "upper", "--poses", way, "--touching", "free"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    head = glb.read_bytes()
+    length = int.from_bytes(head[12:16], "little")
+    film = json.loads(head[20 : 20 + length])
+    moved = {film["nodes"][channel["target"]["node"]]["name"] for channel in film["animations"][0]["channels"]}
+    assert moved == {"upper"}
+    assert len(film["materials"]) == 2  # blue and grey: nothing blocked it
+    # What is near is shown.
+    assert {"lid", "upper", "chest", "[1] lower"} <= {*feeler.load_mockup(glb).part_names}
+
+
+def test_a_part_that_does_not(chest: Path, tmp_path: Path) -> None:
+    glb = tmp_path / "try.glb"
+    words = ("--part", "*lower", "--seconds", 1, "--threads", 1, "--glb", glb)
+    text = run(chest, *words, status=1).stdout
+    assert "No way out was found; that is no proof that there is none" in text
+    assert "What blocked it" in text and "lid" in text
+    length = int.from_bytes(glb.read_bytes()[12:16], "little")
+    film = json.loads(glb.read_bytes()[20 : 20 + length])
+    assert len(film["materials"]) == 3  # red: what blocked it
+    found = json.loads(run(chest, *words[:-2], "--json", status=1).stdout)
+    (step,) = found["parts"][0]["steps"]
+    assert not found["found"] and "poses" not in step
+    assert "lid" in {each["path"].split("/")[-1] for each in step["blocked_by"]}
+
+
+def test_each_for_itself(chest: Path, tmp_path: Path) -> None:
+    table = tmp_path / "parts.csv"
+    words = ("--part", "*things*", "--each", "--seconds", 1, "--threads", 1)
+    text = run(chest, *words, "--csv", table, status=1).stdout
+    assert "1 of 2 parts come out" in text
+    rows = list(csv.DictReader(table.read_text(encoding="utf-8").splitlines()))
+    assert [(row["path"].split("/")[-1], row["found"]) for row in rows] == [("[1] lower", "0"), ("upper", "1")]
+    assert "lid" in rows[0]["blocked_by"] and float(rows[1]["path_length_m"]) > 0.0
+
+
+def test_an_order(chest: Path) -> None:
+    found: dict[str, Any] = json.loads(
+        run(chest, "--part", "*lower", "--order", "--keep", "*/chest", "--seconds", 10, "--threads", 1, "--json").stdout
+    )
+    steps = found["parts"][0]["steps"]
+    assert [step["parts"][0]["path"].split("/")[-1] for step in steps] == ["upper", "lid", "[1] lower"]
+    assert all(step["found"] and step["free"] for step in steps)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ((), "what is to come out"),
+        (("--part", "pump"), "'pump'"),
+        (("--part", "*"), "parts are all 4"),
+        (("--part", "lid", "--seconds", 0), "seconds"),
+        (("--part", "lid", "--clearance", -1), "clearance"),
+        (("--part", "lid", "--direction", "up"), "--direction"),
+        (("--part", "lid", "--direction", "0,0,0"), "direction"),
+        (("--part", "lid", "--allow", "0.002", "--allow", "0.001"), "allow has 2 lengths"),
+        (("--part", "lid", "--allow", "*gasket*"), "gasket"),
+        (("--part", "lid", "--way", "way.txt"), ".npy or .json"),
+        (("--part", "lid", "--each", "--order"), "--each"),
+        (("--part", "lid", "--keep", "chest"), "--order"),
+        (("--part", "lid", "--at", "0,0,0"), "--hand"),
+        (("--part", "lid", "--hand", "nothing.stl"), "nothing.stl"),
+    ],
+)
+def test_bad_words_are_told(chest: Path, words: tuple[object, ...], said: str) -> None:
+    assert said in run(chest, *words, status=2).stderr

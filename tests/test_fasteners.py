@@ -1,0 +1,330 @@
+"""Fasteners: shapes of known kind, size and place, alone and in the samples, which know theirs."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+from fastener_truth import sample_and_truth, scores, without_names
+from shapes import at, box, cube, joined, mockup_of
+
+import feeler
+from feeler.errors import MeshError, OptionError
+from feeler.plan.fastener_names import kind_said
+from feeler.plan.same_shapes import PartMeshes, same_shapes
+from feeler.samples import hardware
+from feeler.samples.mesh import Mesh
+from feeler.samples.shapes import skin_loops
+from feeler.samples.tessellation import Tolerance, circle, hexagon
+
+Floats = npt.NDArray[np.float64]
+
+FINE, USUAL, COARSE = Tolerance(1e-5), Tolerance(1e-4), Tolerance(4e-4)
+
+
+def tilted(seed: int) -> Floats:
+    """A pose somewhere, in no special direction."""
+    rng = np.random.default_rng(seed)
+    turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = turn * np.sign(np.linalg.det(turn)), rng.uniform(-2, 2, 3)
+    return pose
+
+
+def placed(mesh: Mesh, pose: Floats) -> tuple[Floats, npt.NDArray[np.int64]]:
+    return mesh.vertices @ pose[:3, :3].T + pose[:3, 3], mesh.faces.astype(np.int64)
+
+
+def found_of(mesh: Mesh, pose: Floats, name: str = "part") -> feeler.Fastener:
+    (row,) = feeler.find_fasteners(mockup_of({name: placed(mesh, pose)}))
+    return row
+
+
+def check_frame(row: feeler.Fastener, top: Floats, off: float = 1e-6) -> None:
+    assert np.linalg.norm(row.frame[:3, 3] - top[:3, 3]) < off
+    assert row.axis @ top[:3, 2] > 1 - 1e-6
+    assert np.allclose(row.frame[:3, :3] @ row.frame[:3, :3].T, np.eye(3), atol=1e-9)
+    assert np.linalg.det(row.frame[:3, :3]) > 0
+
+
+@pytest.mark.parametrize("tolerance", [FINE, USUAL, COARSE])
+@pytest.mark.parametrize("seed", range(3))
+def test_a_hexagon_bolt(tolerance: Tolerance, seed: int) -> None:
+    pose = tilted(seed)
+    row = found_of(hardware.hex_bolt(0.008, 0.03, tolerance), pose)
+    check_frame(row, pose @ at(z=0.68 * 0.008))
+    assert row.kind == "bolt" and row.confidence == 0.9
+    assert row.size == pytest.approx(0.008, rel=1e-6)
+    assert row.across_flats == pytest.approx(1.65 * 0.008, rel=1e-6)
+    assert row.length == pytest.approx(0.03, rel=1e-6) and row.head_height == pytest.approx(0.68 * 0.008, rel=1e-6)
+    assert row.because == "a hexagon, 13.2 mm across flats, on a shank of 8 mm"
+
+
+@pytest.mark.parametrize("tolerance", [FINE, USUAL])
+@pytest.mark.parametrize("seed", range(3))
+def test_a_socket_head_screw(tolerance: Tolerance, seed: int) -> None:
+    pose = tilted(seed)
+    row = found_of(hardware.cap_screw(0.006, 0.02, tolerance), pose)
+    check_frame(row, pose @ at(z=0.006))
+    assert row.kind == "screw" and row.size == pytest.approx(0.006, rel=1e-6)
+    assert row.across_flats == pytest.approx(0.8 * 0.006, rel=1e-6)
+    assert row.length == pytest.approx(0.02, rel=1e-6) and row.head_height == pytest.approx(0.006, rel=1e-6)
+
+
+def test_a_round_head_without_a_socket_is_less_sure() -> None:
+    mesh = hardware.cap_screw(0.006, 0.02, Tolerance(4.2e-4))
+    row = found_of(mesh, np.eye(4))
+    check_frame(row, at(z=0.9 * 0.006))
+    assert row.kind == "screw" and row.confidence == 0.5 and np.isnan(row.across_flats)
+    assert found_of(mesh, np.eye(4), "M6 screw").confidence == 0.99
+
+
+def plate_under(low: float, high: float) -> tuple[Floats, npt.NDArray[np.int64]]:
+    """Four blocks around a hole, as a flange under a nut."""
+    sides = [
+        ((-0.1, -0.1), (0.1, -0.004)),
+        ((-0.1, 0.004), (0.1, 0.1)),
+        ((-0.1, -0.004), (-0.004, 0.004)),
+        ((0.004, -0.004), (0.1, 0.004)),
+    ]
+    return joined(*(box((*a, low), (*b, high)) for a, b in sides))
+
+
+@pytest.mark.parametrize("tolerance", [FINE, USUAL, COARSE])
+@pytest.mark.parametrize("is_under", [True, False])
+def test_a_nut_points_away_from_the_joint(tolerance: Tolerance, is_under: bool) -> None:
+    nut = hardware.nut(0.008, tolerance)
+    plate = plate_under(-0.01, -1e-4) if is_under else plate_under(0.0064 + 1e-4, 0.02)
+    for seed in range(3):
+        pose = tilted(seed)
+        parts = {"nut": placed(nut, pose), "plate": placed(Mesh(*plate), pose)}
+        mockup = mockup_of(parts)
+        for given in (mockup, feeler.Scene(mockup)):
+            (row,) = feeler.find_fasteners(given)
+            check_frame(row, pose @ (at(z=0.0064) if is_under else at(degrees=180.0, axis=0)))
+        assert row.kind == "nut" and row.across_flats == pytest.approx(1.65 * 0.008, rel=1e-6)
+        assert row.size == pytest.approx(0.008, rel=0.1) and row.length == pytest.approx(0.0064, rel=1e-6)
+    (row,) = feeler.find_fasteners(feeler.Scene(mockup).without("plate"))
+    assert row.part == 0
+    assert not feeler.find_fasteners(feeler.Scene(mockup).without("nut"))
+
+
+def test_a_flanged_nut_has_its_flange_on_the_joint() -> None:
+    nut, flange = hardware.nut(0.008, USUAL), hardware.ring(0.004, 0.009, 0.001, USUAL)
+    mesh = Mesh(*joined((nut.vertices + np.array([0, 0, 0.001]), nut.faces), (flange.vertices, flange.faces)))
+    check_frame(found_of(mesh, tilted(4)), tilted(4) @ at(z=0.0074))
+    # Whatever is near its other end.
+    parts = {"nut": placed(mesh, np.eye(4)), "plate": plate_under(0.0075, 0.01)}
+    (row,) = feeler.find_fasteners(mockup_of(parts))
+    check_frame(row, at(z=0.0074))
+
+
+def test_a_head_without_a_shank_is_buried_in_the_joint() -> None:
+    """The coarsest bolt is a prism that goes a little into what it holds."""
+    mesh = hardware.hex_bolt(0.006, 0.02, Tolerance(6e-3))
+    plate = box((-0.1, -0.1, -0.01), (0.1, 0.1, 0.0))
+    for seed in range(3):
+        pose = tilted(seed)
+        parts = {"a": placed(Mesh(*plate), pose), "b": placed(mesh, pose)}
+        (row,) = feeler.find_fasteners(mockup_of(parts))
+        check_frame(row, pose @ at(z=0.68 * 0.006))
+        assert row.kind == "bolt" and row.confidence == 0.5 and np.isnan(row.size)
+
+
+def test_of_a_stud_the_name_says_what_it_is() -> None:
+    rod = hardware.roller(0.004, 0.05, USUAL)
+    parts = {"stud": placed(rod, at(z=0.01)), "plate": box((-0.1, -0.1, -0.03), (0.1, 0.1, -0.001))}
+    (row,) = feeler.find_fasteners(mockup_of(parts))
+    check_frame(row, at(z=0.035))
+    assert row.kind == "stud" and row.confidence == 0.6 and row.size == pytest.approx(0.008, rel=0.15)
+    assert "its name says stud" in row.because
+    assert not feeler.find_fasteners(mockup_of({"pin": parts["stud"], "plate": parts["plate"]}))
+
+
+def hollow_bolt() -> Mesh:
+    """A hexagon on a tube: a union's nut."""
+    outside = [circle(0.004, 24, -0.03), circle(0.004, 24), hexagon(0.0132), hexagon(0.0132, 0.005)]
+    return skin_loops([*outside, circle(0.002, 24, 0.005), circle(0.002, 24, -0.03)], closed=True)
+
+
+def on_a_square() -> Mesh:
+    """A hexagon bolt that is one part with a square plate."""
+    bolt = hardware.hex_bolt(0.008, 0.05, USUAL)
+    return Mesh(*joined((bolt.vertices, bolt.faces), box((-0.02, -0.02, -0.004), (0.02, 0.02, 0.0))))
+
+
+@pytest.mark.parametrize(
+    "mesh",
+    [
+        hollow_bolt(),
+        on_a_square(),
+        hardware.hex_bolt(0.03, 0.05, Tolerance(6e-3)),
+        Mesh(
+            hardware.cap_screw(0.006, 0.02, Tolerance(4.2e-4)).vertices * 8.0,
+            hardware.cap_screw(0.006, 0.02, Tolerance(4.2e-4)).faces,
+        ),
+        Mesh(*cube((0, 0, 0), 0.01)),
+        Mesh(*box((0, 0, 0), (0.01, 0.02, 0.03))),
+        hardware.washer(0.008, USUAL),
+        hardware.ring(0.01, 0.012, 0.05, USUAL),
+        hardware.ball(0.01, USUAL),
+        hardware.roller(0.004, 0.05, USUAL),
+        hardware.rivet(0.004, USUAL),
+        hardware.race(0.02, 0.03, 0.01, 0.004, True, USUAL),
+        hardware.union(0.004, USUAL),
+        hardware.union(0.002, USUAL),
+        hardware.union(0.01, FINE),
+        hardware.boss(0.01, 0.01, 0.004, USUAL),
+        hardware.connector(0.01, 0.05, USUAL),
+        hardware.pump(0.05, 0.12, USUAL),
+        hardware.saddle_clamp(0.01, USUAL),
+        hardware.angle_bracket(0.05, 0.04, 0.03, USUAL),
+        hardware.injector(0.1, USUAL),
+        hardware.valve(0.02, USUAL),
+    ],
+)
+def test_other_things_are_none(mesh: Mesh) -> None:
+    assert len(feeler.find_fasteners(mockup_of({"part": placed(mesh, tilted(7))}))) == 0
+
+
+def test_odd_meshes_are_none() -> None:
+    flat = (np.zeros((3, 3)), np.array([[0, 1, 2]] * 9))
+    nothing = (np.full((3, 3), np.nan), np.array([[0, 1, 2]] * 9))
+    outside = (np.eye(3), np.array([[0, 1, 99]] * 9))
+    huge = cube((0, 0, 0), 1e5)
+    parts = {
+        "bolt flat": flat,
+        "bolt nan": nothing,
+        "bolt huge": huge,
+        "bolt": placed(hardware.hex_bolt(0.008, 0.03, USUAL), at(5.0)),
+    }
+    found = feeler.find_fasteners(mockup_of(parts))
+    assert found.parts.tolist() == [3]
+    assert not feeler.find_fasteners(mockup_of({"bolt": outside, "cube": cube((0, 0, 0), 1)}))
+
+
+def test_names_are_a_second_voice() -> None:
+    bolt = hardware.hex_bolt(0.008, 0.03, USUAL)
+    assert found_of(bolt, np.eye(4), "M8 x 30 hex bolt").confidence == 0.99
+    assert not feeler.find_fasteners(mockup_of({"pipe union": placed(bolt, np.eye(4))}))
+    prism = hardware.hex_bolt(0.006, 0.02, Tolerance(6e-3))
+    both = {"bolt": placed(bolt, np.eye(4)), "thing": placed(prism, at(1.0))}
+    assert [row.path for row in feeler.find_fasteners(mockup_of(both))] == ["bolt"]
+    both = {"part 1": placed(bolt, np.eye(4)), "part 2": placed(prism, at(1.0))}
+    assert len(feeler.find_fasteners(mockup_of(both))) == 2
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"),
+    [
+        ("bolt_001", "bolt"),
+        ("HexBolt-M8x30", "bolt"),
+        ("cover_screw_outer", "screw"),
+        ("SocketHeadCapScrew(iso4762): M2-0.4x10.0", "screw"),
+        ("DIN 933 - M6 x 20", "bolt"),
+        ("ISO_4032_M8", "nut"),
+        ("din-934", "nut"),
+        ("Sechskantmutter M8", "nut"),
+        ("Écrou H", "nut"),
+        ("stud_nut", "nut"),
+        ("nut_stud", "stud"),
+        ("bolt_hole", "other"),
+        ("nut washer", "other"),
+        ("screwdriver", "other"),
+        ("pipe/union_2", "other"),
+        ("inspection_plug", "plug"),
+        ("donut", None),
+        ("part 933", None),
+        ("", None),
+    ],
+)
+def test_what_a_name_says(name: str, kind: str | None) -> None:
+    assert kind_said(name) == kind
+
+
+def test_parts_of_one_shape_are_looked_at_once() -> None:
+    bolt, other = hardware.hex_bolt(0.008, 0.03, USUAL), hardware.hex_bolt(0.01, 0.03, USUAL)
+    mirrored = Mesh(bolt.vertices * [1, 1, 1.5], bolt.faces)
+    meshes = [placed(mesh, tilted(i)) for i, mesh in enumerate([bolt, other, bolt, mirrored, bolt, other])]
+    mockup = mockup_of({f"p{i}": mesh for i, mesh in enumerate(meshes)})
+    shapes = list(same_shapes(mockup, np.arange(6)))
+    assert sorted(shape.parts.tolist() for shape in shapes) == [[0, 2, 4], [1, 5], [3]]
+    for shape in shapes:
+        for part, place in zip(shape.parts, shape.places, strict=True):
+            vertices, _ = PartMeshes(mockup)[int(part)]
+            assert np.allclose(shape.vertices @ place[:3, :3].T + place[:3, 3], vertices, atol=1e-9)
+
+
+def test_triangles_of_parts_in_any_order() -> None:
+    bolt = hardware.hex_bolt(0.008, 0.03, USUAL)
+    mockup = mockup_of({"a": placed(bolt, tilted(1)), "b": placed(bolt, tilted(2)), "cube": cube((9, 0, 0), 1.0)})
+    order = np.random.default_rng(0).permutation(mockup.triangle_count)
+    soup = mockup.vertices[mockup.faces[order]].reshape(-1, 3)
+    mixed = feeler.Mockup(soup, np.arange(len(soup)).reshape(-1, 3), mockup.part_of_face[order], mockup.part_names)
+    for one, other in zip(feeler.find_fasteners(mockup), feeler.find_fasteners(mixed), strict=True):
+        assert one.part == other.part and one.kind == other.kind
+        assert np.allclose(one.frame[:, 2:], other.frame[:, 2:], atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("name", "triangles", "seed"),
+    [
+        ("engine", 10_000, 0),
+        ("engine", 30_000, 0),
+        ("engine", 100_000, 0),
+        ("engine", 300_000, 1),
+        ("carcass", 10_000, 0),
+        ("carcass", 100_000, 2),
+        ("differential", 20_000, 0),
+        ("differential", 300_000, 0),
+        ("turbine", 100_000, 3),
+        ("externals", 20_000, 0),
+        ("externals", 300_000, 1),
+        ("tay", 100_000, 0),
+    ],
+)
+def test_the_samples_know_their_bolts(name: str, triangles: int, seed: int) -> None:
+    mockup, truth = sample_and_truth(name, triangles, seed)
+    recall, precision = scores(feeler.find_fasteners(mockup), truth, mockup.part_paths)
+    assert recall >= 0.95 and precision >= 0.95
+    if triangles < 100_000:
+        return  # blocks and prisms, which the names tell apart
+    recall, precision = scores(feeler.find_fasteners(without_names(mockup)), truth, mockup.part_paths)
+    assert recall >= 0.95 and precision >= 0.95
+
+
+def test_what_is_found_is_a_sequence() -> None:
+    mockup = feeler.sample("engine", 100_000)
+    told: list[float] = []
+    found = feeler.find_fasteners(mockup, progress=lambda fraction, _: told.append(fraction))
+    assert told == sorted(told) and told[-1] == 1.0
+    assert found.parts.tolist() == sorted(found.parts) and found.frames.shape == (len(found), 4, 4)
+    assert np.allclose(np.linalg.norm(found.axes, axis=1), 1.0)
+    assert re.match(r"Fasteners\(\d+ bolts, \d+ screws\)", repr(found)) and repr(found[:0]) == "Fasteners(none)"
+    assert found[:3] == feeler.Fasteners([found[0], found[1], found[2]]) != found[1:4]
+    bolts = found.where("*bolt*")
+    assert 0 < len(bolts) < len(found) and all("bolt" in row.path for row in bolts)
+    assert {row.kind for row in found.where(kind="screw")} == {"screw"}
+    (width,) = {round(row.across_flats, 6) for row in found.where(across_flats=0.0132)}
+    assert width == 0.0132
+    assert len(found.where(across_flats=(0.0, 1.0))) == sum(row.across_flats > 0 for row in found)
+    only = feeler.find_fasteners(mockup, "engine/casings")
+    assert only == feeler.Fasteners(row for row in found if row.path.startswith("engine/casings/"))
+    assert feeler.find_fasteners(mockup) == found
+
+
+@pytest.mark.parametrize(
+    ("ask", "error", "says"),
+    [
+        (lambda: feeler.find_fasteners(None), MeshError, "not of NoneType"),
+        (lambda: feeler.find_fasteners(mockup_of({"a": cube((0, 0, 0), 1)}), "b"), OptionError, "no part is called"),
+        (lambda: feeler.find_fasteners(mockup_of({"a": cube((0, 0, 0), 1)}), progress=1), OptionError, "progress is 1"),
+        (lambda: feeler.Fasteners([]).where(kind="rivet"), OptionError, "kind is 'rivet'"),
+    ],
+)
+def test_bad_input(ask: Callable[[], object], error: type[Exception], says: str) -> None:
+    with pytest.raises(error, match=says):
+        ask()

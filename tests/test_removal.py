@@ -1,0 +1,241 @@
+"""`feeler.removal`: parts that come out, parts that do not, and what cannot be asked."""
+
+import pickle
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+import feeler
+
+Floats = npt.NDArray[np.float64]
+Mesh = tuple[Floats, npt.NDArray[np.int64]]
+
+
+def box(lower: Sequence[float], upper: Sequence[float]) -> Mesh:
+    corners = np.array([[x, y, z] for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)])
+    quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+    return np.add(lower, corners * np.subtract(upper, lower)), np.array(
+        [[q[0], q[i], q[i + 1]] for q in quads for i in (1, 2)]
+    )
+
+
+def scene_of(**parts: Mesh) -> feeler.Scene:
+    vertices, faces = zip(*parts.values(), strict=True)
+    counts = np.cumsum([0, *map(len, vertices)])
+    mockup = feeler.Mockup(
+        np.concatenate(vertices),
+        np.concatenate([f + n for f, n in zip(faces, counts[:-1], strict=True)]),
+        np.repeat(range(len(parts)), [len(f) for f in faces]),
+        list(parts),
+    )
+    return feeler.Scene(mockup)
+
+
+W = 0.007
+DUCT = {  # a cube of 10 mm in a duct of 14 mm that bends
+    "cube": box([-0.005] * 3, [0.005] * 3),
+    "floor": box([-0.02, -0.02, -0.02], [0.07, 0.08, -W]),
+    "ceiling": box([-0.02, -0.02, W], [0.07, 0.08, 0.02]),
+    "end": box([-0.02, -0.02, -W], [-0.01, 0.02, W]),
+    "south": box([-0.01, -0.02, -W], [0.07, -W, W]),
+    "north": box([-0.01, W, -W], [0.046, 0.08, W]),
+    "east": box([0.06, -W, -W], [0.07, 0.08, W]),
+}
+LID = box([0.04, 0.08, -0.02], [0.07, 0.09, 0.02])
+
+
+@pytest.fixture(scope="module")
+def duct() -> feeler.Scene:
+    return scene_of(**DUCT)
+
+
+@pytest.fixture(scope="module")
+def found(duct: feeler.Scene) -> feeler.Removal:
+    return feeler.removal(duct, "cube", seed=3)
+
+
+def samples(tool: feeler.Tool, poses: Floats, count: int = 300) -> Floats:
+    """Poses between those of a way: the middle of the tool's box on a line, and its turn about one axis."""
+    middle = tool.bounds.mean(axis=0)
+    all_of_them = []
+    for first, last in pairwise(poses):
+        turn = last[:3, :3] @ first[:3, :3].T
+        angle = np.arccos(np.clip(0.5 * (np.trace(turn) - 1.0), -1.0, 1.0))
+        axis = np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
+        axis = axis / max(float(np.linalg.norm(axis)), 1e-300)
+        cross = np.cross(np.eye(3), axis)
+        a, b = (pose[:3, :3] @ middle + pose[:3, 3] for pose in (first, last))
+        for t in np.linspace(0.0, 1.0, count):
+            part = np.eye(3) + np.sin(t * angle) * cross + (1.0 - np.cos(t * angle)) * cross @ cross
+            pose = np.eye(4)
+            pose[:3, :3] = part @ first[:3, :3]
+            pose[:3, 3] = (1.0 - t) * a + t * b - pose[:3, :3] @ middle
+            all_of_them.append(pose)
+    return np.array(all_of_them)
+
+
+def test_the_way_is_free_by_another_look(duct: feeler.Scene, found: feeler.Removal) -> None:
+    assert found.found and found.free and found.certificate.method.startswith("tree")
+    assert (found.poses[0] == np.eye(4)).all() and len(found.poses) > 2
+    cube, rest = feeler.Tool.of_parts(duct.mockup, "cube"), duct.without("cube")
+    assert rest.check_path(cube, found.poses).free
+    poses = samples(cube, found.poses)
+    batch = rest.collide_batch(cube, np.array([feeler.nearest_rigid(pose) for pose in poses]))
+    assert len(batch.pairs) == 0
+    gaps = [rest.distance(cube, feeler.nearest_rigid(pose)).value for pose in poses[::10]]
+    assert min(gaps) >= found.clearance - 3e-4 and found.clearance > 0.0
+    end = cube.vertices @ found.poses[-1][:3, :3].T + found.poses[-1][:3, 3]
+    assert end[:, 1].min() > 0.08 or (np.abs(end - (0.025, 0.03, 0.0)) > 0.05).all(axis=0).any()
+
+
+def test_the_same_on_any_number_of_threads(duct: feeler.Scene, found: feeler.Removal) -> None:
+    for threads in (1, 2, 5):
+        again = feeler.removal(duct, "cube", seed=3, threads=threads, seconds=1000)
+        assert (again.poses == found.poses).all()
+        assert again.certificate == found.certificate
+        assert [(b.path, b.count) for b in again.blocked_by] == [(b.path, b.count) for b in found.blocked_by]
+    other = feeler.removal(duct, "cube", seed=4)
+    assert other.found and other.certificate.casts != found.certificate.casts
+
+
+def test_a_closed_box_ends_in_time_and_is_named() -> None:
+    closed = scene_of(**DUCT, lid=LID)
+    asked: list[str] = []
+    answer = feeler.removal(closed, "cube", seconds=0.5, progress=lambda _, stage: asked.append(stage))
+    assert not answer.found and not answer.free and answer.is_out_of_time
+    assert np.isnan(answer.clearance) and (answer.poses == np.eye(4)).all()
+    names = [blocker.path for blocker in answer.blocked_by]
+    assert "lid" in names and set(names) <= set(closed.mockup.part_paths) - {"cube"}
+    counts = [blocker.count for blocker in answer.blocked_by]
+    assert counts == sorted(counts, reverse=True) and min(counts) > 0
+    lid = answer.blocked_by[names.index("lid")]
+    cube = feeler.Tool.of_parts(closed.mockup, "cube")
+    assert closed.only("lid").distance(cube, lid.pose).value < 2e-6
+    assert "straight ways" in asked and "random trees" in asked
+    assert "not found, blocked by" in repr(answer)
+
+
+def test_what_may_meet() -> None:
+    # Between walls without play, on a gasket that it presses 1 mm into, below a loose strip that lies on it.
+    scene = scene_of(
+        plug=box([-0.01, -0.01, 0.0], [0.01, 0.01, 0.02]),
+        left=box([-0.03, -0.01, -0.01], [-0.01, 0.01, 0.03]),
+        right=box([0.01, -0.01, -0.01], [0.03, 0.01, 0.03]),
+        gasket=box([-0.01, -0.01, -0.005], [0.01, 0.01, 0.001]),
+        strip=box([-0.01, -0.005, 0.02], [0.01, 0.005, 0.03]),
+    )
+    up = [0.0, 0.0, 1.0]
+    assert feeler.removal(scene, "plug", seconds=0.2).found
+    for names in (["left", "right", "gasket", "strip"], "*"):
+        assert feeler.removal(scene, "plug", allow=names, directions=up).certificate.method == "straight"
+    # Sideways, since the strip is in the way and is not named.
+    way = feeler.removal(scene, "plug", allow=["start", "gasket"], directions=up)
+    assert way.found and abs(way.poses[-1][1, 3]) > 0.01
+    refused = feeler.removal(scene, "plug", allow=["gasket"])
+    assert not refused.found and {b.path for b in refused.blocked_by} == {"left", "right", "strip"}
+    for nothing in (None, [], 0.0):
+        refused = feeler.removal(scene, "plug", allow=nothing)
+        assert {b.path for b in refused.blocked_by} == {"left", "right", "strip", "gasket"}
+    # By as much as the gasket is pressed.
+    assert feeler.removal(scene, "plug", allow=0.0011).found
+    assert not feeler.removal(scene, "plug", allow=0.0009).found
+
+
+def test_what_grips_moves_along(duct: feeler.Scene) -> None:
+    handle = feeler.Tool(*box([0.0, -0.001, -0.001], [0.004, 0.001, 0.001]), name="handle")
+    inside = np.eye(4)
+    inside[0, 3] = 0.004
+    answer = feeler.removal(duct, "cube", tool=handle, start=inside)
+    assert answer.found
+    both = feeler.Tool.assembly({"cube": feeler.Tool.of_parts(duct.mockup, "cube"), "handle": (handle, inside)})
+    assert duct.without("cube").check_path(both, answer.poses).free
+    inside[0, 3] = 0.058
+    with pytest.raises(feeler.PoseError, match=r"start: the tool 'handle' meets 'east'"):
+        feeler.removal(duct, "cube", tool=handle, start=inside)
+    deep = np.eye(4)
+    deep[:3, 3] = 0.02, 0.04, 0.0
+    with pytest.raises(feeler.PoseError, match=r"start: the tool 'handle' meets 'north'"):
+        feeler.removal(duct, "cube", tool=handle, start=deep)
+
+
+def test_directions_come_first() -> None:
+    below, above = box([-0.1, -0.1, -0.01], [0.1, 0.1, 0.0]), box([-0.1, -0.1, 0.04], [0.1, 0.1, 0.05])
+    scene = scene_of(block=box([0, 0, 0.01], [0.02, 0.03, 0.03]), below=below, above=above)
+    way = feeler.removal(scene, "block", directions=[1.0, -1.0, 0.0]).poses[-1][:3, 3]
+    assert way[0] > 0.1 and way[0] == -way[1] and way[2] == 0.0
+    assert 0.1 < feeler.removal(scene, "block").path_length < 0.11
+
+
+def test_several_parts_move_as_one() -> None:
+    with_passenger = scene_of(**DUCT, passenger=box([-0.001] * 3, [0.001] * 3))
+    both = feeler.removal(with_passenger, ["cube", "passenger"])
+    assert both.found
+    alone = feeler.removal(with_passenger, "passenger", seconds=0.1)
+    assert not alone.found and {b.path for b in alone.blocked_by} == {"cube"}
+
+
+def test_a_result_travels(found: feeler.Removal) -> None:
+    again = pickle.loads(pickle.dumps(found))
+    assert (again.poses == found.poses).all() and again.certificate == found.certificate
+    assert repr(again) == repr(found) and "tree" in repr(found)
+    assert [b.path for b in again.blocked_by] == [b.path for b in found.blocked_by]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "error", "message"),
+    [
+        ({"parts": "pump"}, feeler.OptionError, "no part is called, or matches, 'pump'"),
+        ({"parts": []}, feeler.OptionError, "names no part"),
+        ({"parts": list(DUCT)}, feeler.OptionError, "all 7 that the scene has"),
+        ({"seconds": 0}, feeler.OptionError, "seconds is 0"),
+        ({"seconds": -1.0}, feeler.OptionError, "seconds is -1.0"),
+        ({"seconds": float("nan")}, feeler.OptionError, "seconds is nan"),
+        ({"seed": -1}, feeler.OptionError, "seed is -1"),
+        ({"seed": 0.5}, feeler.OptionError, "seed is 0.5"),
+        ({"threads": 0}, feeler.OptionError, "threads is 0"),
+        ({"clearance": -0.001}, feeler.OptionError, "clearance is -0.001"),
+        ({"clearance": float("inf")}, feeler.OptionError, "clearance is inf"),
+        ({"clearance": "1 mm"}, feeler.OptionError, "clearance is '1 mm'"),
+        ({"allow": "*gasket*"}, feeler.OptionError, "no part is called, or matches"),
+        ({"allow": -0.1}, feeler.OptionError, "allow is -0.1"),
+        ({"allow": [0.1, 0.2]}, feeler.OptionError, "allow has 2 lengths"),
+        ({"allow": [object()]}, feeler.OptionError, "allow is"),
+        ({"allow": object()}, feeler.OptionError, "allow is"),
+        ({"directions": [[0, 0, 0]]}, feeler.OptionError, "zero or not finite"),
+        ({"directions": [[0, 0]]}, feeler.OptionError, r"\(1, 2\)"),
+        ({"directions": "up"}, feeler.OptionError, "cannot be read"),
+        ({"tool": "hand"}, feeler.MeshError, "tool is a feeler.Tool"),
+        ({"start": np.eye(4)}, feeler.OptionError, "there is none"),
+        ({"progress": 3}, feeler.OptionError, "progress is 3"),
+    ],
+)
+def test_what_cannot_be_asked(
+    duct: feeler.Scene, arguments: dict[str, Any], error: type[Exception], message: str
+) -> None:
+    with pytest.raises(error, match=message):
+        feeler.removal(duct, **{"parts": "cube", **arguments})
+
+
+def test_more_that_cannot_be_asked(duct: feeler.Scene) -> None:
+    with pytest.raises(feeler.MeshError, match=r"a feeler\.Scene, not Mockup"):
+        feeler.removal(duct.mockup, "cube")  # type: ignore[arg-type]
+    with pytest.raises(feeler.OptionError, match="'cube' is not in the scene"):
+        feeler.removal(duct.without("cube"), "cube")
+    handle = feeler.Tool(*box([0.0] * 3, [0.01] * 3))
+    with pytest.raises(feeler.PoseError, match="not rigid"):
+        feeler.removal(duct, "cube", tool=handle, start=np.diag([2.0, 1, 1, 1]))
+
+
+def test_progress_may_stop_it() -> None:
+    closed = scene_of(**DUCT, lid=LID)
+
+    def stop(_: float, stage: str) -> None:
+        if stage == "random trees":
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        feeler.removal(closed, "cube", seconds=1000, progress=stop)
