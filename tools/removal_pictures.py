@@ -71,10 +71,11 @@ def draw_pump(path: Path) -> None:
     tool = feeler.Tool.of_parts(mockup, list(step.parts))
     near = [part for part in with_neighbours(mockup, step.parts) if part not in order.parts]
     still = body_of(feeler.Tool.of_parts(mockup, near), colours=np.array(GREY))
-    poses = along(tool, step.removal.poses, 6)[:4]
-    bodies = shown(tool, poses)
+    bodies = shown(tool, along(tool, step.removal.poses, 4))
     points = np.concatenate([body.points for body in bodies])
-    render(path, still, *bodies, camera=Camera.framing(points, (-0.4, 0.8, -0.35), size=SIZE), size=SIZE)
+    middle = points.mean(axis=0)
+    around = middle + 1.3 * (points - middle)
+    render(path, still, *bodies, camera=Camera.framing(around, (-0.85, 0.4, -0.3), size=SIZE), size=SIZE)
 
 
 PICTURES: dict[str, Callable[[Path], None]] = {"tubes": draw_tubes, "pump": draw_pump}

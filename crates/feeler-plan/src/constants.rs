@@ -56,6 +56,10 @@ pub const MOST_NORMALS: usize = 10;
 /// along a face may be taken for one that leads into it.
 pub const SAME_DIRECTION: f64 = 1.0 - 1e-12;
 
+/// Sine up to which a way that goes against a contact plane still counts as along it: facets of a bore lean by rounding. Larger: more
+/// ways that are blocked at once are tried early.
+pub const OPPOSING_SHARE: f64 = 1e-3;
+
 /// Most directions tried.
 pub const MOST_DIRECTIONS: usize = 96;
 

@@ -3,7 +3,7 @@
 use feeler_core::geometry::vectors::{add, cross, dot, length, scaled, sub, unit};
 use feeler_core::{Point, Tool};
 
-use crate::constants::{DIRECTION_MARGIN, MOST_DIRECTIONS, MOST_NORMALS, SAME_DIRECTION};
+use crate::constants::{DIRECTION_MARGIN, MOST_DIRECTIONS, MOST_NORMALS, OPPOSING_SHARE, SAME_DIRECTION};
 use crate::error::Result;
 use crate::surroundings::Surroundings;
 
@@ -11,10 +11,11 @@ use crate::surroundings::Surroundings;
 ///
 /// In this order: the contact normals; the axes of the part's own faces, of its area, and of the world, both ways; what is along two
 /// contact planes, as the axis of a bore is, both ways; between two contact normals.
-pub fn directions(surroundings: &Surroundings) -> Result<Vec<Point>> {
+pub fn directions(surroundings: &Surroundings) -> Result<(Vec<Point>, Vec<Wall>)> {
     let (tool, start) = (surroundings.tool(), surroundings.start());
     let margin = DIRECTION_MARGIN * surroundings.size();
     let contacts = surroundings.solver().contacts(tool, start, margin, None)?;
+    let walls = contacts.planes.iter().map(|plane| Wall { normal: plane.normal, gap: plane.gap.max(0.0) }).collect();
     let mut normals = Distinct::default();
     for plane in &contacts.planes {
         normals.push(&plane.normal);
@@ -34,7 +35,23 @@ pub fn directions(surroundings: &Surroundings) -> Result<Vec<Point>> {
         all.push(&sum);
     }
     all.0.truncate(MOST_DIRECTIONS);
-    Ok(all.0)
+    Ok((all.0, walls))
+}
+
+/// A contact plane at the start.
+#[derive(Debug, Clone, Copy)]
+pub struct Wall {
+    /// From the mock-up to the tool.
+    normal: Point,
+    /// 0 where they meet, metres.
+    gap: f64,
+}
+
+impl Wall {
+    /// Whether a way of this length goes through the plane. The surface may end before: such a way comes late, not never.
+    pub fn opposes(&self, direction: &Point, length: f64) -> bool {
+        length * dot(&self.normal, direction) < -self.gap - OPPOSING_SHARE * length
+    }
 }
 
 /// Units, none twice.

@@ -110,12 +110,12 @@ pub fn removal(
         return told(&surroundings, Err(false), &tally);
     }
     let first: Vec<Point> = task.directions.iter().filter_map(unit).collect();
-    let others = directions(&surroundings)?;
+    let (others, walls) = directions(&surroundings)?;
     let goes_on = || {
         report(0.0, "straight ways")?;
         Ok(has_time())
     };
-    if let Some(way) = straight_way(&surroundings, (&first, &others), &mut tally, &goes_on)? {
+    if let Some(way) = straight_way(&surroundings, (&first, &others, &walls), &mut tally, &goes_on)? {
         return told(&surroundings, Ok((Method::Straight, way)), &tally);
     }
     let directions: Vec<Point> = first.into_iter().chain(others).collect();

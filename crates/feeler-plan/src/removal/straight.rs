@@ -2,16 +2,17 @@
 
 use feeler_core::Point;
 
+use super::directions::Wall;
 use super::verify::{verified, Verified};
 use crate::blocked::Tally;
 use crate::error::Result;
 use crate::surroundings::{Care, Surroundings};
 
-/// The poses of the shortest straight way out that is free, verified: along one of the caller's directions, or else along one of those
-/// that contacts and shapes suggest.
+/// The poses of the first straight way out that is free, verified: along one of the caller's directions, or else along one of those
+/// that contacts and shapes suggest. Ways that no contact plane opposes come first, and of each kind the shorter.
 pub fn straight_way(
     surroundings: &Surroundings,
-    (first, others): (&[Point], &[Point]),
+    (first, others, walls): (&[Point], &[Point], &[Wall]),
     tally: &mut Tally,
     goes_on: &dyn Fn() -> Result<bool>,
 ) -> Result<Option<Verified>> {
@@ -20,7 +21,8 @@ pub fn straight_way(
         let mut ways: Vec<(f64, &Point)> =
             directions.iter().map(|direction| (surroundings.way_out(&start, direction), direction)).collect();
         ways.retain(|(length, _)| length.is_finite());
-        ways.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let opposed = |(length, direction): &(f64, &Point)| walls.iter().any(|wall| wall.opposes(direction, *length));
+        ways.sort_by(|a, b| opposed(a).cmp(&opposed(b)).then(a.0.total_cmp(&b.0)));
         for (length, direction) in ways {
             if !goes_on()? {
                 return Ok(None);
