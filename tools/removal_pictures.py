@@ -75,7 +75,7 @@ def draw_pump(path: Path) -> None:
     points = np.concatenate([body.points for body in bodies])
     middle = points.mean(axis=0)
     around = middle + 1.3 * (points - middle)
-    render(path, still, *bodies, camera=Camera.framing(around, (-0.85, 0.4, -0.3), size=SIZE), size=SIZE)
+    render(path, still, *bodies, camera=Camera.framing(around, (0.8, 0.35, -0.45), size=SIZE), size=SIZE)
 
 
 PICTURES: dict[str, Callable[[Path], None]] = {"tubes": draw_tubes, "pump": draw_pump}

@@ -21,6 +21,10 @@ pub const MOST_BESIDE: f64 = 3.0;
 /// its way. A deeper one has no hole, and is drawn out of the place it has. Larger: thicker walls are passed through sideways.
 pub const FIT_DEPTH: f64 = 0.02;
 
+/// How far what is drawn out of its place may come outside of it, in lengths of the part that is drawn: the ridges of a thread are so high.
+/// Larger: what has no hole may lean more on its way out.
+pub const PLACE_SHARE: f64 = 0.02;
+
 /// Triangles of the tool times crossings of surfaces that are looked at, at a step. Fewer: of large parts fewer crossings are asked for.
 pub const MOST_CROSSING_WORK: usize = 20_000;
 /// Least crossings looked at, however large the tool is.

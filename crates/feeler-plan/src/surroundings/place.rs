@@ -2,12 +2,12 @@
 //!
 //! In many models bolts have no holes: bolt and plate are in each other. The bolt may leave, and where it goes through the plate's surface
 //! it has to be within its own place, as it would be in a hole. So each point that a crossing of the two surfaces passes through lies in
-//! the tool as it was at the start, or on it.
+//! the tool as it was at the start, or near it: the ridges of a thread leave through where its grooves were.
 
 use feeler_core::geometry::vectors::{add, cross, dot, length, scaled, sub};
-use feeler_core::{closest_triangle_triangle, Mockup, Point, Pose, Tool, Triangle};
+use feeler_core::{closest_triangle_triangle, Aabb, Mockup, Point, Pose, Tool, Triangle};
 
-use crate::constants::{LEAST_CROSSINGS, MOST_CROSSING_WORK, SEAT_TOLERANCE};
+use crate::constants::{LEAST_CROSSINGS, MOST_CROSSING_WORK, PLACE_SHARE, SEAT_TOLERANCE};
 
 /// The part of the mock-up at a crossing that is outside of the tool's place, world, as it was at the start.
 pub fn crossing_outside(tool: &Tool, start: &Pose, mockup: &Mockup, pairs: &[[u32; 2]], pose: &Pose) -> Option<u32> {
@@ -21,7 +21,8 @@ pub fn crossing_outside(tool: &Tool, start: &Pose, mockup: &Mockup, pairs: &[[u3
         let p = pose.apply_triangle(&mesh.triangle(*t));
         let crossings = crossings(&p, &mockup.mesh().triangle(*m));
         let own = tool.part_of_face(*t);
-        crossings.iter().any(|x| !is_in(tool, own, start, x))
+        let near = SEAT_TOLERANCE.max(PLACE_SHARE * size_of(tool, own));
+        crossings.iter().any(|x| !is_in(tool, own, start, x, near))
     };
     pairs.find(outside).map(|[_, m]| mockup.part_of_face(*m))
 }
@@ -50,12 +51,22 @@ fn crossings(p: &Triangle, q: &Triangle) -> Vec<Point> {
     found
 }
 
-/// Whether a point of the world is in, or on, a part of the tool at a pose: by its winding number, the sum of solid angles.
-fn is_in(tool: &Tool, part: u32, pose: &Pose, at: &Point) -> bool {
+/// The diagonal of the box of a part of the tool, metres.
+fn size_of(tool: &Tool, part: u32) -> f64 {
+    let mesh = tool.mesh();
+    let own = mesh.queried().filter(|t| tool.part_of_face(*t) == part);
+    let corners = own.flat_map(|t| mesh.triangle(t));
+    let mut bounds = Aabb::EMPTY;
+    corners.for_each(|corner| bounds.grow(&corner));
+    length(&bounds.extent())
+}
+
+/// Whether a point of the world is in a part of the tool at a pose, or so near: by its winding number, the sum of solid angles.
+fn is_in(tool: &Tool, part: u32, pose: &Pose, at: &Point, near: f64) -> bool {
     let mut angle = 0.0;
     for t in tool.mesh().queried().filter(|t| tool.part_of_face(*t) == part) {
         let corners = pose.apply_triangle(&tool.mesh().triangle(t));
-        if closest_triangle_triangle(&[*at; 3], &corners).distance <= SEAT_TOLERANCE {
+        if closest_triangle_triangle(&[*at; 3], &corners).distance <= near {
             return true;
         }
         let [a, b, c] = corners.each_ref().map(|p| sub(p, at));
@@ -77,8 +88,24 @@ mod tests {
         let (vertices, faces) = box_mesh([0.0; 3], [0.02; 3], 2);
         let tool = Tool::new(vertices, faces).unwrap();
         let there = Pose::IDENTITY.translated(&[1.0, 0.0, 0.0]).unwrap();
-        let is_in = |x: f64| is_in(&tool, 0, &there, &[x, 0.003, -0.002]);
+        let is_in = |x: f64| is_in(&tool, 0, &there, &[x, 0.003, -0.002], SEAT_TOLERANCE);
         assert!(is_in(1.0) && is_in(1.0099) && is_in(1.010005) && !is_in(1.0102) && !is_in(0.0));
+    }
+
+    #[test]
+    fn what_leaves_its_place_by_a_little_is_in_it() {
+        let (vertices, faces) = box_mesh([0.0; 3], [0.02; 3], 2);
+        let tool = Tool::new(vertices.clone(), faces.clone()).unwrap();
+        assert!((size_of(&tool, 0) - 0.02 * 3f64.sqrt()).abs() < 1e-12);
+        // A plate across the box, through which the box goes sideways.
+        let plate = vec![[-1.0, -1.0, 0.001], [1.0, -1.0, 0.001], [1.0, 1.0, 0.001], [-1.0, 1.0, 0.001]];
+        let mockup = Mockup::new(plate, vec![[0, 1, 2], [0, 2, 3]], vec![], 1).unwrap();
+        let pairs: Vec<[u32; 2]> = (0..faces.len() as u32).flat_map(|t| [[t, 0], [t, 1]]).collect();
+        let at = |by: f64| {
+            let pose = Pose::IDENTITY.translated(&[by * size_of(&tool, 0), 0.0, 0.0]).unwrap();
+            crossing_outside(&tool, &Pose::IDENTITY, &mockup, &pairs, &pose)
+        };
+        assert_eq!((at(0.0), at(0.9 * PLACE_SHARE), at(1.1 * PLACE_SHARE)), (None, None, Some(0)));
     }
 
     #[test]
