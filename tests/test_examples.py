@@ -29,6 +29,11 @@ SAYS = {
         "'approved': 1",
         "6 topics in clashes.bcf",
     ],
+    "removal.py": [
+        "fuel_pump_1: Removal(",
+        "step 1: engine/externals/accessory_gearbox/fuel_pump_1/",
+        "a film in way.glb",
+    ],
     "workbench.py": ["stopped by engine/", "there it would meet the pump", "9 parts came out"],
     "assembly_report.py": ["poses collide", "report.png"],
 }
@@ -51,6 +56,8 @@ def test_example_runs(name: str, tmp_path: Path) -> None:
         assert (tmp_path / "workbench.png").read_bytes().startswith(b"\x89PNG")
     if name == "clash.py":
         assert {path.name for path in tmp_path.iterdir()} == {"clashes.html", "clashes.bcf", "clashes.json"}
+    if name == "removal.py":
+        assert {path.name for path in tmp_path.iterdir()} == {"way.npy", "way.glb"}
     if name == "assembly_report.py":
         assert {path.name for path in tmp_path.iterdir()} == {"report.csv", "report.glb", "report.png"}
 

@@ -30,7 +30,7 @@ Floats = npt.NDArray[np.float64]
 
 SIZE = (1280, 720)
 GREY, BLUE = (0.80, 0.81, 0.82), (0.27, 0.50, 0.80)
-PUMP, ENGINE_TRIANGLES = "engine/externals/accessory_gearbox/fuel_pump_1", 1_600_000
+PUMP, ENGINE_TRIANGLES = "engine/externals/accessory_gearbox/fuel_pump_1", 100_000
 
 
 def along(tool: feeler.Tool, poses: Floats, count: int) -> list[Floats]:
