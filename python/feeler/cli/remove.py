@@ -245,7 +245,7 @@ def _check(
     if keep and not order:
         raise OptionError("--keep says which parts must not go before the wanted ones: it is for --order")
     if hand is None and (hand_unit is not None or any(given is not None for given in place)):
-        raise OptionError("--at, --rotate, --pose and --tool-unit are for --hand: there is none")
+        raise OptionError("--at, --rotate, --pose and --hand-unit are for --hand: there is none")
 
 
 def _allow(given: list[str] | None) -> list[str | float]:
