@@ -145,7 +145,7 @@ CASES: dict[str, Callable[[], Any]] = {
     "study": studied,
     "fasteners": lambda: feeler.find_fasteners(SCENE).frames.tobytes(),
     "access": lambda: arrays(feeler.access(SCENE, TOOL, POSES[:4], threads=2), "swing", "reachable"),
-    "removal": lambda: arrays(feeler.removal(SCENE, HIT_PART, seconds=600.0, threads=2), "poses"),
+    "removal": lambda: arrays(feeler.removal(SCENE, HIT_PART, seconds=0.5, threads=2), "poses"),
     "load": loaded,
 }
 
