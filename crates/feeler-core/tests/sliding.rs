@@ -101,6 +101,27 @@ fn a_block_slides_over_a_table_and_off_its_edge() {
 }
 
 #[test]
+fn what_lies_deeper_by_rounding_is_lifted_off() {
+    let scene = scene_of(block([-1.0, -1.0, -0.1], [1.0, 1.0, 0.0], 7), Storage::Blocks);
+    let tool = tool_of(block([-0.1, -0.1, 0.0], [0.1, 0.1, 0.2], 2));
+    let at = |x: f64, z: f64| moved([x, 0.0, z]);
+    let within = |way: [Pose; 2]| {
+        let found = scene.cast_touching(&tool, &way[0], &way[1], TOLERANCE, Touching::Within).unwrap();
+        found.map(|hit| hit.fraction)
+    };
+    // A tenth of the tolerance in the table: exactly, it is in it at once.
+    let sunk = -0.1 * TOLERANCE;
+    assert_eq!(end(&scene, &tool, [at(0.0, sunk), at(0.5, sunk)]), Some(0.0));
+    // It is lifted off, and slides on; but it may end where a new triangle begins, before which it is by that depth.
+    assert!(within([at(0.0, sunk), at(0.5, sunk)]).is_none_or(|slid| slid > 0.1));
+    assert_eq!(within([at(0.0, sunk), at(0.0, 0.5)]), None);
+    assert_eq!(within([at(0.0, sunk), at(0.0, sunk)]), None);
+    // It goes no deeper than the tolerance, and what comes from afar stops.
+    assert!(within([at(0.0, sunk), at(0.0, -0.1)]).unwrap() <= 2e-5);
+    assert!((within([at(0.0, 0.1), at(0.0, -0.3)]).unwrap() - 0.25).abs() < 1e-4);
+}
+
+#[test]
 fn flat_faces_and_sheets_stop_each_other() {
     let sheet = feeler_shapes::sheet(3, 3, |s, t| [4.0 * s - 2.0, 4.0 * t - 2.0, 0.0]);
     let scene = scene_of(sheet.clone(), Storage::Blocks);

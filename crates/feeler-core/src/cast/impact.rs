@@ -39,7 +39,8 @@ pub enum Touching {
     /// tolerance. At the given poses it is decided exactly, as by [`Scene::is_entering`](crate::Scene::is_entering).
     Free,
     /// As [`Free`](Self::Free), and at the given poses, too, it is decided within the tolerance: for ways that begin or end where bodies
-    /// are in each other by rounding, as those that lie on each other do at most poses.
+    /// are in each other by rounding, as those that lie on each other do at most poses. Such bodies part freely; a slide may end early,
+    /// where it comes to another triangle.
     Within,
 }
 
