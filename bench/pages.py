@@ -80,6 +80,43 @@ def written(result: Result, folder: Path, name: str, page: str) -> list[Path]:
     return [data, tables]
 
 
+def measured(
+    way: Callable[[], Result],
+    options: argparse.Namespace,
+    given: Sequence[str],
+    peers: Mapping[str, str],
+    absent: Result,
+) -> Result:
+    """What an experiment finds, and where it comes from. peers: versions by name; absent: who is left out, and why."""
+    before = host.load_average()
+    found = way()
+    return {
+        "when": host.now(),
+        **host.commit(),
+        "args": [word for word in given if word not in (str(options.out), "--record")],
+        "is_quick": options.quick,
+        "machine": host.machine(),
+        "versions": host.versions(dict(peers)),
+        "load_average": before,
+        "load_average_after": host.load_average(),
+        "absent": absent,
+        **found,
+    }
+
+
+def ended(
+    result: Result, options: argparse.Namespace, name: str, page: str, record: Path, goals: Sequence[Goal]
+) -> int:
+    """Writes what a run found, and into the record if asked to; judges it: the exit status."""
+    for path in written(result, options.out, name, page):
+        print(f"Written: {path}")
+    if options.record:
+        before = json.loads(record.read_text(encoding="utf-8")) if record.is_file() else {}
+        recorded({**before, **result}, record)
+        print(f"Written: {record}")
+    return judged(goals)
+
+
 def recorded(result: Result, path: Path) -> None:
     """A record: as small as JSON goes."""
     path.write_text(json.dumps(result, separators=(",", ":")) + "\n", encoding="utf-8")

@@ -14,7 +14,6 @@ of `pip install "feeler[bench]"`; one that is not there is left out, and the tab
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -67,23 +66,8 @@ def run(options: argparse.Namespace, given: Sequence[str] = ()) -> Result:
         "cases": lambda: hard_cases.asked(checkers, options.quick),
         "times": lambda: timings.measured(options.sizes, there, options.repeats),
     }
-    result: Result = {}
-    for name in options.only:
-        before = host.load_average()
-        found = ways[name]()
-        result[name] = {
-            "when": host.now(),
-            **host.commit(),
-            "args": [word for word in given if word not in (str(options.out), "--record")],
-            "is_quick": options.quick,
-            "machine": host.machine(),
-            "versions": host.versions({checker.name: checker.version for checker in checkers}),
-            "load_average": before,
-            "load_average_after": host.load_average(),
-            "absent": absent,
-            **found,
-        }
-    return result
+    versions = {checker.name: checker.version for checker in checkers}
+    return {name: pages.measured(ways[name], options, given, versions, absent) for name in options.only}
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -91,13 +75,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = sys.argv[1:] if arguments is None else list(arguments)
     options = parse(given)
     result = run(options, given)
-    for path in pages.written(result, options.out, "clash", tables.page(result)):
-        print(f"Written: {path}")
-    if options.record:
-        before = json.loads(RECORD.read_text(encoding="utf-8")) if RECORD.is_file() else {}
-        pages.recorded({**before, **result}, RECORD)
-        print(f"Written: {RECORD}")
-    return pages.judged(goals.scorecard(result))
+    return pages.ended(result, options, "clash", tables.page(result), RECORD, goals.scorecard(result))
 
 
 if __name__ == "__main__":

@@ -14,7 +14,6 @@ leaves out. OMPL is of `pip install "feeler[bench]"`; if it is not there it is l
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -73,23 +72,8 @@ def run(options: argparse.Namespace, given: Sequence[str] = ()) -> Result:
         "puzzles": lambda: solving.solved(there, options.seeds, min(peer_seeds, options.seeds), options.seconds),
         "engine": lambda: engine(options),
     }
-    result: Result = {}
-    for name in options.only:
-        before = host.load_average()
-        found = ways[name]()
-        result[name] = {
-            "when": host.now(),
-            **host.commit(),
-            "args": [word for word in given if word not in (str(options.out), "--record")],
-            "is_quick": options.quick,
-            "machine": host.machine(),
-            "versions": host.versions({"OMPL": there[0].version} if there else {}),
-            "load_average": before,
-            "load_average_after": host.load_average(),
-            "absent": absent,
-            **found,
-        }
-    return result
+    versions = {"OMPL": there[0].version} if there else {}
+    return {name: pages.measured(ways[name], options, given, versions, absent) for name in options.only}
 
 
 def engine(options: argparse.Namespace) -> Result:
@@ -108,13 +92,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = sys.argv[1:] if arguments is None else list(arguments)
     options = parse(given)
     result = run(options, given)
-    for path in pages.written(result, options.out, "removal", tables.page(result)):
-        print(f"Written: {path}")
-    if options.record:
-        before = json.loads(RECORD.read_text(encoding="utf-8")) if RECORD.is_file() else {}
-        pages.recorded({**before, **result}, RECORD)
-        print(f"Written: {RECORD}")
-    return pages.judged(goals.scorecard(result))
+    return pages.ended(result, options, "removal", tables.page(result), RECORD, goals.scorecard(result))
 
 
 if __name__ == "__main__":

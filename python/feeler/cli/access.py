@@ -31,7 +31,7 @@ from feeler.progress import bar
 
 _SHOWN = 30
 _SHOWN_BLOCKERS = 10
-_ENDINGS = {"csv": ".csv", "glb": ".glb"}
+_ENDINGS = {"csv": (".csv",), "glb": (".glb",)}
 
 
 @command(
@@ -100,15 +100,11 @@ def access(
     Exit status: 0 all are reachable, 1 one is not, 2 bad input. Ctrl-C tells what was found until then, and ends
     with 130.
     """
-    from feeler.io import check_target
+    from feeler.cli import outputs
     from feeler.plan.reaching import AccessInterrupted
 
-    outputs_wanted = {"csv": csv, "glb": glb}
-    for option, target in outputs_wanted.items():
-        if target is not None:
-            if target.suffix.lower() != _ENDINGS[option]:
-                raise OptionError(f"--{option} {target}: the name must end in {_ENDINGS[option]}")
-            check_target(target)
+    wanted = {"csv": csv, "glb": glb}
+    outputs.check_targets(wanted, _ENDINGS)
     if frames is not None and (targets or kind is not None):
         raise OptionError("--frames are targets themselves: leave --targets and --kind away")
     places = None if frames is None else read_poses(frames)
@@ -141,10 +137,8 @@ def access(
         found, is_interrupted = stop.access, True
     seconds = time.perf_counter() - start
     rows = _rows(asked, found)
-    written = _write(world, probe, holding, found, rows, outputs_wanted)
+    written = _write(world, probe, holding, found, rows, wanted)
     if as_json:
-        from feeler.cli import outputs
-
         outputs.print_json(
             {
                 "reachable": int(found.reachable.sum()),

@@ -17,7 +17,14 @@ from feeler.progress import bar
 
 _SHOWN_GROUPS = 12
 _SHOWN = 20
-_ENDINGS = {"csv": ".csv", "html": ".html", "bcf": ".bcf", "glb": ".glb", "save": ".json", "write-rules": ".toml"}
+_ENDINGS = {
+    "csv": (".csv",),
+    "html": (".html",),
+    "bcf": (".bcf",),
+    "glb": (".glb",),
+    "save": (".json",),
+    "write-rules": (".toml",),
+}
 _GROUPED_BY = ("part", "rule", "cluster")
 
 
@@ -89,9 +96,10 @@ def clash(
     from feeler import clashes as room
     from feeler.clashes.changes import check_mockup
     from feeler.clashes.rules import near
+    from feeler.cli import outputs
 
     targets = {"csv": csv, "html": html, "bcf": bcf, "glb": glb, "save": save, "write-rules": write_rules}
-    _check_targets(targets)
+    outputs.check_targets(targets, _ENDINGS)
     if by not in _GROUPED_BY:
         raise OptionError(f"--by is {by!r}: {near(by, _GROUPED_BY)}")
     if growth is not None and previous is None:
@@ -126,8 +134,6 @@ def clash(
     written = _write(world, found, targets, by)
     is_found = wanted is not None and wanted(found)
     if as_json:
-        from feeler.cli import outputs
-
         facts = {"mockup": mesh_facts(world), "written": written, "failed": is_found}
         outputs.print_json({**room.report(found, by=by), **facts})
     else:
@@ -137,17 +143,6 @@ def clash(
         raise typer.Exit(INTERRUPTED)
     if is_found:
         raise typer.Exit(FOUND)
-
-
-def _check_targets(targets: dict[str, Path | None]) -> None:
-    from feeler.io import check_target
-
-    for option, target in targets.items():
-        if target is None:
-            continue
-        if target.suffix.lower() != _ENDINGS[option]:
-            raise OptionError(f"--{option} {target}: the name must end in {_ENDINGS[option]}")
-        check_target(target)
 
 
 def _contact(text: str) -> float | str:

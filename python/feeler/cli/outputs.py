@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
+
+from feeler.errors import OptionError
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -69,6 +72,30 @@ def print_finding(out: Console, text: str) -> None:
     from rich.text import Text
 
     out.print(Text(text[:1].upper() + text[1:], style="bold red"), soft_wrap=True)
+
+
+def check_targets(targets: Mapping[str, Path | None], endings: Mapping[str, Sequence[str]]) -> None:
+    """Whether what each option names has one of its endings and can be written. Raises `OptionError`, `WriteError`."""
+    from feeler.io import check_target
+
+    for option, target in targets.items():
+        if target is None:
+            continue
+        if target.suffix.lower() not in endings[option]:
+            raise OptionError(f"--{option} {target}: the name must end in {' or '.join(endings[option])}")
+        check_target(target)
+
+
+def check_mesh_target(out: Path) -> None:
+    """That a mesh can be written there."""
+    check_targets({"out": out}, {"out": (".glb", ".stl")})
+
+
+def write_mesh(out: Path, mesh: Any) -> int:
+    """Writes GLB or STL, as the name says; returns the size in bytes."""
+    from feeler.io import write_glb, write_stl
+
+    return write_glb(out, mesh) if out.suffix.lower() == ".glb" else write_stl(out, mesh)
 
 
 def warn(message: str) -> None:

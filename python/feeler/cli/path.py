@@ -32,7 +32,6 @@ from feeler.cli.inputs import (
     read_both,
     read_poses,
 )
-from feeler.errors import OptionError
 from feeler.progress import bar
 from feeler.scene import CAST_TOLERANCE
 
@@ -87,13 +86,8 @@ def path(
     Exit status: 0 the path is free, 1 it is not, 2 bad input.
     """
     from feeler.cli import outputs
-    from feeler.io import check_target
 
-    for target, ending in ((csv, ".csv"), (glb, ".glb")):
-        if target is not None:
-            if target.suffix.lower() != ending:
-                raise OptionError(f"{target}: the name must end in {ending}")
-            check_target(target)
+    outputs.check_targets({"csv": csv, "glb": glb}, {"csv": (".csv",), "glb": (".glb",)})
     check_moving(tool, tool_unit, part)
     how = check_touching(touching)
     way = read_poses(poses, snap_pose)

@@ -230,14 +230,9 @@ def _check(
     hand_unit: str | None,
     place: tuple[Any, ...],
 ) -> None:
-    from feeler.io import check_target
+    from feeler.cli import outputs
 
-    for option, target in targets.items():
-        if target is None:
-            continue
-        if target.suffix.lower() not in _ENDINGS[option]:
-            raise OptionError(f"--{option} {target}: the name must end in {' or '.join(_ENDINGS[option])}")
-        check_target(target)
+    outputs.check_targets(targets, _ENDINGS)
     if not part:
         raise OptionError("what is to come out? Give --part PATTERN (feeler info --parts lists all)")
     if each and (order or targets["way"] is not None or targets["glb"] is not None or hand is not None):

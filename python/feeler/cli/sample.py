@@ -45,7 +45,7 @@ def sample(
     if name not in mockups and name not in tools:
         raise OptionError(f"no sample is called {name!r}; mock-ups: {', '.join(mockups)}; tools: {', '.join(tools)}")
     if out is not None:
-        _check_out(out)
+        outputs.check_mesh_target(out)
     mesh: Any
     if name in tools:
         mesh = feeler.sample_tool(name, fine=fine)
@@ -57,7 +57,7 @@ def sample(
     size = None
     if out is not None:
         with bar(f"writing {out}"):
-            size = _write(out, mesh)
+            size = outputs.write_mesh(out, mesh)
     report = mesh.report
     if as_json:
         outputs.print_json(
@@ -73,17 +73,3 @@ def sample(
     if out is not None and size is not None:
         facts.append(("written", f"{out} ({outputs.size(size)})"))
     outputs.print_facts(outputs.console(), facts)
-
-
-def _check_out(out: Path) -> None:
-    from feeler.io import check_target
-
-    if out.suffix.lower() not in (".glb", ".stl"):
-        raise OptionError(f"--out {out}: the name must end in .glb or .stl")
-    check_target(out)
-
-
-def _write(out: Path, mesh: Any) -> int:
-    from feeler.io import write_glb, write_stl
-
-    return write_glb(out, mesh) if out.suffix.lower() == ".glb" else write_stl(out, mesh)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 import typer
@@ -60,7 +60,7 @@ def swept(
 
     length = _length(error)
     if out is not None:
-        _check_out(out)
+        outputs.check_mesh_target(out)
     way = read_poses(poses, snap_pose)
     probe = read_tool(tool, tool_unit, up)
     for doubt in probe.source.doubts:
@@ -76,7 +76,7 @@ def swept(
                 "has an origin near the mesh"
             )
         with bar(f"writing {out}"):
-            size = _write(out, mesh)
+            size = outputs.write_mesh(out, mesh)
     volume, area = measures(mesh)
     facts = mesh_facts(mesh)
     if as_json:
@@ -133,17 +133,3 @@ def _volume(cubic_metres: float) -> str:
         if cubic_metres * factor >= 1:
             return f"{cubic_metres * factor:.4g} {unit}"
     return f"{cubic_metres * 1e9:.4g} mm³"
-
-
-def _check_out(out: Path) -> None:
-    from feeler.io import check_target
-
-    if out.suffix.lower() not in (".glb", ".stl"):
-        raise OptionError(f"--out {out}: the name must end in .glb or .stl")
-    check_target(out)
-
-
-def _write(out: Path, mesh: Any) -> int:
-    from feeler.io import write_glb, write_stl
-
-    return write_glb(out, mesh) if out.suffix.lower() == ".glb" else write_stl(out, mesh)
