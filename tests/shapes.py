@@ -38,6 +38,17 @@ def joined(*meshes: Mesh) -> Mesh:
     return np.concatenate([vertices for vertices, _ in meshes]), np.concatenate(faces)
 
 
+def open_chest() -> Mesh:
+    """A floor and four walls, 0.5 m wide and 0.375 m high, open above."""
+    return joined(
+        box((0, 0, 0), (0.5, 0.5, 0.03125)),
+        box((0, 0, 0.03125), (0.03125, 0.5, 0.375)),
+        box((0.46875, 0, 0.03125), (0.5, 0.5, 0.375)),
+        box((0.03125, 0, 0.03125), (0.46875, 0.03125, 0.375)),
+        box((0.03125, 0.46875, 0.03125), (0.46875, 0.5, 0.375)),
+    )
+
+
 def arrays_of(parts: Mapping[str, Mesh]) -> tuple[Floats, npt.NDArray[np.int64], npt.NDArray[np.int64], list[str]]:
     """Vertices, faces, part of each face, and names: the last piece of each path."""
     part = np.repeat(np.arange(len(parts)), [len(faces) for _, faces in parts.values()])

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from shapes import box, cube, joined, mockup_of
+from shapes import box, cube, mockup_of, open_chest
 
 import feeler
 from feeler.io import write_glb
@@ -20,13 +20,7 @@ PROGRAM = [sys.executable, "-c", "from feeler.cli import main; main()"]
 
 # An open chest with a thing in it under a lid, and a second thing on the lid; metres.
 PARTS = {
-    "chest": joined(
-        box((0, 0, 0), (0.5, 0.5, 0.03125)),
-        box((0, 0, 0.03125), (0.03125, 0.5, 0.375)),
-        box((0.46875, 0, 0.03125), (0.5, 0.5, 0.375)),
-        box((0.03125, 0, 0.03125), (0.46875, 0.03125, 0.375)),
-        box((0.03125, 0.46875, 0.03125), (0.46875, 0.5, 0.375)),
-    ),
+    "chest": open_chest(),
     "lid": box((0.046875, 0.046875, 0.25), (0.453125, 0.453125, 0.28125)),
     "things/[1] lower": cube((0.1875, 0.1875, 0.125), 0.125),
     "things/upper": cube((0.25, 0.25, 0.34375), 0.125),

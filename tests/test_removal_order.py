@@ -7,7 +7,7 @@ import pickle
 
 import numpy as np
 import pytest
-from shapes import at, box, cube, inverted, joined, mockup_of
+from shapes import at, box, cube, inverted, joined, mockup_of, open_chest
 
 import feeler
 from feeler.errors import OptionError
@@ -15,13 +15,7 @@ from feeler.plan.as_glb import in_steps, moments
 
 # A chest, a lid that lies inside the rim of it, a cover on the rim, and a thing in the chest; metres.
 CHEST = {
-    "chest": joined(
-        box((0, 0, 0), (0.5, 0.5, 0.03125)),
-        box((0, 0, 0.03125), (0.03125, 0.5, 0.375)),
-        box((0.46875, 0, 0.03125), (0.5, 0.5, 0.375)),
-        box((0.03125, 0, 0.03125), (0.46875, 0.03125, 0.375)),
-        box((0.03125, 0.46875, 0.03125), (0.46875, 0.5, 0.375)),
-    ),
+    "chest": open_chest(),
     "lid": box((0.046875, 0.046875, 0.25), (0.453125, 0.453125, 0.28125)),
     "cover": box((-0.25, -0.25, 0.375), (0.75, 0.75, 0.4375)),
     "thing": box((0.125, 0.125, 0.0625), (0.25, 0.25, 0.1875)),

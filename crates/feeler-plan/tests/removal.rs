@@ -171,6 +171,33 @@ fn a_bolt_without_a_hole_goes_no_deeper_than_it_is() {
 }
 
 #[test]
+fn a_fit_goes_no_deeper_than_at_the_start() {
+    // A block pressed into a shaft, 0.1 mm in two of its walls; with a ridge across one wall above it, or without.
+    let pressed = |ridge: bool| {
+        let mut case = vec![
+            block([-0.03, -0.03, -0.03], [0.03, 0.03, -0.001]),
+            block([-0.03, -0.03, -0.03], [-0.0099, 0.03, 0.04]),
+            block([0.0099, -0.03, -0.03], [0.03, 0.03, 0.04]),
+            block([-0.03, -0.03, -0.03], [0.03, -0.011, 0.04]),
+            block([-0.03, 0.011, -0.03], [0.03, 0.03, 0.04]),
+        ];
+        if ridge {
+            case.push(block([0.008, -0.03, 0.028], [0.03, 0.03, 0.034]));
+        }
+        let case = case.into_iter().reduce(|one, other| joined(vec![one, other])).unwrap();
+        Assembly::new(vec![case, block([-0.01, -0.01, 0.0], [0.01, 0.01, 0.02])])
+    };
+    let out = pressed(false).remove(1, |_| {});
+    assert_eq!(out.method, Some(Method::Straight));
+    let stuck = pressed(true).remove(1, |_| {});
+    assert_eq!(stuck.method, None);
+    assert_eq!(stuck.blockers[0].part, 0);
+    // Past the ridge it would be 2 mm deep: that has to be allowed.
+    let forced = pressed(true).remove(1, |task| task.allowed.overlap = 0.0025);
+    assert!(forced.method.is_some());
+}
+
+#[test]
 fn so_many_metres_of_overlap_are_allowed() {
     // 0.1 mm too wide for its slot.
     let assembly = Assembly::new(vec![
