@@ -270,11 +270,14 @@ class ClashRows:
         """`(n,)`: a `feeler.Verdict` for each pair."""
     @property
     def depth(self) -> npt.NDArray[np.float64]:
-        """`(n,)`: how deep they are in each other, metres: the deepest of their contacts; of one that holds the other,
-        the length of `translation`. 0 where they only touch or are apart; NaN where it was not measured."""
+        """`(n,)`: the farthest that a point of one surface is inside the other part, metres: a lower bound. 0 where
+        they only touch or are apart; NaN where it was not measured."""
+    @property
+    def depth_error(self) -> npt.NDArray[np.float64]:
+        """`(n,)`: how much more the depth can be, metres; NaN of two open parts, and where it was not measured."""
     @property
     def depth_kind(self) -> npt.NDArray[np.uint8]:
-        """`(n,)`: how much `depth` and `translation` may be trusted: 0 exact, 1 bound, 2 estimate, as penetrations."""
+        """`(n,)`: 0: measured within its error; 1: an estimate, as a part is open."""
     @property
     def translation(self) -> npt.NDArray[np.float64]:
         """`(n, 3)`: moves `a` out of `b`, metres, world: the shortest way known (`b` moves the other way). Zero where

@@ -390,3 +390,36 @@ pub const FACES_SAMPLED: usize = 256;
 
 /// The cosine from which on two face normals count as one there: about eight degrees.
 pub const SAME_FACE_NORMAL: f64 = 0.99;
+
+// Depth by points.
+
+/// Share of a depth that its upper bound may be more. Smaller: more pieces.
+pub const DEPTH_ERROR: f64 = 0.9e-3;
+
+/// The same for depths of nearly nothing, metres.
+pub const LEAST_DEPTH_ERROR: f64 = 0.9e-9;
+
+/// Most nodes and pieces that a search for the farthest point looks at: some seconds. It then gives the bounds that it has.
+pub const MOST_PIECES: usize = 1 << 21;
+
+/// Share of a body's size that points computed on its surface may be off by: some tens of roundings. Larger: thinner slivers of surface
+/// count as nothing.
+pub const BODY_ROUNDING: f64 = 1.0 / (1u64 << 48) as f64;
+
+/// Share of its longest side below which the height of a triangle makes it a sliver, whose normal is left to rounding. Larger: distances
+/// to needles are more by up to that share of their length.
+pub const SLIVER_HEIGHT: f64 = 1e-10;
+
+/// Most triangles of parts that are kept as bodies, of about 100 bytes each: 400 MB. Fewer: large parts are prepared again.
+pub const MOST_KEPT_TRIANGLES: usize = 1 << 22;
+
+/// Cosine of the angle between the faces of a thin wall from which on they look opposite ways: 154 degrees. Larger: blunter edges are
+/// walls.
+pub const OPPOSITE_FACES: f64 = -0.9;
+
+/// Share of half a wall's thickness from which on a point is in the middle of it; below 1 by more than the error of depths.
+pub const WALL_MIDDLE: f64 = 0.98;
+
+/// The same for planes that bound distances from below: at this share the rounding of their heights is 1e-13 of the distance along them.
+/// Larger: more needles are measured in vain.
+pub const SLIVER_NORMAL: f64 = 1e-3;

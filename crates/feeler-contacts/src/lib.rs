@@ -55,6 +55,7 @@ mod escape;
 mod footing;
 mod identity;
 mod patch;
+mod point_depth;
 mod proximity;
 mod query;
 mod solver;
@@ -71,6 +72,7 @@ pub use containment::find::Containment;
 pub use escape::penetration::{Penetration, PenetrationKind};
 pub use footing::find::Footing;
 pub use footing::manifold::{Manifold, ManifoldPoint, Manifolds};
+pub use point_depth::depth::DepthKind;
 pub use solver::ContactSolver;
 pub use tracker::ContactTracker;
 

@@ -387,3 +387,7 @@ pub(crate) const MOST_QP_STEPS: usize = 96;
 /// Radius of gyration that every tool has at least about any axis, as a share of its radius: a straight wire has none of its own
 /// about itself. Larger: thin tools turn less easily about their length than they would.
 pub(crate) const LEAST_GYRATION_SHARE: f64 = 0.01;
+
+/// How far two parts may be in each other, or apart, by the rounding of their coordinates, in units of the last place of the largest: each
+/// of both surfaces may be off by some, in each coordinate, after a turn that was computed. More: thinner overlaps are contact.
+pub const COORDINATE_ROUNDOFFS: f64 = 16.0;

@@ -10,7 +10,6 @@ use numpy::{Element, IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray1
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::contacts::KINDS;
 use crate::errors::{raise, to_py};
 use crate::pools::Pool;
 use crate::proximity::points;
@@ -60,9 +59,13 @@ impl ClashRows {
     }
 
     #[getter]
+    fn depth_error<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.column(py, |row| row.depth_error)
+    }
+
+    #[getter]
     fn depth_kind<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u8>> {
-        let code = |row: &contacts::Clash| KINDS.iter().position(|(kind, _)| *kind == row.kind);
-        self.column(py, |row| code(row).unwrap_or(KINDS.len() - 1) as u8)
+        self.column(py, |row| row.kind as u8)
     }
 
     #[getter]

@@ -13,7 +13,7 @@ from feeler.io.atomic import atomic_file
 _XYZ = ("x", "y", "z")
 COLUMNS = (
     *("id", "status", "severity", "verdict", "rule", "group", "part_a", "path_a", "part_b", "path_b"),
-    *("depth_m", "depth_kind", "gap_m", "volume_m3", "triangle_pairs", "open_a", "open_b"),
+    *("depth_m", "depth_error_m", "depth_kind", "gap_m", "volume_m3", "triangle_pairs", "open_a", "open_b"),
     *(f"{what}_{axis}_m" for what in ("translation", "point_a", "point_b", "lower", "upper") for axis in _XYZ),
     *("by", "note"),
 )
@@ -34,7 +34,7 @@ def write_csv(path: str | os.PathLike[str], clashes: Clashes, *, by: str = "part
             [
                 *(clash.id, clash.status, clash.severity, clash.verdict.name.lower(), clash.rule, group_of[place]),
                 *(clash.a, clash.path_a, clash.b, clash.path_b),
-                *(_number(clash.depth), clash.depth_kind, _number(clash.gap), _number(clash.volume)),
+                *(_number(clash.depth), _number(clash.depth_error), clash.depth_kind, _number(clash.gap), _number(clash.volume)),
                 *(clash.triangles, int(clash.is_open_a), int(clash.is_open_b)),
                 *(_number(value) for vector in vectors for value in vector),
                 *(clash.by, clash.note),

@@ -13,7 +13,6 @@ import numpy.typing as npt
 from feeler import _core
 from feeler.clashes.rules import Limits, Rules, check_length, limits
 from feeler.clashes.table import SHAPES, Clashes, Columns, Facts
-from feeler.clashes.verdict import DEPTH_KINDS, Verdict
 from feeler.errors import MeshError, OptionError
 from feeler.mockup import Mockup
 from feeler.parts import PartsLike
@@ -148,11 +147,6 @@ def _columns(answer: Any, found: Limits) -> Columns:
     given["rule"] = rule[asked].astype(np.uint32)
     given["severity"] = found.severities[given["rule"]]
     given["volume"] = np.full(len(asked), np.nan)
-    # What the core found to be no deeper than its contact is in contact: that has no depth, and nothing to get out of.
-    only_touch = given["verdict"] == Verdict.CONTACT
-    given["depth"] = np.where(only_touch, 0.0, given["depth"])
-    given["depth_kind"] = np.where(only_touch, DEPTH_KINDS.index("exact"), given["depth_kind"])
-    given["translation"] = np.where(only_touch[:, None], 0.0, given["translation"])
     columns = Columns(**{name: np.array(given[name], dtype=kind) for name, (kind, _) in SHAPES.items()})
     return columns.rows(columns.order())
 

@@ -38,11 +38,14 @@ class Clash:
     path_b: str
     verdict: Verdict
     depth: float
-    """How deep they are in each other; 0 for what only touches or is apart; NaN where Ctrl-C came before that."""
+    """The farthest that a point of one surface is inside the other part: a lower bound. 0 for parts that only touch or
+    are apart; NaN if Ctrl-C came first."""
+    depth_error: float
+    """How much more the depth can be: at most a thousandth of it, or a nanometre. NaN if both parts are open."""
     depth_kind: str
-    """`"exact"`, `"bound"` (no deeper than that) or `"estimate"`."""
+    """`"measured"`, or `"estimate"` if a part is open and has no inside."""
     translation: Point
-    """The least way by which `a` comes out of `b`; zero where nothing has to."""
+    """A way by which `a` comes out of `b`, the shortest known: an upper bound. Zero for contacts."""
     gap: float
     """How far their surfaces are apart; 0 where they meet."""
     point_a: Point
@@ -75,6 +78,7 @@ class Columns:
     b: npt.NDArray[np.uint32]
     verdict: npt.NDArray[np.uint8]
     depth: Floats
+    depth_error: Floats
     depth_kind: npt.NDArray[np.uint8]
     translation: Floats
     gap: Floats
@@ -104,6 +108,7 @@ SHAPES: dict[str, tuple[type, tuple[int, ...]]] = {
     "b": (np.uint32, ()),
     "verdict": (np.uint8, ()),
     "depth": (np.float64, ()),
+    "depth_error": (np.float64, ()),
     "depth_kind": (np.uint8, ()),
     "translation": (np.float64, (3,)),
     "gap": (np.float64, ()),
@@ -140,7 +145,7 @@ class Clashes(Sequence[Clash]):
     """What `feeler.clash` found, the worst first: a row for each pair of parts.
 
     `clashes[i]` is a `Clash`, `clashes[i:j]` and `clashes[mask]` are tables, which share the status of their findings.
-    Columns are arrays of a row each, read-only: `.a .b .verdict .depth .depth_kind .translation .gap .point_a .point_b
+    Columns are arrays of a row each, read-only: `.a .b .verdict .depth .depth_error .depth_kind .translation .gap .point_a .point_b
     .volume .triangles .box .rule .severity .ids .status`, as in `Clash`. Sorted by severity; then what shares space,
     the deepest first; then contacts; then what is apart, the nearest first; then by parts.
     """
@@ -183,17 +188,22 @@ class Clashes(Sequence[Clash]):
 
     @property
     def depth(self) -> Floats:
-        """`(n,)`: metres; 0 for what only touches or is apart."""
+        """`(n,)`: the farthest that a point of one surface is inside the other part, metres: a lower bound."""
         return self.columns.depth
 
     @property
+    def depth_error(self) -> Floats:
+        """`(n,)`: how much more the depth can be, metres."""
+        return self.columns.depth_error
+
+    @property
     def depth_kind(self) -> npt.NDArray[np.str_]:
-        """`(n,)`: `"exact"`, `"bound"` or `"estimate"`."""
+        """`(n,)`: `"measured"`, or `"estimate"` if a part is open."""
         return np.array(DEPTH_KINDS)[self.columns.depth_kind]
 
     @property
     def translation(self) -> Floats:
-        """`(n, 3)`: the least way of `a` out of `b`, metres."""
+        """`(n, 3)`: the shortest known way of `a` out of `b`, metres: an upper bound."""
         return self.columns.translation
 
     @property
@@ -308,12 +318,13 @@ class Clashes(Sequence[Clash]):
             path_b=self.part_paths[b],
             verdict=Verdict(int(c.verdict[row])),
             depth=float(c.depth[row]),
+            # One and the same NaN, so that equal rows are equal.
+            depth_error=math.nan if np.isnan(c.depth_error[row]) else float(c.depth_error[row]),
             depth_kind=DEPTH_KINDS[c.depth_kind[row]],
             translation=_point(c.translation[row]),
             gap=float(c.gap[row]),
             point_a=_point(c.point_a[row]),
             point_b=_point(c.point_b[row]),
-            # One and the same NaN, so that equal rows are equal.
             volume=math.nan if np.isnan(c.volume[row]) else float(c.volume[row]),
             triangles=int(c.triangles[row]),
             box=(_point(c.box[row, 0]), _point(c.box[row, 1])),

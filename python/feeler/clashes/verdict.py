@@ -9,19 +9,19 @@ class Verdict(IntEnum):
     """What two parts do where they are."""
 
     CLASH = 0
-    """They meet, and one is deeper in the other than their `contact`."""
+    """They meet, and their depth is more than `contact`; or both are walls thinner than that, each through the other."""
     CONTACT = 1
-    """They meet no deeper than that, or are no farther apart."""
+    """They meet and are no deeper than `contact`, or the gap between them is no more."""
     CLEARANCE = 2
     """They are apart, and nearer than their `clearance`."""
     CONTAINED = 3
-    """One is closed and holds the other, and their surfaces do not cross."""
+    """One is closed and holds the other."""
     DUPLICATE = 4
-    """They have the same triangles, corner by corner."""
+    """They have the same surface, however it is cut into triangles."""
 
 
-DEPTH_KINDS = ("exact", "bound", "estimate")
-"""How sure a depth is, by the core's number: as `Penetration.kind`."""
+DEPTH_KINDS = ("measured", "estimate")
+"""What a depth is, by the core's number: measured within its error, or, where a part is open, an estimate."""
 
 SEVERITIES = ("critical", "major", "minor")
 """What a rule may say of its findings, the worst first."""

@@ -25,7 +25,7 @@ def sentence(clash: Clash) -> str:
 
 def deep(clash: Clash) -> str:
     """The depth as far as it is known."""
-    said = {"exact": "", "bound": "at most ", "estimate": "about "}[clash.depth_kind]
+    said = "about " if clash.depth_kind == "estimate" else ""
     return said + length(clash.depth)
 
 

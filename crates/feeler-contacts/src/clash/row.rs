@@ -2,21 +2,22 @@
 
 use feeler_core::{Aabb, Point};
 
-use crate::escape::penetration::PenetrationKind;
+use super::verdicts::Related;
+use crate::point_depth::depth::DepthKind;
 
 /// What two parts are to each other. The numbers are those of `feeler.Verdict`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
 pub enum Verdict {
-    /// They meet, and one is deeper in the other than contact allows.
+    /// They meet, and their depth is more than contact allows; or both are thin walls, and each goes through the other.
     Clash = 0,
-    /// They meet otherwise, or the gap between them is no more than contact allows.
+    /// They meet and are no deeper than that, or the gap between them is no more.
     Contact = 1,
     /// They are nearer than their clearance.
     Clearance = 2,
     /// One of them, which is closed, holds the other; surfaces may lie on each other.
     Contained = 3,
-    /// They have the same triangles.
+    /// They have the same surface, however it is cut into triangles.
     Duplicate = 4,
 }
 
@@ -28,12 +29,15 @@ pub struct Clash {
     pub parts: [u32; 2],
     /// What they are to each other.
     pub verdict: Verdict,
-    /// How deep they are in each other, metres: the deepest of their contacts; of one that holds the other, the length of
-    /// `translation`. 0 where they only touch or are apart.
+    /// How deep they are in each other, metres: the farthest that a point of one surface is inside the other part. This is a lower bound,
+    /// NaN where the search was stopped before it was measured; 0 where they only touch or are apart.
     pub depth: f64,
-    /// How much `depth` and `translation` may be trusted.
-    pub kind: PenetrationKind,
-    /// Moves `a` out of `b`, metres, world: the shortest way known; `b` moves the other way. Zero where they only touch or are apart.
+    /// How much more the depth can be, metres: no more than a thousandth of it, or a nanometre; NaN of an estimate by contact planes.
+    pub depth_error: f64,
+    /// What the depth is.
+    pub kind: DepthKind,
+    /// Moves `a` out of `b`, metres, world: the shortest way known, which is no less than the least; `b` moves the other way. Zero where
+    /// they are in contact or apart.
     pub translation: Point,
     /// How far their surfaces are apart, metres; 0 where they meet.
     pub gap: f64,
@@ -45,4 +49,37 @@ pub struct Clash {
     pub bounds: Aabb,
     /// Whether `a` and `b` have no inside: none of their surfaces is closed.
     pub is_open: [bool; 2],
+}
+
+impl Clash {
+    /// Of two parts with nothing between them to tell.
+    pub(super) fn of(parts: [u32; 2], verdict: Verdict, is_open: [bool; 2]) -> Clash {
+        Clash {
+            parts,
+            verdict,
+            depth: 0.0,
+            depth_error: 0.0,
+            kind: DepthKind::Measured,
+            translation: [0.0; 3],
+            gap: 0.0,
+            points: [[0.0; 3]; 2],
+            triangles: 0,
+            bounds: Aabb::EMPTY,
+            is_open,
+        }
+    }
+
+    /// Of two parts that were not measured before the search was stopped.
+    pub(super) fn unmeasured(related: &Related, is_open: [bool; 2]) -> Clash {
+        const UNKNOWN: Point = [f64::NAN; 3];
+        Clash {
+            depth: f64::NAN,
+            depth_error: f64::NAN,
+            kind: DepthKind::Estimate,
+            translation: UNKNOWN,
+            points: [UNKNOWN; 2],
+            bounds: Aabb { lower: UNKNOWN, upper: UNKNOWN },
+            ..Clash::of(related.parts, related.verdict.unwrap_or(Verdict::Clash), is_open)
+        }
+    }
 }

@@ -13,29 +13,18 @@ use feeler_core::clash::meets::Meets;
 use feeler_core::clash::near::{near_parts, PartGap};
 use feeler_core::clash::search::SelfIndex;
 use feeler_core::clash::solids::Solids;
-use feeler_core::clash::touch::{judge, Touching};
+use feeler_core::clash::touch::{judge as touching, Touching};
 use feeler_core::geometry::vectors::dot;
 use feeler_core::scratch_pool::ScratchPool;
-use feeler_core::{closest_triangle_triangle, Aabb, PairLimits, Progress, Result, Scene, Tool};
+use feeler_core::{Aabb, PairLimits, Progress, Result, Scene, Tool};
 use rayon::prelude::*;
 
-use super::depth::{shared_box, Depth, Pair};
 use super::row::{Clash, Verdict};
-use crate::escape::penetration::PenetrationKind;
+use super::verdicts::{Judge, Related, Relation};
+use super::way_out::{shared_box, touching_points, Met, Pair, WayOut};
+use crate::point_depth::bodies::Bodies;
+use crate::point_depth::depth::{point_depth, DepthKind, PointDepth};
 use crate::solver::ContactSolver;
-
-/// What two parts are to each other, before anything is measured.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Relation {
-    Duplicate,
-    Crossing,
-    Touching(Touching),
-    /// Nothing meets, and one holds the other.
-    Held,
-}
-
-/// Two parts, and what they are to each other.
-type Related = ([u32; 2], Relation);
 
 impl Relation {
     /// Whether one is wholly in the other.
@@ -48,11 +37,12 @@ impl Relation {
 #[derive(Debug)]
 pub struct ClashSearch<'a> {
     solver: &'a ContactSolver,
-    limits: &'a PairLimits,
+    limits: PairLimits,
     index: SelfIndex<'a>,
     solids: Solids<'a>,
     /// By pair.
-    relations: BTreeMap<[u32; 2], Relation>,
+    related: BTreeMap<[u32; 2], Related>,
+    bodies: Bodies,
     meeting: Meeting,
     sets: Vec<Vec<u32>>,
     gaps: Vec<PartGap>,
@@ -82,15 +72,16 @@ pub struct ClashCounts {
 
 impl<'a> ClashSearch<'a> {
     /// Of the parts that are there. Errors: as of building blocks, where the scene has none.
-    pub fn new(solver: &'a ContactSolver, limits: &'a PairLimits) -> Result<ClashSearch<'a>> {
+    pub fn new(solver: &'a ContactSolver, limits: &PairLimits) -> Result<ClashSearch<'a>> {
         let scene = solver.scene();
-        let meeting = Meeting { pairs: Vec::new(), touches: Vec::new(), is_complete: true };
+        let meeting = Meeting { pairs: Vec::new(), examples: Vec::new(), touches: Vec::new(), is_complete: true };
         Ok(ClashSearch {
             solver,
-            limits,
+            limits: limits.with_rounding(scene.mockup().part_bounds()),
             index: SelfIndex::new(scene.index())?,
             solids: Solids::new(scene.mockup()),
-            relations: BTreeMap::new(),
+            related: BTreeMap::new(),
+            bodies: Bodies::default(),
             meeting,
             sets: Vec::new(),
             gaps: Vec::new(),
@@ -106,41 +97,47 @@ impl<'a> ClashSearch<'a> {
 
     /// Finds what each pair of parts is, but for those that only come near; false where it was stopped.
     pub fn find_verdicts(&mut self, progress: Progress<'_>) -> bool {
-        let (index, limits) = (self.scene().index(), self.limits);
+        let (index, limits) = (self.scene().index(), &self.limits);
         self.sets = same_parts(self.scene().mockup(), |part| index.selection().has_part(part));
         let duplicates = duplicate_pairs(&self.sets, limits);
-        self.relations = duplicates.iter().map(|pair| (*pair, Relation::Duplicate)).collect();
         self.meeting = meeting_parts(&self.index, limits, &duplicates, progress);
         let (meeting, solids) = (&self.meeting, &self.solids);
-        let found: Vec<Related> = meeting
+        let judge = Judge { solids, limits, bodies: &self.bodies };
+        let related = |parts: &[u32; 2], relation| (*parts, judge.judge(*parts, relation, None));
+        let mut found: BTreeMap<[u32; 2], Related> =
+            duplicates.iter().map(|parts| related(parts, Relation::Duplicate)).collect();
+        let of_meeting: Vec<([u32; 2], Related)> = meeting
             .pairs
             .par_iter()
-            .map(|pair| {
+            .zip(&meeting.examples)
+            .map(|(pair, example)| {
                 let relation = match pair.meets {
                     Meets::Crossing => Relation::Crossing,
                     Meets::Touching => self.locations.with(|scratch| {
                         let touches = meeting.touches_of(pair.parts);
-                        Relation::Touching(judge((index, solids), pair.parts, touches, scratch))
+                        Relation::Touching(touching((index, solids), pair.parts, touches, scratch))
                     }),
                 };
-                (pair.parts, relation)
+                let crossing = (relation == Relation::Crossing).then_some(*example);
+                (pair.parts, judge.judge(pair.parts, relation, crossing))
             })
             .collect();
-        self.relations.extend(found);
+        found.extend(of_meeting);
         if meeting.is_complete {
-            let known: Vec<[u32; 2]> = self.relations.keys().copied().collect();
+            let known: Vec<[u32; 2]> = found.keys().copied().collect();
             let held = held_parts(index, solids, limits, &known);
-            self.relations.extend(held.iter().map(|held| (in_order([held.part, held.by]), Relation::Held)));
+            found.extend(held.iter().map(|held| related(&in_order([held.part, held.by]), Relation::Held)));
         }
-        self.is_complete &= self.meeting.is_complete;
+        self.is_complete &= meeting.is_complete;
+        self.related = found;
         self.is_complete
     }
 
     /// Measures how near the pairs are that do not meet; false where it was stopped.
     pub fn find_gaps(&mut self, progress: Progress<'_>) -> bool {
         if self.limits.largest_reach() > 0.0 {
-            let known: Vec<[u32; 2]> = self.relations.keys().copied().collect();
-            let found = near_parts(&self.index, self.limits, &known, progress);
+            let known: Vec<[u32; 2]> = self.related.keys().copied().collect();
+            let found = near_parts(&self.index, &self.limits, &known, progress);
             self.gaps = found.all;
             self.is_complete &= found.is_complete;
         }
@@ -155,8 +152,8 @@ impl<'a> ClashSearch<'a> {
     /// What was found so far.
     pub fn counts(&self) -> ClashCounts {
         let mut counts = ClashCounts { near: self.gaps.len(), ..ClashCounts::default() };
-        for relation in self.relations.values() {
-            *match relation {
+        for related in self.related.values() {
+            *match related.relation {
                 Relation::Duplicate => &mut counts.duplicates,
                 Relation::Crossing => &mut counts.crossing,
                 Relation::Touching(_) => &mut counts.touching,
@@ -176,12 +173,15 @@ impl<'a> ClashSearch<'a> {
         self.is_measuring = !is_stopped;
         let mut rows = Vec::new();
         let mut deep: BTreeMap<u32, Vec<Related>> = BTreeMap::new();
-        for (pair, relation) in &self.relations {
+        for related in self.related.values() {
+            let Related { parts, relation, verdict } = *related;
             match relation {
-                Relation::Touching(Touching::Beside) => rows.push(self.contact(*pair, is_open(*pair))),
+                Relation::Touching(Touching::Beside) if verdict == Some(Verdict::Contact) => {
+                    rows.push(self.contact(parts, is_open(parts)));
+                }
                 // Of parts that are the same all pairs are as the first.
-                Relation::Duplicate if !self.is_first_of_its_set(*pair) => {}
-                _ => deep.entry(self.tool_of(*pair, *relation)).or_default().push((*pair, *relation)),
+                Relation::Duplicate if !self.is_first_of_its_set(parts) => {}
+                _ => deep.entry(self.tool_of(parts, relation)).or_default().push(*related),
             }
         }
         rows.extend(self.gaps.iter().map(|gap| self.apart(gap, is_open(gap.parts))));
@@ -191,18 +191,14 @@ impl<'a> ClashSearch<'a> {
             if !self.is_measuring || !progress((n * WAVE) as f64 / groups.len() as f64, STAGE) {
                 (self.is_complete, self.is_measuring) = (false, false);
                 let all = wave.iter().flat_map(|(_, pairs)| pairs);
-                rows.extend(all.map(|(pair, relation)| self.met(*pair, *relation, Depth::UNKNOWN, is_open(*pair))));
+                rows.extend(all.map(|related| Clash::unmeasured(related, is_open(related.parts))));
                 continue;
             }
             let measured: Vec<Result<Vec<Clash>>> = wave
                 .par_iter()
                 .map(|(part, pairs)| {
                     let tool = self.solids.tool(*part)?;
-                    let measured = pairs.iter().map(|(pair, relation)| {
-                        let depth = self.depth_of(&tool, *part, *pair, *relation)?;
-                        Ok(self.met(*pair, *relation, depth, is_open(*pair)))
-                    });
-                    measured.collect()
+                    pairs.iter().map(|related| self.measured(&tool, *part, related, is_open(related.parts))).collect()
                 })
                 .collect();
             for found in measured {
@@ -214,15 +210,33 @@ impl<'a> ClashSearch<'a> {
         Ok(rows)
     }
 
-    /// How deep one part of a pair, as a tool, is in the other.
-    fn depth_of(&self, tool: &Tool, part: u32, pair: [u32; 2], relation: Relation) -> Result<Depth> {
-        let other = if pair[0] == part { pair[1] } else { pair[0] };
+    /// Two parts that are in each other, the one as a tool.
+    fn measured(&self, tool: &Tool, part: u32, related: &Related, is_open: [bool; 2]) -> Result<Clash> {
+        let Related { parts, relation, verdict } = *related;
+        let other = if parts[0] == part { parts[1] } else { parts[0] };
         let (scene, solids) = (self.scene(), &self.solids);
         let alone = scene.of_one_part(other);
-        let measured = Pair { scene, other_alone: &alone, solids, tool, parts: [part, other] };
+        let pair = Pair { scene, other_alone: &alone, solids, tool, parts: [part, other] };
+        let judge = Judge { solids, limits: &self.limits, bodies: &self.bodies };
+        let [a, b] = judge.bodies_of(parts);
+        let is_measured = a.is_closed() || b.is_closed();
+        let mut by_points = point_depth([&a, &b]);
+        let kind = if a.is_closed() && b.is_closed() { DepthKind::Measured } else { DepthKind::Estimate };
+        if is_measured && verdict == Some(Verdict::Contact) {
+            let met = pair.meeting();
+            return Ok(self.shallow(parts, by_points, kind, &met, part != parts[0], is_open));
+        }
         let pool = self.solver.query().pool;
-        let depth = self.locations.with(|scratch| measured.measure(relation.is_within(), pool, scratch))?;
-        Ok(if pair[0] == part { depth } else { depth.turned() })
+        let way = self.locations.with(|scratch| pair.way_out(relation.is_within(), pool, scratch))?;
+        let way = if part == parts[0] { way } else { way.turned() };
+        if !is_measured && !relation.is_within() {
+            by_points = PointDepth { depth: way.plane_depth, error: f64::NAN, points: None };
+        }
+        let verdict = verdict.unwrap_or_else(|| {
+            let contact = self.limits.contact(parts[0], parts[1]);
+            if way.plane_depth <= contact { Verdict::Contact } else { Verdict::Clash }
+        });
+        Ok(self.deep(parts, verdict, by_points, kind, way, is_open))
     }
 
     /// The part of a pair that serves as the tool: the one of fewer triangles; where one is within the other, the one in the smaller
@@ -271,64 +285,64 @@ impl<'a> ClashSearch<'a> {
         for touch in touches {
             let both = touch.triangles.map(|t| mesh.triangle(t));
             bounds = bounds.union(&shared_box(&both));
-            points.get_or_insert_with(|| {
-                let closest = closest_triangle_triangle(&both[0], &both[1]);
-                [closest.on_p, closest.on_q]
-            });
+            points.get_or_insert_with(|| touching_points(&both));
         }
-        Clash {
-            parts,
-            verdict: Verdict::Contact,
-            depth: 0.0,
-            kind: PenetrationKind::Exact,
-            translation: [0.0; 3],
-            gap: 0.0,
-            points: points.unwrap_or_default(),
-            triangles: touches.len() as u32,
-            bounds,
-            is_open,
-        }
+        let (points, triangles) = (points.unwrap_or_default(), touches.len() as u32);
+        Clash { points, triangles, bounds, ..Clash::of(parts, Verdict::Contact, is_open) }
     }
 
     /// Two parts that do not meet.
     fn apart(&self, gap: &PartGap, is_open: [bool; 2]) -> Clash {
         let is_contact = gap.distance <= self.limits.contact(gap.parts[0], gap.parts[1]);
+        let verdict = if is_contact { Verdict::Contact } else { Verdict::Clearance };
         let mut bounds = Aabb::EMPTY;
         gap.points.iter().for_each(|p| bounds.grow(p));
+        Clash { gap: gap.distance, points: gap.points, bounds, ..Clash::of(gap.parts, verdict, is_open) }
+    }
+
+    /// Two parts that cross no deeper than contact allows.
+    fn shallow(
+        &self,
+        parts: [u32; 2],
+        depth: PointDepth,
+        kind: DepthKind,
+        met: &Met,
+        is_turned: bool,
+        is_open: [bool; 2],
+    ) -> Clash {
+        let met_points = met.points.map(|[p, q]| if is_turned { [q, p] } else { [p, q] });
         Clash {
-            parts: gap.parts,
-            verdict: if is_contact { Verdict::Contact } else { Verdict::Clearance },
-            depth: 0.0,
-            kind: PenetrationKind::Exact,
-            translation: [0.0; 3],
-            gap: gap.distance,
-            points: gap.points,
-            triangles: 0,
-            bounds,
-            is_open,
+            depth: depth.depth,
+            depth_error: depth.error,
+            kind,
+            points: depth.points.or(met_points).unwrap_or_default(),
+            triangles: met.triangles.min(u32::MAX as usize) as u32,
+            bounds: met.bounds,
+            ..Clash::of(parts, Verdict::Contact, is_open)
         }
     }
 
     /// Two parts that are in each other.
-    fn met(&self, parts: [u32; 2], relation: Relation, measured: Depth, is_open: [bool; 2]) -> Clash {
-        let contact = self.limits.contact(parts[0], parts[1]);
-        let verdict = match relation {
-            Relation::Duplicate => Verdict::Duplicate,
-            relation if relation.is_within() => Verdict::Contained,
-            _ if contact > 0.0 && measured.depth <= contact => Verdict::Contact,
-            _ => Verdict::Clash,
-        };
+    fn deep(
+        &self,
+        parts: [u32; 2],
+        verdict: Verdict,
+        depth: PointDepth,
+        kind: DepthKind,
+        way: WayOut,
+        is_open: [bool; 2],
+    ) -> Clash {
         Clash {
-            parts,
-            verdict,
-            depth: measured.depth,
-            kind: measured.kind,
-            translation: measured.translation,
-            gap: measured.gap,
-            points: measured.points,
-            triangles: measured.triangles.min(u32::MAX as usize) as u32,
-            bounds: measured.bounds,
-            is_open,
+            depth: depth.depth,
+            depth_error: depth.error,
+            kind,
+            translation: if verdict == Verdict::Contact { [0.0; 3] } else { way.translation },
+            gap: way.gap,
+            // Of what meets nothing these are where it is closest.
+            points: depth.points.filter(|_| way.gap == 0.0).unwrap_or(way.points),
+            triangles: way.triangles.min(u32::MAX as usize) as u32,
+            bounds: way.bounds,
+            ..Clash::of(parts, verdict, is_open)
         }
     }
 }

@@ -2,7 +2,9 @@
 
 use std::collections::HashMap;
 
+use crate::constants::COORDINATE_ROUNDOFFS;
 use crate::error::{Error, Result};
+use crate::geometry::bounds::Aabb;
 use crate::index::pair_set::pair_key;
 
 /// Which pairs of parts are asked, and what is asked of each: by classes of parts, a table for each two of them.
@@ -17,6 +19,8 @@ pub struct PairLimits {
     contact: Vec<f64>,
     /// `(parts,)`, metres; empty: nothing.
     contact_of_part: Vec<f64>,
+    /// `(parts,)`, metres, by which coordinates may be rounded; empty: nothing.
+    rounding_of_part: Vec<f64>,
     /// Pairs never asked, the lesser part first; sorted.
     excluded: Vec<[u32; 2]>,
 }
@@ -87,7 +91,19 @@ impl PairLimits {
         let mut excluded: Vec<[u32; 2]> = excluded.into_iter().map(in_order).collect();
         excluded.sort_unstable();
         excluded.dedup();
-        Ok(PairLimits { class_of_part, classes, clearance, contact, contact_of_part, excluded })
+        let rounding_of_part = Vec::new();
+        Ok(PairLimits { class_of_part, classes, clearance, contact, contact_of_part, rounding_of_part, excluded })
+    }
+
+    /// The same, with contacts that are no less than the rounding of the parts' coordinates.
+    pub fn with_rounding(&self, part_bounds: &[Aabb]) -> PairLimits {
+        PairLimits { rounding_of_part: part_bounds.iter().map(coordinate_rounding).collect(), ..self.clone() }
+    }
+
+    /// What the rounding of the coordinates of two parts may move their surfaces by, metres.
+    pub fn rounding(&self, a: u32, b: u32) -> f64 {
+        let of_part = |part: u32| self.rounding_of_part.get(part as usize).copied().unwrap_or(0.0);
+        of_part(a).max(of_part(b))
     }
 
     fn class(&self, part: u32) -> usize {
@@ -106,7 +122,8 @@ impl PairLimits {
 
     /// How deep (metres) two parts may be in each other, or how far apart, and still count as in contact.
     pub fn contact(&self, a: u32, b: u32) -> f64 {
-        self.contact[self.class(a) * self.classes + self.class(b)] + self.of_part(a) + self.of_part(b)
+        let contact = self.contact[self.class(a) * self.classes + self.class(b)] + self.of_part(a) + self.of_part(b);
+        contact.max(self.rounding(a, b))
     }
 
     /// Beyond what gap a pair is of no interest, metres; `None` where the pair is not asked.
@@ -117,12 +134,19 @@ impl PairLimits {
     /// The largest reach of all pairs, metres.
     pub fn largest_reach(&self) -> f64 {
         let largest = |values: &[f64]| values.iter().fold(0.0, |most: f64, x| most.max(*x));
-        largest(&self.clearance).max(largest(&self.contact) + 2.0 * largest(&self.contact_of_part))
+        let contact = largest(&self.contact) + 2.0 * largest(&self.contact_of_part);
+        largest(&self.clearance).max(contact).max(largest(&self.rounding_of_part))
     }
 
     fn is_excluded(&self, a: u32, b: u32) -> bool {
         self.excluded.binary_search(&in_order([a, b])).is_ok()
     }
+}
+
+/// Some units in the last place of the largest coordinate.
+fn coordinate_rounding(bounds: &Aabb) -> f64 {
+    let largest = bounds.largest_coordinate();
+    COORDINATE_ROUNDOFFS * (largest.next_up() - largest)
 }
 
 /// The lesser first.

@@ -13,6 +13,8 @@ use crate::scratch_pool::ScratchPool;
 pub struct Meeting {
     /// In order.
     pub pairs: Vec<MeetingParts>,
+    /// Of each of them two triangles that meet so, that of the lesser part first. Which ones depends on the shares of the search.
+    pub examples: Vec<[u32; 2]>,
     /// All pairs of triangles of the parts that only touch, in order, each once.
     pub touches: Vec<Touch>,
     /// False where the search was stopped.
@@ -48,8 +50,11 @@ pub fn meeting_parts(
             vec![(narrow.found, narrow.touches)]
         })
     });
-    let pairs = merged(all.iter().flat_map(|(found, _)| found).copied(), Meets::max);
-    let pairs: Vec<MeetingParts> = pairs.into_iter().map(|(parts, meets)| MeetingParts { parts, meets }).collect();
+    let found = all.iter().flat_map(|(found, _)| found).map(|(parts, meets, triangles)| (*parts, (*meets, *triangles)));
+    let pairs = merged(found, |p, q| if q.0 > p.0 { q } else { p });
+    let examples = pairs.iter().map(|(_, (_, triangles))| *triangles).collect();
+    let pairs: Vec<MeetingParts> =
+        pairs.into_iter().map(|(parts, (meets, _))| MeetingParts { parts, meets }).collect();
     let is_touching = |touch: &&Touch| {
         let at = pairs.binary_search_by_key(&touch.parts, |pair| pair.parts);
         at.is_ok_and(|at| pairs[at].meets == Meets::Touching)
@@ -57,5 +62,5 @@ pub fn meeting_parts(
     let mut touches: Vec<Touch> = all.iter().flat_map(|(_, touches)| touches).filter(is_touching).copied().collect();
     touches.sort_unstable_by_key(|touch| (touch.parts, touch.triangles));
     touches.dedup();
-    Meeting { pairs, touches, is_complete }
+    Meeting { pairs, examples, touches, is_complete }
 }

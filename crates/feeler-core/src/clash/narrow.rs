@@ -67,8 +67,8 @@ pub(crate) struct MeetingNarrow<'a> {
     pub decided: &'a [[u32; 2]],
     pub lanes: Checked,
     pub scratch: &'a mut NarrowScratch,
-    /// Parts that meet, as far as this share of the search found out.
-    pub found: Vec<([u32; 2], Meets)>,
+    /// Parts that meet, as far as this share of the search found out, and two of their triangles that do so, that of the lesser part first.
+    pub found: Vec<([u32; 2], Meets, [u32; 2])>,
     /// Pairs of triangles that touch, of parts of which none was known to cross.
     pub touches: Vec<Touch>,
 }
@@ -179,7 +179,8 @@ impl MeetingNarrow<'_> {
         let new = if meets == Meets::Crossing { Known::Done } else { Known::Touching };
         if *known != Known::Done && *known != new {
             *known = new;
-            self.found.push((parts, meets));
+            let triangles = if self.mockup.part_of_face(a) == parts[0] { [a, b] } else { [b, a] };
+            self.found.push((parts, meets, triangles));
         }
     }
 }

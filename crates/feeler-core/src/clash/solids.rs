@@ -126,13 +126,31 @@ pub struct Solids<'a> {
     mockup: &'a Mockup,
     faces: PartFaces,
     adjacencies: Vec<OnceBox<Adjacency>>,
+    cycles: Vec<OnceBox<bool>>,
 }
 
 impl<'a> Solids<'a> {
     /// Of a mock-up.
     pub fn new(mockup: &'a Mockup) -> Solids<'a> {
         let adjacencies = mockup.part_bounds().iter().map(|_| OnceBox::new()).collect();
-        Solids { mockup, faces: PartFaces::new(mockup), adjacencies }
+        let cycles = mockup.part_bounds().iter().map(|_| OnceBox::new()).collect();
+        Solids { mockup, faces: PartFaces::new(mockup), adjacencies, cycles }
+    }
+
+    /// Whether each edge of a part is run along as often in one sense as in the other, so that all of its surfaces are closed: by sums of
+    /// hashes, in a pass over its triangles. A part that is closed but for cracks, or not wound in one sense, is none.
+    pub fn is_cycle(&self, part: u32) -> bool {
+        *self.cycles[part as usize].get_or_init(|| {
+            let mesh = self.mockup.mesh();
+            let sum = self.faces(part).iter().fold(0u64, |sum, face| {
+                let [a, b, c] = mesh.triangle(*face).map(|corner| hash_all(&corner));
+                [(a, b), (b, c), (c, a)].into_iter().fold(sum, |sum, (p, q)| {
+                    let edge = mixed(p.min(q) ^ mixed(p.max(q)));
+                    if p < q { sum.wrapping_add(edge) } else { sum.wrapping_sub(edge) }
+                })
+            });
+            Box::new(sum == 0)
+        })
     }
 
     /// The mock-up.
@@ -220,9 +238,19 @@ fn sets_by_corners(mesh: &Mesh, faces: &[u32]) -> Vec<u32> {
 }
 
 fn hash(p: &Point) -> u64 {
-    let mixed = p.iter().fold(0u64, |sum, x| {
+    hash_all(p) >> 20
+}
+
+fn hash_all(p: &Point) -> u64 {
+    p.iter().fold(0u64, |sum, x| {
         // 0.0 and -0.0 are one.
         (sum.rotate_left(21) ^ (x + 0.0).to_bits()).wrapping_mul(0x9e37_79b9_7f4a_7c15)
-    });
-    mixed >> 20
+    })
+}
+
+/// All bits of a number into all (D. Stafford's thirteenth mixer, as in SplitMix64).
+fn mixed(x: u64) -> u64 {
+    let x = (x ^ x >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let x = (x ^ x >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+    x ^ x >> 31
 }

@@ -1,8 +1,7 @@
-//! How deep two parts are in each other: the smaller one as a tool, where it is, against the other alone.
+//! The way out of a part: a translation of the smaller one of two parts, as a tool, where it is, that takes it out of the other.
 //!
-//! The depth is that of the deepest contact plane, which does not depend on how the parts are cut. The translation is the shortest over
-//! all planes, if it frees the tool; else one that takes it beyond the other part along an axis or a face normal, which always does. The
-//! shorter of the two is a bound on the depth: where something is pierced, the planes say too much.
+//! The shortest over all contact planes, if it frees the tool; else one that takes it beyond the other part along an axis or a face normal,
+//! which always does. Both are upper bounds of the least translation.
 
 use feeler_core::clash::location::{locate, Location, LocationScratch};
 use feeler_core::clash::solids::Solids;
@@ -10,49 +9,52 @@ use feeler_core::geometry::vectors::{add, along, dot, length, normal, scaled};
 use feeler_core::{closest_triangle_triangle, Aabb, Point, Pose, Result, Scene, Tool, Triangle};
 
 use crate::constants::{
-    ESCAPE_EXCESS, ESCAPE_ROUNDING, FACES_SAMPLED, LEAST_ESCAPE_LEAN, MOST_FACE_NORMALS, SAME_FACE_NORMAL, TIGHT_SHARE,
+    ESCAPE_EXCESS, ESCAPE_ROUNDING, FACES_SAMPLED, LEAST_ESCAPE_LEAN, MOST_FACE_NORMALS, SAME_FACE_NORMAL,
 };
 use crate::contact_plane::{ContactPlane, Contacts};
 use crate::escape::min_norm::{min_norm, relaxed};
-use crate::escape::penetration::PenetrationKind;
 use crate::query::{ContactQuery, ContactScratch};
 use feeler_core::scratch_pool::ScratchPool;
 
-/// What was measured of a tool and a part.
+/// What the contact planes say of a tool and a part.
 #[derive(Debug, Clone)]
-pub struct Depth {
-    /// Of the deepest contact, metres.
-    pub depth: f64,
-    /// What depth and translation are.
-    pub kind: PenetrationKind,
+pub struct WayOut {
     /// Moves the tool out of the part.
     pub translation: Point,
-    /// On the tool, and on the part.
+    /// The deepest gap of a contact plane, metres: all that there is to say of surfaces that have no inside.
+    pub plane_depth: f64,
+    /// On the tool, and on the part: where that plane is, else where they touch or are closest.
     pub points: [Point; 2],
     /// Pairs of triangles that meet.
     pub triangles: usize,
-    /// The box around where they do.
+    /// The box around where they do; where they do not, around `points`.
     pub bounds: Aabb,
     /// How far surfaces are apart that do not meet.
     pub gap: f64,
 }
 
-impl Depth {
-    /// Of what was not measured.
-    pub const UNKNOWN: Depth = Depth {
-        depth: f64::NAN,
-        kind: PenetrationKind::Estimate,
-        translation: [f64::NAN; 3],
-        points: [[f64::NAN; 3]; 2],
-        triangles: 0,
-        bounds: Aabb { lower: [f64::NAN; 3], upper: [f64::NAN; 3] },
-        gap: 0.0,
-    };
-
+impl WayOut {
     /// The same seen from the other side: what moves the one moves the other back.
-    pub fn turned(self) -> Depth {
+    pub fn turned(self) -> WayOut {
         let [p, q] = self.points;
-        Depth { translation: scaled(&self.translation, -1.0), points: [q, p], ..self }
+        WayOut { translation: scaled(&self.translation, -1.0), points: [q, p], ..self }
+    }
+}
+
+/// Where two parts meet.
+#[derive(Debug, Clone)]
+pub struct Met {
+    /// How many pairs of triangles do.
+    pub triangles: usize,
+    /// The box around where they do.
+    pub bounds: Aabb,
+    /// On the tool, and on the part, of the first of them.
+    pub points: Option<[Point; 2]>,
+}
+
+impl Default for Met {
+    fn default() -> Met {
+        Met { triangles: 0, bounds: Aabb::EMPTY, points: None }
     }
 }
 
@@ -68,63 +70,58 @@ pub struct Pair<'a> {
     pub parts: [u32; 2],
 }
 
-/// A translation out of the other part.
-#[derive(Debug, Clone, Copy)]
-struct Way {
-    translation: Point,
-    kind: PenetrationKind,
-}
-
 impl Pair<'_> {
-    /// Measures two parts that meet, or of which one is in the other (`is_within`).
-    pub fn measure(
+    /// The way out of two parts that meet, or of which one is in the other (`is_within`).
+    pub fn way_out(
         &self,
         is_within: bool,
         pool: &ScratchPool<ContactScratch>,
         scratch: &mut LocationScratch,
-    ) -> Result<Depth> {
+    ) -> Result<WayOut> {
         let query = ContactQuery { scene: self.other_alone, pool };
-        let mesh = self.scene.mockup().mesh();
-        let (mut triangles, mut bounds, mut first) = (0, Aabb::EMPTY, None);
-        let mut show = |pairs: &[[u32; 2]]| {
-            triangles = pairs.len();
-            for [t, m] in pairs {
-                let both = [self.tool.mesh().triangle(*t), mesh.triangle(*m)];
-                bounds = bounds.union(&shared_box(&both));
-                first.get_or_insert(both);
-            }
-        };
+        let mut met = Met::default();
+        let mut show = |pairs: &[[u32; 2]]| met = self.met(pairs.iter().copied());
         let contacts = query.contacts_showing(|_| None, self.tool, &Pose::IDENTITY, 0.0, None, &mut show)?;
         // What lies in the other is not out of it where a plane says so.
         let over_planes = if is_within { None } else { self.over_planes(&contacts, scratch)? };
-        let way = match over_planes {
-            Some(way) => self.shorter(way, self.beyond(self.is_far(&way), &contacts)),
+        let translation = match over_planes {
+            Some(way) => shorter(way, self.beyond(self.is_far(&way), &contacts)),
             None => self.beyond(true, &contacts),
         };
-        let way_length = length(&way.translation);
         let deepest = contacts.planes.first().filter(|plane| plane.gap < 0.0);
-        let depth = match deepest {
-            Some(plane) if !is_within => (-plane.gap).min(way_length),
-            _ => way_length,
-        };
-        let (points, gap) = match (deepest, first) {
-            (Some(plane), _) => (points_of(plane), 0.0),
-            (None, Some([p, q])) => {
-                let closest = closest_triangle_triangle(&p, &q);
-                ([closest.on_p, closest.on_q], 0.0)
-            }
-            (None, None) => {
+        let plane_depth = deepest.map_or(0.0, |plane| (-plane.gap).min(length(&translation)));
+        let (points, gap, mut bounds) = (deepest.map(points_of).or(met.points), 0.0, met.bounds);
+        let (points, gap) = match points {
+            Some(points) => (points, gap),
+            None => {
                 let closest = self.other_alone.closest(self.tool, &Pose::IDENTITY, f64::INFINITY)?;
                 let points = closest.map_or([[0.0; 3]; 2], |gap| [gap.on_tool, gap.on_mockup]);
                 points.iter().for_each(|p| bounds.grow(p));
                 (points, closest.map_or(0.0, |gap| gap.distance))
             }
         };
-        Ok(Depth { depth, kind: way.kind, translation: way.translation, points, triangles, bounds, gap })
+        Ok(WayOut { translation, plane_depth, points, triangles: met.triangles, bounds, gap })
+    }
+
+    /// Where two parts meet.
+    pub fn meeting(&self) -> Met {
+        self.met(self.other_alone.collide(self.tool, &Pose::IDENTITY).pairs.into_iter())
+    }
+
+    fn met(&self, pairs: impl Iterator<Item = [u32; 2]>) -> Met {
+        let mesh = self.scene.mockup().mesh();
+        let mut met = Met::default();
+        for [t, m] in pairs {
+            let both = [self.tool.mesh().triangle(t), mesh.triangle(m)];
+            met.triangles += 1;
+            met.bounds = met.bounds.union(&shared_box(&both));
+            met.points.get_or_insert_with(|| touching_points(&both));
+        }
+        met
     }
 
     /// The shortest translation over the planes, where it frees the tool.
-    fn over_planes(&self, contacts: &Contacts, scratch: &mut LocationScratch) -> Result<Option<Way>> {
+    fn over_planes(&self, contacts: &Contacts, scratch: &mut LocationScratch) -> Result<Option<Point>> {
         let counting: Vec<&ContactPlane> = contacts.planes.iter().filter(|plane| !plane.assumed).collect();
         if counting.is_empty() {
             return Ok(None);
@@ -139,10 +136,7 @@ impl Pair<'_> {
         if !self.is_freed(&translation, scratch)? {
             return Ok(None);
         }
-        let is_certain = active.len() == 1 && counting[active[0]].certain;
-        let is_exact = is_certain && self.is_meeting(&scaled(&escape, TIGHT_SHARE))?;
-        let kind = if is_exact { PenetrationKind::Exact } else { PenetrationKind::Bound };
-        Ok(Some(Way { translation, kind }))
+        Ok(Some(translation))
     }
 
     /// By how much a translation is longer than it need be.
@@ -174,22 +168,14 @@ impl Pair<'_> {
     }
 
     /// Whether a translation is so long that there may well be a shorter one aside of all planes.
-    fn is_far(&self, way: &Way) -> bool {
+    fn is_far(&self, way: &Point) -> bool {
         let least = self.tool.mesh().bounds().extent().into_iter().fold(f64::INFINITY, f64::min);
-        length(&way.translation) > 0.5 * least
-    }
-
-    fn shorter(&self, one: Way, other: Way) -> Way {
-        if length(&other.translation) < length(&one.translation) {
-            other
-        } else {
-            one
-        }
+        length(way) > 0.5 * least
     }
 
     /// The shortest translation along some normals after which a plane across it has all of the tool on one side and all of the other
     /// part on the other: along the axes, or with `all` also along the normals of contacts and of the faces of both.
-    fn beyond(&self, all: bool, contacts: &Contacts) -> Way {
+    fn beyond(&self, all: bool, contacts: &Contacts) -> Point {
         let other = self.scene.mockup().part_bounds()[self.parts[1] as usize];
         let own = self.tool.mesh().bounds();
         let mut least = (f64::INFINITY, [0.0, 0.0, 1.0]);
@@ -231,7 +217,7 @@ impl Pair<'_> {
             }
         }
         let (length, normal) = least;
-        Way { translation: scaled(&normal, length + self.excess(length)), kind: PenetrationKind::Bound }
+        scaled(&normal, length + self.excess(length))
     }
 }
 
@@ -256,9 +242,23 @@ fn heights(points: &[Point], n: &Point) -> [f64; 2] {
         .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], h| [low.min(h), high.max(h)])
 }
 
+fn shorter(one: Point, other: Point) -> Point {
+    if length(&other) < length(&one) {
+        other
+    } else {
+        one
+    }
+}
+
 /// Of the tool the one that is deepest, of the part where the plane runs.
 fn points_of(plane: &ContactPlane) -> [Point; 2] {
     [along(&plane.point, plane.gap, &plane.normal), plane.point]
+}
+
+/// Where two triangles that meet are closest.
+pub fn touching_points([p, q]: &[Triangle; 2]) -> [Point; 2] {
+    let closest = closest_triangle_triangle(p, q);
+    [closest.on_p, closest.on_q]
 }
 
 /// Where the boxes of two triangles overlap.

@@ -1,0 +1,131 @@
+//! What two parts are to each other: by exact signs where nothing crosses, else by the depth by points.
+
+use std::sync::Arc;
+
+use feeler_core::clash::solids::Solids;
+use feeler_core::clash::touch::Touching;
+use feeler_core::{Aabb, PairLimits};
+
+use super::obvious::is_through;
+use super::row::Verdict;
+use crate::point_depth::bodies::Bodies;
+use crate::point_depth::body::Body;
+use crate::point_depth::depth::{is_deeper, is_holding, is_same_surface};
+use crate::point_depth::walls::are_walls_crossing;
+
+/// How two parts meet, by exact signs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Relation {
+    /// They have the same triangles.
+    Duplicate,
+    Crossing,
+    Touching(Touching),
+    /// Nothing meets, and one holds the other.
+    Held,
+}
+
+/// Two parts, how they meet and what they are to each other.
+#[derive(Debug, Clone, Copy)]
+pub struct Related {
+    pub parts: [u32; 2],
+    pub relation: Relation,
+    /// `None`: both are open, and what the contact planes say is to decide.
+    pub verdict: Option<Verdict>,
+}
+
+/// Decides on pairs of parts.
+#[derive(Debug, Clone, Copy)]
+pub struct Judge<'a> {
+    pub solids: &'a Solids<'a>,
+    pub limits: &'a PairLimits,
+    pub bodies: &'a Bodies,
+}
+
+impl Judge<'_> {
+    /// The bodies of two parts.
+    pub fn bodies_of(&self, parts: [u32; 2]) -> [Arc<Body>; 2] {
+        parts.map(|part| {
+            self.bodies.of(part, || {
+                let solid = self.solids.of(part);
+                Body::new(solid.triangles().map(|own| (own, solid.triangle(own))), solid.adjacency())
+            })
+        })
+    }
+
+    /// What two parts are to each other; `crossing` are two of their triangles that cross, where some do.
+    pub fn judge(&self, parts: [u32; 2], relation: Relation, crossing: Option<[u32; 2]>) -> Related {
+        Related { parts, relation, verdict: self.verdict(parts, relation, crossing) }
+    }
+
+    fn verdict(&self, parts: [u32; 2], relation: Relation, crossing: Option<[u32; 2]>) -> Option<Verdict> {
+        if relation == Relation::Duplicate || self.is_same(parts) {
+            return Some(Verdict::Duplicate);
+        }
+        if crossing.is_some_and(|triangles| self.is_obvious(parts, triangles)) {
+            return Some(Verdict::Clash);
+        }
+        match relation {
+            Relation::Held | Relation::Touching(Touching::Holding | Touching::Held) => Some(Verdict::Contained),
+            Relation::Touching(Touching::Beside) => Some(Verdict::Contact),
+            _ => self.of_crossing(parts),
+        }
+    }
+
+    /// Whether both surfaces are the same but for rounding.
+    fn is_same(&self, parts: [u32; 2]) -> bool {
+        let rounding = self.limits.rounding(parts[0], parts[1]);
+        let [p, q] = self.boxes_of(parts);
+        let is_near = |p: &f64, q: &f64| (p - q).abs() <= rounding;
+        let is_candidate = p.lower.iter().zip(&q.lower).chain(p.upper.iter().zip(&q.upper)).all(|(p, q)| is_near(p, q));
+        is_candidate && {
+            let [a, b] = self.bodies_of(parts);
+            is_same_surface([&a, &b], rounding)
+        }
+    }
+
+    /// Whether two parts clash for all to see, where two of their triangles cross: the smaller one is closed, and points of the other on
+    /// both sides of its surface are deeper than contact allows. None of both is inside the other, then.
+    fn is_obvious(&self, parts: [u32; 2], triangles: [u32; 2]) -> bool {
+        let [p, q] = self.boxes_of(parts);
+        let rounding = self.limits.rounding(parts[0], parts[1]);
+        // The surface whose points are on both sides, and the part: what may be inside the other must be the former.
+        let is_first_smaller = self.solids.faces(parts[0]).len() <= self.solids.faces(parts[1]).len();
+        let orders: &[[usize; 2]] = match (is_in(&p, &q, rounding), is_in(&q, &p, rounding)) {
+            (true, _) => &[[0, 1]],
+            (_, true) => &[[1, 0]],
+            _ if is_first_smaller => &[[1, 0], [0, 1]],
+            _ => &[[0, 1], [1, 0]],
+        };
+        let contact = self.limits.contact(parts[0], parts[1]);
+        orders.iter().any(|[surface, part]| {
+            let through = self.solids.mockup().mesh().triangle(triangles[*surface]);
+            self.solids.is_cycle(parts[*part])
+                && is_through(self.solids, &through, parts[*part], triangles[*part], contact)
+        })
+    }
+
+    fn of_crossing(&self, parts: [u32; 2]) -> Option<Verdict> {
+        let (rounding, contact) = (self.limits.rounding(parts[0], parts[1]), self.limits.contact(parts[0], parts[1]));
+        let [a, b] = self.bodies_of(parts);
+        if !a.is_closed() && !b.is_closed() {
+            return None;
+        }
+        if is_deeper([&a, &b], contact) {
+            let [p, q] = self.boxes_of(parts);
+            let is_held = (is_in(&p, &q, rounding) && is_holding([&a, &b], rounding))
+                || (is_in(&q, &p, rounding) && is_holding([&b, &a], rounding));
+            return Some(if is_held { Verdict::Contained } else { Verdict::Clash });
+        }
+        let is_pierced = contact > rounding && are_walls_crossing([&a, &b]);
+        Some(if is_pierced { Verdict::Clash } else { Verdict::Contact })
+    }
+
+    fn boxes_of(&self, parts: [u32; 2]) -> [Aabb; 2] {
+        parts.map(|part| self.solids.mockup().part_bounds()[part as usize])
+    }
+}
+
+/// Whether a box is in another but for rounding.
+fn is_in(p: &Aabb, q: &Aabb, rounding: f64) -> bool {
+    (0..3).all(|a| p.lower[a] >= q.lower[a] - rounding && p.upper[a] <= q.upper[a] + rounding)
+}

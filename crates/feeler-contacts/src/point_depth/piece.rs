@@ -1,0 +1,244 @@
+//! A convex piece of a triangle: where the other surface cuts it, and how it is cut on.
+
+use feeler_core::geometry::vectors::{add, cross, dot, length, normal, scaled, sub};
+use feeler_core::{Aabb, Point, Triangle};
+
+use super::body::Body;
+use super::distances::Distances;
+use super::outline::{between, Outline, Plane};
+
+/// A corner of a piece, and the closest point of the other body.
+#[derive(Debug, Clone, Copy)]
+pub struct Corner {
+    pub at: Point,
+    /// Metres.
+    pub distance: f64,
+    /// The other body's triangle that is closest.
+    pub nearest: u32,
+    /// The point of it.
+    pub point: Point,
+}
+
+/// A convex polygon in a triangle of the one surface, relative to the other body's origin.
+#[derive(Debug, Clone)]
+pub struct Piece {
+    pub corners: Vec<Corner>,
+    /// The normal of its triangle; zero where it has none.
+    pub normal: Point,
+    /// No point of it is farther from the other surface, metres.
+    pub upper: f64,
+    /// The triangle that says so.
+    pub witness: u32,
+    /// Whether all of it is known to be on the side that counts.
+    pub is_settled: bool,
+    /// Whether mixtures of distances bound it already.
+    is_mixed: bool,
+    /// How often it was cut.
+    generation: u32,
+    /// Where the other surface parts it, if that is known.
+    pub parting: Option<Plane>,
+}
+
+impl Piece {
+    /// A polygon, each corner with what is closest to it.
+    pub fn new(outline: &Outline, body: &Body, cache: &mut CornerCache) -> Option<Piece> {
+        let mut corners: Vec<Corner> = Vec::with_capacity(outline.points.len());
+        for p in &outline.points {
+            let near = corners.last().map(|last| last.nearest);
+            corners.push(cache.of(*p, near.as_slice(), body)?.corner);
+        }
+        let (normal, upper, witness) = (outline.normal, f64::INFINITY, 0);
+        let (is_settled, is_mixed, generation, parting) = (false, false, 0, None);
+        let mut piece = Piece { corners, normal, upper, witness, is_settled, is_mixed, generation, parting };
+        piece.bound(body);
+        Some(piece)
+    }
+
+    /// Bounds it by the distances to single triangles.
+    fn bound(&mut self, body: &Body) {
+        let (upper, witness) = Distances::new(&self.corners, None, body).least();
+        (self.upper, self.witness) = (upper.min(self.upper), witness);
+    }
+
+    /// Bounds it by the distances to two triangles; whether that is less.
+    pub fn mix(&mut self, body: &Body) -> bool {
+        if std::mem::replace(&mut self.is_mixed, true) {
+            return false;
+        }
+        let mixed = Distances::new(&self.corners, None, body).mixed();
+        let is_less = mixed < self.upper;
+        self.upper = mixed.min(self.upper);
+        is_less
+    }
+
+    /// The box around it.
+    pub fn bounds(&self) -> Aabb {
+        self.corners.iter().fold(Aabb::EMPTY, |mut around, corner| {
+            around.grow(&corner.at);
+            around
+        })
+    }
+
+    /// The middle of its corners, with what is closest to it.
+    pub fn middle(&self, body: &Body) -> Option<Corner> {
+        let sum = self.corners.iter().fold([0.0; 3], |sum, corner| add(&sum, &corner.at));
+        let p = scaled(&sum, 1.0 / self.corners.len() as f64);
+        corner(p, &[self.witness], body)
+    }
+
+    /// The farthest of its corners from the other surface.
+    pub fn farthest(&self) -> &Corner {
+        let mut farthest = &self.corners[0];
+        for corner in &self.corners[1..] {
+            if corner.distance > farthest.distance {
+                farthest = corner;
+            }
+        }
+        farthest
+    }
+
+
+    /// The polygon alone.
+    pub fn outline(&self) -> Outline {
+        Outline { points: self.corners.iter().map(|corner| corner.at).collect(), normal: self.normal }
+    }
+
+    /// The two parts on each side of a plane. A part that is nothing but a line is left out.
+    pub fn cut(&self, plane: &Plane, body: &Body) -> Vec<Piece> {
+        let heights: Vec<f64> = self.corners.iter().map(|corner| plane.height(&corner.at)).collect();
+        let count = self.corners.len();
+        let mut halves = [Vec::with_capacity(count + 1), Vec::with_capacity(count + 1)];
+        for i in 0..count {
+            let j = (i + 1) % count;
+            let (p, h, k) = (&self.corners[i], heights[i], heights[j]);
+            if h >= 0.0 {
+                halves[0].push(*p);
+            }
+            if h <= 0.0 {
+                halves[1].push(*p);
+            }
+            if h * k < 0.0 {
+                let (s, q) = (h / (h - k), &self.corners[j]);
+                let at = between(&p.at, &q.at, s);
+                let near = [plane.nearest().unwrap_or(self.witness), p.nearest, q.nearest];
+                let Some(new) = corner(at, &near, body) else { continue };
+                halves.iter_mut().for_each(|half| half.push(new));
+            }
+        }
+        let pieces = halves.into_iter().filter(|half| half.len() >= 3).map(|corners| {
+            let Piece { normal, upper, witness, is_settled, generation, .. } = *self;
+            let generation = generation + 1;
+            let mut piece =
+                Piece { corners, normal, upper, witness, is_settled, is_mixed: false, generation, parting: None };
+            piece.bound(body);
+            piece
+        });
+        pieces.collect()
+    }
+
+    /// The plane that best brings down the bound of a piece: where two triangles of the other body are equally far, a side of the
+    /// triangle that bounds it, or across its length.
+    pub fn halving(&self, body: &Body) -> Option<Plane> {
+        let distances = Distances::new(&self.corners, Some(self.witness), body);
+        let rival = distances.farthest_from(self.witness);
+        let size = length(&self.bounds().extent());
+        let mut best = (f64::INFINITY, None);
+        let mut consider = |plane: Option<Plane>| {
+            if let Some((bound, plane)) = plane.and_then(|plane| Some((distances.bound_after(&plane, size, best.0)?, plane))) {
+                best = (bound, Some(plane));
+            }
+        };
+        // Every few cuts without choice, so that no piece gets ever narrower.
+        if self.generation % FORCED != FORCED - 1 && self.corners.len() <= MOST_CORNERS {
+            let (witness, other) = (body.triangle(self.witness), body.triangle(rival.nearest));
+            if rival.nearest != self.witness {
+                consider(self.halfway(witness, other));
+            }
+            if let Some(n) = normal(witness) {
+                for i in 0..3 {
+                    let (p, q) = (&witness[i], &witness[(i + 1) % 3]);
+                    let side = Plane::through(p, &cross(&sub(q, p), &n));
+                    consider(side.filter(|side| side.height(&rival.at) > 0.0));
+                }
+            }
+        }
+        consider(self.lengthwise());
+        best.1
+    }
+
+    /// The plane in which two triangles' planes are equally far, on the side where the piece is.
+    fn halfway(&self, t: &Triangle, u: &Triangle) -> Option<Plane> {
+        let (m, n) = (normal(t)?, normal(u)?);
+        let sum = |p: &Point, q: &Point| {
+            self.corners.iter().map(|corner| dot(q, &sub(&corner.at, p))).sum::<f64>().signum()
+        };
+        let (m, n) = (scaled(&m, sum(&t[0], &m)), scaled(&n, sum(&u[0], &n)));
+        let across = sub(&m, &n);
+        let size = length(&across);
+        // Of triangles in nearly one plane it is anywhere.
+        (size > 1e-6).then(|| Plane::at(scaled(&across, 1.0 / size), (dot(&m, &t[0]) - dot(&n, &u[0])) / size))
+    }
+
+    /// Across the longest line between two of its corners, in the middle of it.
+    fn lengthwise(&self) -> Option<Plane> {
+        let (mut most, mut ends) = (0.0, None);
+        for (i, p) in self.corners.iter().enumerate() {
+            for q in &self.corners[i + 1..] {
+                let apart = sub(&q.at, &p.at);
+                let square = dot(&apart, &apart);
+                if square > most {
+                    (most, ends) = (square, Some((p.at, apart)));
+                }
+            }
+        }
+        let (p, apart) = ends?;
+        let middle = std::array::from_fn(|a| p[a] + 0.5 * apart[a]);
+        Plane::through(&middle, &apart)
+    }
+}
+
+/// Corners of triangles that were found last: neighbours share them.
+#[derive(Debug)]
+pub struct CornerCache {
+    kept: Vec<Option<Kept>>,
+}
+
+/// A corner, and whether it is known to count.
+#[derive(Debug, Clone, Copy)]
+pub struct Kept {
+    pub corner: Corner,
+    pub counts: Option<bool>,
+}
+
+impl Default for CornerCache {
+    fn default() -> CornerCache {
+        CornerCache { kept: vec![None; CORNERS_KEPT] }
+    }
+}
+
+impl CornerCache {
+    /// The corner at a point, found or made.
+    pub fn of(&mut self, at: Point, near: &[u32], body: &Body) -> Option<&mut Kept> {
+        let hash = at.iter().fold(0u64, |sum, x| (sum.rotate_left(23) ^ x.to_bits()).wrapping_mul(0x9e37_79b9_7f4a_7c15));
+        let place = &mut self.kept[(hash >> 40) as usize % CORNERS_KEPT];
+        if place.is_none_or(|kept| kept.corner.at != at) {
+            *place = corner(at, near, body).map(|corner| Kept { corner, counts: None });
+        }
+        place.as_mut()
+    }
+}
+
+/// Places for them.
+const CORNERS_KEPT: usize = 128;
+
+/// After how many cuts one goes across the length.
+const FORCED: u32 = 4;
+
+/// With more corners a piece is cut across its length.
+const MOST_CORNERS: usize = 10;
+
+fn corner(at: Point, near: &[u32], body: &Body) -> Option<Corner> {
+    let closest = body.closest_from(&at, near)?;
+    Some(Corner { at, distance: closest.distance, nearest: closest.triangle, point: closest.point })
+}
+
