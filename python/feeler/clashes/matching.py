@@ -34,8 +34,9 @@ _LEAST_M = 1e-12
 """Added, so that no tolerance is zero."""
 _AREA_SHARE = 0.12
 """How far the areas may differ. A disc of 8 chords has 10 % less than one of many."""
-_NEAR_DIAGONALS = 0.5
-"""How far the centre of a part that has a name in common with others may move, and how much its size may change."""
+_NEAR_SHARE = 0.5
+"""How far the centre of a part that has a path in common with others may move, as a share of its side along each axis,
+and how much its diagonal may change: bolts of a pattern are farther apart."""
 _NO_SHIFT = np.zeros(3)
 
 
@@ -259,12 +260,13 @@ class _Search:
                 new_of_old[old] = new
 
     def _nearest(self, olds: Rows, news: Rows) -> Iterable[tuple[int, int]]:
-        """Pairs of about one size with centres within half a diagonal."""
-        reach = _NEAR_DIAGONALS * self.diagonals[0]
-        olds, news = self._candidates(olds, news, _NO_SHIFT, reach[olds, None])
-        away = np.sqrt(((self.centres[1][news] - self.centres[0][olds]) ** 2).sum(axis=1))
-        is_near = (away <= reach[olds]) & (np.abs(self.diagonals[1][news] - self.diagonals[0][olds]) <= reach[olds])
-        return self._nearest_first(olds, news, np.where(is_near, away, np.inf))
+        """Pairs of about one size, the centre now within the box before."""
+        reach = np.maximum(_NEAR_SHARE * self.sizes[0], self.tolerance)
+        olds, news = self._candidates(olds, news, _NO_SHIFT, reach[olds])
+        away = self.centres[1][news] - self.centres[0][olds]
+        growth = np.abs(self.diagonals[1][news] - self.diagonals[0][olds])
+        is_near = (np.abs(away) <= reach[olds]).all(axis=1) & (growth <= _NEAR_SHARE * self.diagonals[0][olds])
+        return self._nearest_first(olds, news, np.where(is_near, np.sqrt((away * away).sum(axis=1)), np.inf))
 
     def _add_unknown(self, new_of_old: Rows) -> None:
         """Pairs of one key where the shape of one is not known, as in files of earlier versions."""
