@@ -263,8 +263,11 @@ def test_a_truncated_file(saved: Path) -> None:
 
 
 def test_a_file_of_another_mock_up(saved: Path) -> None:
-    other = feeler.clash(mockup_of({"ship/hull": box((0, 0, 0), (1, 1, 1)), "ship/mast": box((0.5, 0, 0), (2, 1, 1))}))
-    with pytest.raises(LoadError, match=r"of another mock-up: none of their 7 parts, such as 'house/copy/left'"):
+    other = feeler.clash(mockup_of({"ship/hull": box((0, 0, 0), (9, 1, 1)), "ship/mast": box((0.5, 0, 0), (2, 1, 7))}))
+    told = (
+        r"none of the saved parts exist in this mock-up \(0 of 7, such as 'house/copy/left', match one of its 2 parts"
+    )
+    with pytest.raises(LoadError, match=told):
         other.diff(feeler.load_clashes(saved))
     assert set(other.status.tolist()) == {"new"} and len(other.earlier()) == 0
 

@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from clash_scene import FOUND, house, pairs, without
+from clash_scene import FOUND, box, house, mockup_of, pairs, without
 from commands import error_of, run, run_json
 
 import feeler
@@ -127,9 +127,7 @@ def test_approved_findings_grow_by_as_much_as_is_said(tmp_path: Path) -> None:
     for each in accepted.ids:
         accepted.set_status(each, "approved")
     accepted.save(tmp_path / "a.json")
-    # One file and the other are called differently, and so is the head of their paths.
-    (tmp_path / "b.glb").replace(tmp_path / "a.glb")
-    words = ["clash", tmp_path / "a.glb", "--previous", tmp_path / "a.json", "--fail-on", "new,clash"]
+    words = ["clash", tmp_path / "b.glb", "--previous", tmp_path / "a.json", "--fail-on", "new,clash"]
     run(*words, code=1)
     run(*words, "--growth", "0.01")
 
@@ -153,11 +151,13 @@ def test_bad_input(tmp_path: Path, file: Path) -> None:
     (tmp_path / "rules.toml").write_text('[[rule]]\nname = "x"\na = "*blot*"\n')
     message = error_of("clash", file, "--rules", tmp_path / "rules.toml")
     assert "rule 'x', a: no part is called" in message and "bolt" in message
-    write_glb(tmp_path / "ship.glb", house())
+    write_glb(tmp_path / "ship.glb", mockup_of({"hull": box((0, 0, 0), (9, 1, 1)), "mast": box((2, 0, 0), (3, 1, 7))}))
     run("clash", file, "--save", tmp_path / "last.json")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(feeler, "clash", None)  # it is told before the work
-        assert "another mock-up" in error_of("clash", tmp_path / "ship.glb", "--previous", tmp_path / "last.json")
+        assert "none of the saved parts exist in this mock-up (0 of 7," in error_of(
+            "clash", tmp_path / "ship.glb", "--previous", tmp_path / "last.json"
+        )
     (tmp_path / "last.json").write_text((tmp_path / "last.json").read_text()[:300])
     assert "cut short" in error_of("clash", file, "--previous", tmp_path / "last.json")
 

@@ -28,6 +28,7 @@ def report(clashes: Clashes, *, by: str = "part") -> dict[str, Any]:
         ],
         "clashes": [{**row, "group": group_of[place]} for place, row in enumerate(saving.rows(clashes))],
         "earlier": list(saving.rows(clashes.earlier())),
+        **saving.shapes_of_file(clashes),
     }
 
 

@@ -2,30 +2,93 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import numpy.typing as npt
 
+from feeler.clashes.joining import joined
+from feeler.clashes.matching import PartMatch, matched
 from feeler.clashes.rules import check_length
+from feeler.clashes.shapes import PartShapes, Shapes, shapes_of, unknown
 from feeler.clashes.table import Clashes
-from feeler.clashes.tracking import Mark, Marks, followed, part_keys
+from feeler.clashes.tracking import Mark, followed, part_keys
 from feeler.errors import LoadError, OptionError
+from feeler.mockup import Mockup
+
+Pair = tuple[str, str, str]
+"""A finding by its rule and the keys of both parts, in the order of their characters."""
 
 
 @dataclass(frozen=True)
 class Changes:
-    """The findings of a check by their status, each a table; `resolved` has rows of the check before."""
+    """The findings of a check by their status, each a table; `resolved` has rows of the check before.
+
+    parts: how many parts of the check before are in this mock-up, and which have other names.
+    """
 
     new: Clashes
     active: Clashes
     reviewed: Clashes
     approved: Clashes
     resolved: Clashes
+    parts: PartMatch
 
     def counts(self) -> dict[str, int]:
         """How many there are of each status."""
         return {name: len(getattr(self, name)) for name in ("new", "active", "reviewed", "approved", "resolved")}
+
+
+class _Known:
+    """A table of the check before, and which of its parts are which now."""
+
+    def __init__(self, table: Clashes, now: Shapes) -> None:
+        self.table = table
+        names = [table.keys[part] for part in np.union1d(table.a, table.b)]
+        self.shapes = table.shapes.joined(unknown(names))
+        new_of_old, is_same = matched(self.shapes, now)
+        row_of_key = {key: row for row, key in enumerate(self.shapes.keys)}
+        self.key_now: dict[str, str] = {}
+        """Of each part with findings that is still there, by the key before."""
+        self.renamed: dict[str, str] = {}
+        """How the keys changed, of those that did: "renamed" or "renumbered"."""
+        self.altered = 0
+        """How many have their key still, but another shape or place."""
+        is_altered = self.shapes.is_known & ~is_same
+        is_known_now = now.is_known
+        for name in names:
+            row = row_of_key[name]
+            new = int(new_of_old[row])
+            if new < 0:
+                continue
+            self.key_now[name] = key = now.keys[new]
+            if key != name:
+                self.renamed[name] = "renumbered" if self.shapes.paths[row] == now.paths[new] else "renamed"
+            else:
+                self.altered += int(is_altered[row] and is_known_now[new])
+        self.names = names
+        self._gone = [i for i, new in enumerate(new_of_old.tolist()) if new < 0]
+
+    def rows(self) -> Iterator[tuple[Pair | None, str]]:
+        """Each finding as it is now, None where a part of it is gone; and how the keys of its parts changed."""
+        keys, table = self.table.keys, self.table
+        for rule, a, b in zip(table.rule.tolist(), table.a.tolist(), table.b.tolist(), strict=True):
+            one, other = keys[a], keys[b]
+            if one not in self.key_now or other not in self.key_now:
+                yield None, ""
+                continue
+            changed = {self.renamed.get(one, ""), self.renamed.get(other, "")} - {""}
+            yield _pair(rule, self.key_now[one], self.key_now[other]), min(changed, default="")
+
+    def gone(self) -> Shapes:
+        """The parts that are no longer there."""
+        return self.shapes.rows(self._gone)
+
+    def match(self) -> PartMatch:
+        """How many parts with findings are still there."""
+        renamed = {name: self.key_now[name] for name in self.renamed}
+        return PartMatch(len(self.names), len(self.key_now) - len(renamed), self.altered, len(renamed), renamed)
 
 
 def changes(now: Clashes, before: Clashes, growth: float) -> Changes:
@@ -34,43 +97,93 @@ def changes(now: Clashes, before: Clashes, growth: float) -> Changes:
     if not isinstance(given, Clashes):
         raise OptionError(f"previous is {type(given).__name__}: give Clashes, such as of feeler.load_clashes")
     check_length("growth", growth)
-    known = _with_earlier(before)
-    check_mockup(now.part_paths, known)
-    marks = {each: known.marks.of(each) for each in known.ids}
-    here = set(now.ids)
-    after: dict[str, Mark] = {}
-    for each, depth in zip(now.ids, now.signed_depth.tolist(), strict=True):
-        after[each] = followed(marks.get(each), depth, growth)
-    gone = known[np.array([each not in here for each in known.ids], dtype=bool)]
-    # A check that was stopped has not looked everywhere: what it did not find stays as it was.
-    status = None if now.is_partial else "resolved"
-    left: Mapping[str, Mark] = {
-        each: marks[each] if status is None else replace(marks[each], status=status) for each in gone.ids
-    }
-    now.marks.replace(after)
-    now.set_earlier(
-        Clashes(gone.columns, gone.part_paths, gone.rules, marks=Marks(left), facts=gone.facts, is_partial=False)
-    )
+    shapes = now.shapes.joined(unknown(now.keys))
+    known = _known(before, shapes)
+    _check_match(known, shapes)
+    marks, left = _carried(now, known, growth)
+    if now.is_partial:
+        # A check that was stopped has not looked everywhere: what it did not find stays as it was.
+        earlier = _waiting(known, left, shapes)
+    else:
+        gone = [each.table[rows] for each, rows in zip(known, left, strict=True)]
+        earlier = joined(gone, [table.keys for table in gone], None, "resolved")
+    now.marks.replace(marks)
+    now.set_earlier(earlier)
     found = {name: now.where(status=name) for name in ("new", "active", "reviewed", "approved")}
-    return Changes(**found, resolved=now.earlier().where(status="resolved"))
+    return Changes(**found, resolved=earlier.where(status="resolved"), parts=known[0].match())
 
 
-def _with_earlier(table: Clashes) -> Clashes:
-    """The rows of a table, and those of its `earlier` ones that nobody has called resolved."""
-    from feeler.clashes.joining import joined
-
-    waiting = table.earlier()
+def _known(before: Clashes, now: Shapes) -> list[_Known]:
+    """The findings of the check before, and those that it handed on from a check before that."""
+    waiting = before.earlier()
     waiting = waiting[waiting.status != "resolved"]
-    return joined([table, waiting]) if len(waiting) else table
+    return [_Known(table, now) for table in ((before, waiting) if len(waiting) else (before,))]
 
 
-def check_mockup(part_paths: Sequence[str], known: Clashes) -> None:
-    """Raises `LoadError` where nothing that was found before can be of a mock-up with these parts."""
-    parts = set(known.a.tolist()) | set(known.b.tolist())
-    keys = part_keys(known.part_paths)
-    names = {keys[part] for part in parts}
-    if names and names.isdisjoint(part_keys(part_paths)):
-        raise LoadError(
-            f"the previous clashes are of another mock-up: none of their {len(names):,} parts, such as "
-            f"{min(names)!r}, is in this one of {len(part_paths):,} parts; give those of this mock-up"
-        )
+def _carried(
+    now: Clashes, known: Sequence[_Known], growth: float
+) -> tuple[dict[str, Mark], list[npt.NDArray[np.intp]]]:
+    """The mark of each finding by its id; and the rows of each table before that are not found again."""
+    keys = now.keys
+    rows = zip(now.rule.tolist(), now.a.tolist(), now.b.tolist(), strict=True)
+    here = {_pair(rule, keys[a], keys[b]) for rule, a, b in rows}
+    before: dict[Pair, Mark] = {}
+    left = []
+    for each in known:
+        lost = []
+        for row, (pair, changed) in enumerate(each.rows()):
+            if pair in here and pair is not None:
+                mark = each.table.marks.of(each.table.ids[row])
+                before.setdefault(pair, replace(mark, changed=changed))
+            else:
+                lost.append(row)
+        left.append(np.array(lost, dtype=np.intp))
+    after = {}
+    rows = zip(now.rule.tolist(), now.a.tolist(), now.b.tolist(), strict=True)
+    for each_id, depth, (rule, a, b) in zip(now.ids, now.signed_depth.tolist(), rows, strict=True):
+        after[each_id] = followed(before.get(_pair(rule, keys[a], keys[b])), depth, growth)
+    return after, left
+
+
+def _waiting(known: Sequence[_Known], left: Sequence[npt.NDArray[np.intp]], now: Shapes) -> Clashes:
+    """Rows that were not found again, under the keys that their parts have now.
+
+    A row of a part that is gone is left out where the key of that part is another's now.
+    """
+    taken = set(now.keys)
+    tables, keys = [], []
+    shapes = now
+    for each, rows in zip(known, left, strict=True):
+        table = each.table
+        is_clear = np.array([key in each.key_now or key not in taken for key in table.keys], dtype=bool)
+        tables.append(table[rows[is_clear[table.a[rows]] & is_clear[table.b[rows]]]])
+        keys.append([each.key_now.get(key, key) for key in table.keys])
+        shapes = shapes.joined(each.gone())
+    return joined(tables, keys, PartShapes(shapes))
+
+
+def _pair(rule: str, one: str, other: str) -> Pair:
+    return (rule, one, other) if one <= other else (rule, other, one)
+
+
+def check_previous(mockup: Mockup, before: Clashes) -> None:
+    """Raises `LoadError` where no part of what was found before is in a mock-up, by path or by shape.
+
+    Quick where a path is.
+    """
+    keys = part_keys(mockup.part_paths)
+    names = {before.keys[part] for part in np.union1d(before.a, before.b)}
+    if names.isdisjoint(keys):
+        shapes = shapes_of(mockup)
+        _check_match(_known(before, shapes), shapes)
+
+
+def _check_match(known: Sequence[_Known], now: Shapes) -> None:
+    names = sorted({name for each in known for name in each.names})
+    if not names or any(each.key_now for each in known):
+        return
+    hint = "" if any(each.shapes.is_known.any() for each in known) else "; they were saved without shapes"
+    raise LoadError(
+        f"none of the saved parts exist in this mock-up (0 of {len(names):,}, such as {names[0]!r}, match one of its "
+        f"{len(now):,} parts by path or by shape{hint}). Give the findings of this mock-up, or run without them."
+    )

@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from feeler import _core
 from feeler.clashes.rules import Limits, Rules, check_length, limits
+from feeler.clashes.shapes import PartShapes
 from feeler.clashes.table import SHAPES, Clashes, Columns, Facts
 from feeler.errors import MeshError, OptionError
 from feeler.mockup import Mockup
@@ -104,7 +105,9 @@ def clash(
         seconds=tuple(seconds.items()),
         counts=tuple(answer.counts.items()),
     )
-    clashes = Clashes(columns, mockup.part_paths, found.names, facts=facts, is_partial=is_partial)
+    clashes = Clashes(
+        columns, mockup.part_paths, found.names, facts=facts, is_partial=is_partial, shapes=PartShapes(mockup)
+    )
     if is_partial:
         raise ClashInterrupted(clashes)
     if progress is not None:

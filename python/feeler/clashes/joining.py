@@ -7,28 +7,37 @@ from dataclasses import fields, replace
 
 import numpy as np
 
+from feeler.clashes.shapes import PartShapes
 from feeler.clashes.table import Clashes, Columns
-from feeler.clashes.tracking import Marks, part_keys
+from feeler.clashes.tracking import Mark
 
 
-def joined(tables: Sequence[Clashes]) -> Clashes:
-    """The rows of all tables, in their order, with the facts of the first. Parts are called by their keys."""
-    keys: dict[str, int] = {}
+def joined(
+    tables: Sequence[Clashes], keys: Sequence[Sequence[str]], shapes: PartShapes | None, status: str | None = None
+) -> Clashes:
+    """The rows of all tables, in their order, with the facts of the first; of rows with one id the first.
+
+    keys: what each part of each table is called. status: of all rows; None: each keeps its own.
+    """
+    part_of_key: dict[str, int] = {}
     rules: dict[str, int] = {}
     moved = []
-    marks = {}
-    for table in tables:
-        names = part_keys(table.part_paths)
-        place = {part: keys.setdefault(names[part], len(keys)) for part in _parts_of(table)}
+    marks_of_rows = []
+    for table, names in zip(tables, keys, strict=True):
         of_part = np.zeros(len(names), dtype=np.uint32)
-        of_part[list(place)] = list(place.values())
+        for part in np.union1d(table.a, table.b).tolist():
+            of_part[part] = part_of_key.setdefault(names[part], len(part_of_key))
         of_rule = np.array([rules.setdefault(name, len(rules)) for name in table.rules], dtype=np.uint32)
         columns = table.columns
         moved.append(replace(columns, a=of_part[columns.a], b=of_part[columns.b], rule=of_rule[columns.rule]))
-        marks.update({each: table.marks.of(each) for each in table.ids})
+        marks_of_rows += [table.marks.of(each) for each in table.ids]
     rows = Columns(*(np.concatenate([getattr(each, f.name) for each in moved]) for f in fields(Columns)))
-    return Clashes(rows, list(keys), list(rules), marks=Marks(marks), facts=tables[0].facts)
-
-
-def _parts_of(table: Clashes) -> list[int]:
-    return np.union1d(table.a, table.b).tolist()  # type: ignore[no-any-return]
+    found = Clashes(rows, list(part_of_key), list(rules), facts=tables[0].facts, shapes=shapes)
+    marks: dict[str, Mark] = {}
+    first = []
+    for row, (each, mark) in enumerate(zip(found.ids, marks_of_rows, strict=True)):
+        if each not in marks:
+            marks[each] = replace(mark, status=status or mark.status)
+            first.append(row)
+    found.marks.replace(marks)
+    return found[np.array(first, dtype=np.intp)]

@@ -1,11 +1,13 @@
 """Findings as JSON, to the file and back.
 
     {"format": "feeler clash", "version": 1, "clearance": m, "contact": m or "chord", "parts": n, "triangles": n,
-     "files": [...], "partial": bool, "clashes": [one a line], "earlier": [likewise]}
+     "files": [...], "partial": bool, "clashes": [one a line], "earlier": [likewise], "shapes": [a part a line],
+     "earlier_shapes": [likewise]}
 
 A finding has the fields of `Clash`, its parts by their keys, and no part numbers: a part that is inserted changes
 nothing. Lines are sorted by rule and parts, so that what git shows is what changed. `feeler clash --json` has the same
-fields in the order of the table; `feeler view` reads both.
+fields in the order of the table; `feeler view` reads both. Shapes are of parts with findings, and of parts that share
+a path with one; files without them can be read.
 """
 
 from __future__ import annotations
@@ -13,12 +15,13 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from feeler.clashes.shapes import PartShapes, Shapes, unknown
 from feeler.clashes.table import SHAPES, Clashes, Columns, Facts
 from feeler.clashes.tracking import STATUSES, Mark, Marks, clash_id, part_keys
 from feeler.clashes.verdict import DEPTH_KINDS, SEVERITIES, Verdict
@@ -28,6 +31,7 @@ from feeler.io.atomic import atomic_file
 FORMAT, VERSION = "feeler clash", 1
 _LARGEST_M = 1e100
 _TRIANGLE_PAIRS = 2**32
+_HASH_DIGITS = 16
 
 
 def head(clashes: Clashes) -> dict[str, Any]:
@@ -61,6 +65,7 @@ def rows(clashes: Clashes) -> Iterator[dict[str, Any]]:
             **({"by": clash.by} if clash.by else {}),
             **({"note": clash.note} if clash.note else {}),
             **({"approved_depth": approved} if approved is not None else {}),
+            **({"changed": clash.changed} if clash.changed else {}),
             "depth": _number(clash.depth),
             "depth_error": _number(clash.depth_error),
             "depth_kind": clash.depth_kind,
@@ -75,6 +80,38 @@ def rows(clashes: Clashes) -> Iterator[dict[str, Any]]:
         }
 
 
+def shape_rows(clashes: Clashes) -> list[dict[str, Any]]:
+    """Shape and place of each part with findings, sorted by key; `path` where that is not the key."""
+    keys = clashes.keys
+    shapes = clashes.shapes.with_siblings(keys[part] for part in np.union1d(clashes.a, clashes.b))
+    return [
+        {
+            "part": key,
+            **({"path": path} if path != key else {}),
+            "content": f"{content:016x}",
+            "box": box,
+            "middle": middle,
+            "area": area,
+        }
+        for key, path, content, box, middle, area in zip(
+            shapes.keys,
+            shapes.paths,
+            shapes.content.tolist(),
+            shapes.box.tolist(),
+            shapes.middle.tolist(),
+            shapes.area.tolist(),
+            strict=True,
+        )
+    ]
+
+
+def shapes_of_file(clashes: Clashes) -> dict[str, list[dict[str, Any]]]:
+    """What a file has of shapes, of the findings and of the earlier ones that are not resolved."""
+    waiting = clashes.earlier()
+    waiting = waiting[waiting.status != "resolved"]
+    return {"shapes": shape_rows(clashes), **({"earlier_shapes": shape_rows(waiting)} if len(waiting) else {})}
+
+
 def _number(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
@@ -84,10 +121,15 @@ def save(clashes: Clashes, path: str | os.PathLike[str]) -> None:
     texts = [f"{json.dumps(name)}: {json.dumps(value)}" for name, value in head(clashes).items()]
     for name, table in (("clashes", clashes), ("earlier", clashes.earlier())):
         lines = sorted(rows(table), key=lambda row: (row["rule"], sorted((row["a"], row["b"])), row["id"]))
-        inside = ",\n".join("  " + json.dumps(line, allow_nan=False) for line in lines)
-        texts.append(f'"{name}": [\n{inside}\n ]' if lines else f'"{name}": []')
+        texts.append(_list(name, lines))
+    texts += [_list(name, lines) for name, lines in shapes_of_file(clashes).items()]
     with atomic_file(path) as file:
         file.write(("{\n " + ",\n ".join(texts) + "\n}\n").encode("ascii"))
+
+
+def _list(name: str, lines: Sequence[Mapping[str, Any]]) -> str:
+    inside = ",\n".join("  " + json.dumps(line, allow_nan=False) for line in lines)
+    return f'"{name}": [\n{inside}\n ]' if lines else f'"{name}": []'
 
 
 def load_clashes(path: str | os.PathLike[str]) -> Clashes:
@@ -106,7 +148,9 @@ def load_clashes(path: str | os.PathLike[str]) -> Clashes:
     try:
         data = json.loads(text)
     except (ValueError, RecursionError) as error:
-        cut = "it is cut short, or " if not text.rstrip().endswith("}") else ""
+        end = len(text.rstrip())
+        is_cut = not text[:end].endswith("}") or getattr(error, "pos", 0) >= end
+        cut = "it is cut short, or " if is_cut else ""
         raise LoadError(f"{file}: {cut}no JSON ({error}): give what Clashes.save wrote, whole") from None
     if not isinstance(data, Mapping) or data.get("format") != FORMAT:
         raise LoadError(f'{file} is no file of clashes ("format" is not "{FORMAT}"): give what Clashes.save wrote')
@@ -159,8 +203,37 @@ class _Reader:
         )
         order = columns.order()
         is_partial = bool(data.get("partial", False)) and name == "clashes"
+        shapes = self._shapes(data, "shapes" if name == "clashes" else "earlier_shapes").joined(unknown(list(keys)))
         return Clashes(
-            columns.rows(order), list(keys), list(rules), marks=Marks(marks), facts=facts, is_partial=is_partial
+            columns.rows(order),
+            list(keys),
+            list(rules),
+            marks=Marks(marks),
+            facts=facts,
+            is_partial=is_partial,
+            shapes=PartShapes(shapes),
+        )
+
+    def _shapes(self, data: Mapping[str, Any], name: str) -> Shapes:
+        lines = data.get(name, [])
+        if not isinstance(lines, list):
+            raise LoadError(f'{self.file}: "{name}" is no list: give what Clashes.save wrote')
+        found: dict[str, _Shape] = {}
+        for number, line in enumerate(lines):
+            try:
+                key, shape = _shape(line)
+            except (KeyError, TypeError, ValueError, OverflowError) as error:
+                what = f"it has no {error}" if isinstance(error, KeyError) else str(error)
+                raise LoadError(f"{self.file}: {name}[{number}] is no shape of a part: {what}") from None
+            found[key] = shape
+        paths, content, box, middle, area = zip(*found.values(), strict=True) if found else ((), (), (), (), ())
+        return Shapes(
+            tuple(found),
+            paths,
+            np.array(content, dtype=np.uint64),
+            np.array(box, dtype=np.float64).reshape(-1, 2, 3),
+            np.array(middle, dtype=np.float64).reshape(-1, 3),
+            np.array(area, dtype=np.float64),
         )
 
     def _add(
@@ -188,6 +261,7 @@ class _Reader:
             str(line.get("by", "")),
             str(line.get("note", "")),
             None if approved is None else _real(approved, "approved_depth"),
+            str(line.get("changed", "")),
         )
         triangles = int(line["triangles"])
         if not 0 <= triangles < _TRIANGLE_PAIRS:
@@ -213,6 +287,25 @@ class _Reader:
         }
         for column, value in row.items():
             values[column].append(value)
+
+
+_Shape = tuple[str, int, list[list[float]], list[float], float]
+"""Path, content, box, middle and area of a part."""
+
+
+def _shape(line: Any) -> tuple[str, _Shape]:
+    """A part by its key. Raises `KeyError`, `TypeError`, `ValueError` for what is none."""
+    if not isinstance(line, Mapping):
+        raise TypeError("it is no object")
+    key, content = _text(line, "part"), _text(line, "content")
+    path = _text(line, "path") if "path" in line else key
+    box = [_triple(corner, "box") for corner in line["box"]]
+    middle, area = _triple(line["middle"], "middle"), _real(line["area"], "area")
+    if len(box) != 2 or not np.isfinite([*box, middle]).all() or not math.isfinite(area):
+        raise ValueError("box, middle and area are not all numbers")
+    if len(content) != _HASH_DIGITS:
+        raise ValueError(f"content is {content!r}")
+    return key, (path, int(content, 16), box, middle, area)
 
 
 def _text(line: Mapping[str, Any], name: str) -> str:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 import numpy.typing as npt
 
+from feeler.clashes.shapes import PartShapes, Shapes, unknown
 from feeler.clashes.tracking import DEPTH_GROWTH_M, Marks, clash_id, part_keys
 from feeler.clashes.verdict import DEPTH_KINDS, OVERLAPS, SEVERITIES, Verdict
 from feeler.errors import OptionError
@@ -68,6 +69,8 @@ class Clash:
     by: str
     """Who set the status; empty where nobody did."""
     note: str
+    changed: str
+    """`"renamed"` or `"renumbered"` where `Clashes.diff` found a part under another key, else empty."""
 
 
 @dataclass(frozen=True)
@@ -159,8 +162,12 @@ class Clashes(Sequence[Clash]):
         marks: Marks | None = None,
         facts: Facts | None = None,
         is_partial: bool = False,
+        shapes: PartShapes | None = None,
     ) -> None:
-        """Rows as they are, in their order. rules: the name of each rule that `columns.rule` counts."""
+        """Rows as they are, in their order. rules: the name of each rule that `columns.rule` counts.
+
+        shapes: of the parts, by which `diff` finds them under other paths; None: it goes by paths alone.
+        """
         self.columns = columns
         for each in fields(columns):
             getattr(columns, each.name).flags.writeable = False
@@ -169,6 +176,7 @@ class Clashes(Sequence[Clash]):
         self.marks = marks if marks is not None else Marks()
         self.facts = facts or Facts()
         self.is_partial = is_partial
+        self._shapes = shapes
         self._earlier: Clashes | None = None
 
     @property
@@ -255,7 +263,7 @@ class Clashes(Sequence[Clash]):
     def ids(self) -> tuple[str, ...]:
         """Each finding's id."""
         rows = zip(self.columns.rule.tolist(), self.a.tolist(), self.b.tolist(), strict=True)
-        return tuple(clash_id(self.rules[rule], self._keys[a], self._keys[b]) for rule, a, b in rows)
+        return tuple(clash_id(self.rules[rule], self.keys[a], self.keys[b]) for rule, a, b in rows)
 
     @property
     def status(self) -> npt.NDArray[np.str_]:
@@ -263,8 +271,14 @@ class Clashes(Sequence[Clash]):
         return np.array([self.marks.of(each).status for each in self.ids], dtype="U8")
 
     @cached_property
-    def _keys(self) -> list[str]:
-        return part_keys(self.part_paths)
+    def keys(self) -> tuple[str, ...]:
+        """The key of each of `part_paths`: the path, with a number behind it where parts have one path."""
+        return tuple(part_keys(self.part_paths))
+
+    @property
+    def shapes(self) -> Shapes:
+        """Shape and place of parts, those in findings at least; the first call of a check looks at all triangles."""
+        return unknown(self.keys, self.part_paths) if self._shapes is None else self._shapes.get()
 
     def where(self, **where: object) -> Clashes:
         """The rows of a verdict, a severity, a status or a rule: `clashes.where(verdict="clash", rule="default")`."""
@@ -303,7 +317,13 @@ class Clashes(Sequence[Clash]):
 
     def _some(self, columns: Columns) -> Clashes:
         return Clashes(
-            columns, self.part_paths, self.rules, marks=self.marks, facts=self.facts, is_partial=self.is_partial
+            columns,
+            self.part_paths,
+            self.rules,
+            marks=self.marks,
+            facts=self.facts,
+            is_partial=self.is_partial,
+            shapes=self._shapes,
         )
 
     def _row(self, row: int) -> Clash:
@@ -335,6 +355,7 @@ class Clashes(Sequence[Clash]):
             status=mark.status,
             by=mark.by,
             note=mark.note,
+            changed=mark.changed,
         )
 
     def to_dicts(self) -> list[dict[str, Any]]:
@@ -392,8 +413,11 @@ class Clashes(Sequence[Clash]):
 
         What was there before is active, reviewed or approved as it was; what was not, or was resolved, is new; what is
         gone is resolved. An approved finding is new again where it is more than `growth` metres deeper than when it was
-        approved. The part keys say what is the same, not the coordinates. A partial check resolves nothing.
-        Raises `LoadError` where no part of what was found before is in this mock-up: it is another one's.
+        approved. A partial check resolves nothing.
+
+        A part keeps its findings by its path; under another path, or among parts of one path, by its shape and place:
+        `changed` of such a finding is "renamed" or "renumbered", and `Changes.parts` says how many parts were found.
+        Raises `LoadError` where no part of what was found before is in this mock-up, by path or by shape.
         """
         from feeler.clashes.changes import changes
 
@@ -418,7 +442,16 @@ class Clashes(Sequence[Clash]):
 
     def __reduce__(self) -> tuple[Any, ...]:
         columns = tuple(getattr(self.columns, each.name) for each in fields(self.columns))
-        state = (columns, self.part_paths, self.rules, self.marks, self.facts, self.is_partial, self._earlier)
+        state = (
+            columns,
+            self.part_paths,
+            self.rules,
+            self.marks,
+            self.facts,
+            self.is_partial,
+            self._earlier,
+            self._shapes,
+        )
         return (_restored, state)
 
     def __repr__(self) -> str:
@@ -435,8 +468,9 @@ def _restored(
     facts: Facts,
     is_partial: bool,
     earlier: Clashes | None,
+    shapes: PartShapes | None = None,
 ) -> Clashes:
-    found = Clashes(Columns(*columns), paths, rules, marks=marks, facts=facts, is_partial=is_partial)
+    found = Clashes(Columns(*columns), paths, rules, marks=marks, facts=facts, is_partial=is_partial, shapes=shapes)
     if earlier is not None:
         found.set_earlier(earlier)
     return found

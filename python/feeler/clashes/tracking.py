@@ -31,13 +31,15 @@ class Mark:
     """What is known of one finding beside its geometry.
 
     status: one of `STATUSES`. by, note: who set it and why; empty where nobody did. approved_depth: the signed depth
-    (metres; a gap is negative) at which it was approved, else None.
+    (metres; a gap is negative) at which it was approved, else None. changed: "renamed" where the last `diff` found one
+    of its parts under another path, "renumbered" where only its number among equal paths changed, else empty.
     """
 
     status: str = "new"
     by: str = ""
     note: str = ""
     approved_depth: float | None = None
+    changed: str = ""
 
 
 NEW = Mark()
@@ -89,7 +91,9 @@ class Marks:
             raise OptionError(f"status is {status!r}: choose {', '.join(SETTABLE)} (resolved is what is gone)")
         if not isinstance(by, str) or not isinstance(note, str):
             raise OptionError("by and note are texts: who says so, and why")
-        self._by_id[clash] = Mark(str(status), by, note, depth if status == "approved" else None)
+        self._by_id[clash] = Mark(
+            str(status), by, note, depth if status == "approved" else None, self.of(clash).changed
+        )
 
     def replace(self, marks: Mapping[str, Mark]) -> None:
         """Forgets all, and takes these."""
@@ -104,6 +108,7 @@ def followed(before: Mark | None, depth: float, growth: float) -> Mark:
         was = before.approved_depth
         if was is not None and depth > was + growth:
             grown = f"approved at {was:.6g} m, and now {depth:.6g} m deep"
-            return Mark("new", before.by, f"{before.note}; {grown}" if before.note else grown)
+            note = f"{before.note}; {grown}" if before.note else grown
+            return replace(before, status="new", note=note, approved_depth=None)
         return before
     return replace(before, status="active") if before.status == "new" else before

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -14,6 +15,9 @@ from feeler.cli.findings import count, mesh_facts
 from feeler.cli.inputs import AsJson, Choice, MockupFiles, MockupUnit, Only, Up, Without, read_mockup
 from feeler.errors import OptionError
 from feeler.progress import bar
+
+if TYPE_CHECKING:
+    from feeler.clashes.matching import PartMatch
 
 _SHOWN_GROUPS = 12
 _SHOWN = 20
@@ -54,7 +58,10 @@ def clash(
         Path | None, typer.Option("--write-rules", help="Start such a file with what is found.")
     ] = None,
     previous: Annotated[
-        Path | None, typer.Option(help="What --save wrote before: statuses are taken over, and what is gone is told.")
+        Path | None,
+        typer.Option(
+            help="What --save wrote before, of this file or another: take over statuses, report resolved findings."
+        ),
     ] = None,
     save: Annotated[Path | None, typer.Option(help="Write the findings with their status, for the next time.")] = None,
     growth: Annotated[
@@ -94,7 +101,7 @@ def clash(
     marked as partial, and ends with 130.
     """
     from feeler import clashes as room
-    from feeler.clashes.changes import check_mockup
+    from feeler.clashes.changes import check_previous
     from feeler.clashes.rules import near
     from feeler.cli import outputs
 
@@ -109,7 +116,7 @@ def clash(
     before = None if previous is None else room.load_clashes(previous)
     world = read_mockup(mockup, unit, up)
     if before is not None:
-        check_mockup(world.part_paths, before)
+        check_previous(world, before)
     with bar("indexing") as progress:
         scene = feeler.Scene(world, threads=threads, progress=progress)
     if without or only:
@@ -129,15 +136,20 @@ def clash(
             )
     except room.ClashInterrupted as stop:
         found, is_interrupted = stop.clashes, True
+    match = None
     if before is not None:
-        found.diff(before, **({} if growth is None else {"growth": growth}))
+        match = found.diff(before, **({} if growth is None else {"growth": growth})).parts
+        if match.is_doubtful:
+            outputs.warn(f"{match}; is {previous} of this mock-up?")
     written = _write(world, found, targets, by)
     is_found = wanted is not None and wanted(found)
     if as_json:
         facts = {"mockup": mesh_facts(world), "written": written, "failed": is_found}
+        if match is not None:
+            facts["previous"] = asdict(match)
         outputs.print_json({**room.report(found, by=by), **facts})
     else:
-        _print(found, by, before is not None, written)
+        _print(found, by, match, written)
     if is_interrupted:
         fail("interrupted: what was found until then is told")
         raise typer.Exit(INTERRUPTED)
@@ -218,12 +230,12 @@ def _write(world: feeler.Mockup, found: feeler.Clashes, targets: dict[str, Path 
     return written
 
 
-def _print(found: feeler.Clashes, by: str, has_previous: bool, written: dict[str, str]) -> None:
+def _print(found: feeler.Clashes, by: str, match: PartMatch | None, written: dict[str, str]) -> None:
     from feeler.clashes.as_json import statuses
     from feeler.clashes.words import extent, sentence
     from feeler.cli import outputs
 
-    out = outputs.console()
+    out, has_previous = outputs.console(), match is not None
     if found.is_partial:
         outputs.print_finding(out, "interrupted: this is what was found until then")
     counts = [(len(found.where(verdict=each)), each.name.lower()) for each in feeler.Verdict]
@@ -232,8 +244,10 @@ def _print(found: feeler.Clashes, by: str, has_previous: bool, written: dict[str
     outputs.say(out, f"{count(len(found), 'finding')} among {found.facts.parts:,} parts ({seconds})")
     if said:
         outputs.say(out, f"  {said}")
-    if has_previous:
+    if match is not None:
         outputs.say(out, "  " + ", ".join(f"{number:,} {name}" for name, number in statuses(found).items()))
+        if not match.is_plain:
+            outputs.say(out, f"  {match}")
     open_parts = {row.a for row in found if row.is_open_a} | {row.b for row in found if row.is_open_b}
     if open_parts:
         outputs.say(out, f"  {count(len(open_parts), 'part')} of these are not closed: nothing is inside them")

@@ -1,0 +1,323 @@
+"""Which part of the check before is which part now.
+
+    same path, shape and place -> same content -> same shape and place -> same path alone
+
+Each step takes the parts that the steps before it left, and each part is taken once. Parts with equal paths are
+matched by shape and place only, since their order says nothing. Where most parts moved by one vector, places are
+compared after that motion.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from feeler.clashes.shapes import Floats, Shapes
+from feeler.clashes.tracking import DEPTH_GROWTH_M
+
+Rows = npt.NDArray[np.intp]
+
+_SIDE_SHARE = 0.04
+"""How far the box of a part may differ along an axis, as a share of its side. A circle of 8 chords instead of many is
+4 % narrower; the next standard length of a bolt is 12 % longer."""
+_DIAGONAL_SHARE = 0.03
+"""The least of `DEPTH_GROWTH_M` and this share of the diagonal is allowed besides: flat faces have no side."""
+_ROUNDING = 1e-6
+"""Share of the largest coordinate: eight units in the last place of float32, which most formats store."""
+_LEAST_M = 1e-12
+"""Added, so that no tolerance is zero."""
+_AREA_SHARE = 0.12
+"""How far the areas may differ. A disc of 8 chords has 10 % less than one of many."""
+_NEAR_SHARE = 0.5
+"""How far the centre of a part that has a path in common with others may move, as a share of its side along each axis,
+and how much its diagonal may change: bolts of a pattern are farther apart."""
+_NO_SHIFT = np.zeros(3)
+
+
+@dataclass(frozen=True)
+class PartMatch:
+    """How many parts of the findings before are in this mock-up; `str()` is for people.
+
+    parts: how many had findings. by_path: how many have their path still. altered: how many of these have another
+    shape or place. by_shape: how many have another path, or another number among parts of one path. renamed: the key
+    of each of those now, by its key before.
+    """
+
+    parts: int
+    by_path: int
+    altered: int
+    by_shape: int
+    renamed: Mapping[str, str] = field(default_factory=dict)
+
+    def __str__(self) -> str:
+        """One line."""
+        found = self.by_path + self.by_shape
+        text = f"{found:,} of {self.parts:,} parts with findings before are in this mock-up"
+        if self.is_plain:
+            return text
+        altered = f" ({self.altered:,} with another shape or place)" if self.altered else ""
+        text += f": {self.by_path:,} by path{altered}, {self.by_shape:,} by shape and place"
+        if self.renamed:
+            before, now = min(self.renamed.items())
+            text += f", such as {now}, before {before}"
+        return text
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether all parts have their path, shape and place still."""
+        return self.by_path == self.parts and not self.altered
+
+    @property
+    def is_doubtful(self) -> bool:
+        """Whether less than half of the parts were found with the shape and place that they had."""
+        return 2 * (self.by_path + self.by_shape - self.altered) < self.parts
+
+
+def matched(old: Shapes, new: Shapes) -> tuple[Rows, npt.NDArray[np.bool_]]:
+    """The row of `new` that each row of `old` is, -1 for none; and whether it has its shape and place still.
+
+    One to one, and the same on every machine. Near linear in the number of parts.
+    """
+    search = _Search(old, new)
+    still = search.found(_NO_SHIFT)
+    shift = search.common_shift(still)
+    if shift is not None:
+        moved = search.found(shift)
+        if np.count_nonzero(moved >= 0) > np.count_nonzero(still >= 0):
+            still = moved
+    return search.by_path(still.copy()), still >= 0
+
+
+class _Search:
+    """What the steps have in common."""
+
+    def __init__(self, old: Shapes, new: Shapes) -> None:
+        self.old, self.new = old, new
+        self.sizes = [each.box[:, 1] - each.box[:, 0] for each in (old, new)]
+        self.centres = [each.box.mean(axis=1) for each in (old, new)]
+        self.diagonals = [np.sqrt((size * size).sum(axis=1)) for size in self.sizes]
+        boxes = (each.box[each.is_known] for each in (old, new))
+        self.rounding = _LEAST_M + _ROUNDING * max(float(np.abs(box).max(initial=0.0)) for box in boxes)
+        slack = np.minimum(DEPTH_GROWTH_M, _DIAGONAL_SHARE * self.diagonals[0])
+        self.tolerance = _SIDE_SHARE * self.sizes[0] + slack[:, None] + self.rounding
+        self.mates = _mates(old, new)
+        self.steps = [[path.split("/")[::-1] for path in each.paths] for each in (old, new)]
+
+    def differences(self, olds: Rows, news: Rows, shift: Floats) -> Floats:
+        """How far apart the boxes and centroids of pairs are, in tolerances; infinite where they are not the same."""
+        tolerance = self.tolerance[olds]
+        box = np.abs(self.new.box[news] - self.old.box[olds] - shift) / tolerance[:, None, :]
+        middle = np.abs(self.new.middle[news] - self.old.middle[olds] - shift) / tolerance
+        most = np.maximum(box.max(axis=(1, 2), initial=0.0), middle.max(axis=1, initial=0.0))
+        areas = (self.old.area[olds], self.new.area[news])
+        is_same = (most <= 1.0) & (np.abs(areas[0] - areas[1]) <= _AREA_SHARE * np.maximum(*areas))
+        return np.where(is_same, most, np.inf)
+
+    def found(self, shift: Floats) -> Rows:
+        """The parts that have the shape of before, and its place after a shift."""
+        new_of_old = np.full(len(self.old), -1)
+        olds, news = self.mates
+        same = np.isfinite(self.differences(olds, news, shift))
+        new_of_old[olds[same]] = news[same]
+        if not shift.any():
+            self._add_content(new_of_old)
+        left = self._left(new_of_old)
+        for old, new in self._near(*left, shift):
+            new_of_old[old] = new
+        return new_of_old
+
+    def common_shift(self, new_of_old: Rows) -> Floats | None:
+        """By what the parts moved that are not in their place, if there are more of these: the median."""
+        olds, news = self.mates
+        if not len(olds):
+            olds, news = self._alike()
+        scaled = np.abs(self.sizes[1][news] - self.sizes[0][olds]) <= self.tolerance[olds]
+        is_rigid = scaled.all(axis=1)
+        is_moved = is_rigid & (new_of_old[olds] != news)
+        if 2 * np.count_nonzero(is_moved) <= np.count_nonzero(is_rigid):
+            return None
+        olds, news = olds[is_moved], news[is_moved]
+        return np.asarray(np.median(self.centres[1][news] - self.centres[0][olds], axis=0))
+
+    def by_path(self, new_of_old: Rows) -> Rows:
+        """Adds the parts that are known by their path alone: moved, or made anew."""
+        is_taken = np.zeros(len(self.new), dtype=bool)
+        is_taken[new_of_old[new_of_old >= 0]] = True
+        olds, news = self.mates
+        free = (new_of_old[olds] < 0) & ~is_taken[news]
+        new_of_old[olds[free]] = news[free]
+        self._add_siblings(new_of_old)
+        self._add_unknown(new_of_old)
+        return new_of_old
+
+    def _left(self, new_of_old: Rows) -> tuple[Rows, Rows]:
+        """The known rows that are not matched."""
+        is_free = self.new.is_known
+        is_free[new_of_old[new_of_old >= 0]] = False
+        return np.flatnonzero((new_of_old < 0) & self.old.is_known), np.flatnonzero(is_free)
+
+    def _add_content(self, new_of_old: Rows) -> None:
+        """Pairs with equal corners. Copies in one place are told apart by the last steps of their paths."""
+        olds, news = self._left(new_of_old)
+        here: dict[int, list[int]] = defaultdict(list)
+        for new in news.tolist():
+            here[int(self.new.content[new])].append(new)
+        before: dict[int, list[int]] = defaultdict(list)
+        for old in olds.tolist():
+            if int(self.old.content[old]) in here:
+                before[int(self.old.content[old])].append(old)
+        for content, some in before.items():
+            for old, new in self._alike_in_path(some, here[content]):
+                new_of_old[old] = new
+
+    def _alike_in_path(self, olds: Sequence[int], news: Sequence[int]) -> Iterable[tuple[int, int]]:
+        """Pairs of parts, those first whose paths have more of their last steps in common."""
+        left, free = list(olds), list(news)
+        depth = max(len(self.steps[0][old]) for old in olds) if len(olds) > 1 or len(news) > 1 else 0
+        for most in range(depth, -1, -1):
+            by_end: dict[tuple[str, ...], list[int]] = defaultdict(list)
+            for new in reversed(free):
+                by_end[tuple(self.steps[1][new][:most])].append(new)
+            pairs = [(old, by_end[end].pop()) for old in left if by_end.get(end := tuple(self.steps[0][old][:most]))]
+            yield from pairs
+            done, taken = {old for old, _ in pairs}, {new for _, new in pairs}
+            left, free = [old for old in left if old not in done], [new for new in free if new not in taken]
+
+    def _near(self, olds: Rows, news: Rows, shift: Floats) -> Iterable[tuple[int, int]]:
+        """Pairs of the same shape and place, the nearest first; of those as near, by the last steps of their paths."""
+        pairs = self._candidates(olds, news, shift, self.tolerance[olds])
+        differences = self.differences(*pairs, shift)
+        return self._nearest_first(*pairs, differences)
+
+    def _nearest_first(self, olds: Rows, news: Rows, distances: Floats) -> Iterable[tuple[int, int]]:
+        """Pairs at a finite distance, each part once."""
+        order = [
+            (distance, -_common(self.steps[0][old], self.steps[1][new]), old, new)
+            for distance, old, new in zip(distances.tolist(), olds.tolist(), news.tolist(), strict=True)
+            if math.isfinite(distance)
+        ]
+        return _one_to_one((old, new) for _, _, old, new in sorted(order))
+
+    def _candidates(self, olds: Rows, news: Rows, shift: Floats, reach: Floats) -> tuple[Rows, Rows]:
+        """Pairs of about one size whose centres are hardly farther apart than `reach`, by a grid for each size."""
+        sizes = [_doublings(diagonal) for diagonal in self.diagonals]
+        cell_of_size = {size: math.ldexp(0.5, size) + 4.0 * self.rounding for size in {*sizes[1][news].tolist()}}
+        grid: dict[tuple[int, tuple[int, ...]], list[int]] = defaultdict(list)
+        for new, size, centre in zip(
+            news.tolist(), sizes[1][news].tolist(), self.centres[1][news].tolist(), strict=True
+        ):
+            place = tuple(math.floor(x / cell_of_size[size]) for x in centre)
+            grid[size, place].append(new)
+        centres = self.centres[0][olds] + shift
+        lower, upper = (centres - reach).tolist(), (centres + reach).tolist()
+        pairs = []
+        for old, around, low, high in zip(olds.tolist(), sizes[0][olds].tolist(), lower, upper, strict=True):
+            for size in (around - 1, around, around + 1):
+                if (cell := cell_of_size.get(size)) is None:
+                    continue
+                spans = [range(math.floor(a / cell), math.floor(b / cell) + 1) for a, b in zip(low, high, strict=True)]
+                for place in itertools.product(*spans):
+                    pairs += [(old, new) for new in grid.get((size, place), ())]
+        return _columns(pairs)
+
+    def _alike(self) -> tuple[Rows, Rows]:
+        """Pairs of parts with a shape that no other part has."""
+        by_shape: list[dict[tuple[float, ...], list[int]]] = [defaultdict(list), defaultdict(list)]
+        for found, shapes, sizes in zip(by_shape, (self.old, self.new), self.sizes, strict=True):
+            for row, (size, area) in enumerate(zip(sizes.tolist(), shapes.area.tolist(), strict=True)):
+                if math.isfinite(area):
+                    found[tuple(float(f"{each:.4g}") for each in (*size, area))].append(row)
+        pairs = [
+            (rows[0], by_shape[1][shape][0])
+            for shape, rows in by_shape[0].items()
+            if len(rows) == 1 == len(by_shape[1].get(shape, ()))
+        ]
+        return _columns(pairs)
+
+    def _add_siblings(self, new_of_old: Rows) -> None:
+        """Pairs among parts with equal paths: all of them moved by one vector, or one of them moved a little."""
+        olds, news = self._left(new_of_old)
+        before, here = _by_path(self.old.paths, olds), _by_path(self.new.paths, news)
+        counts = Counter(self.old.paths), Counter(self.new.paths)
+        for path, some in before.items():
+            others = here.get(path)
+            if others is None:
+                continue
+            rows = np.array(some), np.array(others)
+            pairs: list[tuple[int, int]] = []
+            if len(some) == len(others) == counts[0][path] == counts[1][path]:
+                shift = self.centres[1][rows[1]].mean(axis=0) - self.centres[0][rows[0]].mean(axis=0)
+                pairs = list(self._near(*rows, shift))
+            if len(pairs) < len(some):
+                pairs = list(self._nearest(*rows))
+            for old, new in pairs:
+                new_of_old[old] = new
+
+    def _nearest(self, olds: Rows, news: Rows) -> Iterable[tuple[int, int]]:
+        """Pairs of about one size, the centre now within the box before."""
+        reach = np.maximum(_NEAR_SHARE * self.sizes[0], self.tolerance)
+        olds, news = self._candidates(olds, news, _NO_SHIFT, reach[olds])
+        away = self.centres[1][news] - self.centres[0][olds]
+        growth = np.abs(self.diagonals[1][news] - self.diagonals[0][olds])
+        is_near = (np.abs(away) <= reach[olds]).all(axis=1) & (growth <= _NEAR_SHARE * self.diagonals[0][olds])
+        return self._nearest_first(olds, news, np.where(is_near, np.sqrt((away * away).sum(axis=1)), np.inf))
+
+    def _add_unknown(self, new_of_old: Rows) -> None:
+        """Pairs of one key where the shape of one is not known, as in files of earlier versions."""
+        row_of_key = {key: row for row, key in enumerate(self.new.keys)}
+        taken = set(new_of_old.tolist())
+        is_known = self.old.is_known, self.new.is_known
+        for old in np.flatnonzero(new_of_old < 0).tolist():
+            new = row_of_key.get(self.old.keys[old], -1)
+            if new >= 0 and new not in taken and not (is_known[0][old] and is_known[1][new]):
+                new_of_old[old] = new
+
+
+def _mates(old: Shapes, new: Shapes) -> tuple[Rows, Rows]:
+    """Pairs of one path, which no other part of either has; the shapes of both are known."""
+    single = [
+        {path: rows[0] for path, rows in _by_path(each.paths, np.arange(len(each))).items() if len(rows) == 1}
+        for each in (old, new)
+    ]
+    is_known = old.is_known, new.is_known
+    pairs = [(row, single[1][path]) for path, row in single[0].items() if path in single[1]]
+    return _columns([(a, b) for a, b in pairs if is_known[0][a] and is_known[1][b]])
+
+
+def _by_path(paths: Sequence[str], rows: Rows) -> dict[str, list[int]]:
+    found: dict[str, list[int]] = defaultdict(list)
+    for row in rows.tolist():
+        found[paths[row]].append(row)
+    return found
+
+
+def _columns(pairs: Sequence[tuple[int, int]]) -> tuple[Rows, Rows]:
+    both = np.array(pairs, dtype=np.intp).reshape(-1, 2)
+    return both[:, 0], both[:, 1]
+
+
+def _doublings(diagonals: Floats) -> npt.NDArray[np.int64]:
+    """Between which powers of two each length is."""
+    return np.frexp(np.where(diagonals > 0.0, diagonals, 1e-9))[1].astype(np.int64)
+
+
+def _common(one: Sequence[str], other: Sequence[str]) -> int:
+    """How many steps both begin with."""
+    return next((i for i, (a, b) in enumerate(zip(one, other, strict=False)) if a != b), min(len(one), len(other)))
+
+
+def _one_to_one(pairs: Iterable[tuple[int, int]]) -> Iterable[tuple[int, int]]:
+    """Those pairs of which neither part was in a pair before."""
+    olds: set[int] = set()
+    news: set[int] = set()
+    for old, new in pairs:
+        if old not in olds and new not in news:
+            olds.add(old)
+            news.add(new)
+            yield old, new

@@ -1,0 +1,160 @@
+"""Shape and place of each part: how a part is recognised under another path.
+
+    Mockup -> Shapes (a row for each part) -> matching.py; a file has the rows of parts with findings
+
+A row costs one pass over the triangles, so `PartShapes` waits until somebody compares or saves a table.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from feeler.clashes.tracking import part_keys
+from feeler.mockup import Mockup
+
+Floats = npt.NDArray[np.float64]
+Hashes = npt.NDArray[np.uint64]
+
+_TRIANGLES_AT_ONCE = 32_768  # 2.4 MB of corners: they stay in the cache
+_FACTORS = np.array([0x9E3779B97F4A7C15, 0xBF58476D1CE4E5B9, 0x94D049BB133111EB], np.uint64)
+"""The multipliers of splitmix64 (Steele, Lea and Flood 2014)."""
+_DIGITS = 9
+"""Digits behind the point of a metre: sums in another order of triangles give the same text in a file."""
+
+
+@dataclass(frozen=True)
+class Shapes:
+    """A row for each part, metres; NaN where the shape is not known.
+
+    keys: as of `part_keys`. paths: without the `#2` of equal paths. content: a hash of all corners of all triangles
+    that does not depend on their order. box: `(n, 2, 3)`, lower and upper corner. middle: `(n, 3)`, the centroid of the
+    surface. area: `(n,)`, square metres.
+    """
+
+    keys: tuple[str, ...]
+    paths: tuple[str, ...]
+    content: Hashes
+    box: Floats
+    middle: Floats
+    area: Floats
+
+    def __len__(self) -> int:
+        return len(self.keys)
+
+    @property
+    def is_known(self) -> npt.NDArray[np.bool_]:
+        """`(n,)`: whether the shape is known."""
+        return np.isfinite(self.area)
+
+    def rows(self, chosen: Sequence[int]) -> Shapes:
+        """Some of the rows, in a given order."""
+        index = np.array(chosen, dtype=np.intp)
+        names = ([each[i] for i in chosen] for each in (self.keys, self.paths))
+        keys, paths = map(tuple, names)
+        return Shapes(keys, paths, self.content[index], self.box[index], self.middle[index], self.area[index])
+
+    def with_siblings(self, keys: Iterable[str]) -> Shapes:
+        """The known rows of these parts and of all parts with the same paths, sorted by key."""
+        wanted = set(keys)
+        paths = {path for key, path in zip(self.keys, self.paths, strict=True) if key in wanted}
+        known = np.flatnonzero(self.is_known).tolist()
+        return self.rows(sorted((i for i in known if self.paths[i] in paths), key=lambda i: self.keys[i]))
+
+    def joined(self, other: Shapes) -> Shapes:
+        """These rows, and those of the other whose keys are not here."""
+        here = set(self.keys)
+        more = other.rows([i for i, key in enumerate(other.keys) if key not in here])
+        arrays = (
+            np.concatenate([getattr(self, name), getattr(more, name)]) for name in ("content", "box", "middle", "area")
+        )
+        return Shapes(self.keys + more.keys, self.paths + more.paths, *arrays)
+
+
+def unknown(keys: Sequence[str], paths: Sequence[str] | None = None) -> Shapes:
+    """Rows of parts whose shape is not known."""
+    n = len(keys)
+    nothing = (np.full((n, 2, 3), np.nan), np.full((n, 3), np.nan), np.full(n, np.nan))
+    return Shapes(tuple(keys), tuple(keys if paths is None else paths), np.zeros(n, dtype=np.uint64), *nothing)
+
+
+def shapes_of(mockup: Mockup) -> Shapes:
+    """A row for each part of a mock-up. Linear in the triangles; unknown for parts without a triangle to query."""
+    count = mockup.part_count
+    vertices = np.concatenate([mockup.vertices, np.full((1, 3), np.nan)])
+    axes = np.ascontiguousarray(vertices.T)
+    hashes = _hashes(vertices)
+    faces, part_of_face = mockup.faces, mockup.part_of_face
+    content = np.zeros(count, dtype=np.uint64)
+    sums = np.zeros((4, count))
+    for begin in range(0, len(faces), _TRIANGLES_AT_ONCE):
+        # An index out of range means the vertex of NaN behind the last one.
+        some = np.minimum(faces[begin : begin + _TRIANGLES_AT_ONCE], len(vertices) - 1)
+        corners = np.ascontiguousarray(some.T, dtype=np.intp)
+        part = part_of_face[begin : begin + _TRIANGLES_AT_ONCE]
+        if (part[1:] < part[:-1]).any():
+            order = np.argsort(part, kind="stable")
+            part, corners = part[order], corners[:, order]
+        starts = np.flatnonzero(np.concatenate([[True], part[1:] != part[:-1]]))
+        parts = part[starts]
+        total = hashes[corners[0]] + hashes[corners[1]] + hashes[corners[2]]
+        content[parts] += np.add.reduceat(total, starts)
+        for sum_of_part, values in zip(sums, _areas(axes, corners), strict=True):
+            sum_of_part[parts] += np.add.reduceat(values, starts)
+    box = np.array(mockup.part_bounds, dtype=np.float64).reshape(count, 2, 3)
+    is_empty = ~(np.isfinite(box).all(axis=(1, 2)) & (box[:, 0] <= box[:, 1]).all(axis=1))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        middle = np.where(sums[0] > 0.0, sums[1:] / (3.0 * sums[0]), box.mean(axis=1).T).T
+    middle[is_empty] = box[is_empty] = np.nan
+    area: Floats = np.where(is_empty, np.nan, sums[0])
+    keys = tuple(part_keys(mockup.part_paths))
+    middle, area = middle.round(_DIGITS), area.round(2 * _DIGITS)
+    return Shapes(keys, tuple(mockup.part_paths), content, box, middle, area)
+
+
+def _hashes(vertices: Floats) -> Hashes:
+    """A hash of each vertex: equal for equal coordinates, 0.0 and -0.0 included."""
+    x, y, z = np.ascontiguousarray((vertices + 0.0).view(np.uint64).T)
+    found: Hashes = (x ^ _FACTORS[2]) * _FACTORS[0]
+    for coordinate, factor in ((y, _FACTORS[1]), (z, _FACTORS[2])):
+        found ^= found >> np.uint64(32)
+        found += coordinate
+        found *= factor
+    found ^= found >> np.uint64(29)
+    found *= _FACTORS[0]
+    found ^= found >> np.uint64(32)
+    return found
+
+
+def _areas(axes: Floats, corners: npt.NDArray[Any]) -> list[Floats]:
+    """The area of each triangle, and that times the sum of its corners by axis; 0 where a corner is not finite."""
+    a, b, c = ([axis[corner] for axis in axes] for corner in corners)
+    with np.errstate(over="ignore", invalid="ignore"):
+        u, v = ([q - p for p, q in zip(a, far, strict=True)] for far in (b, c))
+        normal = [u[i - 2] * v[i - 1] - u[i - 1] * v[i - 2] for i in range(3)]
+        area = 0.5 * np.sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2])
+        found = [area, *(area * (p + q + r) for p, q, r in zip(a, b, c, strict=True))]
+        if np.isfinite([each.sum() for each in found]).all():
+            return found
+    is_sound = np.isfinite(found).all(axis=0)
+    return [np.where(is_sound, each, 0.0) for each in found]
+
+
+class PartShapes:
+    """The shapes of a mock-up's parts, found when they are first asked for. Tables of one check share one."""
+
+    def __init__(self, source: Mockup | Shapes) -> None:
+        self._source = source
+
+    def get(self) -> Shapes:
+        """The shapes. The mock-up is let go."""
+        if isinstance(self._source, Mockup):
+            self._source = shapes_of(self._source)
+        return self._source
+
+    def __reduce__(self) -> tuple[type[PartShapes], tuple[Shapes]]:
+        return (type(self), (self.get(),))
