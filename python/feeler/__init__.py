@@ -24,6 +24,7 @@ from feeler._core import (
     SectionOutline,
 )
 from feeler.clashes import Clash, Clashes, Verdict, clash, load_clashes
+from feeler.depths import Depths
 from feeler.errors import (
     DeviceError,
     FeelerError,
@@ -70,6 +71,7 @@ __all__ = [
     "ContactTracker",
     "Contacts",
     "Containment",
+    "Depths",
     "DeviceError",
     "Distance",
     "DistanceBatch",

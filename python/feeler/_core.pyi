@@ -225,6 +225,9 @@ class Scene:
     def clearance(
         self, tool: Tool, world_from_tool: npt.ArrayLike, within: float, triangles: bool, *, ignore: _Ignore = None
     ) -> Clearance: ...
+    def depth(
+        self, tool: Tool, world_from_tool: npt.ArrayLike, *, ignore: _Ignore = None
+    ) -> Any: ...
     def distance(
         self, tool: Tool, world_from_tool: npt.ArrayLike, max: float, *, ignore: _Ignore = None
     ) -> Distance: ...

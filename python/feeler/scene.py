@@ -27,6 +27,7 @@ from feeler._core import (
     SectionOutline,
 )
 from feeler.calibrate import machine_constants
+from feeler.depths import Depths
 from feeler.errors import LimitError, MeshError, OptionError
 from feeler.ignored import Ignore, IgnoredPairs, ignored
 from feeler.mockup import Mockup, Tool
@@ -345,6 +346,25 @@ class Scene(_core.Scene):
         Arguments and errors as `contacts`. `kind` says whether it is exact, a bound or an estimate.
         """
         return super().penetration(tool, world_from_tool, _real("margin", margin), reference, ignore=ignore)
+
+    def depth(self, tool: _core.Tool, world_from_tool: npt.ArrayLike, *, ignore: Ignore = None) -> Depths:
+        """How deep the tool is in each part that it meets, holds, or is inside; the deepest first.
+
+        The depth of two solids is the farthest that a point of one surface lies inside the other solid. It does not
+        depend on the triangulation, and a motion changes it by at most its length. The first query for a part builds a
+        tree of its triangles, which the scene keeps.
+        Arguments and errors as `collide`.
+        """
+        parts, numbers, is_estimate = super().depth(tool, world_from_tool, ignore=ignore)
+        return Depths(
+            parts[:, 0].copy(),
+            parts[:, 1].copy(),
+            numbers[:, 0].copy(),
+            numbers[:, 1].copy(),
+            is_estimate,
+            numbers[:, 2:5].copy(),
+            numbers[:, 5:8].copy(),
+        )
 
     def rays(
         self,

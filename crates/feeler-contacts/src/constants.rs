@@ -410,7 +410,8 @@ pub const BODY_ROUNDING: f64 = 1.0 / (1u64 << 48) as f64;
 /// to needles are more by up to that share of their length.
 pub const SLIVER_HEIGHT: f64 = 1e-10;
 
-/// Most triangles of parts that are kept as bodies, of about 100 bytes each: 400 MB. Fewer: large parts are prepared again.
+/// Most triangles of parts that are kept as bodies, of about 130 bytes each: 550 MB; two of the largest part are always kept. Fewer: parts
+/// are prepared again.
 pub const MOST_KEPT_TRIANGLES: usize = 1 << 22;
 
 /// Cosine of the angle between the faces of a thin wall from which on they look opposite ways: 154 degrees. Larger: blunter edges are

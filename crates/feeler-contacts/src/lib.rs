@@ -73,6 +73,7 @@ pub use escape::penetration::{Penetration, PenetrationKind};
 pub use footing::find::Footing;
 pub use footing::manifold::{Manifold, ManifoldPoint, Manifolds};
 pub use point_depth::depth::DepthKind;
+pub use point_depth::of_tool::PartDepth;
 pub use solver::ContactSolver;
 pub use tracker::ContactTracker;
 

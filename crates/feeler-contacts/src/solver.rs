@@ -11,6 +11,8 @@ use crate::escape::escape_probe::is_free_and_outside;
 use crate::escape::penetration::{penetration, Penetration};
 use crate::footing::find::{footing, Footing};
 use crate::footing::manifold::Manifolds;
+use crate::point_depth::bodies::Bodies;
+use crate::point_depth::of_tool::{depths, PartDepth};
 use crate::query::{ContactQuery, ContactScratch};
 
 /// Finds contacts in a scene. Owns the working memory of its queries; any number of threads may ask it at once.
@@ -18,17 +20,20 @@ use crate::query::{ContactQuery, ContactScratch};
 pub struct ContactSolver {
     scene: Arc<Scene>,
     pool: Arc<ScratchPool<ContactScratch>>,
+    bodies: Arc<Bodies>,
 }
 
 impl ContactSolver {
     /// A solver for a scene.
     pub fn new(scene: Arc<Scene>) -> ContactSolver {
-        ContactSolver { scene, pool: Arc::default() }
+        ContactSolver { scene, pool: Arc::default(), bodies: Arc::default() }
     }
 
-    /// A solver for another scene with the same working memory, as for a scene without some parts.
+    /// A solver for another scene of the same mock-up with the same working memory, as for a scene without some parts.
     pub fn with_scene(&self, scene: Arc<Scene>) -> ContactSolver {
-        ContactSolver { scene, pool: self.pool.clone() }
+        let bodies =
+            if Arc::ptr_eq(scene.mockup(), self.scene.mockup()) { self.bodies.clone() } else { Arc::default() };
+        ContactSolver { scene, pool: self.pool.clone(), bodies }
     }
 
     /// The scene.
@@ -68,6 +73,13 @@ impl ContactSolver {
     /// cracks, where most of three rays decide.
     pub fn containment(&self, tool: &Tool, pose: &Pose) -> Containment {
         containment(&self.scene, tool, pose)
+    }
+
+    /// How deep the tool is in each part that it meets or that holds it, or that it holds: the farthest that a point of one surface is inside
+    /// the other part. The deepest first, then by part. Trees of these parts are made when first needed, in time about linear in their
+    /// triangles, and kept.
+    pub fn depths(&self, tool: &Tool, pose: &Pose) -> Vec<PartDepth> {
+        depths(&self.scene, &self.bodies, tool, pose)
     }
 
     /// Whether no triangles meet and nothing is inside anything.

@@ -45,7 +45,11 @@ fn depth_by_points(p: [Point; 2], q: [Point; 2]) -> f64 {
                 let (low, high) = if a == axis { (p[side][a], p[side][a]) } else { (p[0][a], p[1][a]) };
                 let (low, high) = (low.max(q[0][a]), high.min(q[1][a]));
                 let best = (0.5 * (q[0][a] + q[1][a])).clamp(low.min(high), high.max(low));
-                if low > high { -1.0 } else { (best - q[0][a]).min(q[1][a] - best) }
+                if low > high {
+                    -1.0
+                } else {
+                    (best - q[0][a]).min(q[1][a] - best)
+                }
             });
             deepest = deepest.max(least.fold(f64::INFINITY, f64::min));
         }
@@ -126,13 +130,7 @@ const CASES: [Case; 15] = {
         ("flush, unequal", CUBE, [[2.0, 0.5, 0.3], [4.0, 1.5, 1.2]], Some(Verdict::Contact), 0.0),
         ("an edge", CUBE, [[2.0, 2.0, 0.0], [4.0, 4.0, 2.0]], Some(Verdict::Contact), 0.0),
         ("a vertex", CUBE, [[2.0; 3], [4.0; 3]], Some(Verdict::Contact), 0.0),
-        (
-            "walls in line",
-            [[0.0; 3], [4.0, 0.2, 3.0]],
-            [[3.95, 0.0, 0.0], [8.0, 0.2, 3.0]],
-            Some(Verdict::Clash),
-            0.0,
-        ),
+        ("walls in line", [[0.0; 3], [4.0, 0.2, 3.0]], [[3.95, 0.0, 0.0], [8.0, 0.2, 3.0]], Some(Verdict::Clash), 0.0),
         ("1.5 deep", CUBE, [[0.5, 0.3, 0.3], [2.5, 1.7, 1.7]], Some(Verdict::Clash), 0.0),
         ("1.5 deep, flush", CUBE, [[0.5, 0.0, 0.0], [2.5, 2.0, 2.0]], Some(Verdict::Clash), 0.0),
         ("contained", CUBE, [[0.5, 0.6, 0.7], [1.0, 1.1, 1.2]], Some(Verdict::Contained), 0.5),
@@ -154,7 +152,8 @@ fn cases_of_which_tools_are_mostly_wrong() {
                     let what = format!("{name}, {cells:?} cells at {off}: {found:?}");
                     assert_eq!(found.first().map(|row| row.verdict), verdict, "{what}");
                     for row in found {
-                        let depth = if gap > 0.0 && verdict != Some(Verdict::Contained) { 0.0 } else { depth_by_points(p, q) };
+                        let depth =
+                            if gap > 0.0 && verdict != Some(Verdict::Contained) { 0.0 } else { depth_by_points(p, q) };
                         assert_depth(&row, depth, 1e-11, &what);
                         assert!((row.gap - gap).abs() < 1e-11, "{what}");
                     }

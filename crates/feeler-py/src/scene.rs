@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use feeler_contacts as contacts;
 use feeler_contacts::ContactSolver;
 use feeler_core as core;
 use numpy::ndarray::Array2;
@@ -340,6 +341,32 @@ impl Scene {
             asked.penetration(tool, &world_from_tool.0, margin, reference.as_ref()).map_err(to_py)
         });
         Penetration::new(py, found?, (asked, Arc::clone(tool), world_from_tool.0))
+    }
+
+    /// Columns: parts, parts of the tool, numbers (depth, error, the point of the tool, that of the part), whether it is an estimate.
+    #[pyo3(signature = (tool, world_from_tool, *, ignore = None))]
+    #[allow(clippy::type_complexity, reason = "a tuple of arrays")]
+    fn depth<'py>(
+        &self,
+        py: Python<'py>,
+        tool: ToolArgument<'_, '_>,
+        world_from_tool: PoseArgument,
+        ignore: Ignore<'_>,
+    ) -> PyResult<(Bound<'py, PyArray2<u32>>, Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<bool>>)> {
+        let asked = self.asked(&tool, &ignore)?;
+        let tool = tool.core();
+        let found = py.detach(|| {
+            find_topology(self.core.mockup(), tool, true)?;
+            Ok::<_, PyErr>(asked.depths(tool, &world_from_tool.0))
+        })?;
+        let parts = Array2::from_shape_fn((found.len(), 2), |(n, i)| [found[n].part, found[n].tool_part][i]);
+        let numbers = Array2::from_shape_fn((found.len(), 8), |(n, i)| match i {
+            0 => found[n].depth,
+            1 => found[n].error,
+            _ => found[n].points[(i - 2) / 3][(i - 2) % 3],
+        });
+        let is_estimate: Vec<bool> = found.iter().map(|row| row.kind == contacts::DepthKind::Estimate).collect();
+        Ok((parts.into_pyarray(py), numbers.into_pyarray(py), is_estimate.into_pyarray(py)))
     }
 
     #[pyo3(signature = (tool, world_from_tool, max, *, ignore = None))]

@@ -234,7 +234,11 @@ impl<'a> ClashSearch<'a> {
         }
         let verdict = verdict.unwrap_or_else(|| {
             let contact = self.limits.contact(parts[0], parts[1]);
-            if way.plane_depth <= contact { Verdict::Contact } else { Verdict::Clash }
+            if way.plane_depth <= contact {
+                Verdict::Contact
+            } else {
+                Verdict::Clash
+            }
         });
         Ok(self.deep(parts, verdict, by_points, kind, way, is_open))
     }

@@ -82,28 +82,24 @@ pub struct Body {
 
 impl Body {
     /// Of triangles in the world, each with its number in an adjacency.
-    pub fn new(given: impl Iterator<Item = (u32, Triangle)>, adjacency: &Adjacency) -> Body {
-        let given: Vec<(u32, Triangle)> = given.collect();
-        let world = given.iter().flat_map(|(_, t)| t).fold(Aabb::EMPTY, |mut around, p| {
-            around.grow(p);
-            around
-        });
-        let origin: Point = if world.is_empty() {
-            [0.0; 3]
-        } else {
-            std::array::from_fn(|a| 0.5 * world.lower[a] + 0.5 * world.upper[a])
-        };
-        let moved: Vec<Triangle> = given.iter().map(|(_, t)| t.map(|p| sub(&p, &origin))).collect();
+    pub fn new(given: impl Iterator<Item = (u32, Triangle)> + Clone, adjacency: &Adjacency) -> Body {
+        let mut world = Aabb::EMPTY;
+        given.clone().flat_map(|(_, t)| t).for_each(|p| world.grow(&p));
+        let middle = |a: usize| 0.5 * world.lower[a] + 0.5 * world.upper[a];
+        let origin: Point = if world.is_empty() { [0.0; 3] } else { std::array::from_fn(middle) };
+        let (numbers, moved): (Vec<u32>, Vec<Triangle>) =
+            given.map(|(number, t)| (number, t.map(|p| sub(&p, &origin)))).unzip();
         let mut order: Vec<u32> = (0..moved.len() as u32).collect();
-        let centres: Vec<Point> = moved.iter().map(|[p, q, r]| add(&add(p, q), r)).collect();
         let mut nodes = Vec::new();
         if !moved.is_empty() {
             nodes.push(Node::around(&Aabb::EMPTY));
+            let centres: Vec<Point> = moved.iter().map(|[p, q, r]| add(&add(p, q), r)).collect();
             build(&mut nodes, 0, (&moved, &centres), &mut order, 0);
         }
         let bounds = nodes.first().map_or(Aabb::EMPTY, Node::bounds);
-        let senses: Vec<i8> = order.iter().map(|i| adjacency.outward[given[*i as usize].0 as usize]).collect();
+        let senses: Vec<i8> = order.iter().map(|i| adjacency.outward[numbers[*i as usize] as usize]).collect();
         let triangles: Vec<Triangle> = order.iter().map(|i| moved[*i as usize]).collect();
+        drop(moved);
         Body {
             origin,
             rounding: BODY_ROUNDING * bounds.largest_coordinate(),

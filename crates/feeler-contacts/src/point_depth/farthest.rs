@@ -58,7 +58,12 @@ struct Entry {
 /// What is left of a direction.
 enum What {
     /// A node of the tree, its middle, the distance from there, and whether all of it is known to count.
-    Node { node: u32, middle: Point, distance: f64, is_settled: bool },
+    Node {
+        node: u32,
+        middle: Point,
+        distance: f64,
+        is_settled: bool,
+    },
     Piece(Box<Piece>),
 }
 

@@ -10,6 +10,7 @@ pub mod body;
 pub mod depth;
 mod distances;
 mod farthest;
+pub mod of_tool;
 mod outline;
 mod piece;
 pub mod walls;

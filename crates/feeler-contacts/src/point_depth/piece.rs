@@ -97,7 +97,6 @@ impl Piece {
         farthest
     }
 
-
     /// The polygon alone.
     pub fn outline(&self) -> Outline {
         Outline { points: self.corners.iter().map(|corner| corner.at).collect(), normal: self.normal }
@@ -144,7 +143,9 @@ impl Piece {
         let size = length(&self.bounds().extent());
         let mut best = (f64::INFINITY, None);
         let mut consider = |plane: Option<Plane>| {
-            if let Some((bound, plane)) = plane.and_then(|plane| Some((distances.bound_after(&plane, size, best.0)?, plane))) {
+            if let Some((bound, plane)) =
+                plane.and_then(|plane| Some((distances.bound_after(&plane, size, best.0)?, plane)))
+            {
                 best = (bound, Some(plane));
             }
         };
@@ -169,9 +170,8 @@ impl Piece {
     /// The plane in which two triangles' planes are equally far, on the side where the piece is.
     fn halfway(&self, t: &Triangle, u: &Triangle) -> Option<Plane> {
         let (m, n) = (normal(t)?, normal(u)?);
-        let sum = |p: &Point, q: &Point| {
-            self.corners.iter().map(|corner| dot(q, &sub(&corner.at, p))).sum::<f64>().signum()
-        };
+        let sum =
+            |p: &Point, q: &Point| self.corners.iter().map(|corner| dot(q, &sub(&corner.at, p))).sum::<f64>().signum();
         let (m, n) = (scaled(&m, sum(&t[0], &m)), scaled(&n, sum(&u[0], &n)));
         let across = sub(&m, &n);
         let size = length(&across);
@@ -219,7 +219,8 @@ impl Default for CornerCache {
 impl CornerCache {
     /// The corner at a point, found or made.
     pub fn of(&mut self, at: Point, near: &[u32], body: &Body) -> Option<&mut Kept> {
-        let hash = at.iter().fold(0u64, |sum, x| (sum.rotate_left(23) ^ x.to_bits()).wrapping_mul(0x9e37_79b9_7f4a_7c15));
+        let hash =
+            at.iter().fold(0u64, |sum, x| (sum.rotate_left(23) ^ x.to_bits()).wrapping_mul(0x9e37_79b9_7f4a_7c15));
         let place = &mut self.kept[(hash >> 40) as usize % CORNERS_KEPT];
         if place.is_none_or(|kept| kept.corner.at != at) {
             *place = corner(at, near, body).map(|corner| Kept { corner, counts: None });
@@ -241,4 +242,3 @@ fn corner(at: Point, near: &[u32], body: &Body) -> Option<Corner> {
     let closest = body.closest_from(&at, near)?;
     Some(Corner { at, distance: closest.distance, nearest: closest.triangle, point: closest.point })
 }
-

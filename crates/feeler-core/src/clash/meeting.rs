@@ -53,8 +53,7 @@ pub fn meeting_parts(
     let found = all.iter().flat_map(|(found, _)| found).map(|(parts, meets, triangles)| (*parts, (*meets, *triangles)));
     let pairs = merged(found, |p, q| if q.0 > p.0 { q } else { p });
     let examples = pairs.iter().map(|(_, (_, triangles))| *triangles).collect();
-    let pairs: Vec<MeetingParts> =
-        pairs.into_iter().map(|(parts, (meets, _))| MeetingParts { parts, meets }).collect();
+    let pairs: Vec<MeetingParts> = pairs.into_iter().map(|(parts, (meets, _))| MeetingParts { parts, meets }).collect();
     let is_touching = |touch: &&Touch| {
         let at = pairs.binary_search_by_key(&touch.parts, |pair| pair.parts);
         at.is_ok_and(|at| pairs[at].meets == Meets::Touching)

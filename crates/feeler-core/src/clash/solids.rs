@@ -88,7 +88,7 @@ impl<'a> Solid<'a> {
     }
 
     /// The own numbers of all its triangles.
-    pub fn triangles(&self) -> impl Iterator<Item = u32> + 'a {
+    pub fn triangles(&self) -> impl Iterator<Item = u32> + Clone + 'a {
         let is_whole = self.is_whole;
         self.faces.iter().zip(0..).map(move |(face, own)| if is_whole { *face } else { own })
     }
@@ -146,7 +146,11 @@ impl<'a> Solids<'a> {
                 let [a, b, c] = mesh.triangle(*face).map(|corner| hash_all(&corner));
                 [(a, b), (b, c), (c, a)].into_iter().fold(sum, |sum, (p, q)| {
                     let edge = mixed(p.min(q) ^ mixed(p.max(q)));
-                    if p < q { sum.wrapping_add(edge) } else { sum.wrapping_sub(edge) }
+                    if p < q {
+                        sum.wrapping_add(edge)
+                    } else {
+                        sum.wrapping_sub(edge)
+                    }
                 })
             });
             Box::new(sum == 0)

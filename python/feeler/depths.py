@@ -1,0 +1,42 @@
+"""How deep a tool is in the parts of a mock-up."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+
+@dataclass(frozen=True, eq=False)
+class Depths:
+    """The depth of a tool at one pose: a row for each part that it meets, holds or is inside; the deepest first.
+
+    Metres, world. All arrays are read-only.
+    """
+
+    parts: npt.NDArray[np.uint32]
+    """`(k,)`: indices into `mockup.parts`."""
+    tool_parts: npt.NDArray[np.uint32]
+    """`(k,)`: indices into `tool.parts`: the part of the tool that is deepest there."""
+    depths: npt.NDArray[np.float64]
+    """`(k,)`: the farthest that a point of one surface is inside the other part: a lower bound. 0 for touching parts."""
+    errors: npt.NDArray[np.float64]
+    """`(k,)`: how much more the depth can be: at most a thousandth of it, or a nanometre."""
+    is_estimate: npt.NDArray[np.bool_]
+    """`(k,)`: one of the two is open, so only points of the open surface inside the closed part count."""
+    points_on_tool: npt.NDArray[np.float64]
+    """`(k, 3)`: the point of the tool where the depth is measured."""
+    points_on_mockup: npt.NDArray[np.float64]
+    """`(k, 3)`: the point of the part where the depth is measured."""
+
+    def __post_init__(self) -> None:
+        for column in vars(self).values():
+            column.flags.writeable = False
+
+    def __len__(self) -> int:
+        return len(self.parts)
+
+    def __repr__(self) -> str:
+        deepest = f", the deepest {self.depths[0]:.6g} m" if len(self) else ""
+        return f"Depths({len(self)} part{'' if len(self) == 1 else 's'}{deepest})"
