@@ -1,6 +1,7 @@
-"""A clash check as a plain loop over parts, by queries that are public: the judge of the core's one pass.
+"""A clash check as a plain loop over parts: the judge of the core's one pass.
 
 Each pair whose boxes are near is asked on its own, the first part as a tool at its place, the second as the scene.
+Depths are bounded in plain Python (point_depths.py). A pair whose bounds do not decide the verdict says so.
 """
 
 from __future__ import annotations
@@ -12,18 +13,23 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from point_depths import Bounds, depth_bounds, distances, farthest_inside, quartered, windings
 
 import feeler
 from feeler import Verdict
 from feeler.clashes.part_meshes import PartMeshes
 from feeler.clashes.table import SHAPES
 
+Corners = npt.NDArray[np.float64]
+
 HERE = np.eye(4)
-KINDS = ("exact", "bound", "estimate")
 NONE = 1e-6  # of a turn: what rounding makes of none
+ROUNDOFFS = 16  # units in the last place of the largest coordinate: what contact is at least
+OPPOSITE = -0.9  # the cosine between the two faces of a wall
+WALL_MIDDLE = 0.98  # of half a wall's thickness: from here on a point is in its middle
 NAMES = (
-    *("a", "b", "verdict", "depth", "depth_kind", "translation", "gap", "point_a", "point_b", "triangles", "box"),
-    "is_open",
+    *("a", "b", "verdict", "depth", "depth_error", "depth_kind", "translation", "gap", "point_a", "point_b"),
+    *("triangles", "box", "is_open", "is_decided"),
 )
 
 
@@ -39,7 +45,7 @@ class Rows:
     def __getattr__(self, name: str) -> npt.NDArray[Any]:
         if name not in NAMES:
             raise AttributeError(name)
-        kind, shape = SHAPES[name]
+        kind, shape = (np.bool_, ()) if name == "is_decided" else SHAPES[name]
         return np.array([row[name] for row in self.rows], dtype=kind).reshape(-1, *shape)
 
 
@@ -92,69 +98,170 @@ def pair_of(
     near: float,
     touch: float,
 ) -> dict[str, Any] | None:
-    """The row of two parts, or None where nothing is to be said of them."""
+    """The row of two parts, or None if there is nothing to report. Its depth is a lower bound, as the core's."""
     tool, scene = tools[a], alone[b]
     hit = scene.collide(tool, HERE)
-    inside = scene.containment(tool, HERE)
+    surfaces = meshes.corners(a), meshes.corners(b)
+    opened = is_open(meshes, a), is_open(meshes, b)
+    rounding = ROUNDOFFS * float(np.spacing(max(np.abs(surface).max() for surface in surfaces)))
+    touch = max(touch, rounding)
     row: dict[str, Any] = {
-        **{"a": a, "b": b, "depth": 0.0, "depth_kind": 0, "gap": 0.0, "translation": [0.0] * 3},
-        **{"triangles": len(hit.pairs), "is_open": [is_open(meshes, a), is_open(meshes, b)]},
+        **{"a": a, "b": b, "depth": 0.0, "depth_error": 0.0, "depth_kind": 0, "gap": 0.0, "translation": [0.0] * 3},
+        **{"triangles": len(hit.pairs), "is_open": [*opened], "is_decided": True},
     }
     if len(hit.pairs):
-        same = same_triangles(meshes.corners(a), meshes.corners(b))
-        enters = same or scene.is_colliding(tool, HERE, touching="free")
-        met = np.concatenate([tool.vertices[tool.faces[np.unique(hit.pairs[:, 0])]].reshape(-1, 3)])
-        other = scene.mockup.vertices[scene.mockup.faces[hit.mockup_triangles]].reshape(-1, 3)
-        row["box"] = [
-            np.maximum(met.min(axis=0), other.min(axis=0)).tolist(),
-            np.minimum(met.max(axis=0), other.max(axis=0)).tolist(),
-        ]
+        row["box"] = box_of_meeting(tool, scene, hit)
         point = np.mean(row["box"], axis=0)
         row["point_a"] = row["point_b"] = point.tolist()
+        if same_surface(*surfaces, rounding):
+            return {**row, "verdict": Verdict.DUPLICATE, "translation": way_out(scene, tool)}
         crosses = bool((hit.kinds == feeler.PairKind.CROSSING).any())
-        held = not same and not crosses and (holds(meshes, a, b) or holds(meshes, b, a))
-        if enters or held:
-            planes = scene.contacts(tool, HERE, 0.0)
-            way = scene.penetration(tool, HERE)
-            deepest = -float(planes.gaps[0]) if len(planes) and planes.gaps[0] < 0 else 0.0
-            depth = deepest or way.depth
-            row.update(depth=depth, depth_kind=KINDS.index(way.kind), translation=way.translation.tolist())
-        if same:
-            verdict = Verdict.DUPLICATE
-        elif held:
-            verdict = Verdict.CONTAINED
-        elif enters and row["depth"] > touch:
-            verdict = Verdict.CLASH
+        held = not crosses and (holds(meshes, a, b) or holds(meshes, b, a))
+        if not held and not scene.is_colliding(tool, HERE, touching="free"):
+            return {**row, "verdict": Verdict.CONTACT}
+        if all(opened):
+            row.update(depth=depth_by_planes(scene, tool), depth_error=np.nan, depth_kind=1)
+            verdict, is_decided = (Verdict.CLASH if row["depth"] > touch else Verdict.CONTACT), True
         else:
-            verdict = Verdict.CONTACT
-        if verdict == Verdict.CONTACT:
-            row.update(depth=0.0, depth_kind=0, translation=[0.0] * 3)
-        return {**row, "verdict": verdict}
+            depth = depth_of(row, surfaces, opened)
+            own = tool.vertices[tool.faces[hit.pairs[:, 0]]]
+            other = scene.mockup.vertices[scene.mockup.faces[hit.pairs[:, 1]]]
+            meeting, is_crossing = np.stack([own, other], axis=1), hit.kinds == feeler.PairKind.CROSSING
+            verdict, is_decided = judged(depth, meeting, is_crossing, surfaces, touch, rounding)
+        if held:
+            verdict, is_decided = Verdict.CONTAINED, True
+        if verdict != Verdict.CONTACT:
+            row["translation"] = way_out(scene, tool)
+        return {**row, "verdict": verdict, "is_decided": is_decided}
     gap = scene.distance(tool, HERE)
-    row.update(point_a=gap.point_on_tool.tolist(), point_b=gap.point_on_mockup.tolist())
+    row.update(point_a=gap.point_on_tool.tolist(), point_b=gap.point_on_mockup.tolist(), gap=gap.value)
     row["box"] = [
         np.minimum(row["point_a"], row["point_b"]).tolist(),
         np.maximum(row["point_a"], row["point_b"]).tolist(),
     ]
-    if inside:
-        way = scene.penetration(tool, HERE)
-        row.update(depth=way.depth, depth_kind=KINDS.index(way.kind), translation=way.translation.tolist())
-        return {**row, "verdict": Verdict.CONTAINED}
-    row["gap"] = gap.value
+    if scene.containment(tool, HERE):
+        depth_of(row, surfaces, opened)
+        return {**row, "verdict": Verdict.CONTAINED, "translation": way_out(scene, tool)}
     if gap.value <= touch:
         return {**row, "verdict": Verdict.CONTACT}
     return {**row, "verdict": Verdict.CLEARANCE} if gap.value <= near else None
 
 
-def same_triangles(one: npt.NDArray[np.float64], other: npt.NDArray[np.float64]) -> bool:
-    """Whether both have the same triangles, by the coordinates of their corners, in whatever order."""
-    if one.shape != other.shape:
+def box_of_meeting(tool: feeler.Tool, scene: feeler.Scene, hit: feeler.Collision) -> list[list[float]]:
+    """The box that the triangles of both parts that meet have in common."""
+    own = tool.vertices[tool.faces[np.unique(hit.pairs[:, 0])]].reshape(-1, 3)
+    other = scene.mockup.vertices[scene.mockup.faces[hit.mockup_triangles]].reshape(-1, 3)
+    return [
+        np.maximum(own.min(axis=0), other.min(axis=0)).tolist(),
+        np.minimum(own.max(axis=0), other.max(axis=0)).tolist(),
+    ]
+
+
+def way_out(scene: feeler.Scene, tool: feeler.Tool) -> list[float]:
+    translation = scene.penetration(tool, HERE).translation
+    assert translation is not None
+    return [float(x) for x in translation]
+
+
+def depth_by_planes(scene: feeler.Scene, tool: feeler.Tool) -> float:
+    """The gap of the deepest contact plane: two open surfaces have no inside."""
+    planes = scene.contacts(tool, HERE, 0.0)
+    return max(0.0, -float(planes.gaps[0])) if len(planes) else 0.0
+
+
+def depth_of(row: dict[str, Any], surfaces: tuple[Any, Any], opened: tuple[bool, bool]) -> Bounds:
+    """Bounds of the depth of two parts, which are noted in their row."""
+    depth = depth_bounds(*surfaces, closed=(not opened[0], not opened[1]), error=0.02, most=2000)
+    row.update(depth=depth.low, depth_error=depth.high - depth.low, depth_kind=int(any(opened)))
+    return depth
+
+
+def judged(
+    depth: Bounds,
+    meeting: Corners,
+    is_crossing: npt.NDArray[np.bool_],
+    surfaces: tuple[Any, Any],
+    touch: float,
+    rounding: float,
+) -> tuple[Verdict, bool]:
+    """Whether two parts that enter each other clash, and whether the bounds of their depth decide that."""
+    if depth.low > touch:
+        return Verdict.CLASH, True
+    if depth.high > touch:
+        return Verdict.CONTACT, False
+    if touch <= rounding:
+        return Verdict.CONTACT, True
+    # Flush walls that meet at an edge are a limit case: a little farther in they cross, farther out they do not.
+    of_low, of_high = walls_cross(meeting[is_crossing], surfaces, 0), walls_cross(meeting, surfaces, 1)
+    return (Verdict.CLASH if of_high else Verdict.CONTACT), of_low == of_high
+
+
+def walls_cross(meeting: Corners, surfaces: tuple[Any, Any], end: int) -> bool:
+    """Whether two faces cross that are faces of thin walls: each wall reaches the middle of the other.
+
+    meeting: `(n, 2, 3, 3)`, triangles of both parts. end: which bound of the depths counts, 0: the lower, 1: the upper.
+    """
+    one, other = surfaces
+    # The walls of a part whose middle the other surface reaches are no thicker than this.
+    reached = [2.0 * farthest_inside(*pair, error=0.005)[end] / WALL_MIDDLE for pair in ((other, one), (one, other))]
+    if min(reached) <= 0.0:
         return False
+    for faces in meeting:
+        at = point_of_both(*faces)
+        walls = [thickness(surface, face, at) for surface, face in zip(surfaces, faces, strict=True)]
+        if all(wall <= most for wall, most in zip(walls, reached, strict=True)):
+            return True
+    return False
 
-    def told(corners: npt.NDArray[np.float64]) -> list[Any]:
-        return sorted(tuple(sorted(map(tuple, triangle))) for triangle in (corners + 0.0).tolist())
 
-    return told(one) == told(other)
+def point_of_both(one: Corners, other: Corners) -> Corners:
+    """The middle of the line that two triangles have in common; NaN if there is none."""
+    ends = []
+    for triangle, plane in ((one, other), (other, one)):
+        normal = np.cross(plane[1] - plane[0], plane[2] - plane[0])
+        heights = (triangle - plane[0]) @ normal
+        for i in range(3):
+            j = (i + 1) % 3
+            if heights[i] * heights[j] < 0.0:
+                at = triangle[i] + heights[i] / (heights[i] - heights[j]) * (triangle[j] - triangle[i])
+                sides = [np.cross(normal, plane[(k + 1) % 3] - plane[k]) @ (at - plane[k]) for k in range(3)]
+                if min(sides) >= 0.0:
+                    ends.append(at)
+    middle: Corners = np.mean(ends, axis=0) if ends else np.full(3, np.nan)
+    return middle
+
+
+def thickness(surface: Corners, face: Corners, at: Corners) -> float:
+    """How far behind a point of a face the nearest face is that looks the other way; infinite if there is none."""
+    normal = np.cross(face[1] - face[0], face[2] - face[0])
+    normal /= np.linalg.norm(normal)
+    step = 1e-7 * np.linalg.norm(face[1] - face[0])
+    if abs(winding(surface, at - step * normal)) < 0.5:
+        normal = -normal  # of a mirrored part
+    least = np.inf
+    for triangle in surface:
+        other = np.cross(triangle[1] - triangle[0], triangle[2] - triangle[0])
+        other /= np.linalg.norm(other)
+        if abs(other @ normal) >= -OPPOSITE:
+            far = (at - triangle[0]) @ other / (normal @ other)
+            end = at - far * normal
+            sides = [np.cross(other, triangle[(k + 1) % 3] - triangle[k]) @ (end - triangle[k]) for k in range(3)]
+            if far > step and min(sides) >= 0.0:
+                least = min(least, far)
+    return float(least)
+
+
+def same_surface(one: Corners, other: Corners, within: float) -> bool:
+    """Whether both have the same surface, however it is cut: by boxes, then by points of both."""
+    ends = [np.array([each.min(axis=(0, 1)), each.max(axis=(0, 1))]) for each in (one, other)]
+    if np.abs(ends[0] - ends[1]).max() > within:
+        return False
+    for surface, onto in ((one, other), (other, one)):
+        for _ in range(4):
+            if distances(surface.mean(axis=1), onto).max() > within + 1e-14 * np.abs(onto).max():
+                return False
+            surface = quartered(surface)
+    return True
 
 
 def holds(meshes: PartMeshes, outer: int, inner: int) -> bool:
@@ -181,14 +288,8 @@ def points_of(triangles: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
 
 
 def winding(triangles: npt.NDArray[np.float64], point: npt.NDArray[np.float64]) -> float:
-    """How often a surface goes around a point, by solid angles (van Oosterom and Strackee 1983); on it, a share."""
-    a, b, c = np.moveaxis(triangles - point, 1, 0)
-    la, lb, lc = (np.linalg.norm(x, axis=1) for x in (a, b, c))
-    top = np.einsum("ij,ij->i", a, np.cross(b, c))
-    bottom = la * lb * lc + (a * b).sum(1) * lc + (b * c).sum(1) * la + (c * a).sum(1) * lb
-    # Triangles in whose plane the point is cover nothing; of those that it is on, either side is as good.
-    is_flat = np.abs(top) <= 1e-12 * la * lb * lc
-    return float(np.where(is_flat, 0.0, np.arctan2(top, bottom)).sum() / (2 * np.pi))
+    """How often a surface goes around a point."""
+    return float(windings(point[None], triangles)[0])
 
 
 def is_open(meshes: PartMeshes, part: int) -> bool:

@@ -15,7 +15,8 @@ import numpy as np
 import pytest
 from clash.cases import cut_box
 from clash_scene import FOUND, PARTS, house, mockup_of, open_box, pairs, table
-from shapes import box
+from point_depths import boxes_depth
+from shapes import box, inverted, joined
 
 import feeler
 from feeler import Verdict, _core
@@ -36,25 +37,115 @@ def test_each_kind_is_found_and_told_apart(mockup: feeler.Mockup) -> None:
     assert pairs(found) == FOUND
     assert all(each.a < each.b for each in found)
     for each in found:
-        assert (each.depth > 0) == (each.verdict in (Verdict.CLASH, Verdict.CONTAINED, Verdict.DUPLICATE))
+        one, other = (
+            np.array([ends.min(axis=0), ends.max(axis=0)]) for ends, _ in (PARTS[each.path_a], PARTS[each.path_b])
+        )
+        is_apart = each.verdict in (Verdict.CLEARANCE, Verdict.DUPLICATE)
+        depth = 0.0 if is_apart else boxes_depth(one.tolist(), other.tolist())
+        assert each.depth <= depth + 1e-15 and depth <= each.depth + each.depth_error + 1e-15
+        assert 0.0 <= each.depth_error <= max(1e-9, 1e-3 * each.depth) and each.depth_kind == "measured"
+        assert (each.depth > 0) == (each.verdict in (Verdict.CLASH, Verdict.CONTAINED))
         assert (each.gap > 0) == (each.verdict in (Verdict.CLEARANCE, Verdict.CONTAINED))
         assert (each.triangles > 0) == (each.verdict not in (Verdict.CLEARANCE, Verdict.CONTAINED))
         assert not each.is_open_a and not each.is_open_b
         assert all(low <= high for low, high in zip(*each.box, strict=True))
     walls = next(each for each in found if each.path_b == "house/walls/right")
-    assert walls.depth == pytest.approx(0.0625, abs=1e-12) and walls.depth_kind == "exact"
+    assert walls.depth == pytest.approx(0.0625, abs=1e-12)
+    # The bottom of the bolt is 125 mm below the top of the wall, and as far from its own sides the top is in the bolt.
+    (bolt, *_) = (each for each in found if "bolt" in each.path_b)
+    assert bolt.depth == pytest.approx(0.125, abs=1e-12)
+    assert next(each for each in found if each.path_b == "house/pins/core").depth == pytest.approx(0.5, abs=1e-12)
     near = next(each for each in found if each.verdict == Verdict.CLEARANCE)
     assert near.gap == 0.0009765625 and near.point_a[0] == 2.0 and near.point_b[0] == 2.0009765625
 
 
 def test_the_way_out_is_that_of_the_first_part(mockup: feeler.Mockup) -> None:
     for each in feeler.clash(mockup).where(verdict="clash"):
-        assert np.linalg.norm(each.translation) == pytest.approx(each.depth, rel=1e-2, abs=1e-5)
+        (low, high), (other_low, other_high) = (
+            (corners.min(axis=0), corners.max(axis=0)) for corners, _ in (PARTS[each.path_a], PARTS[each.path_b])
+        )
+        least = np.minimum(other_high - low, high - other_low).min()
+        length = np.linalg.norm(each.translation)
+        # An upper bound, which leaves the parts apart.
+        assert least < length <= least * (1 + 1e-5)
         way = np.eye(4)
         way[:3, 3] = np.array(each.translation) * 1.001
         tool = feeler.Tool.of_parts(mockup, each.a)
         rest = feeler.Scene(mockup).only(each.b)
         assert rest.is_colliding(tool, np.eye(4)) and not rest.is_colliding(tool, way, touching="free")
+
+
+def test_duplicates_have_a_way_out_and_no_depth(mockup: feeler.Mockup) -> None:
+    (row,) = feeler.clash(mockup).where(verdict="duplicate")
+    assert row.depth == 0.0 and row.depth_error <= 1e-15
+    assert np.linalg.norm(row.translation) == pytest.approx(1.0, rel=1e-5)
+
+
+@pytest.mark.parametrize("cut", [1, 4])
+def test_the_same_surface_cut_otherwise_is_a_duplicate(cut: int) -> None:
+    whole, cut_up = box((0, 0, 0), (1, 1, 1)), cut_box([0, 0, 0], [1, 1, 1], cut)
+    hollow = inverted(box((0.25, 0.25, 0.25), (0.75, 0.75, 0.75)))
+    for more in ([], [hollow]):
+        (row,) = feeler.clash(mockup_of({"whole": joined(whole, *more), "cut": joined(cut_up, *more)}))
+        assert (row.verdict, row.depth) == (Verdict.DUPLICATE, 0.0) and row.depth_error <= 1e-9
+    # A cavity in one of them alone is a difference.
+    (row,) = feeler.clash(mockup_of({"hollow": joined(whole, hollow), "cut": cut_up}))
+    assert row.verdict in (Verdict.CLASH, Verdict.CONTAINED) and row.depth == pytest.approx(0.25, rel=1e-3)
+
+
+def test_pierced_foils_clash_although_they_are_thin() -> None:
+    foil, rod = box((-0.01, -0.01, 0), (0.01, 0.01, 5e-5)), box((-1e-3, -1e-3, -0.01), (1e-3, 1e-3, 0.01))
+    (row,) = feeler.clash(mockup_of({"foil": foil, "rod": rod}), contact=1e-4)
+    assert row.verdict == Verdict.CLASH
+    other = box((-4e-5, -0.02, -0.02), (4e-5, 0.02, 0.02))
+    (row,) = feeler.clash(mockup_of({"foil": foil, "other foil": other}), contact=1e-4)
+    # The middle of the edge of each foil is half as deep as the other is thick.
+    assert row.verdict == Verdict.CLASH and row.depth == pytest.approx(4e-5, rel=1e-3)
+
+
+def test_thin_walls_in_line_touch_up_to_the_contact() -> None:
+    # Both are 0.1 mm thick and flush with each other; they overlap by less than the contact.
+    one, other = box((0, 0, 0), (0.01, 0.01, 1e-4)), box((0.01 - 8e-5, 0, 0), (0.02, 0.01, 1e-4))
+    (row,) = feeler.clash(mockup_of({"one": one, "other": other}), contact=1e-4)
+    assert row.verdict == Verdict.CONTACT and row.depth == pytest.approx(5e-5, rel=1e-3)
+
+
+@pytest.mark.parametrize("cut", [1, 2])
+@pytest.mark.parametrize("far", [0.0, 100.0, 3000.0, 65000.0])
+def test_turned_boxes_far_off_are_as_deep_as_at_the_origin(far: float, cut: int, rng: np.random.Generator) -> None:
+    """Most of these boxes are flush somewhere, but for the rounding of their coordinates."""
+    rounding = 50 * float(np.spacing(far + 5.0))
+    wrong = []
+    for _ in range(100):
+        rotation, _ = np.linalg.qr(rng.normal(size=(3, 3)))
+        rotation *= np.sign(np.linalg.det(rotation))
+        low = rng.integers(0, 6, (2, 3)) / 4
+        high = low + rng.integers(1, 6, (2, 3)) / 4
+        if (low[0] == low[1]).all() and (high[0] == high[1]).all():
+            continue
+        depth = boxes_depth(*([low[i].tolist(), high[i].tolist()] for i in (0, 1)))
+        shift = far * np.array([1.0, -1.0, 1.0])
+        meshes = [cut_box(low[i].tolist(), high[i].tolist(), cut) for i in (0, 1)]
+        turned = [(vertices @ rotation.T + shift, faces) for vertices, faces in meshes]
+        found = feeler.clash(mockup_of({"a": turned[0], "b": turned[1]}), clearance=0.0)
+        measured, error = (found[0].depth, found[0].depth_error) if len(found) else (0.0, 0.0)
+        is_overlap = bool((np.minimum(*high) > np.maximum(*low)).all())
+        is_deep = len(found) > 0 and found[0].verdict in (Verdict.CLASH, Verdict.CONTAINED)
+        is_within = measured <= depth + rounding and depth <= measured + error + rounding
+        if is_deep != is_overlap or not is_within or error > max(1e-9, 1e-3 * measured):
+            wrong.append((low.tolist(), high.tolist(), depth, list(found)))
+    assert not wrong, f"{len(wrong)} of 100, the first: {wrong[0]}"
+
+
+@pytest.mark.parametrize("offset", [0.0, 3000.0, 65000.0])
+def test_contact_is_at_least_the_rounding_of_the_coordinates(offset: float) -> None:
+    ulp = np.spacing(offset + 3.0)
+    for overlap, verdict in ((4 * ulp, Verdict.CONTACT), (40 * ulp, Verdict.CLASH)):
+        one, other = box((0, 0, 0), (2, 2, 2)), box((2, 0.5, 0.5), (3, 1.5, 1.5))
+        vertices = other[0] + offset
+        vertices[vertices[:, 0] == 2 + offset, 0] -= overlap
+        (row,) = feeler.clash(mockup_of({"one": (one[0] + offset, one[1]), "other": (vertices, other[1])}))
+        assert row.verdict == verdict and row.depth <= overlap <= row.depth + row.depth_error + 4 * ulp
 
 
 def test_the_worst_is_first() -> None:
@@ -74,7 +165,19 @@ def test_the_worst_is_first() -> None:
 
 def test_columns_and_rows_say_the_same(mockup: feeler.Mockup) -> None:
     found = feeler.clash(mockup)
-    names = ["a", "b", "verdict", "depth", "depth_kind", "gap", "triangles", "rule", "severity", "status"]
+    names = [
+        "a",
+        "b",
+        "verdict",
+        "depth",
+        "depth_error",
+        "depth_kind",
+        "gap",
+        "triangles",
+        "rule",
+        "severity",
+        "status",
+    ]
     for place, each in enumerate(found):
         assert found[place] == each == found[place - len(found)]
         for name in names:
@@ -156,9 +259,10 @@ def test_limits(mockup: feeler.Mockup) -> None:
     assert len(feeler.clash(mockup, clearance=3.0)) == len(PARTS) * (len(PARTS) - 1) // 2
     found = feeler.clash(mockup, contact=0.0625 + 1e-9)
     touching = found.where(verdict="contact")
-    assert not touching.depth.any() and not touching.translation.any() and set(touching.depth_kind) == {"exact"}
+    assert touching.depth.tolist() == pytest.approx([0.0625, 0.0625, 0.0, 0.0, 0.0], abs=1e-12)
+    assert not touching.translation.any() and set(touching.depth_kind) == {"measured"}
     deep = pairs(found)
-    # What is no deeper than that touches.
+    # Parts that are no deeper than the contact touch.
     assert {pair: verdict for pair, verdict in deep.items() if FOUND[pair] != verdict} == {
         ("house/walls/left", "house/walls/right"): "contact",
         ("house/walls/right", "house/copy/left"): "contact",
@@ -191,6 +295,22 @@ def test_open_parts_are_told_and_hold_nothing() -> None:
     found = feeler.clash(mockup_of({"duck": inside, "tub": open_box((0.375, 0, 0), (1, 1, 1))}))
     (row,) = found
     assert (row.is_open_a, row.is_open_b) == (False, True) and row.verdict == Verdict.CLASH
+    # Points of the tub inside the duck count: the middle of its wall is 0.125 from a side. The duck is in nothing.
+    assert row.depth_kind == "estimate" and row.depth == pytest.approx(0.125, rel=1e-3)
+    assert row.depth_error <= 1e-3 * row.depth
+
+
+def test_two_open_parts_have_a_depth_without_an_error() -> None:
+    one, other = open_box((0, 0, 0), (1, 1, 1)), open_box((0.9, 0.25, -0.5), (1.5, 0.75, 0.5))
+    (row,) = feeler.clash(mockup_of({"one": one, "other": other}))
+    assert row.verdict == Verdict.CLASH and row.depth_kind == "estimate"
+    assert row.depth > 0.0 and math.isnan(row.depth_error)
+    (row,) = feeler.clash(mockup_of({"one": one, "twice": open_box((0, 0, 0), (1, 1, 1))}))
+    assert (row.verdict, row.depth) == (Verdict.DUPLICATE, 0.0)
+    finer = cut_box([0, 0, 0], [1, 1, 1], 2)
+    finer = finer[0], finer[1][~(finer[0][finer[1]][:, :, 2] == 1.0).all(axis=1)]
+    (row,) = feeler.clash(mockup_of({"one": one, "finer": finer}))
+    assert (row.verdict, row.depth) == (Verdict.DUPLICATE, 0.0)
 
 
 @pytest.mark.parametrize("count", [0, 1])
@@ -240,10 +360,13 @@ def test_a_part_of_millions_against_bolts(rng: np.random.Generator) -> None:
     found = feeler.clash(mockup, clearance=0.0)
     against = found[found.a == 0]
     assert len(against) == 200 and set(against.verdict.tolist()) == {Verdict.CLASH}
-    # Out of the top, or of a side that is nearer.
-    least = np.minimum(0.1, np.minimum(places, 1.0 - places).min(axis=1) + 0.01)
-    assert against.depth[np.argsort(against.b)] == pytest.approx(least, rel=2e-6)
-    assert set(against.depth_kind.tolist()) <= {"exact", "bound"}
+    cube = (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)
+    bolts = [((x - 0.01, y - 0.01, 0.9), (x + 0.01, y + 0.01, 1.05)) for x, y in places.tolist()]
+    depth = np.array([boxes_depth(cube, bolt) for bolt in bolts])
+    measured, error = (column[np.argsort(against.b)] for column in (against.depth, against.depth_error))
+    assert (measured <= depth + 1e-12).all() and (depth <= measured + error + 1e-12).all()
+    assert (error <= np.maximum(1e-9, 1e-3 * measured)).all()
+    assert set(against.depth_kind.tolist()) == {"measured"}
     # A picture of one needs no picture of all.
     assert Pictures(mockup).png(against[0]).startswith(b"\x89PNG")
 

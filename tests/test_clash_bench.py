@@ -106,11 +106,11 @@ def test_a_wrong_verdict_is_missed_and_a_slow_stage_fails_nothing(result: Any) -
 def test_a_cell_says_what_is_wrong(result: Any) -> None:
     found = deepcopy(result["cases"])
     (case,) = (each for each in found["cases"] if each["name"] == "one and a half metres of two")
-    said: list[list[Any]] = [["clash", 1.5], ["clash", 0.4], ["clash", 0.4], ["contact", 0.0]]
+    said: list[list[Any]] = [["clash", 0.9], ["clash", 0.4], ["clash", 0.4], ["contact", 0.0]]
     for each, given in zip(case["runs"], said, strict=True):
         each["answers"]["feeler"] = given
-    assert "| clash, 1.5 m | **1 of 4**: clash, 400 mm; contact |" in tables.cases(found)
-    said = [["none", None], ["clash", None], ["clash", 2, "bound"], ["clash", 1.5, "bound"]]
+    assert "| clash, 900 mm | **1 of 4**: clash, 400 mm; contact |" in tables.cases(found)
+    said = [["none", None], ["clash", None], ["clash", 2, "estimate"], ["clash", 0.9, "estimate"]]
     for each, given in zip(case["runs"], said, strict=True):
         each["answers"]["feeler"] = given
     assert "**1 of 4**: none; clash, no depth, ... |" in tables.cases(found)

@@ -103,8 +103,8 @@ def test_sentences(mockup: feeler.Mockup) -> None:
     assert said["house/walls/left", "yard/flush"] == ("left touches flush", "touching")
     assert said["house/walls/right", "yard/near"] == ("right is 976.6 µm from near", "976.6 µm apart")
     assert "one is inside the other" in said["house/walls/right", "house/pins/core"][0]
-    (bound,) = table([{"a": 0, "b": 1, "depth": 0.002, "depth_kind": 1}])
-    assert sentence(bound) == "a is at most 2 mm deep in b"
+    (estimate,) = table([{"a": 0, "b": 1, "depth": 0.002, "depth_kind": 1}])
+    assert sentence(estimate) == "a is about 2 mm deep in b"
     (group,) = table([{"a": 0, "b": 1, "depth": 0.002}]).groups()
     assert title(group) == "x/a: 1 finding; a is 2 mm deep in b"
 
@@ -134,6 +134,7 @@ def test_csv_reads_back_to_the_last_bit(tmp_path: Path, mockup: feeler.Mockup) -
             *(row.id, row.verdict.name.lower(), row.path_a, row.path_b),
         )
         assert float(read["depth_m"]) == row.depth and float(read["gap_m"]) == row.gap and read["volume_m3"] == ""
+        assert float(read["depth_error_m"]) == row.depth_error and read["depth_kind"] == row.depth_kind
         assert tuple(float(read[f"point_a_{axis}_m"]) for axis in "xyz") == row.point_a
         assert tuple(float(read[f"upper_{axis}_m"]) for axis in "xyz") == row.box[1]
         assert (read["status"], read["by"], read["note"]) == (row.status, row.by, row.note)
@@ -356,7 +357,8 @@ def test_glb_reads_back_with_its_colours(tmp_path: Path, mockup: feeler.Mockup) 
     assert write_clash_glb(tmp_path / "a.glb", mockup, found) == (tmp_path / "a.glb").stat().st_size
     read = feeler.load_mockup(tmp_path / "a.glb")
     lines = [path for path in read.part_paths if "/witness lines/" in path]
-    assert len(lines) == np.count_nonzero((found.depth > 0) | (found.gap > 0))
+    # A line for each way out, which duplicates have too, and for each gap.
+    assert len(lines) == np.count_nonzero(found.translation.any(axis=1) | (found.gap > 0)) == 7
     assert read.triangle_count == mockup.triangle_count + 8 * len(lines)
     scene = trimesh.load(tmp_path / "a.glb")
     colour = {name: np.array(mesh.visual.material.main_color[:3]) / 255 for name, mesh in scene.geometry.items()}

@@ -2,7 +2,7 @@
 //! then how deep those are that do.
 
 use std::cmp::Ordering;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
 use feeler_core::clash::asked::in_order;
 use feeler_core::clash::duplicates::{duplicate_pairs, same_parts};
@@ -45,6 +45,8 @@ pub struct ClashSearch<'a> {
     bodies: Bodies,
     meeting: Meeting,
     sets: Vec<Vec<u32>>,
+    /// The place of the set that a part is in.
+    set_of_part: HashMap<u32, usize>,
     gaps: Vec<PartGap>,
     is_complete: bool,
     is_measuring: bool,
@@ -84,6 +86,7 @@ impl<'a> ClashSearch<'a> {
             bodies: Bodies::default(),
             meeting,
             sets: Vec::new(),
+            set_of_part: HashMap::new(),
             gaps: Vec::new(),
             is_complete: true,
             is_measuring: true,
@@ -99,6 +102,8 @@ impl<'a> ClashSearch<'a> {
     pub fn find_verdicts(&mut self, progress: Progress<'_>) -> bool {
         let (index, limits) = (self.scene().index(), &self.limits);
         self.sets = same_parts(self.scene().mockup(), |part| index.selection().has_part(part));
+        self.set_of_part =
+            self.sets.iter().zip(0..).flat_map(|(set, at)| set.iter().map(move |part| (*part, at))).collect();
         let duplicates = duplicate_pairs(&self.sets, limits);
         self.meeting = meeting_parts(&self.index, limits, &duplicates, progress);
         let (meeting, solids) = (&self.meeting, &self.solids);
@@ -264,7 +269,7 @@ impl<'a> ClashSearch<'a> {
 
     /// The first pair that is asked of the set of two parts that are the same.
     fn first_of_set(&self, pair: [u32; 2]) -> Option<[u32; 2]> {
-        let set = self.sets.iter().find(|set| set.binary_search(&pair[0]).is_ok())?;
+        let set = &self.sets[*self.set_of_part.get(&pair[0])?];
         let pairs = (0..set.len()).flat_map(|i| set[i + 1..].iter().map(move |b| [set[i], *b]));
         pairs.into_iter().find(|pair| self.limits.clearance(pair[0], pair[1]).is_some())
     }

@@ -49,6 +49,11 @@ impl<'a> Distances<'a> {
         least
     }
 
+    /// How many triangles there are.
+    pub fn count(&self) -> usize {
+        self.triangles.len()
+    }
+
     /// The distances to each triangle.
     fn rows(&self) -> impl Iterator<Item = (&[f64], u32)> {
         self.distances.chunks(self.corners.len()).zip(self.triangles.iter().copied())

@@ -107,35 +107,52 @@ impl Outline {
         }
         let side = |h: f64| if h > least { 1 } else { i32::from(h >= -least) - 1 };
         let sides = [side(heights[0]), side(heights[1]), side(heights[2])];
-        let across = |p: &Point, q: &Point| -> Option<Plane> {
-            let along = sub(q, p);
-            let plane = Plane::through(p, &cross(n, &along))?;
-            (self.is_split(&plane, least) && self.covered(p, &along) > least).then_some(plane)
-        };
         let on: Vec<usize> = (0..3).filter(|i| sides[*i] == 0).collect();
         match on.len() {
-            3 => (0..3).find_map(|i| across(&t[i], &t[(i + 1) % 3])),
-            2 => across(&t[on[0]], &t[on[1]]),
+            3 => (0..3).find_map(|i| self.across(&t[i], &t[(i + 1) % 3], least)),
+            2 => self.across(&t[on[0]], &t[on[1]], least),
             _ => {
                 let mut ends: Vec<Point> = on.iter().map(|i| t[*i]).collect();
+                // At a grazing angle rounding moves the line by more.
+                let mut margin = least;
                 for i in 0..3 {
                     let j = (i + 1) % 3;
                     if sides[i] * sides[j] < 0 {
-                        let s = heights[i] / (heights[i] - heights[j]);
-                        ends.push(between(&t[i], &t[j], s));
+                        let rise = heights[i] - heights[j];
+                        margin = margin.max(least * length(&sub(&t[j], &t[i])) / rise.abs());
+                        ends.push(between(&t[i], &t[j], heights[i] / rise));
                     }
                 }
                 if ends.len() < 2 {
                     return None;
                 }
-                across(&ends[0], &ends[1])
+                self.across(&ends[0], &ends[1], 4.0 * margin)
             }
         }
     }
 
-    /// How much of a segment in its plane it covers, metres.
-    fn covered(&self, from: &Point, along: &Point) -> f64 {
-        let (mut low, mut high) = (0.0f64, 1.0f64);
+    /// The plane across it along a segment in it, if parts on both sides of that are wider than `least`. If the segment is but a small part
+    /// of the line through it, the plane across its length: what is cut along the line beyond the segment's ends is cut for nothing.
+    fn across(&self, p: &Point, q: &Point, least: f64) -> Option<Plane> {
+        let along = sub(q, p);
+        let plane = Plane::through(p, &cross(&self.normal, &along))?;
+        if !self.is_split(&plane, least) {
+            return None;
+        }
+        let [from, to] = self.chord(p, &along);
+        let covered = to.min(1.0) - from.max(0.0);
+        if covered * length(&along) <= least {
+            return None;
+        }
+        if covered < LONG_SEGMENT * (to - from) {
+            return self.lengthwise();
+        }
+        Some(plane)
+    }
+
+    /// Between which shares of a segment in its plane its line is in the polygon.
+    fn chord(&self, from: &Point, along: &Point) -> [f64; 2] {
+        let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
         let count = self.points.len();
         for i in 0..count {
             let (p, q) = (&self.points[i], &self.points[(i + 1) % count]);
@@ -143,7 +160,7 @@ impl Outline {
             let (start, slope) = (dot(&inward, &sub(from, p)), dot(&inward, along));
             if slope == 0.0 {
                 if start < 0.0 {
-                    return 0.0;
+                    return [0.0; 2];
                 }
                 continue;
             }
@@ -154,9 +171,29 @@ impl Outline {
                 high = high.min(at);
             }
         }
-        (high - low).max(0.0) * length(along)
+        [low, high.max(low)]
+    }
+
+    /// Across the longest line between two of its corners, in the middle of it.
+    pub fn lengthwise(&self) -> Option<Plane> {
+        let (mut most, mut ends) = (0.0, None);
+        for (i, p) in self.points.iter().enumerate() {
+            for q in &self.points[i + 1..] {
+                let apart = sub(q, p);
+                let square = dot(&apart, &apart);
+                if square > most {
+                    (most, ends) = (square, Some((*p, apart)));
+                }
+            }
+        }
+        let (p, apart) = ends?;
+        let middle = std::array::from_fn(|a| p[a] + 0.5 * apart[a]);
+        Plane::through(&middle, &apart)
     }
 }
+
+/// Share of a line through a piece from which on a segment is long.
+const LONG_SEGMENT: f64 = 0.3;
 
 /// The part of a convex polygon where a height is not negative.
 fn half_of(polygon: &[Point], height: impl Fn(&Point) -> f64) -> Vec<Point> {

@@ -149,8 +149,10 @@ impl Piece {
                 best = (bound, Some(plane));
             }
         };
-        // Every few cuts without choice, so that no piece gets ever narrower.
-        if self.generation % FORCED != FORCED - 1 && self.corners.len() <= MOST_CORNERS {
+        // Every few cuts without choice, so that no piece gets ever narrower; and as long as it is over many triangles, since a cut along
+        // the side of one goes on beyond it.
+        let is_local = distances.count() <= MOST_RIVALS && self.corners.len() <= MOST_CORNERS;
+        if self.generation % FORCED != FORCED - 1 && is_local {
             let (witness, other) = (body.triangle(self.witness), body.triangle(rival.nearest));
             if rival.nearest != self.witness {
                 consider(self.halfway(witness, other));
@@ -163,7 +165,7 @@ impl Piece {
                 }
             }
         }
-        consider(self.lengthwise());
+        consider(self.outline().lengthwise());
         best.1
     }
 
@@ -177,23 +179,6 @@ impl Piece {
         let size = length(&across);
         // Of triangles in nearly one plane it is anywhere.
         (size > 1e-6).then(|| Plane::at(scaled(&across, 1.0 / size), (dot(&m, &t[0]) - dot(&n, &u[0])) / size))
-    }
-
-    /// Across the longest line between two of its corners, in the middle of it.
-    fn lengthwise(&self) -> Option<Plane> {
-        let (mut most, mut ends) = (0.0, None);
-        for (i, p) in self.corners.iter().enumerate() {
-            for q in &self.corners[i + 1..] {
-                let apart = sub(&q.at, &p.at);
-                let square = dot(&apart, &apart);
-                if square > most {
-                    (most, ends) = (square, Some((p.at, apart)));
-                }
-            }
-        }
-        let (p, apart) = ends?;
-        let middle = std::array::from_fn(|a| p[a] + 0.5 * apart[a]);
-        Plane::through(&middle, &apart)
     }
 }
 
@@ -234,6 +219,9 @@ const CORNERS_KEPT: usize = 128;
 
 /// After how many cuts one goes across the length.
 const FORCED: u32 = 4;
+
+/// Near more triangles a piece is cut across its length.
+const MOST_RIVALS: usize = 3;
 
 /// With more corners a piece is cut across its length.
 const MOST_CORNERS: usize = 10;

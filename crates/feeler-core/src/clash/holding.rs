@@ -4,6 +4,7 @@
 use rayon::prelude::*;
 
 use super::asked::{in_order, PairLimits};
+use super::boxes::Boxes;
 use super::location::{is_within, locate, Location, LocationScratch};
 use super::solids::{connected_surfaces, Solids};
 use crate::geometry::bounds::Aabb;
@@ -26,7 +27,7 @@ pub fn held_parts(index: &Index, solids: &Solids<'_>, limits: &PairLimits, meeti
     let there: Vec<u32> = (0..mockup.part_bounds().len() as u32)
         .filter(|part| selection.has_part(*part) && !mockup.part_bounds()[*part as usize].is_empty())
         .collect();
-    let boxes = Boxes::new(there.iter().map(|part| &mockup.part_bounds()[*part as usize]));
+    let boxes = Boxes::new(there.iter().map(|part| mockup.part_bounds()[*part as usize]).collect());
     let pool: ScratchPool<LocationScratch> = ScratchPool::default();
     let mut found: Vec<Held> = there
         .par_iter()
@@ -65,27 +66,4 @@ pub fn held_parts(index: &Index, solids: &Solids<'_>, limits: &PairLimits, meeti
 /// Whether a box covers all of another.
 fn is_covering(bounds: &Aabb, other: &Aabb) -> bool {
     is_within(bounds, &other.lower) && is_within(bounds, &other.upper)
-}
-
-/// Boxes side by side.
-struct Boxes {
-    lower: [Vec<f64>; 3],
-    upper: [Vec<f64>; 3],
-}
-
-impl Boxes {
-    fn new<'a>(boxes: impl Iterator<Item = &'a Aabb> + Clone) -> Boxes {
-        let [lower, upper] = [0, 1].map(|side| {
-            [0, 1, 2].map(|a| boxes.clone().map(|b| if side == 0 { b.lower[a] } else { b.upper[a] }).collect())
-        });
-        Boxes { lower, upper }
-    }
-
-    /// The places of those that a box overlaps.
-    fn around(&self, b: &Aabb) -> Vec<u32> {
-        let is_near = |i: usize| {
-            (0..3).fold(true, |near, a| near & (self.lower[a][i] <= b.upper[a]) & (b.lower[a] <= self.upper[a][i]))
-        };
-        (0..self.lower[0].len()).filter(|i| is_near(*i)).map(|i| i as u32).collect()
-    }
 }

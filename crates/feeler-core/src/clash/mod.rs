@@ -1,6 +1,7 @@
 //! The mock-up against itself: which pairs of its parts meet, which are near, which hold each other, and which are one and the same.
 
 pub mod asked;
+mod boxes;
 pub mod brute;
 pub mod duplicates;
 pub mod holding;
