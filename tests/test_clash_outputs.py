@@ -25,7 +25,7 @@ from feeler.clashes.words import extent, length, sentence, title
 from feeler.errors import OptionError
 from feeler.io import WriteError
 from feeler.io.body import LIGHT_GREY
-from feeler.workbench.findings import grouped, ids
+from feeler.workbench.findings import grouped, ids, read_findings
 
 WHEN = datetime.datetime(2024, 5, 6, 7, 8, 9, tzinfo=datetime.timezone.utc)
 HOSTILE = "</script><script>alert(1)</script>&\"'\x01"
@@ -125,7 +125,7 @@ def test_csv_reads_back_to_the_last_bit(tmp_path: Path, mockup: feeler.Mockup) -
     found = feeler.clash(mockup)
     found.set_status(found.ids[0], "approved", by="ada", note="a, b\nc")
     write_csv(tmp_path / "a.csv", found)
-    with (tmp_path / "a.csv").open(newline="", encoding="utf-8") as file:
+    with (tmp_path / "a.csv").open(newline="", encoding="utf-8-sig") as file:
         head, *lines = csv.reader(file)
     assert tuple(head) == COLUMNS and len(lines) == len(found)
     for line, row in zip(lines, found, strict=True):
@@ -161,6 +161,14 @@ def test_json_is_what_load_clashes_reads(tmp_path: Path, mockup: feeler.Mockup) 
     found = feeler.clash(mockup)
     (tmp_path / "a.json").write_text(json.dumps(report(found, by="rule")))
     assert set(feeler.load_clashes(tmp_path / "a.json").ids) == set(found.ids)
+
+
+def test_saved_findings_may_begin_with_a_byte_order_mark(tmp_path: Path, mockup: feeler.Mockup) -> None:
+    found = feeler.clash(mockup)
+    found.save(tmp_path / "a.json")
+    (tmp_path / "a.json").write_bytes(b"\xef\xbb\xbf" + (tmp_path / "a.json").read_bytes())
+    assert set(feeler.load_clashes(tmp_path / "a.json").ids) == set(found.ids)
+    assert len(read_findings(tmp_path / "a.json")["clashes"]) == len(found)
 
 
 # --- the page ---------------------------------------------------------------------------------------------------------

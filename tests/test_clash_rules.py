@@ -231,6 +231,11 @@ def test_a_file_is_read(tmp_path: Path, mockup: feeler.Mockup) -> None:
     assert feeler.clash(mockup, rules=same).ids == found.ids
 
 
+def test_a_file_may_begin_with_a_byte_order_mark(tmp_path: Path) -> None:
+    (tmp_path / "clash.toml").write_bytes(b"\xef\xbb\xbf" + FILE.encode())
+    assert [each.name for each in Rules.read(tmp_path / "clash.toml").rules] == ["walls against pins"]
+
+
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [

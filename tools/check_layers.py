@@ -207,7 +207,8 @@ ROOMS: dict[str, set[str]] = {
     # Removal, order, access, swept volumes.
     "plan": {*BASE, "ignored", "io", "parts", "picture"},
     "samples": BASE,
-    "study": {*BASE, "samples"},
+    # `io` for its CSV.
+    "study": {*BASE, "io", "samples"},
     # `feeler` for its version alone.
     "workbench": {*BASE, "haptics", "ignored", "io", "parts", "picture", "samples", "feeler"},
     "cli": {*BASE, "clashes", "haptics", "io", "picture", "plan", "samples", "study", "workbench", "feeler"},

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import csv
-import io
-import math
 import os
 
 from feeler.clashes.table import Clashes
 from feeler.io.atomic import atomic_file
+from feeler.io.csv_table import Cell, csv_table
 
 _XYZ = ("x", "y", "z")
 COLUMNS = (
@@ -22,27 +20,22 @@ COLUMNS = (
 def write_csv(path: str | os.PathLike[str], clashes: Clashes, *, by: str = "part") -> None:
     """Writes a line for each finding, the worst first; numbers are the shortest that read back the same.
 
-    What is not known (a volume) is an empty field. by: how groups are made. Raises `WriteError`.
+    Unknown values, such as a volume that was not measured, are empty fields. Text that a spreadsheet would compute gets
+    an apostrophe in front. by: how groups are made. Raises `WriteError`.
     """
-    out = io.StringIO()
-    table = csv.writer(out, lineterminator="\n")
-    table.writerow(COLUMNS)
+    rows: list[list[Cell]] = []
     group_of = {int(row): group.name for group in clashes.groups(by) for row in group.rows}
     for place, clash in enumerate(clashes):
         vectors = (clash.translation, clash.point_a, clash.point_b, *clash.box)
-        table.writerow(
+        rows.append(
             [
                 *(clash.id, clash.status, clash.severity, clash.verdict.name.lower(), clash.rule, group_of[place]),
                 *(clash.a, clash.path_a, clash.b, clash.path_b),
-                *(_number(clash.depth), clash.depth_kind, _number(clash.gap), _number(clash.volume)),
+                *(clash.depth, clash.depth_kind, clash.gap, clash.volume),
                 *(clash.triangles, int(clash.is_open_a), int(clash.is_open_b)),
-                *(_number(value) for vector in vectors for value in vector),
+                *(value for vector in vectors for value in vector),
                 *(clash.by, clash.note),
             ]
         )
     with atomic_file(path) as file:
-        file.write(out.getvalue().encode("utf-8"))
-
-
-def _number(value: float) -> str:
-    return repr(value) if math.isfinite(value) else ""
+        file.write(csv_table(COLUMNS, rows))

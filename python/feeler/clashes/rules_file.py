@@ -57,7 +57,7 @@ def read_rules(path: str | os.PathLike[str]) -> Rules:
     """See `Rules.read`."""
     file = Path(path)
     try:
-        data = tomllib.loads(file.read_text(encoding="utf-8"))
+        data = tomllib.loads(file.read_text(encoding="utf-8-sig"))
     except FileNotFoundError:
         raise MissingFileError(f"{file} does not exist: feeler clash --write-rules {file} starts one") from None
     except (OSError, UnicodeDecodeError) as error:

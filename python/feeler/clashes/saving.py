@@ -97,7 +97,7 @@ def load_clashes(path: str | os.PathLike[str]) -> Clashes:
     """
     file = Path(path)
     try:
-        text = file.read_text(encoding="utf-8")
+        text = file.read_text(encoding="utf-8-sig")
     except FileNotFoundError:
         raise MissingFileError(f"{file} does not exist: give what Clashes.save wrote") from None
     except (OSError, UnicodeDecodeError) as error:
