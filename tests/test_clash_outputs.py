@@ -221,6 +221,13 @@ def test_a_partial_check_is_told(tmp_path: Path, mockup: feeler.Mockup) -> None:
     assert report(found)["partial"] is True
 
 
+def test_a_page_says_what_rules_hide(tmp_path: Path, mockup: feeler.Mockup) -> None:
+    rules = {"exclude": [{"name": "<copies>", "a": "*copy*"}, {"name": "none", "a": "*core*", "b": "*near*"}]}
+    write_html(tmp_path / "a.html", feeler.clash(mockup, rules=rules))
+    page = (tmp_path / "a.html").read_text(encoding="utf-8")
+    assert "<dt>hidden</dt><dd>4 by &lt;copies&gt;, 0 by none</dd>" in page
+
+
 def test_a_page_has_a_stated_cap(tmp_path: Path, mockup: feeler.Mockup, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(as_html, "MOST_ROWS", 5)
     found = feeler.clash(mockup)

@@ -205,3 +205,9 @@ def test_volumes_on_the_command_line(file: Path) -> None:
     pytest.importorskip("manifold3d")
     rows = run_json("clash", file, "--volume")["clashes"]
     assert {row["volume"] is None for row in rows} == {False}
+
+
+def test_the_command_says_what_each_rule_hides(tmp_path: Path, file: Path) -> None:
+    (tmp_path / "a.toml").write_text('[[exclude]]\nname = "standard parts"\nfasteners = true\n')
+    assert "hidden: 2 by standard parts" in run("clash", file, "--rules", tmp_path / "a.toml").stdout
+    assert "hidden" not in run("clash", file).stdout

@@ -203,7 +203,8 @@ ROOMS: dict[str, set[str]] = {
     "haptics": BASE,
     "picture": {*BASE, "io"},
     # The package of `feeler.clash`, which is a function.
-    "clashes": {*BASE, "ignored", "io", "parts", "picture"},
+    # Its rules ask `plan` which parts are fasteners.
+    "clashes": {*BASE, "ignored", "io", "parts", "picture", "plan"},
     # Removal, order, access, swept volumes.
     "plan": {*BASE, "ignored", "io", "parts", "picture"},
     "samples": BASE,

@@ -14,7 +14,7 @@ from feeler.clashes.grouping import Group
 from feeler.clashes.html_page import POLICY, SCRIPT, STYLE
 from feeler.clashes.table import Clashes
 from feeler.clashes.verdict import Verdict
-from feeler.clashes.words import extent, length, sentence
+from feeler.clashes.words import extent, hidden, length, sentence
 from feeler.io.atomic import atomic_file
 from feeler.mockup import Mockup
 
@@ -91,6 +91,7 @@ def _summary(clashes: Clashes, groups: list[Group]) -> list[str]:
         ("findings", ", ".join(f"{count:,} {name}" for name, count in verdicts if count) or "none"),
         ("status", ", ".join(f"{count:,} {name}" for name, count in statuses(clashes).items() if count) or "none"),
         ("groups", f"{len(groups):,}"),
+        *([("hidden", hidden(clashes))] if clashes.hidden else []),
     ]
     partial = ["<p class=partial>The check was stopped: this is what was found until then.</p>"]
     items = "".join(f"<dt>{escape(name)}</dt><dd>{escape(value)}</dd>" for name, value in lines)

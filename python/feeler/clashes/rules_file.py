@@ -37,7 +37,8 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from feeler.clashes.rules import Exclusion, Rule, Rules, is_fastener, near
+from feeler.clashes.fastener_rule import is_fastener
+from feeler.clashes.rules import Exclusion, Rule, Rules, near
 from feeler.clashes.table import Clashes
 from feeler.errors import LoadError, MissingFileError, OptionError
 from feeler.io.atomic import atomic_file
@@ -146,11 +147,14 @@ def _text(clashes: Clashes) -> str:
         lines += ["#", "# [[exclude]]", f"# name = {_quoted(f'{_last(one)} on {_last(other)}')}"]
         lines += [f"# a = {_quoted(one)}", f"# b = {_quoted(other)}"]
     fastened = sum(
-        is_fastener(clashes.part_paths[a]) or is_fastener(clashes.part_paths[b])
+        is_fastener(clashes.part_paths[a]) is True or is_fastener(clashes.part_paths[b]) is True
         for a, b in zip(clashes.a.tolist(), clashes.b.tolist(), strict=True)
     )
     lines += [
-        *("", f"# Fasteners are in {fastened:,} of the findings. To leave them out, by their names:"),
+        *(
+            "",
+            f"# Fasteners, by their names, are in {fastened:,} of the findings. This hides them, and those by shape:",
+        ),
         *("#", "# [[exclude]]", '# name = "standard parts"', "# fasteners = true"),
     ]
     return "\n".join(lines) + "\n"

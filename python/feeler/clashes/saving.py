@@ -42,6 +42,7 @@ def head(clashes: Clashes) -> dict[str, Any]:
         "triangles": facts.triangles,
         "files": list(facts.files),
         "partial": clashes.is_partial,
+        "hidden": clashes.hidden,
     }
 
 
@@ -155,6 +156,7 @@ class _Reader:
             parts=int(data.get("parts") or 0),
             triangles=int(data.get("triangles") or 0),
             files=tuple(map(str, data.get("files") or ())),
+            hidden=_hidden(data.get("hidden") or {}),
         )
         order = columns.order()
         is_partial = bool(data.get("partial", False)) and name == "clashes"
@@ -211,6 +213,13 @@ class _Reader:
         }
         for column, value in row.items():
             values[column].append(value)
+
+
+def _hidden(counts: Any) -> tuple[tuple[str, int], ...]:
+    """How many findings each rule hid; nothing where that is no such mapping."""
+    if not isinstance(counts, Mapping):
+        return ()
+    return tuple((name, count) for name, count in counts.items() if isinstance(count, int))
 
 
 def _text(line: Mapping[str, Any], name: str) -> str:

@@ -124,7 +124,7 @@ class Facts:
     """What a check was about, for reports and for the checks that follow.
 
     clearance, contact: metres, of pairs that no rule names; `contact` may be "chord". seconds: by stage. files: of the
-    mock-up.
+    mock-up. hidden: how many findings each rule hides, in the order in which they are tried.
     """
 
     clearance: float = 0.0
@@ -134,6 +134,7 @@ class Facts:
     files: tuple[str, ...] = ()
     seconds: tuple[tuple[str, float], ...] = ()
     counts: tuple[tuple[str, int], ...] = ()
+    hidden: tuple[tuple[str, int], ...] = ()
 
 
 class Clashes(Sequence[Clash]):
@@ -255,6 +256,14 @@ class Clashes(Sequence[Clash]):
     @cached_property
     def _keys(self) -> list[str]:
         return part_keys(self.part_paths)
+
+    @property
+    def hidden(self) -> dict[str, int]:
+        """How many findings each rule hides, by its name: exclusions, and rules with a level."""
+        found: dict[str, int] = {}
+        for name, count in self.facts.hidden:
+            found[name] = found.get(name, 0) + count
+        return found
 
     def where(self, **where: object) -> Clashes:
         """The rows of a verdict, a severity, a status or a rule: `clashes.where(verdict="clash", rule="default")`."""

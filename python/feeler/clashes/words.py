@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from feeler.clashes.grouping import Group
-from feeler.clashes.table import Clash
+from feeler.clashes.table import Clash, Clashes
 from feeler.clashes.verdict import Verdict
 
 
@@ -34,6 +34,11 @@ def extent(clash: Clash) -> str:
     if clash.verdict in (Verdict.CLASH, Verdict.CONTAINED, Verdict.DUPLICATE):
         return deep(clash)
     return f"{length(clash.gap)} apart" if clash.gap > 0.0 else "touching"
+
+
+def hidden(clashes: Clashes) -> str:
+    """How many findings the rules hide, rule by rule; empty where no rule hides any pair."""
+    return ", ".join(f"{count:,} by {name}" for name, count in clashes.hidden.items())
 
 
 def title(group: Group) -> str:

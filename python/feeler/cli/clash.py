@@ -220,7 +220,7 @@ def _write(world: feeler.Mockup, found: feeler.Clashes, targets: dict[str, Path 
 
 def _print(found: feeler.Clashes, by: str, has_previous: bool, written: dict[str, str]) -> None:
     from feeler.clashes.as_json import statuses
-    from feeler.clashes.words import extent, sentence
+    from feeler.clashes.words import extent, hidden, sentence
     from feeler.cli import outputs
 
     out = outputs.console()
@@ -232,6 +232,8 @@ def _print(found: feeler.Clashes, by: str, has_previous: bool, written: dict[str
     outputs.say(out, f"{count(len(found), 'finding')} among {found.facts.parts:,} parts ({seconds})")
     if said:
         outputs.say(out, f"  {said}")
+    if found.hidden:
+        outputs.say(out, f"  hidden: {hidden(found)}")
     if has_previous:
         outputs.say(out, "  " + ", ".join(f"{number:,} {name}" for name, number in statuses(found).items()))
     open_parts = {row.a for row in found if row.is_open_a} | {row.b for row in found if row.is_open_b}
