@@ -301,9 +301,11 @@ class Clashes(Sequence[Clash]):
         return (self._row(row) for row in range(len(self)))
 
     def _some(self, columns: Columns) -> Clashes:
-        return Clashes(
+        found = Clashes(
             columns, self.part_paths, self.rules, marks=self.marks, facts=self.facts, is_partial=self.is_partial
         )
+        found._keys = self._keys  # made once for all slices
+        return found
 
     def _row(self, row: int) -> Clash:
         c = self.columns

@@ -173,7 +173,7 @@ class _View:
         wanted = np.flatnonzero(mark[:-1])
         row_of = np.full(len(mark), len(wanted), dtype=np.int32)
         row_of[wanted] = np.arange(len(wanted))
-        row = row_of[seen]
+        row = row_of.take(seen, mode="wrap")  # `take` is several times as fast as an index for rows of colours
         colour, part, is_cut = self._looks(wanted)
         if self.plane is not None:
             # A cut lies in the plane, not where the inner side is that is seen through it.
@@ -182,10 +182,12 @@ class _View:
             down = (self.height / 2 - 0.5 - np.arange(self.height)) / self.focal * ny - nz
             in_plane = across.astype(np.float32) + down[:, None].astype(np.float32)
             in_plane /= np.float32(offset or 1)
-            depth = np.where(is_cut[row], np.maximum(in_plane, 0), depth)
-        image = colour[row]
-        np.copyto(image, shade.background(self.height), where=(row == len(wanted))[..., None])
-        dark = (1 - shade.outlines(part[row], depth)) * (1 - shade.hollows(depth))
+            depth = np.where(is_cut.take(row), np.maximum(in_plane, 0), depth)
+        # What is behind everything are more rows of colours, one for each line of the picture.
+        behind = np.arange(len(wanted), len(wanted) + self.height, dtype=np.int32)[:, None]
+        colours = np.concatenate([colour[:-1], shade.background(self.height)[:, 0]])
+        image = colours.take(np.where(row == len(wanted), behind, row), axis=0)
+        dark = (1 - shade.outlines(part.take(row), depth)) * (1 - shade.hollows(depth))
         return shade.encode(shade.halved(image) * dark[..., None])
 
     def _looks(self, wanted: npt.NDArray[np.int64]) -> tuple[npt.NDArray[Any], ...]:

@@ -53,10 +53,12 @@ def outlines(part: npt.NDArray[Any], depth: Float32) -> Float32:
     """
     line = np.zeros(part.shape, dtype=np.float32)
     for here, there in ((np.s_[1:], np.s_[:-1]), (np.s_[:, 1:], np.s_[:, :-1])):
-        is_edge = part[here] != part[there]
+        # Few pixels are at an edge; a list of them is shorter than a picture.
+        at = np.nonzero(part[here] != part[there])
+        is_here = depth[here][at] <= depth[there][at]
         # The farther side carries the line: outlines lie on what is behind.
-        line[here][is_edge & (depth[here] <= depth[there])] = _LINE
-        line[there][is_edge & (depth[there] < depth[here])] = _LINE
+        line[here][at[0][is_here], at[1][is_here]] = _LINE
+        line[there][at[0][~is_here], at[1][~is_here]] = _LINE
     small = halved(line)
     # Where lines crowd they fade, or a far bolt circle would be a black blot.
     return np.asarray(small * np.clip(1.25 - 4.5 * _box_mean(small, 5), 0.12, 1), dtype=np.float32)
@@ -67,9 +69,14 @@ def hollows(depth: Float32) -> Float32:
 
     Inverse depth is linear on the screen wherever a surface is plane: what lies below its own mean is a hollow.
     """
-    mean = _box_mean(halved(depth), 2 * int(_REACH * depth.shape[1] / 4) + 1).repeat(2, axis=0).repeat(2, axis=1)
-    below = np.maximum(mean / np.maximum(depth, np.float32(1e-30)) - 1, 0)
-    return halved(np.where(depth > 0, _HOLLOW * (1 - np.exp(-_DEEP * below)), 0).astype(np.float32))
+    mean = _box_mean(halved(depth), 2 * int(_REACH * depth.shape[1] / 4) + 1)
+    fours = depth.reshape(mean.shape[0], 2, mean.shape[1], 2)
+    below = np.maximum(mean[:, None, :, None] / np.maximum(fours, np.float32(1e-30)) - 1, 0)
+    # Most pixels are in no hollow: the exponential is taken of the others alone.
+    at = np.flatnonzero((fours > 0) & (below > 0))
+    dark = np.zeros(depth.size, dtype=np.float32)
+    dark[at] = _HOLLOW * (1 - np.exp(-_DEEP * below.ravel()[at]))
+    return halved(dark.reshape(depth.shape))
 
 
 def encode(linear: Float32) -> npt.NDArray[np.uint8]:
