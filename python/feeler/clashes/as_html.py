@@ -9,12 +9,13 @@ from collections.abc import Callable
 from html import escape
 from typing import Any
 
+from feeler.clashes.advice import advice
 from feeler.clashes.as_json import statuses
 from feeler.clashes.grouping import Group
 from feeler.clashes.html_page import POLICY, SCRIPT, STYLE
 from feeler.clashes.table import Clashes
 from feeler.clashes.verdict import Verdict
-from feeler.clashes.words import extent, hidden, length, sentence
+from feeler.clashes.words import capitalised, extent, hidden, length, sentence
 from feeler.io.atomic import atomic_file
 from feeler.mockup import Mockup
 
@@ -95,7 +96,8 @@ def _summary(clashes: Clashes, groups: list[Group]) -> list[str]:
     ]
     partial = ["<p class=partial>The check was stopped: this is what was found until then.</p>"]
     items = "".join(f"<dt>{escape(name)}</dt><dd>{escape(value)}</dd>" for name, value in lines)
-    return [*(partial if clashes.is_partial else []), f"<dl>{items}</dl>"]
+    said = [f"<p class=advice>{escape(capitalised(each))}.</p>" for each in advice(clashes)]
+    return [*(partial if clashes.is_partial else []), f"<dl>{items}</dl>", *said]
 
 
 def _groups(groups: list[Group], drawn: list[str]) -> list[str]:

@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from feeler import _core
 from feeler.clashes.fastener_rule import shape_of
+from feeler.clashes.openness import open_holders
 from feeler.clashes.rules import Limits, Rules, check_length, limits
 from feeler.clashes.table import SHAPES, Clashes, Columns, Facts
 from feeler.clashes.verdict import DEPTH_KINDS, Verdict
@@ -97,6 +98,8 @@ def clash(
     is_partial = bool(answer.is_partial)
     if volume and not is_partial:
         columns, seconds["volumes"], is_partial = _with_volumes(mockup, columns, _share(progress, _FOUND, 1.0))
+    present = scene.part_mask
+    rims = [] if is_partial else open_holders(mockup, answer.a, answer.b, answer.is_open, present)
     facts = Facts(
         clearance=near,
         contact=touch,
@@ -106,6 +109,8 @@ def clash(
         seconds=tuple(seconds.items()),
         counts=tuple(answer.counts.items()),
         hidden=hidden,
+        present=int(np.count_nonzero(present)),
+        open_parts=tuple(mockup.part_paths[part] for part in rims),
     )
     clashes = Clashes(columns, mockup.part_paths, found.names, facts=facts, is_partial=is_partial)
     if is_partial:

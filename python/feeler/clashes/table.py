@@ -124,7 +124,9 @@ class Facts:
     """What a check was about, for reports and for the checks that follow.
 
     clearance, contact: metres, of pairs that no rule names; `contact` may be "chord". seconds: by stage. files: of the
-    mock-up. hidden: how many findings each rule hides, in the order in which they are tried.
+    mock-up. hidden: how many findings each rule hides, in the order in which they are tried. present: how many parts
+    were checked; None: all. open_parts: paths of parts that are not closed and have another part in their box. notes:
+    sentences on what the rows cannot say.
     """
 
     clearance: float = 0.0
@@ -135,6 +137,9 @@ class Facts:
     seconds: tuple[tuple[str, float], ...] = ()
     counts: tuple[tuple[str, int], ...] = ()
     hidden: tuple[tuple[str, int], ...] = ()
+    present: int | None = None
+    open_parts: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
 
 
 class Clashes(Sequence[Clash]):

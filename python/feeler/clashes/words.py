@@ -47,6 +47,11 @@ def title(group: Group) -> str:
     return f"{group.name}: {more}; {sentence(group.worst)}"
 
 
+def capitalised(text: str) -> str:
+    """The text with its first letter large."""
+    return text[:1].upper() + text[1:]
+
+
 def length(metres: float) -> str:
     """Metres in the unit that reads best."""
     if not math.isfinite(metres):

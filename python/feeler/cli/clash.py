@@ -219,6 +219,7 @@ def _write(world: feeler.Mockup, found: feeler.Clashes, targets: dict[str, Path 
 
 
 def _print(found: feeler.Clashes, by: str, has_previous: bool, written: dict[str, str]) -> None:
+    from feeler.clashes.advice import advice
     from feeler.clashes.as_json import statuses
     from feeler.clashes.words import extent, hidden, sentence
     from feeler.cli import outputs
@@ -236,9 +237,8 @@ def _print(found: feeler.Clashes, by: str, has_previous: bool, written: dict[str
         outputs.say(out, f"  hidden: {hidden(found)}")
     if has_previous:
         outputs.say(out, "  " + ", ".join(f"{number:,} {name}" for name, number in statuses(found).items()))
-    open_parts = {row.a for row in found if row.is_open_a} | {row.b for row in found if row.is_open_b}
-    if open_parts:
-        outputs.say(out, f"  {count(len(open_parts), 'part')} of these are not closed: nothing is inside them")
+    for each in advice(found):
+        outputs.say(out, f"  {each}")
     out.print()
     groups = found.groups(by)
     if groups:
