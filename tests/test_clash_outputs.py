@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import datetime
+import inspect
 import json
 import re
 import zipfile
@@ -368,7 +369,7 @@ def test_bcf_read_by_a_library_of_others(tmp_path: Path, mockup: feeler.Mockup, 
 def test_glb_reads_back_with_its_colours(tmp_path: Path, mockup: feeler.Mockup) -> None:
     trimesh = pytest.importorskip("trimesh")
     found = feeler.clash(mockup)
-    assert write_clash_glb(tmp_path / "a.glb", mockup, found) == (tmp_path / "a.glb").stat().st_size
+    assert write_clash_glb(tmp_path / "a.glb", found, mockup) == (tmp_path / "a.glb").stat().st_size
     read = feeler.load_mockup(tmp_path / "a.glb")
     lines = [path for path in read.part_paths if "/witness lines/" in path]
     assert len(lines) == np.count_nonzero((found.depth > 0) | (found.gap > 0))
@@ -378,6 +379,13 @@ def test_glb_reads_back_with_its_colours(tmp_path: Path, mockup: feeler.Mockup) 
     # glTF has linear colours; what is compared is which parts are alike.
     assert not np.allclose(colour["near"], colour["flush"])
     assert len({tuple(each.round(3)) for each in colour.values()}) >= 4
+
+
+def test_files_are_written_from_path_clashes_mockup(tmp_path: Path, mockup: feeler.Mockup) -> None:
+    for write in (write_html, write_bcf, write_clash_glb):
+        assert list(inspect.signature(write).parameters)[:3] == ["path", "clashes", "mockup"]
+    with pytest.raises(OptionError, match="clashes is Mockup: write_clash_glb takes path, clashes, mockup"):
+        write_clash_glb(tmp_path / "a.glb", mockup, feeler.clash(mockup))  # type: ignore[arg-type]
 
 
 def test_glb_shows_the_worst_verdict_of_each_part(mockup: feeler.Mockup) -> None:
@@ -399,7 +407,7 @@ def test_outputs_refuse_another_mock_up(tmp_path: Path, mockup: feeler.Mockup, h
     found.save(tmp_path / "a.json")
     for clashes in (feeler.clash(hostile), feeler.load_clashes(tmp_path / "a.json")):
         with pytest.raises(OptionError, match="of other parts than the mock-up's"):
-            write_clash_glb(tmp_path / "a.glb", mockup, clashes)
+            write_clash_glb(tmp_path / "a.glb", clashes, mockup)
         with pytest.raises(OptionError, match="of other parts"):
             write_html(tmp_path / "a.html", clashes, mockup)
         with pytest.raises(OptionError, match="of other parts"):

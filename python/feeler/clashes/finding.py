@@ -110,6 +110,7 @@ def clash(
         counts=tuple(answer.counts.items()),
         hidden=hidden,
         present=int(np.count_nonzero(present)),
+        rules=found.asked,
         open_parts=tuple(mockup.part_paths[part] for part in rims),
     )
     clashes = Clashes(columns, mockup.part_paths, found.names, facts=facts, is_partial=is_partial)
@@ -126,17 +127,13 @@ def clash(
 def _limits(
     mockup: Mockup, clearance: float, contact: float | str, rules: RulesLike | None, exclude: Exclude | None
 ) -> Limits:
-    if rules is None:
-        rules = Rules()
-    elif isinstance(rules, Mapping):
-        from feeler.clashes.rules_file import rules_of
+    from feeler.clashes.rules_file import rules_from
 
-        rules = rules_of(rules)
-    elif not isinstance(rules, Rules):
-        rules = Rules.read(rules)
     pairs = _pairs(mockup, exclude)
     chord = mockup.source.chord_tolerance
-    return limits(rules, mockup.parts, mockup.part_paths, clearance, contact, chord, pairs, shape_of(mockup))
+    return limits(
+        rules_from(rules), mockup.parts, mockup.part_paths, clearance, contact, chord, pairs, shape_of(mockup)
+    )
 
 
 def _pairs(mockup: Mockup, exclude: Exclude | None) -> npt.NDArray[np.uint32]:

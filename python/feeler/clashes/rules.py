@@ -125,7 +125,7 @@ class Limits:
     names, severities: of each rule, the one for all other pairs last. of_classes: `(classes, classes)` the rule of each
     pair of classes, -1 where they are not asked. class_of_part: `(parts,)`. clearance, contact: `(classes, classes)`
     metres. exclude: `(k, 2)` pairs of parts that are not asked. hiding: the names of exclusions and of rules with a
-    level, in the order in which they are tried.
+    level, in the order in which they are tried. asked: name, clearance and contact of each rule, metres.
     """
 
     names: tuple[str, ...]
@@ -136,6 +136,7 @@ class Limits:
     contact: npt.NDArray[np.float64]
     exclude: npt.NDArray[np.uint32]
     hiding: tuple[str, ...] = ()
+    asked: tuple[tuple[str, float, float], ...] = ()
     _hiders: tuple[_Hider, ...] = ()
 
     def rule_of(self, a: npt.NDArray[np.uint32], b: npt.NDArray[np.uint32]) -> npt.NDArray[np.int32]:
@@ -195,6 +196,7 @@ def limits(
         np.where(asked, touch[of_classes], 0.0),
         np.unique(exclude, axis=0).astype(np.uint32),
         tuple(name for name, _ in hiders),
+        tuple((rule.name, float(near[i]), float(touch[i])) for i, rule in enumerate(every)),
         tuple(hider for _, hider in hiders),
     )
 
@@ -228,6 +230,22 @@ def _within(assembly: npt.NDArray[np.int64], only: int | None = None) -> _Hider:
         return same if only is None else same & (rule == only)
 
     return hides
+
+
+def unmatched(rules: Rules, parts: Parts, paths: Sequence[str]) -> list[str]:
+    """The patterns that match no part, each with the rule or exclusion that it stands in."""
+    named = _Named(parts, paths, rules.where)
+    found = []
+    every: list[tuple[str, Rule | Exclusion]] = [("rule", rule) for rule in rules.rules]
+    every += [("exclusion", each) for each in rules.exclusions]
+    for kind, each in every:
+        for pattern in [*each.a, *each.b]:
+            try:
+                if pattern != "*":
+                    named.matching(pattern)
+            except OptionError:
+                found.append(f"{pattern!r} of {kind} {each.name!r}")
+    return found
 
 
 def sub_assemblies(paths: Sequence[str], level: int) -> npt.NDArray[np.int64]:
@@ -308,7 +326,7 @@ class _Named:
                 mask[:] = True
                 continue
             try:
-                mask[self._matching(pattern)] = True
+                mask[self.matching(pattern)] = True
             except OptionError as error:
                 if not optional:
                     raise OptionError(
@@ -316,7 +334,8 @@ class _Named:
                     ) from None
         return mask
 
-    def _matching(self, pattern: str) -> npt.NDArray[Any]:
+    def matching(self, pattern: str) -> npt.NDArray[Any]:
+        """The parts that one pattern names. Raises `OptionError` where it names none."""
         if not pattern.startswith("re:"):
             return self.parts.select(pattern)
         try:

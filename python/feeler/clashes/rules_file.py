@@ -71,6 +71,15 @@ def read_rules(path: str | os.PathLike[str]) -> Rules:
         raise LoadError(str(error)) from None
 
 
+def rules_from(rules: object) -> Rules:
+    """Rules as a caller gives them: none, a dict, `Rules`, or a file. Raises as `Rules.read`, and `OptionError`."""
+    if rules is None:
+        return Rules()
+    if isinstance(rules, Mapping):
+        return rules_of(rules)
+    return rules if isinstance(rules, Rules) else Rules.read(rules)  # type: ignore[arg-type]
+
+
 def rules_of(data: Mapping[str, Any], where: str = "rules") -> Rules:
     """The rules that a TOML document, or such a dict, says. Raises `OptionError` for what is wrong in it."""
     _check_keys(data, ["version", "others", *_TABLES], where)

@@ -43,6 +43,7 @@ def head(clashes: Clashes) -> dict[str, Any]:
         "files": list(facts.files),
         "partial": clashes.is_partial,
         "hidden": clashes.hidden,
+        "rules": [[name, *map(_number, limits)] for name, *limits in facts.rules],
     }
 
 
@@ -157,6 +158,7 @@ class _Reader:
             triangles=int(data.get("triangles") or 0),
             files=tuple(map(str, data.get("files") or ())),
             hidden=_hidden(data.get("hidden") or {}),
+            rules=tuple(_rule(each) for each in data.get("rules") or ()),
         )
         order = columns.order()
         is_partial = bool(data.get("partial", False)) and name == "clashes"
@@ -220,6 +222,15 @@ def _hidden(counts: Any) -> tuple[tuple[str, int], ...]:
     if not isinstance(counts, Mapping):
         return ()
     return tuple((name, count) for name, count in counts.items() if isinstance(count, int))
+
+
+def _rule(line: Any) -> tuple[str, float, float]:
+    """Name, clearance and contact of a rule. Raises `LoadError`."""
+    try:
+        name, clearance, contact = line
+        return str(name), _real(clearance, "clearance"), _real(contact, "contact")
+    except (TypeError, ValueError) as error:
+        raise LoadError(f"rules holds {line!r}, which is no name with two lengths: {error}") from None
 
 
 def _text(line: Mapping[str, Any], name: str) -> str:

@@ -19,6 +19,7 @@ from feeler.errors import OptionError
 if TYPE_CHECKING:
     from feeler.clashes.changes import Changes
     from feeler.clashes.grouping import Group
+    from feeler.mockup import Mockup
 
 Floats = npt.NDArray[np.float64]
 Point = tuple[float, float, float]
@@ -126,7 +127,7 @@ class Facts:
     clearance, contact: metres, of pairs that no rule names; `contact` may be "chord". seconds: by stage. files: of the
     mock-up. hidden: how many findings each rule hides, in the order in which they are tried. present: how many parts
     were checked; None: all. open_parts: paths of parts that are not closed and have another part in their box. notes:
-    sentences on what the rows cannot say.
+    sentences on what the rows cannot say. rules: name, clearance and contact of each rule, metres; NaN: not known.
     """
 
     clearance: float = 0.0
@@ -140,6 +141,7 @@ class Facts:
     present: int | None = None
     open_parts: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+    rules: tuple[tuple[str, float, float], ...] = ()
 
 
 class Clashes(Sequence[Clash]):
@@ -403,6 +405,19 @@ class Clashes(Sequence[Clash]):
         from feeler.clashes.changes import changes
 
         return changes(self, previous, growth)
+
+    def with_rules(self, rules: Any, mockup: Mockup | None = None) -> Clashes:
+        """The same findings under other rules, without another check: to try rules on what was saved.
+
+        rules: as of `feeler.clash`. mockup: the one that was checked, for the shapes of fasteners; None: names decide.
+        Verdicts, severities and ids follow the new rules, statuses stay with their pairs, and `hidden` counts anew.
+        `facts.notes` says what only another check can tell: pairs that were hidden before, or are farther apart than
+        the clearance then, and contacts that a smaller `contact` would make clashes. Raises as `feeler.clash` does.
+        """
+        from feeler.clashes.retried import with_rules
+        from feeler.clashes.rules_file import rules_from
+
+        return with_rules(self, rules_from(rules), mockup)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes the findings with their status, and the `earlier` ones, as JSON: a line each, in an order that stays.
