@@ -20,8 +20,8 @@ from shapes import box
 import feeler
 from feeler import Verdict
 from feeler.clashes import as_html, report, write_bcf, write_clash_glb, write_csv, write_html
-from feeler.clashes.as_csv import COLUMNS
 from feeler.clashes.as_glb import COLOUR_OF
+from feeler.clashes.columns import COLUMNS
 from feeler.clashes.words import extent, length, sentence, title
 from feeler.errors import OptionError
 from feeler.io import WriteError
@@ -128,7 +128,7 @@ def test_csv_reads_back_to_the_last_bit(tmp_path: Path, mockup: feeler.Mockup) -
     write_csv(tmp_path / "a.csv", found)
     with (tmp_path / "a.csv").open(newline="", encoding="utf-8-sig") as file:
         head, *lines = csv.reader(file)
-    assert tuple(head) == COLUMNS and len(lines) == len(found)
+    assert head == [column.name for column in COLUMNS] and len(lines) == len(found)
     for line, row in zip(lines, found, strict=True):
         read = dict(zip(head, line, strict=True))
         assert (read["id"], read["verdict"], read["path_a"], read["path_b"]) == (

@@ -60,6 +60,7 @@ def test_what_machines_read(file: Path) -> None:
 def test_everything_is_written(tmp_path: Path, file: Path) -> None:
     names = {
         "csv": "a.csv",
+        "xlsx": "a.xlsx",
         "html": "a.html",
         "bcf": "a.bcf",
         "glb": "a.glb",

@@ -24,9 +24,10 @@ def sentence(clash: Clash) -> str:
 
 
 def deep(clash: Clash) -> str:
-    """The depth as far as it is known."""
-    said = {"exact": "", "bound": "at most ", "estimate": "about "}[clash.depth_kind]
-    return said + length(clash.depth)
+    """The depth as far as it is known; with the deepest that it can be, where that reads differently."""
+    said = {"bound": "at most ", "estimate": "about "}.get(clash.depth_kind, "")
+    least, most = length(clash.depth), length(clash.depth + getattr(clash, "depth_error", 0.0))
+    return said + (least if least == most else f"{least} to {most}")
 
 
 def extent(clash: Clash) -> str:

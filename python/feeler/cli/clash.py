@@ -19,6 +19,7 @@ _SHOWN_GROUPS = 12
 _SHOWN = 20
 _ENDINGS = {
     "csv": (".csv",),
+    "xlsx": (".xlsx",),
     "html": (".html",),
     "bcf": (".bcf",),
     "glb": (".glb",),
@@ -83,6 +84,9 @@ def clash(
     up: Up = None,
     threads: Annotated[int | None, typer.Option(help="Default: all cores.")] = None,
     csv: Annotated[Path | None, typer.Option(help="Write a line for each finding.")] = None,
+    xlsx: Annotated[
+        Path | None, typer.Option(help="Write a workbook with a row and a picture for each (needs feeler\\[xlsx]).")
+    ] = None,
     html: Annotated[
         Path | None, typer.Option(help="Write one page with pictures and filters, which needs no network.")
     ] = None,
@@ -98,12 +102,15 @@ def clash(
     marked as partial, and ends with 130.
     """
     from feeler import clashes as room
+    from feeler.clashes.as_xlsx import xlsx_library
     from feeler.clashes.changes import check_mockup
     from feeler.clashes.rules import near
     from feeler.cli import outputs
 
-    targets = {"csv": csv, "html": html, "bcf": bcf, "glb": glb, "save": save, "write-rules": write_rules}
+    targets = {"csv": csv, "xlsx": xlsx, "html": html, "bcf": bcf, "glb": glb, "save": save, "write-rules": write_rules}
     outputs.check_targets(targets, _ENDINGS)
+    if xlsx is not None:
+        xlsx_library()
     if by not in _GROUPED_BY:
         raise OptionError(f"--by is {by!r}: {near(by, _GROUPED_BY)}")
     if growth is not None and previous is None:
@@ -241,6 +248,8 @@ def _write(
         with bar(f"writing {target}") as progress:
             if kind == "csv":
                 room.write_csv(target, found, by=by)
+            elif kind == "xlsx":
+                room.write_xlsx(target, found, world, by=by, progress=progress)
             elif kind == "html":
                 room.write_html(target, found, world, by=by, progress=progress)
             elif kind == "bcf":
