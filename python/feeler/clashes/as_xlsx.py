@@ -26,8 +26,6 @@ MOST_PICTURES = 200
 MOST_ROWS = 100_000
 """Findings that a workbook has, the worst first: 30 MB. CSV and JSON have all."""
 
-_LONGEST_TEXT = 32_767
-"""Characters that a cell of Excel can have."""
 _SCALE, _ROW_HEIGHT, _PICTURE_WIDTH = 0.35, 80.0, 25.0
 """Of a picture of 480 by 300 pixels; points; characters of the sheet's font."""
 _WIDTHS = {"id": 12.0, "group": 30.0, "path_a": 40.0, "path_b": 40.0, "note": 30.0}
@@ -114,7 +112,7 @@ def _write(sheet: Any, row: int, column: int, cell: Cell, style: Any = None) -> 
     """A cell as what it is; what is not known stays empty."""
     if isinstance(cell, str):
         text = cell.encode("utf-8", errors="replace").decode("utf-8")
-        sheet.write_string(row, column, text[:_LONGEST_TEXT], style)
+        sheet.write_string(row, column, text, style)  # which cuts what is longer than a cell of Excel can be
     elif cell is not None and math.isfinite(cell):
         sheet.write_number(row, column, cell, style)
 
