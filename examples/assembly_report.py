@@ -5,12 +5,12 @@
 Without files it takes the built-in gearbox and torque wrench. Writes report.csv, report.png, report.glb.
 """
 
-import csv
 import sys
 
 import numpy as np
 
 import feeler
+from feeler.io import csv_table
 from feeler.picture import render_collision, write_collision_glb
 
 if len(sys.argv) == 3:
@@ -30,11 +30,10 @@ for number, hit in enumerate(hits):
     for part, count in zip(parts.tolist(), counts.tolist(), strict=True):
         row = rows.setdefault(part, [0, number, number, 0])
         row[:] = [row[0] + 1, row[1], number, max(row[3], count)]
-with open("report.csv", "w", newline="", encoding="utf-8") as file:
-    table = csv.writer(file)
-    table.writerow(["part", "poses", "first pose", "last pose", "most triangles at once"])
-    for part, row in sorted(rows.items(), key=lambda item: -item[1][0]):
-        table.writerow([mockup.part_paths[part], *row])
+heading = ["part", "poses", "first pose", "last pose", "most triangles at once"]
+lines = [[mockup.part_paths[part], *row] for part, row in sorted(rows.items(), key=lambda item: -item[1][0])]
+with open("report.csv", "wb") as file:
+    file.write(csv_table(heading, lines))
 print(f"{sum(len(hit.pairs) > 0 for hit in hits)} of {len(hits)} poses collide; parts hit: {len(rows)}; see report.csv")
 
 worst = max(range(len(hits)), key=lambda i: len(hits[i].pairs))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import datetime
+import inspect
 import json
 import re
 import zipfile
@@ -19,13 +20,13 @@ from shapes import box
 import feeler
 from feeler import Verdict
 from feeler.clashes import as_html, report, write_bcf, write_clash_glb, write_csv, write_html
-from feeler.clashes.as_csv import COLUMNS
 from feeler.clashes.as_glb import COLOUR_OF
+from feeler.clashes.columns import COLUMNS
 from feeler.clashes.words import extent, length, sentence, title
 from feeler.errors import OptionError
 from feeler.io import WriteError
 from feeler.io.body import LIGHT_GREY
-from feeler.workbench.findings import grouped, ids
+from feeler.workbench.findings import grouped, ids, read_findings
 
 WHEN = datetime.datetime(2024, 5, 6, 7, 8, 9, tzinfo=datetime.timezone.utc)
 HOSTILE = "</script><script>alert(1)</script>&\"'\x01"
@@ -125,9 +126,9 @@ def test_csv_reads_back_to_the_last_bit(tmp_path: Path, mockup: feeler.Mockup) -
     found = feeler.clash(mockup)
     found.set_status(found.ids[0], "approved", by="ada", note="a, b\nc")
     write_csv(tmp_path / "a.csv", found)
-    with (tmp_path / "a.csv").open(newline="", encoding="utf-8") as file:
+    with (tmp_path / "a.csv").open(newline="", encoding="utf-8-sig") as file:
         head, *lines = csv.reader(file)
-    assert tuple(head) == COLUMNS and len(lines) == len(found)
+    assert head == [column.name for column in COLUMNS] and len(lines) == len(found)
     for line, row in zip(lines, found, strict=True):
         read = dict(zip(head, line, strict=True))
         assert (read["id"], read["verdict"], read["path_a"], read["path_b"]) == (
@@ -162,6 +163,14 @@ def test_json_is_what_load_clashes_reads(tmp_path: Path, mockup: feeler.Mockup) 
     found = feeler.clash(mockup)
     (tmp_path / "a.json").write_text(json.dumps(report(found, by="rule")))
     assert set(feeler.load_clashes(tmp_path / "a.json").ids) == set(found.ids)
+
+
+def test_saved_findings_may_begin_with_a_byte_order_mark(tmp_path: Path, mockup: feeler.Mockup) -> None:
+    found = feeler.clash(mockup)
+    found.save(tmp_path / "a.json")
+    (tmp_path / "a.json").write_bytes(b"\xef\xbb\xbf" + (tmp_path / "a.json").read_bytes())
+    assert set(feeler.load_clashes(tmp_path / "a.json").ids) == set(found.ids)
+    assert len(read_findings(tmp_path / "a.json")["clashes"]) == len(found)
 
 
 # --- the page ---------------------------------------------------------------------------------------------------------
@@ -212,6 +221,13 @@ def test_a_partial_check_is_told(tmp_path: Path, mockup: feeler.Mockup) -> None:
         encoding="utf-8"
     )
     assert report(found)["partial"] is True
+
+
+def test_a_page_says_what_rules_hide(tmp_path: Path, mockup: feeler.Mockup) -> None:
+    rules = {"exclude": [{"name": "<copies>", "a": "*copy*"}, {"name": "none", "a": "*core*", "b": "*near*"}]}
+    write_html(tmp_path / "a.html", feeler.clash(mockup, rules=rules))
+    page = (tmp_path / "a.html").read_text(encoding="utf-8")
+    assert "<dt>hidden</dt><dd>4 by &lt;copies&gt;, 0 by none</dd>" in page
 
 
 def test_a_page_has_a_stated_cap(tmp_path: Path, mockup: feeler.Mockup, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -354,7 +370,7 @@ def test_bcf_read_by_a_library_of_others(tmp_path: Path, mockup: feeler.Mockup, 
 def test_glb_reads_back_with_its_colours(tmp_path: Path, mockup: feeler.Mockup) -> None:
     trimesh = pytest.importorskip("trimesh")
     found = feeler.clash(mockup)
-    assert write_clash_glb(tmp_path / "a.glb", mockup, found) == (tmp_path / "a.glb").stat().st_size
+    assert write_clash_glb(tmp_path / "a.glb", found, mockup) == (tmp_path / "a.glb").stat().st_size
     read = feeler.load_mockup(tmp_path / "a.glb")
     lines = [path for path in read.part_paths if "/witness lines/" in path]
     # A line for each way out, which duplicates have too, and for each gap.
@@ -365,6 +381,13 @@ def test_glb_reads_back_with_its_colours(tmp_path: Path, mockup: feeler.Mockup) 
     # glTF has linear colours; what is compared is which parts are alike.
     assert not np.allclose(colour["near"], colour["flush"])
     assert len({tuple(each.round(3)) for each in colour.values()}) >= 4
+
+
+def test_files_are_written_from_path_clashes_mockup(tmp_path: Path, mockup: feeler.Mockup) -> None:
+    for write in (write_html, write_bcf, write_clash_glb):
+        assert list(inspect.signature(write).parameters)[:3] == ["path", "clashes", "mockup"]
+    with pytest.raises(OptionError, match="clashes is Mockup: write_clash_glb takes path, clashes, mockup"):
+        write_clash_glb(tmp_path / "a.glb", mockup, feeler.clash(mockup))  # type: ignore[arg-type]
 
 
 def test_glb_shows_the_worst_verdict_of_each_part(mockup: feeler.Mockup) -> None:
@@ -386,7 +409,7 @@ def test_outputs_refuse_another_mock_up(tmp_path: Path, mockup: feeler.Mockup, h
     found.save(tmp_path / "a.json")
     for clashes in (feeler.clash(hostile), feeler.load_clashes(tmp_path / "a.json")):
         with pytest.raises(OptionError, match="of other parts than the mock-up's"):
-            write_clash_glb(tmp_path / "a.glb", mockup, clashes)
+            write_clash_glb(tmp_path / "a.glb", clashes, mockup)
         with pytest.raises(OptionError, match="of other parts"):
             write_html(tmp_path / "a.html", clashes, mockup)
         with pytest.raises(OptionError, match="of other parts"):

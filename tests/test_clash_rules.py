@@ -12,9 +12,12 @@ from clash_scene import FOUND, house, mockup_of, pairs
 from shapes import box
 
 import feeler
-from feeler.clashes import Exclusion, Rule, Rules, rules, write_rules
-from feeler.clashes.rules import is_fastener, sub_assemblies
+from feeler.clashes import Exclusion, Rule, Rules, report, rules, write_rules
+from feeler.clashes.fastener_rule import is_fastener
+from feeler.clashes.rules import sub_assemblies
 from feeler.errors import LoadError, MissingFileError, OptionError
+from feeler.samples import hardware
+from feeler.samples.tessellation import Tolerance
 
 
 @pytest.fixture(scope="module")
@@ -86,10 +89,7 @@ def test_several_patterns_on_both_sides(mockup: feeler.Mockup) -> None:
     assert gone == {("house/pins/bolt M8x30", "house/copy/left"), ("house/walls/right", "house/pins/core")}
 
 
-@pytest.mark.parametrize("listed", [rules.LISTED_PAIRS, 0])
-def test_one_sub_assembly_is_left_out(mockup: feeler.Mockup, monkeypatch: pytest.MonkeyPatch, listed: int) -> None:
-    """The same whether its pairs are listed for the core, or taken out of what it found."""
-    monkeypatch.setattr(rules, "LISTED_PAIRS", listed)
+def test_one_sub_assembly_is_left_out(mockup: feeler.Mockup) -> None:
     assert left_out(mockup, Exclusion("house", same_assembly=1)) == {
         pair for pair in FOUND if all(path.startswith("house/") for path in pair)
     }
@@ -97,9 +97,7 @@ def test_one_sub_assembly_is_left_out(mockup: feeler.Mockup, monkeypatch: pytest
     assert left_out(mockup, Exclusion("parts", same_assembly=3)) == set()
 
 
-@pytest.mark.parametrize("listed", [rules.LISTED_PAIRS, 0])
-def test_the_level_of_a_rule(mockup: feeler.Mockup, monkeypatch: pytest.MonkeyPatch, listed: int) -> None:
-    monkeypatch.setattr(rules, "LISTED_PAIRS", listed)
+def test_the_level_of_a_rule(mockup: feeler.Mockup) -> None:
     found = ruled(mockup, Rule("walls", "house/walls", "house", level=2))
     assert ("house/walls/left", "house/walls/right") not in found
     assert found["house/walls/left", "house/copy/left"] == "walls"
@@ -116,31 +114,68 @@ def test_sub_assemblies() -> None:
 
 
 @pytest.mark.parametrize(
-    ("path", "expected"),
+    "name",
     [
-        ("engine/bolt_12", True),
-        ("engine/M8x25 screw", True),
-        ("engine/DIN 912 M6", True),
-        ("engine/ISO4014-M8", True),
-        ("engine/Unterlegscheibe", False),
-        ("engine/Mutter M8", True),
-        ("engine/hex nut/Solid1", True),
-        ("engine/hex nut/Body", True),
-        ("bolts/pump", False),
-        ("engine/donut", False),
-        ("engine/nutrient tank", False),
-        ("engine/M8 housing", False),
-        ("engine/M8 x 30", True),
-        ("engine/studio", False),
+        *("bolt_12", "M8x25 screw", "DIN 912 M6", "DIN 912 M8x30", "ISO4014-M8", "Mutter M8", "Unterlegscheibe"),
+        *("hex nut/Solid1", "hex nut/Body", "M8 x 30", "HexBolt_12", "SHCS M5x20", "Scheibe M8", "DIN 125 Scheibe"),
+        *("cover_screw_inner_3", "screw M6x20 left", "nut for cover", "\u00c9crou M6", "ASME B18.2.1"),
     ],
 )
-def test_fasteners_by_name(path: str, expected: bool) -> None:
-    assert is_fastener(path) == expected
+def test_names_of_fasteners(name: str) -> None:
+    assert is_fastener(f"engine/{name}") is True
+
+
+@pytest.mark.parametrize("name", ["Nut_housing", "lead screw", "LeadScrew", "ISO_K_100_pipe", "M8 housing", "pump/key"])
+def test_names_of_other_things(name: str) -> None:
+    assert is_fastener(f"engine/{name}") is False
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("DIN 2633 Flansch DN50", "ANSI 150 flange", "Washer_pump", "donut", "nutrient tank", "studio", "bolts/pump"),
+        *("ISO 9001 label", "M6x20 spacer", "Luftschraube", "", "\u87ba\u6813"),
+    ],
+)
+def test_names_that_do_not_say(name: str) -> None:
+    assert is_fastener(f"engine/{name}") is None
 
 
 def test_fasteners_are_left_out(mockup: feeler.Mockup) -> None:
     gone = left_out(mockup, Exclusion("standard parts", fasteners=True))
     assert gone == {pair for pair in FOUND if "bolt" in "".join(pair)}
+
+
+def test_fasteners_are_known_by_their_shape() -> None:
+    """One that nobody named is a fastener by its hexagon and shank; a name that says another thing wins."""
+    mesh = hardware.hex_bolt(0.008, 0.03, Tolerance(1e-4))
+    wall = box((-0.05, -0.05, -0.02), (0.05, 0.05, 0.0))
+    for name, hidden in (("part_17", 1), ("sensor housing", 0)):
+        found = feeler.clash(
+            mockup_of({"wall": wall, name: (mesh.vertices, mesh.faces)}),
+            rules={"exclude": [{"name": "f", "fasteners": True}]},
+        )
+        assert (len(found), found.hidden) == (1 - hidden, {"f": hidden})
+
+
+def test_each_rule_says_how_many_findings_it_hides(mockup: feeler.Mockup) -> None:
+    hiding = (
+        Exclusion("copies", "*copy*"),
+        Exclusion("standard parts", fasteners=True),
+        Exclusion("nothing", "*core*", "*near*"),
+    )
+    found = feeler.clash(mockup, rules=Rules((Rule("walls", "house/walls", "house/walls", level=2),), hiding))
+    copies = {pair for pair in FOUND if "copy" in "".join(pair)}
+    bolts = {pair for pair in FOUND if "bolt" in "".join(pair)} - copies
+    assert found.hidden == {"copies": len(copies), "standard parts": len(bolts), "nothing": 0, "walls": 1}
+    assert len(found) == len(FOUND) - sum(found.hidden.values()), "each is counted once, for the first that names it"
+
+
+def test_hidden_findings_are_counted_in_the_file_and_the_report(tmp_path: Path, mockup: feeler.Mockup) -> None:
+    found = feeler.clash(mockup, rules=Rules(exclusions=(Exclusion("copies", "*copy*"),)))
+    found.save(tmp_path / "a.json")
+    assert found.hidden["copies"] > 0
+    assert feeler.load_clashes(tmp_path / "a.json").hidden == report(found)["hidden"] == found.hidden
 
 
 def test_names_that_are_not_there_are_told_with_near_ones(mockup: feeler.Mockup) -> None:
@@ -229,6 +264,11 @@ def test_a_file_is_read(tmp_path: Path, mockup: feeler.Mockup) -> None:
         "others": False,
     }
     assert feeler.clash(mockup, rules=same).ids == found.ids
+
+
+def test_a_file_may_begin_with_a_byte_order_mark(tmp_path: Path) -> None:
+    (tmp_path / "clash.toml").write_bytes(b"\xef\xbb\xbf" + FILE.encode())
+    assert [each.name for each in Rules.read(tmp_path / "clash.toml").rules] == ["walls against pins"]
 
 
 @pytest.mark.parametrize(

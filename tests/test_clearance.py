@@ -186,7 +186,7 @@ def test_the_command_says_where_it_is_tight(files: tuple[str, str], tmp_path: Pa
     run(*words, "--glb", glb, "--csv", table, "--context", "1.5")
     written = feeler.load_mockup(glb)
     assert any("witness" in path for path in written.part_paths)
-    with table.open(newline="") as file:
+    with table.open(newline="", encoding="utf-8-sig") as file:
         rows = list(csv.DictReader(file))
     assert [(row["path"], float(row["distance_m"])) for row in rows] == [("cubes/first", 0.25), ("cubes/second", 1.25)]
 

@@ -103,7 +103,7 @@ def test_options_are_passed_on(stand: Path, bar: Path, tmp_path: Path) -> None:
 def test_everything_is_written(stand: Path, bar: Path, tmp_path: Path) -> None:
     words = ["access", stand, "--tool", bar, "--csv", tmp_path / "a.csv", "--glb", tmp_path / "a.glb"]
     assert f"csv written to {tmp_path / 'a.csv'}" in run(*words, code=1).stdout
-    with (tmp_path / "a.csv").open(newline="", encoding="utf-8") as file:
+    with (tmp_path / "a.csv").open(newline="", encoding="utf-8-sig") as file:
         lines = list(csv.DictReader(file))
     assert [line["reachable"] for line in lines] == ["yes", "yes", "no"]
     assert lines[2]["angle_deg"] == "" and lines[2]["blockers"] == "stand/[1] roof/box"

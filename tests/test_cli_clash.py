@@ -60,6 +60,7 @@ def test_what_machines_read(file: Path) -> None:
 def test_everything_is_written(tmp_path: Path, file: Path) -> None:
     names = {
         "csv": "a.csv",
+        "xlsx": "a.xlsx",
         "html": "a.html",
         "bcf": "a.bcf",
         "glb": "a.glb",
@@ -205,3 +206,40 @@ def test_volumes_on_the_command_line(file: Path) -> None:
     pytest.importorskip("manifold3d")
     rows = run_json("clash", file, "--volume")["clashes"]
     assert {row["volume"] is None for row in rows} == {False}
+
+
+def test_the_command_says_what_each_rule_hides(tmp_path: Path, file: Path) -> None:
+    (tmp_path / "a.toml").write_text('[[exclude]]\nname = "standard parts"\nfasteners = true\n')
+    assert "hidden: 2 by standard parts" in run("clash", file, "--rules", tmp_path / "a.toml").stdout
+    assert "hidden" not in run("clash", file).stdout
+
+
+@pytest.fixture(scope="module")
+def saved(file: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("saved") / "a.json"
+    run("clash", file, "--save", path)
+    return path
+
+
+def test_saved_findings_are_shown(saved: Path) -> None:
+    assert "9 findings among 7 parts\n" in run("clash", saved).stdout
+
+
+def test_rules_are_tried_on_saved_findings(tmp_path: Path, file: Path, saved: Path) -> None:
+    (tmp_path / "a.toml").write_text('[[exclude]]\nname = "copies"\na = "*copy*"\n')
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(feeler, "clash", None)  # the engine is not asked
+        tried = run_json("clash", saved, "--rules", tmp_path / "a.toml", "--html", tmp_path / "a.html")
+    assert tried["hidden"] == {"copies": 4} and tried["mockup"] is None
+    assert found_in(tried) == found_in(run_json("clash", file, "--rules", tmp_path / "a.toml"))
+    assert "4 by copies" in (tmp_path / "a.html").read_text(encoding="utf-8")
+
+
+def test_rules_that_need_another_check_say_so(tmp_path: Path, saved: Path) -> None:
+    (tmp_path / "a.toml").write_text('[[rule]]\nname = "wide"\nclearance = 0.5\n')
+    assert "rule 'wide' asks for 500 mm" in run("clash", saved, "--rules", tmp_path / "a.toml").stdout
+
+
+def test_a_check_is_not_made_of_saved_findings(tmp_path: Path, saved: Path) -> None:
+    message = error_of("clash", saved, "--clearance", "0.1", "--bcf", tmp_path / "a.bcf")
+    assert "--clearance, --bcf: saved findings are not checked again. Pass the mock-up" in message

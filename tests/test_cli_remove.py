@@ -84,7 +84,7 @@ def test_each_for_itself(chest: Path, tmp_path: Path) -> None:
     words = ("--part", "*things*", "--each", "--seconds", 1, "--threads", 1)
     text = run(chest, *words, "--csv", table, status=1).stdout
     assert "1 of 2 parts come out" in text
-    rows = list(csv.DictReader(table.read_text(encoding="utf-8").splitlines()))
+    rows = list(csv.DictReader(table.read_text(encoding="utf-8-sig").splitlines()))
     assert [(row["path"].split("/")[-1], row["found"]) for row in rows] == [("[1] lower", "0"), ("upper", "1")]
     assert "lid" in rows[0]["blocked_by"] and float(rows[1]["path_length_m"]) > 0.0
 

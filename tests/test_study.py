@@ -45,7 +45,7 @@ def test_a_study_writes_what_it_promises_and_resumes(name: str, words: list[str]
     assert ("Upright lines" in page) == (name == "voxel-size")
     for kind in ("png", "svg"):
         assert (folder / f"{name}.{kind}").stat().st_size > 1000
-    with open(folder / "samples.csv", newline="") as file:
+    with open(folder / "samples.csv", newline="", encoding="utf-8-sig") as file:
         rows = list(csv.DictReader(file))
     assert rows and all(float(row["seconds"]) > 0 for row in rows)
     written = json.loads((folder / "results.json").read_text())

@@ -320,7 +320,7 @@ def test_the_sequence_is_exported_and_holds_what_was_done(context: Any, stand: P
         page = opened(context, started)
         taken_out(page)
         table = downloaded(page, "Sequence as CSV", tmp_path)
-        (line,) = csv.DictReader(table.read_text(encoding="utf-8").splitlines())
+        (line,) = csv.DictReader(table.read_text(encoding="utf-8-sig").splitlines())
         assert line["step"] == "1" and line["parts"] == "stand/pump"
         assert float(line["way (mm)"]) == pytest.approx(550.0, rel=0.01)
         # A millimetre to the posts, and it stood a millimetre above the plate.

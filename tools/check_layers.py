@@ -203,11 +203,13 @@ ROOMS: dict[str, set[str]] = {
     "haptics": BASE,
     "picture": {*BASE, "io"},
     # The package of `feeler.clash`, which is a function.
-    "clashes": {*BASE, "ignored", "io", "parts", "picture"},
+    # Its rules ask `plan` which parts are fasteners.
+    "clashes": {*BASE, "ignored", "io", "parts", "picture", "plan"},
     # Removal, order, access, swept volumes.
     "plan": {*BASE, "ignored", "io", "parts", "picture"},
     "samples": BASE,
-    "study": {*BASE, "samples"},
+    # `io` for its CSV.
+    "study": {*BASE, "io", "samples"},
     # `feeler` for its version alone.
     "workbench": {*BASE, "haptics", "ignored", "io", "parts", "picture", "samples", "feeler"},
     "cli": {*BASE, "clashes", "haptics", "io", "picture", "plan", "samples", "study", "workbench", "feeler"},

@@ -1,6 +1,6 @@
 """Clash: every pair of parts of a mock-up, told apart, measured, tracked, reported.
 
-    Mockup, rules -> finding (the core's rows) -> Clashes (table) -> groups; diff, save; CSV, JSON, HTML, BCF, GLB
+    Mockup, rules -> finding (the core's rows) -> Clashes (table) -> groups; diff, save; CSV, XLSX, JSON, HTML, BCF, GLB
 
 The package is called `clashes` because `feeler.clash` is the function.
 """
@@ -10,6 +10,7 @@ from feeler.clashes.as_csv import write_csv
 from feeler.clashes.as_glb import write_clash_glb
 from feeler.clashes.as_html import write_html
 from feeler.clashes.as_json import report
+from feeler.clashes.as_xlsx import write_xlsx
 from feeler.clashes.changes import Changes
 from feeler.clashes.finding import ClashInterrupted, clash
 from feeler.clashes.grouping import Group
@@ -37,4 +38,5 @@ __all__ = [
     "write_csv",
     "write_html",
     "write_rules",
+    "write_xlsx",
 ]

@@ -35,6 +35,9 @@ SYSTEM = "feeler"
 _STATUSES = ("new", "active", "reviewed", "approved")
 _COLOURS = ("4580CC", "FF850D")  # of the first and the second part, as in the picture
 _EPOCH = (1980, 1, 1, 0, 0, 0)  # the first moment that a zip can tell: the same findings give the same bytes
+_LONGEST_TITLE = 250
+"""Characters of a title; the description has the paths in full."""
+_UNNAMED = "(no name)"
 _NO_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
@@ -61,6 +64,7 @@ def write_bcf(
     if most < 1:
         raise OptionError(f"most is {most!r}: give a number of topics, 1 or more")
     check_same(mockup, clashes)
+    author = _named(author, SYSTEM)
     date = (when or datetime.datetime.now(datetime.timezone.utc)).isoformat(timespec="seconds")
     groups = clashes.groups(by)[:most]
     pictures = Pictures(mockup)
@@ -98,6 +102,19 @@ def _element(name: str, attributes: Mapping[str, str] | None = None, *inside: El
     return made
 
 
+def _named(text: str, otherwise: str = _UNNAMED) -> str:
+    """The text; `otherwise` where it is blank, which the schema forbids (`NonEmptyOrBlankString`)."""
+    return text if text.strip() else otherwise
+
+
+def _shortened(text: str) -> str:
+    return text if len(text) <= _LONGEST_TITLE else text[: _LONGEST_TITLE - 1] + "…"
+
+
+def _file_name(file: str) -> str:
+    return _named(file.replace("\\", "/").rpartition("/")[2])
+
+
 def _xml(root: Element) -> bytes:
     ElementTree.indent(root)
     text: bytes = ElementTree.tostring(root, encoding="utf-8", xml_declaration=True)
@@ -105,7 +122,7 @@ def _xml(root: Element) -> bytes:
 
 
 def _project(clashes: Clashes) -> Element:
-    name = ", ".join(file.replace("\\", "/").rpartition("/")[2] for file in clashes.facts.files) or "mock-up"
+    name = ", ".join(map(_file_name, clashes.facts.files)) or "mock-up"
     return _element(
         "ProjectInfo", {}, _element("Project", {"ProjectId": derived_id("project", name)}, _element("Name", {}, name))
     )
@@ -134,7 +151,7 @@ def _markup(group: Group, clashes: Clashes, number: int, guid: str, view: str, a
     if len(members) > MOST_LINES:
         lines.append(f"... and {len(members) - MOST_LINES:,} more")
     files = [
-        _element("File", {"IsExternal": "true"}, _element("Filename", {}, file.replace("\\", "/").rpartition("/")[2]))
+        _element("File", {"IsExternal": "true"}, _element("Filename", {}, _file_name(file)))
         for file in clashes.facts.files
     ]
     topic = _element(
@@ -145,7 +162,7 @@ def _markup(group: Group, clashes: Clashes, number: int, guid: str, view: str, a
             # What nobody has looked at is said first.
             "TopicStatus": next((each for each in _STATUSES if each in statuses), "new"),
         },
-        _element("Title", {}, title(group)),
+        _element("Title", {}, _shortened(title(group))),
         _element("Priority", {}, group.worst.severity),
         _element("Index", {}, str(number)),
         _element("Labels", {}, *(_element("Label", {}, Verdict(each).name.lower()) for each in labels)),
@@ -173,9 +190,8 @@ def _viewpoint(clash: Clash, view: View, guid: str) -> Element:
     _, up, forward = camera.axes()
 
     def part(path: str) -> Element:
-        return _element(
-            "Component", {}, _element("OriginatingSystem", {}, SYSTEM), _element("AuthoringToolId", {}, path)
-        )
+        known = _element("OriginatingSystem", {}, SYSTEM), _element("AuthoringToolId", {}, _named(path))
+        return _element("Component", {}, *known)
 
     def vector(name: str, values: Iterable[float]) -> Element:
         axes = [_element(axis, {}, repr(float(value))) for axis, value in zip("XYZ", values, strict=True)]

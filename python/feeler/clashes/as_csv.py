@@ -2,47 +2,19 @@
 
 from __future__ import annotations
 
-import csv
-import io
-import math
 import os
 
+from feeler.clashes.columns import COLUMNS, cells
 from feeler.clashes.table import Clashes
 from feeler.io.atomic import atomic_file
-
-_XYZ = ("x", "y", "z")
-COLUMNS = (
-    *("id", "status", "severity", "verdict", "rule", "group", "part_a", "path_a", "part_b", "path_b"),
-    *("depth_m", "depth_error_m", "depth_kind", "gap_m", "volume_m3", "triangle_pairs", "open_a", "open_b"),
-    *(f"{what}_{axis}_m" for what in ("translation", "point_a", "point_b", "lower", "upper") for axis in _XYZ),
-    *("by", "note"),
-)
+from feeler.io.csv_table import csv_table
 
 
 def write_csv(path: str | os.PathLike[str], clashes: Clashes, *, by: str = "part") -> None:
     """Writes a line for each finding, the worst first; numbers are the shortest that read back the same.
 
-    What is not known (a volume) is an empty field. by: how groups are made. Raises `WriteError`.
+    Unknown values, such as a volume that was not measured, are empty fields. Text that a spreadsheet would compute gets
+    an apostrophe in front. by: how groups are made. Raises `WriteError`.
     """
-    out = io.StringIO()
-    table = csv.writer(out, lineterminator="\n")
-    table.writerow(COLUMNS)
-    group_of = {int(row): group.name for group in clashes.groups(by) for row in group.rows}
-    for place, clash in enumerate(clashes):
-        vectors = (clash.translation, clash.point_a, clash.point_b, *clash.box)
-        table.writerow(
-            [
-                *(clash.id, clash.status, clash.severity, clash.verdict.name.lower(), clash.rule, group_of[place]),
-                *(clash.a, clash.path_a, clash.b, clash.path_b),
-                *(_number(clash.depth), _number(clash.depth_error), clash.depth_kind, _number(clash.gap), _number(clash.volume)),
-                *(clash.triangles, int(clash.is_open_a), int(clash.is_open_b)),
-                *(_number(value) for vector in vectors for value in vector),
-                *(clash.by, clash.note),
-            ]
-        )
     with atomic_file(path) as file:
-        file.write(out.getvalue().encode("utf-8"))
-
-
-def _number(value: float) -> str:
-    return repr(value) if math.isfinite(value) else ""
+        file.write(csv_table([column.name for column in COLUMNS], cells(clashes, by)))

@@ -50,8 +50,11 @@ def clash_bodies(mockup: Mockup, clashes: Clashes) -> tuple[Body, ...]:
     return (body,) if lines is None else (body, lines)
 
 
-def write_clash_glb(path: str | os.PathLike[str], mockup: Mockup, clashes: Clashes) -> int:
+def write_clash_glb(path: str | os.PathLike[str], clashes: Clashes, mockup: Mockup) -> int:
     """Writes `clash_bodies` as GLB; returns its size in bytes. Raises `WriteError`, `OptionError`."""
+    given: object = clashes
+    if not isinstance(given, Clashes):
+        raise OptionError(f"clashes is {type(given).__name__}: write_clash_glb takes path, clashes, mockup")
     return write_glb(path, *clash_bodies(mockup, clashes))
 
 

@@ -9,17 +9,18 @@ from collections.abc import Callable
 from html import escape
 from typing import Any
 
+from feeler.clashes.advice import advice
 from feeler.clashes.as_json import statuses
 from feeler.clashes.grouping import Group
 from feeler.clashes.html_page import POLICY, SCRIPT, STYLE
 from feeler.clashes.table import Clashes
 from feeler.clashes.verdict import Verdict
-from feeler.clashes.words import extent, length, sentence
+from feeler.clashes.words import capitalised, extent, hidden, length, sentence
 from feeler.io.atomic import atomic_file
 from feeler.mockup import Mockup
 
 MOST_GROUPS = 200
-"""Groups that are shown, the worst first, each with a picture: about 30 kB and 0.2 s. The table has all findings."""
+"""Groups that are shown, the worst first, each with a picture: about 30 kB and 0.05 s. The table has all findings."""
 MOST_ROWS = 20_000
 """Findings that the table has, the worst first: 6 MB. CSV and JSON have all."""
 
@@ -91,10 +92,12 @@ def _summary(clashes: Clashes, groups: list[Group]) -> list[str]:
         ("findings", ", ".join(f"{count:,} {name}" for name, count in verdicts if count) or "none"),
         ("status", ", ".join(f"{count:,} {name}" for name, count in statuses(clashes).items() if count) or "none"),
         ("groups", f"{len(groups):,}"),
+        *([("hidden", hidden(clashes))] if clashes.hidden else []),
     ]
     partial = ["<p class=partial>The check was stopped: this is what was found until then.</p>"]
     items = "".join(f"<dt>{escape(name)}</dt><dd>{escape(value)}</dd>" for name, value in lines)
-    return [*(partial if clashes.is_partial else []), f"<dl>{items}</dl>"]
+    said = [f"<p class=advice>{escape(capitalised(each))}.</p>" for each in advice(clashes)]
+    return [*(partial if clashes.is_partial else []), f"<dl>{items}</dl>", *said]
 
 
 def _groups(groups: list[Group], drawn: list[str]) -> list[str]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from feeler.clashes import saving
+from feeler.clashes.advice import advice
 from feeler.clashes.table import Clashes
 from feeler.clashes.verdict import Verdict
 
@@ -22,6 +23,7 @@ def report(clashes: Clashes, *, by: str = "part") -> dict[str, Any]:
         "looked_at": dict(clashes.facts.counts),
         "counts": {each.name.lower(): len(clashes.where(verdict=each.name)) for each in Verdict},
         "statuses": statuses(clashes),
+        "advice": advice(clashes),
         "groups": [
             {"name": group.name, "findings": len(group), "worst": group.worst.id, "depth": group.worst.depth}
             for group in groups

@@ -11,6 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler import _core
+from feeler.clashes.fastener_rule import shape_of
+from feeler.clashes.openness import open_holders
 from feeler.clashes.rules import Limits, Rules, check_length, limits
 from feeler.clashes.shapes import PartShapes
 from feeler.clashes.table import SHAPES, Clashes, Columns, Facts
@@ -54,9 +56,9 @@ def clash(
     - `clearance`: metres. 0 asks for what meets alone.
     - `contact`: metres by which parts that meet may be in each other and still only touch, and up to which parts that
       are apart count as in contact. `"chord"`: the chordal errors of both parts, which are known of STEP files.
-    - `rules`: a TOML file, `feeler.clashes.Rules`, or a dict of the same form; they say for which parts other limits
-      hold, and what is left out. The limits given here are for pairs that no rule names.
-    - `exclude`: pairs of parts that are not asked, each part as `Parts.select` takes it: `[("*bolt*", "*nut*")]`; or
+    - `rules`: a TOML file, `feeler.clashes.Rules`, or a dict of the same form; they give some parts other limits, and
+      hide pairs, which `.hidden` counts. The limits given here are for pairs that no rule names.
+    - `exclude`: pairs of parts that are not checked, each part as `Parts.select` takes it: `[("*bolt*", "*nut*")]`; or
       `(k, 2)` indices.
     - `volume`: measure what two closed parts share; needs manifold3d, `pip install "feeler[volume]"`.
     - `scene`: one of this mock-up, whose index is used; parts that are not in it are not asked. Default: one is made.
@@ -92,10 +94,12 @@ def clash(
         progress=_staged(progress, _INDEXED, _FOUND if volume else 1.0),
     )
     seconds = {"index": indexed - started, **answer.seconds}
-    columns = _columns(answer, found)
+    columns, hidden = _columns(answer, found)
     is_partial = bool(answer.is_partial)
     if volume and not is_partial:
         columns, seconds["volumes"], is_partial = _with_volumes(mockup, columns, _share(progress, _FOUND, 1.0))
+    present = scene.part_mask
+    rims = [] if is_partial else open_holders(mockup, answer.a, answer.b, answer.is_open, present)
     facts = Facts(
         clearance=near,
         contact=touch,
@@ -104,6 +108,10 @@ def clash(
         files=mockup.source.files,
         seconds=tuple(seconds.items()),
         counts=tuple(answer.counts.items()),
+        hidden=hidden,
+        present=int(np.count_nonzero(present)),
+        rules=found.asked,
+        open_parts=tuple(mockup.part_paths[part] for part in rims),
     )
     clashes = Clashes(
         columns, mockup.part_paths, found.names, facts=facts, is_partial=is_partial, shapes=PartShapes(mockup)
@@ -121,16 +129,13 @@ def clash(
 def _limits(
     mockup: Mockup, clearance: float, contact: float | str, rules: RulesLike | None, exclude: Exclude | None
 ) -> Limits:
-    if rules is None:
-        rules = Rules()
-    elif isinstance(rules, Mapping):
-        from feeler.clashes.rules_file import rules_of
+    from feeler.clashes.rules_file import rules_from
 
-        rules = rules_of(rules)
-    elif not isinstance(rules, Rules):
-        rules = Rules.read(rules)
     pairs = _pairs(mockup, exclude)
-    return limits(rules, mockup.parts, mockup.part_paths, clearance, contact, mockup.source.chord_tolerance, pairs)
+    chord = mockup.source.chord_tolerance
+    return limits(
+        rules_from(rules), mockup.parts, mockup.part_paths, clearance, contact, chord, pairs, shape_of(mockup)
+    )
 
 
 def _pairs(mockup: Mockup, exclude: Exclude | None) -> npt.NDArray[np.uint32]:
@@ -142,16 +147,19 @@ def _pairs(mockup: Mockup, exclude: Exclude | None) -> npt.NDArray[np.uint32]:
     return pairs_of_parts(mockup, mockup, exclude, "exclude", ("mock-up", "mock-up"))
 
 
-def _columns(answer: Any, found: Limits) -> Columns:
-    """The core's rows under their rules, the worst first."""
-    rule = found.rule_of(np.asarray(answer.a), np.asarray(answer.b))
-    asked = np.flatnonzero(rule >= 0)
+def _columns(answer: Any, found: Limits) -> tuple[Columns, tuple[tuple[str, int], ...]]:
+    """The core's rows under their rules, the worst first, without those that are hidden; and how many each hides."""
+    a, b = np.asarray(answer.a), np.asarray(answer.b)
+    rule = found.rule_of(a, b)
+    hidden_by = found.hidden_by(a, b)
+    asked = np.flatnonzero((rule >= 0) & (hidden_by < 0))
+    hidden = tuple((name, int(np.count_nonzero(hidden_by == i))) for i, name in enumerate(found.hiding))
     given = {name: np.asarray(getattr(answer, name))[asked] for name in SHAPES if hasattr(answer, name)}
     given["rule"] = rule[asked].astype(np.uint32)
     given["severity"] = found.severities[given["rule"]]
     given["volume"] = np.full(len(asked), np.nan)
     columns = Columns(**{name: np.array(given[name], dtype=kind) for name, (kind, _) in SHAPES.items()})
-    return columns.rows(columns.order())
+    return columns.rows(columns.order()), hidden
 
 
 def _with_volumes(mockup: Mockup, columns: Columns, progress: Progress | None) -> tuple[Columns, float, bool]:

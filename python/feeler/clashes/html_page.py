@@ -11,6 +11,7 @@ h1 { font-size: 1.5em; margin: 0 0 .2em; } h2 { font-size: 1.15em; margin: 2em 0
 dl { display: grid; grid-template-columns: max-content 1fr; gap: .15em 1em; margin: 1em 0; }
 dt { opacity: .7; } dd { margin: 0; overflow-wrap: anywhere; }
 .partial { border-left: 4px solid #d33; padding: .4em .8em; background: #d331; }
+.advice { border-left: 4px solid #38f; padding: .4em .8em; background: #38f1; }
 .groups { display: grid; grid-template-columns: repeat(auto-fill, minmax(270px, 1fr)); gap: 1em;
   max-height: 75vh; overflow-y: auto; padding: 4px; }
 .group { border: 1px solid var(--line); border-radius: 6px; overflow: hidden; background: none; color: inherit;

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import io
+from collections import OrderedDict
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -29,6 +31,19 @@ _REACH = 1.6
 
 _LEAST_VIEW_M = 1e-6
 
+_FAR = 8.0
+"""A part whose box is so many times the view's reach is shown only near the place."""
+
+_AROUND = 2.0
+"""How far around the middle it is shown, of the reach: more than the picture can show."""
+
+_LARGE = 50_000
+"""Triangles of a part that is shown only near the place whatever its size, unless most of it is there."""
+
+_KEPT_TRIANGLES = 3_000_000
+"""Most triangles of the parts that are kept for the next pictures, 360 MB: the part that most findings share is looked
+up once, and not for each picture."""
+
 
 @dataclass(frozen=True)
 class View:
@@ -47,6 +62,7 @@ class Pictures:
     def __init__(self, mockup: Mockup) -> None:
         self._meshes = PartMeshes(mockup)
         self._bounds = mockup.part_bounds.reshape(-1, 2, 3)
+        self._kept: OrderedDict[int, _Triangles] = OrderedDict()
 
     def view(self, clash: Clash) -> View:
         """The camera on a finding: the whole of the smaller part, and of the larger what is around."""
@@ -82,12 +98,14 @@ class Pictures:
     def _body(self, part: int, number: int, middle: Floats, reach: float) -> Body:
         """A part; of one that is much larger than the view only the triangles that come near it, so that five million
         of them do not take a minute."""
-        corners = self._meshes.corners(part)
+        triangles = self._triangles(part)
+        corners = triangles.corners
         box = self._bounds[part]
-        if float(np.linalg.norm(box[1] - box[0])) > 8.0 * reach:
-            low, high = corners.min(axis=1), corners.max(axis=1)
-            corners = corners[((low <= middle + 2.0 * reach) & (high >= middle - 2.0 * reach)).all(axis=1)]
-        corners = corners[np.isfinite(corners).all(axis=(1, 2))]
+        is_far = float(np.linalg.norm(box[1] - box[0])) > _FAR * reach
+        if is_far or len(corners) > _LARGE:
+            near = triangles.near(middle - _AROUND * reach, middle + _AROUND * reach)
+            if is_far or 2 * len(near) < len(corners):
+                corners = corners[near]
         return Body(
             vertices=corners.reshape(-1, 3),
             faces=np.arange(3 * len(corners)).reshape(-1, 3),
@@ -96,3 +114,36 @@ class Pictures:
             palette=np.array([STEEL_BLUE if number == 0 else ORANGE]),
             colour_of_face=np.zeros(len(corners), dtype=np.int64),
         )
+
+    def _triangles(self, part: int) -> _Triangles:
+        """The triangles of a part, kept for the pictures that follow."""
+        if part not in self._kept:
+            corners = self._meshes.corners(part)
+            self._kept[part] = _Triangles(corners[np.isfinite(corners).all(axis=(1, 2))])
+            while len(self._kept) > 2 and sum(len(each.corners) for each in self._kept.values()) > _KEPT_TRIANGLES:
+                self._kept.popitem(last=False)
+        self._kept.move_to_end(part)
+        return self._kept[part]
+
+
+class _Triangles:
+    """The triangles of one part, and their boxes when somebody asks what is near."""
+
+    def __init__(self, corners: Floats) -> None:
+        self.corners = corners
+
+    @cached_property
+    def _boxes(self) -> list[tuple[Floats, Floats]]:
+        """The least and the largest of the corners along each axis; much faster so than by reductions over three."""
+        sides = []
+        for axis in range(3):
+            one, two, three = (np.ascontiguousarray(self.corners[:, corner, axis]) for corner in range(3))
+            sides.append((np.minimum(np.minimum(one, two), three), np.maximum(np.maximum(one, two), three)))
+        return sides
+
+    def near(self, low: Floats, high: Floats) -> npt.NDArray[np.intp]:
+        """The numbers of the triangles whose boxes meet a box."""
+        found = np.ones(len(self.corners), dtype=bool)
+        for axis, (least, largest) in enumerate(self._boxes):
+            found &= (least <= high[axis]) & (largest >= low[axis])
+        return np.flatnonzero(found)

@@ -1,7 +1,8 @@
 """Which parts are asked against which, how near they may come, and what is left out.
 
-The first rule that names a pair decides it; what no rule names has the `clearance` and `contact` of the call. What an
-exclusion names is not asked at all.
+The first rule that names a pair decides it; what no rule names has the `clearance` and `contact` of the call. The pairs
+of an exclusion, and of a rule's `level`, are checked like any other, and then hidden and counted: an exclusion that
+hides more than it should is seen by its number.
 """
 
 from __future__ import annotations
@@ -10,39 +11,29 @@ import difflib
 import math
 import os
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from feeler.clashes.fastener_rule import Shaped, fastener_mask
 from feeler.clashes.verdict import DEFAULT_RULE, DEFAULT_SEVERITY, SEVERITIES
 from feeler.errors import OptionError
 from feeler.parts import Parts
 
 Words = tuple[str, ...]
+Ints = npt.NDArray[np.uint32]
+
+_Hider = Callable[[Ints, Ints, npt.NDArray[np.int32]], npt.NDArray[np.bool_]]
+"""Which pairs of parts are hidden, by both parts and their rule."""
 
 NOT_ASKED = -1.0
 """The clearance, in the core's tables, of pairs of classes that are not asked."""
 
 CLASS_LIMIT = 2_048
 """Most classes of parts: the tables of their pairs have as many rows and columns, 80 MB in all."""
-
-LISTED_PAIRS = 10_000_000
-"""Most pairs of one sub-assembly that are listed for the core, 80 MB; beyond, they are asked and left out after."""
-
-FASTENERS = re.compile(
-    r"(?<![a-z])(m\d+ ?x ?\d+|bolts?|(set|cap)?screws?|nuts?|washers?|rivets?|studs?|circlips?|dowels?|cotters?|"
-    r"schrauben?|muttern?|scheiben?|niete?n?|tornillos?|tuercas?|arandelas?|(din|iso|asme|ansi)[ _-]?b?\d[\d._-]*)"
-    r"(?![a-z])",
-    re.IGNORECASE,
-)
-"""What names of fasteners have in them, as a word: what they are, in three languages, a thread with its length, or the
-number of a standard."""
-
-_NAMELESS = re.compile(r"(body|solid|shell|part|mesh|shape|compound|object|volume)?[ _#-]*\d*", re.IGNORECASE)
-"""What CAD systems call a solid that nobody named: its parent has the name."""
 
 EVERYTHING: Words = ("*",)
 
@@ -52,9 +43,9 @@ class Rule:
     """How near some parts may come to others.
 
     a, b: patterns as `Parts.select` takes them, or `re:` and a regular expression that a path matches as a whole; which
-    of the two a part is named by does not matter. clearance: metres. contact: metres, or "chord". level: parts of the
-    same sub-assembly, so many steps down the paths, are not asked against each other; 0: all are. optional: patterns
-    may match nothing.
+    of the two a part is named by does not matter. clearance: metres. contact: metres, or "chord". level: findings of
+    two parts of the same sub-assembly, so many steps down the paths, are hidden; 0: none. optional: patterns may match
+    nothing.
     """
 
     name: str
@@ -80,7 +71,7 @@ class Rule:
 
 @dataclass(frozen=True)
 class Exclusion:
-    """What is not asked: parts against others, those of one sub-assembly, or fasteners against everything.
+    """Pairs that are hidden: parts against others, those of one sub-assembly, or fasteners against everything.
 
     a, b: as of `Rule`; empty where it is one of the other two. same_assembly: steps down the paths; 0: not meant.
     """
@@ -133,7 +124,8 @@ class Limits:
 
     names, severities: of each rule, the one for all other pairs last. of_classes: `(classes, classes)` the rule of each
     pair of classes, -1 where they are not asked. class_of_part: `(parts,)`. clearance, contact: `(classes, classes)`
-    metres. exclude: `(k, 2)` pairs of parts that are not asked.
+    metres. exclude: `(k, 2)` pairs of parts that are not asked. hiding: the names of exclusions and of rules with a
+    level, in the order in which they are tried. asked: name, clearance and contact of each rule, metres.
     """
 
     names: tuple[str, ...]
@@ -143,15 +135,20 @@ class Limits:
     clearance: npt.NDArray[np.float64]
     contact: npt.NDArray[np.float64]
     exclude: npt.NDArray[np.uint32]
-    _levels: tuple[tuple[int, npt.NDArray[np.int64]], ...] = ()
+    hiding: tuple[str, ...] = ()
+    asked: tuple[tuple[str, float, float], ...] = ()
+    _hiders: tuple[_Hider, ...] = ()
 
     def rule_of(self, a: npt.NDArray[np.uint32], b: npt.NDArray[np.uint32]) -> npt.NDArray[np.int32]:
-        """The rule of each pair of parts; -1 where it is not asked, also for those of a sub-assembly that is too large
-        to be listed."""
-        found = np.array(self.of_classes[self.class_of_part[a], self.class_of_part[b]])
-        for rule, key in self._levels:
-            same = (key[a] == key[b]) & (key[a] >= 0)
-            found[same & ((found == rule) if rule >= 0 else True)] = -1
+        """The rule of each pair of parts; -1 where it is not asked."""
+        return np.array(self.of_classes[self.class_of_part[a], self.class_of_part[b]])
+
+    def hidden_by(self, a: npt.NDArray[np.uint32], b: npt.NDArray[np.uint32]) -> npt.NDArray[np.int32]:
+        """Which of `hiding` hides each pair of parts, the first that names it; -1 where none does."""
+        found = np.full(len(a), -1, dtype=np.int32)
+        rule = self.rule_of(a, b)
+        for number, hider in enumerate(self._hiders):
+            found[(found < 0) & hider(a, b, rule)] = number
         return found
 
 
@@ -163,8 +160,10 @@ def limits(
     contact: float | str,
     chord: float | None,
     exclude: npt.NDArray[np.uint32],
+    shaped: Shaped | None = None,
 ) -> Limits:
     """What the rules come to. chord: how far a triangle may be from its surface, metres, for `contact="chord"`.
+    shaped: which parts have the shape of a fastener; None: names alone decide.
 
     Raises `OptionError` for names that no part has, with what is near; for "chord" where that is not known; and for
     rules that put the parts into more than `CLASS_LIMIT` classes.
@@ -172,14 +171,8 @@ def limits(
     every = [*rules.rules, Rule(DEFAULT_RULE)]
     named = _Named(parts, paths, rules.where)
     sides = [named.both(f"rule {rule.name!r}", rule) for rule in every]
-    cuts = [
-        named.both(f"exclusion {each.name!r}", each)
-        for each in rules.exclusions
-        if not each.same_assembly and not each.fasteners
-    ]
-    if any(each.fasteners for each in rules.exclusions):
-        cuts.append((np.array([is_fastener(path) for path in paths], dtype=bool), np.ones(len(paths), dtype=bool)))
-    signature = np.array([side for pair in (*sides, *cuts) for side in pair], dtype=bool).T
+    hiders = _hiders(rules, named, paths, shaped)
+    signature = np.array([side for pair in sides for side in pair], dtype=bool).T
     kinds, class_of_part = np.unique(signature, axis=0, return_inverse=True)
     if len(kinds) > CLASS_LIMIT:
         raise OptionError(
@@ -189,24 +182,11 @@ def limits(
     of_classes = np.full((len(kinds), len(kinds)), -1, dtype=np.int32)
     for number in range(len(every) - 1 if not rules.others else len(every)):
         of_classes[_meets(kinds, number) & (of_classes < 0)] = number
-    for number in range(len(every), len(every) + len(cuts)):
-        of_classes[_meets(kinds, number)] = -1
     near = np.array([clearance if rule.clearance is None else rule.clearance for rule in every])
     least = [contact if rule.contact is None else rule.contact for rule in every]
     doubled = _chord_of(least, chord, len(paths), of_classes, rules.where)
     touch = np.array([0.0 if isinstance(each, str) else each for each in least]) + doubled
-    keys: dict[int, npt.NDArray[np.int64]] = {}
-    levels: list[tuple[int, npt.NDArray[np.int64]]] = []
-    for number, level in [
-        *((number, rule.level) for number, rule in enumerate(every)),
-        *((-1, each.same_assembly) for each in rules.exclusions),
-    ]:
-        if level:
-            if level not in keys:
-                keys[level] = sub_assemblies(paths, level)
-            levels.append((number, keys[level]))
     asked = of_classes >= 0
-    pairs = np.concatenate([exclude, *(_listed(number, key, of_classes, class_of_part) for number, key in levels)])
     return Limits(
         tuple(rule.name for rule in every),
         np.array([SEVERITIES.index(rule.severity) for rule in every], dtype=np.uint8),
@@ -214,15 +194,58 @@ def limits(
         class_of_part.reshape(-1).astype(np.uint32),
         np.where(asked, near[of_classes], NOT_ASKED),
         np.where(asked, touch[of_classes], 0.0),
-        np.unique(pairs, axis=0).astype(np.uint32),
-        tuple(levels),
+        np.unique(exclude, axis=0).astype(np.uint32),
+        tuple(name for name, _ in hiders),
+        tuple((rule.name, float(near[i]), float(touch[i])) for i, rule in enumerate(every)),
+        tuple(hider for _, hider in hiders),
     )
 
 
-def is_fastener(path: str) -> bool:
-    """Whether a part is called as fasteners are; one that nobody named ("Body", "Solid1") by what it is in."""
-    folder, _, name = path.rpartition("/")
-    return FASTENERS.search(folder.rpartition("/")[2] if _NAMELESS.fullmatch(name) else name) is not None
+def _hiders(rules: Rules, named: _Named, paths: Sequence[str], shaped: Shaped | None) -> list[tuple[str, _Hider]]:
+    """What hides pairs, by name: the exclusions, then the rules with a level."""
+    found: list[tuple[str, _Hider]] = []
+    for each in rules.exclusions:
+        if each.same_assembly:
+            found.append((each.name, _within(sub_assemblies(paths, each.same_assembly))))
+        elif each.fasteners:
+            found.append((each.name, _between(fastener_mask(paths, shaped), np.ones(len(paths), dtype=bool))))
+        else:
+            found.append((each.name, _between(*named.both(f"exclusion {each.name!r}", each))))
+    for number, rule in enumerate(rules.rules):
+        if rule.level:
+            found.append((rule.name, _within(sub_assemblies(paths, rule.level), number)))
+    return found
+
+
+def _between(one: npt.NDArray[np.bool_], other: npt.NDArray[np.bool_]) -> _Hider:
+    """Hides pairs of which one part is in the first mask and the other in the second."""
+    return lambda a, b, _rule: (one[a] & other[b]) | (one[b] & other[a])
+
+
+def _within(assembly: npt.NDArray[np.int64], only: int | None = None) -> _Hider:
+    """Hides pairs of one sub-assembly; only: those of this rule."""
+
+    def hides(a: Ints, b: Ints, rule: npt.NDArray[np.int32]) -> npt.NDArray[np.bool_]:
+        same: npt.NDArray[np.bool_] = (assembly[a] == assembly[b]) & (assembly[a] >= 0)
+        return same if only is None else same & (rule == only)
+
+    return hides
+
+
+def unmatched(rules: Rules, parts: Parts, paths: Sequence[str]) -> list[str]:
+    """The patterns that match no part, each with the rule or exclusion that it stands in."""
+    named = _Named(parts, paths, rules.where)
+    found = []
+    every: list[tuple[str, Rule | Exclusion]] = [("rule", rule) for rule in rules.rules]
+    every += [("exclusion", each) for each in rules.exclusions]
+    for kind, each in every:
+        for pattern in [*each.a, *each.b]:
+            try:
+                if pattern != "*":
+                    named.matching(pattern)
+            except OptionError:
+                found.append(f"{pattern!r} of {kind} {each.name!r}")
+    return found
 
 
 def sub_assemblies(paths: Sequence[str], level: int) -> npt.NDArray[np.int64]:
@@ -240,27 +263,6 @@ def _meets(kinds: npt.NDArray[np.bool_], number: int) -> npt.NDArray[np.bool_]:
     one, other = kinds[:, 2 * number], kinds[:, 2 * number + 1]
     found = one[:, None] & other[None, :]
     return np.asarray(found | found.T)
-
-
-def _listed(
-    rule: int, key: npt.NDArray[np.int64], of_classes: npt.NDArray[np.int32], class_of_part: npt.NDArray[Any]
-) -> npt.NDArray[np.uint32]:
-    """The pairs of one sub-assembly that a rule has, for -1 any, as parts `(k, 2)`; none where they are too many."""
-    order = np.argsort(key, kind="stable")
-    order = order[key[order] >= 0]
-    starts = np.flatnonzero(np.diff(key[order], prepend=-1))
-    sizes = np.diff([*starts, len(order)])
-    if int((sizes * (sizes - 1) // 2).sum()) > LISTED_PAIRS:
-        return np.empty((0, 2), dtype=np.uint32)
-    found = [np.empty((0, 2), dtype=np.uint32)]
-    for start, size in zip(starts, sizes, strict=True):
-        members = order[start : start + size]
-        one, other = np.triu_indices(size, 1)
-        pairs = np.stack([members[one], members[other]], axis=1)
-        if rule >= 0:
-            pairs = pairs[of_classes[class_of_part[pairs[:, 0]], class_of_part[pairs[:, 1]]] == rule]
-        found.append(pairs.astype(np.uint32))
-    return np.concatenate(found)
 
 
 def _chord_of(
@@ -324,7 +326,7 @@ class _Named:
                 mask[:] = True
                 continue
             try:
-                mask[self._matching(pattern)] = True
+                mask[self.matching(pattern)] = True
             except OptionError as error:
                 if not optional:
                     raise OptionError(
@@ -332,7 +334,8 @@ class _Named:
                     ) from None
         return mask
 
-    def _matching(self, pattern: str) -> npt.NDArray[Any]:
+    def matching(self, pattern: str) -> npt.NDArray[Any]:
+        """The parts that one pattern names. Raises `OptionError` where it names none."""
         if not pattern.startswith("re:"):
             return self.parts.select(pattern)
         try:

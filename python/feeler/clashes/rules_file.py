@@ -37,7 +37,8 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from feeler.clashes.rules import Exclusion, Rule, Rules, is_fastener, near
+from feeler.clashes.fastener_rule import is_fastener
+from feeler.clashes.rules import Exclusion, Rule, Rules, near
 from feeler.clashes.table import Clashes
 from feeler.errors import LoadError, MissingFileError, OptionError
 from feeler.io.atomic import atomic_file
@@ -57,7 +58,7 @@ def read_rules(path: str | os.PathLike[str]) -> Rules:
     """See `Rules.read`."""
     file = Path(path)
     try:
-        data = tomllib.loads(file.read_text(encoding="utf-8"))
+        data = tomllib.loads(file.read_text(encoding="utf-8-sig"))
     except FileNotFoundError:
         raise MissingFileError(f"{file} does not exist: feeler clash --write-rules {file} starts one") from None
     except (OSError, UnicodeDecodeError) as error:
@@ -68,6 +69,15 @@ def read_rules(path: str | os.PathLike[str]) -> Rules:
         return rules_of(data, str(file))
     except OptionError as error:
         raise LoadError(str(error)) from None
+
+
+def rules_from(rules: object) -> Rules:
+    """Rules as a caller gives them: none, a dict, `Rules`, or a file. Raises as `Rules.read`, and `OptionError`."""
+    if rules is None:
+        return Rules()
+    if isinstance(rules, Mapping):
+        return rules_of(rules)
+    return rules if isinstance(rules, Rules) else Rules.read(rules)  # type: ignore[arg-type]
 
 
 def rules_of(data: Mapping[str, Any], where: str = "rules") -> Rules:
@@ -146,11 +156,14 @@ def _text(clashes: Clashes) -> str:
         lines += ["#", "# [[exclude]]", f"# name = {_quoted(f'{_last(one)} on {_last(other)}')}"]
         lines += [f"# a = {_quoted(one)}", f"# b = {_quoted(other)}"]
     fastened = sum(
-        is_fastener(clashes.part_paths[a]) or is_fastener(clashes.part_paths[b])
+        is_fastener(clashes.part_paths[a]) is True or is_fastener(clashes.part_paths[b]) is True
         for a, b in zip(clashes.a.tolist(), clashes.b.tolist(), strict=True)
     )
     lines += [
-        *("", f"# Fasteners are in {fastened:,} of the findings. To leave them out, by their names:"),
+        *(
+            "",
+            f"# Fasteners, by their names, are in {fastened:,} of the findings. This hides them, and those by shape:",
+        ),
         *("#", "# [[exclude]]", '# name = "standard parts"', "# fasteners = true"),
     ]
     return "\n".join(lines) + "\n"

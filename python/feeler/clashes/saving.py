@@ -46,6 +46,8 @@ def head(clashes: Clashes) -> dict[str, Any]:
         "triangles": facts.triangles,
         "files": list(facts.files),
         "partial": clashes.is_partial,
+        "hidden": clashes.hidden,
+        "rules": [[name, *map(_number, limits)] for name, *limits in facts.rules],
     }
 
 
@@ -140,7 +142,7 @@ def load_clashes(path: str | os.PathLike[str]) -> Clashes:
     """
     file = Path(path)
     try:
-        text = file.read_text(encoding="utf-8")
+        text = file.read_text(encoding="utf-8-sig")
     except FileNotFoundError:
         raise MissingFileError(f"{file} does not exist: give what Clashes.save wrote") from None
     except (OSError, UnicodeDecodeError) as error:
@@ -200,6 +202,8 @@ class _Reader:
             parts=int(data.get("parts") or 0),
             triangles=int(data.get("triangles") or 0),
             files=tuple(map(str, data.get("files") or ())),
+            hidden=_hidden(data.get("hidden") or {}),
+            rules=tuple(_rule(each) for each in data.get("rules") or ()),
         )
         order = columns.order()
         is_partial = bool(data.get("partial", False)) and name == "clashes"
@@ -306,6 +310,22 @@ def _shape(line: Any) -> tuple[str, _Shape]:
     if len(content) != _HASH_DIGITS:
         raise ValueError(f"content is {content!r}")
     return key, (path, int(content, 16), box, middle, area)
+
+
+def _hidden(counts: Any) -> tuple[tuple[str, int], ...]:
+    """How many findings each rule hid; nothing where that is no such mapping."""
+    if not isinstance(counts, Mapping):
+        return ()
+    return tuple((name, count) for name, count in counts.items() if isinstance(count, int))
+
+
+def _rule(line: Any) -> tuple[str, float, float]:
+    """Name, clearance and contact of a rule. Raises `LoadError`."""
+    try:
+        name, clearance, contact = line
+        return str(name), _real(clearance, "clearance"), _real(contact, "contact")
+    except (TypeError, ValueError) as error:
+        raise LoadError(f"rules holds {line!r}, which is no name with two lengths: {error}") from None
 
 
 def _text(line: Mapping[str, Any], name: str) -> str:

@@ -20,6 +20,7 @@ from feeler.errors import OptionError
 if TYPE_CHECKING:
     from feeler.clashes.changes import Changes
     from feeler.clashes.grouping import Group
+    from feeler.mockup import Mockup
 
 Floats = npt.NDArray[np.float64]
 Point = tuple[float, float, float]
@@ -132,7 +133,9 @@ class Facts:
     """What a check was about, for reports and for the checks that follow.
 
     clearance, contact: metres, of pairs that no rule names; `contact` may be "chord". seconds: by stage. files: of the
-    mock-up.
+    mock-up. hidden: how many findings each rule hides, in the order in which they are tried. present: how many parts
+    were checked; None: all. open_parts: paths of parts that are not closed and have another part in their box. notes:
+    sentences on what the rows cannot say. rules: name, clearance and contact of each rule, metres; NaN: not known.
     """
 
     clearance: float = 0.0
@@ -142,15 +145,20 @@ class Facts:
     files: tuple[str, ...] = ()
     seconds: tuple[tuple[str, float], ...] = ()
     counts: tuple[tuple[str, int], ...] = ()
+    hidden: tuple[tuple[str, int], ...] = ()
+    present: int | None = None
+    open_parts: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+    rules: tuple[tuple[str, float, float], ...] = ()
 
 
 class Clashes(Sequence[Clash]):
     """What `feeler.clash` found, the worst first: a row for each pair of parts.
 
     `clashes[i]` is a `Clash`, `clashes[i:j]` and `clashes[mask]` are tables, which share the status of their findings.
-    Columns are arrays of a row each, read-only: `.a .b .verdict .depth .depth_error .depth_kind .translation .gap .point_a .point_b
-    .volume .triangles .box .rule .severity .ids .status`, as in `Clash`. Sorted by severity; then what shares space,
-    the deepest first; then contacts; then what is apart, the nearest first; then by parts.
+    Columns are arrays of a row each, read-only: `.a .b .verdict .depth .depth_error .depth_kind .translation .gap
+    .point_a .point_b .volume .triangles .box .rule .severity .ids .status`, as in `Clash`. Sorted by severity; then what
+    shares space, the deepest first; then contacts; then what is apart, the nearest first; then by parts.
     """
 
     def __init__(
@@ -280,6 +288,14 @@ class Clashes(Sequence[Clash]):
         """Shape and place of parts, those in findings at least; the first call of a check looks at all triangles."""
         return unknown(self.keys, self.part_paths) if self._shapes is None else self._shapes.get()
 
+    @property
+    def hidden(self) -> dict[str, int]:
+        """How many findings each rule hides, by its name: exclusions, and rules with a level."""
+        found: dict[str, int] = {}
+        for name, count in self.facts.hidden:
+            found[name] = found.get(name, 0) + count
+        return found
+
     def where(self, **where: object) -> Clashes:
         """The rows of a verdict, a severity, a status or a rule: `clashes.where(verdict="clash", rule="default")`."""
         return self[self._mask(where)]
@@ -316,7 +332,7 @@ class Clashes(Sequence[Clash]):
         return (self._row(row) for row in range(len(self)))
 
     def _some(self, columns: Columns) -> Clashes:
-        return Clashes(
+        found = Clashes(
             columns,
             self.part_paths,
             self.rules,
@@ -325,6 +341,8 @@ class Clashes(Sequence[Clash]):
             is_partial=self.is_partial,
             shapes=self._shapes,
         )
+        found.__dict__["keys"] = self.keys  # made once for all slices
+        return found
 
     def _row(self, row: int) -> Clash:
         c = self.columns
@@ -422,6 +440,19 @@ class Clashes(Sequence[Clash]):
         from feeler.clashes.changes import changes
 
         return changes(self, previous, growth)
+
+    def with_rules(self, rules: Any, mockup: Mockup | None = None) -> Clashes:
+        """The same findings under other rules, without another check: to try rules on what was saved.
+
+        rules: as of `feeler.clash`. mockup: the one that was checked, for the shapes of fasteners; None: names decide.
+        Verdicts, severities and ids follow the new rules, statuses stay with their pairs, and `hidden` counts anew.
+        `facts.notes` says what only another check can tell: pairs that were hidden before, or are farther apart than
+        the clearance then, and contacts that a smaller `contact` would make clashes. Raises as `feeler.clash` does.
+        """
+        from feeler.clashes.retried import with_rules
+        from feeler.clashes.rules_file import rules_from
+
+        return with_rules(self, rules_from(rules), mockup)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes the findings with their status, and the `earlier` ones, as JSON: a line each, in an order that stays.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from feeler.clashes.grouping import Group
-from feeler.clashes.table import Clash
+from feeler.clashes.table import Clash, Clashes
 from feeler.clashes.verdict import Verdict
 
 
@@ -24,9 +24,10 @@ def sentence(clash: Clash) -> str:
 
 
 def deep(clash: Clash) -> str:
-    """The depth as far as it is known."""
+    """The depth as far as it is known; with the deepest that it can be, where that reads differently."""
     said = "about " if clash.depth_kind == "estimate" else ""
-    return said + length(clash.depth)
+    least, most = length(clash.depth), length(clash.depth + clash.depth_error)
+    return said + (least if least == most or math.isnan(clash.depth_error) else f"{least} to {most}")
 
 
 def extent(clash: Clash) -> str:
@@ -36,10 +37,20 @@ def extent(clash: Clash) -> str:
     return f"{length(clash.gap)} apart" if clash.gap > 0.0 else "touching"
 
 
+def hidden(clashes: Clashes) -> str:
+    """How many findings the rules hide, rule by rule; empty where no rule hides any pair."""
+    return ", ".join(f"{count:,} by {name}" for name, count in clashes.hidden.items())
+
+
 def title(group: Group) -> str:
     """A group in a line: its name, how many it has, and the worst."""
     more = f"{len(group):,} findings" if len(group) > 1 else "1 finding"
     return f"{group.name}: {more}; {sentence(group.worst)}"
+
+
+def capitalised(text: str) -> str:
+    """The text with its first letter large."""
+    return text[:1].upper() + text[1:]
 
 
 def length(metres: float) -> str:

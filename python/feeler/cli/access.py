@@ -245,7 +245,7 @@ def _write(
     written = {}
     if targets["csv"] is not None:
         with atomic_file(targets["csv"]) as file:
-            file.write(_csv(rows).encode())
+            file.write(_csv(rows))
         written["csv"] = str(targets["csv"])
     if targets["glb"] is not None:
         whole = tool if hand is None else feeler.Tool.assembly({"tool": tool, "hand": hand}, name=tool.name)
@@ -255,22 +255,18 @@ def _write(
     return written
 
 
-def _csv(rows: list[dict[str, Any]]) -> str:
-    import csv
-    import io
+def _csv(rows: list[dict[str, Any]]) -> bytes:
+    from feeler.io.csv_table import csv_table
 
-    out = io.StringIO()
-    lines = csv.writer(out, lineterminator="\n")
+    lines = []
     columns = ["target", "part", "path", "kind", "size_m", "across_flats_m", "reachable", "swing_deg", "angle_deg"]
-    lines.writerow([*columns, "because", "blockers", "blocked"])
     for row in rows:
         values = [row.get(column) for column in columns]
         blockers = [each["path"] for each in row["blockers"]]
         blocked = sum(each["count"] for each in row["blockers"])
-        cells = ["" if value is None or value != value else value for value in values]
-        cells[columns.index("reachable")] = "yes" if row["reachable"] else "no"
-        lines.writerow([*cells, row["because"], "; ".join(blockers[:3]), blocked])
-    return out.getvalue()
+        values[columns.index("reachable")] = "yes" if row["reachable"] else "no"
+        lines.append([*values, row["because"], "; ".join(blockers[:3]), blocked])
+    return csv_table([*columns, "because", "blockers", "blocked"], lines)
 
 
 def _print(

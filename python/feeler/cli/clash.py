@@ -23,6 +23,7 @@ _SHOWN_GROUPS = 12
 _SHOWN = 20
 _ENDINGS = {
     "csv": (".csv",),
+    "xlsx": (".xlsx",),
     "html": (".html",),
     "bcf": (".bcf",),
     "glb": (".glb",),
@@ -38,10 +39,12 @@ feeler clash engine.step
 feeler clash engine.step --clearance 0.005 --contact chord --html clashes.html --bcf clashes.bcf
 feeler clash engine.step --write-rules clash.toml
 feeler clash engine.step --rules clash.toml --previous last.json --save now.json --fail-on new
+feeler clash now.json --rules other.toml
 feeler clash sample:engine:100000 --clearance 0 --fail-on clash,duplicate,contained --json
 """
 )
 def clash(
+    context: typer.Context,
     mockup: MockupFiles,
     clearance: Annotated[float, typer.Option(help="Metres that parts must be apart; 0: only what meets.")] = 0.002,
     contact: Annotated[
@@ -88,6 +91,9 @@ def clash(
     up: Up = None,
     threads: Annotated[int | None, typer.Option(help="Default: all cores.")] = None,
     csv: Annotated[Path | None, typer.Option(help="Write a line for each finding.")] = None,
+    xlsx: Annotated[
+        Path | None, typer.Option(help="Write a workbook with a row and a picture for each (needs feeler\\[xlsx]).")
+    ] = None,
     html: Annotated[
         Path | None, typer.Option(help="Write one page with pictures and filters, which needs no network.")
     ] = None,
@@ -97,16 +103,21 @@ def clash(
 ) -> None:
     """Finds every pair of parts that is in each other, touches, or is too near; told apart exactly, and measured.
 
+    To try --rules without another check, pass the findings that --save wrote instead of the mock-up.
+
     Exit status: 0 fine, 1 findings that --fail-on asks for, 2 bad input. Ctrl-C leaves what was found until then,
     marked as partial, and ends with 130.
     """
     from feeler import clashes as room
+    from feeler.clashes.as_xlsx import xlsx_library
     from feeler.clashes.changes import check_previous
     from feeler.clashes.rules import near
     from feeler.cli import outputs
 
-    targets = {"csv": csv, "html": html, "bcf": bcf, "glb": glb, "save": save, "write-rules": write_rules}
+    targets = {"csv": csv, "xlsx": xlsx, "html": html, "bcf": bcf, "glb": glb, "save": save, "write-rules": write_rules}
     outputs.check_targets(targets, _ENDINGS)
+    if xlsx is not None:
+        xlsx_library()
     if by not in _GROUPED_BY:
         raise OptionError(f"--by is {by!r}: {near(by, _GROUPED_BY)}")
     if growth is not None and previous is None:
@@ -114,28 +125,35 @@ def clash(
     wanted = _wanted(fail_on)
     given = None if rules is None else room.Rules.read(rules)
     before = None if previous is None else room.load_clashes(previous)
-    world = read_mockup(mockup, unit, up)
-    if before is not None:
-        check_previous(world, before)
-    with bar("indexing") as progress:
-        scene = feeler.Scene(world, threads=threads, progress=progress)
-    if without or only:
-        scene = Choice(None, without, only).scene_of(scene)
     is_interrupted = False
-    try:
-        with bar("looking for clashes") as progress:
-            found = feeler.clash(
-                world,
-                clearance,
-                _contact(contact),
-                given,
-                volume=volume,
-                scene=scene,
-                threads=threads,
-                progress=progress,
-            )
-    except room.ClashInterrupted as stop:
-        found, is_interrupted = stop.clashes, True
+    world: feeler.Mockup | None = None
+    if _is_saved(mockup):
+        _check_saved(context, targets)
+        found = room.load_clashes(mockup[0])
+        if given is not None:
+            found = found.with_rules(given)
+    else:
+        world = read_mockup(mockup, unit, up)
+        if before is not None:
+            check_previous(world, before)
+        with bar("indexing") as progress:
+            scene = feeler.Scene(world, threads=threads, progress=progress)
+        if without or only:
+            scene = Choice(None, without, only).scene_of(scene)
+        try:
+            with bar("looking for clashes") as progress:
+                found = feeler.clash(
+                    world,
+                    clearance,
+                    _contact(contact),
+                    given,
+                    volume=volume,
+                    scene=scene,
+                    threads=threads,
+                    progress=progress,
+                )
+        except room.ClashInterrupted as stop:
+            found, is_interrupted = stop.clashes, True
     match = None
     if before is not None:
         match = found.diff(before, **({} if growth is None else {"growth": growth})).parts
@@ -144,7 +162,7 @@ def clash(
     written = _write(world, found, targets, by)
     is_found = wanted is not None and wanted(found)
     if as_json:
-        facts = {"mockup": mesh_facts(world), "written": written, "failed": is_found}
+        facts = {"mockup": None if world is None else mesh_facts(world), "written": written, "failed": is_found}
         if match is not None:
             facts["previous"] = asdict(match)
         outputs.print_json({**room.report(found, by=by), **facts})
@@ -155,6 +173,32 @@ def clash(
         raise typer.Exit(INTERRUPTED)
     if is_found:
         raise typer.Exit(FOUND)
+
+
+def _is_saved(files: list[str]) -> bool:
+    """Whether the input is a file of findings, and no mock-up: none of those ends in .json."""
+    return len(files) == 1 and Path(files[0]).suffix.lower() == ".json"
+
+
+_CHECKING = ("clearance", "contact", "volume", "without", "only", "unit", "up", "threads")
+"""Options of a check, which saved findings do not need."""
+
+
+def _check_saved(context: typer.Context, targets: dict[str, Path | None]) -> None:
+    """Raises `OptionError` for options that need the mock-up."""
+    given = [name for name in _CHECKING if _is_given(context, name)]
+    given += [name for name in ("bcf", "glb") if targets[name] is not None]
+    if given:
+        options = ", ".join(f"--{name}" for name in given)
+        raise OptionError(
+            f"{options}: saved findings are not checked again. Pass the mock-up instead of the .json file"
+        )
+
+
+def _is_given(context: typer.Context, name: str) -> bool:
+    """Whether an option stands on the command line, and does not only have its default."""
+    source = context.get_parameter_source(name)
+    return source is not None and source.name == "COMMANDLINE"
 
 
 def _contact(text: str) -> float | str:
@@ -200,7 +244,9 @@ def _value(row: feeler.Clash, kind: str) -> str:
     return row.verdict.name.lower() if kind == "verdict" else str(getattr(row, kind))
 
 
-def _write(world: feeler.Mockup, found: feeler.Clashes, targets: dict[str, Path | None], by: str) -> dict[str, str]:
+def _write(
+    world: feeler.Mockup | None, found: feeler.Clashes, targets: dict[str, Path | None], by: str
+) -> dict[str, str]:
     """Writes what was asked for; returns the names by kind."""
     from feeler import clashes as room
 
@@ -212,12 +258,16 @@ def _write(world: feeler.Mockup, found: feeler.Clashes, targets: dict[str, Path 
         with bar(f"writing {target}") as progress:
             if kind == "csv":
                 room.write_csv(target, found, by=by)
+            elif kind == "xlsx":
+                room.write_xlsx(target, found, world, by=by, progress=progress)
             elif kind == "html":
                 room.write_html(target, found, world, by=by, progress=progress)
             elif kind == "bcf":
+                assert world is not None  # _check_saved
                 topics = room.write_bcf(target, found, world, by=by, progress=progress)
             elif kind == "glb":
-                room.write_clash_glb(target, world, found)
+                assert world is not None
+                room.write_clash_glb(target, found, world)
             elif kind == "save":
                 found.save(target)
             else:
@@ -231,8 +281,9 @@ def _write(world: feeler.Mockup, found: feeler.Clashes, targets: dict[str, Path 
 
 
 def _print(found: feeler.Clashes, by: str, match: PartMatch | None, written: dict[str, str]) -> None:
+    from feeler.clashes.advice import advice
     from feeler.clashes.as_json import statuses
-    from feeler.clashes.words import extent, sentence
+    from feeler.clashes.words import extent, hidden, sentence
     from feeler.cli import outputs
 
     out, has_previous = outputs.console(), match is not None
@@ -240,17 +291,19 @@ def _print(found: feeler.Clashes, by: str, match: PartMatch | None, written: dic
         outputs.print_finding(out, "interrupted: this is what was found until then")
     counts = [(len(found.where(verdict=each)), each.name.lower()) for each in feeler.Verdict]
     said = ", ".join(f"{number:,} {name}" for number, name in counts if number)
-    seconds = outputs.duration(sum(value for _, value in found.facts.seconds))
-    outputs.say(out, f"{count(len(found), 'finding')} among {found.facts.parts:,} parts ({seconds})")
+    seconds = sum(value for _, value in found.facts.seconds)
+    took = f" ({outputs.duration(seconds)})" if seconds else ""  # saved findings took none
+    outputs.say(out, f"{count(len(found), 'finding')} among {count(found.facts.parts, 'part')}{took}")
     if said:
         outputs.say(out, f"  {said}")
+    if found.hidden:
+        outputs.say(out, f"  hidden: {hidden(found)}")
     if match is not None:
         outputs.say(out, "  " + ", ".join(f"{number:,} {name}" for name, number in statuses(found).items()))
         if not match.is_plain:
             outputs.say(out, f"  {match}")
-    open_parts = {row.a for row in found if row.is_open_a} | {row.b for row in found if row.is_open_b}
-    if open_parts:
-        outputs.say(out, f"  {count(len(open_parts), 'part')} of these are not closed: nothing is inside them")
+    for each in advice(found):
+        outputs.say(out, f"  {each}")
     out.print()
     groups = found.groups(by)
     if groups:

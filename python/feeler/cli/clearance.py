@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 import time
 from pathlib import Path
@@ -201,29 +200,20 @@ def _check_out(target: Path, ending: str) -> None:
 
 
 def _write_csv(path: Path, results: list[dict[str, Any]]) -> None:
-    from feeler.io import WriteError
+    from feeler.io.atomic import atomic_file
+    from feeler.io.csv_table import csv_table
 
-    try:
-        with path.open("w", encoding="utf-8", newline="") as file:
-            writer = csv.writer(file)
-            writer.writerow(_COLUMNS)
-            for entry in results:
-                for row in entry["parts"]:
-                    writer.writerow(
-                        [
-                            entry["pose"],
-                            row["part"],
-                            row["path"],
-                            repr(row["distance_m"]),
-                            *(repr(float(x)) for x in row["point_on_tool_m"]),
-                            *(repr(float(x)) for x in row["point_on_mockup_m"]),
-                            row["tool_triangle"],
-                            row["mockup_triangle"],
-                            row["tool_path"],
-                        ]
-                    )
-    except OSError as error:
-        raise WriteError(f"{path} cannot be written: {error.strerror or error}") from None
+    rows = [
+        [
+            *(entry["pose"], row["part"], row["path"], row["distance_m"]),
+            *(*row["point_on_tool_m"], *row["point_on_mockup_m"]),
+            *(row["tool_triangle"], row["mockup_triangle"], row["tool_path"]),
+        ]
+        for entry in results
+        for row in entry["parts"]
+    ]
+    with atomic_file(path) as file:
+        file.write(csv_table(_COLUMNS, rows))
 
 
 def _print(

@@ -241,9 +241,9 @@ def read_poses(path: Path, snap: bool = False) -> Poses:
         if path.suffix.lower() == ".npy":
             values = np.load(path, allow_pickle=False)
         elif path.suffix.lower() == ".json":
-            values = _from_json(json.loads(path.read_text(encoding="utf-8")))
+            values = _from_json(json.loads(path.read_text(encoding="utf-8-sig")))
         else:
-            values = _from_text(path.read_text(encoding="utf-8"))
+            values = _from_text(path.read_text(encoding="utf-8-sig"))
         poses = np.asarray(values, dtype=np.float64)
     except (ValueError, TypeError, EOFError, RecursionError) as error:
         raise PoseError(f"pose file {path} cannot be read: {error}; {_EXPECTED}") from None

@@ -196,7 +196,7 @@ def _write(
     written = {}
     if csv is not None:
         with atomic_file(csv) as file:
-            file.write(_csv(hits).encode())
+            file.write(_csv(hits))
         written["csv"] = str(csv)
     first = check.first
     if glb is not None and first is not None:
@@ -207,18 +207,15 @@ def _write(
     return written
 
 
-def _csv(hits: list[dict[str, Any]]) -> str:
-    import csv
-    import io
+def _csv(hits: list[dict[str, Any]]) -> bytes:
+    from feeler.io.csv_table import csv_table
 
-    out = io.StringIO()
-    rows = csv.writer(out, lineterminator="\n")
     vectors = [f"{what}_{axis}" for what in ("point", "normal") for axis in "xyz"]
-    rows.writerow(["segment", "fraction", "part", "path", "tool_triangle", "mockup_triangle", *vectors, "tool_part"])
+    columns = ["segment", "fraction", "part", "path", "tool_triangle", "mockup_triangle"]
+    rows = []
     for hit in hits:
-        values = [hit[name] for name in ("segment", "fraction", "part", "path", "tool_triangle", "mockup_triangle")]
-        rows.writerow([*values, *hit["point"], *hit["normal"], hit["tool_path"]])
-    return out.getvalue()
+        rows.append([*(hit[name] for name in columns), *hit["point"], *hit["normal"], hit["tool_path"]])
+    return csv_table([*columns, *vectors, "tool_part"], rows)
 
 
 def _print(

@@ -282,7 +282,7 @@ def _write(asked: _Asked, answers: list[_Answer], targets: dict[str, Path | None
         with bar(f"writing {target}"):
             if kind == "csv":
                 with atomic_file(target) as file:
-                    file.write(_csv(mockup, answers).encode())
+                    file.write(_csv(mockup, answers))
             elif kind == "way":
                 with atomic_file(target) as file:
                     file.write(_poses(target, last.poses))
@@ -334,34 +334,27 @@ _COLUMNS = (
 )
 
 
-def _csv(mockup: feeler.Mockup, answers: list[_Answer]) -> str:
-    import csv
-    import io
+def _csv(mockup: feeler.Mockup, answers: list[_Answer]) -> bytes:
+    from feeler.io.csv_table import Cell, csv_table
 
-    out = io.StringIO()
-    rows = csv.writer(out, lineterminator="\n")
-    rows.writerow(_COLUMNS)
+    rows: list[list[Cell]] = []
     for answer in answers:
         for number, step in enumerate(answer.steps, start=1):
             one = step.removal
-            measured = (
-                (len(one.poses), one.path_length, math.degrees(one.rotation), _known(one.clearance))
+            measured: tuple[float | None, ...] = (
+                (len(one.poses), one.path_length, math.degrees(one.rotation), one.clearance)
                 if one.found
-                else ("", "", "", "")
+                else (None, None, None, None)
             )
             blockers = "; ".join(mockup.part_paths[each.part] for each in one.blocked_by)
             for part in step.parts:
-                rows.writerow(
+                rows.append(
                     [
                         *(part, mockup.part_paths[part], number, int(one.found), int(one.free), _kind(one)),
-                        *(*measured, blockers, f"{one.seconds:.4g}"),
+                        *(*measured, blockers, float(f"{one.seconds:.4g}")),
                     ]
                 )
-    return out.getvalue()
-
-
-def _known(value: float) -> float | str:
-    return value if math.isfinite(value) else ""
+    return csv_table(_COLUMNS, rows)
 
 
 def _kind(one: feeler.Removal) -> str:

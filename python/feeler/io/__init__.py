@@ -1,4 +1,5 @@
-"""Files: mock-ups and tools out of STL, OBJ, PLY, OFF, glTF/GLB, 3MF, STEP, COLLADA; GLB and STL into files.
+"""Files: mock-ups and tools out of STL, OBJ, PLY, OFF, glTF/GLB, 3MF, STEP, COLLADA; GLB, STL and CSV into
+files.
 
     find files -> tell the format -> read (plain arrays, names, notes) -> metres -> Mockup
     Mockup, Tool -> Body (triangles with parts and colours) -> GLB, STL
@@ -10,6 +11,7 @@ drop, which a tool that must find every contact cannot have. STEP is triangulate
 
 from feeler.io.atomic import WriteError, check_target
 from feeler.io.body import Body, Mark, body_of, with_marks
+from feeler.io.csv_table import csv_table
 from feeler.io.export import write_glb, write_stl
 from feeler.io.load import load_mockup, load_tool
 from feeler.io.step import DEFAULT_CHORD_TOLERANCE
@@ -23,6 +25,7 @@ __all__ = [
     "WriteError",
     "body_of",
     "check_target",
+    "csv_table",
     "load_mockup",
     "load_tool",
     "with_marks",

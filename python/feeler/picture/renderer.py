@@ -168,24 +168,39 @@ class _View:
 
     def _shaded(self, seen: npt.NDArray[np.int64], depth: npt.NDArray[np.float32]) -> Image:
         """Colours what is seen, draws lines, darkens hollows, and averages down to the picture."""
+        behind = shade.background(self.height)
+        image = np.empty((self.height // 2, self.width // 2, 3), dtype=np.uint8)
+        image[:] = shade.encode(shade.halved(behind.repeat(2, axis=1)))
+        rows, columns = shade.window(seen >= 0)
+        if rows.stop:
+            inside = self._lit(seen[rows, columns], depth[rows, columns], behind[rows, 0], rows, columns)
+            image[rows.start // 2 : rows.stop // 2, columns.start // 2 : columns.stop // 2] = inside
+        return image
+
+    def _lit(
+        self, seen: npt.NDArray[np.int64], depth: npt.NDArray[np.float32], behind: Any, rows: slice, columns: slice
+    ) -> Image:
+        """The same for the part of the picture that has something to see. behind: `(rows, 3)`, linear."""
         mark = np.zeros(self.first[-1] + 1, dtype=bool)
         mark[seen] = True  # -1 marks the spare last entry
         wanted = np.flatnonzero(mark[:-1])
         row_of = np.full(len(mark), len(wanted), dtype=np.int32)
         row_of[wanted] = np.arange(len(wanted))
-        row = row_of[seen]
+        row = row_of.take(seen, mode="wrap")  # `take` is several times as fast as an index for rows of colours
         colour, part, is_cut = self._looks(wanted)
         if self.plane is not None:
             # A cut lies in the plane, not where the inner side is that is seen through it.
             (nx, ny, nz), offset = self.plane
-            across = (np.arange(self.width) + 0.5 - self.width / 2) / self.focal * nx
-            down = (self.height / 2 - 0.5 - np.arange(self.height)) / self.focal * ny - nz
+            across = (np.arange(columns.start, columns.stop) + 0.5 - self.width / 2) / self.focal * nx
+            down = (self.height / 2 - 0.5 - np.arange(rows.start, rows.stop)) / self.focal * ny - nz
             in_plane = across.astype(np.float32) + down[:, None].astype(np.float32)
             in_plane /= np.float32(offset or 1)
-            depth = np.where(is_cut[row], np.maximum(in_plane, 0), depth)
-        image = colour[row]
-        np.copyto(image, shade.background(self.height), where=(row == len(wanted))[..., None])
-        dark = (1 - shade.outlines(part[row], depth)) * (1 - shade.hollows(depth))
+            depth = np.where(is_cut.take(row), np.maximum(in_plane, 0), depth)
+        # What is behind everything are more rows of colours, one for each line of the picture.
+        line = np.arange(len(wanted), len(wanted) + len(row), dtype=np.int32)[:, None]
+        colours = np.concatenate([colour[:-1], behind])
+        image = colours.take(np.where(row == len(wanted), line, row), axis=0)
+        dark = (1 - shade.outlines(part.take(row), depth)) * (1 - shade.hollows(depth, self.width))
         return shade.encode(shade.halved(image) * dark[..., None])
 
     def _looks(self, wanted: npt.NDArray[np.int64]) -> tuple[npt.NDArray[Any], ...]:

@@ -18,6 +18,7 @@ _LIGHTS = (  # direction to the light, colour (linear), strength
 _SKY, _GROUND = np.array((0.36, 0.38, 0.41)), np.array((0.20, 0.19, 0.18))
 _SHINE = 0.22
 _BACKGROUND = ((0.975, 0.98, 0.985), (0.83, 0.85, 0.875))  # top, bottom, sRGB
+_CROWD = 5  # pixels of a window in which lines crowd, odd
 _LINE = 0.55  # how dark the lines between parts are
 _HOLLOW, _DEEP, _REACH = 0.5, 150, 0.016  # hollows: how dark at most, how soon with depth, how far, share of the width
 
@@ -53,23 +54,43 @@ def outlines(part: npt.NDArray[Any], depth: Float32) -> Float32:
     """
     line = np.zeros(part.shape, dtype=np.float32)
     for here, there in ((np.s_[1:], np.s_[:-1]), (np.s_[:, 1:], np.s_[:, :-1])):
-        is_edge = part[here] != part[there]
+        # Few pixels are at an edge; a list of them is shorter than a picture.
+        at = np.nonzero(part[here] != part[there])
+        is_here = depth[here][at] <= depth[there][at]
         # The farther side carries the line: outlines lie on what is behind.
-        line[here][is_edge & (depth[here] <= depth[there])] = _LINE
-        line[there][is_edge & (depth[there] < depth[here])] = _LINE
+        line[here][at[0][is_here], at[1][is_here]] = _LINE
+        line[there][at[0][~is_here], at[1][~is_here]] = _LINE
     small = halved(line)
     # Where lines crowd they fade, or a far bolt circle would be a black blot.
-    return np.asarray(small * np.clip(1.25 - 4.5 * _box_mean(small, 5), 0.12, 1), dtype=np.float32)
+    return np.asarray(small * np.clip(1.25 - 4.5 * _box_mean(small, _CROWD), 0.12, 1), dtype=np.float32)
 
 
-def hollows(depth: Float32) -> Float32:
+def window(is_seen: npt.NDArray[np.bool_]) -> tuple[slice, slice]:
+    """Rows and columns around all that is seen, of even numbers, and so far around it that shading reaches no edge."""
+    reach = 4 * int(_REACH * is_seen.shape[1] / 4) + 2 * _CROWD + 4
+    sides = []
+    for axis in (1, 0):
+        found = np.flatnonzero(is_seen.any(axis=axis))
+        size = is_seen.shape[1 - axis]
+        low, high = (max(int(found[0]) - reach, 0), min(int(found[-1]) + reach, size)) if len(found) else (0, 0)
+        sides.append(slice(low // 2 * 2, (high + 1) // 2 * 2))
+    return sides[0], sides[1]
+
+
+def hollows(depth: Float32, width: int) -> Float32:
     """How dark pixels are for what stands before them, (h / 2, w / 2), 0 to 1. depth: (h, w), 1 / metres, 0: nothing.
+    width: of the whole picture, pixels.
 
     Inverse depth is linear on the screen wherever a surface is plane: what lies below its own mean is a hollow.
     """
-    mean = _box_mean(halved(depth), 2 * int(_REACH * depth.shape[1] / 4) + 1).repeat(2, axis=0).repeat(2, axis=1)
-    below = np.maximum(mean / np.maximum(depth, np.float32(1e-30)) - 1, 0)
-    return halved(np.where(depth > 0, _HOLLOW * (1 - np.exp(-_DEEP * below)), 0).astype(np.float32))
+    mean = _box_mean(halved(depth), 2 * int(_REACH * width / 4) + 1)
+    fours = depth.reshape(mean.shape[0], 2, mean.shape[1], 2)
+    below = np.maximum(mean[:, None, :, None] / np.maximum(fours, np.float32(1e-30)) - 1, 0)
+    # Most pixels are in no hollow: the exponential is taken of the others alone.
+    at = np.flatnonzero((fours > 0) & (below > 0))
+    dark = np.zeros(depth.size, dtype=np.float32)
+    dark[at] = _HOLLOW * (1 - np.exp(-_DEEP * below.ravel()[at]))
+    return halved(dark.reshape(depth.shape))
 
 
 def encode(linear: Float32) -> npt.NDArray[np.uint8]:

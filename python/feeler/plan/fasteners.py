@@ -178,16 +178,7 @@ def find_fasteners(
     chosen = named.astype(np.int64)
     if isinstance(mockup, Scene):
         chosen = chosen[mockup.part_mask[chosen]]
-    said = [kind_said(name) for name in world.part_names]
-    is_naming = any(kind in KINDS for kind in said)
-    small = _small(world, chosen)
-    found: list[tuple[Fastener, Looks]] = []
-    done = 0
-    for shape in same_shapes(world, small):
-        found += _of_shape(world, shape, said, is_naming)
-        done += len(shape.parts)
-        if progress is not None:
-            progress(0.8 * done / len(small), "looking at parts")
+    found = _looked_at(world, chosen, progress)
     unsure = [i for i, (_, looks) in enumerate(found) if looks.is_two_sided]
     rows = [row for row, _ in found]
     if unsure:
@@ -199,6 +190,30 @@ def find_fasteners(
     if progress is not None:
         progress(1.0, "done")
     return Fasteners(sorted(rows, key=lambda row: row.part))
+
+
+def shaped_as_fasteners(mockup: Mockup) -> npt.NDArray[np.int64]:
+    """The parts whose shape, with their name as a second voice, is that of a fastener with confidence `STRONG` or more.
+
+    The same parts as `find_fasteners(mockup)` finds so surely; their frames, which need an index, are not looked for.
+    """
+    found = _looked_at(mockup, np.arange(mockup.part_count), None)
+    return np.array(sorted(row.part for row, _ in found if row.confidence >= STRONG), dtype=np.int64)
+
+
+def _looked_at(world: Mockup, chosen: npt.NDArray[np.int64], progress: Progress | None) -> list[tuple[Fastener, Looks]]:
+    """The fasteners among the parts, each with its looks; which of two like ends is outside is not told yet."""
+    said = [kind_said(name) for name in world.part_names]
+    is_naming = any(kind in KINDS for kind in said)
+    small = _small(world, chosen)
+    found: list[tuple[Fastener, Looks]] = []
+    done = 0
+    for shape in same_shapes(world, small):
+        found += _of_shape(world, shape, said, is_naming)
+        done += len(shape.parts)
+        if progress is not None:
+            progress(0.8 * done / len(small), "looking at parts")
+    return found
 
 
 def _small(world: Mockup, chosen: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:

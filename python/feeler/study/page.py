@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import base64
-import csv
 import html
-import io
 import json
 from pathlib import Path
 from typing import Any
 
+from ..io.csv_table import csv_table
 from .cells import write_text
 from .plots import MISSING
 from .tables import Section, sections_of
@@ -26,11 +25,7 @@ def write_study(
     """Writes `results.json`, `samples.csv` and `index.html`; the plots are there already."""
     slim = {**results, "rows": [_without_samples(row) for row in results["rows"]]}
     write_text(folder / "results.json", json.dumps(slim, indent=1, allow_nan=False) + "\n")
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(samples[0])
-    writer.writerows(samples[1])
-    write_text(folder / "samples.csv", text.getvalue())
+    write_text(folder / "samples.csv", csv_table(*samples).decode("utf-8"))
     write_text(folder / "index.html", _page(results, [folder / f"{name}.png" for name in plots]))
 
 

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import csv
 import html
-import io
 
 import numpy as np
 
+from feeler.io.csv_table import Cell, csv_table
 from feeler.io.export import Motion, animated_glb
 from feeler.io.film import PAUSE_S, seconds_of, way_length, with_neighbours
 from feeler.mockup import Mockup, Tool
@@ -19,14 +18,10 @@ from feeler.workbench.motion import Floats
 
 
 def sequence_csv(document: Document, mockup: Mockup, progress: Progress) -> bytes:
-    """A line for each removal, in order; lengths in the document's unit, UTF-8."""
+    """A line for each removal, in order; lengths in the document's unit."""
     progress(0.0, "table")
-    file = io.StringIO(newline="")
-    writer = csv.writer(file)
-    writer.writerow(_headings(document.unit))
-    for number, line in enumerate(document.sequence, start=1):
-        writer.writerow([_harmless(cell) for cell in _cells(number, line, document, mockup)])
-    return file.getvalue().encode("utf-8")
+    rows = [_cells(number, line, document, mockup) for number, line in enumerate(document.sequence, start=1)]
+    return csv_table(_headings(document.unit), rows)
 
 
 def sequence_html(document: Document, mockup: Mockup, progress: Progress) -> bytes:
@@ -35,7 +30,9 @@ def sequence_html(document: Document, mockup: Mockup, progress: Progress) -> byt
     name = html.escape(document.mockup.name if document.mockup else "mock-up")
     head = "".join(f"<th>{html.escape(each)}</th>" for each in _headings(document.unit))
     rows = "\n".join(
-        "<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in _cells(number, line, document, mockup)) + "</tr>"
+        "<tr>"
+        + "".join(f"<td>{html.escape(_shown(cell))}</td>" for cell in _cells(number, line, document, mockup))
+        + "</tr>"
         for number, line in enumerate(document.sequence, start=1)
     )
     return f"""<!doctype html>
@@ -94,20 +91,22 @@ def _headings(unit: str) -> list[str]:
     return ["step", "name", "parts", f"way ({unit})", f"least clearance ({unit})", "touched", "tool"]
 
 
-def _cells(number: int, line: Removal, document: Document, mockup: Mockup) -> list[str]:
+def _cells(number: int, line: Removal, document: Document, mockup: Mockup) -> list[Cell]:
     per_unit = UNITS[document.unit]
-    clearance = "" if line.least_clearance is None else f"{line.least_clearance / per_unit:.4g}"
     return [
-        str(number),
+        number,
         line.name,
         "; ".join(mockup.part_paths[part] for part in line.parts),
-        f"{way_length([motion.matrix(each) for each in line.way]) / per_unit:.4g}",
-        clearance,
+        _rounded(way_length([motion.matrix(each) for each in line.way]) / per_unit),
+        None if line.least_clearance is None else _rounded(line.least_clearance / per_unit),
         "; ".join(line.touched),
         line.tool or "",
     ]
 
 
-def _harmless(cell: str) -> str:
-    """A name that a spreadsheet would take for a formula is text."""
-    return "'" + cell if cell[:1] in ("=", "+", "-", "@", "\t", "\r") else cell
+def _rounded(length: float) -> float:
+    return float(f"{length:.4g}")
+
+
+def _shown(cell: Cell) -> str:
+    return "" if cell is None else f"{cell:.4g}" if isinstance(cell, float) else str(cell)

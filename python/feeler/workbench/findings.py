@@ -30,7 +30,7 @@ def read_findings(path: str | Path) -> Any:
     """What a file holds, for `grouped`. Raises `MissingFileError`, and `LoadError` for what is no such file."""
     file = Path(path)
     try:
-        data = json.loads(file.read_text(encoding="utf-8"))
+        data = json.loads(file.read_text(encoding="utf-8-sig"))
     except FileNotFoundError:
         raise MissingFileError(f"{file} does not exist: give what feeler clash --json wrote") from None
     except (OSError, ValueError, RecursionError) as error:

@@ -1,0 +1,51 @@
+"""What a result means where its rows alone do not say it: one part, open parts, nothing near."""
+
+from __future__ import annotations
+
+from feeler.clashes.table import Clashes
+from feeler.clashes.words import length
+
+_NAMED = 3
+"""Parts that a sentence names."""
+
+
+def advice(clashes: Clashes) -> list[str]:
+    """Sentences on what the check could not find, and what to do about it; none where the findings say it all."""
+    facts = clashes.facts
+    found = []
+    present = facts.present if facts.present is not None else facts.parts
+    if present < 2 and not len(clashes):
+        what = "1 part" if present == 1 else "no part"
+        found.append(
+            f"{what} only: there is nothing to check against. Pass an assembly, or several files; a model that was "
+            "exported as one body is one part"
+        )
+    elif not len(clashes) and not clashes.is_partial:
+        found.append(_nothing(clashes))
+    if facts.open_parts:
+        count = len(facts.open_parts)
+        are, them = ("is", "it") if count == 1 else ("s are", "them")
+        found.append(
+            f"{count:,} part{' ' * (count == 1)}{are} not closed, so parts inside {them} are not found: "
+            f"{_named(facts.open_parts)}. Export {them} as solid, or close the surfaces"
+        )
+    return [*found, *facts.notes]
+
+
+def _nothing(clashes: Clashes) -> str:
+    facts = clashes.facts
+    hidden = sum(clashes.hidden.values())
+    if hidden:
+        return f"the rules hide all {hidden:,} findings. Check without rules to see them"
+    if facts.clearance == 0.0:
+        return "no pair of parts meets. Pass a clearance, such as 0.002 metres, to find pairs that are too near"
+    return (
+        f"no pair of parts meets, or is nearer than {length(facts.clearance)}. Pass a larger clearance to see which "
+        "come nearest"
+    )
+
+
+def _named(paths: tuple[str, ...]) -> str:
+    names = [path.rpartition("/")[2] or path for path in paths[:_NAMED]]
+    more = len(paths) - _NAMED
+    return ", ".join(names) + (f" and {more:,} more" if more > 0 else "")

@@ -1,0 +1,142 @@
+"""Findings as a workbook for Excel, a row each with its picture, by XlsxWriter: an extra, `feeler[xlsx]`."""
+
+from __future__ import annotations
+
+import datetime
+import importlib
+import io
+import math
+import os
+from collections.abc import Callable
+from typing import Any
+
+from feeler.clashes.advice import advice
+from feeler.clashes.as_json import statuses
+from feeler.clashes.columns import COLUMNS, cells
+from feeler.clashes.table import Clashes
+from feeler.clashes.verdict import Verdict
+from feeler.clashes.words import capitalised, hidden
+from feeler.errors import OptionError
+from feeler.io.atomic import atomic_file
+from feeler.io.csv_table import Cell
+from feeler.mockup import Mockup
+
+MOST_PICTURES = 200
+"""Findings with a picture, the worst: about 20 kB and 0.05 s each."""
+MOST_ROWS = 100_000
+"""Findings that a workbook has, the worst first: 30 MB. CSV and JSON have all."""
+
+_SCALE, _ROW_HEIGHT, _PICTURE_WIDTH = 0.35, 80.0, 25.0
+"""Of a picture of 480 by 300 pixels; points; characters of the sheet's font."""
+_WIDTHS = {"id": 12.0, "group": 30.0, "path_a": 40.0, "path_b": 40.0, "note": 30.0}
+_WIDTH = 12.0
+_CREATED = datetime.datetime(1980, 1, 1)
+"""So that the same findings give the same bytes."""
+
+
+def xlsx_library() -> Any:
+    """XlsxWriter. Raises `OptionError` where it is not installed."""
+    try:
+        return importlib.import_module("xlsxwriter")
+    except ImportError:
+        raise OptionError('--xlsx needs XlsxWriter: pip install "feeler[xlsx]", or write CSV') from None
+
+
+def write_xlsx(
+    path: str | os.PathLike[str],
+    clashes: Clashes,
+    mockup: Mockup | None = None,
+    *,
+    by: str = "part",
+    pictures: int = MOST_PICTURES,
+    progress: Callable[[float, str], object] | None = None,
+) -> None:
+    """Writes a sheet with a row for each of the `MOST_ROWS` worst findings, and a sheet with the summary.
+
+    Text is text, never a formula; numbers are numbers, with their units in the heading. mockup: for pictures, of the
+    `pictures` worst findings; None: none. by: how groups are made. Needs XlsxWriter. Raises `WriteError`, and
+    `OptionError` for clashes of another mock-up, and where XlsxWriter is not installed.
+    """
+    library = xlsx_library()
+    drawn = _drawing(clashes, mockup) if mockup is not None else None
+    count = min(len(clashes), MOST_ROWS)
+    pictured = min(pictures, count) if drawn is not None else 0
+    with atomic_file(path) as file:
+        # Into memory first: XlsxWriter has errors of its own for a full disk.
+        data = io.BytesIO()
+        book = library.Workbook(
+            data,
+            {
+                "constant_memory": True,
+                "strings_to_formulas": False,
+                "strings_to_urls": False,
+                "strings_to_numbers": False,
+            },
+        )
+        book.set_properties({"title": "Clashes", "created": _CREATED})
+        bold = book.add_format({"bold": True, "bottom": 1})
+        top = book.add_format({"valign": "top"})
+        sheet = book.add_worksheet("findings")
+        sheet.freeze_panes(1, 0)
+        sheet.autofilter(0, 0, max(count, 1), len(COLUMNS))
+        sheet.set_column(0, 0, _PICTURE_WIDTH if pictured else 8.0)
+        for place, column in enumerate(COLUMNS, start=1):
+            sheet.set_column(place, place, _WIDTHS.get(column.name, _WIDTH))
+        for place, title in enumerate(["picture", *(column.title for column in COLUMNS)]):
+            sheet.write_string(0, place, title, bold)
+        for number, row in enumerate(cells(clashes[:count], by), start=1):
+            if number <= pictured and drawn is not None:
+                if progress is not None:
+                    progress((number - 1) / pictured, f"picture {number} of {pictured}")
+                sheet.set_row(number, _ROW_HEIGHT)
+                image = {"image_data": io.BytesIO(drawn(number - 1)), "x_scale": _SCALE, "y_scale": _SCALE}
+                sheet.insert_image(number, 0, f"{number}.png", {**image, "object_position": 1})
+            for place, cell in enumerate(row, start=1):
+                _write(sheet, number, place, cell, top)
+        _summary(book.add_worksheet("summary"), clashes, count, pictured, bold)
+        book.close()
+        file.write(data.getvalue())
+
+
+def _drawing(clashes: Clashes, mockup: Mockup) -> Callable[[int], bytes]:
+    """The picture of a row, as PNG."""
+    from feeler.clashes.as_glb import check_same
+    from feeler.clashes.pictures import Pictures
+
+    check_same(mockup, clashes)
+    pictures = Pictures(mockup)
+    return lambda row: pictures.png(clashes[row])
+
+
+def _write(sheet: Any, row: int, column: int, cell: Cell, style: Any = None) -> None:
+    """A cell as what it is; what is not known stays empty."""
+    if isinstance(cell, str):
+        text = cell.encode("utf-8", errors="replace").decode("utf-8")
+        sheet.write_string(row, column, text, style)  # which cuts what is longer than a cell of Excel can be
+    elif cell is not None and math.isfinite(cell):
+        sheet.write_number(row, column, cell, style)
+
+
+def _summary(sheet: Any, clashes: Clashes, count: int, pictured: int, bold: Any) -> None:
+    facts = clashes.facts
+    verdicts = [(each.name.lower(), len(clashes.where(verdict=each.name))) for each in Verdict]
+    lines: list[tuple[str, Cell]] = [
+        ("mock-up", ", ".join(facts.files)),
+        ("parts", facts.parts),
+        ("triangles", facts.triangles),
+        ("clearance, m", facts.clearance),
+        ("contact, m", facts.contact),
+        ("findings", len(clashes)),
+        *verdicts,
+        *statuses(clashes).items(),
+        *([("hidden", hidden(clashes))] if clashes.hidden else []),
+        *([("partial", "the check was stopped: this is what was found until then")] if clashes.is_partial else []),
+        *(("note", capitalised(each)) for each in advice(clashes)),
+        *([("note", f"The {count:,} worst findings are in this workbook")] if count < len(clashes) else []),
+        *([("note", f"The {pictured:,} worst findings have pictures")] if 0 < pictured < count else []),
+    ]
+    sheet.set_column(0, 0, 16.0)
+    sheet.set_column(1, 1, 80.0)
+    for row, (name, value) in enumerate(lines):
+        sheet.write_string(row, 0, name, bold)
+        _write(sheet, row, 1, value)

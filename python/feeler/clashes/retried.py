@@ -1,0 +1,136 @@
+"""Rules tried on findings that are there already, without another check."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+
+from feeler.clashes.fastener_rule import shape_of
+from feeler.clashes.rules import Limits, Rule, Rules, limits, unmatched
+from feeler.clashes.table import Clashes, Columns
+from feeler.clashes.verdict import DEFAULT_RULE, Verdict
+from feeler.clashes.words import length
+from feeler.mockup import Mockup
+from feeler.parts import Parts
+
+OTHERS = "others = false"
+"""What hides the findings that no rule names, in `Clashes.hidden`."""
+
+
+def with_rules(clashes: Clashes, rules: Rules, mockup: Mockup | None) -> Clashes:
+    """See `Clashes.with_rules`."""
+    if mockup is not None:
+        from feeler.clashes.as_glb import check_same
+
+        check_same(mockup, clashes)
+    found, notes = _limits(clashes, rules, mockup)
+    rule = found.rule_of(clashes.a, clashes.b)
+    hidden_by = np.where(rule < 0, len(found.hiding), found.hidden_by(clashes.a, clashes.b))
+    names = [*found.hiding, *([OTHERS] if not rules.others else [])]
+    hidden = tuple((name, int(np.count_nonzero(hidden_by == place))) for place, name in enumerate(names))
+    kept = np.flatnonzero(hidden_by < 0)
+    columns, rule = clashes.columns.rows(kept), rule[kept]
+    every = [*rules.rules, Rule(DEFAULT_RULE)]
+    columns, is_far, doubtful = _judged(clashes, columns, [every[each] for each in rule.tolist()])
+    columns = replace(columns, rule=rule.astype(np.uint32), severity=found.severities[rule])
+    left = np.flatnonzero(~is_far)
+    order = left[columns.rows(left).order()]
+    if doubtful:
+        notes.append(
+            f"{doubtful:,} contacts may be clashes by these rules: the depth of a contact is not kept. Check the "
+            "mock-up again with them"
+        )
+    facts = replace(
+        clashes.facts,
+        hidden=hidden,
+        notes=tuple(notes),
+        rules=tuple((each.name, *_asked(clashes, each)) for each in every),
+    )
+    made = Clashes(columns.rows(order), clashes.part_paths, found.names, facts=facts, is_partial=clashes.is_partial)
+    before = [clashes.ids[row] for row in kept[order].tolist()]
+    marks = {now: clashes.marks.of(then) for now, then in zip(made.ids, before, strict=True)}
+    made.marks.replace(marks)
+    made.set_earlier(clashes.earlier())
+    return made
+
+
+def _limits(clashes: Clashes, rules: Rules, mockup: Mockup | None) -> tuple[Limits, list[str]]:
+    """What the rules come to for the parts of the findings, and what cannot be known without another check."""
+    paths, facts = clashes.part_paths, clashes.facts
+    count = len(paths)
+    parts = Parts(
+        [path.rpartition("/")[2] for path in paths], [*paths], np.zeros(count, np.uint32), np.zeros((count, 2, 3))
+    )
+    notes: list[str] = []
+    if count < facts.parts:  # a file has only the parts of its findings
+        notes += [f"{what} names no part of these findings" for what in unmatched(rules, parts, paths)]
+        rules = replace(
+            rules,
+            rules=tuple(replace(each, optional=True) for each in rules.rules),
+            exclusions=tuple(replace(each, optional=True) for each in rules.exclusions),
+        )
+    if mockup is None and any(each.fasteners for each in rules.exclusions):
+        notes.append("fasteners are told by their names alone: their shapes need the mock-up")
+    for name, hidden in clashes.hidden.items():
+        if hidden:
+            notes.append(f"{hidden:,} findings that {name!r} hid before are not here. Check the mock-up to see them")
+    least = min([facts.clearance, *(clearance for _, clearance, _ in facts.rules)])
+    for each in rules.rules:
+        if each.clearance is not None and each.clearance > least:
+            notes.append(
+                f"rule {each.name!r} asks for {length(each.clearance)}, and some pairs were looked for only within "
+                f"{length(least)}: farther ones are not here. Check the mock-up again with this rule"
+            )
+    shaped = None if mockup is None else shape_of(mockup)
+    none = np.empty((0, 2), dtype=np.uint32)
+    return limits(rules, parts, paths, facts.clearance, 0.0, 0.0, none, shaped), notes
+
+
+def _asked(clashes: Clashes, rule: Rule) -> tuple[float, float]:
+    """Clearance and contact of a rule, metres; NaN for a contact that only the mock-up tells ("chord")."""
+    facts = clashes.facts
+    clearance = facts.clearance if rule.clearance is None else rule.clearance
+    contact = facts.contact if rule.contact is None else rule.contact
+    if isinstance(contact, str):
+        contact = _contacts(clashes).get(DEFAULT_RULE, np.nan) if facts.contact == contact else np.nan
+    return clearance, contact
+
+
+def _contacts(clashes: Clashes) -> dict[str, float]:
+    """The contact of each rule of the check, metres."""
+    return {name: contact for name, _, contact in clashes.facts.rules}
+
+
+def _judged(clashes: Clashes, columns: Columns, rules: Sequence[Rule]) -> tuple[Columns, npt.NDArray[np.bool_], int]:
+    """Rows with the verdicts of their rules, which of them are too far apart to be findings, and how many contacts may
+    be clashes.
+
+    A verdict stays where the contact of its rule is "chord", which only the mock-up tells.
+    """
+    if not len(columns.a):
+        return columns, np.zeros(0, dtype=bool), 0
+    clearance, contact = np.array([_asked(clashes, each) for each in rules]).T
+    before, default = _contacts(clashes), _asked(clashes, Rule(DEFAULT_RULE))[1]
+    was = np.array([before.get(clashes.rules[each], default) for each in columns.rule.tolist()])
+    verdict = columns.verdict.copy()
+    is_known = ~np.isnan(contact)
+    meet = columns.gap == 0.0
+    is_clash, is_contact = verdict == Verdict.CLASH, verdict == Verdict.CONTACT
+    is_apart = (verdict == Verdict.CLEARANCE) | (is_contact & ~meet)
+    doubtful = is_known & is_contact & meet & ~(contact >= was)
+    verdict[is_known & is_clash & (columns.depth <= contact)] = Verdict.CONTACT
+    apart = np.flatnonzero(is_known & is_apart)
+    verdict[apart] = np.where(columns.gap[apart] <= contact[apart], Verdict.CONTACT, Verdict.CLEARANCE)
+    only_touch = verdict == Verdict.CONTACT
+    is_far = (verdict == Verdict.CLEARANCE) & (columns.gap > clearance)
+    judged = replace(
+        columns,
+        verdict=verdict,
+        depth=np.where(only_touch, 0.0, columns.depth),
+        depth_kind=np.where(only_touch, 0, columns.depth_kind).astype(columns.depth_kind.dtype),
+        translation=np.where(only_touch[:, None], 0.0, columns.translation),
+    )
+    return judged, is_far, int(np.count_nonzero(doubtful))

@@ -1,0 +1,99 @@
+"""What a result says where nothing is found: one part, open parts, nothing near, all hidden."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from clash_scene import house, joined, mockup_of, open_box
+from commands import run, run_json
+from shapes import Mesh, box
+
+import feeler
+from feeler.clashes import write_html
+from feeler.clashes.advice import advice
+from feeler.io import write_glb
+
+CUBE = box((0, 0, 0), (1, 1, 1))
+FAR = box((2, 0, 0), (3, 1, 1))
+INSIDE = box((0.25, 0.25, 0.25), (0.5, 0.5, 0.5))
+HOUSING = open_box((0, 0, 0), (1, 1, 1))
+
+
+def said(parts: dict[str, Mesh], **options: float) -> list[str]:
+    return advice(feeler.clash(mockup_of(parts), **options))
+
+
+def test_one_part_has_nothing_to_be_checked_against() -> None:
+    (only,) = said({"cube": CUBE})
+    assert only.startswith("1 part only: there is nothing to check against. Pass an assembly")
+
+
+def test_one_part_that_is_left_of_several(tmp_path: Path) -> None:
+    mockup = mockup_of({"cube": CUBE, "far": FAR})
+    found = feeler.clash(mockup, scene=feeler.Scene(mockup).without("far"))
+    assert [each[:12] for each in advice(found)] == ["1 part only:"]
+
+
+def test_an_open_part_that_holds_another_is_named() -> None:
+    (nothing, rim) = said({"case/housing": HOUSING, "pump": INSIDE})
+    assert nothing.startswith("no pair of parts meets, or is nearer than 2 mm. Pass a larger clearance")
+    assert rim.startswith("1 part is not closed, so parts inside it are not found: housing. Export it as solid")
+
+
+def test_several_open_parts_are_counted_and_three_named() -> None:
+    shift = [(vertices + np.array([3.0 * i, 0, 0]), faces) for i in range(5) for vertices, faces in (HOUSING, INSIDE)]
+    (*_, rim) = said({f"{'ab'[i % 2]}{i // 2}": mesh for i, mesh in enumerate(shift)})
+    assert "5 parts are not closed, so parts inside them are not found: a0, a1, a2 and 2 more" in rim
+
+
+def test_an_open_part_that_holds_nothing_is_no_matter() -> None:
+    assert [each[:7] for each in said({"housing": HOUSING, "far": FAR})] == ["no pair"]
+
+
+def test_a_closed_part_is_not_called_open() -> None:
+    assert said({"cube": CUBE, "pump": INSIDE}) == []
+
+
+def test_a_closed_part_that_is_in_no_finding_is_not_called_open() -> None:
+    """Its box holds the other's, but the part does not: an L."""
+    ell = joined(box((0, 0, 0), (4, 1, 1)), box((0, 0, 1), (1, 1, 4)))
+    assert [each[:7] for each in said({"ell": ell, "free": box((2, 0.25, 2), (2.5, 0.75, 2.5))})] == ["no pair"]
+
+
+def test_no_clearance_asks_for_one() -> None:
+    assert said({"cube": CUBE, "far": FAR}, clearance=0.0) == [
+        "no pair of parts meets. Pass a clearance, such as 0.002 metres, to find pairs that are too near"
+    ]
+
+
+def test_rules_that_hide_everything_say_so() -> None:
+    rules = {"exclude": [{"name": "all", "a": "*"}]}
+    assert advice(feeler.clash(house(), rules=rules)) == [
+        "the rules hide all 9 findings. Check without rules to see them"
+    ]
+
+
+def test_findings_need_no_advice() -> None:
+    assert advice(feeler.clash(house())) == []
+
+
+@pytest.fixture
+def housing(tmp_path: Path) -> Path:
+    write_glb(tmp_path / "open.glb", mockup_of({"<housing>": HOUSING, "pump": INSIDE}))
+    return tmp_path / "open.glb"
+
+
+def test_the_command_says_it(housing: Path) -> None:
+    assert "1 part is not closed, so parts inside it are not found: <housing>" in run("clash", housing).stdout
+
+
+def test_json_says_it(housing: Path) -> None:
+    assert ["not closed" in each for each in run_json("clash", housing)["advice"]] == [False, True]
+
+
+def test_the_page_says_it(tmp_path: Path) -> None:
+    write_html(tmp_path / "a.html", feeler.clash(mockup_of({"<housing>": HOUSING, "pump": INSIDE})))
+    page = (tmp_path / "a.html").read_text(encoding="utf-8")
+    assert "<p class=advice>1 part is not closed, so parts inside it are not found: &lt;housing&gt;." in page

@@ -1,0 +1,52 @@
+"""Pictures of findings: what is drawn of large parts, and that parts are looked up once."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from clash_scene import house
+
+import feeler
+from feeler.clashes import pictures, write_html
+from feeler.clashes.part_meshes import PartMeshes
+from feeler.clashes.pictures import Pictures, _Triangles
+
+
+def test_the_triangles_near_a_place_are_those_whose_boxes_meet_it(rng: np.random.Generator) -> None:
+    corners = rng.uniform(-1, 1, (500, 1, 3)) + rng.uniform(-0.1, 0.1, (500, 3, 3))
+    low, high = np.array([-0.25, -0.5, 0.0]), np.array([0.25, 0.5, 0.5])
+    boxes = [(each.min(axis=0), each.max(axis=0)) for each in corners]
+    expected = [i for i, (least, most) in enumerate(boxes) if (least <= high).all() and (most >= low).all()]
+    assert 5 < len(expected) < 495 and _Triangles(corners).near(low, high).tolist() == expected
+
+
+def test_parts_are_looked_up_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A casing of a million triangles is in most findings."""
+    mockup, asked = house(), []
+    corners = PartMeshes.corners
+    monkeypatch.setattr(PartMeshes, "corners", lambda self, part: asked.append(part) or corners(self, part))
+    drawn = Pictures(mockup)
+    for finding in feeler.clash(mockup):
+        drawn.png(finding)
+    assert len(asked) == len(set(asked)) == mockup.part_count
+
+
+def test_what_is_kept_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
+    mockup = house()
+    monkeypatch.setattr(pictures, "_KEPT_TRIANGLES", 30)
+    drawn = Pictures(mockup)
+    images = [drawn.png(finding) for finding in feeler.clash(mockup)]
+    assert len(drawn._kept) == 2
+    monkeypatch.undo()
+    again = Pictures(mockup)
+    assert images == [again.png(finding) for finding in feeler.clash(mockup)]
+
+
+def test_the_page_tells_its_progress(tmp_path: Any) -> None:
+    mockup, told = house(), []
+    found = feeler.clash(mockup)
+    write_html(tmp_path / "a.html", found, mockup, progress=lambda share, stage: told.append((share, stage)))
+    shares = [share for share, _ in told]
+    assert len(told) >= len(found.groups()) and shares == sorted(shares) and 0.0 <= shares[0] <= shares[-1] <= 1.0

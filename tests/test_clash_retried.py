@@ -1,0 +1,125 @@
+"""Rules tried on findings that are there: the same as another check where that can be known, and said where not."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from clash_scene import FOUND, house, pairs
+
+import feeler
+from feeler.clashes import Exclusion, Rule, Rules
+from feeler.errors import OptionError
+
+
+@pytest.fixture(scope="module")
+def mockup() -> feeler.Mockup:
+    return house()
+
+
+@pytest.fixture
+def saved(tmp_path: Path, mockup: feeler.Mockup) -> feeler.Clashes:
+    feeler.clash(mockup, contact=0.0).save(tmp_path / "a.json")
+    return feeler.load_clashes(tmp_path / "a.json")
+
+
+def rows(found: feeler.Clashes) -> dict[Any, Any]:
+    return {
+        frozenset((row.path_a, row.path_b)): (row.id, row.rule, row.severity, row.verdict, row.depth, row.translation)
+        for row in found
+    }
+
+
+@pytest.mark.parametrize(
+    "rules",
+    [
+        Rules(),
+        Rules((Rule("walls", "house/walls", "house/walls", severity="critical"),)),
+        Rules((Rule("walls", "house/walls", contact=0.1),)),
+        Rules((Rule("yard", "yard", clearance=0.0005),)),
+        Rules((Rule("yard", "yard/near", contact=0.001),)),
+        Rules((Rule("walls", "house/walls", "house/walls", level=2),)),
+        Rules((Rule("pins", "house/pins"),), others=False),
+        Rules(exclusions=(Exclusion("copies", "*copy*"), Exclusion("none", "*core*", "*near*"))),
+        Rules(exclusions=(Exclusion("rooms", same_assembly=2), Exclusion("f", fasteners=True))),
+    ],
+    ids=["none", "severity", "contact", "clearance", "in contact apart", "level", "others", "exclude", "assembly"],
+)
+def test_the_same_as_another_check(mockup: feeler.Mockup, saved: feeler.Clashes, rules: Rules) -> None:
+    again = feeler.clash(mockup, rules=rules)
+    tried = saved.with_rules(rules)
+    assert rows(tried) == rows(again)
+    assert tried.depth.tolist() == again.depth.tolist() and tried.gap.tolist() == again.gap.tolist()
+    hidden = {name: count for name, count in tried.hidden.items() if name != "others = false"}
+    assert hidden == again.hidden
+
+
+def test_what_others_false_leaves_out_is_counted(saved: feeler.Clashes) -> None:
+    tried = saved.with_rules(Rules((Rule("pins", "house/pins"),), others=False))
+    assert tried.hidden == {"others = false": len(FOUND) - len(tried)}
+
+
+def test_rules_may_be_a_file_or_a_dict(tmp_path: Path, saved: feeler.Clashes) -> None:
+    (tmp_path / "a.toml").write_text('[[exclude]]\nname = "copies"\na = "*copy*"\n')
+    expected = saved.with_rules({"exclude": [{"name": "copies", "a": "*copy*"}]})
+    assert rows(saved.with_rules(tmp_path / "a.toml")) == rows(expected) and 0 < len(expected) < len(FOUND)
+
+
+def test_statuses_stay_with_their_pairs(saved: feeler.Clashes) -> None:
+    saved.set_status(saved.ids[0], "approved", by="ada", note="why")
+    pair = (saved[0].path_a, saved[0].path_b)
+    tried = saved.with_rules(Rules((Rule("all", "*"),)))
+    marked = {(row.path_a, row.path_b): (row.status, row.by, row.note) for row in tried if row.status != "new"}
+    assert marked == {pair: ("approved", "ada", "why")} and tried.ids != saved.ids
+
+
+def test_the_table_itself_stays(saved: feeler.Clashes) -> None:
+    before = rows(saved)
+    saved.with_rules(Rules((Rule("all", "*", contact=1.0),)))
+    assert rows(saved) == before
+
+
+def test_a_larger_clearance_needs_another_check(saved: feeler.Clashes) -> None:
+    (note,) = saved.with_rules(Rules((Rule("yard", "yard", clearance=0.5),))).facts.notes
+    assert "rule 'yard' asks for 500 mm, and some pairs were looked for only within 2 mm" in note
+
+
+def test_a_smaller_contact_needs_another_check(mockup: feeler.Mockup) -> None:
+    wide = feeler.clash(mockup, contact=0.1)
+    (note,) = wide.with_rules(Rules((Rule("all", "*", contact=0.01),))).facts.notes
+    assert note.startswith("4 contacts may be clashes by these rules")
+    assert wide.with_rules(Rules((Rule("all", "*", contact=0.2),))).facts.notes == ()
+
+
+def test_what_was_hidden_before_is_missed(mockup: feeler.Mockup) -> None:
+    found = feeler.clash(mockup, rules=Rules(exclusions=(Exclusion("copies", "*copy*"),)))
+    (note,) = found.with_rules(Rules()).facts.notes
+    assert note == "4 findings that 'copies' hid before are not here. Check the mock-up to see them"
+
+
+def test_a_pattern_that_names_none_of_the_parts_of_a_file_is_told(saved: feeler.Clashes) -> None:
+    few = saved.with_rules(Rules(exclusions=(Exclusion("yard", "yard"),)))
+    assert few.facts.notes == ()
+    saved.facts.__dict__["parts"] = 1000  # of which the file has those with findings
+    (note,) = saved.with_rules(Rules((Rule("x", "*blot*"),))).facts.notes
+    assert note == "'*blot*' of rule 'x' names no part of these findings"
+
+
+def test_a_pattern_that_names_no_part_of_the_mock_up_is_refused(mockup: feeler.Mockup) -> None:
+    with pytest.raises(OptionError, match="there is 'bolt M8x30'"):
+        feeler.clash(mockup).with_rules(Rules((Rule("x", "*blot*"),)))
+
+
+def test_shapes_of_fasteners_need_the_mock_up(mockup: feeler.Mockup) -> None:
+    rules = Rules(exclusions=(Exclusion("f", fasteners=True),))
+    found = feeler.clash(mockup)
+    assert found.with_rules(rules).facts.notes == (
+        "fasteners are told by their names alone: their shapes need the mock-up",
+    )
+    assert found.with_rules(rules, mockup).facts.notes == ()
+
+
+def test_rules_are_tried_on_what_rules_left(mockup: feeler.Mockup) -> None:
+    found = feeler.clash(mockup, rules=Rules((Rule("walls", "house/walls", contact=0.1),)))
+    assert pairs(found.with_rules(Rules((Rule("walls", "house/walls", contact=0.1),)))) == pairs(found)
