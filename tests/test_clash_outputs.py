@@ -20,7 +20,7 @@ from shapes import box
 import feeler
 from feeler import Verdict
 from feeler.clashes import as_html, report, write_bcf, write_clash_glb, write_csv, write_html
-from feeler.clashes.as_glb import COLOUR_OF
+from feeler.clashes.as_glb import COLOUR_OF, clash_bodies
 from feeler.clashes.columns import COLUMNS
 from feeler.clashes.words import extent, length, sentence, title
 from feeler.errors import OptionError
@@ -73,6 +73,26 @@ def test_one_part_that_is_in_the_way_is_one_group() -> None:
     assert {group.name: len(group) for group in table(rows, paths).groups("part")} == {"x/0": 5, "x/1": 2}
 
 
+def test_duplicates_and_contained_parts_come_before_small_clashes() -> None:
+    rows = [
+        {"a": 0, "b": 1, "verdict": Verdict.CLASH, "depth": 1e-6},
+        {"a": 0, "b": 2, "verdict": Verdict.CONTAINED, "depth": 0.02},
+        {"a": 0, "b": 3, "verdict": Verdict.DUPLICATE},
+        {"a": 1, "b": 2, "verdict": Verdict.CLASH, "depth": 0.03},
+        {"a": 1, "b": 3, "verdict": Verdict.CLEARANCE, "gap": 0.001},
+        {"a": 2, "b": 3, "verdict": Verdict.CONTACT, "depth": 0.04},
+        {"a": 2, "b": 1, "verdict": Verdict.CLASH, "depth": np.nan},
+        {"a": 3, "b": 1, "verdict": Verdict.CLEARANCE, "gap": 0.0005, "severity": 0},
+    ]
+    found = table(rows)
+    assert [each.verdict.name for each in found] == [
+        *("CLEARANCE", "DUPLICATE", "CLASH", "CONTAINED", "CLASH", "CLASH", "CONTACT", "CLEARANCE")
+    ]
+    assert np.isnan(found.depth[5])
+    # The worst of a group is the first of these rows in it.
+    assert table(rows[:7]).groups("rule")[0].worst.verdict == Verdict.DUPLICATE
+
+
 def test_clusters_are_linked_by_steps(rng: np.random.Generator) -> None:
     reach = 0.25
     points = np.concatenate([rng.uniform(0, 2, (60, 3)), rng.normal(5, 1e-3, (40, 3)), np.full((3, 3), 9.0)])
@@ -100,10 +120,19 @@ def test_clusters_are_linked_by_steps(rng: np.random.Generator) -> None:
 def test_sentences(mockup: feeler.Mockup) -> None:
     said = {(each.path_a, each.path_b): (sentence(each), extent(each)) for each in feeler.clash(mockup)}
     assert said["house/walls/left", "house/walls/right"] == ("left is 62.5 mm deep in right", "62.5 mm")
-    assert said["house/walls/left", "house/copy/left"][0] == "left and left are the same triangles, twice"
+    assert said["house/walls/left", "house/copy/left"] == ("left and left have the same surface", "same surface")
     assert said["house/walls/left", "yard/flush"] == ("left touches flush", "touching")
     assert said["house/walls/right", "yard/near"] == ("right is 976.6 µm from near", "976.6 µm apart")
-    assert "one is inside the other" in said["house/walls/right", "house/pins/core"][0]
+    contained = said["house/walls/right", "house/pins/core"]
+    assert contained == ("right and core: one is inside the other, 500 mm from coming out", "500 mm")
+    # The depth of a contained part and its way out may be different lengths.
+    row = {"a": 0, "b": 1, "verdict": Verdict.CONTAINED, "depth": 0.002, "translation": (0.0, 0.03, 0.04)}
+    (inside,) = table([row])
+    assert sentence(inside) == "a and b: one is inside the other, 50 mm from coming out"
+    assert extent(inside) == "2 mm"
+    # A range only where the error is more than that of every measured depth.
+    wide, usual = table([{"a": 0, "b": 1, "depth": 0.002, "depth_error": error} for error in (1e-4, 2e-6)])
+    assert (extent(wide), extent(usual)) == ("2 mm to 2.1 mm", "2 mm")
     (estimate,) = table([{"a": 0, "b": 1, "depth": 0.002, "depth_kind": 1}])
     assert sentence(estimate) == "a is about 2 mm deep in b"
     (group,) = table([{"a": 0, "b": 1, "depth": 0.002}]).groups()
@@ -391,8 +420,6 @@ def test_files_are_written_from_path_clashes_mockup(tmp_path: Path, mockup: feel
 
 
 def test_glb_shows_the_worst_verdict_of_each_part(mockup: feeler.Mockup) -> None:
-    from feeler.clashes.as_glb import clash_bodies
-
     found = feeler.clash(mockup)
     body, _ = clash_bodies(mockup, found)
     for part in range(mockup.part_count):
@@ -402,6 +429,17 @@ def test_glb_shows_the_worst_verdict_of_each_part(mockup: feeler.Mockup) -> None
         assert tuple(body.palette[colour]) == expected
     (alone,) = clash_bodies(mockup, found[:0])
     assert len(alone.palette) == 1
+
+
+def test_glb_draws_ways_out_whatever_the_depth() -> None:
+    mockup = house()
+    paths = tuple(mockup.part_paths)
+    way = {"a": 0, "b": 4, "verdict": Verdict.DUPLICATE, "translation": (0.0, 0.0, 0.5)}
+    contact = {"a": 0, "b": 1, "verdict": Verdict.CONTACT, "depth": 0.1}
+    unknown = {"a": 0, "b": 2, "verdict": Verdict.CLASH, "depth": 0.1, "translation": (np.nan,) * 3}
+    _, lines = clash_bodies(mockup, table([way, contact, unknown], paths))
+    corners = lines.vertices
+    assert np.ptp(corners[:, 2]) == pytest.approx(0.5, abs=0.01) and np.ptp(corners[:, :2], axis=0).max() < 0.01
 
 
 def test_outputs_refuse_another_mock_up(tmp_path: Path, mockup: feeler.Mockup, hostile: feeler.Mockup) -> None:

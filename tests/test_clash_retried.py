@@ -5,11 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
-from clash_scene import FOUND, house, pairs
+from clash_scene import FOUND, house, pairs, table
 
 import feeler
 from feeler.clashes import Exclusion, Rule, Rules
+from feeler.clashes.shapes import PartShapes
+from feeler.clashes.verdict import Verdict
 from feeler.errors import OptionError
 
 
@@ -87,9 +90,43 @@ def test_a_larger_clearance_needs_another_check(saved: feeler.Clashes) -> None:
 
 def test_a_smaller_contact_needs_another_check(mockup: feeler.Mockup) -> None:
     wide = feeler.clash(mockup, contact=0.1)
-    (note,) = wide.with_rules(Rules((Rule("all", "*", contact=0.01),))).facts.notes
-    assert note.startswith("4 contacts may be clashes by these rules")
+    rules = Rules((Rule("all", "*", contact=0.01),))
+    tried = wide.with_rules(rules)
+    again = feeler.clash(mockup, rules=rules)
+    assert pairs(tried) == pairs(again) and tried.depth.tolist() == again.depth.tolist()
+    (note,) = tried.facts.notes
+    assert note.startswith("2 contacts are clashes by these rules") and "their way out is not known" in note
+    assert np.isnan(tried.translation).all(axis=1).sum() == 2
     assert wide.with_rules(Rules((Rule("all", "*", contact=0.2),))).facts.notes == ()
+
+
+def test_rounding_makes_no_clash(mockup: feeler.Mockup) -> None:
+    rows = [{"a": 0, "b": 1, "verdict": Verdict.CONTACT, "depth": 1e-16, "point_a": (1, 1, 1)}]
+    found = table(rows, tuple(mockup.part_paths), shapes=PartShapes(mockup))
+    found.facts.__dict__["contact"] = 0.001
+    assert found.with_rules({}).verdict.tolist() == [Verdict.CONTACT]
+
+
+def test_walls_that_pierce_each_other_stay_a_clash(mockup: feeler.Mockup) -> None:
+    # Shallower than the contact that they were checked with, and a clash all the same.
+    rows = [{"a": 0, "b": 1, "depth": 0.001, "translation": (1.0, 0.0, 0.0)}]
+    rows += [{"a": 0, "b": 2, "depth": 0.004, "translation": (1.0, 0.0, 0.0)}]
+    rows += [{"a": 0, "b": 3, "depth": 0.003, "translation": (0.003, 0.0, 0.0)}]
+    found = table(rows, tuple(mockup.part_paths))
+    found.facts.__dict__["contact"] = 0.002
+    tried = found.with_rules(Rules((Rule("all", "*", contact=0.005),)))
+    verdicts = dict(zip(tried.b.tolist(), tried.verdict.tolist(), strict=True))
+    assert verdicts == {1: Verdict.CLASH, 2: Verdict.CONTACT, 3: Verdict.CONTACT}
+    (note,) = tried.facts.notes
+    assert note.startswith("1 clashes count as contacts by their depth, and may be walls that pierce each other")
+
+
+def test_contacts_of_old_files_stay_a_doubt(mockup: feeler.Mockup) -> None:
+    rows = [{"a": 0, "b": 1, "verdict": Verdict.CONTACT, "depth_kind": 1, "depth_error": np.nan}]
+    found = table(rows, tuple(mockup.part_paths))
+    found.facts.__dict__["contact"] = 0.002
+    (note,) = found.with_rules(Rules((Rule("all", "*", contact=0.001),))).facts.notes
+    assert note.startswith("1 contacts may be clashes by these rules: the file does not have their depth")
 
 
 def test_what_was_hidden_before_is_missed(mockup: feeler.Mockup) -> None:

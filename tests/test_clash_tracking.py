@@ -238,6 +238,41 @@ def test_wrong_statuses(mockup: feeler.Mockup) -> None:
     assert found[0].status == "new"
 
 
+OLD_FILE = Path(__file__).parent.parent / "testdata" / "clash" / "found.json"
+"""Findings saved when a depth was the length of a way out."""
+
+
+def test_files_of_another_measure_of_depth(tmp_path: Path) -> None:
+    old = feeler.load_clashes(OLD_FILE)
+    assert [(row.depth, row.depth_kind, row.status) for row in old] == [
+        (0.001, "estimate", "approved"),
+        (0.0, "estimate", "new"),
+    ]
+    assert np.isnan(old.depth_error).all()
+    old.save(tmp_path / "again.json")
+    again = feeler.load_clashes(tmp_path / "again.json")
+    assert again.to_dicts()[0]["depth_kind"] == "estimate" and again[0].status == "approved"
+    assert again.marks.of(again.ids[0]).approved_depth == 0.001
+
+
+@pytest.mark.parametrize(
+    ("verdict", "kind", "then", "now"),
+    [("clash", "exact", 0.001, 0.0004), ("clash", "estimate", 0.001, 0.003), ("contact", "exact", 0.0, 0.003)],
+)
+def test_another_measure_of_depth_opens_no_approval(
+    tmp_path: Path, verdict: str, kind: str, then: float, now: float
+) -> None:
+    data = json.loads(OLD_FILE.read_text())
+    data["clashes"][0].update(verdict=verdict, depth_kind=kind, depth=then, approved_depth=then)
+    (tmp_path / "old.json").write_text(json.dumps(data))
+    row = {"a": 0, "b": 1, "verdict": Verdict[verdict.upper()]}
+    first = table([{**row, "depth": now}])
+    assert len(first.diff(feeler.load_clashes(tmp_path / "old.json")).approved) == 1
+    # From there on it is the depth of this measure that may not grow.
+    second = table([{**row, "depth": now + 0.002}])
+    assert len(second.diff(first).new) == 1
+
+
 # --- files that are not what they should be ---------------------------------------------------------------------------
 
 

@@ -36,10 +36,11 @@ def test_what_people_read(file: Path) -> None:
     assert "9 findings among 7 parts" in text and "4 clash, 2 contact, 1 clearance, 1 contained, 1 duplicate" in text
     groups, _, findings = text.partition("Findings, the worst first")
     assert "Groups by part" in groups and "house/walls/left" in groups
-    assert (
-        "left and left are the same triangles, twice" in groups and "62.5 mm" in findings and "status" not in findings
-    )
+    assert "left and left have the same surface" in groups and "62.5 mm" in findings and "status" not in findings
     assert "bolt M8x30" in findings and "touching" in findings and "976.6 µm apart" in findings
+    # Duplicates come first, and have no depth to state.
+    assert "same surface" in next(line for line in findings.splitlines() if "house/" in line)
+    assert "0 m " not in findings
 
 
 def test_what_machines_read(file: Path) -> None:

@@ -172,6 +172,7 @@ def samples() -> dict[str, list[Any]]:
         "Containment": [scene.containment(tool, pose(0.4, 0.4, 0.4)), scene.containment(tool, pose(9.0))],
         "IgnoredPairs": [feeler.IgnoredPairs(tool, mock, [("*", "pair")]), feeler.IgnoredPairs(tool, mock, [])],
         "Penetration": [scene.penetration(tool, pose(0.2)), scene.penetration(tool, pose(0.4, 0.4, 0.4))],
+        "Depths": [scene.depth(tool, pose(0.2)), scene.depth(tool, pose(9.0))],
         "Packed": [mock.pack(), mock.pack(5, ["odd", "left"]), tool.pack()],
         "PackedPiece": [*mock.pack(5).pieces, *many.pack().pieces],
         "Rays": [scene.rays(np.tile([0.4, 0.4, 3.0], (3, 1)), [[0, 0, -1], [0, 0, 1], [1, 0, -2]]), scene.rays([], [])],

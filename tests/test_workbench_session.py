@@ -401,6 +401,23 @@ def test_findings_in_groups_the_deepest_first() -> None:
         bench.command("finding_status", id="z", status="new")
 
 
+def test_duplicates_are_shown_first() -> None:
+    pair = {"a": "stand/peg", "b": "stand/plate", "gap": 0.0}
+    clashes = [
+        {**pair, "id": "deep", "verdict": "clash", "depth": 0.02},
+        {**pair, "id": "same", "verdict": "duplicate", "depth": 0.0},
+        {**pair, "id": "unmeasured", "verdict": "clash", "depth": None},
+        {**pair, "id": "contact", "verdict": "contact", "depth": 0.03},
+        {**pair, "id": "old", "depth": 0.0},
+    ]
+    bench = Bench(cube())
+    bench.session.load_findings({"version": 1, "clashes": [{**each, "group": each["id"]} for each in clashes]})
+    groups = bench.document["findings"]["groups"]
+    assert [group["name"] for group in groups][:2] == ["same", "deep"]
+    assert {group["name"] for group in groups if group["is_touching"]} == {"contact", "old"}
+    assert groups[0]["findings"][0]["sentence"] == "peg and plate have the same surface."
+
+
 def test_findings_that_a_page_opens_are_a_change_and_those_at_the_start_are_none() -> None:
     bench = Bench(cube())
     bench.command("hide", parts=[PEG])

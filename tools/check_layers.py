@@ -101,10 +101,12 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         "containment": CONTACTS_BASE,
         "escape": {*CONTACTS_BASE, "query", "containment"},
         "footing": {*CONTACTS_BASE, "proximity"},
-        "solver": {*CONTACTS_BASE, "query", "escape", "footing", "containment"},
+        # Penetration depth of two bodies by points, without contact planes; `containment` finds the parts around a tool.
+        "point_depth": {"constants", "containment"},
+        "solver": {*CONTACTS_BASE, "query", "escape", "footing", "containment", "point_depth"},
         "tracker": {*CONTACTS_BASE, "solver"},
-        # The mock-up against itself: what is one part to another, and how deep.
-        "clash": {*CONTACTS_BASE, "query", "escape", "solver"},
+        # The mock-up against itself: the verdict on each pair of parts, and its depth.
+        "clash": {*CONTACTS_BASE, "query", "escape", "solver", "point_depth"},
     },
     "feeler-plan": {
         "constants": set(),
@@ -197,7 +199,8 @@ ROOMS: dict[str, set[str]] = {
     "mockup": {"_core", "errors", "parts", "poses", "travel"},
     "ignored": {"_core", "errors", "mockup", "parts", "travel"},
     "calibrate": {"_core", "errors"},
-    "scene": {"_core", "calibrate", "errors", "ignored", "mockup", "parts", "travel"},
+    "depths": set(),
+    "scene": {"_core", "calibrate", "depths", "errors", "ignored", "mockup", "parts", "travel"},
     "io": BASE,
     "interchange": {*BASE, "io"},
     "haptics": BASE,
@@ -214,8 +217,8 @@ ROOMS: dict[str, set[str]] = {
     "workbench": {*BASE, "haptics", "ignored", "io", "parts", "picture", "samples", "feeler"},
     "cli": {*BASE, "clashes", "haptics", "io", "picture", "plan", "samples", "study", "workbench", "feeler"},
     "__init__": {
-        *("_core", "ignored", *BASE, "clashes", "haptics", "interchange", "io", "picture", "plan", "samples", "study"),
-        "workbench",
+        *("_core", "ignored", *BASE, "clashes", "depths", "haptics", "interchange", "io", "picture", "plan", "samples"),
+        *("study", "workbench"),
     },
     "__main__": {"cli"},
 }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -20,7 +21,7 @@ class Depths:
     tool_parts: npt.NDArray[np.uint32]
     """`(k,)`: indices into `tool.parts`: the part of the tool that is deepest there."""
     depths: npt.NDArray[np.float64]
-    """`(k,)`: the farthest that a point of one surface is inside the other part: a lower bound. 0 for touching parts."""
+    """`(k,)`: the farthest that a point of one surface is inside the other part: a lower bound. 0 for contact."""
     errors: npt.NDArray[np.float64]
     """`(k,)`: how much more the depth can be: at most a thousandth of it, or a nanometre."""
     is_estimate: npt.NDArray[np.bool_]
@@ -33,6 +34,9 @@ class Depths:
     def __post_init__(self) -> None:
         for column in vars(self).values():
             column.flags.writeable = False
+
+    def __reduce__(self) -> tuple[type[Depths], tuple[npt.NDArray[Any], ...]]:
+        return (type(self), tuple(vars(self).values()))  # through `__post_init__`: a copy is read-only, too
 
     def __len__(self) -> int:
         return len(self.parts)

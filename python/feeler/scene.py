@@ -347,7 +347,9 @@ class Scene(_core.Scene):
         """
         return super().penetration(tool, world_from_tool, _real("margin", margin), reference, ignore=ignore)
 
-    def depth(self, tool: _core.Tool, world_from_tool: npt.ArrayLike, *, ignore: Ignore = None) -> Depths:
+    def depth(  # type: ignore[override]  # the core gives the columns of `Depths`
+        self, tool: _core.Tool, world_from_tool: npt.ArrayLike, *, ignore: Ignore = None
+    ) -> Depths:
         """How deep the tool is in each part that it meets, holds, or is inside; the deepest first.
 
         The depth of two solids is the farthest that a point of one surface lies inside the other solid. It does not

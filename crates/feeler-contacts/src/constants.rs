@@ -406,6 +406,10 @@ pub const MOST_PIECES: usize = 1 << 21;
 /// count as nothing.
 pub const BODY_ROUNDING: f64 = 1.0 / (1u64 << 48) as f64;
 
+/// What the rounding of its coordinates may move a surface by, in units of the last place of the largest: surfaces that are nearer to each
+/// other than that are on each other. At most half of what counts as contact.
+pub const SURFACE_ROUNDOFFS: f64 = 6.0;
+
 /// Share of its longest side below which the height of a triangle makes it a sliver, whose normal is left to rounding. Larger: distances
 /// to needles are more by up to that share of their length.
 pub const SLIVER_HEIGHT: f64 = 1e-10;

@@ -31,7 +31,7 @@ def clash_bodies(mockup: Mockup, clashes: Clashes) -> tuple[Body, ...]:
     """The mock-up and the lines of its findings, coloured.
 
     A part has the colour of its worst finding, the rest is light grey. A line goes from the point of one part to that
-    of the other; where they are in each other, along the least way out.
+    of the other; where there is a way out, along it. A way out that is not known has no line.
     """
     from feeler.picture.bars import LEAST_THICKNESS_M, bars
 
@@ -41,9 +41,10 @@ def clash_bodies(mockup: Mockup, clashes: Clashes) -> tuple[Body, ...]:
         colour = COLOUR_OF[Verdict(int(clashes.verdict[row]))]
         colours[[clashes.a[row], clashes.b[row]]] = colour
     body = body_of(mockup, colours=colours)
-    is_deep = clashes.depth > 0.0
+    has_way_out = np.asarray(clashes.translation.any(axis=1))
     start = np.nan_to_num(clashes.point_a)
-    end = np.nan_to_num(np.where(is_deep[:, None], clashes.point_a + clashes.translation, clashes.point_b))
+    way_out = clashes.point_a + np.nan_to_num(clashes.translation)
+    end = np.nan_to_num(np.where(has_way_out[:, None], way_out, clashes.point_b))
     size = float(np.linalg.norm(mockup.bounds[1] - mockup.bounds[0]))
     paths = [f"witness lines/{name} {i}" for i, name in enumerate(_verdicts(clashes.verdict))]
     lines = bars(start, end, max(_THICKNESS_SHARE * size, LEAST_THICKNESS_M), paths)

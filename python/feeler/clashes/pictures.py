@@ -84,7 +84,9 @@ class Pictures:
         middle = np.array(view.camera.target)
         bodies = [self._body(clash.a, 0, middle, view.reach), self._body(clash.b, 1, middle, view.reach)]
         start = view.point
-        way = np.array(clash.translation) if clash.depth > 0.0 else np.subtract(clash.point_b, clash.point_a)
+        way = np.array(clash.translation)
+        if not way.any():
+            way = np.subtract(clash.point_b, clash.point_a)
         line = bars(start[None], (start + np.nan_to_num(way))[None], view.reach * 0.012, ["way"], RED)
         shown = [body for body in bodies if len(body.faces)]
         section = Section(triple(start), triple(view.normal))

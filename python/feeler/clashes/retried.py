@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -11,13 +11,17 @@ import numpy.typing as npt
 from feeler.clashes.fastener_rule import shape_of
 from feeler.clashes.rules import Limits, Rule, Rules, limits, unmatched
 from feeler.clashes.table import Clashes, Columns
-from feeler.clashes.verdict import DEFAULT_RULE, Verdict
+from feeler.clashes.verdict import DEFAULT_RULE, DEPTH_KINDS, Verdict
 from feeler.clashes.words import length
 from feeler.mockup import Mockup
 from feeler.parts import Parts
 
 OTHERS = "others = false"
 """What hides the findings that no rule names, in `Clashes.hidden`."""
+
+_ROUNDOFFS = 16.0
+"""`COORDINATE_ROUNDOFFS` of the core: parts that are no deeper in each other than as many units of the last place of
+their largest coordinate only touch."""
 
 
 def with_rules(clashes: Clashes, rules: Rules, mockup: Mockup | None) -> Clashes:
@@ -34,15 +38,11 @@ def with_rules(clashes: Clashes, rules: Rules, mockup: Mockup | None) -> Clashes
     kept = np.flatnonzero(hidden_by < 0)
     columns, rule = clashes.columns.rows(kept), rule[kept]
     every = [*rules.rules, Rule(DEFAULT_RULE)]
-    columns, is_far, doubtful = _judged(clashes, columns, [every[each] for each in rule.tolist()])
-    columns = replace(columns, rule=rule.astype(np.uint32), severity=found.severities[rule])
-    left = np.flatnonzero(~is_far)
+    judged = _judged(clashes, columns, [every[each] for each in rule.tolist()])
+    columns = replace(judged.columns, rule=rule.astype(np.uint32), severity=found.severities[rule])
+    left = np.flatnonzero(~judged.is_far)
     order = left[columns.rows(left).order()]
-    if doubtful:
-        notes.append(
-            f"{doubtful:,} contacts may be clashes by these rules: the depth of a contact is not kept. Check the "
-            "mock-up again with them"
-        )
+    notes += judged.notes
     facts = replace(
         clashes.facts,
         hidden=hidden,
@@ -104,14 +104,24 @@ def _contacts(clashes: Clashes) -> dict[str, float]:
     return {name: contact for name, _, contact in clashes.facts.rules}
 
 
-def _judged(clashes: Clashes, columns: Columns, rules: Sequence[Rule]) -> tuple[Columns, npt.NDArray[np.bool_], int]:
-    """Rows with the verdicts of their rules, which of them are too far apart to be findings, and how many contacts may
-    be clashes.
+@dataclass(frozen=True)
+class _Judged:
+    """Rows with the verdicts of their rules. is_far: rows too far apart to be findings. notes: doubts."""
 
-    A verdict stays where the contact of its rule is "chord", which only the mock-up tells.
+    columns: Columns
+    is_far: npt.NDArray[np.bool_]
+    notes: tuple[str, ...] = ()
+
+
+def _judged(clashes: Clashes, columns: Columns, rules: Sequence[Rule]) -> _Judged:
+    """The verdicts of rows under their rules, by depth and gap.
+
+    A verdict stays where the contact of its rule is "chord", which only the mock-up tells. Walls that pierce each other
+    are a clash although they are no deeper than their contact (see `Verdict.CLASH`): they stay a clash. Contained parts
+    and duplicates keep their verdict.
     """
     if not len(columns.a):
-        return columns, np.zeros(0, dtype=bool), 0
+        return _Judged(columns, np.zeros(0, dtype=bool))
     clearance, contact = np.array([_asked(clashes, each) for each in rules]).T
     before, default = _contacts(clashes), _asked(clashes, Rule(DEFAULT_RULE))[1]
     was = np.array([before.get(clashes.rules[each], default) for each in columns.rule.tolist()])
@@ -119,18 +129,41 @@ def _judged(clashes: Clashes, columns: Columns, rules: Sequence[Rule]) -> tuple[
     is_known = ~np.isnan(contact)
     meet = columns.gap == 0.0
     is_clash, is_contact = verdict == Verdict.CLASH, verdict == Verdict.CONTACT
-    is_apart = (verdict == Verdict.CLEARANCE) | (is_contact & ~meet)
-    doubtful = is_known & is_contact & meet & ~(contact >= was)
-    verdict[is_known & is_clash & (columns.depth <= contact)] = Verdict.CONTACT
-    apart = np.flatnonzero(is_known & is_apart)
+    is_pierced = is_clash & (columns.depth <= was)
+    is_shallow = is_known & is_clash & ~is_pierced & (columns.depth <= contact)
+    is_deep = is_known & is_contact & meet & (columns.depth > contact) & ~(contact >= was)
+    boxes = _boxes(clashes, columns, np.flatnonzero(is_deep))
+    is_deep[is_deep] = columns.depth[is_deep] > _ROUNDOFFS * np.spacing(np.abs(boxes).max(axis=(1, 2, 3), initial=0.0))
+    verdict[is_shallow] = Verdict.CONTACT
+    verdict[is_deep] = Verdict.CLASH
+    apart = np.flatnonzero(is_known & ((verdict == Verdict.CLEARANCE) | (is_contact & ~meet)))
     verdict[apart] = np.where(columns.gap[apart] <= contact[apart], Verdict.CONTACT, Verdict.CLEARANCE)
-    only_touch = verdict == Verdict.CONTACT
     is_far = (verdict == Verdict.CLEARANCE) & (columns.gap > clearance)
-    judged = replace(
-        columns,
-        verdict=verdict,
-        depth=np.where(only_touch, 0.0, columns.depth),
-        depth_kind=np.where(only_touch, 0, columns.depth_kind).astype(columns.depth_kind.dtype),
-        translation=np.where(only_touch[:, None], 0.0, columns.translation),
-    )
-    return judged, is_far, int(np.count_nonzero(doubtful))
+    translation = np.where((verdict == Verdict.CONTACT)[:, None], 0.0, columns.translation)
+    translation[is_deep] = np.nan
+    is_old = is_known & is_contact & meet & ~(contact >= was) & (columns.depth == 0.0)
+    is_old &= columns.depth_kind == DEPTH_KINDS.index("estimate")
+    is_long = is_shallow & (np.linalg.norm(columns.translation, axis=1) > contact)
+    doubts = [
+        (is_old, "contacts may be clashes by these rules: the file does not have their depth"),
+        (is_long, "clashes count as contacts by their depth, and may be walls that pierce each other"),
+        (is_deep, "contacts are clashes by these rules, and may be contained parts: their way out is not known"),
+    ]
+    notes = [
+        f"{count:,} {what}. Check the mock-up again with them"
+        for rows, what in doubts
+        if (count := int(np.count_nonzero(rows)))
+    ]
+    return _Judged(replace(columns, verdict=verdict, translation=translation), is_far, tuple(notes))
+
+
+def _boxes(clashes: Clashes, columns: Columns, rows: npt.NDArray[np.intp]) -> npt.NDArray[np.float64]:
+    """The boxes of both parts of some rows, `(k, 2, 2, 3)`; 0 where they are not known."""
+    if not len(rows):
+        return np.zeros((0, 2, 2, 3))
+    shapes = clashes.shapes
+    place = {key: number for number, key in enumerate(shapes.keys)}
+    parts = np.stack([columns.a[rows], columns.b[rows]], axis=1)
+    chosen = [[place[clashes.keys[part]] for part in pair] for pair in parts.tolist()]
+    boxes: npt.NDArray[np.float64] = np.nan_to_num(shapes.box[np.array(chosen)])
+    return boxes

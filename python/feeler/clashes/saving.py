@@ -7,7 +7,8 @@
 A finding has the fields of `Clash`, its parts by their keys, and no part numbers: a part that is inserted changes
 nothing. Lines are sorted by rule and parts, so that what git shows is what changed. `feeler clash --json` has the same
 fields in the order of the table; `feeler view` reads both. Shapes are of parts with findings, and of parts that share
-a path with one; files without them can be read.
+a path with one; files without them can be read. Older files have no `depth_error`, and their depths are lengths of a
+way out: `load_clashes` reads them as estimates and keeps approvals.
 """
 
 from __future__ import annotations
@@ -29,6 +30,8 @@ from feeler.errors import LoadError, MissingFileError
 from feeler.io.atomic import atomic_file
 
 FORMAT, VERSION = "feeler clash", 1
+_OLD_KINDS = ("exact", "bound", "estimate")
+"""Kinds of depth in files without `depth_error`: the length of a way out. Such a depth is read as an estimate."""
 _LARGEST_M = 1e100
 _TRIANGLE_PAIRS = 2**32
 _HASH_DIGITS = 16
@@ -260,6 +263,14 @@ class _Reader:
         if line["verdict"] not in [each.name.lower() for each in Verdict]:
             raise ValueError(f"verdict is {line['verdict']!r}")
         approved = line.get("approved_depth")
+        is_old = "depth_error" not in line
+        kind = line["depth_kind"]
+        if is_old and kind in _OLD_KINDS:
+            # An approval of such a depth holds for the depth by points, which is no larger. The depth of a contact was
+            # not kept, and an estimate may be less: the next check approves the depth that it measures.
+            if kind == "estimate" or (line["verdict"] == "contact" and line["gap"] == 0.0):
+                approved = None
+            kind = "estimate"
         marks[line["id"]] = Mark(
             status,
             str(line.get("by", "")),
@@ -278,8 +289,8 @@ class _Reader:
             "b": keys.setdefault(b, len(keys)),
             "verdict": Verdict[line["verdict"].upper()],
             "depth": _real(line["depth"], "depth"),
-            "depth_error": _real(line["depth_error"], "depth_error"),
-            "depth_kind": DEPTH_KINDS.index(line["depth_kind"]),
+            "depth_error": _real(line.get("depth_error"), "depth_error"),
+            "depth_kind": DEPTH_KINDS.index(kind),
             "gap": _real(line["gap"], "gap"),
             "volume": _real(line["volume"], "volume"),
             "triangles": triangles,

@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from feeler.clashes.shapes import PartShapes, Shapes, unknown
 from feeler.clashes.tracking import DEPTH_GROWTH_M, Marks, clash_id, part_keys
-from feeler.clashes.verdict import DEPTH_KINDS, OVERLAPS, SEVERITIES, Verdict
+from feeler.clashes.verdict import DEPTH_KINDS, SEVERITIES, Verdict
 from feeler.errors import OptionError
 
 if TYPE_CHECKING:
@@ -40,14 +40,14 @@ class Clash:
     path_b: str
     verdict: Verdict
     depth: float
-    """The farthest that a point of one surface is inside the other part: a lower bound. 0 for parts that only touch or
-    are apart; NaN if Ctrl-C came first."""
+    """The farthest that a point of one surface is inside the other part: a lower bound. 0 for duplicates and for parts
+    that only touch or are apart; NaN if Ctrl-C came first."""
     depth_error: float
     """How much more the depth can be: at most a thousandth of it, or a nanometre. NaN if both parts are open."""
     depth_kind: str
     """`"measured"`, or `"estimate"` if a part is open and has no inside."""
     translation: Point
-    """A way by which `a` comes out of `b`, the shortest known: an upper bound. Zero for contacts."""
+    """A way by which `a` comes out of `b`, the shortest known: an upper bound. Zero for contacts; NaN if not known."""
     gap: float
     """How far their surfaces are apart; 0 where they meet."""
     point_a: Point
@@ -100,11 +100,19 @@ class Columns:
         return Columns(*(getattr(self, each.name)[chosen] for each in fields(self)))
 
     def order(self) -> npt.NDArray[np.intp]:
-        """The worst first: by severity; then what shares space, the deepest first, contacts, the nearest; by parts."""
-        is_overlap = np.isin(self.verdict, OVERLAPS)
-        is_apart = self.verdict == Verdict.CLEARANCE
-        rank = np.where(is_overlap, 0, np.where(is_apart, 2, 1))
+        """The worst first: by severity, then by verdict, then by depth or gap, then by parts.
+
+        Duplicates come first: their depth is 0, and one of the two parts is surplus. Clashes and contained parts follow
+        together, the deepest first: a contained part is as deep as its farthest point. Then contacts, the deepest
+        first; then parts that are apart, the nearest first. Depths that were not measured (NaN) come last.
+        """
+        rank = np.array(_RANKS)[self.verdict]
         return np.lexsort((self.b, self.a, self.gap, -self.depth, rank, self.severity))
+
+
+_FIRST = (Verdict.DUPLICATE,), (Verdict.CLASH, Verdict.CONTAINED), (Verdict.CONTACT,), (Verdict.CLEARANCE,)
+_RANKS = [next(rank for rank, verdicts in enumerate(_FIRST) if verdict in verdicts) for verdict in Verdict]
+"""The rank of each verdict in `Columns.order`, by its number."""
 
 
 SHAPES: dict[str, tuple[type, tuple[int, ...]]] = {
@@ -157,8 +165,9 @@ class Clashes(Sequence[Clash]):
 
     `clashes[i]` is a `Clash`, `clashes[i:j]` and `clashes[mask]` are tables, which share the status of their findings.
     Columns are arrays of a row each, read-only: `.a .b .verdict .depth .depth_error .depth_kind .translation .gap
-    .point_a .point_b .volume .triangles .box .rule .severity .ids .status`, as in `Clash`. Sorted by severity; then what
-    shares space, the deepest first; then contacts; then what is apart, the nearest first; then by parts.
+    .point_a .point_b .volume .triangles .box .rule .severity .ids .status`, as in `Clash`. Sorted by severity; then
+    duplicates; then clashes and contained parts, the deepest first; then contacts; then parts that are apart, the
+    nearest first; then by parts.
     """
 
     def __init__(
@@ -447,7 +456,7 @@ class Clashes(Sequence[Clash]):
         rules: as of `feeler.clash`. mockup: the one that was checked, for the shapes of fasteners; None: names decide.
         Verdicts, severities and ids follow the new rules, statuses stay with their pairs, and `hidden` counts anew.
         `facts.notes` says what only another check can tell: pairs that were hidden before, or are farther apart than
-        the clearance then, and contacts that a smaller `contact` would make clashes. Raises as `feeler.clash` does.
+        the clearance then, and verdicts that the depth alone does not decide. Raises as `feeler.clash` does.
         """
         from feeler.clashes.retried import with_rules
         from feeler.clashes.rules_file import rules_from

@@ -31,8 +31,9 @@ class Mark:
     """What is known of one finding beside its geometry.
 
     status: one of `STATUSES`. by, note: who set it and why; empty where nobody did. approved_depth: the signed depth
-    (metres; a gap is negative) at which it was approved, else None. changed: "renamed" where the last `diff` found one
-    of its parts under another path, "renumbered" where only its number among equal paths changed, else empty.
+    (metres; a gap is negative) at which it was approved, else None; None of an approval, too, whose depth the next
+    `diff` is to set. changed: "renamed" where the last `diff` found one of its parts under another path, "renumbered"
+    where only its number among equal paths changed, else empty.
     """
 
     status: str = "new"
@@ -106,7 +107,9 @@ def followed(before: Mark | None, depth: float, growth: float) -> Mark:
         return NEW
     if before.status == "approved":
         was = before.approved_depth
-        if was is not None and depth > was + growth:
+        if was is None:  # read from a file whose depth was another measure
+            return replace(before, approved_depth=depth)
+        if depth > was + growth:
             grown = f"approved at {was:.6g} m, and now {depth:.6g} m deep"
             note = f"{before.note}; {grown}" if before.note else grown
             return replace(before, status="new", note=note, approved_depth=None)

@@ -9,7 +9,7 @@ class Verdict(IntEnum):
     """What two parts do where they are."""
 
     CLASH = 0
-    """They meet, and their depth is more than `contact`; or both are walls thinner than that, each through the other."""
+    """They meet, and are deeper than `contact`; or both are walls thinner than that, each through the other."""
     CONTACT = 1
     """They meet and are no deeper than `contact`, or the gap between them is no more."""
     CLEARANCE = 2

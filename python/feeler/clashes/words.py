@@ -8,6 +8,9 @@ from feeler.clashes.grouping import Group
 from feeler.clashes.table import Clash, Clashes
 from feeler.clashes.verdict import Verdict
 
+_ERROR_SHARE, _LEAST_ERROR_M = 1.001e-3, 1e-9
+"""The most that the error of a measured depth is (share of it; metres), and rounding: see `Clash.depth_error`."""
+
 
 def sentence(clash: Clash) -> str:
     """What one finding says, with the last names of both paths."""
@@ -15,24 +18,27 @@ def sentence(clash: Clash) -> str:
     if clash.verdict == Verdict.CLASH:
         return f"{one} is {deep(clash)} deep in {other}"
     if clash.verdict == Verdict.CONTAINED:
-        return f"{one} and {other}: one is inside the other, {deep(clash)} from coming out"
+        return f"{one} and {other}: one is inside the other, {length(math.hypot(*clash.translation))} from coming out"
     if clash.verdict == Verdict.DUPLICATE:
-        return f"{one} and {other} are the same triangles, twice"
+        return f"{one} and {other} have the same surface"
     if clash.verdict == Verdict.CONTACT and clash.gap == 0.0:
         return f"{one} touches {other}"
     return f"{one} is {length(clash.gap)} from {other}"
 
 
 def deep(clash: Clash) -> str:
-    """The depth as far as it is known; with the deepest that it can be, where that reads differently."""
+    """The depth; with the deepest that it can be, where the error is more than a measured depth ever has."""
     said = "about " if clash.depth_kind == "estimate" else ""
     least, most = length(clash.depth), length(clash.depth + clash.depth_error)
-    return said + (least if least == most or math.isnan(clash.depth_error) else f"{least} to {most}")
+    is_wide = clash.depth_error > max(_ERROR_SHARE * clash.depth, _LEAST_ERROR_M)
+    return said + (f"{least} to {most}" if is_wide and least != most else least)
 
 
 def extent(clash: Clash) -> str:
     """How deep, or how far: what a table has in one column."""
-    if clash.verdict in (Verdict.CLASH, Verdict.CONTAINED, Verdict.DUPLICATE):
+    if clash.verdict == Verdict.DUPLICATE:
+        return "same surface"
+    if clash.verdict in (Verdict.CLASH, Verdict.CONTAINED):
         return deep(clash)
     return f"{length(clash.gap)} apart" if clash.gap > 0.0 else "touching"
 

@@ -24,6 +24,8 @@ VERSION = 1
 STATUS = ("new", "active", "reviewed", "approved", "resolved")
 TOUCHING = ("touching", "touch", "contact")
 """Verdicts of parts that only touch."""
+DUPLICATE = "duplicate"
+"""The verdict of parts that have the same surface; their depth is 0."""
 
 
 def read_findings(path: str | Path) -> Any:
@@ -61,7 +63,7 @@ def grouped(data: Any, parts: Parts, absent: Collection[int] = (), where: str = 
                 "findings": members,
             }
         )
-    groups.sort(key=_worst_first)
+    groups.sort(key=lambda group: _worst_first(group["findings"][0]))
     status = {each["id"]: each["status"] for each in found if each["status"] != STATUS[0]}
     return Findings(tuple(groups), MappingProxyType(status))
 
@@ -83,7 +85,7 @@ def ids(groups: Iterable[Mapping[str, Any]]) -> list[str]:
 def _finding(given: Mapping[str, Any], number: int, parts: Parts, absent: Collection[int]) -> dict[str, Any]:
     a, b = (str(given.get(side, "")) for side in "ab")
     depth, gap = (float(given[name]) if is_number(given.get(name)) else None for name in ("depth", "gap"))
-    verdict = str(given.get("verdict", "clash"))
+    verdict = str(given.get("verdict") or _verdict(depth, gap))
     status = given.get("status")
     return {
         **given,
@@ -99,14 +101,16 @@ def _finding(given: Mapping[str, Any], number: int, parts: Parts, absent: Collec
         "point_b": _point(given.get("point_b")),
         "status": status if status in STATUS else STATUS[0],
         "group": str(given.get("group") or f"{_folder(a)} and {_folder(b)}"),
-        "is_touching": verdict in TOUCHING or (not depth and gap == 0.0),
+        "is_touching": verdict in TOUCHING,
         "sentence": _sentence(a, b, verdict, depth, gap, given.get("rule")),
     }
 
 
 def _sentence(a: str, b: str, verdict: str, depth: float | None, gap: float | None, rule: Any) -> str:
     one, other = a.rpartition("/")[2] or "a part", b.rpartition("/")[2] or "a part"
-    if verdict in TOUCHING or (not depth and gap == 0.0):
+    if verdict == DUPLICATE:
+        text = f"{one} and {other} have the same surface"
+    elif verdict in TOUCHING:
         text = f"{one} touches {other}"
     elif depth:
         text = f"{one} is {_length(depth)} deep in {other}"
@@ -119,8 +123,20 @@ def _sentence(a: str, b: str, verdict: str, depth: float | None, gap: float | No
     return text + "."
 
 
-def _worst_first(entry: Mapping[str, Any]) -> tuple[float, float]:
-    return (-(entry["depth"] or 0.0), entry["gap"] if entry["gap"] is not None else 0.0)
+def _verdict(depth: float | None, gap: float | None) -> str:
+    """The verdict of a finding that states none."""
+    return TOUCHING[0] if not depth and gap == 0.0 else "clash"
+
+
+def _worst_first(finding: Mapping[str, Any]) -> tuple[bool, float, float]:
+    """Duplicates first, as in `Columns.order`: their depth is 0. Then the deepest, then the nearest."""
+    gap = finding["gap"] if finding["gap"] is not None else 0.0
+    return (finding["verdict"] != DUPLICATE, -_depth_in_order(finding), gap)
+
+
+def _depth_in_order(finding: Mapping[str, Any]) -> float:
+    """The depth of parts that share space; a contact keeps its depth and still comes after them."""
+    return 0.0 if finding["verdict"] in TOUCHING else finding["depth"] or 0.0
 
 
 def _part(path: str, parts: Parts, absent: Collection[int]) -> int | None:

@@ -14,8 +14,8 @@ const MOST_TRIANGLES: usize = 1 << 14;
 const TRIES: usize = 5;
 
 /// Whether a triangle of a surface has points on both sides of one of the faces of a part, each farther from the part than `least`
-/// (metres), with that face as the nearest of all.
-pub fn is_through(solids: &Solids<'_>, surface: &Triangle, part: u32, face: u32, least: f64) -> bool {
+/// (metres; `rounding` is what coordinates may be off by), with that face as the nearest of all.
+pub fn is_through(solids: &Solids<'_>, surface: &Triangle, part: u32, face: u32, [least, rounding]: [f64; 2]) -> bool {
     let (mesh, faces) = (solids.mockup().mesh(), solids.faces(part));
     if faces.len() > MOST_TRIANGLES {
         return false;
@@ -30,10 +30,10 @@ pub fn is_through(solids: &Solids<'_>, surface: &Triangle, part: u32, face: u32,
         let step = room * 0.5f64.powi(2 * i as i32 + 1);
         let height = step * lean;
         // Above the rounding of both.
-        height > least * 1.001
+        height > least + rounding
             && [step, -step].into_iter().all(|step| {
                 let p = along(&at, step, &direction);
-                let square = height * height * (1.0 + 1e-9);
+                let square = (height + rounding) * (height + rounding);
                 faces.iter().all(|other| *other == face || !is_nearer(&p, &mesh.triangle(*other), square))
             })
     })

@@ -2,7 +2,6 @@
 
 use feeler_core::{Aabb, Point};
 
-use super::verdicts::Related;
 use crate::point_depth::depth::DepthKind;
 
 /// What two parts are to each other. The numbers are those of `feeler.Verdict`.
@@ -70,7 +69,7 @@ impl Clash {
     }
 
     /// Of two parts that were not measured before the search was stopped.
-    pub(super) fn unmeasured(related: &Related, is_open: [bool; 2]) -> Clash {
+    pub(super) fn unmeasured(parts: [u32; 2], verdict: Option<Verdict>, is_open: [bool; 2]) -> Clash {
         const UNKNOWN: Point = [f64::NAN; 3];
         Clash {
             depth: f64::NAN,
@@ -79,7 +78,7 @@ impl Clash {
             translation: UNKNOWN,
             points: [UNKNOWN; 2],
             bounds: Aabb { lower: UNKNOWN, upper: UNKNOWN },
-            ..Clash::of(related.parts, related.verdict.unwrap_or(Verdict::Clash), is_open)
+            ..Clash::of(parts, verdict.unwrap_or(Verdict::Clash), is_open)
         }
     }
 }

@@ -196,7 +196,9 @@ impl<'a> ClashSearch<'a> {
             if !self.is_measuring || !progress((n * WAVE) as f64 / groups.len() as f64, STAGE) {
                 (self.is_complete, self.is_measuring) = (false, false);
                 let all = wave.iter().flat_map(|(_, pairs)| pairs);
-                rows.extend(all.map(|related| Clash::unmeasured(related, is_open(related.parts))));
+                rows.extend(
+                    all.map(|related| Clash::unmeasured(related.parts, related.verdict, is_open(related.parts))),
+                );
                 continue;
             }
             let measured: Vec<Result<Vec<Clash>>> = wave

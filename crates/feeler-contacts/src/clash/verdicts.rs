@@ -100,7 +100,7 @@ impl Judge<'_> {
         orders.iter().any(|[surface, part]| {
             let through = self.solids.mockup().mesh().triangle(triangles[*surface]);
             self.solids.is_cycle(parts[*part])
-                && is_through(self.solids, &through, parts[*part], triangles[*part], contact)
+                && is_through(self.solids, &through, parts[*part], triangles[*part], [contact, rounding])
         })
     }
 

@@ -5,7 +5,7 @@ use feeler_core::geometry::vectors::{add, along, cross, dot, normal, scaled, sub
 use feeler_core::mesh::topology::adjacency::Adjacency;
 use feeler_core::{Aabb, Point, Triangle};
 
-use crate::constants::{BODY_ROUNDING, SLIVER_HEIGHT, SLIVER_NORMAL};
+use crate::constants::{BODY_ROUNDING, SLIVER_HEIGHT, SLIVER_NORMAL, SURFACE_ROUNDOFFS};
 
 /// Most triangles of a leaf.
 const LEAF: usize = 4;
@@ -102,7 +102,7 @@ impl Body {
         drop(moved);
         Body {
             origin,
-            rounding: BODY_ROUNDING * bounds.largest_coordinate(),
+            rounding: (BODY_ROUNDING * bounds.largest_coordinate()).max(SURFACE_ROUNDOFFS * last_place(&world)),
             bounds,
             planes: triangles.iter().map(plane_of).collect(),
             triangles,
@@ -303,6 +303,12 @@ pub enum Below {
     Nodes([u32; 2]),
     /// A leaf.
     Triangles(std::ops::Range<u32>),
+}
+
+/// The unit in the last place of the largest coordinate of a box.
+fn last_place(bounds: &Aabb) -> f64 {
+    let largest = bounds.largest_coordinate();
+    largest.next_up() - largest
 }
 
 /// Whether the segment with this inverse of its direction may pass a box.

@@ -4,7 +4,18 @@ use feeler_core::Point;
 
 use super::body::{distance_to, Body};
 use super::outline::{between, crossings, Plane};
-use super::piece::Corner;
+
+/// A corner of a piece, and the closest point of the other body.
+#[derive(Debug, Clone, Copy)]
+pub struct Corner {
+    pub at: Point,
+    /// Metres.
+    pub distance: f64,
+    /// The other body's triangle that is closest.
+    pub nearest: u32,
+    /// The point of it.
+    pub point: Point,
+}
 
 /// The distances of a piece's corners to the triangles that are closest to some of them.
 pub struct Distances<'a> {

@@ -12,8 +12,9 @@ use feeler_core::geometry::vectors::{add, length, sub};
 use feeler_core::{Aabb, Point, Triangle};
 
 use super::body::{Below, Body, Closest};
+use super::distances::Corner;
 use super::outline::{Outline, Plane};
-use super::piece::{Corner, CornerCache, Piece};
+use super::piece::{CornerCache, Piece};
 use crate::constants::{DEPTH_ERROR, LEAST_DEPTH_ERROR, MOST_PIECES};
 
 /// Which points of the surface count.
@@ -86,6 +87,29 @@ impl PartialEq for Entry {
 }
 
 impl Eq for Entry {}
+
+/// On which side of the other surface something is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Side {
+    /// All of it counts.
+    Counts,
+    /// Nothing of it does.
+    Aside,
+    /// That is not known, or not the same for all of it.
+    Open,
+}
+
+impl Side {
+    /// The side of something, of which a side may be known, with one more of its points.
+    fn with(known: Option<Side>, counts: Option<bool>) -> Side {
+        let side = counts.map_or(Side::Open, |counts| if counts { Side::Counts } else { Side::Aside });
+        if known.is_none_or(|known| known == side) {
+            side
+        } else {
+            Side::Open
+        }
+    }
+}
 
 /// A surface, the other body, and which points of the surface count.
 #[derive(Debug, Clone, Copy)]
@@ -228,16 +252,16 @@ impl<const N: usize> Search<'_, N> {
         }
     }
 
-    /// Adds a polygon: one that the other surface does not part is settled by one of its corners.
+    /// Adds a polygon: one that the other surface does not part is settled by its corners.
     fn add_outline(&mut self, i: usize, outline: &Outline, mut is_settled: bool) {
         let other = self.directions[i].other;
         let mut parting = None;
         if !is_settled {
             parting = outline.parting(other, self.least);
             if parting.is_none() {
-                match self.counts_by_corner(i, outline) {
-                    Some(false) => return,
-                    counts => is_settled = counts.is_some(),
+                match self.side_of_outline(i, outline) {
+                    Side::Aside => return,
+                    side => is_settled = side == Side::Counts,
                 }
             }
         }
@@ -247,20 +271,34 @@ impl<const N: usize> Search<'_, N> {
         }
     }
 
-    /// Whether the first corner counts that is not on the other surface.
-    fn counts_by_corner(&mut self, i: usize, outline: &Outline) -> Option<bool> {
+    /// On which side the corners of a polygon are that are not on the other surface.
+    fn side_of_outline(&mut self, i: usize, outline: &Outline) -> Side {
+        let other = self.directions[i].other;
+        let mut side = None;
         for p in &outline.points {
-            let kept = *self.corners[i].of(*p, &[], self.directions[i].other)?;
+            let Some(kept) = self.corners[i].of(*p, &[], other) else { return Side::Open };
             if kept.corner.distance <= ON_SURFACE * self.least {
                 continue;
             }
             let counts = kept.counts.or_else(|| self.counts(i, p));
-            if let Some(kept) = self.corners[i].of(*p, &[], self.directions[i].other) {
+            if let Some(kept) = self.corners[i].of(*p, &[], other) {
                 kept.counts = counts;
             }
-            return counts;
+            side = Some(Side::with(side, counts));
         }
-        None
+        side.unwrap_or(Side::Open)
+    }
+
+    /// The same of a piece.
+    fn side_of_piece(&self, i: usize, piece: &Piece) -> Side {
+        let is_off = |corner: &&Corner| corner.distance > ON_SURFACE * self.least;
+        let with = |side, corner: &Corner| Some(Side::with(side, self.counts(i, &corner.at)));
+        if let Some(side) = piece.corners.iter().filter(is_off).fold(None, with) {
+            return side;
+        }
+        // Where all corners are on the other surface, its middle tells.
+        let middle = piece.middle(self.directions[i].other);
+        middle.iter().filter(is_off).fold(None, with).unwrap_or(Side::Open)
     }
 
     /// Whether a point is on the side that counts; `None` where that is open.
@@ -273,9 +311,17 @@ impl<const N: usize> Search<'_, N> {
         }
     }
 
-    fn add_piece(&mut self, i: usize, piece: Piece) {
+    fn add_piece(&mut self, i: usize, mut piece: Piece) {
         if piece.is_settled {
-            self.take(i, piece.farthest());
+            let farthest = *piece.farthest();
+            if farthest.distance > self.lower {
+                // No bound is taken from a point that is not seen to count.
+                match self.counts(i, &farthest.at) {
+                    Some(true) => self.take(i, &farthest),
+                    _ if farthest.distance > ON_SURFACE * self.least => piece.is_settled = false,
+                    _ => {}
+                }
+            }
         }
         if piece.upper <= self.enough() {
             self.left_out = self.left_out.max(piece.upper);
@@ -299,20 +345,20 @@ impl<const N: usize> Search<'_, N> {
             if let Some(plane) = piece.parting.or_else(|| piece.outline().parting(other, self.least)) {
                 return self.divide(i, &piece, &plane);
             }
-            let mut at = *piece.farthest();
-            // Where all corners are on the other surface, its middle tells.
-            if at.distance <= ON_SURFACE * self.least {
-                at = piece.middle(other).unwrap_or(at);
-            }
-            match self.counts(i, &at.at) {
-                Some(false) => return,
-                Some(true) => {
+            match self.side_of_piece(i, &piece) {
+                Side::Aside => return,
+                Side::Counts => {
                     piece.is_settled = true;
-                    self.take(i, &at);
                     return self.add_piece(i, piece);
                 }
-                None => {}
+                Side::Open => {}
             }
+            // What is on both sides though nothing parts it is so by rounding, and in no more than a strip.
+            let is_point = length(&piece.bounds().extent()) <= self.least;
+            return match piece.outline().lengthwise().filter(|_| !is_point) {
+                Some(plane) => self.divide(i, &piece, &plane),
+                None => self.left_out = self.left_out.max(piece.upper),
+            };
         }
         if piece.mix(other) {
             return self.add_piece(i, piece);

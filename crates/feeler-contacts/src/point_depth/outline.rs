@@ -108,8 +108,10 @@ impl Outline {
         let side = |h: f64| if h > least { 1 } else { i32::from(h >= -least) - 1 };
         let sides = [side(heights[0]), side(heights[1]), side(heights[2])];
         let on: Vec<usize> = (0..3).filter(|i| sides[*i] == 0).collect();
+        if on.len() == 3 || self.is_in_plane(t, 2.0 * least) {
+            return (0..3).find_map(|i| self.across(&t[i], &t[(i + 1) % 3], least));
+        }
         match on.len() {
-            3 => (0..3).find_map(|i| self.across(&t[i], &t[(i + 1) % 3], least)),
             2 => self.across(&t[on[0]], &t[on[1]], least),
             _ => {
                 let mut ends: Vec<Point> = on.iter().map(|i| t[*i]).collect();
@@ -129,6 +131,11 @@ impl Outline {
                 self.across(&ends[0], &ends[1], 4.0 * margin)
             }
         }
+    }
+
+    /// Whether all of it is in the plane of a triangle: of a large one beside a small piece corners may be aside by more.
+    fn is_in_plane(&self, t: &Triangle, least: f64) -> bool {
+        normal(t).is_some_and(|n| self.points.iter().all(|p| dot(&n, &sub(p, &t[0])).abs() <= least))
     }
 
     /// The plane across it along a segment in it, if parts on both sides of that are wider than `least`. If the segment is but a small part

@@ -4,20 +4,8 @@ use feeler_core::geometry::vectors::{add, cross, dot, length, normal, scaled, su
 use feeler_core::{Aabb, Point, Triangle};
 
 use super::body::Body;
-use super::distances::Distances;
+use super::distances::{Corner, Distances};
 use super::outline::{between, Outline, Plane};
-
-/// A corner of a piece, and the closest point of the other body.
-#[derive(Debug, Clone, Copy)]
-pub struct Corner {
-    pub at: Point,
-    /// Metres.
-    pub distance: f64,
-    /// The other body's triangle that is closest.
-    pub nearest: u32,
-    /// The point of it.
-    pub point: Point,
-}
 
 /// A convex polygon in a triangle of the one surface, relative to the other body's origin.
 #[derive(Debug, Clone)]
@@ -151,7 +139,7 @@ impl Piece {
         };
         // Every few cuts without choice, so that no piece gets ever narrower; and as long as it is over many triangles, since a cut along
         // the side of one goes on beyond it.
-        let is_local = distances.count() <= MOST_RIVALS && self.corners.len() <= MOST_CORNERS;
+        let is_local = distances.count() <= MOST_RIVALS && self.corners.len() <= MOST_CORNERS_TO_CHOOSE;
         if self.generation % FORCED != FORCED - 1 && is_local {
             let (witness, other) = (body.triangle(self.witness), body.triangle(rival.nearest));
             if rival.nearest != self.witness {
@@ -224,7 +212,7 @@ const FORCED: u32 = 4;
 const MOST_RIVALS: usize = 3;
 
 /// With more corners a piece is cut across its length.
-const MOST_CORNERS: usize = 10;
+const MOST_CORNERS_TO_CHOOSE: usize = 10;
 
 fn corner(at: Point, near: &[u32], body: &Body) -> Option<Corner> {
     let closest = body.closest_from(&at, near)?;

@@ -36,7 +36,7 @@ fn is_wall(body: &Body, i: u32, at: &Point, thickness: f64) -> bool {
     let end = add(at, &scaled(&outward, -thickness));
     let is_opposite = |j: u32| {
         let faces_away = j != i && body.outward(j).is_some_and(|n| dot(&n, &outward) <= OPPOSITE_FACES);
-        (faces_away && piercing([at, &end], body.triangle(j)).is_some()).then_some(())
+        (faces_away && piercing([at, &end], body.triangle(j), 0.0).is_some()).then_some(())
     };
     body.find_overlapping(&Aabb::of_triangle(&[*at, end, end]), is_opposite).is_some()
 }
@@ -44,7 +44,7 @@ fn is_wall(body: &Body, i: u32, at: &Point, thickness: f64) -> bool {
 /// A point where an edge of one triangle goes through the other, not by rounding alone.
 fn crossing_point(t: &Triangle, u: &Triangle, least: f64) -> Option<Point> {
     let edges = |t: &Triangle| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
-    let through = |t: &Triangle, u: &Triangle| edges(t).iter().find_map(|[p, q]| piercing([p, q], u));
+    let through = |t: &Triangle, u: &Triangle| edges(t).iter().find_map(|[p, q]| piercing([p, q], u, least));
     let (p, q) = (through(t, u), through(u, t));
     match (p, q) {
         (Some(p), Some(q)) if length(&sub(&p, &q)) > least => Some(scaled(&add(&p, &q), 0.5)),
@@ -53,8 +53,8 @@ fn crossing_point(t: &Triangle, u: &Triangle, least: f64) -> Option<Point> {
     }
 }
 
-/// Where a segment goes through a triangle.
-fn piercing([p, q]: [&Point; 2], t: &Triangle) -> Option<Point> {
+/// Where a segment goes through a triangle, no nearer to its border than `inset` (metres).
+fn piercing([p, q]: [&Point; 2], t: &Triangle, inset: f64) -> Option<Point> {
     let n = normal(t)?;
     let (h, k) = (dot(&n, &sub(p, &t[0])), dot(&n, &sub(q, &t[0])));
     if !(h * k < 0.0) {
@@ -64,7 +64,7 @@ fn piercing([p, q]: [&Point; 2], t: &Triangle) -> Option<Point> {
     let at: Point = std::array::from_fn(|a| p[a] + s * (q[a] - p[a]));
     let is_in = (0..3).all(|i| {
         let side = sub(&t[(i + 1) % 3], &t[i]);
-        dot(&cross(&n, &side), &sub(&at, &t[i])) >= 0.0
+        dot(&cross(&n, &side), &sub(&at, &t[i])) >= inset * length(&side)
     });
     is_in.then_some(at)
 }
