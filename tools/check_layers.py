@@ -101,7 +101,7 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         "containment": CONTACTS_BASE,
         "escape": {*CONTACTS_BASE, "query", "containment"},
         "footing": {*CONTACTS_BASE, "proximity"},
-        # Penetration depth of two bodies by points, without contact planes; `containment` finds the parts around a tool.
+        # Depth of two bodies by points, without contact planes; `containment` finds the parts around a tool.
         "point_depth": {"constants", "containment"},
         "solver": {*CONTACTS_BASE, "query", "escape", "footing", "containment", "point_depth"},
         "tracker": {*CONTACTS_BASE, "solver"},

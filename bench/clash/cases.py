@@ -61,15 +61,34 @@ def rational(mockup: feeler.Mockup) -> tuple[str, float]:
     if any(apart):
         square = sum(each * each for each in apart)
         return ("clearance" if square <= Fraction(0.002) ** 2 else "none"), float(square) ** 0.5
-    out = min(min(high[0][i] - low[1][i], high[1][i] - low[0][i]) for i in range(3))
-    if out == 0:
+    if min(min(high[0][i] - low[1][i], high[1][i] - low[0][i]) for i in range(3)) == 0:
         return "contact", 0.0
     if low[0] == low[1] and high[0] == high[1]:
-        return "duplicate", float(out)
+        return "duplicate", 0.0
+    deep = float(max(depth_of_faces(low, high, one, 1 - one) for one in (0, 1)))
     for one, other in ((0, 1), (1, 0)):
         if all(low[one][i] <= low[other][i] and high[other][i] <= high[one][i] for i in range(3)):
-            return "contained", float(out)
-    return "clash", float(out)
+            return "contained", deep
+    return "clash", deep
+
+
+def depth_of_faces(low: list[list[Fraction]], high: list[list[Fraction]], one: int, other: int) -> Fraction:
+    """The farthest that a point on the faces of one box lies inside the other.
+
+    A point's distance to the other's surface is the least over the axes of its distance to the two sides. On a face,
+    the coordinate along one axis is given; along the others, the point nearest to the middle of the other box is best.
+    """
+    deepest = Fraction(0)
+    for axis in range(3):
+        for side in (low[one][axis], high[one][axis]):
+            least = []
+            for i in range(3):
+                begin, end = low[other][i], high[other][i]
+                near, far = (side, side) if i == axis else (max(low[one][i], begin), min(high[one][i], end))
+                best = min(max((begin + end) / 2, near), far)
+                least.append(min(best - begin, end - best))
+            deepest = max(deepest, min(least))
+    return deepest
 
 
 def mesh_of(text: str, cut: int = 1) -> Mesh:

@@ -93,7 +93,7 @@ def _said(answer: Answer) -> str:
         return answer.verdict
     if answer.figure is None:
         return f"{answer.verdict}, no depth"
-    sure = {"bound": "at most ", "estimate": "about "}.get(answer.kind or "", "")
+    sure = {"estimate": "about "}.get(answer.kind or "", "")
     return f"{answer.verdict}, {sure}{length(answer.figure)}"
 
 

@@ -25,7 +25,8 @@ class Depths:
     errors: npt.NDArray[np.float64]
     """`(k,)`: how much more the depth can be: at most a thousandth of it, or a nanometre."""
     is_estimate: npt.NDArray[np.bool_]
-    """`(k,)`: one of the two is open, so only points of the open surface inside the closed part count."""
+    """`(k,)`: one of the two is open, so only points of the open surface inside the closed part count; of two open
+    ones nothing does, and the depth is 0."""
     points_on_tool: npt.NDArray[np.float64]
     """`(k, 3)`: the point of the tool where the depth is measured."""
     points_on_mockup: npt.NDArray[np.float64]

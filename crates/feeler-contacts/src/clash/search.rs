@@ -227,7 +227,12 @@ impl<'a> ClashSearch<'a> {
         let judge = Judge { solids, limits: &self.limits, bodies: &self.bodies };
         let [a, b] = judge.bodies_of(parts);
         let is_measured = a.is_closed() || b.is_closed();
-        let mut by_points = point_depth([&a, &b]);
+        let mut by_points = if verdict == Some(Verdict::Duplicate) {
+            // Neither surface is farther from the other than that.
+            PointDepth { depth: 0.0, error: self.limits.rounding(parts[0], parts[1]), points: None }
+        } else {
+            point_depth([&a, &b])
+        };
         let kind = if a.is_closed() && b.is_closed() { DepthKind::Measured } else { DepthKind::Estimate };
         if is_measured && verdict == Some(Verdict::Contact) {
             let met = pair.meeting();

@@ -95,8 +95,8 @@ impl<'a> Distances<'a> {
         &corners[farthest]
     }
 
-    /// What bounds the worse part after a cut, as far as these triangles say; `None` where that is no less than `most`, or nothing is cut.
-    pub fn bound_after(&self, plane: &Plane, size: f64, most: f64) -> Option<f64> {
+    /// What bounds both parts after a cut, as far as these triangles say; `None` where nothing is cut.
+    pub fn bounds_after(&self, plane: &Plane, size: f64) -> Option<[f64; 2]> {
         let corners = self.corners;
         let heights: Vec<f64> = corners.iter().map(|corner| plane.height(&corner.at)).collect();
         let least = LEAST_CUT * size;
@@ -114,7 +114,7 @@ impl<'a> Distances<'a> {
                 part.push(on_side.map(|(_, distance)| *distance).chain(of_new.iter().copied()).collect());
             }
         }
-        let parts = parts.map(|rows| {
+        Some(parts.map(|rows| {
             let mut best = f64::INFINITY;
             for (i, p) in rows.iter().enumerate() {
                 best = best.min(p.iter().fold(0.0f64, |most, distance| most.max(*distance)));
@@ -123,9 +123,7 @@ impl<'a> Distances<'a> {
                 }
             }
             best
-        });
-        let worse = parts[0].max(parts[1]);
-        (worse < most).then_some(worse)
+        }))
     }
 }
 

@@ -363,7 +363,7 @@ impl<const N: usize> Search<'_, N> {
         if piece.mix(other) {
             return self.add_piece(i, piece);
         }
-        match piece.halving(other) {
+        match piece.halving(other, self.enough()) {
             Some(plane) => self.divide(i, &piece, &plane),
             // It is too small to be cut.
             None => self.left_out = self.left_out.max(piece.upper),

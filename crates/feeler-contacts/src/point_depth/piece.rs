@@ -124,17 +124,21 @@ impl Piece {
     }
 
     /// The plane that best brings down the bound of a piece: where two triangles of the other body are equally far, a side of the
-    /// triangle that bounds it, or across its length.
-    pub fn halving(&self, body: &Body) -> Option<Plane> {
+    /// triangle that bounds it, or across its length. Bounds up to `enough` (metres) are of no interest.
+    pub fn halving(&self, body: &Body, enough: f64) -> Option<Plane> {
         let distances = Distances::new(&self.corners, Some(self.witness), body);
         let rival = distances.farthest_from(self.witness);
         let size = length(&self.bounds().extent());
-        let mut best = (f64::INFINITY, None);
+        // A cut that leaves nothing to be done on one side is better than one that leaves less on both.
+        let mut best = ((false, f64::INFINITY), None);
         let mut consider = |plane: Option<Plane>| {
-            if let Some((bound, plane)) =
-                plane.and_then(|plane| Some((distances.bound_after(&plane, size, best.0)?, plane)))
-            {
-                best = (bound, Some(plane));
+            let Some((plane, [p, q])) = plane.and_then(|plane| Some((plane, distances.bounds_after(&plane, size)?)))
+            else {
+                return;
+            };
+            let new = (p.min(q) > enough, p.max(q));
+            if best.1.is_none() || new < best.0 {
+                best = (new, Some(plane));
             }
         };
         // Every few cuts without choice, so that no piece gets ever narrower; and as long as it is over many triangles, since a cut along
@@ -206,10 +210,10 @@ impl CornerCache {
 const CORNERS_KEPT: usize = 128;
 
 /// After how many cuts one goes across the length.
-const FORCED: u32 = 4;
+const FORCED: u32 = 8;
 
 /// Near more triangles a piece is cut across its length.
-const MOST_RIVALS: usize = 3;
+const MOST_RIVALS: usize = 4;
 
 /// With more corners a piece is cut across its length.
 const MOST_CORNERS_TO_CHOOSE: usize = 10;

@@ -57,7 +57,7 @@ fn crossing_point(t: &Triangle, u: &Triangle, least: f64) -> Option<Point> {
 fn piercing([p, q]: [&Point; 2], t: &Triangle, inset: f64) -> Option<Point> {
     let n = normal(t)?;
     let (h, k) = (dot(&n, &sub(p, &t[0])), dot(&n, &sub(q, &t[0])));
-    if !(h * k < 0.0) {
+    if h * k >= 0.0 {
         return None;
     }
     let s = h / (h - k);
