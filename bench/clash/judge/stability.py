@@ -1,0 +1,89 @@
+"""What must not change a depth: cutting each triangle in four, and moving parts by a little."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+import feeler
+
+from .asking import ROUNDED_BY, SPACING_M, Answer, Pair, answers, mockup_of
+from .kinds import groups
+from .shapes import Mesh, cut_finer
+
+Result = dict[str, Any]
+Parts = list[Mesh]
+
+MOVES_M = (1e-9, 1e-6, 1e-4)
+
+
+def measured(seed: int, is_quick: bool) -> list[Result]:
+    """For each set of parts and each change: the pairs, and those whose depth changes by more than it may."""
+    rows = []
+    for name, parts in _sets(seed, is_quick):
+        before = answers(mockup_of(parts))
+        size = max(float(np.abs(vertices).max()) for vertices, _ in parts)
+        rounding = 2 * ROUNDED_BY * float(np.spacing(size))
+        finer = answers(mockup_of([cut_finer(part, 1) for part in parts]))
+        rows.append({"parts": name, "change": "each triangle cut in four", **compared(before, finer, rounding)})
+        for step in MOVES_M:
+            rng = np.random.default_rng(seed)
+            moves = rng.normal(size=(len(parts), 3))
+            moves *= step / np.linalg.norm(moves, axis=1)[:, None]
+            moved = [(vertices + move, faces) for (vertices, faces), move in zip(parts, moves, strict=True)]
+            after = answers(mockup_of(moved))
+            change = f"each part moved by {_length(step)} its own way"
+            rows.append({"parts": name, "change": change, **compared(before, after, rounding + 2 * step)})
+    return rows
+
+
+def _length(metres: float) -> str:
+    return {1e-9: "1 nm", 1e-6: "1 µm", 1e-4: "0.1 mm"}[metres]
+
+
+def _sets(seed: int, is_quick: bool) -> Iterator[tuple[str, Parts]]:
+    for name, numbers in (("polycubes", (1, 20)), ("solids", (6, 120)), ("pins", (9, 180))):
+        found: Parts = []
+        for number, group in enumerate(groups(name, numbers[not is_quick], seed)):
+            # Each at the origin of its own cell, as far places have their own pairs above.
+            slot = SPACING_M * np.array([number % 8, number // 8 % 8, number // 64], float)
+            found += group.in_world(slot - group.place * group.unit)
+        yield f"{name} of above", found
+    yield "sample engine", parts_of(feeler.sample("engine", 5_000 if is_quick else 30_000))
+
+
+def parts_of(mockup: feeler.Mockup) -> Parts:
+    """Each part of a mock-up as a mesh of its own."""
+    found = []
+    for part in range(mockup.part_count):
+        faces = mockup.faces[mockup.part_of_face == part]
+        used, which = np.unique(faces, return_inverse=True)
+        found.append((np.array(mockup.vertices[used]), which.reshape(-1, 3).astype(np.int64)))
+    return found
+
+
+def compared(before: Mapping[Pair, Answer], after: Mapping[Pair, Answer], allowed: float) -> Result:
+    """Depths whose bounds are farther apart than allowed, metres. A pair without a row has depth 0."""
+    beyond, most, verdicts = 0, 0.0, 0
+    pairs = sorted(before.keys() | after.keys())
+    for pair in pairs:
+        one, other = before.get(pair, Answer()), after.get(pair, Answer())
+        if "estimate" in (one.kind, other.kind):
+            continue
+        verdicts += one.verdict != other.verdict
+        apart = max(0.0, other.depth - one.depth - one.error, one.depth - other.depth - other.error)
+        most = max(most, apart)
+        beyond += apart > allowed
+    return {"pairs": len(pairs), "beyond": beyond, "most_m": float(f"{most:.3g}"), "verdicts": verdicts}
+
+
+def examples(before: Mapping[Pair, Answer], after: Mapping[Pair, Answer], number: int) -> Sequence[str]:
+    """The pairs whose depth changes most, for whoever looks for the cause."""
+    nothing = Answer()
+    order = sorted(
+        before.keys() | after.keys(),
+        key=lambda pair: -abs(before.get(pair, nothing).depth - after.get(pair, nothing).depth),
+    )
+    return [f"{pair}: {before.get(pair)} -> {after.get(pair)}" for pair in order[:number]]
