@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -17,6 +17,7 @@ Result = dict[str, Any]
 Parts = list[Mesh]
 
 MOVES_M = (1e-9, 1e-6, 1e-4)
+MOST_EXAMPLES = 5
 
 
 def measured(seed: int, is_quick: bool) -> list[Result]:
@@ -51,7 +52,7 @@ def _sets(seed: int, is_quick: bool) -> Iterator[tuple[str, Parts]]:
             slot = SPACING_M * np.array([number % 8, number // 8 % 8, number // 64], float)
             found += group.in_world(slot - group.place * group.unit)
         yield f"{name} of above", found
-    yield "sample engine", parts_of(feeler.sample("engine", 5_000 if is_quick else 30_000))
+    yield "sample engine", parts_of(feeler.sample("engine", 10_000 if is_quick else 30_000))
 
 
 def parts_of(mockup: feeler.Mockup) -> Parts:
@@ -66,7 +67,8 @@ def parts_of(mockup: feeler.Mockup) -> Parts:
 
 def compared(before: Mapping[Pair, Answer], after: Mapping[Pair, Answer], allowed: float) -> Result:
     """Depths whose bounds are farther apart than allowed, metres. A pair without a row has depth 0."""
-    beyond, most, verdicts = 0, 0.0, 0
+    most, verdicts = 0.0, 0
+    wrong = []
     pairs = sorted(before.keys() | after.keys())
     for pair in pairs:
         one, other = before.get(pair, Answer()), after.get(pair, Answer())
@@ -75,15 +77,8 @@ def compared(before: Mapping[Pair, Answer], after: Mapping[Pair, Answer], allowe
         verdicts += one.verdict != other.verdict
         apart = max(0.0, other.depth - one.depth - one.error, one.depth - other.depth - other.error)
         most = max(most, apart)
-        beyond += apart > allowed
-    return {"pairs": len(pairs), "beyond": beyond, "most_m": float(f"{most:.3g}"), "verdicts": verdicts}
-
-
-def examples(before: Mapping[Pair, Answer], after: Mapping[Pair, Answer], number: int) -> Sequence[str]:
-    """The pairs whose depth changes most, for whoever looks for the cause."""
-    nothing = Answer()
-    order = sorted(
-        before.keys() | after.keys(),
-        key=lambda pair: -abs(before.get(pair, nothing).depth - after.get(pair, nothing).depth),
-    )
-    return [f"{pair}: {before.get(pair)} -> {after.get(pair)}" for pair in order[:number]]
+        if apart > allowed:
+            wrong.append((apart, f"parts {pair}: {one} became {other}"))
+    examples = [says for _, says in sorted(wrong, reverse=True)[:MOST_EXAMPLES]]
+    changed = {"beyond": len(wrong), "most_m": float(f"{most:.3g}"), "verdicts": verdicts}
+    return {"pairs": len(pairs), **changed, "examples": examples}
