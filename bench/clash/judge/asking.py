@@ -15,7 +15,7 @@ from .shapes import Floats, Mesh, joined
 
 MOST_GROUPS, MOST_TRIANGLES = 64, 150_000
 """Of one mock-up."""
-SPACING_M = 8.0
+SPACING_M = 32.0
 """A power of two, so that whole numbers stay exact. No group is larger."""
 ROUNDED_BY = 4
 """Units in the last place of the largest coordinate by which rounding may change a depth. Turning and moving rounds a
