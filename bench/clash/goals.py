@@ -17,12 +17,17 @@ ONE_CORE_S = {
 }
 """By triangles asked of the sample engine and stage: seconds on one core, after the index, each beside the others."""
 
+JUDGED_PAIRS = 20_000
+"""How many random pairs that meet a full run judges, at least."""
+
 
 def scorecard(result: Result) -> list[Goal]:
     """Every goal of what was run."""
     goals: list[Goal] = []
     if "cases" in result:
         goals.append(_verdicts(result["cases"]))
+    if "judge" in result:
+        goals += _judged(result["judge"], result["judge"]["is_quick"])
     if "times" in result:
         goals += _times(result["times"])
     return goals
@@ -35,6 +40,18 @@ def _verdicts(found: Result) -> Goal:
         for run in case["runs"]
     ]
     return Goal("hard pairs", "verdicts", f"all {len(told)}", f"{sum(told)}", all(told))
+
+
+def _judged(found: Result, is_quick: bool) -> Iterator[Goal]:
+    pairs, meet = (sum(row[key] for row in found["kinds"]) for key in ("pairs", "meet"))
+    if not is_quick:
+        yield Goal("judge", "pairs that meet", f"{JUDGED_PAIRS:,}", f"{meet:,}", meet >= JUDGED_PAIRS)
+    for goal, key in (("wrong verdicts", "wrong_verdicts"), ("depths outside their bounds", "outside")):
+        wrong = sum(row[key] for row in found["kinds"])
+        yield Goal("judge", f"{goal} of {pairs:,} pairs", "0", f"{wrong:,}", wrong == 0)
+    beyond = sum(row["beyond"] for row in found["stability"])
+    about = "depths that change by more than their errors and the motion"
+    yield Goal("judge", about, "0", f"{beyond:,}", beyond == 0)
 
 
 def _times(found: Result) -> Iterator[Goal]:

@@ -1,14 +1,16 @@
 """Clash checks: the pairs that they get wrong, and what a whole assembly takes; feeler and its peers.
 
-    python bench/clash/run.py                    everything; some ten minutes, most of them those of one peer
-    python bench/clash/run.py --quick            the short form, a minute or two
+    python bench/clash/run.py                    everything; half an hour: one peer, and the judge
+    python bench/clash/run.py --quick            the short form, two or three minutes
     python bench/clash/run.py --only times --sizes 1.6M --peers none
+    python bench/clash/run.py --only judge       random pairs whose depth is known; a quarter of an hour
     python bench/clash/run.py --record           and into bench/records/clash.json, for docs/clash.md
 
 Written into the folder (target/clash): clash.json with all that was found, and tables.md. The exit status is 1 if a
-goal is missed (bench/clash/goals.py) that no clock decides: a verdict of feeler's. `--only`: cases (the pairs of
-testdata/clash), times (the sample engine; peers on the smallest size). A record keeps what a run leaves out. Peers are
-of `pip install "feeler[bench]"`; one that is not there is left out, and the tables say why.
+goal is missed (bench/clash/goals.py) that no clock decides: a verdict or a depth of feeler's. `--only`: cases (the
+pairs of testdata/clash), judge (random pairs whose depth is known), times (the sample engine; peers on the smallest
+size). A record keeps what a run leaves out. Peers are of `pip install "feeler[bench]"`; one that is not there is left
+out, and the tables say why. The judge needs manifold3d (`feeler[volume]`).
 """
 
 from __future__ import annotations
@@ -28,6 +30,7 @@ from command_line import listed, one_of, triangles
 
 from clash import goals, hard_cases, tables, timings
 from clash.checkers import PEERS, Checker, FeelerChecker, peers
+from clash.judge import experiment as judging
 
 OUT = host.ROOT / "target" / "clash"
 RECORD = host.ROOT / "bench" / "records" / "clash.json"
@@ -64,6 +67,7 @@ def run(options: argparse.Namespace, given: Sequence[str] = ()) -> Result:
     checkers: list[Checker] = [FeelerChecker(), *there]
     ways: dict[str, Callable[[], Result]] = {
         "cases": lambda: hard_cases.asked(checkers, options.quick),
+        "judge": lambda: judging.measured(options.quick),
         "times": lambda: timings.measured(options.sizes, there, options.repeats),
     }
     versions = {checker.name: checker.version for checker in checkers}

@@ -17,7 +17,7 @@ from .checkers import QUERIES, Answer
 Result = dict[str, Any]
 
 PROGRAM = "bench/clash/run.py"
-NAMES = ("cases", "times")
+NAMES = ("cases", "judge", "times")
 MOST_WRONG = 2
 """Wrong answers that a cell quotes."""
 STAGES = {
@@ -29,16 +29,26 @@ STAGES = {
 }
 WORDS = {"verdicts": "meet", "clearance": "within 2 mm", "depths": "clash"}
 
+JUDGE_NOTE = (
+    "No truth shares code with feeler: closed forms (boxes, balls), linear programs (convex bodies), polygons in the "
+    "plane (pins), whole numbers (polycubes), branch and bound with the volumes of manifold3d (any solids). Parts are "
+    "turned, up to 65 km off, cut finer, mirrored, some hollow. Allowed beyond the bounds: four units in the last "
+    "place of the largest coordinate. Where a part touches from inside the one that holds it, and both are turned so "
+    "that coordinates round, `CLASH` counts as right beside `CONTAINED`. Relative error: of depths of a micrometre "
+    "and more."
+)
+STABILITY_NOTE = "A depth may change by its error; where parts move by e each, by 2 e more."
+
 
 def tables(result: Result) -> dict[str, str]:
     """All tables, by name; of what a record does not have, a line that says so."""
-    makers = {"cases": cases, "times": times}
+    makers = {"cases": cases, "judge": judge, "times": times}
     return {name: makers[name](result[name]) if name in result else "Not measured yet." for name in NAMES}
 
 
 def page(result: Result) -> str:
     """What a run found, as a page of its own."""
-    heads = {"cases": "Hard pairs", "times": "Times"}
+    heads = {"cases": "Hard pairs", "judge": "Random pairs whose depth is known", "times": "Times"}
     made = tables(result)
     return "# Clash\n\n" + "\n".join(f"## {heads[name]}\n\n{made[name]}\n" for name in NAMES if name in result)
 
@@ -95,6 +105,34 @@ def _said(answer: Answer) -> str:
         return f"{answer.verdict}, no depth"
     sure = {"estimate": "about "}.get(answer.kind or "", "")
     return f"{answer.verdict}, {sure}{length(answer.figure)}"
+
+
+def judge(found: Result) -> str:
+    """What the judge finds wrong, by kind of pair; and what changes a depth that must not."""
+    keys = ("pairs", "meet", "wrong_verdicts", "outside")
+    rows = found["kinds"]
+    total = {key: sum(row[key] for row in rows) for key in keys}
+    total["largest_error"] = max((row["largest_error"] for row in rows), default=0.0)
+    lines = []
+    for row in [*rows, {"kind": "**all**", **total}]:
+        wrong = [bold(f"{row[key]:,}", row[key] == 0) for key in ("wrong_verdicts", "outside")]
+        error = row["largest_error"]
+        lines.append([row["kind"], f"{row['pairs']:,}", f"{row['meet']:,}", *wrong, f"{error:.1g}" if error else ""])
+    heads = [
+        "pairs of",
+        "pairs",
+        "that meet",
+        "wrong verdicts",
+        "depths outside their bounds",
+        "largest relative error",
+    ]
+    kinds = "\n\n".join([pages.origin(PROGRAM, found), markdown(heads, 1, lines, JUDGE_NOTE)])
+    lines = [
+        [row["parts"], row["change"], f"{row['pairs']:,}", bold(f"{row['beyond']:,}", row["beyond"] == 0)]
+        for row in found["stability"]
+    ]
+    heads = ["parts", "change", "pairs", "depths that change by more than they may"]
+    return f"{kinds}\n\n{markdown(heads, 2, lines, STABILITY_NOTE)}"
 
 
 def times(found: Result) -> str:

@@ -1,0 +1,173 @@
+"""Asks feeler about many pairs at once, and judges its answers by what is true of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+import feeler
+
+from .facts import Facts, wanted
+from .shapes import Floats, Mesh, joined
+
+MOST_GROUPS, MOST_TRIANGLES = 64, 150_000
+"""Of one mock-up."""
+SPACING_M = 32.0
+"""A power of two, so that whole numbers stay exact. No group is larger."""
+ROUNDED_BY = 4
+"""Units in the last place of the largest coordinate by which rounding may change a depth. Turning and moving rounds a
+vertex by less than one along each axis, and a depth changes by at most as much as both surfaces move."""
+LEAST_ERROR_M, RELATIVE_ERROR = 1e-9, 1e-3
+"""How wide feeler's bounds of a depth may be."""
+
+Pair = tuple[int, int]
+
+
+@dataclass(frozen=True)
+class Group:
+    """Parts that are asked together, with what is true of each pair of them.
+
+    parts: meshes in the frame and unit of the truth. In the world: `(part @ turn.T + place) * unit`, metres. facts:
+    metres. is_rounded: whether that rounds the coordinates. right: verdicts that the facts alone do not tell.
+    """
+
+    kind: str
+    parts: tuple[Mesh, ...]
+    facts: Mapping[Pair, Facts]
+    turn: Floats = field(default_factory=lambda: np.eye(3))
+    place: Floats = field(default_factory=lambda: np.zeros(3))
+    unit: float = 1.0
+    is_rounded: bool = True
+    contact: float | None = None
+    clearance: float = 0.0
+    right: Mapping[Pair, frozenset[str]] = field(default_factory=dict)
+
+    def triangles(self) -> int:
+        return sum(len(faces) for _, faces in self.parts)
+
+    def in_world(self, slot: Floats) -> list[Mesh]:
+        """slot: moves the whole group, metres."""
+        return [((v @ self.turn.T + (self.place + slot / self.unit)) * self.unit, faces) for v, faces in self.parts]
+
+
+@dataclass(frozen=True)
+class Answer:
+    """feeler's row of a pair, or that there is none."""
+
+    verdict: str = "none"
+    depth: float = 0.0
+    error: float = 0.0
+    kind: str = ""
+
+
+@dataclass(frozen=True)
+class Judged:
+    """One pair. is_meeting: by the truth. relative_error: how far the depth is from the truth, of the truth; None for
+    what has no depth that is known, or less than a micrometre.
+    """
+
+    kind: str
+    is_meeting: bool
+    is_verdict_wrong: bool
+    is_outside: bool
+    relative_error: float | None
+    says: str
+
+
+def mockup_of(parts: Sequence[Mesh]) -> feeler.Mockup:
+    vertices, faces = joined(*parts)
+    of_face = np.repeat(np.arange(len(parts)), [len(part[1]) for part in parts])
+    return feeler.Mockup(vertices, faces, of_face, [str(i) for i in range(len(parts))])
+
+
+def answers(mockup: feeler.Mockup, contact: float | None = None, clearance: float = 0.0) -> dict[Pair, Answer]:
+    """All rows of a mock-up, by the numbers of the parts."""
+    limits: dict[str, Any] = {} if contact is None else {"contact": contact}
+    found = feeler.clash(mockup, clearance=clearance, **limits)
+    names = ("a", "b", "verdict", "depth", "depth_error", "depth_kind")
+    columns = [np.asarray(getattr(found, name)).tolist() for name in names]
+    return {
+        (a, b): Answer(feeler.Verdict(verdict).name.lower(), depth, error, str(kind))
+        for a, b, verdict, depth, error, kind in zip(*columns, strict=True)
+    }
+
+
+def asked(groups: Iterable[Group]) -> Iterator[Judged]:
+    """Every pair of every group, judged."""
+    for batch in _batches(groups):
+        parts: list[Mesh] = []
+        of_part: list[Pair] = []  # group, and part in it
+        for number, group in enumerate(batch):
+            i, j, k = number % 4, number // 4 % 4, number // 16
+            placed = group.in_world(SPACING_M * np.array([i, j, k], float))
+            parts += placed
+            of_part += [(number, part) for part in range(len(placed))]
+        found: list[dict[Pair, Answer]] = [{} for _ in batch]
+        for (a, b), answer in answers(mockup_of(parts), batch[0].contact, batch[0].clearance).items():
+            (group_a, part_a), (group_b, part_b) = of_part[a], of_part[b]
+            if group_a != group_b:
+                yield Judged(batch[group_a].kind, False, True, False, None, f"{answer} of parts of two groups")
+            else:
+                found[group_a][part_a, part_b] = answer
+        first = 0
+        for group, rows in zip(batch, found, strict=True):
+            sizes = [float(np.abs(part[0]).max()) for part in parts[first : first + len(group.parts)]]
+            first += len(group.parts)
+            for pair in group.facts:
+                size = max(sizes[each] for each in pair)
+                result = judged(group, pair, rows.get(pair, Answer()), ROUNDED_BY * float(np.spacing(size)))
+                if result is not None:
+                    yield result
+
+
+def _batches(groups: Iterable[Group]) -> Iterator[list[Group]]:
+    """Groups of the same limits, as many as fit into one mock-up."""
+    waiting: dict[tuple[float | None, float], list[Group]] = {}
+    for group in groups:
+        batch = waiting.setdefault((group.contact, group.clearance), [])
+        triangles = group.triangles() + sum(each.triangles() for each in batch)
+        if batch and (len(batch) == MOST_GROUPS or triangles > MOST_TRIANGLES):
+            yield batch.copy()
+            batch.clear()
+        batch.append(group)
+        # A limit of its own for each pair: no use to wait for another.
+        if group.contact is not None and len(waiting) > MOST_GROUPS:
+            yield waiting.pop((group.contact, group.clearance))
+    yield from (batch for batch in waiting.values() if batch)
+
+
+def judged(group: Group, pair: Pair, answer: Answer, rounding: float) -> Judged | None:
+    """One answer; None where the truth leaves the verdict open. rounding: by how much it may change a depth, metres."""
+    facts = group.facts[pair]
+    right = group.right.get(pair) or wanted(facts, group.contact, group.clearance, rounding * group.is_rounded)
+    if right is None:
+        return None
+    is_wrong = answer.verdict not in right
+    is_outside = False
+    relative = None
+    if answer.verdict not in ("none", "clearance") and not is_wrong:
+        is_outside = answer.kind != ("estimate" if facts.is_open else "measured")
+        if not facts.is_open:
+            top = answer.depth + answer.error
+            is_outside |= not (answer.depth <= facts.high + rounding and facts.low - rounding <= top)
+            is_outside |= answer.error > max(LEAST_ERROR_M, RELATIVE_ERROR * answer.depth) * (1 + 1e-9)
+            if facts.low > LEAST_ERROR_M / RELATIVE_ERROR:
+                relative = (
+                    max(0.0, facts.low - rounding - answer.depth, answer.depth - facts.high - rounding) / facts.low
+                )
+    says = "" if not (is_wrong or is_outside) else _report(group, pair, answer, right)
+    return Judged(group.kind, facts.gap == 0, is_wrong, is_outside, relative, says)
+
+
+def _report(group: Group, pair: Pair, answer: Answer, right: frozenset[str]) -> str:
+    facts = group.facts[pair]
+    sizes = [len(group.parts[part][1]) for part in pair]
+    limit = "the default" if group.contact is None else f"{group.contact:.9g}"
+    return (
+        f"{group.kind}, parts {pair}, {sizes[0]} and {sizes[1]} triangles at {np.round(group.place * group.unit, 3)}, "
+        f"contact {limit}: feeler says {answer.verdict}, depth {answer.depth:.12g} + {answer.error:.3g} "
+        f"({answer.kind}); right is {' or '.join(sorted(right))}, D in [{facts.low:.12g}, {facts.high:.12g}]"
+    )
