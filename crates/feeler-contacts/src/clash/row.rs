@@ -58,7 +58,7 @@ impl Clash {
             verdict,
             depth: 0.0,
             depth_error: 0.0,
-            kind: DepthKind::Measured,
+            kind: if is_open == [false; 2] { DepthKind::Measured } else { DepthKind::Estimate },
             translation: [0.0; 3],
             gap: 0.0,
             points: [[0.0; 3]; 2],
