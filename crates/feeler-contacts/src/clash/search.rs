@@ -223,9 +223,10 @@ impl<'a> ClashSearch<'a> {
         let other = if parts[0] == part { parts[1] } else { parts[0] };
         let (scene, solids) = (self.scene(), &self.solids);
         let alone = scene.of_one_part(other);
-        let pair = Pair { scene, other_alone: &alone, solids, tool, parts: [part, other] };
         let judge = Judge { solids, limits: &self.limits, bodies: &self.bodies };
         let [a, b] = judge.bodies_of(parts);
+        let bodies = if part == parts[0] { [&*a, &*b] } else { [&*b, &*a] };
+        let pair = Pair { scene, other_alone: &alone, solids, tool, parts: [part, other], bodies };
         let is_measured = a.is_closed() || b.is_closed();
         let mut by_points = if verdict == Some(Verdict::Duplicate) {
             // Neither surface is farther from the other than that.

@@ -13,6 +13,7 @@ use crate::constants::{
 };
 use crate::contact_plane::{ContactPlane, Contacts};
 use crate::escape::min_norm::{min_norm, relaxed};
+use crate::point_depth::body::Body;
 use crate::query::{ContactQuery, ContactScratch};
 use feeler_core::scratch_pool::ScratchPool;
 
@@ -68,6 +69,7 @@ pub struct Pair<'a> {
     pub tool: &'a Tool,
     /// Of the tool, and the other.
     pub parts: [u32; 2],
+    pub bodies: [&'a Body; 2],
 }
 
 impl Pair<'_> {
@@ -197,19 +199,15 @@ impl Pair<'_> {
                 &mut normals,
             );
             add_face_normals(of_tool.map(|t| own.triangle(t)), &mut normals);
+            let samples = self.bodies.map(Body::sample);
             for n in normals {
-                let [lowest, highest] = heights(own.vertices(), &n);
-                let most = least.0;
-                // Corner by corner, until neither way would be shorter than the best.
-                let (mut up, mut down) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
-                for corner in faces.iter().flat_map(|face| mesh.triangle(*face)) {
-                    let height = dot(&n, &corner);
-                    (up, down) = (up.max(height - lowest), down.max(highest - height));
-                    if up >= most && down >= most {
-                        break;
-                    }
+                // Mostly some points of both show that neither way would be shorter than the best.
+                let [[lowest, highest], [low, high]] = [heights(&samples[0], &n), heights(&samples[1], &n)];
+                if high - lowest >= least.0 && highest - low >= least.0 {
+                    continue;
                 }
-                for (length, sign) in [(up, 1.0), (down, -1.0)] {
+                let [[lowest, highest], [low, high]] = self.bodies.map(|body| body.heights(&n));
+                for (length, sign) in [(high - lowest, 1.0), (highest - low, -1.0)] {
                     if length < least.0 {
                         least = (length, scaled(&n, sign));
                     }

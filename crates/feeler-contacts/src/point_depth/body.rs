@@ -5,52 +5,14 @@ use feeler_core::geometry::vectors::{add, along, cross, dot, normal, scaled, sub
 use feeler_core::mesh::topology::adjacency::Adjacency;
 use feeler_core::{Aabb, Point, Triangle};
 
+use super::tree::Tree;
 use crate::constants::{BODY_ROUNDING, SLIVER_HEIGHT, SLIVER_NORMAL, SURFACE_ROUNDOFFS};
-
-/// Most triangles of a leaf.
-const LEAF: usize = 4;
-
-/// A box of the tree, relative to the body's origin.
-#[derive(Debug, Clone, Copy)]
-pub struct Node {
-    lower: [f32; 3],
-    upper: [f32; 3],
-    /// The first of its triangles; of an inner one the first of its two children.
-    first: u32,
-    /// How many triangles; 0: an inner one.
-    count: u32,
-}
-
-impl Node {
-    fn around(bounds: &Aabb) -> Node {
-        let down = |x: f64| if f64::from(x as f32) > x { (x as f32).next_down() } else { x as f32 };
-        let up = |x: f64| if f64::from(x as f32) < x { (x as f32).next_up() } else { x as f32 };
-        Node { lower: bounds.lower.map(down), upper: bounds.upper.map(up), first: 0, count: 0 }
-    }
-
-    /// The same in float64, metres.
-    pub fn bounds(&self) -> Aabb {
-        Aabb { lower: self.lower.map(f64::from), upper: self.upper.map(f64::from) }
-    }
-
-    #[inline(always)]
-    fn square_distance(&self, p: &Point) -> f64 {
-        let mut sum = 0.0;
-        for a in 0..3 {
-            let d = (f64::from(self.lower[a]) - p[a]).max(p[a] - f64::from(self.upper[a])).max(0.0);
-            sum += d * d;
-        }
-        sum
-    }
-
-    #[inline(always)]
-    fn is_overlapping(&self, bounds: &Aabb) -> bool {
-        (0..3).all(|a| f64::from(self.lower[a]) <= bounds.upper[a] && bounds.lower[a] <= f64::from(self.upper[a]))
-    }
-}
 
 /// A little more than 1: above the rounding of heights over planes. It is no bound of distances, only of what is looked at.
 const ABOVE: f64 = 1.0 + 1e-6;
+
+/// Corners of a sample.
+const SAMPLE: usize = 32;
 
 /// What is closest to a point.
 #[derive(Debug, Clone, Copy)]
@@ -75,7 +37,7 @@ pub struct Body {
     planes: Vec<[f64; 4]>,
     /// For each of them, as [`Adjacency::outward`].
     senses: Vec<i8>,
-    nodes: Vec<Node>,
+    tree: Tree,
     has_cracks: bool,
     is_closed: bool,
 }
@@ -89,14 +51,8 @@ impl Body {
         let origin: Point = if world.is_empty() { [0.0; 3] } else { std::array::from_fn(middle) };
         let (numbers, moved): (Vec<u32>, Vec<Triangle>) =
             given.map(|(number, t)| (number, t.map(|p| sub(&p, &origin)))).unzip();
-        let mut order: Vec<u32> = (0..moved.len() as u32).collect();
-        let mut nodes = Vec::new();
-        if !moved.is_empty() {
-            nodes.push(Node::around(&Aabb::EMPTY));
-            let centres: Vec<Point> = moved.iter().map(|[p, q, r]| add(&add(p, q), r)).collect();
-            build(&mut nodes, 0, (&moved, &centres), &mut order, 0);
-        }
-        let bounds = nodes.first().map_or(Aabb::EMPTY, Node::bounds);
+        let bounds = moved.iter().fold(Aabb::EMPTY, |around, t| around.union(&Aabb::of_triangle(t)));
+        let (tree, order) = Tree::new(&moved);
         let senses: Vec<i8> = order.iter().map(|i| adjacency.outward[numbers[*i as usize] as usize]).collect();
         let triangles: Vec<Triangle> = order.iter().map(|i| moved[*i as usize]).collect();
         drop(moved);
@@ -108,7 +64,7 @@ impl Body {
             triangles,
             is_closed: senses.iter().any(|sense| *sense != 0),
             senses,
-            nodes,
+            tree,
             has_cracks: adjacency.has_cracks,
         }
     }
@@ -143,25 +99,25 @@ impl Body {
         &self.triangles[i as usize]
     }
 
+    /// The plane of one of its triangles: the unit normal, and the height of the origin below it; of a sliver all zero.
+    pub fn plane(&self, i: u32) -> &[f64; 4] {
+        &self.planes[i as usize]
+    }
+
+    /// Whether the winding of one of its triangles leads outwards, as [`Adjacency::outward`].
+    pub fn sense(&self, i: u32) -> i8 {
+        self.senses[i as usize]
+    }
+
     /// The outward unit normal of one of its triangles; `None` of an open surface.
     pub fn outward(&self, i: u32) -> Option<Point> {
         let sense = f64::from(self.senses[i as usize]);
         (sense != 0.0).then(|| normal(&self.triangles[i as usize])).flatten().map(|n| scaled(&n, sense))
     }
 
-    /// A node of the tree; 0 is the root.
-    pub fn node(&self, i: u32) -> &Node {
-        &self.nodes[i as usize]
-    }
-
-    /// What is below a node: its children, or its triangles.
-    pub fn below(&self, i: u32) -> Below {
-        let Node { first, count, .. } = self.nodes[i as usize];
-        if count == 0 {
-            Below::Nodes([first, first + 1])
-        } else {
-            Below::Triangles(first..first + count)
-        }
+    /// The tree over its triangles.
+    pub fn tree(&self) -> &Tree {
+        &self.tree
     }
 
     /// Its closest point; some triangles that are near are looked at first.
@@ -183,71 +139,45 @@ impl Body {
     /// Its closest point, where one is nearer than `within`.
     pub fn closest(&self, p: &Point, within: f64) -> Option<Closest> {
         let mut best = within * within;
-        let mut best_above = best * ABOVE;
         let mut found = None;
-        if self.nodes.is_empty() || self.nodes[0].square_distance(p) > best {
-            return None;
-        }
-        let mut stack = [(0u32, 0.0f64); 64];
-        let mut depth = 1;
-        while depth > 0 {
-            depth -= 1;
-            let (at, bound) = stack[depth];
-            if bound > best {
-                continue;
+        self.tree.for_each_near(p, best, |i| {
+            let [x, y, z, offset] = self.planes[i as usize];
+            let height = x * p[0] + y * p[1] + z * p[2] - offset;
+            if height * height > best * ABOVE {
+                return f64::INFINITY;
             }
-            let node = &self.nodes[at as usize];
-            if node.count == 0 {
-                let [a, b] = [node.first, node.first + 1];
-                let (da, db) = (self.nodes[a as usize].square_distance(p), self.nodes[b as usize].square_distance(p));
-                let (near, far) = if da <= db { ((a, da), (b, db)) } else { ((b, db), (a, da)) };
-                for child in [far, near] {
-                    if child.1 <= best {
-                        stack[depth] = child;
-                        depth += 1;
-                    }
-                }
-                continue;
+            let (square, point) = closest_on(p, &self.triangles[i as usize]);
+            if square < best {
+                best = square;
+                found = Some((i, point));
             }
-            for i in node.first..node.first + node.count {
-                let [x, y, z, offset] = self.planes[i as usize];
-                let height = x * p[0] + y * p[1] + z * p[2] - offset;
-                if height * height > best_above {
-                    continue;
-                }
-                let (square, point) = closest_on(p, &self.triangles[i as usize]);
-                if square < best {
-                    (best, best_above) = (square, square * ABOVE);
-                    found = Some((i, point));
-                }
-            }
-        }
+            square
+        });
         found.map(|(triangle, point)| Closest { distance: best.sqrt(), triangle, point })
     }
 
+    /// Some corners that are spread over it, in the world.
+    pub fn sample(&self) -> Vec<Point> {
+        let step = self.len().div_ceil(SAMPLE).max(1);
+        self.triangles.iter().step_by(step).map(|t| add(&t[0], &self.origin)).collect()
+    }
+
+    /// Between which heights along a normal all of it is, in the world: beyond it by no more than a millionth of its size.
+    pub fn heights(&self, normal: &Point) -> [f64; 2] {
+        let height = |i: u32, sense: f64| {
+            let [a, b, c] = self.triangle(i).map(|p| sense * dot(normal, &p));
+            a.max(b).max(c)
+        };
+        let slack = 1e-6 * self.bounds.longest();
+        let [low, high] =
+            [-1.0, 1.0].map(|sense| self.tree.greatest(&scaled(normal, sense), slack, |i| height(i, sense)));
+        let origin = dot(normal, &self.origin);
+        [origin - low, origin + high]
+    }
+
     /// Hands over the triangles whose boxes overlap a box, until one is taken.
-    pub fn find_overlapping<T>(&self, bounds: &Aabb, mut take: impl FnMut(u32) -> Option<T>) -> Option<T> {
-        let mut stack = [0u32; 64];
-        let mut depth = usize::from(!self.nodes.is_empty());
-        while depth > 0 {
-            depth -= 1;
-            let node = &self.nodes[stack[depth] as usize];
-            if !node.is_overlapping(bounds) {
-                continue;
-            }
-            if node.count == 0 {
-                stack[depth] = node.first + 1;
-                stack[depth + 1] = node.first;
-                depth += 2;
-                continue;
-            }
-            for i in node.first..node.first + node.count {
-                if let Some(taken) = take(i) {
-                    return Some(taken);
-                }
-            }
-        }
-        None
+    pub fn find_overlapping<T>(&self, bounds: &Aabb, take: impl FnMut(u32) -> Option<T>) -> Option<T> {
+        self.tree.find_overlapping(bounds, take)
     }
 
     /// Whether a point that is not on the surface is inside a closed surface, as windings count; `None` where no ray decides.
@@ -269,96 +199,25 @@ impl Body {
 
     /// How often the surface winds around a point, counted along a ray; `None` where the ray meets an edge.
     fn winding(&self, p: &Point, q: &Point) -> Option<i32> {
-        let direction = sub(q, p);
-        let inverse = direction.map(|d| 1.0 / d);
         let mut sum = 0;
-        let mut stack = [0u32; 64];
-        let mut depth = 1;
-        while depth > 0 {
-            depth -= 1;
-            let node = &self.nodes[stack[depth] as usize];
-            if !is_on_segment(node, p, &inverse, self.rounding) {
-                continue;
-            }
-            if node.count == 0 {
-                stack[depth] = node.first + 1;
-                stack[depth + 1] = node.first;
-                depth += 2;
-                continue;
-            }
-            for i in node.first as usize..(node.first + node.count) as usize {
-                let sense = i32::from(self.senses[i]);
-                if sense != 0 {
-                    sum += sense * crossing(p, q, &self.triangles[i])?;
+        let is_open = self.tree.find_on_segment([p, q], self.rounding, |i| {
+            let sense = i32::from(self.senses[i as usize]);
+            if sense != 0 {
+                match crossing(p, q, &self.triangles[i as usize]) {
+                    Some(crossed) => sum += sense * crossed,
+                    None => return Some(()),
                 }
             }
-        }
-        Some(sum)
+            None
+        });
+        is_open.is_none().then_some(sum)
     }
-}
-
-/// See [`Body::below`].
-pub enum Below {
-    /// An inner node.
-    Nodes([u32; 2]),
-    /// A leaf.
-    Triangles(std::ops::Range<u32>),
 }
 
 /// The unit in the last place of the largest coordinate of a box.
 fn last_place(bounds: &Aabb) -> f64 {
     let largest = bounds.largest_coordinate();
     largest.next_up() - largest
-}
-
-/// Whether the segment with this inverse of its direction may pass a box.
-fn is_on_segment(node: &Node, p: &Point, inverse: &Point, margin: f64) -> bool {
-    let (mut from, mut to) = (0.0f64, 1.0f64);
-    for a in 0..3 {
-        let (low, high) = (f64::from(node.lower[a]) - margin, f64::from(node.upper[a]) + margin);
-        let [s, t] = [(low - p[a]) * inverse[a], (high - p[a]) * inverse[a]];
-        // Where the direction has no extent along an axis, these are infinite or NaN, which min and max leave out.
-        if s.is_nan() || t.is_nan() {
-            continue;
-        }
-        from = from.max(s.min(t));
-        to = to.min(s.max(t));
-    }
-    // Above the rounding of the quotients.
-    from <= to + 1e-12
-}
-
-/// Sorts triangles into a node and all below it.
-fn build(
-    nodes: &mut Vec<Node>,
-    at: usize,
-    (triangles, centres): (&[Triangle], &[Point]),
-    order: &mut [u32],
-    first: usize,
-) {
-    let mut bounds = Aabb::EMPTY;
-    let mut middles = Aabb::EMPTY;
-    for i in order.iter() {
-        bounds = bounds.union(&Aabb::of_triangle(&triangles[*i as usize]));
-        middles.grow(&centres[*i as usize]);
-    }
-    nodes[at] = Node::around(&bounds);
-    if order.len() <= LEAF {
-        (nodes[at].first, nodes[at].count) = (first as u32, order.len() as u32);
-        return;
-    }
-    let extent = middles.extent();
-    let axis = (0..3).max_by(|a, b| extent[*a].total_cmp(&extent[*b])).unwrap_or(0);
-    let half = order.len() / 2;
-    order.select_nth_unstable_by(half, |p, q| {
-        centres[*p as usize][axis].total_cmp(&centres[*q as usize][axis]).then(p.cmp(q))
-    });
-    let children = nodes.len();
-    nodes[at].first = children as u32;
-    nodes.extend([Node::around(&Aabb::EMPTY); 2]);
-    let (left, right) = order.split_at_mut(half);
-    build(nodes, children, (triangles, centres), left, first);
-    build(nodes, children + 1, (triangles, centres), right, first + half);
 }
 
 fn plane_of(t: &Triangle) -> [f64; 4] {

@@ -27,6 +27,33 @@ pub struct Distances<'a> {
     distances: Vec<f64>,
 }
 
+/// The least bound by the distances to one triangle, which are largest at a corner since they are convex; and the triangle.
+pub fn least_bound(corners: &[Corner], body: &Body) -> (f64, u32) {
+    let farthest = corners.iter().map(|corner| corner.distance).fold(0.0, f64::max);
+    let mut least = (f64::INFINITY, corners[0].nearest);
+    for (n, Corner { nearest, .. }) in corners.iter().enumerate() {
+        if corners[..n].iter().any(|earlier| earlier.nearest == *nearest) {
+            continue;
+        }
+        let triangle = body.triangle(*nearest);
+        let mut most = farthest;
+        for corner in corners.iter().filter(|corner| corner.nearest != *nearest) {
+            most = most.max(distance_to(&corner.at, triangle));
+            if most >= least.0 {
+                break;
+            }
+        }
+        if most < least.0 {
+            least = (most, *nearest);
+        }
+        // None is less.
+        if most <= farthest {
+            break;
+        }
+    }
+    least
+}
+
 impl<'a> Distances<'a> {
     pub fn new(corners: &'a [Corner], also: Option<u32>, body: &'a Body) -> Distances<'a> {
         let mut triangles: Vec<u32> = Vec::with_capacity(corners.len() + 1);
@@ -46,18 +73,6 @@ impl<'a> Distances<'a> {
             }));
         }
         Distances { corners, body, triangles, distances }
-    }
-
-    /// The least bound by the distances to one triangle, which are largest at a corner since they are convex; and the triangle.
-    pub fn least(&self) -> (f64, u32) {
-        let mut least = (f64::INFINITY, 0);
-        for (row, triangle) in self.rows() {
-            let most = row.iter().fold(0.0f64, |most, distance| most.max(*distance));
-            if most < least.0 {
-                least = (most, triangle);
-            }
-        }
-        least
     }
 
     /// How many triangles there are.

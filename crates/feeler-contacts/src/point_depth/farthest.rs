@@ -8,13 +8,15 @@
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-use feeler_core::geometry::vectors::{add, length, sub};
+use feeler_core::geometry::vectors::{add, along, dot, length, scaled, sub, unit};
 use feeler_core::{Aabb, Point, Triangle};
 
-use super::body::{Below, Body, Closest};
+use super::body::{distance_to, Body, Closest};
 use super::distances::Corner;
+use super::off_surface::Hull;
 use super::outline::{Outline, Plane};
 use super::piece::{CornerCache, Piece};
+use super::tree::Inside;
 use crate::constants::{DEPTH_ERROR, LEAST_DEPTH_ERROR, MOST_PIECES};
 
 /// Which points of the surface count.
@@ -58,13 +60,12 @@ struct Entry {
 
 /// What is left of a direction.
 enum What {
-    /// A node of the tree, its middle, the distance from there, and whether all of it is known to count.
-    Node {
-        node: u32,
-        middle: Point,
-        distance: f64,
-        is_settled: bool,
-    },
+    /// A node of the tree, its box in the frame of the other body, what is closest to the middle of that, and whether all of it is
+    /// known to count.
+    Node { node: u32, bounds: Aabb, closest: Closest, is_settled: bool },
+    /// A polygon of which it is not known whether it counts, and a triangle of the other body near it.
+    Polygon(Box<Outline>, u32),
+    /// One that counts.
     Piece(Box<Piece>),
 }
 
@@ -90,25 +91,13 @@ impl Eq for Entry {}
 
 /// On which side of the other surface something is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Side {
+pub enum Side {
     /// All of it counts.
     Counts,
     /// Nothing of it does.
     Aside,
     /// That is not known, or not the same for all of it.
     Open,
-}
-
-impl Side {
-    /// The side of something, of which a side may be known, with one more of its points.
-    fn with(known: Option<Side>, counts: Option<bool>) -> Side {
-        let side = counts.map_or(Side::Open, |counts| if counts { Side::Counts } else { Side::Aside });
-        if known.is_none_or(|known| known == side) {
-            side
-        } else {
-            Side::Open
-        }
-    }
 }
 
 /// A surface, the other body, and which points of the surface count.
@@ -119,8 +108,11 @@ pub struct Direction<'a> {
     pub counted: Counted,
 }
 
-/// What rounding may move points by, times this: nearer ones are on the surface.
-const ON_SURFACE: f64 = 4.0;
+/// What rounding may move points by, times this: nearer ones are on the surface. Less than what is the least contact.
+const ON_SURFACE: f64 = 3.0;
+
+/// The same: farther ones are on the side where all of their polygon is, but for strips that rounding explains.
+const OFF_SURFACE: f64 = 16.0;
 
 struct Search<'a, const N: usize> {
     directions: [Direction<'a>; N],
@@ -152,7 +144,7 @@ pub fn farthest<const N: usize>(directions: [Direction<'_>; N], asked: Asked) ->
     for (i, Direction { surface, other, counted }) in directions.iter().enumerate() {
         let is_nothing = surface.len() == 0 || other.len() == 0;
         if !(is_nothing || *counted == Counted::Inside && !other.is_closed()) {
-            search.add_node(i, 0, f64::INFINITY, *counted == Counted::All);
+            search.add_node(i, 0, surface.bounds(), None, *counted == Counted::All);
         }
     }
     search.run()
@@ -169,9 +161,10 @@ impl<const N: usize> Search<'_, N> {
                 break;
             }
             match what {
-                What::Node { node, middle, distance, is_settled } => {
-                    self.open(direction, node, &middle, distance, is_settled);
+                What::Node { node, bounds, closest, is_settled } => {
+                    self.open(direction, node, &bounds, &closest, bound, is_settled);
                 }
+                What::Polygon(outline, near) => self.settle(direction, &outline, near, bound),
                 What::Piece(piece) => self.refine(direction, *piece),
             }
         }
@@ -200,25 +193,27 @@ impl<const N: usize> Search<'_, N> {
         matches!(self.asked, Asked::IsMore(than) if self.lower > than + self.least)
     }
 
-    fn add_node(&mut self, i: usize, node: u32, within: f64, is_settled: bool) {
-        let Direction { surface, other, counted } = self.directions[i];
-        let (bounds, shift) = (surface.node(node).bounds(), self.shift(i));
-        let (lower, upper) = (add(&bounds.lower, &shift), add(&bounds.upper, &shift));
-        if counted == Counted::Inside && !other.bounds().is_overlapping(&Aabb { lower, upper }) {
+    /// Adds a node of the tree and its box, in the frame of its body; a triangle may be near it.
+    fn add_node(&mut self, i: usize, node: u32, bounds: &Aabb, near: Option<u32>, is_settled: bool) {
+        let Direction { other, counted, .. } = self.directions[i];
+        let shift = self.shift(i);
+        let bounds = Aabb { lower: add(&bounds.lower, &shift), upper: add(&bounds.upper, &shift) };
+        if counted == Counted::Inside && !other.bounds().is_overlapping(&bounds) {
             return;
         }
-        let middle: Point = std::array::from_fn(|a| 0.5 * lower[a] + 0.5 * upper[a]);
-        let radius = 0.5 * length(&sub(&upper, &lower)) + self.least;
-        let within = (within + radius) * (1.0 + 1e-9);
-        let closest = other.closest(&middle, within).or_else(|| other.closest(&middle, f64::INFINITY));
-        let Some(Closest { distance, .. }) = closest else { return };
-        let upper = distance + radius;
+        let Some(closest) = other.closest_from(&middle_of(&bounds), near.as_slice()) else { return };
+        let upper = closest.distance + self.radius_of(&bounds);
         if upper <= self.enough() {
             self.left_out = self.left_out.max(upper);
             return;
         }
-        let what = What::Node { node, middle, distance, is_settled };
+        let what = What::Node { node, bounds, closest, is_settled };
         self.heap.push(Entry { upper, direction: i, what });
+    }
+
+    /// How far no point of a box is from its middle.
+    fn radius_of(&self, bounds: &Aabb) -> f64 {
+        0.5 * length(&bounds.extent()) + self.least
     }
 
     /// From the frame of a direction's surface to that of the other body.
@@ -226,101 +221,166 @@ impl<const N: usize> Search<'_, N> {
         sub(self.directions[i].surface.origin(), self.directions[i].other.origin())
     }
 
-    fn open(&mut self, i: usize, node: u32, middle: &Point, distance: f64, mut is_settled: bool) {
+    /// Whether a hull, if moved along a unit normal as far as is of no interest, is wholly on the side that does not count: no point of
+    /// it that counts is farther from the other surface than that, however many triangles that has there. Not tried where the hull
+    /// would not even get beyond a plane through a point of the other surface.
+    fn is_near(&mut self, i: usize, hull: &Hull<'_>, n: &Point, on: &Point) -> bool {
+        let Direction { other, counted, .. } = self.directions[i];
+        let heights = hull.points.iter().map(|p| dot(n, &sub(on, p)));
+        let farthest = heights.fold(0.0, f64::max) + 4.0 * self.least;
+        let enough = self.enough();
+        if counted == Counted::All || farthest > enough {
+            return false;
+        }
+        // No farther than is known, where that may do, so that the bound is as good.
+        let by = if farthest < self.lower && 2.0 * self.lower - farthest > enough { self.lower } else { enough };
+        let moved: Vec<Point> = hull.points.iter().map(|p| along(p, by, n)).collect();
+        let is_off = Hull { points: &moved, ..*hull }.is_off(other, 2.0 * self.least)
+            && self.counts(i, &moved[0]) == Some(false);
+        if is_off {
+            self.left_out = self.left_out.max(by);
+        }
+        is_off
+    }
+
+    /// Looks into a node of which no point that counts is farther than `upper`.
+    fn open(&mut self, i: usize, node: u32, bounds: &Aabb, closest: &Closest, upper: f64, mut is_settled: bool) {
         let Direction { surface, other, counted } = self.directions[i];
-        let radius = 0.5 * length(&surface.node(node).bounds().extent()) + self.least;
-        if !is_settled && distance > radius {
-            match self.counts(i, middle) {
+        let (middle, ends) = (middle_of(bounds), [bounds.lower, bounds.upper]);
+        let corners: [Point; 8] = std::array::from_fn(|n| std::array::from_fn(|a| ends[n >> a & 1][a]));
+        let n = unit(&sub(&closest.point, &middle));
+        if n.is_some_and(|n| self.is_near(i, &Hull { points: &corners, normal: [0.0; 3] }, &n, &closest.point)) {
+            return;
+        }
+        let is_free = |bounds: &Aabb| other.find_overlapping(bounds, |_| Some(())).is_none();
+        if !is_settled && (closest.distance > self.radius_of(bounds) || is_free(bounds)) {
+            match self.counts(i, &middle) {
                 Some(false) => return,
                 Some(true) => is_settled = true,
                 None => {}
             }
         }
-        match surface.below(node) {
-            Below::Nodes(children) => {
-                children.iter().for_each(|child| self.add_node(i, *child, distance + radius, is_settled));
-            }
-            Below::Triangles(triangles) => {
-                let (shift, clip) = (self.shift(i), (counted == Counted::Inside).then_some(other.bounds()));
-                for triangle in triangles {
+        let (shift, clip) = (self.shift(i), (counted == Counted::Inside).then_some(other.bounds()));
+        for (inside, bounds) in surface.tree().boxes(node) {
+            match inside {
+                Inside::Node(node) => self.add_node(i, node, &bounds, Some(closest.triangle), is_settled),
+                Inside::Triangle(triangle) => {
                     let t: Triangle = surface.triangle(triangle).map(|p| add(&p, &shift));
-                    if let Some(outline) = Outline::clipped(&t, clip) {
-                        self.add_outline(i, &outline, is_settled);
+                    if let Some(outline) = Outline::clipped(&t, surface.sense(triangle), clip) {
+                        if is_settled {
+                            self.add_piece(i, &outline);
+                        } else {
+                            self.settle(i, &outline, closest.triangle, upper);
+                        }
                     }
                 }
             }
         }
     }
 
-    /// Adds a polygon: one that the other surface does not part is settled by its corners.
-    fn add_outline(&mut self, i: usize, outline: &Outline, mut is_settled: bool) {
+    /// Settles a polygon of which no point is known to be farther than `upper`: it is cut where the other surface parts it, until the
+    /// parts count or do not.
+    fn settle(&mut self, i: usize, outline: &Outline, near: u32, mut upper: f64) {
         let other = self.directions[i].other;
-        let mut parting = None;
-        if !is_settled {
-            parting = outline.parting(other, self.least);
-            if parting.is_none() {
-                match self.side_of_outline(i, outline) {
-                    Side::Aside => return,
-                    side => is_settled = side == Side::Counts,
-                }
-            }
+        upper = upper.min(farthest_from(other.triangle(near), outline));
+        if upper <= self.enough() {
+            self.left_out = self.left_out.max(upper);
+            return;
         }
-        if let Some(mut piece) = Piece::new(outline, other, &mut self.corners[i]) {
-            (piece.is_settled, piece.parting) = (is_settled, parting);
-            self.add_piece(i, piece);
+        let Some(plane) = outline.parting(other, self.least) else {
+            match self.side_of(i, outline) {
+                Side::Aside => {}
+                Side::Counts => self.add_piece(i, outline),
+                Side::Open => self.leave_strip(i, outline, near, upper),
+            }
+            return;
+        };
+        let near = plane.nearest().unwrap_or(near);
+        upper = upper.min(farthest_from(other.triangle(near), outline));
+        if upper <= self.enough() {
+            self.left_out = self.left_out.max(upper);
+        } else if !self.is_near_by(i, outline, near) {
+            self.divide(i, outline, &plane, near, upper);
         }
     }
 
-    /// On which side the corners of a polygon are that are not on the other surface.
-    fn side_of_outline(&mut self, i: usize, outline: &Outline) -> Side {
-        let other = self.directions[i].other;
-        let mut side = None;
-        for p in &outline.points {
-            let Some(kept) = self.corners[i].of(*p, &[], other) else { return Side::Open };
-            if kept.corner.distance <= ON_SURFACE * self.least {
-                continue;
-            }
-            let counts = kept.counts.or_else(|| self.counts(i, p));
-            if let Some(kept) = self.corners[i].of(*p, &[], other) {
-                kept.counts = counts;
-            }
-            side = Some(Side::with(side, counts));
+    /// Whether a polygon is near, as seen by moving it into its own body, or along the normal of a triangle of the other that parts it.
+    fn is_near_by(&mut self, i: usize, outline: &Outline, near: u32) -> bool {
+        let Direction { other, counted, .. } = self.directions[i];
+        let hull = Hull { points: &outline.points, normal: outline.normal };
+        // If it counts what is outside, the other way.
+        let sense = if counted == Counted::Outside { -1.0 } else { 1.0 };
+        let inward = scaled(&outline.normal, -sense * f64::from(outline.sense));
+        let by = self.enough();
+        let moved: Vec<Point> = outline.points.iter().map(|p| along(p, by, &inward)).collect();
+        let is_off =
+            outline.sense != 0 && (Hull { points: &moved, ..hull }).is_off_triangle(other, near, 2.0 * self.least);
+        if is_off && self.is_near(i, &hull, &inward, &outline.points[0]) {
+            return true;
         }
-        side.unwrap_or(Side::Open)
+        other.outward(near).is_some_and(|n| self.is_near(i, &hull, &scaled(&n, sense), &other.triangle(near)[0]))
     }
 
-    /// The same of a piece.
-    fn side_of_piece(&self, i: usize, piece: &Piece) -> Side {
-        let is_off = |corner: &&Corner| corner.distance > ON_SURFACE * self.least;
-        let with = |side, corner: &Corner| Some(Side::with(side, self.counts(i, &corner.at)));
-        if let Some(side) = piece.corners.iter().filter(is_off).fold(None, with) {
-            return side;
+    /// What is on both sides though nothing parts it is so by rounding, and in no more than a strip.
+    fn leave_strip(&mut self, i: usize, outline: &Outline, near: u32, upper: f64) {
+        let piece = Piece::new(outline, self.directions[i].other, &mut self.corners[i]);
+        let upper = piece.map_or(upper, |piece| piece.upper.min(upper));
+        let is_point = outline.radius(&outline.points[0]) <= self.least;
+        match outline.lengthwise().filter(|_| !is_point && upper > self.enough()) {
+            Some(plane) => self.divide(i, outline, &plane, near, upper),
+            None => self.left_out = self.left_out.max(upper),
         }
-        // Where all corners are on the other surface, its middle tells.
-        let middle = piece.middle(self.directions[i].other);
-        middle.iter().filter(is_off).fold(None, with).unwrap_or(Side::Open)
+    }
+
+    fn divide(&mut self, i: usize, outline: &Outline, plane: &Plane, near: u32, upper: f64) {
+        for part in outline.cut(plane) {
+            self.heap.push(Entry { upper, direction: i, what: What::Polygon(Box::new(part), near) });
+        }
+    }
+
+    /// On which side a polygon is that nothing parts: as a corner says that is well off the other surface; if none is, as all that are
+    /// not on it say, or else its middle.
+    fn side_of(&mut self, i: usize, outline: &Outline) -> Side {
+        if let Some(known) = outline.points.iter().find_map(|p| self.corners[i].known_side(p)) {
+            return known;
+        }
+        let Direction { other, counted, .. } = self.directions[i];
+        let least = self.least;
+        let side = |p: &Point, off: f64| side_off(other, counted, p, off * least);
+        let of_corner = |p: &Point| self.corners[i].side(*p, || side(p, OFF_SURFACE));
+        if let Some(clear) = outline.points.iter().find_map(of_corner) {
+            return clear;
+        }
+        let mut sides = outline.points.iter().filter_map(|p| side(p, ON_SURFACE));
+        match sides.next() {
+            Some(first) if sides.all(|other| other == first) => first,
+            Some(_) => Side::Open,
+            None => side(&outline.middle(), ON_SURFACE).unwrap_or(Side::Open),
+        }
     }
 
     /// Whether a point is on the side that counts; `None` where that is open.
     fn counts(&self, i: usize, p: &Point) -> Option<bool> {
-        let Direction { other, counted, .. } = self.directions[i];
-        match counted {
-            Counted::All => Some(true),
-            Counted::Inside => other.is_inside(p),
-            Counted::Outside => other.is_inside(p).map(|is_inside| !is_inside),
+        counts(self.directions[i].other, self.directions[i].counted, p)
+    }
+
+    /// Adds a polygon that counts.
+    fn add_piece(&mut self, i: usize, outline: &Outline) {
+        if let Some(piece) = Piece::new(outline, self.directions[i].other, &mut self.corners[i]) {
+            self.push_piece(i, piece);
         }
     }
 
-    fn add_piece(&mut self, i: usize, mut piece: Piece) {
-        if piece.is_settled {
-            let farthest = *piece.farthest();
-            if farthest.distance > self.lower {
-                // No bound is taken from a point that is not seen to count.
-                match self.counts(i, &farthest.at) {
-                    Some(true) => self.take(i, &farthest),
-                    _ if farthest.distance > ON_SURFACE * self.least => piece.is_settled = false,
-                    _ => {}
+    fn push_piece(&mut self, i: usize, piece: Piece) {
+        let farthest = *piece.farthest();
+        if farthest.distance > self.lower {
+            // No bound is taken from a point that is not seen to count.
+            match self.counts(i, &farthest.at) {
+                Some(true) => self.take(i, &farthest),
+                _ if farthest.distance > ON_SURFACE * self.least => {
+                    return self.leave_strip(i, &piece.outline(), farthest.nearest, piece.upper);
                 }
+                _ => {}
             }
         }
         if piece.upper <= self.enough() {
@@ -341,36 +401,47 @@ impl<const N: usize> Search<'_, N> {
 
     fn refine(&mut self, i: usize, mut piece: Piece) {
         let other = self.directions[i].other;
-        if !piece.is_settled {
-            if let Some(plane) = piece.parting.or_else(|| piece.outline().parting(other, self.least)) {
-                return self.divide(i, &piece, &plane);
-            }
-            match self.side_of_piece(i, &piece) {
-                Side::Aside => return,
-                Side::Counts => {
-                    piece.is_settled = true;
-                    return self.add_piece(i, piece);
-                }
-                Side::Open => {}
-            }
-            // What is on both sides though nothing parts it is so by rounding, and in no more than a strip.
-            let is_point = length(&piece.bounds().extent()) <= self.least;
-            return match piece.outline().lengthwise().filter(|_| !is_point) {
-                Some(plane) => self.divide(i, &piece, &plane),
-                None => self.left_out = self.left_out.max(piece.upper),
-            };
+        let (outline, farthest) = (piece.outline(), piece.farthest());
+        let (n, hull) =
+            (unit(&sub(&farthest.point, &farthest.at)), Hull { points: &outline.points, normal: piece.normal });
+        if n.is_some_and(|n| self.is_near(i, &hull, &n, &farthest.point)) {
+            return;
         }
         if piece.mix(other) {
-            return self.add_piece(i, piece);
+            return self.push_piece(i, piece);
         }
         match piece.halving(other, self.enough()) {
-            Some(plane) => self.divide(i, &piece, &plane),
+            Some(plane) => piece.cut(&plane, other).into_iter().for_each(|part| self.push_piece(i, part)),
             // It is too small to be cut.
             None => self.left_out = self.left_out.max(piece.upper),
         }
     }
+}
 
-    fn divide(&mut self, i: usize, piece: &Piece, plane: &Plane) {
-        piece.cut(plane, self.directions[i].other).into_iter().for_each(|part| self.add_piece(i, part));
+/// How far no point of a polygon is from a triangle: the distance to what is convex is largest at a corner.
+fn farthest_from(triangle: &Triangle, outline: &Outline) -> f64 {
+    outline.points.iter().map(|p| distance_to(p, triangle)).fold(0.0, f64::max)
+}
+
+/// On which side a point is; `None` where it is within a distance of the other surface.
+fn side_off(other: &Body, counted: Counted, p: &Point, within: f64) -> Option<Side> {
+    let is_on = other.closest(p, within).is_some();
+    (!is_on).then(|| match counts(other, counted, p) {
+        Some(true) => Side::Counts,
+        Some(false) => Side::Aside,
+        None => Side::Open,
+    })
+}
+
+/// Whether a point is among those that count; `None` where that is open.
+fn counts(other: &Body, counted: Counted, p: &Point) -> Option<bool> {
+    match counted {
+        Counted::All => Some(true),
+        Counted::Inside => other.is_inside(p),
+        Counted::Outside => other.is_inside(p).map(|is_inside| !is_inside),
     }
+}
+
+fn middle_of(bounds: &Aabb) -> Point {
+    std::array::from_fn(|a| 0.5 * bounds.lower[a] + 0.5 * bounds.upper[a])
 }

@@ -11,6 +11,8 @@ pub mod depth;
 mod distances;
 mod farthest;
 pub mod of_tool;
+mod off_surface;
 mod outline;
 mod piece;
+mod tree;
 pub mod walls;

@@ -1,6 +1,6 @@
 //! A convex polygon in a triangle of the one surface, and where the other surface parts it.
 
-use feeler_core::geometry::vectors::{cross, dot, length, normal, sub, unit};
+use feeler_core::geometry::vectors::{add, cross, dot, length, normal, scaled, sub, unit};
 use feeler_core::{Aabb, Point, Triangle};
 
 use super::body::Body;
@@ -49,11 +49,13 @@ pub struct Outline {
     pub points: Vec<Point>,
     /// The normal of its triangle; zero where it has none.
     pub normal: Point,
+    /// 1 where that leads out of its body, -1 where it leads in; 0 where the surface is open.
+    pub sense: i8,
 }
 
 impl Outline {
     /// The triangle as far as it is in a box; `None` where nothing is left.
-    pub fn clipped(t: &Triangle, bounds: Option<&Aabb>) -> Option<Outline> {
+    pub fn clipped(t: &Triangle, sense: i8, bounds: Option<&Aabb>) -> Option<Outline> {
         let mut points: Vec<Point> = t.to_vec();
         if let Some(bounds) = bounds {
             for axis in 0..3 {
@@ -67,7 +69,27 @@ impl Outline {
                 }
             }
         }
-        Some(Outline { points, normal: normal(t).unwrap_or_default() })
+        Some(Outline { points, normal: normal(t).unwrap_or_default(), sense })
+    }
+
+    /// The middle of its corners.
+    pub fn middle(&self) -> Point {
+        let sum = self.points.iter().fold([0.0; 3], |sum, p| add(&sum, p));
+        scaled(&sum, 1.0 / self.points.len() as f64)
+    }
+
+    /// How far its corners are from a point, at most.
+    pub fn radius(&self, from: &Point) -> f64 {
+        self.points.iter().map(|p| length(&sub(p, from))).fold(0.0, f64::max)
+    }
+
+    /// The parts on each side of a plane. A part that is nothing but a line is left out.
+    pub fn cut(&self, plane: &Plane) -> impl Iterator<Item = Outline> + '_ {
+        let plane = *plane;
+        [1.0, -1.0].into_iter().filter_map(move |sense| {
+            let points = half_of(&self.points, |p| sense * plane.height(p));
+            (points.len() >= 3).then_some(Outline { points, ..*self })
+        })
     }
 
     /// Whether its corners are on both sides of a plane, farther than `least`.
@@ -92,7 +114,16 @@ impl Outline {
             around.lower[a] -= least;
             around.upper[a] += least;
         }
-        body.find_overlapping(&around, |i| self.parting_by(body.triangle(i), least).map(|plane| plane.near(i)))
+        body.find_overlapping(&around, |i| {
+            let [x, y, z, offset] = *body.plane(i);
+            let on_side =
+                |sense: f64| self.points.iter().all(|p| sense * (x * p[0] + y * p[1] + z * p[2] - offset) > least);
+            // Mostly it is on one side of the triangle's plane.
+            if on_side(1.0) || on_side(-1.0) {
+                return None;
+            }
+            self.parting_by(body.triangle(i), least).map(|plane| plane.near(i))
+        })
     }
 
     fn parting_by(&self, t: &Triangle, least: f64) -> Option<Plane> {

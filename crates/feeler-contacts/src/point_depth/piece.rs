@@ -1,10 +1,11 @@
 //! A convex piece of a triangle: where the other surface cuts it, and how it is cut on.
 
-use feeler_core::geometry::vectors::{add, cross, dot, length, normal, scaled, sub};
+use feeler_core::geometry::vectors::{cross, dot, length, normal, scaled, sub};
 use feeler_core::{Aabb, Point, Triangle};
 
 use super::body::Body;
-use super::distances::{Corner, Distances};
+use super::distances::{least_bound, Corner, Distances};
+use super::farthest::Side;
 use super::outline::{between, Outline, Plane};
 
 /// A convex polygon in a triangle of the one surface, relative to the other body's origin.
@@ -13,18 +14,16 @@ pub struct Piece {
     pub corners: Vec<Corner>,
     /// The normal of its triangle; zero where it has none.
     pub normal: Point,
+    /// As that of an outline.
+    sense: i8,
     /// No point of it is farther from the other surface, metres.
     pub upper: f64,
     /// The triangle that says so.
     pub witness: u32,
-    /// Whether all of it is known to be on the side that counts.
-    pub is_settled: bool,
     /// Whether mixtures of distances bound it already.
     is_mixed: bool,
     /// How often it was cut.
     generation: u32,
-    /// Where the other surface parts it, if that is known.
-    pub parting: Option<Plane>,
 }
 
 impl Piece {
@@ -33,18 +32,17 @@ impl Piece {
         let mut corners: Vec<Corner> = Vec::with_capacity(outline.points.len());
         for p in &outline.points {
             let near = corners.last().map(|last| last.nearest);
-            corners.push(cache.of(*p, near.as_slice(), body)?.corner);
+            corners.push(cache.closest(*p, near.as_slice(), body)?);
         }
         let (normal, upper, witness) = (outline.normal, f64::INFINITY, 0);
-        let (is_settled, is_mixed, generation, parting) = (false, false, 0, None);
-        let mut piece = Piece { corners, normal, upper, witness, is_settled, is_mixed, generation, parting };
+        let mut piece = Piece { corners, normal, sense: outline.sense, upper, witness, is_mixed: false, generation: 0 };
         piece.bound(body);
         Some(piece)
     }
 
     /// Bounds it by the distances to single triangles.
     fn bound(&mut self, body: &Body) {
-        let (upper, witness) = Distances::new(&self.corners, None, body).least();
+        let (upper, witness) = least_bound(&self.corners, body);
         (self.upper, self.witness) = (upper.min(self.upper), witness);
     }
 
@@ -67,13 +65,6 @@ impl Piece {
         })
     }
 
-    /// The middle of its corners, with what is closest to it.
-    pub fn middle(&self, body: &Body) -> Option<Corner> {
-        let sum = self.corners.iter().fold([0.0; 3], |sum, corner| add(&sum, &corner.at));
-        let p = scaled(&sum, 1.0 / self.corners.len() as f64);
-        corner(p, &[self.witness], body)
-    }
-
     /// The farthest of its corners from the other surface.
     pub fn farthest(&self) -> &Corner {
         let mut farthest = &self.corners[0];
@@ -87,7 +78,11 @@ impl Piece {
 
     /// The polygon alone.
     pub fn outline(&self) -> Outline {
-        Outline { points: self.corners.iter().map(|corner| corner.at).collect(), normal: self.normal }
+        Outline {
+            points: self.corners.iter().map(|corner| corner.at).collect(),
+            normal: self.normal,
+            sense: self.sense,
+        }
     }
 
     /// The two parts on each side of a plane. A part that is nothing but a line is left out.
@@ -113,10 +108,7 @@ impl Piece {
             }
         }
         let pieces = halves.into_iter().filter(|half| half.len() >= 3).map(|corners| {
-            let Piece { normal, upper, witness, is_settled, generation, .. } = *self;
-            let generation = generation + 1;
-            let mut piece =
-                Piece { corners, normal, upper, witness, is_settled, is_mixed: false, generation, parting: None };
+            let mut piece = Piece { corners, is_mixed: false, generation: self.generation + 1, ..*self };
             piece.bound(body);
             piece
         });
@@ -177,33 +169,57 @@ impl Piece {
 /// Corners of triangles that were found last: neighbours share them.
 #[derive(Debug)]
 pub struct CornerCache {
-    kept: Vec<Option<Kept>>,
+    kept: Vec<Kept>,
 }
 
-/// A corner, and whether it is known to count.
+/// What is known of a point.
 #[derive(Debug, Clone, Copy)]
-pub struct Kept {
-    pub corner: Corner,
-    pub counts: Option<bool>,
+struct Kept {
+    at: Point,
+    corner: Option<Corner>,
+    /// On which side it is, `None` where that was not found yet; and of that, `None` where it is on the other surface.
+    side: Option<Option<Side>>,
 }
 
 impl Default for CornerCache {
     fn default() -> CornerCache {
-        CornerCache { kept: vec![None; CORNERS_KEPT] }
+        CornerCache { kept: vec![Kept { at: [f64::NAN; 3], corner: None, side: None }; CORNERS_KEPT] }
     }
 }
 
 impl CornerCache {
-    /// The corner at a point, found or made.
-    pub fn of(&mut self, at: Point, near: &[u32], body: &Body) -> Option<&mut Kept> {
-        let hash =
-            at.iter().fold(0u64, |sum, x| (sum.rotate_left(23) ^ x.to_bits()).wrapping_mul(0x9e37_79b9_7f4a_7c15));
-        let place = &mut self.kept[(hash >> 40) as usize % CORNERS_KEPT];
-        if place.is_none_or(|kept| kept.corner.at != at) {
-            *place = corner(at, near, body).map(|corner| Kept { corner, counts: None });
+    /// A point with what is closest to it, kept or found.
+    pub fn closest(&mut self, at: Point, near: &[u32], body: &Body) -> Option<Corner> {
+        let kept = self.of(at);
+        if kept.corner.is_none() {
+            kept.corner = corner(at, near, body);
         }
-        place.as_mut()
+        kept.corner
     }
+
+    /// On which side a point is, if that is kept and the point is not on the surface.
+    pub fn known_side(&self, at: &Point) -> Option<Side> {
+        let kept = &self.kept[place_of(at)];
+        kept.side.flatten().filter(|_| kept.at == *at)
+    }
+
+    /// On which side a point is, kept or found.
+    pub fn side(&mut self, at: Point, find: impl FnOnce() -> Option<Side>) -> Option<Side> {
+        *self.of(at).side.get_or_insert_with(find)
+    }
+
+    fn of(&mut self, at: Point) -> &mut Kept {
+        let place = &mut self.kept[place_of(&at)];
+        if place.at != at {
+            *place = Kept { at, corner: None, side: None };
+        }
+        place
+    }
+}
+
+fn place_of(at: &Point) -> usize {
+    let hash = at.iter().fold(0u64, |sum, x| (sum.rotate_left(23) ^ x.to_bits()).wrapping_mul(0x9e37_79b9_7f4a_7c15));
+    (hash >> 40) as usize % CORNERS_KEPT
 }
 
 /// Places for them.
