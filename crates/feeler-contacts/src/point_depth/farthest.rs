@@ -181,12 +181,14 @@ impl<const N: usize> Search<'_, N> {
         }
     }
 
-    /// Up to which bound nothing is of interest any more.
+    /// Up to which bound nothing is of interest any more: at least that of what is on the surface, of which nobody can tell whether it
+    /// counts.
     fn enough(&self) -> f64 {
-        match self.asked {
+        let enough = match self.asked {
             Asked::Value => self.lower + (DEPTH_ERROR * self.lower).max(LEAST_DEPTH_ERROR),
             Asked::IsMore(than) => than + self.least,
-        }
+        };
+        enough.max(ON_SURFACE * self.least)
     }
 
     fn is_decided(&self) -> bool {
