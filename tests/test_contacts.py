@@ -61,12 +61,12 @@ def test_planes_say_what_they_are(bench: ModuleType) -> None:
 
 
 def test_penetration_frees_the_tool(bench: ModuleType) -> None:
-    expected = {"box in a plate": {"exact"}, "tooth in its slot": {"bound"}, "ball in a plate": {"bound", "exact"}}
-    for name, kinds in expected.items():
+    expected = ("box in a plate", "tooth in its slot", "ball in a plate")
+    for name in expected:
         contact = bench.turned(bench.CASES[name](6))
         scene, tool = feeler.Scene(feeler.Mockup(*contact.mockup)), feeler.Tool(*contact.tool)
         out = scene.penetration(tool, contact.pose)
-        assert out.kind in kinds, (name, out)
+        assert out.kind == "bound", (name, out)
         assert out.depth == pytest.approx(np.linalg.norm(out.translation))
         assert len(out.contacts) >= len(contact.depths)
         moved = contact.pose.copy()
@@ -284,7 +284,7 @@ def test_the_quick_tables(
     assert bench.main(["--quick", "--only", "ways"]) == 0
     table = [line.split("|")[1:-1] for line in capsys.readouterr().out.splitlines()]
     rows = [row for row in table if row and row[0].strip() in ("torque", "wrench", "square", "hand")]
-    assert len(rows) == 4 and all(sum(int(x) for x in row[1:4]) == 10 for row in rows)
+    assert len(rows) == 4 and all(sum(int(x) for x in row[1:3]) == 10 for row in rows)
 
 
 @pytest.mark.parametrize(("name", "kind"), [("torque", "nominal"), ("square", "nominal"), ("wrench", "deep")])

@@ -137,9 +137,9 @@ def test_the_depth_is_the_shortest_way_out_and_not_a_contact_planes() -> None:
     bench.drag(at(0.0, 0.0, 0.37), 1.0)
     snapshot = settled(bench)
     assert snapshot.planes.gaps[0] == pytest.approx(-0.28) and snapshot.parts == [SHEET]
-    assert snapshot.depth == pytest.approx(0.02, abs=1e-6) and snapshot.depth_kind == "exact"
+    assert snapshot.depth == pytest.approx(0.02, abs=1e-6) and snapshot.depth_kind == "bound"
     message = snapshot.message()
-    assert message.depth == snapshot.depth and message.depth_kind == "exact"
+    assert message.depth == snapshot.depth and message.depth_kind == "bound"
     # Free again, it is in nothing at once; wholly inside a solid it meets nothing, and is in it.
     bench.wish(at(0.0, 0.0, 0.3))
     assert bench.session.snapshot().depth == 0.0
@@ -153,10 +153,10 @@ def test_a_way_out_of_one_scene_that_leads_into_the_other_is_none() -> None:
     scene, meshes, tool = feeler.Scene(mockup), PartMeshes(mockup), cube()
     pose = at(0.0, 0.0, HALF - 0.005)
     way = World(scene, meshes, {}).way_out(tool, pose, 0.002)
-    assert way is not None and way.kind == "exact" and way.depth == pytest.approx(0.005, abs=1e-6)
+    assert way is not None and way.kind == "bound" and way.depth == pytest.approx(0.005, abs=1e-6)
     np.testing.assert_allclose(way.translation, [0.0, 0.0, 0.005], atol=1e-6)
     assert World(scene, meshes, {}).way_out(tool, at(0.0, 0.0, 0.1), 0.002) is None
-    for above, kind in ((0.002, "estimate"), (0.006, "exact")):
+    for above, kind in ((0.002, "estimate"), (0.006, "bound")):
         over = at(0.0, -0.28125, 2 * HALF - 0.005 + above)
         found = World(scene, meshes, {PEG: motion.row(over)}).way_out(tool, pose, 0.002)
         assert found is not None and found.kind == kind and found.depth == pytest.approx(0.005, abs=1e-6)

@@ -420,7 +420,8 @@ class Penetration:
         """Its length, metres."""
     @property
     def kind(self) -> str:
-        """`"exact"`, `"bound"` (it frees the tool, a shorter one may exist) or `"estimate"` (it does not free it)."""
+        """`"bound"` (it frees the tool, a shorter one may exist), `"estimate"` (it does not free it), or `"exact"` where
+        the tool meets nothing or only touches."""
     @property
     def contacts(self) -> Contacts:
         """The contact planes at the pose."""

@@ -343,7 +343,7 @@ class Scene(_core.Scene):
 
         Where the planes show no way out, one is sought along many directions, up to the tool's size: milliseconds. So
         is one for a tool that meets nothing since it is wholly inside a solid (or a solid inside it).
-        Arguments and errors as `contacts`. `kind` says whether it is exact, a bound or an estimate.
+        Arguments and errors as `contacts`. `kind` says whether it is a bound or an estimate.
         """
         return super().penetration(tool, world_from_tool, _real("margin", margin), reference, ignore=ignore)
 

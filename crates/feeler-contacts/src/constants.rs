@@ -74,7 +74,7 @@ pub const CONTOUR_LEAN: f64 = 0.1;
 pub const MOST_SEGMENTS_COMPARED: usize = 256;
 
 /// Most enclosed triangles that a fill finds, of each surface and in one part. What lies farther counts for depth only by its nearer
-/// part, and such a plane is not certain. More: deep contacts of fine meshes take longer.
+/// part. More: deep contacts of fine meshes take longer.
 pub const MOST_FILLED: usize = 1 << 16;
 
 /// Share of its distance from a segment up to which a vertex is on the plane of the other face, or in line with the segment; and
@@ -170,11 +170,11 @@ pub const HOLLOW: f64 = 0.02;
 pub const HOLLOW_OF_PLANE: f64 = 1e-6;
 
 /// Most facets of a body, the largest, whose normals are tried as axes: with the mean of all normals, three full
-/// registers of eight float64. Depths of bodies with more facets are not certain to be the least.
+/// registers of eight float64. Depths of bodies with more facets may not be the least.
 pub const MOST_NORMALS: usize = 3 * WIDE_LANES - 1;
 
 /// Most pairs of an edge of one body and an edge of the other, an edge being any two facets, whose cross products are
-/// all tried. Beyond, the least depth is searched for by arcs and descent, and is not certain to be the least.
+/// all tried. Beyond, the least depth is searched for by arcs and descent, and may not be found.
 pub const MOST_EDGES: usize = 100;
 
 // Depth: the axis of least depth of two bodies.
@@ -265,9 +265,6 @@ pub const ESCAPE_ROUNDING: f64 = 1e-14;
 
 /// Least cosine between the translation and a plane that it leaves: bounds by how much it is lengthened for a plane at grazing angle.
 pub const LEAST_ESCAPE_LEAN: f64 = 0.01;
-
-/// Share of a translation after which the tool must still meet something for the translation to count as the shortest.
-pub const TIGHT_SHARE: f64 = 0.999;
 
 /// Most times that planes of the pose reached are added, and most planes left out. More: shorter translations, and slower.
 pub const MOST_ESCAPE_ROUNDS: usize = 8;

@@ -29,8 +29,6 @@ pub struct ContactPlane {
     pub id: u64,
     /// A triangle of the tool and one of the mock-up, of the surfaces that carry the contact.
     pub(crate) carriers: [u32; 2],
-    /// Whether the surfaces there are flat-faced and every direction was tried.
-    pub(crate) certain: bool,
     /// Whether the side of the surface that it is on had to be assumed: a plane of a pierced surface.
     pub(crate) assumed: bool,
 }

@@ -331,7 +331,6 @@ fn push_region(
             mockup_triangles: ids(Surface::Mockup),
             id: 0,
             carriers: bodies.carriers(depth).unwrap_or_else(|| meeting_ids(regions, &meeting[0])),
-            certain: depth.is_exact && regions.complete,
             assumed: false,
         });
     }

@@ -89,7 +89,7 @@ class Near:
 class WayOut:
     """The shortest translation found that frees the tool: metres `(3,)`, world, and its length.
 
-    kind: "exact": none is shorter; "bound": there may be a shorter one; "estimate": the tool meets something there too.
+    kind: "bound": there may be a shorter one; "estimate": the tool meets something there too; "exact": it only touches.
     """
 
     translation: Floats

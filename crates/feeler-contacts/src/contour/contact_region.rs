@@ -72,8 +72,6 @@ pub(crate) struct ContactRegions {
     /// Unit, to where the tool is assumed to have come from, if anything is assumed: then a point of the tool is behind the mock-up's
     /// surface where it is behind the plane across this axis through the segment, whichever way the surface faces.
     pub assumed_axis: Option<Point>,
-    /// Whether the fill found all enclosed triangles.
-    pub complete: bool,
     /// Least height (metres) of triangles of tool and mock-up over their longest edges for their normals to count: see
     /// [`WELD_SHARE`](feeler_core::constants::WELD_SHARE).
     pub thin: [f64; 2],

@@ -139,7 +139,6 @@ pub(crate) fn find<'a>(
         flood_fill(context, surface, part, regions, &mut face_numbers, &mut sets, &mut filled[surface]);
     }
     regions.face_numbers = face_numbers;
-    regions.complete = filled.iter().all(|filled| filled.complete);
     regions.sort_by_region(&mut sets, region_of_root, filled);
     regions
 }

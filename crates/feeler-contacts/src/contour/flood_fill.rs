@@ -18,8 +18,6 @@ const FILL_PREFETCH: usize = 4;
 pub(crate) struct Filled {
     /// The enclosed triangles, each with the segment of its fill.
     pub triangles: Vec<(u32, u32)>,
-    /// Whether these are all.
-    pub complete: bool,
     /// Fills that met each other.
     met: Vec<(u32, u32)>,
     /// Fills that came to a contour, and the segment there.
@@ -67,11 +65,10 @@ pub(crate) fn flood_fill(
     out: &mut Filled,
 ) {
     out.clear();
-    let Filled { triangles, complete, met, bridged, leaks, votes } = out;
+    let Filled { triangles, met, bridged, leaks, votes } = out;
     let adjacency: &Adjacency = context.adjacency[surface];
     let enclosure = context.enclosure(surface.other(), part);
     let first = regions.faces[surface].len();
-    let mut is_refused = false;
     let mut reach = |triangle: u32, from: Step, segment: u32, triangles: &mut Vec<(u32, u32)>| {
         if triangle == NONE || triangles.len() >= MOST_FILLED {
             return;
@@ -118,7 +115,6 @@ pub(crate) fn flood_fill(
             if closed && !from.is_on_contour {
                 leaks.push(segment);
             }
-            is_refused = true;
             return;
         }
         adjacency.prefetch(triangle);
@@ -149,7 +145,6 @@ pub(crate) fn flood_fill(
             reach(n, Step { triangle, is_on_contour: false, is_inside: true }, segment, triangles);
         }
     }
-    *complete = triangles.len() < MOST_FILLED && !is_refused;
     if !leaks.is_empty() || votes.iter().any(|v| v.1 > 0) {
         let mut fills = DisjointSets((0..regions.segments.len() as u32).collect());
         met.iter().for_each(|(a, b)| fills.join(*a, *b));

@@ -632,7 +632,6 @@ mod tests {
                 // The point is on the lower block's surface. The depth is an overlap's, not a plane's, but in the coarsest.
                 for p in deep.clone().filter(|p| p.gap < -0.5 * depth) {
                     assert!((height(&p.point) - p.point[2]).abs() < 1e-6, "{n} {depth}: {p:?}");
-                    assert!(!p.certain || n == 10, "{n} {depth}: {p:?}");
                 }
                 let out = lower.penetration(&upper, &pose, 0.002, None).unwrap();
                 assert!(out.depth <= 1.5 * depth + 1e-6, "{n} {depth}: {}", out.depth);

@@ -70,7 +70,6 @@ impl Piercing {
             mockup_triangles: ids(Surface::Mockup),
             id: 0,
             carriers: self.pairs[0],
-            certain: false,
             assumed: true,
         }
     }

@@ -2,15 +2,15 @@
 //!
 //! The contact planes are linear inequalities on the translation, and its least-norm point is the candidate. The moved tool is
 //! checked exactly; where it still meets something, the planes of the new pose are added and the least-norm point is found anew
-//! (cutting planes). Of convex polyhedra with one plane that is the penetration depth (S. Cameron: Enhancing GJK, ICRA 1997); of
-//! others it is an upper bound.
+//! (cutting planes). It is an upper bound of the least: of convex polyhedra that cross with few faces it is the least mostly, and of
+//! others there may be a shorter one.
 
 use feeler_core::geometry::vectors::{add, dot, length, scaled, unit};
 use feeler_core::{Point, Pose, Result, Tool};
 
 use crate::constants::{
     ESCAPE_EXCESS, ESCAPE_ROUNDING, LEAST_ESCAPE_LEAN, LEFT_OUT_SHORTER, MOST_ESCAPE_PLANES, MOST_ESCAPE_ROUNDS,
-    MOST_PLANES, PARALLEL_ESCAPE_PLANES, TIGHT_SHARE,
+    MOST_PLANES, PARALLEL_ESCAPE_PLANES,
 };
 use crate::contact_plane::{ContactPlane, Contacts};
 use crate::containment::find::parts_in_containment;
@@ -21,8 +21,7 @@ use crate::query::ContactQuery;
 /// How much a penetration may be trusted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PenetrationKind {
-    /// The moved tool is free (checked exactly), and no shorter translation separates the two surfaces that meet: one contact,
-    /// both surfaces flat-faced and convex there, and every axis that could be shallowest was tried.
+    /// Nothing is to be left: the tool meets nothing, or only touches.
     Exact,
     /// The moved tool is free (checked exactly), and not inside a solid; a shorter translation may exist.
     Bound,
@@ -111,7 +110,6 @@ fn escape_over_planes(
     let scene = query.scene;
     let counting = || contacts.planes.iter().filter(|p| counts(p));
     let mut planes: Vec<(Point, f64)> = counting().map(|p| (p.normal, -p.gap)).collect();
-    let mut certain: Vec<bool> = counting().map(|p| p.certain).collect();
     // The tool ends off the surface by the rounding of a placed corner at least.
     let coordinates = scene.mockup().mesh().bounds().largest_coordinate();
     let least = ESCAPE_ROUNDING * (coordinates + pose.largest_translation()) + tool.margin_at(pose);
@@ -122,48 +120,45 @@ fn escape_over_planes(
             let off = ESCAPE_EXCESS * length + least;
             let outward = if length > 0.0 { scaled(&escape, 1.0 / length) } else { first_normal(contacts) };
             let lean = active.iter().map(|i| dot(&outward, &planes[*i].0)).fold(1.0, f64::min).max(LEAST_ESCAPE_LEAN);
-            (add(&escape, &scaled(&outward, off / lean)), escape, active)
+            (add(&escape, &scaled(&outward, off / lean)), active)
         })
     };
     let mut kind = PenetrationKind::Estimate;
     let mut translation = [0.0; 3];
     for round in 0..MOST_ESCAPE_ROUNDS {
-        let Some((moved_by, escape, active)) = leave(&planes) else {
+        let Some((moved_by, active)) = leave(&planes) else {
             translation = relaxed(&planes);
             break;
         };
         translation = moved_by;
         let moved = pose.translated(&translation)?;
         if !scene.is_colliding(tool, &moved) {
-            let is_single = round == 0 && active.len() == 1 && certain[active[0]];
             // Without an active plane the two only touch.
-            let is_tight = round == 0 && active.is_empty()
-                || is_single && scene.is_colliding(tool, &pose.translated(&scaled(&escape, TIGHT_SHARE))?);
-            kind = if is_tight { PenetrationKind::Exact } else { PenetrationKind::Bound };
+            let is_touching = round == 0 && active.is_empty();
+            kind = if is_touching { PenetrationKind::Exact } else { PenetrationKind::Bound };
             break;
         }
         let there = query.contacts(tool, &moved, margin, reference)?;
         let before = planes.len();
         for plane in there.planes.iter().filter(|p| p.gap <= 0.0 && counts(p)) {
             planes.push((plane.normal, dot(&plane.normal, &translation) - plane.gap));
-            certain.push(false);
         }
         if planes.len() == before {
             break;
         }
-        keep_tightest(&mut planes, &mut certain);
+        keep_tightest(&mut planes);
     }
     if kind != PenetrationKind::Exact {
         // One plane may be needless once the others are satisfied, and of two that nearly face each other the escape from both is
         // endless. So each active plane is left out in turn, as long as that is shorter and still free.
         let mut shorter = (kind == PenetrationKind::Bound).then_some(translation);
         for _ in 0..MOST_ESCAPE_ROUNDS {
-            let candidates = leave(&planes).map_or_else(|| (0..planes.len()).collect(), |(_, _, active)| active);
+            let candidates = leave(&planes).map_or_else(|| (0..planes.len()).collect(), |(_, active)| active);
             let mut left_out = None;
             for i in candidates {
                 let rest: Vec<(Point, f64)> =
                     planes.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, p)| *p).collect();
-                let Some((escape, _, _)) = leave(&rest) else { continue };
+                let Some((escape, _)) = leave(&rest) else { continue };
                 let enough = shorter.map_or(f64::INFINITY, |known| length(&known) * (1.0 - LEFT_OUT_SHORTER));
                 if length(&escape) < enough && !scene.is_colliding(tool, &pose.translated(&escape)?) {
                     (shorter, left_out) = (Some(escape), Some(rest));
@@ -190,7 +185,7 @@ fn first_normal(contacts: &Contacts) -> Point {
 }
 
 /// Keeps of parallel planes the tightest, and of all no more than [`min_norm`] can take.
-fn keep_tightest(planes: &mut Vec<(Point, f64)>, certain: &mut Vec<bool>) {
+fn keep_tightest(planes: &mut Vec<(Point, f64)>) {
     let mut order: Vec<usize> = (0..planes.len()).collect();
     order.sort_by(|i, j| planes[*j].1.total_cmp(&planes[*i].1).then(i.cmp(j)));
     let mut kept: Vec<usize> = Vec::new();
@@ -201,6 +196,5 @@ fn keep_tightest(planes: &mut Vec<(Point, f64)>, certain: &mut Vec<bool>) {
             kept.push(i);
         }
     }
-    *certain = kept.iter().map(|i| certain[*i]).collect();
     *planes = kept.iter().map(|i| planes[*i]).collect();
 }

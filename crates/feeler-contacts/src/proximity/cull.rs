@@ -393,7 +393,6 @@ mod tests {
                 mockup_triangles: Vec::new(),
                 id: 0,
                 carriers: [0; 2],
-                certain: true,
                 assumed: false,
             }
         };

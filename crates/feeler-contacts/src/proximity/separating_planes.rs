@@ -365,7 +365,6 @@ fn plane_of(context: &QueryContext<'_>, gap: &Gap) -> ContactPlane {
         mockup_triangles: Vec::new(),
         id: 0,
         carriers: [gap.tool_triangle, gap.mockup_triangle],
-        certain: true,
         assumed: false,
     }
 }

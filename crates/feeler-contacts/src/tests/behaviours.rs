@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use feeler_core::geometry::vectors::{across, along, dot, length, scaled, sub, unit};
-use feeler_core::{Mockup, Point, Pose};
+use feeler_core::{Point, Pose};
 use feeler_shapes::{ball, box_mesh, cylinder, joined, sheet, Arrays};
 
 use super::{at, moved, scene, tool, turned, Held};
@@ -319,20 +319,4 @@ fn the_plane_of_two_faces_is_in_the_middle_of_what_faces_each_other() {
             assert!(off < 1e-9, "{n} {cells}: {off} {planes:?}");
         }
     }
-}
-
-#[test]
-fn what_was_not_walked_over_to_its_end_is_not_called_exact() {
-    // A post of so many triangles inside the tool that not all are looked at.
-    let post = box_mesh([0.0; 3], [0.01, 0.01, 0.03], 110);
-    let below = box_mesh([0.0, 0.0, -0.02], [0.05, 0.05, 0.02], 1);
-    let parts = [vec![0; post.1.len()], vec![1; below.1.len()]].concat();
-    let mesh = joined([post, below]);
-    let held = Held::of(Mockup::new(mesh.0, mesh.1, parts, 2).unwrap());
-    let cube = tool(box_mesh([0.0; 3], [0.04, 0.041, 0.04], 1));
-    let contacts = held.contacts(&cube, &at(0.001, 0.002, 0.0149), 0.0, None).unwrap();
-    assert!(contacts.planes.iter().all(|p| !p.certain), "{contacts:?}");
-    let coarse = scene(box_mesh([0.0; 3], [0.01, 0.01, 0.03], 20));
-    let contacts = coarse.contacts(&cube, &at(0.001, 0.002, 0.0149), 0.0, None).unwrap();
-    assert!(contacts.planes.len() == 1 && contacts.planes[0].certain, "{contacts:?}");
 }

@@ -83,7 +83,7 @@ fn least_translation(mockup: &Arrays, tool: &Arrays) -> f64 {
 #[test]
 fn penetration_of_convex_polyhedra_is_the_least_translation() {
     let mut random = Random(11);
-    let (mut exact, mut cases) = (0, 0);
+    let (mut least, mut cases) = (0, 0);
     for case in 0..150 {
         let mockup = polyhedron(&mut random, 6 + case % 5, 0.1);
         let tool = polyhedron(&mut random, 5 + case % 7, 0.05);
@@ -118,11 +118,10 @@ fn penetration_of_convex_polyhedra_is_the_least_translation() {
         // It frees the tool, so it is no shorter than the least.
         assert!(out.kind != PenetrationKind::Estimate, "{what}");
         assert!(out.depth >= truth * (1.0 - 1e-9), "{what}");
-        // An exact one is the least, but for what keeps the tool off the surface; a bound is close to it.
-        let share = if out.kind == PenetrationKind::Exact { 2e-6 } else { 0.01 };
-        assert!(out.depth <= truth * (1.0 + share), "{what}");
-        exact += usize::from(out.kind == PenetrationKind::Exact);
+        // Mostly it is the least, but for what keeps the tool off the surface, and else close to it.
+        assert!(out.depth <= truth * 1.01, "{what}");
+        least += usize::from(out.depth <= truth * (1.0 + 2e-6));
         cases += 1;
     }
-    assert!(cases > 130 && exact * 10 > cases * 9, "{exact} of {cases}");
+    assert!(cases > 130 && least * 10 > cases * 9, "{least} of {cases}");
 }
