@@ -56,7 +56,10 @@ pub fn judge(
             continue;
         }
         let met: BTreeSet<u32> = touches.iter().map(|touch| own.own(touch.triangles[i])).collect();
-        for point in points_aside(&own, &met, &mut scratch.marks) {
+        let around_other = &solids.mockup().part_bounds()[other as usize];
+        let (points, is_outside) = points_aside(&own, &met, around_other, &mut scratch.marks);
+        lies[i][1] = is_outside;
+        for point in points {
             match locate((index, solids), &point, &[other], scratch)[0] {
                 Location::Inside => lies[i][0] = true,
                 Location::Outside => lies[i][1] = true,
@@ -78,28 +81,49 @@ pub fn judge(
     }
 }
 
-/// Points of a part of which some lie wherever it does: a corner of each connected piece of its surface without the triangles that meet
-/// the other part, and the corners that only those have.
-fn points_aside(solid: &Solid<'_>, met: &BTreeSet<u32>, marks: &mut Vec<Mark>) -> Vec<Point> {
+/// Points of a part of which some lie wherever it does, as far as it is in a box around the other: a corner of each connected piece of its
+/// surface without the triangles that meet the other part, and the corners that only those have. And whether some of it is outside the
+/// box; with a piece that goes on there all of the piece is outside the other part.
+fn points_aside(
+    solid: &Solid<'_>,
+    met: &BTreeSet<u32>,
+    around_other: &Aabb,
+    marks: &mut Vec<Mark>,
+) -> (Vec<Point>, bool) {
     let neighbours = &solid.adjacency().neighbours;
+    let is_near = |t: u32| Aabb::of_triangle(&solid.triangle(t)).is_overlapping(around_other);
     marks.resize(neighbours.len().max(marks.len()), Mark::None);
     met.iter().for_each(|t| marks[*t as usize] = Mark::Met);
-    let mut points = Vec::new();
-    let mut next = Vec::new();
+    let (mut points, mut is_outside) = (Vec::new(), false);
+    let (mut seen, mut next) = (Vec::new(), Vec::new());
     for first in solid.triangles() {
         if marks[first as usize] != Mark::None {
             continue;
         }
-        points.push(solid.triangle(first)[0]);
+        if !is_near(first) {
+            is_outside = true;
+            continue;
+        }
+        let mut goes_on = false;
         marks[first as usize] = Mark::Seen;
+        seen.push(first);
         next.push(first);
         while let Some(t) = next.pop() {
             for beside in neighbours[t as usize] {
-                if beside != NONE && marks[beside as usize] == Mark::None {
+                if beside == NONE || marks[beside as usize] != Mark::None {
+                    continue;
+                }
+                if is_near(beside) {
                     marks[beside as usize] = Mark::Seen;
+                    seen.push(beside);
                     next.push(beside);
+                } else {
+                    goes_on = true;
                 }
             }
+        }
+        if !goes_on {
+            points.push(solid.triangle(first)[0]);
         }
     }
     // A corner of a piece that is asked for already needs no asking.
@@ -110,13 +134,13 @@ fn points_aside(solid: &Solid<'_>, met: &BTreeSet<u32>, marks: &mut Vec<Mark>) -
         around.grow(&corner);
         alone.insert(key(&corner), corner);
     }
-    for t in solid.triangles() {
-        if std::mem::take(&mut marks[t as usize]) == Mark::Seen {
-            for corner in solid.triangle(t).iter().filter(|corner| is_within(&around, corner)) {
-                alone.remove(&key(corner));
-            }
+    for t in seen {
+        marks[t as usize] = Mark::None;
+        for corner in solid.triangle(t).iter().filter(|corner| is_within(&around, corner)) {
+            alone.remove(&key(corner));
         }
     }
+    met.iter().for_each(|t| marks[*t as usize] = Mark::None);
     points.extend(alone.into_values());
-    points
+    (points, is_outside)
 }
