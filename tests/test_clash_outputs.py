@@ -246,9 +246,7 @@ def test_a_partial_check_is_told(tmp_path: Path, mockup: feeler.Mockup) -> None:
     found = feeler.clash(mockup)[:2]
     found.is_partial = True
     write_html(tmp_path / "a.html", found, mockup)
-    assert "The check was stopped: this is what was found until then." in (tmp_path / "a.html").read_text(
-        encoding="utf-8"
-    )
+    assert "The check was stopped. More findings may exist." in (tmp_path / "a.html").read_text(encoding="utf-8")
     assert report(found)["partial"] is True
 
 

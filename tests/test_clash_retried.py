@@ -85,7 +85,7 @@ def test_the_table_itself_stays(saved: feeler.Clashes) -> None:
 
 def test_a_larger_clearance_needs_another_check(saved: feeler.Clashes) -> None:
     (note,) = saved.with_rules(Rules((Rule("yard", "yard", clearance=0.5),))).facts.notes
-    assert "rule 'yard' asks for 500 mm, and some pairs were looked for only within 2 mm" in note
+    assert "rule 'yard' asks for 500 mm, but some pairs were checked only within 2 mm" in note
 
 
 def test_a_smaller_contact_needs_another_check(mockup: feeler.Mockup) -> None:
@@ -95,7 +95,7 @@ def test_a_smaller_contact_needs_another_check(mockup: feeler.Mockup) -> None:
     again = feeler.clash(mockup, rules=rules)
     assert pairs(tried) == pairs(again) and tried.depth.tolist() == again.depth.tolist()
     (note,) = tried.facts.notes
-    assert note.startswith("2 contacts are clashes by these rules") and "their way out is not known" in note
+    assert note.startswith("2 contacts are clashes by these rules") and "their translation is not known" in note
     assert np.isnan(tried.translation).all(axis=1).sum() == 2
     assert wide.with_rules(Rules((Rule("all", "*", contact=0.2),))).facts.notes == ()
 
@@ -118,7 +118,7 @@ def test_walls_that_pierce_each_other_stay_a_clash(mockup: feeler.Mockup) -> Non
     verdicts = dict(zip(tried.b.tolist(), tried.verdict.tolist(), strict=True))
     assert verdicts == {1: Verdict.CLASH, 2: Verdict.CONTACT, 3: Verdict.CONTACT}
     (note,) = tried.facts.notes
-    assert note.startswith("1 clashes count as contacts by their depth, and may be walls that pierce each other")
+    assert note.startswith("1 clashes count as contacts by their depth, but may be thin walls that cross")
 
 
 def test_contacts_of_old_files_stay_a_doubt(mockup: feeler.Mockup) -> None:
@@ -126,13 +126,13 @@ def test_contacts_of_old_files_stay_a_doubt(mockup: feeler.Mockup) -> None:
     found = table(rows, tuple(mockup.part_paths))
     found.facts.__dict__["contact"] = 0.002
     (note,) = found.with_rules(Rules((Rule("all", "*", contact=0.001),))).facts.notes
-    assert note.startswith("1 contacts may be clashes by these rules: the file does not have their depth")
+    assert note.startswith("1 contacts may be clashes by these rules: the file lacks their depth")
 
 
 def test_what_was_hidden_before_is_missed(mockup: feeler.Mockup) -> None:
     found = feeler.clash(mockup, rules=Rules(exclusions=(Exclusion("copies", "*copy*"),)))
     (note,) = found.with_rules(Rules()).facts.notes
-    assert note == "4 findings that 'copies' hid before are not here. Check the mock-up to see them"
+    assert note == "4 findings that 'copies' hid are missing here. Check the mock-up to see them"
 
 
 def test_a_pattern_that_names_none_of_the_parts_of_a_file_is_told(saved: feeler.Clashes) -> None:
@@ -152,7 +152,7 @@ def test_shapes_of_fasteners_need_the_mock_up(mockup: feeler.Mockup) -> None:
     rules = Rules(exclusions=(Exclusion("f", fasteners=True),))
     found = feeler.clash(mockup)
     assert found.with_rules(rules).facts.notes == (
-        "fasteners are told by their names alone: their shapes need the mock-up",
+        "fasteners are found by name alone. Pass the mock-up to find them by shape, too",
     )
     assert found.with_rules(rules, mockup).facts.notes == ()
 

@@ -30,14 +30,13 @@ STAGES = {
 WORDS = {"verdicts": "meet", "clearance": "within 2 mm", "depths": "clash"}
 
 JUDGE_NOTE = (
-    "No truth shares code with feeler: closed forms (boxes, balls), linear programs (convex bodies), polygons in the "
-    "plane (pins), whole numbers (polycubes), branch and bound with the volumes of manifold3d (any solids). Parts are "
-    "turned, up to 65 km off, cut finer, mirrored, some hollow. Allowed beyond the bounds: four units in the last "
-    "place of the largest coordinate. Where a part touches from inside the one that holds it, and both are turned so "
-    "that coordinates round, `CLASH` counts as right beside `CONTAINED`. Relative error: of depths of a micrometre "
-    "and more."
+    "The expected depths share no code with feeler: closed forms (boxes, balls), linear programs (convex bodies), "
+    "plane polygons (pins), integer arithmetic (polycubes), branch and bound with volumes by manifold3d (any solids). "
+    "Parts are rotated, up to 65 km off, subdivided and mirrored; some are hollow. Depths may exceed their bounds by "
+    "four units in the last place of the largest coordinate. If a contained part touches from inside and coordinates "
+    "are rounded, `CLASH` is as right as `CONTAINED`. Relative errors are of depths of a micrometre and more."
 )
-STABILITY_NOTE = "A depth may change by its error; where parts move by e each, by 2 e more."
+STABILITY_NOTE = "A depth may change by its error, and by 2 e more if each part moves by e."
 
 
 def tables(result: Result) -> dict[str, str]:
@@ -65,10 +64,9 @@ def cases(found: Result) -> str:
     heads = ["pair", "is", *(f"{name} {found['versions'][name]}" for name in checkers)]
     finest = max(12 * run["cut"] ** 2 for case in found["cases"] for run in case["runs"])
     notes = [
-        f"Each pair is asked at the origin and {hard_cases.OFFSETS_M[1]:,.0f} m off, with boxes of 12 to {finest:,} "
-        f"triangles. Bold: in how many of these the answer is right, and what is said else, most often first.",
-        "A depth or gap is right within 1 %. Of what is contained or there twice, a peer is right to say that it "
-        "clashes.",
+        f"Each pair is checked at the origin and {hard_cases.OFFSETS_M[1]:,.0f} m off, with boxes of 12 to {finest:,} "
+        f"triangles. Bold: how many of these answers are right, and the wrong ones, most frequent first.",
+        "A depth or gap is right within 1 %. For contained parts and duplicates, a clash is right for a peer, too.",
         *_left_out(found),
     ]
     return f"{pages.origin(PROGRAM, found)}\n\n{markdown(heads, len(heads), lines, ' '.join(notes))}"
@@ -108,7 +106,7 @@ def _said(answer: Answer) -> str:
 
 
 def judge(found: Result) -> str:
-    """What the judge finds wrong, by kind of pair; and what changes a depth that must not."""
+    """Wrong answers by kind of pair, and the stability checks."""
     keys = ("pairs", "meet", "wrong_verdicts", "outside")
     rows = found["kinds"]
     total = {key: sum(row[key] for row in rows) for key in keys}
@@ -131,7 +129,7 @@ def judge(found: Result) -> str:
         [row["parts"], row["change"], f"{row['pairs']:,}", bold(f"{row['beyond']:,}", row["beyond"] == 0)]
         for row in found["stability"]
     ]
-    heads = ["parts", "change", "pairs", "depths that change by more than they may"]
+    heads = ["parts", "change", "pairs", "depths that change too much"]
     return f"{kinds}\n\n{markdown(heads, 2, lines, STABILITY_NOTE)}"
 
 
@@ -151,9 +149,9 @@ def times(found: Result) -> str:
     versions = [f"{name} {found['versions'][name]}" for name in peers]
     heads = ["sample engine", "stage", "goal", "feeler, one core", f"all {found['machine']['cores']} cores", *versions]
     notes = [
-        "Bold: misses its goal, which is for one core. feeler's stages come one after the other, each with what the "
-        "one before it found; the queries of a peer start anew.",
-        f"Of each stage the least of {found['repeats']}, of volumes and of ifcclash's index the first.",
+        "Bold: misses its goal, which is for one core. Each stage of feeler uses the results of the previous one; the "
+        "queries of a peer are independent.",
+        f"Minimum of {found['repeats']} runs; volumes and the index of ifcclash: one run.",
         *([] if found["has_volumes"] else ["Volumes: manifold3d was not installed."]),
         *_left_out(found),
     ]
@@ -168,7 +166,7 @@ def _pairs(row: Result, peers: Mapping[str, Result]) -> str:
     for query in QUERIES:
         theirs = [_found(peer["pairs"][query]) for peer in peers.values()]
         lines.append([f"{_mockup(row)}: {WORDS[query]}", f"{row['pairs'][query]:,}", *theirs])
-    note = "Missed and made up: beside feeler's pairs, which the tests hold to exact tests of all pairs of triangles."
+    note = "Missed and made up: compared with feeler, whose pairs the tests compare with exact tests of all triangles."
     return markdown(["pairs of parts", "feeler", *peers], 1, lines, note)
 
 

@@ -1,5 +1,5 @@
-"""The judge of depths: random pairs whose penetration depth and verdict are known without feeler.
+"""The judge: compares feeler with random pairs of known penetration depth and verdict.
 
-Nothing here calls feeler except `asking.py` and `stability.py`, which ask the questions. The truths are closed forms,
-linear programs, whole numbers, and branch and bound over distances to triangles; manifold3d says what shares volume.
+Only `asking.py` and `stability.py` call feeler. The expected values come from closed forms, linear programs, integer
+arithmetic, and branch and bound over distances to triangles; shared volumes from manifold3d.
 """

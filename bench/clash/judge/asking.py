@@ -1,4 +1,4 @@
-"""Asks feeler about many pairs at once, and judges its answers by what is true of them."""
+"""Checks many pairs with feeler at once, and compares the answers with the expected values."""
 
 from __future__ import annotations
 
@@ -14,24 +14,24 @@ from .facts import Facts, wanted
 from .shapes import Floats, Mesh, joined
 
 MOST_GROUPS, MOST_TRIANGLES = 64, 150_000
-"""Of one mock-up."""
+"""Limits for one mock-up."""
 SPACING_M = 32.0
-"""A power of two, so that whole numbers stay exact. No group is larger."""
+"""Distance between groups; no group is larger. A power of two, so that integer coordinates stay exact."""
 ROUNDED_BY = 4
-"""Units in the last place of the largest coordinate by which rounding may change a depth. Turning and moving rounds a
-vertex by less than one along each axis, and a depth changes by at most as much as both surfaces move."""
+"""How much rounding may change a depth, in units in the last place of the largest coordinate. Rotating and moving a
+vertex rounds it by less than one unit along each axis, and a depth changes by at most the motion of both surfaces."""
 LEAST_ERROR_M, RELATIVE_ERROR = 1e-9, 1e-3
-"""How wide feeler's bounds of a depth may be."""
+"""The largest allowed distance between feeler's bounds of a depth."""
 
 Pair = tuple[int, int]
 
 
 @dataclass(frozen=True)
 class Group:
-    """Parts that are asked together, with what is true of each pair of them.
+    """Parts that are checked together, with the expected facts of each pair.
 
-    parts: meshes in the frame and unit of the truth. In the world: `(part @ turn.T + place) * unit`, metres. facts:
-    metres. is_rounded: whether that rounds the coordinates. right: verdicts that the facts alone do not tell.
+    parts: meshes in local coordinates; `(part @ turn.T + place) * unit` are world coordinates in metres. facts: metres.
+    is_rounded: whether this transformation rounds. right: the right verdicts, if they do not follow from the facts.
     """
 
     kind: str
@@ -49,13 +49,13 @@ class Group:
         return sum(len(faces) for _, faces in self.parts)
 
     def in_world(self, slot: Floats) -> list[Mesh]:
-        """slot: moves the whole group, metres."""
+        """The parts in world coordinates. slot: moves the whole group, metres."""
         return [((v @ self.turn.T + (self.place + slot / self.unit)) * self.unit, faces) for v, faces in self.parts]
 
 
 @dataclass(frozen=True)
 class Answer:
-    """feeler's row of a pair, or that there is none."""
+    """The finding of feeler for a pair; "none" if there is no finding."""
 
     verdict: str = "none"
     depth: float = 0.0
@@ -65,8 +65,8 @@ class Answer:
 
 @dataclass(frozen=True)
 class Judged:
-    """One pair. is_meeting: by the truth. relative_error: how far the depth is from the truth, of the truth; None for
-    what has no depth that is known, or less than a micrometre.
+    """The result for one pair. is_meeting: whether the parts should meet. is_outside: the depth is outside its bounds.
+    relative_error: of the depth; None if the expected depth is unknown or less than a micrometre. says: what is wrong.
     """
 
     kind: str
@@ -84,7 +84,7 @@ def mockup_of(parts: Sequence[Mesh]) -> feeler.Mockup:
 
 
 def answers(mockup: feeler.Mockup, contact: float | None = None, clearance: float = 0.0) -> dict[Pair, Answer]:
-    """All rows of a mock-up, by the numbers of the parts."""
+    """All findings of a mock-up, by the indices of the parts."""
     limits: dict[str, Any] = {} if contact is None else {"contact": contact}
     found = feeler.clash(mockup, clearance=clearance, **limits)
     names = ("a", "b", "verdict", "depth", "depth_error", "depth_kind")
@@ -96,7 +96,7 @@ def answers(mockup: feeler.Mockup, contact: float | None = None, clearance: floa
 
 
 def asked(groups: Iterable[Group]) -> Iterator[Judged]:
-    """Every pair of every group, judged."""
+    """Checks and judges all pairs of all groups."""
     for batch in _batches(groups):
         parts: list[Mesh] = []
         of_part: list[Pair] = []  # group, and part in it
@@ -124,7 +124,7 @@ def asked(groups: Iterable[Group]) -> Iterator[Judged]:
 
 
 def _batches(groups: Iterable[Group]) -> Iterator[list[Group]]:
-    """Groups of the same limits, as many as fit into one mock-up."""
+    """Batches of groups with equal limits, as many as fit into one mock-up."""
     waiting: dict[tuple[float | None, float], list[Group]] = {}
     for group in groups:
         batch = waiting.setdefault((group.contact, group.clearance), [])
@@ -133,14 +133,14 @@ def _batches(groups: Iterable[Group]) -> Iterator[list[Group]]:
             yield batch.copy()
             batch.clear()
         batch.append(group)
-        # A limit of its own for each pair: no use to wait for another.
+        # Rare limits: do not wait for another group with the same ones.
         if group.contact is not None and len(waiting) > MOST_GROUPS:
             yield waiting.pop((group.contact, group.clearance))
     yield from (batch for batch in waiting.values() if batch)
 
 
 def judged(group: Group, pair: Pair, answer: Answer, rounding: float) -> Judged | None:
-    """One answer; None where the truth leaves the verdict open. rounding: by how much it may change a depth, metres."""
+    """Judges one answer; None if several verdicts are possible. rounding: how much it may change a depth, metres."""
     facts = group.facts[pair]
     right = group.right.get(pair) or wanted(facts, group.contact, group.clearance, rounding * group.is_rounded)
     if right is None:

@@ -1,8 +1,8 @@
-"""Truth for any closed meshes: branch and bound over the triangles of one surface, by distances to those of the other.
+"""The depth of any two closed meshes, by branch and bound over pieces of triangles of one surface.
 
-The distance to one triangle is convex, so over a piece it is greatest at a corner: the least over all triangles of that
-is an upper bound of the depth on the piece. Middles and corners that are inside give lower bounds. Sides are told by
-winding numbers, and a piece that meets no triangle is on one side as a whole.
+The distance to a triangle is convex, so on a piece it is largest at a corner. The minimum of these maxima over all
+triangles of the other surface is an upper bound of the depth on the piece. Centroids and corners inside the other mesh
+give lower bounds. Winding numbers decide inside or outside; a piece that meets no triangle lies on one side.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ PRECISION = 1e-5
 MOST_ROUNDS, FEW_ROUNDS = 60, 7
 MOST_PAIRS = 1_000_000
 NOTHING = 1e-15
-"""Metres. Less deep is not looked for."""
+"""Metres. Smaller depths count as 0."""
 Indices = npt.NDArray[np.int64]
 
 
 def depth(a: Mesh, b: Mesh, precision: float = PRECISION) -> tuple[float, float]:
     """Bounds of D of two closed meshes."""
-    # A few rounds each way first: a depth that is reached on one surface spares most pieces of the other.
+    # A few rounds each way first: a lower bound from one surface prunes most pieces of the other.
     known = max(deepest(a, b, 0.0, precision, FEW_ROUNDS)[0], deepest(b, a, 0.0, precision, FEW_ROUNDS)[0])
     first = deepest(a, b, known, precision)
     second = deepest(b, a, first[0], precision)
@@ -32,15 +32,15 @@ def depth(a: Mesh, b: Mesh, precision: float = PRECISION) -> tuple[float, float]
 def deepest(
     a: Mesh, b: Mesh, known: float = 0.0, precision: float = PRECISION, rounds: int = MOST_ROUNDS
 ) -> tuple[float, float]:
-    """Bounds of the greatest distance to the surface of `b` over the points of the surface of `a` in `b`.
+    """Bounds of the largest distance to the surface of `b`, over points of the surface of `a` inside `b`.
 
-    known: a depth that is reached elsewhere; what is less deep is not looked for.
+    known: a lower bound of the depth; pieces below it are pruned.
     """
     pieces, targets = a[0][a[1]], b[0][b[1]]
     low, high = targets.min(axis=(0, 1)), targets.max(axis=(0, 1))
     pieces = pieces[(pieces.min(axis=1) <= high).all(axis=1) & (pieces.max(axis=1) >= low).all(axis=1)]
     piece, target = _near(pieces, targets)
-    side = np.zeros(len(pieces), np.int8)  # 1 inside, 0 not known
+    side = np.zeros(len(pieces), np.int8)  # 1 inside, 0 unknown
     best = known
     for _ in range(rounds):
         if len(pieces) == 0:
@@ -52,7 +52,7 @@ def deepest(
         distance = distances(points[piece], targets[target])
         of_middle = np.minimum.reduceat(distance[:, 3], starts)
         at_most = np.minimum(np.minimum.reduceat(distance[:, :3].max(axis=1), starts), of_middle + radius)
-        # Which side: once for each piece that meets no triangle.
+        # Inside or outside: decided once for each piece that meets no triangle.
         reach = distance[:, 3] <= radius[piece]
         may_meet = reach & ~_is_clear(pieces[piece], targets[target])
         is_whole = ~np.logical_or.reduceat(may_meet, starts)
@@ -69,7 +69,7 @@ def deepest(
         stays = ~outside & (at_most > best * (1 + precision)) & (at_most > NOTHING)
         if not stays.any():
             break
-        # A triangle that is farther than the bound from all of a piece is not the nearest one anywhere on it.
+        # A triangle farther than the bound from the whole piece is nowhere the nearest.
         matters = stays[piece] & (distance[:, 3] - radius[piece] <= at_most[piece])
         change = _change(distance, matters, piece, starts, pieces)
         longest = np.linalg.norm(pieces - np.roll(pieces, -1, axis=1), axis=-1)
@@ -90,7 +90,7 @@ def deepest(
 
 
 def _near(pieces: Floats, targets: Floats) -> tuple[Indices, Indices]:
-    """For each piece the triangles that may be nearest to a point of it, by spheres around them."""
+    """For each piece the triangles that may be nearest to one of its points, from bounding spheres."""
     middle, centre = pieces.mean(axis=1), targets.mean(axis=1)
     radius = np.linalg.norm(pieces - middle[:, None], axis=-1).max(axis=1)
     reach = np.linalg.norm(targets - centre[:, None], axis=-1).max(axis=1)
@@ -101,7 +101,7 @@ def _near(pieces: Floats, targets: Floats) -> tuple[Indices, Indices]:
 
 
 def _change(distance: Floats, matters: Bools, piece: Indices, starts: Indices, pieces: Floats) -> Floats:
-    """How much the distances that matter differ along each side of a piece; a little more for long sides."""
+    """The largest change of a relevant distance along each side of a piece, plus a little for long sides."""
     along = np.abs(distance[:, :3] - distance[:, [1, 2, 0]]) * matters[:, None]
     long = np.linalg.norm(pieces - np.roll(pieces, -1, axis=1), axis=-1)
     found: Floats = np.maximum.reduceat(along, starts, axis=0) + 1e-3 * long
@@ -119,7 +119,7 @@ def _halved(pieces: Floats, edge: Indices) -> Floats:
 
 
 def _doubled(counts: Indices, target: Indices) -> tuple[Indices, Indices]:
-    """The triangles of each piece for both of its halves."""
+    """Repeats the triangles of each piece for both halves."""
     twice = np.repeat(counts, 2)
     first = np.cumsum(counts) - counts
     offset = np.arange(twice.sum()) - np.repeat(np.cumsum(twice) - twice, twice)
@@ -127,7 +127,7 @@ def _doubled(counts: Indices, target: Indices) -> tuple[Indices, Indices]:
 
 
 def distances(points: Floats, triangles: Floats) -> Floats:
-    """Of points (n, k, 3) to triangles (n, 3, 3), row by row: (n, k)."""
+    """The distances (n, k) of points (n, k, 3) to triangles (n, 3, 3), row by row."""
     a, b, c = (triangles[:, None, i] for i in range(3))
     normal = np.cross(b - a, c - a)
     square = (normal * normal).sum(axis=-1)
@@ -147,7 +147,7 @@ def distances(points: Floats, triangles: Floats) -> Floats:
 
 
 def _is_clear(pieces: Floats, targets: Floats) -> Bools:
-    """Whether the plane of one of two triangles has the other wholly on one side: then they do not meet."""
+    """Whether one triangle lies strictly on one side of the plane of the other: then they do not meet."""
     found = np.zeros(len(pieces), bool)
     for one, other in ((pieces, targets), (targets, pieces)):
         normal = np.cross(one[:, 1] - one[:, 0], one[:, 2] - one[:, 0])
@@ -158,7 +158,7 @@ def _is_clear(pieces: Floats, targets: Floats) -> Bools:
 
 
 def is_inside(points: Floats, triangles: Floats) -> Bools:
-    """By the winding number: the solid angles of all triangles (van Oosterom and Strackee 1983). Any orientation."""
+    """Whether points are inside, by the winding number (van Oosterom and Strackee 1983). For any orientation."""
     winding = np.zeros(len(points))
     step = max(1, 400_000 // max(1, len(points)))
     for start in range(0, len(triangles), step):
@@ -171,5 +171,5 @@ def is_inside(points: Floats, triangles: Floats) -> Bools:
             for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1))
         ]
         winding += np.arctan2(above, length.prod(axis=-1) + sum(dots)).sum(axis=-1)
-    found: Bools = np.abs(winding) > np.pi  # the arc tangents are half angles: they add up to 2 pi inside
+    found: Bools = np.abs(winding) > np.pi  # the arc tangents are half the solid angles, so inside they sum to 2 pi
     return found

@@ -1,4 +1,4 @@
-"""All kinds of pairs, and what must not change a depth, as plain data."""
+"""Runs all kinds of pairs and the stability checks. Returns plain data."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ Result = dict[str, Any]
 SEED = 56
 QUICK_SHARE = 1 / 40
 MOST_EXAMPLES = 5
-"""Wrong answers of each kind that the record quotes."""
+"""Most wrong answers that the record lists for each kind."""
 
 
 def measured(is_quick: bool, seed: int = SEED) -> Result:
-    """Each kind of pair with what is wrong of it, and each change with what it changes."""
+    """The number of wrong answers for each kind of pair, and the results of the stability checks."""
     if find_spec("manifold3d") is None:
         raise SystemExit("the judge needs manifold3d: pip install 'feeler[volume]'")
     kinds = []
@@ -32,7 +32,7 @@ def measured(is_quick: bool, seed: int = SEED) -> Result:
 
 
 def summed(found: Sequence[Judged]) -> list[Result]:
-    """A row for each kind, in the order in which they come."""
+    """A row for each kind, in the order of the pairs."""
     rows = []
     for kind in dict.fromkeys(each.kind for each in found):
         own = [each for each in found if each.kind == kind]

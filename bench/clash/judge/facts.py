@@ -1,4 +1,4 @@
-"""What is true of a pair, and which verdicts say so."""
+"""The expected facts of a pair, and the verdicts that follow."""
 
 from __future__ import annotations
 
@@ -7,10 +7,11 @@ from dataclasses import dataclass, replace
 
 @dataclass(frozen=True)
 class Facts:
-    """low, high: bounds of the penetration depth D, metres. gap: 0 where the parts meet, None where it is not known.
+    """The expected facts of a pair of parts.
 
-    is_inside: one closed part holds the other. is_touching: they share a point of their surfaces. share: of the smaller
-    volume, how much they have in common.
+    low, high: bounds of the penetration depth D, metres. gap: 0 if the parts meet; None if they are apart by an unknown
+    distance. is_same: equal surfaces. is_inside: one closed part contains the other. is_touching: the surfaces have a
+    common point. share: the shared volume as a fraction of the smaller volume. is_open: a part is open.
     """
 
     low: float
@@ -28,14 +29,14 @@ class Facts:
 
 
 NEARLY_ALL = 0.5
-"""From this share on, parts that overlap by `contact` or less are copies of each other, or one is in the other."""
+"""Above this share, a pair that is at most `contact` deep may count as copies, or as one inside the other."""
 
 
 def wanted(facts: Facts, contact: float | None, clearance: float, rounding: float) -> frozenset[str] | None:
-    """The right verdicts; None where rounding, or the bounds of the depth, leave it open.
+    """The right verdicts; None if rounding or the bounds of the depth leave them open.
 
-    contact: None is the default, a few units in the last place. rounding: how far coordinates may have moved, metres;
-    0 where they are exact.
+    contact: None is the default, 16 units in the last place. rounding: how much it may change a depth, metres; 0 for
+    exact coordinates.
     """
     least = 16 * rounding if contact is None else contact
     if facts.gap is None or facts.gap > least:
@@ -47,7 +48,7 @@ def wanted(facts: Facts, contact: float | None, clearance: float, rounding: floa
     if facts.is_same:
         return frozenset({"duplicate"})
     if facts.is_inside:
-        # Where they touch, a face may be out of the other by rounding.
+        # If the surfaces touch, rounding may move a face to the outside.
         return frozenset({"contained", "clash"} if rounding and facts.is_touching else {"contained"})
     if facts.high <= least and (contact is not None or facts.high == 0):
         return frozenset({"contact", *(["duplicate", "clash"] if facts.share > NEARLY_ALL else [])})

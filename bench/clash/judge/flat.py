@@ -1,4 +1,4 @@
-"""Truth for convex bodies by linear programs, and for pins in holes by polygons in the plane."""
+"""The depth of convex bodies by linear programs, and of pins in holes by plane polygons."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ import numpy.typing as npt
 from .shapes import Convex, Floats
 
 FEASIBLE = 1e-12
-"""Of the size: how far the corner of a linear program may be beyond a constraint."""
+"""How far a corner may violate a constraint of a linear program, as a share of the size."""
 
 
 def deepest_of_convex(a: Convex, b: Convex) -> float:
-    """D of two convex bodies, and below zero where neither surface enters the other body."""
+    """D of two convex bodies; negative if neither surface enters the other body."""
     return max(_deepest_of_faces(a, b), _deepest_of_faces(b, a))
 
 
 def _deepest_of_faces(a: Convex, b: Convex) -> float:
-    """The greatest distance to the surface of `b` over the points of the faces of `a` in `b`.
+    """The largest distance to the surface of `b`, over points of the faces of `a` inside `b`.
 
-    In a convex body the distance to the surface is the least distance to a plane of a face. On a face of `a`, with
-    coordinates u and v, its maximum is the greatest t of a linear program in (u, v, t), at a corner of its constraints.
+    Inside a convex body, the distance to the surface is the minimum of the distances to the planes of its faces. On a
+    face of `a` with coordinates (u, v), its maximum is the largest t of a linear program in (u, v, t).
     """
     normals, offsets = b.planes()
     most = max(len(face) for face in a.faces)
@@ -46,12 +46,12 @@ def _deepest_of_faces(a: Convex, b: Convex) -> float:
 
 @cache
 def _threes(number: int, edges: int) -> npt.NDArray[np.int64]:
-    """All choices of three constraints that may fix t: at most two are edges."""
+    """All sets of three constraints that can bound t: at most two are edges."""
     return np.array([three for three in combinations(range(number), 3) if three[2] >= edges])
 
 
 def _greatest(rows: Floats, sides: Floats, edges: int) -> float:
-    """The greatest t of several linear programs `rows @ (u, v, t) <= sides`."""
+    """The largest t of several linear programs `rows @ (u, v, t) <= sides`, over all corners."""
     three = _threes(rows.shape[1], edges)
     a, b, c = (rows[:, three[:, i]] for i in range(3))
     p, q, r = (sides[:, three[:, i], None] for i in range(3))
@@ -67,11 +67,11 @@ def _greatest(rows: Floats, sides: Floats, edges: int) -> float:
 
 
 def overlap_in_plane(pin: Floats, hole: Floats) -> float:
-    """D of a long pin in a long hole, from their sections: convex polygons, counterclockwise, in the plane.
+    """D of a long pin in a long hole, from their sections: plane convex polygons, counterclockwise.
 
-    Points of the pin outside the hole are in the block. The distance to a convex polygon is convex, so it is greatest
-    at a corner of the pin. Points of the wall inside the pin: there the distance to the pin's surface is the least of
-    linear functions, which has one maximum on each side of the hole.
+    Points of the pin outside the hole lie inside the block. Their distance to the hole is convex, so it is largest at a
+    corner of the pin. For points of the wall inside the pin, the distance to the pin is a minimum of linear functions,
+    which is concave: bisection finds its maximum on each side of the hole.
     """
     at_corner = max(0.0, float(_distance_to_polygon(pin, hole).max()))
     normals, offsets = _sides(pin)
@@ -96,7 +96,7 @@ def _sides(polygon: Floats) -> tuple[Floats, Floats]:
 
 
 def _distance_to_polygon(points: Floats, polygon: Floats) -> Floats:
-    """Of each point to a convex polygon; 0 inside."""
+    """The distance of each point to a convex polygon; 0 inside."""
     normals, offsets = _sides(polygon)
     is_outside = (points @ normals.T > offsets).any(axis=1)
     along = np.roll(polygon, -1, axis=0) - polygon

@@ -1,4 +1,4 @@
-"""The kinds of pairs that are judged: random bodies with what is true of them."""
+"""The kinds of pairs: random bodies with their expected facts."""
 
 from __future__ import annotations
 
@@ -39,20 +39,20 @@ Random = np.random.Generator
 Groups = Iterator[Group]
 
 UNIT_M = 2.0**-30
-"""The whole numbers count these: a nanometre."""
+"""The unit of integer coordinates: about a nanometre."""
 CELL = 2**24
-"""Of a polycube: 15.6 mm."""
+"""The size of a cell of a polycube: 15.6 mm."""
 FAR = 2**46
-"""65 km."""
+"""The largest distance from the origin: 65 km."""
 STEPS = (1, 1_074, 107_374, 1_073_742)
-"""By how much faces miss each other: a nanometre, a micrometre, 0.1 and 1 mm."""
+"""Small offsets of faces that are nearly flush: a nanometre, a micrometre, 0.1 and 1 mm."""
 MOST_TRIANGLES = 60_000
 CLEARANCE_M = 0.002
 CLASH, CONTACT = frozenset({"clash"}), frozenset({"contact"})
 
 
 def _whole_dress(rng: Random) -> tuple[Floats, Floats, float, bool]:
-    """A turn, a place, the scale and whether it rounds: whole numbers stay exact but for turns of any angle."""
+    """Rotation, place, scale, and whether they round: integer coordinates stay exact unless the angle is arbitrary."""
     place = rng.integers(-FAR, FAR, 3).astype(float) if rng.random() < 0.4 else np.zeros(3)
     kind = rng.integers(3)
     if kind == 0:
@@ -70,7 +70,7 @@ def _dress(rng: Random) -> tuple[Floats, Floats]:
 
 
 def _worn(rng: Random, mesh: Mesh, most_levels: int = 3) -> Mesh:
-    """The same surface cut finer, in another order, and sometimes wound the other way."""
+    """The same surface: subdivided, reordered, and sometimes with flipped windings."""
     most = max(0, min(most_levels, int(np.log2(MOST_TRIANGLES / len(mesh[1])) / 2)))
     levels = int(min(most, rng.geometric(0.6) - 1))
     worn = shuffled(rng, cut_finer(mesh, levels))
@@ -78,14 +78,14 @@ def _worn(rng: Random, mesh: Mesh, most_levels: int = 3) -> Mesh:
 
 
 def _misses(rng: Random) -> Floats:
-    """By how much a body is beside its place on the lattice, in units."""
+    """A random small offset of a body from the lattice, in units."""
     if rng.random() < 0.4:
         return np.zeros(3)
     return float(rng.choice(STEPS)) * rng.integers(-1, 2, 3).astype(float)
 
 
 def boxes(rng: Random) -> Groups:
-    """Boxes with parallel edges on a lattice, flush or just not: a closed form."""
+    """Boxes with parallel edges on a lattice, flush or nearly flush. Closed form."""
     while True:
         bodies = []
         for _ in range(2):
@@ -118,7 +118,7 @@ def _convex(rng: Random, size: float) -> Convex:
 
 
 def _of_convex(a: Convex, b: Convex) -> Facts | None:
-    """What is true of two convex bodies; None where it hangs on rounding."""
+    """The facts of two convex bodies; None if they depend on rounding."""
     depth = flat.deepest_of_convex(a, b)
     if abs(depth) < 1e-7:
         return None
@@ -134,7 +134,7 @@ def _of_convex(a: Convex, b: Convex) -> Facts | None:
 
 
 def convex(rng: Random) -> Groups:
-    """Boxes, prisms, pyramids, frusta, each turned its own way: linear programs."""
+    """Boxes, prisms, pyramids and frusta, each with its own rotation. Linear programs."""
     while True:
         a = _convex(rng, 0.5).placed(random_turn(rng), np.zeros(3))
         b = _convex(rng, rng.uniform(0.05, 0.5)).placed(random_turn(rng), rng.normal(size=3) * rng.uniform(0.05, 0.4))
@@ -146,7 +146,7 @@ def convex(rng: Random) -> Groups:
 
 
 def fine(rng: Random) -> Groups:
-    """Boxes and prisms cut 256 to 4,096 times finer."""
+    """Boxes and prisms, each triangle subdivided into 256 to 4,096. Linear programs."""
     while True:
         a = _convex(rng, 0.5).placed(random_turn(rng), np.zeros(3))
         b = _convex(rng, rng.uniform(0.2, 0.5)).placed(random_turn(rng), rng.normal(size=3) * 0.2)
@@ -167,7 +167,7 @@ def _lump(rng: Random, kind: str, contact: float | None) -> Group:
         if bodies and rng.random() < 0.1:
             body = bodies[int(rng.integers(len(bodies)))]
         else:
-            is_block = not bodies and rng.random() < 0.5  # others may be in it
+            is_block = not bodies and rng.random() < 0.5  # so that others may be inside it
             cells = np.argwhere(np.ones((3, 3, 3), bool)) if is_block else pattern(rng)
             size = float(CELL * rng.choice([1, 1, 1, 2])) * (1 + is_block)
             body = Polycube(cells, even_planes(cells, size, rng.integers(0, 4, 3) * float(CELL) + _misses(rng)))
@@ -184,19 +184,19 @@ def _lump(rng: Random, kind: str, contact: float | None) -> Group:
 
 
 def polycubes(rng: Random) -> Groups:
-    """Lumps of polycubes, some hollow, some there twice: whole numbers."""
+    """Heaps of polycubes, some hollow, some duplicated. Integer arithmetic."""
     while True:
         yield _lump(rng, "polycubes", None)
 
 
 def polycubes_in_contact(rng: Random) -> Groups:
-    """The same with a `contact` that forgives some of what they share."""
+    """The same with a `contact` that allows some of the overlaps."""
     while True:
         yield _lump(rng, "polycubes, `contact` given", float(rng.choice([2.5e-9, 1.5e-6, 1.5e-4, 1.2e-3])))
 
 
 def balls(rng: Random) -> Groups:
-    """Balls of 8 to 64 sides. Depths of true balls are a closed form; facets lie in them by their sag."""
+    """Balls with 8 to 64 sides. Bounds from the closed form of true balls, and the sag of the facets."""
     while True:
         sizes = [rng.uniform(0.1, 0.4), rng.uniform(0.03, 0.4)]
         sides = [int(rng.choice([8, 12, 16, 24, 32, 48, 64])) for _ in sizes]
@@ -227,7 +227,7 @@ def balls(rng: Random) -> Groups:
 
 
 def solid(rng: Random) -> Mesh:
-    """A body of any of many forms, about 0.3 m large, turned at random."""
+    """A random body, about 0.3 m large: torus, tube, ball, hollow ball or polycube, randomly rotated."""
     kind = int(rng.integers(7))
     if kind == 0:
         mesh = torus(0.2, rng.uniform(0.04, 0.12), int(rng.integers(8, 25)), int(rng.integers(5, 11)))
@@ -248,13 +248,13 @@ def solid(rng: Random) -> Mesh:
 
 
 def _volume_of(mesh: Mesh) -> Any:
-    manifold3d = import_module("manifold3d")  # of `feeler[volume]`: the other experiments run without it
+    manifold3d = import_module("manifold3d")  # an extra, `feeler[volume]`: other experiments run without it
     vertices, faces = np.ascontiguousarray(mesh[0]), np.ascontiguousarray(mesh[1].astype(np.uint64))
     return manifold3d.Manifold(manifold3d.Mesh64(vertices, faces))
 
 
 def of_solids(a: Mesh, b: Mesh) -> Facts | None:
-    """What is true of any two solids; None where it hangs on rounding. Raises if depth and volume disagree."""
+    """The facts of any two solids; None if they depend on rounding. Raises if depth and volume disagree."""
     one, other = _volume_of(a), _volume_of(b)
     shared = (one ^ other).volume()
     volumes = one.volume(), other.volume()
@@ -278,7 +278,7 @@ DRESSES = 3
 
 
 def solids(rng: Random) -> Groups:
-    """Tori, tubes, balls, hollow balls, L, U, tee and more: branch and bound; verdicts by manifold3d's volumes."""
+    """Tori, tubes, balls, hollow balls, L, U, tee and more. Branch and bound; verdicts from volumes by manifold3d."""
     while True:
         a, b = solid(rng), solid(rng)
         b = b[0] * rng.choice([0.1, 0.2, 0.5, 1]) + rng.normal(size=3) * 0.07, b[1]
@@ -294,7 +294,7 @@ RADIUS_M = 0.005
 
 
 def pin_in_hole(rng: Random) -> tuple[Mesh, Mesh, float]:
-    """A pin, a block with a hole of the same nominal radius, and D; the pin may be up to 50 um thicker."""
+    """A pin, a block with a hole of the same nominal radius, and D. The radius of the pin may be up to 50 µm larger."""
     sides = [int(rng.choice([16, 20, 24, 32, 48, 64])) for _ in range(2)]
     phase = float(rng.uniform(0, 1)) if rng.random() < 0.7 else 0.0
     radius = RADIUS_M + float(rng.choice([0, 0, 1e-6, 1e-5, 5e-5]))
@@ -316,7 +316,7 @@ def pin_in_hole(rng: Random) -> tuple[Mesh, Mesh, float]:
 
 
 def pins(rng: Random) -> Groups:
-    """Pins in holes: right at a `contact` of 1.01 and 0.99 times the overlap, and at the default."""
+    """Pins in holes, with a `contact` of 0.99 and 1.01 times the depth, and the default."""
     while True:
         pin, block, depth = pin_in_hole(rng)
         turn, place = _dress(rng)
@@ -335,7 +335,7 @@ def pins(rng: Random) -> Groups:
 
 
 def copies(rng: Random) -> Groups:
-    """The same surface twice, cut otherwise and in another order; and a solid with its copy that has a cavity."""
+    """The same surface twice, with other triangles; and a solid with a copy that has a cavity."""
     planes = (np.array([-0.2, -0.1, 0.05, 0.2]),) * 3
     while True:
         if rng.random() < 0.2:
@@ -357,7 +357,7 @@ def copies(rng: Random) -> Groups:
 
 
 def sheets(rng: Random) -> Groups:
-    """Rectangles without thickness through, on and in a box: the verdict, and that the depth is an estimate."""
+    """Rectangles without thickness through, on and in a box. Expects a verdict, and a depth that is an estimate."""
     while True:
         low, high = np.zeros(3), rng.integers(2, 5, 3) * float(4 * CELL)
         start = rng.integers(-1, 4, 3) * float(4 * CELL) + _misses(rng)
@@ -376,7 +376,7 @@ def sheets(rng: Random) -> Groups:
         a = (plate[0][:, [2, 0, 1]], plate[1])
         b = box(np.roll(low, 1), np.roll(high, 1)).mesh()
         if crosses and not is_inside:
-            # Sunk by a nanometre and turned, this would hang on rounding.
+            # After a rotation, an overlap of a nanometre would depend on rounding.
             out = np.concatenate([(ends - low)[:2], (high - start)[:2], start[2:] - low[2:], high[2:] - start[2:]])
             if is_rounded and out.min() < STEPS[1]:
                 continue
@@ -397,7 +397,7 @@ FOIL_M, FOIL_CONTACT_M = 50e-6, 1e-4
 
 
 def foils(rng: Random) -> Groups:
-    """A foil of half the `contact`: pierced it is a clash, and where it lies on something, or just in it, a contact."""
+    """Foils of half the `contact`: a clash if pierced, a contact if they lie on a part or are slightly sunk into it."""
     while True:
         foil = box([-0.05, -0.05, -FOIL_M / 2], [0.05, 0.05, FOIL_M / 2])
         kind = int(rng.integers(5))
@@ -433,7 +433,7 @@ def foils(rng: Random) -> Groups:
 
 
 def webs(rng: Random) -> Groups:
-    """Bars through the webs of U and H frames, flush all around, turned: by rounding all planes are flush."""
+    """Rotated bars through the webs of U and H frames, flush all around up to rounding."""
     while True:
         size = float(rng.choice([0.0625, 0.05]))
         frame = [(0, 0, 0), (1, 0, 0), (2, 0, 0), (0, 1, 0), (2, 1, 0)]
@@ -467,10 +467,10 @@ KINDS: dict[str, tuple[Maker, int]] = {
     "foils": (foils, 240),
     "webs": (webs, 120),
 }
-"""By name: what makes the groups, and how many in a full run. A group of polycubes is 36 pairs."""
+"""By name: the generator, and the number of groups in a full run. A group of polycubes has 36 pairs."""
 
 
 def groups(name: str, number: int, seed: int) -> Groups:
-    """The first so many groups of a kind."""
+    """The first `number` groups of a kind."""
     maker, _ = KINDS[name]
     return islice(maker(np.random.default_rng([seed, *name.encode()])), number)

@@ -1,4 +1,4 @@
-"""Triangle meshes of the bodies, wound outwards: convex bodies, surfaces of revolution, polycubes; and finer cuts."""
+"""Triangle meshes, wound outwards: convex bodies, surfaces of revolution, polycubes; and their subdivision."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ def joined(*meshes: Mesh) -> Mesh:
 
 
 def cut_finer(mesh: Mesh, levels: int) -> Mesh:
-    """Each triangle cut into four at the middles of its sides, `levels` times. Neighbours share the new corners."""
+    """Subdivides each triangle into four, `levels` times. Neighbours share the new vertices."""
     vertices, faces = mesh
     for _ in range(levels):
         sides = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-        # One number for each side: rows would be compared field by field.
+        # One integer for each side: np.unique over rows is much slower.
         _, first, which = np.unique(sides[:, 0] * len(vertices) + sides[:, 1], return_index=True, return_inverse=True)
         middle = which.reshape(-1, 3) + len(vertices)
         ends = sides[first]
@@ -44,7 +44,7 @@ def cut_finer(mesh: Mesh, levels: int) -> Mesh:
 
 
 def shuffled(rng: np.random.Generator, mesh: Mesh) -> Mesh:
-    """The same triangles with vertices, faces and first corners in another order."""
+    """The same triangles in random order of vertices, faces and first corners."""
     vertices, faces = mesh
     order = rng.permutation(len(vertices))
     place = np.argsort(order)
@@ -54,14 +54,14 @@ def shuffled(rng: np.random.Generator, mesh: Mesh) -> Mesh:
 
 
 def random_turn(rng: np.random.Generator) -> Floats:
-    """A rotation matrix, uniform over all turns."""
+    """A random rotation matrix, uniform over all rotations."""
     four = rng.normal(size=4)
     a, b, c, d = (float(each) for each in four / np.linalg.norm(four))
     return np.array(_rotation(a, b, c, d))
 
 
 def whole_turn(rng: np.random.Generator) -> tuple[Floats, int]:
-    """A matrix of whole numbers that turns and scales, and its scale: exact on whole numbers."""
+    """An integer matrix that rotates and scales, and its scale. Exact for integer coordinates."""
     while True:
         a, b, c, d = (int(each) for each in rng.integers(-2, 3, 4))
         scale = a * a + b * b + c * c + d * d
@@ -70,7 +70,7 @@ def whole_turn(rng: np.random.Generator) -> tuple[Floats, int]:
 
 
 def _rotation(a: float, b: float, c: float, d: float) -> list[list[float]]:
-    """Of the quaternion a + bi + cj + dk; scaled by its squared length."""
+    """The rotation matrix of the quaternion a + bi + cj + dk, times its squared length."""
     return [
         [a * a + b * b - c * c - d * d, 2 * (b * c - a * d), 2 * (b * d + a * c)],
         [2 * (b * c + a * d), a * a - b * b + c * c - d * d, 2 * (c * d - a * b)],
@@ -91,10 +91,10 @@ class Convex:
         return Convex(tuple(face @ turn.T + place for face in self.faces))
 
     def planes(self) -> tuple[Floats, Floats]:
-        """Outward unit normals and offsets: inside is `normals @ point <= offsets`."""
+        """Outward unit normals and offsets. A point is inside if `normals @ point <= offsets`."""
         normals = []
         for face in self.faces:
-            normal = np.cross(face, np.roll(face, -1, axis=0)).sum(axis=0)  # Newell's
+            normal = np.cross(face, np.roll(face, -1, axis=0)).sum(axis=0)  # Newell's method
             normals.append(normal / np.linalg.norm(normal))
         offsets = [float((face @ normal).max()) for face, normal in zip(self.faces, normals, strict=True)]
         return np.array(normals), np.array(offsets)
@@ -129,7 +129,7 @@ def box(low: Sequence[float] | Floats, high: Sequence[float] | Floats) -> Convex
 
 
 def frustum(sides: int, low_radius: float, high_radius: float, height: float, phase: float = 0.0) -> Convex:
-    """A prism if both radii are equal, a pyramid if the upper one is 0. Its middle is at the origin."""
+    """A prism if both radii are equal, a pyramid if the upper one is 0. Centred on the origin."""
     angles = phase + 2 * np.pi * np.arange(sides) / sides
     ring = np.stack([np.cos(angles), np.sin(angles), np.zeros(sides)], axis=1)
     low = low_radius * ring - [0, 0, height / 2]
@@ -146,8 +146,8 @@ def frustum(sides: int, low_radius: float, high_radius: float, height: float, ph
 
 
 def revolved(outline: Sequence[tuple[float, float]], sides: int, phase: float = 0.0, is_ring: bool = False) -> Mesh:
-    """Flat sides around z. outline: (radius, z), upwards on the outside; a ring closes on itself, other outlines begin
-    and end on the axis (radius 0).
+    """Rotates an outline around z, in flat sides. outline: points (radius, z), upwards on the outside. The outline of a
+    ring is closed; other outlines start and end on the axis (radius 0).
     """
     angles = phase + 2 * np.pi * np.arange(sides) / sides
     ring = np.stack([np.cos(angles), np.sin(angles)], axis=1)
@@ -181,7 +181,7 @@ def ball(radius: float, sides: int, stacks: int) -> Mesh:
 
 
 def torus(radius: float, thickness: float, sides: int, around: int) -> Mesh:
-    """radius: of the middle circle; thickness: radius of the tube, with `around` sides."""
+    """radius: of the centre circle. thickness: radius of the tube, which has `around` sides."""
     angles = 2 * np.pi * np.arange(around) / around
     outline = [(radius + thickness * float(np.cos(t)), thickness * float(np.sin(t))) for t in angles]
     return revolved(outline, sides, is_ring=True)
@@ -202,7 +202,7 @@ def sheet(low: Sequence[float], high: Sequence[float], z: float) -> Mesh:
 
 @dataclass(frozen=True)
 class Polycube:
-    """Cells of a lattice, and where its lattice planes are along each axis: whole numbers in the proofs."""
+    """Cells of a lattice, and the coordinates of the lattice planes along each axis (integers for exact depths)."""
 
     cells: npt.NDArray[np.int64]
     planes: tuple[Floats, Floats, Floats]
@@ -214,7 +214,7 @@ class Polycube:
         return np.stack(low, axis=1), np.stack(high, axis=1)
 
     def squares(self) -> list[tuple[tuple[int, ...], int, int]]:
-        """Cell, axis and side (0 lower, 1 upper) of each square between a cell and none."""
+        """Cell, axis and side (0 lower, 1 upper) of each square of the boundary."""
         own = {tuple(cell) for cell in self.cells.tolist()}
         found = []
         for cell in sorted(own):
@@ -237,7 +237,7 @@ class Polycube:
         return np.array(low), np.array(high)
 
     def mesh(self, rng: np.random.Generator, cut: int = 1) -> Mesh:
-        """Each square of the boundary in `cut` by `cut` squares of two triangles, with diagonals at random."""
+        """Divides each square of the boundary into `cut` by `cut` squares of two triangles, with random diagonals."""
         squares = self.squares()
         keys: list[Faces] = []
         steps = np.arange(cut + 1)
@@ -265,7 +265,7 @@ class Polycube:
         return vertices, faces
 
     def is_manifold(self) -> bool:
-        """Whether exactly two squares meet at each edge, and none of its corners joins two bodies."""
+        """Whether exactly two boundary squares meet at each edge, and no vertex joins two bodies."""
         own = np.zeros(self.cells.max(axis=0) + 3, bool)
         own[tuple((self.cells + 1).T)] = True
         for axis in range(3):
@@ -273,7 +273,7 @@ class Polycube:
             a, b, c, d = flat[:-1, :-1], flat[1:, :-1], flat[:-1, 1:], flat[1:, 1:]
             if np.any((a & d & ~b & ~c) | (b & c & ~a & ~d)):
                 return False
-        # Two cells, or two gaps, that share a corner alone.
+        # Two cells, or two gaps, that share only a corner.
         for flip in ((1, 1), (1, -1), (-1, 1), (-1, -1)):
             side = own[:, :: flip[0], :: flip[1]]
             eight = [
@@ -305,7 +305,7 @@ PATTERNS: dict[str, list[tuple[int, int, int]]] = {
 
 
 def pattern(rng: np.random.Generator, name: str | None = None) -> npt.NDArray[np.int64]:
-    """Cells of a named pattern, or of any or none, with axes and directions at random; from 0 on."""
+    """The cells of a pattern with random axes and directions. name: None takes any pattern, or random cells."""
     if name is None:
         names = [*PATTERNS, "random"]
         name = names[int(rng.integers(len(names)))]
@@ -334,6 +334,6 @@ def _grown(rng: np.random.Generator) -> npt.NDArray[np.int64]:
 def even_planes(
     cells: npt.NDArray[np.int64], size: float, start: Sequence[float] | Floats = (0, 0, 0)
 ) -> tuple[Floats, Floats, Floats]:
-    """Lattice planes at equal distances."""
+    """Equally spaced lattice planes."""
     x, y, z = (start[axis] + size * np.arange(cells[:, axis].max() + 2) for axis in range(3))
     return x, y, z

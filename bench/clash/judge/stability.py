@@ -1,4 +1,4 @@
-"""What must not change a depth: cutting each triangle in four, and moving parts by a little."""
+"""Checks that depths are stable when triangles are subdivided, and when parts move slightly."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ MOST_EXAMPLES = 5
 
 
 def measured(seed: int, is_quick: bool) -> list[Result]:
-    """For each set of parts and each change: the pairs, and those whose depth changes by more than it may."""
+    """For each set of parts and each change: the number of pairs, and of depths that change too much."""
     rows = []
     for name, parts in _sets(seed, is_quick):
         before = answers(mockup_of(parts))
@@ -35,7 +35,7 @@ def measured(seed: int, is_quick: bool) -> list[Result]:
             moves *= step / np.linalg.norm(moves, axis=1)[:, None]
             moved = [(vertices + move, faces) for (vertices, faces), move in zip(parts, moves, strict=True)]
             after = answers(mockup_of(moved))
-            change = f"each part moved by {_length(step)} its own way"
+            change = f"each part moved by {_length(step)} in its own direction"
             rows.append({"parts": name, "change": change, **compared(before, after, rounding + 2 * step)})
     return rows
 
@@ -48,15 +48,15 @@ def _sets(seed: int, is_quick: bool) -> Iterator[tuple[str, Parts]]:
     for name, numbers in (("polycubes", (1, 20)), ("solids", (6, 120)), ("pins", (9, 180))):
         found: Parts = []
         for number, group in enumerate(groups(name, numbers[not is_quick], seed)):
-            # Each at the origin of its own cell, as far places have their own pairs above.
+            # Near the origin: the judged pairs cover large coordinates.
             slot = SPACING_M * np.array([number % 8, number // 8 % 8, number // 64], float)
             found += group.in_world(slot - group.place * group.unit)
-        yield f"{name} of above", found
+        yield f"{name}, as above", found
     yield "sample engine", parts_of(feeler.sample("engine", 10_000 if is_quick else 30_000))
 
 
 def parts_of(mockup: feeler.Mockup) -> Parts:
-    """Each part of a mock-up as a mesh of its own."""
+    """Each part of a mock-up as a separate mesh."""
     found = []
     for part in range(mockup.part_count):
         faces = mockup.faces[mockup.part_of_face == part]
@@ -66,7 +66,7 @@ def parts_of(mockup: feeler.Mockup) -> Parts:
 
 
 def compared(before: Mapping[Pair, Answer], after: Mapping[Pair, Answer], allowed: float) -> Result:
-    """Depths whose bounds are farther apart than allowed, metres. A pair without a row has depth 0."""
+    """Counts depths whose bounds are farther apart than `allowed`, metres. A pair without a finding has depth 0."""
     most, verdicts = 0.0, 0
     wrong = []
     pairs = sorted(before.keys() | after.keys())

@@ -1,7 +1,7 @@
-"""Truth for boxes by a closed form, and for polycubes by branch and bound over rectangles: in whole numbers.
+"""The depth of boxes by a closed form, and of polycubes by branch and bound over rectangles, in integer arithmetic.
 
-Lattice planes are whole numbers in float64, so that every comparison is exact. Only the square root of a distance and
-the last bisections round, by a few 1e-16 of the depth.
+Lattice planes are integers in float64, so comparisons are exact. Only the square root of a distance and the last
+bisections round, by a few 1e-16 of the depth.
 """
 
 from __future__ import annotations
@@ -14,15 +14,15 @@ from .facts import Facts
 from .shapes import Bools, Floats, Polycube
 
 PRECISION = 1e-9
-"""Of the depth: how near the bounds of branch and bound come to each other."""
+"""The relative distance of the bounds at which branch and bound stops."""
 MOST_ROUNDS = 120
 
 
 def boxes(low_a: Floats, high_a: Floats, low_b: Floats, high_b: Floats) -> Facts:
     """Two boxes with parallel edges, by a closed form.
 
-    Inside a box the distance to its surface is the least of six plane distances, and on a face of the other box these
-    depend on one coordinate each: the greatest least is the least of the greatest.
+    Inside a box, the distance to its surface is the minimum of six plane distances. On a face of the other box, each of
+    them depends on one coordinate, so the maximum of the minimum is the minimum of the maxima.
     """
     apart = np.maximum(np.maximum(low_b - high_a, low_a - high_b), 0)
     gap = float(np.sqrt((apart * apart).sum()))
@@ -86,7 +86,7 @@ def polycubes(a: Polycube, b: Polycube) -> Facts:
 
 
 def _occupied(body: Polycube, planes: list[Floats]) -> Bools:
-    """Which cells of a finer lattice the body fills."""
+    """The cells of a finer lattice that the body fills."""
     found = np.zeros([len(each) - 1 for each in planes], bool)
     for low, high in zip(*body.ends(), strict=True):
         where = tuple(
@@ -97,7 +97,7 @@ def _occupied(body: Polycube, planes: list[Floats]) -> Bools:
 
 
 def _squares_inside(own: Bools, other: Bools, planes: list[Floats]) -> tuple[Floats, Floats]:
-    """Lower and upper corners of the squares of one surface that lie in the other body."""
+    """Lower and upper corners of the squares of one surface inside the other body."""
     lows, highs = [np.empty((0, 3))], [np.empty((0, 3))]
     for axis in range(3):
         before = tuple(slice(None, -1) if i == axis else slice(None) for i in range(3))
@@ -116,10 +116,10 @@ def _is_touching(a: Polycube, b: Polycube) -> bool:
 
 
 def _deepest(low: Floats, high: Floats, to_low: Floats, to_high: Floats, known: float) -> tuple[float, float]:
-    """Bounds of the greatest distance from a point of the squares to the nearest of the rectangles.
+    """Bounds of the largest distance from a point of the squares to the nearest rectangle.
 
-    The distance to one rectangle is convex, so over a square it is greatest at a corner, and as the axes are
-    independent, that is the greatest along each axis. known: less deep than this is of no interest.
+    The distance to a rectangle is convex, so on a square it is largest at a corner. The axes are independent, so each
+    axis has its own maximum. known: a lower bound; squares below it are pruned.
     """
     best = known**2
     for _ in range(MOST_ROUNDS):
@@ -130,7 +130,7 @@ def _deepest(low: Floats, high: Floats, to_low: Floats, to_high: Floats, known: 
         most = np.maximum(apart[0], apart[2])
         upper = most.sum(axis=-1)
         bound = upper.min(axis=1)
-        # The middle and the corners of each square. Its own axis has one coordinate, so that some are there twice.
+        # The centre and the corners of each square. Some coincide, since a square is flat along one axis.
         best = max(best, float(apart[1].sum(axis=-1).min(axis=1).max()))
         for which in product((0, 2), repeat=3):
             corner = sum(apart[end, ..., axis] for axis, end in enumerate(which))
@@ -139,7 +139,7 @@ def _deepest(low: Floats, high: Floats, to_low: Floats, to_high: Floats, known: 
         if not stays.any():
             return best**0.5, (best * (1 + PRECISION)) ** 0.5
         low, high, bound, most, apart = low[stays], high[stays], bound[stays], most[stays], apart[:, stays]
-        # Halved along the axis along which distances to rectangles that matter differ most.
+        # Halved along the axis with the largest change of a relevant distance.
         least = (np.maximum(np.maximum(to_low - high[:, None], low[:, None] - to_high), 0) ** 2).sum(axis=-1)
         change = most - np.minimum(np.minimum(apart[0], apart[2]), apart[1])
         change = np.where((least <= bound[:, None])[..., None], change, 0).max(axis=1)

@@ -1,4 +1,4 @@
-"""Clash: every pair of parts of a mock-up, told apart, measured, tracked, reported.
+"""Clash check: classifies all pairs of parts of a mock-up, measures, tracks and reports them.
 
     Mockup, rules -> finding (the core's rows) -> Clashes (table) -> groups; diff, save; CSV, XLSX, JSON, HTML, BCF, GLB
 

@@ -1,4 +1,4 @@
-"""What a result means where its rows alone do not say it: one part, open parts, nothing near."""
+"""Explains results that are empty or incomplete: a single part, open parts, nothing within the clearance."""
 
 from __future__ import annotations
 
@@ -6,19 +6,19 @@ from feeler.clashes.table import Clashes
 from feeler.clashes.words import length
 
 _NAMED = 3
-"""Parts that a sentence names."""
+"""How many parts a note lists by name."""
 
 
 def advice(clashes: Clashes) -> list[str]:
-    """Sentences on what the check could not find, and what to do about it; none where the findings say it all."""
+    """Notes on what the check could not find, and what to do about it. Empty if nothing needs explaining."""
     facts = clashes.facts
     found = []
     present = facts.present if facts.present is not None else facts.parts
     if present < 2 and not len(clashes):
         what = "1 part" if present == 1 else "no part"
         found.append(
-            f"{what} only: there is nothing to check against. Pass an assembly, or several files; a model that was "
-            "exported as one body is one part"
+            f"{what} only: there is nothing to check against. Pass an assembly, or several files. A model that was "
+            "exported as one body counts as one part"
         )
     elif not len(clashes) and not clashes.is_partial:
         found.append(_nothing(clashes))
@@ -40,8 +40,8 @@ def _nothing(clashes: Clashes) -> str:
     if facts.clearance == 0.0:
         return "no pair of parts meets. Pass a clearance, such as 0.002 metres, to find pairs that are too near"
     return (
-        f"no pair of parts meets, or is nearer than {length(facts.clearance)}. Pass a larger clearance to see which "
-        "come nearest"
+        f"no pair of parts meets, or is nearer than {length(facts.clearance)}. Pass a larger clearance to find "
+        "the nearest pairs"
     )
 
 

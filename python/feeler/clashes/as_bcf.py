@@ -27,14 +27,14 @@ if TYPE_CHECKING:
     from feeler.clashes.pictures import View
 
 MOST_TOPICS = 100
-"""Topics of a file, the worst groups: a tracker of issues that is given thousands is not read."""
+"""Most topics in a file, one for each of the worst groups. Nobody reads thousands."""
 MOST_LINES = 50
-"""Findings that a topic tells one by one."""
+"""Most findings that the description of a topic lists."""
 
 SYSTEM = "feeler"
 _STATUSES = ("new", "active", "reviewed", "approved")
 _COLOURS = ("4580CC", "FF850D")  # of the first and the second part, as in the picture
-_EPOCH = (1980, 1, 1, 0, 0, 0)  # the first moment that a zip can tell: the same findings give the same bytes
+_EPOCH = (1980, 1, 1, 0, 0, 0)  # the earliest time that a zip can store: equal findings give equal bytes
 _LONGEST_TITLE = 250
 """Characters of a title; the description has the paths in full."""
 _UNNAMED = "(no name)"
@@ -52,11 +52,11 @@ def write_bcf(
     when: datetime.datetime | None = None,
     progress: Callable[[float, str], object] | None = None,
 ) -> int:
-    """Writes a topic for each of the first `most` groups, with the view and the picture of its worst; returns how many.
+    """Writes a topic for each of the `most` worst groups, with a viewpoint and a picture. Returns the number of topics.
 
-    by: how groups are made, as of `Clashes.groups`. author, when: of the topics; now, unless told otherwise. Parts are
-    named by their paths, as `AuthoringToolId`. Raises `WriteError`, and `OptionError` where the clashes are of another
-    mock-up, or `most` is no number of topics.
+    The viewpoint and the picture show the worst finding of the group. `AuthoringToolId` holds the path of a part. by:
+    how to group, as in `Clashes.groups`. author, when: of the topics; `when` is now by default. Raises `WriteError`,
+    and `OptionError` if the clashes are of another mock-up or `most` is less than 1.
     """
     from feeler.clashes.as_glb import check_same
     from feeler.clashes.pictures import Pictures
@@ -92,7 +92,7 @@ Element = ElementTree.Element
 
 
 def _element(name: str, attributes: Mapping[str, str] | None = None, *inside: Element | str) -> Element:
-    """An element with what is in it: text or elements. Characters that XML cannot have become question marks."""
+    """An XML element with its text or child elements. Characters that XML forbids become question marks."""
     made = Element(name, {key: _NO_XML.sub("?", value) for key, value in (attributes or {}).items()})
     for each in inside:
         if isinstance(each, str):
@@ -103,7 +103,7 @@ def _element(name: str, attributes: Mapping[str, str] | None = None, *inside: El
 
 
 def _named(text: str, otherwise: str = _UNNAMED) -> str:
-    """The text; `otherwise` where it is blank, which the schema forbids (`NonEmptyOrBlankString`)."""
+    """The text, or `otherwise` if it is blank: the schema forbids blank text (`NonEmptyOrBlankString`)."""
     return text if text.strip() else otherwise
 
 
@@ -159,7 +159,7 @@ def _markup(group: Group, clashes: Clashes, number: int, guid: str, view: str, a
         {
             "Guid": guid,
             "TopicType": "Clash",
-            # What nobody has looked at is said first.
+            # The least reviewed finding gives the status of the topic.
             "TopicStatus": next((each for each in _STATUSES if each in statuses), "new"),
         },
         _element("Title", {}, _shortened(title(group))),

@@ -11,10 +11,10 @@ from feeler.io.csv_table import csv_table
 
 
 def write_csv(path: str | os.PathLike[str], clashes: Clashes, *, by: str = "part") -> None:
-    """Writes a line for each finding, the worst first; numbers are the shortest that read back the same.
+    """Writes a line for each finding, the worst first. Numbers have just enough digits to read back unchanged.
 
-    Unknown values, such as a volume that was not measured, are empty fields. Text that a spreadsheet would compute gets
-    an apostrophe in front. by: how groups are made. Raises `WriteError`.
+    Unknown values, such as a volume that was not measured, are empty fields. Text that a spreadsheet would take for a
+    formula gets a leading apostrophe. by: how to group, as in `Clashes.groups`. Raises `WriteError`.
     """
     with atomic_file(path) as file:
         file.write(csv_table([column.name for column in COLUMNS], cells(clashes, by)))

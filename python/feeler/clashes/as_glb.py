@@ -1,4 +1,4 @@
-"""Findings as GLB: the parts of pairs in the colour of their worst verdict, with a line each."""
+"""Findings as GLB: parts in the colour of their worst verdict, and a line for each finding."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ _THICKNESS_SHARE = 0.0005  # of the mock-up's size
 def clash_bodies(mockup: Mockup, clashes: Clashes) -> tuple[Body, ...]:
     """The mock-up and the lines of its findings, coloured.
 
-    A part has the colour of its worst finding, the rest is light grey. A line goes from the point of one part to that
-    of the other; where there is a way out, along it. A way out that is not known has no line.
+    A part has the colour of its worst finding; parts without findings are light grey. A line shows the translation of
+    a finding, or joins its two points if it has none. An unknown translation has no line.
     """
     from feeler.picture.bars import LEAST_THICKNESS_M, bars
 
@@ -60,11 +60,11 @@ def write_clash_glb(path: str | os.PathLike[str], clashes: Clashes, mockup: Mock
 
 
 def check_same(mockup: Mockup, clashes: Clashes) -> None:
-    """Raises `OptionError` where the findings do not count the parts of this mock-up."""
+    """Raises `OptionError` if the findings are of another mock-up."""
     if tuple(mockup.part_paths) != clashes.part_paths:
         raise OptionError(
-            "the clashes are of other parts than the mock-up's: give the mock-up that was checked, and what "
-            "feeler.clash said of it (clashes of a file have no part numbers)"
+            "the clashes are of other parts than the mock-up's: give the mock-up that was checked, and the result of "
+            "feeler.clash (clashes loaded from a file have no part numbers)"
         )
 
 

@@ -1,4 +1,4 @@
-"""Findings as one page that needs nothing else: summary, groups with pictures, a table to filter."""
+"""Findings as one HTML page that loads nothing else: summary, groups with pictures, a table with filters."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from feeler.io.atomic import atomic_file
 from feeler.mockup import Mockup
 
 MOST_GROUPS = 200
-"""Groups that are shown, the worst first, each with a picture: about 30 kB and 0.05 s. The table has all findings."""
+"""Most groups on the page, the worst first. Each has a picture, about 30 kB and 0.05 s. The table has all findings."""
 MOST_ROWS = 20_000
-"""Findings that the table has, the worst first: 6 MB. CSV and JSON have all."""
+"""Most findings in the table, the worst first: 6 MB. CSV and JSON have all."""
 
 
 def write_html(
@@ -34,10 +34,11 @@ def write_html(
     pictures: int = MOST_GROUPS,
     progress: Callable[[float, str], object] | None = None,
 ) -> None:
-    """Writes the page; it loads nothing from anywhere.
+    """Writes the page. It needs no network.
 
-    The table has the `MOST_ROWS` worst. mockup: for pictures, of the worst of each of the first `pictures` groups;
-    None: none. by: how groups are made. Raises `WriteError`, and `OptionError` for clashes of another mock-up.
+    The table lists the `MOST_ROWS` worst findings. With `mockup`, the `pictures` worst groups show a picture of their
+    worst finding. by: how to group, as in `Clashes.groups`. Raises `WriteError`, and `OptionError` for clashes of
+    another mock-up.
     """
     groups = clashes.groups(by)
     drawn = _drawn(clashes, mockup, groups[: min(pictures, MOST_GROUPS)], progress) if mockup is not None else []
@@ -63,7 +64,7 @@ def write_html(
 def _drawn(
     clashes: Clashes, mockup: Mockup, groups: list[Group], progress: Callable[[float, str], object] | None
 ) -> list[str]:
-    """The picture of each group's worst, as what an image's source takes."""
+    """The picture of each group's worst finding, as a data URL."""
     from feeler.clashes.as_glb import check_same
     from feeler.clashes.pictures import Pictures
 
@@ -94,7 +95,7 @@ def _summary(clashes: Clashes, groups: list[Group]) -> list[str]:
         ("groups", f"{len(groups):,}"),
         *([("hidden", hidden(clashes))] if clashes.hidden else []),
     ]
-    partial = ["<p class=partial>The check was stopped: this is what was found until then.</p>"]
+    partial = ["<p class=partial>The check was stopped. More findings may exist.</p>"]
     items = "".join(f"<dt>{escape(name)}</dt><dd>{escape(value)}</dd>" for name, value in lines)
     said = [f"<p class=advice>{escape(capitalised(each))}.</p>" for each in advice(clashes)]
     return [*(partial if clashes.is_partial else []), f"<dl>{items}</dl>", *said]
@@ -112,7 +113,7 @@ def _groups(groups: list[Group], drawn: list[str]) -> list[str]:
             f"<b>{escape(group.name).replace('/', '/<wbr>')}</b>{more}; {escape(sentence(group.worst))}</span></button>"
         )
     left = len(groups) - MOST_GROUPS
-    return [*lines, "</div>", f"<p>... and {left:,} groups more, in the table</p>" if left > 0 else ""]
+    return [*lines, "</div>", f"<p>... and {left:,} more groups, in the table</p>" if left > 0 else ""]
 
 
 def _table(clashes: Clashes) -> list[str]:
@@ -138,12 +139,12 @@ def _table(clashes: Clashes) -> list[str]:
         f"<p>The {MOST_ROWS:,} worst of {len(clashes):,} findings are in this page.</p>"
         if len(clashes) > MOST_ROWS
         else "",
-        "<noscript><p>The table needs scripts, which this page carries itself.</p></noscript>",
+        "<noscript><p>The table needs JavaScript. The page contains its own scripts.</p></noscript>",
     ]
 
 
 def _data(clashes: Clashes, group_of: dict[int, str]) -> str:
-    """The table's rows as JSON that may stand in a page: nothing in it ends the element."""
+    """The rows of the table as JSON, escaped so that no text can end the script element."""
     found: list[dict[str, Any]] = [
         {
             "id": clash.id,

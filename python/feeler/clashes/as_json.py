@@ -11,9 +11,9 @@ from feeler.clashes.verdict import Verdict
 
 
 def report(clashes: Clashes, *, by: str = "part") -> dict[str, Any]:
-    """Counts, groups and findings, the worst first, as plain Python values; each finding with the name of its group.
+    """Counts, groups and findings as plain Python values, the worst first. Each finding has the name of its group.
 
-    by: how groups are made, as of `Clashes.groups`.
+    by: how to group, as in `Clashes.groups`.
     """
     groups = clashes.groups(by)
     group_of = {int(row): group.name for group in groups for row in group.rows}
@@ -35,6 +35,6 @@ def report(clashes: Clashes, *, by: str = "part") -> dict[str, Any]:
 
 
 def statuses(clashes: Clashes) -> dict[str, int]:
-    """How many findings there are of each status, those that are resolved included."""
+    """The number of findings of each status, including resolved ones."""
     found = {name: len(clashes.where(status=name)) for name in ("new", "active", "reviewed", "approved")}
     return {**found, "resolved": len(clashes.earlier().where(status="resolved"))}

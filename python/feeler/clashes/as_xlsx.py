@@ -1,4 +1,4 @@
-"""Findings as a workbook for Excel, a row each with its picture, by XlsxWriter: an extra, `feeler[xlsx]`."""
+"""Findings as an Excel workbook with pictures, a row for each. Needs XlsxWriter, the extra `feeler[xlsx]`."""
 
 from __future__ import annotations
 
@@ -22,20 +22,20 @@ from feeler.io.csv_table import Cell
 from feeler.mockup import Mockup
 
 MOST_PICTURES = 200
-"""Findings with a picture, the worst: about 20 kB and 0.05 s each."""
+"""Most findings with a picture, the worst first: about 20 kB and 0.05 s each."""
 MOST_ROWS = 100_000
-"""Findings that a workbook has, the worst first: 30 MB. CSV and JSON have all."""
+"""Most findings in a workbook, the worst first: 30 MB. CSV and JSON have all."""
 
 _SCALE, _ROW_HEIGHT, _PICTURE_WIDTH = 0.35, 80.0, 25.0
 """Of a picture of 480 by 300 pixels; points; characters of the sheet's font."""
 _WIDTHS = {"id": 12.0, "group": 30.0, "path_a": 40.0, "path_b": 40.0, "note": 30.0}
 _WIDTH = 12.0
 _CREATED = datetime.datetime(1980, 1, 1)
-"""So that the same findings give the same bytes."""
+"""Fixed, so that equal findings give equal bytes."""
 
 
 def xlsx_library() -> Any:
-    """XlsxWriter. Raises `OptionError` where it is not installed."""
+    """The module XlsxWriter. Raises `OptionError` if it is not installed."""
     try:
         return importlib.import_module("xlsxwriter")
     except ImportError:
@@ -53,9 +53,9 @@ def write_xlsx(
 ) -> None:
     """Writes a sheet with a row for each of the `MOST_ROWS` worst findings, and a sheet with the summary.
 
-    Text is text, never a formula; numbers are numbers, with their units in the heading. mockup: for pictures, of the
-    `pictures` worst findings; None: none. by: how groups are made. Needs XlsxWriter. Raises `WriteError`, and
-    `OptionError` for clashes of another mock-up, and where XlsxWriter is not installed.
+    Text is never stored as a formula. Numbers are numbers, with units in the headings. With `mockup`, the `pictures`
+    worst findings have a picture. by: how to group, as in `Clashes.groups`. Raises `WriteError`, and `OptionError` for
+    clashes of another mock-up, or if XlsxWriter is not installed.
     """
     library = xlsx_library()
     drawn = _drawing(clashes, mockup) if mockup is not None else None
@@ -109,10 +109,10 @@ def _drawing(clashes: Clashes, mockup: Mockup) -> Callable[[int], bytes]:
 
 
 def _write(sheet: Any, row: int, column: int, cell: Cell, style: Any = None) -> None:
-    """A cell as what it is; what is not known stays empty."""
+    """Writes text as text and numbers as numbers. Unknown values stay empty."""
     if isinstance(cell, str):
         text = cell.encode("utf-8", errors="replace").decode("utf-8")
-        sheet.write_string(row, column, text, style)  # which cuts what is longer than a cell of Excel can be
+        sheet.write_string(row, column, text, style)  # it cuts text that is too long for a cell of Excel
     elif cell is not None and math.isfinite(cell):
         sheet.write_number(row, column, cell, style)
 
@@ -130,7 +130,7 @@ def _summary(sheet: Any, clashes: Clashes, count: int, pictured: int, bold: Any)
         *verdicts,
         *statuses(clashes).items(),
         *([("hidden", hidden(clashes))] if clashes.hidden else []),
-        *([("partial", "the check was stopped: this is what was found until then")] if clashes.is_partial else []),
+        *([("partial", "the check was stopped. More findings may exist")] if clashes.is_partial else []),
         *(("note", capitalised(each)) for each in advice(clashes)),
         *([("note", f"The {count:,} worst findings are in this workbook")] if count < len(clashes) else []),
         *([("note", f"The {pictured:,} worst findings have pictures")] if 0 < pictured < count else []),

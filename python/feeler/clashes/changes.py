@@ -23,9 +23,9 @@ Pair = tuple[str, str, str]
 
 @dataclass(frozen=True)
 class Changes:
-    """The findings of a check by their status, each a table; `resolved` has rows of the check before.
+    """The findings of a check by status, each a table. `resolved` has rows of the previous check.
 
-    parts: how many parts of the check before are in this mock-up, and which have other names.
+    parts: how many parts of the previous check are in this mock-up, and which were renamed.
     """
 
     new: Clashes
@@ -36,12 +36,12 @@ class Changes:
     parts: PartMatch
 
     def counts(self) -> dict[str, int]:
-        """How many there are of each status."""
+        """The number of findings of each status."""
         return {name: len(getattr(self, name)) for name in ("new", "active", "reviewed", "approved", "resolved")}
 
 
 class _Known:
-    """A table of the check before, and which of its parts are which now."""
+    """A table of the previous check, with the part of this check that each of its parts matches."""
 
     def __init__(self, table: Clashes, now: Shapes) -> None:
         self.table = table
@@ -50,11 +50,11 @@ class _Known:
         new_of_old, is_same = matched(self.shapes, now)
         row_of_key = {key: row for row, key in enumerate(self.shapes.keys)}
         self.key_now: dict[str, str] = {}
-        """Of each part with findings that is still there, by the key before."""
+        """The key of each matched part now, by its previous key."""
         self.renamed: dict[str, str] = {}
-        """How the keys changed, of those that did: "renamed" or "renumbered"."""
+        """How a key changed, "renamed" or "renumbered", by the previous key; only keys that changed."""
         self.altered = 0
-        """How many have their key still, but another shape or place."""
+        """The number of parts with the same key, but another shape or place."""
         is_altered = self.shapes.is_known & ~is_same
         is_known_now = now.is_known
         for name in names:
@@ -71,7 +71,7 @@ class _Known:
         self._gone = [i for i, new in enumerate(new_of_old.tolist()) if new < 0]
 
     def rows(self) -> Iterator[tuple[Pair | None, str]]:
-        """Each finding as it is now, None where a part of it is gone; and how the keys of its parts changed."""
+        """For each finding: its pair now, None if a part is gone; and how the keys of its parts changed."""
         keys, table = self.table.keys, self.table
         for rule, a, b in zip(table.rule.tolist(), table.a.tolist(), table.b.tolist(), strict=True):
             one, other = keys[a], keys[b]
@@ -82,11 +82,11 @@ class _Known:
             yield _pair(rule, self.key_now[one], self.key_now[other]), min(changed, default="")
 
     def gone(self) -> Shapes:
-        """The parts that are no longer there."""
+        """The parts that match no part of this check."""
         return self.shapes.rows(self._gone)
 
     def match(self) -> PartMatch:
-        """How many parts with findings are still there."""
+        """How many parts with findings match a part of this check."""
         renamed = {name: self.key_now[name] for name in self.renamed}
         return PartMatch(len(self.names), len(self.key_now) - len(renamed), self.altered, len(renamed), renamed)
 
@@ -102,7 +102,7 @@ def changes(now: Clashes, before: Clashes, growth: float) -> Changes:
     _check_match(known, shapes)
     marks, left = _carried(now, known, growth)
     if now.is_partial:
-        # A check that was stopped has not looked everywhere: what it did not find stays as it was.
+        # A check that was stopped did not check all pairs: findings that it misses keep their status.
         earlier = _waiting(known, left, shapes)
     else:
         gone = [each.table[rows] for each, rows in zip(known, left, strict=True)]
@@ -114,7 +114,7 @@ def changes(now: Clashes, before: Clashes, growth: float) -> Changes:
 
 
 def _known(before: Clashes, now: Shapes) -> list[_Known]:
-    """The findings of the check before, and those that it handed on from a check before that."""
+    """The findings of the previous check, and the unresolved ones that it kept from earlier checks."""
     waiting = before.earlier()
     waiting = waiting[waiting.status != "resolved"]
     return [_Known(table, now) for table in ((before, waiting) if len(waiting) else (before,))]
@@ -123,7 +123,7 @@ def _known(before: Clashes, now: Shapes) -> list[_Known]:
 def _carried(
     now: Clashes, known: Sequence[_Known], growth: float
 ) -> tuple[dict[str, Mark], list[npt.NDArray[np.intp]]]:
-    """The mark of each finding by its id; and the rows of each table before that are not found again."""
+    """The mark of each finding by id, and the rows of each previous table that were not found again."""
     keys = now.keys
     rows = zip(now.rule.tolist(), now.a.tolist(), now.b.tolist(), strict=True)
     here = {_pair(rule, keys[a], keys[b]) for rule, a, b in rows}
@@ -146,9 +146,9 @@ def _carried(
 
 
 def _waiting(known: Sequence[_Known], left: Sequence[npt.NDArray[np.intp]], now: Shapes) -> Clashes:
-    """Rows that were not found again, under the keys that their parts have now.
+    """Rows that were not found again, with the current keys of their parts.
 
-    A row of a part that is gone is left out where the key of that part is another's now.
+    Leaves out a row if one of its parts is gone and another part now has its key.
     """
     taken = set(now.keys)
     tables, keys = [], []
@@ -167,9 +167,9 @@ def _pair(rule: str, one: str, other: str) -> Pair:
 
 
 def check_previous(mockup: Mockup, before: Clashes) -> None:
-    """Raises `LoadError` where no part of what was found before is in a mock-up, by path or by shape.
+    """Raises `LoadError` if no part of the previous findings is in the mock-up, by path or by shape.
 
-    Quick where a path is.
+    Compares shapes only if no path matches.
     """
     keys = part_keys(mockup.part_paths)
     names = {before.keys[part] for part in np.union1d(before.a, before.b)}

@@ -12,14 +12,14 @@ from feeler.io.csv_table import Cell
 
 @dataclass(frozen=True)
 class Column:
-    """One column. name: with its unit, as CSV has it. value: of a finding and the name of its group."""
+    """One column. name: with its unit, as in CSV. value: makes the cell from a finding and the name of its group."""
 
     name: str
     value: Callable[[Clash, str], Cell]
 
     @property
     def title(self) -> str:
-        """The heading for people: "depth, m"."""
+        """The heading in a spreadsheet, such as "depth, m"."""
         for ending, unit in (("_m3", ", m³"), ("_m", ", m")):
             if self.name.endswith(ending):
                 return self.name.removesuffix(ending).replace("_", " ") + unit
@@ -43,8 +43,7 @@ COLUMNS = (
     Column("group", lambda _clash, group: group),
     *(_field("part_a", "a"), _field("path_a", "path_a"), _field("part_b", "b"), _field("path_b", "path_b")),
     _field("depth_m", "depth"),
-    # How much deeper it can be, where findings have that.
-    *(_field(f"{name}_m", name) for name in ("depth_error",) if name in Clash.__dataclass_fields__),
+    _field("depth_error_m", "depth_error"),
     *(_field("depth_kind", "depth_kind"), _field("gap_m", "gap"), _field("volume_m3", "volume")),
     _field("triangle_pairs", "triangles"),
     Column("open_a", lambda clash, _group: int(clash.is_open_a)),
@@ -59,7 +58,7 @@ COLUMNS = (
 
 
 def cells(clashes: Clashes, by: str) -> Iterator[list[Cell]]:
-    """The cells of each finding, the worst first. by: how groups are made."""
+    """The cells of each finding, the worst first. by: how to group, as in `Clashes.groups`."""
     group_of = {int(row): group.name for group in clashes.groups(by) for row in group.rows}
     for place, clash in enumerate(clashes):
         yield [column.value(clash, group_of[place]) for column in COLUMNS]

@@ -1,7 +1,7 @@
-"""Which parts `fasteners = true` means: by name, by shape, or both.
+"""Finds the parts that `fasteners = true` means, by name and by shape.
 
-A name decides where its last noun does: "hex bolt", "Mutter M8", "DIN 912 M8x30" are fasteners, "nut housing" and
-"lead screw" are not. Where the name says nothing, the shape decides, as `feeler.find_fasteners` measures it.
+The last noun of the name decides: "hex bolt", "Mutter M8" and "DIN 912 M8x30" are fasteners, "nut housing" and "lead
+screw" are not. If the name does not tell, the shape decides, as in `feeler.find_fasteners`.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ NOUNS = (
     "splint zylinderstift kegelstift tornillos pernos tuercas arandela arandelas remache rondelle ecrous boulons "
     "rondella dadi viti"
 )
-"""Fasteners beside those of `fastener_names.KINDS`, as the last noun of a name without accents."""
+"""Nouns for fasteners in addition to `fastener_names.KINDS`, without accents."""
 
 SIZED = "scheibe scheiben pin pins stift"
 """Nouns that name a fastener only beside the size of a thread, such as "Scheibe M8"."""
@@ -36,10 +36,10 @@ NEUTRAL = (
     "assy asm zinc plated steel stainless black brass galvanised galvanized verzinkt links rechts oben unten vorne "
     "hinten din iso asme ansi grade class unc unf"
 )
-"""Words behind a noun that do not change what it names."""
+"""Words after a noun that do not change its meaning."""
 
 PREPOSITIONS = "for of with on in to at from by fuer fur zu mit von am im pour de du para per di"
-"""Words that end what a name says of the part itself."""
+"""Words after which a name no longer describes the part itself."""
 
 MORE_STANDARDS = (
     "125 126 127 137 433 6796 6797 6798 6905 7089 7090 7091 7092 7093 7349 7980 9021 660 661 7337 94 471 472"
@@ -53,7 +53,7 @@ _THREAD_AND_LENGTH = re.compile(r"(?<![a-z0-9])m\d+(?:[.,]\d+)? ?x ?\d+", re.IGN
 _WORD = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])")
 
 _NAMELESS = re.compile(r"(body|solid|shell|part|mesh|shape|compound|object|volume)?[ _#-]*\d*", re.IGNORECASE)
-"""What CAD systems call a solid that nobody named: its parent has the name."""
+"""Default names of CAD systems for solids: the parent has the meaningful name."""
 
 _NOUNS = frozenset([*NOUNS.split(), *" ".join(KINDS.values()).split()])
 _SIZED, _QUALIFIERS, _NEUTRAL = frozenset(SIZED.split()), frozenset(QUALIFIERS.split()), frozenset(NEUTRAL.split())
@@ -62,11 +62,11 @@ _STANDARD_NUMBERS = frozenset([*MORE_STANDARDS.split(), *" ".join(STANDARDS.valu
 _OTHERS = frozenset(OTHERS.split()) - _NOUNS - _SIZED
 
 Shaped = Callable[[], npt.NDArray[np.bool_]]
-"""Which parts have the shape of a fastener, `(parts,)`; called only when a rule asks."""
+"""Returns which parts have the shape of a fastener, `(parts,)`. Called only if a rule needs it."""
 
 
 def fastener_mask(paths: Sequence[str], shaped: Shaped | None = None) -> npt.NDArray[np.bool_]:
-    """Which parts are fasteners, `(parts,)`; `shaped` decides those whose name says nothing."""
+    """Which parts are fasteners, `(parts,)`. `shaped` decides parts whose name does not tell."""
     said = [is_fastener(path) for path in paths]
     mask = np.array([each is True for each in said], dtype=bool)
     if shaped is not None:
@@ -75,7 +75,7 @@ def fastener_mask(paths: Sequence[str], shaped: Shaped | None = None) -> npt.NDA
 
 
 def shape_of(mockup: Mockup) -> Shaped:
-    """The shapes of a mock-up's parts, for `fastener_mask`."""
+    """A function for `fastener_mask` that examines the shapes of the parts."""
 
     def shaped() -> npt.NDArray[np.bool_]:
         from feeler.plan.fasteners import shaped_as_fasteners
@@ -88,9 +88,9 @@ def shape_of(mockup: Mockup) -> Shaped:
 
 
 def is_fastener(path: str) -> bool | None:
-    """Whether a part is called as fasteners are; None where its name does not say.
+    """Whether the name is that of a fastener; None if it does not tell.
 
-    A part that nobody named ("Body", "Solid1") has the name of the assembly that it is in.
+    A part with a default name ("Body", "Solid1") takes the name of its assembly.
     """
     folder, _, name = path.rpartition("/")
     if _NAMELESS.fullmatch(name):

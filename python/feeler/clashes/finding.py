@@ -1,4 +1,4 @@
-"""`feeler.clash`: every pair of parts of a mock-up that meets, holds another, or is too near."""
+"""`feeler.clash`: all pairs of parts that overlap, touch, contain each other or are too near."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ RulesLike = Rules | Mapping[str, Any] | str | Any
 Exclude = Iterable[tuple[PartsLike, PartsLike]] | npt.NDArray[np.integer[Any]]
 
 _STAGES = ("finding parts that meet", "measuring clearances", "measuring depths")
-_INDEXED, _FOUND = 0.2, 0.9  # shares of the progress: until the index is there, until the pairs are
+_INDEXED, _FOUND = 0.2, 0.9  # share of the progress when the index, and when the pairs are done
 
 
 class ClashInterrupted(KeyboardInterrupt):
-    """Ctrl-C, with what was found until then: `.clashes`, whose `is_partial` says whether anything may be missing."""
+    """Ctrl-C. `.clashes` has the findings so far; its `is_partial` says whether some may be missing."""
 
     def __init__(self, clashes: Clashes) -> None:
         self.clashes = clashes
@@ -51,22 +51,23 @@ def clash(
     threads: int | None = None,
     progress: Progress | None = None,
 ) -> Clashes:
-    """Every pair of parts that meets, is one in the other, or is nearer than `clearance`; the worst first.
+    """All pairs of parts that overlap, touch, contain each other, or are nearer than `clearance`; the worst first.
 
-    - `clearance`: metres. 0 asks for what meets alone.
-    - `contact`: metres by which parts that meet may be in each other and still only touch, and up to which parts that
-      are apart count as in contact. `"chord"`: the chordal errors of both parts, which are known of STEP files.
-    - `rules`: a TOML file, `feeler.clashes.Rules`, or a dict of the same form; they give some parts other limits, and
-      hide pairs, which `.hidden` counts. The limits given here are for pairs that no rule names.
-    - `exclude`: pairs of parts that are not checked, each part as `Parts.select` takes it: `[("*bolt*", "*nut*")]`; or
-      `(k, 2)` indices.
-    - `volume`: measure what two closed parts share; needs manifold3d, `pip install "feeler[volume]"`.
-    - `scene`: one of this mock-up, whose index is used; parts that are not in it are not asked. Default: one is made.
+    - `clearance`: metres. 0 finds only parts that meet.
+    - `contact`: metres. Parts count as in contact up to this depth, and up to this gap. `"chord"`: the chordal errors
+      of both parts, which are known for STEP files.
+    - `rules`: a TOML file, `feeler.clashes.Rules`, or a dict of the same form. Rules give pairs other limits, or hide
+      them (`.hidden` counts these). `clearance` and `contact` hold for pairs that no rule names.
+    - `exclude`: pairs of parts to skip, each part as `Parts.select` takes it: `[("*bolt*", "*nut*")]`; or `(k, 2)`
+      indices. Skipped pairs are not counted.
+    - `volume`: also measure the shared volume of closed parts. Needs manifold3d, `pip install "feeler[volume]"`.
+    - `scene`: a scene of this mock-up, to reuse its index; only its parts are checked. Default: a new one.
     - `threads`: default all. `progress`: called with the share done (0 to 1) and the stage.
 
-    The same rows on any number of threads. Verdicts are exact: docs/clash.md. Raises `OptionError` for limits, rules
-    and names that cannot be, `MissingFileError` and `LoadError` for the file of rules, and `ClashInterrupted`, a
-    `KeyboardInterrupt` that holds what was found, at Ctrl-C.
+    The result does not depend on the number of threads. docs/clash.md explains verdicts and depths. Memory: the index;
+    trees for depths, 130 bytes a triangle, of at most 2^22 triangles or two of the largest part; 165 bytes a finding;
+    up to 80 MB for rules. Raises `OptionError` for invalid limits, rules and names, `MissingFileError` and `LoadError`
+    for the file of rules, and at Ctrl-C `ClashInterrupted`, a `KeyboardInterrupt` that holds the findings so far.
     """
     given: object = mockup
     if not isinstance(given, Mockup):
@@ -74,7 +75,7 @@ def clash(
     near = check_length("clearance", clearance)
     touch = contact if contact == "chord" else check_length("contact", contact, ', or "chord"')
     if scene is not None and scene.mockup is not mockup:
-        raise OptionError("scene is of another mock-up: give a scene of this one, or none")
+        raise OptionError("scene is of another mock-up: give a scene of this mock-up, or leave it out")
     if volume:
         from feeler.clashes.volumes import solids_library
 
@@ -139,7 +140,7 @@ def _limits(
 
 
 def _pairs(mockup: Mockup, exclude: Exclude | None) -> npt.NDArray[np.uint32]:
-    """What is excluded as pairs of parts, in whatever order: `(k, 2)`."""
+    """The excluded pairs of parts, `(k, 2)`, unordered."""
     if exclude is None:
         return np.empty((0, 2), dtype=np.uint32)
     from feeler.ignored import pairs_of_parts
@@ -148,7 +149,7 @@ def _pairs(mockup: Mockup, exclude: Exclude | None) -> npt.NDArray[np.uint32]:
 
 
 def _columns(answer: Any, found: Limits) -> tuple[Columns, tuple[tuple[str, int], ...]]:
-    """The core's rows under their rules, the worst first, without those that are hidden; and how many each hides."""
+    """The visible findings with their rules, the worst first; and how many findings each rule hides."""
     a, b = np.asarray(answer.a), np.asarray(answer.b)
     rule = found.rule_of(a, b)
     hidden_by = found.hidden_by(a, b)
@@ -163,7 +164,7 @@ def _columns(answer: Any, found: Limits) -> tuple[Columns, tuple[tuple[str, int]
 
 
 def _with_volumes(mockup: Mockup, columns: Columns, progress: Progress | None) -> tuple[Columns, float, bool]:
-    """With volumes; the seconds that they took; and whether Ctrl-C came in between, so that some are missing."""
+    """The columns with volumes, the seconds taken, and whether Ctrl-C stopped it, so that some are missing."""
     from feeler.clashes.volumes import shared_volumes
 
     started = time.perf_counter()
@@ -176,7 +177,7 @@ def _with_volumes(mockup: Mockup, columns: Columns, progress: Progress | None) -
 
 
 def _staged(progress: Progress | None, begin: float, end: float) -> Progress | None:
-    """The core's progress, each of whose stages goes from 0 to 1, as a share of the whole."""
+    """Converts the core's progress, 0 to 1 in each stage, to a share of the whole."""
     if progress is None:
         return None
     whole, width = progress, (end - begin) / len(_STAGES)
@@ -192,7 +193,7 @@ def _staged(progress: Progress | None, begin: float, end: float) -> Progress | N
 
 
 def _share(progress: Progress | None, begin: float, end: float) -> Progress | None:
-    """Progress as a share of the whole."""
+    """Converts progress from 0 to 1 to a share of the whole, from `begin` to `end`."""
     if progress is None:
         return None
     whole = progress

@@ -1,4 +1,4 @@
-"""Findings in groups: by the part that is in the way, by rule, by where they are."""
+"""Groups findings by part, by rule, or by place."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ from feeler.errors import OptionError
 Ints = npt.NDArray[np.intp]
 
 REACH_SHARE = 0.01
-"""How far findings of one cluster are from the next, of the diagonal of the box around all."""
+"""Default reach of a cluster, as a share of the diagonal of the box around all findings."""
 
 _COMPARED = 1_000_000
-"""Distances of two crowded cells that are compared at once, 24 MB."""
+"""Most distances between two cells that are computed at once, 24 MB."""
 
 
 @dataclass(frozen=True)
 class Group:
-    """Some findings, the worst first. name: a part's key, a rule, or what the cluster is called."""
+    """Some findings, the worst first. name: the key of a part, a rule, or "cluster 1"."""
 
     name: str
     rows: Ints
@@ -41,7 +41,7 @@ class Group:
 
 
 def groups(clashes: Clashes, by: str, reach: float | None) -> list[Group]:
-    """See `Clashes.groups`. The table's order is kept: in each group, and of the groups by their first row."""
+    """See `Clashes.groups`. Rows keep their order; groups are ordered by their first row."""
     if by not in _MADE:
         raise OptionError(f"groups are not made by {by!r}: choose {', '.join(_MADE)}")
     if reach is not None:
@@ -60,7 +60,7 @@ def groups(clashes: Clashes, by: str, reach: float | None) -> list[Group]:
 
 
 Labels = tuple[Ints, Callable[[int, int], str]]
-"""The group of each row, and the name of a group by its label and its place."""
+"""The label of the group of each row, and a function from label and number of a group to its name."""
 
 
 def _by_rule(clashes: Clashes, _reach: float | None) -> Labels:
@@ -68,7 +68,7 @@ def _by_rule(clashes: Clashes, _reach: float | None) -> Labels:
 
 
 def _by_part(clashes: Clashes, _reach: float | None) -> Labels:
-    """Each row goes to the part that has most of those left: greedy cover, ties to the lower part."""
+    """Assigns rows to the part with most of the remaining rows: greedy cover, ties to the lower part."""
     label = np.full(len(clashes), -1, dtype=np.intp)
     rows_of: dict[int, list[int]] = {}
     pairs = list(zip(clashes.a.tolist(), clashes.b.tolist(), strict=True))
@@ -76,7 +76,7 @@ def _by_part(clashes: Clashes, _reach: float | None) -> Labels:
         for part in pair:
             rows_of.setdefault(part, []).append(row)
     left = {part: len(rows) for part, rows in rows_of.items()}
-    # The largest first; what has been taken meanwhile is put back with what it has left.
+    # The largest first. A part that lost rows meanwhile goes back with its new count.
     heap = [(-count, part) for part, count in left.items()]
     heapq.heapify(heap)
     while heap:
@@ -95,7 +95,7 @@ def _by_part(clashes: Clashes, _reach: float | None) -> Labels:
 
 
 def _by_cluster(clashes: Clashes, reach: float | None) -> Labels:
-    """What is within reach of each other, by way of others: single linkage."""
+    """Single-linkage clusters: chains of findings, each within reach of the next."""
     points = np.nan_to_num((clashes.point_a + clashes.point_b) / 2)
     if reach is None:
         reach = REACH_SHARE * float(np.linalg.norm(np.ptp(points, axis=0)))
@@ -104,8 +104,8 @@ def _by_cluster(clashes: Clashes, reach: float | None) -> Labels:
 
 
 def _linked(points: npt.NDArray[np.float64], reach: float) -> Ints:
-    """A label each, `(n,)`, the same for points that are linked by steps of at most `reach`."""
-    # Points of one cell are within reach of each other; those of cells farther than two away are not.
+    """The label of each point, `(n,)`; equal if a chain of steps of at most `reach` links the points."""
+    # Points of one cell are within reach of each other. Points more than two cells apart are not.
     side = max(reach / np.sqrt(3.0), float(np.abs(points).max()) * 1e-12, 1e-300)
     cells, cell_of = np.unique(np.floor(points / side), axis=0, return_inverse=True)
     cell_of = cell_of.reshape(-1)
@@ -133,7 +133,7 @@ def _linked(points: npt.NDArray[np.float64], reach: float) -> Ints:
 
 
 def _within(one: npt.NDArray[np.float64], other: npt.NDArray[np.float64], reach: float) -> bool:
-    """Whether any two points are that near."""
+    """Whether a point of `one` is within reach of a point of `other`."""
     step = max(_COMPARED // len(other), 1)
     for begin in range(0, len(one), step):
         away = one[begin : begin + step, None] - other[None]

@@ -1,4 +1,4 @@
-"""The fixed pieces of the page: its style and its script. It loads nothing, and its policy forbids that it does."""
+"""Style and script of the HTML page. The page loads nothing, and its security policy forbids loading."""
 
 from __future__ import annotations
 

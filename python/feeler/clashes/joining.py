@@ -1,4 +1,4 @@
-"""Tables of several checks in one."""
+"""Joins the tables of several checks."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from feeler.clashes.tracking import Mark
 def joined(
     tables: Sequence[Clashes], keys: Sequence[Sequence[str]], shapes: PartShapes | None, status: str | None = None
 ) -> Clashes:
-    """The rows of all tables, in their order, with the facts of the first; of rows with one id the first.
+    """The rows of all tables in order, with the facts of the first table. Of rows with equal ids, the first stays.
 
-    keys: what each part of each table is called. status: of all rows; None: each keeps its own.
+    keys: the key of each part of each table. status: for all rows; None keeps the status of each row.
     """
     part_of_key: dict[str, int] = {}
     rules: dict[str, int] = {}

@@ -1,10 +1,9 @@
-"""Which part of the check before is which part now.
+"""Matches the parts of the previous check to the parts of this check.
 
     same path, shape and place -> same content -> same shape and place -> same path alone
 
-Each step takes the parts that the steps before it left, and each part is taken once. Parts with equal paths are
-matched by shape and place only, since their order says nothing. Where most parts moved by one vector, places are
-compared after that motion.
+Each step matches parts that the earlier steps left over, one to one. Parts with equal paths are matched by shape and
+place only, since their order is arbitrary. If most parts moved by one vector, places are compared after that motion.
 """
 
 from __future__ import annotations
@@ -24,29 +23,29 @@ from feeler.clashes.tracking import DEPTH_GROWTH_M
 Rows = npt.NDArray[np.intp]
 
 _SIDE_SHARE = 0.04
-"""How far the box of a part may differ along an axis, as a share of its side. A circle of 8 chords instead of many is
-4 % narrower; the next standard length of a bolt is 12 % longer."""
+"""How much the box of a part may differ along an axis, as a share of its side. A circle of 8 chords is 4 % narrower
+than a fine one; the next standard length of a bolt is 12 % longer."""
 _DIAGONAL_SHARE = 0.03
-"""The least of `DEPTH_GROWTH_M` and this share of the diagonal is allowed besides: flat faces have no side."""
+"""The smaller of `DEPTH_GROWTH_M` and this share of the diagonal is allowed besides: flat parts have a side of 0."""
 _ROUNDING = 1e-6
-"""Share of the largest coordinate: eight units in the last place of float32, which most formats store."""
+"""Share of the largest coordinate: eight units in the last place of float32, the type in most formats."""
 _LEAST_M = 1e-12
-"""Added, so that no tolerance is zero."""
+"""Added to every tolerance, so that none is zero."""
 _AREA_SHARE = 0.12
-"""How far the areas may differ. A disc of 8 chords has 10 % less than one of many."""
+"""How much areas may differ. A disc of 8 chords has 10 % less area than a fine one."""
 _NEAR_SHARE = 0.5
-"""How far the centre of a part that has a path in common with others may move, as a share of its side along each axis,
-and how much its diagonal may change: bolts of a pattern are farther apart."""
+"""For parts with equal paths: how far the centre may move, as a share of the side along each axis, and how much the
+diagonal may change. Bolts of a pattern are farther apart than that."""
 _NO_SHIFT = np.zeros(3)
 
 
 @dataclass(frozen=True)
 class PartMatch:
-    """How many parts of the findings before are in this mock-up; `str()` is for people.
+    """How many parts of the previous findings are in this mock-up. `str()` gives a sentence for people.
 
-    parts: how many had findings. by_path: how many have their path still. altered: how many of these have another
-    shape or place. by_shape: how many have another path, or another number among parts of one path. renamed: the key
-    of each of those now, by its key before.
+    parts: number of parts that had findings. by_path: of these, parts with the same path. altered: parts with the same
+    path, but another shape or place. by_shape: parts with another path, or another number among equal paths. renamed:
+    the current key of each part in `by_shape`, by its previous key.
     """
 
     parts: int
@@ -70,19 +69,19 @@ class PartMatch:
 
     @property
     def is_plain(self) -> bool:
-        """Whether all parts have their path, shape and place still."""
+        """Whether all parts have the same path, shape and place as before."""
         return self.by_path == self.parts and not self.altered
 
     @property
     def is_doubtful(self) -> bool:
-        """Whether less than half of the parts were found with the shape and place that they had."""
+        """Whether less than half of the parts have the same shape and place as before."""
         return 2 * (self.by_path + self.by_shape - self.altered) < self.parts
 
 
 def matched(old: Shapes, new: Shapes) -> tuple[Rows, npt.NDArray[np.bool_]]:
-    """The row of `new` that each row of `old` is, -1 for none; and whether it has its shape and place still.
+    """The row of `new` that matches each row of `old`, or -1; and whether shape and place are unchanged.
 
-    One to one, and the same on every machine. Near linear in the number of parts.
+    One to one, and the same on every machine. Nearly linear in the number of parts.
     """
     search = _Search(old, new)
     still = search.found(_NO_SHIFT)
@@ -95,7 +94,7 @@ def matched(old: Shapes, new: Shapes) -> tuple[Rows, npt.NDArray[np.bool_]]:
 
 
 class _Search:
-    """What the steps have in common."""
+    """The data that all steps of the matching share."""
 
     def __init__(self, old: Shapes, new: Shapes) -> None:
         self.old, self.new = old, new
@@ -110,7 +109,7 @@ class _Search:
         self.steps = [[path.split("/")[::-1] for path in each.paths] for each in (old, new)]
 
     def differences(self, olds: Rows, news: Rows, shift: Floats) -> Floats:
-        """How far apart the boxes and centroids of pairs are, in tolerances; infinite where they are not the same."""
+        """The distance of boxes and centroids for each pair, in tolerances; infinite if shape or place differ."""
         tolerance = self.tolerance[olds]
         box = np.abs(self.new.box[news] - self.old.box[olds] - shift) / tolerance[:, None, :]
         middle = np.abs(self.new.middle[news] - self.old.middle[olds] - shift) / tolerance
@@ -120,7 +119,7 @@ class _Search:
         return np.where(is_same, most, np.inf)
 
     def found(self, shift: Floats) -> Rows:
-        """The parts that have the shape of before, and its place after a shift."""
+        """Matches parts of equal shape whose places differ by `shift`."""
         new_of_old = np.full(len(self.old), -1)
         olds, news = self.mates
         same = np.isfinite(self.differences(olds, news, shift))
@@ -133,7 +132,7 @@ class _Search:
         return new_of_old
 
     def common_shift(self, new_of_old: Rows) -> Floats | None:
-        """By what the parts moved that are not in their place, if there are more of these: the median."""
+        """The median motion of the parts that moved, if these are the majority; else None."""
         olds, news = self.mates
         if not len(olds):
             olds, news = self._alike()
@@ -146,7 +145,7 @@ class _Search:
         return np.asarray(np.median(self.centres[1][news] - self.centres[0][olds], axis=0))
 
     def by_path(self, new_of_old: Rows) -> Rows:
-        """Adds the parts that are known by their path alone: moved, or made anew."""
+        """Adds matches by path alone: parts that moved or changed their shape."""
         is_taken = np.zeros(len(self.new), dtype=bool)
         is_taken[new_of_old[new_of_old >= 0]] = True
         olds, news = self.mates
@@ -163,7 +162,7 @@ class _Search:
         return np.flatnonzero((new_of_old < 0) & self.old.is_known), np.flatnonzero(is_free)
 
     def _add_content(self, new_of_old: Rows) -> None:
-        """Pairs with equal corners. Copies in one place are told apart by the last steps of their paths."""
+        """Adds pairs with equal corners. The last steps of the paths distinguish copies in one place."""
         olds, news = self._left(new_of_old)
         here: dict[int, list[int]] = defaultdict(list)
         for new in news.tolist():
@@ -177,7 +176,7 @@ class _Search:
                 new_of_old[old] = new
 
     def _alike_in_path(self, olds: Sequence[int], news: Sequence[int]) -> Iterable[tuple[int, int]]:
-        """Pairs of parts, those first whose paths have more of their last steps in common."""
+        """Pairs of parts. Those with more equal last path steps come first."""
         left, free = list(olds), list(news)
         depth = max(len(self.steps[0][old]) for old in olds) if len(olds) > 1 or len(news) > 1 else 0
         for most in range(depth, -1, -1):
@@ -190,7 +189,7 @@ class _Search:
             left, free = [old for old in left if old not in done], [new for new in free if new not in taken]
 
     def _near(self, olds: Rows, news: Rows, shift: Floats) -> Iterable[tuple[int, int]]:
-        """Pairs of the same shape and place, the nearest first; of those as near, by the last steps of their paths."""
+        """Pairs of equal shape and place, the nearest first. The last path steps break ties."""
         pairs = self._candidates(olds, news, shift, self.tolerance[olds])
         differences = self.differences(*pairs, shift)
         return self._nearest_first(*pairs, differences)
@@ -205,7 +204,7 @@ class _Search:
         return _one_to_one((old, new) for _, _, old, new in sorted(order))
 
     def _candidates(self, olds: Rows, news: Rows, shift: Floats, reach: Floats) -> tuple[Rows, Rows]:
-        """Pairs of about one size whose centres are hardly farther apart than `reach`, by a grid for each size."""
+        """Pairs of similar size with centres about `reach` apart or nearer. Uses a grid for each size."""
         sizes = [_doublings(diagonal) for diagonal in self.diagonals]
         cell_of_size = {size: math.ldexp(0.5, size) + 4.0 * self.rounding for size in {*sizes[1][news].tolist()}}
         grid: dict[tuple[int, tuple[int, ...]], list[int]] = defaultdict(list)
@@ -227,7 +226,7 @@ class _Search:
         return _columns(pairs)
 
     def _alike(self) -> tuple[Rows, Rows]:
-        """Pairs of parts with a shape that no other part has."""
+        """Pairs of parts whose shape is unique among both old and new parts."""
         by_shape: list[dict[tuple[float, ...], list[int]]] = [defaultdict(list), defaultdict(list)]
         for found, shapes, sizes in zip(by_shape, (self.old, self.new), self.sizes, strict=True):
             for row, (size, area) in enumerate(zip(sizes.tolist(), shapes.area.tolist(), strict=True)):
@@ -241,7 +240,7 @@ class _Search:
         return _columns(pairs)
 
     def _add_siblings(self, new_of_old: Rows) -> None:
-        """Pairs among parts with equal paths: all of them moved by one vector, or one of them moved a little."""
+        """Adds pairs among parts with equal paths: all moved by one vector, or single parts moved a little."""
         olds, news = self._left(new_of_old)
         before, here = _by_path(self.old.paths, olds), _by_path(self.new.paths, news)
         counts = Counter(self.old.paths), Counter(self.new.paths)
@@ -260,7 +259,7 @@ class _Search:
                 new_of_old[old] = new
 
     def _nearest(self, olds: Rows, news: Rows) -> Iterable[tuple[int, int]]:
-        """Pairs of about one size, the centre now within the box before."""
+        """Pairs of similar size whose new centre lies inside the old box."""
         reach = np.maximum(_NEAR_SHARE * self.sizes[0], self.tolerance)
         olds, news = self._candidates(olds, news, _NO_SHIFT, reach[olds])
         away = self.centres[1][news] - self.centres[0][olds]
@@ -269,7 +268,7 @@ class _Search:
         return self._nearest_first(olds, news, np.where(is_near, np.sqrt((away * away).sum(axis=1)), np.inf))
 
     def _add_unknown(self, new_of_old: Rows) -> None:
-        """Pairs of one key where the shape of one is not known, as in files of earlier versions."""
+        """Adds pairs with equal keys if a shape is unknown, as in files of older versions."""
         row_of_key = {key: row for row, key in enumerate(self.new.keys)}
         taken = set(new_of_old.tolist())
         is_known = self.old.is_known, self.new.is_known
@@ -280,7 +279,7 @@ class _Search:
 
 
 def _mates(old: Shapes, new: Shapes) -> tuple[Rows, Rows]:
-    """Pairs of one path, which no other part of either has; the shapes of both are known."""
+    """Pairs of parts with the same path, unique on both sides, and with known shapes."""
     single = [
         {path: rows[0] for path, rows in _by_path(each.paths, np.arange(len(each))).items() if len(rows) == 1}
         for each in (old, new)
@@ -303,17 +302,17 @@ def _columns(pairs: Sequence[tuple[int, int]]) -> tuple[Rows, Rows]:
 
 
 def _doublings(diagonals: Floats) -> npt.NDArray[np.int64]:
-    """Between which powers of two each length is."""
+    """The exponent of the next power of two above each length."""
     return np.frexp(np.where(diagonals > 0.0, diagonals, 1e-9))[1].astype(np.int64)
 
 
 def _common(one: Sequence[str], other: Sequence[str]) -> int:
-    """How many steps both begin with."""
+    """The number of equal leading steps."""
     return next((i for i, (a, b) in enumerate(zip(one, other, strict=False)) if a != b), min(len(one), len(other)))
 
 
 def _one_to_one(pairs: Iterable[tuple[int, int]]) -> Iterable[tuple[int, int]]:
-    """Those pairs of which neither part was in a pair before."""
+    """Drops pairs that contain a part of an earlier pair."""
     olds: set[int] = set()
     news: set[int] = set()
     for old, new in pairs:

@@ -1,4 +1,4 @@
-"""Parts that are not closed and may hold others: what a check cannot say of them."""
+"""Finds open parts that may contain others, which a check cannot decide."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ def open_holders(
     is_open: npt.NDArray[np.bool_],
     present: npt.NDArray[np.bool_],
 ) -> list[int]:
-    """The parts that are not closed and whose box holds the box of another part, ascending.
+    """The open parts whose box contains the box of another part, ascending.
 
-    a, b, is_open: the pairs that were found; they say of their parts whether these are closed. present: `(parts,)`.
-    Only parts with another one in their box are looked at, so that this takes a sort, and not a second check.
+    a, b, is_open: the pairs of the check, and whether their parts are open. present: `(parts,)`, the parts of the
+    scene. Examines only parts with another box inside their box, so it costs little more than a sort.
     """
     known = np.full(mockup.part_count, -1, dtype=np.int8)
     known[a], known[b] = is_open[:, 0], is_open[:, 1]
@@ -34,10 +34,10 @@ def open_holders(
 
 
 def _holders(mockup: Mockup, present: npt.NDArray[np.bool_]) -> list[int]:
-    """The parts whose box holds that of another."""
+    """The parts whose box contains the box of another part."""
     bounds = mockup.part_bounds.reshape(-1, 2, 3)
     parts = np.flatnonzero(present & (bounds[:, 0] <= bounds[:, 1]).all(axis=1))
-    # Sorted along the axis where they are spread most; what begins within a part is one run.
+    # Sorted along the axis of the largest spread: boxes that start within a part form one run.
     axis = int(np.argmax(np.ptp(bounds[parts, 0], axis=0))) if len(parts) else 0
     parts = parts[np.argsort(bounds[parts, 0, axis], kind="stable")]
     low, high = bounds[parts, 0], bounds[parts, 1]
@@ -55,7 +55,7 @@ def _holders(mockup: Mockup, present: npt.NDArray[np.bool_]) -> list[int]:
 
 
 def _has_rim(corners: npt.NDArray[np.float64]) -> bool:
-    """Whether any edge of the triangles has an odd number of them, corners welded where they coincide."""
+    """Whether some edge belongs to an odd number of triangles, after welding equal corners."""
     if not len(corners):
         return False
     _, index = _core.weld_vertices(np.ascontiguousarray(corners.reshape(-1, 3)))

@@ -1,4 +1,4 @@
-"""The triangles of each part of a mock-up, found once for all parts."""
+"""The triangles of each part of a mock-up, sorted once for all parts."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from feeler.mockup import Mockup
 
 
 class PartMeshes:
-    """Which triangles each part of a mock-up has."""
+    """Looks up the triangles of a part."""
 
     def __init__(self, mockup: Mockup) -> None:
         self.vertices = mockup.vertices
@@ -19,10 +19,10 @@ class PartMeshes:
         self._starts = np.searchsorted(part_of_face[self._order], np.arange(mockup.part_count + 1))
 
     def triangles(self, part: int) -> npt.NDArray[np.intp]:
-        """The numbers of a part's triangles, ascending."""
+        """The indices of the triangles of a part, ascending."""
         return self._order[self._starts[part] : self._starts[part + 1]]
 
     def corners(self, part: int) -> npt.NDArray[np.float64]:
-        """`(k, 3, 3)`: the corners of a part's triangles, metres; none of those with an index out of range."""
+        """`(k, 3, 3)`: the corners of the triangles of a part, metres, without triangles with an invalid index."""
         faces = self._faces[self.triangles(part)]
         return np.asarray(self.vertices[faces[(faces < len(self.vertices)).all(axis=1)]])

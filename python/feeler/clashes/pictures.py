@@ -1,4 +1,4 @@
-"""A picture of one finding: both parts near the place, cut open there."""
+"""Draws a finding: both parts near the contact, cut open there."""
 
 from __future__ import annotations
 
@@ -24,31 +24,31 @@ SIZE = (480, 300)
 """Width and height, pixels."""
 
 FOV_DEG = 45.0
-"""The vertical field of view: the least that BCF viewers have to show."""
+"""The vertical field of view: the smallest that BCF viewers must support."""
 
 _REACH = 1.6
-"""How far around the smaller part is shown, of its box; more of the larger one would make both small."""
+"""The extent of the picture, relative to the box of the smaller part. A larger extent would make both parts small."""
 
 _LEAST_VIEW_M = 1e-6
 
 _FAR = 8.0
-"""A part whose box is so many times the view's reach is shown only near the place."""
+"""A part whose box is more than this many times the reach is drawn only near the contact."""
 
 _AROUND = 2.0
-"""How far around the middle it is shown, of the reach: more than the picture can show."""
+"""How far around the middle such a part is drawn, in reaches: more than the picture shows."""
 
 _LARGE = 50_000
-"""Triangles of a part that is shown only near the place whatever its size, unless most of it is there."""
+"""A part with more triangles is also drawn only near the contact, unless most of it is there."""
 
 _KEPT_TRIANGLES = 3_000_000
-"""Most triangles of the parts that are kept for the next pictures, 360 MB: the part that most findings share is looked
-up once, and not for each picture."""
+"""Most triangles that are kept for the next pictures, 360 MB. A part with many findings is looked up once, not for each
+picture."""
 
 
 @dataclass(frozen=True)
 class View:
-    """Where a finding is looked at from. point: where it is cut, `(3,)` metres; normal: of what is taken away, `(3,)`;
-    reach: how far around it is shown, metres."""
+    """The view of a finding. point: on the section plane, `(3,)` metres. normal: `(3,)`, points to the side that is cut
+    away. reach: the extent of the picture, metres."""
 
     camera: Camera
     point: Floats
@@ -65,7 +65,7 @@ class Pictures:
         self._kept: OrderedDict[int, _Triangles] = OrderedDict()
 
     def view(self, clash: Clash) -> View:
-        """The camera on a finding: the whole of the smaller part, and of the larger what is around."""
+        """The camera for a finding. It shows all of the smaller part, and the larger part around it."""
         boxes = [self._bounds[clash.a], self._bounds[clash.b]]
         box = min(boxes, key=lambda each: float(np.linalg.norm(each[1] - each[0])))
         point = np.nan_to_num((np.array(clash.point_a) + np.array(clash.point_b)) / 2)
@@ -79,7 +79,7 @@ class Pictures:
         return View(camera, point, -np.sign(direction[axis]) * np.eye(3)[axis], reach)
 
     def png(self, clash: Clash) -> bytes:
-        """The picture as PNG: the first part blue, the second orange, the least way out red; cut through the place."""
+        """The picture as PNG, cut at the contact: first part blue, second part orange, translation red."""
         view = self.view(clash)
         middle = np.array(view.camera.target)
         bodies = [self._body(clash.a, 0, middle, view.reach), self._body(clash.b, 1, middle, view.reach)]
@@ -98,8 +98,8 @@ class Pictures:
         return out.getvalue()
 
     def _body(self, part: int, number: int, middle: Floats, reach: float) -> Body:
-        """A part; of one that is much larger than the view only the triangles that come near it, so that five million
-        of them do not take a minute."""
+        """The part as a body. Of a part much larger than the view, only triangles near it: drawing five million would
+        take a minute."""
         triangles = self._triangles(part)
         corners = triangles.corners
         box = self._bounds[part]
@@ -118,7 +118,7 @@ class Pictures:
         )
 
     def _triangles(self, part: int) -> _Triangles:
-        """The triangles of a part, kept for the pictures that follow."""
+        """The triangles of a part, cached for the next pictures."""
         if part not in self._kept:
             corners = self._meshes.corners(part)
             self._kept[part] = _Triangles(corners[np.isfinite(corners).all(axis=(1, 2))])
@@ -129,14 +129,14 @@ class Pictures:
 
 
 class _Triangles:
-    """The triangles of one part, and their boxes when somebody asks what is near."""
+    """The triangles of one part, with boxes that are computed on first use."""
 
     def __init__(self, corners: Floats) -> None:
         self.corners = corners
 
     @cached_property
     def _boxes(self) -> list[tuple[Floats, Floats]]:
-        """The least and the largest of the corners along each axis; much faster so than by reductions over three."""
+        """Minimum and maximum of the corners along each axis. Much faster than numpy reductions over three values."""
         sides = []
         for axis in range(3):
             one, two, three = (np.ascontiguousarray(self.corners[:, corner, axis]) for corner in range(3))
@@ -144,7 +144,7 @@ class _Triangles:
         return sides
 
     def near(self, low: Floats, high: Floats) -> npt.NDArray[np.intp]:
-        """The numbers of the triangles whose boxes meet a box."""
+        """The indices of the triangles whose boxes overlap the given box."""
         found = np.ones(len(self.corners), dtype=bool)
         for axis, (least, largest) in enumerate(self._boxes):
             found &= (least <= high[axis]) & (largest >= low[axis])

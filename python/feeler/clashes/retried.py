@@ -1,4 +1,4 @@
-"""Rules tried on findings that are there already, without another check."""
+"""Applies rules to existing findings, without another check."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from feeler.mockup import Mockup
 from feeler.parts import Parts
 
 OTHERS = "others = false"
-"""What hides the findings that no rule names, in `Clashes.hidden`."""
+"""The key in `Clashes.hidden` for findings that no rule names."""
 
 _ROUNDOFFS = 16.0
-"""`COORDINATE_ROUNDOFFS` of the core: parts that are no deeper in each other than as many units of the last place of
-their largest coordinate only touch."""
+"""`COORDINATE_ROUNDOFFS` of the core: parts touch if their depth is at most this many units in the last place of the
+largest coordinate."""
 
 
 def with_rules(clashes: Clashes, rules: Rules, mockup: Mockup | None) -> Clashes:
@@ -58,7 +58,7 @@ def with_rules(clashes: Clashes, rules: Rules, mockup: Mockup | None) -> Clashes
 
 
 def _limits(clashes: Clashes, rules: Rules, mockup: Mockup | None) -> tuple[Limits, list[str]]:
-    """What the rules come to for the parts of the findings, and what cannot be known without another check."""
+    """The limits for the parts of the findings, and notes on what needs another check."""
     paths, facts = clashes.part_paths, clashes.facts
     count = len(paths)
     parts = Parts(
@@ -73,16 +73,16 @@ def _limits(clashes: Clashes, rules: Rules, mockup: Mockup | None) -> tuple[Limi
             exclusions=tuple(replace(each, optional=True) for each in rules.exclusions),
         )
     if mockup is None and any(each.fasteners for each in rules.exclusions):
-        notes.append("fasteners are told by their names alone: their shapes need the mock-up")
+        notes.append("fasteners are found by name alone. Pass the mock-up to find them by shape, too")
     for name, hidden in clashes.hidden.items():
         if hidden:
-            notes.append(f"{hidden:,} findings that {name!r} hid before are not here. Check the mock-up to see them")
+            notes.append(f"{hidden:,} findings that {name!r} hid are missing here. Check the mock-up to see them")
     least = min([facts.clearance, *(clearance for _, clearance, _ in facts.rules)])
     for each in rules.rules:
         if each.clearance is not None and each.clearance > least:
             notes.append(
-                f"rule {each.name!r} asks for {length(each.clearance)}, and some pairs were looked for only within "
-                f"{length(least)}: farther ones are not here. Check the mock-up again with this rule"
+                f"rule {each.name!r} asks for {length(each.clearance)}, but some pairs were checked only within "
+                f"{length(least)}: farther ones are missing. Check the mock-up again with this rule"
             )
     shaped = None if mockup is None else shape_of(mockup)
     none = np.empty((0, 2), dtype=np.uint32)
@@ -90,7 +90,7 @@ def _limits(clashes: Clashes, rules: Rules, mockup: Mockup | None) -> tuple[Limi
 
 
 def _asked(clashes: Clashes, rule: Rule) -> tuple[float, float]:
-    """Clearance and contact of a rule, metres; NaN for a contact that only the mock-up tells ("chord")."""
+    """Clearance and contact of a rule, metres; NaN for "chord", which needs the mock-up."""
     facts = clashes.facts
     clearance = facts.clearance if rule.clearance is None else rule.clearance
     contact = facts.contact if rule.contact is None else rule.contact
@@ -106,7 +106,7 @@ def _contacts(clashes: Clashes) -> dict[str, float]:
 
 @dataclass(frozen=True)
 class _Judged:
-    """Rows with the verdicts of their rules. is_far: rows too far apart to be findings. notes: doubts."""
+    """Rows with new verdicts. is_far: rows that exceed the clearance. notes: verdicts that are uncertain."""
 
     columns: Columns
     is_far: npt.NDArray[np.bool_]
@@ -114,11 +114,10 @@ class _Judged:
 
 
 def _judged(clashes: Clashes, columns: Columns, rules: Sequence[Rule]) -> _Judged:
-    """The verdicts of rows under their rules, by depth and gap.
+    """The verdicts under the new rules, from depth and gap.
 
-    A verdict stays where the contact of its rule is "chord", which only the mock-up tells. Walls that pierce each other
-    are a clash although they are no deeper than their contact (see `Verdict.CLASH`): they stay a clash. Contained parts
-    and duplicates keep their verdict.
+    A verdict stays if the contact of its rule is "chord", which needs the mock-up. Thin walls that cross stay a clash,
+    although their depth is at most `contact` (see `Verdict.CLASH`). Contained parts and duplicates keep their verdict.
     """
     if not len(columns.a):
         return _Judged(columns, np.zeros(0, dtype=bool))
@@ -145,12 +144,12 @@ def _judged(clashes: Clashes, columns: Columns, rules: Sequence[Rule]) -> _Judge
     is_old &= columns.depth_kind == DEPTH_KINDS.index("estimate")
     is_long = is_shallow & (np.linalg.norm(columns.translation, axis=1) > contact)
     doubts = [
-        (is_old, "contacts may be clashes by these rules: the file does not have their depth"),
-        (is_long, "clashes count as contacts by their depth, and may be walls that pierce each other"),
-        (is_deep, "contacts are clashes by these rules, and may be contained parts: their way out is not known"),
+        (is_old, "contacts may be clashes by these rules: the file lacks their depth"),
+        (is_long, "clashes count as contacts by their depth, but may be thin walls that cross"),
+        (is_deep, "contacts are clashes by these rules, but may be contained parts: their translation is not known"),
     ]
     notes = [
-        f"{count:,} {what}. Check the mock-up again with them"
+        f"{count:,} {what}. Check the mock-up again with these rules"
         for rows, what in doubts
         if (count := int(np.count_nonzero(rows)))
     ]
@@ -158,7 +157,7 @@ def _judged(clashes: Clashes, columns: Columns, rules: Sequence[Rule]) -> _Judge
 
 
 def _boxes(clashes: Clashes, columns: Columns, rows: npt.NDArray[np.intp]) -> npt.NDArray[np.float64]:
-    """The boxes of both parts of some rows, `(k, 2, 2, 3)`; 0 where they are not known."""
+    """The boxes of both parts of some rows, `(k, 2, 2, 3)`; 0 if unknown."""
     if not len(rows):
         return np.zeros((0, 2, 2, 3))
     shapes = clashes.shapes

@@ -1,8 +1,8 @@
-"""Which parts are asked against which, how near they may come, and what is left out.
+"""Limits for pairs of parts, and pairs that are hidden.
 
-The first rule that names a pair decides it; what no rule names has the `clearance` and `contact` of the call. The pairs
-of an exclusion, and of a rule's `level`, are checked like any other, and then hidden and counted: an exclusion that
-hides more than it should is seen by its number.
+The first rule that names a pair applies; other pairs have the `clearance` and `contact` of the call. Pairs of an
+exclusion, and of the `level` of a rule, are checked like others, then hidden and counted. The count shows when an
+exclusion hides too much.
 """
 
 from __future__ import annotations
@@ -27,25 +27,24 @@ Words = tuple[str, ...]
 Ints = npt.NDArray[np.uint32]
 
 _Hider = Callable[[Ints, Ints, npt.NDArray[np.int32]], npt.NDArray[np.bool_]]
-"""Which pairs of parts are hidden, by both parts and their rule."""
+"""Returns which pairs of parts are hidden, given both parts and their rule."""
 
 NOT_ASKED = -1.0
-"""The clearance, in the core's tables, of pairs of classes that are not asked."""
+"""The clearance that the core takes for pairs of classes to skip."""
 
 CLASS_LIMIT = 2_048
-"""Most classes of parts: the tables of their pairs have as many rows and columns, 80 MB in all."""
+"""Most classes of parts. The tables of their pairs have this many rows and columns, 80 MB in all."""
 
 EVERYTHING: Words = ("*",)
 
 
 @dataclass(frozen=True)
 class Rule:
-    """How near some parts may come to others.
+    """Limits for some pairs of parts.
 
-    a, b: patterns as `Parts.select` takes them, or `re:` and a regular expression that a path matches as a whole; which
-    of the two a part is named by does not matter. clearance: metres. contact: metres, or "chord". level: findings of
-    two parts of the same sub-assembly, so many steps down the paths, are hidden; 0: none. optional: patterns may match
-    nothing.
+    a, b: patterns as `Parts.select` takes them, or `re:` and a regular expression for whole paths. The order of the two
+    parts does not matter. clearance: metres. contact: metres, or "chord". level: hides pairs within one sub-assembly,
+    that is with this many equal first path steps; 0: none. optional: patterns may match nothing.
     """
 
     name: str
@@ -71,9 +70,10 @@ class Rule:
 
 @dataclass(frozen=True)
 class Exclusion:
-    """Pairs that are hidden: parts against others, those of one sub-assembly, or fasteners against everything.
+    """Pairs to hide: some parts against others, parts of one sub-assembly, or fasteners against everything.
 
-    a, b: as of `Rule`; empty where it is one of the other two. same_assembly: steps down the paths; 0: not meant.
+    a, b: as in `Rule`; `a` is empty for the other two kinds. same_assembly: hides pairs with this many equal first path
+    steps; 0: not used.
     """
 
     name: str
@@ -88,14 +88,14 @@ class Exclusion:
         _check_words(self, who)
         _check_level(f"{who}: same_assembly", self.same_assembly)
         if bool(self.a) + bool(self.same_assembly) + bool(self.fasteners) != 1:
-            raise OptionError(f"{who}: give one of a, same_assembly and fasteners, to say what is left out")
+            raise OptionError(f"{who}: give one of a, same_assembly and fasteners, to say what to hide")
 
 
 @dataclass(frozen=True)
 class Rules:
     """Rules in the order in which they are tried, and exclusions.
 
-    others: whether pairs that no rule names are asked. where: what a message calls the rules, such as their file.
+    others: whether to check pairs that no rule names. where: the name of the rules in messages, such as their file.
     """
 
     rules: tuple[Rule, ...] = ()
@@ -107,12 +107,12 @@ class Rules:
         names = [each.name for each in self.rules]
         for name in names:
             if not name or name == DEFAULT_RULE or names.count(name) > 1:
-                why = "is that of the pairs that no rule names" if name == DEFAULT_RULE else "must be there, and once"
+                why = "is that of the pairs that no rule names" if name == DEFAULT_RULE else "must be given, and unique"
                 raise OptionError(f"{self.where}: the name of a rule {why}: {name!r}")
 
     @classmethod
     def read(cls, path: str | os.PathLike[str]) -> Rules:
-        """The rules of a TOML file. Raises `MissingFileError`, and `LoadError` for what is none, or says it wrong."""
+        """Reads the rules of a TOML file. Raises `MissingFileError`, and `LoadError` if the file is invalid."""
         from feeler.clashes.rules_file import read_rules
 
         return read_rules(path)
@@ -120,11 +120,11 @@ class Rules:
 
 @dataclass(frozen=True)
 class Limits:
-    """What the rules come to for one mock-up.
+    """The rules as tables for one mock-up.
 
-    names, severities: of each rule, the one for all other pairs last. of_classes: `(classes, classes)` the rule of each
-    pair of classes, -1 where they are not asked. class_of_part: `(parts,)`. clearance, contact: `(classes, classes)`
-    metres. exclude: `(k, 2)` pairs of parts that are not asked. hiding: the names of exclusions and of rules with a
+    names, severities: of each rule; the last is for pairs that no rule names. of_classes: `(classes, classes)`, the
+    rule of each pair of classes, -1 for pairs to skip. class_of_part: `(parts,)`. clearance, contact: `(classes,
+    classes)` metres. exclude: `(k, 2)` pairs of parts to skip. hiding: the names of exclusions and of rules with a
     level, in the order in which they are tried. asked: name, clearance and contact of each rule, metres.
     """
 
@@ -140,11 +140,11 @@ class Limits:
     _hiders: tuple[_Hider, ...] = ()
 
     def rule_of(self, a: npt.NDArray[np.uint32], b: npt.NDArray[np.uint32]) -> npt.NDArray[np.int32]:
-        """The rule of each pair of parts; -1 where it is not asked."""
+        """The rule of each pair of parts; -1 for pairs to skip."""
         return np.array(self.of_classes[self.class_of_part[a], self.class_of_part[b]])
 
     def hidden_by(self, a: npt.NDArray[np.uint32], b: npt.NDArray[np.uint32]) -> npt.NDArray[np.int32]:
-        """Which of `hiding` hides each pair of parts, the first that names it; -1 where none does."""
+        """The first of `hiding` that hides each pair of parts; -1 for visible pairs."""
         found = np.full(len(a), -1, dtype=np.int32)
         rule = self.rule_of(a, b)
         for number, hider in enumerate(self._hiders):
@@ -162,11 +162,11 @@ def limits(
     exclude: npt.NDArray[np.uint32],
     shaped: Shaped | None = None,
 ) -> Limits:
-    """What the rules come to. chord: how far a triangle may be from its surface, metres, for `contact="chord"`.
-    shaped: which parts have the shape of a fastener; None: names alone decide.
+    """Applies the rules to the parts. chord: the chordal error of the mock-up, metres, for `contact="chord"`. shaped:
+    finds parts with the shape of a fastener; None: names alone decide.
 
-    Raises `OptionError` for names that no part has, with what is near; for "chord" where that is not known; and for
-    rules that put the parts into more than `CLASS_LIMIT` classes.
+    Raises `OptionError` for patterns that match no part, with similar names; for "chord" if it is not known; and for
+    rules that need more than `CLASS_LIMIT` classes of parts.
     """
     every = [*rules.rules, Rule(DEFAULT_RULE)]
     named = _Named(parts, paths, rules.where)
@@ -202,7 +202,7 @@ def limits(
 
 
 def _hiders(rules: Rules, named: _Named, paths: Sequence[str], shaped: Shaped | None) -> list[tuple[str, _Hider]]:
-    """What hides pairs, by name: the exclusions, then the rules with a level."""
+    """Exclusions, then rules with a level, by name, each with its test for pairs to hide."""
     found: list[tuple[str, _Hider]] = []
     for each in rules.exclusions:
         if each.same_assembly:
@@ -218,12 +218,12 @@ def _hiders(rules: Rules, named: _Named, paths: Sequence[str], shaped: Shaped | 
 
 
 def _between(one: npt.NDArray[np.bool_], other: npt.NDArray[np.bool_]) -> _Hider:
-    """Hides pairs of which one part is in the first mask and the other in the second."""
+    """Hides pairs with one part in the first mask and the other part in the second."""
     return lambda a, b, _rule: (one[a] & other[b]) | (one[b] & other[a])
 
 
 def _within(assembly: npt.NDArray[np.int64], only: int | None = None) -> _Hider:
-    """Hides pairs of one sub-assembly; only: those of this rule."""
+    """Hides pairs within one sub-assembly. only: limits this to one rule."""
 
     def hides(a: Ints, b: Ints, rule: npt.NDArray[np.int32]) -> npt.NDArray[np.bool_]:
         same: npt.NDArray[np.bool_] = (assembly[a] == assembly[b]) & (assembly[a] >= 0)
@@ -233,7 +233,7 @@ def _within(assembly: npt.NDArray[np.int64], only: int | None = None) -> _Hider:
 
 
 def unmatched(rules: Rules, parts: Parts, paths: Sequence[str]) -> list[str]:
-    """The patterns that match no part, each with the rule or exclusion that it stands in."""
+    """The patterns that match no part, each with its rule or exclusion."""
     named = _Named(parts, paths, rules.where)
     found = []
     every: list[tuple[str, Rule | Exclusion]] = [("rule", rule) for rule in rules.rules]
@@ -249,7 +249,7 @@ def unmatched(rules: Rules, parts: Parts, paths: Sequence[str]) -> list[str]:
 
 
 def sub_assemblies(paths: Sequence[str], level: int) -> npt.NDArray[np.int64]:
-    """A number for the first `level` steps of each path, `(parts,)`; -1 where that is the part itself."""
+    """A number for the first `level` steps of each path, `(parts,)`; -1 for paths that have no more steps."""
     keys: dict[tuple[str, ...], int] = {}
     found = np.empty(len(paths), dtype=np.int64)
     for place, path in enumerate(paths):
@@ -259,7 +259,7 @@ def sub_assemblies(paths: Sequence[str], level: int) -> npt.NDArray[np.int64]:
 
 
 def _meets(kinds: npt.NDArray[np.bool_], number: int) -> npt.NDArray[np.bool_]:
-    """Which pairs of classes the rule or exclusion of that number names, either way round."""
+    """Which pairs of classes the rule of that number names, in either order."""
     one, other = kinds[:, 2 * number], kinds[:, 2 * number + 1]
     found = one[:, None] & other[None, :]
     return np.asarray(found | found.T)
@@ -268,18 +268,18 @@ def _meets(kinds: npt.NDArray[np.bool_], number: int) -> npt.NDArray[np.bool_]:
 def _chord_of(
     contacts: Sequence[float | str], chord: float | None, parts: int, of_classes: npt.NDArray[np.int32], where: str
 ) -> npt.NDArray[np.float64]:
-    """What "chord" comes to for each rule, metres: the errors of both parts; 0 where the rule gives a number."""
+    """The sum of both chordal errors for rules with "chord", metres; 0 for rules with a number."""
     is_chord = np.array([isinstance(each, str) for each in contacts])
     if is_chord[np.unique(of_classes[of_classes >= 0])].any() and chord is None:
         raise OptionError(
-            f'contact="chord" ({where}): how far the triangles are from their surfaces is known only of STEP files, '
+            f'contact="chord" ({where}): the chordal error is known only of STEP files, '
             "which feeler triangulates itself; give contact in metres"
         )
     return np.where(is_chord, 2.0 * (chord or 0.0), 0.0)
 
 
 def check_length(what: str, value: object, other: str = "") -> float:
-    """A length in metres. Raises `OptionError` for what is none."""
+    """A length in metres. Raises `OptionError` for other values."""
     good = isinstance(value, (int, float, np.floating, np.integer)) and not isinstance(value, bool)
     if not good or not 0 <= value < math.inf:  # type: ignore[operator]
         raise OptionError(f"{what} is {value!r}: give metres, 0 or more{other}")
@@ -287,14 +287,14 @@ def check_length(what: str, value: object, other: str = "") -> float:
 
 
 def near(asked: object, known: Iterable[str]) -> str:
-    """What is spelt alike, or all there is."""
+    """A hint with similar words, or with all known words."""
     words = list(known)
     alike = difflib.get_close_matches(str(asked), words, 3, 0.5)
     return f"do you mean {' or '.join(alike)}?" if alike else f"choose {', '.join(words)}"
 
 
 def _check_words(each: Rule | Exclusion, who: str) -> None:
-    """Takes one pattern for several of one. Raises `OptionError` for what are no texts."""
+    """Turns a single pattern into a tuple. Raises `OptionError` for values that are not text."""
     for side in ("a", "b"):
         words: object = getattr(each, side)
         if isinstance(words, str):
@@ -310,7 +310,7 @@ def _check_level(what: str, value: object) -> None:
 
 
 class _Named:
-    """Which parts patterns name, as masks."""
+    """Turns patterns into masks of parts."""
 
     def __init__(self, parts: Parts, paths: Sequence[str], where: str) -> None:
         self.parts, self.paths, self.where = parts, paths, where

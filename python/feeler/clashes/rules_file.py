@@ -1,7 +1,7 @@
-"""Rules as TOML: read, and started from what a check found.
+"""Reads rules from TOML, and writes a first file from the findings of a check.
 
 version = 1
-others = true                     # pairs that no rule names are asked, too
+others = true                     # also check pairs that no rule names
 
 [[rule]]
 name = "rotor against casing"
@@ -10,7 +10,7 @@ b = ["*casing*", "re:.*/vane_[0-9]+"]
 clearance = 0.005                 # metres
 contact = 0.0001                  # metres, or "chord"
 severity = "critical"             # critical, major (default), minor
-level = 2                         # not within one sub-assembly, two steps down the paths
+level = 2                         # hide pairs with the same first two path steps
 
 [[exclude]]
 name = "seals in their grooves"
@@ -51,7 +51,7 @@ else:
 VERSION = 1
 _TABLES = {"rule": Rule, "exclude": Exclusion}
 _WRITTEN = 30
-"""Most rules, and most mates, that a file is started with: more than that nobody reads."""
+"""Most rules, and most pairs in contact, that `write_rules` lists. Nobody reads more."""
 
 
 def read_rules(path: str | os.PathLike[str]) -> Rules:
@@ -72,7 +72,7 @@ def read_rules(path: str | os.PathLike[str]) -> Rules:
 
 
 def rules_from(rules: object) -> Rules:
-    """Rules as a caller gives them: none, a dict, `Rules`, or a file. Raises as `Rules.read`, and `OptionError`."""
+    """Rules from None, a dict, `Rules`, or a file. Raises `OptionError`, and errors as in `Rules.read`."""
     if rules is None:
         return Rules()
     if isinstance(rules, Mapping):
@@ -81,7 +81,7 @@ def rules_from(rules: object) -> Rules:
 
 
 def rules_of(data: Mapping[str, Any], where: str = "rules") -> Rules:
-    """The rules that a TOML document, or such a dict, says. Raises `OptionError` for what is wrong in it."""
+    """The rules of a TOML document as a dict. Raises `OptionError` for mistakes in it."""
     _check_keys(data, ["version", "others", *_TABLES], where)
     if data.get("version", VERSION) != VERSION:
         raise OptionError(f"{where} is of version {data['version']!r}, and this feeler reads {VERSION}")
@@ -100,7 +100,7 @@ def rules_of(data: Mapping[str, Any], where: str = "rules") -> Rules:
 def _made(kind: type[Any], table: Mapping[str, Any], where: str) -> Any:
     _check_keys(table, [each.name for each in fields(kind)], where)
     if not isinstance(table.get("name"), str) or not table["name"]:
-        raise OptionError(f"{where}: it has no name; findings are called by it")
+        raise OptionError(f"{where}: it has no name; give one, findings refer to it")
     for name, value in table.items():
         if name in ("optional", "fasteners") and not isinstance(value, bool):
             raise OptionError(f"{where}: {name} is {value!r}: give true or false")
@@ -117,10 +117,10 @@ def _check_keys(table: Mapping[str, Any], known: list[str], where: str) -> None:
 
 
 def write_rules(path: str | os.PathLike[str], clashes: Clashes) -> None:
-    """Starts a file of rules with what a check found.
+    """Writes a first file of rules from the findings of a check.
 
-    A rule for each two sub-assemblies that have findings, with the limits of the check, so that nothing is lost when it
-    is read; and, as comments, what may be left out: mates, and fasteners. Raises `WriteError`.
+    It has a rule for each pair of sub-assemblies with findings. The limits are those of the check, so the same findings
+    come back. Comments suggest exclusions: parts in contact, and fasteners. Raises `WriteError`.
     """
     with atomic_file(path) as file:
         file.write(_text(clashes).encode("utf-8"))
@@ -130,10 +130,10 @@ def _text(clashes: Clashes) -> str:
     facts = clashes.facts
     contact = json.dumps(facts.contact)
     lines = [
-        "# Rules of a clash check: the first rule that names a pair decides it. docs/clash.md",
+        "# Rules of a clash check: the first rule that names a pair applies. See docs/clash.md",
         f"# Started from {len(clashes):,} findings, at a clearance of {facts.clearance:g} m.",
         f"version = {VERSION}",
-        "others = true  # false: pairs that no rule names are not asked",
+        "others = true  # false: skip pairs that no rule names",
     ]
     level = _telling_level(clashes.part_paths)
     count = Counter(_assemblies(clashes, level))
@@ -151,7 +151,7 @@ def _text(clashes: Clashes) -> str:
         for a, b in zip(touching.a.tolist(), touching.b.tolist(), strict=True)
     )
     if mates:
-        lines += ["", f"# {len(touching):,} pairs only touch. Mates that are meant to may be left out, such as:"]
+        lines += ["", f"# {len(touching):,} pairs touch. Exclude those that are meant to, such as:"]
     for one, other in list(mates)[:_WRITTEN]:
         lines += ["#", "# [[exclude]]", f"# name = {_quoted(f'{_last(one)} on {_last(other)}')}"]
         lines += [f"# a = {_quoted(one)}", f"# b = {_quoted(other)}"]
@@ -162,7 +162,7 @@ def _text(clashes: Clashes) -> str:
     lines += [
         *(
             "",
-            f"# Fasteners, by their names, are in {fastened:,} of the findings. This hides them, and those by shape:",
+            f"# {fastened:,} findings have a part named like a fastener. This hides fasteners, by name and shape:",
         ),
         *("#", "# [[exclude]]", '# name = "standard parts"', "# fasteners = true"),
     ]
@@ -170,7 +170,7 @@ def _text(clashes: Clashes) -> str:
 
 
 def _assemblies(clashes: Clashes, level: int) -> list[tuple[str, str]]:
-    """For each finding the sub-assemblies of both parts, in the order of their names."""
+    """For each finding the sub-assemblies of both parts, sorted by name."""
     found = []
     for a, b in zip(clashes.a.tolist(), clashes.b.tolist(), strict=True):
         one, other = sorted("/".join(clashes.part_paths[part].split("/")[:level]) for part in (a, b))
@@ -179,7 +179,7 @@ def _assemblies(clashes: Clashes, level: int) -> list[tuple[str, str]]:
 
 
 def _telling_level(paths: tuple[str, ...]) -> int:
-    """The first level at which the paths part, so that a common root does not make one sub-assembly of all."""
+    """The first level at which the paths differ: a common root would be one sub-assembly for all."""
     steps = [path.split("/") for path in paths]
     deepest = max((len(each) for each in steps), default=1)
     return next((level for level in range(1, deepest) if len({tuple(each[:level]) for each in steps}) > 1), deepest)

@@ -1,14 +1,14 @@
-"""Findings as JSON, to the file and back.
+"""Saves findings as JSON and loads them.
 
     {"format": "feeler clash", "version": 1, "clearance": m, "contact": m or "chord", "parts": n, "triangles": n,
      "files": [...], "partial": bool, "clashes": [one a line], "earlier": [likewise], "shapes": [a part a line],
      "earlier_shapes": [likewise]}
 
-A finding has the fields of `Clash`, its parts by their keys, and no part numbers: a part that is inserted changes
-nothing. Lines are sorted by rule and parts, so that what git shows is what changed. `feeler clash --json` has the same
-fields in the order of the table; `feeler view` reads both. Shapes are of parts with findings, and of parts that share
-a path with one; files without them can be read. Older files have no `depth_error`, and their depths are lengths of a
-way out: `load_clashes` reads them as estimates and keeps approvals.
+A finding has the fields of `Clash`, with the keys of its parts instead of part numbers: a new part changes no other
+line. Lines are sorted by rule and parts, so a git diff shows only changes. `feeler clash --json` has the same fields in
+the order of the table; `feeler view` reads both. Shapes are stored for parts with findings and for parts with equal
+paths; files without shapes can be read. Older files have no `depth_error`, and their depths are lengths of a
+translation: `load_clashes` reads them as estimates and keeps approvals.
 """
 
 from __future__ import annotations
@@ -31,14 +31,14 @@ from feeler.io.atomic import atomic_file
 
 FORMAT, VERSION = "feeler clash", 1
 _OLD_KINDS = ("exact", "bound", "estimate")
-"""Kinds of depth in files without `depth_error`: the length of a way out. Such a depth is read as an estimate."""
+"""Kinds of depth in files without `depth_error`: lengths of a translation. They are read as estimates."""
 _LARGEST_M = 1e100
 _TRIANGLE_PAIRS = 2**32
 _HASH_DIGITS = 16
 
 
 def head(clashes: Clashes) -> dict[str, Any]:
-    """What stands before the findings."""
+    """The fields before the findings."""
     facts = clashes.facts
     return {
         "format": FORMAT,
@@ -55,7 +55,7 @@ def head(clashes: Clashes) -> dict[str, Any]:
 
 
 def rows(clashes: Clashes) -> Iterator[dict[str, Any]]:
-    """The findings in the order of the table; what is NaN is None."""
+    """The findings in the order of the table, with None for NaN."""
     keys = part_keys(clashes.part_paths)
     for clash in clashes:
         approved = clashes.marks.of(clash.id).approved_depth
@@ -86,7 +86,7 @@ def rows(clashes: Clashes) -> Iterator[dict[str, Any]]:
 
 
 def shape_rows(clashes: Clashes) -> list[dict[str, Any]]:
-    """Shape and place of each part with findings, sorted by key; `path` where that is not the key."""
+    """Shape and place of each part with findings, sorted by key; with `path` if it differs from the key."""
     keys = clashes.keys
     shapes = clashes.shapes.with_siblings(keys[part] for part in np.union1d(clashes.a, clashes.b))
     return [
@@ -111,7 +111,7 @@ def shape_rows(clashes: Clashes) -> list[dict[str, Any]]:
 
 
 def shapes_of_file(clashes: Clashes) -> dict[str, list[dict[str, Any]]]:
-    """What a file has of shapes, of the findings and of the earlier ones that are not resolved."""
+    """The shapes for a file: of findings, and of earlier findings that are not resolved."""
     waiting = clashes.earlier()
     waiting = waiting[waiting.status != "resolved"]
     return {"shapes": shape_rows(clashes), **({"earlier_shapes": shape_rows(waiting)} if len(waiting) else {})}
@@ -138,10 +138,10 @@ def _list(name: str, lines: Sequence[Mapping[str, Any]]) -> str:
 
 
 def load_clashes(path: str | os.PathLike[str]) -> Clashes:
-    """Findings that `Clashes.save` or `feeler clash --json` wrote, the worst first.
+    """Loads findings that `Clashes.save` or `feeler clash --json` wrote, the worst first.
 
-    Their parts are numbered within the table, as in its `part_paths`. Raises `MissingFileError` where there is no such
-    file, `LoadError` for what is no such JSON, is cut short, or is of a version that this feeler does not read.
+    Part numbers index the `part_paths` of the table, not the mock-up. Raises `MissingFileError` if the file does not
+    exist, and `LoadError` if it has another format or version, or is cut short.
     """
     file = Path(path)
     try:
@@ -172,7 +172,7 @@ def load_clashes(path: str | os.PathLike[str]) -> Clashes:
 
 
 class _Reader:
-    """Turns what JSON has into tables, and says which line is wrong."""
+    """Turns JSON into tables. Errors name the line."""
 
     def __init__(self, file: Path) -> None:
         self.file = file
@@ -251,7 +251,7 @@ class _Reader:
         rules: dict[str, int],
         marks: dict[str, Mark],
     ) -> None:
-        """Appends a finding. Raises `KeyError`, `TypeError`, `ValueError` for what is none."""
+        """Appends a finding. Raises `KeyError`, `TypeError` or `ValueError` if the line is invalid."""
         if not isinstance(line, Mapping):
             raise TypeError("it is no object")
         a, b, rule = (_text(line, name) for name in ("a", "b", "rule"))
@@ -266,8 +266,8 @@ class _Reader:
         is_old = "depth_error" not in line
         kind = line["depth_kind"]
         if is_old and kind in _OLD_KINDS:
-            # An approval of such a depth holds for the depth by points, which is no larger. The depth of a contact was
-            # not kept, and an estimate may be less: the next check approves the depth that it measures.
+            # The old depth is an upper bound of the new one, so its approval stays valid. The depth of a contact was
+            # not stored, and an estimate may be too small: there the next check sets the approved depth.
             if kind == "estimate" or (line["verdict"] == "contact" and line["gap"] == 0.0):
                 approved = None
             kind = "estimate"
@@ -309,7 +309,7 @@ _Shape = tuple[str, int, list[list[float]], list[float], float]
 
 
 def _shape(line: Any) -> tuple[str, _Shape]:
-    """A part by its key. Raises `KeyError`, `TypeError`, `ValueError` for what is none."""
+    """Key and shape of a part. Raises `KeyError`, `TypeError` or `ValueError` if the line is invalid."""
     if not isinstance(line, Mapping):
         raise TypeError("it is no object")
     key, content = _text(line, "part"), _text(line, "content")
@@ -324,7 +324,7 @@ def _shape(line: Any) -> tuple[str, _Shape]:
 
 
 def _hidden(counts: Any) -> tuple[tuple[str, int], ...]:
-    """How many findings each rule hid; nothing where that is no such mapping."""
+    """How many findings each rule hid; empty if `counts` is not a mapping."""
     if not isinstance(counts, Mapping):
         return ()
     return tuple((name, count) for name, count in counts.items() if isinstance(count, int))
@@ -346,7 +346,7 @@ def _text(line: Mapping[str, Any], name: str) -> str:
 
 
 def _real(value: Any, name: str) -> float:
-    """A number; what JSON lacks is null there, and NaN here."""
+    """A number; null becomes NaN."""
     if value is None:
         return math.nan
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not abs(value) <= _LARGEST_M:

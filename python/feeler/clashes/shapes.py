@@ -1,8 +1,8 @@
-"""Shape and place of each part: how a part is recognised under another path.
+"""Shape and place of each part, to recognise renamed parts.
 
     Mockup -> Shapes (a row for each part) -> matching.py; a file has the rows of parts with findings
 
-A row costs one pass over the triangles, so `PartShapes` waits until somebody compares or saves a table.
+Shapes need a pass over all triangles, so `PartShapes` computes them when a table is first compared or saved.
 """
 
 from __future__ import annotations
@@ -24,14 +24,14 @@ _TRIANGLES_AT_ONCE = 32_768  # 2.4 MB of corners: they stay in the cache
 _FACTORS = np.array([0x9E3779B97F4A7C15, 0xBF58476D1CE4E5B9, 0x94D049BB133111EB], np.uint64)
 """The multipliers of splitmix64 (Steele, Lea and Flood 2014)."""
 _DIGITS = 9
-"""Digits behind the point of a metre: sums in another order of triangles give the same text in a file."""
+"""Decimals of a metre: rounding hides the order of summation, so that a file does not depend on it."""
 
 
 @dataclass(frozen=True)
 class Shapes:
-    """A row for each part, metres; NaN where the shape is not known.
+    """A row for each part, metres; NaN if the shape is not known.
 
-    keys: as of `part_keys`. paths: without the `#2` of equal paths. content: a hash of all corners of all triangles
+    keys: as in `part_keys`. paths: without the `#2` of equal paths. content: a hash of all corners of all triangles
     that does not depend on their order. box: `(n, 2, 3)`, lower and upper corner. middle: `(n, 3)`, the centroid of the
     surface. area: `(n,)`, square metres.
     """
@@ -52,7 +52,7 @@ class Shapes:
         return np.isfinite(self.area)
 
     def rows(self, chosen: Sequence[int]) -> Shapes:
-        """Some of the rows, in a given order."""
+        """The chosen rows, in the given order."""
         index = np.array(chosen, dtype=np.intp)
         names = ([each[i] for i in chosen] for each in (self.keys, self.paths))
         keys, paths = map(tuple, names)
@@ -66,7 +66,7 @@ class Shapes:
         return self.rows(sorted((i for i in known if self.paths[i] in paths), key=lambda i: self.keys[i]))
 
     def joined(self, other: Shapes) -> Shapes:
-        """These rows, and those of the other whose keys are not here."""
+        """These rows, and the rows of `other` with new keys."""
         here = set(self.keys)
         more = other.rows([i for i, key in enumerate(other.keys) if key not in here])
         arrays = (
@@ -76,14 +76,14 @@ class Shapes:
 
 
 def unknown(keys: Sequence[str], paths: Sequence[str] | None = None) -> Shapes:
-    """Rows of parts whose shape is not known."""
+    """Rows for parts of unknown shape."""
     n = len(keys)
     nothing = (np.full((n, 2, 3), np.nan), np.full((n, 3), np.nan), np.full(n, np.nan))
     return Shapes(tuple(keys), tuple(keys if paths is None else paths), np.zeros(n, dtype=np.uint64), *nothing)
 
 
 def shapes_of(mockup: Mockup) -> Shapes:
-    """A row for each part of a mock-up. Linear in the triangles; unknown for parts without a triangle to query."""
+    """A row for each part of a mock-up. Linear in the triangles. Parts without valid triangles are unknown."""
     count = mockup.part_count
     vertices = np.concatenate([mockup.vertices, np.full((1, 3), np.nan)])
     axes = np.ascontiguousarray(vertices.T)
@@ -117,7 +117,7 @@ def shapes_of(mockup: Mockup) -> Shapes:
 
 
 def _hashes(vertices: Floats) -> Hashes:
-    """A hash of each vertex: equal for equal coordinates, 0.0 and -0.0 included."""
+    """A hash of each vertex. Equal coordinates have equal hashes; 0.0 equals -0.0."""
     x, y, z = np.ascontiguousarray((vertices + 0.0).view(np.uint64).T)
     found: Hashes = (x ^ _FACTORS[2]) * _FACTORS[0]
     for coordinate, factor in ((y, _FACTORS[1]), (z, _FACTORS[2])):
@@ -131,7 +131,7 @@ def _hashes(vertices: Floats) -> Hashes:
 
 
 def _areas(axes: Floats, corners: npt.NDArray[Any]) -> list[Floats]:
-    """The area of each triangle, and that times the sum of its corners by axis; 0 where a corner is not finite."""
+    """The area of each triangle, and the area times the sum of its corners by axis; 0 if a corner is not finite."""
     a, b, c = ([axis[corner] for axis in axes] for corner in corners)
     with np.errstate(over="ignore", invalid="ignore"):
         u, v = ([q - p for p, q in zip(a, far, strict=True)] for far in (b, c))
@@ -145,13 +145,13 @@ def _areas(axes: Floats, corners: npt.NDArray[Any]) -> list[Floats]:
 
 
 class PartShapes:
-    """The shapes of a mock-up's parts, found when they are first asked for. Tables of one check share one."""
+    """The shapes of the parts, computed on first use. All tables of a check share one instance."""
 
     def __init__(self, source: Mockup | Shapes) -> None:
         self._source = source
 
     def get(self) -> Shapes:
-        """The shapes. The mock-up is let go."""
+        """The shapes. Drops the reference to the mock-up."""
         if isinstance(self._source, Mockup):
             self._source = shapes_of(self._source)
         return self._source

@@ -43,35 +43,36 @@ class Clash:
     """The farthest that a point of one surface is inside the other part: a lower bound. 0 for duplicates and for parts
     that only touch or are apart; NaN if Ctrl-C came first."""
     depth_error: float
-    """How much more the depth can be: at most a thousandth of it, or a nanometre. NaN if both parts are open."""
+    """How much more the depth can be: at most a thousandth of it, or a nanometre; more if the search stopped after two
+    million pieces, which takes seconds. NaN if both parts are open."""
     depth_kind: str
     """`"measured"`, or `"estimate"` if a part is open and has no inside."""
     translation: Point
-    """A way by which `a` comes out of `b`, the shortest known: an upper bound. Zero for contacts; NaN if not known."""
+    """The shortest known translation that moves `a` out of `b`: an upper bound. 0 for contacts; NaN if not known."""
     gap: float
-    """How far their surfaces are apart; 0 where they meet."""
+    """The distance of the surfaces; 0 if they meet."""
     point_a: Point
-    """A point of `a` that is closest to `b`, or in contact with it where it is deepest."""
+    """The point of `a` nearest to `b`; if they meet, the point of the deepest contact."""
     point_b: Point
-    """The point of `b` that belongs to it."""
+    """The point of `b` that corresponds to `point_a`."""
     volume: float
-    """What they share, cubic metres; NaN where that was not asked for, or one of them is not closed."""
+    """The shared volume, cubic metres; NaN if it was not measured, or if a part is open."""
     triangles: int
-    """How many pairs of triangles meet."""
+    """The number of pairs of triangles that meet."""
     box: tuple[Point, Point]
-    """Lower and upper corner of what meets, else of the two points."""
+    """Lower and upper corner of a box around the triangles that meet, else around the two points."""
     is_open_a: bool
-    """Whether `a` has no inside, so that it contains nothing."""
+    """Whether the surface of `a` is not closed: it has no inside and contains nothing."""
     is_open_b: bool
     rule: str
     severity: str
     status: str
     """One of `"new"`, `"active"`, `"reviewed"`, `"approved"`, `"resolved"`."""
     by: str
-    """Who set the status; empty where nobody did."""
+    """Who set the status; else empty."""
     note: str
     changed: str
-    """`"renamed"` or `"renumbered"` where `Clashes.diff` found a part under another key, else empty."""
+    """`"renamed"` or `"renumbered"` if `Clashes.diff` found a part under another key, else empty."""
 
 
 @dataclass(frozen=True)
@@ -96,15 +97,15 @@ class Columns:
     severity: npt.NDArray[np.uint8]
 
     def rows(self, chosen: Any) -> Columns:
-        """Some of the rows, in a given order."""
+        """The chosen rows, in the given order."""
         return Columns(*(getattr(self, each.name)[chosen] for each in fields(self)))
 
     def order(self) -> npt.NDArray[np.intp]:
         """The worst first: by severity, then by verdict, then by depth or gap, then by parts.
 
-        Duplicates come first: their depth is 0, and one of the two parts is surplus. Clashes and contained parts follow
-        together, the deepest first: a contained part is as deep as its farthest point. Then contacts, the deepest
-        first; then parts that are apart, the nearest first. Depths that were not measured (NaN) come last.
+        Duplicates come first: one of the two parts is superfluous, and their depth of 0 says nothing. Clashes and
+        contained parts follow together, the deepest first; then contacts, the deepest first; then clearances, the
+        nearest first. Depths that were not measured (NaN) come last.
         """
         rank = np.array(_RANKS)[self.verdict]
         return np.lexsort((self.b, self.a, self.gap, -self.depth, rank, self.severity))
@@ -138,12 +139,12 @@ SHAPES: dict[str, tuple[type, tuple[int, ...]]] = {
 
 @dataclass(frozen=True)
 class Facts:
-    """What a check was about, for reports and for the checks that follow.
+    """Settings and statistics of a check, for reports and later checks.
 
-    clearance, contact: metres, of pairs that no rule names; `contact` may be "chord". seconds: by stage. files: of the
-    mock-up. hidden: how many findings each rule hides, in the order in which they are tried. present: how many parts
-    were checked; None: all. open_parts: paths of parts that are not closed and have another part in their box. notes:
-    sentences on what the rows cannot say. rules: name, clearance and contact of each rule, metres; NaN: not known.
+    clearance, contact: metres, for pairs that no rule names; `contact` may be "chord". seconds: by stage. files: of the
+    mock-up. hidden: how many findings each rule hides, in the order in which rules are tried. present: how many parts
+    were checked; None: all. open_parts: paths of open parts with another part in their box. notes: what the findings
+    do not show, for users. rules: name, clearance and contact of each rule, metres; NaN: not known.
     """
 
     clearance: float = 0.0
@@ -161,12 +162,12 @@ class Facts:
 
 
 class Clashes(Sequence[Clash]):
-    """What `feeler.clash` found, the worst first: a row for each pair of parts.
+    """The result of `feeler.clash`: a row for each pair of parts, the worst first.
 
-    `clashes[i]` is a `Clash`, `clashes[i:j]` and `clashes[mask]` are tables, which share the status of their findings.
-    Columns are arrays of a row each, read-only: `.a .b .verdict .depth .depth_error .depth_kind .translation .gap
-    .point_a .point_b .volume .triangles .box .rule .severity .ids .status`, as in `Clash`. Sorted by severity; then
-    duplicates; then clashes and contained parts, the deepest first; then contacts; then parts that are apart, the
+    `clashes[i]` is a `Clash`. `clashes[i:j]` and `clashes[mask]` are tables that share the statuses of this one.
+    Columns are read-only arrays with an entry for each row: `.a .b .verdict .depth .depth_error .depth_kind
+    .translation .gap .point_a .point_b .volume .triangles .box .rule .severity .ids .status`, as in `Clash`. Sorted by
+    severity; then duplicates; then clashes and contained parts, the deepest first; then contacts; then clearances, the
     nearest first; then by parts.
     """
 
@@ -181,9 +182,9 @@ class Clashes(Sequence[Clash]):
         is_partial: bool = False,
         shapes: PartShapes | None = None,
     ) -> None:
-        """Rows as they are, in their order. rules: the name of each rule that `columns.rule` counts.
+        """Takes rows in the given order. rules: the names that `columns.rule` indexes.
 
-        shapes: of the parts, by which `diff` finds them under other paths; None: it goes by paths alone.
+        shapes: of the parts, so that `diff` can match renamed parts; None: `diff` matches by path alone.
         """
         self.columns = columns
         for each in fields(columns):
@@ -228,12 +229,12 @@ class Clashes(Sequence[Clash]):
 
     @property
     def translation(self) -> Floats:
-        """`(n, 3)`: the shortest known way of `a` out of `b`, metres: an upper bound."""
+        """`(n, 3)`: the shortest known translation that moves `a` out of `b`, metres: an upper bound."""
         return self.columns.translation
 
     @property
     def gap(self) -> Floats:
-        """`(n,)`: metres; 0 where they meet."""
+        """`(n,)`: the distance of the surfaces, metres; 0 if they meet."""
         return self.columns.gap
 
     @property
@@ -243,32 +244,32 @@ class Clashes(Sequence[Clash]):
 
     @property
     def point_b(self) -> Floats:
-        """`(n, 3)`: the point of `b` that belongs to it."""
+        """`(n, 3)`: the point of `b` that corresponds to `point_a`, metres."""
         return self.columns.point_b
 
     @property
     def volume(self) -> Floats:
-        """`(n,)`: what they share, cubic metres, or NaN."""
+        """`(n,)`: the shared volume, cubic metres, or NaN."""
         return self.columns.volume
 
     @property
     def signed_depth(self) -> Floats:
-        """`(n,)`: the depth, metres; of what is apart the gap, negative: what is compared from check to check."""
+        """`(n,)`: the depth, or the negative gap, metres. `diff` compares this between checks."""
         return np.where(self.depth > 0.0, self.depth, -self.gap)
 
     @property
     def triangles(self) -> npt.NDArray[np.uint32]:
-        """`(n,)`: how many pairs of triangles meet."""
+        """`(n,)`: the number of pairs of triangles that meet."""
         return self.columns.triangles
 
     @property
     def box(self) -> Floats:
-        """`(n, 2, 3)`: lower and upper corner of what meets, metres."""
+        """`(n, 2, 3)`: lower and upper corner of a box around the triangles that meet, metres."""
         return self.columns.box
 
     @property
     def rule(self) -> npt.NDArray[np.str_]:
-        """`(n,)`: the rule's name."""
+        """`(n,)`: the name of the rule."""
         return np.array(self.rules or ("",))[self.columns.rule]
 
     @property
@@ -289,24 +290,24 @@ class Clashes(Sequence[Clash]):
 
     @cached_property
     def keys(self) -> tuple[str, ...]:
-        """The key of each of `part_paths`: the path, with a number behind it where parts have one path."""
+        """The unique key of each part: its path, followed by a number if other parts have the same path."""
         return tuple(part_keys(self.part_paths))
 
     @property
     def shapes(self) -> Shapes:
-        """Shape and place of parts, those in findings at least; the first call of a check looks at all triangles."""
+        """Shape and place of parts, at least of those in findings. The first call reads all triangles."""
         return unknown(self.keys, self.part_paths) if self._shapes is None else self._shapes.get()
 
     @property
     def hidden(self) -> dict[str, int]:
-        """How many findings each rule hides, by its name: exclusions, and rules with a level."""
+        """How many findings each exclusion, and each rule with a level, hides; by name."""
         found: dict[str, int] = {}
         for name, count in self.facts.hidden:
             found[name] = found.get(name, 0) + count
         return found
 
     def where(self, **where: object) -> Clashes:
-        """The rows of a verdict, a severity, a status or a rule: `clashes.where(verdict="clash", rule="default")`."""
+        """The rows with this verdict, severity, status or rule: `clashes.where(verdict="clash", rule="default")`."""
         return self[self._mask(where)]
 
     def _mask(self, where: dict[str, object]) -> npt.NDArray[np.bool_]:
@@ -386,7 +387,7 @@ class Clashes(Sequence[Clash]):
         )
 
     def to_dicts(self) -> list[dict[str, Any]]:
-        """A dict for each row, of plain Python values: as `Clash`, the verdict by its name in small letters."""
+        """A dict of plain Python values for each row, with the fields of `Clash`. The verdict is a lower-case name."""
         names = [each.name for each in fields(Clash)]
         found = []
         for clash in self:
@@ -396,9 +397,9 @@ class Clashes(Sequence[Clash]):
         return found
 
     def to_pandas(self) -> Any:
-        """A `pandas.DataFrame` with a row for each finding, its index the id; points as tuples.
+        """A `pandas.DataFrame` with a row for each finding and the ids as index. Points are tuples.
 
-        Raises `OptionError` where pandas is not installed.
+        Raises `OptionError` if pandas is not installed.
         """
         import importlib
 
@@ -410,20 +411,20 @@ class Clashes(Sequence[Clash]):
         return pandas.DataFrame(self.to_dicts(), columns=columns).set_index("id")
 
     def groups(self, by: str = "part", *, reach: float | None = None) -> list[Group]:
-        """The rows in groups, so that thousands can be read; the group with the worst row first.
+        """Groups the rows. The group with the worst row comes first.
 
-        by: "part" (each row goes to the part that has most of those left: one that is out of place is one group),
-        "rule", or "cluster" (what is within `reach` metres of each other, by way of others; default: a hundredth of the
-        box around all). Raises `OptionError` for others.
+        by: "part" (each row goes to the part with most of the remaining rows, so one misplaced part is one group),
+        "rule", or "cluster" (chains of findings, each within `reach` metres of the next; default: a hundredth of the
+        diagonal of the box around all). Raises `OptionError` for others.
         """
         from feeler.clashes.grouping import groups
 
         return groups(self, by, reach)
 
     def set_status(self, clash: str, status: str, *, by: str = "", note: str = "") -> None:
-        """Says what somebody thinks of a finding: `"new"`, `"active"`, `"reviewed"` or `"approved"`; by whom, and why.
+        """Sets the status of a finding: `"new"`, `"active"`, `"reviewed"` or `"approved"`. by, note: who, and why.
 
-        `clash` is its id. An approval is of the depth that the finding has now: see `diff`. Raises `OptionError` for
+        `clash` is the id of the finding. An approval holds for the current depth: see `diff`. Raises `OptionError` for
         another status, and for an id that is not in the table.
         """
         if clash not in self._row_of:
@@ -436,27 +437,30 @@ class Clashes(Sequence[Clash]):
         return {each: row for row, each in enumerate(self.ids)}
 
     def diff(self, previous: Clashes, *, growth: float = DEPTH_GROWTH_M) -> Changes:
-        """What changed since the check before, whose statuses this table takes over.
+        """Compares with the previous check, and takes over its statuses and notes.
 
-        What was there before is active, reviewed or approved as it was; what was not, or was resolved, is new; what is
-        gone is resolved. An approved finding is new again where it is more than `growth` metres deeper than when it was
-        approved. A partial check resolves nothing.
+        Findings of both checks keep their status, except that new becomes active. Findings that did not exist, or were
+        resolved, are new. Findings that are gone are resolved. An approved finding is new again if it is more than
+        `growth` metres deeper than when it was approved. A partial check resolves nothing.
 
-        A part keeps its findings by its path; under another path, or among parts of one path, by its shape and place:
-        `changed` of such a finding is "renamed" or "renumbered", and `Changes.parts` says how many parts were found.
-        Raises `LoadError` where no part of what was found before is in this mock-up, by path or by shape.
+        Parts match by path, even if they moved. If a path is gone (a file, root or sub-assembly was renamed, a level
+        added), or several parts have it, parts match by shape and place: another meshing, small motions, or another
+        place of the whole assembly do not matter. `changed` of such findings is "renamed" or "renumbered", and
+        `Changes.parts` counts the parts. Findings become new if their rule is renamed, if a part is renamed and also
+        moved alone or reshaped, and if one of several parts of one path moves by more than half its size. Raises
+        `LoadError` if no part of the previous findings is in this mock-up, by path or by shape.
         """
         from feeler.clashes.changes import changes
 
         return changes(self, previous, growth)
 
     def with_rules(self, rules: Any, mockup: Mockup | None = None) -> Clashes:
-        """The same findings under other rules, without another check: to try rules on what was saved.
+        """Applies other rules to these findings, without another check: to try rules on saved findings.
 
-        rules: as of `feeler.clash`. mockup: the one that was checked, for the shapes of fasteners; None: names decide.
-        Verdicts, severities and ids follow the new rules, statuses stay with their pairs, and `hidden` counts anew.
-        `facts.notes` says what only another check can tell: pairs that were hidden before, or are farther apart than
-        the clearance then, and verdicts that the depth alone does not decide. Raises as `feeler.clash` does.
+        rules: as in `feeler.clash`. mockup: the one that was checked, to find fasteners by shape; None: by name alone.
+        Verdicts, severities and ids follow the new rules, statuses stay with their pairs, and `hidden` is counted
+        again. `facts.notes` lists what needs another check: pairs that were hidden, pairs beyond the clearance of the
+        check, and verdicts that depend on more than the depth. Raises errors as `feeler.clash` does.
         """
         from feeler.clashes.retried import with_rules
         from feeler.clashes.rules_file import rules_from
@@ -464,20 +468,20 @@ class Clashes(Sequence[Clash]):
         return with_rules(self, rules_from(rules), mockup)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes the findings with their status, and the `earlier` ones, as JSON: a line each, in an order that stays.
+        """Writes the findings and `earlier()` with their statuses as JSON, one sorted line for each.
 
-        The same findings give the same bytes. `feeler.load_clashes` reads it. Raises `WriteError`.
+        Equal findings give equal bytes. `feeler.load_clashes` reads the file. Raises `WriteError`.
         """
         from feeler.clashes.saving import save
 
         save(self, path)
 
     def earlier(self) -> Clashes:
-        """What the check before found and this one did not, as `diff` told: resolved, but where this one is partial."""
+        """Findings of the previous check that `diff` did not find again: resolved, unless this check is partial."""
         return self._earlier if self._earlier is not None else self[:0]
 
     def set_earlier(self, earlier: Clashes) -> None:
-        """Takes over what `diff`, or a file, says of the check before."""
+        """Sets `earlier()`."""
         self._earlier = earlier
 
     def __reduce__(self) -> tuple[Any, ...]:

@@ -1,7 +1,7 @@
-"""Findings that keep their name and their status from one check to the next.
+"""Ids and statuses, which findings keep from check to check.
 
-An id is a UUID of version 5 of the rule and of both part paths, so that it is the same on every machine and does not
-follow the coordinates. A status belongs to an id.
+An id is a UUID of version 5 of the rule and both part paths. It is the same on every machine and does not depend on
+coordinates. A status belongs to an id.
 """
 
 from __future__ import annotations
@@ -14,26 +14,27 @@ from dataclasses import dataclass, replace
 from feeler.errors import OptionError
 
 STATUSES = ("new", "active", "reviewed", "approved", "resolved")
-"""New: not in the check before. Active: it was. Reviewed, approved: somebody said so. Resolved: it is gone."""
+"""New: not in the previous check. Active: in it. Reviewed, approved: set by a person. Resolved: gone."""
 
 SETTABLE = ("new", "active", "reviewed", "approved")
-"""What somebody may say of a finding that is there."""
+"""The statuses that a person can set."""
 
 DEPTH_GROWTH_M = 1e-4
-"""What an approved finding may grow deeper: the chord tolerance of STEP, since another triangulation of the same two
-surfaces may move a depth by as much. More: depths grow unseen; less: files exported anew ask for approval again."""
+"""How much deeper an approved finding may become: the chord tolerance of STEP, since another triangulation of the same
+surfaces can change a depth by this much. Larger: deeper clashes go unnoticed. Smaller: every new export of a file needs
+approvals again."""
 
 _NAMESPACE = uuid.UUID("14e5acf5-0b61-45c2-bc05-5a908cb2fbed")
 
 
 @dataclass(frozen=True)
 class Mark:
-    """What is known of one finding beside its geometry.
+    """The status of one finding.
 
-    status: one of `STATUSES`. by, note: who set it and why; empty where nobody did. approved_depth: the signed depth
-    (metres; a gap is negative) at which it was approved, else None; None of an approval, too, whose depth the next
-    `diff` is to set. changed: "renamed" where the last `diff` found one of its parts under another path, "renumbered"
-    where only its number among equal paths changed, else empty.
+    status: one of `STATUSES`. by, note: who set it and why, or empty. approved_depth: the signed depth (metres; a gap
+    is negative) at which it was approved; None if it was not, or if the next `diff` must set it. changed: "renamed" if
+    the last `diff` found a part under another path, "renumbered" if only its number among equal paths changed, else
+    empty.
     """
 
     status: str = "new"
@@ -47,9 +48,9 @@ NEW = Mark()
 
 
 def part_keys(paths: Sequence[str]) -> list[str]:
-    """A name of each part that no other has: its path; the second of a path gets a `#2` behind it, and so on.
+    """A unique name for each part: its path, with `#2` for the second part of a path, and so on.
 
-    The first keeps its name when a second one comes. What would be the name of another part already is passed over.
+    The first part of a path has no number. Names that are the path of another part are skipped.
     """
     taken = set(paths)
     count: dict[str, int] = {}
@@ -66,48 +67,48 @@ def part_keys(paths: Sequence[str]) -> list[str]:
 
 
 def clash_id(rule: str, one: str, other: str) -> str:
-    """The id of a finding: of its rule, and the keys of both parts in the order of their characters."""
+    """The id of a finding, from its rule and the sorted keys of both parts."""
     first, second = sorted((one, other))
     return str(uuid.uuid5(_NAMESPACE, json.dumps([rule, first, second])))
 
 
 def derived_id(*words: str) -> str:
-    """A UUID for what is made of findings: topics, viewpoints."""
+    """A UUID for things made from findings, such as topics and viewpoints."""
     return str(uuid.uuid5(_NAMESPACE, json.dumps(words)))
 
 
 class Marks:
-    """The status of each finding by id. Slices of a table share one; those without an entry are new."""
+    """The status of each finding by id. Slices of a table share one instance. Ids without an entry are new."""
 
     def __init__(self, marks: Mapping[str, Mark] | None = None) -> None:
         self._by_id = dict(marks or {})
 
     def of(self, clash: str) -> Mark:
-        """What is known of a finding."""
+        """The mark of a finding."""
         return self._by_id.get(clash, NEW)
 
     def set(self, clash: str, status: object, depth: float, by: object, note: object) -> None:
-        """Says what somebody thinks of a finding. Raises `OptionError` for another status, or one that is no text."""
+        """Sets the status of a finding. Raises `OptionError` for another status, or if `by` or `note` is not text."""
         if status not in SETTABLE:
-            raise OptionError(f"status is {status!r}: choose {', '.join(SETTABLE)} (resolved is what is gone)")
+            raise OptionError(f"status is {status!r}: choose {', '.join(SETTABLE)} (only diff sets resolved)")
         if not isinstance(by, str) or not isinstance(note, str):
-            raise OptionError("by and note are texts: who says so, and why")
+            raise OptionError("by and note are texts: who set the status, and why")
         self._by_id[clash] = Mark(
             str(status), by, note, depth if status == "approved" else None, self.of(clash).changed
         )
 
     def replace(self, marks: Mapping[str, Mark]) -> None:
-        """Forgets all, and takes these."""
+        """Replaces all marks."""
         self._by_id = dict(marks)
 
 
 def followed(before: Mark | None, depth: float, growth: float) -> Mark:
-    """The mark of a finding that is there, after what was known of it in the check before; None: it was not there."""
+    """The mark of a finding, given its mark in the previous check; None: it did not exist."""
     if before is None or before.status == "resolved":
         return NEW
     if before.status == "approved":
         was = before.approved_depth
-        if was is None:  # read from a file whose depth was another measure
+        if was is None:  # from an older file, with another definition of depth
             return replace(before, approved_depth=depth)
         if depth > was + growth:
             grown = f"approved at {was:.6g} m, and now {depth:.6g} m deep"

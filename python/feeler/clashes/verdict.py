@@ -1,4 +1,4 @@
-"""What a pair of parts is said to do, and how sure its depth is."""
+"""Verdicts, severities and kinds of depth."""
 
 from __future__ import annotations
 
@@ -6,29 +6,29 @@ from enum import IntEnum
 
 
 class Verdict(IntEnum):
-    """What two parts do where they are."""
+    """The relation of two parts."""
 
     CLASH = 0
-    """They meet, and are deeper than `contact`; or both are walls thinner than that, each through the other."""
+    """They meet and are deeper than `contact`, or they are thin walls that cross."""
     CONTACT = 1
-    """They meet and are no deeper than `contact`, or the gap between them is no more."""
+    """They meet and are at most `contact` deep, or they are at most `contact` apart."""
     CLEARANCE = 2
-    """They are apart, and nearer than their `clearance`."""
+    """They are farther apart than `contact`, but at most `clearance`."""
     CONTAINED = 3
-    """One is closed and holds the other."""
+    """They do not cross; one is closed and contains the other."""
     DUPLICATE = 4
     """They have the same surface, however it is cut into triangles."""
 
 
 DEPTH_KINDS = ("measured", "estimate")
-"""What a depth is, by the core's number: measured within its error, or, where a part is open, an estimate."""
+"""Kinds of depth, by the number of the core: measured within its error, or an estimate if a part is open."""
 
 SEVERITIES = ("critical", "major", "minor")
-"""What a rule may say of its findings, the worst first."""
+"""The severities that a rule can set, the worst first."""
 
 DEFAULT_SEVERITY = "major"
 DEFAULT_RULE = "default"
-"""The name of what holds for pairs that no rule names."""
+"""The rule of pairs that no rule names."""
 
 OVERLAPS = (Verdict.CLASH, Verdict.CONTAINED, Verdict.DUPLICATE)
-"""Verdicts of pairs that share a space, and not only a surface."""
+"""Verdicts of pairs that share volume."""

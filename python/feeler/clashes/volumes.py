@@ -1,4 +1,4 @@
-"""The volume that two closed parts share, by manifold3d: an extra, `feeler[volume]`."""
+"""The shared volume of closed parts, computed by manifold3d. Needs the extra `feeler[volume]`."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from feeler.errors import OptionError
 from feeler.mockup import Mockup
 
 _KEPT_TRIANGLES = 5_000_000
-"""Most triangles of solids that are kept for the next pair, about 2 GB as manifold3d holds them."""
+"""Most triangles of cached solids, about 2 GB in manifold3d."""
 
 
 def solids_library() -> Any:
-    """manifold3d. Raises `OptionError` where it is not installed."""
+    """The module manifold3d. Raises `OptionError` if it is not installed."""
     try:
         return importlib.import_module("manifold3d")
     except ImportError:
@@ -37,16 +37,16 @@ def shared_volumes(
     is_open: npt.NDArray[np.bool_],
     progress: Callable[[float, str], object] | None = None,
 ) -> npt.NDArray[np.float64]:
-    """Cubic metres that each pair shares, `(n,)`.
+    """The shared volume of each pair, `(n,)`, cubic metres.
 
-    0 for what only touches or is apart; NaN where one of the two is not closed, or is no solid to manifold3d (its
-    surface runs through itself, or edges have more than two triangles).
+    0 for contacts and clearances. NaN if a part is open, or if manifold3d rejects it: its surface intersects itself, or
+    an edge has more than two triangles.
     """
     solids = _Solids(mockup, solids_library())
     are_closed = ~is_open.any(axis=1)
     found = np.where(are_closed, 0.0, math.nan)
     wanted = np.flatnonzero(np.isin(verdict, OVERLAPS) & are_closed)
-    # By part, so that the solid of one is made once for all its pairs.
+    # Sorted by part, so that a solid is built once for all its pairs.
     for number, row in enumerate(wanted[np.lexsort((b[wanted], a[wanted]))]):
         one, other = solids.of(int(a[row])), solids.of(int(b[row]))
         found[row] = math.nan if one is None or other is None else float((one ^ other).volume())
@@ -56,7 +56,7 @@ def shared_volumes(
 
 
 class _Solids:
-    """Solids of parts, the newest kept. Around the middle of the mock-up: far from the origin digits would be lost."""
+    """A cache of solids. They are centred on the mock-up, to keep precision far from the origin."""
 
     def __init__(self, mockup: Mockup, library: Any) -> None:
         self._meshes, self._library = PartMeshes(mockup), library
@@ -65,7 +65,7 @@ class _Solids:
         self._held = 0
 
     def of(self, part: int) -> Any:
-        """The solid of a part, or None where it is none."""
+        """The solid of a part, or None if manifold3d rejects it."""
         if part in self._kept:
             self._kept.move_to_end(part)
             return self._kept[part][0]
@@ -81,10 +81,10 @@ class _Solids:
     def _made(self, corners: npt.NDArray[np.float64]) -> Any:
         vertices, index = _core.weld_vertices(np.ascontiguousarray(corners.reshape(-1, 3)))
         faces = index.reshape(-1, 3).astype(np.uint64)
-        # Two corners welded: the triangle is a line, and its neighbours close over it.
+        # A triangle with two equal corners is a line. Its neighbours share that edge, so it can go.
         faces = faces[(faces != np.roll(faces, 1, axis=1)).all(axis=1)]
         solid = self._library.Manifold(self._library.Mesh64(vertices - self._middle, faces))
         if solid.status() == self._library.Error.NoError and solid.volume() < 0.0:
-            # Wound inwards, by a mirror: the solid is meant, and not all that is around it.
+            # A mirrored part is wound inwards: flip it.
             solid = self._library.Manifold(self._library.Mesh64(vertices - self._middle, faces[:, ::-1]))
         return solid if solid.status() == self._library.Error.NoError and solid.volume() > 0.0 else None

@@ -1,4 +1,4 @@
-"""Findings in words, for tables, pages and topics."""
+"""Describes findings in words, for tables, pages and topics."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from feeler.clashes.table import Clash, Clashes
 from feeler.clashes.verdict import Verdict
 
 _ERROR_SHARE, _LEAST_ERROR_M = 1.001e-3, 1e-9
-"""The most that the error of a measured depth is (share of it; metres), and rounding: see `Clash.depth_error`."""
+"""The largest error of a measured depth, as a share and in metres, plus rounding: see `Clash.depth_error`."""
 
 
 def sentence(clash: Clash) -> str:
-    """What one finding says, with the last names of both paths."""
+    """A sentence for one finding, with the last step of both paths."""
     one, other = (path.rpartition("/")[2] or "a part" for path in (clash.path_a, clash.path_b))
     if clash.verdict == Verdict.CLASH:
         return f"{one} is {deep(clash)} deep in {other}"
@@ -27,7 +27,7 @@ def sentence(clash: Clash) -> str:
 
 
 def deep(clash: Clash) -> str:
-    """The depth; with the deepest that it can be, where the error is more than a measured depth ever has."""
+    """The depth; a range if the error is unusually large."""
     said = "about " if clash.depth_kind == "estimate" else ""
     least, most = length(clash.depth), length(clash.depth + clash.depth_error)
     is_wide = clash.depth_error > max(_ERROR_SHARE * clash.depth, _LEAST_ERROR_M)
@@ -35,7 +35,7 @@ def deep(clash: Clash) -> str:
 
 
 def extent(clash: Clash) -> str:
-    """How deep, or how far: what a table has in one column."""
+    """Depth or gap, for one column of a table."""
     if clash.verdict == Verdict.DUPLICATE:
         return "same surface"
     if clash.verdict in (Verdict.CLASH, Verdict.CONTAINED):
@@ -44,27 +44,27 @@ def extent(clash: Clash) -> str:
 
 
 def hidden(clashes: Clashes) -> str:
-    """How many findings the rules hide, rule by rule; empty where no rule hides any pair."""
+    """How many findings each rule hides; empty if no rule hides pairs."""
     return ", ".join(f"{count:,} by {name}" for name, count in clashes.hidden.items())
 
 
 def title(group: Group) -> str:
-    """A group in a line: its name, how many it has, and the worst."""
+    """A group in one line: name, number of findings, and the worst."""
     more = f"{len(group):,} findings" if len(group) > 1 else "1 finding"
     return f"{group.name}: {more}; {sentence(group.worst)}"
 
 
 def capitalised(text: str) -> str:
-    """The text with its first letter large."""
+    """The text with a capital first letter."""
     return text[:1].upper() + text[1:]
 
 
 def length(metres: float) -> str:
-    """Metres in the unit that reads best."""
+    """A length with a suitable unit."""
     if not math.isfinite(metres):
         return "an unknown length"
     for factor, unit in ((1.0, "m"), (1e3, "mm"), (1e6, "µm"), (1e9, "nm")):
-        # Rounded first: a micrometre less than a millimetre is no "1000 µm".
+        # Rounded first, so that no length reads "1000 µm".
         shown = float(f"{metres * factor:.4g}")
         if abs(shown) >= 1.0:
             return f"{shown:.6g} {unit}"
