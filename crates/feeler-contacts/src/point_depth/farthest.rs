@@ -12,10 +12,11 @@ use feeler_core::geometry::vectors::{add, along, dot, length, scaled, sub, unit}
 use feeler_core::{Aabb, Point, Triangle};
 
 use super::body::{distance_to, Body, Closest};
+use super::corners::{CornerCache, Side};
 use super::distances::Corner;
 use super::off_surface::Hull;
 use super::outline::{Outline, Plane};
-use super::piece::{CornerCache, Piece};
+use super::piece::Piece;
 use super::tree::Inside;
 use crate::constants::{DEPTH_ERROR, LEAST_DEPTH_ERROR, MOST_PIECES};
 
@@ -88,17 +89,6 @@ impl PartialEq for Entry {
 }
 
 impl Eq for Entry {}
-
-/// On which side of the other surface something is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Side {
-    /// All of it counts.
-    Counts,
-    /// Nothing of it does.
-    Aside,
-    /// That is not known, or not the same for all of it.
-    Open,
-}
 
 /// A surface, the other body, and which points of the surface count.
 #[derive(Debug, Clone, Copy)]

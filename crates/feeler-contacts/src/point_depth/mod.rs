@@ -7,6 +7,7 @@
 
 pub mod bodies;
 pub mod body;
+mod corners;
 pub mod depth;
 mod distances;
 mod farthest;
