@@ -160,3 +160,10 @@ def test_shapes_of_fasteners_need_the_mock_up(mockup: feeler.Mockup) -> None:
 def test_rules_are_tried_on_what_rules_left(mockup: feeler.Mockup) -> None:
     found = feeler.clash(mockup, rules=Rules((Rule("walls", "house/walls", contact=0.1),)))
     assert pairs(found.with_rules(Rules((Rule("walls", "house/walls", contact=0.1),)))) == pairs(found)
+
+
+def test_notes_are_saved(tmp_path: Path, mockup: feeler.Mockup, saved: feeler.Clashes) -> None:
+    tried = saved.with_rules(Rules(exclusions=(Exclusion("f", fasteners=True),)))
+    assert tried.facts.notes
+    tried.save(tmp_path / "tried.json")
+    assert feeler.load_clashes(tmp_path / "tried.json").facts.notes == tried.facts.notes

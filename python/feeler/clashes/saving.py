@@ -1,8 +1,8 @@
 """Saves findings as JSON and loads them.
 
     {"format": "feeler clash", "version": 1, "clearance": m, "contact": m or "chord", "parts": n, "triangles": n,
-     "files": [...], "partial": bool, "clashes": [one a line], "earlier": [likewise], "shapes": [a part a line],
-     "earlier_shapes": [likewise]}
+     "files": [...], "partial": bool, "notes": [...], "clashes": [one a line], "earlier": [likewise],
+     "shapes": [a part a line], "earlier_shapes": [likewise]}
 
 A finding has the fields of `Clash`, with the keys of its parts instead of part numbers: a new part changes no other
 line. Lines are sorted by rule and parts, so a git diff shows only changes. `feeler clash --json` has the same fields in
@@ -51,6 +51,7 @@ def head(clashes: Clashes) -> dict[str, Any]:
         "partial": clashes.is_partial,
         "hidden": clashes.hidden,
         "rules": [[name, *map(_number, limits)] for name, *limits in facts.rules],
+        **({"notes": list(facts.notes)} if facts.notes else {}),
     }
 
 
@@ -207,6 +208,7 @@ class _Reader:
             files=tuple(map(str, data.get("files") or ())),
             hidden=_hidden(data.get("hidden") or {}),
             rules=tuple(_rule(each) for each in data.get("rules") or ()),
+            notes=tuple(map(str, data.get("notes") or ())),
         )
         order = columns.order()
         is_partial = bool(data.get("partial", False)) and name == "clashes"

@@ -242,38 +242,26 @@ pub fn closest_on(p: &Point, [a, b, c]: &Triangle) -> (f64, Point) {
     let square = dot(&n, &n);
     let longest = dot(&ab, &ab).max(dot(&bc, &bc)).max(dot(&ca, &ca));
     let sides = [(a, &ab, &ap), (b, &bc, &bp), (c, &ca, &cp)];
-    let mut is_over = square > SLIVER_HEIGHT * SLIVER_HEIGHT * longest * longest;
-    let mut best = (f64::INFINITY, *a);
-    for (from, side, to) in sides {
-        if dot(&cross(&n, side), to) > 0.0 && square > 0.0 {
-            continue;
-        }
-        is_over = false;
+    // The square of the distance to a side, and its closest point.
+    let on_side = |(from, side, to): (&Point, &Point, &Point)| {
         let size = dot(side, side);
         let s = if size > 0.0 { (dot(to, side) / size).clamp(0.0, 1.0) } else { 0.0 };
         let apart = along(to, -s, side);
-        let distance = dot(&apart, &apart);
-        if distance < best.0 {
-            best = (distance, along(from, s, side));
-        }
+        (dot(&apart, &apart), along(from, s, side))
+    };
+    let nearer = |best: (f64, Point), other: (f64, Point)| if other.0 < best.0 { other } else { best };
+    let is_beyond = |(_, side, to): &(&Point, &Point, &Point)| dot(&cross(&n, side), to) <= 0.0 || square <= 0.0;
+    let none = (f64::INFINITY, *a);
+    let best = sides.into_iter().filter(is_beyond).map(on_side).fold(none, nearer);
+    if best.0 < f64::INFINITY {
+        return best;
     }
-    if is_over {
+    if square > SLIVER_HEIGHT * SLIVER_HEIGHT * longest * longest {
         let height = dot(&n, &ap);
         return (height * height / square, along(p, -height / square, &n));
     }
-    if best.0 == f64::INFINITY {
-        // A sliver below or above: the nearest of all sides.
-        for (from, side, to) in sides {
-            let size = dot(side, side);
-            let s = if size > 0.0 { (dot(to, side) / size).clamp(0.0, 1.0) } else { 0.0 };
-            let apart = along(to, -s, side);
-            let distance = dot(&apart, &apart);
-            if distance < best.0 {
-                best = (distance, along(from, s, side));
-            }
-        }
-    }
-    best
+    // A sliver below or above.
+    sides.into_iter().map(on_side).fold(none, nearer)
 }
 
 /// The distance to a triangle, metres.
