@@ -420,8 +420,8 @@ class Penetration:
         """Its length, metres."""
     @property
     def kind(self) -> str:
-        """`"bound"` (it frees the tool, a shorter one may exist), `"estimate"` (it does not free it), or `"exact"` where
-        the tool meets nothing or only touches."""
+        """`"bound"` (it frees the tool, a shorter one may exist), `"estimate"` (it does not free it), or `"exact"` (the
+        tool meets nothing, or only touches)."""
     @property
     def contacts(self) -> Contacts:
         """The contact planes at the pose."""
