@@ -134,8 +134,8 @@ impl Coupling {
     /// origin.
     ///
     /// Spring and damper together stay within 0.8 of Colgate's bound, the damper within a fifth of that; stiffness also
-    /// within Abbott and Okamura's bound, force and torque within the device's. A resolution of zero is none; friction
-    /// of zero beside a resolution holds no stiffness at all. Damping is never added. A rate that is not above zero
+    /// within Abbott and Okamura's bound, force and torque within the device's. A resolution of zero is none; a friction
+    /// of zero is not known, as of most devices, and bounds nothing. Damping is never added. A rate that is not above zero
     /// holds nothing.
     pub fn limited_at(&self, info: &DeviceInfo, rate_hz: f64, arm_m: f64) -> (Coupling, Limitations) {
         let limits = &info.limits;
@@ -187,9 +187,9 @@ impl Coupling {
     }
 }
 
-/// The stiffness that a friction holds at a resolution.
+/// The stiffness that a friction holds at a resolution; infinite where either is not known.
 fn quantised(friction: f64, resolution: f64) -> f64 {
-    if resolution > 0.0 {
+    if resolution > 0.0 && friction != 0.0 {
         2.0 * friction / resolution
     } else {
         f64::INFINITY
@@ -265,6 +265,19 @@ mod tests {
         assert!(taken.to_string().contains("Abbott"), "{taken}");
         info.limits.resolution_m = 0.0;
         assert_eq!(wanted().limited(&info, 1000.0).1.stiffness.map(|l| l.by), Some(Bound::Damping));
+    }
+
+    #[test]
+    fn a_friction_that_is_not_known_bounds_nothing() {
+        let mut info = info();
+        let known = wanted().limited(&info, 1000.0);
+        assert_eq!(known.1.stiffness.map(|l| l.by), Some(Bound::Damping));
+        (info.limits.friction_n, info.limits.rotational_friction_nm) = (0.0, 0.0);
+        assert_eq!(wanted().limited(&info, 1000.0), known);
+        // On an arm the rotation holds what its damping does.
+        let (to, taken) = wanted().limited_at(&info, 1000.0, 0.05);
+        assert!(to.stiffness_n_per_m > 0.0 && to.rotational_stiffness_nm_per_rad > 0.0, "{to:?}");
+        assert_eq!(taken.stiffness.map(|l| l.by), Some(Bound::Damping));
     }
 
     #[test]

@@ -33,7 +33,8 @@ pub struct DeviceLimits {
     pub damping_n_s_per_m: f64,
     /// The same in rotation, newton metre seconds a radian.
     pub rotational_damping_nm_s_per_rad: f64,
-    /// Coulomb friction, newtons: with the resolution it bounds the stiffness (Abbott and Okamura).
+    /// Coulomb friction, newtons: with the resolution it bounds the stiffness (Abbott and Okamura). 0: not known, and it
+    /// bounds nothing.
     pub friction_n: f64,
     /// The same in rotation, newton metres.
     pub rotational_friction_nm: f64,
