@@ -104,6 +104,19 @@ def test_pierced_foils_clash_although_they_are_thin() -> None:
     assert row.verdict == Verdict.CLASH and row.depth == pytest.approx(4e-5, rel=1e-3)
 
 
+@pytest.mark.parametrize("sides", range(3, 10))
+def test_a_needle_of_any_section_pierces_a_foil(sides: int) -> None:
+    """It is as thin as the foil, and its faces are not parallel where their number is odd."""
+    foil = box((-0.01, -0.01, 0), (0.01, 0.01, 5e-5))
+    needle = prism(sides, 4e-5, (-0.01, 0.01))
+    (row,) = feeler.clash(mockup_of({"foil": foil, "needle": needle}), contact=1e-4)
+    assert row.verdict == Verdict.CLASH and row.depth < 1e-4
+    # Sunk into the foil as far as it may be, it does not go through.
+    sunk = (needle[0] + [0, 0, 0.01 + 2e-5], needle[1])
+    (row,) = feeler.clash(mockup_of({"foil": foil, "needle": sunk}), contact=1e-4)
+    assert row.verdict == Verdict.CONTACT
+
+
 def test_thin_walls_in_line_touch_up_to_the_contact() -> None:
     # Both are 0.1 mm thick and flush with each other; they overlap by less than the contact.
     one, other = box((0, 0, 0), (0.01, 0.01, 1e-4)), box((0.01 - 8e-5, 0, 0), (0.02, 0.01, 1e-4))

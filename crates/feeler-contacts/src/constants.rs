@@ -419,6 +419,12 @@ pub const MOST_KEPT_TRIANGLES: usize = 1 << 22;
 /// walls.
 pub const OPPOSITE_FACES: f64 = -0.9;
 
+/// The same of a needle's faces: those of a triangle are at -0.5. Larger: blunter edges count as thin.
+pub const NEEDLE_FACES: f64 = -0.45;
+
+/// How far the face behind another of a needle may be, in distances of its middle from its faces: the height of a triangle.
+pub const NEEDLE_HEIGHT: f64 = 3.0;
+
 /// Share of half a wall's thickness from which on a point is in the middle of it; below 1 by more than the error of depths.
 pub const WALL_MIDDLE: f64 = 0.98;
 

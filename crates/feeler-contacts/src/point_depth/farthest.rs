@@ -175,7 +175,8 @@ impl<const N: usize> Search<'_, N> {
     /// counts.
     fn enough(&self) -> f64 {
         let enough = match self.asked {
-            Asked::Value => self.lower + (DEPTH_ERROR * self.lower).max(LEAST_DEPTH_ERROR),
+            // With the rounding that is added to both bounds in the end.
+            Asked::Value => self.lower + (DEPTH_ERROR * self.lower).max(LEAST_DEPTH_ERROR) - 2.0 * self.least,
             Asked::IsMore(than) => than + self.least,
         };
         enough.max(ON_SURFACE * self.least)

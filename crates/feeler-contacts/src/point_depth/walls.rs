@@ -5,10 +5,10 @@ use feeler_core::{Aabb, Point, Triangle};
 
 use super::body::Body;
 use super::depth::point_depth_from;
-use crate::constants::{OPPOSITE_FACES, WALL_MIDDLE};
+use crate::constants::{NEEDLE_FACES, NEEDLE_HEIGHT, OPPOSITE_FACES, WALL_MIDDLE};
 
 /// Whether two bodies cross as thin walls: where their surfaces cross, both have a second face behind the first, and points of each lie
-/// in the middle between these faces of the other.
+/// in the middle between these faces of the other. One of them may be a needle, whose faces need not be parallel.
 pub fn are_walls_crossing([a, b]: [&Body; 2]) -> bool {
     let least = a.rounding().max(b.rounding());
     // How thick a wall may be for the points found to be in its middle.
@@ -23,19 +23,34 @@ pub fn are_walls_crossing([a, b]: [&Body; 2]) -> bool {
         let t = few.triangle(i).map(|p| add(&p, &shift));
         let is_crossing_walls = |j: u32| {
             let at = crossing_point(&t, many.triangle(j), least)?;
-            let is_wall = is_wall(many, j, &at, thickness[1]) && is_wall(few, i, &sub(&at, &shift), thickness[0]);
-            is_wall.then_some(())
+            let is_thin = |by: [Thin; 2]| {
+                is_thin(few, i, &sub(&at, &shift), thickness[0], by[0]) && is_thin(many, j, &at, thickness[1], by[1])
+            };
+            (is_thin([Thin::Needle, Thin::Wall]) || is_thin([Thin::Wall, Thin::Needle])).then_some(())
         };
         many.find_overlapping(&Aabb::of_triangle(&t), is_crossing_walls).is_some()
     })
 }
 
-/// Whether a face that looks the other way is behind a point of a triangle, no farther than this.
-fn is_wall(body: &Body, i: u32, at: &Point, thickness: f64) -> bool {
+/// What is thin.
+#[derive(Debug, Clone, Copy)]
+enum Thin {
+    /// Between two faces that are about parallel.
+    Wall,
+    /// Of any section down to a triangle's, whose height is three times what its middle is from its sides; a wall is one, too.
+    Needle,
+}
+
+/// Whether a face that looks the other way is behind a point of a triangle, no farther than a wall of this thickness would have it.
+fn is_thin(body: &Body, i: u32, at: &Point, thickness: f64, by: Thin) -> bool {
     let Some(outward) = body.outward(i) else { return false };
+    let (thickness, most) = match by {
+        Thin::Wall => (thickness, OPPOSITE_FACES),
+        Thin::Needle => (NEEDLE_HEIGHT / 2.0 * thickness, NEEDLE_FACES),
+    };
     let end = add(at, &scaled(&outward, -thickness));
     let is_opposite = |j: u32| {
-        let faces_away = j != i && body.outward(j).is_some_and(|n| dot(&n, &outward) <= OPPOSITE_FACES);
+        let faces_away = j != i && body.outward(j).is_some_and(|n| dot(&n, &outward) <= most);
         (faces_away && piercing([at, &end], body.triangle(j), 0.0).is_some()).then_some(())
     };
     body.find_overlapping(&Aabb::of_triangle(&[*at, end, end]), is_opposite).is_some()
