@@ -7,6 +7,8 @@
 
 pub mod bodies;
 pub mod body;
+#[cfg(test)]
+mod brute;
 pub mod depth;
 mod distances;
 mod farthest;
