@@ -26,6 +26,7 @@ CARGO_ARGS ?=
 PAIRS ?= 10000000
 CASTS ?= 1000000
 CONTACTS ?= 5000
+DEPTHS ?= 3000
 FUZZ_SECONDS ?= 1200
 FUZZ ?= collide contacts distance mesh $(shell $(PY) fuzz/loaders.py --list 2>/dev/null)
 
@@ -191,10 +192,11 @@ test-python: build ## pytest: warnings are errors, every test has a time-out
 	@$(PY) -m pytest $(if $(QUICK),-m "not slow") $(PYTEST_ARGS)
 
 .PHONY: exact
-exact: ## ten million hard pairs, thousands of scenes, a million casts, contacts of known depth (PAIRS=, CASTS=, CONTACTS=)
+exact: ## ten million hard pairs, thousands of scenes, a million casts, contacts and depths (PAIRS=, CASTS=, CONTACTS=, DEPTHS=)
 	@cargo run --release $(LOCKED) -p feeler-exact -- mass --pairs $(PAIRS)
 	@cargo run --release $(LOCKED) -p feeler-exact -- casts --casts $(CASTS)
 	@cargo run --release $(LOCKED) -p feeler-exact -- contacts --cases $(CONTACTS)
+	@cargo run --release $(LOCKED) -p feeler-exact -- depths --cases $(DEPTHS)
 	@cargo test --release $(LOCKED) -p feeler-core -p feeler-contacts --test determinism
 
 .PHONY: fuzz

@@ -108,11 +108,18 @@ def test_pierced_foils_clash_although_they_are_thin() -> None:
 def test_a_needle_of_any_section_pierces_a_foil(sides: int) -> None:
     """It is as thin as the foil, and its faces are not parallel where their number is odd."""
     foil = box((-0.01, -0.01, 0), (0.01, 0.01, 5e-5))
-    needle = prism(sides, 4e-5, (-0.01, 0.01))
+    angles = 2 * np.pi * np.arange(sides) / sides
+    ring = 4e-5 * np.stack([np.cos(angles), np.sin(angles), np.zeros(sides)], axis=1)
+    after = np.roll(np.arange(sides), -1)
+    fan = [[0, i, i + 1] for i in range(1, sides - 1)]
+    side = [[i, j, j + sides] for i, j in enumerate(after)] + [[i, j + sides, i + sides] for i, j in enumerate(after)]
+    faces = [face[::-1] for face in fan] + [[i + sides for i in face] for face in fan] + side
+    up = np.array([0, 0, 0.01])
+    needle = np.concatenate([ring - up, ring + up]), np.array(faces)
     (row,) = feeler.clash(mockup_of({"foil": foil, "needle": needle}), contact=1e-4)
     assert row.verdict == Verdict.CLASH and row.depth < 1e-4
     # Sunk into the foil as far as it may be, it does not go through.
-    sunk = (needle[0] + [0, 0, 0.01 + 2e-5], needle[1])
+    sunk = (needle[0] + [0, 0, 0.01 + 4e-5], needle[1])
     (row,) = feeler.clash(mockup_of({"foil": foil, "needle": sunk}), contact=1e-4)
     assert row.verdict == Verdict.CONTACT
 

@@ -4,6 +4,7 @@
 //! [`families`] of cases. The [`mass`] aims millions of [`pairs`] and whole [`scenes`] at the core; what fails is shrunk by
 //! [`minimise`] to a line of the corpus. [`distance`] does for distances what the oracle does for meetings. A mass
 //! of [`casts`] is known to hit. How deep [`concave`] solids of [`blocks`] are in each other is known to the judge of [`contacts`].
+//! How deep [`polyhedra`] are in each other by points, the judge of [`depths`] asks points in whole numbers of [`spots`].
 //! No product code depends on this crate.
 
 pub mod blocks;
@@ -12,13 +13,16 @@ pub mod check;
 pub mod concave;
 pub mod contacts;
 pub mod corpus;
+pub mod depths;
 pub mod distance;
 pub mod families;
 pub mod mass;
 pub mod minimise;
 pub mod oracle;
 pub mod pairs;
+pub mod polyhedra;
 pub mod random;
 pub mod scenes;
 pub mod shapes;
 pub mod sieve;
+pub mod spots;

@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 use feeler_core::intersect_triangle_triangle;
 use feeler_exact::corpus::{self, word};
-use feeler_exact::{casts, contacts, families, mass, oracle};
+use feeler_exact::{casts, contacts, depths, families, mass, oracle};
 
 /// Holds feeler's triangle test and stores to exact rational arithmetic.
 #[derive(Parser)]
@@ -22,6 +22,7 @@ Examples:
   feeler-exact casts --casts 100000               casts that must hit: none may tunnel or be late
   feeler-exact contacts --cases 1000              contacts of concave solids of known depth, so many of each family
   feeler-exact contacts --only rack --from 7 --cases 1    one of them once more
+  feeler-exact depths --cases 1000                depths of polyhedra against points in whole numbers, so many of each family
   feeler-exact corpus                             make testdata/triangle_pairs.txt anew; found cases stay
   feeler-exact pair 'x | 0 0 0 4 0 0 0 4 0 | 1 1 0 2 1 3 0 3 3 | touching'"
 )]
@@ -75,6 +76,21 @@ enum Command {
         #[arg(long, default_value_t = 12_000)]
         triangles: usize,
     },
+    /// Judge depths by points; exit code 1 when a point is deeper than is said, or the point that is shown is not as deep.
+    Depths {
+        /// How many of each family.
+        #[arg(long, default_value_t = 3000)]
+        cases: u64,
+        /// Another seed makes other pairs; the same seed the same ones on every machine.
+        #[arg(long, default_value_t = 1)]
+        seed: u64,
+        /// The number of the first.
+        #[arg(long, default_value_t = 0)]
+        from: u64,
+        /// Only this family (may be repeated).
+        #[arg(long, value_name = "NAME")]
+        only: Vec<String>,
+    },
     /// Write the corpus of hard pairs, every answer checked; exit code 1 when `--check` finds the file out of date.
     Corpus {
         /// Where it is kept.
@@ -96,6 +112,7 @@ fn main() -> ExitCode {
         Command::Mass { pairs, seed, only, json } => run_mass(pairs, seed, &only, json),
         Command::Casts { casts, seed } => Ok(run_casts(casts, seed)),
         Command::Contacts { cases, seed, from, only, triangles } => run_contacts(cases, seed, from, &only, triangles),
+        Command::Depths { cases, seed, from, only } => run_depths(cases, seed, from, &only),
         Command::Corpus { file, check } => make_corpus(&file, check),
         Command::Pair { line } => judge_line(&line),
     };
@@ -173,6 +190,38 @@ fn run_contacts(cases: u64, seed: u64, from: u64, only: &[String], triangles: us
     println!(
         "\nseed {seed}; deep, near: planes to be found; <1 %: bounds as close to the shortest way; longest: of the others, in \
          shortest ways; off: the worst depth, as a share of what rounding may do"
+    );
+    rows.iter().flat_map(|(_, t)| &t.faults).for_each(|fault| println!("{fault}"));
+    Ok(rows.iter().all(|(_, t)| t.fault_count == 0))
+}
+
+fn run_depths(cases: u64, seed: u64, from: u64, only: &[String]) -> Result<bool, String> {
+    let rows = depths::run(cases, seed, from, only, &show_progress)?;
+    clear_progress();
+    println!(
+        "{:<10}{:>7}{:>11}{:>10}{:>8}{:>9}{:>9}{:>7}{:>8}{:>7}  what",
+        "family", "cases", "triangles", "points", "deep", "shallow", "reached", "open", "off", "wrong"
+    );
+    for (family, t) in &rows {
+        println!(
+            "{:<10}{:>7}{:>11}{:>10}{:>8}{:>9}{:>9}{:>7}{:>8.3}{:>7}  {}",
+            family.name,
+            t.cases,
+            t.triangles,
+            t.points,
+            t.deep,
+            t.shallow,
+            t.reached,
+            t.open,
+            t.worst,
+            t.fault_count,
+            family.about
+        );
+    }
+    println!(
+        "\nseed {seed}; points: inside the other body; reached: a point was found as deep, but for a hundredth; open: not judged, since a surface does \
+         not count as closed; off: the most that one was \
+         deeper, as a share of the error that is said"
     );
     rows.iter().flat_map(|(_, t)| &t.faults).for_each(|fault| println!("{fault}"));
     Ok(rows.iter().all(|(_, t)| t.fault_count == 0))

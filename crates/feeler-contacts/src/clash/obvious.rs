@@ -24,13 +24,15 @@ pub fn is_through(solids: &Solids<'_>, surface: &Triangle, part: u32, face: u32,
     let Some((at, direction)) = middle_of_crossing(surface, &through) else { return false };
     let Some(n) = normal(&through) else { return false };
     let lean = dot(&n, &direction).abs();
+    // The plane of a narrow triangle leans by rounding, and what is computed with it is off by as much more as it is longer than wide.
+    let noise = rounding * (slenderness(surface) + slenderness(&through));
     // So far the surface and the face go on around the point.
     let room = room_within(surface, &at).min(room_within(&through, &at));
     (0..TRIES).any(|i| {
         let step = room * 0.5f64.powi(2 * i as i32 + 1);
         let height = step * lean;
         // Above the rounding of both.
-        height > least + rounding
+        height > least + noise
             && [step, -step].into_iter().all(|step| {
                 let p = along(&at, step, &direction);
                 let square = (height + rounding) * (height + rounding);
@@ -79,6 +81,13 @@ fn middle_of_crossing(t: &Triangle, u: &Triangle) -> Option<(Point, Point)> {
     let (s, t) = (places(&p), places(&q));
     let (low, high) = (s.0.max(t.0), s.1.min(t.1));
     (low < high).then(|| (along(&p[0], 0.5 * (low + high), &line), cross(&m, &line)))
+}
+
+/// How many times a triangle is longer than it is wide.
+fn slenderness(t: &Triangle) -> f64 {
+    let sides = [sub(&t[1], &t[0]), sub(&t[2], &t[1]), sub(&t[0], &t[2])];
+    let longest = sides.iter().map(length).fold(0.0, f64::max);
+    longest * longest / length(&cross(&sides[0], &sides[1]))
 }
 
 /// How far a triangle goes on around a point in it.

@@ -140,9 +140,12 @@ impl Body {
     pub fn closest(&self, p: &Point, within: f64) -> Option<Closest> {
         let mut best = within * within;
         let mut found = None;
+        let slack = self.rounding / SLIVER_NORMAL;
         self.tree.for_each_near(p, best, |i| {
             let [x, y, z, offset] = self.planes[i as usize];
             let height = x * p[0] + y * p[1] + z * p[2] - offset;
+            // Of a plane that is as slender as any that counts.
+            let height = (height.abs() - slack).max(0.0);
             if height * height > best * ABOVE {
                 return f64::INFINITY;
             }
@@ -257,7 +260,11 @@ pub fn closest_on(p: &Point, [a, b, c]: &Triangle) -> (f64, Point) {
         return best;
     }
     if square > SLIVER_HEIGHT * SLIVER_HEIGHT * longest * longest {
-        let height = dot(&n, &ap);
+        // From the foot on the longest side, which is near however long the triangle is: over a narrow one its normal leans by rounding.
+        let longer =
+            |x: &&(&Point, &Point, &Point), y: &&(&Point, &Point, &Point)| dot(x.1, x.1).total_cmp(&dot(y.1, y.1));
+        let foot = sides.iter().max_by(longer).map_or(*a, |side| on_side(*side).1);
+        let height = dot(&n, &sub(p, &foot));
         return (height * height / square, along(p, -height / square, &n));
     }
     // A sliver below or above.
@@ -267,4 +274,88 @@ pub fn closest_on(p: &Point, [a, b, c]: &Triangle) -> (f64, Point) {
 /// The distance to a triangle, metres.
 pub fn distance_to(p: &Point, t: &Triangle) -> f64 {
     closest_on(p, t).0.sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::brute::{block, body, hollow_box, inside_out, point_of, triangle};
+    use super::*;
+    use feeler_shapes::random::Random;
+    use feeler_shapes::{ball, joined};
+
+    #[test]
+    fn the_closest_point_is_on_the_triangle_and_none_is_closer() {
+        let mut r = Random::new(1);
+        for n in 0..500 {
+            let mut t = triangle(&mut r, 0.5);
+            if n % 5 == 0 {
+                // A sliver, and one that is a segment.
+                t[2] =
+                    std::array::from_fn(|a| 0.5 * (t[0][a] + t[1][a]) + if n % 2 == 0 { 1e-13 * t[2][a] } else { 0.0 });
+            }
+            let p = r.point(-0.5, 1.5);
+            let (square, point) = closest_on(&p, &t);
+            assert!((length_of(&sub(&p, &point)) - square.sqrt()).abs() < 1e-12);
+            assert!(closest_on(&point, &t).0 < 1e-20);
+            for _ in 0..60 {
+                assert!(length_of(&sub(&p, &point_of(&mut r, &t))) >= square.sqrt() - 1e-10, "{t:?} {p:?}");
+            }
+            assert!(t.iter().all(|corner| closest_on(corner, &t).0 < 1e-24));
+        }
+    }
+
+    fn length_of(a: &Point) -> f64 {
+        dot(a, a).sqrt()
+    }
+
+    #[test]
+    fn the_closest_of_all_is_found_from_anywhere() {
+        let mut r = Random::new(2);
+        let body = body(ball(1.0, 6));
+        for _ in 0..300 {
+            let p = r.point(-1.5, 1.5);
+            let expected = super::super::brute::distance(&body, &p);
+            let first: Vec<u32> = (0..r.below(4)).map(|_| r.below(body.len() as u64) as u32).collect();
+            for closest in
+                [body.closest_from(&p, &first), body.closest(&p, f64::INFINITY), body.closest(&p, expected + 1e-9)]
+            {
+                let closest = closest.unwrap();
+                assert!((closest.distance - expected).abs() < 1e-15);
+                assert!((distance_to(&p, body.triangle(closest.triangle)) - expected).abs() < 1e-15);
+                assert!((length_of(&sub(&p, &closest.point)) - expected).abs() < 1e-12);
+            }
+            assert!(body.closest(&p, expected * (1.0 - 1e-12)).is_none());
+        }
+    }
+
+    #[test]
+    fn points_are_inside_where_there_is_material() {
+        let mut r = Random::new(3);
+        let meshes = [
+            hollow_box(4.0, 2.0, 2),
+            inside_out(hollow_box(4.0, 2.0, 4)),
+            joined([hollow_box(4.0, 2.0, 1), block([-0.5; 3], [0.5; 3], 2)]),
+        ];
+        for (n, mesh) in meshes.into_iter().enumerate() {
+            let body = body(mesh);
+            for _ in 0..500 {
+                let p = r.point(-3.0, 3.0);
+                let size = p.iter().fold(0.0f64, |most, x| most.max(x.abs()));
+                let expected = (1.0..2.0).contains(&size) || n == 2 && size < 0.5;
+                assert_eq!(body.is_inside(&p), Some(expected), "{n} {p:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn heights_hold_the_body_in_the_world() {
+        let body = body(block([5.0, 6.0, 7.0], [6.0, 8.0, 10.0], 3));
+        for (normal, expected) in
+            [([1.0, 0.0, 0.0], [5.0, 6.0]), ([0.0, 0.0, -1.0], [-10.0, -7.0]), ([0.6, 0.8, 0.0], [7.8, 10.0])]
+        {
+            let [low, high] = body.heights(&normal);
+            assert!((low - expected[0]).abs() < 1e-5 && (high - expected[1]).abs() < 1e-5, "{low} {high}");
+            assert!(low <= expected[0] + 1e-12 && high >= expected[1] - 1e-12);
+        }
+    }
 }

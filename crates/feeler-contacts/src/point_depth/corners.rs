@@ -80,3 +80,39 @@ pub fn corner(at: Point, near: &[u32], body: &Body) -> Option<Corner> {
     let closest = body.closest_from(&at, near)?;
     Some(Corner { at, distance: closest.distance, nearest: closest.triangle, point: closest.point })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::brute::{body, distance};
+    use super::*;
+    use feeler_shapes::ball;
+    use feeler_shapes::random::Random;
+
+    #[test]
+    fn kept_corners_are_as_found_ones() {
+        let mut r = Random::new(3);
+        let body = body(ball(1.0, 8));
+        let points: Vec<Point> = (0..1000).map(|_| r.point(-1.0, 1.0)).collect();
+        let mut cache = CornerCache::default();
+        let mut kept = 0;
+        for n in 0..6000 {
+            let p = points[if n % 2 == 0 { n / 6 } else { r.below(1000) as usize }];
+            let corner = cache.closest(p, &[], &body).unwrap();
+            assert_eq!(corner.at, p);
+            assert!((corner.distance - distance(&body, &p)).abs() < 1e-12);
+            let side = if p[0] > 0.3 { Some(Side::Counts) } else { (p[0] < -0.3).then_some(Side::Aside) };
+            let known = cache.known_side(&p);
+            assert!(known.is_none() || known == side);
+            kept += usize::from(known.is_some());
+            let mut is_asked = false;
+            let found = cache.side(p, || {
+                is_asked = true;
+                side
+            });
+            assert_eq!((found, cache.known_side(&p)), (side, side));
+            assert!(!(is_asked && known.is_some()));
+            assert_eq!(cache.side(p, || unreachable!()), side);
+        }
+        assert!(kept > 1000, "{kept}");
+    }
+}

@@ -125,7 +125,9 @@ impl<'a> Distances<'a> {
             let triangle = self.body.triangle(triangle);
             let of_new: Vec<f64> = new.iter().map(|p| distance_to(p, triangle)).collect();
             for (side, part) in parts.iter_mut().enumerate() {
-                let on_side = heights.iter().zip(row).filter(|(h, _)| (**h >= 0.0) == (side == 0));
+                // A corner in the plane belongs to both.
+                let sense = [1.0, -1.0][side];
+                let on_side = heights.iter().zip(row).filter(|(h, _)| sense * **h >= 0.0);
                 part.push(on_side.map(|(_, distance)| *distance).chain(of_new.iter().copied()).collect());
             }
         }
@@ -182,3 +184,123 @@ const MOST_MIXTURES: usize = 4;
 
 /// Share of a piece's size that a cut must leave on both sides.
 const LEAST_CUT: f64 = 1e-9;
+
+#[cfg(test)]
+mod tests {
+    use super::super::brute::{body, distance, point_of, triangle};
+    use super::super::outline::Outline;
+    use super::*;
+    use feeler_core::Triangle;
+    use feeler_shapes::random::Random;
+    use feeler_shapes::soups::arrays_of;
+
+    fn soup(r: &mut Random, count: u64) -> Body {
+        let triangles: Vec<Triangle> = (0..1 + r.below(count)).map(|_| triangle(r, 0.5)).collect();
+        body(arrays_of(triangles))
+    }
+
+    fn outline_near(r: &mut Random, body: &Body, size: f64) -> Outline {
+        let t = triangle(r, size).map(|p| std::array::from_fn(|a| p[a] - body.origin()[a]));
+        let outline = Outline::clipped(&t, 1, None).unwrap();
+        let plane = Plane::through(&outline.middle(), &r.point(-1.0, 1.0)).unwrap();
+        let half = outline.cut(&plane).next();
+        half.unwrap()
+    }
+
+    fn corners_of(points: &[Point], body: &Body) -> Vec<Corner> {
+        let corner = |at: &Point| {
+            let closest = body.closest(at, f64::INFINITY).unwrap();
+            Corner { at: *at, distance: closest.distance, nearest: closest.triangle, point: closest.point }
+        };
+        points.iter().map(corner).collect()
+    }
+
+    fn sampled(r: &mut Random, points: &[Point], body: &Body) -> f64 {
+        (0..60).map(|_| distance(body, &point_of(r, points))).fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn no_bound_is_below_a_distance() {
+        let mut r = Random::new(1);
+        let mut mixed_is_less = 0;
+        for n in 0..1500 {
+            let size = [0.05, 0.3, 1.0][n % 3];
+            let body = soup(&mut r, 12);
+            let outline = outline_near(&mut r, &body, size);
+            let corners = corners_of(&outline.points, &body);
+            let most = sampled(&mut r, &outline.points, &body);
+            let (bound, witness) = least_bound(&corners, &body);
+            assert!(bound >= most - 1e-12, "{bound} {most}");
+            // It is the least of what the corners' triangles say, and its triangle says it.
+            let says = |i: u32| corners.iter().map(|c| distance_to(&c.at, body.triangle(i))).fold(0.0, f64::max);
+            let least = corners.iter().map(|corner| says(corner.nearest)).fold(f64::INFINITY, f64::min);
+            assert!((bound - least).abs() < 1e-12 && (says(witness) - least).abs() < 1e-12, "{bound} {least}");
+            let distances = Distances::new(&corners, Some(0), &body);
+            let mixed = distances.mixed();
+            assert!(mixed >= most - 1e-12, "{mixed} {most}");
+            mixed_is_less += usize::from(mixed < bound - 1e-9);
+            let farthest = distances.farthest_from(witness);
+            assert!((distance_to(&farthest.at, body.triangle(witness)) - bound).abs() < 1e-12);
+            let plane = match n % 4 {
+                // Through a corner, which belongs to both parts.
+                0 => Plane::through(&outline.points[0], &r.point(-1.0, 1.0)).unwrap(),
+                _ => Plane::through(&point_of(&mut r, &outline.points), &r.point(-1.0, 1.0)).unwrap(),
+            };
+            let parts: Vec<Outline> = outline.cut(&plane).collect();
+            if let Some(bounds) = distances.bounds_after(&plane, 1.0) {
+                for (part, bound) in parts.iter().zip(bounds) {
+                    let most = sampled(&mut r, &part.points, &body);
+                    let at_corners = part.points.iter().map(|p| distance(&body, p)).fold(0.0, f64::max);
+                    assert!(
+                        parts.len() == 2 && bound >= most.max(at_corners) - 1e-12,
+                        "{n}: {bound} {most} {at_corners}"
+                    );
+                }
+            }
+        }
+        assert!(mixed_is_less > 300, "{mixed_is_less}");
+    }
+
+    /// Two large walls, at x of 0 and of `gap`.
+    fn walls(gap: f64) -> Body {
+        let wall = |x: f64| [[x, -100.0, -100.0], [x, 100.0, -100.0], [x, 0.0, 200.0]];
+        body(arrays_of([wall(0.0), wall(gap)]))
+    }
+
+    #[test]
+    fn between_walls_the_mixture_is_half_their_distance_and_halves_are_bounded_by_their_own() {
+        let body = walls(2.0);
+        // Its corners are in the frame of the body, with the walls at -1 and 1.
+        let points = [[-0.9, -1.0, 0.0], [-0.9, 1.0, 0.0], [0.9, 1.0, 0.0], [0.8, -1.0, 0.0]];
+        let corners = corners_of(&points, &body);
+        let (bound, _) = least_bound(&corners, &body);
+        assert!((bound - 1.9).abs() < 1e-12, "{bound}");
+        let distances = Distances::new(&corners, None, &body);
+        assert_eq!(distances.count(), 2);
+        assert!((distances.mixed() - 1.0).abs() < 1e-9, "{}", distances.mixed());
+        let [p, q] = distances.bounds_after(&Plane::at([1.0, 0.0, 0.0], 0.0), 1.0).unwrap();
+        assert!((p - 1.0).abs() < 1e-9 && (q - 1.0).abs() < 1e-9, "{p} {q}");
+        let [above, below] = distances.bounds_after(&Plane::at([1.0, 0.0, 0.0], -0.5), 1.0).unwrap();
+        assert!((below - 0.5).abs() < 1e-9 && (above - 1.0).abs() < 1e-9, "{above} {below}");
+        assert!(distances.bounds_after(&Plane::at([1.0, 0.0, 0.0], 0.95), 1.0).is_none());
+        assert!(distances.bounds_after(&Plane::at([1.0, 0.0, 0.0], 0.9 - 1e-10), 1.0).is_none());
+    }
+
+    #[test]
+    fn mixtures_are_no_less_than_the_least_and_close_to_it() {
+        let mut r = Random::new(2);
+        let mut close = 0;
+        for _ in 0..2000 {
+            let count = 2 + r.below(6) as usize;
+            let [p, q]: [Vec<f64>; 2] = std::array::from_fn(|_| (0..count).map(|_| r.real(0.0, 1.0)).collect());
+            let at = |w: f64| p.iter().zip(&q).map(|(p, q)| w * p + (1.0 - w) * q).fold(0.0, f64::max);
+            let least = (0..=20_000).map(|i| at(f64::from(i) / 20_000.0)).fold(f64::INFINITY, f64::min);
+            let found = least_of_mixtures(&p, &q);
+            assert!(found >= least - 1e-4 && found <= at(0.0).min(at(1.0)), "{p:?} {q:?}");
+            close += usize::from(found <= least + 1e-9);
+        }
+        assert!(close > 1900, "{close}");
+        assert_eq!(least_of_mixtures(&[1.0, 0.0], &[0.0, 1.0]), 0.5);
+        assert_eq!(least_of_mixtures(&[1.0, 1.0], &[0.25, 0.5]), 0.5);
+    }
+}

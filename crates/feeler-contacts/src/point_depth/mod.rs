@@ -7,6 +7,8 @@
 
 pub mod bodies;
 pub mod body;
+#[cfg(test)]
+mod brute;
 mod corners;
 pub mod depth;
 mod distances;

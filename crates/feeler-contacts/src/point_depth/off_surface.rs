@@ -80,3 +80,121 @@ fn is_beyond_a_side(polygon: &[Point], normal: &Point, points: &[Point], least: 
         })
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::brute::{body, distance, point_of, triangle};
+    use super::super::outline::{Outline, Plane};
+    use super::*;
+    use feeler_core::geometry::vectors::{add, along, normal, scaled};
+    use feeler_shapes::random::Random;
+    use feeler_shapes::soups::arrays_of;
+
+    fn turn(m: &[[f64; 4]; 4], p: &Point) -> Point {
+        std::array::from_fn(|a| m[a][0] * p[0] + m[a][1] * p[1] + m[a][2] * p[2])
+    }
+
+    #[test]
+    fn what_is_said_to_be_off_is_farther() {
+        let mut r = Random::new(1);
+        let mut counts = [0; 2];
+        for n in 0..3000 {
+            let count = 1 + r.below(12) as usize;
+            let body = body(arrays_of((0..count).map(|_| triangle(&mut r, 0.4)).collect::<Vec<_>>()));
+            let (size, least) = (r.real(0.01, 0.6), [0.0, 1e-9, 0.05][n % 3]);
+            let t = triangle(&mut r, size).map(|p| sub(&p, body.origin()));
+            let mut outline = Outline::clipped(&t, 1, None).unwrap();
+            if n % 2 == 0 {
+                // A polygon of more corners.
+                let cut = Plane::through(&outline.middle(), &r.point(-1.0, 1.0)).unwrap();
+                let half = outline.cut(&cut).next();
+                outline = half.unwrap();
+            }
+            let corners: Vec<Point> = match n % 4 {
+                0 | 1 => outline.points,
+                _ => (0..8)
+                    .map(|i| std::array::from_fn(|a| t[0][a] + if i >> a & 1 == 1 { size } else { 0.0 }))
+                    .collect(),
+            };
+            let normal = if n % 4 < 2 { outline.normal } else { [0.0; 3] };
+            let hull = Hull { points: &corners, normal };
+            let is_off = hull.is_off(&body, least);
+            let all = (0..body.len() as u32).all(|i| hull.is_off_triangle(&body, i, least));
+            assert_eq!(is_off, all);
+            counts[usize::from(is_off)] += 1;
+            if is_off {
+                for _ in 0..40 {
+                    let p = point_of(&mut r, &corners);
+                    assert!(distance(&body, &p) > least - 1e-12, "{corners:?} {p:?}");
+                }
+            }
+        }
+        assert!(counts.iter().all(|n| *n > 500), "{counts:?}");
+    }
+
+    #[test]
+    fn each_way_of_being_off_is_seen_from_the_margin_on_and_not_before() {
+        let mut r = Random::new(2);
+        let flat = [[0.0, 0.0, 0.0], [3.0, 0.0, 0.0], [0.0, 2.0, 0.0]];
+        let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let least = 0.25;
+        for n in 0..300 {
+            let m = r.motion(2.0);
+            let place = |p: &Point| turn(&m, p);
+            for share in [0.9, 1.1] {
+                let off = share * least;
+                // A triangle in a plane, a polygon upright above it, and one upright beyond each of its sides; and the two exchanged.
+                let mut ways: Vec<Vec<Point>> = Vec::new();
+                ways.push(square.iter().map(|[u, v]| [0.4 + 0.3 * u, 0.4, off + v]).collect());
+                ways.push(square.iter().map(|[u, v]| [0.4 + 0.3 * u, 0.4, -off - v]).collect());
+                for i in 0..3 {
+                    let (p, q) = (flat[i], flat[(i + 1) % 3]);
+                    let side = sub(&q, &p);
+                    let out = cross(&side, &[0.0, 0.0, 1.0]);
+                    let out = scaled(&out, 1.0 / dot(&out, &out).sqrt());
+                    // Across the plane, so that no plane of the two tells.
+                    let at = |[u, v]: &[f64; 2]| {
+                        let p = along(&along(&p, 0.3 + 0.3 * u, &side), off, &out);
+                        add(&p, &[0.0, 0.0, v - 0.4])
+                    };
+                    ways.push(square.iter().map(at).collect());
+                }
+                for (way, points) in ways.iter().enumerate() {
+                    let polygon: Vec<Point> = points.iter().map(place).collect();
+                    let across = normal(&[polygon[0], polygon[1], polygon[2]]).unwrap();
+                    let t = flat.map(|p| place(&p));
+                    let said = |t: &Triangle, points: &[Point], normal: Point| {
+                        let body = body(arrays_of([*t]));
+                        let points: Vec<Point> = points.iter().map(|p| sub(p, body.origin())).collect();
+                        Hull { points: &points, normal }.is_off(&body, least)
+                    };
+                    assert_eq!(said(&t, &polygon, across), share > 1.0, "{n} {way} {share}");
+                    // The triangle's own normal and sides tell, so a body without a normal is seen too.
+                    assert_eq!(said(&t, &polygon, [0.0; 3]), share > 1.0, "{n} {way} {share}");
+                    // A triangle of the polygon against the other as a polygon.
+                    let other = [polygon[0], polygon[1], polygon[2]];
+                    assert_eq!(said(&other, &t, normal(&t).unwrap()), share > 1.0, "{n} {way} {share}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn boxes_that_are_apart_along_an_axis_are_off() {
+        // A sliver has no plane.
+        let sliver = [[0.0, 0.0, 0.0], [1.0, 1.0, 1.0], [0.5, 0.5, 0.5 + 1e-9]];
+        for a in 0..3 {
+            for (sense, share) in [(1.0, 1.1), (1.0, 0.9), (-1.0, 1.1), (-1.0, 0.9)] {
+                let mut points = [[0.5; 3], [0.6, 0.5, 0.5], [0.5, 0.6, 0.5]];
+                points.iter_mut().for_each(|p| p[a] = if sense > 0.0 { 1.0 + share * 0.25 } else { -share * 0.25 });
+                let body = body(arrays_of([sliver]));
+                let points = points.map(|p| sub(&p, body.origin()));
+                assert_eq!(
+                    Hull { points: &points, normal: [0.0; 3] }.is_off(&body, 0.25),
+                    share > 1.0,
+                    "{a} {sense} {share}"
+                );
+            }
+        }
+    }
+}

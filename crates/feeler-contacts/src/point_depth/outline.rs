@@ -263,3 +263,228 @@ pub fn crossings(heights: &[f64]) -> impl Iterator<Item = (usize, usize, f64)> +
 pub fn between(p: &Point, q: &Point, share: f64) -> Point {
     std::array::from_fn(|a| p[a] + share * (q[a] - p[a]))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::brute::{body, distance, point_of, triangle};
+    use super::*;
+    use feeler_shapes::random::Random;
+    use feeler_shapes::soups::arrays_of;
+    use feeler_shapes::{ball, box_mesh};
+
+    fn area(points: &[Point]) -> f64 {
+        let sum = (1..points.len().max(1) - 1)
+            .fold([0.0; 3], |sum, i| add(&sum, &cross(&sub(&points[i], &points[0]), &sub(&points[i + 1], &points[0]))));
+        0.5 * length(&sum)
+    }
+
+    /// How far a point in the plane of a convex polygon is inside it.
+    fn inset(outline: &Outline, p: &Point) -> f64 {
+        let count = outline.points.len();
+        let room = |i: usize| {
+            let (q, r) = (&outline.points[i], &outline.points[(i + 1) % count]);
+            let side = sub(r, q);
+            // Of a short one rounding decides the direction.
+            let inward = unit(&cross(&outline.normal, &side)).filter(|_| length(&side) > 1e-9);
+            inward.map_or(f64::INFINITY, |inward| dot(&inward, &sub(p, q)))
+        };
+        (0..count).map(room).fold(f64::INFINITY, f64::min)
+    }
+
+    fn unit_square() -> Outline {
+        let points = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+        Outline { points, normal: [0.0, 0.0, 1.0], sense: 1 }
+    }
+
+    #[test]
+    fn what_is_clipped_is_what_is_in_both() {
+        let mut r = Random::new(1);
+        let mut counts = [0; 2];
+        for _ in 0..2000 {
+            let (t, mut bounds) = (triangle(&mut r, 0.6), Aabb::EMPTY);
+            [r.point(0.0, 1.0), r.point(0.0, 1.0)].iter().for_each(|p| bounds.grow(p));
+            let is_in = |p: &Point, margin: f64| {
+                (0..3).all(|a| p[a] >= bounds.lower[a] + margin && p[a] <= bounds.upper[a] - margin)
+            };
+            let clipped = Outline::clipped(&t, -1, Some(&bounds));
+            for _ in 0..20 {
+                let p = point_of(&mut r, &t);
+                let is_kept = clipped.as_ref().is_some_and(|outline| inset(outline, &p) > -1e-12);
+                assert!(!is_in(&p, 1e-9) || is_kept, "{t:?} {bounds:?} {p:?}");
+                assert!(is_in(&p, -1e-9) || !is_kept, "{t:?} {bounds:?} {p:?}");
+                counts[usize::from(is_kept)] += 1;
+            }
+            if let Some(outline) = clipped {
+                assert_eq!((outline.normal, outline.sense), (normal(&t).unwrap(), -1));
+                assert!(outline.points.iter().all(|p| is_in(p, -1e-12)));
+            }
+        }
+        assert!(counts.iter().all(|n| *n > 800), "{counts:?}");
+    }
+
+    #[test]
+    fn a_triangle_in_the_box_or_without_one_is_whole_and_one_that_is_beside_is_nothing() {
+        let t = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let clipped = |lower, upper| Outline::clipped(&t, 1, Some(&Aabb { lower, upper }));
+        assert_eq!(Outline::clipped(&t, 1, None).unwrap().points, t);
+        assert_eq!(clipped([0.0; 3], [1.0; 3]).unwrap().points, t);
+        assert!(clipped([0.0, 0.0, 0.1], [1.0; 3]).is_none() && clipped([-1.0; 3], [1.0, 1.0, -0.1]).is_none());
+        // It touches the box in a corner, and along a side.
+        assert_eq!(clipped([1.0, -1.0, -1.0], [2.0; 3]).unwrap().points, [[1.0, 0.0, 0.0]]);
+        assert_eq!(clipped([-1.0; 3], [2.0, 0.0, 2.0]).unwrap().points, [t[0], t[1]]);
+    }
+
+    #[test]
+    fn cuts_keep_the_area_and_lie_on_their_sides() {
+        let mut r = Random::new(2);
+        for n in 0..500 {
+            let mut parts = vec![Outline::clipped(&triangle(&mut r, 0.5), 1, None).unwrap()];
+            for _ in 0..6 {
+                let outline = parts.swap_remove(r.below(parts.len() as u64) as usize);
+                let plane = match n % 3 {
+                    0 => Plane::through(&outline.points[0], &r.point(-1.0, 1.0)).unwrap(),
+                    1 => {
+                        let side = sub(&outline.points[1], &outline.points[0]);
+                        Plane::through(&outline.points[0], &cross(&outline.normal, &side)).unwrap()
+                    }
+                    _ => Plane::through(&outline.middle(), &r.point(-1.0, 1.0)).unwrap(),
+                };
+                let (whole, cut): (f64, Vec<Outline>) = (area(&outline.points), outline.cut(&plane).collect());
+                let sum: f64 = cut.iter().map(|part| area(&part.points)).sum();
+                assert!((sum - whole).abs() <= 1e-12, "{outline:?} {plane:?}");
+                for (sense, part) in [1.0, -1.0].iter().zip(&cut).filter(|_| cut.len() == 2) {
+                    assert!(part.points.iter().all(|p| sense * plane.height(p) >= -1e-12));
+                    assert!(part.points.len() >= 3 && part.points.len() <= outline.points.len() + 1);
+                    assert_eq!((part.normal, part.sense), (outline.normal, outline.sense));
+                    // It is wound as the whole.
+                    let around = |p: &Point| inset(part, p);
+                    assert!(around(&part.middle()) >= -1e-12);
+                }
+                assert!(n % 3 != 2 || cut.len() == 2);
+                parts.extend(cut);
+            }
+        }
+    }
+
+    #[test]
+    fn a_plane_along_a_side_leaves_one_part() {
+        let square = unit_square();
+        let below = Plane::at([0.0, 1.0, 0.0], 0.0);
+        let parts: Vec<Vec<Point>> = square.cut(&below).map(|part| part.points).collect();
+        assert_eq!(parts, std::slice::from_ref(&square.points));
+        let diagonal = Plane::through(&[0.0; 3], &[1.0, -1.0, 0.0]).unwrap();
+        assert_eq!(square.cut(&diagonal).map(|part| part.points.len()).collect::<Vec<_>>(), [3, 3]);
+    }
+
+    /// Where the only triangle of a body parts the unit square.
+    fn parting(t: Triangle, least: f64) -> Option<Plane> {
+        let body = body(arrays_of([t]));
+        let mut square = unit_square();
+        square.points.iter_mut().for_each(|p| *p = sub(p, body.origin()));
+        let plane = square.parting(&body, least)?;
+        assert_eq!(plane.nearest().unwrap_or(0), 0);
+        Some(Plane { offset: plane.offset + dot(&plane.normal, body.origin()), ..plane })
+    }
+
+    #[test]
+    fn a_triangle_that_goes_through_parts_along_its_line() {
+        for (x, tilt) in [(0.3, 0.0), (0.5, 0.4), (0.8, -2.0)] {
+            // Upright or leaning, through x at the square's height; from all its corners' orders.
+            let t = [[x - tilt, -1.0, -1.0], [x - tilt, 3.0, -1.0], [x + tilt, 0.5, 1.0]];
+            for turn in 0..3 {
+                let plane = parting([t[turn], t[(turn + 1) % 3], t[(turn + 2) % 3]], 1e-12).unwrap();
+                assert!(plane.height(&[x, 0.0, 0.0]).abs() < 1e-12 && plane.height(&[x, 1.0, 0.0]).abs() < 1e-12);
+                assert!((plane.height(&[x + 0.1, 0.0, 0.0]).abs() - 0.1).abs() < 1e-12);
+            }
+            // With a side on the square, with a corner on it, and above it.
+            let up = |low: f64| t.map(|p| [p[0], p[1], p[2] + 1.0 + low]);
+            let along_side = parting(up(0.0), 1e-12).map(|plane| plane.height(&[x - tilt, 0.5, 0.0]).abs() < 1e-12);
+            assert_eq!(along_side, (x - tilt < 1.0).then_some(true));
+            assert!(parting(t.map(|p| [p[0], p[1], p[2] - 1.0]), 1e-12).is_none());
+            assert!(parting(up(1e-6), 1e-9).is_none());
+            assert_eq!(parting(up(-1e-6), 1e-9).is_some(), x - tilt < 1.0);
+        }
+    }
+
+    #[test]
+    fn what_only_meets_the_border_parts_nothing() {
+        let upright = |x: f64| [[x, -1.0, -1.0], [x, 3.0, -1.0], [x, 0.5, 1.0]];
+        for (x, is_parted) in
+            [(0.0, false), (1e-13, false), (1e-6, true), (1.0 - 1e-6, true), (1.0, false), (1.1, false)]
+        {
+            assert_eq!(parting(upright(x), 1e-12).is_some(), is_parted, "{x}");
+        }
+        // Its line reaches the square only beyond its ends.
+        assert!(parting([[0.5, 1.5, -1.0], [0.5, 3.0, -1.0], [0.5, 2.0, 1.0]], 1e-12).is_none());
+    }
+
+    #[test]
+    fn a_triangle_in_the_plane_parts_along_a_side() {
+        // The unit square and a triangle flush with it: the line x + y = 1.
+        let plane = parting([[-1.0, -1.0, 0.0], [2.0, -1.0, 0.0], [-1.0, 2.0, 0.0]], 1e-12).unwrap();
+        assert!(plane.height(&[1.0, 0.0, 0.0]).abs() < 1e-12 && plane.height(&[0.0, 1.0, 0.0]).abs() < 1e-12);
+        assert!(parting([[-9.0, -9.0, 0.0], [9.0, -9.0, 0.0], [0.0, 20.0, 0.0]], 1e-12).is_none());
+        assert!(parting([[2.0, 0.0, 0.0], [3.0, 0.0, 0.0], [2.0, 1.0, 0.0]], 1e-12).is_none());
+        assert!(parting([[1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [1.0, 1.0, 0.0]], 1e-12).is_none());
+    }
+
+    #[test]
+    fn a_short_segment_parts_across_the_length() {
+        // From the middle a tenth on; half of it covered; the square's diagonal is its longest line.
+        let at = |length: f64| [[0.5, 0.4, 0.0], [0.5, 0.4 + length, 0.0], [0.5, 0.45, 1.0]];
+        let (short, long) = (parting(at(0.1), 1e-12).unwrap(), parting(at(0.5), 1e-12).unwrap());
+        assert!((short.normal[0].abs() - 0.5f64.sqrt()).abs() < 1e-12 && short.height(&[0.5, 0.5, 0.0]).abs() < 1e-12);
+        assert!((long.normal[0].abs() - 1.0).abs() < 1e-12 && long.height(&[0.5, 0.0, 0.0]).abs() < 1e-12);
+    }
+
+    #[test]
+    fn what_nothing_parts_is_on_one_side() {
+        let mut r = Random::new(3);
+        for n in 0..60 {
+            let mesh = if n % 2 == 0 { box_mesh([0.0; 3], [1.0, 0.8, 0.6], 1 + n % 3) } else { ball(0.6, 3 + n % 4) };
+            let body = body(super::super::brute::placed(mesh, &r.motion(1.0)));
+            let t = triangle(&mut r, 1.0).map(|p| p.map(|x| x - 0.5));
+            let mut open = vec![Outline::clipped(&t, 1, None).unwrap()];
+            let (mut parts, mut sum) = (0, 0.0);
+            while let Some(outline) = open.pop() {
+                if let Some(plane) = outline.parting(&body, 1e-12) {
+                    let before = open.len();
+                    open.extend(outline.cut(&plane));
+                    assert_eq!(open.len(), before + 2, "{n}: {outline:?} {plane:?}");
+                    continue;
+                }
+                (parts, sum) = (parts + 1, sum + area(&outline.points));
+                assert!(parts < 2000, "{n}");
+                let off: Vec<Point> = (0..20).map(|_| point_of(&mut r, &outline.points)).collect();
+                let mut sides = off.iter().filter(|p| distance(&body, p) > 1e-9).map(|p| body.is_inside(p));
+                if let Some(first) = sides.next() {
+                    assert!(sides.all(|side| side == first), "{n}: {outline:?}");
+                }
+            }
+            assert!((sum - area(&t)).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn the_chord_is_where_a_line_is_in_the_polygon() {
+        let square = unit_square();
+        assert_eq!(square.chord(&[0.5, -1.0, 0.0], &[0.0, 2.0, 0.0]), [0.5, 1.0]);
+        assert_eq!(square.chord(&[2.0, 0.25, 0.0], &[-4.0, 0.0, 0.0]), [0.25, 0.5]);
+        assert_eq!(square.chord(&[0.0, 0.0, 0.0], &[1.0, 1.0, 0.0]), [0.0, 1.0]);
+        // Beside it: along a side, and aslant.
+        assert_eq!(square.chord(&[0.0, 1.5, 0.0], &[1.0, 0.0, 0.0]), [0.0, 0.0]);
+        let [from, to] = square.chord(&[1.5, 0.0, 0.0], &[1.0, 1.0, 0.0]);
+        assert_eq!(from, to);
+    }
+
+    #[test]
+    fn lengthwise_is_across_the_middle_of_the_longest_line() {
+        let points = vec![[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [5.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+        let plane = Outline { points, ..unit_square() }.lengthwise().unwrap();
+        let along = 26f64.sqrt();
+        assert!((plane.height(&[5.0, 1.0, 0.0]).abs() - 0.5 * along).abs() < 1e-12);
+        assert!((plane.height(&[0.0, 0.0, 0.0]).abs() - 0.5 * along).abs() < 1e-12);
+        assert!(Outline { points: vec![[1.0; 3]; 3], ..unit_square() }.lengthwise().is_none());
+        assert_eq!(unit_square().radius(&[0.0; 3]), 2f64.sqrt());
+    }
+}

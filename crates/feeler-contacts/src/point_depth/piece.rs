@@ -174,3 +174,135 @@ const MOST_RIVALS: usize = 4;
 
 /// With more corners a piece is cut across its length.
 const MOST_CORNERS_TO_CHOOSE: usize = 10;
+
+#[cfg(test)]
+mod tests {
+    use super::super::brute::{body, distance, point_of, triangle};
+    use super::*;
+    use feeler_core::geometry::vectors::add;
+    use feeler_shapes::random::Random;
+    use feeler_shapes::soups::arrays_of;
+    use feeler_shapes::{ball, box_mesh};
+
+    fn area(points: &[Point]) -> f64 {
+        let sum = (1..points.len() - 1)
+            .fold([0.0; 3], |sum, i| add(&sum, &cross(&sub(&points[i], &points[0]), &sub(&points[i + 1], &points[0]))));
+        0.5 * length(&sum)
+    }
+
+    fn piece_in(t: &Triangle, body: &Body) -> Piece {
+        let outline = Outline::clipped(t, -1, None).unwrap();
+        Piece::new(&outline, body, &mut CornerCache::default()).unwrap()
+    }
+
+    fn assert_corners(piece: &Piece, body: &Body) {
+        for corner in &piece.corners {
+            assert!((corner.distance - distance(body, &corner.at)).abs() < 1e-12);
+            assert!((length(&sub(&corner.at, &corner.point)) - corner.distance).abs() < 1e-12);
+            assert!(
+                (super::super::body::distance_to(&corner.at, body.triangle(corner.nearest)) - corner.distance).abs()
+                    < 1e-12
+            );
+            assert!(corner.distance <= piece.farthest().distance);
+        }
+    }
+
+    #[test]
+    fn parts_keep_the_area_and_know_how_far_their_corners_are() {
+        let mut r = Random::new(1);
+        for n in 0..300 {
+            let body = body(arrays_of((0..1 + r.below(20)).map(|_| triangle(&mut r, 0.4)).collect::<Vec<_>>()));
+            let t = triangle(&mut r, 0.5).map(|p| sub(&p, body.origin()));
+            let mut pieces = vec![piece_in(&t, &body)];
+            for _ in 0..8 {
+                let piece = pieces.swap_remove(r.below(pieces.len() as u64) as usize);
+                let outline = piece.outline();
+                assert_eq!((outline.normal, outline.sense), (normal(&t).unwrap(), -1));
+                let through = if n % 2 == 0 { outline.points[0] } else { point_of(&mut r, &outline.points) };
+                let plane = Plane::through(&through, &r.point(-1.0, 1.0)).unwrap();
+                let parts = piece.cut(&plane, &body);
+                let sum: f64 = parts.iter().map(|part| area(&part.outline().points)).sum();
+                assert!((sum - area(&outline.points)).abs() < 1e-12);
+                for (sense, part) in [1.0, -1.0].iter().zip(&parts).filter(|_| parts.len() == 2) {
+                    assert!(part.corners.iter().all(|corner| sense * plane.height(&corner.at) >= -1e-12));
+                }
+                for part in &parts {
+                    assert_corners(part, &body);
+                    assert!(part.upper <= piece.upper && part.generation == piece.generation + 1);
+                    for _ in 0..20 {
+                        let p = point_of(&mut r, &part.outline().points);
+                        assert!(distance(&body, &p) <= part.upper + 1e-12);
+                    }
+                }
+                pieces.extend(parts);
+            }
+        }
+    }
+
+    #[test]
+    fn mixing_is_tried_once_and_only_brings_down_the_bound() {
+        let wall = |x: f64| [[x, -100.0, -100.0], [x, 100.0, -100.0], [x, 0.0, 200.0]];
+        let body = body(arrays_of([wall(0.0), wall(2.0)]));
+        let mut piece = piece_in(&[[-1.0, -1.0, 0.0], [-1.0, 1.0, 0.0], [1.0, 0.0, 0.0]], &body);
+        assert!((piece.upper - 2.0).abs() < 1e-12);
+        assert!(piece.mix(&body) && (piece.upper - 1.0).abs() < 1e-9 && !piece.mix(&body));
+    }
+
+    #[test]
+    fn halving_brings_the_bound_down_to_the_farthest_point() {
+        let mut r = Random::new(2);
+        let bodies =
+            [body(box_mesh([0.0; 3], [2.0, 1.5, 1.0], 1)), body(box_mesh([0.0; 3], [2.0; 3], 4)), body(ball(1.0, 6))];
+        let mut steps = Vec::new();
+        for n in 0..90 {
+            let body = &bodies[n % 3];
+            let t = triangle(&mut r, 1.2).map(|p| p.map(|x| x - 0.5));
+            let (mut pieces, mut lower) = (vec![piece_in(&t, body)], 0.0f64);
+            let mut count = 0;
+            loop {
+                let most = (0..pieces.len()).max_by(|i, j| pieces[*i].upper.total_cmp(&pieces[*j].upper)).unwrap();
+                let mut piece = pieces.swap_remove(most);
+                lower = lower.max(piece.farthest().distance);
+                if piece.upper <= 1.001 * lower {
+                    break;
+                }
+                count += 1;
+                assert!(count < 2000, "{n}: {} {lower}", piece.upper);
+                if piece.mix(body) {
+                    pieces.push(piece);
+                    continue;
+                }
+                let plane = piece.halving(body, 1.001 * lower).unwrap();
+                let parts = piece.cut(&plane, body);
+                assert_eq!(parts.len(), 2, "{n}");
+                let sizes = parts.iter().map(|part| area(&part.outline().points));
+                assert!(sizes.into_iter().all(|size| size > 0.0 && size < area(&piece.outline().points)));
+                pieces.extend(parts);
+            }
+            let sampled = (0..200).map(|_| distance(body, &point_of(&mut r, &t))).fold(0.0, f64::max);
+            assert!(sampled <= 1.001 * lower + 1e-12, "{n}: {sampled} {lower}");
+            steps.push(count);
+        }
+        steps.sort_unstable();
+        // Most need few cuts.
+        assert!(steps[45] <= 20 && steps[85] <= 100, "{steps:?}");
+    }
+
+    #[test]
+    fn the_plane_halfway_is_as_far_from_both() {
+        // Walls at right angles, and beside each other.
+        let (floor, wall) =
+            ([[0.0; 3], [9.0, 0.0, 0.0], [0.0, 9.0, 0.0]], [[0.0; 3], [0.0, 9.0, 0.0], [0.0, 0.0, 9.0]]);
+        let body = body(arrays_of([floor, wall]));
+        let origin = *body.origin();
+        let moved = |t: &Triangle| t.map(|p| sub(&p, &origin));
+        for (t, turned) in [(floor, wall), ([floor[0], floor[2], floor[1]], wall)] {
+            let piece = piece_in(&moved(&[[1.0, 2.0, 1.0], [3.0, 2.0, 1.0], [1.0, 2.0, 4.0]]), &body);
+            let plane = piece.halfway(&moved(&t), &moved(&turned)).unwrap();
+            assert!(plane.height(&sub(&[2.0, 2.0, 2.0], &origin)).abs() < 1e-12);
+            assert!((plane.height(&sub(&[3.0, 2.0, 1.0], &origin)).abs() - 2f64.sqrt()).abs() < 1e-12);
+        }
+        let piece = piece_in(&moved(&[[1.0, 2.0, 1.0], [3.0, 2.0, 1.0], [1.0, 2.0, 4.0]]), &body);
+        assert!(piece.halfway(&moved(&floor), &moved(&floor.map(|p| [p[0] + 1.0, p[1], p[2]]))).is_none());
+    }
+}

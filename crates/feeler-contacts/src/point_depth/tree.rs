@@ -86,9 +86,10 @@ impl Node {
                 let low = f64::from(self.lower[a][lane]) - margin;
                 let high = f64::from(self.upper[a][lane]) + margin;
                 let [s, t] = [(low - p[a]) * inverse[a], (high - p[a]) * inverse[a]];
-                // Where the direction has no extent along an axis these may be NaN, which min and max leave out.
-                from[lane] = from[lane].max(s.min(t));
-                to[lane] = to[lane].min(s.max(t));
+                // Where it runs in the plane of a side that one is NaN, which max and min leave out; the other says where it is.
+                let (enters, leaves) = if inverse[a] < 0.0 { (t, s) } else { (s, t) };
+                from[lane] = from[lane].max(enters);
+                to[lane] = to[lane].min(leaves);
             }
         }
         // Above the rounding of the quotients.
@@ -341,4 +342,215 @@ fn split(centres: &[Point], order: &mut [u32], at: usize) {
     order.select_nth_unstable_by(at, |p, q| {
         centres[*p as usize][axis].total_cmp(&centres[*q as usize][axis]).then(p.cmp(q))
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::brute::{is_meeting, triangle};
+    use super::*;
+    use crate::point_depth::body::closest_on;
+    use feeler_core::geometry::vectors::dot;
+    use feeler_shapes::random::Random;
+
+    /// Few and many, in general places, on a lattice, all the same, and far off, where float32 is coarse.
+    fn sets(r: &mut Random) -> Vec<Vec<Triangle>> {
+        let mut sets = Vec::new();
+        for count in [0, 1, 2, 3, 4, 5, 6, 7, 8, 15, 16, 17, 63, 65, 400] {
+            let general: Vec<Triangle> = (0..count).map(|_| triangle(r, 0.1)).collect();
+            let far = |t: &Triangle| t.map(|p| [p[0] + 7e6, p[1] - 3e7, p[2] + 1.0]);
+            sets.push(general.iter().map(far).collect());
+            sets.push(general.iter().map(|t| t.map(|p| p.map(|x| (8.0 * x).round() / 8.0))).collect());
+            sets.push(vec![triangle(r, 0.3); count]);
+            sets.push(general);
+        }
+        sets
+    }
+
+    /// A tree, and the triangles in its order.
+    fn tree_of(given: &[Triangle]) -> (Tree, Vec<Triangle>) {
+        let (tree, order) = Tree::new(given);
+        let mut sorted = order.clone();
+        sorted.sort_unstable();
+        assert!(sorted.into_iter().eq(0..given.len() as u32));
+        (tree, order.iter().map(|i| given[*i as usize]).collect())
+    }
+
+    fn around(triangles: &[Triangle]) -> Aabb {
+        triangles.iter().fold(Aabb::EMPTY, |around, t| around.union(&Aabb::of_triangle(t)))
+    }
+
+    /// A point in the box, or around it.
+    fn point_in(r: &mut Random, bounds: &Aabb, beyond: f64) -> Point {
+        std::array::from_fn(|a| {
+            let share = r.real(-beyond, 1.0 + beyond);
+            let (low, high) = if bounds.is_empty() { (0.0, 1.0) } else { (bounds.lower[a], bounds.upper[a]) };
+            low + share * (high - low)
+        })
+    }
+
+    fn is_within(inner: &Aabb, outer: &Aabb) -> bool {
+        (0..3).all(|a| outer.lower[a] <= inner.lower[a] && inner.upper[a] <= outer.upper[a])
+    }
+
+    /// All triangles below a node, each of whose boxes is in the box around it.
+    fn collect(tree: &Tree, node: u32, outer: Option<&Aabb>, triangles: &[Triangle], found: &mut Vec<u32>) {
+        for (inside, bounds) in tree.boxes(node) {
+            assert!(outer.is_none_or(|outer| is_within(&bounds, outer)));
+            match inside {
+                Inside::Node(node) => collect(tree, node, Some(&bounds), triangles, found),
+                Inside::Triangle(i) => {
+                    assert!(is_within(&Aabb::of_triangle(&triangles[i as usize]), &bounds));
+                    found.push(i);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn every_triangle_is_in_one_box_and_each_box_in_that_of_its_node() {
+        for set in sets(&mut Random::new(1)) {
+            let (tree, triangles) = tree_of(&set);
+            let mut found = Vec::new();
+            collect(&tree, 0, None, &triangles, &mut found);
+            found.sort_unstable();
+            assert!(found.into_iter().eq(0..triangles.len() as u32));
+        }
+    }
+
+    #[test]
+    fn the_nearest_is_that_of_all_and_few_are_measured() {
+        let mut r = Random::new(2);
+        for set in sets(&mut r) {
+            let (tree, triangles) = tree_of(&set);
+            let (bounds, mut measured) = (around(&triangles), 0);
+            for n in 0..40 {
+                let p = match n % 4 {
+                    0 if !triangles.is_empty() => triangles[n % triangles.len()][n % 3],
+                    _ => point_in(&mut r, &bounds, 0.5),
+                };
+                let square = |i: u32| closest_on(&p, &triangles[i as usize]).0;
+                let expected = (0..triangles.len() as u32).map(square).fold(f64::INFINITY, f64::min);
+                for within in [f64::INFINITY, expected * 1.5 + 1e-9, expected] {
+                    let mut best = within;
+                    tree.for_each_near(&p, within, |i| {
+                        measured += 1;
+                        best = best.min(square(i));
+                        square(i)
+                    });
+                    assert_eq!(best, expected.min(within), "{n} of {}", triangles.len());
+                }
+            }
+            // The set in general places is the last of four.
+            if triangles.len() == 400 && bounds.longest() < 3.0 && triangles[0] != triangles[1] {
+                assert!(measured < 40 * 3 * 180, "{measured}");
+            }
+        }
+    }
+
+    #[test]
+    fn triangles_in_a_box_are_those_that_all_boxes_say() {
+        let mut r = Random::new(3);
+        for set in sets(&mut r) {
+            let (tree, triangles) = tree_of(&set);
+            let bounds = around(&triangles);
+            // On the lattice, so that boxes touch; those of the tree are then exact.
+            let is_lattice = triangles.iter().flatten().flatten().all(|x| (8.0 * x).fract() == 0.0 && x.abs() < 99.0);
+            for _ in 0..30 {
+                let (p, q) = (point_in(&mut r, &bounds, 0.2), point_in(&mut r, &bounds, 0.2));
+                let mut asked = Aabb::EMPTY;
+                [p, q].iter().for_each(|p| asked.grow(&p.map(|x| (8.0 * x).round() / 8.0)));
+                let mut found = Vec::new();
+                let none = tree.find_overlapping(&asked, |i| {
+                    found.push(i);
+                    None::<()>
+                });
+                found.sort_unstable();
+                let is_in = |i: &u32| is_meeting(&Aabb::of_triangle(&triangles[*i as usize]), &asked);
+                let expected: Vec<u32> = (0..triangles.len() as u32).filter(is_in).collect();
+                assert!(none.is_none() && expected.iter().all(|i| found.binary_search(i).is_ok()));
+                assert!(!is_lattice || found == expected, "{found:?} {expected:?}");
+                let mut count = 0;
+                let taken = tree.find_overlapping(&asked, |i| {
+                    count += 1;
+                    Some(i)
+                });
+                assert_eq!((taken.is_some(), count), (!found.is_empty(), usize::from(!found.is_empty())));
+            }
+        }
+    }
+
+    /// Whether a segment meets a box: it is clipped, one side after the other.
+    fn is_passing(p: &Point, q: &Point, bounds: &Aabb, margin: f64) -> bool {
+        let (mut from, mut to) = (0.0f64, 1.0f64);
+        for a in 0..3 {
+            let (low, high, d) = (bounds.lower[a] - margin, bounds.upper[a] + margin, q[a] - p[a]);
+            if d == 0.0 {
+                if p[a] < low || p[a] > high {
+                    return false;
+                }
+                continue;
+            }
+            let (s, t) = ((low - p[a]) / d, (high - p[a]) / d);
+            (from, to) = (from.max(s.min(t)), to.min(s.max(t)));
+        }
+        from <= to
+    }
+
+    #[test]
+    fn triangles_on_a_segment_are_those_that_all_boxes_say() {
+        let mut r = Random::new(4);
+        for set in sets(&mut r) {
+            let (tree, triangles) = tree_of(&set);
+            let bounds = around(&triangles);
+            for n in 0..60 {
+                let (mut p, mut q) = (point_in(&mut r, &bounds, 0.3), point_in(&mut r, &bounds, 0.3));
+                if n % 2 == 0 {
+                    // Along an axis, or a plane, and on sides of boxes.
+                    [p, q] = [p, q].map(|p| p.map(|x| (8.0 * x).round() / 8.0));
+                    (0..3).filter(|a| *a != n % 3 && n % 4 == 0 || *a == n % 3 && n % 4 != 0).for_each(|a| q[a] = p[a]);
+                }
+                let margin = [0.0, 1e-3, 0.125][n % 3];
+                let mut found = Vec::new();
+                tree.find_on_segment([&p, &q], margin, |i| {
+                    found.push(i);
+                    None::<()>
+                });
+                for (i, t) in (0..).zip(&triangles) {
+                    let around = Aabb::of_triangle(t);
+                    let rounding = 1e-9 + 1e-6 * around.largest_coordinate();
+                    let (is_on, is_near) =
+                        (is_passing(&p, &q, &around, margin), is_passing(&p, &q, &around, margin + rounding));
+                    let is_found = found.contains(&i);
+                    assert!(is_near || !is_found, "{p:?} {q:?} {margin} {t:?}");
+                    assert!(!is_on || is_found, "{p:?} {q:?} {margin} {t:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_greatest_height_is_that_of_all_and_slack_spares_looks() {
+        let mut r = Random::new(5);
+        for set in sets(&mut r) {
+            let (tree, triangles) = tree_of(&set);
+            for n in 0..30 {
+                let mut normal = r.point(-1.0, 1.0);
+                (0..3).filter(|a| n % 3 == 0 && *a != n / 3 % 3).for_each(|a| normal[a] = 0.0);
+                let height =
+                    |i: u32| triangles[i as usize].map(|p| dot(&normal, &p)).into_iter().fold(f64::MIN, f64::max);
+                let expected = (0..triangles.len() as u32).map(height).fold(f64::NEG_INFINITY, f64::max);
+                let rounding = 1e-15 * around(&triangles).largest_coordinate().clamp(1.0, 1e9);
+                for slack in [0.0, 0.01, 10.0] {
+                    let looks = std::cell::Cell::new(0);
+                    let found = tree.greatest(&normal, slack, |i| {
+                        looks.set(looks.get() + 1);
+                        height(i)
+                    });
+                    assert!(found >= expected && found <= expected + slack + rounding, "{found} {expected} {slack}");
+                    assert!(slack > 0.0 || found == expected || found - expected <= rounding);
+                    assert!(slack < 10.0 || looks.get() <= 1, "{} looks", looks.get());
+                }
+            }
+        }
+    }
 }

@@ -83,3 +83,98 @@ fn piercing([p, q]: [&Point; 2], t: &Triangle, inset: f64) -> Option<Point> {
     });
     is_in.then_some(at)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::brute::{block, body, placed};
+    use super::*;
+    use feeler_shapes::random::Random;
+    use feeler_shapes::{joined, turned, Arrays};
+
+    /// Whether they cross, at a turn, either way round, and cut finely or not.
+    fn are_crossing(p: impl Fn(usize) -> Arrays, q: impl Fn(usize) -> Arrays) -> bool {
+        let m = turned(0.7, [3.0, -2.0, 0.5]);
+        let mut said = Vec::new();
+        for (cells, other) in [(1, 1), (3, 1), (2, 5)] {
+            let [a, b] = [p(cells), q(other)].map(|mesh| body(placed(mesh, &m)));
+            said.extend([are_walls_crossing([&a, &b]), are_walls_crossing([&b, &a])]);
+        }
+        assert!(said.iter().all(|is_crossing| *is_crossing == said[0]), "{said:?}");
+        said[0]
+    }
+
+    #[test]
+    fn plates_that_go_through_each_other_cross() {
+        let plate = |cells| block([-1.0, -1.0, -0.05], [1.0, 1.0, 0.05], cells);
+        assert!(are_crossing(plate, |cells| block([-0.04, -0.6, -0.7], [0.06, 0.5, 0.8], cells)));
+        // A rod through it, as thick as it and thinner; and one that ends in its middle.
+        assert!(are_crossing(plate, |cells| block([0.1, 0.1, -1.0], [0.2, 0.2, 1.0], cells)));
+        assert!(are_crossing(plate, |cells| block([0.1, 0.1, -1.0], [0.15, 0.16, 1.0], cells)));
+    }
+
+    #[test]
+    fn what_is_pressed_into_a_face_crosses_no_wall() {
+        let plate = |cells| block([-1.0, -1.0, -0.05], [1.0, 1.0, 0.05], cells);
+        // Less than to the middle, by a plate on edge, and by a block.
+        assert!(!are_crossing(plate, |cells| block([-0.05, -0.5, 0.02], [0.05, 0.5, 1.0], cells)));
+        assert!(!are_crossing(plate, |cells| block([-0.5, -0.5, 0.03], [0.5, 0.5, 1.0], cells)));
+        // Side by side, and apart.
+        assert!(!are_crossing(plate, |cells| block([0.97, -0.5, -0.05], [3.0, 0.5, 0.05], cells)));
+        assert!(!are_crossing(plate, |cells| block([0.0, 0.0, 0.1], [1.0, 1.0, 0.2], cells)));
+        // Two thick blocks by a corner.
+        assert!(!are_crossing(|cells| block([0.0; 3], [2.0; 3], cells), |cells| block([1.5; 3], [4.0; 3], cells)));
+    }
+
+    #[test]
+    fn a_thick_end_on_a_thin_wall_is_measured_where_they_cross() {
+        // A plate that goes through a thin one, and far away each has a thick block, of which no point is inside the other.
+        let with_block = |plate: Arrays, at: [f64; 3]| joined([plate, block(at, at.map(|x| x + 0.5), 1)]);
+        let p = |cells| with_block(block([-1.0, -1.0, -0.05], [1.0, 1.0, 0.05], cells), [2.0; 3]);
+        let q = |cells| with_block(block([-0.05, -0.6, -0.7], [0.05, 0.5, 0.8], cells), [-4.0; 3]);
+        assert!(are_crossing(p, q));
+    }
+
+    #[test]
+    fn segments_go_through_triangles_as_far_as_the_inset_lets_them() {
+        let t = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let at = |x: f64, y: f64, inset: f64| piercing([&[x, y, -1.0], &[x, y, 3.0]], &t, inset);
+        assert_eq!(at(0.25, 0.25, 0.0), Some([0.25, 0.25, 0.0]));
+        for (x, y) in [(-0.1, 0.5), (0.5, -0.1), (0.6, 0.6)] {
+            assert!(at(x, y, 0.0).is_none());
+        }
+        assert!(at(0.1, 0.4, 0.09).is_some() && at(0.1, 0.4, 0.11).is_none());
+        assert!(piercing([&[0.2, 0.2, 0.0], &[0.2, 0.2, 1.0]], &t, 0.0).is_none());
+        assert!(piercing([&[0.2, 0.2, 2.0], &[0.2, 0.2, 1.0]], &t, 0.0).is_none());
+        assert!(piercing([&[0.2, 0.2, 1.0], &[0.2, 0.2, -1.0]], &t, 0.0).is_some());
+    }
+
+    #[test]
+    fn triangles_cross_in_the_middle_of_their_line_or_not_at_all() {
+        let t = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]];
+        let mut r = Random::new(1);
+        for (u, expected) in [
+            // An edge of each through the other; two edges of one; a corner or an edge just off it; beside.
+            ([[0.5, 0.5, -1.0], [0.5, 0.5, 1.0], [0.5, 9.0, 0.0]], Some([0.5, 1.0, 0.0])),
+            ([[0.5, 0.5, -1.0], [0.5, 0.5, 1.0], [0.5, 0.7, 1.0]], Some([0.5, 0.5, 0.0])),
+            ([[0.5, 0.5, 1e-9], [0.5, 0.5, 1.0], [0.5, 0.7, 1.0]], None),
+            ([[0.5, 0.5, 1e-9], [0.9, 0.5, 1e-9], [0.5, 0.7, 1.0]], None),
+            ([[5.0, 0.5, -1.0], [5.0, 0.5, 1.0], [5.0, 9.0, 0.0]], None),
+        ] {
+            let m = r.motion(1.0);
+            let place =
+                |p: &Point| -> Point { std::array::from_fn(|a| m[a][0] * p[0] + m[a][1] * p[1] + m[a][2] * p[2]) };
+            for [p, q] in [[&t, &u], [&u, &t]] {
+                let found = crossing_point(&p.map(|p| place(&p)), &q.map(|p| place(&p)), 1e-9);
+                match (found, expected) {
+                    (Some(found), Some(expected)) => {
+                        let off = length(&sub(&found, &place(&expected)));
+                        assert!(off < 0.5, "{off} {found:?} {expected:?}");
+                        let flat = dot(&place(&[0.0, 0.0, 1.0]), &found);
+                        assert!(flat.abs() < 1e-12);
+                    }
+                    (found, expected) => assert_eq!(found.is_some(), expected.is_some(), "{u:?}"),
+                }
+            }
+        }
+    }
+}

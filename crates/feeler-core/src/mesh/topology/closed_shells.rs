@@ -7,7 +7,7 @@
 use crate::constants::{NONE, SENSE_GRID_SIDE, SENSE_LARGE_CELLS, SENSE_RAYS};
 use crate::geometry::bounds::{Aabb, Point};
 use crate::geometry::predicates::Signs;
-use crate::geometry::vectors::{add, cross, dot, scaled, sub};
+use crate::geometry::vectors::{along, cross, dot, sub};
 use crate::mesh::topology::disjoint_sets::DisjointSets;
 use crate::mesh::triangle_mesh::Mesh;
 
@@ -163,6 +163,9 @@ fn set_nested(mesh: &Mesh, shells: &mut [Shell], shell_of: impl Fn(u32) -> Optio
     }
 }
 
+/// Where rays begin on triangles: shares of two sides. Not in the middle, which lies on a diagonal of what is cut likewise.
+const RAY_SHARES: [[f64; 2]; 5] = [[0.31, 0.27], [0.22, 0.41], [0.47, 0.19], [0.17, 0.53], [0.39, 0.24]];
+
 /// Triangles by where they lie across the first axis, for rays along it.
 struct Columns<'a> {
     /// Shell and triangle.
@@ -225,10 +228,19 @@ impl Columns<'_> {
     /// Winding numbers of the shells around a shell, by their rank: what most of a few rays say. `None` where no ray could tell.
     fn windings(&self, mesh: &Mesh, own: &[(u32, u32)], rank: u32) -> Option<Vec<(u32, i32)>> {
         let mut found: Vec<Vec<(u32, i32)>> = Vec::new();
-        // From triangles all over the shell.
-        for i in 0..SENSE_RAYS.min(own.len()) {
-            let [a, b, c] = mesh.triangle(own[i * own.len() / SENSE_RAYS.min(own.len())].1);
-            found.extend(self.along_ray(mesh, &scaled(&add(&add(&a, &b), &c), 1.0 / 3.0), rank));
+        // From triangles all over the shell, of those that a ray does not lie in.
+        let is_across = |t: &u32| {
+            let [a, b, c] = mesh.triangle(*t);
+            let (ab, ac) = (sub(&b, &a), sub(&c, &a));
+            ab[1] * ac[2] != ab[2] * ac[1]
+        };
+        let across: Vec<u32> = own.iter().map(|(_, t)| *t).filter(is_across).collect();
+        let rays = SENSE_RAYS.min(across.len());
+        for i in 0..rays {
+            let [a, b, c] = mesh.triangle(across[i * across.len() / rays]);
+            let [u, v] = RAY_SHARES[i % RAY_SHARES.len()];
+            let p = along(&along(&a, u, &sub(&b, &a)), v, &sub(&c, &a));
+            found.extend(self.along_ray(mesh, &p, rank));
         }
         found.sort();
         let most = found.chunk_by(|x, y| x == y).max_by_key(|same| same.len())?;
@@ -324,6 +336,19 @@ mod tests {
         let mirrored: Arrays =
             (cube(3.0, 1.0, 2).0.into_iter().map(|[x, y, z]| [-x, y, z]).collect(), cube(3.0, 1.0, 2).1);
         assert_eq!(senses(vec![cube(3.0, 1.0, 2), mirrored]), [1, -1]);
+    }
+
+    #[test]
+    fn a_hollow_on_the_lattice_of_its_solid_is_one_however_that_is_cut() {
+        let mirrored =
+            |(vertices, faces): Arrays| inverted((vertices.into_iter().map(|[x, y, z]| [x, -y, z]).collect(), faces));
+        // All cut along the same lines, each side along the one diagonal or the other.
+        for (solid, hollow) in [(4, 2), (8, 4)].map(|(n, m)| (cube(0.0, 48.0, n), cube(0.0, 24.0, m))) {
+            for (solid, hollow) in [(solid.clone(), hollow.clone()), (mirrored(solid), hollow)] {
+                assert_eq!(senses(vec![solid.clone(), inverted(hollow.clone())]), [1, 1]);
+                assert_eq!(senses(vec![inverted(solid), hollow]), [-1, -1]);
+            }
+        }
     }
 
     #[test]
