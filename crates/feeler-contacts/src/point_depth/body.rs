@@ -348,6 +348,14 @@ mod tests {
     }
 
     #[test]
+    fn what_overlaps_a_solid_that_is_inside_out_is_in_both() {
+        let body = body(joined([block([0.0; 3], [1.0; 3], 1), inside_out(block([0.0, 0.9, 0.0], [1.0, 1.9, 1.0], 2))]));
+        let is_inside = |y: f64| body.is_inside(&sub(&[0.45, y, 0.37], body.origin()));
+        assert_eq!([0.5, 0.95, 1.5].map(is_inside), [Some(true); 3]);
+        assert_eq!([-0.1, 2.0].map(is_inside), [Some(false); 2]);
+    }
+
+    #[test]
     fn heights_hold_the_body_in_the_world() {
         let body = body(block([5.0, 6.0, 7.0], [6.0, 8.0, 10.0], 3));
         for (normal, expected) in

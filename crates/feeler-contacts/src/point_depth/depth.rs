@@ -103,7 +103,7 @@ mod tests {
                     assert_attained(pair, &found, what);
                 }
                 if expected > slack {
-                    assert!(is_deeper(pair, 0.999 * expected), "{what}, {cells:?}");
+                    assert!(is_deeper(pair, 0.999 * expected) && is_deeper(pair, 0.5 * expected), "{what}, {cells:?}");
                     assert!(is_deeper(pair, expected - 4.0 * slack) && is_deeper(pair, 0.0), "{what}, {cells:?}");
                 }
                 assert!(!is_deeper(pair, expected + slack), "{what}, {cells:?}");
@@ -165,6 +165,10 @@ mod tests {
         assert_depth(inner, |cells| block([-3.0; 3], [3.0; 3], cells), 2.0, "a box in a box");
         // The nearest sides count, in the middle of the inner one's height.
         assert_depth(inner, |cells| block([-9.0, -4.0, -3.0], [9.0, 4.0, 3.0], cells), 3.0, "a box in a long box");
+        // A plate beside a small hollow, and its farthest corner: nothing else is near.
+        let farthest = (2.0 * 0.49f64 * 0.49 + 0.11 * 0.11).sqrt();
+        let plate = |cells| block([-0.5, -0.5, 0.1], [0.5, 0.5, 0.12], cells);
+        assert_depth(plate, |cells| hollow_box(10.0, 0.02, cells), farthest, "a plate beside a small hollow");
         // In a hollow there is no depth.
         assert_depth(inner, |cells| hollow_box(8.0, 4.0, cells), 0.0, "a box in a hollow");
         assert_depth(
@@ -269,7 +273,7 @@ mod tests {
         assert_eq!(point_depth_from([&cube, &plate]), PointDepth { depth: 0.0, error: 0.0, points: None });
         assert_eq!(point_depth([&plate, &other]), PointDepth { depth: 0.0, error: 0.0, points: None });
         assert!(
-            !is_holding([&cube, &plate], 1.0) && is_deeper([&plate, &cube], 0.74) && !is_deeper([&plate, &cube], 0.76)
+            !is_holding([&cube, &plate], 2.0) && is_deeper([&plate, &cube], 0.74) && !is_deeper([&plate, &cube], 0.76)
         );
     }
 

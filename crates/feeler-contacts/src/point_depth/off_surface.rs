@@ -143,7 +143,8 @@ mod tests {
             let place = |p: &Point| turn(&m, p);
             for share in [0.9, 1.1] {
                 let off = share * least;
-                // A triangle in a plane, a polygon upright above it, and one upright beyond each of its sides; and the two exchanged.
+                // A triangle in a plane, a polygon upright above it, one upright beyond each of its sides, and triangles that point at
+                // these with a corner, so that nothing of their own tells; and the two exchanged.
                 let mut ways: Vec<Vec<Point>> = Vec::new();
                 ways.push(square.iter().map(|[u, v]| [0.4 + 0.3 * u, 0.4, off + v]).collect());
                 ways.push(square.iter().map(|[u, v]| [0.4 + 0.3 * u, 0.4, -off - v]).collect());
@@ -158,7 +159,12 @@ mod tests {
                         add(&p, &[0.0, 0.0, v - 0.4])
                     };
                     ways.push(square.iter().map(at).collect());
+                    let tip = along(&along(&p, 0.45, &side), off, &out);
+                    let end = |z: f64| add(&along(&tip, 1.0, &out), &[0.0, 0.0, z]);
+                    ways.push(vec![tip, end(0.5), end(-0.4)]);
                 }
+                ways.push(vec![[0.7, 0.5, off], [0.2, 0.5, off + 1.0], [1.3, 0.5, off + 1.0]]);
+                ways.push(vec![[0.7, 0.5, -off], [1.3, 0.5, -off - 1.0], [0.2, 0.5, -off - 1.0]]);
                 for (way, points) in ways.iter().enumerate() {
                     let polygon: Vec<Point> = points.iter().map(place).collect();
                     let across = normal(&[polygon[0], polygon[1], polygon[2]]).unwrap();

@@ -414,6 +414,10 @@ mod tests {
         {
             assert_eq!(parting(upright(x), 1e-12).is_some(), is_parted, "{x}");
         }
+        // Rounding moves lines: by the more, the less the triangle leans.
+        assert!(parting(upright(3e-12), 1e-12).is_none() && parting(upright(3e-11), 1e-12).is_some());
+        let leaning = |x: f64, lean: f64| [[x - 1.0, -1.0, -lean], [x - 1.0, 3.0, -lean], [x + 1.0, 0.5, lean]];
+        assert!(parting(leaning(1e-6, 1e-6), 1e-12).is_none() && parting(leaning(1e-5, 1e-6), 1e-12).is_some());
         // Its line reaches the square only beyond its ends.
         assert!(parting([[0.5, 1.5, -1.0], [0.5, 3.0, -1.0], [0.5, 2.0, 1.0]], 1e-12).is_none());
     }
@@ -421,8 +425,14 @@ mod tests {
     #[test]
     fn a_triangle_in_the_plane_parts_along_a_side() {
         // The unit square and a triangle flush with it: the line x + y = 1.
-        let plane = parting([[-1.0, -1.0, 0.0], [2.0, -1.0, 0.0], [-1.0, 2.0, 0.0]], 1e-12).unwrap();
-        assert!(plane.height(&[1.0, 0.0, 0.0]).abs() < 1e-12 && plane.height(&[0.0, 1.0, 0.0]).abs() < 1e-12);
+        let t = [[-1.0, -1.0, 0.0], [2.0, -1.0, 0.0], [-1.0, 2.0, 0.0]];
+        for i in 0..3 {
+            let plane = parting([t[i], t[(i + 1) % 3], t[(i + 2) % 3]], 1e-12).unwrap();
+            assert!(plane.height(&[1.0, 0.0, 0.0]).abs() < 1e-12 && plane.height(&[0.0, 1.0, 0.0]).abs() < 1e-12);
+        }
+        // Of a large one that leans by rounding all corners are off the plane, and the square is not.
+        let plane = parting([[0.5, -1e3, -1e-9], [0.5, 1e3, 1e-9], [-1e3, 0.0, 0.0]], 1e-12).unwrap();
+        assert!(plane.height(&[0.5, 0.0, 0.0]).abs() < 1e-12 && plane.height(&[0.5, 1.0, 0.0]).abs() < 1e-12);
         assert!(parting([[-9.0, -9.0, 0.0], [9.0, -9.0, 0.0], [0.0, 20.0, 0.0]], 1e-12).is_none());
         assert!(parting([[2.0, 0.0, 0.0], [3.0, 0.0, 0.0], [2.0, 1.0, 0.0]], 1e-12).is_none());
         assert!(parting([[1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [1.0, 1.0, 0.0]], 1e-12).is_none());

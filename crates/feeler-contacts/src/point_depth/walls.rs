@@ -89,7 +89,7 @@ mod tests {
     use super::super::brute::{block, body, placed};
     use super::*;
     use feeler_shapes::random::Random;
-    use feeler_shapes::{joined, turned, Arrays};
+    use feeler_shapes::{joined, ridge, turned, Arrays};
 
     /// Whether they cross, at a turn, either way round, and cut finely or not.
     fn are_crossing(p: impl Fn(usize) -> Arrays, q: impl Fn(usize) -> Arrays) -> bool {
@@ -123,6 +123,15 @@ mod tests {
         assert!(!are_crossing(plate, |cells| block([0.0, 0.0, 0.1], [1.0, 1.0, 0.2], cells)));
         // Two thick blocks by a corner.
         assert!(!are_crossing(|cells| block([0.0; 3], [2.0; 3], cells), |cells| block([1.5; 3], [4.0; 3], cells)));
+    }
+
+    #[test]
+    fn both_have_to_be_walls() {
+        // A plate deep in a block, and across a ridge, whose faces lean towards each other.
+        let plate = |cells| block([-0.05, -0.5, 0.5], [0.05, 0.5, 3.0], cells);
+        assert!(!are_crossing(|cells| block([-1.0; 3], [1.0; 3], cells), plate));
+        let roof = |cells| ridge(&[[-1.0, 0.0], [0.0, 1.732], [1.0, 0.0]], -1.0, 1.0, cells, cells);
+        assert!(!are_crossing(roof, |cells| block([-2.0, -2.0, 1.0], [2.0, 2.0, 1.05], cells)));
     }
 
     #[test]
