@@ -14,6 +14,7 @@ import clash_twin
 import numpy as np
 import pytest
 from clash.cases import cut_box
+from clash.judge.shapes import random_turn
 from clash_scene import FOUND, PARTS, house, mockup_of, open_box, pairs, table
 from point_depths import boxes_depth
 from shapes import box, inverted, joined
@@ -92,6 +93,30 @@ def test_the_same_surface_cut_otherwise_is_a_duplicate(cut: int) -> None:
     # A cavity in one of them alone is a difference.
     (row,) = feeler.clash(mockup_of({"hollow": joined(whole, hollow), "cut": cut_up}))
     assert row.verdict in (Verdict.CLASH, Verdict.CONTAINED) and row.depth == pytest.approx(0.25, rel=1e-3)
+
+
+@pytest.mark.parametrize("width", [1e-3, 8e-5])
+def test_a_slender_strip_flush_on_a_block_touches_it_at_any_turn(width: float) -> None:
+    """Its triangles are 800 and 10,000 times longer than wide, so that rounding tilts their planes."""
+    strip, block = box((0, 0, 0), (0.8, width, width)), box((-0.1, -0.2, width), (0.3, 0.2, 0.4))
+    for seed in range(40):
+        turn = random_turn(np.random.default_rng(seed))
+        parts = {name: (mesh[0] @ turn.T, mesh[1]) for name, mesh in (("strip", strip), ("block", block))}
+        for pair in (parts, dict(reversed(parts.items()))):
+            found = feeler.clash(mockup_of(pair))
+            # Rounding may leave a gap.
+            assert all(row.verdict == Verdict.CONTACT for row in found), (seed, list(found))
+
+
+@pytest.mark.parametrize("thickness", [1e-2, 1e-3, 1e-4])
+def test_a_thin_plate_cut_otherwise_is_a_duplicate_at_any_turn(thickness: float) -> None:
+    low, high = [0.0, 0.0, 0.0], [1.0, 0.8, thickness]
+    whole, cut_up = cut_box(low, high, 1), cut_box(low, high, 4)
+    for seed in range(5):
+        turn = random_turn(np.random.default_rng(seed))
+        parts = {name: (mesh[0] @ turn.T, mesh[1]) for name, mesh in (("whole", whole), ("cut", cut_up))}
+        (row,) = feeler.clash(mockup_of(parts))
+        assert row.verdict == Verdict.DUPLICATE, (seed, row)
 
 
 def test_pierced_foils_clash_although_they_are_thin() -> None:

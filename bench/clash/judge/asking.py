@@ -66,7 +66,7 @@ class Answer:
 @dataclass(frozen=True)
 class Judged:
     """The result for one pair. is_meeting: whether the parts should meet. is_outside: the depth is outside its bounds.
-    relative_error: of the depth; None if the expected depth is unknown or less than a micrometre. says: what is wrong.
+    relative_error: of the depth; None if the right depth is unknown or below a micrometre. says: the fault in words.
     """
 
     kind: str

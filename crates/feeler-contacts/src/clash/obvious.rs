@@ -24,7 +24,7 @@ pub fn is_through(solids: &Solids<'_>, surface: &Triangle, part: u32, face: u32,
     let Some((at, direction)) = middle_of_crossing(surface, &through) else { return false };
     let Some(n) = normal(&through) else { return false };
     let lean = dot(&n, &direction).abs();
-    // The plane of a narrow triangle leans by rounding, and what is computed with it is off by as much more as it is longer than wide.
+    // Rounding tilts the plane of a narrow triangle: points computed with it are off by the rounding times its slenderness.
     let noise = rounding * (slenderness(surface) + slenderness(&through));
     // So far the surface and the face go on around the point.
     let room = room_within(surface, &at).min(room_within(&through, &at));

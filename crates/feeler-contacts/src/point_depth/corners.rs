@@ -1,4 +1,4 @@
-//! What is known of the corners of pieces: the closest point of the other body, and on which side of its surface they are.
+//! The corners of pieces: the closest point of the other body, and their side of its surface. Both are kept for neighbours.
 
 use feeler_core::Point;
 
@@ -22,7 +22,7 @@ pub struct CornerCache {
     kept: Vec<Kept>,
 }
 
-/// What is known of a point.
+/// A corner in the cache.
 #[derive(Debug, Clone, Copy)]
 struct Kept {
     at: Point,
@@ -38,7 +38,7 @@ impl Default for CornerCache {
 }
 
 impl CornerCache {
-    /// A point with what is closest to it, kept or found.
+    /// A point and the closest point of the other body, from the cache or a query.
     pub fn closest(&mut self, at: Point, near: &[u32], body: &Body) -> Option<Corner> {
         let kept = self.of(at);
         if kept.corner.is_none() {
@@ -75,7 +75,7 @@ fn place_of(at: &Point) -> usize {
 /// Places for them.
 const CORNERS_KEPT: usize = 128;
 
-/// A point with what is closest to it; triangles that are near are looked at first.
+/// A point and the closest point of the other body. `near`: triangles to start from.
 pub fn corner(at: Point, near: &[u32], body: &Body) -> Option<Corner> {
     let closest = body.closest_from(&at, near)?;
     Some(Corner { at, distance: closest.distance, nearest: closest.triangle, point: closest.point })

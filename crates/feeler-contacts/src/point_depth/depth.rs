@@ -89,7 +89,7 @@ mod tests {
         vec![still, turned, r.motion(3.0), far(still), far(turned)]
     }
 
-    /// Holds the depth of two bodies to what is known of it, in many places, however they are cut, and its points to what they are.
+    /// Checks a depth against the known one at many places, turns and triangulations, and checks its two points.
     fn assert_depth(p: impl Fn(usize) -> Arrays, q: impl Fn(usize) -> Arrays, expected: f64, what: &str) {
         for (m, cells) in places().iter().flat_map(|m| [(m, [1, 1]), (m, [2, 3]), (m, [6, 1])]) {
             let [a, b] = [placed(p(cells[0]), m), placed(q(cells[1]), m)].map(body);
@@ -195,7 +195,7 @@ mod tests {
         let cube = |cells| inside_out(block([0.0; 3], [1.0; 3], cells));
         assert_depth(cube, |cells| block([0.75, 0.0, 0.0], [2.0, 1.0, 1.0], cells), 0.25, "flush on four sides");
         assert_depth(cube, |cells| block([0.9, 0.0, 0.25], [2.0, 1.0, 0.75], cells), 0.1, "flush on two sides");
-        // Half of it: what is inside is half as thick.
+        // The middle of the cube is the cut face of its half.
         assert_depth(cube, |cells| block([0.0; 3], [0.5, 1.0, 1.0], cells), 0.5, "a half of it");
     }
 

@@ -231,7 +231,7 @@ mod tests {
             let most = sampled(&mut r, &outline.points, &body);
             let (bound, witness) = least_bound(&corners, &body);
             assert!(bound >= most - 1e-12, "{bound} {most}");
-            // It is the least of what the corners' triangles say, and its triangle says it.
+            // The bound is the least over the triangles nearest to the corners, and the triangle is the one with that bound.
             let says = |i: u32| corners.iter().map(|c| distance_to(&c.at, body.triangle(i))).fold(0.0, f64::max);
             let least = corners.iter().map(|corner| says(corner.nearest)).fold(f64::INFINITY, f64::min);
             assert!((bound - least).abs() < 1e-12 && (says(witness) - least).abs() < 1e-12, "{bound} {least}");

@@ -61,8 +61,8 @@ struct Entry {
 
 /// What is left of a direction.
 enum What {
-    /// A node of the tree, its box in the frame of the other body, what is closest to the middle of that, and whether all of it is
-    /// known to count.
+    /// A node of the tree. bounds: its box in the frame of the other body. closest: to the middle of the box. is_settled: all of it
+    /// counts.
     Node { node: u32, bounds: Aabb, closest: Closest, is_settled: bool },
     /// A polygon of which it is not known whether it counts, and a triangle of the other body near it.
     Polygon(Box<Outline>, u32),
@@ -98,10 +98,10 @@ pub struct Direction<'a> {
     pub counted: Counted,
 }
 
-/// What rounding may move points by, times this: nearer ones are on the surface. Less than what is the least contact.
+/// Points nearer than this many roundings are on the surface. Three roundings are less than the smallest `contact`.
 const ON_SURFACE: f64 = 3.0;
 
-/// The same: farther ones are on the side where all of their polygon is, but for strips that rounding explains.
+/// A corner farther than this many roundings shows the side of its whole polygon, apart from strips due to rounding.
 const OFF_SURFACE: f64 = 16.0;
 
 struct Search<'a, const N: usize> {
@@ -171,8 +171,7 @@ impl<const N: usize> Search<'_, N> {
         }
     }
 
-    /// Up to which bound nothing is of interest any more: at least that of what is on the surface, of which nobody can tell whether it
-    /// counts.
+    /// Pieces with a smaller bound are left out. Points on the surface are among them: rounding decides whether they count.
     fn enough(&self) -> f64 {
         let enough = match self.asked {
             // With the rounding that is added to both bounds in the end.
@@ -301,7 +300,7 @@ impl<const N: usize> Search<'_, N> {
     fn is_near_by(&mut self, i: usize, outline: &Outline, near: u32) -> bool {
         let Direction { other, counted, .. } = self.directions[i];
         let hull = Hull { points: &outline.points, normal: outline.normal };
-        // If it counts what is outside, the other way.
+        // The other way for points outside.
         let sense = if counted == Counted::Outside { -1.0 } else { 1.0 };
         let inward = scaled(&outline.normal, -sense * f64::from(outline.sense));
         let by = self.enough();
@@ -314,7 +313,7 @@ impl<const N: usize> Search<'_, N> {
         other.outward(near).is_some_and(|n| self.is_near(i, &hull, &scaled(&n, sense), &other.triangle(near)[0]))
     }
 
-    /// What is on both sides though nothing parts it is so by rounding, and in no more than a strip.
+    /// Cuts a polygon that is on both sides although nothing parts it. Only rounding does that, and only in a strip.
     fn leave_strip(&mut self, i: usize, outline: &Outline, near: u32, upper: f64) {
         let piece = Piece::new(outline, self.directions[i].other, &mut self.corners[i]);
         let upper = piece.map_or(upper, |piece| piece.upper.min(upper));
@@ -411,7 +410,7 @@ impl<const N: usize> Search<'_, N> {
     }
 }
 
-/// How far no point of a polygon is from a triangle: the distance to what is convex is largest at a corner.
+/// The largest distance of a polygon from a triangle. It is at a corner, since the distance to a convex set is convex.
 fn farthest_from(triangle: &Triangle, outline: &Outline) -> f64 {
     outline.points.iter().map(|p| distance_to(p, triangle)).fold(0.0, f64::max)
 }
