@@ -427,7 +427,3 @@ pub const NEEDLE_HEIGHT: f64 = 3.0;
 
 /// Share of half a wall's thickness from which on a point is in the middle of it; below 1 by more than the error of depths.
 pub const WALL_MIDDLE: f64 = 0.98;
-
-/// The same for planes that bound distances from below: at this share the rounding of their heights is 1e-13 of the distance along them.
-/// Larger: more needles are measured in vain.
-pub const SLIVER_NORMAL: f64 = 1e-3;

@@ -2,7 +2,7 @@
 //! other part's surface to which nothing of the closed part is nearer than that triangle. One of them is inside.
 
 use feeler_core::clash::solids::Solids;
-use feeler_core::geometry::vectors::{along, cross, dot, length, normal, scaled, sub};
+use feeler_core::geometry::vectors::{along, cross, dot, length, precise_normal, scaled, sub};
 use feeler_core::{Point, Triangle};
 
 use crate::point_depth::body::closest_on;
@@ -22,17 +22,15 @@ pub fn is_through(solids: &Solids<'_>, surface: &Triangle, part: u32, face: u32,
     }
     let through = mesh.triangle(face);
     let Some((at, direction)) = middle_of_crossing(surface, &through) else { return false };
-    let Some(n) = normal(&through) else { return false };
+    let Some(n) = precise_normal(&through) else { return false };
     let lean = dot(&n, &direction).abs();
-    // Rounding tilts the plane of a narrow triangle: points computed with it are off by the rounding times its slenderness.
-    let noise = rounding * (slenderness(surface) + slenderness(&through));
     // So far the surface and the face go on around the point.
     let room = room_within(surface, &at).min(room_within(&through, &at));
     (0..TRIES).any(|i| {
         let step = room * 0.5f64.powi(2 * i as i32 + 1);
         let height = step * lean;
         // Above the rounding of both.
-        height > least + noise
+        height > least + rounding
             && [step, -step].into_iter().all(|step| {
                 let p = along(&at, step, &direction);
                 let square = (height + rounding) * (height + rounding);
@@ -54,7 +52,7 @@ fn is_nearer(p: &Point, t: &Triangle, square: f64) -> bool {
 
 /// The middle of the segment that two triangles share, and the direction in the first one across it.
 fn middle_of_crossing(t: &Triangle, u: &Triangle) -> Option<(Point, Point)> {
-    let (m, n) = (normal(t)?, normal(u)?);
+    let (m, n) = (precise_normal(t)?, precise_normal(u)?);
     let line = cross(&m, &n);
     let size = length(&line);
     // Of triangles at a grazing angle nothing is for all to see.
@@ -81,13 +79,6 @@ fn middle_of_crossing(t: &Triangle, u: &Triangle) -> Option<(Point, Point)> {
     let (s, t) = (places(&p), places(&q));
     let (low, high) = (s.0.max(t.0), s.1.min(t.1));
     (low < high).then(|| (along(&p[0], 0.5 * (low + high), &line), cross(&m, &line)))
-}
-
-/// How many times a triangle is longer than it is wide.
-fn slenderness(t: &Triangle) -> f64 {
-    let sides = [sub(&t[1], &t[0]), sub(&t[2], &t[1]), sub(&t[0], &t[2])];
-    let longest = sides.iter().map(length).fold(0.0, f64::max);
-    longest * longest / length(&cross(&sides[0], &sides[1]))
 }
 
 /// How far a triangle goes on around a point in it.

@@ -1,12 +1,12 @@
 //! The surface of a part under a tree of boxes, for points: which of its points is closest, and whether a point is inside it.
 
 use feeler_core::geometry::ray_crossings::{crossing, median, ray_count, ray_end, RAY_OFFSETS};
-use feeler_core::geometry::vectors::{add, along, cross, dot, normal, scaled, sub};
+use feeler_core::geometry::vectors::{add, along, cross, dot, precise_normal, scaled, sub};
 use feeler_core::mesh::topology::adjacency::Adjacency;
 use feeler_core::{Aabb, Point, Triangle};
 
 use super::tree::Tree;
-use crate::constants::{BODY_ROUNDING, SLIVER_HEIGHT, SLIVER_NORMAL, SURFACE_ROUNDOFFS};
+use crate::constants::{BODY_ROUNDING, SLIVER_HEIGHT, SURFACE_ROUNDOFFS};
 
 /// A little more than 1: above the rounding of heights over planes. It is no bound of distances, only of what is looked at.
 const ABOVE: f64 = 1.0 + 1e-6;
@@ -33,7 +33,7 @@ pub struct Body {
     /// What rounding may move points of it by, metres.
     rounding: f64,
     triangles: Vec<Triangle>,
-    /// The plane of each: its unit normal, and the height of the origin below it; of slivers all zero.
+    /// The plane of each: its unit normal, and the height of the origin below it; all zero where it has no area.
     planes: Vec<[f64; 4]>,
     /// For each of them, as [`Adjacency::outward`].
     senses: Vec<i8>,
@@ -99,7 +99,7 @@ impl Body {
         &self.triangles[i as usize]
     }
 
-    /// The plane of one of its triangles: the unit normal, and the height of the origin below it; of a sliver all zero.
+    /// The plane of one of its triangles: the unit normal, and the height of the origin below it; all zero where it has no area.
     pub fn plane(&self, i: u32) -> &[f64; 4] {
         &self.planes[i as usize]
     }
@@ -112,7 +112,8 @@ impl Body {
     /// The outward unit normal of one of its triangles; `None` of an open surface.
     pub fn outward(&self, i: u32) -> Option<Point> {
         let sense = f64::from(self.senses[i as usize]);
-        (sense != 0.0).then(|| normal(&self.triangles[i as usize])).flatten().map(|n| scaled(&n, sense))
+        let [x, y, z, _] = self.planes[i as usize];
+        (sense != 0.0 && [x, y, z] != [0.0; 3]).then(|| scaled(&[x, y, z], sense))
     }
 
     /// The tree over its triangles.
@@ -140,12 +141,10 @@ impl Body {
     pub fn closest(&self, p: &Point, within: f64) -> Option<Closest> {
         let mut best = within * within;
         let mut found = None;
-        let slack = self.rounding / SLIVER_NORMAL;
         self.tree.for_each_near(p, best, |i| {
             let [x, y, z, offset] = self.planes[i as usize];
             let height = x * p[0] + y * p[1] + z * p[2] - offset;
-            // Of a plane that is as slender as any that counts.
-            let height = (height.abs() - slack).max(0.0);
+            let height = (height.abs() - self.rounding).max(0.0);
             if height * height > best * ABOVE {
                 return f64::INFINITY;
             }
@@ -224,16 +223,7 @@ fn last_place(bounds: &Aabb) -> f64 {
 }
 
 fn plane_of(t: &Triangle) -> [f64; 4] {
-    let (ab, ac) = (sub(&t[1], &t[0]), sub(&t[2], &t[0]));
-    let (bc, n) = (sub(&t[2], &t[1]), cross(&ab, &ac));
-    let square = dot(&n, &n);
-    let longest = dot(&ab, &ab).max(dot(&bc, &bc)).max(dot(&ac, &ac));
-    // Of slivers normals are rounding, and so may be heights.
-    if square <= SLIVER_NORMAL * SLIVER_NORMAL * longest * longest {
-        return [0.0; 4];
-    }
-    let n = scaled(&n, 1.0 / square.sqrt());
-    [n[0], n[1], n[2], dot(&n, &t[0])]
+    precise_normal(t).map_or([0.0; 4], |n| [n[0], n[1], n[2], dot(&n, &t[0])])
 }
 
 /// The square of the distance to a triangle, and its closest point. Of a sliver, whose normal rounding decides, the border counts.

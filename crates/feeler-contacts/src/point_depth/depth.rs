@@ -75,7 +75,7 @@ mod tests {
     use feeler_core::geometry::vectors::{length, sub};
     use feeler_core::mesh::topology::adjacency::Adjacency;
     use feeler_shapes::random::Random;
-    use feeler_shapes::{ball, box_mesh, box_sides, joined, sheet, Arrays, Matrix};
+    use feeler_shapes::{ball, box_mesh, box_sides, cylinder, joined, sheet, Arrays, Matrix};
 
     /// Where things are as they are, turned, far off, and both.
     fn places() -> Vec<Matrix> {
@@ -118,7 +118,7 @@ mod tests {
     /// The first point is on the first surface, the second on the second, one of them inside the other body, and both as far apart as said.
     fn assert_attained([a, b]: [&Body; 2], found: &PointDepth, what: &str) {
         let points = found.points.unwrap();
-        let rounding = 1e-11;
+        let rounding = (2.0 * a.rounding().max(b.rounding())).max(1e-11);
         for (p, own) in points.iter().zip([a, b]) {
             assert!(distance(own, &sub(p, own.origin())) < rounding, "{what}: {found:?}");
         }
@@ -223,6 +223,29 @@ mod tests {
             let found = point_depth([&a, &b]);
             assert!((found.depth - 0.4).abs() < 0.05 && found.error < 4.1e-4, "{found:?}");
             assert_attained([&a, &b], &found, "balls");
+        }
+    }
+
+    #[test]
+    fn wires_of_one_radius_are_as_deep_as_their_facets_say() {
+        for (length, radius, n) in [(1.0, 1e-5, 16), (1.0, 1e-7, 16), (1.0, 1e-3, 64), (1e4, 0.5, 360), (1e4, 2.0, 60)]
+        {
+            // Middles of facets are below corners of the other, which is turned by half a facet.
+            let half = std::f64::consts::PI / n as f64;
+            let expected = radius * half.cos() * (1.0 - half.cos());
+            let (s, c) = half.sin_cos();
+            let wire = cylinder(radius, length, n, 1);
+            let turned = (wire.0.iter().map(|[x, y, z]| [*x, c * y - s * z, s * y + c * z]).collect(), wire.1.clone());
+            for m in places() {
+                let [a, b] = [&wire, &turned].map(|mesh| body(placed(mesh.clone(), &m)));
+                let found = point_depth([&a, &b]);
+                // Rounding of the corners far off.
+                let slack = a.rounding().max(b.rounding());
+                assert!(found.depth <= expected + slack, "{length} {radius}: {found:?} {expected}");
+                assert!(found.depth + found.error >= expected - slack, "{length} {radius}: {found:?} {expected}");
+                assert!(found.error <= (1e-3 * found.depth).max(1e-9) + 1e-12, "{length} {radius}: {found:?}");
+                assert_attained([&a, &b], &found, "wires");
+            }
         }
     }
 

@@ -187,19 +187,15 @@ mod tests {
 
     #[test]
     fn boxes_that_are_apart_along_an_axis_are_off() {
-        // A sliver has no plane.
-        let sliver = [[0.0, 0.0, 0.0], [1.0, 1.0, 1.0], [0.5, 0.5, 0.5 + 1e-9]];
+        // What has no area has no plane.
+        let line = [[0.0, 0.0, 0.0], [1.0, 1.0, 1.0], [0.5, 0.5, 0.5]];
         for a in 0..3 {
             for (sense, share) in [(1.0, 1.1), (1.0, 0.9), (-1.0, 1.1), (-1.0, 0.9)] {
                 let mut points = [[0.5; 3], [0.6, 0.5, 0.5], [0.5, 0.6, 0.5]];
                 points.iter_mut().for_each(|p| p[a] = if sense > 0.0 { 1.0 + share * 0.25 } else { -share * 0.25 });
-                let body = body(arrays_of([sliver]));
-                let points = points.map(|p| sub(&p, body.origin()));
-                assert_eq!(
-                    Hull { points: &points, normal: [0.0; 3] }.is_off(&body, 0.25),
-                    share > 1.0,
-                    "{a} {sense} {share}"
-                );
+                let hull = Hull { points: &points, normal: [0.0; 3] };
+                let is_apart = hull.is_apart(&line, &[0.0; 4], &hull.bounds(0.25), 0.25);
+                assert_eq!(is_apart, share > 1.0, "{a} {sense} {share}");
             }
         }
     }

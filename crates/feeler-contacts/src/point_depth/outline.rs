@@ -1,6 +1,6 @@
 //! A convex polygon in a triangle of the one surface, and where the other surface parts it.
 
-use feeler_core::geometry::vectors::{add, cross, dot, length, normal, scaled, sub, unit};
+use feeler_core::geometry::vectors::{add, cross, dot, length, precise_normal, scaled, sub, unit};
 use feeler_core::{Aabb, Point, Triangle};
 
 use super::body::Body;
@@ -69,7 +69,7 @@ impl Outline {
                 }
             }
         }
-        Some(Outline { points, normal: normal(t).unwrap_or_default(), sense })
+        Some(Outline { points, normal: precise_normal(t).unwrap_or_default(), sense })
     }
 
     /// The middle of its corners.
@@ -145,28 +145,27 @@ impl Outline {
         match on.len() {
             2 => self.across(&t[on[0]], &t[on[1]], least),
             _ => {
-                let mut ends: Vec<Point> = on.iter().map(|i| t[*i]).collect();
-                // At a grazing angle rounding moves the line by more.
-                let mut margin = least;
+                // Each with how far rounding may move it: along a side that is at a grazing angle by more.
+                let mut ends: Vec<(Point, Point)> = on.iter().map(|i| (t[*i], [0.0; 3])).collect();
                 for i in 0..3 {
                     let j = (i + 1) % 3;
                     if sides[i] * sides[j] < 0 {
                         let rise = heights[i] - heights[j];
-                        margin = margin.max(least * length(&sub(&t[j], &t[i])) / rise.abs());
-                        ends.push(between(&t[i], &t[j], heights[i] / rise));
+                        let off = scaled(&sub(&t[j], &t[i]), least / rise);
+                        ends.push((between(&t[i], &t[j], heights[i] / rise), off));
                     }
                 }
-                if ends.len() < 2 {
-                    return None;
-                }
-                self.across(&ends[0], &ends[1], 4.0 * margin)
+                let [(p, p_off), (q, q_off), ..] = &ends[..] else { return None };
+                let across = unit(&cross(n, &sub(q, p)))?;
+                let margin = [p_off, q_off].iter().map(|off| dot(&across, off).abs()).fold(least, f64::max);
+                self.across(p, q, 4.0 * margin)
             }
         }
     }
 
     /// Whether all of it is in the plane of a triangle: of a large one beside a small piece corners may be aside by more.
     fn is_in_plane(&self, t: &Triangle, least: f64) -> bool {
-        normal(t).is_some_and(|n| self.points.iter().all(|p| dot(&n, &sub(p, &t[0])).abs() <= least))
+        precise_normal(t).is_some_and(|n| self.points.iter().all(|p| dot(&n, &sub(p, &t[0])).abs() <= least))
     }
 
     /// The plane across it along a segment in it, if parts on both sides of that are wider than `least`. If the segment is but a small part
@@ -315,7 +314,7 @@ mod tests {
                 counts[usize::from(is_kept)] += 1;
             }
             if let Some(outline) = clipped {
-                assert_eq!((outline.normal, outline.sense), (normal(&t).unwrap(), -1));
+                assert_eq!((outline.normal, outline.sense), (precise_normal(&t).unwrap(), -1));
                 assert!(outline.points.iter().all(|p| is_in(p, -1e-12)));
             }
         }

@@ -1,6 +1,6 @@
 //! A convex piece of a triangle: where the other surface cuts it, and how it is cut on.
 
-use feeler_core::geometry::vectors::{cross, dot, length, normal, scaled, sub};
+use feeler_core::geometry::vectors::{cross, dot, length, precise_normal, scaled, sub};
 use feeler_core::{Aabb, Point, Triangle};
 
 use super::body::Body;
@@ -141,7 +141,7 @@ impl Piece {
             if rival.nearest != self.witness {
                 consider(self.halfway(witness, other));
             }
-            if let Some(n) = normal(witness) {
+            if let Some(n) = precise_normal(witness) {
                 for i in 0..3 {
                     let (p, q) = (&witness[i], &witness[(i + 1) % 3]);
                     let side = Plane::through(p, &cross(&sub(q, p), &n));
@@ -155,7 +155,7 @@ impl Piece {
 
     /// The plane in which two triangles' planes are equally far, on the side where the piece is.
     fn halfway(&self, t: &Triangle, u: &Triangle) -> Option<Plane> {
-        let (m, n) = (normal(t)?, normal(u)?);
+        let (m, n) = (precise_normal(t)?, precise_normal(u)?);
         let sum =
             |p: &Point, q: &Point| self.corners.iter().map(|corner| dot(q, &sub(&corner.at, p))).sum::<f64>().signum();
         let (m, n) = (scaled(&m, sum(&t[0], &m)), scaled(&n, sum(&u[0], &n)));
@@ -217,7 +217,7 @@ mod tests {
             for _ in 0..8 {
                 let piece = pieces.swap_remove(r.below(pieces.len() as u64) as usize);
                 let outline = piece.outline();
-                assert_eq!((outline.normal, outline.sense), (normal(&t).unwrap(), -1));
+                assert_eq!((outline.normal, outline.sense), (precise_normal(&t).unwrap(), -1));
                 let through = if n % 2 == 0 { outline.points[0] } else { point_of(&mut r, &outline.points) };
                 let plane = Plane::through(&through, &r.point(-1.0, 1.0)).unwrap();
                 let parts = piece.cut(&plane, &body);

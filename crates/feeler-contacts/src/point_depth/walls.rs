@@ -1,6 +1,6 @@
 //! Thin walls that go through each other: no point of either is deeper than half its thickness, however far they cross.
 
-use feeler_core::geometry::vectors::{add, cross, dot, length, normal, scaled, sub};
+use feeler_core::geometry::vectors::{add, cross, dot, length, precise_normal, scaled, sub};
 use feeler_core::{Aabb, Point, Triangle};
 
 use super::body::Body;
@@ -70,7 +70,7 @@ fn crossing_point(t: &Triangle, u: &Triangle, least: f64) -> Option<Point> {
 
 /// Where a segment goes through a triangle, no nearer to its border than `inset` (metres).
 fn piercing([p, q]: [&Point; 2], t: &Triangle, inset: f64) -> Option<Point> {
-    let n = normal(t)?;
+    let n = precise_normal(t)?;
     let (h, k) = (dot(&n, &sub(p, &t[0])), dot(&n, &sub(q, &t[0])));
     if h * k >= 0.0 {
         return None;

@@ -94,6 +94,42 @@ pub fn normal(t: &Triangle) -> Option<Point> {
     unit(&cross(&e.map(|x| x / s), &f.map(|x| x / r)))
 }
 
+/// The same within a few roundings however much longer than wide the triangle is: its plane passes its corners by no more than these
+/// do by the rounding of differences. The plane of [`normal`] passes them by as much more as the triangle is longer than wide.
+pub fn precise_normal(t: &Triangle) -> Option<Point> {
+    let (e, f) = (sub(&t[1], &t[0]), sub(&t[2], &t[0]));
+    let across = [
+        difference_of_products(e[1], f[2], e[2], f[1]),
+        difference_of_products(e[2], f[0], e[0], f[2]),
+        difference_of_products(e[0], f[1], e[1], f[0]),
+    ];
+    let square = dot(&across, &across);
+    if PLAIN.contains(&square) && PLAIN.contains(&(dot(&e, &e) * dot(&f, &f))) {
+        return Some(scaled(&across, 1.0 / square.sqrt()));
+    }
+    normal(t)
+}
+
+/// `a * b - c * d` with the rounding of both products.
+#[inline]
+fn difference_of_products(a: f64, b: f64, c: f64, d: f64) -> f64 {
+    let ((p, p_off), (q, q_off)) = (product(a, b), product(c, d));
+    (p - q) + (p_off - q_off)
+}
+
+/// A product and its rounding, exactly (Dekker 1971).
+#[inline]
+fn product(a: f64, b: f64) -> (f64, f64) {
+    let halves = |x: f64| {
+        let high = f64::from((1u32 << 27) + 1) * x;
+        let high = high - (high - x);
+        (high, x - high)
+    };
+    let ((a_high, a_low), (b_high, b_low)) = (halves(a), halves(b));
+    let p = a * b;
+    (p, a_low * b_low - (p - a_high * b_high - a_low * b_high - a_high * b_low))
+}
+
 /// Two unit vectors across a unit vector and each other.
 pub fn across(d: &Point) -> [Point; 2] {
     let axis = if d[0].abs() < 0.6 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
@@ -108,4 +144,39 @@ pub fn square_to_segment(p: &Point, a: &Point, b: &Point) -> f64 {
     let s = if length > 0.0 { (dot(&ap, &ab) / length).clamp(0.0, 1.0) } else { 0.0 };
     let d = along(&ap, -s, &ab);
     dot(&d, &d)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use feeler_shapes::random::Random;
+
+    #[test]
+    fn the_precise_plane_of_a_needle_passes_its_corners() {
+        let mut r = Random::new(1);
+        let mut off = [0.0f64; 2];
+        for n in 0..2000 {
+            let (a, b) = (r.point(-1.0, 1.0), r.point(-1.0, 1.0));
+            // The third corner is near the line of the others.
+            let (share, width) = (r.real(0.0, 1.0), 10f64.powi(-(n % 12)));
+            let c = std::array::from_fn(|i| a[i] + share * (b[i] - a[i]) + width * r.real(-1.0, 1.0));
+            let t = [a, b, c];
+            for (off, normal) in off.iter_mut().zip([precise_normal(&t).unwrap(), normal(&t).unwrap()]) {
+                assert!((length(&normal) - 1.0).abs() < 1e-15);
+                *off = [sub(&b, &a), sub(&c, &a)].iter().map(|e| dot(&normal, e).abs()).fold(*off, f64::max);
+            }
+            let lean = dot(&precise_normal(&t).unwrap(), &normal(&t).unwrap());
+            assert!(lean > 0.99 || width < 1e-9, "{t:?} {lean}");
+        }
+        assert!(off[0] < 1e-15 && off[1] > 1e-7, "{off:?}");
+    }
+
+    #[test]
+    fn precise_normals_are_normals_at_any_size() {
+        for size in [1e-200, 1e-60, 1.0, 1e60, 1e200] {
+            let t = [[0.0; 3], [size, 0.0, 0.0], [0.0, 2.0 * size, 0.0]];
+            assert_eq!(precise_normal(&t), Some([0.0, 0.0, 1.0]), "{size}");
+        }
+        assert_eq!(precise_normal(&[[0.0; 3], [1.0; 3], [0.5; 3]]), None);
+    }
 }
