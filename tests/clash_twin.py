@@ -24,7 +24,7 @@ Corners = npt.NDArray[np.float64]
 
 HERE = np.eye(4)
 NONE = 1e-6  # of a turn: what rounding makes of none
-ROUNDOFFS = 16  # units in the last place of the largest coordinate: what contact is at least
+ROUNDOFFS = 32  # units in the last place of the largest coordinate: what contact is at least
 OPPOSITE = -0.9  # the cosine between the two faces of a wall
 WALL_MIDDLE = 0.98  # of half a wall's thickness: from here on a point is in its middle
 NAMES = (

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import math
 import pickle
 import subprocess
@@ -106,6 +107,21 @@ def test_a_slender_strip_flush_on_a_block_touches_it_at_any_turn(width: float) -
             found = feeler.clash(mockup_of(pair))
             # Rounding may leave a gap.
             assert all(row.verdict == Verdict.CONTACT for row in found), (seed, list(found))
+
+
+@pytest.mark.parametrize("depth", [4e-14, 4e-13, 1e-11, 1e-8])
+def test_a_tip_that_is_deeper_than_rounding_clashes_however_narrow(depth: float) -> None:
+    """The narrowest is narrower where it goes in than the last place of its coordinates."""
+    block, faces = box((-1, -1, -0.2), (1, 1, 0)), [[0, 1, 2], [0, 2, 3], [1, 0, 4], [2, 1, 4], [3, 2, 4], [0, 3, 4]]
+    for seed, width in itertools.product(range(10), (0.5, 0.02, 0.002)):
+        rng = np.random.default_rng(seed)
+        at, turn = np.append(rng.uniform(-0.3, 0.3, 2), 0.0), random_turn(rng)
+        tip = [[-width, -width, 0.6], [width, -width, 0.6], [width, width, 0.6], [-width, width, 0.6], [0, 0, -depth]]
+        parts = {"tip": ((np.array(tip) + at) @ turn.T, np.array(faces)), "block": (block[0] @ turn.T, block[1])}
+        (row,) = feeler.clash(mockup_of(parts))
+        rounding = 8 * float(np.spacing(1.0))
+        assert row.verdict == Verdict.CLASH, (seed, width, row)
+        assert row.depth - rounding <= depth <= row.depth + row.depth_error + rounding, (seed, width, row)
 
 
 @pytest.mark.parametrize("thickness", [1e-2, 1e-3, 1e-4])

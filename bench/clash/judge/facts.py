@@ -35,7 +35,7 @@ NEARLY_ALL = 0.5
 def wanted(facts: Facts, contact: float | None, clearance: float, rounding: float) -> frozenset[str] | None:
     """The right verdicts; None if rounding or the bounds of the depth leave them open.
 
-    contact: None is the default, 16 units in the last place. rounding: how much it may change a depth, metres; 0 for
+    contact: None is the default, 32 units in the last place. rounding: how much it may change a depth, metres; 0 for
     exact coordinates.
     """
     least = 16 * rounding if contact is None else contact

@@ -399,9 +399,9 @@ pub const LEAST_DEPTH_ERROR: f64 = 0.9e-9;
 /// Most nodes and pieces that a search for the farthest point looks at: some seconds. It then gives the bounds that it has.
 pub const MOST_PIECES: usize = 1 << 21;
 
-/// Share of a body's size that points computed on its surface may be off by: some tens of roundings. Larger: thinner slivers of surface
+/// Share of a body's size that points computed on its surface may be off by: eight roundings. Larger: thinner slivers of surface
 /// count as nothing.
-pub const BODY_ROUNDING: f64 = 1.0 / (1u64 << 48) as f64;
+pub const BODY_ROUNDING: f64 = 1.0 / (1u64 << 50) as f64;
 
 /// What the rounding of its coordinates may move a surface by, in units of the last place of the largest: surfaces that are nearer to each
 /// other than that are on each other. At most half of what counts as contact.

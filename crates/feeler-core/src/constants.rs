@@ -390,4 +390,4 @@ pub(crate) const LEAST_GYRATION_SHARE: f64 = 0.01;
 
 /// How far two parts may be in each other, or apart, by the rounding of their coordinates, in units of the last place of the largest: each
 /// of both surfaces may be off by some, in each coordinate, after a turn that was computed. More: thinner overlaps are contact.
-pub const COORDINATE_ROUNDOFFS: f64 = 16.0;
+pub const COORDINATE_ROUNDOFFS: f64 = 32.0;

@@ -19,7 +19,7 @@ from feeler.parts import Parts
 OTHERS = "others = false"
 """The key in `Clashes.hidden` for findings that no rule names."""
 
-_ROUNDOFFS = 16.0
+_ROUNDOFFS = 32.0
 """`COORDINATE_ROUNDOFFS` of the core: parts touch if their depth is at most this many units in the last place of the
 largest coordinate."""
 

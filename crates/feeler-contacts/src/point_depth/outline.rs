@@ -178,7 +178,8 @@ impl Outline {
         }
         let [from, to] = self.chord(p, &along);
         let covered = to.min(1.0) - from.max(0.0);
-        if covered * length(&along) <= least {
+        // A short line counts where it is across a tip.
+        if covered <= 0.0 || (covered < 0.5 * (to - from) && covered * length(&along) <= least) {
             return None;
         }
         if covered < LONG_SEGMENT * (to - from) {
