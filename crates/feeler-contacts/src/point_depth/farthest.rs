@@ -315,17 +315,8 @@ impl<const N: usize> Search<'_, N> {
 
     /// Cuts a polygon that is on both sides although nothing parts it. Only rounding does that, and only in a strip.
     fn leave_strip(&mut self, i: usize, outline: &Outline, near: u32, upper: f64) {
-        let mut bound = upper;
-        if let Some(piece) = Piece::new(outline, self.directions[i].other, &mut self.corners[i]) {
-            // A tip may be deep and narrower than rounding.
-            for corner in &piece.corners {
-                if corner.distance > ON_SURFACE * self.least && self.counts(i, &corner.at) == Some(true) {
-                    self.take(i, corner);
-                }
-            }
-            bound = bound.min(piece.upper);
-        }
-        let upper = bound;
+        let piece = Piece::new(outline, self.directions[i].other, &mut self.corners[i]);
+        let upper = piece.map_or(upper, |piece| piece.upper.min(upper));
         let is_point = outline.radius(&outline.points[0]) <= self.least;
         match outline.lengthwise().filter(|_| !is_point && upper > self.enough()) {
             Some(plane) => self.divide(i, outline, &plane, near, upper),
