@@ -75,24 +75,33 @@ impl ForceLoop {
     /// device. `limits`: of the device, in the coupling's world. `rate_hz`: of the loop. Errors where the coupling or
     /// the limits are out of their ranges, or the rate is not that of ticks between 0.01 and 20 ms.
     pub fn new(coupling: Coupling, driven: Freedoms, limits: &DeviceLimits, rate_hz: f64) -> Result<ForceLoop> {
-        if !is_tick(1.0 / rate_hz) {
-            return Err(Error::Option { what: "rate_hz", value: rate_hz, range: "between 50 and 100000 Hz" });
-        }
-        limits.check()?;
-        let ticks = (limits.delay_s.max(0.0) * rate_hz).round() as usize;
         let mut made = ForceLoop {
             coupling,
             driven,
             limits: *limits,
             passivity: Passivity::new(0.0, 0.0, 0.0),
-            delay_ticks: ticks.min(LONGEST_DELAY_TICKS),
+            delay_ticks: 0,
             sent: [Wrench::ZERO; LONGEST_DELAY_TICKS + 1],
             newest: 0,
             share: 1.0,
             last: None,
         };
+        made.set_rate(limits, rate_hz)?;
         made.set_coupling(coupling)?;
         Ok(made)
+    }
+
+    /// Another rate from the next tick on, and what the device holds at it. The force and the books go on. Errors as
+    /// those of [`new`](Self::new).
+    pub fn set_rate(&mut self, limits: &DeviceLimits, rate_hz: f64) -> Result<()> {
+        if !is_tick(1.0 / rate_hz) {
+            return Err(Error::Option { what: "rate_hz", value: rate_hz, range: "between 50 and 100000 Hz" });
+        }
+        limits.check()?;
+        self.limits = *limits;
+        self.delay_ticks = ((limits.delay_s.max(0.0) * rate_hz).round() as usize).min(LONGEST_DELAY_TICKS);
+        self.bound_damping();
+        Ok(())
     }
 
     /// Another coupling from the next tick on. The force goes to its new value by the slew limit. Errors where it is
@@ -109,16 +118,23 @@ impl ForceLoop {
         if !rotation {
             (to.rotational_stiffness_nm_per_rad, to.rotational_damping_nm_s_per_rad) = (0.0, 0.0);
         }
-        let held = |is: bool, own: f64, damper: f64| if is { (CONTROLLER_SHARE * own - damper).max(0.0) } else { 0.0 };
-        let full = |most: f64, stiffness: f64| if stiffness > 0.0 { 0.5 * most * most / stiffness } else { 0.0 };
-        self.passivity = Passivity::new(
-            held(translation, self.limits.damping_n_s_per_m, to.damping_n_s_per_m),
-            held(rotation, self.limits.rotational_damping_nm_s_per_rad, to.rotational_damping_nm_s_per_rad),
-            full(to.max_force_n, to.stiffness_n_per_m) + full(to.max_torque_nm, to.rotational_stiffness_nm_per_rad),
-        );
         self.coupling = to;
+        self.passivity.reset();
+        self.bound_damping();
         self.last = None;
         Ok(())
+    }
+
+    /// What the controller may damp with beside the coupling's own damper, and what the springs hold at most.
+    fn bound_damping(&mut self) {
+        let (to, driven) = (&self.coupling, &self.driven);
+        let held = |is: bool, own: f64, damper: f64| if is { (CONTROLLER_SHARE * own - damper).max(0.0) } else { 0.0 };
+        let full = |most: f64, stiffness: f64| if stiffness > 0.0 { 0.5 * most * most / stiffness } else { 0.0 };
+        self.passivity.bound(
+            held(driven.translation, self.limits.damping_n_s_per_m, to.damping_n_s_per_m),
+            held(driven.rotation, self.limits.rotational_damping_nm_s_per_rad, to.rotational_damping_nm_s_per_rad),
+            full(to.max_force_n, to.stiffness_n_per_m) + full(to.max_torque_nm, to.rotational_stiffness_nm_per_rad),
+        );
     }
 
     /// The coupling in use: bounds as the device's, nothing in freedoms that it does not drive.
@@ -242,8 +258,9 @@ impl ForceLoop {
     }
 }
 
+/// But for the rounding of a rate and of differences of times.
 fn is_tick(dt: f64) -> bool {
-    (SHORTEST_TICK_S..=LONGEST_TICK_S).contains(&dt)
+    ((1.0 - 1e-9) * SHORTEST_TICK_S..=(1.0 + 1e-9) * LONGEST_TICK_S).contains(&dt)
 }
 
 /// From one vector towards another, by at most `most`.

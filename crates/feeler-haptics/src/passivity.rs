@@ -41,6 +41,15 @@ impl Passivity {
         }
     }
 
+    /// Other bounds, as of [`new`](Self::new), with the same books.
+    pub fn bound(&mut self, damping_n_s_per_m: f64, rotational_damping_nm_s_per_rad: f64, largest_deficit_j: f64) {
+        let surplus = self.surplus.max(-largest_deficit_j);
+        *self = Passivity {
+            surplus,
+            ..Passivity::new(damping_n_s_per_m, rotational_damping_nm_s_per_rad, largest_deficit_j)
+        };
+    }
+
     /// Books a tick of `dt` seconds that is over. `taken_j`: the hand's work against the wrench that was held in it,
     /// joules. `stored_j`: how much the springs hold more than before. `is_free`: nothing was touched.
     pub fn observe(&mut self, taken_j: f64, stored_j: f64, dt: f64, is_free: bool) {

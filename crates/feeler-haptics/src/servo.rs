@@ -93,6 +93,11 @@ impl Servo {
         self.force.coupling()
     }
 
+    /// Another rate from the next tick on, and what the device holds at it, as of [`ForceLoop::set_rate`].
+    pub fn set_rate(&mut self, limits: &DeviceLimits, rate_hz: f64) -> Result<()> {
+        self.force.set_rate(limits, rate_hz)
+    }
+
     /// The ids of the planes that hold the proxy.
     pub fn held(&self) -> &[u64] {
         self.solver.held()

@@ -3,18 +3,19 @@
 use std::sync::Arc;
 
 use feeler_contacts::Penetration;
-use feeler_core::geometry::screw::Wrench;
+use feeler_core::geometry::screw::{displaced, displacement, Twist, Wrench};
+use feeler_core::geometry::vectors::scaled;
 use feeler_core::tool::metric::Metric;
 use feeler_core::{Point, Pose, Scene, Tool};
 
-use crate::constants::HELD_SHARE;
+use crate::constants::{HELD_SHARE, LONGEST_TICK_S, RATE_SHARE, SHORTEST_TICK_S};
 use crate::constraint_set::{ConstraintSet, Plane};
 use crate::coupling::Coupling;
 use crate::device::{DeviceLimits, Freedoms};
 use crate::environment::Body;
 use crate::error::{Error, Result};
 use crate::proxy::{Advance, Proxy, ProxyOptions};
-use crate::servo::{Mode, Servo, ServoInput};
+use crate::servo::{Mode, Servo, ServoInput, ServoOutput};
 use crate::world::{PutDown, World};
 
 /// How a session is to be.
@@ -102,6 +103,14 @@ pub struct Step {
     pub mode: Mode,
 }
 
+/// The servo's last tick.
+#[derive(Debug, Clone, Copy)]
+struct Ticked {
+    at: f64,
+    device: Pose,
+    output: ServoOutput,
+}
+
 /// A device, a tool and a mock-up, stepped by who holds the clock. See the [crate](crate).
 #[derive(Debug)]
 pub struct Session {
@@ -114,10 +123,12 @@ pub struct Session {
     metric: Metric,
     proxy: Option<Proxy>,
     servo: Option<Servo>,
+    /// The tick that the servo's limits are of, seconds.
     dt: f64,
+    ticked: Option<Ticked>,
     clock: f64,
-    /// Steps since contacts were found.
-    since: u64,
+    /// When contacts were found.
+    found: Option<f64>,
     is_started: bool,
     last_device: Option<Pose>,
     advance: Advance,
@@ -152,8 +163,9 @@ impl Session {
             proxy: None,
             servo: None,
             dt: 0.0,
+            ticked: None,
             clock: 0.0,
-            since: 0,
+            found: None,
             is_started: false,
             last_device: None,
             advance: Advance::default(),
@@ -162,8 +174,8 @@ impl Session {
 
     /// Begins, or begins anew, at a pose of the device (`world_from_tool`).
     pub fn start(&mut self, device: &Pose) -> Result<Start> {
-        (self.is_started, self.clock, self.since, self.last_device) = (true, 0.0, 0, Some(*device));
-        (self.servo, self.dt) = (None, 0.0);
+        (self.is_started, self.clock, self.found, self.last_device) = (true, 0.0, None, Some(*device));
+        self.forget_servo();
         match self.proxy_at(device) {
             Ok(proxy) => {
                 self.proxy = Some(proxy);
@@ -214,20 +226,57 @@ impl Session {
         if !self.has_proxy_from(&device)? {
             return Ok(Step { proxy: device, wrench: Wrench::ZERO, age: 0.0, mode: Mode::Colliding });
         }
-        let every = self.options.collision_hz.map_or(1, |hz| (1.0 / (hz * dt)).round().max(1.0) as u64);
-        if self.since.is_multiple_of(every) {
+        let period = self.options.collision_hz.map_or(0.0, |hz| 1.0 / hz);
+        if self.found.is_none_or(|found| self.clock - found + 0.5 * dt >= period) {
             self.find_contacts(&device)?;
+            self.found = Some(self.clock);
         }
-        self.since += 1;
-        if self.servo.is_none() || self.dt != dt {
-            let SessionOptions { coupling, driven, .. } = self.options;
-            let servo = Servo::new(coupling, driven, &self.options.limits(dt), 1.0 / dt, self.metric.centre)?;
-            (self.servo, self.dt) = (Some(servo), dt);
+        let output = self.tick(&device, dt)?;
+        let pose = *self.proxy.as_ref().ok_or(Error::NotStarted)?.pose();
+        Ok(Step { proxy: pose, wrench: output.wrench, age: output.age, mode: output.mode })
+    }
+
+    /// The servo side of a step: as many ticks as it is long for, the device moving evenly from the last to this pose; or none, and the
+    /// last wrench stands, until steps that are shorter than any tick make one.
+    fn tick(&mut self, device: &Pose, dt: f64) -> Result<ServoOutput> {
+        let since = self.ticked.map_or(dt, |ticked| self.clock - ticked.at);
+        let whole = if (since - dt).abs() <= 1e-9 * dt { dt } else { since };
+        if let Some(ticked) = self.ticked.filter(|_| whole < SHORTEST_TICK_S) {
+            return Ok(ticked.output);
         }
+        let count = (whole / LONGEST_TICK_S - 1e-9).ceil().max(1.0);
+        let part = (whole / count).clamp(SHORTEST_TICK_S, LONGEST_TICK_S);
+        self.set_rate(part)?;
         let (Some(proxy), Some(servo)) = (&self.proxy, &mut self.servo) else { return Err(Error::NotStarted) };
-        let input = ServoInput { device, device_twist: None, now: self.clock, dt, in_doubt: false };
-        let output = servo.tick(proxy.constraints(), &input);
-        Ok(Step { proxy: *proxy.pose(), wrench: output.wrench, age: output.age, mode: output.mode })
+        let from = self.ticked.map_or(*device, |ticked| ticked.device);
+        let way = displacement(&from, device, &self.metric.centre);
+        let mut tick = |device: Pose, now: f64| {
+            servo.tick(proxy.constraints(), &ServoInput { device, device_twist: None, now, dt: part, in_doubt: false })
+        };
+        for i in 1..count as u32 {
+            let share = f64::from(i) / count;
+            let by = Twist { linear: scaled(&way.linear, share), angular: scaled(&way.angular, share) };
+            tick(displaced(&from, &by, &self.metric.centre)?, self.clock - (1.0 - share) * whole);
+        }
+        let output = tick(*device, self.clock);
+        self.ticked = Some(Ticked { at: self.clock, device: *device, output });
+        Ok(output)
+    }
+
+    /// Makes the servo, or gives it other limits where ticks are clearly longer or shorter than those that its limits are of.
+    fn set_rate(&mut self, dt: f64) -> Result<()> {
+        let SessionOptions { coupling, driven, .. } = self.options;
+        match &mut self.servo {
+            Some(_) if (1.0 / RATE_SHARE..=RATE_SHARE).contains(&(dt / self.dt)) => return Ok(()),
+            Some(servo) => servo.set_rate(&self.options.limits(dt), 1.0 / dt)?,
+            none => *none = Some(Servo::new(coupling, driven, &self.options.limits(dt), 1.0 / dt, self.metric.centre)?),
+        }
+        self.dt = dt;
+        Ok(())
+    }
+
+    fn forget_servo(&mut self) {
+        (self.servo, self.dt, self.ticked) = (None, 0.0, None);
     }
 
     /// Whether there is a proxy: where the session began in collision, from the first pose on that is free.
@@ -240,7 +289,7 @@ impl Session {
             Err(Error::StartsInCollision) => return Ok(false),
             Err(error) => return Err(error),
         }
-        self.since = 0;
+        self.found = None;
         Ok(true)
     }
 
@@ -262,12 +311,13 @@ impl Session {
         if let Some(proxy) = &mut self.proxy {
             proxy.set_metric(self.metric, self.options.proxy);
         }
-        (self.servo, self.dt) = (None, 0.0);
+        self.forget_servo();
     }
 
     /// To be stepped after others have [tracked](Self::track): contacts are found by the first step.
     pub(crate) fn resume(&mut self) {
-        (self.since, self.servo, self.dt) = (0, None, 0.0);
+        self.found = None;
+        self.forget_servo();
     }
 
     /// Puts another scene in the place of the present one: what is held or was put down belongs to that one and is gone, but for parts
@@ -307,6 +357,7 @@ impl Session {
         if let Some(servo) = &mut self.servo {
             servo.let_go();
         }
+        self.ticked = None;
         let age = self.proxy.as_ref().map_or(0.0, |proxy| self.clock - proxy.constraints().time);
         let proxy = self.proxy.as_ref().map(|proxy| *proxy.pose()).or(self.last_device).unwrap_or(Pose::IDENTITY);
         Step { proxy, wrench: Wrench::ZERO, age, mode: Mode::Doubt }

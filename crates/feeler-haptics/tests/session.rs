@@ -6,6 +6,7 @@ use feeler_core::geometry::vectors::{length, sub};
 use feeler_core::{Mockup, Point, Pose, Scene, SceneOptions, Tool};
 use feeler_haptics::screw::{pose_of, rotation_of, rotation_vector, Wrench};
 use feeler_haptics::{Error, Mode, PutDown, Session, SessionOptions, Start, Step};
+use feeler_shapes::random::Random;
 use feeler_shapes::{ball, box_mesh, cylinder, joined, sheet, Arrays};
 use proptest::prelude::*;
 
@@ -104,6 +105,49 @@ fn the_force_does_not_depend_on_the_triangles() {
         forces.push(pressed(&scene([plate(3)]), &tool(ball(0.02, n)), 0.025, 0.018).wrench.force[2]);
     }
     assert!(forces.iter().all(|f| (f / forces[2] - 1.0).abs() < 0.05), "{forces:?}");
+}
+
+#[test]
+fn the_force_is_the_same_by_any_clock() {
+    let plate = scene([box_mesh([0.0, 0.0, -0.01], [0.2, 0.2, 0.02], 2)]);
+    let block = tool(box_mesh([0.0, 0.0, 0.01], [0.02, 0.03, 0.02], 2));
+    let mut r = Random::new(1);
+    let even = |dt: f64| Box::new(move |_: &mut Random| dt) as Box<dyn Fn(&mut Random) -> f64>;
+    let uneven = |share: f64| Box::new(move |r: &mut Random| 0.001 * (1.0 + share * r.real(-1.0, 1.0))) as _;
+    let mut clocks =
+        vec![even(1e-3), even(1e-4), even(2e-6), even(0.017), even(0.02), even(0.06), even(0.5), even(1.0)];
+    clocks.extend([1e-12, 1e-9, 1e-3, 0.01, 0.1, 0.5].map(uneven));
+    clocks.push(Box::new(|r: &mut Random| 10f64.powf(r.real(-5.0, 0.0))));
+    for (n, clock) in clocks.iter().enumerate() {
+        for hz in [None, Some(100.0)] {
+            let options = SessionOptions { collision_hz: hz, ..Default::default() };
+            let slew = options.coupling.slew_n_per_s;
+            let mut session = begun(&plate, &block, &at([0.0, 0.0, 0.005], [0.0; 3]), options);
+            let (mut time, mut before, mut sum, mut steps) = (0.0, [0.0; 3], 0.0, 0u32);
+            // 50 mm a second, 5 mm deep, and held there.
+            let end = if n == 2 { 0.5 } else { 4.0 };
+            while time < end {
+                let dt = clock(&mut r);
+                time += dt;
+                let device = at([0.0, 0.0, (0.005 - 0.05 * time).max(-0.005)], [0.0; 3]);
+                let step = session.step(Some(&device), dt).unwrap();
+                let change = length(&sub(&step.wrench.force, &before));
+                // A step shorter than a tick may bring the change of a whole one.
+                assert!(change <= slew * dt.max(2.0e-5) + 1e-9, "{n} {hz:?}: {change} at {time} after {dt}");
+                before = step.wrench.force;
+                if time > 0.8 * end {
+                    (sum, steps) = (sum + before[2], steps + 1);
+                }
+            }
+            let mean = sum / f64::from(steps);
+            assert!((mean / 5.02 - 1.0).abs() < 0.01, "{n} {hz:?}: {mean}");
+        }
+    }
+    let mut session = begun(&plate, &block, &at([0.0, 0.0, 0.005], [0.0; 3]), SessionOptions::default());
+    for dt in [0.0, -1e-3, f64::NAN, f64::INFINITY, 1.0000001] {
+        let refused = session.step(Some(&at([0.0; 3], [0.0; 3])), dt);
+        assert!(matches!(refused, Err(Error::Option { what: "dt", .. })), "{dt}: {refused:?}");
+    }
 }
 
 #[test]

@@ -76,12 +76,12 @@ class Start:
 
 
 class Session(Runs):
-    """A tool held by a device: stepped in one thread, deterministic, its clock is the `dt` of the steps; or run.
+    """A tool held by a device: stepped in one thread, deterministic, its clock the `dt` of each step; or run.
 
     - `coupling`: how the hand is held to the tool; default `Coupling()`.
     - `margin`: what is nearer than this (metres) is a contact.
     - `skin`: how far the proxy stays off (metres); where the clearance is less than twice that, half of it.
-    - `collision_hz`: how often contacts are found, every `round(1 / (collision_hz * dt))` steps; default: each step.
+    - `collision_hz`: how often contacts are found, to the nearest step; default: each step.
     - `put_down`: parts that lie elsewhere than in the mock-up from the beginning, as if the session had put them down:
       by part (index, path or pattern that names one), a scene of that part alone, where it lies. Each is felt there,
       can be gripped, and is not where it was.

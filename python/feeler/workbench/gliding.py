@@ -10,7 +10,7 @@ from feeler.workbench.motion import Floats
 from feeler.workbench.world import World
 
 STEP_S = 0.002
-"""Of the session. One length for all steps: another would begin the force anew."""
+"""Of the session."""
 MOST_STEPS = 16
 """Steps a tick at most: after a longer pause the hand catches up in the next ones."""
 
