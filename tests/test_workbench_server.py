@@ -562,7 +562,10 @@ def test_a_state_that_cannot_be_told_is_left_out(
 ) -> None:
     with Page(server.url) as page:
         page.next(protocol.Welcome)
-        session.show(FakeSnapshot(1, depth=float("nan")))
+        bad = FakeSnapshot(1, depth=float("nan"))
+        session.show(bad)
+        # A newer state would replace one that the net thread has not asked for yet.
+        assert bad.was_asked.wait(WAIT_S)
         session.notice("still here")
         page.next(protocol.Notice)
         session.show(FakeSnapshot(2))

@@ -33,10 +33,12 @@ class FakeSnapshot:
     def __init__(self, number: int, **changes: Any) -> None:
         self.number = number
         self.made = 0
+        self.was_asked = threading.Event()
         self._changes = changes
 
     def message(self) -> protocol.State:
         self.made += 1
+        self.was_asked.set()
         return state(seq=self.number, **self._changes)
 
 
