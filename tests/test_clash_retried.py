@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from clash_scene import FOUND, house, pairs, table
+from shapes import box, mockup_of
 
 import feeler
 from feeler.clashes import Exclusion, Rule, Rules
@@ -46,8 +48,12 @@ def rows(found: feeler.Clashes) -> dict[Any, Any]:
         Rules((Rule("pins", "house/pins"),), others=False),
         Rules(exclusions=(Exclusion("copies", "*copy*"), Exclusion("none", "*core*", "*near*"))),
         Rules(exclusions=(Exclusion("rooms", same_assembly=2), Exclusion("f", fasteners=True))),
+        Rules((Rule("yard", "yard", clearance=0.0005),), (Exclusion("near", "*near*"),)),
     ],
-    ids=["none", "severity", "contact", "clearance", "in contact apart", "level", "others", "exclude", "assembly"],
+    ids=[
+        *("none", "severity", "contact", "clearance", "in contact apart", "level", "others", "exclude", "assembly"),
+        "excluded and far",
+    ],
 )
 def test_the_same_as_another_check(mockup: feeler.Mockup, saved: feeler.Clashes, rules: Rules) -> None:
     again = feeler.clash(mockup, rules=rules)
@@ -56,6 +62,18 @@ def test_the_same_as_another_check(mockup: feeler.Mockup, saved: feeler.Clashes,
     assert tried.depth.tolist() == again.depth.tolist() and tried.gap.tolist() == again.gap.tolist()
     hidden = {name: count for name, count in tried.hidden.items() if name != "others = false"}
     assert hidden == again.hidden
+
+
+@pytest.mark.parametrize("clearance", [0.05, 0.15])
+@pytest.mark.parametrize("by", ["level", "exclude"])
+def test_pairs_beyond_their_clearance_are_no_hidden_findings(by: str, clearance: float) -> None:
+    mockup = mockup_of({"yard/a": box((0, 0, 0), (1, 1, 1)), "yard/b": box((1.1, 0, 0), (2, 1, 1))})
+    rules = Rules((Rule("yard", "yard", clearance=clearance, level=int(by == "level")),))
+    if by == "exclude":
+        rules = replace(rules, exclusions=(Exclusion("pair", "yard/a", "yard/b"),))
+    expected = feeler.clash(mockup, clearance=0.2, rules=rules).hidden
+    assert sum(expected.values()) == int(clearance > 0.1)
+    assert feeler.clash(mockup, clearance=0.2).with_rules(rules).hidden == expected
 
 
 def test_what_others_false_leaves_out_is_counted(saved: feeler.Clashes) -> None:

@@ -33,12 +33,18 @@ def with_rules(clashes: Clashes, rules: Rules, mockup: Mockup | None) -> Clashes
     found, notes = _limits(clashes, rules, mockup)
     rule = found.rule_of(clashes.a, clashes.b)
     hidden_by = np.where(rule < 0, len(found.hiding), found.hidden_by(clashes.a, clashes.b))
-    names = [*found.hiding, *([OTHERS] if not rules.others else [])]
-    hidden = tuple((name, int(np.count_nonzero(hidden_by == place))) for place, name in enumerate(names))
-    kept = np.flatnonzero(hidden_by < 0)
-    columns, rule = clashes.columns.rows(kept), rule[kept]
     every = [*rules.rules, Rule(DEFAULT_RULE)]
-    judged = _judged(clashes, columns, [every[each] for each in rule.tolist()])
+
+    def judged_rows(rows: npt.NDArray[np.intp]) -> _Judged:
+        return _judged(clashes, clashes.columns.rows(rows), [every[each] for each in rule[rows].tolist()])
+
+    # Nothing hides a pair that is farther apart than its rule asks for: it is no finding.
+    is_hidden = hidden_by >= 0
+    is_hidden[is_hidden] = ~judged_rows(np.flatnonzero(is_hidden)).is_far
+    names = [*found.hiding, *([OTHERS] if not rules.others else [])]
+    hidden = tuple((name, int(np.count_nonzero(is_hidden & (hidden_by == place)))) for place, name in enumerate(names))
+    kept = np.flatnonzero(hidden_by < 0)
+    judged, rule = judged_rows(kept), rule[kept]
     columns = replace(judged.columns, rule=rule.astype(np.uint32), severity=found.severities[rule])
     left = np.flatnonzero(~judged.is_far)
     order = left[columns.rows(left).order()]
