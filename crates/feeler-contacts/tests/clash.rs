@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use feeler_contacts::{Clash, ClashSearch, ContactSolver, DepthKind, Verdict};
-use feeler_core::{Mockup, PairLimits, Point, Scene, SceneOptions};
+use feeler_core::{closest_triangle_triangle, Mockup, PairLimits, Point, Scene, SceneOptions};
 use feeler_shapes::random::Random;
 use feeler_shapes::{box_mesh, cylinder, joined, sheet, Arrays};
 
@@ -262,6 +262,31 @@ fn open_surfaces_are_told_and_hold_nothing() {
     assert!(clashes_of(vec![open.clone(), block([0.5; 3], [1.0; 3], 1, 0.0)], 0.0, 0.0).is_empty());
     let on_floor = block([0.5, 0.5, 0.0], [1.0; 3], 1, 0.0);
     assert_ne!(clashes_of(vec![open, on_floor], 0.0, 0.0)[0].verdict, Verdict::Contained);
+}
+
+#[test]
+fn points_of_open_parts_are_on_their_surfaces() {
+    let mut r = Random::new(7);
+    let mut clashes = 0;
+    for _ in 0..60 {
+        let parts = [4, 7].map(|cells| {
+            let (bend, m) = (r.real(-2.0, 2.0), r.motion(0.3));
+            let place = |p: Point| std::array::from_fn(|a| m[a][3] + (0..3).map(|b| m[a][b] * p[b]).sum::<f64>());
+            sheet(cells, cells, |s, t| place([s - 0.5, t - 0.5, bend * (s - 0.5) * (t - 0.3)]))
+        });
+        for row in clashes_of(parts.to_vec(), 0.0, 0.0) {
+            assert_eq!((row.is_open, row.kind), ([true, true], DepthKind::Estimate));
+            for (p, (vertices, faces)) in row.points.iter().zip(&parts) {
+                let to_face = |face: &[u32; 3]| {
+                    closest_triangle_triangle(&[*p; 3], &face.map(|corner| vertices[corner as usize])).distance
+                };
+                let off = faces.iter().map(to_face).fold(f64::INFINITY, f64::min);
+                assert!(off < 1e-12, "{off} {row:?}");
+            }
+            clashes += usize::from(row.verdict == Verdict::Clash);
+        }
+    }
+    assert!(clashes > 20, "{clashes}");
 }
 
 #[test]

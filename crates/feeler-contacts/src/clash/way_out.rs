@@ -5,7 +5,7 @@
 
 use feeler_core::clash::location::{locate, Location, LocationScratch};
 use feeler_core::clash::solids::Solids;
-use feeler_core::geometry::vectors::{add, along, dot, length, normal, scaled};
+use feeler_core::geometry::vectors::{add, along, dot, length, normal, scaled, sub};
 use feeler_core::{closest_triangle_triangle, Aabb, Point, Pose, Result, Scene, Tool, Triangle};
 
 use crate::constants::{
@@ -24,7 +24,7 @@ pub struct WayOut {
     pub translation: Point,
     /// The deepest gap of a contact plane, metres: all that there is to say of surfaces that have no inside.
     pub plane_depth: f64,
-    /// On the tool, and on the part: where that plane is, else where they touch or are closest.
+    /// On the surface of the tool, and of the part: where that plane is, else where they touch or are closest.
     pub points: [Point; 2],
     /// Pairs of triangles that meet.
     pub triangles: usize,
@@ -92,7 +92,7 @@ impl Pair<'_> {
         };
         let deepest = contacts.planes.first().filter(|plane| plane.gap < 0.0);
         let plane_depth = deepest.map_or(0.0, |plane| (-plane.gap).min(length(&translation)));
-        let (points, gap, mut bounds) = (deepest.map(points_of).or(met.points), 0.0, met.bounds);
+        let (points, gap, mut bounds) = (deepest.map(|plane| self.points_of(plane)).or(met.points), 0.0, met.bounds);
         let (points, gap) = match points {
             Some(points) => (points, gap),
             None => {
@@ -103,6 +103,13 @@ impl Pair<'_> {
             }
         };
         Ok(WayOut { translation, plane_depth, points, triangles: met.triangles, bounds, gap })
+    }
+
+    /// The points of both surfaces that are closest to where the tool is deepest, and to where the plane runs. The tool's surface may be
+    /// beside the former: it is only as deep as that somewhere behind the plane.
+    fn points_of(&self, plane: &ContactPlane) -> [Point; 2] {
+        let [tool, part] = self.bodies;
+        [on_surface(tool, &along(&plane.point, plane.gap, &plane.normal)), on_surface(part, &plane.point)]
     }
 
     /// Where two parts meet.
@@ -248,9 +255,9 @@ fn shorter(one: Point, other: Point) -> Point {
     }
 }
 
-/// Of the tool the one that is deepest, of the part where the plane runs.
-fn points_of(plane: &ContactPlane) -> [Point; 2] {
-    [along(&plane.point, plane.gap, &plane.normal), plane.point]
+/// The point of a surface that is closest to a point.
+fn on_surface(body: &Body, p: &Point) -> Point {
+    body.closest(&sub(p, body.origin()), f64::INFINITY).map_or(*p, |closest| add(&closest.point, body.origin()))
 }
 
 /// Where two triangles that meet are closest.
