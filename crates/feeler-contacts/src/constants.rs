@@ -419,11 +419,12 @@ pub const MOST_KEPT_TRIANGLES: usize = 1 << 22;
 /// walls.
 pub const OPPOSITE_FACES: f64 = -0.9;
 
-/// The same of a needle's faces: those of a triangle are at -0.5. Larger: blunter edges count as thin.
-pub const NEEDLE_FACES: f64 = -0.45;
+/// How far the faces around a needle are sought, in times of what its thickness may be: those of a triangle with a corner of 26 degrees are
+/// 2.7 times the thickness of its middle apart. Less: flat triangles are no needles.
+pub const NEEDLE_REACH: f64 = 3.0;
 
-/// How far the face behind another of a needle may be, in distances of its middle from its faces: the height of a triangle.
-pub const NEEDLE_HEIGHT: f64 = 3.0;
+/// How many rays look for the faces around a needle. Fewer: faces of needles with many sides are missed.
+pub const NEEDLE_RAYS: u32 = 16;
 
 /// Share of half a wall's thickness from which on a point is in the middle of it; below 1 by more than the error of depths.
 pub const WALL_MIDDLE: f64 = 0.98;

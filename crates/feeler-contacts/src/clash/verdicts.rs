@@ -116,7 +116,7 @@ impl Judge<'_> {
                 || (is_in(&q, &p, rounding) && is_holding([&b, &a], rounding));
             return Some(if is_held { Verdict::Contained } else { Verdict::Clash });
         }
-        let is_pierced = contact > rounding && are_walls_crossing([&a, &b]);
+        let is_pierced = contact > rounding && are_walls_crossing([&a, &b], contact);
         Some(if is_pierced { Verdict::Clash } else { Verdict::Contact })
     }
 

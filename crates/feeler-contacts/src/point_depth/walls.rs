@@ -1,18 +1,20 @@
 //! Thin walls that go through each other: no point of either is deeper than half its thickness, however far they cross.
 
-use feeler_core::geometry::vectors::{add, cross, dot, length, precise_normal, scaled, sub};
+use feeler_core::geometry::vectors::{add, along, cross, dot, length, precise_normal, scaled, sub, unit};
 use feeler_core::{Aabb, Point, Triangle};
 
 use super::body::Body;
 use super::depth::point_depth_from;
-use crate::constants::{NEEDLE_FACES, NEEDLE_HEIGHT, OPPOSITE_FACES, WALL_MIDDLE};
+use crate::constants::{NEEDLE_RAYS, NEEDLE_REACH, OPPOSITE_FACES, WALL_MIDDLE};
 
 /// Whether two bodies cross as thin walls: where their surfaces cross, both have a second face behind the first, and points of each lie
-/// in the middle between these faces of the other. One of them may be a needle, whose faces need not be parallel.
-pub fn are_walls_crossing([a, b]: [&Body; 2]) -> bool {
+/// in the middle between these faces of the other. One of them may be a needle, whose faces need not be parallel. `contact` (metres) is
+/// half of what thin walls are thinner than.
+pub fn are_walls_crossing([a, b]: [&Body; 2], contact: f64) -> bool {
     let least = a.rounding().max(b.rounding());
     // How thick a wall may be for the points found to be in its middle.
-    let thickness = [[b, a], [a, b]].map(|pair| 2.0 * point_depth_from(pair).depth / WALL_MIDDLE);
+    let thickness =
+        [[b, a], [a, b]].map(|pair| 2.0 * (point_depth_from(pair).depth / WALL_MIDDLE).min(contact + least));
     if thickness.iter().any(|thickness| *thickness <= 4.0 * least) {
         return false;
     }
@@ -23,37 +25,86 @@ pub fn are_walls_crossing([a, b]: [&Body; 2]) -> bool {
         let t = few.triangle(i).map(|p| add(&p, &shift));
         let is_crossing_walls = |j: u32| {
             let at = crossing_point(&t, many.triangle(j), least)?;
-            let is_thin = |by: [Thin; 2]| {
-                is_thin(few, i, &sub(&at, &shift), thickness[0], by[0]) && is_thin(many, j, &at, thickness[1], by[1])
+            let of_few = |is_thin: IsThin| is_thin(few, i, &sub(&at, &shift), thickness[0]);
+            let of_many = |is_thin: IsThin| is_thin(many, j, &at, thickness[1]);
+            let is_crossing = match (of_few(is_wall), of_many(is_wall)) {
+                (true, true) => true,
+                (true, false) => of_many(is_needle),
+                (false, true) => of_few(is_needle),
+                (false, false) => false,
             };
-            (is_thin([Thin::Needle, Thin::Wall]) || is_thin([Thin::Wall, Thin::Needle])).then_some(())
+            is_crossing.then_some(())
         };
         many.find_overlapping(&Aabb::of_triangle(&t), is_crossing_walls).is_some()
     })
 }
 
-/// What is thin.
-#[derive(Debug, Clone, Copy)]
-enum Thin {
-    /// Between two faces that are about parallel.
-    Wall,
-    /// Of any section down to a triangle's, whose height is three times what its middle is from its sides; a wall is one, too.
-    Needle,
-}
+/// Whether a body is thin behind a point of one of its triangles.
+type IsThin = fn(&Body, u32, &Point, f64) -> bool;
 
 /// Whether a face that looks the other way is behind a point of a triangle, no farther than a wall of this thickness would have it.
-fn is_thin(body: &Body, i: u32, at: &Point, thickness: f64, by: Thin) -> bool {
+fn is_wall(body: &Body, i: u32, at: &Point, thickness: f64) -> bool {
     let Some(outward) = body.outward(i) else { return false };
-    let (thickness, most) = match by {
-        Thin::Wall => (thickness, OPPOSITE_FACES),
-        Thin::Needle => (NEEDLE_HEIGHT / 2.0 * thickness, NEEDLE_FACES),
-    };
-    let end = add(at, &scaled(&outward, -thickness));
+    let end = along(at, -thickness, &outward);
     let is_opposite = |j: u32| {
-        let faces_away = j != i && body.outward(j).is_some_and(|n| dot(&n, &outward) <= most);
+        let faces_away = j != i && body.outward(j).is_some_and(|n| dot(&n, &outward) <= OPPOSITE_FACES);
         (faces_away && piercing([at, &end], body.triangle(j), 0.0).is_some()).then_some(())
     };
     body.find_overlapping(&Aabb::of_triangle(&[*at, end, end]), is_opposite).is_some()
+}
+
+/// Whether three faces enclose what is behind a point of a triangle, that of the triangle among them, so that no point between them is
+/// deeper than half this thickness. A tip or an edge is enclosed on one side only: it is thicker farther on.
+///
+/// Where weights of three normals that sum to 1 cancel them, the weighted sum of a point's depths behind the faces is the same anywhere:
+/// that of the point which is as deep behind each.
+fn is_needle(body: &Body, i: u32, at: &Point, thickness: f64) -> bool {
+    let Some(outward) = body.outward(i) else { return false };
+    let reach = NEEDLE_REACH * thickness;
+    let Some((first, behind)) = face_along(body, at, &scaled(&outward, -reach)) else { return false };
+    // A wall that is too thick; its faces span no plane.
+    if dot(&outward, &first) <= OPPOSITE_FACES {
+        return false;
+    }
+    let Some(axis) = unit(&cross(&outward, &first)) else { return false };
+    let (aside, middle) = (cross(&axis, &outward), scaled(&add(at, &behind), 0.5));
+    // Each face around as its normal, and how deep the point of the triangle is behind it.
+    let around: Vec<(Point, f64)> = (0..NEEDLE_RAYS)
+        .filter_map(|n| {
+            let (sine, cosine) = (std::f64::consts::TAU * f64::from(n) / f64::from(NEEDLE_RAYS)).sin_cos();
+            let (normal, hit) =
+                face_along(body, &middle, &add(&scaled(&outward, reach * cosine), &scaled(&aside, reach * sine)))?;
+            Some((normal, dot(&normal, &sub(&hit, at))))
+        })
+        .collect();
+    around.iter().enumerate().any(|(n, (p, p_depth))| {
+        around[..n].iter().any(|(q, q_depth)| {
+            let weights = [[p, q], [q, &outward], [&outward, p]].map(|[m, n]| dot(&axis, &cross(m, n)));
+            let sum: f64 = weights.iter().sum();
+            if sum == 0.0 || weights.iter().any(|weight| weight / sum <= 0.0) {
+                return false;
+            }
+            let [_, by_p, by_q] = weights.map(|weight| weight / sum);
+            let left = by_p * dot(&axis, p) + by_q * dot(&axis, q);
+            left * left <= 0.5 * (1.0 + OPPOSITE_FACES) && by_p * p_depth + by_q * q_depth <= 0.5 * thickness
+        })
+    })
+}
+
+/// The outward normal of the first face that a ray from inside meets, and where, no farther than the ray is long.
+fn face_along(body: &Body, from: &Point, ray: &Point) -> Option<(Point, Point)> {
+    let (end, mut first) = (add(from, ray), None);
+    let mut nearest = f64::INFINITY;
+    body.tree().find_on_segment([from, &end], body.rounding(), |j| {
+        if let (Some(n), Some(hit)) = (body.outward(j), piercing([from, &end], body.triangle(j), 0.0)) {
+            let far = dot(&sub(&hit, from), ray);
+            if dot(&n, ray) > 0.0 && far < nearest {
+                (nearest, first) = (far, Some((n, hit)));
+            }
+        }
+        None::<()>
+    });
+    first
 }
 
 /// A point where an edge of one triangle goes through the other, not by rounding alone.
@@ -97,7 +148,7 @@ mod tests {
         let mut said = Vec::new();
         for (cells, other) in [(1, 1), (3, 1), (2, 5)] {
             let [a, b] = [p(cells), q(other)].map(|mesh| body(placed(mesh, &m)));
-            said.extend([are_walls_crossing([&a, &b]), are_walls_crossing([&b, &a])]);
+            said.extend([are_walls_crossing([&a, &b], 1.0), are_walls_crossing([&b, &a], 1.0)]);
         }
         assert!(said.iter().all(|is_crossing| *is_crossing == said[0]), "{said:?}");
         said[0]
@@ -132,6 +183,69 @@ mod tests {
         assert!(!are_crossing(|cells| block([-1.0; 3], [1.0; 3], cells), plate));
         let roof = |cells| ridge(&[[-1.0, 0.0], [0.0, 1.732], [1.0, 0.0]], -1.0, 1.0, cells, cells);
         assert!(!are_crossing(roof, |cells| block([-2.0, -2.0, 1.0], [2.0, 2.0, 1.05], cells)));
+    }
+
+    /// A cone of some faces, its tip at the origin, up along z; with the half angle of its faces, degrees.
+    fn tip(faces: u32, half: f64) -> Arrays {
+        let out = half.to_radians().tan() / (std::f64::consts::PI / f64::from(faces)).cos();
+        let corner = |i: u32| {
+            let (sine, cosine) = (std::f64::consts::TAU * f64::from(i) / f64::from(faces)).sin_cos();
+            [out * cosine, out * sine, 1.0]
+        };
+        let vertices = [[0.0; 3], [0.0, 0.0, 1.0]].into_iter().chain((0..faces).map(corner)).collect();
+        let sides = (0..faces).map(|i| [2 + i, 2 + (i + 1) % faces]);
+        (vertices, sides.flat_map(|[p, q]| [[0, q, p], [1, p, q]]).collect())
+    }
+
+    /// A bar along y of a triangle (x, z) as its section.
+    fn triangular(section: [[f64; 2]; 3]) -> Arrays {
+        let vertices = [-0.5, 0.5].iter().flat_map(|y| section.map(|[x, z]| [x, *y, z])).collect();
+        let sides = (0..3).map(|i| [i, (i + 1) % 3, i + 3, (i + 1) % 3 + 3]);
+        let sides = sides.flat_map(|[p, q, r, s]| [[p, q, r], [q, s, r]]);
+        (vertices, [[0, 2, 1], [3, 4, 5]].into_iter().chain(sides).collect())
+    }
+
+    #[test]
+    fn blunt_tips_and_edges_through_a_foil_are_neither_walls_nor_needles() {
+        // The tip is below the foil; in a block it is less than half as deep as that is thick.
+        let slab = |below: f64| move |cells: usize| block([-1.0, -1.0, -below], [1.0, 1.0, 0.0], cells);
+        let lowered = |(vertices, faces): Arrays, by: f64| -> Arrays {
+            (vertices.into_iter().map(|p| [p[0], p[1], p[2] - by]).collect(), faces)
+        };
+        for (half, is_sharp) in [(4.0, true), (8.0, true), (15.0, false), (20.0, false), (35.0, false)] {
+            for faces in [3, 4, 5, 6, 9, 16] {
+                let is_crossing = are_crossing(slab(0.01), |_| lowered(tip(faces, half), 0.03));
+                assert_eq!(is_crossing, is_sharp, "{faces} faces, {half} degrees");
+                assert!(!are_crossing(slab(1.0), |_| lowered(tip(faces, half), 0.03)));
+            }
+            let out = f64::tan(half.to_radians());
+            let edge = |_| lowered(triangular([[0.0, 0.0], [out, 1.0], [-out, 1.0]]), 0.03);
+            assert_eq!(are_crossing(slab(0.01), edge), is_sharp, "an edge, {half} degrees");
+            assert!(!are_crossing(slab(1.0), edge));
+        }
+    }
+
+    #[test]
+    fn needles_are_as_thin_as_their_middle_is_from_their_sides() {
+        // The largest corner is acute, right and obtuse; none is below 26 degrees.
+        for section in [[0.1, 0.3, 0.4], [0.0, 0.2, 0.3], [0.25, 0.14, 0.5]] {
+            let [x, z, long] = section;
+            let needle = |_| triangular([[0.0, 0.0], [long, 0.0], [x, z]]);
+            let foil = |cells| block([-1.0, -0.02, -1.0], [1.0, 0.02, 1.0], cells);
+            assert!(are_crossing(foil, needle), "{section:?}");
+            let [a, b] = [foil(1), needle(1)].map(body);
+            // As much as contact allows, and more.
+            let half = point_depth_from([&a, &b]).depth;
+            assert!(are_walls_crossing([&a, &b], 1.01 * half), "{section:?}");
+            assert!(!are_walls_crossing([&a, &b], 0.97 * half), "{section:?}");
+        }
+    }
+
+    #[test]
+    fn walls_are_thinner_than_twice_the_contact() {
+        let [a, b] = [block([-1.0, -1.0, -0.05], [1.0, 1.0, 0.05], 1), block([-0.04, -0.6, -0.7], [0.04, 0.5, 0.8], 1)]
+            .map(body);
+        assert!(are_walls_crossing([&a, &b], 0.0501) && !are_walls_crossing([&a, &b], 0.0499));
     }
 
     #[test]
