@@ -86,6 +86,12 @@ pub const FAMILIES: [Family; 7] = [
     Family { name: "undercut", about: "a foot in a T-slot, under both lips", make: undercut },
 ];
 
+impl crate::tally::Family for Family {
+    fn name(&self) -> &'static str {
+        self.name
+    }
+}
+
 impl Family {
     /// One of them, the same for the same numbers.
     pub fn make(&self, r: &mut Random) -> Contact {

@@ -5,30 +5,22 @@ use std::sync::Arc;
 
 use feeler_contacts::{ContactPlane, ContactSolver, Contacts, Penetration, PenetrationKind};
 use feeler_core::{Level, Mockup, Point, Pose, Scene, SceneOptions, Tool};
-use rayon::prelude::*;
 
 use crate::blocks::{square, Solid, Spot, Surface};
-use crate::casts::KEPT;
 use crate::check::STORES;
 use crate::concave::{Contact, Family, Known, FAMILIES, SIZE};
 use crate::random::Random;
 use crate::shapes::Motion;
-
-/// Cases between two reports of progress.
-const CASES_BETWEEN_REPORTS: u64 = 64;
+use crate::tally::{self, Figures};
 
 /// Directions that differ in depth by less than these shares, of the depth and of the largest coordinate, are as deep as each other
 /// (`SHALLOWER` and the noise of the search for the least depth): the first tried is taken.
 const SHARE_OF_DEPTH: f64 = 2e-6;
 const SHARE_OF_COORDINATES: f64 = 2e-12;
 
-/// What many contacts gave.
+/// What is counted of contacts; `worst` is the largest difference between a depth and the truth.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Tally {
-    /// Contacts judged, and their triangles.
-    pub cases: u64,
-    /// Of tool and mock-up.
-    pub triangles: u64,
+pub struct ContactsFound {
     /// Planes that were to be found, deep ones, and near ones where nothing is deep.
     pub deep: u64,
     /// See `deep`.
@@ -39,30 +31,19 @@ pub struct Tally {
     pub close_bounds: u64,
     /// The longest of the others, in shortest ways.
     pub longest: f64,
-    /// The largest difference between a depth and the truth, as a share of what is allowed.
-    pub worst: f64,
-    /// What is wrong.
-    pub fault_count: u64,
-    /// Some of it, in words.
-    pub faults: Vec<String>,
 }
 
-impl Tally {
-    /// Sums the figures; keeps the first faults.
-    pub fn add(&mut self, other: Tally) {
-        self.cases += other.cases;
-        self.triangles += other.triangles;
+impl Figures for ContactsFound {
+    fn add(&mut self, other: ContactsFound) {
         self.deep += other.deep;
         self.near += other.near;
         (0..3).for_each(|i| self.ways[i] += other.ways[i]);
         self.close_bounds += other.close_bounds;
         self.longest = self.longest.max(other.longest);
-        self.worst = self.worst.max(other.worst);
-        self.fault_count += other.fault_count;
-        self.faults.extend(other.faults);
-        self.faults.truncate(KEPT);
     }
 }
+
+type Tally = crate::tally::Tally<ContactsFound>;
 
 /// So many contacts of each of some families (all where none is named), from a number on, of solids cut into up to about so many
 /// triangles; case `i` depends on the seed, `i` and that number alone.
@@ -77,24 +58,7 @@ pub fn run(
     most_triangles: usize,
     progress: &dyn Fn(&str, f64),
 ) -> Result<Vec<(Family, Tally)>, String> {
-    if let Some(unknown) = only.iter().find(|name| FAMILIES.iter().all(|f| f.name != **name)) {
-        let names: Vec<&str> = FAMILIES.iter().map(|f| f.name).collect();
-        return Err(format!("no family is called {unknown:?}; there are {}", names.join(", ")));
-    }
-    let chosen = FAMILIES.iter().filter(|f| only.is_empty() || only.iter().any(|name| name == f.name));
-    let mut rows = Vec::new();
-    for family in chosen {
-        let mut tally = Tally::default();
-        for first in (from..from + cases).step_by(CASES_BETWEEN_REPORTS as usize) {
-            let wave = first..(first + CASES_BETWEEN_REPORTS).min(from + cases);
-            let done = (wave.end - from) as f64 / cases as f64;
-            let found: Vec<Tally> = wave.into_par_iter().map(|i| judge(family, seed, i, most_triangles)).collect();
-            found.into_iter().for_each(|t| tally.add(t));
-            progress(family.name, done);
-        }
-        rows.push((*family, tally));
-    }
-    Ok(rows)
+    tally::run(&FAMILIES, [from, cases], only, progress, |family, i| judge(family, seed, i, most_triangles))
 }
 
 /// A contact brought into the world.
@@ -257,7 +221,7 @@ fn faults_of_planes(
         if deepest != Some(k) || known.depth <= 0 && !is_near {
             continue;
         }
-        *(if known.depth > 0 { &mut tally.deep } else { &mut tally.near }) += 1;
+        *(if known.depth > 0 { &mut tally.figures.deep } else { &mut tally.figures.near }) += 1;
         let allowed = tolerance.of_depth(metres(known.depth));
         let along = contacts.planes.iter().filter(|plane| placed.is_along(plane, known));
         if !along.clone().any(|plane| (plane.gap + metres(known.depth)).abs() <= allowed) {
@@ -282,7 +246,7 @@ fn faults_of_planes(
 fn faults_of_way(contact: &Contact, placed: &Placed, way: &Penetration, tally: &mut Tally) -> Vec<String> {
     let mut faults = Vec::new();
     let Placed { solver, tool, pose, unit, tolerance, .. } = placed;
-    tally.ways[way.kind as usize] += 1;
+    tally.figures.ways[way.kind as usize] += 1;
     let truth = contact.obstacles(0).shortest_way();
     let least = (square(&truth) as f64).sqrt() * unit;
     let mut fault = |what: String| faults.push(format!("{what}; {way:?}, in truth {least}, {truth:?}"));
@@ -310,9 +274,9 @@ fn faults_of_way(contact: &Contact, placed: &Placed, way: &Penetration, tally: &
         of_axis(1) - of_axis(-1)
     });
     if way.depth <= 1.01 * least + allowed {
-        tally.close_bounds += u64::from(way.kind == PenetrationKind::Bound);
+        tally.figures.close_bounds += u64::from(way.kind == PenetrationKind::Bound);
     } else {
-        tally.longest = tally.longest.max(way.depth / least);
+        tally.figures.longest = tally.figures.longest.max(way.depth / least);
         if shown == truth {
             fault("not the way that the planes show".to_string());
         }

@@ -5,17 +5,13 @@ use std::sync::Arc;
 
 use feeler_contacts::{ContactSolver, DepthKind, PartDepth};
 use feeler_core::{Mockup, Point, Pose, Scene, SceneOptions, Tool};
-use rayon::prelude::*;
 
 use crate::blocks::{Spot, Surface};
-use crate::casts::KEPT;
 use crate::check::STORES;
 use crate::polyhedra::{Family, KINDS};
 use crate::random::{Random, ORDERS};
 use crate::spots::{Fine, Place, Triangles, PARTS};
-
-/// Cases between two reports of progress.
-const PAIRS_BETWEEN_REPORTS: u64 = 64;
+use crate::tally::{self, Figures};
 
 /// Points of each surface that are tried beside its corners.
 const SAMPLES: usize = 60;
@@ -27,13 +23,9 @@ const CLIMBS: usize = 120;
 /// What rounding may do, over the roundings of coordinates: strips of surface that thin count as nothing.
 const ROUNDINGS: f64 = 64.0;
 
-/// What many pairs gave.
+/// What is counted of depths; `worst` is the most that a point was deeper than the depth.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Tally {
-    /// Pairs judged, and their triangles.
-    pub cases: u64,
-    /// Of both.
-    pub triangles: u64,
+pub struct DepthsFound {
     /// Points of surfaces that exact arithmetic found inside the other body.
     pub points: u64,
     /// Pairs that are deep in each other, and those that are not.
@@ -44,30 +36,19 @@ pub struct Tally {
     pub reached: u64,
     /// Pairs of which a surface does not count as closed: it is cut so that edges do not meet, and there four triangles meet, or it is thin.
     pub open: u64,
-    /// The most that a point was deeper than the depth, over the error that is allowed.
-    pub worst: f64,
-    /// What is wrong.
-    pub fault_count: u64,
-    /// Some of it, in words.
-    pub faults: Vec<String>,
 }
 
-impl Tally {
-    /// Sums the figures; keeps the first faults.
-    pub fn add(&mut self, other: Tally) {
-        self.cases += other.cases;
-        self.triangles += other.triangles;
+impl Figures for DepthsFound {
+    fn add(&mut self, other: DepthsFound) {
         self.points += other.points;
         self.deep += other.deep;
         self.shallow += other.shallow;
         self.reached += other.reached;
         self.open += other.open;
-        self.worst = self.worst.max(other.worst);
-        self.fault_count += other.fault_count;
-        self.faults.extend(other.faults);
-        self.faults.truncate(KEPT);
     }
 }
+
+type Tally = crate::tally::Tally<DepthsFound>;
 
 /// So many pairs of each of some families (all where none is named), from a number on; pair `i` depends on the seed and `i` alone.
 /// `progress` is told what is done.
@@ -80,24 +61,7 @@ pub fn run(
     only: &[String],
     progress: &dyn Fn(&str, f64),
 ) -> Result<Vec<(Family, Tally)>, String> {
-    if let Some(unknown) = only.iter().find(|name| KINDS.iter().all(|f| f.name != **name)) {
-        let names: Vec<&str> = KINDS.iter().map(|f| f.name).collect();
-        return Err(format!("no family is called {unknown:?}; there are {}", names.join(", ")));
-    }
-    let chosen = KINDS.iter().filter(|f| only.is_empty() || only.iter().any(|name| name == f.name));
-    let mut rows = Vec::new();
-    for family in chosen {
-        let mut tally = Tally::default();
-        for first in (from..from + cases).step_by(PAIRS_BETWEEN_REPORTS as usize) {
-            let wave = first..(first + PAIRS_BETWEEN_REPORTS).min(from + cases);
-            let done = (wave.end - from) as f64 / cases as f64;
-            let found: Vec<Tally> = wave.into_par_iter().map(|i| judge(family, seed, i)).collect();
-            found.into_iter().for_each(|t| tally.add(t));
-            progress(family.name, done);
-        }
-        rows.push((*family, tally));
-    }
-    Ok(rows)
+    tally::run(&KINDS, [from, cases], only, progress, |family, i| judge(family, seed, i))
 }
 
 /// Where units are in the world: nothing is rounded on the way there.
@@ -245,20 +209,20 @@ fn faults_of(pair: &[Surface; 2], placed: &Placed, r: &mut Random, tally: &mut T
     let [p, q] = &surfaces;
     tally.triangles = (p.len() + q.len()) as u64;
     let found = [deepest(p, q, r), deepest(q, p, r)];
-    tally.points = found[0].points + found[1].points;
+    tally.figures.points = found[0].points + found[1].points;
     let truth = found[0].depth.max(found[1].depth);
     let mut faults = Vec::new();
     // As tool and mock-up, and the other way round.
     for turned in [false, true] {
         let [tool, part] = if turned { [1, 0] } else { [0, 1] };
         let Some(all) = placed.depth([&pair[tool], &pair[part]], r)? else {
-            tally.open += u64::from(!turned);
+            tally.figures.open += u64::from(!turned);
             continue;
         };
         let said = match &all[..] {
             [said] => said,
             [] if truth == 0.0 => {
-                tally.shallow += u64::from(!turned);
+                tally.figures.shallow += u64::from(!turned);
                 continue;
             }
             _ => {
@@ -294,8 +258,8 @@ fn faults_of(pair: &[Surface; 2], placed: &Placed, r: &mut Random, tally: &mut T
         }
         if !turned {
             let is_deep = depth > 4.0 * placed.tolerance;
-            *(if is_deep { &mut tally.deep } else { &mut tally.shallow }) += 1;
-            tally.reached += u64::from(is_deep && truth >= 0.99 * depth);
+            *(if is_deep { &mut tally.figures.deep } else { &mut tally.figures.shallow }) += 1;
+            tally.figures.reached += u64::from(is_deep && truth >= 0.99 * depth);
         }
     }
     Ok(faults)

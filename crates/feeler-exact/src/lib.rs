@@ -26,3 +26,4 @@ pub mod scenes;
 pub mod shapes;
 pub mod sieve;
 pub mod spots;
+pub mod tally;

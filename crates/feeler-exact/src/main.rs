@@ -172,16 +172,16 @@ fn run_contacts(cases: u64, seed: u64, from: u64, only: &[String], triangles: us
         "family", "cases", "triangles", "deep", "near", "exact", "bound", "<1 %", "estimate", "longest", "off", "wrong"
     );
     for (family, t) in &rows {
-        let [exact, bound, estimate] = t.ways;
+        let [exact, bound, estimate] = t.figures.ways;
         println!(
             "{:<10}{:>7}{:>11}{:>8}{:>8}{exact:>8}{bound:>8}{:>7}{estimate:>10}{:>9.2}{:>8.3}{:>7}  {}",
             family.name,
             t.cases,
             t.triangles,
-            t.deep,
-            t.near,
-            t.close_bounds,
-            t.longest,
+            t.figures.deep,
+            t.figures.near,
+            t.figures.close_bounds,
+            t.figures.longest,
             t.worst,
             t.fault_count,
             family.about
@@ -208,11 +208,11 @@ fn run_depths(cases: u64, seed: u64, from: u64, only: &[String]) -> Result<bool,
             family.name,
             t.cases,
             t.triangles,
-            t.points,
-            t.deep,
-            t.shallow,
-            t.reached,
-            t.open,
+            t.figures.points,
+            t.figures.deep,
+            t.figures.shallow,
+            t.figures.reached,
+            t.figures.open,
             t.worst,
             t.fault_count,
             family.about

@@ -32,6 +32,12 @@ pub const KINDS: [Family; 9] = [
     Family { name: "same", about: "a solid and its copy, cut differently, or moved a little", make: same },
 ];
 
+impl crate::tally::Family for Family {
+    fn name(&self) -> &'static str {
+        self.name
+    }
+}
+
 impl Family {
     /// One of them, the same for the same numbers.
     pub fn make(&self, r: &mut Random) -> [Surface; 2] {

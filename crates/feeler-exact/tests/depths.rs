@@ -9,12 +9,16 @@ fn no_point_is_deeper_than_is_said_and_the_one_that_is_shown_is_as_deep() {
     assert_eq!(rows.len(), KINDS.len());
     for (family, t) in &rows {
         assert_eq!((t.fault_count, &t.faults), (0, &Vec::new()), "{}", family.name);
-        assert!(t.cases == 40 && t.deep >= 10 && t.points > 100, "{} makes few depths: {t:?}", family.name);
-        assert!(10 * t.open <= t.cases, "{}: {t:?}", family.name);
+        assert!(
+            t.cases == 40 && t.figures.deep >= 10 && t.figures.points > 100,
+            "{} makes few depths: {t:?}",
+            family.name
+        );
+        assert!(10 * t.figures.open <= t.cases, "{}: {t:?}", family.name);
         // What is sampled would find depths that are too low.
-        assert!(2 * t.reached >= t.deep, "{}: {t:?}", family.name);
+        assert!(2 * t.figures.reached >= t.figures.deep, "{}: {t:?}", family.name);
     }
-    assert!(rows.iter().map(|(_, t)| t.shallow).sum::<u64>() > 50);
+    assert!(rows.iter().map(|(_, t)| t.figures.shallow).sum::<u64>() > 50);
 }
 
 #[test]
