@@ -279,10 +279,13 @@ def test_the_quick_tables(
     bench: ModuleType, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(bench, "PEERS", {})
+    page = bench.PAGE.read_text(encoding="utf-8")
     assert bench.main(["--quick", "--only", "depths"]) == 0
     assert "tooth in its slot, turned" in capsys.readouterr().out
     assert bench.main(["--quick", "--only", "ways"]) == 0
-    table = [line.split("|")[1:-1] for line in capsys.readouterr().out.splitlines()]
+    printed = capsys.readouterr().out
+    assert f"{bench.WAYS[0]}\n{printed.splitlines()[0]}\n" in page, "the page has the columns of the table"
+    table = [line.split("|")[1:-1] for line in printed.splitlines()]
     rows = [row for row in table if row and row[0].strip() in ("torque", "wrench", "square", "hand")]
     assert len(rows) == 4 and all(sum(int(x) for x in row[1:3]) == 10 for row in rows)
 
