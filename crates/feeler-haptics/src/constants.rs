@@ -195,6 +195,10 @@ pub const WALL_SHARE: f64 = 0.15;
 /// Share of the device's largest force that the soft wall has at the border, at the most.
 pub const WALL_FORCE_SHARE: f64 = 0.5;
 
+/// How far (seconds of its velocity) a rate-controlled device's tool may be ahead of the proxy. Longer, and coming back takes longer;
+/// shorter than some ticks, and the tool lags.
+pub const LEAD_S: f64 = 0.01;
+
 // The servo side.
 
 /// Share of a set's margin that the proxy may move between two sets: what is left is for the arcs of turning points.

@@ -6,9 +6,10 @@ use common::*;
 use feeler_core::geometry::vectors::length;
 use feeler_haptics::device::faulty::{Fault, Faulty};
 use feeler_haptics::device::hand::HandPath;
-use feeler_haptics::device::Device;
+use feeler_haptics::device::simulated::SimulatedOptions;
+use feeler_haptics::device::{Device, DeviceError, DeviceInfo, DeviceState, Freedoms};
 use feeler_haptics::runner::{RunnerOptions, Sides, View};
-use feeler_haptics::screw::{displacement, Wrench};
+use feeler_haptics::screw::{displacement, Twist, Wrench};
 use feeler_haptics::{Mode, Session, SessionOptions};
 
 const TICK: f64 = 1e-3;
@@ -217,4 +218,58 @@ fn a_start_in_collision_has_no_force_until_the_device_is_free() {
     assert!(views[..200].iter().all(|view| view.mode == Mode::Colliding && view.proxy == view.device));
     assert!(views[1400..].iter().all(|view| view.mode == Mode::Contact && view.proxy.translation()[2] > 0.025));
     assert!(largest(views) > 0.5);
+}
+
+/// A cap that springs back: its deflection is a velocity down the z axis, by the time.
+struct Cap {
+    info: DeviceInfo,
+    speed: fn(f64) -> f64,
+    z: f64,
+    last: f64,
+}
+
+impl Device for Cap {
+    fn info(&self) -> &DeviceInfo {
+        &self.info
+    }
+
+    fn read(&mut self, now: f64) -> Result<DeviceState, DeviceError> {
+        let speed = (self.speed)(now);
+        self.z += speed * (now - self.last);
+        self.last = now;
+        let twist = Some(Twist { linear: [0.0, 0.0, speed], angular: [0.0; 3] });
+        Ok(DeviceState { pose: at([0.0, 0.0, self.z], [0.0; 3]), twist, buttons: 0, time: now })
+    }
+
+    fn write(&mut self, _: &Wrench, _: f64) -> Result<(), DeviceError> {
+        Ok(())
+    }
+
+    fn release(&mut self) {}
+
+    fn is_rate_controlled(&self) -> bool {
+        true
+    }
+}
+
+#[test]
+fn a_rate_device_that_was_pushed_into_a_wall_comes_back_at_once() {
+    let nothing = Freedoms::default();
+    let info = DeviceInfo { driven: nothing, workspace: [0.0; 3], ..SimulatedOptions::desktop_6dof().info };
+    // A slow and a fast push of 5 s, then back at the same speed, and at a tenth of it.
+    let caps: [(f64, fn(f64) -> f64); 3] = [
+        (0.2, |t| if t < 5.0 { -0.2 } else { 0.2 }),
+        (0.01, |t| if t < 5.0 { -0.01 } else { 0.01 }),
+        (0.1, |t| if t < 5.0 { -0.1 } else { 0.01 }),
+    ];
+    for (speed, cap) in caps {
+        let device = Cap { info: info.clone(), speed: cap, z: 0.0, last: 0.0 };
+        let mut drive = Drive::new(started(plate(), SessionOptions::default()), device);
+        let way = (0.003 / speed * 1000.0) as u32;
+        let free = drive.run(way, always, always).last().unwrap().proxy.translation()[2];
+        assert!((free - 0.027).abs() < 0.003 * speed, "{speed}: {free}");
+        let pressed = drive.run(5000 - way, always, always).last().unwrap().proxy.translation()[2];
+        let back = drive.run(20, always, always).last().unwrap().proxy.translation()[2];
+        assert!((pressed - 0.025).abs() < 1e-4 && back > pressed + 1e-5, "{speed}: {pressed} {back}");
+    }
 }

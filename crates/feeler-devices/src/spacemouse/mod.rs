@@ -96,6 +96,10 @@ impl Device for SpaceMouse {
         #[cfg(unix)]
         self.reader.stop();
     }
+
+    fn is_rate_controlled(&self) -> bool {
+        true
+    }
 }
 
 #[cfg(test)]

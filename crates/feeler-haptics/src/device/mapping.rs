@@ -11,16 +11,20 @@
 //!   same whatever the scale, and the torque is divided by the scale, as arms are in the hand's world. All six powers
 //!   are then one factor of the tool's (`1 / scale`), and what is passive at the tool is passive at the hand. The hand
 //!   feels `scale` times the stiffness; that is why the coupling is limited to [`Mapping::info_in_world`].
+//! - **Rate control.** A device whose cap springs back tells velocities, and its pose is their sum. The tool then stays within what
+//!   the velocity takes it in 10 ms of the proxy: pushed into a wall for long, it comes back at once.
 //! - **Border.** A soft wall inside the workspace's border pushes the hand back, gently, before the mechanism does it
 //!   hard. Nothing drifts: the tool moves only when the hand does, which is what one relies on when clearances are
 //!   judged, and the clutch gives room.
 
-use feeler_core::geometry::screw::{pose_of, product, times, transposed, Matrix, Twist, Wrench};
-use feeler_core::geometry::vectors::{add, scaled, sub};
+use feeler_core::geometry::screw::{
+    displaced, displacement, pose_of, product, times, transposed, Matrix, Twist, Wrench,
+};
+use feeler_core::geometry::vectors::{add, length, scaled, sub};
 use feeler_core::{Point, Pose};
 
 use super::{DeviceInfo, DeviceState};
-use crate::constants::{SCALES, WALL_DEPTH, WALL_FORCE_SHARE, WALL_SHARE};
+use crate::constants::{LEAD_S, SCALES, WALL_DEPTH, WALL_FORCE_SHARE, WALL_SHARE};
 use crate::error::{Error, Result};
 use crate::saturation::{added_within, saturated};
 
@@ -170,6 +174,20 @@ impl Mapping {
         if self.kept.is_some() {
             self.kept = Some(*world_from_tool);
         }
+    }
+
+    /// Re-indexes where the tool is farther from the proxy than its velocity (`twist`, as of [`Mapped`]) takes it in [`LEAD_S`].
+    pub fn keep_near(&mut self, proxy: &Pose, twist: &Twist) -> Result<()> {
+        let ahead = displacement(proxy, &self.tool()?, &[0.0; 3]);
+        let share = |ahead: &Point, speed: &Point| (LEAD_S * length(speed) / length(ahead)).min(1.0);
+        let (linear, angular) = (share(&ahead.linear, &twist.linear), share(&ahead.angular, &twist.angular));
+        // Nothing ahead is no share.
+        if linear < 1.0 || angular < 1.0 {
+            let left = |ahead: &Point, share: f64| if share < 1.0 { scaled(ahead, share) } else { *ahead };
+            let near = Twist { linear: left(&ahead.linear, linear), angular: left(&ahead.angular, angular) };
+            self.set_tool(&displaced(proxy, &near, &[0.0; 3])?);
+        }
+        Ok(())
     }
 
     /// The wrench for the device, at the handle's origin, device axes, within the device's bounds, of a wrench at the

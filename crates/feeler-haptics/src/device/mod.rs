@@ -162,6 +162,11 @@ pub trait Device: Send {
 
     /// Lets go of the force, whatever else fails. Called when a session ends; also by dropping the device.
     fn release(&mut self);
+
+    /// Whether the hand sets a velocity and the pose is its sum. The tool then stays near the proxy, so that it comes back at once.
+    fn is_rate_controlled(&self) -> bool {
+        false
+    }
 }
 
 impl<D: Device + ?Sized> Device for Box<D> {
@@ -179,5 +184,9 @@ impl<D: Device + ?Sized> Device for Box<D> {
 
     fn release(&mut self) {
         (**self).release();
+    }
+
+    fn is_rate_controlled(&self) -> bool {
+        (**self).is_rate_controlled()
     }
 }

@@ -133,6 +133,10 @@ impl ServoSide {
         }
         let is_clutched = mapped.is_some_and(|mapped| mapped.is_clutched);
         let output = self.answer(mapped.as_ref(), now, dt);
+        if let Some(twist) = mapped.and_then(|mapped| mapped.twist).filter(|_| self.is_rate_controlled()) {
+            // Beyond the coordinate limit it stays as it is.
+            let _ = self.mapping.keep_near(&output.proxy, &twist);
+        }
         self.write(&output, now);
         self.show(&output, mapped.as_ref(), is_clutched, now);
         self.count(&output, now);
@@ -196,6 +200,10 @@ impl ServoSide {
             output.mode = Mode::Doubt;
         }
         output
+    }
+
+    fn is_rate_controlled(&self) -> bool {
+        self.device.0.as_ref().is_some_and(|device| device.is_rate_controlled())
     }
 
     /// In doubt nothing is sent but zero, not even a soft wall.
