@@ -38,7 +38,7 @@ export PYO3_PYTHON := $(CURDIR)/$(PY)
 unexport CONDA_PREFIX PYTHONHOME
 
 # The Rust crates that others may depend on; the rest has `publish = false`.
-PUBLISHED := feeler-lanes feeler-core feeler-contacts feeler-plan feeler-haptics feeler-devices
+PUBLISHED := feeler-lanes feeler-core feeler-contacts feeler-world feeler-plan feeler-haptics feeler-devices
 
 # In CI the lock file is law; at home cargo may bring it up to date with an edited Cargo.toml.
 LOCKED := $(if $(CI),--locked)

@@ -530,7 +530,9 @@ def test_unsafe_has_its_crates(layers: ModuleType, tmp_path: Path) -> None:
     }
 
 
-@pytest.mark.parametrize("crate", ["feeler-lanes", "feeler-core", "feeler-contacts", "feeler-plan", "feeler-haptics"])
+@pytest.mark.parametrize(
+    "crate", ["feeler-lanes", "feeler-core", "feeler-contacts", "feeler-world", "feeler-plan", "feeler-haptics"]
+)
 def test_pure_crates_read_no_clock(crate: str, layers: ModuleType, tmp_path: Path) -> None:
     crate_at(tmp_path, {"lib.rs": "const Q: char = '\"';\nuse std::time::Instant;\n"}, crate)
     crate_at(tmp_path, {"lib.rs": "use std::time::Instant;\n"}, "feeler-py")

@@ -29,6 +29,7 @@ CRATES = [
     "feeler-lanes",
     "feeler-core",
     "feeler-contacts",
+    "feeler-world",
     "feeler-plan",
     "feeler-haptics",
     "feeler-devices",
@@ -39,7 +40,7 @@ CRATES = [
 FOR_TESTS = {"feeler-shapes", "feeler-exact"}
 
 # No Python, clock, files, environment, network, processes, and nothing printed: whoever needs one passes it in.
-PURE = {"feeler-lanes", "feeler-core", "feeler-contacts", "feeler-plan", "feeler-haptics"}
+PURE = {"feeler-lanes", "feeler-core", "feeler-contacts", "feeler-world", "feeler-plan", "feeler-haptics"}
 PURE_MAY_NOT_DEPEND_ON = {"pyo3", "numpy", "tokio", "log", "tracing"}
 PURE_MAY_NOT_MENTION = {
     "pyo3": re.compile(r"\bpyo3\b"),
@@ -108,6 +109,13 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         # The mock-up against itself: the verdict on each pair of parts, and its depth.
         "clash": {*CONTACTS_BASE, "query", "escape", "solver", "point_depth"},
     },
+    "feeler-world": {
+        "error": set(),
+        # All bodies, asked as one.
+        "environment": {"error"},
+        # What is gripped, and what was put down.
+        "world": {"error", "environment"},
+    },
     "feeler-plan": {
         "constants": set(),
         "error": set(),
@@ -125,9 +133,7 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         "error": set(),
         # What one side hands to the other, and the pose that it allows.
         "constraint_set": HAPTICS_BASE,
-        "environment": HAPTICS_BASE,
-        "world": {*HAPTICS_BASE, "constraint_set", "environment"},
-        "proxy": {*HAPTICS_BASE, "coupling", "constraint_set", "environment", "world"},
+        "proxy": {*HAPTICS_BASE, "coupling", "constraint_set"},
         "saturation": HAPTICS_BASE,
         # A mapping bounds its wrenches as the force loop does.
         "device": {*HAPTICS_BASE, "saturation"},
@@ -140,7 +146,7 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         "servo": {*HAPTICS_BASE, "device", "coupling", "force", "velocity", "constraint_set"},
         "session": {
             *HAPTICS_BASE,
-            *("device", "coupling", "servo", "constraint_set", "environment", "world", "proxy"),
+            *("device", "coupling", "servo", "constraint_set", "proxy"),
         },
         # The same with threads, whose clock is passed in.
         "clock": set(),

@@ -6,6 +6,8 @@ use feeler_core::geometry::vectors::{add, dot, length, scaled, sub};
 use feeler_core::tool::metric::Metric;
 use feeler_core::{Point, Pose};
 
+pub use feeler_world::Plane;
+
 use crate::constants::{MOST_PLANES, MOST_ROWS, SOLVER_ROUNDS, SOLVER_STILL_SHARE};
 use crate::error::Result;
 
@@ -22,21 +24,6 @@ pub struct Row {
     pub id: u64,
     /// Whether it is to be off by the skin; a seat may stay as near as it is.
     pub has_skin: bool,
-}
-
-/// A plane of the contacts, for people and pictures.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Plane {
-    /// On the mock-up, world, metres.
-    pub point: Point,
-    /// Unit, from the mock-up to the tool.
-    pub normal: Point,
-    /// Distance of the tool at the pose where it was taken, metres.
-    pub gap: f64,
-    /// The part of the mock-up.
-    pub part: u32,
-    /// The same for the same two surfaces from tick to tick.
-    pub id: u64,
 }
 
 /// The contacts around the proxy at one moment. Of fixed size, so that it is handed over without allocating.

@@ -13,39 +13,9 @@ pub enum Error {
     /// A step before the start, or a grip while there is no proxy.
     #[error("the session has no proxy yet: call start() at a pose where the tool is free")]
     NotStarted,
-    /// A second grip.
-    #[error("the tool holds part {part} already: release it first")]
-    HoldsAlready {
-        /// What it holds.
-        part: u32,
-    },
-    /// A release without a grip.
-    #[error("the tool holds no part: grip one first")]
-    HoldsNothing,
-    /// A part cannot be put back since the tool is in its place.
-    #[error(
-        "part {part} cannot go back, the tool is in its place: move the tool away, or release the part where it is"
-    )]
-    PlaceIsTaken {
-        /// Which.
-        part: u32,
-    },
-    /// A part cannot be put back since the scene was given without it.
-    #[error("part {part} has no place to go back to: the scene was given without it. Release it where it is")]
-    HasNoPlace {
-        /// Which.
-        part: u32,
-    },
-    /// A part that is put down elsewhere twice, or as a scene that is not of one part.
-    #[error(
-        "part {part} is put down twice, or as a scene of {parts} parts: give it once, as a scene of that part alone"
-    )]
-    PutDown {
-        /// Which.
-        part: u32,
-        /// Of its scene.
-        parts: usize,
-    },
+    /// From what is gripped, put down and put back.
+    #[error(transparent)]
+    World(feeler_world::Error),
     /// A wish to a run that has ended.
     #[error("the run has ended: start another")]
     Ended,
@@ -71,6 +41,15 @@ pub enum Error {
         /// What it may be, in words.
         range: &'static str,
     },
+}
+
+impl From<feeler_world::Error> for Error {
+    fn from(error: feeler_world::Error) -> Error {
+        match error {
+            feeler_world::Error::Core(error) => Error::Core(error),
+            error => Error::World(error),
+        }
+    }
 }
 
 /// Of this crate.

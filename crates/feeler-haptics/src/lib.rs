@@ -43,7 +43,6 @@ mod constants;
 pub mod constraint_set;
 mod coupling;
 pub mod device;
-pub mod environment;
 mod error;
 mod force;
 mod passivity;
@@ -55,13 +54,13 @@ mod session;
 mod stability;
 pub mod statistics;
 mod velocity;
-pub mod world;
 
 pub use clock::Clock;
 pub use coupling::Coupling;
 pub use error::{Error, Result};
 pub use feeler_core::geometry::{least_distance, screw};
 pub use feeler_core::tool::metric;
+pub use feeler_world::{PutDown, World};
 pub use force::{ForceInput, ForceLoop};
 pub use passivity::Passivity;
 pub use runner::{Runner, RunnerOptions};
@@ -71,7 +70,6 @@ pub use session::{Session, SessionOptions, Start, Step};
 pub use stability::{Bound, Limitation, Limitations};
 pub use statistics::Statistics;
 pub use velocity::VelocityEstimate;
-pub use world::PutDown;
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

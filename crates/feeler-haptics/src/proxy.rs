@@ -11,6 +11,7 @@ use feeler_core::geometry::screw::{displaced, displacement};
 use feeler_core::geometry::vectors::{dot, length, sub, unit};
 use feeler_core::tool::metric::Metric;
 use feeler_core::{Motion, Point, Pose, Tool};
+use feeler_world::{Environment, Pair, Seat};
 
 use crate::constants::{
     ARC_SKINS, BACK_OFF_HALVINGS, BACK_OFF_SHARE, CAST_SHARE, CLEARANCE_SHARE, LARGEST_CAST_TOLERANCE,
@@ -20,9 +21,7 @@ use crate::constants::{
 };
 use crate::constraint_set::{ConstraintSet, NearestPose, Plane, Solver};
 use crate::coupling::Coupling;
-use crate::environment::{Environment, Pair};
 use crate::error::{Error, Result};
-use crate::world::Seat;
 
 /// How the proxy is kept off.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -415,8 +414,8 @@ mod tests {
     use feeler_shapes::{box_mesh, Arrays};
 
     use super::*;
-    use crate::environment::Body;
     use feeler_core::geometry::screw::{pose_of, rotation_of, rotation_vector};
+    use feeler_world::Body;
 
     fn environment((vertices, faces): Arrays) -> Environment {
         let mockup = Mockup::new(vertices, faces, vec![], 1).unwrap();

@@ -7,16 +7,15 @@ use feeler_core::geometry::screw::{displaced, displacement, Twist, Wrench};
 use feeler_core::geometry::vectors::scaled;
 use feeler_core::tool::metric::Metric;
 use feeler_core::{Point, Pose, Scene, Tool};
+use feeler_world::{Body, PutDown, World};
 
 use crate::constants::{HELD_SHARE, LONGEST_TICK_S, RATE_SHARE, SHORTEST_TICK_S};
 use crate::constraint_set::{ConstraintSet, Plane};
 use crate::coupling::Coupling;
 use crate::device::{DeviceLimits, Freedoms};
-use crate::environment::Body;
 use crate::error::{Error, Result};
 use crate::proxy::{Advance, Proxy, ProxyOptions};
 use crate::servo::{Mode, Servo, ServoInput, ServoOutput};
-use crate::world::{PutDown, World};
 
 /// How a session is to be.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -5,12 +5,12 @@ use std::sync::Arc;
 
 use feeler_contacts::ContactSolver;
 use feeler_core::{Mockup, Point, Pose, Scene, SceneOptions, Tool};
-use feeler_haptics::environment::{Body, Environment};
 use feeler_haptics::metric::Metric;
 use feeler_haptics::proxy::{Proxy, ProxyOptions};
 use feeler_haptics::screw::{pose_of, rotation_of};
 use feeler_haptics::Coupling;
 use feeler_shapes::Arrays;
+use feeler_world::{Body, Environment};
 
 /// Radius of all fits, metres; depth of the holes, and the chamfers of pegs and holes.
 const RADIUS: f64 = 0.01;

@@ -16,6 +16,7 @@ use feeler_haptics::runner::{MappingOptions, RunnerOptions, Stopped, ThreadKind,
 use feeler_haptics::screw::Wrench;
 use feeler_haptics::{Clock, Error, Mode, Runner, SessionOptions, Start};
 use feeler_shapes::box_mesh;
+use feeler_world::Error as World;
 
 struct RealClock(Instant);
 
@@ -211,9 +212,9 @@ fn parts_are_taken_and_scenes_swapped_while_it_runs() {
     let mut runner = runner.map_err(|refused| refused.error).unwrap();
     until(&mut runner, |view| view.mode == Mode::Contact);
     assert_eq!(runner.take(1), Ok(()));
-    assert_eq!(runner.take(0), Err(Error::HoldsAlready { part: 1 }));
+    assert_eq!(runner.take(0), Err(Error::World(World::HoldsAlready { part: 1 })));
     assert_eq!(runner.put_down(), Ok(()));
-    assert_eq!(runner.put_down(), Err(Error::HoldsNothing));
+    assert_eq!(runner.put_down(), Err(Error::World(World::HoldsNothing)));
     assert!(matches!(runner.take(7), Err(Error::Core(_))));
     assert_eq!(runner.set_scene(sheet()), Ok(Start::Free));
     until(&mut runner, |view| view.mode == Mode::Contact);

@@ -8,6 +8,7 @@ use feeler_haptics::screw::{pose_of, rotation_of, rotation_vector, Wrench};
 use feeler_haptics::{Error, Mode, PutDown, Session, SessionOptions, Start, Step};
 use feeler_shapes::random::Random;
 use feeler_shapes::{ball, box_mesh, cylinder, joined, sheet, Arrays};
+use feeler_world::Error as World;
 use proptest::prelude::*;
 
 fn scene(parts: impl IntoIterator<Item = Arrays>) -> Arc<Scene> {
@@ -262,10 +263,10 @@ fn a_gripped_part_leaves_its_seat_and_is_kept_out_of_the_rest() {
         last.unwrap()
     };
     assert!(matches!(session.take(3), Err(Error::Core(_))));
-    assert_eq!(session.put_down(), Err(Error::HoldsNothing));
+    assert_eq!(session.put_down(), Err(Error::World(World::HoldsNothing)));
     let before = go(&mut session, [0.0; 3], [0.0; 3]).wrench;
     session.take(1).unwrap();
-    assert_eq!(session.take(2), Err(Error::HoldsAlready { part: 1 }));
+    assert_eq!(session.take(2), Err(Error::World(World::HoldsAlready { part: 1 })));
     let after = step(&mut session, &Pose::IDENTITY);
     assert!(length(&sub(&after.wrench.force, &before.force)) < 1e-3, "{before:?} {after:?}");
     // Down it does not go: the seat holds it, though the plate is not asked.
@@ -350,7 +351,7 @@ fn a_part_that_lies_elsewhere_from_the_beginning_is_felt_there_as_in_its_place()
     elsewhere.start(&shifted(&way(0))).unwrap();
     elsewhere.take(1).unwrap();
     assert!(elsewhere.world().moved().next().is_none());
-    assert_eq!(elsewhere.put_back(), Err(Error::HasNoPlace { part: 1 }));
+    assert_eq!(elsewhere.put_back(), Err(Error::World(World::HasNoPlace { part: 1 })));
     elsewhere.set_scene(mockup.clone()).unwrap();
     elsewhere.take(1).unwrap();
     elsewhere.put_back().unwrap();
@@ -367,10 +368,13 @@ fn what_lies_elsewhere_is_one_part_of_the_mockup_once() {
     };
     let part = |part, scene| PutDown { part, scene };
     assert!(matches!(refused(vec![part(2, alone())]), Some(Error::Core(_))));
-    assert_eq!(refused(vec![part(0, mockup.clone())]), Some(Error::PutDown { part: 0, parts: 2 }));
-    assert_eq!(refused(vec![part(1, alone()), part(1, alone())]), Some(Error::PutDown { part: 1, parts: 1 }));
+    assert_eq!(refused(vec![part(0, mockup.clone())]), Some(Error::World(World::PutDown { part: 0, parts: 2 })));
+    assert_eq!(
+        refused(vec![part(1, alone()), part(1, alone())]),
+        Some(Error::World(World::PutDown { part: 1, parts: 1 }))
+    );
     let gone = Arc::new(alone().without(&[0]).unwrap());
-    assert_eq!(refused(vec![part(0, gone)]), Some(Error::PutDown { part: 0, parts: 1 }));
+    assert_eq!(refused(vec![part(0, gone)]), Some(Error::World(World::PutDown { part: 0, parts: 1 })));
     assert_eq!(refused(vec![part(1, alone()), part(0, alone())]), None);
     // Another mock-up, that has no such part, changes nothing.
     let options = SessionOptions::default();

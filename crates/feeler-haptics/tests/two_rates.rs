@@ -220,10 +220,13 @@ fn a_start_in_collision_has_no_force_until_the_device_is_free() {
     assert!(largest(views) > 0.5);
 }
 
+/// Of a cap, by the time: metres a second, seconds.
+type Speed = fn(f64) -> f64;
+
 /// A cap that springs back: its deflection is a velocity down the z axis, by the time.
 struct Cap {
     info: DeviceInfo,
-    speed: fn(f64) -> f64,
+    speed: Speed,
     z: f64,
     last: f64,
 }
@@ -257,7 +260,7 @@ fn a_rate_device_that_was_pushed_into_a_wall_comes_back_at_once() {
     let nothing = Freedoms::default();
     let info = DeviceInfo { driven: nothing, workspace: [0.0; 3], ..SimulatedOptions::desktop_6dof().info };
     // A slow and a fast push of 5 s, then back at the same speed, and at a tenth of it.
-    let caps: [(f64, fn(f64) -> f64); 3] = [
+    let caps: [(f64, Speed); 3] = [
         (0.2, |t| if t < 5.0 { -0.2 } else { 0.2 }),
         (0.01, |t| if t < 5.0 { -0.01 } else { 0.01 }),
         (0.1, |t| if t < 5.0 { -0.1 } else { 0.01 }),

@@ -11,8 +11,7 @@ use feeler_core::geometry::screw::{times, transposed};
 use feeler_core::geometry::vectors::{dot, sub};
 use feeler_core::{IgnoredPairs, Mockup, Point, Pose, Scene, SceneOptions, Tool};
 
-use crate::constraint_set::Plane;
-use crate::environment::{Body, Environment};
+use crate::environment::{Body, Environment, Plane};
 use crate::error::{Error, Result};
 
 /// A plane of a seat: the neighbour's surface, and points of the tool that are on it.

@@ -30,6 +30,21 @@ pub struct Impact {
     pub pair: Pair,
 }
 
+/// A plane of the contacts.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Plane {
+    /// On the mock-up, world, metres.
+    pub point: Point,
+    /// Unit, from the mock-up to the tool.
+    pub normal: Point,
+    /// Distance of the tool at the pose where it was taken, metres.
+    pub gap: f64,
+    /// The part of the mock-up.
+    pub part: u32,
+    /// The same for the same two surfaces from pose to pose.
+    pub id: u64,
+}
+
 /// A triangle of the tool and one of a body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Pair {
