@@ -201,6 +201,9 @@ pub const LEAD_S: f64 = 0.01;
 
 // The servo side.
 
+/// How far (metres) the tool may move between two sets where nothing is nearer: 1 m/s at 10 sets a second. Larger: longer searches.
+pub const FREE_MARGIN: f64 = 0.1;
+
 /// Share of a set's margin that the proxy may move between two sets: what is left is for the arcs of turning points.
 pub const BOUND_SHARE: f64 = 0.95;
 

@@ -14,7 +14,7 @@ use feeler_core::{Motion, Point, Pose, Tool};
 use feeler_world::{Environment, Pair, Seat};
 
 use crate::constants::{
-    ARC_SKINS, BACK_OFF_HALVINGS, BACK_OFF_SHARE, CAST_SHARE, CLEARANCE_SHARE, LARGEST_CAST_TOLERANCE,
+    ARC_SKINS, BACK_OFF_HALVINGS, BACK_OFF_SHARE, CAST_SHARE, CLEARANCE_SHARE, FREE_MARGIN, LARGEST_CAST_TOLERANCE,
     LEAST_CAST_TOLERANCE, LEAST_MARGIN, LEAST_TRUST, LIFT_SHARE, MOST_BLOCKERS, MOST_LIFT, MOST_PATIENCE, SEAT_SLACK,
     SKINS_IN_MARGIN, SKIN_GROWTH, SKIN_HALVINGS, SKIN_LIFT, SQUEEZE_GAIN, SQUEEZE_SHARE, STILL_SHARE, STRIDES,
     STRIDE_DECAY, STUCK_SHARE, TRUST_GROWTH,
@@ -331,6 +331,11 @@ impl Proxy {
         environment.manifolds(tool, pose, margin, &mut self.manifolds)?;
         let number = self.set.number + 1;
         self.set.clear(pose, self.manifolds.margin);
+        if self.manifolds.manifolds.is_empty() {
+            // Nothing is near: the servo side may go on as far as there really is nothing.
+            let clearance = environment.distance(tool, pose, FREE_MARGIN)?.unwrap_or(FREE_MARGIN);
+            self.set.margin = self.set.margin.max(clearance);
+        }
         self.set.number = number;
         for manifold in &self.manifolds.manifolds {
             let plane = Plane {

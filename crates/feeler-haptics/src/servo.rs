@@ -116,11 +116,14 @@ impl Servo {
             _ if !self.solver.held().is_empty() => Mode::Contact,
             _ => Mode::Free,
         };
-        let found = self.device_velocity.update(&input.device, input.now);
-        let proxy_twist = self.proxy_velocity.update(&proxy, input.now);
+        // In the air it is where the device is, and moves as that: nothing is felt, not even rounding.
+        let proxy = if mode == Mode::Free { input.device } else { proxy };
+        let device_twist = input.device_twist.unwrap_or(self.device_velocity.update(&input.device, input.now));
+        let found = self.proxy_velocity.update(&proxy, input.now);
+        let proxy_twist = if mode == Mode::Free { device_twist } else { found };
         let wrench = self.force.step(&ForceInput {
             device: input.device,
-            device_twist: input.device_twist.unwrap_or(found),
+            device_twist,
             proxy,
             proxy_twist,
             centre: self.centre,

@@ -152,6 +152,29 @@ fn the_force_is_the_same_by_any_clock() {
 }
 
 #[test]
+fn in_the_air_nothing_at_all_is_felt() {
+    let plate = scene([box_mesh([0.0, 0.0, -0.01], [0.4, 0.4, 0.02], 4)]);
+    let block = tool(box_mesh([0.0; 3], [0.03, 0.04, 0.05], 2));
+    for (hz, speed) in [(None, 3.0), (Some(100.0), 1.0), (Some(100.0), 0.3), (Some(10.0), 0.6)] {
+        let options = SessionOptions { collision_hz: hz, ..Default::default() };
+        let path = |t: f64| at([speed * t - 0.3, 0.02 * (20.0 * t).sin(), 0.5], [0.3 * (9.0 * t).sin(), t, 0.0]);
+        let mut session = begun(&plate, &block, &path(0.0), options);
+        for k in 0..500 {
+            let now = step(&mut session, &path(0.001 * f64::from(k)));
+            assert_eq!((now.wrench, now.mode), (Wrench::ZERO, Mode::Free), "{hz:?} {speed} {k}");
+        }
+    }
+    // Near the plate it is as far as that between two sets.
+    let options = SessionOptions { collision_hz: Some(10.0), ..Default::default() };
+    let mut session = begun(&plate, &block, &at([0.0, 0.0, 0.095], [0.0; 3]), options);
+    for k in 0..99 {
+        step(&mut session, &at([0.0, 0.0, 0.095 - 0.001 * f64::from(k)], [0.0; 3]));
+        let set = session.constraints().unwrap();
+        assert!(set.rows().is_empty() && set.margin > 0.06 && set.margin <= 0.07, "{k} {}", set.margin);
+    }
+}
+
+#[test]
 fn sliding_over_a_cylinder_and_along_a_flat_face_is_smooth() {
     // The force changes by at most 2 % a tick, and by no more than a facet's angle in direction.
     let n = 64;

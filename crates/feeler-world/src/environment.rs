@@ -98,6 +98,16 @@ impl Environment {
         Ok(first)
     }
 
+    /// The least distance, where that is less than `within`, metres.
+    pub fn distance(&self, tool: &Tool, pose: &Pose, within: f64) -> Result<Option<f64>> {
+        let mut least = None;
+        for body in &self.bodies {
+            let gap = body.solver.scene().closest(tool, pose, least.unwrap_or(within))?;
+            least = gap.map(|gap| gap.distance).or(least);
+        }
+        Ok(least)
+    }
+
     /// Whether any triangles meet, exactly.
     pub fn is_colliding(&self, tool: &Tool, pose: &Pose) -> bool {
         self.bodies.iter().any(|body| body.solver.scene().is_colliding(tool, pose))
