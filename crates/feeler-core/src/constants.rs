@@ -295,9 +295,12 @@ pub const WELD_SHARE: f64 = 1.0 / (1 << 19) as f64;
 
 // --- Topology of meshes: seams, cracks, smooth regions and convex bodies ---
 
-/// Parts with more than one border edge in so many edges are loose triangles, of which seams and cracks are not sought. Larger: fewer
-/// torn meshes are closed; smaller: soups of triangles take longer to load.
+/// Parts with more than one border edge in so many edges, once seams are closed, are loose triangles, of which cracks are not sought
+/// unless they are few. Larger: fewer torn meshes are closed; smaller: soups of triangles take longer to load.
 pub(crate) const EDGES_PER_OPEN_EDGE: usize = 2;
+
+/// Border edges of a part up to which cracks are sought however loose its triangles are: about 20 ms. Larger: as above.
+pub(crate) const LOOSE_EDGES_TRIED: usize = 4096;
 
 /// Angle (radians) around an edge up to which two triangles coincide: above rounding. Larger: thin wedges that touch are mixed up.
 pub(crate) const SAME_ANGLE: f64 = 1e-9;

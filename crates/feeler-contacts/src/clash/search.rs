@@ -173,8 +173,7 @@ impl<'a> ClashSearch<'a> {
     pub fn measure(&mut self, progress: Progress<'_>) -> Result<Vec<Clash>> {
         let is_stopped = !progress(0.0, STAGE);
         let adjacency = (!is_stopped).then(|| self.scene().mockup().adjacency());
-        let is_open =
-            |parts: [u32; 2]| parts.map(|part| adjacency.is_some_and(|adjacency| adjacency.shells_of(part).is_empty()));
+        let is_open = |parts: [u32; 2]| parts.map(|part| adjacency.is_some_and(|adjacency| adjacency.is_open(part)));
         self.is_measuring = !is_stopped;
         let mut rows = Vec::new();
         let mut deep: BTreeMap<u32, Vec<Related>> = BTreeMap::new();
@@ -234,7 +233,7 @@ impl<'a> ClashSearch<'a> {
         } else {
             point_depth([&a, &b])
         };
-        let kind = if a.is_closed() && b.is_closed() { DepthKind::Measured } else { DepthKind::Estimate };
+        let kind = if is_open == [false; 2] { DepthKind::Measured } else { DepthKind::Estimate };
         if is_measured && verdict == Some(Verdict::Contact) {
             let met = pair.meeting();
             return Ok(self.shallow(parts, by_points, kind, &met, part != parts[0], is_open));

@@ -49,7 +49,7 @@ pub(crate) fn depths(scene: &Scene, bodies: &Bodies, tool: &Tool, pose: &Pose) -
                 closest_triangle_triangle(&pose.apply_triangle(&tool.mesh().triangle(t)), &mockup.mesh().triangle(m));
             Some([closest.on_p, closest.on_q])
         });
-        let is_measured = tool_body.is_closed() && body.is_closed();
+        let is_measured = !tool.adjacency().is_open(tool_part) && !mockup.adjacency().is_open(part);
         let new = PartDepth {
             part,
             tool_part,

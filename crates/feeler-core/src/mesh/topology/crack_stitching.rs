@@ -6,9 +6,9 @@
 
 use std::collections::HashMap;
 
-use crate::constants::{CRACK_AREA, CRACK_SAMPLES, CRACK_WIDTH, MOST_EDGES_NEAR};
+use crate::constants::{CRACK_AREA, CRACK_SAMPLES, CRACK_WIDTH, MOST_EDGES_NEAR, WELD_SHARE};
 use crate::geometry::bounds::{Aabb, Point};
-use crate::geometry::vectors::{along, cross, dot, length, scaled, square_to_segment, sub};
+use crate::geometry::vectors::{add, along, cross, dot, length, scaled, square_to_segment, sub};
 use crate::mesh::topology::disjoint_sets::DisjointSets;
 use crate::mesh::topology::edges::Edge;
 use crate::mesh::triangle_mesh::Mesh;
@@ -48,15 +48,18 @@ pub fn close_cracks(
     for (edge, across) in border.iter().zip(&across) {
         across.iter().for_each(|a| surfaces.join(edge.triangle, border[a.other].triangle));
     }
-    // For each surface with a border the area of its cracks, infinite where something else opens it, and its own area.
-    let mut areas: HashMap<u32, (f64, f64)> = HashMap::new();
+    // For each surface with a border the area of its cracks, infinite where something else opens it, its own area, and the sum of its
+    // triangles' area vectors, which is none of a closed surface.
+    let mut areas: HashMap<u32, (f64, f64, Point)> = HashMap::new();
     for (edge, across) in border.iter().zip(&across) {
         areas.entry(surfaces.of(edge.triangle)).or_default().0 += across.map_or(f64::INFINITY, |a| a.area);
     }
     for t in mesh.queried() {
-        if let Some((cracks, own)) = areas.get_mut(&surfaces.of(t)) {
+        if let Some((cracks, own, sum)) = areas.get_mut(&surfaces.of(t)) {
             let [a, b, c] = mesh.triangle(t).map(|p| in_cube(&p, &bounds[part_of_face(t) as usize]));
-            *own += 0.5 * length(&cross(&sub(&b, &a), &sub(&c, &a)));
+            let vector = scaled(&cross(&sub(&b, &a), &sub(&c, &a)), 0.5);
+            *own += length(&vector);
+            *sum = add(sum, &vector);
             if !closed[t as usize] {
                 *cracks = f64::INFINITY;
             }
@@ -65,9 +68,9 @@ pub fn close_cracks(
     let mut is_any = false;
     let mut left = Vec::new();
     for (edge, across) in border.iter().zip(&across) {
-        let (cracks, own) = areas[&surfaces.of(edge.triangle)];
+        let (cracks, own, sum) = areas[&surfaces.of(edge.triangle)];
         match across {
-            Some(a) if cracks <= CRACK_AREA * own => {
+            Some(a) if cracks <= CRACK_AREA * own && length(&sum) <= cracks + WELD_SHARE * own => {
                 neighbours[edge.triangle as usize][usize::from(edge.side)] = border[a.other].triangle;
                 is_any = true;
             }
@@ -207,6 +210,25 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn few_triangles_may_all_have_borders() {
+        // Hardly two sides are cut alike, and most edges are borders.
+        let sides =
+            || box_sides([0.0; 3], [1.0, 0.7, 0.4], |side| [[1, 1], [2, 1], [1, 3], [2, 3], [1, 2], [3, 2]][side]);
+        assert!(is_closed(&joined(sides())));
+        // A wall across it belongs to no solid: both ends of its edges would run along the sides.
+        let wall = sheet(7, 5, |s, t| [0.0, 0.7 * (s - 0.5), 0.4 * (t - 0.5)]);
+        let halves = [-0.25, 0.25].map(|x| {
+            let of = box_sides([x, 0.0, 0.0], [0.5, 0.7, 0.4], |side| {
+                [2 + side % 3, 2 + side / 2].map(|n| if x > 0.0 { 3 * n + 2 } else { n })
+            });
+            let is_between = |p: &Point| p[0] == 0.0;
+            joined(of.into_iter().filter(|side| !side.0.iter().all(is_between)))
+        });
+        assert!(is_closed(&joined(halves.clone())));
+        assert!(!is_closed(&joined(halves.into_iter().chain([wall]))));
     }
 
     #[test]

@@ -127,20 +127,31 @@ pub fn pair_around(mesh: &Mesh, same: &[Edge]) -> Vec<[usize; 2]> {
     pairs
 }
 
-/// Takes those half-edges out of a list with the same ends whose triangles coincide, with opposite windings.
-pub fn take_doubles(mesh: &Mesh, same: &mut Vec<Edge>) -> Vec<Edge> {
-    let third = |edge: &Edge| edge.corners(mesh)[2].map(|x| (x + 0.0).to_bits());
-    let mut by_third: Vec<([u64; 3], Edge)> = same.iter().map(|edge| (third(edge), *edge)).collect();
-    by_third.sort_by_key(|(third, edge)| (*third, edge.up, edge.triangle));
-    let mut doubles = Vec::new();
-    same.clear();
-    for of in by_third.chunk_by(|x, y| x.0 == y.0) {
-        let (down, up) = of.split_at(of.partition_point(|(_, edge)| !edge.up));
+/// The number of a corner: the same for corners that are one.
+pub type Corner = u32;
+
+/// Takes those half-edges out of a list with the same ends whose triangles coincide, with opposite windings. Each comes with the third
+/// corner of its triangle.
+pub fn take_doubles(same: &mut Vec<(Edge, Corner)>) -> Vec<(Edge, Corner)> {
+    same.sort_by_key(|(edge, third)| (*third, edge.up, edge.triangle));
+    let (mut doubles, mut rest) = (Vec::new(), Vec::new());
+    for of in same.chunk_by(|x, y| x.1 == y.1) {
+        let (down, up) = of.split_at(of.partition_point(|(edge, _)| !edge.up));
         let count = down.len().min(up.len());
-        doubles.extend(down[..count].iter().chain(&up[..count]).map(|(_, edge)| *edge));
-        same.extend(down[count..].iter().chain(&up[count..]).map(|(_, edge)| *edge));
+        doubles.extend(down[..count].iter().chain(&up[..count]));
+        rest.extend(down[count..].iter().chain(&up[count..]));
     }
+    *same = rest;
     doubles
+}
+
+/// Takes those half-edges out of such a list whose triangles coincide with an earlier one, with the same winding.
+pub fn take_copies(same: &mut Vec<(Edge, Corner)>) -> Vec<(Edge, Corner)> {
+    let key = |(edge, third): &(Edge, Corner)| (*third, edge.up);
+    same.sort_by_key(|each| (key(each), each.0.triangle));
+    let copies = same.windows(2).filter(|two| key(&two[0]) == key(&two[1])).map(|two| two[1]).collect();
+    same.dedup_by_key(|each| key(each));
+    copies
 }
 
 #[cfg(test)]
@@ -196,14 +207,24 @@ mod tests {
     }
 
     #[test]
-    fn doubles_are_taken_out_two_by_two() {
-        let (mesh, edges) =
-            around(&[(10.0, false), (80.0, true), (80.0, false), (80.0, true), (200.0, false), (300.0, true)]);
-        let mut same = edges.clone();
-        let doubles: Vec<u32> = take_doubles(&mesh, &mut same).iter().map(|edge| edge.triangle).collect();
-        assert_eq!(doubles, [2, 1]);
-        let mut rest: Vec<u32> = same.iter().map(|edge| edge.triangle).collect();
-        rest.sort_unstable();
-        assert_eq!(rest, [0, 3, 4, 5]);
+    fn doubles_are_taken_out_two_by_two_and_copies_one_by_one() {
+        let (mesh, edges) = around(
+            &[10.0, 80.0, 80.0, 80.0, 200.0, 300.0, 200.0]
+                .map(|a| (a, a == 300.0))
+                .into_iter()
+                .enumerate()
+                .map(|(i, (a, up))| (a, up || i == 1 || i == 3))
+                .collect::<Vec<_>>(),
+        );
+        let number = |edge: Edge| {
+            let third = edge.corners(&mesh)[2];
+            (edge, mesh.vertices().iter().position(|p| *p == third).unwrap() as Corner)
+        };
+        let mut same: Vec<(Edge, Corner)> = edges.into_iter().map(number).collect();
+        let triangles = |some: &[(Edge, Corner)]| some.iter().map(|(edge, _)| edge.triangle).collect::<Vec<u32>>();
+        assert_eq!(triangles(&take_doubles(&mut same)), [2, 1]);
+        assert_eq!(triangles(&same), [0, 3, 4, 6, 5]);
+        assert_eq!(triangles(&take_copies(&mut same)), [6]);
+        assert_eq!(triangles(&same), [0, 3, 4, 5]);
     }
 }
