@@ -259,12 +259,12 @@ impl ForceLoop {
 }
 
 /// But for the rounding of a rate and of differences of times.
-fn is_tick(dt: f64) -> bool {
+pub(crate) fn is_tick(dt: f64) -> bool {
     ((1.0 - 1e-9) * SHORTEST_TICK_S..=(1.0 + 1e-9) * LONGEST_TICK_S).contains(&dt)
 }
 
 /// From one vector towards another, by at most `most`.
-fn slewed(from: &Point, to: &Point, most: f64) -> Point {
+pub(crate) fn slewed(from: &Point, to: &Point, most: f64) -> Point {
     let change = sub(to, from);
     let size = length(&change);
     if size > most {

@@ -2,6 +2,8 @@
 
 mod common;
 
+use std::sync::{Arc, Mutex};
+
 use common::*;
 use feeler_core::geometry::vectors::length;
 use feeler_haptics::device::faulty::{Fault, Faulty};
@@ -275,4 +277,48 @@ fn a_rate_device_that_was_pushed_into_a_wall_comes_back_at_once() {
         let back = drive.run(20, always, always).last().unwrap().proxy.translation()[2];
         assert!((pressed - 0.025).abs() < 1e-4 && back > pressed + 1e-5, "{speed}: {pressed} {back}");
     }
+}
+
+/// A handle that is thrown to the border of its workspace and held there, and what it was sent.
+struct Thrown {
+    info: DeviceInfo,
+    sent: Arc<Mutex<Vec<f64>>>,
+}
+
+impl Device for Thrown {
+    fn info(&self) -> &DeviceInfo {
+        &self.info
+    }
+
+    fn read(&mut self, now: f64) -> Result<DeviceState, DeviceError> {
+        let z = (10.0 * (now - 0.3)).clamp(0.0, 0.98 * self.info.workspace[2]);
+        Ok(DeviceState { pose: at([0.0, 0.0, z], [0.0; 3]), twist: None, buttons: 0, time: now })
+    }
+
+    fn write(&mut self, wrench: &Wrench, _: f64) -> Result<(), DeviceError> {
+        self.sent.lock().unwrap().push(wrench.force[2]);
+        Ok(())
+    }
+
+    fn release(&mut self) {}
+}
+
+#[test]
+fn the_border_of_the_workspace_comes_and_returns_gently() {
+    let sent = Arc::new(Mutex::new(Vec::new()));
+    let info = SimulatedOptions::desktop_6dof().info;
+    let device = Faulty::new(Thrown { info: info.clone(), sent: sent.clone() }, Fault::Silent, 0.8, 0.9).unwrap();
+    let mut drive = Drive::new(started(plate(), SessionOptions::default()), device);
+    drive.run(1500, always, always);
+    let slew = drive.sides.servo.coupling().0.slew_n_per_s;
+    let sent = sent.lock().unwrap();
+    let held = sent[1499];
+    assert!(held < -0.05 * info.limits.force_n, "{held}");
+    for (k, both) in sent.windows(2).enumerate() {
+        let change = both[1] - both[0];
+        assert!(change >= -slew * TICK - 1e-9 && (change <= 1e-9 || both[1] == 0.0), "{k}: {both:?}");
+    }
+    // After the silence it grows from nothing in a fifth of a second.
+    let first = sent.iter().skip(870).position(|force| *force < 0.0).unwrap() + 870;
+    assert!(sent[855..first].iter().all(|force| *force == 0.0) && sent[first + 20] > 0.2 * held, "{first}");
 }

@@ -194,6 +194,11 @@ impl Mapping {
     /// tool frame's origin, world axes. The soft wall is in it, and nothing else while the clutch is held. What is not
     /// finite is zero.
     pub fn wrench_on_hand(&self, wrench: &Wrench) -> Wrench {
+        self.wrench_with_wall(wrench, &self.wall())
+    }
+
+    /// The same with a soft wall of a given force, device axes.
+    pub(crate) fn wrench_with_wall(&self, wrench: &Wrench, wall: &Point) -> Wrench {
         if !wrench.is_finite() {
             return Wrench::ZERO;
         }
@@ -205,12 +210,12 @@ impl Mapping {
         let kept = |is: bool, v: Point| if is && self.kept.is_none() { v } else { [0.0; 3] };
         let felt = Wrench { force: kept(driven.translation, force), torque: kept(driven.rotation, torque) };
         let felt = saturated(&felt, limits.force_n, limits.torque_nm);
-        let wall = Wrench { force: self.wall(), torque: [0.0; 3] };
+        let wall = Wrench { force: *wall, torque: [0.0; 3] };
         added_within(&felt, &wall, limits.force_n, limits.torque_nm)
     }
 
     /// The soft wall's force on the hand, device axes.
-    fn wall(&self) -> Point {
+    pub(crate) fn wall(&self) -> Point {
         let place = self.handle.translation();
         std::array::from_fn(|axis| {
             let Wall { from, stiffness, most } = self.walls[axis];

@@ -2,18 +2,20 @@
 //! allocates nothing unless the device fails.
 
 use feeler_core::geometry::screw::Wrench;
+use feeler_core::geometry::vectors::scaled;
 use feeler_core::{Point, Pose};
 use rtrb::Producer;
 use triple_buffer::{Input, Output};
 
 use super::exchange::{Handed, Target, View};
 use super::trace::TraceTick;
-use crate::constants::{SILENT_PERIODS, SILENT_S, STATISTICS_PERIOD_S, VIEW_PLANES};
+use crate::constants::{RETURN_S, SILENT_PERIODS, SILENT_S, STATISTICS_PERIOD_S, VIEW_PLANES};
 use crate::constraint_set::Plane;
 use crate::coupling::Coupling;
 use crate::device::mapping::{Mapped, Mapping};
 use crate::device::{Device, DeviceError, DeviceState};
 use crate::error::{Error, Result};
+use crate::force::{is_tick, slewed};
 use crate::servo::{Mode, Servo, ServoInput, ServoOutput};
 use crate::stability::Limitations;
 use crate::statistics::ServoRecord;
@@ -38,6 +40,22 @@ pub(super) struct ServoEnds {
     pub trace: Producer<TraceTick>,
 }
 
+/// The soft wall's force on the way to the hand: it grows from nothing after letting go, and changes by no more than the coupling's slew.
+#[derive(Debug, Clone, Copy, Default)]
+struct Border {
+    force: Point,
+    share: f64,
+}
+
+impl Border {
+    /// `wanted`: as the mapping has it. Seconds since the last tick.
+    fn step(&mut self, wanted: &Point, slew_n_per_s: f64, dt: f64) -> Point {
+        self.share = (self.share + dt / RETURN_S).min(1.0);
+        self.force = slewed(&self.force, &scaled(wanted, self.share), slew_n_per_s * dt);
+        self.force
+    }
+}
+
 /// What a servo side is to do.
 pub(super) struct Setting {
     pub mapping: Mapping,
@@ -59,6 +77,7 @@ pub struct ServoSide {
     is_absolute: bool,
     /// Where the tool is to be with the handle where it is told next.
     index_at: Option<Pose>,
+    border: Border,
     servo: Servo,
     limitations: Limitations,
     ends: ServoEnds,
@@ -91,6 +110,7 @@ impl ServoSide {
             mapping,
             is_absolute,
             index_at: (!is_absolute).then_some(start_pose),
+            border: Border::default(),
             servo,
             limitations,
             ends,
@@ -137,7 +157,7 @@ impl ServoSide {
             // Beyond the coordinate limit it stays as it is.
             let _ = self.mapping.keep_near(&output.proxy, &twist);
         }
-        self.write(&output, now);
+        self.write(&output, now, dt);
         self.show(&output, mapped.as_ref(), is_clutched, now);
         self.count(&output, now);
     }
@@ -207,10 +227,13 @@ impl ServoSide {
     }
 
     /// In doubt nothing is sent but zero, not even a soft wall.
-    fn write(&mut self, output: &ServoOutput, now: f64) {
-        let wrench = match output.mode {
-            Mode::Doubt => Wrench::ZERO,
-            _ => self.mapping.wrench_on_hand(&output.wrench),
+    fn write(&mut self, output: &ServoOutput, now: f64, dt: f64) {
+        let wrench = if output.mode == Mode::Doubt || !is_tick(dt) {
+            self.border = Border::default();
+            Wrench::ZERO
+        } else {
+            let wall = self.border.step(&self.mapping.wall(), self.servo.coupling().slew_n_per_s, dt);
+            self.mapping.wrench_with_wall(&output.wrench, &wall)
         };
         if let Some(Err(error)) = self.device.0.as_mut().map(|device| device.write(&wrench, now)) {
             self.fail(error);
