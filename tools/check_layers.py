@@ -153,7 +153,7 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         "statistics": HAPTICS_BASE,
         "runner": {
             *HAPTICS_BASE,
-            *("device", "coupling", "stability", "servo", "constraint_set", "session", "clock", "statistics"),
+            *("device", "coupling", "stability", "force", "servo", "constraint_set", "session", "clock", "statistics"),
         },
     },
     "feeler-devices": {
