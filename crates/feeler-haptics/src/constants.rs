@@ -149,10 +149,13 @@ pub const LONGEST_DELAY_TICKS: usize = 64;
 pub const SHORTEST_TICK_S: f64 = 1e-5;
 /// Longest tick (seconds) that is believed. Force that is held longer than this is not force that answers the hand any
 /// more.
-pub const LONGEST_TICK_S: f64 = 0.02;
-/// How many times longer or shorter than the ticks that its limits are of a session's may be before they are found anew. Smaller: with a
-/// clock that jitters the bounds of the damping change at every tick.
+pub const LONGEST_TICK_S: f64 = 0.05;
+/// How many times longer ticks may be than those that the coupling is limited for before its stiffness goes down; and a session's, also
+/// shorter, before its limits are found anew. Smaller: with a clock that jitters both change at every tick.
 pub const RATE_SHARE: f64 = 1.5;
+/// Time (seconds) over which ticks are averaged to know the rate. Longer, and the first slow ticks shake the hand; shorter, and one late
+/// tick makes a wall soft.
+pub const RATE_MEMORY_S: f64 = 0.05;
 /// Speed (metres a second) above which a device is taken to have jumped. Hands move at 3 m/s, and a device of 100 Hz
 /// tells ten ticks' motion at once.
 pub const JUMP_SPEED: f64 = 50.0;

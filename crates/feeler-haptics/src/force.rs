@@ -5,7 +5,8 @@ use feeler_core::geometry::vectors::{add, dot, length, scaled, sub};
 use feeler_core::{Point, Pose};
 
 use crate::constants::{
-    CONTROLLER_SHARE, JUMP_RATE, JUMP_SPEED, LONGEST_DELAY_TICKS, LONGEST_TICK_S, RETURN_S, SHORTEST_TICK_S,
+    CONTROLLER_SHARE, JUMP_RATE, JUMP_SPEED, LONGEST_DELAY_TICKS, LONGEST_TICK_S, RATE_MEMORY_S, RATE_SHARE, RETURN_S,
+    SHORTEST_TICK_S,
 };
 use crate::coupling::Coupling;
 use crate::device::{DeviceLimits, Freedoms};
@@ -40,8 +41,10 @@ pub struct ForceInput {
 ///   start and after letting go.
 /// - [`Passivity`]: over what was really sent, the device's delay counted. Its damping and the virtual damper together
 ///   stay below the device's own damping, and what would go over the bounds is left out.
+/// - Rate: where ticks are clearly longer than those that the coupling is limited for, its stiffness is that much less, as Colgate's
+///   bound is.
 /// - Slew: the length of the change of force, and of torque, is bounded.
-/// - Watchdog: zero at once where the input is in doubt, not finite, `dt` is not between 0.01 and 20 ms, or the device
+/// - Watchdog: zero at once where the input is in doubt, not finite, `dt` is not between 0.01 and 50 ms, or the device
 ///   has jumped (50 m/s, 1000 rad/s). Coming back goes through bounds and slew.
 ///
 /// Where torque is not driven, turning the tool about the handle changes the force at no cost, and a closed motion with
@@ -55,6 +58,9 @@ pub struct ForceLoop {
     limits: DeviceLimits,
     passivity: Passivity,
     delay_ticks: usize,
+    /// The tick that the coupling is limited for, and the mean of the last ones, seconds.
+    nominal_s: f64,
+    period_s: f64,
     /// The last wrenches, the newest at `newest`, round and round.
     sent: [Wrench; LONGEST_DELAY_TICKS + 1],
     newest: usize,
@@ -73,7 +79,7 @@ struct Last {
 impl ForceLoop {
     /// `coupling`: as it is to be felt, already [`limited`](Coupling::limited_at) to the device. `driven`: by the
     /// device. `limits`: of the device, in the coupling's world. `rate_hz`: of the loop. Errors where the coupling or
-    /// the limits are out of their ranges, or the rate is not that of ticks between 0.01 and 20 ms.
+    /// the limits are out of their ranges, or the rate is not that of ticks between 0.01 and 50 ms.
     pub fn new(coupling: Coupling, driven: Freedoms, limits: &DeviceLimits, rate_hz: f64) -> Result<ForceLoop> {
         let mut made = ForceLoop {
             coupling,
@@ -81,6 +87,8 @@ impl ForceLoop {
             limits: *limits,
             passivity: Passivity::new(0.0, 0.0, 0.0),
             delay_ticks: 0,
+            nominal_s: 0.0,
+            period_s: 0.0,
             sent: [Wrench::ZERO; LONGEST_DELAY_TICKS + 1],
             newest: 0,
             share: 1.0,
@@ -95,10 +103,11 @@ impl ForceLoop {
     /// those of [`new`](Self::new).
     pub fn set_rate(&mut self, limits: &DeviceLimits, rate_hz: f64) -> Result<()> {
         if !is_tick(1.0 / rate_hz) {
-            return Err(Error::Option { what: "rate_hz", value: rate_hz, range: "between 50 and 100000 Hz" });
+            return Err(Error::Option { what: "rate_hz", value: rate_hz, range: "between 20 and 100000 Hz" });
         }
         limits.check()?;
         self.limits = *limits;
+        (self.nominal_s, self.period_s) = (1.0 / rate_hz, 1.0 / rate_hz);
         self.delay_ticks = ((limits.delay_s.max(0.0) * rate_hz).round() as usize).min(LONGEST_DELAY_TICKS);
         self.bound_damping();
         Ok(())
@@ -202,7 +211,12 @@ impl ForceLoop {
             return None;
         }
         self.share = (self.share + input.dt / RETURN_S).min(1.0);
+        self.period_s += (input.dt - self.period_s) * (input.dt / RATE_MEMORY_S).min(1.0);
+        // What is held at the rate that is measured: less where that is clearly lower than it was to be.
+        let held = if self.period_s > RATE_SHARE * self.nominal_s { self.nominal_s / self.period_s } else { 1.0 };
         let coupling = Coupling {
+            stiffness_n_per_m: held * self.coupling.stiffness_n_per_m,
+            rotational_stiffness_nm_per_rad: held * self.coupling.rotational_stiffness_nm_per_rad,
             max_force_n: self.share * self.coupling.max_force_n,
             max_torque_nm: self.share * self.coupling.max_torque_nm,
             ..self.coupling

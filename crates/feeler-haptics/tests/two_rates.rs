@@ -13,6 +13,7 @@ use feeler_haptics::device::{Device, DeviceError, DeviceInfo, DeviceState, Freed
 use feeler_haptics::runner::{RunnerOptions, Sides, View};
 use feeler_haptics::screw::{displacement, Twist, Wrench};
 use feeler_haptics::{Mode, Session, SessionOptions};
+use feeler_shapes::random::Random;
 
 const TICK: f64 = 1e-3;
 
@@ -321,4 +322,31 @@ fn the_border_of_the_workspace_comes_and_returns_gently() {
     // After the silence it grows from nothing in a fifth of a second.
     let first = sent.iter().skip(870).position(|force| *force < 0.0).unwrap() + 870;
     assert!(sent[855..first].iter().all(|force| *force == 0.0) && sent[first + 20] > 0.2 * held, "{first}");
+}
+
+#[test]
+fn a_servo_side_that_falls_to_50_hz_does_not_shake_the_hand() {
+    let down = HandPath::new(vec![(0.0, at([0.0; 3], [0.0; 3])), (0.3, at([0.0, 0.0, -0.015], [0.0; 3]))]).unwrap();
+    for slowest in [0.015, 0.025, 0.04] {
+        let mut r = Random::new(1);
+        let session = started(plate(), SessionOptions::default());
+        let sides = Sides::new(session, Box::new(device(down.clone())), &RunnerOptions::default());
+        let Sides { mut collision, mut servo, mut watch } = sides.map_err(|refused| refused.error).unwrap();
+        let (mut now, mut felt) = (0.0, Vec::new());
+        while now < 4.0 {
+            // From a second on a slow and uneven computer, and later a fast one again.
+            now += if (1.0..3.0).contains(&now) { r.real(0.012, slowest) } else { TICK };
+            collision.tick(now);
+            servo.tick(now);
+            felt.push((now, watch.view().wrench.force[2]));
+        }
+        let between = |from: f64, to: f64| {
+            let forces = felt.iter().filter(|(t, _)| (from..to).contains(t)).map(|(_, force)| *force);
+            forces.fold([f64::INFINITY, 0.0f64], |[low, high], force| [low.min(force), high.max(force)])
+        };
+        let [low, high] = between(1.3, 3.0);
+        let [before, after] = [between(0.9, 1.0)[0], between(3.9, 4.0)[0]];
+        assert!(low > 0.1 && high - low < 0.3, "{slowest}: from {low} to {high}");
+        assert!(high < before && (after / before - 1.0).abs() < 0.05, "{slowest}: {before} {high} {after}");
+    }
 }
