@@ -49,7 +49,7 @@ pub struct PutDown {
     pub scene: Arc<Scene>,
 }
 
-/// See the [module](self).
+/// A tool, the part that it grips, and what stands around: the mock-up, and parts that were put down elsewhere.
 #[derive(Debug)]
 pub struct World {
     scene: Arc<Scene>,

@@ -176,7 +176,7 @@ impl Mapping {
         }
     }
 
-    /// Re-indexes where the tool is farther from the proxy than its velocity (`twist`, as of [`Mapped`]) takes it in [`LEAD_S`].
+    /// Re-indexes where the tool is farther from the proxy than its velocity (`twist`, as of [`Mapped`]) takes it in 10 ms.
     pub fn keep_near(&mut self, proxy: &Pose, twist: &Twist) -> Result<()> {
         let ahead = displacement(proxy, &self.tool()?, &[0.0; 3]);
         let share = |ahead: &Point, speed: &Point| (LEAD_S * length(speed) / length(ahead)).min(1.0);
