@@ -192,3 +192,26 @@ def test_a_triangle_and_its_reverse_enclose_nothing() -> None:
     halves = joined(box((0, 0, 0), (0.5, 1, 1)), box((0.5, 0, 0), (1, 1, 1)))
     row = row_of(halves, INSIDE)
     assert not row.is_open_a
+
+
+def test_depths_do_not_depend_on_how_loose_the_seams_are() -> None:
+    """A corner of a cut polygon may lie in the gap of a seam, on the wrong side of the surface."""
+    ends = np.array([[1.0, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]])
+    faces = np.array([[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]])
+    rng = np.random.default_rng(0)
+    deep = 0
+    for n in range(150):
+        moved = ends[faces].reshape(-1, 3) + rng.uniform(-1, 1, (24, 3)) * (loose := 10.0 ** -rng.integers(9, 14))
+        half = 10.0 ** rng.uniform(-1.5, -0.3, 3)
+        corners, sides = box(-half, half)
+        turn, way = random_turn(rng), rng.normal(size=3) * rng.choice([0.0, 1e-3, 1.0], 3)
+        block = (corners @ turn.T + way / max(np.abs(way).sum(), 1e-6) * rng.uniform(0.6, 1.0), sides)
+        tight, slack = (
+            feeler.clash(mockup_of({"solid": solid, "block": block}))
+            for solid in ((ends, faces), (moved, np.arange(24).reshape(-1, 3)))
+        )
+        if tight and slack and tight[0].verdict == Verdict.CLASH and tight[0].depth > 1e-6:
+            deep += 1
+            error = max(tight[0].depth_error, slack[0].depth_error) + 4 * loose
+            assert slack[0].depth == pytest.approx(tight[0].depth, abs=error), (n, tight[0], slack[0])
+    assert deep > 60

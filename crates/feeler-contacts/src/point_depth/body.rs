@@ -39,6 +39,7 @@ pub struct Body {
     senses: Vec<i8>,
     tree: Tree,
     has_cracks: bool,
+    is_loose: bool,
     is_closed: bool,
 }
 
@@ -66,6 +67,7 @@ impl Body {
             senses,
             tree,
             has_cracks: adjacency.has_cracks,
+            is_loose: adjacency.has_cracks || adjacency.has_loose_seams,
         }
     }
 
@@ -87,6 +89,11 @@ impl Body {
     /// Whether some of its surfaces are closed, so that it has an inside.
     pub fn is_closed(&self) -> bool {
         self.is_closed
+    }
+
+    /// Whether its surface may have gaps, in seams and cracks: a point near it may be on either side of it.
+    pub fn is_loose(&self) -> bool {
+        self.is_loose
     }
 
     /// How many triangles it has.

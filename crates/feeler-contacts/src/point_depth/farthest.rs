@@ -333,10 +333,13 @@ impl<const N: usize> Search<'_, N> {
     /// On which side a polygon is that nothing parts: as a corner says that is well off the other surface; if none is, as all that are
     /// not on it say, or else its middle.
     fn side_of(&mut self, i: usize, outline: &Outline) -> Side {
+        let Direction { other, counted, .. } = self.directions[i];
+        if other.is_loose() {
+            return self.side_of_farthest(i, outline);
+        }
         if let Some(known) = outline.points.iter().find_map(|p| self.corners[i].known_side(p)) {
             return known;
         }
-        let Direction { other, counted, .. } = self.directions[i];
         let least = self.least;
         let side = |p: &Point, off: f64| side_off(other, counted, p, off * least);
         let of_corner = |p: &Point| self.corners[i].side(*p, || side(p, OFF_SURFACE));
@@ -349,6 +352,19 @@ impl<const N: usize> Search<'_, N> {
             Some(_) => Side::Open,
             None => side(&outline.middle(), ON_SURFACE).unwrap_or(Side::Open),
         }
+    }
+
+    /// The same where the other surface has gaps: a corner in one may be on either side, however far off the rounding. So the point says
+    /// it that is farthest from the surface, of the corners and the middle.
+    fn side_of_farthest(&mut self, i: usize, outline: &Outline) -> Side {
+        let Direction { other, counted, .. } = self.directions[i];
+        let middle = outline.middle();
+        let farthest = std::iter::once(&middle)
+            .chain(&outline.points)
+            .filter_map(|p| self.corners[i].closest(*p, &[], other))
+            .max_by(|p, q| p.distance.total_cmp(&q.distance));
+        let side = farthest.and_then(|farthest| side_off(other, counted, &farthest.at, ON_SURFACE * self.least));
+        side.unwrap_or(Side::Open)
     }
 
     /// Whether a point is on the side that counts; `None` where that is open.

@@ -39,6 +39,8 @@ pub struct Adjacency {
     shells: Vec<ClosedShell>,
     /// Whether there are cracks: across these, adjacency need not be mutual.
     pub has_cracks: bool,
+    /// Whether there are seams whose corners do not coincide: closed surfaces may have gaps of that width.
+    pub has_loose_seams: bool,
 }
 
 impl Adjacency {
@@ -63,6 +65,7 @@ impl Adjacency {
             torn_parts: Vec::new(),
             shells: Vec::new(),
             has_cracks: false,
+            has_loose_seams: false,
         }
     }
 
@@ -107,7 +110,7 @@ impl Adjacency {
             }
         }
         joined.close_gaps((&unique, corners), part_of_face, bounds);
-        let Joined { neighbours, mut closed, mut copies, torn, has_cracks, .. } = joined;
+        let Joined { neighbours, mut closed, mut copies, torn, has_cracks, has_loose_seams, .. } = joined;
         copies.sort_unstable();
         let mut torn_parts: Vec<u32> = torn.into_iter().map(part_of_face).collect();
         torn_parts.sort_unstable();
@@ -129,6 +132,7 @@ impl Adjacency {
             torn_parts,
             shells,
             has_cracks,
+            has_loose_seams,
         }
     }
 
@@ -153,6 +157,7 @@ impl Adjacency {
             torn_parts: if self.is_torn(part) { vec![0] } else { Vec::new() },
             shells: shells.map(|shell| ClosedShell { part: 0, first: own(shell.first), ..*shell }).collect(),
             has_cracks: self.has_cracks,
+            has_loose_seams: self.has_loose_seams,
         }
     }
 
@@ -225,6 +230,7 @@ struct Joined<'a> {
     /// Triangles that repeat another one.
     copies: Vec<u32>,
     has_cracks: bool,
+    has_loose_seams: bool,
     /// Working memory.
     same: Vec<(Edge, Corner)>,
 }
@@ -240,6 +246,7 @@ impl Joined<'_> {
             torn: Vec::new(),
             copies: Vec::new(),
             has_cracks: false,
+            has_loose_seams: false,
             same: Vec::new(),
         }
     }
@@ -370,6 +377,7 @@ impl Joined<'_> {
         let unit = (2.0 * WELD_SHARE * longest).max(f64::MIN_POSITIVE);
         let points: Vec<Point> = own_places.iter().map(|at| places[*at].map(|x| x / unit)).collect();
         let near = near_points(&points);
+        self.has_loose_seams |= (0..).zip(&near).any(|(i, near)| i != *near);
         let mut seams: Vec<(Corner, Edge, Corner)> = Vec::with_capacity(border.len());
         for edge in border {
             let [from, to, third] = own(edge).map(|at| near[numbers[at] as usize]);
