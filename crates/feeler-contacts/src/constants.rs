@@ -419,8 +419,8 @@ pub const MOST_KEPT_TRIANGLES: usize = 1 << 22;
 /// walls.
 pub const OPPOSITE_FACES: f64 = -0.9;
 
-/// How far the faces around a needle are sought, in times of what its thickness may be: those of a triangle with a corner of 26 degrees are
-/// 2.7 times the thickness of its middle apart. Less: flat triangles are no needles.
+/// How far the search for faces around a needle reaches, as a multiple of the largest thickness allowed. A triangular section with a
+/// corner of 26 degrees needs 2.7. Smaller: needles of flat section are missed.
 pub const NEEDLE_REACH: f64 = 3.0;
 
 /// How many rays look for the faces around a needle. Fewer: faces of needles with many sides are missed.

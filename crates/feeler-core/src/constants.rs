@@ -295,8 +295,8 @@ pub const WELD_SHARE: f64 = 1.0 / (1 << 19) as f64;
 
 // --- Topology of meshes: seams, cracks, smooth regions and convex bodies ---
 
-/// Parts with more than one border edge in so many edges, once seams are closed, are loose triangles, of which cracks are not sought
-/// unless they are few. Larger: fewer torn meshes are closed; smaller: soups of triangles take longer to load.
+/// Parts are loose triangles if, after seams are closed, more than one in this many edges is a border. Their cracks are sought only if
+/// they have few borders. Larger: fewer torn meshes are closed; smaller: soups of triangles take longer to load.
 pub(crate) const EDGES_PER_OPEN_EDGE: usize = 2;
 
 /// Border edges of a part up to which cracks are sought however loose its triangles are: about 20 ms. Larger: as above.

@@ -18,7 +18,7 @@ use crate::tally::{self, Figures};
 const SHARE_OF_DEPTH: f64 = 2e-6;
 const SHARE_OF_COORDINATES: f64 = 2e-12;
 
-/// What is counted of contacts; `worst` is the largest difference between a depth and the truth.
+/// Counts of the contact judge. `worst` is the largest error of a depth.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ContactsFound {
     /// Planes that were to be found, deep ones, and near ones where nothing is deep.

@@ -23,7 +23,7 @@ const CLIMBS: usize = 120;
 /// What rounding may do, over the roundings of coordinates: strips of surface that thin count as nothing.
 const ROUNDINGS: f64 = 64.0;
 
-/// What is counted of depths; `worst` is the most that a point was deeper than the depth.
+/// Counts of the depth judge. `worst` is the largest excess of a point's depth over the depth told.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct DepthsFound {
     /// Points of surfaces that exact arithmetic found inside the other body.

@@ -13,13 +13,13 @@ pub trait Family: Copy + Sync {
     fn name(&self) -> &'static str;
 }
 
-/// What one judge counts beside what all do.
+/// The counts that only one judge has.
 pub trait Figures: Default + Send {
     /// Sums them.
     fn add(&mut self, other: Self);
 }
 
-/// What many cases gave.
+/// The result of many cases.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Tally<F> {
     /// Cases judged.
@@ -28,11 +28,11 @@ pub struct Tally<F> {
     pub triangles: u64,
     /// The judge's own.
     pub figures: F,
-    /// The most that a figure was off, as a share of what is allowed.
+    /// The largest error of a figure, as a share of the error allowed.
     pub worst: f64,
-    /// What is wrong.
+    /// Number of faults.
     pub fault_count: u64,
-    /// Some of it, in words.
+    /// The first faults, in words.
     pub faults: Vec<String>,
 }
 
@@ -49,9 +49,10 @@ impl<F: Figures> Tally<F> {
     }
 }
 
-/// So many cases of each of some families (all where none is named), from a number on. `progress` is told what is done.
+/// Judges `cases` cases of each family in `only` (empty: of all), beginning with number `from`. `progress` gets a family's name and the
+/// share done, 0 to 1.
 ///
-/// Errors: a family that there is not.
+/// Errors: an unknown name in `only`.
 pub(crate) fn run<K: Family, F: Figures>(
     families: &[K],
     [from, cases]: [u64; 2],

@@ -13,7 +13,7 @@ pub enum Error {
     /// A step before the start, or a grip while there is no proxy.
     #[error("the session has no proxy yet: call start() at a pose where the tool is free")]
     NotStarted,
-    /// From what is gripped, put down and put back.
+    /// From gripping a part, putting it down or putting it back.
     #[error(transparent)]
     World(feeler_world::Error),
     /// A wish to a run that has ended.

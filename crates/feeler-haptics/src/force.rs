@@ -212,7 +212,7 @@ impl ForceLoop {
         }
         self.share = (self.share + input.dt / RETURN_S).min(1.0);
         self.period_s += (input.dt - self.period_s) * (input.dt / RATE_MEMORY_S).min(1.0);
-        // What is held at the rate that is measured: less where that is clearly lower than it was to be.
+        // Less stiffness if the measured rate is clearly below the nominal one.
         let held = if self.period_s > RATE_SHARE * self.nominal_s { self.nominal_s / self.period_s } else { 1.0 };
         let coupling = Coupling {
             stiffness_n_per_m: held * self.coupling.stiffness_n_per_m,

@@ -280,7 +280,7 @@ fn a_rate_device_that_was_pushed_into_a_wall_comes_back_at_once() {
     }
 }
 
-/// A handle that is thrown to the border of its workspace and held there, and what it was sent.
+/// A handle thrown to the border of its workspace and held there. sent: the force along z of each tick, newtons.
 struct Thrown {
     info: DeviceInfo,
     sent: Arc<Mutex<Vec<f64>>>,

@@ -1,5 +1,5 @@
-//! What moves, and what stands around it: a tool, the part that it grips, and the parts of a mock-up, some of which were put down
-//! elsewhere. Everything is asked of all of them at once.
+//! The moving tool with the part that it grips, and its surroundings: the parts of a mock-up, some of them put down elsewhere. One
+//! query asks all of them.
 //!
 //! Lengths are metres; poses are `world_from_tool`.
 

@@ -8,8 +8,8 @@ use super::depth::point_depth_from;
 use crate::constants::{NEEDLE_RAYS, NEEDLE_REACH, OPPOSITE_FACES, WALL_MIDDLE};
 
 /// Whether two bodies cross as thin walls: where their surfaces cross, both have a second face behind the first, and points of each lie
-/// in the middle between these faces of the other. One of them may be a needle, whose faces need not be parallel. `contact` (metres) is
-/// half of what thin walls are thinner than.
+/// in the middle between these faces of the other. One of them may be a needle, whose faces need not be parallel. Thin walls are
+/// thinner than twice `contact` (metres).
 pub fn are_walls_crossing([a, b]: [&Body; 2], contact: f64) -> bool {
     let least = a.rounding().max(b.rounding());
     // How thick a wall may be for the points found to be in its middle.
@@ -53,11 +53,11 @@ fn is_wall(body: &Body, i: u32, at: &Point, thickness: f64) -> bool {
     body.find_overlapping(&Aabb::of_triangle(&[*at, end, end]), is_opposite).is_some()
 }
 
-/// Whether three faces enclose what is behind a point of a triangle, that of the triangle among them, so that no point between them is
-/// deeper than half this thickness. A tip or an edge is enclosed on one side only: it is thicker farther on.
+/// Whether the body is a needle behind a point of a triangle: the triangle's face and two others enclose a section in which no point is
+/// deeper than half this thickness. Tips and edges are not needles, since they become thicker farther in.
 ///
-/// Where weights of three normals that sum to 1 cancel them, the weighted sum of a point's depths behind the faces is the same anywhere:
-/// that of the point which is as deep behind each.
+/// If weights that sum to 1 cancel the three normals, the weighted sum of a point's depths behind the faces is the same for all points. So
+/// it is the depth of the point that is equally deep behind all three, which is the deepest.
 fn is_needle(body: &Body, i: u32, at: &Point, thickness: f64) -> bool {
     let Some(outward) = body.outward(i) else { return false };
     let reach = NEEDLE_REACH * thickness;

@@ -104,7 +104,7 @@ impl Adjacency {
             by_part.extend(same.iter().map(|edge| (part_of_face(edge.triangle), *edge)));
             by_part.sort_by_key(|(part, _)| *part);
             for same in by_part.chunk_by(|x, y| x.0 == y.0) {
-                // Two edges need no third corners.
+                // A single edge is a border, whatever its third corner.
                 let third = |edge: &Edge| if same.len() > 1 { third(edge) } else { NONE };
                 joined.join(same.iter().map(|(_, edge)| (*edge, third(edge))), false);
             }
@@ -373,7 +373,7 @@ impl Joined<'_> {
                 own_places.push(at);
             }
         }
-        // `near_points` joins what is nearer than half a unit.
+        // `near_points` joins points nearer than half a unit.
         let unit = (2.0 * WELD_SHARE * longest).max(f64::MIN_POSITIVE);
         let points: Vec<Point> = own_places.iter().map(|at| places[*at].map(|x| x / unit)).collect();
         let near = near_points(&points);
