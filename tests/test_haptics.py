@@ -43,7 +43,7 @@ def pressed(session: haptics.Session, depth: float, x: float = 0.0, floor: float
 
 def test_a_step_says_where_the_proxy_is_and_what_the_hand_feels(scene: feeler.Scene, tool: feeler.Tool) -> None:
     session = haptics.Session(scene, tool)
-    assert session.start(at(z=0.002)) and session.gripped is None
+    assert session.start(at(z=0.002)) and session.gripped == ()
     step = pressed(session, 0.003)
     assert step.mode == "contact" and step.age == 0.0
     np.testing.assert_allclose(step.world_from_proxy, at(z=2e-5), atol=1e-9)
@@ -127,7 +127,7 @@ def test_a_gripped_part_moves_with_the_tool(scene: feeler.Scene, tool: feeler.To
         before = session.step(at(0.1, 0.0, 0.0402 - 0.000005 * k))
     session.grip("block")
     after = session.step(at(0.1, 0.0, 0.0402 - 0.000005 * 299))
-    assert session.gripped == 1 and np.abs(after.force - before.force).max() < 0.02 * np.abs(before.force).max()
+    assert session.gripped == (1,) and np.abs(after.force - before.force).max() < 0.02 * np.abs(before.force).max()
     for k in range(400):
         step = session.step(at(0.1 - 0.0002 * k, 0.0, 0.06))
     assert step.mode == "free"
@@ -141,7 +141,7 @@ def test_a_gripped_part_moves_with_the_tool(scene: feeler.Scene, tool: feeler.To
     assert pressed(session, 0.003, x=0.02, floor=0.0588).force[2] > 2.0
     session.grip(1)
     session.release(put_back=True)
-    assert session.gripped is None
+    assert session.gripped == ()
     with pytest.raises(OptionError, match="no part"):
         session.grip("bolt")
     with pytest.raises(OptionError, match="names 2 parts"):
@@ -176,7 +176,7 @@ def test_a_part_that_lies_elsewhere_is_felt_there_as_in_its_place(scene: feeler.
     np.testing.assert_allclose(way_out, [0.0, 0.0, 0.005], atol=1e-6)
     session.start(at(-0.15, 0.0, 0.0402))
     session.grip("block")
-    assert session.gripped == 1
+    assert session.gripped == (1,)
     with pytest.raises(SessionError, match="part 1 has no place"):
         session.release(put_back=True)
     session.release()
@@ -220,24 +220,55 @@ def test_a_record_has_the_parts_that_lay_elsewhere(
         arrays = dict(file)
     head = json.loads(str(arrays["head"]))
     del head["put_down"]
-    for number in (1, 2, 3):
+    for number in (1, 2, 3, 4):
         arrays["head"] = np.array(json.dumps({**head, "format": number}))
         np.savez(path, **arrays)
-        if number < 3:
+        if number < 4:
             assert haptics.replay(path)
         else:
-            with pytest.raises(LoadError, match="format 3, this feeler reads 2"):
+            with pytest.raises(LoadError, match="format 4, this feeler reads 3"):
                 haptics.replay(path)
 
 
-def test_a_start_in_collision_shows_the_way_out(scene: feeler.Scene, tool: feeler.Tool) -> None:
+def test_a_deep_start_is_sunk_and_shows_the_way_out(scene: feeler.Scene, tool: feeler.Tool) -> None:
     session = haptics.Session(scene, tool)
     start = session.start(at(z=-0.005))
     assert not start and start.way_out is not None
     np.testing.assert_allclose(start.way_out, [0, 0, 0.005], atol=1e-6)
-    step = session.step(at(z=-0.005))
-    assert step.mode == "colliding" and not step.force.any() and not step.torque.any()
-    assert session.step(at(z=0.001)).mode != "colliding"
+    assert [seat.kind for seat in start.seats] == ["sunk"] and not start.is_free
+    # Deeper it does not go; up it does, and is kept out from then on.
+    pressed = [session.step(at(z=-0.008)) for _ in range(50)][-1]
+    assert pressed.world_from_proxy[2, 3] > -0.005 - 2e-5 and pressed.force[2] > 1.0
+    for z in (0.001, -0.005):
+        last = [session.step(at(z=z)) for _ in range(100)][-1]
+    assert last.world_from_proxy[2, 3] == pytest.approx(2e-5, abs=1e-6)
+
+
+def test_a_start_that_touches_is_a_seat(scene: feeler.Scene, tool: feeler.Tool) -> None:
+    session = haptics.Session(scene, tool)
+    start = session.start(at())
+    assert start and not start.is_free and start.way_out is None
+    assert [(seat.part, seat.tool_part, seat.kind, seat.depth) for seat in start.seats] == [(0, 0, "touching", 0.0)]
+    assert session.step(at(z=-0.001)).force[2] > 0.1
+    last = [session.step(at(z=0.001)) for _ in range(50)][-1]
+    assert last.world_from_proxy[2, 3] == pytest.approx(0.001, abs=1e-9) and not last.force.any()
+
+
+def test_several_parts_are_gripped_as_one(scene: feeler.Scene, tool: feeler.Tool, tmp_path: Path) -> None:
+    session = haptics.Session(scene, tool)
+    path = tmp_path / "grips.npz"
+    with session.record(path):
+        session.start(at(z=0.1))
+        with pytest.raises(OptionError, match="no part"):
+            session.grip([])
+        with pytest.raises(OptionError, match="twice"):
+            session.grip([1, 1])
+        session.grip([0, 1])
+        assert session.gripped == (0, 1)
+        session.step(at(z=0.101))
+        session.release()
+        assert session.gripped == () and session.step(at(z=0.102)).mode == "free"
+    assert haptics.replay(path, scene, tool)
 
 
 def test_what_a_device_may_tell_lets_go_and_what_a_program_may_pass_is_an_error(

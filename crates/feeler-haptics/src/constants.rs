@@ -1,7 +1,11 @@
 //! Every limit and tolerance of this crate: its unit, why this value, and what moves if it is changed.
 
-/// How far a seat may give way, metres: above the slack of both of its sides.
+/// How far a sunk part may give way, metres: above rounding.
 pub const SEAT_SLACK: f64 = 1e-8;
+
+/// How far what is seated stays off the end of its play, metres: twice the tolerance of casts there, a quarter of the play of what touches.
+/// Less: casts end at once.
+pub const SEAT_REST: f64 = 2.5e-7;
 
 // Constraint sets.
 

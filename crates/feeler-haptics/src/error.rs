@@ -7,11 +7,8 @@ pub enum Error {
     /// From the engine below.
     #[error(transparent)]
     Core(#[from] feeler_core::Error),
-    /// The tool meets the mock-up where a session is to start.
-    #[error("the tool starts in collision: start it where it is free, or along the way out")]
-    StartsInCollision,
-    /// A step before the start, or a grip while there is no proxy.
-    #[error("the session has no proxy yet: call start() at a pose where the tool is free")]
+    /// A step before the start, or a grip.
+    #[error("the session has no proxy yet: call start() first")]
     NotStarted,
     /// From gripping a part, putting it down or putting it back.
     #[error(transparent)]

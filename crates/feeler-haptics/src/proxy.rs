@@ -6,18 +6,20 @@
 //! motion is cast, so that the proxy is never in collision by the exact test. What stops a cast though no plane forbade it becomes a
 //! row of its own, and is asked again while it is near.
 
-use feeler_contacts::Manifolds;
+use std::sync::Arc;
+
+use feeler_contacts::{Manifold, Manifolds};
 use feeler_core::geometry::screw::{displaced, displacement};
-use feeler_core::geometry::vectors::{dot, length, sub, unit};
+use feeler_core::geometry::vectors::{length, sub, unit};
 use feeler_core::tool::metric::Metric;
-use feeler_core::{Motion, Point, Pose, Tool};
-use feeler_world::{Environment, Pair, Seat};
+use feeler_core::{Motion, Point, Pose};
+use feeler_world::{Care, Pair, Seated, Surroundings, Walk};
 
 use crate::constants::{
     ARC_SKINS, BACK_OFF_HALVINGS, BACK_OFF_SHARE, CAST_SHARE, CLEARANCE_SHARE, FREE_MARGIN, LARGEST_CAST_TOLERANCE,
-    LEAST_CAST_TOLERANCE, LEAST_MARGIN, LEAST_TRUST, LIFT_SHARE, MOST_BLOCKERS, MOST_LIFT, MOST_PATIENCE, SEAT_SLACK,
-    SKINS_IN_MARGIN, SKIN_GROWTH, SKIN_HALVINGS, SKIN_LIFT, SQUEEZE_GAIN, SQUEEZE_SHARE, STILL_SHARE, STRIDES,
-    STRIDE_DECAY, STUCK_SHARE, TRUST_GROWTH,
+    LEAST_CAST_TOLERANCE, LEAST_MARGIN, LEAST_TRUST, LIFT_SHARE, MOST_BLOCKERS, MOST_LIFT, MOST_PATIENCE, SEAT_REST,
+    SEAT_SLACK, SKINS_IN_MARGIN, SKIN_GROWTH, SKIN_HALVINGS, SKIN_LIFT, SQUEEZE_GAIN, SQUEEZE_SHARE, STILL_SHARE,
+    STRIDES, STRIDE_DECAY, STUCK_SHARE, TRUST_GROWTH,
 };
 use crate::constraint_set::{ConstraintSet, NearestPose, Plane, Solver};
 use crate::coupling::Coupling;
@@ -91,8 +93,10 @@ pub struct Proxy {
     options: ProxyOptions,
     /// Pairs that stopped a cast, the newest last.
     blockers: Vec<Pair>,
-    seats: Vec<Seat>,
+    /// What it has not parted from yet.
+    seated: Arc<Seated>,
     manifolds: Manifolds,
+    seat_manifolds: Manifolds,
     /// Along which a motion is probably free.
     normals: Vec<Point>,
     set: ConstraintSet,
@@ -108,26 +112,19 @@ pub struct Proxy {
 }
 
 impl Proxy {
-    /// A proxy at a pose, which must be free. Errors: options out of range, and [`Error::StartsInCollision`].
+    /// A proxy where its surroundings start: what it meets there is a seat. Errors: options out of range.
     ///
     /// `metric`: what nearest means; mostly that of the tool.
-    pub fn new(
-        environment: &Environment,
-        tool: &Tool,
-        metric: Metric,
-        start: &Pose,
-        options: ProxyOptions,
-    ) -> Result<Proxy> {
+    pub fn new(around: &Surroundings, metric: Metric, options: ProxyOptions) -> Result<Proxy> {
         options.check()?;
-        if environment.is_colliding(tool, start) {
-            return Err(Error::StartsInCollision);
-        }
+        let start = around.start();
         let set = ConstraintSet::new(*start, metric, options.skin, options.margin, [options.pull_m, options.pull_rad]);
         let mut proxy = Proxy {
             options,
             blockers: Vec::new(),
-            seats: Vec::new(),
+            seated: around.seated_at_start(),
             manifolds: Manifolds::default(),
+            seat_manifolds: Manifolds::default(),
             normals: Vec::new(),
             set,
             solver: Solver::default(),
@@ -137,7 +134,7 @@ impl Proxy {
             patience: 0,
             waited: 0,
         };
-        proxy.look_around(environment, tool, start)?;
+        proxy.look_around(around, start)?;
         Ok(proxy)
     }
 
@@ -165,33 +162,38 @@ impl Proxy {
         self.options = options;
     }
 
-    /// What there is and what moves has changed, at this pose: a part was gripped or let go. What nearest means stays, so that the proxy
+    /// What there is and what moves has changed where it is: a part was gripped or let go. What nearest means stays, so that the proxy
     /// does not move by it.
-    pub fn set_world(&mut self, environment: &Environment, tool: &Tool, seats: &[Seat]) -> Result<()> {
+    pub fn set_world(&mut self, around: &Surroundings) -> Result<()> {
         let pose = self.set.taken_at;
         self.blockers.clear();
-        self.seats = seats.to_vec();
-        self.set.metric = self.set.metric.with_radius_of(tool);
+        self.seated = around.seated_at_start();
+        self.set.metric = self.set.metric.with_radius_of(around.tool());
         let time = self.set.time;
-        self.look_around(environment, tool, &pose)?;
+        self.look_around(around, &pose)?;
         self.set.time = time;
         Ok(())
     }
 
+    /// What it has not parted from yet.
+    pub fn seated(&self) -> &Arc<Seated> {
+        &self.seated
+    }
+
     /// Moves it towards the device's pose, and finds the contacts where it gets to.
-    pub fn advance(&mut self, environment: &Environment, tool: &Tool, target: &Pose) -> Result<Advance> {
+    pub fn advance(&mut self, around: &Surroundings, target: &Pose) -> Result<Advance> {
         let start = self.set.taken_at;
         let mut done = Advance::default();
-        let is_stuck = self.approach(environment, tool, target, &mut done)?;
+        let is_stuck = self.approach(around, target, &mut done)?;
         if is_stuck && self.is_time_to_squeeze() {
-            self.squeeze(environment, tool, target, &mut done)?;
+            self.squeeze(around, target, &mut done)?;
         }
         self.stride = self.reach_to(&start).max(STRIDE_DECAY * self.stride);
         Ok(done)
     }
 
     /// Motions towards the target, each as far as it is free, until none leads on. Whether contacts hold it.
-    fn approach(&mut self, environment: &Environment, tool: &Tool, target: &Pose, done: &mut Advance) -> Result<bool> {
+    fn approach(&mut self, around: &Surroundings, target: &Pose, done: &mut Advance) -> Result<bool> {
         let mut distance = self.distance_to(target);
         for _ in 0..self.options.rounds {
             done.rounds += 1;
@@ -201,28 +203,20 @@ impl Proxy {
             if reach <= STILL_SHARE * self.set.skin {
                 return Ok(!self.solver.held().is_empty());
             }
-            let tolerance = self.cast_tolerance();
             self.normals.clear();
             self.normals.extend(self.set.planes().iter().map(|plane| plane.normal));
-            match environment.first_impact(tool, (&from, &goal.pose), tolerance, &self.normals)? {
-                None => {
-                    self.trust = if goal.is_at_bound { self.trust * TRUST_GROWTH } else { f64::INFINITY };
-                    self.look_around(environment, tool, &goal.pose)?;
-                    if !goal.is_at_bound && self.solver.held().is_empty() {
-                        return Ok(false);
-                    }
-                }
-                Some(impact) => {
-                    done.stopped += 1;
-                    if self.blockers.contains(&impact.pair) {
-                        // What its row allowed it forbids: the motion was too long for a row.
-                        self.trust = (reach.min(self.trust) / TRUST_GROWTH).max(LEAST_TRUST * self.set.skin);
-                    }
-                    self.remember(impact.pair);
-                    let reached = self.back_off(environment, tool, &goal.pose, impact.fraction, &impact.pair)?;
-                    self.look_around(environment, tool, &reached)?;
-                    continue;
-                }
+            let care = Care { beside: &self.normals, tolerance: self.cast_tolerance(), finer: 1.0 };
+            let walk = around.walk(&self.seated, (&from, &goal.pose), care)?;
+            self.seated = walk.seated.clone();
+            if walk.stop.is_some() {
+                done.stopped += 1;
+                self.stop(around, &goal.pose, reach, &walk)?;
+                continue;
+            }
+            self.trust = if goal.is_at_bound { self.trust * TRUST_GROWTH } else { f64::INFINITY };
+            self.look_around(around, &goal.pose)?;
+            if !goal.is_at_bound && self.solver.held().is_empty() {
+                return Ok(false);
             }
             let left = self.distance_to(target);
             if distance - left <= STUCK_SHARE * self.set.skin {
@@ -231,6 +225,27 @@ impl Proxy {
             distance = left;
         }
         Ok(false)
+    }
+
+    /// Goes as far as a motion of this reach is free, and remembers what ended it.
+    fn stop(&mut self, around: &Surroundings, to: &Pose, reach: f64, walk: &Walk) -> Result<()> {
+        let Some(stop) = walk.stop else { return Ok(()) };
+        if stop.pair.is_none_or(|pair| self.blockers.contains(&pair)) {
+            // What its row allowed it forbids: the motion was too long for a row.
+            self.trust = (reach.min(self.trust) / TRUST_GROWTH).max(LEAST_TRUST * self.set.skin);
+        }
+        let reached = match stop.pair {
+            Some(pair) => {
+                self.remember(pair);
+                if stop.is_seat {
+                    walk.pose
+                } else {
+                    self.back_off(around, to, walk.fraction, &pair)?
+                }
+            }
+            None => walk.pose,
+        };
+        self.look_around(around, &reached)
     }
 
     /// Where the next motion leads. It starts off the surface: where the tool is nearer than half the skin it is lifted first. And it
@@ -257,12 +272,12 @@ impl Proxy {
 
     /// Where contacts hold the tool from several sides, the skin may be what closes a way: a peg at the mouth of a hole that it fits. So
     /// it is tried with less, and that is kept where it leads on by clearly more than the skin gave way.
-    fn squeeze(&mut self, environment: &Environment, tool: &Tool, target: &Pose, done: &mut Advance) -> Result<()> {
+    fn squeeze(&mut self, around: &Surroundings, target: &Pose, done: &mut Advance) -> Result<()> {
         let before = (self.set, self.blockers.clone(), self.trust);
         let distance = self.distance_to(target);
         self.skin = (SQUEEZE_SHARE * self.options.skin).min(self.skin);
         self.set.skin = self.skin;
-        self.approach(environment, tool, target, done)?;
+        self.approach(around, target, done)?;
         let gain = distance - self.distance_to(target);
         if gain > SQUEEZE_GAIN * self.options.skin {
             self.patience = 0;
@@ -304,8 +319,8 @@ impl Proxy {
 
     /// The last pose on a free way, which ends at a fraction, at which the pair that ends it is as far apart as half the skin; where it
     /// is nearer from the start, the start.
-    fn back_off(&self, environment: &Environment, tool: &Tool, to: &Pose, free: f64, pair: &Pair) -> Result<Pose> {
-        let from = self.set.taken_at;
+    fn back_off(&self, around: &Surroundings, to: &Pose, free: f64, pair: &Pair) -> Result<Pose> {
+        let (from, tool) = (self.set.taken_at, around.tool());
         let motion = Motion::new(tool, &from, to);
         let least = BACK_OFF_SHARE * self.set.skin;
         let mut back = least / motion.longest_way();
@@ -315,8 +330,8 @@ impl Proxy {
                 break;
             }
             let pose = motion.at(time);
-            let is_off = environment.closest(tool, &pose, pair).is_some_and(|c| c.distance >= least);
-            if is_off && !environment.is_colliding(tool, &pose) {
+            let is_off = around.environment().closest(tool, &pose, pair).is_some_and(|c| c.distance >= least);
+            if is_off && !around.is_colliding(&self.seated, &pose) {
                 return Ok(pose);
             }
             back *= 2.0;
@@ -324,52 +339,51 @@ impl Proxy {
         Ok(from)
     }
 
-    /// Finds the contacts at a free pose, and makes it the proxy's.
-    fn look_around(&mut self, environment: &Environment, tool: &Tool, pose: &Pose) -> Result<()> {
+    /// Finds the contacts at a pose that is free but for seats, and makes it the proxy's.
+    fn look_around(&mut self, around: &Surroundings, pose: &Pose) -> Result<()> {
         let margin = STRIDES * self.stride + SKINS_IN_MARGIN * self.skin;
         let margin = margin.max(LEAST_MARGIN * self.options.skin).min(self.options.margin);
-        environment.manifolds(tool, pose, margin, &mut self.manifolds)?;
+        around.manifolds(&self.seated, pose, margin, &mut self.manifolds)?;
         let number = self.set.number + 1;
         self.set.clear(pose, self.manifolds.margin);
         if self.manifolds.manifolds.is_empty() {
             // Nothing is near: the servo side may go on as far as there really is nothing.
-            let clearance = environment.distance(tool, pose, FREE_MARGIN)?.unwrap_or(FREE_MARGIN);
+            let clearance = around.distance(&self.seated, pose, FREE_MARGIN)?.unwrap_or(FREE_MARGIN);
             self.set.margin = self.set.margin.max(clearance);
         }
         self.set.number = number;
+        if !self.seated.is_free() {
+            around.seat_manifolds(&self.seated, pose, margin, &mut self.seat_manifolds)?;
+            self.set.margin = self.set.margin.min(self.seat_manifolds.margin);
+            for manifold in &self.seat_manifolds.manifolds {
+                let points = manifold.points().iter().map(|p| (p.point, p.gap - SEAT_REST));
+                self.set.push_seat(plane_of(manifold), points);
+            }
+            for sunk in around.sunk_planes(&self.seated, pose)? {
+                self.set.push_seat(sunk.plane, std::iter::once((sunk.point, sunk.room + SEAT_SLACK)));
+            }
+        }
         for manifold in &self.manifolds.manifolds {
-            let plane = Plane {
-                point: manifold.point,
-                normal: manifold.normal,
-                gap: manifold.gap,
-                part: manifold.part,
-                id: manifold.id,
-            };
-            self.set.push(plane, manifold.points().iter().map(|p| (p.point, p.gap)));
+            self.set.push(plane_of(manifold), manifold.points().iter().map(|p| (p.point, p.gap)));
         }
-        for seat in &self.seats {
-            let off = |p: &Point| dot(&sub(&pose.apply(p), &seat.plane.point), &seat.plane.normal);
-            self.set.push_seat(
-                seat.plane,
-                seat.points.iter().map(|(p, at_grip)| (pose.apply(p), off(p) - at_grip + SEAT_SLACK)),
-            );
-        }
-        self.push_blockers(environment, tool, pose);
+        self.push_blockers(around, pose);
         self.skin = self.fit_skin();
         self.set.skin = self.skin;
         Ok(())
     }
 
     /// Adds the rows of what stopped a cast and is still near, where no plane stands for it.
-    fn push_blockers(&mut self, environment: &Environment, tool: &Tool, pose: &Pose) {
+    fn push_blockers(&mut self, around: &Surroundings, pose: &Pose) {
         let (set, margin) = (&mut self.set, self.manifolds.margin);
         self.blockers.retain(|pair| {
-            let Some(closest) = environment.closest(tool, pose, pair).filter(|c| c.distance <= margin) else {
+            let Some(closest) =
+                around.environment().closest(around.tool(), pose, pair).filter(|c| c.distance <= margin)
+            else {
                 return false;
             };
             let Some(normal) = unit(&sub(&closest.on_p, &closest.on_q)) else { return true };
             let id = u64::from(pair.tool_triangle) << 32 ^ u64::from(pair.triangle) ^ 1 << 63;
-            let part = environment.part_of(pair);
+            let part = around.environment().part_of(pair);
             let plane = Plane { point: closest.on_q, normal, gap: closest.distance, part, id };
             set.push(plane, std::iter::once((closest.on_p, closest.distance)));
             true
@@ -410,22 +424,26 @@ impl Proxy {
     }
 }
 
+fn plane_of(manifold: &Manifold) -> Plane {
+    let Manifold { point, normal, gap, part, id, .. } = *manifold;
+    Plane { point, normal, gap, part, id }
+}
+
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
     use feeler_contacts::ContactSolver;
-    use feeler_core::{Mockup, Scene, SceneOptions};
+    use feeler_core::{Mockup, Scene, SceneOptions, Tool};
     use feeler_shapes::{box_mesh, Arrays};
 
     use super::*;
     use feeler_core::geometry::screw::{pose_of, rotation_of, rotation_vector};
     use feeler_world::Body;
 
-    fn environment((vertices, faces): Arrays) -> Environment {
+    fn around((vertices, faces): Arrays, tool: Tool, start: &Pose) -> Surroundings {
         let mockup = Mockup::new(vertices, faces, vec![], 1).unwrap();
         let scene = Scene::build(Arc::new(mockup), &SceneOptions::default(), &|_, _| true).unwrap();
-        Environment { bodies: vec![Body { solver: ContactSolver::new(Arc::new(scene)), part: None }] }
+        let bodies = vec![Body { solver: ContactSolver::new(Arc::new(scene)), part: None }];
+        Surroundings::around(bodies, Arc::new(tool), start).unwrap()
     }
 
     fn tool((vertices, faces): Arrays) -> Tool {
@@ -439,21 +457,16 @@ mod tests {
     #[test]
     fn a_box_pressed_on_a_plate_lies_flat_a_skin_off_at_any_tessellation() {
         for (plate_cells, cells) in [(1, 1), (8, 8), (1, 8), (30, 1)] {
-            let plate = environment(box_mesh([0.0, 0.0, -0.01], [0.2, 0.15, 0.02], plate_cells));
             let block = tool(box_mesh([0.0; 3], [0.03, 0.04, 0.05], cells));
-            let mut proxy = Proxy::new(
-                &plate,
-                &block,
-                Metric::new(&block),
-                &at([0.0, 0.0, 0.04], [0.0; 3]),
-                ProxyOptions::default(),
-            )
-            .unwrap();
+            let metric = Metric::new(&block);
+            let plate = box_mesh([0.0, 0.0, -0.01], [0.2, 0.15, 0.02], plate_cells);
+            let around = around(plate, block, &at([0.0, 0.0, 0.04], [0.0; 3]));
+            let mut proxy = Proxy::new(&around, metric, ProxyOptions::default()).unwrap();
             for k in 0..200 {
                 let k = f64::from(k);
                 let device = at([0.0002 * k, 0.0, 0.04 - 0.0001 * k], [0.1, 0.05, 0.0]);
-                proxy.advance(&plate, &block, &device).unwrap();
-                assert!(!plate.is_colliding(&block, proxy.pose()), "{k}");
+                proxy.advance(&around, &device).unwrap();
+                assert!(!around.is_colliding(proxy.seated(), proxy.pose()), "{k}");
             }
             let place = proxy.pose().translation();
             assert!((place[2] - 0.02502).abs() < 1e-7, "{place:?}");

@@ -7,7 +7,7 @@ use feeler_core::geometry::screw::{displaced, displacement, Twist, Wrench};
 use feeler_core::geometry::vectors::scaled;
 use feeler_core::tool::metric::Metric;
 use feeler_core::{Point, Pose, Scene, Tool};
-use feeler_world::{Body, PutDown, World};
+use feeler_world::{Body, PutDown, Seat, SeatKind, World};
 
 use crate::constants::{HELD_SHARE, LONGEST_TICK_S, RATE_SHARE, SHORTEST_TICK_S};
 use crate::constraint_set::{ConstraintSet, Plane};
@@ -83,16 +83,23 @@ impl SessionOptions {
 pub enum Start {
     /// The proxy is where the device is.
     Free,
-    /// The pose is in collision. There is no force until the device is where it is free; the way out leads there, or, where parts lie
-    /// elsewhere, out of the one of them, or the mock-up, that the tool is deepest in.
-    Colliding(Penetration),
+    /// The tool meets something there, and is seated on it.
+    Seated(Seating),
+}
+
+/// What the tool meets where a session begins. It may slide along that and part from it, and goes no deeper.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Seating {
+    /// Pairs of parts, each with how it meets; the parts' numbers are those of the mock-up.
+    pub seats: Vec<Seat>,
+    /// The shortest translation found that frees the tool, where it is sunk in something: of the body that it is deepest in.
+    pub way_out: Option<Penetration>,
 }
 
 /// What a step gives.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Step {
-    /// `world_from_tool`, free by the exact test, and reached by a free motion. Where the session began in collision and is not free
-    /// yet: the device's.
+    /// `world_from_tool`, free by the exact test but for seats, and reached by a free motion.
     pub proxy: Pose,
     /// On the hand, world axes, at the device frame's origin.
     pub wrench: Wrench,
@@ -173,24 +180,23 @@ impl Session {
 
     /// Begins, or begins anew, at a pose of the device (`world_from_tool`).
     pub fn start(&mut self, device: &Pose) -> Result<Start> {
-        (self.is_started, self.clock, self.found, self.last_device) = (true, 0.0, None, Some(*device));
+        (self.clock, self.found, self.last_device) = (0.0, None, Some(*device));
         self.forget_servo();
-        match self.proxy_at(device) {
-            Ok(proxy) => {
-                self.proxy = Some(proxy);
-                Ok(Start::Free)
-            }
-            Err(Error::StartsInCollision) => {
-                self.proxy = None;
-                Ok(Start::Colliding(self.way_out(device)?))
-            }
-            Err(error) => Err(error),
+        self.world.move_to(device)?;
+        self.proxy = Some(Proxy::new(self.world.around(), self.metric, self.options.proxy)?);
+        self.is_started = true;
+        let seats: Vec<Seat> = self.world.around().seats().collect();
+        if seats.is_empty() {
+            return Ok(Start::Free);
         }
+        let is_sunk = seats.iter().any(|seat| seat.kind == SeatKind::Sunk);
+        let way_out = if is_sunk { Some(self.way_out(device)?) } else { None };
+        Ok(Start::Seated(Seating { seats, way_out }))
     }
 
     /// Of the body that the tool is deepest in.
     fn way_out(&self, pose: &Pose) -> Result<Penetration> {
-        let (bodies, margin) = (&self.world.environment().bodies, self.options.proxy.margin);
+        let (bodies, margin) = (&self.world.around().environment().bodies, self.options.proxy.margin);
         let way = |body: &Body| body.solver.penetration(self.world.tool(), pose, margin, None);
         let mut deepest = way(&bodies[0])?;
         for body in &bodies[1..] {
@@ -200,10 +206,6 @@ impl Session {
             }
         }
         Ok(deepest)
-    }
-
-    fn proxy_at(&self, pose: &Pose) -> Result<Proxy> {
-        Proxy::new(self.world.environment(), self.world.tool(), self.metric, pose, self.options.proxy)
     }
 
     /// One step of `dt` seconds with the device at a pose (`world_from_tool`), or `None` where it told nothing that can be: then the
@@ -222,9 +224,6 @@ impl Session {
             return Ok(self.step_in_doubt());
         };
         self.last_device = Some(device);
-        if !self.has_proxy_from(&device)? {
-            return Ok(Step { proxy: device, wrench: Wrench::ZERO, age: 0.0, mode: Mode::Colliding });
-        }
         let period = self.options.collision_hz.map_or(0.0, |hz| 1.0 / hz);
         if self.found.is_none_or(|found| self.clock - found + 0.5 * dt >= period) {
             self.find_contacts(&device)?;
@@ -278,28 +277,11 @@ impl Session {
         (self.servo, self.dt, self.ticked) = (None, 0.0, None);
     }
 
-    /// Whether there is a proxy: where the session began in collision, from the first pose on that is free.
-    fn has_proxy_from(&mut self, device: &Pose) -> Result<bool> {
-        if self.proxy.is_some() {
-            return Ok(true);
-        }
-        match self.proxy_at(device) {
-            Ok(proxy) => self.proxy = Some(proxy),
-            Err(Error::StartsInCollision) => return Ok(false),
-            Err(error) => return Err(error),
-        }
-        self.found = None;
-        Ok(true)
-    }
-
     /// The collision side of a step alone: the proxy towards the device, and its contacts. Whether there is a proxy.
     pub(crate) fn track(&mut self, device: &Pose, now: f64) -> Result<bool> {
         (self.clock, self.last_device) = (now, Some(*device));
-        if !self.has_proxy_from(device)? {
-            return Ok(false);
-        }
         self.find_contacts(device)?;
-        Ok(true)
+        Ok(self.proxy.is_some())
     }
 
     /// Another coupling from now on, as a device holds it: its springs say what nearest means.
@@ -320,8 +302,8 @@ impl Session {
     }
 
     /// Puts another scene in the place of the present one: what is held or was put down belongs to that one and is gone, but for parts
-    /// that lay elsewhere when the session was made, which lie there again. The proxy stays where it is; where that is in collision now,
-    /// there is none until the device is where it is free.
+    /// that lay elsewhere when the session was made, which lie there again. The proxy stays where it is: what it meets there now is a
+    /// seat.
     ///
     /// Errors where a part that lies elsewhere is none of the new mock-up: the scene is the present one then.
     pub fn set_scene(&mut self, scene: Arc<Scene>) -> Result<Start> {
@@ -364,45 +346,54 @@ impl Session {
 
     fn find_contacts(&mut self, device: &Pose) -> Result<()> {
         let Some(proxy) = &mut self.proxy else { return Ok(()) };
-        let (environment, tool) = (self.world.environment(), self.world.tool());
-        self.advance = proxy.advance(environment, tool, device)?;
+        self.advance = proxy.advance(self.world.around(), device)?;
         proxy.set_time(self.clock);
-        let skin = self.options.proxy.skin;
-        if self.world.unseat(&self.proxy.as_ref().map_or(Pose::IDENTITY, |proxy| *proxy.pose()), skin)? {
-            self.hand_over()?;
-        }
         Ok(())
     }
 
     /// What the world is changed to is the proxy's from now on.
     fn hand_over(&mut self) -> Result<()> {
         let Some(proxy) = &mut self.proxy else { return Ok(()) };
-        let seats = self.world.grip().map_or(&[][..], |grip| &grip.seats);
-        proxy.set_world(self.world.environment(), self.world.tool(), seats)
+        proxy.set_world(self.world.around())
     }
 
-    /// Takes a part of the mock-up, or one that was put down: from now on it moves with the tool. The spring stays where it was, so the
+    /// Takes parts of the mock-up, or such as were put down: from now on they move with the tool. The spring stays where it was, so the
     /// force does not jump.
     ///
-    /// Errors: not started or in collision, something is held already, no such part.
-    pub fn take(&mut self, part: u32) -> Result<()> {
+    /// Errors: not started, something is held already, no such part.
+    pub fn take(&mut self, parts: &[u32]) -> Result<()> {
         let pose = *self.proxy.as_ref().ok_or(Error::NotStarted)?.pose();
-        self.world.take(part, &pose)?;
+        self.world.take(parts, &pose)?;
         self.hand_over()
     }
 
-    /// Lets go of the part where it is, a part of the scene again.
+    /// Lets go of what is held where it is: parts of the scene again.
     pub fn put_down(&mut self) -> Result<()> {
         let pose = *self.proxy.as_ref().ok_or(Error::NotStarted)?.pose();
         self.world.put_down(&pose)?;
         self.hand_over()
     }
 
-    /// Lets go of the part, which is back in its place in the mock-up. Errors where the tool is in it.
+    /// Lets go of what is held, which is back in its place in the mock-up. Errors where the tool is in it.
     pub fn put_back(&mut self) -> Result<()> {
         let pose = *self.proxy.as_ref().ok_or(Error::NotStarted)?.pose();
         self.world.put_back(&pose)?;
         self.hand_over()
+    }
+
+    /// Whether the tool, at a pose, meets anything but what it is seated on, exactly.
+    pub fn is_colliding(&self, pose: &Pose) -> bool {
+        let around = self.world.around();
+        match &self.proxy {
+            Some(proxy) => around.is_colliding(proxy.seated(), pose),
+            None => around.is_colliding(&around.seated_at_start(), pose),
+        }
+    }
+
+    /// What the tool is still seated on.
+    pub fn seats(&self) -> Vec<Seat> {
+        let seats = self.world.around().seats();
+        self.proxy.as_ref().map_or(Vec::new(), |proxy| proxy.seated().of(seats))
     }
 
     /// What is held and what stands around.

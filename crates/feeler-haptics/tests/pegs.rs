@@ -10,17 +10,17 @@ use feeler_haptics::proxy::{Proxy, ProxyOptions};
 use feeler_haptics::screw::{pose_of, rotation_of};
 use feeler_haptics::Coupling;
 use feeler_shapes::Arrays;
-use feeler_world::{Body, Environment};
+use feeler_world::{Body, Surroundings};
 
 /// Radius of all fits, metres; depth of the holes, and the chamfers of pegs and holes.
 const RADIUS: f64 = 0.01;
 const DEPTH: f64 = 0.04;
 const CHAMFER: f64 = 0.0015;
 
-fn environment((vertices, faces): Arrays) -> Environment {
+fn body((vertices, faces): Arrays) -> Body {
     let mockup = Mockup::new(vertices, faces, vec![], 1).unwrap();
     let scene = Scene::build(Arc::new(mockup), &SceneOptions::default(), &|_, _| true).unwrap();
-    Environment { bodies: vec![Body { solver: ContactSolver::new(Arc::new(scene)), part: None }] }
+    Body { solver: ContactSolver::new(Arc::new(scene)), part: None }
 }
 
 /// A closed ring of (radius, height), turned about z: `n` sides, half a side turned, all corners `scale` times as far out.
@@ -42,7 +42,7 @@ fn turned(profile: &[[f64; 2]], n: usize, scale: f64) -> Arrays {
 
 /// Hole and peg with `play` between them (metres, of the diameter). With `n` sides of both; a hole of many is around its circle and a
 /// peg within it, so that the play is there however they are turned, four have it between their sides.
-fn fit(n: usize, play: f64) -> (Environment, Tool) {
+fn fit(n: usize, play: f64) -> (Body, Tool) {
     let [around, within] = if n == 4 { [2f64.sqrt(); 2] } else { [1.0 / (TAU / 2.0 / n as f64).cos(), 1.0] };
     let (r, p) = (RADIUS, RADIUS - 0.5 * play);
     let hole = [
@@ -56,7 +56,7 @@ fn fit(n: usize, play: f64) -> (Environment, Tool) {
     ];
     let peg = [[1e-4, 0.0], [p - CHAMFER, 0.0], [p, CHAMFER], [p, 0.06], [1e-4, 0.06]];
     let (vertices, faces) = turned(&peg, n, within);
-    (environment(turned(&hole, n, around)), Tool::new(vertices, faces).unwrap())
+    (body(turned(&hole, n, around)), Tool::new(vertices, faces).unwrap())
 }
 
 fn at(place: Point, turn: Point) -> Pose {
@@ -71,11 +71,13 @@ fn height_reached(n: usize, play: f64, seed: u32) -> f64 {
     let off = |z: f64| at([0.001 * s, 0.001 * c, z], [0.01745 * u, 0.01745 * v, 0.0]);
     let start = at([0.0, 0.0, 0.005], [0.0; 3]);
     let metric = Metric::new(&peg).with_lever(Coupling::default().lever_m()).unwrap();
-    let mut proxy = Proxy::new(&hole, &peg, metric, &start, ProxyOptions::default()).unwrap();
+    let around = Surroundings::around(vec![hole], Arc::new(peg), &start).unwrap();
+    assert!(!around.has_seats());
+    let mut proxy = Proxy::new(&around, metric, ProxyOptions::default()).unwrap();
     for k in 0..250 {
         let reached = proxy.pose().translation()[2];
-        proxy.advance(&hole, &peg, &off((0.005 - 0.0003 * f64::from(k)).max(reached - 0.004))).unwrap();
-        assert!(!hole.is_colliding(&peg, proxy.pose()), "{n} {play} {seed}: {k}");
+        proxy.advance(&around, &off((0.005 - 0.0003 * f64::from(k)).max(reached - 0.004))).unwrap();
+        assert!(!around.is_colliding(proxy.seated(), proxy.pose()), "{n} {play} {seed}: {k}");
     }
     proxy.pose().translation()[2] + DEPTH
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use feeler_core::geometry::vectors::{length, sub};
 use feeler_core::{Mockup, Point, Pose, Scene, SceneOptions, Tool};
 use feeler_haptics::screw::{pose_of, rotation_of, rotation_vector, Wrench};
-use feeler_haptics::{Error, Mode, PutDown, Session, SessionOptions, Start, Step};
+use feeler_haptics::{Error, Mode, PutDown, SeatKind, Session, SessionOptions, Start, Step};
 use feeler_shapes::random::Random;
 use feeler_shapes::{ball, box_mesh, cylinder, joined, sheet, Arrays};
 use feeler_world::Error as World;
@@ -37,8 +37,7 @@ fn begun(scene: &Arc<Scene>, tool: &Arc<Tool>, pose: &Pose, options: SessionOpti
 /// A step, after which the proxy is free by the exact test.
 fn step(session: &mut Session, pose: &Pose) -> Step {
     let step = session.step(Some(pose), 0.001).unwrap();
-    let (world, proxy) = (session.world(), step.proxy);
-    assert!(!world.environment().is_colliding(world.tool(), &proxy), "{proxy:?}");
+    assert!(!session.is_colliding(&step.proxy), "{:?}", step.proxy);
     step
 }
 
@@ -253,20 +252,26 @@ fn what_cannot_be_lets_go() {
 }
 
 #[test]
-fn a_start_in_collision_has_a_way_out_and_waits() {
+fn a_deep_start_is_sunk_and_leaves_by_its_place() {
     let (wall, block) =
         (scene([box_mesh([0.0; 3], [0.2, 0.2, 0.02], 3)]), tool(box_mesh([0.0; 3], [0.03, 0.04, 0.05], 1)));
     let mut session = Session::new(wall, block, SessionOptions::default()).unwrap();
     let deep = at([0.0, 0.0, 0.03], [0.0; 3]);
-    let Start::Colliding(out) = session.start(&deep).unwrap() else { panic!() };
+    let Start::Seated(seating) = session.start(&deep).unwrap() else { panic!() };
+    let out = seating.way_out.unwrap();
     assert!((length(&out.translation) - 0.005).abs() < 1e-6, "{out:?}");
-    let waiting = session.step(Some(&deep), 0.001).unwrap();
-    assert_eq!((waiting.mode, waiting.wrench, waiting.proxy), (Mode::Colliding, Wrench::ZERO, deep));
-    let free = deep.translated(&out.translation).unwrap();
-    assert_ne!(step(&mut session, &free).mode, Mode::Colliding);
-    // From now on it is kept out.
-    let back = step(&mut session, &deep);
-    assert!(back.proxy.translation()[2] > 0.035, "{back:?}");
+    assert_eq!(seating.seats.iter().map(|seat| seat.kind).collect::<Vec<_>>(), [SeatKind::Sunk]);
+    let go = |session: &mut Session, to: Point| (0..100).map(|_| step(session, &at(to, [0.0; 3]))).last().unwrap();
+    // Deeper it does not go, and sideways no farther than the play of its place: the force is there from the beginning.
+    let pressed = go(&mut session, [0.0, 0.0, 0.02]);
+    assert!(pressed.proxy.translation()[2] > 0.03 - 2e-5 && pressed.wrench.force[2] > 5.0, "{pressed:?}");
+    let aside = go(&mut session, [0.02, 0.0, 0.03]);
+    assert!(aside.proxy.translation()[0] < 0.0015 && aside.wrench.force[0] < -5.0, "{aside:?}");
+    // Up it leaves, and is kept out from then on.
+    let up = go(&mut session, [0.0, 0.0, 0.04]);
+    assert!((up.proxy.translation()[2] - 0.04).abs() < 1e-6 && session.seats().is_empty(), "{up:?}");
+    let back = go(&mut session, [0.0, 0.0, 0.03]);
+    assert!((back.proxy.translation()[2] - 0.03502).abs() < 1e-6, "{back:?}");
 }
 
 #[test]
@@ -285,11 +290,11 @@ fn a_gripped_part_leaves_its_seat_and_is_kept_out_of_the_rest() {
         }
         last.unwrap()
     };
-    assert!(matches!(session.take(3), Err(Error::Core(_))));
+    assert!(matches!(session.take(&[3]), Err(Error::Core(_))));
     assert_eq!(session.put_down(), Err(Error::World(World::HoldsNothing)));
     let before = go(&mut session, [0.0; 3], [0.0; 3]).wrench;
-    session.take(1).unwrap();
-    assert_eq!(session.take(2), Err(Error::World(World::HoldsAlready { part: 1 })));
+    session.take(&[1]).unwrap();
+    assert_eq!(session.take(&[2]), Err(Error::World(World::HoldsAlready { part: 1 })));
     let after = step(&mut session, &Pose::IDENTITY);
     assert!(length(&sub(&after.wrench.force, &before.force)) < 1e-3, "{before:?} {after:?}");
     // Down it does not go: the seat holds it, though the plate is not asked.
@@ -297,7 +302,7 @@ fn a_gripped_part_leaves_its_seat_and_is_kept_out_of_the_rest() {
     assert!(pressed.proxy.translation()[2] > -1e-6 && pressed.wrench.force[2] > 3.0, "{pressed:?}");
     // Up, and it is off its seat: from now on the plate is asked, and the wall.
     let up = go(&mut session, [0.0, 0.0, -0.005], [0.0, 0.0, 0.03]);
-    assert!((up.proxy.translation()[2] - 0.03).abs() < 1e-6 && session.world().grip().unwrap().seats.is_empty());
+    assert!((up.proxy.translation()[2] - 0.03).abs() < 1e-6 && session.seats().is_empty());
     let aside = go(&mut session, [0.0, 0.0, 0.03], [0.075, 0.0, 0.03]);
     // It leans on the wall, held above the place where it touches.
     let vertices = session.world().tool().mesh().vertices().to_vec();
@@ -318,10 +323,10 @@ fn a_gripped_part_leaves_its_seat_and_is_kept_out_of_the_rest() {
     // Where the hand is now the block cannot go back to; from above it can.
     go(&mut session, [0.0, 0.0, -0.039], [0.0, 0.0, 0.05]);
     go(&mut session, [0.0, 0.0, 0.05], [0.05, 0.0, 0.05]);
-    session.take(1).unwrap();
+    session.take(&[1]).unwrap();
     go(&mut session, [0.05, 0.0, 0.05], [0.05, 0.0, 0.08]);
     session.put_back().unwrap();
-    assert!(session.world().moved().next().is_none() && session.world().grip().is_none());
+    assert!(session.world().moved().next().is_none() && session.world().grips().is_empty());
     go(&mut session, [0.05, 0.0, 0.08], [0.0, 0.0, 0.08]);
     let again = go(&mut session, [0.0, 0.0, 0.08], [0.0, 0.0, -0.02]);
     assert!(again.proxy.translation()[2] > -1e-4, "{again:?}");
@@ -367,18 +372,19 @@ fn a_part_that_lies_elsewhere_from_the_beginning_is_felt_there_as_in_its_place()
     for scene in [&mockup, &lacking] {
         elsewhere.set_scene(scene.clone()).unwrap();
         assert_eq!(elsewhere.start(&in_top).unwrap(), Start::Free);
-        let Start::Colliding(out) = elsewhere.start(&shifted(&in_top)).unwrap() else { panic!() };
+        let Start::Seated(seating) = elsewhere.start(&shifted(&in_top)).unwrap() else { panic!() };
+        let out = seating.way_out.unwrap();
         assert!((out.depth - 0.005).abs() < 1e-6, "{out:?}");
     }
     // It can be taken, and goes back to a place that it has.
     elsewhere.start(&shifted(&way(0))).unwrap();
-    elsewhere.take(1).unwrap();
+    elsewhere.take(&[1]).unwrap();
     assert!(elsewhere.world().moved().next().is_none());
     assert_eq!(elsewhere.put_back(), Err(Error::World(World::HasNoPlace { part: 1 })));
     elsewhere.set_scene(mockup.clone()).unwrap();
-    elsewhere.take(1).unwrap();
+    elsewhere.take(&[1]).unwrap();
     elsewhere.put_back().unwrap();
-    assert!(matches!(elsewhere.start(&in_top).unwrap(), Start::Colliding(_)));
+    assert!(matches!(elsewhere.start(&in_top).unwrap(), Start::Seated(_)));
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use feeler_core::Pose;
+use feeler_world::{Surroundings, Walk};
 
 /// A part that stopped the tool.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,6 +33,14 @@ impl Tally {
         blocker.count += 1;
         if reach > blocker.reach {
             (blocker.reach, blocker.pose) = (reach, *pose);
+        }
+    }
+
+    /// Counts a motion.
+    pub fn walked(&mut self, around: &Surroundings, walk: &Walk) {
+        self.casts += walk.casts;
+        if let Some(stop) = walk.stop {
+            self.note(stop.part, around.reach(&walk.pose), &walk.pose);
         }
     }
 

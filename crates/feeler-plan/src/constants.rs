@@ -1,54 +1,6 @@
 //! Every limit and tolerance of this crate: its unit, why this value, and what moves if it is changed.
 
-// What may touch.
-
-/// Bodies nearer than this (metres) touch; it is also the tolerance of casts. Above rounding in a mock-up of a kilometre, and far below
-/// what is made. Larger: casts end earlier, and more of what is flush counts as seated.
-pub const TOUCH: f64 = 1e-6;
-
-/// How far a seated pair that is in each other may go deeper, or leave its place, metres: facets of curved surfaces differ by as much.
-/// Larger: parts are drawn through bumps of that height.
-pub const SEAT_TOLERANCE: f64 = 1e-5;
-
-/// What seems to touch is looked at again a little beside: along this direction (unit, askew to all that is made), both ways,
-pub const BESIDE: [f64; 3] = [0.485_071_250_072_666, -0.727_606_875_108_999, 0.485_071_250_072_666];
-/// by this share of the tool's length; above rounding, and below what is modelled.
-pub const BESIDE_SHARE: f64 = 1e-5;
-/// Times the step beside by which a pair is in each other on both sides if it really is. What touches is at most one deep.
-pub const MOST_BESIDE: f64 = 3.0;
-
-/// Depth at the start, in lengths of the tool, up to which a pair is a fit, as of what is pressed into a hole: it may be as deep on all of
-/// its way. A deeper one has no hole, and is drawn out of the place it has. Larger: thicker walls are passed through sideways.
-pub const FIT_DEPTH: f64 = 0.02;
-
-/// How far what is drawn out of its place may come outside of it, in lengths of the part that is drawn: the ridges of a thread are so high.
-/// Larger: what has no hole may lean more on its way out.
-pub const PLACE_SHARE: f64 = 0.02;
-
-/// Triangles of the tool times crossings of surfaces that are looked at, at a step. Fewer: of large parts fewer crossings are asked for.
-pub const MOST_CROSSING_WORK: usize = 20_000;
-/// Least crossings looked at, however large the tool is.
-pub const LEAST_CROSSINGS: usize = 8;
-
-/// Steps at which seated pairs are measured while the tool moves by its own length. More: thinner ribs within a seat are seen, and it
-/// takes longer.
-pub const STEPS_A_LENGTH: f64 = 32.0;
-
-/// Times as many steps where a way is verified.
-pub const VERIFY_FINER: f64 = 2.0;
-
-/// Share of a clearance by which a way may come nearer: where less is left above it, the next step is that long.
-pub const CLEARANCE_SLACK: f64 = 0.02;
-
-/// The least distance along a way is refined to this share of the tool's length, or to the next of itself, whichever is more.
-pub const CLEARANCE_STEP: f64 = 1.0 / 64.0;
-/// See above. Smaller: a query more for each share of the tool's length.
-pub const CLEARANCE_SHARE: f64 = 0.05;
-
 // Straight ways.
-
-/// How far beyond the box of the mock-up the tool is out, as a share of its length.
-pub const EXIT_MARGIN: f64 = 0.01;
 
 /// Contact planes within this share of the tool's length give directions.
 pub const DIRECTION_MARGIN: f64 = 0.02;

@@ -7,14 +7,9 @@ pub enum Error {
     /// From the engine below.
     #[error(transparent)]
     Core(#[from] feeler_core::Error),
-    /// What grips the part is not free where it starts.
-    #[error("the tool's part {tool_part} meets part {part} where it starts: start it where it is free, or allow that part by name")]
-    StartsInCollision {
-        /// Of the tool.
-        tool_part: u32,
-        /// Of the mock-up.
-        part: u32,
-    },
+    /// From what stands around: what grips the part is not free where it starts.
+    #[error(transparent)]
+    World(feeler_world::Error),
     /// A number that cannot be.
     #[error("{what} is {value:?}: {must}")]
     Option {
@@ -25,6 +20,15 @@ pub enum Error {
         /// What is needed.
         must: &'static str,
     },
+}
+
+impl From<feeler_world::Error> for Error {
+    fn from(error: feeler_world::Error) -> Error {
+        match error {
+            feeler_world::Error::Core(error) => Error::Core(error),
+            other => Error::World(other),
+        }
+    }
 }
 
 /// This crate's result type.

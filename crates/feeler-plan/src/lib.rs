@@ -8,13 +8,12 @@ mod constants;
 mod error;
 mod random;
 mod removal;
-mod surroundings;
 mod swept;
 
 pub use blocked::Blocker;
 pub use error::{Error, Result};
+pub use feeler_world::Allowed;
 pub use removal::{removal, Method, Removal, RemovalTask};
-pub use surroundings::Allowed;
 pub use swept::sweep::{swept, Swept};
 
 #[cfg(doctest)]

@@ -307,7 +307,7 @@ fn what_cannot_be_is_refused() {
     // All of the tool grips, and none of it is the mock-up's: it may not start in what it meets.
     let start = Pose::IDENTITY.translated(&[0.0, 0.0, 0.004]).unwrap();
     let refused = error(RemovalTask { start, own_parts: 0, ..task.clone() });
-    assert!(matches!(refused, Error::StartsInCollision { tool_part: 0, .. }), "{refused}");
+    assert!(matches!(refused, Error::World(feeler_world::Error::GripMeets { tool_part: 0, .. })), "{refused}");
     let stopped = removal(&solver, &task, &|_, _| false, &|| true).unwrap_err();
     assert_eq!(stopped, Error::Core(feeler_core::Error::Cancelled));
 }

@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use feeler_core as core;
-use feeler_haptics::{Coupling, Error, Mode, PutDown, Session, SessionOptions, Start, Step};
+use feeler_haptics::{Coupling, Error, Mode, PutDown, SeatKind, Session, SessionOptions, Start, Step};
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyArray1, PyArray2};
 use pyo3::prelude::*;
@@ -136,12 +136,21 @@ impl HapticsSession {
     }
 }
 
-/// The translation out of a start in collision.
-pub fn way_out(start: Start) -> Option<core::Point> {
-    match start {
-        Start::Free => None,
-        Start::Colliding(out) => Some(out.translation),
-    }
+/// What a start met: for each pair of parts that of the tool, that of the mock-up, how they meet and how deep (metres); and the
+/// translation out, where the tool is sunk.
+pub type Started = (Vec<(u32, u32, &'static str, f64)>, Option<core::Point>);
+
+/// What a start met.
+pub fn started(start: Start) -> Started {
+    let Start::Seated(seating) = start else { return (Vec::new(), None) };
+    let kind = |kind: SeatKind| match kind {
+        SeatKind::Near => "near",
+        SeatKind::Flush => "touching",
+        SeatKind::Fit => "fit",
+        SeatKind::Sunk => "sunk",
+    };
+    let seats = seating.seats.iter().map(|seat| (seat.tool_part, seat.part, kind(seat.kind), seat.depth));
+    (seats.collect(), seating.way_out.map(|out| out.translation))
 }
 
 fn is_away() -> PyErr {
@@ -176,9 +185,9 @@ impl HapticsSession {
         Ok(HapticsSession { session: Mutex::new(Some(session)), tool })
     }
 
-    /// Begins at a pose; where that is in collision, the way out: translation and kind.
-    fn begin(&self, py: Python<'_>, pose: PoseArgument) -> PyResult<Option<core::Point>> {
-        self.change(py, |session| session.start(&pose.0)).map(way_out)
+    /// Begins at a pose: what it meets there.
+    fn begin(&self, py: Python<'_>, pose: PoseArgument) -> PyResult<Started> {
+        self.change(py, |session| session.start(&pose.0)).map(started)
     }
 
     /// One step; `None`: the device told nothing that can be.
@@ -194,17 +203,17 @@ impl HapticsSession {
         self.with(|session| planes_of(py, session))
     }
 
-    /// Another scene; where the proxy is in collision there, the way out.
-    fn swap(&self, py: Python<'_>, scene: PyRef<'_, Scene>) -> PyResult<Option<core::Point>> {
+    /// Another scene: what the proxy meets there.
+    fn swap(&self, py: Python<'_>, scene: PyRef<'_, Scene>) -> PyResult<Started> {
         let scene = scene.core();
         py.detach(|| find_topology(scene.mockup(), &self.tool, true))?;
         let start = self.change(py, |session| session.set_scene(scene))?;
-        Ok(way_out(start))
+        Ok(started(start))
     }
 
     #[pyo3(name = "take")]
-    fn grip(&self, py: Python<'_>, part: u32) -> PyResult<()> {
-        self.change(py, |session| session.take(part))
+    fn grip(&self, py: Python<'_>, parts: Vec<u32>) -> PyResult<()> {
+        self.change(py, |session| session.take(&parts))
     }
 
     fn put_down(&self, py: Python<'_>) -> PyResult<()> {
@@ -216,10 +225,10 @@ impl HapticsSession {
         self.change(py, Session::put_back)
     }
 
-    /// The part that is held.
+    /// The parts that are held.
     #[getter]
-    fn held_part(&self) -> PyResult<Option<u32>> {
-        self.with(|session| session.world().grip().map(|grip| grip.part))
+    fn held_parts(&self) -> PyResult<Vec<u32>> {
+        self.with(|session| session.world().grips().iter().map(|grip| grip.part).collect())
     }
 
     /// Parts that were put down elsewhere, sorted.

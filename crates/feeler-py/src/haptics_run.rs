@@ -13,7 +13,7 @@ use pyo3::types::PyDict;
 
 use crate::arguments::PoseArgument;
 use crate::errors::raise;
-use crate::haptics::{haptics_to_py, name_of, numbers_of, way_out, HapticsSession};
+use crate::haptics::{haptics_to_py, name_of, numbers_of, started, HapticsSession, Started};
 use crate::haptics_device::{matrix_of, HapticsDevice};
 use crate::pools::{find_topology, generation, machine_clock, threads_of};
 use crate::scene::Scene;
@@ -275,22 +275,22 @@ impl HapticsRun {
         [locked(&self.priority).clone().map(said), self.memory.clone().map(said)]
     }
 
-    /// Begins anew at a pose; where that is in collision, the way out.
-    fn begin(&self, py: Python<'_>, pose: PoseArgument) -> PyResult<Option<[f64; 3]>> {
-        self.ask(py, |runner| runner.begin(&pose.0)).map(way_out)
+    /// Begins anew at a pose: what it meets there.
+    fn begin(&self, py: Python<'_>, pose: PoseArgument) -> PyResult<Started> {
+        self.ask(py, |runner| runner.begin(&pose.0)).map(started)
     }
 
-    /// Puts another scene in the place of the present one; where the proxy is in collision there, the way out.
-    fn set_scene(&self, py: Python<'_>, scene: PyRef<'_, Scene>) -> PyResult<Option<[f64; 3]>> {
+    /// Puts another scene in the place of the present one: what the proxy meets there.
+    fn set_scene(&self, py: Python<'_>, scene: PyRef<'_, Scene>) -> PyResult<Started> {
         self.check_process()?;
         let scene = scene.core();
         let tool = self.session.get().tool().clone();
         py.detach(|| find_topology(scene.mockup(), &tool, true))?;
-        self.ask(py, |runner| runner.set_scene(scene)).map(way_out)
+        self.ask(py, |runner| runner.set_scene(scene)).map(started)
     }
 
-    fn take(&self, py: Python<'_>, part: u32) -> PyResult<()> {
-        self.ask(py, |runner| runner.take(part))
+    fn take(&self, py: Python<'_>, parts: Vec<u32>) -> PyResult<()> {
+        self.ask(py, |runner| runner.take(&parts))
     }
 
     fn put_down(&self, py: Python<'_>) -> PyResult<()> {

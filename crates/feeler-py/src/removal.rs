@@ -21,7 +21,7 @@ use crate::travel::rows_of;
 fn plan_to_py(error: Error) -> PyErr {
     let class = match error {
         Error::Core(error) => return to_py(error),
-        Error::StartsInCollision { .. } => "PoseError",
+        Error::World(_) => "PoseError",
         _ => "OptionError",
     };
     raise(class, error.to_string())

@@ -7,6 +7,14 @@ pub enum Error {
     /// From the engine below.
     #[error(transparent)]
     Core(#[from] feeler_core::Error),
+    /// What grips the part is not free where it starts.
+    #[error("the tool's part {tool_part} meets part {part} where it starts: start it where it is free, or allow that part by name")]
+    GripMeets {
+        /// Of the tool.
+        tool_part: u32,
+        /// Of the mock-up.
+        part: u32,
+    },
     /// A second grip.
     #[error("the tool holds part {part} already: release it first")]
     HoldsAlready {

@@ -3,13 +3,23 @@
 //!
 //! Lengths are metres; poses are `world_from_tool`.
 
+mod constants;
 mod environment;
 mod error;
+mod seats;
+mod surfaces;
+mod surroundings;
+mod walk;
 mod world;
 
-pub use environment::{Body, Environment, Impact, Pair, Plane};
+pub use constants::TOUCH;
+pub use environment::{Body, Environment, Pair, Plane};
 pub use error::{Error, Result};
-pub use world::{Grip, PutDown, Seat, World};
+pub use seats::{Allowed, Seat, SeatKind, Seated};
+pub use surfaces::Surfaces;
+pub use surroundings::{SunkPlane, Surroundings};
+pub use walk::{Care, Span, Stop, Walk};
+pub use world::{Grip, PutDown, World};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

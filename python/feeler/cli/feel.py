@@ -122,7 +122,7 @@ def feel(
     session = Session(scene, probe, coupling=coupling, collision_hz=collision_hz)
     begun = session.start(start)
     if not begun:
-        outputs.warn("the tool begins in collision: there is no force until the device is where it is free")
+        outputs.warn("the tool begins inside a part: it can leave only the way that it would have come in")
     session.run(held, rate_hz=hz, scale=scale)
     out = outputs.console()
     watched = _Watched(session, keeps=record is not None)

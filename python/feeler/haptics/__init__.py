@@ -15,7 +15,7 @@ from feeler.haptics.coupling import Coupling
 from feeler.haptics.devices import open_device
 from feeler.haptics.record import Parted, replay
 from feeler.haptics.running import Distribution, Granted, Statistics, Trace, View
-from feeler.haptics.session import Planes, Session, Start, Step
+from feeler.haptics.session import Planes, Seat, Session, Start, Step
 
 __all__ = [
     "Coupling",
@@ -24,6 +24,7 @@ __all__ = [
     "Parted",
     "Planes",
     "Session",
+    "Seat",
     "Start",
     "Statistics",
     "Step",

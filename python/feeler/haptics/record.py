@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import zlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -24,13 +24,13 @@ from feeler.scene import Scene
 if TYPE_CHECKING:
     from feeler.haptics.session import Session
 
-FORMAT = 2
-_READ = (1, 2)  # in 1 no parts lie elsewhere from the beginning
+FORMAT = 3
+_READ = (1, 2, 3)  # in 1 no parts lie elsewhere from the beginning; before 3 one part is gripped at a time
 KEPT_TRIANGLES = 200_000
 """Up to so many triangles of mock-up and tool a record has them with it; beyond, `replay` is given scene and tool."""
 
-# What happened: a step, a start, a grip, a release, a release that puts back.
-STEP, START, GRIP, RELEASE, PUT_BACK = range(5)
+# What happened: a step, a start, a grip, a release, a release that puts back; a part that the next grip takes, too.
+STEP, START, GRIP, RELEASE, PUT_BACK, ALSO = range(6)
 Floats = npt.NDArray[np.float64]
 
 
@@ -53,9 +53,11 @@ class Recorder:
         self._add(STEP, mode, pose, dt)
         self._outputs.append(np.concatenate([proxy.ravel(), force, torque]))
 
-    def grip(self, part: int) -> None:
+    def grip(self, parts: Sequence[int]) -> None:
         """A grip."""
-        self._add(GRIP, part, np.eye(4), 0.0)
+        for part in parts[:-1]:
+            self._add(ALSO, part, np.eye(4), 0.0)
+        self._add(GRIP, parts[-1], np.eye(4), 0.0)
 
     def release(self, put_back: bool) -> None:
         """A release."""
@@ -163,12 +165,16 @@ def replay(
         raise LoadError(f"{path} was made with other parts put down elsewhere: it has parts {sorted(lying)}")
     session = Session(scene, tool, coupling=coupling, put_down={part: put_down[part] for part in lying}, **options)
     steps = 0
+    also: list[int] = []
     for (kind, number), row in zip(events.tolist(), inputs, strict=True):
         pose = row[:16].reshape(4, 4)
         if kind == START:
             session.start(pose)
+        elif kind == ALSO:
+            also.append(number)
         elif kind == GRIP:
-            session.grip(number)
+            session.grip([*also, number])
+            also = []
         elif kind in (RELEASE, PUT_BACK):
             session.release(put_back=kind == PUT_BACK)
         else:

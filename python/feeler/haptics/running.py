@@ -139,7 +139,7 @@ class Runs(_core.HapticsSession):
 
     _run: _core.HapticsRun | None = None
     _ended: Statistics | None = None
-    _held: int | None = None
+    _held: tuple[int, ...] = ()
     _why: tuple[str, ...] = ()
     _recorder: Recorder | None = None
 
@@ -177,7 +177,7 @@ class Runs(_core.HapticsSession):
             raise SessionError("a record is of steps: close it before the session runs")
         pose = np.eye(4) if world_from_device is None else np.array(world_from_device, dtype=np.float64)
         is_absolute = device._is_absolute if absolute is None else bool(absolute)
-        self._held = self.held_part
+        self._held = tuple(self.held_parts)
         self._run = _core.HapticsRun(
             self, device._device, float(rate_hz), float(scale), pose, is_absolute, clutch_button, bool(realtime)
         )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -63,16 +63,38 @@ class Step:
 
 
 @dataclass(frozen=True)
-class Start:
-    """How a session began."""
+class Seat:
+    """A part of the tool and one of the mock-up that met where a session began."""
 
-    is_free: bool
-    """False: the tool is in collision there. There is no force until the device is where it is free."""
+    part: int
+    """Index into `mockup.parts`."""
+    tool_part: int
+    kind: str
+    """`touching`: at most 1 um apart, or 0.5 um deep. `fit`: deeper, up to 2 % of the tool's size, as parts that are pressed
+    in, or cross by their facets. `sunk`: deeper still, as a bolt in a plate without a hole."""
+    depth: float
+    """Metres."""
+
+
+@dataclass(frozen=True)
+class Start:
+    """How a session began; true unless the tool is sunk in something.
+
+    What the tool meets at the start is a seat: it slides along that, parts from it, and goes no deeper. What is sunk
+    leaves through the place that it fills. All other surfaces are met as ever.
+    """
+
+    seats: tuple[Seat, ...]
     way_out: Floats | None
-    """`(3,)`: the shortest translation found that frees it, metres, world; None where it is free."""
+    """`(3,)`: the shortest translation found that frees the tool, metres, world; None unless it is sunk."""
+
+    @property
+    def is_free(self) -> bool:
+        """Whether the tool meets nothing there."""
+        return not self.seats
 
     def __bool__(self) -> bool:
-        return self.is_free
+        return self.way_out is None
 
 
 class Session(Runs):
@@ -135,15 +157,15 @@ class Session(Runs):
     def start(self, pose: npt.ArrayLike) -> Start:
         """Begins, or begins anew, with the device at `pose` (`world_from_tool`).
 
-        Where the tool is in collision there the result says so and has the way out; steps give no force until the
-        device is where the tool is free. Where parts lie elsewhere, the way out is out of the one of them, or the
-        mock-up, that the tool is deepest in. Raises `PoseError` for what is no pose.
+        What the tool meets there is a seat, and there is force from the first step on. Where parts lie elsewhere, the
+        way out is out of the one of them, or the mock-up, that the tool is deepest in. Raises `PoseError` for what is
+        no pose.
         """
         pose = np.array(pose, dtype=np.float64)
-        way_out = super().begin(pose) if self._run is None else self._run.begin(pose)
+        started = super().begin(pose) if self._run is None else self._run.begin(pose)
         if self._recorder:
             self._recorder.start(pose)
-        return Start(way_out is None, None if way_out is None else np.array(way_out))
+        return _start_of(started)
 
     def step(self, world_from_device: npt.ArrayLike, dt: float = 0.001) -> Step:
         """One step of `dt` seconds (above 0, at most 1) with the device at a pose (`world_from_tool`).
@@ -163,62 +185,70 @@ class Session(Runs):
             self._recorder.step(pose, dt, step.world_from_proxy, step.force, step.torque, MODES.index(mode))
         return step
 
-    def grip(self, part: int | str) -> None:
-        """Takes a part: it leaves the scene and joins the tool, without a jump of force.
+    def grip(self, parts: int | str | Sequence[int | str]) -> None:
+        """Takes a part, or several as one: they leave the scene and join the tool, without a jump of force.
 
-        `part`: index, path or pattern that names one part. A part that was put down elsewhere can be taken again.
-        What the part was seated on is not asked until it is off that by a skin; planes of the seat hold it until
-        then. Raises `OptionError` for a part that is not there, `SessionError` where one is held already.
+        Each is an index, path or pattern that names one part. A part that was put down elsewhere can be taken again.
+        What the tool and its parts meet now is a seat, as at the start. Raises `OptionError` for parts that are not
+        there, none, or one twice, `SessionError` where something is held already.
         """
-        part = _one_part(self.scene, part, "grip")
+        each = [parts] if isinstance(parts, int | str) or not isinstance(parts, Sequence) else parts
+        chosen = [_one_part(self.scene, part, "grip") for part in each]
+        if not chosen or len(set(chosen)) < len(chosen):
+            raise OptionError(f"{parts!r} names {'a part twice' if chosen else 'no part'}: give each once")
         if self._run is None:
-            super().take(part)
+            super().take(chosen)
         else:
-            self._run.take(part)
-            self._held = part
+            self._run.take(chosen)
+            self._held = tuple(chosen)
         if self._recorder:
-            self._recorder.grip(part)
+            self._recorder.grip(chosen)
 
     def release(self, *, put_back: bool = False) -> None:
-        """Lets go of the part that is held: it stays where it is, a part of the scene again.
+        """Lets go of what is held: it stays where it is, parts of the scene again.
 
         `put_back`: it goes back to its place in the mock-up instead. Raises `SessionError` where nothing is held, or
-        the tool is in the part's place.
+        the tool is in a part's place.
         """
         run = self._run
         if put_back:
             super().put_back() if run is None else run.put_back()
         else:
             super().put_down() if run is None else run.put_down()
-        self._held = None
+        self._held = ()
         if self._recorder:
             self._recorder.release(put_back)
 
     @property
-    def gripped(self) -> int | None:
-        """The part that is held, by its index in `mockup.parts`."""
-        return super().held_part if self._run is None else self._held
+    def gripped(self) -> tuple[int, ...]:
+        """The parts that are held, by their indices in `mockup.parts`."""
+        return tuple(super().held_parts) if self._run is None else self._held
 
     def set_scene(self, scene: Scene) -> Start:
         """Puts another scene in the place of the present one; while the session runs, between two ticks.
 
         What is held or was put down belongs to the old one, and is gone, but for the parts that the session began with
-        (`put_down`): these lie there again. The tool stays where it is; where it is in collision there, there is no
-        force until the device is where it is free. Raises `OptionError` where a part that lies elsewhere is none of the
-        new mock-up.
+        (`put_down`): these lie there again. The tool stays where it is: what it meets there is a seat. Raises
+        `OptionError` where a part that lies elsewhere is none of the new mock-up.
         """
         if not isinstance(scene, Scene):
             raise OptionError(f"a session needs a feeler.Scene, not {type(scene).__name__}")
         if self._recorder:
             raise SessionError("a record is of one scene: close it first")
-        way_out = super().swap(scene) if self._run is None else self._run.set_scene(scene)
-        self.scene, self._held = scene, None
-        return Start(way_out is None, None if way_out is None else np.array(way_out))
+        started = super().swap(scene) if self._run is None else self._run.set_scene(scene)
+        self.scene, self._held = scene, ()
+        return _start_of(started)
 
     def record(self, path: str | Path) -> Recorder:
         """Writes what happens from the next start on into a file, for `replay`; `.close()` or `with` ends it."""
         self._recorder = Recorder(Path(path), self)
         return self._recorder
+
+
+def _start_of(started: tuple[list[tuple[int, int, str, float]], list[float] | None]) -> Start:
+    seats, way_out = started
+    told = tuple(Seat(part, ours, kind, depth) for ours, part, kind, depth in seats)
+    return Start(told, None if way_out is None else np.array(way_out))
 
 
 def _one_part(scene: Scene, part: int | str, where: str) -> int:

@@ -36,34 +36,112 @@ pub struct Presence {
     children: Vec<Vec<u32>>,
 }
 
-/// Pairs of a part of a tool and a part of the mock-up that are not asked, as a robot's matrix of allowed collisions.
+/// Pairs of a part of a tool and a part of the mock-up that are not asked, as a robot's matrix of allowed collisions; and pairs of
+/// surfaces of these.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct IgnoredPairs {
-    tool_parts: usize,
-    parts: usize,
-    /// A bit a pair, the tool's parts as rows.
+    of_parts: Matrix,
+    of_surfaces: Option<IgnoredSurfaces>,
+}
+
+/// Numbers of the surfaces that some triangles of a mesh belong to.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct SurfaceNumbers {
+    /// A bit a triangle: whether it has a number.
+    has: Vec<u64>,
+    /// Sorted by triangle.
+    numbers: Vec<(u32, u32)>,
+    count: usize,
+}
+
+/// Pairs of surfaces that are not asked.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct IgnoredSurfaces {
+    tool: Arc<SurfaceNumbers>,
+    mockup: Arc<SurfaceNumbers>,
+    pairs: Matrix,
+}
+
+/// A bit a pair.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct Matrix {
+    size: [usize; 2],
     bits: Vec<u64>,
+}
+
+impl Matrix {
+    fn new(size: [usize; 2], pairs: impl IntoIterator<Item = [u32; 2]>) -> Matrix {
+        let mut bits = vec![0; (size[0] * size[1]).div_ceil(64)];
+        for [t, m] in pairs.into_iter().map(|pair| pair.map(|number| number as usize)) {
+            if t < size[0] && m < size[1] {
+                let at = t * size[1] + m;
+                bits[at / 64] |= 1 << (at % 64);
+            }
+        }
+        Matrix { size, bits }
+    }
+
+    #[inline]
+    fn contains(&self, t: u32, m: u32) -> bool {
+        let (t, m) = (t as usize, m as usize);
+        let at = t * self.size[1] + m;
+        t < self.size[0] && m < self.size[1] && self.bits[at / 64] >> (at % 64) & 1 == 1
+    }
+}
+
+impl SurfaceNumbers {
+    /// Of a mesh of so many triangles the surface of each of some of them, which come ascending: `(triangle, surface)`.
+    pub fn new(triangles: usize, numbers: Vec<(u32, u32)>) -> SurfaceNumbers {
+        let mut has = vec![0; triangles.div_ceil(64)];
+        numbers.iter().for_each(|(t, _)| has[*t as usize / 64] |= 1 << (t % 64));
+        let count = numbers.iter().map(|(_, surface)| *surface as usize + 1).max().unwrap_or(0);
+        SurfaceNumbers { has, numbers, count }
+    }
+
+    /// The surface of a triangle; `None` if it has no number.
+    #[inline]
+    pub fn of(&self, triangle: u32) -> Option<u32> {
+        if !is_set(&self.has, triangle) {
+            return None;
+        }
+        self.numbers.binary_search_by_key(&triangle, |(t, _)| *t).ok().map(|at| self.numbers[at].1)
+    }
+
+    /// One more than the largest number.
+    pub fn count(&self) -> usize {
+        self.count
+    }
 }
 
 impl IgnoredPairs {
     /// The pairs `[tool part, mock-up part]`, of so many parts of each; pairs beyond these are left out.
     pub fn new(tool_parts: usize, parts: usize, pairs: impl IntoIterator<Item = [u32; 2]>) -> IgnoredPairs {
-        let mut bits = vec![0; (tool_parts * parts).div_ceil(64)];
-        for [t, m] in pairs.into_iter().map(|pair| pair.map(|part| part as usize)) {
-            if t < tool_parts && m < parts {
-                let at = t * parts + m;
-                bits[at / 64] |= 1 << (at % 64);
-            }
-        }
-        IgnoredPairs { tool_parts, parts, bits }
+        IgnoredPairs { of_parts: Matrix::new([tool_parts, parts], pairs), of_surfaces: None }
     }
 
-    /// Whether a pair is ignored.
+    /// The same, and pairs `[surface of the tool, surface of the mock-up]` by the numbers of their triangles.
+    pub fn with_surfaces(
+        self,
+        [tool, mockup]: [&Arc<SurfaceNumbers>; 2],
+        pairs: impl IntoIterator<Item = [u32; 2]>,
+    ) -> IgnoredPairs {
+        let pairs = Matrix::new([tool.count, mockup.count], pairs);
+        let of_surfaces = Some(IgnoredSurfaces { tool: tool.clone(), mockup: mockup.clone(), pairs });
+        IgnoredPairs { of_surfaces, ..self }
+    }
+
+    /// Whether a pair of parts is ignored, all of it.
     #[inline]
     pub fn contains(&self, tool_part: u32, part: u32) -> bool {
-        let (t, m) = (tool_part as usize, part as usize);
-        let at = t * self.parts + m;
-        t < self.tool_parts && m < self.parts && self.bits[at / 64] >> (at % 64) & 1 == 1
+        self.of_parts.contains(tool_part, part)
+    }
+
+    /// Whether a pair of triangles is ignored by their surfaces.
+    #[inline]
+    fn contains_surfaces(&self, tool_triangle: u32, triangle: u32) -> bool {
+        let Some(ignored) = &self.of_surfaces else { return false };
+        let Some(m) = ignored.mockup.of(triangle) else { return false };
+        ignored.tool.of(tool_triangle).is_some_and(|t| ignored.pairs.contains(t, m))
     }
 }
 
@@ -157,7 +235,7 @@ impl Selection {
             && self.presence.as_ref().is_none_or(|presence| is_set(&presence.triangles, triangle))
     }
 
-    /// Whether a pair of a tool's and a mock-up's part is asked for.
+    /// Whether a pair of a tool's and a mock-up's part is asked for, or some surfaces of the two are.
     #[inline]
     pub fn wants_parts(&self, tool_part: u32, part: u32) -> bool {
         self.has_part(part) && self.ignored.as_ref().is_none_or(|ignored| !ignored.contains(tool_part, part))
@@ -170,7 +248,9 @@ impl Selection {
             return false;
         }
         let Some(ignored) = &self.ignored else { return true };
-        !ignored.contains(tool.part_of_face(tool.ids()[slot as usize]), mockup.part_of_face(triangle))
+        let tool_triangle = tool.ids()[slot as usize];
+        !ignored.contains(tool.part_of_face(tool_triangle), mockup.part_of_face(triangle))
+            && !ignored.contains_surfaces(tool_triangle, triangle)
     }
 
     /// Words of the nodes of a level: which children have anything below them that is there. Empty: all.

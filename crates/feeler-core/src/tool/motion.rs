@@ -1,6 +1,6 @@
 //! A tool's way from one pose to another, and what is certain about it.
 //!
-//! The middle of the tool's box (the *pivot*) moves along a straight line at constant speed, and the tool turns about it at
+//! The tool's *pivot*, mostly the middle of its box, moves along a straight line at constant speed, and the tool turns about it at
 //! constant speed about a fixed axis, the shorter way round (slerp: K. Shoemake 1985). The tool's own origin plays no part, so a
 //! tool modelled far from its origin does not swing.
 //!
@@ -18,8 +18,8 @@ type Matrix = [[f64; 3]; 3];
 
 /// A rigid motion of one tool; time runs from 0 to 1.
 ///
-/// The middle of the tool's box moves along a straight line at constant speed, and the tool turns about it at constant speed
-/// about a fixed axis, the shorter way round.
+/// The tool's [pivot](Tool::pivot) moves along a straight line at constant speed, and the tool turns about it at constant speed about a
+/// fixed axis, the shorter way round.
 #[derive(Debug, Clone)]
 pub struct Motion {
     ends: [Pose; 2],
@@ -74,7 +74,7 @@ impl Motion {
     /// The way of a tool between two poses `world_from_tool`.
     pub fn new(tool: &Tool, pose0: &Pose, pose1: &Pose) -> Motion {
         let bounds = tool.mesh().bounds();
-        let pivot: Point = std::array::from_fn(|a| 0.5 * bounds.lower[a] + 0.5 * bounds.upper[a]);
+        let pivot = *tool.pivot();
         let (from, to) = (pose0.apply(&pivot), pose1.apply(&pivot));
         let [start, end] = [pose0, pose1].map(|pose| orthonormal(pose.rotation()));
         let (axis, angle) = axis_and_angle(&product(&end, &transposed(&start)));

@@ -38,6 +38,8 @@ pub struct Tool {
     /// has one entry.
     groups: Vec<Vec<BoxLanes>>,
     largest: f64,
+    /// About which it turns, tool frame.
+    pivot: Point,
     widths: Widths,
     /// Made when contacts are first asked for; by everyone who asks meanwhile, as of a mock-up.
     adjacency: OnceBox<Adjacency>,
@@ -130,6 +132,7 @@ impl Tool {
             boxes = boxes.chunks(LANES).map(|c| c.iter().fold(Aabb::EMPTY, |b, x| b.union(x))).collect();
         }
         let largest = mesh.bounds().largest_coordinate();
+        let pivot = std::array::from_fn(|a| 0.5 * mesh.bounds().lower[a] + 0.5 * mesh.bounds().upper[a]);
         let placeable: Vec<Triangle> = ids.iter().map(|id| mesh.triangle(*id)).collect();
         Ok(Tool {
             part_of_face,
@@ -142,11 +145,22 @@ impl Tool {
             clusters,
             groups,
             largest,
+            pivot,
             widths,
             adjacency: OnceBox::new(),
             outlines: BodyOutlines::default(),
             links: OnceBox::new(),
         })
+    }
+
+    /// The same turning about another point (tool frame, metres) on its [motions](crate::Motion), as one with which it moves.
+    pub fn with_pivot(self, pivot: Point) -> Tool {
+        Tool { pivot, ..self }
+    }
+
+    /// The point about which it turns on its motions: the middle of its box, or as [given](Self::with_pivot).
+    pub fn pivot(&self) -> &Point {
+        &self.pivot
     }
 
     /// The triangles, in the tool's frame.

@@ -22,7 +22,7 @@ pub(super) enum Answer {
 /// What is asked of the collision side, done between two ticks.
 pub(super) enum Wish {
     Start(Pose),
-    Take(u32),
+    Take(Vec<u32>),
     PutDown,
     PutBack,
     Scene(Arc<Scene>),
@@ -142,7 +142,7 @@ impl CollisionSide {
                 Answer::Started(start)
             }
             Wish::Scene(scene) => Answer::Started(self.session.set_scene(scene)?),
-            Wish::Take(part) => self.session.take(part).map(|()| Answer::Done)?,
+            Wish::Take(parts) => self.session.take(&parts).map(|()| Answer::Done)?,
             Wish::PutDown => self.session.put_down().map(|()| Answer::Done)?,
             Wish::PutBack => self.session.put_back().map(|()| Answer::Done)?,
         };

@@ -263,7 +263,7 @@ impl Runner {
         self.ask_for_start(Wish::Start(*pose))
     }
 
-    /// As [`Session::set_scene`]. Where the proxy is in collision now, there is no force until the device is where it is free.
+    /// As [`Session::set_scene`].
     pub fn set_scene(&self, scene: Arc<Scene>) -> Result<Start> {
         self.ask_for_start(Wish::Scene(scene))
     }
@@ -276,8 +276,8 @@ impl Runner {
     }
 
     /// As [`Session::take`].
-    pub fn take(&self, part: u32) -> Result<()> {
-        self.ask(Wish::Take(part)).map(|_| ())
+    pub fn take(&self, parts: &[u32]) -> Result<()> {
+        self.ask(Wish::Take(parts.to_vec())).map(|_| ())
     }
 
     /// As [`Session::put_down`].

@@ -5,7 +5,7 @@ use feeler_core::{Point, Tool};
 
 use crate::constants::{DIRECTION_MARGIN, MOST_DIRECTIONS, MOST_NORMALS, OPPOSING_SHARE, SAME_DIRECTION};
 use crate::error::Result;
-use crate::surroundings::Surroundings;
+use feeler_world::Surroundings;
 
 /// Candidates (units, world), the likely ones first.
 ///
@@ -14,7 +14,7 @@ use crate::surroundings::Surroundings;
 pub fn directions(surroundings: &Surroundings) -> Result<(Vec<Point>, Vec<Wall>)> {
     let (tool, start) = (surroundings.tool(), surroundings.start());
     let margin = DIRECTION_MARGIN * surroundings.size();
-    let contacts = surroundings.solver().contacts(tool, start, margin, None)?;
+    let contacts = surroundings.environment().bodies[0].solver.contacts(tool, start, margin, None)?;
     let walls = contacts.planes.iter().map(|plane| Wall { normal: plane.normal, gap: plane.gap.max(0.0) }).collect();
     let mut normals = Distinct::default();
     for plane in &contacts.planes {

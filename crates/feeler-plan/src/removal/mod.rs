@@ -26,7 +26,7 @@ use self::verify::{verified, Verified};
 use crate::blocked::{Blocker, Tally};
 use crate::constants::{ROUND_CASTS, TREES};
 use crate::error::{Error, Result};
-use crate::surroundings::{Allowed, Surroundings};
+use feeler_world::{Allowed, Body, Environment, Surroundings};
 
 /// What is to come out.
 #[derive(Debug, Clone)]
@@ -98,7 +98,9 @@ pub fn removal(
     };
     report(0.0, "straight ways")?;
     let RemovalTask { tool, own_parts, start, allowed, clearance, .. } = task;
-    let surroundings = Surroundings::new(solver, tool.clone(), *own_parts, start, allowed, *clearance)?;
+    let mockup = Body { solver: solver.with_scene(solver.scene().clone()), part: None };
+    let environment = Environment { bodies: vec![mockup] };
+    let surroundings = Surroundings::new(environment, tool.clone(), *own_parts, start, allowed, *clearance)?;
     let mut tally = Tally::default();
     if let Some(way) = verified(&surroundings, vec![*start], &mut tally)? {
         return told(&surroundings, Ok((Method::Out, way)), &tally);

@@ -8,7 +8,7 @@ use crate::blocked::Tally;
 use crate::constants::{CUT_TRIES, LEAST_CUT};
 use crate::error::Result;
 use crate::random::Random;
-use crate::surroundings::{Care, Seated, Surroundings};
+use feeler_world::{Care, Seated, Surroundings};
 
 /// The way with shortcuts: from each pose straight to the last that can be had, then between random places on it. What is seated at a
 /// pose is found again as the way is walked, since a shortcut may part a pair elsewhere. The work is bounded, and no time is asked for.
@@ -59,7 +59,8 @@ fn is_free(around: &Surroundings, way: &[Pose], from: usize, tally: &mut Tally) 
     // Without seats nothing depends on what was before.
     let first = if around.has_seats() { 0 } else { from };
     for pair in way[first..].windows(2) {
-        let walk = around.walk(&seated, (&pair[0], &pair[1]), Care::Search(&[]), tally)?;
+        let walk = around.walk(&seated, (&pair[0], &pair[1]), Care::search(&[]))?;
+        tally.walked(around, &walk);
         if walk.stop.is_some() {
             return Ok(false);
         }
@@ -75,7 +76,8 @@ fn leapt(around: &Surroundings, way: Vec<Pose>, tally: &mut Tally) -> Result<Vec
     while at + 1 < way.len() {
         let mut to = way.len() - 1;
         loop {
-            let walk = around.walk(&seated, (&way[at], &way[to]), Care::Search(&[]), tally)?;
+            let walk = around.walk(&seated, (&way[at], &way[to]), Care::search(&[]))?;
+            tally.walked(around, &walk);
             if walk.stop.is_none() {
                 seated = walk.seated;
                 break;

@@ -6,7 +6,7 @@ use super::directions::Wall;
 use super::verify::{verified, Verified};
 use crate::blocked::Tally;
 use crate::error::Result;
-use crate::surroundings::{Care, Surroundings};
+use feeler_world::{Care, Surroundings};
 
 /// The poses of the first straight way out that is free, verified: along one of the caller's directions, or else along one of those
 /// that contacts and shapes suggest. Ways that no contact plane opposes come first, and of each kind the shorter.
@@ -30,7 +30,9 @@ pub fn straight_way(
             let end = surroundings.moved(&start, direction, length)?;
             // Where casts decide, one is enough.
             let mut is_free = || -> Result<bool> {
-                Ok(surroundings.walk(&seated, (&start, &end), Care::Search(&[]), tally)?.stop.is_none())
+                let walk = surroundings.walk(&seated, (&start, &end), Care::search(&[]))?;
+                tally.walked(surroundings, &walk);
+                Ok(walk.stop.is_none())
             };
             if surroundings.casts_decide() || is_free()? {
                 if let Some(way) = verified(surroundings, vec![start, end], tally)? {

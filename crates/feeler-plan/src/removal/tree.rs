@@ -19,7 +19,7 @@ use crate::constants::{
 };
 use crate::error::Result;
 use crate::random::Random;
-use crate::surroundings::{Care, Seated, Surroundings};
+use feeler_world::{Care, Seated, Surroundings};
 
 /// How long the lives of a search are that may take long by bad luck, in the unit of the first: 1, 1, 2, 1, 1, 2, 4, and so on. No other
 /// sequence takes less but for a factor, whatever the luck is like (M. Luby, A. Sinclair and D. Zuckerman, 1993).
@@ -116,7 +116,8 @@ impl<'a> Tree<'a> {
         for _ in 0..=MOST_SLIDES {
             let from = self.nodes[at].pose;
             let seated = self.nodes[at].seated.clone();
-            let walk = self.around.walk(&seated, (&from, &target), Care::Search(&normals), &mut self.tally)?;
+            let walk = self.around.walk(&seated, (&from, &target), Care::search(&normals))?;
+            self.tally.walked(self.around, &walk);
             let moved = Motion::new(self.around.tool(), &from, &walk.pose).longest_way();
             if moved > SHORTEST_STEP * self.around.size() {
                 at = self.push(walk.pose, walk.seated, at);
@@ -126,7 +127,8 @@ impl<'a> Tree<'a> {
             } else if walk.stop.is_none() {
                 return Ok(());
             }
-            let Some(triangles) = walk.stop.and_then(|stop| stop.triangles) else { return Ok(()) };
+            let pair = walk.stop.and_then(|stop| stop.pair);
+            let Some(triangles) = pair.map(|pair| [pair.tool_triangle, pair.triangle]) else { return Ok(()) };
             if !blockers.contains(&triangles) {
                 blockers.push(triangles);
             } else if moved <= SHORTEST_STEP * self.around.size() {
@@ -182,7 +184,7 @@ impl<'a> Tree<'a> {
         normals: &mut Vec<Point>,
     ) -> Result<Option<Pose>> {
         let (tool, size) = (self.around.tool(), self.around.size());
-        let mesh = self.around.solver().scene().mockup().mesh();
+        let mesh = self.around.environment().bodies[0].solver.scene().mockup().mesh();
         let centre = from.apply(&self.metric.centre);
         let (skin, clearance) = (SLIDE_SKIN * size, self.around.clearance());
         let mut rows: Vec<HalfSpace> = Vec::new();
@@ -236,7 +238,8 @@ impl<'a> Tree<'a> {
                 continue;
             }
             let end = around.moved(&pose, &direction, way)?;
-            let walk = around.walk(&seated, (&pose, &end), Care::Search(&[]), &mut self.tally)?;
+            let walk = around.walk(&seated, (&pose, &end), Care::search(&[]))?;
+            self.tally.walked(around, &walk);
             if walk.stop.is_none() {
                 let mut way = self.way_to(at);
                 way.push(end);

@@ -4,7 +4,7 @@ use feeler_core::Pose;
 
 use crate::blocked::Tally;
 use crate::error::Result;
-use crate::surroundings::{Care, Span, Surroundings};
+use feeler_world::{Care, Span, Surroundings};
 
 /// A way out that is free.
 #[derive(Debug)]
@@ -20,8 +20,8 @@ pub fn verified(around: &Surroundings, poses: Vec<Pose>, tally: &mut Tally) -> R
     let mut seated = around.seated_at_start();
     let mut spans = Vec::new();
     for pair in poses.windows(2) {
-        let walk =
-            around.walk_in_spans(&seated, (&pair[0], &pair[1]), Care::Verify, tally, &mut |span| spans.push(span))?;
+        let walk = around.walk_in_spans(&seated, (&pair[0], &pair[1]), Care::VERIFY, &mut |span| spans.push(span))?;
+        tally.walked(around, &walk);
         if walk.stop.is_some() {
             return Ok(None);
         }

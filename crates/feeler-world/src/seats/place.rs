@@ -4,10 +4,10 @@
 //! it has to be within its own place, as it would be in a hole. So each point that a crossing of the two surfaces passes through lies in
 //! the tool as it was at the start, or near it: the ridges of a thread leave through where its grooves were.
 
-use feeler_core::geometry::vectors::{add, cross, dot, length, scaled, sub};
+use feeler_core::geometry::vectors::{add, cross, dot, length, scaled, sub, unit};
 use feeler_core::{closest_triangle_triangle, Aabb, Mockup, Point, Pose, Tool, Triangle};
 
-use crate::constants::{LEAST_CROSSINGS, MOST_CROSSING_WORK, PLACE_SHARE, SEAT_TOLERANCE};
+use crate::constants::{LEAST_CROSSINGS, MOST_CROSSING_WORK, MOST_PLACE_ROWS, PLACE_SHARE, SEAT_TOLERANCE};
 
 /// The part of the mock-up at a crossing that is outside of the tool's place, world, as it was at the start.
 pub fn crossing_outside(tool: &Tool, start: &Pose, mockup: &Mockup, pairs: &[[u32; 2]], pose: &Pose) -> Option<u32> {
@@ -21,10 +21,60 @@ pub fn crossing_outside(tool: &Tool, start: &Pose, mockup: &Mockup, pairs: &[[u3
         let p = pose.apply_triangle(&mesh.triangle(*t));
         let crossings = crossings(&p, &mockup.mesh().triangle(*m));
         let own = tool.part_of_face(*t);
-        let near = SEAT_TOLERANCE.max(PLACE_SHARE * size_of(tool, own));
+        let near = room_around(tool, own);
         crossings.iter().any(|x| !is_in(tool, own, start, x, near))
     };
     pairs.find(outside).map(|[_, m]| mockup.part_of_face(*m))
+}
+
+/// How far a part of the tool may come outside of its place, metres.
+fn room_around(tool: &Tool, part: u32) -> f64 {
+    SEAT_TOLERANCE.max(PLACE_SHARE * size_of(tool, part))
+}
+
+/// A crossing of the tool's surface and that of a part.
+#[derive(Debug, Clone, Copy)]
+pub struct Crossing {
+    /// World.
+    pub at: Point,
+    /// Of the tool's surface there, outwards, unit.
+    pub outward: Point,
+    /// How far the surface may move outwards until it is outside of the place, metres.
+    pub room: f64,
+    /// The pair of triangles.
+    pub triangles: [u32; 2],
+}
+
+/// Some crossings, spread over all.
+pub fn crossings_in_place(
+    tool: &Tool,
+    start: &Pose,
+    mockup: &Mockup,
+    pairs: &[[u32; 2]],
+    pose: &Pose,
+) -> Vec<Crossing> {
+    let mesh = tool.mesh();
+    let most = (MOST_CROSSING_WORK / mesh.faces().len().max(1)).clamp(LEAST_CROSSINGS, MOST_PLACE_ROWS);
+    let mut found = Vec::new();
+    for triangles in pairs.iter().step_by(pairs.len().div_ceil(most).max(1)) {
+        let [t, m] = *triangles;
+        let p = pose.apply_triangle(&mesh.triangle(t));
+        let Some(at) = crossings(&p, &mockup.mesh().triangle(m)).first().copied() else { continue };
+        let Some(normal) = unit(&cross(&sub(&p[1], &p[0]), &sub(&p[2], &p[0]))) else { continue };
+        let own = tool.part_of_face(t);
+        let outward = if tool.adjacency().outward[t as usize] < 0 { scaled(&normal, -1.0) } else { normal };
+        let depth = if is_in(tool, own, start, &at, 0.0) { 1.0 } else { -1.0 } * distance_to(tool, own, start, &at);
+        found.push(Crossing { at, outward, room: room_around(tool, own) + depth, triangles: *triangles });
+    }
+    found
+}
+
+/// From a point of the world to the surface of a part of the tool at a pose, metres.
+fn distance_to(tool: &Tool, part: u32, pose: &Pose, at: &Point) -> f64 {
+    let own = tool.mesh().queried().filter(|t| tool.part_of_face(*t) == part);
+    let distance =
+        |t: u32| closest_triangle_triangle(&[*at; 3], &pose.apply_triangle(&tool.mesh().triangle(t))).distance;
+    own.map(distance).fold(f64::INFINITY, f64::min)
 }
 
 /// Where edges of one triangle go through the other.

@@ -1,0 +1,85 @@
+//! Every limit and tolerance of this crate: its unit, why this value, and what moves if it is changed.
+
+// What may touch.
+
+/// Bodies nearer than this (metres) touch; it is also the tolerance of casts. Above rounding in a mock-up of a kilometre, and far below
+/// what is made. Larger: casts end earlier, and more of what is flush counts as seated.
+pub const TOUCH: f64 = 1e-6;
+
+/// How far what touches may rock and go deeper, metres: above rounding, and below what is made. Larger: slides end less often by rounding.
+pub const FLUSH_PLAY: f64 = 1e-6;
+
+/// How far a seated pair that is in each other may go deeper, or leave its place, metres: facets of curved surfaces differ by as much.
+/// Larger: parts are drawn through bumps of that height.
+pub const SEAT_TOLERANCE: f64 = 1e-5;
+
+/// Halvings by which the depth of a fit is found, from a power of two: to 1/16 of it. More: nearer to what it is, and slower.
+pub const EROSION_HALVINGS: usize = 4;
+
+/// Cosine from which on two faces at a corner are one: 1.4 mrad. Less: facets of smooth surfaces count as one, and move by less.
+pub const FACE_ANGLE_COS: f64 = 0.999_999;
+
+/// How far a corner moves at most where its faces move by 1: four times, as at an edge of 29 degrees. Larger: knives shrink by more of their
+/// edge.
+pub const LONGEST_MITRE: f64 = 4.0;
+
+/// Rounds of projections by which a corner's way is found: one is enough for a box, forty for a wedge of 30 degrees.
+pub const MITRE_ROUNDS: usize = 40;
+
+/// Tolerance of casts of what is seated, metres: a quarter of what is left of the play at the start. Larger: slides end by rounding.
+pub const SEAT_CAST: f64 = 1.25e-7;
+
+/// Depth at the start, in lengths of the tool, up to which a pair is a fit, as of what is pressed into a hole: it may be as deep on all of
+/// its way. A deeper one has no hole, and is drawn out of the place it has. Larger: thicker walls are passed through sideways.
+pub const FIT_DEPTH: f64 = 0.02;
+
+/// How far what is drawn out of its place may come outside of it, in lengths of the part that is drawn: the ridges of a thread are so high.
+/// Larger: what has no hole may lean more on its way out.
+pub const PLACE_SHARE: f64 = 0.02;
+
+/// Triangles of the tool times crossings of surfaces that are looked at, at a step. Fewer: of large parts fewer crossings are asked for.
+pub const MOST_CROSSING_WORK: usize = 20_000;
+/// Least crossings looked at, however large the tool is.
+pub const LEAST_CROSSINGS: usize = 8;
+
+/// Steps at which seated pairs are measured while the tool moves by its own length. More: thinner ribs within a seat are seen, and it
+/// takes longer.
+pub const STEPS_A_LENGTH: f64 = 32.0;
+
+/// Times as many steps where a way is verified.
+pub const VERIFY_FINER: f64 = 2.0;
+
+/// Share of a clearance by which a way may come nearer: where less is left above it, the next step is that long.
+pub const CLEARANCE_SLACK: f64 = 0.02;
+
+/// The least distance along a way is refined to this share of the tool's length, or to the next of itself, whichever is more.
+pub const CLEARANCE_STEP: f64 = 1.0 / 64.0;
+/// See above. Smaller: a query more for each share of the tool's length.
+pub const CLEARANCE_SHARE: f64 = 0.05;
+
+/// How far beyond the box of the mock-up the tool is out, as a share of its length.
+pub const EXIT_MARGIN: f64 = 0.01;
+
+// Surfaces.
+
+/// Faces whose unit normals round to the same multiples of this, and whose planes are as far from the origin in multiples of
+/// [`PLANE_OFFSET`], are in one plane. Larger: faces beside each other that differ count as one.
+pub const PLANE_NORMAL: f64 = 1e-5;
+/// Metres; see above.
+pub const PLANE_OFFSET: f64 = 1e-6;
+
+/// Triangles that meet at a smaller angle (radians) are one flat face: more than rounding of single precision, less than the facets of a
+/// circle of 6,000 sides. Larger: fine facets count as flat, and a fillet made of them joins the floor.
+pub const FLAT_ANGLE: f64 = 1e-3;
+
+/// Cosine of the largest angle between facets of one curved surface: 31 degrees, so that a cylinder of twelve sides is one. Less: more
+/// such angles are edges.
+pub const CURVED_ANGLE_COS: f64 = 0.857;
+
+/// Facets of one curved surface are alike in area up to this ratio. Larger: a coarse fillet joins floor and wall.
+pub const MOST_AREA_RATIO: f64 = 4.0;
+
+// Seats for control loops.
+
+/// Most crossings that hold a sunk part in its place. More: it is held at more points, and each takes a row of the program.
+pub const MOST_PLACE_ROWS: usize = 24;

@@ -1,0 +1,158 @@
+//! A part of the tool made smaller by as much as it is in a neighbour: what it may do there is what the smaller one may, exactly.
+//!
+//! Each corner moves inwards so that every face that meets there moves by the same distance. The smaller part is free of the neighbour
+//! where it starts, by less than a play; as long as it is, the part itself is nowhere deeper in the neighbour than at the start and the
+//! play.
+
+use std::sync::Arc;
+
+use feeler_contacts::ContactSolver;
+use feeler_core::geometry::vectors::{add, cross, dot, length, scaled, sub, unit};
+use feeler_core::{weld_vertices, Point, Pose, Tool};
+
+use crate::constants::{
+    EROSION_HALVINGS, FACE_ANGLE_COS, FIT_DEPTH, FLUSH_PLAY, LONGEST_MITRE, MITRE_ROUNDS, SEAT_TOLERANCE,
+};
+use crate::error::Result;
+
+/// A part of a tool that is smaller than it is.
+#[derive(Debug, Clone)]
+pub struct Eroded {
+    /// The part alone, which turns as the tool does.
+    pub tool: Arc<Tool>,
+    /// How deep the part is at the start, metres; 0 if it touches.
+    pub depth: f64,
+}
+
+/// The part `part` of a tool as it is free of a neighbour, whose `solver` asks of nothing else, at the start; no smaller than by
+/// `least` metres. `None`: it is deeper than a fit, for a tool of this size (metres).
+pub fn eroded(
+    solver: &ContactSolver,
+    (tool, part): (&Tool, u32),
+    start: &Pose,
+    least: f64,
+    size: f64,
+) -> Result<Option<Eroded>> {
+    let corners = Corners::new(tool, part);
+    let most = least.max(FIT_DEPTH * size);
+    let is_open = tool.adjacency().is_open(part);
+    // Of an open surface nobody knows which side is out.
+    for sign in if is_open { &[1.0, -1.0][..] } else { &[1.0] } {
+        let by = |by: f64| corners.moved(tool, -sign * by);
+        let is_free = |depth: f64| -> Result<bool> { Ok(solver.is_free(&by(depth)?, start)) };
+        let made = |depth: f64, play: f64| -> Result<Option<Eroded>> {
+            Ok(Some(Eroded { tool: Arc::new(by(depth + play)?), depth }))
+        };
+        if least == 0.0 && is_free(0.5 * FLUSH_PLAY)? {
+            return made(0.0, FLUSH_PLAY);
+        }
+        let (mut low, mut high) = (0.0, least.max(FLUSH_PLAY));
+        while high <= most && !is_free(high)? {
+            (low, high) = (high, 2.0 * high);
+        }
+        if high > most {
+            continue;
+        }
+        for _ in 0..EROSION_HALVINGS {
+            let middle = 0.5 * (low + high);
+            if middle >= least && is_free(middle)? {
+                high = middle;
+            } else {
+                low = middle;
+            }
+        }
+        return made(high, SEAT_TOLERANCE);
+    }
+    Ok(None)
+}
+
+/// The corners of a part, and where each moves.
+struct Corners {
+    /// By vertex of the part.
+    places: Vec<Point>,
+    faces: Vec<[u32; 3]>,
+    /// Outwards, for a distance of 1 of all faces.
+    outward: Vec<Point>,
+}
+
+impl Corners {
+    fn new(tool: &Tool, part: u32) -> Corners {
+        let (mesh, outward) = (tool.mesh(), &tool.adjacency().outward);
+        let own: Vec<u32> = mesh.queried().filter(|t| tool.part_of_face(*t) == part).collect();
+        let all: Vec<Point> = own.iter().flat_map(|t| mesh.triangle(*t)).collect();
+        let (places, numbers) = weld_vertices(&all);
+        let faces: Vec<[u32; 3]> = numbers.chunks(3).map(|corner| [corner[0], corner[1], corner[2]]).collect();
+        // The normals that meet at each corner, those alike once.
+        let mut normals: Vec<Vec<Point>> = vec![Vec::new(); places.len()];
+        for (t, face) in own.iter().zip(&faces) {
+            let [a, b, c] = face.map(|v| places[v as usize]);
+            let Some(normal) = unit(&cross(&sub(&b, &a), &sub(&c, &a))) else { continue };
+            let normal = if outward[*t as usize] < 0 { scaled(&normal, -1.0) } else { normal };
+            for v in face {
+                let known = &mut normals[*v as usize];
+                if known.iter().all(|other| dot(other, &normal) < FACE_ANGLE_COS) {
+                    known.push(normal);
+                }
+            }
+        }
+        Corners { places, faces, outward: normals.iter().map(|normals| mitre(normals)).collect() }
+    }
+
+    /// The part with all faces moved outwards by so much, metres.
+    fn moved(&self, tool: &Tool, by: f64) -> Result<Tool> {
+        let vertices = self.places.iter().zip(&self.outward).map(|(p, out)| add(p, &scaled(out, by))).collect();
+        Ok(Tool::new(vertices, self.faces.clone())?.with_pivot(*tool.pivot()))
+    }
+}
+
+/// The shortest vector whose component along each normal is 1, or as nearly as can be; no longer than the longest mitre.
+fn mitre(normals: &[Point]) -> Point {
+    // Least squares by a projection onto one normal after the other, over and over (Kaczmarz 1937).
+    let mut out = [0.0; 3];
+    for _ in 0..MITRE_ROUNDS {
+        for normal in normals {
+            let missing = 1.0 - dot(&out, normal);
+            out = add(&out, &scaled(normal, missing));
+        }
+    }
+    scaled(&out, (LONGEST_MITRE / length(&out).max(f64::MIN_POSITIVE)).min(1.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use feeler_shapes::{box_mesh, cylinder};
+
+    use super::*;
+
+    fn extent(tool: &Tool) -> Point {
+        tool.mesh().bounds().extent()
+    }
+
+    #[test]
+    fn a_box_shrinks_by_the_same_on_all_sides() {
+        for cells in [1, 4] {
+            let (vertices, faces) = box_mesh([0.3, 0.0, -0.1], [0.03, 0.04, 0.05], cells);
+            let tool = Tool::new(vertices, faces).unwrap();
+            let smaller = Corners::new(&tool, 0).moved(&tool, -0.001).unwrap();
+            let off = sub(&sub(&extent(&tool), &extent(&smaller)), &[0.002; 3]);
+            assert!(length(&off) < 1e-12, "{off:?}");
+            assert_eq!(smaller.pivot(), tool.pivot());
+        }
+    }
+
+    #[test]
+    fn all_facets_of_a_cylinder_move_by_the_same() {
+        let (vertices, faces) = cylinder(0.01, 0.05, 24, 3);
+        let tool = Tool::new(vertices, faces).unwrap();
+        let smaller = Corners::new(&tool, 0).moved(&tool, -0.0005).unwrap();
+        for t in smaller.mesh().queried() {
+            let [a, b, c] = smaller.mesh().triangle(t);
+            let normal = unit(&cross(&sub(&b, &a), &sub(&c, &a))).unwrap();
+            let was = tool.mesh().queried().map(|t| tool.mesh().triangle(t)).any(|[p, q, r]| {
+                let other = unit(&cross(&sub(&q, &p), &sub(&r, &p))).unwrap();
+                dot(&normal, &other) > 1.0 - 1e-9 && (dot(&sub(&p, &a), &normal) - 0.0005).abs() < 1e-9
+            });
+            assert!(was, "{t}");
+        }
+    }
+}

@@ -1,0 +1,183 @@
+//! Which pairs of parts, and which of their surfaces, meet where the tool starts.
+//!
+//! Parts of an assembly touch, and in models of one many are in each other. A pair that meets at the start may meet until it parts. Of one
+//! that touches, or is a little in each other, the tool's part is [made smaller](super::erosion) by as much, and that is asked exactly. What
+//! is deeper has no hole in the model: bolts in plates. It may not move against a plane that it is behind, and the surfaces cross nowhere
+//! but in the place that the part has at the start.
+//!
+//! All other surfaces of such a pair are asked exactly from the first step on. What slides along a surface comes over its convex edges:
+//! a pin that leaves a hole crosses, by its facets, the face around the hole. So these surfaces, too, are asked of the smaller part alone.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+use feeler_contacts::ContactSolver;
+use feeler_core::geometry::vectors::length;
+use feeler_core::{Pose, Scene, SurfaceNumbers, Tool};
+
+use super::erosion::{eroded, Eroded};
+use crate::constants::TOUCH;
+use crate::error::{Error, Result};
+use crate::surfaces::Surfaces;
+
+/// What may meet.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Allowed {
+    /// Pairs that meet at the start may, until they part, no deeper than then.
+    pub start: bool,
+    /// Every pair may be this deep in each other, metres.
+    pub overlap: f64,
+    /// Parts of the mock-up that may be met all along.
+    pub parts: Vec<u32>,
+}
+
+/// How a pair is at the start.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum SeatKind {
+    /// Apart, but nearer than the clearance.
+    Near,
+    /// It touches.
+    Flush,
+    /// One is a little in the other.
+    Fit,
+    /// One is in the other, as if there were no hole.
+    Sunk,
+}
+
+impl SeatKind {
+    /// Whether they meet.
+    pub fn meets(self) -> bool {
+        self != SeatKind::Near
+    }
+}
+
+/// A part of the tool and one of a body that are together at the start.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Seat {
+    /// Of the tool.
+    pub tool_part: u32,
+    /// Of the body.
+    pub part: u32,
+    /// How it is at the start.
+    pub kind: SeatKind,
+    /// How deep it is, metres: by how much the tool's part has to be smaller to be free, of what is sunk the deepest contact plane.
+    pub depth: f64,
+}
+
+/// The pairs of one body that are together at the start, sorted; and those that meet there though nothing allows it.
+#[derive(Debug, Default)]
+pub struct Start {
+    pub seats: Vec<Seat>,
+    /// By seat: the part of the tool made smaller, where it is flush or fits.
+    pub eroded: Vec<Option<Eroded>>,
+    pub refused: Vec<[u32; 2]>,
+    pub regions: Option<Regions>,
+}
+
+/// The pairs of surfaces of seats that may meet.
+#[derive(Debug)]
+pub struct Regions {
+    tool: Surfaces,
+    body: Surfaces,
+    /// `[surface of the tool, surface of the body]`, and their parts.
+    pairs: BTreeMap<[u32; 2], [u32; 2]>,
+}
+
+impl Regions {
+    /// The numbers of surfaces, the tool's first.
+    pub fn numbers(&self) -> [&Arc<SurfaceNumbers>; 2] {
+        [&self.tool.numbers, &self.body.numbers]
+    }
+
+    /// The pairs of surfaces of some pairs of parts; both sorted.
+    pub fn pairs<'a>(&'a self, of: &'a [[u32; 2]]) -> impl Iterator<Item = [u32; 2]> + 'a {
+        self.pairs.iter().filter(|(_, parts)| of.binary_search(parts).is_ok()).map(|(pair, _)| *pair)
+    }
+
+    fn new(scene: &Scene, tool: &Tool, seats: &[Seat], met: &[[u32; 2]]) -> Regions {
+        let mockup = scene.mockup();
+        let mut of_parts: Vec<u32> = seats.iter().map(|seat| seat.part).collect();
+        of_parts.sort_unstable();
+        of_parts.dedup();
+        let is_theirs = |t: &u32| of_parts.binary_search(&mockup.part_of_face(*t)).is_ok();
+        let ours: Vec<u32> = tool.mesh().queried().collect();
+        let theirs: Vec<u32> = mockup.mesh().queried().filter(is_theirs).collect();
+        let of_tool = Surfaces::new(tool.mesh(), tool.adjacency(), &ours, |t| tool.part_of_face(t));
+        let of_body = Surfaces::new(mockup.mesh(), mockup.adjacency(), &theirs, |t| mockup.part_of_face(t));
+        let mut all: BTreeMap<[u32; 2], [u32; 2]> = BTreeMap::new();
+        for seat in seats {
+            let parts = [seat.tool_part, seat.part];
+            let is_own = |[t, m]: &&[u32; 2]| [tool.part_of_face(*t), mockup.part_of_face(*m)] == parts;
+            let numbers = |[t, m]: &[u32; 2]| Some([of_tool.numbers.of(*t)?, of_body.numbers.of(*m)?]);
+            let pairs: BTreeSet<[u32; 2]> = met.iter().filter(is_own).filter_map(numbers).collect();
+            // Of what is sunk any surface may come to where it leaves.
+            let own = ours.iter().copied().filter(|t| tool.part_of_face(*t) == seat.tool_part);
+            let sunk = if seat.kind == SeatKind::Sunk { of_tool.of(&own.collect::<Vec<u32>>()) } else { Vec::new() };
+            for [t, m] in pairs {
+                for t in sunk.iter().chain(of_tool.beside(t)).chain([&t]) {
+                    for m in of_body.beside(m).iter().chain([&m]) {
+                        all.insert([*t, *m], parts);
+                    }
+                }
+            }
+        }
+        Regions { tool: of_tool, body: of_body, pairs: all }
+    }
+}
+
+/// Finds them. `scene` asks of nothing that is allowed all along; tool parts from `own_parts` on are what grips, and have no seats.
+pub fn find_seats(
+    (solver, scene): (&ContactSolver, &Scene),
+    tool: &Tool,
+    own_parts: u32,
+    start: &Pose,
+    allowed: &Allowed,
+    clearance: f64,
+) -> Result<Start> {
+    let mut nearest: BTreeMap<[u32; 2], f64> = BTreeMap::new();
+    let mut met: Vec<[u32; 2]> = Vec::new();
+    for gap in scene.near_pairs(tool, start, TOUCH.max(clearance))? {
+        let least = nearest.entry([gap.tool_part, gap.part]).or_insert(gap.distance);
+        *least = least.min(gap.distance);
+        if gap.distance <= TOUCH {
+            met.push([gap.tool_triangle, gap.mockup_triangle]);
+        }
+    }
+    let size = length(&tool.mesh().bounds().extent());
+    let mut found = Start::default();
+    for (pair, distance) in nearest {
+        let [tool_part, part] = pair;
+        let meets = distance <= TOUCH;
+        if meets && tool_part >= own_parts {
+            return Err(Error::GripMeets { tool_part, part });
+        }
+        let mut smaller = None;
+        let (mut kind, mut depth) = (SeatKind::Near, 0.0);
+        if meets {
+            let alone = solver.with_scene(Arc::new(scene.of_one_part(part)));
+            smaller = eroded(&alone, (tool, tool_part), start, allowed.overlap, size)?;
+            (kind, depth) = match &smaller {
+                Some(eroded) if eroded.depth == 0.0 => (SeatKind::Flush, 0.0),
+                Some(eroded) => (SeatKind::Fit, eroded.depth),
+                None => (SeatKind::Sunk, depth_at(&alone, tool, tool_part, start)?),
+            };
+        }
+        if !meets || allowed.start {
+            found.seats.push(Seat { tool_part, part, kind, depth });
+            found.eroded.push(smaller);
+        } else if allowed.overlap == 0.0 || depth > allowed.overlap {
+            found.refused.push(pair);
+        }
+    }
+    let meeting: Vec<Seat> = found.seats.iter().filter(|seat| seat.kind.meets()).copied().collect();
+    if !meeting.is_empty() {
+        found.regions = Some(Regions::new(scene, tool, &meeting, &met));
+    }
+    Ok(found)
+}
+
+/// How deep a part of the tool is in the one that a solver asks of, metres: the deepest contact plane.
+fn depth_at(solver: &ContactSolver, tool: &Tool, part: u32, pose: &Pose) -> Result<f64> {
+    let planes = solver.contacts(tool, pose, 0.0, None)?.planes;
+    Ok(planes.iter().filter(|plane| plane.tool_part(tool) == part).map(|plane| -plane.gap).fold(0.0, f64::max))
+}

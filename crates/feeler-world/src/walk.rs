@@ -1,0 +1,336 @@
+//! How far the tool moves freely from a pose towards another.
+
+use std::sync::Arc;
+
+use feeler_core::{Cast, Motion, Point, Pose};
+
+use crate::constants::{
+    CLEARANCE_SHARE, CLEARANCE_SLACK, CLEARANCE_STEP, SEAT_CAST, SEAT_TOLERANCE, STEPS_A_LENGTH, TOUCH, VERIFY_FINER,
+};
+use crate::environment::Pair;
+use crate::error::Result;
+use crate::seats::{crossing_outside, Seat, Seated, SeatedBody};
+use crate::surroundings::Surroundings;
+
+/// How closely a motion is looked at.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Care<'a> {
+    /// Along these directions (units, world) the tool is probably off what is near: casts take less time.
+    pub beside: &'a [Point],
+    /// Of casts of what is not seated, metres.
+    pub tolerance: f64,
+    /// How often seated pairs are measured, in times of the steps of a search.
+    pub finer: f64,
+}
+
+impl<'a> Care<'a> {
+    /// Before a way is given.
+    pub const VERIFY: Care<'static> = Care { beside: &[], tolerance: TOUCH, finer: VERIFY_FINER };
+
+    /// While ways are sought.
+    pub fn search(beside: &'a [Point]) -> Care<'a> {
+        Care { beside, tolerance: TOUCH, finer: 1.0 }
+    }
+}
+
+/// A motion as far as it is free.
+#[derive(Debug, Clone)]
+pub struct Walk {
+    /// Where it ends.
+    pub pose: Pose,
+    /// The share of the motion until there.
+    pub fraction: f64,
+    /// What is still seated there.
+    pub seated: Arc<Seated>,
+    /// What ends it; `None` where all of it is free.
+    pub stop: Option<Stop>,
+    /// Casts made.
+    pub casts: u64,
+}
+
+/// A share of a motion along which the same pairs are seated.
+#[derive(Debug, Clone)]
+pub struct Span {
+    /// Not parted yet.
+    pub seated: Arc<Seated>,
+    /// Where it begins.
+    pub from: Pose,
+    /// Where it ends.
+    pub to: Pose,
+}
+
+/// What ends a motion.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stop {
+    /// Of the mock-up.
+    pub part: u32,
+    /// The triangles that meet; `None` of a seat.
+    pub pair: Option<Pair>,
+    /// Whether it is a seat that may go no deeper.
+    pub is_seat: bool,
+}
+
+/// A share of a motion, and what ends it.
+struct Part {
+    fraction: f64,
+    end: End,
+}
+
+enum End {
+    Arrived,
+    Stopped(Stop),
+    Parted(Arc<Seated>),
+}
+
+impl Surroundings {
+    /// Moves from a pose towards another, as far as that is free.
+    pub fn walk(&self, seated: &Arc<Seated>, between: (&Pose, &Pose), care: Care<'_>) -> Result<Walk> {
+        self.walk_in_spans(seated, between, care, &mut |_| ())
+    }
+
+    /// The same, and each share of the motion is told to `span`.
+    pub fn walk_in_spans(
+        &self,
+        seated: &Arc<Seated>,
+        (from, to): (&Pose, &Pose),
+        care: Care<'_>,
+        span: &mut dyn FnMut(Span),
+    ) -> Result<Walk> {
+        let whole = Motion::new(&self.tool, from, to);
+        let (mut seated, mut done, mut casts) = (seated.clone(), 0.0, 0);
+        loop {
+            let here = whole.at(done);
+            // Also of a motion that ends before it is cast: a search that is bounded by casts ends.
+            casts += 1;
+            let part = self.part(&seated, (&here, to), care)?;
+            let motion = Motion::new(&self.tool, &here, to);
+            span(Span { seated: seated.clone(), from: here, to: motion.at(part.fraction) });
+            done = if part.fraction < 1.0 { done + (1.0 - done) * part.fraction } else { 1.0 };
+            match part.end {
+                End::Arrived => return Ok(Walk { pose: *to, fraction: 1.0, seated, stop: None, casts }),
+                End::Parted(left) if part.fraction >= 1.0 => {
+                    return Ok(Walk { pose: *to, fraction: 1.0, seated: left, stop: None, casts })
+                }
+                End::Parted(left) => seated = left,
+                End::Stopped(stop) => {
+                    let pose = motion.at(part.fraction);
+                    let seated = self.left_at(&seated, &pose)?.unwrap_or(seated);
+                    return Ok(Walk { pose, fraction: done, seated, stop: Some(stop), casts });
+                }
+            }
+        }
+    }
+
+    /// The same until a seat parts.
+    fn part(&self, seated: &Arc<Seated>, (from, to): (&Pose, &Pose), care: Care<'_>) -> Result<Part> {
+        let tool = &self.tool;
+        let motion = Motion::new(tool, from, to);
+        let mut first: Option<(f64, Stop)> = None;
+        let stopped = |fraction: f64, stop: Stop| Ok(Part { fraction, end: End::Stopped(stop) });
+        for (number, asked) in seated.bodies.iter().enumerate() {
+            for part in &asked.smaller {
+                let tolerance = care.tolerance.min(SEAT_CAST);
+                let cast = part.solver.scene().cast_beside(&part.tool, from, to, tolerance, care.beside)?;
+                first = earlier(
+                    first,
+                    cast.map(|cast| (cast.fraction, self.stop_of_smaller(number, cast.mockup_triangle))),
+                );
+            }
+        }
+        if let Some((0.0, stop)) = first {
+            return stopped(0.0, stop);
+        }
+        let steps = (motion.longest_way() / (self.size / STEPS_A_LENGTH / care.finer)).ceil().max(1.0);
+        let measures = self.overlap > 0.0 || seated.bodies.iter().any(|asked| asked.sunk.is_some());
+        // What is in each other mostly goes deeper at once: that costs less than a cast.
+        if measures {
+            let end = first.map_or(1.0, |(end, _)| end);
+            if let Some(stop) = self.too_deep(seated, &motion.at(end.min(1.0 / steps)))? {
+                return stopped(0.0, stop);
+            }
+        }
+        // From when on what is not seated meets it, which an overlap allows.
+        let mut meets: Option<f64> = None;
+        for (number, asked) in seated.bodies.iter().enumerate() {
+            let scene = asked.ordinary.scene();
+            if self.overlap > 0.0 && scene.is_colliding(tool, from) {
+                // Followed in steps below.
+                meets = Some(0.0);
+                continue;
+            }
+            let Some(cast) = scene.cast_beside(tool, from, to, care.tolerance, care.beside)? else { continue };
+            if self.overlap > 0.0 {
+                meets = Some(meets.map_or(cast.fraction, |meets| meets.min(cast.fraction)));
+            } else {
+                first = earlier(first, Some(self.ended(&cast, number)));
+            }
+        }
+        if let Some((0.0, stop)) = first {
+            return stopped(0.0, stop);
+        }
+        let (mut end, mut stop) = first.map_or((1.0, None), |(end, stop)| (end, Some(stop)));
+        if self.clearance > 0.0 {
+            if let Some((fraction, near)) = self.leaves_clearance(seated, &motion, end)? {
+                (end, stop) = (fraction, Some(near));
+            }
+        }
+        let has_seats = seated.bodies.iter().any(|asked| asked.all.is_some());
+        if measures || has_seats && self.clearance > 0.0 {
+            let mut last = 0.0;
+            for step in 1.. {
+                let time = (f64::from(step) / steps).min(end);
+                let pose = motion.at(time);
+                if let Some(stop) = if measures { self.too_deep(seated, &pose)? } else { None } {
+                    return stopped(last, stop);
+                }
+                if time >= end {
+                    break;
+                }
+                last = time;
+                if meets.is_some_and(|meets| meets < time) && !self.is_colliding(seated, &pose) {
+                    // Off what it met: from here on it is cast again.
+                    return Ok(Part { fraction: time, end: End::Parted(seated.clone()) });
+                }
+                if let Some(left) = self.left_at(seated, &pose)? {
+                    return Ok(Part { fraction: time, end: End::Parted(left) });
+                }
+            }
+        }
+        match stop {
+            Some(stop) => stopped(end, stop),
+            None => {
+                let left = self.left_at(seated, to)?;
+                Ok(Part { fraction: 1.0, end: left.map_or(End::Arrived, End::Parted) })
+            }
+        }
+    }
+
+    /// What is deeper than it may be: sunk parts, and by how much all may overlap.
+    fn too_deep(&self, seated: &Seated, pose: &Pose) -> Result<Option<Stop>> {
+        for (number, asked) in seated.bodies.iter().enumerate() {
+            if let Some(part) = self.too_deep_in(number, asked, pose)? {
+                let part = self.environment.bodies[number].part_in_mockup(part);
+                return Ok(Some(Stop { part, pair: None, is_seat: true }));
+            }
+        }
+        Ok(None)
+    }
+
+    /// The part of one body.
+    fn too_deep_in(&self, body: usize, asked: &SeatedBody, pose: &Pose) -> Result<Option<u32>> {
+        let tool = &self.tool;
+        if let Some(sunk) = &asked.sunk {
+            for plane in sunk.contacts(tool, pose, 0.0, None)?.planes {
+                let goes_in = || self.moved_at(&plane, pose).is_some_and(|(_, by)| by < -SEAT_TOLERANCE);
+                if -plane.gap > SEAT_TOLERANCE && goes_in() {
+                    return Ok(Some(plane.part));
+                }
+            }
+            let pairs = self.sunk_pairs(body, sunk.scene(), pose);
+            let outside = crossing_outside(tool, &self.start, sunk.scene().mockup(), &pairs, pose);
+            if outside.is_some() {
+                return Ok(outside);
+            }
+        }
+        if self.overlap > 0.0 && asked.ordinary.scene().is_colliding(tool, pose) {
+            let contacts = asked.ordinary.contacts(tool, pose, 0.0, None)?;
+            let deepest = contacts.planes.first().filter(|plane| -plane.gap > self.overlap + SEAT_TOLERANCE);
+            return Ok(deepest.map(|plane| plane.part));
+        }
+        Ok(None)
+    }
+
+    /// What is still seated at a pose; `None`: all that was.
+    pub fn left_at(&self, seated: &Seated, pose: &Pose) -> Result<Option<Arc<Seated>>> {
+        let within = TOUCH.max(self.clearance);
+        let mut holds = seated.holds.clone();
+        let mut rest = &mut holds[..];
+        for (asked, makings) in seated.bodies.iter().zip(&self.makings) {
+            let (own, others) = rest.split_at_mut(makings.seats.len());
+            rest = others;
+            let Some(all) = &asked.all else { continue };
+            // The nearest of a part may be another part of the tool: then all pairs are needed.
+            let near = match self.tool.parts() {
+                1 => all.clearance(&self.tool, pose, within)?,
+                _ => all.near_pairs(&self.tool, pose, within)?,
+            };
+            let mut pairs: Vec<[u32; 2]> = near.iter().map(|gap| [gap.tool_part, gap.part]).collect();
+            pairs.sort_unstable();
+            pairs.dedup();
+            let is_near = |seat: &Seat| pairs.binary_search(&[seat.tool_part, seat.part]).is_ok();
+            own.iter_mut().zip(&makings.seats).for_each(|(holds, seat)| *holds = *holds && is_near(seat));
+        }
+        Ok((holds != seated.holds).then(|| self.seated(holds)))
+    }
+
+    /// The least distance of what is not seated along a span, if it is less than `least`, metres; refined to a share of the tool's length.
+    pub fn least_distance(&self, span: &Span, mut least: f64) -> Result<f64> {
+        let motion = Motion::new(&self.tool, &span.from, &span.to);
+        let long = motion.longest_way();
+        for asked in &span.seated.bodies {
+            let mut time = 0.0;
+            while let Some(gap) = asked.clear.closest(&self.tool, &motion.at(time), least + long * (1.0 - time))? {
+                let beyond = gap.distance - least;
+                least = least.min(gap.distance);
+                if time >= 1.0 {
+                    break;
+                }
+                // Nothing comes as near as the least before the tool has moved by what is beyond it.
+                time = (time
+                    + beyond.max(CLEARANCE_STEP * self.size).max(CLEARANCE_SHARE * least)
+                        / long.max(f64::MIN_POSITIVE))
+                .min(1.0);
+            }
+        }
+        Ok(least)
+    }
+
+    /// Where on a motion, before `end`, what is not seated comes nearer than the clearance; the last time at which it was not.
+    ///
+    /// From a time at which the least distance is known nothing comes nearer than the clearance before the tool has moved by the rest:
+    /// conservative advancement.
+    fn leaves_clearance(&self, seated: &Seated, motion: &Motion, mut end: f64) -> Result<Option<(f64, Stop)>> {
+        let long = motion.longest_way();
+        let slack = CLEARANCE_SLACK * self.clearance;
+        let mut first = None;
+        for (number, asked) in seated.bodies.iter().enumerate() {
+            let (mut time, mut last) = (0.0f64, 0.0);
+            loop {
+                let pose = motion.at(time.min(end));
+                let reach = self.clearance + long * (end - time.min(end));
+                let Some(gap) = asked.clear.closest(&self.tool, &pose, reach)? else { break };
+                if gap.distance < self.clearance - slack {
+                    let stop = self.stop(number, [gap.tool_triangle, gap.mockup_triangle]);
+                    (first, end) = (Some((last, stop)), last);
+                    break;
+                }
+                if time >= end {
+                    break;
+                }
+                last = time;
+                time += (gap.distance - self.clearance).max(slack) / long.max(f64::MIN_POSITIVE);
+            }
+        }
+        Ok(first)
+    }
+
+    /// The end of a cast of a smaller part, whose triangles are not the tool's.
+    fn stop_of_smaller(&self, body: usize, triangle: u32) -> Stop {
+        let pair = Pair { body: body as u32, tool_triangle: 0, triangle };
+        Stop { part: self.environment.part_of(&pair), pair: None, is_seat: true }
+    }
+
+    /// When a cast ends, and at whom.
+    fn ended(&self, cast: &Cast, body: usize) -> (f64, Stop) {
+        (cast.fraction, self.stop(body, [cast.tool_triangle, cast.mockup_triangle]))
+    }
+
+    fn stop(&self, body: usize, [tool_triangle, triangle]: [u32; 2]) -> Stop {
+        let pair = Pair { body: body as u32, tool_triangle, triangle };
+        Stop { part: self.environment.part_of(&pair), pair: Some(pair), is_seat: false }
+    }
+}
+
+fn earlier(first: Option<(f64, Stop)>, other: Option<(f64, Stop)>) -> Option<(f64, Stop)> {
+    [first, other].into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0))
+}
