@@ -82,7 +82,7 @@ fn press(what: &str, open: impl Fn() -> Box<dyn Device>, coupling: Coupling, sca
     let mut runner =
         Runner::start(session(coupling), device, clock, &options).map_err(|refused| refused.error).unwrap();
     let granted = *runner.coupling();
-    assert!(granted.stiffness_n_per_m > 20.0 && granted.max_force_n > 0.4, "{what}: {granted:?}");
+    assert!(granted.stiffness_n_per_m > 80.0 && granted.max_force_n > 0.4, "{what}: {granted:?}");
     eventually("the first ticks", || (runner.watch().view().number > 20).then_some(()));
     assert_eq!((stand_in.given)(), ([0.0; 3], [0.0; 3]), "{what}: a force in the air");
 
@@ -195,16 +195,17 @@ fn every_device_of_3d_systems_gives_what_is_granted() {
 fn every_device_of_haply_gives_what_is_granted() {
     let mut minverse = inverse3();
     minverse["inverse3"][0]["config"]["device_info"]["device_type"] = json!("minverse");
-    for (what, mut data, force_n) in [
-        ("Inverse3", inverse3(), None),
-        ("Inverse3 with a VerseGrip", with_grip(), None),
-        ("Minverse", minverse, None),
-        ("Inverse3 at its peak", inverse3(), Some(10.0)),
+    for (what, mut data, force_n, stiffness_n_per_m) in [
+        ("Inverse3", inverse3(), None, None),
+        ("Inverse3 with a VerseGrip", with_grip(), None, None),
+        ("Minverse", minverse, None, None),
+        ("Inverse3 at its peak, as stiff as its user says", inverse3(), Some(10.0), Some(750.0)),
     ] {
         data["inverse3"][0]["state"]["cursor_velocity"] = json!({"x": 0.0, "y": 0.0, "z": 0.0});
         let service = Service::start(data);
-        let open =
-            || -> Box<dyn Device> { Box::new(Haply::open(&HaplyOptions { force_n, ..service.options() }).unwrap()) };
+        let open = || -> Box<dyn Device> {
+            Box::new(Haply::open(&HaplyOptions { force_n, stiffness_n_per_m, ..service.options() }).unwrap())
+        };
         let put = |z: f64, _: f64| service.move_to([0.0, 0.0, z]);
         let given = || (service.last_force().unwrap_or([0.0; 3]), [0.0; 3]);
         press_all(what, open, &StandIn { put: &put, given: &given });

@@ -129,6 +129,28 @@ fn contacts_that_stay_away_for_a_second_hold_the_proxy_and_then_let_the_force_go
 }
 
 #[test]
+fn contacts_that_are_200_ms_old_change_the_force_by_no_more_than_the_slew() {
+    // Pressing, turning and sliding over the edge of the plate, while the collision side is away for 200 ms out of each 250 ms.
+    let mut keys = vec![(0.0, at([0.0; 3], [0.0; 3])), (0.2, at([0.0, 0.0, -0.02], [0.0; 3]))];
+    for k in 1..12 {
+        let side = if k % 2 == 0 { 0.17 } else { 0.215 };
+        keys.push((0.2 + 0.3 * f64::from(k), at([side, 0.01, -0.02], [0.1, 0.1 * side, 0.3])));
+    }
+    let stalls = |k: u32| k % 250 >= 200;
+    let mut drive = Drive::new(started(plate(), SessionOptions::default()), device(HandPath::new(keys).unwrap()));
+    drive.run(300, always, always);
+    let coupling = *drive.sides.servo.coupling().0;
+    let views = drive.run(3000, always, stalls);
+    assert!(views.iter().any(|view| view.age > 0.19) && largest(views) > 1.5);
+    for both in views.windows(2) {
+        let change = both[1].wrench - both[0].wrench;
+        assert!(both[1].mode != Mode::Doubt, "{:?}", both[1]);
+        assert!(length(&change.force) <= coupling.slew_n_per_s * TICK * (1.0 + 1e-9), "{both:?}");
+        assert!(length(&change.torque) <= coupling.slew_nm_per_s * TICK * (1.0 + 1e-9), "{both:?}");
+    }
+}
+
+#[test]
 fn a_servo_side_that_stalls_begins_from_nothing() {
     let mut drive = Drive::new(started(plate(), SessionOptions::default()), device(pushing()));
     let before = drive.run(400, always, always).to_vec();

@@ -13,7 +13,7 @@ use crate::constants::{RETURN_S, SILENT_PERIODS, SILENT_S, STATISTICS_PERIOD_S, 
 use crate::constraint_set::Plane;
 use crate::coupling::Coupling;
 use crate::device::mapping::{Mapped, Mapping};
-use crate::device::{Device, DeviceError, DeviceState};
+use crate::device::{Device, DeviceError, DeviceInfo, DeviceState};
 use crate::error::{Error, Result};
 use crate::force::{is_tick, slewed};
 use crate::servo::{Mode, Servo, ServoInput, ServoOutput};
@@ -130,9 +130,19 @@ impl ServoSide {
         (self.servo.coupling(), &self.limitations)
     }
 
+    /// What the device is, as felt in the tool's world.
+    pub fn info_in_world(&self) -> DeviceInfo {
+        self.mapping.info_in_world()
+    }
+
     /// Why the device last failed.
     pub fn last_error(&self) -> Option<&DeviceError> {
         self.last_error.as_ref()
+    }
+
+    /// Whether the device failed and does not go on.
+    pub fn is_broken(&self) -> bool {
+        matches!(self.last_error, Some(DeviceError::Broken { .. }))
     }
 
     /// One tick.
@@ -243,7 +253,9 @@ impl ServoSide {
 
     fn fail(&mut self, error: DeviceError) {
         self.record.device_errors += 1;
-        self.last_error = Some(error);
+        if !self.is_broken() {
+            self.last_error = Some(error);
+        }
     }
 
     /// Writes the view in place, and a tick of the trace if there is room.
