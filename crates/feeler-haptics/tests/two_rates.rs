@@ -347,6 +347,48 @@ fn the_border_of_the_workspace_comes_and_returns_gently() {
 }
 
 #[test]
+fn a_handle_that_jumps_out_of_the_workspace_is_not_thrown_back() {
+    let sent = Arc::new(Mutex::new(Vec::new()));
+    let mut info = SimulatedOptions::desktop_6dof().info;
+    // It rests where it is.
+    info.workspace[2] = 0.0;
+    let rests = Thrown { info: info.clone(), sent: sent.clone() };
+    info.workspace = [0.06; 3];
+    let device = Faulty::new(Walled { rests, info: info.clone() }, Fault::Jump([0.0, 0.0, 0.5]), 0.4, 0.9).unwrap();
+    let mut drive = Drive::new(started(plate(), SessionOptions::default()), device);
+    drive.run(1500, always, always);
+    let sent = sent.lock().unwrap();
+    assert_eq!((sent[399], sent[400]), (0.0, 0.0));
+    assert!(sent[500] < -0.1 * info.limits.force_n, "it is pushed in the end: {}", sent[500]);
+    for (k, force) in sent.iter().enumerate().skip(400).take(200) {
+        assert!(-force <= 0.5 * info.limits.force_n * (k - 399) as f64 * TICK / 0.2 + 1e-9, "{k}: {force}");
+    }
+    assert!(sent[900..].iter().all(|force| *force == 0.0));
+}
+
+/// Another with other limits.
+struct Walled {
+    rests: Thrown,
+    info: DeviceInfo,
+}
+
+impl Device for Walled {
+    fn info(&self) -> &DeviceInfo {
+        &self.info
+    }
+
+    fn read(&mut self, now: f64) -> Result<DeviceState, DeviceError> {
+        self.rests.read(now)
+    }
+
+    fn write(&mut self, wrench: &Wrench, now: f64) -> Result<(), DeviceError> {
+        self.rests.write(wrench, now)
+    }
+
+    fn release(&mut self) {}
+}
+
+#[test]
 fn a_servo_side_that_falls_to_50_hz_does_not_shake_the_hand() {
     let down = HandPath::new(vec![(0.0, at([0.0; 3], [0.0; 3])), (0.3, at([0.0, 0.0, -0.015], [0.0; 3]))]).unwrap();
     for slowest in [0.015, 0.025, 0.04] {

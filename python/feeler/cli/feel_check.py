@@ -47,6 +47,8 @@ class Checked:
     servo_hz: float
     poses_hz: float
     """New poses that the device told a second, where it moved fastest."""
+    device_hz: float
+    """As the device's figures have it; 0: not known."""
     late_s: tuple[float, float]
     """Of servo ticks: median and 99th percentile."""
     noise_m: float
@@ -91,7 +93,20 @@ def check(
         rotational_stiffness_nm_per_rad=limits["torque_nm"] / _HARD_RAD,
     )
     nothing = Checked(
-        device.name, asked, asked, (), np.nan, 0.0, 0.0, 0.0, (np.nan, np.nan), np.nan, limits["resolution_m"], "", ""
+        device=device.name,
+        asked=asked,
+        granted=asked,
+        limits=(),
+        felt_n_per_m=np.nan,
+        largest_force_n=0.0,
+        servo_hz=0.0,
+        poses_hz=0.0,
+        device_hz=limits["rate_hz"],
+        late_s=(np.nan, np.nan),
+        noise_m=np.nan,
+        resolution_m=limits["resolution_m"],
+        priority="",
+        fault="",
     )
     if "translation" not in device.driven or limits["force_n"] == 0.0:
         return replace(nothing, fault=f"{device.name} gives no force: it has no motors that this driver knows of")
@@ -197,6 +212,7 @@ def show(out: Console, found: Checked) -> None:
         rows.append(limited("rotational stiffness"))
     rows += [
         ("rate", f"servo {found.servo_hz:,.0f} Hz; the device told {found.poses_hz:,.0f} new poses a second"),
+        ("", f"the device's own rate is {found.device_hz:,.0f} Hz" if found.device_hz > 0.0 else ""),
         ("jitter", f"ticks {duration(found.late_s[0])} late in the median, {duration(found.late_s[1])} at p99"),
         ("", found.priority),
         ("noise", f"position {noise}; steps of the device: {steps}"),

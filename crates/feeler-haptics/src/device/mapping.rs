@@ -220,6 +220,11 @@ impl Mapping {
         added_within(&felt, &wall, limits.force_n, limits.torque_nm)
     }
 
+    /// The handle's pose as it was told last, `device_from_handle`.
+    pub(crate) fn handle(&self) -> &Pose {
+        &self.handle
+    }
+
     /// The soft wall's force on the hand, device axes.
     pub(crate) fn wall(&self) -> Point {
         let place = self.handle.translation();

@@ -2,14 +2,14 @@
 //! allocates nothing unless the device fails.
 
 use feeler_core::geometry::screw::Wrench;
-use feeler_core::geometry::vectors::scaled;
+use feeler_core::geometry::vectors::{length, scaled, sub};
 use feeler_core::{Point, Pose};
 use rtrb::Producer;
 use triple_buffer::{Input, Output};
 
 use super::exchange::{Handed, Target, View};
 use super::trace::TraceTick;
-use crate::constants::{RETURN_S, SILENT_PERIODS, SILENT_S, STATISTICS_PERIOD_S, VIEW_PLANES};
+use crate::constants::{JUMP_SPEED, RETURN_S, SILENT_PERIODS, SILENT_S, STATISTICS_PERIOD_S, VIEW_PLANES};
 use crate::constraint_set::Plane;
 use crate::coupling::Coupling;
 use crate::device::mapping::{Mapped, Mapping};
@@ -40,16 +40,23 @@ pub(super) struct ServoEnds {
     pub trace: Producer<TraceTick>,
 }
 
-/// The soft wall's force on the way to the hand: it grows from nothing after letting go, and changes by no more than the coupling's slew.
+/// The soft wall's force on the way to the hand: it grows from nothing after letting go and after a jump of the handle, and changes by
+/// no more than the coupling's slew.
 #[derive(Debug, Clone, Copy, Default)]
 struct Border {
     force: Point,
     share: f64,
+    /// Where the handle was.
+    last: Option<Point>,
 }
 
 impl Border {
-    /// `wanted`: as the mapping has it. Seconds since the last tick.
-    fn step(&mut self, wanted: &Point, slew_n_per_s: f64, dt: f64) -> Point {
+    /// `wanted`: as the mapping has it, with the handle at a place. Seconds since the last tick.
+    fn step(&mut self, wanted: &Point, place: &Point, slew_n_per_s: f64, dt: f64) -> Point {
+        if self.last.replace(*place).is_some_and(|last| length(&sub(place, &last)) > JUMP_SPEED * dt) {
+            *self = Border { last: self.last, ..Border::default() };
+            return self.force;
+        }
         self.share = (self.share + dt / RETURN_S).min(1.0);
         self.force = slewed(&self.force, &scaled(wanted, self.share), slew_n_per_s * dt);
         self.force
@@ -242,7 +249,8 @@ impl ServoSide {
             self.border = Border::default();
             Wrench::ZERO
         } else {
-            let wall = self.border.step(&self.mapping.wall(), self.servo.coupling().slew_n_per_s, dt);
+            let slew = self.servo.coupling().slew_n_per_s;
+            let wall = self.border.step(&self.mapping.wall(), self.mapping.handle().translation(), slew, dt);
             self.mapping.wrench_with_wall(&output.wrench, &wall)
         };
         if let Some(Err(error)) = self.device.0.as_mut().map(|device| device.write(&wrench, now)) {
