@@ -75,7 +75,9 @@ def test_force_and_torque_of_the_granted_springs_arrive() -> None:
     handle.place = (down(0.012, 0.02), 0b10)
     granted = session.granted()
     coupling = granted.coupling
-    assert coupling.stiffness_n_per_m == 500.0 and granted.limitations == ()
+    assert coupling.stiffness_n_per_m == 500.0
+    # A machine that is busy may run the servo slowly.
+    assert all("the servo runs at" in said for said in granted.limitations)
     wanted = [0.0, 0.0, 6.0, -0.02 * coupling.rotational_stiffness_nm_per_rad, 0.0, 0.0]
     until(lambda: np.allclose(np.concatenate(handle.given), wanted, rtol=0.02, atol=0.02))
     assert session.view().buttons == 0b10

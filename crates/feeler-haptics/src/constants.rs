@@ -244,6 +244,9 @@ pub const LONGEST_COUNTED_NS: u64 = 10_000_000_000;
 /// Significant digits of counted durations. A third costs eight times the memory, and time to hand it over.
 pub const HISTOGRAM_DIGITS: u8 = 2;
 
+/// Ticks that a rate is known after: a tenth of a second at 1 kHz. Fewer: one late tick at the start looks like a slow machine.
+pub const TICKS_FOR_A_RATE: u64 = 100;
+
 /// Ticks that a trace has room for until they are taken: four seconds at 1 kHz.
 pub const TRACE_TICKS: usize = 4096;
 

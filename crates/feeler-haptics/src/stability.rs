@@ -90,7 +90,7 @@ impl Limitations {
         all.into_iter()
             .filter_map(|(what, found, unit, turns)| {
                 let Limitation { wanted, allowed, by } = found?;
-                let [wanted, allowed] = [wanted, allowed].map(number);
+                let [wanted, allowed] = [wanted, allowed].map(in_words);
                 Some(format!("{what} {allowed} {unit} instead of {wanted}: {}", by.in_words(info, rate_hz, turns)))
             })
             .collect()
@@ -101,18 +101,18 @@ impl Bound {
     /// Why, with the device's own figures. `turns`: of a number of rotation.
     fn in_words(self, info: &DeviceInfo, rate_hz: f64, turns: bool) -> String {
         let (name, limits) = (&info.name, &info.limits);
-        let either = |linear: f64, angular: f64| number(if turns { angular } else { linear });
+        let either = |linear: f64, angular: f64| in_words(if turns { angular } else { linear });
         match self {
             Bound::Damping => {
                 let damping = either(limits.damping_n_s_per_m, limits.rotational_damping_nm_s_per_rad);
                 let unit = if turns { "Nm s/rad" } else { "N s/m" };
                 let rate = if limits.rate_hz > 0.0 { rate_hz.min(limits.rate_hz) } else { rate_hz };
                 let late = if limits.delay_s > 0.0 {
-                    format!(" and {} ms of delay", number(1e3 * limits.delay_s))
+                    format!(" and {} ms of delay", in_words(1e3 * limits.delay_s))
                 } else {
                     String::new()
                 };
-                format!("what the damping of the {name}, {damping} {unit}, holds at {} Hz{late}", number(rate))
+                format!("what the damping of the {name}, {damping} {unit}, holds at {} Hz{late}", in_words(rate))
             }
             Bound::Friction => {
                 let friction = either(limits.friction_n, limits.rotational_friction_nm);
@@ -127,8 +127,8 @@ impl Bound {
     }
 }
 
-/// Three digits, thousands apart.
-fn number(value: f64) -> String {
+/// A number with three digits, thousands apart.
+pub(crate) fn in_words(value: f64) -> String {
     let size = value.abs();
     if (1000.0..1e9).contains(&size) {
         let whole = value.round() as i64;
@@ -397,7 +397,7 @@ mod tests {
             (7.125, "7.12"),
         ];
         for (value, said) in cases {
-            assert_eq!(number(value), said);
+            assert_eq!(in_words(value), said);
         }
     }
 

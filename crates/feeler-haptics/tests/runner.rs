@@ -267,6 +267,20 @@ fn parts_are_taken_and_scenes_swapped_while_it_runs() {
 }
 
 #[test]
+fn a_servo_that_is_slower_than_it_was_to_be_is_said() {
+    // No system sleeps for ten microseconds.
+    let options = RunnerOptions { rate_hz: 1e5, ..RunnerOptions::default() };
+    let mut runner = run(device(pushing()), &options);
+    for _ in 0..LOOKS {
+        if runner.limitations_in_words().iter().any(|said| said.contains("Hz instead of 100,000")) {
+            return;
+        }
+        std::thread::sleep(Duration::from_micros(300));
+    }
+    panic!("{:?}", runner.limitations_in_words());
+}
+
+#[test]
 fn what_cannot_run_comes_back() {
     let unstarted = feeler_haptics::Session::new(plate(), block(), SessionOptions::default()).unwrap();
     let refused = Runner::start(unstarted, Box::new(device(pushing())), clock(), &RunnerOptions::default());
@@ -299,7 +313,7 @@ fn what_a_device_does_not_hold_is_taken_away_for_the_run_alone() {
     let session = started(plate(), options);
     let before = *session.options();
     let runner = Runner::start(session, Box::new(device(pushing())), clock(), &RunnerOptions::default());
-    let runner = runner.map_err(|refused| refused.error).unwrap();
+    let mut runner = runner.map_err(|refused| refused.error).unwrap();
     assert!(runner.limitations().stiffness.is_some());
     let said = runner.limitations_in_words();
     assert!(

@@ -194,9 +194,9 @@ def show(out: Console, found: Checked) -> None:
     """The table, for people."""
     from feeler.cli.outputs import duration, print_facts
 
-    def limited(what: str) -> tuple[str, str]:
-        said = [limit for limit in found.limits if limit.startswith(what)]
-        return "", said[0] if said else "limited by nothing"
+    def limited(what: str) -> list[tuple[str, str]]:
+        said = [("", limit) for limit in found.limits if limit.startswith(what)]
+        return said or [("", "limited by nothing")]
 
     asked, granted = found.asked, found.granted
     felt = f"{found.felt_n_per_m:,.0f} N/m measured" if np.isfinite(found.felt_n_per_m) else "not measured"
@@ -204,12 +204,12 @@ def show(out: Console, found: Checked) -> None:
     steps = f"{1e6 * found.resolution_m:.1f} um" if found.resolution_m > 0.0 else "not known"
     rows = [
         ("stiffness", f"{granted.stiffness_n_per_m:,.0f} N/m granted, {felt}"),
-        limited("stiffness"),
+        *limited("stiffness"),
         ("force", f"{found.largest_force_n:.2f} N at most, {granted.max_force_n:.2f} N granted"),
     ]
     if asked.rotational_stiffness_nm_per_rad > 0.0:
         rows.append(("rotation", f"{granted.rotational_stiffness_nm_per_rad:,.2f} Nm/rad granted"))
-        rows.append(limited("rotational stiffness"))
+        rows += limited("rotational stiffness")
     rows += [
         ("rate", f"servo {found.servo_hz:,.0f} Hz; the device told {found.poses_hz:,.0f} new poses a second"),
         ("", f"the device's own rate is {found.device_hz:,.0f} Hz" if found.device_hz > 0.0 else ""),

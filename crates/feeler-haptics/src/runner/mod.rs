@@ -28,14 +28,14 @@ use rtrb::{Consumer, RingBuffer};
 use triple_buffer::{triple_buffer, Output};
 
 use crate::clock::Clock;
-use crate::constants::{COLLISION_REFRESH_S, COLLISION_REST_S, TRACE_TICKS};
+use crate::constants::{COLLISION_REFRESH_S, COLLISION_REST_S, RATE_SHARE, TICKS_FOR_A_RATE, TRACE_TICKS};
 use crate::constraint_set::ConstraintSet;
 use crate::coupling::Coupling;
 use crate::device::mapping::Mapping;
 use crate::device::{Device, DeviceError, DeviceInfo};
 use crate::error::{Error, Result};
 use crate::session::{Session, Start};
-use crate::stability::Limitations;
+use crate::stability::{in_words, Limitations};
 use crate::statistics::{CollisionRecord, ServoRecord, Statistics};
 use collision_side::{Answer, Command, Wish};
 use servo_side::{ServoEnds, Setting};
@@ -256,10 +256,20 @@ impl Runner {
         &self.limitations
     }
 
-    /// The same, a sentence for each number: what is left, what was asked for, and why. Numbers are of the tool's world, as the
-    /// coupling's are.
-    pub fn limitations_in_words(&self) -> Vec<String> {
-        self.limitations.in_words(&self.info, self.rate_hz)
+    /// The same, a sentence for each number: what is left, what was asked for, and why; also where the servo runs clearly slower than it
+    /// was to, and its stiffness is that much less. Numbers are of the tool's world, as the coupling's are.
+    pub fn limitations_in_words(&mut self) -> Vec<String> {
+        let mut said = self.limitations.in_words(&self.info, self.rate_hz);
+        let Statistics { ticks, servo_hz, .. } = self.watch.statistics();
+        if ticks >= TICKS_FOR_A_RATE && RATE_SHARE * servo_hz < self.rate_hz {
+            let [wanted, rate_hz] = [self.coupling.stiffness_n_per_m, self.rate_hz];
+            let [allowed, wanted, servo_hz, rate_hz] =
+                [wanted * servo_hz / rate_hz, wanted, servo_hz, rate_hz].map(in_words);
+            said.push(format!(
+                "stiffness {allowed} N/m instead of {wanted}: the servo runs at {servo_hz} Hz instead of {rate_hz}"
+            ));
+        }
+        said
     }
 
     fn ask(&self, wish: Wish) -> Result<Answer> {
