@@ -82,6 +82,12 @@ def test_parts_of_the_mock_up_can_be_the_tool(files: tuple[Path, Path], tmp_path
         (["--scale", "0"], "--scale"),
         (["--record", "feel.txt"], ".npz"),
         (["--collision-hz", "-1"], "collision_hz"),
+        (["--device-option", "force_n=3"], "name one with --device"),
+        (["--device", "dhd", "--device-option", "force_n"], "NAME=VALUE"),
+        (["--device", "dhd", "--device-option", "colour=red"], "no option colour"),
+        (["--device", "haply", "--device-option", "device_id=7", "--device-option", "address=127.0.0.1:1"], "Inverse"),
+        (["--device", "dhd", "--device-option", "force_n=strong"], "force_n"),
+        (["--device", "dhd", "--device-option", "library=/nowhere/libdhd.so"], "/nowhere/libdhd.so"),
     ],
 )
 def test_bad_input_is_one_line(files: tuple[Path, Path], more: list[str], said: str) -> None:
@@ -164,7 +170,7 @@ def test_a_plate_that_nobody_presses_is_said() -> None:
 
 
 def test_what_is_wrong_is_the_exit_status(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    monkeypatch.setattr(devices, "open_device", lambda name: devices.Mouse(np.eye(4)))
+    monkeypatch.setattr(devices, "open_device", lambda name, **options: devices.Mouse(np.eye(4)))
     with pytest.raises(SystemExit) as ended:
         app(["feel", "--check", "--device", "spacemouse"])
     assert ended.value.code == 1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -39,6 +40,8 @@ _LOOKS_HZ = 10.0
 # The simulated hand: poses of its way, how often it goes that way and back, how fast (a hand that works, metres a
 # second), and how long it takes at the least (seconds).
 _POSES, _ROUNDS, _HAND_M_PER_S, _LEAST_WAY_S = 2000, 100, 0.15, 8.0
+# Options of drivers that are texts, also where they read as a number (Haply's ids).
+_TEXTS = ("address", "device", "device_id", "grip_id", "library", "preset", "socket")
 # How long a check takes unless told otherwise, seconds.
 _CHECK_S = 8.0
 # Where nothing else is known: so far above the mock-up the tool begins, and so far down the hand presses it (metres).
@@ -49,7 +52,7 @@ _ABOVE_M, _PRESSED_M = 0.005, 0.02
     name="feel",
     examples="""
 feeler feel --seconds 10
-feeler feel --check --device haply
+feeler feel --check --device haply --device-option force_n=3
 feeler feel engine.step --tool wrench.stl --device haply --scale 3
 feeler feel engine.step --part "*fuel pump*" --device spacemouse
 feeler feel sample:turbine:1600000 --tool sample:blade --seconds 20 --json
@@ -74,6 +77,12 @@ def feel(
     device: Annotated[
         str, typer.Option(metavar="|".join(("simulated", *DRIVERS)), help="What the hand holds.")
     ] = "simulated",
+    device_option: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME=VALUE", help="Of the device's driver, such as force_n=4 or library=FILE. May be repeated."
+        ),
+    ] = None,
     preset: Annotated[
         str, typer.Option(metavar="|".join(devices.PRESETS), help="Of the simulated device.")
     ] = "large_6dof",
@@ -115,7 +124,8 @@ def feel(
 
     _check(device, preset, seconds, scale, record)
     # Before anything is loaded: a device that is not there is said at once.
-    held: devices.Device | None = None if device == "simulated" else devices.open_device(device)
+    options = _device_options(device, device_option or [])
+    held: devices.Device | None = None if device == "simulated" else devices.open_device(device, **options)
     if check:
         if mockup or tool or part or record:
             raise OptionError("--check brings its own plate and tool: leave out mock-up, --tool, --part and --record")
@@ -159,6 +169,22 @@ def feel(
         outputs.warn(trouble)
     if written:
         outputs.say(out, f"record written to {written}")
+
+
+def _device_options(device: str, given: list[str]) -> dict[str, float | str]:
+    """NAME=VALUE of the command line; what is no text by its name is a number where it reads as one."""
+    if given and device == "simulated":
+        raise OptionError("--device-option is for a driver: name one with --device")
+    options: dict[str, float | str] = {}
+    for option in given:
+        name, is_named, value = option.partition("=")
+        if not (name and is_named):
+            raise OptionError(f"--device-option is {option!r}: give NAME=VALUE")
+        options[name] = value
+        if name not in _TEXTS:
+            with contextlib.suppress(ValueError):
+                options[name] = float(value)
+    return options
 
 
 def _press(
