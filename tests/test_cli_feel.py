@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import signal
 import subprocess
 import sys
@@ -13,6 +14,9 @@ from commands import error_of, run, run_json
 from shapes import Mesh, box
 
 import feeler
+from feeler.cli import feel_check
+from feeler.cli.app import app
+from feeler.haptics import devices
 from feeler.io import write_stl
 
 
@@ -78,6 +82,12 @@ def test_parts_of_the_mock_up_can_be_the_tool(files: tuple[Path, Path], tmp_path
         (["--scale", "0"], "--scale"),
         (["--record", "feel.txt"], ".npz"),
         (["--collision-hz", "-1"], "collision_hz"),
+        (["--device-option", "force_n=3"], "name one with --device"),
+        (["--device", "dhd", "--device-option", "force_n"], "NAME=VALUE"),
+        (["--device", "dhd", "--device-option", "colour=red"], "no option colour"),
+        (["--device", "haply", "--device-option", "device_id=7", "--device-option", "address=127.0.0.1:1"], "Inverse"),
+        (["--device", "dhd", "--device-option", "force_n=strong"], "force_n"),
+        (["--device", "dhd", "--device-option", "library=/nowhere/libdhd.so"], "/nowhere/libdhd.so"),
     ],
 )
 def test_bad_input_is_one_line(files: tuple[Path, Path], more: list[str], said: str) -> None:
@@ -106,3 +116,74 @@ def test_ctrl_c_prints_the_last_table_and_ends_with_0(files: tuple[Path, Path]) 
             running.kill()
     assert running.returncode == 0, err
     assert "servo tick" in out and "Traceback" not in err
+
+
+def test_a_check_measures_what_was_granted() -> None:
+    found = run_json("feel", "--check", "--seconds", "1.5", "--preset", "desktop_6dof")
+    assert found["fault"] == ""
+    granted = found["granted"]["stiffness_n_per_m"]
+    assert found["felt_n_per_m"] == pytest.approx(granted, rel=0.05) and granted > 1000.0
+    assert found["limits"][0].startswith("stiffness 1,920 N/m instead of 6,000: what the damping of")
+    assert 0.0 < found["largest_force_n"] <= 12.0 and found["servo_hz"] > 0.0 and found["poses_hz"] > 0.0
+    # Steps of 10 um, and little else.
+    assert 1e-6 < found["noise_m"] < 2e-5
+
+
+def test_people_get_the_checks_table() -> None:
+    out = run("feel", "--check", "--seconds", "1.5").stdout
+    for word in (
+        "a plate is 2 mm below",
+        "stiffness",
+        "N/m measured",
+        "instead of 30,000",
+        "jitter",
+        "p99",
+        "um in the air",
+    ):
+        assert word in out, out
+
+
+def test_a_check_brings_its_own_plate(files: tuple[Path, Path]) -> None:
+    assert "brings its own" in error_of("feel", files[0], "--check")
+
+
+@pytest.mark.parametrize(
+    ("fault", "said"),
+    [("lost", "does not answer \\(.* it is pulled out"), ("silent", "does not answer|answered in")],
+)
+def test_a_device_that_does_not_answer_is_said(fault: str, said: str) -> None:
+    device = devices.Simulated("desktop_3dof", hand=feel_check.pressing_hand(), fault=(fault, 0.0, 0.0, 1e9))
+    # A silent one has told one pose, which is believed for 50 ms.
+    found = feel_check.check(device, 1.5)
+    assert re.search(said, found.fault), found.fault
+
+
+def test_a_device_without_force_is_said() -> None:
+    for device in (devices.Mouse(np.eye(4)), _Weak()):
+        found = feel_check.check(device, 0.3)
+        assert "gives no force" in found.fault, found.fault
+
+
+def test_a_plate_that_nobody_presses_is_said() -> None:
+    found = feel_check.check(devices.Simulated("desktop_3dof"), 0.3)
+    assert "press the handle" in found.fault and not np.isfinite(found.felt_n_per_m)
+
+
+def test_what_is_wrong_is_the_exit_status(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setattr(devices, "open_device", lambda name, **options: devices.Mouse(np.eye(4)))
+    with pytest.raises(SystemExit) as ended:
+        app(["feel", "--check", "--device", "spacemouse"])
+    assert ended.value.code == 1
+    assert "gives no force" in capsys.readouterr().out
+
+
+class _Weak(devices.Own):
+    """Without a motor."""
+
+    info = devices.Info("weak", force_n=0.0)
+
+    def read(self) -> np.ndarray:
+        return np.zeros(3)
+
+    def write(self, force: np.ndarray, torque: np.ndarray) -> None:
+        pass

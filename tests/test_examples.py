@@ -17,6 +17,7 @@ SAYS = {
     "batch_of_poses.py": ["20,000 poses in", "of the poses are free", "most often in the way"],
     "feel.py": ["a reach into the engine", "in collision at 0 of them", "the same bit for bit"],
     "own_arrays.py": ["beside the stand: 0 pairs", "stand/post_right"],
+    "own_device.py": ["500 N/m granted; 12 mm into the plate the hand feels 6.00 N", "it has let go: 0.0 N"],
     "part_out.py": [
         "inside/pump/shaft is inside inside/pump",
         "inside/filter is held by inside/pump\ninside/pump is held by lid\nlid is held by latch\nlatch goes out\n",

@@ -157,7 +157,11 @@ def test_three_driven_freedoms_get_force_without_torque(session: Session) -> Non
     run(session, devices.Simulated("desktop_3dof", hand=DOWN))
     until(session, lambda view: view.force[2] > 1.0)
     assert not session.trace().wrenches[:, 3:].any()
-    assert "does not drive" in session.granted().limitations
+    said = session.granted().limitations
+    assert (
+        "rotational stiffness 0 Nm/rad instead of 2: the simulated desktop device, 3 driven freedoms drives no rotation"
+        in said
+    )
 
 
 def test_slow_collision_ticks_hold_the_proxy_back(scene: feeler.Scene) -> None:
@@ -313,5 +317,5 @@ def test_priority_and_memory_are_granted_or_the_reason_is_said(session: Session)
     session.run(devices.Simulated(hand=DOWN))
     until(session, lambda view: view.number > 3)
     granted = session.granted()
-    assert "priority" in granted.priority and "locked" in granted.memory
+    assert "priority" in granted.priority and "priority" in granted.collision_priority and "locked" in granted.memory
     assert granted.coupling.max_force_n <= 12.0

@@ -61,7 +61,7 @@ INDEX_BASE = {"constants", "error", "progress", "geometry", "mesh", "tool"}
 QUERY_BASE = {*INDEX_BASE, "index", "scratch_pool"}
 CONTACTS_BASE = {"constants", "surface", "context", "containers", "contact_plane"}
 HAPTICS_BASE = {"constants", "error"}
-DEVICES_BASE = {"constants", "clip", "exchange", "machine"}
+DEVICES_BASE = {"constants", "clip", "exchange", "figures", "machine"}
 RUST_ROOMS: dict[str, dict[str, set[str]]] = {
     "feeler-core": {
         "constants": set(),
@@ -161,6 +161,7 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         "machine": {"constants"},
         "clip": {"constants"},
         "exchange": {"constants", "clip"},
+        "figures": {"constants", "clip"},
         # All unsafe code of the crate.
         "vendor_library": {"constants"},
         # No driver knows of another.

@@ -26,6 +26,9 @@ pub const LOOK_AGAIN: Duration = Duration::from_millis(1);
 /// connection add is not known. More takes stiffness away.
 pub const HANDOVER_ROUNDS: f64 = 1.0;
 
+/// Rate of a usual servo loop, hertz, at which a stiffness that a user knows is held.
+pub const USUAL_HZ: f64 = 1000.0;
+
 /// Largest distance of a handle from its origin that is believed, metres. No device reaches a tenth of that.
 pub const LARGEST_REACH_M: f64 = 10.0;
 
@@ -78,7 +81,7 @@ pub const SPACEMOUSE_HZ: f64 = 125.0;
 // Haply.
 
 /// The device in errors.
-pub const INVERSE3: &str = "Haply Inverse3";
+pub const INVERSE3_NAME: &str = "Haply Inverse3";
 
 /// Where the Inverse Service listens.
 pub const INVERSE_SERVICE: &str = "localhost:10001";
@@ -101,28 +104,6 @@ pub const PRESET_WAIT: Duration = Duration::from_millis(500);
 /// Pause between two requests for the full state, which has the preset.
 pub const FULL_STATE_PAUSE: Duration = Duration::from_millis(50);
 
-/// Force of an Inverse3 unless told otherwise, newtons: half of the peak of 10 N that the maker states, since the peak cannot be held.
-pub const INVERSE3_FORCE_N: f64 = 5.0;
-
-/// Half the edges of an Inverse3's workspace, metres: the radius that the maker's tutorials keep to.
-pub const INVERSE3_REACH_M: f64 = 0.10;
-
-/// The same of a Minverse.
-pub const MINVERSE_REACH_M: f64 = 0.04;
-
-/// Smallest step that an Inverse3 tells, metres: its numbers are float32, its encoders are coarser. An estimate.
-pub const INVERSE3_RESOLUTION_M: f64 = 1e-5;
-
-/// Viscous damping of an Inverse3, newton seconds a metre: what holds 1000 N/m at 1 kHz by Colgate's `b > K T / 2`. An estimate until
-/// measured on a device; it bounds the stiffness.
-pub const INVERSE3_DAMPING_N_S_PER_M: f64 = 0.5;
-
-/// Rate of the service, hertz.
-pub const INVERSE3_HZ: f64 = 1000.0;
-
-/// Smallest step of rotation that a VerseGrip tells, radians (its quaternions have 14 bits a part).
-pub const VERSE_GRIP_RESOLUTION_RAD: f64 = 1.2e-4;
-
 // Force Dimension.
 
 /// The device in errors.
@@ -132,38 +113,13 @@ pub const FORCE_DIMENSION: &str = "Force Dimension";
 /// device that is slower makes the library's calls wait.
 pub const DHD_HZ: f64 = 4000.0;
 
-/// Damping in rotation of devices that drive it, newton metre seconds a radian. An estimate: a little less than what holds 1
-/// Nm/rad, CHAI3D's bound for these devices, at 1 kHz with the thread's round as a delay (7.5e-4).
-pub const DHD_ROTATIONAL_DAMPING_NM_S_PER_RAD: f64 = 6e-4;
-
-// 3D Systems.
-
-/// Rate of the vendor's scheduler where it does not tell it, hertz: its default.
-pub const OPENHAPTICS_HZ: f64 = 1000.0;
-
-/// Force of a device that tells no limit, newtons: that of the smallest of the line, the Touch (as in CHAI3D's driver).
-pub const OPENHAPTICS_FORCE_N: f64 = 3.3;
-
-/// Half the edges of the workspace of a device that tells none, metres. An estimate, for the Touch: 160 x 120 x 70 mm as x, z, y.
-pub const OPENHAPTICS_REACH_M: [f64; 3] = [0.08, 0.035, 0.06];
-
-/// Stiffness that a device holds where it tells none, newtons a metre: the largest that CHAI3D asks of a Touch. The damping of all
-/// is an estimate from it, or from what the device tells.
-pub const OPENHAPTICS_STIFFNESS_N_PER_M: f64 = 400.0;
-
-/// Smallest step of position, metres: 450 dpi. An estimate, for the Touch; others of the line are finer.
-pub const OPENHAPTICS_RESOLUTION_M: f64 = 5.5e-5;
-
-/// Smallest step of rotation, radians: potentiometers of the Touch's gimbal. An estimate.
-pub const OPENHAPTICS_RESOLUTION_RAD: f64 = 1e-3;
-
-/// Backdrive friction, newtons. An estimate, for the Touch.
-pub const OPENHAPTICS_FRICTION_N: f64 = 0.26;
-
 // The machine.
 
 /// Priority of real-time threads, of 0 to 99: above all that is ordinary, below the interrupt threads of a real-time kernel at 50.
 pub const REALTIME_PRIORITY: u8 = 45;
+
+/// The same of threads that find contacts: below the servo's, so that it never waits for them, and above all that is ordinary.
+pub const COLLISION_PRIORITY: u8 = 40;
 
 /// Longest sleep, seconds; who asks for more is woken there, and the time is said to be past by nobody.
 pub const LONGEST_SLEEP_S: f64 = 3600.0;

@@ -9,12 +9,13 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use feeler_core::Point;
-use feeler_haptics::device::{Device, DeviceError, DeviceInfo, DeviceLimits, DeviceState, Freedoms};
+use feeler_haptics::device::{Device, DeviceError, DeviceInfo, DeviceState};
 use feeler_haptics::screw::{product, transposed, Matrix, Twist, Wrench};
 
-use crate::clip::{limit, told_pose, told_twist};
-use crate::constants::{DHD_HZ, DHD_ROTATIONAL_DAMPING_NM_S_PER_RAD, FORCE_DIMENSION, HANDOVER_ROUNDS};
+use crate::clip::{told_pose, told_twist};
+use crate::constants::{DHD_HZ, FORCE_DIMENSION};
 use crate::exchange::{exchange, DeviceEnd, Measured, ServoEnd};
+use crate::figures::{of_force_dimension, Said, FALCON};
 use crate::machine::{raise_priority, MonotonicClock};
 use crate::vendor_library::dhd_calls::{DhdModel, OpenDhd};
 
@@ -27,6 +28,8 @@ pub struct DhdOptions {
     pub force_n: Option<f64>,
     /// Largest torque, newton metres, where less than the device has is wanted.
     pub torque_nm: Option<f64>,
+    /// Stiffness that this device is known to hold in a loop of 1 kHz, newtons a metre. `None`: what is published.
+    pub stiffness_n_per_m: Option<f64>,
 }
 
 /// A device of Force Dimension. See the [module](self).
@@ -71,76 +74,16 @@ impl Device for Dhd {
     }
 }
 
-/// What a kind of device can do. No data sheet was at hand: force, torque and stiffness are the bounds of CHAI3D's driver,
-/// of which the maker is an author; everything else is an estimate, and so is all of a lambda.
-struct Figures {
-    /// CHAI3D's bound, newtons.
-    force_n: f64,
-    /// CHAI3D's bound, newton metres.
-    torque_nm: f64,
-    /// Half the edges, device frame, metres. An estimate; the Falcon's is the maker's cube of four inches.
-    workspace: Point,
-    /// Smallest step of position that it tells, metres. An estimate; the Falcon's are the maker's 400 dpi.
-    resolution_m: f64,
-    /// Smallest step of rotation that it tells, radians. An estimate.
-    rotational_resolution_rad: f64,
-    /// Largest stiffness that CHAI3D asks of it, newtons a metre. The damping of [`info`] is an estimate from it.
-    stiffness_n_per_m: f64,
-}
-
-/// By `DHD_DEVICE_...` of `dhdc.h`.
-fn figures(kind: i32) -> Figures {
-    let figures = |force_n, torque_nm, workspace, resolution_m, rotational_resolution_rad, stiffness_n_per_m| Figures {
-        force_n,
-        torque_nm,
-        workspace,
-        resolution_m,
-        rotational_resolution_rad,
-        stiffness_n_per_m,
-    };
-    match kind {
-        // omega.3, .6, .7: workspace (a cylinder of 160 by 110 mm) and resolutions are estimates.
-        33..=37 => figures(12.0, 0.0, [0.080, 0.055, 0.080], 1e-5, 1.6e-3, 5_000.0),
-        // delta.3, delta.6: workspace (400 by 260 mm) and resolutions are estimates.
-        63 | 64 => figures(20.0, 0.2, [0.200, 0.130, 0.200], 2e-5, 7e-4, 5_000.0),
-        // sigma.3, .7 and .7+: workspace (190 by 130 mm) and resolutions are estimates.
-        104..=107 | 206 => figures(12.0, 0.2, [0.095, 0.065, 0.095], 1.5e-6, 2.3e-4, 4_000.0),
-        // lambda.3, .7: all estimates, those of a sigma with a workspace of 240 by 170 mm.
-        108 | 109 | 203 => figures(12.0, 0.2, [0.120, 0.085, 0.120], 1.5e-6, 2.3e-4, 4_000.0),
-        // Novint Falcon: it tells no rotation.
-        60 => figures(8.0, 0.0, [0.050; 3], 6e-5, 1e-3, 3_000.0),
-        // Others of the maker: estimates, not more than any of these.
-        _ => figures(5.0, 0.1, [0.050; 3], 2e-5, 1e-3, 3_000.0),
-    }
-}
-
 fn info(options: &DhdOptions, model: &DhdModel) -> DeviceInfo {
-    let figures = figures(model.kind);
-    let name = if model.name.is_empty() { format!("device of type {}", model.kind) } else { model.name.clone() };
-    DeviceInfo {
-        name: format!("{FORCE_DIMENSION} {name}"),
-        sensed: Freedoms { translation: true, rotation: model.has_wrist },
-        driven: Freedoms { translation: true, rotation: model.has_active_wrist },
-        workspace: figures.workspace,
-        limits: DeviceLimits {
-            force_n: limit(figures.force_n, options.force_n),
-            torque_nm: if model.has_active_wrist { limit(figures.torque_nm, options.torque_nm) } else { 0.0 },
-            // What holds that stiffness at the thread's rate, by Colgate's `b > K T / 2`: an estimate.
-            damping_n_s_per_m: 0.5 * figures.stiffness_n_per_m / DHD_HZ,
-            rotational_damping_nm_s_per_rad: if model.has_active_wrist {
-                DHD_ROTATIONAL_DAMPING_NM_S_PER_RAD
-            } else {
-                0.0
-            },
-            friction_n: 0.0,
-            rotational_friction_nm: 0.0,
-            resolution_m: figures.resolution_m,
-            rotational_resolution_rad: figures.rotational_resolution_rad,
-            rate_hz: DHD_HZ,
-            delay_s: HANDOVER_ROUNDS / DHD_HZ,
-        },
-        buttons: u32::BITS,
-    }
+    let figures = of_force_dimension(model.kind);
+    let name = match model.name.as_str() {
+        _ if figures == FALCON => FALCON.name.to_string(),
+        "" => format!("{FORCE_DIMENSION} device of type {}", model.kind),
+        name => format!("{FORCE_DIMENSION} {name}"),
+    };
+    let said =
+        Said { force_n: options.force_n, torque_nm: options.torque_nm, stiffness_n_per_m: options.stiffness_n_per_m };
+    DeviceInfo { buttons: u32::BITS, ..figures.info(name, model.has_wrist, model.has_active_wrist, &said) }
 }
 
 /// The library's axes (x towards the hand's owner, y right, z up) in those of a device here: row by row.

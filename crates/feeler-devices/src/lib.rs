@@ -25,6 +25,7 @@ mod clip;
 mod constants;
 pub mod dhd;
 mod exchange;
+mod figures;
 pub mod haply;
 pub mod machine;
 mod open;
@@ -35,6 +36,7 @@ mod vendor_library;
 #[cfg(test)]
 mod tests;
 
+pub use figures::{Figures, FIGURES};
 pub use open::{open, Options, DRIVERS};
 
 #[cfg(doctest)]

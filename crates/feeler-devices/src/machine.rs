@@ -6,7 +6,7 @@ use std::time::Instant;
 #[cfg(not(target_os = "linux"))]
 use std::time::Duration;
 
-use crate::constants::{LONGEST_SLEEP_S, REALTIME_PRIORITY};
+use crate::constants::{COLLISION_PRIORITY, LONGEST_SLEEP_S, REALTIME_PRIORITY};
 
 /// Seconds since it was made, by the machine's monotonic clock.
 ///
@@ -103,6 +103,11 @@ pub fn raise_priority() -> Result<String, String> {
     priority::raise(REALTIME_PRIORITY)
 }
 
+/// The same below that: for a thread that a servo waits for nothing of, as one that finds contacts.
+pub fn raise_priority_below_servo() -> Result<String, String> {
+    priority::raise(COLLISION_PRIORITY)
+}
+
 /// Keeps the memory of this process from being paged out. Says what was locked, or why nothing was and what to do. Call it when what is
 /// needed is there: where the system limits locked memory, only what is in memory now is locked, since a lock on everything to come
 /// would make later allocations fail.
@@ -159,12 +164,21 @@ mod priority {
 
 #[cfg(windows)]
 mod priority {
-    use thread_priority::{set_current_thread_priority, ThreadPriority};
+    use thread_priority::{set_current_thread_priority, ThreadPriority, ThreadPriorityValue};
 
-    pub fn raise(_priority: u8) -> Result<String, String> {
-        match set_current_thread_priority(ThreadPriority::Max) {
-            Ok(()) => Ok("time-critical priority".to_string()),
-            Err(error) => Err(format!("no time-critical priority ({error:?}): run as an administrator")),
+    use crate::constants::REALTIME_PRIORITY;
+
+    /// Of the numbers that the crate has for this system: above the normal, below the highest.
+    const ABOVE_NORMAL: u8 = 70;
+
+    pub fn raise(priority: u8) -> Result<String, String> {
+        let (priority, name) = match ThreadPriorityValue::try_from(ABOVE_NORMAL) {
+            Ok(value) if priority < REALTIME_PRIORITY => (ThreadPriority::Crossplatform(value), "raised"),
+            _ => (ThreadPriority::Max, "time-critical"),
+        };
+        match set_current_thread_priority(priority) {
+            Ok(()) => Ok(format!("{name} priority")),
+            Err(error) => Err(format!("no {name} priority ({error:?}): run as an administrator")),
         }
     }
 }
@@ -258,10 +272,11 @@ mod tests {
 
     #[test]
     fn priority_is_granted_or_the_reason_is_said() {
-        let said = std::thread::spawn(raise_priority).join().unwrap();
-        match said {
-            Ok(what) => assert!(what.contains("priority"), "{what}"),
-            Err(why) => assert!(why.contains("priority") && why.len() > 40, "{why}"),
+        for raise in [raise_priority, raise_priority_below_servo] {
+            match std::thread::spawn(raise).join().unwrap() {
+                Ok(what) => assert!(what.contains("priority"), "{what}"),
+                Err(why) => assert!(why.contains("priority") && why.len() > 40, "{why}"),
+            }
         }
     }
 

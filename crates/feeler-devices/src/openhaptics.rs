@@ -11,15 +11,12 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use feeler_core::Point;
-use feeler_haptics::device::{Device, DeviceError, DeviceInfo, DeviceLimits, DeviceState, Freedoms};
+use feeler_haptics::device::{Device, DeviceError, DeviceInfo, DeviceState};
 use feeler_haptics::screw::{product, transposed, Matrix, Twist, Wrench};
 
-use crate::clip::{limit, told_pose, told_twist};
-use crate::constants::{
-    HANDOVER_ROUNDS, OPENHAPTICS_FORCE_N, OPENHAPTICS_FRICTION_N, OPENHAPTICS_HZ, OPENHAPTICS_REACH_M,
-    OPENHAPTICS_RESOLUTION_M, OPENHAPTICS_RESOLUTION_RAD, OPENHAPTICS_STIFFNESS_N_PER_M,
-};
+use crate::clip::{told_pose, told_twist};
 use crate::exchange::{exchange, DeviceEnd, Measured, ServoEnd};
+use crate::figures::{of_3d_systems, Figures, Said};
 use crate::vendor_library::hd_calls::{HdDoubles, OpenHd, Scheduled};
 
 /// Buttons of the API: the stylus has two, other handles up to four.
@@ -37,6 +34,8 @@ pub struct OpenHapticsOptions {
     pub device: Option<String>,
     /// Largest force, newtons, where less than the device has is wanted.
     pub force_n: Option<f64>,
+    /// Stiffness that this device is known to hold in a loop of 1 kHz, newtons a metre. `None`: what is published.
+    pub stiffness_n_per_m: Option<f64>,
 }
 
 /// A device of 3D Systems. See the [module](self).
@@ -90,39 +89,25 @@ impl Drop for OpenHaptics {
 }
 
 /// What the device says of itself, and the middle of its workspace in the library's frame, metres. Force, stiffness, workspace and
-/// rate are the device's own, or a Touch's where it tells none; damping, friction, resolutions and delay are estimates.
+/// rate are the device's own where it tells them.
 fn info(options: &OpenHapticsOptions, open: &OpenHd) -> (DeviceInfo, Point) {
+    let name = open.name();
+    let known = of_3d_systems(&name);
     let or = |told: f64, otherwise: f64| if told > 0.0 && told.is_finite() { told } else { otherwise };
-    let force_n = or(open.doubles(HdDoubles::MostForce)[0], OPENHAPTICS_FORCE_N);
-    let stiffness_n_per_m = or(open.doubles(HdDoubles::Stiffness)[0] / MM, OPENHAPTICS_STIFFNESS_N_PER_M);
-    let rate_hz = or(open.rate_hz().into(), OPENHAPTICS_HZ);
     let corners = open.doubles(HdDoubles::Workspace);
     let half: Point = std::array::from_fn(|a| 0.5 * MM * (corners[a + 3] - corners[a]));
     let is_told = half.iter().all(|x| *x > 0.0 && x.is_finite());
     let centre: Point = std::array::from_fn(|a| if is_told { 0.5 * MM * (corners[a + 3] + corners[a]) } else { 0.0 });
-    let workspace = if is_told { device_from_library(&half).map(f64::abs) } else { OPENHAPTICS_REACH_M };
-    let name = open.name();
-    let info = DeviceInfo {
-        name: if name.is_empty() { "3D Systems device".to_string() } else { name },
-        sensed: Freedoms { translation: true, rotation: true },
-        driven: Freedoms { translation: true, rotation: false },
-        workspace,
-        limits: DeviceLimits {
-            force_n: limit(force_n, options.force_n),
-            torque_nm: 0.0,
-            // What holds the stiffness that the device tells, by Colgate's `b > K T / 2`: an estimate.
-            damping_n_s_per_m: 0.5 * stiffness_n_per_m / rate_hz,
-            rotational_damping_nm_s_per_rad: 0.0,
-            friction_n: OPENHAPTICS_FRICTION_N,
-            rotational_friction_nm: 0.0,
-            resolution_m: OPENHAPTICS_RESOLUTION_M,
-            rotational_resolution_rad: OPENHAPTICS_RESOLUTION_RAD,
-            rate_hz,
-            delay_s: HANDOVER_ROUNDS / rate_hz,
-        },
-        buttons: BUTTONS,
+    let figures = Figures {
+        force_n: or(open.doubles(HdDoubles::MostForce)[0], known.force_n),
+        stiffness_n_per_m: or(open.doubles(HdDoubles::Stiffness)[0] / MM, known.stiffness_n_per_m),
+        rate_hz: or(open.rate_hz().into(), known.rate_hz),
+        workspace: if is_told { device_from_library(&half).map(f64::abs) } else { known.workspace },
+        ..known
     };
-    (info, centre)
+    let said = Said { force_n: options.force_n, stiffness_n_per_m: options.stiffness_n_per_m, ..Said::default() };
+    let name = if name.is_empty() { "3D Systems device".to_string() } else { name };
+    (DeviceInfo { buttons: BUTTONS, ..figures.info(name, true, false, &said) }, centre)
 }
 
 /// The library's axes (x right, y up, z towards the hand's owner) in those of a device here: row by row.

@@ -16,13 +16,10 @@ pub(crate) fn device(force_n: f64, torque_nm: f64) -> DeviceInfo {
             force_n,
             torque_nm,
             damping_n_s_per_m: 0.5,
-            rotational_damping_nm_s_per_rad: 0.0,
-            friction_n: 0.0,
-            rotational_friction_nm: 0.0,
             resolution_m: 1e-5,
             rotational_resolution_rad: 1e-4,
             rate_hz: 1000.0,
-            delay_s: 0.0,
+            ..DeviceLimits::default()
         },
         buttons: 0,
     }

@@ -111,6 +111,8 @@ pub const LARGEST_SLEW: f64 = 1e8;
 pub const FULL_FORCE_AT_M: f64 = 0.002;
 /// The same in rotation (radians).
 pub const FULL_TORQUE_AT_RAD: f64 = 0.05;
+/// Share of a preset's stiffness where neither damping nor largest stiffness of the device is known. More feels harder, and may hum.
+pub const UNKNOWN_SHARE: f64 = 0.2;
 /// Time (seconds) in which a preset's force may go from nothing to the device's largest. Below a few milliseconds it
 /// limits nothing that a hand can do against a spring; above ten, a hard contact begins softly, and the lag makes work
 /// for the passivity controller.
@@ -197,7 +199,8 @@ pub const MOUSE_FREQUENCY: f64 = 40.0;
 pub const SCALES: [f64; 2] = [1e-3, 1e3];
 /// Depth of the soft wall inside the workspace's border, as a share of half the workspace's edge.
 pub const WALL_DEPTH: f64 = 0.1;
-/// Share of the device's damping that the soft wall's spring may use up, beside [`HELD_SHARE`] of the coupling.
+/// Share of the device's damping that the soft wall's spring may use up, beside [`HELD_SHARE`] of the coupling; of its largest stiffness
+/// where the damping is not known.
 pub const WALL_SHARE: f64 = 0.15;
 /// Share of the device's largest force that the soft wall has at the border, at the most.
 pub const WALL_FORCE_SHARE: f64 = 0.5;
@@ -244,6 +247,9 @@ pub const LONGEST_COUNTED_NS: u64 = 10_000_000_000;
 
 /// Significant digits of counted durations. A third costs eight times the memory, and time to hand it over.
 pub const HISTOGRAM_DIGITS: u8 = 2;
+
+/// Ticks that a rate is known after: a tenth of a second at 1 kHz. Fewer: one late tick at the start looks like a slow machine.
+pub const TICKS_FOR_A_RATE: u64 = 100;
 
 /// Ticks that a trace has room for until they are taken: four seconds at 1 kHz.
 pub const TRACE_TICKS: usize = 4096;

@@ -10,7 +10,7 @@ use feeler_core::{Point, Pose};
 
 use crate::constants::{
     FULL_FORCE_AT_M, FULL_FORCE_IN_S, FULL_TORQUE_AT_RAD, LARGEST_DAMPING, LARGEST_SLEW, LARGEST_STIFFNESS,
-    LARGEST_WRENCH, VIRTUAL_DAMPING_SHARE,
+    LARGEST_WRENCH, UNKNOWN_SHARE, VIRTUAL_DAMPING_SHARE,
 };
 use crate::device::DeviceInfo;
 use crate::error::{Error, Result};
@@ -91,14 +91,18 @@ impl Coupling {
     }
 
     /// The stiffest coupling that is of use on a device and that it holds at its own rate, with the tool's centre at
-    /// its handle: full force at 2 mm or 0.05 rad, less where [`limited`](Self::limited) says so.
+    /// its handle: full force at 2 mm or 0.05 rad, less where [`limited`](Self::limited) says so. A fifth of that where neither
+    /// damping nor largest stiffness is known.
     pub fn for_device(info: &DeviceInfo) -> Coupling {
         let limits = &info.limits;
+        let share = |damping: f64, stiffness: f64| if damping == 0.0 && stiffness == 0.0 { UNKNOWN_SHARE } else { 1.0 };
+        let linear = share(limits.damping_n_s_per_m, limits.stiffness_n_per_m);
+        let angular = share(limits.rotational_damping_nm_s_per_rad, limits.rotational_stiffness_nm_per_rad);
         let slew = |most: f64| (most / FULL_FORCE_IN_S).clamp(f64::MIN_POSITIVE, LARGEST_SLEW);
         let wanted = Coupling {
-            stiffness_n_per_m: limits.force_n / FULL_FORCE_AT_M,
+            stiffness_n_per_m: linear * limits.force_n / FULL_FORCE_AT_M,
             damping_n_s_per_m: VIRTUAL_DAMPING_SHARE * limits.damping_n_s_per_m,
-            rotational_stiffness_nm_per_rad: limits.torque_nm / FULL_TORQUE_AT_RAD,
+            rotational_stiffness_nm_per_rad: angular * limits.torque_nm / FULL_TORQUE_AT_RAD,
             rotational_damping_nm_s_per_rad: VIRTUAL_DAMPING_SHARE * limits.rotational_damping_nm_s_per_rad,
             max_force_n: limits.force_n,
             max_torque_nm: limits.torque_nm,

@@ -22,6 +22,12 @@ pub enum Error {
         /// Which: `servo` or `collision`.
         thread: &'static str,
     },
+    /// The driver of the device failed and does not go on, which ended the run. The force was let go first.
+    #[error("{why}; the force was let go and the run ended: mend the driver, and run again")]
+    Device {
+        /// Of which device, and what it failed of.
+        why: String,
+    },
     /// The system gave no thread.
     #[error("no thread for the run: {why}")]
     Thread {

@@ -55,12 +55,7 @@ impl SessionOptions {
             torque_nm: self.coupling.max_torque_nm,
             damping_n_s_per_m: asked(stiffness_n_per_m, damping_n_s_per_m),
             rotational_damping_nm_s_per_rad: asked(rotational_stiffness_nm_per_rad, rotational_damping_nm_s_per_rad),
-            friction_n: 0.0,
-            rotational_friction_nm: 0.0,
-            resolution_m: 0.0,
-            rotational_resolution_rad: 0.0,
-            rate_hz: 0.0,
-            delay_s: 0.0,
+            ..DeviceLimits::default()
         })
     }
 

@@ -14,8 +14,8 @@
 //! translation turns the handle too: in the plane of arm and force the condition is `C w wᵀ <= diag(b, a)`, with
 //! `w = (1, r)`, `C = K (T / 2 + t) + B` and a what is set apart of the rotational damping, and that is
 //! `C <= 1 / (1 / b + r² / a)`: the damping that is felt at the centre.
-
-use std::fmt;
+//!
+//! No bound has the device's mass: both hold for any.
 
 use crate::constants::{ARM_ROOM, ARM_SHARE, HELD_SHARE, VIRTUAL_DAMPING_SHARE};
 use crate::coupling::Coupling;
@@ -28,8 +28,8 @@ pub enum Bound {
     Damping,
     /// Its friction and resolution: Abbott and Okamura.
     Friction,
-    /// The largest force or torque it has.
-    Force,
+    /// The largest that it has, by what its maker publishes or its user knows.
+    Maximum,
     /// It does not drive this freedom.
     NotDriven,
 }
@@ -67,34 +67,83 @@ impl Limitations {
     pub fn is_empty(&self) -> bool {
         *self == Limitations::default()
     }
+
+    /// A sentence for each number that was taken away from: what is left, what was asked for, and why. `info`: of the device, as the
+    /// coupling was limited to it; `rate_hz`: of the loop.
+    ///
+    /// ```
+    /// use feeler_haptics::{device::simulated::SimulatedOptions, Coupling};
+    /// let info = SimulatedOptions::desktop_3dof().info;
+    /// let asked = Coupling { max_torque_nm: 0.0, max_force_n: 20.0, ..Coupling::for_device(&info) };
+    /// let said = asked.limited(&info, 1000.0).1.in_words(&info, 1000.0);
+    /// assert_eq!(said, ["force 12 N instead of 20: the most that the simulated desktop device, 3 driven freedoms has"]);
+    /// ```
+    pub fn in_words(&self, info: &DeviceInfo, rate_hz: f64) -> Vec<String> {
+        let all = [
+            ("stiffness", self.stiffness, "N/m", false),
+            ("damping", self.damping, "N s/m", false),
+            ("rotational stiffness", self.rotational_stiffness, "Nm/rad", true),
+            ("rotational damping", self.rotational_damping, "Nm s/rad", true),
+            ("force", self.force, "N", false),
+            ("torque", self.torque, "Nm", true),
+        ];
+        all.into_iter()
+            .filter_map(|(what, found, unit, turns)| {
+                let Limitation { wanted, allowed, by } = found?;
+                let [wanted, allowed] = [wanted, allowed].map(in_words);
+                Some(format!("{what} {allowed} {unit} instead of {wanted}: {}", by.in_words(info, rate_hz, turns)))
+            })
+            .collect()
+    }
 }
 
-impl fmt::Display for Limitations {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let all = [
-            ("stiffness", self.stiffness, "N/m"),
-            ("damping", self.damping, "N s/m"),
-            ("rotational stiffness", self.rotational_stiffness, "Nm/rad"),
-            ("rotational damping", self.rotational_damping, "Nm s/rad"),
-            ("force", self.force, "N"),
-            ("torque", self.torque, "Nm"),
-        ];
-        let mut separator = "";
-        for (what, found, unit) in all {
-            let Some(Limitation { wanted, allowed, by }) = found else { continue };
-            let why = match by {
-                Bound::Damping => "by the device's damping and rate (Colgate and Brown)",
-                Bound::Friction => "by the device's friction and resolution (Abbott and Okamura)",
-                Bound::Force => "by what the device has",
-                Bound::NotDriven => "because the device does not drive it",
-            };
-            write!(f, "{separator}{what} {allowed:.4} {unit} instead of {wanted:.4}, {why}")?;
-            separator = "; ";
+impl Bound {
+    /// Why, with the device's own figures. `turns`: of a number of rotation.
+    fn in_words(self, info: &DeviceInfo, rate_hz: f64, turns: bool) -> String {
+        let (name, limits) = (&info.name, &info.limits);
+        let either = |linear: f64, angular: f64| in_words(if turns { angular } else { linear });
+        match self {
+            Bound::Damping => {
+                let damping = either(limits.damping_n_s_per_m, limits.rotational_damping_nm_s_per_rad);
+                let unit = if turns { "Nm s/rad" } else { "N s/m" };
+                let rate = if limits.rate_hz > 0.0 { rate_hz.min(limits.rate_hz) } else { rate_hz };
+                let late = if limits.delay_s > 0.0 {
+                    format!(" and {} ms of delay", in_words(1e3 * limits.delay_s))
+                } else {
+                    String::new()
+                };
+                format!("what the damping of the {name}, {damping} {unit}, holds at {} Hz{late}", in_words(rate))
+            }
+            Bound::Friction => {
+                let friction = either(limits.friction_n, limits.rotational_friction_nm);
+                let step = either(1e6 * limits.resolution_m, 1e3 * limits.rotational_resolution_rad);
+                let [unit, of] = if turns { ["Nm", "mrad"] } else { ["N", "um"] };
+                format!("what the friction of the {name}, {friction} {unit}, holds at steps of {step} {of}")
+            }
+            Bound::Maximum => format!("the most that the {name} has"),
+            Bound::NotDriven if turns => format!("the {name} drives no rotation"),
+            Bound::NotDriven => format!("the {name} drives no translation"),
         }
-        if separator.is_empty() {
-            f.write_str("nothing was limited")?;
-        }
-        Ok(())
+    }
+}
+
+/// A number with three digits, thousands apart.
+pub(crate) fn in_words(value: f64) -> String {
+    let size = value.abs();
+    if (1000.0..1e9).contains(&size) {
+        let whole = value.round() as i64;
+        let (millions, rest) = (whole / 1_000_000, (whole % 1_000_000).abs());
+        return match millions {
+            0 => format!("{},{:03}", whole / 1000, rest % 1000),
+            _ => format!("{millions},{:03},{:03}", rest / 1000, rest % 1000),
+        };
+    }
+    let digits = if size > 0.0 && size < 100.0 { (2 - size.log10().floor() as i32).clamp(0, 9) as usize } else { 0 };
+    let said = format!("{value:.digits$}");
+    if said.contains('.') {
+        said.trim_end_matches('0').trim_end_matches('.').to_string()
+    } else {
+        said
     }
 }
 
@@ -134,9 +183,9 @@ impl Coupling {
     /// origin.
     ///
     /// Spring and damper together stay within 0.8 of Colgate's bound, the damper within a fifth of that; stiffness also
-    /// within Abbott and Okamura's bound, force and torque within the device's. A resolution of zero is none; a friction
-    /// of zero is not known, as of most devices, and bounds nothing. Damping is never added. A rate that is not above zero
-    /// holds nothing.
+    /// within Abbott and Okamura's bound and the largest that is known of the device, force and torque within the device's.
+    /// A resolution of zero is none; a damping, a friction or a largest stiffness of zero is not known, and bounds nothing.
+    /// Damping is never added. A rate that is not above zero holds nothing.
     pub fn limited_at(&self, info: &DeviceInfo, rate_hz: f64, arm_m: f64) -> (Coupling, Limitations) {
         let limits = &info.limits;
         let hold = limits.hold_s(rate_hz);
@@ -145,10 +194,11 @@ impl Coupling {
         let mut to = *self;
         let mut found = Limitations::default();
 
-        let inside = HELD_SHARE * limits.damping_n_s_per_m;
-        let turning = HELD_SHARE * limits.rotational_damping_nm_s_per_rad;
+        let inside = HELD_SHARE * known(limits.damping_n_s_per_m);
+        let turning = HELD_SHARE * known(limits.rotational_damping_nm_s_per_rad);
         // What the arm's spring would use up of the rotation at full stiffness, and what is set apart for it.
-        let lever = if info.driven.translation { arm * arm * inside } else { 0.0 };
+        let are_known = inside.is_finite() && turning.is_finite();
+        let lever = if info.driven.translation && are_known { arm * arm * inside } else { 0.0 };
         // Of the rotation's friction too, as much as holds what the translation's does.
         let rubbing = if limits.rotational_friction_nm > 0.0 {
             arm * limits.friction_n / limits.rotational_friction_nm
@@ -160,11 +210,12 @@ impl Coupling {
         let left = (1.0 - share) * turning;
         let driven = |is: bool| if is { Least(f64::INFINITY, Bound::Damping) } else { Least(0.0, Bound::NotDriven) };
         let rotation = driven(info.driven.rotation);
-        found.torque = rotation.and(limits.torque_nm, Bound::Force).apply(&mut to.max_torque_nm);
+        found.torque = rotation.and(limits.torque_nm, Bound::Maximum).apply(&mut to.max_torque_nm);
         found.rotational_damping =
             rotation.and(VIRTUAL_DAMPING_SHARE * left, Bound::Damping).apply(&mut to.rotational_damping_nm_s_per_rad);
         let friction = quantised((1.0 - share) * limits.rotational_friction_nm, limits.rotational_resolution_rad);
         found.rotational_stiffness = rotation
+            .and(known(limits.rotational_stiffness_nm_per_rad), Bound::Maximum)
             .and((left - to.rotational_damping_nm_s_per_rad).max(0.0) / hold, Bound::Damping)
             .and(friction, Bound::Friction)
             .apply(&mut to.rotational_stiffness_nm_per_rad);
@@ -172,10 +223,11 @@ impl Coupling {
         // The damping felt at the centre.
         let felt = if lever > 0.0 { 1.0 / (1.0 / inside + arm * arm / (share * turning)) } else { inside };
         let translation = driven(info.driven.translation);
-        found.force = translation.and(limits.force_n, Bound::Force).apply(&mut to.max_force_n);
+        found.force = translation.and(limits.force_n, Bound::Maximum).apply(&mut to.max_force_n);
         found.damping = translation.and(VIRTUAL_DAMPING_SHARE * felt, Bound::Damping).apply(&mut to.damping_n_s_per_m);
         let step = limits.resolution_m + arm * limits.rotational_resolution_rad;
         found.stiffness = translation
+            .and(known(limits.stiffness_n_per_m), Bound::Maximum)
             .and((felt - to.damping_n_s_per_m).max(0.0) / hold, Bound::Damping)
             .and(quantised(limits.friction_n, step), Bound::Friction)
             .and(
@@ -184,6 +236,15 @@ impl Coupling {
             )
             .apply(&mut to.stiffness_n_per_m);
         (to, found)
+    }
+}
+
+/// A bound that may not be known, and then bounds nothing.
+fn known(most: f64) -> f64 {
+    if most == 0.0 {
+        f64::INFINITY
+    } else {
+        most
     }
 }
 
@@ -200,6 +261,7 @@ fn quantised(friction: f64, resolution: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::device::simulated::SimulatedOptions;
+    use crate::device::DeviceLimits;
     use proptest::prelude::*;
 
     /// 6 driven freedoms, b = 1.5, f = 0.1, 10 um; in rotation 3e-3, 2e-3, 0.2 mrad; 12 N, 0.4 Nm, 1 kHz.
@@ -239,9 +301,13 @@ mod tests {
         assert!(is_near(to.rotational_stiffness_nm_per_rad, (0.8 * 3e-3 - 1e-4) / 0.5e-3), "{to:?}");
         assert_eq!(taken.stiffness.map(|l| (l.wanted, l.by)), Some((1e6, Bound::Damping)));
         assert_eq!(taken.rotational_stiffness.map(|l| l.by), Some(Bound::Damping));
-        assert_eq!(taken.force, Some(Limitation { wanted: 100.0, allowed: 12.0, by: Bound::Force }));
+        assert_eq!(taken.force, Some(Limitation { wanted: 100.0, allowed: 12.0, by: Bound::Maximum }));
         assert_eq!((taken.torque, taken.damping, taken.rotational_damping), (None, None, None));
-        assert!(taken.to_string().contains("Colgate"), "{taken}");
+        assert_eq!(
+            taken.in_words(&info(), 1000.0)[0],
+            "stiffness 2,200 N/m instead of 1,000,000: what the damping of the simulated desktop device, 6 driven freedoms, 1.5 N s/m, \
+             holds at 1,000 Hz"
+        );
         // Twice the period is half the stiffness, whose ever it is; a millisecond's delay is two half periods more.
         let slow = wanted().limited(&info(), 500.0).0;
         assert!(is_near(slow.stiffness_n_per_m, 0.5 * to.stiffness_n_per_m));
@@ -262,7 +328,11 @@ mod tests {
         assert!(is_near(to.stiffness_n_per_m, 200.0) && is_near(to.rotational_stiffness_nm_per_rad, 1.0), "{to:?}");
         assert_eq!(taken.stiffness.map(|l| l.by), Some(Bound::Friction));
         assert_eq!(taken.rotational_stiffness.map(|l| l.by), Some(Bound::Friction));
-        assert!(taken.to_string().contains("Abbott"), "{taken}");
+        assert_eq!(
+            taken.in_words(&info, 1000.0)[0],
+            "stiffness 200 N/m instead of 1,000,000: what the friction of the simulated desktop device, 6 driven freedoms, 0.001 N, \
+             holds at steps of 10 um"
+        );
         info.limits.resolution_m = 0.0;
         assert_eq!(wanted().limited(&info, 1000.0).1.stiffness.map(|l| l.by), Some(Bound::Damping));
     }
@@ -278,6 +348,57 @@ mod tests {
         let (to, taken) = wanted().limited_at(&info, 1000.0, 0.05);
         assert!(to.stiffness_n_per_m > 0.0 && to.rotational_stiffness_nm_per_rad > 0.0, "{to:?}");
         assert_eq!(taken.stiffness.map(|l| l.by), Some(Bound::Damping));
+    }
+
+    #[test]
+    fn a_device_of_which_nothing_is_known_holds_what_is_asked() {
+        let DeviceLimits { force_n, torque_nm, rate_hz, .. } = info().limits;
+        let limits = DeviceLimits { force_n, torque_nm, rate_hz, ..DeviceLimits::default() };
+        let unknown = DeviceInfo { limits, ..info() };
+        let asked = Coupling { max_force_n: 10.0, ..wanted() };
+        for arm in [0.0, 0.1] {
+            assert_eq!(asked.limited_at(&unknown, 1000.0, arm), (asked, Limitations::default()));
+            assert_eq!(asked.limited_at(&unknown, 0.0, arm).0.stiffness_n_per_m, 0.0);
+        }
+        // Of its own it is soft.
+        let own = Coupling::for_device(&unknown);
+        assert!(
+            is_near(own.stiffness_n_per_m, 12.0 / 0.01) && is_near(own.rotational_stiffness_nm_per_rad, 0.4 / 0.25)
+        );
+        // One of both known: the arm does not take all.
+        let mut half = info();
+        half.limits.rotational_damping_nm_s_per_rad = 0.0;
+        assert_eq!(wanted().limited_at(&half, 1000.0, 0.1).0.stiffness_n_per_m, 2200.0);
+    }
+
+    #[test]
+    fn what_a_maker_publishes_bounds_stiffness() {
+        let mut info = info();
+        (info.limits.stiffness_n_per_m, info.limits.rotational_stiffness_nm_per_rad) = (1200.0, 0.5);
+        let (to, taken) = wanted().limited(&info, 1000.0);
+        assert_eq!((to.stiffness_n_per_m, to.rotational_stiffness_nm_per_rad), (1200.0, 0.5));
+        assert_eq!([taken.stiffness, taken.rotational_stiffness].map(|l| l.map(|l| l.by)), [Some(Bound::Maximum); 2]);
+        let said = taken.in_words(&info, 1000.0);
+        let most = "the most that the simulated desktop device, 6 driven freedoms has";
+        assert_eq!(said[0], format!("stiffness 1,200 N/m instead of 1,000,000: {most}"));
+        assert_eq!(said[1], format!("rotational stiffness 0.5 Nm/rad instead of 1,000: {most}"));
+    }
+
+    #[test]
+    fn numbers_have_three_digits_and_thousands_are_apart() {
+        let cases = [
+            (0.0, "0"),
+            (533.333, "533"),
+            (1066.7, "1,067"),
+            (12_345_678.0, "12,345,678"),
+            (2.5, "2.5"),
+            (0.000_2, "0.0002"),
+            (99.96, "100"),
+            (7.125, "7.12"),
+        ];
+        for (value, said) in cases {
+            assert_eq!(in_words(value), said);
+        }
     }
 
     #[test]
@@ -320,7 +441,7 @@ mod tests {
             assert_eq!(coupling.check(), Ok(()));
             let (same, taken) = coupling.limited(&options.info, options.info.limits.rate_hz);
             assert_eq!(same, coupling);
-            assert!(taken.is_empty() && taken.to_string() == "nothing was limited", "{taken}");
+            assert!(taken.is_empty() && taken.in_words(&options.info, 1000.0).is_empty(), "{taken:?}");
             assert!(coupling.stiffness_n_per_m > 1000.0, "{coupling:?}");
         }
     }

@@ -1,6 +1,8 @@
 //! Runs with real threads. Nothing here depends on how fast the machine is: what is asserted holds at every tick, whenever it comes.
 
 mod common;
+#[path = "../examples/own_device.rs"]
+mod own_device;
 
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex};
@@ -155,6 +157,48 @@ fn a_collision_thread_that_panics_lets_go_and_ends_the_run_with_an_error() {
     assert!(session.is_none() && device.is_some());
 }
 
+/// Its driver fails at a tick, and does not go on.
+struct Breaks<D>(Panics<D>);
+
+impl<D: Device> Device for Breaks<D> {
+    fn info(&self) -> &DeviceInfo {
+        self.0.info()
+    }
+
+    fn read(&mut self, now: f64) -> Result<DeviceState, DeviceError> {
+        if self.0.last_written.load(Ordering::SeqCst) > 50 {
+            return Err(DeviceError::Broken { device: "one of my own".into(), why: "a cable".into() });
+        }
+        self.0.read(now)
+    }
+
+    fn write(&mut self, wrench: &Wrench, now: f64) -> Result<(), DeviceError> {
+        self.0.write(wrench, now)
+    }
+
+    fn release(&mut self) {
+        self.0.release();
+    }
+}
+
+#[test]
+fn a_device_that_is_broken_lets_go_and_ends_the_run_with_an_error() {
+    let is_released = Arc::new(AtomicBool::new(false));
+    let last_written = Arc::default();
+    let inner = Panics { device: device(pushing()), at: u32::MAX, is_released: is_released.clone(), last_written };
+    let mut runner = run(Breaks(inner), &RunnerOptions::default());
+    until(&mut runner, |_| false);
+    assert!(is_released.load(Ordering::SeqCst));
+    let Stopped { session, device, error, .. } = runner.stop();
+    assert_eq!(error, Some(Error::Device { why: "one of my own failed: a cable".into() }));
+    assert!(session.is_some() && device.is_some());
+}
+
+#[test]
+fn own_devices_are_thirty_lines() {
+    own_device::main();
+}
+
 #[test]
 fn stopping_and_dropping_release_the_device() {
     for drops in [false, true] {
@@ -223,6 +267,20 @@ fn parts_are_taken_and_scenes_swapped_while_it_runs() {
 }
 
 #[test]
+fn a_servo_that_is_slower_than_it_was_to_be_is_said() {
+    // No system sleeps for ten microseconds.
+    let options = RunnerOptions { rate_hz: 1e5, ..RunnerOptions::default() };
+    let mut runner = run(device(pushing()), &options);
+    for _ in 0..LOOKS {
+        if runner.limitations_in_words().iter().any(|said| said.contains("Hz instead of 100,000")) {
+            return;
+        }
+        std::thread::sleep(Duration::from_micros(300));
+    }
+    panic!("{:?}", runner.limitations_in_words());
+}
+
+#[test]
 fn what_cannot_run_comes_back() {
     let unstarted = feeler_haptics::Session::new(plate(), block(), SessionOptions::default()).unwrap();
     let refused = Runner::start(unstarted, Box::new(device(pushing())), clock(), &RunnerOptions::default());
@@ -255,8 +313,13 @@ fn what_a_device_does_not_hold_is_taken_away_for_the_run_alone() {
     let session = started(plate(), options);
     let before = *session.options();
     let runner = Runner::start(session, Box::new(device(pushing())), clock(), &RunnerOptions::default());
-    let runner = runner.map_err(|refused| refused.error).unwrap();
+    let mut runner = runner.map_err(|refused| refused.error).unwrap();
     assert!(runner.limitations().stiffness.is_some());
+    let said = runner.limitations_in_words();
+    assert!(
+        said[0].starts_with("stiffness 2,") && said[0].contains("instead of 100,000: what the damping of"),
+        "{said:?}"
+    );
     assert!(runner.coupling().stiffness_n_per_m < 3000.0);
     assert_eq!(*runner.stop().session.unwrap().options(), before);
 }

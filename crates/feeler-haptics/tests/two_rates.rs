@@ -129,6 +129,28 @@ fn contacts_that_stay_away_for_a_second_hold_the_proxy_and_then_let_the_force_go
 }
 
 #[test]
+fn contacts_that_are_200_ms_old_change_the_force_by_no_more_than_the_slew() {
+    // Pressing, turning and sliding over the edge of the plate, while the collision side is away for 200 ms out of each 250 ms.
+    let mut keys = vec![(0.0, at([0.0; 3], [0.0; 3])), (0.2, at([0.0, 0.0, -0.02], [0.0; 3]))];
+    for k in 1..12 {
+        let side = if k % 2 == 0 { 0.17 } else { 0.215 };
+        keys.push((0.2 + 0.3 * f64::from(k), at([side, 0.01, -0.02], [0.1, 0.1 * side, 0.3])));
+    }
+    let stalls = |k: u32| k % 250 >= 200;
+    let mut drive = Drive::new(started(plate(), SessionOptions::default()), device(HandPath::new(keys).unwrap()));
+    drive.run(300, always, always);
+    let coupling = *drive.sides.servo.coupling().0;
+    let views = drive.run(3000, always, stalls);
+    assert!(views.iter().any(|view| view.age > 0.19) && largest(views) > 1.5);
+    for both in views.windows(2) {
+        let change = both[1].wrench - both[0].wrench;
+        assert!(both[1].mode != Mode::Doubt, "{:?}", both[1]);
+        assert!(length(&change.force) <= coupling.slew_n_per_s * TICK * (1.0 + 1e-9), "{both:?}");
+        assert!(length(&change.torque) <= coupling.slew_nm_per_s * TICK * (1.0 + 1e-9), "{both:?}");
+    }
+}
+
+#[test]
 fn a_servo_side_that_stalls_begins_from_nothing() {
     let mut drive = Drive::new(started(plate(), SessionOptions::default()), device(pushing()));
     let before = drive.run(400, always, always).to_vec();
@@ -322,6 +344,48 @@ fn the_border_of_the_workspace_comes_and_returns_gently() {
     // After the silence it grows from nothing in a fifth of a second.
     let first = sent.iter().skip(870).position(|force| *force < 0.0).unwrap() + 870;
     assert!(sent[855..first].iter().all(|force| *force == 0.0) && sent[first + 20] > 0.2 * held, "{first}");
+}
+
+#[test]
+fn a_handle_that_jumps_out_of_the_workspace_is_not_thrown_back() {
+    let sent = Arc::new(Mutex::new(Vec::new()));
+    let mut info = SimulatedOptions::desktop_6dof().info;
+    // It rests where it is.
+    info.workspace[2] = 0.0;
+    let rests = Thrown { info: info.clone(), sent: sent.clone() };
+    info.workspace = [0.06; 3];
+    let device = Faulty::new(Walled { rests, info: info.clone() }, Fault::Jump([0.0, 0.0, 0.5]), 0.4, 0.9).unwrap();
+    let mut drive = Drive::new(started(plate(), SessionOptions::default()), device);
+    drive.run(1500, always, always);
+    let sent = sent.lock().unwrap();
+    assert_eq!((sent[399], sent[400]), (0.0, 0.0));
+    assert!(sent[500] < -0.1 * info.limits.force_n, "it is pushed in the end: {}", sent[500]);
+    for (k, force) in sent.iter().enumerate().skip(400).take(200) {
+        assert!(-force <= 0.5 * info.limits.force_n * (k - 399) as f64 * TICK / 0.2 + 1e-9, "{k}: {force}");
+    }
+    assert!(sent[900..].iter().all(|force| *force == 0.0));
+}
+
+/// Another with other limits.
+struct Walled {
+    rests: Thrown,
+    info: DeviceInfo,
+}
+
+impl Device for Walled {
+    fn info(&self) -> &DeviceInfo {
+        &self.info
+    }
+
+    fn read(&mut self, now: f64) -> Result<DeviceState, DeviceError> {
+        self.rests.read(now)
+    }
+
+    fn write(&mut self, wrench: &Wrench, now: f64) -> Result<(), DeviceError> {
+        self.rests.write(wrench, now)
+    }
+
+    fn release(&mut self) {}
 }
 
 #[test]

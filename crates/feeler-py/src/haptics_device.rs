@@ -10,7 +10,7 @@ use feeler_haptics::device::hand::{Hand, HandPath};
 use feeler_haptics::device::mouse::Mouse;
 use feeler_haptics::device::simulated::{SimulatedDevice, SimulatedOptions};
 use feeler_haptics::device::steered::{steered, Steering};
-use feeler_haptics::device::{Device, DeviceError, DeviceInfo, Freedoms};
+use feeler_haptics::device::{Device, DeviceError, DeviceInfo, DeviceLimits, Freedoms};
 use feeler_haptics::Coupling;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -18,6 +18,7 @@ use pyo3::types::PyDict;
 use crate::arguments::{PoseArgument, PosesArgument};
 use crate::errors::raise;
 use crate::haptics::{haptics_to_py, numbers_of};
+use crate::haptics_own::OwnDevice;
 use crate::travel::stays;
 
 /// A device, until a run takes it; afterwards again, where it can be used again.
@@ -121,18 +122,21 @@ fn options_of(name: &str, given: &Bound<'_, PyDict>) -> PyResult<Options> {
             option(given, "grip_id", &mut to.grip_id)?;
             option(given, "preset", &mut to.preset)?;
             option(given, "force_n", &mut to.force_n)?;
+            option(given, "stiffness_n_per_m", &mut to.stiffness_n_per_m)?;
         }
         "dhd" => {
             let to = &mut options.dhd;
             option::<Option<PathBuf>>(given, "library", &mut to.library)?;
             option(given, "force_n", &mut to.force_n)?;
             option(given, "torque_nm", &mut to.torque_nm)?;
+            option(given, "stiffness_n_per_m", &mut to.stiffness_n_per_m)?;
         }
         "openhaptics" => {
             let to = &mut options.openhaptics;
             option::<Option<PathBuf>>(given, "library", &mut to.library)?;
             option(given, "device", &mut to.device)?;
             option(given, "force_n", &mut to.force_n)?;
+            option(given, "stiffness_n_per_m", &mut to.stiffness_n_per_m)?;
         }
         // `open` says which names there are.
         _ => return Ok(options),
@@ -209,6 +213,41 @@ impl HapticsDevice {
         Ok(HapticsDevice::new(device, None, true))
     }
 
+    /// A device that is an object with `_read`, `write` and `release`. Drives what it has force or torque for.
+    #[staticmethod]
+    fn own(
+        object: Py<PyAny>,
+        name: String,
+        senses_rotation: bool,
+        workspace: [f64; 3],
+        buttons: u32,
+        limits: [f64; 12],
+    ) -> PyResult<HapticsDevice> {
+        let [force_n, torque_nm, stiffness_n_per_m, rotational_stiffness_nm_per_rad, damping_n_s_per_m, more @ ..] =
+            limits;
+        let [rotational_damping_nm_s_per_rad, friction_n, rotational_friction_nm, resolution_m, more @ ..] = more;
+        let [rotational_resolution_rad, rate_hz, delay_s] = more;
+        let limits = DeviceLimits {
+            force_n,
+            torque_nm,
+            stiffness_n_per_m,
+            rotational_stiffness_nm_per_rad,
+            damping_n_s_per_m,
+            rotational_damping_nm_s_per_rad,
+            friction_n,
+            rotational_friction_nm,
+            resolution_m,
+            rotational_resolution_rad,
+            rate_hz,
+            delay_s,
+        };
+        limits.check().map_err(haptics_to_py)?;
+        let sensed = Freedoms { translation: true, rotation: senses_rotation };
+        let driven = Freedoms { translation: force_n > 0.0, rotation: senses_rotation && torque_nm > 0.0 };
+        let info = DeviceInfo { name, sensed, driven, workspace, limits, buttons };
+        Ok(HapticsDevice::new(Box::new(OwnDevice::new(object, info)), None, false))
+    }
+
     /// Names of drivers, with what each is for.
     #[staticmethod]
     fn drivers() -> Vec<(&'static str, &'static str)> {
@@ -259,6 +298,8 @@ impl HapticsDevice {
         for (name, value) in [
             ("force_n", limits.force_n),
             ("torque_nm", limits.torque_nm),
+            ("stiffness_n_per_m", limits.stiffness_n_per_m),
+            ("rotational_stiffness_nm_per_rad", limits.rotational_stiffness_nm_per_rad),
             ("damping_n_s_per_m", limits.damping_n_s_per_m),
             ("rotational_damping_nm_s_per_rad", limits.rotational_damping_nm_s_per_rad),
             ("friction_n", limits.friction_n),

@@ -1,8 +1,9 @@
-//! `feeler._core.HapticsRun`: a session that runs with a device, in threads that never enter the interpreter.
+//! `feeler._core.HapticsRun`: a session that runs with a device, in threads that enter the interpreter only for a device that is an
+//! object of Python.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use feeler_devices::machine::{lock_memory, raise_priority};
+use feeler_devices::machine::{lock_memory, raise_priority, raise_priority_below_servo};
 use feeler_haptics::runner::{MappingOptions, RunnerOptions, Stopped, ThreadKind, TraceTick, View};
 use feeler_haptics::statistics::Distribution;
 use feeler_haptics::{Error, Runner, Statistics};
@@ -29,7 +30,8 @@ pub struct HapticsRun {
     session: Py<HapticsSession>,
     device: Py<HapticsDevice>,
     last: Mutex<Option<Statistics>>,
-    priority: Granted,
+    /// Of the servo thread, and of the collision thread.
+    priorities: [Granted; 2],
     memory: Option<Result<String, String>>,
     /// Of the process whose threads these are.
     born: u64,
@@ -149,12 +151,12 @@ impl HapticsRun {
         is_realtime: bool,
     ) -> PyResult<HapticsRun> {
         let threads = threads_of(None)?;
-        let priority = Granted::default();
-        let told = priority.clone();
-        let on_thread_start = move |kind| {
-            if is_realtime && kind == ThreadKind::Servo {
-                *locked(&told) = Some(raise_priority());
-            }
+        let priorities = [Granted::default(), Granted::default()];
+        let told = priorities.clone();
+        let on_thread_start = move |kind| match kind {
+            _ if !is_realtime => (),
+            ThreadKind::Servo => *locked(&told[0]) = Some(raise_priority()),
+            ThreadKind::Collision => *locked(&told[1]) = Some(raise_priority_below_servo()),
         };
         let taken = session.get().take()?;
         let collision_hz = taken.options().collision_hz;
@@ -180,7 +182,7 @@ impl HapticsRun {
                 session,
                 device,
                 last: Mutex::new(None),
-                priority,
+                priorities,
                 memory,
                 born: generation(),
             }),
@@ -257,22 +259,20 @@ impl HapticsRun {
         ))
     }
 
-    /// The numbers of the coupling in use, and what the device took away of the session's, in words.
-    fn coupling(&self, py: Python<'_>) -> PyResult<([f64; 8], Option<String>)> {
-        self.with(py, |runner| {
-            let limitations = runner.limitations();
-            let said = (!limitations.is_empty()).then(|| limitations.to_string());
-            (numbers_of(runner.coupling()), said)
-        })
+    /// The numbers of the coupling in use, and what the device took away of the session's, a sentence each.
+    fn coupling(&self, py: Python<'_>) -> PyResult<([f64; 8], Vec<String>)> {
+        self.with(py, |runner| (numbers_of(runner.coupling()), runner.limitations_in_words()))
     }
 
-    /// What priority and memory were granted: whether, and in words; None where it was not asked for, or is not known yet.
-    fn granted(&self) -> [Option<(bool, String)>; 2] {
+    /// What priorities (of the servo and the collision thread) and memory were granted: whether, and in words; None where it was not
+    /// asked for, or is not known yet.
+    fn granted(&self) -> [Option<(bool, String)>; 3] {
         let said = |granted: Result<String, String>| match granted {
             Ok(what) => (true, what),
             Err(why) => (false, why),
         };
-        [locked(&self.priority).clone().map(said), self.memory.clone().map(said)]
+        let [servo, collision] = &self.priorities;
+        [locked(servo).clone(), locked(collision).clone(), self.memory.clone()].map(|granted| granted.map(said))
     }
 
     /// Begins anew at a pose: what it meets there.
@@ -313,8 +313,9 @@ impl Drop for HapticsRun {
             // The threads are of another process, which lets go of the force itself: to end them here, they would be waited for.
             std::mem::forget(runner);
         } else {
-            // Its threads do not enter the interpreter, so they end while this one holds it.
-            drop(runner);
+            // Its servo thread may be in the interpreter, for a device that is an object of Python, and so ends while this one lets
+            // others in.
+            Python::attach(|py| py.detach(|| drop(runner)));
         }
     }
 }

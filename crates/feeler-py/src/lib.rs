@@ -10,6 +10,7 @@ mod containment;
 mod errors;
 mod haptics;
 mod haptics_device;
+mod haptics_own;
 mod haptics_run;
 mod huge_pages;
 mod mockup;

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -39,6 +40,10 @@ _LOOKS_HZ = 10.0
 # The simulated hand: poses of its way, how often it goes that way and back, how fast (a hand that works, metres a
 # second), and how long it takes at the least (seconds).
 _POSES, _ROUNDS, _HAND_M_PER_S, _LEAST_WAY_S = 2000, 100, 0.15, 8.0
+# Options of drivers that are texts, also where they read as a number (Haply's ids).
+_TEXTS = ("address", "device", "device_id", "grip_id", "library", "preset", "socket")
+# How long a check takes unless told otherwise, seconds.
+_CHECK_S = 8.0
 # Where nothing else is known: so far above the mock-up the tool begins, and so far down the hand presses it (metres).
 _ABOVE_M, _PRESSED_M = 0.005, 0.02
 
@@ -47,6 +52,7 @@ _ABOVE_M, _PRESSED_M = 0.005, 0.02
     name="feel",
     examples="""
 feeler feel --seconds 10
+feeler feel --check --device haply --device-option force_n=3
 feeler feel engine.step --tool wrench.stl --device haply --scale 3
 feeler feel engine.step --part "*fuel pump*" --device spacemouse
 feeler feel sample:turbine:1600000 --tool sample:blade --seconds 20 --json
@@ -71,9 +77,19 @@ def feel(
     device: Annotated[
         str, typer.Option(metavar="|".join(("simulated", *DRIVERS)), help="What the hand holds.")
     ] = "simulated",
+    device_option: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME=VALUE", help="Of the device's driver, such as force_n=4 or library=FILE. May be repeated."
+        ),
+    ] = None,
     preset: Annotated[
         str, typer.Option(metavar="|".join(devices.PRESETS), help="Of the simulated device.")
     ] = "large_6dof",
+    check: Annotated[
+        bool,
+        typer.Option("--check", help="Check a device: a virtual plate to press on, and how well it is felt."),
+    ] = False,
     hz: Annotated[float, typer.Option(help="Rate of the servo loop.")] = 1000.0,
     collision_hz: Annotated[
         float | None, typer.Option(help="Rate of the search for contacts. Default: as fast as it can.")
@@ -101,13 +117,20 @@ def feel(
 
     A servo loop and a search for contacts run beside each other, each in a thread of its own. Without a device at hand
     a simulated one is moved by a simulated hand, which comes from outside, pushes, works and leaves, over and over.
-    Ctrl-C lets go of the force first. Exit status: 0, also after Ctrl-C; 2 bad input, or no such device.
+    Ctrl-C lets go of the force first. --check measures stiffness, rate, jitter and noise, and says what limits them.
+    Exit status: 0, also after Ctrl-C; 1 a checked device gives no force or does not answer; 2 bad input, or no device.
     """
     from feeler.cli import outputs
 
     _check(device, preset, seconds, scale, record)
     # Before anything is loaded: a device that is not there is said at once.
-    held: devices.Device | None = None if device == "simulated" else devices.open_device(device)
+    options = _device_options(device, device_option or [])
+    held: devices.Device | None = None if device == "simulated" else devices.open_device(device, **options)
+    if check:
+        if mockup or tool or part or record:
+            raise OptionError("--check brings its own plate and tool: leave out mock-up, --tool, --part and --record")
+        _press(held, preset, seconds, hz, stiffness, as_json)
+        return
     moving = tool if tool is not None or part else "sample:wrench"
     world, probe = read_both(mockup or [_SAMPLE], unit, moving, tool_unit, up, part)
     with bar("indexing") as progress:
@@ -146,6 +169,51 @@ def feel(
         outputs.warn(trouble)
     if written:
         outputs.say(out, f"record written to {written}")
+
+
+def _device_options(device: str, given: list[str]) -> dict[str, float | str]:
+    """NAME=VALUE of the command line; what is no text by its name is a number where it reads as one."""
+    if given and device == "simulated":
+        raise OptionError("--device-option is for a driver: name one with --device")
+    options: dict[str, float | str] = {}
+    for option in given:
+        name, is_named, value = option.partition("=")
+        if not (name and is_named):
+            raise OptionError(f"--device-option is {option!r}: give NAME=VALUE")
+        options[name] = value
+        if name not in _TEXTS:
+            with contextlib.suppress(ValueError):
+                options[name] = float(value)
+    return options
+
+
+def _press(
+    held: devices.Device | None, preset: str, seconds: float | None, hz: float, stiffness: float | None, as_json: bool
+) -> None:
+    """The check of a device; ends with exit status 1 where something is wrong with it."""
+    from feeler.cli import feel_check, outputs
+    from feeler.cli.app import FOUND
+
+    out = outputs.console()
+    device = devices.Simulated(preset, hand=feel_check.pressing_hand()) if held is None else held
+
+    def begins() -> None:
+        if not as_json:
+            outputs.say(out, f"{device.name}: a plate is 2 mm below the handle")
+            if held is not None:
+                outputs.say(out, "Press the handle down onto it by a centimetre, and lift it again, several times")
+
+    found = feel_check.check(device, seconds or _CHECK_S, rate_hz=hz, stiffness=stiffness, begins=begins)
+    if as_json:
+        from dataclasses import asdict
+
+        outputs.print_json(asdict(found))
+    else:
+        feel_check.show(out, found)
+    if found.fault:
+        if not as_json:
+            outputs.print_finding(out, found.fault)
+        raise typer.Exit(FOUND)
 
 
 def _check(device: str, preset: str, seconds: float | None, scale: float, record: Path | None) -> None:
@@ -257,12 +325,18 @@ def _say_granted(out: Console, device: devices.Device, granted: Granted) -> None
     from feeler.cli import outputs
 
     outputs.say(out, f"{device.name}; drives {' and '.join(device.driven) or 'nothing'}")
-    for said in (granted.priority, granted.memory):
+    for said in (
+        granted.priority,
+        granted.collision_priority and f"contacts: {granted.collision_priority}",
+        granted.memory,
+    ):
         if said:
             outputs.say(out, said[:1].upper() + said[1:])
-    coupling, less = granted.coupling, ", as much as the device holds" if granted.limitations else ""
+    coupling = granted.coupling
     stiffness = f"{coupling.stiffness_n_per_m:,.0f} N/m and {coupling.rotational_stiffness_nm_per_rad:,.2f} Nm/rad"
-    outputs.say(out, f"Coupling: {stiffness}{less}")
+    outputs.say(out, f"Coupling: {stiffness}")
+    for limitation in granted.limitations:
+        outputs.say(out, f"  {limitation}")
     outputs.say(out, "Ctrl-C lets go of the force and ends")
 
 
@@ -328,6 +402,8 @@ def _facts(
         "granted": {
             "priority": granted.has_priority,
             "priority_said": granted.priority,
+            "collision_priority": granted.has_collision_priority,
+            "collision_priority_said": granted.collision_priority,
             "memory_locked": granted.is_locked,
             "memory_said": granted.memory,
         },

@@ -29,7 +29,8 @@ class Coupling:
     @classmethod
     def for_device(cls, device: Device) -> Coupling:
         """The stiffest coupling of use that a device holds, with the tool's centre at its handle: full force at 2 mm or
-        0.05 rad, less where the device's damping, friction, resolution, rate or delay do not hold that.
+        0.05 rad, less where the device's largest stiffness, damping, friction, resolution, rate or delay do not hold
+        that; a fifth of it where neither damping nor largest stiffness is known.
         """
         return cls(*device._device.coupling())
 

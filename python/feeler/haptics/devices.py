@@ -8,20 +8,24 @@ A device's own frame has its origin in the middle of its workspace, x to the rig
 
 from __future__ import annotations
 
+import atexit
+import contextlib
+import weakref
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from feeler import _core
-from feeler.errors import OptionError
+from feeler.errors import DeviceError, OptionError
 
 PRESETS = ("desktop_3dof", "desktop_6dof", "large_6dof")
 FAULTS = ("nan", "nonsense", "lost", "silent", "jump", "slow")
 
 
 class Device:
-    """What all devices have. `Simulated`, `Mouse` and `open_device` make one."""
+    """What all devices have. `Simulated`, `Mouse` and `open_device` make one; one's own is an `Own`."""
 
     _device: _core.HapticsDevice
     _is_absolute = False
@@ -54,8 +58,8 @@ class Device:
 
     @property
     def limits(self) -> dict[str, float]:
-        """What it can do and hold: `force_n`, `torque_nm`, `damping_n_s_per_m`, `friction_n`, `resolution_m`, the same
-        three in rotation, `rate_hz` and `delay_s`. 0: none, or not known.
+        """What it can do and hold: `force_n`, `torque_nm`, `stiffness_n_per_m`, `damping_n_s_per_m`, `friction_n`,
+        `resolution_m`, the same four in rotation, `rate_hz` and `delay_s`. 0: none, or not known.
         """
         return self._device.limits
 
@@ -131,6 +135,122 @@ class Mouse(Device):
         self._device.set_buttons(int(buttons))
 
 
+@dataclass(frozen=True)
+class Info:
+    """What a device of one's own is. What is not known stays 0, and bounds nothing."""
+
+    name: str
+    force_n: float = 0.0
+    """Largest force; 0: it drives no translation."""
+    torque_nm: float = 0.0
+    """Largest torque; 0: it drives no rotation."""
+    workspace: tuple[float, float, float] = (0.1, 0.1, 0.1)
+    """Half the edges of the box that its handle can reach, metres. A soft wall is inside it."""
+    senses_rotation: bool = False
+    buttons: int = 0
+    stiffness_n_per_m: float = 0.0
+    """Largest that it holds."""
+    rotational_stiffness_nm_per_rad: float = 0.0
+    damping_n_s_per_m: float = 0.0
+    """Its own, viscous: bounds the stiffness (Colgate)."""
+    rotational_damping_nm_s_per_rad: float = 0.0
+    friction_n: float = 0.0
+    """Coulomb friction: bounds the stiffness, with the resolution (Abbott and Okamura)."""
+    rotational_friction_nm: float = 0.0
+    resolution_m: float = 0.0
+    """Smallest step of position that it tells."""
+    rotational_resolution_rad: float = 0.0
+    rate_hz: float = 0.0
+    """How often it tells a pose and takes a force."""
+    delay_s: float = 0.0
+    """From a motion of the handle to the force that answers it, beyond half a period."""
+
+
+class Own(Device):
+    """A device of one's own: subclass it, set `info`, and write `read` and `write`. `examples/own_device.py` is one.
+
+    The servo thread calls both at its rate, and enters Python for that: between two calls it waits until the other
+    threads of Python let it in, up to 5 ms each (`sys.setswitchinterval`). So keep them short and let nothing wait in
+    them; a rate of 200 to 1000 Hz is in reach while the main thread sleeps. What they raise lets go of the force and
+    ends the run: `stop()` raises `SessionError` with it.
+    """
+
+    info: Info
+    _runs: weakref.ref[Any] | None = None
+
+    def read(self) -> Any:
+        """Where the handle is, in the device's frame: a position `(3,)` in metres or a pose `(4, 4)`, alone or as
+        `(pose, buttons)`, a bit a button. None: nothing new; after 50 ms of that there is no force.
+        """
+        raise NotImplementedError
+
+    def write(self, force: npt.NDArray[np.float64], torque: npt.NDArray[np.float64]) -> None:
+        """Sets force `(3,)`, newtons, and torque `(3,)`, newton metres, on the hand from now on, in the device's frame;
+        never more than `info` says.
+        """
+        raise NotImplementedError
+
+    def release(self) -> None:
+        """Lets go of the force; called when a run ends, for whatever reason. Default: writes zeros."""
+        self.write(np.zeros(3), np.zeros(3))
+
+    @property
+    def _device(self) -> _core.HapticsDevice:  # type: ignore[override]
+        what = getattr(self, "info", None)
+        if not isinstance(what, Info):
+            raise OptionError(f"{type(self).__name__}.info is {what!r}: set it to a feeler.haptics.devices.Info")
+        limits = [float(getattr(what, name)) for name in _LIMITS]
+        workspace = [float(half) for half in what.workspace]
+        return _core.HapticsDevice.own(
+            self, str(what.name), bool(what.senses_rotation), workspace, int(what.buttons), limits
+        )
+
+    def _read(self) -> tuple[npt.NDArray[np.float64], int] | None:
+        """As the core wants it."""
+        told = self.read()
+        if told is None:
+            return None
+        place, buttons = told if isinstance(told, tuple) and len(told) == 2 else (told, 0)
+        pose = np.asarray(place, dtype=np.float64)
+        if pose.shape == (3,):
+            pose, place = np.eye(4), pose
+            pose[:3, 3] = place
+        return pose, int(buttons)
+
+    def _serve(self, session: Any) -> None:
+        """Says which session runs with it. Raises `DeviceError` while another does."""
+        other = self._runs() if self._runs is not None else None
+        if other is not None and other.is_running:
+            raise DeviceError(f"{self.name} is in use by another run: stop that one first")
+        self._runs = weakref.ref(session)
+        _SERVED.add(session)
+
+
+_LIMITS = (
+    "force_n",
+    "torque_nm",
+    "stiffness_n_per_m",
+    "rotational_stiffness_nm_per_rad",
+    "damping_n_s_per_m",
+    "rotational_damping_nm_s_per_rad",
+    "friction_n",
+    "rotational_friction_nm",
+    "resolution_m",
+    "rotational_resolution_rad",
+    "rate_hz",
+    "delay_s",
+)
+_SERVED: weakref.WeakSet[Any] = weakref.WeakSet()
+"""Sessions that ran with a device that is written in Python: their threads must not outlive the interpreter."""
+
+
+@atexit.register
+def _stop_all() -> None:
+    for session in list(_SERVED):
+        with contextlib.suppress(Exception):
+            session.stop()
+
+
 class Opened(Device):
     """A device that is there. It serves one run, whose end lets go of it for good: open it again for another."""
 
@@ -145,9 +265,13 @@ def open_device(name: str, **options: Any) -> Opened:
     - `spacemouse`: through spacenavd. Options `socket`, `speed_m_per_s`, `turn_rad_per_s`, `dead_zone`, `reach_m`,
       `silence_s`.
     - `haply`: Inverse3, with or without a VerseGrip, through the Inverse Service. `address`, `device_id`, `grip_id`,
-      `preset`, `force_n`.
-    - `dhd`: Force Dimension and Novint Falcon, through libdhd. `library`, `force_n`, `torque_nm`.
-    - `openhaptics`: 3D Systems Touch and Phantom, through OpenHaptics. `library`, `device`, `force_n`.
+      `preset`, `force_n`, `stiffness_n_per_m`.
+    - `dhd`: Force Dimension and Novint Falcon, through libdhd. `library`, `force_n`, `torque_nm`, `stiffness_n_per_m`.
+    - `openhaptics`: 3D Systems Touch and Phantom, through OpenHaptics. `library`, `device`, `force_n`,
+      `stiffness_n_per_m`.
+
+    `stiffness_n_per_m`: what this device holds in a loop of 1 kHz, where you know it; default: by what is published
+    (docs/devices.md).
 
     Raises `DeviceError` where there is none, with what to do, and `OptionError` for an option that it does not have.
     """

@@ -1,4 +1,4 @@
-"""Sessions that run: with a device, in threads of their own, which never enter Python."""
+"""Sessions that run: with a device, in threads of their own, which enter Python only for a device written in it."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy.typing as npt
 from feeler import _core
 from feeler.errors import OptionError, SessionError
 from feeler.haptics.coupling import Coupling
-from feeler.haptics.devices import Device
+from feeler.haptics.devices import Device, Own
 from feeler.haptics.record import Recorder
 
 Floats = npt.NDArray[np.float64]
@@ -105,13 +105,17 @@ class Granted:
     priority: str
     """Of the servo thread, or why it has none; empty: it was not asked for."""
     has_priority: bool
+    collision_priority: str
+    """Of the collision thread, below the servo's, or why it has none; empty: it was not asked for."""
+    has_collision_priority: bool
     memory: str
     """What is locked, or why nothing is; empty: it was not asked for."""
     is_locked: bool
     coupling: Coupling
     """In use."""
-    limitations: str
-    """What the device took away of the session's coupling; empty: nothing."""
+    limitations: tuple[str, ...]
+    """What the device took away of the session's coupling: a sentence a number, with what is left, what was asked for
+    and why."""
 
 
 @dataclass(frozen=True)
@@ -163,7 +167,7 @@ class Runs(_core.HapticsSession):
         - `absolute`: the handle's place, by `world_from_device`, is the tool's. Default for a `Mouse`; else the tool
           stays where it is, with the handle where it is, and follows its motions from there.
         - `clutch_button`: number of the button (0 is the first) that lets the handle move without the tool.
-        - `realtime`: asks for priority and locked memory; `granted()` says what came of it.
+        - `realtime`: asks for priority of both threads and locked memory; `granted()` says what came of it.
 
         The coupling is limited to what the device holds. Steps raise `SessionError` meanwhile; `start`, `grip` and
         `release` are done between two ticks. Raises `SessionError` before the start and while it runs, `DeviceError`
@@ -175,6 +179,8 @@ class Runs(_core.HapticsSession):
             raise SessionError("the session runs already: stop it first")
         if self._recorder is not None:
             raise SessionError("a record is of steps: close it before the session runs")
+        if isinstance(device, Own):
+            device._serve(self)
         pose = np.eye(4) if world_from_device is None else np.array(world_from_device, dtype=np.float64)
         is_absolute = device._is_absolute if absolute is None else bool(absolute)
         self._held = tuple(self.held_parts)
@@ -236,8 +242,8 @@ class Runs(_core.HapticsSession):
         """What system and device allowed."""
         run = self._running()
         numbers, limitations = run.coupling()
-        (has_priority, priority), (is_locked, memory) = (said or (False, "") for said in run.granted())
-        return Granted(priority, has_priority, memory, is_locked, Coupling(*numbers), limitations or "")
+        servo, collision, memory = (said or (False, "") for said in run.granted())
+        return Granted(*servo[::-1], *collision[::-1], *memory[::-1], Coupling(*numbers), tuple(limitations))
 
     def _running(self) -> _core.HapticsRun:
         if self._run is None:

@@ -15,6 +15,8 @@ pub struct HaplyOptions {
     pub preset: Option<String>,
     /// Largest force, newtons; `None`: 5 N, half of the peak that the maker states. More than 10 N is never sent.
     pub force_n: Option<f64>,
+    /// Stiffness that this device is known to hold in a loop of 1 kHz, newtons a metre. `None`: what is published.
+    pub stiffness_n_per_m: Option<f64>,
 }
 
 impl Default for HaplyOptions {
@@ -25,6 +27,7 @@ impl Default for HaplyOptions {
             grip_id: None,
             preset: Some("arm_front_centered".to_string()),
             force_n: None,
+            stiffness_n_per_m: None,
         }
     }
 }

@@ -5,7 +5,7 @@ use std::net::{TcpStream, ToSocketAddrs};
 use std::time::Instant;
 
 use feeler_core::Point;
-use feeler_haptics::device::{DeviceError, DeviceInfo, DeviceLimits, Freedoms};
+use feeler_haptics::device::{DeviceError, DeviceInfo};
 use feeler_haptics::screw;
 use tungstenite::client::client_with_config;
 use tungstenite::protocol::WebSocketConfig;
@@ -13,17 +13,16 @@ use tungstenite::{Error, Message, WebSocket};
 
 use super::messages::{Commands, State, GRIP_BUTTONS};
 use super::options::HaplyOptions;
-use crate::clip::{limit, told_pose, told_twist};
+use crate::clip::{told_pose, told_twist};
 use crate::constants::{
-    CONNECT_WAIT, FULL_STATE_PAUSE, HANDOVER_ROUNDS, INVERSE3, INVERSE3_DAMPING_N_S_PER_M, INVERSE3_FORCE_N,
-    INVERSE3_HZ, INVERSE3_REACH_M, INVERSE3_RESOLUTION_M, LARGEST_MESSAGE_BYTES, MINVERSE_REACH_M, PRESET_WAIT,
-    SEND_WAIT, SERVICE_WAIT, VERSE_GRIP_RESOLUTION_RAD,
+    CONNECT_WAIT, FULL_STATE_PAUSE, INVERSE3_NAME, LARGEST_MESSAGE_BYTES, PRESET_WAIT, SEND_WAIT, SERVICE_WAIT,
 };
 use crate::exchange::{exchange, DeviceEnd, Measured, ServoEnd};
+use crate::figures::{Figures, Said, INVERSE3, MINVERSE};
 use crate::machine::raise_priority;
 
 fn not_found(why: String) -> DeviceError {
-    DeviceError::NotFound { device: INVERSE3.to_string(), why }
+    DeviceError::NotFound { device: INVERSE3_NAME.to_string(), why }
 }
 
 /// Connects, asks who is there, and starts the thread.
@@ -41,8 +40,7 @@ pub(super) fn start(options: &HaplyOptions) -> Result<ServoEnd, DeviceError> {
     };
     let has_grip = first.grip(options.grip_id.as_deref()).is_some_and(|held| held.quaternion.is_some());
     let id = device.device_id.clone();
-    let reach_m = if device.is_minverse() { MINVERSE_REACH_M } else { INVERSE3_REACH_M };
-    let (servo, end) = exchange(info(options, &id, reach_m, has_grip));
+    let (servo, end) = exchange(info(options, &id, device.is_minverse(), has_grip));
     let mut service =
         Service { socket, end, options: options.clone(), id, has_grip, rotation: [1.0, 0.0, 0.0, 0.0], buttons: 0 };
     std::thread::Builder::new()
@@ -58,27 +56,14 @@ pub(super) fn start(options: &HaplyOptions) -> Result<ServoEnd, DeviceError> {
     Ok(servo)
 }
 
-fn info(options: &HaplyOptions, id: &str, reach_m: f64, has_grip: bool) -> DeviceInfo {
-    let force_n = options.force_n.map_or(INVERSE3_FORCE_N, |force| limit(2.0 * INVERSE3_FORCE_N, Some(force)));
-    DeviceInfo {
-        name: format!("{INVERSE3} {id}"),
-        sensed: Freedoms { translation: true, rotation: has_grip },
-        driven: Freedoms { translation: true, rotation: false },
-        workspace: [reach_m; 3],
-        limits: DeviceLimits {
-            force_n,
-            torque_nm: 0.0,
-            damping_n_s_per_m: INVERSE3_DAMPING_N_S_PER_M,
-            rotational_damping_nm_s_per_rad: 0.0,
-            friction_n: 0.0,
-            rotational_friction_nm: 0.0,
-            resolution_m: INVERSE3_RESOLUTION_M,
-            rotational_resolution_rad: VERSE_GRIP_RESOLUTION_RAD,
-            rate_hz: INVERSE3_HZ,
-            delay_s: HANDOVER_ROUNDS / INVERSE3_HZ,
-        },
-        buttons: if has_grip { GRIP_BUTTONS } else { 0 },
-    }
+fn info(options: &HaplyOptions, id: &str, is_minverse: bool, has_grip: bool) -> DeviceInfo {
+    let figures = if is_minverse { MINVERSE } else { INVERSE3 };
+    // The maker's peak, which cannot be held, is what a user may ask for.
+    let force_n =
+        options.force_n.filter(|force| *force >= 0.0).map_or(figures.force_n, |force| force.min(2.0 * figures.force_n));
+    let said = Said { stiffness_n_per_m: options.stiffness_n_per_m, ..Said::default() };
+    let info = Figures { force_n, ..figures }.info(format!("{INVERSE3_NAME} {id}"), has_grip, false, &said);
+    DeviceInfo { buttons: if has_grip { GRIP_BUTTONS } else { 0 }, ..info }
 }
 
 fn connect(address: &str) -> Result<WebSocket<TcpStream>, DeviceError> {
@@ -120,7 +105,7 @@ fn first_state(socket: &mut WebSocket<TcpStream>) -> Result<State, DeviceError> 
     while started.elapsed() < CONNECT_WAIT {
         match receive(socket)? {
             Received::State(state) => return Ok(*state),
-            Received::Nonsense(what) => return Err(DeviceError::Nonsense { device: INVERSE3.to_string(), what }),
+            Received::Nonsense(what) => return Err(DeviceError::Nonsense { device: INVERSE3_NAME.to_string(), what }),
             Received::Nothing => {}
         }
     }
@@ -136,8 +121,8 @@ enum Received {
 
 /// Waits for a message, at most [`SERVICE_WAIT`]. Errors when the connection is broken.
 fn receive(socket: &mut WebSocket<TcpStream>) -> Result<Received, DeviceError> {
-    let lost = |why: String| DeviceError::Lost { device: INVERSE3.to_string(), why };
-    let nonsense = |what: String| DeviceError::Nonsense { device: INVERSE3.to_string(), what };
+    let lost = |why: String| DeviceError::Lost { device: INVERSE3_NAME.to_string(), why };
+    let nonsense = |what: String| DeviceError::Nonsense { device: INVERSE3_NAME.to_string(), what };
     match socket.read() {
         Ok(Message::Text(text)) => Ok(match serde_json::from_str(&text) {
             Ok(state) => Received::State(Box::new(state)),

@@ -66,16 +66,10 @@ impl SpaceMouseOptions {
             driven: Freedoms::default(),
             workspace: [self.reach_m; 3],
             limits: DeviceLimits {
-                force_n: 0.0,
-                torque_nm: 0.0,
-                damping_n_s_per_m: 0.0,
-                rotational_damping_nm_s_per_rad: 0.0,
-                friction_n: 0.0,
-                rotational_friction_nm: 0.0,
                 resolution_m: step(self.speed_m_per_s),
                 rotational_resolution_rad: step(self.turn_rad_per_s),
                 rate_hz: SPACEMOUSE_HZ,
-                delay_s: 0.0,
+                ..DeviceLimits::default()
             },
             buttons,
         }

@@ -91,7 +91,11 @@ impl Mapping {
         };
         let limits = &info.limits;
         limits.check()?;
-        let held = WALL_SHARE * limits.damping_n_s_per_m / limits.hold_s(limits.rate_hz);
+        let held = match (limits.damping_n_s_per_m, limits.stiffness_n_per_m) {
+            (0.0, 0.0) => f64::INFINITY,
+            (0.0, stiffness) => WALL_SHARE * stiffness,
+            (damping, _) => WALL_SHARE * damping / limits.hold_s(limits.rate_hz),
+        };
         let walls = info.workspace.map(|half| {
             let depth = WALL_DEPTH * half;
             let is_there = info.driven.translation && half.is_finite() && half > 0.0;
@@ -119,9 +123,11 @@ impl Mapping {
         info.workspace = info.workspace.map(|half| half * s);
         let limits = &mut info.limits;
         // The same force over s times the way, and s times the torque over the same turn.
+        limits.stiffness_n_per_m /= s;
         limits.damping_n_s_per_m /= s;
         limits.resolution_m *= s;
         limits.torque_nm *= s;
+        limits.rotational_stiffness_nm_per_rad *= s;
         limits.rotational_damping_nm_s_per_rad *= s;
         limits.rotational_friction_nm *= s;
         info
@@ -212,6 +218,11 @@ impl Mapping {
         let felt = saturated(&felt, limits.force_n, limits.torque_nm);
         let wall = Wrench { force: *wall, torque: [0.0; 3] };
         added_within(&felt, &wall, limits.force_n, limits.torque_nm)
+    }
+
+    /// The handle's pose as it was told last, `device_from_handle`.
+    pub(crate) fn handle(&self) -> &Pose {
+        &self.handle
     }
 
     /// The soft wall's force on the hand, device axes.

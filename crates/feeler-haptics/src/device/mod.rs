@@ -11,6 +11,7 @@ pub mod steered;
 use feeler_core::geometry::screw::{Twist, Wrench};
 use feeler_core::Pose;
 
+use crate::constants::{HELD_SHARE, VIRTUAL_DAMPING_SHARE};
 use crate::error::Error;
 
 /// Which freedoms a device senses or drives.
@@ -23,13 +24,18 @@ pub struct Freedoms {
 }
 
 /// What a device can do and hold.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct DeviceLimits {
     /// Largest force, newtons; 0 where it drives none.
     pub force_n: f64,
     /// Largest torque, newton metres; 0 where it drives none.
     pub torque_nm: f64,
-    /// Its own viscous damping, newton seconds a metre: what bounds the stiffness that it can hold (Colgate).
+    /// Largest stiffness that its maker publishes, or that its user knows, newtons a metre. 0: not known, and it bounds nothing.
+    pub stiffness_n_per_m: f64,
+    /// The same in rotation, newton metres a radian.
+    pub rotational_stiffness_nm_per_rad: f64,
+    /// Its own viscous damping, newton seconds a metre: what bounds the stiffness that it can hold (Colgate). 0: not known, and it
+    /// bounds nothing.
     pub damping_n_s_per_m: f64,
     /// The same in rotation, newton metre seconds a radian.
     pub rotational_damping_nm_s_per_rad: f64,
@@ -55,6 +61,8 @@ impl DeviceLimits {
         let numbers = [
             ("force_n", self.force_n),
             ("torque_nm", self.torque_nm),
+            ("stiffness_n_per_m", self.stiffness_n_per_m),
+            ("rotational_stiffness_nm_per_rad", self.rotational_stiffness_nm_per_rad),
             ("damping_n_s_per_m", self.damping_n_s_per_m),
             ("rotational_damping_nm_s_per_rad", self.rotational_damping_nm_s_per_rad),
             ("friction_n", self.friction_n),
@@ -68,6 +76,13 @@ impl DeviceLimits {
             Some((what, value)) => Err(Error::Option { what, value, range: "finite, and not below 0" }),
             None => Ok(()),
         }
+    }
+
+    /// The same for a device that is known to hold a stiffness (newtons a metre) in a loop of a rate (hertz): damping as much as
+    /// [`Coupling::limited`](crate::Coupling::limited) asks for it.
+    pub fn with_stiffness(self, stiffness_n_per_m: f64, rate_hz: f64) -> DeviceLimits {
+        let share = HELD_SHARE * (1.0 - VIRTUAL_DAMPING_SHARE);
+        DeviceLimits { stiffness_n_per_m, damping_n_s_per_m: stiffness_n_per_m * self.hold_s(rate_hz) / share, ..self }
     }
 
     /// How old a force is on average when it acts, seconds: half a period of the slower of loop (`rate_hz`) and device,
@@ -134,6 +149,14 @@ pub enum DeviceError {
         /// What the system said.
         why: String,
     },
+    /// Its driver failed and does not go on: a run with it ends.
+    #[error("{device} failed: {why}")]
+    Broken {
+        /// Which.
+        device: String,
+        /// What it failed of.
+        why: String,
+    },
     /// It told something that cannot be.
     #[error("{device} told what cannot be: {what}")]
     Nonsense {
@@ -144,7 +167,7 @@ pub enum DeviceError {
     },
 }
 
-/// A haptic device, or any other thing that a hand moves.
+/// A haptic device, or any other thing that a hand moves. One of one's own implements this: `examples/own_device.rs`.
 ///
 /// Neither [`read`](Self::read) nor [`write`](Self::write) waits: they are called from a servo loop of 1 kHz and more.
 /// A driver that has to wait for a socket does so in a thread of its own, and keeps the newest.

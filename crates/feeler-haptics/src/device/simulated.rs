@@ -306,7 +306,6 @@ impl SimulatedOptions {
                 workspace: [0.08, 0.06, 0.06],
                 limits: DeviceLimits {
                     force_n: 12.0,
-                    torque_nm: 0.0,
                     damping_n_s_per_m: 1.5,
                     rotational_damping_nm_s_per_rad: 1e-3,
                     friction_n: 0.1,
@@ -314,7 +313,7 @@ impl SimulatedOptions {
                     resolution_m: 1e-5,
                     rotational_resolution_rad: 5e-4,
                     rate_hz: 1000.0,
-                    delay_s: 0.0,
+                    ..DeviceLimits::default()
                 },
                 buttons: 2,
             },
@@ -361,7 +360,7 @@ impl SimulatedOptions {
                     resolution_m: 4e-5,
                     rotational_resolution_rad: 3e-4,
                     rate_hz: 1000.0,
-                    delay_s: 0.0,
+                    ..DeviceLimits::default()
                 },
                 buttons: 2,
             },

@@ -9,7 +9,7 @@
 //! What happens when one stalls: the servo side holds the proxy at the bound of the last constraints, so the hand feels drag, and
 //! lets the force go when they are older than half a second. A servo thread that stalls leaves the force to the device's own watchdog,
 //! and begins anew from zero. A device that fails, is silent or tells what cannot be gets no force, and is asked again each tick.
-//! A thread that panics ends the run, the force is let go first.
+//! A thread that panics, and a device that is broken, end the run; the force is let go first.
 
 mod collision_side;
 mod exchange;
@@ -28,14 +28,14 @@ use rtrb::{Consumer, RingBuffer};
 use triple_buffer::{triple_buffer, Output};
 
 use crate::clock::Clock;
-use crate::constants::{COLLISION_REFRESH_S, COLLISION_REST_S, TRACE_TICKS};
+use crate::constants::{COLLISION_REFRESH_S, COLLISION_REST_S, RATE_SHARE, TICKS_FOR_A_RATE, TRACE_TICKS};
 use crate::constraint_set::ConstraintSet;
 use crate::coupling::Coupling;
 use crate::device::mapping::Mapping;
-use crate::device::{Device, DeviceError};
+use crate::device::{Device, DeviceError, DeviceInfo};
 use crate::error::{Error, Result};
 use crate::session::{Session, Start};
-use crate::stability::Limitations;
+use crate::stability::{in_words, Limitations};
 use crate::statistics::{CollisionRecord, ServoRecord, Statistics};
 use collision_side::{Answer, Command, Wish};
 use servo_side::{ServoEnds, Setting};
@@ -178,6 +178,9 @@ pub struct Runner {
     collision: Option<JoinHandle<Option<CollisionSide>>>,
     coupling: Coupling,
     limitations: Limitations,
+    /// Of the device, in the tool's world, and the servo's rate.
+    info: DeviceInfo,
+    rate_hz: f64,
 }
 
 impl Runner {
@@ -190,7 +193,7 @@ impl Runner {
     ) -> Result<Runner, Box<Refused>> {
         let Sides { collision, servo, watch } = Sides::new(session, device, options)?;
         let (coupling, limitations) = servo.coupling();
-        let (coupling, limitations) = (*coupling, *limitations);
+        let (coupling, limitations, info) = (*coupling, *limitations, servo.info_in_world());
         let is_over = Arc::new(AtomicBool::new(false));
         let (commands, asked) = channel();
         // The threads are given their sides when both are there, so that nothing is lost where one cannot be had.
@@ -229,7 +232,8 @@ impl Runner {
         let _ = collision_in.send(collision);
         let _ = servo_in.send(servo);
         let (servo, collision) = (Some(servo_thread), Some(collision_thread));
-        Ok(Runner { is_over, commands, watch, servo, collision, coupling, limitations })
+        let rate_hz = options.rate_hz;
+        Ok(Runner { is_over, commands, watch, servo, collision, coupling, limitations, info, rate_hz })
     }
 
     /// Whether both threads are at work. One that panicked ends both.
@@ -250,6 +254,22 @@ impl Runner {
     /// What the device took away of it.
     pub fn limitations(&self) -> &Limitations {
         &self.limitations
+    }
+
+    /// The same, a sentence for each number: what is left, what was asked for, and why; also where the servo runs clearly slower than it
+    /// was to, and its stiffness is that much less. Numbers are of the tool's world, as the coupling's are.
+    pub fn limitations_in_words(&mut self) -> Vec<String> {
+        let mut said = self.limitations.in_words(&self.info, self.rate_hz);
+        let Statistics { ticks, servo_hz, .. } = self.watch.statistics();
+        if ticks >= TICKS_FOR_A_RATE && RATE_SHARE * servo_hz < self.rate_hz {
+            let [wanted, rate_hz] = [self.coupling.stiffness_n_per_m, self.rate_hz];
+            let [allowed, wanted, servo_hz, rate_hz] =
+                [wanted * servo_hz / rate_hz, wanted, servo_hz, rate_hz].map(in_words);
+            said.push(format!(
+                "stiffness {allowed} N/m instead of {wanted}: the servo runs at {servo_hz} Hz instead of {rate_hz}"
+            ));
+        }
+        said
     }
 
     fn ask(&self, wish: Wish) -> Result<Answer> {
@@ -310,8 +330,12 @@ impl Runner {
             }
             None => None,
         };
+        let mut broken = None;
         let (device_error, device) = match servo {
-            Some(side) => (side.last_error().cloned(), side.into_device()),
+            Some(side) => {
+                broken = side.last_error().filter(|_| side.is_broken()).map(ToString::to_string);
+                (side.last_error().cloned(), side.into_device())
+            }
             None => (None, None),
         };
         let collision = match self.collision.take().map(JoinHandle::join) {
@@ -326,6 +350,7 @@ impl Runner {
             Some(side) => (side.last_error().cloned(), Some(side.into_session())),
             None => (None, None),
         };
+        let error = error.or(broken.map(|why| Error::Device { why }));
         let statistics = self.watch.statistics();
         Stopped { session, device, statistics, error, device_error, collision_error }
     }
@@ -369,6 +394,10 @@ fn run_servo(mut side: ServoSide, is_over: &AtomicBool, clock: &dyn Clock, optio
         let now = clock.now();
         let late = (now - due).max(0.0);
         let took = timed(clock, || side.tick(now));
+        if side.is_broken() {
+            side.release();
+            return side;
+        }
         let misses = (late / period).floor();
         side.took(late, took, misses as u64, now);
         due += (misses + 1.0) * period;

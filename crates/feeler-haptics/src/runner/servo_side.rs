@@ -2,18 +2,18 @@
 //! allocates nothing unless the device fails.
 
 use feeler_core::geometry::screw::Wrench;
-use feeler_core::geometry::vectors::scaled;
+use feeler_core::geometry::vectors::{length, scaled, sub};
 use feeler_core::{Point, Pose};
 use rtrb::Producer;
 use triple_buffer::{Input, Output};
 
 use super::exchange::{Handed, Target, View};
 use super::trace::TraceTick;
-use crate::constants::{RETURN_S, SILENT_PERIODS, SILENT_S, STATISTICS_PERIOD_S, VIEW_PLANES};
+use crate::constants::{JUMP_SPEED, RETURN_S, SILENT_PERIODS, SILENT_S, STATISTICS_PERIOD_S, VIEW_PLANES};
 use crate::constraint_set::Plane;
 use crate::coupling::Coupling;
 use crate::device::mapping::{Mapped, Mapping};
-use crate::device::{Device, DeviceError, DeviceState};
+use crate::device::{Device, DeviceError, DeviceInfo, DeviceState};
 use crate::error::{Error, Result};
 use crate::force::{is_tick, slewed};
 use crate::servo::{Mode, Servo, ServoInput, ServoOutput};
@@ -40,16 +40,23 @@ pub(super) struct ServoEnds {
     pub trace: Producer<TraceTick>,
 }
 
-/// The soft wall's force on the way to the hand: it grows from nothing after letting go, and changes by no more than the coupling's slew.
+/// The soft wall's force on the way to the hand: it grows from nothing after letting go and after a jump of the handle, and changes by
+/// no more than the coupling's slew.
 #[derive(Debug, Clone, Copy, Default)]
 struct Border {
     force: Point,
     share: f64,
+    /// Where the handle was.
+    last: Option<Point>,
 }
 
 impl Border {
-    /// `wanted`: as the mapping has it. Seconds since the last tick.
-    fn step(&mut self, wanted: &Point, slew_n_per_s: f64, dt: f64) -> Point {
+    /// `wanted`: as the mapping has it, with the handle at a place. Seconds since the last tick.
+    fn step(&mut self, wanted: &Point, place: &Point, slew_n_per_s: f64, dt: f64) -> Point {
+        if self.last.replace(*place).is_some_and(|last| length(&sub(place, &last)) > JUMP_SPEED * dt) {
+            *self = Border { last: self.last, ..Border::default() };
+            return self.force;
+        }
         self.share = (self.share + dt / RETURN_S).min(1.0);
         self.force = slewed(&self.force, &scaled(wanted, self.share), slew_n_per_s * dt);
         self.force
@@ -130,9 +137,19 @@ impl ServoSide {
         (self.servo.coupling(), &self.limitations)
     }
 
+    /// What the device is, as felt in the tool's world.
+    pub fn info_in_world(&self) -> DeviceInfo {
+        self.mapping.info_in_world()
+    }
+
     /// Why the device last failed.
     pub fn last_error(&self) -> Option<&DeviceError> {
         self.last_error.as_ref()
+    }
+
+    /// Whether the device failed and does not go on.
+    pub fn is_broken(&self) -> bool {
+        matches!(self.last_error, Some(DeviceError::Broken { .. }))
     }
 
     /// One tick.
@@ -232,7 +249,8 @@ impl ServoSide {
             self.border = Border::default();
             Wrench::ZERO
         } else {
-            let wall = self.border.step(&self.mapping.wall(), self.servo.coupling().slew_n_per_s, dt);
+            let slew = self.servo.coupling().slew_n_per_s;
+            let wall = self.border.step(&self.mapping.wall(), self.mapping.handle().translation(), slew, dt);
             self.mapping.wrench_with_wall(&output.wrench, &wall)
         };
         if let Some(Err(error)) = self.device.0.as_mut().map(|device| device.write(&wrench, now)) {
@@ -243,7 +261,9 @@ impl ServoSide {
 
     fn fail(&mut self, error: DeviceError) {
         self.record.device_errors += 1;
-        self.last_error = Some(error);
+        if !self.is_broken() {
+            self.last_error = Some(error);
+        }
     }
 
     /// Writes the view in place, and a tick of the trace if there is room.

@@ -1,0 +1,227 @@
+"""`feeler feel --check`: what the owner of a device runs first. A virtual plate, and how well it is felt."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+import feeler
+from feeler.haptics import Coupling, Granted, Session, Statistics, devices
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+Floats = npt.NDArray[np.float64]
+
+# A hard wall: full force at so much, metres and radians; what is asked for.
+_HARD_M, _HARD_RAD = 0.002, 0.05
+# How far the block begins above the plate, and how far the simulated hand presses its handle beyond it (metres).
+_ABOVE_M, _PRESSED_M = 0.002, 0.012
+# How long the simulated hand takes down and up again, seconds, and how often it does.
+_PRESS_S, _PRESSES = 1.0, 100
+_LOOKS_HZ = 20.0
+# Shares of the largest force between which the stiffness is measured: more than noise, less than saturated.
+_FROM, _TO = 0.02, 0.9
+# Over how long the device's poses are counted, seconds.
+_WINDOW_S = 0.1
+
+
+@dataclass(frozen=True)
+class Checked:
+    """What a check found."""
+
+    device: str
+    asked: Coupling
+    """A hard wall."""
+    granted: Coupling
+    limits: tuple[str, ...]
+    """What the device took away, a sentence each."""
+    felt_n_per_m: float
+    """Stiffness that was measured: force over depth in the plate; NaN where it was not pressed."""
+    largest_force_n: float
+    servo_hz: float
+    poses_hz: float
+    """New poses that the device told a second, where it moved fastest."""
+    device_hz: float
+    """As the device's figures have it; 0: not known."""
+    late_s: tuple[float, float]
+    """Of servo ticks: median and 99th percentile."""
+    noise_m: float
+    """Standard deviation of the position in the air, steps included; NaN where too little was told."""
+    resolution_m: float
+    """As the device's figures have it; 0: not known."""
+    priority: str
+    fault: str
+    """What is wrong, in a sentence; empty: nothing."""
+
+
+def block_and_plate() -> tuple[feeler.Scene, feeler.Tool, Floats]:
+    """A plate of 0.4 m, a block of 60 mm, and where that begins."""
+    plate = feeler.Scene(feeler.Mockup(*_cuboid((-0.2, -0.2, -0.02), (0.2, 0.2, 0.0))))
+    start = np.eye(4)
+    start[2, 3] = 0.03 + _ABOVE_M
+    return plate, feeler.Tool(*_cuboid((-0.03,) * 3, (0.03,) * 3), "block"), start
+
+
+def pressing_hand() -> tuple[Floats, Floats]:
+    """Times and poses of the simulated hand: onto the plate, and off it, over and over."""
+    turns = np.linspace(0.0, 2.0 * np.pi, 41)[:-1]
+    once = np.tile(np.eye(4), (len(turns), 1, 1))
+    once[:, 2, 3] = -0.5 * (1.0 - np.cos(turns)) * (_ABOVE_M + _PRESSED_M)
+    times = (turns / (2.0 * np.pi) + np.arange(_PRESSES)[:, None]) * _PRESS_S
+    return times.ravel(), np.tile(once, (_PRESSES, 1, 1))
+
+
+def check(
+    device: devices.Device,
+    seconds: float,
+    *,
+    rate_hz: float = 1000.0,
+    stiffness: float | None = None,
+    begins: Callable[[], None] = lambda: None,
+) -> Checked:
+    """Runs with a device for so long and measures. begins: called when the plate is there to be pressed."""
+    own, limits = Coupling.for_device(device), device.limits
+    asked = replace(
+        own,
+        stiffness_n_per_m=limits["force_n"] / _HARD_M if stiffness is None else stiffness,
+        rotational_stiffness_nm_per_rad=limits["torque_nm"] / _HARD_RAD,
+    )
+    nothing = Checked(
+        device=device.name,
+        asked=asked,
+        granted=asked,
+        limits=(),
+        felt_n_per_m=np.nan,
+        largest_force_n=0.0,
+        servo_hz=0.0,
+        poses_hz=0.0,
+        device_hz=limits["rate_hz"],
+        late_s=(np.nan, np.nan),
+        noise_m=np.nan,
+        resolution_m=limits["resolution_m"],
+        priority="",
+        fault="",
+    )
+    if "translation" not in device.driven or limits["force_n"] == 0.0:
+        return replace(nothing, fault=f"{device.name} gives no force: it has no motors that this driver knows of")
+    plate, block, start = block_and_plate()
+    session = Session(plate, block, coupling=asked)
+    session.start(start)
+    session.run(device, rate_hz=rate_hz)
+    try:
+        granted = session.granted()
+        begins()
+        traces = []
+        until = time.monotonic() + seconds
+        while session.is_running and time.monotonic() < until:
+            time.sleep(1.0 / _LOOKS_HZ)
+            traces.append(session.trace())
+        ran_on = session.is_running
+        granted = session.granted()
+    finally:
+        stats = session.stop()
+    assert stats is not None
+    ticks = _Ticks(
+        np.concatenate([trace.times for trace in traces]),
+        np.concatenate([trace.world_from_device[:, 2, 3] for trace in traces]),
+        np.concatenate([trace.world_from_proxy[:, 2, 3] for trace in traces]),
+        np.concatenate([trace.wrenches[:, 2] for trace in traces]),
+        np.array([mode for trace in traces for mode in trace.modes]),
+        np.concatenate([trace.has_device for trace in traces]),
+    )
+    return _measured(nothing, granted, stats, ticks, session.troubles, ran_on)
+
+
+class _Ticks(NamedTuple):
+    """Of a run, `(n,)` each: when (seconds), heights of handle and proxy, force upwards, mode, whether it answered."""
+
+    times: Floats
+    device: Floats
+    proxy: Floats
+    force: Floats
+    modes: npt.NDArray[np.str_]
+    told: npt.NDArray[np.bool_]
+
+
+def _measured(
+    nothing: Checked, granted: Granted, stats: Statistics, ticks: _Ticks, troubles: list[str], ran_on: bool
+) -> Checked:
+    times, device, proxy, force, modes, told = ticks
+    coupling, name = granted.coupling, nothing.device
+    depth = proxy - device
+    pressed = (modes == "contact") & (force > _FROM * coupling.max_force_n) & (force < _TO * coupling.max_force_n)
+    felt = float((force * depth)[pressed].sum() / (depth * depth)[pressed].sum()) if pressed.sum() > 20 else np.nan
+    # The device's own rate shows where the handle is fast: slow, one step of its encoders lasts several poses.
+    moved = times[1:][np.diff(device) != 0.0]
+    ends = np.searchsorted(moved, moved + _WINDOW_S)
+    poses_hz = float((ends - np.arange(len(moved))).max(initial=0) / _WINDOW_S)
+    # Second differences of a white noise have six times its variance; a hand adds next to nothing in two ticks.
+    air = np.diff(device, 2)[((modes == "free") & told)[2:]]
+    noise = float(np.sqrt((air * air).mean() / 6.0)) if len(air) > 20 else np.nan
+    why = f" ({troubles[0]})" if troubles else ""
+    share = float(told.mean()) if len(told) else 0.0
+    fault = ""
+    if share == 0.0 or not ran_on:
+        fault = f"{name} does not answer{why}: check its cable, its power and its maker's service, and run again"
+    elif share < 0.9:
+        fault = f"{name} answered in {100 * share:.0f} % of the ticks only{why}: check its cable"
+    elif coupling.stiffness_n_per_m == 0.0 or coupling.max_force_n == 0.0:
+        fault = f"{name} gives no force: {'; '.join(granted.limitations)}"
+    elif not np.isfinite(felt):
+        fault = "the plate was not felt: run again, and press the handle straight down by a centimetre"
+    return replace(
+        nothing,
+        granted=coupling,
+        limits=granted.limitations,
+        felt_n_per_m=felt,
+        largest_force_n=float(np.abs(force).max(initial=0.0)),
+        servo_hz=stats.servo_hz,
+        poses_hz=poses_hz,
+        late_s=(stats.servo_lateness.median, stats.servo_lateness.p99),
+        noise_m=noise,
+        priority=granted.priority,
+        fault=fault,
+    )
+
+
+def show(out: Console, found: Checked) -> None:
+    """The table, for people."""
+    from feeler.cli.outputs import duration, print_facts
+
+    def limited(what: str) -> list[tuple[str, str]]:
+        said = [("", limit) for limit in found.limits if limit.startswith(what)]
+        return said or [("", "limited by nothing")]
+
+    asked, granted = found.asked, found.granted
+    felt = f"{found.felt_n_per_m:,.0f} N/m measured" if np.isfinite(found.felt_n_per_m) else "not measured"
+    noise = f"{1e6 * found.noise_m:.1f} um in the air" if np.isfinite(found.noise_m) else "not measured"
+    steps = f"{1e6 * found.resolution_m:.1f} um" if found.resolution_m > 0.0 else "not known"
+    rows = [
+        ("stiffness", f"{granted.stiffness_n_per_m:,.0f} N/m granted, {felt}"),
+        *limited("stiffness"),
+        ("force", f"{found.largest_force_n:.2f} N at most, {granted.max_force_n:.2f} N granted"),
+    ]
+    if asked.rotational_stiffness_nm_per_rad > 0.0:
+        rows.append(("rotation", f"{granted.rotational_stiffness_nm_per_rad:,.2f} Nm/rad granted"))
+        rows += limited("rotational stiffness")
+    rows += [
+        ("rate", f"servo {found.servo_hz:,.0f} Hz; the device told {found.poses_hz:,.0f} new poses a second"),
+        ("", f"the device's own rate is {found.device_hz:,.0f} Hz" if found.device_hz > 0.0 else ""),
+        ("jitter", f"ticks {duration(found.late_s[0])} late in the median, {duration(found.late_s[1])} at p99"),
+        ("", found.priority),
+        ("noise", f"position {noise}; steps of the device: {steps}"),
+    ]
+    print_facts(out, [(name, value) for name, value in rows if value])
+
+
+def _cuboid(low: tuple[float, ...], high: tuple[float, ...]) -> tuple[Floats, npt.NDArray[np.uint32]]:
+    corners = np.array([[(high if i >> axis & 1 else low)[axis] for axis in range(3)] for i in range(8)])
+    quads = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+    faces = [(a, b, c) for a, b, c, _ in quads] + [(a, c, d) for a, _, c, d in quads]
+    return corners, np.array(faces, dtype=np.uint32)
