@@ -6,13 +6,14 @@ use feeler_core::{Point, Pose};
 
 use crate::constants::{
     CONTROLLER_SHARE, JUMP_RATE, JUMP_SPEED, LONGEST_DELAY_TICKS, LONGEST_TICK_S, RATE_MEMORY_S, RATE_SHARE, RETURN_S,
-    SHORTEST_TICK_S,
+    SHADING_CREDIT, SHORTEST_TICK_S,
 };
 use crate::coupling::Coupling;
 use crate::device::{DeviceLimits, Freedoms};
 use crate::error::{Error, Result};
 use crate::passivity::Passivity;
 use crate::saturation::{added_within, saturated};
+use crate::shading::Shading;
 
 /// What a tick is given.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,6 +28,8 @@ pub struct ForceInput {
     pub proxy_twist: Twist,
     /// Where the springs act, tool frame.
     pub centre: Point,
+    /// How the force of the spring of translation is turned.
+    pub shading: Shading,
     /// Since the last tick, seconds.
     pub dt: f64,
     /// Something is wrong (a device that is silent, constraints that are too old, a clutch that is held): no force.
@@ -63,6 +66,8 @@ pub struct ForceLoop {
     period_s: f64,
     /// The last wrenches, the newest at `newest`, round and round.
     sent: [Wrench; LONGEST_DELAY_TICKS + 1],
+    /// What of these shading made.
+    shaded: [Wrench; LONGEST_DELAY_TICKS + 1],
     newest: usize,
     /// Share of the bounds.
     share: f64,
@@ -90,6 +95,7 @@ impl ForceLoop {
             nominal_s: 0.0,
             period_s: 0.0,
             sent: [Wrench::ZERO; LONGEST_DELAY_TICKS + 1],
+            shaded: [Wrench::ZERO; LONGEST_DELAY_TICKS + 1],
             newest: 0,
             share: 1.0,
             last: None,
@@ -164,8 +170,8 @@ impl ForceLoop {
     /// The wrench on the hand for the coming tick. Never above the bounds; [`Wrench::ZERO`] where anything is in doubt.
     pub fn step(&mut self, input: &ForceInput) -> Wrench {
         match self.answer(input) {
-            Some(wrench) => {
-                self.send(wrench);
+            Some((wrench, shaded)) => {
+                self.send(wrench, shaded);
                 wrench
             }
             None => {
@@ -185,20 +191,22 @@ impl ForceLoop {
         self.share = 0.0;
         // Where the device is from now on: a jump is in doubt for one tick.
         self.last = device.map(|device| Last { device, stored: 0.0 });
-        self.send(Wrench::ZERO);
+        self.send(Wrench::ZERO, Wrench::ZERO);
     }
 
-    fn send(&mut self, wrench: Wrench) {
+    fn send(&mut self, wrench: Wrench, shaded: Wrench) {
         self.newest = (self.newest + 1) % self.sent.len();
-        self.sent[self.newest] = wrench;
+        (self.sent[self.newest], self.shaded[self.newest]) = (wrench, shaded);
     }
 
-    fn answer(&mut self, input: &ForceInput) -> Option<Wrench> {
+    /// The wrench, and what of it shading makes.
+    fn answer(&mut self, input: &ForceInput) -> Option<(Wrench, Wrench)> {
         let is_sane = !input.in_doubt
             && is_tick(input.dt)
             && input.device_twist.is_finite()
             && input.proxy_twist.is_finite()
-            && input.centre.iter().all(|x| x.is_finite());
+            && input.centre.iter().chain(&input.shading.turn).all(|x| x.is_finite())
+            && input.shading.bulge_m.is_finite();
         if !is_sane {
             return None;
         }
@@ -223,20 +231,27 @@ impl ForceLoop {
         };
         let (device, proxy, centre) = (&input.device, &input.proxy, &input.centre);
         let mut pulled = coupling.wrench(device, &input.device_twist, proxy, &input.proxy_twist, centre);
+        let spring = coupling.spring_force(device, proxy, centre);
+        let arm = sub(&device.apply(centre), device.translation());
+        let turn = Wrench { force: sub(&input.shading.turned(&spring), &spring), torque: [0.0; 3] };
+        let mut shaded = turn.at(&scaled(&arm, -1.0));
         if !self.driven.translation {
-            pulled.force = [0.0; 3];
+            (pulled.force, shaded.force) = ([0.0; 3], [0.0; 3]);
         }
         if !self.driven.rotation {
-            pulled.torque = [0.0; 3];
+            (pulled.torque, shaded.torque) = ([0.0; 3], [0.0; 3]);
         }
-        let pulled = saturated(&pulled, coupling.max_force_n, coupling.max_torque_nm);
+        let pulled = saturated(&(pulled + shaded), coupling.max_force_n, coupling.max_torque_nm);
 
         let stored = coupling.energy_j(device, proxy, centre);
         if let Some(last) = &self.last {
             // What acted while the device moved: the delay is on the way in and on the way out, and shows as their sum.
-            let acted = self.sent[(self.newest + self.sent.len() - self.delay_ticks) % self.sent.len()];
+            let at = (self.newest + self.sent.len() - self.delay_ticks) % self.sent.len();
+            let (acted, by_shading) = (self.sent[at], -self.shaded[at].power(&moved));
             let is_free = stored == 0.0 && last.stored == 0.0;
-            self.passivity.observe(-acted.power(&moved), stored - last.stored, input.dt, is_free);
+            let credit = SHADING_CREDIT * length(&spring) * input.shading.bulge_m.max(0.0);
+            let taken = -acted.power(&moved) - by_shading + self.passivity.lend(by_shading, credit);
+            self.passivity.observe(taken, stored - last.stored, input.dt, is_free);
         }
         // What is paid now is in the books when the delay is over; until then each tick pays its part.
         let part = 1.0 / (1 + self.delay_ticks) as f64;
@@ -253,7 +268,7 @@ impl ForceLoop {
             return None;
         }
         self.last = Some(Last { device: input.device, stored });
-        Some(wrench)
+        Some((wrench, shaded))
     }
 }
 
@@ -310,6 +325,7 @@ mod tests {
             proxy: Pose::IDENTITY,
             proxy_twist: Twist::ZERO,
             centre: [0.0; 3],
+            shading: Shading::NONE,
             dt: TICK,
             in_doubt: false,
         }
@@ -420,6 +436,7 @@ mod tests {
             proxy: pose_of(&rotation_of(&p.3), &p.2).unwrap(),
             proxy_twist: Twist { linear: t.2, angular: t.3 },
             centre,
+            shading: Shading { turn: scaled(&t.1, 0.03), bulge_m: 1e-4 },
             dt: if odd == 1 { f64::NAN } else { dt },
             in_doubt: odd == 0,
         })

@@ -190,6 +190,11 @@ impl Proxy {
         Ok(done)
     }
 
+    /// Finds the smooth surfaces behind the contacts: see [`Shading`](crate::Shading).
+    pub fn shade(&mut self, environment: &Environment, tool: &Tool) {
+        self.set.shade(environment, tool);
+    }
+
     /// Motions towards the target, each as far as it is free, until none leads on. Whether contacts hold it.
     fn approach(&mut self, environment: &Environment, tool: &Tool, target: &Pose, done: &mut Advance) -> Result<bool> {
         let mut distance = self.distance_to(target);
@@ -346,6 +351,9 @@ impl Proxy {
                 id: manifold.id,
             };
             self.set.push(plane, manifold.points().iter().map(|p| (p.point, p.gap)));
+            let [tool_triangle, triangle] = manifold.triangles;
+            let body = environment.bodies.iter().position(|body| body.part == Some(manifold.part)).unwrap_or(0) as u32;
+            self.set.set_pair(plane.id, Pair { body, tool_triangle, triangle });
         }
         for seat in &self.seats {
             let off = |p: &Point| dot(&sub(&pose.apply(p), &seat.plane.point), &seat.plane.normal);
@@ -372,6 +380,7 @@ impl Proxy {
             let part = environment.part_of(pair);
             let plane = Plane { point: closest.on_q, normal, gap: closest.distance, part, id };
             set.push(plane, std::iter::once((closest.on_p, closest.distance)));
+            set.set_pair(id, *pair);
             true
         });
     }

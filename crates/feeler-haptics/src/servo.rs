@@ -13,6 +13,7 @@ use crate::coupling::Coupling;
 use crate::device::{DeviceLimits, Freedoms};
 use crate::error::Result;
 use crate::force::{ForceInput, ForceLoop};
+use crate::shading::Shading;
 use crate::velocity::VelocityEstimate;
 
 /// What a tick is given.
@@ -121,12 +122,17 @@ impl Servo {
         let device_twist = input.device_twist.unwrap_or(self.device_velocity.update(&input.device, input.now));
         let found = self.proxy_velocity.update(&proxy, input.now);
         let proxy_twist = if mode == Mode::Free { device_twist } else { found };
+        let shading = match mode {
+            Mode::Contact | Mode::Bound => set.shading(&proxy, &self.solver),
+            _ => Shading::NONE,
+        };
         let wrench = self.force.step(&ForceInput {
             device: input.device,
             device_twist,
             proxy,
             proxy_twist,
             centre: self.centre,
+            shading,
             dt: input.dt,
             in_doubt,
         });

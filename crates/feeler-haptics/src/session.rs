@@ -28,6 +28,8 @@ pub struct SessionOptions {
     pub collision_hz: Option<f64>,
     /// Which freedoms the device drives.
     pub driven: Freedoms,
+    /// Whether the force on the facets of a curved surface is that on the surface which they stand for.
+    pub shading: bool,
     /// What the device holds; `None`: as much as the coupling asks.
     pub limits: Option<DeviceLimits>,
 }
@@ -39,6 +41,7 @@ impl Default for SessionOptions {
             proxy: ProxyOptions::default(),
             collision_hz: None,
             driven: Freedoms { translation: true, rotation: true },
+            shading: true,
             limits: None,
         }
     }
@@ -366,6 +369,9 @@ impl Session {
         let Some(proxy) = &mut self.proxy else { return Ok(()) };
         let (environment, tool) = (self.world.environment(), self.world.tool());
         self.advance = proxy.advance(environment, tool, device)?;
+        if self.options.shading {
+            proxy.shade(environment, tool);
+        }
         proxy.set_time(self.clock);
         let skin = self.options.proxy.skin;
         if self.world.unseat(&self.proxy.as_ref().map_or(Pose::IDENTITY, |proxy| *proxy.pose()), skin)? {

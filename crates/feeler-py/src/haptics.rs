@@ -160,10 +160,12 @@ impl HapticsSession {
         coupling: [f64; 8],
         margin: f64,
         skin: f64,
+        shading: bool,
         collision_hz: Option<f64>,
         put_down: Vec<(u32, PyRef<'_, Scene>)>,
     ) -> PyResult<HapticsSession> {
-        let mut options = SessionOptions { coupling: coupling_of(coupling), collision_hz, ..Default::default() };
+        let mut options =
+            SessionOptions { coupling: coupling_of(coupling), shading, collision_hz, ..Default::default() };
         (options.proxy.margin, options.proxy.skin) = (margin, skin);
         let (scene, tool) = (scene.core(), Arc::clone(tool.core()));
         let put_down: Vec<PutDown> =

@@ -1,0 +1,166 @@
+//! Force shading: the force on the facets of a curved surface as on the surface that they stand for (H. B. Morgenbesser and M. A.
+//! Srinivasan, *Force Shading for Haptic Shape Perception*, 1996).
+//!
+//! The proxy stays where the facets let it be, and the force keeps its size: only its direction is turned. With facets on both sides the
+//! point of contact jumps from corner to corner of the one that bends more, so it says little by itself. But both surfaces are known to
+//! second order around it: `n` and `m` are the normals of mock-up and tool there, `S` and `T` their curvatures. Two smooth surfaces touch
+//! where their normals agree, which is `d = (S + T)⁻¹ (m - n)` farther along, with the normal `n + S d`: the same from wherever it is
+//! found, and so without jumps. Of a ball of radius r on one of radius R it is the line of the centres.
+//!
+//! Where the tool moves on by `t` and turns by `w`, that normal changes by `S (S + T)⁻¹ (T t + w × n)`: the servo side follows it
+//! between two sets.
+
+use feeler_core::geometry::screw::{rotation_of, times, Twist};
+use feeler_core::geometry::vectors::{across, add, cross, dot, length, scaled, unit};
+use feeler_core::{Point, Pose, Tool};
+use feeler_world::{Environment, Pair, Plane};
+
+use crate::constants::{LARGEST_BULGE_M, LARGEST_GAIN, LARGEST_SHADING_TURN, LEAST_CURVATURE};
+use crate::smooth_surface::{Curvature, Surface};
+
+/// How a force is turned.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Shading {
+    /// Rotation vector, world.
+    pub turn: Point,
+    /// How far the smooth surfaces stand out of their facets, metres: the turned force gives as much as the force times that on the way
+    /// to the rim of a facet, and takes it back on the way to its middle.
+    pub bulge_m: f64,
+}
+
+impl Shading {
+    /// As the facets have it.
+    pub const NONE: Shading = Shading { turn: [0.0; 3], bulge_m: 0.0 };
+
+    /// A force turned.
+    pub(crate) fn turned(&self, force: &Point) -> Point {
+        if self.turn == [0.0; 3] {
+            return *force;
+        }
+        times(&rotation_of(&self.turn), force)
+    }
+}
+
+/// The smooth contact behind a plane, and how it moves with the tool.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Shade {
+    /// How far its normal is off the plane's, along the two directions across that.
+    off: [f64; 2],
+    /// Change of that for a way of the tool's point (one over metres), symmetric.
+    by_way: Curvature,
+    /// Change of that for a turn of the tool's normal.
+    by_turn: [[f64; 2]; 2],
+    /// Of both, metres.
+    bulge: f64,
+}
+
+impl Shade {
+    /// Of the nearest points of a pair of triangles; none where it is not of two surfaces of which one is smooth at least, and on a real
+    /// edge of the mock-up.
+    pub fn of_pair(environment: &Environment, tool: &Tool, pose: &Pose, pair: &Pair, plane: &Plane) -> Option<Shade> {
+        let mockup = environment.bodies.get(pair.body as usize)?.solver.scene().mockup();
+        let (own, other) = (tool.mesh(), mockup.mesh());
+        let closest = environment.closest(tool, pose, pair)?;
+        let directions = across(&plane.normal);
+        let towards = scaled(&plane.normal, -1.0);
+        let surface = Surface { adjacency: mockup.adjacency(), triangle: |t| other.triangle(t) };
+        let below = surface.at(pair.triangle, &closest.on_q, &plane.normal, &directions)?;
+        let surface = Surface { adjacency: tool.adjacency(), triangle: |t| pose.apply_triangle(&own.triangle(t)) };
+        let above = surface.at(pair.tool_triangle, &closest.on_p, &towards, &directions);
+        // How far a normal is off the plane's, where that is one long.
+        let flat = |v: &Point| directions.map(|d| dot(v, &d) / dot(v, &plane.normal));
+        let off = flat(&below.normal);
+        let s = below.curvature?;
+        // A corner or an edge of the tool has no curvature: it touches where it is.
+        let Some((above, t)) = above.and_then(|above| Some((above, above.curvature?))) else {
+            return Shade { off, by_way: s, by_turn: [[0.0; 2]; 2], bulge: below.bulge }.checked();
+        };
+        let inverse = inverse_of(&[s[0] + t[0], s[1] + t[1], s[2] + t[2]]);
+        let by_turn = product(&s, &inverse);
+        let both = times_symmetric(&by_turn, &t);
+        let tool_off = flat(&above.normal);
+        let by = times_flat(&by_turn, &[tool_off[0] - off[0], tool_off[1] - off[1]]);
+        Shade {
+            off: [off[0] + by[0], off[1] + by[1]],
+            by_way: [both[0][0], 0.5 * (both[0][1] + both[1][0]), both[1][1]],
+            by_turn,
+            bulge: below.bulge + above.bulge,
+        }
+        .checked()
+    }
+
+    /// Not where two hollow surfaces fit so well that the contact says nothing.
+    fn checked(self) -> Option<Shade> {
+        let gain = self.by_turn.iter().flatten().map(|x| x * x).sum::<f64>().sqrt();
+        let is_finite = self.off.iter().chain(&self.by_way).all(|x| x.is_finite());
+        (is_finite && gain <= LARGEST_GAIN).then_some(self)
+    }
+
+    /// The smooth normal of a plane after the tool has moved by a twist at the contact's point, and how far it stands out.
+    pub fn at(&self, plane: &Plane, by: &Twist) -> (Point, f64) {
+        let [u, v] = across(&plane.normal);
+        let leaned = cross(&by.angular, &plane.normal);
+        let flat = |p: &Point| [dot(p, &u), dot(p, &v)];
+        let (way, lean) = (flat(&by.linear), flat(&leaned));
+        let turned = times_flat(&self.by_turn, &lean);
+        let slid = times_flat(&full(&self.by_way), &way);
+        let mut off = [0, 1].map(|k| self.off[k] + turned[k] + slid[k]);
+        let size = off[0].hypot(off[1]);
+        let most = LARGEST_SHADING_TURN.tan();
+        if size > most {
+            off = off.map(|x| x * (most / size));
+        }
+        let leaning = add(&scaled(&u, off[0]), &scaled(&v, off[1]));
+        (unit(&add(&plane.normal, &leaning)).unwrap_or(plane.normal), self.bulge.min(LARGEST_BULGE_M))
+    }
+}
+
+/// How the sum of forces along planes' normals is turned to their sum along smooth ones: size, normal, smooth normal and bulge of each.
+pub(crate) fn shading_of(pushes: impl Iterator<Item = (f64, Point, Point, f64)>) -> Shading {
+    let (mut sum, mut smooth, mut size, mut bulge) = ([0.0; 3], [0.0; 3], 0.0, 0.0);
+    for (push, normal, smooth_normal, own) in pushes {
+        sum = add(&sum, &scaled(&normal, push));
+        smooth = add(&smooth, &scaled(&smooth_normal, push));
+        size += push;
+        bulge += push * own;
+    }
+    let axis = cross(&sum, &smooth);
+    let sine = length(&axis);
+    if size <= 0.0 || sine == 0.0 {
+        return Shading::NONE;
+    }
+    let angle = sine.atan2(dot(&sum, &smooth)).min(LARGEST_SHADING_TURN);
+    Shading { turn: scaled(&axis, angle / sine), bulge_m: bulge / size }
+}
+
+/// The inverse of a symmetric matrix, without the directions in which it is flat or hollow.
+fn inverse_of(&[a, b, d]: &Curvature) -> Curvature {
+    let (middle, half) = (0.5 * (a + d), (0.5 * (a - d)).hypot(b));
+    let inverse = |x: f64| if x > LEAST_CURVATURE { 1.0 / x } else { 0.0 };
+    let (p, q) = (inverse(middle + half), inverse(middle - half));
+    // The direction of the larger one by its double angle.
+    let (cosine, sine) = if half > 0.0 { (0.5 * (a - d) / half, b / half) } else { (1.0, 0.0) };
+    let (middle, half) = (0.5 * (p + q), 0.5 * (p - q));
+    [middle + half * cosine, half * sine, middle - half * cosine]
+}
+
+fn full(&[a, b, d]: &Curvature) -> [[f64; 2]; 2] {
+    [[a, b], [b, d]]
+}
+
+fn product(p: &Curvature, q: &Curvature) -> [[f64; 2]; 2] {
+    times_symmetric(&full(p), q)
+}
+
+fn times_symmetric(p: &[[f64; 2]; 2], q: &Curvature) -> [[f64; 2]; 2] {
+    let q = full(q);
+    [0, 1].map(|i| [0, 1].map(|j| p[i][0] * q[0][j] + p[i][1] * q[1][j]))
+}
+
+fn times_flat(m: &[[f64; 2]; 2], v: &[f64; 2]) -> [f64; 2] {
+    [0, 1].map(|i| dot_flat(&m[i], v))
+}
+
+fn dot_flat(a: &[f64; 2], b: &[f64; 2]) -> f64 {
+    a[0] * b[0] + a[1] * b[1]
+}
