@@ -1,7 +1,7 @@
 //! From two poses to a wrench that may go to a hand, once a tick: coupling, saturation, passivity, slew, watchdog.
 
 use feeler_core::geometry::screw::{displacement, Twist, Wrench};
-use feeler_core::geometry::vectors::{add, dot, length, scaled, sub};
+use feeler_core::geometry::vectors::{add, dot, length, scaled, sub, unit};
 use feeler_core::{Point, Pose};
 
 use crate::constants::{
@@ -230,11 +230,18 @@ impl ForceLoop {
             ..self.coupling
         };
         let (device, proxy, centre) = (&input.device, &input.proxy, &input.centre);
-        let mut pulled = coupling.wrench(device, &input.device_twist, proxy, &input.proxy_twist, centre);
+        let arms = [device, proxy].map(|pose| sub(&pose.apply(centre), pose.translation()));
         let spring = coupling.spring_force(device, proxy, centre);
-        let arm = sub(&device.apply(centre), device.translation());
-        let turn = Wrench { force: sub(&input.shading.turned(&spring), &spring), torque: [0.0; 3] };
-        let mut shaded = turn.at(&scaled(&arm, -1.0));
+        let turned = input.shading.turned(&spring);
+        let mut shaded = Wrench { force: sub(&turned, &spring), torque: [0.0; 3] }.at(&scaled(&arms[0], -1.0));
+        let mut proxy_twist = input.proxy_twist;
+        if let Some(along) = unit(&turned).filter(|_| turned != spring) {
+            // From facet to facet the proxy jumps: across the normal it counts as moving with the device.
+            let rate = sub(&proxy_twist.at(&arms[1]).linear, &input.device_twist.at(&arms[0]).linear);
+            let across = sub(&rate, &scaled(&along, dot(&rate, &along)));
+            proxy_twist.linear = sub(&proxy_twist.linear, &across);
+        }
+        let mut pulled = coupling.wrench(device, &input.device_twist, proxy, &proxy_twist, centre);
         if !self.driven.translation {
             (pulled.force, shaded.force) = ([0.0; 3], [0.0; 3]);
         }
@@ -255,7 +262,7 @@ impl ForceLoop {
         }
         // What is paid now is in the books when the delay is over; until then each tick pays its part.
         let part = 1.0 / (1 + self.delay_ticks) as f64;
-        let expected = self.expected_j(&coupling, input, stored);
+        let expected = self.expected_j(&coupling, &ForceInput { proxy_twist, ..*input }, stored);
         let damped = self.passivity.damping(&input.device_twist, part, expected, input.dt);
         let wanted = added_within(&pulled, &damped, coupling.max_force_n, coupling.max_torque_nm);
 

@@ -197,13 +197,14 @@ impl Proxy {
 
     /// Motions towards the target, each as far as it is free, until none leads on. Whether contacts hold it.
     fn approach(&mut self, environment: &Environment, tool: &Tool, target: &Pose, done: &mut Advance) -> Result<bool> {
-        let mut distance = self.distance_to(target);
+        let (mut distance, mut is_stuck) = (self.distance_to(target), false);
         for _ in 0..self.options.rounds {
             done.rounds += 1;
             let from = self.set.taken_at;
             let goal = self.next_pose(target)?;
             let reach = self.reach_to(&goal.pose);
-            if reach <= STILL_SHARE * self.set.skin {
+            // Where it is stuck the planes may be others now: those of the next facet, on which it goes on.
+            if reach <= if is_stuck { self.set.skin } else { STILL_SHARE * self.set.skin } {
                 return Ok(!self.solver.held().is_empty());
             }
             let tolerance = self.cast_tolerance();
@@ -230,9 +231,7 @@ impl Proxy {
                 }
             }
             let left = self.distance_to(target);
-            if distance - left <= STUCK_SHARE * self.set.skin {
-                return Ok(!self.solver.held().is_empty());
-            }
+            is_stuck = distance - left <= STUCK_SHARE * self.set.skin;
             distance = left;
         }
         Ok(false)
