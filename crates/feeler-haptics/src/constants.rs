@@ -292,6 +292,14 @@ pub const LEAST_CURVATURE: f64 = 1e-3;
 /// before it is damped; smaller: coarse facets are damped.
 pub const LARGEST_BULGE_M: f64 = 1e-3;
 
-/// How many times that the turned force may have given before it is damped. Above 1, for facets of uneven size; larger: closed motions
-/// may gain more.
-pub const SHADING_CREDIT: f64 = 2.0;
+/// Mean height of an arc over its chord, as a share of the largest: that of a parabola. Another value: a facet is felt harder or softer as
+/// a whole.
+pub const MEAN_OF_ARC: f64 = 2.0 / 3.0;
+
+/// Stretch of the spring, in heights of the smooth surface over its facets, from which on all of the force is turned. Smaller: the first
+/// touch of coarse facets is stiffer, by a third of its inverse; larger: light touches feel facets.
+pub const SHADING_RAMP: f64 = 2.0;
+
+/// How much a turned force may have given beside its potential before it is damped, as a share of the force times the height of the
+/// smooth surface over its facets. Larger: closed motions may gain more; smaller: coarse facets are damped.
+pub const SHADING_CREDIT: f64 = 0.2;

@@ -263,12 +263,12 @@ impl ConstraintSet {
         shading_of(solver.held().iter().zip(&solver.pushes).filter_map(|(id, push)| {
             let i = self.planes().iter().position(|plane| plane.id == *id)?;
             let plane = &self.planes[i];
-            let (smooth, bulge) = self.shades[i].map_or((plane.normal, 0.0), |shade| {
+            let (smooth, heights) = self.shades[i].map_or((plane.normal, [0.0; 2]), |shade| {
                 let arm = sub(&plane.point, &centre);
                 let linear = add(&way.linear, &sub(&times(&turn, &arm), &arm));
                 shade.at(plane, &Twist { linear, ..way })
             });
-            Some((*push, plane.normal, smooth, bulge))
+            Some((*push, plane.normal, smooth, heights))
         }))
     }
 

@@ -79,6 +79,7 @@ pub struct ForceLoop {
 struct Last {
     device: Pose,
     stored: f64,
+    held_by_shading: f64,
 }
 
 impl ForceLoop {
@@ -190,7 +191,7 @@ impl ForceLoop {
         self.passivity.reset();
         self.share = 0.0;
         // Where the device is from now on: a jump is in doubt for one tick.
-        self.last = device.map(|device| Last { device, stored: 0.0 });
+        self.last = device.map(|device| Last { device, stored: 0.0, held_by_shading: 0.0 });
         self.send(Wrench::ZERO, Wrench::ZERO);
     }
 
@@ -206,7 +207,7 @@ impl ForceLoop {
             && input.device_twist.is_finite()
             && input.proxy_twist.is_finite()
             && input.centre.iter().chain(&input.shading.turn).all(|x| x.is_finite())
-            && input.shading.bulge_m.is_finite();
+            && (input.shading.height_m + input.shading.bulge_m).is_finite();
         if !is_sane {
             return None;
         }
@@ -232,7 +233,9 @@ impl ForceLoop {
         let (device, proxy, centre) = (&input.device, &input.proxy, &input.centre);
         let arms = [device, proxy].map(|pose| sub(&pose.apply(centre), pose.translation()));
         let spring = coupling.spring_force(device, proxy, centre);
-        let turned = input.shading.turned(&spring);
+        let is_full = length(&spring) >= coupling.max_force_n;
+        let stiffness = coupling.stiffness_n_per_m;
+        let (turned, held_by_shading) = input.shading.turned(&spring, if is_full { 0.0 } else { stiffness }, stiffness);
         let mut shaded = Wrench { force: sub(&turned, &spring), torque: [0.0; 3] }.at(&scaled(&arms[0], -1.0));
         let mut proxy_twist = input.proxy_twist;
         if let Some(along) = unit(&turned).filter(|_| turned != spring) {
@@ -257,7 +260,8 @@ impl ForceLoop {
             let (acted, by_shading) = (self.sent[at], -self.shaded[at].power(&moved));
             let is_free = stored == 0.0 && last.stored == 0.0;
             let credit = SHADING_CREDIT * length(&spring) * input.shading.bulge_m.max(0.0);
-            let taken = -acted.power(&moved) - by_shading + self.passivity.lend(by_shading, credit);
+            let lost = by_shading - (held_by_shading - last.held_by_shading);
+            let taken = -acted.power(&moved) - by_shading + self.passivity.lend(lost, credit);
             self.passivity.observe(taken, stored - last.stored, input.dt, is_free);
         }
         // What is paid now is in the books when the delay is over; until then each tick pays its part.
@@ -274,7 +278,7 @@ impl ForceLoop {
         if !(wrench.is_finite() && stored.is_finite()) {
             return None;
         }
-        self.last = Some(Last { device: input.device, stored });
+        self.last = Some(Last { device: input.device, stored, held_by_shading });
         Some((wrench, shaded))
     }
 }
@@ -443,7 +447,7 @@ mod tests {
             proxy: pose_of(&rotation_of(&p.3), &p.2).unwrap(),
             proxy_twist: Twist { linear: t.2, angular: t.3 },
             centre,
-            shading: Shading { turn: scaled(&t.1, 0.03), bulge_m: 1e-4 },
+            shading: Shading { turn: scaled(&t.1, 0.03), height_m: 5e-5, bulge_m: 1e-4 },
             dt: if odd == 1 { f64::NAN } else { dt },
             in_doubt: odd == 0,
         })

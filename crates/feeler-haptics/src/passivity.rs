@@ -66,10 +66,9 @@ impl Passivity {
         self.surplus = (surplus * kept).max(-self.largest_deficit);
     }
 
-    /// Sets aside what a turned force (see [`Shading`](crate::Shading)) did in a tick, and gives what of that is to be
-    /// [observed](Self::observe). `taken_j`: the hand's work against what it was turned by, joules. `credit_j`: how much it may have
-    /// given, not negative: as much as it takes back on the way to the middle of the facet. So a facet that is crossed costs
-    /// nothing, and what is given beyond it, as by pressing harder on the way up than on the way down, is a deficit.
+    /// Sets aside a little of what a turned force (see [`Shading`](crate::Shading)) gave in a tick beside its potential, and
+    /// gives what of that is to be [observed](Self::observe): curved surfaces are known to second order, and each facet that is
+    /// crossed gives and takes what they are off by. `taken_j`: for good, joules. `credit_j`: how much it may have given, not negative.
     pub fn lend(&mut self, taken_j: f64, credit_j: f64) -> f64 {
         let lent = self.lent + taken_j;
         self.lent = lent.clamp(-credit_j, 0.0);

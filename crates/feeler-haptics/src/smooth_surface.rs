@@ -22,7 +22,9 @@ pub(crate) struct SurfacePoint {
     pub normal: Point,
     /// `None`: the point is on a real edge or corner.
     pub curvature: Option<Curvature>,
-    /// How far the smooth surface stands out of the triangle at most, metres, or the triangle out of it.
+    /// How far the smooth surface stands out of the triangle here, metres; negative where it is hollow.
+    pub height: f64,
+    /// The same where it is most, metres.
     pub bulge: f64,
 }
 
@@ -62,9 +64,12 @@ impl<F: Fn(u32) -> Triangle> Surface<'_, F> {
         let mean = (0..3).fold([0.0; 3], |sum, k| add(&sum, &scaled(&normals[k], shares[k])));
         let curvature = if is_edge { None } else { Some(bends(&facet.corners, &normals, directions)?) };
         // An arc over a side: an eighth of the side times the turn of its normal.
-        let arc = |k: usize, l: usize| dot(&sub(&normals[l], &normals[k]), &sub(&facet.corners[l], &facet.corners[k]));
-        let bulge = 0.125 * arc(0, 1).abs().max(arc(1, 2).abs()).max(arc(2, 0).abs());
-        Some(SurfacePoint { normal: unit(&mean)?, curvature, bulge })
+        let arcs = [[0, 1], [1, 2], [2, 0]]
+            .map(|[k, l]| 0.5 * dot(&sub(&normals[l], &normals[k]), &sub(&facet.corners[l], &facet.corners[k])));
+        let bulge = 0.25 * arcs.iter().fold(0.0, |most: f64, arc| if arc.abs() > most.abs() { *arc } else { most });
+        let height =
+            arcs[0] * shares[0] * shares[1] + arcs[1] * shares[1] * shares[2] + arcs[2] * shares[2] * shares[0];
+        Some(SurfacePoint { normal: unit(&mean)?, curvature, height, bulge })
     }
 
     fn first(&self, id: u32, outward: &Point) -> Option<Facet> {
