@@ -270,6 +270,10 @@ pub const LARGEST_FLAT_WALK: usize = 16;
 /// Most triangles around a corner. More: the pole of a finer ball is whole; slower.
 pub const LARGEST_FAN: usize = 64;
 
+/// How many times smaller than the largest around a corner a triangle may be to count as much. Larger: a flat face is felt round beside
+/// a fillet; smaller: unevenly cut surfaces are.
+pub const LIKE_AREAS: f64 = 8.0;
+
 /// Share of a triangle's corner below which a point is on the side across from it. Larger: real edges are as wide as that; smaller:
 /// rounding decides.
 pub const EDGE_SHARE: f64 = 1e-6;
@@ -298,7 +302,7 @@ pub const MEAN_OF_ARC: f64 = 2.0 / 3.0;
 
 /// Stretch of the spring, in heights of the smooth surface over its facets, from which on all of the force is turned. Smaller: the first
 /// touch of coarse facets is stiffer, by a third of its inverse; larger: light touches feel facets.
-pub const SHADING_RAMP: f64 = 2.0;
+pub const SHADING_RAMP: f64 = 1.5;
 
 /// How much a turned force may have given beside its potential before it is damped, as a share of the force times the height of the
 /// smooth surface over its facets. Larger: closed motions may gain more; smaller: coarse facets are damped.

@@ -1,7 +1,7 @@
 //! The smooth surface that a mesh stands for, near a point of it: its normal there and its curvature, or that there is a real edge.
 //!
 //! Normals are interpolated over a triangle from those at its corners (Phong 1975), which are means over the smooth fan around each
-//! corner, weighted by angle and area, so that a large flat face keeps its own beside a narrow fillet. Found where it is asked for, by
+//! corner by their angles; there a large flat face keeps its own beside a narrow fillet. Found where it is asked for, by
 //! some dozens of triangles around: nothing is stored for a mock-up.
 
 use feeler_core::geometry::vectors::{add, cross, dot, length, normal, scaled, sub, unit};
@@ -9,7 +9,8 @@ use feeler_core::mesh::topology::adjacency::Adjacency;
 use feeler_core::{Point, Triangle};
 
 use crate::constants::{
-    BEND_LIKENESS, EDGE_SHARE, FLAT_BEND, LARGEST_FAN, LARGEST_FLAT_WALK, LARGEST_SMOOTH_BEND, PARALLEL_COSINE,
+    BEND_LIKENESS, EDGE_SHARE, FLAT_BEND, LARGEST_FAN, LARGEST_FLAT_WALK, LARGEST_SMOOTH_BEND, LIKE_AREAS,
+    PARALLEL_COSINE,
 };
 
 /// Bends of a surface, a symmetric matrix in the two directions of a plane: `[xx, xy, yy]`, one over metres. Positive where it is convex.
@@ -103,10 +104,10 @@ impl<F: Fn(u32) -> Triangle> Surface<'_, F> {
         Some((Facet { id, corners, normal: scaled(&normal(&corners)?, sense), sense }, l))
     }
 
-    /// The sum of the normals of the smooth fan around a corner, and whether that is closed.
+    /// The mean of the normals of the smooth fan around a corner, as long as it comes, and whether the fan is closed.
     fn corner_normal(&self, facet: &Facet, corner: usize) -> (Point, bool) {
         let at = facet.corners[corner];
-        let mut sum = weighted(facet, corner);
+        let mut fan = vec![weighted(facet, corner)];
         for first_side in [corner, (corner + 2) % 3] {
             let (mut facet_now, mut side) = (*facet, first_side);
             for step in 0.. {
@@ -115,17 +116,17 @@ impl<F: Fn(u32) -> Triangle> Surface<'_, F> {
                     break;
                 }
                 if next.id == facet.id {
-                    return (sum, true);
+                    return (mean_of(&fan), true);
                 }
                 let [p, q] = [back, (back + 1) % 3];
                 let is_first = length(&sub(&next.corners[p], &at)) <= length(&sub(&next.corners[q], &at));
                 let own = if is_first { p } else { q };
-                sum = add(&sum, &weighted(&next, own));
+                fan.push(weighted(&next, own));
                 side = if own == back { (own + 2) % 3 } else { own };
                 facet_now = next;
             }
         }
-        (sum, false)
+        (mean_of(&fan), false)
     }
 
     /// Whether the side between two triangles is one of the tessellation and not of the body: it bends little, and beyond one of the two
@@ -174,12 +175,18 @@ fn side_of(facet: &Facet, k: usize) -> Point {
     sub(&facet.corners[(k + 1) % 3], &facet.corners[k])
 }
 
-/// A facet's normal by its area and its angle at a corner.
-fn weighted(facet: &Facet, corner: usize) -> Point {
+/// A facet's normal times its angle at a corner, and its area.
+fn weighted(facet: &Facet, corner: usize) -> (Point, f64) {
     let [a, b, c] = [0, 1, 2].map(|k| &facet.corners[(corner + k) % 3]);
     let (p, q) = (sub(b, a), sub(c, a));
     let area = length(&cross(&p, &q));
-    scaled(&facet.normal, area * area.atan2(dot(&p, &q)))
+    (scaled(&facet.normal, area.atan2(dot(&p, &q))), area)
+}
+
+/// Facets that are much smaller than the largest count less.
+fn mean_of(fan: &[(Point, f64)]) -> Point {
+    let least = fan.iter().fold(0.0, |most: f64, (_, area)| most.max(*area)) / LIKE_AREAS;
+    fan.iter().fold([0.0; 3], |sum, (normal, area)| add(&sum, &scaled(normal, (area / least).powi(2).min(1.0))))
 }
 
 /// The angle between two facets, as the length of its chord; negative where the surface is hollow.
