@@ -14,10 +14,10 @@ use feeler_core::{Motion, Point, Pose, Tool};
 use feeler_world::{Environment, Pair, Seat};
 
 use crate::constants::{
-    ARC_SKINS, BACK_OFF_HALVINGS, BACK_OFF_SHARE, CAST_SHARE, CLEARANCE_SHARE, FREE_MARGIN, LARGEST_CAST_TOLERANCE,
-    LEAST_CAST_TOLERANCE, LEAST_MARGIN, LEAST_TRUST, LIFT_SHARE, MOST_BLOCKERS, MOST_LIFT, MOST_PATIENCE, SEAT_SLACK,
-    SKINS_IN_MARGIN, SKIN_GROWTH, SKIN_HALVINGS, SKIN_LIFT, SQUEEZE_GAIN, SQUEEZE_SHARE, STILL_SHARE, STRIDES,
-    STRIDE_DECAY, STUCK_SHARE, TRUST_GROWTH,
+    ARC_SKINS, BACK_OFF_HALVINGS, BACK_OFF_SHARE, BOUND_SHARE, CAST_SHARE, CLEARANCE_SHARE, FREE_MARGIN,
+    LARGEST_CAST_TOLERANCE, LEAST_CAST_TOLERANCE, LEAST_MARGIN, LEAST_TRUST, LIFT_SHARE, MOST_BLOCKERS, MOST_LIFT,
+    MOST_PATIENCE, SEAT_SLACK, SKINS_IN_MARGIN, SKIN_GROWTH, SKIN_HALVINGS, SKIN_LIFT, SQUEEZE_GAIN, SQUEEZE_SHARE,
+    STILL_SHARE, STRIDES, STRIDE_DECAY, STUCK_SHARE, TRUST_GROWTH,
 };
 use crate::constraint_set::{ConstraintSet, NearestPose, Plane, Solver};
 use crate::coupling::Coupling;
@@ -190,6 +190,26 @@ impl Proxy {
         Ok(done)
     }
 
+    /// Where the servo side has it for a pose of the device, and whether the way there is free; `None` where it is there already.
+    pub fn ahead(&self, environment: &Environment, tool: &Tool, target: &Pose) -> Result<Option<(Pose, bool)>> {
+        let set = &self.set;
+        let nearest = set.nearest_pose(target, BOUND_SHARE * set.margin, &mut self.solver.clone())?.pose;
+        if self.reach_to(&nearest) <= STUCK_SHARE * set.skin {
+            return Ok(None);
+        }
+        let normals: Vec<Point> = set.planes().iter().map(|plane| plane.normal).collect();
+        let impact = environment.first_impact(tool, (&set.taken_at, &nearest), self.cast_tolerance(), &normals)?;
+        Ok(Some((nearest, impact.is_none())))
+    }
+
+    /// Moves it along a free way, and finds its contacts.
+    pub fn move_on(&mut self, environment: &Environment, tool: &Tool, pose: &Pose) -> Result<()> {
+        let time = self.set.time;
+        self.look_around(environment, tool, pose)?;
+        self.set.time = time;
+        Ok(())
+    }
+
     /// Finds the smooth surfaces behind the contacts: see [`Shading`](crate::Shading).
     pub fn shade(&mut self, environment: &Environment, tool: &Tool) {
         self.set.shade(environment, tool);
@@ -197,14 +217,13 @@ impl Proxy {
 
     /// Motions towards the target, each as far as it is free, until none leads on. Whether contacts hold it.
     fn approach(&mut self, environment: &Environment, tool: &Tool, target: &Pose, done: &mut Advance) -> Result<bool> {
-        let (mut distance, mut is_stuck) = (self.distance_to(target), false);
+        let mut distance = self.distance_to(target);
         for _ in 0..self.options.rounds {
             done.rounds += 1;
             let from = self.set.taken_at;
             let goal = self.next_pose(target)?;
             let reach = self.reach_to(&goal.pose);
-            // Where it is stuck the planes may be others now: those of the next facet, on which it goes on.
-            if reach <= if is_stuck { self.set.skin } else { STILL_SHARE * self.set.skin } {
+            if reach <= STILL_SHARE * self.set.skin {
                 return Ok(!self.solver.held().is_empty());
             }
             let tolerance = self.cast_tolerance();
@@ -231,7 +250,9 @@ impl Proxy {
                 }
             }
             let left = self.distance_to(target);
-            is_stuck = distance - left <= STUCK_SHARE * self.set.skin;
+            if distance - left <= STUCK_SHARE * self.set.skin {
+                return Ok(!self.solver.held().is_empty());
+            }
             distance = left;
         }
         Ok(false)

@@ -233,14 +233,27 @@ impl Session {
             self.find_contacts(&device)?;
             self.found = Some(self.clock);
         }
-        let output = self.tick(&device, dt)?;
+        // The force is that of the servo side's proxy: where contacts are new, it is the step's too, unless it may not be there.
+        let ahead = match &self.proxy {
+            Some(proxy) if self.found == Some(self.clock) => {
+                proxy.ahead(self.world.environment(), self.world.tool(), &device)?
+            }
+            _ => None,
+        };
+        let output = self.tick(&device, dt, ahead.is_some_and(|(_, is_free)| !is_free))?;
+        if let (Some(proxy), Some((pose, true))) = (&mut self.proxy, &ahead) {
+            proxy.move_on(self.world.environment(), self.world.tool(), pose)?;
+            if self.options.shading {
+                proxy.shade(self.world.environment(), self.world.tool());
+            }
+        }
         let pose = *self.proxy.as_ref().ok_or(Error::NotStarted)?.pose();
         Ok(Step { proxy: pose, wrench: output.wrench, age: output.age, mode: output.mode })
     }
 
     /// The servo side of a step: as many ticks as it is long for, the device moving evenly from the last to this pose; or none, and the
-    /// last wrench stands, until steps that are shorter than any tick make one.
-    fn tick(&mut self, device: &Pose, dt: f64) -> Result<ServoOutput> {
+    /// last wrench stands, until steps that are shorter than any tick make one. `is_blocked`: the proxy can go no farther than it is.
+    fn tick(&mut self, device: &Pose, dt: f64, is_blocked: bool) -> Result<ServoOutput> {
         let since = self.ticked.map_or(dt, |ticked| self.clock - ticked.at);
         let whole = if (since - dt).abs() <= 1e-9 * dt { dt } else { since };
         if let Some(ticked) = self.ticked.filter(|_| whole < SHORTEST_TICK_S) {
@@ -260,7 +273,12 @@ impl Session {
             let by = Twist { linear: scaled(&way.linear, share), angular: scaled(&way.angular, share) };
             tick(displaced(&from, &by, &self.metric.centre)?, self.clock - (1.0 - share) * whole);
         }
-        let output = tick(*device, self.clock);
+        let output = if is_blocked {
+            let last = ServoInput { device: *device, device_twist: None, now: self.clock, dt: part, in_doubt: false };
+            servo.tick_at(proxy.constraints(), &last)
+        } else {
+            tick(*device, self.clock)
+        };
         self.ticked = Some(Ticked { at: self.clock, device: *device, output });
         Ok(output)
     }
