@@ -207,6 +207,10 @@ pub const LEAD_S: f64 = 0.01;
 /// How far (metres) the tool may move between two sets where nothing is nearer: 1 m/s at 10 sets a second. Larger: longer searches.
 pub const FREE_MARGIN: f64 = 0.1;
 
+/// How often in one step the collision side goes on to where the servo side has the proxy. More: the force belongs to contacts that were
+/// found nearer; slower where facets are crossed.
+pub const MOST_CATCH_UPS: usize = 2;
+
 /// Share of a set's margin that the proxy may move between two sets: what is left is for the arcs of turning points.
 pub const BOUND_SHARE: f64 = 0.95;
 

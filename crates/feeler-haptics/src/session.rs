@@ -9,7 +9,7 @@ use feeler_core::tool::metric::Metric;
 use feeler_core::{Point, Pose, Scene, Tool};
 use feeler_world::{Body, PutDown, World};
 
-use crate::constants::{HELD_SHARE, LONGEST_TICK_S, RATE_SHARE, SHORTEST_TICK_S};
+use crate::constants::{HELD_SHARE, LONGEST_TICK_S, MOST_CATCH_UPS, RATE_SHARE, SHORTEST_TICK_S};
 use crate::constraint_set::{ConstraintSet, Plane};
 use crate::coupling::Coupling;
 use crate::device::{DeviceLimits, Freedoms};
@@ -233,22 +233,36 @@ impl Session {
             self.find_contacts(&device)?;
             self.found = Some(self.clock);
         }
-        // The force is that of the servo side's proxy: where contacts are new, it is the step's too, unless it may not be there.
-        let ahead = match &self.proxy {
-            Some(proxy) if self.found == Some(self.clock) => {
-                proxy.ahead(self.world.environment(), self.world.tool(), &device)?
+        // The force is that of the servo side's proxy. Where contacts are new it is the step's too, unless the way there is not free.
+        let is_new = self.found == Some(self.clock);
+        let mut ahead = if is_new { self.ahead(&device) } else { None };
+        for _ in 0..MOST_CATCH_UPS {
+            if let Some((pose, true)) = ahead {
+                self.move_on(&pose)?;
+                ahead = self.ahead(&device);
             }
-            _ => None,
-        };
+        }
         let output = self.tick(&device, dt, ahead.is_some_and(|(_, is_free)| !is_free))?;
-        if let (Some(proxy), Some((pose, true))) = (&mut self.proxy, &ahead) {
-            proxy.move_on(self.world.environment(), self.world.tool(), pose)?;
-            if self.options.shading {
-                proxy.shade(self.world.environment(), self.world.tool());
-            }
+        if let Some((pose, true)) = ahead {
+            self.move_on(&pose)?;
         }
         let pose = *self.proxy.as_ref().ok_or(Error::NotStarted)?.pose();
         Ok(Step { proxy: pose, wrench: output.wrench, age: output.age, mode: output.mode })
+    }
+
+    /// Where the servo side will have the proxy, if that is elsewhere, and whether the way there is free.
+    fn ahead(&self, device: &Pose) -> Option<(Pose, bool)> {
+        let proxy = self.proxy.as_ref()?;
+        proxy.ahead(self.world.environment(), self.world.tool(), device).ok()?
+    }
+
+    fn move_on(&mut self, pose: &Pose) -> Result<()> {
+        let Some(proxy) = &mut self.proxy else { return Ok(()) };
+        proxy.move_on(self.world.environment(), self.world.tool(), pose)?;
+        if self.options.shading {
+            proxy.shade(self.world.environment(), self.world.tool());
+        }
+        Ok(())
     }
 
     /// The servo side of a step: as many ticks as it is long for, the device moving evenly from the last to this pose; or none, and the
