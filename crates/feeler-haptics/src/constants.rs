@@ -296,9 +296,9 @@ pub const LARGEST_GAIN: f64 = 8.0;
 /// Curvature (one over metres) of what is flat: a radius of a kilometre. Larger: large curved surfaces count as flat.
 pub const LEAST_CURVATURE: f64 = 1e-3;
 
-/// Largest height (metres) of a smooth surface over its facets that energy is lent for. Larger: a mesh with bad normals may give more
-/// before it is damped; smaller: coarse facets are damped.
-pub const LARGEST_BULGE_M: f64 = 1e-3;
+/// Largest height (metres) of an arc over its facet: tessellators keep to less. Larger: a lid with bevelled sides is felt round; smaller:
+/// large radii that are cut coarsely are felt with their facets.
+pub const LARGEST_BULGE_M: f64 = 5e-4;
 
 /// Mean height of an arc over its chord, as a share of the largest: that of a parabola. Another value: a facet is felt harder or softer as
 /// a whole.

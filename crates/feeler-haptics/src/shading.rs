@@ -88,7 +88,8 @@ impl Shade {
         // How far a normal is off the plane's, where that is one long.
         let flat = |v: &Point| directions.map(|d| dot(v, &d) / dot(v, &plane.normal));
         let off = flat(&below.normal);
-        let s = below.curvature?;
+        // On a flat face there is nothing to turn.
+        let s = below.curvature.filter(|s| s.iter().any(|x| x.abs() > LEAST_CURVATURE))?;
         let (height, bulge) = (below.height - MEAN_OF_ARC * below.bulge, below.bulge.abs());
         // A corner or an edge of the tool has no curvature: it touches where it is.
         let Some((above, t)) = above.and_then(|above| Some((above, above.curvature?))) else {

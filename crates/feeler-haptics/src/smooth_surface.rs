@@ -9,8 +9,8 @@ use feeler_core::mesh::topology::adjacency::Adjacency;
 use feeler_core::{Point, Triangle};
 
 use crate::constants::{
-    BEND_LIKENESS, EDGE_SHARE, FLAT_BEND, LARGEST_FAN, LARGEST_FLAT_WALK, LARGEST_SMOOTH_BEND, LIKE_AREAS,
-    PARALLEL_COSINE,
+    BEND_LIKENESS, EDGE_SHARE, FLAT_BEND, LARGEST_BULGE_M, LARGEST_FAN, LARGEST_FLAT_WALK, LARGEST_SMOOTH_BEND,
+    LIKE_AREAS, PARALLEL_COSINE,
 };
 
 /// Bends of a surface, a symmetric matrix in the two directions of a plane: `[xx, xy, yy]`, one over metres. Positive where it is convex.
@@ -139,9 +139,10 @@ impl<F: Fn(u32) -> Triangle> Surface<'_, F> {
         bend.abs() <= LARGEST_SMOOTH_BEND && (self.bends_on(facet, k, bend) || self.bends_on(next, l, bend))
     }
 
-    /// Whether the flat face of a triangle ends, across from one of its sides, with a bend like that one's.
+    /// Whether the flat face of a triangle ends, across from one of its sides, with a bend like that one's, and so near that an arc
+    /// between the two does not stand out far.
     fn bends_on(&self, facet: &Facet, side: usize, bend_there: f64) -> bool {
-        let along = side_of(facet, side);
+        let (along, middle) = (side_of(facet, side), middle_of(facet, side));
         let mut faces = [(*facet, side); LARGEST_FLAT_WALK];
         let (mut count, mut done) = (1, 0);
         while done < count {
@@ -159,8 +160,13 @@ impl<F: Fn(u32) -> Triangle> Surface<'_, F> {
                 }
                 let ratio = bend / bend_there;
                 let direction = side_of(&now, k);
+                let way = sub(&middle_of(&now, k), &middle);
+                let beside = dot(&way, &along) / length(&along);
+                let across = (dot(&way, &way) - beside * beside).max(0.0).sqrt();
                 if (1.0 / BEND_LIKENESS..=BEND_LIKENESS).contains(&ratio)
                     && bend.abs() <= LARGEST_SMOOTH_BEND
+                    && across >= beside.abs()
+                    && 0.125 * bend_there.abs() * across <= LARGEST_BULGE_M
                     && dot(&direction, &along).abs() >= PARALLEL_COSINE * length(&direction) * length(&along)
                 {
                     return true;
@@ -173,6 +179,10 @@ impl<F: Fn(u32) -> Triangle> Surface<'_, F> {
 
 fn side_of(facet: &Facet, k: usize) -> Point {
     sub(&facet.corners[(k + 1) % 3], &facet.corners[k])
+}
+
+fn middle_of(facet: &Facet, k: usize) -> Point {
+    scaled(&add(&facet.corners[k], &facet.corners[(k + 1) % 3]), 0.5)
 }
 
 /// A facet's normal times its angle at a corner, and its area.
