@@ -276,7 +276,7 @@ impl Proxy {
     }
 
     /// How far any point of the tool moves from here to a pose, metres.
-    fn reach_to(&self, pose: &Pose) -> f64 {
+    pub(crate) fn reach_to(&self, pose: &Pose) -> f64 {
         displacement(&self.set.taken_at, pose, &self.set.metric.centre).reach(self.set.metric.radius)
     }
 

@@ -237,7 +237,9 @@ impl Session {
         let is_new = self.found == Some(self.clock);
         let mut ahead = if is_new { self.ahead(&device) } else { None };
         for _ in 0..MOST_CATCH_UPS {
-            if let Some((pose, true)) = ahead {
+            // A little is the same facet.
+            let skin = self.options.proxy.skin;
+            if let Some((pose, true)) = ahead.filter(|(pose, _)| self.reach_to(pose) > skin) {
                 self.move_on(&pose)?;
                 ahead = self.ahead(&device);
             }
@@ -254,6 +256,11 @@ impl Session {
     fn ahead(&self, device: &Pose) -> Option<(Pose, bool)> {
         let proxy = self.proxy.as_ref()?;
         proxy.ahead(self.world.environment(), self.world.tool(), device).ok()?
+    }
+
+    /// How far any point of the tool is from there, metres.
+    fn reach_to(&self, pose: &Pose) -> f64 {
+        self.proxy.as_ref().map_or(0.0, |proxy| proxy.reach_to(pose))
     }
 
     fn move_on(&mut self, pose: &Pose) -> Result<()> {
