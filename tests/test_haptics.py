@@ -109,12 +109,13 @@ def test_the_same_steps_give_the_same_bits(scene: feeler.Scene, tool: feeler.Too
 
 
 def test_shading_is_an_option_that_records_keep(tool: feeler.Tool, tmp_path: Path) -> None:
-    # Askew on a tube of 24 facets the force is that of the smooth surface; a record from before there was shading has none.
+    # Askew on a tube of 24 facets the force is that of the smooth surface. A record from before it replays without.
     angle = np.arange(24) * (2 * np.pi / 24)
     ring = np.stack([0 * angle, 0.05 * np.sin(angle), 0.05 * np.cos(angle)], axis=1)
+    end = np.array([0.2, 0.0, 0.0])
     k, after = np.arange(24), (np.arange(24) + 1) % 24
     faces = np.concatenate([np.stack([k, k + 24, after], 1), np.stack([after, k + 24, after + 24], 1)])
-    scene = feeler.Scene(feeler.Mockup(np.concatenate([ring - [0.2, 0, 0], ring + [0.2, 0, 0]]), faces))
+    scene = feeler.Scene(feeler.Mockup(np.concatenate([ring - end, ring + end]), faces))
     ends = []
     for shading in (True, False):
         path = tmp_path / f"{shading}.npz"
