@@ -108,6 +108,33 @@ def test_the_same_steps_give_the_same_bits(scene: feeler.Scene, tool: feeler.Too
         haptics.replay(tmp_path / "none.npz")
 
 
+def test_shading_is_an_option_that_records_keep(tool: feeler.Tool, tmp_path: Path) -> None:
+    # Askew on a tube of 24 facets the force is that of the smooth surface. A record from before it replays without.
+    angle = np.arange(24) * (2 * np.pi / 24)
+    ring = np.stack([0 * angle, 0.05 * np.sin(angle), 0.05 * np.cos(angle)], axis=1)
+    end = np.array([0.2, 0.0, 0.0])
+    k, after = np.arange(24), (np.arange(24) + 1) % 24
+    faces = np.concatenate([np.stack([k, k + 24, after], 1), np.stack([after, k + 24, after + 24], 1)])
+    scene = feeler.Scene(feeler.Mockup(np.concatenate([ring - end, ring + end]), faces))
+    ends = []
+    for shading in (True, False):
+        path = tmp_path / f"{shading}.npz"
+        session = haptics.Session(scene, tool, shading=shading)
+        with session.record(path):
+            session.start(at(z=0.1))
+            ends += [[session.step(at(y=0.004, z=z)) for z in np.linspace(0.1, 0.05, 400)][-1]]
+        assert haptics.replay(path)
+    shaded, bare = ends
+    assert np.array_equal(shaded.world_from_proxy, bare.world_from_proxy)
+    assert not np.allclose(shaded.force, bare.force, rtol=0.01)
+    with np.load(tmp_path / "False.npz") as file:
+        arrays = dict(file)
+    head = json.loads(str(arrays["head"]))
+    del head["options"]["shading"]
+    np.savez(tmp_path / "old.npz", **{**arrays, "head": np.array(json.dumps(head))})
+    assert haptics.replay(tmp_path / "old.npz")
+
+
 def test_large_meshes_are_not_in_a_record(tool: feeler.Tool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("feeler.haptics.record.KEPT_TRIANGLES", 20)
     scene = feeler.Scene(feeler.Mockup(*box((-1, -1, -1), (1, 1, 0))))

@@ -132,7 +132,9 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         "constants": set(),
         "error": set(),
         # What one side hands to the other, and the pose that it allows.
-        "constraint_set": HAPTICS_BASE,
+        "smooth_surface": HAPTICS_BASE,
+        "shading": {*HAPTICS_BASE, "smooth_surface"},
+        "constraint_set": {*HAPTICS_BASE, "shading"},
         "proxy": {*HAPTICS_BASE, "coupling", "constraint_set"},
         "saturation": HAPTICS_BASE,
         # A mapping bounds its wrenches as the force loop does.
@@ -142,8 +144,8 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         "passivity": HAPTICS_BASE,
         "velocity": HAPTICS_BASE,
         # All of them, once a tick.
-        "force": {*HAPTICS_BASE, "saturation", "device", "coupling", "passivity"},
-        "servo": {*HAPTICS_BASE, "device", "coupling", "force", "velocity", "constraint_set"},
+        "force": {*HAPTICS_BASE, "saturation", "device", "coupling", "passivity", "shading"},
+        "servo": {*HAPTICS_BASE, "device", "coupling", "force", "velocity", "constraint_set", "shading"},
         "session": {
             *HAPTICS_BASE,
             *("device", "coupling", "servo", "constraint_set", "proxy"),

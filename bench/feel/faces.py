@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Protocol
@@ -139,6 +140,11 @@ def stiffened(face: str, stiffness_n_per_m: float) -> dict[str, Any] | None:
     if face != "feeler":
         return None
     return {"coupling": haptics.Coupling(stiffness_n_per_m=stiffness_n_per_m)}
+
+
+def unshaded(face: str) -> MakeFace | None:
+    """A face's maker without force shading; None where there is no such option."""
+    return functools.partial(feeler_session, shading=False) if face == "feeler" else None
 
 
 def makers() -> dict[str, MakeFace]:

@@ -74,11 +74,16 @@ def _forces(faces: dict[str, Result]) -> Any:
 
 
 def _sliding(faces: dict[str, Result]) -> Any:
-    rows = next(iter(faces.values()))["rows"]
+    # one ball on each cylinder, and the flat face
+    drawn = {
+        face: [row for row in found["rows"] if row["surface"] in ("cylinder", "flat face")]
+        for face, found in faces.items()
+    }
+    rows = next(iter(drawn.values()))
     figure, axes = _axes(len(rows), sharey=True)
     for at, own in enumerate(axes if len(rows) > 1 else [axes]):
-        for face, found in faces.items():
-            trace = found["rows"][at]["trace_n"]
+        for face, found in drawn.items():
+            trace = found[at]["trace_n"]
             own.plot(
                 [k / max(1, len(trace) - 1) for k in range(len(trace))], trace, color=_colour(face), lw=1, label=face
             )

@@ -101,7 +101,8 @@ def _forces(face: str, options: argparse.Namespace) -> Result:
 
 
 def _sliding(face: str, options: argparse.Namespace) -> Result:
-    return tessellation.sliding(faces.makers()[face], QUICK_SIDES if options.quick else SIDES)
+    sides = QUICK_SIDES if options.quick else SIDES
+    return tessellation.sliding(faces.makers()[face], sides, unshaded=faces.unshaded(face))
 
 
 def _closed(face: str, options: argparse.Namespace) -> Result:

@@ -90,6 +90,7 @@ def _sliding(faces: Faces) -> str:
                     f"{row['least_n']:.3f} to {row['largest_n']:.3f}",
                     f"{100 * row['size_jump']:.2f} %",
                     f"{100 * row['jump']:.2f} %",
+                    "–" if row.get("unshaded_jump") is None else f"{100 * row['unshaded_jump']:.2f} %",
                     f"{row['direction_rad']:.3f} ({row['allowed_rad']:.3f})",
                 ]
             )
@@ -100,6 +101,7 @@ def _sliding(faces: Faces) -> str:
         "range",
         "jump of its size a tick",
         "as a vector",
+        "without shading",
         "off the normal, rad (facets)",
     ]
     return markdown(heads, 2, sorted(lines))

@@ -622,6 +622,7 @@ class HapticsSession:
         coupling: Sequence[float],
         margin: float,
         skin: float,
+        shading: bool,
         collision_hz: float | None,
         put_down: Sequence[tuple[int, Scene]],
     ) -> Self:

@@ -22,6 +22,7 @@ SETTLE_TICKS = 200
 LOOKED_AT_TICKS = 50
 SLIDE_M_PER_S = 0.1
 START_TICKS = 200  # of a slide that are not looked at: a damper feels the start
+BALLS = ((32, 0.001), (32, 0.003), (32, 0.006), (16, 0.001), (64, 0.001))  # bands, how deep they are pressed (metres)
 FLAT_RAD = 1e-3  # off the normal of a flat face, at most
 FRAMES = {"flush": pose(), "turned": pose((0.02, -0.01, 0.03), (0.4, -0.7, 1.1))}
 
@@ -72,24 +73,34 @@ def forces(make: Callable[..., Face], cells: Sequence[int], seed: int = 0) -> di
     return {"depth_m": DEPTH_M, "rows": rows, "spread": {k: float(v) for k, v in spread.items()}}
 
 
-def sliding(make: Callable[..., Face], sides: Sequence[int], seed: int = 0) -> dict[str, Any]:
-    """A ball over cylinders of several tessellations, and a box along a flat face of 10,000 triangles."""
-    rows = [_over_cylinder(make, count, seed) for count in sides]
-    rows.append(_along_face(make, seed))
+def sliding(
+    make: Callable[..., Face], sides: Sequence[int], seed: int = 0, *, unshaded: Callable[..., Face] | None = None
+) -> dict[str, Any]:
+    """A ball over cylinders of several tessellations, and a box along a flat face of 10,000 triangles.
+
+    `unshaded`: the same face without force shading, for the jump that it has then.
+    """
+    rows = []
+    for count in sides:
+        for bands, depth in BALLS:
+            row = _over_cylinder(make, count, bands, depth, seed)
+            bare = None if unshaded is None else _over_cylinder(unshaded, count, bands, depth, seed)
+            rows.append({**row, "unshaded_jump": bare and bare["jump"]})
+    rows.append({**_along_face(make, seed), "unshaded_jump": None})
     return {"speed_m_per_s": SLIDE_M_PER_S, "depth_m": DEPTH_M, "rows": rows}
 
 
-def _over_cylinder(make: Callable[..., Face], sides: int, seed: int) -> dict[str, Any]:
-    radius, tool_radius, bands = 0.05, 0.01, 32
+def _over_cylinder(make: Callable[..., Face], sides: int, bands: int, depth: float, seed: int) -> dict[str, Any]:
+    radius, tool_radius = 0.05, 0.01
     scene = feeler.Scene(mockup_of(scenes.long_cylinder(sides, radius)), threads=1)
     face = make(scene, tool_of(ball(tool_radius, bands)), seed=seed)
-    reach = radius + tool_radius - DEPTH_M
+    reach = radius + tool_radius - depth
     half, a_tick = math.radians(30.0), SLIDE_M_PER_S * TICK_S / reach
     ticks = round(2 * half / a_tick)
     angles = -half + a_tick * np.arange(-START_TICKS, ticks)
-    # in along the normal first, then along the arc that is `DEPTH_M` deep
+    # in along the normal first, then along the arc that is `depth` deep
     radii = [
-        *np.linspace(reach + DEPTH_M + ABOVE_M, reach, PRESS_TICKS),
+        *np.linspace(reach + depth + ABOVE_M, reach, PRESS_TICKS),
         *([reach] * (SETTLE_TICKS + START_TICKS + ticks)),
     ]
     angles = np.concatenate([np.full(PRESS_TICKS + SETTLE_TICKS, angles[0]), angles])
@@ -99,7 +110,8 @@ def _over_cylinder(make: Callable[..., Face], sides: int, seed: int) -> dict[str
     row = _jumps(found[-ticks:], normals[-ticks:])
     # a facet is askew to the true normal by half its angle, on the cylinder and on the ball
     allowed = 0.5 * (facet + math.pi / bands)
-    return {"surface": "cylinder", "triangles": scene.mockup.triangle_count, "allowed_rad": allowed, **row}
+    what = "cylinder" if (bands, depth) == BALLS[0] else f"cylinder, {bands} bands, {1e3 * depth:g} mm deep"
+    return {"surface": what, "triangles": scene.mockup.triangle_count, "allowed_rad": allowed, **row}
 
 
 def _along_face(make: Callable[..., Face], seed: int) -> dict[str, Any]:

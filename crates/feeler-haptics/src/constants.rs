@@ -214,6 +214,10 @@ pub const LEAD_S: f64 = 0.01;
 /// How far (metres) the tool may move between two sets where nothing is nearer: 1 m/s at 10 sets a second. Larger: longer searches.
 pub const FREE_MARGIN: f64 = 0.1;
 
+/// How often in one step the collision side goes on to where the servo side has the proxy. More: the force belongs to contacts that were
+/// found nearer; slower where facets are crossed.
+pub const MOST_CATCH_UPS: usize = 2;
+
 /// Share of a set's margin that the proxy may move between two sets: what is left is for the arcs of turning points.
 pub const BOUND_SHARE: f64 = 0.95;
 
@@ -256,3 +260,64 @@ pub const TRACE_TICKS: usize = 4096;
 
 /// Planes that a view has: six hold a body with six freedoms.
 pub const VIEW_PLANES: usize = 6;
+
+// Force shading.
+
+/// Largest bend (radians) of a side of the tessellation: tessellators stop at 0.5 by default. Larger: chamfers of 30 degrees are felt
+/// round; smaller: tubes of few sides are felt with their facets.
+pub const LARGEST_SMOOTH_BEND: f64 = 0.51;
+
+/// Bend (radians) that is none. Larger: finely curved surfaces count as one flat face; smaller: rounding of flat faces is a bend.
+pub const FLAT_BEND: f64 = 1e-4;
+
+/// How many times larger or smaller the next bend of a curved surface may be. Larger: two real edges beside each other are felt round;
+/// smaller: curves that are cut unevenly are felt with their facets.
+pub const BEND_LIKENESS: f64 = 4.0;
+
+/// Least cosine between two sides that a surface bends over one after the other: triangles of equal sides have 0.5. Larger: these are
+/// felt with their facets; smaller: a bend along a surface is taken for one across it.
+pub const PARALLEL_COSINE: f64 = 0.4;
+
+/// Most triangles of one flat facet that are asked where it ends. More: finer cut facets are known as such; slower.
+pub const LARGEST_FLAT_WALK: usize = 16;
+
+/// Most triangles around a corner. More: the pole of a finer ball is whole; slower.
+pub const LARGEST_FAN: usize = 64;
+
+/// How many times smaller than the largest around a corner a triangle may be to count as much. Larger: a flat face is felt round beside
+/// a fillet; smaller: unevenly cut surfaces are.
+pub const LIKE_AREAS: f64 = 8.0;
+
+/// Share of a triangle's corner below which a point is on the side across from it. Larger: real edges are as wide as that; smaller:
+/// rounding decides.
+pub const EDGE_SHARE: f64 = 1e-6;
+
+/// Planes of a set that are shaded, the nearest ones. More: a crowded contact takes longer; fewer: some facets are felt there.
+pub const MOST_SHADED: usize = 8;
+
+/// Largest turn (radians) of a force by shading: the facets of both surfaces at half their largest bend. Larger: a mesh with bad normals
+/// turns the force more.
+pub const LARGEST_SHADING_TURN: f64 = 0.3;
+
+/// How much faster than the tool's the contact's normal may turn: where a pin fits a bore, by radius over play. Larger: the noise of the
+/// facets is felt in fits.
+pub const LARGEST_GAIN: f64 = 8.0;
+
+/// Curvature (one over metres) of what is flat: a radius of a kilometre. Larger: large curved surfaces count as flat.
+pub const LEAST_CURVATURE: f64 = 1e-3;
+
+/// Largest height (metres) of an arc over its facet: tessellators keep to less. Larger: a lid with bevelled sides is felt round; smaller:
+/// large radii that are cut coarsely are felt with their facets.
+pub const LARGEST_BULGE_M: f64 = 5e-4;
+
+/// Mean height of an arc over its chord, as a share of the largest: that of a parabola. Another value: a facet is felt harder or softer as
+/// a whole.
+pub const MEAN_OF_ARC: f64 = 2.0 / 3.0;
+
+/// Stretch of the spring, in heights of the smooth surface over its facets, from which on all of the force is turned. Smaller: the first
+/// touch of coarse facets is stiffer, by a third of its inverse; larger: light touches feel facets.
+pub const SHADING_RAMP: f64 = 1.5;
+
+/// How much a turned force may have given beside its potential before it is damped, as a share of the force times the height of the
+/// smooth surface over its facets. Larger: closed motions may gain more; smaller: coarse facets are damped.
+pub const SHADING_CREDIT: f64 = 0.2;

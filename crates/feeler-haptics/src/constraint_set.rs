@@ -4,12 +4,14 @@ use feeler_core::geometry::least_distance::{nearest, HalfSpace, Six, DIMENSIONS}
 use feeler_core::geometry::screw::{displaced, displacement, product, times, transposed, Twist};
 use feeler_core::geometry::vectors::{add, dot, length, scaled, sub};
 use feeler_core::tool::metric::Metric;
-use feeler_core::{Point, Pose};
+use feeler_core::{Point, Pose, Tool};
 
 pub use feeler_world::Plane;
+use feeler_world::{Environment, Pair};
 
-use crate::constants::{MOST_PLANES, MOST_ROWS, SOLVER_ROUNDS, SOLVER_STILL_SHARE};
+use crate::constants::{MOST_PLANES, MOST_ROWS, MOST_SHADED, SOLVER_ROUNDS, SOLVER_STILL_SHARE};
 use crate::error::Result;
+use crate::shading::{shading_of, Shade, Shading};
 
 /// A point of the tool that is held off a plane.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -47,6 +49,10 @@ pub struct ConstraintSet {
     row_count: usize,
     planes: [Plane; MOST_PLANES],
     plane_count: usize,
+    /// The triangles that a plane is between, and the smooth surfaces that these stand for.
+    pairs: [Option<Pair>; MOST_PLANES],
+    shades: [Option<Shade>; MOST_PLANES],
+    is_shaded: bool,
 }
 
 /// Working memory of [`ConstraintSet::nearest_pose`], and what it held the last time.
@@ -54,13 +60,15 @@ pub struct ConstraintSet {
 pub struct Solver {
     half_spaces: [HalfSpace; MOST_ROWS],
     held: [u64; DIMENSIONS],
+    /// How hard, metres along the normal.
+    pushes: [f64; DIMENSIONS],
     held_count: usize,
 }
 
 impl Default for Solver {
     fn default() -> Solver {
         let none = HalfSpace { normal: [0.0; DIMENSIONS], offset: 0.0 };
-        Solver { half_spaces: [none; MOST_ROWS], held: [0; DIMENSIONS], held_count: 0 }
+        Solver { half_spaces: [none; MOST_ROWS], held: [0; DIMENSIONS], pushes: [0.0; DIMENSIONS], held_count: 0 }
     }
 }
 
@@ -97,6 +105,9 @@ impl ConstraintSet {
             row_count: 0,
             planes: [Plane::default(); MOST_PLANES],
             plane_count: 0,
+            pairs: [None; MOST_PLANES],
+            shades: [None; MOST_PLANES],
+            is_shaded: false,
         }
     }
 
@@ -106,6 +117,7 @@ impl ConstraintSet {
         self.margin = margin;
         self.row_count = 0;
         self.plane_count = 0;
+        self.is_shaded = false;
     }
 
     /// Adds a plane with the points of the tool (world) that are held off the mock-up there, and how far off they are. Planes come nearest first; one that does not fit any more
@@ -125,6 +137,7 @@ impl ConstraintSet {
             return;
         }
         self.planes[self.plane_count] = plane;
+        (self.pairs[self.plane_count], self.shades[self.plane_count]) = (None, None);
         self.plane_count += 1;
         let centre = self.taken_at.apply(&self.metric.centre);
         for (point, gap) in points {
@@ -211,11 +224,52 @@ impl ConstraintSet {
         let was_held = |i: usize| held[..held_count].contains(&rows[i].id);
         let found = nearest(wish, &solver.half_spaces[..rows.len()], self.skin, was_held);
         solver.held_count = 0;
-        for (i, _) in found.active() {
+        for (i, multiplier) in found.active() {
             solver.held[solver.held_count] = rows[*i].id;
+            let [x, y, z, ..] = solver.half_spaces[*i].normal;
+            solver.pushes[solver.held_count] = multiplier * length(&[x, y, z]);
             solver.held_count += 1;
         }
         (found.point, found.is_feasible)
+    }
+
+    /// Says between which triangles the plane is that was added last, if it has that id.
+    pub(crate) fn set_pair(&mut self, id: u64, pair: Pair) {
+        if let Some(last) = self.plane_count.checked_sub(1).filter(|last| self.planes[*last].id == id) {
+            self.pairs[last] = Some(pair);
+        }
+    }
+
+    /// Finds the smooth surfaces behind the nearest planes, where that was not done yet.
+    pub(crate) fn shade(&mut self, environment: &Environment, tool: &Tool) {
+        if self.is_shaded {
+            return;
+        }
+        self.is_shaded = true;
+        let planes = &self.planes[..self.plane_count];
+        let mut nearest: Vec<usize> = (0..planes.len()).collect();
+        nearest.sort_by(|a, b| planes[*a].gap.total_cmp(&planes[*b].gap));
+        for i in nearest.into_iter().take(MOST_SHADED) {
+            self.shades[i] =
+                self.pairs[i].and_then(|pair| Shade::of_pair(environment, tool, &self.taken_at, &pair, &planes[i]));
+        }
+    }
+
+    /// How the force of the planes that a solver found to hold the tool is turned at a pose.
+    pub(crate) fn shading(&self, pose: &Pose, solver: &Solver) -> Shading {
+        let way = displacement(&self.taken_at, pose, &self.metric.centre);
+        let turn = product(pose.rotation(), &transposed(self.taken_at.rotation()));
+        let centre = self.taken_at.apply(&self.metric.centre);
+        shading_of(solver.held().iter().zip(&solver.pushes).filter_map(|(id, push)| {
+            let i = self.planes().iter().position(|plane| plane.id == *id)?;
+            let plane = &self.planes[i];
+            let (smooth, heights) = self.shades[i].map_or((plane.normal, [0.0; 2]), |shade| {
+                let arm = sub(&plane.point, &centre);
+                let linear = add(&way.linear, &sub(&times(&turn, &arm), &arm));
+                shade.at(plane, &Twist { linear, ..way })
+            });
+            Some((*push, plane.normal, smooth, heights))
+        }))
     }
 
     /// By how much a pose violates a row at most, metres: below zero where all are off by more than the skin.

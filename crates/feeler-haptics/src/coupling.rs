@@ -142,6 +142,11 @@ impl Coupling {
         (spring + damper).at(&scaled(&device_arm, -1.0))
     }
 
+    /// The force of the spring of translation alone, at the centre; arguments as of [`wrench`](Self::wrench).
+    pub(crate) fn spring_force(&self, device: &Pose, proxy: &Pose, centre: &Point) -> Point {
+        pull(self.stiffness_n_per_m, self.max_force_n, &displacement(device, proxy, centre).linear)
+    }
+
     /// The energy in the two springs, joules; arguments as of [`wrench`](Self::wrench).
     pub fn energy_j(&self, device: &Pose, proxy: &Pose, centre: &Point) -> f64 {
         let stretch = displacement(device, proxy, centre);

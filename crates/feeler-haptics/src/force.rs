@@ -1,18 +1,19 @@
 //! From two poses to a wrench that may go to a hand, once a tick: coupling, saturation, passivity, slew, watchdog.
 
 use feeler_core::geometry::screw::{displacement, Twist, Wrench};
-use feeler_core::geometry::vectors::{add, dot, length, scaled, sub};
+use feeler_core::geometry::vectors::{add, dot, length, scaled, sub, unit};
 use feeler_core::{Point, Pose};
 
 use crate::constants::{
     CONTROLLER_SHARE, JUMP_RATE, JUMP_SPEED, LONGEST_DELAY_TICKS, LONGEST_TICK_S, RATE_MEMORY_S, RATE_SHARE, RETURN_S,
-    SHORTEST_TICK_S,
+    SHADING_CREDIT, SHORTEST_TICK_S,
 };
 use crate::coupling::Coupling;
 use crate::device::{DeviceLimits, Freedoms};
 use crate::error::{Error, Result};
 use crate::passivity::Passivity;
 use crate::saturation::{added_within, saturated};
+use crate::shading::Shading;
 
 /// What a tick is given.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,6 +28,8 @@ pub struct ForceInput {
     pub proxy_twist: Twist,
     /// Where the springs act, tool frame.
     pub centre: Point,
+    /// How the force of the spring of translation is turned.
+    pub shading: Shading,
     /// Since the last tick, seconds.
     pub dt: f64,
     /// Something is wrong (a device that is silent, constraints that are too old, a clutch that is held): no force.
@@ -63,6 +66,8 @@ pub struct ForceLoop {
     period_s: f64,
     /// The last wrenches, the newest at `newest`, round and round.
     sent: [Wrench; LONGEST_DELAY_TICKS + 1],
+    /// What of these shading made.
+    shaded: [Wrench; LONGEST_DELAY_TICKS + 1],
     newest: usize,
     /// Share of the bounds.
     share: f64,
@@ -74,6 +79,7 @@ pub struct ForceLoop {
 struct Last {
     device: Pose,
     stored: f64,
+    held_by_shading: f64,
 }
 
 impl ForceLoop {
@@ -90,6 +96,7 @@ impl ForceLoop {
             nominal_s: 0.0,
             period_s: 0.0,
             sent: [Wrench::ZERO; LONGEST_DELAY_TICKS + 1],
+            shaded: [Wrench::ZERO; LONGEST_DELAY_TICKS + 1],
             newest: 0,
             share: 1.0,
             last: None,
@@ -164,8 +171,8 @@ impl ForceLoop {
     /// The wrench on the hand for the coming tick. Never above the bounds; [`Wrench::ZERO`] where anything is in doubt.
     pub fn step(&mut self, input: &ForceInput) -> Wrench {
         match self.answer(input) {
-            Some(wrench) => {
-                self.send(wrench);
+            Some((wrench, shaded)) => {
+                self.send(wrench, shaded);
                 wrench
             }
             None => {
@@ -184,21 +191,23 @@ impl ForceLoop {
         self.passivity.reset();
         self.share = 0.0;
         // Where the device is from now on: a jump is in doubt for one tick.
-        self.last = device.map(|device| Last { device, stored: 0.0 });
-        self.send(Wrench::ZERO);
+        self.last = device.map(|device| Last { device, stored: 0.0, held_by_shading: 0.0 });
+        self.send(Wrench::ZERO, Wrench::ZERO);
     }
 
-    fn send(&mut self, wrench: Wrench) {
+    fn send(&mut self, wrench: Wrench, shaded: Wrench) {
         self.newest = (self.newest + 1) % self.sent.len();
-        self.sent[self.newest] = wrench;
+        (self.sent[self.newest], self.shaded[self.newest]) = (wrench, shaded);
     }
 
-    fn answer(&mut self, input: &ForceInput) -> Option<Wrench> {
+    /// The wrench, and what of it shading makes.
+    fn answer(&mut self, input: &ForceInput) -> Option<(Wrench, Wrench)> {
         let is_sane = !input.in_doubt
             && is_tick(input.dt)
             && input.device_twist.is_finite()
             && input.proxy_twist.is_finite()
-            && input.centre.iter().all(|x| x.is_finite());
+            && input.centre.iter().chain(&input.shading.turn).all(|x| x.is_finite())
+            && (input.shading.height_m + input.shading.bulge_m).is_finite();
         if !is_sane {
             return None;
         }
@@ -222,25 +231,42 @@ impl ForceLoop {
             ..self.coupling
         };
         let (device, proxy, centre) = (&input.device, &input.proxy, &input.centre);
-        let mut pulled = coupling.wrench(device, &input.device_twist, proxy, &input.proxy_twist, centre);
+        let arms = [device, proxy].map(|pose| sub(&pose.apply(centre), pose.translation()));
+        let spring = coupling.spring_force(device, proxy, centre);
+        let is_full = length(&spring) >= coupling.max_force_n;
+        let stiffness = coupling.stiffness_n_per_m;
+        let (turned, held_by_shading) = input.shading.turned(&spring, if is_full { 0.0 } else { stiffness }, stiffness);
+        let mut shaded = Wrench { force: sub(&turned, &spring), torque: [0.0; 3] }.at(&scaled(&arms[0], -1.0));
+        let mut proxy_twist = input.proxy_twist;
+        if let Some(along) = unit(&turned).filter(|_| turned != spring) {
+            // From facet to facet the proxy jumps: across the normal it counts as moving with the device.
+            let rate = sub(&proxy_twist.at(&arms[1]).linear, &input.device_twist.at(&arms[0]).linear);
+            let across = sub(&rate, &scaled(&along, dot(&rate, &along)));
+            proxy_twist.linear = sub(&proxy_twist.linear, &across);
+        }
+        let mut pulled = coupling.wrench(device, &input.device_twist, proxy, &proxy_twist, centre);
         if !self.driven.translation {
-            pulled.force = [0.0; 3];
+            (pulled.force, shaded.force) = ([0.0; 3], [0.0; 3]);
         }
         if !self.driven.rotation {
-            pulled.torque = [0.0; 3];
+            (pulled.torque, shaded.torque) = ([0.0; 3], [0.0; 3]);
         }
-        let pulled = saturated(&pulled, coupling.max_force_n, coupling.max_torque_nm);
+        let pulled = saturated(&(pulled + shaded), coupling.max_force_n, coupling.max_torque_nm);
 
         let stored = coupling.energy_j(device, proxy, centre);
         if let Some(last) = &self.last {
             // What acted while the device moved: the delay is on the way in and on the way out, and shows as their sum.
-            let acted = self.sent[(self.newest + self.sent.len() - self.delay_ticks) % self.sent.len()];
+            let at = (self.newest + self.sent.len() - self.delay_ticks) % self.sent.len();
+            let (acted, by_shading) = (self.sent[at], -self.shaded[at].power(&moved));
             let is_free = stored == 0.0 && last.stored == 0.0;
-            self.passivity.observe(-acted.power(&moved), stored - last.stored, input.dt, is_free);
+            let credit = SHADING_CREDIT * length(&spring) * input.shading.bulge_m.max(0.0);
+            let lost = by_shading - (held_by_shading - last.held_by_shading);
+            let taken = -acted.power(&moved) - by_shading + self.passivity.lend(lost, credit);
+            self.passivity.observe(taken, stored - last.stored, input.dt, is_free);
         }
         // What is paid now is in the books when the delay is over; until then each tick pays its part.
         let part = 1.0 / (1 + self.delay_ticks) as f64;
-        let expected = self.expected_j(&coupling, input, stored);
+        let expected = self.expected_j(&coupling, &ForceInput { proxy_twist, ..*input }, stored);
         let damped = self.passivity.damping(&input.device_twist, part, expected, input.dt);
         let wanted = added_within(&pulled, &damped, coupling.max_force_n, coupling.max_torque_nm);
 
@@ -252,8 +278,8 @@ impl ForceLoop {
         if !(wrench.is_finite() && stored.is_finite()) {
             return None;
         }
-        self.last = Some(Last { device: input.device, stored });
-        Some(wrench)
+        self.last = Some(Last { device: input.device, stored, held_by_shading });
+        Some((wrench, shaded))
     }
 }
 
@@ -310,6 +336,7 @@ mod tests {
             proxy: Pose::IDENTITY,
             proxy_twist: Twist::ZERO,
             centre: [0.0; 3],
+            shading: Shading::NONE,
             dt: TICK,
             in_doubt: false,
         }
@@ -420,6 +447,7 @@ mod tests {
             proxy: pose_of(&rotation_of(&p.3), &p.2).unwrap(),
             proxy_twist: Twist { linear: t.2, angular: t.3 },
             centre,
+            shading: Shading { turn: scaled(&t.1, 0.03), height_m: 5e-5, bulge_m: 1e-4 },
             dt: if odd == 1 { f64::NAN } else { dt },
             in_doubt: odd == 0,
         })

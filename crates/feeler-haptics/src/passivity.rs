@@ -27,6 +27,8 @@ pub struct Passivity {
     rotational_damping: f64,
     largest_deficit: f64,
     surplus: f64,
+    /// What shading has given, joules: not above zero.
+    lent: f64,
 }
 
 impl Passivity {
@@ -38,6 +40,7 @@ impl Passivity {
             rotational_damping: rotational_damping_nm_s_per_rad,
             largest_deficit: largest_deficit_j,
             surplus: 0.0,
+            lent: 0.0,
         }
     }
 
@@ -46,6 +49,7 @@ impl Passivity {
         let surplus = self.surplus.max(-largest_deficit_j);
         *self = Passivity {
             surplus,
+            lent: self.lent,
             ..Passivity::new(damping_n_s_per_m, rotational_damping_nm_s_per_rad, largest_deficit_j)
         };
     }
@@ -60,6 +64,15 @@ impl Passivity {
             false => 1.0,
         };
         self.surplus = (surplus * kept).max(-self.largest_deficit);
+    }
+
+    /// Sets aside a little of what a turned force (see [`Shading`](crate::Shading)) gave in a tick beside its potential, and
+    /// gives what of that is to be [observed](Self::observe): curved surfaces are known to second order, and each facet that is
+    /// crossed gives and takes what they are off by. `taken_j`: for good, joules. `credit_j`: how much it may have given, not negative.
+    pub fn lend(&mut self, taken_j: f64, credit_j: f64) -> f64 {
+        let lent = self.lent + taken_j;
+        self.lent = lent.clamp(-credit_j, 0.0);
+        lent - self.lent
     }
 
     /// The wrench that takes the deficit's `share` and `expected_j` (joules, not negative: what the coming tick will
@@ -83,7 +96,7 @@ impl Passivity {
 
     /// New books.
     pub fn reset(&mut self) {
-        self.surplus = 0.0;
+        (self.surplus, self.lent) = (0.0, 0.0);
     }
 }
 

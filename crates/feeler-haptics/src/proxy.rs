@@ -16,10 +16,10 @@ use feeler_core::{Motion, Point, Pose};
 use feeler_world::{Care, Pair, Seated, Surroundings, Walk};
 
 use crate::constants::{
-    ARC_SKINS, BACK_OFF_HALVINGS, BACK_OFF_SHARE, CAST_SHARE, CLEARANCE_SHARE, FREE_MARGIN, LARGEST_CAST_TOLERANCE,
-    LEAST_CAST_TOLERANCE, LEAST_MARGIN, LEAST_TRUST, LIFT_SHARE, MOST_BLOCKERS, MOST_LIFT, MOST_PATIENCE, SEAT_REST,
-    SEAT_SLACK, SKINS_IN_MARGIN, SKIN_GROWTH, SKIN_HALVINGS, SKIN_LIFT, SQUEEZE_GAIN, SQUEEZE_SHARE, STILL_SHARE,
-    STRIDES, STRIDE_DECAY, STUCK_SHARE, TRUST_GROWTH,
+    ARC_SKINS, BACK_OFF_HALVINGS, BACK_OFF_SHARE, BOUND_SHARE, CAST_SHARE, CLEARANCE_SHARE, FREE_MARGIN,
+    LARGEST_CAST_TOLERANCE, LEAST_CAST_TOLERANCE, LEAST_MARGIN, LEAST_TRUST, LIFT_SHARE, MOST_BLOCKERS, MOST_LIFT,
+    MOST_PATIENCE, SEAT_REST, SEAT_SLACK, SKINS_IN_MARGIN, SKIN_GROWTH, SKIN_HALVINGS, SKIN_LIFT, SQUEEZE_GAIN,
+    SQUEEZE_SHARE, STILL_SHARE, STRIDES, STRIDE_DECAY, STUCK_SHARE, TRUST_GROWTH,
 };
 use crate::constraint_set::{ConstraintSet, NearestPose, Plane, Solver};
 use crate::coupling::Coupling;
@@ -192,6 +192,35 @@ impl Proxy {
         Ok(done)
     }
 
+    /// Where the servo side has it for a pose of the device, and whether the way there is free; `None` where it is there already.
+    pub fn ahead(&self, around: &Surroundings, target: &Pose) -> Result<Option<(Pose, bool)>> {
+        let set = &self.set;
+        let nearest = set.nearest_pose(target, BOUND_SHARE * set.margin, &mut self.solver.clone())?.pose;
+        if self.reach_to(&nearest) <= STUCK_SHARE * set.skin {
+            return Ok(None);
+        }
+        let normals: Vec<Point> = set.planes().iter().map(|plane| plane.normal).collect();
+        let care = Care { beside: &normals, tolerance: self.cast_tolerance(), finer: 1.0 };
+        let walk = around.walk(&self.seated, (&set.taken_at, &nearest), care)?;
+        Ok(Some((nearest, walk.stop.is_none())))
+    }
+
+    /// Moves it along a free way, and finds its contacts.
+    pub fn move_on(&mut self, around: &Surroundings, pose: &Pose) -> Result<()> {
+        let time = self.set.time;
+        if let Some(left) = around.left_at(&self.seated, pose)? {
+            self.seated = left;
+        }
+        self.look_around(around, pose)?;
+        self.set.time = time;
+        Ok(())
+    }
+
+    /// Finds the smooth surfaces behind the contacts: see [`Shading`](crate::Shading).
+    pub fn shade(&mut self, around: &Surroundings) {
+        self.set.shade(around.environment(), around.tool());
+    }
+
     /// Motions towards the target, each as far as it is free, until none leads on. Whether contacts hold it.
     fn approach(&mut self, around: &Surroundings, target: &Pose, done: &mut Advance) -> Result<bool> {
         let mut distance = self.distance_to(target);
@@ -266,7 +295,7 @@ impl Proxy {
     }
 
     /// How far any point of the tool moves from here to a pose, metres.
-    fn reach_to(&self, pose: &Pose) -> f64 {
+    pub(crate) fn reach_to(&self, pose: &Pose) -> f64 {
         displacement(&self.set.taken_at, pose, &self.set.metric.centre).reach(self.set.metric.radius)
     }
 
@@ -364,7 +393,12 @@ impl Proxy {
             }
         }
         for manifold in &self.manifolds.manifolds {
-            self.set.push(plane_of(manifold), manifold.points().iter().map(|p| (p.point, p.gap)));
+            let plane = plane_of(manifold);
+            self.set.push(plane, manifold.points().iter().map(|p| (p.point, p.gap)));
+            let [tool_triangle, triangle] = manifold.triangles;
+            let bodies = &around.environment().bodies;
+            let body = bodies.iter().position(|body| body.part == Some(manifold.part)).unwrap_or(0) as u32;
+            self.set.set_pair(plane.id, Pair { body, tool_triangle, triangle });
         }
         self.push_blockers(around, pose);
         self.skin = self.fit_skin();
@@ -386,6 +420,7 @@ impl Proxy {
             let part = around.environment().part_of(pair);
             let plane = Plane { point: closest.on_q, normal, gap: closest.distance, part, id };
             set.push(plane, std::iter::once((closest.on_p, closest.distance)));
+            set.set_pair(id, *pair);
             true
         });
     }

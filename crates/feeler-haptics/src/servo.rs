@@ -7,12 +7,13 @@
 use feeler_core::geometry::screw::{Twist, Wrench};
 use feeler_core::{Point, Pose};
 
-use crate::constants::{BOUND_SHARE, OLDEST_SET_S, PROXY_RESOLUTION_M, PROXY_RESOLUTION_RAD};
+use crate::constants::{BOUND_SHARE, OLDEST_SET_S, PROXY_RESOLUTION_M, PROXY_RESOLUTION_RAD, STUCK_SHARE};
 use crate::constraint_set::{ConstraintSet, Solver};
 use crate::coupling::Coupling;
 use crate::device::{DeviceLimits, Freedoms};
 use crate::error::Result;
 use crate::force::{ForceInput, ForceLoop};
+use crate::shading::Shading;
 use crate::velocity::VelocityEstimate;
 
 /// What a tick is given.
@@ -40,8 +41,6 @@ pub enum Mode {
     Contact,
     /// The constraints are not good for more: it moves on with the next set.
     Bound,
-    /// There is no proxy: the device's pose was in collision since the start. It begins where that is free.
-    Colliding,
     /// The force is let go: the device told nothing that can be, or the constraints are too old.
     Doubt,
 }
@@ -105,15 +104,25 @@ impl Servo {
 
     /// One tick.
     pub fn tick(&mut self, set: &ConstraintSet, input: &ServoInput) -> ServoOutput {
+        self.tick_within(set, input, f64::INFINITY)
+    }
+
+    /// A tick with the proxy where the set was taken.
+    pub(crate) fn tick_at(&mut self, set: &ConstraintSet, input: &ServoInput) -> ServoOutput {
+        self.tick_within(set, input, STUCK_SHARE * set.skin)
+    }
+
+    fn tick_within(&mut self, set: &ConstraintSet, input: &ServoInput, most: f64) -> ServoOutput {
         let age = (input.now - set.time).max(0.0);
-        let bound = BOUND_SHARE * set.margin;
+        let bound = (BOUND_SHARE * set.margin).min(most);
         let nearest = set.nearest_pose(&input.device, bound, &mut self.solver).ok();
         let in_doubt = input.in_doubt || age > OLDEST_SET_S || nearest.is_none();
         let proxy = nearest.map_or(set.taken_at, |nearest| nearest.pose);
         let mode = match nearest {
             _ if in_doubt => Mode::Doubt,
-            Some(nearest) if nearest.is_at_bound => Mode::Bound,
+            Some(nearest) if nearest.is_at_bound && most.is_infinite() => Mode::Bound,
             _ if !self.solver.held().is_empty() => Mode::Contact,
+            Some(nearest) if nearest.is_at_bound => Mode::Bound,
             _ => Mode::Free,
         };
         // In the air it is where the device is, and moves as that: nothing is felt, not even rounding.
@@ -121,12 +130,17 @@ impl Servo {
         let device_twist = input.device_twist.unwrap_or(self.device_velocity.update(&input.device, input.now));
         let found = self.proxy_velocity.update(&proxy, input.now);
         let proxy_twist = if mode == Mode::Free { device_twist } else { found };
+        let shading = match mode {
+            Mode::Contact | Mode::Bound => set.shading(&proxy, &self.solver),
+            _ => Shading::NONE,
+        };
         let wrench = self.force.step(&ForceInput {
             device: input.device,
             device_twist,
             proxy,
             proxy_twist,
             centre: self.centre,
+            shading,
             dt: input.dt,
             in_doubt,
         });

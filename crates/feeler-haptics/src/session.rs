@@ -9,7 +9,7 @@ use feeler_core::tool::metric::Metric;
 use feeler_core::{Point, Pose, Scene, Tool};
 use feeler_world::{Body, PutDown, Seat, SeatKind, World};
 
-use crate::constants::{HELD_SHARE, LONGEST_TICK_S, RATE_SHARE, SHORTEST_TICK_S};
+use crate::constants::{HELD_SHARE, LONGEST_TICK_S, MOST_CATCH_UPS, RATE_SHARE, SHORTEST_TICK_S};
 use crate::constraint_set::{ConstraintSet, Plane};
 use crate::coupling::Coupling;
 use crate::device::{DeviceLimits, Freedoms};
@@ -28,6 +28,8 @@ pub struct SessionOptions {
     pub collision_hz: Option<f64>,
     /// Which freedoms the device drives.
     pub driven: Freedoms,
+    /// Whether the force on the facets of a curved surface is that on the surface which they stand for.
+    pub shading: bool,
     /// What the device holds; `None`: as much as the coupling asks.
     pub limits: Option<DeviceLimits>,
 }
@@ -39,6 +41,7 @@ impl Default for SessionOptions {
             proxy: ProxyOptions::default(),
             collision_hz: None,
             driven: Freedoms { translation: true, rotation: true },
+            shading: true,
             limits: None,
         }
     }
@@ -224,14 +227,48 @@ impl Session {
             self.find_contacts(&device)?;
             self.found = Some(self.clock);
         }
-        let output = self.tick(&device, dt)?;
+        // The force is that of the servo side's proxy. Where contacts are new it is the step's too, unless the way there is not free.
+        let is_new = self.found == Some(self.clock);
+        let mut ahead = if is_new { self.ahead(&device) } else { None };
+        for _ in 0..MOST_CATCH_UPS {
+            // A little is the same facet.
+            let skin = self.options.proxy.skin;
+            if let Some((pose, true)) = ahead.filter(|(pose, _)| self.reach_to(pose) > skin) {
+                self.move_on(&pose)?;
+                ahead = self.ahead(&device);
+            }
+        }
+        let output = self.tick(&device, dt, ahead.is_some_and(|(_, is_free)| !is_free))?;
+        if let Some((pose, true)) = ahead {
+            self.move_on(&pose)?;
+        }
         let pose = *self.proxy.as_ref().ok_or(Error::NotStarted)?.pose();
         Ok(Step { proxy: pose, wrench: output.wrench, age: output.age, mode: output.mode })
     }
 
+    /// Where the servo side will have the proxy, if that is elsewhere, and whether the way there is free.
+    fn ahead(&self, device: &Pose) -> Option<(Pose, bool)> {
+        let proxy = self.proxy.as_ref()?;
+        proxy.ahead(self.world.around(), device).ok()?
+    }
+
+    /// How far any point of the tool is from there, metres.
+    fn reach_to(&self, pose: &Pose) -> f64 {
+        self.proxy.as_ref().map_or(0.0, |proxy| proxy.reach_to(pose))
+    }
+
+    fn move_on(&mut self, pose: &Pose) -> Result<()> {
+        let Some(proxy) = &mut self.proxy else { return Ok(()) };
+        proxy.move_on(self.world.around(), pose)?;
+        if self.options.shading {
+            proxy.shade(self.world.around());
+        }
+        Ok(())
+    }
+
     /// The servo side of a step: as many ticks as it is long for, the device moving evenly from the last to this pose; or none, and the
-    /// last wrench stands, until steps that are shorter than any tick make one.
-    fn tick(&mut self, device: &Pose, dt: f64) -> Result<ServoOutput> {
+    /// last wrench stands, until steps that are shorter than any tick make one. `is_blocked`: the proxy can go no farther than it is.
+    fn tick(&mut self, device: &Pose, dt: f64, is_blocked: bool) -> Result<ServoOutput> {
         let since = self.ticked.map_or(dt, |ticked| self.clock - ticked.at);
         let whole = if (since - dt).abs() <= 1e-9 * dt { dt } else { since };
         if let Some(ticked) = self.ticked.filter(|_| whole < SHORTEST_TICK_S) {
@@ -251,7 +288,12 @@ impl Session {
             let by = Twist { linear: scaled(&way.linear, share), angular: scaled(&way.angular, share) };
             tick(displaced(&from, &by, &self.metric.centre)?, self.clock - (1.0 - share) * whole);
         }
-        let output = tick(*device, self.clock);
+        let output = if is_blocked {
+            let last = ServoInput { device: *device, device_twist: None, now: self.clock, dt: part, in_doubt: false };
+            servo.tick_at(proxy.constraints(), &last)
+        } else {
+            tick(*device, self.clock)
+        };
         self.ticked = Some(Ticked { at: self.clock, device: *device, output });
         Ok(output)
     }
@@ -342,6 +384,9 @@ impl Session {
     fn find_contacts(&mut self, device: &Pose) -> Result<()> {
         let Some(proxy) = &mut self.proxy else { return Ok(()) };
         self.advance = proxy.advance(self.world.around(), device)?;
+        if self.options.shading {
+            proxy.shade(self.world.around());
+        }
         proxy.set_time(self.clock);
         Ok(())
     }

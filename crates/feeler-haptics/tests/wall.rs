@@ -8,7 +8,7 @@ use feeler_haptics::device::hand::{Hand, HandPath};
 use feeler_haptics::device::simulated::{SimulatedDevice, SimulatedOptions};
 use feeler_haptics::device::{Device, DeviceInfo, DeviceLimits, Freedoms};
 use feeler_haptics::screw::{displacement, pose_of, rotation_of, Twist, Wrench};
-use feeler_haptics::{Coupling, ForceInput, ForceLoop, VelocityEstimate};
+use feeler_haptics::{Coupling, ForceInput, ForceLoop, Shading, VelocityEstimate};
 use proptest::prelude::*;
 
 const TICK: f64 = 1e-3;
@@ -80,6 +80,7 @@ fn run(device: &mut SimulatedDevice, force: &mut Force, centre: Point, grip_s: f
                 proxy,
                 proxy_twist,
                 centre,
+                shading: Shading::NONE,
                 dt: TICK,
                 in_doubt: false,
             }),
@@ -238,6 +239,7 @@ fn let_go_at_depth_it_comes_out_below_the_bound_and_with_no_more_than_the_spring
                     proxy,
                     proxy_twist,
                     centre: [0.0; 3],
+                    shading: Shading::NONE,
                     dt: TICK,
                     in_doubt: false,
                 };
@@ -292,6 +294,7 @@ fn work(info: &DeviceInfo, coupling: Coupling, centre: &Point, poses: &[Pose]) -
             proxy,
             proxy_twist,
             centre: *centre,
+            shading: Shading::NONE,
             dt: TICK,
             in_doubt: false,
         };
@@ -430,6 +433,7 @@ fn a_turn_against_a_stop_hums_when_too_stiff_and_rests_as_stiff_as_the_device_ho
                     proxy,
                     proxy_twist,
                     centre,
+                    shading: Shading::NONE,
                     dt: TICK,
                     in_doubt: false,
                 }),

@@ -65,7 +65,6 @@ pub fn name_of(mode: Mode) -> &'static str {
         Mode::Free => "free",
         Mode::Contact => "contact",
         Mode::Bound => "bound",
-        Mode::Colliding => "colliding",
         Mode::Doubt => "doubt",
     }
 }
@@ -169,10 +168,12 @@ impl HapticsSession {
         coupling: [f64; 8],
         margin: f64,
         skin: f64,
+        shading: bool,
         collision_hz: Option<f64>,
         put_down: Vec<(u32, PyRef<'_, Scene>)>,
     ) -> PyResult<HapticsSession> {
-        let mut options = SessionOptions { coupling: coupling_of(coupling), collision_hz, ..Default::default() };
+        let mut options =
+            SessionOptions { coupling: coupling_of(coupling), shading, collision_hz, ..Default::default() };
         (options.proxy.margin, options.proxy.skin) = (margin, skin);
         let (scene, tool) = (scene.core(), Arc::clone(tool.core()));
         let put_down: Vec<PutDown> =

@@ -142,7 +142,8 @@ def replay(
             events, inputs, outputs = record["events"], record["inputs"], record["outputs"]
             if head["format"] not in _READ:
                 raise LoadError(f"{path}: format {head['format']}, this feeler reads {FORMAT}")
-            options, coupling = head["options"], Coupling(**head["coupling"])
+            # A record from before there was shading has none.
+            options, coupling = {"shading": False, **head["options"]}, Coupling(**head["coupling"])
             lying = {int(part): str(digest) for part, digest in head.get("put_down", [])}
             has_meshes = "tool.faces" in record
             if scene is None or tool is None:

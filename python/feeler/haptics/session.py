@@ -20,6 +20,7 @@ from feeler.scene import Scene
 
 Floats = npt.NDArray[np.float64]
 MODES = ("free", "contact", "bound", "colliding", "doubt")
+"""As records number them; `colliding` is of records of format 1 and 2 alone."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +49,7 @@ class Step:
     """What one step gives."""
 
     world_from_proxy: Floats
-    """`(4, 4)`: where the mock-up lets the tool be; free by the exact test, and reached by a free motion."""
+    """`(4, 4)`: where the mock-up lets the tool be; free by the exact test but for seats, and reached by a free motion."""
     force: Floats
     """`(3,)`: on the hand, newtons, world axes."""
     torque: Floats
@@ -58,8 +59,7 @@ class Step:
     """Of the contact planes, seconds."""
     mode: str
     """What holds the proxy: `free`, `contact`, `bound` (the planes are good for no more: it moves on with the next),
-    `colliding` (the session began in collision, and the device is not free yet), `doubt` (the force is let go: the pose
-    was not one, or the planes are too old)."""
+    `doubt` (the force is let go: the pose was not one, or the planes are too old)."""
 
 
 @dataclass(frozen=True)
@@ -103,6 +103,8 @@ class Session(Runs):
     - `coupling`: how the hand is held to the tool; default `Coupling()`.
     - `margin`: what is nearer than this (metres) is a contact.
     - `skin`: how far the proxy stays off (metres); where the clearance is less than twice that, half of it.
+    - `shading`: the force on the facets of a curved surface has the direction that it has on the smooth surface; False:
+      that of the facet.
     - `collision_hz`: how often contacts are found, to the nearest step; default: each step.
     - `put_down`: parts that lie elsewhere than in the mock-up from the beginning, as if the session had put them down:
       by part (index, path or pattern that names one), a scene of that part alone, where it lies. Each is felt there,
@@ -128,6 +130,7 @@ class Session(Runs):
         coupling: Coupling | None = None,
         margin: float = 0.002,
         skin: float = 2e-5,
+        shading: bool = True,
         collision_hz: float | None = None,
         seed: int = 0,
         put_down: Mapping[int, Scene] | Mapping[str, Scene] | None = None,
@@ -141,6 +144,7 @@ class Session(Runs):
         options: dict[str, Any] = {
             "margin": float(margin),
             "skin": float(skin),
+            "shading": bool(shading),
             "collision_hz": None if collision_hz is None else float(collision_hz),
             "seed": int(seed),
         }
@@ -149,7 +153,8 @@ class Session(Runs):
             if not isinstance(alone, Scene):
                 raise OptionError(f"put_down has a {type(alone).__name__} for part {part}: pass a feeler.Scene of it")
         margin, skin, rate = options["margin"], options["skin"], options["collision_hz"]
-        self = super().__new__(cls, scene, tool, coupling.as_numbers(), margin, skin, rate, lying)
+        shading = options["shading"]
+        self = super().__new__(cls, scene, tool, coupling.as_numbers(), margin, skin, shading, rate, lying)
         self.scene, self.tool, self.coupling = scene, tool, coupling
         self._options, self._put_down, self._recorder = options, dict(lying), None
         return self

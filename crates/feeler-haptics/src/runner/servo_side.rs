@@ -224,8 +224,7 @@ impl ServoSide {
         let device = mapped.map_or(self.target.pose, |mapped| mapped.world_from_tool);
         if !handed.has_proxy {
             self.servo.let_go();
-            let mode = if mapped.is_some() { Mode::Colliding } else { Mode::Doubt };
-            return ServoOutput { wrench: Wrench::ZERO, proxy: device, age: 0.0, mode };
+            return ServoOutput { wrench: Wrench::ZERO, proxy: device, age: 0.0, mode: Mode::Doubt };
         }
         // A clutch is no doubt, but it has no force either.
         let in_doubt = mapped.is_none_or(|mapped| mapped.is_clutched);
