@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 use feeler_core::mesh::topology::body_outlines::hull;
 use feeler_lanes::{Checked, Kernel, Simd, WIDE_LANES};
 
-use crate::constants::{FOOTING_DIRECTIONS, FOOTING_MERGED, JUST_BEYOND, MOST_FANS, ON_BORDER};
+use crate::constants::{FEW_FEET, FOOTING_DIRECTIONS, FOOTING_MERGED, JUST_BEYOND, MOST_FANS, ON_BORDER};
 
 const BATCHES: usize = FOOTING_DIRECTIONS / WIDE_LANES;
 const _: () = assert!(FOOTING_DIRECTIONS % WIDE_LANES == 0);
@@ -36,9 +36,6 @@ impl Foot {
         }
     }
 }
-
-/// Points up to which a hull is found at once.
-const FEW_FEET: usize = 24;
 
 /// The hull of all points across the normal.
 pub(crate) fn across_hull(feet: &[Foot]) -> Vec<Foot> {

@@ -8,8 +8,8 @@ use std::cmp::Ordering;
 
 use crate::constants::{
     AROUND_CORNER_SHARE, COORDINATE_NOISE, DIRECTION_NOISE, DISTANCE_NOISE, DOWNHILL_SLOPE, EQUALLY_NEAR_SHARE,
-    MOST_PAIRS_AROUND_CORNER, MOST_PLANES, SAME_DIRECTION, SAME_DIRECTION_SINE, SAME_NORMAL, SEPARATION_SLACK,
-    SNAP_COSINE,
+    FEW_FRESH, MOST_PAIRS_AROUND_CORNER, MOST_PLANES, SAME_DIRECTION, SAME_DIRECTION_SINE, SAME_NORMAL,
+    SEPARATION_SLACK, SNAP_COSINE, SORTED_AT_ONCE,
 };
 use crate::contact_plane::ContactPlane;
 use crate::containers::interner::{pair_key, Interner};
@@ -161,12 +161,6 @@ struct Entry {
     distance: f64,
     near: Near,
 }
-
-/// Pairs that are put in order at once: of many mostly few are asked for.
-const SORTED_AT_ONCE: usize = 2048;
-
-/// Pairs that are put in their places one by one.
-const FEW_FRESH: usize = 4 * WIDE_LANES;
 
 /// Measured pairs, the nearest first. Nearly all come before the first is taken.
 #[derive(Debug, Default)]
