@@ -9,7 +9,7 @@ use feeler_lanes::{Checked, Kernel, Simd, WIDE_LANES};
 use crate::constants::{FEW_FEET, FOOTING_DIRECTIONS, FOOTING_MERGED, JUST_BEYOND, MOST_FANS, ON_BORDER};
 
 const BATCHES: usize = FOOTING_DIRECTIONS / WIDE_LANES;
-const _: () = assert!(FOOTING_DIRECTIONS % WIDE_LANES == 0);
+const _: () = assert!(BATCHES * WIDE_LANES == FOOTING_DIRECTIONS);
 
 /// Sines and cosines of the directions around a normal.
 static DIRECTIONS: LazyLock<[[[f64; WIDE_LANES]; 2]; BATCHES]> = LazyLock::new(|| {

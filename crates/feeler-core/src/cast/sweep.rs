@@ -253,6 +253,7 @@ impl Chase<'_> {
         let mockup = self.index.mockup();
         let mesh = mockup.mesh();
         let mut moving: Option<(u32, Moving<'_>)> = None;
+        let mut at = 0;
         for &pair in pairs.iter() {
             let (slot, triangle) = ((pair >> 32) as u32, pair as u32);
             if moving.as_ref().is_none_or(|(s, _)| *s != slot) {
@@ -272,7 +273,11 @@ impl Chase<'_> {
                 let of_tool = self.tool.adjacency().outward[tool_triangle as usize];
                 let senses = [of_tool, mockup.adjacency().outward[triangle as usize]];
                 let span = (self.from, self.until);
-                let held = self.before.binary_search_by_key(&pair, |(held, _)| *held).ok().map(|at| self.before[at].1);
+                // Both lists are in order.
+                while self.before.get(at).is_some_and(|(other, _)| *other < pair) {
+                    at += 1;
+                }
+                let held = self.before.get(at).filter(|(other, _)| *other == pair).map(|(_, normal)| *normal);
                 match moving.slide(&q, senses, span, pose, held, self.tolerance) {
                     Slide::Blocked(time) => Some(time),
                     Slide::Free(normal) => {
