@@ -10,7 +10,7 @@ run = importlib.import_module("feel.run")
 goals = importlib.import_module("feel.goals")
 
 
-@pytest.mark.parametrize("experiment", ["passing", "forces", "sliding", "step_response", "release", "pegs"])
+@pytest.mark.parametrize("experiment", ["passing", "forces", "sliding", "step_response", "release", "pegs", "fits"])
 def test_goals_are_met(experiment: str) -> None:
     options = run.parse(["--quick", "--faces", "feeler", "--only", experiment, "--runs", "15", "--seeds", "1"])
     found = run.run(options)["faces"]["feeler"]

@@ -21,6 +21,13 @@ HOLE_CHAMFER_M = 0.0005  # at 45 degrees
 FACET_SHARE = 0.05  # of the radial clearance: what a facet may be off its circle
 LEAST_SAGITTA_M = 1e-7  # no finer than this, or a fit without clearance would want endless facets
 SHAPES = ("round", "square")
+SIDES = 96  # of what is timed
+BORE_PLAY = 0.01  # of the shaft's radius
+BORE_M = 0.05
+PITCH_M = 0.0015  # M10
+MINOR_RADIUS_M, FLANK_M = 0.0042, 0.0008  # of its bolt
+TURNS = 4
+THREAD_SIDES = 32
 
 
 @dataclass(frozen=True)
@@ -81,8 +88,9 @@ def peg_in_hole(
     length: float = 0.07,
     chamfer: float = PIN_CHAMFER_M,
     hole_chamfer: float = HOLE_CHAMFER_M,
+    sides: int | None = None,
 ) -> PegInHole:
-    """A peg and its hole.
+    """A peg and its hole; round ones have `sides`, or as many as the fit needs.
 
     A round peg's corners lie on its circle and a round hole's sides touch its circle: neither reaches into the
     clearance. Square ones have sharp corners in the hole and corners cut by 0.3 mm on the peg.
@@ -91,7 +99,7 @@ def peg_in_hole(
     clearance = hole_across - peg_across
     drop = chamfer * math.tan(PIN_CHAMFER_RAD)
     if shape == "round":
-        sides = sides_for(0.5 * hole_across, clearance)
+        sides = sides or sides_for(0.5 * hole_across, clearance)
         sagitta = 0.5 * hole_across * (1.0 / math.cos(math.pi / sides) - 1.0)
         hole_section, peg_section = regular(1.0, sides, around=True), regular(1.0, sides)
     elif shape == "square":
@@ -109,6 +117,32 @@ def peg_in_hole(
     p = 0.5 * peg_across
     peg_rows = [(p - drop, 0.0), (p, chamfer), (p, length)]
     return PegInHole(_lathe(hole_section, hole_rows), _lathe(peg_section, peg_rows), depth, clearance, sides, sagitta)
+
+
+def shaft_in_bore() -> tuple[Mesh, Mesh]:
+    """A block with a blind bore along z, its mouth at z = 0; a shaft of 10 mm radius, its end at z = 0 of the tool."""
+    r = 0.5 * NOMINAL_M
+    rows = [(r * (1.0 + BORE_PLAY), -BORE_M), (r * (1.0 + BORE_PLAY), 0.0), (2 * r, 0.0), (2 * r, -BORE_M - 0.01)]
+    around, within = regular(1.0, SIDES, around=True), regular(1.0, SIDES)
+    return _lathe(around, rows), _lathe(within, [(r, 0.0), (r, BORE_M + 0.02)])
+
+
+def bolt_in_nut(play: float = 6e-5) -> tuple[Mesh, Mesh]:
+    """The thread of an M10 nut and that of its bolt, `play` metres off it, as open surfaces about z."""
+    return _thread(MINOR_RADIUS_M + play), _thread(MINOR_RADIUS_M)
+
+
+def _thread(radius: float) -> Mesh:
+    """Flanks of 45 degrees or so and flats between them, wound up: a quarter of the pitch each."""
+    turn = 2 * np.pi * np.arange(THREAD_SIDES + 1) / THREAD_SIDES
+    rows = []
+    for quarter in range(4 * TURNS + 1):
+        r, z = radius + FLANK_M * (quarter % 4 // 2), PITCH_M * (0.25 * quarter + turn / (2 * np.pi))
+        rows.append(np.stack([r * np.cos(turn), r * np.sin(turn), z], axis=1))
+    first = np.arange(4 * TURNS)[:, None] * (THREAD_SIDES + 1) + np.arange(THREAD_SIDES)
+    a, b, c, d = (first + off for off in (0, 1, THREAD_SIDES + 1, THREAD_SIDES + 2))
+    faces = np.concatenate([np.stack([a, b, d], axis=-1), np.stack([a, d, c], axis=-1)], axis=1)
+    return np.concatenate(rows), faces.reshape(-1, 3)
 
 
 def _lathe(section: Floats, rows: list[tuple[float, float]]) -> Mesh:

@@ -16,6 +16,9 @@ MOST_RELEASED = 1.05  # a force that holds for a tick gives some; of a hand that
 MOST_KICK = 0.01  # above the force before the release
 LEAST_MEDIAN_HZ = 1000.0
 LEAST_P99_HZ = 250.0
+PEG_MS = (1.0, 4.0)  # a step, median and p99
+BOLT_MS = (5.0, 20.0)
+BORE_MS = 5.0
 
 Result = dict[str, Any]
 
@@ -121,6 +124,21 @@ def _engine(result: Result) -> Iterator[Goal]:
         yield Goal("engine", f"{where}: steps in collision", "0", f"{hit}", hit == 0)
 
 
+def _fits(result: Result) -> Iterator[Goal]:
+    for row in result["rows"]:
+        goal = PEG_MS if row["what"].startswith("peg") else BOLT_MS
+        for share, wanted in zip(("median", "p99"), goal, strict=True):
+            found = 1e-3 * row["step_us"][share]
+            said = f"{found:.2f} ms"
+            yield Goal("fits", f"{row['what']}: a step, {share}", f"{wanted:g} ms", said, found <= wanted, True)
+        hit = row["colliding_steps"]
+        yield Goal("fits", f"{row['what']}: steps in collision", "0", f"{hit}", hit == 0)
+    for row in result["casts"]:
+        found = 1e-3 * row["cast_us"]["median"]
+        what = f"a cast along a bore, {row['way']}, touching {row['touching']}"
+        yield Goal("fits", what, f"{BORE_MS:g} ms", f"{found:.2f} ms", found <= BORE_MS, True)
+
+
 JUDGES = {
     "passing": _passing,
     "forces": _forces,
@@ -131,4 +149,5 @@ JUDGES = {
     "pegs": _pegs,
     "ways": _ways,
     "engine": _engine,
+    "fits": _fits,
 }

@@ -7,8 +7,9 @@
     python bench/feel/run.py --record                and into bench/records/feel.json, for docs/haptics.md
 
 Written into the folder (target/feel): feel.json with all that was found, tables.md, and plots where matplotlib is. All
-but the engine's times is decided on simulated time: the same arguments give the same numbers on any machine. The exit
-status is 1 if a goal is missed (bench/feel/goals.py) that no clock decides. Which baselines stand beside: --faces.
+but the times in the engine and in fits is decided on simulated time: the same arguments give the same numbers on any
+machine. The exit status is 1 if a goal is missed (bench/feel/goals.py) that no clock decides. Which baselines stand
+beside: --faces.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ import pages
 from command_line import listed, one_of
 
 from feel import faces, goals, plots, scenes, tables
-from feel.experiments import energy, engine, fitting, passing, tessellation
+from feel.experiments import energy, engine, fitting, passing, tessellation, tight
 from feeler.progress import bar
 
 OUT = host.ROOT / "target" / "feel"
@@ -38,6 +39,7 @@ RECORD = host.ROOT / "bench" / "records" / "feel.json"
 RUNS, QUICK_RUNS, MOST_BASELINE_RUNS = 10_000, 45, 450
 SEEDS, QUICK_SEEDS, BASELINE_SEEDS = 20, 2, 2
 SIZE, BIG_SIZE, QUICK_SIZE = 1_600_000, 11_000_000, 100_000
+QUICK_FIT_STEPS = 300
 QUICK_STEPS = 1500  # of the way in the engine; the long form goes all of it
 SIDES, QUICK_SIDES = (48, 96, 384), (96,)
 
@@ -140,6 +142,12 @@ def _engine(face: str, options: argparse.Namespace) -> Result | None:
     return {"rows": [row for one in found for row in one["rows"]], "sample": "engine"}
 
 
+def _fits(face: str, options: argparse.Namespace) -> Result | None:
+    if face != "feeler":
+        return None
+    return tight.run(faces.makers()[face], QUICK_FIT_STEPS if options.quick else tight.STEPS)
+
+
 EXPERIMENTS: dict[str, Callable[[str, argparse.Namespace], Result | None]] = {
     "passing": _passing,
     "forces": _forces,
@@ -150,6 +158,7 @@ EXPERIMENTS: dict[str, Callable[[str, argparse.Namespace], Result | None]] = {
     "pegs": _pegs,
     "ways": _ways,
     "engine": _engine,
+    "fits": _fits,
 }
 
 

@@ -222,6 +222,20 @@ def _engine(faces: Faces) -> str:
     return markdown(heads, 1, lines, note)
 
 
+def _fits(faces: Faces) -> str:
+    lines = []
+    for found in faces.values():
+        for row in found["rows"]:
+            triangles = f"{row['triangles']:,} + {row['tool_triangles']:,}"
+            times = [f"{1e-3 * row['step_us'][share]:.2f}" for share in ("median", "p99", "worst")]
+            lines.append([f"{row['what']}: a step", triangles, *times, f"{row['colliding_steps']} of {row['steps']:,}"])
+        for row in found["casts"]:
+            times = [f"{1e-3 * row['cast_us'][share]:.2f}" for share in ("median", "p99", "worst")]
+            lines.append([f"cast along a bore, {row['way']}, touching {row['touching']}", "", *times, ""])
+    heads = ["fit", "triangles", "median", "p99", "worst", "steps in collision"]
+    return markdown(heads, 1, lines, "Milliseconds, from Python, one core.")
+
+
 MAKERS: dict[str, Callable[[Faces], str]] = {
     "passing": _passing,
     "forces": _forces,
@@ -232,4 +246,5 @@ MAKERS: dict[str, Callable[[Faces], str]] = {
     "pegs": _pegs,
     "ways": _ways,
     "engine": _engine,
+    "fits": _fits,
 }

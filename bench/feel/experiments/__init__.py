@@ -1,1 +1,4 @@
-"""What is felt: each module one experiment, plain data out, decided on simulated time (`engine` alone has a clock)."""
+"""What is felt: each module one experiment, plain data out, decided on simulated time.
+
+`engine` and `tight` alone have a clock.
+"""

@@ -1,4 +1,4 @@
-"""How long a step takes in the sample engine, along a way of a hand in and out. The one experiment with a clock."""
+"""How long a step takes in the sample engine, along a way of a hand in and out."""
 
 from __future__ import annotations
 

@@ -17,6 +17,17 @@ pub const MANY_DEEP: usize = 12;
 /// fine surfaces one in the other are all near, each triangle to thousands.
 pub const MANY_NEAR: usize = 1 << 20;
 
+/// Near pairs that are put in the order of their bounds at once. More: longer sorting, of pairs that are never measured; fewer: the rest
+/// is gone through more often.
+pub const SORTED_AT_ONCE: usize = 2048;
+
+/// Measured pairs that are put in their places one by one; more are sorted with all others, which takes longer where they are few.
+pub const FEW_FRESH: usize = 4 * WIDE_LANES;
+
+/// Points up to which a hull is found of all of them; of more, those well within are left out first, which costs as much as some
+/// twenty points in order.
+pub const FEW_FEET: usize = 24;
+
 /// Most halvings of the margin towards [`MANY_NEAR`]: down to a thousandth, after which all pairs are taken, however many.
 pub const MOST_MARGIN_HALVINGS: usize = 10;
 

@@ -224,7 +224,7 @@ impl ContactQuery<'_> {
             plane_search.push_planes(same, &[], &[Vec::new(), Vec::new()], planes);
             set_ids(&context, planes);
             plane_search.each_separated(planes, |plane, separated| {
-                out.manifolds.push(manifold(plane, separated, margin, size));
+                out.manifolds.push(manifold(context.lanes, plane, separated, margin, size));
             });
         }
         distance.put_candidates(near);

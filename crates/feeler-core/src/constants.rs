@@ -276,6 +276,11 @@ pub(crate) const MAX_STEPS: u32 = 10_000;
 /// as impacts.
 pub(crate) const STEPS_WHEN_NEAR: u32 = 4;
 
+/// Share of the tolerance by which a plane that was searched for may be overlapped, where the plane of one of the triangles may be by all
+/// of it: flat faces that come down together have pairs that all end at one time but for rounding, and only the first is followed to
+/// its end. Larger, up to 1: more are followed; smaller: a slide ends by that much less than the tolerance deep.
+pub(crate) const SEARCHED_SHARE: f64 = 0.999;
+
 // --- Surfaces ---
 
 /// How wide the triangle is that stands for a way, as a share of the way's length (no unit): by far more than rounding. Wider ones

@@ -2,6 +2,7 @@
 
 mod common;
 
+use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 use common::*;
@@ -169,4 +170,65 @@ fn loose_triangles_end_a_way_where_they_cross() {
         }
     }
     assert!(ends > 50 && late < 0.02, "{ends} ends, {late} late");
+}
+
+/// Loops of `sides` corners at radius and height, one after the other, closed by fans.
+fn lathe(sides: u32, rows: &[[f64; 2]]) -> Arrays {
+    let corner = |[r, z]: [f64; 2], k: u32| {
+        let (s, c) = (TAU * f64::from(k) / f64::from(sides)).sin_cos();
+        [r * c, r * s, z]
+    };
+    let mut vertices: Vec<Point> = rows.iter().flat_map(|row| (0..sides).map(|k| corner(*row, k))).collect();
+    let last = rows.len() as u32 - 1;
+    let ends = [0, last].map(|row| [0.0, 0.0, rows[row as usize][1]]);
+    vertices.extend(ends);
+    let middle = (last + 1) * sides;
+    let mut faces = Vec::new();
+    for k in 0..sides {
+        let at = |row: u32, k: u32| row * sides + k % sides;
+        for row in 0..last {
+            let [a, b, c, d] = [at(row, k), at(row, k + 1), at(row + 1, k + 1), at(row + 1, k)];
+            faces.extend([[a, b, c], [a, c, d]]);
+        }
+        faces.extend([[at(0, k + 1), at(0, k), middle], [at(last, k), at(last, k + 1), middle + 1]]);
+    }
+    (vertices, faces)
+}
+
+#[test]
+fn a_shaft_goes_down_a_bore_to_its_bottom_and_across_it_to_its_wall() {
+    // The bore's sides are at its radius from the axis, the shaft's corners: 1 % of play.
+    let (sides, radius, bore, depth) = (48, 0.01, 0.0101, 0.05);
+    let narrow = (PI / f64::from(sides)).cos();
+    let block = lathe(sides, &[[bore / narrow, -depth], [bore / narrow, 0.0], [0.02, 0.0], [0.02, -0.06]]);
+    let shaft = tool_of(lathe(sides, &[[radius, 0.0], [radius, 0.07]]));
+    let side = PI / f64::from(sides);
+    let off = |x: f64, z: f64| [x * side.cos(), x * side.sin(), z];
+    // Where two flat sides meet.
+    let play = bore - radius * narrow;
+    for storage in [Storage::Blocks, Storage::Dense] {
+        let scene = scene_of(block.clone(), storage);
+        for touching in [Touching::Ends, Touching::Free, Touching::Within] {
+            let cast = |from: Pose, to: Pose| {
+                scene.cast_touching(&shaft, &from, &to, TOLERANCE, touching).unwrap().map(|hit| hit.fraction)
+            };
+            // Early by the tolerance at most where contact ends it, else late by no more.
+            let assert_ends = |found: Option<f64>, at: f64, way: f64| {
+                let late = (found.unwrap() - at) * way;
+                let range = if touching == Touching::Ends { -TOLERANCE..=1e-12 } else { -1e-12..=TOLERANCE * 1.001 };
+                assert!(range.contains(&late), "{late} {touching:?} {storage:?}");
+            };
+            for x in [0.0, -0.5 * play, 0.99 * play] {
+                let [top, low] = [-0.001, -0.0499].map(|z| moved(off(x, z)));
+                assert_eq!(cast(top, low), None, "{x}");
+                assert_eq!(cast(low, top), None, "{x}");
+                assert_ends(cast(top, moved(off(x, -0.06))), 0.049 / 0.059, 0.059);
+            }
+            // It turns as it goes down: still within the play.
+            assert_eq!(cast(moved([0.0, 0.0, -0.001]), turned(1.0, [0.0, 0.0, -0.0499])), None);
+            assert_ends(cast(moved([0.0, 0.0, -0.001]), turned(1.0, [0.0, 0.0, -0.06])), 0.049 / 0.059, 0.059);
+            let across = cast(moved([0.0, 0.0, -0.03]), moved(off(3.0 * play, -0.03)));
+            assert_ends(across, 1.0 / 3.0, 3.0 * play);
+        }
+    }
 }

@@ -55,6 +55,10 @@ pub const MOST_LIFT: f64 = 10.0;
 /// Share of the skin by which a motion must lead nearer to the device for another to follow in the same tick.
 pub const STUCK_SHARE: f64 = 0.1;
 
+/// Share of what the last motion of a tick led nearer below which the next is left for the next tick. Larger: quicker ticks, and a peg
+/// that feels its way into a tight hole takes more of them.
+pub const REST_SHARE: f64 = 0.05;
+
 /// By how much the longest motion shrinks after one that was stopped by what it knew of, and grows after a free one.
 pub const TRUST_GROWTH: f64 = 2.0;
 

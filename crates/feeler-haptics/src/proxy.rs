@@ -18,8 +18,8 @@ use feeler_world::{Care, Pair, Seated, Surroundings, Walk};
 use crate::constants::{
     ARC_SKINS, BACK_OFF_HALVINGS, BACK_OFF_SHARE, BOUND_SHARE, CAST_SHARE, CLEARANCE_SHARE, FREE_MARGIN,
     LARGEST_CAST_TOLERANCE, LEAST_CAST_TOLERANCE, LEAST_MARGIN, LEAST_TRUST, LIFT_SHARE, MOST_BLOCKERS, MOST_LIFT,
-    MOST_PATIENCE, SEAT_REST, SEAT_SLACK, SKINS_IN_MARGIN, SKIN_GROWTH, SKIN_HALVINGS, SKIN_LIFT, SQUEEZE_GAIN,
-    SQUEEZE_SHARE, STILL_SHARE, STRIDES, STRIDE_DECAY, STUCK_SHARE, TRUST_GROWTH,
+    MOST_PATIENCE, REST_SHARE, SEAT_REST, SEAT_SLACK, SKINS_IN_MARGIN, SKIN_GROWTH, SKIN_HALVINGS, SKIN_LIFT,
+    SQUEEZE_GAIN, SQUEEZE_SHARE, STILL_SHARE, STRIDES, STRIDE_DECAY, STUCK_SHARE, TRUST_GROWTH,
 };
 use crate::constraint_set::{ConstraintSet, NearestPose, Plane, Solver};
 use crate::coupling::Coupling;
@@ -223,13 +223,18 @@ impl Proxy {
 
     /// Motions towards the target, each as far as it is free, until none leads on. Whether contacts hold it.
     fn approach(&mut self, around: &Surroundings, target: &Pose, done: &mut Advance) -> Result<bool> {
-        let mut distance = self.distance_to(target);
+        let (mut distance, mut gained) = (self.distance_to(target), 0.0);
         for _ in 0..self.options.rounds {
             done.rounds += 1;
             let from = self.set.taken_at;
             let goal = self.next_pose(target)?;
             let reach = self.reach_to(&goal.pose);
-            if reach <= STILL_SHARE * self.set.skin {
+            // A motion that would lead hardly nearer, beside the last, is left for the next tick: contacts cost more than it brings.
+            let least = (STUCK_SHARE * self.set.skin).min(REST_SHARE * gained);
+            let would_stick = gained > 0.0
+                && self.set.least_gap() >= LIFT_SHARE * self.set.skin
+                && distance - self.distance_between(&goal.pose, target) <= least;
+            if would_stick || reach <= STILL_SHARE * self.set.skin {
                 return Ok(!self.solver.held().is_empty());
             }
             self.normals.clear();
@@ -251,7 +256,7 @@ impl Proxy {
             if distance - left <= STUCK_SHARE * self.set.skin {
                 return Ok(!self.solver.held().is_empty());
             }
-            distance = left;
+            (distance, gained) = (left, distance - left);
         }
         Ok(false)
     }
@@ -327,7 +332,11 @@ impl Proxy {
 
     /// In the metric, metres.
     fn distance_to(&self, target: &Pose) -> f64 {
-        let (metric, pose) = (&self.set.metric, &self.set.taken_at);
+        self.distance_between(&self.set.taken_at, target)
+    }
+
+    fn distance_between(&self, pose: &Pose, target: &Pose) -> f64 {
+        let metric = &self.set.metric;
         let way = displacement(pose, target, &metric.centre);
         metric.coordinates(pose, &way).iter().map(|x| x * x).sum::<f64>().sqrt()
     }

@@ -104,3 +104,52 @@ fn a_peg_that_is_too_thick_stays_out() {
         assert!(left > DEPTH - 2.0 * CHAMFER - 1e-4, "{n}: {left}");
     }
 }
+
+#[test]
+fn a_peg_of_fine_sides_goes_down_its_hole() {
+    let left = height_reached(96, 24e-6, 0);
+    assert!(left > 0.0 && left < 2.5e-5 + 1.5 * RADIUS * 24e-6 / DEPTH, "{left}");
+}
+
+/// Flanks and flats of a quarter of the pitch each, wound up four times: an open surface, 32 sides a turn.
+fn thread(radius: f64, pitch: f64) -> Arrays {
+    const SIDES: u32 = 32;
+    let mut vertices = Vec::new();
+    for quarter in 0..=16u32 {
+        let r = radius + if quarter % 4 < 2 { 0.0 } else { 0.0008 };
+        for i in 0..=SIDES {
+            let turn = f64::from(i) / f64::from(SIDES);
+            let (s, c) = (TAU * turn).sin_cos();
+            vertices.push([r * c, r * s, pitch * (0.25 * f64::from(quarter) + turn)]);
+        }
+    }
+    let corner = |quarter: u32, i: u32| quarter * (SIDES + 1) + i;
+    let cells = (0..16).flat_map(|quarter| (0..SIDES).map(move |i| (quarter, i)));
+    let both = cells.flat_map(|(q, i)| {
+        let [a, b, c, d] = [corner(q, i), corner(q, i + 1), corner(q + 1, i + 1), corner(q + 1, i)];
+        [[a, b, c], [a, c, d]]
+    });
+    (vertices, both.collect())
+}
+
+/// M10, 60 um of play: turned up against the lower flank by a hand that pulls it down.
+#[test]
+fn a_bolt_turns_in_its_nut() {
+    let pitch = 0.0015;
+    let nut = body(thread(0.00426, pitch));
+    let (vertices, faces) = thread(0.0042, pitch);
+    let bolt = Tool::new(vertices, faces).unwrap();
+    let on_helix = |angle: f64, off: f64| at([0.0, 0.0, pitch * (2.0 + angle / TAU) + off], [0.0, 0.0, angle]);
+    let metric = Metric::new(&bolt);
+    let around = Surroundings::around(vec![nut], Arc::new(bolt), &on_helix(0.0, 0.0)).unwrap();
+    let mut proxy = Proxy::new(&around, metric, ProxyOptions::default()).unwrap();
+    for k in 0..100 {
+        let angle = 0.01 * f64::from(k);
+        proxy.advance(&around, &on_helix(angle, -1e-5 * f64::from(k.min(20)))).unwrap();
+        assert!(!around.is_colliding(proxy.seated(), proxy.pose()), "{k}");
+        let off = proxy.pose().translation()[2] - on_helix(angle, 0.0).translation()[2];
+        assert!(off.abs() < 1.5e-4, "{k}: {off}");
+    }
+    let turned = proxy.pose().rotation()[1][0].asin();
+    assert!((turned - 0.99).abs() < 0.05, "{turned}");
+}

@@ -78,7 +78,7 @@ impl Frame<'_> {
     fn feet(&self, scene: &Scene, tool: &Tool, plane: &ContactPlane) -> Option<Vec<Foot>> {
         let size = tool.mesh().bounds().longest();
         let off = FOOTING_OFF * size + 1e-12 * scene.mockup().mesh().bounds().largest_coordinate();
-        let wider = FOOTING_WIDER * size;
+        let (wider, lanes) = (FOOTING_WIDER * size, scene.index().lanes());
         let [lower, upper] = [self.of_tool(tool, plane), self.of_mockup(scene.mockup(), plane)];
         let levels = [plane.gap, 0.0];
         let whole = [&lower, &upper].map(|surface| surface.outline());
@@ -91,12 +91,13 @@ impl Frame<'_> {
             // A body that ends at the plane is asked as a whole; of others what is over the other's outline.
             let is_whole = ends(&whole[i], levels[i]);
             let over = || surface.over(&half_planes(&across_hull(&whole[1 - i]), wider));
-            sides[i] = if is_whole { lowest(&whole[i], FOOTING_TURN) } else { lowest(&over(), FOOTING_TURN) };
+            sides[i] =
+                if is_whole { lowest(lanes, &whole[i], FOOTING_TURN) } else { lowest(lanes, &over(), FOOTING_TURN) };
         }
         let mut feet = clipped(&sides[0], &sides[1], wider);
         if feet.is_empty() {
             let over = lower.over(&half_planes(&across_hull(&whole[1]), wider));
-            sides[0] = lowest(&over, FOOTING_TURN);
+            sides[0] = lowest(lanes, &over, FOOTING_TURN);
             feet = clipped(&sides[0], &sides[1], wider);
         }
         if !ends(&feet, levels[0]) || !ends(&sides[1], levels[1]) {

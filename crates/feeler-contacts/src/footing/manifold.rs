@@ -7,8 +7,9 @@
 
 use feeler_core::geometry::vectors::{across, add, along, dot, scaled, sub};
 use feeler_core::{Point, Triangle};
+use feeler_lanes::Checked;
 
-use super::polygon::{across_hull, clipped, cut_to, half_planes, height_over, leave_out_an_edge, lowest, merge, Foot};
+use super::polygon::{across_hull, clipped, half_planes, height_over, leave_out_an_edge, lowest, merge, Cutter, Foot};
 use crate::constants::{FOOTING_WIDER, MANIFOLD_TURN, MOST_MANIFOLD_POINTS};
 use crate::contact_plane::ContactPlane;
 use crate::proximity::separating_planes::Separated;
@@ -63,13 +64,19 @@ pub struct Manifolds {
 }
 
 /// The manifold of a plane, given what it separates; `size` is the tool's length, metres.
-pub(crate) fn manifold(plane: &ContactPlane, separated: &Separated<'_>, margin: f64, size: f64) -> Manifold {
+pub(crate) fn manifold(
+    lanes: Checked,
+    plane: &ContactPlane,
+    separated: &Separated<'_>,
+    margin: f64,
+    size: f64,
+) -> Manifold {
     let frame = across(&plane.normal);
     let foot = |p: &Point| {
         let from = sub(p, &plane.point);
         Foot { at: frame.map(|d| dot(&from, &d)), height: dot(&from, &plane.normal) }
     };
-    let feet = feet(plane, separated, margin, size, foot);
+    let feet = feet(lanes, plane, separated, margin, size, foot);
     let mut manifold = Manifold {
         point: plane.point,
         normal: plane.normal,
@@ -90,6 +97,7 @@ pub(crate) fn manifold(plane: &ContactPlane, separated: &Separated<'_>, margin: 
 
 /// The corners of what carries, where the lowest of the tool is over the highest of the mock-up; with the gap between the two.
 fn feet(
+    lanes: Checked,
     plane: &ContactPlane,
     separated: &Separated<'_>,
     margin: f64,
@@ -101,11 +109,15 @@ fn feet(
         let foot = foot(p);
         Foot { height: -foot.height, ..foot }
     };
-    let lower: Vec<Vec<Foot>> = separated.of_tool().map(|t| low_part(t, plane.gap + margin, &foot)).collect();
-    let upper: Vec<Vec<Foot>> = separated.of_mockup().map(|t| low_part(t, margin, flipped)).collect();
-    let over = |own: &[Vec<Foot>], other: &[Vec<Foot>]| {
-        let around = half_planes(&across_hull(&other.concat()), wider);
-        lowest(&own.iter().flat_map(|polygon| cut_to(polygon, &around)).collect::<Vec<_>>(), MANIFOLD_TURN)
+    let (mut lower, mut upper) = (Polygons::default(), Polygons::default());
+    separated.of_tool().for_each(|t| lower.push_low_part(t, plane.gap + margin, &foot));
+    separated.of_mockup().for_each(|t| upper.push_low_part(t, margin, flipped));
+    let mut cutter = Cutter::default();
+    let mut over = |own: &Polygons, other: &Polygons| {
+        let around = half_planes(&across_hull(&other.feet), wider);
+        let mut left = Vec::with_capacity(own.feet.len());
+        own.each().for_each(|polygon| cutter.cut_to(polygon, &around, &mut left));
+        lowest(lanes, &left, MANIFOLD_TURN)
     };
     let highest = over(&upper, &lower);
     let mut feet = clipped(&over(&lower, &upper), &highest, wider);
@@ -124,23 +136,37 @@ fn feet(
     feet.into_iter().map(|foot| (foot, foot.height + height_over(&highest, &foot.at).max(0.0))).collect()
 }
 
-/// What of a triangle is no higher than a height.
-fn low_part(triangle: &Triangle, most: f64, foot: impl Fn(&Point) -> Foot) -> Vec<Foot> {
-    let feet = triangle.each_ref().map(foot);
-    if feet.iter().all(|foot| foot.height <= most) {
-        return feet.to_vec();
+/// Convex polygons, one after the other.
+#[derive(Debug, Default)]
+struct Polygons {
+    feet: Vec<Foot>,
+    ends: Vec<usize>,
+}
+
+impl Polygons {
+    fn each(&self) -> impl Iterator<Item = &[Foot]> {
+        let starts = std::iter::once(&0).chain(&self.ends);
+        starts.zip(&self.ends).map(|(from, to)| &self.feet[*from..*to])
     }
-    let mut left = Vec::with_capacity(4);
-    for (i, p) in feet.iter().enumerate() {
-        let q = &feet[(i + 1) % 3];
-        if p.height <= most {
-            left.push(*p);
+
+    /// Adds what of a triangle is no higher than a height.
+    fn push_low_part(&mut self, triangle: &Triangle, most: f64, foot: impl Fn(&Point) -> Foot) {
+        let feet = triangle.each_ref().map(foot);
+        if feet.iter().all(|foot| foot.height <= most) {
+            self.feet.extend(feet);
+        } else {
+            for (i, p) in feet.iter().enumerate() {
+                let q = &feet[(i + 1) % 3];
+                if p.height <= most {
+                    self.feet.push(*p);
+                }
+                if (p.height < most) != (q.height < most) && p.height != most && q.height != most {
+                    self.feet.push(p.towards(q, (most - p.height) / (q.height - p.height)));
+                }
+            }
         }
-        if (p.height < most) != (q.height < most) && p.height != most && q.height != most {
-            left.push(p.towards(q, (most - p.height) / (q.height - p.height)));
-        }
+        self.ends.push(self.feet.len());
     }
-    left
 }
 
 #[cfg(test)]

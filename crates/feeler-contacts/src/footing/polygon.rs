@@ -1,10 +1,23 @@
 //! Polygons across the normal of a plane, whose points have a height along it: what carries a contact.
 
 use std::f64::consts::TAU;
+use std::sync::LazyLock;
 
 use feeler_core::mesh::topology::body_outlines::hull;
+use feeler_lanes::{Checked, Kernel, Simd, WIDE_LANES};
 
-use crate::constants::{FOOTING_DIRECTIONS, FOOTING_MERGED, JUST_BEYOND, MOST_FANS, ON_BORDER};
+use crate::constants::{FEW_FEET, FOOTING_DIRECTIONS, FOOTING_MERGED, JUST_BEYOND, MOST_FANS, ON_BORDER};
+
+const BATCHES: usize = FOOTING_DIRECTIONS / WIDE_LANES;
+const _: () = assert!(BATCHES * WIDE_LANES == FOOTING_DIRECTIONS);
+
+/// Sines and cosines of the directions around a normal.
+static DIRECTIONS: LazyLock<[[[f64; WIDE_LANES]; 2]; BATCHES]> = LazyLock::new(|| {
+    std::array::from_fn(|batch| {
+        let angle = |i: usize| TAU * (WIDE_LANES * batch + i) as f64 / FOOTING_DIRECTIONS as f64;
+        [std::array::from_fn(|i| angle(i).sin()), std::array::from_fn(|i| angle(i).cos())]
+    })
+});
 
 /// A point of a footing: two coordinates across the normal, and the height along it, both from the plane's point.
 #[derive(Debug, Clone, Copy)]
@@ -26,12 +39,37 @@ impl Foot {
 
 /// The hull of all points across the normal.
 pub(crate) fn across_hull(feet: &[Foot]) -> Vec<Foot> {
+    // Most points are well within the farthest along four lines, and need not be put in order.
+    let along = |foot: &Foot| [foot.at[0], foot.at[1], foot.at[0] + foot.at[1], foot.at[0] - foot.at[1]];
+    let (mut least, mut most) = ([f64::INFINITY; 4], [f64::NEG_INFINITY; 4]);
+    let (mut first, mut last) = ([0; 4], [0; 4]);
+    for (i, foot) in feet.iter().enumerate() {
+        for (k, x) in along(foot).into_iter().enumerate() {
+            if x < least[k] {
+                (least[k], first[k]) = (x, i);
+            }
+            if x > most[k] {
+                (most[k], last[k]) = (x, i);
+            }
+        }
+    }
+    if feet.len() > FEW_FEET {
+        let corners: Vec<Foot> = first.into_iter().chain(last).map(|i| feet[i]).collect();
+        let sides = half_planes(&hull_of(&corners), -1e-6 * (most[0] - least[0]).max(most[1] - least[1]));
+        let is_within = |at: &[f64; 2]| sides.iter().all(|(n, limit)| n[0] * at[0] + n[1] * at[1] < *limit);
+        let left: Vec<Foot> = feet.iter().filter(|foot| !is_within(&foot.at)).copied().collect();
+        return hull_of(&left);
+    }
+    hull_of(feet)
+}
+
+fn hull_of(feet: &[Foot]) -> Vec<Foot> {
     hull(&feet.iter().map(|foot| foot.at).collect::<Vec<_>>()).into_iter().map(|i| feet[i]).collect()
 }
 
 /// The convex hull, across the normal, of the points that are lowest along the directions of a ring around it, which lean by `turn`
 /// (radians).
-pub(crate) fn lowest(feet: &[Foot], turn: f64) -> Vec<Foot> {
+pub(crate) fn lowest(lanes: Checked, feet: &[Foot], turn: f64) -> Vec<Foot> {
     let slope = turn.tan();
     let mut chosen: Vec<usize> = Vec::new();
     let floor = feet.iter().map(|foot| foot.height).fold(f64::INFINITY, f64::min);
@@ -41,27 +79,55 @@ pub(crate) fn lowest(feet: &[Foot], turn: f64) -> Vec<Foot> {
     };
     // What is higher than the slope over the whole width is lowest along none of them.
     let most = floor + slope * (reach(0) + reach(1));
-    let mut near: Vec<usize> = (0..feet.len()).filter(|i| feet[*i].height <= most).collect();
-    // Triangles share their corners.
-    let place = |i: &usize| [feet[*i].at[0], feet[*i].at[1], feet[*i].height].map(f64::to_bits);
-    near.sort_unstable_by_key(|i| (place(i), *i));
-    near.dedup_by_key(|i| place(i));
+    let near: Vec<usize> = (0..feet.len()).filter(|i| feet[*i].height <= most).collect();
     // All that are as low: of a flat side its corners.
     let noise = 1e-12 * (reach(0) + reach(1));
-    let mut heights = vec![0.0; near.len()];
-    for k in 0..FOOTING_DIRECTIONS {
-        let (sin, cos) = (TAU * k as f64 / FOOTING_DIRECTIONS as f64).sin_cos();
-        let mut least = f64::INFINITY;
-        for (height, i) in heights.iter_mut().zip(&near) {
-            *height = feet[*i].height - slope * (cos * feet[*i].at[0] + sin * feet[*i].at[1]);
-            least = least.min(*height);
-        }
-        chosen.extend(near.iter().zip(&heights).filter(|(_, height)| **height <= least + noise).map(|(i, _)| *i));
-    }
+    lanes.run(Lowest { feet, near: &near, slope, noise, chosen: &mut chosen });
     chosen.sort_unstable();
     chosen.dedup();
     let places: Vec<[f64; 2]> = chosen.iter().map(|i| feet[*i].at).collect();
     hull(&places).into_iter().map(|i| feet[chosen[i]]).collect()
+}
+
+/// Chooses the points that are lowest along one of the directions, or as low but for noise.
+struct Lowest<'a> {
+    feet: &'a [Foot],
+    /// The points that may be.
+    near: &'a [usize],
+    slope: f64,
+    noise: f64,
+    chosen: &'a mut Vec<usize>,
+}
+
+impl Kernel for Lowest<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) {
+        let Lowest { feet, near, slope, noise, chosen } = self;
+        let (directions, slope) = (&*DIRECTIONS, s.wide_splat(slope));
+        let height = |i: usize, [sin, cos]: &[[f64; WIDE_LANES]; 2]| {
+            let Foot { at: [x, y], height } = feet[i];
+            let lean = s.wide_load(cos) * s.wide_splat(x) + s.wide_load(sin) * s.wide_splat(y);
+            s.wide_splat(height) - slope * lean
+        };
+        let mut least = [s.wide_splat(f64::INFINITY); BATCHES];
+        for i in near {
+            for (least, directions) in least.iter_mut().zip(directions) {
+                *least = s.wide_min(*least, height(*i, directions));
+            }
+        }
+        least.iter_mut().for_each(|least| *least = *least + s.wide_splat(noise));
+        for i in near {
+            let mut above = u8::MAX;
+            for (least, directions) in least.iter().zip(directions) {
+                above &= s.bits(s.wide_above(height(*i, directions), *least));
+            }
+            if above != u8::MAX {
+                chosen.push(*i);
+            }
+        }
+    }
 }
 
 /// What of a hull is over another, made wider by a little; heights are those of the first.
@@ -74,33 +140,52 @@ pub(crate) fn clipped(feet: &[Foot], other: &[Foot], wider: f64) -> Vec<Foot> {
 
 /// What of a convex polygon is within half-planes.
 pub(crate) fn cut_to(feet: &[Foot], within: &[([f64; 2], f64)]) -> Vec<Foot> {
-    let mut left = feet.to_vec();
-    for (normal, limit) in within {
-        let over = |foot: &Foot| normal[0] * foot.at[0] + normal[1] * foot.at[1] - limit;
-        let (mut is_all_in, mut is_all_out) = (true, true);
-        for foot in &left {
-            let is_in = over(foot) <= 0.0;
-            (is_all_in, is_all_out) = (is_all_in && is_in, is_all_out && !is_in);
-        }
-        if is_all_out {
-            return Vec::new();
-        }
-        if is_all_in {
-            continue;
-        }
-        let before = std::mem::take(&mut left);
-        for (i, p) in before.iter().enumerate() {
-            let q = &before[(i + 1) % before.len()];
-            let (x, y) = (over(p), over(q));
-            if x <= 0.0 {
-                left.push(*p);
-            }
-            if before.len() > 1 && (x < 0.0) != (y < 0.0) && x != 0.0 && y != 0.0 {
-                left.push(p.towards(q, x / (x - y)));
-            }
-        }
-    }
+    let mut left = Vec::new();
+    Cutter::default().cut_to(feet, within, &mut left);
     left
+}
+
+/// Cuts polygons; its working memory.
+#[derive(Debug, Default)]
+pub(crate) struct Cutter {
+    left: Vec<Foot>,
+    before: Vec<Foot>,
+}
+
+impl Cutter {
+    /// Appends to `out` what of a convex polygon is within half-planes.
+    pub fn cut_to(&mut self, feet: &[Foot], within: &[([f64; 2], f64)], out: &mut Vec<Foot>) {
+        let Cutter { left, before } = self;
+        left.clear();
+        left.extend_from_slice(feet);
+        for (normal, limit) in within {
+            let over = |foot: &Foot| normal[0] * foot.at[0] + normal[1] * foot.at[1] - limit;
+            let (mut is_all_in, mut is_all_out) = (true, true);
+            for foot in left.iter() {
+                let is_in = over(foot) <= 0.0;
+                (is_all_in, is_all_out) = (is_all_in && is_in, is_all_out && !is_in);
+            }
+            if is_all_out {
+                return;
+            }
+            if is_all_in {
+                continue;
+            }
+            std::mem::swap(left, before);
+            left.clear();
+            for (i, p) in before.iter().enumerate() {
+                let q = &before[(i + 1) % before.len()];
+                let (x, y) = (over(p), over(q));
+                if x <= 0.0 {
+                    left.push(*p);
+                }
+                if before.len() > 1 && (x < 0.0) != (y < 0.0) && x != 0.0 && y != 0.0 {
+                    left.push(p.towards(q, x / (x - y)));
+                }
+            }
+        }
+        out.extend_from_slice(left);
+    }
 }
 
 /// The sides of a convex polygon made wider, outward normals with limits; of a line or a point those of a box around it.

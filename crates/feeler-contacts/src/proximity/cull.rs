@@ -46,6 +46,8 @@ struct Triangles {
     plane_bits: Vec<u64>,
     /// Outward normals, zero where the surface is open, and the triangles' heights along them; computed when first needed.
     outward: Vec<Option<(Point, f64)>>,
+    /// As `plane_bits`, of the planes that [`Cull::separate`] was told of.
+    separated: Vec<u64>,
 }
 
 impl Triangles {
@@ -94,6 +96,8 @@ pub(crate) struct Cull {
     meeting: Vec<Meeting>,
     /// Pairs that may meet.
     maybe_meeting: Vec<Near>,
+    /// How many planes [`Cull::separate`] was told of.
+    separators: u32,
 }
 
 /// The pairs of a triangle of the tool that meet.
@@ -144,7 +148,13 @@ impl Cull {
         self.drop_far(context.lanes, query.margin, out);
         out.retain(|near| !self.is_behind(context, near.numbers, query));
         for plane in more {
-            self.drop_separated(plane, query.tolerance, out, |near| near.numbers);
+            let offset = dot(&plane.point, &plane.normal);
+            let heights = |t: &Triangle| t.map(|p| dot(&p, &plane.normal) - offset);
+            out.retain(|near| {
+                let (p, q) = self.corners_of(near);
+                !(heights(q).iter().all(|h| *h <= query.tolerance)
+                    && heights(p).iter().all(|h| *h >= plane.gap - query.tolerance))
+            });
         }
     }
 
@@ -198,21 +208,30 @@ impl Cull {
         list.truncate(kept);
     }
 
-    /// Drops the pairs that a plane separates as whole triangles.
-    pub fn drop_separated<T>(
-        &self,
-        plane: &ContactPlane,
-        tolerance: f64,
-        list: &mut Vec<T>,
-        numbers: impl Fn(&T) -> [u32; 2],
-    ) {
+    /// From now on pairs that a plane separates, as whole triangles, are [separated](Self::is_separated).
+    pub fn separate(&mut self, lanes: Checked, plane: &ContactPlane, tolerance: f64) {
         let offset = dot(&plane.point, &plane.normal);
-        let heights = |t: &Triangle| t.map(|p| dot(&p, &plane.normal) - offset);
-        list.retain(|near| {
-            let [t, m] = numbers(near);
-            !(heights(self.corners(Surface::Mockup, m)).iter().all(|h| *h <= tolerance)
-                && heights(self.corners(Surface::Tool, t)).iter().all(|h| *h >= plane.gap - tolerance))
-        });
+        for (surface, of) in Surface::BOTH.into_iter().zip(&mut self.triangles) {
+            let Triangles { corners, separated, .. } = of;
+            let (limit, is_below) =
+                if surface == Surface::Tool { (plane.gap - tolerance, false) } else { (tolerance, true) };
+            lanes.run(Beyond {
+                normal: &plane.normal,
+                offset,
+                limit,
+                is_below,
+                corners,
+                bit: self.separators,
+                bits: separated,
+            });
+        }
+        self.separators += 1;
+    }
+
+    /// Whether a pair, given by its numbers, is separated.
+    pub fn is_separated(&self, [t, m]: [u32; 2]) -> bool {
+        let [tool, mockup] = &self.triangles;
+        tool.separated[t as usize] & mockup.separated[m as usize] != 0
     }
 
     /// For each triangle of the tool and of the mock-up a bit for each of the first [`MOST_PLANE_BITS`] planes that separate it, as a
@@ -245,6 +264,7 @@ impl Cull {
         self.tool_numbers.clear(context.tool.mesh().faces().len());
         self.mockup_numbers.clear();
         self.numbers.clear();
+        self.separators = 0;
         let mut last = None;
         for c in candidates {
             // Pairs of one mock-up triangle are consecutive.
@@ -272,6 +292,8 @@ impl Cull {
                 |id: &u32| INSIDE_BITS[surface.other()] | if is_inside(id) { INSIDE_BITS[surface] } else { 0 };
             of.plane_bits.clear();
             of.plane_bits.extend(of.ids.iter().map(inside_bits));
+            of.separated.clear();
+            of.separated.resize(of.ids.len(), 0);
             of.outward.clear();
             of.outward.resize(of.ids.len(), None);
         }
@@ -361,6 +383,39 @@ impl Kernel for SetPlaneBits<'_> {
                 highest = s.wide_max(highest, h);
             }
             *bits |= !(u64::from(s.bits(s.wide_above(highest, limit))) << self.shift) & self.chosen;
+        }
+    }
+}
+
+/// Sets a bit for each triangle of which all corners are below a limit (metres over the plane), or none is.
+struct Beyond<'a> {
+    normal: &'a Point,
+    offset: f64,
+    limit: f64,
+    is_below: bool,
+    corners: &'a [Triangle],
+    bit: u32,
+    bits: &'a mut [u64],
+}
+
+impl Kernel for Beyond<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) {
+        let n = self.normal.map(|x| s.wide_splat(x));
+        let (offset, limit) = (s.wide_splat(self.offset), s.wide_splat(self.limit));
+        for (eight, bits) in self.corners.chunks(WIDE_LANES).zip(self.bits.chunks_mut(WIDE_LANES)) {
+            let mut outside = 0;
+            for k in 0..3 {
+                let p = s.wide_points(std::array::from_fn(|i| &eight[i.min(eight.len() - 1)][k]));
+                let height = p[0] * n[0] + p[1] * n[1] + p[2] * n[2] - offset;
+                let (over, under) = if self.is_below { (height, limit) } else { (limit, height) };
+                outside |= s.bits(s.wide_above(over, under));
+            }
+            for (i, bits) in bits.iter_mut().enumerate() {
+                *bits |= u64::from(!outside >> i & 1) << self.bit;
+            }
         }
     }
 }

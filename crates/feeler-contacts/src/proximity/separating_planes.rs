@@ -5,12 +5,11 @@
 //! Pairs come in the order of their lower bounds, so that few are ever measured.
 
 use std::cmp::Ordering;
-use std::collections::BinaryHeap;
 
 use crate::constants::{
     AROUND_CORNER_SHARE, COORDINATE_NOISE, DIRECTION_NOISE, DISTANCE_NOISE, DOWNHILL_SLOPE, EQUALLY_NEAR_SHARE,
-    MOST_PAIRS_AROUND_CORNER, MOST_PLANES, SAME_DIRECTION, SAME_DIRECTION_SINE, SAME_NORMAL, SEPARATION_SLACK,
-    SNAP_COSINE,
+    FEW_FRESH, MOST_PAIRS_AROUND_CORNER, MOST_PLANES, SAME_DIRECTION, SAME_DIRECTION_SINE, SAME_NORMAL,
+    SEPARATION_SLACK, SNAP_COSINE, SORTED_AT_ONCE,
 };
 use crate::contact_plane::ContactPlane;
 use crate::containers::interner::{pair_key, Interner};
@@ -24,7 +23,7 @@ use feeler_core::geometry::distance_triangle_triangle::{closest_within, Closest}
 use feeler_core::geometry::vectors::{add, along, dot, length, normal, scaled, square_to_segment, sub, unit};
 use feeler_core::index::sink::Divider;
 use feeler_core::{Gap, Triangle};
-use feeler_lanes::WIDE_LANES;
+use feeler_lanes::{Checked, Kernel, Simd, WIDE_LANES};
 
 /// Searches the separating planes of one part after the other.
 pub(crate) struct PlaneSearch<'a> {
@@ -39,10 +38,12 @@ pub(crate) struct PlaneSearch<'a> {
 pub(crate) struct NearScratch {
     cull: Cull,
     near: Vec<Near>,
-    entries: Vec<Entry>,
+    entries: Entries,
     /// The pairs measured, and their gaps: `None` where farther than the margin.
     measured: Interner,
     gaps: Vec<Option<Gap>>,
+    /// The planes found.
+    planes: PlaneLanes,
     /// By surface and number of the triangle a bit for each plane that separates it.
     separated: [Vec<u64>; 2],
 }
@@ -71,15 +72,140 @@ impl Separated<'_> {
     }
 }
 
-/// A measured pair in the heap.
+/// Planes, eight side by side.
+#[derive(Debug, Default)]
+struct PlaneLanes {
+    batches: Vec<PlaneBatch>,
+    len: usize,
+}
+
+#[derive(Debug)]
+struct PlaneBatch {
+    points: [[f64; WIDE_LANES]; 3],
+    normals: [[f64; WIDE_LANES]; 3],
+    gaps: [f64; WIDE_LANES],
+}
+
+impl PlaneLanes {
+    fn set(&mut self, planes: &[ContactPlane]) {
+        self.batches.clear();
+        self.len = 0;
+        planes.iter().for_each(|plane| self.push(plane));
+    }
+
+    fn push(&mut self, plane: &ContactPlane) {
+        let lane = self.len % WIDE_LANES;
+        if lane == 0 {
+            // No pair is that far: what is not there explains nothing.
+            let (zero, gaps) = ([[0.0; WIDE_LANES]; 3], [f64::INFINITY; WIDE_LANES]);
+            self.batches.push(PlaneBatch { points: zero, normals: zero, gaps });
+        }
+        if let Some(batch) = self.batches.last_mut() {
+            (0..3).for_each(|a| (batch.points[a][lane], batch.normals[a][lane]) = (plane.point[a], plane.normal[a]));
+            batch.gaps[lane] = plane.gap;
+        }
+        self.len += 1;
+    }
+
+    /// Whether one of the planes, which `planes` has as well, explains a pair.
+    fn is_explained(&self, lanes: Checked, planes: &[ContactPlane], gap: &Gap, tolerance: f64) -> bool {
+        lanes.run(Explained { batches: &self.batches, planes, gap, tolerance })
+    }
+}
+
+/// [`is_explained`] by any of some planes.
+struct Explained<'a> {
+    batches: &'a [PlaneBatch],
+    planes: &'a [ContactPlane],
+    gap: &'a Gap,
+    tolerance: f64,
+}
+
+impl Kernel for Explained<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) -> bool {
+        let Explained { batches, planes, gap, tolerance } = self;
+        let splat = |p: &Point| p.map(|x| s.wide_splat(x));
+        let [mockup, tool] = [&gap.on_mockup, &gap.on_tool].map(splat);
+        let to_tool = splat(&sub(&gap.on_tool, &gap.on_mockup));
+        let limit = s.wide_splat(tolerance);
+        let (distance, along) = (s.wide_splat(gap.distance), s.wide_splat(SAME_DIRECTION * gap.distance));
+        for (i, batch) in batches.iter().enumerate() {
+            let [point, n] = [&batch.points, &batch.normals].map(|p| p.each_ref().map(|x| s.wide_load(x)));
+            let over = |p: &[S::F64; 3]| (p[0] - point[0]) * n[0] + (p[1] - point[1]) * n[1] + (p[2] - point[2]) * n[2];
+            let gaps = s.wide_load(&batch.gaps);
+            let is_between =
+                !(s.bits(s.wide_above(over(&mockup), limit)) | s.bits(s.wide_above(gaps - limit, over(&tool))));
+            if is_between != 0 {
+                return true;
+            }
+            let slope = to_tool[0] * n[0] + to_tool[1] * n[1] + to_tool[2] * n[2];
+            let mut is_along = !(s.bits(s.wide_above(along, slope)) | s.bits(s.wide_above(gaps, distance)));
+            while is_along != 0 {
+                let lane = is_along.trailing_zeros() as usize;
+                is_along &= is_along - 1;
+                if is_explained(&planes[WIDE_LANES * i + lane], gap, tolerance) {
+                    return true;
+                }
+            }
+        }
+        false
+    }
+}
+
+/// A measured pair.
 #[derive(Debug, Clone, Copy)]
 struct Entry {
     distance: f64,
     near: Near,
 }
 
+/// Measured pairs, the nearest first. Nearly all come before the first is taken.
+#[derive(Debug, Default)]
+struct Entries {
+    /// The nearest last.
+    sorted: Vec<Entry>,
+    fresh: Vec<Entry>,
+    /// Metres: of `fresh`.
+    nearest: f64,
+}
+
+impl Entries {
+    fn clear(&mut self) {
+        self.sorted.clear();
+        self.fresh.clear();
+        self.nearest = f64::INFINITY;
+    }
+
+    fn push(&mut self, entry: Entry) {
+        self.nearest = self.nearest.min(entry.distance);
+        self.fresh.push(entry);
+    }
+
+    /// The least distance, metres; infinity where there is none.
+    fn nearest(&self) -> f64 {
+        self.sorted.last().map_or(f64::INFINITY, |entry| entry.distance).min(self.nearest)
+    }
+
+    fn pop(&mut self) -> Option<Entry> {
+        self.nearest = f64::INFINITY;
+        if self.fresh.len() > FEW_FRESH {
+            self.sorted.append(&mut self.fresh);
+            self.sorted.sort_unstable();
+        }
+        // They are about the nearest: hardly anything moves.
+        for entry in self.fresh.drain(..) {
+            let at = self.sorted.partition_point(|other| *other < entry);
+            self.sorted.insert(at, entry);
+        }
+        self.sorted.pop()
+    }
+}
+
 impl Ord for Entry {
-    /// The nearest is the greatest, which a heap gives first.
+    /// The nearest is the greatest.
     fn cmp(&self, other: &Entry) -> Ordering {
         other.distance.total_cmp(&self.distance).then(other.near.pair.cmp(&self.near.pair))
     }
@@ -119,53 +245,63 @@ impl<'a> PlaneSearch<'a> {
         let scratch = &mut *self.scratch;
         scratch.measured.clear();
         scratch.gaps.clear();
+        scratch.planes.set(out);
         scratch.cull.cull(self.context, candidates, out, &query, &mut scratch.near);
-        // Pairs not measured yet, the nearest last, and a heap of those that are.
+        // Pairs not measured yet, and those that are.
         let mut near = std::mem::take(&mut scratch.near);
         let mut entries = std::mem::take(&mut scratch.entries);
         entries.clear();
-        if meeting.is_empty() {
-            near.sort_unstable_by(|a, b| b.bound.total_cmp(&a.bound));
-        } else {
+        // As many of the last pairs are in the order of their bounds, the nearest last, and none of the others is nearer.
+        let mut in_order = 0;
+        if !meeting.is_empty() {
             // Around a contour nearly all pairs are so near that they are measured anyway: sorting saves nothing.
             near.chunks(WIDE_LANES).for_each(|batch| self.measure_all(batch, part, out, |entry| entries.push(entry)));
             near.clear();
         }
-        let mut heap = BinaryHeap::from(entries);
         let mut before = None;
         loop {
-            let nearest = heap.peek().map_or(f64::INFINITY, |entry: &Entry| entry.distance);
-            if near.last().is_some_and(|near| near.bound <= nearest + EQUALLY_NEAR_SHARE * self.margin) {
-                let from = near.len().saturating_sub(WIDE_LANES);
-                self.measure_all(&near[from..], part, out, |entry| heap.push(entry));
-                near.truncate(from);
+            let limit = entries.nearest() + EQUALLY_NEAR_SHARE * self.margin;
+            let (mut batch, mut count) = ([None; WIDE_LANES], 0);
+            while count < WIDE_LANES {
+                if in_order == 0 {
+                    in_order = put_nearest_last(&mut near);
+                }
+                let Some(nearest) = near.last().filter(|near| count > 0 || near.bound <= limit) else { break };
+                if !self.scratch.cull.is_separated(nearest.numbers) {
+                    batch[count] = Some(*nearest);
+                    count += 1;
+                }
+                near.pop();
+                in_order -= 1;
+            }
+            if count > 0 {
+                let batch: Vec<Near> = batch.into_iter().flatten().collect();
+                self.measure_all(&batch, part, out, |entry| entries.push(entry));
                 continue;
             }
-            let Some(entry) = heap.pop() else { break };
+            let Some(entry) = entries.pop() else { break };
             // Candidates may have a pair several times.
-            if before == Some(entry.near.pair) {
+            if before == Some(entry.near.pair) || self.scratch.cull.is_separated(entry.near.numbers) {
                 continue;
             }
             before = Some(entry.near.pair);
             let Some(first) = self.measured_gap(entry.near.pair) else { continue };
             if first.distance == 0.0
-                || out.iter().any(|plane| is_explained(plane, &first, tolerance))
+                || self.is_explained(out, &first)
                 || !self.scratch.cull.is_in_front(self.context, &entry.near, &first)
                 || !out.is_empty() && self.leads_down(&first, part)
             {
                 continue;
             }
-            let plane = self.plane_at(&first, entry, part, &mut heap, out);
-            let mut entries = heap.into_vec();
-            self.scratch.cull.drop_separated(&plane, tolerance, &mut entries, |entry| entry.near.numbers);
-            self.scratch.cull.drop_separated(&plane, tolerance, &mut near, |near| near.numbers);
-            heap = BinaryHeap::from(entries);
+            let plane = self.plane_at(&first, entry, part, &entries.sorted, out);
+            self.scratch.cull.separate(self.context.lanes, &plane, tolerance);
+            self.scratch.planes.push(&plane);
             out.push(plane);
             if out.len() >= MOST_PLANES {
                 break;
             }
         }
-        self.scratch.entries = heap.into_vec();
+        self.scratch.entries = entries;
         self.scratch.near = near;
     }
 
@@ -179,6 +315,12 @@ impl<'a> PlaneSearch<'a> {
         }
     }
 
+    /// Whether one of the planes found so far explains a pair.
+    fn is_explained(&self, planes: &[ContactPlane], gap: &Gap) -> bool {
+        let tolerance = SEPARATION_SLACK * self.margin;
+        self.scratch.planes.is_explained(self.context.lanes, planes, gap, tolerance)
+    }
+
     /// The gap of a pair that was measured and is within the margin.
     fn measured_gap(&self, pair: [u32; 2]) -> Option<Gap> {
         self.scratch.measured.get(pair_key(pair)).and_then(|i| self.scratch.gaps[i as usize])
@@ -186,13 +328,12 @@ impl<'a> PlaneSearch<'a> {
 
     /// Measures at most eight pairs that do not meet, and emits those within the margin that no plane explains.
     fn measure_all(&mut self, batch: &[Near], part: u32, planes: &[ContactPlane], mut emit: impl FnMut(Entry)) {
-        let tolerance = SEPARATION_SLACK * self.margin;
         let found =
             closest_apart(self.context.lanes, batch.len(), |i| self.scratch.cull.corners_of(&batch[i]), self.margin);
         for (near, closest) in batch.iter().zip(found) {
             let gap = closest.map(|c| gap_of(near.pair, part, &c));
             self.record(near.pair, gap);
-            if let Some(gap) = gap.filter(|gap| !planes.iter().any(|p| is_explained(p, gap, tolerance))) {
+            if let Some(gap) = gap.filter(|gap| !self.is_explained(planes, gap)) {
                 emit(Entry { distance: gap.distance, near: *near });
             }
         }
@@ -222,31 +363,26 @@ impl<'a> PlaneSearch<'a> {
         first: &Gap,
         entry: Entry,
         part: u32,
-        heap: &mut BinaryHeap<Entry>,
+        nearest_last: &[Entry],
         before: &[ContactPlane],
     ) -> ContactPlane {
-        let tolerance = SEPARATION_SLACK * self.margin;
         let mut plane = plane_of(self.context, first);
         let mut bounds = Aabb::EMPTY;
         let limit = first.distance + EQUALLY_NEAR_SHARE * self.margin;
-        let mut equally_near = vec![entry];
-        while let Some(next) = heap.peek().filter(|e| e.distance <= limit).copied() {
-            heap.pop();
-            equally_near.push(next);
-        }
-        for next in equally_near {
+        let others = nearest_last.iter().rev().take_while(|e| e.distance <= limit);
+        for next in std::iter::once(&entry).chain(others) {
+            if self.scratch.cull.is_separated(next.near.numbers) {
+                continue;
+            }
             let Some(gap) = self.measure_within(next.near.pair, part, self.margin) else { continue };
             let to_tool = sub(&gap.on_tool, &gap.on_mockup);
             let is_first = next.near.pair == entry.near.pair;
             let is_along =
                 || gap.distance <= limit && dot(&to_tool, &plane.normal) >= gap.distance * (1.0 - SAME_NORMAL);
-            if is_first || is_along() && !before.iter().any(|plane| is_explained(plane, &gap, tolerance)) {
+            if is_first || is_along() && !self.is_explained(before, &gap) {
                 bounds.grow(&gap.on_mockup);
                 plane.tool_triangles.push(gap.tool_triangle);
                 plane.mockup_triangles.push(gap.mockup_triangle);
-            }
-            if !is_first {
-                heap.push(next);
             }
         }
         if !bounds.is_empty() {
@@ -308,6 +444,18 @@ impl<'a> PlaneSearch<'a> {
         }
         false
     }
+}
+
+/// Puts so many pairs last as are returned, the nearest of all, in the order of their bounds, the nearest last.
+fn put_nearest_last(near: &mut [Near]) -> usize {
+    let count = near.len().min(SORTED_AT_ONCE);
+    let first = near.len() - count;
+    let farther = |a: &Near, b: &Near| b.bound.total_cmp(&a.bound);
+    if first > 0 {
+        near.select_nth_unstable_by(first, farther);
+    }
+    near[first..].sort_unstable_by(farther);
+    count
 }
 
 fn gap_of(pair: [u32; 2], part: u32, closest: &Closest) -> Gap {

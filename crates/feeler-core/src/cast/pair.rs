@@ -137,14 +137,14 @@ impl<'a> View<'a> {
 
     /// How far the moving triangle lies above the other along a direction; negative where they overlap.
     #[inline]
-    fn gap(&self, n: &Point) -> f64 {
+    pub fn gap(&self, n: &Point) -> f64 {
         let top = dot(n, &self.others[0]).max(dot(n, &self.others[1])).max(0.0);
         self.corners.iter().fold(f64::INFINITY, |m, p| m.min(dot(n, p))) - top
     }
 
     /// The same, with the direction turned to where the moving triangle lies.
     #[inline]
-    fn facing(&self, n: &Point) -> Point {
+    pub fn facing(&self, n: &Point) -> Point {
         let [a, b, c] = &self.corners;
         let [d, e] = &self.others;
         if dot(n, a) + dot(n, b) + dot(n, c) < dot(n, d) + dot(n, e) {

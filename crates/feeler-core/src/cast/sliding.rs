@@ -6,7 +6,7 @@
 //! another, however thin.
 
 use super::pair::{Moving, View};
-use crate::constants::{MAX_STEPS, SAME_AXIS, TIME_ROUNDING, UNIT_ROUNDOFF};
+use crate::constants::{MAX_STEPS, SAME_AXIS, SEARCHED_SHARE, TIME_ROUNDING, UNIT_ROUNDOFF};
 use crate::geometry::bounds::{Point, Triangle};
 use crate::geometry::distance_triangle_triangle::closest_triangle_triangle;
 use crate::geometry::pose::Pose;
@@ -36,11 +36,15 @@ impl Moving<'_> {
         tolerance: f64,
     ) -> Slide {
         let mut view = View::new(self, q, from, pose);
+        // Most pairs of a window: the plane of one of the two is not overlapped by more than the tolerance all the way.
+        if let Some((axis, gap)) = view.face_hold(senses, held, until - from, tolerance) {
+            return Slide::Free((gap <= tolerance + self.longest_way(until - from)).then_some(axis));
+        }
         let (mut time, mut held) = (from, held);
         for _ in 0..MAX_STEPS {
             let closest = closest_triangle_triangle(&view.p, q);
             let first = sub(&closest.on_p, &closest.on_q);
-            let slack = if closest.distance <= tolerance { tolerance } else { 0.0 };
+            let slack = if closest.distance <= tolerance { SEARCHED_SHARE * tolerance } else { 0.0 };
             let Some((axis, free)) = view.longest_hold(&first, senses, held.filter(|_| slack > 0.0), slack) else {
                 return Slide::Blocked(time);
             };
@@ -66,23 +70,37 @@ impl Moving<'_> {
 }
 
 impl View<'_> {
+    /// The unit normal of a triangle whose plane holds the two apart for a span of time, when it may be overlapped by `slack` (metres),
+    /// and how far apart it holds them at its beginning; `None` where neither does. Turned as in [`longest_hold`](Self::longest_hold).
+    fn face_hold(&self, senses: Senses, held: Option<Point>, span: f64, slack: f64) -> Option<(Point, f64)> {
+        let normals = self.normals();
+        // The moving triangle is on the outer side of the one that stands still, which is on that of the moving one. Of sheets it is on the
+        // side where it was.
+        let turned = |axis: Point, sense: i8| match held {
+            _ if sense != 0 => scaled(&axis, f64::from(sense)),
+            Some(held) if dot(&held, &axis) < 0.0 => scaled(&axis, -1.0),
+            Some(_) => axis,
+            None => self.facing(&axis),
+        };
+        [(normals[0], senses[1]), (normals[1], -senses[0])].into_iter().find_map(|(normal, sense)| {
+            let axis = turned(unit(&normal)?, sense);
+            let is_held = !is_turned(&axis, held)
+                && self.free_time_above(&axis, slack) * (1.0 - TIME_ROUNDING) > span
+                && !is_inward(&axis, &outward(&normals, senses));
+            is_held.then(|| (axis, self.gap(&axis)))
+        })
+    }
+
     /// The unit normal of the plane that holds the two apart for longest, when it may be overlapped by `slack` (metres), and for how
     /// long; `None` where none does. With `held` none that leans away from that.
     fn longest_hold(&self, first: &Point, senses: Senses, held: Option<Point>, slack: f64) -> Option<(Point, f64)> {
         let [n, m] = self.normals();
-        let outward = [(&m, senses[0]), (&n, senses[1])].map(|(normal, sense)| {
-            let sense = f64::from(sense);
-            unit(normal).filter(|_| sense != 0.0).map(|normal| scaled(&normal, sense))
-        });
+        let outward = outward(&[n, m], senses);
         let mut best: Option<(Point, f64)> = None;
         let mut consider = |axis: &Point| {
             let Some(axis) = unit(axis) else { return };
             for axis in [axis, scaled(&axis, -1.0)] {
-                // Out of the one that stands still, and into the moving one.
-                let is_inward =
-                    |normal: Option<Point>, sign: f64| normal.is_some_and(|n| sign * dot(&axis, &n) < -SAME_AXIS);
-                let is_turned = held.is_some_and(|held| dot(&held, &axis) < -1e-9);
-                if slack > 0.0 && (is_turned || is_inward(outward[1], 1.0) || is_inward(outward[0], -1.0)) {
+                if slack > 0.0 && (is_turned(&axis, held) || is_inward(&axis, &outward)) {
                     continue;
                 }
                 let free = self.free_time_above(&axis, slack);
@@ -95,4 +113,25 @@ impl View<'_> {
         self.edge_axes().for_each(|axis| consider(&axis));
         best
     }
+}
+
+/// The unit normals, out of their solids, of the triangle that stands still and of the moving one, given any of theirs in this order;
+/// `None` of a sheet.
+fn outward(normals: &[Point; 2], [of_moving, of_still]: Senses) -> [Option<Point>; 2] {
+    let [still, moving] = normals;
+    [(still, of_still), (moving, of_moving)].map(|(normal, sense)| {
+        let sense = f64::from(sense);
+        unit(normal).filter(|_| sense != 0.0).map(|normal| scaled(&normal, sense))
+    })
+}
+
+/// Whether an axis, from the triangle that stands still to the moving one, leads into the solid of the one, or out of that of the other.
+fn is_inward(axis: &Point, [of_still, of_moving]: &[Option<Point>; 2]) -> bool {
+    let is_against = |normal: &Option<Point>, sign: f64| normal.is_some_and(|n| sign * dot(axis, &n) < -SAME_AXIS);
+    is_against(of_still, 1.0) || is_against(of_moving, -1.0)
+}
+
+/// Whether an axis leans away from the one that held before.
+fn is_turned(axis: &Point, held: Option<Point>) -> bool {
+    held.is_some_and(|held| dot(&held, axis) < -1e-9)
 }

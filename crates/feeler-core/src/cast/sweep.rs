@@ -3,8 +3,6 @@
 //! A long window is a loose one: boxes around the tool's whole way meet much that the tool passes by. A short one costs a
 //! descent for little progress. So a window that offers too many pairs is cut, and the next one after few pairs is longer.
 
-use std::collections::BTreeMap;
-
 use super::impact::{Impact, Touching};
 use super::pair::Moving;
 use super::sliding::Slide;
@@ -119,7 +117,7 @@ pub(super) fn first_impact(
     let shortest = tolerance / motion.longest_way().max(tolerance);
     let coarse = coarse_cuts(tool, motion);
     let mut from = 0.0;
-    let (mut before, mut after) = (BTreeMap::new(), BTreeMap::new());
+    let (mut before, mut after) = (Vec::new(), Vec::new());
     let mut cuts = coarse.saturating_sub(1);
     // Pairs offered with the tool standing still, and when.
     let (mut still, mut still_at) = (0, -1.0);
@@ -191,7 +189,9 @@ pub(super) fn first_impact(
         if chase.best.is_some() {
             return chase.best;
         }
-        before = std::mem::take(&mut after);
+        std::mem::swap(&mut before, &mut after);
+        before.sort_unstable_by_key(|(pair, _)| *pair);
+        after.clear();
         from = to;
         cuts = cuts.saturating_sub(u32::from(offered < limit / 4));
     }
@@ -237,9 +237,10 @@ struct Chase<'a> {
     from: f64,
     until: f64,
     best: Option<Impact>,
-    /// Where touching is free: of pairs that touch at the beginning of the window, and at its end, the normals that hold them apart.
-    before: &'a BTreeMap<u64, Point>,
-    after: &'a mut BTreeMap<u64, Point>,
+    /// Where touching is free: of pairs that touch at the beginning of the window (sorted), and at its end, the normals that hold them
+    /// apart.
+    before: &'a [(u64, Point)],
+    after: &'a mut Vec<(u64, Point)>,
 }
 
 impl Chase<'_> {
@@ -252,6 +253,7 @@ impl Chase<'_> {
         let mockup = self.index.mockup();
         let mesh = mockup.mesh();
         let mut moving: Option<(u32, Moving<'_>)> = None;
+        let mut at = 0;
         for &pair in pairs.iter() {
             let (slot, triangle) = ((pair >> 32) as u32, pair as u32);
             if moving.as_ref().is_none_or(|(s, _)| *s != slot) {
@@ -271,7 +273,12 @@ impl Chase<'_> {
                 let of_tool = self.tool.adjacency().outward[tool_triangle as usize];
                 let senses = [of_tool, mockup.adjacency().outward[triangle as usize]];
                 let span = (self.from, self.until);
-                match moving.slide(&q, senses, span, pose, self.before.get(&pair).copied(), self.tolerance) {
+                // Both lists are in order.
+                while self.before.get(at).is_some_and(|(other, _)| *other < pair) {
+                    at += 1;
+                }
+                let held = self.before.get(at).filter(|(other, _)| *other == pair).map(|(_, normal)| *normal);
+                match moving.slide(&q, senses, span, pose, held, self.tolerance) {
                     Slide::Blocked(time) => Some(time),
                     Slide::Free(normal) => {
                         self.after.extend(normal.map(|normal| (pair, normal)));

@@ -74,7 +74,7 @@ fn outline(mesh: &Mesh, adjacency: &Adjacency, seed: u32) -> Vec<Point> {
 /// Andrew: *Another efficient algorithm for convex hulls in two dimensions*, 1979). A point for points in one place, two for a line.
 pub fn hull(points: &[[f64; 2]]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..points.len()).collect();
-    order.sort_by(|i, j| {
+    order.sort_unstable_by(|i, j| {
         let (p, q) = (points[*i], points[*j]);
         p[0].total_cmp(&q[0]).then(p[1].total_cmp(&q[1])).then(i.cmp(j))
     });
