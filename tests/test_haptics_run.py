@@ -56,7 +56,7 @@ def session(scene: feeler.Scene) -> Iterator[Session]:
 
 
 def until(session: Session, is_wanted: Callable[[View], bool], is_free: bool = True) -> View:
-    """The first view that is as wanted, with what is promised of every view asserted. is_free: the tool is sunk in nothing."""
+    """The first view that is as wanted, with what every view promises asserted. is_free: nothing holds the tool."""
     for _ in range(LOOKS):
         view = session.view()
         assert np.linalg.norm(view.force) <= MOST_N

@@ -101,15 +101,13 @@ def test_a_tool_that_begins_in_collision_says_so_and_moves_out_but_not_deeper() 
     snapshot = bench.session.snapshot()
     assert not snapshot.is_free and snapshot.depth == pytest.approx(HALF - 0.02, abs=1e-6) and snapshot.parts == [PLATE]
     bench.drag(at(0.0, 0.0, -0.2), 0.5)
-    assert bench.pose[2, 3] == pytest.approx(0.02, abs=1e-6)
+    assert bench.pose[2, 3] == pytest.approx(0.02, abs=2e-5)
+    # It is sunk: sideways it would tear through the plate, but for the play of its place.
     bench.drag(at(0.1, 0.0, 0.02), 0.5)
-    assert bench.pose[0, 3] == pytest.approx(0.1)
-    # What it did not begin in still stops it.
-    bench.drag(at(0.3, 0.0, 0.02), 0.5)
-    assert bench.pose[0, 3] == pytest.approx(0.25 - HALF, abs=1e-5)
-    bench.drag(at(0.1, 0.0, 0.1), 0.5)
-    np.testing.assert_array_equal(bench.pose, at(0.1, 0.0, 0.1))
-    bench.drag(at(0.1, 0.0, -0.2), 0.5)
+    assert 0.0 <= bench.pose[0, 3] < 0.02 * 2 * HALF * np.sqrt(3) + 1e-6
+    bench.drag(at(0.0, 0.0, 0.1), 0.5)
+    np.testing.assert_array_equal(bench.pose, at(0.0, 0.0, 0.1))
+    bench.drag(at(0.0, 0.0, -0.2), 0.5)
     assert bench.pose[2, 3] == pytest.approx(HALF, abs=1e-6), "free once, the plate is as any other"
 
 
@@ -222,11 +220,11 @@ def test_glide_slides_along_and_has_a_force() -> None:
     assert np.linalg.norm(bench.session.snapshot().force) < 0.1
 
 
-def test_glide_has_no_force_where_it_begins_in_collision() -> None:
+def test_glide_has_force_from_the_beginning_where_it_begins_in_collision() -> None:
     bench = Bench(cube(), pose=at(0.0, 0.0, 0.02), mode="glide")
     for _ in range(10):
         bench.wish(at(0.0, 0.0, 0.0))
-    assert not np.any(bench.session.snapshot().force) and bench.pose[2, 3] == pytest.approx(0.02, abs=1e-6)
+    assert bench.session.snapshot().force[2] > 1.0 and bench.pose[2, 3] == pytest.approx(0.02, abs=2e-5)
     bench.drag(at(0.0, 0.0, 0.1), 0.5)
     bench.drag(at(0.0, 0.0, 0.0), 0.5)
     for _ in range(60):

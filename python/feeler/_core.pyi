@@ -611,6 +611,23 @@ def weld_vertices(vertices: npt.NDArray[np.float64]) -> tuple[npt.NDArray[np.flo
 def restore(kind: str, state: tuple[object, ...]) -> object:
     """A result from what `feeler.travel` pickled of it. Raises `LoadError` for a state that no result has."""
 
+class World:
+    """A tool, and all that it may meet; for one thread at a time."""
+
+    def __new__(cls, scene: Scene, tool: Tool, put_down: Sequence[tuple[int, Scene]]) -> Self:
+        """`put_down`: parts of the scene's mock-up that lie elsewhere, each with the scene of it alone."""
+    def begin(self, pose: npt.ArrayLike) -> None:
+        """The tool begins at a pose: what it meets there is a seat."""
+    def seats(self) -> list[tuple[int, int, str, float]]:
+        """What it is still seated on: part of the tool, part of the mock-up, kind, and depth at the start (metres)."""
+    def stop(
+        self, start: npt.ArrayLike, end: npt.ArrayLike, tolerance: float, off: float
+    ) -> tuple[npt.NDArray[np.float64], float, tuple[int, int, bool] | None]:
+        """From a pose towards another, as far as that is free, and `off` metres before what stops it.
+
+        The pose `(4, 4)`, the share of the way, and what stops it: part, tool part (-1: not known), whether a seat.
+        """
+
 @disjoint_base
 class HapticsSession:
     """One session; `feeler.haptics.Session` adds names and records."""
@@ -628,7 +645,7 @@ class HapticsSession:
     ) -> Self:
         """`put_down`: parts of the scene's mock-up that lie elsewhere, each with the scene of it alone."""
     def begin(self, pose: npt.ArrayLike) -> tuple[list[tuple[int, int, str, float]], list[float] | None]:
-        """Begins at a pose: what meets there, as tool part, part, kind and depth (metres); and the way out of what is sunk."""
+        """Begins at a pose: what meets there, as tool part, part, kind and depth (metres); and the way out if sunk."""
     def advance(
         self, pose: npt.ArrayLike | None, dt: float
     ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], npt.NDArray[np.float64], float, str]:

@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use feeler_core as core;
-use feeler_haptics::{Coupling, Error, Mode, PutDown, SeatKind, Session, SessionOptions, Start, Step};
+use feeler_haptics::{Coupling, Error, Mode, PutDown, Session, SessionOptions, Start, Step};
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyArray1, PyArray2};
 use pyo3::prelude::*;
@@ -13,6 +13,7 @@ use crate::errors::{raise, to_py};
 use crate::pools::{find_topology, on_pool};
 use crate::scene::Scene;
 use crate::travel::stays;
+use crate::world::kind_name;
 
 /// One session; `feeler.haptics.Session` adds names and records.
 #[pyclass(subclass, frozen, module = "feeler._core")]
@@ -142,13 +143,7 @@ pub type Started = (Vec<(u32, u32, &'static str, f64)>, Option<core::Point>);
 /// What a start met.
 pub fn started(start: Start) -> Started {
     let Start::Seated(seating) = start else { return (Vec::new(), None) };
-    let kind = |kind: SeatKind| match kind {
-        SeatKind::Near => "near",
-        SeatKind::Flush => "touching",
-        SeatKind::Fit => "fit",
-        SeatKind::Sunk => "sunk",
-    };
-    let seats = seating.seats.iter().map(|seat| (seat.tool_part, seat.part, kind(seat.kind), seat.depth));
+    let seats = seating.seats.iter().map(|seat| (seat.tool_part, seat.part, kind_name(seat.kind), seat.depth));
     (seats.collect(), seating.way_out.map(|out| out.translation))
 }
 

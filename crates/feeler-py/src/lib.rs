@@ -27,6 +27,7 @@ mod selection;
 mod swept;
 mod tool;
 mod travel;
+mod world;
 
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -95,6 +96,8 @@ mod _core {
     use super::tool::Tool;
     #[pymodule_export]
     use super::weld_vertices;
+    #[pymodule_export]
+    use super::world::World;
 
     use pyo3::prelude::*;
 

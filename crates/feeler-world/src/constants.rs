@@ -13,8 +13,8 @@ pub const FLUSH_PLAY: f64 = 1e-6;
 /// Larger: parts are drawn through bumps of that height.
 pub const SEAT_TOLERANCE: f64 = 1e-5;
 
-/// Halvings by which the depth of a fit is found, from a power of two: to 1/16 of it. More: nearer to what it is, and slower.
-pub const EROSION_HALVINGS: usize = 4;
+/// The depth of a fit is found to this factor. Less: it may go less deeper than it was, and takes longer to find.
+pub const EROSION_SHARE: f64 = 1.07;
 
 /// Cosine from which on two faces at a corner are one: 1.4 mrad. Less: facets of smooth surfaces count as one, and move by less.
 pub const FACE_ANGLE_COS: f64 = 0.999_999;
@@ -26,8 +26,12 @@ pub const LONGEST_MITRE: f64 = 4.0;
 /// Rounds of projections by which a corner's way is found: one is enough for a box, forty for a wedge of 30 degrees.
 pub const MITRE_ROUNDS: usize = 40;
 
-/// Tolerance of casts of what is seated, metres: a quarter of what is left of the play at the start. Larger: slides end by rounding.
-pub const SEAT_CAST: f64 = 1.25e-7;
+/// How far before the end of its play what is seated stops, along its way, metres: an eighth of the play of what touches. Less: it parts
+/// less often from there.
+pub const SEAT_REST: f64 = 1.25e-7;
+
+/// Tolerance of casts of what is seated, metres: a hundredth of [`SEAT_REST`]. Larger: motions that begin there end at once.
+pub const SEAT_CAST: f64 = 1.25e-9;
 
 /// Depth at the start, in lengths of the tool, up to which a pair is a fit, as of what is pressed into a hole: it may be as deep on all of
 /// its way. A deeper one has no hole, and is drawn out of the place it has. Larger: thicker walls are passed through sideways.

@@ -7,6 +7,7 @@ mod constants;
 mod environment;
 mod error;
 mod seats;
+mod stop;
 mod surfaces;
 mod surroundings;
 mod walk;

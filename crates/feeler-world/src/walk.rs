@@ -5,11 +5,12 @@ use std::sync::Arc;
 use feeler_core::{Cast, Motion, Point, Pose};
 
 use crate::constants::{
-    CLEARANCE_SHARE, CLEARANCE_SLACK, CLEARANCE_STEP, SEAT_CAST, SEAT_TOLERANCE, STEPS_A_LENGTH, TOUCH, VERIFY_FINER,
+    CLEARANCE_SHARE, CLEARANCE_SLACK, CLEARANCE_STEP, SEAT_CAST, SEAT_REST, SEAT_TOLERANCE, STEPS_A_LENGTH, TOUCH,
+    VERIFY_FINER,
 };
 use crate::environment::Pair;
 use crate::error::Result;
-use crate::seats::{crossing_outside, Seat, Seated, SeatedBody};
+use crate::seats::{crossing_outside, Seat, Seated, SeatedBody, SmallerPart};
 use crate::surroundings::Surroundings;
 
 /// How closely a motion is looked at.
@@ -129,12 +130,9 @@ impl Surroundings {
         let stopped = |fraction: f64, stop: Stop| Ok(Part { fraction, end: End::Stopped(stop) });
         for (number, asked) in seated.bodies.iter().enumerate() {
             for part in &asked.smaller {
-                let tolerance = care.tolerance.min(SEAT_CAST);
-                let cast = part.solver.scene().cast_beside(&part.tool, from, to, tolerance, care.beside)?;
-                first = earlier(
-                    first,
-                    cast.map(|cast| (cast.fraction, self.stop_of_smaller(number, cast.mockup_triangle))),
-                );
+                let cast = self.cast_of_smaller(part, &motion, (from, to), care)?;
+                let end = cast.map(|(fraction, triangle)| (fraction, self.stop_of_smaller(number, triangle)));
+                first = earlier(first, end);
             }
         }
         if let Some((0.0, stop)) = first {
@@ -312,6 +310,20 @@ impl Surroundings {
             }
         }
         Ok(first)
+    }
+
+    /// When a smaller part first meets its neighbour, and which triangle of it. It ends where the next motion may begin.
+    fn cast_of_smaller(
+        &self,
+        part: &SmallerPart,
+        motion: &Motion,
+        (from, to): (&Pose, &Pose),
+        care: Care<'_>,
+    ) -> Result<Option<(f64, u32)>> {
+        let cast = part.solver.scene().cast_beside(&part.tool, from, to, SEAT_CAST, care.beside)?;
+        // The next one begins clearly off what ended this.
+        let before = |fraction: f64| (fraction - SEAT_REST / motion.longest_way()).max(0.0);
+        Ok(cast.map(|cast| (before(cast.fraction), cast.mockup_triangle)))
     }
 
     /// The end of a cast of a smaller part, whose triangles are not the tool's.

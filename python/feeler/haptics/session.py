@@ -49,7 +49,7 @@ class Step:
     """What one step gives."""
 
     world_from_proxy: Floats
-    """`(4, 4)`: where the mock-up lets the tool be; free by the exact test but for seats, and reached by a free motion."""
+    """`(4, 4)`: where the mock-up lets the tool be; free by the exact test but for seats, reached by a free motion."""
     force: Floats
     """`(3,)`: on the hand, newtons, world axes."""
     torque: Floats
@@ -70,8 +70,8 @@ class Seat:
     """Index into `mockup.parts`."""
     tool_part: int
     kind: str
-    """`touching`: at most 1 um apart, or 0.5 um deep. `fit`: deeper, up to 2 % of the tool's size, as parts that are pressed
-    in, or cross by their facets. `sunk`: deeper still, as a bolt in a plate without a hole."""
+    """`touching`: at most 1 um apart, or 0.5 um deep. `fit`: deeper, up to 2 % of the tool's size, as parts that are
+    pressed in, or cross by their facets. `sunk`: deeper still, as a bolt in a plate without a hole."""
     depth: float
     """Metres."""
 

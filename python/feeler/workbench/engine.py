@@ -18,22 +18,21 @@ import numpy as np
 
 from feeler.mockup import Tool
 from feeler.poses import between
-from feeler.workbench import motion, stopping
+from feeler.workbench import motion
 from feeler.workbench.document import Trip
 from feeler.workbench.gliding import MOST_STEPS, STEP_S, Glide
 from feeler.workbench.motion import Floats
 from feeler.workbench.snapshot import NO_FORCE, Places, Snapshot
+from feeler.workbench.stopping import Seats
 from feeler.workbench.trip import TripRecorder, least_clearance
 from feeler.workbench.world import (
     NO_HITS,
-    NO_PAIRS,
     NO_PLANES,
     NO_ROWS,
     Hits,
     Impact,
     Ints,
     Near,
-    Pairs,
     Planes,
     Rows,
     WayOut,
@@ -86,7 +85,7 @@ class Engine:
     """One hand in one world. Thread-safe: what changes it waits for the tick under way, and no longer."""
 
     # What is forgotten when the hand is set elsewhere.
-    _seated: Pairs | None
+    _seats: Seats | None
     _glide: Glide | None
     _force: Floats
     _torque: Floats
@@ -160,7 +159,8 @@ class Engine:
             self._places, self._held_places = places, held_places
             self._jump(pose)
             if is_carrying and world is not None and tool is not None:
-                self._trip = TripRecorder(tool, pose, trip, self._seated_now(world, tool) if trip is None else NO_PAIRS)
+                met = world.collide(tool, pose).part_pairs if trip is None else ()
+                self._trip = TripRecorder(tool, pose, trip, frozenset(met))
 
     def wish(self, pose: Floats, seq: int, source: str) -> None:
         """Where the hand wants to be. The newest counts; waits for nothing."""
@@ -367,19 +367,21 @@ class Engine:
         impact: Impact | None = None
         if world is None or tool is None or self._mode == "pass":
             self._pose = self._wish
-        elif self._mode == "stop" or not self._glides(world, tool):
+        elif self._mode == "stop":
             if not np.array_equal(self._pose, self._wish):
-                moved = stopping.move(world, tool, self._pose, self._wish, self._seated_now(world, tool))
-                self._pose, self._seated, impact = moved.pose, moved.seated, moved.impact
+                if self._seats is None:
+                    self._seats = Seats(world, tool, self._pose)
+                moved = self._seats.move(self._pose, self._wish)
+                self._pose, impact = moved.pose, moved.impact
         elif steps:
-            impact = self._glide_on(steps)
+            impact = self._glide_on(world, tool, steps)
         else:
             self._force, impact = force, self._impact
         is_moved = not np.array_equal(before, self._pose)
         if is_moved or not self._is_settled:
             self._hits = world.collide(tool, self._pose) if world is not None and tool is not None else NO_HITS
-            if self._mode == "pass":
-                self._seated = None
+            if self._mode != "stop":
+                self._seats = None
         if not self._hits:
             self._last_free = self._pose
         self._bumped(impact)
@@ -389,21 +391,9 @@ class Engine:
             self._trip.moved(self._pose, impact, self._hits)
         return is_other or not self._is_settled
 
-    def _seated_now(self, world: World, tool: Tool) -> Pairs:
-        if self._seated is None:
-            self._seated = stopping.seated_at(world, tool, self._pose)
-        return self._seated
-
-    def _glides(self, world: World, tool: Tool) -> bool:
-        """Whether the proxy leads; where the tool is in contact from the start, it is moved out of it first."""
-        if self._glide is None and not self._seated_now(world, tool):
-            glide = Glide(world, tool)
-            if glide.start(self._pose):
-                self._glide = glide
-        return self._glide is not None
-
-    def _glide_on(self, steps: int) -> Impact | None:
-        assert self._glide is not None
+    def _glide_on(self, world: World, tool: Tool, steps: int) -> Impact | None:
+        if self._glide is None:
+            self._glide = Glide(world, tool, self._pose)
         glided = self._glide.step(self._wish, steps)
         self._pose, self._force, self._torque = glided.pose, glided.force, glided.torque
         self._held_by = {
@@ -507,7 +497,7 @@ class Engine:
     # ---- state ----
 
     def _forget(self) -> None:
-        self._seated = NO_PAIRS if self._tool is None else None
+        self._seats = None
         self._glide = None
         self._force = self._torque = NO_FORCE
         self._impact = None

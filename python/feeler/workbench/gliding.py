@@ -28,14 +28,11 @@ class Glided:
 
 
 class Glide:
-    """A proxy of a tool in a world; begun anew where either changes."""
+    """A proxy of a tool in a world, from a pose on; begun anew where either changes."""
 
-    def __init__(self, world: World, tool: Tool) -> None:
+    def __init__(self, world: World, tool: Tool, pose: Floats) -> None:
         self._session = Session(world.in_place, tool, put_down=world.each_put_down())
-
-    def start(self, pose: Floats) -> bool:
-        """Begins at a pose. False where the tool is in collision there."""
-        return bool(self._session.start(pose))
+        self._session.start(pose)
 
     def step(self, wish: Floats, steps: int) -> Glided:
         """Some steps toward a wish. The force is zero where the session is in doubt."""

@@ -3,9 +3,8 @@
 `Scene.cast` goes the whole way between the two, so that how often the hand is asked, and how fast it moves, changes
 nothing: the tool stands at the same pose, within the cast's tolerance, and passes nothing.
 
-A tool that meets something where it begins (a part in its seat, a tool put down inside) may move out of it and slide
-along it, and nothing else: pairs of parts that meet, or are nearer than `SEAT_M`, are *seated*. They are not cast, but
-no contact plane between them may get deeper. Once a pair is farther apart it is as any other.
+What a tool meets where it begins (a part in its seat, a tool put down inside) is a seat, by the one rule of
+`feeler._core.World`: it may slide along that and part from it, goes no deeper, and meets all other surfaces exactly.
 """
 
 from __future__ import annotations
@@ -14,49 +13,83 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from feeler import _core
 from feeler.mockup import Tool
 from feeler.poses import between
 from feeler.workbench import motion
 from feeler.workbench.motion import Floats
 from feeler.workbench.world import NO_PAIRS, Impact, Pairs, World
 
-SEAT_M = 2e-5
-"""A pair of parts that met at the start is seated until it is farther apart than this: the skin of `feeler.haptics`."""
 OFF_M = 5e-7
 """The tool stops so far before an impact, along its way: where it rests, rounding cannot bring it into contact."""
 _TOLERANCE_M = 2.5e-7  # of the casts: with `OFF_M`, a stop is early by less than the tolerance of `Scene.cast`
 _STUCK_M = 1e-9  # so near to an impact that rounding decides which way is free; the planes tell better
 _SLACK_M = 1e-9  # what rounding may do to a height above a plane; in a second of pushing less than the skin
 _HALVINGS = 24
+_NEAR_M = 2e-5  # planes that may stop the tool: more than it is off them
 
 
 @dataclass(frozen=True)
 class Moved:
-    """Where the hand came. impact: what stopped it, None where it got where it was wished; seated: pairs now."""
+    """Where the hand came. impact: what stopped it, None where it got where it was wished."""
 
     pose: Floats
-    seated: Pairs
     impact: Impact | None
 
 
-def seated_at(world: World, tool: Tool, pose: Floats) -> Pairs:
-    """The pairs of parts that meet at a pose."""
-    return frozenset(world.collide(tool, pose).part_pairs)
+class Seats:
+    """What a tool is seated on: all that it meets at a pose, until it has parted from it."""
+
+    def __init__(self, world: World, tool: Tool, pose: Floats) -> None:
+        """Where nothing meets, nothing is sought."""
+        self._world, self._tool = world, tool
+        self._core: _core.World | None = None
+        if world.is_colliding(tool, pose):
+            self._core = _core.World(world.in_place, tool, list(world.each_put_down().items()))
+            self._core.begin(pose)
+
+    def __bool__(self) -> bool:
+        return self._core is not None
+
+    def move(self, pose: Floats, wish: Floats) -> Moved:
+        """From a pose toward a wish."""
+        if self._core is None:
+            return move(self._world, self._tool, pose, wish)
+        goal, share, stop = self._core.stop(pose, wish, _TOLERANCE_M, OFF_M)
+        if not self._core.seats():
+            self._core = None
+        if stop is None:
+            return Moved(goal, None)
+        part, ours, _ = stop
+        return Moved(goal, self._impact(share, goal, wish, part, ours))
+
+    def _impact(self, share: float, pose: Floats, wish: Floats, part: int, ours: int) -> Impact:
+        """At the contact plane of the part that the wish leads through; where there is none, at the nearest point."""
+        ahead = wish[:3, 3] - pose[:3, 3]
+        planes = self._world.contacts(self._tool, pose, _NEAR_M)
+        own = np.flatnonzero(planes.parts == part)
+        if len(own):
+            plane = own[(planes.normals[own] @ ahead).argmin()]
+            ours = int(planes.tool_parts[plane])
+            return Impact(share, pose, planes.points[plane], planes.normals[plane], part, ours)
+        near = self._world.distance(self._tool, pose, np.inf)
+        point = pose[:3, 3] if near is None else near.mockup_point
+        length = float(np.linalg.norm(ahead))
+        return Impact(share, pose, point, -ahead / length if length else np.array([0.0, 0.0, 1.0]), part, ours)
 
 
-def move(world: World, tool: Tool, pose: Floats, wish: Floats, seated: Pairs) -> Moved:
-    """From a pose toward a wish. `seated`: pairs as of the last move, or of `seated_at`."""
-    found = _moved(world, tool, pose, wish, seated)
+def move(world: World, tool: Tool, pose: Floats, wish: Floats) -> Moved:
+    """From a pose at which nothing meets toward a wish."""
+    found = _moved(world, tool, pose, wish, NO_PAIRS)
     impact = found.impact
-    if impact is not None and (impact.tool_part, impact.part) not in seated:
+    if impact is not None:
         way = motion.carried(pose, wish, motion.corners(tool.bounds))
         if impact.fraction * way < _STUCK_M < way:
-            # As if they were seated; what is free stays free, by the exact test.
-            along = _moved(world, tool, pose, wish, seated | {(impact.tool_part, impact.part)})
-            if not world.is_colliding(tool, along.pose, seated):
+            # No plane there may get deeper, and what is free stays free, by the exact test.
+            along = _moved(world, tool, pose, wish, frozenset({(impact.tool_part, impact.part)}))
+            if not world.is_colliding(tool, along.pose):
                 found = along
-    still = seated if np.array_equal(found.pose, pose) else _still(world, tool, found.pose, seated)
-    return Moved(found.pose, still, found.impact)
+    return found
 
 
 def _moved(world: World, tool: Tool, pose: Floats, wish: Floats, seated: Pairs) -> Moved:
@@ -67,7 +100,7 @@ def _moved(world: World, tool: Tool, pose: Floats, wish: Floats, seated: Pairs) 
     hit = world.cast(tool, pose, goal, seated, _TOLERANCE_M)
     if hit is not None:
         impact, goal = hit, _before(world, tool, pose, goal, hit, seated)
-    return Moved(goal, seated, impact)
+    return Moved(goal, impact)
 
 
 def _before(world: World, tool: Tool, pose: Floats, goal: Floats, hit: Impact, seated: Pairs) -> Floats:
@@ -83,14 +116,9 @@ def _before(world: World, tool: Tool, pose: Floats, goal: Floats, hit: Impact, s
     return pose
 
 
-def _still(world: World, tool: Tool, pose: Floats, seated: Pairs) -> Pairs:
-    """The seated pairs that are not yet apart."""
-    return frozenset(pair for pair in seated if world.is_near(tool, pose, pair, SEAT_M)) if seated else NO_PAIRS
-
-
 def _kept_out(world: World, tool: Tool, pose: Floats, wish: Floats, seated: Pairs) -> tuple[Floats, Impact | None]:
-    """How far toward the wish no plane between seated parts gets deeper, and the plane that ends it."""
-    planes = world.contacts(tool, pose, SEAT_M)
+    """How far toward the wish no plane between some parts gets deeper, and the plane that ends it."""
+    planes = world.contacts(tool, pose, _NEAR_M)
     holding = [i for i in range(len(planes)) if (int(planes.tool_parts[i]), int(planes.parts[i])) in seated]
     if not holding:
         return wish, None

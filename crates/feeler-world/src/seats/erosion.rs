@@ -4,6 +4,7 @@
 //! where it starts, by less than a play; as long as it is, the part itself is nowhere deeper in the neighbour than at the start and the
 //! play.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use feeler_contacts::ContactSolver;
@@ -11,7 +12,7 @@ use feeler_core::geometry::vectors::{add, cross, dot, length, scaled, sub, unit}
 use feeler_core::{weld_vertices, Point, Pose, Tool};
 
 use crate::constants::{
-    EROSION_HALVINGS, FACE_ANGLE_COS, FIT_DEPTH, FLUSH_PLAY, LONGEST_MITRE, MITRE_ROUNDS, SEAT_TOLERANCE,
+    EROSION_SHARE, FACE_ANGLE_COS, FIT_DEPTH, FLUSH_PLAY, LONGEST_MITRE, MITRE_ROUNDS, SEAT_TOLERANCE,
 };
 use crate::error::Result;
 
@@ -24,46 +25,66 @@ pub struct Eroded {
     pub depth: f64,
 }
 
-/// The part `part` of a tool as it is free of a neighbour, whose `solver` asks of nothing else, at the start; no smaller than by
-/// `least` metres. `None`: it is deeper than a fit, for a tool of this size (metres).
-pub fn eroded(
-    solver: &ContactSolver,
-    (tool, part): (&Tool, u32),
-    start: &Pose,
-    least: f64,
-    size: f64,
-) -> Result<Option<Eroded>> {
-    let corners = Corners::new(tool, part);
-    let most = least.max(FIT_DEPTH * size);
-    let is_open = tool.adjacency().is_open(part);
-    // Of an open surface nobody knows which side is out.
-    for sign in if is_open { &[1.0, -1.0][..] } else { &[1.0] } {
-        let by = |by: f64| corners.moved(tool, -sign * by);
-        let is_free = |depth: f64| -> Result<bool> { Ok(solver.is_free(&by(depth)?, start)) };
-        let made = |depth: f64, play: f64| -> Result<Option<Eroded>> {
-            Ok(Some(Eroded { tool: Arc::new(by(depth + play)?), depth }))
-        };
-        if least == 0.0 && is_free(0.5 * FLUSH_PLAY)? {
-            return made(0.0, FLUSH_PLAY);
-        }
-        let (mut low, mut high) = (0.0, least.max(FLUSH_PLAY));
-        while high <= most && !is_free(high)? {
-            (low, high) = (high, 2.0 * high);
-        }
-        if high > most {
-            continue;
-        }
-        for _ in 0..EROSION_HALVINGS {
-            let middle = 0.5 * (low + high);
-            if middle >= least && is_free(middle)? {
-                high = middle;
-            } else {
-                low = middle;
-            }
-        }
-        return made(high, SEAT_TOLERANCE);
+/// Parts of a tool made smaller, each by each distance once.
+pub struct Erosion<'a> {
+    tool: &'a Tool,
+    corners: BTreeMap<u32, Corners>,
+    made: BTreeMap<(u32, u64), Arc<Tool>>,
+}
+
+impl<'a> Erosion<'a> {
+    pub fn new(tool: &'a Tool) -> Erosion<'a> {
+        Erosion { tool, corners: BTreeMap::new(), made: BTreeMap::new() }
     }
-    Ok(None)
+
+    /// A part of the tool as it is free of a neighbour, whose `solver` asks of nothing else, at the start; no smaller than by `least`
+    /// metres. `None`: it is deeper than a fit, for a tool of this size (metres).
+    pub fn free_part(
+        &mut self,
+        solver: &ContactSolver,
+        part: u32,
+        start: &Pose,
+        least: f64,
+        size: f64,
+    ) -> Result<Option<Eroded>> {
+        let most = least.max(FIT_DEPTH * size);
+        // Of an open surface nobody knows which side is out.
+        let signs = if self.tool.adjacency().is_open(part) { &[1.0, -1.0][..] } else { &[1.0] };
+        for sign in signs {
+            let mut is_free = |by: f64| -> Result<bool> { Ok(solver.is_free(&*self.by(part, sign * by)?, start)) };
+            if least == 0.0 && is_free(0.5 * FLUSH_PLAY)? {
+                return Ok(Some(Eroded { tool: self.by(part, sign * FLUSH_PLAY)?, depth: 0.0 }));
+            }
+            if !is_free(most)? {
+                continue;
+            }
+            let (mut low, mut high) = (least.max(0.5 * FLUSH_PLAY), most);
+            if least > 0.0 && is_free(least)? {
+                high = least;
+            }
+            while high > EROSION_SHARE * low {
+                let middle = (low * high).sqrt();
+                if is_free(middle)? {
+                    high = middle;
+                } else {
+                    low = middle;
+                }
+            }
+            return Ok(Some(Eroded { tool: self.by(part, sign * (high + SEAT_TOLERANCE))?, depth: high }));
+        }
+        Ok(None)
+    }
+
+    /// A part smaller by so much, metres.
+    fn by(&mut self, part: u32, by: f64) -> Result<Arc<Tool>> {
+        if let Some(made) = self.made.get(&(part, by.to_bits())) {
+            return Ok(made.clone());
+        }
+        let corners = self.corners.entry(part).or_insert_with(|| Corners::new(self.tool, part));
+        let made = Arc::new(corners.moved(self.tool, -by)?);
+        self.made.insert((part, by.to_bits()), made.clone());
+        Ok(made)
+    }
 }
 
 /// The corners of a part, and where each moves.

@@ -15,7 +15,7 @@ use feeler_contacts::ContactSolver;
 use feeler_core::geometry::vectors::length;
 use feeler_core::{Pose, Scene, SurfaceNumbers, Tool};
 
-use super::erosion::{eroded, Eroded};
+use super::erosion::{Eroded, Erosion};
 use crate::constants::TOUCH;
 use crate::error::{Error, Result};
 use crate::surfaces::Surfaces;
@@ -144,7 +144,7 @@ pub fn find_seats(
         }
     }
     let size = length(&tool.mesh().bounds().extent());
-    let mut found = Start::default();
+    let (mut found, mut erosion) = (Start::default(), Erosion::new(tool));
     for (pair, distance) in nearest {
         let [tool_part, part] = pair;
         let meets = distance <= TOUCH;
@@ -155,7 +155,7 @@ pub fn find_seats(
         let (mut kind, mut depth) = (SeatKind::Near, 0.0);
         if meets {
             let alone = solver.with_scene(Arc::new(scene.of_one_part(part)));
-            smaller = eroded(&alone, (tool, tool_part), start, allowed.overlap, size)?;
+            smaller = erosion.free_part(&alone, tool_part, start, allowed.overlap, size)?;
             (kind, depth) = match &smaller {
                 Some(eroded) if eroded.depth == 0.0 => (SeatKind::Flush, 0.0),
                 Some(eroded) => (SeatKind::Fit, eroded.depth),

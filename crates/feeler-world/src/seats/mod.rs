@@ -10,4 +10,4 @@ pub use seated::Seated;
 
 pub(crate) use find::find_seats;
 pub(crate) use place::{crossing_outside, crossings_in_place};
-pub(crate) use seated::{Makings, SeatedBody};
+pub(crate) use seated::{Makings, SeatedBody, SmallerPart};
