@@ -110,21 +110,29 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         "clash": {*CONTACTS_BASE, "query", "escape", "solver", "point_depth"},
     },
     "feeler-world": {
+        "constants": set(),
         "error": set(),
-        # All bodies, asked as one.
+        # The bodies around the tool.
         "environment": {"error"},
+        # Flat faces, bores, fillets.
+        "surfaces": {"constants"},
+        # What meets at the start, and what may meet until it parts.
+        "seats": {"constants", "error", "surfaces"},
+        # The tool among the bodies, with its seats.
+        "surroundings": {"constants", "error", "environment", "seats"},
+        # Motions as far as they are free.
+        "walk": {"constants", "error", "environment", "seats", "surroundings"},
+        "stop": {"error", "seats", "surroundings", "walk"},
         # What is gripped, and what was put down.
-        "world": {"error", "environment"},
+        "world": {"error", "environment", "surroundings"},
     },
     "feeler-plan": {
         "constants": set(),
         "error": set(),
         # Who stopped the tool.
         "blocked": {"constants"},
-        # How far it moves freely, and what it may touch.
-        "surroundings": {"constants", "error", "blocked"},
         "random": set(),
-        "removal": {"constants", "error", "random", "blocked", "surroundings"},
+        "removal": {"constants", "error", "random", "blocked"},
         # The volume of a motion.
         "swept": {"constants"},
     },

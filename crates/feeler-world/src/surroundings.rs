@@ -40,7 +40,7 @@ pub struct SunkPlane {
     pub plane: Plane,
     /// A point of the tool, world.
     pub point: Point,
-    /// How far it may go against the plane's normal, metres.
+    /// How far it may go against the plane's normal, metres; not below 0, so that no plane pushes the tool.
     pub room: f64,
 }
 
@@ -253,7 +253,7 @@ impl Surroundings {
                 let part = body.part_in_mockup(plane.part);
                 let ContactPlane { point: on_plane, normal, gap, id, .. } = plane;
                 let plane = Plane { point: on_plane, normal, gap, part, id: id_in_body(id, number) };
-                found.push(SunkPlane { plane, point: pose.apply(&point), room: moved });
+                found.push(SunkPlane { plane, point: pose.apply(&point), room: moved.max(0.0) });
             }
             let mockup = sunk.scene().mockup();
             let pairs = self.sunk_pairs(number, sunk.scene(), pose);
@@ -266,7 +266,7 @@ impl Surroundings {
                     part: body.part_in_mockup(mockup.part_of_face(m)),
                     id: id_in_body(u64::from(t) << 32 ^ u64::from(m) ^ 1 << 62, number),
                 };
-                found.push(SunkPlane { plane, point: crossing.at, room: crossing.room });
+                found.push(SunkPlane { plane, point: crossing.at, room: crossing.room.max(0.0) });
             }
         }
         Ok(found)

@@ -18,14 +18,12 @@ from feeler.mockup import Tool
 from feeler.poses import between
 from feeler.workbench import motion
 from feeler.workbench.motion import Floats
-from feeler.workbench.world import NO_PAIRS, Impact, Pairs, World
+from feeler.workbench.world import Impact, World
 
 OFF_M = 5e-7
 """The tool stops so far before an impact, along its way: where it rests, rounding cannot bring it into contact."""
 _TOLERANCE_M = 2.5e-7  # of the casts: with `OFF_M`, a stop is early by less than the tolerance of `Scene.cast`
-_STUCK_M = 1e-9  # so near to an impact that rounding decides which way is free; the planes tell better
-_SLACK_M = 1e-9  # what rounding may do to a height above a plane; in a second of pushing less than the skin
-_HALVINGS = 24
+_STUCK_M = 1e-9  # so near to an impact that rounding decides which way is free; seats tell better
 _NEAR_M = 2e-5  # planes that may stop the tool: more than it is off them
 
 
@@ -43,21 +41,41 @@ class Seats:
     def __init__(self, world: World, tool: Tool, pose: Floats) -> None:
         """Where nothing meets, nothing is sought."""
         self._world, self._tool = world, tool
-        self._core: _core.World | None = None
-        if world.is_colliding(tool, pose):
-            self._core = _core.World(world.in_place, tool, list(world.each_put_down().items()))
-            self._core.begin(pose)
-
-    def __bool__(self) -> bool:
-        return self._core is not None
+        self._core = self._begun(pose) if world.is_colliding(tool, pose) else None
+        self._near: tuple[Floats, _core.World] | None = None
 
     def move(self, pose: Floats, wish: Floats) -> Moved:
         """From a pose toward a wish."""
         if self._core is None:
-            return move(self._world, self._tool, pose, wish)
-        goal, share, stop = self._core.stop(pose, wish, _TOLERANCE_M, OFF_M)
+            return self._move_free(pose, wish)
+        moved = self._move_seated(self._core, pose, wish)
         if not self._core.seats():
             self._core = None
+        return moved
+
+    def _begun(self, pose: Floats) -> _core.World:
+        core = _core.World(self._world.in_place, self._tool, list(self._world.each_put_down().items()))
+        core.begin(pose)
+        return core
+
+    def _move_free(self, pose: Floats, wish: Floats) -> Moved:
+        """From a pose at which nothing meets."""
+        world, tool = self._world, self._tool
+        hit = world.cast(tool, pose, wish, tolerance=_TOLERANCE_M)
+        if hit is None:
+            return Moved(wish, None)
+        way = motion.carried(pose, wish, motion.corners(tool.bounds))
+        if hit.fraction * way < _STUCK_M < way:
+            # As a seat; what is free stays free, by the exact test.
+            if self._near is None or not np.array_equal(self._near[0], pose):
+                self._near = pose, self._begun(pose)
+            along = self._move_seated(self._near[1], pose, wish)
+            if not world.is_colliding(tool, along.pose):
+                return along
+        return Moved(_before(world, tool, pose, wish, hit), hit)
+
+    def _move_seated(self, core: _core.World, pose: Floats, wish: Floats) -> Moved:
+        goal, share, stop = core.stop(pose, wish, _TOLERANCE_M, OFF_M)
         if stop is None:
             return Moved(goal, None)
         part, ours, _ = stop
@@ -78,85 +96,14 @@ class Seats:
         return Impact(share, pose, point, -ahead / length if length else np.array([0.0, 0.0, 1.0]), part, ours)
 
 
-def move(world: World, tool: Tool, pose: Floats, wish: Floats) -> Moved:
-    """From a pose at which nothing meets toward a wish."""
-    found = _moved(world, tool, pose, wish, NO_PAIRS)
-    impact = found.impact
-    if impact is not None:
-        way = motion.carried(pose, wish, motion.corners(tool.bounds))
-        if impact.fraction * way < _STUCK_M < way:
-            # No plane there may get deeper, and what is free stays free, by the exact test.
-            along = _moved(world, tool, pose, wish, frozenset({(impact.tool_part, impact.part)}))
-            if not world.is_colliding(tool, along.pose):
-                found = along
-    return found
-
-
-def _moved(world: World, tool: Tool, pose: Floats, wish: Floats, seated: Pairs) -> Moved:
-    impact: Impact | None = None
-    goal = wish
-    if seated:
-        goal, impact = _kept_out(world, tool, pose, wish, seated)
-    hit = world.cast(tool, pose, goal, seated, _TOLERANCE_M)
-    if hit is not None:
-        impact, goal = hit, _before(world, tool, pose, goal, hit, seated)
-    return Moved(goal, impact)
-
-
-def _before(world: World, tool: Tool, pose: Floats, goal: Floats, hit: Impact, seated: Pairs) -> Floats:
+def _before(world: World, tool: Tool, pose: Floats, goal: Floats, hit: Impact) -> Floats:
     """The pose `OFF_M` before an impact, from which on nothing meets by the exact test; or the one it came from."""
     way = motion.carried(pose, goal, motion.corners(tool.bounds))
     back = OFF_M / way if way > 0.0 else 1.0
     centre = tool.bounds.mean(axis=0)
     while back < hit.fraction:
         candidate = between(pose, goal, centre, hit.fraction - back)
-        if world.cast(tool, pose, candidate, seated, _TOLERANCE_M) is None:
+        if world.cast(tool, pose, candidate, tolerance=_TOLERANCE_M) is None:
             return candidate
         back *= 2
     return pose
-
-
-def _kept_out(world: World, tool: Tool, pose: Floats, wish: Floats, seated: Pairs) -> tuple[Floats, Impact | None]:
-    """How far toward the wish no plane between some parts gets deeper, and the plane that ends it."""
-    planes = world.contacts(tool, pose, _NEAR_M)
-    holding = [i for i in range(len(planes)) if (int(planes.tool_parts[i]), int(planes.parts[i])) in seated]
-    if not holding:
-        return wish, None
-    normals, points, footing = planes.normals[holding], planes.points[holding], planes.footing[holding]
-    least = np.minimum(_heights(pose, normals, points, footing), 0.0) - _SLACK_M
-    below = _heights(wish, normals, points, footing) - least
-    if (below >= 0.0).all():
-        return wish, None
-    if np.array_equal(pose[:3, :3], wish[:3, :3]):
-        share, plane = _share_of_shift(_heights(pose, normals, points, footing) - least, below)
-        goal = pose.copy()
-        goal[:3, 3] += share * (wish[:3, 3] - pose[:3, 3])
-    else:
-        centre = tool.bounds.mean(axis=0)
-        share, high = 0.0, 1.0
-        for _ in range(_HALVINGS):
-            middle = (share + high) / 2
-            at = _heights(between(pose, wish, centre, middle), normals, points, footing) - least
-            if (at >= 0.0).all():
-                share = middle
-            else:
-                high, below = middle, at
-        goal, plane = between(pose, wish, centre, share), int(below.min(axis=1).argmin())
-    at_plane = holding[plane]
-    part, ours = int(planes.parts[at_plane]), int(planes.tool_parts[at_plane])
-    return goal, Impact(share, goal, planes.points[at_plane], planes.normals[at_plane], part, ours)
-
-
-def _heights(pose: Floats, normals: Floats, points: Floats, footing: Floats) -> Floats:
-    """How far each point `(k, 4, 3)` of the contacts' footing is in front of its plane, metres, `(k, 4)`."""
-    placed = footing @ pose[:3, :3].T + pose[:3, 3] - points[:, None]
-    heights: Floats = np.einsum("kij,kj->ki", placed, normals)
-    return heights
-
-
-def _share_of_shift(before: Floats, after: Floats) -> tuple[float, int]:
-    """Of a motion without a turn: the share at which the first height is 0, and the plane it belongs to."""
-    falling = after < 0.0
-    shares = np.where(falling, before / np.where(falling, before - after, 1.0), np.inf).min(axis=1)
-    plane = int(shares.argmin())
-    return max(0.0, float(shares[plane])), plane

@@ -1,0 +1,139 @@
+"""One rule for parts that fit: planning, the page's hand and a haptic session let the same motions through."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+from shapes import box
+
+import feeler
+from feeler import haptics
+from feeler.workbench.stopping import Seats
+from feeler.workbench.world import PartMeshes, World
+
+FAR = 0.1
+
+
+def shifted(by: np.ndarray) -> np.ndarray:
+    pose = np.eye(4)
+    pose[:3, 3] = by
+    return pose
+
+
+def grip_tool(scene: feeler.Scene, part: int) -> feeler.Tool:
+    """A cube of 1 mm beside a part, where nothing else is: a session holds the part by it."""
+    vertices, _ = _mesh(scene, part)
+    for reach in np.arange(0.5, 3.0, 0.25):
+        for towards in np.array([[1, 1, 1], [-1, 1, 1], [1, -1, 1], [1, 1, -1]]):
+            centre = vertices.mean(axis=0) + reach * towards * np.ptp(vertices, axis=0).max() / 2
+            tool = feeler.Tool(*box(centre - 5e-4, centre + 5e-4), "grip")
+            if not scene.is_colliding(tool, np.eye(4)):
+                return tool
+    raise AssertionError("no place to grip from")
+
+
+def led(
+    scene: feeler.Scene, part: int, way: list[np.ndarray], step: float, poses: list[np.ndarray] | None = None
+) -> np.ndarray:
+    """Where a haptic session brings a part along a way: `(4, 4)`, world_from_part. poses: gets that of each step."""
+    session = haptics.Session(scene, grip_tool(scene, part))
+    session.start(np.eye(4))
+    session.grip(part)
+    centre = _mesh(scene, part)[0].mean(axis=0)
+    for a, b in itertools.pairwise(way):
+        count = int(np.ceil(np.linalg.norm(b[:3, 3] - a[:3, 3]) / step)) + int(np.ceil(10 * turned(a, b))) + 1
+        for k in range(1, count + 1):
+            last = session.step(feeler.poses.between(a, b, centre, k / count))
+            if poses is not None:
+                poses.append(last.world_from_proxy)
+    for _ in range(40):
+        last = session.step(way[-1])
+    return last.world_from_proxy
+
+
+def turned(a: np.ndarray, b: np.ndarray) -> float:
+    return float(np.arccos(np.clip((np.trace(a[:3, :3].T @ b[:3, :3]) - 1) / 2, -1, 1)))
+
+
+def dragged(scene: feeler.Scene, part: int, way: list[np.ndarray]) -> np.ndarray:
+    """Where the page's hand brings a part along a way, in the mode that stops."""
+    meshes = PartMeshes(scene.mockup)
+    tool, _ = meshes.of(part)
+    world = World(scene, meshes, {}, [part])
+    seats, pose = Seats(world, tool, way[0]), way[0]
+    for wish in way[1:]:
+        pose = seats.move(pose, wish).pose
+    return pose
+
+
+@pytest.fixture(scope="module")
+def engine() -> feeler.Scene:
+    return feeler.Scene(feeler.sample("engine", triangles=20_000))
+
+
+@pytest.mark.parametrize("part", [1, 9, 13, 156])
+def test_a_bolt_without_a_hole_leaves_along_its_axis_alone_in_all_rooms(engine: feeler.Scene, part: int) -> None:
+    # With what it meets alone, as a mechanic would look at it.
+    own = feeler.Tool(*_mesh(engine, part))
+    met = engine.without([part]).collide(own, np.eye(4)).parts.tolist()
+    scene, around = engine.only([*met, part]), engine.only(met)
+    found = feeler.removal(scene, part, seconds=2.0)
+    assert found.found and len(found.poses) == 2
+    axis = found.poses[-1][:3, 3] - found.poses[0][:3, 3]
+    axis /= np.linalg.norm(axis)
+    size = float(np.linalg.norm(np.ptp(own.vertices, axis=0)))
+    for direction in np.concatenate([np.eye(3), -np.eye(3)]):
+        assert abs(direction @ axis) < 0.8
+        way = [np.eye(4), shifted(FAR * direction)]
+        # The page's hand does not turn aside: it stays within the play of the place.
+        assert np.linalg.norm(dragged(scene, part, way)[:3, 3]) < 0.03 * size
+        # A hand with force may be led out along the axis: in the plate, the bolt leaves its place by the play alone.
+        poses: list[np.ndarray] = []
+        led(scene, part, way, 0.001, poses)
+        centre = own.vertices.mean(axis=0)
+        for pose in poses:
+            if around.is_colliding(own, pose):
+                by = pose[:3, :3] @ centre + pose[:3, 3] - centre
+                assert np.linalg.norm(by - (by @ axis) * axis) < 0.1 * size and by @ axis > -0.03 * size
+
+
+def _mesh(scene: feeler.Scene, part: int) -> tuple[np.ndarray, np.ndarray]:
+    tool, _ = PartMeshes(scene.mockup).of(part)
+    return tool.vertices, tool.faces
+
+
+def test_ways_out_are_gone_by_the_hand_and_with_force(engine: feeler.Scene) -> None:
+    names = [name for name in engine.mockup.part_names]
+    tried = 0
+    for part in range(0, len(names), 23):
+        found = feeler.removal(engine, part, seconds=0.3)
+        if not found.found or len(found.poses) > 3:
+            continue
+        tried += 1
+        way = [pose @ np.linalg.inv(found.poses[0]) for pose in found.poses]
+        for end in (dragged(engine, part, way), led(engine, part, way, 0.002)):
+            np.testing.assert_allclose(end, way[-1], atol=5e-4, err_msg=names[part])
+    assert tried >= 4
+
+
+def test_a_block_on_a_bracket_stops_at_the_wall_in_the_page() -> None:
+    plate, wall, block = (
+        box((-0.1, -0.1, -0.02), (0.1, 0.1, 0.0)),
+        box((0.035, -0.1, 0.0), (0.055, 0.1, 0.06)),
+        box((-0.015, -0.015, -0.015), (0.015, 0.015, 0.015)),
+    )
+    for gap in (0.0, 1e-15, 1e-12, 1e-6, -1e-12, -1e-6, -1e-5):
+        for place in ((0.0, 0.0, 0.0), (3000.0, -2000.0, 1000.0)):
+            at = np.array([0.01, 0.0, 0.015 + gap])
+            vertices = np.concatenate([plate[0], wall[0], block[0] + at]) + place
+            faces = np.concatenate([plate[1], wall[1] + 8, block[1] + 16])
+            mockup = feeler.Mockup(vertices, faces, np.repeat([0, 1], [24, 12]), ["bracket", "block"])
+            scene = feeler.Scene(mockup)
+            end = dragged(scene, 1, [np.eye(4), shifted(np.array([0.03, 0.0, 0.0]))])
+            assert 0.01 - 3e-6 < end[0, 3] <= 0.01 + 1e-9, (gap, place)
+            down = dragged(scene, 1, [np.eye(4), shifted(np.array([0.0, 0.0, -0.01]))])
+            assert -1.2e-5 < down[2, 3] <= 1e-9, (gap, place)
+            up = dragged(scene, 1, [np.eye(4), shifted(np.array([0.0, 0.0, -0.01])), shifted(np.array([0, 0, 0.05]))])
+            assert up[2, 3] == pytest.approx(0.05), (gap, place)
