@@ -54,6 +54,7 @@ __all__ = [
     "SectionOutline",
     "Selected",
     "Tool",
+    "World",
     "clash",
     "optimal_voxel_size",
     "removal",
@@ -611,6 +612,7 @@ def weld_vertices(vertices: npt.NDArray[np.float64]) -> tuple[npt.NDArray[np.flo
 def restore(kind: str, state: tuple[object, ...]) -> object:
     """A result from what `feeler.travel` pickled of it. Raises `LoadError` for a state that no result has."""
 
+@final
 class World:
     """A tool, and all that it may meet; for one thread at a time."""
 

@@ -138,7 +138,7 @@ fn a_block_on_a_bracket_stops_at_the_wall() {
         for (number, bracket) in brackets().into_iter().enumerate() {
             let fit = Fit::new(bracket, block(), [0.01, 0.0, 0.015 + gap], place);
             let what = format!("{gap} at {place:?}, bracket {number}");
-            let deep = fit.kinds().iter().any(|kind| *kind == SeatKind::Sunk);
+            let deep = fit.kinds().contains(&SeatKind::Sunk);
             assert!(!deep && !fit.kinds().is_empty(), "{what}: {:?}", fit.kinds());
             let walked = fit.walked([0.03, 0.0, 0.0]);
             assert!(walked[0] > 0.01 - 3e-6 && walked[0] <= 0.01 + 1e-12, "{what}: {walked:?}");
