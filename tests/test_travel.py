@@ -147,6 +147,7 @@ def samples() -> dict[str, list[Any]]:
         "Distribution": [stats.servo_tick],
         "Coupling": [haptics.Coupling(), haptics.Coupling(stiffness_n_per_m=500.0)],
         "Start": begun,
+        "Seat": list(begun[1].seats),
         "Step": [step],
         "Planes": [step.planes],
         "Parted": [haptics.Parted(3, 1, 0.5)],

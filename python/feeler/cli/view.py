@@ -256,7 +256,7 @@ class _Opening:
         if self._held is not None and probe is not None and not self._is_over:
             from feeler.workbench.device import DeviceHand
 
-            self._hand = DeviceHand(session, scene, probe, self._held, session.engine.pose)
+            self._hand = DeviceHand(session, self._held)
 
 
 class _Measured:

@@ -42,6 +42,7 @@ from feeler.workbench.record import Recorder
 from feeler.workbench.requests import Requests
 from feeler.workbench.snapshot import Snapshot
 from feeler.workbench.wanted import Wanted
+from feeler.workbench.world import World
 
 LEAST_TICK_S = 0.004
 """The engine's thread begins no more than one round in this: 250 Hz."""
@@ -331,6 +332,17 @@ class Session:
         """What the hand holds: the tool, gripped parts, or both as one."""
         with self._lock:
             return self._opened().held(self._document)
+
+    def hand_key(self) -> object:
+        """Another one whenever the hand holds something else or is placed elsewhere, or the world is another."""
+        document = self._document
+        return held_key(document), world_key(document), document.pose
+
+    def hand_now(self) -> tuple[object, World, Tool | None, Floats]:
+        """That key, the world around the hand, what it holds, and where it is (`world_from_tool`, `(4, 4)`)."""
+        with self._lock:
+            hands, document = self._opened(), self._document
+            return self.hand_key(), hands.world(document), hands.held(document), self.engine.pose
 
     def put_down(self) -> Mockup | None:
         """The parts that lie elsewhere than where they were loaded, where they lie."""
