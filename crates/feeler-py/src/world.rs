@@ -11,6 +11,7 @@ use crate::arguments::{PoseArgument, ToolArgument};
 use crate::errors::{raise, to_py};
 use crate::pools::{find_topology, on_pool};
 use crate::scene::Scene;
+use crate::travel::stays;
 
 /// The name of a kind of seat.
 pub fn kind_name(kind: SeatKind) -> &'static str {
@@ -78,6 +79,10 @@ impl World {
         let Some(seated) = &world.1 else { return Vec::new() };
         let seats = seated.of(world.0.around().seats());
         seats.iter().map(|seat| (seat.tool_part, seat.part, kind_name(seat.kind), seat.depth)).collect()
+    }
+
+    fn __reduce__(&self) -> PyResult<()> {
+        Err(stays("World", "make it anew from its scene and tool"))
     }
 
     /// From a pose towards another, as far as that is free, and `off` metres before what stops it.
