@@ -1,4 +1,4 @@
-"""What is felt: each module one experiment, plain data out, decided on simulated time.
+"""Experiments on haptic forces, one a module. They return plain data and run on simulated time.
 
-`engine` and `tight` alone have a clock.
+`engine` and `tight` also measure time.
 """

@@ -28,7 +28,7 @@ pub struct DhdOptions {
     pub force_n: Option<f64>,
     /// Largest torque, newton metres, where less than the device has is wanted.
     pub torque_nm: Option<f64>,
-    /// Stiffness that this device is known to hold in a loop of 1 kHz, newtons a metre. `None`: what is published.
+    /// Stiffness that the device renders stably at 1 kHz, newtons a metre. `None`: the published one.
     pub stiffness_n_per_m: Option<f64>,
 }
 

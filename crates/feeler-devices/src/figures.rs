@@ -1,4 +1,4 @@
-//! What is known of each type of device, and who says so: a line a type.
+//! Data of the supported device types, one line each, with its source.
 //!
 //! Damping, friction and mass are published by few makers. What is not known is 0 here, and bounds nothing. A maker's largest stiffness
 //! is of a loop like a driver's here: the damping that holds it there, by Colgate's `b > K (T / 2 + t)`, is the least that the device

@@ -34,7 +34,7 @@ pub struct OpenHapticsOptions {
     pub device: Option<String>,
     /// Largest force, newtons, where less than the device has is wanted.
     pub force_n: Option<f64>,
-    /// Stiffness that this device is known to hold in a loop of 1 kHz, newtons a metre. `None`: what is published.
+    /// Stiffness that the device renders stably at 1 kHz, newtons a metre. `None`: the published one.
     pub stiffness_n_per_m: Option<f64>,
 }
 

@@ -3,9 +3,8 @@
 /// How far a sunk part may give way, metres: above rounding.
 pub const SEAT_SLACK: f64 = 1e-8;
 
-/// How far what is seated stays off the end of its play, metres: twice the tolerance of casts there, a quarter of the play of what touches.
-/// Less: casts end at once.
-pub const SEAT_REST: f64 = 2.5e-7;
+/// How far contact rows keep a seated part off the end of its play, metres: twice as far as a walk does. Smaller: walks end at once.
+pub const SEAT_REST: f64 = 2.0 * feeler_world::SEAT_REST;
 
 // Constraint sets.
 

@@ -9,7 +9,7 @@ use feeler_haptics::metric::Metric;
 use feeler_haptics::proxy::{Proxy, ProxyOptions};
 use feeler_haptics::screw::{pose_of, rotation_of};
 use feeler_haptics::Coupling;
-use feeler_shapes::Arrays;
+use feeler_shapes::{lathe, Arrays};
 use feeler_world::{Body, Surroundings};
 
 /// Radius of all fits, metres; depth of the holes, and the chamfers of pegs and holes.
@@ -23,21 +23,10 @@ fn body((vertices, faces): Arrays) -> Body {
     Body { solver: ContactSolver::new(Arc::new(scene)), part: None }
 }
 
-/// A closed ring of (radius, height), turned about z: `n` sides, half a side turned, all corners `scale` times as far out.
+/// A closed ring of (radius, height) about z: `n` sides, half a side turned, all corners `scale` times as far out.
 fn turned(profile: &[[f64; 2]], n: usize, scale: f64) -> Arrays {
-    let m = profile.len();
-    let mut vertices = Vec::new();
-    for i in 0..n {
-        let (s, c) = (TAU * (i as f64 + 0.5) / n as f64).sin_cos();
-        vertices.extend(profile.iter().map(|[r, z]| [scale * r * c, scale * r * s, *z]));
-    }
-    let at = |i: usize, j: usize| ((i % n) * m + j % m) as u32;
-    let mut faces = Vec::new();
-    for (i, j) in (0..n).flat_map(|i| (0..m).map(move |j| (i, j))) {
-        faces.push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
-        faces.push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
-    }
-    (vertices, faces)
+    let scaled: Vec<[f64; 2]> = profile.iter().map(|[r, z]| [scale * r, *z]).collect();
+    lathe(&scaled, n, 0.5)
 }
 
 /// Hole and peg with `play` between them (metres, of the diameter). With `n` sides of both; a hole of many is around its circle and a

@@ -1,14 +1,13 @@
 //! Parts that fit: what is seated slides and parts, goes no deeper, and meets everything else exactly. The same by a walk and by a
 //! session with force.
 
-use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use feeler_contacts::ContactSolver;
 use feeler_core::{Mockup, Point, Pose, Scene, SceneOptions, Tool};
 use feeler_haptics::screw::{pose_of, rotation_of};
 use feeler_haptics::{Mode, SeatKind, Session, SessionOptions, Start};
-use feeler_shapes::{box_mesh, Arrays};
+use feeler_shapes::{box_mesh, joined, lathe, Arrays};
 use feeler_world::{Body, Care, Surroundings};
 
 /// Places: at the origin, and 3 km off, where coordinates are rounded to half a picometre.
@@ -16,16 +15,6 @@ const PLACES: [Point; 2] = [[0.0; 3], [3000.0, -2000.0, 1000.0]];
 
 fn moved((vertices, faces): Arrays, by: Point) -> Arrays {
     (vertices.iter().map(|p| std::array::from_fn(|a| p[a] + by[a])).collect(), faces)
-}
-
-fn joined(all: impl IntoIterator<Item = Arrays>) -> Arrays {
-    let (mut vertices, mut faces) = (Vec::new(), Vec::new());
-    for (more, its) in all {
-        let first = vertices.len() as u32;
-        faces.extend(its.iter().map(|face| face.map(|v| v + first)));
-        vertices.extend(more);
-    }
-    (vertices, faces)
 }
 
 /// A closed outline in x and z, counterclockwise, drawn along y.
@@ -37,23 +26,6 @@ fn extruded(outline: &[[f64; 2]], width: f64, triangles: &[[u32; 3]]) -> Arrays 
     for k in 0..n {
         let next = (k + 1) % n;
         faces.extend([[k, k + n, next], [next, k + n, next + n]]);
-    }
-    (vertices, faces)
-}
-
-/// A closed ring of (radius, height), turned about z, `turn` of a side turned.
-fn turned(profile: &[[f64; 2]], n: usize, turn: f64) -> Arrays {
-    let m = profile.len();
-    let mut vertices = Vec::new();
-    for i in 0..n {
-        let (s, c) = (TAU * (i as f64 + turn) / n as f64).sin_cos();
-        vertices.extend(profile.iter().map(|[r, z]| [r * c, r * s, *z]));
-    }
-    let at = |i: usize, j: usize| ((i % n) * m + j % m) as u32;
-    let mut faces = Vec::new();
-    for (i, j) in (0..n).flat_map(|i| (0..m).map(move |j| (i, j))) {
-        faces.push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
-        faces.push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
     }
     (vertices, faces)
 }
@@ -164,12 +136,9 @@ fn a_block_on_a_bracket_stops_at_the_wall() {
 fn a_shaft_with_a_collar_stops_at_its_collar() {
     // Line to line, cut at angles of their own: the shaft is in the bore by its facets. The collar is 5 mm above the plate.
     for (n, m) in [(64, 64), (48, 96), (200, 64)] {
-        let plate = turned(&[[0.04, -0.03], [0.04, 0.0], [0.01, 0.0], [0.01, -0.03]], n, 0.0);
-        let shaft = turned(
-            &[[1e-3, -0.05], [0.01, -0.05], [0.01, 0.005], [0.015, 0.005], [0.015, 0.02], [1e-3, 0.02]],
-            m,
-            0.37,
-        );
+        let plate = lathe(&[[0.04, -0.03], [0.04, 0.0], [0.01, 0.0], [0.01, -0.03]], n, 0.0);
+        let shaft =
+            lathe(&[[1e-3, -0.05], [0.01, -0.05], [0.01, 0.005], [0.015, 0.005], [0.015, 0.02], [1e-3, 0.02]], m, 0.37);
         for place in PLACES {
             let fit = Fit::new(plate.clone(), shaft.clone(), [0.0; 3], place);
             assert_eq!(fit.kinds(), [SeatKind::Fit], "{n} {m}");
@@ -190,8 +159,8 @@ fn a_shaft_with_a_collar_stops_at_its_collar() {
 fn a_pin_in_a_blind_hole_reaches_the_bottom_and_comes_out() {
     // 3 mm above the bottom.
     let hole =
-        turned(&[[0.04, -0.05], [0.04, 0.0], [0.006, 0.0], [0.006, -0.04], [1e-4, -0.04], [1e-4, -0.05]], 72, 0.0);
-    let pin = turned(&[[1e-4, -0.037], [0.006, -0.037], [0.006, 0.02], [1e-4, 0.02]], 64, 0.21);
+        lathe(&[[0.04, -0.05], [0.04, 0.0], [0.006, 0.0], [0.006, -0.04], [1e-4, -0.04], [1e-4, -0.05]], 72, 0.0);
+    let pin = lathe(&[[1e-4, -0.037], [0.006, -0.037], [0.006, 0.02], [1e-4, 0.02]], 64, 0.21);
     let fit = Fit::new(hole, pin, [0.0; 3], PLACES[0]);
     assert_eq!(fit.kinds(), [SeatKind::Fit]);
     let walked = fit.walked([0.0, 0.0, -0.02]);
@@ -223,4 +192,20 @@ fn a_drawer_slides_in_its_case() {
     assert!(led[0] > 0.03 - 5e-5 && led[0] <= 0.03 && forces[1][0] < -3.0, "{led:?} {forces:?}");
     let (out, _) = fit.led([-0.3, 0.0, 0.0], [0.0, 0.0, -0.001]);
     assert!(out[0] < -0.29, "{out:?}");
+}
+
+#[test]
+fn a_bolt_without_a_hole_leaves_through_the_place_that_it_filled() {
+    let plate = box_mesh([0.0, 0.0, -0.015], [0.2, 0.2, 0.03], 1);
+    let bolt = lathe(&[[1e-4, -0.02], [0.004, -0.02], [0.004, 0.03], [1e-4, 0.03]], 32, 0.0);
+    let fit = Fit::new(plate, bolt, [0.0; 3], PLACES[0]);
+    assert_eq!(fit.kinds(), [SeatKind::Sunk]);
+    // Its length is 51 mm, the play of its place 2 % of that.
+    let play = 0.02 * 0.0513 + 1e-5;
+    for by in [[0.05, 0.0, 0.0], [0.0, -0.05, 0.0], [0.03, 0.03, 0.01]] {
+        let aside = fit.walked(by);
+        assert!(aside[0].hypot(aside[1]) <= play, "{aside:?}");
+    }
+    let out = fit.walked([0.0, 0.0, 0.1]);
+    assert!(out == [0.0, 0.0, 0.1], "{out:?}");
 }

@@ -86,6 +86,23 @@ pub fn ball(r: f64, n: usize) -> Arrays {
     (vertices, faces)
 }
 
+/// A closed profile of (radius, height), counterclockwise, revolved about z in `n` steps. The first is turned by `turn` of a step.
+pub fn lathe(profile: &[[f64; 2]], n: usize, turn: f64) -> Arrays {
+    let m = profile.len();
+    let mut vertices = Vec::new();
+    for i in 0..n {
+        let (s, c) = (std::f64::consts::TAU * (i as f64 + turn) / n as f64).sin_cos();
+        vertices.extend(profile.iter().map(|[r, z]| [r * c, r * s, *z]));
+    }
+    let at = |i: usize, j: usize| ((i % n) * m + j % m) as u32;
+    let mut faces = Vec::new();
+    for (i, j) in (0..n).flat_map(|i| (0..m).map(move |j| (i, j))) {
+        faces.push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
+        faces.push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
+    }
+    (vertices, faces)
+}
+
 /// A closed cylinder along x: radius `r`, length `l`, `n` sides, `m` rings.
 pub fn cylinder(r: f64, l: f64, n: usize, m: usize) -> Arrays {
     let around = |s: f64| {

@@ -6,7 +6,8 @@
 /// what is made. Larger: casts end earlier, and more of what is flush counts as seated.
 pub const TOUCH: f64 = 1e-6;
 
-/// How far what touches may rock and go deeper, metres: above rounding, and below what is made. Larger: slides end less often by rounding.
+/// Play of touching seats, metres: how much deeper they may get. Above rounding, below machining tolerances. Larger: slides end less often
+/// by rounding.
 pub const FLUSH_PLAY: f64 = 1e-6;
 
 /// How far a seated pair that is in each other may go deeper, or leave its place, metres: facets of curved surfaces differ by as much.
@@ -27,8 +28,8 @@ pub const LONGEST_MITRE: f64 = 4.0;
 /// facets move by less than they should.
 pub const MITRE_ADDED: f64 = 1e-9;
 
-/// How far before the end of its play what is seated stops, along its way, metres: an eighth of the play of what touches. Less: it parts
-/// less often from there.
+/// How far before the end of its play a seated part stops along its way, metres: an eighth of `FLUSH_PLAY`. Smaller: motions that start
+/// there may be blocked.
 pub const SEAT_REST: f64 = 1.25e-7;
 
 /// Tolerance of casts of what is seated, metres: a hundredth of [`SEAT_REST`]. Larger: motions that begin there end at once.

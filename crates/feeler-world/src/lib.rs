@@ -13,11 +13,10 @@ mod surroundings;
 mod walk;
 mod world;
 
-pub use constants::TOUCH;
+pub use constants::SEAT_REST;
 pub use environment::{Body, Environment, Pair, Plane};
 pub use error::{Error, Result};
 pub use seats::{Allowed, Seat, SeatKind, Seated};
-pub use surfaces::Surfaces;
 pub use surroundings::{SunkPlane, Surroundings};
 pub use walk::{Care, Span, Stop, Walk};
 pub use world::{Grip, PutDown, World};

@@ -1,4 +1,4 @@
-//! From a pose towards a wish, as far as the way is free, and a little before what ends it.
+//! Walks that end a given distance before the impact.
 
 use std::sync::Arc;
 
@@ -10,8 +10,8 @@ use crate::surroundings::Surroundings;
 use crate::walk::{Care, Walk};
 
 impl Surroundings {
-    /// A [walk](Self::walk) that ends `off` metres before what stops it, by any point of the tool, where nothing meets: from there the next
-    /// one begins free. Where that is before its start, it stays there. Seats end it where they are.
+    /// A [walk](Self::walk) that ends `off` metres before the impact, or at its start if that is nearer, so that the next walk starts free.
+    /// A walk that a seat stops ends at that seat. `tolerance`: of the casts, metres.
     pub fn stop_short(
         &self,
         seated: &Arc<Seated>,

@@ -1,7 +1,7 @@
 //! The surfaces of a part as a designer would count them: a flat face, a bore, a fillet.
 //!
-//! Facets that are in one plane are one face, also where a groove parts them. Faces that meet at a small angle and are alike in size belong to one curved surface. A
-//! fillet's facets are much smaller than the floor and the wall beside it, so it joins neither.
+//! Facets in one plane are one face, even if a groove separates them. Faces of similar size that meet at a small angle form one curved
+//! surface. The facets of a fillet are much smaller than the floor and wall beside it, so the fillet is a surface of its own.
 
 use std::collections::HashMap;
 use std::sync::Arc;

@@ -1,4 +1,4 @@
-//! What a tool moves in: the bodies around it, and what it is seated on where it starts.
+//! A tool, the bodies around it, and its seats at the start.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -12,7 +12,7 @@ use crate::environment::{Body, Environment, Plane};
 use crate::error::Result;
 use crate::seats::{crossings_in_place, find_seats, Allowed, Makings, Seat, SeatKind, Seated};
 
-/// A tool among bodies, with what it may touch there.
+/// A tool, the bodies around it, and its seats.
 #[derive(Debug)]
 pub struct Surroundings {
     pub(crate) environment: Environment,
@@ -191,7 +191,7 @@ impl Surroundings {
         self.manifolds_of(asked.enumerate(), pose, margin, out)
     }
 
-    /// The same of the parts of the tool that touch or fit, made smaller, with their neighbours. So far they may go.
+    /// The contact manifolds of the eroded parts with their neighbours: their gaps are how far a seat may still go.
     pub fn seat_manifolds(&self, seated: &Seated, pose: &Pose, margin: f64, out: &mut Manifolds) -> Result<()> {
         let parts = seated.bodies.iter().enumerate();
         let asked = parts.flat_map(|(body, asked)| asked.smaller.iter().map(move |part| (body, part)));
@@ -222,7 +222,7 @@ impl Surroundings {
         Ok(())
     }
 
-    /// The least distance of what is not seated, and of parts that are, made smaller; where that is less than `within`, metres.
+    /// The least distance of surfaces that are not seated, and of the eroded parts, metres; `None` beyond `within`.
     pub fn distance(&self, seated: &Seated, pose: &Pose, within: f64) -> Result<Option<f64>> {
         let mut least = None;
         for asked in &seated.bodies {
@@ -235,7 +235,7 @@ impl Surroundings {
         Ok(least)
     }
 
-    /// Whether anything meets that is not seated, or is deeper than it may be; sunk parts aside.
+    /// Whether any surface that is not seated, or any eroded part, is in collision, exactly. Sunk parts are not looked at.
     pub fn is_colliding(&self, seated: &Seated, pose: &Pose) -> bool {
         seated.bodies.iter().any(|asked| {
             asked.ordinary.scene().is_colliding(&self.tool, pose)
@@ -243,7 +243,7 @@ impl Surroundings {
         })
     }
 
-    /// The planes that hold what is sunk: those that it is behind, and where it crosses its neighbours its own place.
+    /// The planes that hold sunk parts: the contact planes that they have penetrated, and the sides of the volume that they filled.
     pub fn sunk_planes(&self, seated: &Seated, pose: &Pose) -> Result<Vec<SunkPlane>> {
         let mut found = Vec::new();
         for (number, (body, asked)) in self.environment.bodies.iter().zip(&seated.bodies).enumerate() {

@@ -96,7 +96,7 @@ impl PlaneLanes {
     fn push(&mut self, plane: &ContactPlane) {
         let lane = self.len % WIDE_LANES;
         if lane == 0 {
-            // No pair is that far: what is not there explains nothing.
+            // An infinite gap in unused lanes: they separate no pair.
             let (zero, gaps) = ([[0.0; WIDE_LANES]; 3], [f64::INFINITY; WIDE_LANES]);
             self.batches.push(PlaneBatch { points: zero, normals: zero, gaps });
         }
@@ -446,7 +446,7 @@ impl<'a> PlaneSearch<'a> {
     }
 }
 
-/// Puts so many pairs last as are returned, the nearest of all, in the order of their bounds, the nearest last.
+/// Moves the nearest pairs to the end, sorted by bound, the nearest last. Returns their number.
 fn put_nearest_last(near: &mut [Near]) -> usize {
     let count = near.len().min(SORTED_AT_ONCE);
     let first = near.len() - count;

@@ -36,15 +36,14 @@ pub struct Presence {
     children: Vec<Vec<u32>>,
 }
 
-/// Pairs of a part of a tool and a part of the mock-up that are not asked, as a robot's matrix of allowed collisions; and pairs of
-/// surfaces of these.
+/// Pairs of tool part and mock-up part that queries ignore, like a robot's allowed collision matrix; also pairs of their surfaces.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct IgnoredPairs {
     of_parts: Matrix,
     of_surfaces: Option<IgnoredSurfaces>,
 }
 
-/// Numbers of the surfaces that some triangles of a mesh belong to.
+/// The surface number of some triangles of a mesh.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct SurfaceNumbers {
     /// A bit a triangle: whether it has a number.
@@ -90,7 +89,7 @@ impl Matrix {
 }
 
 impl SurfaceNumbers {
-    /// Of a mesh of so many triangles the surface of each of some of them, which come ascending: `(triangle, surface)`.
+    /// `triangles`: how many the mesh has. `numbers`: `(triangle, surface)`, sorted by triangle.
     pub fn new(triangles: usize, numbers: Vec<(u32, u32)>) -> SurfaceNumbers {
         let mut has = vec![0; triangles.div_ceil(64)];
         numbers.iter().for_each(|(t, _)| has[*t as usize / 64] |= 1 << (t % 64));
@@ -114,12 +113,12 @@ impl SurfaceNumbers {
 }
 
 impl IgnoredPairs {
-    /// The pairs `[tool part, mock-up part]`, of so many parts of each; pairs beyond these are left out.
+    /// Ignores the pairs `[tool part, mock-up part]`. `tool_parts`, `parts`: how many there are; larger numbers in pairs are dropped.
     pub fn new(tool_parts: usize, parts: usize, pairs: impl IntoIterator<Item = [u32; 2]>) -> IgnoredPairs {
         IgnoredPairs { of_parts: Matrix::new([tool_parts, parts], pairs), of_surfaces: None }
     }
 
-    /// The same, and pairs `[surface of the tool, surface of the mock-up]` by the numbers of their triangles.
+    /// Also ignores pairs `[tool surface, mock-up surface]`, by the surface numbers of tool and mock-up.
     pub fn with_surfaces(
         self,
         [tool, mockup]: [&Arc<SurfaceNumbers>; 2],

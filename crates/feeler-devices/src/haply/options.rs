@@ -15,7 +15,7 @@ pub struct HaplyOptions {
     pub preset: Option<String>,
     /// Largest force, newtons; `None`: 5 N, half of the peak that the maker states. More than 10 N is never sent.
     pub force_n: Option<f64>,
-    /// Stiffness that this device is known to hold in a loop of 1 kHz, newtons a metre. `None`: what is published.
+    /// Stiffness that the device renders stably at 1 kHz, newtons a metre. `None`: the published one.
     pub stiffness_n_per_m: Option<f64>,
 }
 

@@ -1,8 +1,7 @@
-//! A part of the tool made smaller by as much as it is in a neighbour: what it may do there is what the smaller one may, exactly.
+//! Erosion: a part of the tool made smaller by its depth in a neighbour, so that the pair can be cast exactly.
 //!
-//! Each corner moves inwards so that every face that meets there moves by the same distance. The smaller part is free of the neighbour
-//! where it starts, by less than a play; as long as it is, the part itself is nowhere deeper in the neighbour than at the start and the
-//! play.
+//! Each corner moves inwards so that all faces at it move by the same distance: the depth at the start plus a play. The eroded part is
+//! free of the neighbour at the start. While it stays free, the part itself gets no deeper than at the start by more than the play.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -16,16 +15,16 @@ use crate::constants::{
 };
 use crate::error::Result;
 
-/// A part of a tool that is smaller than it is.
+/// An eroded part of a tool.
 #[derive(Debug, Clone)]
 pub struct Eroded {
-    /// The part alone, which turns as the tool does.
+    /// The eroded part alone, with the tool's pivot.
     pub tool: Arc<Tool>,
     /// How deep the part is at the start, metres; 0 if it touches.
     pub depth: f64,
 }
 
-/// Parts of a tool made smaller, each by each distance once.
+/// Makes eroded parts of a tool, each only once.
 pub struct Erosion<'a> {
     tool: &'a Tool,
     corners: BTreeMap<u32, Corners>,
@@ -37,8 +36,8 @@ impl<'a> Erosion<'a> {
         Erosion { tool, corners: BTreeMap::new(), made: BTreeMap::new() }
     }
 
-    /// A part of the tool as it is free of a neighbour, whose `solver` asks of nothing else, at the start; no smaller than by `least`
-    /// metres. `None`: it is deeper than a fit, for a tool of this size (metres).
+    /// The part eroded just enough to be free at `start`, by at least `least` metres. `solver`: of the neighbour alone. `size`: the tool's
+    /// diagonal, metres. `None`: the part is deeper than a fit.
     pub fn free_part(
         &mut self,
         solver: &ContactSolver,
@@ -75,7 +74,7 @@ impl<'a> Erosion<'a> {
         Ok(None)
     }
 
-    /// A part smaller by so much, metres.
+    /// The part eroded by a distance, metres.
     fn by(&mut self, part: u32, by: f64) -> Result<Arc<Tool>> {
         if let Some(made) = self.made.get(&(part, by.to_bits())) {
             return Ok(made.clone());

@@ -1,12 +1,12 @@
 //! Which pairs of parts, and which of their surfaces, meet where the tool starts.
 //!
-//! Parts of an assembly touch, and in models of one many are in each other. A pair that meets at the start may meet until it parts. Of one
-//! that touches, or is a little in each other, the tool's part is [made smaller](super::erosion) by as much, and that is asked exactly. What
-//! is deeper has no hole in the model: bolts in plates. It may not move against a plane that it is behind, and the surfaces cross nowhere
-//! but in the place that the part has at the start.
+//! A pair in contact at the start is a seat until it parts. If it touches or overlaps a little, the tool's part is
+//! [eroded](super::erosion) and cast exactly. If it overlaps more, it is sunk, like a bolt modelled through a solid plate: it may not move
+//! against a contact plane that it has penetrated, and its surface may cross the neighbour's only within the volume that it filled at
+//! the start.
 //!
-//! All other surfaces of such a pair are asked exactly from the first step on. What slides along a surface comes over its convex edges:
-//! a pin that leaves a hole crosses, by its facets, the face around the hole. So these surfaces, too, are asked of the smaller part alone.
+//! The original part is cast exactly, except for the pairs of surfaces in contact at the start and the surfaces next to them across
+//! convex edges: the facets of a pin cross the face around its hole when it leaves.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -125,7 +125,10 @@ impl Regions {
     }
 }
 
-/// Finds them. `scene` asks of nothing that is allowed all along; tool parts from `own_parts` on are what grips, and have no seats.
+/// Finds the seats of one body at `start`. `solver` and `scene` leave out the parts that are always allowed. Tool parts from `own_parts` on
+/// are grippers.
+///
+/// Errors: a gripper in contact.
 pub fn find_seats(
     (solver, scene): (&ContactSolver, &Scene),
     tool: &Tool,

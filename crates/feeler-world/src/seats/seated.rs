@@ -1,4 +1,4 @@
-//! Which pairs have not parted yet, and the scenes that follow from it.
+//! The seats that have not parted yet, and what is asked of each body meanwhile.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use feeler_core::{IgnoredPairs, Scene, Tool};
 use super::erosion::Eroded;
 use super::find::{Regions, Seat, SeatKind};
 
-/// Pairs that are still together, and who is asked of what meanwhile.
+/// The seats that have not parted yet, with the queries that follow.
 #[derive(Debug)]
 pub struct Seated {
     /// By seat, those of one body after the other: whether it has not parted.
