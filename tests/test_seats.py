@@ -10,8 +10,9 @@ from shapes import box
 
 import feeler
 from feeler import haptics
-from feeler.workbench.stopping import Seats
-from feeler.workbench.world import PartMeshes, World
+from feeler._core import GuardedMove
+from feeler.workbench.parts import PartMeshes
+from feeler.workbench.world import World
 
 FAR = 0.1
 
@@ -62,9 +63,9 @@ def dragged(scene: feeler.Scene, part: int, way: list[np.ndarray]) -> np.ndarray
     meshes = PartMeshes(scene.mockup)
     tool, _ = meshes.of(part)
     world = World(scene, meshes, {}, [part])
-    seats, pose = Seats(world, tool, way[0]), way[0]
+    hand, pose = GuardedMove(world, tool, way[0]), way[0]
     for wish in way[1:]:
-        pose = seats.move(pose, wish).pose
+        pose, _ = hand.go(pose, wish, 2.5e-7, 5e-7)
     return pose
 
 

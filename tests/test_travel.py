@@ -26,7 +26,17 @@ from feeler.samples import hardware
 from feeler.samples.tessellation import Tolerance
 
 PROTOCOLS = range(pickle.HIGHEST_PROTOCOL + 1)
-STAY = {"ClashRows", "World", "Predictor", "PiecePredictor", "HapticsDevice", "HapticsRun", "Session"}
+STAY = {
+    "ClashRows",
+    "World",
+    "GuardedMove",
+    "Impact",
+    "Predictor",
+    "PiecePredictor",
+    "HapticsDevice",
+    "HapticsRun",
+    "Session",
+}
 """What does not travel, and says so."""
 BASES = {"Mockup", "Tool", "Scene", "ContactTracker", "IgnoredPairs", "Selected", "HapticsSession"}
 """Classes of the core that only their feeler.* subclasses are used of, or that make these."""
@@ -226,8 +236,11 @@ def staying(name: str) -> Any:
         return _core.PiecePredictor(mock, tool)
     if name == "ClashRows":
         return _core.clash(feeler.Scene(mock), np.zeros((1, 1)), np.zeros((1, 1)))
-    if name == "World":
-        return _core.World(feeler.Scene(mock), tool, [])
+    if name in ("World", "GuardedMove"):
+        world = _core.World(feeler.Scene(mock), [])
+        return world if name == "World" else _core.GuardedMove(world, tool, pose(5.0))
+    if name == "Impact":
+        return _core.Impact(0.5, np.zeros(3), np.ones(3), 0)
     device = haptics.devices.Simulated()
     if name == "HapticsDevice":
         return device._device

@@ -9,9 +9,10 @@ from workbench_scene import FACES, LEFT, PEG, PLATE, RIGHT, SHEET, Bench, at, co
 import feeler
 from feeler.workbench import motion
 from feeler.workbench.engine import Engine
+from feeler.workbench.parts import PartMeshes
 from feeler.workbench.session import LEAST_TICK_S
 from feeler.workbench.snapshot import Snapshot
-from feeler.workbench.world import PartMeshes, World
+from feeler.workbench.world import World
 
 HALF = 0.03125  # of the cube
 
@@ -150,18 +151,18 @@ def test_a_way_out_of_one_scene_that_leads_into_the_other_is_none() -> None:
     mockup = stand()
     scene, meshes, tool = feeler.Scene(mockup), PartMeshes(mockup), cube()
     pose = at(0.0, 0.0, HALF - 0.005)
-    way = World(scene, meshes, {}).way_out(tool, pose, 0.002)
+    way = World(scene, meshes, {}).penetration(tool, pose, 0.002)
     assert way is not None and way.kind == "bound" and way.depth == pytest.approx(0.005, abs=1e-6)
     np.testing.assert_allclose(way.translation, [0.0, 0.0, 0.005], atol=1e-6)
-    assert World(scene, meshes, {}).way_out(tool, at(0.0, 0.0, 0.1), 0.002) is None
+    assert World(scene, meshes, {}).penetration(tool, at(0.0, 0.0, 0.1), 0.002) is None
     for above, kind in ((0.002, "estimate"), (0.006, "bound")):
         over = at(0.0, -0.28125, 2 * HALF - 0.005 + above)
-        found = World(scene, meshes, {PEG: motion.row(over)}).way_out(tool, pose, 0.002)
+        found = World(scene, meshes, {PEG: motion.row(over)}).penetration(tool, pose, 0.002)
         assert found is not None and found.kind == kind and found.depth == pytest.approx(0.005, abs=1e-6)
     # In both, it is the longer way.
     for deep, longer in ((0.008, 0.008), (0.003, 0.005)):
         within = World(scene, meshes, {PEG: motion.row(at(HALF + 0.03125 - deep, -0.28125, 0.0))})
-        found = within.way_out(tool, pose, 0.002)
+        found = within.penetration(tool, pose, 0.002)
         assert found is not None and found.depth == pytest.approx(longer, abs=1e-6) and found.kind == "estimate"
 
 
@@ -170,10 +171,10 @@ def test_a_costly_depth_takes_a_small_share_of_the_time() -> None:
     clock, calls = bench.clock, []
 
     class Slow(World):
-        def way_out(self, *args: object) -> object:
+        def penetration(self, *args: object) -> object:
             calls.append(clock.now)
             clock.now += 0.04
-            return super().way_out(*args)  # type: ignore[arg-type]
+            return super().penetration(*args)  # type: ignore[arg-type]
 
     engine = Engine(clock=clock)
     engine.set(Slow(bench.scene, PartMeshes(bench.mockup), {}), cube(), at(0, 0, 0.01), mode="pass")
@@ -411,23 +412,23 @@ def test_answers_of_both_scenes_are_merged_and_none_is_lost() -> None:
         hits, expected = world.collide(tool, pose), whole.collide(tool, pose)
         np.testing.assert_array_equal(hits.pairs, expected.pairs)
         np.testing.assert_array_equal(hits.kinds, expected.kinds)
-        assert hits.parts == expected.parts.tolist() and world.is_colliding(tool, pose) == bool(expected)
+        assert hits.parts.tolist() == expected.parts.tolist() and world.is_colliding(tool, pose) == bool(expected)
         near, distance = world.distance(tool, pose, np.inf), whole.distance(tool, pose)
         assert near.value == distance.value and (near.value == 0 or near.part == distance.part)
         rows, clearance = world.clearance(tool, pose, 0.1), whole.clearance(tool, pose, 0.1)
         np.testing.assert_array_equal(rows.distances, clearance.distances)
         assert sorted(rows.parts.tolist()) == sorted(clearance.parts.tolist())
-        impact, cast = world.cast(tool, pose, other), whole.cast(tool, pose, other)
+        impact, cast = world.cast(tool, pose, other, 1e-6), whole.cast(tool, pose, other)
         assert (impact is None) == (cast is None)
         if cast is not None:
             assert impact.fraction == pytest.approx(cast.fraction, abs=1e-5)
         planes, contacts = world.contacts(tool, pose, 0.01), whole.contacts(tool, pose, 0.01)
         np.testing.assert_allclose(planes.gaps, contacts.gaps, atol=1e-9)
-    # The two scenes number their surfaces alike.
+    # Two scenes that number their surfaces alike are told apart.
     alone = World(scene, meshes, {PLATE: motion.row(np.eye(4))})
-    own = alone.put_down.contacts(tool, at(0.0, 0.0, 0.05), 0.01)
+    own = alone.put_down[PLATE].contacts(tool, at(0.0, 0.0, 0.05), 0.01)
     planes = alone.contacts(tool, at(0.0, 0.0, 0.05), 0.01)
-    assert len(own) and set(planes.ids.tolist()) == {int(each) ^ (1 << 63) for each in own.ids}
+    assert len(own) == len(planes) and not set(planes.ids.tolist()) & set(own.ids.tolist())
 
 
 def test_a_part_alone_is_gripped_without_a_tool_and_goes_out_of_the_mockup() -> None:
@@ -556,3 +557,10 @@ def test_parts_of_a_mockup_in_any_order_with_defects_are_found() -> None:
         np.testing.assert_array_equal(tool.vertices, expected.vertices)
         np.testing.assert_array_equal(tool.faces, expected.faces)
         assert (tool.name, tool.part_paths) == (expected.name, expected.part_paths)
+    # Put down where it was, it has the triangles that it had.
+    there, scene = World(feeler.Scene(mockup), meshes, {PEG: motion.row(np.eye(4))}), feeler.Scene(mockup)
+    pose = at(0.0, 0.28, 0.05)
+    np.testing.assert_array_equal(there.collide(cube(), pose).pairs, scene.collide(cube(), pose).pairs)
+    assert PEG in there.collide(cube(), pose).parts
+    gap, expected_gap = (each.distance(cube(), at(0.0, 0.28, 0.4), 1.0) for each in (there, scene))
+    assert (gap.part, owners[gap.mockup_triangle]) == (expected_gap.part, gap.part)

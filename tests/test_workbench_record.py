@@ -86,7 +86,7 @@ def test_where_a_replay_parts_is_told(tmp_path: Path) -> None:
 
 def test_another_engine_answer_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     bench = session_of(tmp_path / "a.jsonl")
-    monkeypatch.setattr("feeler.workbench.stopping.OFF_M", 6e-7)
+    monkeypatch.setattr("feeler.workbench.engine.OFF_M", 6e-7)
     found = replay(read_record(tmp_path / "a.jsonl"), bench.mockup, feeler.Scene(bench.mockup), cube())
     assert not found and "elsewhere" in found.parted.what
 

@@ -498,7 +498,7 @@ def test_a_failing_engine_lets_go_and_tells_once(monkeypatch: pytest.MonkeyPatch
         heard = threading.Event()
         session.open(mockup, feeler.Scene(mockup), cube(), pose=at(0, 0, 0.2))
         session.subscribe(lambda event: (told.append(event), heard.set()) if event["type"] == "notice" else None)
-        monkeypatch.setattr("feeler.workbench.stopping.Seats.move", lambda *args: 1 // 0)
+        monkeypatch.setattr("feeler.workbench.engine.OFF_M", "broken")
         session.wish(at(0, 0, 0.1), 1, "mouse")
         assert heard.wait(WAIT_S)
         monkeypatch.undo()

@@ -114,6 +114,8 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         "error": set(),
         # The bodies around the tool.
         "environment": {"error"},
+        # Queries of all of them at once.
+        "ask": {"constants", "error", "environment"},
         # Flat faces, bores, fillets.
         "surfaces": {"constants"},
         # What meets at the start, and what may meet until it parts.
@@ -121,8 +123,9 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         # The tool among the bodies, with its seats.
         "surroundings": {"constants", "error", "environment", "seats"},
         # Motions as far as they are free.
-        "walk": {"constants", "error", "environment", "seats", "surroundings"},
-        "stop": {"error", "seats", "surroundings", "walk"},
+        "walk": {"constants", "error", "environment", "ask", "seats", "surroundings"},
+        # A tool that contact stops.
+        "stop": {"constants", "error", "environment", "seats", "surroundings", "walk"},
         # What is gripped, and what was put down.
         "world": {"error", "environment", "surroundings"},
     },

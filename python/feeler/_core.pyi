@@ -38,10 +38,12 @@ __all__ = [
     "Containment",
     "Distance",
     "DistanceBatch",
+    "GuardedMove",
     "HapticsDevice",
     "HapticsRun",
     "HapticsSession",
     "IgnoredPairs",
+    "Impact",
     "Mockup",
     "Packed",
     "PackedPiece",
@@ -612,22 +614,66 @@ def weld_vertices(vertices: npt.NDArray[np.float64]) -> tuple[npt.NDArray[np.flo
 def restore(kind: str, state: tuple[object, ...]) -> object:
     """A result from what `feeler.travel` pickled of it. Raises `LoadError` for a state that no result has."""
 
-@final
+@disjoint_base
 class World:
-    """A tool, and all that it may meet; for one thread at a time."""
+    """A scene, and parts of its mock-up that lie elsewhere, asked as one, in the mock-up's numbers."""
 
-    def __new__(cls, scene: Scene, tool: Tool, put_down: Sequence[tuple[int, Scene]]) -> Self:
-        """`put_down`: parts of the scene's mock-up that lie elsewhere, each with the scene of it alone."""
-    def begin(self, pose: npt.ArrayLike) -> None:
-        """The tool begins at a pose: what it meets there is a seat."""
+    def __new__(cls, scene: Scene, put_down: Sequence[tuple[int, Scene]]) -> Self:
+        """`put_down`: parts of the scene's mock-up that lie elsewhere, each with its scene, where it lies."""
+    def collide(self, tool: Tool, world_from_tool: npt.ArrayLike) -> Collision:
+        """Every pair of triangles that meets."""
+    def collision_of(self, tool: Tool, pairs: npt.NDArray[np.uint32], kinds: npt.NDArray[np.uint8]) -> Collision:
+        """Pairs `(k, 2)` of tool and mock-up triangles that are known, and their kinds, as `collide` gives them."""
+    def is_colliding(self, tool: Tool, world_from_tool: npt.ArrayLike) -> bool:
+        """Whether anything meets."""
+    def cast(self, tool: Tool, start: npt.ArrayLike, end: npt.ArrayLike, tolerance: float) -> Impact | None:
+        """The first impact on the way from one pose to another, as of `Scene.cast`; None if the way is free."""
+    def distance(self, tool: Tool, world_from_tool: npt.ArrayLike, max: float) -> Distance:
+        """The least distance; infinite where nothing is as near as `max`."""
+    def clearance(self, tool: Tool, world_from_tool: npt.ArrayLike, within: float) -> Clearance:
+        """The parts that are near, nearest first."""
+    def contacts(
+        self, tool: Tool, world_from_tool: npt.ArrayLike, margin: float, reference: npt.ArrayLike | None = None
+    ) -> Contacts:
+        """The contact planes, deepest first."""
+    def penetration(self, tool: Tool, world_from_tool: npt.ArrayLike, margin: float) -> Penetration | None:
+        """The shortest translation found that frees the tool from the body it is deepest in; None: it is in nothing."""
+    def is_containing(self, tool: Tool, world_from_tool: npt.ArrayLike) -> bool:
+        """Whether the tool is inside something, or something inside it."""
+    def seated_parts(self, tool: Tool, world_from_tool: npt.ArrayLike) -> list[tuple[int, int]]:
+        """The pairs of a tool's and a mock-up's part that are together, and so are seats: unique, sorted."""
+    def least_distance(self, tool: Tool, way: npt.ArrayLike, max: float, ignore: Sequence[tuple[int, int]]) -> float:
+        """The least distance on a way through poses `(n, 4, 4)`, `max` where it is not less; without pairs of parts."""
+    def part_of(self, triangles: npt.NDArray[np.uint32]) -> npt.NDArray[np.uint32]:
+        """The parts of some triangles of the mock-up."""
+
+@final
+class Impact:
+    """What stops a tool: the free share of its way, point and unit normal `(3,)` (mock-up to tool), world; the part."""
+
+    def __new__(cls, fraction: float, point: npt.ArrayLike, normal: npt.ArrayLike, part: int) -> Self: ...
+    @property
+    def fraction(self) -> float: ...
+    @property
+    def point(self) -> npt.NDArray[np.float64]: ...
+    @property
+    def normal(self) -> npt.NDArray[np.float64]: ...
+    @property
+    def part(self) -> int: ...
+
+@final
+class GuardedMove:
+    """A tool that contact stops. What it meets where it begins is a seat: it may slide along that and part from it."""
+
+    def __new__(cls, world: World, tool: Tool, world_from_tool: npt.ArrayLike) -> Self: ...
     def seats(self) -> list[tuple[int, int, str, float]]:
         """What it is still seated on: part of the tool, part of the mock-up, kind, and depth at the start (metres)."""
-    def stop(
+    def go(
         self, start: npt.ArrayLike, end: npt.ArrayLike, tolerance: float, off: float
-    ) -> tuple[npt.NDArray[np.float64], float, tuple[int, int, bool] | None]:
-        """From a pose towards another, as far as that is free, and `off` metres before what stops it.
+    ) -> tuple[npt.NDArray[np.float64], Impact | None]:
+        """From a pose towards another, as far as that is free: the pose `(4, 4)`, and what stopped the tool.
 
-        The pose `(4, 4)`, the share of the way, and what stops it: part, tool part (-1: not known), whether a seat.
+        `tolerance`: of the casts. `off`: how far before an impact it stops, along its way. Metres.
         """
 
 @disjoint_base

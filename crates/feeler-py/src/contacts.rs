@@ -50,14 +50,42 @@ struct Asked {
     planes: Vec<contacts::ContactPlane>,
 }
 
+impl Asked {
+    fn footings(&self) -> impl Iterator<Item = contacts::Footing> + '_ {
+        self.planes.iter().map(|plane| self.solver.footing(&self.tool, &self.pose, plane))
+    }
+}
+
 /// The points that carry each plane, the last of fewer than four again and again, and how many there are.
 struct Footing {
     points: Vec<[[f64; 3]; 4]>,
     counts: Vec<u32>,
 }
 
+impl Footing {
+    fn new<'a>(found: impl Iterator<Item = &'a contacts::Footing>) -> Footing {
+        let mut footing = Footing { points: Vec::new(), counts: Vec::new() };
+        for points in found.map(contacts::Footing::points) {
+            footing.points.push(std::array::from_fn(|i| points[i.min(points.len() - 1)]));
+            footing.counts.push(points.len() as u32);
+        }
+        footing
+    }
+}
+
 impl Contacts {
-    pub fn new(core: contacts::Contacts, (solver, asked_tool, pose): Question) -> Contacts {
+    pub fn new(core: contacts::Contacts, (solver, tool, pose): Question) -> Contacts {
+        let planes = core.planes.clone();
+        let told = Contacts::told(core, &tool, OnceBox::new());
+        Contacts { asked: Some(Asked { solver, tool, pose, planes }), ..told }
+    }
+
+    /// With footings that are known.
+    pub fn with_footings(core: contacts::Contacts, tool: &core::Tool, footings: &[contacts::Footing]) -> Contacts {
+        Contacts::told(core, tool, OnceBox::with_value(Box::new(Footing::new(footings.iter()))))
+    }
+
+    fn told(core: contacts::Contacts, asked_tool: &core::Tool, footing: OnceBox<Footing>) -> Contacts {
         let planes = core.planes;
         let joined = |of: &dyn Fn(&contacts::ContactPlane) -> &Vec<u32>| {
             let mut offsets = vec![0];
@@ -75,14 +103,14 @@ impl Contacts {
             normals: planes.iter().map(|p| p.normal).collect(),
             gaps: planes.iter().map(|p| p.gap).collect(),
             parts: planes.iter().map(|p| p.part).collect(),
-            tool_parts: planes.iter().map(|p| p.tool_part(&asked_tool)).collect(),
+            tool_parts: planes.iter().map(|p| p.tool_part(asked_tool)).collect(),
             ids: planes.iter().map(|p| p.id).collect(),
             triangles: [tool, mockup],
             offsets: [tool_offsets, mockup_offsets],
             omitted: core.omitted,
             meeting: core.is_meeting,
-            asked: Some(Asked { solver, tool: asked_tool, pose, planes }),
-            footing: OnceBox::new(),
+            asked: None,
+            footing,
         }
     }
 
@@ -142,16 +170,8 @@ impl Contacts {
     fn footings(&self, py: Python<'_>) -> &Footing {
         py.detach(|| {
             self.footing.get_or_init(|| {
-                let mut footing = Footing { points: Vec::new(), counts: Vec::new() };
-                if let Some(Asked { solver, tool, pose, planes }) = &self.asked {
-                    for plane in planes {
-                        let found = solver.footing(tool, pose, plane);
-                        let points = found.points();
-                        footing.points.push(std::array::from_fn(|i| points[i.min(points.len() - 1)]));
-                        footing.counts.push(points.len() as u32);
-                    }
-                }
-                Box::new(footing)
+                let found: Vec<_> = self.asked.iter().flat_map(Asked::footings).collect();
+                Box::new(Footing::new(found.iter()))
             })
         })
     }
@@ -385,6 +405,18 @@ impl Penetration {
     pub fn new(py: Python<'_>, core: contacts::Penetration, asked: Question) -> PyResult<Penetration> {
         let contacts::Penetration { translation, depth, kind, contacts, .. } = core;
         Ok(Penetration { translation, depth, kind, contacts: Py::new(py, Contacts::new(contacts, asked))? })
+    }
+
+    /// With footings that are known.
+    pub fn with_footings(
+        py: Python<'_>,
+        core: contacts::Penetration,
+        tool: &core::Tool,
+        footings: &[contacts::Footing],
+    ) -> PyResult<Penetration> {
+        let contacts::Penetration { translation, depth, kind, contacts, .. } = core;
+        let contacts = Py::new(py, Contacts::with_footings(contacts, tool, footings))?;
+        Ok(Penetration { translation, depth, kind, contacts })
     }
 
     pub fn restore(state: &Bound<'_, PyTuple>) -> PyResult<Penetration> {

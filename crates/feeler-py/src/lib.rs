@@ -97,7 +97,7 @@ mod _core {
     #[pymodule_export]
     use super::weld_vertices;
     #[pymodule_export]
-    use super::world::World;
+    use super::world::{GuardedMove, Impact, World};
 
     use pyo3::prelude::*;
 

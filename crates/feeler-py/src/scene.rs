@@ -128,7 +128,7 @@ impl Scene {
     }
 
     #[getter]
-    fn mockup(&self, py: Python<'_>) -> Py<Mockup> {
+    pub(crate) fn mockup(&self, py: Python<'_>) -> Py<Mockup> {
         self.mockup.clone_ref(py)
     }
 

@@ -1,115 +1,303 @@
-//! `feeler._core.World`: a tool, and all that it may meet.
+//! `feeler._core.World`, all that a tool may meet, and `GuardedMove`, a tool that contact stops in it.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use feeler_world::{PutDown, SeatKind, Seated, World as CoreWorld};
-use numpy::ndarray::Array2;
-use numpy::{IntoPyArray, PyArray2};
+use feeler_core as core;
+use feeler_world as world;
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 
-use crate::arguments::{PoseArgument, ToolArgument};
+use crate::arguments::{PoseArgument, PosesArgument, ToolArgument};
+use crate::collision::Collision;
+use crate::contacts::{Contacts, Penetration};
 use crate::errors::{raise, to_py};
+use crate::mockup::Mockup;
 use crate::pools::{find_topology, on_pool};
-use crate::scene::Scene;
-use crate::travel::stays;
+use crate::proximity::{Clearance, Distance};
+use crate::scene::{pose_array, Scene};
+use crate::travel::{check_lengths, kinds_of, rows_of, stays};
 
 /// The name of a kind of seat.
-pub fn kind_name(kind: SeatKind) -> &'static str {
+pub fn kind_name(kind: world::SeatKind) -> &'static str {
     match kind {
-        SeatKind::Near => "near",
-        SeatKind::Flush => "touching",
-        SeatKind::Fit => "fit",
-        SeatKind::Sunk => "sunk",
+        world::SeatKind::Near => "near",
+        world::SeatKind::Flush => "touching",
+        world::SeatKind::Fit => "fit",
+        world::SeatKind::Sunk => "sunk",
     }
 }
 
-fn world_to_py(error: feeler_world::Error) -> PyErr {
+fn world_to_py(error: world::Error) -> PyErr {
     match error {
-        feeler_world::Error::Core(error) => to_py(error),
+        world::Error::Core(error) => to_py(error),
         other => raise("SessionError", other.to_string()),
     }
 }
 
-/// See the module.
-#[pyclass(frozen, module = "feeler._core")]
+/// A scene, and parts of its mock-up that lie elsewhere.
+#[pyclass(subclass, frozen, module = "feeler._core")]
 pub struct World {
-    world: Mutex<(CoreWorld, Option<Arc<Seated>>)>,
+    environment: world::Environment,
+    mockup: Py<Mockup>,
 }
 
-/// Where a walk ends; the part of the mock-up, and the tool's where it is known, that end it; and whether that is a seat.
-type Stopped<'py> = (Bound<'py, PyArray2<f64>>, f64, Option<(u32, i64, bool)>);
+impl World {
+    /// How the meshes hang together is found first, outside of the interpreter's lock.
+    fn asked<T: Send>(
+        &self,
+        py: Python<'_>,
+        tool: &core::Tool,
+        ask: impl FnOnce(&world::Environment) -> world::Result<T> + Send,
+    ) -> PyResult<T> {
+        py.detach(|| {
+            for body in &self.environment.bodies {
+                find_topology(body.solver.scene().mockup(), tool, true)?;
+            }
+            ask(&self.environment).map_err(world_to_py)
+        })
+    }
+}
 
 #[pymethods]
 impl World {
-    /// `put_down`: parts of the scene's mock-up that lie elsewhere, each with the scene of it alone.
     #[new]
-    fn new(
+    fn new(py: Python<'_>, scene: PyRef<'_, Scene>, put_down: Vec<(u32, PyRef<'_, Scene>)>) -> PyResult<World> {
+        let put_down: Vec<_> =
+            put_down.iter().map(|(part, scene)| world::PutDown { part: *part, scene: scene.core() }).collect();
+        let (scene, mockup) = (scene.core(), scene.mockup(py));
+        let made = py.detach(|| world::Environment::new(&scene, &put_down));
+        Ok(World { environment: made.map_err(world_to_py)?, mockup })
+    }
+
+    fn collide(&self, py: Python<'_>, tool: ToolArgument<'_, '_>, world_from_tool: PoseArgument) -> Collision {
+        let tool = Arc::clone(tool.core());
+        let found = py.detach(|| self.environment.collide(&tool, &world_from_tool.0));
+        Collision::new(found, self.mockup.clone_ref(py), tool)
+    }
+
+    /// Pairs of triangles that are known, as `collide` gives them.
+    fn collision_of(
+        &self,
         py: Python<'_>,
-        scene: PyRef<'_, Scene>,
         tool: ToolArgument<'_, '_>,
-        put_down: Vec<(u32, PyRef<'_, Scene>)>,
-    ) -> PyResult<World> {
-        let (scene, tool) = (scene.core(), Arc::clone(tool.core()));
-        let put_down: Vec<PutDown> =
-            put_down.iter().map(|(part, scene)| PutDown { part: *part, scene: scene.core() }).collect();
-        py.detach(|| {
-            let mut scenes = std::iter::once(&scene).chain(put_down.iter().map(|part| &part.scene));
-            scenes.try_for_each(|scene| find_topology(scene.mockup(), &tool, true))
-        })?;
-        let world = CoreWorld::new(scene, tool, &put_down).map_err(world_to_py)?;
-        Ok(World { world: Mutex::new((world, None)) })
+        pairs: PyReadonlyArray2<'_, u32>,
+        kinds: PyReadonlyArray1<'_, u8>,
+    ) -> PyResult<Collision> {
+        let mut known = core::Collision::default();
+        (known.pairs, known.kinds) = (rows_of(&pairs)?, kinds_of(&kinds)?);
+        check_lengths("kinds", known.kinds.len(), known.pairs.len())?;
+        let (tool, faces) = (tool.core(), self.mockup.get().core.mesh().faces().len());
+        let is_there = |[t, m]: &[u32; 2]| (*t as usize) < tool.mesh().faces().len() && (*m as usize) < faces;
+        if !known.pairs.iter().all(is_there) {
+            return Err(raise("OptionError", "pairs are of triangles that tool or mock-up do not have".into()));
+        }
+        Ok(Collision::new(known, self.mockup.clone_ref(py), Arc::clone(tool)))
     }
 
-    /// The tool begins at a pose: what it meets there is a seat.
-    fn begin(&self, py: Python<'_>, pose: PoseArgument) -> PyResult<()> {
-        let begun = py.detach(|| {
-            on_pool(None, || {
-                let mut world = self.world.lock().unwrap_or_else(PoisonError::into_inner);
-                world.0.move_to(&pose.0)?;
-                world.1 = Some(world.0.around().seated_at_start());
-                Ok(())
-            })
-        })?;
-        begun.map_err(world_to_py)
+    fn is_colliding(&self, py: Python<'_>, tool: ToolArgument<'_, '_>, world_from_tool: PoseArgument) -> bool {
+        let tool = tool.core();
+        py.detach(|| self.environment.is_colliding(tool, &world_from_tool.0))
     }
 
-    /// What it is still seated on: part of the tool, part of the mock-up, kind, and depth at the start (metres).
-    fn seats(&self) -> Vec<(u32, u32, &'static str, f64)> {
-        let world = self.world.lock().unwrap_or_else(PoisonError::into_inner);
-        let Some(seated) = &world.1 else { return Vec::new() };
-        let seats = seated.of(world.0.around().seats());
-        seats.iter().map(|seat| (seat.tool_part, seat.part, kind_name(seat.kind), seat.depth)).collect()
+    fn cast(
+        &self,
+        py: Python<'_>,
+        tool: ToolArgument<'_, '_>,
+        start: PoseArgument,
+        end: PoseArgument,
+        tolerance: f64,
+    ) -> PyResult<Option<Impact>> {
+        let tool = tool.core();
+        let found = py.detach(|| self.environment.cast(tool, (&start.0, &end.0), tolerance)).map_err(world_to_py)?;
+        Ok(found.map(|(hit, part)| Impact { core: world::Impact::new(&hit, part) }))
+    }
+
+    fn distance(
+        &self,
+        py: Python<'_>,
+        tool: ToolArgument<'_, '_>,
+        world_from_tool: PoseArgument,
+        max: f64,
+    ) -> PyResult<Distance> {
+        let tool = tool.core();
+        let found = py.detach(|| self.environment.nearest(tool, &world_from_tool.0, max));
+        Ok(Distance::new(found.map_err(world_to_py)?))
+    }
+
+    fn clearance(
+        &self,
+        py: Python<'_>,
+        tool: ToolArgument<'_, '_>,
+        world_from_tool: PoseArgument,
+        within: f64,
+    ) -> PyResult<Clearance> {
+        let tool = tool.core();
+        let found = py.detach(|| self.environment.clearance(tool, &world_from_tool.0, within));
+        Ok(Clearance::new(found.map_err(world_to_py)?))
+    }
+
+    #[pyo3(signature = (tool, world_from_tool, margin, reference = None))]
+    fn contacts(
+        &self,
+        py: Python<'_>,
+        tool: ToolArgument<'_, '_>,
+        world_from_tool: PoseArgument,
+        margin: f64,
+        reference: Option<PoseArgument>,
+    ) -> PyResult<Contacts> {
+        let (tool, pose) = (tool.core(), world_from_tool.0);
+        let reference = reference.map(|pose| pose.0);
+        let ask = |all: &world::Environment| all.contacts(tool, &pose, margin, reference.as_ref());
+        let (found, footings) = self.asked(py, tool, ask)?;
+        Ok(Contacts::with_footings(found, tool, &footings))
+    }
+
+    fn penetration(
+        &self,
+        py: Python<'_>,
+        tool: ToolArgument<'_, '_>,
+        world_from_tool: PoseArgument,
+        margin: f64,
+    ) -> PyResult<Option<Penetration>> {
+        let (tool, pose) = (tool.core(), world_from_tool.0);
+        let found = self.asked(py, tool, |all| all.penetration(tool, &pose, margin))?;
+        found.map(|(found, footings)| Penetration::with_footings(py, found, tool, &footings)).transpose()
+    }
+
+    fn is_containing(
+        &self,
+        py: Python<'_>,
+        tool: ToolArgument<'_, '_>,
+        world_from_tool: PoseArgument,
+    ) -> PyResult<bool> {
+        let tool = tool.core();
+        self.asked(py, tool, |all| Ok(all.is_containing(tool, &world_from_tool.0)))
+    }
+
+    fn seated_parts<'py>(
+        &self,
+        py: Python<'py>,
+        tool: ToolArgument<'_, '_>,
+        world_from_tool: PoseArgument,
+    ) -> PyResult<Vec<(u32, u32)>> {
+        let tool = tool.core();
+        let pairs = py.detach(|| self.environment.seated_parts(tool, &world_from_tool.0)).map_err(world_to_py)?;
+        Ok(pairs.into_iter().map(<(u32, u32)>::from).collect())
+    }
+
+    fn least_distance(
+        &self,
+        py: Python<'_>,
+        tool: ToolArgument<'_, '_>,
+        way: PosesArgument,
+        max: f64,
+        ignore: Vec<[u32; 2]>,
+    ) -> PyResult<f64> {
+        let tool = tool.core();
+        let least = py.detach(|| self.environment.ignoring(tool, &ignore).least_distance(tool, &way.0, max));
+        least.map_err(world_to_py)
+    }
+
+    fn part_of<'py>(&self, py: Python<'py>, triangles: PyReadonlyArray1<'py, u32>) -> Bound<'py, PyArray1<u32>> {
+        let mockup = &self.mockup.get().core;
+        let parts: Vec<u32> = triangles.as_array().iter().map(|triangle| mockup.part_of_face(*triangle)).collect();
+        parts.into_pyarray(py)
     }
 
     fn __reduce__(&self) -> PyResult<()> {
-        Err(stays("World", "make it anew from its scene and tool"))
+        Err(stays("World", "make it anew from its scenes"))
+    }
+}
+
+/// Where a tool is stopped, by what.
+#[pyclass(frozen, module = "feeler._core")]
+pub struct Impact {
+    core: world::Impact,
+}
+
+#[pymethods]
+impl Impact {
+    #[new]
+    fn new(fraction: f64, point: core::Point, normal: core::Point, part: u32) -> Impact {
+        Impact { core: world::Impact { fraction, point, normal, part } }
     }
 
-    /// From a pose towards another, as far as that is free, and `off` metres before what stops it.
-    fn stop<'py>(
+    #[getter]
+    fn fraction(&self) -> f64 {
+        self.core.fraction
+    }
+
+    #[getter]
+    fn point<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.core.point.to_vec().into_pyarray(py)
+    }
+
+    #[getter]
+    fn normal<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.core.normal.to_vec().into_pyarray(py)
+    }
+
+    #[getter]
+    fn part(&self) -> u32 {
+        self.core.part
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Impact(fraction={:?}, part={})", self.core.fraction, self.core.part)
+    }
+
+    fn __reduce__(&self) -> PyResult<()> {
+        Err(stays("Impact", "send its part and its point"))
+    }
+}
+
+/// A tool that contact stops.
+#[pyclass(frozen, module = "feeler._core")]
+pub struct GuardedMove {
+    core: Mutex<world::GuardedMove>,
+}
+
+impl GuardedMove {
+    fn lock(&self) -> std::sync::MutexGuard<'_, world::GuardedMove> {
+        self.core.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[pymethods]
+impl GuardedMove {
+    #[new]
+    fn new(
+        py: Python<'_>,
+        world: PyRef<'_, World>,
+        tool: ToolArgument<'_, '_>,
+        world_from_tool: PoseArgument,
+    ) -> PyResult<GuardedMove> {
+        let tool = tool.core();
+        let begun = world.asked(py, tool, |all| {
+            let all = world::Environment { bodies: all.bodies.clone() };
+            Ok(on_pool(None, || world::GuardedMove::begin(all, Arc::clone(tool), &world_from_tool.0)))
+        })?;
+        Ok(GuardedMove { core: Mutex::new(begun?.map_err(world_to_py)?) })
+    }
+
+    fn seats(&self) -> Vec<(u32, u32, &'static str, f64)> {
+        self.lock().seats().iter().map(|seat| (seat.tool_part, seat.part, kind_name(seat.kind), seat.depth)).collect()
+    }
+
+    #[allow(clippy::type_complexity, reason = "a tuple of two")]
+    fn go<'py>(
         &self,
         py: Python<'py>,
         start: PoseArgument,
         end: PoseArgument,
         tolerance: f64,
         off: f64,
-    ) -> PyResult<Stopped<'py>> {
-        let walk = py.detach(|| {
-            let mut world = self.world.lock().unwrap_or_else(PoisonError::into_inner);
-            let (around, seated) = (world.0.around(), world.1.clone());
-            let seated = seated.unwrap_or_else(|| around.seated_at_start());
-            let walk = around.stop_short(&seated, (&start.0, &end.0), tolerance, off)?;
-            world.1 = Some(walk.seated.clone());
-            Ok(walk)
-        });
-        let walk = walk.map_err(world_to_py)?;
-        let matrix = walk.pose.matrix();
-        let pose = Array2::from_shape_fn((4, 4), |(i, j)| matrix[i][j]).into_pyarray(py);
-        let world = self.world.lock().unwrap_or_else(PoisonError::into_inner);
-        let stop = walk.stop.map(|stop| {
-            let ours = stop.pair.map_or(-1, |pair| i64::from(world.0.tool().part_of_face(pair.tool_triangle)));
-            (stop.part, ours, stop.is_seat)
-        });
-        Ok((pose, walk.fraction, stop))
+    ) -> PyResult<(Bound<'py, PyArray2<f64>>, Option<Impact>)> {
+        let moved = py.detach(|| self.lock().go(&start.0, &end.0, tolerance, off)).map_err(world_to_py)?;
+        Ok((pose_array(py, &moved.pose), moved.impact.map(|core| Impact { core })))
+    }
+
+    fn __reduce__(&self) -> PyResult<()> {
+        Err(stays("GuardedMove", "make it anew from its world and tool"))
     }
 }

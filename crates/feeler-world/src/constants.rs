@@ -89,3 +89,13 @@ pub const MOST_AREA_RATIO: f64 = 4.0;
 
 /// Most crossings that hold a sunk part in its place. More: it is held at more points, and each takes a row of the program.
 pub const MOST_PLACE_ROWS: usize = 24;
+
+// Guarded moves.
+
+/// So near to an impact (metres) rounding decides which way is free: what is there is taken for a seat. Larger: more moves along a surface
+/// that is only near take the time of seats.
+pub const STUCK: f64 = 1e-9;
+
+/// Contact planes within this distance (metres) may be what stops the tool: more than it stays off them. Larger: it costs more, and a
+/// plane farther off may be named.
+pub const IMPACT_MARGIN: f64 = 2e-5;

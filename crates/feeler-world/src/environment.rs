@@ -1,7 +1,11 @@
 //! What the tool may meet: the mock-up, and parts that were put down elsewhere, each a scene of its own; asked together.
 
+use std::sync::Arc;
+
 use feeler_contacts::ContactSolver;
-use feeler_core::{closest_triangle_triangle, Closest, Point, Pose, Tool};
+use feeler_core::{closest_triangle_triangle, Closest, Point, Pose, Scene, Tool};
+
+use crate::error::{Error, Result};
 
 /// One scene of several.
 #[derive(Debug)]
@@ -17,6 +21,15 @@ pub struct Body {
 pub struct Environment {
     /// The mock-up first.
     pub bodies: Vec<Body>,
+}
+
+/// A part of the mock-up that lies elsewhere.
+#[derive(Debug, Clone)]
+pub struct PutDown {
+    /// Its number in the mock-up.
+    pub part: u32,
+    /// Of this part alone, where it lies, its triangles in the mock-up's order.
+    pub scene: Arc<Scene>,
 }
 
 /// A plane of the contacts.
@@ -56,9 +69,46 @@ impl Body {
     pub fn part_in_mockup(&self, part: u32) -> u32 {
         self.part.unwrap_or(part)
     }
+
+    /// The number in its scene of a part of the mock-up; `None` where it is not this body's.
+    pub fn own_part(&self, part: u32) -> Option<u32> {
+        match self.part {
+            Some(own) => (own == part).then_some(0),
+            None => self.solver.scene().has_part(part).then_some(part),
+        }
+    }
 }
 
 impl Environment {
+    /// A mock-up, and parts of it that lie elsewhere: these leave their place in the scene, if they are there.
+    ///
+    /// Errors: no such part, one that is given twice, a scene that is not of one part.
+    pub fn new(scene: &Arc<Scene>, put_down: &[PutDown]) -> Result<Environment> {
+        let (solver, parts) = (ContactSolver::new(scene.clone()), scene.mockup().part_bounds().len());
+        let mut environment = Environment { bodies: vec![Body { solver, part: None }] };
+        for PutDown { part, scene: alone } in put_down {
+            let in_all = alone.mockup().part_bounds().len();
+            if *part as usize >= parts {
+                return Err(feeler_core::Error::NoSuchPart { part: *part, parts }.into());
+            }
+            if in_all != 1 || !alone.has_part(0) || environment.put_down().any(|known| known == *part) {
+                return Err(Error::PutDown { part: *part, parts: in_all });
+            }
+            environment.bodies.push(Body { solver: ContactSolver::new(alone.clone()), part: Some(*part) });
+        }
+        let out: Vec<u32> = environment.put_down().collect();
+        if out.iter().any(|part| scene.has_part(*part)) {
+            let first = &mut environment.bodies[0].solver;
+            *first = first.with_scene(Arc::new(scene.without(&out)?));
+        }
+        Ok(environment)
+    }
+
+    /// The parts that lie elsewhere than in the mock-up.
+    pub fn put_down(&self) -> impl Iterator<Item = u32> + '_ {
+        self.bodies.iter().filter_map(|body| body.part)
+    }
+
     /// The nearest points of a pair at a pose, the tool's first, world.
     pub fn closest(&self, tool: &Tool, pose: &Pose, pair: &Pair) -> Option<Closest> {
         let mesh = self.bodies.get(pair.body as usize)?.solver.scene().mockup().mesh();
@@ -71,4 +121,9 @@ impl Environment {
         let body = &self.bodies[pair.body as usize];
         body.part_in_mockup(body.solver.scene().mockup().part_of_face(pair.triangle))
     }
+}
+
+/// Bodies number their surfaces each for itself.
+pub fn id_in_body(id: u64, body: usize) -> u64 {
+    id ^ (body as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15)
 }

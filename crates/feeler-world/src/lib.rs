@@ -3,6 +3,7 @@
 //!
 //! Lengths are metres; poses are `world_from_tool`.
 
+mod ask;
 mod constants;
 mod environment;
 mod error;
@@ -13,13 +14,15 @@ mod surroundings;
 mod walk;
 mod world;
 
+pub use ask::least_distance;
 pub use constants::SEAT_REST;
-pub use environment::{Body, Environment, Pair, Plane};
+pub use environment::{Body, Environment, Pair, Plane, PutDown};
 pub use error::{Error, Result};
 pub use seats::{Allowed, Seat, SeatKind, Seated};
+pub use stop::{GuardedMove, Impact, Moved};
 pub use surroundings::{SunkPlane, Surroundings};
 pub use walk::{Care, Span, Stop, Walk};
-pub use world::{Grip, PutDown, World};
+pub use world::{Grip, World};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

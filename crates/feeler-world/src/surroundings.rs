@@ -8,7 +8,7 @@ use feeler_core::geometry::vectors::{dot, length, scaled, sub};
 use feeler_core::{Aabb, Point, Pose, Tool};
 
 use crate::constants::EXIT_MARGIN;
-use crate::environment::{Body, Environment, Plane};
+use crate::environment::{id_in_body, Body, Environment, Plane};
 use crate::error::Result;
 use crate::seats::{crossings_in_place, find_seats, Allowed, Makings, Seat, SeatKind, Seated};
 
@@ -357,9 +357,4 @@ fn unseated(solver: &ContactSolver, tool: &Tool) -> Makings {
         always: Vec::new(),
         neighbours: None,
     }
-}
-
-/// Bodies number their surfaces each for itself.
-fn id_in_body(id: u64, body: usize) -> u64 {
-    id ^ (body as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15)
 }

@@ -4,10 +4,8 @@ use std::sync::Arc;
 
 use feeler_core::{Cast, Motion, Point, Pose};
 
-use crate::constants::{
-    CLEARANCE_SHARE, CLEARANCE_SLACK, CLEARANCE_STEP, SEAT_CAST, SEAT_REST, SEAT_TOLERANCE, STEPS_A_LENGTH, TOUCH,
-    VERIFY_FINER,
-};
+use crate::ask::least_distance;
+use crate::constants::{CLEARANCE_SLACK, SEAT_CAST, SEAT_REST, SEAT_TOLERANCE, STEPS_A_LENGTH, TOUCH, VERIFY_FINER};
 use crate::environment::Pair;
 use crate::error::Result;
 use crate::seats::{crossing_outside, Seat, Seated, SeatedBody, SmallerPart};
@@ -261,26 +259,11 @@ impl Surroundings {
         Ok((holds != seated.holds).then(|| self.seated(holds)))
     }
 
-    /// The least distance of what is not seated along a span, if it is less than `least`, metres; refined to a share of the tool's length.
-    pub fn least_distance(&self, span: &Span, mut least: f64) -> Result<f64> {
+    /// The least distance of what is not seated along a span, if it is less than `least`, metres; see [`least_distance`].
+    pub fn least_distance(&self, span: &Span, least: f64) -> Result<f64> {
         let motion = Motion::new(&self.tool, &span.from, &span.to);
-        let long = motion.longest_way();
-        for asked in &span.seated.bodies {
-            let mut time = 0.0;
-            while let Some(gap) = asked.clear.closest(&self.tool, &motion.at(time), least + long * (1.0 - time))? {
-                let beyond = gap.distance - least;
-                least = least.min(gap.distance);
-                if time >= 1.0 {
-                    break;
-                }
-                // Nothing comes as near as the least before the tool has moved by what is beyond it.
-                time = (time
-                    + beyond.max(CLEARANCE_STEP * self.size).max(CLEARANCE_SHARE * least)
-                        / long.max(f64::MIN_POSITIVE))
-                .min(1.0);
-            }
-        }
-        Ok(least)
+        let of_body = |least, asked: &SeatedBody| least_distance(&asked.clear, &self.tool, &motion, least);
+        span.seated.bodies.iter().try_fold(least, of_body)
     }
 
     /// Where on a motion, before `end`, what is not seated comes nearer than the clearance; the last time at which it was not.

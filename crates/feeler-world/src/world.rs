@@ -10,7 +10,7 @@ use feeler_core::geometry::screw::{times, transposed};
 use feeler_core::geometry::vectors::sub;
 use feeler_core::{Mockup, Point, Pose, Scene, SceneOptions, Tool};
 
-use crate::environment::{Body, Environment};
+use crate::environment::{Body, Environment, PutDown};
 use crate::error::{Error, Result};
 use crate::surroundings::Surroundings;
 
@@ -21,15 +21,6 @@ pub struct Grip {
     pub part: u32,
     /// Its number among the tool's parts.
     pub tool_part: u32,
-}
-
-/// A part of the mock-up that lies elsewhere.
-#[derive(Debug, Clone)]
-pub struct PutDown {
-    /// Its number in the mock-up.
-    pub part: u32,
-    /// Of this part alone, where it lies.
-    pub scene: Arc<Scene>,
 }
 
 /// A tool, the parts that it grips, and what stands around: the mock-up, and parts that were put down elsewhere.
@@ -45,29 +36,12 @@ pub struct World {
 }
 
 impl World {
-    /// A scene and a tool, nothing gripped, and parts that lie elsewhere: these leave their place in the scene, if they are there. Where
-    /// the tool is, [`move_to`](Self::move_to) says.
-    ///
-    /// Errors: no such part, one that is given twice, a scene that is not of one part.
+    /// A scene and a tool, nothing gripped, and parts that lie elsewhere; see [`Environment::new`]. Where the tool is,
+    /// [`move_to`](Self::move_to) says.
     pub fn new(scene: Arc<Scene>, tool: Arc<Tool>, put_down: &[PutDown]) -> Result<World> {
-        let (solver, parts) = (ContactSolver::new(scene.clone()), scene.mockup().part_bounds().len());
-        let mut bodies = vec![Body { solver: solver.with_scene(scene.clone()), part: None }];
-        let mut out = Vec::with_capacity(put_down.len());
-        for PutDown { part, scene: alone } in put_down {
-            let in_all = alone.mockup().part_bounds().len();
-            if *part as usize >= parts {
-                return Err(feeler_core::Error::NoSuchPart { part: *part, parts }.into());
-            }
-            if in_all != 1 || !alone.has_part(0) || out.contains(part) {
-                return Err(Error::PutDown { part: *part, parts: in_all });
-            }
-            out.push(*part);
-            bodies.push(Body { solver: ContactSolver::new(alone.clone()), part: Some(*part) });
-        }
-        if out.iter().any(|part| scene.has_part(*part)) {
-            bodies[0].solver = solver.with_scene(Arc::new(scene.without(&out)?));
-        }
-        let around = Surroundings::without_seats(Environment { bodies }, tool.clone());
+        let environment = Environment::new(&scene, put_down)?;
+        let (solver, out) = (ContactSolver::new(scene.clone()), environment.put_down().collect());
+        let around = Surroundings::without_seats(environment, tool.clone());
         Ok(World { scene, solver, own_tool: tool, around, grips: Vec::new(), out })
     }
 
@@ -91,9 +65,9 @@ impl World {
         &self.grips
     }
 
-    /// Parts that lie elsewhere than in the mock-up.
+    /// The parts that lie elsewhere than in the mock-up.
     pub fn moved(&self) -> impl Iterator<Item = u32> + '_ {
-        self.bodies().iter().filter_map(|body| body.part)
+        self.around.environment().put_down()
     }
 
     fn bodies(&self) -> &[Body] {

@@ -18,7 +18,7 @@ from feeler.workbench.commands import camera_of
 from feeler.workbench.document import Document, plain
 from feeler.workbench.files import static_files
 from feeler.workbench.geometry import Geometry
-from feeler.workbench.world import PartMeshes
+from feeler.workbench.parts import PartMeshes
 
 PAGE = "mock-up.html"
 _SNAP_M = 0.005

@@ -80,7 +80,7 @@ class DeviceHand:
             if tool is None or self._ends.is_set():
                 return
             coupling = Coupling.for_device(self._device)
-            haptics = Session(world.in_place, tool, coupling=coupling, put_down=world.each_put_down())
+            haptics = Session(world.in_place, tool, coupling=coupling, put_down=world.put_down)
             haptics.start(pose)
             haptics.run(self._device)
             self._haptics = haptics

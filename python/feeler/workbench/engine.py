@@ -15,7 +15,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
+from feeler._core import Clearance, Collision, Contacts, Distance, GuardedMove, Impact, Penetration
 from feeler.mockup import Tool
 from feeler.poses import between
 from feeler.workbench import motion
@@ -23,22 +25,11 @@ from feeler.workbench.document import Trip
 from feeler.workbench.gliding import MOST_STEPS, STEP_S, Glide
 from feeler.workbench.motion import Floats
 from feeler.workbench.snapshot import NO_FORCE, Places, Snapshot
-from feeler.workbench.stopping import Seats
 from feeler.workbench.trip import TripRecorder, least_clearance
-from feeler.workbench.world import (
-    NO_HITS,
-    NO_PLANES,
-    NO_ROWS,
-    Hits,
-    Impact,
-    Ints,
-    Near,
-    Planes,
-    Rows,
-    WayOut,
-    World,
-)
+from feeler.workbench.world import NO_HITS, NO_PLANES, NO_ROWS, World
 
+OFF_M = 5e-7
+"""The tool stops so far before an impact, along its way: where it rests, rounding cannot bring it into contact."""
 MARGIN_M = 0.002
 """What is nearer is a contact plane."""
 WITHIN_M = 0.02
@@ -47,6 +38,7 @@ BUDGET_S = 0.004
 """Of a tick, for what has lower rates."""
 ROUND_S = 0.001
 """What is early makes no round longer, but for one in which nothing else is done."""
+_TOLERANCE_M = 2.5e-7  # of the casts: with `OFF_M`, a stop is early by less than the tolerance of `Scene.cast`
 _LONGEST_WAIT_S = 0.25  # even what costs more than the budget is found so often
 _PERIODS_S = {"planes": 0.0, "distance": 0.015, "rows": 0.1, "inside": 0.05, "depth": 0.1}
 _EARLY = 0.75  # of a period: from then on what is due next is found where a round has time for it
@@ -78,26 +70,26 @@ class Ticked:
     steps: int
     mode: str
     pose: Floats
-    hits: Hits
+    hits: Collision
 
 
 class Engine:
     """One hand in one world. Thread-safe: what changes it waits for the tick under way, and no longer."""
 
     # What is forgotten when the hand is set elsewhere.
-    _seats: Seats | None
+    _guarded: GuardedMove | None
     _glide: Glide | None
     _force: Floats
     _torque: Floats
     _impact: Impact | None
     _held_by: dict[int, tuple[Floats, Floats | None]]
     _touched: set[int]
-    _hits: Hits
-    _planes: Planes
-    _rows: Rows
-    _distance: Near | None
+    _hits: Collision
+    _planes: Contacts
+    _rows: Clearance
+    _distance: Distance | None
     _contains: bool
-    _way_out: WayOut | None
+    _way_out: Penetration | None
     _last_free: Floats | None
     _stale: dict[str, bool]
     _found_at: dict[str, float]
@@ -159,8 +151,8 @@ class Engine:
             self._places, self._held_places = places, held_places
             self._jump(pose)
             if is_carrying and world is not None and tool is not None:
-                met = world.collide(tool, pose).part_pairs if trip is None else ()
-                self._trip = TripRecorder(tool, pose, trip, frozenset(met))
+                seated = world.seated_parts(tool, pose) if trip is None else []
+                self._trip = TripRecorder(tool, pose, trip, frozenset(seated))
 
     def wish(self, pose: Floats, seq: int, source: str) -> None:
         """Where the hand wants to be. The newest counts; waits for nothing."""
@@ -256,15 +248,14 @@ class Engine:
         with self._lock:
             self._jump(pose)
 
-    def show(self, pairs: Ints, kinds: Any) -> None:
+    def show(self, pairs: npt.NDArray[np.uint32], kinds: npt.NDArray[np.uint8]) -> None:
         """Shows pairs `(k, 2)` of tool and mock-up triangles, and their kinds, as what meets, until the hand moves."""
         with self._lock:
             world, tool = self._world, self._tool
             if world is None or tool is None or not len(pairs):
                 self._hits = NO_HITS
             else:
-                rows = np.asarray(pairs, dtype=np.int64)
-                self._hits = Hits(rows, np.asarray(kinds, dtype=np.uint8), world.part_pairs(tool, rows))
+                self._hits = world.collision_of(tool, pairs, kinds)
             self._is_changed = True
 
     def play(self, way: Sequence[Floats], on_played: Callable[[], None]) -> None:
@@ -304,7 +295,7 @@ class Engine:
                 self._world.distance(self._tool, self._pose, WITHIN_M)
                 self._world.clearance(self._tool, self._pose, WITHIN_M)
                 self._world.is_containing(self._tool, self._pose)
-                self._world.way_out(self._tool, self._pose, MARGIN_M)
+                self._world.penetration(self._tool, self._pose, MARGIN_M)
 
     # ---- one round ----
 
@@ -369,10 +360,9 @@ class Engine:
             self._pose = self._wish
         elif self._mode == "stop":
             if not np.array_equal(self._pose, self._wish):
-                if self._seats is None:
-                    self._seats = Seats(world, tool, self._pose)
-                moved = self._seats.move(self._pose, self._wish)
-                self._pose, impact = moved.pose, moved.impact
+                if self._guarded is None:
+                    self._guarded = GuardedMove(world, tool, self._pose)
+                self._pose, impact = self._guarded.go(self._pose, self._wish, _TOLERANCE_M, OFF_M)
         elif steps:
             impact = self._glide_on(world, tool, steps)
         else:
@@ -381,7 +371,7 @@ class Engine:
         if is_moved or not self._is_settled:
             self._hits = world.collide(tool, self._pose) if world is not None and tool is not None else NO_HITS
             if self._mode != "stop":
-                self._seats = None
+                self._guarded = None
         if not self._hits:
             self._last_free = self._pose
         self._bumped(impact)
@@ -402,7 +392,7 @@ class Engine:
         }
         if not glided.parts:
             return None
-        return Impact(1.0, self._pose, glided.points[0], glided.normals[0], glided.parts[0], -1)
+        return Impact(1.0, glided.points[0], glided.normals[0], glided.parts[0])
 
     def _bumped(self, impact: Impact | None) -> None:
         """Tells of parts that are touched now and were not before, where the hand moves."""
@@ -421,9 +411,9 @@ class Engine:
         """The parts that are met, each with a corner of the tool that meets it."""
         if self._world is None or self._tool is None:
             return {}
-        owners = self._world.owners(self._hits.pairs[:, 1])
+        owners = self._world.part_of(self._hits.pairs[:, 1])
         found: dict[int, tuple[Floats, Floats | None]] = {}
-        for part in self._hits.parts:
+        for part in self._hits.parts.tolist():
             triangle = self._hits.pairs[int(np.argmax(owners == part)), 0]
             corner = self._tool.vertices[self._tool.faces[triangle, 0]]
             found[part] = (self._pose[:3, :3] @ corner + self._pose[:3, 3], None)
@@ -488,7 +478,7 @@ class Engine:
             self._rows = world.clearance(tool, self._pose, WITHIN_M)
         elif name == "depth":
             is_in = bool(self._hits) or self._contains
-            self._way_out = world.way_out(tool, self._pose, MARGIN_M) if is_in else None
+            self._way_out = world.penetration(tool, self._pose, MARGIN_M) if is_in else None
         else:
             before = self._contains
             self._contains = not self._hits and world.is_containing(tool, self._pose)
@@ -497,7 +487,7 @@ class Engine:
     # ---- state ----
 
     def _forget(self) -> None:
-        self._seats = None
+        self._guarded = None
         self._glide = None
         self._force = self._torque = NO_FORCE
         self._impact = None

@@ -31,7 +31,7 @@ class Glide:
     """A proxy of a tool in a world, from a pose on; begun anew where either changes."""
 
     def __init__(self, world: World, tool: Tool, pose: Floats) -> None:
-        self._session = Session(world.in_place, tool, put_down=world.each_put_down())
+        self._session = Session(world.in_place, tool, put_down=world.put_down)
         self._session.start(pose)
 
     def step(self, wish: Floats, steps: int) -> Glided:

@@ -14,7 +14,8 @@ from feeler.workbench import motion
 from feeler.workbench.document import Document
 from feeler.workbench.geometry import HeldGeometry
 from feeler.workbench.motion import Row
-from feeler.workbench.world import PartMeshes, World
+from feeler.workbench.parts import PartMeshes
+from feeler.workbench.world import World
 
 _KEPT = 16
 

@@ -19,7 +19,8 @@ from feeler.workbench.arguments import Arguments
 from feeler.workbench.commands import Measured
 from feeler.workbench.document import MEASURES, Document, Point
 from feeler.workbench.motion import Floats
-from feeler.workbench.world import PartMeshes, World
+from feeler.workbench.parts import PartMeshes
+from feeler.workbench.world import World
 
 _PARALLEL = 1e-9
 Plane = tuple[Point, float]
@@ -58,12 +59,9 @@ class Sight:
     def __init__(self, world: World, document: Document) -> None:
         self._world = world
         hidden = [part for part in document.hidden if part not in document.moved]
-        self._in_place = world.in_place.without(hidden) if hidden else world.in_place
-        self._put_down = world.put_down
-        if self._put_down is not None:
-            own = {world.part_of_put_down(i): i for i in range(self._put_down.mockup.part_count)}
-            away = [own[part] for part in document.hidden if part in own]
-            self._put_down = self._put_down.without(away) if away else self._put_down
+        in_place = world.in_place.without(hidden) if hidden else world.in_place
+        there = [(part, scene) for part, scene in world.put_down.items() if part not in document.hidden]
+        self._scenes: list[tuple[int | None, Scene]] = [(None, in_place), *there]
         self.planes: list[Plane] = [(each.normal, each.offset) for each in document.sections if each.is_on]
         rows = [[*normal, offset] for normal, offset in self.planes]
         self.sections = np.array(rows, dtype=np.float64) if rows else None
@@ -88,16 +86,14 @@ class Sight:
 
     def _first(self, origin: Floats, direction: Floats, sections: Floats | None) -> Picked | None:
         best: Picked | None = None
-        for scene in (self._in_place, self._put_down):
-            if scene is None:
-                continue
+        for put_down, scene in self._scenes:
             rays = scene.rays(origin[None], direction[None], sections=sections)
             own = int(rays.triangles[0])
             if own < 0 or (best is not None and rays.distances[0] >= best.distance):
                 continue
             triangle, part = own, int(rays.parts[0])
-            if scene is self._put_down:
-                triangle, part = self._world.triangle_of_put_down(own), self._world.part_of_put_down(part)
+            if put_down is not None:
+                triangle, part = self._world.triangle_of(put_down, own), put_down
             corners = scene.mockup.vertices[scene.mockup.faces[own]]
             best = Picked(float(rays.distances[0]), rays.points[0], rays.normals[0], triangle, part, corners)
         return best
@@ -125,13 +121,11 @@ class Sight:
         point = np.array(normal) * offset
         segments: list[Floats] = []
         parts: list[int] = []
-        for scene in (self._in_place, self._put_down):
-            if scene is None:
-                continue
+        for put_down, scene in self._scenes:
             cut = scene.section(point, np.array(normal))
             segments.append(np.asarray(cut.segments, dtype=np.float64).reshape(-1, 2, 3))
             own = np.asarray(cut.parts).tolist()
-            parts += [self._world.part_of_put_down(part) for part in own] if scene is self._put_down else own
+            parts += own if put_down is None else [put_down] * len(own)
         return np.concatenate(segments), parts
 
 

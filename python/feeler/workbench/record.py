@@ -17,12 +17,13 @@ from typing import Any
 
 import numpy as np
 
+from feeler._core import Collision
 from feeler.errors import LoadError, MissingFileError, WorkbenchError
 from feeler.mockup import Mockup, Tool
 from feeler.workbench import motion
 from feeler.workbench.document import Document
 from feeler.workbench.engine import Ticked
-from feeler.workbench.world import NO_HITS, Hits
+from feeler.workbench.world import NO_HITS
 
 FORMAT = 1
 
@@ -44,7 +45,7 @@ def document_digest(document: Document) -> str:
     return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()
 
 
-def hits_digest(hits: Hits) -> str:
+def hits_digest(hits: Collision) -> str:
     """Of the pairs of triangles that meet, and how they do; hex."""
     found = hashlib.sha256(np.ascontiguousarray(hits.pairs, dtype="<i8").data)
     found.update(np.ascontiguousarray(hits.kinds, dtype=np.uint8).data)
@@ -95,7 +96,7 @@ class Recorder:
                 "hits": hits_digest(ticked.hits),
                 "came": np.setdiff1d(now, self._before, assume_unique=True).tolist(),
                 "went": np.setdiff1d(self._before, now, assume_unique=True).tolist(),
-                "parts": ticked.hits.parts,
+                "parts": ticked.hits.parts.tolist(),
             }
         )
         self._before = now

@@ -168,7 +168,7 @@ class Replay:
         self._ticks += 1
         self._hits += bool(ticked.hits)
         self._most = max(self._most, len(ticked.hits.mockup_triangles))
-        self._touched.update(ticked.hits.parts)
+        self._touched.update(ticked.hits.parts.tolist())
         self._recorded = (self._recorded | set(entry["came"])) - set(entry["went"])
         return self._compared(number, entry, ticked)
 

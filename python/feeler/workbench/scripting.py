@@ -190,9 +190,7 @@ class View:
         held = self.session.held_tool()
         if held is not None:
             bodies.append(body_of(held, pose=self.pose, cut=False))
-        put_down = self.session.put_down()
-        if put_down is not None:
-            bodies.append(body_of(put_down))
+        bodies += [body_of(part) for part in self.session.put_down()]
         file = io.BytesIO()
         write_png(file, render(None, *bodies, size=(width, height)))
         return file.getvalue()

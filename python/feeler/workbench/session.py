@@ -344,11 +344,10 @@ class Session:
             hands, document = self._opened(), self._document
             return self.hand_key(), hands.world(document), hands.held(document), self.engine.pose
 
-    def put_down(self) -> Mockup | None:
+    def put_down(self) -> list[Mockup]:
         """The parts that lie elsewhere than where they were loaded, where they lie."""
         with self._lock:
-            scene = self._opened().world(self._document).put_down
-            return None if scene is None else scene.mockup
+            return [scene.mockup for scene in self._opened().world(self._document).put_down.values()]
 
     def close(self) -> None:
         """Ends threads and record; a second time does nothing."""

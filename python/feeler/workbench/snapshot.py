@@ -8,9 +8,10 @@ from typing import cast
 import numpy as np
 import numpy.typing as npt
 
+from feeler._core import Clearance, Collision, Contacts, Distance, Penetration
 from feeler.workbench.motion import Floats
 from feeler.workbench.protocol import MOST_CLEARANCES, MOST_HITS, DepthKind, Mode, State
-from feeler.workbench.world import NO_HITS, NO_PLANES, NO_ROWS, Hits, Ints, Near, Planes, Rows, WayOut
+from feeler.workbench.world import NO_HITS, NO_PLANES, NO_ROWS
 
 NOT_DRAWN = np.uint32(2**32 - 1)
 
@@ -42,12 +43,12 @@ class Snapshot:
     blocked: bool = False
     force: Floats = field(default_factory=lambda: NO_FORCE)
     torque: Floats = field(default_factory=lambda: NO_FORCE)
-    hits: Hits = field(default_factory=lambda: NO_HITS)
-    planes: Planes = field(default_factory=lambda: NO_PLANES)
-    rows: Rows = field(default_factory=lambda: NO_ROWS)
-    distance: Near | None = None
+    hits: Collision = field(default_factory=lambda: NO_HITS)
+    planes: Contacts = field(default_factory=lambda: NO_PLANES)
+    rows: Clearance = field(default_factory=lambda: NO_ROWS)
+    distance: Distance | None = None
     contains: bool = False
-    way_out: WayOut | None = None
+    way_out: Penetration | None = None
     stopped_by: int | None = None
     is_current: bool = True
     engine_us: float = 0.0
@@ -64,7 +65,7 @@ class Snapshot:
     def parts(self) -> list[int]:
         """The parts it touches: what it meets, or is stopped by; sorted."""
         stopped = set() if self.stopped_by is None else {self.stopped_by}
-        return sorted(stopped.union(self.hits.parts))
+        return sorted(stopped.union(self.hits.parts.tolist()))
 
     @property
     def depth(self) -> float:
@@ -76,8 +77,8 @@ class Snapshot:
 
     @property
     def depth_kind(self) -> DepthKind:
-        """As of `WayOut`."""
-        return "exact" if self.is_free or self.way_out is None else self.way_out.kind
+        """As of `feeler.Penetration`."""
+        return "exact" if self.is_free or self.way_out is None else cast(DepthKind, self.way_out.kind)
 
     def packed_hits(self) -> tuple[npt.NDArray[np.uint32], npt.NDArray[np.uint32], int]:
         """Packed triangles of mock-up and hand that meet, at most `MOST_HITS` each, and how many more of the former."""
@@ -118,11 +119,11 @@ class Snapshot:
             hit_more=more,
             contact_more=planes.omitted,
             distance=None
-            if near is None
+            if near is None or near.part is None or near.point_on_tool is None or near.point_on_mockup is None
             else {
                 "value": near.value,
-                "tool_point": _triple(near.tool_point),
-                "mockup_point": _triple(near.mockup_point),
+                "tool_point": _triple(near.point_on_tool),
+                "mockup_point": _triple(near.point_on_mockup),
                 "part": near.part,
             },
             parts=self.parts,
@@ -131,14 +132,16 @@ class Snapshot:
             hits=hits,
             tool_hits=tool_hits,
             planes=np.column_stack([planes.points, planes.normals, planes.gaps, self.shares()]).astype(np.float32),
-            plane_parts=planes.parts.astype(np.uint32),
-            clearance=np.column_stack([rows.distances, rows.tool_points, rows.mockup_points])[shown].astype(np.float32),
-            clearance_parts=rows.parts[shown].astype(np.uint32),
+            plane_parts=planes.parts,
+            clearance=np.column_stack([rows.distances, rows.points_on_tool, rows.points_on_mockup])[shown].astype(
+                np.float32
+            ),
+            clearance_parts=rows.parts[shown],
         )
 
 
-def _packed(triangles: Ints, places: Places) -> npt.NDArray[np.uint32]:
-    there = triangles.astype(np.uint32) if places is None else places[triangles]
+def _packed(triangles: npt.NDArray[np.uint32], places: Places) -> npt.NDArray[np.uint32]:
+    there = triangles if places is None else places[triangles]
     return np.sort(there[there != NOT_DRAWN])
 
 

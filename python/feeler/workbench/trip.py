@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from feeler._core import Collision, Impact
 from feeler.mockup import Tool
 from feeler.workbench import motion
 from feeler.workbench.document import Trip
 from feeler.workbench.motion import Floats
-from feeler.workbench.world import Hits, Impact, Pairs, World
+from feeler.workbench.world import Pairs, World
 
 STEP_M = 1e-3
 """Poses of the way are at first so far apart, by the corner of the hand's box that is carried farthest."""
@@ -30,13 +31,13 @@ class TripRecorder:
         self._seat_parts = {part for _, part in self._seated}
         self._touched: set[int] = set() if trip is None else set(trip.touched)
 
-    def moved(self, pose: Floats, impact: Impact | None, hits: Hits) -> None:
+    def moved(self, pose: Floats, impact: Impact | None, hits: Collision) -> None:
         """The hand is at another pose, or was stopped."""
         if motion.carried(self._poses[-1], pose, self._corners) >= self._step:
             self._poses.append(pose)
             if len(self._poses) > MOST_POSES:
                 self._poses, self._step = self._poses[::2], 2 * self._step
-        self._touched |= {part for part in hits.parts if part not in self._seat_parts}
+        self._touched |= {part for part in hits.parts.tolist() if part not in self._seat_parts}
         if impact is not None and impact.part not in self._seat_parts:
             self._touched.add(impact.part)
 
@@ -47,12 +48,7 @@ class TripRecorder:
 
 
 def least_clearance(world: World, tool: Tool, trip: Trip) -> float | None:
-    """The least distance at the poses of a trip, to all that the parts were not seated on; None beyond `REACH_M`."""
-    least: float | None = None
-    for each in trip.way:
-        near = world.distance(tool, motion.matrix(each), REACH_M if least is None else least, trip.seated)
-        if near is not None and (least is None or near.value < least):
-            least = near.value
-            if least == 0.0:
-                break
-    return least
+    """The least distance on the way of a trip, to all that the parts were not seated on; None beyond `REACH_M`."""
+    way = np.array([motion.matrix(each) for each in trip.way])
+    least = world.least_distance(tool, way, REACH_M, sorted(trip.seated))
+    return least if least < REACH_M else None
