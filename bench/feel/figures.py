@@ -1,4 +1,4 @@
-"""Fills the tables and plots of docs/haptics.md from bench/records/feel.json. They are not edited by hand.
+"""Fills the tables and plots of docs/haptics-figures.md from bench/records/feel.json. They are not edited by hand.
 
     python bench/feel/figures.py             write them
     python bench/feel/figures.py --check     1 if the page is not what the record makes it
@@ -20,7 +20,7 @@ import pages
 
 from feel import plots, tables
 
-PAGE = host.ROOT / "docs" / "haptics.md"
+PAGE = host.ROOT / "docs" / "haptics-figures.md"
 
 
 def filled(text: str, result: dict[str, Any]) -> str:

@@ -4,7 +4,7 @@
     python bench/feel/run.py --quick                 the short form, minutes
     python bench/feel/run.py --only passing --runs 500 --faces feeler,penalty
     python bench/feel/run.py --only engine --big     also at 11 million triangles
-    python bench/feel/run.py --record                and into bench/records/feel.json, for docs/haptics.md
+    python bench/feel/run.py --record                and into bench/records/feel.json, for docs/haptics-figures.md
 
 Written into the folder (target/feel): feel.json with all that was found, tables.md, and plots where matplotlib is. All
 but the times in the engine and in fits is decided on simulated time: the same arguments give the same numbers on any
