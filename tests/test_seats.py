@@ -42,7 +42,18 @@ def led(
     session = haptics.Session(scene, grip_tool(scene, part))
     session.start(np.eye(4))
     session.grip(part)
-    centre = _mesh(scene, part)[0].mean(axis=0)
+    return gone(session, _mesh(scene, part)[0], way, step, poses)
+
+
+def gone(
+    session: haptics.Session,
+    vertices: np.ndarray,
+    way: list[np.ndarray],
+    step: float,
+    poses: list[np.ndarray] | None = None,
+) -> np.ndarray:
+    """Where a session that holds some vertices comes along a way."""
+    centre = vertices.mean(axis=0)
     for a, b in itertools.pairwise(way):
         count = int(np.ceil(np.linalg.norm(b[:3, 3] - a[:3, 3]) / step)) + int(np.ceil(10 * turned(a, b))) + 1
         for k in range(1, count + 1):
@@ -117,6 +128,52 @@ def test_ways_out_are_gone_by_the_hand_and_with_force(engine: feeler.Scene) -> N
         for end in (dragged(engine, part, way), led(engine, part, way, 0.002)):
             np.testing.assert_allclose(end, way[-1], atol=5e-4, err_msg=names[part])
     assert tried >= 4
+
+
+@pytest.mark.parametrize("name", ["carcass", "differential", "tay"])
+def test_ways_out_of_other_samples_are_gone_too(name: str) -> None:
+    scene = feeler.Scene(feeler.sample(name, triangles=20_000))
+    tried = 0
+    for part in range(3, scene.mockup.part_count, scene.mockup.part_count // 24):
+        found = feeler.removal(scene, part, seconds=0.3)
+        if not found.found or len(found.poses) > 3:
+            continue
+        tried += 1
+        way = [pose @ np.linalg.inv(found.poses[0]) for pose in found.poses]
+        # The part is the tool, in its own place: nothing that holds it is in its way.
+        vertices, own_faces = _mesh(scene, part)
+        session = haptics.Session(scene.without([part]), feeler.Tool(vertices, own_faces, "own"))
+        session.start(np.eye(4))
+        for end in (dragged(scene, part, way), gone(session, vertices, way, 0.002)):
+            np.testing.assert_allclose(end, way[-1], atol=5e-4, err_msg=scene.mockup.part_names[part])
+    assert tried >= 4
+
+
+@pytest.mark.parametrize("name", ["head", "wall"])
+def test_a_thin_part_does_not_pass_what_it_is_sunk_in(name: str) -> None:
+    # A cover of 1 mm, 0.4 mm deep in a screw's head above it; and a pad 50 um deep in two sheets, as thin as it.
+    if name == "head":
+        part = box((-0.15, -0.05, 0.0), (0.15, 0.05, 0.001))
+        around = [box((-0.004, -0.004, 0.0006), (0.004, 0.004, 0.004))]
+    else:
+        part = box((-0.05, -0.05, 0.0), (0.05, 0.05, 0.001))
+        sheet = box((-0.0508, -0.06, -0.01), (-0.04995, 0.06, 0.02))
+        around = [sheet, (sheet[0] * (-1, 1, 1), sheet[1][:, ::-1])]
+    meshes = [part, *around]
+    vertices = np.concatenate([mesh for mesh, _ in meshes])
+    faces = np.concatenate([own + 8 * n for n, (_, own) in enumerate(meshes)])
+    mockup = feeler.Mockup(vertices, faces, np.repeat(np.arange(len(meshes)), 12), ["part", *"ab"][: len(meshes)])
+    scene = feeler.Scene(mockup)
+    ahead = np.array([0.0, 0.0, 1.0] if name == "head" else [1.0, 0.0, 0.0])
+    # It can leave another way.
+    found = feeler.removal(scene, 0, directions=[ahead], seconds=5.0)
+    assert found.found and found.poses[-1][:3, 3] @ ahead < 0.02
+    for reach in (3e-4, 2e-3, 1e-2, 0.3):
+        for end in (
+            dragged(scene, 0, [np.eye(4), shifted(reach * ahead)]),
+            led(scene, 0, [np.eye(4), shifted(reach * ahead)], 0.3),
+        ):
+            assert end[:3, 3] @ ahead < 2e-5, reach
 
 
 def test_a_block_on_a_bracket_stops_at_the_wall_in_the_page() -> None:

@@ -39,6 +39,10 @@ pub const SEAT_CAST: f64 = 1.25e-9;
 /// its way. A deeper one has no hole, and is drawn out of the place it has. Larger: thicker walls are passed through sideways.
 pub const FIT_DEPTH: f64 = 0.02;
 
+/// Of a sunk pair's depth at the start: what is less deep is a sliver, whose contact plane may have any direction. Larger: what came out
+/// of its place may go so deep into another.
+pub const SLIVER_DEPTH: f64 = 0.25;
+
 /// How far what is drawn out of its place may come outside of it, in lengths of the part that is drawn: the ridges of a thread are so high.
 /// Larger: what has no hole may lean more on its way out.
 pub const PLACE_SHARE: f64 = 0.02;
@@ -51,6 +55,18 @@ pub const LEAST_CROSSINGS: usize = 8;
 /// Steps at which seated pairs are measured while the tool moves by its own length. More: thinner ribs within a seat are seen, and it
 /// takes longer.
 pub const STEPS_A_LENGTH: f64 = 32.0;
+
+/// The longest of these steps, in mean thicknesses of the tool: half, so that it is measured within whatever it passes. Larger: thin parts
+/// are drawn through walls.
+pub const STEP_THICKNESS: f64 = 0.5;
+
+/// Most of these steps while the tool moves by its own length, however thin it is. More: sheets thinner than this are measured as often as
+/// they need it, and take longer.
+pub const MOST_STEPS_A_LENGTH: f64 = 2048.0;
+
+/// Where the first sample of a motion is, in depths that the tool is sunk: there a motion against the contact plane has not passed it.
+/// Larger: it may have.
+pub const FIRST_SAMPLE: f64 = 0.5;
 
 /// Times as many steps where a way is verified.
 pub const VERIFY_FINER: f64 = 2.0;

@@ -4,10 +4,12 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use feeler_contacts::{ContactPlane, ContactSolver, Manifold, Manifolds};
-use feeler_core::geometry::vectors::{dot, length, scaled, sub};
+use feeler_core::geometry::vectors::{cross, dot, length, scaled, sub};
 use feeler_core::{Aabb, Point, Pose, Tool};
 
-use crate::constants::EXIT_MARGIN;
+use crate::constants::{
+    EXIT_MARGIN, MOST_STEPS_A_LENGTH, SEAT_TOLERANCE, SLIVER_DEPTH, STEPS_A_LENGTH, STEP_THICKNESS,
+};
 use crate::environment::{id_in_body, Body, Environment, Plane};
 use crate::error::Result;
 use crate::seats::{crossings_in_place, find_seats, Allowed, Makings, Seat, SeatKind, Seated};
@@ -29,6 +31,10 @@ pub struct Surroundings {
     middle: Point,
     /// The diagonal of the tool's box, metres.
     pub(crate) size: f64,
+    /// How far it may move between two samples of what is measured at poses, metres.
+    pub(crate) stride: f64,
+    /// The least depth of a sunk pair at the start, metres; infinite where there is none.
+    pub(crate) least_sunk: f64,
     /// Each way of being seated once.
     known: Mutex<BTreeMap<Vec<bool>, Arc<Seated>>>,
 }
@@ -72,6 +78,12 @@ impl Surroundings {
             around.refused.extend(found.refused.iter().map(|[t, part]| [*t, body.part_in_mockup(*part)]));
             (makings.seats, makings.eroded, makings.regions) = (found.seats, found.eroded, found.regions);
         }
+        let sunk = around.seats().filter(|seat| seat.kind == SeatKind::Sunk);
+        around.least_sunk = sunk.map(|seat| seat.depth).fold(f64::INFINITY, f64::min);
+        if around.least_sunk.is_finite() || around.overlap > 0.0 {
+            let thin = STEP_THICKNESS * thickness(&around.tool, own_parts);
+            around.stride = around.stride.min(thin.max(around.size / MOST_STEPS_A_LENGTH));
+        }
         Ok(around)
     }
 
@@ -100,6 +112,8 @@ impl Surroundings {
             bounds,
             middle: std::array::from_fn(|a| 0.5 * own.lower[a] + 0.5 * own.upper[a]),
             size: length(&own.extent()),
+            stride: length(&own.extent()) / STEPS_A_LENGTH,
+            least_sunk: f64::INFINITY,
             tool,
             known: Mutex::default(),
         }
@@ -248,7 +262,7 @@ impl Surroundings {
         let mut found = Vec::new();
         for (number, (body, asked)) in self.environment.bodies.iter().zip(&seated.bodies).enumerate() {
             let Some(sunk) = &asked.sunk else { continue };
-            for plane in sunk.contacts(&self.tool, pose, 0.0, None)?.planes {
+            for plane in self.planes_of_sunk(number, sunk, pose)? {
                 let Some((point, moved)) = self.moved_at(&plane, pose) else { continue };
                 let part = body.part_in_mockup(plane.part);
                 let ContactPlane { point: on_plane, normal, gap, id, .. } = plane;
@@ -272,10 +286,20 @@ impl Surroundings {
         Ok(found)
     }
 
-    /// How a pair `[tool part, part]` of a body is at the start.
-    pub(crate) fn kind_of(&self, body: usize, pair: [u32; 2]) -> Option<SeatKind> {
-        let seat = self.makings[body].seats.iter().find(|seat| [seat.tool_part, seat.part] == pair)?;
-        Some(seat.kind)
+    /// The contact planes that sunk parts of a body are behind. Where a part has almost left its place, slivers of it have planes of any
+    /// direction: these do not count.
+    pub(crate) fn planes_of_sunk(&self, body: usize, sunk: &ContactSolver, pose: &Pose) -> Result<Vec<ContactPlane>> {
+        let mut planes = sunk.contacts(&self.tool, pose, 0.0, None)?.planes;
+        planes.retain(|plane| {
+            let seat = self.seat_of(body, [plane.tool_part(&self.tool), plane.part]);
+            -plane.gap > SEAT_TOLERANCE.max(seat.map_or(0.0, |seat| SLIVER_DEPTH * seat.depth))
+        });
+        Ok(planes)
+    }
+
+    /// A pair `[tool part, part]` of a body at the start.
+    fn seat_of(&self, body: usize, pair: [u32; 2]) -> Option<&Seat> {
+        self.makings[body].seats.iter().find(|seat| [seat.tool_part, seat.part] == pair)
     }
 
     /// The triangles of sunk pairs that meet.
@@ -284,7 +308,7 @@ impl Surroundings {
         let mut hit = scene.collide(tool, pose).pairs;
         hit.retain(|[t, m]| {
             let pair = [tool.part_of_face(*t), mockup.part_of_face(*m)];
-            self.kind_of(body, pair) == Some(SeatKind::Sunk)
+            self.seat_of(body, pair).is_some_and(|seat| seat.kind == SeatKind::Sunk)
         });
         hit
     }
@@ -344,6 +368,22 @@ impl Surroundings {
     pub fn moved(&self, pose: &Pose, direction: &Point, by: f64) -> Result<Pose> {
         Ok(pose.translated(&scaled(direction, by))?)
     }
+}
+
+/// Of the first parts of a tool, the least mean thickness, metres: twice the volume by the area. 0 of open sheets.
+fn thickness(tool: &Tool, parts: u32) -> f64 {
+    let mesh = tool.mesh();
+    let origin = mesh.bounds().lower;
+    let mut sums = vec![(0.0, 0.0); parts as usize];
+    for t in mesh.queried() {
+        let Some((volume, area)) = sums.get_mut(tool.part_of_face(t) as usize) else { continue };
+        let [a, b, c] = mesh.triangle(t).map(|p| sub(&p, &origin));
+        let normal = cross(&sub(&b, &a), &sub(&c, &a));
+        *volume += dot(&a, &normal) / 6.0;
+        *area += 0.5 * length(&normal);
+    }
+    let of_part = |(volume, area): &(f64, f64)| if *area > 0.0 { 2.0 * volume.abs() / area } else { f64::INFINITY };
+    sums.iter().map(of_part).fold(f64::INFINITY, f64::min)
 }
 
 /// A body of which nothing is known yet.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use feeler_core::{Cast, Motion, Point, Pose};
 
 use crate::ask::least_distance;
-use crate::constants::{CLEARANCE_SLACK, SEAT_CAST, SEAT_REST, SEAT_TOLERANCE, STEPS_A_LENGTH, TOUCH, VERIFY_FINER};
+use crate::constants::{CLEARANCE_SLACK, FIRST_SAMPLE, SEAT_CAST, SEAT_REST, SEAT_TOLERANCE, TOUCH, VERIFY_FINER};
 use crate::environment::Pair;
 use crate::error::Result;
 use crate::seats::{crossing_outside, Seat, Seated, SeatedBody, SmallerPart};
@@ -136,13 +136,16 @@ impl Surroundings {
         if let Some((0.0, stop)) = first {
             return stopped(0.0, stop);
         }
-        let steps = (motion.longest_way() / (self.size / STEPS_A_LENGTH / care.finer)).ceil().max(1.0);
+        let steps = (motion.longest_way() / self.stride * care.finer).ceil().max(1.0);
         let measures = self.overlap > 0.0 || seated.bodies.iter().any(|asked| asked.sunk.is_some());
         // What is in each other mostly goes deeper at once: that costs less than a cast.
         if measures {
             let end = first.map_or(1.0, |(end, _)| end);
-            if let Some(stop) = self.too_deep(seated, &motion.at(end.min(1.0 / steps)))? {
-                return stopped(0.0, stop);
+            let soon = FIRST_SAMPLE * self.least_sunk.max(4.0 * SEAT_TOLERANCE) / motion.longest_way();
+            for time in [soon, 1.0 / steps] {
+                if let Some(stop) = self.too_deep(seated, &motion.at(end.min(time)))? {
+                    return stopped(0.0, stop);
+                }
             }
         }
         // From when on what is not seated meets it, which an overlap allows.
@@ -216,9 +219,8 @@ impl Surroundings {
     fn too_deep_in(&self, body: usize, asked: &SeatedBody, pose: &Pose) -> Result<Option<u32>> {
         let tool = &self.tool;
         if let Some(sunk) = &asked.sunk {
-            for plane in sunk.contacts(tool, pose, 0.0, None)?.planes {
-                let goes_in = || self.moved_at(&plane, pose).is_some_and(|(_, by)| by < -SEAT_TOLERANCE);
-                if -plane.gap > SEAT_TOLERANCE && goes_in() {
+            for plane in self.planes_of_sunk(body, sunk, pose)? {
+                if self.moved_at(&plane, pose).is_some_and(|(_, by)| by < -SEAT_TOLERANCE) {
                     return Ok(Some(plane.part));
                 }
             }
