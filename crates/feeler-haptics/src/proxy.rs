@@ -185,6 +185,8 @@ impl Proxy {
         let start = self.set.taken_at;
         let mut done = Advance::default();
         let is_stuck = self.approach(around, target, f64::INFINITY, &mut done)?;
+        // What still moves by a skin a tick, as a peg on its way down, has no way that its skin closes.
+        let is_stuck = is_stuck && self.reach_to(&start) <= self.options.skin;
         if is_stuck && self.is_time_to_squeeze() {
             self.squeeze(around, target, &mut done)?;
         }
