@@ -91,6 +91,10 @@ pub const SKIN_LIFT: f64 = 2.5;
 pub const STRIDES: f64 = 2.0;
 pub const SKINS_IN_MARGIN: f64 = 20.0;
 
+/// Share of the margin that rows are taken along with the tool before contacts are found anew. Larger: fewer searches, and more motions
+/// that a neighbouring facet stops; smaller: more searches a tick.
+pub const STRAY_SHARE: f64 = 0.5;
+
 /// What is a contact at least, in skins as asked for.
 pub const LEAST_MARGIN: f64 = 2.0;
 

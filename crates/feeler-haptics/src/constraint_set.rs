@@ -9,7 +9,7 @@ use feeler_core::{Point, Pose, Tool};
 pub use feeler_world::Plane;
 use feeler_world::{Environment, Pair};
 
-use crate::constants::{MOST_PLANES, MOST_ROWS, MOST_SHADED, SOLVER_ROUNDS, SOLVER_STILL_SHARE};
+use crate::constants::{MOST_PLANES, MOST_ROWS, MOST_SHADED, SOLVER_ROUNDS, SOLVER_STILL_SHARE, STRAY_SHARE};
 use crate::error::Result;
 use crate::shading::{shading_of, Shade, Shading};
 
@@ -53,6 +53,8 @@ pub struct ConstraintSet {
     pairs: [Option<Pair>; MOST_PLANES],
     shades: [Option<Shade>; MOST_PLANES],
     is_shaded: bool,
+    /// How far the rows were taken along since they were found, metres.
+    strayed: f64,
 }
 
 /// Working memory of [`ConstraintSet::nearest_pose`], and what it held the last time.
@@ -108,6 +110,7 @@ impl ConstraintSet {
             pairs: [None; MOST_PLANES],
             shades: [None; MOST_PLANES],
             is_shaded: false,
+            strayed: 0.0,
         }
     }
 
@@ -118,6 +121,43 @@ impl ConstraintSet {
         self.row_count = 0;
         self.plane_count = 0;
         self.is_shaded = false;
+        self.strayed = 0.0;
+    }
+
+    /// Takes the rows along to a pose: planes stay, points move with the tool, and what no row stands for is that much nearer. False, and
+    /// nothing is done, if any point of the tool is then farther than `most` (metres) from where the rows were found.
+    pub(crate) fn take_along(&mut self, pose: &Pose, most: f64) -> bool {
+        let centre = self.metric.centre;
+        let reach = displacement(&self.taken_at, pose, &centre).reach(self.metric.radius);
+        if self.strayed + reach > most.min(STRAY_SHARE * (self.margin + self.strayed)) {
+            return false;
+        }
+        let turn = product(pose.rotation(), &transposed(self.taken_at.rotation()));
+        let moved = sub(&pose.apply(&centre), &self.taken_at.apply(&centre));
+        let mut rows = &mut self.rows[..self.row_count];
+        for plane in &mut self.planes[..self.plane_count] {
+            let (own, others) = rows.split_at_mut(rows.partition_point(|row| row.id == plane.id));
+            rows = others;
+            let mut least = reach;
+            for row in own {
+                let arm = times(&turn, &row.arm);
+                let by = dot(&row.normal, &add(&moved, &sub(&arm, &row.arm)));
+                (row.arm, row.gap) = (arm, row.gap + by);
+                least = least.min(by);
+            }
+            plane.gap += least;
+        }
+        self.taken_at = *pose;
+        self.margin -= reach;
+        self.strayed += reach;
+        self.number += 1;
+        self.is_shaded = false;
+        true
+    }
+
+    /// Whether rows were taken along since they were found.
+    pub(crate) fn has_strayed(&self) -> bool {
+        self.strayed > 0.0
     }
 
     /// Adds a plane with the points of the tool (world) that are held off the mock-up there, and how far off they are. Planes come nearest first; one that does not fit any more
@@ -284,5 +324,51 @@ impl ConstraintSet {
                 - dot(&row.normal, &add(&way.linear, &sub(&arm, &row.arm)))
         };
         self.rows().iter().map(off).fold(f64::NEG_INFINITY, f64::max)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use feeler_core::geometry::screw::{pose_of, rotation_of};
+    use feeler_shapes::box_mesh;
+
+    use super::*;
+
+    fn at(height: f64, lean: f64) -> Pose {
+        pose_of(&rotation_of(&[lean, 0.0, 0.0]), &[0.001, 0.0, height]).unwrap()
+    }
+
+    /// A box of 20 mm over a plate at height 0: its lower corners.
+    fn over_a_plate(metric: Metric, pose: &Pose) -> ConstraintSet {
+        let mut set = ConstraintSet::new(*pose, metric, 2e-5, 5e-4, [0.01, 0.1]);
+        let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+        let points = corners.map(|[x, y]| pose.apply(&[0.01 * x, 0.01 * y, -0.01]));
+        let gap = points.iter().map(|p| p[2]).fold(f64::INFINITY, f64::min);
+        let plane = Plane { point: [0.0; 3], normal: [0.0, 0.0, 1.0], gap, part: 0, id: 7 };
+        set.push(plane, points.iter().map(|p| (*p, p[2])));
+        set
+    }
+
+    #[test]
+    fn rows_that_are_taken_along_are_those_found_there() {
+        let (vertices, faces) = box_mesh([0.0; 3], [0.02; 3], 1);
+        let metric = Metric::new(&Tool::new(vertices, faces).unwrap());
+        let (from, to) = (at(0.0101, 0.0), at(0.01006, 0.003));
+        let (mut taken, found) = (over_a_plate(metric, &from), over_a_plate(metric, &to));
+        assert!(taken.take_along(&to, 1.5e-4) && taken.has_strayed() && !found.has_strayed());
+        for (row, other) in taken.rows().iter().zip(found.rows()) {
+            assert!((row.gap - other.gap).abs() < 1e-12 && length(&sub(&row.arm, &other.arm)) < 1e-12);
+        }
+        // Of the corner that is lowest now, which is another.
+        assert!(taken.planes()[0].gap <= found.planes()[0].gap + 1e-12);
+        assert_eq!(taken.taken_at, to);
+        let reach = displacement(&from, &to, &metric.centre).reach(metric.radius);
+        assert!((taken.margin - (5e-4 - reach)).abs() < 1e-12, "{}", taken.margin);
+        // In all no farther than asked, nor than the rows are good for.
+        let before = taken;
+        assert!(!taken.take_along(&from, 1.5e-4) && !taken.take_along(&at(0.0104, 0.0), 1.0));
+        assert_eq!((taken.taken_at, taken.margin), (before.taken_at, before.margin));
+        taken.clear(&from, 5e-4);
+        assert!(!taken.has_strayed());
     }
 }

@@ -130,7 +130,7 @@ impl Proxy {
             solver: Solver::default(),
             trust: f64::INFINITY,
             skin: options.skin,
-            stride: options.margin,
+            stride: 0.0,
             patience: 0,
             waited: 0,
         };
@@ -184,9 +184,14 @@ impl Proxy {
     pub fn advance(&mut self, around: &Surroundings, target: &Pose) -> Result<Advance> {
         let start = self.set.taken_at;
         let mut done = Advance::default();
-        let is_stuck = self.approach(around, target, &mut done)?;
+        let is_stuck = self.approach(around, target, f64::INFINITY, &mut done)?;
+        // What still moves by a skin a tick, as a peg on its way down, has no way that its skin closes.
+        let is_stuck = is_stuck && self.reach_to(&start) <= self.options.skin;
         if is_stuck && self.is_time_to_squeeze() {
             self.squeeze(around, target, &mut done)?;
+        }
+        if self.set.has_strayed() {
+            self.look_around(around, &{ self.set.taken_at })?;
         }
         self.stride = self.reach_to(&start).max(STRIDE_DECAY * self.stride);
         Ok(done)
@@ -211,7 +216,8 @@ impl Proxy {
         if let Some(left) = around.left_at(&self.seated, pose)? {
             self.seated = left;
         }
-        self.look_around(around, pose)?;
+        // So little leads hardly to another facet.
+        self.arrive(around, pose, self.options.skin, None)?;
         self.set.time = time;
         Ok(())
     }
@@ -222,7 +228,7 @@ impl Proxy {
     }
 
     /// Motions towards the target, each as far as it is free, until none leads on. Whether contacts hold it.
-    fn approach(&mut self, around: &Surroundings, target: &Pose, done: &mut Advance) -> Result<bool> {
+    fn approach(&mut self, around: &Surroundings, target: &Pose, stray: f64, done: &mut Advance) -> Result<bool> {
         let (mut distance, mut gained) = (self.distance_to(target), 0.0);
         for _ in 0..self.options.rounds {
             done.rounds += 1;
@@ -244,11 +250,11 @@ impl Proxy {
             self.seated = walk.seated.clone();
             if walk.stop.is_some() {
                 done.stopped += 1;
-                self.stop(around, &goal.pose, reach, &walk)?;
+                self.stop(around, &goal.pose, (reach, stray), &walk)?;
                 continue;
             }
             self.trust = if goal.is_at_bound { self.trust * TRUST_GROWTH } else { f64::INFINITY };
-            self.look_around(around, &goal.pose)?;
+            self.arrive(around, &goal.pose, stray, None)?;
             if !goal.is_at_bound && self.solver.held().is_empty() {
                 return Ok(false);
             }
@@ -262,9 +268,10 @@ impl Proxy {
     }
 
     /// Goes as far as a motion of this reach is free, and remembers what ended it.
-    fn stop(&mut self, around: &Surroundings, to: &Pose, reach: f64, walk: &Walk) -> Result<()> {
+    fn stop(&mut self, around: &Surroundings, to: &Pose, (reach, stray): (f64, f64), walk: &Walk) -> Result<()> {
         let Some(stop) = walk.stop else { return Ok(()) };
-        if stop.pair.is_none_or(|pair| self.blockers.contains(&pair)) {
+        let blocker = stop.pair.filter(|pair| !self.blockers.contains(pair));
+        if blocker.is_none() {
             // What its row allowed it forbids: the motion was too long for a row.
             self.trust = (reach.min(self.trust) / TRUST_GROWTH).max(LEAST_TRUST * self.set.skin);
         }
@@ -279,7 +286,7 @@ impl Proxy {
             }
             None => walk.pose,
         };
-        self.look_around(around, &reached)
+        self.arrive(around, &reached, stray, blocker)
     }
 
     /// Where the next motion leads. It starts off the surface: where the tool is nearer than half the skin it is lifted first. And it
@@ -311,7 +318,7 @@ impl Proxy {
         let distance = self.distance_to(target);
         self.skin = (SQUEEZE_SHARE * self.options.skin).min(self.skin);
         self.set.skin = self.skin;
-        self.approach(around, target, done)?;
+        self.approach(around, target, 0.0, done)?;
         let gain = distance - self.distance_to(target);
         if gain > SQUEEZE_GAIN * self.options.skin {
             self.patience = 0;
@@ -377,6 +384,18 @@ impl Proxy {
         Ok(from)
     }
 
+    /// Makes a pose the proxy's that is free but for seats: the rows are taken along, at most so far (metres), and what stopped it is added;
+    /// farther than they are good for, contacts are found.
+    fn arrive(&mut self, around: &Surroundings, pose: &Pose, most: f64, blocker: Option<Pair>) -> Result<()> {
+        if !self.seated.is_free() || !self.set.take_along(pose, most) {
+            return self.look_around(around, pose);
+        }
+        if let Some(pair) = blocker {
+            self.push_blocker(around, pose, &pair);
+        }
+        Ok(())
+    }
+
     /// Finds the contacts at a pose that is free but for seats, and makes it the proxy's.
     fn look_around(&mut self, around: &Surroundings, pose: &Pose) -> Result<()> {
         let margin = STRIDES * self.stride + SKINS_IN_MARGIN * self.skin;
@@ -417,21 +436,23 @@ impl Proxy {
 
     /// Adds the rows of what stopped a cast and is still near, where no plane stands for it.
     fn push_blockers(&mut self, around: &Surroundings, pose: &Pose) {
-        let (set, margin) = (&mut self.set, self.manifolds.margin);
-        self.blockers.retain(|pair| {
-            let Some(closest) =
-                around.environment().closest(around.tool(), pose, pair).filter(|c| c.distance <= margin)
-            else {
-                return false;
-            };
-            let Some(normal) = unit(&sub(&closest.on_p, &closest.on_q)) else { return true };
-            let id = u64::from(pair.tool_triangle) << 32 ^ u64::from(pair.triangle) ^ 1 << 63;
-            let part = around.environment().part_of(pair);
-            let plane = Plane { point: closest.on_q, normal, gap: closest.distance, part, id };
-            set.push(plane, std::iter::once((closest.on_p, closest.distance)));
-            set.set_pair(id, *pair);
-            true
-        });
+        let mut blockers = std::mem::take(&mut self.blockers);
+        blockers.retain(|pair| self.push_blocker(around, pose, pair));
+        self.blockers = blockers;
+    }
+
+    /// The row of one pair; whether it is still near.
+    fn push_blocker(&mut self, around: &Surroundings, pose: &Pose, pair: &Pair) -> bool {
+        let margin = self.manifolds.margin;
+        let closest = around.environment().closest(around.tool(), pose, pair);
+        let Some(closest) = closest.filter(|closest| closest.distance <= margin) else { return false };
+        let Some(normal) = unit(&sub(&closest.on_p, &closest.on_q)) else { return true };
+        let id = u64::from(pair.tool_triangle) << 32 ^ u64::from(pair.triangle) ^ 1 << 63;
+        let part = around.environment().part_of(pair);
+        let plane = Plane { point: closest.on_q, normal, gap: closest.distance, part, id };
+        self.set.push(plane, std::iter::once((closest.on_p, closest.distance)));
+        self.set.set_pair(id, *pair);
+        true
     }
 
     /// The skin for the rows there are: what it was, or half the clearance where that is less; and wider again where that does not push

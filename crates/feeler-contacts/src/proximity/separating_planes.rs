@@ -107,9 +107,11 @@ impl PlaneLanes {
         self.len += 1;
     }
 
-    /// Whether one of the planes, which `planes` has as well, explains a pair.
-    fn is_explained(&self, lanes: Checked, planes: &[ContactPlane], gap: &Gap, tolerance: f64) -> bool {
-        lanes.run(Explained { batches: &self.batches, planes, gap, tolerance })
+    /// Whether one of the planes, which `planes` has as well, explains a pair that none of the first `judged` does.
+    fn is_explained(&self, lanes: Checked, planes: &[ContactPlane], judged: u32, gap: &Gap, tolerance: f64) -> bool {
+        let first = judged as usize / WIDE_LANES;
+        let (batches, planes) = (&self.batches[first..], &planes[WIDE_LANES * first..]);
+        judged as usize != self.len && lanes.run(Explained { batches, planes, gap, tolerance })
     }
 }
 
@@ -160,6 +162,8 @@ impl Kernel for Explained<'_> {
 struct Entry {
     distance: f64,
     near: Near,
+    /// As many of the planes do not explain it.
+    judged: u32,
 }
 
 /// Measured pairs, the nearest first. Nearly all come before the first is taken.
@@ -195,10 +199,19 @@ impl Entries {
             self.sorted.append(&mut self.fresh);
             self.sorted.sort_unstable();
         }
-        // They are about the nearest: hardly anything moves.
-        for entry in self.fresh.drain(..) {
-            let at = self.sorted.partition_point(|other| *other < entry);
-            self.sorted.insert(at, entry);
+        // They are about the nearest: hardly anything moves, and that once.
+        self.fresh.sort_unstable();
+        let (mut left, mut to) = (self.sorted.len(), self.sorted.len() + self.fresh.len());
+        self.sorted.extend_from_slice(&self.fresh);
+        while let Some(entry) = self.fresh.last() {
+            to -= 1;
+            if left > 0 && *entry < self.sorted[left - 1] {
+                left -= 1;
+                self.sorted[to] = self.sorted[left];
+            } else {
+                self.sorted[to] = *entry;
+                self.fresh.pop();
+            }
         }
         self.sorted.pop()
     }
@@ -287,7 +300,7 @@ impl<'a> PlaneSearch<'a> {
             before = Some(entry.near.pair);
             let Some(first) = self.measured_gap(entry.near.pair) else { continue };
             if first.distance == 0.0
-                || self.is_explained(out, &first)
+                || self.is_explained(out, entry.judged, &first)
                 || !self.scratch.cull.is_in_front(self.context, &entry.near, &first)
                 || !out.is_empty() && self.leads_down(&first, part)
             {
@@ -315,10 +328,10 @@ impl<'a> PlaneSearch<'a> {
         }
     }
 
-    /// Whether one of the planes found so far explains a pair.
-    fn is_explained(&self, planes: &[ContactPlane], gap: &Gap) -> bool {
+    /// Whether one of the planes found so far explains a pair that none of the first `judged` does.
+    fn is_explained(&self, planes: &[ContactPlane], judged: u32, gap: &Gap) -> bool {
         let tolerance = SEPARATION_SLACK * self.margin;
-        self.scratch.planes.is_explained(self.context.lanes, planes, gap, tolerance)
+        self.scratch.planes.is_explained(self.context.lanes, planes, judged, gap, tolerance)
     }
 
     /// The gap of a pair that was measured and is within the margin.
@@ -333,8 +346,8 @@ impl<'a> PlaneSearch<'a> {
         for (near, closest) in batch.iter().zip(found) {
             let gap = closest.map(|c| gap_of(near.pair, part, &c));
             self.record(near.pair, gap);
-            if let Some(gap) = gap.filter(|gap| !self.is_explained(planes, gap)) {
-                emit(Entry { distance: gap.distance, near: *near });
+            if let Some(gap) = gap.filter(|gap| !self.is_explained(planes, 0, gap)) {
+                emit(Entry { distance: gap.distance, near: *near, judged: planes.len() as u32 });
             }
         }
     }
@@ -379,7 +392,7 @@ impl<'a> PlaneSearch<'a> {
             let is_first = next.near.pair == entry.near.pair;
             let is_along =
                 || gap.distance <= limit && dot(&to_tool, &plane.normal) >= gap.distance * (1.0 - SAME_NORMAL);
-            if is_first || is_along() && !self.is_explained(before, &gap) {
+            if is_first || is_along() && !self.is_explained(before, next.judged, &gap) {
                 bounds.grow(&gap.on_mockup);
                 plane.tool_triangles.push(gap.tool_triangle);
                 plane.mockup_triangles.push(gap.mockup_triangle);
