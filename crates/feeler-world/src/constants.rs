@@ -17,6 +17,13 @@ pub const SEAT_TOLERANCE: f64 = 1e-5;
 /// The depth of a fit is found to this factor. Less: it may go less deeper than it was, and takes longer to find.
 pub const EROSION_SHARE: f64 = 1.07;
 
+/// The depth of a fit is first sought in steps by this factor. Larger: thin sheets in contact count as sunk; smaller: it takes longer.
+pub const EROSION_STEP: f64 = 4.0;
+
+/// Most times that a part is made smaller to find which of its surfaces are less deep than the deepest. Fewer: those of parts with many
+/// surfaces get its play.
+pub const MOST_EROSIONS: usize = 48;
+
 /// Cosine from which on two faces at a corner are one: 1.4 mrad. Less: facets of smooth surfaces count as one, and move by less.
 pub const FACE_ANGLE_COS: f64 = 0.999_999;
 
@@ -38,6 +45,17 @@ pub const SEAT_CAST: f64 = 1.25e-9;
 /// Depth at the start, in lengths of the tool, up to which a pair is a fit, as of what is pressed into a hole: it may be as deep on all of
 /// its way. A deeper one has no hole, and is drawn out of the place it has. Larger: thicker walls are passed through sideways.
 pub const FIT_DEPTH: f64 = 0.02;
+
+/// How far a part that goes through a neighbour is moved against a contact plane, in lengths, to see whether that is a way out of its
+/// place: past what its place gives, up to the thickness of most heads. More and other ones: heads of other thickness are seen.
+pub const THROUGH_TRIALS: [f64; 3] = [0.03, 0.06, 0.12];
+
+/// Faces whose normals are this near to such a way lead on it (cosine). Less: the sides of a bolt, which only slide, count too.
+pub const LEADING_COS: f64 = 0.3;
+
+/// Cosine between a contact plane's normal and such a way from which on it is that way: ten degrees. Less: other planes are left out with
+/// it.
+pub const THROUGH_COS: f64 = 0.985;
 
 /// Of a sunk pair's depth at the start: what is less deep is a sliver, whose contact plane may have any direction. Larger: what came out
 /// of its place may go so deep into another.

@@ -5,14 +5,15 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use feeler_contacts::{ContactPlane, ContactSolver, Manifold, Manifolds};
 use feeler_core::geometry::vectors::{cross, dot, length, scaled, sub};
-use feeler_core::{Aabb, Point, Pose, Tool};
+use feeler_core::{Aabb, Point, Pose, Ray, Scene, Tool};
 
 use crate::constants::{
-    EXIT_MARGIN, MOST_STEPS_A_LENGTH, SEAT_TOLERANCE, SLIVER_DEPTH, STEPS_A_LENGTH, STEP_THICKNESS,
+    EXIT_MARGIN, FIT_DEPTH, LEADING_COS, MOST_STEPS_A_LENGTH, SEAT_TOLERANCE, SLIVER_DEPTH, STEPS_A_LENGTH,
+    STEP_THICKNESS, THROUGH_COS, THROUGH_TRIALS,
 };
 use crate::environment::{id_in_body, Body, Environment, Plane};
 use crate::error::Result;
-use crate::seats::{crossings_in_place, find_seats, Allowed, Makings, Seat, SeatKind, Seated};
+use crate::seats::{crossing_outside, crossings_in_place, find_seats, Allowed, Makings, Seat, SeatKind, Seated};
 
 /// A tool, the bodies around it, and its seats.
 #[derive(Debug)]
@@ -35,6 +36,8 @@ pub struct Surroundings {
     pub(crate) stride: f64,
     /// The least depth of a sunk pair at the start, metres; infinite where there is none.
     pub(crate) least_sunk: f64,
+    /// Directions in which parts that go through a neighbour may leave it, units.
+    through: Vec<Point>,
     /// Each way of being seated once.
     known: Mutex<BTreeMap<Vec<bool>, Arc<Seated>>>,
 }
@@ -84,6 +87,9 @@ impl Surroundings {
             let thin = STEP_THICKNESS * thickness(&around.tool, own_parts);
             around.stride = around.stride.min(thin.max(around.size / MOST_STEPS_A_LENGTH));
         }
+        if around.least_sunk.is_finite() {
+            around.through = around.ways_through()?;
+        }
         Ok(around)
     }
 
@@ -114,6 +120,7 @@ impl Surroundings {
             size: length(&own.extent()),
             stride: length(&own.extent()) / STEPS_A_LENGTH,
             least_sunk: f64::INFINITY,
+            through: Vec::new(),
             tool,
             known: Mutex::default(),
         }
@@ -286,15 +293,62 @@ impl Surroundings {
         Ok(found)
     }
 
-    /// The contact planes that sunk parts of a body are behind. Where a part has almost left its place, slivers of it have planes of any
-    /// direction: these do not count.
+    /// The contact planes that sunk parts of a body are behind. What goes through a neighbour may leave its place to either side, and a
+    /// contact plane knows one: those do not count, nor those of slivers of a part that has almost left its place: they have any direction.
     pub(crate) fn planes_of_sunk(&self, body: usize, sunk: &ContactSolver, pose: &Pose) -> Result<Vec<ContactPlane>> {
         let mut planes = sunk.contacts(&self.tool, pose, 0.0, None)?.planes;
         planes.retain(|plane| {
-            let seat = self.seat_of(body, [plane.tool_part(&self.tool), plane.part]);
-            -plane.gap > SEAT_TOLERANCE.max(seat.map_or(0.0, |seat| SLIVER_DEPTH * seat.depth))
+            let depth = self.seat_of(body, [plane.tool_part(&self.tool), plane.part]).map_or(0.0, |seat| seat.depth);
+            let is_way = || self.through.iter().any(|way| dot(way, &plane.normal) < -THROUGH_COS);
+            -plane.gap > SEAT_TOLERANCE.max(SLIVER_DEPTH * depth) && !(-plane.gap > FIT_DEPTH * self.size && is_way())
         });
         Ok(planes)
+    }
+
+    /// Whether a face of the tool that leads on a way is inside the neighbours of a scene at the start: their solid would have to give.
+    fn leads_inside(&self, scene: &Scene, way: &Point) -> Result<bool> {
+        let mesh = self.tool.mesh();
+        for t in mesh.queried() {
+            let corners = self.start.apply_triangle(&mesh.triangle(t));
+            let normal = cross(&sub(&corners[1], &corners[0]), &sub(&corners[2], &corners[0]));
+            let sign = if self.tool.adjacency().outward[t as usize] < 0 { -1.0 } else { 1.0 };
+            if sign * dot(&normal, way) < LEADING_COS * length(&normal) {
+                continue;
+            }
+            let middle = std::array::from_fn(|a| (corners[0][a] + corners[1][a] + corners[2][a]) / 3.0);
+            let Some(hit) = scene.ray(&Ray { origin: middle, direction: *way }, f64::INFINITY, &[])? else { continue };
+            let [a, b, c] = scene.mockup().mesh().triangle(hit.triangle);
+            let outward = cross(&sub(&b, &a), &sub(&c, &a));
+            let sign = if scene.mockup().adjacency().outward[hit.triangle as usize] < 0 { -1.0 } else { 1.0 };
+            if sign * dot(&outward, way) > 0.0 {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+
+    /// The ways on which parts that go through a neighbour leave their place against a contact plane.
+    fn ways_through(&self) -> Result<Vec<Point>> {
+        let (seated, mut ways) = (self.seated_at_start(), Vec::new());
+        for (number, asked) in seated.bodies.iter().enumerate() {
+            let Some(sunk) = &asked.sunk else { continue };
+            let planes = sunk.contacts(&self.tool, &self.start, 0.0, None)?.planes;
+            for way in planes.iter().flat_map(|plane| [plane.normal, scaled(&plane.normal, -1.0)]) {
+                if self.leads_inside(sunk.scene(), &way)? {
+                    continue;
+                }
+                let is_in_place = |by: &f64| -> Result<bool> {
+                    let pose = self.moved(&self.start, &way, by * self.size)?;
+                    let (scene, mockup) = (sunk.scene(), sunk.scene().mockup());
+                    let pairs = self.sunk_pairs(number, scene, &pose);
+                    Ok(crossing_outside(&self.tool, &self.start, mockup, &pairs, &pose).is_none())
+                };
+                if THROUGH_TRIALS.iter().map(is_in_place).collect::<Result<Vec<bool>>>()?.iter().all(|is_in| *is_in) {
+                    ways.push(way);
+                }
+            }
+        }
+        Ok(ways)
     }
 
     /// A pair `[tool part, part]` of a body at the start.

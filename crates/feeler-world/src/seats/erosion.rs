@@ -1,7 +1,8 @@
 //! Erosion: a part of the tool made smaller by its depth in a neighbour, so that the pair can be cast exactly.
 //!
-//! Each corner moves inwards so that all faces at it move by the same distance: the depth at the start plus a play. The eroded part is
-//! free of the neighbour at the start. While it stays free, the part itself gets no deeper than at the start by more than the play.
+//! Each surface moves inwards by its own depth at the start plus a play, and each corner so that the faces at it do. So a collar that is
+//! flush stays flush where the shaft beside it crosses its bore by facets. The eroded part is free of the neighbour at the start. While it
+//! stays free, no surface gets deeper than at the start by more than its play.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -11,9 +12,11 @@ use feeler_core::geometry::vectors::{add, cross, dot, length, scaled, sub, unit}
 use feeler_core::{weld_vertices, Point, Pose, Tool};
 
 use crate::constants::{
-    EROSION_SHARE, FACE_ANGLE_COS, FIT_DEPTH, FLUSH_PLAY, LONGEST_MITRE, MITRE_ADDED, SEAT_TOLERANCE,
+    EROSION_SHARE, EROSION_STEP, FACE_ANGLE_COS, FIT_DEPTH, FLUSH_PLAY, LONGEST_MITRE, MITRE_ADDED, MOST_EROSIONS,
+    SEAT_TOLERANCE,
 };
 use crate::error::Result;
+use crate::surfaces::Surfaces;
 
 /// An eroded part of a tool.
 #[derive(Debug, Clone)]
@@ -24,10 +27,11 @@ pub struct Eroded {
     pub depth: f64,
 }
 
-/// Makes eroded parts of a tool, each only once.
+/// Makes eroded parts of a tool.
 pub struct Erosion<'a> {
     tool: &'a Tool,
     corners: BTreeMap<u32, Corners>,
+    /// Of parts all of whose surfaces move by the same: these several neighbours ask for.
     made: BTreeMap<(u32, u64), Arc<Tool>>,
 }
 
@@ -47,91 +51,169 @@ impl<'a> Erosion<'a> {
         size: f64,
     ) -> Result<Option<Eroded>> {
         let most = least.max(FIT_DEPTH * size);
+        let first = least.max(0.5 * FLUSH_PLAY);
+        let surfaces = self.corners_of(part).surfaces;
         // Of an open surface nobody knows which side is out.
         let signs = if self.tool.adjacency().is_open(part) { &[1.0, -1.0][..] } else { &[1.0] };
         for sign in signs {
-            let mut is_free = |by: f64| -> Result<bool> { Ok(solver.is_free(&*self.by(part, sign * by)?, start)) };
-            if least == 0.0 && is_free(0.5 * FLUSH_PLAY)? {
-                return Ok(Some(Eroded { tool: self.by(part, sign * FLUSH_PLAY)?, depth: 0.0 }));
+            let inwards = |by: &[f64]| by.iter().map(|by| sign * by).collect::<Vec<f64>>();
+            let mut is_free = |by: &[f64]| Ok(solver.is_free(&*self.by(part, &inwards(by))?, start));
+            if is_free(&vec![first; surfaces])? {
+                let play = if least == 0.0 { FLUSH_PLAY } else { least + SEAT_TOLERANCE };
+                return Ok(Some(Eroded { tool: self.by(part, &vec![sign * play; surfaces])?, depth: least }));
             }
-            if !is_free(most)? {
-                continue;
-            }
-            let (mut low, mut high) = (least.max(0.5 * FLUSH_PLAY), most);
-            if least > 0.0 && is_free(least)? {
-                high = least;
-            }
-            while high > EROSION_SHARE * low {
-                let middle = (low * high).sqrt();
-                if is_free(middle)? {
-                    high = middle;
-                } else {
-                    low = middle;
-                }
-            }
-            return Ok(Some(Eroded { tool: self.by(part, sign * (high + SEAT_TOLERANCE))?, depth: high }));
+            let Some((low, high)) = depths(surfaces, first, most, &mut is_free)? else { continue };
+            // No deeper than it was by more than the play, where the depth is known so well.
+            let play = |(low, high): (&f64, &f64)| match *low < *high {
+                true => (high + FLUSH_PLAY).max(low + SEAT_TOLERANCE),
+                false if least == 0.0 => FLUSH_PLAY,
+                false => high + SEAT_TOLERANCE,
+            };
+            let by: Vec<f64> = low.iter().zip(&high).map(play).collect();
+            let depth = high.iter().copied().fold(0.0, f64::max);
+            return Ok(Some(Eroded { tool: self.by(part, &inwards(&by))?, depth }));
         }
         Ok(None)
     }
 
-    /// The part eroded by a distance, metres.
-    fn by(&mut self, part: u32, by: f64) -> Result<Arc<Tool>> {
-        if let Some(made) = self.made.get(&(part, by.to_bits())) {
+    fn corners_of(&mut self, part: u32) -> &Corners {
+        self.corners.entry(part).or_insert_with(|| Corners::new(self.tool, part))
+    }
+
+    /// The part with each surface eroded by a distance, metres.
+    fn by(&mut self, part: u32, by: &[f64]) -> Result<Arc<Tool>> {
+        let same = by.first().filter(|first| by.iter().all(|other| other == *first));
+        let key = same.map(|by| (part, by.to_bits()));
+        if let Some(made) = key.and_then(|key| self.made.get(&key)) {
             return Ok(made.clone());
         }
-        let corners = self.corners.entry(part).or_insert_with(|| Corners::new(self.tool, part));
-        let made = Arc::new(corners.moved(self.tool, -by)?);
-        self.made.insert((part, by.to_bits()), made.clone());
+        let tool = self.tool;
+        let made = Arc::new(self.corners_of(part).moved(tool, by)?);
+        if let Some(key) = key {
+            self.made.insert(key, made.clone());
+        }
         Ok(made)
     }
 }
 
-/// The corners of a part, and where each moves.
+/// Between which depths each surface is: not free at the lower, free at the higher, both `first` of those that are only flush. `None`: up
+/// to `most` they are not free.
+fn depths(
+    surfaces: usize,
+    first: f64,
+    most: f64,
+    is_free: &mut impl FnMut(&[f64]) -> Result<bool>,
+) -> Result<Option<(Vec<f64>, Vec<f64>)>> {
+    // From below: a sheet that is made smaller by more than half its thickness is none.
+    let (mut low, mut high) = (first, first);
+    while high == low {
+        high = (EROSION_STEP * low).min(most);
+        if !is_free(&vec![high; surfaces])? {
+            if high >= most {
+                return Ok(None);
+            }
+            low = high;
+        }
+    }
+    while high > EROSION_SHARE * low {
+        let middle = (low * high).sqrt();
+        let side = if is_free(&vec![middle; surfaces])? { &mut high } else { &mut low };
+        *side = middle;
+    }
+    let (mut low, mut high) = (vec![low; surfaces], vec![high; surfaces]);
+    // Which are flush, in groups: where one is not, its halves may be.
+    let mut groups: Vec<Vec<usize>> = vec![(0..surfaces).collect()];
+    let (mut deep, mut tries) = (Vec::new(), MOST_EROSIONS);
+    while let Some(group) = groups.pop().filter(|_| tries > 0) {
+        tries -= 1;
+        let mut by = high.clone();
+        group.iter().for_each(|s| by[*s] = first);
+        if is_free(&by)? {
+            group.iter().for_each(|s| low[*s] = first);
+            high = by;
+        } else if let [one] = group[..] {
+            deep.push(one);
+        } else {
+            let (some, others) = group.split_at(group.len() / 2);
+            groups.extend([some.to_vec(), others.to_vec()]);
+        }
+    }
+    // The deepest has its depth; of others it may be less.
+    for s in deep.iter().filter(|_| deep.len() > 1) {
+        let mut least = first;
+        while high[*s] > EROSION_SHARE * least && tries > 0 {
+            tries -= 1;
+            let mut by = high.clone();
+            by[*s] = (least * high[*s]).sqrt();
+            if is_free(&by)? {
+                high = by;
+            } else {
+                least = by[*s];
+            }
+        }
+        low[*s] = least.min(high[*s]);
+    }
+    Ok(Some((low, high)))
+}
+
+/// The corners of a part, and the faces that meet at each.
 struct Corners {
     /// By vertex of the part.
     places: Vec<Point>,
     faces: Vec<[u32; 3]>,
-    /// Outwards, for a distance of 1 of all faces.
-    outward: Vec<Point>,
+    surfaces: usize,
+    /// By vertex: normals outwards, those alike once, with their surfaces.
+    normals: Vec<Vec<(Point, Vec<u32>)>>,
 }
 
 impl Corners {
     fn new(tool: &Tool, part: u32) -> Corners {
-        let (mesh, outward) = (tool.mesh(), &tool.adjacency().outward);
+        let (mesh, adjacency) = (tool.mesh(), tool.adjacency());
         let own: Vec<u32> = mesh.queried().filter(|t| tool.part_of_face(*t) == part).collect();
+        let numbers = Surfaces::new(mesh, adjacency, &own, |_| part).numbers;
+        let surface: Vec<u32> = own.iter().map(|t| numbers.of(*t).unwrap_or_default()).collect();
         let all: Vec<Point> = own.iter().flat_map(|t| mesh.triangle(*t)).collect();
-        let (places, numbers) = weld_vertices(&all);
-        let faces: Vec<[u32; 3]> = numbers.chunks(3).map(|corner| [corner[0], corner[1], corner[2]]).collect();
-        // The normals that meet at each corner, those alike once.
-        let mut normals: Vec<Vec<Point>> = vec![Vec::new(); places.len()];
-        for (t, face) in own.iter().zip(&faces) {
+        let (places, corners) = weld_vertices(&all);
+        let faces: Vec<[u32; 3]> = corners.chunks(3).map(|corner| [corner[0], corner[1], corner[2]]).collect();
+        let mut normals: Vec<Vec<(Point, Vec<u32>)>> = vec![Vec::new(); places.len()];
+        for ((t, face), surface) in own.iter().zip(&faces).zip(&surface) {
             let [a, b, c] = face.map(|v| places[v as usize]);
             let Some(normal) = unit(&cross(&sub(&b, &a), &sub(&c, &a))) else { continue };
-            let normal = if outward[*t as usize] < 0 { scaled(&normal, -1.0) } else { normal };
+            let normal = if adjacency.outward[*t as usize] < 0 { scaled(&normal, -1.0) } else { normal };
             for v in face {
                 let known = &mut normals[*v as usize];
-                if known.iter().all(|other| dot(other, &normal) < FACE_ANGLE_COS) {
-                    known.push(normal);
+                match known.iter_mut().find(|(other, _)| dot(other, &normal) >= FACE_ANGLE_COS) {
+                    Some((_, of)) => of.push(*surface),
+                    None => known.push((normal, vec![*surface])),
                 }
             }
         }
-        Corners { places, faces, outward: normals.iter().map(|normals| mitre(normals)).collect() }
+        let surfaces = surface.iter().max().map_or(0, |last| *last as usize + 1);
+        Corners { places, faces, surfaces, normals }
     }
 
-    /// The part with all faces moved outwards by so much, metres.
-    fn moved(&self, tool: &Tool, by: f64) -> Result<Tool> {
-        let vertices = self.places.iter().zip(&self.outward).map(|(p, out)| add(p, &scaled(out, by))).collect();
-        Ok(Tool::new(vertices, self.faces.clone())?.with_pivot(*tool.pivot()))
+    /// The part with each surface moved inwards by so much, metres.
+    fn moved(&self, tool: &Tool, by: &[f64]) -> Result<Tool> {
+        let farther = |of: &[u32]| {
+            of.iter().map(|s| by[*s as usize]).fold(0.0, |most: f64, by| if by.abs() > most.abs() { by } else { most })
+        };
+        let vertices = self.places.iter().zip(&self.normals).map(|(p, normals)| {
+            let faces: Vec<(Point, f64)> = normals.iter().map(|(normal, of)| (*normal, farther(of))).collect();
+            sub(p, &mitre(&faces))
+        });
+        Ok(Tool::new(vertices.collect(), self.faces.clone())?.with_pivot(*tool.pivot()))
     }
 }
 
-/// The shortest vector whose component along each normal is 1, or as nearly as can be; no longer than the longest mitre.
-fn mitre(normals: &[Point]) -> Point {
-    // Least squares: the sum of n nᵀ times the vector is the sum of n. What is added keeps flat corners from being singular.
-    let sum = normals.iter().fold([0.0; 3], |sum, n| add(&sum, n));
+/// The shortest vector with given components along normals, or as nearly as can be; no longer than the longest mitre of the greatest.
+fn mitre(faces: &[(Point, f64)]) -> Point {
+    // Least squares: the sum of n nᵀ times the vector is that of n times its component. What is added keeps flat corners from being
+    // singular.
+    let sum = faces.iter().fold([0.0; 3], |sum, (n, by)| add(&sum, &scaled(n, *by)));
+    let most = faces.iter().map(|(_, by)| by.abs()).fold(0.0, f64::max);
     let rows: [Point; 3] = std::array::from_fn(|i| {
         std::array::from_fn(|j| {
-            normals.iter().map(|n| n[i] * n[j]).sum::<f64>() + if i == j { MITRE_ADDED } else { 0.0 }
+            faces.iter().map(|(n, _)| n[i] * n[j]).sum::<f64>() + if i == j { MITRE_ADDED } else { 0.0 }
         })
     });
     let determinant = dot(&rows[0], &cross(&rows[1], &rows[2]));
@@ -140,11 +222,11 @@ fn mitre(normals: &[Point]) -> Point {
         let columns: [Point; 3] = std::array::from_fn(|k| if k == at { sum } else { column(k) });
         dot(&columns[0], &cross(&columns[1], &columns[2])) / determinant
     };
-    let out: Point = std::array::from_fn(with);
-    if !out.iter().all(|x| x.is_finite()) {
+    let moved: Point = std::array::from_fn(with);
+    if !moved.iter().all(|x| x.is_finite()) {
         return [0.0; 3];
     }
-    scaled(&out, (LONGEST_MITRE / length(&out).max(f64::MIN_POSITIVE)).min(1.0))
+    scaled(&moved, (LONGEST_MITRE * most / length(&moved).max(f64::MIN_POSITIVE)).min(1.0))
 }
 
 #[cfg(test)]
@@ -162,7 +244,8 @@ mod tests {
         for cells in [1, 4] {
             let (vertices, faces) = box_mesh([0.3, 0.0, -0.1], [0.03, 0.04, 0.05], cells);
             let tool = Tool::new(vertices, faces).unwrap();
-            let smaller = Corners::new(&tool, 0).moved(&tool, -0.001).unwrap();
+            let corners = Corners::new(&tool, 0);
+            let smaller = corners.moved(&tool, &vec![0.001; corners.surfaces]).unwrap();
             let off = sub(&sub(&extent(&tool), &extent(&smaller)), &[0.002; 3]);
             assert!(length(&off) < 1e-11, "{off:?}");
             assert_eq!(smaller.pivot(), tool.pivot());
@@ -173,7 +256,8 @@ mod tests {
     fn all_facets_of_a_cylinder_move_by_the_same() {
         let (vertices, faces) = cylinder(0.01, 0.05, 24, 3);
         let tool = Tool::new(vertices, faces).unwrap();
-        let smaller = Corners::new(&tool, 0).moved(&tool, -0.0005).unwrap();
+        let corners = Corners::new(&tool, 0);
+        let smaller = corners.moved(&tool, &vec![0.0005; corners.surfaces]).unwrap();
         for t in smaller.mesh().queried() {
             let [a, b, c] = smaller.mesh().triangle(t);
             let normal = unit(&cross(&sub(&b, &a), &sub(&c, &a))).unwrap();
@@ -183,5 +267,17 @@ mod tests {
             });
             assert!(was, "{t}");
         }
+    }
+
+    #[test]
+    fn each_surface_moves_by_its_own() {
+        let (vertices, faces) = box_mesh([0.0, 0.0, 0.0], [0.03, 0.04, 0.05], 2);
+        let tool = Tool::new(vertices, faces).unwrap();
+        let corners = Corners::new(&tool, 0);
+        assert_eq!(corners.surfaces, 6);
+        let by: Vec<f64> = (1..=6).map(|n| 1e-4 * f64::from(n)).collect();
+        let smaller = corners.moved(&tool, &by).unwrap();
+        let off = sub(&extent(&tool), &extent(&smaller));
+        assert!((off.iter().sum::<f64>() - 21e-4).abs() < 1e-10, "{off:?}");
     }
 }
