@@ -202,6 +202,11 @@ impl ConstraintSet {
         self.rows().iter().filter(|row| row.has_skin).map(|row| row.gap).fold(self.margin, f64::min)
     }
 
+    /// The least gap of all rows of seats, metres; the skin where there are none.
+    pub fn least_seat_gap(&self) -> f64 {
+        self.rows().iter().filter(|row| !row.has_skin).map(|row| row.gap).fold(self.skin, f64::min)
+    }
+
     /// The pose nearest to `target` that violates no row, found from the pose where the rows were taken, and no farther from it than
     /// `bound` (metres, of any point of the tool). Rows are planes and rigid points: their exact places at each round's pose make the
     /// program of the next. Allocates nothing.

@@ -289,17 +289,18 @@ impl Proxy {
         self.arrive(around, &reached, stray, blocker)
     }
 
-    /// Where the next motion leads. It starts off the surface: where the tool is nearer than half the skin it is lifted first. And it
-    /// turns no more than keeps its points, which move on arcs, within a part of the skin of the straight ways between two poses that
-    /// satisfy the rows.
+    /// Where the next motion leads. It starts off the surface: where the tool is nearer than half the skin, or its eroded part than half the
+    /// rest of a seat, it is lifted first. And it turns no more than keeps its points, which move on arcs, within a part of the skin (at
+    /// seats, of their rest) of the straight ways between two poses that satisfy the rows.
     fn next_pose(&mut self, target: &Pose) -> Result<NearestPose> {
         let (from, metric) = (self.set.taken_at, self.set.metric);
-        if self.set.least_gap() < LIFT_SHARE * self.set.skin {
+        let seat_gap = self.set.least_seat_gap();
+        if self.set.least_gap() < LIFT_SHARE * self.set.skin || seat_gap < -LIFT_SHARE * SEAT_REST {
             return self.set.nearest_pose(&from, self.trust, &mut self.solver);
         }
         let goal = self.set.nearest_pose(target, self.trust, &mut self.solver)?;
         let way = displacement(&from, &goal.pose, &metric.centre);
-        let (turn, most) = (length(&way.angular), (ARC_SKINS * self.set.skin / metric.radius).sqrt());
+        let (turn, most) = (length(&way.angular), (ARC_SKINS * seat_gap.max(SEAT_REST) / metric.radius).sqrt());
         if self.set.rows().is_empty() || turn <= most {
             return Ok(goal);
         }
@@ -375,7 +376,7 @@ impl Proxy {
                 break;
             }
             let pose = motion.at(time);
-            let is_off = around.environment().closest(tool, &pose, pair).is_some_and(|c| c.distance >= least);
+            let is_off = around.closest(&pose, pair).is_some_and(|c| c.distance >= least);
             if is_off && !around.is_colliding(&self.seated, &pose) {
                 return Ok(pose);
             }
@@ -426,7 +427,7 @@ impl Proxy {
             let [tool_triangle, triangle] = manifold.triangles;
             let bodies = &around.environment().bodies;
             let body = bodies.iter().position(|body| body.part == Some(manifold.part)).unwrap_or(0) as u32;
-            self.set.set_pair(plane.id, Pair { body, tool_triangle, triangle });
+            self.set.set_pair(plane.id, Pair { body, tool_triangle, triangle, seat: None });
         }
         self.push_blockers(around, pose);
         self.skin = self.fit_skin();
@@ -444,14 +445,18 @@ impl Proxy {
     /// The row of one pair; whether it is still near.
     fn push_blocker(&mut self, around: &Surroundings, pose: &Pose, pair: &Pair) -> bool {
         let margin = self.manifolds.margin;
-        let closest = around.environment().closest(around.tool(), pose, pair);
+        let closest = around.closest(pose, pair);
         let Some(closest) = closest.filter(|closest| closest.distance <= margin) else { return false };
         let Some(normal) = unit(&sub(&closest.on_p, &closest.on_q)) else { return true };
         let id = u64::from(pair.tool_triangle) << 32 ^ u64::from(pair.triangle) ^ 1 << 63;
         let part = around.environment().part_of(pair);
         let plane = Plane { point: closest.on_q, normal, gap: closest.distance, part, id };
-        self.set.push(plane, std::iter::once((closest.on_p, closest.distance)));
-        self.set.set_pair(id, *pair);
+        if pair.seat.is_some() {
+            self.set.push_seat(plane, std::iter::once((closest.on_p, closest.distance - SEAT_REST)));
+        } else {
+            self.set.push(plane, std::iter::once((closest.on_p, closest.distance)));
+            self.set.set_pair(id, *pair);
+        }
         true
     }
 

@@ -52,10 +52,12 @@ pub struct Plane {
 pub struct Pair {
     /// Place in [`Environment::bodies`].
     pub body: u32,
-    /// Of the tool.
+    /// Of the tool; of a seat, of its eroded part.
     pub tool_triangle: u32,
     /// Of the body's mock-up.
     pub triangle: u32,
+    /// Of which seat of the body, where it is one.
+    pub seat: Option<u32>,
 }
 
 impl Clone for Body {
@@ -109,7 +111,7 @@ impl Environment {
         self.bodies.iter().filter_map(|body| body.part)
     }
 
-    /// The nearest points of a pair at a pose, the tool's first, world.
+    /// The nearest points of a pair of a tool (of a seat: of its eroded part) at a pose, the tool's first, world.
     pub fn closest(&self, tool: &Tool, pose: &Pose, pair: &Pair) -> Option<Closest> {
         let mesh = self.bodies.get(pair.body as usize)?.solver.scene().mockup().mesh();
         let placed = pose.apply_triangle(&tool.mesh().triangle(pair.tool_triangle));

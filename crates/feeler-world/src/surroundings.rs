@@ -5,13 +5,13 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use feeler_contacts::{ContactPlane, ContactSolver, Manifold, Manifolds};
 use feeler_core::geometry::vectors::{cross, dot, length, scaled, sub};
-use feeler_core::{Aabb, Point, Pose, Ray, Scene, Tool};
+use feeler_core::{Aabb, Closest, Point, Pose, Ray, Scene, Tool};
 
 use crate::constants::{
     EXIT_MARGIN, FIT_DEPTH, LEADING_COS, MOST_STEPS_A_LENGTH, SEAT_TOLERANCE, SLIVER_DEPTH, STEPS_A_LENGTH,
     STEP_THICKNESS, THROUGH_COS, THROUGH_TRIALS,
 };
-use crate::environment::{id_in_body, Body, Environment, Plane};
+use crate::environment::{id_in_body, Body, Environment, Pair, Plane};
 use crate::error::Result;
 use crate::seats::{crossing_outside, crossings_in_place, find_seats, Allowed, Makings, Seat, SeatKind, Seated};
 
@@ -182,6 +182,14 @@ impl Surroundings {
     /// Whether casts decide it all: then verifying a motion is casting it once more.
     pub fn casts_decide(&self) -> bool {
         self.overlap == 0.0 && self.seats().all(|seat| seat.kind != SeatKind::Sunk)
+    }
+
+    /// The nearest points of a pair at a pose, the tool's first, world.
+    pub fn closest(&self, pose: &Pose, pair: &Pair) -> Option<Closest> {
+        let eroded =
+            pair.seat.and_then(|seat| self.makings.get(pair.body as usize)?.eroded.get(seat as usize)?.as_ref());
+        let tool = if pair.seat.is_some() { &eroded?.tool } else { &self.tool };
+        self.environment.closest(tool, pose, pair)
     }
 
     /// All seats as at the start.

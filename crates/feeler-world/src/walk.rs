@@ -63,7 +63,7 @@ pub struct Span {
 pub struct Stop {
     /// Of the mock-up.
     pub part: u32,
-    /// The triangles that meet; `None` of a seat.
+    /// The triangles that meet; `None` of what is sunk.
     pub pair: Option<Pair>,
     /// Whether it is a seat that may go no deeper.
     pub is_seat: bool,
@@ -129,7 +129,7 @@ impl Surroundings {
         for (number, asked) in seated.bodies.iter().enumerate() {
             for part in &asked.smaller {
                 let cast = self.cast_of_smaller(part, &motion, (from, to), care)?;
-                let end = cast.map(|(fraction, triangle)| (fraction, self.stop_of_smaller(number, triangle)));
+                let end = cast.map(|(fraction, pair)| (fraction, self.stop_of_smaller(number, part.seat, pair)));
                 first = earlier(first, end);
             }
         }
@@ -304,17 +304,17 @@ impl Surroundings {
         motion: &Motion,
         (from, to): (&Pose, &Pose),
         care: Care<'_>,
-    ) -> Result<Option<(f64, u32)>> {
+    ) -> Result<Option<(f64, [u32; 2])>> {
         let cast = part.solver.scene().cast_beside(&part.tool, from, to, SEAT_CAST, care.beside)?;
         // The next one begins clearly off what ended this.
         let before = |fraction: f64| (fraction - SEAT_REST / motion.longest_way()).max(0.0);
-        Ok(cast.map(|cast| (before(cast.fraction), cast.mockup_triangle)))
+        Ok(cast.map(|cast| (before(cast.fraction), [cast.tool_triangle, cast.mockup_triangle])))
     }
 
     /// The end of a cast of a smaller part, whose triangles are not the tool's.
-    fn stop_of_smaller(&self, body: usize, triangle: u32) -> Stop {
-        let pair = Pair { body: body as u32, tool_triangle: 0, triangle };
-        Stop { part: self.environment.part_of(&pair), pair: None, is_seat: true }
+    fn stop_of_smaller(&self, body: usize, seat: u32, [tool_triangle, triangle]: [u32; 2]) -> Stop {
+        let pair = Pair { body: body as u32, tool_triangle, triangle, seat: Some(seat) };
+        Stop { part: self.environment.part_of(&pair), pair: Some(pair), is_seat: true }
     }
 
     /// When a cast ends, and at whom.
@@ -323,7 +323,7 @@ impl Surroundings {
     }
 
     fn stop(&self, body: usize, [tool_triangle, triangle]: [u32; 2]) -> Stop {
-        let pair = Pair { body: body as u32, tool_triangle, triangle };
+        let pair = Pair { body: body as u32, tool_triangle, triangle, seat: None };
         Stop { part: self.environment.part_of(&pair), pair: Some(pair), is_seat: false }
     }
 }

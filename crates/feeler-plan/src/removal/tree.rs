@@ -127,7 +127,7 @@ impl<'a> Tree<'a> {
             } else if walk.stop.is_none() {
                 return Ok(());
             }
-            let pair = walk.stop.and_then(|stop| stop.pair);
+            let pair = walk.stop.and_then(|stop| stop.pair).filter(|pair| pair.seat.is_none());
             let Some(triangles) = pair.map(|pair| [pair.tool_triangle, pair.triangle]) else { return Ok(()) };
             if !blockers.contains(&triangles) {
                 blockers.push(triangles);

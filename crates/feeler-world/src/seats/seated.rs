@@ -47,6 +47,8 @@ pub struct SeatedBody {
 /// A part of the tool that is smaller by what it is in a neighbour.
 #[derive(Debug)]
 pub struct SmallerPart {
+    /// Which of the body's seats.
+    pub seat: u32,
     /// Of it alone.
     pub tool: Arc<Tool>,
     /// Of the neighbour alone.
@@ -73,9 +75,14 @@ impl Makings {
         let scene = self.solver.scene();
         let solver = |scene: Scene| self.solver.with_scene(Arc::new(scene));
         let meeting = self.held(holds, SeatKind::meets);
-        let held = self.seats.iter().zip(&self.eroded).zip(holds).filter(|(_, holds)| **holds);
-        let smaller = held.filter_map(|((seat, eroded), _)| {
-            Some(SmallerPart { tool: eroded.as_ref()?.tool.clone(), solver: solver(scene.of_one_part(seat.part)) })
+        let held = self.seats.iter().zip(&self.eroded).zip(holds).enumerate().filter(|(_, (_, holds))| **holds);
+        let smaller = held.filter_map(|(number, ((seat, eroded), _))| {
+            let number = number as u32;
+            Some(SmallerPart {
+                seat: number,
+                tool: eroded.as_ref()?.tool.clone(),
+                solver: solver(scene.of_one_part(seat.part)),
+            })
         });
         SeatedBody {
             smaller: smaller.collect(),
