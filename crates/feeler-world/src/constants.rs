@@ -119,6 +119,12 @@ pub const CURVED_ANGLE_COS: f64 = 0.857;
 /// Facets of one curved surface are alike in area up to this ratio. Larger: a coarse fillet joins floor and wall.
 pub const MOST_AREA_RATIO: f64 = 4.0;
 
+/// Most samples of a sunk part's surface that have to stay within its place while they are inside the neighbour. More: it takes longer.
+pub const MOST_PLACE_SAMPLES: usize = 12;
+
+/// Most triangles of a tool from which rays look for such samples. More: smaller faces are seen, and a start takes longer.
+pub const MOST_SAMPLE_RAYS: usize = 1024;
+
 // Seats for control loops.
 
 /// Most crossings that hold a sunk part in its place. More: it is held at more points, and each takes a row of the program.

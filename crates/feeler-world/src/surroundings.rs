@@ -8,12 +8,14 @@ use feeler_core::geometry::vectors::{cross, dot, length, scaled, sub};
 use feeler_core::{Aabb, Closest, Point, Pose, Ray, Scene, Tool};
 
 use crate::constants::{
-    EXIT_MARGIN, FIT_DEPTH, LEADING_COS, MOST_STEPS_A_LENGTH, SEAT_TOLERANCE, SLIVER_DEPTH, STEPS_A_LENGTH,
-    STEP_THICKNESS, THROUGH_COS, THROUGH_TRIALS,
+    EXIT_MARGIN, FIT_DEPTH, LEADING_COS, MOST_PLACE_SAMPLES, MOST_SAMPLE_RAYS, MOST_STEPS_A_LENGTH, SEAT_TOLERANCE,
+    SLIVER_DEPTH, STEPS_A_LENGTH, STEP_THICKNESS, THROUGH_COS, THROUGH_TRIALS,
 };
 use crate::environment::{id_in_body, Body, Environment, Pair, Plane};
 use crate::error::Result;
-use crate::seats::{crossing_outside, crossings_in_place, find_seats, Allowed, Makings, Seat, SeatKind, Seated};
+use crate::seats::{
+    crossing_outside, crossings_in_place, find_seats, Allowed, Inside, Makings, Seat, SeatKind, Seated,
+};
 
 /// A tool, the bodies around it, and its seats.
 #[derive(Debug)]
@@ -38,6 +40,8 @@ pub struct Surroundings {
     pub(crate) least_sunk: f64,
     /// Directions in which parts that go through a neighbour may leave it, units.
     through: Vec<Point>,
+    /// By body: triangles of sunk parts, and a point of each (tool frame) that is inside the neighbour at the start.
+    samples: Vec<Vec<(u32, Point)>>,
     /// Each way of being seated once.
     known: Mutex<BTreeMap<Vec<bool>, Arc<Seated>>>,
 }
@@ -89,6 +93,7 @@ impl Surroundings {
         }
         if around.least_sunk.is_finite() {
             around.through = around.ways_through()?;
+            around.samples = around.samples_of_sunk()?;
         }
         Ok(around)
     }
@@ -121,6 +126,7 @@ impl Surroundings {
             stride: length(&own.extent()) / STEPS_A_LENGTH,
             least_sunk: f64::INFINITY,
             through: Vec::new(),
+            samples: Vec::new(),
             tool,
             known: Mutex::default(),
         }
@@ -286,7 +292,8 @@ impl Surroundings {
             }
             let mockup = sunk.scene().mockup();
             let pairs = self.sunk_pairs(number, sunk.scene(), pose);
-            for crossing in crossings_in_place(&self.tool, &self.start, mockup, &pairs, pose) {
+            let inside = self.samples_inside(number, sunk.scene(), pose)?;
+            for crossing in crossings_in_place(&self.tool, &self.start, mockup, (&pairs, &inside), pose) {
                 let [t, m] = crossing.triangles;
                 let plane = Plane {
                     point: crossing.at,
@@ -316,23 +323,61 @@ impl Surroundings {
     /// Whether a face of the tool that leads on a way is inside the neighbours of a scene at the start: their solid would have to give.
     fn leads_inside(&self, scene: &Scene, way: &Point) -> Result<bool> {
         let mesh = self.tool.mesh();
-        for t in mesh.queried() {
+        for t in mesh.queried().step_by(mesh.faces().len().div_ceil(MOST_SAMPLE_RAYS).max(1)) {
             let corners = self.start.apply_triangle(&mesh.triangle(t));
             let normal = cross(&sub(&corners[1], &corners[0]), &sub(&corners[2], &corners[0]));
             let sign = if self.tool.adjacency().outward[t as usize] < 0 { -1.0 } else { 1.0 };
             if sign * dot(&normal, way) < LEADING_COS * length(&normal) {
                 continue;
             }
-            let middle = std::array::from_fn(|a| (corners[0][a] + corners[1][a] + corners[2][a]) / 3.0);
-            let Some(hit) = scene.ray(&Ray { origin: middle, direction: *way }, f64::INFINITY, &[])? else { continue };
-            let [a, b, c] = scene.mockup().mesh().triangle(hit.triangle);
-            let outward = cross(&sub(&b, &a), &sub(&c, &a));
-            let sign = if scene.mockup().adjacency().outward[hit.triangle as usize] < 0 { -1.0 } else { 1.0 };
-            if sign * dot(&outward, way) > 0.0 {
+            if around_point(scene, &middle_of(&corners), way)?.is_some() {
                 return Ok(true);
             }
         }
         Ok(false)
+    }
+
+    /// Points of sunk parts that are inside their neighbours at the start, by body.
+    fn samples_of_sunk(&self) -> Result<Vec<Vec<(u32, Point)>>> {
+        let (seated, mesh) = (self.seated_at_start(), self.tool.mesh());
+        let mut all = Vec::new();
+        for (number, asked) in seated.bodies.iter().enumerate() {
+            let mut found = Vec::new();
+            if let Some(sunk) = &asked.sunk {
+                let stride = mesh.faces().len().div_ceil(MOST_SAMPLE_RAYS).max(1);
+                let whole: Vec<(u32, Point)> =
+                    mesh.queried().step_by(stride).map(|t| (t, middle_of(&mesh.triangle(t)))).collect();
+                found = self.inside(&whole, sunk.scene(), &self.start)?;
+                found.retain(|sample| {
+                    let part =
+                        self.environment.bodies[number].solver.scene().mockup().part_of_face(sample.triangles[1]);
+                    let seat = self.seat_of(number, [self.tool.part_of_face(sample.triangles[0]), part]);
+                    seat.is_some_and(|seat| seat.kind == SeatKind::Sunk)
+                });
+            }
+            let stride = found.len().div_ceil(MOST_PLACE_SAMPLES).max(1);
+            let few = found.iter().step_by(stride).map(|sample| sample.triangles[0]);
+            all.push(few.map(|t| (t, middle_of(&mesh.triangle(t)))).collect());
+        }
+        Ok(all)
+    }
+
+    /// Those of them that are inside a neighbour at a pose.
+    pub(crate) fn samples_inside(&self, body: usize, scene: &Scene, pose: &Pose) -> Result<Vec<Inside>> {
+        self.samples.get(body).map_or_else(|| Ok(Vec::new()), |samples| self.inside(samples, scene, pose))
+    }
+
+    fn inside(&self, samples: &[(u32, Point)], scene: &Scene, pose: &Pose) -> Result<Vec<Inside>> {
+        let mut found = Vec::new();
+        for (t, point) in samples {
+            let at = pose.apply(point);
+            let [a, b, c] = pose.apply_triangle(&self.tool.mesh().triangle(*t));
+            let outward = cross(&sub(&b, &a), &sub(&c, &a));
+            if let Some(m) = around_point(scene, &at, &outward)? {
+                found.push(Inside { at, triangles: [*t, m] });
+            }
+        }
+        Ok(found)
     }
 
     /// The ways on which parts that go through a neighbour leave their place against a contact plane.
@@ -349,7 +394,7 @@ impl Surroundings {
                     let pose = self.moved(&self.start, &way, by * self.size)?;
                     let (scene, mockup) = (sunk.scene(), sunk.scene().mockup());
                     let pairs = self.sunk_pairs(number, scene, &pose);
-                    Ok(crossing_outside(&self.tool, &self.start, mockup, &pairs, &pose).is_none())
+                    Ok(crossing_outside(&self.tool, &self.start, mockup, (&pairs, &[]), &pose).is_none())
                 };
                 if THROUGH_TRIALS.iter().map(is_in_place).collect::<Result<Vec<bool>>>()?.iter().all(|is_in| *is_in) {
                     ways.push(way);
@@ -430,6 +475,19 @@ impl Surroundings {
     pub fn moved(&self, pose: &Pose, direction: &Point, by: f64) -> Result<Pose> {
         Ok(pose.translated(&scaled(direction, by))?)
     }
+}
+
+fn middle_of(corners: &[Point; 3]) -> Point {
+    std::array::from_fn(|a| (corners[0][a] + corners[1][a] + corners[2][a]) / 3.0)
+}
+
+/// The triangle of the solid that a point is inside of, where a ray from it leaves that.
+fn around_point(scene: &Scene, at: &Point, towards: &Point) -> Result<Option<u32>> {
+    let Some(hit) = scene.ray(&Ray { origin: *at, direction: *towards }, f64::INFINITY, &[])? else { return Ok(None) };
+    let [a, b, c] = scene.mockup().mesh().triangle(hit.triangle);
+    let outward = cross(&sub(&b, &a), &sub(&c, &a));
+    let sign = if scene.mockup().adjacency().outward[hit.triangle as usize] < 0 { -1.0 } else { 1.0 };
+    Ok((sign * dot(&outward, towards) > 0.0).then_some(hit.triangle))
 }
 
 /// Of the first parts of a tool, the least mean thickness, metres: twice the volume by the area. 0 of open sheets.

@@ -225,7 +225,8 @@ impl Surroundings {
                 }
             }
             let pairs = self.sunk_pairs(body, sunk.scene(), pose);
-            let outside = crossing_outside(tool, &self.start, sunk.scene().mockup(), &pairs, pose);
+            let inside = self.samples_inside(body, sunk.scene(), pose)?;
+            let outside = crossing_outside(tool, &self.start, sunk.scene().mockup(), (&pairs, &inside), pose);
             if outside.is_some() {
                 return Ok(outside);
             }

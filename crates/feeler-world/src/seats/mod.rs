@@ -9,5 +9,5 @@ pub use find::{Allowed, Seat, SeatKind};
 pub use seated::Seated;
 
 pub(crate) use find::find_seats;
-pub(crate) use place::{crossing_outside, crossings_in_place};
+pub(crate) use place::{crossing_outside, crossings_in_place, Inside};
 pub(crate) use seated::{Makings, SeatedBody, SmallerPart};

@@ -2,20 +2,43 @@
 //!
 //! In many models bolts have no holes: bolt and plate are in each other. The bolt may leave, and where it goes through the plate's surface
 //! it has to be within its own place, as it would be in a hole. So each point that a crossing of the two surfaces passes through lies in
-//! the tool as it was at the start, or near it: the ridges of a thread leave through where its grooves were.
+//! the tool as it was at the start, or near it: the ridges of a thread leave through where its grooves were. So does each sample of the
+//! tool's surface while it is inside the neighbour: where faces are flush, surfaces need not cross.
 
 use feeler_core::geometry::vectors::{add, cross, dot, length, scaled, sub, unit};
 use feeler_core::{closest_triangle_triangle, Aabb, Mockup, Point, Pose, Tool, Triangle};
 
 use crate::constants::{LEAST_CROSSINGS, MOST_CROSSING_WORK, MOST_PLACE_ROWS, PLACE_SHARE, SEAT_TOLERANCE};
 
-/// The part of the mock-up at a crossing that is outside of the tool's place, world, as it was at the start.
-pub fn crossing_outside(tool: &Tool, start: &Pose, mockup: &Mockup, pairs: &[[u32; 2]], pose: &Pose) -> Option<u32> {
+/// A sample of the tool's surface inside of a neighbour.
+#[derive(Debug, Clone, Copy)]
+pub struct Inside {
+    /// World.
+    pub at: Point,
+    /// Of the tool and of the neighbour.
+    pub triangles: [u32; 2],
+}
+
+/// The part of the mock-up at a crossing, or around a sample, that is outside of the tool's place, world, as it was at the start.
+pub fn crossing_outside(
+    tool: &Tool,
+    start: &Pose,
+    mockup: &Mockup,
+    (pairs, inside): (&[[u32; 2]], &[Inside]),
+    pose: &Pose,
+) -> Option<u32> {
     let mesh = tool.mesh();
     let triangles = mesh.faces().len();
     // As many crossings as fit the work, spread over all.
     let most = (MOST_CROSSING_WORK / triangles.max(1)).max(LEAST_CROSSINGS);
     let stride = pairs.len().div_ceil(most).max(1);
+    let is_out = |sample: &&Inside| {
+        let own = tool.part_of_face(sample.triangles[0]);
+        !is_in(tool, own, start, &sample.at, room_around(tool, own))
+    };
+    if let Some(sample) = inside.iter().find(is_out) {
+        return Some(mockup.part_of_face(sample.triangles[1]));
+    }
     let mut pairs = pairs.iter().step_by(stride);
     let outside = |[t, m]: &&[u32; 2]| {
         let p = pose.apply_triangle(&mesh.triangle(*t));
@@ -50,21 +73,25 @@ pub fn crossings_in_place(
     tool: &Tool,
     start: &Pose,
     mockup: &Mockup,
-    pairs: &[[u32; 2]],
+    (pairs, inside): (&[[u32; 2]], &[Inside]),
     pose: &Pose,
 ) -> Vec<Crossing> {
     let mesh = tool.mesh();
     let most = (MOST_CROSSING_WORK / mesh.faces().len().max(1)).clamp(LEAST_CROSSINGS, MOST_PLACE_ROWS);
     let mut found = Vec::new();
-    for triangles in pairs.iter().step_by(pairs.len().div_ceil(most).max(1)) {
-        let [t, m] = *triangles;
+    let crossing = |[t, m]: &[u32; 2]| {
+        let p = pose.apply_triangle(&mesh.triangle(*t));
+        Some(Inside { at: *crossings(&p, &mockup.mesh().triangle(*m)).first()?, triangles: [*t, *m] })
+    };
+    let crossed = pairs.iter().step_by(pairs.len().div_ceil(most).max(1)).filter_map(crossing);
+    for Inside { at, triangles } in crossed.chain(inside.iter().copied()) {
+        let t = triangles[0];
         let p = pose.apply_triangle(&mesh.triangle(t));
-        let Some(at) = crossings(&p, &mockup.mesh().triangle(m)).first().copied() else { continue };
         let Some(normal) = unit(&cross(&sub(&p[1], &p[0]), &sub(&p[2], &p[0]))) else { continue };
         let own = tool.part_of_face(t);
         let outward = if tool.adjacency().outward[t as usize] < 0 { scaled(&normal, -1.0) } else { normal };
         let depth = if is_in(tool, own, start, &at, 0.0) { 1.0 } else { -1.0 } * distance_to(tool, own, start, &at);
-        found.push(Crossing { at, outward, room: room_around(tool, own) + depth, triangles: *triangles });
+        found.push(Crossing { at, outward, room: room_around(tool, own) + depth, triangles });
     }
     found
 }
@@ -153,7 +180,7 @@ mod tests {
         let pairs: Vec<[u32; 2]> = (0..faces.len() as u32).flat_map(|t| [[t, 0], [t, 1]]).collect();
         let at = |by: f64| {
             let pose = Pose::IDENTITY.translated(&[by * size_of(&tool, 0), 0.0, 0.0]).unwrap();
-            crossing_outside(&tool, &Pose::IDENTITY, &mockup, &pairs, &pose)
+            crossing_outside(&tool, &Pose::IDENTITY, &mockup, (&pairs, &[]), &pose)
         };
         assert_eq!((at(0.0), at(0.9 * PLACE_SHARE), at(1.1 * PLACE_SHARE)), (None, None, Some(0)));
     }
