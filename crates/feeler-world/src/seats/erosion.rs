@@ -71,7 +71,13 @@ impl<'a> Erosion<'a> {
             };
             let by: Vec<f64> = low.iter().zip(&high).map(play).collect();
             let depth = high.iter().copied().fold(0.0, f64::max);
-            return Ok(Some(Eroded { tool: self.by(part, &inwards(&by))?, depth }));
+            // Triangles of a flat face whose corners are almost in a line can fold over by the way: then all surfaces move alike, or less.
+            let most = by.iter().copied().fold(0.0, f64::max);
+            for by in [by, vec![most; surfaces], vec![depth + FLUSH_PLAY; surfaces], vec![depth; surfaces], high] {
+                if is_free(&by)? {
+                    return Ok(Some(Eroded { tool: self.by(part, &inwards(&by))?, depth }));
+                }
+            }
         }
         Ok(None)
     }
@@ -201,7 +207,34 @@ impl Corners {
             let faces: Vec<(Point, f64)> = normals.iter().map(|(normal, of)| (*normal, farther(of))).collect();
             sub(p, &mitre(&faces))
         });
-        Ok(Tool::new(vertices.collect(), self.faces.clone())?.with_pivot(*tool.pivot()))
+        let vertices: Vec<Point> = vertices.collect();
+        let faces = self.unfolded(&vertices);
+        Ok(Tool::new(vertices, faces)?.with_pivot(*tool.pivot()))
+    }
+
+    /// The faces for moved corners. A triangle whose corners are almost in a line folds over where the middle one moves past the line: it
+    /// and the one beside its longest edge get the other diagonal.
+    fn unfolded(&self, moved: &[Point]) -> Vec<[u32; 3]> {
+        let mut faces = self.faces.clone();
+        let normal = |face: &[u32; 3], places: &[Point]| {
+            let [a, b, c] = face.map(|v| places[v as usize]);
+            cross(&sub(&b, &a), &sub(&c, &a))
+        };
+        for at in 0..faces.len() {
+            let face = faces[at];
+            if dot(&normal(&face, moved), &normal(&face, &self.places)) > 0.0 {
+                continue;
+            }
+            let long =
+                |k: usize| length(&sub(&self.places[face[k] as usize], &self.places[face[(k + 1) % 3] as usize]));
+            let Some(k) = (0..3).max_by(|i, j| long(*i).total_cmp(&long(*j))) else { continue };
+            let [a, c, middle] = [face[k], face[(k + 1) % 3], face[(k + 2) % 3]];
+            let has = |other: &[u32; 3]| (0..3).any(|i| [other[i], other[(i + 1) % 3]] == [c, a]);
+            let Some(beside) = faces.iter().position(has) else { continue };
+            let Some(far) = faces[beside].into_iter().find(|v| *v != a && *v != c) else { continue };
+            (faces[at], faces[beside]) = ([a, far, middle], [far, c, middle]);
+        }
+        faces
     }
 }
 
@@ -279,5 +312,33 @@ mod tests {
         let smaller = corners.moved(&tool, &by).unwrap();
         let off = sub(&extent(&tool), &extent(&smaller));
         assert!((off.iter().sum::<f64>() - 21e-4).abs() < 1e-10, "{off:?}");
+    }
+
+    #[test]
+    fn a_flat_triangle_does_not_fold_over() {
+        // A section of an L whose diagonal passes its inner corner by a little.
+        let outline = [[0.0, 0.0], [0.02, 0.0], [0.02, 0.01], [0.01001, 0.01001], [0.01, 0.02], [0.0, 0.02]];
+        let mut vertices: Vec<Point> = outline.iter().map(|[x, y]| [*x, *y, 0.0]).collect();
+        vertices.extend(outline.iter().map(|[x, y]| [*x, *y, 0.03]));
+        let cap = [[0u32, 1, 5], [1, 3, 5], [1, 2, 3], [3, 4, 5]];
+        let mut faces: Vec<[u32; 3]> = cap.iter().map(|[a, b, c]| [*c, *b, *a]).collect();
+        faces.extend(cap.iter().map(|face| face.map(|v| v + 6)));
+        for i in 0..6u32 {
+            let j = (i + 1) % 6;
+            faces.extend([[i, j, j + 6], [i, j + 6, i + 6]]);
+        }
+        let tool = Tool::new(vertices, faces).unwrap();
+        let corners = Corners::new(&tool, 0);
+        let by: Vec<f64> = (0..corners.surfaces).map(|s| if s == 0 { 1e-6 } else { 1e-4 + 1e-5 * s as f64 }).collect();
+        let smaller = corners.moved(&tool, &by).unwrap();
+        for t in smaller.mesh().queried() {
+            let [a, b, c] = smaller.mesh().triangle(t);
+            let normal = unit(&cross(&sub(&b, &a), &sub(&c, &a))).unwrap();
+            let middle: Point = std::array::from_fn(|k| (a[k] + b[k] + c[k]) / 3.0);
+            // Caps look out, whatever their corners did.
+            if normal[2].abs() > 0.5 {
+                assert_eq!(normal[2] > 0.0, middle[2] > 0.015);
+            }
+        }
     }
 }
