@@ -177,6 +177,92 @@ def test_a_thin_part_does_not_pass_what_it_is_sunk_in(name: str) -> None:
             assert ((end[:3, :3] @ at + end[:3, 3] - at) @ face) / (face @ ahead) < 2e-5, reach
 
 
+def turned_profile(profile: list[tuple[float, float]], sides: int, phase: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
+    """A solid of revolution about z: (radius, height) from the axis at the bottom to the axis at the top."""
+    angles = phase + 2 * np.pi * np.arange(sides) / sides
+    rings = [np.c_[r * np.cos(angles), r * np.sin(angles), np.full(sides, z)] for r, z in profile[1:-1]]
+    ends = [[0.0, 0.0, profile[0][1]], [0.0, 0.0, profile[-1][1]]]
+    index = np.arange(len(rings) * sides).reshape(-1, sides)
+    after = np.roll(index, -1, axis=1)
+    quads = [np.c_[index[:-1].ravel(), after[:-1].ravel(), after[1:].ravel()]]
+    quads.append(np.c_[index[:-1].ravel(), after[1:].ravel(), index[1:].ravel()])
+    bottom = np.c_[np.full(sides, index.size), after[0], index[0]]
+    top = np.c_[np.full(sides, index.size + 1), index[-1], after[-1]]
+    return np.concatenate([*rings, ends]), np.concatenate([*quads, bottom, top])
+
+
+def bore(inner: float, outer: float, height: float, sides: int, phase: float) -> tuple[np.ndarray, np.ndarray]:
+    """A tube about z, from z = 0."""
+    angles = phase + 2 * np.pi * np.arange(sides) / sides
+    profile = [(inner, 0.0), (outer, 0.0), (outer, height), (inner, height)]
+    rings = [np.c_[r * np.cos(angles), r * np.sin(angles), np.full(sides, z)] for r, z in profile]
+    index = np.arange(4 * sides).reshape(4, sides)
+    after, above, both = np.roll(index, -1, axis=1), np.roll(index, -1, axis=0), np.roll(index, (-1, -1), axis=(0, 1))
+    first = np.c_[index.ravel(), after.ravel(), both.ravel()]
+    return np.concatenate(rings), np.concatenate([first, np.c_[index.ravel(), both.ravel(), above.ravel()]])
+
+
+def beside(
+    own: tuple[np.ndarray, np.ndarray], other: tuple[np.ndarray, np.ndarray]
+) -> tuple[feeler.Scene, haptics.Session]:
+    """A scene of a part (0) among another, and a session that holds it in its place."""
+    vertices, faces = np.concatenate([own[0], other[0]]), np.concatenate([own[1], other[1] + len(own[0])])
+    scene = feeler.Scene(
+        feeler.Mockup(vertices, faces, np.repeat([0, 1], [len(own[1]), len(other[1])]), ["own", "other"])
+    )
+    session = haptics.Session(scene.without([0]), feeler.Tool(*own, "own"))
+    session.start(np.eye(4))
+    return scene, session
+
+
+@pytest.mark.parametrize("head", [0.0, 0.0085])
+def test_a_bolt_through_a_plate_leaves_to_the_side_where_nothing_holds_it(head: float) -> None:
+    # Its tail is out below: the contact plane knows the way down alone.
+    top = [(head, 0.0), (head, 0.005)] if head else [(0.005, 0.005)]
+    bolt = turned_profile([(0.0, -0.04), (0.005, -0.04), (0.005, 0.0), *top, (0.0, 0.005)], 12, 0.1)
+    scene, session = beside(bolt, box((-0.1, -0.08, -0.01), (0.09, 0.1, 0.0)))
+    up, down = [np.eye(4), shifted(np.array([0, 0, 0.06]))], [np.eye(4), shifted(np.array([0, 0, -0.06]))]
+    np.testing.assert_allclose(dragged(scene, 0, up), up[-1], atol=1e-9)
+    np.testing.assert_allclose(gone(session, bolt[0], up, 0.002), up[-1], atol=5e-4)
+    assert feeler.removal(scene, 0, seconds=5.0).found
+    assert (dragged(scene, 0, down)[2, 3] > -1e-5) == (head > 0.0)
+
+
+@pytest.mark.parametrize("below", [0.0, 1e-12, 1e-3])
+def test_a_bolt_that_is_flush_with_a_solid_does_not_slide_through_it(below: float) -> None:
+    profile = [(0.0, -0.04), (0.005, -0.04), (0.005, 0.0), (0.0085, 0.0), (0.0085, 0.005), (0.0, 0.005)]
+    bolt = turned_profile(profile, 12, 0.1)
+    scene, session = beside(bolt, box((-0.1, -0.08, -0.06), (0.09, 0.1, below)))
+    aside = [np.eye(4), shifted(np.array([0.1, 0, 0]))]
+    assert np.linalg.norm(dragged(scene, 0, aside)[:3, 3]) < 2e-3
+    assert np.linalg.norm(gone(session, bolt[0], aside, 0.002)[:3, 3]) < 2e-3
+
+
+def test_a_flush_collar_goes_no_deeper_than_it_is_beside_a_shaft_that_crosses_its_bore() -> None:
+    # 17 sides in 8 of the same radius: the shaft is 0.4 mm deep in its bore.
+    profile = [(0.0, -0.005), (0.01, -0.005), (0.01, 0.03), (0.015, 0.03), (0.015, 0.035), (0.0, 0.035)]
+    shaft = turned_profile(profile, 17, 0.3)
+    scene, session = beside(shaft, bore(0.01, 0.02, 0.03, 8, 0.0))
+    down = [np.eye(4), shifted(np.array([0, 0, -0.01]))]
+    assert dragged(scene, 0, down)[2, 3] > -1.1e-6
+    assert gone(session, shaft[0], down, 0.001)[2, 3] > -1.1e-6
+    up = [np.eye(4), shifted(np.array([0, 0, 0.06]))]
+    assert dragged(scene, 0, up)[2, 3] == pytest.approx(0.06)
+
+
+def test_a_pin_that_was_tilted_in_its_bore_comes_back_and_out() -> None:
+    pin = turned_profile([(0.0, -0.006), (0.0099, -0.006), (0.0099, 0.03), (0.0, 0.03)], 16, 0.29)
+    _, session = beside(pin, bore(0.01, 0.016, 0.02, 16, 0.75))
+    tilt = np.eye(4)
+    tilt[1:3, 1:3] = [[np.cos(0.8), -np.sin(0.8)], [np.sin(0.8), np.cos(0.8)]]
+    for k in range(60):
+        session.step(feeler.poses.between(np.eye(4), tilt, np.zeros(3), min(1.0, k / 30)))
+    for _ in range(200):
+        session.step(np.eye(4))
+    out = [np.eye(4), shifted(np.array([0, 0, 0.06]))]
+    np.testing.assert_allclose(gone(session, pin[0], out, 0.0005)[2, 3], 0.06, atol=1e-4)
+
+
 def test_a_block_on_a_bracket_stops_at_the_wall_in_the_page() -> None:
     plate, wall, block = (
         box((-0.1, -0.1, -0.02), (0.1, 0.1, 0.0)),
