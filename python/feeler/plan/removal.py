@@ -110,11 +110,10 @@ def removal(
     - `seconds`: after these nothing more is tried. A way that is found does not depend on it, nor on `threads`.
     - `progress`: called with the share done (0 to 1) and the stage.
 
-    Touching ends a way, but for what is allowed. Of pairs that meet at the start, those that touch (nearer than 1e-6 m)
-    are cast, and may slide on each other. What is in each other is measured every 1/32 of the size of what moves (1/64
-    before a way is given), within 1e-5 m, by the gaps of its contacts: up to 1/50 of that size it is a fit, and no
-    deeper than at the start. What is deeper has no hole in the model: it does not move against a contact that it is
-    behind, and its surface goes through the other's only where the part itself was.
+    Touching ends a way, but for what is allowed. Pairs that meet at the start (nearer than 1e-6 m) are seats, surface by
+    surface, and may slide and part. What touches or fits (up to 1/50 of the size of what moves deep) is cast, made
+    smaller by its depth and a play of 1e-6 or 1e-5 m. What is deeper has no hole in the model: at steps of half a
+    thickness, its surface is inside the other only where the part itself was. See docs/removal.md.
 
     Raises `OptionError` for parts that are not there, or that are all there are, and for numbers that cannot be;
     `PoseError` for a `start` that is not rigid or where the tool meets something; `MeshError` for what is no scene or
