@@ -110,8 +110,8 @@ def removal(
     - `seconds`: after these nothing more is tried. A way that is found does not depend on it, nor on `threads`.
     - `progress`: called with the share done (0 to 1) and the stage.
 
-    Touching ends a way, but for what is allowed. Pairs that meet at the start (nearer than 1e-6 m) are seats, surface by
-    surface, and may slide and part. What touches or fits (up to 1/50 of the size of what moves deep) is cast, made
+    Touching ends a way, but for what is allowed. Pairs that meet at the start (nearer than 1e-6 m) are seats, surface
+    by surface, and may slide and part. What touches or fits (up to 1/50 of the size of what moves deep) is cast, made
     smaller by its depth and a play of 1e-6 or 1e-5 m. What is deeper has no hole in the model: at steps of half a
     thickness, its surface is inside the other only where the part itself was. See docs/removal.md.
 
