@@ -31,9 +31,9 @@ pub const FACE_ANGLE_COS: f64 = 0.999_999;
 /// edge.
 pub const LONGEST_MITRE: f64 = 4.0;
 
-/// Added to the squares of normals when a corner's way is found: above rounding, and below what facets of 1.4 mrad give. Larger: such
-/// facets move by less than they should.
-pub const MITRE_ADDED: f64 = 1e-9;
+/// Added to the squares of normals when a corner's way is found: the square of it is above rounding, as a corner within a flat face needs,
+/// whatever way the face is turned. Larger: facets at angles of milliradians move by less than they should.
+pub const MITRE_ADDED: f64 = 1e-5;
 
 /// How far before the end of its play a seated part stops along its way, metres: an eighth of `FLUSH_PLAY`. Smaller: motions that start
 /// there may be blocked.

@@ -241,8 +241,7 @@ impl Corners {
 /// The shortest vector with given components along normals, or as nearly as can be; no longer than the longest mitre of the greatest.
 fn mitre(faces: &[(Point, f64)]) -> Point {
     // Least squares: the sum of n nᵀ times the vector is that of n times its component. What is added keeps flat corners from being
-    // singular.
-    let sum = faces.iter().fold([0.0; 3], |sum, (n, by)| add(&sum, &scaled(n, *by)));
+    // singular; what it takes away is given back by a second step.
     let most = faces.iter().map(|(_, by)| by.abs()).fold(0.0, f64::max);
     let rows: [Point; 3] = std::array::from_fn(|i| {
         std::array::from_fn(|j| {
@@ -250,12 +249,17 @@ fn mitre(faces: &[(Point, f64)]) -> Point {
         })
     });
     let determinant = dot(&rows[0], &cross(&rows[1], &rows[2]));
-    let with = |at: usize| {
-        let column = |k: usize| rows.map(|row| row[k]);
-        let columns: [Point; 3] = std::array::from_fn(|k| if k == at { sum } else { column(k) });
-        dot(&columns[0], &cross(&columns[1], &columns[2])) / determinant
+    let step = |from: &Point| -> Point {
+        let left = |(n, by): &(Point, f64)| scaled(n, by - dot(n, from));
+        let sum = faces.iter().map(left).fold([0.0; 3], |sum, n| add(&sum, &n));
+        let with = |at: usize| {
+            let column = |k: usize| rows.map(|row| row[k]);
+            let columns: [Point; 3] = std::array::from_fn(|k| if k == at { sum } else { column(k) });
+            dot(&columns[0], &cross(&columns[1], &columns[2])) / determinant
+        };
+        add(from, &std::array::from_fn(with))
     };
-    let moved: Point = std::array::from_fn(with);
+    let moved = step(&step(&[0.0; 3]));
     if !moved.iter().all(|x| x.is_finite()) {
         return [0.0; 3];
     }
@@ -339,6 +343,15 @@ mod tests {
             if normal[2].abs() > 0.5 {
                 assert_eq!(normal[2] > 0.0, middle[2] > 0.015);
             }
+        }
+    }
+
+    #[test]
+    fn a_corner_within_a_flat_face_moves_across_it_alone() {
+        for normal in [[0.36, 0.48, 0.8], [-0.6, 0.64, 0.48], [0.123, -0.456, 0.881_438]] {
+            let normal = unit(&normal).unwrap();
+            let moved = mitre(&[(normal, 1e-3)]);
+            assert!(length(&sub(&moved, &scaled(&normal, 1e-3))) < 1e-9, "{moved:?}");
         }
     }
 }
