@@ -226,9 +226,10 @@ fn a_mouse_is_steered_and_a_start_puts_the_tool_elsewhere() {
     assert!((view.device.translation()[2] - 0.1).abs() < 0.01, "{view:?}");
     steering.set_target(at([0.0, 0.0, -0.2], [0.0; 3]));
     until(&mut runner, |view| view.mode == Mode::Contact);
-    assert!(matches!(runner.begin(&at([0.0; 3], [0.0; 3])), Ok(Start::Seated(_))));
+    // Its lower face is inside of the plate: through it, the tool could leave to either side.
+    assert!(matches!(runner.begin(&at([0.0, 0.0, 0.01], [0.0; 3])), Ok(Start::Seated(_))));
     let sunk = until(&mut runner, |view| view.device.translation()[2] < -0.05);
-    assert!(sunk.proxy.translation()[2].abs() < 0.002 && sunk.mode != Mode::Free, "{sunk:?}");
+    assert!((sunk.proxy.translation()[2] - 0.01).abs() < 0.002 && sunk.mode != Mode::Free, "{sunk:?}");
 }
 
 #[test]
