@@ -122,6 +122,8 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         "seats": {"constants", "error", "surfaces"},
         # The tool among the bodies, with its seats.
         "surroundings": {"constants", "error", "environment", "seats"},
+        # Parts without holes.
+        "sunk": {"constants", "error", "environment", "seats", "surroundings"},
         # Motions as far as they are free.
         "walk": {"constants", "error", "environment", "ask", "seats", "surroundings"},
         # A tool that contact stops.

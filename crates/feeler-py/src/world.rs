@@ -209,7 +209,7 @@ impl World {
     }
 }
 
-/// Where a tool is stopped, by what.
+/// The contact that ends a guarded move.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct Impact {
     core: world::Impact,

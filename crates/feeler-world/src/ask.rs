@@ -221,7 +221,7 @@ impl Numbers {
 
 /// The least distance of a scene from a tool that moves, if it is less than `least`, metres; refined to a share of the tool's length.
 ///
-/// Nothing comes as near as the least before the tool has moved by what is beyond it: conservative advancement.
+/// Conservative advancement: while the tool moves by less than the current distance minus the least so far, the least cannot change.
 pub fn least_distance(scene: &Scene, tool: &Tool, motion: &Motion, mut least: f64) -> Result<f64> {
     let (long, size) = (motion.longest_way(), length(&tool.mesh().bounds().extent()));
     let mut time = 0.0;

@@ -57,8 +57,8 @@ pub const LEADING_COS: f64 = 0.3;
 /// it.
 pub const THROUGH_COS: f64 = 0.985;
 
-/// Of a sunk pair's depth at the start: what is less deep is a sliver, whose contact plane may have any direction. Larger: what came out
-/// of its place may go so deep into another.
+/// Contact planes less deep than this share of the pair's depth at the start are ignored: a part that has almost left its place overlaps in
+/// slivers, whose planes point anywhere. Larger: a part may be pushed so deep into another place.
 pub const SLIVER_DEPTH: f64 = 0.25;
 
 /// How far what is drawn out of its place may come outside of it, in lengths of the part that is drawn: the ridges of a thread are so high.
@@ -132,8 +132,8 @@ pub const MOST_PLACE_ROWS: usize = 24;
 
 // Guarded moves.
 
-/// So near to an impact (metres) rounding decides which way is free: what is there is taken for a seat. Larger: more moves along a surface
-/// that is only near take the time of seats.
+/// A guarded move that would end within this distance (metres) of its start treats what it touches as a seat, since rounding decides which
+/// way is free. Larger: more moves along a near surface take the time of seats.
 pub const STUCK: f64 = 1e-9;
 
 /// Contact planes within this distance (metres) may be what stops the tool: more than it stays off them. Larger: it costs more, and a

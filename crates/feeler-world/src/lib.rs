@@ -9,6 +9,7 @@ mod environment;
 mod error;
 mod seats;
 mod stop;
+mod sunk;
 mod surfaces;
 mod surroundings;
 mod walk;
@@ -20,7 +21,8 @@ pub use environment::{Body, Environment, Pair, Plane, PutDown};
 pub use error::{Error, Result};
 pub use seats::{Allowed, Seat, SeatKind, Seated};
 pub use stop::{GuardedMove, Impact, Moved};
-pub use surroundings::{SunkPlane, Surroundings};
+pub use sunk::SunkPlane;
+pub use surroundings::Surroundings;
 pub use walk::{Care, Span, Stop, Walk};
 pub use world::{Grip, World};
 

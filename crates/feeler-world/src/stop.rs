@@ -14,7 +14,7 @@ use crate::walk::{Care, Stop, Walk};
 
 /// A tool that contact stops: it goes as far as the way is free, however often it is asked and however fast it moves.
 ///
-/// What it meets where it begins is a seat: it may slide along that and part from it. Where nothing meets, every surface is asked exactly.
+/// Surfaces in contact at the start are seats: it may slide along them and part. A start without contact has no seats.
 #[derive(Debug)]
 pub struct GuardedMove {
     environment: Environment,
@@ -96,7 +96,7 @@ impl GuardedMove {
         };
         let way = Motion::new(&self.tool, from, to).longest_way();
         if hit.fraction * way < STUCK && way > STUCK {
-            // As of a seat; what is free stays free, by the exact test.
+            // Moved as if seated; accepted only if the exact test finds the end free.
             let around = match self.stuck.take() {
                 Some(around) if around.start() == from => around,
                 _ => self.around(from)?,

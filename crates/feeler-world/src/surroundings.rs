@@ -3,19 +3,14 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use feeler_contacts::{ContactPlane, ContactSolver, Manifold, Manifolds};
-use feeler_core::geometry::vectors::{cross, dot, length, scaled, sub};
-use feeler_core::{Aabb, Closest, Point, Pose, Ray, Scene, Tool};
+use feeler_contacts::{ContactSolver, Manifold, Manifolds};
+use feeler_core::geometry::vectors::{length, scaled, sub};
+use feeler_core::{Aabb, Closest, Point, Pose, Tool};
 
-use crate::constants::{
-    EXIT_MARGIN, FIT_DEPTH, LEADING_COS, MOST_PLACE_SAMPLES, MOST_SAMPLE_RAYS, MOST_STEPS_A_LENGTH, SEAT_TOLERANCE,
-    SLIVER_DEPTH, STEPS_A_LENGTH, STEP_THICKNESS, THROUGH_COS, THROUGH_TRIALS,
-};
-use crate::environment::{id_in_body, Body, Environment, Pair, Plane};
+use crate::constants::{EXIT_MARGIN, STEPS_A_LENGTH};
+use crate::environment::{id_in_body, Body, Environment, Pair};
 use crate::error::Result;
-use crate::seats::{
-    crossing_outside, crossings_in_place, find_seats, Allowed, Inside, Makings, Seat, SeatKind, Seated,
-};
+use crate::seats::{find_seats, Allowed, Makings, Seat, SeatKind, Seated};
 
 /// A tool, the bodies around it, and its seats.
 #[derive(Debug)]
@@ -34,27 +29,16 @@ pub struct Surroundings {
     middle: Point,
     /// The diagonal of the tool's box, metres.
     pub(crate) size: f64,
-    /// How far it may move between two samples of what is measured at poses, metres.
+    /// The longest step between two poses at which sunk parts and overlaps are measured, metres.
     pub(crate) stride: f64,
     /// The least depth of a sunk pair at the start, metres; infinite where there is none.
     pub(crate) least_sunk: f64,
-    /// Directions in which parts that go through a neighbour may leave it, units.
-    through: Vec<Point>,
+    /// By body: directions in which parts that go through a neighbour may leave it, units.
+    pub(crate) through: Vec<Vec<Point>>,
     /// By body: triangles of sunk parts, and a point of each (tool frame) that is inside the neighbour at the start.
-    samples: Vec<Vec<(u32, Point)>>,
+    pub(crate) samples: Vec<Vec<(u32, Point)>>,
     /// Each way of being seated once.
     known: Mutex<BTreeMap<Vec<bool>, Arc<Seated>>>,
-}
-
-/// A plane that a sunk part is held by, at a pose.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SunkPlane {
-    /// World.
-    pub plane: Plane,
-    /// A point of the tool, world.
-    pub point: Point,
-    /// How far it may go against the plane's normal, metres; not below 0, so that no plane pushes the tool.
-    pub room: f64,
 }
 
 impl Surroundings {
@@ -85,16 +69,7 @@ impl Surroundings {
             around.refused.extend(found.refused.iter().map(|[t, part]| [*t, body.part_in_mockup(*part)]));
             (makings.seats, makings.eroded, makings.regions) = (found.seats, found.eroded, found.regions);
         }
-        let sunk = around.seats().filter(|seat| seat.kind == SeatKind::Sunk);
-        around.least_sunk = sunk.map(|seat| seat.depth).fold(f64::INFINITY, f64::min);
-        if around.least_sunk.is_finite() || around.overlap > 0.0 {
-            let thin = STEP_THICKNESS * thickness(&around.tool, own_parts);
-            around.stride = around.stride.min(thin.max(around.size / MOST_STEPS_A_LENGTH));
-        }
-        if around.least_sunk.is_finite() {
-            around.through = around.ways_through()?;
-            around.samples = around.samples_of_sunk()?;
-        }
+        around.know_sunk(own_parts)?;
         Ok(around)
     }
 
@@ -278,156 +253,9 @@ impl Surroundings {
         })
     }
 
-    /// The planes that hold sunk parts: the contact planes that they have penetrated, and the sides of the volume that they filled.
-    pub fn sunk_planes(&self, seated: &Seated, pose: &Pose) -> Result<Vec<SunkPlane>> {
-        let mut found = Vec::new();
-        for (number, (body, asked)) in self.environment.bodies.iter().zip(&seated.bodies).enumerate() {
-            let Some(sunk) = &asked.sunk else { continue };
-            for plane in self.planes_of_sunk(number, sunk, pose)? {
-                let Some((point, moved)) = self.moved_at(&plane, pose) else { continue };
-                let part = body.part_in_mockup(plane.part);
-                let ContactPlane { point: on_plane, normal, gap, id, .. } = plane;
-                let plane = Plane { point: on_plane, normal, gap, part, id: id_in_body(id, number) };
-                found.push(SunkPlane { plane, point: pose.apply(&point), room: moved.max(0.0) });
-            }
-            let mockup = sunk.scene().mockup();
-            let pairs = self.sunk_pairs(number, sunk.scene(), pose);
-            let inside = self.samples_inside(number, sunk.scene(), pose)?;
-            for crossing in crossings_in_place(&self.tool, &self.start, mockup, (&pairs, &inside), pose) {
-                let [t, m] = crossing.triangles;
-                let plane = Plane {
-                    point: crossing.at,
-                    normal: scaled(&crossing.outward, -1.0),
-                    gap: crossing.room,
-                    part: body.part_in_mockup(mockup.part_of_face(m)),
-                    id: id_in_body(u64::from(t) << 32 ^ u64::from(m) ^ 1 << 62, number),
-                };
-                found.push(SunkPlane { plane, point: crossing.at, room: crossing.room.max(0.0) });
-            }
-        }
-        Ok(found)
-    }
-
-    /// The contact planes that sunk parts of a body are behind. What goes through a neighbour may leave its place to either side, and a
-    /// contact plane knows one: those do not count, nor those of slivers of a part that has almost left its place: they have any direction.
-    pub(crate) fn planes_of_sunk(&self, body: usize, sunk: &ContactSolver, pose: &Pose) -> Result<Vec<ContactPlane>> {
-        let mut planes = sunk.contacts(&self.tool, pose, 0.0, None)?.planes;
-        planes.retain(|plane| {
-            let depth = self.seat_of(body, [plane.tool_part(&self.tool), plane.part]).map_or(0.0, |seat| seat.depth);
-            let is_way = || self.through.iter().any(|way| dot(way, &plane.normal) < -THROUGH_COS);
-            -plane.gap > SEAT_TOLERANCE.max(SLIVER_DEPTH * depth) && !(-plane.gap > FIT_DEPTH * self.size && is_way())
-        });
-        Ok(planes)
-    }
-
-    /// Whether a face of the tool that leads on a way is inside the neighbours of a scene at the start: their solid would have to give.
-    fn leads_inside(&self, scene: &Scene, way: &Point) -> Result<bool> {
-        let mesh = self.tool.mesh();
-        for t in mesh.queried().step_by(mesh.faces().len().div_ceil(MOST_SAMPLE_RAYS).max(1)) {
-            let corners = self.start.apply_triangle(&mesh.triangle(t));
-            let normal = cross(&sub(&corners[1], &corners[0]), &sub(&corners[2], &corners[0]));
-            let sign = if self.tool.adjacency().outward[t as usize] < 0 { -1.0 } else { 1.0 };
-            if sign * dot(&normal, way) < LEADING_COS * length(&normal) {
-                continue;
-            }
-            if around_point(scene, &middle_of(&corners), way)?.is_some() {
-                return Ok(true);
-            }
-        }
-        Ok(false)
-    }
-
-    /// Points of sunk parts that are inside their neighbours at the start, by body.
-    fn samples_of_sunk(&self) -> Result<Vec<Vec<(u32, Point)>>> {
-        let (seated, mesh) = (self.seated_at_start(), self.tool.mesh());
-        let mut all = Vec::new();
-        for (number, asked) in seated.bodies.iter().enumerate() {
-            let mut found = Vec::new();
-            if let Some(sunk) = &asked.sunk {
-                let stride = mesh.faces().len().div_ceil(MOST_SAMPLE_RAYS).max(1);
-                let whole: Vec<(u32, Point)> =
-                    mesh.queried().step_by(stride).map(|t| (t, middle_of(&mesh.triangle(t)))).collect();
-                found = self.inside(&whole, sunk.scene(), &self.start)?;
-                found.retain(|sample| {
-                    let part =
-                        self.environment.bodies[number].solver.scene().mockup().part_of_face(sample.triangles[1]);
-                    let seat = self.seat_of(number, [self.tool.part_of_face(sample.triangles[0]), part]);
-                    seat.is_some_and(|seat| seat.kind == SeatKind::Sunk)
-                });
-            }
-            let stride = found.len().div_ceil(MOST_PLACE_SAMPLES).max(1);
-            let few = found.iter().step_by(stride).map(|sample| sample.triangles[0]);
-            all.push(few.map(|t| (t, middle_of(&mesh.triangle(t)))).collect());
-        }
-        Ok(all)
-    }
-
-    /// Those of them that are inside a neighbour at a pose.
-    pub(crate) fn samples_inside(&self, body: usize, scene: &Scene, pose: &Pose) -> Result<Vec<Inside>> {
-        self.samples.get(body).map_or_else(|| Ok(Vec::new()), |samples| self.inside(samples, scene, pose))
-    }
-
-    fn inside(&self, samples: &[(u32, Point)], scene: &Scene, pose: &Pose) -> Result<Vec<Inside>> {
-        let mut found = Vec::new();
-        for (t, point) in samples {
-            let at = pose.apply(point);
-            let [a, b, c] = pose.apply_triangle(&self.tool.mesh().triangle(*t));
-            let outward = cross(&sub(&b, &a), &sub(&c, &a));
-            if let Some(m) = around_point(scene, &at, &outward)? {
-                found.push(Inside { at, triangles: [*t, m] });
-            }
-        }
-        Ok(found)
-    }
-
-    /// The ways on which parts that go through a neighbour leave their place against a contact plane.
-    fn ways_through(&self) -> Result<Vec<Point>> {
-        let (seated, mut ways) = (self.seated_at_start(), Vec::new());
-        for (number, asked) in seated.bodies.iter().enumerate() {
-            let Some(sunk) = &asked.sunk else { continue };
-            let planes = sunk.contacts(&self.tool, &self.start, 0.0, None)?.planes;
-            for way in planes.iter().flat_map(|plane| [plane.normal, scaled(&plane.normal, -1.0)]) {
-                if self.leads_inside(sunk.scene(), &way)? {
-                    continue;
-                }
-                let is_in_place = |by: &f64| -> Result<bool> {
-                    let pose = self.moved(&self.start, &way, by * self.size)?;
-                    let (scene, mockup) = (sunk.scene(), sunk.scene().mockup());
-                    let pairs = self.sunk_pairs(number, scene, &pose);
-                    Ok(crossing_outside(&self.tool, &self.start, mockup, (&pairs, &[]), &pose).is_none())
-                };
-                if THROUGH_TRIALS.iter().map(is_in_place).collect::<Result<Vec<bool>>>()?.iter().all(|is_in| *is_in) {
-                    ways.push(way);
-                }
-            }
-        }
-        Ok(ways)
-    }
-
     /// A pair `[tool part, part]` of a body at the start.
-    fn seat_of(&self, body: usize, pair: [u32; 2]) -> Option<&Seat> {
+    pub(crate) fn seat_of(&self, body: usize, pair: [u32; 2]) -> Option<&Seat> {
         self.makings[body].seats.iter().find(|seat| [seat.tool_part, seat.part] == pair)
-    }
-
-    /// The triangles of sunk pairs that meet.
-    pub(crate) fn sunk_pairs(&self, body: usize, scene: &feeler_core::Scene, pose: &Pose) -> Vec<[u32; 2]> {
-        let (tool, mockup) = (&self.tool, scene.mockup());
-        let mut hit = scene.collide(tool, pose).pairs;
-        hit.retain(|[t, m]| {
-            let pair = [tool.part_of_face(*t), mockup.part_of_face(*m)];
-            self.seat_of(body, pair).is_some_and(|seat| seat.kind == SeatKind::Sunk)
-        });
-        hit
-    }
-
-    /// The corner (tool frame) that is deepest behind a plane, and how far it has moved along the normal since the start, metres.
-    pub(crate) fn moved_at(&self, plane: &ContactPlane, pose: &Pose) -> Option<(Point, f64)> {
-        let mesh = self.tool.mesh();
-        let corners = plane.tool_triangles.iter().flat_map(|t| mesh.triangle(*t));
-        let height = |p: &Point| dot(&pose.apply(p), &plane.normal);
-        let deepest = corners.min_by(|a, b| height(a).total_cmp(&height(b)))?;
-        let moved = dot(&sub(&pose.apply(&deepest), &self.start.apply(&deepest)), &plane.normal);
-        Some((deepest, moved))
     }
 
     /// How far its middle is from where it starts, metres.
@@ -475,35 +303,6 @@ impl Surroundings {
     pub fn moved(&self, pose: &Pose, direction: &Point, by: f64) -> Result<Pose> {
         Ok(pose.translated(&scaled(direction, by))?)
     }
-}
-
-fn middle_of(corners: &[Point; 3]) -> Point {
-    std::array::from_fn(|a| (corners[0][a] + corners[1][a] + corners[2][a]) / 3.0)
-}
-
-/// The triangle of the solid that a point is inside of, where a ray from it leaves that.
-fn around_point(scene: &Scene, at: &Point, towards: &Point) -> Result<Option<u32>> {
-    let Some(hit) = scene.ray(&Ray { origin: *at, direction: *towards }, f64::INFINITY, &[])? else { return Ok(None) };
-    let [a, b, c] = scene.mockup().mesh().triangle(hit.triangle);
-    let outward = cross(&sub(&b, &a), &sub(&c, &a));
-    let sign = if scene.mockup().adjacency().outward[hit.triangle as usize] < 0 { -1.0 } else { 1.0 };
-    Ok((sign * dot(&outward, towards) > 0.0).then_some(hit.triangle))
-}
-
-/// Of the first parts of a tool, the least mean thickness, metres: twice the volume by the area. 0 of open sheets.
-fn thickness(tool: &Tool, parts: u32) -> f64 {
-    let mesh = tool.mesh();
-    let origin = mesh.bounds().lower;
-    let mut sums = vec![(0.0, 0.0); parts as usize];
-    for t in mesh.queried() {
-        let Some((volume, area)) = sums.get_mut(tool.part_of_face(t) as usize) else { continue };
-        let [a, b, c] = mesh.triangle(t).map(|p| sub(&p, &origin));
-        let normal = cross(&sub(&b, &a), &sub(&c, &a));
-        *volume += dot(&a, &normal) / 6.0;
-        *area += 0.5 * length(&normal);
-    }
-    let of_part = |(volume, area): &(f64, f64)| if *area > 0.0 { 2.0 * volume.abs() / area } else { f64::INFINITY };
-    sums.iter().map(of_part).fold(f64::INFINITY, f64::min)
 }
 
 /// A body of which nothing is known yet.

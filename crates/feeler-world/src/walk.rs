@@ -63,7 +63,7 @@ pub struct Span {
 pub struct Stop {
     /// Of the mock-up.
     pub part: u32,
-    /// The triangles that meet; `None` of what is sunk.
+    /// The triangles in contact; `None` if a sunk part is the stop.
     pub pair: Option<Pair>,
     /// Whether it is a seat that may go no deeper.
     pub is_seat: bool,
@@ -262,7 +262,7 @@ impl Surroundings {
         Ok((holds != seated.holds).then(|| self.seated(holds)))
     }
 
-    /// The least distance of what is not seated along a span, if it is less than `least`, metres; see [`least_distance`].
+    /// The least distance along a span between surfaces that are not seated, or `least` if that is less, metres; see [`least_distance`].
     pub fn least_distance(&self, span: &Span, least: f64) -> Result<f64> {
         let motion = Motion::new(&self.tool, &span.from, &span.to);
         let of_body = |least, asked: &SeatedBody| least_distance(&asked.clear, &self.tool, &motion, least);

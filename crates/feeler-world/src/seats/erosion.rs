@@ -240,8 +240,7 @@ impl Corners {
 
 /// The shortest vector with given components along normals, or as nearly as can be; no longer than the longest mitre of the greatest.
 fn mitre(faces: &[(Point, f64)]) -> Point {
-    // Least squares: the sum of n nᵀ times the vector is that of n times its component. What is added keeps flat corners from being
-    // singular; what it takes away is given back by a second step.
+    // Regularized least squares: flat corners would make the system singular. A second step on the residual removes the bias.
     let most = faces.iter().map(|(_, by)| by.abs()).fold(0.0, f64::max);
     let rows: [Point; 3] = std::array::from_fn(|i| {
         std::array::from_fn(|j| {
