@@ -68,6 +68,7 @@ def sample(
         part_paths=parts.part_paths,
         source=Source(format="sample", unit_source="samples are metres", notes=(f"{name}, seed {seed}",)),
     )
+    mockup.part_colours = parts.colours
     if progress:
         progress(1.0, "done")
     return mockup

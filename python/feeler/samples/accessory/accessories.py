@@ -8,19 +8,36 @@ from ..mesh import Floats, at, turned
 from . import standard, train
 from .assembly import pull, screw, turn
 from .bodies import Blind, flanged, gasket, outline_of
-from .design import AWAY, OUT, TRAIN, Workshop, X, Y, frame
+from .design import AWAY, OUT, RING, RING_DEPTH, SQUEEZE, TRAIN, Workshop, X, Y, frame, ring_radius
 from .fits import CIRCLIPS, METRIC, deviation, play
 from .housing import SideHole, opening, tapped
-from .layout import APEX_Z, BEVEL_TEETH, BEVEL_WIDTH, FRONT, GASKET, MODULE, REAR, Half, Station
+from .layout import (
+    APEX_Z,
+    BEVEL_TEETH,
+    BEVEL_WIDTH,
+    FILTER_X,
+    FRONT,
+    GASKET,
+    MODULE,
+    PLUG_X,
+    REAR,
+    Half,
+    Station,
+)
 from .solid import Cut, Row, Solid
 
 INPUT_BOLTS = ((40.0, 20.0), (-40.0, 20.0), (-40.0, -20.0), (40.0, -20.0))
 FILTER_BOLTS = ((34.0, 24.0), (-34.0, 24.0), (-34.0, -24.0), (34.0, -24.0))
 FILTER_PORTS = ((46.0, 0.0), (-46.0, 0.0))
-FILTER_X, FILTER_Z = 10.0, 58.0
-PLUG_X, PLUG_Z = 130.0, 58.0
-PORT: tuple[Row, ...] = ((5.4, 0.0), (5.4, 11.0), (0.0, 14.0))
-"""The hole of a union's adapter: rows of (radius, depth); the adapter's thread has a radius of 6 mm."""
+FILTER_Z = 58.0
+PLUG_Z = 58.0
+PORT_CORE, PORT_THREAD = 5.4, 6.0
+
+
+def port(cut: Cut) -> tuple[Row, ...]:
+    """The hole of a union's adapter: rows of (radius, depth)."""
+    core = PORT_THREAD + cut.ease if cut.ease else PORT_CORE
+    return ((core, 0.0), (core, 11.0), (0.0, 13.5))
 
 
 def side_frame(shop: Workshop, side: str, x: float, z: float) -> Floats:
@@ -64,10 +81,10 @@ def input_drive(shop: Workshop) -> None:
     m = METRIC[6]
     down = (
         (out, 0.0),
-        (out, -3.0),
-        (out - 2.4, -3.0),
-        (out - 2.4, -5.6),
-        (out, -5.6),
+        (out, -2.6),
+        (out - RING_DEPTH, -2.6),
+        (out - RING_DEPTH, -6.0),
+        (out, -6.0),
         (out, 45.0 - zero),
         (out - 1.0, 44.0 - zero),
     )
@@ -78,8 +95,10 @@ def input_drive(shop: Workshop) -> None:
         (seat, 58.0 - zero),
         (17.0, 58.0 - zero),
         (17.0, 70.0 - zero),
+        (seat, 70.0 - zero),
+        (seat, 93.0 - zero),
+        (seat + 1.0, 94.0 - zero),
     )
-    bore += ((seat, 70.0 - zero), (seat, 93.0 - zero), (seat + 1.0, 94.0 - zero))
     holes = tuple((x, y, m.through / 2.0 + cut.ease) for x, y in INPUT_BOLTS)
     cartridge = asm.add(f"{group}/cartridge", "cast aluminium", flanged, shape, 9.0, up, down, bore, holes, pose=pose)
     seal = asm.add(
@@ -87,7 +106,7 @@ def input_drive(shop: Workshop) -> None:
     )
     asm.flush(cartridge, seal, rear)
     asm.fit(cartridge, rear, "H7/g6", play("H7/g6", 52.0), 26.0)
-    ring = shop.o_ring(f"{group}/o_ring", out - 1.55, 2.0, pose @ at(z=-4.3), cartridge, rear)
+    ring = shop.o_ring(f"{group}/o_ring", ring_radius(out), RING, pose @ at(z=-4.3), cartridge, rear)
     journal = 8.5 + deviation("k6", 17.0) / 2.0
     _thick, groove, wide, _ = CIRCLIPS[17]
     rows: tuple[Row, ...] = (
@@ -209,7 +228,7 @@ def accessory(
     length = abs(half.z(half.pad) + half.sign * (GASKET + 14.0) - start)
     drive = asm.add(
         f"{group}/drive_shaft", "steel", train.quill, spline, bore + deviation("g6", 16.0) / 2.0, length,
-        pose=at(s.x, s.y, start) @ (np.eye(4) if half is REAR else turned("x", np.pi)) @ turned("z", s.turn * half.sign),
+        pose=at(s.x, s.y, start) @ turned("x", 0.0 if half is REAR else np.pi) @ turned("z", s.turn * half.sign),
     )  # fmt: skip
     shaft = f"{TRAIN}{s.name}_shaft/shaft"
     asm.fit(drive, shaft, "spline", train.SPLINE_PLAY)
@@ -231,14 +250,14 @@ def accessory(
 
 def fuel_pump(shop: Workshop) -> Floats:
     """The fuel pump on its studs, with an end cover; returns the frame of its outlet."""
-    asm, s = shop.asm, shop.plan.station("fuel_pump")
+    asm, cut, s = shop.asm, shop.cut, shop.plan.station("fuel_pump")
     group = "fuel_pump"
     screws = [(13.2 * np.cos(a), 13.2 * np.sin(a)) for a in np.arange(5) * (2.0 * np.pi / 5.0) + 0.4]
-    blinds = tuple((float(x), float(y), tapped(shop.cut, 4, 8.0)) for x, y in screws)
+    blinds = tuple((float(x), float(y), tapped(cut, 4, 8.0)) for x, y in screws)
     up = ((19.2, 10.0), (18.4, 11.0), (18.4, 22.0), (17.0, 23.0), (17.0, 26.0), (18.4, 27.0), (18.4, 45.0))
     body = accessory(shop, s, REAR, group, "paint", up, blinds, studs=True)
     face = shop.pad(s, REAR) @ at(z=GASKET + 45.0)
-    holes = tuple((float(x), float(y), METRIC[4].through / 2.0 + shop.cut.ease) for x, y in screws)
+    holes = tuple((float(x), float(y), METRIC[4].through / 2.0 + cut.ease) for x, y in screws)
     cover = asm.add(
         f"{group}/end_cover",
         "aluminium",
@@ -249,7 +268,7 @@ def fuel_pump(shop: Workshop) -> Floats:
         (),
         (),
         holes,
-        ((0.0, 0.0, PORT),),
+        ((0.0, 0.0, port(cut)),),
         pose=face,
     )
     asm.flush(cover, body)
@@ -269,9 +288,7 @@ def fuel_pump(shop: Workshop) -> Floats:
             after=["lines/fuel_pipe/pipe"],
         )
     asm.step(cover, pull((0.0, 0.0, 1.0), AWAY), after=[*bolts, "lines/fuel_pipe/adapter_1"])
-    for step in asm.steps:
-        if step.parts[0] == body:
-            step.after.append(cover)
+    asm.wait(body, cover)
     return face @ at(z=17.0)
 
 
@@ -295,6 +312,7 @@ def starter(shop: Workshop) -> None:
     asm.fit(stud, ring, "clearance", 0.2, m.washer_bore / 2.0)
     asm.flush(nut, ring, body)
     axis = (0.0, 0.0, 1.0)
+    asm.wait(body, stud)
     asm.step(nut, screw(axis, face[:3, 3], 13.0, m.pitch), pull(axis, AWAY))
     asm.step(ring, pull(axis, AWAY), after=[nut])
     asm.step(stud, screw(axis, face[:3, 3], 13.0, m.pitch), pull(axis, AWAY), after=[ring])
@@ -343,7 +361,7 @@ def lobes(cut: Cut, small: float, large: float, width: float, start: float) -> F
 def filter_head(cut: Cut) -> Solid:
     """The head on z = 0: a plate with bolt holes and ports, and the socket of the bayonet, open at z = 45."""
     solid = Solid()
-    points = outline_of(cut, (116.0, 64.0, 9.0))
+    points = outline_of(cut, (132.0, 64.0, 9.0))
     low, high = solid.outline(points, (0.0, 14.0))
     m = METRIC[6]
     drilled = [
@@ -354,14 +372,11 @@ def filter_head(cut: Cut) -> Solid:
         )
         for x, y in FILTER_BOLTS
     ]
-    ports = [
-        solid.turned(
-            [(r + (cut.ease + 0.6 if cut.ease and r else 0.0), 14.0 - 0.8 * d) for r, d in PORT],
-            cut.circle(5.4),
-            at(x, y),
-        )[0]
-        for x, y in FILTER_PORTS
-    ]
+    spigot = PORT_THREAD + deviation("H7", 2.0 * PORT_THREAD) / 2.0 + cut.ease
+    hole = ((spigot, 0.0), (spigot, 10.0), (0.0, 12.0))
+    pits: list[Blind] = [(x, y, hole) for x, y in FILTER_PORTS]
+    pits += [(x + (13.0 if x > 0.0 else -13.0), y, tapped(cut, 5, 8.0)) for x, y in FILTER_PORTS]
+    ports = [solid.turned([(r, 14.0 - d) for r, d in rows], cut.circle(rows[0][0]), at(x, y))[0] for x, y, rows in pits]
     foot, rim = solid.turned([(29.0, 14.0), (28.0, 15.5), (28.0, 44.0), (27.0, 45.0)], cut.circle(29.0))
     mouth, behind = solid.outline(lobes(cut, LIP, GROOVE - 1.2, np.deg2rad(54.0), 0.0), (45.0, 40.0))
     groove, ledge = solid.turned([(GROOVE, 40.0), (GROOVE, 31.0)], cut.circle(GROOVE))
@@ -383,10 +398,10 @@ def filter_bowl(cut: Cut) -> Solid:
         [
             (THROAT - 0.6, 20.0),
             (THROAT - 0.1, 20.8),
-            (THROAT - 0.1, 24.0),
-            (THROAT - 1.7, 24.0),
-            (THROAT - 1.7, 26.4),
-            (THROAT - 0.1, 26.4),
+            (THROAT - 0.1, 23.8),
+            (THROAT - 1.7, 23.8),
+            (THROAT - 1.7, 26.6),
+            (THROAT - 0.1, 26.6),
             (THROAT - 0.1, 31.5),
         ],
         cut.circle(THROAT),
@@ -428,7 +443,7 @@ def oil_filter(shop: Workshop) -> None:
         f"{group}/gasket",
         "gasket",
         gasket,
-        (116.0, 64.0, 9.0),
+        (132.0, 64.0, 9.0),
         15.0,
         GASKET,
         tuple((x, y, m.through / 2.0 + 0.2) for x, y in FILTER_BOLTS),
@@ -437,10 +452,10 @@ def oil_filter(shop: Workshop) -> None:
     asm.flush(head, seal, rear)
     bowl = asm.add(f"{group}/bowl", "paint", filter_bowl, pose=pose)
     asm.fit(bowl, head, "bayonet", 0.1, THROAT)
-    ring = shop.o_ring(f"{group}/o_ring", THROAT - 0.95, 1.8, pose @ at(z=25.2), bowl, head)
+    ring = shop.o_ring(f"{group}/o_ring", THROAT - 1.7 - SQUEEZE + 1.05, 2.1, pose @ at(z=25.2), bowl, head)
     element = asm.add(
         f"{group}/element", "orange", standard.ring_of,
-        ((7.0, 26.0), (14.6, 26.0), (14.6, 46.0), (14.6, 110.0), (18.0, 110.0), (18.0, 118.0), (7.0, 118.0)), 18.0, pose=pose,
+        ((7.0, 26.0), (14.6, 26.0), (14.6, 110.0), (18.0, 110.0), (18.0, 118.0), (7.0, 118.0)), 18.0, pose=pose,
     )  # fmt: skip
     asm.flush(element, bowl)
     down = (0.0, -1.0, 0.0)
@@ -462,7 +477,7 @@ def oil_filter(shop: Workshop) -> None:
     asm.step(
         head,
         pull(down, 100.0),
-        after=[*bolts, bowl, "lines/fuel_pipe/adapter_2", "lines/oil_pipe/adapter_2"],
+        after=[*bolts, bowl],
         door_open=True,
     )
     asm.step(seal, pull(down, 100.0), after=[head], door_open=True)

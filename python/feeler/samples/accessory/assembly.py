@@ -7,6 +7,7 @@ import itertools
 import zlib
 from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 
@@ -15,6 +16,10 @@ from .solid import Cut, Solid
 
 Make = Callable[..., Solid]
 Vector = Sequence[float] | Floats
+
+
+NEAR_LINE = 9.0
+"""A fastener waits for a pipe or cable nearer to its way than this, millimetres: half a bolt's head and a gap."""
 
 
 @dataclass(frozen=True)
@@ -53,6 +58,7 @@ class Part:
     pose: Floats
     material: str
     scale: float = 1.0
+    """Of its own frame: other than 1 in a part of a wrong unit."""
 
     @property
     def shape(self) -> Hashable:
@@ -143,6 +149,8 @@ class Assembly:
     fasteners: list[Fastener] = field(default_factory=list)
     joints: list[Joint] = field(default_factory=list)
     planted: list[Planted] = field(default_factory=list)
+    lines: list[tuple[str, Floats, float]] = field(default_factory=list)
+    """Pipes and cables: path, corners (k, 3) of the middle line, radius."""
     _solids: dict[Hashable, Solid] = field(default_factory=dict)
     _meshes: dict[Hashable, Mesh] = field(default_factory=dict)
 
@@ -201,6 +209,28 @@ class Assembly:
         """
         moved = [parts] if isinstance(parts, str) else list(parts)
         self.steps.append(Step(moved, list(legs), list(after), door_open, rigid, removes))
+
+    def wait(self, path: str, *after: str) -> None:
+        """A part comes out only after others."""
+        for step in self.steps:
+            if path in step.parts and step.removes:
+                step.after += after
+
+    def wait_for_lines(self) -> None:
+        """Fasteners whose way crosses a pipe or cable come out after it."""
+        for step in self.steps:
+            if len(step.parts) > 1 or not step.legs or step.legs[-1].kind != "pull":
+                continue
+            if self.parts[step.parts[0]].make.__name__ not in ("hex_bolt", "cap_screw", "nut", "washer"):
+                continue
+            leg, start = step.legs[-1], self.parts[step.parts[0]].pose[:3, 3]
+            way = np.linspace(start, start + np.array(leg.axis) * leg.distance, 60)
+            for path, corners, radius in self.lines:
+                for a, b in pairwise(corners):
+                    share = np.clip(((way - a) @ (b - a)) / ((b - a) @ (b - a)), 0.0, 1.0)
+                    gap = np.sqrt((((a + share[:, None] * (b - a)) - way) ** 2).sum(axis=1)).min()
+                    if gap < radius + NEAR_LINE and path not in step.after:
+                        step.after.append(path)
 
     def fasten(
         self,

@@ -12,6 +12,8 @@ from ..shapes import Path, sweep
 from .polygon import offset, rectangle, rounded
 from .solid import Cut, Row, Solid
 
+TRIM = 0.3
+"""By how much gaskets are smaller than the faces that they seal, millimetres."""
 Hole = tuple[float, float, float]
 """x, y and radius of a through hole."""
 Blind = tuple[float, float, tuple[Row, ...]]
@@ -149,7 +151,7 @@ def extruded(
 def swept(
     cut: Cut, corners: tuple[tuple[float, float, float], ...], bend: float, rows: tuple[Row, ...], bore: float
 ) -> Solid:
-    """A pipe along a polyline with round bends; `rows`: (radius, way from each end) of its ends, the last on the pipe."""
+    """A pipe along a polyline with round bends; `rows`: (radius, way from the end) of both ends."""
     path = bent(cut, np.array(corners), bend, rows[-1][0])
     ends = []
     for sign in (1, -1):
@@ -221,9 +223,9 @@ def plate(
 
 
 def gasket(cut: Cut, shape: Shape, bore: float, thick: float, holes: Sequence[Hole]) -> Solid:
-    """A flat gasket on z = 0 with a round opening and holes."""
+    """A flat gasket on z = 0 with a round opening and holes, a little smaller than the outline of its flange."""
     solid = Solid()
-    low, high = solid.outline(outline_of(cut, shape), (0.0, thick))
+    low, high = solid.outline(offset(outline_of(cut, shape), -TRIM), (0.0, thick))
     drilled = [solid.turned([(r, 0.0), (r, thick)], cut.circle(r), _at(x, y)) for x, y, r in (*holes, (0.0, 0.0, bore))]
     solid.face(low, *(first for first, _ in drilled))
     solid.face(high, *(last for _, last in drilled))

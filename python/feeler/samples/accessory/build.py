@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from ..mesh import at
 from . import accessories, lines, stand
-from .accessories import PORT
+from .accessories import port
 from .assembly import Assembly
 from .design import Workshop
 from .layout import FRONT, REAR, layout
 from .solid import Cut
 
-BOX_X, BOX_SCREWS = 60.0, ((48.0, -14.0), (-48.0, -14.0), (-48.0, 14.0), (48.0, 14.0))
+BOX_X, BOX_SCREWS = 116.0, ((48.0, -14.0), (-48.0, -14.0), (-48.0, 14.0), (48.0, 14.0))
 
 
 def build(cut: Cut, seed: int) -> Assembly:
@@ -40,14 +40,14 @@ def build(cut: Cut, seed: int) -> Assembly:
                 continue
             r = s.pad - (16.0 if s.pad > 30.0 else 12.0)
             place = lines.OIL_PORT if name == "main_rear" else (0.0, 0.0)
-            covers[name] = shop.cover(s, half, name, ((r, 6.0), (r - 1.0, 13.0)), ((*place, PORT),))
+            covers[name] = shop.cover(s, half, name, ((r, 6.0), (r - 1.0, 13.0)), ((*place, port(cut)),))
             face = shop.pad(s, half) @ at(z=13.0)
             if name in ("main_front", "fuel_pump_front", "breather_front"):
-                sources.append(
-                    (f"{s.name}_sensor", face @ at(z=20.0), lines.speed_sensor(shop, s.name, covers[name], face))
-                )
+                sensor = lines.speed_sensor(shop, s.name, covers[name], face)
+                asm.wait(covers[name], sensor)
+                sources.append((f"{s.name}_sensor", face @ at(z=20.0), sensor))
             elif name == "idler_front":
-                lines.blank(shop, covers[name], face)
+                asm.wait(covers[name], lines.blank(shop, covers[name], face))
     faces = {name: shop.pad(plan.station(name), REAR) @ at(z=13.0) for name in ("main", "idler", "breather")}
     lines.line(
         shop,
@@ -80,4 +80,5 @@ def build(cut: Cut, seed: int) -> Assembly:
     stand.door(shop, bracket)
     sockets = lines.junction_box(shop, bracket.beam, bracket.beam_face(BOX_X), len(sources))
     lines.harness(shop, sources, sockets)
+    asm.wait_for_lines()
     return asm

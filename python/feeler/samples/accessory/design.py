@@ -10,7 +10,7 @@ import numpy as np
 from ..mesh import Floats, at, turned
 from . import standard, train
 from .assembly import Assembly, Vector, pull, screw
-from .bodies import flanged
+from .bodies import Blind, flanged
 from .fits import BEARINGS, CIRCLIPS, KEYS, METRIC, deviation, play, stock_length
 from .housing import FaceHole, SideHole, bolt_circle, case, opening, split_gasket, tapped
 from .layout import (
@@ -33,6 +33,15 @@ AWAY = 120.0
 """How far parts go at the end of their way: beyond all that is beside them."""
 OUT = "housing/"
 TRAIN = "gear_train/"
+
+
+RING, RING_DEPTH, SQUEEZE = 2.62, 2.22, 0.2
+"""Of O-rings: section, depth of the groove, and how far the ring as drawn is in either side."""
+
+
+def ring_radius(spigot: float) -> float:
+    """Radius of the middle line of an O-ring in the groove of a spigot."""
+    return spigot - RING_DEPTH - SQUEEZE + RING / 2.0
 
 
 def frame(origin: Vector, z: Vector, x: Vector | None = None) -> Floats:
@@ -81,7 +90,6 @@ class Workshop:
         thick = m.thick if washer else 0.0
         length = max(n for n in (8, 10, 12, 16, 20, 25, 30, 35, 40, 45, 50, 60) if n - grip - thick <= deep - 1.0)
         make = standard.hex_bolt if head == "bolt" else standard.cap_screw
-        number = name.rpartition("_")[2]
         path = asm.add(
             f"{group}/{name}", "zinc-plated steel", make, size, float(length), pose=seat @ at(z=thick), spin=True
         )
@@ -92,7 +100,8 @@ class Workshop:
         for part in stack:
             asm.fit(path, part, "clearance", (m.through - m.size) / 2.0, m.through / 2.0)
         if washer:
-            ring = asm.add(f"{group}/washer_{number}", "zinc-plated steel", standard.washer, size, pose=seat, spin=True)
+            beside = name.replace("bolt", "washer").replace("screw", "washer")
+            ring = asm.add(f"{group}/{beside}", "zinc-plated steel", standard.washer, size, pose=seat, spin=True)
             asm.fit(path, ring, "clearance", (m.washer_bore - m.size) / 2.0, m.washer_bore / 2.0)
             asm.flush(path, ring, stack[0])
             asm.step(ring, pull(axis, away), after=[path], door_open=door_open)
@@ -117,7 +126,7 @@ class Workshop:
         grip: float,
         deep: float,
     ) -> list[str]:
-        """A stud in a tapped hole of `into`, with washer and nut on a stack of parts. `face`: where the stack begins."""
+        """A stud in a tapped hole of `into`, with washer and nut on a stack that begins at `face`."""
         asm, m = self.asm, METRIC[size]
         axis = face[:3, 2]
         low = -(deep - 2.0)
@@ -176,6 +185,7 @@ class Workshop:
         front, rear = names["front_case"], names["rear_case"]
         seal = asm.add(OUT + "split_gasket", "gasket", split_gasket, plan, 0.0, GASKET)
         asm.flush(front, seal, rear)
+        unit = [front]
         for k, (x, y) in enumerate(plan.dowels):
             pin = asm.add(
                 f"{OUT}dowel_{k + 1}",
@@ -189,13 +199,17 @@ class Workshop:
             asm.fit(pin, front, "H7/p6", press, 3.0)
             asm.fit(pin, rear, "H7/g6", play("H7/g6", 6.0), 3.0)
             asm.fit(pin, seal, "clearance", 0.3, 3.3)
-            asm.step(pin, pull(Z, AWAY), after=[front])
+            unit.append(pin)
         m = METRIC[6]
         grip = 2.0 * FLANGE_THICK + GASKET
         length = stock_length(grip + 2.0 * m.thick + m.nut + m.pitch)
         for k, (x, y) in enumerate(plan.flange_bolts):
             low, high = frame((x, y, -FLANGE_THICK), (0.0, 0.0, -1.0)), frame((x, y, GASKET + FLANGE_THICK), Z)
             group = f"{OUT}split_bolts"
+            if k in plan.tapped_bolts:
+                stack = [front, seal]
+                self.bolt(group, f"bolt_{k + 1}", 6, low, stack, rear, FLANGE_THICK + GASKET, FLANGE_THICK)
+                continue
             bolt = asm.add(
                 f"{group}/bolt_{k + 1}",
                 "zinc-plated steel",
@@ -226,11 +240,12 @@ class Workshop:
             holds = [front, seal, rear]
             asm.fasten(bolt, "bolt", "socket", m.flats, low @ at(z=m.thick + m.head), holds)
             asm.fasten(nut, "nut", "socket", m.flats, high @ at(z=m.thick + m.nut), holds)
-        asm.step(front, pull((0.0, 0.0, -1.0), 2.0 * AWAY), after=[OUT + "split_bolts/*"])
-        asm.step(seal, pull((0.0, 0.0, -1.0), 2.0 * AWAY), after=[front, OUT + "dowel_*", TRAIN + "*"])
+        needs = [OUT + "split_bolts/*", "covers/*_front/cover", "generator/drive_shaft"]
+        asm.step(unit, pull((0.0, 0.0, -1.0), 2.0 * AWAY), after=needs)
+        asm.step(seal, pull((0.0, 0.0, -1.0), 2.0 * AWAY), after=[front, TRAIN + "*"])
 
     def shaft(self, s: Station, driven: str) -> None:
-        """One shaft of the train with its bearings, gear, key and circlip; `driven` names ends that drive: "low high"."""
+        """One shaft of the train with its bearings, gear, key and circlip; `driven`: its ends that drive."""
         asm, b = self.asm, s.bearing
         group = f"{TRAIN}{s.name}_shaft"
         front, rear = OUT + FRONT.name, OUT + REAR.name
@@ -320,7 +335,7 @@ class Workshop:
         unit = [shaft, *bearings[1]]
         if main:
             unit += self.bevel_wheel(group, shaft, back, face, clip_thick)
-        asm.step(unit, pull(out, 1.5 * AWAY), after=[key])
+        asm.step(unit, pull(out, 1.5 * AWAY), after=[key, *(["input_drive/pinion_shaft"] if main else [])])
 
     def shaft_end(self, s: Station, half: Half) -> float:
         """The z of an end of a shaft."""
@@ -392,19 +407,9 @@ class Workshop:
     def spigot(self, s: Station) -> tuple[tuple[tuple[float, float], ...], float, float]:
         """Rows of a spigot that fits the pad's hole (H7/g6), with a groove; radius and section of its O-ring."""
         radius = opening(s) + play("nominal/g6", 2.0 * opening(s)) * -1.0
-        ring, section = radius - 1.55, 2.0
-        return (
-            (
-                (radius, 0.0),
-                (radius, -1.6),
-                (radius - 2.4, -1.6),
-                (radius - 2.4, -4.2),
-                (radius, -4.2),
-                (radius - 0.4, -6.0),
-            ),
-            ring,
-            section,
-        )
+        floor = radius - RING_DEPTH
+        rows = ((radius, 0.0), (radius, -1.2), (floor, -1.2), (floor, -4.6), (radius, -4.6), (radius - 0.4, -6.0))
+        return rows, ring_radius(radius), RING
 
     def cover(
         self,
@@ -412,7 +417,7 @@ class Workshop:
         half: Half,
         name: str,
         up: tuple[tuple[float, float], ...],
-        blinds: tuple = (),
+        blinds: tuple[Blind, ...] = (),
         thick: float = 6.0,
     ) -> str:
         """A cover with spigot and O-ring on bolts."""
@@ -441,5 +446,5 @@ class Workshop:
         asm = self.asm
         asm.add(path, "rubber", standard.o_ring, radius, section, pose=pose, spin=True)
         for part in (inside, outside):
-            asm.fit(path, part, "O-ring squeezed", -0.25, radius + section / 2.0, chords=self.cut.sag(section / 2.0))
+            asm.fit(path, part, "O-ring squeezed", -SQUEEZE, radius + section / 2.0, chords=self.cut.sag(section / 2.0))
         return path

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..mesh import Floats, Ints
+from .bodies import TRIM
 from .fits import METRIC, deviation
 from .layout import FLANGE, FLANGE_THICK, WALL, Half, Layout, Station, outline, side_segments
 from .polygon import offset
@@ -114,7 +115,11 @@ def case(
         rings = [(plain, 0.0), (plain, FLANGE_THICK)]
     rim, lip = solid.tube(_at_heights(rings) @ pose[:3, :3].T + pose[:3, 3])
     cavity, floor = solid.outline(outline(cut, base, 0.0), (0.0, half.floor), pose)
-    bolts = round_holes(plan.flange_bolts, through(cut, 6, FLANGE_THICK))
+    core = tapped(cut, 6, 1.0)[-2][0]
+    bolts = []
+    for k, place in enumerate(plan.flange_bolts):
+        into = half.sign > 0.0 and k in plan.tapped_bolts
+        bolts += round_holes([place], ((core, 0.0), (core, FLANGE_THICK)) if into else through(cut, 6, FLANGE_THICK))
     pins = round_holes(plan.dowels, ((dowel + cut.ease, 0.0), (dowel + cut.ease, 8.5), (0.0, 10.0)))
     solid.face(rim, cavity, *(low for low, _ in bolts), *(low for low, _ in pins))
     # the walls, with the holes of the sides
@@ -164,17 +169,20 @@ def case(
             [(out + 1.5, half.floor), (out, half.floor - 2.5), (out, half.boss)], cut.circle(out), pose @ _at(s.x, s.y)
         )
         rows = [(seat + 0.6, half.boss), (seat, half.boss + 0.6)] if fine else [(seat, half.boss)]
-        rows += [(seat, half.lip), (opening(s), half.lip), (opening(s), half.pad - edge)]
-        rows += [(opening(s) + edge, half.pad)] if fine else []
+        wide = opening(s) + cut.ease
+        rows += [(seat, half.lip), (wide, half.lip), (wide, half.pad - edge)]
+        rows += [(wide + edge, half.pad)] if fine else []
         start, end = solid.turned(rows, cut.circle(seat), pose @ _at(s.x, s.y))
         solid.face(rim, start)
         bosses.append(foot)
         mouths.append(end)
     solid.face(floor, *bosses)
-    beside = []
-    for x, y, rows, outer in holes:
+    beside: list[Ints] = []
+    for x, y, drilled, outer in holes:
         face = half.outer if outer else half.pad
-        mouth = solid.turned([(r, face - depth) for r, depth in rows], cut.circle(rows[0][0]), pose @ _at(x, y))[0]
+        mouth = solid.turned([(r, face - depth) for r, depth in drilled], cut.circle(drilled[0][0]), pose @ _at(x, y))[
+            0
+        ]
         (beside if outer else mouths).append(mouth)
     solid.face(top, low, *beside)
     solid.face(high, *mouths)
@@ -194,8 +202,8 @@ def _at_heights(rings: Sequence[tuple[Floats, float]]) -> Floats:
 def split_gasket(cut: Cut, plan: Layout, low: float, high: float) -> Solid:
     """The gasket between the halves, from z = low to z = high, in its place."""
     solid = Solid()
-    outer = solid.outline(outline(cut, plan.base, WALL + FLANGE), (low, high))
-    inner = solid.outline(outline(cut, plan.base, 0.0), (low, high))
+    outer = solid.outline(outline(cut, plan.base, WALL + FLANGE - TRIM), (low, high))
+    inner = solid.outline(outline(cut, plan.base, TRIM), (low, high))
     loops = []
     for places, radius in ((plan.flange_bolts, 3.5), (plan.dowels, 3.3)):
         loops += [solid.turned([(radius, low), (radius, high)], cut.circle(radius), _at(x, y)) for x, y in places]

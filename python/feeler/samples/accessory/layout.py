@@ -21,6 +21,7 @@ GASKET = 0.5
 BEVEL_TEETH = (30, 20)
 BEVEL_WIDTH = 10.0
 APEX_Z = 54.0
+FILTER_X, PLUG_X = 10.0, 130.0
 
 
 @dataclass(frozen=True)
@@ -72,6 +73,8 @@ class Layout:
     stations: tuple[Station, ...]
     corners: tuple[tuple[float, float], ...]
     flange_bolts: tuple[tuple[float, float], ...]
+    tapped_bolts: tuple[int, ...]
+    """Numbers of the flange's bolts that have no room for a nut: they go into the rear case."""
     dowels: tuple[tuple[float, float], ...]
     ribs: tuple[tuple[int, float], ...]
     """Side and distance from its middle."""
@@ -169,9 +172,20 @@ def layout(seed: int, rng: np.random.Generator, bolts: int) -> Layout:
         stations,
         tuple(map(tuple, corners.tolist())),
         tuple(map(tuple, spots.tolist())),
+        tuple(k for k, (x, y) in enumerate(spots.tolist()) if _is_crowded(x, y, corners)),
         tuple(map(tuple, pins.tolist())),
         tuple(ribs),
     )
+
+
+def _is_crowded(x: float, y: float, corners: Floats) -> bool:
+    """Whether a bolt of the flange is beside the input drive, the filter, the drain plug or a mount."""
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    if y > high[1]:
+        return abs(x) < 62.0
+    if y < low[1]:
+        return abs(x - FILTER_X) < 82.0 or abs(x - PLUG_X) < 20.0
+    return bool(x < low[0] or x > high[0])
 
 
 def outline(

@@ -7,22 +7,24 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..mesh import Floats, at
-from .accessories import PORT
+from .accessories import PORT_CORE, PORT_THREAD, port
 from .assembly import Vector, pull, screw
-from .bodies import Drill, bent, extruded, flanged, swept
+from .bodies import Drill, bent, extruded, flanged, plate, swept
 from .design import AWAY, OUT, Workshop, frame
+from .fits import METRIC, deviation, play
 from .housing import FaceHole, tapped
-from .layout import REAR, Layout
+from .layout import FILTER_X, REAR, Layout
 from .solid import Cut, Row, Solid
 from .standard import hex_prism
 
 BEND = 16.0
-THREAD, CORE = 6.0, 5.4
+THREAD, CORE = PORT_THREAD, PORT_CORE
 NOSE, NUT_CORE = 7.0, 6.4
 NOSE_END = 18.0
 COLLAR = 5.0
 NUT_LOW, NUT_HIGH = 9.5, 30.0
 PIPE = 4.0
+ELBOW_COLLAR = 5.0
 REACH = 42.0
 """From the axis of an elbow to its flat face."""
 
@@ -41,8 +43,8 @@ def adapter(cut: Cut) -> Solid:
 
 
 def elbow(cut: Cut, reach: float) -> Solid:
-    """An elbow that is screwed in along -z and leads to +x: its flat face is `reach` from the axis."""
-    path = bent(cut, np.array([[0.0, 0.0, -9.0], [0.0, 0.0, 18.0], [reach, 0.0, 18.0]]), 10.0, 6.0)
+    """An elbow whose spigot is on z < 0 and that leads to +x: its flat face is `reach` from the axis."""
+    path = bent(cut, np.array([[0.0, 0.0, -9.0], [0.0, 0.0, 18.0], [reach, 0.0, 18.0]]), 8.0, 6.0)
     solid = Solid()
     n = cut.circle(NOSE)
     angle = (np.arange(n) + 0.4) * (2.0 * np.pi / n)
@@ -54,11 +56,13 @@ def elbow(cut: Cut, reach: float) -> Solid:
         rings.append(point + radius * (np.cos(angle)[:, None] * across + np.sin(angle)[:, None] * side))
 
     up, out = np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0])
-    for radius, z in ((THREAD - 0.6, -9.0), (THREAD, -8.0), (THREAD, 0.0), (8.5, 0.0), (8.5, 5.0), (6.0, 6.0)):
+    spigot = THREAD + deviation("g6", 2.0 * THREAD) / 2.0
+    ends = ((spigot - 0.6, -9.0), (spigot, -8.0), (spigot, 0.0), (8.5, 0.0), (8.5, ELBOW_COLLAR), (5.6, ELBOW_COLLAR))
+    for radius, z in ends:
         ring(np.array([0.0, 0.0, z]), up, radius)
     for point, way in zip(path.points[1:-1], path.tangents[1:-1], strict=True):
-        ring(point, way, 6.0)
-    for radius, x in ((6.0, reach - 12.0), (NOSE, reach - 10.5), (NOSE, reach - 0.8), (NOSE - 0.8, reach)):
+        ring(point, way, 5.6)
+    for radius, x in ((5.6, reach - 12.0), (NOSE, reach - 10.5), (NOSE, reach - 0.8), (NOSE - 0.8, reach)):
         ring(np.array([x, 0.0, 18.0]), out, radius)
     first, last = solid.tube(np.stack(rings))
     solid.face(first)
@@ -66,9 +70,9 @@ def elbow(cut: Cut, reach: float) -> Solid:
     return solid
 
 
-def elbow_end(port: Floats) -> Floats:
+def elbow_end(place: Floats) -> Floats:
     """The middle (3,) of the flat face of an elbow in a port that looks down; the elbow leads to +z."""
-    return np.asarray((port @ [0.0, 0.0, 18.0, 1.0])[:3] + np.array([0.0, 0.0, REACH]))
+    return np.asarray((place @ [0.0, 0.0, 18.0, 1.0])[:3] + np.array([0.0, 0.0, REACH]))
 
 
 def union_nut(cut: Cut) -> Solid:
@@ -111,25 +115,29 @@ def line(
     ends, nuts = [], []
     z = np.array([0.0, 0.0, 1.0])
     thread = CORE - THREAD
-    for k, (port, holder, form) in enumerate(ports):
+    for k, (place, holder, form) in enumerate(ports):
         if form == "straight":
-            fitting = asm.add(f"{group}/adapter_{k + 1}", "stainless steel", adapter, pose=port, spin=True)
-            base = frame(port[:3, 3], z)
+            fitting = asm.add(f"{group}/adapter_{k + 1}", "stainless steel", adapter, pose=place, spin=True)
+            base = frame(place[:3, 3], z)
+            asm.fit(fitting, holder, "thread as cylinders", thread, CORE)
+            asm.step(fitting, screw(z, place[:3, 3], 10.0, 1.5), pull(z, 60.0), after=[f"{group}/{kind}"])
         else:
-            pose = frame(port[:3, 3], port[:3, 2], z)
+            pose = frame(place[:3, 3], place[:3, 2], z)
             fitting = asm.add(f"{group}/adapter_{k + 1}", "stainless steel", elbow, REACH, pose=pose)
-            base = frame(elbow_end(port) - NOSE_END * z, z)
-        asm.fit(fitting, holder, "thread as cylinders", thread, CORE)
+            base = frame(elbow_end(place) - NOSE_END * z, z)
+            asm.fit(fitting, holder, "H7/g6", play("H7/g6", 2.0 * THREAD), THREAD)
+            held = elbow_clamp(shop, group, fitting, pose, holder)
+            asm.step([fitting, held[0]], pull(pose[:3, 2], 60.0), after=[f"{group}/{kind}", *held[1:]])
+        asm.wait(holder, fitting)
         asm.flush(fitting, holder)
         nut = asm.add(f"{group}/union_nut_{k + 1}", "stainless steel", union_nut, pose=base, spin=True)
         asm.fit(nut, fitting, "thread as cylinders", NUT_CORE - NOSE, NUT_CORE)
         ends.append((base @ [0.0, 0.0, NOSE_END, 1.0])[:3])
         nuts.append(nut)
-        out = port[:3, 2]
-        asm.step(fitting, screw(out, port[:3, 3], 10.0, 1.5), pull(out, 60.0), after=[f"{group}/{kind}"])
         asm.fasten(nut, "nut", "open-end wrench", 17.0, base @ at(z=NUT_HIGH), [f"{group}/{kind}"], np.deg2rad(60.0))
     a, b = ends
     corners = (a, np.array([a[0], a[1], level]), np.array([b[0], b[1], level]), b)
+    asm.lines.append((f"{group}/{kind}", np.array(corners), PIPE))
     rows: tuple[Row, ...] = ((5.6, 0.0), (5.6, COLLAR), (PIPE, COLLAR + 0.01))
     pipe = asm.add(f"{group}/{kind}", material, swept, tuple(tuple(map(float, c)) for c in corners), BEND, rows, bore)
     for k, nut in enumerate(nuts):
@@ -138,6 +146,22 @@ def line(
         asm.step(nut, screw(z, ends[k], 14.0, 1.5), removes=False)
     asm.step([pipe, *nuts], pull(z, 1.5 * AWAY), after=after)
     return pipe, corners[1], corners[2]
+
+
+def elbow_clamp(shop: Workshop, group: str, fitting: str, pose: Floats, holder: str) -> list[str]:
+    """The plate that holds an elbow by its collar, with its screw; the plate stays on the elbow."""
+    asm, cut = shop.asm, shop.cut
+    side = -1.0 if pose[0, 3] > FILTER_X else 1.0
+    ears = ((-9.0, -9.0), (9.0, -9.0), (9.0, 20.0), (-9.0, 20.0))
+    corners = ears if side > 0.0 else tuple((x, -y) for x, y in ears[::-1])
+    holes = ((0.0, 0.0, 6.1), (0.0, 13.0 * side, METRIC[5].through / 2.0 + cut.ease))
+    base = pose @ at(z=ELBOW_COLLAR)
+    plate_path = asm.add(f"{group}/elbow_clamp", "zinc-plated steel", plate, corners, 4.0, 3.0, holes, pose=base)
+    asm.fit(plate_path, fitting, "line to line", 0.0)
+    seat = base @ at(0.0, 13.0 * side, 3.0)
+    bolts = shop.bolt(group, "clamp_screw", 5, seat, [plate_path], holder, 3.0 + ELBOW_COLLAR, 8.0, door_open=True)
+    asm.wait(holder, *bolts)
+    return [plate_path, *bolts]
 
 
 def loop_outline(cut: Cut, radius: float, reach: float, low: float, high: float) -> tuple[tuple[float, float], ...]:
@@ -267,7 +291,7 @@ def speed_sensor(shop: Workshop, name: str, cover: str, face: Floats) -> str:
     return path
 
 
-def blank(shop: Workshop, cover: str, face: Floats) -> None:
+def blank(shop: Workshop, cover: str, face: Floats) -> str:
     """A blanking plug in the port of a cover."""
     asm = shop.asm
     path = asm.add(cover.replace("/cover", "/blanking_plug"), "zinc-plated steel", blanking_plug, pose=face, spin=True)
@@ -275,6 +299,7 @@ def blank(shop: Workshop, cover: str, face: Floats) -> None:
     asm.flush(path, cover)
     asm.step(path, screw(face[:3, 2], face[:3, 3], 10.0, 1.5), pull(face[:3, 2], AWAY))
     asm.fasten(path, "bolt", "socket", 15.0, face @ at(z=7.0), [])
+    return path
 
 
 def blanking_plug(cut: Cut) -> Solid:
@@ -312,6 +337,7 @@ def harness(shop: Workshop, sources: Sequence[tuple[str, Floats, str]], sockets:
             ((CABLE, 0.0), (CABLE, 1.0)),
             0.0,
         )
+        asm.lines.append((cable, np.array(corners), CABLE))
         for piece in unit[-2:]:
             asm.fit(cable, piece, "press of 20 um", -0.02, CABLE)
         unit.append(cable)
@@ -324,7 +350,7 @@ def junction_box(shop: Workshop, beam: str, face: Floats, count: int) -> list[tu
     screws = ((48.0, 14.0), (-48.0, 14.0), (-48.0, -14.0), (48.0, -14.0))
     holes = tuple((x, y, 2.25 + cut.ease) for x, y in screws)
     places = [(26.0 * (k - (count - 1) / 2.0), 0.0) for k in range(count)]
-    blinds = tuple((x, y, PORT) for x, y in places)
+    blinds = tuple((x, y, port(cut)) for x, y in places)
     box = asm.add(
         "harness/junction_box", "black", flanged, (116.0, 40.0, 6.0), 16.0, (), (), (), holes, blinds, pose=face
     )

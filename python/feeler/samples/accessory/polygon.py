@@ -10,9 +10,10 @@ from ..mesh import Floats, Ints
 
 
 def triangulated(loops: Sequence[Floats]) -> Ints:
-    """Triangles of a polygon: `loops[0]` counter-clockwise, holes clockwise, each (n, 2). Indices run through all loops.
+    """Triangles of a polygon: `loops[0]` counter-clockwise, holes clockwise, each (n, 2).
 
-    Holes are joined to the outline by bridges, then ears are clipped. Triangles number vertices + 2 holes - 2.
+    Holes are joined to the outline by bridges, then ears are clipped. There are vertices + 2 holes - 2 triangles, whose
+    indices run through all loops.
     """
     points = np.concatenate(list(loops))
     return _clipped(points, _bridged(points, [len(loop) for loop in loops]))
@@ -73,7 +74,7 @@ def _clipped(points: Floats, walk: list[int]) -> Ints:
 
     def turn(i: int) -> float:
         a, c = back[i], ahead[i]
-        return (x[i] - x[a]) * (y[c] - y[i]) - (y[i] - y[a]) * (x[c] - x[i])
+        return float((x[i] - x[a]) * (y[c] - y[i]) - (y[i] - y[a]) * (x[c] - x[i]))
 
     least = 1e-10 * float(np.ptp(xy, axis=0).max()) ** 2
     blunt = {i for i in range(n) if turn(i) <= least}
@@ -132,7 +133,7 @@ def _cross(u: Floats, v: Floats) -> Floats:
 
 
 def rounded(corners: Floats, radius: float, pieces: Sequence[int] | int) -> Floats:
-    """A counter-clockwise polygon (k, 2) with its corners turned into arcs of `pieces` chords: (sum of pieces + 1, 2)."""
+    """A counter-clockwise polygon (k, 2) with its corners turned into arcs of `pieces` chords."""
     counts = [pieces] * len(corners) if isinstance(pieces, int) else pieces
     out: list[Floats] = []
     for k, corner in enumerate(corners):

@@ -54,17 +54,26 @@ class Drawn:
 
     def meshes(self, told: Callable[[float], None] = lambda _share: None) -> list[tuple[Part, Mesh]]:
         """Every part with its mesh in the world, metres."""
-        out, made = [], {}
-        total = len(self.assembly.parts)
-        for number, part in enumerate(self.assembly.parts.values()):
-            if part.shape not in made:
-                made[part.shape] = self.solids[part.shape].mesh()
-            mesh = made[part.shape]
-            vertices = (mesh.vertices @ part.pose[:3, :3].T + part.pose[:3, 3]) * (MM * part.scale)
-            faces = mesh.faces if np.linalg.det(part.pose[:3, :3]) > 0.0 else mesh.faces[:, ::-1]
-            out.append((part, Mesh(snapped(vertices), faces)))
-            told(number / total)
-        return out
+        return placed_meshes(self.assembly, self.solids, told)
+
+
+def placed_meshes(
+    asm: Assembly,
+    solids: dict[Hashable, Solid] | None = None,
+    told: Callable[[float], None] = lambda _share: None,
+) -> list[tuple[Part, Mesh]]:
+    """Every part with its mesh in the world, metres; `solids`: by shape, where not the assembly's."""
+    out: list[tuple[Part, Mesh]] = []
+    made: dict[Hashable, Mesh] = {}
+    for number, part in enumerate(asm.parts.values()):
+        if part.shape not in made:
+            made[part.shape] = (asm.solid(part) if solids is None else solids[part.shape]).mesh()
+        mesh = made[part.shape]
+        vertices = (mesh.vertices @ (part.scale * part.pose[:3, :3].T) + part.pose[:3, 3]) * MM
+        faces = mesh.faces if np.linalg.det(part.pose[:3, :3]) > 0.0 else mesh.faces[:, ::-1]
+        out.append((part, Mesh(snapped(vertices), faces)))
+        told(number / len(asm.parts))
+    return out
 
 
 def _made(level: int, seed: int, faults: tuple[str, ...]) -> Assembly:
@@ -114,6 +123,7 @@ def gearbox_parts(triangles: int, seed: int, faults: Sequence[str], progress: Pr
         np.repeat(np.arange(len(meshes), dtype=np.uint32), counts),
         paths,
         [f"{ROOT}/{path}" for path in paths],
+        np.array([MATERIALS[part.material].colour for part, _ in meshes]),
     )
 
 

@@ -24,6 +24,9 @@ LEAST_PIECE_MM = 0.05
 SHOWN = 0.35
 """Chamfers are drawn where the chord is below this share of them: larger, and coarse samples have more triangles."""
 GOLDEN = 0.6180339887
+DECIMALS = 7
+"""To which corners (millimetres) and angles are rounded where triangles are chosen: more, and the last bits of sines
+could choose others on another machine."""
 
 
 @dataclass(frozen=True)
@@ -51,8 +54,8 @@ class Cut:
         return self.chord < SHOWN * size
 
     def sag(self, radius: float) -> float:
-        """The distance from a circle to its chords as `circle` cuts it, millimetres."""
-        return float(radius * (1.0 - np.cos(np.pi / self.circle(radius))))
+        """The largest distance from a circle to its chords as `circle` cuts it, millimetres."""
+        return float(radius * (1.0 - np.cos(np.pi / self.circle(radius, 6))))
 
 
 class Solid:
@@ -120,7 +123,7 @@ class Solid:
 
         A row of radius 0 at an end is a tip; the loop of that end is then empty.
         """
-        angle = (np.arange(count) + self.phase()) * (2.0 * np.pi / count)
+        angle = np.asarray((np.arange(count) + self.phase()) * (2.0 * np.pi / count), dtype=np.float64)
         return self.swung(rows, angle, pose)
 
     def swung(self, rows: Sequence[Row], angle: Floats, pose: Floats | None = None) -> tuple[Ints, Ints]:
@@ -153,7 +156,7 @@ class Solid:
         stitches = sum(len(a) + len(b) for a, b, _ in self._stitches)
         faces = sum(len(outer) + sum(len(hole) + 2 for hole in holes) - 2 for outer, holes in self._faces)
         others = sum(len(loop) for loop, _ in self._tips) + sum(len(triangles) for triangles, _ in self._patches)
-        return grids + stitches + faces + others
+        return int(grids + stitches + faces + others)
 
     def mesh(self) -> Mesh:
         """The solid, closed and counter-clockwise from outside. Raises ValueError where a loop is left open."""
@@ -212,7 +215,7 @@ def _grid(rows: Ints, skip: frozenset[int]) -> Patch:
 
 def _stitched(points: Floats, a: Ints, b: Ints, pose: Floats | None) -> Patch:
     centre, across = (np.zeros(3), np.eye(3)[:, :2]) if pose is None else (pose[:3, 3], pose[:3, :2])
-    angles = [np.arctan2(*((points[loop] - centre) @ across).T[::-1]) for loop in (a, b)]
+    angles = [np.round(np.arctan2(*((points[loop] - centre) @ across).T[::-1]), DECIMALS) for loop in (a, b)]
     on_low, on_high = stitch(angles[0], angles[1])
     faces = np.concatenate(
         [
@@ -233,7 +236,7 @@ def _face(points: Floats, outer: Ints, holes: list[Ints]) -> Patch:
     axis = int(np.argmax(np.abs(normal)))
     keep = [(axis + 1) % 3, (axis + 2) % 3] if normal[axis] > 0.0 else [(axis + 2) % 3, (axis + 1) % 3]
     loops = [outer, *(hole[::-1] if float(_newell(points[hole]) @ normal) > 0.0 else hole for hole in holes)]
-    corners = [points[loop][:, keep] for loop in loops]
+    corners = [np.round(points[loop][:, keep], DECIMALS) for loop in loops]
     faces = strip(len(outer)) if not holes and _convex(corners[0]) else triangulated(corners)
     return np.concatenate(loops)[faces], np.concatenate([_edges(loop) for loop in loops])
 

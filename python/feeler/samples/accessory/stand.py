@@ -140,12 +140,10 @@ def bracket(shop: Workshop, box_x: float, box_screws: tuple[tuple[float, float],
         bolts = []
         for k, (x, y) in enumerate(beam_bolts):
             seat = frame((outside, y, -x), out)
-            bolts += shop.bolt("bracket", f"{side}_beam_bolt_{side}{k + 1}", 8, seat, [hanger], s.beam, HANGER, 18.0)
+            bolts += shop.bolt("bracket", f"{side}_beam_bolt_{k + 1}", 8, seat, [hanger], s.beam, HANGER, 18.0)
         for name, (a, b) in RAILS.items():
             seat = frame((outside, s.door + RAIL_THICK / 2.0, (a + b) / 2.0), out)
-            bolts += shop.bolt(
-                "bracket", f"{side}_rail_bolt_{side}{name}", 6, seat, [hanger], rails[name], HANGER, 14.0
-            )
+            bolts += shop.bolt("bracket", f"{side}_{name}_rail_bolt", 6, seat, [hanger], rails[name], HANGER, 14.0)
             asm.flush(rails[name], hanger)
         asm.step([hanger, bush], pull(out, AWAY), after=[*bolts, f"bracket/{side}_mount/retainer"])
         for step in asm.steps:
@@ -153,8 +151,8 @@ def bracket(shop: Workshop, box_x: float, box_screws: tuple[tuple[float, float],
                 step.after.append(hanger)
     for name, rail in rails.items():
         down = (0.0, -1.0, 0.0)
-        after = [f"bracket/{side}_rail_bolt_{side}{name}" for side in ("left", "right")]
-        asm.step(rail, pull(down, AWAY), after=[*after, *(["door/rear_leaf_*"] if name == "rear" else [])])
+        after = [f"bracket/{side}_{name}_rail_bolt" for side in ("left", "right")]
+        asm.step(rail, pull(down, AWAY), after=[*after, *(["door/*_leaf_*"] if name == "rear" else [])])
     asm.step(
         rear,
         pull((0.0, 0.0, -1.0), 3.0 * AWAY),
@@ -164,6 +162,7 @@ def bracket(shop: Workshop, box_x: float, box_screws: tuple[tuple[float, float],
             "input_drive/*",
             "covers/*_rear/cover",
             "oil_filter/*",
+            "housing/drain_plug",
             "starter/stud_*",
             "fuel_pump/stud_*",
             "lines/*",
@@ -216,7 +215,7 @@ def mount(shop: Workshop, s: Stand, side: str, sign: float) -> None:
     face = base @ at(z=36.5)
     disc = asm.add(f"{group}/retainer", "zinc-plated steel", standard.seal_washer, 9.0, 40.0, 3.0, pose=face, spin=True)
     asm.flush(disc, path)
-    bolt = shop.bolt(group, "retainer_bolt_5", 8, face @ at(z=3.0), [disc], path, 3.0, 18.0)
+    bolt = shop.bolt(group, "retainer_bolt", 8, face @ at(z=3.0), [disc], path, 3.0, 18.0)
     asm.step(disc, pull(base[:3, 2], AWAY), after=bolt)
 
 
@@ -230,7 +229,7 @@ def hinge_screws(s: Stand) -> list[tuple[float, float]]:
 
 def hinges(s: Stand) -> list[float]:
     """The x of the middle of each hinge."""
-    return [s.inner["left"] + 70.0, s.inner["right"] - 70.0]
+    return [s.inner["left"] + 100.0, s.inner["right"] - 100.0]
 
 
 def latch(cut: Cut) -> Solid:
@@ -253,7 +252,7 @@ def door(shop: Workshop, s: Stand) -> None:
     rail = "bracket/rear_rail"
     low, high = PANEL
     left, right = s.inner["left"] + 2.0, s.inner["right"] - 2.0
-    centre = (left + right) / 2.0
+    centre = (left + right) / 2.0 + 60.0  # of the latch: clear of the filter
     screws = [(x + dx, HINGE_Z - 14.0) for x in hinges(s) for dx in (5.4, 15.4)]
     core = METRIC[4].core / 2.0 + (cut.ease + 0.35 if cut.ease else 0.0)
     holes = [(x, -z, core) for x, z in screws] + [(centre, -LATCH_Z, 5.3 + cut.ease)]
@@ -318,16 +317,17 @@ def door(shop: Workshop, s: Stand) -> None:
             if name == "door":
                 moving += [leaf, *bolts]
         pin = asm.add(
-            f"door/pin_{k + 1}", "stainless steel", standard.turned_part, ((3.0, -2.0), (3.0, -0.4), (PIN, -0.4), (PIN, 43.0), (PIN - 0.5, 43.5)),
+            f"door/pin_{k + 1}", "stainless steel", standard.turned_part,
+            ((3.0, -2.0), (3.0, -0.4), (PIN, -0.4), (PIN, 43.0), (PIN - 0.5, 43.5)),
             pose=frame((x - 21.0, axis_y, HINGE_Z), X), spin=True,
         )  # fmt: skip
         pins.append(pin)
         for _, leaf, _ in leaves[-2:]:
             asm.fit(pin, leaf, "clearance", 0.05, PIN + 0.05)
         asm.step(pin, pull((-1.0, 0.0, 0.0), 60.0))
-    for name, leaf, bolts in leaves:
+    for _, leaf, bolts in leaves:
         asm.step(leaf, pull(down, AWAY), after=[*bolts, *pins])
-    asm.step([panel, bar], pull(down, AWAY), after=[leaf for name, leaf, _ in leaves if name == "door"])
+    asm.step([panel, bar], pull(down, AWAY), after=[leaf for _, leaf, _ in leaves])
     axis = (-1.0, 0.0, 0.0)
     asm.joints.append(Joint("door", "revolute", moving, axis, (0.0, s.door - HINGE_LOW, HINGE_Z), 0.0, 1.9))
-    asm.joints.append(Joint("latch", "revolute", [bar], Y, tuple(map(float, pose[:3, 3])), 0.0, np.pi / 2.0))
+    asm.joints.append(Joint("latch", "revolute", [bar], Y, (centre, s.door, LATCH_Z), 0.0, np.pi / 2.0))

@@ -36,11 +36,8 @@ def turned_part(cut: Cut, rows: tuple[Row, ...], least: int = 8) -> Solid:
 def hexagon(flats: float, z: float) -> Floats:
     """A hexagon about z, (6, 3)."""
     angle = np.arange(6) * (np.pi / 3.0) + 0.3
-    return np.stack([np.cos(angle), np.sin(angle), np.full(6, z)], axis=1) * [
-        flats / np.sqrt(3.0),
-        flats / np.sqrt(3.0),
-        1.0,
-    ]
+    radius = flats / np.sqrt(3.0)
+    return np.stack([radius * np.cos(angle), radius * np.sin(angle), np.full(6, z)], axis=1)
 
 
 def hex_prism(solid: Solid, cut: Cut, flats: float, low: float, high: float, *, chamfers: str) -> tuple[Ints, Ints]:
@@ -142,6 +139,7 @@ def seal_washer(cut: Cut, bore: float, outside: float, thick: float) -> Solid:
 
 def o_ring(cut: Cut, radius: float, section: float) -> Solid:
     """An O-ring about z in the plane z = 0: radius of the centre line, and diameter of the section."""
+    section -= 0.5 if cut.ease else 0.0
     n = cut.circle(section / 2.0, 6)
     angle = (np.arange(n) + 0.5) * (2.0 * np.pi / n)
     rows = np.stack([radius + np.cos(angle) * section / 2.0, np.sin(angle) * section / 2.0], axis=1)
@@ -222,7 +220,7 @@ def threaded_plug(cut: Cut) -> Solid:
 
 
 def threaded_hole(solid: Solid, cut: Cut, pose: Floats, depth: float, rise: float) -> tuple[Ints, Ints]:
-    """The hole for `threaded_plug`, whose frame is `rise` above the pose's face; returns its mouth and its inner end."""
+    """The hole for `threaded_plug`, whose frame is `rise` above the face; returns its mouth and its inner end."""
     grow = THREAD_PLAY_MM + cut.ease
     crest, root = PLUG_SIZE / 2.0 + grow, PLUG_SIZE / 2.0 - thread_depth(PLUG_PITCH) + grow
     low = PLUG_LOW + rise - PLUG_PITCH

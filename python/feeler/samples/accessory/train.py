@@ -1,4 +1,4 @@
-"""Gears and shafts about their z axis, millimetres: spur gears, a bevel pair, stepped shafts with keyways and splines."""
+"""Gears and shafts about their z axis, millimetres: spur gears, a bevel pair, shafts with keyways and splines."""
 
 from __future__ import annotations
 

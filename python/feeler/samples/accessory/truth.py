@@ -104,7 +104,8 @@ class Fault:
     name: str
     parts: tuple[str, ...]
     expects: str
-    """"clash", "too near", "no tool access", "no way out", "no hole", "duplicate", "inside", "floating", "mirrored", "unit"."""
+    """"clash", "too near", "no tool access", "no way out", "no hole", "duplicate", "inside", "floating", "mirrored" or
+    "unit"."""
     value: float
     """In metres: depth of the clash, gap, or by how much the way is too narrow; a factor for a unit; else 0."""
     says: str
@@ -136,13 +137,21 @@ class Truth:
         return tuple(fastener.path for fastener in self.fasteners if path in fastener.holds)
 
     def way(self, path: str) -> tuple[Step, ...]:
-        """The steps, in order, that take a part out and no others than it needs."""
-        wanted = {path}
+        """The steps, in order, that take a part out; empty for the beam, which carries all."""
+        last = next((step for step in self.steps if step.removes and path in step.parts), None)
+        return () if last is None else (*self.needed(last), last)
+
+    def needed(self, step: Step) -> tuple[Step, ...]:
+        """The steps, in order, that have to come before a step."""
+        wanted = set(step.after)
+        loose = set(step.parts) if step.removes else set()
         chosen = []
-        for step in reversed(self.steps):
-            if wanted & set(step.parts):
-                chosen.append(step)
-                wanted |= set(step.after)
+        before = self.steps[: self.steps.index(step)] if step in self.steps else self.steps
+        for earlier in reversed(before):
+            if wanted & set(earlier.parts) or (loose & set(earlier.parts) and not earlier.removes):
+                chosen.append(earlier)
+                wanted |= set(earlier.after)
+                loose |= set(earlier.parts) if earlier.removes else set()
         return tuple(reversed(chosen))
 
     def to_json(self) -> str:
