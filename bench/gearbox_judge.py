@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 import feeler
-from feeler.samples.accessory import Leg, Step, Truth
+from feeler.samples.accessory import Fastener, Leg, Step, Truth
 from feeler.samples.accessory.assembly import Assembly
 from feeler.samples.accessory.build import build
 from feeler.samples.accessory.sample import ROOT, placed_meshes, truth_of, volume
@@ -192,6 +192,7 @@ class Ways:
         pick = np.array([[k & 1, k >> 1 & 1, k >> 2 & 1] for k in range(8)], dtype=bool)
         self.corners = dict(zip(drawn.meshes, np.where(pick[None], high[:, None], low[:, None]), strict=True))
         self.kinds = {frozenset((fit.a, fit.b)) for fit in drawn.truth.fits}
+        self.threads = {frozenset((fit.a, fit.b)) for fit in drawn.truth.fits if "thread" in fit.kind}
         door = next(joint for joint in self.truth.joints if joint.name == "door")
         self.door = frozenset(door.parts)
         self.opened = leg_pose(Leg("turn", door.axis, door.point_m, 0.0, door.high), 1.0)
@@ -242,6 +243,38 @@ class Ways:
         return bool((shared[0] ^ shared[1]).volume() > FLUSH_MM3)
 
 
+    def in_the_way(self, fastener: Fastener) -> list[str]:
+        """Parts that a socket or a hexagon key on a fastener meets in its full turn, after what goes before is out."""
+        step = next(step for step in self.truth.steps if fastener.path in step.parts)
+        out = {path for earlier in self.truth.needed(step) if earlier.removes for path in earlier.parts}
+        radius, length = tool_of(fastener)
+        z = np.array(fastener.axis)
+        x = np.cross(z, np.eye(3)[int(np.argmin(np.abs(z)))])
+        x /= np.sqrt(x @ x)
+        pose = np.eye(4)
+        pose[:3, :3] = np.stack([x, np.cross(z, x), z], axis=1)
+        pose[:3, 3] = np.array(fastener.top_m) + z * (length / 2.0 + 2e-4)
+        tool = coal.Cylinder(radius, length)
+        within = {fastener.path}
+        if fastener.kind == "nut":  # a socket is hollow: the bolt's end goes into it
+            within |= {path for pair in self.threads if fastener.path in pair for path in pair}
+        found = []
+        for path, model in self.models.items():
+            if path in out or path in within:
+                continue
+            place = self.opened if step.door_open and path in self.door else np.eye(4)
+            if coal.collide(model, _at(place), tool, _at(pose), coal.CollisionRequest(), coal.CollisionResult()):
+                found.append(path)
+        return found
+
+
+def tool_of(fastener: Fastener) -> tuple[float, float]:
+    """Outer radius and length of a socket or a hexagon key, metres."""
+    if fastener.tool == "hex key":
+        return fastener.size_m * 0.6, 40e-3
+    return fastener.size_m * 0.64 + 0.7e-3, 55e-3
+
+
 def _moved(points: Floats, pose: Floats) -> Floats:
     return np.asarray(points @ pose[:3, :3].T + pose[:3, 3])
 
@@ -274,11 +307,12 @@ def main(seeds: list[int]) -> int:
         ways = Ways(eased(seed))
         rigid = [step for step in ways.truth.steps if step.rigid]
         blocked = {step.parts[0]: found for step in rigid if (found := ways.blocked(step))}
+        unreached = [f.path for f in ways.truth.fasteners if f.tool != "open-end wrench" and ways.in_the_way(f)]
         print(f"seed {seed}: {len(drawn.meshes)} parts, {len(shared)} of {len(named)} fits share volume")
         print(f"  without a name {stray}, deeper than named {deep}")
         print(f"  least gap of {len(least)} others {tight[1] * 1e3:.3f} mm {tight[0]}")
-        print(f"  {len(rigid)} steps, blocked {blocked}; {time.perf_counter() - start:.0f} s")
-        wrong += len(stray) + len(deep) + len(blocked)
+        print(f"  {len(rigid)} steps, blocked {blocked}; no tool on {unreached}; {time.perf_counter() - start:.0f} s")
+        wrong += len(stray) + len(deep) + len(blocked) + len(unreached)
     return wrong
 
 

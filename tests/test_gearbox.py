@@ -122,6 +122,17 @@ def test_fasteners_hold_and_have_tools() -> None:
         assert height.max() < (0.03 if "sensor" in fastener.path else 1e-5)  # nothing of it is above its top
 
 
+def test_tools_reach_the_fasteners() -> None:
+    """Sockets and keys turn in full; but for the bolt that a fault covers."""
+    judged = ways()
+    driven = [fastener for fastener in judged.truth.fasteners if fastener.tool != "open-end wrench"]
+    for fastener in driven[::3]:
+        assert not judged.in_the_way(fastener), fastener.path
+    faulty = judge.Ways(judge.of_sample(100_000, 0, ["blocked_bolt"]))
+    bolt, guard = faulty.truth.faults[0].parts
+    assert faulty.in_the_way(next(f for f in faulty.truth.fasteners if f.path == bolt)) == [guard]
+
+
 def test_feeler_finds_the_fasteners() -> None:
     truth = drawn().truth
     found = {row.path for row in feeler.find_fasteners(feeler.sample("gearbox", 250_000))}

@@ -219,7 +219,7 @@ def accessory(
         tuple((x, y, m.through / 2.0 + 0.2) for x, y in places),
         pose=base,
     )
-    asm.fit(body, holder, "H7/g6", -play("nominal/g6", 2.0 * opening(s)) * -1.0, opening(s))
+    asm.fit(body, holder, "H7/g6", play("H7/g6", 2.0 * opening(s)), opening(s))
     asm.flush(body, seal, holder)
     o_ring = shop.o_ring(f"{group}/o_ring", ring, section, pose @ at(z=-2.9), body, holder)
     # the drive shaft reaches from the spline's floor into the body
@@ -412,7 +412,7 @@ def filter_bowl(cut: Cut) -> Solid:
     )
     hexagon_low, hexagon_high = standard.hex_prism(solid, cut, 27.0, 122.0, 130.0, chamfers="high")
     inner, floor = solid.turned(
-        [(15.4, 20.0), (15.4, 47.0), (24.5, 52.0), (24.5, 114.0), (20.0, 118.0)], cut.circle(24.5)
+        [(14.9, 20.0), (14.9, 47.0), (24.5, 52.0), (24.5, 114.0), (20.0, 118.0)], cut.circle(24.5)
     )
     solid.wall(shoulder, lug_low) if len(shoulder) == len(lug_low) else solid.face(lug_low, shoulder)
     solid.face(lug_high, under)
@@ -455,7 +455,7 @@ def oil_filter(shop: Workshop) -> None:
     ring = shop.o_ring(f"{group}/o_ring", THROAT - 1.7 - SQUEEZE + 1.05, 2.1, pose @ at(z=25.2), bowl, head)
     element = asm.add(
         f"{group}/element", "orange", standard.ring_of,
-        ((7.0, 26.0), (14.6, 26.0), (14.6, 110.0), (18.0, 110.0), (18.0, 118.0), (7.0, 118.0)), 18.0, pose=pose,
+        ((7.0, 26.0), (13.8, 26.0), (13.8, 110.0), (18.0, 110.0), (18.0, 118.0), (7.0, 118.0)), 18.0, pose=pose,
     )  # fmt: skip
     asm.flush(element, bowl)
     down = (0.0, -1.0, 0.0)
@@ -471,6 +471,7 @@ def oil_filter(shop: Workshop) -> None:
             rear,
             14.0 + GASKET,
             8.0,
+            after=["lines/fuel_pipe/adapter_2", "lines/oil_pipe/adapter_2"],  # in the way of the wrench
             door_open=True,
             away=100.0,
         )

@@ -192,7 +192,7 @@ class Workshop:
                 "hardened steel",
                 standard.dowel,
                 6.0,
-                16.0,
+                13.0,
                 pose=at(x, y, GASKET / 2.0),
                 spin=True,
             )
@@ -406,7 +406,7 @@ class Workshop:
 
     def spigot(self, s: Station) -> tuple[tuple[tuple[float, float], ...], float, float]:
         """Rows of a spigot that fits the pad's hole (H7/g6), with a groove; radius and section of its O-ring."""
-        radius = opening(s) + play("nominal/g6", 2.0 * opening(s)) * -1.0
+        radius = opening(s) + deviation("g6", 2.0 * opening(s)) / 2.0
         floor = radius - RING_DEPTH
         rows = ((radius, 0.0), (radius, -1.2), (floor, -1.2), (floor, -4.6), (radius, -4.6), (radius - 0.4, -6.0))
         return rows, ring_radius(radius), RING
@@ -432,7 +432,7 @@ class Workshop:
         path = asm.add(
             f"{group}/cover", "aluminium", flanged, (s.pad - 0.4,), thick, up, down, (), holes, blinds, pose=pose
         )
-        asm.fit(path, holder, "H7/g6", -play("nominal/g6", 2.0 * opening(s)), opening(s))
+        asm.fit(path, holder, "H7/g6", play("H7/g6", 2.0 * opening(s)), opening(s))
         asm.flush(path, holder)
         seal = self.o_ring(f"{group}/o_ring", ring, section, pose @ at(z=-2.9), path, holder)
         bolts = []

@@ -120,7 +120,7 @@ def case(
     for k, place in enumerate(plan.flange_bolts):
         into = half.sign > 0.0 and k in plan.tapped_bolts
         bolts += round_holes([place], ((core, 0.0), (core, FLANGE_THICK)) if into else through(cut, 6, FLANGE_THICK))
-    pins = round_holes(plan.dowels, ((dowel + cut.ease, 0.0), (dowel + cut.ease, 8.5), (0.0, 10.0)))
+    pins = round_holes(plan.dowels, ((dowel + cut.ease, 0.0), (dowel + cut.ease, 7.2), (0.0, 8.7)))
     solid.face(rim, cavity, *(low for low, _ in bolts), *(low for low, _ in pins))
     # the walls, with the holes of the sides
     foot, _ = drawn(WALL, RIB, (FLANGE_THICK,))
@@ -169,7 +169,7 @@ def case(
             [(out + 1.5, half.floor), (out, half.floor - 2.5), (out, half.boss)], cut.circle(out), pose @ _at(s.x, s.y)
         )
         rows = [(seat + 0.6, half.boss), (seat, half.boss + 0.6)] if fine else [(seat, half.boss)]
-        wide = opening(s) + cut.ease
+        wide = opening(s) + deviation("H7", 2.0 * opening(s)) / 2.0 + cut.ease
         rows += [(seat, half.lip), (wide, half.lip), (wide, half.pad - edge)]
         rows += [(wide + edge, half.pad)] if fine else []
         start, end = solid.turned(rows, cut.circle(seat), pose @ _at(s.x, s.y))

@@ -8,6 +8,9 @@ import numpy as np
 
 from ..mesh import Floats, Ints
 
+MARGIN_MM = 1.5e-3
+"""No triangle is nearer to a corner of another one, where that can be: three steps of the vertex grid."""
+
 
 def triangulated(loops: Sequence[Floats]) -> Ints:
     """Triangles of a polygon: `loops[0]` counter-clockwise, holes clockwise, each (n, 2).
@@ -50,6 +53,7 @@ def _seen(points: Floats, walk: list[int], edges: Ints, start: int) -> int | Non
     inside = np.where(convex, left & right, left | right)
     distance = ((corners - p) ** 2).sum(axis=1)
     a, b = points[edges[:, 0]], points[edges[:, 1]]
+    everywhere = points[np.unique(edges)]
     for place in np.argsort(distance, kind="stable"):
         if not inside[place]:
             continue
@@ -60,7 +64,10 @@ def _seen(points: Floats, walk: list[int], edges: Ints, start: int) -> int | Non
         crosses = (_cross(q - p, u - p) * _cross(q - p, v - p) <= 0.0) & (
             _cross(v - u, p - u) * _cross(v - u, q - u) <= 0.0
         )
-        if not crosses.any():
+        way = q - p
+        share = np.clip(((everywhere - p) @ way) / (way @ way), 0.0, 1.0)[:, None]
+        near = (((everywhere - p - share * way) ** 2).sum(axis=1) < MARGIN_MM**2).sum() > 2  # both ends are
+        if not crosses.any() and not near:
             return int(place)
     return None
 
@@ -70,62 +77,54 @@ def _clipped(points: Floats, walk: list[int]) -> Ints:
     n = len(walk)
     xy = points[walk]
     x, y = xy[:, 0].tolist(), xy[:, 1].tolist()
+    all_x, all_y = np.ascontiguousarray(xy[:, 0]), np.ascontiguousarray(xy[:, 1])
     ahead, back = [*range(1, n), 0], [n - 1, *range(n - 1)]
-
-    def turn(i: int) -> float:
-        a, c = back[i], ahead[i]
-        return float((x[i] - x[a]) * (y[c] - y[i]) - (y[i] - y[a]) * (x[c] - x[i]))
-
     least = 1e-10 * float(np.ptp(xy, axis=0).max()) ** 2
-    blunt = {i for i in range(n) if turn(i) <= least}
-    blunt_at, blunt_xy = _gathered(xy, blunt)
+    uses = np.bincount(walk)
+    bridged = {k for k in range(n) if uses[walk[k]] > 1}  # other edges end there, too
+
+    def is_ear(a: int, b: int, c: int, margin: float) -> bool:
+        ax, ay, bx, by, cx, cy = x[a], y[a], x[b], y[b], x[c], y[c]
+        ux, uy = cx - ax, cy - ay
+        area, long = (bx - ax) * uy - (by - ay) * ux, ux * ux + uy * uy
+        if area <= least or (b in bridged and area * area < margin * margin * long):
+            return False
+        beside = (all_x >= min(ax, bx, cx) - margin) & (all_x <= max(ax, bx, cx) + margin)
+        beside &= (all_y >= min(ay, by, cy) - margin) & (all_y <= max(ay, by, cy) + margin)
+        for k in np.flatnonzero(beside).tolist():
+            px, py = x[k], y[k]
+            if (px, py) in ((ax, ay), (bx, by), (cx, cy)):
+                continue
+            share = min(1.0, max(0.0, ((px - ax) * ux + (py - ay) * uy) / long))
+            if (px - ax - share * ux) ** 2 + (py - ay - share * uy) ** 2 < margin * margin:
+                return False
+            if (
+                (bx - ax) * (py - ay) >= (by - ay) * (px - ax)
+                and (cx - bx) * (py - by) >= (cy - by) * (px - bx)
+                and (ax - cx) * (py - cy) >= (ay - cy) * (px - cx)
+            ):
+                return False
+        return True
+
     triangles: list[tuple[int, int, int]] = []
-    here, left, misses, stale = 0, n, 0, 0
+    here, left, misses, margin = 0, n, 0, MARGIN_MM
     while left > 3 and misses <= left:
         a, c = back[here], ahead[here]
-        if here not in blunt and not _holds(blunt_at, blunt_xy, xy[a], xy[here], xy[c]):
+        if is_ear(a, here, c, margin):
             triangles.append((walk[a], walk[here], walk[c]))
             ahead[a], back[c] = c, a
             left -= 1
-            misses = 0
-            for end in (a, c):
-                if end in blunt and turn(end) > least:
-                    blunt.discard(end)
-                    stale += 1
-                elif end not in blunt and turn(end) <= least:
-                    blunt.add(end)
-                    stale = n
-            if stale > 16 or 4 * stale > len(blunt):
-                blunt_at, blunt_xy = _gathered(xy, blunt)
-                stale = 0
+            misses, margin = 0, MARGIN_MM
             here = ahead[c]  # every other corner, not one fan
         else:
             here = c
             misses += 1
-            if misses == left and stale:  # corners that have become sharp since
-                blunt_at, blunt_xy = _gathered(xy, blunt)
-                stale = misses = 0
+            if misses == left and margin:  # better a triangle that is near to a corner than none
+                misses, margin = 0, 0.0
     if left > 3:
         raise ValueError(f"a face cannot be cut into triangles: {left} corners are left of {n}")
     triangles.append((walk[back[here]], walk[here], walk[ahead[here]]))
     return np.array(triangles, dtype=np.int64)
-
-
-def _gathered(xy: Floats, chosen: set[int]) -> tuple[Floats, Floats]:
-    found = xy[sorted(chosen)]
-    return np.ascontiguousarray(found[:, 0]), np.ascontiguousarray(found[:, 1])
-
-
-def _holds(px: Floats, py: Floats, a: Floats, b: Floats, c: Floats) -> bool:
-    """Whether a triangle holds one of the points, but for those that lie on its corners."""
-    (ax, ay), (bx, by), (cx, cy) = a.tolist(), b.tolist(), c.tolist()
-    inside = (
-        ((bx - ax) * (py - ay) - (by - ay) * (px - ax) >= 0.0)
-        & ((cx - bx) * (py - by) - (cy - by) * (px - bx) >= 0.0)
-        & ((ax - cx) * (py - cy) - (ay - cy) * (px - cx) >= 0.0)
-    )
-    at = np.flatnonzero(inside)
-    return any((px[k], py[k]) not in ((ax, ay), (bx, by), (cx, cy)) for k in at.tolist())
 
 
 def _cross(u: Floats, v: Floats) -> Floats:

@@ -210,7 +210,7 @@ def threaded_plug(cut: Cut) -> Solid:
     solid.wall(end, bottom)
     solid.face(end)
     neck, rim = solid.turned(
-        [(root, -0.5), (root, 0.0), (0.6 * PLUG_FLATS, 0.0), (0.6 * PLUG_FLATS, 2.0)], cut.circle(root)
+        [(root, -0.5), (root, 0.0), (0.68 * PLUG_FLATS, 0.0), (0.68 * PLUG_FLATS, 2.0)], cut.circle(root)
     )
     solid.wall(top, neck)
     under, over = hex_prism(solid, cut, PLUG_FLATS, 2.0, 9.0, chamfers="high")
@@ -296,7 +296,7 @@ def cage(cut: Cut, name: str) -> Solid:
     """
     b = BEARINGS[name]
     pieces = max(2, cut.arc(b.ball / 2.0, 0.9 * np.pi) // 2 * 2)
-    half = 0.55 * np.pi / pieces
+    half = 0.495 * np.pi / pieces
     pocket = (b.ball / 2.0 + 0.3) / np.cos(half)  # chords stay off the ball
     angle = -np.pi / 2.0 + np.linspace(-1.0, 1.0, pieces + 1) * (half * pieces)
     s, z = pocket * np.cos(angle) / b.pitch, pocket * np.sin(angle)
