@@ -242,7 +242,6 @@ class Ways:
         ]
         return bool((shared[0] ^ shared[1]).volume() > FLUSH_MM3)
 
-
     def in_the_way(self, fastener: Fastener) -> list[str]:
         """Parts that a socket or a hexagon key on a fastener meets in its full turn, after what goes before is out."""
         step = next(step for step in self.truth.steps if fastener.path in step.parts)

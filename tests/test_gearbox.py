@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import subprocess
+import sys
 from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -164,6 +167,12 @@ def test_the_door_opens_and_the_latch_turns() -> None:
     assert {pair[1] for pair in judged.blocked(step)} <= {f"gearbox/door/pin_{k}" for k in (1, 2)}
 
 
+def test_the_page_has_the_fits(root: Path) -> None:
+    """`python tools/gearbox_docs.py` keeps the table of docs/samples.md."""
+    done = subprocess.run([sys.executable, root / "tools" / "gearbox_docs.py", "--check"], check=False)
+    assert done.returncode == 0, "run python tools/gearbox_docs.py"
+
+
 def test_truth_as_json() -> None:
     truth = drawn().truth
     held = json.loads(truth.to_json())
@@ -230,6 +239,21 @@ def test_unknown_faults_and_other_samples() -> None:
         feeler.sample("engine", 20_000, faults=["pipe_clash"])
     with pytest.raises(feeler.OptionError, match="gearbox"):
         feeler.sample_truth("engine")
+
+
+def test_feeler_says_the_same() -> None:
+    """`feeler.clash` finds the planted clashes and nothing else beside the fits, none of them deeper than named."""
+    names = ["pipe_clash", "duplicate", "inside"]
+    found = feeler.clash(feeler.sample("gearbox", 100_000, faults=names), clearance=0.0)
+    truth = feeler.sample_truth("gearbox", 100_000, faults=names)
+    fits = {frozenset((fit.a, fit.b)): fit for fit in truth.fits}
+    rows = {frozenset((row.path_a, row.path_b)): row for row in found}
+    assert set(rows) - set(fits) == {frozenset(fault.parts) for fault in truth.faults}
+    clash = rows[frozenset(truth.faults[0].parts)]
+    assert clash.depth == pytest.approx(3e-3, abs=truth.chord_m + 1e-5)
+    for pair, row in rows.items():
+        if pair in fits:
+            assert row.depth <= fits[pair].deepest_m + row.depth_error + judge.GRID_M, pair
 
 
 # --- the builder ------------------------------------------------------------------------------------------------------

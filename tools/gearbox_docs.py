@@ -86,7 +86,8 @@ def draw(folder: Path) -> None:
     render(folder / "exploded.png", body, camera=camera, size=SIZE)
     inside = body_of(mockup)
     cut = Section((0.0, 0.0, 0.0), (-1.0, 0.0, 0.0))
-    camera = Camera.framing(inside.points, (0.9, -0.15, 0.35), (0.0, 1.0, 0.0), size=SIZE)
+    near = inside.points[(np.abs(inside.points - np.array([0.0, -0.05, 0.06])) < [0.09, 0.18, 0.14]).all(axis=1)]
+    camera = Camera.framing(near, (0.9, -0.15, 0.35), (0.0, 1.0, 0.0), size=SIZE)
     render(folder / "section.png", inside, camera=camera, size=SIZE, section=cut)
 
 

@@ -42,10 +42,11 @@ def sample(
     harness, boxes, gearbox), "engine" (an aero-engine's core, dressed; 3 m) or "tay" (a turbofan in its nacelle; 4 m).
     Besides, "gearbox": an engine's accessory gearbox on its bracket, 0.5 m, drawn as real ones are: every fit has a
     name, nothing else touches, and `feeler.sample_truth` says what is right.
-    `triangles`: the size, from 10 thousand to 100 million ("differential", which has few parts: 20 million); the result
-    has within 10 % (mostly 1 %) of it, never more. The part count grows with its square root. `seed`: another
-    arrangement of pipes, cables, boxes; of the gearbox other teeth and places. `faults`: planted in the gearbox, by the
-    names in `feeler.samples.FAULTS`. `progress(fraction, stage)` is called now and then.
+    `triangles`: the size, from 10 thousand to 100 million ("differential", which has few parts: 20 million; "gearbox":
+    from about 66 thousand to 4 million); the result has within 10 % (mostly 1 %) of it, never more. The part count grows
+    with its square root; that of the gearbox stays. `seed`: another arrangement of pipes, cables, boxes; of the gearbox
+    other teeth and places. `faults`: planted in the gearbox, by the names in `feeler.samples.FAULTS`.
+    `progress(fraction, stage)` is called now and then.
 
     Metres, right-handed, the engine's axis along z, front at z = 0, gearbox towards -y. Parts are closed shells facing
     outwards; a part may be several shells, and parts may overlap a little where real ones are welded or pressed
