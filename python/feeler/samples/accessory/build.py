@@ -10,13 +10,14 @@ from .design import Workshop
 from .layout import FRONT, REAR, layout
 from .solid import Cut
 
+FLANGE_BOLTS = 20
 BOX_X, BOX_SCREWS = 116.0, ((48.0, -14.0), (-48.0, -14.0), (-48.0, 14.0), (48.0, 14.0))
 
 
 def build(cut: Cut, seed: int) -> Assembly:
     """The gearbox at a chord."""
     asm = Assembly(cut, seed)
-    plan = layout(seed, asm.rng("layout"), 20)
+    plan = layout(seed, asm.rng("layout"), FLANGE_BOLTS + (int(asm.rng("bolts").integers(-2, 3)) if seed else 0))
     shop = Workshop(asm, plan)
     ports = accessories.filter_ports(shop)
     face_holes = shop.face_holes()
