@@ -203,6 +203,11 @@ def test_sample_lists_makes_and_writes(tmp_path: Path) -> None:
     np.testing.assert_allclose(
         run_json("info", tmp_path / "wrench.stl")["files"][0]["extent"], tool["extent"], rtol=1e-6
     )
+    truth = tmp_path / "truth.json"
+    faulty = run_json("sample", "gearbox", "--triangles", "80000", "--fault", "floating", "--truth", truth)
+    assert faulty["parts"] > 500
+    assert json.loads(truth.read_text())["faults"][0]["name"] == "floating"
+    assert "pipe_clash" in run("sample", "gearbox", "--triangles", "80000", "--fault", "rust", code=2).output
     assert run_json("sample", "wrench", "--fine")["triangles"] > 10_000
     assert run_json("sample", "differential", "--triangles", "10000", "--seed", "1")["triangles"] >= 9000
 

@@ -48,7 +48,7 @@ from feeler.plan.reaching import Access, Reach, access
 from feeler.plan.removal import Certificate, Removal, RemovalBlocker, removal
 from feeler.plan.swept import swept
 from feeler.poses import nearest_rigid
-from feeler.samples import sample, sample_path, sample_poses, sample_tool
+from feeler.samples import sample, sample_path, sample_poses, sample_tool, sample_truth
 from feeler.scene import ContactTracker, PairKind, Scene, optimal_voxel_size
 
 if _TYPE_CHECKING:
@@ -123,6 +123,7 @@ __all__ = [
     "sample_path",
     "sample_poses",
     "sample_tool",
+    "sample_truth",
     "swept",
     "view",
 ]

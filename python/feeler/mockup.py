@@ -165,6 +165,8 @@ class Mockup(_core.Mockup):
     part_names: list[str]
     part_paths: list[str]
     source: Source
+    part_colours: npt.NDArray[np.float64] | None = None
+    """Colours of the parts in pictures and GLB files, (parts, 3) sRGB, 0 to 1; None: one colour per assembly."""
 
     def __new__(
         cls,

@@ -18,6 +18,8 @@ from feeler.progress import bar
     examples="""
 feeler sample
 feeler sample engine --triangles 1600000 --out engine.glb
+feeler sample gearbox --out gearbox.glb --truth gearbox.json
+feeler sample gearbox --fault pipe_clash --fault blocked_bolt --out faulty.glb
 feeler sample wrench --fine --out wrench.stl
 """
 )
@@ -26,6 +28,12 @@ def sample(
     triangles: Annotated[int, typer.Option(help="Size of a mock-up.")] = 100_000,
     seed: Annotated[int, typer.Option(help="Another seed, another arrangement of the same mock-up.")] = 0,
     fine: Annotated[bool, typer.Option("--fine", help="A tool of about 50 thousand triangles.")] = False,
+    fault: Annotated[
+        list[str] | None, typer.Option(help="Plant a fault in the gearbox; repeat for more. An unknown one lists all.")
+    ] = None,
+    truth: Annotated[
+        Path | None, typer.Option(help="Write what is true of the gearbox: fits, ways, tools (JSON).")
+    ] = None,
     out: Annotated[
         Path | None, typer.Option(help="Write it: .glb keeps parts and colours, .stl is one mesh in millimetres.")
     ] = None,
@@ -33,6 +41,7 @@ def sample(
 ) -> None:
     """Makes a built-in mock-up or tool, the same on every machine."""
     from feeler.cli import outputs
+    from feeler.io.atomic import atomic_file
     from feeler.samples import sample_names, sample_tool_names
 
     mockups, tools = sample_names(), sample_tool_names()
@@ -47,13 +56,20 @@ def sample(
     if out is not None:
         outputs.check_mesh_target(out)
     mesh: Any
+    faults = tuple(fault or ())
     if name in tools:
+        if faults or truth is not None:
+            raise OptionError("--fault and --truth are for the gearbox")
         mesh = feeler.sample_tool(name, fine=fine)
     else:
         if fine:
             raise OptionError("--fine is for tools; a mock-up takes --triangles")
         with bar(f"making {name}") as progress:
-            mesh = feeler.sample(name, triangles, seed=seed, progress=progress)
+            mesh = feeler.sample(name, triangles, seed=seed, faults=faults, progress=progress)
+        if truth is not None:
+            known = feeler.sample_truth(name, triangles, seed=seed, faults=faults)
+            with atomic_file(truth) as file:
+                file.write((known.to_json() + "\n").encode())
     size = None
     if out is not None:
         with bar(f"writing {out}"):

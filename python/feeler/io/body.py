@@ -78,7 +78,8 @@ def body_of(
 ) -> Body:
     """The `Body` of a mock-up, a tool, or anything with `.vertices` and `.faces`.
 
-    colours: None (one colour per assembly), one (3,) sRGB colour, or (parts, 3), one per part.
+    colours: None (the mesh's own `part_colours`, else one per assembly), one (3,) sRGB colour, or (parts, 3), one per
+    part.
     pose: world_from_mesh, (4, 4), metres; None leaves the mesh where it is.
     Raises `MeshError` where a face names a vertex that does not exist.
     """
@@ -99,7 +100,8 @@ def body_of(
     if pose is not None:
         matrix = np.asarray(pose, dtype=np.float64)
         vertices = vertices @ matrix[:3, :3].T + matrix[:3, 3]
-    palette, colour_of_part = _palette(colours, paths)
+    own = getattr(mesh, "part_colours", None)
+    palette, colour_of_part = _palette(own if colours is None else colours, paths)
     return Body(vertices, faces, part_of_face, paths, palette, colour_of_part[part_of_face], cut=cut)
 
 

@@ -35,7 +35,7 @@ class MeshParts:
     """A whole mock-up as arrays.
 
     vertices (n, 3) float64, metres; faces (m, 3) uint32; part_of_face (m,) uint32, not decreasing; one name and one
-    path per part.
+    path per part; where the sample has materials, sRGB colours (parts, 3).
     """
 
     vertices: Floats
@@ -43,6 +43,7 @@ class MeshParts:
     part_of_face: npt.NDArray[np.uint32]
     part_names: list[str]
     part_paths: list[str]
+    colours: Floats | None = None
 
 
 def merge(meshes: Sequence[Mesh]) -> Mesh:

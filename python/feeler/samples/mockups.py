@@ -1,14 +1,15 @@
-"""The six sample mock-ups, in the roles of the paper's Table 1, and `sample` that builds one to a size."""
+"""The sample mock-ups: six in the roles of the paper's Table 1, and a gearbox whose truth is known."""
 
 from __future__ import annotations
 
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from ..errors import OptionError
 from ..mockup import Mockup, Source
+from . import accessory
 from . import core_engine as core
 from .carcass import add_carcass
 from .core_engine import Amount
@@ -19,20 +20,33 @@ from .mesh import MeshParts
 from .nacelle import add_fan, add_nacelle
 from .plan import Plan, Progress
 
+GEARBOX = "gearbox"
 LEAST_TRIANGLES = 10_000
 MOST_TRIANGLES = 100_000_000
-MOST_BY_NAME = {"differential": 20_000_000}  # so few parts would be cut finer than the vertex grid bears
+# So few parts would be cut finer than the vertex grid bears.
+MOST_BY_NAME = {"differential": 20_000_000, "gearbox": 4_000_000}
 
 
-def sample(name: str, triangles: int = 1_600_000, seed: int = 0, *, progress: Progress | None = None) -> Mockup:
+def sample(
+    name: str,
+    triangles: int = 1_600_000,
+    seed: int = 0,
+    *,
+    faults: Sequence[str] = (),
+    progress: Progress | None = None,
+) -> Mockup:
     """A built-in mock-up: CAD-like, made of hundreds to thousands of named parts.
 
     `name`, after the paper's Table 1: "carcass" (nested engine casings, flanges, bolts, panels), "differential" (bevel
     and spur gears, bearings, housing; 0.8 m), "turbine" (bladed disks, shafts, casings), "externals" (pipes, clamps,
     harness, boxes, gearbox), "engine" (an aero-engine's core, dressed; 3 m) or "tay" (a turbofan in its nacelle; 4 m).
-    `triangles`: the size, from 10 thousand to 100 million ("differential", which has few parts: 20 million); the result
-    has within 10 % (mostly 1 %) of it, never more. The part count grows with its square root. `seed`: another
-    arrangement of pipes, cables, boxes. `progress(fraction, stage)` is called now and then.
+    Besides, "gearbox": an engine's accessory gearbox on its bracket, 0.5 m, drawn as real ones are: every fit has a
+    name, nothing else touches, and `feeler.sample_truth` says what is right.
+    `triangles`: the size, from 10 thousand to 100 million ("differential", which has few parts: 20 million; "gearbox":
+    from about 66 thousand to 4 million); the result has within 10 % (mostly 1 %) of it, never more. The number of parts
+    grows with its square root, but for the gearbox. `seed`: another arrangement of pipes, cables, boxes; of the gearbox
+    other teeth and places. `faults`: planted in the gearbox, by the names in `feeler.samples.FAULTS`.
+    `progress(fraction, stage)` is called now and then.
 
     Metres, right-handed, the engine's axis along z, front at z = 0, gearbox towards -y. Parts are closed shells facing
     outwards; a part may be several shells, and parts may overlap a little where real ones are welded or pressed
@@ -43,7 +57,7 @@ def sample(name: str, triangles: int = 1_600_000, seed: int = 0, *, progress: Pr
     mock-up cannot be tessellated to.
     """
     parts = sample_parts(
-        name, triangles, seed, progress=progress and (lambda share, stage: progress(0.75 * share, stage))
+        name, triangles, seed, faults=faults, progress=progress and (lambda share, stage: progress(0.75 * share, stage))
     )
     if progress:
         progress(0.75, "checking triangles")
@@ -55,6 +69,7 @@ def sample(name: str, triangles: int = 1_600_000, seed: int = 0, *, progress: Pr
         part_paths=parts.part_paths,
         source=Source(format="sample", unit_source="samples are metres", notes=(f"{name}, seed {seed}",)),
     )
+    mockup.part_colours = parts.colours
     if progress:
         progress(1.0, "done")
     return mockup
@@ -62,22 +77,38 @@ def sample(name: str, triangles: int = 1_600_000, seed: int = 0, *, progress: Pr
 
 def sample_names() -> tuple[str, ...]:
     """The names that `sample` knows."""
-    return tuple(_MAKERS)
+    return (*_MAKERS, GEARBOX)
+
+
+def sample_truth(
+    name: str, triangles: int = 1_600_000, seed: int = 0, *, faults: Sequence[str] = ()
+) -> accessory.Truth:
+    """What is true of the sample "gearbox" with the same arguments: fits, ways out, tools, joints, masses, faults.
+
+    `.to_json()` gives it as JSON. Other samples have none: their parts overlap where they happen to.
+
+    Raises OptionError as `sample` does.
+    """
+    if name != GEARBOX:
+        raise OptionError(f"the sample {name!r} has no truth; the one that has it is {GEARBOX!r}")
+    wanted, number = _checked(name, triangles, seed)
+    return accessory.gearbox_truth(wanted, number, tuple(faults))
 
 
 def sample_parts(
-    name: str, triangles: int = 1_600_000, seed: int = 0, *, progress: Progress | None = None
+    name: str,
+    triangles: int = 1_600_000,
+    seed: int = 0,
+    *,
+    faults: Sequence[str] = (),
+    progress: Progress | None = None,
 ) -> MeshParts:
     """What `sample` makes, as plain arrays; see there."""
-    if name not in _MAKERS:
-        raise OptionError(f"no sample mock-up is called {name!r}; choose one of {', '.join(_MAKERS)}")
-    wanted = _whole(triangles, "triangles")
-    most = MOST_BY_NAME.get(name, MOST_TRIANGLES)
-    if not LEAST_TRIANGLES <= wanted <= most:
-        raise OptionError(f"triangles is {triangles}; the sample {name!r} has from {LEAST_TRIANGLES} to {most}")
-    number = _whole(seed, "seed")
-    if number < 0:
-        raise OptionError(f"seed is {seed}; give a whole number from 0")
+    wanted, number = _checked(name, triangles, seed)
+    if name == GEARBOX:
+        return accessory.gearbox_parts(wanted, number, tuple(faults), progress)
+    if faults:
+        raise OptionError(f"the sample {name!r} has no faults to plant; the one that has them is {GEARBOX!r}")
     make, reference = _MAKERS[name]
     richness = (wanted / reference) ** 0.5
     for _ in range(24):
@@ -88,6 +119,19 @@ def sample_parts(
             return plan.build(wanted, progress)
         richness *= 0.85  # too many parts for so few triangles
     raise OptionError(f"{name} cannot be made of only {wanted} triangles; ask for more")
+
+
+def _checked(name: str, triangles: object, seed: object) -> tuple[int, int]:
+    if name not in sample_names():
+        raise OptionError(f"no sample mock-up is called {name!r}; choose one of {', '.join(sample_names())}")
+    wanted = _whole(triangles, "triangles")
+    most = MOST_BY_NAME.get(name, MOST_TRIANGLES)
+    if not LEAST_TRIANGLES <= wanted <= most:
+        raise OptionError(f"triangles is {triangles}; the sample {name!r} has from {LEAST_TRIANGLES} to {most}")
+    number = _whole(seed, "seed")
+    if number < 0:
+        raise OptionError(f"seed is {seed}; give a whole number from 0")
+    return wanted, number
 
 
 def _whole(value: object, name: str) -> int:

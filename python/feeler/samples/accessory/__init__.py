@@ -1,0 +1,24 @@
+"""An engine's accessory gearbox, drawn as real ones are, with its truth.
+
+`solid.py` and `polygon.py` build closed solids; `fits.py` has the tables; `standard.py`, `train.py`, `bodies.py` and
+`housing.py` draw parts; `layout.py`, `design.py`, `accessories.py`, `lines.py`, `stand.py` and `build.py` put them
+together; `assembly.py` keeps what is true of them; `sample.py` cuts it to a size; `faults.py` plants faults.
+"""
+
+from .faults import FAULTS
+from .sample import gearbox_parts, gearbox_truth
+from .truth import Body, Fastener, Fault, Fit, Joint, Leg, Step, Truth
+
+__all__ = [
+    "FAULTS",
+    "Body",
+    "Fastener",
+    "Fault",
+    "Fit",
+    "Joint",
+    "Leg",
+    "Step",
+    "Truth",
+    "gearbox_parts",
+    "gearbox_truth",
+]

@@ -1,0 +1,296 @@
+"""The assembly in the making: parts at their poses, and in the same place what is true of them."""
+
+from __future__ import annotations
+
+import fnmatch
+import itertools
+import zlib
+from collections.abc import Callable, Hashable, Iterable, Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+import numpy as np
+
+from ..mesh import Floats, Mesh, turned
+from .solid import Cut, Solid
+
+Make = Callable[..., Solid]
+Vector = Sequence[float] | Floats
+
+
+NEAR_LINE = 9.0
+"""A fastener waits for a pipe or cable nearer to its way than this, millimetres: half a bolt's head and a gap."""
+
+
+@dataclass(frozen=True)
+class Material:
+    """A material: its density in kg/m3 and the colour in which it is drawn (sRGB, 0 to 1)."""
+
+    density: float
+    colour: tuple[float, float, float]
+
+
+MATERIALS = {
+    "cast aluminium": Material(2700.0, (0.62, 0.65, 0.67)),
+    "aluminium": Material(2700.0, (0.74, 0.76, 0.78)),
+    "steel": Material(7850.0, (0.50, 0.53, 0.57)),
+    "hardened steel": Material(7850.0, (0.40, 0.42, 0.46)),
+    "zinc-plated steel": Material(7850.0, (0.73, 0.70, 0.55)),
+    "stainless steel": Material(7900.0, (0.70, 0.72, 0.74)),
+    "polyamide": Material(1140.0, (0.80, 0.74, 0.58)),
+    "rubber": Material(1200.0, (0.10, 0.10, 0.11)),
+    "gasket": Material(1600.0, (0.35, 0.47, 0.40)),
+    "copper": Material(8900.0, (0.75, 0.47, 0.32)),
+    "paint": Material(2700.0, (0.20, 0.32, 0.48)),
+    "black": Material(1400.0, (0.15, 0.16, 0.18)),
+    "orange": Material(1300.0, (0.86, 0.45, 0.12)),
+    "green": Material(7850.0, (0.30, 0.44, 0.34)),
+}
+
+
+@dataclass
+class Part:
+    """A part in the making. `pose` (4, 4), millimetres."""
+
+    path: str
+    make: Make
+    args: tuple[Hashable, ...]
+    pose: Floats
+    material: str
+    scale: float = 1.0
+    """Of its own frame: other than 1 in a part of a wrong unit."""
+
+    @property
+    def shape(self) -> Hashable:
+        """What parts of the same shape share."""
+        return (self.make, self.args)
+
+
+@dataclass
+class Fit:
+    """Two parts that touch or fit into each other, millimetres; see `feeler.samples.accessory.truth.Fit`."""
+
+    a: str
+    b: str
+    kind: str
+    play: float
+    deepest: float
+
+
+@dataclass
+class Leg:
+    """One straight, turning or screwing motion, millimetres and radians; see `feeler.samples.accessory.truth.Leg`."""
+
+    kind: str
+    axis: tuple[float, float, float]
+    distance: float = 0.0
+    angle: float = 0.0
+    point: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+
+@dataclass
+class Step:
+    """Parts that come out together, along legs, after the parts that the patterns name."""
+
+    parts: list[str]
+    legs: list[Leg]
+    after: list[str]
+    door_open: bool
+    rigid: bool
+    removes: bool
+
+
+@dataclass
+class Fastener:
+    """A bolt, screw, stud or nut with its tool, millimetres; `frame` (4, 4) on top of the head, z outwards."""
+
+    path: str
+    kind: str
+    tool: str
+    size: float
+    frame: Floats
+    holds: list[str]
+    swing: float = 2.0 * np.pi
+
+
+@dataclass
+class Joint:
+    """A joint: its kind, what moves, the axis, a point on it, and its limits in radians or millimetres."""
+
+    name: str
+    kind: str
+    parts: list[str]
+    axis: tuple[float, float, float]
+    point: tuple[float, float, float]
+    low: float
+    high: float
+
+
+@dataclass
+class Planted:
+    """A fault; see `feeler.samples.accessory.truth.Fault`."""
+
+    name: str
+    parts: list[str]
+    expects: str
+    value: float
+    says: str
+
+
+@dataclass
+class Assembly:
+    """Parts by path, their fits by pair, the steps of taking apart, fasteners and joints."""
+
+    cut: Cut
+    seed: int
+    parts: dict[str, Part] = field(default_factory=dict)
+    fits: dict[tuple[str, str], Fit] = field(default_factory=dict)
+    steps: list[Step] = field(default_factory=list)
+    fasteners: list[Fastener] = field(default_factory=list)
+    joints: list[Joint] = field(default_factory=list)
+    planted: list[Planted] = field(default_factory=list)
+    lines: list[tuple[str, Floats, float]] = field(default_factory=list)
+    """Pipes and cables: path, corners (k, 3) of the middle line, radius."""
+    _solids: dict[Hashable, Solid] = field(default_factory=dict)
+    _meshes: dict[Hashable, Mesh] = field(default_factory=dict)
+
+    def rng(self, name: str) -> np.random.Generator:
+        """A generator of its own for each name."""
+        words = [self.seed & 0xFFFFFFFF, self.seed >> 32, zlib.crc32(name.encode())]
+        return np.random.Generator(np.random.PCG64(np.random.SeedSequence(words)))
+
+    def add(
+        self,
+        path: str,
+        material: str,
+        make: Make,
+        *args: Hashable,
+        pose: Floats | None = None,
+        spin: bool = False,
+    ) -> str:
+        """A part `make(cut, *args)` at a pose; `spin` turns it about its own z axis by an angle of its own."""
+        if path in self.parts:
+            raise ValueError(f"{path} is there already")
+        place = np.eye(4) if pose is None else pose
+        if spin:
+            share = (zlib.crc32(path.encode()) ^ self.seed) % 9973 / 9973.0
+            place = place @ turned("z", 2.0 * np.pi * share)
+        self.parts[path] = Part(path, make, args, place, material)
+        return path
+
+    # --- what is true of them ---------------------------------------------------------------------------------------
+
+    def fit(self, a: str, b: str, kind: str, play: float, radius: float = 0.0, chords: float = 0.0) -> None:
+        """Names a fit. `radius`: of the hole, whose chords take from the play; `chords`: what else they take."""
+        play += self.cut.ease if radius else 0.0
+        deepest = max(0.0, (self.cut.sag(radius) if radius else 0.0) + chords - play)
+        pair = (a, b) if a < b else (b, a)
+        known = self.fits.get(pair)
+        if known is None or deepest > known.deepest or (deepest == known.deepest and play < known.play):
+            self.fits[pair] = Fit(*pair, kind, play, deepest)
+
+    def flush(self, *stack: str) -> None:
+        """Each part of a stack lies on the next one, plane on plane."""
+        for a, b in itertools.pairwise(stack):
+            self.fit(a, b, "line to line", 0.0)
+
+    def step(
+        self,
+        parts: str | Sequence[str],
+        *legs: Leg,
+        after: Iterable[str] = (),
+        door_open: bool = False,
+        rigid: bool = True,
+        removes: bool = True,
+    ) -> None:
+        """Names a step of taking apart: what comes out, how, and after what (paths or patterns).
+
+        `rigid=False`: what has to be bent to come out. `removes=False`: what is only loosened.
+        """
+        moved = [parts] if isinstance(parts, str) else list(parts)
+        self.steps.append(Step(moved, list(legs), list(after), door_open, rigid, removes))
+
+    def wait(self, path: str, *after: str) -> None:
+        """A part comes out only after others."""
+        for step in self.steps:
+            if path in step.parts and step.removes:
+                step.after += after
+
+    def wait_for_lines(self) -> None:
+        """Fasteners whose way crosses a pipe or cable come out after it."""
+        for step in self.steps:
+            if len(step.parts) > 1 or not step.legs or step.legs[-1].kind != "pull":
+                continue
+            if self.parts[step.parts[0]].make.__name__ not in ("hex_bolt", "cap_screw", "nut", "washer"):
+                continue
+            leg, start = step.legs[-1], self.parts[step.parts[0]].pose[:3, 3]
+            way = np.linspace(start, start + np.array(leg.axis) * leg.distance, 60)
+            for path, corners, radius in self.lines:
+                for a, b in pairwise(corners):
+                    share = np.clip(((way - a) @ (b - a)) / ((b - a) @ (b - a)), 0.0, 1.0)
+                    gap = np.sqrt((((a + share[:, None] * (b - a)) - way) ** 2).sum(axis=1)).min()
+                    if gap < radius + NEAR_LINE and path not in step.after:
+                        step.after.append(path)
+
+    def fasten(
+        self,
+        path: str,
+        kind: str,
+        tool: str,
+        size: float,
+        frame: Floats,
+        holds: Sequence[str],
+        swing: float = 2.0 * np.pi,
+    ) -> None:
+        """Names a fastener."""
+        self.fasteners.append(Fastener(path, kind, tool, size, frame, list(holds), swing))
+
+    # --- what is made of them ---------------------------------------------------------------------------------------
+
+    def solid(self, part: Part) -> Solid:
+        """The solid of a part in its own frame; parts of one shape share it."""
+        if part.shape not in self._solids:
+            self._solids[part.shape] = part.make(self.cut, *part.args)
+        return self._solids[part.shape]
+
+    def mesh(self, part: Part) -> Mesh:
+        """The mesh of a part in its own frame, millimetres."""
+        if part.shape not in self._meshes:
+            self._meshes[part.shape] = self.solid(part).mesh()
+        return self._meshes[part.shape]
+
+    @property
+    def triangle_count(self) -> int:
+        """Triangles of all parts."""
+        return sum(self.solid(part).triangle_count for part in self.parts.values())
+
+    def matching(self, patterns: Iterable[str]) -> list[str]:
+        """Paths that are named or match a pattern, in the order of the parts."""
+        wanted = list(patterns)
+        exact = {w for w in wanted if w in self.parts}
+        loose = [w for w in wanted if w not in exact]
+        for pattern in loose:
+            if not any(fnmatch.fnmatchcase(path, pattern) for path in self.parts):
+                raise ValueError(f"no part is called {pattern}")
+        return [p for p in self.parts if p in exact or any(fnmatch.fnmatchcase(p, w) for w in loose)]
+
+
+def pull(axis: Vector, distance: float) -> Leg:
+    """A straight way."""
+    return Leg("pull", _unit(axis), distance)
+
+
+def turn(axis: Vector, point: Vector, angle: float) -> Leg:
+    """A turn about an axis."""
+    return Leg("turn", _unit(axis), 0.0, angle, (float(point[0]), float(point[1]), float(point[2])))
+
+
+def screw(axis: Vector, point: Vector, distance: float, pitch: float) -> Leg:
+    """A right-handed thread: out by `distance` along `axis`, which points out of the hole."""
+    angle = 2.0 * np.pi * distance / pitch
+    return Leg("screw", _unit(axis), distance, angle, (float(point[0]), float(point[1]), float(point[2])))
+
+
+def _unit(axis: Vector) -> tuple[float, float, float]:
+    x, y, z = (np.asarray(axis, dtype=np.float64) / np.linalg.norm(axis)).tolist()
+    return (x, y, z)

@@ -1,0 +1,163 @@
+"""Ten kinds of faults that can be planted in the gearbox, each with what a check must say of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ...errors import OptionError
+from ..mesh import at
+from . import lines, standard
+from .assembly import Assembly, Planted
+from .bodies import extruded, plate
+from .design import X, Y, frame
+from .layout import FILTER_X
+
+MM = 1e-3
+CLASH_MM = 3.0
+RULE_MM, NEARER_MM = 5.0, 0.5
+"""The clearance that a rule asks of pipes, and by how much two parts are nearer."""
+NARROW_MM = 2.0
+INCH_MM = 25.4
+
+
+def _leg(asm: Assembly, pipe: str) -> tuple[float, float]:
+    """x and lower edge of the leg that a pipe has over the rear rail."""
+    corners = next(corners for path, corners, _ in asm.lines if path == pipe)
+    return float(corners[3][0]), float(corners[3][1]) - lines.PIPE
+
+
+def _rail(asm: Assembly, name: str) -> tuple[float, float, float]:
+    """z from, z to, and top of a rail, millimetres."""
+    points = asm.mesh(asm.parts[f"bracket/{name}_rail"]).vertices
+    return float(-points[:, 0].max()), float(-points[:, 0].min()), float(points[:, 1].max())
+
+
+def _support(asm: Assembly, path: str, x: float, top: float) -> None:
+    """A post on the rear rail."""
+    low, high, foot = _rail(asm, "rear")
+    box = ((x - 10.0, -high + 4.0), (x + 10.0, -high + 4.0), (x + 10.0, -low - 4.0), (x - 10.0, -low - 4.0))
+    asm.add(path, "green", extruded, box, 0.0, top - foot, pose=frame((0.0, foot, 0.0), Y, X))
+    asm.flush(path, "bracket/rear_rail")
+
+
+def _pipe_clash(asm: Assembly) -> Planted:
+    pipe, path = "lines/fuel_pipe/pipe", "bracket/pipe_support"
+    x, low = _leg(asm, pipe)
+    _support(asm, path, x, low + CLASH_MM)
+    return Planted(
+        "pipe_clash", [pipe, path], "clash", CLASH_MM * MM, "the pipe is 3 mm inside a support of the bracket"
+    )
+
+
+def _too_near(asm: Assembly) -> Planted:
+    pipe, path = "lines/oil_pipe/pipe", "bracket/near_support"
+    x, low = _leg(asm, pipe)
+    gap = RULE_MM - NEARER_MM
+    _support(asm, path, x, low - gap)
+    return Planted("too_near", [pipe, path], "too near", gap * MM, "4.5 mm from a pipe, where a rule asks for 5 mm")
+
+
+def _blocked_bolt(asm: Assembly) -> Planted:
+    bolt, plug, cover = "covers/idler_front/bolt_1", "covers/idler_front/blanking_plug", "covers/idler_front/cover"
+    face, head = asm.parts[plug].pose, asm.parts[bolt].pose[:3, 3]
+    way = head - face[:3, 3]
+    way = way - face[:3, 2] * (way @ face[:3, 2])
+    reach = float(np.sqrt(way @ way)) + 7.0
+    path = "covers/idler_front/guard"
+    corners = ((-9.0, -9.0), (reach, -9.0), (reach, 9.0), (-9.0, 9.0))
+    pose = frame(face[:3, 3], face[:3, 2], way)
+    asm.add(path, "aluminium", plate, corners, 3.0, 3.0, ((0.0, 0.0, 6.6),), pose=pose)
+    asm.parts[plug].pose = face @ at(z=3.0)
+    del asm.fits[(plug, cover) if plug < cover else (cover, plug)]
+    asm.fit(plug, cover, "thread as cylinders", lines.CORE - lines.THREAD, lines.CORE)
+    asm.fit(plug, path, "clearance", 0.6, 6.6)
+    asm.flush(plug, path, cover)
+    return Planted("blocked_bolt", [bolt, path], "no tool access", 0.0, "a guard stands 2.5 mm over the bolt's head")
+
+
+def _no_way_out(asm: Assembly) -> Planted:
+    bowl, path = "oil_filter/bowl", "bracket/filter_guard"
+    front, rear = _rail(asm, "front"), _rail(asm, "rear")
+    z = float(asm.parts[bowl].pose[2, 3])
+    corners = ((-36.0, -rear[1]), (36.0, -rear[1]), (36.0, -front[0]), (-36.0, -front[0]))
+    pose = frame((FILTER_X, front[2], 0.0), Y, X)
+    radius = 27.0 - NARROW_MM
+    asm.add(path, "green", plate, corners, 4.0, 2.0, ((0.0, -z, radius),), pose=pose)
+    asm.flush("bracket/front_rail", path, "bracket/rear_rail")
+    says = "the hole under the filter's bowl has a radius 2 mm less than the bowl's"
+    return Planted("no_way_out", [bowl, path], "no way out", NARROW_MM * MM, says)
+
+
+def _missing_hole(asm: Assembly) -> Planted:
+    cover, bolt = "covers/breather_front/cover", "covers/breather_front/bolt_1"
+    part = asm.parts[cover]
+    holes = next(k for k, value in enumerate(part.args) if isinstance(value, tuple) and len(value) == 5)
+    part.args = (*part.args[:holes], part.args[holes][1:], *part.args[holes + 1 :])  # type: ignore[index]
+    del asm.fits[(bolt, cover) if bolt < cover else (cover, bolt)]
+    return Planted("missing_hole", [bolt, cover], "no hole", 0.0, "the cover has no hole where its first bolt is")
+
+
+def _duplicate(asm: Assembly) -> Planted:
+    path = "housing/split_bolts/bolt_5"
+    copy = f"{path}_copy"
+    asm.parts[copy] = replace(asm.parts[path], path=copy)
+    for (a, b), fit in list(asm.fits.items()):
+        if path in (a, b):
+            asm.fit(copy, b if a == path else a, fit.kind, fit.play, chords=fit.deepest + fit.play)
+    return Planted("duplicate", [path, copy], "duplicate", 0.0, "the same bolt twice in one place")
+
+
+def _inside(asm: Assembly) -> Planted:
+    path = "bracket/lost_ball"
+    beam = asm.parts["bracket/beam"]
+    middle = asm.mesh(beam).vertices.mean(axis=0)
+    place = (beam.pose @ [*middle.tolist(), 1.0])[:3]
+    asm.add(path, "hardened steel", standard.ball, 8.0, pose=at(*place.tolist()))
+    return Planted("inside", [path, "bracket/beam"], "inside", 0.0, "a ball inside the solid beam")
+
+
+def _floating(asm: Assembly) -> Planted:
+    path = "housing/lost_washer"
+    asm.add(path, "zinc-plated steel", standard.washer, 8, pose=at(-130.0, 80.0, -60.0), spin=True)
+    return Planted("floating", [path], "floating", 0.0, "a washer that nothing holds")
+
+
+def _mirrored(asm: Assembly) -> Planted:
+    path, case = "housing/drain_plug", "housing/rear_case"
+    asm.parts[path].pose = asm.parts[path].pose @ np.diag([1.0, -1.0, 1.0, 1.0])
+    del asm.fits[(path, case) if path < case else (case, path)]
+    return Planted("mirrored", [path, case], "mirrored", 0.0, "the drain plug is mirrored: a left-handed thread")
+
+
+def _wrong_unit(asm: Assembly) -> Planted:
+    path = "lines/oil_pipe/clip_washer"
+    asm.parts[path].scale = INCH_MM
+    for pair in [pair for pair in asm.fits if path in pair]:
+        del asm.fits[pair]
+    return Planted("wrong_unit", [path], "unit", INCH_MM, "a washer whose millimetres were read as inches")
+
+
+FAULTS: dict[str, Callable[[Assembly], Planted]] = {
+    "pipe_clash": _pipe_clash,
+    "too_near": _too_near,
+    "blocked_bolt": _blocked_bolt,
+    "no_way_out": _no_way_out,
+    "missing_hole": _missing_hole,
+    "duplicate": _duplicate,
+    "inside": _inside,
+    "floating": _floating,
+    "mirrored": _mirrored,
+    "wrong_unit": _wrong_unit,
+}
+"""By name, what plants a fault."""
+
+
+def plant(asm: Assembly, names: Sequence[str]) -> list[Planted]:
+    """Plants the named faults; returns what is true of them."""
+    for name in names:
+        if name not in FAULTS:
+            raise OptionError(f"no fault is called {name!r}; choose from {', '.join(FAULTS)}")
+    return [FAULTS[name](asm) for name in dict.fromkeys(names)]

@@ -1,0 +1,213 @@
+"""The gearbox as arrays at a number of triangles, and its truth."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Sequence
+from functools import lru_cache
+
+import numpy as np
+
+from ...errors import OptionError
+from ..mesh import Floats, Mesh, MeshParts, snapped
+from . import assembly
+from .assembly import MATERIALS, Assembly, Part
+from .build import build
+from .faults import plant
+from .solid import Cut, Solid
+from .truth import Body, Fastener, Fault, Fit, Joint, Leg, Step, Truth
+
+ROOT = "gearbox"
+MM = 1e-3
+COARSEST_MM = 0.8
+"""The largest chord: larger, and circles of neighbouring holes and edges may cross."""
+LEVEL_RATIO = 2.0 ** (-1.0 / 3.0)
+LEVELS = 36
+Progress = Callable[[float, str], None]
+
+
+class Drawn:
+    """An assembly with every part's solid at one of two neighbouring chords, so that the triangles number as wanted."""
+
+    def __init__(self, triangles: int, seed: int, faults: Sequence[str]) -> None:
+        level, made = _level(triangles, seed, tuple(faults))
+        if made.triangle_count > triangles:
+            raise OptionError(
+                f"triangles is {triangles}; the sample 'gearbox' with this seed has at least {made.triangle_count}"
+            )
+        self.assembly, self.faults = made, made.planted
+        finer = _made(level + 1, seed, tuple(faults))
+        self.solids: dict[Hashable, Solid] = {}
+        copies: dict[Hashable, int] = {}
+        for part in made.parts.values():
+            self.solids[part.shape] = made.solid(part)
+            copies[part.shape] = copies.get(part.shape, 0) + 1
+        left = triangles - made.triangle_count
+        # shapes are the same ones at both chords, in the same order
+        better = [(finer.solid(b), a.shape) for a, b in zip(made.parts.values(), finer.parts.values(), strict=True)]
+        gains = {
+            shape: (copies[shape] * (s.triangle_count - self.solids[shape].triangle_count), s) for s, shape in better
+        }
+        for shape, (gain, solid) in sorted(gains.items(), key=lambda item: -item[1][0]):
+            if 0 < gain <= left:
+                self.solids[shape] = solid
+                left -= gain
+
+    def meshes(self, told: Callable[[float], None] = lambda _share: None) -> list[tuple[Part, Mesh]]:
+        """Every part with its mesh in the world, metres."""
+        return placed_meshes(self.assembly, self.solids, told)
+
+
+def placed_meshes(
+    asm: Assembly,
+    solids: dict[Hashable, Solid] | None = None,
+    told: Callable[[float], None] = lambda _share: None,
+) -> list[tuple[Part, Mesh]]:
+    """Every part with its mesh in the world, metres; `solids`: by shape, where not the assembly's."""
+    out: list[tuple[Part, Mesh]] = []
+    made: dict[Hashable, Mesh] = {}
+    for number, part in enumerate(asm.parts.values()):
+        if part.shape not in made:
+            made[part.shape] = (asm.solid(part) if solids is None else solids[part.shape]).mesh()
+        mesh = made[part.shape]
+        vertices = (mesh.vertices @ (part.scale * part.pose[:3, :3].T) + part.pose[:3, 3]) * MM
+        faces = mesh.faces if np.linalg.det(part.pose[:3, :3]) > 0.0 else mesh.faces[:, ::-1]
+        out.append((part, Mesh(snapped(vertices), faces)))
+        told(number / len(asm.parts))
+    return out
+
+
+def _made(level: int, seed: int, faults: tuple[str, ...]) -> Assembly:
+    asm = build(Cut(COARSEST_MM * LEVEL_RATIO**level), seed)
+    asm.planted = plant(asm, faults)
+    return asm
+
+
+def _level(triangles: int, seed: int, faults: tuple[str, ...]) -> tuple[int, Assembly]:
+    """The finest level that does not exceed the triangles."""
+    low, high = 0, LEVELS
+    made = {}
+    # triangles grow about with the power 0.6 of 1 / chord
+    guess = int(np.clip(round(5.0 * np.log2(max(triangles, 1) / 70_000.0)), 0, LEVELS - 1))
+    while low < high:
+        here = guess if low <= guess <= high else (low + high + 1) // 2
+        here = max(here, low + 1) if here <= low else here
+        guess = -1
+        made[here] = _made(here, seed, faults)
+        if made[here].triangle_count <= triangles:
+            low = here
+            if low + 1 <= high and low + 1 not in made:
+                guess = low + 1
+        else:
+            high = here - 1
+            guess = high if high > low else -1
+    return low, made.get(low) or _made(low, seed, faults)
+
+
+def gearbox_parts(triangles: int, seed: int, faults: Sequence[str], progress: Progress | None = None) -> MeshParts:
+    """The gearbox as arrays; see `feeler.sample`."""
+    if progress:
+        progress(0.0, "tessellating")
+    drawn = Drawn(triangles, seed, faults)
+    if progress:
+        progress(0.3, "tessellating")
+    told = (lambda share: progress(0.3 + 0.6 * share, "tessellating")) if progress else (lambda _share: None)
+    meshes = drawn.meshes(told)
+    starts = np.cumsum([0, *(len(mesh.vertices) for _, mesh in meshes)])
+    counts = [mesh.triangle_count for _, mesh in meshes]
+    paths = [part.path for part, _ in meshes]
+    return MeshParts(
+        np.concatenate([mesh.vertices for _, mesh in meshes]),
+        np.concatenate([mesh.faces + start for (_, mesh), start in zip(meshes, starts, strict=False)]).astype(
+            np.uint32
+        ),
+        np.repeat(np.arange(len(meshes), dtype=np.uint32), counts),
+        paths,
+        [f"{ROOT}/{path}" for path in paths],
+        np.array([MATERIALS[part.material].colour for part, _ in meshes]),
+    )
+
+
+@lru_cache(maxsize=2)
+def gearbox_truth(triangles: int, seed: int, faults: tuple[str, ...]) -> Truth:
+    """The truth of `gearbox_parts` with the same arguments."""
+    drawn = Drawn(triangles, seed, faults)
+    return truth_of(drawn.assembly, {part.path: volume(mesh) for part, mesh in drawn.meshes()}, seed)
+
+
+def volume(mesh: Mesh) -> float:
+    """Of a closed mesh."""
+    a, b, c = (mesh.vertices[mesh.faces[:, k]] for k in range(3))
+    return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)
+
+
+def truth_of(asm: Assembly, volumes: dict[str, float], seed: int) -> Truth:
+    """What the assembly says, in metres and with full paths."""
+
+    def full(path: str) -> str:
+        return f"{ROOT}/{path}"
+
+    def many(paths: Sequence[str]) -> tuple[str, ...]:
+        return tuple(full(path) for path in paths)
+
+    bodies = []
+    for part in asm.parts.values():
+        material = MATERIALS[part.material]
+        bodies.append(
+            Body(
+                full(part.path), part.material, material.density, material.density * volumes[part.path], material.colour
+            )
+        )
+    steps = []
+    for step, after in ordered(asm):
+        legs = tuple(Leg(g.kind, g.axis, _metres(g.point), g.distance * MM, g.angle) for g in step.legs)
+        steps.append(Step(many(step.parts), legs, many(after), step.door_open, step.rigid, step.removes))
+    fasteners = tuple(
+        Fastener(
+            full(f.path),
+            f.kind,
+            f.tool,
+            f.size * MM,
+            _metres(f.frame[:3, 3]),
+            _plain(f.frame[:3, 2]),
+            f.swing,
+            many(f.holds),
+        )
+        for f in asm.fasteners
+    )
+    joints = tuple(Joint(j.name, j.kind, many(j.parts), j.axis, _metres(j.point), j.low, j.high) for j in asm.joints)
+    fits = tuple(Fit(full(f.a), full(f.b), f.kind, f.play * MM, f.deepest * MM) for f in asm.fits.values())
+    faults = tuple(Fault(f.name, many(f.parts), f.expects, f.value, f.says) for f in asm.planted)
+    return Truth(seed, asm.cut.chord * MM, tuple(bodies), fits, tuple(steps), fasteners, joints, faults)
+
+
+def ordered(asm: Assembly) -> list[tuple[assembly.Step, list[str]]]:
+    """The steps in an order that respects what each needs, with their needs as paths."""
+    needs = [asm.matching(step.after) if step.after else [] for step in asm.steps]
+    steps_of: dict[str, set[int]] = {path: set() for path in asm.parts}
+    for k, step in enumerate(asm.steps):
+        for path in step.parts:
+            steps_of[path].add(k)
+    before: list[set[int]] = []
+    for k, step in enumerate(asm.steps):
+        wanted = {j for path in needs[k] for j in steps_of[path]}
+        if step.removes:  # what is loosened is loosened before it is taken out
+            wanted |= {j for path in step.parts for j in steps_of[path] if j != k and not asm.steps[j].removes}
+        before.append(wanted - {k})
+    out: list[int] = []
+    left = list(range(len(asm.steps)))
+    while left:
+        ready = [k for k in left if not before[k] & set(left)]
+        if not ready:
+            raise ValueError(f"steps wait for each other: {[asm.steps[k].parts[0] for k in left]}")
+        out += ready
+        left = [k for k in left if k not in set(ready)]
+    return [(asm.steps[k], needs[k]) for k in out]
+
+
+def _metres(point: Sequence[float] | Floats) -> tuple[float, float, float]:
+    return _plain(np.asarray(point, dtype=np.float64) * MM)
+
+
+def _plain(vector: Sequence[float] | Floats) -> tuple[float, float, float]:
+    x, y, z = (round(float(v), 9) + 0.0 for v in vector)
+    return (x, y, z)

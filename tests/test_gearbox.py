@@ -1,0 +1,290 @@
+"""The sample gearbox: every fit has a name, every way is free, every fault is there; judged by other libraries."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import subprocess
+import sys
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import feeler
+from feeler.samples import FAULTS
+from feeler.samples.accessory import Leg, Step
+from feeler.samples.accessory.polygon import triangulated
+from feeler.samples.accessory.solid import Cut, Solid
+
+judge = pytest.importorskip("gearbox_judge", exc_type=ImportError)  # it needs coal and manifold3d
+
+LEAST = 75_000
+PRESS_M = -5e-6
+
+
+@lru_cache(maxsize=2)
+def drawn(seed: int = 0) -> Any:
+    return judge.of_sample(100_000, seed)
+
+
+def test_the_chord_shrinks_with_the_triangles() -> None:
+    chords = [feeler.sample_truth("gearbox", n).chord_m for n in (LEAST, 150_000, 400_000)]
+    assert chords == sorted(chords, reverse=True)
+    assert chords[-1] < 5e-5 < 4e-4 < chords[0]
+
+
+@pytest.mark.parametrize("seed", [0, 5])
+def test_only_named_fits_share_volume_and_none_is_deeper_than_named(seed: int) -> None:
+    """A press shares volume, whatever its facets; nothing without a name does."""
+    shared = judge.shared_volumes(drawn(seed))
+    fits = {frozenset((fit.a, fit.b)): fit for fit in drawn(seed).truth.fits}
+    assert {frozenset(pair) for pair in shared} <= set(fits)
+    pressed = {pair for pair, fit in fits.items() if fit.play_m < PRESS_M}
+    assert pressed <= {frozenset(pair) for pair in shared}
+    assert len(pressed) > 100
+    for pair in list(shared)[:: 12 if seed else 5]:
+        depth = judge.depth_of_vertices(*(drawn(seed).meshes[path] for path in pair))
+        assert depth <= fits[frozenset(pair)].deepest_m + judge.GRID_M, pair
+
+
+def test_all_others_keep_a_gap() -> None:
+    """By coal; the least is between a ball and its cage."""
+    least = judge.gaps(drawn(), 5e-4)
+    assert len(least) > 300
+    assert min(least.values()) > 2e-4
+
+
+def test_plays_are_those_of_the_standard() -> None:
+    """ISO 286: 20 H7 is 0 to +21 um, 20 g6 is -7 to -20 um: 24 um between the middles, half of it on each side."""
+    fit = drawn().truth.fit("gearbox/gear_train/idler_shaft/spur_gear", "gearbox/gear_train/idler_shaft/shaft")
+    assert fit is not None and fit.kind == "H7/g6"
+    assert fit.play_m == pytest.approx(12e-6, abs=0.3e-6)
+    assert drawn().truth.fit("gearbox/bracket/beam", "gearbox/housing/front_case") is None
+
+
+@lru_cache(maxsize=1)
+def ways() -> Any:
+    return judge.Ways(judge.eased(0))
+
+
+def test_ways_are_free_with_only_what_they_need_taken_out() -> None:
+    steps = [step for step in ways().truth.steps if step.rigid]
+    large = [step for step in steps if len(step.parts) > 3 or step.door_open]
+    for step in {id(step): step for step in [*steps[::9], *large[::2]]}.values():
+        assert not ways().blocked(step), step.parts[0]
+
+
+def test_the_judge_of_ways_sees_what_is_in_the_way() -> None:
+    """The bowl without its turn, without the door open, and a case that is still bolted."""
+    truth = ways().truth
+    bowl = truth.way("gearbox/oil_filter/bowl")[-1]
+    assert [leg.kind for leg in bowl.legs] == ["turn", "pull"]
+    pulled = dataclasses.replace(bowl, legs=bowl.legs[1:])
+    assert ("gearbox/oil_filter/bowl", "gearbox/oil_filter/head") in ways().blocked(pulled)
+    closed = dataclasses.replace(bowl, door_open=False)
+    assert ("gearbox/oil_filter/bowl", "gearbox/door/panel") in ways().blocked(closed)
+    case = truth.way("gearbox/housing/front_case")[-1]
+    found = ways().blocked(dataclasses.replace(case, after=()))
+    assert any(other.startswith("gearbox/housing/split_bolts/") for _, other in found)
+
+
+def test_every_part_but_the_beam_comes_out_once() -> None:
+    truth = drawn().truth
+    removed = [path for step in truth.steps if step.removes for path in step.parts]
+    assert sorted(removed) == sorted({body.path for body in truth.bodies} - {"gearbox/bracket/beam"})
+    out: set[str] = set()
+    for step in truth.steps:  # the whole order is right, too
+        assert set(step.after) <= out
+        out |= set(step.parts)
+
+
+def test_a_way_has_what_it_needs_and_no_more() -> None:
+    truth = drawn().truth
+    way = [step.parts[0] for step in truth.way("gearbox/gear_train/idler_shaft/spur_gear")]
+    assert way[-1] == "gearbox/gear_train/idler_shaft/spur_gear"
+    assert "gearbox/gear_train/idler_shaft/circlip" in way and "gearbox/housing/front_case" in way
+    assert "gearbox/oil_filter/bowl" not in way and "gearbox/starter/body" not in way
+    assert truth.way("gearbox/bracket/beam") == ()
+    assert [s.parts[0] for s in truth.way("gearbox/starter/terminal_nut")] == ["gearbox/starter/terminal_nut"]
+
+
+def test_fasteners_hold_and_have_tools() -> None:
+    truth = drawn().truth
+    assert len(truth.fasteners) > 100
+    assert {fastener.tool for fastener in truth.fasteners} == {"socket", "hex key", "open-end wrench"}
+    holders = truth.holds("gearbox/covers/main_front/cover")
+    assert len(holders) == 6 and all("/covers/main_front/bolt_" in path for path in holders)
+    paths = {body.path for body in truth.bodies}
+    for fastener in truth.fasteners:
+        assert {fastener.path, *fastener.holds} <= paths
+        mesh = drawn().meshes[fastener.path]
+        height = (mesh.vertices - fastener.top_m) @ fastener.axis
+        assert height.max() < (0.03 if "sensor" in fastener.path else 1e-5)  # nothing of it is above its top
+
+
+def test_tools_reach_the_fasteners() -> None:
+    """Sockets and keys turn in full; but for the bolt that a fault covers."""
+    judged = ways()
+    driven = [fastener for fastener in judged.truth.fasteners if fastener.tool != "open-end wrench"]
+    for fastener in driven[::3]:
+        assert not judged.in_the_way(fastener), fastener.path
+    faulty = judge.Ways(judge.of_sample(100_000, 0, ["blocked_bolt"]))
+    bolt, guard = faulty.truth.faults[0].parts
+    assert faulty.in_the_way(next(f for f in faulty.truth.fasteners if f.path == bolt)) == [guard]
+
+
+def test_feeler_finds_the_fasteners() -> None:
+    truth = drawn().truth
+    found = {row.path for row in feeler.find_fasteners(feeler.sample("gearbox", 250_000))}
+    bolts = {f.path for f in truth.fasteners if (f.kind in ("bolt", "nut") and "/bolt_" in f.path) or "/nut_" in f.path}
+    assert len(bolts & found) > 0.95 * len(bolts)
+
+
+def test_masses() -> None:
+    """A bolt M6x20 is about 6.5 g; the rear case some kilograms."""
+    truth = feeler.sample_truth("gearbox", 600_000)
+    mass = {body.path: body.mass_kg for body in truth.bodies}
+    assert mass["gearbox/covers/main_front/bolt_1"] == pytest.approx(6.5e-3, rel=0.1)
+    assert 2.0 < mass["gearbox/housing/rear_case"] < 6.0
+    assert min(mass.values()) > 0.0
+    ball = mass["gearbox/gear_train/main_shaft/front_bearing/ball_1"]
+    assert ball == pytest.approx(7850.0 * np.pi / 6.0 * 7.938e-3**3, rel=0.02)
+
+
+def test_the_door_opens_and_the_latch_turns() -> None:
+    """Free through its whole swing but for what moves with it, the latch turned first."""
+    truth = ways().truth
+    door = next(joint for joint in truth.joints if joint.name == "door")
+    latch = next(step for step in truth.steps if step.parts == ("gearbox/door/latch",) and not step.removes)
+    assert not ways().blocked(latch)
+    swing = Leg("turn", door.axis, door.point_m, 0.0, door.high)
+    step = Step(door.parts, (swing,), ("gearbox/door/latch",), False, True, True)
+    opening = dataclasses.replace(truth, steps=(latch, step))
+    judged = judge.Ways(judge.Drawn(ways().drawn.meshes, opening))
+    assert {pair[1] for pair in judged.blocked(step)} <= {f"gearbox/door/pin_{k}" for k in (1, 2)}
+
+
+def test_the_page_has_the_fits(root: Path) -> None:
+    """`python tools/gearbox_docs.py` keeps the table of docs/samples.md."""
+    done = subprocess.run([sys.executable, root / "tools" / "gearbox_docs.py", "--check"], check=False)
+    assert done.returncode == 0, "run python tools/gearbox_docs.py"
+
+
+def test_truth_as_json() -> None:
+    truth = drawn().truth
+    held = json.loads(truth.to_json())
+    assert set(held) == {field.name for field in dataclasses.fields(truth)}
+    assert len(held["fits"]) == len(truth.fits)
+    assert held["steps"][0]["legs"][0]["kind"] in ("pull", "turn", "screw")
+
+
+# --- faults -----------------------------------------------------------------------------------------------------------
+
+
+def of_faults(names: list[str]) -> tuple[Any, set[frozenset[str]]]:
+    faulty = judge.of_sample(100_000, 0, names)
+    assert [fault.name for fault in faulty.truth.faults] == names
+    fits = {frozenset((fit.a, fit.b)) for fit in faulty.truth.fits}
+    return faulty, {frozenset(pair) for pair, volume in judge.shared_volumes(faulty).items() if volume > 1e-6} - fits
+
+
+def test_faults_that_share_volume() -> None:
+    """The pairs that the faults name, and no others, share volume without a fit."""
+    faulty, stray = of_faults(["pipe_clash", "missing_hole", "duplicate", "inside", "mirrored"])
+    clash, _, twice, _, _ = faulty.truth.faults
+    assert stray == {frozenset(fault.parts) for fault in faulty.truth.faults}
+    depth = judge.depth_of_vertices(*(faulty.meshes[path] for path in clash.parts))
+    assert clash.value == 3e-3 and depth <= 3e-3
+    first, second = (faulty.meshes[path] for path in twice.parts)
+    assert np.array_equal(first.vertices, second.vertices)
+
+
+def test_faults_that_share_none() -> None:
+    faulty, stray = of_faults(["too_near", "blocked_bolt", "no_way_out", "floating"])
+    assert not stray
+    near, blocked, _, floating = faulty.truth.faults
+    least = judge.gaps(faulty, 6e-3)
+    a, b = near.parts
+    assert min(gap for pair, gap in least.items() if set(pair) == {a, b}) == pytest.approx(4.5e-3, abs=2e-4)
+    bolt, guard = blocked.parts
+    assert 1e-3 < min(gap for pair, gap in least.items() if set(pair) == {bolt, guard}) < 3e-3
+    assert not [pair for pair in judge.near_pairs(faulty.meshes, 5e-3) if floating.parts[0] in pair]
+
+
+def test_a_wrong_unit_is_25_times_too_large() -> None:
+    faulty, stray = of_faults(["wrong_unit"])
+    (path,) = faulty.truth.faults[0].parts
+    size = np.ptp(faulty.meshes[path].vertices, axis=0).max() / np.ptp(drawn().meshes[path].vertices, axis=0).max()
+    assert size == pytest.approx(25.4, rel=0.02)
+    assert stray and all(path in pair for pair in stray)
+
+
+def test_the_bowl_that_does_not_come_out() -> None:
+    faulty = judge.of_sample(100_000, 0, ["no_way_out"])
+    guarded = judge.Drawn(
+        {**ways().drawn.meshes, **{p: faulty.meshes[p] for p in faulty.truth.faults[0].parts[1:]}}, ways().truth
+    )
+    found = judge.Ways(guarded).blocked(ways().truth.way("gearbox/oil_filter/bowl")[-1])
+    assert {pair[1] for pair in found} == {"gearbox/bracket/filter_guard"}
+
+
+def test_unknown_faults_and_other_samples() -> None:
+    assert len(FAULTS) == 10
+    with pytest.raises(feeler.OptionError, match="pipe_clash"):
+        feeler.sample("gearbox", 100_000, faults=["rust"])
+    with pytest.raises(feeler.OptionError, match="gearbox"):
+        feeler.sample("engine", 20_000, faults=["pipe_clash"])
+    with pytest.raises(feeler.OptionError, match="gearbox"):
+        feeler.sample_truth("engine")
+
+
+def test_feeler_says_the_same() -> None:
+    """`feeler.clash` finds the planted clashes and nothing else beside the fits, none of them deeper than named."""
+    names = ["pipe_clash", "duplicate", "inside"]
+    found = feeler.clash(feeler.sample("gearbox", 100_000, faults=names), clearance=0.0)
+    truth = feeler.sample_truth("gearbox", 100_000, faults=names)
+    fits = {frozenset((fit.a, fit.b)): fit for fit in truth.fits}
+    rows = {frozenset((row.path_a, row.path_b)): row for row in found}
+    assert set(rows) - set(fits) == {frozenset(fault.parts) for fault in truth.faults}
+    clash = rows[frozenset(truth.faults[0].parts)]
+    assert clash.depth == pytest.approx(3e-3, abs=truth.chord_m + 1e-5)
+    for pair, row in rows.items():
+        if pair in fits:
+            assert row.depth <= fits[pair].deepest_m + row.depth_error + judge.GRID_M, pair
+
+
+# --- the builder ------------------------------------------------------------------------------------------------------
+
+
+def test_polygons_with_holes() -> None:
+    """The triangles of random polygons with holes tile them: all positive, and their areas add up."""
+    rng = np.random.default_rng(3)
+    for _ in range(30):
+        n = int(rng.integers(5, 40))
+        angle = np.sort(rng.uniform(0.0, 2.0 * np.pi, n))
+        if np.diff(np.append(angle, angle[0] + 2.0 * np.pi)).max() > 2.5:
+            continue
+        radius = rng.uniform(5.0, 9.0, n)[:, None]
+        loops = [radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)]
+        for centre in ((1.2, 0.0), (-1.2, 0.1), (0.0, 1.4), (0.1, -1.3)):
+            turn = -np.arange(7) * (2.0 * np.pi / 7.0) + rng.uniform()
+            loops.append(np.array(centre) + 0.5 * np.stack([np.cos(turn), np.sin(turn)], axis=1))
+        points = np.concatenate(loops)
+        faces = triangulated(loops)
+        a, b, c = (points[faces[:, k]] for k in range(3))
+        areas = np.cross(np.pad(b - a, ((0, 0), (0, 1))), np.pad(c - a, ((0, 0), (0, 1))))[:, 2] / 2.0
+        whole = sum(0.5 * np.sum(p[:, 0] * np.roll(p[:, 1], -1) - p[:, 1] * np.roll(p[:, 0], -1)) for p in loops)
+        assert (areas > 0.0).all() and areas.sum() == pytest.approx(whole)
+        assert len(faces) == len(points) + 2 * 4 - 2
+
+
+def test_an_open_solid_is_refused() -> None:
+    solid = Solid()
+    first, _ = solid.turned([(1.0, 0.0), (1.0, 2.0)], 8)
+    solid.face(first)
+    with pytest.raises(ValueError, match="loop"):
+        solid.mesh()
+    assert Cut(0.01).sag(10.0) <= 0.01
