@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import pickle
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -219,3 +220,61 @@ def test_the_command_refuses_what_it_cannot_use(files: dict[str, Path]) -> None:
         result = run(files, "hits.npy", *words, code=2)
         assert result.stdout == "" and result.stderr.startswith("feeler: ")
     assert "does not exist" in run(files, "none.npy", code=2).stderr
+
+
+def test_a_door_swings_to_the_wall(scene: feeler.Scene, tool: feeler.Tool) -> None:
+    """The box's far edge, 0.1 from the middle, is 0.6 from the hinge; turned by 90 degrees it is at the wall, x = 1."""
+    hinge = feeler.Screw((0, 0, 5), (0.4, 0, 0), -math.pi / 2)
+    hit = scene.cast(tool, at(0.4, 0.55, 0.5), screw=hinge, tolerance=1e-11)
+    assert hit is not None
+    # the corner at (0.1, 0.05) from the middle: at 0.1, 0.6 from the hinge, so x is 0.6 first where atan2 says
+    reach, lean = math.hypot(0.1, 0.6), math.atan2(0.1, 0.6)
+    assert hit.fraction * math.pi / 2 == pytest.approx(math.pi / 2 - lean - math.acos(0.6 / reach), abs=1e-9)
+    assert scene.mockup.part_paths[hit.part] == "wall"
+    assert np.allclose(hit.pose, hinge.at(at(0.4, 0.55, 0.5), hit.fraction), atol=1e-12)
+    assert scene.cast(tool, at(0.4, 0.55, 0.5), screw=feeler.Screw((0, 0, 1), (0.4, 0, 0), math.pi / 2)) is None
+
+
+def test_a_path_of_poses_and_screws(scene: feeler.Scene, tool: feeler.Tool) -> None:
+    """Three turns down by 0.1 each, a pull, and a turn in the wall: only the last is hit."""
+    down = feeler.Screw((0, 0, 1), (0, 0, 0), -6 * math.pi, 0.1)
+    assert down.advance == pytest.approx(-0.3)
+    path = [at(0, 0, 0.8), down, at(0.8, 0, 0.5, math.pi / 2), feeler.Screw((0, 0, 1), (0.8, 0, 0), math.pi / 2)]
+    path.append(at(0.95, 0, 0.5))
+    check = scene.check_path(tool, path)
+    assert len(check) == 4 and check.segments.tolist() == [3]
+    too_far = feeler.Screw((0, 0, 1), (0, 0, 0), -6 * math.pi, 0.3)
+    (fraction,) = scene.check_path(tool, [at(0, 0, 0.5), too_far]).fraction
+    assert 0.49 < fraction <= 0.5
+    assert not scene.check_path(tool, [at(0, 0, 0.5), too_far], touching="free").free
+    with pytest.raises(feeler.PoseError, match="begins with a pose"):
+        scene.check_path(tool, [down, at(0, 0, 1)])
+    with pytest.raises(feeler.PoseError):
+        scene.check_path(tool, [at(0, 0, 1), down, np.eye(3)])
+
+
+def test_screws_are_values(scene: feeler.Scene, tool: feeler.Tool) -> None:
+    screw = feeler.Screw(np.array([0, 3, 0]), [1, 2, 3], 0.5, pitch=0.002)
+    assert screw.axis == (0.0, 1.0, 0.0) and screw.point == (1.0, 2.0, 3.0) and screw.pitch == 0.002
+    again = pickle.loads(pickle.dumps(screw))
+    assert again == screw and hash(again) == hash(screw) and eval(repr(screw), {"Screw": feeler.Screw}) == screw
+    assert screw != screw.reversed() and screw.reversed().reversed() == screw and screw != "screw"
+    back = screw.reversed().at(screw.at(at(1, 1, 1, 0.3)))
+    assert np.allclose(back, at(1, 1, 1, 0.3), atol=1e-12)
+    for axis, point, angle, pitch, what in [
+        ((0, 0, 0), (0, 0, 0), 1, 0, "axis"),
+        ((0, 0, math.nan), (0, 0, 0), 1, 0, "axis"),
+        ("up", (0, 0, 0), 1, 0, "axis"),
+        ((0, 0, 1, 0), (0, 0, 0), 1, 0, "axis"),
+        ((0, 0, 1), None, 1, 0, "point"),
+        ((0, 0, 1), (0, 0, 0), "far", 0, "angle"),
+        ((0, 0, 1), (0, 0, 0), 1e4, 0, "angle"),
+        ((0, 0, 1), (0, 0, 0), 1, math.inf, "pitch"),
+    ]:
+        with pytest.raises(feeler.OptionError, match=what):
+            feeler.Screw(axis, point, angle, pitch)  # type: ignore[arg-type]
+    for wrong in ({}, {"pose1": at(0, 0, 1), "screw": screw}, {"screw": at(0, 0, 1)}):
+        with pytest.raises(feeler.OptionError, match="screw"):
+            scene.cast(tool, at(0, 0, 1), **wrong)  # type: ignore[arg-type]
+    with pytest.raises(feeler.PoseError):
+        screw.at(np.eye(4), math.nan)

@@ -21,6 +21,7 @@ from feeler._core import (
     PathCheck,
     Penetration,
     Rays,
+    Screw,
     SectionOutline,
 )
 from feeler.clashes import Clash, Clashes, Verdict, clash, load_clashes
@@ -98,6 +99,7 @@ __all__ = [
     "RemovalOrder",
     "RemovalStep",
     "Scene",
+    "Screw",
     "SectionOutline",
     "SessionError",
     "Tool",

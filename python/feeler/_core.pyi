@@ -53,6 +53,7 @@ __all__ = [
     "Predictor",
     "Rays",
     "Scene",
+    "Screw",
     "SectionOutline",
     "Selected",
     "Tool",
@@ -253,8 +254,8 @@ class Scene:
     def cast(
         self,
         tool: Tool,
-        pose0: npt.ArrayLike,
-        pose1: npt.ArrayLike,
+        start: npt.ArrayLike,
+        leg: npt.ArrayLike | Screw,
         *,
         tolerance: float,
         touching: _Touching,
@@ -264,6 +265,7 @@ class Scene:
         self,
         tool: Tool,
         poses: npt.ArrayLike,
+        legs: list[npt.ArrayLike | Screw] | None,
         *,
         tolerance: float,
         touching: _Touching,
@@ -497,6 +499,40 @@ class Cast:
     @property
     def tool_part(self) -> int:
         """Index into `tool.parts` of the tool's part that meets it."""
+
+@final
+class Screw:
+    """A turn about an axis in the world with an advance along it: a door's swing, a bolt's thread, a bayonet.
+
+    `axis`: a direction of any length; `point`: on the axis, metres; `angle`: radians, right-handed about the axis, at
+    most a thousand turns either way; `pitch`: metres along the axis for a whole turn, 0 for a hinge, negative for a
+    left-handed thread. Raises `OptionError` for an axis of zero and for numbers that are not finite or too large.
+    """
+
+    def __new__(
+        cls, axis: npt.ArrayLike, point: npt.ArrayLike, angle: float, pitch: float | None = None
+    ) -> Screw: ...
+    @property
+    def axis(self) -> tuple[float, float, float]:
+        """Unit, world."""
+    @property
+    def point(self) -> tuple[float, float, float]:
+        """On the axis, metres, world."""
+    @property
+    def angle(self) -> float:
+        """Radians."""
+    @property
+    def pitch(self) -> float:
+        """Metres along the axis for a whole turn."""
+    @property
+    def advance(self) -> float:
+        """Metres along the axis for the whole angle."""
+    def reversed(self) -> Screw:
+        """The way back."""
+    def at(self, pose: npt.ArrayLike, fraction: float = 1.0) -> npt.NDArray[np.float64]:
+        """`(4, 4)`: what has a pose is there after a share of the screw, 0 to 1. Raises `PoseError`."""
+    def __eq__(self, other: object) -> bool: ...
+    def __hash__(self) -> int: ...
 
 @final
 class PathCheck:

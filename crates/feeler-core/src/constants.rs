@@ -250,6 +250,9 @@ pub(crate) const LEAST_SLOPE: f32 = 1e-20;
 /// `R R^T - I` by at most `6e-6 a`, and the shortest way turns by at most 3.15 in all: fading in 1/32 takes away more.
 pub(crate) const FADE: f64 = 1.0 / 32.0;
 
+/// Most turns of a screw, no unit. More: a cast may take as many times as long, and the sine of the angle knows less.
+pub(crate) const MOST_TURNS: f64 = 1000.0;
+
 /// Roundings, in unit roundoffs of the largest coordinate in play, by which a tool corner at a pose on the way may be off the
 /// way itself, per axis: some 40 for an entry of the rotation (sine, cosine, two products of matrices), three entries to a
 /// coordinate, twice (once for the pivot), and 10 for the sums; and 2 to spare.

@@ -82,6 +82,16 @@ pub enum Error {
         /// The tolerance given.
         value: f64,
     },
+    /// A screw with a number that is not finite or too large, or without an axis.
+    #[error("{what} of the screw is {value:?}: it must be {must}")]
+    Screw {
+        /// "axis", "point", "angle" or "pitch".
+        what: &'static str,
+        /// The number given.
+        value: f64,
+        /// What is needed.
+        must: &'static str,
+    },
     /// A path without a pose.
     #[error("the path has no pose: give at least one")]
     EmptyPath,

@@ -112,6 +112,7 @@ pub use sizing::predictor::Predictor;
 pub use sizing::work::Work;
 pub use tool::motion::{Chord, Motion};
 pub use tool::moving_tool::Tool;
+pub use tool::screw::{Leg, Screw};
 
 // Plain twins of the queries, for tests and judges.
 #[doc(hidden)]

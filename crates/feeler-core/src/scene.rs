@@ -27,7 +27,9 @@ use crate::rays::ray::{HalfSpace, Ray, RayHit};
 use crate::scratch_pool::ScratchPool;
 use crate::section::outline::SectionOutline;
 use crate::sizing::choice::default_voxel_size;
+use crate::tool::motion::Motion;
 use crate::tool::moving_tool::Tool;
+use crate::tool::screw::Leg;
 use crate::{cast, collide, distance, rays, section};
 
 /// How to build a scene. Name what is to differ and take the rest from [`default`](Self::default), so that a later option leaves
@@ -385,9 +387,29 @@ impl Scene {
         tolerance: f64,
         touching: Touching,
     ) -> Result<Option<Cast>> {
+        self.cast_along(tool, &Motion::new(tool, pose0, pose1), tolerance, touching)
+    }
+
+    /// [`cast_touching`](Self::cast_touching) along any motion of the tool, as along a [screw](crate::Screw).
+    ///
+    /// ```
+    /// # use feeler_core::*;
+    /// # let plate = vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
+    /// # let mockup = Mockup::new(plate, vec![[0, 1, 2], [0, 2, 3]], vec![], 1)?;
+    /// # let scene = Scene::build(mockup.into(), &SceneOptions::default(), &|_, _| true)?;
+    /// # let spike = vec![[0.0, 0.0, 0.0], [0.1, 0.0, 0.2], [-0.1, 0.1, 0.2], [-0.1, -0.1, 0.2]];
+    /// # let tool = Tool::new(spike, vec![[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]])?;
+    /// // Three turns down a thread of 0.1 m a turn: the plate, 0.25 m below, is met in the third.
+    /// let screw = Screw::new(&[0.0, 0.0, 1.0], &[0.3, -0.3, 0.0], -3.0 * std::f64::consts::TAU, 0.1)?;
+    /// let motion = Motion::screw(&tool, &Pose::IDENTITY.translated(&[0.3, -0.3, 0.25])?, &screw)?;
+    /// let hit = scene.cast_along(&tool, &motion, 1e-6, Touching::Ends)?.expect("the plate is in the way");
+    /// assert!((hit.fraction * 0.3 - 0.25).abs() < 1e-5);
+    /// # Ok::<(), Error>(())
+    /// ```
+    pub fn cast_along(&self, tool: &Tool, motion: &Motion, tolerance: f64, touching: Touching) -> Result<Option<Cast>> {
         check_tolerance(tolerance)?;
         let how = (tolerance, touching);
-        Ok(self.pools.cast.with(|scratch| cast::query::cast(&self.index, tool, pose0, pose1, how, &[], scratch)))
+        Ok(self.pools.cast.with(|scratch| cast::query::cast(&self.index, tool, motion, how, &[], scratch)))
     }
 
     /// [`cast`](Self::cast) where it is known along which `directions` (units, world, from the mock-up to the tool) the two are
@@ -402,8 +424,8 @@ impl Scene {
         directions: &[Point],
     ) -> Result<Option<Cast>> {
         check_tolerance(tolerance)?;
-        let how = (tolerance, Touching::Ends);
-        Ok(self.pools.cast.with(|scratch| cast::query::cast(&self.index, tool, pose0, pose1, how, directions, scratch)))
+        let (how, motion) = ((tolerance, Touching::Ends), Motion::new(tool, pose0, pose1));
+        Ok(self.pools.cast.with(|scratch| cast::query::cast(&self.index, tool, &motion, how, directions, scratch)))
     }
 
     /// [`cast`](Self::cast) from each pose of a path to the next, in parallel on the current rayon pool.
@@ -439,7 +461,36 @@ impl Scene {
         touching: Touching,
         progress: Progress<'_>,
     ) -> Result<PathCheck> {
-        cast::path::check_path(&self.index, &self.pools.cast, tool, poses, (tolerance, touching), progress)
+        let Some(first) = poses.first() else { return Err(Error::EmptyPath) };
+        let motion = |i: usize| Motion::new(tool, &poses[i], poses.get(i + 1).unwrap_or(first));
+        self.check_motions(tool, (poses.len().max(2) - 1, &motion), (tolerance, touching), progress)
+    }
+
+    /// [`check_path_touching`](Self::check_path_touching) of a way of legs from a pose. Errors where a leg leads beyond the coordinate
+    /// limit, too.
+    pub fn check_legs(
+        &self,
+        tool: &Tool,
+        start: &Pose,
+        legs: &[Leg],
+        (tolerance, touching): (f64, Touching),
+        progress: Progress<'_>,
+    ) -> Result<PathCheck> {
+        let motions = match legs {
+            [] => vec![Motion::new(tool, start, start)],
+            legs => Motion::of_legs(tool, start, legs)?,
+        };
+        self.check_motions(tool, (motions.len(), &|i| motions[i].clone()), (tolerance, touching), progress)
+    }
+
+    fn check_motions(
+        &self,
+        tool: &Tool,
+        motions: (usize, &(dyn Fn(usize) -> Motion + Sync)),
+        how: (f64, Touching),
+        progress: Progress<'_>,
+    ) -> Result<PathCheck> {
+        cast::path::check_path(&self.index, &self.pools.cast, tool, motions, how, progress)
     }
 }
 

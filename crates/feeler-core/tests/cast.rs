@@ -90,7 +90,7 @@ fn a_cast_of_any_store_is_that_of_all_pairs() {
             };
             let spread = [1.2, 0.7, 0.3][i % 3];
             let (a, b) = (place(&a, spread), place(&b, spread));
-            let plain = cast_all_pairs(mockup.mesh(), &tool, &a, &b, TOLERANCE).unwrap();
+            let plain = cast_all_pairs(mockup.mesh(), &tool, &Motion::new(&tool, &a, &b), TOLERANCE).unwrap();
             check(&mockup, &tool, (&a, &b), plain.as_ref(), 60, &format!("{name} {i}"));
             let way = Motion::new(&tool, &a, &b).longest_way();
             for scene in &scenes {
@@ -333,7 +333,7 @@ fn a_spinning_tool_meets_a_speck() {
         let at = [0.0, 0.75f64.sqrt() * scale, 0.5 * scale];
         let (a, b) = (turned(0, 0.0, at), turned(0, 3.0, at));
         let met = 121f64.to_radians() / 3.0;
-        let plain = cast_all_pairs(mockup.mesh(), &tool, &a, &b, TOLERANCE * scale).unwrap();
+        let plain = cast_all_pairs(mockup.mesh(), &tool, &Motion::new(&tool, &a, &b), TOLERANCE * scale).unwrap();
         let found = STORAGES.map(|storage| scene_of(&mockup, storage).cast(&tool, &a, &b, TOLERANCE * scale).unwrap());
         for cast in found.into_iter().chain([plain]) {
             let cast = cast.unwrap_or_else(|| panic!("through a speck of {speck:e} m"));
@@ -351,7 +351,7 @@ fn a_long_blade_that_passes_is_not_stopped() {
     let pose = |rows: [[f64; 4]; 3]| Pose::new(&[rows[0], rows[1], rows[2], [0.0, 0.0, 0.0, 1.0]]).unwrap();
     let a = pose([[1.0, -4e-7, 0.0, 1000.0], [0.0, 0.6, -0.8, -4000.0], [0.0, 0.8, 0.6, 1000.0]]);
     let b = pose([[1.0, 0.0, 0.0, 0.5], [0.0, 0.0, 1.0, -0.2], [0.0, -1.0, 0.0, -0.4]]);
-    let plain = cast_all_pairs(mockup.mesh(), &tool, &a, &b, TOLERANCE).unwrap();
+    let plain = cast_all_pairs(mockup.mesh(), &tool, &Motion::new(&tool, &a, &b), TOLERANCE).unwrap();
     let found = STORAGES.map(|storage| scene_of(&mockup, storage).cast(&tool, &a, &b, TOLERANCE).unwrap());
     // It passes: by less than the bounds for its length, and so far that no impact may be made of that.
     assert_eq!((plain, found), (None, [None; 5]));

@@ -145,13 +145,13 @@ fn check_casts(what: &str, scene: &Scene, tool: &Tool, poses: &[Pose], has: impl
     let mut impacts = 0;
     let path = scene.check_path(tool, poses, TOLERANCE, &|_, _| true).unwrap();
     for (i, way) in poses.windows(2).enumerate() {
-        let plain =
-            alone.as_ref().and_then(|alone| cast_all_pairs(alone.mesh(), tool, &way[0], &way[1], TOLERANCE).unwrap());
+        let motion = Motion::new(tool, &way[0], &way[1]);
+        let plain = alone.as_ref().and_then(|alone| cast_all_pairs(alone.mesh(), tool, &motion, TOLERANCE).unwrap());
         let found = scene.cast(tool, &way[0], &way[1], TOLERANCE).unwrap();
         assert_eq!(found.is_some(), plain.is_some(), "{what}, way {i}");
         assert_eq!(path.hits.iter().find(|(at, _)| *at == i).map(|(_, hit)| *hit), found, "{what}, way {i}");
         if let (Some(found), Some(plain)) = (found, plain) {
-            let apart = (found.fraction - plain.fraction).abs() * Motion::new(tool, &way[0], &way[1]).longest_way();
+            let apart = (found.fraction - plain.fraction).abs() * motion.longest_way();
             assert!(apart < 1e-3 && has(scene.mockup().part_of_face(found.mockup_triangle)), "{what}, way {i}");
             impacts += 1;
         }

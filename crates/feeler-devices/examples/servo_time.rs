@@ -7,7 +7,7 @@ use feeler_core::{Pose, Tool};
 use feeler_devices::machine::thread_time;
 use feeler_haptics::constraint_set::{ConstraintSet, Plane};
 use feeler_haptics::metric::Metric;
-use feeler_haptics::screw::{pose_of, rotation_of};
+use feeler_haptics::twist::{pose_of, rotation_of};
 use feeler_haptics::{Coupling, Servo, ServoInput, SessionOptions};
 use feeler_shapes::box_mesh;
 

@@ -3,7 +3,7 @@
 use feeler_core::geometry::vectors::{cross, dot};
 use feeler_core::{Point, Pose};
 use feeler_haptics::device::{DeviceError, DeviceInfo};
-use feeler_haptics::screw::{self, Matrix, Twist, Wrench};
+use feeler_haptics::twist::{self, Matrix, Twist, Wrench};
 
 use crate::constants::{LARGEST_REACH_M, LARGEST_SPEED_M_PER_S, LARGEST_TURN_RAD_PER_S, ROTATION_TOLERANCE};
 
@@ -47,15 +47,15 @@ pub(crate) fn told_pose(device: &str, rotation: &Matrix, position: &Point) -> Re
     if !position.iter().all(|x| x.abs() <= LARGEST_REACH_M) {
         return Err(nonsense(format!("a position of {position:?} m")));
     }
-    let square = screw::product(&screw::transposed(rotation), rotation);
+    let square = twist::product(&twist::transposed(rotation), rotation);
     let off: f64 =
         (0..3).flat_map(|i| (0..3).map(move |j| (i, j))).map(|(i, j)| (square[i][j] - unit(i, j)).powi(2)).sum();
     let is_mirrored = dot(&column(rotation, 0), &cross(&column(rotation, 1), &column(rotation, 2))) < 0.0;
     if off.is_nan() || off > ROTATION_TOLERANCE || is_mirrored {
         return Err(nonsense(format!("a rotation of {rotation:?}")));
     }
-    let rotation = screw::rotation_of_quaternion(&screw::quaternion(rotation));
-    screw::pose_of(&rotation, position).map_err(|error| nonsense(error.to_string()))
+    let rotation = twist::rotation_of_quaternion(&twist::quaternion(rotation));
+    twist::pose_of(&rotation, position).map_err(|error| nonsense(error.to_string()))
 }
 
 /// A twist from what a device told, metres and radians a second. Errors where it cannot be.
@@ -147,7 +147,7 @@ mod tests {
 
     #[test]
     fn positions_and_velocities_that_cannot_be_are_refused() {
-        let one = screw::rotation_of(&[0.0; 3]);
+        let one = twist::rotation_of(&[0.0; 3]);
         for bad in [f64::NAN, f64::INFINITY, 11.0, -11.0] {
             assert!(told_pose("d", &one, &[0.0, bad, 0.0]).is_err());
         }

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 use feeler_core::Pose;
 use feeler_haptics::device::{DeviceError, DeviceInfo, DeviceState};
-use feeler_haptics::screw::{Twist, Wrench};
+use feeler_haptics::twist::{Twist, Wrench};
 use triple_buffer::{triple_buffer, Input, Output};
 
 use crate::clip::clipped;

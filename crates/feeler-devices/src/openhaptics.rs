@@ -12,7 +12,7 @@ use std::time::Instant;
 
 use feeler_core::Point;
 use feeler_haptics::device::{Device, DeviceError, DeviceInfo, DeviceState};
-use feeler_haptics::screw::{product, transposed, Matrix, Twist, Wrench};
+use feeler_haptics::twist::{product, transposed, Matrix, Twist, Wrench};
 
 use crate::clip::{told_pose, told_twist};
 use crate::exchange::{exchange, DeviceEnd, Measured, ServoEnd};
@@ -175,7 +175,7 @@ fn measured(open: &OpenHd, name: &str, centre: &Point) -> Result<Measured, Devic
 #[cfg(test)]
 mod tests {
     use super::*;
-    use feeler_haptics::screw::times;
+    use feeler_haptics::twist::times;
 
     #[test]
     fn axes_are_changed_by_one_rotation_and_back() {

@@ -8,7 +8,7 @@ use common::eventually;
 use feeler_devices::dhd::{Dhd, DhdOptions};
 use feeler_devices::openhaptics::{OpenHaptics, OpenHapticsOptions};
 use feeler_haptics::device::{Device, DeviceError};
-use feeler_haptics::screw::{rotation_vector, Wrench};
+use feeler_haptics::twist::{rotation_vector, Wrench};
 use stubs::{compiled, Stub};
 
 /// A stub of an omega.6: type 34, a wrist without motors.

@@ -1,14 +1,14 @@
 //! Casts that are known to hit: nothing may tunnel, no impact may be late.
 //!
-//! A way is random; then it is shifted so that at a chosen time a chosen point of the tool lies on a chosen point of a sheet
-//! without thickness or of a wire. Rational arithmetic confirms that the two triangles meet then. So the tool is through at that
-//! time, however fast it goes, and the cast must have found an impact by then.
+//! A way is random, from pose to pose or along a screw; then it is shifted so that at a chosen time a chosen point of the tool lies
+//! on a chosen point of a sheet without thickness or of a wire. Rational arithmetic confirms that the two triangles meet then. So
+//! the tool is through at that time, however fast it goes, and the cast must have found an impact by then.
 
 use std::sync::Arc;
 
 use feeler_core::{
-    closest_triangle_triangle, intersect_triangle_triangle, Mockup, Motion, Point, Pose, Scene, SceneOptions, Tool,
-    Triangle,
+    closest_triangle_triangle, intersect_triangle_triangle, Error, Mockup, Motion, Point, Pose, Scene, SceneOptions,
+    Screw, Tool, Touching, Triangle,
 };
 use rayon::prelude::*;
 
@@ -34,7 +34,9 @@ pub(crate) const KEPT: usize = 20;
 pub struct Tally {
     /// Casts judged: the tool surely meets the mock-up on its way.
     pub casts: u64,
-    /// Of these, the ones that turn by more than a quarter.
+    /// Of these, the ones along a screw.
+    pub screws: u64,
+    /// Of the others, the ones that turn by more than a quarter.
     pub spinning: u64,
     /// Casts that were not: by rounding, the two triangles do not meet at the chosen time.
     pub not_judged: u64,
@@ -56,6 +58,7 @@ impl Tally {
 
     fn and(mut self, other: Tally) -> Tally {
         self.casts += other.casts;
+        self.screws += other.screws;
         self.spinning += other.spinning;
         self.not_judged += other.not_judged;
         self.tunnelled += other.tunnelled;
@@ -67,15 +70,15 @@ impl Tally {
     }
 }
 
-/// At least so many casts; the same for the same seed, on any number of threads.
-pub fn run(casts: u64, seed: u64) -> Tally {
+/// At least so many casts, each looked at at so many times before its impact; the same for the same seed, on any number of threads.
+pub fn run(casts: u64, seed: u64, samples: u32) -> Tally {
     (0..casts.div_ceil(PER_SCENE))
         .into_par_iter()
-        .map(|scene| cast_through(seed.wrapping_mul(1 << 32) ^ scene))
+        .map(|scene| cast_through(seed.wrapping_mul(1 << 32) ^ scene, samples))
         .reduce(Tally::default, Tally::and)
 }
 
-fn cast_through(seed: u64) -> Tally {
+fn cast_through(seed: u64, samples: u32) -> Tally {
     let mut r = Random::new(seed);
     let obstacles: Vec<Triangle> = (0..1 + r.below(5)).map(|i| obstacle(&mut r, i)).collect();
     let (vertices, faces) = arrays_of(&obstacles);
@@ -92,13 +95,13 @@ fn cast_through(seed: u64) -> Tally {
         let (vertices, faces) = arrays_of(&tool(&mut r));
         let tool = Tool::new(vertices, faces).expect("tools have an area");
         for _ in 0..8 {
-            judge(&mut r, &scene, &tool, &mut tally, seed);
+            judge(&mut r, &scene, &tool, &mut tally, (seed, samples));
         }
     }
     tally
 }
 
-fn judge(r: &mut Random, scene: &Scene, tool: &Tool, tally: &mut Tally, seed: u64) {
+fn judge(r: &mut Random, scene: &Scene, tool: &Tool, tally: &mut Tally, (seed, samples): (u64, u32)) {
     let mesh = scene.mockup().mesh();
     let ids = |r: &mut Random, mesh: &feeler_core::Mesh| {
         let ids: Vec<u32> = mesh.queried().collect();
@@ -108,16 +111,25 @@ fn judge(r: &mut Random, scene: &Scene, tool: &Tool, tally: &mut Tally, seed: u6
     let (p, q) = (tool.mesh().triangle(p), mesh.triangle(q));
     let time = r.real(0.01, 1.0);
     let (on_tool, in_world) = (inside(r, &p), inside(r, &q));
-    let (pose0, pose1) = through(r, tool, &on_tool, &in_world, time);
-    let motion = Motion::new(tool, &pose0, &pose1);
+    let is_screw = r.one_in(2);
+    let motion = if is_screw {
+        match screwed_through(r, tool, &on_tool, &in_world, time) {
+            Ok(motion) => motion,
+            Err(error) => panic!("seed {seed}: {error}"),
+        }
+    } else {
+        let (pose0, pose1) = through(r, tool, &on_tool, &in_world, time);
+        tally.spinning += u64::from(turns(&pose0, &pose1) > 0.25);
+        Motion::new(tool, &pose0, &pose1)
+    };
     if oracle::kind_of_pair(&motion.at(time).apply_triangle(&p), &q).is_none() {
         tally.not_judged += 1;
         return;
     }
     tally.casts += 1;
-    tally.spinning += u64::from(turns(&pose0, &pose1) > 0.25);
-    let words = |what: String| format!("seed {seed}, {:?}, {pose0:?} to {pose1:?}: {what}", scene.storage());
-    let cast = match scene.cast(tool, &pose0, &pose1, TOLERANCE) {
+    tally.screws += u64::from(is_screw);
+    let words = |what: String| format!("seed {seed}, {:?}, {motion:?}: {what}", scene.storage());
+    let cast = match scene.cast_along(tool, &motion, TOLERANCE, Touching::Ends) {
         Ok(Some(cast)) => cast,
         other => {
             tally.tunnelled += 1;
@@ -133,7 +145,8 @@ fn judge(r: &mut Random, scene: &Scene, tool: &Tool, tally: &mut Tally, seed: u6
         })
     };
     // The last of them just before the impact.
-    let before = (1..=EARLIER).map(|i| cast.fraction * (1.0 - 0.5f64.powi(9 * i as i32 / 2)));
+    let close = (1..=EARLIER).map(|i| cast.fraction * (1.0 - 0.5f64.powi(9 * i as i32 / 2)));
+    let before = close.chain((0..samples).map(|i| cast.fraction * f64::from(i) / f64::from(samples)));
     if cast.fraction > time || before.filter(|t| *t < cast.fraction).any(meets) {
         tally.late += 1;
         tally.faults.push(words(format!("{} is late: they meet at {time} or before", cast.fraction)));
@@ -161,6 +174,24 @@ fn through(r: &mut Random, tool: &Tool, on_tool: &Point, in_world: &Point, time:
         (0..3).for_each(|a| end.translation[a] += in_world[a] - at[a]);
     }
     (ends[0].pose(), ends[1].pose())
+}
+
+/// A motion along a screw on which, at a time, a point of the tool lies on a point of the world: up to ten turns, about axes through the
+/// tool and a kilometre away.
+fn screwed_through(r: &mut Random, tool: &Tool, on_tool: &Point, in_world: &Point, time: f64) -> Result<Motion, Error> {
+    let mut start = shapes::Motion::random(r, 1.0);
+    let away = r.pick(&[0.0, 0.1, 3.0, 1000.0]);
+    let mut point = start.pose().apply(&r.point(-0.5, 0.5));
+    point = plus(&point, &r.point(-away, away));
+    let most = if away > 100.0 { 0.01 } else { r.pick(&[0.3, 6.0, 60.0]) };
+    let (axis, angle) = (r.point(-1.0, 1.0), r.real(-most, most));
+    let pitch = r.pick(&[0.0, 0.001, -0.3, 5.0]);
+    let at = Motion::screw(tool, &start.pose(), &Screw::new(&axis, &point, angle, pitch)?)?.at(time).apply(on_tool);
+    for a in 0..3 {
+        start.translation[a] += in_world[a] - at[a];
+        point[a] += in_world[a] - at[a];
+    }
+    Motion::screw(tool, &start.pose(), &Screw::new(&axis, &point, angle, pitch)?)
 }
 
 /// How far the second is turned against the first, in turns.

@@ -20,6 +20,7 @@ Examples:
   feeler-exact mass --only gears --only lattice   two generators only
   feeler-exact mass --json > figures.json         figures for a program
   feeler-exact casts --casts 100000               casts that must hit: none may tunnel or be late
+  feeler-exact casts --casts 1000 --samples 1000  the same, each looked at a thousand times before its impact
   feeler-exact contacts --cases 1000              contacts of concave solids of known depth, so many of each family
   feeler-exact contacts --only rack --from 7 --cases 1    one of them once more
   feeler-exact depths --cases 1000                depths of polyhedra against points in whole numbers, so many of each family
@@ -56,6 +57,9 @@ enum Command {
         /// Another seed makes other casts; the same seed the same ones.
         #[arg(long, default_value_t = 1)]
         seed: u64,
+        /// Times before each impact at which all pairs are looked at, beside six close to it.
+        #[arg(long, default_value_t = 0)]
+        samples: u32,
     },
     /// Judge contacts of concave solids whose depths are known; exit code 1 when a plane is missing, too deep or turned, or a way
     /// out is too short.
@@ -110,7 +114,7 @@ enum Command {
 fn main() -> ExitCode {
     let done = match Arguments::parse().command {
         Command::Mass { pairs, seed, only, json } => run_mass(pairs, seed, &only, json),
-        Command::Casts { casts, seed } => Ok(run_casts(casts, seed)),
+        Command::Casts { casts, seed, samples } => Ok(run_casts(casts, seed, samples)),
         Command::Contacts { cases, seed, from, only, triangles } => run_contacts(cases, seed, from, &only, triangles),
         Command::Depths { cases, seed, from, only } => run_depths(cases, seed, from, &only),
         Command::Corpus { file, check } => make_corpus(&file, check),
@@ -153,12 +157,12 @@ fn run_mass(pairs: u64, seed: u64, only: &[String], json: bool) -> Result<bool, 
     Ok(total.tally.mismatch_count == 0)
 }
 
-fn run_casts(count: u64, seed: u64) -> bool {
-    let tally = casts::run(count, seed);
+fn run_casts(count: u64, seed: u64, samples: u32) -> bool {
+    let tally = casts::run(count, seed, samples);
     println!(
-        "casts (seed {seed}): {} that hit, {} of them turning by more than a quarter; {} tunnelled, {} late, {} too early \
-         ({} not judged: apart by rounding)",
-        tally.casts, tally.spinning, tally.tunnelled, tally.late, tally.early, tally.not_judged
+        "casts (seed {seed}): {} that hit, {} of them along screws, {} turning by more than a quarter; {} tunnelled, {} late, \
+         {} too early ({} not judged: apart by rounding)",
+        tally.casts, tally.screws, tally.spinning, tally.tunnelled, tally.late, tally.early, tally.not_judged
     );
     tally.faults.iter().for_each(|fault| println!("  {fault}"));
     tally.is_right()

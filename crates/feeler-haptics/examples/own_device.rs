@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex};
 use feeler_core::{Mockup, Pose, Scene, SceneOptions, Tool};
 use feeler_haptics::device::{Device, DeviceError, DeviceInfo, DeviceLimits, DeviceState, Freedoms};
 use feeler_haptics::runner::{RunnerOptions, Sides};
-use feeler_haptics::screw::Wrench;
+use feeler_haptics::twist::Wrench;
 use feeler_haptics::{Coupling, Session, SessionOptions};
 
 /// Here a program moves the handle, and looks at the force; yours asks a motor controller.

@@ -1,7 +1,7 @@
 //! What the collision side hands to the servo side: contact rows, where they were taken, and how far they are good for.
 
 use feeler_core::geometry::least_distance::{nearest, HalfSpace, Six, DIMENSIONS};
-use feeler_core::geometry::screw::{displaced, displacement, product, times, transposed, Twist};
+use feeler_core::geometry::twist::{displaced, displacement, product, times, transposed, Twist};
 use feeler_core::geometry::vectors::{add, dot, length, scaled, sub};
 use feeler_core::tool::metric::Metric;
 use feeler_core::{Point, Pose, Tool};
@@ -334,7 +334,7 @@ impl ConstraintSet {
 
 #[cfg(test)]
 mod tests {
-    use feeler_core::geometry::screw::{pose_of, rotation_of};
+    use feeler_core::geometry::twist::{pose_of, rotation_of};
     use feeler_shapes::box_mesh;
 
     use super::*;

@@ -4,7 +4,7 @@
 //! is along the rotation vector between the two (the logarithm of the quaternion), which is minus the gradient of `k
 //! |v|^2 / 2`, so that no closed motion gains or loses energy by it.
 
-use feeler_core::geometry::screw::{displacement, Twist, Wrench};
+use feeler_core::geometry::twist::{displacement, Twist, Wrench};
 use feeler_core::geometry::vectors::{length, scaled, sub};
 use feeler_core::{Point, Pose};
 
@@ -174,7 +174,7 @@ fn stored(stiffness: f64, most: f64, stretch: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use feeler_core::geometry::screw::{displaced, pose_of, rotation_of};
+    use feeler_core::geometry::twist::{displaced, pose_of, rotation_of};
     use feeler_core::geometry::vectors::dot;
     use proptest::prelude::*;
 

@@ -1,6 +1,6 @@
 //! From two poses to a wrench that may go to a hand, once a tick: coupling, saturation, passivity, slew, watchdog.
 
-use feeler_core::geometry::screw::{displacement, Twist, Wrench};
+use feeler_core::geometry::twist::{displacement, Twist, Wrench};
 use feeler_core::geometry::vectors::{add, dot, length, scaled, sub, unit};
 use feeler_core::{Point, Pose};
 
@@ -318,7 +318,7 @@ pub(crate) fn slewed(from: &Point, to: &Point, most: f64) -> Point {
 mod tests {
     use super::*;
     use crate::device::simulated::SimulatedOptions;
-    use feeler_core::geometry::screw::{pose_of, rotation_of};
+    use feeler_core::geometry::twist::{pose_of, rotation_of};
     use proptest::prelude::*;
 
     const TICK: f64 = 1e-3;

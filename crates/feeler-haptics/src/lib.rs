@@ -60,7 +60,7 @@ mod velocity;
 pub use clock::Clock;
 pub use coupling::Coupling;
 pub use error::{Error, Result};
-pub use feeler_core::geometry::{least_distance, screw};
+pub use feeler_core::geometry::{least_distance, twist};
 pub use feeler_core::tool::metric;
 pub use feeler_world::{PutDown, Seat, SeatKind, World};
 pub use force::{ForceInput, ForceLoop};

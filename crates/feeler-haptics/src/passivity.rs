@@ -15,7 +15,7 @@
 //! touched, is forgiven quickly in the air, so that air does not feel thick, and is never larger than what the springs
 //! hold at full force. The damping is bounded, so that its force goes to zero with the velocity: no chatter at rest.
 
-use feeler_core::geometry::screw::{Twist, Wrench};
+use feeler_core::geometry::twist::{Twist, Wrench};
 use feeler_core::geometry::vectors::{dot, scaled};
 
 use crate::constants::{DEFICIT_LEAK_S, SURPLUS_LEAK_S};

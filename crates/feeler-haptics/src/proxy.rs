@@ -9,7 +9,7 @@
 use std::sync::Arc;
 
 use feeler_contacts::{Manifold, Manifolds};
-use feeler_core::geometry::screw::{displaced, displacement};
+use feeler_core::geometry::twist::{displaced, displacement};
 use feeler_core::geometry::vectors::{length, sub, unit};
 use feeler_core::tool::metric::Metric;
 use feeler_core::{Motion, Point, Pose};
@@ -506,7 +506,7 @@ mod tests {
     use feeler_shapes::{box_mesh, Arrays};
 
     use super::*;
-    use feeler_core::geometry::screw::{pose_of, rotation_of, rotation_vector};
+    use feeler_core::geometry::twist::{pose_of, rotation_of, rotation_vector};
     use feeler_world::Body;
 
     fn around((vertices, faces): Arrays, tool: Tool, start: &Pose) -> Surroundings {

@@ -1,6 +1,6 @@
 //! Wrenches within bounds of force and torque.
 
-use feeler_core::geometry::screw::Wrench;
+use feeler_core::geometry::twist::Wrench;
 use feeler_core::geometry::vectors::{dot, length, scaled};
 use feeler_core::Point;
 

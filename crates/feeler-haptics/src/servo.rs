@@ -4,7 +4,7 @@
 //! its margin off, so a tool of which no point moves farther cannot get there. Beyond, the proxy is held at the bound, and the coupling
 //! drags. Allocates nothing, and takes no lock.
 
-use feeler_core::geometry::screw::{Twist, Wrench};
+use feeler_core::geometry::twist::{Twist, Wrench};
 use feeler_core::{Point, Pose};
 
 use crate::constants::{BOUND_SHARE, OLDEST_SET_S, PROXY_RESOLUTION_M, PROXY_RESOLUTION_RAD, STUCK_SHARE};

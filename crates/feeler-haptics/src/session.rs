@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use feeler_contacts::Penetration;
-use feeler_core::geometry::screw::{displaced, displacement, Twist, Wrench};
+use feeler_core::geometry::twist::{displaced, displacement, Twist, Wrench};
 use feeler_core::geometry::vectors::scaled;
 use feeler_core::tool::metric::Metric;
 use feeler_core::{Point, Pose, Scene, Tool};

@@ -16,7 +16,7 @@
 //! one: the spring's energy and `W h`, where `W` is the force but for a ramp at the first touch, has the turned force for its gradient
 //! across the normal, and along it the spring's and `W' h`, as if the spring was stretched from the smooth surface.
 
-use feeler_core::geometry::screw::{rotation_of, times, Twist};
+use feeler_core::geometry::twist::{rotation_of, times, Twist};
 use feeler_core::geometry::vectors::{across, add, cross, dot, length, scaled, unit};
 use feeler_core::{Point, Pose, Tool};
 use feeler_world::{Environment, Pair, Plane};

@@ -5,7 +5,7 @@
 //! resolution of every pose in it. Slow motions are averaged over many poses, fast ones are told from the last two,
 //! without a filter's lag.
 
-use feeler_core::geometry::screw::{quaternion, Twist};
+use feeler_core::geometry::twist::{quaternion, Twist};
 use feeler_core::geometry::vectors::{along, dot, length, scaled, sub};
 use feeler_core::{Point, Pose};
 
@@ -107,7 +107,7 @@ fn turn_between(from: &[f64; 4], to: &[f64; 4]) -> Point {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use feeler_core::geometry::screw::{pose_of, rotation_of};
+    use feeler_core::geometry::twist::{pose_of, rotation_of};
 
     const STEP: f64 = 1e-5;
     const TURN: f64 = 1e-4;
@@ -156,7 +156,7 @@ mod tests {
 
     #[test]
     fn turns_between_quaternions_are_those_between_rotations() {
-        use feeler_core::geometry::screw::{product, rotation_vector, transposed};
+        use feeler_core::geometry::twist::{product, rotation_vector, transposed};
         for (a, b) in [([0.3, -0.2, 0.9], [1.0, 0.4, -0.8]), ([3.0, 0.0, 0.1], [-3.0, 0.1, 0.0]), ([0.1; 3], [0.1; 3])]
         {
             let (from, to) = (rotation_of(&a), rotation_of(&b));

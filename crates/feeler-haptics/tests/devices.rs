@@ -9,7 +9,7 @@ use feeler_haptics::device::mapping::Mapping;
 use feeler_haptics::device::mouse::Mouse;
 use feeler_haptics::device::simulated::{SimulatedDevice, SimulatedOptions};
 use feeler_haptics::device::{Device, DeviceError, DeviceInfo, DeviceState};
-use feeler_haptics::screw::{displaced, displacement, pose_of, rotation_of, times, Twist, Wrench};
+use feeler_haptics::twist::{displaced, displacement, pose_of, rotation_of, times, Twist, Wrench};
 use feeler_haptics::Coupling;
 use proptest::prelude::*;
 

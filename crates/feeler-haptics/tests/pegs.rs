@@ -7,7 +7,7 @@ use feeler_contacts::ContactSolver;
 use feeler_core::{Mockup, Point, Pose, Scene, SceneOptions, Tool};
 use feeler_haptics::metric::Metric;
 use feeler_haptics::proxy::{Proxy, ProxyOptions};
-use feeler_haptics::screw::{pose_of, rotation_of};
+use feeler_haptics::twist::{pose_of, rotation_of};
 use feeler_haptics::Coupling;
 use feeler_shapes::{lathe, Arrays};
 use feeler_world::{Body, Surroundings};

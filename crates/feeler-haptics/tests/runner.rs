@@ -15,7 +15,7 @@ use feeler_haptics::device::mouse::Mouse;
 use feeler_haptics::device::steered::steered;
 use feeler_haptics::device::{Device, DeviceError, DeviceInfo, DeviceState};
 use feeler_haptics::runner::{MappingOptions, RunnerOptions, Stopped, ThreadKind, View};
-use feeler_haptics::screw::Wrench;
+use feeler_haptics::twist::Wrench;
 use feeler_haptics::{Clock, Error, Mode, Runner, SessionOptions, Start};
 use feeler_shapes::box_mesh;
 use feeler_world::Error as World;

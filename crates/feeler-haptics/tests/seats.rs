@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use feeler_contacts::ContactSolver;
 use feeler_core::{Mockup, Point, Pose, Scene, SceneOptions, Tool};
-use feeler_haptics::screw::{pose_of, rotation_of};
+use feeler_haptics::twist::{pose_of, rotation_of};
 use feeler_haptics::{Mode, SeatKind, Session, SessionOptions, Start};
 use feeler_shapes::{box_mesh, joined, lathe, Arrays};
 use feeler_world::{Body, Care, Surroundings};

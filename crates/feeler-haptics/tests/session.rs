@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use feeler_core::geometry::vectors::{length, sub};
 use feeler_core::{Mockup, Point, Pose, Scene, SceneOptions, Tool};
-use feeler_haptics::screw::{pose_of, rotation_of, rotation_vector, Wrench};
+use feeler_haptics::twist::{pose_of, rotation_of, rotation_vector, Wrench};
 use feeler_haptics::{Error, Mode, PutDown, SeatKind, Session, SessionOptions, Start, Step};
 use feeler_shapes::random::Random;
 use feeler_shapes::{ball, box_mesh, cylinder, joined, sheet, Arrays};

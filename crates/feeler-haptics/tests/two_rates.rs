@@ -11,7 +11,7 @@ use feeler_haptics::device::hand::HandPath;
 use feeler_haptics::device::simulated::SimulatedOptions;
 use feeler_haptics::device::{Device, DeviceError, DeviceInfo, DeviceState, Freedoms};
 use feeler_haptics::runner::{RunnerOptions, Sides, View};
-use feeler_haptics::screw::{displacement, Twist, Wrench};
+use feeler_haptics::twist::{displacement, Twist, Wrench};
 use feeler_haptics::{Mode, Session, SessionOptions};
 use feeler_shapes::random::Random;
 

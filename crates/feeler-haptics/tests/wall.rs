@@ -7,7 +7,7 @@ use feeler_core::{Point, Pose};
 use feeler_haptics::device::hand::{Hand, HandPath};
 use feeler_haptics::device::simulated::{SimulatedDevice, SimulatedOptions};
 use feeler_haptics::device::{Device, DeviceInfo, DeviceLimits, Freedoms};
-use feeler_haptics::screw::{displacement, pose_of, rotation_of, Twist, Wrench};
+use feeler_haptics::twist::{displacement, pose_of, rotation_of, Twist, Wrench};
 use feeler_haptics::{Coupling, ForceInput, ForceLoop, Shading, VelocityEstimate};
 use proptest::prelude::*;
 

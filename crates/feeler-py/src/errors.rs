@@ -25,6 +25,7 @@ pub fn to_py(error: Error) -> PyErr {
         | Error::Plane { .. }
         | Error::Ray { .. }
         | Error::Section { .. }
+        | Error::Screw { .. }
         | Error::VertexLimit { .. } => "OptionError",
         Error::TooMany { .. }
         | Error::GridTooFine { .. }

@@ -2,7 +2,7 @@
 
 use feeler_core::Pose;
 use feeler_haptics::device::{Device, DeviceError, DeviceInfo, DeviceState};
-use feeler_haptics::screw::Wrench;
+use feeler_haptics::twist::Wrench;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 

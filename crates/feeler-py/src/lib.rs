@@ -23,6 +23,7 @@ mod removal;
 mod reporter;
 mod restore;
 mod scene;
+mod screw;
 mod selection;
 mod swept;
 mod tool;
@@ -88,6 +89,8 @@ mod _core {
     use super::restore::restore;
     #[pymodule_export]
     use super::scene::{optimal_voxel_size, Scene};
+    #[pymodule_export]
+    use super::screw::Screw;
     #[pymodule_export]
     use super::selection::{IgnoredPairs, Selected};
     #[pymodule_export]

@@ -21,6 +21,7 @@ use crate::pools::{find_topology, on_pool, Pool};
 use crate::proximity::{Clearance, ClearanceBatch, Distance, DistanceBatch};
 use crate::rays::{Rays, SectionOutline};
 use crate::reporter::Reporter;
+use crate::screw::LegArgument;
 use crate::selection::{ignored_of, Ignore, SceneSource, Selected};
 use crate::travel::rows_of;
 
@@ -447,14 +448,14 @@ impl Scene {
         Ok(ClearanceBatch::new(batch?.map_err(to_py)?))
     }
 
-    #[pyo3(signature = (tool, pose0, pose1, *, tolerance, touching, ignore = None))]
+    #[pyo3(signature = (tool, start, leg, *, tolerance, touching, ignore = None))]
     #[allow(clippy::too_many_arguments, reason = "the Python signature")]
     fn cast(
         &self,
         py: Python<'_>,
         tool: ToolArgument<'_, '_>,
-        pose0: PoseArgument,
-        pose1: PoseArgument,
+        start: PoseArgument,
+        leg: LegArgument,
         tolerance: f64,
         touching: Touching,
         ignore: Ignore<'_>,
@@ -465,18 +466,23 @@ impl Scene {
             if touching.0 == core::Touching::Free {
                 find_topology(self.core.mockup(), tool, false)?;
             }
-            asked.scene().cast_touching(tool, &pose0.0, &pose1.0, tolerance, touching.0).map_err(to_py)
+            let motion = match leg.0 {
+                core::Leg::To(end) => core::Motion::new(tool, &start.0, &end),
+                core::Leg::Screw(screw) => core::Motion::screw(tool, &start.0, &screw).map_err(to_py)?,
+            };
+            asked.scene().cast_along(tool, &motion, tolerance, touching.0).map_err(to_py)
         });
         Ok(found?.map(|cast| Cast::new(cast, self.core.mockup(), tool)))
     }
 
-    #[pyo3(signature = (tool, poses, *, tolerance, touching, inside, progress, ignore = None))]
+    #[pyo3(signature = (tool, poses, legs, *, tolerance, touching, inside, progress, ignore = None))]
     #[allow(clippy::too_many_arguments, reason = "the Python signature")]
     fn check_path(
         &self,
         py: Python<'_>,
         tool: ToolArgument<'_, '_>,
         poses: PosesArgument,
+        legs: Option<Vec<LegArgument>>,
         tolerance: f64,
         touching: Touching,
         inside: bool,
@@ -491,11 +497,16 @@ impl Scene {
             }
             Ok::<_, PyErr>(poses.0.first().filter(|_| inside).map(|pose| asked.containment(tool, pose)))
         })?;
+        let legs: Option<Vec<core::Leg>> = legs.map(|legs| legs.into_iter().map(|leg| leg.0).collect());
         let reporter = Reporter::new(progress);
         let check = py.detach(|| {
             reporter.watch(self.pool.as_deref(), || {
                 let tell = |done: f64, stage: &str| reporter.tell(done, stage);
-                asked.scene().check_path_touching(tool, &poses.0, tolerance, touching.0, &tell)
+                let scene = asked.scene();
+                match (&legs, &poses.0[..]) {
+                    (Some(legs), [start]) => scene.check_legs(tool, start, legs, (tolerance, touching.0), &tell),
+                    _ => scene.check_path_touching(tool, &poses.0, tolerance, touching.0, &tell),
+                }
             })
         });
         reporter.finish()?;

@@ -6,7 +6,7 @@
 use std::sync::Arc;
 
 use feeler_contacts::ContactSolver;
-use feeler_core::geometry::screw::{times, transposed};
+use feeler_core::geometry::twist::{times, transposed};
 use feeler_core::geometry::vectors::sub;
 use feeler_core::{Mockup, Point, Pose, Scene, SceneOptions, Tool};
 

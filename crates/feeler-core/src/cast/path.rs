@@ -4,11 +4,11 @@ use rayon::prelude::*;
 
 use super::impact::{check_tolerance, Cast, Touching};
 use super::query::{cast, CastScratch};
-use crate::error::{Error, Result};
-use crate::geometry::pose::Pose;
+use crate::error::Result;
 use crate::index::mockup_index::Index;
 use crate::progress::{report, Progress};
 use crate::scratch_pool::ScratchPool;
+use crate::tool::motion::Motion;
 use crate::tool::moving_tool::Tool;
 
 /// What a path meets; [`hits`](Self::hits) is empty where it is free.
@@ -21,22 +21,21 @@ pub struct PathCheck {
     pub hits: Vec<(usize, Cast)>,
 }
 
-/// A cast from each pose of a path to the next, in parallel on the current rayon pool.
+/// A cast along each of so many motions, in parallel on the current rayon pool.
 ///
 /// Every segment is looked at, also those after an impact. `progress` is told after each wave of segments. Errors: as
-/// `cast`, a path without a pose, and a request to stop.
+/// `cast`, and a request to stop.
 pub(crate) fn check_path(
     index: &Index,
     pool: &ScratchPool<CastScratch>,
     tool: &Tool,
-    poses: &[Pose],
+    (segments, motion): (usize, &(dyn Fn(usize) -> Motion + Sync)),
     (tolerance, touching): (f64, Touching),
     progress: Progress<'_>,
 ) -> Result<PathCheck> {
     const PATH_WAVE: usize = 2048;
     const PATH_TASK: usize = 8;
     check_tolerance(tolerance)?;
-    let (Some(first), segments) = (poses.first(), poses.len().max(2) - 1) else { return Err(Error::EmptyPath) };
     let mut hits = Vec::new();
     let numbers: Vec<usize> = (0..segments.min(PATH_WAVE)).collect();
     for start in (0..segments).step_by(PATH_WAVE) {
@@ -50,8 +49,7 @@ pub(crate) fn check_path(
                     .iter()
                     .filter_map(|i| {
                         let segment = start + i;
-                        let (from, to) = (&poses[segment], poses.get(segment + 1).unwrap_or(first));
-                        let found = cast(index, tool, from, to, (tolerance, touching), &[], &mut scratch)?;
+                        let found = cast(index, tool, &motion(segment), (tolerance, touching), &[], &mut scratch)?;
                         Some((segment, found))
                     })
                     .collect();

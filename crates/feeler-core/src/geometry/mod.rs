@@ -9,6 +9,6 @@ pub mod least_distance;
 pub mod pose;
 pub mod predicates;
 pub mod ray_crossings;
-pub mod screw;
 pub mod triangle_normals;
+pub mod twist;
 pub mod vectors;

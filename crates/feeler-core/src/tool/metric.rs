@@ -10,7 +10,7 @@ use crate::constants::LEAST_GYRATION_SHARE;
 use crate::geometry::bounds::Point;
 use crate::geometry::least_distance::{HalfSpace, Six};
 use crate::geometry::pose::Pose;
-use crate::geometry::screw::{times, transposed, Matrix, Twist};
+use crate::geometry::twist::{times, transposed, Matrix, Twist};
 use crate::geometry::vectors::{add, cross, dot, length, scaled, sub};
 use crate::tool::moving_tool::Tool;
 
@@ -131,7 +131,7 @@ mod tests {
     use feeler_shapes::box_mesh;
 
     use super::*;
-    use crate::geometry::screw::{displaced, pose_of, rotation_of};
+    use crate::geometry::twist::{displaced, pose_of, rotation_of};
 
     fn tool(size: [f64; 3], at: Point, cells: usize) -> Tool {
         let (vertices, faces) = box_mesh(at, size, cells);

@@ -4,4 +4,5 @@ pub mod metric;
 pub(crate) mod motion;
 pub(crate) mod moving_tool;
 pub(crate) mod placement;
+pub(crate) mod screw;
 pub mod surface_links;

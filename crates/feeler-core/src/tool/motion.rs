@@ -1,25 +1,29 @@
 //! A tool's way from one pose to another, and what is certain about it.
 //!
-//! The tool's *pivot*, mostly the middle of its box, moves along a straight line at constant speed, and the tool turns about it at
-//! constant speed about a fixed axis, the shorter way round (slerp: K. Shoemake 1985). The tool's own origin plays no part, so a
-//! tool modelled far from its origin does not swing.
+//! The tool's *pivot* moves along a straight line at constant speed, and the tool turns about it at constant speed about a fixed axis.
+//! From one pose to another the pivot is mostly the middle of the tool's box, and the turn the shorter way round (slerp: K. Shoemake
+//! 1985): the tool's own origin plays no part, so a tool modelled far from its origin does not swing. On a screw the pivot is on the
+//! axis, the nearest point of it to that middle, and the turn of any angle.
 //!
 //! Given poses are rigid only within 1e-6, and are used as given: what their matrices have beyond a rotation is added, and
 //! fades out within the first and the last `FADE` of the way. So the way begins and ends exactly at the given poses, and
 //! every pose on it is as rigid as they are.
 
+use std::f64::consts::FRAC_PI_2;
+
 use crate::constants::{ARC_ROUNDING, FADE, MOTION_ROUNDOFFS, UNIT_ROUNDOFF};
+use crate::error::Result;
 use crate::geometry::bounds::{Aabb, Point, Triangle};
 use crate::geometry::pose::Pose;
-use crate::geometry::vectors::{add, any_length, cross, dot, length, scaled, sub};
+use crate::geometry::twist::{product, times, transposed, turn, Matrix};
+use crate::geometry::vectors::{add, any_length, cross, dot, largest, length, scaled, sub};
 use crate::tool::moving_tool::Tool;
-
-type Matrix = [[f64; 3]; 3];
+use crate::tool::screw::{Leg, Screw};
 
 /// A rigid motion of one tool; time runs from 0 to 1.
 ///
-/// The tool's [pivot](Tool::pivot) moves along a straight line at constant speed, and the tool turns about it at constant speed about a
-/// fixed axis, the shorter way round.
+/// A point of it, the pivot, moves along a straight line at constant speed, and the tool turns about it at constant speed about a fixed
+/// axis.
 #[derive(Debug, Clone)]
 pub struct Motion {
     ends: [Pose; 2],
@@ -28,12 +32,14 @@ pub struct Motion {
     /// The pivot in the world at time 0, and its velocity (metres for the whole way).
     from: Point,
     velocity: Point,
-    /// The rotation at time 0, orthonormal.
+    /// The rotation at time 0: orthonormal, or on a screw as given.
     start: Matrix,
-    /// Unit axis in the world, and the angle turned about it (radians, 0 to pi).
+    /// Unit axis in the world, and the angle turned about it (radians, not negative; to a pose at most pi).
     axis: Point,
     angle: f64,
     axis_in_tool: Point,
+    /// By what share of its distance from the pivot a point may be farther from the axis than it is in the tool's frame.
+    slack: f64,
     /// What the given matrices have beyond a rotation.
     beyond: [Matrix; 2],
     /// Bounds for the whole tool, metres: distance from the axis, displacement by `beyond`, rounding per axis.
@@ -70,36 +76,115 @@ fn grown(b: &Aabb, margin: f64) -> Aabb {
     Aabb { lower: b.lower.map(|x| x - margin), upper: b.upper.map(|x| x + margin) }
 }
 
-impl Motion {
-    /// The way of a tool between two poses `world_from_tool`.
-    pub fn new(tool: &Tool, pose0: &Pose, pose1: &Pose) -> Motion {
+/// What a motion is given by.
+struct Way {
+    pivot: Point,
+    from: Point,
+    velocity: Point,
+    start: Matrix,
+    axis: Point,
+    angle: f64,
+    axis_in_tool: Point,
+    slack: f64,
+    beyond: [Matrix; 2],
+}
+
+impl Way {
+    /// With its bounds; `translation`: the largest coordinate beside the tool's own, metres.
+    fn motion(&self, tool: &Tool, ends: [Pose; 2], translation: f64) -> Motion {
+        let Way { pivot, from, velocity, start, axis, angle, axis_in_tool, slack, beyond } = *self;
         let bounds = tool.mesh().bounds();
-        let pivot = *tool.pivot();
-        let (from, to) = (pose0.apply(&pivot), pose1.apply(&pivot));
-        let [start, end] = [pose0, pose1].map(|pose| orthonormal(pose.rotation()));
-        let (axis, angle) = axis_and_angle(&product(&end, &transposed(&start)));
-        let axis_in_tool = times(&transposed(&start), &axis);
-        let beyond = [difference(pose0.rotation(), &start), difference(pose1.rotation(), &end)];
         let corners = corners_of(&bounds).map(|p| sub(&p, &pivot));
-        let reach = corners.iter().map(|p| any_length(&cross(&axis_in_tool, p))).fold(0.0, f64::max);
         let radius = corners.iter().map(any_length).fold(0.0, f64::max);
+        let reach = corners.iter().map(|p| any_length(&cross(&axis_in_tool, p))).fold(0.0, f64::max) + slack * radius;
         let bend = beyond.iter().map(|m| size(m) * radius).fold(0.0, f64::max);
-        let translation = pose0.largest_translation().max(pose1.largest_translation());
         let rounding = MOTION_ROUNDOFFS * UNIT_ROUNDOFF * (bounds.largest_coordinate() + translation);
         Motion {
-            ends: [*pose0, *pose1],
+            ends,
             pivot,
             from,
-            velocity: sub(&to, &from),
+            velocity,
             start,
             axis,
             angle,
             axis_in_tool,
+            slack,
             beyond,
             reach: reach * (1.0 + ARC_ROUNDING),
             bend: bend * (1.0 + ARC_ROUNDING),
             rounding: rounding + f64::MIN_POSITIVE,
         }
+    }
+}
+
+impl Motion {
+    /// The way of a tool between two poses `world_from_tool`: its [pivot](Tool::pivot) moves straight, and the tool turns the shorter
+    /// way round.
+    pub fn new(tool: &Tool, pose0: &Pose, pose1: &Pose) -> Motion {
+        let pivot = *tool.pivot();
+        let (from, to) = (pose0.apply(&pivot), pose1.apply(&pivot));
+        let [start, end] = [pose0, pose1].map(|pose| orthonormal(pose.rotation()));
+        let (axis, angle) = axis_and_angle(&product(&end, &transposed(&start)));
+        let beyond = [difference(pose0.rotation(), &start), difference(pose1.rotation(), &end)];
+        let translation = pose0.largest_translation().max(pose1.largest_translation());
+        let axis_in_tool = times(&transposed(&start), &axis);
+        let way = Way { pivot, from, velocity: sub(&to, &from), start, axis, angle, axis_in_tool, slack: 0.0, beyond };
+        way.motion(tool, [*pose0, *pose1], translation)
+    }
+
+    /// The way of a tool from a pose along a screw. The pivot is on its axis.
+    ///
+    /// Errors where the tool would get beyond the coordinate limit.
+    pub fn screw(tool: &Tool, pose: &Pose, screw: &Screw) -> Result<Motion> {
+        // The matrix is turned as given: it stays as rigid as it is.
+        let start = *pose.rotation();
+        let back = transposed(&orthonormal(&start));
+        let foot = screw.foot(&pose.apply(tool.pivot()));
+        // The pose is rigid only within 1e-6: each round brings the rest down by as much.
+        let mut pivot = times(&back, &sub(&foot, pose.translation()));
+        for _ in 0..2 {
+            pivot = add(&pivot, &times(&back, &sub(&foot, &pose.apply(&pivot))));
+        }
+        let from = pose.apply(&pivot);
+        let sign = if screw.angle() < 0.0 { -1.0 } else { 1.0 };
+        let (axis, angle) = (scaled(screw.axis(), sign), screw.angle().abs());
+        let slack = size(&difference(&start, &transposed(&back)));
+        let beyond = [[[0.0; 3]; 3]; 2];
+        let way = Way {
+            pivot,
+            from,
+            velocity: screw.way(),
+            start,
+            axis,
+            angle,
+            axis_in_tool: times(&back, &axis),
+            slack,
+            beyond,
+        };
+        let rotation = product(&turn(&axis, angle), &start);
+        let place = sub(&add(&from, &way.velocity), &times(&rotation, &pivot));
+        let end = Pose::unchecked(rotation, place).translated(&[0.0; 3])?;
+        // Of the pose at any time.
+        let translation = largest(&from) + largest(&way.velocity) + 2.0 * largest(&pivot);
+        let mut motion = way.motion(tool, [*pose, end], translation);
+        // The sine of a large angle is known to as many roundings less.
+        motion.rounding += MOTION_ROUNDOFFS * UNIT_ROUNDOFF * angle * motion.reach;
+        Ok(motion)
+    }
+
+    /// The motions of a way from a pose, one a leg. Errors as [`screw`](Self::screw).
+    pub fn of_legs(tool: &Tool, start: &Pose, legs: &[Leg]) -> Result<Vec<Motion>> {
+        let mut here = *start;
+        let mut motions = Vec::with_capacity(legs.len());
+        for leg in legs {
+            let motion = match leg {
+                Leg::To(pose) => Motion::new(tool, &here, pose),
+                Leg::Screw(screw) => Motion::screw(tool, &here, screw)?,
+            };
+            here = motion.ends[1];
+            motions.push(motion);
+        }
+        Ok(motions)
     }
 
     /// The pose at a time from 0 to 1: the given ones at both ends.
@@ -119,9 +204,14 @@ impl Motion {
         Pose::unchecked(rotation, sub(&self.pivot_at(time), &times(&rotation, &self.pivot)))
     }
 
-    /// Whether the tool does not move at all.
+    /// Whether the tool does not move at all. After whole turns it is where it began, too.
     pub(crate) fn is_still(&self) -> bool {
-        self.ends[0] == self.ends[1]
+        self.ends[0] == self.ends[1] && self.angle < FRAC_PI_2
+    }
+
+    /// Where it ends.
+    pub fn end(&self) -> &Pose {
+        &self.ends[1]
     }
 
     /// How far any point of the tool moves at most, metres.
@@ -136,7 +226,7 @@ impl Motion {
     /// place that `l q + (1 - l) r` has at the time `1 - l` it is by the arc's height, and by `l (1 - l) (A - B) (q - r)`, which is
     /// at most a quarter of the angle times the triangle's width across the axis.
     pub fn chord(&self, triangle: &Triangle, share: f64) -> Chord {
-        let across = |p: &Point, q: &Point| any_length(&cross(&self.axis_in_tool, &sub(p, q)));
+        let across = |p: &Point, q: &Point| self.across(&sub(p, q));
         let radius = triangle.iter().map(|p| across(p, &self.pivot)).fold(0.0, f64::max);
         let [a, b, c] = triangle;
         let width = across(a, b).max(across(b, c)).max(across(c, a));
@@ -169,10 +259,8 @@ impl Motion {
 
     /// Bounds that hold for all points of a triangle of the tool at all times.
     pub(crate) fn limits(&self, triangle: &Triangle) -> Limits {
-        let radius = triangle
-            .iter()
-            .map(|p| any_length(&cross(&self.axis_in_tool, &sub(p, &self.pivot))))
-            .fold(0.0f64, |m, r| if r > m { r } else { m });
+        let radius =
+            triangle.iter().map(|p| self.across(&sub(p, &self.pivot))).fold(0.0f64, |m, r| if r > m { r } else { m });
         let place = self.from.iter().chain(&self.velocity).fold(0.0f64, |m, x| m.max(x.abs()));
         Limits {
             acceleration: self.angle * self.angle * radius * (1.0 + ARC_ROUNDING),
@@ -181,6 +269,17 @@ impl Motion {
                 + 64.0 * UNIT_ROUNDOFF * (length(&self.velocity) + self.angle * (place + self.reach))
                 + self.angle * self.rounding,
             rounding: self.rounding,
+        }
+    }
+
+    /// At most the length of a vector of the tool across the axis.
+    #[inline]
+    fn across(&self, v: &Point) -> f64 {
+        let across = any_length(&cross(&self.axis_in_tool, v));
+        if self.slack > 0.0 {
+            across + self.slack * any_length(v)
+        } else {
+            across
         }
     }
 
@@ -217,18 +316,6 @@ pub(crate) struct Limits {
 
 fn corners_of(b: &Aabb) -> [Point; 8] {
     std::array::from_fn(|i| std::array::from_fn(|a| if i >> a & 1 == 0 { b.lower[a] } else { b.upper[a] }))
-}
-
-fn transposed(m: &Matrix) -> Matrix {
-    std::array::from_fn(|i| std::array::from_fn(|j| m[j][i]))
-}
-
-fn product(a: &Matrix, b: &Matrix) -> Matrix {
-    std::array::from_fn(|i| std::array::from_fn(|j| a[i][0] * b[0][j] + a[i][1] * b[1][j] + a[i][2] * b[2][j]))
-}
-
-fn times(m: &Matrix, p: &Point) -> Point {
-    std::array::from_fn(|i| dot(&m[i], p))
 }
 
 fn difference(a: &Matrix, b: &Matrix) -> Matrix {
@@ -286,16 +373,4 @@ fn axis_and_angle(m: &Matrix) -> (Point, f64) {
         return ([0.0, 0.0, 1.0], 0.0);
     }
     (scaled(&v, 1.0 / sine), 2.0 * sine.atan2(w))
-}
-
-/// The rotation about a unit axis (Rodrigues).
-fn turn(axis: &Point, angle: f64) -> Matrix {
-    let (sine, half) = (angle.sin(), (0.5 * angle).sin());
-    let versine = 2.0 * half * half;
-    let [x, y, z] = *axis;
-    [
-        [1.0 - versine * (y * y + z * z), versine * x * y - sine * z, versine * x * z + sine * y],
-        [versine * x * y + sine * z, 1.0 - versine * (x * x + z * z), versine * y * z - sine * x],
-        [versine * x * z - sine * y, versine * y * z + sine * x, 1.0 - versine * (x * x + y * y)],
-    ]
 }

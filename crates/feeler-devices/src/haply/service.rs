@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use feeler_core::Point;
 use feeler_haptics::device::{DeviceError, DeviceInfo};
-use feeler_haptics::screw;
+use feeler_haptics::twist;
 use tungstenite::client::client_with_config;
 use tungstenite::protocol::WebSocketConfig;
 use tungstenite::{Error, Message, WebSocket};
@@ -235,7 +235,7 @@ impl Service {
                 self.rotation = quaternion;
             }
         }
-        let pose = told_pose(name, &screw::rotation_of_quaternion(&self.rotation), &position)?;
+        let pose = told_pose(name, &twist::rotation_of_quaternion(&self.rotation), &position)?;
         // A grip tells no rate of turning, so with one the whole velocity is left to be found from the poses.
         let twist = device.velocity().filter(|_| !self.has_grip).map(|twist| told_twist(name, twist)).transpose()?;
         Ok(Some(Measured { pose, twist, buttons: self.buttons, at: Instant::now() }))

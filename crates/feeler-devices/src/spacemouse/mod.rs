@@ -20,7 +20,7 @@ mod rate;
 mod reader;
 
 use feeler_haptics::device::{Device, DeviceError, DeviceInfo, DeviceState};
-use feeler_haptics::screw::Wrench;
+use feeler_haptics::twist::Wrench;
 
 pub use options::SpaceMouseOptions;
 

@@ -2,7 +2,7 @@
 
 use feeler_core::{Point, Pose};
 use feeler_haptics::device::DeviceError;
-use feeler_haptics::screw::{self, Matrix, Twist};
+use feeler_haptics::twist::{self, Matrix, Twist};
 
 use super::options::SpaceMouseOptions;
 use crate::clip::told_pose;
@@ -20,7 +20,7 @@ pub(super) struct Rate {
 
 impl Rate {
     pub fn new(options: &SpaceMouseOptions) -> Rate {
-        Rate { options: options.clone(), position: [0.0; 3], rotation: screw::rotation_of(&[0.0; 3]), last: None }
+        Rate { options: options.clone(), position: [0.0; 3], rotation: twist::rotation_of(&[0.0; 3]), last: None }
     }
 
     /// Moves the pose by the time since the last step with the cap where it is now (counts, the daemon's axes). A time that is no number,
@@ -38,9 +38,9 @@ impl Rate {
                 twist.linear[axis] = 0.0;
             }
         }
-        let turned = screw::product(&screw::rotation_of(&twist.angular.map(|w| w * dt)), &self.rotation);
+        let turned = twist::product(&twist::rotation_of(&twist.angular.map(|w| w * dt)), &self.rotation);
         // Rounding must not pile up over hours.
-        self.rotation = screw::rotation_of_quaternion(&screw::quaternion(&turned));
+        self.rotation = twist::rotation_of_quaternion(&twist::quaternion(&turned));
         Ok((told_pose(SPACEMOUSE, &self.rotation, &self.position.map(|x| x.clamp(-reach, reach)))?, twist))
     }
 
@@ -98,7 +98,7 @@ mod tests {
                 state = rate.step(&at(axis, 350), 10.0 + 1e-3 * f64::from(i)).unwrap();
             }
             let (pose, twist) = state;
-            let turned = screw::rotation_vector(pose.rotation());
+            let turned = twist::rotation_vector(pose.rotation());
             let (way, turn) = if axis < 3 { (moves[axis], [0.0; 3]) } else { ([0.0; 3], turns[axis - 3]) };
             for i in 0..3 {
                 assert!((pose.translation()[i] - way[i]).abs() < 1e-9, "axis {axis}: {pose:?}");
@@ -161,7 +161,7 @@ mod tests {
             pose = rate.step(&counts, 1e-2 * f64::from(i)).unwrap().0;
         }
         let r = pose.rotation();
-        let square = screw::product(&screw::transposed(r), r);
+        let square = twist::product(&twist::transposed(r), r);
         assert!((0..3).all(|i| (square[i][i] - 1.0).abs() < 1e-14), "{square:?}");
     }
 }

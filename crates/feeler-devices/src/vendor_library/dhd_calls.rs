@@ -6,7 +6,7 @@ use std::path::Path;
 
 use feeler_core::Point;
 use feeler_haptics::device::DeviceError;
-use feeler_haptics::screw::{Matrix, Wrench};
+use feeler_haptics::twist::{Matrix, Wrench};
 
 use crate::constants::FORCE_DIMENSION;
 

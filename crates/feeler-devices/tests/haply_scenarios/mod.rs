@@ -8,7 +8,7 @@ use std::net::TcpListener;
 use super::common::eventually;
 use feeler_devices::haply::{Haply, HaplyOptions};
 use feeler_haptics::device::{Device, DeviceError};
-use feeler_haptics::screw::{rotation_vector, Wrench};
+use feeler_haptics::twist::{rotation_vector, Wrench};
 use serde_json::json;
 use service::{inverse3, with_grip, Mood, Service};
 

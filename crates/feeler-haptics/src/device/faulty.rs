@@ -1,6 +1,6 @@
 //! A device with something wrong with it for a while: to see what becomes of the force.
 
-use feeler_core::geometry::screw::{Twist, Wrench};
+use feeler_core::geometry::twist::{Twist, Wrench};
 use feeler_core::Pose;
 
 use super::{Device, DeviceError, DeviceInfo, DeviceState};

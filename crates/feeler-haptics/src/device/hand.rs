@@ -1,6 +1,6 @@
 //! A hand on a simulated device: where it wants to be, and how it gives way.
 
-use feeler_core::geometry::screw::{displaced, displacement, Twist};
+use feeler_core::geometry::twist::{displaced, displacement, Twist};
 use feeler_core::Pose;
 
 use crate::constants::LARGEST_STIFFNESS;
@@ -125,7 +125,7 @@ impl Hand {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use feeler_core::geometry::screw::{pose_of, rotation_of};
+    use feeler_core::geometry::twist::{pose_of, rotation_of};
 
     #[test]
     fn a_path_is_even_between_its_poses_and_at_rest_outside() {

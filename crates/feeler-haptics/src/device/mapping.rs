@@ -17,7 +17,7 @@
 //!   hard. Nothing drifts: the tool moves only when the hand does, which is what one relies on when clearances are
 //!   judged, and the clutch gives room.
 
-use feeler_core::geometry::screw::{
+use feeler_core::geometry::twist::{
     displaced, displacement, pose_of, product, times, transposed, Matrix, Twist, Wrench,
 };
 use feeler_core::geometry::vectors::{add, length, scaled, sub};

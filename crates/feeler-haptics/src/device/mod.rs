@@ -8,7 +8,7 @@ mod random;
 pub mod simulated;
 pub mod steered;
 
-use feeler_core::geometry::screw::{Twist, Wrench};
+use feeler_core::geometry::twist::{Twist, Wrench};
 use feeler_core::Pose;
 
 use crate::constants::{HELD_SHARE, VIRTUAL_DAMPING_SHARE};

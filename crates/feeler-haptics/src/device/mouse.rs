@@ -5,7 +5,7 @@
 //! that rests.
 
 use feeler_core::constants::SMALL_ANGLE;
-use feeler_core::geometry::screw::{pose_of, product, rotation_of, rotation_vector, transposed, Twist, Wrench};
+use feeler_core::geometry::twist::{pose_of, product, rotation_of, rotation_vector, transposed, Twist, Wrench};
 use feeler_core::geometry::vectors::{add, along, cross, dot, scaled, sub};
 use feeler_core::{Point, Pose};
 

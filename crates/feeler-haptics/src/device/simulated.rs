@@ -4,7 +4,7 @@
 //! told, so that the same calls give the same motion, bit for bit. Handle and hand are one rigid mass and one rigid
 //! inertia, the same in all directions and about all axes. Gravity is balanced.
 
-use feeler_core::geometry::screw::{displaced, displacement, pose_of, rotation_of, rotation_vector, Twist, Wrench};
+use feeler_core::geometry::twist::{displaced, displacement, pose_of, rotation_of, rotation_vector, Twist, Wrench};
 use feeler_core::geometry::vectors::{along, length, scaled};
 use feeler_core::{Point, Pose};
 

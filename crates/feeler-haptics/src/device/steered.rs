@@ -1,6 +1,6 @@
 //! A [`Mouse`] that another thread steers, through a triple buffer: neither waits for the other.
 
-use feeler_core::geometry::screw::Wrench;
+use feeler_core::geometry::twist::Wrench;
 use feeler_core::Pose;
 use triple_buffer::{triple_buffer, Input, Output};
 

@@ -1,6 +1,6 @@
 //! What the threads hand each other, each through a triple buffer: nobody waits for anybody, and everybody has the newest.
 
-use feeler_core::geometry::screw::Wrench;
+use feeler_core::geometry::twist::Wrench;
 use feeler_core::Pose;
 
 use crate::constants::VIEW_PLANES;

@@ -1,7 +1,7 @@
 //! The servo side: device, mapping, the newest constraints, force. Without a thread or a clock of its own; takes no lock, and
 //! allocates nothing unless the device fails.
 
-use feeler_core::geometry::screw::Wrench;
+use feeler_core::geometry::twist::Wrench;
 use feeler_core::geometry::vectors::{length, scaled, sub};
 use feeler_core::{Point, Pose};
 use rtrb::Producer;

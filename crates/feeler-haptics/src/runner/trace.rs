@@ -1,6 +1,6 @@
 //! What happened in each tick of a run, through a queue of fixed length that the servo side never waits for.
 
-use feeler_core::geometry::screw::Wrench;
+use feeler_core::geometry::twist::Wrench;
 use feeler_core::Pose;
 
 use crate::servo::Mode;

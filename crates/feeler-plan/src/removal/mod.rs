@@ -14,7 +14,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use feeler_contacts::ContactSolver;
-use feeler_core::geometry::screw::displacement;
+use feeler_core::geometry::twist::displacement;
 use feeler_core::geometry::vectors::{length, unit};
 use feeler_core::{Point, Pose, Progress, Tool};
 

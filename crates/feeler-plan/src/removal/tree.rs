@@ -7,7 +7,7 @@
 use std::sync::Arc;
 
 use feeler_core::geometry::least_distance::{nearest, HalfSpace};
-use feeler_core::geometry::screw::{displaced, displacement, pose_of, quaternion, rotation_of_quaternion, times};
+use feeler_core::geometry::twist::{displaced, displacement, pose_of, quaternion, rotation_of_quaternion, times};
 use feeler_core::geometry::vectors::{dot, sub, unit};
 use feeler_core::tool::metric::Metric;
 use feeler_core::{closest_triangle_triangle, Motion, Point, Pose};

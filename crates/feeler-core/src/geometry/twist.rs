@@ -131,6 +131,18 @@ pub fn rotation_of(vector: &Point) -> Matrix {
     ]
 }
 
+/// The rotation about a unit axis (Rodrigues).
+pub(crate) fn turn(axis: &Point, angle: f64) -> Matrix {
+    let (sine, half) = (angle.sin(), (0.5 * angle).sin());
+    let versine = 2.0 * half * half;
+    let [x, y, z] = *axis;
+    [
+        [1.0 - versine * (y * y + z * z), versine * x * y - sine * z, versine * x * z + sine * y],
+        [versine * x * y + sine * z, 1.0 - versine * (x * x + z * z), versine * y * z - sine * x],
+        [versine * x * z - sine * y, versine * y * z + sine * x, 1.0 - versine * (x * x + y * y)],
+    ]
+}
+
 /// The rotation vector of a rotation, the shorter way round: by the logarithm of its unit quaternion.
 pub fn rotation_vector(m: &Matrix) -> Point {
     let [w, x, y, z] = quaternion(m);
