@@ -228,14 +228,16 @@ def test_the_sample_wrench_turns_about_its_jaw() -> None:
     assert not stuck.reachable and stuck.blockers[0].path == "plate"
 
 
-def test_the_middle_of_the_turning_tool_is_on_the_axis() -> None:
-    flat = feeler.Tool(*sheet(90.0, 0.02, 0.1), "flat")
-    for tool, grip in ((bar(), None), (BLADE, None), (flat, "z"), (feeler.sample_tool("wrench"), "y"), (flat, "x")):
-        seated = seated_tool(tool, None, grip)
-        assert (seated.turning.bounds.mean(axis=0)[:2] == 0.0).all()
-        assert not any(defect.count for defect in seated.turning.report.defects.values())
-        assert seated.turning.part_count == tool.part_count + 1
-    assert seated_tool(feeler.Tool(*box((-1, -1, 0), (1, 1, 1)), "centred")).turning.part_count == 1
+def test_a_swing_narrower_than_a_step_is_found() -> None:
+    """Between two walls, turned, that leave 4.4354 degrees; at none of 72 even steps is the seat free."""
+    walls = [sheet(first + 0.2 + turn, 0.05, 0.12) for first in (0.0, 4.4354) for turn in [0.0]]
+    others = [sheet(0.2 + turn, 0.05, 0.12) for turn in np.arange(7.0, 359.0, 2.5)]
+    wedge = feeler.Tool(
+        *joined(*(sheet(turn, 0.02, 0.1, -0.005, 0.005) for turn in (-1.5, -0.8, 0.0, 0.8, 1.5))), "fan"
+    )
+    row = asked({"walls": joined(*walls, *others)}, wedge, swing=1.0)
+    assert row.swing == pytest.approx(4.4354 - 3.0, abs=2e-3) and row.swing <= 4.4354 - 3.0
+    assert row.reachable and row.angle == pytest.approx(1.7, abs=2e-3)
 
 
 def test_a_hand_goes_along() -> None:

@@ -1,4 +1,4 @@
-"""Results of `feeler._core` that are arrays. No module of its own: the stub of `feeler._core` takes them in."""
+"""Results and values of `feeler._core`. No module of its own: the stub of `feeler._core` takes them in."""
 
 from typing import final
 
@@ -309,3 +309,67 @@ class ClashRows:
     @property
     def is_partial(self) -> bool:
         """Whether it was stopped."""
+
+@final
+class Cast:
+    """The first impact of a tool on its way between two poses."""
+
+    @property
+    def fraction(self) -> float:
+        """When, as a share of the way, 0 to 1; never late."""
+    @property
+    def pose(self) -> npt.NDArray[np.float64]:
+        """`(4, 4)`: world_from_tool then."""
+    @property
+    def point(self) -> npt.NDArray[np.float64]:
+        """`(3,)`: where the mock-up is met, metres, world."""
+    @property
+    def normal(self) -> npt.NDArray[np.float64]:
+        """`(3,)`: unit normal of the contact, from mock-up to tool, world."""
+    @property
+    def distance(self) -> float:
+        """How far apart the two triangles still are at the pose, metres: at most the tolerance; 0 where they meet."""
+    @property
+    def tool_triangle(self) -> int:
+        """The tool's triangle."""
+    @property
+    def mockup_triangle(self) -> int:
+        """The mock-up's triangle."""
+    @property
+    def part(self) -> int:
+        """Index into `mockup.parts` of the part that is met."""
+    @property
+    def tool_part(self) -> int:
+        """Index into `tool.parts` of the tool's part that meets it."""
+
+@final
+class Screw:
+    """A turn about an axis in the world with an advance along it: a door's swing, a bolt's thread, a bayonet.
+
+    `axis`: a direction of any length; `point`: on the axis, metres; `angle`: radians, right-handed about the axis, at
+    most a thousand turns either way; `pitch`: metres along the axis for a whole turn, 0 for a hinge, negative for a
+    left-handed thread. Raises `OptionError` for an axis of zero and for numbers that are not finite or too large.
+    """
+
+    def __new__(cls, axis: npt.ArrayLike, point: npt.ArrayLike, angle: float, pitch: float | None = None) -> Screw: ...
+    @property
+    def axis(self) -> tuple[float, float, float]:
+        """Unit, world."""
+    @property
+    def point(self) -> tuple[float, float, float]:
+        """On the axis, metres, world."""
+    @property
+    def angle(self) -> float:
+        """Radians."""
+    @property
+    def pitch(self) -> float:
+        """Metres along the axis for a whole turn."""
+    @property
+    def advance(self) -> float:
+        """Metres along the axis for the whole angle."""
+    def reversed(self) -> Screw:
+        """The way back."""
+    def at(self, pose: npt.ArrayLike, fraction: float = 1.0) -> npt.NDArray[np.float64]:
+        """`(4, 4)`: what has a pose is there after a share of the screw, 0 to 1. Raises `PoseError`."""
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...

@@ -29,7 +29,7 @@ from feeler._core import (
 )
 from feeler.calibrate import machine_constants
 from feeler.depths import Depths
-from feeler.errors import LimitError, MeshError, OptionError, PoseError
+from feeler.errors import LimitError, MeshError, OptionError
 from feeler.ignored import Ignore, IgnoredPairs, ignored
 from feeler.mockup import Mockup, Tool
 from feeler.parts import PartsLike
@@ -266,24 +266,19 @@ class Scene(_core.Scene):
     ) -> Cast | None:
         """The first impact on the way from one pose `(4, 4)` to another, or along a `Screw`; None if the way is free.
 
-        From pose to pose the middle of the tool's box moves straight, the tool turns about it, the shorter way round, both at constant
-        speed. The impact is never late: at no earlier time does anything meet. It is early by at most `tolerance`
-        metres, the distance at which the two triangles may still be; a tool that passes by nearer than that may count
-        as one that hits. A tool that meets something at `pose0` hits at 0; where both poses are equal the answer is
-        that of `collide`. Raises `PoseError` for a pose that is not rigid, `OptionError` for a tolerance that is not
-        positive and finite, and where there is neither a second pose nor a screw, or both.
+        From pose to pose the middle of the tool's box moves straight, the tool turns about it, the shorter way round,
+        both at constant speed. The impact is never late: at no earlier time does anything meet. It is early by at most
+        `tolerance` metres, the distance at which the two triangles may still be; a tool that passes by nearer than that
+        may count as one that hits. A tool that meets something at `pose0` hits at 0; where both poses are equal the
+        answer is that of `collide`. Raises `PoseError` for a pose that is not rigid, `OptionError` for a tolerance that
+        is not positive and finite, and where there is neither a second pose nor a screw, or both.
 
         With `touching="free"` the way ends where one body enters the other: they may touch, slide along each other, and
         be seated without play. At both poses that is decided exactly, as by `is_colliding`; between them two triangles
         may overlap by `tolerance`, so that what rounding does to a motion is no impact.
         """
         tolerance = _real("tolerance", tolerance)
-        if (pose1 is None) == (screw is None):
-            raise OptionError("a cast needs either a second pose or a screw")
-        if screw is not None and not isinstance(screw, Screw):
-            raise OptionError(f"screw is {type(screw).__name__}: give a feeler.Screw")
-        leg: Any = pose1 if screw is None else screw
-        return super().cast(tool, pose0, leg, tolerance=tolerance, touching=touching, ignore=ignore)
+        return super().cast(tool, pose0, pose1, screw=screw, tolerance=tolerance, touching=touching, ignore=ignore)
 
     def check_path(
         self,
@@ -309,16 +304,9 @@ class Scene(_core.Scene):
         nothing (`PathCheck.containment`). `touching` as in `cast`.
         """
         _check_progress(progress)
-        legs: list[npt.ArrayLike | Screw] | None = None
-        if isinstance(poses, (list, tuple)) and any(isinstance(each, Screw) for each in poses):
-            start, *legs = poses
-            if isinstance(start, Screw):
-                raise PoseError("a path begins with a pose: a screw says how to go on from one")
-            poses = [start]
         return super().check_path(
             tool,
-            poses,  # type: ignore[arg-type]
-            legs,
+            poses,
             tolerance=_real("tolerance", tolerance),
             touching=touching,
             inside=bool(inside),

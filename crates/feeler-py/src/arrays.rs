@@ -1,9 +1,9 @@
 //! NumPy arrays in and out.
 
-use feeler_core::PairKind;
-use numpy::ndarray::{ArrayView1, ArrayView2, ArrayView3};
+use feeler_core::{PairKind, Pose};
+use numpy::ndarray::{Array2, ArrayView1, ArrayView2, ArrayView3};
 use numpy::npyffi::{_PyArray_GET_ITEM_DATA, NPY_ARRAY_WRITEABLE};
-use numpy::{Element, PyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray2, PyUntypedArrayMethods};
+use numpy::{Element, IntoPyArray, PyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
 use crate::errors::raise;
@@ -73,4 +73,15 @@ pub fn codes(kinds: &[PairKind]) -> &[u8] {
 fn set_read_only<T, D>(array: &Bound<'_, PyArray<T, D>>) {
     // SAFETY: the array is alive, and nobody else knows it yet.
     unsafe { (*_PyArray_GET_ITEM_DATA(array.as_array_ptr())).flags &= !NPY_ARRAY_WRITEABLE };
+}
+
+/// A pose as `(4, 4) float64`.
+pub(crate) fn pose_array<'py>(py: Python<'py>, pose: &Pose) -> Bound<'py, PyArray2<f64>> {
+    let entry = |i: usize, j: usize| match (i, j) {
+        (3, 3) => 1.0,
+        (3, _) => 0.0,
+        (_, 3) => pose.translation()[i],
+        _ => pose.rotation()[i][j],
+    };
+    Array2::from_shape_fn((4, 4), |(i, j)| entry(i, j)).into_pyarray(py)
 }

@@ -12,10 +12,11 @@ use pyo3::prelude::*;
 use pyo3::types::{PyIterator, PyList, PyTuple};
 
 use crate::arguments::{PoseArgument, ToolArgument};
+use crate::arrays::pose_array;
 use crate::arrays::{view, view_blocks, view_rows};
 use crate::errors::to_py;
 use crate::pools::find_topology;
-use crate::scene::{pose_array, Scene};
+use crate::scene::Scene;
 use crate::selection::Ignore;
 use crate::travel::{check_lengths, check_offsets, damaged, list, reduced, rows_of};
 

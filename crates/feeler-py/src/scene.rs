@@ -21,7 +21,7 @@ use crate::pools::{find_topology, on_pool, Pool};
 use crate::proximity::{Clearance, ClearanceBatch, Distance, DistanceBatch};
 use crate::rays::{Rays, SectionOutline};
 use crate::reporter::Reporter;
-use crate::screw::LegArgument;
+use crate::screw::{PathArgument, ScrewArgument};
 use crate::selection::{ignored_of, Ignore, SceneSource, Selected};
 use crate::travel::rows_of;
 
@@ -448,14 +448,15 @@ impl Scene {
         Ok(ClearanceBatch::new(batch?.map_err(to_py)?))
     }
 
-    #[pyo3(signature = (tool, start, leg, *, tolerance, touching, ignore = None))]
+    #[pyo3(signature = (tool, pose0, pose1 = None, *, screw = None, tolerance, touching, ignore = None))]
     #[allow(clippy::too_many_arguments, reason = "the Python signature")]
     fn cast(
         &self,
         py: Python<'_>,
         tool: ToolArgument<'_, '_>,
-        start: PoseArgument,
-        leg: LegArgument,
+        pose0: PoseArgument,
+        pose1: Option<PoseArgument>,
+        screw: Option<ScrewArgument>,
         tolerance: f64,
         touching: Touching,
         ignore: Ignore<'_>,
@@ -466,23 +467,23 @@ impl Scene {
             if touching.0 == core::Touching::Free {
                 find_topology(self.core.mockup(), tool, false)?;
             }
-            let motion = match leg.0 {
-                core::Leg::To(end) => core::Motion::new(tool, &start.0, &end),
-                core::Leg::Screw(screw) => core::Motion::screw(tool, &start.0, &screw).map_err(to_py)?,
+            let motion = match (pose1, screw) {
+                (Some(end), None) => core::Motion::new(tool, &pose0.0, &end.0),
+                (None, Some(screw)) => core::Motion::screw(tool, &pose0.0, &screw.0).map_err(to_py)?,
+                _ => return Err(raise("OptionError", "a cast needs either a second pose or a screw".into())),
             };
             asked.scene().cast_along(tool, &motion, tolerance, touching.0).map_err(to_py)
         });
         Ok(found?.map(|cast| Cast::new(cast, self.core.mockup(), tool)))
     }
 
-    #[pyo3(signature = (tool, poses, legs, *, tolerance, touching, inside, progress, ignore = None))]
+    #[pyo3(signature = (tool, poses, *, tolerance, touching, inside, progress, ignore = None))]
     #[allow(clippy::too_many_arguments, reason = "the Python signature")]
     fn check_path(
         &self,
         py: Python<'_>,
         tool: ToolArgument<'_, '_>,
-        poses: PosesArgument,
-        legs: Option<Vec<LegArgument>>,
+        poses: PathArgument,
         tolerance: f64,
         touching: Touching,
         inside: bool,
@@ -495,17 +496,18 @@ impl Scene {
             if touching.0 == core::Touching::Free || inside {
                 find_topology(self.core.mockup(), tool, inside)?;
             }
-            Ok::<_, PyErr>(poses.0.first().filter(|_| inside).map(|pose| asked.containment(tool, pose)))
+            Ok::<_, PyErr>(poses.start().filter(|_| inside).map(|pose| asked.containment(tool, pose)))
         })?;
-        let legs: Option<Vec<core::Leg>> = legs.map(|legs| legs.into_iter().map(|leg| leg.0).collect());
         let reporter = Reporter::new(progress);
         let check = py.detach(|| {
             reporter.watch(self.pool.as_deref(), || {
                 let tell = |done: f64, stage: &str| reporter.tell(done, stage);
                 let scene = asked.scene();
-                match (&legs, &poses.0[..]) {
-                    (Some(legs), [start]) => scene.check_legs(tool, start, legs, (tolerance, touching.0), &tell),
-                    _ => scene.check_path_touching(tool, &poses.0, tolerance, touching.0, &tell),
+                match &poses {
+                    PathArgument::Legs(start, legs) => {
+                        scene.check_legs(tool, start, legs, (tolerance, touching.0), &tell)
+                    }
+                    PathArgument::Poses(poses) => scene.check_path_touching(tool, poses, tolerance, touching.0, &tell),
                 }
             })
         });
@@ -564,15 +566,4 @@ pub fn optimal_voxel_size(
     };
     let (mockup, tool) = (&mockup.get().core, tool.core());
     py.detach(|| on_pool(None, || core::optimal_voxel_size(mockup.mesh(), tool, estimator)))
-}
-
-/// A pose as `(4, 4) float64`.
-pub(crate) fn pose_array<'py>(py: Python<'py>, pose: &core::Pose) -> Bound<'py, PyArray2<f64>> {
-    let entry = |i: usize, j: usize| match (i, j) {
-        (3, 3) => 1.0,
-        (3, _) => 0.0,
-        (_, 3) => pose.translation()[i],
-        _ => pose.rotation()[i][j],
-    };
-    Array2::from_shape_fn((4, 4), |(i, j)| entry(i, j)).into_pyarray(py)
 }

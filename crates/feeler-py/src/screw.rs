@@ -3,11 +3,11 @@
 use feeler_core as core;
 use numpy::{PyArray2, PyReadonlyArray1};
 use pyo3::prelude::*;
-use pyo3::types::PyTuple;
+use pyo3::types::{PyList, PyTuple};
 
-use crate::arguments::PoseArgument;
+use crate::arguments::{PoseArgument, PosesArgument};
+use crate::arrays::pose_array;
 use crate::errors::{raise, to_py};
-use crate::scene::pose_array;
 
 /// A turn about an axis in the world with an advance along it.
 #[pyclass(frozen, module = "feeler._core")]
@@ -110,16 +110,55 @@ impl Screw {
     }
 }
 
-/// A leg: a screw, or a pose to go to.
-pub struct LegArgument(pub core::Leg);
+/// A `feeler.Screw`.
+pub struct ScrewArgument(pub core::Screw);
 
-impl<'a, 'py> FromPyObject<'a, 'py> for LegArgument {
+impl<'a, 'py> FromPyObject<'a, 'py> for ScrewArgument {
     type Error = PyErr;
 
     fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
         match object.cast::<Screw>() {
-            Ok(screw) => Ok(LegArgument(core::Leg::Screw(screw.get().core))),
-            Err(_) => Ok(LegArgument(core::Leg::To(object.extract::<PoseArgument>()?.0))),
+            Ok(screw) => Ok(ScrewArgument(screw.get().core)),
+            Err(_) => Err(raise("OptionError", format!("screw is {}: give a feeler.Screw", object.get_type().name()?))),
+        }
+    }
+}
+
+/// A path: poses `(n, 4, 4)`, or a list that begins with a pose and goes on with poses and screws.
+pub enum PathArgument {
+    Poses(Vec<core::Pose>),
+    Legs(core::Pose, Vec<core::Leg>),
+}
+
+impl PathArgument {
+    /// The first pose, if there is one.
+    pub fn start(&self) -> Option<&core::Pose> {
+        match self {
+            PathArgument::Poses(poses) => poses.first(),
+            PathArgument::Legs(start, _) => Some(start),
+        }
+    }
+}
+
+impl<'a, 'py> FromPyObject<'a, 'py> for PathArgument {
+    type Error = PyErr;
+
+    fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        let is_list = object.is_instance_of::<PyList>() || object.is_instance_of::<PyTuple>();
+        let entries: Vec<Bound<'_, PyAny>> = if is_list { object.extract()? } else { Vec::new() };
+        if !entries.iter().any(|entry| entry.is_instance_of::<Screw>()) {
+            return Ok(PathArgument::Poses(object.extract::<PosesArgument>()?.0));
+        }
+        let leg = |entry: &Bound<'_, PyAny>| match entry.cast::<Screw>() {
+            Ok(screw) => Ok(core::Leg::Screw(screw.get().core)),
+            Err(_) => entry.extract::<PoseArgument>().map(|pose| core::Leg::To(pose.0)),
+        };
+        let mut legs = entries.iter().map(leg).collect::<PyResult<Vec<_>>>()?;
+        match legs.remove(0) {
+            core::Leg::To(start) => Ok(PathArgument::Legs(start, legs)),
+            core::Leg::Screw(_) => {
+                Err(raise("PoseError", "a path begins with a pose: a screw says how to go on from one".into()))
+            }
         }
     }
 }

@@ -8,13 +8,14 @@ use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2}
 use pyo3::prelude::*;
 
 use crate::arguments::{PoseArgument, PosesArgument, ToolArgument};
+use crate::arrays::pose_array;
 use crate::collision::Collision;
 use crate::contacts::{Contacts, Penetration};
 use crate::errors::{raise, to_py};
 use crate::mockup::Mockup;
 use crate::pools::{find_topology, on_pool};
 use crate::proximity::{Clearance, Distance};
-use crate::scene::{pose_array, Scene};
+use crate::scene::Scene;
 use crate::travel::{check_lengths, kinds_of, rows_of, stays};
 
 /// The name of a kind of seat.

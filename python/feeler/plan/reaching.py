@@ -12,6 +12,7 @@ from typing import Any, overload
 import numpy as np
 import numpy.typing as npt
 
+from feeler._core import Screw
 from feeler.errors import MeshError, OptionError, PoseError
 from feeler.mockup import Tool
 from feeler.plan.blocked import Blocker
@@ -25,7 +26,9 @@ Floats = npt.NDArray[np.float64]
 Hand = Tool | tuple[Tool, npt.ArrayLike]
 
 LEAST_ANGLES, MOST_ANGLES = 4, 3600
-"""Seats around the axis. From one to the next is a cast, which turns the shorter way round: less than half a turn."""
+"""Seats around the axis."""
+FINE_ANGLES = [0.5 * i for i in range(720)]
+"""Seats, degrees, where a narrow swing is looked for. Closer ones find narrower ones and take longer."""
 MOST_THREADS = 1024
 WAY_ANGLES = 24
 """Angles of each free swing from which a way in is sought: evenly spread, the middle first."""
@@ -143,8 +146,9 @@ def access(
     """Whether the tool gets to each target, and how far it can be swung there, about the target's z axis.
 
     The tool's frame is laid on the target's: origin on origin, z along z, turned about z by each of `angles` even
-    steps. Where the seat is free, casts about z to its neighbours tell how far it can be swung: nothing is jumped over,
-    and no swing is said to be larger than it is. Then a way in is sought: straight along z over `approach` metres, or
+    steps, and, where it is free at none of these or the swing needed is less than a step, by every half degree. Where
+    the seat is free, casts about z tell how far it can be swung: nothing is jumped over, and no swing is said to be
+    larger than it is. Then a way in is sought: straight along z over `approach` metres, or
     else sideways, across z. It never says that there is no way: only that none of these is one.
 
     - `targets`: `Fasteners`, or frames `(n, 4, 4)`, world_from_target, metres, z out of the joint. The fastener itself
@@ -211,11 +215,14 @@ def _in_threads(
 
 @dataclass(frozen=True)
 class _Arc:
-    """A free swing, degrees: from `start`, over `span`; `seats`: the free angles in it, by number."""
+    """A free swing, degrees: from `start`, over `span`."""
 
     start: float
     span: float
-    seats: list[int]
+
+    def holds(self, angle: float) -> bool:
+        """Whether a seat is in it."""
+        return (angle - self.start) % 360.0 <= self.span
 
 
 class _Question:
@@ -223,33 +230,28 @@ class _Question:
 
     def __init__(self, scene: Scene, seated: SeatedTool, needed: float, angles: int, approach: float) -> None:
         self._scene, self._seated, self._needed, self._approach = scene, seated, needed, approach
-        turn = 2.0 * np.pi * np.arange(angles) / angles
-        self._step = 360.0 / angles
-        self._turns = np.stack([_turned(float(angle)) for angle in turn])
-        self._sideways = [_turned(np.radians(side))[:3, :3] @ seated.outward for side in SIDEWAYS]
+        self._angles = 360.0 * np.arange(angles) / angles
+        self._sideways = [_turned(side)[:3, :3] @ seated.outward for side in SIDEWAYS]
 
     def reach(self, target: int, frame: Floats, part: int | None) -> Reach:
         """The answer for one target."""
         scene, seated = self._scene, self._seated
         ignore = seated.ignoring(scene.mockup, part)
-        poses = frame @ self._turns
         blocked: Counter[int] = Counter()
-        is_free = np.array([not scene.is_colliding(seated.tool, pose, ignore=ignore) for pose in poses])
-        for pose in poses[~is_free]:
-            blocked.update(scene.collide(seated.tool, pose, ignore=ignore).parts.tolist())
-        arcs: list[_Arc] = []
-        if is_free.any():
-            arcs = self._arcs(poses, is_free, seated.ignoring_turning(scene.mockup, part), blocked)
+        free = self._free_angles(frame, ignore, blocked)
+        arcs = self._arcs(frame, free, ignore, blocked)
         found: _Arc | None = None
         way = np.empty((0, 4, 4))
         for arc in arcs:
-            way = self._way_in(frame, poses, arc, part, ignore, blocked)
+            seats = [frame @ _turned(angle) for angle in _to_try(arc, free)]
+            way = self._way_in(frame, seats, part, ignore, blocked)
             if len(way):
                 found = arc
                 break
         shown = found or (arcs[0] if arcs else None)
         reachable = found is not None and found.span >= self._needed
         paths = scene.mockup.part_paths
+        middle = 0.0 if shown is None else shown.start + 0.5 * shown.span
         return Reach(
             target=target,
             part=part,
@@ -257,11 +259,28 @@ class _Question:
             reachable=reachable,
             swing=0.0 if shown is None else shown.span,
             angle=float("nan") if shown is None else shown.start,
-            pose=self._pose_at(frame, 0.0 if shown is None else shown.start + 0.5 * shown.span),
+            pose=frame @ _turned(middle) @ seated.seat_from_tool,
             way=way @ seated.seat_from_tool if len(way) else way,
             because=self._because(shown, found),
             blockers=tuple(Blocker(i, paths[i], count) for i, count in _worst_first(blocked)),
         )
+
+    def _free_angles(self, frame: Floats, ignore: Any, blocked: Counter[int]) -> list[float]:
+        """Angles at which the seat is free, degrees, ascending."""
+        scene, tool = self._scene, self._seated.tool
+
+        def is_free(angle: float) -> bool:
+            return not scene.is_colliding(tool, frame @ _turned(angle), ignore=ignore)
+
+        free = []
+        for angle in self._angles.tolist():
+            if is_free(angle):
+                free.append(angle)
+            else:
+                blocked.update(scene.collide(tool, frame @ _turned(angle), ignore=ignore).parts.tolist())
+        if free and self._needed >= self._angles[1]:
+            return free  # what is between two blocked seats is not enough
+        return sorted({*free, *(angle for angle in FINE_ANGLES if is_free(angle))})
 
     def _because(self, shown: _Arc | None, found: _Arc | None) -> str:
         if shown is None:
@@ -271,68 +290,51 @@ class _Question:
         enough = "" if found.span >= self._needed else f", of {self._needed:g} that are needed"
         return f"{found.span:.1f} degrees are free{enough}"
 
-    def _pose_at(self, frame: Floats, angle: float) -> Floats:
-        pose: Floats = frame @ _turned(np.radians(angle)) @ self._seated.seat_from_tool
-        return pose
-
-    def _arcs(self, poses: Floats, is_free: npt.NDArray[np.bool_], ignore: Any, blocked: Counter[int]) -> list[_Arc]:
+    def _arcs(self, frame: Floats, free: list[float], ignore: Any, blocked: Counter[int]) -> list[_Arc]:
         """The free swings, the largest first."""
-        count = len(poses)
-        ahead, behind = np.zeros(count), np.zeros(count)  # degrees that are free from each free seat
-        for i in np.flatnonzero(is_free).tolist():
-            after = (i + 1) % count
-            ahead[i] = self._swung(poses[i], poses[after], ignore, blocked)
-            if ahead[i] < self._step and is_free[after]:
-                behind[after] = self._swung(poses[after], poses[i], ignore, blocked)
-            before = (i - 1) % count
-            if not is_free[before]:
-                behind[i] = self._swung(poses[i], poses[before], ignore, blocked)
-        if is_free.all() and (ahead >= self._step).all():
-            return [_Arc(0.0, 360.0, list(range(count)))]
-        arcs = []
-        for first in np.flatnonzero(is_free).tolist():
-            if is_free[first - 1] and ahead[first - 1] >= self._step:
-                continue  # it is in the swing of the seat before
-            seats = [first]
-            while ahead[seats[-1]] >= self._step:
-                seats.append((seats[-1] + 1) % count)
-            span = behind[first] + (len(seats) - 1) * self._step + ahead[seats[-1]]
-            start = float(first * self._step - behind[first]) % 360.0
-            arcs.append(_Arc(start, float(span), seats))
+        arcs: list[_Arc] = []
+        for angle in free:
+            if any(arc.holds(angle) for arc in arcs):
+                continue
+            ahead = self._swung(frame, angle, 360.0, ignore, blocked)
+            if ahead == 360.0:
+                return [_Arc(0.0, 360.0)]
+            behind = self._swung(frame, angle, ahead - 360.0, ignore, blocked)
+            arcs.append(_Arc((angle - behind) % 360.0, ahead + behind))
         return sorted(arcs, key=lambda arc: (-arc.span, arc.start))
 
-    def _swung(self, pose0: Floats, pose1: Floats, ignore: Any, blocked: Counter[int]) -> float:
-        """Degrees that are free from a seat to its neighbour; `_step` where all are."""
-        impact = self._scene.cast(self._seated.turning, pose0, pose1, ignore=ignore)
+    def _swung(self, frame: Floats, angle: float, by: float, ignore: Any, blocked: Counter[int]) -> float:
+        """Degrees that are free from a seat on, of so many either way; all of them only where nothing is met."""
+        screw = Screw(frame[:3, 2], frame[:3, 3], np.radians(by))
+        impact = self._scene.cast(self._seated.tool, frame @ _turned(angle), screw=screw, ignore=ignore)
         if impact is None:
-            return self._step
+            return abs(by)
         blocked[impact.part] += 1
-        return min(impact.fraction, _BEFORE_ALL) * self._step
+        return min(impact.fraction, _BEFORE_ALL) * abs(by)
 
     def _way_in(
-        self, frame: Floats, poses: Floats, arc: _Arc, part: int | None, ignore: Any, blocked: Counter[int]
+        self, frame: Floats, seats: list[Floats], part: int | None, ignore: Any, blocked: Counter[int]
     ) -> Floats:
-        """The way to a seat of the swing, (2, 4, 4); (0, 4, 4) where none was found. It is cast outwards."""
+        """The way to one of the seats, (2, 4, 4); (0, 4, 4) where none was found. It is cast outwards."""
         scene, tool = self._scene, self._seated.tool
-        seats = _middle_first(arc.seats, WAY_ANGLES)
-        for i in seats:
-            out = _shifted(poses[i], self._approach * frame[:3, 2])
-            impact = scene.cast(tool, poses[i], out, ignore=ignore)
+        for seat in seats:
+            out = _shifted(seat, self._approach * frame[:3, 2])
+            impact = scene.cast(tool, seat, out, ignore=ignore)
             if impact is not None:
                 blocked[impact.part] += 1
             elif not self._is_inside(out, ignore, blocked):
-                return np.stack([out, poses[i]])
-        for i in seats:
+                return np.stack([out, seat])
+        for seat in seats:
             for side in self._sideways:
-                out = _shifted(poses[i], self._approach * (poses[i][:3, :3] @ side))
-                impact = scene.cast(tool, poses[i], out)
+                out = _shifted(seat, self._approach * (seat[:3, :3] @ side))
+                impact = scene.cast(tool, seat, out)
                 if impact is not None and impact.part == part and impact.fraction == 0.0:
-                    impact = scene.cast(tool, poses[i], out, touching="free")  # a jaw without play slides off
+                    impact = scene.cast(tool, seat, out, touching="free")  # a jaw without play slides off
                 if impact is not None:
                     if impact.part != part:
                         blocked[impact.part] += 1
                 elif not self._is_inside(out, None, blocked):
-                    return np.stack([out, poses[i]])
+                    return np.stack([out, seat])
         return np.empty((0, 4, 4))
 
     def _is_inside(self, pose: Floats, ignore: Any, blocked: Counter[int]) -> bool:
@@ -398,7 +400,8 @@ def _whole(what: str, value: object, span: tuple[int, int]) -> int:
     return int(value)
 
 
-def _turned(angle: float) -> Floats:
+def _turned(degrees: float) -> Floats:
+    angle = np.radians(degrees)
     turn = np.eye(4)
     turn[:2, :2] = [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
     return turn
@@ -410,12 +413,14 @@ def _shifted(pose: Floats, by: Floats) -> Floats:
     return shifted
 
 
-def _middle_first(seats: list[int], most: int) -> list[int]:
-    """At most so many of them, evenly spread, from the middle outwards."""
-    if len(seats) > most:
-        seats = [seats[round(i * (len(seats) - 1) / (most - 1))] for i in range(most)]
-    middle = (len(seats) - 1) / 2.0
-    return [seats[i] for i in sorted(range(len(seats)), key=lambda i: (abs(i - middle), i))]
+def _to_try(arc: _Arc, free: list[float]) -> list[float]:
+    """Angles of a swing from which a way in is sought: its middle, and free seats from there outwards."""
+    seats = sorted((angle - arc.start) % 360.0 for angle in free if arc.holds(angle))
+    if len(seats) > WAY_ANGLES:
+        seats = [seats[round(i * (len(seats) - 1) / (WAY_ANGLES - 1))] for i in range(WAY_ANGLES)]
+    middle = 0.5 * arc.span
+    outwards = sorted(seats, key=lambda seat: (abs(seat - middle), seat))
+    return [(arc.start + seat) % 360.0 for seat in [middle, *outwards]]
 
 
 def _worst_first(counts: Counter[Any]) -> list[tuple[Any, int]]:

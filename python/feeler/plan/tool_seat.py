@@ -1,4 +1,4 @@
-"""A tool as access uses it: in the frame of what it is put on, with a twin that turns about that frame's z axis."""
+"""A tool as access uses it: in the frame of what it is put on."""
 
 from __future__ import annotations
 
@@ -16,19 +16,12 @@ Floats = npt.NDArray[np.float64]
 
 AXES = ("x", "y", "z", "-x", "-y", "-z")
 
-PIVOT = "pivot"
-"""The part of the twin that is never met: it puts the middle of its box on the axis."""
-PIVOT_SIDE = 1e-6
-"""Sides of that part's triangles, as a share of the tool's reach: large enough to be triangles at any place."""
-
 
 @dataclass(frozen=True)
 class SeatedTool:
     """A tool in the frame of its seat: z out of the joint, the origin on that of the fastener."""
 
     tool: Tool
-    turning: Tool
-    """The same surfaces, about whose box's middle a cast turns: with the middle on z it turns about z exactly."""
     seat_from_tool: Floats
     """(4, 4): from the frame of the tool as it was given."""
     outward: Floats
@@ -36,20 +29,10 @@ class SeatedTool:
 
     def ignoring(self, mockup: Mockup, part: int | None) -> IgnoredPairs | None:
         """Pairs that `tool` ignores where the fastener is `part`."""
-        rows = self._with_fastener(part)
-        return IgnoredPairs(self.tool, mockup, rows) if len(rows) else None
-
-    def ignoring_turning(self, mockup: Mockup, part: int | None) -> IgnoredPairs | None:
-        """The same of `turning`, whose pivot never meets anything."""
-        if self.turning is self.tool:
-            return self.ignoring(mockup, part)
-        never = np.arange(mockup.part_count)
-        pivot = np.column_stack([np.full(len(never), self.tool.part_count), never])
-        return IgnoredPairs(self.turning, mockup, np.concatenate([self._with_fastener(part), pivot]))
-
-    def _with_fastener(self, part: int | None) -> npt.NDArray[np.int64]:
-        count = self.tool.part_count if part is not None else 0
-        return np.column_stack([np.arange(count), np.full(count, part or 0)])
+        if part is None:
+            return None
+        count = self.tool.part_count
+        return IgnoredPairs(self.tool, mockup, np.column_stack([np.arange(count), np.full(count, part)]))
 
 
 def seated_tool(tool: object, hand: object = None, grip: object = None) -> SeatedTool:
@@ -72,27 +55,7 @@ def seated_tool(tool: object, hand: object = None, grip: object = None) -> Seate
     across = float(np.hypot(middle[0], middle[1]))
     reach = float(np.abs(tool.bounds).max())
     outward = np.array([middle[0], middle[1], 0.0]) / across if across > 1e-3 * reach else np.array([1.0, 0.0, 0.0])
-    return SeatedTool(tool, _turning(tool, middle), seat_from_tool, outward)
-
-
-def _turning(tool: Tool, middle: Floats) -> Tool:
-    """The tool with two more triangles, at opposite corners of a box about z that holds it."""
-    if middle[0] == 0.0 and middle[1] == 0.0:
-        return tool
-    side = PIVOT_SIDE * float(np.abs(tool.bounds).max())
-    x, y = (max(float(np.abs(tool.bounds[:, axis]).max()), side) for axis in (0, 1))
-    z = float(middle[2])
-    corner = np.array([[x, y, z], [x - side, y, z], [x, y, z + side]])
-    count = len(tool.vertices)
-    parts = np.concatenate([tool.part_of_face, np.full(2, tool.part_count)])
-    return Tool(
-        np.concatenate([tool.vertices, corner, corner * [-1.0, -1.0, 1.0]]),
-        np.concatenate([tool.faces, count + np.arange(6).reshape(2, 3)]),
-        tool.name,
-        parts,
-        [*tool.part_names, PIVOT],
-        part_paths=[*tool.part_paths, PIVOT],
-    )
+    return SeatedTool(tool, seat_from_tool, outward)
 
 
 def _grip(grip: object) -> Floats:
