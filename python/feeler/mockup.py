@@ -166,7 +166,10 @@ class Mockup(_core.Mockup):
     part_paths: list[str]
     source: Source
     part_colours: npt.NDArray[np.float64] | None = None
-    """Colours of the parts in pictures and GLB files, (parts, 3) sRGB, 0 to 1; None: one colour per assembly."""
+    """Colours of the parts in pictures, GLB files and the workbench, (parts, 3) sRGB, 0 to 1.
+
+    A row of NaN is a part without one; None: no part has one. Parts without one get colours that tell them apart.
+    """
 
     def __new__(
         cls,
