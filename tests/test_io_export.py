@@ -152,6 +152,10 @@ def test_parts_without_a_colour_of_their_own_get_one_as_those_of_other_mockups()
     others = [plain.palette[plain.colour_of_face[12 * part]].tolist() for part in range(3)]
     assert of_part == [[0.1, 1.0, 0.0], *others[1:]]
     assert body_of(mockup, colours=(0.5, 0.5, 0.5)).palette.tolist() == [[0.5, 0.5, 0.5]]
+    taken = body_of(feeler.Tool.of_parts(mockup, [2, 0]))
+    assert [taken.palette[taken.colour_of_face[12 * part]].tolist() for part in range(2)] == [of_part[0], others[2]]
+    mockup.part_colours = np.zeros((7, 3))
+    assert feeler.Tool.of_parts(mockup, 0).part_colours is None, "those do not fit: whoever draws it says so"
 
 
 def test_glb_of_thousands_of_parts(tmp_path: Path) -> None:

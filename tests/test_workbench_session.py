@@ -235,6 +235,17 @@ def test_a_ray_meets_a_part_where_it_was_put_down() -> None:
     assert bench.session.ask("ray", {"origin": [0.1, 0.28, 1.0], "direction": [0, 0, -1]})["part"] == PLATE
 
 
+def test_a_part_that_was_put_down_keeps_its_colour_in_pictures() -> None:
+    mockup = stand()
+    mockup.part_colours = np.eye(5, 3)
+    bench = Bench(None, mockup=mockup)
+    bench.command("grip", parts=[LEFT])
+    bench.command("place", pose=at(0.1, 0.28, 0.3).ravel().tolist())
+    bench.command("release")
+    (lying,) = bench.session.put_down()
+    assert np.array_equal(lying.part_colours, [[0, 1, 0]])
+
+
 @needs_rays
 def test_outlines_of_sections() -> None:
     bench = Bench(None)
