@@ -205,7 +205,8 @@ void main() {
 `;
 
 // The kept picture at the size of the screen, with its lit parts. They are tinted here, by their ids, so that lighting one redraws
-// nothing of the mock-up. A rim around them is seen whatever colour they have, and on a bolt of a few pixels.
+// nothing of the mock-up. A rim around what is selected is seen whatever colour it has, and on a bolt of a few pixels; what is
+// hit or near, which changes from frame to frame, has none, as looking for it takes time.
 export const tintFragment = `${PRECISION}/* glsl */
 uniform sampler2D kept;
 uniform vec2 keptScale;
@@ -215,12 +216,20 @@ uniform vec2 resolution;
 uniform float pixelRatio;
 layout(location = 0) out vec4 outColour;
 const float RIM_PIXELS = 1.5;
-// How the part at a place in the picture is lit: the bits near, hit and selected.
-uint litAt(vec2 pixel) {
-  uint id = texelFetch(keptId, ivec2(clamp(pixel, vec2(0.5), resolution - 0.5) * keptScale), 0).r & 0x7fffffffu;
+uint idAt(ivec2 p) { return texelFetch(keptId, p, 0).r & 0x7fffffffu; }
+// How a part is lit: the bits near, hit and selected.
+uint litOf(uint id) {
   if (id == 0u) return 0u;
   uint part = id - 1u;
   return texelFetch(states, ivec2(int(part & 1023u), int(part >> 10)), 0).r & 28u;
+}
+// Three places around the pixel see every edge.
+bool isAtRim(ivec2 p, uint id) {
+  int rim = max(1, int(RIM_PIXELS * pixelRatio * keptScale.x + 0.5));
+  ivec2 low = max(p - rim, ivec2(0)), high = min(p + rim, ivec2(resolution * keptScale) - 1);
+  uvec3 around = uvec3(idAt(ivec2(p.x, high.y)), idAt(low), idAt(ivec2(high.x, low.y)));
+  if (around == uvec3(id)) return false;
+  return (litOf(around.x) & litOf(around.y) & litOf(around.z) & 16u) == 0u;
 }
 void main() {
   vec2 at = gl_FragCoord.xy * keptScale;
@@ -229,7 +238,8 @@ void main() {
 #else
   vec3 colour = texelFetch(kept, ivec2(at), 0).rgb;
 #endif
-  uint state = litAt(gl_FragCoord.xy);
+  ivec2 p = ivec2(at);
+  uint id = idAt(p), state = litOf(id);
   if (state != 0u) {
     bool isHit = (state & 8u) != 0u, isSelected = (state & 16u) != 0u;
     float light = dot(colour, vec3(0.30, 0.59, 0.11));
@@ -237,11 +247,7 @@ void main() {
     colour = mix(colour, tint * (0.40 + 0.95 * light), isHit ? 0.66 : 0.74);
     // A hatch besides the colour: hit is told from near without seeing red.
     if (isHit && mod(gl_FragCoord.x + gl_FragCoord.y, 10.0) < 2.0) colour *= 0.72;
-    vec2 step = vec2(RIM_PIXELS * pixelRatio, 0.0);
-    if (litAt(gl_FragCoord.xy + step) != state || litAt(gl_FragCoord.xy - step) != state
-      || litAt(gl_FragCoord.xy + step.yx) != state || litAt(gl_FragCoord.xy - step.yx) != state) {
-      colour = isSelected ? vec3(1.0, 0.86, 0.24) : isHit ? vec3(1.0, 0.50, 0.05) : vec3(0.38, 0.68, 1.0);
-    }
+    if (isSelected && isAtRim(p, id)) colour = vec3(1.0, 0.86, 0.24);
   }
   outColour = vec4(colour, 1.0);
 }
