@@ -15,7 +15,7 @@ from test_field_scenes import notes, volumes
 from test_io_builders import CORNERS, FACES, SOUP, Gltf
 
 from feeler import LoadError, Mockup
-from feeler.io import load_mockup, meshopt
+from feeler.io import load_mockup, meshopt, write_glb
 from feeler.io.raw import RawMesh
 
 needs_draco = pytest.mark.skipif(importlib.util.find_spec("DracoPy") is None, reason="DracoPy is not installed")
@@ -45,6 +45,75 @@ def morphing(g: Gltf, weights: list[float] | None) -> int:
     if weights is not None:
         g.root["meshes"][mesh]["weights"] = weights
     return mesh
+
+
+# --- colours ----------------------------------------------------------------------------------------------------
+
+RED, GREY = {"baseColorFactor": [1.0, 0.0, 0.0, 1.0]}, {"baseColorFactor": [0.2158605, 0.2158605, 0.2158605, 1.0]}
+NONE = [np.nan] * 3
+
+
+def painted(folder: Path, *materials: object, **root: object) -> np.ndarray | None:
+    """The colours of parts, one for each material's `pbrMetallicRoughness`; None: it names no material."""
+    g = Gltf()
+    g.root["materials"] = [{"pbrMetallicRoughness": material} for material in materials if material is not None]
+    numbers = iter(range(len(materials)))
+    for material in materials:
+        mesh = g.mesh()
+        if material is not None:
+            g.root["meshes"][mesh]["primitives"][0]["material"] = next(numbers)
+        g.node(mesh=mesh)
+    g.root.update(root)
+    return load(folder, g).part_colours
+
+
+def test_base_colours_are_read_as_srgb(tmp_path):
+    np.testing.assert_array_equal(painted(tmp_path, RED, GREY, None), [[1, 0, 0], [0.502, 0.502, 0.502], NONE])
+    np.testing.assert_array_equal(painted(tmp_path, RED), [[1, 0, 0]])
+
+
+def test_colours_that_tell_no_part_from_another_are_left_out(tmp_path):
+    assert painted(tmp_path, GREY, GREY, GREY) is None
+    assert painted(tmp_path, None, None) is None
+
+
+@pytest.mark.parametrize(
+    "material",
+    [{}, [], 1, "red", {"baseColorFactor": None}, {"baseColorFactor": [1, 0]}, {"baseColorFactor": ["1", 0, 0, 1]}]
+    + [{"baseColorFactor": [level, 0, 0, 1]} for level in (-0.1, 1.1, float("nan"), True, None, [1])]
+    + [{"baseColorFactor": [1, 0, 0, 1], "baseColorTexture": {"index": 0}}],
+)
+def test_a_material_that_states_no_colour_is_no_error(tmp_path, material):
+    np.testing.assert_array_equal(painted(tmp_path, RED, material), [[1, 0, 0], NONE])
+
+
+@pytest.mark.parametrize("materials", [None, 3, {}, [], [7, 8], "ab"])
+def test_materials_that_are_damaged_are_no_error(tmp_path, materials):
+    assert painted(tmp_path, RED, GREY, materials=materials) is None
+
+
+def test_a_part_of_several_colours_has_that_of_most_of_it(tmp_path):
+    g = Gltf()
+    g.root["materials"] = [{"pbrMetallicRoughness": RED}, {"pbrMetallicRoughness": GREY}]
+    small, large = g.mesh(indices=FACES[:1]), g.mesh()
+    lines = g.mesh(indices=np.tile(FACES, (9, 1)), mode=1)
+    primitives = [g.root["meshes"][mesh]["primitives"][0] for mesh in (lines, small, large)]
+    for primitive, material in zip(primitives, (0, 0, 1), strict=True):
+        primitive["material"] = material
+    g.root["meshes"] = [{"primitives": primitives}]
+    g.node(mesh=0)
+    np.testing.assert_array_equal(load(tmp_path, g).part_colours, [[0.502] * 3])
+
+
+def test_glb_of_feeler_reads_back_with_its_colours_beside_files_without(tmp_path):
+    corners = np.concatenate([CORNERS, CORNERS + 100]).astype(float)
+    written = Mockup(corners, np.concatenate([FACES, FACES + 4]), [0] * 4 + [1] * 4, ["a", "b"])
+    written.part_colours = np.array([[0.62, 0.65, 0.67], [0.10, 0.10, 0.11]])
+    write_glb(tmp_path / "a.glb", written)
+    np.testing.assert_array_equal(load_mockup(tmp_path / "a.glb").part_colours, written.part_colours)
+    (tmp_path / "b.off").write_text("OFF\n3 1 0\n0 0 0\n9 0 0\n0 9 0\n3 0 1 2\n")
+    both = load_mockup([tmp_path / "a.glb", tmp_path / "b.off"])
+    np.testing.assert_array_equal(both.part_colours, [*written.part_colours, NONE])
 
 
 # --- transforms --------------------------------------------------------------------------------------------------

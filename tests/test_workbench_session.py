@@ -117,6 +117,28 @@ def test_a_listener_that_left_is_told_nothing() -> None:
     assert [event["command"] for event in told] == ["hide_all"]
 
 
+def test_the_page_gets_the_colours_that_the_mockup_states() -> None:
+    assert Bench().session.manifest()["parts"]["colours"] == [], "none is stated"
+    mockup = stand()
+    nan, inf = float("nan"), float("inf")
+    mockup.part_colours = np.array([[1, 0.5, 0], [nan] * 3, [2, -1, 0.25], [0, inf, 0], [0.2, 0.4, 0.6]])
+    colours = [0xFF8000, -1, 0xFF0040, -1, 0x336699]
+    made = Bench(mockup=mockup)
+    assert made.session.manifest()["parts"]["colours"] == colours
+    plain = Bench(mockup=stand())
+    assert made.document["mockup"] == plain.document["mockup"], "records of it replay with and without colours"
+    left_out = Bench(mockup=mockup, absent=[PLATE]).session.manifest()
+    assert left_out["parts"]["colours"] == [-1, *colours[1:]], "nothing of a part that was left out is sent"
+
+
+@pytest.mark.parametrize("wrong", [np.zeros((4, 3)), np.zeros((5, 4)), "red", [[0, 0]] * 5, [["a", "b", "c"]] * 5])
+def test_colours_that_do_not_fit_are_refused_before_a_page_asks(wrong: object) -> None:
+    mockup = stand()
+    mockup.part_colours = wrong  # type: ignore[assignment]
+    with pytest.raises(OptionError, match="part_colours"):
+        Bench(mockup=mockup)
+
+
 def test_geometry_is_the_mockup_in_pieces() -> None:
     bench = Bench(cube())
     manifest = bench.session.manifest()
@@ -211,6 +233,17 @@ def test_a_ray_meets_a_part_where_it_was_put_down() -> None:
     assert hit["part"] == PEG and bench.mockup.part_of_face[hit["triangle"]] == PEG
     bench.command("hide", parts=[PEG])
     assert bench.session.ask("ray", {"origin": [0.1, 0.28, 1.0], "direction": [0, 0, -1]})["part"] == PLATE
+
+
+def test_a_part_that_was_put_down_keeps_its_colour_in_pictures() -> None:
+    mockup = stand()
+    mockup.part_colours = np.eye(5, 3)
+    bench = Bench(None, mockup=mockup)
+    bench.command("grip", parts=[LEFT])
+    bench.command("place", pose=at(0.1, 0.28, 0.3).ravel().tolist())
+    bench.command("release")
+    (lying,) = bench.session.put_down()
+    assert np.array_equal(lying.part_colours, [[0, 1, 0]])
 
 
 @needs_rays

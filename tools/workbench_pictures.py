@@ -1,4 +1,4 @@
-"""Makes the pictures of docs/workbench.md: the workbench on the sample engine, in a real Chromium.
+"""Makes the pictures of docs/workbench.md: the workbench on the sample engine and gearbox, in a real Chromium.
 
     python tools/workbench_pictures.py [NAME ...] [--out FOLDER] [--type png]
 
@@ -9,8 +9,10 @@ on two cores, without a graphics card.
 from __future__ import annotations
 
 import argparse
+import functools
 import sys
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -25,16 +27,19 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "bench"))
 
 import chromium
 
-TRIANGLES = 1_600_000
 SIZE = (1280, 800)
 SHARP_MS = 6000  # in which a view that stands is drawn again and again, and averaged
 SETTINGS = '{"has_seen_tour": true, "is_muted": true}'
 
-GEARBOX = "engine/externals/accessory_gearbox"
-PUMP, STARTER = f"{GEARBOX}/fuel_pump_1", f"{GEARBOX}/starter_1"
-BOLT = np.array([-0.3096, -0.5188, 1.0305])  # the head of bolt_002 of the pump's flange
-AT_BOLT = ((-0.47, -0.79, 1.20), (-0.305, -0.545, 1.03))
-AT_GEARBOX = ((-0.95, -1.3, 1.66), (-0.22, -0.42, 1.14))
+PUMP, STARTER = "gearbox/fuel_pump", "gearbox/starter"
+UNION_NUT = "gearbox/lines/vent_hose/union_nut_1"
+AT_NUT = ((0.115, -0.21, 0.29), (0.195, -0.045, 0.13))
+AT_TOP = ((-0.15, -0.42, 0.46), (0.03, -0.03, 0.12))
+AT_BOLT = np.array([-0.3096, -0.5688, 1.0505])  # by the head of bolt_002 of a pump's flange of the engine
+OUTSIDE = np.array([0.25, -0.10, 0.20])  # of the gearbox
+ACROSS = np.pi / 4  # the wrench's handle over the side of the bracket
+FLAT = np.array([[-1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, -1.0, 0.0]])  # the wrench's handle outward
+DEEP_M = 3e-4  # deeper than the chords of a fit
 
 
 class Desk:
@@ -74,8 +79,25 @@ class Desk:
     def seen(self, origin: tuple[float, ...], direction: tuple[float, ...]) -> dict[str, Any]:
         """What a ray meets first."""
         found = self.session.ask("ray", {"origin": origin, "direction": direction})
-        assert found is not None, "the ray meets the engine"
+        assert found is not None, "the ray meets the mock-up"
         return found
+
+    def above(self, path: str) -> dict[str, Any]:
+        """What a ray from high above the middle of a part meets first."""
+        x, y, z = self.middle(path)
+        return self.seen((x, y, z + 1.0), (0.0, 0.0, -1.0))
+
+    def middle(self, path: str) -> np.ndarray:
+        """Of a part's box, where it was loaded (3,)."""
+        mockup = self.session.scene.mockup
+        middle: np.ndarray = mockup.part_bounds.reshape(-1, 2, 3)[mockup.part_paths.index(path)].mean(axis=0)
+        return middle
+
+    def wrench_at_nut(self, back: float) -> np.ndarray:
+        """world_from_tool (4, 4) of the wrench, flat at the union nut, its jaw so far before it."""
+        pose = flat(self.middle(UNION_NUT), ACROSS)
+        pose[:3, 3] += back * pose[:3, 2]
+        return pose
 
     def search(self, words: str) -> None:
         """In the tree of parts."""
@@ -91,98 +113,110 @@ def engine(desk: Desk) -> None:
 
 
 def contact(desk: Desk) -> None:
-    """A wrench led onto a bolt, gliding: contact planes, the force, clearances."""
-    desk.look(*AT_BOLT)
+    """A wrench led onto a union nut, gliding: contact planes, the force, clearances."""
+    desk.look(*AT_NUT)
     desk.command("set_mode", mode="glide")
-    desk.move(wrench_at_bolt(0.0, -0.01, 0.004))
-    desk.move(wrench_at_bolt(0.0, 0.006, -0.004))
+    desk.move(desk.wrench_at_nut(0.05))
+    desk.move(desk.wrench_at_nut(0.006))
     desk.press("Alt+1")
 
 
 def passing(desk: Desk) -> None:
     """The same wrench where it does not fit, in mode pass: what it cuts."""
-    desk.look(*AT_BOLT)
+    desk.look(*AT_NUT)
     desk.command("set_mode", mode="pass")
-    desk.move(wrench_at_bolt(0.0, 0.004, -0.004))
+    desk.move(desk.wrench_at_nut(0.004))
     desk.press("Alt+1")
 
 
 def section(desk: Desk) -> None:
-    """Cut open along the axis."""
+    """Cut open through the shafts."""
     desk.command("take_tool", name=None)
-    desk.look((-2.55, -0.95, 2.1), (0.0, 0.0, 1.62))
-    desk.command("section_add", normal=[1.0, 0.0, 0.0], offset=0.0)
+    desk.look((0.0, -0.5, 0.25), (0.05, 0.0, 0.05))
+    desk.command("section_add", normal=[0.0, 1.0, 0.0], offset=float(desk.middle(f"{PUMP}/drive_shaft")[1]))
     desk.press("Alt+2")
 
 
 def removal(desk: Desk) -> None:
-    """A gearbox that is taken apart, with the starter on its way out."""
+    """A gearbox that is taken apart: a starter whose nuts and washers are out, on its way."""
     desk.command("take_tool", name=None)
-    desk.look(*AT_GEARBOX)
-    for name in ("breather", "hydraulic pump"):
-        desk.command("grip", parts=f"{GEARBOX}/{name.replace(' ', '_')}_1")
-        desk.shift(0.0, 0.0, 0.05)
-        desk.shift(0.15, -0.3, 0.0)
-        desk.shift(0.5, 0.0, 0.0)
+    desk.look(*AT_TOP)
+    for name, parts, aside in (("nuts", "nut_*", 0.2), ("washers", "washer_*", 0.0)):
+        desk.command("grip", parts=f"{STARTER}/{parts}")
+        desk.shift(0.0, 0.0, 0.12)
+        desk.shift(-0.5, aside, 0.0)
         number = desk.command("release")["id"]
         desk.command("sequence_rename", id=number, name=name)
-    desk.command("grip", parts=STARTER)
-    desk.shift(0.0, 0.0, 0.05)
-    desk.shift(0.0, -0.06, 0.02)
+    desk.command("grip", parts=[f"{STARTER}/{name}" for name in ("body", "o_ring", "terminal_*")])
+    desk.shift(0.0, 0.0, 0.06)
     desk.press("Alt+4")
 
 
 def measures(desk: Desk) -> None:
-    """Two parts, two bolts, two faces; in light colours."""
+    """Two parts, two nuts, two faces; in light colours."""
     desk.command("take_tool", name=None)
-    desk.look(*AT_GEARBOX)
+    desk.look(*AT_TOP)
     desk.command("measure_add", type="parts", parts=[f"{PUMP}/body", f"{STARTER}/body"], name="pump to starter")
-    across = desk.seen((-0.3435, -0.5125, 1.045), (0, 0, -1)), desk.seen((-0.281, -0.5, 1.045), (0, 0, -1))
-    desk.command("measure_add", type="point", points=[each["point"] for each in across], name="bolt to bolt")
-    faces = desk.seen((-0.24, -0.9, 0.96), (0, 1, 0)), desk.seen((-0.24, -0.52, 1.2), (0, 0, -1))
+    across = [desk.above(f"{PUMP}/stud_{number}") for number in (3, 5)]
+    desk.command("measure_add", type="point", points=[each["point"] for each in across], name="stud to stud")
+    faces = desk.seen((0.12, -0.15, 0.05), (0, 1, 0)), desk.seen((0.12, -0.08, 0.5), (0, 0, -1))
     desk.command("measure_add", type="angle", triangles=[each["triangle"] for each in faces], name="housing")
     desk.press("Alt+3")
 
 
 def findings(desk: Desk) -> None:
-    """What a clash check found: here the pumps of the gearbox, by their contacts."""
-    scene = desk.session.scene
-    clashes: list[dict[str, Any]] = []
-    for name in ("fuel_pump_1", "starter_1", "hydraulic_pump_1"):
-        path = f"{GEARBOX}/{name}/body"
-        planes = scene.without(path).contacts(feeler.Tool.of_parts(scene.mockup, path), np.eye(4))
-        for part in sorted({int(each) for each in planes.parts}):
-            deepest = min((plane for plane in planes if plane.part == part), key=lambda plane: plane.gap)
-            other = scene.mockup.part_paths[part]
-            clash = {"id": f"{len(clashes) + 1}", "a": path, "b": other, "depth": max(0.0, -deepest.gap)}
-            clashes.append({**clash, "point_a": list(map(float, deepest.point)), "group": name})
+    """What a clash check found: a pipe that was drawn into its bracket, and the threads, which are cylinders."""
+    found = [row for row in feeler.clash(desk.session.scene.mockup) if row.depth > DEEP_M]
+    clashes = [
+        {"id": row.id, "a": row.path_a, "b": row.path_b, "depth": row.depth, "point_a": list(row.point_a)}
+        | {"group": "pipe and support" if row is found[0] else "threads as cylinders"}
+        for row in found
+    ]
     desk.session.load_findings({"version": 1, "clashes": clashes})
     desk.command("take_tool", name=None)
-    desk.look(*AT_GEARBOX)
+    desk.look((0.22, -0.42, 0.30), (0.06, -0.1, 0.13))
     desk.press("Alt+5")
-    for _ in range(2):
-        desk.press("n")
-        desk.page.wait_for_timeout(1000)  # until the others are ghosts
+    desk.press("n")
+    desk.page.wait_for_timeout(1000)  # until the others are ghosts
 
 
-PICTURES: dict[str, Callable[[Desk], None]] = {
-    "engine": engine,
-    "contact": contact,
-    "pass": passing,
-    "section": section,
-    "removal": removal,
-    "measures": measures,
-    "findings": findings,
+@dataclass(frozen=True)
+class Picture:
+    """What is shown, of which mock-up: a name of `feeler.sample`, its triangles, the faults that are planted."""
+
+    show: Callable[[Desk], None]
+    sample: tuple[str, int, tuple[str, ...]] = ("gearbox", 400_000, ())
+    theme: str = "dark"
+
+    @property
+    def start(self) -> np.ndarray:
+        """Where the tool is at first."""
+        return flat(AT_BOLT, 0.0) if self.sample[0] == "engine" else flat(OUTSIDE, ACROSS)
+
+
+PICTURES = {
+    "engine": Picture(engine, ("engine", 1_600_000, ())),
+    "contact": Picture(contact),
+    "pass": Picture(passing),
+    "section": Picture(section),
+    "removal": Picture(removal),
+    "measures": Picture(measures, theme="light"),
+    "findings": Picture(findings, ("gearbox", 400_000, ("pipe_clash",))),
 }
-LIGHT = {"measures"}
 
 
-def wrench_at_bolt(*beside: float) -> np.ndarray:
-    """world_from_tool (4, 4) of the wrench, flat on the flange, its handle outward, its jaw so far beside the bolt."""
+def flat(place: np.ndarray, turn: float) -> np.ndarray:
+    """world_from_tool (4, 4) of the wrench, lying flat with its jaw at a place, turned about z by so much (radians)."""
     pose = np.eye(4)
-    pose[:3, :3] = np.array([[-1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, -1.0, 0.0]])
-    pose[:3, 3] = BOLT + beside
+    cos, sin = np.cos(turn), np.sin(turn)
+    pose[:3, :3], pose[:3, 3] = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]]) @ FLAT, place
     return pose
+
+
+@functools.cache
+def indexed(name: str, triangles: int, faults: tuple[str, ...]) -> feeler.Scene:
+    """A sample, for the wrench."""
+    return feeler.Scene(feeler.sample(name, triangles=triangles, faults=faults), tool=feeler.sample_tool("wrench"))
 
 
 def main() -> None:
@@ -197,24 +231,23 @@ def main() -> None:
     if path is None:
         sys.exit("no Chromium: install one, or name it by FEELER_CHROMIUM")
     options.out.mkdir(parents=True, exist_ok=True)
-    mockup, tool = feeler.sample("engine", triangles=TRIANGLES), feeler.sample_tool("wrench")
-    scene = feeler.Scene(mockup, tool=tool)
-    start = wrench_at_bolt(0.0, -0.05, 0.02)
+    tool = feeler.sample_tool("wrench")
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=path, args=list(chromium.FLAGS))
         for name in options.names or PICTURES:
+            picture = PICTURES[name]
+            scene = indexed(*picture.sample)
             with Session() as session, Server(session) as server:
-                session.open(mockup, scene, tool, pose=start, name="engine")
-                theme = "light" if name in LIGHT else "dark"
+                session.open(scene.mockup, scene, tool, pose=picture.start, name=picture.sample[0])
                 context = browser.new_context(
-                    viewport={"width": SIZE[0], "height": SIZE[1]}, color_scheme=theme, reduced_motion="reduce"
+                    viewport={"width": SIZE[0], "height": SIZE[1]}, color_scheme=picture.theme, reduced_motion="reduce"
                 )
                 context.set_default_timeout(120_000)
                 context.add_init_script(f"localStorage.setItem('feeler.settings', '{SETTINGS}')")
                 page = context.new_page()
                 page.goto(server.url)
                 page.wait_for_function("() => window.feeler && window.feeler.ready")
-                PICTURES[name](Desk(session, page))
+                picture.show(Desk(session, page))
                 page.wait_for_timeout(SHARP_MS)
                 path = options.out / f"{name}.{'jpg' if options.type == 'jpeg' else 'png'}"
                 quality = {"quality": 85} if options.type == "jpeg" else {}

@@ -166,7 +166,10 @@ class Mockup(_core.Mockup):
     part_paths: list[str]
     source: Source
     part_colours: npt.NDArray[np.float64] | None = None
-    """Colours of the parts in pictures and GLB files, (parts, 3) sRGB, 0 to 1; None: one colour per assembly."""
+    """Colours of the parts in pictures, GLB files and the workbench, (parts, 3) sRGB, 0 to 1.
+
+    A row of NaN is a part without one; None: no part has one. Parts without one get colours that tell them apart.
+    """
 
     def __new__(
         cls,
@@ -245,6 +248,8 @@ class Tool(_core.Tool):
     part_names: list[str]
     part_paths: list[str]
     source: Source
+    part_colours: npt.NDArray[np.float64] | None = None
+    """As of `Mockup`; `Tool.of_parts` takes them along."""
 
     def __new__(
         cls,
@@ -305,9 +310,13 @@ class Tool(_core.Tool):
         if not len(faces):
             raise MeshError(f"{', '.join(paths[:3])}: there is no triangle in what is to be a tool")
         source = mockup.source
-        return cls(
+        tool = cls(
             mockup.vertices[used], faces, name, part_of_face[part_of_face >= 0], names, part_paths=paths, source=source
         )
+        colours = np.asarray(mockup.part_colours)
+        if colours.shape == (mockup.part_count, 3):
+            tool.part_colours = colours[chosen]
+        return tool
 
     @classmethod
     def assembly(cls, items: Mapping[str, Tool | tuple[Tool, npt.ArrayLike]], name: str = "assembly") -> Tool:

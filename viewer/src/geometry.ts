@@ -15,7 +15,15 @@ export interface Manifest {
   vertices: number;
   part_bytes: 2 | 4;
   /** By part; those that were left out have no path and no triangles. */
-  parts: { paths: string[]; triangles: number[]; lower: Vec3[]; upper: Vec3[]; small: number[] };
+  parts: {
+    paths: string[];
+    triangles: number[];
+    lower: Vec3[];
+    upper: Vec3[];
+    small: number[];
+    /** sRGB as 0xRRGGBB, -1 for a part without one; empty: the mock-up has no colours. */
+    colours: number[];
+  };
   pieces: PieceManifest[];
 }
 

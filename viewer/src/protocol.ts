@@ -172,6 +172,8 @@ export interface ManifestParts {
   upper: Vec3[];
   /** 1: so small beside the mock-up that it may be left out while the camera moves. */
   small: number[];
+  /** sRGB as 0xRRGGBB, -1 for a part without one; empty: the mock-up has no colours, and the page gives its own. */
+  colours: number[];
 }
 
 /** One piece of geometry, `GET /scene/pieces/K`. */

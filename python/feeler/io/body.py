@@ -100,7 +100,7 @@ def body_of(
     if pose is not None:
         matrix = np.asarray(pose, dtype=np.float64)
         vertices = vertices @ matrix[:3, :3].T + matrix[:3, 3]
-    own = getattr(mesh, "part_colours", None)
+    own = stated_colours(mesh, len(paths)) if colours is None else None
     palette, colour_of_part = _palette(own if colours is None else colours, paths)
     return Body(vertices, faces, part_of_face, paths, palette, colour_of_part[part_of_face], cut=cut)
 
@@ -157,15 +157,35 @@ def _drawable(
     return faces, part_of_face
 
 
+def stated_colours(mesh: Any, parts: int) -> FloatArray | None:
+    """The `part_colours` of a mesh, `(parts, 3)`, cut to 0 to 1; a row of NaN: that part has none. None: none has one.
+
+    Raises `OptionError` for what is no such array.
+    """
+    own = getattr(mesh, "part_colours", None)
+    if own is None:
+        return None
+    try:
+        table = np.array(own, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise OptionError(f"part_colours is no array of numbers: set one row per part, ({parts}, 3)") from None
+    if table.shape != (parts, 3):
+        raise OptionError(f"part_colours has shape {table.shape}: set one row per part, ({parts}, 3)")
+    table[~np.isfinite(table).all(axis=1)] = np.nan
+    return np.clip(table, 0.0, 1.0)
+
+
 def _palette(colours: Any, paths: tuple[str, ...]) -> tuple[FloatArray, IntArray]:
+    # A colour per assembly (all but the last name of the path); crc32, because hash() changes between runs.
+    groups = np.array([zlib.crc32(path.rpartition("/")[0].encode() or path.encode()) for path in paths], dtype=np.int64)
+    groups %= len(_MATERIALS)
     if colours is None:
-        # A colour per assembly (all but the last name of the path); crc32, because hash() changes between runs.
-        groups = [zlib.crc32(path.rpartition("/")[0].encode() or path.encode()) for path in paths]
-        return np.array(_MATERIALS), np.array(groups, dtype=np.int64) % len(_MATERIALS)
+        return np.array(_MATERIALS), groups
     table = np.asarray(colours, dtype=np.float64)
     if table.shape == (3,):
         return table[None, :], np.zeros(len(paths), dtype=np.int64)
     if table.shape == (len(paths), 3):
+        table = np.where(np.isnan(table), np.array(_MATERIALS)[groups], table)
         palette, index = np.unique(table, axis=0, return_inverse=True)
         return palette, np.asarray(index, dtype=np.int64).reshape(-1)
     raise OptionError(f"colours has shape {table.shape}: pass (3,) or one row per part, ({len(paths)}, 3)")

@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from feeler.io.gltf_colours import Colour, mesh_colour
 from feeler.io.gltf_deform import joint_matrices
 from feeler.io.gltf_document import OWN_GENERATOR, Document
 from feeler.io.gltf_mesh import Mesh, MeshReader
@@ -46,6 +47,7 @@ def read_gltf(path: Path, progress: Progress = None, *, edit: Callable[[Document
     vertices, faces = [np.empty((0, 3))], [np.empty((0, 3), dtype=np.uint32)]
     names: list[str] = []
     paths: list[str] = []
+    colours: list[Colour] = []
     base = 0
     for number, instance in enumerate(graph.instances):
         mesh = meshes.get(instance.shape) or reader.read(instance.shape, instance.name)
@@ -59,6 +61,7 @@ def read_gltf(path: Path, progress: Progress = None, *, edit: Callable[[Document
         base += len(points)
         names.append(instance.name)
         paths.append(instance.path)
+        colours.append(mesh_colour(document, instance.shape.mesh))
         if progress and not number % 256:
             progress(0.1 + 0.7 * number / len(graph.instances), f"reading {path.name}")
     notes = graph.notes + tally.notes()
@@ -74,6 +77,7 @@ def read_gltf(path: Path, progress: Progress = None, *, edit: Callable[[Document
         unit=parse_unit("m"),
         notes=notes,
         up=None if document.root["asset"].get("generator") == OWN_GENERATOR else "y",
+        colours=np.array(colours).reshape(-1, 3),
     )
 
 

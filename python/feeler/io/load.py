@@ -9,6 +9,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
 from feeler.errors import FeelerError, LimitError, LoadError, MeshError, OptionError
 from feeler.io import axes
@@ -53,8 +54,8 @@ def load_mockup(
 
     Nothing is dropped: triangles that cannot be queried stay and are counted in the report, what is no triangle
     (points, lines) is counted in its notes. A coordinate is the file's number as float64 times the unit's metres
-    (`x * 0.001`). A file of a folder that cannot be read is left out, with a note that says why; a file that is named
-    raises.
+    (`x * 0.001`). `part_colours` are the base colours of glTF's materials, where these are not all alike. A file of a
+    folder that cannot be read is left out, with a note that says why; a file that is named raises.
 
     Raises `MissingFileError`, `LoadError` (what, where, what to do), `OptionError` for the options, `LimitError` for
     what does not fit in memory, `MeshError` if no triangle can be queried.
@@ -66,6 +67,7 @@ def load_mockup(
         progress(0.8, "checking triangles")
     with loaded.named_in_errors():
         mockup = Mockup(raw.vertices, raw.faces, raw.part_of_face, raw.part_names, part_paths=raw.part_paths)
+    mockup.part_colours = _telling(raw.colours)
     mockup.source = loaded.source(time.perf_counter() - started, mockup)
     if progress:
         progress(1.0, "loaded")
@@ -324,6 +326,20 @@ def _join(pieces: list[RawMesh]) -> RawMesh:
         part_base += len(piece.part_names)
         names += piece.part_names
         paths += [book.claim_path(path) for path in piece.part_paths]
+    none = [np.full((len(piece.part_names), 3), np.nan) for piece in pieces]
     return RawMesh(
-        np.concatenate([piece.vertices for piece in pieces]), np.concatenate(faces), np.concatenate(parts), names, paths
+        np.concatenate([piece.vertices for piece in pieces]),
+        np.concatenate(faces),
+        np.concatenate(parts),
+        names,
+        paths,
+        colours=np.concatenate([n if p.colours is None else p.colours for p, n in zip(pieces, none, strict=True)]),
     )
+
+
+def _telling(colours: NDArray[np.float64] | None) -> NDArray[np.float64] | None:
+    """The colours of parts, but None where all parts have the same, or none: the ones given to them tell more."""
+    if colours is None or np.isnan(colours).all():
+        return None
+    is_one = len(colours) > 1 and np.array_equal(colours, np.broadcast_to(colours[0], colours.shape), equal_nan=True)
+    return None if is_one else colours

@@ -37,6 +37,7 @@ class RawMesh:
     unit          the unit the file states, or None
     in_metres     the reader's library has converted `vertices` from `unit` to metres already (STEP)
     up            the axis that points up by the format's standard or the file's word, or None if neither says so
+    colours       (parts, 3) sRGB, 0 to 1, NaN for a part without one; None: the reader knows none
     """
 
     vertices: NDArray[np.float64]
@@ -48,6 +49,7 @@ class RawMesh:
     in_metres: bool = False
     notes: list[str] = field(default_factory=list)
     up: Axis | None = None
+    colours: NDArray[np.float64] | None = None
 
 
 def portion(progress: Progress, low: float, high: float) -> Progress:

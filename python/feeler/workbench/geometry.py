@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler._core import Packed, PackedPiece
+from feeler.io.body import stated_colours
 from feeler.mockup import Mockup, Tool
 from feeler.scene import Scene
 from feeler.workbench.motion import Floats
@@ -66,9 +67,12 @@ class Geometry:
     """A scene, packed. places: triangles of its mock-up -> packed triangles."""
 
     def __init__(self, scene: Scene, content: str, name: str, packed: PackedScene | None = None) -> None:
-        """content: the digest of the mock-up. packed: default `pack_scene(scene)`."""
+        """content: the digest of the mock-up. packed: default `pack_scene(scene)`.
+
+        Raises `OptionError` for `part_colours` that do not fit the mock-up.
+        """
         self._scene, self._content, self._name = scene, content, name
-        self._small = small_parts(scene)
+        self._small, self._colours = small_parts(scene), _colours(scene)
         made = pack_scene(scene) if packed is None else packed
         self._packed, self.places = made.packed, made.places
 
@@ -98,6 +102,7 @@ class Geometry:
                 "lower": [_triple(each) for each in boxes[:, 0]],
                 "upper": [_triple(each) for each in boxes[:, 1]],
                 "small": self._small.astype(int).tolist(),
+                "colours": self._colours,
             },
             "pieces": pieces,
         }
@@ -141,6 +146,17 @@ class HeldGeometry:
     def data(self) -> bytes:
         """Its pieces, one after the other."""
         return b"".join(_bytes(piece) for piece in self._packed.pieces)
+
+
+def _colours(scene: Scene) -> list[int]:
+    """`ManifestParts.colours`. Of parts that were left out not even the colour is sent."""
+    colours = stated_colours(scene.mockup, scene.mockup.part_count)
+    if colours is None:
+        return []
+    has_one = np.isfinite(colours).all(axis=1) & scene.part_mask
+    levels = np.rint(255.0 * np.where(has_one[:, None], colours, 0.0)).astype(np.int64)
+    packed: list[int] = np.where(has_one, levels @ (0x10000, 0x100, 1), -1).tolist()
+    return packed
 
 
 def _pieces(packed: Packed) -> list[ManifestPiece]:

@@ -53,6 +53,9 @@ class PartMeshes:
         kept = self._lying.get(part)
         if kept is None or kept[0] != place:
             vertices, faces = self.at(part, place)
-            kept = (place, Scene(Mockup(vertices, faces, part_names=[self.mockup.part_names[part]])))
+            lying = Mockup(vertices, faces, part_names=[self.mockup.part_names[part]])
+            if self.mockup.part_colours is not None:
+                lying.part_colours = np.asarray(self.mockup.part_colours)[[part]]
+            kept = (place, Scene(lying))
             self._lying[part] = kept
         return kept[1]

@@ -216,6 +216,8 @@ class ManifestParts(TypedDict):
     upper: list[Vec3]
     small: list[int]
     """1: so small beside the mock-up that it may be left out while the camera moves."""
+    colours: list[int]
+    """sRGB as 0xRRGGBB, -1 for a part without one; empty: the mock-up has no colours, and the page gives its own."""
 
 
 class ManifestPiece(TypedDict):

@@ -21,8 +21,11 @@ export class Composer {
     this.#renderer = renderer;
     this.#eye = eye;
     this.#over = over;
-    const { keptScale, keptId, states } = uniforms;
-    this.#tint = new ScreenPass(tintFragment, { kept: { value: null }, keptScale, keptId, states });
+    const { keptScale, keptId, states, resolution, pixelRatio } = uniforms;
+    this.#tint = new ScreenPass(tintFragment, {
+      kept: { value: null },
+      ...{ keptScale, keptId, states, resolution, pixelRatio },
+    });
   }
 
   /** Draws the picture into `target`, null: the canvas. `lit`: room for the kept picture with its lit parts, if there are any. */

@@ -42,7 +42,7 @@ export class Model {
     this.bounds = { lower: manifest.lower, upper: manifest.upper };
     const { lower, upper } = manifest.parts;
     const boxes = lower.map((corner, part) => ({ lower: corner, upper: upper[part] as Vec3 }));
-    this.#table = new PartTable(boxes, manifest.middle);
+    this.#table = new PartTable(boxes, manifest.middle, manifest.parts.colours);
     this.#pieces = new Pieces(manifest, material);
     this.#shapeVersion = this.#table.shapeVersion;
   }
@@ -85,6 +85,7 @@ export class Model {
     if (!this.#pieces || !table) return { solid: [], ghosts: [] };
     this.uniforms.states.value = table.statesTexture;
     this.uniforms.places.value = table.placesTexture;
+    this.uniforms.colours.value = table.coloursTexture;
     const planes = eye && eyePlanes(eye, this.middle);
     const { all } = this.#pieces;
     const seen = planes ? all.filter((piece) => this.#isWithin(piece, planes)) : all;

@@ -1,4 +1,4 @@
-// What is known of each part while it is drawn: one byte of state, and where it was moved to. Both are textures.
+// What is known of each part while it is drawn: one byte of state, its colour, and where it was moved to. All are textures.
 
 import {
   DataTexture,
@@ -9,6 +9,7 @@ import {
   type Texture,
   UnsignedByteType,
 } from "three";
+import { paletteTexture } from "./palette";
 import { isSame } from "./same";
 import { add, type Box, centre, corners, emptyBox, include, scale, subtract, transform, type Vec3 } from "./vectors";
 
@@ -43,6 +44,7 @@ export class PartTable {
   /** Which parts' shapes must be drawn anew: grows with each change of what is hidden, ghost or moved. */
   shapeVersion = 0;
   isAnyLit = false;
+  readonly coloursTexture: Texture;
   readonly #count: number;
   readonly #middle: Vec3;
   readonly #boxes: Box[];
@@ -53,8 +55,12 @@ export class PartTable {
   #moved = new Map<number, number[]>();
   #explode = 0;
 
-  /** `boxes`: of each part, world metres, where it was loaded. `middle`: where the scene's origin lies. */
-  constructor(boxes: Box[], middle: Vec3) {
+  /**
+   * `boxes`: of each part, world metres, where it was loaded. `middle`: where the scene's origin lies. `colours`: as of
+   * the manifest.
+   */
+  constructor(boxes: Box[], middle: Vec3, colours: readonly unknown[] = []) {
+    this.coloursTexture = paletteTexture(boxes.length, colours);
     this.#count = boxes.length;
     this.#boxes = boxes;
     this.#middle = middle;
@@ -149,6 +155,7 @@ export class PartTable {
   dispose(): void {
     this.#statesTexture.dispose();
     this.#placesTexture.dispose();
+    this.coloursTexture.dispose();
   }
 
   #place(): void {

@@ -26,11 +26,11 @@ vec3 placeOf(uint part, vec3 p) {
 const PALETTE = /* glsl */ `
 uint hashOf(uint n) { n ^= n >> 16; n *= 0x7feb352du; n ^= n >> 15; n *= 0x846ca68bu; return n ^ (n >> 16); }
 vec3 calm(uint part) {
-  const vec3 colours[10] = vec3[10](
+  const vec3 calms[10] = vec3[10](
     vec3(0.62, 0.65, 0.68), vec3(0.52, 0.60, 0.66), vec3(0.66, 0.63, 0.56), vec3(0.54, 0.62, 0.56), vec3(0.70, 0.68, 0.65),
     vec3(0.57, 0.56, 0.64), vec3(0.64, 0.57, 0.54), vec3(0.47, 0.53, 0.58), vec3(0.60, 0.66, 0.63), vec3(0.72, 0.71, 0.69));
   uint h = hashOf(part + 1u);
-  return colours[h % 10u] * (0.92 + 0.16 * float((h >> 8) & 255u) / 255.0);
+  return calms[h % 10u] * (0.92 + 0.16 * float((h >> 8) & 255u) / 255.0);
 }
 `;
 
@@ -50,7 +50,16 @@ vec3 lit(vec3 colour, vec3 n, vec3 view) {
 }
 `;
 
-export const pieceVertex = `${PRECISION}${PARTS}${PALETTE}/* glsl */
+// The colour that the mock-up states of a part, else a calm one. The width is that of palette.ts.
+const STATED = /* glsl */ `
+uniform sampler2D colours;
+vec3 colourOf(uint part) {
+  vec4 stated = texelFetch(colours, ivec2(int(part & 1023u), int(part >> 10)), 0);
+  return stated.a > 0.5 ? stated.rgb : calm(part);
+}
+`;
+
+export const pieceVertex = `${PRECISION}${PARTS}${PALETTE}${STATED}/* glsl */
 uniform mat4 modelViewMatrix;
 uniform mat4 projectionMatrix;
 in vec3 position;
@@ -77,7 +86,7 @@ void main() {
 #if SECTIONS > 0
   vWorld = p;
 #endif
-  vColour = calm(part);
+  vColour = colourOf(part);
   vPart = part;
   gl_Position = projectionMatrix * view;
 }
@@ -133,7 +142,7 @@ void main() {
     uint h = hashOf(vPart + 1u);
     float across = (h & 1u) != 0u ? gl_FragCoord.x + gl_FragCoord.y : gl_FragCoord.x - gl_FragCoord.y;
     float line = smoothstep(1.4, 0.6, abs(mod(across, 9.0) - 4.5));
-    outColour.rgb = mix(mix(vColour, vec3(0.93, 0.86, 0.72), 0.55), vec3(0.24, 0.22, 0.20), 0.55 * line);
+    outColour.rgb = mix(mix(vColour, vec3(0.95, 0.90, 0.78), 0.40), vec3(0.20, 0.19, 0.18), 0.50 * line);
     id |= 0x80000000u;
     gl_FragDepth += FILL_NEARER * (gl_FragCoord.z + depthLine.y / depthLine.x) + sign(depthLine.x) * FILL_PIXELS * slope;
   }
@@ -189,18 +198,39 @@ void main() {
     edge = 0.45 * smoothstep(0.45, 1.6, bend / w * focal);
   }
 #endif
-  outColour = vec4(mix(shown, line, edge), share);
+  // On a dark part a dark line is not seen: there it is lighter than the part.
+  float dark = id == 0u ? 0.0 : 1.0 - smoothstep(0.10, 0.26, dot(shown, vec3(0.30, 0.59, 0.11)));
+  outColour = vec4(mix(shown, mix(line, shown + 0.30, dark), edge), share);
 }
 `;
 
 // The kept picture at the size of the screen, with its lit parts. They are tinted here, by their ids, so that lighting one redraws
-// nothing of the mock-up.
+// nothing of the mock-up. A rim around what is selected is seen whatever colour it has, and on a bolt of a few pixels; what is
+// hit or near, which changes from frame to frame, has none, as looking for it takes time.
 export const tintFragment = `${PRECISION}/* glsl */
 uniform sampler2D kept;
 uniform vec2 keptScale;
 uniform usampler2D keptId;
 uniform usampler2D states;
+uniform vec2 resolution;
+uniform float pixelRatio;
 layout(location = 0) out vec4 outColour;
+const float RIM_PIXELS = 1.5;
+uint idAt(ivec2 p) { return texelFetch(keptId, p, 0).r & 0x7fffffffu; }
+// How a part is lit: the bits near, hit and selected.
+uint litOf(uint id) {
+  if (id == 0u) return 0u;
+  uint part = id - 1u;
+  return texelFetch(states, ivec2(int(part & 1023u), int(part >> 10)), 0).r & 28u;
+}
+// Three places around the pixel see every edge.
+bool isAtRim(ivec2 p, uint id) {
+  int rim = max(1, int(RIM_PIXELS * pixelRatio * keptScale.x + 0.5));
+  ivec2 low = max(p - rim, ivec2(0)), high = min(p + rim, ivec2(resolution * keptScale) - 1);
+  uvec3 around = uvec3(idAt(ivec2(p.x, high.y)), idAt(low), idAt(ivec2(high.x, low.y)));
+  if (around == uvec3(id)) return false;
+  return (litOf(around.x) & litOf(around.y) & litOf(around.z) & 16u) == 0u;
+}
 void main() {
   vec2 at = gl_FragCoord.xy * keptScale;
 #ifdef SCALED
@@ -208,17 +238,16 @@ void main() {
 #else
   vec3 colour = texelFetch(kept, ivec2(at), 0).rgb;
 #endif
-  uint id = texelFetch(keptId, ivec2(at), 0).r & 0x7fffffffu;
-  if (id != 0u) {
-    uint part = id - 1u;
-    uint state = texelFetch(states, ivec2(int(part & 1023u), int(part >> 10)), 0).r & 28u;
-    if (state != 0u) {
-      float light = dot(colour, vec3(0.30, 0.59, 0.11));
-      vec3 tint = (state & 8u) != 0u ? vec3(1.0, 0.56, 0.10) : (state & 16u) != 0u ? vec3(1.0, 0.93, 0.62) : vec3(0.28, 0.60, 1.0);
-      colour = mix(colour, tint * (0.34 + 1.05 * light), (state & 8u) != 0u ? 0.62 : 0.74);
-      // A hatch besides the colour: hit is told from near without seeing red.
-      if ((state & 8u) != 0u && mod(gl_FragCoord.x + gl_FragCoord.y, 10.0) < 2.0) colour *= 0.72;
-    }
+  ivec2 p = ivec2(at);
+  uint id = idAt(p), state = litOf(id);
+  if (state != 0u) {
+    bool isHit = (state & 8u) != 0u, isSelected = (state & 16u) != 0u;
+    float light = dot(colour, vec3(0.30, 0.59, 0.11));
+    vec3 tint = isHit ? vec3(1.0, 0.56, 0.10) : isSelected ? vec3(1.0, 0.92, 0.55) : vec3(0.28, 0.60, 1.0);
+    colour = mix(colour, tint * (0.40 + 0.95 * light), isHit ? 0.66 : 0.74);
+    // A hatch besides the colour: hit is told from near without seeing red.
+    if (isHit && mod(gl_FragCoord.x + gl_FragCoord.y, 10.0) < 2.0) colour *= 0.72;
+    if (isSelected && isAtRim(p, id)) colour = vec3(1.0, 0.86, 0.24);
   }
   outColour = vec4(colour, 1.0);
 }

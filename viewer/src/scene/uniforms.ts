@@ -10,6 +10,7 @@ export function sharedUniforms() {
   return {
     states: { value: null as Texture | null },
     places: { value: null as Texture | null },
+    colours: { value: null as Texture | null },
     /** The vertical, view coordinates. */
     sky: { value: new Vector3(0, 1, 0) },
     /** Section planes: world coordinates less the middle, and view coordinates. */

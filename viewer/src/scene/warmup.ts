@@ -16,6 +16,7 @@ export function warmUp(kept: Kept, materials: PieceMaterials, uniforms: SharedUn
   const piece = pieces.add(0, new ArrayBuffer(pieceBytes(size, 2)));
   uniforms.states.value = table.statesTexture;
   uniforms.places.value = table.placesTexture;
+  uniforms.colours.value = table.coloursTexture;
   kept.begin([piece], [], 1);
   kept.draw(eye, Number.POSITIVE_INFINITY);
   kept.forget();

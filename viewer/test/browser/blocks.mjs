@@ -42,7 +42,7 @@ function bounds(boxes) {
 }
 
 /** `pieces`: lists of [lower, upper], a part each, in order. Returns the manifest and the pieces' bytes. */
-export function mockupOf(pieces, name = "blocks") {
+export function mockupOf(pieces, name = "blocks", colours = []) {
   const all = pieces.flat();
   const { lower, upper } = bounds(all);
   const middle = lower.map((value, axis) => (value + upper[axis]) / 2);
@@ -69,6 +69,7 @@ export function mockupOf(pieces, name = "blocks") {
       lower: all.map((box) => box[0]),
       upper: all.map((box) => box[1]),
       small: all.map(() => 0),
+      colours,
     },
     pieces: said,
   };

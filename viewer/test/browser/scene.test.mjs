@@ -27,7 +27,7 @@ let tab;
 
 before(async () => {
   if (whySkipped) return;
-  const { manifest, data } = mockupOf([[WALL, LARGE], [SMALL]]);
+  const { manifest, data } = mockupOf([[WALL, LARGE], [SMALL]], "blocks", [-1, -1, 0x20c040]);
   server = await serve((path) => {
     if (path === "/scene") return Buffer.from(JSON.stringify(manifest));
     if (path.startsWith("/scene/pieces/")) return data[Number(path.split("/").pop())];
@@ -219,6 +219,39 @@ scene("the held mesh hides and is hidden by distance, and is picked", async () =
   assert.deepEqual([inside.held, inside.part], [false, 1]);
   assert.deepEqual([behind.held, behind.part], [false, 1]);
   assert.deepEqual([cap.held, cap.part], [false, 1]);
+});
+
+scene("a part has the colour that is stated, and calm ones where none is", async () => {
+  const found = await inPage(({ colours }) => colours([0.7, -0.1, 0.02], [0.02, -0.2, 0.03], [-0.7, 0.5, 0.7]));
+  const [stated, ...calm] = found.map(([r, g, b]) => g - Math.max(r, b));
+  assert.ok(stated > 60, `not green: ${found[0]}`);
+  assert.ok(Math.max(...calm) < 25, `green as well: ${found.slice(1)}`);
+});
+
+scene("a selected part has a rim, whatever its colour, but none where the picture ends", async () => {
+  const { rim, inside, end } = await inPage(async ({ stage, at, PartState, coloursAt, colour }) => {
+    stage.setPartStates(Uint8Array.of(0, 0, PartState.selected));
+    // The small block is seen from its left as well: it ends at the corner at the back.
+    const [x, y] = at([0.6, 0.1, 0.02]);
+    const inside = await colour([0.7, -0.1, 0.02]);
+    const rim = await coloursAt([-2, -1, 0, 1, 2].map((k) => [x + k, y]));
+    stage.setPartStates(Uint8Array.of(PartState.selected, 0, 0));
+    stage.camera.position = [-0.7, 0.3, 0.7];
+    stage.camera.target = [-0.7, 0.5, 0.7];
+    stage.camera.moved = true;
+    return {
+      rim,
+      inside,
+      end: await coloursAt([
+        [0, 40],
+        [60, 40],
+      ]),
+    };
+  });
+  const isRim = ([r, g, b]) => r > 240 && g > 200 && b < 90;
+  assert.ok(rim.some(isRim), `no rim: ${rim}`);
+  assert.ok(!isRim(inside));
+  assert.ok(!end.some(isRim), `a rim at the end of the picture: ${end}`);
 });
 
 scene("lit parts change colour without a redraw, and are told apart without red", async () => {

@@ -1,0 +1,57 @@
+"""The colours of a glTF file's parts: the base colours of their materials, as sRGB.
+
+What is wrong in a material moves no surface: the part has no colour then, and the file is read.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, TypeAlias
+
+from feeler.io.gltf_document import Document
+
+Colour: TypeAlias = tuple[float, float, float]
+
+NO_COLOUR: Colour = (math.nan, math.nan, math.nan)
+
+_DIGITS = 4  # what is left of a colour that was written in linear light with six
+
+
+def mesh_colour(document: Document, mesh: int) -> Colour:
+    """The colour of a mesh, 0 to 1: of several primitives that of the one with the most corners; else `NO_COLOUR`.
+
+    A material with a texture states none, as its base colour is only a factor of that; nor does one without
+    `baseColorFactor`.
+    """
+    primitives = document.item("meshes", mesh).get("primitives")
+    if not isinstance(primitives, list) or not primitives:
+        return NO_COLOUR
+    most = max(primitives, key=lambda primitive: _corners(document, primitive))
+    pbr = _entry(_entry(document.root, "materials", most.get("material")), "pbrMetallicRoughness")
+    factor = pbr.get("baseColorFactor")
+    if "baseColorTexture" in pbr or not isinstance(factor, list) or len(factor) not in (3, 4):
+        return NO_COLOUR
+    if not all(type(level) in (int, float) and 0 <= level <= 1 for level in factor):
+        return NO_COLOUR
+    red, green, blue = (_encoded(level) for level in factor[:3])
+    return red, green, blue
+
+
+def _corners(document: Document, primitive: dict[str, Any]) -> int:
+    """Of triangles; a primitive of points or lines has none."""
+    if primitive.get("mode", 4) not in (4, 5, 6):
+        return -1
+    return document.count(primitive.get("indices", primitive["attributes"].get("POSITION")))
+
+
+def _entry(holder: dict[str, Any], key: str, index: object = None) -> dict[str, Any]:
+    """`holder[key]`, or of a list there `[index]`; empty for what is not there or no object."""
+    found = holder.get(key)
+    if isinstance(found, list):
+        found = found[index] if type(index) is int and 0 <= index < len(found) else None
+    return found if isinstance(found, dict) else {}
+
+
+def _encoded(level: float) -> float:
+    """A level of linear light as sRGB."""
+    return round(12.92 * level if level <= 0.0031308 else 1.055 * level ** (1 / 2.4) - 0.055, _DIGITS)

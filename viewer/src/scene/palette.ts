@@ -1,0 +1,36 @@
+// The colours of the parts as a texture: as the mock-up states them, toned down so that everything else still reads over them.
+
+import { DataTexture, NearestFilter, RGBAFormat, UnsignedByteType } from "three";
+
+// The width that the shaders know.
+const WIDTH = 1024;
+// The darkest and the lightest channel that is drawn, of 255: on black no edge and no shade is seen, on white no light.
+const DARKEST = 44;
+const LIGHTEST = 232;
+// How much of a colour is taken towards its grey: pure colours are left to what is touched, near or selected.
+const MUTED = 0.15;
+
+/** A stated colour (0xRRGGBB) as it is drawn, 0 to 255; null for what is none. */
+export function toned(stated: unknown): [number, number, number] | null {
+  if (!Number.isInteger(stated) || (stated as number) < 0 || (stated as number) > 0xffffff) return null;
+  const levels = [16, 8, 0].map((shift) => ((stated as number) >> shift) & 255) as [number, number, number];
+  const grey = 0.3 * levels[0] + 0.59 * levels[1] + 0.11 * levels[2];
+  return levels.map((level) => {
+    const muted = level + MUTED * (grey - level);
+    return Math.round(DARKEST + ((LIGHTEST - DARKEST) * muted) / 255);
+  }) as [number, number, number];
+}
+
+/** A texel a part, by its id; of no opacity where the part has no colour, and the shader gives one. */
+export function paletteTexture(count: number, stated: readonly unknown[] | undefined): DataTexture {
+  const data = new Uint8Array(4 * Math.max(1, Math.ceil(count / WIDTH)) * WIDTH);
+  for (let part = 0; stated && part < Math.min(count, stated.length); part++) {
+    const colour = toned(stated[part]);
+    if (colour) data.set([...colour, 255], 4 * part);
+  }
+  const texture = new DataTexture(data, WIDTH, data.length / (4 * WIDTH), RGBAFormat, UnsignedByteType);
+  texture.minFilter = texture.magFilter = NearestFilter;
+  texture.generateMipmaps = false;
+  texture.needsUpdate = true;
+  return texture;
+}
