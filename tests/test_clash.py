@@ -35,7 +35,7 @@ def mockup() -> feeler.Mockup:
 
 
 def test_rules_that_allow_the_fits_leave_what_was_planted(faulty_gearbox: Any) -> None:
-    """The sample gearbox: each pair that its truth names may be as deep as named, and pipes keep 5 mm off the bracket."""
+    """In the sample gearbox: fits may be as deep as its truth names them, and pipes keep 5 mm off the bracket."""
     truth, fault = faulty_gearbox.truth, faulty_gearbox.fault
     pipes = {"name": "pipes", "a": "*/pipe", "b": "gearbox/bracket", "clearance": 5e-3}
     fits = [
