@@ -18,8 +18,8 @@ if len(sys.argv) == 2:
     mockup = feeler.load_mockup(sys.argv[1])
 else:
     # Threads, presses and the facets of round fits cross as drawn: each pair may be as deep as its fit.
-    mockup = feeler.sample("gearbox", triangles=100_000, faults=FAULTS)
-    for number, fit in enumerate(feeler.sample_truth("gearbox", triangles=100_000, faults=FAULTS).fits):
+    mockup = feeler.sample("gearbox", triangles=75_000, faults=FAULTS)
+    for number, fit in enumerate(feeler.sample_truth("gearbox", triangles=75_000, faults=FAULTS).fits):
         if fit.deepest_m > 0.0:
             name = f"{number}: {fit.kind}"
             fits.append({"name": name, "a": fit.a, "b": fit.b, "contact": fit.deepest_m + 1e-6})
