@@ -16,7 +16,7 @@ from feeler.picture import render_collision, write_collision_glb
 if len(sys.argv) == 3:
     mockup, tool = feeler.load_mockup(sys.argv[1]), feeler.load_tool(sys.argv[2])
 else:
-    mockup, tool = feeler.sample("differential", triangles=50_000), feeler.sample_tool("torque")
+    mockup, tool = feeler.sample("gearbox", triangles=100_000), feeler.sample_tool("torque")
 print(mockup.report)
 
 scene = feeler.Scene(mockup, tool=tool)

@@ -2,7 +2,7 @@
 
 import feeler
 
-mockup = feeler.sample("engine", triangles=100_000)  # or feeler.load_mockup("engine.step")
+mockup = feeler.sample("gearbox", triangles=100_000)  # or feeler.load_mockup("engine.step")
 tool = feeler.sample_tool("wrench")  # or feeler.load_tool("wrench.stl", unit="mm")
 print(mockup.report)
 

@@ -1,8 +1,8 @@
-"""Can the fuel pump be taken out of the engine, and what has to go first? Writes the way and a film of it.
+"""Can a mount's retainer be taken off the gearbox, and what has to go first? Writes the way and a film of it.
 
     python examples/removal.py [MOCKUP_FILE PART]
 
-Without a file it takes the built-in engine.
+Without a file it takes the built-in gearbox.
 """
 
 import sys
@@ -15,14 +15,14 @@ from feeler.plan.as_glb import write_removal_glb
 if len(sys.argv) == 3:
     mockup, part = feeler.load_mockup(sys.argv[1]), sys.argv[2]
 else:
-    mockup, part = feeler.sample("engine", triangles=20_000), "engine/externals/accessory_gearbox/fuel_pump_1"
+    mockup, part = feeler.sample("gearbox", triangles=100_000), "gearbox/bracket/left_mount/retainer"
 scene = feeler.Scene(mockup)
-found = feeler.removal(scene, part, seconds=5.0)
+found = feeler.removal(scene, part, seconds=1.0)
 print(f"{part}: {found!r}")
 for blocker in found.blocked_by[:5]:
     print(f"  in the way of {blocker.count} tries: {blocker.path}")
 
-order = feeler.removal_order(scene, part, seconds=20.0)
+order = feeler.removal_order(scene, part, seconds=10.0)
 for number, step in enumerate(order, start=1):
     names = ", ".join(mockup.part_paths[index] for index in step.parts)
     way = step.removal

@@ -9,23 +9,25 @@ import numpy as np
 
 import feeler
 
-GEARBOX = "engine/externals/accessory_gearbox"
+PUMP = "gearbox/fuel_pump/body"
 is_open = "--open" in sys.argv  # the browser
 
-scene = feeler.Scene(feeler.sample("engine", triangles=100_000))
+# What has to go before the pump is out already: pipes, nuts and its cover.
+mockup = feeler.sample("gearbox", triangles=100_000)
+*before, last = feeler.sample_truth("gearbox", triangles=100_000).way(PUMP)
+scene = feeler.Scene(mockup).without([path for step in before if step.removes for path in step.parts])
 tool = feeler.sample_tool("wrench")
 
-# Beside the gearbox, its handle outward: the columns are the wrench's axes in the world.
+# Behind the pump, its handle outward.
 start = np.eye(4)
-start[:3, :3] = [[-1, 0, 0], [0, 0, -1], [0, -1, 0]]
-start[:3, 3] = (-0.31, -0.7, 1.05)
+start[:3, 3] = (0.12, -0.01, 0.3)
 
 with feeler.view(scene, tool, pose=start, browser=is_open) as view:
     # The hand wants to go through the pump, and comes as far as contact lets it.
     wish = start.copy()
-    wish[1, 3] = -0.4
+    wish[2, 3] = 0.1
     view.pose = wish
-    print(f"wished 300 mm inward, came {(view.pose[1, 3] - start[1, 3]) * 1e3:.1f} mm")
+    print(f"wished 200 mm forward, came {(start[2, 3] - view.pose[2, 3]) * 1e3:.1f} mm")
     print(f"stopped by {', '.join(view.touched)}")
 
     # What it would meet there: shown in the page, as any answer of the scene can be.
@@ -34,13 +36,12 @@ with feeler.view(scene, tool, pose=start, browser=is_open) as view:
     view.show(hit)
     print(f"there it would meet the pump in {len(hit.pairs):,} pairs of triangles")
 
-    # The pump with its bolts, taken out by an empty hand. It is seated in the gearbox: it may slide out of it.
+    # The pump, taken out by an empty hand. It is seated in the gearbox: it may slide out of it.
     view.command("take_tool", name=None)
-    view.command("grip", parts=f"{GEARBOX}/fuel_pump_1")
-    for step in ((0.0, 0.0, 0.05), (0.0, -0.3, 0.0)):
-        pose = view.pose
-        pose[:3, 3] += step
-        view.pose = pose
+    view.command("grip", parts=list(last.parts))
+    pose = view.pose
+    pose[:3, 3] += last.legs[0].distance_m * np.array(last.legs[0].axis)
+    view.pose = pose
     view.command("release")
     (removal,) = view.session.document()["sequence"]
     clearance = removal["least_clearance"]

@@ -4,12 +4,17 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 import pytest
 from hypothesis import HealthCheck, settings
+
+import feeler
+from feeler.samples import FAULTS
+from feeler.samples.accessory import Leg, Step
 
 pytest_plugins = ("browser",)
 
@@ -47,6 +52,62 @@ def models() -> Path:
             pytest.fail(f"FEELER_MODELS={named} is not a folder")
         pytest.skip("no real models on this machine (set FEELER_MODELS to a folder with some)")
     return folder
+
+
+class Gearbox:
+    """The sample gearbox with its truth and its index; `out` names what a step of the truth needs out first."""
+
+    TRIANGLES = 75_000
+
+    def __init__(self, faults: tuple[str, ...] = ()) -> None:
+        self.mockup = feeler.sample("gearbox", self.TRIANGLES, faults=faults)
+        self.truth = feeler.sample_truth("gearbox", self.TRIANGLES, faults=faults)
+        self.fault = {fault.name: fault for fault in self.truth.faults}
+
+    @cached_property
+    def scene(self) -> feeler.Scene:
+        return feeler.Scene(self.mockup)
+
+    def step(self, path: str) -> Step:
+        """The step that takes a part out."""
+        return self.truth.way(path)[-1]
+
+    def out(self, step: Step) -> list[str]:
+        """Parts that are out before a step; of an open door, the parts that turn with it as well."""
+        door = next(joint.parts for joint in self.truth.joints if joint.name == "door") if step.door_open else ()
+        return [*(path for earlier in self.truth.needed(step) if earlier.removes for path in earlier.parts), *door]
+
+    @staticmethod
+    def poses(step: Step, each: int = 12) -> npt.NDArray[np.float64]:
+        """The way of a step: (n, 4, 4), `each` poses a leg, and the start."""
+        poses = [np.eye(4)]
+        for leg in step.legs:
+            start = poses[-1]
+            poses += [moved(leg, (i + 1) / each) @ start for i in range(each)]
+        return np.array(poses)
+
+
+def moved(leg: Leg, share: float) -> npt.NDArray[np.float64]:
+    """The motion of a share of a leg, (4, 4)."""
+    x, y, z = leg.axis
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    angle, point = share * leg.angle_rad, np.array(leg.point_m)
+    pose = np.eye(4)
+    pose[:3, :3] += np.sin(angle) * cross + (1.0 - np.cos(angle)) * (cross @ cross)
+    pose[:3, 3] = point - pose[:3, :3] @ point + share * leg.distance_m * np.array(leg.axis)
+    return pose
+
+
+@pytest.fixture(scope="session")
+def gearbox() -> Gearbox:
+    """The sample gearbox, without faults: for tests of meaning."""
+    return Gearbox()
+
+
+@pytest.fixture(scope="session")
+def faulty_gearbox() -> Gearbox:
+    """The sample gearbox with each of its faults."""
+    return Gearbox(tuple(FAULTS))
 
 
 @pytest.fixture

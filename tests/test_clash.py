@@ -34,6 +34,39 @@ def mockup() -> feeler.Mockup:
     return house()
 
 
+def test_rules_that_allow_the_fits_leave_what_was_planted(faulty_gearbox: Any) -> None:
+    """In the sample gearbox: fits may be as deep as its truth names them, and pipes keep 5 mm off the bracket."""
+    truth, fault = faulty_gearbox.truth, faulty_gearbox.fault
+    pipes = {"name": "pipes", "a": "*/pipe", "b": "gearbox/bracket", "clearance": 5e-3}
+    fits = [
+        {"name": f"{fit.kind} {i}", "a": fit.a, "b": fit.b, "contact": fit.deepest_m + 1e-6}
+        for i, fit in enumerate(truth.fits)
+        if fit.deepest_m > 0.0
+    ]
+    found = feeler.clash(faulty_gearbox.mockup, clearance=5e-4, rules={"rule": [pipes]})
+    left = {frozenset((row.path_a, row.path_b)): row for row in found.with_rules({"rule": [pipes, *fits]})}
+    (washer,) = fault["wrong_unit"].parts
+    wrong = {pair for pair, row in left.items() if row.verdict not in (Verdict.CONTACT, Verdict.CLEARANCE)}
+    around = {pair for pair in wrong if washer in pair}
+    said = {"pipe_clash": "CLASH", "missing_hole": "CLASH", "mirrored": "CLASH"}
+    said |= {"duplicate": "DUPLICATE", "inside": "CONTAINED"}
+    assert len(around) >= 4
+    assert {pair: left[pair].verdict.name for pair in wrong - around} == {
+        frozenset(fault[name].parts): verdict for name, verdict in said.items()
+    }
+
+    def row_of(name: str) -> feeler.Clash:
+        return left[frozenset(fault[name].parts)]
+
+    deep = row_of("pipe_clash")
+    assert fault["pipe_clash"].value - truth.chord_m <= deep.depth <= fault["pipe_clash"].value + deep.depth_error
+    assert row_of("missing_hole").depth == pytest.approx(3e-3, rel=1e-3), "a bolt M6 in a plate without a hole"
+    near = [row for row in left.values() if row.rule == "pipes" and row.verdict == Verdict.CLEARANCE]
+    assert [frozenset((row.path_a, row.path_b)) for row in near] == [frozenset(fault["too_near"].parts)]
+    assert fault["too_near"].value <= near[0].gap <= fault["too_near"].value + truth.chord_m
+    assert {*faulty_gearbox.mockup.part_paths} - {p for pair in left for p in pair} == {*fault["floating"].parts}
+
+
 def test_each_kind_is_found_and_told_apart(mockup: feeler.Mockup) -> None:
     found = feeler.clash(mockup)
     assert pairs(found) == FOUND

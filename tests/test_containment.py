@@ -301,3 +301,15 @@ def test_poses_and_tools_are_checked(shells: feeler.Scene) -> None:
                 ask(tool, wrong)
         with pytest.raises(feeler.MeshError):
             ask("tool", at())  # type: ignore[arg-type]
+
+
+def test_a_ball_that_was_lost_in_the_beam_of_the_gearbox(gearbox: Any, faulty_gearbox: Any) -> None:
+    """It is planted; no part of the gearbox itself is inside another one."""
+    ball, beam = faulty_gearbox.fault["inside"].parts
+    mockup = faulty_gearbox.mockup
+    lost = faulty_gearbox.scene.without(ball).containment(feeler.Tool.of_parts(mockup, ball), np.eye(4))
+    assert [mockup.part_paths[part] for part in lost.containing] == [beam] and not len(lost.contained)
+    whole = gearbox.mockup
+    for path in gearbox.mockup.part_paths[::25]:
+        found = gearbox.scene.without(path).containment(feeler.Tool.of_parts(whole, path), np.eye(4))
+        assert not len(found.containing) and not len(found.contained) and not len(found.unknown), path

@@ -239,3 +239,59 @@ def test_progress_may_stop_it() -> None:
 
     with pytest.raises(KeyboardInterrupt):
         feeler.removal(closed, "cube", seconds=1000, progress=stop)
+
+
+# --- the sample gearbox, whose ways are known ------------------------------------------------------------------------
+
+COVER = "gearbox/covers/idler_front"
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        f"{COVER}/bolt_1",
+        f"{COVER}/cover",
+        "gearbox/fuel_pump/body",
+        "gearbox/input_drive/cartridge",
+        "gearbox/lines/oil_pipe/pipe",
+        "gearbox/gear_train/idler_shaft/shaft",
+    ],
+)
+def test_ways_are_those_of_the_truth(gearbox: Any, path: str) -> None:
+    step = gearbox.step(path)
+    found = feeler.removal(gearbox.scene.without(gearbox.out(step)), list(step.parts), seconds=60.0)
+    assert found.found and found.certificate.method == "straight"
+    pull = step.legs[-1]
+    assert found.poses[-1][:3, 3] / found.path_length @ pull.axis == pytest.approx(1.0, abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("path", "holds"),
+    [
+        (f"{COVER}/cover", f"{COVER}/blanking_plug"),
+        ("gearbox/gear_train/main_shaft/front_bearing/ball_1", "gearbox/housing/front_case"),
+    ],
+)
+def test_what_the_truth_takes_out_first_is_in_the_way(gearbox: Any, path: str, holds: str) -> None:
+    step = gearbox.step(path)
+    out = [each for each in gearbox.out(step) if each != holds]
+    pull = step.legs[-1].axis
+    found = feeler.removal(gearbox.scene.without(out), list(step.parts), directions=[pull], seconds=1.5, threads=1)
+    assert not found.found and holds in [each.path for each in found.blocked_by]
+
+
+def test_a_bowl_turns_out_of_its_bayonet_and_not_through_a_guard(gearbox: Any, faulty_gearbox: Any) -> None:
+    """Its seat crosses by facets, and is not asked."""
+    step = gearbox.step("gearbox/oil_filter/bowl")
+    seat = [("*bowl", "*oil_filter/head"), ("*o_ring", "*oil_filter/head")]
+
+    def first_met(of: Any, out: list[str], way: Floats) -> str | None:
+        moving = feeler.Tool.of_parts(of.mockup, list(step.parts))
+        scene = of.scene.without([*out, *step.parts])
+        check = scene.check_path(moving, way, touching="free", ignore=seat)
+        return None if check.free else str(of.mockup.part_paths[check.first.part])
+
+    way, out = gearbox.poses(step), gearbox.out(step)
+    assert first_met(gearbox, out, way) is None
+    assert first_met(gearbox, [], way) == "gearbox/door/panel", "the door is shut"
+    assert first_met(faulty_gearbox, out, way) == "gearbox/bracket/filter_guard"

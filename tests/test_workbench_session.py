@@ -627,3 +627,30 @@ def test_import_feeler_brings_no_workbench() -> None:
     code = "import feeler, sys; print([m for m in sys.modules if 'workbench' in m or m == 'websockets'])"
     done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
     assert done.stdout.strip() == "[]"
+
+
+def test_a_cover_of_the_gearbox_comes_off_once_its_truth_says_so(gearbox: Any) -> None:
+    """By an empty hand that pulls as the truth does; and not while the plug holds it."""
+    step = gearbox.step("gearbox/covers/idler_front/cover")
+    out = gearbox.mockup.parts.select(gearbox.out(step)).tolist()
+    plug = gearbox.mockup.part_paths.index("gearbox/covers/idler_front/blanking_plug")
+    pull = np.array(step.legs[-1].axis) * step.legs[-1].distance_m
+
+    def pulled(absent: list[int]) -> tuple[Bench, np.ndarray]:
+        bench = Bench(None, mockup=gearbox.mockup, absent=absent)
+        assert bench.document["mockup"]["name"] == "gearbox"
+        bench.command("grip", parts=list(step.parts))
+        start = bench.pose.copy()
+        goal = start.copy()
+        goal[:3, 3] += pull
+        bench.drag(goal, 1.0)
+        way = bench.pose[:3, 3] - start[:3, 3]
+        return bench, way
+
+    bench, way = pulled(out)
+    np.testing.assert_allclose(way, pull, atol=1e-9)
+    bench.command("release")
+    (line,) = bench.document["sequence"]
+    assert line["name"] == "covers/idler_front/cover and 1 more" and line["touched"] == []
+    held, way = pulled([part for part in out if part != plug])
+    assert np.linalg.norm(way) < 1e-4 and plug in held.session.snapshot().parts

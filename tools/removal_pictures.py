@@ -30,7 +30,7 @@ Floats = npt.NDArray[np.float64]
 
 SIZE = (1280, 720)
 GREY, BLUE = (0.80, 0.81, 0.82), (0.27, 0.50, 0.80)
-PUMP, ENGINE_TRIANGLES = "engine/externals/accessory_gearbox/fuel_pump_1", 100_000
+PUMP, GEARBOX_TRIANGLES = "gearbox/fuel_pump/body", 400_000
 
 
 def along(tool: feeler.Tool, poses: Floats, count: int) -> list[Floats]:
@@ -62,20 +62,21 @@ def draw_tubes(path: Path) -> None:
 
 
 def draw_pump(path: Path) -> None:
-    """A pump of the sample engine with all that is around it."""
-    mockup = feeler.sample("engine", ENGINE_TRIANGLES)
-    scene = feeler.Scene(mockup)
-    order = feeler.removal_order(scene, PUMP)
-    print(f"{len(order)} steps: {[mockup.part_paths[part] for part in order.parts]}")
-    step = order.steps[-1]
-    tool = feeler.Tool.of_parts(mockup, list(step.parts))
-    near = [part for part in with_neighbours(mockup, step.parts) if part not in order.parts]
+    """The fuel pump of the sample gearbox and all around it; its pipes, nuts and end cover are out already."""
+    mockup = feeler.sample("gearbox", GEARBOX_TRIANGLES)
+    *before, last = feeler.sample_truth("gearbox", GEARBOX_TRIANGLES).way(PUMP)
+    out = [path for step in before if step.removes for path in step.parts]
+    found = feeler.removal(feeler.Scene(mockup).without(out), last.parts)
+    print(f"{found!r}, {len(out)} parts out before")
+    tool = feeler.Tool.of_parts(mockup, list(last.parts))
+    gone = {*mockup.parts.select([*out, *last.parts]).tolist()}
+    near = [part for part in with_neighbours(mockup, mockup.parts.select(last.parts)) if part not in gone]
     still = body_of(feeler.Tool.of_parts(mockup, near), colours=np.array(GREY))
-    bodies = shown(tool, along(tool, step.removal.poses, 4))
+    bodies = shown(tool, along(tool, found.poses, 4))
     points = np.concatenate([body.points for body in bodies])
     middle = points.mean(axis=0)
-    around = middle + 1.3 * (points - middle)
-    render(path, still, *bodies, camera=Camera.framing(around, (0.8, 0.35, -0.45), size=SIZE), size=SIZE)
+    around = middle + 1.6 * (points - middle)
+    render(path, still, *bodies, camera=Camera.framing(around, (-0.6, 0.7, -0.6), size=SIZE), size=SIZE)
 
 
 PICTURES: dict[str, Callable[[Path], None]] = {"tubes": draw_tubes, "pump": draw_pump}

@@ -39,7 +39,7 @@ _ENDINGS = {"csv": (".csv",), "glb": (".glb",)}
 feeler access engine.step --tool socket.stl
 feeler access engine.step --tool wrench.stl --grip y --targets "*pump*bolt*" --csv bolts.csv --glb bolts.glb
 feeler access engine.glb --tool wrench.stl --hand hand.stl --targets "*bolt*" --swing 30 --json
-feeler access sample:engine:100000 --tool sample:hand --targets "*cover_screw*"
+feeler access sample:gearbox:100000 --tool sample:hand --targets "*covers*"
 """
 )
 def access(

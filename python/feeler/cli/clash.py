@@ -40,7 +40,7 @@ feeler clash engine.step --clearance 0.005 --contact chord --html clashes.html -
 feeler clash engine.step --write-rules clash.toml
 feeler clash engine.step --rules clash.toml --previous last.json --save now.json --fail-on new
 feeler clash now.json --rules other.toml
-feeler clash sample:engine:100000 --clearance 0 --fail-on clash,duplicate,contained --json
+feeler clash sample:gearbox:100000 --clearance 0 --contact 0.001 --fail-on clash,duplicate,contained --json
 """
 )
 def clash(

@@ -51,7 +51,7 @@ feeler clearance engine.step --tool wrench.stl --pose pose.json --within 0.01
 feeler clearance engine.glb --tool wrench.stl --tool-unit mm --at 0.42,-0.1,0.3 --require 0.002
 feeler clearance engine.glb --tool wrench.stl --pose path.npy --csv gaps.csv --glb tightest.glb
 feeler clearance engine.step --part "*fuel pump*" --at 0,0,0.02 --require 0.001
-feeler clearance sample:engine:200000 --tool sample:wrench --at 0,0,0 --json
+feeler clearance sample:gearbox --tool sample:wrench --at 0,0,0.2 --within 0.1 --json
 """
 )
 def clearance(

@@ -58,7 +58,7 @@ feeler collide engine.step --tool wrench.stl --pose pose.json
 feeler collide engine.glb --tool wrench.stl --tool-unit mm --at 0.42,-0.1,0.3 --rotate 0,90,0
 feeler collide engine.glb --tool wrench.stl --pose pose.json --glb hit.glb --picture hit.png
 feeler collide engine.step --part "*fuel pump*" --without "*gasket*" --touching free --at 0,0,0.02
-feeler collide sample:engine:200000 --tool sample:wrench --at 0,0,0 --json
+feeler collide sample:gearbox --tool sample:wrench --at 0,0,0.1 --json
 """
 )
 def collide(

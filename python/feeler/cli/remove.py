@@ -46,6 +46,7 @@ feeler remove engine.step --part "*fuel pump*"
 feeler remove engine.step --part "*fuel pump*" --hand sample:hand --at 0.8,0.1,0.3 --clearance 0.002 --glb way.glb
 feeler remove engine.step --part "*bolt*" --each --csv bolts.csv
 feeler remove engine.step --part "*pump*" --order --keep "*casing*" --seconds 120 --json
+feeler remove sample:gearbox --part gearbox/bracket/left_mount/retainer --order
 feeler remove engine.step --part "*pump*" --way out.npy && feeler path engine.step --part "*pump*" --poses out.npy
 """
 )

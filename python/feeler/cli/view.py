@@ -36,6 +36,7 @@ _LOOK_S = 0.1  # Ctrl-C is heard between two looks, on Windows too
     name="view",
     examples="""
 feeler view
+feeler view sample:gearbox
 feeler view engine.step --tool wrench.stl
 feeler view engine.step --without "*cover*" --record session.jsonl
 feeler view sample:turbine:1600000 --tool sample:blade --no-browser --port 8000

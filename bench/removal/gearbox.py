@@ -1,0 +1,58 @@
+"""How many steps of the sample gearbox's truth `feeler.removal` finds, each with only what it needs out before.
+
+    python bench/removal/gearbox.py                        100,000 triangles, 2 s a step; some minutes
+    python bench/removal/gearbox.py 250000 --seed 1
+    python bench/removal/gearbox.py --allow 0.0009         threads and facets may be so many metres in each other
+
+Lists the steps that are not found, with what blocked them. Steps that bend a part, and loose ones, are left out. Of an
+open door all that turns with it is out. feeler's way may be another one than the truth's.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # this folder is a package of the bench's
+
+import command_line
+from command_line import triangles
+
+import feeler
+
+
+def main() -> None:
+    """Goes through the steps."""
+    parser = command_line.parser(__doc__ or "")
+    parser.add_argument("triangles", nargs="?", type=triangles, default=100_000)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--seconds", type=float, default=2.0, help="most time of a step")
+    parser.add_argument("--allow", type=float, default=0.0, help="metres that pairs may be in each other, beside seats")
+    options = parser.parse_args()
+    scene = feeler.Scene(feeler.sample("gearbox", options.triangles, options.seed))
+    truth = feeler.sample_truth("gearbox", options.triangles, options.seed)
+    door = next(joint.parts for joint in truth.joints if joint.name == "door")
+    allow = ["start", options.allow] if options.allow else "start"
+    times, missed = [], 0
+    for step in truth.steps:
+        if not (step.removes and step.rigid):
+            continue
+        out = {path for earlier in truth.needed(step) if earlier.removes for path in earlier.parts}
+        out |= set(door) if step.door_open else set()
+        moving = [path for path in step.parts if path not in out]
+        start = time.perf_counter()
+        found = feeler.removal(scene.without(sorted(out)), moving, allow=allow, seconds=options.seconds, threads=1)
+        if found.found:
+            times.append(time.perf_counter() - start)
+            continue
+        missed += 1
+        legs = ", ".join(leg.kind for leg in step.legs)
+        print(f"not found: {step.parts[0]} ({legs}), blocked by {[each.path for each in found.blocked_by[:3]]}")
+    print(f"{len(times)} of {len(times) + missed} steps found, {np.median(times) * 1e3:.0f} ms in the median")
+
+
+if __name__ == "__main__":
+    main()
