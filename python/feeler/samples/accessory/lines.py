@@ -32,9 +32,9 @@ REACH = 42.0
 def adapter(cut: Cut) -> Solid:
     """A union's adapter: its thread on z < 0, a hexagon, and a threaded nose with a flat face at z = 18."""
     solid = Solid()
-    end, neck = solid.turned([(THREAD - 0.6, -9.0), (THREAD, -8.0), (THREAD, 0.0)], cut.circle(THREAD))
+    end, neck = solid.turned(cut.sharp([(THREAD - 0.6, -9.0), (THREAD, -8.0), (THREAD, 0.0)]), cut.circle(THREAD))
     low, high = hex_prism(solid, cut, 17.0, 0.0, 8.0, chamfers="high")
-    foot, face = solid.turned([(NOSE, 8.0), (NOSE, NOSE_END - 0.8), (NOSE - 0.8, NOSE_END)], cut.circle(NOSE))
+    foot, face = solid.turned(cut.sharp([(NOSE, 8.0), (NOSE, NOSE_END - 0.8), (NOSE - 0.8, NOSE_END)]), cut.circle(NOSE))
     solid.wall(neck, low)
     solid.face(high, foot)
     solid.face(end)
@@ -83,9 +83,7 @@ def union_nut(cut: Cut) -> Solid:
     shoulder = NOSE_END + COLLAR + 0.15
     mouth, end = solid.turned(
         [
-            (core + 0.5, NUT_LOW),
-            (core, NUT_LOW + 0.5),
-            (core, shoulder),
+            *cut.sharp([(core + 0.5, NUT_LOW), (core, NUT_LOW + 0.5), (core, shoulder)]),
             (PIPE + 0.4 + cut.ease, shoulder),
             (PIPE + 0.4 + cut.ease, NUT_HIGH),
         ],
@@ -196,7 +194,7 @@ def post_hole(plan: Layout, cut: Cut, filter_port: Vector) -> FaceHole:
 def post(cut: Cut, length: float) -> Solid:
     """A hexagon post on z = 0 with a thread M5 below and a tapped hole M5 in its end."""
     solid = Solid()
-    end, neck = solid.turned([(2.1, -5.0), (2.5, -4.5), (2.5, 0.0)], cut.circle(2.5, 6))
+    end, neck = solid.turned(cut.sharp([(2.1, -5.0), (2.5, -4.5), (2.5, 0.0)]), cut.circle(2.5, 6))
     low, high = hex_prism(solid, cut, 10.0, 0.0, length, chamfers="high")
     rows = tapped(cut, 5, 10.0)
     mouth, _ = solid.turned([(r, length - d) for r, d in rows], cut.circle(rows[0][0], 6))
@@ -253,8 +251,8 @@ def plug(cut: Cut) -> Solid:
     """A plug over a receptacle's nose that ends at z = 0; the cable comes out at z = 20."""
     solid = Solid()
     rows = [(PLUG_BORE + 0.4 + cut.ease, -8.5), (PLUG_BORE + cut.ease, -8.0), (PLUG_BORE + cut.ease, 0.6)]
-    mouth, floor = solid.turned(rows, cut.circle(PLUG_BORE))
-    ring: list[Row] = [(9.0, -8.5), (9.6, -8.0), (9.6, 4.0), (8.6, 5.0), (8.6, 10.0), (5.0, 14.0), (5.0, 20.0)]
+    mouth, floor = solid.turned(cut.sharp(rows), cut.circle(PLUG_BORE))
+    ring = cut.sharp([(9.0, -8.5), (9.6, -8.0), (9.6, 4.0), (8.6, 5.0), (8.6, 10.0), (5.0, 14.0), (5.0, 20.0)])
     rim, back = solid.turned(ring, cut.circle(9.6))
     hole = CABLE - 0.02 + (cut.ease + 0.02 if cut.ease else 0.0)
     start, pit = solid.turned([(hole, 20.0), (hole, 12.0)], cut.circle(CABLE, 6))
@@ -268,9 +266,9 @@ def plug(cut: Cut) -> Solid:
 def sensor(cut: Cut) -> Solid:
     """A speed sensor: its thread on z < 0, a hexagon, and a receptacle that ends at z = 20."""
     solid = Solid()
-    end, neck = solid.turned([(THREAD - 0.6, -9.0), (THREAD, -8.0), (THREAD, 0.0)], cut.circle(THREAD))
+    end, neck = solid.turned(cut.sharp([(THREAD - 0.6, -9.0), (THREAD, -8.0), (THREAD, 0.0)]), cut.circle(THREAD))
     low, high = hex_prism(solid, cut, 17.0, 0.0, 8.0, chamfers="high")
-    foot, face = solid.turned([(NOSE, 8.0), (NOSE, 19.4), (NOSE - 0.6, 20.0)], cut.circle(NOSE))
+    foot, face = solid.turned(cut.sharp([(NOSE, 8.0), (NOSE, 19.4), (NOSE - 0.6, 20.0)]), cut.circle(NOSE))
     solid.wall(neck, low)
     solid.face(high, foot)
     solid.face(end)
@@ -305,7 +303,7 @@ def blank(shop: Workshop, cover: str, face: Floats) -> str:
 def blanking_plug(cut: Cut) -> Solid:
     """A plug: its thread on z < 0, its hexagon above."""
     solid = Solid()
-    end, neck = solid.turned([(THREAD - 0.6, -9.0), (THREAD, -8.0), (THREAD, 0.0)], cut.circle(THREAD))
+    end, neck = solid.turned(cut.sharp([(THREAD - 0.6, -9.0), (THREAD, -8.0), (THREAD, 0.0)]), cut.circle(THREAD))
     low, high = hex_prism(solid, cut, 15.0, 0.0, 7.0, chamfers="high")
     solid.wall(neck, low)
     solid.face(end)
