@@ -1,5 +1,5 @@
-"""The sample gearbox judged by others: manifold3d says which parts share volume, coal how near they are and which ways
-are free. `python bench/gearbox_judge.py [SEED ...]` judges whole gearboxes; the tests use its functions.
+"""The sample gearbox judged by others: manifold3d says which parts share volume, coal how near they are, which ways are
+free and how far wrenches swing. `python bench/gearbox_judge.py [SEED ...]` judges whole gearboxes; the tests use its functions.
 """
 
 from __future__ import annotations
@@ -21,8 +21,10 @@ from feeler.samples.accessory import Fastener, Leg, Step, Truth
 from feeler.samples.accessory.assembly import Assembly
 from feeler.samples.accessory.build import build
 from feeler.samples.accessory.sample import ROOT, placed_meshes, truth_of, volume
+from feeler.samples.accessory.sample import Drawn as SampleDrawn
 from feeler.samples.accessory.solid import Cut
 from feeler.samples.mesh import Mesh
+from mesh_contacts import self_contacts
 
 manifold3d = import_module("manifold3d")  # an extra, without type information
 
@@ -30,12 +32,19 @@ Floats = npt.NDArray[np.float64]
 
 GRID_M = 1e-6
 """Vertices are rounded to half a micrometre: surfaces are no better known than this."""
+LEAST_GAP_M = 2e-4
+SIZES = (40_000, 55_000, 70_000, 200_000)
 STEP_M = 2.5e-3
 """Between the poses at which a way is sampled."""
 EASE_MM = 0.12
 """By how much holes are wider when ways are judged, so that facets and presses do not count."""
 FLUSH_MM3 = 0.02
 """Volume that parts which slide on each other may share, from rounding."""
+
+
+WRENCH_REACH = 9.0
+"""Length of an open-end wrench, in flats."""
+SWING_STEP = float(np.deg2rad(5.0))
 
 
 @dataclass
@@ -267,6 +276,62 @@ class Ways:
         return found
 
 
+    def swing(self, fastener: Fastener) -> float:
+        """The largest swing (radians) of an open-end wrench that is put on a fastener's flats, as far as it is free.
+
+        Counter-clockwise, which loosens, after what goes before is out. What the fastener holds does not turn.
+        """
+        step = next(step for step in self.truth.steps if fastener.path in step.parts)
+        out = {path for earlier in self.truth.needed(step) if earlier.removes for path in earlier.parts}
+        z, top = np.array(fastener.axis), np.array(fastener.top_m)
+        arms = self.drawn.meshes[fastener.path].vertices - top
+        arms -= np.outer(arms @ z, z)
+        x = arms[int(np.argmax((arms * arms).sum(axis=1)))]  # a corner of the hexagon; the handle goes there
+        x /= np.sqrt(x @ x)
+        boxes = [(coal.Box(*(high - low)), (low + high) / 2.0) for low, high in wrench(fastener.size_m)]
+        reach = WRENCH_REACH * fastener.size_m
+        near = []
+        for path, model in self.models.items():
+            away = np.maximum(np.maximum(self.corners[path].min(axis=0) - top, top - self.corners[path].max(axis=0)), 0)
+            if path not in out and path != fastener.path and away @ away < reach * reach:
+                place = self.opened if step.door_open and path in self.door else np.eye(4)
+                near.append((model, _at(place)))
+        count = round(2.0 * np.pi / SWING_STEP)
+        free = []
+        for k in range(count):
+            turn = leg_pose(Leg("turn", fastener.axis, (0.0, 0.0, 0.0), 0.0, k * SWING_STEP), 1.0)[:3, :3]
+            pose = np.eye(4)
+            pose[:3, :3] = turn @ np.stack([x, np.cross(z, x), z], axis=1)
+            met = False
+            for box, centre in boxes:
+                pose[:3, 3] = top + pose[:3, :3] @ centre
+                at = _at(pose)
+                met = met or any(
+                    coal.collide(model, place, box, at, coal.CollisionRequest(), coal.CollisionResult())
+                    for model, place in near
+                )
+            free.append(not met)
+        if all(free):
+            return 2.0 * np.pi
+        runs = []
+        for k in range(0, count, count // 6):  # where the flats let it on
+            run = next(n for n in range(count) if not free[(k + n) % count])
+            runs.append(max(0, run - 1) * SWING_STEP)
+        return float(max(runs))
+
+
+def wrench(flats: float) -> list[tuple[Floats, Floats]]:
+    """Boxes (low, high) of an open-end wrench whose top is at z = 0, its handle along x; sizes about as DIN 3110."""
+    inside, outside, thick = 0.51 * flats, 1.08 * flats, 0.38 * flats
+    boxes = [
+        ((-0.35 * flats, inside, -thick), (0.95 * flats, outside, 0.0)),
+        ((-0.35 * flats, -outside, -thick), (0.95 * flats, -inside, 0.0)),
+        ((0.61 * flats, -outside, -thick), (0.95 * flats, outside, 0.0)),
+        ((0.95 * flats, -0.45 * flats, -0.9 * thick), (WRENCH_REACH * flats, 0.45 * flats, -0.1 * thick)),
+    ]
+    return [(np.array(low), np.array(high)) for low, high in boxes]
+
+
 def tool_of(fastener: Fastener) -> tuple[float, float]:
     """Outer radius and length of a socket or a hexagon key, metres."""
     if fastener.tool == "hex key":
@@ -285,34 +350,62 @@ def _at(pose: Floats) -> Any:
     return placed
 
 
+def too_deep(drawn: Drawn, every: int = 1) -> list[str]:
+    """What is wrong with the volumes that pairs share: no fit names them, or they are deeper than named.
+
+    `every`: of the named pairs, whose depth is measured.
+    """
+    named = {frozenset((fit.a, fit.b)): fit for fit in drawn.truth.fits}
+    shared = list(shared_volumes(drawn))
+    wrong = [f"{a} and {b} have no fit" for a, b in shared if frozenset((a, b)) not in named]
+    for a, b in [pair for pair in shared if frozenset(pair) in named][::every]:
+        fit = named[frozenset((a, b))]
+        depth = depth_of_vertices(drawn.meshes[a], drawn.meshes[b])
+        if depth > fit.deepest_m + GRID_M:
+            wrong.append(f"{a} and {b} ({fit.kind}) are {depth * 1e6:.1f} um deep, not {fit.deepest_m * 1e6:.1f}")
+    return wrong
+
+
+def touching(triangles: int, seed: int = 0, makes: Iterable[str] = ()) -> list[str]:
+    """Parts (of each shape one; `makes`: the functions that draw it, else all) that come nearer to themselves than 1 um."""
+    found, seen, wanted = [], set(), set(makes)
+    drawn = SampleDrawn(triangles, seed, ())
+    for part in drawn.assembly.parts.values():
+        if part.shape not in seen and (not wanted or part.make.__name__ in wanted):
+            seen.add(part.shape)
+            mesh = drawn.solids[part.shape].mesh()
+            pairs = self_contacts(mesh.vertices, mesh.faces, GRID_M * 1e3)
+            if pairs:
+                found.append(f"{part.path}: {len(pairs)} pairs, {min(d for _, _, d in pairs) * 1e3:.2f} um")
+    return found
+
+
 def main(seeds: list[int]) -> int:
     """Judges gearboxes of these seeds; returns how many findings there are."""
-    wrong = 0
+    wrong: list[str] = []
     for seed in seeds:
         start = time.perf_counter()
-        drawn = of_sample(200_000, seed)
-        named = {frozenset((fit.a, fit.b)): fit for fit in drawn.truth.fits}
-        shared = shared_volumes(drawn)
-        stray = [pair for pair in shared if frozenset(pair) not in named]
-        deep = []
-        for a, b in shared:
-            fit = named.get(frozenset((a, b)))
-            if fit is not None:
-                depth = depth_of_vertices(drawn.meshes[a], drawn.meshes[b])
-                if depth > fit.deepest_m + GRID_M:
-                    deep.append((a, b, fit.kind, depth, fit.deepest_m))
-        least = gaps(drawn, 1e-3)
-        tight = min(least.items(), key=lambda item: item[1])
+        for triangles in SIZES:
+            drawn = of_sample(triangles, seed)
+            least = gaps(drawn, 1e-3)
+            pair, gap = min(least.items(), key=lambda item: item[1])
+            print(f"seed {seed}, {triangles} triangles: {len(least)} others keep {gap * 1e3:.3f} mm: {pair}")
+            wrong += too_deep(drawn) + touching(triangles, seed)
+            wrong += [f"{pair} is nearer than {LEAST_GAP_M}"] if gap < LEAST_GAP_M else []
         ways = Ways(eased(seed))
-        rigid = [step for step in ways.truth.steps if step.rigid]
-        blocked = {step.parts[0]: found for step in rigid if (found := ways.blocked(step))}
-        unreached = [f.path for f in ways.truth.fasteners if f.tool != "open-end wrench" and ways.in_the_way(f)]
-        print(f"seed {seed}: {len(drawn.meshes)} parts, {len(shared)} of {len(named)} fits share volume")
-        print(f"  without a name {stray}, deeper than named {deep}")
-        print(f"  least gap of {len(least)} others {tight[1] * 1e3:.3f} mm {tight[0]}")
-        print(f"  {len(rigid)} steps, blocked {blocked}; no tool on {unreached}; {time.perf_counter() - start:.0f} s")
-        wrong += len(stray) + len(deep) + len(blocked) + len(unreached)
-    return wrong
+        for step in ways.truth.steps:
+            if step.rigid and (found := ways.blocked(step)):
+                wrong.append(f"{step.parts[0]} is blocked by {found}")
+        for fastener in ways.truth.fasteners:
+            if fastener.tool == "open-end wrench":
+                free = ways.swing(fastener)
+                print(f"  {fastener.path}: {np.rad2deg(free):.0f} of {np.rad2deg(fastener.swing_rad):.0f} degrees")
+                wrong += [f"a wrench on {fastener.path} has no swing"] if free < fastener.swing_rad else []
+            elif met := ways.in_the_way(fastener):
+                wrong.append(f"the tool on {fastener.path} meets {met}")
+        print(f"  {len(ways.truth.steps)} steps, {time.perf_counter() - start:.0f} s")
+    print("\n".join(wrong) or "nothing is wrong")
+    return len(wrong)
 
 
 if __name__ == "__main__":

@@ -404,7 +404,7 @@ def filter_bowl(cut: Cut) -> Solid:
             (THROAT - 0.1, 26.6),
             (THROAT - 0.1, 31.5),
         ],
-        cut.circle(THROAT),
+        cut.arc(THROAT, 2.0 * np.pi, 12),
     )
     lug_low, lug_high = solid.outline(lobes(cut, neck, GROOVE - 1.7, np.deg2rad(44.0), BAYONET), (31.5, 39.75))
     under, body = solid.turned(

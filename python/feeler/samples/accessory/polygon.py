@@ -80,14 +80,12 @@ def _clipped(points: Floats, walk: list[int]) -> Ints:
     all_x, all_y = np.ascontiguousarray(xy[:, 0]), np.ascontiguousarray(xy[:, 1])
     ahead, back = [*range(1, n), 0], [n - 1, *range(n - 1)]
     least = 1e-10 * float(np.ptp(xy, axis=0).max()) ** 2
-    uses = np.bincount(walk)
-    bridged = {k for k in range(n) if uses[walk[k]] > 1}  # other edges end there, too
 
     def is_ear(a: int, b: int, c: int, margin: float) -> bool:
         ax, ay, bx, by, cx, cy = x[a], y[a], x[b], y[b], x[c], y[c]
         ux, uy = cx - ax, cy - ay
         area, long = (bx - ax) * uy - (by - ay) * ux, ux * ux + uy * uy
-        if area <= least or (b in bridged and area * area < margin * margin * long):
+        if area <= least or area * area < margin * margin * long:
             return False
         beside = (all_x >= min(ax, bx, cx) - margin) & (all_x <= max(ax, bx, cx) + margin)
         beside &= (all_y >= min(ay, by, cy) - margin) & (all_y <= max(ay, by, cy) + margin)
@@ -107,16 +105,18 @@ def _clipped(points: Floats, walk: list[int]) -> Ints:
         return True
 
     triangles: list[tuple[int, int, int]] = []
+    refused: dict[int, tuple[int, int, float]] = {}
     here, left, misses, margin = 0, n, 0, MARGIN_MM
     while left > 3 and misses <= left:
         a, c = back[here], ahead[here]
-        if is_ear(a, here, c, margin):
+        if refused.get(here) != (a, c, margin) and is_ear(a, here, c, margin):
             triangles.append((walk[a], walk[here], walk[c]))
             ahead[a], back[c] = c, a
             left -= 1
             misses, margin = 0, MARGIN_MM
             here = ahead[c]  # every other corner, not one fan
         else:
+            refused[here] = (a, c, margin)
             here = c
             misses += 1
             if misses == left and margin:  # better a triangle that is near to a corner than none

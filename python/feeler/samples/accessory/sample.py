@@ -86,10 +86,10 @@ def _neighbours(triangles: int, seed: int, faults: tuple[str, ...]) -> tuple[Ass
         return asm
 
     level = int(np.interp(np.log(triangles), np.log(list(COUNTS.values())), list(COUNTS)))
-    while level > 0 and made(level).triangle_count > triangles:
-        level -= 1
     while level < max(COUNTS) and made(level + 1).triangle_count <= triangles:
         level += 1
+    while level > 0 and made(level).triangle_count > triangles:
+        level -= 1
     return made(level), made(level + 1)
 
 

@@ -210,7 +210,7 @@ def threaded_plug(cut: Cut) -> Solid:
     solid.wall(end, bottom)
     solid.face(end)
     neck, rim = solid.turned(
-        [(root, -0.5), (root, 0.0), (0.68 * PLUG_FLATS, 0.0), (0.68 * PLUG_FLATS, 2.0)], cut.circle(root)
+        [(root, -0.5), (root, 0.0), (0.68 * PLUG_FLATS, 0.0), (0.68 * PLUG_FLATS, 2.0)], cut.arc(root, 2.0 * np.pi, 8)
     )
     solid.wall(top, neck)
     under, over = hex_prism(solid, cut, PLUG_FLATS, 2.0, 9.0, chamfers="high")
