@@ -9,16 +9,14 @@ import time
 from collections.abc import Iterable
 from dataclasses import dataclass
 from importlib import import_module
-from itertools import pairwise
 from typing import Any
 
 import coal
 import numpy as np
 import numpy.typing as npt
 
-import feeler
 from feeler.samples.accessory import Fastener, Leg, Step, Truth
-from feeler.samples.accessory.assembly import Assembly
+from feeler.samples.accessory.assembly import Assembly, Part
 from feeler.samples.accessory.build import build
 from feeler.samples.accessory.sample import ROOT, placed_meshes, truth_of, volume
 from feeler.samples.accessory.sample import Drawn as SampleDrawn
@@ -57,22 +55,19 @@ class Drawn:
 
 def of_sample(triangles: int, seed: int = 0, faults: Iterable[str] = ()) -> Drawn:
     """The sample as users get it."""
-    names = tuple(faults)
-    mockup = feeler.sample("gearbox", triangles, seed, faults=names)
-    starts = np.searchsorted(mockup.part_of_face, np.arange(mockup.part_count + 1))
-    meshes = {}
-    for part, (a, b) in enumerate(pairwise(starts)):
-        faces = mockup.faces[a:b].astype(np.int64)
-        low = int(faces.min())
-        meshes[mockup.part_paths[part]] = Mesh(mockup.vertices[low : int(faces.max()) + 1], faces - low)
-    return Drawn(meshes, feeler.sample_truth("gearbox", triangles, seed, faults=names))
+    drawn = SampleDrawn(triangles, seed, tuple(faults))
+    return _with_truth(drawn.assembly, drawn.meshes(), seed)
 
 
-def eased(seed: int, chord_mm: float = 0.06) -> Drawn:
+def _with_truth(asm: Assembly, placed: list[tuple[Part, Mesh]], seed: int) -> Drawn:
+    truth = truth_of(asm, {part.path: volume(mesh) for part, mesh in placed}, seed)
+    return Drawn({f"{ROOT}/{part.path}": mesh for part, mesh in placed}, truth)
+
+
+def eased(seed: int, chord_mm: float = 0.1) -> Drawn:
     """The gearbox with wider holes."""
-    asm: Assembly = build(Cut(chord_mm, EASE_MM), seed)
-    meshes = {f"{ROOT}/{part.path}": mesh for part, mesh in placed_meshes(asm)}
-    return Drawn(meshes, truth_of(asm, {path[len(ROOT) + 1 :]: volume(mesh) for path, mesh in meshes.items()}, seed))
+    asm = build(Cut(chord_mm, EASE_MM), seed)
+    return _with_truth(asm, placed_meshes(asm), seed)
 
 
 def manifold(mesh: Mesh) -> Any:
@@ -154,14 +149,18 @@ def _is_inside(mesh: Mesh, point: Floats) -> bool:
     return bool(np.arctan2(det, below).sum() > np.pi)
 
 
-def gaps(drawn: Drawn, within: float) -> dict[tuple[str, str], float]:
-    """Distances, metres, of pairs that no fit names and whose boxes are within a distance, by coal."""
+def gaps(drawn: Drawn, within: float, paths: Iterable[str] = ()) -> dict[tuple[str, str], float]:
+    """Distances, metres, of pairs that no fit names and whose boxes are within a distance, by coal.
+
+    `paths`: of one of the two, where not all.
+    """
     named = {frozenset((fit.a, fit.b)) for fit in drawn.truth.fits}
+    wanted = set(paths) or set(drawn.meshes)
     models = {path: bvh(mesh) for path, mesh in drawn.meshes.items()}
     here = coal.Transform3s()
     out = {}
     for a, b in near_pairs(drawn.meshes, within):
-        if frozenset((a, b)) not in named:
+        if frozenset((a, b)) not in named and wanted & {a, b}:
             result = coal.DistanceResult()
             out[a, b] = float(coal.distance(models[a], here, models[b], here, coal.DistanceRequest(), result))
     return out
