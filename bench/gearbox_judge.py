@@ -1,5 +1,7 @@
 """The sample gearbox judged by others: manifold3d says which parts share volume, coal how near they are, which ways are
-free and how far wrenches swing. `python bench/gearbox_judge.py [SEED ...]` judges whole gearboxes; the tests use its functions.
+free and how far wrenches swing; distances of triangles say that no part touches itself. The tests use its functions.
+
+    python bench/gearbox_judge.py [SEED ...]
 """
 
 from __future__ import annotations
@@ -14,6 +16,7 @@ from typing import Any
 import coal
 import numpy as np
 import numpy.typing as npt
+from mesh_contacts import self_contacts
 
 from feeler.samples.accessory import Fastener, Leg, Step, Truth
 from feeler.samples.accessory.assembly import Assembly, Part
@@ -22,7 +25,6 @@ from feeler.samples.accessory.sample import ROOT, placed_meshes, truth_of, volum
 from feeler.samples.accessory.sample import Drawn as SampleDrawn
 from feeler.samples.accessory.solid import Cut
 from feeler.samples.mesh import Mesh
-from mesh_contacts import self_contacts
 
 manifold3d = import_module("manifold3d")  # an extra, without type information
 
@@ -274,7 +276,6 @@ class Ways:
                 found.append(path)
         return found
 
-
     def swing(self, fastener: Fastener) -> float:
         """The largest swing (radians) of an open-end wrench that is put on a fastener's flats, as far as it is free.
 
@@ -366,7 +367,7 @@ def too_deep(drawn: Drawn, every: int = 1) -> list[str]:
 
 
 def touching(triangles: int, seed: int = 0, makes: Iterable[str] = ()) -> list[str]:
-    """Parts (of each shape one; `makes`: the functions that draw it, else all) that come nearer to themselves than 1 um."""
+    """Parts that come nearer to themselves than a micrometre, one of each shape; `makes`: only what these draw."""
     found, seen, wanted = [], set(), set(makes)
     drawn = SampleDrawn(triangles, seed, ())
     for part in drawn.assembly.parts.values():

@@ -11,7 +11,9 @@ Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 Pair = tuple[int, int, float]
 BATCH = 100_000
-DIRECTIONS = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 0], [1, -1, 0], [1, 0, 1], [1, 0, -1], [0, 1, 1], [0, 1, -1]])
+DIRECTIONS = np.array(
+    [[1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 0], [1, -1, 0], [1, 0, 1], [1, 0, -1], [0, 1, 1], [0, 1, -1]]
+)
 """Of the slabs that bound triangles: long thin ones are in all directions."""
 
 
@@ -30,7 +32,9 @@ def self_contacts(vertices: Floats, faces: Ints, within: float) -> list[Pair]:
             near = np.ones(len(i), dtype=bool)
             one, other = corners[i], corners[j]
             normal = np.cross(one[:, 1] - one[:, 0], one[:, 2] - one[:, 0])
-            for k, way in enumerate((normal, -normal, *(np.cross(one[:, m] - one[:, m - 1], normal) for m in range(3)))):
+            for k, way in enumerate(
+                (normal, -normal, *(np.cross(one[:, m] - one[:, m - 1], normal) for m in range(3)))
+            ):
                 height = np.einsum("nj,nkj->nk", way, other - one[:, max(0, k - 2), None]).min(axis=1)
                 near &= height < within * np.sqrt(_dot(way, way))
             i, j = j[near], i[near]

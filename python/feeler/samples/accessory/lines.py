@@ -52,7 +52,9 @@ def adapter(cut: Cut) -> Solid:
     solid = Solid()
     end, neck = solid.turned(cut.sharp([(THREAD - 0.6, -9.0), (THREAD, -8.0), (THREAD, 0.0)]), cut.circle(THREAD))
     low, high = hex_prism(solid, cut, 17.0, 0.0, 8.0, chamfers="high")
-    foot, face = solid.turned(cut.sharp([(NOSE, 8.0), (NOSE, NOSE_END - 0.8), (NOSE - 0.8, NOSE_END)]), cut.circle(NOSE))
+    foot, face = solid.turned(
+        cut.sharp([(NOSE, 8.0), (NOSE, NOSE_END - 0.8), (NOSE - 0.8, NOSE_END)]), cut.circle(NOSE)
+    )
     solid.wall(neck, low)
     solid.face(high, foot)
     solid.face(end)

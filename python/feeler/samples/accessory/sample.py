@@ -21,7 +21,17 @@ MM = 1e-3
 COARSEST_MM = 1.6
 """The largest chord: larger, and circles of neighbouring holes and edges cross."""
 LEVEL_RATIO = 2.0 ** (-1.0 / 3.0)
-COUNTS = {0: 39_000, 2: 44_000, 3: 66_000, 6: 80_000, 9: 118_000, 12: 184_000, 18: 413_000, 27: 1_797_000, 39: 15_600_000}
+COUNTS = {
+    0: 39_000,
+    2: 44_000,
+    3: 66_000,
+    6: 80_000,
+    9: 118_000,
+    12: 184_000,
+    18: 413_000,
+    27: 1_797_000,
+    39: 15_600_000,
+}
 """About how many triangles there are at a level, to begin with the right one."""
 Progress = Callable[[float, str], None]
 
@@ -33,7 +43,8 @@ class Drawn:
         made, finer = _neighbours(triangles, seed, tuple(faults))
         if made.triangle_count > triangles:
             raise OptionError(
-                f"triangles is {triangles}; the sample 'gearbox' with this seed has at least {made.triangle_count}"
+                f"triangles is {triangles}; the {len(made.parts)} parts of the sample 'gearbox' have at least "
+                f"{made.triangle_count} with this seed; give that or more"
             )
         self.assembly, self.faults = made, made.planted
         self.solids: dict[Hashable, Solid] = {}

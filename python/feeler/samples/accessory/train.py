@@ -279,7 +279,9 @@ def quill(cut: Cut, spline: Spline, radius: float, length: float) -> Solid:
     solid = Solid()
     top = spline.length
     end, root = solid.outline(spline_outline(spline, 0.0), (0.0, top))
-    foot, high = solid.turned(cut.sharp([(radius, top), (radius, length - 0.6), (radius - 0.6, length)]), cut.arc(radius, 2.0 * np.pi, 8))
+    foot, high = solid.turned(
+        cut.sharp([(radius, top), (radius, length - 0.6), (radius - 0.6, length)]), cut.arc(radius, 2.0 * np.pi, 8)
+    )
     solid.face(end)
     solid.face(foot, root) if radius > spline.outer else solid.face(root, foot)
     solid.face(high)
