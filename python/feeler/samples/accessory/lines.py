@@ -176,6 +176,7 @@ def elbow_clamp(shop: Workshop, group: str, fitting: str, pose: Floats, holder: 
     base = pose @ at(z=ELBOW_COLLAR)
     plate_path = asm.add(f"{group}/elbow_clamp", "zinc-plated steel", plate, corners, 4.0, 3.0, holes, pose=base)
     asm.fit(plate_path, fitting, "line to line", 0.0)
+    asm.fit(plate_path, fitting, "clearance", 0.5, 6.1)
     seat = base @ at(0.0, 13.0 * side, 3.0)
     bolts = shop.bolt(group, "clamp_screw", 5, seat, [plate_path], holder, 3.0 + ELBOW_COLLAR, 8.0, door_open=True)
     asm.wait(holder, *bolts)
