@@ -122,7 +122,7 @@ def bvh(mesh: Mesh) -> Any:
 
 
 def depth(a: Mesh, b: Mesh) -> float:
-    """How deep two parts are in each other, metres: what they share lies on the surface of one, so far from the other's.
+    """How deep two parts are in each other, metres: what they share is on the face of one, so far from the other's.
 
     Taken at the corners of what they share, and on its edges.
     """

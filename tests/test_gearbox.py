@@ -56,7 +56,7 @@ def test_only_named_fits_share_volume_and_none_is_deeper_than_named(triangles: i
 
 def test_no_part_comes_near_itself() -> None:
     """Some shapes at coarse and fine chords; by distances of all their triangles."""
-    assert not judge.touching(LEAST)
+    assert not judge.touching(LEAST, 2)
     assert not judge.touching(100_000, 3, ["flanged", "circlip", "spur_gear", "threaded_plug"])
 
 

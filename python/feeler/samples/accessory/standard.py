@@ -192,6 +192,10 @@ def helix(
     return bottom, top
 
 
+SEAM = 0.95
+"""Where rings at the ends of a hole have a corner after the seam of its thread, in facets: less, and walls cross."""
+
+
 def thread_depth(pitch: float) -> float:
     """Height of a thread's flanks as drawn, millimetres."""
     return 0.55 * pitch
@@ -227,8 +231,9 @@ def threaded_hole(solid: Solid, cut: Cut, pose: Floats, depth: float, rise: floa
     turns = int((-0.3 - low) / PLUG_PITCH - 1.0)
     bottom, top = helix(solid, cut, (root, crest, crest), PLUG_PITCH, low, turns, pose)
     n = cut.circle(crest)
-    end, _ = solid.turned([(root, -depth)], n, pose)
-    mouth, _ = solid.turned([(crest + 0.6, 0.0)], n, pose)
+    around = (np.arange(n) + SEAM) * (2.0 * np.pi / n)
+    end, _ = solid.swung([(root, -depth)], around, pose)
+    mouth, _ = solid.swung([(crest + 0.6, 0.0)], around, pose)
     solid.wall(end, bottom, pose=pose)
     solid.wall(top, mouth, pose=pose)
     return mouth, end
