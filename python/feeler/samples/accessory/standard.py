@@ -231,7 +231,7 @@ def threaded_hole(solid: Solid, cut: Cut, pose: Floats, depth: float, rise: floa
     turns = int((-0.3 - low) / PLUG_PITCH - 1.0)
     bottom, top = helix(solid, cut, (root, crest, crest), PLUG_PITCH, low, turns, pose)
     n = cut.circle(crest)
-    around = (np.arange(n) + SEAM) * (2.0 * np.pi / n)
+    around = np.asarray((np.arange(n) + SEAM) * (2.0 * np.pi / n), dtype=np.float64)
     end, _ = solid.swung([(root, -depth)], around, pose)
     mouth, _ = solid.swung([(crest + 0.6, 0.0)], around, pose)
     solid.wall(end, bottom, pose=pose)
