@@ -1,5 +1,7 @@
-"""The sample gearbox judged by others: manifold3d says which parts share volume, coal how near they are and which ways
-are free. `python bench/gearbox_judge.py [SEED ...]` judges whole gearboxes; the tests use its functions.
+"""The sample gearbox judged by others: manifold3d says which parts share volume, coal how near they are, which ways are
+free and how far wrenches swing; distances of triangles say that no part touches itself. The tests use its functions.
+
+    python bench/gearbox_judge.py [SEED ...]
 """
 
 from __future__ import annotations
@@ -9,18 +11,18 @@ import time
 from collections.abc import Iterable
 from dataclasses import dataclass
 from importlib import import_module
-from itertools import pairwise
 from typing import Any
 
 import coal
 import numpy as np
 import numpy.typing as npt
+from mesh_contacts import self_contacts
 
-import feeler
 from feeler.samples.accessory import Fastener, Leg, Step, Truth
-from feeler.samples.accessory.assembly import Assembly
+from feeler.samples.accessory.assembly import Assembly, Part
 from feeler.samples.accessory.build import build
 from feeler.samples.accessory.sample import ROOT, placed_meshes, truth_of, volume
+from feeler.samples.accessory.sample import Drawn as SampleDrawn
 from feeler.samples.accessory.solid import Cut
 from feeler.samples.mesh import Mesh
 
@@ -30,12 +32,19 @@ Floats = npt.NDArray[np.float64]
 
 GRID_M = 1e-6
 """Vertices are rounded to half a micrometre: surfaces are no better known than this."""
+LEAST_GAP_M = 2e-4
+SIZES = (40_000, 55_000, 70_000, 200_000)
 STEP_M = 2.5e-3
 """Between the poses at which a way is sampled."""
 EASE_MM = 0.12
 """By how much holes are wider when ways are judged, so that facets and presses do not count."""
 FLUSH_MM3 = 0.02
 """Volume that parts which slide on each other may share, from rounding."""
+
+
+WRENCH_REACH = 9.0
+"""Length of an open-end wrench, in flats."""
+SWING_STEP = float(np.deg2rad(5.0))
 
 
 @dataclass
@@ -48,22 +57,19 @@ class Drawn:
 
 def of_sample(triangles: int, seed: int = 0, faults: Iterable[str] = ()) -> Drawn:
     """The sample as users get it."""
-    names = tuple(faults)
-    mockup = feeler.sample("gearbox", triangles, seed, faults=names)
-    starts = np.searchsorted(mockup.part_of_face, np.arange(mockup.part_count + 1))
-    meshes = {}
-    for part, (a, b) in enumerate(pairwise(starts)):
-        faces = mockup.faces[a:b].astype(np.int64)
-        low = int(faces.min())
-        meshes[mockup.part_paths[part]] = Mesh(mockup.vertices[low : int(faces.max()) + 1], faces - low)
-    return Drawn(meshes, feeler.sample_truth("gearbox", triangles, seed, faults=names))
+    drawn = SampleDrawn(triangles, seed, tuple(faults))
+    return _with_truth(drawn.assembly, drawn.meshes(), seed)
 
 
-def eased(seed: int, chord_mm: float = 0.06) -> Drawn:
+def _with_truth(asm: Assembly, placed: list[tuple[Part, Mesh]], seed: int) -> Drawn:
+    truth = truth_of(asm, {part.path: volume(mesh) for part, mesh in placed}, seed)
+    return Drawn({f"{ROOT}/{part.path}": mesh for part, mesh in placed}, truth)
+
+
+def eased(seed: int, chord_mm: float = 0.1) -> Drawn:
     """The gearbox with wider holes."""
-    asm: Assembly = build(Cut(chord_mm, EASE_MM), seed)
-    meshes = {f"{ROOT}/{part.path}": mesh for part, mesh in placed_meshes(asm)}
-    return Drawn(meshes, truth_of(asm, {path[len(ROOT) + 1 :]: volume(mesh) for path, mesh in meshes.items()}, seed))
+    asm = build(Cut(chord_mm, EASE_MM), seed)
+    return _with_truth(asm, placed_meshes(asm), seed)
 
 
 def manifold(mesh: Mesh) -> Any:
@@ -115,44 +121,38 @@ def bvh(mesh: Mesh) -> Any:
     return made
 
 
-def depth_of_vertices(a: Mesh, b: Mesh) -> float:
-    """How deep a vertex of one is inside the other, metres: the largest distance to its surface."""
-    deepest = 0.0
-    dot = coal.Sphere(1e-9)
-    for points, solid in ((a, b), (b, a)):
-        low, high = solid.vertices.min(axis=0), solid.vertices.max(axis=0)
-        inside = [
-            p
-            for p in points.vertices[((points.vertices > low) & (points.vertices < high)).all(axis=1)]
-            if _is_inside(solid, p)
-        ]
-        model, here = bvh(solid), coal.Transform3s()
-        for p in inside:
+def depth(a: Mesh, b: Mesh) -> float:
+    """How deep two parts are in each other, metres: what they share is on the face of one, so far from the other's.
+
+    Taken at the corners of what they share, and on its edges.
+    """
+    shared = (manifold(a) ^ manifold(b)).to_mesh64()
+    corners = np.asarray(shared.vert_properties)[:, :3] * 1e-3
+    edges = np.unique(np.sort(np.asarray(shared.tri_verts)[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0)
+    start, end = corners[edges[:, 0].astype(np.int64)], corners[edges[:, 1].astype(np.int64)]
+    points = np.concatenate([corners, *(start + (end - start) * share for share in (0.25, 0.5, 0.75))])
+    deepest, dot, here = 0.0, coal.Sphere(1e-9), coal.Transform3s()
+    for solid in (bvh(a), bvh(b)):
+        for p in points:
             place = coal.Transform3s()
             place.setTranslation(p)
-            deepest = max(
-                deepest, float(coal.distance(dot, place, model, here, coal.DistanceRequest(), coal.DistanceResult()))
-            )
+            gap = coal.distance(dot, place, solid, here, coal.DistanceRequest(), coal.DistanceResult())
+            deepest = max(deepest, float(gap))
     return deepest
 
 
-def _is_inside(mesh: Mesh, point: Floats) -> bool:
-    """By the winding number."""
-    a, b, c = (mesh.vertices[mesh.faces[:, k]] - point for k in range(3))
-    la, lb, lc = (np.sqrt((v * v).sum(axis=1)) for v in (a, b, c))
-    det = np.einsum("ij,ij->i", a, np.cross(b, c))
-    below = la * lb * lc + (a * b).sum(axis=1) * lc + (b * c).sum(axis=1) * la + (c * a).sum(axis=1) * lb
-    return bool(np.arctan2(det, below).sum() > np.pi)
+def gaps(drawn: Drawn, within: float, paths: Iterable[str] = ()) -> dict[tuple[str, str], float]:
+    """Distances, metres, of pairs that no fit names and whose boxes are within a distance, by coal.
 
-
-def gaps(drawn: Drawn, within: float) -> dict[tuple[str, str], float]:
-    """Distances, metres, of pairs that no fit names and whose boxes are within a distance, by coal."""
+    `paths`: of one of the two, where not all.
+    """
     named = {frozenset((fit.a, fit.b)) for fit in drawn.truth.fits}
+    wanted = set(paths) or set(drawn.meshes)
     models = {path: bvh(mesh) for path, mesh in drawn.meshes.items()}
     here = coal.Transform3s()
     out = {}
     for a, b in near_pairs(drawn.meshes, within):
-        if frozenset((a, b)) not in named:
+        if frozenset((a, b)) not in named and wanted & {a, b}:
             result = coal.DistanceResult()
             out[a, b] = float(coal.distance(models[a], here, models[b], here, coal.DistanceRequest(), result))
     return out
@@ -266,6 +266,61 @@ class Ways:
                 found.append(path)
         return found
 
+    def swing(self, fastener: Fastener) -> float:
+        """The largest swing (radians) of an open-end wrench that is put on a fastener's flats, as far as it is free.
+
+        Counter-clockwise, which loosens, after what goes before is out. What the fastener holds does not turn.
+        """
+        step = next(step for step in self.truth.steps if fastener.path in step.parts)
+        out = {path for earlier in self.truth.needed(step) if earlier.removes for path in earlier.parts}
+        z, top = np.array(fastener.axis), np.array(fastener.top_m)
+        arms = self.drawn.meshes[fastener.path].vertices - top
+        arms -= np.outer(arms @ z, z)
+        x = arms[int(np.argmax((arms * arms).sum(axis=1)))]  # a corner of the hexagon; the handle goes there
+        x /= np.sqrt(x @ x)
+        boxes = [(coal.Box(*(high - low)), (low + high) / 2.0) for low, high in wrench(fastener.size_m)]
+        reach = WRENCH_REACH * fastener.size_m
+        near = []
+        for path, model in self.models.items():
+            away = np.maximum(np.maximum(self.corners[path].min(axis=0) - top, top - self.corners[path].max(axis=0)), 0)
+            if path not in out and path != fastener.path and away @ away < reach * reach:
+                place = self.opened if step.door_open and path in self.door else np.eye(4)
+                near.append((model, _at(place)))
+        count = round(2.0 * np.pi / SWING_STEP)
+        free = []
+        for k in range(count):
+            turn = leg_pose(Leg("turn", fastener.axis, (0.0, 0.0, 0.0), 0.0, k * SWING_STEP), 1.0)[:3, :3]
+            pose = np.eye(4)
+            pose[:3, :3] = turn @ np.stack([x, np.cross(z, x), z], axis=1)
+            met = False
+            for box, centre in boxes:
+                pose[:3, 3] = top + pose[:3, :3] @ centre
+                at = _at(pose)
+                met = met or any(
+                    coal.collide(model, place, box, at, coal.CollisionRequest(), coal.CollisionResult())
+                    for model, place in near
+                )
+            free.append(not met)
+        if all(free):
+            return 2.0 * np.pi
+        runs = []
+        for k in range(0, count, count // 6):  # where the flats let it on
+            run = next(n for n in range(count) if not free[(k + n) % count])
+            runs.append(max(0, run - 1) * SWING_STEP)
+        return float(max(runs))
+
+
+def wrench(flats: float) -> list[tuple[Floats, Floats]]:
+    """Boxes (low, high) of an open-end wrench whose top is at z = 0, its handle along x; sizes about as DIN 3110."""
+    inside, outside, thick = 0.51 * flats, 1.08 * flats, 0.38 * flats
+    boxes = [
+        ((-0.35 * flats, inside, -thick), (0.95 * flats, outside, 0.0)),
+        ((-0.35 * flats, -outside, -thick), (0.95 * flats, -inside, 0.0)),
+        ((0.61 * flats, -outside, -thick), (0.95 * flats, outside, 0.0)),
+        ((0.95 * flats, -0.45 * flats, -0.9 * thick), (WRENCH_REACH * flats, 0.45 * flats, -0.1 * thick)),
+    ]
+    return [(np.array(low), np.array(high)) for low, high in boxes]
+
 
 def tool_of(fastener: Fastener) -> tuple[float, float]:
     """Outer radius and length of a socket or a hexagon key, metres."""
@@ -285,34 +340,62 @@ def _at(pose: Floats) -> Any:
     return placed
 
 
+def too_deep(drawn: Drawn, every: int = 1) -> list[str]:
+    """What is wrong with the volumes that pairs share: no fit names them, or they are deeper than named.
+
+    `every`: of the named pairs, whose depth is measured.
+    """
+    named = {frozenset((fit.a, fit.b)): fit for fit in drawn.truth.fits}
+    shared = list(shared_volumes(drawn))
+    wrong = [f"{a} and {b} have no fit" for a, b in shared if frozenset((a, b)) not in named]
+    for a, b in [pair for pair in shared if frozenset(pair) in named][::every]:
+        fit = named[frozenset((a, b))]
+        deep = depth(drawn.meshes[a], drawn.meshes[b])
+        if deep > fit.deepest_m + GRID_M:
+            wrong.append(f"{a} and {b} ({fit.kind}) are {deep * 1e6:.1f} um deep, not {fit.deepest_m * 1e6:.1f}")
+    return wrong
+
+
+def touching(triangles: int, seed: int = 0, makes: Iterable[str] = ()) -> list[str]:
+    """Parts that come nearer to themselves than a micrometre, one of each shape; `makes`: only what these draw."""
+    found, seen, wanted = [], set(), set(makes)
+    drawn = SampleDrawn(triangles, seed, ())
+    for part in drawn.assembly.parts.values():
+        if part.shape not in seen and (not wanted or part.make.__name__ in wanted):
+            seen.add(part.shape)
+            mesh = drawn.solids[part.shape].mesh()
+            pairs = self_contacts(mesh.vertices, mesh.faces, GRID_M * 1e3)
+            if pairs:
+                found.append(f"{part.path}: {len(pairs)} pairs, {min(d for _, _, d in pairs) * 1e3:.2f} um")
+    return found
+
+
 def main(seeds: list[int]) -> int:
     """Judges gearboxes of these seeds; returns how many findings there are."""
-    wrong = 0
+    wrong: list[str] = []
     for seed in seeds:
         start = time.perf_counter()
-        drawn = of_sample(200_000, seed)
-        named = {frozenset((fit.a, fit.b)): fit for fit in drawn.truth.fits}
-        shared = shared_volumes(drawn)
-        stray = [pair for pair in shared if frozenset(pair) not in named]
-        deep = []
-        for a, b in shared:
-            fit = named.get(frozenset((a, b)))
-            if fit is not None:
-                depth = depth_of_vertices(drawn.meshes[a], drawn.meshes[b])
-                if depth > fit.deepest_m + GRID_M:
-                    deep.append((a, b, fit.kind, depth, fit.deepest_m))
-        least = gaps(drawn, 1e-3)
-        tight = min(least.items(), key=lambda item: item[1])
+        for triangles in SIZES:
+            drawn = of_sample(triangles, seed)
+            least = gaps(drawn, 1e-3)
+            pair, gap = min(least.items(), key=lambda item: item[1])
+            print(f"seed {seed}, {triangles} triangles: {len(least)} others keep {gap * 1e3:.3f} mm: {pair}")
+            wrong += too_deep(drawn) + touching(triangles, seed)
+            wrong += [f"{pair} is nearer than {LEAST_GAP_M}"] if gap < LEAST_GAP_M else []
         ways = Ways(eased(seed))
-        rigid = [step for step in ways.truth.steps if step.rigid]
-        blocked = {step.parts[0]: found for step in rigid if (found := ways.blocked(step))}
-        unreached = [f.path for f in ways.truth.fasteners if f.tool != "open-end wrench" and ways.in_the_way(f)]
-        print(f"seed {seed}: {len(drawn.meshes)} parts, {len(shared)} of {len(named)} fits share volume")
-        print(f"  without a name {stray}, deeper than named {deep}")
-        print(f"  least gap of {len(least)} others {tight[1] * 1e3:.3f} mm {tight[0]}")
-        print(f"  {len(rigid)} steps, blocked {blocked}; no tool on {unreached}; {time.perf_counter() - start:.0f} s")
-        wrong += len(stray) + len(deep) + len(blocked) + len(unreached)
-    return wrong
+        for step in ways.truth.steps:
+            if step.rigid and (found := ways.blocked(step)):
+                wrong.append(f"{step.parts[0]} is blocked by {found}")
+        for fastener in ways.truth.fasteners:
+            if fastener.tool == "open-end wrench":
+                free = ways.swing(fastener)
+                print(f"  {fastener.path}: {np.rad2deg(free):.0f} of {np.rad2deg(fastener.swing_rad):.0f} degrees")
+                wrong += [f"a wrench on {fastener.path} has no swing"] if free < fastener.swing_rad else []
+            elif met := ways.in_the_way(fastener):
+                wrong.append(f"the tool on {fastener.path} meets {met}")
+        print(f"  {len(ways.truth.steps)} steps, {time.perf_counter() - start:.0f} s")
+    print("\n".join(wrong) or "nothing is wrong")
+    return len(wrong)
 
 
 if __name__ == "__main__":

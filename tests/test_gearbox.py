@@ -20,34 +20,54 @@ from feeler.samples.accessory.polygon import triangulated
 from feeler.samples.accessory.solid import Cut, Solid
 
 judge = pytest.importorskip("gearbox_judge", exc_type=ImportError)  # it needs coal and manifold3d
+from mesh_contacts import self_contacts  # noqa: E402
 
-LEAST = 75_000
+LEAST, FINE = 40_000, 250_000
 PRESS_M = -5e-6
 
 
 @lru_cache(maxsize=2)
-def drawn(seed: int = 0) -> Any:
-    return judge.of_sample(100_000, seed)
+def drawn(triangles: int = LEAST, seed: int = 0) -> Any:
+    return judge.of_sample(triangles, seed)
+
+
+@lru_cache(maxsize=1)
+def fine() -> Any:
+    return feeler.sample_truth("gearbox", FINE)
 
 
 def test_the_chord_shrinks_with_the_triangles() -> None:
-    chords = [feeler.sample_truth("gearbox", n).chord_m for n in (LEAST, 150_000, 400_000)]
+    chords = [drawn().truth.chord_m, feeler.sample_truth("gearbox", 80_000).chord_m, fine().chord_m]
     assert chords == sorted(chords, reverse=True)
-    assert chords[-1] < 5e-5 < 4e-4 < chords[0]
+    assert chords[-1] < 1.1e-4 < 1e-3 < chords[0]
 
 
-@pytest.mark.parametrize("seed", [0, 5])
-def test_only_named_fits_share_volume_and_none_is_deeper_than_named(seed: int) -> None:
-    """A press shares volume, whatever its facets; nothing without a name does."""
-    shared = judge.shared_volumes(drawn(seed))
-    fits = {frozenset((fit.a, fit.b)): fit for fit in drawn(seed).truth.fits}
-    assert {frozenset(pair) for pair in shared} <= set(fits)
-    pressed = {pair for pair, fit in fits.items() if fit.play_m < PRESS_M}
-    assert pressed <= {frozenset(pair) for pair in shared}
-    assert len(pressed) > 100
-    for pair in list(shared)[:: 12 if seed else 5]:
-        depth = judge.depth_of_vertices(*(drawn(seed).meshes[path] for path in pair))
-        assert depth <= fits[frozenset(pair)].deepest_m + judge.GRID_M, pair
+def test_a_press_shares_volume() -> None:
+    """Unless its facets are larger than it."""
+    shared = {frozenset(pair) for pair in judge.shared_volumes(drawn(100_000, 5))}
+    pressed = {frozenset((fit.a, fit.b)) for fit in drawn(100_000, 5).truth.fits if fit.play_m < PRESS_M}
+    assert pressed <= shared and len(pressed) > 100
+
+
+@pytest.mark.parametrize(("triangles", "seed"), [(100_000, 5), (LEAST, 0)])
+def test_only_named_fits_share_volume_and_none_is_deeper_than_named(triangles: int, seed: int) -> None:
+    assert not judge.too_deep(drawn(triangles, seed), every=9)
+
+
+def test_no_part_comes_near_itself() -> None:
+    """Some shapes at coarse and fine chords; by distances of all their triangles."""
+    assert not judge.touching(LEAST, 2)
+    assert not judge.touching(100_000, 3, ["flanged", "circlip", "spur_gear", "threaded_plug"])
+
+
+def test_the_judge_of_contacts_sees_what_touches() -> None:
+    """Two boxes that share a volume, that are flush, and that are 2 um apart."""
+    box = np.array([[x, y, z] for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)])
+    sides = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+    faces = np.array([face for a, b, c, d in sides for face in ([a, b, c], [a, c, d])])
+    for offset, touches in ((0.5, True), (1.0, True), (1.0 + 2e-6, False)):
+        points = np.concatenate([box, box * 0.5 + [offset, 0.2, 0.2]])
+        assert bool(self_contacts(points, np.concatenate([faces, faces + 8]), 1e-6)) == touches
 
 
 def test_all_others_keep_a_gap() -> None:
@@ -111,6 +131,20 @@ def test_a_way_has_what_it_needs_and_no_more() -> None:
     assert [s.parts[0] for s in truth.way("gearbox/starter/terminal_nut")] == ["gearbox/starter/terminal_nut"]
 
 
+def test_what_comes_out_as_one_unit() -> None:
+    """A bearing whole; a dowel with the half that it is pressed into; a union nut with its pipe."""
+    truth = drawn().truth
+    bearing = "gearbox/gear_train/idler_shaft/front_bearing/"
+    for path, unit in (
+        (bearing + "ball_3", {bearing + "inner_ring", bearing + "outer_ring", bearing + "cage", bearing + "ball_1"}),
+        ("gearbox/housing/dowel_1", {"gearbox/housing/front_case"}),
+        ("gearbox/lines/fuel_pipe/union_nut_1", {"gearbox/lines/fuel_pipe/pipe"}),
+    ):
+        last = truth.way(path)[-1]
+        assert last.removes and {path, *unit} <= set(last.parts)
+        assert truth.way(path) == truth.way(min(unit))
+
+
 def test_fasteners_hold_and_have_tools() -> None:
     truth = drawn().truth
     assert len(truth.fasteners) > 100
@@ -126,32 +160,36 @@ def test_fasteners_hold_and_have_tools() -> None:
 
 
 def test_tools_reach_the_fasteners() -> None:
-    """Sockets and keys turn in full; but for the bolt that a fault covers."""
+    """Sockets and keys turn in full, wrenches as far as the truth says; but for the bolt that a fault covers."""
     judged = ways()
     driven = [fastener for fastener in judged.truth.fasteners if fastener.tool != "open-end wrench"]
+    assert all(fastener.swing_rad == 2.0 * np.pi for fastener in driven)
     for fastener in driven[::3]:
         assert not judged.in_the_way(fastener), fastener.path
-    faulty = judge.Ways(judge.of_sample(100_000, 0, ["blocked_bolt"]))
+    turned = [fastener for fastener in judged.truth.fasteners if fastener.tool == "open-end wrench"]
+    assert min(fastener.swing_rad for fastener in turned) > np.deg2rad(60.0)
+    for fastener in turned[::4]:
+        assert fastener.swing_rad <= judged.swing(fastener) < fastener.swing_rad + np.deg2rad(30.0)
+    faulty = judge.Ways(judge.of_sample(LEAST, 0, ["blocked_bolt"]))
     bolt, guard = faulty.truth.faults[0].parts
     assert faulty.in_the_way(next(f for f in faulty.truth.fasteners if f.path == bolt)) == [guard]
 
 
 def test_feeler_finds_the_fasteners() -> None:
     truth = drawn().truth
-    found = {row.path for row in feeler.find_fasteners(feeler.sample("gearbox", 250_000))}
+    found = {row.path for row in feeler.find_fasteners(feeler.sample("gearbox", FINE))}
     bolts = {f.path for f in truth.fasteners if (f.kind in ("bolt", "nut") and "/bolt_" in f.path) or "/nut_" in f.path}
     assert len(bolts & found) > 0.95 * len(bolts)
 
 
 def test_masses() -> None:
     """A bolt M6x20 is about 6.5 g; the rear case some kilograms."""
-    truth = feeler.sample_truth("gearbox", 600_000)
-    mass = {body.path: body.mass_kg for body in truth.bodies}
+    mass = {body.path: body.mass_kg for body in fine().bodies}
     assert mass["gearbox/covers/main_front/bolt_1"] == pytest.approx(6.5e-3, rel=0.1)
     assert 2.0 < mass["gearbox/housing/rear_case"] < 6.0
     assert min(mass.values()) > 0.0
     ball = mass["gearbox/gear_train/main_shaft/front_bearing/ball_1"]
-    assert ball == pytest.approx(7850.0 * np.pi / 6.0 * 7.938e-3**3, rel=0.02)
+    assert ball == pytest.approx(7850.0 * np.pi / 6.0 * 7.938e-3**3, rel=0.05)
 
 
 def test_the_door_opens_and_the_latch_turns() -> None:
@@ -184,8 +222,8 @@ def test_truth_as_json() -> None:
 # --- faults -----------------------------------------------------------------------------------------------------------
 
 
-def of_faults(names: list[str]) -> tuple[Any, set[frozenset[str]]]:
-    faulty = judge.of_sample(100_000, 0, names)
+def of_faults(names: list[str], triangles: int = LEAST) -> tuple[Any, set[frozenset[str]]]:
+    faulty = judge.of_sample(triangles, 0, names)
     assert [fault.name for fault in faulty.truth.faults] == names
     fits = {frozenset((fit.a, fit.b)) for fit in faulty.truth.fits}
     return faulty, {frozenset(pair) for pair, volume in judge.shared_volumes(faulty).items() if volume > 1e-6} - fits
@@ -196,17 +234,17 @@ def test_faults_that_share_volume() -> None:
     faulty, stray = of_faults(["pipe_clash", "missing_hole", "duplicate", "inside", "mirrored"])
     clash, _, twice, _, _ = faulty.truth.faults
     assert stray == {frozenset(fault.parts) for fault in faulty.truth.faults}
-    depth = judge.depth_of_vertices(*(faulty.meshes[path] for path in clash.parts))
+    depth = judge.depth(*(faulty.meshes[path] for path in clash.parts))
     assert clash.value == 3e-3 and depth <= 3e-3
     first, second = (faulty.meshes[path] for path in twice.parts)
     assert np.array_equal(first.vertices, second.vertices)
 
 
 def test_faults_that_share_none() -> None:
-    faulty, stray = of_faults(["too_near", "blocked_bolt", "no_way_out", "floating"])
+    faulty, stray = of_faults(["too_near", "blocked_bolt", "no_way_out", "floating"], 100_000)
     assert not stray
     near, blocked, _, floating = faulty.truth.faults
-    least = judge.gaps(faulty, 6e-3)
+    least = judge.gaps(faulty, 6e-3, [near.parts[0], blocked.parts[0]])
     a, b = near.parts
     assert min(gap for pair, gap in least.items() if set(pair) == {a, b}) == pytest.approx(4.5e-3, abs=2e-4)
     bolt, guard = blocked.parts
@@ -223,7 +261,7 @@ def test_a_wrong_unit_is_25_times_too_large() -> None:
 
 
 def test_the_bowl_that_does_not_come_out() -> None:
-    faulty = judge.of_sample(100_000, 0, ["no_way_out"])
+    faulty = judge.of_sample(LEAST, 0, ["no_way_out"])
     guarded = judge.Drawn(
         {**ways().drawn.meshes, **{p: faulty.meshes[p] for p in faulty.truth.faults[0].parts[1:]}}, ways().truth
     )

@@ -43,7 +43,7 @@ def sample(
     Besides, "gearbox": an engine's accessory gearbox on its bracket, 0.5 m, drawn as real ones are: every fit has a
     name, nothing else touches, and `feeler.sample_truth` says what is right.
     `triangles`: the size, from 10 thousand to 100 million ("differential", which has few parts: 20 million; "gearbox":
-    from about 66 thousand to 4 million); the result has within 10 % (mostly 1 %) of it, never more. The number of parts
+    from about 40 thousand to 4 million); the result has within 10 % (mostly 1 %) of it, never more. The number of parts
     grows with its square root, but for the gearbox. `seed`: another arrangement of pipes, cables, boxes; of the gearbox
     other teeth and places. `faults`: planted in the gearbox, by the names in `feeler.samples.FAULTS`.
     `progress(fraction, stage)` is called now and then.

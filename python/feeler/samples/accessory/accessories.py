@@ -296,7 +296,7 @@ def starter(shop: Workshop) -> None:
     """The starter on the rear of the starter's shaft, with cooling fins and a terminal."""
     asm, s = shop.asm, shop.plan.station("starter")
     up: list[Row] = [(22.5, 10.0), (21.5, 11.0), (21.5, 24.0)]
-    for k in range(7):
+    for k in range(0 if shop.cut.plain else 7):
         z = 26.0 + 6.0 * k
         up += [(19.0, z), (19.0, z + 3.0), (21.5, z + 3.5), (21.5, z + 5.0)]
     up += [(21.5, 78.0), (19.5, 80.0)]
@@ -379,7 +379,7 @@ def filter_head(cut: Cut) -> Solid:
     ports = [solid.turned([(r, 14.0 - d) for r, d in rows], cut.circle(rows[0][0]), at(x, y))[0] for x, y, rows in pits]
     foot, rim = solid.turned([(29.0, 14.0), (28.0, 15.5), (28.0, 44.0), (27.0, 45.0)], cut.circle(29.0))
     mouth, behind = solid.outline(lobes(cut, LIP, GROOVE - 1.2, np.deg2rad(54.0), 0.0), (45.0, 40.0))
-    groove, ledge = solid.turned([(GROOVE, 40.0), (GROOVE, 31.0)], cut.circle(GROOVE))
+    groove, ledge = solid.turned([(GROOVE, 40.0), (GROOVE, 31.0)], cut.arc(GROOVE, 2.0 * np.pi, 12))
     throat, end = solid.turned([(THROAT, 31.0), (THROAT, 18.0)], cut.circle(THROAT))
     solid.face(low, *(first for first, _ in drilled))
     solid.face(high, foot, *(last for _, last in drilled), *ports)
@@ -404,7 +404,7 @@ def filter_bowl(cut: Cut) -> Solid:
             (THROAT - 0.1, 26.6),
             (THROAT - 0.1, 31.5),
         ],
-        cut.circle(THROAT),
+        cut.arc(THROAT, 2.0 * np.pi, 12),
     )
     lug_low, lug_high = solid.outline(lobes(cut, neck, GROOVE - 1.7, np.deg2rad(44.0), BAYONET), (31.5, 39.75))
     under, body = solid.turned(

@@ -29,7 +29,7 @@ def outline_of(cut: Cut, shape: Shape) -> Floats:
         angle = (np.arange(n) + 0.31) * (2.0 * np.pi / n)
         return shape[0] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
     x, y, corner = shape[:3]
-    points = rectangle(x, y, corner, cut.arc(corner, np.pi / 2.0, 2))
+    points = rectangle(x, y, corner, 1 if cut.plain else cut.arc(corner, np.pi / 2.0, 2))
     return points + np.array(shape[3:]) if len(shape) > 3 else points
 
 
@@ -55,6 +55,7 @@ def flanged(
     at radius 0. `blinds` are holes from the top of the body.
     """
     solid = Solid()
+    up, down, bore = (tuple(cut.sharp(rows)) for rows in (up, down, bore))
     points = outline_of(cut, shape)
     edge = min(0.8, thick / 4.0) if cut.shows(0.8) else 0.0
     if edge:
@@ -206,7 +207,9 @@ def plate(
 ) -> Solid:
     """A plate from z = 0 to `thick`: a polygon with round corners, and holes."""
     solid = Solid()
-    points = rounded(np.array(corners), corner, cut.arc(corner, np.pi / 2.0, 2)) if corner else np.array(corners)
+    points = np.array(corners)
+    if corner and not cut.plain:
+        points = rounded(points, corner, cut.arc(corner, np.pi / 2.0, 2))
     edge = min(0.5, thick / 4.0) if cut.shows(0.5) else 0.0
     rings = [(points, 0.0), (points, thick)]
     if edge:

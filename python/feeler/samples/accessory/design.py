@@ -196,8 +196,8 @@ class Workshop:
                 pose=at(x, y, GASKET / 2.0),
                 spin=True,
             )
-            asm.fit(pin, front, "H7/p6", press, 3.0)
-            asm.fit(pin, rear, "H7/g6", play("H7/g6", 6.0), 3.0)
+            asm.fit(pin, front, "H7/p6", press, 3.0 + press)
+            asm.fit(pin, rear, "H7/g6", play("H7/g6", 6.0), 3.0 + play("H7/g6", 6.0))
             asm.fit(pin, seal, "clearance", 0.3, 3.3)
             unit.append(pin)
         m = METRIC[6]

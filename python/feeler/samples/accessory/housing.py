@@ -95,7 +95,7 @@ def case(
     pose = np.diag([1.0, 1.0, half.sign, 1.0])
     pose[2, 3] = half.start
     base = plan.base
-    ribs = plan.slope_ribs if sides else plan.ribs
+    ribs = () if cut.plain else plan.slope_ribs if sides else plan.ribs
     fine = cut.shows(EDGE)
     edge = EDGE if fine else 0.0
 
@@ -165,9 +165,8 @@ def case(
     for s in plan.stations:
         seat = (s.bearing.outside + deviation("H7", s.bearing.outside)) / 2.0 + cut.ease
         out = seat + 6.0
-        foot, rim = solid.turned(
-            [(out + 1.5, half.floor), (out, half.floor - 2.5), (out, half.boss)], cut.circle(out), pose @ _at(s.x, s.y)
-        )
+        rows = cut.sharp([(out + 1.5, half.floor), (out, half.floor - 2.5), (out, half.boss)], 2.5)
+        foot, rim = solid.turned(rows, cut.circle(out), pose @ _at(s.x, s.y))
         rows = [(seat + 0.6, half.boss), (seat, half.boss + 0.6)] if fine else [(seat, half.boss)]
         wide = opening(s) + deviation("H7", 2.0 * opening(s)) / 2.0 + cut.ease
         rows += [(seat, half.lip), (wide, half.lip), (wide, half.pad - edge)]

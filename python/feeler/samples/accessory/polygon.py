@@ -9,7 +9,9 @@ import numpy as np
 from ..mesh import Floats, Ints
 
 MARGIN_MM = 1.5e-3
-"""No triangle is nearer to a corner of another one, where that can be: three steps of the vertex grid."""
+"""No triangle is lower or nearer to a corner of another one, where that can be: three steps of the vertex grid."""
+PASSES = ((MARGIN_MM, MARGIN_MM), (0.0, MARGIN_MM), (0.0, 0.0))
+"""How near to a corner and how low ears may be: better one that is near than none, better a low one than none."""
 
 
 def triangulated(loops: Sequence[Floats]) -> Ints:
@@ -80,14 +82,12 @@ def _clipped(points: Floats, walk: list[int]) -> Ints:
     all_x, all_y = np.ascontiguousarray(xy[:, 0]), np.ascontiguousarray(xy[:, 1])
     ahead, back = [*range(1, n), 0], [n - 1, *range(n - 1)]
     least = 1e-10 * float(np.ptp(xy, axis=0).max()) ** 2
-    uses = np.bincount(walk)
-    bridged = {k for k in range(n) if uses[walk[k]] > 1}  # other edges end there, too
 
-    def is_ear(a: int, b: int, c: int, margin: float) -> bool:
+    def is_ear(a: int, b: int, c: int, margin: float, low: float) -> bool:
         ax, ay, bx, by, cx, cy = x[a], y[a], x[b], y[b], x[c], y[c]
         ux, uy = cx - ax, cy - ay
         area, long = (bx - ax) * uy - (by - ay) * ux, ux * ux + uy * uy
-        if area <= least or (b in bridged and area * area < margin * margin * long):
+        if area <= least or area * area < low * low * long:
             return False
         beside = (all_x >= min(ax, bx, cx) - margin) & (all_x <= max(ax, bx, cx) + margin)
         beside &= (all_y >= min(ay, by, cy) - margin) & (all_y <= max(ay, by, cy) + margin)
@@ -107,20 +107,22 @@ def _clipped(points: Floats, walk: list[int]) -> Ints:
         return True
 
     triangles: list[tuple[int, int, int]] = []
-    here, left, misses, margin = 0, n, 0, MARGIN_MM
+    refused: dict[int, tuple[int, int, int]] = {}
+    here, left, misses, each = 0, n, 0, 0
     while left > 3 and misses <= left:
         a, c = back[here], ahead[here]
-        if is_ear(a, here, c, margin):
+        if refused.get(here) != (a, c, each) and is_ear(a, here, c, *PASSES[each]):
             triangles.append((walk[a], walk[here], walk[c]))
             ahead[a], back[c] = c, a
             left -= 1
-            misses, margin = 0, MARGIN_MM
+            misses = each = 0
             here = ahead[c]  # every other corner, not one fan
         else:
+            refused[here] = (a, c, each)
             here = c
             misses += 1
-            if misses == left and margin:  # better a triangle that is near to a corner than none
-                misses, margin = 0, 0.0
+            if misses == left and each + 1 < len(PASSES):
+                misses, each = 0, each + 1
     if left > 3:
         raise ValueError(f"a face cannot be cut into triangles: {left} corners are left of {n}")
     triangles.append((walk[back[here]], walk[here], walk[ahead[here]]))

@@ -18,10 +18,21 @@ from .truth import Body, Fastener, Fault, Fit, Joint, Leg, Step, Truth
 
 ROOT = "gearbox"
 MM = 1e-3
-COARSEST_MM = 0.8
-"""The largest chord: larger, and circles of neighbouring holes and edges may cross."""
+COARSEST_MM = 1.6
+"""The largest chord: larger, and circles of neighbouring holes and edges cross."""
 LEVEL_RATIO = 2.0 ** (-1.0 / 3.0)
-LEVELS = 36
+COUNTS = {
+    0: 39_000,
+    2: 44_000,
+    3: 66_000,
+    6: 80_000,
+    9: 118_000,
+    12: 184_000,
+    18: 413_000,
+    27: 1_797_000,
+    39: 15_600_000,
+}
+"""About how many triangles there are at a level, to begin with the right one."""
 Progress = Callable[[float, str], None]
 
 
@@ -29,13 +40,13 @@ class Drawn:
     """An assembly with every part's solid at one of two neighbouring chords, so that the triangles number as wanted."""
 
     def __init__(self, triangles: int, seed: int, faults: Sequence[str]) -> None:
-        level, made = _level(triangles, seed, tuple(faults))
+        made, finer = _neighbours(triangles, seed, tuple(faults))
         if made.triangle_count > triangles:
             raise OptionError(
-                f"triangles is {triangles}; the sample 'gearbox' with this seed has at least {made.triangle_count}"
+                f"triangles is {triangles}; the {len(made.parts)} parts of the sample 'gearbox' have at least "
+                f"{made.triangle_count} with this seed; give that or more"
             )
         self.assembly, self.faults = made, made.planted
-        finer = _made(level + 1, seed, tuple(faults))
         self.solids: dict[Hashable, Solid] = {}
         copies: dict[Hashable, int] = {}
         for part in made.parts.values():
@@ -76,31 +87,21 @@ def placed_meshes(
     return out
 
 
-def _made(level: int, seed: int, faults: tuple[str, ...]) -> Assembly:
-    asm = build(Cut(COARSEST_MM * LEVEL_RATIO**level), seed)
-    asm.planted = plant(asm, faults)
-    return asm
+def _neighbours(triangles: int, seed: int, faults: tuple[str, ...]) -> tuple[Assembly, Assembly]:
+    """The gearbox at the finest level that does not exceed the triangles (or the coarsest), and at the next one."""
 
+    @lru_cache
+    def made(level: int) -> Assembly:
+        asm = build(Cut(COARSEST_MM * LEVEL_RATIO**level), seed)
+        asm.planted = plant(asm, faults)
+        return asm
 
-def _level(triangles: int, seed: int, faults: tuple[str, ...]) -> tuple[int, Assembly]:
-    """The finest level that does not exceed the triangles."""
-    low, high = 0, LEVELS
-    made = {}
-    # triangles grow about with the power 0.6 of 1 / chord
-    guess = int(np.clip(round(5.0 * np.log2(max(triangles, 1) / 70_000.0)), 0, LEVELS - 1))
-    while low < high:
-        here = guess if low <= guess <= high else (low + high + 1) // 2
-        here = max(here, low + 1) if here <= low else here
-        guess = -1
-        made[here] = _made(here, seed, faults)
-        if made[here].triangle_count <= triangles:
-            low = here
-            if low + 1 <= high and low + 1 not in made:
-                guess = low + 1
-        else:
-            high = here - 1
-            guess = high if high > low else -1
-    return low, made.get(low) or _made(low, seed, faults)
+    level = int(np.interp(np.log(triangles), np.log(list(COUNTS.values())), list(COUNTS)))
+    while level < max(COUNTS) and made(level + 1).triangle_count <= triangles:
+        level += 1
+    while level > 0 and made(level).triangle_count > triangles:
+        level -= 1
+    return made(level), made(level + 1)
 
 
 def gearbox_parts(triangles: int, seed: int, faults: Sequence[str], progress: Progress | None = None) -> MeshParts:
@@ -142,6 +143,7 @@ def volume(mesh: Mesh) -> float:
 
 def truth_of(asm: Assembly, volumes: dict[str, float], seed: int) -> Truth:
     """What the assembly says, in metres and with full paths."""
+    asm.wait_for_lines()
 
     def full(path: str) -> str:
         return f"{ROOT}/{path}"

@@ -23,6 +23,10 @@ LEAST_PIECE_MM = 0.05
 """No arc is cut into shorter pieces: larger, and fine samples end sooner; smaller, and the vertex grid shows."""
 SHOWN = 0.35
 """Chamfers are drawn where the chord is below this share of them: larger, and coarse samples have more triangles."""
+PLAIN_MM = 0.9
+"""Above this chord parts are drawn plain: larger, and no sample has so few triangles; smaller, and more look bare."""
+PLAIN_SIDES = 4
+"""Of the smallest circles of plain parts."""
 GOLDEN = 0.6180339887
 DECIMALS = 7
 """To which corners (millimetres) and angles are rounded where triangles are chosen: more, and the last bits of sines
@@ -47,7 +51,27 @@ class Cut:
 
     def circle(self, radius: float, least: int = 8) -> int:
         """Pieces of a full circle."""
-        return self.arc(radius, 2.0 * np.pi, least)
+        return self.arc(radius, 2.0 * np.pi, PLAIN_SIDES if self.plain else least)
+
+    @property
+    def plain(self) -> bool:
+        """Whether ribs, chamfers, fins, webs and the like are left out, and circles may have few sides."""
+        return self.chord > PLAIN_MM
+
+    def sharp(self, rows: Sequence[Row], largest: float = 1.6) -> list[Row]:
+        """Rows of a profile from face to face, in plain parts without their chamfers."""
+        out = list(rows)
+        k = 0
+        while self.plain and k + 1 < len(out):
+            (r0, z0), (r1, z1) = out[k], out[k + 1]
+            before, after = out[k - 1] if k else (r0 + 1.0, z0), out[k + 2] if k + 2 < len(out) else (r1 + 1.0, z1)
+            if 0.0 < abs(r1 - r0) <= largest and 0.0 < abs(z1 - z0) <= largest and r0 > 0.0 and r1 > 0.0:
+                if before[1] == z0 and after[0] == r1:
+                    out[k : k + 2] = [(r1, z0)]
+                elif before[0] == r0 and after[1] == z1:
+                    out[k : k + 2] = [(r0, z1)]
+            k += 1
+        return out
 
     def shows(self, size: float) -> bool:
         """Whether an edge or groove of a size is drawn."""

@@ -108,7 +108,9 @@ def bracket(shop: Workshop, box_x: float, box_screws: tuple[tuple[float, float],
             (147.0, y1 + 5.0),
         ]
         shape += [(85.0, y1 + 5.0), (85.0, y0 - 6.0), (24.0, middle + 32.0), (24.0, low + 80.0), (-15.0, low + 26.0)]
-        outline = rounded(np.array([(-z, y) for z, y in shape[::-1]]), 6.0, cut.arc(6.0, 1.3, 2))
+        outline = np.array([(-z, y) for z, y in shape[::-1]])
+        if not cut.plain:
+            outline = rounded(outline, 6.0, cut.arc(6.0, 1.3, 2))
         bore = 16.0 + deviation("H7", 32.0) / 2.0 + cut.ease
         holes = [(-MOUNT_Z, middle, bore), *((x, y, METRIC[8].through / 2.0 + cut.ease) for x, y in beam_bolts)]
         holes += [

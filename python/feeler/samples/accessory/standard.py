@@ -149,7 +149,7 @@ def o_ring(cut: Cut, radius: float, section: float) -> Solid:
 def dowel(cut: Cut, diameter: float, length: float) -> Solid:
     """A dowel pin (ISO 8734) about z, centred."""
     r, h, e = diameter / 2.0, length / 2.0, 0.1 * diameter
-    return turned_part(cut, ((r - e, -h), (r, e - h), (r, h - e), (r - e, h)))
+    return turned_part(cut, tuple(cut.sharp(((r - e, -h), (r, e - h), (r, h - e), (r - e, h)))))
 
 
 # --- threads as helices -----------------------------------------------------------------------------------------------
@@ -192,6 +192,10 @@ def helix(
     return bottom, top
 
 
+SEAM = 0.95
+"""Where rings at the ends of a hole have a corner after the seam of its thread, in facets: less, and walls cross."""
+
+
 def thread_depth(pitch: float) -> float:
     """Height of a thread's flanks as drawn, millimetres."""
     return 0.55 * pitch
@@ -210,7 +214,7 @@ def threaded_plug(cut: Cut) -> Solid:
     solid.wall(end, bottom)
     solid.face(end)
     neck, rim = solid.turned(
-        [(root, -0.5), (root, 0.0), (0.68 * PLUG_FLATS, 0.0), (0.68 * PLUG_FLATS, 2.0)], cut.circle(root)
+        [(root, -0.5), (root, 0.0), (0.68 * PLUG_FLATS, 0.0), (0.68 * PLUG_FLATS, 2.0)], cut.arc(root, 2.0 * np.pi, 8)
     )
     solid.wall(top, neck)
     under, over = hex_prism(solid, cut, PLUG_FLATS, 2.0, 9.0, chamfers="high")
@@ -227,8 +231,9 @@ def threaded_hole(solid: Solid, cut: Cut, pose: Floats, depth: float, rise: floa
     turns = int((-0.3 - low) / PLUG_PITCH - 1.0)
     bottom, top = helix(solid, cut, (root, crest, crest), PLUG_PITCH, low, turns, pose)
     n = cut.circle(crest)
-    end, _ = solid.turned([(root, -depth)], n, pose)
-    mouth, _ = solid.turned([(crest + 0.6, 0.0)], n, pose)
+    around = np.asarray((np.arange(n) + SEAM) * (2.0 * np.pi / n), dtype=np.float64)
+    end, _ = solid.swung([(root, -depth)], around, pose)
+    mouth, _ = solid.swung([(crest + 0.6, 0.0)], around, pose)
     solid.wall(end, bottom, pose=pose)
     solid.wall(top, mouth, pose=pose)
     return mouth, end
@@ -242,6 +247,8 @@ def _groove(cut: Cut, name: str) -> tuple[Floats, Floats, float]:
     b = BEARINGS[name]
     radius = 0.52 * b.ball
     shoulder = 0.30 * b.ball
+    if cut.plain:  # two cones, off the ball
+        return np.array([shoulder, 0.53 * b.ball, shoulder]), np.array([-0.5, 0.0, 0.5]) * b.width, 0.0
     reach = np.arccos((shoulder + 0.02 * b.ball) / radius)
     pieces = 2 * ((cut.arc(radius, 2.0 * reach, 2) + 1) // 2)
     angle = np.linspace(-reach, reach, pieces + 1)
@@ -254,6 +261,13 @@ def raceway_sag(cut: Cut, name: str) -> float:
     return float(_groove(cut, name)[2] + cut.sag(b.outside / 2.0))
 
 
+def _faced(radii: Floats, heights: Floats, half: float) -> list[Row]:
+    """A raceway's rows from face to face."""
+    rows = list(zip(radii.tolist(), heights.tolist(), strict=True))
+    ends = (rows[0][0], -half), (rows[-1][0], half)
+    return [*(end for end in ends[:1] if end != rows[0]), *rows, *(end for end in ends[1:] if end != rows[-1])]
+
+
 def inner_ring(cut: Cut, name: str) -> Solid:
     """A bearing's inner ring about z, centred."""
     b = BEARINGS[name]
@@ -262,7 +276,7 @@ def inner_ring(cut: Cut, name: str) -> Solid:
     r = b.pitch - deep
     e = 0.6 if cut.shows(0.6) else 0.0
     low = [(bore, e - h), (bore + e, -h)] if e else [(bore, -h)]
-    rows = [*low, (float(r[0]), -h), *zip(r.tolist(), z.tolist(), strict=True), (float(r[-1]), h)]
+    rows = [*low, *_faced(r, z, h)]
     rows += [(bore + e, h), (bore, h - e)] if e else [(bore, h)]
     return ring_of(cut, tuple(rows), float(b.pitch))
 
@@ -275,15 +289,15 @@ def outer_ring(cut: Cut, name: str) -> Solid:
     r = b.pitch + deep + 2.0 * cut.ease
     e = 0.6 if cut.shows(0.6) else 0.0
     low = [(out - e, -h), (out, e - h)] if e else [(out, -h)]
-    rows = [(float(r[0]), -h), *low, *([(out, h - e), (out - e, h)] if e else [(out, h)]), (float(r[-1]), h)]
-    rows += list(zip(r[::-1].tolist(), z[::-1].tolist(), strict=True))
+    race = _faced(r, z, h)
+    rows = [race[0], *low, *([(out, h - e), (out - e, h)] if e else [(out, h)]), *race[:0:-1]]
     return ring_of(cut, tuple(rows))
 
 
 def ball(cut: Cut, diameter: float) -> Solid:
     """A ball about the origin, its poles on z."""
     r = diameter / 2.0
-    rows = cut.arc(r, np.pi, 4)
+    rows = cut.arc(r, np.pi, 3 if cut.plain else 4)
     angle = np.linspace(-np.pi / 2.0, np.pi / 2.0, rows + 1)
     profile = [(0.0, -r), *((r * float(np.cos(a)), r * float(np.sin(a))) for a in angle[1:-1]), (0.0, r)]
     return turned_part(cut, tuple(profile), 6)
@@ -295,6 +309,10 @@ def cage(cut: Cut, name: str) -> Solid:
     The first ball lies on the x axis.
     """
     b = BEARINGS[name]
+    if cut.plain:  # no prongs
+        low, high, width = -0.7 * b.ball, -0.5 * b.ball - 0.3, 0.1 * b.ball
+        rows = ((b.pitch - width, low), (b.pitch + width, low), (b.pitch + width, high), (b.pitch - width, high))
+        return ring_of(cut, rows)
     pieces = max(2, cut.arc(b.ball / 2.0, 0.9 * np.pi) // 2 * 2)
     half = 0.495 * np.pi / pieces
     pocket = (b.ball / 2.0 + 0.3) / np.cos(half)  # chords stay off the ball
@@ -324,7 +342,7 @@ def circlip(cut: Cut, shaft: int) -> Solid:
     outer = inner + width
     gap, lug = 0.16, 0.42  # angles of the opening's half and of a lug's end
     far = outer + 0.45 * width
-    n = cut.arc(outer, 2.0 * np.pi, 8)
+    n = cut.circle(outer)
     inside = np.linspace(2.0 * np.pi - gap, gap, n + 1)
     outside = np.linspace(lug, 2.0 * np.pi - lug, n + 1)
     line = [*((inner / np.cos(np.pi / n) * np.cos(a), inner / np.cos(np.pi / n) * np.sin(a)) for a in inside)]
@@ -335,7 +353,7 @@ def circlip(cut: Cut, shaft: int) -> Solid:
     low, high = solid.outline(np.array(line), (0.0, thick))
     holes: tuple[list[Ints], list[Ints]] = ([], [])
     place, radius = (inner + far) / 2.0, 0.2 * width
-    for a in ((gap + lug) / 2.0, -(gap + lug) / 2.0):
+    for a in () if cut.plain else ((gap + lug) / 2.0, -(gap + lug) / 2.0):
         pose = np.eye(4)
         pose[:2, 3] = place * np.cos(a), place * np.sin(a)
         first, last = solid.turned([(radius, 0.0), (radius, thick)], cut.circle(radius, 6), pose)

@@ -25,15 +25,26 @@ def _involute(angle: Floats) -> Floats:
     return np.asarray(np.tan(angle) - angle)
 
 
+def _half(teeth: float, module: float, local: Floats) -> Floats:
+    """Half angles of a tooth where the flank's normal is at angles to the base circle's tangent."""
+    pitch = module * teeth / 2.0
+    wide = np.pi / (2.0 * teeth) - BACKLASH * module / (2.0 * pitch) + np.tan(PRESSURE) - PRESSURE
+    return np.asarray(wide - _involute(local))
+
+
 def tooth(cut: Cut, teeth: float, module: float) -> tuple[Floats, Floats]:
     """One flank from root to tip: heights above the pitch circle and half angles of the tooth, each (k,)."""
     pitch = module * teeth / 2.0
     base, tip, root = pitch * np.cos(PRESSURE), pitch + module, pitch - 1.25 * module
     start = max(base, root)
+    if cut.plain:  # one straight line, inside the tooth
+        local = np.arccos(np.minimum(1.0, base / np.array([start, tip])))
+        half = _half(teeth, module, local)
+        return np.array([root, tip]) - pitch, half
     pieces = max(2, cut.arc(2.5 * module, 1.0))
     radius = start + (tip - start) * np.linspace(0.0, 1.0, pieces + 1) ** 1.3
     local = np.arccos(np.minimum(1.0, base / radius))
-    half = np.pi / (2.0 * teeth) - BACKLASH * module / (2.0 * pitch) + np.tan(PRESSURE) - PRESSURE - _involute(local)
+    half = _half(teeth, module, local)
     if root < start - 0.02 * module:
         radius = np.concatenate([[root], radius])
         half = np.concatenate([half[:1] + 0.08 * (np.pi / teeth - half[:1]), half])
@@ -68,7 +79,7 @@ def spur_gear(cut: Cut, teeth: int, module: float, width: float, shaft: int, hub
     rim = pitch - 3.0 * module
     n = cut.circle(rim)
     web = 0.28 * width
-    thin = rim - hub > 2.5 * module
+    thin = rim - hub > 2.5 * module and not cut.plain
     ends = []
     for loop, side in ((low, -1.0), (high, 1.0)):
         roots = loop.reshape(teeth, per)[:, [0, -1]].ravel()
@@ -225,6 +236,7 @@ def shaft(
     where the shaft leaves the heel.
     """
     solid = Solid()
+    rows = cut.sharp(rows)
     n = cut.circle(max(r for r, _ in rows))
     mouths = sorted(
         {
@@ -267,7 +279,9 @@ def quill(cut: Cut, spline: Spline, radius: float, length: float) -> Solid:
     solid = Solid()
     top = spline.length
     end, root = solid.outline(spline_outline(spline, 0.0), (0.0, top))
-    foot, high = solid.turned([(radius, top), (radius, length - 0.6), (radius - 0.6, length)], cut.circle(radius))
+    foot, high = solid.turned(
+        cut.sharp([(radius, top), (radius, length - 0.6), (radius - 0.6, length)]), cut.arc(radius, 2.0 * np.pi, 8)
+    )
     solid.face(end)
     solid.face(foot, root) if radius > spline.outer else solid.face(root, foot)
     solid.face(high)

@@ -67,7 +67,8 @@ class Fastener:
     axis: Vector
     """Outwards, from where the tool comes."""
     swing_rad: float
-    """The largest swing of the tool that is free: a full turn for sockets and keys."""
+    """The largest swing of the tool that is free whatever the seed: a full turn for sockets and keys. A wrench is about
+    nine flats long and loosens counter-clockwise; 60 degrees take it from flat to flat."""
     holds: tuple[str, ...]
 
 
