@@ -79,7 +79,7 @@ def samples(tool: feeler.Tool, poses: Floats, count: int = 300) -> Floats:
 
 
 def test_the_way_is_free_by_another_look(duct: feeler.Scene, found: feeler.Removal) -> None:
-    assert found.found and found.free and found.certificate.method.startswith("tree")
+    assert found.found and found.free and found.certificate.method == "pushes"
     assert (found.poses[0] == np.eye(4)).all() and len(found.poses) > 2
     cube, rest = feeler.Tool.of_parts(duct.mockup, "cube"), duct.without("cube")
     assert rest.check_path(cube, found.poses).free
@@ -115,7 +115,7 @@ def test_a_closed_box_ends_in_time_and_is_named() -> None:
     lid = answer.blocked_by[names.index("lid")]
     cube = feeler.Tool.of_parts(closed.mockup, "cube")
     assert closed.only("lid").distance(cube, lid.pose).value < 2e-6
-    assert "straight ways" in asked and "random trees" in asked
+    assert "straight ways" in asked and "pushes" in asked
     assert "not found, blocked by" in repr(answer)
 
 
@@ -132,9 +132,9 @@ def test_what_may_meet() -> None:
     assert feeler.removal(scene, "plug", seconds=0.2).found
     for names in (["left", "right", "gasket", "strip"], "*"):
         assert feeler.removal(scene, "plug", allow=names, directions=up).certificate.method == "straight"
-    # Sideways, since the strip is in the way and is not named.
+    # Sideways, or down through the gasket, since the strip is in the way and is not named.
     way = feeler.removal(scene, "plug", allow=["start", "gasket"], directions=up)
-    assert way.found and abs(way.poses[-1][1, 3]) > 0.01
+    assert way.found and (abs(way.poses[-1][1, 3]) > 0.01 or way.poses[-1][2, 3] < -0.01)
     refused = feeler.removal(scene, "plug", allow=["gasket"])
     assert not refused.found and {b.path for b in refused.blocked_by} == {"left", "right", "strip"}
     for nothing in (None, [], 0.0):
@@ -181,7 +181,7 @@ def test_several_parts_move_as_one() -> None:
 def test_a_result_travels(found: feeler.Removal) -> None:
     again = pickle.loads(pickle.dumps(found))
     assert (again.poses == found.poses).all() and again.certificate == found.certificate
-    assert repr(again) == repr(found) and "tree" in repr(found)
+    assert repr(again) == repr(found) and "pushes" in repr(found)
     assert [b.path for b in again.blocked_by] == [b.path for b in found.blocked_by]
 
 
@@ -234,7 +234,7 @@ def test_progress_may_stop_it() -> None:
     closed = scene_of(**DUCT, lid=LID)
 
     def stop(_: float, stage: str) -> None:
-        if stage == "random trees":
+        if stage == "pushes":
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):

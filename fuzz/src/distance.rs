@@ -78,7 +78,11 @@ pub fn check(case: Case) {
     for (pose, gaps) in [from, to].iter().zip(&gaps) {
         ask.check_gaps(pose, gaps, &case.judged);
     }
-    ask.check_cast(cast_all_pairs(mockup.mesh(), &tool, &from, &to, case.tolerance), 24, "all pairs");
+    ask.check_cast(
+        cast_all_pairs(mockup.mesh(), &tool, &Motion::new(&tool, &from, &to), case.tolerance),
+        24,
+        "all pairs",
+    );
     for storage in [Storage::Blocks, Storage::Dense, Storage::Hashed { level: case.hashing }] {
         for voxel_size in [None, Some(case.voxel_size)] {
             // Refusing a size is allowed; a wrong answer is not. Many voxels take long where all pairs are asked for.

@@ -412,20 +412,19 @@ impl Scene {
         Ok(self.pools.cast.with(|scratch| cast::query::cast(&self.index, tool, motion, how, &[], scratch)))
     }
 
-    /// [`cast`](Self::cast) where it is known along which `directions` (units, world, from the mock-up to the tool) the two are
+    /// [`cast_along`](Self::cast_along) where it is known along which `directions` (units, world, from the mock-up to the tool) the two are
     /// probably apart, as those of contact planes: pairs that one of them holds apart all the way need not be followed. The answer is the
     /// same within the tolerance, and along surfaces it comes much sooner. The first sixteen are tried.
     pub fn cast_beside(
         &self,
         tool: &Tool,
-        pose0: &Pose,
-        pose1: &Pose,
+        motion: &Motion,
         tolerance: f64,
         directions: &[Point],
     ) -> Result<Option<Cast>> {
         check_tolerance(tolerance)?;
-        let (how, motion) = ((tolerance, Touching::Ends), Motion::new(tool, pose0, pose1));
-        Ok(self.pools.cast.with(|scratch| cast::query::cast(&self.index, tool, &motion, how, directions, scratch)))
+        let how = (tolerance, Touching::Ends);
+        Ok(self.pools.cast.with(|scratch| cast::query::cast(&self.index, tool, motion, how, directions, scratch)))
     }
 
     /// [`cast`](Self::cast) from each pose of a path to the next, in parallel on the current rayon pool.

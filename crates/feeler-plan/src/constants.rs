@@ -19,6 +19,99 @@ pub const OPPOSING_SHARE: f64 = 1e-3;
 /// Most directions tried.
 pub const MOST_DIRECTIONS: usize = 96;
 
+// Pushes.
+
+/// Most axes along which a part is pushed from a pose. More: more of what is along none of the first; fewer: sooner through all.
+pub const MOST_AXES: usize = 8;
+
+/// Share of a part's area from which on its faces of one normal are a flat to push along. Less: more of small faces.
+pub const FLAT_SHARE: f64 = 0.04;
+
+/// Moments that differ by less than this share are one: their axes are any. Larger: axes of parts that are nearly round are not tried.
+pub const SAME_MOMENT: f64 = 0.01;
+
+/// A pitch below this share of the tool's length is none.
+pub const LEAST_PITCH: f64 = 0.0025;
+
+/// Times that a screw is followed on from the middle of its play.
+pub const MOST_THREADED: usize = 24;
+
+/// Most flats.
+pub const MOST_FLATS: usize = 5;
+
+/// Most axes of cylinders of a part.
+pub const MOST_CYLINDERS: usize = 6;
+
+/// Most edges of which the cylinders along a direction are told: pairs of them are looked at.
+pub const MOST_CYLINDER_EDGES: usize = 200;
+
+/// Contact planes whose normals a node is pushed along, too.
+pub const MOST_TOUCHED: usize = 4;
+
+/// Most twists that contacts leave free which are followed: the space has at most six dimensions.
+pub const MOST_TWISTS: usize = 4;
+
+/// Eigenvalue, as a share of the largest, up to which the contacts leave a twist free: facets lean by about the square root of it. Larger:
+/// more twists that are blocked at once.
+pub const FREE_SHARE: f64 = 1e-3;
+
+/// Turns after which a thread is taken for endless.
+pub const MOST_TURNS_OF_A_THREAD: f64 = 40.0;
+
+/// Poses whose farthest corner is nearer to each other than this are one, in lengths of the tool.
+pub const SAME_PLACE: f64 = 0.06;
+
+/// Where all pushes are tried, it begins anew with less that counts as play, by this share.
+pub const NEXT_LEVEL: f64 = 0.25;
+
+/// Below this level, as a share of the first, not any more.
+pub const LEAST_LEVEL: f64 = 0.02;
+
+/// A push shorter than this, in lengths of the tool, is play.
+pub const LEAST_PUSH: f64 = 0.06;
+
+/// A turn by less than this is play, radians.
+pub const LEAST_TURN: f64 = 0.2;
+
+/// Shorter pushes, in lengths of the tool, may be play: what follows is tried later.
+pub const LONG_PUSH: f64 = 0.15;
+
+/// Beside a push shorter than this, in lengths of the tool, no openings are looked for.
+pub const LEAST_SCAN: f64 = 0.06;
+
+/// A part that is turned by less than this, radians, is pushed along the axes that it had at the start.
+pub const LITTLE_TURN: f64 = 0.1;
+
+/// Between two places where a push is tried for openings beside it, in lengths of the tool. Shorter: narrower openings are found.
+pub const SAMPLE_STEP: f64 = 0.02;
+
+/// The same of a turn, radians: a degree. A part fits into a slot with a play of a hundredth of its radius.
+pub const SAMPLE_ANGLE: f64 = 0.017_453_292_519_943_295;
+
+/// Most places of one push.
+pub const MOST_SAMPLES: usize = 180;
+
+/// How far it is pushed there, in lengths of the tool: into an opening, and not all the way.
+pub const PROBE: f64 = 0.25;
+
+/// Where on that it is looked whether it collides. More: fewer openings behind thin walls are tried in vain.
+pub const PROBED: [f64; 6] = [0.031, 0.0625, 0.125, 0.25, 0.5, 1.0];
+
+/// Pushes are alone for as much work, in collisions: then trees grow beside them. More: later where only a tree finds a way.
+pub const YOUNG: u64 = 15_000;
+
+/// A cast counts as so many collisions.
+pub const WORK_OF_A_CAST: u64 = 16;
+
+/// What it goes farther than beside, as a share of that, where there is an opening.
+pub const LEAST_OPENING: f64 = 0.1;
+
+/// Casts that pushes have in a round, beside those of the trees. More: where only a tree finds a way it is found later.
+pub const PUSH_CASTS: u64 = 128;
+
+/// Pieces into which a quarter of a turn is cut where it is told by poses: few first, then more until these are free, too.
+pub const PIECES: [usize; 4] = [1, 4, 16, 64];
+
 // Trees.
 
 /// How many trees there are: each thread takes some. Fixed, so that the answer does not depend on the threads.

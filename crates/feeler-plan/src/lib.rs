@@ -5,6 +5,7 @@
 
 mod blocked;
 mod constants;
+mod eigen;
 mod error;
 mod random;
 mod removal;

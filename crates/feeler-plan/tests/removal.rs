@@ -55,7 +55,7 @@ impl Assembly {
     fn remove(&self, part: usize, change: impl FnOnce(&mut RemovalTask)) -> Removal {
         let mut task = self.task(part);
         change(&mut task);
-        removal_in(&self.rest(part), &task, 150)
+        removal_in(&self.rest(part), &task, 15_000)
     }
 
     /// Whether a part meets nothing at many poses along a way, by the exact test; but for some parts.
@@ -69,7 +69,7 @@ impl Assembly {
     }
 }
 
-/// With time for so many directions and rounds.
+/// With time for so many directions, pushes and extensions of trees.
 fn removal_in(solver: &ContactSolver, task: &RemovalTask, rounds: u32) -> Removal {
     let asked = AtomicU32::new(0);
     removal(solver, task, &|_, _| true, &|| asked.fetch_add(1, Ordering::Relaxed) < rounds).unwrap()
@@ -213,11 +213,11 @@ fn so_many_metres_of_overlap_are_allowed() {
 }
 
 #[test]
-fn around_a_corner_it_takes_a_tree_and_the_way_is_free() {
+fn around_a_corner_it_takes_pushes_and_the_way_is_free() {
     let assembly = duct(true);
     for seed in 0..4 {
         let found = assembly.remove(0, |task| task.seed = seed);
-        assert!(matches!(found.method, Some(Method::Tree(_))), "{seed} {found:?}");
+        assert!(found.method == Some(Method::Pushes), "{seed} {found:?}");
         assert_eq!(found.poses[0], Pose::IDENTITY);
         assert!(assembly.is_free(0, &found.poses, &[]), "{seed}");
         assert!(found.clearance > 0.0 && found.path_length > 0.12 && found.path_length < 0.3, "{found:?}");

@@ -39,6 +39,7 @@ fn as_dict(py: Python<'_>, found: &Removal) -> PyResult<Py<PyDict>> {
         None => "none".to_string(),
         Some(Method::Out) => "out".to_string(),
         Some(Method::Straight) => "straight".to_string(),
+        Some(Method::Pushes) => "pushes".to_string(),
         Some(Method::Tree(number)) => format!("tree {number}"),
     };
     dict.set_item("method", method)?;

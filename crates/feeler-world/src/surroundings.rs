@@ -253,6 +253,22 @@ impl Surroundings {
         })
     }
 
+    /// The parts of which [`is_colliding`](Self::is_colliding) is true, by their numbers in the mock-up; each once.
+    pub fn colliding_parts(&self, seated: &Seated, pose: &Pose) -> Vec<u32> {
+        let mut parts = Vec::new();
+        for (body, asked) in self.environment.bodies.iter().zip(&seated.bodies) {
+            let smaller = asked.smaller.iter().map(|part| (&part.solver, &part.tool));
+            for (solver, tool) in [(&asked.ordinary, &self.tool)].into_iter().chain(smaller) {
+                let scene = solver.scene();
+                let met = scene.collide(tool, pose).pairs;
+                parts.extend(met.iter().map(|[_, face]| body.part_in_mockup(scene.mockup().part_of_face(*face))));
+            }
+        }
+        parts.sort_unstable();
+        parts.dedup();
+        parts
+    }
+
     /// A pair `[tool part, part]` of a body at the start.
     pub(crate) fn seat_of(&self, body: usize, pair: [u32; 2]) -> Option<&Seat> {
         self.makings[body].seats.iter().find(|seat| [seat.tool_part, seat.part] == pair)

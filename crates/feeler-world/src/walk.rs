@@ -95,15 +95,25 @@ impl Surroundings {
         care: Care<'_>,
         span: &mut dyn FnMut(Span),
     ) -> Result<Walk> {
-        let whole = Motion::new(&self.tool, from, to);
+        self.walk_along(seated, &Motion::new(&self.tool, from, to), care, span)
+    }
+
+    /// The same along any motion of the tool.
+    pub fn walk_along(
+        &self,
+        seated: &Arc<Seated>,
+        whole: &Motion,
+        care: Care<'_>,
+        span: &mut dyn FnMut(Span),
+    ) -> Result<Walk> {
+        let to = whole.end();
         let (mut seated, mut done, mut casts) = (seated.clone(), 0.0, 0);
         loop {
-            let here = whole.at(done);
+            let motion = whole.rest(&self.tool, done)?;
             // Also of a motion that ends before it is cast: a search that is bounded by casts ends.
             casts += 1;
-            let part = self.part(&seated, (&here, to), care)?;
-            let motion = Motion::new(&self.tool, &here, to);
-            span(Span { seated: seated.clone(), from: here, to: motion.at(part.fraction) });
+            let part = self.part(&seated, &motion, care)?;
+            span(Span { seated: seated.clone(), from: motion.at(0.0), to: motion.at(part.fraction) });
             done = if part.fraction < 1.0 { done + (1.0 - done) * part.fraction } else { 1.0 };
             match part.end {
                 End::Arrived => return Ok(Walk { pose: *to, fraction: 1.0, seated, stop: None, casts }),
@@ -121,14 +131,13 @@ impl Surroundings {
     }
 
     /// The same until a seat parts.
-    fn part(&self, seated: &Arc<Seated>, (from, to): (&Pose, &Pose), care: Care<'_>) -> Result<Part> {
+    fn part(&self, seated: &Arc<Seated>, motion: &Motion, care: Care<'_>) -> Result<Part> {
         let tool = &self.tool;
-        let motion = Motion::new(tool, from, to);
         let mut first: Option<(f64, Stop)> = None;
         let stopped = |fraction: f64, stop: Stop| Ok(Part { fraction, end: End::Stopped(stop) });
         for (number, asked) in seated.bodies.iter().enumerate() {
             for part in &asked.smaller {
-                let cast = self.cast_of_smaller(part, &motion, (from, to), care)?;
+                let cast = self.cast_of_smaller(part, motion, care)?;
                 let end = cast.map(|(fraction, pair)| (fraction, self.stop_of_smaller(number, part.seat, pair)));
                 first = earlier(first, end);
             }
@@ -152,12 +161,12 @@ impl Surroundings {
         let mut meets: Option<f64> = None;
         for (number, asked) in seated.bodies.iter().enumerate() {
             let scene = asked.ordinary.scene();
-            if self.overlap > 0.0 && scene.is_colliding(tool, from) {
+            if self.overlap > 0.0 && scene.is_colliding(tool, &motion.at(0.0)) {
                 // Followed in steps below.
                 meets = Some(0.0);
                 continue;
             }
-            let Some(cast) = scene.cast_beside(tool, from, to, care.tolerance, care.beside)? else { continue };
+            let Some(cast) = scene.cast_beside(tool, motion, care.tolerance, care.beside)? else { continue };
             if self.overlap > 0.0 {
                 meets = Some(meets.map_or(cast.fraction, |meets| meets.min(cast.fraction)));
             } else {
@@ -169,7 +178,7 @@ impl Surroundings {
         }
         let (mut end, mut stop) = first.map_or((1.0, None), |(end, stop)| (end, Some(stop)));
         if self.clearance > 0.0 {
-            if let Some((fraction, near)) = self.leaves_clearance(seated, &motion, end)? {
+            if let Some((fraction, near)) = self.leaves_clearance(seated, motion, end)? {
                 (end, stop) = (fraction, Some(near));
             }
         }
@@ -198,7 +207,7 @@ impl Surroundings {
         match stop {
             Some(stop) => stopped(end, stop),
             None => {
-                let left = self.left_at(seated, to)?;
+                let left = self.left_at(seated, motion.end())?;
                 Ok(Part { fraction: 1.0, end: left.map_or(End::Arrived, End::Parted) })
             }
         }
@@ -299,14 +308,9 @@ impl Surroundings {
     }
 
     /// When a smaller part first meets its neighbour, and which triangle of it. It ends where the next motion may begin.
-    fn cast_of_smaller(
-        &self,
-        part: &SmallerPart,
-        motion: &Motion,
-        (from, to): (&Pose, &Pose),
-        care: Care<'_>,
-    ) -> Result<Option<(f64, [u32; 2])>> {
-        let cast = part.solver.scene().cast_beside(&part.tool, from, to, SEAT_CAST, care.beside)?;
+    fn cast_of_smaller(&self, part: &SmallerPart, motion: &Motion, care: Care<'_>) -> Result<Option<(f64, [u32; 2])>> {
+        let own = motion.of_tool(&part.tool)?;
+        let cast = part.solver.scene().cast_beside(&part.tool, &own, SEAT_CAST, care.beside)?;
         // The next one begins clearly off what ended this.
         let before = |fraction: f64| (fraction - SEAT_REST / motion.longest_way()).max(0.0);
         Ok(cast.map(|cast| (before(cast.fraction), [cast.tool_triangle, cast.mockup_triangle])))

@@ -44,7 +44,8 @@ class Certificate:
 
     seed: int
     method: str
-    """How the way was found: "straight", "tree 3" (of random trees, by number), "out" (it was out already), "none"."""
+    """How the way was found: "straight", "pushes", "tree 3" (of random trees, by number), "out" (it was out already),
+    "none"."""
     casts: int
     """Motions that were followed."""
     versions: tuple[tuple[str, str], ...]

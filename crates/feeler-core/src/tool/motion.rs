@@ -16,7 +16,7 @@ use crate::error::Result;
 use crate::geometry::bounds::{Aabb, Point, Triangle};
 use crate::geometry::pose::Pose;
 use crate::geometry::twist::{product, times, transposed, turn, Matrix};
-use crate::geometry::vectors::{add, any_length, cross, dot, largest, length, scaled, sub};
+use crate::geometry::vectors::{add, any_length, cross, dot, largest, length, scaled, sub, unit};
 use crate::tool::moving_tool::Tool;
 use crate::tool::screw::{Leg, Screw};
 
@@ -40,6 +40,8 @@ pub struct Motion {
     axis_in_tool: Point,
     /// By what share of its distance from the pivot a point may be farther from the axis than it is in the tool's frame.
     slack: f64,
+    /// Along which it is; `None` from pose to pose.
+    screw: Option<Screw>,
     /// What the given matrices have beyond a rotation.
     beyond: [Matrix; 2],
     /// Bounds for the whole tool, metres: distance from the axis, displacement by `beyond`, rounding per axis.
@@ -109,6 +111,7 @@ impl Way {
             angle,
             axis_in_tool,
             slack,
+            screw: None,
             beyond,
             reach: reach * (1.0 + ARC_ROUNDING),
             bend: bend * (1.0 + ARC_ROUNDING),
@@ -169,6 +172,7 @@ impl Motion {
         let mut motion = way.motion(tool, [*pose, end], translation);
         // The sine of a large angle is known to as many roundings less.
         motion.rounding += MOTION_ROUNDOFFS * UNIT_ROUNDOFF * angle * motion.reach;
+        motion.screw = Some(*screw);
         Ok(motion)
     }
 
@@ -185,6 +189,41 @@ impl Motion {
             motions.push(motion);
         }
         Ok(motions)
+    }
+
+    /// The same of another tool with the same [pivot](Tool::pivot). Errors as [`screw`](Self::screw).
+    pub fn of_tool(&self, tool: &Tool) -> Result<Motion> {
+        match &self.screw {
+            Some(screw) => Motion::screw(tool, &self.ends[0], screw),
+            None => Ok(Motion::new(tool, &self.ends[0], &self.ends[1])),
+        }
+    }
+
+    /// It until a time. Errors as [`screw`](Self::screw).
+    pub fn until(&self, tool: &Tool, time: f64) -> Result<Motion> {
+        match &self.screw {
+            Some(screw) => Motion::screw(tool, &self.ends[0], &screw.share(time)),
+            None => Ok(Motion::new(tool, &self.ends[0], &self.at(time))),
+        }
+    }
+
+    /// By how much it turns, radians, not negative.
+    pub fn angle(&self) -> f64 {
+        self.angle
+    }
+
+    /// Along which it moves where it does not turn, unit, world; `None` where it does.
+    pub fn direction(&self) -> Option<Point> {
+        unit(&self.velocity).filter(|_| self.angle * self.reach <= self.rounding)
+    }
+
+    /// What is left of it from a time on. Errors as [`screw`](Self::screw).
+    pub fn rest(&self, tool: &Tool, time: f64) -> Result<Motion> {
+        let here = self.at(time);
+        match &self.screw {
+            Some(screw) => Motion::screw(tool, &here, &screw.share(1.0 - time)),
+            None => Ok(Motion::new(tool, &here, &self.ends[1])),
+        }
     }
 
     /// The pose at a time from 0 to 1: the given ones at both ends.

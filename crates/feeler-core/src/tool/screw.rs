@@ -81,6 +81,11 @@ impl Screw {
         Pose::unchecked(product(&turned, pose.rotation()), place).translated(&[0.0; 3])
     }
 
+    /// A share of it, from 0 to 1.
+    pub fn share(&self, share: f64) -> Screw {
+        Screw { angle: self.angle * share, ..*self }
+    }
+
     /// The way back.
     pub fn reversed(&self) -> Screw {
         Screw { angle: -self.angle, ..*self }

@@ -4,6 +4,7 @@ use feeler_core::geometry::vectors::{add, cross, dot, length, scaled, sub, unit}
 use feeler_core::{Point, Tool};
 
 use crate::constants::{DIRECTION_MARGIN, MOST_DIRECTIONS, MOST_NORMALS, OPPOSING_SHARE, SAME_DIRECTION};
+use crate::eigen::eigenvectors;
 use crate::error::Result;
 use feeler_world::Surroundings;
 
@@ -55,11 +56,12 @@ impl Wall {
 }
 
 /// Units, none twice.
-#[derive(Default)]
-struct Distinct(Vec<Point>);
+#[derive(Debug, Default)]
+pub struct Distinct(pub Vec<Point>);
 
 impl Distinct {
-    fn push(&mut self, direction: &Point) {
+    /// Of any length.
+    pub fn push(&mut self, direction: &Point) {
         // Rounding along an axis of the world would lead off a plane that is along it.
         let Some(direction) = unit(direction).map(|d| d.map(|x| if x.abs() < 1e-9 { 0.0 } else { x })) else { return };
         if self.0.iter().all(|known| dot(known, &direction) < SAME_DIRECTION) {
@@ -67,7 +69,17 @@ impl Distinct {
         }
     }
 
-    fn push_both(&mut self, direction: &Point) {
+    /// Of any length, unless its opposite is there.
+    pub fn push_unsigned(&mut self, direction: &Point) {
+        if let Some(opposite) = unit(&scaled(direction, -1.0)) {
+            if self.0.iter().all(|known| dot(known, &opposite) < SAME_DIRECTION) {
+                self.push(direction);
+            }
+        }
+    }
+
+    /// Both ways, unless it is next to nothing.
+    pub fn push_both(&mut self, direction: &Point) {
         if length(direction) > 1e-6 {
             self.push(direction);
             self.push(&scaled(direction, -1.0));
@@ -75,12 +87,22 @@ impl Distinct {
     }
 }
 
-fn turned(rotation: &[[f64; 3]; 3], axis: &Point) -> Point {
+pub fn turned(rotation: &[[f64; 3]; 3], axis: &Point) -> Point {
     rotation.map(|row| dot(&row, axis))
 }
 
 /// The principal axes of the faces' normals, among which are those of cylinders, and of the area; tool frame.
 fn own_axes(tool: &Tool) -> Vec<Point> {
+    moments(tool).iter().flat_map(|moments| eigenvectors(moments).1).collect()
+}
+
+/// The principal axes of the faces' normals alone, with their moments.
+pub fn faces_axes(tool: &Tool) -> ([f64; 3], [Point; 3]) {
+    eigenvectors(&moments(tool)[0])
+}
+
+/// The second moments of the faces' normals, and of the area, tool frame.
+fn moments(tool: &Tool) -> [[[f64; 3]; 3]; 2] {
     let mesh = tool.mesh();
     let (mut area, mut first) = (0.0, [0.0; 3]);
     for t in mesh.queried() {
@@ -103,52 +125,5 @@ fn own_axes(tool: &Tool) -> Vec<Point> {
             }
         }
     }
-    [faces, places].iter().flat_map(principal_axes).collect()
-}
-
-/// The eigenvectors of a symmetric matrix, by Jacobi's rotations.
-fn principal_axes(matrix: &[[f64; 3]; 3]) -> [Point; 3] {
-    const SWEEPS: usize = 12;
-    let (mut m, mut axes) = (*matrix, [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
-    for _ in 0..SWEEPS {
-        for (p, q) in [(0, 1), (0, 2), (1, 2)] {
-            if m[p][q].abs() <= 1e-15 * (m[p][p].abs() + m[q][q].abs()) {
-                continue;
-            }
-            let theta = (m[q][q] - m[p][p]) / (2.0 * m[p][q]);
-            let t = theta.signum() / (theta.abs() + (theta * theta + 1.0).sqrt());
-            let c = 1.0 / (t * t + 1.0).sqrt();
-            let s = t * c;
-            for k in 0..3 {
-                (m[k][p], m[k][q]) = (c * m[k][p] - s * m[k][q], s * m[k][p] + c * m[k][q]);
-            }
-            for k in 0..3 {
-                (m[p][k], m[q][k]) = (c * m[p][k] - s * m[q][k], s * m[p][k] + c * m[q][k]);
-            }
-            // The axes are rows.
-            for k in 0..3 {
-                (axes[p][k], axes[q][k]) = (c * axes[p][k] - s * axes[q][k], s * axes[p][k] + c * axes[q][k]);
-            }
-        }
-    }
-    axes
-}
-
-#[cfg(test)]
-mod tests {
-    use feeler_shapes::cylinder;
-
-    use super::*;
-
-    #[test]
-    fn the_axis_of_a_cylinder_is_among_a_parts_own_axes() {
-        let (vertices, faces) = cylinder(0.01, 0.01, 24, 3);
-        let along = unit(&[0.3, -0.5, 0.8]).unwrap();
-        // x to `along`, by two reflections.
-        let mirror = |p: &Point, n: &Point| sub(p, &scaled(n, 2.0 * dot(p, n) / dot(n, n)));
-        let half = sub(&along, &[1.0, 0.0, 0.0]);
-        let vertices = vertices.iter().map(|p| mirror(&mirror(p, &[0.0, 1.0, 0.0]), &half)).collect();
-        let tool = Tool::new(vertices, faces).unwrap();
-        assert!(own_axes(&tool).iter().any(|axis| dot(axis, &along).abs() > 1.0 - 1e-9));
-    }
+    [faces, places]
 }

@@ -1,12 +1,15 @@
 //! How a part comes out of a mock-up.
 //!
-//! Straight ways first, along directions that the contacts and the shapes suggest; then random trees. What is given was verified; where
+//! Straight ways first, along directions that the contacts and the shapes suggest; then pushes as a person tries them, and random trees. What is given was verified; where
 //! nothing is found it says what was in the way, and never that there is none.
 
 mod directions;
+mod pushes;
+mod shape;
 mod shortcut;
 mod straight;
 mod tree;
+mod twists;
 mod verify;
 
 use std::sync::Arc;
@@ -19,12 +22,13 @@ use feeler_core::geometry::vectors::{length, unit};
 use feeler_core::{Point, Pose, Progress, Tool};
 
 use self::directions::directions;
+use self::pushes::{poses_of, Pushes};
 use self::shortcut::shortened;
 use self::straight::straight_way;
 use self::tree::Tree;
 use self::verify::{verified, Verified};
 use crate::blocked::{Blocker, Tally};
-use crate::constants::{ROUND_CASTS, TREES};
+use crate::constants::{PIECES, PUSH_CASTS, ROUND_CASTS, TREES};
 use crate::error::{Error, Result};
 use feeler_world::{Allowed, Body, Environment, Surroundings};
 
@@ -54,6 +58,8 @@ pub enum Method {
     Out,
     /// Straight.
     Straight,
+    /// By pushes as a person tries them.
+    Pushes,
     /// By a random tree, of this number.
     Tree(u64),
 }
@@ -120,20 +126,51 @@ pub fn removal(
     if let Some(way) = straight_way(&surroundings, (&first, &others, &walls), &mut tally, &goes_on)? {
         return told(&surroundings, Ok((Method::Straight, way)), &tally);
     }
+    let mut pushes = Pushes::new(&surroundings, &first, &others);
     let directions: Vec<Point> = first.into_iter().chain(others).collect();
     let mut trees: Vec<Tree> = (0..TREES).map(|tree| Tree::new(&surroundings, &directions, task.seed, tree)).collect();
     let found = loop {
-        report(0.0, "random trees")?;
+        report(0.0, if pushes.is_young() { "pushes" } else { "pushes and random trees" })?;
         if !has_time() {
             break None;
         }
-        trees.par_iter_mut().try_for_each(|tree| tree.grow(ROUND_CASTS))?;
+        if pushes.is_young() {
+            pushes.grow(PUSH_CASTS, has_time)?;
+        } else {
+            let (by_pushes, by_trees) = rayon::join(
+                || pushes.grow(PUSH_CASTS, has_time),
+                || trees.par_iter_mut().try_for_each(|tree| tree.grow(ROUND_CASTS, has_time)),
+            );
+            by_pushes.and(by_trees)?;
+        }
+        if let Some(found) = pushed_way(&surroundings, task.seed, &mut pushes)? {
+            break Some(found);
+        }
         if let Some(found) = first_way(&surroundings, task.seed, &mut trees)? {
             break Some(found);
         }
     };
+    tally.add(&pushes.tally);
     trees.iter().for_each(|tree| tally.add(&tree.tally));
     told(&surroundings, found.ok_or(true), &tally)
+}
+
+/// The way by pushes. One that is not free by finer steps is forgotten, and others are tried.
+fn pushed_way(surroundings: &Surroundings, seed: u64, pushes: &mut Pushes<'_>) -> Result<Option<(Method, Verified)>> {
+    let Some(motions) = pushes.way.take() else { return Ok(None) };
+    let mut tally = Tally::default();
+    for pieces in PIECES {
+        let poses = poses_of(surroundings.start(), &motions, pieces);
+        if let Some(way) = verified(surroundings, poses.clone(), &mut tally)? {
+            let short = shortened(surroundings, poses, seed, &mut tally)?;
+            let way = verified(surroundings, short, &mut tally)?.unwrap_or(way);
+            pushes.tally.casts += tally.casts;
+            let is_straight = way.poses.len() == 2 && motions.iter().all(|motion| motion.direction().is_some());
+            return Ok(Some((if is_straight { Method::Straight } else { Method::Pushes }, way)));
+        }
+    }
+    pushes.tally.casts += tally.casts;
+    Ok(None)
 }
 
 /// The way of the tree with the least number that has one. One that is not free by finer steps is forgotten, and its tree grows on.

@@ -9,7 +9,8 @@ use crate::error::Result;
 use feeler_world::{Care, Surroundings};
 
 /// The poses of the first straight way out that is free, verified: along one of the caller's directions, or else along one of those
-/// that contacts and shapes suggest. Ways that no contact plane opposes come first, and of each kind the shorter.
+/// that contacts and shapes suggest and no contact plane opposes; the shorter first. What a plane opposes is left to the pushes: each is
+/// a cast, which along surfaces takes long, and mostly it ends at once.
 pub fn straight_way(
     surroundings: &Surroundings,
     (first, others, walls): (&[Point], &[Point], &[Wall]),
@@ -17,11 +18,12 @@ pub fn straight_way(
     goes_on: &dyn Fn() -> Result<bool>,
 ) -> Result<Option<Verified>> {
     let (start, seated) = (*surroundings.start(), surroundings.seated_at_start());
-    let mut try_all = |directions: &[Point]| -> Result<Option<Verified>> {
+    let mut try_all = |directions: &[Point], opposed_too: bool| -> Result<Option<Verified>> {
         let mut ways: Vec<(f64, &Point)> =
             directions.iter().map(|direction| (surroundings.way_out(&start, direction), direction)).collect();
         ways.retain(|(length, _)| length.is_finite());
         let opposed = |(length, direction): &(f64, &Point)| walls.iter().any(|wall| wall.opposes(direction, *length));
+        ways.retain(|way| opposed_too || !opposed(way));
         ways.sort_by(|a, b| opposed(a).cmp(&opposed(b)).then(a.0.total_cmp(&b.0)));
         for (length, direction) in ways {
             if !goes_on()? {
@@ -42,8 +44,8 @@ pub fn straight_way(
         }
         Ok(None)
     };
-    if let Some(way) = try_all(first)? {
+    if let Some(way) = try_all(first, true)? {
         return Ok(Some(way));
     }
-    try_all(others)
+    try_all(others, false)
 }

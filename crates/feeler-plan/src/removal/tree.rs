@@ -80,10 +80,10 @@ impl<'a> Tree<'a> {
         tree
     }
 
-    /// Grows by so many casts, or until a way is found.
-    pub fn grow(&mut self, casts: u64) -> Result<()> {
+    /// Grows by so many casts, until a way is found, or for as long as it goes on.
+    pub fn grow(&mut self, casts: u64, goes_on: &(dyn Fn() -> bool + Sync)) -> Result<()> {
         let until = self.tally.casts + casts;
-        while self.way.is_none() && self.tally.casts < until {
+        while self.way.is_none() && self.tally.casts < until && goes_on() {
             if self.nodes.len() as u64 > NODES_A_LIFE * luby(self.lives) {
                 self.nodes.truncate(1);
                 self.lives += 1;
