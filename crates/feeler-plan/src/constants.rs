@@ -48,6 +48,9 @@ pub const MOST_CYLINDER_EDGES: usize = 200;
 /// Contact planes whose normals a node is pushed along, too.
 pub const MOST_TOUCHED: usize = 4;
 
+/// Most poses of a search by pushes: with what is to be tried from them they take tens of megabytes.
+pub const MOST_NODES: usize = 8192;
+
 /// Most twists that contacts leave free which are followed: the space has at most six dimensions.
 pub const MOST_TWISTS: usize = 4;
 

@@ -33,7 +33,7 @@ impl Screw {
                 return Err(fault(what, *value, finite));
             }
         }
-        if !(angle.abs() <= MOST_TURNS * TAU) {
+        if angle.is_nan() || angle.abs() > MOST_TURNS * TAU {
             return Err(fault("angle", angle, "radians, at most a thousand turns"));
         }
         let axis = unit(axis).ok_or_else(|| fault("axis", 0.0, "a direction that is not zero"))?;

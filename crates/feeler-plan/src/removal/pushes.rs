@@ -17,8 +17,8 @@ use super::twists::{footholds, Axis, Footholds};
 use crate::blocked::Tally;
 use crate::constants::{
     DIRECTION_MARGIN, LEAST_LEVEL, LEAST_OPENING, LEAST_PUSH, LEAST_SCAN, LEAST_TURN, LITTLE_TURN, LONG_PUSH,
-    MOST_AXES, MOST_SAMPLES, MOST_THREADED, MOST_TOUCHED, MOST_TURNS_OF_A_THREAD, NEXT_LEVEL, PROBE, PROBED,
-    SAME_PLACE, SAMPLE_ANGLE, SAMPLE_STEP, SLIDE_SKIN, WORK_OF_A_CAST, YOUNG,
+    MOST_AXES, MOST_NODES, MOST_SAMPLES, MOST_THREADED, MOST_TOUCHED, MOST_TURNS_OF_A_THREAD, NEXT_LEVEL, PROBE,
+    PROBED, SAME_PLACE, SAMPLE_ANGLE, SAMPLE_STEP, SLIDE_SKIN, WORK_OF_A_CAST, YOUNG,
 };
 use crate::error::Result;
 use feeler_world::{Care, Seated, Surroundings};
@@ -208,7 +208,7 @@ impl<'a> Pushes<'a> {
     }
 
     fn push(&mut self, (pose, seated): (Pose, Arc<Seated>), parent: usize, motions: Vec<Motion>) {
-        if self.nodes.iter().any(|node| self.is_same(&node.pose, &pose)) {
+        if self.nodes.len() >= MOST_NODES || self.nodes.iter().any(|node| self.is_same(&node.pose, &pose)) {
             return;
         }
         let moved: f64 = motions.iter().map(Motion::longest_way).sum();
