@@ -137,7 +137,8 @@ RUST_ROOMS: dict[str, dict[str, set[str]]] = {
         # Who stopped the tool.
         "blocked": {"constants"},
         "random": set(),
-        "removal": {"constants", "error", "random", "blocked"},
+        "eigen": set(),
+        "removal": {"constants", "eigen", "error", "random", "blocked"},
         # The volume of a motion.
         "swept": {"constants"},
     },
