@@ -1,5 +1,7 @@
-"""The sample gearbox judged by others: manifold3d says which parts share volume, coal how near they are, which ways are
-free and how far wrenches swing; distances of triangles say that no part touches itself. The tests use its functions.
+"""The sample gearbox judged by others: manifold3d says which parts share volume, coal how near they are, which plays
+are drawn, which ways are free and how far wrenches swing; distances of triangles say that no part touches itself.
+
+The tests use its functions.
 
     python bench/gearbox_judge.py [SEED ...]
 """
@@ -20,7 +22,7 @@ import numpy as np
 import numpy.typing as npt
 from mesh_contacts import self_contacts
 
-from feeler.samples.accessory import Fastener, Fault, Fit, Leg, Step, Truth
+from feeler.samples.accessory import FAULTS, Fastener, Fault, Fit, Leg, Step, Truth
 from feeler.samples.accessory.assembly import Assembly, Part
 from feeler.samples.accessory.build import build
 from feeler.samples.accessory.sample import ROOT, placed_mesh, placed_meshes, truth_of, volume
@@ -35,7 +37,7 @@ Floats = npt.NDArray[np.float64]
 GRID_M = 1e-6
 """Vertices are rounded to half a micrometre: surfaces are no better known than this."""
 LEAST_GAP_M = 2e-4
-SIZES = (40_000, 55_000, 70_000, 200_000)
+SIZES = (40_000, 200_000)
 STEP_M = 2.5e-3
 """Between the poses at which a way is sampled."""
 EASE_MM = 0.12
@@ -44,6 +46,8 @@ FLUSH_MM3 = 0.02
 """Volume that parts which slide on each other may share, from rounding."""
 FINE_MM = 0.002
 """The chord at which plays and presses are measured: less than the least of them, 3 um."""
+MOST = 20
+"""Of the pairs of one kind and play that `main` measures: more takes longer, and they are drawn by the same lines."""
 LIFT_M = 0.7e-3
 """How far parts that are flush are pulled apart, so that the play of their cylinders is the least gap: more than it."""
 RULE_M = 5e-3
@@ -514,6 +518,16 @@ def near_pipes(drawn: Drawn) -> list[set[str]]:
     return [set(pair) for pair, gap in gaps(drawn, RULE_M, pipes).items() if gap < RULE_M]
 
 
+def wrong_faults(seed: int, triangles: int = 44_000) -> list[str]:
+    """What is wrong with faults that are planted two and two, and all at once."""
+    clean = of_sample(triangles, seed)
+    out = [f"{set(pair)} are nearer than the rule for pipes" for pair in near_pipes(clean)]
+    for names in (*itertools.combinations(FAULTS, 2), tuple(FAULTS)):
+        faulty = of_sample(triangles, seed, names)
+        out += [f"faults {names}: {each}" for each in unplanned(faulty, clean) + wrong_values(faulty)]
+    return out
+
+
 def touching(triangles: int, seed: int = 0, makes: Iterable[str] = ()) -> list[str]:
     """Parts that come nearer to themselves than a micrometre, one of each shape; `makes`: only what these draw."""
     found, seen, wanted = [], set(), set(makes)
@@ -540,10 +554,13 @@ def main(seeds: list[int]) -> int:
             print(f"seed {seed}, {triangles} triangles: {len(least)} others keep {gap * 1e3:.3f} mm: {pair}")
             wrong += too_deep(drawn) + touching(triangles, seed)
             wrong += [f"{pair} is nearer than {LEAST_GAP_M}"] if gap < LEAST_GAP_M else []
+        wrong += Fits(seed).wrong(most=MOST) + wrong_faults(seed)
         ways = Ways(eased(seed))
         for step in ways.truth.steps:
             if step.rigid and (found := ways.blocked(step)):
                 wrong.append(f"{step.parts[0]} is blocked by {found}")
+            if step.rigid and step.removes and (idle := ways.superfluous(step)):
+                wrong.append(f"{step.parts[0]} waits for {idle} without need")
         for fastener in ways.truth.fasteners:
             if fastener.tool == "open-end wrench":
                 free = ways.swing(fastener)

@@ -101,7 +101,7 @@ def input_drive(shop: Workshop) -> None:
         (seat + 1.0, 94.0 - zero),
     )
     holes = tuple((x, y, m.through / 2.0 + cut.ease) for x, y in INPUT_BOLTS)
-    wide = tuple((x, y, m.through / 2.0 + GASKET_ROOM) for x, y in INPUT_BOLTS)
+    loose = tuple((x, y, m.through / 2.0 + GASKET_ROOM) for x, y in INPUT_BOLTS)
     cartridge = asm.add(f"{group}/cartridge", "cast aluminium", flanged, shape, 9.0, up, down, bore, holes, pose=pose)
     seal = asm.add(
         f"{group}/gasket",
@@ -110,7 +110,7 @@ def input_drive(shop: Workshop) -> None:
         shape,
         27.5,
         GASKET,
-        wide,
+        loose,
         pose=base,
     )
     asm.flush(cartridge, seal, rear)

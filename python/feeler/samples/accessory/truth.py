@@ -78,8 +78,8 @@ class Fastener:
     axis: Vector
     """Outwards, from where the tool comes."""
     swing_rad: float
-    """A swing of the tool that is free: a full turn for sockets and keys; for an open-end wrench at least so much, which
-    may be less than its largest swing: the figure is the least of several seeds. A wrench is about nine flats long and loosens counter-clockwise; 60
+    """A swing of the tool that is free: a full turn for sockets and keys. For an open-end wrench it is a lower bound of
+    the largest swing: the least of several seeds. A wrench is about nine flats long and loosens counter-clockwise; 60
     degrees take it from flat to flat."""
     holds: tuple[str, ...]
 
