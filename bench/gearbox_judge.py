@@ -46,6 +46,8 @@ FLUSH_MM3 = 0.02
 """Volume that parts which slide on each other may share, from rounding."""
 FINE_MM = 0.002
 """The chord at which plays and presses are measured: less than the least of them, 3 um."""
+POINTS = 2000
+"""At which the depth of a press is measured: fewer, and the deepest may be missed; more takes longer."""
 MOST = 20
 """Of the pairs of one kind and play that `main` measures: more takes longer, and they are drawn by the same lines."""
 LIFT_M = 0.7e-3
@@ -133,16 +135,17 @@ def bvh(mesh: Mesh) -> Any:
     return made
 
 
-def depth(a: Mesh, b: Mesh) -> float:
+def depth(a: Mesh, b: Mesh, most: int | None = None) -> float:
     """How deep two parts are in each other, metres: what they share is on the face of one, so far from the other's.
 
-    Taken at the corners of what they share, and on its edges.
+    Taken at the corners of what they share, and on its edges; at about `most` of these points.
     """
     shared = (manifold(a) ^ manifold(b)).to_mesh64()
     corners = np.asarray(shared.vert_properties)[:, :3] * 1e-3
     edges = np.unique(np.sort(np.asarray(shared.tri_verts)[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0)
     start, end = corners[edges[:, 0].astype(np.int64)], corners[edges[:, 1].astype(np.int64)]
     points = np.concatenate([corners, *(start + (end - start) * share for share in (0.25, 0.5, 0.75))])
+    points = points[:: max(1, len(points) // most)] if most else points
     deepest, dot, here = 0.0, coal.Sphere(1e-9), coal.Transform3s()
     for solid in (bvh(a), bvh(b)):
         for p in points:
@@ -233,7 +236,7 @@ class Fits:
             if fit.play_m > 0.0:
                 drawn, chords = self.gap(fit), self.chord
             else:
-                drawn = -depth(self.mesh(fit.a), self.mesh(fit.b))
+                drawn = -depth(self.mesh(fit.a), self.mesh(fit.b), POINTS)
                 chords = max(self.chord, fit.deepest_m + fit.play_m)
             if abs(drawn - fit.play_m) > chords + GRID_M:
                 named = f"named {fit.play_m * 1e6:.1f} um, drawn {drawn * 1e6:.1f}"
