@@ -1,11 +1,15 @@
-"""The sample gearbox judged by others: manifold3d says which parts share volume, coal how near they are, which ways are
-free and how far wrenches swing; distances of triangles say that no part touches itself. The tests use its functions.
+"""The sample gearbox judged by others: manifold3d says which parts share volume, coal how near they are, which plays
+are drawn, which ways are free and how far wrenches swing; distances of triangles say that no part touches itself.
+
+The tests use its functions.
 
     python bench/gearbox_judge.py [SEED ...]
 """
 
 from __future__ import annotations
 
+import dataclasses
+import itertools
 import sys
 import time
 from collections.abc import Iterable
@@ -18,10 +22,10 @@ import numpy as np
 import numpy.typing as npt
 from mesh_contacts import self_contacts
 
-from feeler.samples.accessory import Fastener, Leg, Step, Truth
+from feeler.samples.accessory import FAULTS, Fastener, Fault, Fit, Leg, Step, Truth
 from feeler.samples.accessory.assembly import Assembly, Part
 from feeler.samples.accessory.build import build
-from feeler.samples.accessory.sample import ROOT, placed_meshes, truth_of, volume
+from feeler.samples.accessory.sample import ROOT, placed_mesh, placed_meshes, truth_of, volume
 from feeler.samples.accessory.sample import Drawn as SampleDrawn
 from feeler.samples.accessory.solid import Cut
 from feeler.samples.mesh import Mesh
@@ -33,13 +37,23 @@ Floats = npt.NDArray[np.float64]
 GRID_M = 1e-6
 """Vertices are rounded to half a micrometre: surfaces are no better known than this."""
 LEAST_GAP_M = 2e-4
-SIZES = (40_000, 55_000, 70_000, 200_000)
+SIZES = (40_000, 200_000)
 STEP_M = 2.5e-3
 """Between the poses at which a way is sampled."""
 EASE_MM = 0.12
 """By how much holes are wider when ways are judged, so that facets and presses do not count."""
 FLUSH_MM3 = 0.02
 """Volume that parts which slide on each other may share, from rounding."""
+FINE_MM = 0.002
+"""The chord at which plays and presses are measured: less than the least of them, 3 um."""
+POINTS = 2000
+"""At which the depth of a press is measured: fewer, and the deepest may be missed; more takes longer."""
+MOST = 20
+"""Of the pairs of one kind and play that `main` measures: more takes longer, and they are drawn by the same lines."""
+LIFT_M = 0.7e-3
+"""How far parts that are flush are pulled apart, so that the play of their cylinders is the least gap: more than it."""
+RULE_M = 5e-3
+"""The clearance of pipes that the fault `too_near` breaks."""
 
 
 WRENCH_REACH = 9.0
@@ -121,16 +135,17 @@ def bvh(mesh: Mesh) -> Any:
     return made
 
 
-def depth(a: Mesh, b: Mesh) -> float:
+def depth(a: Mesh, b: Mesh, most: int | None = None) -> float:
     """How deep two parts are in each other, metres: what they share is on the face of one, so far from the other's.
 
-    Taken at the corners of what they share, and on its edges.
+    Taken at the corners of what they share, and on its edges; at about `most` of these points.
     """
     shared = (manifold(a) ^ manifold(b)).to_mesh64()
     corners = np.asarray(shared.vert_properties)[:, :3] * 1e-3
     edges = np.unique(np.sort(np.asarray(shared.tri_verts)[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0)
     start, end = corners[edges[:, 0].astype(np.int64)], corners[edges[:, 1].astype(np.int64)]
     points = np.concatenate([corners, *(start + (end - start) * share for share in (0.25, 0.5, 0.75))])
+    points = points[:: max(1, len(points) // most)] if most else points
     deepest, dot, here = 0.0, coal.Sphere(1e-9), coal.Transform3s()
     for solid in (bvh(a), bvh(b)):
         for p in points:
@@ -156,6 +171,77 @@ def gaps(drawn: Drawn, within: float, paths: Iterable[str] = ()) -> dict[tuple[s
             result = coal.DistanceResult()
             out[a, b] = float(coal.distance(models[a], here, models[b], here, coal.DistanceRequest(), result))
     return out
+
+
+# --- fits -------------------------------------------------------------------------------------------------------------
+
+
+class Fits:
+    """Whether pairs are drawn as their fits say, at a chord that is less than their plays."""
+
+    def __init__(self, seed: int = 0, chord_mm: float = FINE_MM) -> None:
+        self.asm, self.chord = build(Cut(chord_mm), seed), chord_mm * 1e-3
+        self.truth = truth_of(self.asm, dict.fromkeys(self.asm.parts, 0.0), seed)
+        self._meshes: dict[str, Mesh] = {}
+
+    def mesh(self, path: str) -> Mesh:
+        """A part in the world, metres."""
+        if path not in self._meshes:
+            self._meshes[path] = placed_mesh(self.asm, self.asm.parts[path.removeprefix(f"{ROOT}/")])
+        return self._meshes[path]
+
+    def size(self, fit: Fit) -> int:
+        """Triangles of the two."""
+        parts = (self.asm.parts[path.removeprefix(f"{ROOT}/")] for path in (fit.a, fit.b))
+        return sum(self.asm.solid(part).triangle_count for part in parts)
+
+    def lifts(self, fit: Fit) -> list[Floats]:
+        """By what (3,) `fit.a` is moved so that planes on which the two lie are apart.
+
+        That is on its way out, or on one of two ways where both come out as one.
+        """
+        if not fit.flush:
+            return [np.zeros(3)]
+        ways = [
+            (fit.a in s.parts, fit.b in s.parts, np.array(s.legs[-1].axis))
+            for s in self.truth.steps
+            if s.legs and s.removes
+        ]
+        for a, b, axis in ways:
+            if a != b:
+                return [axis * (LIFT_M if a else -LIFT_M)]
+        return [axis * lift for a, b, axis in ways if a and b for lift in (LIFT_M, -LIFT_M)]
+
+    def gap(self, fit: Fit) -> float:
+        """The least gap of a pair, metres, by coal; of a pair that is flush as well, with the planes apart."""
+        here, away, found = coal.Transform3s(), coal.Transform3s(), []
+        models = bvh(self.mesh(fit.a)), bvh(self.mesh(fit.b))
+        for lift in self.lifts(fit):
+            away.setTranslation(lift)
+            result = coal.DistanceResult()
+            found.append(float(coal.distance(models[0], away, models[1], here, coal.DistanceRequest(), result)))
+        return max(found)
+
+    def wrong(self, most: int | None = None) -> list[str]:
+        """Plays that are not named, and presses that are not as deep.
+
+        `most`: pairs of each kind and play, those with the fewest triangles.
+        """
+        found, seen = [], dict[tuple[str, int], int]()
+        for fit in sorted(self.truth.fits, key=self.size) if most else self.truth.fits:
+            key = fit.kind, round(fit.play_m * 1e6)
+            seen[key] = seen.get(key, 0) + 1
+            if fit.play_m == 0.0 or (most is not None and seen[key] > most):
+                continue
+            if fit.play_m > 0.0:
+                drawn, chords = self.gap(fit), self.chord
+            else:
+                drawn = -depth(self.mesh(fit.a), self.mesh(fit.b), POINTS)
+                chords = max(self.chord, fit.deepest_m + fit.play_m)
+            if abs(drawn - fit.play_m) > chords + GRID_M:
+                named = f"named {fit.play_m * 1e6:.1f} um, drawn {drawn * 1e6:.1f}"
+                found.append(f"{fit.a} and {fit.b} ({fit.kind}): {named}")
+        return found
 
 
 # --- ways -------------------------------------------------------------------------------------------------------------
@@ -242,9 +328,35 @@ class Ways:
         ]
         return bool((shared[0] ^ shared[1]).volume() > FLUSH_MM3)
 
-    def in_the_way(self, fastener: Fastener) -> list[str]:
+    def superfluous(self, step: Step) -> list[str]:
+        """What a step waits for without need: with it in place the step is free, and so are the tools of its fasteners.
+
+        Parts that come out together are left in together. What another need takes out anyway counts as needed, and so
+        does what has a fit with the parts of the step: they hold it, or it would hang in the air.
+        """
+        units = {path: other.parts for other in self.truth.steps if other.removes for path in other.parts}
+        fasteners = [f for f in self.truth.fasteners if f.path in step.parts]
+        found = []
+        for unit in dict.fromkeys(units[path] for path in step.after if path in units):
+            without = dataclasses.replace(step, after=tuple(path for path in step.after if path not in unit))
+            if any(set(unit) & set(earlier.parts) for earlier in self.truth.needed(without)):
+                continue
+            if any(frozenset(pair) in self.kinds for pair in itertools.product(step.parts, unit)):
+                continue
+            if self.blocked(without) or any(self.stopped(fastener, without) for fastener in fasteners):
+                continue
+            found.append(unit[0])
+        return found
+
+    def stopped(self, fastener: Fastener, step: Step) -> bool:
+        """Whether the tool of a fastener does not turn as far as the truth says, after what a step needs is out."""
+        if fastener.tool == "open-end wrench":
+            return self.swing(fastener, step) < fastener.swing_rad
+        return bool(self.in_the_way(fastener, step))
+
+    def in_the_way(self, fastener: Fastener, step: Step | None = None) -> list[str]:
         """Parts that a socket or a hexagon key on a fastener meets in its full turn, after what goes before is out."""
-        step = next(step for step in self.truth.steps if fastener.path in step.parts)
+        step = step or next(step for step in self.truth.steps if fastener.path in step.parts)
         out = {path for earlier in self.truth.needed(step) if earlier.removes for path in earlier.parts}
         radius, length = tool_of(fastener)
         z = np.array(fastener.axis)
@@ -266,12 +378,12 @@ class Ways:
                 found.append(path)
         return found
 
-    def swing(self, fastener: Fastener) -> float:
+    def swing(self, fastener: Fastener, step: Step | None = None) -> float:
         """The largest swing (radians) of an open-end wrench that is put on a fastener's flats, as far as it is free.
 
         Counter-clockwise, which loosens, after what goes before is out. What the fastener holds does not turn.
         """
-        step = next(step for step in self.truth.steps if fastener.path in step.parts)
+        step = step or next(step for step in self.truth.steps if fastener.path in step.parts)
         out = {path for earlier in self.truth.needed(step) if earlier.removes for path in earlier.parts}
         z, top = np.array(fastener.axis), np.array(fastener.top_m)
         arms = self.drawn.meshes[fastener.path].vertices - top
@@ -356,6 +468,69 @@ def too_deep(drawn: Drawn, every: int = 1) -> list[str]:
     return wrong
 
 
+# --- faults -----------------------------------------------------------------------------------------------------------
+
+
+def unplanned(faulty: Drawn, clean: Drawn) -> list[str]:
+    """What is wrong beside the planted faults: parts that share volume or come near without a fit.
+
+    Only of parts that the faults add or change. A part of a wrong unit may meet all.
+    """
+    named = {frozenset((fit.a, fit.b)) for fit in faulty.truth.fits}
+    named |= {frozenset(fault.parts) for fault in faulty.truth.faults if len(fault.parts) == 2}
+    wild = {fault.parts[0] for fault in faulty.truth.faults if fault.expects == "unit"}
+    changed = [p for p, mesh in faulty.meshes.items() if p not in clean.meshes or not _same(mesh, clean.meshes[p])]
+    out = []
+    for (a, b), gap in gaps(faulty, LEAST_GAP_M, changed).items():
+        if gap < LEAST_GAP_M and frozenset((a, b)) not in named and not wild & {a, b}:
+            out.append(f"{a} and {b} come near without a fit")
+    return out
+
+
+def _same(a: Mesh, b: Mesh) -> bool:
+    return np.array_equal(a.vertices, b.vertices) and np.array_equal(a.faces, b.faces)
+
+
+def wrong_values(faulty: Drawn) -> list[str]:
+    """Faults whose value is not what is measured, up to the chords."""
+    out = []
+    for fault in faulty.truth.faults:
+        measured = _measured(faulty, fault)
+        if abs(measured - fault.value) > 1.1 * faulty.truth.chord_m + GRID_M:
+            out.append(f"{fault.name}: {fault.value} is named, {measured} is drawn")
+    return out
+
+
+def _measured(faulty: Drawn, fault: Fault) -> float:
+    meshes = [faulty.meshes[path] for path in fault.parts]
+    if fault.expects in ("clash", "no hole"):
+        return depth(*meshes)
+    if fault.expects == "floating":
+        others = (gap for pair, gap in gaps(faulty, 0.03, fault.parts).items())
+        return min(others)
+    if fault.expects in ("too near", "no tool access", "inside"):
+        here = coal.Transform3s()
+        models = [bvh(mesh) for mesh in meshes]
+        return float(coal.distance(models[0], here, models[1], here, coal.DistanceRequest(), coal.DistanceResult()))
+    return fault.value
+
+
+def near_pipes(drawn: Drawn) -> list[set[str]]:
+    """Pairs nearer than the rule for pipes: a pipe and what no fit joins to it."""
+    pipes = [path for path in drawn.meshes if path.endswith(("_pipe/pipe", "_hose/hose"))]
+    return [set(pair) for pair, gap in gaps(drawn, RULE_M, pipes).items() if gap < RULE_M]
+
+
+def wrong_faults(seed: int, triangles: int = 44_000) -> list[str]:
+    """What is wrong with faults that are planted two and two, and all at once."""
+    clean = of_sample(triangles, seed)
+    out = [f"{set(pair)} are nearer than the rule for pipes" for pair in near_pipes(clean)]
+    for names in (*itertools.combinations(FAULTS, 2), tuple(FAULTS)):
+        faulty = of_sample(triangles, seed, names)
+        out += [f"faults {names}: {each}" for each in unplanned(faulty, clean) + wrong_values(faulty)]
+    return out
+
+
 def touching(triangles: int, seed: int = 0, makes: Iterable[str] = ()) -> list[str]:
     """Parts that come nearer to themselves than a micrometre, one of each shape; `makes`: only what these draw."""
     found, seen, wanted = [], set(), set(makes)
@@ -382,10 +557,13 @@ def main(seeds: list[int]) -> int:
             print(f"seed {seed}, {triangles} triangles: {len(least)} others keep {gap * 1e3:.3f} mm: {pair}")
             wrong += too_deep(drawn) + touching(triangles, seed)
             wrong += [f"{pair} is nearer than {LEAST_GAP_M}"] if gap < LEAST_GAP_M else []
+        wrong += Fits(seed).wrong(most=MOST) + wrong_faults(seed)
         ways = Ways(eased(seed))
         for step in ways.truth.steps:
             if step.rigid and (found := ways.blocked(step)):
                 wrong.append(f"{step.parts[0]} is blocked by {found}")
+            if step.rigid and step.removes and (idle := ways.superfluous(step)):
+                wrong.append(f"{step.parts[0]} waits for {idle} without need")
         for fastener in ways.truth.fasteners:
             if fastener.tool == "open-end wrench":
                 free = ways.swing(fastener)

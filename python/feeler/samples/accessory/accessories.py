@@ -7,7 +7,7 @@ import numpy as np
 from ..mesh import Floats, at, turned
 from . import standard, train
 from .assembly import pull, screw, turn
-from .bodies import Blind, flanged, gasket, outline_of
+from .bodies import GASKET_ROOM, Blind, flanged, gasket, outline_of
 from .design import AWAY, OUT, RING, RING_DEPTH, SQUEEZE, TRAIN, Workshop, X, Y, frame, ring_radius
 from .fits import CIRCLIPS, METRIC, deviation, play
 from .housing import SideHole, opening, tapped
@@ -79,6 +79,7 @@ def input_drive(shop: Workshop) -> None:
     seat = 20.0 + deviation("H7", 40.0) / 2.0 + cut.ease
     out = 26.0 + deviation("g6", 52.0) / 2.0
     m = METRIC[6]
+    gap = play("H7/g6", 52.0)
     down = (
         (out, 0.0),
         (out, -2.6),
@@ -100,13 +101,23 @@ def input_drive(shop: Workshop) -> None:
         (seat + 1.0, 94.0 - zero),
     )
     holes = tuple((x, y, m.through / 2.0 + cut.ease) for x, y in INPUT_BOLTS)
+    loose = tuple((x, y, m.through / 2.0 + GASKET_ROOM) for x, y in INPUT_BOLTS)
     cartridge = asm.add(f"{group}/cartridge", "cast aluminium", flanged, shape, 9.0, up, down, bore, holes, pose=pose)
     seal = asm.add(
-        f"{group}/gasket", "gasket", gasket, shape, 27.5, GASKET, tuple((x, y, 3.5) for x, y in INPUT_BOLTS), pose=base
+        f"{group}/gasket",
+        "gasket",
+        gasket,
+        shape,
+        27.5,
+        GASKET,
+        loose,
+        pose=base,
     )
     asm.flush(cartridge, seal, rear)
-    asm.fit(cartridge, rear, "H7/g6", play("H7/g6", 52.0), 26.0)
-    ring = shop.o_ring(f"{group}/o_ring", ring_radius(out), RING, pose @ at(z=-4.3), cartridge, rear)
+    asm.fit(cartridge, rear, "H7/g6", gap, 26.0)
+    ring = shop.o_ring(
+        f"{group}/o_ring", ring_radius(out), RING, pose @ at(z=-4.3), cartridge, rear, play("H7/g6", 52.0)
+    )
     journal = 8.5 + deviation("k6", 17.0) / 2.0
     _thick, groove, wide, _ = CIRCLIPS[17]
     rows: tuple[Row, ...] = (
@@ -159,7 +170,7 @@ def input_drive(shop: Workshop) -> None:
     )
     asm.flush(shaft, lower, sleeve, upper, clip)
     asm.fit(sleeve, shaft, "clearance", 8.6 - journal, 8.6)
-    asm.fit(clip, shaft, "line to line", 0.0)
+    asm.flush(clip, shaft)
     asm.fit(lip, cartridge, "H7/p6", play("H7/p6", 40.0), 20.0)
     asm.fit(lip, shaft, "seal lip", -0.2, 8.0)
     bolts = []
@@ -167,7 +178,7 @@ def input_drive(shop: Workshop) -> None:
         bolts += shop.bolt(group, f"bolt_{k + 1}", 6, pose @ at(x, y, 9.0), [cartridge, seal], rear, 9.0 + GASKET, 8.0)
     asm.step([*unit, sleeve, clip, lip], pull(Y, AWAY), after=bolts)
     asm.step(seal, pull(Y, AWAY), after=[cartridge])
-    asm.fit(f"{TRAIN}main_shaft/bevel_wheel", shaft, "gear mesh", train.BACKLASH * MODULE / 2.0)
+    asm.fit(f"{TRAIN}main_shaft/bevel_wheel", shaft, "gear mesh", train.bevel_play(*BEVEL_TEETH, MODULE, BEVEL_WIDTH))
 
 
 def shaft_seal(cut: Cut, shaft: float, outside: float) -> Solid:
@@ -216,12 +227,13 @@ def accessory(
         (s.pad - 0.4,),
         opening(s) + 2.0,
         GASKET,
-        tuple((x, y, m.through / 2.0 + 0.2) for x, y in places),
+        tuple((x, y, m.through / 2.0 + GASKET_ROOM) for x, y in places),
         pose=base,
     )
     asm.fit(body, holder, "H7/g6", play("H7/g6", 2.0 * opening(s)), opening(s))
     asm.flush(body, seal, holder)
-    o_ring = shop.o_ring(f"{group}/o_ring", ring, section, pose @ at(z=-2.9), body, holder)
+    gap = play("H7/g6", 2.0 * opening(s))
+    o_ring = shop.o_ring(f"{group}/o_ring", ring, section, pose @ at(z=-2.9), body, holder, gap)
     # the drive shaft reaches from the spline's floor into the body
     end = shop.shaft_end(s, half)
     start = end - half.sign * (spline.length - 1.0)
@@ -244,7 +256,7 @@ def accessory(
             )
     asm.step([body, o_ring], pull(pose[:3, 2], AWAY), after=fasteners)
     asm.step(seal, pull(pose[:3, 2], AWAY), after=[body])
-    asm.step(drive, pull(pose[:3, 2], AWAY), after=[seal])
+    asm.step(drive, pull(pose[:3, 2], AWAY), after=[body])
     return body
 
 
@@ -285,9 +297,8 @@ def fuel_pump(shop: Workshop) -> Floats:
             8.0,
             head="screw",
             washer=False,
-            after=["lines/fuel_pipe/pipe"],
         )
-    asm.step(cover, pull((0.0, 0.0, 1.0), AWAY), after=[*bolts, "lines/fuel_pipe/adapter_1"])
+    asm.step(cover, pull((0.0, 0.0, 1.0), AWAY), after=[*bolts, "lines/fuel_pipe/adapter_1", "lines/vent_hose/hose"])
     asm.wait(body, cover)
     return face @ at(z=17.0)
 
@@ -312,10 +323,10 @@ def starter(shop: Workshop) -> None:
     asm.fit(stud, ring, "clearance", 0.2, m.washer_bore / 2.0)
     asm.flush(nut, ring, body)
     axis = (0.0, 0.0, 1.0)
-    asm.wait(body, stud)
+    asm.wait(body, stud, ring)
     asm.step(nut, screw(axis, face[:3, 3], 13.0, m.pitch), pull(axis, AWAY))
     asm.step(ring, pull(axis, AWAY), after=[nut])
-    asm.step(stud, screw(axis, face[:3, 3], 13.0, m.pitch), pull(axis, AWAY), after=[ring])
+    asm.step(stud, screw(axis, face[:3, 3], 13.0, m.pitch), pull(axis, AWAY), after=[nut])
     asm.fasten(nut, "nut", "socket", m.flats, face @ at(z=m.thick + m.nut), [ring])
 
 
@@ -377,7 +388,8 @@ def filter_head(cut: Cut) -> Solid:
     pits: list[Blind] = [(x, y, hole) for x, y in FILTER_PORTS]
     pits += [(x + (13.0 if x > 0.0 else -13.0), y, tapped(cut, 5, 8.0)) for x, y in FILTER_PORTS]
     ports = [solid.turned([(r, 14.0 - d) for r, d in rows], cut.circle(rows[0][0]), at(x, y))[0] for x, y, rows in pits]
-    foot, rim = solid.turned([(29.0, 14.0), (28.0, 15.5), (28.0, 44.0), (27.0, 45.0)], cut.circle(29.0))
+    neck = cut.sharp([(29.0, 14.0), (28.0, 15.5), (28.0, 44.0), (27.0, 45.0)])
+    foot, rim = solid.turned(neck, cut.circle(29.0))
     mouth, behind = solid.outline(lobes(cut, LIP, GROOVE - 1.2, np.deg2rad(54.0), 0.0), (45.0, 40.0))
     groove, ledge = solid.turned([(GROOVE, 40.0), (GROOVE, 31.0)], cut.arc(GROOVE, 2.0 * np.pi, 12))
     throat, end = solid.turned([(THROAT, 31.0), (THROAT, 18.0)], cut.circle(THROAT))
@@ -396,8 +408,7 @@ def filter_bowl(cut: Cut) -> Solid:
     neck = LIP - 0.45
     start, shoulder = solid.turned(
         [
-            (THROAT - 0.6, 20.0),
-            (THROAT - 0.1, 20.8),
+            *cut.sharp([(THROAT - 0.6, 20.0), (THROAT - 0.1, 20.8), (THROAT - 0.1, 23.8)])[:-1],
             (THROAT - 0.1, 23.8),
             (THROAT - 1.7, 23.8),
             (THROAT - 1.7, 26.6),
@@ -412,7 +423,8 @@ def filter_bowl(cut: Cut) -> Solid:
     )
     hexagon_low, hexagon_high = standard.hex_prism(solid, cut, 27.0, 122.0, 130.0, chamfers="high")
     inner, floor = solid.turned(
-        [(14.9, 20.0), (14.9, 47.0), (24.5, 52.0), (24.5, 114.0), (20.0, 118.0)], cut.circle(24.5)
+        [(14.9, 20.0), (14.9, 47.0), (24.5, 52.0), *([] if cut.plain else [(24.5, 114.0)]), (20.0, 118.0)],
+        cut.circle(24.5),
     )
     solid.wall(shoulder, lug_low) if len(shoulder) == len(lug_low) else solid.face(lug_low, shoulder)
     solid.face(lug_high, under)
@@ -446,7 +458,7 @@ def oil_filter(shop: Workshop) -> None:
         (132.0, 64.0, 9.0),
         15.0,
         GASKET,
-        tuple((x, y, m.through / 2.0 + 0.2) for x, y in FILTER_BOLTS),
+        tuple((x, y, m.through / 2.0 + GASKET_ROOM) for x, y in FILTER_BOLTS),
         pose=base,
     )
     asm.flush(head, seal, rear)
@@ -471,7 +483,7 @@ def oil_filter(shop: Workshop) -> None:
             rear,
             14.0 + GASKET,
             8.0,
-            after=["lines/fuel_pipe/adapter_2", "lines/oil_pipe/adapter_2"],  # in the way of the wrench
+            after=(["lines/fuel_pipe/adapter_2"], ["lines/oil_pipe/adapter_2"], [], [])[k],  # in the way of the wrench
             door_open=True,
             away=100.0,
         )
@@ -493,7 +505,7 @@ def drain_plug(shop: Workshop) -> None:
     ring = asm.add("housing/drain_washer", "copper", standard.seal_washer, 14.4, 20.0, 1.5, pose=base, spin=True)
     asm.flush(plug, ring, rear)
     asm.fit(plug, ring, "clearance", 0.2, 7.2)
-    asm.fit(plug, rear, "thread as helices", standard.THREAD_PLAY_MM, 7.0)
+    asm.fit(plug, rear, "thread as helices", *standard.thread_play(asm.cut))
     down = base[:3, 2]
     asm.step(plug, screw(down, base[:3, 3], 13.0, standard.PLUG_PITCH), pull(down, 60.0), door_open=True)
     asm.step(ring, pull(down, 60.0), after=[plug], door_open=True)

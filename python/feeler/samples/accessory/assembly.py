@@ -12,14 +12,19 @@ from itertools import pairwise
 import numpy as np
 
 from ..mesh import Floats, Mesh, turned
+from .bodies import bent
+from .fits import METRIC
 from .solid import Cut, Solid
 
 Make = Callable[..., Solid]
 Vector = Sequence[float] | Floats
 
 
-NEAR_LINE = 9.0
-"""A fastener waits for a pipe or cable nearer to its way than this, millimetres: half a bolt's head and a gap."""
+FLUSH = "line to line"
+SOCKET_MM = 62.0
+"""How far a socket and the head below it reach: longer, and fasteners wait for pipes that are beyond the tool."""
+NEAR_LINE = 0.1
+"""A fastener waits for a pipe or cable nearer to it or its tool than this on its way out, millimetres."""
 
 
 @dataclass(frozen=True)
@@ -75,6 +80,7 @@ class Fit:
     kind: str
     play: float
     deepest: float
+    flush: bool
 
 
 @dataclass
@@ -149,8 +155,8 @@ class Assembly:
     fasteners: list[Fastener] = field(default_factory=list)
     joints: list[Joint] = field(default_factory=list)
     planted: list[Planted] = field(default_factory=list)
-    lines: list[tuple[str, Floats, float]] = field(default_factory=list)
-    """Pipes and cables: path, corners (k, 3) of the middle line, radius."""
+    lines: list[tuple[str, Floats, float, float]] = field(default_factory=list)
+    """Pipes and cables: path, corners (k, 3) of the middle line, radius, radius of the bends."""
     _solids: dict[Hashable, Solid] = field(default_factory=dict)
     _meshes: dict[Hashable, Mesh] = field(default_factory=dict)
 
@@ -181,18 +187,26 @@ class Assembly:
     # --- what is true of them ---------------------------------------------------------------------------------------
 
     def fit(self, a: str, b: str, kind: str, play: float, radius: float = 0.0, chords: float = 0.0) -> None:
-        """Names a fit. `radius`: of the hole, whose chords take from the play; `chords`: what else they take."""
+        """Names a fit. `radius`: of the hole, whose chords take from the play; `chords`: what else they take.
+
+        A pair has one entry: a second fit makes its play and depth those of both, and must be of the same kind.
+        """
         play += self.cut.ease if radius else 0.0
         deepest = max(0.0, (self.cut.sag(radius) if radius else 0.0) + chords - play)
         pair = (a, b) if a < b else (b, a)
         known = self.fits.get(pair)
-        if known is None or deepest > known.deepest or (deepest == known.deepest and play < known.play):
-            self.fits[pair] = Fit(*pair, kind, play, deepest)
+        if known is None or known.kind == FLUSH:
+            self.fits[pair] = Fit(*pair, kind, play, deepest, known is not None)
+        elif known.kind == kind:
+            known.play, known.deepest = min(known.play, play), max(known.deepest, deepest)
+        else:
+            raise ValueError(f"{a} and {b} have the fit {known.kind} already; {kind} is another")
 
     def flush(self, *stack: str) -> None:
-        """Each part of a stack lies on the next one, plane on plane."""
+        """Each part of a stack lies on the next one, plane on plane; a fit that the two have besides keeps its name."""
         for a, b in itertools.pairwise(stack):
-            self.fit(a, b, "line to line", 0.0)
+            pair = (a, b) if a < b else (b, a)
+            self.fits.setdefault(pair, Fit(*pair, FLUSH, 0.0, 0.0, True)).flush = True
 
     def step(
         self,
@@ -221,15 +235,22 @@ class Assembly:
         for step in self.steps:
             if len(step.parts) > 1 or not step.legs or step.legs[-1].kind != "pull":
                 continue
-            if self.parts[step.parts[0]].make.__name__ not in ("hex_bolt", "cap_screw", "nut", "washer"):
+            part = self.parts[step.parts[0]]
+            if part.make.__name__ not in ("hex_bolt", "cap_screw", "nut", "washer", "stud"):
                 continue
-            leg, start = step.legs[-1], self.parts[step.parts[0]].pose[:3, 3]
-            way = np.linspace(start, start + np.array(leg.axis) * leg.distance, 60)
-            for path, corners, radius in self.lines:
-                for a, b in pairwise(corners):
+            m = METRIC[int(part.args[0])]  # type: ignore[call-overload]
+            slim = {"cap_screw": 0.75 * m.size, "washer": m.washer / 2.0, "stud": m.size / 2.0}
+            head = slim.get(part.make.__name__, m.flats / np.sqrt(3.0))
+            tool = slim.get(part.make.__name__, 0.64 * m.flats + 0.7)
+            leg, start = step.legs[-1], part.pose[:3, 3]
+            along = np.linspace(0.0, leg.distance, 60)
+            way = start + along[:, None] * np.array(leg.axis)
+            room = np.where(along < SOCKET_MM, tool, head) + NEAR_LINE
+            for path, corners, radius, bend in self.lines:
+                for a, b in pairwise(bent(Cut(0.1), corners, bend, radius).points):
                     share = np.clip(((way - a) @ (b - a)) / ((b - a) @ (b - a)), 0.0, 1.0)
-                    gap = np.sqrt((((a + share[:, None] * (b - a)) - way) ** 2).sum(axis=1)).min()
-                    if gap < radius + NEAR_LINE and path not in step.after:
+                    gap = np.sqrt((((a + share[:, None] * (b - a)) - way) ** 2).sum(axis=1))
+                    if (gap < radius + room).any() and path not in step.after:
                         step.after.append(path)
 
     def fasten(
@@ -258,6 +279,11 @@ class Assembly:
         if part.shape not in self._meshes:
             self._meshes[part.shape] = self.solid(part).mesh()
         return self._meshes[part.shape]
+
+    def forget(self) -> None:
+        """Lets go of solids and meshes; they are drawn again when they are asked for."""
+        self._solids.clear()
+        self._meshes.clear()
 
     @property
     def triangle_count(self) -> int:

@@ -14,6 +14,8 @@ from .solid import Cut, Row, Solid
 
 TRIM = 0.3
 """By how much gaskets are smaller than the faces that they seal, millimetres."""
+GASKET_ROOM = 0.2
+"""By how much a gasket's holes are wider than those of its flange, on each side: it spreads when it is squeezed."""
 Hole = tuple[float, float, float]
 """x, y and radius of a through hole."""
 Blind = tuple[float, float, tuple[Row, ...]]

@@ -10,7 +10,7 @@ import numpy as np
 from ..mesh import Floats, at, turned
 from . import standard, train
 from .assembly import Assembly, Vector, pull, screw
-from .bodies import Blind, flanged
+from .bodies import GASKET_ROOM, Blind, flanged, gasket
 from .fits import BEARINGS, CIRCLIPS, KEYS, METRIC, deviation, play, stock_length
 from .housing import FaceHole, SideHole, bolt_circle, case, opening, split_gasket, tapped
 from .layout import (
@@ -98,7 +98,7 @@ class Workshop:
         asm.fit(path, into, "thread as cylinders", -(m.size - m.core) / 2.0, m.core / 2.0)
         out = [path]
         for part in stack:
-            asm.fit(path, part, "clearance", (m.through - m.size) / 2.0, m.through / 2.0)
+            self.passes(path, part, size)
         if washer:
             beside = name.replace("bolt", "washer").replace("screw", "washer")
             ring = asm.add(f"{group}/{beside}", "zinc-plated steel", standard.washer, size, pose=seat, spin=True)
@@ -142,13 +142,19 @@ class Workshop:
         asm.fit(stud, nut, "thread as cylinders", thread, m.core / 2.0)
         asm.fit(stud, washer, "clearance", (m.washer_bore - m.size) / 2.0, m.washer_bore / 2.0)
         for part in stack:
-            asm.fit(stud, part, "clearance", (m.through - m.size) / 2.0, m.through / 2.0)
+            self.passes(stud, part, size)
         asm.flush(nut, washer, stack[0])
         asm.step(nut, screw(axis, face[:3, 3], m.nut + 3.0 * m.pitch, m.pitch), pull(axis, AWAY))
         asm.step(washer, pull(axis, AWAY), after=[nut])
-        asm.step(stud, screw(axis, face[:3, 3], -low + 1.0, m.pitch), pull(axis, AWAY), after=stack)
+        asm.step(stud, screw(axis, face[:3, 3], -low + 1.0, m.pitch), pull(axis, AWAY), after=[nut])
         asm.fasten(nut, "nut", "socket", m.flats, top @ at(z=m.thick + m.nut), list(stack))
         return [stud, washer, nut]
+
+    def passes(self, bolt: str, part: str, size: int) -> None:
+        """A bolt or stud goes through the clearance hole of a part."""
+        room = GASKET_ROOM if self.asm.parts[part].make in (gasket, split_gasket) else 0.0
+        hole = METRIC[size].through / 2.0 + room
+        self.asm.fit(bolt, part, "clearance", hole - size / 2.0, hole)
 
     # --- bearings ---------------------------------------------------------------------------------------------------
 
@@ -227,7 +233,7 @@ class Workshop:
                 f"{group}/nut_{k + 1}", "zinc-plated steel", standard.nut, 6, pose=high @ at(z=m.thick), spin=True
             )
             for part in (front, seal, rear):
-                asm.fit(bolt, part, "clearance", (m.through - m.size) / 2.0, m.through / 2.0)
+                self.passes(bolt, part, 6)
             for part in washers:
                 asm.fit(bolt, part, "clearance", (m.washer_bore - m.size) / 2.0, m.washer_bore / 2.0)
             asm.fit(bolt, nut, "thread as cylinders", -(m.size - m.core) / 2.0, m.core / 2.0)
@@ -240,9 +246,9 @@ class Workshop:
             holds = [front, seal, rear]
             asm.fasten(bolt, "bolt", "socket", m.flats, low @ at(z=m.thick + m.head), holds)
             asm.fasten(nut, "nut", "socket", m.flats, high @ at(z=m.thick + m.nut), holds)
-        needs = [OUT + "split_bolts/*", "covers/*_front/cover", "generator/drive_shaft"]
+        needs = [OUT + "split_bolts/bolt_*", OUT + "split_bolts/washer_*", "covers/*_front/cover", "generator/gasket"]
         asm.step(unit, pull((0.0, 0.0, -1.0), 2.0 * AWAY), after=needs)
-        asm.step(seal, pull((0.0, 0.0, -1.0), 2.0 * AWAY), after=[front, TRAIN + "*"])
+        asm.step(seal, pull((0.0, 0.0, -1.0), 2.0 * AWAY), after=[front])
 
     def shaft(self, s: Station, driven: str) -> None:
         """One shaft of the train with its bearings, gear, key and circlip; `driven`: its ends that drive."""
@@ -309,7 +315,7 @@ class Workshop:
             s.seat,
             pose=pose @ turned("z", 2.5) @ at(z=-half - thick),
         )
-        asm.fit(clip, shaft, "line to line", 0.0)
+        asm.flush(clip, shaft)
         asm.flush(clip, gear)
         bearings = []
         for name, z, holder, kind in (
@@ -333,9 +339,10 @@ class Workshop:
         asm.step(gear, pull(out, AWAY), after=[clip])
         asm.step(key, pull(pose[:3, 1], KEYS[s.seat][1] + 1.0), pull(out, AWAY), after=[gear])
         unit = [shaft, *bearings[1]]
+        drives = ["generator/drive_shaft"] if "low" in driven else []
         if main:
             unit += self.bevel_wheel(group, shaft, back, face, clip_thick)
-        asm.step(unit, pull(out, 1.5 * AWAY), after=[key, *(["input_drive/pinion_shaft"] if main else [])])
+        asm.step(unit, pull(out, 1.5 * AWAY), after=[key, *drives, *(["input_drive/pinion_shaft"] if main else [])])
 
     def shaft_end(self, s: Station, half: Half) -> float:
         """The z of an end of a shaft."""
@@ -343,7 +350,7 @@ class Workshop:
 
     def spline(self, s: Station) -> train.Spline:
         """The spline in the rear end of a shaft."""
-        return train.Spline(12, 0.5 * s.bearing.bore - 4.2, 0.5 * s.bearing.bore - 3.0, 16.0)
+        return train.Spline(10, 0.5 * s.bearing.bore - 4.2, 0.5 * s.bearing.bore - 3.0, 16.0)
 
     def key(self, path: str, size: int, z: float, pose: Floats, shaft: str, hub: str) -> str:
         """A key of 10 mm, centred at z."""
@@ -370,14 +377,14 @@ class Workshop:
         )
         asm.flush(wheel, shaft)
         asm.flush(clip, wheel)
-        asm.fit(clip, shaft, "line to line", 0.0)
+        asm.flush(clip, shaft)
         return [wheel, key, clip]
 
     def meshes(self) -> None:
         """The pairs of spur gears that mesh."""
         names = [f"{TRAIN}{s.name}_shaft/spur_gear" for s in self.plan.stations]
         for a, b in pairwise(names):
-            self.asm.fit(a, b, "gear mesh", train.BACKLASH * MODULE / 2.0)
+            self.asm.fit(a, b, "gear mesh", train.mesh_play(MODULE))
 
     # --- on the pads ------------------------------------------------------------------------------------------------
 
@@ -434,17 +441,20 @@ class Workshop:
         )
         asm.fit(path, holder, "H7/g6", play("H7/g6", 2.0 * opening(s)), opening(s))
         asm.flush(path, holder)
-        seal = self.o_ring(f"{group}/o_ring", ring, section, pose @ at(z=-2.9), path, holder)
+        gap = play("H7/g6", 2.0 * opening(s))
+        seal = self.o_ring(f"{group}/o_ring", ring, section, pose @ at(z=-2.9), path, holder, gap)
         bolts = []
         for k, (x, y) in enumerate(places):
             bolts += self.bolt(group, f"bolt_{k + 1}", size, pose @ at(x, y, thick), [path], holder, thick, 11.0)
         asm.step([path, seal], pull(pose[:3, 2], AWAY), after=bolts)
         return path
 
-    def o_ring(self, path: str, radius: float, section: float, pose: Floats, inside: str, outside: str) -> str:
-        """An O-ring, drawn as it is bought: it is squeezed where it sits."""
+    def o_ring(
+        self, path: str, radius: float, section: float, pose: Floats, inside: str, outside: str, gap: float = 0.0
+    ) -> str:
+        """An O-ring, drawn as it is bought: it is squeezed where it sits; `gap`: between the parts that it seals."""
         asm = self.asm
         asm.add(path, "rubber", standard.o_ring, radius, section, pose=pose, spin=True)
-        for part in (inside, outside):
-            asm.fit(path, part, "O-ring squeezed", -SQUEEZE, radius + section / 2.0, chords=self.cut.sag(section / 2.0))
+        for part, squeeze in ((inside, SQUEEZE), (outside, SQUEEZE - gap)):
+            asm.fit(path, part, "O-ring squeezed", -squeeze, radius + section / 2.0, chords=self.cut.sag(section / 2.0))
         return path

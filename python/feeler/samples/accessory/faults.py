@@ -8,15 +8,18 @@ from dataclasses import replace
 import numpy as np
 
 from ...errors import OptionError
-from ..mesh import at
+from ..mesh import Floats, at
 from . import lines, standard
 from .assembly import Assembly, Planted
 from .bodies import extruded, plate
 from .design import X, Y, frame
 from .layout import FILTER_X
+from .solid import placed
 
 MM = 1e-3
 CLASH_MM = 3.0
+WITHIN_MM, OFF_MM = 10.0, 20.0
+"""How far the lost ball is under the beam's face, and the lost washer above it."""
 RULE_MM, NEARER_MM = 5.0, 0.5
 """The clearance that a rule asks of pipes, and by how much two parts are nearer."""
 NARROW_MM = 2.0
@@ -25,7 +28,7 @@ INCH_MM = 25.4
 
 def _leg(asm: Assembly, pipe: str) -> tuple[float, float]:
     """x and lower edge of the leg that a pipe has over the rear rail."""
-    corners = next(corners for path, corners, _ in asm.lines if path == pipe)
+    corners = next(corners for path, corners, _, _ in asm.lines if path == pipe)
     return float(corners[3][0]), float(corners[3][1]) - lines.PIPE
 
 
@@ -33,6 +36,13 @@ def _rail(asm: Assembly, name: str) -> tuple[float, float, float]:
     """z from, z to, and top of a rail, millimetres."""
     points = asm.mesh(asm.parts[f"bracket/{name}_rail"]).vertices
     return float(-points[:, 0].max()), float(-points[:, 0].min()), float(points[:, 1].max())
+
+
+def _box(asm: Assembly, path: str) -> tuple[Floats, Floats]:
+    """Lower and upper corner of a part in the world, millimetres, (3,) each."""
+    part = asm.parts[path]
+    points = placed(asm.mesh(part).vertices, part.pose)
+    return points.min(axis=0), points.max(axis=0)
 
 
 def _support(asm: Assembly, path: str, x: float, top: float) -> None:
@@ -75,14 +85,18 @@ def _blocked_bolt(asm: Assembly) -> Planted:
     asm.fit(plug, cover, "thread as cylinders", lines.CORE - lines.THREAD, lines.CORE)
     asm.fit(plug, path, "clearance", 0.6, 6.6)
     asm.flush(plug, path, cover)
-    return Planted("blocked_bolt", [bolt, path], "no tool access", 0.0, "a guard stands 2.5 mm over the bolt's head")
+    top = next(f.frame[:3, 3] for f in asm.fasteners if f.path == bolt)
+    room = float((face[:3, 3] - top) @ face[:3, 2])
+    says = f"a guard stands {room:.1f} mm over the bolt's head"
+    return Planted("blocked_bolt", [bolt, path], "no tool access", room * MM, says)
 
 
 def _no_way_out(asm: Assembly) -> Planted:
     bowl, path = "oil_filter/bowl", "bracket/filter_guard"
     front, rear = _rail(asm, "front"), _rail(asm, "rear")
     z = float(asm.parts[bowl].pose[2, 3])
-    corners = ((-36.0, -rear[1]), (36.0, -rear[1]), (36.0, -front[0]), (-36.0, -front[0]))
+    half = 33.0  # between the supports that other faults put on the rear rail
+    corners = ((-half, -rear[1]), (half, -rear[1]), (half, -front[0]), (-half, -front[0]))
     pose = frame((FILTER_X, front[2], 0.0), Y, X)
     radius = 27.0 - NARROW_MM
     asm.add(path, "green", plate, corners, 4.0, 2.0, ((0.0, -z, radius),), pose=pose)
@@ -97,7 +111,9 @@ def _missing_hole(asm: Assembly) -> Planted:
     holes = next(k for k, value in enumerate(part.args) if isinstance(value, tuple) and len(value) == 5)
     part.args = (*part.args[:holes], part.args[holes][1:], *part.args[holes + 1 :])  # type: ignore[index]
     del asm.fits[(bolt, cover) if bolt < cover else (cover, bolt)]
-    return Planted("missing_hole", [bolt, cover], "no hole", 0.0, "the cover has no hole where its first bolt is")
+    deep = float(part.args[1]) / 2.0  # type: ignore[arg-type]
+    says = "the cover has no hole where its first bolt is: half the flange's thickness is the depth"
+    return Planted("missing_hole", [bolt, cover], "no hole", deep * MM, says)
 
 
 def _duplicate(asm: Assembly) -> Planted:
@@ -106,30 +122,35 @@ def _duplicate(asm: Assembly) -> Planted:
     asm.parts[copy] = replace(asm.parts[path], path=copy)
     for (a, b), fit in list(asm.fits.items()):
         if path in (a, b):
-            asm.fit(copy, b if a == path else a, fit.kind, fit.play, chords=fit.deepest + fit.play)
-    return Planted("duplicate", [path, copy], "duplicate", 0.0, "the same bolt twice in one place")
+            pair = (copy, b) if a == path else (a, copy)
+            asm.fits[pair] = replace(fit, a=pair[0], b=pair[1])
+    return Planted("duplicate", [path, copy], "duplicate", 0.0, "the same bolt twice, 0 mm apart")
 
 
 def _inside(asm: Assembly) -> Planted:
     path = "bracket/lost_ball"
-    beam = asm.parts["bracket/beam"]
-    middle = asm.mesh(beam).vertices.mean(axis=0)
-    place = (beam.pose @ [*middle.tolist(), 1.0])[:3]
-    asm.add(path, "hardened steel", standard.ball, 8.0, pose=at(*place.tolist()))
-    return Planted("inside", [path, "bracket/beam"], "inside", 0.0, "a ball inside the solid beam")
+    low, high = _box(asm, "bracket/beam")
+    x, y, _ = ((low + high) / 2.0).tolist()
+    asm.add(path, "hardened steel", standard.ball, 8.0, pose=at(x, y, float(low[2]) + WITHIN_MM + 4.0))
+    says = "a ball inside the solid beam, 10 mm under its face"
+    return Planted("inside", [path, "bracket/beam"], "inside", WITHIN_MM * MM, says)
 
 
 def _floating(asm: Assembly) -> Planted:
-    path = "housing/lost_washer"
-    asm.add(path, "zinc-plated steel", standard.washer, 8, pose=at(-130.0, 80.0, -60.0), spin=True)
-    return Planted("floating", [path], "floating", 0.0, "a washer that nothing holds")
+    path = "bracket/lost_washer"
+    low, high = _box(asm, "bracket/beam")
+    place = (low + high) / 2.0
+    place[1] = high[1] + OFF_MM
+    asm.add(path, "zinc-plated steel", standard.washer, 8, pose=frame(place, Y), spin=True)
+    says = "a washer that nothing holds; the next part is the beam, 20 mm under it"
+    return Planted("floating", [path], "floating", OFF_MM * MM, says)
 
 
 def _mirrored(asm: Assembly) -> Planted:
     path, case = "housing/drain_plug", "housing/rear_case"
     asm.parts[path].pose = asm.parts[path].pose @ np.diag([1.0, -1.0, 1.0, 1.0])
     del asm.fits[(path, case) if path < case else (case, path)]
-    return Planted("mirrored", [path, case], "mirrored", 0.0, "the drain plug is mirrored: a left-handed thread")
+    return Planted("mirrored", [path, case], "mirrored", -1.0, "the drain plug is mirrored: a left-handed thread")
 
 
 def _wrong_unit(asm: Assembly) -> Planted:

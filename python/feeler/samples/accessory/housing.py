@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..mesh import Floats, Ints
-from .bodies import TRIM
+from .bodies import GASKET_ROOM, TRIM
 from .fits import METRIC, deviation
 from .layout import FLANGE, FLANGE_THICK, WALL, Half, Layout, Station, outline, side_segments
 from .polygon import offset
@@ -204,7 +204,7 @@ def split_gasket(cut: Cut, plan: Layout, low: float, high: float) -> Solid:
     outer = solid.outline(outline(cut, plan.base, WALL + FLANGE - TRIM), (low, high))
     inner = solid.outline(outline(cut, plan.base, TRIM), (low, high))
     loops = []
-    for places, radius in ((plan.flange_bolts, 3.5), (plan.dowels, 3.3)):
+    for places, radius in ((plan.flange_bolts, METRIC[6].through / 2.0 + GASKET_ROOM), (plan.dowels, 3.3)):
         loops += [solid.turned([(radius, low), (radius, high)], cut.circle(radius), _at(x, y)) for x, y in places]
     for k in (0, 1):
         solid.face(outer[k], inner[k], *(each[k] for each in loops))

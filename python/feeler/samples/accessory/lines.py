@@ -38,8 +38,8 @@ SWINGS = {
     "oil_pipe/union_nut_1": 110.0,
     "oil_pipe/union_nut_2": 70.0,
 }
-"""Degrees through which an open-end wrench turns what is only reached from the side: the least of several seeds, as
-`bench/gearbox_judge.py` measures it, less one step. Larger, and a seed may not have them."""
+"""Degrees through which an open-end wrench at least turns what is only reached from the side: the least of several
+seeds, as `bench/gearbox_judge.py` measures it, less one step. Larger, and a seed may not have them."""
 
 
 def swing_of(path: str) -> float:
@@ -77,12 +77,13 @@ def elbow(cut: Cut, reach: float) -> Solid:
 
     up, out = np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0])
     spigot = THREAD + deviation("g6", 2.0 * THREAD) / 2.0
-    ends = ((spigot - 0.6, -9.0), (spigot, -8.0), (spigot, 0.0), (8.5, 0.0), (8.5, ELBOW_COLLAR), (5.6, ELBOW_COLLAR))
-    for radius, z in ends:
+    ends = [(spigot - 0.6, -9.0), (spigot, -8.0), (spigot, 0.0), (8.5, 0.0), (8.5, ELBOW_COLLAR), (5.6, ELBOW_COLLAR)]
+    for radius, z in cut.sharp(ends):
         ring(np.array([0.0, 0.0, z]), up, radius)
     for point, way in zip(path.points[1:-1], path.tangents[1:-1], strict=True):
         ring(point, way, 5.6)
-    for radius, x in ((5.6, reach - 12.0), (NOSE, reach - 10.5), (NOSE, reach - 0.8), (NOSE - 0.8, reach)):
+    nose = [(5.6, reach - 12.0), (NOSE, reach - 10.5), (NOSE, reach - 0.8), (NOSE - 0.8, reach)]
+    for radius, x in nose[:2] + ([(NOSE, reach)] if cut.plain else nose[2:]):
         ring(np.array([x, 0.0, 18.0]), out, radius)
     first, last = solid.tube(np.stack(rings))
     solid.face(first)
@@ -100,7 +101,7 @@ def union_nut(cut: Cut) -> Solid:
     solid = Solid()
     low, high = hex_prism(solid, cut, 17.0, NUT_LOW, NUT_HIGH, chamfers="low high")
     core = NOSE + cut.ease if cut.ease else NUT_CORE
-    shoulder = NOSE_END + COLLAR + 0.15
+    shoulder = NOSE_END + COLLAR
     mouth, end = solid.turned(
         [
             *cut.sharp([(core + 0.5, NUT_LOW), (core, NUT_LOW + 0.5), (core, shoulder)]),
@@ -155,12 +156,12 @@ def line(
         asm.fasten(nut, "nut", "open-end wrench", 17.0, base @ at(z=NUT_HIGH), [f"{group}/{kind}"], swing_of(nut))
     a, b = ends
     corners = (a, np.array([a[0], a[1], level]), np.array([b[0], b[1], level]), b)
-    asm.lines.append((f"{group}/{kind}", np.array(corners), PIPE))
-    rows: tuple[Row, ...] = ((5.6, 0.0), (5.6, COLLAR), (PIPE, COLLAR + 0.01))
+    asm.lines.append((f"{group}/{kind}", np.array(corners), PIPE, BEND))
+    rows: tuple[Row, ...] = ((5.6, 0.0), (5.6, COLLAR), (PIPE, COLLAR))
     pipe = asm.add(f"{group}/{kind}", material, swept, tuple(tuple(map(float, c)) for c in corners), BEND, rows, bore)
     for k, nut in enumerate(nuts):
         asm.fit(nut, pipe, "clearance", 0.4, PIPE + 0.4)
-        asm.flush(pipe, f"{group}/adapter_{k + 1}")
+        asm.flush(nut, pipe, f"{group}/adapter_{k + 1}")
         asm.step(nut, screw(z, ends[k], 14.0, 1.5), door_open=ports[k][2] == "elbow", removes=False)
     asm.step([pipe, *nuts], pull(z, 1.5 * AWAY), after=after)
     return pipe, corners[1], corners[2]
@@ -175,10 +176,12 @@ def elbow_clamp(shop: Workshop, group: str, fitting: str, pose: Floats, holder: 
     holes = ((0.0, 0.0, 6.1), (0.0, 13.0 * side, METRIC[5].through / 2.0 + cut.ease))
     base = pose @ at(z=ELBOW_COLLAR)
     plate_path = asm.add(f"{group}/elbow_clamp", "zinc-plated steel", plate, corners, 4.0, 3.0, holes, pose=base)
-    asm.fit(plate_path, fitting, "line to line", 0.0)
+    asm.flush(plate_path, fitting)
     asm.fit(plate_path, fitting, "clearance", 0.5, 6.1)
     seat = base @ at(0.0, 13.0 * side, 3.0)
-    bolts = shop.bolt(group, "clamp_screw", 5, seat, [plate_path], holder, 3.0 + ELBOW_COLLAR, 8.0, door_open=True)
+    bolts = shop.bolt(
+        group, "clamp_screw", 5, seat, [plate_path], holder, 3.0 + ELBOW_COLLAR, 8.0, head="screw", door_open=True
+    )
     asm.wait(holder, *bolts)
     return [plate_path, *bolts]
 
@@ -191,7 +194,7 @@ def loop_outline(cut: Cut, radius: float, reach: float, low: float, high: float)
     return ((reach, low), (reach, high), *map(tuple, eye.tolist()))
 
 
-CLIP_AT, CLIP_ASIDE = 0.36, 13.0
+CLIP_AT, CLIP_ASIDE = 0.36, 15.5
 OIL_PORT = (-10.0, 0.0)
 OIL_LEVEL = 172.0
 
@@ -235,7 +238,7 @@ def pipe_clip(shop: Workshop, pipe: str, filter_port: Vector) -> list[str]:
     stand = asm.add("lines/oil_pipe/post", "zinc-plated steel", post, length, pose=base, spin=True)
     asm.fit(stand, rear, "thread as cylinders", -0.4, 2.1)
     asm.flush(stand, rear)
-    outline = loop_outline(cut, 6.0, 20.0, -1.25, 1.25)
+    outline = loop_outline(cut, 6.0, CLIP_ASIDE + 7.0, -1.25, 1.25)
     drill = Drill(
         len(outline) - 1, CLIP_ASIDE - outline[-1][0], 7.0, ((2.75 + cut.ease, 0.0), (2.75 + cut.ease, 2.5)), 1
     )
@@ -265,7 +268,7 @@ def pipe_clip(shop: Workshop, pipe: str, filter_port: Vector) -> list[str]:
 
 # --- the harness ------------------------------------------------------------------------------------------------------
 
-PLUG_BORE, CABLE = 7.25, 2.4
+PLUG_BORE, CABLE, CABLE_BEND = 7.25, 2.4, 14.0
 
 
 def plug(cut: Cut) -> Solid:
@@ -273,7 +276,8 @@ def plug(cut: Cut) -> Solid:
     solid = Solid()
     rows = [(PLUG_BORE + 0.4 + cut.ease, -8.5), (PLUG_BORE + cut.ease, -8.0), (PLUG_BORE + cut.ease, 0.6)]
     mouth, floor = solid.turned(cut.sharp(rows), cut.circle(PLUG_BORE))
-    ring = cut.sharp([(9.0, -8.5), (9.6, -8.0), (9.6, 4.0), (8.6, 5.0), (8.6, 10.0), (5.0, 14.0), (5.0, 20.0)])
+    grip = [(9.6, 10.0)] if cut.plain else [(9.6, 4.0), (8.6, 5.0), (8.6, 10.0)]
+    ring = cut.sharp([(9.0, -8.5), (9.6, -8.0), *grip, (5.0, 14.0), (5.0, 20.0)])
     rim, back = solid.turned(ring, cut.circle(9.6))
     hole = CABLE - 0.02 + (cut.ease + 0.02 if cut.ease else 0.0)
     start, pit = solid.turned([(hole, 20.0), (hole, 12.0)], cut.circle(CABLE, 6))
@@ -352,11 +356,11 @@ def harness(shop: Workshop, sources: Sequence[tuple[str, Floats, str]], sockets:
             "rubber",
             swept,
             tuple(tuple(map(float, c)) for c in corners),
-            14.0,
+            CABLE_BEND,
             ((CABLE, 0.0), (CABLE, 1.0)),
             0.0,
         )
-        asm.lines.append((cable, np.array(corners), CABLE))
+        asm.lines.append((cable, np.array(corners), CABLE, CABLE_BEND))
         for piece in unit[-2:]:
             asm.fit(cable, piece, "press of 20 um", -0.02, CABLE)
         unit.append(cable)

@@ -68,6 +68,33 @@ class Drawn:
         return placed_meshes(self.assembly, self.solids, told)
 
 
+Built = tuple[Assembly, list[tuple[Part, Mesh]]]
+_last: tuple[Hashable, Built] | None = None
+"""The gearbox that was built last, by its arguments: arrays and truth are mostly asked for one after the other."""
+
+
+def _built(triangles: int, seed: int, faults: Sequence[str], progress: Progress | None = None) -> Built:
+    """The assembly, and every part with its mesh in the world, metres; of no use to a caller that changes them."""
+    global _last
+    key, last = (triangles, seed, tuple(faults)), _last
+    if last is not None and last[0] == key:
+        return last[1]
+    _last = last = None  # two are not held at a time
+    if progress:
+        progress(0.0, "tessellating")
+    drawn = Drawn(triangles, seed, faults)
+
+    def told(share: float) -> None:
+        if progress:
+            progress(0.3 + 0.6 * share, "tessellating")
+
+    told(0.0)
+    built = drawn.assembly, drawn.meshes(told)
+    built[0].forget()
+    _last = key, built
+    return built
+
+
 def placed_meshes(
     asm: Assembly,
     solids: dict[Hashable, Solid] | None = None,
@@ -79,12 +106,20 @@ def placed_meshes(
     for number, part in enumerate(asm.parts.values()):
         if part.shape not in made:
             made[part.shape] = (asm.solid(part) if solids is None else solids[part.shape]).mesh()
-        mesh = made[part.shape]
-        vertices = (mesh.vertices @ (part.scale * part.pose[:3, :3].T) + part.pose[:3, 3]) * MM
-        faces = mesh.faces if np.linalg.det(part.pose[:3, :3]) > 0.0 else mesh.faces[:, ::-1]
-        out.append((part, Mesh(snapped(vertices), faces)))
+        out.append((part, _placed(part, made[part.shape])))
         told(number / len(asm.parts))
     return out
+
+
+def placed_mesh(asm: Assembly, part: Part) -> Mesh:
+    """One part with its mesh in the world, metres."""
+    return _placed(part, asm.mesh(part))
+
+
+def _placed(part: Part, mesh: Mesh) -> Mesh:
+    vertices = (mesh.vertices @ (part.scale * part.pose[:3, :3].T) + part.pose[:3, 3]) * MM
+    faces = mesh.faces if np.linalg.det(part.pose[:3, :3]) > 0.0 else mesh.faces[:, ::-1]
+    return Mesh(snapped(vertices), faces)
 
 
 def _neighbours(triangles: int, seed: int, faults: tuple[str, ...]) -> tuple[Assembly, Assembly]:
@@ -106,13 +141,7 @@ def _neighbours(triangles: int, seed: int, faults: tuple[str, ...]) -> tuple[Ass
 
 def gearbox_parts(triangles: int, seed: int, faults: Sequence[str], progress: Progress | None = None) -> MeshParts:
     """The gearbox as arrays; see `feeler.sample`."""
-    if progress:
-        progress(0.0, "tessellating")
-    drawn = Drawn(triangles, seed, faults)
-    if progress:
-        progress(0.3, "tessellating")
-    told = (lambda share: progress(0.3 + 0.6 * share, "tessellating")) if progress else (lambda _share: None)
-    meshes = drawn.meshes(told)
+    _, meshes = _built(triangles, seed, faults, progress)
     starts = np.cumsum([0, *(len(mesh.vertices) for _, mesh in meshes)])
     counts = [mesh.triangle_count for _, mesh in meshes]
     paths = [part.path for part, _ in meshes]
@@ -131,8 +160,8 @@ def gearbox_parts(triangles: int, seed: int, faults: Sequence[str], progress: Pr
 @lru_cache(maxsize=2)
 def gearbox_truth(triangles: int, seed: int, faults: tuple[str, ...]) -> Truth:
     """The truth of `gearbox_parts` with the same arguments."""
-    drawn = Drawn(triangles, seed, faults)
-    return truth_of(drawn.assembly, {part.path: volume(mesh) for part, mesh in drawn.meshes()}, seed)
+    made, meshes = _built(triangles, seed, faults)
+    return truth_of(made, {part.path: volume(mesh) for part, mesh in meshes}, seed)
 
 
 def volume(mesh: Mesh) -> float:
@@ -177,7 +206,7 @@ def truth_of(asm: Assembly, volumes: dict[str, float], seed: int) -> Truth:
         for f in asm.fasteners
     )
     joints = tuple(Joint(j.name, j.kind, many(j.parts), j.axis, _metres(j.point), j.low, j.high) for j in asm.joints)
-    fits = tuple(Fit(full(f.a), full(f.b), f.kind, f.play * MM, f.deepest * MM) for f in asm.fits.values())
+    fits = tuple(Fit(full(f.a), full(f.b), f.kind, f.play * MM, f.deepest * MM, f.flush) for f in asm.fits.values())
     faults = tuple(Fault(f.name, many(f.parts), f.expects, f.value, f.says) for f in asm.planted)
     return Truth(seed, asm.cut.chord * MM, tuple(bodies), fits, tuple(steps), fasteners, joints, faults)
 

@@ -160,12 +160,15 @@ def bracket(shop: Workshop, box_x: float, box_screws: tuple[tuple[float, float],
         pull((0.0, 0.0, -1.0), 3.0 * AWAY),
         after=[
             "housing/split_gasket",
+            "gear_train/*",
             "bracket/*_mount/mount",
             "input_drive/*",
             "covers/*_rear/cover",
             "oil_filter/*",
             "housing/drain_plug",
+            "starter/gasket",
             "starter/stud_*",
+            "fuel_pump/gasket",
             "fuel_pump/stud_*",
             "lines/*",
         ],
@@ -179,9 +182,8 @@ def bushing(cut: Cut) -> Solid:
         12.0 + deviation("H7", 24.0) / 2.0 + cut.ease,
         16.0 + deviation("p6", 32.0) / 2.0 - (0.05 if cut.ease else 0.0),
     )
-    return standard.ring_of(
-        cut, ((bore, 0.0), (out - 0.8, 0.0), (out, 0.8), (out, HANGER - 0.8), (out - 0.8, HANGER), (bore, HANGER))
-    )
+    outside = cut.sharp([(out - 0.8, 0.0), (out, 0.8), (out, HANGER - 0.8), (out - 0.8, HANGER)])
+    return standard.ring_of(cut, ((bore, 0.0), *outside, (bore, HANGER)))
 
 
 def mount(shop: Workshop, s: Stand, side: str, sign: float) -> None:
@@ -238,7 +240,7 @@ def latch(cut: Cut) -> Solid:
     """A quarter-turn latch: a knob on z < 0, a shank, and a bar along x at z = 11."""
     solid = Solid()
     knob, neck = solid.turned(
-        [(9.0, -11.0), (10.0, -10.0), (10.0, -1.0), (8.0, 0.0), (5.0, 0.0), (5.0, 11.0)], cut.circle(10.0)
+        cut.sharp([(9.0, -11.0), (10.0, -10.0), (10.0, -1.0), (8.5, 0.0), (5.0, 0.0), (5.0, 11.0)]), cut.circle(10.0)
     )
     solid.face(knob)
     corners = np.array([[18.0, -7.0], [18.0, 7.0], [-9.0, 7.0], [-9.0, -7.0]])
@@ -320,15 +322,15 @@ def door(shop: Workshop, s: Stand) -> None:
                 moving += [leaf, *bolts]
         pin = asm.add(
             f"door/pin_{k + 1}", "stainless steel", standard.turned_part,
-            ((3.0, -2.0), (3.0, -0.4), (PIN, -0.4), (PIN, 43.0), (PIN - 0.5, 43.5)),
+            tuple(cut.sharp([(3.0, -2.0), (3.0, -0.4), (PIN, -0.4), (PIN, 43.0), (PIN - 0.5, 43.5)])),
             pose=frame((x - 21.0, axis_y, HINGE_Z), X), spin=True,
         )  # fmt: skip
         pins.append(pin)
         for _, leaf, _ in leaves[-2:]:
             asm.fit(pin, leaf, "clearance", 0.05, PIN + 0.05)
         asm.step(pin, pull((-1.0, 0.0, 0.0), 60.0))
-    for _, leaf, bolts in leaves:
-        asm.step(leaf, pull(down, AWAY), after=[*bolts, *pins])
+    for k, (_, leaf, bolts) in enumerate(leaves):
+        asm.step(leaf, pull(down, AWAY), after=[*bolts, pins[k // 2]])
     asm.step([panel, bar], pull(down, AWAY), after=[leaf for _, leaf, _ in leaves])
     axis = (-1.0, 0.0, 0.0)
     asm.joints.append(Joint("door", "revolute", moving, axis, (0.0, s.door - HINGE_LOW, HINGE_Z), 0.0, 1.9))

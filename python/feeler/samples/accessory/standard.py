@@ -12,7 +12,7 @@ from .fits import BEARINGS, CIRCLIPS, KEYS, METRIC
 from .solid import Cut, Row, Solid, placed
 
 THREAD_PLAY_MM = 0.12
-"""The gap all round of the thread that is drawn as a helix."""
+"""By how much the hole of the thread that is drawn as a helix is larger, on its radius."""
 
 
 def ring_of(cut: Cut, rows: tuple[Row, ...], radius: float = 0.0, least: int = 8) -> Solid:
@@ -82,13 +82,23 @@ def hex_bolt(cut: Cut, size: int, length: float) -> Solid:
     return solid
 
 
+ROUND = 12
+"""Sides that the head of a cap screw has at least: fewer, and it could be taken for a hexagon to put a socket on."""
+
+
 def cap_screw(cut: Cut, size: int, length: float) -> Solid:
     """A socket head cap screw (ISO 4762): its head on z > 0, its shank down to z = -length."""
     m, solid = METRIC[size], Solid()
     radius, edge = 0.75 * m.size, 0.08 * m.size
-    rows = [*_shank(cut, m.size / 2.0, length, m.pitch), (radius, 0.0)]
-    rows += [(radius, m.size - edge), (radius - edge, m.size)] if cut.shows(edge) else [(radius, m.size)]
-    tip, rim = solid.turned(rows, cut.circle(radius, 6))
+    shank, head = _shank(cut, m.size / 2.0, length, m.pitch), [(radius, 0.0)]
+    head += [(radius, m.size - edge), (radius - edge, m.size)] if cut.shows(edge) else [(radius, m.size)]
+    sides = cut.circle(radius)
+    if sides < ROUND:
+        tip, neck = solid.turned(shank, sides)
+        under, rim = solid.turned(head, ROUND)
+        solid.face(under, neck)
+    else:
+        tip, rim = solid.turned([*shank, *head], sides)
     mouth, floor = solid.tube(np.stack([hexagon(m.socket, m.size), hexagon(m.socket, 0.5 * m.size)]))
     solid.wall(rim, mouth)
     solid.face(tip)
@@ -175,7 +185,7 @@ def helix(
     row = np.arange(last + 1)
     radius = np.where((row >= 4) & (row % 4 >= 2), crest, root)
     radius[-5:] = end
-    height = low + pitch * (row // 4 + np.array([0.0, 0.25, 0.4, 0.85])[row % 4])
+    height = low + pitch * (row // 4 + np.array([0.0, 0.25, 0.25 + FLANK, 1.0 - FLANK])[row % 4])
     points = np.empty((last + 1, n + 1, 3))
     points[:, :, 0], points[:, :, 1] = radius[:, None] * np.cos(theta), radius[:, None] * np.sin(theta)
     points[:, :, 2] = height[:, None] + pitch * theta / (2.0 * np.pi)
@@ -192,6 +202,8 @@ def helix(
     return bottom, top
 
 
+FLANK = 0.15
+"""Height of a flank of the helix along the axis, in pitches."""
 SEAM = 0.95
 """Where rings at the ends of a hole have a corner after the seam of its thread, in facets: less, and walls cross."""
 
@@ -199,6 +211,13 @@ SEAM = 0.95
 def thread_depth(pitch: float) -> float:
     """Height of a thread's flanks as drawn, millimetres."""
     return 0.55 * pitch
+
+
+def thread_play(cut: Cut) -> tuple[float, float, float]:
+    """Of the helix: the gap normal to its flanks, no radius, and what chords take at its crest beyond that."""
+    flank = FLANK * PLUG_PITCH
+    play = (THREAD_PLAY_MM + cut.ease) * flank / float(np.hypot(flank, thread_depth(PLUG_PITCH)))
+    return play, 0.0, max(0.0, cut.sag(PLUG_SIZE / 2.0) - THREAD_PLAY_MM - cut.ease + play)
 
 
 PLUG_SIZE, PLUG_PITCH, PLUG_FLATS, PLUG_TURNS = 14.0, 1.5, 17.0, 4
@@ -214,7 +233,8 @@ def threaded_plug(cut: Cut) -> Solid:
     solid.wall(end, bottom)
     solid.face(end)
     neck, rim = solid.turned(
-        [(root, -0.5), (root, 0.0), (0.68 * PLUG_FLATS, 0.0), (0.68 * PLUG_FLATS, 2.0)], cut.arc(root, 2.0 * np.pi, 8)
+        [*([] if cut.plain else [(root, -0.5)]), (root, 0.0), (0.68 * PLUG_FLATS, 0.0), (0.68 * PLUG_FLATS, 2.0)],
+        cut.arc(root, 2.0 * np.pi, 8),
     )
     solid.wall(top, neck)
     under, over = hex_prism(solid, cut, PLUG_FLATS, 2.0, 9.0, chamfers="high")

@@ -9,12 +9,12 @@ import numpy as np
 
 from ..mesh import Floats, Ints
 from .fits import KEYS, deviation
-from .polygon import triangulated
+from .polygon import offset, triangulated
 from .solid import Cut, Row, Solid
 
 PRESSURE = np.deg2rad(20.0)
 BACKLASH = 0.09
-"""Play between flanks, in modules: smaller, and the facets of coarse samples may cross."""
+"""By how much two teeth that mesh are thinner on each side, both together, in modules: larger, and gears rattle."""
 SPLINE_PLAY = 0.08
 """The gap all round of a spline, millimetres."""
 KEY_PLAY = 0.01
@@ -30,6 +30,16 @@ def _half(teeth: float, module: float, local: Floats) -> Floats:
     pitch = module * teeth / 2.0
     wide = np.pi / (2.0 * teeth) - BACKLASH * module / (2.0 * pitch) + np.tan(PRESSURE) - PRESSURE
     return np.asarray(wide - _involute(local))
+
+
+def mesh_play(module: float) -> float:
+    """The gap normal to the flanks on each side of a tooth that is in the middle of the other gear's space."""
+    return float(BACKLASH * module * np.cos(PRESSURE))
+
+
+def bevel_play(teeth: int, mate: int, module: float, width: float) -> float:
+    """The same of a bevel pair, at its toe, where it is least."""
+    return mesh_play(module) * (1.0 - width / (module * float(np.hypot(teeth, mate)) / 2.0))
 
 
 def tooth(cut: Cut, teeth: float, module: float) -> tuple[Floats, Floats]:
@@ -213,14 +223,13 @@ class Spline:
 
 
 def spline_outline(spline: Spline, grow: float) -> Floats:
-    """The outline (4 teeth, 2) of a spline's teeth, each flank moved outwards by `grow`."""
+    """The outline (4 teeth, 2) of a spline's teeth, all its sides moved outwards by `grow`."""
     step = 2.0 * np.pi / spline.teeth
-    inner, outer = spline.inner + grow, spline.outer + grow
-    slip = grow / spline.outer
-    turn = np.array([-0.30 * step, -0.19 * step - slip, 0.19 * step + slip, 0.30 * step])
-    radius = np.array([inner, outer, outer, inner])
+    turn = np.array([-0.30 * step, -0.19 * step, 0.19 * step, 0.30 * step])
+    radius = np.array([spline.inner, spline.outer, spline.outer, spline.inner])
     turns = np.arange(spline.teeth)[:, None] * step + turn
-    return np.stack([radius * np.cos(turns), radius * np.sin(turns)], axis=2).reshape(-1, 2)
+    corners = np.stack([radius * np.cos(turns), radius * np.sin(turns)], axis=2).reshape(-1, 2)
+    return offset(corners, grow)
 
 
 def shaft(

@@ -2,24 +2,35 @@
 
 from __future__ import annotations
 
+import difflib
 import json
 from dataclasses import asdict, dataclass
+
+from ...errors import OptionError
 
 Vector = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
 class Fit:
-    """Two parts that touch or fit into each other. Pairs that no fit names neither touch nor cross."""
+    """Two parts that touch or fit into each other. Pairs that no fit names neither touch nor cross.
+
+    A pair has one entry, the same at any number of triangles: that of the cylinder, thread, spline or teeth, if it has
+    such a fit; otherwise "line to line".
+    """
 
     a: str
     b: str
     kind: str
     """"H7/g6" and the like, "line to line", "thread as cylinders", "thread as helices", "ball in raceway", ..."""
     play_m: float
-    """The gap between the two surfaces when they are centred; negative for a press."""
+    """The least gap between the two curved surfaces, normal to them, as drawn without chords; negative for a press.
+
+    Of gears, splines and helices: normal to the flanks, on each side of a tooth, with the tooth in the middle."""
     deepest_m: float
     """How deep the parts as drawn may be in each other: the press and the chords of curved faces."""
+    flush: bool
+    """They touch, plane on plane, whatever the play of the fit: a gear on its seat also leans on the shoulder."""
 
 
 @dataclass(frozen=True)
@@ -67,8 +78,9 @@ class Fastener:
     axis: Vector
     """Outwards, from where the tool comes."""
     swing_rad: float
-    """The largest swing of the tool that is free whatever the seed: a full turn for sockets and keys. A wrench is about
-    nine flats long and loosens counter-clockwise; 60 degrees take it from flat to flat."""
+    """A swing of the tool that is free: a full turn for sockets and keys. For an open-end wrench it is a lower bound of
+    the largest swing: the least of several seeds. A wrench is about nine flats long and loosens counter-clockwise; 60
+    degrees take it from flat to flat."""
     holds: tuple[str, ...]
 
 
@@ -108,7 +120,10 @@ class Fault:
     """"clash", "too near", "no tool access", "no way out", "no hole", "duplicate", "inside", "floating", "mirrored" or
     "unit"."""
     value: float
-    """In metres: depth of the clash, gap, or by how much the way is too narrow; a factor for a unit; else 0."""
+    """What a check measures, as exactly as the chords allow. In metres: how deep the two are in each other ("clash" and
+    "no hole"), the gap between them ("too near", "no tool access", "duplicate", "inside"), the gap to the next part
+    ("floating"), or by how much the way is too narrow ("no way out"). A factor of the part's size: 25.4 ("unit") or -1
+    ("mirrored")."""
     says: str
     """In words."""
 
@@ -129,18 +144,30 @@ class Truth:
     faults: tuple[Fault, ...]
 
     def fit(self, a: str, b: str) -> Fit | None:
-        """The fit of two parts, or None: they neither touch nor cross."""
-        pair = {a, b}
+        """The fit of two parts, or None: they neither touch nor cross. Raises OptionError for an unknown path."""
+        pair = {self._known(a), self._known(b)}
         return next((fit for fit in self.fits if {fit.a, fit.b} == pair), None)
 
     def holds(self, path: str) -> tuple[str, ...]:
-        """The fasteners that hold a part."""
+        """The fasteners that hold a part. Raises OptionError for an unknown path."""
+        self._known(path)
         return tuple(fastener.path for fastener in self.fasteners if path in fastener.holds)
 
     def way(self, path: str) -> tuple[Step, ...]:
-        """The steps, in order, that take a part out; empty for the beam, which carries all."""
+        """The steps, in order, that take a part out; empty for the beam, which carries all, and for parts that only a
+        fault adds. Raises OptionError for an unknown path.
+        """
+        self._known(path)
         last = next((step for step in self.steps if step.removes and path in step.parts), None)
         return () if last is None else (*self.needed(last), last)
+
+    def _known(self, path: str) -> str:
+        paths = [body.path for body in self.bodies]
+        if path not in paths:
+            alike = difflib.get_close_matches(path, paths, 3, 0.6)
+            hint = f"; there is {', '.join(map(repr, alike))}" if alike else ""
+            raise OptionError(f"no part of the gearbox has the path {path!r}{hint}")
+        return path
 
     def needed(self, step: Step) -> tuple[Step, ...]:
         """The steps, in order, that have to come before a step."""
