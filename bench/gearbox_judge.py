@@ -504,7 +504,7 @@ def wrong_values(faulty: Drawn) -> list[str]:
 def _measured(faulty: Drawn, fault: Fault) -> float:
     meshes = [faulty.meshes[path] for path in fault.parts]
     if fault.expects in ("clash", "no hole"):
-        return depth(*meshes)
+        return depth(meshes[0], meshes[1])
     if fault.expects == "floating":
         others = (gap for pair, gap in gaps(faulty, 0.03, fault.parts).items())
         return min(others)

@@ -126,7 +126,7 @@ def ways() -> Any:
 def test_ways_are_free_with_only_what_they_need_taken_out() -> None:
     steps = [step for step in ways().truth.steps if step.rigid]
     large = [step for step in steps if len(step.parts) > 3 or step.door_open]
-    for step in {id(step): step for step in [*steps[::9], *large[::2]]}.values():
+    for step in {id(step): step for step in [*steps[::15], *large[::3]]}.values():
         assert not ways().blocked(step), step.parts[0]
 
 
@@ -317,7 +317,7 @@ def test_all_faults_at_once(seed: int) -> None:
     assert near == {planted["pipe_clash"], planted["too_near"]} and not judge.near_pipes(clean)
 
 
-@pytest.mark.parametrize("names", [("no_way_out", "pipe_clash"), ("too_near", "wrong_unit"), ("duplicate", "floating")])
+@pytest.mark.parametrize("names", [("no_way_out", "pipe_clash"), ("too_near", "wrong_unit")])
 def test_two_faults_at_once(names: tuple[str, str]) -> None:
     faulty = judge.of_sample(LEAST + 4_000, 0, names)
     assert not judge.unplanned(faulty, drawn(LEAST + 4_000)) and not judge.wrong_values(faulty)

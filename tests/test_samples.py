@@ -1,12 +1,15 @@
 """The sample mock-ups and tools: sizes, determinism, closed shells, gears that mesh."""
 
 import hashlib
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import feeler
 from feeler import samples
+from feeler.io.body import body_of
+from feeler.io.export import write_glb
 from feeler.samples import gearbox, gears, hardware, shapes, tools
 from feeler.samples.mesh import VERTEX_GRID_M, Mesh, moved
 from feeler.samples.tessellation import Tolerance, circle, hexagon, stitch, triangulate
@@ -319,3 +322,30 @@ def test_chords_stay_within_the_tolerance():
             assert radius * (1.0 - np.cos(np.pi / n)) <= max(chord, 0.7 * radius) * 1.0001
             if chord < 0.5 * radius:
                 assert radius * (1.0 - np.cos(np.pi / n)) <= chord * 1.0001
+
+
+@pytest.mark.parametrize("seed", [51, 99, 1067])
+def test_seeds_that_need_another_layout(seed: int) -> None:
+    """A side too short for its mount, and a clip's post where a cover is."""
+    mockup = feeler.sample("gearbox", 45_000, seed)
+    assert 500 < mockup.part_count < 540
+    post = feeler.Tool.of_parts(mockup, "gearbox/lines/oil_pipe/post")
+    near = feeler.Scene(mockup).clearance(post, np.eye(4), 5e-4)
+    assert "gearbox/covers/main_rear/cover" not in {mockup.part_paths[part] for part in near.parts.tolist()}
+
+
+def test_faults_are_a_list_of_names() -> None:
+    for wrong in ("pipe_clash", None, 5, [3]):
+        with pytest.raises(feeler.OptionError, match="pipe_clash"):
+            feeler.sample("gearbox", 45_000, faults=wrong)  # type: ignore[arg-type]
+        with pytest.raises(feeler.OptionError, match="pipe_clash"):
+            feeler.sample_truth("gearbox", 45_000, faults=wrong)  # type: ignore[arg-type]
+
+
+def test_the_gearbox_comes_back_from_a_file_with_its_paths(tmp_path: Path) -> None:
+    mockup = feeler.sample("gearbox", 45_000)
+    write_glb(tmp_path / "gearbox.glb", body_of(mockup))
+    assert sorted(feeler.load_mockup(tmp_path / "gearbox.glb").part_paths) == sorted(mockup.part_paths)
+    write_glb(tmp_path / "other.glb", body_of(mockup))
+    again = feeler.load_mockup(tmp_path / "other.glb").part_paths
+    assert sorted(again) == sorted(f"other/{path}" for path in mockup.part_paths)

@@ -225,6 +225,9 @@ def _load(
             scale, source = _scale(raw, given, format_name)
             axes.align(raw, wanted)
             top = labels.claim_path(file.label)
+            root = f"{file.label}/"
+            if all(below.startswith(root) for below in raw.part_paths):  # the file says its own name
+                raw.part_paths = [below[len(root) :] for below in raw.part_paths]
             raw.part_paths = [f"{top}/{below}" if below else top for below in raw.part_paths]
             here = slice(triangles, triangles + len(raw.faces))
             pieces.append(_Piece(file, format_name, raw.up, scale, source, here))

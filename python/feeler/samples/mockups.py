@@ -92,7 +92,7 @@ def sample_truth(
     if name != GEARBOX:
         raise OptionError(f"the sample {name!r} has no truth; the one that has it is {GEARBOX!r}")
     wanted, number = _checked(name, triangles, seed)
-    return accessory.gearbox_truth(wanted, number, tuple(faults))
+    return accessory.gearbox_truth(wanted, number, _names(faults))
 
 
 def sample_parts(
@@ -106,7 +106,7 @@ def sample_parts(
     """What `sample` makes, as plain arrays; see there."""
     wanted, number = _checked(name, triangles, seed)
     if name == GEARBOX:
-        return accessory.gearbox_parts(wanted, number, tuple(faults), progress)
+        return accessory.gearbox_parts(wanted, number, _names(faults), progress)
     if faults:
         raise OptionError(f"the sample {name!r} has no faults to plant; the one that has them is {GEARBOX!r}")
     make, reference = _MAKERS[name]
@@ -199,3 +199,10 @@ _MAKERS: dict[str, tuple[Callable[[Plan, Amount], None], float]] = {
     "engine": (_engine, 5.2e6),
     "tay": (_tay, 6.5e6),
 }
+
+
+def _names(faults: object) -> tuple[str, ...]:
+    """The names of faults. Raises `OptionError` for anything but a list of texts."""
+    if isinstance(faults, (list, tuple, set, frozenset)) and all(isinstance(fault, str) for fault in faults):
+        return tuple(faults)
+    raise OptionError(f"faults is {faults!r}: give a list of names, of {', '.join(accessory.FAULTS)}")

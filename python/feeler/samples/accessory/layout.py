@@ -103,19 +103,38 @@ class Layout:
 
     def flat(self, name: str) -> Floats:
         """The middle (2,) of the plane strip of a side of the rear case."""
+        first, last = self._flat_ends(name)
+        return np.asarray((first + last) / 2.0)
+
+    def flat_length(self, name: str) -> float:
+        """How long that strip is."""
+        first, last = self._flat_ends(name)
+        return float(np.hypot(*(last - first)))
+
+    def _flat_ends(self, name: str) -> tuple[Floats, Floats]:
         number, _, _ = self.side(name)
         cut = Cut(1.0)
         line = outline(cut, self.base, WALL, self.slope_ribs, 1.0)
         start = side_segments(cut, self.base, self.slope_ribs)[number]
-        return np.asarray((line[start] + line[(start + 1) % len(line)]) / 2.0)
+        return line[start], line[(start + 1) % len(line)]
 
 
 NORMALS = np.deg2rad([0.0, 62.0, 90.0, 136.0, 180.0, 270.0])
 
 
+LEAST_FLAT = 25.0
+"""Least length of the flats that carry the mounts: between two of their holes, and what is beside these."""
+
+
 def layout(seed: int, rng: np.random.Generator, bolts: int) -> Layout:
     """Seed 0 is the drawing; others vary teeth, places, and the number of the flange's bolts."""
-    vary = seed != 0
+    while True:
+        plan = _drawn(seed != 0, rng, bolts)
+        if min(plan.flat_length("left"), plan.flat_length("right")) >= LEAST_FLAT:
+            return plan
+
+
+def _drawn(vary: bool, rng: np.random.Generator, bolts: int) -> Layout:
     extra = rng.integers(-1, 3, 5).tolist() if vary else [0] * 5
     lean = rng.uniform(-6.0, 6.0, 4).tolist() if vary else [0.0] * 4
     names = ("starter", "main", "idler", "fuel_pump", "breather")

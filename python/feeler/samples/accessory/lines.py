@@ -23,6 +23,8 @@ NOSE, NUT_CORE = 7.0, 6.4
 NOSE_END = 18.0
 COLLAR = 5.0
 NUT_LOW, NUT_HIGH = 9.5, 30.0
+UNSCREWED = 10.0
+"""How far a union nut goes back: off its thread, and not into the pipe's bend."""
 PIPE = 4.0
 ELBOW_COLLAR = 5.0
 REACH = 42.0
@@ -162,7 +164,7 @@ def line(
     for k, nut in enumerate(nuts):
         asm.fit(nut, pipe, "clearance", 0.4, PIPE + 0.4)
         asm.flush(nut, pipe, f"{group}/adapter_{k + 1}")
-        asm.step(nut, screw(z, ends[k], 14.0, 1.5), door_open=ports[k][2] == "elbow", removes=False)
+        asm.step(nut, screw(z, ends[k], UNSCREWED, 1.5), door_open=ports[k][2] == "elbow", removes=False)
     asm.step([pipe, *nuts], pull(z, 1.5 * AWAY), after=after)
     return pipe, corners[1], corners[2]
 
@@ -194,7 +196,10 @@ def loop_outline(cut: Cut, radius: float, reach: float, low: float, high: float)
     return ((reach, low), (reach, high), *map(tuple, eye.tolist()))
 
 
-CLIP_AT, CLIP_ASIDE = 0.36, 15.5
+CLIP_AT, CLIP_ASIDE = (0.36, 0.33, 0.39, 0.42, 0.45, 0.48, 0.51, 0.54, 0.57, 0.6), 15.5
+"""Shares of the oil pipe's run at which its clip may be, the best first; how far its post stands beside."""
+POST_ROOM = 7.5
+"""Between the middle of the post and a pad: half its width over corners, a gap, and a chord."""
 OIL_PORT = (-10.0, 0.0)
 OIL_LEVEL = 172.0
 
@@ -205,8 +210,17 @@ def oil_run(plan: Layout, filter_port: Vector) -> tuple[Floats, Floats, Floats]:
     a = np.array([main.x + OIL_PORT[0], main.y + OIL_PORT[1], OIL_LEVEL])
     b = np.array([filter_port[0], filter_port[1], OIL_LEVEL])
     way = (b - a) / np.sqrt((b - a) @ (b - a))
-    place = a + (b - a) * CLIP_AT
-    return place, way, place + np.cross([0.0, 0.0, 1.0], way) * CLIP_ASIDE
+    aside = np.cross([0.0, 0.0, 1.0], way) * CLIP_ASIDE
+    pads = np.array([s.centre for s in plan.stations]), np.array([s.pad for s in plan.stations])
+
+    def room(share: float) -> float:
+        """Between the post and the nearest pad."""
+        foot = (a + (b - a) * share + aside)[:2]
+        return float((np.hypot(*(pads[0] - foot).T) - pads[1]).min())
+
+    share = next((share for share in CLIP_AT if room(share) > POST_ROOM), max(CLIP_AT, key=room))
+    place = a + (b - a) * share
+    return place, way, place + aside
 
 
 def post_hole(plan: Layout, cut: Cut, filter_port: Vector) -> FaceHole:
