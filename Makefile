@@ -36,7 +36,7 @@ export VIRTUAL_ENV := $(CURDIR)/$(VENV)
 # The Python that PyO3's build script asks; one and the same for all cargo commands, so that none rebuilds for another.
 export PYO3_PYTHON := $(CURDIR)/$(PY)
 # No recipe calls make; with `make -j2` cargo would look for make's jobserver, which only a make of its own may use.
-unexport CONDA_PREFIX PYTHONHOME MAKEFLAGS
+unexport CONDA_PREFIX PYTHONHOME MAKEFLAGS MFLAGS
 
 # The Rust crates that others may depend on; the rest has `publish = false`.
 PUBLISHED := feeler-lanes feeler-core feeler-contacts feeler-world feeler-plan feeler-haptics feeler-devices

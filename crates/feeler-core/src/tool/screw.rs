@@ -36,7 +36,10 @@ impl Screw {
         if angle.is_nan() || angle.abs() > MOST_TURNS * TAU {
             return Err(fault("angle", angle, "radians, at most a thousand turns"));
         }
-        let axis = unit(axis).ok_or_else(|| fault("axis", 0.0, "a direction that is not zero"))?;
+        // A unit stays as it is, to the last bit: screws that travel are the same there.
+        let is_unit = (dot(axis, axis) - 1.0).abs() <= 4.0 * f64::EPSILON;
+        let axis = if is_unit { Some(*axis) } else { unit(axis) };
+        let axis = axis.ok_or_else(|| fault("axis", 0.0, "a direction that is not zero"))?;
         let screw = Screw { axis, point: *point, angle, pitch };
         if !is_good(&&screw.advance()) {
             return Err(fault("pitch", pitch, finite));
