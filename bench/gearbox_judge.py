@@ -331,8 +331,9 @@ class Ways:
     def superfluous(self, step: Step) -> list[str]:
         """What a step waits for without need: with it in place the step is free, and so are the tools of its fasteners.
 
-        Parts that come out together are left in together. What another need takes out anyway counts as needed, and so
-        does what has a fit with the parts of the step: they hold it, or it would hang in the air.
+        A way that is free by less than a chord is not free. Parts that come out together are left in together. What
+        another need takes out anyway counts as needed, and so does what has a fit with the parts of the step: they hold
+        it, or it would hang in the air.
         """
         units = {path: other.parts for other in self.truth.steps if other.removes for path in other.parts}
         fasteners = [f for f in self.truth.fasteners if f.path in step.parts]
@@ -345,8 +346,21 @@ class Ways:
                 continue
             if self.blocked(without) or any(self.stopped(fastener, without) for fastener in fasteners):
                 continue
-            found.append(unit[0])
+            if self.nearest(step, unit) > self.truth.chord_m:
+                found.append(unit[0])
         return found
+
+    def nearest(self, step: Step, unit: Iterable[str]) -> float:
+        """How near a step passes parts that stay where they are, metres."""
+        least, base, here = np.inf, np.eye(4), coal.Transform3s()
+        for leg in step.legs:
+            for share in shares(leg, 0.0):
+                pose = _at(leg_pose(leg, share) @ base)
+                for a, b in itertools.product(step.parts, unit):
+                    asked = coal.DistanceRequest(), coal.DistanceResult()
+                    least = min(least, coal.distance(self.models[a], pose, self.models[b], here, *asked))
+            base = leg_pose(leg, 1.0) @ base
+        return float(least)
 
     def stopped(self, fastener: Fastener, step: Step) -> bool:
         """Whether the tool of a fastener does not turn as far as the truth says, after what a step needs is out."""

@@ -298,7 +298,7 @@ def fuel_pump(shop: Workshop) -> Floats:
             head="screw",
             washer=False,
         )
-    asm.step(cover, pull((0.0, 0.0, 1.0), AWAY), after=[*bolts, "lines/fuel_pipe/adapter_1", "lines/vent_hose/hose"])
+    asm.step(cover, pull((0.0, 0.0, 1.0), AWAY), after=[*bolts, "lines/fuel_pipe/adapter_1"])
     asm.wait(body, cover)
     return face @ at(z=17.0)
 

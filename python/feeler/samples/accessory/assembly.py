@@ -7,7 +7,6 @@ import itertools
 import zlib
 from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass, field
-from itertools import pairwise
 
 import numpy as np
 
@@ -23,8 +22,6 @@ Vector = Sequence[float] | Floats
 FLUSH = "line to line"
 SOCKET_MM = 62.0
 """How far a socket and the head below it reach: longer, and fasteners wait for pipes that are beyond the tool."""
-NEAR_LINE = 0.1
-"""A fastener waits for a pipe or cable nearer to it or its tool than this on its way out, millimetres."""
 
 
 @dataclass(frozen=True)
@@ -231,27 +228,32 @@ class Assembly:
                 step.after += after
 
     def wait_for_lines(self) -> None:
-        """Fasteners whose way crosses a pipe or cable come out after it."""
+        """Fasteners and round covers whose way crosses a pipe or cable come out after it."""
+        paths = [
+            (line, bent(Cut(0.1), corners, bend, radius).points, radius) for line, corners, radius, bend in self.lines
+        ]
         for step in self.steps:
-            if len(step.parts) > 1 or not step.legs or step.legs[-1].kind != "pull":
-                continue
             part = self.parts[step.parts[0]]
-            if part.make.__name__ not in ("hex_bolt", "cap_screw", "nut", "washer", "stud"):
+            size = _room(part)
+            if len(step.parts) > 1 or not step.legs or step.legs[-1].kind != "pull" or size is None:
                 continue
-            m = METRIC[int(part.args[0])]  # type: ignore[call-overload]
-            slim = {"cap_screw": 0.75 * m.size, "washer": m.washer / 2.0, "stud": m.size / 2.0}
-            head = slim.get(part.make.__name__, m.flats / np.sqrt(3.0))
-            tool = slim.get(part.make.__name__, 0.64 * m.flats + 0.7)
+            head, tool, height = size
             leg, start = step.legs[-1], part.pose[:3, 3]
-            along = np.linspace(0.0, leg.distance, 60)
+            along = np.linspace(0.0, leg.distance + height, 120)
             way = start + along[:, None] * np.array(leg.axis)
-            room = np.where(along < SOCKET_MM, tool, head) + NEAR_LINE
-            for path, corners, radius, bend in self.lines:
-                for a, b in pairwise(bent(Cut(0.1), corners, bend, radius).points):
-                    share = np.clip(((way - a) @ (b - a)) / ((b - a) @ (b - a)), 0.0, 1.0)
-                    gap = np.sqrt((((a + share[:, None] * (b - a)) - way) ** 2).sum(axis=1))
-                    if (gap < radius + room).any() and path not in step.after:
-                        step.after.append(path)
+            room = np.where(along < SOCKET_MM, tool, head)
+            for path, points, radius in paths:
+                reach = radius + float(room.max())
+                low, high = points.min(axis=0) - reach, points.max(axis=0) + reach
+                beside = (way.max(axis=0) < low) | (way.min(axis=0) > high)
+                if path in step.after or beside.any():
+                    continue
+                a, side = points[:-1], np.diff(points, axis=0)
+                off = way[:, None] - a
+                share = np.clip((off * side).sum(axis=2) / (side * side).sum(axis=1), 0.0, 1.0)
+                gap = np.sqrt(((off - share[:, :, None] * side) ** 2).sum(axis=2)).min(axis=1)
+                if (gap < radius + room).any():
+                    step.after.append(path)
 
     def fasten(
         self,
@@ -299,6 +301,19 @@ class Assembly:
             if not any(fnmatch.fnmatchcase(path, pattern) for path in self.parts):
                 raise ValueError(f"no part is called {pattern}")
         return [p for p in self.parts if p in exact or any(fnmatch.fnmatchcase(p, w) for w in loose)]
+
+
+def _room(part: Part) -> tuple[float, float, float] | None:
+    """Radius of a fastener or round cover, of its tool, and its height, millimetres; None for other parts."""
+    name, size = part.make.__name__, part.args[0] if part.args else None
+    if name == "flanged" and isinstance(size, tuple) and len(size) == 1:
+        return size[0], size[0], 0.0
+    if name not in ("hex_bolt", "cap_screw", "nut", "washer", "stud") or not isinstance(size, int):
+        return None
+    m = METRIC[size]
+    slim = {"cap_screw": 0.75 * m.size, "washer": m.washer / 2.0, "stud": m.size / 2.0}
+    head = slim.get(name, m.flats / float(np.sqrt(3.0)))
+    return head, slim.get(name, 0.64 * m.flats + 0.7), 0.0 if name in ("washer", "stud") else m.head
 
 
 def pull(axis: Vector, distance: float) -> Leg:
