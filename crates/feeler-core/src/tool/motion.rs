@@ -38,7 +38,8 @@ pub struct Motion {
     axis: Point,
     angle: f64,
     axis_in_tool: Point,
-    /// By what share of its distance from the pivot a point may be farther from the axis than it is in the tool's frame.
+    /// How much longer a vector may be across the axis than `axis_in_tool` says, as a share of its length: a given pose is rigid only
+    /// within 1e-6.
     slack: f64,
     /// Along which it is; `None` from pose to pose.
     screw: Option<Screw>,
@@ -78,48 +79,6 @@ fn grown(b: &Aabb, margin: f64) -> Aabb {
     Aabb { lower: b.lower.map(|x| x - margin), upper: b.upper.map(|x| x + margin) }
 }
 
-/// What a motion is given by.
-struct Way {
-    pivot: Point,
-    from: Point,
-    velocity: Point,
-    start: Matrix,
-    axis: Point,
-    angle: f64,
-    axis_in_tool: Point,
-    slack: f64,
-    beyond: [Matrix; 2],
-}
-
-impl Way {
-    /// With its bounds; `translation`: the largest coordinate beside the tool's own, metres.
-    fn motion(&self, tool: &Tool, ends: [Pose; 2], translation: f64) -> Motion {
-        let Way { pivot, from, velocity, start, axis, angle, axis_in_tool, slack, beyond } = *self;
-        let bounds = tool.mesh().bounds();
-        let corners = corners_of(&bounds).map(|p| sub(&p, &pivot));
-        let radius = corners.iter().map(any_length).fold(0.0, f64::max);
-        let reach = corners.iter().map(|p| any_length(&cross(&axis_in_tool, p))).fold(0.0, f64::max) + slack * radius;
-        let bend = beyond.iter().map(|m| size(m) * radius).fold(0.0, f64::max);
-        let rounding = MOTION_ROUNDOFFS * UNIT_ROUNDOFF * (bounds.largest_coordinate() + translation);
-        Motion {
-            ends,
-            pivot,
-            from,
-            velocity,
-            start,
-            axis,
-            angle,
-            axis_in_tool,
-            slack,
-            screw: None,
-            beyond,
-            reach: reach * (1.0 + ARC_ROUNDING),
-            bend: bend * (1.0 + ARC_ROUNDING),
-            rounding: rounding + f64::MIN_POSITIVE,
-        }
-    }
-}
-
 impl Motion {
     /// The way of a tool between two poses `world_from_tool`: its [pivot](Tool::pivot) moves straight, and the tool turns the shorter
     /// way round.
@@ -130,9 +89,23 @@ impl Motion {
         let (axis, angle) = axis_and_angle(&product(&end, &transposed(&start)));
         let beyond = [difference(pose0.rotation(), &start), difference(pose1.rotation(), &end)];
         let translation = pose0.largest_translation().max(pose1.largest_translation());
-        let axis_in_tool = times(&transposed(&start), &axis);
-        let way = Way { pivot, from, velocity: sub(&to, &from), start, axis, angle, axis_in_tool, slack: 0.0, beyond };
-        way.motion(tool, [*pose0, *pose1], translation)
+        let motion = Motion {
+            ends: [*pose0, *pose1],
+            pivot,
+            from,
+            velocity: sub(&to, &from),
+            start,
+            axis,
+            angle,
+            axis_in_tool: times(&transposed(&start), &axis),
+            slack: 0.0,
+            screw: None,
+            beyond,
+            reach: 0.0,
+            bend: 0.0,
+            rounding: 0.0,
+        };
+        motion.bounded(tool, translation)
     }
 
     /// The way of a tool from a pose along a screw. The pivot is on its axis.
@@ -151,29 +124,46 @@ impl Motion {
         let from = pose.apply(&pivot);
         let sign = if screw.angle() < 0.0 { -1.0 } else { 1.0 };
         let (axis, angle) = (scaled(screw.axis(), sign), screw.angle().abs());
-        let slack = size(&difference(&start, &transposed(&back)));
-        let beyond = [[[0.0; 3]; 3]; 2];
-        let way = Way {
+        let velocity = screw.way();
+        let rotation = product(&turn(&axis, angle), &start);
+        let place = sub(&add(&from, &velocity), &times(&rotation, &pivot));
+        let motion = Motion {
+            ends: [*pose, Pose::unchecked(rotation, place).translated(&[0.0; 3])?],
             pivot,
             from,
-            velocity: screw.way(),
+            velocity,
             start,
             axis,
             angle,
             axis_in_tool: times(&back, &axis),
-            slack,
-            beyond,
+            slack: size(&difference(&start, &transposed(&back))),
+            screw: Some(*screw),
+            beyond: [[[0.0; 3]; 3]; 2],
+            reach: 0.0,
+            bend: 0.0,
+            rounding: 0.0,
         };
-        let rotation = product(&turn(&axis, angle), &start);
-        let place = sub(&add(&from, &way.velocity), &times(&rotation, &pivot));
-        let end = Pose::unchecked(rotation, place).translated(&[0.0; 3])?;
         // Of the pose at any time.
-        let translation = largest(&from) + largest(&way.velocity) + 2.0 * largest(&pivot);
-        let mut motion = way.motion(tool, [*pose, end], translation);
+        let mut motion = motion.bounded(tool, largest(&from) + largest(&velocity) + 2.0 * largest(&pivot));
         // The sine of a large angle is known to as many roundings less.
         motion.rounding += MOTION_ROUNDOFFS * UNIT_ROUNDOFF * angle * motion.reach;
-        motion.screw = Some(*screw);
         Ok(motion)
+    }
+
+    /// With the bounds of a tool; `translation`: the largest coordinate beside the tool's own, metres.
+    fn bounded(self, tool: &Tool, translation: f64) -> Motion {
+        let bounds = tool.mesh().bounds();
+        let corners = corners_of(&bounds).map(|p| sub(&p, &self.pivot));
+        let radius = corners.iter().map(any_length).fold(0.0, f64::max);
+        let across = corners.iter().map(|p| any_length(&cross(&self.axis_in_tool, p))).fold(0.0, f64::max);
+        let bend = self.beyond.iter().map(|m| size(m) * radius).fold(0.0, f64::max);
+        let rounding = MOTION_ROUNDOFFS * UNIT_ROUNDOFF * (bounds.largest_coordinate() + translation);
+        Motion {
+            reach: (across + self.slack * radius) * (1.0 + ARC_ROUNDING),
+            bend: bend * (1.0 + ARC_ROUNDING),
+            rounding: rounding + f64::MIN_POSITIVE,
+            ..self
+        }
     }
 
     /// The motions of a way from a pose, one a leg. Errors as [`screw`](Self::screw).

@@ -109,7 +109,7 @@ struct Scan {
     samples: usize,
     at: usize,
     directions: Vec<Point>,
-    /// By direction: at the samples, how far it goes, metres.
+    /// By direction and sample: how far it goes, as a share of [`PROBE`].
     free: Vec<Vec<f64>>,
 }
 
@@ -279,7 +279,8 @@ impl<'a> Pushes<'a> {
         turns * std::f64::consts::TAU
     }
 
-    /// Moves from a node as far as that is free; what is left of the motion, and whether all was.
+    /// Moves from a node as far as that is free. Returns the motion until there (`None` if it is no more than play), what is still seated,
+    /// and whether all of it was free.
     fn walk(
         &mut self,
         node: usize,
@@ -491,26 +492,17 @@ impl<'a> Pushes<'a> {
             self.way = Some(way);
             return Ok(());
         }
-        let end = (*kept.end(), left);
-        self.add_scan_after(scan.node, &before, &kept, end);
-        Ok(())
-    }
-
-    fn add_scan_after(&mut self, node: usize, before: &Motion, kept: &Motion, end: (Pose, Arc<Seated>)) {
         // A node where it left the motion, from which the opening can be scanned, and one at its end.
-        let known = self.nodes.len();
-        let seated = self.nodes[node].seated.clone();
-        let here = *before.end();
-        let left = self.around.left_at(&seated, &here).ok().flatten().unwrap_or(seated);
-        self.push((here, left), node, vec![before.clone()]);
-        let at = if self.nodes.len() > known { known } else { node };
-        if at == known {
-            self.nodes[at].directions = self.nodes[node].directions.clone();
-            self.add_scan(at, SCAN, kept);
-            self.push(end, at, vec![kept.clone()]);
+        let (node, known, end) = (scan.node, self.nodes.len(), (*kept.end(), left));
+        self.push((pose, seated), node, vec![before.clone()]);
+        if self.nodes.len() > known {
+            self.nodes[known].directions = self.nodes[node].directions.clone();
+            self.add_scan(known, SCAN, &kept);
+            self.push(end, known, vec![kept]);
         } else {
-            self.push(end, node, vec![before.clone(), kept.clone()]);
+            self.push(end, node, vec![before, kept]);
         }
+        Ok(())
     }
 
     fn way_to(&self, mut at: usize) -> Vec<Motion> {
