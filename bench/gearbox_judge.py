@@ -136,9 +136,10 @@ def bvh(mesh: Mesh) -> Any:
 
 
 def depth(a: Mesh, b: Mesh, most: int | None = None) -> float:
-    """How deep two parts are in each other, metres: what they share is on the face of one, so far from the other's.
+    """Penetration depth of two parts, metres: the largest distance from a point of their shared volume's surface to the
+    surface of the other part.
 
-    Taken at the corners of what they share, and on its edges; at about `most` of these points.
+    Measured at the corners of the shared volume and along its edges, at no more than about `most` points.
     """
     shared = (manifold(a) ^ manifold(b)).to_mesh64()
     corners = np.asarray(shared.vert_properties)[:, :3] * 1e-3
@@ -196,9 +197,9 @@ class Fits:
         return sum(self.asm.solid(part).triangle_count for part in parts)
 
     def lifts(self, fit: Fit) -> list[Floats]:
-        """By what (3,) `fit.a` is moved so that planes on which the two lie are apart.
+        """Translations (3,) of `fit.a`, metres, that separate faces on which the two parts lie flush.
 
-        That is on its way out, or on one of two ways where both come out as one.
+        Along the way on which one of them comes out. Where both come out as one unit, either sense may separate them.
         """
         if not fit.flush:
             return [np.zeros(3)]
@@ -269,7 +270,7 @@ def shares(leg: Leg, reach: float) -> list[float]:
 
 
 class Ways:
-    """Whether the steps of a truth are free: each with only what it says it needs taken out before."""
+    """Collision checks of the steps of a truth. Before a step only the parts that its `after` names are removed."""
 
     def __init__(self, drawn: Drawn) -> None:
         self.drawn, self.truth = drawn, drawn.truth
@@ -284,7 +285,7 @@ class Ways:
         self.opened = leg_pose(Leg("turn", door.axis, door.point_m, 0.0, door.high), 1.0)
 
     def blocked(self, step: Step) -> dict[tuple[str, str], tuple[int, float]]:
-        """What is in the way of a step: by moving part and other part, the leg and the share of it."""
+        """Collisions of a step, by (moving part, other part): the number of the leg, and the fraction of it."""
         out, pose = set[str](), dict[str, Floats]()
         for earlier in self.truth.needed(step):
             if earlier.removes:
@@ -329,7 +330,7 @@ class Ways:
         return bool((shared[0] ^ shared[1]).volume() > FLUSH_MM3)
 
     def superfluous(self, step: Step) -> list[str]:
-        """What a step waits for without need: with it in place the step is free, and so are the tools of its fasteners.
+        """Parts in `after` that need not be removed: with them in place the step and its tools collide with nothing.
 
         A way that is free by less than a chord is not free. Parts that come out together are left in together. What
         another need takes out anyway counts as needed, and so does what has a fit with the parts of the step: they hold
@@ -467,7 +468,7 @@ def _at(pose: Floats) -> Any:
 
 
 def too_deep(drawn: Drawn, every: int = 1) -> list[str]:
-    """What is wrong with the volumes that pairs share: no fit names them, or they are deeper than named.
+    """Pairs that share volume and have no fit, or are deeper than their fit says; as messages.
 
     `every`: of the named pairs, whose depth is measured.
     """
@@ -486,7 +487,7 @@ def too_deep(drawn: Drawn, every: int = 1) -> list[str]:
 
 
 def unplanned(faulty: Drawn, clean: Drawn) -> list[str]:
-    """What is wrong beside the planted faults: parts that share volume or come near without a fit.
+    """Pairs that the planted faults bring closer than allowed and that neither a fit nor a fault names; as messages.
 
     Only of parts that the faults add or change. A part of a wrong unit may meet all.
     """
@@ -506,7 +507,7 @@ def _same(a: Mesh, b: Mesh) -> bool:
 
 
 def wrong_values(faulty: Drawn) -> list[str]:
-    """Faults whose value is not what is measured, up to the chords."""
+    """Faults whose `value` differs from the measured one by more than the chord error; as messages."""
     out = []
     for fault in faulty.truth.faults:
         measured = _measured(faulty, fault)
@@ -536,7 +537,7 @@ def near_pipes(drawn: Drawn) -> list[set[str]]:
 
 
 def wrong_faults(seed: int, triangles: int = 44_000) -> list[str]:
-    """What is wrong with faults that are planted two and two, and all at once."""
+    """The messages of `unplanned` for pairs of faults, and for all faults at once."""
     clean = of_sample(triangles, seed)
     out = [f"{set(pair)} are nearer than the rule for pipes" for pair in near_pipes(clean)]
     for names in (*itertools.combinations(FAULTS, 2), tuple(FAULTS)):

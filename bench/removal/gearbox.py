@@ -1,8 +1,8 @@
-"""How many steps of the sample gearbox's truth `feeler.removal` finds, each with only what it needs out before.
+"""For how many disassembly steps of the sample gearbox `feeler.removal` finds a way, with what is before it taken out.
 
     python bench/removal/gearbox.py                        100,000 triangles, 2 s a step; some minutes
     python bench/removal/gearbox.py 250000 --seed 1
-    python bench/removal/gearbox.py --allow 0.0009         threads and facets may be so many metres in each other
+    python bench/removal/gearbox.py --allow 0.0009         accept penetration up to so many metres
 
 Lists the steps that are not found, with what blocked them. Steps that bend a part, and loose ones, are left out. Of an
 open door all that turns with it is out. feeler's way may be another one than the truth's.

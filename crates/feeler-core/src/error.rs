@@ -89,7 +89,7 @@ pub enum Error {
         what: &'static str,
         /// The number given.
         value: f64,
-        /// What is needed.
+        /// The condition that it violates.
         must: &'static str,
     },
     /// A path without a pose.

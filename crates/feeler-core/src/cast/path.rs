@@ -21,7 +21,7 @@ pub struct PathCheck {
     pub hits: Vec<(usize, Cast)>,
 }
 
-/// A cast along each of so many motions, in parallel on the current rayon pool.
+/// One cast for each motion, in parallel on the current rayon pool.
 ///
 /// Every segment is looked at, also those after an impact. `progress` is told after each wave of segments. Errors: as
 /// `cast`, and a request to stop.
