@@ -127,7 +127,7 @@ def check(
     finally:
         stats = session.stop()
     assert stats is not None
-    ticks = _Ticks(
+    ticks = Ticks(
         np.concatenate([trace.times for trace in traces]),
         np.concatenate([trace.world_from_device[:, 2, 3] for trace in traces]),
         np.concatenate([trace.world_from_proxy[:, 2, 3] for trace in traces]),
@@ -138,7 +138,7 @@ def check(
     return _measured(nothing, granted, stats, ticks, session.troubles, ran_on)
 
 
-class _Ticks(NamedTuple):
+class Ticks(NamedTuple):
     """Of a run, `(n,)` each: when (seconds), heights of handle and proxy, force upwards, mode, whether it answered."""
 
     times: Floats
@@ -148,24 +148,32 @@ class _Ticks(NamedTuple):
     modes: npt.NDArray[np.str_]
     told: npt.NDArray[np.bool_]
 
+    def felt(self, max_force_n: float) -> float:
+        """Stiffness, newtons a metre: force over depth in the plate; NaN where it was not pressed."""
+        pressed = (self.modes == "contact") & (self.force > _FROM * max_force_n) & (self.force < _TO * max_force_n)
+        force, depth = self.force[pressed], (self.proxy - self.device)[pressed]
+        return float((force * depth).sum() / (depth * depth).sum()) if len(force) > 20 else np.nan
+
+    def poses_hz(self) -> float:
+        """New poses a second where the handle is fast: slow, one step of its encoders lasts several poses."""
+        moved = self.times[1:][np.diff(self.device) != 0.0]
+        ends = np.searchsorted(moved, moved + _WINDOW_S)
+        return float((ends - np.arange(len(moved))).max(initial=0) / _WINDOW_S)
+
+    def noise_m(self) -> float:
+        """Standard deviation of the position in the air; NaN where too little was told."""
+        air = np.diff(self.device, 2)[((self.modes == "free") & self.told)[2:]]
+        # Second differences of a white noise have six times its variance; a hand adds next to nothing in two ticks.
+        return float(np.sqrt((air * air).mean() / 6.0)) if len(air) > 20 else np.nan
+
 
 def _measured(
-    nothing: Checked, granted: Granted, stats: Statistics, ticks: _Ticks, troubles: list[str], ran_on: bool
+    nothing: Checked, granted: Granted, stats: Statistics, ticks: Ticks, troubles: list[str], ran_on: bool
 ) -> Checked:
-    times, device, proxy, force, modes, told = ticks
     coupling, name = granted.coupling, nothing.device
-    depth = proxy - device
-    pressed = (modes == "contact") & (force > _FROM * coupling.max_force_n) & (force < _TO * coupling.max_force_n)
-    felt = float((force * depth)[pressed].sum() / (depth * depth)[pressed].sum()) if pressed.sum() > 20 else np.nan
-    # The device's own rate shows where the handle is fast: slow, one step of its encoders lasts several poses.
-    moved = times[1:][np.diff(device) != 0.0]
-    ends = np.searchsorted(moved, moved + _WINDOW_S)
-    poses_hz = float((ends - np.arange(len(moved))).max(initial=0) / _WINDOW_S)
-    # Second differences of a white noise have six times its variance; a hand adds next to nothing in two ticks.
-    air = np.diff(device, 2)[((modes == "free") & told)[2:]]
-    noise = float(np.sqrt((air * air).mean() / 6.0)) if len(air) > 20 else np.nan
+    felt = ticks.felt(coupling.max_force_n)
     why = f" ({troubles[0]})" if troubles else ""
-    share = float(told.mean()) if len(told) else 0.0
+    share = float(ticks.told.mean()) if len(ticks.told) else 0.0
     fault = ""
     if share == 0.0 or not ran_on:
         fault = f"{name} does not answer{why}: check its cable, its power and its maker's service, and run again"
@@ -180,11 +188,11 @@ def _measured(
         granted=coupling,
         limits=granted.limitations,
         felt_n_per_m=felt,
-        largest_force_n=float(np.abs(force).max(initial=0.0)),
+        largest_force_n=float(np.abs(ticks.force).max(initial=0.0)),
         servo_hz=stats.servo_hz,
-        poses_hz=poses_hz,
+        poses_hz=ticks.poses_hz(),
         late_s=(stats.servo_lateness.median, stats.servo_lateness.p99),
-        noise_m=noise,
+        noise_m=ticks.noise_m(),
         priority=granted.priority,
         fault=fault,
     )
