@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -43,7 +44,7 @@ def chest(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_a_part_that_comes_out(chest: Path, tmp_path: Path) -> None:
     way, glb = tmp_path / "way.npy", tmp_path / "way.glb"
     text = run(chest, "--part", "upper", "--way", way, "--glb", glb, "--threads", 1).stdout
-    assert "It comes out: straight way" in text and "things/upper" in text
+    assert re.search(r"It comes out: move [\d.]+ mm along \+z\b", text) and "things/upper" in text
     poses = np.load(way)
     np.testing.assert_array_equal(poses[0], np.eye(4))
     # What was written is a way for `feeler path`.
@@ -62,6 +63,22 @@ def test_a_part_that_comes_out(chest: Path, tmp_path: Path) -> None:
     assert len(film["materials"]) == 2  # blue and grey: nothing blocked it
     # What is near is shown.
     assert {"lid", "upper", "chest", "[1] lower"} <= {*feeler.load_mockup(glb).part_names}
+
+
+def test_legs_are_saved_and_followed(chest: Path, tmp_path: Path) -> None:
+    way = tmp_path / "way.json"
+    run(chest, "--part", "upper", "--way", way, "--threads", 1)
+    saved = json.loads(way.read_text())
+    assert [leg["says"].split()[0] for leg in saved["legs"]] == ["move"] and len(saved["poses"]) == 2
+    again = [*PROGRAM, "path", chest, "--part", "upper", "--touching", "free", "--poses", way]
+    assert subprocess.run(again, capture_output=True, check=False).returncode == 0
+    # A turn by half a circle about an edge of the chest: into its side.
+    screw = {"axis": [1, 0, 0], "point": [0, 0, 0], "angle": 3.0, "pitch": 0.0}
+    way.write_text(json.dumps({"legs": [{"screw": screw}]}))
+    assert subprocess.run(again, capture_output=True, check=False).returncode == 1
+    way.write_text(json.dumps({"legs": [{"screw": {**screw, "axis": [0, 0, 0]}}]}))
+    done = subprocess.run(again, capture_output=True, text=True, check=False)
+    assert done.returncode == 2 and "axis" in done.stderr and "Traceback" not in done.stderr
 
 
 def test_a_part_that_does_not(chest: Path, tmp_path: Path) -> None:

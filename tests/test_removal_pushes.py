@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import re
 from itertools import pairwise
 from typing import Any
 
@@ -11,6 +13,7 @@ import pytest
 from shapes import mockup_of
 
 import feeler
+from feeler.plan.legs import path_of_json
 
 coal = pytest.importorskip("coal", exc_type=ImportError)
 m3 = pytest.importorskip("manifold3d", exc_type=ImportError)
@@ -156,6 +159,35 @@ def test_a_way_is_found_and_free_by_another_library(name: str) -> None:
         place = coal.Transform3s(pose[:3, :3].copy(), pose[:3, 3].copy())
         result = coal.CollisionResult()
         assert not coal.collide(moving, place, still, coal.Transform3s.Identity(), request, result)
+
+
+def test_a_key_is_turned_and_pulled_by_exact_legs() -> None:
+    """A turn is one screw about the lock's axis; saved and read again, the way is the same."""
+    scene = feeler.Scene(mockup_of({"part": arrays(PUZZLES["key"][0]), "rest": arrays(PUZZLES["key"][1])}))
+    found = feeler.removal(scene, "part", seconds=60.0, threads=1)
+    turn, pull = found.legs[0], found.legs[-1]
+    assert turn.screw is not None and turn.screw.pitch == 0.0
+    assert np.degrees(turn.rotation) == pytest.approx(90.0, abs=10.0) and str(turn).startswith("turn ")
+    assert pull.screw is None and pull.rotation == 0.0 and re.fullmatch(r"move [\d.]+ mm along [+-][xyz]", str(pull))
+    assert np.allclose(turn.screw.at(np.eye(4)), turn.pose, atol=1e-12)
+    assert sum(leg.path_length for leg in found.legs) == found.path_length
+    assert np.array_equal(found.legs[-1].pose, found.poses[-1])
+    tool, rest = feeler.Tool.of_parts(scene.mockup, "part"), scene.without("part")
+    saved = json.loads(json.dumps([leg.as_json() for leg in found.legs]))
+    path = path_of_json(saved)
+    assert path[1] == turn.screw and len(path) == len(found.path)
+    assert rest.check_path(tool, path, touching="free").free
+    # Turned by half of it, it does not come out.
+    half = feeler.Screw(turn.screw.axis, turn.screw.point, 0.5 * turn.screw.angle)
+    out = half.at(np.eye(4))
+    out[:3, 3] += found.legs[-1].pose[:3, 3] - turn.pose[:3, 3]
+    assert not rest.check_path(tool, [np.eye(4), half, out], touching="free").free
+
+
+@pytest.mark.parametrize("leg", [{}, {"screw": {"axis": [0, 0, 1]}}, "to", {"from": 1}])
+def test_what_is_no_leg_is_said(leg: object) -> None:
+    with pytest.raises(ValueError, match="a leg is"):
+        path_of_json([leg])  # type: ignore[list-item]
 
 
 def test_a_closed_box_is_not_left() -> None:

@@ -44,6 +44,7 @@ from feeler.io import load_mockup, load_tool
 from feeler.mockup import Mockup, Tool
 from feeler.plan.blocked import Blocker
 from feeler.plan.fasteners import Fastener, Fasteners, find_fasteners
+from feeler.plan.legs import RemovalLeg
 from feeler.plan.order import RemovalOrder, RemovalStep, removal_order
 from feeler.plan.reaching import Access, Reach, access
 from feeler.plan.removal import Certificate, Removal, RemovalBlocker, removal
@@ -96,6 +97,7 @@ __all__ = [
     "Reach",
     "Removal",
     "RemovalBlocker",
+    "RemovalLeg",
     "RemovalOrder",
     "RemovalStep",
     "Scene",

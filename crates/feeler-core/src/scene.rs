@@ -6,7 +6,7 @@ use feeler_lanes::Level;
 
 use crate::cast::impact::{check_tolerance, Cast, Touching};
 use crate::cast::path::PathCheck;
-use crate::cast::query::CastScratch;
+use crate::cast::query::{CastScratch, How};
 use crate::collide::batch::Batch;
 use crate::collide::narrow::Filters;
 use crate::collide::query::{CollideScratch, Collision};
@@ -408,23 +408,25 @@ impl Scene {
     /// ```
     pub fn cast_along(&self, tool: &Tool, motion: &Motion, tolerance: f64, touching: Touching) -> Result<Option<Cast>> {
         check_tolerance(tolerance)?;
-        let how = (tolerance, touching);
-        Ok(self.pools.cast.with(|scratch| cast::query::cast(&self.index, tool, motion, how, &[], scratch)))
+        let how = How { tolerance, touching, directions: &[], goes_on: &|| true };
+        self.pools.cast.with(|scratch| cast::query::cast(&self.index, tool, motion, how, scratch))
     }
 
     /// [`cast_along`](Self::cast_along) where it is known along which `directions` (units, world, from the mock-up to the tool) the two are
     /// probably apart, as those of contact planes: pairs that one of them holds apart all the way need not be followed. The answer is the
-    /// same within the tolerance, and along surfaces it comes much sooner. The first sixteen are tried.
+    /// same within the tolerance, and along surfaces it comes much sooner. The first sixteen are tried. `goes_on`: asked every few
+    /// milliseconds; an answer of `false` is an error, a request to stop.
     pub fn cast_beside(
         &self,
         tool: &Tool,
         motion: &Motion,
         tolerance: f64,
         directions: &[Point],
+        goes_on: &dyn Fn() -> bool,
     ) -> Result<Option<Cast>> {
         check_tolerance(tolerance)?;
-        let how = (tolerance, Touching::Ends);
-        Ok(self.pools.cast.with(|scratch| cast::query::cast(&self.index, tool, motion, how, directions, scratch)))
+        let how = How { tolerance, touching: Touching::Ends, directions, goes_on };
+        self.pools.cast.with(|scratch| cast::query::cast(&self.index, tool, motion, how, scratch))
     }
 
     /// [`cast`](Self::cast) from each pose of a path to the next, in parallel on the current rayon pool.

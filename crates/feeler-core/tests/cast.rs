@@ -386,7 +386,8 @@ fn directions_that_hold_apart_tell_in_the_time_alone() {
         let to = turned((i % 3) as usize, 0.3 * wave(1.9), [0.4 + 0.3 * wave(0.9), 0.4 + 0.3 * wave(1.1), low]);
         let expected = scene.cast(&tool, &from, &to, TOLERANCE).unwrap();
         for directions in [&normals[..], &odd[..], &[]] {
-            let found = scene.cast_beside(&tool, &Motion::new(&tool, &from, &to), TOLERANCE, directions).unwrap();
+            let found =
+                scene.cast_beside(&tool, &Motion::new(&tool, &from, &to), TOLERANCE, directions, &|| true).unwrap();
             assert_eq!(found.is_some(), expected.is_some(), "{i}");
             if let (Some(found), Some(expected)) = (found, expected) {
                 assert!((found.fraction - expected.fraction).abs() < 1e-5, "{i} {found:?} {expected:?}");

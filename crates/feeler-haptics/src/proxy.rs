@@ -205,7 +205,7 @@ impl Proxy {
             return Ok(None);
         }
         let normals: Vec<Point> = set.planes().iter().map(|plane| plane.normal).collect();
-        let care = Care { beside: &normals, tolerance: self.cast_tolerance(), finer: 1.0 };
+        let care = Care { beside: &normals, tolerance: self.cast_tolerance(), finer: 1.0, goes_on: &|| true };
         let walk = around.walk(&self.seated, (&set.taken_at, &nearest), care)?;
         Ok(Some((nearest, walk.stop.is_none())))
     }
@@ -245,7 +245,7 @@ impl Proxy {
             }
             self.normals.clear();
             self.normals.extend(self.set.planes().iter().map(|plane| plane.normal));
-            let care = Care { beside: &self.normals, tolerance: self.cast_tolerance(), finer: 1.0 };
+            let care = Care { beside: &self.normals, tolerance: self.cast_tolerance(), finer: 1.0, goes_on: &|| true };
             let walk = around.walk(&self.seated, (&from, &goal.pose), care)?;
             self.seated = walk.seated.clone();
             if walk.stop.is_some() {

@@ -61,7 +61,7 @@ impl Fit {
         let body = Body { solver: ContactSolver::new(self.scene.clone()), part: None };
         let around = Surroundings::around(vec![body], self.tool.clone(), &at(self.start)).unwrap();
         let to = at(plus(self.start, by));
-        let walk = around.walk(&around.seated_at_start(), (&at(self.start), &to), Care::search(&[])).unwrap();
+        let walk = around.walk(&around.seated_at_start(), (&at(self.start), &to), Care::search(&[], &|| true)).unwrap();
         std::array::from_fn(|a| walk.pose.translation()[a] - self.start[a])
     }
 

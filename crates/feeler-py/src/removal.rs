@@ -1,6 +1,6 @@
 //! `feeler._core.removal`: the way of a part out of a mock-up.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use feeler_core as core;
@@ -15,7 +15,11 @@ use crate::errors::{raise, to_py};
 use crate::pools::{find_topology, Pool};
 use crate::reporter::Reporter;
 use crate::scene::Scene;
+use crate::screw::Screw;
 use crate::travel::rows_of;
+
+/// How long nothing is told of what goes on.
+const TELL_EVERY: Duration = Duration::from_millis(100);
 
 /// The Python exception for an error of a plan.
 fn plan_to_py(error: Error) -> PyErr {
@@ -33,7 +37,7 @@ fn poses(poses: &[core::Pose]) -> Array3<f64> {
 }
 
 /// What was found, as arrays and numbers by name.
-fn as_dict(py: Python<'_>, found: &Removal) -> PyResult<Py<PyDict>> {
+fn as_dict(py: Python<'_>, task: &RemovalTask, found: &Removal) -> PyResult<Py<PyDict>> {
     let dict = PyDict::new(py);
     let method = match found.method {
         None => "none".to_string(),
@@ -43,6 +47,19 @@ fn as_dict(py: Python<'_>, found: &Removal) -> PyResult<Py<PyDict>> {
         Some(Method::Tree(number)) => format!("tree {number}"),
     };
     dict.set_item("method", method)?;
+    let motions = core::Motion::of_legs(&task.tool, &task.start, &found.legs).map_err(to_py)?;
+    let screws = found.legs.iter().map(|leg| match leg {
+        core::Leg::To(_) => None,
+        core::Leg::Screw(core) => Some(Screw { core: *core }),
+    });
+    let ends: Vec<core::Pose> = motions.iter().map(|motion| *motion.end()).collect();
+    dict.set_item("leg_screws", screws.collect::<Vec<_>>())?;
+    dict.set_item("leg_ends", poses(&ends).into_pyarray(py))?;
+    dict.set_item(
+        "leg_lengths",
+        PyArray1::from_iter(py, motions.iter().map(|motion| motion.way_of_pivot(&task.tool))),
+    )?;
+    dict.set_item("leg_angles", PyArray1::from_iter(py, motions.iter().map(core::Motion::angle)))?;
     dict.set_item("poses", poses(&found.poses).into_pyarray(py))?;
     dict.set_item("path_length", found.path_length)?;
     dict.set_item("rotation", found.rotation)?;
@@ -55,6 +72,48 @@ fn as_dict(py: Python<'_>, found: &Removal) -> PyResult<Py<PyDict>> {
     let stopped: Vec<core::Pose> = found.blockers.iter().map(|b| b.pose).collect();
     dict.set_item("blocker_poses", poses(&stopped).into_pyarray(py))?;
     Ok(dict.unbind())
+}
+
+/// The time that there is, told as a share of it done, with what is being tried.
+struct Clock<'a> {
+    reporter: &'a Reporter,
+    begin: Instant,
+    limit: Duration,
+    /// What is being tried, and when that was told last.
+    stage: Mutex<(String, Instant)>,
+}
+
+impl Clock<'_> {
+    fn new(reporter: &Reporter, limit: Duration) -> Clock<'_> {
+        let begin = Instant::now();
+        Clock { reporter, begin, limit, stage: Mutex::new((String::new(), begin)) }
+    }
+
+    fn share(&self) -> f64 {
+        (self.begin.elapsed().as_secs_f64() / self.limit.as_secs_f64()).min(1.0)
+    }
+
+    /// Something else is tried from now on. Whether to go on: also where Python raised, for what was found until then is wanted.
+    fn begins(&self, stage: &str) -> bool {
+        if let Ok(mut told) = self.stage.lock() {
+            if told.0 != stage {
+                *told = (stage.to_owned(), Instant::now());
+                self.reporter.tell(self.share(), stage);
+            }
+        }
+        true
+    }
+
+    /// Whether there is time, and Python raised nothing.
+    fn has_time(&self) -> bool {
+        if let Ok(mut told) = self.stage.try_lock() {
+            if told.1.elapsed() > TELL_EVERY {
+                told.1 = Instant::now();
+                self.reporter.tell(self.share(), &told.0);
+            }
+        }
+        self.begin.elapsed() < self.limit && !self.reporter.has_raised()
+    }
 }
 
 /// Takes a tool out of a scene, in parallel on `threads` threads (`None`: those of the scene). The tool's first `own_parts` parts are
@@ -91,16 +150,15 @@ pub fn removal(
     let solver = Arc::clone(scene.solver());
     let own = threads.map(|threads| Arc::new(Pool::new(threads)));
     let pool = own.as_deref().or(scene.pool().map(Arc::as_ref));
-    let limit = Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX);
     let reporter = Reporter::new(progress);
+    let clock = Clock::new(&reporter, Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX));
     let found = py.detach(|| {
         find_topology(solver.scene().mockup(), &task.tool, false)?;
-        let begin = Instant::now();
-        reporter.watch(pool, || {
-            let tell = |done: f64, stage: &str| reporter.tell(done, stage);
-            feeler_plan::removal(&solver, &task, &tell, &|| begin.elapsed() < limit)
-        })
+        reporter
+            .watch(pool, || feeler_plan::removal(&solver, &task, &|_, stage| clock.begins(stage), &|| clock.has_time()))
     });
-    reporter.finish()?;
-    as_dict(py, &found?.map_err(plan_to_py)?)
+    let is_interrupted = reporter.finish_interrupted()?;
+    let found = as_dict(py, &task, &found?.map_err(plan_to_py)?)?;
+    found.bind(py).set_item("is_interrupted", is_interrupted)?;
+    Ok(found)
 }

@@ -64,6 +64,11 @@ impl Reporter {
         true
     }
 
+    /// Whether Python raised, so that the work should end.
+    pub fn has_raised(&self) -> bool {
+        self.state().raised.is_some()
+    }
+
     pub fn finish(self) -> PyResult<()> {
         let state = self.state.into_inner().unwrap_or_else(PoisonError::into_inner);
         state.raised.map_or(Ok(()), Err)

@@ -153,7 +153,7 @@ impl Surroundings {
     /// A [walk](Self::walk) that ends `off` metres before the impact, or at its start if that is nearer, so that the next walk starts free.
     /// A walk that a seat stops ends at that seat. `tolerance`: of the casts, metres.
     fn stop_short(&self, seated: &Arc<Seated>, (from, to): (&Pose, &Pose), tolerance: f64, off: f64) -> Result<Walk> {
-        let care = Care { beside: &[], tolerance, finer: 1.0 };
+        let care = Care { beside: &[], tolerance, finer: 1.0, goes_on: &|| true };
         let walk = self.walk(seated, (from, to), care)?;
         let Some(stop) = walk.stop.filter(|stop| !stop.is_seat) else { return Ok(walk) };
         let motion = Motion::new(&self.tool, from, to);

@@ -12,7 +12,7 @@ use crate::seats::{crossing_outside, Seat, Seated, SeatedBody, SmallerPart};
 use crate::surroundings::Surroundings;
 
 /// How closely a motion is looked at.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Clone, Copy)]
 pub struct Care<'a> {
     /// Along these directions (units, world) the tool is probably off what is near: casts take less time.
     pub beside: &'a [Point],
@@ -20,15 +20,19 @@ pub struct Care<'a> {
     pub tolerance: f64,
     /// How often seated pairs are measured, in times of the steps of a search.
     pub finer: f64,
+    /// Whether to go on: asked every few milliseconds. Where the answer is `false`, the walk ends with an error: a request to stop.
+    pub goes_on: &'a dyn Fn() -> bool,
 }
 
 impl<'a> Care<'a> {
     /// Before a way is given.
-    pub const VERIFY: Care<'static> = Care { beside: &[], tolerance: TOUCH, finer: VERIFY_FINER };
+    pub fn verify(goes_on: &'a dyn Fn() -> bool) -> Care<'a> {
+        Care { beside: &[], tolerance: TOUCH, finer: VERIFY_FINER, goes_on }
+    }
 
     /// While ways are sought.
-    pub fn search(beside: &'a [Point]) -> Care<'a> {
-        Care { beside, tolerance: TOUCH, finer: 1.0 }
+    pub fn search(beside: &'a [Point], goes_on: &'a dyn Fn() -> bool) -> Care<'a> {
+        Care { beside, tolerance: TOUCH, finer: 1.0, goes_on }
     }
 }
 
@@ -52,10 +56,8 @@ pub struct Walk {
 pub struct Span {
     /// Not parted yet.
     pub seated: Arc<Seated>,
-    /// Where it begins.
-    pub from: Pose,
-    /// Where it ends.
-    pub to: Pose,
+    /// The share.
+    pub motion: Motion,
 }
 
 /// What ends a motion.
@@ -84,21 +86,10 @@ enum End {
 impl Surroundings {
     /// Moves from a pose towards another, as far as that is free.
     pub fn walk(&self, seated: &Arc<Seated>, between: (&Pose, &Pose), care: Care<'_>) -> Result<Walk> {
-        self.walk_in_spans(seated, between, care, &mut |_| ())
+        self.walk_along(seated, &Motion::new(&self.tool, between.0, between.1), care, &mut |_| ())
     }
 
-    /// The same, and each share of the motion is told to `span`.
-    pub fn walk_in_spans(
-        &self,
-        seated: &Arc<Seated>,
-        (from, to): (&Pose, &Pose),
-        care: Care<'_>,
-        span: &mut dyn FnMut(Span),
-    ) -> Result<Walk> {
-        self.walk_along(seated, &Motion::new(&self.tool, from, to), care, span)
-    }
-
-    /// The same along any motion of the tool.
+    /// The same along any motion of the tool; each share of it is told to `span`.
     pub fn walk_along(
         &self,
         seated: &Arc<Seated>,
@@ -113,7 +104,7 @@ impl Surroundings {
             // Also of a motion that ends before it is cast: a search that is bounded by casts ends.
             casts += 1;
             let part = self.part(&seated, &motion, care)?;
-            span(Span { seated: seated.clone(), from: motion.at(0.0), to: motion.at(part.fraction) });
+            span(Span { seated: seated.clone(), motion: motion.until(&self.tool, part.fraction)? });
             done = if part.fraction < 1.0 { done + (1.0 - done) * part.fraction } else { 1.0 };
             match part.end {
                 End::Arrived => return Ok(Walk { pose: *to, fraction: 1.0, seated, stop: None, casts }),
@@ -166,7 +157,9 @@ impl Surroundings {
                 meets = Some(0.0);
                 continue;
             }
-            let Some(cast) = scene.cast_beside(tool, motion, care.tolerance, care.beside)? else { continue };
+            let Some(cast) = scene.cast_beside(tool, motion, care.tolerance, care.beside, care.goes_on)? else {
+                continue;
+            };
             if self.overlap > 0.0 {
                 meets = Some(meets.map_or(cast.fraction, |meets| meets.min(cast.fraction)));
             } else {
@@ -186,6 +179,9 @@ impl Surroundings {
         if measures || has_seats && self.clearance > 0.0 {
             let mut last = 0.0;
             for step in 1.. {
+                if !(care.goes_on)() {
+                    return Err(feeler_core::Error::Cancelled.into());
+                }
                 let time = (f64::from(step) / steps).min(end);
                 let pose = motion.at(time);
                 if let Some(stop) = if measures { self.too_deep(seated, &pose)? } else { None } {
@@ -273,8 +269,7 @@ impl Surroundings {
 
     /// The least distance along a span between surfaces that are not seated, or `least` if that is less, metres; see [`least_distance`].
     pub fn least_distance(&self, span: &Span, least: f64) -> Result<f64> {
-        let motion = Motion::new(&self.tool, &span.from, &span.to);
-        let of_body = |least, asked: &SeatedBody| least_distance(&asked.clear, &self.tool, &motion, least);
+        let of_body = |least, asked: &SeatedBody| least_distance(&asked.clear, &self.tool, &span.motion, least);
         span.seated.bodies.iter().try_fold(least, of_body)
     }
 
@@ -310,7 +305,7 @@ impl Surroundings {
     /// When a smaller part first meets its neighbour, and which triangle of it. It ends where the next motion may begin.
     fn cast_of_smaller(&self, part: &SmallerPart, motion: &Motion, care: Care<'_>) -> Result<Option<(f64, [u32; 2])>> {
         let own = motion.of_tool(&part.tool)?;
-        let cast = part.solver.scene().cast_beside(&part.tool, &own, SEAT_CAST, care.beside)?;
+        let cast = part.solver.scene().cast_beside(&part.tool, &own, SEAT_CAST, care.beside, care.goes_on)?;
         // The next one begins clearly off what ended this.
         let before = |fraction: f64| (fraction - SEAT_REST / motion.longest_way()).max(0.0);
         Ok(cast.map(|cast| (before(cast.fraction), [cast.tool_triangle, cast.mockup_triangle])))

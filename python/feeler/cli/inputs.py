@@ -263,6 +263,29 @@ def read_poses(path: Path, snap: bool = False) -> Poses:
     return poses
 
 
+def read_path(path: Path, snap: bool = False) -> Poses | list[Poses | feeler.Screw]:
+    """A path as `Scene.check_path` takes it: as `read_poses`, or the legs of a way, screws among them, from JSON.
+
+    Raises what `read_poses` raises, `OptionError` for a screw that is none.
+    """
+    legs = None
+    if path.suffix.lower() == ".json" and path.is_file():
+        try:
+            document = json.loads(path.read_text(encoding="utf-8-sig"))
+            legs = document.get("legs") if isinstance(document, dict) else None
+            if legs is not None:
+                from feeler.plan.legs import path_of_json
+
+                way = path_of_json(legs)
+        except (ValueError, TypeError, RecursionError) as error:
+            raise PoseError(f"pose file {path} cannot be read: {error}; {_EXPECTED}") from None
+        except OSError as error:
+            raise PoseError(f"pose file {path} cannot be read: {error.strerror or error}") from None
+    if legs is None:
+        return read_poses(path, snap)
+    return [feeler.nearest_rigid(each) if snap and isinstance(each, np.ndarray) else each for each in way]
+
+
 _EXPECTED = "a pose is 4 by 4 numbers, world_from_tool, metres, row by row; several are (n, 4, 4)"
 
 

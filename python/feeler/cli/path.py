@@ -30,7 +30,7 @@ from feeler.cli.inputs import (
     check_moving,
     check_touching,
     read_both,
-    read_poses,
+    read_path,
 )
 from feeler.progress import bar
 from feeler.scene import CAST_TOLERANCE
@@ -42,7 +42,7 @@ _SHOWN = 20
     examples="""
 feeler path engine.step --tool wrench.stl --poses way_out.npy
 feeler path engine.glb --tool wrench.stl --poses way_out.json --csv hits.csv --glb first.glb
-feeler path engine.step --part "*fuel pump*" --poses way_out.npy --touching free
+feeler path engine.step --part "*fuel pump*" --poses way_out.json --touching free
 feeler path sample:engine:200000 --tool sample:wrench --poses way_out.csv --tolerance 1e-5 --json
 """
 )
@@ -58,7 +58,7 @@ def path(
         Path,
         typer.Option(
             help="world_from_tool, metres, one after the other: (n, 4, 4) as .npy or JSON, or as text or CSV with 16 "
-            "numbers a pose, row by row.",
+            "numbers a pose, row by row; or the legs of a way, as remove --way writes them (JSON).",
         ),
     ],
     tolerance: Annotated[
@@ -90,13 +90,13 @@ def path(
     outputs.check_targets({"csv": csv, "glb": glb}, {"csv": (".csv",), "glb": (".glb",)})
     check_moving(tool, tool_unit, part)
     how = check_touching(touching)
-    way = read_poses(poses, snap_pose)
+    way = read_path(poses, snap_pose)
     world, probe = read_both(mockup, unit, tool, tool_unit, up, part)
     with bar("indexing") as progress:
         scene = feeler.Scene(world, storage=storage, tool=probe, threads=threads, progress=progress)
     scene = Choice(part, without, only).scene_of(scene)
     start = time.perf_counter()
-    with bar(f"following {len(way):,} poses") as progress:
+    with bar(f"following {len(way) - 1:,} legs") as progress:
         check = scene.check_path(probe, way, tolerance=tolerance, touching=how, progress=progress)
     seconds = time.perf_counter() - start
     hits = _hits(world, probe, check)

@@ -137,7 +137,7 @@ def remove(
     if each:
         answers, is_interrupted = _each(asked, chosen.tolist())
     else:
-        answers, is_interrupted = [asked.answer(chosen, order)], False
+        answers, is_interrupted = _one(asked, chosen, order)
     written = _write(asked, answers, targets)
     is_found = all(answer.found for answer in answers) and not is_interrupted
     if as_json:
@@ -204,6 +204,19 @@ class _Asked:
                 return _Answer(gone, found.found, found.steps)
             one = feeler.removal(self.scene, parts, **grip, **self.options, progress=progress)
         return _Answer(gone, one.found, (feeler.RemovalStep(gone, one),))
+
+
+def _one(asked: _Asked, parts: npt.NDArray[np.uint32], order: bool) -> tuple[list[_Answer], bool]:
+    """All parts together, until Ctrl-C: whether that came."""
+    from feeler.plan.removal import RemovalInterrupted
+
+    gone = tuple(parts.tolist())
+    try:
+        return [asked.answer(parts, order)], False
+    except RemovalInterrupted as stop:
+        if order:  # It is of one try alone.
+            raise
+        return [_Answer(gone, stop.removal.found, (feeler.RemovalStep(gone, stop.removal),))], True
 
 
 def _each(asked: _Asked, parts: list[int]) -> tuple[list[_Answer], bool]:
@@ -286,7 +299,7 @@ def _write(asked: _Asked, answers: list[_Answer], targets: dict[str, Path | None
                     file.write(_csv(mockup, answers))
             elif kind == "way":
                 with atomic_file(target) as file:
-                    file.write(_poses(target, last.poses))
+                    file.write(_way(target, last))
             else:
                 from feeler.plan.as_glb import write_removal_glb
 
@@ -295,15 +308,16 @@ def _write(asked: _Asked, answers: list[_Answer], targets: dict[str, Path | None
     return written
 
 
-def _poses(target: Path, poses: npt.NDArray[np.float64]) -> bytes:
+def _way(target: Path, removal: feeler.Removal) -> bytes:
     if target.suffix.lower() == ".json":
         import json
 
-        return json.dumps({"poses": poses.tolist()}).encode()
+        legs = [leg.as_json() | {"says": str(leg)} for leg in removal.legs]
+        return json.dumps({"legs": legs, "poses": removal.poses.tolist()}).encode()
     import io
 
     out = io.BytesIO()
-    np.save(out, poses)
+    np.save(out, removal.poses)
     return out.getvalue()
 
 
@@ -324,10 +338,14 @@ def _step_facts(mockup: feeler.Mockup, step: feeler.RemovalStep) -> dict[str, An
             "path_length_m": one.path_length,
             "rotation_rad": one.rotation,
             "clearance_m": one.clearance,
+            "legs": [leg.as_json() | {"says": str(leg)} for leg in one.legs],
             "poses": one.poses,
         }
     return facts
 
+
+_SAID_LEGS = 5
+"""A way of more is not read out."""
 
 _COLUMNS = (
     *("part", "path", "step", "found", "free", "way", "poses", "path_length_m", "rotation_deg", "clearance_m"),
@@ -365,6 +383,14 @@ def _kind(one: feeler.Removal) -> str:
     return "straight" if len(one.poses) == 2 and one.rotation == 0.0 else "bent"
 
 
+def _said(one: feeler.Removal) -> str:
+    """The way in words."""
+    legs = [str(leg) for leg in one.legs]
+    if len(legs) > _SAID_LEGS:
+        return f"by {len(legs)} legs, the last of them: {legs[-1]}"
+    return ", then ".join(legs) if legs else "it is out already"
+
+
 def _print(mockup: feeler.Mockup, answers: list[_Answer], written: dict[str, str]) -> None:
     from feeler.cli import outputs
 
@@ -378,7 +404,7 @@ def _print(mockup: feeler.Mockup, answers: list[_Answer], written: dict[str, str
     elif answers[0].found:
         before = len(answers[0].steps) - 1
         after = f" after {count(before, 'other step')}" if before else ""
-        out.print(f"[bold green]It comes out[/bold green]{after}: {_kind(answers[0].last)} way")
+        out.print(f"[bold green]It comes out[/bold green]{after}: {_said(answers[0].last)}")
     else:
         outputs.print_finding(out, "no way out was found; that is no proof that there is none")
     out.print()

@@ -13,10 +13,12 @@ import numpy as np
 import numpy.typing as npt
 
 from feeler import _core
+from feeler._core import Screw
 from feeler.errors import MeshError, OptionError, PoseError
 from feeler.mockup import Mockup, Tool
 from feeler.parts import Part, PartsLike
 from feeler.plan.blocked import Blocker
+from feeler.plan.legs import RemovalLeg, legs_of
 from feeler.scene import Scene
 
 Progress = Callable[[float, str], object]
@@ -56,10 +58,12 @@ class Removal:
     """A way of parts out of a mock-up; or what was in the way, which does not say that there is none."""
 
     found: bool
+    legs: tuple[RemovalLeg, ...]
+    """The way, leg by leg, from where the parts are until they are out; `str(leg)` says it in words."""
     poses: npt.NDArray[np.float64]
-    """`(n, 4, 4)`: the motion of the parts in the world, from the identity, where they are, until they are out: their
-    corner, as the mock-up has it, is at `poses[i] @ corner`. Between two poses they move as `Scene.cast` does. Where
-    nothing was found, the identity alone."""
+    """`(n, 4, 4)`: the same as poses, screws cut into pieces: the motion of the parts in the world, from the identity,
+    where they are, until they are out: their corner, as the mock-up has it, is at `poses[i] @ corner`. Between two
+    poses they move as `Scene.cast` does. Where nothing was found, the identity alone."""
     path_length: float
     """How far the middle of the box of what moves goes, metres."""
     rotation: float
@@ -77,12 +81,28 @@ class Removal:
     """Whether `seconds` were over before all was tried."""
     seconds: float
 
+    @property
+    def path(self) -> list[npt.NDArray[np.float64] | Screw]:
+        """The legs as `Scene.check_path` takes them: the identity, then a pose or a screw for each leg."""
+        return [np.eye(4), *(leg.pose if leg.screw is None else leg.screw for leg in self.legs)]
+
     def __repr__(self) -> str:
         if self.found:
-            how = f"{len(self.poses)} poses, {self.path_length:.4g} m, {math.degrees(self.rotation):.4g} deg"
+            how = f"{len(self.legs)} legs, {self.path_length:.4g} m, {math.degrees(self.rotation):.4g} deg"
         else:
             how = "not found, blocked by " + (", ".join(b.path for b in self.blocked_by[:3]) or "nothing")
         return f"Removal({how}; {self.certificate.method}, {self.certificate.casts} casts, {self.seconds:.3g} s)"
+
+
+class RemovalInterrupted(KeyboardInterrupt):
+    """Ctrl-C, with what was found until then: `.removal`."""
+
+    def __init__(self, removal: Removal) -> None:
+        self.removal = removal
+        super().__init__(f"interrupted: {removal!r}")
+
+    def __reduce__(self) -> tuple[type[RemovalInterrupted], tuple[Removal]]:
+        return (type(self), (self.removal,))
 
 
 def removal(
@@ -108,8 +128,11 @@ def removal(
       may be so many metres in each other. Several of these in a list; `None`: nothing may meet.
     - `directions`: `(k, 3)`, world, to be tried first.
     - `clearance`: metres that the way stays off all that is not seated, within 2 %.
-    - `seconds`: after these nothing more is tried. A way that is found does not depend on it, nor on `threads`.
-    - `progress`: called with the share done (0 to 1) and the stage.
+    - `seconds`: it ends then, or at most some tenths of a second later. A way that is found does not depend on it, nor
+      on `threads`, unless time ends while it is made shorter.
+    - `progress`: called with the share of the time that is over (0 to 1), and what is being tried.
+
+    Ctrl-C ends it with a `RemovalInterrupted`, which has what blocked it until then.
 
     Touching ends a way, but for what is allowed. Pairs that meet at the start (nearer than 1e-6 m) are seats, surface
     by surface, and may slide and part. What touches or fits (up to 1/50 of the size of what moves deep) is cast, made
@@ -154,8 +177,9 @@ def removal(
     blockers = (
         RemovalBlocker(part, mockup.part_paths[part], count, reach, np.array(pose)) for part, count, reach, pose in rows
     )
-    return Removal(
+    answered = Removal(
         found=found,
+        legs=legs_of(answer, moving.bounds.mean(axis=0)),
         poses=answer["poses"],
         path_length=answer["path_length"],
         rotation=answer["rotation"],
@@ -166,12 +190,15 @@ def removal(
         is_out_of_time=answer["is_out_of_time"],
         seconds=time.perf_counter() - begin,
     )
+    if answer["is_interrupted"]:
+        raise RemovalInterrupted(answered)
+    return answered
 
 
 def alone(seed: int) -> Removal:
     """Of parts that are all there is: they are out."""
     certificate = Certificate(seed, "out", 0, _VERSIONS)
-    return Removal(True, np.eye(4)[None], 0.0, 0.0, math.inf, True, certificate, (), False, 0.0)
+    return Removal(True, (), np.eye(4)[None], 0.0, 0.0, math.inf, True, certificate, (), False, 0.0)
 
 
 def _chosen(scene: object, parts: PartsLike) -> tuple[npt.NDArray[np.uint32], Scene]:

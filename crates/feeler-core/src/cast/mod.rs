@@ -9,5 +9,6 @@ pub mod impact;
 mod pair;
 pub mod path;
 pub mod query;
+mod shadow;
 mod sliding;
 mod sweep;

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::impact::{check_tolerance, Cast, Touching};
-use super::query::{cast, CastScratch};
+use super::query::{cast, CastScratch, How};
 use crate::error::Result;
 use crate::index::mockup_index::Index;
 use crate::progress::{report, Progress};
@@ -45,18 +45,19 @@ pub(crate) fn check_path(
             .par_chunks(PATH_TASK)
             .map(|task| {
                 let mut scratch = pool.take();
+                let how = How { tolerance, touching, directions: &[], goes_on: &|| true };
                 let hits = task
                     .iter()
                     .filter_map(|i| {
                         let segment = start + i;
-                        let found = cast(index, tool, &motion(segment), (tolerance, touching), &[], &mut scratch)?;
-                        Some((segment, found))
+                        let found = cast(index, tool, &motion(segment), how, &mut scratch).transpose()?;
+                        Some(found.map(|found| (segment, found)))
                     })
                     .collect();
                 pool.put(scratch);
                 hits
             })
-            .collect();
+            .collect::<Result<_>>()?;
         hits.extend(found.into_iter().flatten());
     }
     report(progress, 1.0, "done")?;

@@ -1,12 +1,14 @@
 //! One cast.
 
-use super::impact::{contact, Cast, Impact, Touching};
-use super::sweep::{first_impact, impact_at, How, SweepMemory};
+use super::impact::{contact, Cast, Touching};
+use super::sweep::{first_impact, impact_at, SweepMemory};
 use crate::collide::query::CollideScratch;
-use crate::geometry::bounds::Point;
+use crate::error::Result;
 use crate::index::mockup_index::Index;
 use crate::tool::motion::Motion;
 use crate::tool::moving_tool::Tool;
+
+pub use super::sweep::How;
 
 /// Working memory of one query at a time.
 #[derive(Debug, Default)]
@@ -16,28 +18,26 @@ pub struct CastScratch {
     collide: CollideScratch,
 }
 
-/// The first impact of the tool on its way; `None` if the way is free. The tolerance is checked. `directions`: units,
-/// world, along which the two are probably apart; they tell in the time alone.
+/// The first impact of the tool on its way; `None` if the way is free. The tolerance is checked. An error: a request to stop.
 pub fn cast(
     index: &Index,
     tool: &Tool,
     motion: &Motion,
-    (tolerance, touching): (f64, Touching),
-    directions: &[Point],
+    how: How<'_>,
     scratch: &mut CastScratch,
-) -> Option<Cast> {
+) -> Result<Option<Cast>> {
     let CastScratch { sweep, collide } = scratch;
-    let how = How { tolerance, touching, directions };
-    let mut at = |time: f64| impact_at(index, tool, motion, touching, time, collide);
-    let impact: Option<Impact> = if motion.is_still() {
-        at(0.0)
-    } else if touching != Touching::Free {
-        first_impact(index, tool, motion, how, sweep, collide)
-    } else {
-        // Exact at both ends, and between them within the tolerance.
-        at(0.0)
-            .or_else(|| first_impact(index, tool, motion, how, sweep, collide))
-            .or_else(|| impact_at(index, tool, motion, touching, 1.0, collide))
-    };
-    Some(contact(tool, index.mockup().mesh(), motion, &impact?))
+    let is_exact_at_ends = how.touching == Touching::Free;
+    let mut impact = None;
+    if motion.is_still() || is_exact_at_ends {
+        impact = impact_at(index, tool, motion, how.touching, 0.0, collide);
+    }
+    if !motion.is_still() && impact.is_none() {
+        // Between the ends within the tolerance.
+        impact = first_impact(index, tool, motion, how, sweep, collide)?;
+        if is_exact_at_ends && impact.is_none() {
+            impact = impact_at(index, tool, motion, how.touching, 1.0, collide);
+        }
+    }
+    Ok(impact.map(|impact| contact(tool, index.mockup().mesh(), motion, &impact)))
 }

@@ -5,9 +5,12 @@
 
 use super::impact::{Impact, Touching};
 use super::pair::Moving;
+use super::shadow::{Screen, Shadows};
 use super::sliding::Slide;
 use crate::collide::query::{any_pair, entering_pair, CollideScratch};
-use crate::geometry::bounds::{Point, Triangle};
+use crate::error::{Error, Result};
+use crate::geometry::bounds::{Aabb, Point, Triangle};
+use crate::geometry::pose::Pose;
 use crate::geometry::vectors::{dot, length};
 use crate::index::blocks::SweepScratch;
 use crate::index::mockup_index::Index;
@@ -41,17 +44,37 @@ const MOST_COARSE_CUTS: u32 = 16;
 /// See above.
 const MOST_CUTS: u32 = 8;
 
+/// Pairs after which it is asked which of them never meet, however far the tool goes: see [`super::shadow`]. Fewer: casts that end soon
+/// take longer; more: those along tight fits do.
+const SHADOWS_AFTER: usize = 4096;
+
+/// Where that takes too much, it is asked again after so many times as many pairs.
+const SHADOWS_LATER: usize = 4;
+
+/// Pairs that were followed for each triangle nearby; else there are too many to cast shadows.
+const PAIRS_A_SHADOW: usize = 4;
+
+/// Tests of boxes, and pairs that are left, for each shadow at most.
+const TESTS_A_SHADOW: usize = 256;
+/// See above.
+const LEFT_A_SHADOW: usize = 16;
+
 /// Cuts after which it pays to ask whether the tool begins in contact, which no cut would bring out.
 const CUTS_IN_CONTACT: u32 = 2;
 
+/// Pairs that are followed until it is asked whether to go on: some milliseconds at most.
+const PAIRS_BETWEEN: usize = 256;
+
 /// What a cast is asked for.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct How<'a> {
+#[derive(Clone, Copy)]
+pub struct How<'a> {
     /// Metres.
     pub tolerance: f64,
     pub touching: Touching,
     /// Units, world, along which tool and mock-up are probably apart all the time: pairs that are need not be followed.
     pub directions: &'a [Point],
+    /// Whether to go on: asked in each window of time, and every [`PAIRS_BETWEEN`] pairs.
+    pub goes_on: &'a dyn Fn() -> bool,
 }
 
 /// The triangles that some directions hold apart, for a whole window and by more than the tolerance, from one of the tool.
@@ -102,15 +125,15 @@ pub(super) struct SweepMemory {
     pairs: Vec<u64>,
 }
 
-/// The first impact of a tool on its way.
+/// The first impact of a tool on its way. An error: a request to stop.
 pub(super) fn first_impact(
     index: &Index,
     tool: &Tool,
     motion: &Motion,
-    How { tolerance, touching, directions }: How<'_>,
+    How { tolerance, touching, directions, goes_on }: How<'_>,
     scratch: &mut SweepMemory,
     collide: &mut CollideScratch,
-) -> Option<Impact> {
+) -> Result<Option<Impact>> {
     let selection = index.selection();
     let few = FEW_PAIRS.max(tool.clusters().len()) * if directions.is_empty() { 1 } else { TIMES_BESIDE };
     // Shorter than this a window is no use: all it holds is within the tolerance.
@@ -119,9 +142,38 @@ pub(super) fn first_impact(
     let mut from = 0.0;
     let (mut before, mut after) = (Vec::new(), Vec::new());
     let mut cuts = coarse.saturating_sub(1);
+    // Pairs offered so far, and at how many it is asked for shadows.
+    let (mut spent, mut ask_at) = (0, SHADOWS_AFTER);
     // Pairs offered with the tool standing still, and when.
     let (mut still, mut still_at) = (0, -1.0);
     while from < 1.0 {
+        if !goes_on() {
+            return Err(Error::Cancelled);
+        }
+        if spent >= ask_at {
+            ask_at = spent.saturating_mul(SHADOWS_LATER);
+            let left = pairs_in_shadow((index, tool, motion), from, spent, goes_on, &mut scratch.store);
+            if let Some(mut left) = left.filter(|left| left.is_empty() || touching == Touching::Ends) {
+                let window = motion.window(tool, from, 1.0);
+                let mut chase = Chase {
+                    index,
+                    tool,
+                    motion,
+                    tolerance,
+                    touching,
+                    directions: &[],
+                    goes_on,
+                    is_stopped: false,
+                    from,
+                    best: None,
+                    until: 1.0,
+                    before: &before,
+                    after: &mut after,
+                };
+                chase.follow(&mut left, &window);
+                return if chase.is_stopped { Err(Error::Cancelled) } else { Ok(chase.best) };
+            }
+        }
         let share = CUT.powi(cuts as i32);
         let to = if from + share < 1.0 { from + share } else { 1.0 };
         let fine = cuts.saturating_sub(coarse);
@@ -134,6 +186,8 @@ pub(super) fn first_impact(
             tolerance,
             touching,
             directions,
+            goes_on,
+            is_stopped: false,
             from,
             best: None,
             until: to,
@@ -166,13 +220,14 @@ pub(super) fn first_impact(
             }
             chase.follow(pairs, &whole.window);
             // Nothing is earlier than the beginning.
-            chase.until <= from
+            chase.until <= from || chase.is_stopped
         });
         if is_full || !all_seen {
             cuts += 1;
+            spent += pairs.len();
             if from == 0.0 && cuts == coarse + CUTS_IN_CONTACT {
                 if let Some(impact) = impact_at(index, tool, motion, touching, 0.0, collide) {
-                    return Some(impact);
+                    return Ok(Some(impact));
                 }
             }
             if is_full && cuts > coarse + CUTS_IN_CONTACT && still_at < from {
@@ -185,9 +240,13 @@ pub(super) fn first_impact(
             continue;
         }
         let offered = pairs.len();
+        spent += offered;
         chase.follow(pairs, &whole.window);
+        if chase.is_stopped {
+            return Err(Error::Cancelled);
+        }
         if chase.best.is_some() {
-            return chase.best;
+            return Ok(chase.best);
         }
         std::mem::swap(&mut before, &mut after);
         before.sort_unstable_by_key(|(pair, _)| *pair);
@@ -195,7 +254,85 @@ pub(super) fn first_impact(
         from = to;
         cuts = cuts.saturating_sub(u32::from(offered < limit / 4));
     }
-    None
+    Ok(None)
+}
+
+/// All pairs that may meet from a time on, by their shadows; `None` where that is no slide or screw, or takes too much beside the pairs
+/// that were followed until then.
+fn pairs_in_shadow(
+    (index, tool, motion): (&Index, &Tool, &Motion),
+    from: f64,
+    spent: usize,
+    goes_on: &dyn Fn() -> bool,
+    store: &mut SweepScratch,
+) -> Option<Vec<u64>> {
+    let screen = Screen::of(motion.steady(from))?;
+    let (slots, most) = (tool.placeable(), spent / PAIRS_A_SHADOW);
+    if slots.len() > most {
+        return None;
+    }
+    let (mesh, selection) = (index.mockup().mesh(), index.selection());
+    let bounds = motion.swept_bounds(tool, from);
+    let triangles = triangles_within(index, &bounds, most, store)?;
+    let (pose, stray) = (motion.at(from), motion.stray());
+    let (mut of_tool, mut of_mockup) = (Vec::with_capacity(slots.len()), Vec::new());
+    for (slot, corners) in (0..).zip(slots) {
+        screen.cast(slot, &pose.apply_triangle(corners), stray, None, &mut of_tool);
+    }
+    let of_tool = Shadows::new(of_tool);
+    for triangle in triangles.into_iter().filter(|triangle| selection.has(*triangle)) {
+        screen.cast(triangle, &mesh.triangle(triangle), 0.0, Some(&of_tool), &mut of_mockup);
+        if of_mockup.len() > most {
+            return None;
+        }
+    }
+    let of_mockup = Shadows::new(of_mockup);
+    let mut left = Vec::new();
+    if of_tool.len() == 0 || of_mockup.len() == 0 {
+        return Some(left);
+    }
+    let (shadows, mut seen) = (of_tool.len() + of_mockup.len(), 0);
+    let all_seen = screen.meeting(&of_tool, &of_mockup, TESTS_A_SHADOW * shadows, &mut |slot, triangle| {
+        seen += 1;
+        if selection.wants(tool, index.mockup(), slot, triangle) {
+            left.push(pair_key(slot, triangle));
+        }
+        left.len() < LEFT_A_SHADOW * shadows && (seen % PAIRS_BETWEEN != 0 || goes_on())
+    });
+    all_seen.then_some(left)
+}
+
+/// The triangles of the mock-up in a box, and some beside it; `None` where they are more than so many.
+fn triangles_within(index: &Index, bounds: &Aabb, most: usize, store: &mut SweepScratch) -> Option<Vec<u32>> {
+    let [a, b] = [bounds.lower, bounds.upper];
+    // A side of the box, on its way to the opposite one.
+    let corners = vec![a, [b[0], a[1], a[2]], [b[0], b[1], a[2]], [a[0], b[1], a[2]]];
+    let side = Tool::new(corners, vec![[0, 1, 2], [0, 2, 3]]).ok()?;
+    let poses = [Pose::IDENTITY, Pose::IDENTITY.translated(&[0.0, 0.0, b[2] - a[2]]).ok()?];
+    let sweep = Sweep {
+        mesh: index.mockup().mesh(),
+        tool: &side,
+        window: Window {
+            poses,
+            margin: side.margin_at(&Pose::IDENTITY) + 8.0 * f64::EPSILON * bounds.largest_coordinate(),
+        },
+        lanes: index.lanes(),
+        selection: index.selection(),
+        may_give_up: false,
+    };
+    let mut found = Vec::new();
+    let mut is_full = false;
+    index.store().offer_swept(&sweep, store, &mut |_, triangle| {
+        found.push(triangle);
+        is_full = found.len() > 2 * most;
+        is_full
+    });
+    if is_full {
+        return None;
+    }
+    found.sort_unstable();
+    found.dedup();
+    Some(found)
 }
 
 /// A pair that meets at a time, or where touching is free one that enters, exactly.
@@ -234,6 +371,8 @@ struct Chase<'a> {
     tolerance: f64,
     touching: Touching,
     directions: &'a [Point],
+    goes_on: &'a dyn Fn() -> bool,
+    is_stopped: bool,
     from: f64,
     until: f64,
     best: Option<Impact>,
@@ -254,7 +393,11 @@ impl Chase<'_> {
         let mesh = mockup.mesh();
         let mut moving: Option<(u32, Moving<'_>)> = None;
         let mut at = 0;
-        for &pair in pairs.iter() {
+        for (number, &pair) in pairs.iter().enumerate() {
+            if number % PAIRS_BETWEEN == PAIRS_BETWEEN - 1 && !(self.goes_on)() {
+                self.is_stopped = true;
+                break;
+            }
             let (slot, triangle) = ((pair >> 32) as u32, pair as u32);
             if moving.as_ref().is_none_or(|(s, _)| *s != slot) {
                 let corners = self.tool.placeable()[slot as usize];

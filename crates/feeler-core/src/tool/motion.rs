@@ -238,6 +238,43 @@ impl Motion {
         self.ends[0] == self.ends[1] && self.angle < FRAC_PI_2
     }
 
+    /// How a way goes on along it: see [`of_legs`](Self::of_legs).
+    pub fn leg(&self) -> Leg {
+        self.screw.map_or(Leg::To(self.ends[1]), Leg::Screw)
+    }
+
+    /// What is left of it from a time on, where that is a slide or a screw.
+    pub(crate) fn steady(&self, from: f64) -> Option<Steady> {
+        let (rest, along) = (1.0 - from, dot(&self.velocity, &self.axis));
+        if self.angle * self.reach <= self.rounding {
+            return Some(Steady::Slide { way: scaled(&self.velocity, rest) });
+        }
+        let across = any_length(&sub(&self.velocity, &scaled(&self.axis, along)));
+        let (point, angle) = (self.pivot_at(from), self.angle * rest);
+        let is_screw = across <= self.rounding;
+        is_screw.then_some(Steady::Screw { axis: self.axis, point, angle, advance: along * rest })
+    }
+
+    /// By how much a point of the tool may be off that, metres per axis.
+    pub(crate) fn stray(&self) -> f64 {
+        2.0 * self.bend + 4.0 * self.rounding
+    }
+
+    /// A box around all that the tool sweeps from a time on.
+    pub(crate) fn swept_bounds(&self, tool: &Tool, from: f64) -> Aabb {
+        let bounds = tool.mesh().bounds();
+        // Pieces of half a radian, in which an arc is nearly its chord.
+        let pieces = (2.0 * self.angle * (1.0 - from)).ceil().max(1.0);
+        let at = |piece: f64| (from + (1.0 - from) * piece / pieces).min(1.0);
+        let mut all = self.window(tool, from, at(1.0)).bounds_of_box(&bounds);
+        let mut piece = 1.0;
+        while piece < pieces {
+            all = all.union(&self.window(tool, at(piece), at(piece + 1.0)).bounds_of_box(&bounds));
+            piece += 1.0;
+        }
+        all
+    }
+
     /// Where it ends.
     pub fn end(&self) -> &Pose {
         &self.ends[1]
@@ -246,6 +283,12 @@ impl Motion {
     /// How far any point of the tool moves at most, metres.
     pub fn longest_way(&self) -> f64 {
         length(&self.velocity) + self.angle * self.reach + 2.0 * self.bend
+    }
+
+    /// How far the tool's own [pivot](Tool::pivot) moves, metres: straight, or along a helix.
+    pub fn way_of_pivot(&self, tool: &Tool) -> f64 {
+        let arm = cross(&self.axis_in_tool, &sub(tool.pivot(), &self.pivot));
+        length(&self.velocity).hypot(self.screw.map_or(0.0, |_| self.angle * length(&arm)))
     }
 
     /// How well the convex hull of a triangle's places at the ends of a span of time stands for its places in between; `share` is
@@ -321,6 +364,27 @@ impl Motion {
     fn pivot_at(&self, time: f64) -> Point {
         add(&self.from, &scaled(&self.velocity, time))
     }
+}
+
+/// A motion on which each point keeps its distance from an axis, and moves along it as it turns about it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Steady {
+    /// Straight, metres.
+    Slide {
+        /// All of it, world.
+        way: Point,
+    },
+    /// About an axis and along it.
+    Screw {
+        /// Unit, world.
+        axis: Point,
+        /// On the axis, world.
+        point: Point,
+        /// Radians, positive.
+        angle: f64,
+        /// Metres along the axis for all of the angle.
+        advance: f64,
+    },
 }
 
 /// See [`Motion::chord`]. Metres.

@@ -17,18 +17,17 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use feeler_contacts::ContactSolver;
-use feeler_core::geometry::twist::displacement;
-use feeler_core::geometry::vectors::{length, unit};
-use feeler_core::{Point, Pose, Progress, Tool};
+use feeler_core::geometry::vectors::unit;
+use feeler_core::{Leg, Motion, Point, Pose, Progress, Tool};
 
 use self::directions::directions;
-use self::pushes::{poses_of, Pushes};
+use self::pushes::Pushes;
 use self::shortcut::shortened;
 use self::straight::straight_way;
 use self::tree::Tree;
-use self::verify::{verified, Verified};
+use self::verify::{as_poses, verified, HasTime, Verified};
 use crate::blocked::{Blocker, Tally};
-use crate::constants::{PIECES, PUSH_CASTS, ROUND_CASTS, TREES};
+use crate::constants::{PUSH_CASTS, ROUND_CASTS, TREES};
 use crate::error::{Error, Result};
 use feeler_world::{Allowed, Body, Environment, Surroundings};
 
@@ -70,8 +69,9 @@ pub enum Method {
 pub struct Removal {
     /// How the way was found; `None` where none was.
     pub method: Option<Method>,
-    /// The way, from the start until the tool is out; the start alone where none was found. Between two poses it moves as
-    /// [`Motion`](feeler_core::Motion) does.
+    /// The way, from the start until the tool is out; none where none was found.
+    pub legs: Vec<Leg>,
+    /// The same as poses, from one to the next as [`Motion::new`] moves, and as free; the start alone where none was found.
     pub poses: Vec<Pose>,
     /// How far the middle of the tool's box moves, metres.
     pub path_length: f64,
@@ -89,7 +89,7 @@ pub struct Removal {
 
 /// Takes a tool out of the scene that a solver is of, in parallel on the current rayon pool.
 ///
-/// `progress` stops it; `has_time` says whether to try more: a way that is found does not depend on it. Errors: numbers that cannot be,
+/// `progress` stops it; `has_time` says whether to go on: where it ends, a way that is found is given as it is, without shortcuts. Errors: numbers that cannot be,
 /// a tool that grips and meets something at the start, a request to stop.
 pub fn removal(
     solver: &ContactSolver,
@@ -108,8 +108,8 @@ pub fn removal(
     let environment = Environment { bodies: vec![mockup] };
     let surroundings = Surroundings::new(environment, tool.clone(), *own_parts, start, allowed, *clearance)?;
     let mut tally = Tally::default();
-    if let Some(way) = verified(&surroundings, vec![*start], &mut tally)? {
-        return told(&surroundings, Ok((Method::Out, way)), &tally);
+    if let Some(way) = verified(&surroundings, Vec::new(), has_time, &mut tally)? {
+        return told(&surroundings, Ok((Method::Out, (way, vec![*start]))), &tally);
     }
     for [_, part] in surroundings.refused() {
         tally.note(*part, 0.0, start);
@@ -119,78 +119,105 @@ pub fn removal(
     }
     let first: Vec<Point> = task.directions.iter().filter_map(unit).collect();
     let (others, walls) = directions(&surroundings)?;
-    let goes_on = || {
-        report(0.0, "straight ways")?;
-        Ok(has_time())
-    };
-    if let Some(way) = straight_way(&surroundings, (&first, &others, &walls), &mut tally, &goes_on)? {
-        return told(&surroundings, Ok((Method::Straight, way)), &tally);
+    let straight = within(straight_way(&surroundings, (&first, &others, &walls), has_time, &mut tally), has_time)?;
+    if let Some(way) = straight.flatten() {
+        let ends = as_poses(&surroundings, &way.legs, has_time, &mut tally)?.unwrap_or_default();
+        return told(&surroundings, Ok((Method::Straight, (way, ends))), &tally);
     }
-    let mut pushes = Pushes::new(&surroundings, &first, &others);
+    let mut pushes = Pushes::new(&surroundings, &first, &others, has_time);
     let directions: Vec<Point> = first.into_iter().chain(others).collect();
-    let mut trees: Vec<Tree> = (0..TREES).map(|tree| Tree::new(&surroundings, &directions, task.seed, tree)).collect();
-    let found = loop {
+    let mut trees: Vec<Tree> =
+        (0..TREES).map(|tree| Tree::new(&surroundings, &directions, (task.seed, tree), has_time)).collect();
+    let mut search = || loop {
         report(0.0, if pushes.is_young() { "pushes" } else { "pushes and random trees" })?;
         if !has_time() {
-            break None;
+            return Ok(None);
         }
         if pushes.is_young() {
-            pushes.grow(PUSH_CASTS, has_time)?;
+            pushes.grow(PUSH_CASTS)?;
         } else {
             let (by_pushes, by_trees) = rayon::join(
-                || pushes.grow(PUSH_CASTS, has_time),
-                || trees.par_iter_mut().try_for_each(|tree| tree.grow(ROUND_CASTS, has_time)),
+                || pushes.grow(PUSH_CASTS),
+                || trees.par_iter_mut().try_for_each(|tree| tree.grow(ROUND_CASTS)),
             );
             by_pushes.and(by_trees)?;
         }
-        if let Some(found) = pushed_way(&surroundings, task.seed, &mut pushes)? {
-            break Some(found);
+        if let Some(found) = pushed_way(&surroundings, task.seed, &mut pushes, has_time)? {
+            return Ok(Some(found));
         }
-        if let Some(found) = first_way(&surroundings, task.seed, &mut trees)? {
-            break Some(found);
+        if let Some(found) = first_way(&surroundings, task.seed, &mut trees, has_time)? {
+            return Ok(Some(found));
         }
     };
+    let found = within(search(), has_time)?.flatten();
     tally.add(&pushes.tally);
     trees.iter().for_each(|tree| tally.add(&tree.tally));
     told(&surroundings, found.ok_or(true), &tally)
 }
 
-/// The way by pushes. One that is not free by finer steps is forgotten, and others are tried.
-fn pushed_way(surroundings: &Surroundings, seed: u64, pushes: &mut Pushes<'_>) -> Result<Option<(Method, Verified)>> {
-    let Some(motions) = pushes.way.take() else { return Ok(None) };
-    let mut tally = Tally::default();
-    for pieces in PIECES {
-        let poses = poses_of(surroundings.start(), &motions, pieces);
-        if let Some(way) = verified(surroundings, poses.clone(), &mut tally)? {
-            let short = shortened(surroundings, poses, seed, &mut tally)?;
-            let way = verified(surroundings, short, &mut tally)?.unwrap_or(way);
-            pushes.tally.casts += tally.casts;
-            let is_straight = way.poses.len() == 2 && motions.iter().all(|motion| motion.direction().is_some());
-            return Ok(Some((if is_straight { Method::Straight } else { Method::Pushes }, way)));
-        }
+/// What came of work that ends with a request to stop where there is no more time; `None` if it did.
+fn within<T>(done: Result<T>, has_time: HasTime<'_>) -> Result<Option<T>> {
+    match done {
+        Err(Error::Core(feeler_core::Error::Cancelled)) if !has_time() => Ok(None),
+        done => done.map(Some),
     }
-    pushes.tally.casts += tally.casts;
-    Ok(None)
+}
+
+/// The way by pushes. One that is not free by finer steps is forgotten, and others are tried.
+fn pushed_way(
+    surroundings: &Surroundings,
+    seed: u64,
+    pushes: &mut Pushes<'_>,
+    has_time: HasTime<'_>,
+) -> Result<Option<Found>> {
+    let Some(motions) = pushes.way.take() else { return Ok(None) };
+    let legs: Vec<Leg> = motions.iter().map(Motion::leg).collect();
+    let (way, casts) = short_way(surroundings, legs, seed, has_time)?;
+    pushes.tally.casts += casts;
+    let is_straight = |way: &Verified| way.legs.len() == 1 && motions.iter().all(|motion| motion.direction().is_some());
+    Ok(way.map(|way| (if is_straight(&way.0) { Method::Straight } else { Method::Pushes }, way)))
 }
 
 /// The way of the tree with the least number that has one. One that is not free by finer steps is forgotten, and its tree grows on.
-fn first_way(surroundings: &Surroundings, seed: u64, trees: &mut [Tree<'_>]) -> Result<Option<(Method, Verified)>> {
+fn first_way(
+    surroundings: &Surroundings,
+    seed: u64,
+    trees: &mut [Tree<'_>],
+    has_time: HasTime<'_>,
+) -> Result<Option<Found>> {
     for (number, tree) in (0..).zip(trees) {
-        if let Some(poses) = tree.way.take() {
-            let mut tally = Tally::default();
-            let short = shortened(surroundings, poses.clone(), seed, &mut tally)?;
-            let way = match verified(surroundings, short, &mut tally)? {
-                None => verified(surroundings, poses, &mut tally)?,
-                way => way,
-            };
-            // Shortcuts that are blocked say nothing of what is in the way out.
-            tree.tally.casts += tally.casts;
-            if let Some(way) = way {
-                return Ok(Some((Method::Tree(number), way)));
-            }
+        let Some(poses) = tree.way.take() else { continue };
+        let (way, casts) = short_way(surroundings, poses.into_iter().map(Leg::To).collect(), seed, has_time)?;
+        tree.tally.casts += casts;
+        if let Some(way) = way {
+            return Ok(Some((Method::Tree(number), way)));
         }
     }
     Ok(None)
+}
+
+/// A way, verified, and as poses.
+type Way = (Verified, Vec<Pose>);
+type Found = (Method, Way);
+
+/// A way with shortcuts, or as it is where there is no time for them; and the casts made. `None` where it is not free by finer steps.
+/// Shortcuts that are blocked say nothing of what is in the way out.
+fn short_way(
+    surroundings: &Surroundings,
+    legs: Vec<Leg>,
+    seed: u64,
+    has_time: HasTime<'_>,
+) -> Result<(Option<Way>, u64)> {
+    let mut tally = Tally::default();
+    let mut told = |legs: Vec<Leg>| -> Result<Option<Way>> {
+        let Some(way) = verified(surroundings, legs, has_time, &mut tally)? else { return Ok(None) };
+        let poses = as_poses(surroundings, &way.legs, has_time, &mut tally)?;
+        Ok(poses.map(|poses| (way, poses)))
+    };
+    let as_found = told(legs.clone())?;
+    let mut own = Tally::default();
+    let short = within(shortened(surroundings, legs, seed, has_time, &mut own).and_then(&mut told), has_time)?;
+    Ok((short.flatten().or(as_found), tally.casts + own.casts))
 }
 
 fn check(task: &RemovalTask) -> Result<()> {
@@ -212,25 +239,20 @@ fn check(task: &RemovalTask) -> Result<()> {
 }
 
 /// What there is to say of a way; or, where there is none, whether time was up.
-fn told(
-    surroundings: &Surroundings,
-    found: std::result::Result<(Method, Verified), bool>,
-    tally: &Tally,
-) -> Result<Removal> {
+fn told(surroundings: &Surroundings, found: std::result::Result<Found, bool>, tally: &Tally) -> Result<Removal> {
     let is_out_of_time = matches!(found, Err(true));
-    let (method, poses, clearance) = match found {
-        Err(_) => (None, vec![*surroundings.start()], f64::INFINITY),
-        Ok((method, Verified { poses, spans })) => {
+    let (method, legs, poses, clearance) = match found {
+        Err(_) => (None, Vec::new(), vec![*surroundings.start()], f64::INFINITY),
+        Ok((method, (Verified { legs, spans }, poses))) => {
             let least = |least, span| surroundings.least_distance(span, least);
-            (Some(method), poses, spans.iter().try_fold(f64::INFINITY, least)?)
+            (Some(method), legs, poses, spans.iter().try_fold(f64::INFINITY, least)?)
         }
     };
     let (mut path_length, mut rotation) = (0.0, 0.0);
-    for pair in poses.windows(2) {
-        let by = displacement(&pair[0], &pair[1], surroundings.middle());
-        path_length += length(&by.linear);
-        rotation += length(&by.angular);
+    for motion in Motion::of_legs(surroundings.tool(), surroundings.start(), &legs)? {
+        path_length += motion.way_of_pivot(surroundings.tool());
+        rotation += motion.angle();
     }
     let blockers = tally.blockers();
-    Ok(Removal { method, poses, path_length, rotation, clearance, blockers, casts: tally.casts, is_out_of_time })
+    Ok(Removal { method, legs, poses, path_length, rotation, clearance, blockers, casts: tally.casts, is_out_of_time })
 }

@@ -14,6 +14,7 @@ use feeler_core::{Motion, Point, Pose, Screw};
 use super::directions::{turned, Distinct};
 use super::shape::Shape;
 use super::twists::{footholds, Axis, Footholds};
+use super::verify::HasTime;
 use crate::blocked::Tally;
 use crate::constants::{
     DIRECTION_MARGIN, LEAST_LEVEL, LEAST_OPENING, LEAST_PUSH, LEAST_SCAN, LEAST_TURN, LITTLE_TURN, LONG_PUSH,
@@ -24,9 +25,9 @@ use crate::error::Result;
 use feeler_world::{Care, Seated, Surroundings};
 
 /// A search by pushes.
-#[derive(Debug)]
 pub struct Pushes<'a> {
     around: &'a Surroundings,
+    has_time: HasTime<'a>,
     /// Of the caller, units, world, each with its opposite.
     first: Vec<Point>,
     shape: Shape,
@@ -125,11 +126,12 @@ const SHORT: u32 = 4;
 
 impl<'a> Pushes<'a> {
     /// From the start. `first`: directions of the caller; `others`: along which it is pushed from there once (units, world).
-    pub fn new(around: &'a Surroundings, first: &[Point], others: &[Point]) -> Pushes<'a> {
+    pub fn new(around: &'a Surroundings, first: &[Point], others: &[Point], has_time: HasTime<'a>) -> Pushes<'a> {
         let mut directions = Distinct::default();
         first.iter().for_each(|direction| directions.push_both(direction));
         let mut pushes = Pushes {
             around,
+            has_time,
             first: directions.0,
             shape: Shape::new(around.tool()),
             nodes: Vec::new(),
@@ -169,10 +171,10 @@ impl<'a> Pushes<'a> {
         self.level == 1.0 && self.work < YOUNG && !self.tasks.is_empty()
     }
 
-    /// Tries on for as much work as so many casts, until a way is found, nothing is left to try, or for as long as it goes on.
-    pub fn grow(&mut self, casts: u64, goes_on: &dyn Fn() -> bool) -> Result<()> {
+    /// Tries on for as much work as so many casts, until a way is found, nothing is left to try, or for as long as there is time.
+    pub fn grow(&mut self, casts: u64) -> Result<()> {
         let until = self.work + WORK_OF_A_CAST * casts;
-        while self.way.is_none() && self.work < until && goes_on() {
+        while self.way.is_none() && self.work < until && (self.has_time)() {
             if let Some(scan) = self.scan.take() {
                 self.go_on(scan)?;
                 continue;
@@ -299,7 +301,7 @@ impl<'a> Pushes<'a> {
             }
             return Ok((None, seated.clone(), false));
         }
-        let care = Care::search(&self.nodes[node].normals);
+        let care = Care::search(&self.nodes[node].normals, self.has_time);
         let walk = around.walk_along(seated, motion, care, &mut |_| ())?;
         self.tally.walked(self.around, &walk);
         self.work += WORK_OF_A_CAST * walk.casts;
@@ -379,7 +381,7 @@ impl<'a> Pushes<'a> {
             for (sense, play) in [1.0, -1.0].into_iter().zip(&mut play) {
                 let far = 0.25 * axis.pitch.abs();
                 let end = self.around.moved(&pose, &axis.along, sense * far)?;
-                let walk = self.around.walk(&seated, (&pose, &end), Care::search(&[]))?;
+                let walk = self.around.walk(&seated, (&pose, &end), Care::search(&[], self.has_time))?;
                 self.tally.walked(self.around, &walk);
                 self.work += WORK_OF_A_CAST * walk.casts;
                 *play = walk.fraction * far;
@@ -514,15 +516,4 @@ impl<'a> Pushes<'a> {
         way.reverse();
         way
     }
-}
-
-/// The poses of motions, screws cut into so many pieces for a quarter of a turn: from one to the next as [`Motion::new`] moves.
-pub fn poses_of(start: &Pose, motions: &[Motion], pieces: usize) -> Vec<Pose> {
-    let mut poses = vec![*start];
-    for motion in motions {
-        let quarters = motion.angle() / std::f64::consts::FRAC_PI_2;
-        let cuts = ((quarters * pieces as f64).ceil() as usize).max(1);
-        poses.extend((1..=cuts).map(|i| motion.at(i as f64 / cuts as f64)));
-    }
-    poses
 }

@@ -19,6 +19,7 @@ use crate::constants::{
 };
 use crate::error::Result;
 use crate::random::Random;
+use crate::removal::verify::HasTime;
 use feeler_world::{Care, Seated, Surroundings};
 
 /// How long the lives of a search are that may take long by bad luck, in the unit of the first: 1, 1, 2, 1, 1, 2, 4, and so on. No other
@@ -32,20 +33,20 @@ fn luby(life: u64) -> u64 {
 }
 
 /// One tree.
-#[derive(Debug)]
 pub struct Tree<'a> {
     around: &'a Surroundings,
     metric: Metric,
     /// Half the weight of a turn in the square of a distance, square metres: see [`Tree::nearest`].
     turn: f64,
     directions: &'a [Point],
+    has_time: HasTime<'a>,
     random: Random,
     nodes: Vec<Node>,
     /// How often it began anew, and once more.
     lives: u64,
     /// What was tried.
     pub tally: Tally,
-    /// The poses of a way out.
+    /// Where the legs of a way out end.
     pub way: Option<Vec<Pose>>,
 }
 
@@ -62,7 +63,12 @@ struct Node {
 
 impl<'a> Tree<'a> {
     /// Of the start alone. `directions`: along which straight ways out are tried.
-    pub fn new(around: &'a Surroundings, directions: &'a [Point], seed: u64, number: u64) -> Tree<'a> {
+    pub fn new(
+        around: &'a Surroundings,
+        directions: &'a [Point],
+        (seed, number): (u64, u64),
+        has_time: HasTime<'a>,
+    ) -> Tree<'a> {
         let metric = Metric::new(around.tool());
         let lever = TURN_WEIGHT * metric.radius;
         let mut tree = Tree {
@@ -70,6 +76,7 @@ impl<'a> Tree<'a> {
             turn: lever * lever,
             metric,
             directions,
+            has_time,
             random: Random::new(seed, number),
             nodes: Vec::new(),
             lives: 1,
@@ -80,10 +87,10 @@ impl<'a> Tree<'a> {
         tree
     }
 
-    /// Grows by so many casts, until a way is found, or for as long as it goes on.
-    pub fn grow(&mut self, casts: u64, goes_on: &(dyn Fn() -> bool + Sync)) -> Result<()> {
+    /// Grows by so many casts, until a way is found, or for as long as there is time.
+    pub fn grow(&mut self, casts: u64) -> Result<()> {
         let until = self.tally.casts + casts;
-        while self.way.is_none() && self.tally.casts < until && goes_on() {
+        while self.way.is_none() && self.tally.casts < until && (self.has_time)() {
             if self.nodes.len() as u64 > NODES_A_LIFE * luby(self.lives) {
                 self.nodes.truncate(1);
                 self.lives += 1;
@@ -116,7 +123,7 @@ impl<'a> Tree<'a> {
         for _ in 0..=MOST_SLIDES {
             let from = self.nodes[at].pose;
             let seated = self.nodes[at].seated.clone();
-            let walk = self.around.walk(&seated, (&from, &target), Care::search(&normals))?;
+            let walk = self.around.walk(&seated, (&from, &target), Care::search(&normals, self.has_time))?;
             self.tally.walked(self.around, &walk);
             let moved = Motion::new(self.around.tool(), &from, &walk.pose).longest_way();
             if moved > SHORTEST_STEP * self.around.size() {
@@ -238,7 +245,7 @@ impl<'a> Tree<'a> {
                 continue;
             }
             let end = around.moved(&pose, &direction, way)?;
-            let walk = around.walk(&seated, (&pose, &end), Care::search(&[]))?;
+            let walk = around.walk(&seated, (&pose, &end), Care::search(&[], self.has_time))?;
             self.tally.walked(around, &walk);
             if walk.stop.is_none() {
                 let mut way = self.way_to(at);
@@ -251,10 +258,10 @@ impl<'a> Tree<'a> {
     }
 
     fn way_to(&self, mut at: usize) -> Vec<Pose> {
-        let mut way = vec![self.nodes[at].pose];
+        let mut way = Vec::new();
         while at != 0 {
-            at = self.nodes[at].parent;
             way.push(self.nodes[at].pose);
+            at = self.nodes[at].parent;
         }
         way.reverse();
         way

@@ -1,0 +1,112 @@
+"""The legs of a way, as a person would say them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from feeler._core import Screw
+
+STRAIGHT_RAD = 1e-6
+"""A leg that turns by less is straight."""
+AXIS_SHARE = 0.999
+"""What is as near to an axis of the world as this cosine is called by its name."""
+_UNITS = ((1.0, "m"), (1e-3, "mm"), (1e-6, "um"))
+
+
+@dataclass(frozen=True, eq=False)
+class RemovalLeg:
+    """One leg of a way, from where the one before ended; the first begins where the parts are."""
+
+    screw: Screw | None
+    """A turn about an axis of the world, with an advance along it, exactly; None: to `pose`, as `Scene.cast` moves."""
+    pose: npt.NDArray[np.float64]
+    """`(4, 4)`: the motion of the parts in the world at its end."""
+    path_length: float
+    """How far the middle of the box of what moves goes, metres."""
+    rotation: float
+    """How far it turns, radians."""
+    direction: tuple[float, float, float]
+    """Unit, world: along which it moves; of a screw its axis, right-handed; zero where it does not move."""
+
+    def __str__(self) -> str:
+        along = _named(self.direction)
+        if self.screw is not None and self.screw.pitch:
+            turns = self.rotation / (2.0 * math.pi)
+            return f"screw {turns:.3g} turns about {along}, {_length(abs(self.screw.advance))} along it"
+        if self.screw is not None:
+            return f"turn {math.degrees(self.rotation):.3g} degrees about {along}"
+        if self.rotation <= STRAIGHT_RAD:
+            return f"move {_length(self.path_length)} along {along}"
+        return f"move {_length(self.path_length)} and turn {math.degrees(self.rotation):.3g} degrees"
+
+    def as_json(self) -> dict[str, Any]:
+        """What `path_of_json` reads: `{"screw": {...}}` or `{"to": pose}`."""
+        if self.screw is None:
+            return {"to": self.pose.tolist()}
+        screw = self.screw
+        return {
+            "screw": {
+                "axis": list(screw.axis),
+                "point": list(screw.point),
+                "angle": screw.angle,
+                "pitch": screw.pitch,
+            }
+        }
+
+
+def legs_of(answer: dict[str, Any], middle: npt.NDArray[np.float64]) -> tuple[RemovalLeg, ...]:
+    """The legs that the core found. middle: of the box of what moves, where it is."""
+    legs: list[RemovalLeg] = []
+    before = middle
+    ends = answer["leg_ends"]
+    rows = zip(answer["leg_screws"], ends, answer["leg_lengths"].tolist(), answer["leg_angles"].tolist(), strict=True)
+    for screw, pose, length, angle in rows:
+        here = pose[:3, :3] @ middle + pose[:3, 3]
+        if screw is None:
+            direction = _unit(here - before)
+        else:
+            direction = _unit(np.copysign(1.0, screw.angle) * np.array(screw.axis))
+        legs.append(RemovalLeg(screw, np.array(pose), length, angle, direction))
+        before = here
+    return tuple(legs)
+
+
+def path_of_json(legs: list[dict[str, Any]]) -> list[npt.NDArray[np.float64] | Screw]:
+    """A path as `Scene.check_path` takes it, from legs as `RemovalLeg.as_json` gives them.
+
+    Raises `ValueError` for what is no leg, `OptionError` for numbers that make no screw.
+    """
+    path: list[npt.NDArray[np.float64] | Screw] = [np.eye(4)]
+    for leg in legs:
+        match leg:
+            case {"to": pose}:
+                path.append(np.asarray(pose, dtype=np.float64))
+            case {"screw": {"axis": axis, "point": point, "angle": angle, "pitch": pitch}}:
+                path.append(Screw(axis, point, angle, pitch))
+            case _:
+                raise ValueError('a leg is {"to": pose} or {"screw": {"axis", "point", "angle", "pitch"}}')
+    return path
+
+
+def _unit(vector: npt.NDArray[np.float64]) -> tuple[float, float, float]:
+    size = float(np.linalg.norm(vector))
+    x, y, z = (vector / size if size > 0.0 else np.zeros(3)).tolist()
+    return x, y, z
+
+
+def _named(direction: tuple[float, float, float]) -> str:
+    """An axis of the world by its name, anything else in numbers."""
+    largest = max(range(3), key=lambda axis: abs(direction[axis]))
+    if abs(direction[largest]) >= AXIS_SHARE:
+        return ("-" if direction[largest] < 0.0 else "+") + "xyz"[largest]
+    return "({:.2f}, {:.2f}, {:.2f})".format(*(number + 0.0 for number in direction))
+
+
+def _length(metres: float) -> str:
+    size, name = next((unit for unit in _UNITS if metres >= unit[0]), _UNITS[-1])
+    return f"{metres / size:.3g} {name}"
