@@ -25,7 +25,8 @@ from mesh_contacts import self_contacts
 from feeler.samples.accessory import FAULTS, Fastener, Fault, Fit, Leg, Step, Truth
 from feeler.samples.accessory.assembly import Assembly, Part
 from feeler.samples.accessory.build import build
-from feeler.samples.accessory.sample import ROOT, placed_mesh, placed_meshes, truth_of, volume
+from feeler.samples.accessory.faults import plant
+from feeler.samples.accessory.sample import ROOT, placed_mesh, placed_meshes, truth_of
 from feeler.samples.accessory.sample import Drawn as SampleDrawn
 from feeler.samples.accessory.solid import Cut
 from feeler.samples.mesh import Mesh
@@ -56,6 +57,8 @@ RULE_M = 5e-3
 """The clearance of pipes that the fault `too_near` breaks."""
 
 
+PLANTS = (*((name,) for name in FAULTS), ("pipe_clash", "too_near", "no_way_out"), tuple(FAULTS))
+"""Faults that are planted together when steps are judged."""
 WRENCH_REACH = 9.0
 """Length of an open-end wrench, in flats."""
 SWING_STEP = float(np.deg2rad(5.0))
@@ -76,13 +79,14 @@ def of_sample(triangles: int, seed: int = 0, faults: Iterable[str] = ()) -> Draw
 
 
 def _with_truth(asm: Assembly, placed: list[tuple[Part, Mesh]], seed: int) -> Drawn:
-    truth = truth_of(asm, {part.path: volume(mesh) for part, mesh in placed}, seed)
+    truth = truth_of(asm, {part.path: mesh for part, mesh in placed}, seed)
     return Drawn({f"{ROOT}/{part.path}": mesh for part, mesh in placed}, truth)
 
 
-def eased(seed: int, chord_mm: float = 0.1) -> Drawn:
+def eased(seed: int, chord_mm: float = 0.1, faults: Iterable[str] = ()) -> Drawn:
     """The gearbox with wider holes."""
     asm = build(Cut(chord_mm, EASE_MM), seed)
+    asm.planted = plant(asm, tuple(faults))
     return _with_truth(asm, placed_meshes(asm), seed)
 
 
@@ -182,7 +186,7 @@ class Fits:
 
     def __init__(self, seed: int = 0, chord_mm: float = FINE_MM) -> None:
         self.asm, self.chord = build(Cut(chord_mm), seed), chord_mm * 1e-3
-        self.truth = truth_of(self.asm, dict.fromkeys(self.asm.parts, 0.0), seed)
+        self.truth = truth_of(self.asm, {}, seed)
         self._meshes: dict[str, Mesh] = {}
 
     def mesh(self, path: str) -> Mesh:
@@ -284,8 +288,11 @@ class Ways:
         self.door = frozenset(door.parts)
         self.opened = leg_pose(Leg("turn", door.axis, door.point_m, 0.0, door.high), 1.0)
 
-    def blocked(self, step: Step) -> dict[tuple[str, str], tuple[int, float]]:
-        """Collisions of a step, by (moving part, other part): the number of the leg, and the fraction of it."""
+    def blocked(self, step: Step, against: Iterable[str] = ()) -> dict[tuple[str, str], tuple[int, float]]:
+        """Collisions of a step, by (moving part, other part): the number of the leg, and the fraction of it.
+
+        `against`: the other parts to check, where not all.
+        """
         out, pose = set[str](), dict[str, Floats]()
         for earlier in self.truth.needed(step):
             if earlier.removes:
@@ -294,7 +301,9 @@ class Ways:
                 for path in earlier.parts:
                     pose[path] = leg_pose(leg, 1.0) @ pose.get(path, np.eye(4))
         moving = [path for path in step.parts if path not in out]
-        others = [path for path in self.models if path not in out and path not in step.parts]
+        others = [path for path in set(against) or self.models if path not in out and path not in step.parts]
+        if not others:
+            return {}
         places = [pose.get(path, np.eye(4)) for path in others]
         if step.door_open:
             places = [self.opened @ p if path in self.door else p for path, p in zip(others, places, strict=True)]
@@ -365,9 +374,13 @@ class Ways:
 
     def stopped(self, fastener: Fastener, step: Step) -> bool:
         """Whether the tool of a fastener does not turn as far as the truth says, after what a step needs is out."""
+        return self.turns(fastener, step) < fastener.swing_rad
+
+    def turns(self, fastener: Fastener, step: Step | None = None) -> float:
+        """How far the tool of a fastener turns, radians: a socket or key in full or not at all."""
         if fastener.tool == "open-end wrench":
-            return self.swing(fastener, step) < fastener.swing_rad
-        return bool(self.in_the_way(fastener, step))
+            return self.swing(fastener, step)
+        return 0.0 if self.in_the_way(fastener, step) else 2.0 * np.pi
 
     def in_the_way(self, fastener: Fastener, step: Step | None = None) -> list[str]:
         """Parts that a socket or a hexagon key on a fastener meets in its full turn, after what goes before is out."""
@@ -494,11 +507,40 @@ def unplanned(faulty: Drawn, clean: Drawn) -> list[str]:
     named = {frozenset((fit.a, fit.b)) for fit in faulty.truth.fits}
     named |= {frozenset(fault.parts) for fault in faulty.truth.faults if len(fault.parts) == 2}
     wild = {fault.parts[0] for fault in faulty.truth.faults if fault.expects == "unit"}
-    changed = [p for p, mesh in faulty.meshes.items() if p not in clean.meshes or not _same(mesh, clean.meshes[p])]
     out = []
-    for (a, b), gap in gaps(faulty, LEAST_GAP_M, changed).items():
+    for (a, b), gap in gaps(faulty, LEAST_GAP_M, changed(faulty, clean)).items():
         if gap < LEAST_GAP_M and frozenset((a, b)) not in named and not wild & {a, b}:
             out.append(f"{a} and {b} come near without a fit")
+    return out
+
+
+def changed(faulty: Drawn, clean: Drawn) -> set[str]:
+    """Parts that the planted faults add or change."""
+    return {p for p, mesh in faulty.meshes.items() if p not in clean.meshes or not _same(mesh, clean.meshes[p])}
+
+
+def wrong_steps(seed: int, plants: Iterable[tuple[str, ...]] = PLANTS) -> list[str]:
+    """What steps and swings say of planted faults and is not so; as messages.
+
+    A step that says that a fault blocks it is blocked, or needs one that is; all others are free of what the faults add
+    or change. Tools turn as far as the fasteners say, and not in full where they say 0.
+    """
+    clean, out = eased(seed), []
+    for names in plants:
+        ways = Ways(eased(seed, faults=names))
+        new = changed(ways.drawn, clean)
+        for step in [step for step in ways.truth.steps if step.rigid]:
+            found = ways.blocked(step, () if new & set(step.parts) else new)
+            if found and not step.blocked_by:
+                out.append(f"faults {names}: {step.parts[0]} is blocked by {found}")
+            elif step.blocked_by and not found and not any(s.blocked_by for s in ways.truth.needed(step)):
+                out.append(f"faults {names}: nothing blocks {step.parts[0]}")
+        for fastener in ways.truth.fasteners:
+            free = ways.turns(fastener)
+            stuck = next(step for step in ways.truth.steps if fastener.path in step.parts).blocked_by
+            if free < fastener.swing_rad or (fastener.swing_rad == 0.0 and free == 2.0 * np.pi and not stuck):
+                said = f"{np.rad2deg(free):.0f}, not {np.rad2deg(fastener.swing_rad):.0f} degrees"
+                out.append(f"faults {names}: the tool on {fastener.path} swings {said}")
     return out
 
 
@@ -572,7 +614,7 @@ def main(seeds: list[int]) -> int:
             print(f"seed {seed}, {triangles} triangles: {len(least)} others keep {gap * 1e3:.3f} mm: {pair}")
             wrong += too_deep(drawn) + touching(triangles, seed)
             wrong += [f"{pair} is nearer than {LEAST_GAP_M}"] if gap < LEAST_GAP_M else []
-        wrong += Fits(seed).wrong(most=MOST) + wrong_faults(seed)
+        wrong += Fits(seed).wrong(most=MOST) + wrong_faults(seed) + wrong_steps(seed)
         ways = Ways(eased(seed))
         for step in ways.truth.steps:
             if step.rigid and (found := ways.blocked(step)):

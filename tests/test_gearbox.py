@@ -252,6 +252,26 @@ def test_the_page_has_the_fits(root: Path) -> None:
     assert done.returncode == 0, "run python tools/gearbox_docs.py"
 
 
+def plain(value: Any) -> bool:
+    """Whether all of it is of Python's own types: no subclass of float either."""
+    if isinstance(value, (list, tuple)):
+        return all(map(plain, value))
+    return (
+        all(map(plain, value.values()))
+        if isinstance(value, dict)
+        else type(value) in (str, int, float, bool, type(None))
+    )
+
+
+@pytest.mark.parametrize("faults", [(), tuple(FAULTS)])
+def test_truth_is_of_plain_numbers(faults: tuple[str, ...]) -> None:
+    """JSON gives back the same ones, and has no NaN or Infinity."""
+    held = dataclasses.asdict(judge.of_sample(LEAST + 4_000, 0, faults).truth)
+    assert plain(held)
+    text = json.dumps(held, allow_nan=False)
+    assert json.dumps(json.loads(text)) == text
+
+
 def test_truth_as_json() -> None:
     truth = drawn().truth
     held = json.loads(truth.to_json())
@@ -361,6 +381,35 @@ def test_the_bowl_that_does_not_come_out() -> None:
     )
     found = judge.Ways(guarded).blocked(ways().truth.way("gearbox/oil_filter/bowl")[-1])
     assert {pair[1] for pair in found} == {"gearbox/bracket/filter_guard"}
+
+
+@pytest.mark.parametrize(("seed", "names"), [(0, ("wrong_unit",)), (3, tuple(FAULTS))])
+def test_steps_and_swings_know_the_faults(seed: int, names: tuple[str, ...]) -> None:
+    """A step is blocked if and only if it says so; `python bench/gearbox_judge.py` asks for each fault."""
+    assert not judge.wrong_steps(seed, [names])
+
+
+def test_what_a_fault_blocks() -> None:
+    """The step in whose way it is and all that need it; nothing else."""
+    truth = feeler.sample_truth("gearbox", LEAST + 4_000, faults=["no_way_out", "duplicate"])
+    blocked = {step.parts[0].removeprefix("gearbox/"): step.blocked_by for step in truth.steps if step.blocked_by}
+    assert set(blocked.values()) == {("no_way_out",)}
+    assert set(blocked) == {"oil_filter/bowl", "oil_filter/head", "oil_filter/gasket", "housing/rear_case"}
+    assert truth.way("gearbox/oil_filter/head")[-1].blocked_by == ("no_way_out",)
+    twice = truth.way("gearbox/housing/split_bolts/bolt_5_copy")[-1]
+    assert "gearbox/housing/split_bolts/bolt_5" in twice.parts and not twice.blocked_by
+    assert not any(step.blocked_by for step in drawn().truth.steps)
+    bolt = feeler.sample_truth("gearbox", LEAST + 4_000, faults=["blocked_bolt"]).faults[0].parts[0]
+    swings = feeler.sample_truth("gearbox", LEAST + 4_000, faults=["blocked_bolt"]).fasteners
+    assert {fastener.path for fastener in swings if fastener.swing_rad == 0.0} == {bolt}
+
+
+def test_the_judge_of_blocked_steps_sees_what_is_not_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without what the faults say of steps and swings."""
+    monkeypatch.setattr("feeler.samples.accessory.assembly.Assembly.block", lambda *_: None)
+    monkeypatch.setattr("feeler.samples.accessory.assembly.Assembly.swings", lambda *_: None)
+    wrong = judge.wrong_steps(0, [("no_way_out",)])
+    assert len(wrong) == 4 and "oil_filter/bowl is blocked" in wrong[0]
 
 
 def test_unknown_faults_and_other_samples() -> None:

@@ -101,6 +101,8 @@ class Step:
     door_open: bool
     rigid: bool
     removes: bool
+    blocked_by: list[str] = field(default_factory=list)
+    """Names of the faults that are in its own way."""
 
 
 @dataclass
@@ -227,6 +229,12 @@ class Assembly:
             if path in step.parts and step.removes:
                 step.after += after
 
+    def block(self, fault: str, path: str) -> None:
+        """A fault is in the way of the step that takes a part out."""
+        for step in self.steps:
+            if path in step.parts and step.removes:
+                step.blocked_by.append(fault)
+
     def wait_for_lines(self) -> None:
         """Fasteners and round covers whose way crosses a pipe or cable come out after it."""
         paths = [
@@ -267,6 +275,12 @@ class Assembly:
     ) -> None:
         """Names a fastener."""
         self.fasteners.append(Fastener(path, kind, tool, size, frame, list(holds), swing))
+
+    def swings(self, path: str, most: float) -> None:
+        """The tool of a fastener turns no farther than this, radians: a fault is in its way."""
+        for fastener in self.fasteners:
+            if fastener.path == path:
+                fastener.swing = min(fastener.swing, most)
 
     # --- what is made of them ---------------------------------------------------------------------------------------
 
@@ -323,12 +337,12 @@ def pull(axis: Vector, distance: float) -> Leg:
 
 def turn(axis: Vector, point: Vector, angle: float) -> Leg:
     """A turn about an axis."""
-    return Leg("turn", _unit(axis), 0.0, angle, (float(point[0]), float(point[1]), float(point[2])))
+    return Leg("turn", _unit(axis), 0.0, float(angle), (float(point[0]), float(point[1]), float(point[2])))
 
 
 def screw(axis: Vector, point: Vector, distance: float, pitch: float) -> Leg:
     """A right-handed thread: out by `distance` along `axis`, which points out of the hole."""
-    angle = 2.0 * np.pi * distance / pitch
+    angle = float(2.0 * np.pi * distance / pitch)
     return Leg("screw", _unit(axis), distance, angle, (float(point[0]), float(point[1]), float(point[2])))
 
 

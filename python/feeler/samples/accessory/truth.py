@@ -60,6 +60,10 @@ class Step:
     """False: the part has to be bent to come out (a circlip is spread); it has no legs."""
     removes: bool
     """False: the parts are only loosened; a later step takes them out."""
+    blocked_by: tuple[str, ...] = ()
+    """Names of the planted faults that block this step or one that it needs. Empty: the way is free as the legs say.
+
+    Otherwise the legs are the way without these faults, and the parts do not come out."""
 
 
 @dataclass(frozen=True)
@@ -78,9 +82,9 @@ class Fastener:
     axis: Vector
     """Outwards, from where the tool comes."""
     swing_rad: float
-    """A swing of the tool that is free: a full turn for sockets and keys. For an open-end wrench it is a lower bound of
-    the largest swing: the least of several seeds. A wrench is about nine flats long and loosens counter-clockwise; 60
-    degrees take it from flat to flat."""
+    """A swing of the tool that is free: a full turn for sockets and keys, 0 where a fault is in the tool's way. For an
+    open-end wrench it is a lower bound of the largest swing: the least of several seeds. A wrench is about nine flats
+    long and loosens counter-clockwise; 60 degrees take it from flat to flat."""
     holds: tuple[str, ...]
 
 
@@ -154,8 +158,8 @@ class Truth:
         return tuple(fastener.path for fastener in self.fasteners if path in fastener.holds)
 
     def way(self, path: str) -> tuple[Step, ...]:
-        """The steps, in order, that take a part out; empty for the beam, which carries all, and for parts that only a
-        fault adds. Raises OptionError for an unknown path.
+        """The steps, in order, that take a part out; empty for the beam, which carries all, and for parts that a fault
+        adds. The part comes out if `blocked_by` of the last step is empty. Raises OptionError for an unknown path.
         """
         self._known(path)
         last = next((step for step in self.steps if step.removes and path in step.parts), None)
