@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
+import numpy.typing as npt
 
 from ...errors import OptionError
 from ..mesh import Floats, Mesh, at
@@ -55,7 +56,7 @@ def _support(asm: Assembly, path: str, x: float, top: float) -> None:
     """A post on the rear rail."""
     low, high, foot = _rail(asm, "rear")
     box = ((x - 10.0, -high + 4.0), (x + 10.0, -high + 4.0), (x + 10.0, -low - 4.0), (x - 10.0, -low - 4.0))
-    asm.add(path, "green", extruded, box, 0.0, top - foot, pose=frame((0.0, foot, 0.0), Y, X))
+    asm.add(path, "painted steel", extruded, box, 0.0, top - foot, pose=frame((0.0, foot, 0.0), Y, X))
     asm.flush(path, "bracket/rear_rail")
 
 
@@ -110,7 +111,7 @@ def _no_way_out(asm: Assembly) -> Planted:
     corners = ((-half, -rear[1]), (half, -rear[1]), (half, -front[0]), (-half, -front[0]))
     pose = frame((FILTER_X, front[2], 0.0), Y, X)
     radius = 27.0 - NARROW_MM
-    asm.add(path, "green", plate, corners, 4.0, 2.0, ((0.0, -z, radius),), pose=pose)
+    asm.add(path, "painted steel", plate, corners, 4.0, 2.0, ((0.0, -z, radius),), pose=pose)
     asm.flush("bracket/front_rail", path, "bracket/rear_rail")
     asm.block("no_way_out", bowl)
     for pipe in ("fuel_pipe", "oil_pipe"):
@@ -192,11 +193,9 @@ def block_ring(asm: Assembly, path: str, meshes: dict[str, Mesh]) -> None:
             least, most = corners[:, :, 2].min(axis=1) + min(lift, 0.0), corners[:, :, 2].max(axis=1) + max(lift, 0.0)
             corners = corners[(least <= high) & (most >= low), :, :2]
             for leg in step.legs:  # what has been turned moves on as it is then
-                turn = leg.angle * leg.axis[2]
-                spun = np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
-                corners = (
-                    np.concatenate([corners, (corners - leg.point[:2]) @ spun + leg.point[:2]]) if turn else corners
-                )
+                angle = leg.angle * leg.axis[2]
+                spun = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+                corners = np.concatenate([corners, (corners - leg.point[:2]) @ spun + leg.point[:2]])
             if len(corners) and _meets_ring(corners - centre, *edges):
                 step.blocked_by.append("wrong_unit")
                 break
@@ -204,9 +203,9 @@ def block_ring(asm: Assembly, path: str, meshes: dict[str, Mesh]) -> None:
     round_tool = np.stack([np.cos(turn), np.sin(turn)], axis=1)
     for fastener in asm.fasteners:
         top, up = float(fastener.frame[2, 3]), float(fastener.frame[2, 2])
-        radius, reach = tool_room(fastener.tool, fastener.size)
+        room, reach = tool_room(fastener.tool, fastener.size)
         ends = sorted((top, top + up * reach))
-        tool = fastener.frame[:2, 3] + radius * round_tool - centre
+        tool = fastener.frame[:2, 3] + room * round_tool - centre
         if abs(up) > 0.5 and ends[0] < high and ends[1] > low and _meets_ring(tool[None], *edges):
             asm.swings(fastener.path, 0.0)
 
@@ -232,20 +231,18 @@ def _meets_ring(shapes: Floats, outer: Floats, inner: Floats) -> bool:
     It does if it meets the outer one and is not inside the inner one.
     """
 
-    def beyond(points: Floats, polygon: Floats) -> Floats:
-        """Of each side of polygons (..., k, 2), how far points (..., m, 2) are outside: (..., k, m)."""
+    def beyond(points: Floats, polygon: Floats) -> npt.NDArray[np.bool_]:
+        """Of each side of polygons (..., k, 2), which points (..., m, 2) are beyond it: (..., k, m)."""
         side = np.roll(polygon, -1, axis=-2) - polygon
         normal = np.stack([side[..., 1], -side[..., 0]], axis=-1)
-        return np.asarray(normal @ np.swapaxes(points, -1, -2) - (normal * polygon).sum(axis=-1)[..., None])
+        return np.asarray(normal @ np.swapaxes(points, -1, -2) > (normal * polygon).sum(axis=-1)[..., None])
 
     ahead = np.roll(shapes, -1, axis=1)
     area = (shapes[:, :, 0] * ahead[:, :, 1] - shapes[:, :, 1] * ahead[:, :, 0]).sum(axis=1)
     shapes = np.where(area[:, None, None] < 0.0, shapes[:, ::-1], shapes)
-    apart = (beyond(shapes, outer) > 0.0).all(axis=2).any(axis=1) | (beyond(outer, shapes) > 0.0).all(axis=2).any(
-        axis=1
-    )
-    out = (beyond(shapes, inner) > 0.0).any(axis=2).any(axis=1)
-    return bool((out & ~apart).any())
+    apart = [np.any(np.all(beyond(a, b), axis=2), axis=1) for a, b in ((shapes, outer), (outer, shapes))]
+    inside = ~beyond(shapes, inner).any(axis=(1, 2))
+    return not bool((apart[0] | apart[1] | inside).all())
 
 
 def _wrong_unit(asm: Assembly) -> Planted:

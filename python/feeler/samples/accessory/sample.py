@@ -221,7 +221,21 @@ def truth_of(asm: Assembly, meshes: dict[str, Mesh], seed: int) -> Truth:
         )
         for f in asm.fasteners
     )
-    joints = tuple(Joint(j.name, j.kind, many(j.parts), j.axis, _metres(j.point), j.low, j.high) for j in asm.joints)
+    joints = tuple(
+        Joint(
+            j.name,
+            "revolute" if j.limits else "continuous",
+            many(j.parts),
+            j.axis,
+            _metres(j.point),
+            j.limits[0] if j.limits else None,
+            j.limits[1] if j.limits else None,
+            j.follows,
+            j.ratio,
+            tuple(j.needs),
+        )
+        for j in asm.joints
+    )
     fits = tuple(Fit(full(f.a), full(f.b), f.kind, f.play * MM, f.deepest * MM, f.flush) for f in asm.fits.values())
     faults = tuple(Fault(f.name, many(f.parts), f.expects, f.value, f.says) for f in asm.planted)
     return Truth(seed, asm.cut.chord * MM, tuple(bodies), fits, tuple(steps), fasteners, joints, faults)
