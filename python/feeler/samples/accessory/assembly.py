@@ -22,6 +22,8 @@ Vector = Sequence[float] | Floats
 FLUSH = "line to line"
 ROUNDING_MM = 2.0 * float(np.sqrt(3.0)) / 2.0 * VERTEX_GRID_M * 1e3
 """By how much two parts may be deeper in each other because their corners are rounded to the vertex grid."""
+WIDER_MM = 0.02
+"""By how much the radius of a hole is at most above the nominal one that its fit is named for."""
 SOCKET_MM = 62.0
 """How far a socket and the head below it reach: longer, and fasteners wait for pipes that are beyond the tool."""
 
@@ -196,7 +198,8 @@ class Assembly:
         A pair has one entry: a second fit makes its play and depth those of both, and must be of the same kind.
         """
         play += self.cut.ease if radius else 0.0
-        deepest = max(0.0, (self.cut.sag(radius) if radius else 0.0) + chords + ROUNDING_MM - play)
+        sag = self.cut.sag(radius) * (1.0 + WIDER_MM / radius) if radius else 0.0
+        deepest = max(0.0, sag + chords + ROUNDING_MM - play)
         pair = (a, b) if a < b else (b, a)
         known = self.fits.get(pair)
         if known is None or known.kind == FLUSH:
