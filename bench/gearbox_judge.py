@@ -22,12 +22,14 @@ import numpy as np
 import numpy.typing as npt
 from mesh_contacts import self_contacts
 
-from feeler.samples.accessory import FAULTS, Fastener, Fault, Fit, Leg, Step, Truth
+from feeler.samples.accessory import FAULTS, Fastener, Fault, Fit, Joint, Leg, Step, Truth
 from feeler.samples.accessory.assembly import Assembly, Part
 from feeler.samples.accessory.build import build
-from feeler.samples.accessory.sample import ROOT, placed_mesh, placed_meshes, truth_of, volume
+from feeler.samples.accessory.faults import plant
+from feeler.samples.accessory.sample import ROOT, placed_mesh, placed_meshes, truth_of
 from feeler.samples.accessory.sample import Drawn as SampleDrawn
 from feeler.samples.accessory.solid import Cut
+from feeler.samples.accessory.truth import STOP_RAD
 from feeler.samples.mesh import Mesh
 
 manifold3d = import_module("manifold3d")  # an extra, without type information
@@ -36,6 +38,8 @@ Floats = npt.NDArray[np.float64]
 
 GRID_M = 1e-6
 """Vertices are rounded to half a micrometre: surfaces are no better known than this."""
+NOISE_M = 1e-9
+"""Depths are measured with double precision by two libraries: they are no better than this."""
 LEAST_GAP_M = 2e-4
 SIZES = (40_000, 200_000)
 STEP_M = 2.5e-3
@@ -56,8 +60,12 @@ RULE_M = 5e-3
 """The clearance of pipes that the fault `too_near` breaks."""
 
 
+PLANTS = (*((name,) for name in FAULTS), ("pipe_clash", "too_near", "no_way_out"), tuple(FAULTS))
+"""Faults that are planted together when steps are judged."""
 WRENCH_REACH = 9.0
 """Length of an open-end wrench, in flats."""
+TOOTH = float(2.0 * np.pi / 44.0)
+"""About the pitch of the main shaft's gear, radians."""
 SWING_STEP = float(np.deg2rad(5.0))
 
 
@@ -76,13 +84,14 @@ def of_sample(triangles: int, seed: int = 0, faults: Iterable[str] = ()) -> Draw
 
 
 def _with_truth(asm: Assembly, placed: list[tuple[Part, Mesh]], seed: int) -> Drawn:
-    truth = truth_of(asm, {part.path: volume(mesh) for part, mesh in placed}, seed)
+    truth = truth_of(asm, {part.path: mesh for part, mesh in placed}, seed)
     return Drawn({f"{ROOT}/{part.path}": mesh for part, mesh in placed}, truth)
 
 
-def eased(seed: int, chord_mm: float = 0.1) -> Drawn:
+def eased(seed: int, chord_mm: float = 0.1, faults: Iterable[str] = ()) -> Drawn:
     """The gearbox with wider holes."""
     asm = build(Cut(chord_mm, EASE_MM), seed)
+    asm.planted = plant(asm, tuple(faults))
     return _with_truth(asm, placed_meshes(asm), seed)
 
 
@@ -182,7 +191,7 @@ class Fits:
 
     def __init__(self, seed: int = 0, chord_mm: float = FINE_MM) -> None:
         self.asm, self.chord = build(Cut(chord_mm), seed), chord_mm * 1e-3
-        self.truth = truth_of(self.asm, dict.fromkeys(self.asm.parts, 0.0), seed)
+        self.truth = truth_of(self.asm, {}, seed)
         self._meshes: dict[str, Mesh] = {}
 
     def mesh(self, path: str) -> Mesh:
@@ -261,6 +270,11 @@ def leg_pose(leg: Leg, share: float) -> Floats:
     return pose
 
 
+def joint_pose(joint: Joint, angle: float) -> Floats:
+    """What a joint at an angle has moved its parts by, (4, 4)."""
+    return leg_pose(Leg("turn", joint.axis, joint.point_m, 0.0, angle), 1.0)
+
+
 def shares(leg: Leg, reach: float) -> list[float]:
     """At which shares of a leg it is sampled; `reach`: how far its parts are from the axis."""
     length = max(leg.distance_m, min(abs(leg.angle_rad) * reach, 0.4))
@@ -280,12 +294,15 @@ class Ways:
         self.corners = dict(zip(drawn.meshes, np.where(pick[None], high[:, None], low[:, None]), strict=True))
         self.kinds = {frozenset((fit.a, fit.b)) for fit in drawn.truth.fits}
         self.threads = {frozenset((fit.a, fit.b)) for fit in drawn.truth.fits if "thread" in fit.kind}
-        door = next(joint for joint in self.truth.joints if joint.name == "door")
-        self.door = frozenset(door.parts)
-        self.opened = leg_pose(Leg("turn", door.axis, door.point_m, 0.0, door.high), 1.0)
+        self.joints = {joint.name: joint for joint in self.truth.joints}
+        self.door = frozenset(self.joints["door"].parts)
+        self.opened = joint_pose(self.joints["door"], self.joints["door"].high or 0.0)
 
-    def blocked(self, step: Step) -> dict[tuple[str, str], tuple[int, float]]:
-        """Collisions of a step, by (moving part, other part): the number of the leg, and the fraction of it."""
+    def blocked(self, step: Step, against: Iterable[str] = ()) -> dict[tuple[str, str], tuple[int, float]]:
+        """Collisions of a step, by (moving part, other part): the number of the leg, and the fraction of it.
+
+        `against`: the other parts to check, where not all.
+        """
         out, pose = set[str](), dict[str, Floats]()
         for earlier in self.truth.needed(step):
             if earlier.removes:
@@ -294,7 +311,9 @@ class Ways:
                 for path in earlier.parts:
                     pose[path] = leg_pose(leg, 1.0) @ pose.get(path, np.eye(4))
         moving = [path for path in step.parts if path not in out]
-        others = [path for path in self.models if path not in out and path not in step.parts]
+        others = [path for path in set(against) or self.models if path not in out and path not in step.parts]
+        if not others:
+            return {}
         places = [pose.get(path, np.eye(4)) for path in others]
         if step.door_open:
             places = [self.opened @ p if path in self.door else p for path, p in zip(others, places, strict=True)]
@@ -317,16 +336,65 @@ class Ways:
             base = leg_pose(leg, 1.0) @ base
         return found
 
+    def latched(self, joint: Joint, path: str) -> Floats:
+        """Where a part is when a joint may move, (4, 4): what it needs is at its limit."""
+        needed = (self.joints[name] for name in joint.needs)
+        return next((joint_pose(j, j.high or 0.0) for j in needed if path in j.parts), np.eye(4))
+
+    def stopped_at(self, joint: Joint, angle: float) -> list[tuple[str, str]]:
+        """Collisions with a joint at an angle, what it needs at its limit, and what follows it turned with it."""
+        poses: dict[str, Floats] = {}
+        turned = {joint.name: angle}
+        for path in (path for name in joint.needs for path in self.joints[name].parts):
+            poses[path] = self.latched(joint, path)
+        moving: dict[str, str] = {}
+        while turned:
+            name, here = turned.popitem()
+            turned |= {j.name: here * j.ratio for j in self.joints.values() if j.follows == name}
+            moving |= dict.fromkeys(self.joints[name].parts, name)
+            pose = joint_pose(self.joints[name], here)
+            poses |= {path: pose @ poses.get(path, np.eye(4)) for path in self.joints[name].parts}
+        others = list(self.models)
+        places = [poses.get(path, np.eye(4)) for path in others]
+        boxes = np.stack([_moved(self.corners[path], place) for path, place in zip(others, places, strict=True)])
+        low, high = boxes.min(axis=1), boxes.max(axis=1)
+        found = []
+        for path, name in moving.items():
+            box = _moved(self.corners[path], poses[path])
+            for k in np.flatnonzero(((low <= box.max(axis=0)) & (high >= box.min(axis=0))).all(axis=1)).tolist():
+                apart = moving.get(others[k]) != name
+                if apart and self._meet(path, poses[path], others[k], places[k]):
+                    found.append((path, others[k]))
+        return found
+
+    def wrong_joints(self, joints: Iterable[Joint] = (), each: int = 17) -> list[str]:
+        """Joints that meet something within their limits, or no stop just beyond them; as messages.
+
+        A train of gears through two teeth, and a turn. `joints`: where not all that follow none; `each`: angles of one.
+        """
+        out = []
+        for joint in joints or [joint for joint in self.truth.joints if not joint.follows]:
+            stops: list[tuple[str, float]] = []
+            if joint.low is None or joint.high is None:
+                angles = [*np.linspace(0.0, 2.0 * TOOTH, each), *np.linspace(1.0, -5.3, each // 2)]
+            else:
+                angles = list(np.linspace(joint.low + 1e-3, joint.high - 1e-3, each))
+                stops = [("below", joint.low - STOP_RAD), ("above", joint.high + STOP_RAD)]
+            for angle in angles:
+                if found := self.stopped_at(joint, float(angle)):
+                    out.append(f"{joint.name} at {angle:.3f} meets {found}")
+            for side, angle in stops:
+                if not self.stopped_at(joint, angle):
+                    out.append(f"{joint.name} has no stop {side} its limits")
+        return out
+
     def _meet(self, a: str, a_pose: Floats, b: str, b_pose: Floats) -> bool:
         result = coal.CollisionResult()
         if not coal.collide(self.models[a], _at(a_pose), self.models[b], _at(b_pose), coal.CollisionRequest(), result):
             return False
         if frozenset((a, b)) not in self.kinds:
             return True
-        shared = [
-            manifold(Mesh(_moved(self.drawn.meshes[p].vertices, at), self.drawn.meshes[p].faces))
-            for p, at in ((a, a_pose), (b, b_pose))
-        ]
+        shared = [manifold(moved_mesh(self.drawn.meshes[p], at)) for p, at in ((a, a_pose), (b, b_pose))]
         return bool((shared[0] ^ shared[1]).volume() > FLUSH_MM3)
 
     def superfluous(self, step: Step) -> list[str]:
@@ -365,9 +433,13 @@ class Ways:
 
     def stopped(self, fastener: Fastener, step: Step) -> bool:
         """Whether the tool of a fastener does not turn as far as the truth says, after what a step needs is out."""
+        return self.turns(fastener, step) < fastener.swing_rad
+
+    def turns(self, fastener: Fastener, step: Step | None = None) -> float:
+        """How far the tool of a fastener turns, radians: a socket or key in full or not at all."""
         if fastener.tool == "open-end wrench":
-            return self.swing(fastener, step) < fastener.swing_rad
-        return bool(self.in_the_way(fastener, step))
+            return self.swing(fastener, step)
+        return 0.0 if self.in_the_way(fastener, step) else 2.0 * np.pi
 
     def in_the_way(self, fastener: Fastener, step: Step | None = None) -> list[str]:
         """Parts that a socket or a hexagon key on a fastener meets in its full turn, after what goes before is out."""
@@ -456,6 +528,11 @@ def tool_of(fastener: Fastener) -> tuple[float, float]:
     return fastener.size_m * 0.64 + 0.7e-3, 55e-3
 
 
+def moved_mesh(mesh: Mesh, pose: Floats) -> Mesh:
+    """A mesh at a pose."""
+    return Mesh(_moved(mesh.vertices, pose), mesh.faces)
+
+
 def _moved(points: Floats, pose: Floats) -> Floats:
     return np.asarray(points @ pose[:3, :3].T + pose[:3, 3])
 
@@ -478,7 +555,7 @@ def too_deep(drawn: Drawn, every: int = 1) -> list[str]:
     for a, b in [pair for pair in shared if frozenset(pair) in named][::every]:
         fit = named[frozenset((a, b))]
         deep = depth(drawn.meshes[a], drawn.meshes[b])
-        if deep > fit.deepest_m + GRID_M:
+        if deep > fit.deepest_m + NOISE_M:
             wrong.append(f"{a} and {b} ({fit.kind}) are {deep * 1e6:.1f} um deep, not {fit.deepest_m * 1e6:.1f}")
     return wrong
 
@@ -494,11 +571,40 @@ def unplanned(faulty: Drawn, clean: Drawn) -> list[str]:
     named = {frozenset((fit.a, fit.b)) for fit in faulty.truth.fits}
     named |= {frozenset(fault.parts) for fault in faulty.truth.faults if len(fault.parts) == 2}
     wild = {fault.parts[0] for fault in faulty.truth.faults if fault.expects == "unit"}
-    changed = [p for p, mesh in faulty.meshes.items() if p not in clean.meshes or not _same(mesh, clean.meshes[p])]
     out = []
-    for (a, b), gap in gaps(faulty, LEAST_GAP_M, changed).items():
+    for (a, b), gap in gaps(faulty, LEAST_GAP_M, changed(faulty, clean)).items():
         if gap < LEAST_GAP_M and frozenset((a, b)) not in named and not wild & {a, b}:
             out.append(f"{a} and {b} come near without a fit")
+    return out
+
+
+def changed(faulty: Drawn, clean: Drawn) -> set[str]:
+    """Parts that the planted faults add or change."""
+    return {p for p, mesh in faulty.meshes.items() if p not in clean.meshes or not _same(mesh, clean.meshes[p])}
+
+
+def wrong_steps(seed: int, plants: Iterable[tuple[str, ...]] = PLANTS) -> list[str]:
+    """What steps and swings say of planted faults and is not so; as messages.
+
+    A step that says that a fault blocks it is blocked, or needs one that is; all others are free of what the faults add
+    or change. Tools turn as far as the fasteners say, and not in full where they say 0.
+    """
+    clean, out = eased(seed), []
+    for names in plants:
+        ways = Ways(eased(seed, faults=names))
+        new = changed(ways.drawn, clean)
+        for step in [step for step in ways.truth.steps if step.rigid]:
+            found = ways.blocked(step, () if new & set(step.parts) else new)
+            if found and not step.blocked_by:
+                out.append(f"faults {names}: {step.parts[0]} is blocked by {found}")
+            elif step.blocked_by and not found and not any(s.blocked_by for s in ways.truth.needed(step)):
+                out.append(f"faults {names}: nothing blocks {step.parts[0]}")
+        for fastener in ways.truth.fasteners:
+            free = ways.turns(fastener)
+            stuck = next(step for step in ways.truth.steps if fastener.path in step.parts).blocked_by
+            if free < fastener.swing_rad or (fastener.swing_rad == 0.0 and free == 2.0 * np.pi and not stuck):
+                said = f"{np.rad2deg(free):.0f}, not {np.rad2deg(fastener.swing_rad):.0f} degrees"
+                out.append(f"faults {names}: the tool on {fastener.path} swings {said}")
     return out
 
 
@@ -572,8 +678,9 @@ def main(seeds: list[int]) -> int:
             print(f"seed {seed}, {triangles} triangles: {len(least)} others keep {gap * 1e3:.3f} mm: {pair}")
             wrong += too_deep(drawn) + touching(triangles, seed)
             wrong += [f"{pair} is nearer than {LEAST_GAP_M}"] if gap < LEAST_GAP_M else []
-        wrong += Fits(seed).wrong(most=MOST) + wrong_faults(seed)
+        wrong += Fits(seed).wrong(most=MOST) + wrong_faults(seed) + wrong_steps(seed)
         ways = Ways(eased(seed))
+        wrong += ways.wrong_joints()
         for step in ways.truth.steps:
             if step.rigid and (found := ways.blocked(step)):
                 wrong.append(f"{step.parts[0]} is blocked by {found}")

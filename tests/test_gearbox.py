@@ -15,7 +15,6 @@ import pytest
 
 import feeler
 from feeler.samples import FAULTS
-from feeler.samples.accessory import Leg, Step
 from feeler.samples.accessory.polygon import triangulated
 from feeler.samples.accessory.solid import Cut, Solid
 
@@ -86,7 +85,7 @@ def test_plays_and_presses_are_drawn_as_named() -> None:
 
 def test_the_judge_of_plays_sees_what_is_not_drawn() -> None:
     fits = judge.Fits()
-    kinds = {"spline": -20e-6, "gear mesh": 20e-6, "H7/g6": -5e-6, "H7/p6": 5e-6, "clearance": 50e-6}
+    kinds = {"spline": -20e-6, "gear mesh": 20e-6, "H7/g6": -5e-6, "H7/p6": -8e-6, "clearance": 50e-6}
     named = sorted((fit for fit in fits.truth.fits if fit.kind in kinds), key=fits.size, reverse=True)
     wrong = {}
     for fit in named:
@@ -207,6 +206,25 @@ def test_fasteners_hold_and_have_tools() -> None:
         assert height.max() < (0.03 if "sensor" in fastener.path else 1e-5)  # nothing of it is above its top
 
 
+def test_each_fastener_holds_something() -> None:
+    """A sensor holds itself by its thread, an elbow is held by the screw of its clamp, a pipe by that of its clip."""
+    truth = drawn().truth
+    assert all(fastener.holds for fastener in truth.fasteners)
+    for path, holder in (
+        ("harness/main_sensor", "harness/main_sensor"),
+        ("lines/fuel_pipe/adapter_2", "lines/fuel_pipe/clamp_screw"),
+        ("lines/oil_pipe/pipe", "lines/oil_pipe/clip_bolt"),
+    ):
+        assert f"gearbox/{holder}" in truth.holds(f"gearbox/{path}")
+
+
+def test_fittings_are_bored() -> None:
+    """The bore of a pipe goes on through the fittings at both ends: one hole runs through each."""
+    meshes = judge.of_sample(100_000).meshes
+    for name in ("adapter_1", "adapter_2", "pipe"):
+        assert judge.manifold(meshes[f"gearbox/lines/fuel_pipe/{name}"]).genus() == 1
+
+
 def test_tools_reach_the_fasteners() -> None:
     """Sockets and keys turn in full, wrenches as far as the truth says; but for the bolt that a fault covers."""
     judged = ways()
@@ -233,23 +251,95 @@ def test_masses() -> None:
     assert ball == pytest.approx(7850.0 * np.pi / 6.0 * 7.938e-3**3, rel=0.05)
 
 
-def test_the_door_opens_and_the_latch_turns() -> None:
-    """Free through its whole swing but for what moves with it, the latch turned first."""
+def test_joints_turn_within_their_limits_and_stop_beyond() -> None:
+    """Each with all that moves along, past all others; trains of gears through two teeth and a turn."""
     truth = ways().truth
-    door = next(joint for joint in truth.joints if joint.name == "door")
-    latch = next(step for step in truth.steps if step.parts == ("gearbox/door/latch",) and not step.removes)
-    assert not ways().blocked(latch)
-    swing = Leg("turn", door.axis, door.point_m, 0.0, door.high)
-    step = Step(door.parts, (swing,), ("gearbox/door/latch",), False, True, True)
-    opening = dataclasses.replace(truth, steps=(latch, step))
-    judged = judge.Ways(judge.Drawn(ways().drawn.meshes, opening))
-    assert {pair[1] for pair in judged.blocked(step)} <= {f"gearbox/door/pin_{k}" for k in (1, 2)}
+    assert [joint.name for joint in truth.joints if not joint.follows] == ["main_shaft", "filter_bowl", "door", "latch"]
+    assert {joint.kind for joint in truth.joints if joint.low is None} == {"continuous"}
+    assert not ways().wrong_joints(each=5)
+
+
+def test_shafts_turn_by_the_ratios_of_their_teeth() -> None:
+    """Gears of 36, 44, 28, 34 and 26 teeth, a bevel pair of 30 and 20; cages turn less than half as far."""
+    joints = {joint.name: joint for joint in ways().truth.joints}
+    ratios = {
+        ("starter_shaft", "main_shaft"): -44 / 36,
+        ("idler_shaft", "main_shaft"): -44 / 28,
+        ("fuel_pump_shaft", "idler_shaft"): -28 / 34,
+        ("breather_shaft", "fuel_pump_shaft"): -34 / 26,
+        ("pinion_shaft", "main_shaft"): 30 / 20,
+    }
+    for (driven, driver), ratio in ratios.items():
+        assert joints[driven].follows == driver and joints[driven].ratio == pytest.approx(ratio)
+    cages = [joint for joint in joints.values() if "/" in joint.name]
+    assert len(cages) == 12 and all(0.3 < joint.ratio < 0.5 for joint in cages)
+    assert "gearbox/starter/drive_shaft" in joints["starter_shaft"].parts
+
+
+def test_the_judge_of_joints_sees_what_is_wrong(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A shaft that turns the other way, a gear that stays, limits before or beyond the stops, a latched door."""
+    joints = {joint.name: joint for joint in ways().truth.joints}
+    pinion, door = joints["pinion_shaft"], joints["door"]
+    gear = tuple(path for path in joints["idler_shaft"].parts if not path.endswith("spur_gear"))
+    wrong = [
+        ("main_shaft", dataclasses.replace(pinion, ratio=-1.5), 0.1),
+        ("main_shaft", dataclasses.replace(joints["idler_shaft"], parts=gear), 0.1),
+        ("door", dataclasses.replace(door, needs=()), 0.1),
+    ]
+    for name, joint, angle in wrong:
+        assert not ways().stopped_at(joints[name], angle)
+        with monkeypatch.context() as patch:
+            patch.setitem(ways().joints, joint.name, joint)
+            assert ways().stopped_at(ways().joints[name], angle), joint.name
+    for low, high, said in ((0.0, 1.9, "no stop above"), (-0.1, door.high, "meets")):
+        found = ways().wrong_joints([dataclasses.replace(door, low=low, high=high)], each=3)
+        assert found and said in found[0]
+
+
+@pytest.mark.parametrize("name", ["filter_bowl", "door", "latch"])
+def test_a_cast_ends_at_the_stop(name: str) -> None:
+    """By feeler's casts along a screw: free from limit to limit, and an impact beyond both."""
+    judged = ways()
+    joint = judged.joints[name]
+    fits = {path for fit in judged.truth.fits for path in (fit.a, fit.b) if {fit.a, fit.b} & set(joint.parts)}
+    meshes = {path: judge.moved_mesh(mesh, judged.latched(joint, path)) for path, mesh in judged.drawn.meshes.items()}
+    moving = feeler.Mockup({p: mesh for p, mesh in meshes.items() if p in joint.parts})
+    stops = {"gearbox/oil_filter/head"}
+    others = {p: mesh for p, mesh in meshes.items() if p not in joint.parts and p not in fits - stops}
+    scene = feeler.Scene(feeler.Mockup(others))
+    tool = feeler.Tool(moving.vertices, moving.faces)
+    low, high = joint.low + 1e-3, joint.high - 1e-3
+    start = judge.joint_pose(joint, low)
+    assert scene.cast(tool, start, screw=feeler.Screw(joint.axis, joint.point_m, high - low)) is None
+    for begin, way in ((low, -1e-3 - judge.STOP_RAD), (high, 1e-3 + judge.STOP_RAD)):
+        screw = feeler.Screw(joint.axis, joint.point_m, way)
+        assert scene.cast(tool, judge.joint_pose(joint, begin), screw=screw) is not None
 
 
 def test_the_page_has_the_fits(root: Path) -> None:
     """`python tools/gearbox_docs.py` keeps the table of docs/samples.md."""
     done = subprocess.run([sys.executable, root / "tools" / "gearbox_docs.py", "--check"], check=False)
     assert done.returncode == 0, "run python tools/gearbox_docs.py"
+
+
+def plain(value: Any) -> bool:
+    """Whether all of it is of Python's own types: no subclass of float either."""
+    if isinstance(value, (list, tuple)):
+        return all(map(plain, value))
+    return (
+        all(map(plain, value.values()))
+        if isinstance(value, dict)
+        else type(value) in (str, int, float, bool, type(None))
+    )
+
+
+@pytest.mark.parametrize("faults", [(), tuple(FAULTS)])
+def test_truth_is_of_plain_numbers(faults: tuple[str, ...]) -> None:
+    """JSON gives back the same ones, and has no NaN or Infinity."""
+    held = dataclasses.asdict(judge.of_sample(LEAST + 4_000, 0, faults).truth)
+    assert plain(held)
+    text = json.dumps(held, allow_nan=False)
+    assert json.dumps(json.loads(text)) == text
 
 
 def test_truth_as_json() -> None:
@@ -361,6 +451,35 @@ def test_the_bowl_that_does_not_come_out() -> None:
     )
     found = judge.Ways(guarded).blocked(ways().truth.way("gearbox/oil_filter/bowl")[-1])
     assert {pair[1] for pair in found} == {"gearbox/bracket/filter_guard"}
+
+
+@pytest.mark.parametrize(("seed", "names"), [(0, ("wrong_unit",)), (3, tuple(FAULTS))])
+def test_steps_and_swings_know_the_faults(seed: int, names: tuple[str, ...]) -> None:
+    """A step is blocked if and only if it says so; `python bench/gearbox_judge.py` asks for each fault."""
+    assert not judge.wrong_steps(seed, [names])
+
+
+def test_what_a_fault_blocks() -> None:
+    """The step in whose way it is and all that need it; nothing else."""
+    truth = feeler.sample_truth("gearbox", LEAST + 4_000, faults=["no_way_out", "duplicate"])
+    blocked = {step.parts[0].removeprefix("gearbox/"): step.blocked_by for step in truth.steps if step.blocked_by}
+    assert set(blocked.values()) == {("no_way_out",)}
+    assert set(blocked) == {"oil_filter/bowl", "oil_filter/head", "oil_filter/gasket", "housing/rear_case"}
+    assert truth.way("gearbox/oil_filter/head")[-1].blocked_by == ("no_way_out",)
+    twice = truth.way("gearbox/housing/split_bolts/bolt_5_copy")[-1]
+    assert "gearbox/housing/split_bolts/bolt_5" in twice.parts and not twice.blocked_by
+    assert not any(step.blocked_by for step in drawn().truth.steps)
+    bolt = feeler.sample_truth("gearbox", LEAST + 4_000, faults=["blocked_bolt"]).faults[0].parts[0]
+    swings = feeler.sample_truth("gearbox", LEAST + 4_000, faults=["blocked_bolt"]).fasteners
+    assert {fastener.path for fastener in swings if fastener.swing_rad == 0.0} == {bolt}
+
+
+def test_the_judge_of_blocked_steps_sees_what_is_not_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without what the faults say of steps and swings."""
+    monkeypatch.setattr("feeler.samples.accessory.assembly.Assembly.block", lambda *_: None)
+    monkeypatch.setattr("feeler.samples.accessory.assembly.Assembly.swings", lambda *_: None)
+    wrong = judge.wrong_steps(0, [("no_way_out",)])
+    assert len(wrong) == 4 and "oil_filter/bowl is blocked" in wrong[0]
 
 
 def test_unknown_faults_and_other_samples() -> None:

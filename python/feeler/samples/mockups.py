@@ -48,7 +48,8 @@ def sample(
     other teeth and places. `faults`: planted in the gearbox, by the names in `feeler.samples.FAULTS`.
     `progress(fraction, stage)` is called now and then.
 
-    Metres, right-handed, the engine's axis along z, front at z = 0, gearbox towards -y. Parts are closed shells facing
+    Metres, right-handed, the engine's axis along z, front at z = 0, gearbox towards -y. The sample "gearbox" stands by
+    itself: its shafts along z, the front case towards -z, and y up, as `source.up` says. Parts are closed shells facing
     outwards; a part may be several shells, and parts may overlap a little where real ones are welded or pressed
     together. The same arguments give the same bytes. Every coordinate is exact in single precision, so STL and GLB keep
     it. Time is about linear: 1.6 million triangles take a second or two, 10 million a few.
@@ -67,7 +68,12 @@ def sample(
         parts.part_of_face,
         parts.part_names,
         part_paths=parts.part_paths,
-        source=Source(format="sample", unit_source="samples are metres", notes=(f"{name}, seed {seed}",)),
+        source=Source(
+            format="sample",
+            unit_source="samples are metres",
+            notes=(f"{name}, seed {seed}",),
+            up="y" if name == GEARBOX else None,
+        ),
     )
     mockup.part_colours = parts.colours
     if progress:

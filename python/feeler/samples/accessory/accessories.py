@@ -9,7 +9,7 @@ from . import standard, train
 from .assembly import pull, screw, turn
 from .bodies import GASKET_ROOM, Blind, flanged, gasket, outline_of
 from .design import AWAY, OUT, RING, RING_DEPTH, SQUEEZE, TRAIN, Workshop, X, Y, frame, ring_radius
-from .fits import CIRCLIPS, METRIC, deviation, play
+from .fits import BEARINGS, CIRCLIPS, METRIC, deviation, play
 from .housing import SideHole, opening, tapped
 from .layout import (
     APEX_Z,
@@ -177,6 +177,9 @@ def input_drive(shop: Workshop) -> None:
     for k, (x, y) in enumerate(INPUT_BOLTS):
         bolts += shop.bolt(group, f"bolt_{k + 1}", 6, pose @ at(x, y, 9.0), [cartridge, seal], rear, 9.0 + GASKET, 8.0)
     asm.step([*unit, sleeve, clip, lip], pull(Y, AWAY), after=bolts)
+    rings = {f"{group}/{name}_bearing": BEARINGS["6203"] for name in ("lower", "upper")}
+    asm.bear("pinion_shaft", [shaft, sleeve, clip], Y, (0.0, 0.0, APEX_Z), rings)
+    asm.drive("main_shaft", "pinion_shaft", BEVEL_TEETH[0] / BEVEL_TEETH[1])
     asm.step(seal, pull(Y, AWAY), after=[cartridge])
     asm.fit(f"{TRAIN}main_shaft/bevel_wheel", shaft, "gear mesh", train.bevel_play(*BEVEL_TEETH, MODULE, BEVEL_WIDTH))
 
@@ -267,7 +270,7 @@ def fuel_pump(shop: Workshop) -> Floats:
     screws = [(13.2 * np.cos(a), 13.2 * np.sin(a)) for a in np.arange(5) * (2.0 * np.pi / 5.0) + 0.4]
     blinds = tuple((float(x), float(y), tapped(cut, 4, 8.0)) for x, y in screws)
     up = ((19.2, 10.0), (18.4, 11.0), (18.4, 22.0), (17.0, 23.0), (17.0, 26.0), (18.4, 27.0), (18.4, 45.0))
-    body = accessory(shop, s, REAR, group, "paint", up, blinds, studs=True)
+    body = accessory(shop, s, REAR, group, "painted aluminium", up, blinds, studs=True)
     face = shop.pad(s, REAR) @ at(z=GASKET + 45.0)
     holes = tuple((float(x), float(y), METRIC[4].through / 2.0 + cut.ease) for x, y in screws)
     cover = asm.add(
@@ -311,7 +314,9 @@ def starter(shop: Workshop) -> None:
         z = 26.0 + 6.0 * k
         up += [(19.0, z), (19.0, z + 3.0), (21.5, z + 3.5), (21.5, z + 5.0)]
     up += [(21.5, 78.0), (19.5, 80.0)]
-    body = accessory(shop, s, REAR, "starter", "black", tuple(up), ((0.0, 0.0, tapped(shop.cut, 8, 14.0)),), studs=True)
+    body = accessory(
+        shop, s, REAR, "starter", "black aluminium", tuple(up), ((0.0, 0.0, tapped(shop.cut, 8, 14.0)),), studs=True
+    )
     face = shop.pad(s, REAR) @ at(z=GASKET + 80.0)
     m = METRIC[8]
     stud = asm.add("starter/terminal_stud", "copper", standard.stud, 8, -12.0, 14.0, pose=face, spin=True)
@@ -345,7 +350,7 @@ def generator(shop: Workshop) -> Floats:
         (7.0, 56.0),
         (7.0, 66.0),
     )
-    accessory(shop, s, FRONT, "generator", "paint", up, studs=False)
+    accessory(shop, s, FRONT, "generator", "painted aluminium", up, studs=False)
     return shop.pad(s, FRONT) @ at(z=GASKET + 66.0)
 
 
@@ -353,17 +358,23 @@ def generator(shop: Workshop) -> Floats:
 
 LIP, GROOVE, THROAT = 19.0, 23.0, 17.6
 """Radii of the bayonet's mouth, of the groove behind it, and of the bore for the bowl's neck."""
-BAYONET = np.deg2rad(60.0)
+BAYONET, SLOT, LUG = np.deg2rad(60.0), np.deg2rad(54.0), np.deg2rad(44.0)
+"""Of the bayonet: the angle of its turn, and the widths of its slots and lugs."""
+BAYONET_STOPS, STOP = (np.deg2rad(6.0), np.deg2rad(1.0)), 3.2
+"""How far a lug turns beyond the middle of its slot, and beyond its place; height of the stops."""
 
 
-def lobes(cut: Cut, small: float, large: float, width: float, start: float) -> Floats:
-    """A circle (n, 2) with three lobes of a larger radius; the first one's middle is at `start`."""
+def lobes(cut: Cut, small: float, large: float, width: float, start: float, least: int = 3) -> Floats:
+    """A circle (n, 2) with three lobes of a larger radius; the first one's middle is at `start`.
+
+    `least`: pieces of the arc of a lobe.
+    """
     out = []
     for k in range(3):
         middle = start + k * 2.0 * np.pi / 3.0
-        wide = np.linspace(-width / 2.0, width / 2.0, cut.arc(large, width, 3) + 1)
+        wide = np.linspace(-width / 2.0, width / 2.0, cut.arc(large, width, least) + 1)
         rest = 2.0 * np.pi / 3.0 - width
-        plain = np.linspace(width / 2.0, width / 2.0 + rest, cut.arc(small, rest, 4) + 1)
+        plain = np.linspace(width / 2.0, width / 2.0 + rest, cut.arc(small, rest, 4 if rest > width else 1) + 1)
         for radius, angle in ((large, wide), (small, plain)):
             out.append(radius * np.stack([np.cos(middle + angle), np.sin(middle + angle)], axis=1))
     return np.concatenate(out)
@@ -390,8 +401,11 @@ def filter_head(cut: Cut) -> Solid:
     ports = [solid.turned([(r, 14.0 - d) for r, d in rows], cut.circle(rows[0][0]), at(x, y))[0] for x, y, rows in pits]
     neck = cut.sharp([(29.0, 14.0), (28.0, 15.5), (28.0, 44.0), (27.0, 45.0)])
     foot, rim = solid.turned(neck, cut.circle(29.0))
-    mouth, behind = solid.outline(lobes(cut, LIP, GROOVE - 1.2, np.deg2rad(54.0), 0.0), (45.0, 40.0))
-    groove, ledge = solid.turned([(GROOVE, 40.0), (GROOVE, 31.0)], cut.arc(GROOVE, 2.0 * np.pi, 12))
+    mouth, behind = solid.outline(lobes(cut, LIP, GROOVE - 1.2, SLOT, 0.0), (45.0, 40.0))
+    # behind each slot of the mouth a pocket leads on to where the lug is locked; its ends are the stops
+    ends = -LUG / 2.0 - BAYONET_STOPS[0], BAYONET + LUG / 2.0 + BAYONET_STOPS[1]
+    pockets = lobes(cut, GROOVE - STOP, GROOVE, ends[1] - ends[0], (ends[0] + ends[1]) / 2.0, 4)
+    groove, ledge = solid.outline(pockets, (40.0, 31.0))
     throat, end = solid.turned([(THROAT, 31.0), (THROAT, 18.0)], cut.circle(THROAT))
     solid.face(low, *(first for first, _ in drilled))
     solid.face(high, foot, *(last for _, last in drilled), *ports)
@@ -417,7 +431,7 @@ def filter_bowl(cut: Cut) -> Solid:
         ],
         cut.arc(THROAT, 2.0 * np.pi, 12),
     )
-    lug_low, lug_high = solid.outline(lobes(cut, neck, GROOVE - 1.7, np.deg2rad(44.0), BAYONET), (31.5, 39.75))
+    lug_low, lug_high = solid.outline(lobes(cut, neck, GROOVE - 1.7, LUG, BAYONET), (31.5, 39.75))
     under, body = solid.turned(
         [(neck - 1.2, 39.75), (neck - 1.2, 47.0), (27.0, 48.0), (27.0, 116.0), (22.0, 122.0)], cut.circle(27.0)
     )
@@ -462,15 +476,17 @@ def oil_filter(shop: Workshop) -> None:
         pose=base,
     )
     asm.flush(head, seal, rear)
-    bowl = asm.add(f"{group}/bowl", "paint", filter_bowl, pose=pose)
+    bowl = asm.add(f"{group}/bowl", "painted aluminium", filter_bowl, pose=pose)
     asm.fit(bowl, head, "bayonet", 0.1, THROAT)
     ring = shop.o_ring(f"{group}/o_ring", THROAT - 1.7 - SQUEEZE + 1.05, 2.1, pose @ at(z=25.2), bowl, head)
     element = asm.add(
-        f"{group}/element", "orange", standard.ring_of,
+        f"{group}/element", "filter paper", standard.ring_of,
         ((7.0, 26.0), (13.8, 26.0), (13.8, 110.0), (18.0, 110.0), (18.0, 118.0), (7.0, 118.0)), 18.0, pose=pose,
     )  # fmt: skip
     asm.flush(element, bowl)
     down = (0.0, -1.0, 0.0)
+    limits = -BAYONET - BAYONET_STOPS[0], BAYONET_STOPS[1]
+    asm.joint("filter_bowl", [bowl, ring, element], down, pose[:3, 3], limits)
     asm.step([bowl, ring, element], turn(down, pose[:3, 3], -BAYONET), pull(down, 130.0), door_open=True)
     bolts = []
     for k, (x, y) in enumerate(FILTER_BOLTS):

@@ -10,9 +10,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..mesh import Floats, Mesh, turned
+from ..mesh import VERTEX_GRID_M, Floats, Mesh, turned
 from .bodies import bent
-from .fits import METRIC
+from .fits import METRIC, Bearing
 from .solid import Cut, Solid
 
 Make = Callable[..., Solid]
@@ -20,6 +20,10 @@ Vector = Sequence[float] | Floats
 
 
 FLUSH = "line to line"
+ROUNDING_MM = 2.0 * float(np.sqrt(3.0)) / 2.0 * VERTEX_GRID_M * 1e3
+"""By how much two parts may be deeper in each other because their corners are rounded to the vertex grid."""
+WIDER_MM = 0.02
+"""By how much the radius of a hole is at most above the nominal one that its fit is named for."""
 SOCKET_MM = 62.0
 """How far a socket and the head below it reach: longer, and fasteners wait for pipes that are beyond the tool."""
 
@@ -43,10 +47,12 @@ MATERIALS = {
     "rubber": Material(1200.0, (0.10, 0.10, 0.11)),
     "gasket": Material(1600.0, (0.35, 0.47, 0.40)),
     "copper": Material(8900.0, (0.75, 0.47, 0.32)),
-    "paint": Material(2700.0, (0.20, 0.32, 0.48)),
-    "black": Material(1400.0, (0.15, 0.16, 0.18)),
-    "orange": Material(1300.0, (0.86, 0.45, 0.12)),
-    "green": Material(7850.0, (0.30, 0.44, 0.34)),
+    "painted aluminium": Material(2700.0, (0.20, 0.32, 0.48)),
+    "black aluminium": Material(2700.0, (0.15, 0.16, 0.18)),
+    "anodised aluminium": Material(2700.0, (0.30, 0.44, 0.34)),
+    "painted steel": Material(7850.0, (0.30, 0.44, 0.34)),
+    "glass-filled polyamide": Material(1360.0, (0.15, 0.16, 0.18)),
+    "filter paper": Material(600.0, (0.86, 0.45, 0.12)),
 }
 
 
@@ -101,6 +107,8 @@ class Step:
     door_open: bool
     rigid: bool
     removes: bool
+    blocked_by: list[str] = field(default_factory=list)
+    """Names of the faults that are in its own way."""
 
 
 @dataclass
@@ -118,15 +126,16 @@ class Fastener:
 
 @dataclass
 class Joint:
-    """A joint: its kind, what moves, the axis, a point on it, and its limits in radians or millimetres."""
+    """What turns about an axis, millimetres and radians; see `feeler.samples.accessory.truth.Joint`."""
 
     name: str
-    kind: str
     parts: list[str]
     axis: tuple[float, float, float]
     point: tuple[float, float, float]
-    low: float
-    high: float
+    limits: tuple[float, float] | None = None
+    follows: str = ""
+    ratio: float = 1.0
+    needs: list[str] = field(default_factory=list)
 
 
 @dataclass
@@ -189,7 +198,8 @@ class Assembly:
         A pair has one entry: a second fit makes its play and depth those of both, and must be of the same kind.
         """
         play += self.cut.ease if radius else 0.0
-        deepest = max(0.0, (self.cut.sag(radius) if radius else 0.0) + chords - play)
+        sag = self.cut.sag(radius) * (1.0 + WIDER_MM / radius) if radius else 0.0
+        deepest = max(0.0, sag + chords + ROUNDING_MM - play)
         pair = (a, b) if a < b else (b, a)
         known = self.fits.get(pair)
         if known is None or known.kind == FLUSH:
@@ -226,6 +236,44 @@ class Assembly:
         for step in self.steps:
             if path in step.parts and step.removes:
                 step.after += after
+
+    def joint(
+        self,
+        name: str,
+        parts: Sequence[str],
+        axis: Vector,
+        point: Vector,
+        limits: tuple[float, float] | None = None,
+        *,
+        follows: str = "",
+        ratio: float = 1.0,
+        needs: Sequence[str] = (),
+    ) -> None:
+        """Names a joint: parts that turn together; no limits where they turn on and on."""
+        x, y, z = (float(v) for v in point)
+        turn = limits and (float(limits[0]), float(limits[1]))
+        self.joints.append(Joint(name, list(parts), _unit(axis), (x, y, z), turn, follows, float(ratio), list(needs)))
+
+    def bear(self, name: str, parts: Sequence[str], axis: Vector, point: Vector, bearings: dict[str, Bearing]) -> None:
+        """Names the joint of a shaft, with the inner rings of its bearings (by group), and those of their cages."""
+        self.joint(name, [*parts, *(f"{group}/inner_ring" for group in bearings)], axis, point)
+        for group, b in bearings.items():
+            rolling = [f"{group}/cage", *(f"{group}/ball_{k + 1}" for k in range(b.balls))]
+            cage = f"{name}/{group.rsplit('/', 1)[1]}"
+            # the balls roll on both rings, and the outer one stands
+            self.joint(cage, rolling, axis, point, follows=name, ratio=0.5 - b.ball / (4.0 * b.pitch))
+
+    def drive(self, driver: str, driven: str, ratio: float) -> None:
+        """A joint turns another one."""
+        for joint in self.joints:
+            if joint.name == driven:
+                joint.follows, joint.ratio = driver, ratio
+
+    def block(self, fault: str, path: str) -> None:
+        """A fault is in the way of the step that takes a part out."""
+        for step in self.steps:
+            if path in step.parts and step.removes:
+                step.blocked_by.append(fault)
 
     def wait_for_lines(self) -> None:
         """Fasteners and round covers whose way crosses a pipe or cable come out after it."""
@@ -267,6 +315,12 @@ class Assembly:
     ) -> None:
         """Names a fastener."""
         self.fasteners.append(Fastener(path, kind, tool, size, frame, list(holds), swing))
+
+    def swings(self, path: str, most: float) -> None:
+        """The tool of a fastener turns no farther than this, radians: a fault is in its way."""
+        for fastener in self.fasteners:
+            if fastener.path == path:
+                fastener.swing = min(fastener.swing, most)
 
     # --- what is made of them ---------------------------------------------------------------------------------------
 
@@ -323,12 +377,12 @@ def pull(axis: Vector, distance: float) -> Leg:
 
 def turn(axis: Vector, point: Vector, angle: float) -> Leg:
     """A turn about an axis."""
-    return Leg("turn", _unit(axis), 0.0, angle, (float(point[0]), float(point[1]), float(point[2])))
+    return Leg("turn", _unit(axis), 0.0, float(angle), (float(point[0]), float(point[1]), float(point[2])))
 
 
 def screw(axis: Vector, point: Vector, distance: float, pitch: float) -> Leg:
     """A right-handed thread: out by `distance` along `axis`, which points out of the hole."""
-    angle = 2.0 * np.pi * distance / pitch
+    angle = float(2.0 * np.pi * distance / pitch)
     return Leg("screw", _unit(axis), distance, angle, (float(point[0]), float(point[1]), float(point[2])))
 
 

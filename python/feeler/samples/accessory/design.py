@@ -340,8 +340,12 @@ class Workshop:
         asm.step(key, pull(pose[:3, 1], KEYS[s.seat][1] + 1.0), pull(out, AWAY), after=[gear])
         unit = [shaft, *bearings[1]]
         drives = ["generator/drive_shaft"] if "low" in driven else []
+        turns = [shaft, gear, key, clip, *drives, *([f"{s.name}/drive_shaft"] if "high" in driven else [])]
         if main:
-            unit += self.bevel_wheel(group, shaft, back, face, clip_thick)
+            wheel = self.bevel_wheel(group, shaft, back, face, clip_thick)
+            unit, turns = [*unit, *wheel], [*turns, *wheel]
+        rings = {f"{group}/{name}_bearing": b for name in ("front", "rear")}
+        asm.bear(f"{s.name}_shaft", turns, Z, (s.x, s.y, 0.0), rings)
         asm.step(unit, pull(out, 1.5 * AWAY), after=[key, *drives, *(["input_drive/pinion_shaft"] if main else [])])
 
     def shaft_end(self, s: Station, half: Half) -> float:
@@ -382,9 +386,11 @@ class Workshop:
 
     def meshes(self) -> None:
         """The pairs of spur gears that mesh."""
-        names = [f"{TRAIN}{s.name}_shaft/spur_gear" for s in self.plan.stations]
-        for a, b in pairwise(names):
-            self.asm.fit(a, b, "gear mesh", train.mesh_play(MODULE))
+        for a, b in pairwise(self.plan.stations):
+            first, second = (f"{TRAIN}{s.name}_shaft/spur_gear" for s in (a, b))
+            self.asm.fit(first, second, "gear mesh", train.mesh_play(MODULE))
+            driver, driven = (b, a) if b.name == "main" else (a, b)
+            self.asm.drive(f"{driver.name}_shaft", f"{driven.name}_shaft", -driver.teeth / driven.teeth)
 
     # --- on the pads ------------------------------------------------------------------------------------------------
 

@@ -6,9 +6,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
+import numpy.typing as npt
 
 from ...errors import OptionError
-from ..mesh import Floats, at
+from ..mesh import Floats, Mesh, at
 from . import lines, standard
 from .assembly import Assembly, Planted
 from .bodies import extruded, plate
@@ -24,6 +25,12 @@ RULE_MM, NEARER_MM = 5.0, 0.5
 """The clearance that a rule asks of pipes, and by how much two parts are nearer."""
 NARROW_MM = 2.0
 INCH_MM = 25.4
+GUARDED_SWINGS = {
+    "breather_sensor": float(np.deg2rad(285.0)),
+    "fuel_pipe": float(np.deg2rad(100.0)),
+    "oil_pipe": float(np.deg2rad(40.0)),
+}
+"""How far wrenches turn beside the guards of two faults, radians; see `feeler.samples.accessory.lines.SWINGS`."""
 
 
 def _leg(asm: Assembly, pipe: str) -> tuple[float, float]:
@@ -49,7 +56,7 @@ def _support(asm: Assembly, path: str, x: float, top: float) -> None:
     """A post on the rear rail."""
     low, high, foot = _rail(asm, "rear")
     box = ((x - 10.0, -high + 4.0), (x + 10.0, -high + 4.0), (x + 10.0, -low - 4.0), (x - 10.0, -low - 4.0))
-    asm.add(path, "green", extruded, box, 0.0, top - foot, pose=frame((0.0, foot, 0.0), Y, X))
+    asm.add(path, "painted steel", extruded, box, 0.0, top - foot, pose=frame((0.0, foot, 0.0), Y, X))
     asm.flush(path, "bracket/rear_rail")
 
 
@@ -57,6 +64,7 @@ def _pipe_clash(asm: Assembly) -> Planted:
     pipe, path = "lines/fuel_pipe/pipe", "bracket/pipe_support"
     x, low = _leg(asm, pipe)
     _support(asm, path, x, low + CLASH_MM)
+    asm.block("pipe_clash", pipe)
     return Planted(
         "pipe_clash", [pipe, path], "clash", CLASH_MM * MM, "the pipe is 3 mm inside a support of the bracket"
     )
@@ -67,6 +75,7 @@ def _too_near(asm: Assembly) -> Planted:
     x, low = _leg(asm, pipe)
     gap = RULE_MM - NEARER_MM
     _support(asm, path, x, low - gap)
+    asm.block("too_near", pipe)
     return Planted("too_near", [pipe, path], "too near", gap * MM, "4.5 mm from a pipe, where a rule asks for 5 mm")
 
 
@@ -85,6 +94,9 @@ def _blocked_bolt(asm: Assembly) -> Planted:
     asm.fit(plug, cover, "thread as cylinders", lines.CORE - lines.THREAD, lines.CORE)
     asm.fit(plug, path, "clearance", 0.6, 6.6)
     asm.flush(plug, path, cover)
+    asm.block("blocked_bolt", bolt)
+    asm.swings(bolt, 0.0)
+    asm.swings("harness/breather_sensor", GUARDED_SWINGS["breather_sensor"])
     top = next(f.frame[:3, 3] for f in asm.fasteners if f.path == bolt)
     room = float((face[:3, 3] - top) @ face[:3, 2])
     says = f"a guard stands {room:.1f} mm over the bolt's head"
@@ -99,8 +111,11 @@ def _no_way_out(asm: Assembly) -> Planted:
     corners = ((-half, -rear[1]), (half, -rear[1]), (half, -front[0]), (-half, -front[0]))
     pose = frame((FILTER_X, front[2], 0.0), Y, X)
     radius = 27.0 - NARROW_MM
-    asm.add(path, "green", plate, corners, 4.0, 2.0, ((0.0, -z, radius),), pose=pose)
+    asm.add(path, "painted steel", plate, corners, 4.0, 2.0, ((0.0, -z, radius),), pose=pose)
     asm.flush("bracket/front_rail", path, "bracket/rear_rail")
+    asm.block("no_way_out", bowl)
+    for pipe in ("fuel_pipe", "oil_pipe"):
+        asm.swings(f"lines/{pipe}/union_nut_2", GUARDED_SWINGS[pipe])
     says = "the hole under the filter's bowl has a radius 2 mm less than the bowl's"
     return Planted("no_way_out", [bowl, path], "no way out", NARROW_MM * MM, says)
 
@@ -111,6 +126,7 @@ def _missing_hole(asm: Assembly) -> Planted:
     holes = next(k for k, value in enumerate(part.args) if isinstance(value, tuple) and len(value) == 5)
     part.args = (*part.args[:holes], part.args[holes][1:], *part.args[holes + 1 :])  # type: ignore[index]
     del asm.fits[(bolt, cover) if bolt < cover else (cover, bolt)]
+    asm.block("missing_hole", bolt)
     deep = float(part.args[1]) / 2.0  # type: ignore[arg-type]
     says = "the cover has no hole where its first bolt is: half the flange's thickness is the depth"
     return Planted("missing_hole", [bolt, cover], "no hole", deep * MM, says)
@@ -124,6 +140,9 @@ def _duplicate(asm: Assembly) -> Planted:
         if path in (a, b):
             pair = (copy, b) if a == path else (a, copy)
             asm.fits[pair] = replace(fit, a=pair[0], b=pair[1])
+    for step in asm.steps:
+        if path in step.parts:  # each would hold what the other one holds: they come out together
+            step.parts.append(copy)
     return Planted("duplicate", [path, copy], "duplicate", 0.0, "the same bolt twice, 0 mm apart")
 
 
@@ -150,7 +169,80 @@ def _mirrored(asm: Assembly) -> Planted:
     path, case = "housing/drain_plug", "housing/rear_case"
     asm.parts[path].pose = asm.parts[path].pose @ np.diag([1.0, -1.0, 1.0, 1.0])
     del asm.fits[(path, case) if path < case else (case, path)]
+    asm.block("mirrored", path)
     return Planted("mirrored", [path, case], "mirrored", -1.0, "the drain plug is mirrored: a left-handed thread")
+
+
+def block_ring(asm: Assembly, path: str, meshes: dict[str, Mesh]) -> None:
+    """Says of which steps and tools a washer of a wrong unit, about an axis along z, is in the way.
+
+    `meshes`: in the world, metres.
+    """
+    ring = meshes[path].vertices / MM
+    low, high = float(ring[:, 2].min()), float(ring[:, 2].max())
+    flat = ring[ring[:, 2] < (low + high) / 2.0, :2]
+    centre = flat.mean(axis=0)
+    radius = np.hypot(*(flat - centre).T)
+    edges = [_hull(flat[radius > radius.mean()] - centre), _hull(flat[radius < radius.mean()] - centre)]
+    asm.block("wrong_unit", path)
+    for step in asm.steps:
+        lift = sum(leg.distance * leg.axis[2] for leg in step.legs)
+        for moving in step.parts if path not in step.parts else ():
+            mesh = meshes[moving]
+            corners = mesh.vertices[mesh.faces] / MM
+            least, most = corners[:, :, 2].min(axis=1) + min(lift, 0.0), corners[:, :, 2].max(axis=1) + max(lift, 0.0)
+            corners = corners[(least <= high) & (most >= low), :, :2]
+            for leg in step.legs:  # what has been turned moves on as it is then
+                angle = leg.angle * leg.axis[2]
+                spun = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+                corners = np.concatenate([corners, (corners - leg.point[:2]) @ spun + leg.point[:2]])
+            if len(corners) and _meets_ring(corners - centre, *edges):
+                step.blocked_by.append("wrong_unit")
+                break
+    turn = np.arange(32) * (np.pi / 16.0)
+    round_tool = np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    for fastener in asm.fasteners:
+        top, up = float(fastener.frame[2, 3]), float(fastener.frame[2, 2])
+        room, reach = tool_room(fastener.tool, fastener.size)
+        ends = sorted((top, top + up * reach))
+        tool = fastener.frame[:2, 3] + room * round_tool - centre
+        if abs(up) > 0.5 and ends[0] < high and ends[1] > low and _meets_ring(tool[None], *edges):
+            asm.swings(fastener.path, 0.0)
+
+
+def tool_room(tool: str, size: float) -> tuple[float, float]:
+    """Radius in which a tool turns, and how far it reaches from the top of the head, millimetres.
+
+    Sockets and keys stand 0.2 mm above the head.
+    """
+    if tool == "open-end wrench":
+        return 9.0 * size, -0.38 * size
+    return (0.6 * size, 40.2) if tool == "hex key" else (0.64 * size + 0.7, 55.2)
+
+
+def _hull(points: Floats) -> Floats:
+    """Corners of a convex polygon about the origin, counter-clockwise."""
+    return points[np.argsort(np.arctan2(points[:, 1], points[:, 0]))]
+
+
+def _meets_ring(shapes: Floats, outer: Floats, inner: Floats) -> bool:
+    """Whether one of convex shapes (n, k, 2) meets what is between two convex polygons, the inner one in the outer one.
+
+    It does if it meets the outer one and is not inside the inner one.
+    """
+
+    def beyond(points: Floats, polygon: Floats) -> npt.NDArray[np.bool_]:
+        """Of each side of polygons (..., k, 2), which points (..., m, 2) are beyond it: (..., k, m)."""
+        side = np.roll(polygon, -1, axis=-2) - polygon
+        normal = np.stack([side[..., 1], -side[..., 0]], axis=-1)
+        return np.asarray(normal @ np.swapaxes(points, -1, -2) > (normal * polygon).sum(axis=-1)[..., None])
+
+    ahead = np.roll(shapes, -1, axis=1)
+    area = (shapes[:, :, 0] * ahead[:, :, 1] - shapes[:, :, 1] * ahead[:, :, 0]).sum(axis=1)
+    shapes = np.where(area[:, None, None] < 0.0, shapes[:, ::-1], shapes)
+    apart = [np.any(np.all(beyond(a, b), axis=2), axis=1) for a, b in ((shapes, outer), (outer, shapes))]
+    inside = ~beyond(shapes, inner).any(axis=(1, 2))
+    return not bool((apart[0] | apart[1] | inside).all())
 
 
 def _wrong_unit(asm: Assembly) -> Planted:

@@ -25,7 +25,7 @@ COLLAR = 5.0
 NUT_LOW, NUT_HIGH = 9.5, 30.0
 UNSCREWED = 10.0
 """How far a union nut goes back: off its thread, and not into the pipe's bend."""
-PIPE = 4.0
+PIPE, BORE = 4.0, 3.0
 ELBOW_COLLAR = 5.0
 REACH = 42.0
 """From the axis of an elbow to its flat face."""
@@ -59,8 +59,13 @@ def adapter(cut: Cut) -> Solid:
     )
     solid.wall(neck, low)
     solid.face(high, foot)
-    solid.face(end)
-    solid.face(face)
+    if cut.plain:
+        solid.face(end)
+        solid.face(face)
+    else:
+        mouth, out = solid.turned([(BORE, -9.0), (BORE, NOSE_END)], cut.circle(BORE))
+        solid.face(end, mouth)
+        solid.face(face, out)
     return solid
 
 
@@ -88,8 +93,16 @@ def elbow(cut: Cut, reach: float) -> Solid:
     for radius, x in nose[:2] + ([(NOSE, reach)] if cut.plain else nose[2:]):
         ring(np.array([x, 0.0, 18.0]), out, radius)
     first, last = solid.tube(np.stack(rings))
-    solid.face(first)
-    solid.face(last)
+    if cut.plain:
+        solid.face(first)
+        solid.face(last)
+    else:
+        rings.clear()
+        for point, way in zip(path.points, path.tangents, strict=True):
+            ring(point, way, BORE)
+        mouth, out = solid.tube(np.stack(rings))
+        solid.wall(first, mouth)
+        solid.wall(last, out)
     return solid
 
 
@@ -126,7 +139,7 @@ def line(
     *,
     kind: str = "pipe",
     after: Sequence[str] = (),
-    bore: float = 3.0,
+    bore: float = BORE,
 ) -> tuple[str, Floats, Floats]:
     """A pipe between two ports that look along +z (or down, through an elbow), with a straight run at z = level.
 
@@ -184,6 +197,7 @@ def elbow_clamp(shop: Workshop, group: str, fitting: str, pose: Floats, holder: 
     bolts = shop.bolt(
         group, "clamp_screw", 5, seat, [plate_path], holder, 3.0 + ELBOW_COLLAR, 8.0, head="screw", door_open=True
     )
+    asm.fasteners[-1].holds.append(fitting)
     asm.wait(holder, *bolts)
     return [plate_path, *bolts]
 
@@ -272,6 +286,7 @@ def pipe_clip(shop: Workshop, pipe: str, filter_port: Vector) -> list[str]:
     asm.flush(clip, stand)
     top = frame((foot[0], foot[1], OIL_LEVEL + 1.25), (0.0, 0.0, 1.0))
     bolts = shop.bolt("lines/oil_pipe", "clip_bolt", 5, top, [clip], stand, 2.5, 10.0)
+    asm.fasteners[-1].holds.append(pipe)
     asm.step(stand, screw((0.0, 0.0, 1.0), foot, 6.0, 0.8), pull((0.0, 0.0, 1.0), AWAY), after=[pipe])
     for step in asm.steps:
         if pipe in step.parts:
@@ -324,7 +339,7 @@ def speed_sensor(shop: Workshop, name: str, cover: str, face: Floats) -> str:
     asm.step(
         path, screw(face[:3, 2], face[:3, 3], 10.0, 1.5), pull(face[:3, 2], AWAY), after=[f"harness/{name}_sensor_plug"]
     )
-    asm.fasten(path, "bolt", "open-end wrench", 17.0, face @ at(z=8.0), [], swing_of(path))
+    asm.fasten(path, "bolt", "open-end wrench", 17.0, face @ at(z=8.0), [path], swing_of(path))
     return path
 
 
@@ -335,7 +350,7 @@ def blank(shop: Workshop, cover: str, face: Floats) -> str:
     asm.fit(path, cover, "thread as cylinders", CORE - THREAD, CORE)
     asm.flush(path, cover)
     asm.step(path, screw(face[:3, 2], face[:3, 3], 10.0, 1.5), pull(face[:3, 2], AWAY))
-    asm.fasten(path, "bolt", "socket", 15.0, face @ at(z=7.0), [])
+    asm.fasten(path, "bolt", "socket", 15.0, face @ at(z=7.0), [path])
     return path
 
 
@@ -358,7 +373,7 @@ def harness(shop: Workshop, sources: Sequence[tuple[str, Floats, str]], sockets:
     for k, ((name, source, owner), (socket, box)) in enumerate(zip(sources, sockets, strict=True)):
         ends = []
         for end, pose, part in (("", source, owner), ("_box", socket, box)):
-            piece = asm.add(f"harness/{name}{end}_plug", "green", plug, pose=pose, spin=True)
+            piece = asm.add(f"harness/{name}{end}_plug", "anodised aluminium", plug, pose=pose, spin=True)
             asm.fit(piece, part, "plug on receptacle", PLUG_BORE - NOSE, PLUG_BORE)
             ends.append((pose @ [0.0, 0.0, 12.3, 1.0])[:3])
             unit.append(piece)
@@ -389,7 +404,17 @@ def junction_box(shop: Workshop, beam: str, face: Floats, count: int) -> list[tu
     places = [(26.0 * (k - (count - 1) / 2.0), 0.0) for k in range(count)]
     blinds = tuple((x, y, port(cut)) for x, y in places)
     box = asm.add(
-        "harness/junction_box", "black", flanged, (116.0, 40.0, 6.0), 16.0, (), (), (), holes, blinds, pose=face
+        "harness/junction_box",
+        "glass-filled polyamide",
+        flanged,
+        (116.0, 40.0, 6.0),
+        16.0,
+        (),
+        (),
+        (),
+        holes,
+        blinds,
+        pose=face,
     )
     asm.flush(box, beam)
     bolts = []

@@ -12,7 +12,7 @@ from ..mesh import Floats, Mesh, MeshParts, snapped
 from . import assembly
 from .assembly import MATERIALS, Assembly, Part
 from .build import build
-from .faults import plant
+from .faults import block_ring, plant
 from .solid import Cut, Solid
 from .truth import Body, Fastener, Fault, Fit, Joint, Leg, Step, Truth
 
@@ -161,7 +161,7 @@ def gearbox_parts(triangles: int, seed: int, faults: Sequence[str], progress: Pr
 def gearbox_truth(triangles: int, seed: int, faults: tuple[str, ...]) -> Truth:
     """The truth of `gearbox_parts` with the same arguments."""
     made, meshes = _built(triangles, seed, faults)
-    return truth_of(made, {part.path: volume(mesh) for part, mesh in meshes}, seed)
+    return truth_of(made, {part.path: mesh for part, mesh in meshes}, seed)
 
 
 def volume(mesh: Mesh) -> float:
@@ -170,9 +170,15 @@ def volume(mesh: Mesh) -> float:
     return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)
 
 
-def truth_of(asm: Assembly, volumes: dict[str, float], seed: int) -> Truth:
-    """What the assembly says, in metres and with full paths."""
+def truth_of(asm: Assembly, meshes: dict[str, Mesh], seed: int) -> Truth:
+    """What the assembly says, in metres and with full paths; `meshes`: in the world, by the assembly's paths.
+
+    Without meshes masses are 0.
+    """
     asm.wait_for_lines()
+    for planted in asm.planted:
+        if planted.expects == "unit":
+            block_ring(asm, planted.parts[0], meshes)
 
     def full(path: str) -> str:
         return f"{ROOT}/{path}"
@@ -185,13 +191,23 @@ def truth_of(asm: Assembly, volumes: dict[str, float], seed: int) -> Truth:
         material = MATERIALS[part.material]
         bodies.append(
             Body(
-                full(part.path), part.material, material.density, material.density * volumes[part.path], material.colour
+                full(part.path),
+                part.material,
+                material.density,
+                material.density * volume(meshes[part.path]) if meshes else 0.0,
+                material.colour,
             )
         )
     steps = []
+    blocked: dict[str, dict[str, None]] = {}
     for step, after in ordered(asm):
         legs = tuple(Leg(g.kind, g.axis, _metres(g.point), g.distance * MM, g.angle) for g in step.legs)
-        steps.append(Step(many(step.parts), legs, many(after), step.door_open, step.rigid, step.removes))
+        by = dict.fromkeys(
+            [*step.blocked_by, *(name for path in [*after, *step.parts] for name in blocked.get(path, ()))]
+        )
+        for path in step.parts:
+            blocked[path] = by
+        steps.append(Step(many(step.parts), legs, many(after), step.door_open, step.rigid, step.removes, tuple(by)))
     fasteners = tuple(
         Fastener(
             full(f.path),
@@ -205,7 +221,21 @@ def truth_of(asm: Assembly, volumes: dict[str, float], seed: int) -> Truth:
         )
         for f in asm.fasteners
     )
-    joints = tuple(Joint(j.name, j.kind, many(j.parts), j.axis, _metres(j.point), j.low, j.high) for j in asm.joints)
+    joints = tuple(
+        Joint(
+            j.name,
+            "revolute" if j.limits else "continuous",
+            many(j.parts),
+            j.axis,
+            _metres(j.point),
+            j.limits[0] if j.limits else None,
+            j.limits[1] if j.limits else None,
+            j.follows,
+            j.ratio,
+            tuple(j.needs),
+        )
+        for j in asm.joints
+    )
     fits = tuple(Fit(full(f.a), full(f.b), f.kind, f.play * MM, f.deepest * MM, f.flush) for f in asm.fits.values())
     faults = tuple(Fault(f.name, many(f.parts), f.expects, f.value, f.says) for f in asm.planted)
     return Truth(seed, asm.cut.chord * MM, tuple(bodies), fits, tuple(steps), fasteners, joints, faults)

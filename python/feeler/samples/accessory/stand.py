@@ -6,7 +6,7 @@ import numpy as np
 
 from ..mesh import Floats, at
 from . import standard
-from .assembly import Joint, pull, turn
+from .assembly import pull, turn
 from .bodies import Drill, extruded, flanged, plate
 from .design import AWAY, OUT, Workshop, X, Y, frame
 from .fits import METRIC, deviation, play
@@ -23,8 +23,16 @@ BEAM_Z = (95.0, 137.0)
 RAILS = {"front": (-5.0, 15.0), "rear": (120.5, 140.5)}
 PANEL = (17.0, 117.5)
 PANEL_THICK, RAIL_THICK, LEAF = 4.0, 10.0, 3.0
+DOOR_OPEN = np.deg2rad(178.0)
+"""The panel is folded under the rear rail: there it meets the screws of the fixed leaves."""
 HINGE_Z, HINGE_LOW, KNUCKLE, PIN = 119.0, 3.4, 3.45, 1.6
-LATCH_Z = 30.0
+LATCH_Z, LATCH_ROD = 34.0, 2.0
+LATCH_BAR = (-14.0, 22.0, 7.0)
+"""The latch's bar: its ends along its length, and half its width."""
+LATCH_STOP = 9.25
+"""From the latch's axis to its stop, along and across the bar, which turns from one side of the stop to another."""
+REBATE, REBATE_GAP = 6.0, 0.3
+"""The front rail's edge over the panel, which stops the door, and the gap between the two."""
 
 
 def side_holes(shop: Workshop) -> list[SideHole]:
@@ -72,10 +80,15 @@ def bracket(shop: Workshop, box_x: float, box_screws: tuple[tuple[float, float],
     drills = tuple(
         Drill(1, s.top + 20.0 + y - y0, box_x + x - s.inner["left"], tapped(cut, 4, 10.0)) for x, y in box_screws
     )
-    asm.add(s.beam, "green", extruded, corners, 0.0, length, drills, (), (pits, pits), pose=across(s.inner["left"]))
+    asm.add(
+        s.beam, "painted steel", extruded, corners, 0.0, length, drills, (), (pits, pits), pose=across(s.inner["left"])
+    )
     rails = {}
     for name, (low, high) in RAILS.items():
-        line = ((-high, s.door), (-low, s.door), (-low, s.door + RAIL_THICK), (-high, s.door + RAIL_THICK))
+        line = [(-high, s.door), (-low, s.door), (-low, s.door + RAIL_THICK), (-high, s.door + RAIL_THICK)]
+        if name == "front":
+            edge = s.door + PANEL_THICK + REBATE_GAP
+            line = [*line[:3], (-high - REBATE, line[3][1]), (-high - REBATE, edge), (-high, edge)]
         pit = ((-(low + high) / 2.0, s.door + RAIL_THICK / 2.0, tapped(cut, 6, 14.0)),)
         below = tuple(
             Drill(0, high - HINGE_Z - place, x - s.inner["left"], tapped(cut, 4, 6.0))
@@ -84,9 +97,9 @@ def bracket(shop: Workshop, box_x: float, box_screws: tuple[tuple[float, float],
         )
         rails[name] = asm.add(
             f"bracket/{name}_rail",
-            "green",
+            "painted steel",
             extruded,
-            line,
+            tuple(line),
             0.0,
             length,
             below,
@@ -119,7 +132,7 @@ def bracket(shop: Workshop, box_x: float, box_screws: tuple[tuple[float, float],
         start = s.inner[side] - (HANGER if sign < 0.0 else 0.0)
         hanger = asm.add(
             f"bracket/{side}_hanger",
-            "green",
+            "painted steel",
             plate,
             tuple(map(tuple, outline.tolist())),
             0.0,
@@ -152,9 +165,9 @@ def bracket(shop: Workshop, box_x: float, box_screws: tuple[tuple[float, float],
             if step.parts[0] == f"bracket/{side}_mount/mount":
                 step.after.append(hanger)
     for name, rail in rails.items():
-        down = (0.0, -1.0, 0.0)
+        way = (0.0, -1.0, 0.0) if name == "rear" else (0.0, 0.0, -1.0)
         after = [f"bracket/{side}_{name}_rail_bolt" for side in ("left", "right")]
-        asm.step(rail, pull(down, AWAY), after=[*after, *(["door/*_leaf_*"] if name == "rear" else [])])
+        asm.step(rail, pull(way, AWAY), after=[*after, *(["door/*_leaf_*"] if name == "rear" else [])])
     asm.step(
         rear,
         pull((0.0, 0.0, -1.0), 3.0 * AWAY),
@@ -243,8 +256,9 @@ def latch(cut: Cut) -> Solid:
         cut.sharp([(9.0, -11.0), (10.0, -10.0), (10.0, -1.0), (8.5, 0.0), (5.0, 0.0), (5.0, 11.0)]), cut.circle(10.0)
     )
     solid.face(knob)
-    corners = np.array([[18.0, -7.0], [18.0, 7.0], [-9.0, 7.0], [-9.0, -7.0]])
-    low, high = solid.outline(rounded(corners, 3.0, cut.arc(3.0, 1.6, 2)), (11.0, 15.0))
+    near, far, half = LATCH_BAR
+    corners = np.array([[far, -half], [far, half], [near, half], [near, -half]])
+    low, high = solid.outline(corners if cut.plain else rounded(corners, 3.0, cut.arc(3.0, 1.6, 2)), (11.0, 15.0))
     solid.face(low, neck)
     solid.face(high)
     return solid
@@ -259,18 +273,31 @@ def door(shop: Workshop, s: Stand) -> None:
     centre = (left + right) / 2.0 + 60.0  # of the latch: clear of the filter
     screws = [(x + dx, HINGE_Z - 14.0) for x in hinges(s) for dx in (5.4, 15.4)]
     core = METRIC[4].core / 2.0 + (cut.ease + 0.35 if cut.ease else 0.0)
-    holes = [(x, -z, core) for x, z in screws] + [(centre, -LATCH_Z, 5.3 + cut.ease)]
+    press = play("H7/p6", 2.0 * LATCH_ROD)
+    rod_x, rod_z = centre + LATCH_STOP, LATCH_Z - LATCH_STOP
+    holes = [(x, -z, core) for x, z in screws]
+    holes += [(centre, -LATCH_Z, 5.3 + cut.ease), (rod_x, -rod_z, LATCH_ROD + press + cut.ease)]
     corners = ((left, -high), (right, -high), (right, -low), (left, -low))
     panel = asm.add(
         "door/panel", "aluminium", plate, corners, 6.0, PANEL_THICK, tuple(holes), pose=frame((0.0, s.door, 0.0), Y, X)
     )
     pose = frame((centre, s.door, LATCH_Z), Y, (0.0, 0.0, -1.0))
-    bar = asm.add("door/latch", "black", latch, pose=pose)
+    bar = asm.add("door/latch", "glass-filled polyamide", latch, pose=pose)
     asm.fit(bar, panel, "clearance", 0.3, 5.3)
     asm.flush(bar, panel)
+    rod = asm.add(
+        "door/latch_stop",
+        "hardened steel",
+        standard.dowel,
+        2.0 * LATCH_ROD,
+        16.0,
+        pose=frame((rod_x, s.door + 8.0, rod_z), Y),
+        spin=True,
+    )
+    asm.fit(rod, panel, "H7/p6", press, LATCH_ROD + press)
     down = (0.0, -1.0, 0.0)
     asm.step(bar, turn(Y, pose[:3, 3], np.pi / 2.0), removes=False)
-    moving = [panel, bar]
+    moving = [panel, bar, rod]
     reach = 20.0
     outline = loop_outline(cut, KNUCKLE, reach, HINGE_LOW - LEAF, HINGE_LOW)
     leaves, pins = [], []
@@ -331,7 +358,7 @@ def door(shop: Workshop, s: Stand) -> None:
         asm.step(pin, pull((-1.0, 0.0, 0.0), 60.0))
     for k, (_, leaf, bolts) in enumerate(leaves):
         asm.step(leaf, pull(down, AWAY), after=[*bolts, pins[k // 2]])
-    asm.step([panel, bar], pull(down, AWAY), after=[leaf for _, leaf, _ in leaves])
-    axis = (-1.0, 0.0, 0.0)
-    asm.joints.append(Joint("door", "revolute", moving, axis, (0.0, s.door - HINGE_LOW, HINGE_Z), 0.0, 1.9))
-    asm.joints.append(Joint("latch", "revolute", [bar], Y, (centre, s.door, LATCH_Z), 0.0, np.pi / 2.0))
+    asm.step([panel, bar, rod], pull(down, AWAY), after=[leaf for _, leaf, _ in leaves])
+    hinge = (0.0, s.door - HINGE_LOW, HINGE_Z)
+    asm.joint("door", moving, (-1.0, 0.0, 0.0), hinge, (0.0, DOOR_OPEN), needs=["latch"])
+    asm.joint("latch", [bar], Y, (centre, s.door, LATCH_Z), (0.0, np.pi / 2.0))
