@@ -24,14 +24,17 @@ def angular_spans(triangles: Floats) -> tuple[Floats, Floats]:
     """Middle and half-width of the angles about z that each triangle `(n, 3, 3)` takes, radians; pi around the axis."""
     angles = np.arctan2(triangles[..., 1], triangles[..., 0])
     off = (angles - angles[:, :1] + np.pi) % (2.0 * np.pi) - np.pi
-    low, high = off.min(axis=1), off.max(axis=1)
-    middle, half = angles[:, 0] + 0.5 * (low + high), 0.5 * (high - low)
-    # Without the axis inside, the triangle lies in a half plane and its corners are less than pi apart.
+    low, high = _least(off), -_least(-off)
+    # A triangle around the axis has it on one side of all edges; of another one the corners are less than pi apart.
     edges = triangles[:, _NEXT, :2] - triangles[..., :2]
     side = edges[..., 0] * triangles[..., 1] - edges[..., 1] * triangles[..., 0]
-    is_around = (side >= 0.0).all(axis=1) | (side <= 0.0).all(axis=1)
-    half = np.where(is_around | (high - low >= np.pi), np.pi, half)
-    return middle, half
+    is_around = (_least(side) >= 0.0) | (_least(-side) >= 0.0) | (high - low >= np.pi)
+    return angles[:, 0] + 0.5 * (low + high), np.where(is_around, np.pi, 0.5 * (high - low))
+
+
+def _least(each: Floats) -> Floats:
+    """The least of three along the last axis, in fewer steps than numpy's own for so short an axis."""
+    return np.asarray(np.minimum(np.minimum(each[..., 0], each[..., 1]), each[..., 2]))
 
 
 def blocked_turns(turning: Floats, fixed: Floats) -> tuple[Floats, Floats]:
@@ -132,7 +135,7 @@ def _meet(a: Floats, b: Floats) -> Flags:
     length = np.linalg.norm(ways, axis=2)
     scale = np.maximum(np.abs(a).max(axis=(1, 2)), np.abs(b).max(axis=(1, 2)))[:, None]
     on_a, on_b = np.einsum("ndi,nci->ndc", ways, a), np.einsum("ndi,nci->ndc", ways, b)
-    gap = np.maximum(on_a.min(axis=2) - on_b.max(axis=2), on_b.min(axis=2) - on_a.max(axis=2))
+    gap = np.maximum(_least(on_a) + _least(-on_b), _least(on_b) + _least(-on_a))
     size = np.maximum(np.linalg.norm(edges_a, axis=2).max(axis=1), np.linalg.norm(edges_b, axis=2).max(axis=1))
     degree = np.repeat([2.0, 2.0, 2.0, 3.0, 3.0], [1, 1, 9, 3, 3])
     is_direction = length > 1e-12 * size[:, None] ** degree

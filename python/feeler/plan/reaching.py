@@ -153,16 +153,16 @@ def access(
 ) -> Access:
     """Whether the tool gets to each target, and how far it can be swung there, about the target's z axis.
 
-    The tool's frame is laid on the target's: origin on origin, z along z, turned about z by each of `angles` even
-    steps, and, where it is free at none of these or the swing needed is less than a step, by every half degree. Where
-    the seat is free, casts about z tell how far it can be swung: nothing is jumped over, and no swing is said to be
-    larger than it is. Then a way in is sought: straight along z over `approach` metres, or
-    else sideways, across z. It never says that there is no way: only that none of these is one.
+    The tool's frame is laid on the target's: origin on origin, z along z, turned about z by any angle. Every free swing
+    of at least a thousandth of a degree is found, and no swing is said to be larger than it is. Then a way in is looked
+    for over `approach` metres: straight along z, or else sideways, across z. `access` never claims that there is no
+    way: each answer says how far it looked (`looked`) and how far the tool came out (`drawn`).
 
     - `targets`: `Fasteners`, or frames `(n, 4, 4)`, world_from_target, metres, z out of the joint. The fastener itself
       may be met at the seat, when swung, and on a straight way; not when the tool is drawn off sideways, so that a ring
       is not drawn off through the head. Of a bare frame it is the part nearest to its origin, up to 20 mm away.
     - `swing`: degrees that are needed, above 0 up to 360.
+    - `angles`: even steps around z that are tried first; `blockers` counts these. The free swings do not depend on it.
     - `hand`: a tool in the tool's frame that moves with it, or `(hand, tool_from_hand)`.
     - `grip`: where the target's frame is in the tool's: `tool_from_target` `(4, 4)`, or the tool's axis that is to
       point out of the joint, about its origin: "y" for `sample_tool("wrench")`, whose jaw turns about y.

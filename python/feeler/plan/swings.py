@@ -30,6 +30,10 @@ BORDER_DEG = 0.02
 """How far beyond the end of a swing the pair of triangles that ended it begins to meet, at most, degrees."""
 PAIRS_A_SEAT = 4
 """Pairs of triangles by which a blocked seat rules out its neighbours. More: fewer seats, each with more work."""
+PAIRS_COMPARED = 256
+"""Pairs among which these are chosen. More: wider ones are chosen, with more work."""
+COARSE = 8
+"""One in so many of the first seats is looked at before the others, of which then fewer are left to rule out."""
 _BEFORE_ALL = float(np.nextafter(1.0, 0.0))  # the largest fraction that is not all of a step
 
 
@@ -52,7 +56,9 @@ class Swings:
         self._scene, self._tool = scene, tool
         self._turning = tool.vertices[tool.faces]
 
-    def free(self, frame: Floats, seats: Floats, needed: float, ignore: IgnoredPairs | None, blocked: Counter[int]) -> list[Swing]:
+    def free(
+        self, frame: Floats, seats: Floats, needed: float, ignore: IgnoredPairs | None, blocked: Counter[int]
+    ) -> list[Swing]:
         """The free swings, degrees, the largest first.
 
         `seats`: angles that are looked at first; `blocked` counts the parts that are met at these and by casts. Where a
@@ -60,17 +66,19 @@ class Swings:
         """
         found: list[Swing] = []
         covered: list[tuple[float, float]] = []
-        is_first = True
-        while len(seats):
+        is_counted = True
+        waiting = [seats[::COARSE], np.delete(seats, np.s_[::COARSE])]
+        while waiting:
             met: list[tuple[float, Floats, Floats]] = []
-            for angle in seats.tolist():
+            for angle in waiting.pop(0).tolist():
                 if any(swing.holds(angle) for swing in found):
                     continue
                 contacts = self._scene.collide(self._tool, frame @ turned(angle), ignore=ignore)
                 if len(contacts):
-                    if is_first:
+                    if is_counted:
                         blocked.update(contacts.parts.tolist())
-                    met.append((angle, *self._widest(frame, angle, contacts.pairs)))
+                    if not _holds(covered, angle):
+                        met.append((angle, *self._widest(frame, angle, contacts.pairs)))
                     continue
                 swing, ends = self._swung(frame, angle, ignore, blocked)
                 if swing.span == 360.0:
@@ -79,10 +87,13 @@ class Swings:
                 covered.append((swing.start, swing.span))
                 met += ends
             covered += _ruled_out(met)
-            largest = max((swing.span for swing in found), default=0.0)
-            gaps = uncovered(covered)
-            seats = np.array([low + 0.5 * span for low, span in gaps if span > max(FINEST_DEG, min(needed, largest))])
-            is_first = False
+            if waiting:
+                continue
+            is_counted = False
+            least = max(FINEST_DEG, min(needed, max((swing.span for swing in found), default=0.0)))
+            middles = [low + 0.5 * span for low, span in uncovered(covered) if span > least]
+            if middles:
+                waiting.append(np.array(middles))
         return sorted(found, key=lambda swing: (-swing.span, swing.start))
 
     def ruled_out(self, frame: Floats, angle: float, ignore: IgnoredPairs | None) -> list[tuple[float, float]]:
@@ -121,6 +132,7 @@ class Swings:
     def _widest(self, frame: Floats, angle: float, pairs: npt.NDArray[np.integer]) -> tuple[Floats, Floats]:
         """The pairs that may meet over the most angles: the tool's triangles at a seat, the mock-up's, in the frame."""
         mockup = self._scene.mockup
+        pairs = pairs[:: 1 + len(pairs) // PAIRS_COMPARED]
         turning = self._turning[pairs[:, 0]] @ turned(angle)[:3, :3].T
         fixed = (mockup.vertices[mockup.faces[pairs[:, 1]]] - frame[:3, 3]) @ frame[:3, :3]
         if len(pairs) > PAIRS_A_SEAT:
@@ -128,6 +140,10 @@ class Swings:
             widest = np.argsort(-widths, kind="stable")[:PAIRS_A_SEAT]
             turning, fixed = turning[widest], fixed[widest]
         return turning, fixed
+
+
+def _holds(covered: list[tuple[float, float]], angle: float) -> bool:
+    return any((angle - start) % 360.0 <= span for start, span in covered)
 
 
 def _ruled_out(met: list[tuple[float, Floats, Floats]]) -> list[tuple[float, float]]:
