@@ -298,22 +298,21 @@ def test_the_samples_know_their_bolts(name: str, triangles: int, seed: int) -> N
 
 
 def test_the_gearbox_knows_its_bolts(gearbox: Any) -> None:
-    """Kind, size, place and axis of all with a hexagon head, and of nuts; sensors are not looked for.
+    """Kind, size, place and axis of all with a hexagon head, of nuts, plugs and sensors.
 
     A thread of helices leans the axis by two thousandths; a name may say screw where the truth says bolt.
     """
     found = {row.path: row for row in feeler.find_fasteners(gearbox.mockup)}
-    asked = [each for each in gearbox.truth.fasteners if each.tool == "socket" and "/harness/" not in each.path]
-    missed = [each.path for each in asked if each.path not in found]
-    assert len(asked) > 80 and missed == ["gearbox/covers/idler_front/blanking_plug"]
+    asked = gearbox.truth.fasteners
+    assert len(asked) > 80 and [each.path for each in asked if each.path not in found] == []
     for each in asked:
-        if each.path not in missed:
-            row = found[each.path]
-            assert row.kind in (each.kind, kind_said(row.path)), each.path
-            assert row.across_flats == pytest.approx(each.size_m, abs=1e-5), each.path
-            lean = 3e-3 if each.path == "gearbox/housing/drain_plug" else 1e-3
-            assert np.linalg.norm(row.frame[:3, 3] - each.top_m) < 1e-4
-            assert np.linalg.norm(row.axis - each.axis) < lean, each.path
+        row = found[each.path]
+        assert row.kind in (each.kind, kind_said(row.path)), each.path
+        assert row.drive == ("hexagon socket" if each.tool == "hex key" else "hexagon"), each.path
+        assert row.across_flats == pytest.approx(each.size_m, abs=1e-5), each.path
+        lean = 3e-3 if each.path == "gearbox/housing/drain_plug" else 1e-3
+        assert np.linalg.norm(row.frame[:3, 3] - each.top_m) < 1e-4, each.path
+        assert np.linalg.norm(row.axis - each.axis) < lean, each.path
 
 
 def test_what_is_found_is_a_sequence(gearbox: Any) -> None:

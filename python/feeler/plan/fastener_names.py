@@ -22,8 +22,8 @@ STANDARDS = {
 }
 """Numbers of DIN and ISO standards by the kind of fastener."""
 
-SUPPORTING = "plug plugs"
-"""Words that make a likely shape surer, but no fastener of another one: a plug with a hexagon is screwed in."""
+SUPPORTING = "plug plugs sensor sensors"
+"""Words that make a likely shape surer, but no fastener of another one: a plug or a sensor with a hexagon is screwed in."""
 
 OTHERS = (
     "washer washers plate hole holes boss union pipe tube clamp bracket housing cover wrench driver screwdriver socket "

@@ -71,6 +71,9 @@ class Fastener:
     confidence: float
     """0 to 1; not a probability: an order. `because` says what it comes from."""
     because: str
+    drive: str = ""
+    """Where the tool goes: "hexagon", "square", "12-point" or "wings" around it; "hexagon socket", "square socket",
+    "12-point socket", "torx socket", "slot" or "cross" into it; empty where the mesh does not show it."""
 
     @property
     def axis(self) -> Floats:
@@ -153,7 +156,7 @@ class Fasteners(Sequence[Fastener]):
 
 def _key(row: Fastener) -> tuple[Any, ...]:
     numbers = [row.size, row.across_flats, row.length, row.head_height, row.confidence]
-    return (row.part, row.path, row.kind, row.because, row.frame.tobytes(), np.array(numbers).tobytes())
+    return (row.part, row.path, row.kind, row.drive, row.because, row.frame.tobytes(), np.array(numbers).tobytes())
 
 
 def find_fasteners(
@@ -251,6 +254,7 @@ def _of_shape(world: Mockup, shape: SameShape, said: list[str | None], is_naming
             head_height=seen.head_height,
             confidence=confidence,
             because=seen.because + voice,
+            drive=seen.drive,
         )
         found.append((row, seen))
     return found
@@ -259,7 +263,7 @@ def _of_shape(world: Mockup, shape: SameShape, said: list[str | None], is_naming
 def _confidence(looks: Looks, name: str | None, is_naming: bool) -> float:
     if name in KINDS or name == "plug":
         return NAMED if looks.kind == "rod" else AGREED
-    if name == "other":
+    if name == "other" or looks.is_known_by_name:
         return DOUBTED
     if looks.is_strong:
         return STRONG
